@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "pamr/geometry/vec3.hpp"
+
+namespace pamr::geometry {
+
+/// A curved or flat boundary. It knows points only, no mesh. Every call is local, thread-safe and gives the same bits
+/// for the same point.
+class Surface {
+ public:
+  virtual ~Surface() = default;
+  Surface() = default;
+  Surface(const Surface&) = delete;
+  Surface& operator=(const Surface&) = delete;
+  Surface(Surface&&) = delete;
+  Surface& operator=(Surface&&) = delete;
+
+  /// Nearest point of the surface.
+  virtual Vec3 project(Vec3 point) const = 0;
+  /// Unit normal at the nearest point of the surface; its sense is the surface's own and continuous.
+  virtual Vec3 normal(Vec3 point) const = 0;
+  /// Distance to the nearest point, not negative.
+  virtual double distance(Vec3 point) const { return norm(point - project(point)); }
+  /// True when moving along a straight segment between two of its points stays on it (a plane): nothing to project.
+  virtual bool is_flat() const { return false; }
+};
+
+/// Named surfaces of a mesh, in the order of their description.
+struct SurfaceSet {
+  std::vector<std::string> name;
+  std::vector<std::unique_ptr<const Surface>> surface;
+
+  /// The surface of that name, or null.
+  const Surface* find(std::string_view wanted) const;
+};
+
+/// Reads the surfaces from TOML text: an array of tables `[[surface]]` with `name`, `kind` and the parameters of the
+/// kind (docs/surfaces.md). Throws `Error` with the line for an unknown kind, key, type or value out of range.
+SurfaceSet surfaces_from_toml(std::string_view text, std::string_view where);
+
+/// Nearest point that lies on all the given surfaces (1: the surface, 2: their common curve, 3: their corner), found by
+/// Newton steps of least length from `point`. Where two surfaces meet at under 5 degrees the nearer one is taken
+/// alone, the first among equals. `converged` is false when the surfaces have no common point near by; `point` is then
+/// the best one found.
+struct Projected {
+  Vec3 point;
+  bool converged = true;
+};
+Projected project_onto_all(std::span<const Surface* const> surfaces, Vec3 point);
+
+/// Largest distance of the point from the given surfaces.
+double distance_from_all(std::span<const Surface* const> surfaces, Vec3 point);
+
+}  // namespace pamr::geometry

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "pamr/base/types.hpp"
+#include "pamr/geometry/quality.hpp"
+#include "pamr/geometry/vec3.hpp"
+#include "pamr/mesh/field.hpp"
+#include "pamr/mesh/lineage.hpp"
+
+namespace pamr::mesh {
+
+using CellNodes = std::array<LocalId, 4>;
+using CellNeighbours = std::array<LocalId, 4>;
+
+/// A named part of the boundary. `surface` names an entry of the mesh's surfaces; empty: nothing to project onto.
+struct Patch {
+  std::string name;
+  std::string kind;
+  std::string surface;
+  friend bool operator==(const Patch&, const Patch&) = default;
+};
+
+/// What is said once for the whole mesh; the same on every rank.
+struct MeshInfo {
+  GlobalId n_global_nodes = 0;
+  GlobalId n_global_cells = 0;
+  std::vector<Patch> patches;
+  std::string surfaces_toml;
+  std::string length_unit;
+  std::string provenance;
+};
+
+/// A face of a cell: the one opposite corner `slot`.
+struct CellFace {
+  LocalId cell = invalid_local;
+  int slot = 0;
+  friend bool operator==(CellFace, CellFace) = default;
+};
+
+/// One rank's part of a tetrahedral mesh: structures of arrays, 32-bit local and 64-bit global ids, no edges.
+///
+/// Cells are all owned and ascend in global id; closure families are whole and contiguous. A neighbour slot holds an
+/// owned cell (0 .. n_cells-1), a face ghost (n_cells + k: rank-border face k, whose other cell is `ghost_global[k]` on
+/// another rank) or a boundary patch (-(patch+1)). Rank-border faces are grouped by rank, ranks ascending, and listed
+/// in the same order on both sides. Nodes on a rank border are held by every rank that has a cell at them, with equal
+/// coordinates. At rest: 44 bytes a cell and 32 bytes a node.
+struct DistMesh {
+  MeshInfo info;
+
+  std::vector<geometry::Vec3> node_position;  ///< n_nodes, length unit
+  std::vector<GlobalId> node_global;          ///< n_nodes
+
+  std::vector<CellNodes> cell_to_node;       ///< n_cells x 4, local ids
+  std::vector<CellNeighbours> cell_to_cell;  ///< n_cells x 4, see above
+  std::vector<GlobalId> cell_global;         ///< n_cells, ascending
+  std::vector<Lineage> lineage;              ///< n_cells
+
+  std::vector<Rank> border_rank;             ///< ranks that share a face with this one, ascending
+  std::vector<std::size_t> border_offset{0};  ///< border faces of border_rank[i]: border_offset[i] .. border_offset[i+1]
+  std::vector<CellFace> border_face;         ///< own side of each rank-border face
+  std::vector<GlobalId> ghost_global;        ///< cell on the other side
+
+  std::vector<NodeField> node_fields;  ///< values of n_nodes
+  std::vector<CellField> cell_fields;  ///< values of n_cells
+
+  LocalId n_nodes() const { return static_cast<LocalId>(node_position.size()); }
+  LocalId n_cells() const { return static_cast<LocalId>(cell_to_node.size()); }
+  bool is_own(LocalId neighbour) const { return neighbour >= 0 && neighbour < n_cells(); }
+  bool is_ghost(LocalId neighbour) const { return neighbour >= n_cells(); }
+
+  geometry::TetPoints points(LocalId cell) const {
+    const auto& n = cell_to_node[static_cast<std::size_t>(cell)];
+    return {node_position[static_cast<std::size_t>(n[0])], node_position[static_cast<std::size_t>(n[1])],
+            node_position[static_cast<std::size_t>(n[2])], node_position[static_cast<std::size_t>(n[3])]};
+  }
+  geometry::Vec3 point(LocalId node) const { return node_position[static_cast<std::size_t>(node)]; }
+
+  const CellField* find_cell_field(std::string_view name) const;
+  CellField* find_cell_field(std::string_view name);
+  const NodeField* find_node_field(std::string_view name) const;
+};
+
+/// Slot that a patch takes in `cell_to_cell`, and back.
+constexpr LocalId patch_to_slot(int patch) { return static_cast<LocalId>(-(patch + 1)); }
+constexpr int slot_to_patch(LocalId slot) { return static_cast<int>(-slot) - 1; }
+
+/// Capacities of all arrays of the mesh, in bytes: what it takes at rest.
+std::size_t bytes_at_rest(const DistMesh& mesh);
+
+}  // namespace pamr::mesh

@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <mpi.h>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+#include "pamr/base/types.hpp"
+
+namespace pamr::par {
+
+/// What this rank has sent through a communicator since it was made.
+struct Traffic {
+  std::int64_t messages = 0;
+  std::int64_t bytes = 0;
+};
+
+/// What one rank received from the others: the items from `rank[i]` are `item[offset[i] .. offset[i+1])`, ranks
+/// ascending.
+template <class T>
+struct Received {
+  std::vector<Rank> rank;
+  std::vector<std::size_t> offset{0};
+  std::vector<T> item;
+
+  std::span<const T> from(std::size_t i) const {
+    return std::span<const T>(item).subspan(offset[i], offset[i + 1] - offset[i]);
+  }
+};
+
+/// Items for one other rank.
+template <class T>
+struct Outgoing {
+  Rank to = 0;
+  std::vector<T> item;
+};
+
+/// A group of processes. Holds a duplicate of the MPI communicator it was made from, so its messages never meet those
+/// of the application. Every member function but `rank`, `size` and `traffic` is collective; every one is
+/// deterministic, and sums are of integers only, because a sum of doubles depends on the number of ranks.
+class Comm {
+ public:
+  /// Collective over `parent`. MPI must be initialised and outlive the object.
+  explicit Comm(MPI_Comm parent);
+  ~Comm();
+  Comm(const Comm&) = delete;
+  Comm& operator=(const Comm&) = delete;
+  Comm(Comm&&) = delete;
+  Comm& operator=(Comm&&) = delete;
+
+  Rank rank() const { return rank_; }
+  Rank size() const { return size_; }
+  bool is_first() const { return rank_ == 0; }
+  MPI_Comm handle() const { return comm_; }
+  Traffic traffic() const { return traffic_; }
+
+  void barrier() const;
+  bool any(bool here) const;
+  bool all(bool here) const { return !any(!here); }
+  std::int64_t sum(std::int64_t here) const;
+  std::int64_t min(std::int64_t here) const;
+  std::int64_t max(std::int64_t here) const;
+  double min(double here) const;
+  double max(double here) const;
+  /// Element by element; the spans have the same length on every rank.
+  void sum_in_place(std::span<std::int64_t> values) const;
+  /// Sum over the ranks before this one; 0 on rank 0.
+  std::int64_t exclusive_sum(std::int64_t here) const;
+  std::vector<std::int64_t> all_gather(std::int64_t here) const;
+  std::vector<double> all_gather(double here) const;
+  /// Text of rank `root` on every rank.
+  std::string broadcast(std::string text, Rank root = 0) const;
+  /// Same for plain data; only `root` gives the length.
+  template <class T>
+  std::vector<T> broadcast(std::vector<T> values, Rank root = 0) const;
+
+  /// Delivers each message to its rank (at most one message per target); nobody needs to know who will write to it.
+  /// Sparse: costs as many messages as there are pairs that talk, plus one barrier. Source: T. Hoefler, C. Siebert,
+  /// A. Lumsdaine, "Scalable communication protocols for dynamic sparse data exchange", PPoPP 2010 (NBX).
+  template <class T>
+  Received<T> sparse_exchange(const std::vector<Outgoing<T>>& messages) const;
+
+  /// Bytes to and from known neighbours: `send[i]` goes to `rank[i]`, whose answer fills `receive[i]`, whose length is
+  /// known beforehand. Use `Exchange` instead where a pattern is at hand.
+  void neighbour_exchange(std::span<const Rank> rank, std::span<const std::span<const std::byte>> send,
+                          std::span<const std::span<std::byte>> receive) const;
+
+ private:
+  struct RawMessage {
+    Rank rank = 0;
+    std::span<const std::byte> data;
+  };
+  struct RawReceived {
+    Rank rank = 0;
+    std::vector<std::byte> data;
+  };
+  std::vector<RawReceived> sparse_exchange_raw(std::span<const RawMessage> messages) const;
+  void broadcast_raw(std::vector<std::byte>& data, Rank root) const;
+
+  MPI_Comm comm_ = MPI_COMM_NULL;
+  Rank rank_ = 0;
+  Rank size_ = 1;
+  mutable Traffic traffic_;
+  mutable int next_tag_ = 0;
+};
+
+/// Runs `local` (which must not communicate) on every rank; when it throws `Error` on some ranks, every rank throws the
+/// `Error` of the lowest of them. Collective. Any other exception passes through on the rank where it rose.
+void agree(const Comm& comm, const std::function<void()>& local);
+
+/// Half-open range of the `n` items that block `rank` of `size` holds in the canonical block distribution.
+struct BlockRange {
+  GlobalId begin = 0, end = 0;
+  GlobalId count() const { return end - begin; }
+};
+BlockRange block_range(GlobalId n, Rank rank, Rank size);
+/// The block that holds item `id`.
+Rank block_of(GlobalId id, GlobalId n, Rank size);
+
+template <class T>
+std::vector<T> Comm::broadcast(std::vector<T> values, Rank root) const {
+  static_assert(std::is_trivially_copyable_v<T>);
+  const auto bytes = std::as_bytes(std::span<const T>(values));
+  std::vector<std::byte> data(bytes.begin(), bytes.end());
+  broadcast_raw(data, root);
+  values.resize(data.size() / sizeof(T));
+  std::copy(data.begin(), data.end(), reinterpret_cast<std::byte*>(values.data()));
+  return values;
+}
+
+template <class T>
+Received<T> Comm::sparse_exchange(const std::vector<Outgoing<T>>& messages) const {
+  static_assert(std::is_trivially_copyable_v<T>);
+  std::vector<RawMessage> raw;
+  raw.reserve(messages.size());
+  for (const auto& message : messages)
+    raw.push_back({message.to, std::as_bytes(std::span<const T>(message.item))});
+  const auto arrived = sparse_exchange_raw(raw);
+  Received<T> result;
+  std::size_t total = 0;
+  for (const auto& message : arrived) total += message.data.size() / sizeof(T);
+  result.item.resize(total);
+  auto* out = reinterpret_cast<std::byte*>(result.item.data());
+  for (const auto& message : arrived) {
+    out = std::copy(message.data.begin(), message.data.end(), out);
+    result.rank.push_back(message.rank);
+    result.offset.push_back(result.offset.back() + message.data.size() / sizeof(T));
+  }
+  return result;
+}
+
+}  // namespace pamr::par

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <span>
+#include <type_traits>
+#include <vector>
+
+#include "pamr/par/comm.hpp"
+
+namespace pamr::par {
+
+/// A symmetric pattern of shared things, built once and used many times. Slot `k` of neighbour `i` (slots
+/// `offset[i] .. offset[i+1]`) stands for local item `item[k]`, and means the same thing on both sides: the two ranks
+/// list what they share in the same order. Neighbours ascending, never this rank.
+struct Pattern {
+  std::vector<Rank> rank;
+  std::vector<std::size_t> offset{0};
+  std::vector<LocalId> item;
+
+  std::size_t n_slots() const { return item.size(); }
+};
+
+/// Swaps one value per slot with the neighbours of a pattern. Every call is collective over the neighbours and sends
+/// one message to each.
+class Exchange {
+ public:
+  Exchange(const Comm& comm, const Pattern& pattern) : comm_(&comm), pattern_(&pattern) {}
+
+  const Pattern& pattern() const { return *pattern_; }
+
+  /// What the other side put into each slot. `mine` has `n_slots` entries in slot order.
+  template <class T>
+  std::vector<T> swap(std::span<const T> mine) const {
+    static_assert(std::is_trivially_copyable_v<T>);
+    std::vector<T> theirs(mine.size());
+    std::vector<std::span<const std::byte>> send;
+    std::vector<std::span<std::byte>> receive;
+    for (std::size_t i = 0; i < pattern_->rank.size(); ++i) {
+      const auto begin = pattern_->offset[i], count = pattern_->offset[i + 1] - begin;
+      send.push_back(std::as_bytes(mine.subspan(begin, count)));
+      receive.push_back(std::as_writable_bytes(std::span<T>(theirs).subspan(begin, count)));
+    }
+    comm_->neighbour_exchange(pattern_->rank, send, receive);
+    return theirs;
+  }
+
+ private:
+  const Comm* comm_;
+  const Pattern* pattern_;
+};
+
+/// Name of a thing that several ranks may hold: its global node numbers in ascending order, padded with -1.
+using SharedKey = std::array<GlobalId, 3>;
+
+/// Finds which ranks hold the same keys. `key[i]` names local item `i`; no key occurs twice on a rank. The pattern
+/// lists, for each neighbour, the items held by both, in ascending order of their keys.
+/// Collective: two sparse exchanges through a meeting rank chosen from the key; memory and bytes O(keys).
+Pattern find_shared(const Comm& comm, std::span<const SharedKey> key);
+
+/// Rows `ids` (any order, repeats allowed) of an array that lies in canonical block distribution: `rows` holds this
+/// rank's block of `n` rows of `width` values each. Collective: two sparse exchanges.
+template <class T>
+std::vector<T> fetch_rows(const Comm& comm, GlobalId n, std::span<const T> rows, std::size_t width,
+                          std::span<const GlobalId> ids);
+
+/// The reverse: sends row `i` of `rows` to the block that holds row `ids[i]` of `n` and returns this rank's block. Rows
+/// given by several ranks must be equal; rows given by none are value-initialised. Collective: two sparse exchanges.
+template <class T>
+std::vector<T> scatter_rows(const Comm& comm, GlobalId n, std::span<const T> rows, std::size_t width,
+                            std::span<const GlobalId> ids);
+
+}  // namespace pamr::par
+
+#include "pamr/par/rows.ipp"
