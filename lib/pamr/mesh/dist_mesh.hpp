@@ -62,10 +62,11 @@ struct DistMesh {
   std::vector<GlobalId> cell_global;         ///< n_cells, ascending
   std::vector<Lineage> lineage;              ///< n_cells
 
-  std::vector<Rank> border_rank;             ///< ranks that share a face with this one, ascending
-  std::vector<std::size_t> border_offset{0};  ///< border faces of border_rank[i]: border_offset[i] .. border_offset[i+1]
-  std::vector<CellFace> border_face;         ///< own side of each rank-border face
-  std::vector<GlobalId> ghost_global;        ///< cell on the other side
+  std::vector<Rank> border_rank;  ///< ranks that share a face with this one, ascending
+  std::vector<std::size_t> border_offset{
+      0};                              ///< border faces of border_rank[i]: border_offset[i] .. border_offset[i+1]
+  std::vector<CellFace> border_face;   ///< own side of each rank-border face
+  std::vector<GlobalId> ghost_global;  ///< cell on the other side
 
   std::vector<NodeField> node_fields;  ///< values of n_nodes
   std::vector<CellField> cell_fields;  ///< values of n_cells

@@ -31,9 +31,7 @@ class Lineage {
   /// A member of a whole family, whose parent can be rebuilt.
   constexpr bool is_removable() const { return is_closure() && !is_broken(); }
   /// Number of cells of its family; 1 for a regular cell.
-  constexpr int family_size() const {
-    return kind() == FamilyKind::regular ? 1 : kind() == FamilyKind::edge ? 2 : 4;
-  }
+  constexpr int family_size() const { return kind() == FamilyKind::regular ? 1 : kind() == FamilyKind::edge ? 2 : 4; }
   constexpr Lineage broken() const { return Lineage(bits_ | 0x80U); }
 
   friend constexpr bool operator==(Lineage, Lineage) = default;

@@ -19,12 +19,13 @@ struct Violation {
 };
 
 /// Checks every invariant of a mesh by name, all ranks together; an empty list means valid:
-/// `ids_in_range`, `cells_ascend`, `finite_coordinates` (where: node), `distinct_corners`, `orientation_positive` (exact predicate),
-/// `not_flat` (mean ratio >= 1e-8), `neighbours_reciprocal` (P1, P2: nb(nb(c,f)) = (c,f) with the same three nodes, also across ranks),
-/// `patches_in_range`, `families_whole` (contiguous, template order, shared nodes as the template says), `border_matches` (rank-border faces agree on
-/// both sides), `shared_nodes_equal` (same coordinates bits on all ranks), `unique_cells`, `boundary_manifold` (each boundary edge in exactly two boundary faces; where: smallest cell),
-/// `nodes_referenced`, `fields_sized`.
-/// Collective. Cost: O(cells), a few exchanges proportional to the rank border and to the boundary.
+/// `ids_in_range`, `cells_ascend`, `finite_coordinates` (where: node), `distinct_corners`, `orientation_positive`
+/// (exact predicate), `not_flat` (mean ratio >= 1e-8), `neighbours_reciprocal` (P1, P2: nb(nb(c,f)) = (c,f) with the
+/// same three nodes, also across ranks), `patches_in_range`, `families_whole` (contiguous, template order, shared nodes
+/// as the template says), `border_matches` (rank-border faces agree on both sides), `shared_nodes_equal` (same
+/// coordinates bits on all ranks), `unique_cells`, `boundary_manifold` (each boundary edge in exactly two boundary
+/// faces; where: smallest cell), `nodes_referenced`, `fields_sized`. Collective. Cost: O(cells), a few exchanges
+/// proportional to the rank border and to the boundary.
 std::vector<Violation> validate(const par::Comm& comm, const DistMesh& mesh);
 
 /// Throws `Error` naming the first violation, where it is, and `what`. Collective.

@@ -140,8 +140,7 @@ Received<T> Comm::sparse_exchange(const std::vector<Outgoing<T>>& messages) cons
   static_assert(std::is_trivially_copyable_v<T>);
   std::vector<RawMessage> raw;
   raw.reserve(messages.size());
-  for (const auto& message : messages)
-    raw.push_back({message.to, std::as_bytes(std::span<const T>(message.item))});
+  for (const auto& message : messages) raw.push_back({message.to, std::as_bytes(std::span<const T>(message.item))});
   const auto arrived = sparse_exchange_raw(raw);
   Received<T> result;
   std::size_t total = 0;

@@ -1,0 +1,202 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "pamr/par/comm.hpp"
+
+#include <algorithm>
+#include <optional>
+
+#include "pamr/base/contract.hpp"
+#include "pamr/base/error.hpp"
+
+namespace pamr::par {
+
+namespace {
+
+void require_success(int code, const char* call) {
+  if (code == MPI_SUCCESS) return;
+  std::array<char, MPI_MAX_ERROR_STRING> text{};
+  int length = 0;
+  MPI_Error_string(code, text.data(), &length);
+  throw Error(std::string(call) + " failed: " + std::string(text.data(), static_cast<std::size_t>(length)));
+}
+
+/// MPI counts are ints; anything longer goes in pieces of this many bytes.
+constexpr std::size_t piece = std::size_t{1} << 30U;
+
+template <class T>
+T reduced(MPI_Comm comm, T here, MPI_Datatype type, MPI_Op op) {
+  T result{};
+  require_success(MPI_Allreduce(&here, &result, 1, type, op, comm), "MPI_Allreduce");
+  return result;
+}
+
+}  // namespace
+
+Comm::Comm(MPI_Comm parent) {
+  require_success(MPI_Comm_dup(parent, &comm_), "MPI_Comm_dup");
+  require_success(MPI_Comm_set_errhandler(comm_, MPI_ERRORS_RETURN), "MPI_Comm_set_errhandler");
+  require_success(MPI_Comm_rank(comm_, &rank_), "MPI_Comm_rank");
+  require_success(MPI_Comm_size(comm_, &size_), "MPI_Comm_size");
+}
+
+Comm::~Comm() {
+  int finalized = 0;
+  MPI_Finalized(&finalized);
+  if (finalized == 0 && comm_ != MPI_COMM_NULL) MPI_Comm_free(&comm_);
+}
+
+void Comm::barrier() const { require_success(MPI_Barrier(comm_), "MPI_Barrier"); }
+
+bool Comm::any(bool here) const { return reduced<int>(comm_, here ? 1 : 0, MPI_INT, MPI_MAX) != 0; }
+std::int64_t Comm::sum(std::int64_t here) const { return reduced(comm_, here, MPI_INT64_T, MPI_SUM); }
+std::int64_t Comm::min(std::int64_t here) const { return reduced(comm_, here, MPI_INT64_T, MPI_MIN); }
+std::int64_t Comm::max(std::int64_t here) const { return reduced(comm_, here, MPI_INT64_T, MPI_MAX); }
+double Comm::min(double here) const { return reduced(comm_, here, MPI_DOUBLE, MPI_MIN); }
+double Comm::max(double here) const { return reduced(comm_, here, MPI_DOUBLE, MPI_MAX); }
+
+void Comm::sum_in_place(std::span<std::int64_t> values) const {
+  require_success(MPI_Allreduce(MPI_IN_PLACE, values.data(), narrow<int>(values.size()), MPI_INT64_T, MPI_SUM, comm_),
+                  "MPI_Allreduce");
+}
+
+std::int64_t Comm::exclusive_sum(std::int64_t here) const {
+  std::int64_t before = 0;
+  require_success(MPI_Exscan(&here, &before, 1, MPI_INT64_T, MPI_SUM, comm_), "MPI_Exscan");
+  return rank_ == 0 ? 0 : before;
+}
+
+std::vector<std::int64_t> Comm::all_gather(std::int64_t here) const {
+  std::vector<std::int64_t> all(static_cast<std::size_t>(size_));
+  require_success(MPI_Allgather(&here, 1, MPI_INT64_T, all.data(), 1, MPI_INT64_T, comm_), "MPI_Allgather");
+  return all;
+}
+
+std::vector<double> Comm::all_gather(double here) const {
+  std::vector<double> all(static_cast<std::size_t>(size_));
+  require_success(MPI_Allgather(&here, 1, MPI_DOUBLE, all.data(), 1, MPI_DOUBLE, comm_), "MPI_Allgather");
+  return all;
+}
+
+void Comm::broadcast_raw(std::vector<std::byte>& data, Rank root) const {
+  std::int64_t length = static_cast<std::int64_t>(data.size());
+  require_success(MPI_Bcast(&length, 1, MPI_INT64_T, root, comm_), "MPI_Bcast");
+  data.resize(static_cast<std::size_t>(length));
+  for (std::size_t at = 0; at < data.size(); at += piece)
+    require_success(
+        MPI_Bcast(data.data() + at, static_cast<int>(std::min(piece, data.size() - at)), MPI_BYTE, root, comm_),
+        "MPI_Bcast");
+}
+
+std::string Comm::broadcast(std::string text, Rank root) const {
+  const auto data = broadcast(std::vector<char>(text.begin(), text.end()), root);
+  return {data.begin(), data.end()};
+}
+
+std::vector<Comm::RawReceived> Comm::sparse_exchange_raw(std::span<const RawMessage> messages) const {
+  // The tag alternates between two consecutive calls, so that a fast neighbour's next message is not taken for this
+  // call's: the closing barrier keeps it from being more than one call ahead.
+  const int tag = 100 + next_tag_;
+  next_tag_ = 1 - next_tag_;
+  std::vector<RawReceived> received;
+  std::vector<MPI_Request> sends;
+  for (const auto& message : messages) {
+    PAMR_EXPECTS(message.rank >= 0 && message.rank < size_);
+    if (message.data.empty()) continue;
+    if (message.rank == rank_) {
+      received.push_back({rank_, {message.data.begin(), message.data.end()}});
+      continue;
+    }
+    for (std::size_t at = 0; at < message.data.size(); at += piece) {
+      sends.emplace_back();
+      require_success(MPI_Issend(message.data.data() + at, static_cast<int>(std::min(piece, message.data.size() - at)),
+                                 MPI_BYTE, message.rank, tag, comm_, &sends.back()),
+                      "MPI_Issend");
+      ++traffic_.messages;
+    }
+    traffic_.bytes += static_cast<std::int64_t>(message.data.size());
+  }
+  // Pieces of one message arrive in order (same source, tag and communicator), so they are simply appended.
+  const auto take = [&](const MPI_Status& status) {
+    int count = 0;
+    require_success(MPI_Get_count(&status, MPI_BYTE, &count), "MPI_Get_count");
+    auto from = std::find_if(received.begin(), received.end(),
+                             [&](const RawReceived& r) { return r.rank == status.MPI_SOURCE; });
+    if (from == received.end()) from = received.insert(received.end(), {status.MPI_SOURCE, {}});
+    const auto at = from->data.size();
+    from->data.resize(at + static_cast<std::size_t>(count));
+    require_success(MPI_Recv(from->data.data() + at, count, MPI_BYTE, status.MPI_SOURCE, tag, comm_, MPI_STATUS_IGNORE),
+                    "MPI_Recv");
+  };
+  MPI_Request barrier = MPI_REQUEST_NULL;
+  bool in_barrier = false;
+  for (int done = 0; done == 0;) {
+    int arrived = 0;
+    MPI_Status status;
+    require_success(MPI_Iprobe(MPI_ANY_SOURCE, tag, comm_, &arrived, &status), "MPI_Iprobe");
+    if (arrived != 0) take(status);
+    if (in_barrier) {
+      require_success(MPI_Test(&barrier, &done, MPI_STATUS_IGNORE), "MPI_Test");
+    } else {
+      int sent = 0;
+      require_success(MPI_Testall(static_cast<int>(sends.size()), sends.data(), &sent, MPI_STATUSES_IGNORE),
+                      "MPI_Testall");
+      if (sent != 0) {
+        require_success(MPI_Ibarrier(comm_, &barrier), "MPI_Ibarrier");
+        in_barrier = true;
+      }
+    }
+  }
+  std::sort(received.begin(), received.end(),
+            [](const RawReceived& a, const RawReceived& b) { return a.rank < b.rank; });
+  return received;
+}
+
+void Comm::neighbour_exchange(std::span<const Rank> rank, std::span<const std::span<const std::byte>> send,
+                              std::span<const std::span<std::byte>> receive) const {
+  constexpr int tag = 99;
+  std::vector<MPI_Request> requests;
+  for (std::size_t i = 0; i < rank.size(); ++i)
+    for (std::size_t at = 0; at < receive[i].size(); at += piece) {
+      requests.emplace_back();
+      require_success(MPI_Irecv(receive[i].data() + at, static_cast<int>(std::min(piece, receive[i].size() - at)),
+                                MPI_BYTE, rank[i], tag, comm_, &requests.back()),
+                      "MPI_Irecv");
+    }
+  for (std::size_t i = 0; i < rank.size(); ++i) {
+    for (std::size_t at = 0; at < send[i].size(); at += piece) {
+      requests.emplace_back();
+      require_success(MPI_Isend(send[i].data() + at, static_cast<int>(std::min(piece, send[i].size() - at)), MPI_BYTE,
+                                rank[i], tag, comm_, &requests.back()),
+                      "MPI_Isend");
+      ++traffic_.messages;
+    }
+    traffic_.bytes += static_cast<std::int64_t>(send[i].size());
+  }
+  require_success(MPI_Waitall(static_cast<int>(requests.size()), requests.data(), MPI_STATUSES_IGNORE), "MPI_Waitall");
+}
+
+void agree(const Comm& comm, const std::function<void()>& local) {
+  std::optional<std::string> trouble;
+  try {
+    local();
+  } catch (const Error& error) {
+    trouble = error.what();
+  }
+  const auto first = comm.min(static_cast<std::int64_t>(trouble ? comm.rank() : comm.size()));
+  if (first == comm.size()) return;
+  throw Error(comm.broadcast(trouble.value_or(""), static_cast<Rank>(first)));
+}
+
+BlockRange block_range(GlobalId n, Rank rank, Rank size) {
+  const GlobalId quotient = n / size, remainder = n % size;
+  const GlobalId begin = rank * quotient + std::min<GlobalId>(rank, remainder);
+  return {begin, begin + quotient + (rank < remainder ? 1 : 0)};
+}
+
+Rank block_of(GlobalId id, GlobalId n, Rank size) {
+  PAMR_EXPECTS(id >= 0 && id < n);
+  const GlobalId quotient = n / size, remainder = n % size;
+  const GlobalId in_long = remainder * (quotient + 1);
+  return static_cast<Rank>(id < in_long ? id / (quotient + 1) : remainder + (id - in_long) / quotient);
+}
+
+}  // namespace pamr::par
