@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// Main function of every test program. MPI is called directly here, so that the verdict does not rest on the code
+/// under test.
+#include <gtest/gtest.h>
+#include <mpi.h>
+
+#include <cstdio>
+#include <memory>
+
+namespace {
+
+/// Rank 0 prints as GoogleTest does; the other ranks print their failures only. An exception that leaves a test on one
+/// rank would leave the others waiting for ever, so it ends the job.
+class RankListener : public testing::EmptyTestEventListener {
+ public:
+  RankListener(int rank, int size) : rank_(rank), size_(size) {}
+
+  void OnTestPartResult(const testing::TestPartResult& result) override {
+    if (!result.failed()) return;
+    if (rank_ != 0) {
+      const auto* test = testing::UnitTest::GetInstance()->current_test_info();
+      std::fprintf(stderr, "[rank %d of %d] %s.%s %s:%d\n%s\n", rank_, size_, test ? test->test_suite_name() : "?",
+                   test ? test->name() : "?", result.file_name() ? result.file_name() : "exception",
+                   result.line_number(), result.message());
+    }
+    const bool is_exception = result.file_name() == nullptr;
+    if (is_exception && size_ > 1) {
+      std::fflush(nullptr);
+      MPI_Abort(MPI_COMM_WORLD, 1);
+    }
+  }
+
+ private:
+  int rank_;
+  int size_;
+};
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  MPI_Init(&argc, &argv);
+  testing::InitGoogleTest(&argc, argv);
+  int rank = 0, size = 1;
+  MPI_Comm_rank(MPI_COMM_WORLD, &rank);
+  MPI_Comm_size(MPI_COMM_WORLD, &size);
+  auto& listeners = testing::UnitTest::GetInstance()->listeners();
+  if (rank != 0) std::unique_ptr<testing::TestEventListener>(listeners.Release(listeners.default_result_printer()));
+  listeners.Append(new RankListener(rank, size));  // GoogleTest owns it
+
+  const int here = RUN_ALL_TESTS();
+
+  int anywhere = 0;
+  MPI_Allreduce(&here, &anywhere, 1, MPI_INT, MPI_MAX, MPI_COMM_WORLD);
+  MPI_Finalize();
+  return anywhere;
+}
