@@ -54,8 +54,10 @@ double Comm::min(double here) const { return reduced(comm_, here, MPI_DOUBLE, MP
 double Comm::max(double here) const { return reduced(comm_, here, MPI_DOUBLE, MPI_MAX); }
 
 void Comm::sum_in_place(std::span<std::int64_t> values) const {
-  require_success(MPI_Allreduce(MPI_IN_PLACE, values.data(), narrow<int>(values.size()), MPI_INT64_T, MPI_SUM, comm_),
-                  "MPI_Allreduce");
+  const std::vector<std::int64_t> here(values.begin(), values.end());
+  require_success(
+      MPI_Allreduce(here.data(), values.data(), narrow<int>(values.size()), MPI_INT64_T, MPI_SUM, comm_),
+      "MPI_Allreduce");
 }
 
 std::int64_t Comm::exclusive_sum(std::int64_t here) const {
