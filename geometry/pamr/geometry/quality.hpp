@@ -16,7 +16,7 @@ constexpr double volume(const TetPoints& p) { return dot(cross(p[1] - p[0], p[2]
 /// the value of the mirrored cell for an inverted one. Source: A. Liu, B. Joe, BIT 34 (1994).
 double mean_ratio(const TetPoints& p);
 
-/// Radius ratio 3 r_in / R_circ, 1 is best, 0 for a flat cell.
+/// Radius ratio 3 r_in / R_circ, 1 is best, 0 for a flat cell. It and the metrics below do not see inversion.
 double radius_ratio(const TetPoints& p);
 
 /// Longest edge / (2 sqrt(6) r_in), 1 is best, infinite for a flat cell.
@@ -25,7 +25,8 @@ double aspect_ratio(const TetPoints& p);
 /// Longest edge over shortest edge, 1 is best.
 double edge_ratio(const TetPoints& p);
 
-/// Smallest and largest of the six dihedral angles, degrees.
+/// Smallest and largest of the six dihedral angles, degrees: 70.53 for the regular tetrahedron, 0 and 180 for a sliver
+/// without volume.
 struct DihedralAngles {
   double min = 0, max = 0;
 };
