@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "pamr/par/runtime.hpp"
+
+#include <chrono>
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <thread>
+
+namespace pamr::par {
+
+Runtime::Runtime(int& argc, char**& argv) {
+  // Errors of these calls end the program: MPI's own error handler is in force until a `Comm` replaces it.
+  MPI_Init(&argc, &argv);
+  MPI_Comm_dup(MPI_COMM_WORLD, &end_);
+  MPI_Comm_rank(end_, &rank_);
+  MPI_Comm_size(end_, &size_);
+}
+
+Runtime::~Runtime() {
+  MPI_Comm_free(&end_);
+  MPI_Finalize();
+}
+
+std::optional<Runtime::Outcome> Runtime::settle(int code, double seconds) const {
+  // The greatest code first, then the lowest rank, in one number.
+  constexpr std::int64_t ranks = std::int64_t{1} << 32U;
+  const std::int64_t here = std::int64_t{code} * ranks + (ranks - 1 - rank_);
+  std::int64_t greatest = 0;
+  MPI_Request request = MPI_REQUEST_NULL;
+  MPI_Iallreduce(&here, &greatest, 1, MPI_INT64_T, MPI_MAX, end_, &request);
+  const auto start = std::chrono::steady_clock::now();
+  for (;;) {
+    int done = 0;
+    MPI_Test(&request, &done, MPI_STATUS_IGNORE);
+    if (done != 0) return Outcome{static_cast<int>(greatest / ranks), static_cast<Rank>(ranks - 1 - greatest % ranks)};
+    if (std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() > seconds) return std::nullopt;
+    std::this_thread::sleep_for(std::chrono::microseconds(200));
+  }
+}
+
+void Runtime::abort(int code) const {
+  std::fflush(nullptr);
+  if (size_ > 1) MPI_Abort(MPI_COMM_WORLD, code);
+  std::_Exit(code);  // alone: without the notice that MPI_Abort prints
+}
+
+}  // namespace pamr::par

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <mpi.h>
+
+#include <optional>
+
+#include "pamr/base/types.hpp"
+
+namespace pamr::par {
+
+/// MPI from its start to its end; one object per process, made in `main`. For programs of ours: an application that
+/// has initialised MPI itself makes a `Comm` from its communicator and needs no `Runtime`.
+class Runtime {
+ public:
+  /// Initialises MPI. Collective over all processes.
+  Runtime(int& argc, char**& argv);
+  /// Finalises MPI. Collective.
+  ~Runtime();
+  Runtime(const Runtime&) = delete;
+  Runtime& operator=(const Runtime&) = delete;
+  Runtime(Runtime&&) = delete;
+  Runtime& operator=(Runtime&&) = delete;
+
+  MPI_Comm world() const { return MPI_COMM_WORLD; }
+  Rank rank() const { return rank_; }
+  Rank size() const { return size_; }
+
+  /// How all ranks ended: the greatest exit code, and the lowest of the ranks that have it.
+  struct Outcome {
+    int code = 0;
+    Rank reporter = 0;
+  };
+  /// The common outcome of a program whose part on this rank ended with `code` (>= 0); nothing when some rank did not
+  /// come here within `seconds` (it waits in a collective that this rank has left, say). Collective unless it fails,
+  /// and called once. Runs beside whatever else is under way: it has a communicator of its own.
+  std::optional<Outcome> settle(int code, double seconds) const;
+
+  /// Ends all ranks at once with this exit code.
+  [[noreturn]] void abort(int code) const;
+
+ private:
+  MPI_Comm end_ = MPI_COMM_NULL;
+  Rank rank_ = 0;
+  Rank size_ = 1;
+};
+
+}  // namespace pamr::par

@@ -1,0 +1,166 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What every tool promises about exit codes, messages and files, tried on the probe on 1 and 3 ranks.
+
+Usage: life_of_a_tool_test.py PROBE VERSION MPIEXEC...
+"""
+import json
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+PROBE, VERSION, MPIEXEC = sys.argv[1], sys.argv[2], sys.argv[3:]
+
+
+def command(ranks, arguments):
+    launcher = [] if ranks == 1 else MPIEXEC + [str(ranks)]
+    return launcher + [PROBE] + arguments
+
+
+def run(ranks, *arguments):
+    return subprocess.run(command(ranks, list(arguments)), capture_output=True, text=True, timeout=60)
+
+
+class LifeOfATool(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory(prefix="with blank ")
+        self.addCleanup(folder.cleanup)
+        self.folder = folder.name
+        self.input = self.path("in put.txt")
+        with open(self.input, "w") as file:
+            file.write("x\n")
+
+    def path(self, name):
+        return os.path.join(self.folder, name)
+
+    def assert_error_once(self, result, code, *words):
+        self.assertEqual(result.returncode, code, result.stderr)
+        self.assertEqual(result.stdout, "")
+        lines = result.stderr.splitlines()
+        self.assertEqual(len(lines), 1, result.stderr)
+        self.assertTrue(lines[0].startswith("pamr-probe: error: "), lines[0])
+        for word in words:
+            self.assertIn(word, lines[0])
+
+    def test_done_gives_one_summary_line_and_code_0(self):
+        for ranks in (1, 3):
+            result = run(ranks, self.input)
+            self.assertEqual((result.returncode, result.stdout, result.stderr), (0, f"done on {ranks} ranks\n", ""))
+
+    def test_quiet_gives_no_summary(self):
+        result = run(1, "--quiet")
+        self.assertEqual((result.returncode, result.stdout, result.stderr), (0, "", ""))
+
+    def test_help_has_the_example_and_version_the_version(self):
+        for ranks in (1, 3):
+            self.assertEqual(run(ranks, "--help").stdout.count("pamr-probe --how gate"), 1)
+            self.assertEqual(run(ranks, "--version").stdout, f"pamr-probe {VERSION}\n")
+
+    def test_a_gate_gives_code_1(self):
+        for ranks in (1, 3):
+            self.assertEqual(run(ranks, "--how", "gate").returncode, 1)
+
+    def test_bad_usage_gives_code_2_and_one_line(self):
+        for ranks in (1, 3):
+            self.assert_error_once(run(ranks, "--no-such-option"), 2, "--no-such-option", "--help")
+
+    def test_an_agreed_error_gives_code_2_and_one_line(self):
+        for ranks in (1, 3):
+            self.assert_error_once(run(ranks, "--how", "agreed-error"), 2, "cell 7", "expected", "found")
+
+    def test_a_failure_on_all_ranks_gives_code_3_and_one_line(self):
+        for ranks in (1, 3):
+            self.assert_error_once(run(ranks, "--how", "failure-everywhere"), 3, "internal", "comm.size() == 0")
+
+    def test_a_failure_on_one_rank_ends_all_with_code_3(self):
+        self.assert_error_once(run(3, "--how", "failure-on-one"), 3, "slot 12 of 4", "rank 2")
+        self.assert_error_once(run(3, "--how", "memory-on-one"), 3, "out of memory", "rank 2")
+
+    def test_a_missing_input_is_named(self):
+        for ranks in (1, 3):
+            self.assert_error_once(run(ranks, self.path("none")), 2, self.path("none"), "expected", "found")
+
+    def test_an_existing_output_is_kept_unless_forced(self):
+        output = self.path("out")
+        with open(output, "w") as file:
+            file.write("precious")
+        for ranks in (1, 3):
+            self.assert_error_once(run(ranks, self.input, "-o", output), 2, output, "--force")
+            with open(output) as file:
+                self.assertEqual(file.read(), "precious")
+        self.assertEqual(run(3, self.input, "-o", output, "--force").returncode, 0)
+        with open(output) as file:
+            self.assertEqual(file.read(), "all of it\n")
+
+    def test_a_bad_place_for_the_output_is_refused_before_work(self):
+        here = os.path.join(self.folder, ".", "in put.txt")
+        os.symlink(self.input, self.path("link"))
+        for place, word in ((self.path("no/out"), "folder"), (here, "same file"), (self.path("link"), "same file"),
+                            (self.folder, "folder"), ("/dev/null", "device")):
+            result = run(1, self.input, "-o", place, "--force", "--how", "failure-everywhere")
+            self.assert_error_once(result, 2, place, word)
+        self.assertEqual(os.path.islink(self.path("link")), True)
+
+    @unittest.skipIf(os.geteuid() == 0 and not os.path.isdir("/proc/sys"), "root may write everywhere")
+    def test_a_folder_without_write_permission_is_refused(self):
+        folder = "/proc/sys" if os.geteuid() == 0 else self.path("locked")
+        if folder == self.path("locked"):
+            os.mkdir(folder, 0o500)
+        self.assert_error_once(run(1, "-o", os.path.join(folder, "out")), 2, folder)
+
+    def test_the_report_is_whole_and_replaces_an_old_one(self):
+        report = self.path("report.json")
+        for ranks in (1, 3):
+            result = run(ranks, self.input, "--json", report)
+            self.assertEqual(result.returncode, 0)
+            with open(report) as file:
+                self.assertEqual(json.load(file), {"ranks": ranks, "input": self.input})
+        self.assertEqual(sorted(os.listdir(self.folder)), ["in put.txt", "report.json"])
+
+    def test_the_report_on_standard_output_is_alone_there(self):
+        for ranks in (1, 3):
+            result = run(ranks, "--json", "-")
+            self.assertEqual(json.loads(result.stdout)["ranks"], ranks)
+            self.assertEqual(result.stderr, f"done on {ranks} ranks\n")
+
+    def test_the_report_must_have_a_place_of_its_own(self):
+        self.assert_error_once(run(1, "--json", self.path("no/report")), 2, "folder")
+        self.assert_error_once(run(1, self.input, "--json", self.input), 2, "same file")
+        self.assert_error_once(run(1, "-o", self.path("x"), "--json", self.path("x")), 2, "same file")
+
+    def test_a_full_disk_is_an_error(self):
+        result = run(1, "--json", "/dev/full")
+        self.assert_error_once(result, 2, "/dev/full", "written")
+
+    def test_a_name_that_is_no_utf_8_does_not_break_the_report(self):
+        name = os.path.join(os.fsencode(self.folder), b"caf\xe9")
+        with open(name, "w"):
+            pass
+        result = subprocess.run([PROBE, name, "--json", "-"], capture_output=True, timeout=60)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertIn("caf\ufffd", json.loads(result.stdout.decode())["input"])
+
+    def test_an_interrupt_removes_the_temporary_output(self):
+        output = self.path("out")
+        for ranks in (1, 3):
+            for number in (signal.SIGINT, signal.SIGTERM):
+                process = subprocess.Popen(command(ranks, ["-o", output, "--how", "sleep"]),
+                                           stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+                until = time.monotonic() + 30
+                while not os.path.exists(output + ".partial") and time.monotonic() < until:
+                    time.sleep(0.05)
+                self.assertTrue(os.path.exists(output + ".partial"))
+                process.send_signal(number)
+                self.assertNotEqual(process.wait(timeout=30), 0)
+                until = time.monotonic() + 10
+                while os.path.exists(output + ".partial") and time.monotonic() < until:
+                    time.sleep(0.05)
+                self.assertEqual(os.listdir(self.folder), ["in put.txt"])
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1])

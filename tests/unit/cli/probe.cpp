@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// A tool that behaves or misbehaves as it is told, for the test of the life of a tool.
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+#include <string>
+#include <thread>
+
+#include "cli/output_file.hpp"
+#include "cli/run_tool.hpp"
+#include "pamr/base/contract.hpp"
+#include "pamr/base/error.hpp"
+
+namespace {
+
+using pamr::cli::ExitCode;
+using pamr::cli::Session;
+
+void misbehave(const std::string& how, const pamr::par::Comm& comm) {
+  const bool is_last = comm.rank() == comm.size() - 1;
+  if (how == "agreed-error")
+    pamr::par::agree(comm, [&] {
+      if (is_last) throw pamr::Error("cell 7: expected a positive volume, found -1");
+    });
+  if (how == "failure-everywhere") PAMR_ENSURES(comm.size() == 0);
+  if (how == "failure-on-one" && is_last) throw std::out_of_range("slot 12 of 4");
+  if (how == "memory-on-one" && is_last) throw std::bad_alloc();
+  if (how == "failure-on-one") comm.barrier();
+  if (how == "memory-on-one") comm.barrier();
+}
+
+ExitCode work(Session& session, const std::string& input, const std::string& output, bool force,
+              const std::string& how) {
+  if (!input.empty()) session.check_input(input);
+  if (!output.empty()) session.check_output(output, {input}, force);
+  misbehave(how, session.comm());
+  if (how == "sleep") {
+    if (session.comm().is_first()) std::ofstream(pamr::cli::partial_name(output)) << "half";
+    std::this_thread::sleep_for(std::chrono::seconds(60));
+  }
+  if (!output.empty() && session.comm().is_first()) pamr::cli::write_whole(output, "all of it\n");
+  session.write_report({{"ranks", session.comm().size()}, {"input", input}});
+  session.summary("done on " + std::to_string(session.comm().size()) + " ranks");
+  return how == "gate" ? ExitCode::failed : ExitCode::done;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  std::string input, output, how;
+  bool force = false;
+  return pamr::cli::run_tool(
+      argc, argv, {"pamr-probe", "Behaves as told.", "pamr-probe --how gate"},
+      [&](CLI::App& app) {
+        app.add_option("INPUT", input, "file to read");
+        app.add_option("-o,--output", output, "file to write");
+        app.add_option("--how", how, "kind of trouble");
+        app.add_flag("--force", force, pamr::cli::force_help);
+      },
+      [&](Session& session) { return work(session, input, output, force, how); });
+}

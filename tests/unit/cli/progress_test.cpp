@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "cli/progress.hpp"
+
+#include <gtest/gtest.h>
+
+namespace pamr::cli {
+namespace {
+
+TEST(ProgressText, SaysHowMuchIsDoneAtWhichRateAndWhatIsLeft) {
+  EXPECT_EQ(progress_text("refining", 40, 100, "steps", 2.0, "close"),
+            "refining: 40 of 100 steps (40 %), 20 steps/s, 0:03 left, close");
+}
+
+TEST(ProgressText, GivesNoRateBeforeAnythingIsDone) {
+  EXPECT_EQ(progress_text("reading", 0, 10, "blocks", 1.0, ""), "reading: 0 of 10 blocks (0 %)");
+}
+
+TEST(ProgressText, ShortensLargeRatesAndLongTimes) {
+  EXPECT_EQ(progress_text("moving", 5000000, 10000000000, "cells", 1.0, ""),
+            "moving: 5000000 of 10000000000 cells (0 %), 5 M cells/s, 33:19 left");
+  EXPECT_EQ(progress_text("moving", 1, 7201, "cells", 1.0, ""),
+            "moving: 1 of 7201 cells (0 %), 1 cells/s, 2:00:00 left");
+}
+
+TEST(ProgressText, SurvivesATotalOfZero) {
+  EXPECT_EQ(progress_text("refining", 0, 0, "cells", 0.0, ""), "refining: 0 of 0 cells");
+}
+
+TEST(Progress, IsSilentWhenNotShown) {
+  testing::internal::CaptureStderr();
+
+  Progress progress("refining", 10, "cells", false);
+  progress.update(5);
+
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+}
+
+}  // namespace
+}  // namespace pamr::cli

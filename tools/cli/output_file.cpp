@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "cli/output_file.hpp"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <array>
+#include <atomic>
+#include <cerrno>
+#include <climits>
+#include <csignal>
+#include <cstddef>
+#include <cstring>
+#include <filesystem>
+#include <system_error>
+
+#include "pamr/base/contract.hpp"
+#include "pamr/base/error.hpp"
+
+namespace pamr::cli {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+std::string because() { return std::generic_category().message(errno); }
+
+fs::path folder_of(const fs::path& path) { return path.has_parent_path() ? path.parent_path() : fs::path("."); }
+
+bool is_same_file(const std::string& a, const std::string& b) {
+  std::error_code failed;
+  if (fs::equivalent(a, b, failed)) return true;
+  const auto real_a = fs::weakly_canonical(a, failed);
+  if (failed) return a == b;
+  const auto real_b = fs::weakly_canonical(b, failed);
+  return failed ? a == b : real_a == real_b;
+}
+
+bool is_device(const fs::file_status& status) {
+  return fs::exists(status) && !fs::is_regular_file(status) && !fs::is_directory(status);
+}
+
+/// Closes a descriptor on every way out.
+class Descriptor {
+ public:
+  explicit Descriptor(int value) : value_(value) {}
+  ~Descriptor() {
+    if (value_ >= 0) ::close(value_);
+  }
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  Descriptor(Descriptor&&) = delete;
+  Descriptor& operator=(Descriptor&&) = delete;
+  int get() const { return value_; }
+
+ private:
+  int value_;
+};
+
+void write_through(const std::string& name, const std::string& text, bool to_disk) {
+  const Descriptor file(::open(name.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666));
+  if (file.get() < 0) throw Error(name + ": cannot be opened for writing: " + because());
+  for (std::size_t at = 0; at < text.size();) {
+    const auto written = ::write(file.get(), text.data() + at, text.size() - at);
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) throw Error(name + ": cannot be written: " + because());
+    at += static_cast<std::size_t>(written);
+  }
+  if (to_disk && ::fsync(file.get()) != 0) throw Error(name + ": cannot be written: " + because());
+}
+
+// What the signal handler may touch: fixed storage, and a count that is raised after a path is in place.
+constexpr std::size_t max_paths = 16;
+std::array<std::array<char, PATH_MAX>, max_paths> doomed_path;
+std::atomic<std::size_t> n_doomed{0};
+static_assert(std::atomic<std::size_t>::is_always_lock_free);
+
+extern "C" void remove_files_and_die(int signal) {
+  for (std::size_t i = 0; i < n_doomed.load(); ++i) ::unlink(doomed_path[i].data());
+  // The handler was installed for one shot, so this ends the process as the sender of the signal expects.
+  ::raise(signal);
+}
+
+}  // namespace
+
+std::string partial_name(const std::string& path) { return path + ".partial"; }
+
+void require_readable(const std::string& path) {
+  std::error_code failed;
+  const auto status = fs::status(path, failed);
+  if (!fs::exists(status)) throw Error(path + ": expected an input file, found nothing of that name");
+  if (is_device(status)) throw Error(path + ": expected an input file, found a device or pipe");
+  if (::access(path.c_str(), R_OK) != 0) throw Error(path + ": cannot be read: " + because());
+}
+
+void require_distinct(const std::string& path, const std::vector<std::string>& others) {
+  for (const auto& other : others)
+    if (is_same_file(path, other))
+      throw Error(path + ": expected an output of its own, found the same file as the input or output " + other);
+}
+
+void require_replaceable(const std::string& path) {
+  std::error_code failed;
+  const auto status = fs::status(path, failed);
+  if (fs::is_directory(status)) throw Error(path + ": expected a file to write, found a folder");
+  if (is_device(status)) return;
+  const auto folder = folder_of(path);
+  if (!fs::is_directory(folder, failed))
+    throw Error(path + ": expected an existing folder to write into, found none named " + folder.string());
+  if (::access(folder.c_str(), W_OK | X_OK) != 0)
+    throw Error(path + ": the folder " + folder.string() + " cannot be written: " + because());
+}
+
+void require_writable(const std::string& path, const std::vector<std::string>& others, bool force) {
+  if (path.empty()) throw Error("expected the name of an output file, found an empty name");
+  require_distinct(path, others);
+  require_replaceable(path);
+  std::error_code failed;
+  const auto status = fs::status(path, failed);
+  if (!fs::exists(status)) return;
+  if (is_device(status)) throw Error(path + ": expected a regular file to replace, found a device or pipe");
+  if (!force) throw Error(path + ": the output file exists already (--force replaces it)");
+}
+
+void write_whole(const std::string& path, const std::string& text) {
+  std::error_code failed;
+  const auto status = fs::status(path, failed);
+  if (is_device(status)) {
+    write_through(path, text, false);
+    return;
+  }
+  const auto name = partial_name(path);
+  try {
+    write_through(name, text, true);
+    if (::rename(name.c_str(), path.c_str()) != 0)
+      throw Error(path + ": the finished file cannot be put in place: " + because());
+  } catch (const Error&) {
+    ::unlink(name.c_str());
+    throw;
+  }
+}
+
+void remove_on_interrupt(const std::string& path) {
+  // Absolute, in case the process changes its folder.
+  const auto name = fs::absolute(path).string();
+  const auto slot = n_doomed.load();
+  PAMR_EXPECTS(slot < max_paths);
+  if (name.size() >= PATH_MAX) throw Error(path + ": the name is longer than this system allows");
+  std::memcpy(doomed_path[slot].data(), name.c_str(), name.size() + 1);
+  n_doomed.store(slot + 1);
+  if (slot > 0) return;
+  struct sigaction action {};
+  action.sa_handler = remove_files_and_die;
+  action.sa_flags = static_cast<int>(SA_RESETHAND | SA_NODEFER);
+  ::sigaction(SIGINT, &action, nullptr);
+  ::sigaction(SIGTERM, &action, nullptr);
+  ::sigaction(SIGHUP, &action, nullptr);
+}
+
+void remove_partial_files() {
+  for (std::size_t i = 0; i < n_doomed.load(); ++i) ::unlink(doomed_path[i].data());
+}
+
+}  // namespace pamr::cli

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "cli/progress.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <utility>
+
+namespace pamr::cli {
+
+namespace {
+
+constexpr std::chrono::milliseconds terminal_interval{100};
+constexpr std::chrono::seconds line_interval{10};
+constexpr std::int64_t bar_width = 24;
+constexpr const char* clear_line = "\r\033[K";
+
+std::string clock_text(double seconds) {
+  const auto whole = static_cast<std::int64_t>(seconds + 0.5);
+  if (whole < 3600) return fmt::format("{}:{:02}", whole / 60, whole % 60);
+  return fmt::format("{}:{:02}:{:02}", whole / 3600, whole / 60 % 60, whole % 60);
+}
+
+std::string rate_text(double per_second) {
+  if (per_second >= 1e6) return fmt::format("{:.3g} M ", per_second * 1e-6);
+  if (per_second >= 1e4) return fmt::format("{:.3g} k ", per_second * 1e-3);
+  return fmt::format("{:.3g} ", per_second);
+}
+
+std::string bar(std::int64_t done, std::int64_t total) {
+  const auto filled = total > 0 ? std::clamp<std::int64_t>(done * bar_width / total, 0, bar_width) : 0;
+  return "[" + std::string(static_cast<std::size_t>(filled), '#') +
+         std::string(static_cast<std::size_t>(bar_width - filled), '.') + "] ";
+}
+
+}  // namespace
+
+std::string progress_text(const std::string& what, std::int64_t done, std::int64_t total, const std::string& unit,
+                          double seconds, const std::string& step) {
+  std::string text = fmt::format("{}: {} of {} {}", what, done, total, unit);
+  if (total > 0) text += fmt::format(" ({} %)", done * 100 / total);
+  if (done > 0 && seconds > 0) {
+    const double rate = static_cast<double>(done) / seconds;
+    text += fmt::format(", {}{}/s, {} left", rate_text(rate), unit,
+                        clock_text(static_cast<double>(std::max<std::int64_t>(total - done, 0)) / rate));
+  }
+  if (!step.empty()) text += ", " + step;
+  return text;
+}
+
+Progress::Progress(std::string what, std::int64_t total, std::string unit, bool shown)
+    : what_(std::move(what)),
+      total_(total),
+      unit_(std::move(unit)),
+      shown_(shown),
+      on_terminal_(shown && isatty(STDERR_FILENO) == 1),
+      start_(Clock::now()),
+      last_(on_terminal_ ? start_ - terminal_interval : start_) {}
+
+Progress::~Progress() {
+  if (drawn_) {
+    std::fputs(clear_line, stderr);
+    std::fflush(stderr);
+  }
+}
+
+void Progress::update(std::int64_t done, const std::string& step) {
+  if (!shown_) return;
+  const auto now = Clock::now();
+  const bool due = on_terminal_ ? now - last_ >= terminal_interval : now - last_ >= line_interval;
+  if (!due) return;
+  last_ = now;
+  const auto text =
+      progress_text(what_, done, total_, unit_, std::chrono::duration<double>(now - start_).count(), step);
+  if (on_terminal_) {
+    std::fputs((clear_line + bar(done, total_) + text).c_str(), stderr);
+    drawn_ = true;
+  } else {
+    std::fputs((text + "\n").c_str(), stderr);
+  }
+  std::fflush(stderr);
+}
+
+}  // namespace pamr::cli

@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "cli/run_tool.hpp"
+
+#include <CLI/CLI.hpp>
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <exception>
+#include <limits>
+#include <new>
+#include <string>
+
+#include "cli/output_file.hpp"
+#include "pamr/base/error.hpp"
+#include "pamr/par/runtime.hpp"
+
+namespace pamr::cli {
+
+namespace {
+
+constexpr const char* exit_codes_help =
+    "Exit codes: 0 done; 1 a check or gate failed; 2 bad usage or bad input; 3 internal failure; 6 interrupted.\n"
+    "Runs alone or as `mpirun -q -n P ...`; the result does not depend on P.";
+
+/// How this rank's part ended.
+struct Ending {
+  ExitCode code = ExitCode::done;
+  std::string error;
+};
+
+/// Reads the command line into `options`. Something to do is left only when it returns nothing.
+struct Parsed {
+  bool proceed = true;
+  Ending ending;
+};
+Parsed parse(int argc, char** argv, const ToolInfo& info, const std::function<void(CLI::App&)>& declare,
+             CommonOptions& options, bool speaks) {
+  CLI::App app(info.purpose, info.name);
+  app.set_help_flag("-h,--help", "print this text and end");
+  app.set_version_flag("--version", info.name + " " + PAMR_VERSION, "print the version and end");
+  app.add_option("--json", options.json, "write a report in JSON to this file, - for standard output")
+      ->type_name("FILE");
+  app.add_flag("--quiet", options.quiet, "neither progress nor summary");
+  app.footer("Example:\n  " + info.example + "\n\n" + exit_codes_help);
+  declare(app);
+  try {
+    app.parse(argc, argv);
+    return {};
+  } catch (const CLI::Success& wanted) {  // --help, --version
+    if (speaks) app.exit(wanted);
+    return {false, {}};
+  } catch (const CLI::ParseError& wrong) {
+    return {false, {ExitCode::bad_input, std::string(wrong.what()) + " (see " + info.name + " --help)"}};
+  }
+}
+
+void print_error(const ToolInfo& info, const std::string& error, const std::string& where) {
+  std::fputs((info.name + ": error: " + error + where + "\n").c_str(), stderr);
+  std::fflush(nullptr);
+}
+
+/// What the handler of unexpected exceptions needs; set once, before any work.
+const par::Runtime* running = nullptr;
+const ToolInfo* running_tool = nullptr;
+
+/// Ends this rank's part: prints the error once if all ranks end within `patience` seconds, here otherwise, in which
+/// case all are ended. Returns the common exit code.
+int end(const Ending& ending, double patience) {
+  if (!ending.error.empty()) remove_partial_files();
+  const auto outcome = running->settle(static_cast<int>(ending.code), patience);
+  if (!outcome) {
+    print_error(*running_tool, ending.error, " (on rank " + std::to_string(running->rank()) + ")");
+    running->abort(static_cast<int>(ending.code));
+  }
+  if (outcome->reporter == running->rank() && !ending.error.empty()) print_error(*running_tool, ending.error, "");
+  return outcome->code;
+}
+
+/// An exception nobody expects is not caught, because destructors on its way could wait for ranks that never come.
+[[noreturn]] void end_after_failure() {
+  constexpr double patience = 3;
+  Ending ending{ExitCode::internal, "ended without an exception"};
+  try {
+    if (const auto failure = std::current_exception()) std::rethrow_exception(failure);
+  } catch (const std::bad_alloc&) {
+    ending.error = "out of memory";
+  } catch (const std::exception& failure) {
+    ending.error = std::string("internal: ") + failure.what();
+  } catch (...) {
+    ending.error = "internal: exception of an unknown type";
+  }
+  running->abort(end(ending, patience));
+}
+
+Ending run(const CommonOptions& options, const std::function<ExitCode(Session&)>& work) {
+  try {
+    const par::Comm comm(running->world());
+    Session session(comm, running_tool->name, options);
+    return {work(session), {}};
+  } catch (const Error& error) {
+    return {ExitCode::bad_input, error.what()};
+  }
+}
+
+}  // namespace
+
+int run_tool(int argc, char** argv, const ToolInfo& info, const std::function<void(CLI::App&)>& declare,
+             const std::function<ExitCode(Session&)>& work) {
+  const par::Runtime runtime(argc, argv);
+  running = &runtime;
+  running_tool = &info;
+  std::set_terminate(end_after_failure);
+  std::signal(SIGXFSZ, SIG_IGN);  // a file beyond `ulimit -f` is an error of the write, which names it
+
+  CommonOptions options;
+  const auto parsed = parse(argc, argv, info, declare, options, runtime.rank() == 0);
+  const auto ending = parsed.proceed ? run(options, work) : parsed.ending;
+  constexpr double patience_after_error = 30, for_ever = std::numeric_limits<double>::infinity();
+  return end(ending, ending.error.empty() ? for_ever : patience_after_error);
+}
+
+}  // namespace pamr::cli

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include "cli/session.hpp"
+
+namespace CLI {
+class App;
+}
+
+namespace pamr::cli {
+
+/// What a tool says about itself.
+struct ToolInfo {
+  std::string name;     ///< as installed: "pamr-refine"
+  std::string purpose;  ///< one sentence for --help
+  std::string example;  ///< command lines for --help that work as they stand
+};
+
+/// The whole life of a tool: starts MPI, reads the command line, runs `work`, and turns what happened into the exit
+/// code, the same on every rank. To be the only statement of `main` besides the options' declaration.
+///
+/// `declare` adds the tool's own options and arguments to the CLI11 application; --help, --version, --json and --quiet
+/// are there already. It runs on every rank and must not communicate. `work` runs on every rank after the command line
+/// was read and returns `ExitCode::done` or `ExitCode::failed` (a gate).
+///
+/// Exit codes: what `work` returned; 2 for bad usage and for `pamr::Error`; 3 for any other exception. An error is
+/// printed once, by one rank, on standard error as `<name>: error: <text>`. Nothing hangs: when the other ranks do not
+/// end too (30 s after an `Error`, 3 s after another exception), this rank prints its error and ends them all.
+/// SIGINT, SIGTERM and SIGHUP remove the temporary files of `Session::check_output` and end the process by that signal.
+/// So `work` lets exceptions pass; they are the way to end early.
+///
+/// A whole tool (`#include <CLI/CLI.hpp>` and `"cli/run_tool.hpp"`; link `pamr_cli`):
+///
+///     int main(int argc, char** argv) {
+///       std::string input, output;
+///       int layers = 1;
+///       bool force = false;
+///       return pamr::cli::run_tool(
+///           argc, argv, {"pamr-peel", "Removes layers of cells.", "pamr-peel box.hdf -o core.hdf --layers 2"},
+///           [&](CLI::App& app) {
+///             app.add_option("MESH", input, "mesh to read")->required();
+///             app.add_option("-o,--output", output, "mesh to write")->required();
+///             app.add_option("--layers", layers, "layers to remove")->check(CLI::PositiveNumber);
+///             app.add_flag("--force", force, pamr::cli::force_help);
+///           },
+///           [&](pamr::cli::Session& session) {
+///             session.check_input(input);
+///             session.check_output(output, {input}, force);  // before any work; removes output.partial on SIGTERM
+///             auto mesh = pamr::io::read_mesh(session.comm(), input);
+///             pamr::cli::Progress progress = session.progress("peeling", layers, "layers");
+///             for (int i = 0; i < layers; ++i) {
+///               peel(session.comm(), mesh);
+///               progress.update(i + 1);
+///             }
+///             pamr::io::write_mesh(session.comm(), output, mesh);
+///             session.write_report({{"cells", mesh.n_global_cells}});  // --json
+///             session.summary(fmt::format("{} cells -> {}", mesh.n_global_cells, output));
+///             return pamr::cli::ExitCode::done;
+///           });
+///     }
+int run_tool(int argc, char** argv, const ToolInfo& info, const std::function<void(CLI::App&)>& declare,
+             const std::function<ExitCode(Session&)>& work);
+
+/// Help text of the flag that every tool with an output file has.
+inline constexpr const char* force_help = "replace the output file when it exists";
+
+}  // namespace pamr::cli

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "cli/session.hpp"
+
+#include <cstdio>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "cli/output_file.hpp"
+#include "pamr/base/error.hpp"
+
+namespace pamr::cli {
+
+namespace {
+
+/// On rank 0 only, and with the same exception on every rank. Collective.
+template <class Check>
+void on_first(const par::Comm& comm, Check&& check) {
+  par::agree(comm, [&] {
+    if (comm.is_first()) check();
+  });
+}
+
+}  // namespace
+
+Session::Session(const par::Comm& comm, std::string tool, CommonOptions options)
+    : comm_(&comm), tool_(std::move(tool)), options_(std::move(options)) {
+  if (writes_report_file()) on_first(*comm_, [&] { require_replaceable(options_.json); });
+}
+
+void Session::check_input(const std::string& path) {
+  on_first(*comm_, [&] {
+    require_readable(path);
+    if (writes_report_file()) require_distinct(options_.json, {path});
+  });
+}
+
+void Session::check_output(const std::string& path, const std::vector<std::string>& inputs, bool force) {
+  auto others = inputs;
+  if (writes_report_file()) others.push_back(options_.json);
+  on_first(*comm_, [&] { require_writable(path, others, force); });
+  remove_on_interrupt(partial_name(path));
+}
+
+void Session::summary(const std::string& line) const {
+  if (options_.quiet || !comm_->is_first()) return;
+  auto* stream = options_.json == "-" ? stderr : stdout;
+  std::fputs((line + "\n").c_str(), stream);
+  std::fflush(stream);
+}
+
+void Session::warn(const std::string& line) const {
+  if (!comm_->is_first()) return;
+  std::fputs((tool_ + ": warning: " + line + "\n").c_str(), stderr);
+  std::fflush(stderr);
+}
+
+Progress Session::progress(const std::string& what, std::int64_t total, const std::string& unit) const {
+  return {what, total, unit, comm_->is_first() && !options_.quiet};
+}
+
+void Session::write_report(const nlohmann::json& report) const {
+  if (options_.json.empty()) return;
+  on_first(*comm_, [&] {
+    // File names need not be UTF-8; JSON must be.
+    const auto text = report.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+    if (options_.json != "-") return write_whole(options_.json, text);
+    if (std::fputs(text.c_str(), stdout) < 0 || std::fflush(stdout) != 0)
+      throw Error("standard output: the report cannot be written");
+  });
+}
+
+}  // namespace pamr::cli

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+#include "cli/progress.hpp"
+#include "pamr/par/comm.hpp"
+
+namespace pamr::cli {
+
+/// Exit codes of all tools.
+enum class ExitCode : int {
+  done = 0,
+  failed = 1,       ///< a check or gate failed, or no convergence
+  bad_input = 2,    ///< usage, file, option: `pamr::Error`
+  internal = 3,     ///< a defect, or a resource ran out
+  interrupted = 6,  ///< interrupted after a checkpoint was written
+};
+
+/// What every tool was asked for on its command line.
+struct CommonOptions {
+  std::string json;    ///< file of the report, "-" for standard output, empty for none
+  bool quiet = false;  ///< neither progress nor summary
+};
+
+/// One run of a tool: its processes, its common options, and the way to speak to the user.
+class Session {
+ public:
+  /// Throws `Error` when the report could not be written. Collective.
+  Session(const par::Comm& comm, std::string tool, CommonOptions options);
+
+  const par::Comm& comm() const { return *comm_; }
+  const CommonOptions& options() const { return options_; }
+
+  /// Throws `Error` unless `path` is an existing file or folder that can be read and is not the file of the report.
+  /// Collective; rank 0 decides.
+  void check_input(const std::string& path);
+  /// Throws `Error` when `path` cannot become the output: it exists and `force` is not given, is one of `inputs` or
+  /// the report, is no regular file, or its folder is missing or cannot be written. From here on SIGINT, SIGTERM and an
+  /// error remove `<path>.partial`. Call before work starts, once per output. Collective; rank 0 decides.
+  void check_output(const std::string& path, const std::vector<std::string>& inputs, bool force);
+
+  /// One line on standard output (standard error where the report goes to standard output), by rank 0. Local.
+  void summary(const std::string& line) const;
+  /// A remark that the user should see even with --quiet: one line on standard error, by rank 0. Local.
+  void warn(const std::string& line) const;
+  /// Progress of `total` units of work; silent with --quiet and on ranks other than 0. Local.
+  Progress progress(const std::string& what, std::int64_t total, const std::string& unit) const;
+  /// Writes the report where --json says (an existing file is replaced), all or nothing; nothing without --json. NaN
+  /// and infinity become null. Only rank 0's `report` counts. Collective; throws `Error`.
+  void write_report(const nlohmann::json& report) const;
+
+ private:
+  bool writes_report_file() const { return !options_.json.empty() && options_.json != "-"; }
+
+  const par::Comm* comm_;
+  std::string tool_;
+  CommonOptions options_;
+};
+
+}  // namespace pamr::cli
