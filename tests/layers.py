@@ -1,0 +1,145 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Enforces who may include whom, where third parties may appear, and the form of files.
+
+Usage: layers.py ROOT    lists every violation under ROOT as FILE:LINE: rule; exit code 1 when there is one.
+The rules are the tables below; layers_test.py breaks each of them.
+"""
+import pathlib
+import re
+import sys
+
+LIB_STAGES = ("io", "mark", "refine", "check", "balance")
+BELOW_STAGES = ("base", "par", "mesh", "geometry")
+ALL_OF_LIB = BELOW_STAGES + LIB_STAGES + ("adapt",)
+
+# Module of a file -> modules whose headers it may include besides its own.
+MAY_INCLUDE = {
+    "base": (),
+    "geometry": ("base",),
+    "par": ("base",),
+    "mesh": ("base", "par", "geometry"),
+    **{stage: BELOW_STAGES for stage in LIB_STAGES},
+    "adapt": ALL_OF_LIB,
+}
+TOOL_MAY_INCLUDE = {
+    "cli": ("base", "par", "io"),
+    "dsmc": BELOW_STAGES + ("io", "mark", "check", "balance", "cli"),
+    "poisson_boltzmann": BELOW_STAGES + ("io", "mark", "check", "balance", "cli"),
+}
+ANY_TOOL = ALL_OF_LIB + ("cli",)
+
+# What only some places may hold: pattern of the line, pattern of the places, rule. Tests are free to use an oracle.
+CORNERS = (
+    (re.compile(r"\bMPI_[A-Z][a-z]\w*\s*\("), re.compile(r"lib/pamr/par/"), "MPI is called in lib/pamr/par only"),
+    (re.compile(r"#\s*include\s*[<\"](pt)?scotch"), re.compile(r"lib/pamr/balance/scotch_partition\.cpp$"),
+     "Scotch is included in balance/scotch_partition.cpp only"),
+    (re.compile(r"#\s*include\s*[<\"](CGAL|OpenMesh)/"), re.compile(r"geometry/.*\.cpp$|tools/mesh/"),
+     "CGAL and OpenMesh are included in geometry/**/*.cpp and tools/mesh only"),
+)
+MAX_LINES = 500
+SOURCE = (".cpp", ".hpp", ".ipp", ".c", ".h")
+WITH_LICENCE = SOURCE + (".py", ".sh", ".cmake", ".in")
+FORBIDDEN_NAMES = {"utils", "util", "common", "misc", "helpers", "helper", "manager"}
+NOT_OURS = {"build", "out", "__pycache__"}
+OWN_INCLUDE = re.compile(r'#\s*include\s*["<](?:pamr/)?([\w.]+)/[^">]*[">]')
+RELATIVE_INCLUDE = re.compile(r'#\s*include\s*"[^"]*\.\./')
+
+
+def files_of(root):
+    for path in sorted(root.iterdir()):
+        if path.is_dir():
+            if path.name not in NOT_OURS and (not path.name.startswith(".") or path.name == ".ci"):
+                yield from files_of(path)
+        else:
+            yield path
+
+
+def without_comments(text):
+    """The text with comments blanked, line numbers kept."""
+    blank = lambda match: re.sub(r"[^\n]", " ", match.group(0))
+    return re.sub(r"//[^\n]*|/\*.*?\*/", blank, text, flags=re.S)
+
+
+def module_of(name):
+    """Module of a product file and what it may include, or nothing for files that are free (tests, cases)."""
+    parts = name.split("/")
+    if parts[0] == "geometry" and len(parts) > 3:
+        return "geometry", MAY_INCLUDE["geometry"]
+    if parts[:2] == ["lib", "pamr"] and len(parts) > 3:
+        return parts[2], MAY_INCLUDE.get(parts[2], ())
+    if parts[0] == "tools" and len(parts) > 2:
+        return parts[1], TOOL_MAY_INCLUDE.get(parts[1], ANY_TOOL)
+    return None
+
+
+def include_violations(name, lines):
+    here = module_of(name)
+    known = set(ALL_OF_LIB) | {"cli", "dsmc", "poisson_boltzmann"}
+    for number, line in enumerate(lines, 1):
+        if RELATIVE_INCLUDE.search(line):
+            yield number, "includes are written from the include folder, not with .."
+        match = OWN_INCLUDE.search(line)
+        if not here or not match or match.group(1) not in known:
+            continue
+        module, allowed = here
+        if match.group(1) != module and match.group(1) not in allowed:
+            yield number, f"{module} must not include {match.group(1)}"
+
+
+def corner_violations(name, lines):
+    if not module_of(name):
+        return
+    for number, line in enumerate(lines, 1):
+        for pattern, places, rule in CORNERS:
+            if pattern.search(line) and not places.match(name):
+                yield number, rule
+
+
+def form_violations(name, text):
+    path = pathlib.PurePosixPath(name)
+    head = text.splitlines()[:2]
+    has_licence = path.suffix in WITH_LICENCE or path.name == "CMakeLists.txt" or name == ".ci/run"
+    if has_licence and not any("SPDX-License-Identifier: GPL-3.0-or-later" in line for line in head):
+        yield 1, "the first line names the licence: SPDX-License-Identifier: GPL-3.0-or-later"
+    if path.suffix in SOURCE and text.count("\n") > MAX_LINES:
+        yield text.count("\n"), f"a source file has at most {MAX_LINES} lines"
+    if path.suffix == ".hpp" and "#pragma once" not in text:
+        yield 1, "a header has #pragma once"
+    for part in list(path.parts[:-1]) + [path.stem]:
+        if part in FORBIDDEN_NAMES:
+            yield 1, f"'{part}' says nothing; name the file or folder after what it holds"
+    here = module_of(name)
+    if here and path.suffix == ".hpp" and name.startswith(("lib/", "geometry/")):
+        space = "pamr" if here[0] == "base" else f"pamr::{here[0]}"
+        if not re.search(rf"\bnamespace {space}\b", text):
+            yield 1, f"folder and namespace agree: namespace {space}"
+    if path.name == "CMakeLists.txt" or path.suffix == ".cmake":
+        for number, line in enumerate(text.splitlines(), 1):
+            if re.search(r"\bGLOB(_RECURSE)?\b|\bCMAKE_(SOURCE|BINARY)_DIR\b", line):
+                yield number, "no globs and no CMAKE_SOURCE_DIR: targets and listed files only"
+
+
+def violations(root):
+    for path in files_of(root):
+        name = path.relative_to(root).as_posix()
+        if path.suffix not in WITH_LICENCE and path.name != "CMakeLists.txt" and name != ".ci/run":
+            continue
+        text = path.read_text(encoding="utf-8", errors="replace")
+        found = list(form_violations(name, text))
+        if path.suffix in SOURCE:
+            lines = without_comments(text).splitlines()
+            found += list(include_violations(name, lines)) + list(corner_violations(name, lines))
+        for number, rule in sorted(found):
+            yield f"{name}:{number}: {rule}"
+
+
+def main():
+    root = pathlib.Path(sys.argv[1])
+    found = list(violations(root))
+    print("\n".join(found) if found else "layers: no violation")
+    return 1 if found else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,110 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Breaks every rule of layers.py once, in a tree of its own, and sees it caught."""
+import contextlib
+import io
+import pathlib
+import sys
+import tempfile
+import unittest
+
+sys.path.insert(0, str(pathlib.Path(__file__).parent))
+sys.dont_write_bytecode = True
+import layers  # noqa: E402
+
+SPDX = "// SPDX-License-Identifier: GPL-3.0-or-later\n"
+REFINE_HEADER = SPDX + '#pragma once\n#include "pamr/mesh/tet.hpp"\nnamespace pamr::refine {}\n'
+
+
+class Layers(unittest.TestCase):
+    def found(self, name, text):
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder, name)
+            path.parent.mkdir(parents=True)
+            path.write_text(text)
+            return list(layers.violations(pathlib.Path(folder)))
+
+    def assert_caught(self, name, text, *words):
+        found = self.found(name, text)
+        self.assertEqual(len(found), 1, found)
+        for word in (name, *words):
+            self.assertIn(word, found[0])
+
+    def assert_clean(self, name, text):
+        self.assertEqual(self.found(name, text), [])
+
+    def test_a_good_file_is_clean(self):
+        self.assert_clean("lib/pamr/refine/close.hpp", REFINE_HEADER)
+
+    def test_a_stage_must_not_include_a_sibling(self):
+        self.assert_caught("lib/pamr/refine/a.cpp", SPDX + '#include "pamr/check/fingerprint.hpp"\n', ":2:",
+                           "refine must not include check")
+
+    def test_base_includes_nothing_and_geometry_only_base(self):
+        self.assert_caught("lib/pamr/base/a.cpp", SPDX + '#include "pamr/par/comm.hpp"\n', "base must not include par")
+        self.assert_caught("geometry/pamr/geometry/a.cpp", SPDX + '#include "pamr/mesh/tet.hpp"\n',
+                           "geometry must not include mesh")
+
+    def test_the_library_must_not_know_its_tools(self):
+        self.assert_caught("lib/pamr/adapt/a.cpp", SPDX + '#include "cli/session.hpp"\n', "adapt must not include cli")
+
+    def test_solvers_must_not_refine(self):
+        self.assert_caught("tools/dsmc/a.cpp", SPDX + '#include "pamr/refine/close.hpp"\n',
+                           "dsmc must not include refine")
+        self.assert_clean("tools/refine/main.cpp", SPDX + '#include "pamr/adapt/adapt.hpp"\n#include "cli/session.hpp"\n')
+
+    def test_relative_includes_are_caught(self):
+        self.assert_caught("lib/pamr/mesh/a.cpp", SPDX + '#include "../par/comm.hpp"\n', "include folder")
+
+    def test_mpi_is_called_in_par_only(self):
+        call = SPDX + "int f() { return MPI_Barrier(c); }\n"
+        self.assert_caught("lib/pamr/mesh/a.cpp", call, "MPI is called in lib/pamr/par only")
+        self.assert_caught("tools/refine/a.cpp", call, "MPI is called")
+        self.assert_clean("lib/pamr/par/a.cpp", call)
+        self.assert_clean("lib/pamr/mesh/a.cpp", SPDX + "// MPI_Barrier(c) is called elsewhere\nMPI_Comm comm;\n")
+
+    def test_scotch_has_one_place(self):
+        text = SPDX + "#include <ptscotch.h>\n"
+        self.assert_caught("lib/pamr/balance/graph.cpp", text, "Scotch")
+        self.assert_clean("lib/pamr/balance/scotch_partition.cpp", text)
+
+    def test_cgal_and_openmesh_stay_in_geometry_sources_and_the_mesher(self):
+        for include in ("#include <CGAL/Kernel.h>\n", "#include <OpenMesh/Core/IO/MeshIO.hh>\n"):
+            self.assert_caught("lib/pamr/check/a.cpp", SPDX + include, "CGAL and OpenMesh")
+            self.assert_caught("geometry/pamr/geometry/a.hpp",
+                               SPDX + "#pragma once\n" + include + "namespace pamr::geometry {}\n", "CGAL and OpenMesh")
+            self.assert_clean("geometry/pamr/geometry/a.cpp", SPDX + include)
+            self.assert_clean("tools/mesh/a.cpp", SPDX + include)
+
+    def test_files_have_at_most_500_lines(self):
+        self.assert_clean("lib/pamr/par/a.cpp", SPDX + "\n" * 499)
+        self.assert_caught("lib/pamr/par/a.cpp", SPDX + "\n" * 500, "500 lines")
+
+    def test_the_licence_is_named_in_every_kind_of_file(self):
+        for name in ("lib/pamr/par/a.cpp", "tests/a.py", "cases/x/run.sh", "tests/CMakeLists.txt", "cmake/a.cmake"):
+            self.assert_caught(name, "\n", "licence")
+
+    def test_headers_have_pragma_once_and_their_namespace(self):
+        self.assert_caught("lib/pamr/par/a.hpp", SPDX + "namespace pamr::par {}\n", "#pragma once")
+        self.assert_caught("lib/pamr/par/a.hpp", SPDX + "#pragma once\nnamespace pamr {}\n", "namespace pamr::par")
+
+    def test_names_that_say_nothing_are_caught(self):
+        self.assert_caught("tools/refine/utils/a.cpp", SPDX, "'utils'")
+        self.assert_caught("tools/refine/helpers.cpp", SPDX, "'helpers'")
+
+    def test_globs_are_caught(self):
+        self.assert_caught("lib/CMakeLists.txt", "# " + SPDX + "file(GLOB x *.cpp)\n", "globs")
+
+    def test_the_program_fails_with_code_1_when_there_is_a_violation(self):
+        with tempfile.TemporaryDirectory() as folder:
+            pathlib.Path(folder, "a.cpp").write_text("int x;\n")
+            old, sys.argv = sys.argv, ["layers.py", folder]
+            with contextlib.redirect_stdout(io.StringIO()) as printed:
+                code = layers.main()
+            sys.argv = old
+            self.assertEqual(code, 1)
+            self.assertIn("a.cpp:1:", printed.getvalue())
+
+
+if __name__ == "__main__":
+    unittest.main()
