@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "pamr/mesh/assemble.hpp"
+
+#include <algorithm>
+#include <string>
+#include <utility>
+
+#include "pamr/base/error.hpp"
+#include "pamr/mesh/assemble_steps.hpp"
+#include "pamr/mesh/families.hpp"
+#include "pamr/mesh/id_map.hpp"
+#include "pamr/par/exchange.hpp"
+
+namespace pamr::mesh {
+
+namespace {
+
+/// Numbers the nodes in order of first use and fills `cell_to_node` and `node_global`.
+void number_nodes(DistMesh& mesh, std::vector<std::array<GlobalId, 4>> cell_to_node) {
+  GlobalId min = 0, max = -1;
+  if (!cell_to_node.empty()) min = max = cell_to_node[0][0];
+  for (const auto& nodes : cell_to_node)
+    for (const auto id : nodes) {
+      min = std::min(min, id);
+      max = std::max(max, id);
+    }
+  if (max < min) return;
+  IdMap local(min, max, cell_to_node.size() / 4);
+  mesh.cell_to_node.reserve(cell_to_node.size());
+  for (const auto& nodes : cell_to_node) {
+    auto& here = mesh.cell_to_node.emplace_back();
+    for (std::size_t i = 0; i < 4; ++i) {
+      here[i] = local.find_or_insert(nodes[i], static_cast<LocalId>(mesh.node_global.size()));
+      if (here[i] == static_cast<LocalId>(mesh.node_global.size())) mesh.node_global.push_back(nodes[i]);
+    }
+  }
+  mesh.node_global.shrink_to_fit();
+}
+
+/// Coordinates and node fields of this rank's nodes, from the blocks that hold them.
+void fetch_nodes(const par::Comm& comm, DistMesh& mesh, BlockMesh& block) {
+  const auto n = mesh.info.n_global_nodes;
+  mesh.node_position = par::fetch_rows<geometry::Vec3>(comm, n, block.node_position, 1, mesh.node_global);
+  block.node_position = {};
+  for (auto& field : block.node_fields) {
+    std::visit(
+        [&]<class T>(std::vector<T>& values) {
+          values = par::fetch_rows<T>(comm, n, values, static_cast<std::size_t>(field.n_components), mesh.node_global);
+        },
+        field.value);
+    mesh.node_fields.push_back(std::move(field));
+  }
+}
+
+/// Refuses families whose cells do not share their nodes as the template says. They are whole and on one rank by now.
+void check_templates(const DistMesh& mesh) {
+  for (std::size_t c = 0; c < mesh.lineage.size();) {
+    const auto lineage = mesh.lineage[c];
+    if (!lineage.is_removable()) {
+      ++c;
+      continue;
+    }
+    const auto size = static_cast<std::size_t>(lineage.family_size());
+    if (!fits_template(lineage, std::span<const CellNodes>(mesh.cell_to_node).subspan(c, size)))
+      throw Error("lineage: expected cells " + std::to_string(mesh.cell_global[c]) + " to " +
+                  std::to_string(mesh.cell_global[c + size - 1]) +
+                  " to share their nodes as one closure family, found other nodes (first cell: " + describe(lineage) +
+                  ")");
+    c += size;
+  }
+}
+
+}  // namespace
+
+namespace assembly {
+
+par::SharedKey face_key(const DistMesh& mesh, LocalId cell, int slot) {
+  const auto& nodes = mesh.cell_to_node[static_cast<std::size_t>(cell)];
+  par::SharedKey key{};
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto corner = tet::face_to_corner[static_cast<std::size_t>(slot)][i];
+    key[i] = mesh.node_global[static_cast<std::size_t>(nodes[static_cast<std::size_t>(corner)])];
+  }
+  std::sort(key.begin(), key.end());
+  return key;
+}
+
+}  // namespace assembly
+
+DistMesh assemble(const par::Comm& comm, BlockMesh block, std::span<const Rank> destination) {
+  const auto contents = assembly::check_block(comm, block, destination);
+  auto to = assembly::family_destinations(comm, block, destination, contents);
+  auto cells = assembly::send_cells(comm, block, std::move(to), contents);
+
+  DistMesh mesh;
+  mesh.info = std::move(block.info);
+  mesh.cell_global = std::move(cells.id);
+  mesh.lineage = std::move(cells.lineage);
+  mesh.cell_fields = std::move(cells.field);
+  number_nodes(mesh, std::move(cells.node));
+  par::agree(comm, [&] { check_templates(mesh); });
+  if (contents.has_neighbours) {
+    const auto owners = assembly::find_owners(comm, mesh.info.n_global_cells, mesh.cell_global, contents);
+    assembly::link_neighbours(comm, mesh, std::move(cells.neighbour), owners);
+  } else {
+    if (mesh.info.patches.empty()) mesh.info.patches.push_back({"boundary", "patch", ""});
+    assembly::build_neighbours(comm, mesh);
+  }
+  fetch_nodes(comm, mesh, block);
+  return mesh;
+}
+
+}  // namespace pamr::mesh
