@@ -1,0 +1,91 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: GPL-3.0-or-later
+# Everything between a fresh Debian 12 and a built PAMR: packages, configuration, build. What is there already costs
+# nothing: a second run starts neither apt nor a configuration.
+#
+#   scripts/setup.sh [--tests] [--picture] [--packages-only]
+#
+#   --tests          build the tests and benchmarks too (default: library and tools)
+#   --picture        also install what rendering pictures needs
+#   --packages-only  install, then stop
+#
+# Environment: PAMR_BUILD (build folder, default build/release), PAMR_JOBS (compilers at once), CI (when set, compiler
+# warnings are errors).
+set -euo pipefail
+
+root=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")/.." && pwd)
+build=${PAMR_BUILD:-$root/build/release}
+
+packages=(
+  build-essential cmake ninja-build       # compiler and build
+  libopenmpi-dev openmpi-bin              # MPI
+  libhdf5-openmpi-dev                     # files
+  libcgal-dev libopenmesh-dev             # geometry (libcgal-dev brings Boost, GMP and MPFR)
+  libcli11-dev libfmt-dev libtomlplusplus-dev nlohmann-json3-dev  # command line, case files, reports
+  python3                                 # tables of the cases
+)
+test_packages=(libgtest-dev libgmock-dev libbenchmark-dev python3-h5py python3-numpy)
+picture_packages=(python3-vtk9 python3-h5py python3-numpy xvfb xauth)
+
+with_tests=OFF
+packages_only=no
+for option in "$@"; do
+  case $option in
+    --tests) with_tests=ON packages+=("${test_packages[@]}") ;;
+    --picture) packages+=("${picture_packages[@]}") ;;
+    --packages-only) packages_only=yes ;;
+    -h | --help) sed -n '3,14s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
+    *) echo "setup.sh: unknown option $option (see setup.sh --help)" >&2; exit 2 ;;
+  esac
+done
+
+is_installed() { [ "$(dpkg-query -W -f='${db:Status-Status}' "$1" 2>/dev/null)" = installed ]; }
+
+install_packages() {
+  local missing=() package as_root=()
+  if ! command -v dpkg-query >/dev/null; then
+    echo "setup.sh: this is no Debian system; needed are, under Debian's names: $*" >&2
+    return 0
+  fi
+  for package in "$@"; do is_installed "$package" || missing+=("$package"); done
+  [ ${#missing[@]} -gt 0 ] || return 0
+  echo "setup.sh: installing ${missing[*]}"
+  if [ "$(id -u)" != 0 ]; then
+    if ! command -v sudo >/dev/null; then
+      echo "setup.sh: expected to be root or to have sudo; install these packages first: ${missing[*]}" >&2
+      exit 1
+    fi
+    as_root=(sudo)
+  fi
+  local apt=("${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -q -o DPkg::Lock::Timeout=300
+    -o Acquire::Retries=3)
+  "${apt[@]}" update
+  "${apt[@]}" install -y --no-install-recommends "${missing[@]}"
+}
+
+# One compiler per core, as far as memory goes: the geometry sources (CGAL) need about 1.2 GB each.
+parallel_jobs() {
+  local cores fitting
+  cores=$(nproc)
+  fitting=$(awk '/^MemAvailable:/ { print int($2 / 1200000) }' /proc/meminfo)
+  [ "$fitting" -ge 1 ] || fitting=1
+  echo $((cores < fitting ? cores : fitting))
+}
+
+# Configures when there is nothing yet, when the folder was made for another checkout, or when the tests were left out
+# so far. Later changes of the build files are noticed by ninja itself.
+configure() {
+  local cache=$build/CMakeCache.txt fresh=()
+  if [ -f "$cache" ] && ! grep -qxF "CMAKE_HOME_DIRECTORY:INTERNAL=$root" "$cache"; then fresh=(--fresh); fi
+  if [ ${#fresh[@]} = 0 ] && [ -f "$build/build.ninja" ]; then
+    if [ $with_tests = OFF ] || grep -qx 'PAMR_TESTS:BOOL=ON' "$cache"; then return 0; fi
+  fi
+  (cd -- "$root" && cmake --preset release "${fresh[@]}" -B "$build" -DPAMR_TESTS=$with_tests \
+    -DPAMR_BENCH=$with_tests -DPAMR_STRICT="${CI:+ON}")
+}
+
+install_packages "${packages[@]}"
+if [ $packages_only = no ]; then
+  configure
+  cmake --build "$build" --parallel "${PAMR_JOBS:-$(parallel_jobs)}"
+fi
