@@ -30,6 +30,9 @@ class Surface {
   virtual double distance(Vec3 point) const { return norm(point - project(point)); }
   /// True when moving along a straight segment between two of its points stays on it (a plane): nothing to project.
   virtual bool is_flat() const { return false; }
+  /// Size of the numbers that the surface is made of (a bound of its parameters' coordinates and radii): what the
+  /// rounding errors of `project` are relative to, besides the coordinates of the point.
+  virtual double magnitude() const { return 0; }
 };
 
 /// Named surfaces of a mesh, in the order of their description.
@@ -47,8 +50,9 @@ SurfaceSet surfaces_from_toml(std::string_view text, std::string_view where);
 
 /// Nearest point that lies on all the given surfaces (1: the surface, 2: their common curve, 3: their corner), found by
 /// Newton steps of least length from `point`. Where two surfaces meet at under 5 degrees the nearer one is taken
-/// alone, the first among equals. `converged` is false when the surfaces have no common point near by; `point` is then
-/// the best one found.
+/// alone, the first among equals. `converged` is false when the surfaces have no common point near by (to 1e-13 of the
+/// size of the coordinates, and within 32 times the largest distance from the start); `point` is then the best one
+/// found. More than three surfaces may meet in a corner; all of them count.
 struct Projected {
   Vec3 point;
   bool converged = true;

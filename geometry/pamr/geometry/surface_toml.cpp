@@ -1,0 +1,213 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <toml++/toml.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <initializer_list>
+#include <string>
+#include <utility>
+
+#include "pamr/base/error.hpp"
+#include "pamr/geometry/cone.hpp"
+#include "pamr/geometry/cylinder.hpp"
+#include "pamr/geometry/parameters.hpp"
+#include "pamr/geometry/plane.hpp"
+#include "pamr/geometry/revolution.hpp"
+#include "pamr/geometry/sphere.hpp"
+#include "pamr/geometry/surface.hpp"
+#include "pamr/geometry/torus.hpp"
+
+namespace pamr::geometry {
+
+namespace {
+
+constexpr std::string_view kinds = "plane, sphere, cylinder, cone, torus or revolution";
+
+std::string kind_of(const toml::node& node) {
+  switch (node.type()) {
+    case toml::node_type::table:
+      return "a table";
+    case toml::node_type::array:
+      return "an array of " + std::to_string(node.as_array()->size());
+    case toml::node_type::string:
+      return "the text \"" + node.as_string()->get() + "\"";
+    case toml::node_type::integer:
+      return decimal(static_cast<double>(node.as_integer()->get()));
+    case toml::node_type::floating_point:
+      return decimal(node.as_floating_point()->get());
+    case toml::node_type::boolean:
+      return node.as_boolean()->get() ? "true" : "false";
+    default:
+      return "a date or time";
+  }
+}
+
+/// Reads the keys of one table; errors name the file, the line and the table.
+class TableReader {
+ public:
+  TableReader(const toml::table& table, std::string where, std::string context)
+      : table_(table), where_(std::move(where)), context_(std::move(context)) {}
+
+  [[noreturn]] void fail(const toml::source_region& place, const std::string& message) const {
+    throw Error(where_ + ":" + std::to_string(place.begin.line) + ": " + context_ + ": " + message);
+  }
+  [[noreturn]] void fail(const std::string& message) const { fail(table_.source(), message); }
+
+  bool has(std::string_view key) const { return table_.contains(key); }
+
+  const toml::node& required(std::string_view key) const {
+    const toml::node* node = table_.get(key);
+    if (node == nullptr) fail("expected the key " + std::string(key) + ", found none");
+    return *node;
+  }
+
+  double number(std::string_view key) const { return finite(required(key), key); }
+
+  template <std::size_t N>
+  std::array<double, N> numbers(std::string_view key) const {
+    const toml::node& node = required(key);
+    const toml::array* values = node.as_array();
+    if (values == nullptr || values->size() != N)
+      fail(node.source(), std::string(key) + ": expected " + std::to_string(N) + " numbers, found " + kind_of(node));
+    std::array<double, N> result{};
+    for (std::size_t i = 0; i < N; ++i) result[i] = finite((*values)[i], key);
+    return result;
+  }
+
+  Vec3 vector(std::string_view key) const {
+    const auto values = numbers<3>(key);
+    return {values[0], values[1], values[2]};
+  }
+
+  Meridian meridian(std::string_view key) const {
+    const auto values = numbers<2>(key);
+    return {values[0], values[1]};
+  }
+
+  std::string text(std::string_view key) const {
+    const toml::node& node = required(key);
+    if (!node.is_string() || node.as_string()->get().empty())
+      fail(node.source(), std::string(key) + ": expected a text that is not empty, found " + kind_of(node));
+    return node.as_string()->get();
+  }
+
+  bool truth(std::string_view key) const {
+    const toml::node& node = required(key);
+    if (!node.is_boolean()) fail(node.source(), std::string(key) + ": expected true or false, found " + kind_of(node));
+    return node.as_boolean()->get();
+  }
+
+  const toml::array& tables(std::string_view key) const {
+    const toml::node& node = required(key);
+    const toml::array* values = node.as_array();
+    if (values == nullptr || values->empty() ||
+        !std::all_of(values->begin(), values->end(), [](const toml::node& item) { return item.is_table(); }))
+      fail(node.source(), std::string(key) + ": expected an array of one table or more, found " + kind_of(node));
+    return *values;
+  }
+
+  void refuse_keys_but(std::initializer_list<std::string_view> known) const {
+    std::string list;
+    for (const std::string_view key : known) list += (list.empty() ? "" : ", ") + std::string(key);
+    for (const auto& [key, node] : table_)
+      if (std::find(known.begin(), known.end(), key.str()) == known.end())
+        fail(key.source(), "expected only the keys " + list + ", found " + std::string(key.str()));
+  }
+
+ private:
+  double finite(const toml::node& node, std::string_view key) const {
+    const auto value = node.is_number() ? node.value<double>() : std::nullopt;
+    if (!value || !std::isfinite(*value))
+      fail(node.source(), std::string(key) + ": expected a finite number, found " + kind_of(node));
+    return *value;
+  }
+
+  const toml::table& table_;
+  std::string where_, context_;
+};
+
+std::vector<ProfilePiece> read_profile(const TableReader& surface, const std::string& where,
+                                       const std::string& context) {
+  std::vector<ProfilePiece> profile;
+  for (const toml::node& node : surface.tables("profile")) {
+    const TableReader piece(*node.as_table(), where, context + ": profile piece " + std::to_string(profile.size() + 1));
+    piece.refuse_keys_but({"from", "to", "center", "clockwise"});
+    ProfilePiece& read = profile.emplace_back(ProfilePiece{piece.meridian("from"), piece.meridian("to"), {}});
+    if (piece.has("center")) read.arc = ProfileArc{piece.meridian("center"), {}};
+    if (!piece.has("clockwise")) continue;
+    if (!read.arc) piece.fail("expected the key center beside clockwise, found none");
+    read.arc->clockwise = piece.truth("clockwise");
+  }
+  return profile;
+}
+
+std::unique_ptr<const Surface> read_surface(const TableReader& table, const std::string& where,
+                                            const std::string& context) {
+  const std::string kind = table.text("kind");
+  if (kind == "plane") {
+    table.refuse_keys_but({"name", "kind", "point", "normal"});
+    return std::make_unique<Plane>(table.vector("point"), table.vector("normal"));
+  }
+  if (kind == "sphere") {
+    table.refuse_keys_but({"name", "kind", "center", "radius"});
+    return std::make_unique<Sphere>(table.vector("center"), table.number("radius"));
+  }
+  if (kind == "cylinder") {
+    table.refuse_keys_but({"name", "kind", "point", "axis", "radius"});
+    return std::make_unique<Cylinder>(table.vector("point"), table.vector("axis"), table.number("radius"));
+  }
+  if (kind == "cone") {
+    table.refuse_keys_but({"name", "kind", "apex", "axis", "half_angle"});
+    return std::make_unique<Cone>(table.vector("apex"), table.vector("axis"), table.number("half_angle"));
+  }
+  if (kind == "torus") {
+    table.refuse_keys_but({"name", "kind", "center", "axis", "major_radius", "minor_radius"});
+    return std::make_unique<Torus>(table.vector("center"), table.vector("axis"), table.number("major_radius"),
+                                   table.number("minor_radius"));
+  }
+  if (kind == "revolution") {
+    table.refuse_keys_but({"name", "kind", "origin", "axis", "profile"});
+    return std::make_unique<Revolution>(table.vector("origin"), table.vector("axis"),
+                                        read_profile(table, where, context));
+  }
+  table.fail(table.required("kind").source(), "kind: expected " + std::string(kinds) + ", found \"" + kind + "\"");
+}
+
+}  // namespace
+
+SurfaceSet surfaces_from_toml(std::string_view text, std::string_view where) {
+  const std::string file(where);
+  toml::table root;
+  try {
+    root = toml::parse(text, file);
+  } catch (const toml::parse_error& error) {
+    throw Error(file + ":" + std::to_string(error.source().begin.line) +
+                ": expected TOML, found: " + std::string(error.description()));
+  }
+  SurfaceSet set;
+  const TableReader top(root, file, "surfaces");
+  top.refuse_keys_but({"surface"});
+  if (!top.has("surface")) return set;
+  for (const toml::node& node : top.tables("surface")) {
+    const toml::table& table = *node.as_table();
+    const std::string number = "surface " + std::to_string(set.name.size() + 1);
+    const std::string name = TableReader(table, file, number).text("name");
+    const std::string context = "surface \"" + name + "\"";
+    const TableReader reader(table, file, context);
+    if (set.find(name) != nullptr) reader.fail(table.get("name")->source(), "expected a new name, found it twice");
+    std::unique_ptr<const Surface> surface;
+    try {
+      surface = read_surface(reader, file, context);
+    } catch (const Error& error) {
+      const std::string message = error.what();
+      if (message.starts_with(file + ":")) throw;
+      reader.fail(message);
+    }
+    set.name.push_back(name);
+    set.surface.push_back(std::move(surface));
+  }
+  return set;
+}
+
+}  // namespace pamr::geometry
