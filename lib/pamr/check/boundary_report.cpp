@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "pamr/check/boundary_report.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <span>
+#include <utility>
+
+#include "pamr/base/error.hpp"
+#include "pamr/base/hash.hpp"
+#include "pamr/mesh/tet.hpp"
+#include "pamr/par/reproducible_sum.hpp"
+
+namespace pamr::check {
+
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+/// A node of a group, by its global number.
+struct GroupNode {
+  GlobalId node = 0;
+  std::int64_t group = 0;
+  friend constexpr auto operator<=>(const GroupNode&, const GroupNode&) = default;
+};
+
+/// How many different nodes each group has over all ranks. A node meets its copies on a rank chosen by its number.
+std::vector<std::int64_t> count_distinct(const par::Comm& comm, const std::vector<GroupNode>& here,
+                                         std::size_t n_groups) {
+  std::map<Rank, std::vector<GroupNode>> by_rank;
+  for (const auto& item : here) {
+    const auto to = mix(static_cast<std::uint64_t>(item.node)) % static_cast<std::uint64_t>(comm.size());
+    by_rank[static_cast<Rank>(to)].push_back(item);
+  }
+  std::vector<par::Outgoing<GroupNode>> messages;
+  for (auto& [to, items] : by_rank) messages.push_back({to, std::move(items)});
+  auto met = comm.sparse_exchange(messages).item;
+  std::sort(met.begin(), met.end());
+  met.erase(std::unique(met.begin(), met.end()), met.end());
+  std::vector<std::int64_t> counts(n_groups, 0);
+  for (const auto& item : met) ++counts[static_cast<std::size_t>(item.group)];
+  comm.sum_in_place(counts);
+  return counts;
+}
+
+/// Twice the area of a face of a cell.
+double doubled_area(const mesh::DistMesh& mesh, LocalId cell, std::size_t face) {
+  const auto p = mesh.points(cell);
+  const auto [a, b, c] = mesh::tet::face_to_corner[face];
+  const auto pa = p[static_cast<std::size_t>(a)];
+  return norm(cross(p[static_cast<std::size_t>(b)] - pa, p[static_cast<std::size_t>(c)] - pa));
+}
+
+std::vector<const geometry::Surface*> surfaces_of(const mesh::DistMesh& mesh, const geometry::SurfaceSet& surfaces) {
+  std::vector<const geometry::Surface*> result;
+  for (const auto& patch : mesh.info.patches) {
+    result.push_back(patch.surface.empty() ? nullptr : surfaces.find(patch.surface));
+    if (!patch.surface.empty() && result.back() == nullptr)
+      throw Error("patch \"" + patch.name + "\" lies on surface \"" + patch.surface +
+                  "\": expected a surface of that name in the mesh, found none");
+  }
+  return result;
+}
+
+/// Patch of a face slot; -1 when the slot is no patch of the mesh.
+std::ptrdiff_t patch_of(const mesh::DistMesh& mesh, LocalId slot) {
+  if (slot >= 0) return -1;
+  const std::ptrdiff_t patch = mesh::slot_to_patch(slot);
+  return patch < std::ssize(mesh.info.patches) ? patch : -1;
+}
+
+bool is_finite(geometry::Vec3 p) { return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z); }
+
+/// Local nodes of each patch, each once.
+std::vector<std::vector<LocalId>> nodes_of_patches(const mesh::DistMesh& mesh) {
+  std::vector<std::vector<LocalId>> nodes(mesh.info.patches.size());
+  for (std::size_t cell = 0; cell < mesh.cell_to_cell.size(); ++cell)
+    for (std::size_t face = 0; face < 4; ++face) {
+      const auto patch = patch_of(mesh, mesh.cell_to_cell[cell][face]);
+      if (patch < 0) continue;
+      auto& of_patch = nodes[static_cast<std::size_t>(patch)];
+      for (const int corner : mesh::tet::face_to_corner[face])
+        of_patch.push_back(mesh.cell_to_node[cell][static_cast<std::size_t>(corner)]);
+    }
+  for (auto& list : nodes) {
+    std::sort(list.begin(), list.end());
+    list.erase(std::unique(list.begin(), list.end()), list.end());
+  }
+  return nodes;
+}
+
+}  // namespace
+
+double bounding_box_diagonal(const par::Comm& comm, const mesh::DistMesh& mesh) {
+  std::array<double, 3> low{infinity, infinity, infinity}, high{-infinity, -infinity, -infinity};
+  for (const auto& p : mesh.node_position) {
+    const std::array<double, 3> x{p.x, p.y, p.z};
+    for (std::size_t d = 0; d < 3; ++d) {
+      low[d] = std::min(low[d], x[d]);
+      high[d] = std::max(high[d], x[d]);
+    }
+  }
+  for (std::size_t d = 0; d < 3; ++d) {
+    low[d] = comm.min(low[d]);
+    high[d] = comm.max(high[d]);
+  }
+  if (high[0] < low[0]) return 0;
+  return geometry::norm({high[0] - low[0], high[1] - low[1], high[2] - low[2]});
+}
+
+std::vector<PatchReport> measure_patches(const par::Comm& comm, const mesh::DistMesh& mesh,
+                                         const geometry::SurfaceSet& surfaces, double tolerance) {
+  const auto surface = surfaces_of(mesh, surfaces);  // the same names on every rank: all throw or none
+  const std::size_t n_patches = mesh.info.patches.size();
+  std::vector<par::ExactSum> area(n_patches);
+  std::vector<std::int64_t> faces(n_patches, 0);
+  for (LocalId cell = 0; cell < mesh.n_cells(); ++cell)
+    for (std::size_t face = 0; face < 4; ++face) {
+      const auto patch = patch_of(mesh, mesh.cell_to_cell[static_cast<std::size_t>(cell)][face]);
+      if (patch < 0) continue;
+      ++faces[static_cast<std::size_t>(patch)];
+      area[static_cast<std::size_t>(patch)].add(0.5 * doubled_area(mesh, cell, face));
+    }
+
+  const auto nodes = nodes_of_patches(mesh);
+  std::vector<double> worst(n_patches, 0);
+  std::vector<GroupNode> off;
+  for (std::size_t patch = 0; patch < n_patches; ++patch) {
+    if (surface[patch] == nullptr) continue;
+    for (const LocalId node : nodes[patch]) {
+      const auto point = mesh.point(node);
+      const double distance = is_finite(point) ? surface[patch]->distance(point) : infinity;
+      worst[patch] = std::max(worst[patch], distance);
+      if (!(distance <= tolerance))
+        off.push_back({mesh.node_global[static_cast<std::size_t>(node)], static_cast<std::int64_t>(patch)});
+    }
+  }
+
+  const auto total_area = par::reproducible_sums(comm, area);
+  comm.sum_in_place(faces);
+  const auto off_nodes = count_distinct(comm, off, n_patches);
+  std::vector<PatchReport> reports;
+  for (std::size_t patch = 0; patch < n_patches; ++patch) {
+    const auto& info = mesh.info.patches[patch];
+    const double worst_of_all = comm.max(worst[patch]);
+    reports.push_back({info.name, info.surface, faces[patch], total_area[patch], worst_of_all, off_nodes[patch]});
+  }
+  return reports;
+}
+
+Ledger read_ledger(const par::Comm& comm, const mesh::DistMesh& mesh) {
+  const auto* field = mesh.find_node_field("off_surface");
+  if (field == nullptr || field->holds_integers() || field->n_components != 1) return {};
+  std::vector<GroupNode> off;
+  double worst = 0;
+  for (std::size_t node = 0; node < field->real().size(); ++node) {
+    if (!(field->real()[node] > 0)) continue;
+    worst = std::max(worst, field->real()[node]);
+    off.push_back({mesh.node_global[node], 0});
+  }
+  return {count_distinct(comm, off, 1).front(), comm.max(worst)};
+}
+
+}  // namespace pamr::check

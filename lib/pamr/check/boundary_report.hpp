@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "pamr/geometry/surface.hpp"
+#include "pamr/mesh/dist_mesh.hpp"
+#include "pamr/par/comm.hpp"
+
+namespace pamr::check {
+
+/// One boundary patch. A node on several patches counts for each of them.
+struct PatchReport {
+  std::string name;
+  std::string surface;                 ///< empty: nothing to lie on, distances are 0
+  std::int64_t faces = 0;              ///< boundary triangles
+  double area = 0;                     ///< squared length unit
+  double worst_distance = 0;           ///< largest distance of a node of the patch from its surface, length unit
+  std::int64_t off_surface_nodes = 0;  ///< nodes farther from it than the tolerance
+};
+
+/// Length of the diagonal of the box round all nodes; 0 for a mesh without nodes. Collective: six reductions.
+double bounding_box_diagonal(const par::Comm& comm, const mesh::DistMesh& mesh);
+
+/// Measures every patch, in the order of the mesh's patches. `surfaces` holds the surfaces that the patches name;
+/// `tolerance` (length unit) is the distance beyond which a node counts as off its surface. Areas are exact sums
+/// rounded once: the same bits for every number of ranks. Collective: a sparse exchange of the off-surface nodes and
+/// reductions. Throws `Error` on every rank when a patch names a surface that is not among `surfaces`.
+/// Cost: one distance per node and patch of this rank's boundary.
+std::vector<PatchReport> measure_patches(const par::Comm& comm, const mesh::DistMesh& mesh,
+                                         const geometry::SurfaceSet& surfaces, double tolerance);
+
+/// Nodes that refinement could not bring onto their surface, as the nodal field `off_surface` tells (distance left,
+/// length unit; 0: on it).
+struct Ledger {
+  std::int64_t nodes = 0;
+  double worst = 0;
+};
+
+/// Reads the ledger; zeros when the mesh has no such field. A node on several ranks counts once. Collective.
+Ledger read_ledger(const par::Comm& comm, const mesh::DistMesh& mesh);
+
+}  // namespace pamr::check

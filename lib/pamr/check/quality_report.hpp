@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "pamr/check/boundary_report.hpp"
+#include "pamr/check/metrics.hpp"
+#include "pamr/geometry/surface.hpp"
+#include "pamr/mesh/dist_mesh.hpp"
+#include "pamr/mesh/validate.hpp"
+#include "pamr/par/comm.hpp"
+
+namespace pamr::check {
+
+struct QualityOptions {
+  /// Distance beyond which a boundary node counts as off its surface, as a part of the bounding box's diagonal.
+  double off_surface_tolerance = 1e-12;
+};
+
+/// What is to be known about the quality of a mesh.
+struct QualityReport {
+  std::int64_t cells = 0;
+  std::int64_t nodes = 0;
+  double volume = 0;                 ///< sum of the cells' signed volumes, cubic length unit
+  double bounding_box_diagonal = 0;  ///< length unit
+  std::vector<PatchReport> patches;
+  std::int64_t inverted_cells = 0;     ///< volume not positive by exact arithmetic, or corners that are not finite
+  bool conforming = false;             ///< every inner face in exactly two cells, the boundary closed and manifold
+  bool neighbours_consistent = false;  ///< neighbours reciprocal over the same three nodes, every other face in a patch
+  std::vector<mesh::Violation> violations;  ///< of all invariants; empty: the mesh is valid
+  std::vector<MetricReport> metrics;
+  std::vector<std::int64_t> cells_of_level;  ///< cells whose base cell has level 0, 1, ...
+  std::int64_t closure_cells = 0;
+  Ledger ledger;
+  std::uint64_t fingerprint = 0;
+
+  bool is_valid() const { return violations.empty() && inverted_cells == 0; }
+};
+
+/// Measures a mesh; never throws because the mesh is bad. `surfaces` holds the surfaces that the patches name.
+/// Every number is the same for every number of ranks, partition and order of the cells, to the last bit.
+/// Collective. O(cells) and what `mesh::validate` takes. Throws `Error` on every rank when a patch names a surface
+/// that is not there.
+QualityReport report_quality(const par::Comm& comm, const mesh::DistMesh& mesh, const geometry::SurfaceSet& surfaces,
+                             const QualityOptions& options = {});
+
+}  // namespace pamr::check

@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "pamr/mark/field_criteria.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include "pamr/base/contract.hpp"
+#include "pamr/base/error.hpp"
+#include "pamr/geometry/quality.hpp"
+#include "pamr/mesh/tet.hpp"
+
+namespace pamr::mark {
+
+namespace {
+
+double value_at(const mesh::Field& field, std::size_t i) {
+  return field.holds_integers() ? static_cast<double>(field.integer()[i]) : field.real()[i];
+}
+
+const mesh::Field& require_scalar(const mesh::Field& field) {
+  if (field.n_components != 1)
+    throw Error("field \"" + field.name + "\": expected one component, found " + std::to_string(field.n_components));
+  return field;
+}
+
+std::string names_of(const mesh::DistMesh& mesh) {
+  std::string names;
+  for (const auto* fields : {&mesh.cell_fields, &mesh.node_fields})
+    for (const auto& field : *fields) names += (names.empty() ? "" : ", ") + field.name;
+  return names.empty() ? "none" : names;
+}
+
+/// Throws on every rank, naming the smallest cell, when any rank has found one.
+void refuse_cell(const par::Comm& comm, GlobalId found, const std::string& complaint) {
+  constexpr GlobalId none = std::numeric_limits<GlobalId>::max();
+  const GlobalId first = comm.min(found == invalid_global ? none : found);
+  if (first != none) throw Error(complaint + " in cell " + std::to_string(first));
+}
+
+}  // namespace
+
+std::vector<double> scalar_on_cells(const par::Comm& comm, const mesh::DistMesh& mesh, std::string_view name) {
+  std::vector<double> values(mesh.cell_to_node.size());
+  if (const auto* on_cells = mesh.find_cell_field(name)) {
+    const auto& field = require_scalar(*on_cells);
+    for (std::size_t i = 0; i < values.size(); ++i) values[i] = value_at(field, i);
+  } else if (const auto* on_nodes = mesh.find_node_field(name)) {
+    const auto& field = require_scalar(*on_nodes);
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      std::array<double, 4> corner{};
+      for (std::size_t k = 0; k < 4; ++k)
+        corner[k] = value_at(field, static_cast<std::size_t>(mesh.cell_to_node[i][k]));
+      std::sort(corner.begin(), corner.end());  // the mean must not depend on how the corners are numbered
+      values[i] = 0.25 * (((corner[0] + corner[1]) + corner[2]) + corner[3]);
+    }
+  } else {
+    throw Error("expected the name of a field (the mesh has: " + names_of(mesh) + "), found \"" + std::string(name) +
+                "\"");
+  }
+  const auto bad = std::find_if(values.begin(), values.end(), [](double v) { return !std::isfinite(v); });
+  refuse_cell(comm,
+              bad == values.end() ? invalid_global : mesh.cell_global[static_cast<std::size_t>(bad - values.begin())],
+              "field \"" + std::string(name) + "\": expected finite values, found one that is not");
+  return values;
+}
+
+Indicator beyond_threshold(const par::Comm& comm, const mesh::DistMesh& mesh, std::string_view field, Side side,
+                           double threshold) {
+  const double sign = side == Side::above ? 1.0 : -1.0;
+  const double limit = round_to_20_bits(threshold);
+  const double scale = limit != 0 ? std::abs(limit) : 1.0;
+  auto indicator = scalar_on_cells(comm, mesh, field);
+  for (auto& value : indicator) value = std::max(sign * (round_to_20_bits(value) - limit) / scale, 0.0);
+  return indicator;
+}
+
+double cell_size(const mesh::DistMesh& mesh, LocalId cell, CellSize measure) {
+  const auto p = mesh.points(cell);
+  if (measure == CellSize::cbrt_volume) return std::cbrt(std::abs(geometry::volume(p)));
+  double longest = 0;
+  for (const auto& [a, b] : mesh::tet::edge_to_corner)
+    longest = std::max(longest, geometry::norm(p[static_cast<std::size_t>(b)] - p[static_cast<std::size_t>(a)]));
+  return longest;
+}
+
+Indicator larger_than_length(const par::Comm& comm, const mesh::DistMesh& mesh, std::string_view field, double ratio,
+                             CellSize measure) {
+  if (!(ratio > 0) || !std::isfinite(ratio))
+    throw Error("expected a positive ratio of cell size to length, found " + std::to_string(ratio));
+  auto length = scalar_on_cells(comm, mesh, field);
+  const auto bad = std::find_if(length.begin(), length.end(), [](double v) { return !(v > 0); });
+  refuse_cell(comm,
+              bad == length.end() ? invalid_global : mesh.cell_global[static_cast<std::size_t>(bad - length.begin())],
+              "field \"" + std::string(field) + "\": expected positive lengths, found one that is not");
+  const double limit = round_to_20_bits(ratio);
+  Indicator indicator(length.size());
+  for (std::size_t i = 0; i < length.size(); ++i) {
+    const double relative = round_to_20_bits(cell_size(mesh, static_cast<LocalId>(i), measure) / length[i]);
+    indicator[i] = std::max((relative - limit) / limit, 0.0);
+  }
+  return indicator;
+}
+
+void keep_only_where(const par::Comm& comm, const mesh::DistMesh& mesh, std::string_view field, Side side,
+                     double threshold, Indicator& indicator) {
+  PAMR_EXPECTS(indicator.size() == mesh.cell_to_node.size());
+  const auto kept = beyond_threshold(comm, mesh, field, side, threshold);
+  for (std::size_t i = 0; i < indicator.size(); ++i)
+    if (!(kept[i] > 0)) indicator[i] = 0;
+}
+
+}  // namespace pamr::mark

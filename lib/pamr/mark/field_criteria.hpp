@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <string_view>
+#include <vector>
+
+#include "pamr/mark/indicator.hpp"
+
+namespace pamr::mark {
+
+/// Criteria that look at a field. The field has one component; a nodal field counts with the mean of the cell's four
+/// corners; where cells and nodes have a field of the same name, the one on cells is taken. Values and thresholds are
+/// rounded to 20 bits before they are compared. Every function throws `Error` on every rank when there is no such
+/// field, it has several components, or a value is not finite (naming the cell).
+
+/// The field on every cell of this rank, not rounded. Collective: one reduction.
+std::vector<double> scalar_on_cells(const par::Comm& comm, const mesh::DistMesh& mesh, std::string_view field);
+
+/// A side of a threshold.
+enum class Side { above, below };
+
+/// Cells whose value lies above (below) the threshold, not on it. Indicator: how far beyond the threshold, over its
+/// size (over 1 when the threshold is 0). Collective.
+Indicator beyond_threshold(const par::Comm& comm, const mesh::DistMesh& mesh, std::string_view field, Side side,
+                           double threshold);
+
+/// Measure of a cell's size, length unit: cube root of its volume, or its longest edge.
+enum class CellSize { cbrt_volume, longest_edge };
+double cell_size(const mesh::DistMesh& mesh, LocalId cell, CellSize measure);
+
+/// Cells larger than `ratio` times a length given as field (mean free path, Debye length): size / length > ratio.
+/// Indicator: by how much, over the ratio. Collective. Throws `Error` too when a length or the ratio is not positive.
+Indicator larger_than_length(const par::Comm& comm, const mesh::DistMesh& mesh, std::string_view field, double ratio,
+                             CellSize measure = CellSize::cbrt_volume);
+
+/// Takes the wish from cells whose value does not lie beyond the threshold. Collective.
+void keep_only_where(const par::Comm& comm, const mesh::DistMesh& mesh, std::string_view field, Side side,
+                     double threshold, Indicator& indicator);
+
+}  // namespace pamr::mark

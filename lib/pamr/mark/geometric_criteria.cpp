@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "pamr/mark/geometric_criteria.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "pamr/base/error.hpp"
+#include "pamr/mesh/borders.hpp"
+#include "pamr/par/exchange.hpp"
+
+namespace pamr::mark {
+
+namespace {
+
+constexpr double wanted = std::numeric_limits<double>::infinity();
+
+template <class Predicate>
+Indicator cells_where(const mesh::DistMesh& mesh, Predicate&& holds) {
+  Indicator indicator(mesh.cell_to_node.size(), 0);
+  for (LocalId cell = 0; cell < mesh.n_cells(); ++cell)
+    if (holds(cell)) indicator[static_cast<std::size_t>(cell)] = wanted;
+  return indicator;
+}
+
+int find_patch(const mesh::DistMesh& mesh, std::string_view name) {
+  const auto& patches = mesh.info.patches;
+  const auto found =
+      std::find_if(patches.begin(), patches.end(), [&](const auto& patch) { return patch.name == name; });
+  if (found != patches.end()) return static_cast<int>(found - patches.begin());
+  std::string names;
+  for (const auto& patch : patches) names += (names.empty() ? "" : ", ") + patch.name;
+  throw Error("expected the name of a boundary patch (the mesh has: " + (names.empty() ? "none" : names) +
+              "), found \"" + std::string(name) + "\"");
+}
+
+/// Carries a flag to all copies of a node on other ranks.
+void share_flags(const par::Exchange& exchange, std::vector<std::uint8_t>& node_flag) {
+  const auto& item = exchange.pattern().item;
+  std::vector<std::uint8_t> mine(item.size());
+  for (std::size_t k = 0; k < item.size(); ++k) mine[k] = node_flag[static_cast<std::size_t>(item[k])];
+  const auto theirs = exchange.swap<std::uint8_t>(mine);
+  for (std::size_t k = 0; k < item.size(); ++k)
+    if (theirs[k] != 0) node_flag[static_cast<std::size_t>(item[k])] = 1;
+}
+
+}  // namespace
+
+Indicator all_cells(const mesh::DistMesh& mesh) { return Indicator(mesh.cell_to_node.size(), wanted); }
+
+Indicator crossing_sphere(const mesh::DistMesh& mesh, const Sphere& sphere) {
+  return cells_where(mesh, [&](LocalId cell) {
+    double least = std::numeric_limits<double>::infinity(), greatest = 0;
+    for (const auto corner : mesh.points(cell)) {
+      const double distance = geometry::norm(corner - sphere.centre);
+      least = std::min(least, distance);
+      greatest = std::max(greatest, distance);
+    }
+    return least < sphere.radius && sphere.radius < greatest;
+  });
+}
+
+Indicator centroid_in_shell(const mesh::DistMesh& mesh, const Sphere& sphere, double width) {
+  return cells_where(mesh, [&](LocalId cell) {
+    return std::abs(geometry::norm(centroid(mesh, cell) - sphere.centre) - sphere.radius) < width;
+  });
+}
+
+Indicator centroid_in_box(const mesh::DistMesh& mesh, geometry::Vec3 low, geometry::Vec3 high) {
+  return cells_where(mesh, [&](LocalId cell) {
+    const auto p = centroid(mesh, cell);
+    return low.x <= p.x && p.x <= high.x && low.y <= p.y && p.y <= high.y && low.z <= p.z && p.z <= high.z;
+  });
+}
+
+Indicator near_patch(const par::Comm& comm, const mesh::DistMesh& mesh, std::string_view patch, int layers) {
+  const LocalId slot = mesh::patch_to_slot(find_patch(mesh, patch));
+  if (layers < 1) throw Error("expected at least 1 layer of cells, found " + std::to_string(layers));
+  auto indicator = cells_where(mesh, [&](LocalId cell) {
+    const auto& neighbours = mesh.cell_to_cell[static_cast<std::size_t>(cell)];
+    return std::find(neighbours.begin(), neighbours.end(), slot) != neighbours.end();
+  });
+  if (layers == 1) return indicator;
+
+  const auto borders = mesh::find_borders(comm, mesh);
+  const par::Exchange exchange(comm, borders.nodes);
+  std::vector<std::uint8_t> node_flag(mesh.node_position.size(), 0);
+  for (int layer = 1; layer < layers; ++layer) {
+    for (std::size_t cell = 0; cell < indicator.size(); ++cell)
+      if (indicator[cell] > 0)
+        for (const LocalId node : mesh.cell_to_node[cell]) node_flag[static_cast<std::size_t>(node)] = 1;
+    share_flags(exchange, node_flag);
+    for (std::size_t cell = 0; cell < indicator.size(); ++cell)
+      for (const LocalId node : mesh.cell_to_node[cell])
+        if (node_flag[static_cast<std::size_t>(node)] != 0) indicator[cell] = wanted;
+  }
+  return indicator;
+}
+
+}  // namespace pamr::mark

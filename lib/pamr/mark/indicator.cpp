@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "pamr/mark/indicator.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "pamr/base/contract.hpp"
+#include "pamr/par/select_smallest.hpp"
+
+namespace pamr::mark {
+
+double round_to_20_bits(double value) {
+  if (!std::isfinite(value)) return value;
+  int exponent = 0;
+  const double mantissa = std::frexp(value, &exponent);
+  return std::ldexp(std::nearbyint(std::ldexp(mantissa, 20)), exponent - 20);
+}
+
+void unite(Indicator& indicator, std::span<const double> other) {
+  PAMR_EXPECTS(indicator.size() == other.size());
+  for (std::size_t i = 0; i < other.size(); ++i) indicator[i] = std::max(indicator[i], other[i]);
+}
+
+geometry::Vec3 centroid(const mesh::DistMesh& mesh, LocalId cell) {
+  auto p = mesh.points(cell);
+  std::sort(p.begin(), p.end(), geometry::lexicographically_less);
+  return 0.25 * (((p[0] + p[1]) + p[2]) + p[3]);
+}
+
+void keep_below_level(const mesh::DistMesh& mesh, int max_level, Indicator& indicator) {
+  PAMR_EXPECTS(indicator.size() == mesh.lineage.size());
+  for (std::size_t i = 0; i < indicator.size(); ++i)
+    if (mesh.lineage[i].level() >= max_level) indicator[i] = 0;
+}
+
+std::vector<std::uint8_t> marks_of(std::span<const double> indicator) {
+  std::vector<std::uint8_t> marks(indicator.size());
+  std::transform(indicator.begin(), indicator.end(), marks.begin(),
+                 [](double wish) { return static_cast<std::uint8_t>(wish > 0 ? 1 : 0); });
+  return marks;
+}
+
+std::vector<std::uint8_t> strongest(const par::Comm& comm, const mesh::DistMesh& mesh,
+                                    std::span<const double> indicator, std::int64_t count) {
+  PAMR_EXPECTS(indicator.size() == mesh.cell_to_node.size());
+  std::vector<std::size_t> wanted;
+  std::vector<par::SortKey> key;
+  for (std::size_t i = 0; i < indicator.size(); ++i) {
+    if (!(indicator[i] > 0)) continue;
+    const auto middle = centroid(mesh, static_cast<LocalId>(i));
+    wanted.push_back(i);
+    key.push_back({par::ordered_bits(-indicator[i]), par::ordered_bits(middle.x), par::ordered_bits(middle.y),
+                   par::ordered_bits(middle.z), static_cast<std::uint64_t>(mesh.cell_global[i])});
+  }
+  const auto chosen = par::select_smallest(comm, key, count);
+  std::vector<std::uint8_t> marks(indicator.size(), 0);
+  for (std::size_t k = 0; k < wanted.size(); ++k) marks[wanted[k]] = chosen[k];
+  return marks;
+}
+
+std::int64_t count_marked(const par::Comm& comm, std::span<const std::uint8_t> marks) {
+  return comm.sum(static_cast<std::int64_t>(std::count(marks.begin(), marks.end(), std::uint8_t{1})));
+}
+
+void set_marks(mesh::DistMesh& mesh, std::span<const std::uint8_t> marks, const std::string& name) {
+  PAMR_EXPECTS(marks.size() == mesh.cell_to_node.size());
+  mesh::CellField field;
+  field.name = name;
+  field.storage = mesh::StorageType::int32;
+  field.value = std::vector<std::int64_t>(marks.begin(), marks.end());
+  if (auto* old = mesh.find_cell_field(name))
+    *old = std::move(field);
+  else
+    mesh.cell_fields.push_back(std::move(field));
+}
+
+}  // namespace pamr::mark
