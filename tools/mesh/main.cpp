@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "cli/run_tool.hpp"
+#include "mesh/block_mesh.hpp"
+#include "mesh/case_file.hpp"
+#include "mesh/mesh3.hpp"
+#include "mesh/order.hpp"
+#include "mesh/snap.hpp"
+#include "pamr/base/error.hpp"
+#include "pamr/geometry/quality.hpp"
+#include "pamr/io/native_file.hpp"
+#include "pamr/mesh/assemble.hpp"
+#include "pamr/mesh/kuhn_cube.hpp"
+#include "pamr/mesh/validate.hpp"
+
+namespace {
+
+using namespace pamr;
+
+struct Options {
+  std::string case_file, shape, output;
+  int n = 0;
+  double size = 0;
+  bool force = false;
+};
+
+void declare(CLI::App& app, Options& options) {
+  app.add_option("CASE", options.case_file, "case file (TOML) whose table [mesh] says what to mesh");
+  app.add_option("--shape", options.shape, "kuhn-cube, blunt-cone or sphere-in-box, instead of a case file");
+  app.add_option("--n", options.n, "kuhn-cube: cubes a side, 6 cells each")->check(CLI::PositiveNumber);
+  app.add_option("--size", options.size,
+                 "sphere-in-box: edge length (default 0.28); blunt-cone: largest edge length, metres (default 0.01)")
+      ->check(CLI::PositiveNumber);
+  app.add_option("-o,--output", options.output, "mesh to write (.hdf)")->required();
+  app.add_flag("--force", options.force, cli::force_help);
+}
+
+void require_consistent(const Options& o) {
+  if (o.case_file.empty() == o.shape.empty())
+    throw Error(std::string("expected either a case file or --shape, found ") + (o.shape.empty() ? "neither" : "both"));
+  if ((o.shape == "kuhn-cube") != (o.n > 0))
+    throw Error(o.n > 0 ? "expected --n with --shape kuhn-cube only"
+                        : "expected --n N with --shape kuhn-cube, found none");
+  if (o.size > 0 && (o.shape.empty() || o.shape == "kuhn-cube"))
+    throw Error("expected --size with --shape blunt-cone or sphere-in-box only");
+}
+
+/// The text of the file, read by rank 0. Collective.
+std::string text_of(const par::Comm& comm, const std::string& path) {
+  std::string text;
+  par::agree(comm, [&] {
+    if (!comm.is_first()) return;
+    std::ifstream file(path, std::ios::binary);
+    text.assign(std::istreambuf_iterator<char>(file), {});
+    if (!file) throw Error(path + ": expected a file that can be read");
+  });
+  return comm.broadcast(text);
+}
+
+/// Rank 0 makes the mesh while the others wait. Collective.
+mesh::BlockMesh make_with_cgal(const cli::Session& session, const meshing::MeshCase& mesh_case) {
+  const auto& comm = session.comm();
+  const auto domain = meshing::domain_of(mesh_case);
+  meshing::RawMesh raw;
+  par::agree(comm, [&] {
+    if (!comm.is_first()) return;
+    auto progress = session.progress("meshing", 3, "steps");
+    raw = meshing::run_mesh3(domain, mesh_case.seed);
+    progress.update(1, "boundary");
+    meshing::place_boundary(domain, raw);
+    progress.update(2, "quality");
+    meshing::improve(domain, raw);
+    raw = meshing::ordered(raw);
+    progress.update(3);
+  });
+  auto block = meshing::to_block_mesh(comm, domain, raw);
+  block.info.provenance = meshing::describe(mesh_case);
+  return block;
+}
+
+/// What the mesh is like. Collective.
+nlohmann::json report_on(const par::Comm& comm, const mesh::DistMesh& mesh) {
+  std::vector<std::int64_t> n_faces(mesh.info.patches.size(), 0);
+  double worst = 1;
+  for (LocalId c = 0; c < mesh.n_cells(); ++c) {
+    worst = std::min(worst, geometry::mean_ratio(mesh.points(c)));
+    for (const auto slot : mesh.cell_to_cell[static_cast<std::size_t>(c)])
+      if (slot < 0) ++n_faces[static_cast<std::size_t>(mesh::slot_to_patch(slot))];
+  }
+  comm.sum_in_place(n_faces);
+  nlohmann::json patches;
+  for (std::size_t p = 0; p < n_faces.size(); ++p) patches[mesh.info.patches[p].name] = {{"faces", n_faces[p]}};
+  return {{"cells", mesh.info.n_global_cells},
+          {"nodes", mesh.info.n_global_nodes},
+          {"min_mean_ratio", comm.min(worst)},
+          {"patches", patches}};
+}
+
+cli::ExitCode make_mesh(cli::Session& session, const Options& options) {
+  const auto& comm = session.comm();
+  require_consistent(options);
+  std::vector<std::string> inputs;
+  if (!options.case_file.empty()) {
+    session.check_input(options.case_file);
+    inputs.push_back(options.case_file);
+  }
+  session.check_output(options.output, inputs, options.force);
+
+  mesh::BlockMesh block;
+  if (options.shape == "kuhn-cube") {
+    block = mesh::kuhn_cube(comm, options.n);
+    block.info.provenance = fmt::format("pamr-mesh: shape kuhn-cube, n {}", options.n);
+  } else {
+    block = make_with_cgal(session, options.shape.empty()
+                                        ? meshing::read_case(text_of(comm, options.case_file), options.case_file)
+                                        : meshing::case_of_shape(options.shape, options.size));
+  }
+  const auto destination = meshing::block_destinations(comm, block);
+  const auto mesh = mesh::assemble(comm, std::move(block), destination);
+  mesh::require_valid(comm, mesh, "the new mesh");
+  io::write_native(comm, options.output, mesh);
+
+  const auto report = report_on(comm, mesh);
+  session.write_report(report);
+  session.summary(fmt::format("{} cells, {} nodes, smallest mean ratio {:.3f} -> {}", mesh.info.n_global_cells,
+                              mesh.info.n_global_nodes, report["min_mean_ratio"].get<double>(), options.output));
+  return cli::ExitCode::done;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Options options;
+  return cli::run_tool(
+      argc, argv,
+      {"pamr-mesh", "Makes a level-0 mesh of tetrahedra.",
+       "pamr-mesh --shape kuhn-cube --n 8 -o cube.hdf\n  pamr-mesh --shape sphere-in-box --size 0.28 -o sphere.hdf"},
+      [&](CLI::App& app) { declare(app, options); },
+      [&](cli::Session& session) { return make_mesh(session, options); });
+}

@@ -1,0 +1,218 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "mesh/mesh3.hpp"
+
+#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include <CGAL/Labeled_mesh_domain_3.h>
+#include <CGAL/Mesh_complex_3_in_triangulation_3.h>
+#include <CGAL/Mesh_criteria_3.h>
+#include <CGAL/Mesh_domain_with_polyline_features_3.h>
+#include <CGAL/Mesh_triangulation_3.h>
+#include <CGAL/Random.h>
+#include <CGAL/exceptions.h>
+#include <CGAL/exude_mesh_3.h>
+#include <CGAL/make_mesh_3.h>
+#include <CGAL/perturb_mesh_3.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <string>
+#include <utility>
+
+#include "pamr/base/error.hpp"
+#include "pamr/mesh/tet.hpp"
+
+namespace pamr::meshing {
+namespace {
+
+using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
+using LabelledDomain = CGAL::Labeled_mesh_domain_3<Kernel>;
+using MeshDomain = CGAL::Mesh_domain_with_polyline_features_3<LabelledDomain>;
+using Triangulation = CGAL::Mesh_triangulation_3<MeshDomain>::type;
+using Complex =
+    CGAL::Mesh_complex_3_in_triangulation_3<Triangulation, MeshDomain::Corner_index, MeshDomain::Curve_index>;
+using Criteria = CGAL::Mesh_criteria_3<Triangulation>;
+using Edge = std::pair<std::int32_t, std::int32_t>;
+
+// CGAL's labels of space: 1 is the gas, 2 + p lies behind piece p. Its curves count from 1.
+constexpr int gas = 1;
+constexpr int first_piece = 2;
+
+// The largest radius of a circumscribed ball as a multiple of the wanted edge length: 0.577 and 0.612 are those of the
+// regular triangle and tetrahedron. Edges on curves shorter than on surfaces let the faces next to a curve meet their
+// bound. The error bound is a part of the domain's radius.
+constexpr double edge_factor = 0.9, face_factor = 0.6, cell_factor = 0.7;
+constexpr double min_face_angle = 28.0, cell_radius_edge_ratio = 2.0;
+constexpr double sliver_bound = 14.0;  // smallest dihedral angle worth no more work, degrees
+constexpr double relative_error = 1e-6;
+
+geometry::Vec3 from_cgal(const Kernel::Point_3& p) { return {p.x(), p.y(), p.z()}; }
+
+struct SizeField {
+  using FT = Kernel::FT;
+  const Domain* domain;
+  double factor;
+  template <class Index>
+  FT operator()(const Kernel::Point_3& p, int, const Index&) const {
+    return factor * domain->size(from_cgal(p));
+  }
+};
+
+MeshDomain make_domain(const Domain& domain, CGAL::Random& random) {
+  namespace p = CGAL::parameters;
+  const auto& c = domain.centre;
+  const Kernel::Sphere_3 ball(Kernel::Point_3(c.x, c.y, c.z), domain.radius * domain.radius);
+  const std::function<int(const Kernel::Point_3&)> label = [&domain](const Kernel::Point_3& point) {
+    const int piece = domain.label(from_cgal(point));
+    return piece == Domain::inside ? gas : first_piece + piece;
+  };
+  const std::function<bool(int)> is_outside = [](int index) { return index != gas; };
+  MeshDomain result(label, ball, p::relative_error_bound = relative_error, p::p_rng = &random,
+                    p::null_subdomain_index = is_outside);
+  std::vector<std::vector<Kernel::Point_3>> polylines;
+  for (const auto& curve : domain.curves) {
+    auto& polyline = polylines.emplace_back();
+    for (const auto& q : curve.polyline) polyline.emplace_back(q.x, q.y, q.z);
+  }
+  result.add_features(polylines.begin(), polylines.end());
+  return result;
+}
+
+Complex make_complex(const Domain& domain, const MeshDomain& mesh_domain) {
+  namespace p = CGAL::parameters;
+  const Criteria criteria(
+      p::edge_size = SizeField{&domain, edge_factor}, p::facet_angle = min_face_angle,
+      p::facet_size = SizeField{&domain, face_factor}, p::facet_topology = CGAL::FACET_VERTICES_ON_SAME_SURFACE_PATCH,
+      p::cell_radius_edge_ratio = cell_radius_edge_ratio, p::cell_size = SizeField{&domain, cell_factor});
+  auto complex = CGAL::make_mesh_3<Complex>(mesh_domain, criteria, p::no_perturb(), p::no_exude());
+  // No time limits: a mesh must not depend on how fast the machine is.
+  CGAL::perturb_mesh_3(complex, mesh_domain, p::sliver_bound = sliver_bound);
+  CGAL::exude_mesh_3(complex, p::sliver_bound = sliver_bound);
+  return complex;
+}
+
+/// Number of cells that the sizes ask for, from a grid of samples; a regular cell of edge h has the volume 0.118 h^3.
+double predicted_cells(const Domain& domain) {
+  constexpr int n = 64;
+  const double step = 2 * domain.radius / n;
+  double sum = 0;
+  for (int i = 0; i < n * n * n; ++i) {
+    const geometry::Vec3 grid{i % n + 0.5 - n / 2, i / n % n + 0.5 - n / 2, i / n / n + 0.5 - n / 2};
+    const auto point = domain.centre + step * grid;
+    if (domain.label(point) == Domain::inside) sum += std::pow(step / domain.size(point), 3);
+  }
+  return sum / 0.118;
+}
+
+[[noreturn]] void too_coarse(const std::string& what) {
+  throw Error("expected a mesh whose boundary follows the domain, found " + what +
+              ": the sizes are too coarse for the domain");
+}
+
+std::string text_of(geometry::Vec3 p) {
+  return "(" + std::to_string(p.x) + ", " + std::to_string(p.y) + ", " + std::to_string(p.z) + ")";
+}
+
+/// Nodes are numbered in the order in which the cells name them; CGAL's handles are compared by the time when they
+/// were made, so no order depends on addresses.
+class Extraction {
+ public:
+  explicit Extraction(const Complex& complex) : complex_(complex) {
+    for (auto c = complex.cells_in_complex_begin(); c != complex.cells_in_complex_end(); ++c) add_cell(c);
+    mesh_.binding.resize(mesh_.point.size());
+  }
+
+  RawMesh result() && {
+    bind_to_curves();
+    bind_to_pieces();
+    return std::move(mesh_);
+  }
+
+ private:
+  void add_cell(Complex::Cell_handle handle) {
+    auto& cell = mesh_.cell.emplace_back();
+    for (int i = 0; i < 4; ++i) {
+      const auto vertex = handle->vertex(i);
+      const auto [at, is_new] = number_.try_emplace(vertex, static_cast<std::int32_t>(mesh_.point.size()));
+      if (is_new) mesh_.point.push_back(from_cgal(vertex->point().point()));
+      cell[static_cast<std::size_t>(i)] = at->second;
+    }
+    for (int i = 0; i < 4; ++i) {
+      if (complex_.is_in_complex(handle->neighbor(i))) continue;
+      const auto index = complex_.surface_patch_index(handle, i);
+      const int piece = std::max(index.first, index.second) - first_piece;
+      if (std::min(index.first, index.second) != gas || piece < 0)
+        too_coarse("a boundary face on no piece of the boundary at " + text_of(mesh_.position(cell[0])));
+      mesh_.face.push_back({static_cast<std::int32_t>(mesh_.cell.size()) - 1, i, piece});
+    }
+  }
+
+  void bind_to_curves() {
+    for (auto e = complex_.edges_in_complex_begin(); e != complex_.edges_in_complex_end(); ++e) {
+      std::array<std::int32_t, 2> ends{};
+      for (std::size_t i = 0; i < 2; ++i) {
+        const auto vertex = e->first->vertex(i == 0 ? e->second : e->third);
+        const auto at = number_.find(vertex);
+        if (at == number_.end())
+          too_coarse("a feature edge outside the mesh at " + text_of(from_cgal(vertex->point().point())));
+        ends[i] = at->second;
+        mesh_.binding[static_cast<std::size_t>(at->second)] =
+            complex_.is_in_complex(vertex) ? Binding{Freedom::none, -1}
+                                           : Binding{Freedom::curve, complex_.curve_index(*e) - 1};
+      }
+      feature_edges_[std::minmax(ends[0], ends[1])] = 0;
+    }
+  }
+
+  void bind_to_pieces() {
+    std::map<Edge, int> piece_of_edge;
+    for (const auto& face : mesh_.face) {
+      std::array<std::int32_t, 3> corner{};
+      for (std::size_t i = 0; i < 3; ++i) {
+        const auto k = mesh::tet::face_to_corner[static_cast<std::size_t>(face.slot)][i];
+        corner[i] = mesh_.cell[static_cast<std::size_t>(face.cell)][static_cast<std::size_t>(k)];
+        auto& binding = mesh_.binding[static_cast<std::size_t>(corner[i])];
+        if (binding.freedom == Freedom::space) binding = {Freedom::piece, face.piece};
+        if (binding.freedom == Freedom::piece && binding.number != face.piece)
+          too_coarse("a node off the feature curves on two pieces at " + text_of(mesh_.position(corner[i])));
+      }
+      for (std::size_t i = 0; i < 3; ++i) {
+        const Edge edge = std::minmax(corner[i], corner[(i + 1) % 3]);
+        const auto [at, is_new] = piece_of_edge.try_emplace(edge, face.piece);
+        const auto feature = feature_edges_.find(edge);
+        if (feature != feature_edges_.end()) ++feature->second;
+        if (!is_new && at->second != face.piece && feature == feature_edges_.end())
+          too_coarse("a border between patches off the feature curves at " + text_of(mesh_.position(edge.first)));
+      }
+    }
+    for (const auto& [edge, n_faces] : feature_edges_)
+      if (n_faces != 2) too_coarse("a feature edge off the boundary at " + text_of(mesh_.position(edge.first)));
+  }
+
+  const Complex& complex_;
+  std::map<Triangulation::Vertex_handle, std::int32_t> number_;
+  std::map<Edge, int> feature_edges_;  ///< with the number of boundary faces at each
+  RawMesh mesh_;
+};
+
+}  // namespace
+
+RawMesh run_mesh3(const Domain& domain, unsigned seed) {
+  constexpr double most_cells = 4e6;  // one process makes the mesh, with about a kilobyte a cell
+  if (const double n = predicted_cells(domain); n > most_cells)
+    throw Error("expected sizes that give at most 4 million cells at level 0, found " +
+                std::to_string(std::llround(n)) + " cells: choose coarser sizes and refine with pamr-refine");
+  try {
+    CGAL::get_default_random() = CGAL::Random(seed);
+    CGAL::Random random(seed);
+    const auto mesh_domain = make_domain(domain, random);
+    const auto complex = make_complex(domain, mesh_domain);
+    auto mesh = Extraction(complex).result();
+    if (mesh.cell.empty()) too_coarse("no cell");
+    return mesh;
+  } catch (const CGAL::Failure_exception& failure) {
+    throw Error(std::string("CGAL could not mesh the domain: ") + failure.what());
+  }
+}
+
+}  // namespace pamr::meshing
