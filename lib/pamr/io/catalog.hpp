@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "pamr/mesh/field.hpp"
+#include "pamr/par/comm.hpp"
+
+namespace pamr::io {
+
+/// A dataset of numbers: where it is and what it is said to hold. `values`: its contents, if it has at most 16
+/// integers.
+struct ArrayEntry {
+  std::string path;
+  mesh::StorageType type = mesh::StorageType::float64;
+  std::vector<std::int64_t> shape;
+  std::vector<std::int64_t> values;
+};
+
+/// A text dataset (one string or a list of them), or a text attribute, whose path is `<object>@<attribute>`.
+struct TextEntry {
+  std::string path;
+  std::vector<std::string> texts;
+};
+
+/// An attribute of integers; path as for texts. 64-bit unsigned values keep their bits.
+struct NumberEntry {
+  std::string path;
+  std::vector<std::int64_t> values;
+};
+
+/// What a native file claims to contain: everything but the large arrays.
+struct Catalog {
+  std::vector<ArrayEntry> arrays;
+  std::vector<TextEntry> texts;
+  std::vector<NumberEntry> numbers;
+  bool has_pamr_group = false;
+  bool has_chunks = false;  ///< some array is chunked or compressed
+
+  const ArrayEntry* find_array(std::string_view path) const;
+  const TextEntry* find_text(std::string_view path) const;
+  const NumberEntry* find_number(std::string_view path) const;
+};
+
+std::string pack(const Catalog& catalog);
+/// Throws `Error` when the bytes are not those of a catalog.
+Catalog unpack(std::string_view bytes);
+
+/// Lists the contents of a file with HDF5. Throws `Error` for a file or an object of an unexpected kind. A damaged file
+/// may crash or stall HDF5 1.10 itself: call `catalog_of` instead. Local.
+Catalog inspect(const std::filesystem::path& file);
+
+/// `inspect` in a process of its own, forked from rank 0, with limits on processor time and memory: when it dies, the
+/// file is refused like any other bad file. Collective; the same catalog or `Error` on every rank.
+Catalog catalog_of(const par::Comm& comm, const std::filesystem::path& file);
+
+}  // namespace pamr::io

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A thin layer over the C interface of HDF5: handles that close themselves, error texts, typed slabs.
+#pragma once
+
+#include <hdf5.h>
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "pamr/mesh/field.hpp"
+#include "pamr/par/comm.hpp"
+
+namespace pamr::io::hdf5 {
+
+/// Owns one HDF5 identifier, closed with the function given.
+class Handle {
+ public:
+  using Close = herr_t (*)(hid_t);
+
+  Handle() = default;
+  Handle(hid_t id, Close close) : id_(id), close_(close) {}
+  ~Handle() { reset(); }
+  Handle(const Handle&) = delete;
+  Handle& operator=(const Handle&) = delete;
+  Handle(Handle&& other) noexcept : id_(std::exchange(other.id_, -1)), close_(other.close_) {}
+  Handle& operator=(Handle&& other) noexcept {
+    reset();
+    id_ = std::exchange(other.id_, -1);
+    close_ = other.close_;
+    return *this;
+  }
+
+  hid_t id() const { return id_; }
+  bool is_open() const { return id_ >= 0; }
+  /// Closes now; false when HDF5 could not.
+  bool reset() noexcept { return !is_open() || close_(std::exchange(id_, -1)) >= 0; }
+
+ private:
+  hid_t id_ = -1;
+  Close close_ = nullptr;
+};
+
+/// Keeps HDF5 from printing errors while it lives.
+class Silence {
+ public:
+  Silence();
+  ~Silence();
+  Silence(const Silence&) = delete;
+  Silence& operator=(const Silence&) = delete;
+  Silence(Silence&&) = delete;
+  Silence& operator=(Silence&&) = delete;
+
+ private:
+  H5E_auto2_t print_ = nullptr;
+  void* data_ = nullptr;
+};
+
+/// What HDF5 says about its last failure, innermost first; clears it.
+std::string last_error();
+
+/// Takes an identifier that HDF5 just returned; throws `Error` with `what` and HDF5's reason when it is not one.
+Handle take(hid_t id, Handle::Close close, const std::string& what);
+/// Throws `Error` with `what` and HDF5's reason when a call failed.
+void require(bool succeeded, const std::string& what);
+
+/// Type of a value in memory and, little endian, in the file.
+hid_t memory_type(mesh::StorageType type);
+hid_t file_type(mesh::StorageType type);
+std::size_t size_of(mesh::StorageType type);
+std::string to_text(mesh::StorageType type);
+
+/// Extents of a dataset of one or two dimensions: `width` is 1 for one dimension.
+struct Shape {
+  std::int64_t rows = 0;
+  std::int64_t width = 1;
+  bool is_flat = true;  ///< one dimension
+};
+
+/// Access property lists of the parallel driver, for files and for collective transfers.
+Handle parallel_access(const par::Comm& comm);
+Handle collective_transfer();
+
+/// Reads rows `first .. first + n` into memory of the given type. Collective, `n` may be 0 on some ranks.
+bool read_rows(hid_t dataset, const Shape& shape, std::int64_t first, std::int64_t n, mesh::StorageType type, void* to,
+               hid_t transfer);
+/// Writes rows `first .. first + n`. Collective, `n` may be 0 on some ranks.
+bool write_rows(hid_t dataset, const Shape& shape, std::int64_t first, std::int64_t n, hid_t type, const void* from,
+                hid_t transfer);
+
+}  // namespace pamr::io::hdf5

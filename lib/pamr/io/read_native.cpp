@@ -1,0 +1,369 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <optional>
+
+#include "pamr/base/error.hpp"
+#include "pamr/io/catalog.hpp"
+#include "pamr/io/checksum.hpp"
+#include "pamr/io/hdf5.hpp"
+#include "pamr/io/layout.hpp"
+#include "pamr/io/native_file.hpp"
+
+namespace pamr::io {
+
+namespace {
+
+using mesh::StorageType;
+
+/// Calls `run` with a value of the C++ type that a storage type stands for.
+template <class Run>
+void with_type(StorageType type, Run run) {
+  switch (type) {
+    case StorageType::float64:
+      return run(double{});
+    case StorageType::float32:
+      return run(float{});
+    case StorageType::int64:
+      return run(std::int64_t{});
+    case StorageType::int32:
+      return run(std::int32_t{});
+    case StorageType::int16:
+      return run(std::int16_t{});
+    case StorageType::int8:
+      return run(std::int8_t{});
+    case StorageType::uint64:
+      return run(std::uint64_t{});
+    case StorageType::uint32:
+      return run(std::uint32_t{});
+    case StorageType::uint16:
+      return run(std::uint16_t{});
+    case StorageType::uint8:
+      return run(std::uint8_t{});
+  }
+}
+
+/// Rows that this rank reads of a dataset.
+struct Rows {
+  GlobalId begin = 0, end = 0;
+  GlobalId count() const { return end - begin; }
+};
+
+std::string text_of(std::int64_t value) { return std::to_string(value); }
+
+class Reader {
+ public:
+  Reader(const par::Comm& comm, std::filesystem::path file, const ReadOptions& options)
+      : comm_(&comm), file_(std::move(file)), options_(options) {}
+
+  mesh::BlockMesh run();
+
+ private:
+  /// Receives the words of whole rows, the first of which has the number given.
+  using Consume = std::function<void(GlobalId first_row, std::span<const std::uint64_t> words)>;
+
+  [[noreturn]] void fail(const std::string& path, GlobalId row, const std::string& expected,
+                         const std::string& found) const {
+    throw Error("file '" + file_.string() + "', " + path + ", row " + std::to_string(row) + ": expected " + expected +
+                ", found " + found);
+  }
+
+  void open();
+  void share_out();
+  GlobalId family_border(GlobalId cell);
+  Rows cells() const { return {first_cell_, end_cell_}; }
+  Rows nodes() const {
+    const auto range = par::block_range(layout_.info.n_global_nodes, comm_->rank(), comm_->size());
+    return {range.begin, range.end};
+  }
+
+  void each_slab(const std::string& path, StorageType type, const hdf5::Shape& shape, Rows rows, bool verify,
+                 const Consume& consume);
+  bool convert(StorageType type, const std::vector<std::byte>& raw, std::span<std::uint64_t> words) const;
+
+  void read_lineage(mesh::BlockMesh& block);
+  void check_families(const mesh::BlockMesh& block) const;
+  void read_points(mesh::BlockMesh& block);
+  void read_connectivity(mesh::BlockMesh& block);
+  void read_neighbours(mesh::BlockMesh& block);
+  void check_offsets_and_types();
+  mesh::Field read_field(const FieldEntry& entry);
+
+  const par::Comm* comm_;
+  std::filesystem::path file_;
+  ReadOptions options_;
+  Catalog catalog_;
+  Layout layout_;
+  hdf5::Handle h5_, transfer_;
+  GlobalId first_cell_ = 0, end_cell_ = 0;
+};
+
+mesh::BlockMesh Reader::run() {
+  catalog_ = catalog_of(*comm_, file_);
+  layout_ = check_catalog(catalog_, file_, options_.verify_checksums);
+  open();
+  share_out();
+  mesh::BlockMesh block;
+  block.info = layout_.info;
+  block.first_cell = first_cell_;
+  read_lineage(block);
+  check_offsets_and_types();
+  read_connectivity(block);
+  read_neighbours(block);
+  read_points(block);
+  for (const auto& entry : layout_.fields)
+    (entry.on_cells ? block.cell_fields : block.node_fields).push_back(read_field(entry));
+  return block;
+}
+
+void Reader::open() {
+  par::agree(*comm_, [&] {
+    auto access = hdf5::parallel_access(*comm_);
+    // The index of a chunked dataset is read by each rank for itself, where collective metadata would wait for others.
+    if (catalog_.has_chunks) H5Pset_all_coll_metadata_ops(access.id(), false);
+    h5_ = hdf5::take(H5Fopen(file_.c_str(), H5F_ACC_RDONLY, access.id()), H5Fclose,
+                     "file '" + file_.string() + "': cannot open it");
+    transfer_ = catalog_.has_chunks ? hdf5::take(H5Pcreate(H5P_DATASET_XFER), H5Pclose, "cannot make a property list")
+                                    : hdf5::collective_transfer();
+  });
+}
+
+/// Reads the rows in slabs and hands them on as 64-bit words (integers sign-extended, reals as doubles), then compares
+/// the checksum. `verify`: the rows of all ranks together are the whole dataset, once. Collective.
+void Reader::each_slab(const std::string& path, StorageType type, const hdf5::Shape& shape, Rows rows, bool verify,
+                       const Consume& consume) {
+  hdf5::Handle dataset;
+  par::agree(*comm_, [&] {
+    dataset = hdf5::take(H5Dopen2(h5_.id(), path.c_str(), H5P_DEFAULT), H5Dclose,
+                         "file '" + file_.string() + "', " + path + ": cannot open it");
+  });
+  const auto* stored = catalog_.find_number(std::string(path::checksums) + "@" + checksum_path(path));
+  verify = verify && options_.verify_checksums && stored != nullptr;
+  Checksum checksum(verify ? shape.rows : 0);
+  const auto width = static_cast<std::size_t>(shape.width);
+  const auto slab = std::max<GlobalId>(1, static_cast<GlobalId>(options_.slab_bytes / (8 * width)));
+  const auto n_slabs = comm_->max((rows.count() + slab - 1) / slab);
+  std::vector<std::byte> raw;
+  std::vector<std::uint64_t> words;
+  for (GlobalId s = 0; s < n_slabs; ++s) {
+    const auto first = std::min(rows.begin + s * slab, rows.end), n = std::min(slab, rows.end - first);
+    const auto n_values = static_cast<std::size_t>(n) * width;
+    raw.resize(std::max<std::size_t>(1, n_values * hdf5::size_of(type)));
+    const bool done = hdf5::read_rows(dataset.id(), shape, first, n, type, raw.data(), transfer_.id());
+    par::agree(*comm_, [&] {
+      hdf5::require(
+          done, "file '" + file_.string() + "', " + path + ": cannot read rows from " + std::to_string(first) + " on");
+      words.resize(n_values);
+      if (!convert(type, raw, words)) {
+        const auto wrong = std::find_if(words.begin(), words.end(), [](auto w) { return w >> 63U != 0; });
+        fail(path, first + (wrong - words.begin()) / shape.width, "integers below 2^63", std::to_string(*wrong));
+      }
+      if (verify) checksum.add(first, width, words);
+      consume(first, words);
+    });
+  }
+  if (verify &&
+      (stored->values.size() != 1 || std::bit_cast<std::uint64_t>(stored->values[0]) != checksum.result(*comm_)))
+    throw Error("file '" + file_.string() + "', " + path +
+                ": expected contents that agree with its checksum, found that they do not: the file is damaged");
+}
+
+/// Values of any type as 64-bit words; false when an unsigned one does not fit a signed word.
+bool Reader::convert(StorageType type, const std::vector<std::byte>& raw, std::span<std::uint64_t> words) const {
+  bool fits = true;
+  with_type(type, [&](auto sample) {
+    using T = decltype(sample);
+    for (std::size_t i = 0; i < words.size(); ++i) {
+      T value;
+      std::copy_n(raw.data() + i * sizeof(T), sizeof(T), reinterpret_cast<std::byte*>(&value));
+      if constexpr (std::is_floating_point_v<T>) {
+        words[i] = std::bit_cast<std::uint64_t>(static_cast<double>(value));
+      } else {
+        words[i] = static_cast<std::uint64_t>(static_cast<std::int64_t>(value));
+        if constexpr (std::is_same_v<T, std::uint64_t>) fits = fits && value >> 63U == 0;
+      }
+    }
+  });
+  return fits;
+}
+
+/// First family border at or after the first cell of a canonical block.
+GlobalId Reader::family_border(GlobalId cell) {
+  const auto n = layout_.info.n_global_cells;
+  GlobalId border = cell;
+  each_slab(path::lineage, layout_.lineage_type, {n, 1, true}, {cell, std::min(cell + 1, n)}, false,
+            [&](GlobalId, std::span<const std::uint64_t> words) {
+              if (words.empty()) return;
+              const mesh::Lineage lineage(static_cast<std::uint32_t>(words[0]));
+              if (lineage.is_removable() && lineage.child() != 0)
+                border = cell + std::max(0, lineage.family_size() - lineage.child());
+            });
+  return std::min(border, n);
+}
+
+/// Decides which cells this rank reads: its canonical block, begun at the next border of a family.
+void Reader::share_out() {
+  const auto n = layout_.info.n_global_cells;
+  const auto range = par::block_range(n, comm_->rank(), comm_->size());
+  const auto begin = layout_.has_lineage ? family_border(range.begin) : range.begin;
+  const auto begins = comm_->all_gather(begin);
+  for (std::size_t r = 1; r < begins.size(); ++r)
+    if (begins[r] < begins[r - 1])
+      fail(path::lineage, begins[r], "whole families", "a member of a family whose first one is missing");
+  const auto rank = static_cast<std::size_t>(comm_->rank());
+  first_cell_ = begin;
+  end_cell_ = rank + 1 < begins.size() ? begins[rank + 1] : n;
+  constexpr GlobalId limit = std::numeric_limits<LocalId>::max() / 2;
+  if (n / comm_->size() > limit || layout_.info.n_global_nodes / comm_->size() > limit)
+    throw Error("file '" + file_.string() + "': expected at most " + std::to_string(limit) +
+                " cells and nodes a rank, found more: run on more ranks");
+}
+
+void Reader::read_lineage(mesh::BlockMesh& block) {
+  if (!layout_.has_lineage) return;
+  block.lineage.reserve(static_cast<std::size_t>(cells().count()));
+  each_slab(path::lineage, layout_.lineage_type, {layout_.info.n_global_cells, 1, true}, cells(), true,
+            [&](GlobalId first, std::span<const std::uint64_t> words) {
+              for (std::size_t i = 0; i < words.size(); ++i) {
+                const mesh::Lineage lineage(static_cast<std::uint32_t>(words[i] & 0xffffU));
+                const bool indices_fit = lineage.kind() == mesh::FamilyKind::regular ? (words[i] & 0xfcU) == 0
+                                         : lineage.kind() == mesh::FamilyKind::edge
+                                             ? lineage.index() < 6 && lineage.child() < 2
+                                             : lineage.index() < 4;
+                if (words[i] > 0xffffU || (words[i] & 3U) == 3U || !indices_fit)
+                  fail(path::lineage, first + static_cast<GlobalId>(i), "a lineage word as the format specifies",
+                       std::to_string(words[i]));
+                block.lineage.push_back(lineage);
+              }
+            });
+  par::agree(*comm_, [&] { check_families(block); });
+}
+
+/// Families are whole, contiguous and in template order. Cells of broken families count as single cells.
+void Reader::check_families(const mesh::BlockMesh& block) const {
+  const auto n = block.lineage.size();
+  for (std::size_t c = 0; c < n;) {
+    const auto first = block.lineage[c];
+    const auto size = first.is_removable() ? static_cast<std::size_t>(first.family_size()) : std::size_t{1};
+    for (std::size_t k = 0; size > 1 && k < size; ++k) {
+      const mesh::Lineage expected(first.kind(), first.index(), static_cast<int>(k), first.level());
+      if (c + k >= n || block.lineage[c + k] != expected)
+        fail(path::lineage, first_cell_ + static_cast<GlobalId>(c + k),
+             "child " + std::to_string(k) + " of a family of " + std::to_string(size),
+             c + k >= n ? "the end of the dataset" : "word " + std::to_string(block.lineage[c + k].bits()));
+    }
+    c += size;
+  }
+}
+
+void Reader::check_offsets_and_types() {
+  const auto n = layout_.info.n_global_cells;
+  const bool is_last = comm_->rank() == comm_->size() - 1;
+  each_slab(path::offsets, layout_.offsets_type, {n + 1, 1, true}, {first_cell_, is_last ? n + 1 : end_cell_}, true,
+            [&](GlobalId first, std::span<const std::uint64_t> words) {
+              for (std::size_t i = 0; i < words.size(); ++i) {
+                const auto row = first + static_cast<GlobalId>(i);
+                if (words[i] != static_cast<std::uint64_t>(4 * row))
+                  fail(path::offsets, row, text_of(4 * row), text_of(static_cast<std::int64_t>(words[i])));
+              }
+            });
+  each_slab(path::types, layout_.types_type, {n, 1, true}, cells(), true,
+            [&](GlobalId first, std::span<const std::uint64_t> words) {
+              for (std::size_t i = 0; i < words.size(); ++i)
+                if (words[i] != tetrahedron)
+                  fail(path::types, first + static_cast<GlobalId>(i), "cell type 10 (tetrahedron)",
+                       text_of(static_cast<std::int64_t>(words[i])));
+            });
+}
+
+void Reader::read_connectivity(mesh::BlockMesh& block) {
+  const auto n_nodes = static_cast<std::uint64_t>(layout_.info.n_global_nodes);
+  block.cell_to_node.resize(static_cast<std::size_t>(cells().count()));
+  each_slab(path::connectivity, layout_.connectivity_type, {4 * layout_.info.n_global_cells, 1, true},
+            {4 * first_cell_, 4 * end_cell_}, true, [&](GlobalId first, std::span<const std::uint64_t> words) {
+              for (std::size_t i = 0; i < words.size(); ++i) {
+                const auto row = first + static_cast<GlobalId>(i);
+                if (words[i] >= n_nodes)
+                  fail(path::connectivity, row, "a node from 0 to " + std::to_string(n_nodes - 1),
+                       text_of(static_cast<std::int64_t>(words[i])));
+                const auto at = static_cast<std::size_t>(row - 4 * first_cell_);
+                block.cell_to_node[at / 4][at % 4] = static_cast<GlobalId>(words[i]);
+              }
+            });
+  par::agree(*comm_, [&] {
+    for (std::size_t c = 0; c < block.cell_to_node.size(); ++c) {
+      auto corners = block.cell_to_node[c];
+      std::sort(corners.begin(), corners.end());
+      const auto twice = std::adjacent_find(corners.begin(), corners.end());
+      if (twice != corners.end())
+        fail(path::connectivity, 4 * (first_cell_ + static_cast<GlobalId>(c)), "four different nodes",
+             "node " + std::to_string(*twice) + " twice");
+    }
+  });
+}
+
+void Reader::read_neighbours(mesh::BlockMesh& block) {
+  if (!layout_.has_neighbours) return;
+  const auto n = layout_.info.n_global_cells;
+  const auto n_patches = static_cast<std::int64_t>(layout_.info.patches.size());
+  block.cell_to_cell.resize(static_cast<std::size_t>(cells().count()));
+  each_slab(
+      path::cell_to_cell, layout_.neighbours_type, {n, 4, false}, cells(), true,
+      [&](GlobalId first, std::span<const std::uint64_t> words) {
+        for (std::size_t i = 0; i < words.size(); ++i) {
+          const auto row = first + static_cast<GlobalId>(i / 4);
+          const auto value = static_cast<std::int64_t>(words[i]);
+          if (value >= n || value < -n_patches)
+            fail(path::cell_to_cell, row,
+                 "a cell from 0 to " + std::to_string(n - 1) + " or a patch from -1 to -" + std::to_string(n_patches),
+                 text_of(value));
+          if (value == row) fail(path::cell_to_cell, row, "another cell", "the cell itself");
+          block.cell_to_cell[static_cast<std::size_t>(row - first_cell_)][i % 4] = value;
+        }
+      });
+}
+
+void Reader::read_points(mesh::BlockMesh& block) {
+  const auto rows = nodes();
+  block.node_position.resize(static_cast<std::size_t>(rows.count()));
+  each_slab(path::points, layout_.points_type, {layout_.info.n_global_nodes, 3, false}, rows, true,
+            [&](GlobalId first, std::span<const std::uint64_t> words) {
+              for (std::size_t i = 0; i < words.size(); i += 3) {
+                const auto row = first + static_cast<GlobalId>(i / 3);
+                const geometry::Vec3 p{std::bit_cast<double>(words[i]), std::bit_cast<double>(words[i + 1]),
+                                       std::bit_cast<double>(words[i + 2])};
+                if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z))
+                  fail(path::points, row, "finite coordinates", "NaN or infinity");
+                block.node_position[static_cast<std::size_t>(row - rows.begin)] = p;
+              }
+            });
+}
+
+mesh::Field Reader::read_field(const FieldEntry& entry) {
+  const auto rows = entry.on_cells ? cells() : nodes();
+  const auto n_rows = entry.on_cells ? layout_.info.n_global_cells : layout_.info.n_global_nodes;
+  mesh::Field field{entry.name, entry.unit, entry.n_components, entry.type, {}};
+  if (mesh::is_integer(entry.type)) field.value = std::vector<std::int64_t>();
+  const auto n_values = static_cast<std::size_t>(rows.count()) * static_cast<std::size_t>(entry.n_components);
+  std::visit([&](auto& values) { values.reserve(n_values); }, field.value);
+  each_slab(entry.path, entry.type, {n_rows, entry.n_components, entry.is_flat}, rows, true,
+            [&](GlobalId, std::span<const std::uint64_t> words) {
+              if (field.holds_integers())
+                for (const auto word : words) field.integer().push_back(static_cast<std::int64_t>(word));
+              else
+                for (const auto word : words) field.real().push_back(std::bit_cast<double>(word));
+            });
+  return field;
+}
+
+}  // namespace
+
+mesh::BlockMesh read_native(const par::Comm& comm, const std::filesystem::path& file, const ReadOptions& options) {
+  const hdf5::Silence silence;
+  return Reader(comm, file, options).run();
+}
+
+}  // namespace pamr::io

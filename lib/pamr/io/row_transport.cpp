@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "pamr/io/row_transport.hpp"
+
+#include <algorithm>
+
+namespace pamr::io {
+
+par::BlockRange window(GlobalId n, Rank rank, Rank size, GlobalId step, GlobalId slab) {
+  const auto block = par::block_range(n, rank, size);
+  const auto begin = std::min(block.begin + step * slab, block.end);
+  return {begin, std::min(begin + slab, block.end)};
+}
+
+Window collect(const par::Comm& comm, const HeldRows& rows, GlobalId step, GlobalId slab) {
+  const auto width = rows.width;
+  Window result{window(rows.n_global, comm.rank(), comm.size(), step, slab), {}, 0};
+  const auto n = static_cast<std::size_t>(result.range.count());
+  result.words.resize(n * width);
+  std::vector<char> is_here(n, 0);
+  std::vector<par::Outgoing<std::uint64_t>> messages;
+  for (Rank rank = 0; rank < comm.size(); ++rank) {
+    const auto wanted = window(rows.n_global, rank, comm.size(), step, slab);
+    const auto begin = std::lower_bound(rows.id.begin(), rows.id.end(), wanted.begin);
+    const auto end = std::lower_bound(begin, rows.id.end(), wanted.end);
+    if (begin == end) continue;
+    const auto first = static_cast<std::size_t>(begin - rows.id.begin()), count = static_cast<std::size_t>(end - begin);
+    if (rank == comm.rank()) {
+      for (std::size_t i = first; i < first + count; ++i) {
+        const auto at = static_cast<std::size_t>(rows.id[i] - wanted.begin);
+        rows.fill(i, result.words.data() + at * width);
+        is_here[at] = 1;
+      }
+      continue;
+    }
+    // A message is a row's number and its words, row after row.
+    messages.push_back({rank, std::vector<std::uint64_t>(count * (width + 1))});
+    auto* to = messages.back().item.data();
+    for (std::size_t i = first; i < first + count; ++i, to += width + 1) {
+      *to = static_cast<std::uint64_t>(rows.id[i]);
+      rows.fill(i, to + 1);
+    }
+  }
+  const auto received = comm.sparse_exchange(messages);
+  for (std::size_t i = 0; i + width < received.item.size(); i += width + 1) {
+    const auto at = static_cast<std::size_t>(static_cast<GlobalId>(received.item[i]) - result.range.begin);
+    std::copy_n(received.item.data() + i + 1, width, result.words.data() + at * width);
+    is_here[at] = 1;
+  }
+  result.missing = std::count(is_here.begin(), is_here.end(), 0);
+  return result;
+}
+
+}  // namespace pamr::io

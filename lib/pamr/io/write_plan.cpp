@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "pamr/io/write_plan.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <numeric>
+#include <set>
+
+#include "pamr/base/contract.hpp"
+#include "pamr/base/error.hpp"
+#include "pamr/io/layout.hpp"
+#include "pamr/io/text.hpp"
+
+namespace pamr::io {
+
+using mesh::StorageType;
+
+namespace {
+
+std::uint64_t word_of(std::int64_t value) { return static_cast<std::uint64_t>(value); }
+
+std::vector<const mesh::Field*> by_name(const std::vector<mesh::Field>& fields) {
+  std::vector<const mesh::Field*> sorted;
+  for (const auto& field : fields) sorted.push_back(&field);
+  std::sort(sorted.begin(), sorted.end(), [](const auto* a, const auto* b) { return a->name < b->name; });
+  return sorted;
+}
+
+std::size_t n_values(const mesh::Field& field) {
+  return std::visit([](const auto& values) { return values.size(); }, field.value);
+}
+
+}  // namespace
+
+WritePlan::WritePlan(const mesh::DistMesh& mesh, const std::string& provenance) : mesh_(&mesh) {
+  node_order_.resize(mesh.node_global.size());
+  std::iota(node_order_.begin(), node_order_.end(), LocalId{0});
+  std::sort(node_order_.begin(), node_order_.end(), [&](LocalId a, LocalId b) {
+    return mesh.node_global[static_cast<std::size_t>(a)] < mesh.node_global[static_cast<std::size_t>(b)];
+  });
+  node_id_.reserve(node_order_.size());
+  for (const auto node : node_order_) node_id_.push_back(mesh.node_global[static_cast<std::size_t>(node)]);
+  add_mesh();
+  for (const auto* field : by_name(mesh.node_fields)) add_field(*field, false);
+  for (const auto* field : by_name(mesh.cell_fields)) add_field(*field, true);
+  add_texts(provenance);
+  for (const auto& array : arrays)
+    data_bytes += static_cast<std::uint64_t>(array.shape.rows * array.shape.width) * hdf5::size_of(array.type);
+  for (const auto& text : texts)
+    for (const auto& line : text.texts) data_bytes += line.size();
+}
+
+HeldRows WritePlan::cell_rows(std::size_t width, std::function<void(std::size_t, std::uint64_t*)> fill) const {
+  return {mesh_->info.n_global_cells, width, mesh_->cell_global, std::move(fill)};
+}
+
+HeldRows WritePlan::node_rows(std::size_t width, std::function<void(std::size_t, std::uint64_t*)> fill) const {
+  return {mesh_->info.n_global_nodes, width, node_id_, std::move(fill)};
+}
+
+void WritePlan::add_mesh() {
+  const auto& m = *mesh_;
+  const auto n_cells = m.info.n_global_cells, n_nodes = m.info.n_global_nodes;
+  const auto single = [&](const char* path, GlobalId value) {
+    arrays.push_back({path,
+                      StorageType::int64,
+                      {1, 1, true},
+                      {1, 1, {}, {}},
+                      [value](GlobalId) { return word_of(value); },
+                      false,
+                      ""});
+  };
+  single(path::n_points, n_nodes);
+  single(path::n_cells, n_cells);
+  single(path::n_connectivity, 4 * n_cells);
+  arrays.push_back({path::points,
+                    StorageType::float64,
+                    {n_nodes, 3, false},
+                    node_rows(3,
+                              [this](std::size_t i, std::uint64_t* to) {
+                                const auto p = mesh_->point(node_order_[i]);
+                                to[0] = std::bit_cast<std::uint64_t>(p.x);
+                                to[1] = std::bit_cast<std::uint64_t>(p.y);
+                                to[2] = std::bit_cast<std::uint64_t>(p.z);
+                              }),
+                    {},
+                    true,
+                    ""});
+  arrays.push_back({path::connectivity,
+                    StorageType::int64,
+                    {4 * n_cells, 1, true},
+                    cell_rows(4,
+                              [&m](std::size_t i, std::uint64_t* to) {
+                                for (const auto node : m.cell_to_node[i])
+                                  *to++ = word_of(m.node_global[static_cast<std::size_t>(node)]);
+                              }),
+                    {},
+                    true,
+                    ""});
+  arrays.push_back({path::offsets,
+                    StorageType::int64,
+                    {n_cells + 1, 1, true},
+                    {n_cells + 1, 1, {}, {}},
+                    [](GlobalId row) { return word_of(4 * row); },
+                    false,
+                    ""});
+  arrays.push_back({path::types,
+                    StorageType::uint8,
+                    {n_cells, 1, true},
+                    {n_cells, 1, {}, {}},
+                    [](GlobalId) { return word_of(tetrahedron); },
+                    false,
+                    ""});
+  arrays.push_back({path::cell_to_cell,
+                    StorageType::int64,
+                    {n_cells, 4, false},
+                    cell_rows(4,
+                              [&m](std::size_t i, std::uint64_t* to) {
+                                for (const auto slot : m.cell_to_cell[i])
+                                  *to++ = word_of(m.is_own(slot) ? m.cell_global[static_cast<std::size_t>(slot)]
+                                                  : m.is_ghost(slot)
+                                                      ? m.ghost_global[static_cast<std::size_t>(slot - m.n_cells())]
+                                                      : slot);
+                              }),
+                    {},
+                    true,
+                    ""});
+  arrays.push_back({path::lineage,
+                    StorageType::uint64,
+                    {n_cells, 1, true},
+                    cell_rows(1, [&m](std::size_t i, std::uint64_t* to) { *to = m.lineage[i].bits(); }),
+                    {},
+                    true,
+                    ""});
+}
+
+void WritePlan::add_field(const mesh::Field& field, bool on_cells) {
+  const auto width = static_cast<std::size_t>(field.n_components);
+  const auto n_rows = on_cells ? mesh_->cell_global.size() : mesh_->node_global.size();
+  PAMR_EXPECTS(field.n_components >= 1 && n_values(field) == n_rows * width);
+  PAMR_EXPECTS(field.holds_integers() == mesh::is_integer(field.storage));
+  const auto fill = [this, &field, width, on_cells](std::size_t i, std::uint64_t* to) {
+    const auto row = on_cells ? i : static_cast<std::size_t>(node_order_[i]);
+    for (std::size_t k = 0; k < width; ++k)
+      to[k] = field.holds_integers() ? word_of(field.integer()[row * width + k])
+                                     : std::bit_cast<std::uint64_t>(field.real()[row * width + k]);
+  };
+  auto rows = on_cells ? cell_rows(width, fill) : node_rows(width, fill);
+  const auto path = std::string(on_cells ? path::cell_data : path::point_data) + "/" + field.name;
+  arrays.push_back(
+      {path, field.storage, {rows.n_global, field.n_components, width == 1}, std::move(rows), {}, true, field.unit});
+}
+
+void WritePlan::add_texts(const std::string& provenance) {
+  TextPlan names{path::patch_names, {}, true}, kinds{path::patch_kinds, {}, true}, ties{path::patch_surfaces, {}, true};
+  for (const auto& patch : mesh_->info.patches) {
+    names.texts.push_back(patch.name);
+    kinds.texts.push_back(patch.kind);
+    ties.texts.push_back(patch.surface);
+  }
+  texts.push_back(std::move(names));
+  texts.push_back(std::move(kinds));
+  texts.push_back(std::move(ties));
+  texts.push_back({path::surfaces, {mesh_->info.surfaces_toml}, false});
+  texts.push_back({path::provenance, {provenance.empty() ? mesh_->info.provenance : provenance}, false});
+}
+
+void require_writable(const mesh::DistMesh& mesh) {
+  for (const auto* fields : {&mesh.node_fields, &mesh.cell_fields}) {
+    const std::string where = fields == &mesh.cell_fields ? "cell field '" : "node field '";
+    std::set<std::string> seen;
+    for (const auto& field : *fields) {
+      if (field.name.empty() || field.name == "." || field.name.find('/') != std::string::npos ||
+          !is_clean_text(field.name, "") || !is_clean_text(field.unit, ""))
+        throw Error(where + field.name + "': expected a name and a unit in UTF-8, the name without '/', found another");
+      if (!seen.insert(field.name).second)
+        throw Error(where + field.name + "': expected different names, found it twice");
+    }
+  }
+  std::set<std::string> seen;
+  for (const auto& patch : mesh.info.patches) {
+    if (patch.name.empty() || !is_clean_text(patch.name, "") || !is_clean_text(patch.kind, "") ||
+        !is_clean_text(patch.surface, ""))
+      throw Error("patch '" + patch.name + "': expected name, kind and surface in UTF-8, found another encoding");
+    if (!seen.insert(patch.name).second)
+      throw Error("patch '" + patch.name + "': expected different names, found it twice");
+  }
+  for (const auto* text : {&mesh.info.surfaces_toml, &mesh.info.provenance})
+    if (!is_clean_text(*text, "\t\r\n")) throw Error("surfaces or provenance: expected UTF-8, found another encoding");
+  if (!is_clean_text(mesh.info.length_unit, "")) throw Error("length unit: expected UTF-8, found another encoding");
+}
+
+}  // namespace pamr::io
