@@ -1,0 +1,66 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: GPL-3.0-or-later
+# Meshes the half space about the 70-degree blunt cone, refines it three times at the fore-body and along a bow-shock
+# like sphere, checks every level and prints one table. Installs and builds what is missing first.
+#
+#   cases/blunt-cone/run.sh [--ranks N] [--levels N] [--picture]
+#
+#   --ranks N    MPI processes (default 2)
+#   --levels N   refinements (default 3; each makes the mesh about three times larger)
+#   --picture    renders docs/images/blunt-cone.png from the result
+set -euo pipefail
+
+case_folder=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")" && pwd)
+root=$(cd -- "$case_folder/../.." && pwd)
+out=$case_folder/out
+ranks=2
+levels=3
+picture=no
+while [ $# -gt 0 ]; do
+  case $1 in
+    --ranks) ranks=${2:?run.sh: --ranks needs a number}; shift 2 ;;
+    --levels) levels=${2:?run.sh: --levels needs a number}; shift 2 ;;
+    --picture) picture=yes; shift ;;
+    -h | --help) sed -n '3,10s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
+    *) echo "run.sh: unknown option $1 (see run.sh --help)" >&2; exit 2 ;;
+  esac
+done
+
+setup=()
+if [ $picture = yes ]; then setup=(--picture); fi
+"$root/scripts/setup.sh" "${setup[@]}"
+. "$root/scripts/mpi_environment.sh"
+PATH=${PAMR_BUILD:-$root/build/release}/bin:$PATH
+mkdir -p "$out"
+
+# Runs a tool on all ranks; its report goes to out/<report>.json, its summary line to the terminal.
+on_ranks() { # REPORT TOOL ARGUMENT...
+  local report=$out/$1.json tool=$2
+  shift 2
+  printf '%-13s ' "$tool"
+  mpirun -q -n "$ranks" "$tool" "$@" --json "$report"
+}
+
+quality() { # LEVEL
+  on_ranks "quality$1" pamr-quality "$out/level$1.hdf" --gate inverted_cells:max:0 --gate off_surface_nodes:max:0
+}
+
+on_ranks mesh pamr-mesh "$case_folder/case.toml" -o "$out/level0.hdf" --force
+quality 0
+for ((level = 1; level <= levels; ++level)); do
+  coarse=$((level - 1))
+  # Two layers of cells at the fore-body, and the cells cut by a sphere that lies about where the bow shock stands.
+  on_ranks "mark$coarse" pamr-mark "$out/level$coarse.hdf" -o "$out/marked$coarse.hdf" --force \
+    --patch forebody --layers 2 --crossing-sphere 0.066,0,0,0.070
+  on_ranks "refine$level" pamr-refine "$out/marked$coarse.hdf" -o "$out/level$level.hdf" --force
+  quality "$level"
+done
+
+echo
+python3 "$case_folder/levels.py" "$out" "$levels"
+if [ $picture = yes ]; then
+  "$root/docs/images/render.sh" "$out/level0.hdf" "$out/level$levels.hdf" "$root/docs/images/blunt-cone.png"
+fi
+echo
+echo "Meshes to open in ParaView: $out/level0.hdf ... $out/level$levels.hdf"
+echo "Reports: $out/*.json"
