@@ -96,20 +96,17 @@ Projected project_onto_all(std::span<const Surface* const> surfaces, Vec3 point)
   double scale = largest_coordinate(point);
   for (const Surface* surface : surfaces) scale = std::max(scale, surface->magnitude());
 
-  std::vector<const Surface*> kept = by_nearness(surfaces, point, distance_tolerance * scale);
+  std::vector<TangentPlane> planes;
+  for (const Surface* surface : by_nearness(surfaces, point, distance_tolerance * scale))
+    planes.push_back(tangent_plane(surface, point));
+  drop_nearly_tangent(planes);
+  if (planes.size() == 1) return {planes[0].surface->project(point), true};
+
+  const double reach = move_limit * std::max(largest_distance(planes), distance_tolerance * scale);
   Vec3 current = point, best = point;
-  const double reach = move_limit * std::max(distance_from_all(surfaces, point), distance_tolerance * scale);
   double least = std::numeric_limits<double>::infinity(), last_step = least;
   for (int iteration = 0; iteration < iteration_limit; ++iteration) {
-    std::vector<TangentPlane> planes;
-    for (const Surface* surface : kept) planes.push_back(tangent_plane(surface, current));
-    drop_nearly_tangent(planes);
-    if (planes.size() == 1) return {planes[0].surface->project(point), true};
-    if (planes.size() < kept.size()) {  // fewer conditions from here on: what was best before says nothing
-      kept.clear();
-      for (const TangentPlane& plane : planes) kept.push_back(plane.surface);
-      least = last_step = std::numeric_limits<double>::infinity();
-    }
+    for (TangentPlane& plane : planes) plane = tangent_plane(plane.surface, current);
     const double distance = largest_distance(planes);
     if (distance < least) {
       least = distance;
@@ -120,8 +117,7 @@ Projected project_onto_all(std::span<const Surface* const> surfaces, Vec3 point)
     current = current + step;
     const bool is_at_rest = length <= step_tolerance * scale;
     const bool is_rounding = length <= distance_tolerance * scale && !(length < 0.5 * last_step);
-    if (is_at_rest || is_rounding) break;
-    if (!(norm(current - point) <= reach)) break;
+    if (is_at_rest || is_rounding || !(norm(current - point) <= reach)) break;
     last_step = length;
   }
   return {best, least <= distance_tolerance * scale};

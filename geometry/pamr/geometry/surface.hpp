@@ -49,10 +49,12 @@ struct SurfaceSet {
 SurfaceSet surfaces_from_toml(std::string_view text, std::string_view where);
 
 /// Nearest point that lies on all the given surfaces (1: the surface, 2: their common curve, 3: their corner), found by
-/// Newton steps of least length from `point`. Where two surfaces meet at under 5 degrees the nearer one is taken
-/// alone, the first among equals. `converged` is false when the surfaces have no common point near by (to 1e-13 of the
-/// size of the coordinates, and within 32 times the largest distance from the start); `point` is then the best one
-/// found. More than three surfaces may meet in a corner; all of them count.
+/// Newton steps of least length from `point`. Of two surfaces whose normals at `point` differ by under 5 degrees
+/// (either sense) the nearer one is taken alone, the first among equals. `converged` is false when the surfaces have no
+/// common point near by (to 1e-13 of the size of the coordinates, and within 32 times the largest distance from the
+/// start); `point` is then the best one found. More than three surfaces may meet in a corner; all of them count.
+/// Depends on the coordinates and the order of the surfaces only. Cost: about 5 steps of one `project` and one `normal`
+/// a surface.
 struct Projected {
   Vec3 point;
   bool converged = true;

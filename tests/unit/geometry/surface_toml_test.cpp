@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "pamr/base/error.hpp"
+#include "pamr/geometry/surface.hpp"
+
+namespace pamr::geometry {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::Not;
+using ::testing::StartsWith;
+using ::testing::ThrowsMessage;
+
+constexpr std::string_view every_kind = R"(
+[[surface]]
+name = "floor"
+kind = "plane"
+point = [0, 0, -1]
+normal = [0, 0, 2]
+
+[[surface]]
+name = "ball"
+kind = "sphere"
+center = [1, 2.5, -3e0]
+radius = 2
+
+[[surface]]
+name = "tube"
+kind = "cylinder"
+point = [0, 0, 0]
+axis = [1, 0, 0]
+radius = 0.5
+
+[[surface]]
+name = "tip"
+kind = "cone"
+apex = [0, 0, 0]
+axis = [0, 0, 1]
+half_angle = 45
+
+[[surface]]
+name = "ring"
+kind = "torus"
+center = [0, 0, 0]
+axis = [0, 0, 1]
+major_radius = 2
+minor_radius = 0.5
+
+[[surface]]
+name = "body"
+kind = "revolution"
+origin = [0, 0, 0]
+axis = [1, 0, 0]
+profile = [
+  { from = [0, 0], to = [1, 1], center = [1, 0] },
+  { from = [1, 1], to = [3, 1] },
+  { from = [3, 1], to = [3, 0], center = [3, 0.5], clockwise = true },
+]
+)";
+
+auto reading(const std::string& text) {
+  return [text] { surfaces_from_toml(text, "case.toml"); };
+}
+template <class... Parts>
+auto refuses(const std::string& start, Parts... parts) {
+  return ThrowsMessage<Error>(AllOf(StartsWith("case.toml:" + start), HasSubstr(parts)...));
+}
+
+TEST(SurfacesFromToml, ReadsEveryKindInOrder) {
+  const SurfaceSet set = surfaces_from_toml(every_kind, "case.toml");
+
+  EXPECT_THAT(set.name, ElementsAre("floor", "ball", "tube", "tip", "ring", "body"));
+  ASSERT_EQ(set.surface.size(), 6U);
+  EXPECT_NEAR(set.find("floor")->distance({5, 5, 1}), 2, 1e-15);
+  EXPECT_NEAR(set.find("ball")->distance({1, 2.5, 0}), 1, 1e-15);
+  EXPECT_NEAR(set.find("tube")->distance({9, 2, 0}), 1.5, 1e-15);
+  EXPECT_NEAR(set.find("tip")->distance({1, 0, 1}), 0, 1e-15);
+  EXPECT_NEAR(set.find("ring")->distance({0, 3, 0}), 0.5, 1e-15);
+  EXPECT_NEAR(set.find("body")->distance({2, 0, 3}), 2, 1e-15);
+  EXPECT_NEAR(set.find("body")->distance({4, 0.5, 0}), 0.5, 1e-15);
+  EXPECT_EQ(set.find("sky"), nullptr);
+}
+
+TEST(SurfacesFromToml, AcceptsTextWithoutSurfaces) {
+  EXPECT_TRUE(surfaces_from_toml("", "case.toml").name.empty());
+  EXPECT_TRUE(surfaces_from_toml("# nothing here\n", "case.toml").surface.empty());
+}
+
+TEST(SurfacesFromToml, RefusesTextThatIsNotToml) {
+  EXPECT_THAT(reading("[[surface]]\nname = \"a\nkind = 1\n"), refuses("2: expected TOML"));
+  EXPECT_THAT(reading("[[surface]]\nname = \"a\"\nname = \"b\"\n"), refuses("3: expected TOML"));
+}
+
+TEST(SurfacesFromToml, RefusesUnknownKeysAndKinds) {
+  EXPECT_THAT(reading("[[surfaces]]\nname = \"a\"\n"), refuses("1: ", "surface", "surfaces"));
+  EXPECT_THAT(reading("\n[[surface]]\nname = \"a\"\nkind = \"cube\"\n"),
+              refuses("4: surface \"a\": kind:", "plane, sphere", "\"cube\""));
+  EXPECT_THAT(reading("[[surface]]\nname = \"a\"\nkind = \"sphere\"\ncenter = [0,0,0]\nradius = 1\ncolour = 3\n"),
+              refuses("6: surface \"a\":", "center, radius", "colour"));
+  EXPECT_THAT(reading("[[surface]]\nname = \"a\"\nkind = \"revolution\"\norigin = [0,0,0]\naxis = [1,0,0]\n"
+                      "profile = [ {from = [0,1], to = [1,1]},\n {from = [1,1], to = [2,1], centre = [1,2]} ]\n"),
+              refuses("7: surface \"a\": profile piece 2:", "centre"));
+}
+
+TEST(SurfacesFromToml, RefusesMissingKeys) {
+  EXPECT_THAT(reading("\n\n[[surface]]\nkind = \"sphere\"\n"), refuses("3: surface 1:", "the key name"));
+  EXPECT_THAT(reading("[[surface]]\nname = \"a\"\n"), refuses("1: surface \"a\":", "the key kind"));
+  EXPECT_THAT(reading("[[surface]]\nname = \"a\"\nkind = \"sphere\"\ncenter = [0, 0, 0]\n"),
+              refuses("1: surface \"a\":", "the key radius"));
+}
+
+TEST(SurfacesFromToml, RefusesWrongTypesAndSizes) {
+  const std::string start = "[[surface]]\nname = \"a\"\nkind = \"sphere\"\n";
+  EXPECT_THAT(reading(start + "center = [0, 0]\nradius = 1\n"),
+              refuses("4: ", "center: expected 3 numbers", "array of 2"));
+  EXPECT_THAT(reading(start + "center = 7\nradius = 1\n"), refuses("4: ", "center: expected 3 numbers", "found 7"));
+  EXPECT_THAT(reading(start + "center = [0, 0, \"x\"]\nradius = 1\n"), refuses("4: ", "finite number", "\"x\""));
+  EXPECT_THAT(reading(start + "center = [0, 0, 0]\nradius = true\n"), refuses("5: ", "radius: expected", "true"));
+  EXPECT_THAT(reading("surface = 3\n"), refuses("1: ", "array of one table or more", "3"));
+  EXPECT_THAT(reading("surface = [ 1, 2 ]\n"), refuses("1: ", "array of one table or more"));
+  EXPECT_THAT(reading("[surface]\nname = \"a\"\n"), refuses("1: ", "array of one table or more", "a table"));
+  EXPECT_THAT(reading("[[surface]]\nname = 4\n"), refuses("2: ", "name: expected a text", "4"));
+  EXPECT_THAT(reading("[[surface]]\nname = \"\"\n"), refuses("2: ", "name: expected a text"));
+}
+
+TEST(SurfacesFromToml, RefusesNumbersThatAreNotFinite) {
+  const std::string start = "[[surface]]\nname = \"a\"\nkind = \"sphere\"\n";
+  EXPECT_THAT(reading(start + "center = [0, nan, 0]\nradius = 1\n"), refuses("4: ", "center", "finite", "nan"));
+  EXPECT_THAT(reading(start + "center = [0, 0, 0]\nradius = inf\n"), refuses("5: ", "radius", "finite", "inf"));
+}
+
+TEST(SurfacesFromToml, RefusesValuesOutOfRangeWithTheLineOfTheSurface) {
+  EXPECT_THAT(reading("\n[[surface]]\nname = \"a\"\nkind = \"sphere\"\ncenter = [0,0,0]\nradius = -1\n"),
+              refuses("2: surface \"a\": radius:", "greater than zero", "-1"));
+  EXPECT_THAT(reading("[[surface]]\nname = \"a\"\nkind = \"plane\"\npoint = [0,0,0]\nnormal = [0,0,0]\n"),
+              refuses("1: surface \"a\": normal:", "not zero"));
+  EXPECT_THAT(reading("[[surface]]\nname = \"a\"\nkind = \"cone\"\napex = [0,0,0]\naxis = [0,0,1]\nhalf_angle = 90\n"),
+              refuses("1: surface \"a\": half_angle:", "between 0 and 90", "90"));
+  EXPECT_THAT(reading("[[surface]]\nname = \"a\"\nkind = \"torus\"\ncenter = [0,0,0]\naxis = [0,0,1]\n"
+                      "major_radius = 1\nminor_radius = 2\n"),
+              refuses("1: surface \"a\": minor_radius:", "less than", "2"));
+  EXPECT_THAT(reading("[[surface]]\nname = \"a\"\nkind = \"revolution\"\norigin = [0,0,0]\naxis = [1,0,0]\n"
+                      "profile = [ {from = [0,1], to = [1,1]},\n {from = [1.5,1], to = [2,1]} ]\n"),
+              refuses("1: surface \"a\": profile piece 2:", "[1, 1]", "[1.5, 1]"));
+  EXPECT_THAT(
+      reading("[[surface]]\nname = \"a\"\nkind = \"revolution\"\norigin = [0,0,0]\naxis = [1,0,0]\nprofile = []\n"),
+      refuses("6: surface \"a\": profile:", "one table or more"));
+  EXPECT_THAT(reading("[[surface]]\nname = \"a\"\nkind = \"revolution\"\norigin = [0,0,0]\naxis = [1,0,0]\n"
+                      "profile = [ {from = [0,1], to = [1,1], clockwise = true} ]\n"),
+              refuses("6: surface \"a\": profile piece 1:", "center"));
+}
+
+TEST(SurfacesFromToml, RefusesANameTwice) {
+  const std::string ball = "[[surface]]\nname = \"a\"\nkind = \"sphere\"\ncenter = [0,0,0]\nradius = 1\n";
+  EXPECT_THAT(reading(ball + ball), refuses("7: surface \"a\":", "twice"));
+}
+
+}  // namespace
+}  // namespace pamr::geometry
