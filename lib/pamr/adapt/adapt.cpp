@@ -1,0 +1,196 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "pamr/adapt/adapt.hpp"
+
+#include <string>
+
+#include "pamr/base/error.hpp"
+#include "pamr/geometry/surface.hpp"
+#include "pamr/mesh/borders.hpp"
+#include "pamr/refine/certify.hpp"
+#include "pamr/refine/close.hpp"
+#include "pamr/refine/number.hpp"
+#include "pamr/refine/project.hpp"
+#include "pamr/refine/relink.hpp"
+#include "pamr/refine/smooth.hpp"
+#include "pamr/refine/subdivide.hpp"
+#include "pamr/refine/transfer.hpp"
+
+namespace pamr::adapt {
+
+namespace {
+
+constexpr std::size_t at(std::int64_t i) { return static_cast<std::size_t>(i); }
+
+void require_flags(const par::Comm& comm, const mesh::DistMesh& mesh, std::span<const std::uint8_t> flags) {
+  par::agree(comm, [&] {
+    if (flags.size() != at(mesh.n_cells()))
+      throw Error("refine: expected one flag for each of the " + std::to_string(mesh.n_cells()) + " cells of rank " +
+                  std::to_string(comm.rank()) + ", found " + std::to_string(flags.size()));
+  });
+}
+
+geometry::SurfaceSet read_surfaces(const par::Comm& comm, const mesh::DistMesh& mesh, const refine::Options& options) {
+  geometry::SurfaceSet surfaces;
+  par::agree(comm, [&] {
+    if (options.project && !mesh.info.surfaces_toml.empty())
+      surfaces = geometry::surfaces_from_toml(mesh.info.surfaces_toml, "surfaces of the mesh");
+  });
+  return surfaces;
+}
+
+/// Old nodes where they are, new ones where they are meant to lie.
+std::vector<geometry::Vec3> place_nodes(const mesh::DistMesh& mesh, const refine::Numbering& numbering,
+                                        const std::vector<refine::Movable>& movables) {
+  std::vector<geometry::Vec3> position;
+  position.reserve(at(mesh.n_nodes()) + numbering.n_new_nodes());
+  position = mesh.node_position;
+  for (const auto [a, b] : numbering.ends) position.push_back(geometry::midpoint(mesh.point(a), mesh.point(b)));
+  for (const auto& movable : movables) position[at(movable.node)] = movable.target;
+  return position;
+}
+
+std::vector<GlobalId> join_ids(const mesh::DistMesh& mesh, const refine::Numbering& numbering) {
+  std::vector<GlobalId> ids;
+  ids.reserve(mesh.node_global.size() + numbering.n_new_nodes());
+  ids = mesh.node_global;
+  ids.insert(ids.end(), numbering.node_global.begin(), numbering.node_global.end());
+  return ids;
+}
+
+/// Nodes of the refined mesh that other ranks hold too: the old ones, and those on marked border edges.
+par::Pattern share_nodes(const mesh::Borders& borders, const refine::Closure& closure,
+                         const refine::Numbering& numbering) {
+  par::Pattern shared;
+  const auto& nodes = borders.nodes;
+  const auto& edges = borders.edges;
+  for (std::size_t i = 0, j = 0; i < nodes.rank.size() || j < edges.rank.size();) {
+    const bool take_nodes = j == edges.rank.size() || (i < nodes.rank.size() && nodes.rank[i] <= edges.rank[j]);
+    const Rank rank = take_nodes ? nodes.rank[i] : edges.rank[j];
+    if (take_nodes) {
+      shared.item.insert(shared.item.end(), nodes.item.begin() + static_cast<std::ptrdiff_t>(nodes.offset[i]),
+                         nodes.item.begin() + static_cast<std::ptrdiff_t>(nodes.offset[i + 1]));
+      ++i;
+    }
+    if (j < edges.rank.size() && edges.rank[j] == rank) {
+      for (auto k = edges.offset[j]; k < edges.offset[j + 1]; ++k) {
+        const auto arc = borders.arcs(at(edges.item[k])).front();
+        if ((closure.marks[at(arc.cell)] >> arc.edge & 1) != 0)
+          shared.item.push_back(numbering.midpoint(arc.cell, arc.edge));
+      }
+      ++j;
+    }
+    shared.rank.push_back(rank);
+    shared.offset.push_back(shared.item.size());
+  }
+  return shared;
+}
+
+/// Flagged cells of which something is left that was not split into eight.
+std::int64_t count_not_split(const mesh::DistMesh& mesh, std::span<const std::uint8_t> flags,
+                             const refine::Closure& closure) {
+  std::int64_t n = 0;
+  auto family = closure.rebuilt.begin();
+  for (LocalId c = 0; c < mesh.n_cells(); ++c) {
+    if (flags[at(c)] == 0) continue;
+    if (closure.action[at(c)] == refine::Action::split) {
+      n += closure.marks[at(c)] == refine::all_edges ? 0 : 1;
+      continue;
+    }
+    const auto first = c - mesh.lineage[at(c)].child();
+    while (family->first < first) ++family;
+    n += refine::split_pattern[at(family->state)].mask == refine::all_edges ? 0 : 1;
+  }
+  return n;
+}
+
+}  // namespace
+
+RefineResult refine(const par::Comm& comm, const mesh::DistMesh& mesh, std::span<const std::uint8_t> flags,
+                    const refine::Options& options) {
+  StepTimer timer;
+  const auto traffic_before = comm.traffic();
+  require_flags(comm, mesh, flags);
+  const auto surfaces = read_surfaces(comm, mesh, options);
+  const auto borders = mesh::find_borders(comm, mesh);
+  timer.lap("preprocessing");
+
+  const auto closure = refine::close(comm, mesh, borders, flags, options.quality_control);
+  timer.lap("close");
+  timer.lap("balance");
+  const auto numbering = refine::number(comm, mesh, borders, closure);
+  timer.lap("number");
+
+  RefineResult result;
+  auto& fine = result.mesh;
+  fine.info = mesh.info;
+  fine.info.n_global_nodes = numbering.n_global_nodes;
+  fine.info.n_global_cells = numbering.n_global_cells;
+  auto movables = refine::project_ledger(comm, mesh, borders, surfaces);
+  const auto of_new_nodes = refine::project_new_nodes(mesh, numbering, surfaces);
+  movables.insert(movables.end(), of_new_nodes.begin(), of_new_nodes.end());
+  fine.node_position = place_nodes(mesh, numbering, movables);
+  fine.node_global = join_ids(mesh, numbering);
+  timer.lap("project");
+
+  auto children = refine::subdivide(mesh, closure, numbering, fine.node_position);
+  fine.cell_to_node = std::move(children.cell_to_node);
+  fine.cell_global = std::move(children.cell_global);
+  fine.lineage = std::move(children.lineage);
+  timer.lap("subdivide");
+
+  const auto shared = share_nodes(borders, closure, numbering);
+  refine::smooth_displacement(comm, fine, shared, numbering, mesh.n_nodes(), movables);
+  const auto certificate = refine::certify(comm, fine, shared, surfaces, movables, children.suspects);
+  timer.lap("project");
+
+  refine::relink(comm, mesh, closure, numbering, children, fine);
+  timer.lap("relink");
+  refine::transfer(mesh, closure, numbering, certificate, certificate.n_off_surface > 0, options, fine);
+  timer.lap("transfer");
+
+  auto& report = result.report;
+  report.cells_in = mesh.info.n_global_cells;
+  report.nodes_in = mesh.info.n_global_nodes;
+  report.cells_out = fine.info.n_global_cells;
+  report.nodes_out = fine.info.n_global_nodes;
+  report.marked = closure.n_marked;
+  report.marked_not_split = comm.sum(count_not_split(mesh, flags, closure));
+  report.families_rebuilt = closure.families_rebuilt;
+  report.families_kept = closure.families_kept;
+  report.off_surface_nodes = certificate.n_off_surface;
+  report.rounds = closure.rounds;
+  report.back_off_rounds = certificate.rounds;
+  report.steps = timer.steps();
+  report.traffic = {comm.traffic().messages - traffic_before.messages, comm.traffic().bytes - traffic_before.bytes};
+  return result;
+}
+
+Forecast dry_run(const par::Comm& comm, const mesh::DistMesh& mesh, std::span<const std::uint8_t> flags,
+                 const refine::Options& options) {
+  require_flags(comm, mesh, flags);
+  const auto borders = mesh::find_borders(comm, mesh);
+  const auto closure = refine::close(comm, mesh, borders, flags, options.quality_control);
+  const auto numbering = refine::number(comm, mesh, borders, closure);
+  return {numbering.n_global_cells, numbering.n_global_nodes, closure.n_marked, numbering.first_child.back()};
+}
+
+std::vector<std::uint8_t> flags_from_field(const par::Comm& comm, const mesh::DistMesh& mesh, const std::string& name) {
+  std::vector<std::uint8_t> flags(at(mesh.n_cells()));
+  par::agree(comm, [&] {
+    const auto* field = mesh.find_cell_field(name);
+    if (field == nullptr) throw Error("marks: expected a cell field '" + name + "', found none of that name");
+    if (!field->holds_integers() || field->n_components != 1)
+      throw Error("marks: expected an integer field of one component, found cell field '" + name + "' of " +
+                  (field->holds_integers() ? std::to_string(field->n_components) + " components" : "reals"));
+    const auto& value = field->integer();
+    for (std::size_t c = 0; c < flags.size(); ++c) {
+      if (value[c] != 0 && value[c] != 1)
+        throw Error("marks: expected 0 (keep) or 1 (split), found " + std::to_string(value[c]) + " in cell field '" +
+                    name + "' at cell " + std::to_string(mesh.cell_global[c]));
+      flags[c] = static_cast<std::uint8_t>(value[c]);
+    }
+  });
+  return flags;
+}
+
+}  // namespace pamr::adapt

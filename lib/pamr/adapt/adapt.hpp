@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "pamr/base/timer.hpp"
+#include "pamr/mesh/dist_mesh.hpp"
+#include "pamr/par/comm.hpp"
+#include "pamr/refine/options.hpp"
+
+namespace pamr::adapt {
+
+/// What one refinement did; counts over all ranks.
+struct Report {
+  std::int64_t cells_in = 0, cells_out = 0, nodes_in = 0, nodes_out = 0;
+  std::int64_t marked = 0;            ///< cells that were flagged
+  std::int64_t marked_not_split = 0;  ///< flagged cells that the result holds unsplit; always 0
+  std::int64_t families_rebuilt = 0;  ///< closure families taken back to their parent
+  std::int64_t families_kept = 0;     ///< hit families whose parent could not be rebuilt
+  std::int64_t off_surface_nodes = 0;
+  int rounds = 0;               ///< of closing
+  int back_off_rounds = 0;      ///< of the projection's certificate
+  std::vector<StepTime> steps;  ///< of this rank
+  par::Traffic traffic;         ///< of this rank
+};
+
+struct RefineResult {
+  mesh::DistMesh mesh;
+  Report report;
+};
+
+/// Refines once: every cell with a nonzero flag is split into eight (under `removable`, a flagged closure cell's parent
+/// is), the cells around them are closed, new boundary nodes are put on their surfaces, fields and patches go to the
+/// children. `flags` has one entry for each cell of this rank.
+///
+/// Collective. Pre: `mesh` is valid (`mesh::validate`). Post: so is the result, and it is the same mesh, cell for cell,
+/// node for node, bit for bit, on any number of ranks and for any distribution over them. Throws `Error` on every rank
+/// for flags of the wrong length, bad surfaces, and cells too flat to be split. Memory at the peak: the old mesh, the
+/// new one and about 40 bytes for each cell that is split.
+RefineResult refine(const par::Comm& comm, const mesh::DistMesh& mesh, std::span<const std::uint8_t> flags,
+                    const refine::Options& options = {});
+
+/// The exact size that a refinement would give, without splitting anything. Collective.
+struct Forecast {
+  std::int64_t cells = 0;
+  std::int64_t nodes = 0;
+  std::int64_t marked = 0;
+  std::int64_t cells_on_this_rank = 0;
+};
+Forecast dry_run(const par::Comm& comm, const mesh::DistMesh& mesh, std::span<const std::uint8_t> flags,
+                 const refine::Options& options = {});
+
+/// Flags from an integer cell field: 0 keep, 1 split. Collective: throws `Error` on every rank when the field is
+/// missing, not an integer field of one component, or holds anything else.
+std::vector<std::uint8_t> flags_from_field(const par::Comm& comm, const mesh::DistMesh& mesh, const std::string& field);
+
+}  // namespace pamr::adapt

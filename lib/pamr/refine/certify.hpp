@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "pamr/geometry/surface.hpp"
+#include "pamr/mesh/dist_mesh.hpp"
+#include "pamr/par/comm.hpp"
+#include "pamr/par/exchange.hpp"
+#include "pamr/refine/movable.hpp"
+
+namespace pamr::refine {
+
+/// What came of the movement.
+struct Certificate {
+  std::vector<OffSurface> ledger;  ///< this rank's nodes that are off their surfaces, ascending
+  std::int64_t n_off_surface = 0;  ///< all ranks, each node once
+  int rounds = 0;                  ///< of backing off
+};
+
+/// Moves the nodes of `movables` in `fine` as far towards their targets as no cell turns over: starts with all of it,
+/// and where a cell is not positive by exact arithmetic takes back half of what its nodes moved, again and again, at
+/// last all of it. Afterwards every cell with a moved node and every one of `suspects` is exactly positive, given that
+/// they are so when nothing moves; otherwise throws `Error` on every rank. `shared`: nodes of the refined mesh that
+/// other ranks hold too. Collective: one neighbour exchange and one reduction a round. Depends on neither order nor
+/// ranks.
+Certificate certify(const par::Comm& comm, mesh::DistMesh& fine, const par::Pattern& shared,
+                    const geometry::SurfaceSet& surfaces, const std::vector<Movable>& movables,
+                    std::span<const LocalId> suspects);
+
+}  // namespace pamr::refine

@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "pamr/refine/close.hpp"
+
+#include <bit>
+#include <optional>
+
+#include "pamr/base/contract.hpp"
+#include "pamr/refine/family.hpp"
+#include "pamr/refine/propagation.hpp"
+
+namespace pamr::refine {
+
+namespace {
+
+constexpr std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+/// Settles this rank, tells the neighbours which border edges are marked, and so on until nobody has news. Returns the
+/// number of exchanges.
+int settle_all(const par::Comm& comm, const mesh::Borders& borders, Propagation& propagation) {
+  const par::Exchange exchange(comm, borders.edges);
+  std::vector<std::uint8_t> mine(borders.edges.n_slots());
+  std::vector<std::uint8_t> is_marked(borders.n_edges(), 0);
+  int rounds = 0;
+  for (bool news = true; news;) {
+    propagation.settle();
+    for (std::size_t i = 0; i < borders.n_edges(); ++i)
+      for (const auto arc : borders.arcs(i))
+        if (propagation.is_marked(arc.cell, arc.edge)) is_marked[i] = 1;
+    for (std::size_t k = 0; k < mine.size(); ++k) mine[k] = is_marked[at(borders.edges.item[k])];
+    const auto theirs = exchange.swap<std::uint8_t>(mine);
+    ++rounds;
+    for (std::size_t k = 0; k < theirs.size(); ++k)
+      if (theirs[k] != 0) is_marked[at(borders.edges.item[k])] = 1;
+    bool changed = false;
+    for (std::size_t i = 0; i < borders.n_edges(); ++i)
+      for (const auto arc : borders.arcs(i))
+        if (is_marked[i] != 0 && !propagation.is_marked(arc.cell, arc.edge)) {
+          propagation.mark(arc.cell, arc.edge);
+          changed = true;
+        }
+    news = comm.any(changed);
+  }
+  return rounds;
+}
+
+/// True when the face of a member is half of a face of its parent: such a face has to be kept or taken back on both
+/// sides.
+bool is_bisected_face(mesh::Lineage lineage, int slot) {
+  const auto& pattern = split_pattern[at(state_of_family(lineage))];
+  const int link = pattern.child_to_child[at(lineage.child())][at(slot)];
+  return link < 0 && outer_place(link) != whole &&
+         std::popcount(static_cast<unsigned>(pattern.mask & mesh::tet::face_edge_mask[at(outer_face(link))])) == 1;
+}
+
+void keep_family(const mesh::DistMesh& mesh, LocalId cell, std::vector<std::uint8_t>& kept,
+                 std::vector<LocalId>& fresh) {
+  const auto lineage = mesh.lineage[at(cell)];
+  const auto first = cell - lineage.child();
+  if (!lineage.is_removable() || kept[at(first)] != 0) return;
+  for (int child = 0; child < lineage.family_size(); ++child) {
+    kept[at(first + child)] = 1;
+    fresh.push_back(first + child);
+  }
+}
+
+/// Families that cannot be taken back stay; so do, one after another, those that share a bisected face with them.
+void keep_families(const par::Comm& comm, const mesh::DistMesh& mesh, const mesh::Borders& borders,
+                   const std::vector<LocalId>& stuck, std::vector<std::uint8_t>& kept) {
+  kept.resize(at(mesh.n_cells()), 0);
+  std::vector<LocalId> fresh;
+  for (const auto first : stuck) keep_family(mesh, first, kept, fresh);
+  const par::Exchange exchange(comm, borders.faces);
+  for (bool news = true; news;) {
+    while (!fresh.empty()) {
+      const auto cell = fresh.back();
+      fresh.pop_back();
+      for (int f = 0; f < 4; ++f) {
+        const auto next = mesh.cell_to_cell[at(cell)][at(f)];
+        if (is_bisected_face(mesh.lineage[at(cell)], f) && mesh.is_own(next)) keep_family(mesh, next, kept, fresh);
+      }
+    }
+    std::vector<std::uint8_t> mine;
+    for (const auto face : mesh.border_face) mine.push_back(kept[at(face.cell)]);
+    const auto theirs = exchange.swap<std::uint8_t>(mine);
+    for (std::size_t k = 0; k < theirs.size(); ++k) {
+      const auto face = mesh.border_face[k];
+      if (theirs[k] != 0 && is_bisected_face(mesh.lineage[at(face.cell)], face.slot))
+        keep_family(mesh, face.cell, kept, fresh);
+    }
+    news = comm.any(!fresh.empty());
+  }
+}
+
+std::int64_t count_kept_and_hit(const mesh::DistMesh& mesh, const std::vector<std::uint8_t>& kept,
+                                const std::vector<EdgeMask>& marks) {
+  std::int64_t n = 0;
+  for (LocalId c = 0; c < mesh.n_cells(); ++c)
+    if (!kept.empty() && kept[at(c)] != 0 && mesh.lineage[at(c)].child() == 0) {
+      unsigned any = 0;
+      for (int child = 0; child < mesh.lineage[at(c)].family_size(); ++child) any |= marks[at(c + child)];
+      n += any != 0 ? 1 : 0;
+    }
+  return n;
+}
+
+}  // namespace
+
+Closure close(const par::Comm& comm, const mesh::DistMesh& mesh, const mesh::Borders& borders,
+              std::span<const std::uint8_t> flags, QualityControl policy) {
+  PAMR_EXPECTS(flags.size() == at(mesh.n_cells()));
+  Closure closure;
+  for (const auto flag : flags) closure.n_marked += flag != 0 ? 1 : 0;
+  closure.n_marked = comm.sum(closure.n_marked);
+
+  std::vector<std::uint8_t> kept;
+  for (;;) {
+    Propagation propagation(mesh, flags, kept, policy);
+    closure.rounds += settle_all(comm, borders, propagation);
+    const auto hit = propagation.hit_families();
+    closure.marks = std::move(propagation).take_marks();
+    closure.rebuilt.clear();
+    std::vector<LocalId> stuck;
+    for (const auto first : hit) {
+      const auto plan = plan_family(mesh, view_family(mesh, closure.marks, first));
+      if (plan.state < 0)
+        stuck.push_back(first);
+      else
+        closure.rebuilt.push_back(plan);
+    }
+    if (!comm.any(!stuck.empty())) break;
+    keep_families(comm, mesh, borders, stuck, kept);
+  }
+  closure.families_kept = comm.sum(count_kept_and_hit(mesh, kept, closure.marks));
+  closure.families_rebuilt = comm.sum(static_cast<std::int64_t>(closure.rebuilt.size()));
+  closure.action.assign(at(mesh.n_cells()), Action::split);
+  for (const auto& family : closure.rebuilt) {
+    closure.action[at(family.first)] = Action::rebuild;
+    for (int child = 1; child < mesh.lineage[at(family.first)].family_size(); ++child)
+      closure.action[at(family.first + child)] = Action::absorbed;
+  }
+  return closure;
+}
+
+std::int64_t count_new_cells(const Closure& closure) {
+  std::int64_t n = 0;
+  for (std::size_t c = 0; c < closure.marks.size(); ++c)
+    if (closure.action[c] == Action::split) n += split_pattern[at(state_of_mask[closure.marks[c]])].n_children;
+  for (const auto& family : closure.rebuilt) n += family.n_children;
+  return n;
+}
+
+}  // namespace pamr::refine

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "pamr/base/types.hpp"
+#include "pamr/refine/split_pattern.hpp"
+
+/// The values that flow from `close` to the steps after it.
+namespace pamr::refine {
+
+/// What becomes of an old cell.
+enum class Action : std::uint8_t {
+  split,     ///< its own pattern, given by its marks (no marks: it stays as it is)
+  rebuild,   ///< first member of a closure family that is taken back to its parent
+  absorbed,  ///< another member of such a family
+};
+
+/// A closure family that is taken back: its parent is split by `state`, and each of the children once more by its
+/// marks.
+struct RebuiltFamily {
+  LocalId first = invalid_local;  ///< first member
+  int state = 0;                  ///< how the parent is split now
+  int n_children = 0;             ///< cells that it becomes, second generation included
+  std::array<EdgeMask, max_children> child_marks{};
+};
+
+/// Legal marks in every cell: the edges that get a new node.
+struct Closure {
+  std::vector<EdgeMask> marks;         ///< n_cells: bits of the cell's edges
+  std::vector<Action> action;          ///< n_cells
+  std::vector<RebuiltFamily> rebuilt;  ///< ascending in `first`
+  int rounds = 0;                      ///< exchanges with the neighbours
+  std::int64_t n_marked = 0;           ///< cells that were flagged, all ranks
+  std::int64_t families_kept = 0;  ///< hit families whose parent cannot be rebuilt without an inverted cell, all ranks
+  std::int64_t families_rebuilt = 0;  ///< all ranks
+};
+
+}  // namespace pamr::refine

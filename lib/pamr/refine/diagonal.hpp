@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+
+#include "pamr/geometry/quality.hpp"
+#include "pamr/geometry/vec3.hpp"
+#include "pamr/refine/split_pattern.hpp"
+
+namespace pamr::refine {
+
+/// Positions by node code: 0..3 corners, 4 + e midpoint of edge e.
+using SplitPoints = std::array<geometry::Vec3, 10>;
+
+/// Points of one child of a split cell.
+inline geometry::TetPoints child_points(const SplitPoints& points, int state, int child) {
+  const auto& code = split_pattern[static_cast<std::size_t>(state)].child_to_node[static_cast<std::size_t>(child)];
+  return {points[static_cast<std::size_t>(code[0])], points[static_cast<std::size_t>(code[1])],
+          points[static_cast<std::size_t>(code[2])], points[static_cast<std::size_t>(code[3])]};
+}
+
+/// True when every child of that state has positive volume by exact arithmetic.
+bool all_children_positive(const SplitPoints& points, int state);
+
+/// The inner diagonal of 1:8: the shortest; among those equal to rounding (squared length within a factor 1 + 2^-40)
+/// the one whose worst inner cell is best; then by coordinates. Never depends on numbering. With `must_be_positive`
+/// only diagonals whose four inner cells are positive by exact arithmetic are looked at, unless there is none. Source:
+/// S. Zhang, Houston J. Math. 21 (1995) for the shortest diagonal; Kuhn cells tie.
+int choose_diagonal(const SplitPoints& points, bool must_be_positive);
+
+}  // namespace pamr::refine

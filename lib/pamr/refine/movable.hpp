@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "pamr/base/types.hpp"
+#include "pamr/geometry/vec3.hpp"
+
+namespace pamr::refine {
+
+inline constexpr int max_node_patches = 4;
+
+/// A node that may leave the middle of its edge: where it lies when nothing moves and where it wants to go.
+struct Movable {
+  LocalId node = invalid_local;  ///< in the refined mesh
+  geometry::Vec3 base;
+  geometry::Vec3 target;
+  std::array<int, max_node_patches> patch{-1, -1, -1,
+                                          -1};  ///< patches whose surfaces it belongs to; none: an inner node
+  bool is_reachable = true;  ///< false: no common point of its surfaces was found near by, `target` is `base`
+};
+
+/// A boundary node that does not lie on its surfaces, and how far it is from them.
+struct OffSurface {
+  LocalId node = invalid_local;
+  double distance = 0;
+};
+
+/// Name of the nodal field that holds the ledger: distance of each boundary node that could not be put on its surface
+/// without turning a cell over, 0 elsewhere. Absent when there is none.
+inline constexpr const char* ledger_field = "off_surface";
+
+}  // namespace pamr::refine

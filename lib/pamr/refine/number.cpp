@@ -1,0 +1,281 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "pamr/refine/number.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <limits>
+#include <span>
+
+#include "pamr/base/contract.hpp"
+#include "pamr/base/error.hpp"
+#include "pamr/mesh/ring.hpp"
+
+namespace pamr::refine {
+
+namespace {
+
+constexpr std::size_t at(std::int64_t i) { return static_cast<std::size_t>(i); }
+
+/// What each old cell brings forth: nodes that it is the lowest cell of, and children.
+struct Counts {
+  std::vector<std::uint8_t> nodes;
+  std::vector<std::uint8_t> cells;
+};
+
+void make_rows(const Closure& closure, Numbering& numbering) {
+  std::size_t n_rows = 0;
+  for (const auto marks : closure.marks) n_rows += marks != 0 ? 1 : 0;
+  numbering.row.assign(closure.marks.size(), -1);
+  numbering.edge_to_node.resize(n_rows);
+  LocalId next = 0;
+  for (std::size_t c = 0; c < closure.marks.size(); ++c)
+    if (closure.marks[c] != 0) {
+      numbering.edge_to_node[at(next)].fill(invalid_local);
+      numbering.row[c] = next++;
+    }
+}
+
+/// Patches met at the ends of an arc; those of a border edge are completed by the other ranks.
+class PatchPair {
+ public:
+  void add(LocalId slot) {
+    if (slot >= 0) return;
+    const int patch = mesh::slot_to_patch(slot);
+    (count_ == 0 ? patch_[0] : patch_[1]) = patch;
+    ++count_;
+  }
+  bool is_complete() const { return count_ == 2; }
+  std::array<int, 2> sorted() const { return {std::min(patch_[0], patch_[1]), std::max(patch_[0], patch_[1])}; }
+  int count() const { return count_; }
+  std::array<int, 2> raw() const { return patch_; }
+  void merge(const PatchPair& other) {
+    for (int i = 0; i < other.count_ && count_ < 2; ++i) {
+      patch_[at(count_)] = other.patch_[at(i)];
+      ++count_;
+    }
+  }
+
+ private:
+  std::array<int, 2> patch_{-1, -1};
+  int count_ = 0;
+};
+
+/// A border edge on its way over the ranks that share it: the lowest cell that anyone has at it, and its patches.
+struct SharedEdge {
+  GlobalId lowest = std::numeric_limits<GlobalId>::max();
+  int edge = 0;  ///< of the lowest cell
+  PatchPair patches;
+};
+
+class NodeMaker {
+ public:
+  NodeMaker(const mesh::DistMesh& mesh, const Closure& closure, Numbering& numbering)
+      : mesh_(mesh), closure_(closure), numbering_(numbering) {}
+
+  LocalId make(LocalId cell, int edge) {
+    const auto& nodes = mesh_.cell_to_node[at(cell)];
+    const auto [p, q] = mesh::tet::edge_to_corner[at(edge)];
+    numbering_.ends.push_back({nodes[at(p)], nodes[at(q)]});
+    return narrow<LocalId>(static_cast<std::int64_t>(mesh_.n_nodes()) +
+                           static_cast<std::int64_t>(numbering_.ends.size()) - 1);
+  }
+  mesh::RingEnds give(LocalId node, LocalId cell, int edge) {
+    return mesh::walk_ring(mesh_, cell, edge,
+                           [&](LocalId c, int e) { numbering_.edge_to_node[at(numbering_.row[at(c)])][at(e)] = node; });
+  }
+  void note_boundary(LocalId node, const PatchPair& patches) {
+    if (patches.is_complete()) numbering_.boundary.push_back({node - mesh_.n_nodes(), patches.sorted()});
+  }
+
+  /// Nodes of marked edges inside this rank's part, by ascending lowest cell.
+  void make_inner(Counts& counts) {
+    for (LocalId c = 0; c < mesh_.n_cells(); ++c) {
+      for (unsigned marks = closure_.marks[at(c)]; marks != 0; marks &= marks - 1) {
+        const int e = std::countr_zero(marks);
+        if (numbering_.midpoint(c, e) != invalid_local) continue;
+        const auto node = make(c, e);
+        const auto ends = give(node, c, e);
+        ++counts.nodes[at(c)];
+        if (ends.is_closed) continue;
+        PatchPair patches;
+        patches.add(ends.first);
+        patches.add(ends.second);
+        note_boundary(node, patches);
+      }
+    }
+  }
+
+ private:
+  const mesh::DistMesh& mesh_;
+  const Closure& closure_;
+  Numbering& numbering_;
+};
+
+bool is_marked(const Closure& closure, const mesh::Borders& borders, std::size_t edge) {
+  const auto arc = borders.arcs(edge).front();
+  return (closure.marks[at(arc.cell)] >> arc.edge & 1) != 0;
+}
+
+/// Nodes of marked border edges. Returns what is known of every border edge on all its ranks; entry i of `node` is the
+/// local id of its node.
+std::vector<SharedEdge> make_shared(const par::Comm& comm, const mesh::DistMesh& mesh, const mesh::Borders& borders,
+                                    const Closure& closure, NodeMaker& maker, std::vector<LocalId>& node) {
+  std::vector<SharedEdge> shared(borders.n_edges());
+  node.assign(borders.n_edges(), invalid_local);
+  for (std::size_t i = 0; i < shared.size(); ++i) {
+    if (!is_marked(closure, borders, i)) continue;
+    node[i] = maker.make(borders.arcs(i).front().cell, borders.arcs(i).front().edge);
+    for (const auto arc : borders.arcs(i)) {
+      const auto ends = maker.give(node[i], arc.cell, arc.edge);
+      if (!ends.is_closed) {
+        shared[i].patches.add(ends.first);
+        shared[i].patches.add(ends.second);
+      }
+      const auto global = mesh.cell_global[at(arc.cell)];
+      if (global < shared[i].lowest) {
+        shared[i].lowest = global;
+        shared[i].edge = arc.edge;
+      }
+    }
+  }
+  std::vector<SharedEdge> mine;
+  for (const auto i : borders.edges.item) mine.push_back(shared[at(i)]);
+  const auto theirs = par::Exchange(comm, borders.edges).swap<SharedEdge>(mine);
+  for (std::size_t k = 0; k < theirs.size(); ++k) {
+    auto& edge = shared[at(borders.edges.item[k])];
+    if (theirs[k].lowest < edge.lowest) {
+      edge.lowest = theirs[k].lowest;
+      edge.edge = theirs[k].edge;
+    }
+    edge.patches.merge(theirs[k].patches);
+  }
+  for (std::size_t i = 0; i < shared.size(); ++i)
+    if (node[i] != invalid_local) maker.note_boundary(node[i], shared[i].patches);
+  return shared;
+}
+
+LocalId find_cell(const mesh::DistMesh& mesh, GlobalId global) {
+  const auto found = std::lower_bound(mesh.cell_global.begin(), mesh.cell_global.end(), global);
+  return found != mesh.cell_global.end() && *found == global ? static_cast<LocalId>(found - mesh.cell_global.begin())
+                                                             : invalid_local;
+}
+
+void count_children(const Closure& closure, Counts& counts) {
+  for (std::size_t c = 0; c < closure.marks.size(); ++c)
+    counts.cells[c] = closure.action[c] == Action::split
+                          ? static_cast<std::uint8_t>(split_pattern[at(state_of_mask[closure.marks[c]])].n_children)
+                          : std::uint8_t{0};
+  for (const auto& family : closure.rebuilt)
+    counts.cells[at(family.first)] = static_cast<std::uint8_t>(family.n_children);
+}
+
+/// For each own cell: how many of the counted things all cells with lower global numbers have.
+struct Offsets {
+  std::vector<GlobalId> nodes, cells;
+  GlobalId n_nodes = 0, n_cells = 0;
+};
+
+/// True when the ranks hold consecutive runs of cell numbers in rank order: then one exclusive sum does.
+bool is_in_runs(const par::Comm& comm, const mesh::DistMesh& mesh) {
+  const auto before = comm.exclusive_sum(mesh.n_cells());
+  return comm.all(mesh.n_cells() == 0 ||
+                  (mesh.cell_global.front() == before && mesh.cell_global.back() == before + mesh.n_cells() - 1));
+}
+
+void accumulate(const par::Comm& comm, std::span<const std::uint8_t> counts, std::vector<GlobalId>& offset) {
+  offset.resize(counts.size());
+  GlobalId sum = 0;
+  for (std::size_t i = 0; i < counts.size(); ++i) {
+    offset[i] = sum;
+    sum += counts[i];
+  }
+  const auto before = comm.exclusive_sum(sum);
+  for (auto& value : offset) value += before;
+}
+
+std::vector<GlobalId> offsets_of(const par::Comm& comm, const mesh::DistMesh& mesh, bool in_runs,
+                                 std::span<const std::uint8_t> counts) {
+  std::vector<GlobalId> offset;
+  if (in_runs) {
+    accumulate(comm, counts, offset);
+    return offset;
+  }
+  const auto n = mesh.info.n_global_cells;
+  const auto block = par::scatter_rows<std::uint8_t>(comm, n, counts, 1, mesh.cell_global);
+  accumulate(comm, block, offset);
+  return par::fetch_rows<GlobalId>(comm, n, offset, 1, mesh.cell_global);
+}
+
+void number_nodes(const par::Comm& comm, const mesh::DistMesh& mesh, const mesh::Borders& borders,
+                  const Closure& closure, const std::vector<SharedEdge>& shared,
+                  const std::vector<LocalId>& shared_node, const std::vector<GlobalId>& offset, Numbering& numbering) {
+  const auto n_old = mesh.n_nodes();
+  auto& global = numbering.node_global;
+  global.assign(numbering.n_new_nodes(), invalid_global);
+  // border nodes of which another cell, maybe elsewhere, is the lowest, wait for that cell
+  std::vector<mesh::CellFace> owner_of;  // lowest cell and edge of each border node, by new node
+  const auto n_shared =
+      at(std::count_if(shared_node.begin(), shared_node.end(), [](LocalId n) { return n != invalid_local; }));
+  owner_of.resize(n_shared);
+  for (std::size_t i = 0; i < shared.size(); ++i)
+    if (shared_node[i] != invalid_local)
+      owner_of[at(shared_node[i] - n_old)] = {find_cell(mesh, shared[i].lowest), shared[i].edge};
+  for (LocalId c = 0; c < mesh.n_cells(); ++c) {
+    GlobalId next = mesh.info.n_global_nodes + offset[at(c)];
+    for (unsigned marks = closure.marks[at(c)]; marks != 0; marks &= marks - 1) {
+      const int e = std::countr_zero(marks);
+      const auto node = at(numbering.midpoint(c, e) - n_old);
+      if (global[node] != invalid_global) continue;
+      if (node < n_shared && !(owner_of[node].cell == c && owner_of[node].slot == e)) continue;
+      global[node] = next++;
+    }
+  }
+  std::vector<GlobalId> mine;
+  for (const auto i : borders.edges.item)
+    mine.push_back(shared_node[at(i)] == invalid_local ? invalid_global : global[at(shared_node[at(i)] - n_old)]);
+  const auto theirs = par::Exchange(comm, borders.edges).swap<GlobalId>(mine);
+  for (std::size_t k = 0; k < theirs.size(); ++k) {
+    const auto node = shared_node[at(borders.edges.item[k])];
+    if (node != invalid_local && theirs[k] != invalid_global) global[at(node - n_old)] = theirs[k];
+  }
+}
+
+}  // namespace
+
+Numbering number(const par::Comm& comm, const mesh::DistMesh& mesh, const mesh::Borders& borders,
+                 const Closure& closure) {
+  Numbering numbering;
+  make_rows(closure, numbering);
+  Counts counts{std::vector<std::uint8_t>(closure.marks.size(), 0), std::vector<std::uint8_t>(closure.marks.size(), 0)};
+
+  NodeMaker maker(mesh, closure, numbering);
+  std::vector<LocalId> shared_node;
+  const auto shared = make_shared(comm, mesh, borders, closure, maker, shared_node);
+  for (std::size_t i = 0; i < shared.size(); ++i) {
+    const auto lowest = shared_node[i] == invalid_local ? invalid_local : find_cell(mesh, shared[i].lowest);
+    if (lowest != invalid_local) ++counts.nodes[at(lowest)];
+  }
+  maker.make_inner(counts);
+  std::sort(numbering.boundary.begin(), numbering.boundary.end(),
+            [](const BoundaryNode& a, const BoundaryNode& b) { return a.new_node < b.new_node; });
+  count_children(closure, counts);
+
+  const bool in_runs = is_in_runs(comm, mesh);
+  const auto node_offset = offsets_of(comm, mesh, in_runs, counts.nodes);
+  number_nodes(comm, mesh, borders, closure, shared, shared_node, node_offset, numbering);
+  numbering.first_child_global = offsets_of(comm, mesh, in_runs, counts.cells);
+
+  std::int64_t n_nodes = 0, n_cells = 0;
+  numbering.first_child.resize(counts.cells.size() + 1);
+  for (std::size_t c = 0; c < counts.cells.size(); ++c) {
+    numbering.first_child[c] = narrow<LocalId>(n_cells);
+    n_cells += counts.cells[c];
+    n_nodes += counts.nodes[c];
+  }
+  numbering.first_child.back() = narrow<LocalId>(n_cells);
+  numbering.n_global_nodes = mesh.info.n_global_nodes + comm.sum(n_nodes);
+  numbering.n_global_cells = comm.sum(n_cells);
+  return numbering;
+}
+
+}  // namespace pamr::refine

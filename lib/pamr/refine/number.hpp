@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "pamr/mesh/borders.hpp"
+#include "pamr/mesh/dist_mesh.hpp"
+#include "pamr/par/comm.hpp"
+#include "pamr/refine/closure.hpp"
+
+namespace pamr::refine {
+
+/// A new node on the boundary and the patches of the two boundary faces at its edge, the smaller first.
+struct BoundaryNode {
+  LocalId new_node = 0;
+  std::array<int, 2> patch{};
+};
+
+/// New nodes and the global numbers of everything new. Local new node i has local id n_nodes + i in the refined mesh.
+struct Numbering {
+  std::vector<LocalId> row;                          ///< n_cells: row of `edge_to_node`, -1: no marks
+  std::vector<std::array<LocalId, 6>> edge_to_node;  ///< local ids of the midpoints of a marked cell's edges
+  std::vector<std::array<LocalId, 2>> ends;          ///< per new node: the nodes at the ends of its edge
+  std::vector<GlobalId> node_global;                 ///< per new node
+  std::vector<BoundaryNode> boundary;                ///< ascending in `new_node`
+  std::vector<LocalId> first_child;                  ///< n_cells + 1: local ids of the children of each old cell
+  std::vector<GlobalId> first_child_global;          ///< n_cells
+  GlobalId n_global_nodes = 0;
+  GlobalId n_global_cells = 0;
+
+  std::size_t n_new_nodes() const { return ends.size(); }
+  LocalId midpoint(LocalId cell, int edge) const {
+    return edge_to_node[static_cast<std::size_t>(row[static_cast<std::size_t>(cell)])][static_cast<std::size_t>(edge)];
+  }
+};
+
+/// Makes one node on every marked edge and numbers nodes and children so that nothing depends on the partition: old
+/// nodes keep their numbers; a new node belongs to the lowest old cell at its edge, and new nodes follow in the order
+/// of those cells, then of the edge's number there; children follow their parents in the old order (those of a family
+/// that was taken back follow its first member), template by template. Collective: exchanges over the border edges, and
+/// scans in block distribution (O(cells / ranks) bytes a rank; one exclusive sum where each rank holds one run of cell
+/// numbers). No host, no sort. Cost: one ring walk a marked edge.
+Numbering number(const par::Comm& comm, const mesh::DistMesh& mesh, const mesh::Borders& borders,
+                 const Closure& closure);
+
+}  // namespace pamr::refine

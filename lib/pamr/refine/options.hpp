@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+namespace pamr::refine {
+
+/// What happens to a closure cell (a child of 1:2 or 1:4) that has to be split again.
+/// Source of `isotropic` and `short_edge`: the PAMR paper, section 2.1.3 and its reference [18].
+enum class QualityControl : std::uint8_t {
+  none,        ///< split like any other cell; quality falls at every level
+  isotropic,   ///< it becomes eight
+  short_edge,  ///< a mark on a halved edge takes the better face of that edge with it
+  removable,   ///< its family is taken back to the parent, which is closed anew or becomes eight: quality is bounded
+};
+
+/// How to refine once.
+struct Options {
+  QualityControl quality_control = QualityControl::removable;
+  bool project = true;       ///< put new boundary nodes onto the surfaces of their patches
+  bool parent_field = true;  ///< add the integer cell field `parent`: input cell that held the new cell's centroid
+  std::string marks_field;   ///< cell field to drop from the result (it held the marks); empty: none
+};
+
+}  // namespace pamr::refine

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "pamr/refine/policy.hpp"
+
+#include <algorithm>
+
+#include "pamr/refine/diagonal.hpp"
+
+namespace pamr::refine {
+
+namespace {
+
+constexpr std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+/// A half of a parent's edge: from one of its ends to its midpoint. The mark of lengths plays no part.
+bool is_short(mesh::Lineage lineage, int edge) {
+  const auto& pattern = split_pattern[at(state_of_family(lineage))];
+  const auto& code = pattern.child_to_node[at(lineage.child())];
+  const int a = code[at(mesh::tet::edge_to_corner[at(edge)][0])], b = code[at(mesh::tet::edge_to_corner[at(edge)][1])];
+  if ((a < 4) == (b < 4)) return false;
+  const auto [p, q] = mesh::tet::edge_to_corner[at(std::max(a, b) - 4)];
+  return p == std::min(a, b) || q == std::min(a, b);
+}
+
+double worst_of_face_split(const SplitPoints& points, int face) {
+  double worst = 1;
+  for (int child = 0; child < 4; ++child)
+    worst = std::min(worst, geometry::mean_ratio(child_points(points, 7 + face, child)));
+  return worst;
+}
+
+}  // namespace
+
+EdgeMask face_implied_by_short_edge(const mesh::DistMesh& mesh, LocalId cell, int edge) {
+  if (!is_short(mesh.lineage[at(cell)], edge)) return 0;
+  const auto corners = mesh.points(cell);
+  SplitPoints points;
+  std::copy(corners.begin(), corners.end(), points.begin());
+  for (int e = 0; e < 6; ++e) {
+    const auto [a, b] = mesh::tet::edge_to_corner[at(e)];
+    points[at(4 + e)] = geometry::midpoint(corners[at(a)], corners[at(b)]);
+  }
+  // the two faces at the edge lie opposite the two corners that are not on it
+  const auto [p, q] = mesh::tet::edge_to_corner[at(mesh::tet::opposite_edge(edge))];
+  const double without_p = worst_of_face_split(points, p), without_q = worst_of_face_split(points, q);
+  constexpr double rounding = 1.0 + 0x1p-40;
+  const bool tied = without_p <= rounding * without_q && without_q <= rounding * without_p;
+  // face p has third corner q, and the reverse
+  const bool take_p = tied ? geometry::lexicographically_less(corners[at(q)], corners[at(p)]) : without_p > without_q;
+  return mesh::tet::face_edge_mask[at(take_p ? p : q)];
+}
+
+EdgeMask required_marks(const mesh::DistMesh& mesh, LocalId cell, EdgeMask marks, QualityControl policy) {
+  if (marks == 0 || marks == all_edges) return marks;
+  const auto lineage = mesh.lineage[at(cell)];
+  if (lineage.is_closure()) {
+    if (policy == QualityControl::isotropic) return all_edges;
+    if (policy == QualityControl::short_edge) {
+      unsigned grown = marks;
+      for (int e = 0; e < 6; ++e)
+        if ((marks >> e & 1) != 0) grown |= face_implied_by_short_edge(mesh, cell, e);
+      // marks that legality adds may be short edges too: settle again until nothing is added
+      const auto legal = legal_mask[grown];
+      return legal == marks ? legal : required_marks(mesh, cell, legal, policy);
+    }
+  }
+  return legal_mask[marks];
+}
+
+}  // namespace pamr::refine

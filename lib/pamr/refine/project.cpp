@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "pamr/refine/project.hpp"
+
+#include <algorithm>
+#include <map>
+
+#include "pamr/mesh/tet.hpp"
+
+namespace pamr::refine {
+
+namespace {
+
+constexpr std::size_t at(std::int64_t i) { return static_cast<std::size_t>(i); }
+using PatchList = std::array<int, max_node_patches>;
+
+bool all_flat(const std::vector<const geometry::Surface*>& surfaces) {
+  return std::all_of(surfaces.begin(), surfaces.end(), [](const auto* s) { return s->is_flat(); });
+}
+
+Movable aim(LocalId node, geometry::Vec3 base, const PatchList& patch,
+            const std::vector<const geometry::Surface*>& surfaces) {
+  const auto projected = geometry::project_onto_all(surfaces, base);
+  return {node, base, projected.converged ? projected.point : base, patch, projected.converged};
+}
+
+/// Adds a patch to an ascending list without repeats; a fifth patch at one node is dropped.
+void add_patch(PatchList& list, int patch) {
+  if (patch < 0 || std::find(list.begin(), list.end(), patch) != list.end()) return;
+  const auto free = std::find(list.begin(), list.end(), -1);
+  if (free == list.end()) return;
+  *free = patch;
+  std::sort(list.begin(), free + 1);
+}
+
+}  // namespace
+
+std::vector<const geometry::Surface*> surfaces_of(const mesh::MeshInfo& info, const geometry::SurfaceSet& surfaces,
+                                                  const PatchList& patch) {
+  std::vector<const geometry::Surface*> result;
+  for (const auto p : patch) {
+    if (p < 0) continue;
+    const auto* surface = surfaces.find(info.patches[at(p)].surface);
+    if (surface != nullptr && std::find(result.begin(), result.end(), surface) == result.end())
+      result.push_back(surface);
+  }
+  return result;
+}
+
+std::vector<Movable> project_new_nodes(const mesh::DistMesh& mesh, const Numbering& numbering,
+                                       const geometry::SurfaceSet& surfaces) {
+  std::vector<Movable> movables;
+  std::map<std::array<int, 2>, std::vector<const geometry::Surface*>> surfaces_of_pair;
+  for (const auto& boundary : numbering.boundary) {
+    const PatchList patch{boundary.patch[0], boundary.patch[1] == boundary.patch[0] ? -1 : boundary.patch[1], -1, -1};
+    auto known = surfaces_of_pair.find(boundary.patch);
+    if (known == surfaces_of_pair.end())
+      known = surfaces_of_pair.emplace(boundary.patch, surfaces_of(mesh.info, surfaces, patch)).first;
+    if (all_flat(known->second)) continue;
+    const auto [a, b] = numbering.ends[at(boundary.new_node)];
+    movables.push_back(aim(mesh.n_nodes() + boundary.new_node, geometry::midpoint(mesh.point(a), mesh.point(b)), patch,
+                           known->second));
+  }
+  return movables;
+}
+
+std::vector<Movable> project_ledger(const par::Comm& comm, const mesh::DistMesh& mesh, const mesh::Borders& borders,
+                                    const geometry::SurfaceSet& surfaces) {
+  const auto* ledger = mesh.find_node_field(ledger_field);
+  if (ledger == nullptr || ledger->holds_integers()) return {};
+  const auto& off = ledger->real();
+  std::map<LocalId, PatchList> patches;
+  for (LocalId node = 0; node < mesh.n_nodes(); ++node)
+    if (off[at(node)] > 0) patches[node].fill(-1);
+  for (LocalId c = 0; c < mesh.n_cells(); ++c)
+    for (int f = 0; f < 4; ++f) {
+      const auto next = mesh.cell_to_cell[at(c)][at(f)];
+      if (next >= 0) continue;
+      for (const auto corner : mesh::tet::face_to_corner[at(f)]) {
+        const auto entry = patches.find(mesh.cell_to_node[at(c)][at(corner)]);
+        if (entry != patches.end()) add_patch(entry->second, mesh::slot_to_patch(next));
+      }
+    }
+  std::vector<PatchList> mine;
+  for (const auto node : borders.nodes.item) {
+    const auto entry = patches.find(node);
+    mine.push_back(entry == patches.end() ? PatchList{-1, -1, -1, -1} : entry->second);
+  }
+  const auto theirs = par::Exchange(comm, borders.nodes).swap<PatchList>(mine);
+  for (std::size_t k = 0; k < theirs.size(); ++k) {
+    const auto entry = patches.find(borders.nodes.item[k]);
+    if (entry == patches.end()) continue;
+    for (const auto patch : theirs[k]) add_patch(entry->second, patch);
+  }
+  std::vector<Movable> movables;
+  for (const auto& [node, patch] : patches) {
+    const auto on = surfaces_of(mesh.info, surfaces, patch);
+    if (!on.empty()) movables.push_back(aim(node, mesh.point(node), patch, on));
+  }
+  return movables;
+}
+
+}  // namespace pamr::refine

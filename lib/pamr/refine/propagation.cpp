@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "pamr/refine/propagation.hpp"
+
+#include <bit>
+
+#include "pamr/mesh/ring.hpp"
+#include "pamr/refine/family.hpp"
+#include "pamr/refine/policy.hpp"
+
+namespace pamr::refine {
+
+namespace {
+constexpr std::size_t at(int i) { return static_cast<std::size_t>(i); }
+}  // namespace
+
+Propagation::Propagation(const mesh::DistMesh& mesh, std::span<const std::uint8_t> flags,
+                         std::span<const std::uint8_t> kept, QualityControl policy)
+    : mesh_(mesh), kept_(kept), policy_(policy), marks_(at(mesh.n_cells()), 0) {
+  start_from_flags(flags);
+}
+
+bool Propagation::is_removable(LocalId cell) const {
+  return policy_ == QualityControl::removable && mesh_.lineage[at(cell)].is_removable() &&
+         (kept_.empty() || kept_[at(cell)] == 0);
+}
+
+/// Flagged cells get all their marks first; then only faces between a flagged and another cell are looked at: every
+/// edge with both kinds of cells in its arc has such a face.
+void Propagation::start_from_flags(std::span<const std::uint8_t> flags) {
+  const auto is_full = [&](LocalId c) { return flags[at(c)] != 0 && !is_removable(c); };
+  for (LocalId c = 0; c < mesh_.n_cells(); ++c)
+    if (is_full(c)) marks_[at(c)] = all_edges;
+  for (LocalId c = 0; c < mesh_.n_cells(); ++c) {
+    if (flags[at(c)] == 0) continue;
+    if (!is_full(c)) {
+      const auto lineage = mesh_.lineage[at(c)];
+      make_red(c - lineage.child(), state_of_family(lineage));
+      continue;
+    }
+    for (int f = 0; f < 4; ++f) {
+      const auto next = mesh_.cell_to_cell[at(c)][at(f)];
+      if (!mesh_.is_own(next) || is_full(next)) continue;
+      for (int e = 0; e < 6; ++e)
+        if ((mesh::tet::face_edge_mask[at(f)] >> e & 1) != 0) {
+          const auto [p, q] = mesh::tet::edge_to_corner[at(e)];
+          const auto& mine = mesh_.cell_to_node[at(c)];
+          const auto& theirs = mesh_.cell_to_node[at(next)];
+          const int there =
+              mesh::tet::edge_of[at(mesh::slot_of(theirs, mine[at(p)]))][at(mesh::slot_of(theirs, mine[at(q)]))];
+          mark(next, there);
+        }
+    }
+  }
+}
+
+void Propagation::set_mark(LocalId cell, int edge) {
+  auto& marks = marks_[at(cell)];
+  const auto bit = static_cast<EdgeMask>(1U << edge);
+  if ((marks & bit) != 0) return;
+  if ((marks & waiting) == 0) waiting_.push_back(cell);
+  marks = static_cast<EdgeMask>(marks | bit | waiting);
+}
+
+void Propagation::mark(LocalId cell, int edge) {
+  if (is_marked(cell, edge)) return;
+  mesh::walk_ring(mesh_, cell, edge, [this](LocalId c, int e) { set_mark(c, e); });
+}
+
+void Propagation::add_marks(LocalId cell, EdgeMask wanted) {
+  for (int e = 0; e < 6; ++e)
+    if ((wanted >> e & 1) != 0) mark(cell, e);
+}
+
+void Propagation::settle() {
+  while (!waiting_.empty()) {
+    const auto cell = waiting_.back();
+    waiting_.pop_back();
+    auto& marks = marks_[at(cell)];
+    marks = static_cast<EdgeMask>(marks & ~waiting);
+    if (is_removable(cell))
+      apply_family_rule(cell - mesh_.lineage[at(cell)].child());
+    else
+      add_marks(cell, required_marks(mesh_, cell, static_cast<EdgeMask>(marks & all_edges), policy_));
+  }
+}
+
+/// A red parent: all its edges are marked. Those that have a midpoint already are no edges any more.
+void Propagation::make_red(LocalId first, int state) {
+  auto& flag = marks_[at(first)];
+  if ((flag & family_is_red) != 0) return;
+  flag = static_cast<EdgeMask>(flag | family_is_red);
+  for (int child = 0; child < split_pattern[at(state)].n_children; ++child)
+    for (int e = 0; e < 6; ++e)
+      if (family_edge(state, child, e).role == EdgeRole::parent) mark(first + child, e);
+}
+
+/// What a mark on a member means: on an edge of the parent, the parent's marks grow to a legal set; on a part of one,
+/// the parent is red, and the parts of its split face obey the face rule as the children there will.
+void Propagation::apply_family_rule(LocalId first) {
+  const int state = state_of_family(mesh_.lineage[at(first)]);
+  const auto& pattern = split_pattern[at(state)];
+  unsigned parent_marks = pattern.mask;
+  bool is_red = (marks_[at(first)] & family_is_red) != 0;
+  for (int child = 0; child < pattern.n_children; ++child) {
+    auto marks = static_cast<EdgeMask>(marks_[at(first + child)] & all_edges);
+    if (pattern.kind == mesh::FamilyKind::face) {
+      const auto on_face = static_cast<EdgeMask>(marks & mesh::tet::face_edge_mask[at(pattern.index)]);
+      if (std::popcount(on_face) == 2) add_marks(first + child, mesh::tet::face_edge_mask[at(pattern.index)]);
+    }
+    for (; marks != 0; marks = static_cast<EdgeMask>(marks & (marks - 1))) {
+      const auto edge = family_edge(state, child, std::countr_zero(marks));
+      if (edge.role == EdgeRole::parent)
+        parent_marks |= 1U << edge.parent_edge;
+      else
+        is_red = true;
+    }
+  }
+  const auto legal = legal_mask[parent_marks];
+  if (is_red || legal == all_edges) {
+    make_red(first, state);
+    return;
+  }
+  if (legal == pattern.mask) return;
+  for (int child = 0; child < pattern.n_children; ++child)
+    for (int e = 0; e < 6; ++e) {
+      const auto edge = family_edge(state, child, e);
+      if (edge.role == EdgeRole::parent && (legal >> edge.parent_edge & 1) != 0) mark(first + child, e);
+    }
+}
+
+std::vector<LocalId> Propagation::hit_families() const {
+  std::vector<LocalId> hit;
+  if (policy_ != QualityControl::removable) return hit;
+  for (LocalId c = 0; c < mesh_.n_cells();) {
+    const int size = is_removable(c) ? mesh_.lineage[at(c)].family_size() : 1;
+    if (size > 1) {
+      unsigned any = 0;
+      for (int child = 0; child < size; ++child) any |= marks_[at(c + child)];
+      if (any != 0) hit.push_back(c);
+    }
+    c += size;
+  }
+  return hit;
+}
+
+std::vector<EdgeMask> Propagation::take_marks() && {
+  for (auto& marks : marks_) marks = static_cast<EdgeMask>(marks & all_edges);
+  return std::move(marks_);
+}
+
+}  // namespace pamr::refine

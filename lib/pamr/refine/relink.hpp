@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <vector>
+
+#include "pamr/mesh/dist_mesh.hpp"
+#include "pamr/par/comm.hpp"
+#include "pamr/refine/closure.hpp"
+#include "pamr/refine/number.hpp"
+#include "pamr/refine/subdivide.hpp"
+
+namespace pamr::refine {
+
+/// Gives the children in `fine` (nodes, cells and their numbers set) their cell neighbours and rank-border faces. Where
+/// both cells at an old face were split by their own patterns the new neighbour follows from constant tables: no face
+/// is hashed or sorted. Faces of families that were taken back are matched by their nodes, those on rank borders by the
+/// global numbers of their nodes.
+/// Collective: one sparse exchange with the neighbours over the rank border. Cost: constant for each child.
+void relink(const par::Comm& comm, const mesh::DistMesh& old, const Closure& closure, const Numbering& numbering,
+            const Children& children, mesh::DistMesh& fine);
+
+}  // namespace pamr::refine

@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "pamr/refine/subdivide.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+#include "pamr/base/contract.hpp"
+#include "pamr/refine/diagonal.hpp"
+#include "pamr/refine/family.hpp"
+
+namespace pamr::refine {
+
+namespace {
+
+using geometry::Vec3;
+constexpr std::size_t at(std::int64_t i) { return static_cast<std::size_t>(i); }
+constexpr int max_level = 255;
+
+/// True when halving the edges of this cell cannot turn a child over: its volume is far above what the rounding of
+/// midpoints (half a unit in the last place of the largest coordinate) can change.
+bool is_safely_positive(const SplitPoints& p) {
+  const Vec3 a = p[1] - p[0], b = p[2] - p[0], c = p[3] - p[0];
+  const double span = std::max({geometry::squared_norm(a), geometry::squared_norm(b), geometry::squared_norm(c)});
+  double largest = 0;
+  for (int i = 0; i < 4; ++i)
+    largest = std::max({largest, std::abs(p[at(i)].x), std::abs(p[at(i)].y), std::abs(p[at(i)].z)});
+  return geometry::dot(geometry::cross(a, b), c) > 0x1p-41 * (largest + std::sqrt(span)) * span;
+}
+
+class Splitter {
+ public:
+  Splitter(const mesh::DistMesh& mesh, const Closure& closure, const Numbering& numbering,
+           const std::vector<Vec3>& position)
+      : mesh_(mesh), closure_(closure), numbering_(numbering), position_(position) {
+    const auto n = at(numbering.first_child.back());
+    children_.cell_to_node.resize(n);
+    children_.lineage.resize(n);
+    children_.cell_global.resize(n);
+    children_.state.assign(at(mesh.n_cells()), 0);
+  }
+
+  Children run() && {
+    auto family = closure_.rebuilt.begin();
+    bool family_is_broken = false;
+    for (LocalId c = 0; c < mesh_.n_cells(); ++c) {
+      const auto lineage = mesh_.lineage[at(c)];
+      if (closure_.action[at(c)] == Action::rebuild) split_family(*family++);
+      if (closure_.action[at(c)] != Action::split) continue;
+      if (lineage.is_removable() && lineage.child() == 0)
+        family_is_broken = any_member_splits(c, lineage.family_size());
+      if (closure_.marks[at(c)] == 0)
+        keep(c, lineage.is_removable() && family_is_broken ? lineage.broken() : lineage);
+      else
+        split(c);
+    }
+    return std::move(children_);
+  }
+
+ private:
+  bool any_member_splits(LocalId first, int size) const {
+    return std::any_of(closure_.marks.begin() + first, closure_.marks.begin() + first + size,
+                       [](EdgeMask m) { return m != 0; });
+  }
+
+  void write(LocalId child, GlobalId global, const mesh::CellNodes& nodes, mesh::Lineage lineage) {
+    children_.cell_to_node[at(child)] = nodes;
+    children_.lineage[at(child)] = lineage;
+    children_.cell_global[at(child)] = global;
+  }
+
+  void keep(LocalId c, mesh::Lineage lineage) {
+    write(numbering_.first_child[at(c)], numbering_.first_child_global[at(c)], mesh_.cell_to_node[at(c)], lineage);
+  }
+
+  static mesh::Lineage lineage_of(int state, int child, int base_level) {
+    const auto& pattern = split_pattern[at(state)];
+    if (pattern.kind == mesh::FamilyKind::regular) {
+      PAMR_EXPECTS(base_level < max_level);
+      return {mesh::FamilyKind::regular, 0, 0, base_level + (state >= 11 ? 1 : 0)};
+    }
+    return {pattern.kind, pattern.index, child, base_level};
+  }
+
+  void split(LocalId c) {
+    const auto marks = closure_.marks[at(c)];
+    const auto& corner = mesh_.cell_to_node[at(c)];
+    std::array<LocalId, 10> node{};
+    SplitPoints points;
+    for (int i = 0; i < 4; ++i) {
+      node[at(i)] = corner[at(i)];
+      points[at(i)] = position_[at(corner[at(i)])];
+    }
+    const auto& midpoints = numbering_.edge_to_node[at(numbering_.row[at(c)])];
+    bool is_straight = true;
+    for (int e = 0; e < 6; ++e) {
+      if ((marks >> e & 1) == 0) continue;
+      const auto [p, q] = mesh::tet::edge_to_corner[at(e)];
+      node[at(4 + e)] = midpoints[at(e)];
+      points[at(4 + e)] = position_[at(midpoints[at(e)])];
+      is_straight = is_straight && points[at(4 + e)] == geometry::midpoint(points[at(p)], points[at(q)]);
+    }
+    int state = state_of_mask[marks];
+    if (state == 11) state += choose_diagonal(points, !is_straight);
+    children_.state[at(c)] = static_cast<std::uint8_t>(state);
+
+    const auto& pattern = split_pattern[at(state)];
+    const auto first = numbering_.first_child[at(c)];
+    const auto global = numbering_.first_child_global[at(c)];
+    const int level = mesh_.lineage[at(c)].level();
+    for (int child = 0; child < pattern.n_children; ++child) {
+      const auto& code = pattern.child_to_node[at(child)];
+      write(first + child, global + child, {node[at(code[0])], node[at(code[1])], node[at(code[2])], node[at(code[3])]},
+            lineage_of(state, child, level));
+    }
+    if (!is_safely_positive(points))
+      for (int child = 0; child < pattern.n_children; ++child) children_.suspects.push_back(first + child);
+  }
+
+  /// Nodes of a rebuilt family: those of the parent by code, and those in the middle of the parts of its split edges
+  /// and face.
+  struct FamilyNodes {
+    std::array<LocalId, 10> parent{};
+    std::array<std::array<LocalId, 10>, 10> part{};
+  };
+
+  FamilyNodes gather(const RebuiltFamily& family) const {
+    const auto view = view_family(mesh_, closure_.marks, family.first);
+    FamilyNodes nodes;
+    nodes.parent = view.node;
+    const auto& pattern = split_pattern[at(view.state)];
+    for (int member = 0; member < pattern.n_children; ++member)
+      for (unsigned marks = closure_.marks[at(family.first + member)]; marks != 0; marks &= marks - 1) {
+        const int e = std::countr_zero(marks);
+        const auto edge = family_edge(view.state, member, e);
+        const auto node = numbering_.midpoint(family.first + member, e);
+        const auto& code = pattern.child_to_node[at(member)];
+        const auto [p, q] = mesh::tet::edge_to_corner[at(e)];
+        if (edge.role == EdgeRole::parent)
+          nodes.parent[at(4 + edge.parent_edge)] = node;
+        else
+          nodes.part[at(code[at(p)])][at(code[at(q)])] = nodes.part[at(code[at(q)])][at(code[at(p)])] = node;
+      }
+    return nodes;
+  }
+
+  void split_family(const RebuiltFamily& family) {
+    const auto nodes = gather(family);
+    const int level = mesh_.lineage[at(family.first)].level();
+    const auto first = numbering_.first_child[at(family.first)];
+    const auto global = numbering_.first_child_global[at(family.first)];
+    int n = 0;
+    for_each_grandchild(family, [&](int child, int state, int grandchild) {
+      const auto& parent_code = split_pattern[at(family.state)].child_to_node[at(child)];
+      const auto& code = split_pattern[at(state)].child_to_node[at(grandchild)];
+      mesh::CellNodes cell{};
+      for (int slot = 0; slot < 4; ++slot) {
+        const int c = code[at(slot)];
+        if (c < 4) {
+          cell[at(slot)] = nodes.parent[at(parent_code[at(c)])];
+        } else {
+          const auto [p, q] = mesh::tet::edge_to_corner[at(c - 4)];
+          cell[at(slot)] = nodes.part[at(parent_code[at(p)])][at(parent_code[at(q)])];
+        }
+      }
+      const auto made = lineage_of(family.state, child, level);
+      write(first + n, global + n, cell, state == 0 ? made : lineage_of(state, grandchild, made.level()));
+      children_.suspects.push_back(first + n);
+      ++n;
+    });
+    PAMR_ENSURES(n == family.n_children);
+  }
+
+  const mesh::DistMesh& mesh_;
+  const Closure& closure_;
+  const Numbering& numbering_;
+  const std::vector<Vec3>& position_;
+  Children children_;
+};
+
+}  // namespace
+
+Children subdivide(const mesh::DistMesh& mesh, const Closure& closure, const Numbering& numbering,
+                   const std::vector<geometry::Vec3>& node_position) {
+  PAMR_EXPECTS(node_position.size() == at(mesh.n_nodes()) + numbering.n_new_nodes());
+  return Splitter(mesh, closure, numbering, node_position).run();
+}
+
+}  // namespace pamr::refine

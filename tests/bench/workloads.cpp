@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bench/workloads.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <string>
+
+#include "pamr/mesh/assemble.hpp"
+#include "pamr/mesh/kuhn_cube.hpp"
+
+namespace pamr::bench {
+
+namespace {
+
+constexpr geometry::Vec3 middle{0.5, 0.5, 0.5};
+
+geometry::Vec3 centroid(const mesh::DistMesh& mesh, LocalId cell) {
+  const auto p = mesh.points(cell);
+  return 0.25 * (p[0] + p[1] + p[2] + p[3]);
+}
+
+std::size_t status_value(const std::string& key) {
+  std::ifstream status("/proc/self/status");
+  for (std::string word; status >> word;)
+    if (word == key) {
+      std::size_t kilobytes = 0;
+      status >> kilobytes;
+      return kilobytes * 1024;
+    }
+  return 0;
+}
+
+}  // namespace
+
+mesh::DistMesh cube(const par::Comm& comm, int n) { return mesh::assemble(comm, mesh::kuhn_cube(comm, n)); }
+
+std::vector<std::uint8_t> mark_shell(const mesh::DistMesh& mesh, double radius, double width) {
+  std::vector<std::uint8_t> flags(static_cast<std::size_t>(mesh.n_cells()));
+  for (LocalId c = 0; c < mesh.n_cells(); ++c)
+    flags[static_cast<std::size_t>(c)] = std::abs(geometry::norm(centroid(mesh, c) - middle) - radius) < width ? 1 : 0;
+  return flags;
+}
+
+std::vector<std::uint8_t> mark_crossing(const mesh::DistMesh& mesh, double radius) {
+  std::vector<std::uint8_t> flags(static_cast<std::size_t>(mesh.n_cells()));
+  for (LocalId c = 0; c < mesh.n_cells(); ++c) {
+    double least = 1e300, greatest = 0;
+    for (const auto p : mesh.points(c)) {
+      const double d = geometry::norm(p - middle);
+      least = std::min(least, d);
+      greatest = std::max(greatest, d);
+    }
+    flags[static_cast<std::size_t>(c)] = least < radius && radius < greatest ? 1 : 0;
+  }
+  return flags;
+}
+
+std::vector<std::uint8_t> mark_box(const mesh::DistMesh& mesh, geometry::Vec3 low, geometry::Vec3 high) {
+  std::vector<std::uint8_t> flags(static_cast<std::size_t>(mesh.n_cells()));
+  for (LocalId c = 0; c < mesh.n_cells(); ++c) {
+    const auto x = centroid(mesh, c);
+    flags[static_cast<std::size_t>(c)] =
+        low.x <= x.x && x.x <= high.x && low.y <= x.y && x.y <= high.y && low.z <= x.z && x.z <= high.z ? 1 : 0;
+  }
+  return flags;
+}
+
+std::size_t resident_bytes() { return status_value("VmRSS:"); }
+std::size_t peak_bytes() { return status_value("VmHWM:"); }
+void reset_peak() {
+  std::ofstream clear("/proc/self/clear_refs");
+  clear << "5";
+}
+
+}  // namespace pamr::bench
