@@ -4,8 +4,10 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <vector>
 
 #include "pamr/base/error.hpp"
 
@@ -32,13 +34,25 @@ class Descriptor {
   int number_;
 };
 
-/// False when the space is not there. A file system that cannot tell counts as having it.
-bool allocate(int descriptor, std::uint64_t bytes) {
+enum class Space { set_aside, missing, unknown };
+
+Space allocate(int descriptor, std::uint64_t bytes) {
   while (fallocate(descriptor, 0, 0, static_cast<off_t>(bytes)) != 0) {
     if (errno == EINTR) continue;
-    return errno == EOPNOTSUPP || errno == ENOSYS || errno == EINVAL;
+    return errno == EOPNOTSUPP || errno == ENOSYS || errno == EINVAL ? Space::unknown : Space::missing;
   }
-  return true;
+  return Space::set_aside;
+}
+
+bool write_zeros(int descriptor, std::uint64_t begin, std::uint64_t end) {
+  const std::vector<char> zeros(std::size_t{1} << 20U);
+  while (begin < end) {
+    const auto n =
+        pwrite(descriptor, zeros.data(), std::min<std::uint64_t>(zeros.size(), end - begin), static_cast<off_t>(begin));
+    if (n < 0 && errno != EINTR) return false;
+    if (n > 0) begin += static_cast<std::uint64_t>(n);
+  }
+  return fsync(descriptor) == 0;
 }
 
 }  // namespace
@@ -51,24 +65,30 @@ void PartialFile::fail(const char* what) const {
   throw Error("file '" + file_.string() + "': " + what + ": " + std::strerror(errno));
 }
 
-void PartialFile::make(std::uint64_t bytes) const {
+bool PartialFile::make(std::uint64_t bytes) const {
   std::error_code code;
   if (std::filesystem::is_directory(file_, code))
     throw Error("file '" + file_.string() + "': expected a name for a file, found a folder of that name");
   const Descriptor descriptor(partial_, O_RDWR | O_CREAT | O_TRUNC);
   if (!descriptor.is_open()) fail("cannot create it");
-  if (!allocate(descriptor.number(), bytes)) {
+  const auto space = allocate(descriptor.number(), bytes);
+  if (space == Space::missing) {
     const auto reason = errno;
     discard();
     errno = reason;
     fail("cannot write it");
   }
-  if (ftruncate(descriptor.number(), 0) != 0) fail("cannot create it");
+  return space == Space::set_aside;
+}
+
+void PartialFile::occupy(std::uint64_t begin, std::uint64_t end) const {
+  const Descriptor descriptor(partial_, O_RDWR);
+  if (!descriptor.is_open() || !write_zeros(descriptor.number(), begin, end)) fail("cannot write it");
 }
 
 void PartialFile::reserve(std::uint64_t bytes) const {
   const Descriptor descriptor(partial_, O_RDWR);
-  if (!descriptor.is_open() || !allocate(descriptor.number(), bytes)) fail("cannot write it");
+  if (!descriptor.is_open() || allocate(descriptor.number(), bytes) == Space::missing) fail("cannot write it");
 }
 
 void PartialFile::commit() const {

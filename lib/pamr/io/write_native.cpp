@@ -81,6 +81,7 @@ class Writer {
     return "file '" + file_.string() + "', " + path + ": " + trouble;
   }
 
+  void make_room() const;
   void create();
   void create_groups();
   Handle create_array(const ArrayPlan& plan) const;
@@ -107,13 +108,8 @@ class Writer {
 };
 
 void Writer::run() {
-  // Room for the structure of the file besides its data: generous, since it is given back.
-  const auto bytes = plan_.data_bytes + 65536 + 4096 * (plan_.arrays.size() + plan_.texts.size());
-  par::agree(*comm_, [&] {
-    require_writable(*mesh_);
-    if (comm_->is_first()) partial_.make(bytes);
-  });
   try {
+    make_room();
     create();
     reserve();
     fill();
@@ -228,8 +224,25 @@ void Writer::write_attributes() const {
                            H5T_STD_U64LE);
 }
 
-/// Sets the space aside before anything is written, so that a full disk is noticed by one rank in a system call and not
-/// by some in the middle of a collective one.
+/// Makes sure of the space before HDF5 opens the file, so that a full disk is noticed here, in a system call. In a
+/// collective write, Open MPI 4.1 loses the error on some ranks, and HDF5 1.10 cannot close a file that it cannot
+/// complete.
+void Writer::make_room() const {
+  // Room for the structure of the file besides its data: generous, since it is given back.
+  const auto bytes = plan_.data_bytes + 65536 + 4096 * (plan_.arrays.size() + plan_.texts.size());
+  bool has_room = true;
+  par::agree(*comm_, [&] {
+    require_writable(*mesh_);
+    if (comm_->is_first()) has_room = partial_.make(bytes);
+  });
+  if (comm_->all(has_room)) return;
+  par::agree(*comm_, [&] {
+    const auto share = par::block_range(static_cast<GlobalId>(bytes), comm_->rank(), comm_->size());
+    partial_.occupy(static_cast<std::uint64_t>(share.begin), static_cast<std::uint64_t>(share.end));
+  });
+}
+
+/// Sets the space of the file aside that HDF5 has laid out.
 void Writer::reserve() const {
   par::agree(*comm_, [&] {
     hsize_t bytes = 0;
@@ -268,6 +281,7 @@ std::uint64_t Writer::write_array(const ArrayPlan& plan, hid_t dataset) const {
     Window part;
     if (plan.formula) {
       part.range = window(rows.n_global, comm_->rank(), comm_->size(), step, slab);
+      part.words.reserve(static_cast<std::size_t>(part.range.count()));
       for (auto row = part.range.begin; row < part.range.end; ++row) part.words.push_back(plan.formula(row));
     } else {
       part = collect(*comm_, rows, step, slab);
