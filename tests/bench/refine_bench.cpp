@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Speed and memory of one refinement, the refine call alone, on the workloads that the peers were measured on
-// (docs/performance.md): W1 all of K(55) split 1:8; W2 a shell of K(56) with closure; W3 five levels of the cells cut by
-// a sphere in K(14); and `limit`, which writes the same bytes a cell without any logic. Run alone or under mpirun; the
-// first rank prints. Rates are of all ranks together; CPU seconds are summed over the ranks.
+// (docs/performance.md): W1 all of K(55) split 1:8; W2 a shell of K(56) with closure; W3 five levels of the cells cut
+// by a sphere in K(14); and `limit`, which writes the same bytes a cell without any logic. Run alone or under mpirun;
+// the first rank prints. Rates are of all ranks together; CPU seconds are summed over the ranks.
 #include <benchmark/benchmark.h>
 
 #include <memory>
@@ -60,15 +60,15 @@ void uniform(benchmark::State& state) {
 void shell(benchmark::State& state) {
   const auto before = bench::resident_bytes();
   const auto mesh = bench::cube(*world, static_cast<int>(state.range(0)));
-  run(state, mesh, bench::mark_shell(mesh, 0.35, 0.06), before,
-      static_cast<refine::QualityControl>(state.range(1)));
+  run(state, mesh, bench::mark_shell(mesh, 0.35, 0.06), before, static_cast<refine::QualityControl>(state.range(1)));
 }
 
 void levels(benchmark::State& state) {
   const auto before = bench::resident_bytes();
   auto mesh = bench::cube(*world, static_cast<int>(state.range(0)));
   for (int level = 1; level < state.range(1); ++level)
-    mesh = adapt::refine(*world, mesh, bench::mark_crossing(mesh, 0.35), {.parent_field = false, .marks_field = ""}).mesh;
+    mesh =
+        adapt::refine(*world, mesh, bench::mark_crossing(mesh, 0.35), {.parent_field = false, .marks_field = ""}).mesh;
   run(state, mesh, bench::mark_crossing(mesh, 0.35), before);
 }
 
