@@ -35,7 +35,7 @@ LocalId& slot_at(DistMesh& mesh, std::uint32_t from) { return mesh.cell_to_cell[
   std::sort(key.begin(), key.end());
   std::sort(cells.begin(), cells.end());
   std::string text;
-  for (const auto cell : cells) text += " " + std::to_string(cell);
+  for (const auto cell : cells) text.append(" ").append(std::to_string(cell));
   throw Error("cells: expected at most two cells at a face, found cells" + text + " at the face of nodes " +
               std::to_string(key[0]) + " " + std::to_string(key[1]) + " " + std::to_string(key[2]));
 }

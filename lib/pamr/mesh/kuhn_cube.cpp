@@ -65,8 +65,9 @@ void describe_boundary(MeshInfo& info) {
                                               "[0.0, 1.0, 0.0]",  "[0.0, 0.0, -1.0]", "[0.0, 0.0, 1.0]"};
   for (std::size_t i = 0; i < name.size(); ++i) {
     info.patches.push_back({name[i], "patch", name[i]});
-    info.surfaces_toml += std::string("[[surface]]\nname = \"") + name[i] +
-                          "\"\nkind = \"plane\"\npoint = " + point[i] + "\nnormal = " + normal[i] + "\n\n";
+    for (const auto* text : {"[[surface]]\nname = \"", name[i], "\"\nkind = \"plane\"\npoint = ", point[i],
+                             "\nnormal = ", normal[i], "\n\n"})
+      info.surfaces_toml += text;
   }
 }
 
@@ -74,11 +75,11 @@ void describe_boundary(MeshInfo& info) {
 
 BlockMesh kuhn_cube(const par::Comm& comm, int n) {
   if (n < 1 || n > 1 << 20)
-    throw Error("kuhn cube: expected between 1 and 1048576 cubes along an edge, found " + std::to_string(n));
+    throw Error(std::string("Kuhn cube: expected 1 to 1048576 cubes along an edge, found ") + std::to_string(n));
   const Grid grid{n};
   BlockMesh block;
   describe_boundary(block.info);
-  block.info.length_unit = "1";
+  block.info.length_unit = std::string("1");
   block.info.n_global_cells = 6 * grid.n * grid.n * grid.n;
   block.info.n_global_nodes = (grid.n + 1) * (grid.n + 1) * (grid.n + 1);
 
