@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "mark/apply.hpp"
+
+namespace pamr::marking {
+
+namespace {
+
+struct Evaluate {
+  const par::Comm* comm;
+  const mesh::DistMesh* mesh;
+  mark::CellSize size;
+
+  mark::Indicator operator()(const AllCells&) const { return mark::all_cells(*mesh); }
+  mark::Indicator operator()(const CrossingSphere& rule) const { return mark::crossing_sphere(*mesh, rule.sphere); }
+  mark::Indicator operator()(const CentroidShell& rule) const {
+    return mark::centroid_in_shell(*mesh, rule.sphere, rule.width);
+  }
+  mark::Indicator operator()(const Box& rule) const { return mark::centroid_in_box(*mesh, rule.low, rule.high); }
+  mark::Indicator operator()(const NearPatch& rule) const {
+    return mark::near_patch(*comm, *mesh, rule.patch, rule.layers);
+  }
+  mark::Indicator operator()(const Threshold& rule) const {
+    return mark::beyond_threshold(*comm, *mesh, rule.field, rule.side, rule.value);
+  }
+  mark::Indicator operator()(const SizeOver& rule) const {
+    return mark::larger_than_length(*comm, *mesh, rule.field, rule.ratio, size);
+  }
+};
+
+}  // namespace
+
+Applied apply(const par::Comm& comm, const mesh::DistMesh& mesh, const Request& request) {
+  Applied result;
+  result.indicator.assign(mesh.cell_to_node.size(), 0);
+  for (const auto& criterion : request.criteria) {
+    const auto wish = std::visit(Evaluate{&comm, &mesh, request.size}, criterion.rule);
+    result.cells_of_criterion.push_back(mark::count_marked(comm, mark::marks_of(wish)));
+    mark::unite(result.indicator, wish);
+  }
+  for (const auto& limit : request.only_where)
+    mark::keep_only_where(comm, mesh, limit.field, limit.side, limit.value, result.indicator);
+  if (request.max_level) mark::keep_below_level(mesh, *request.max_level, result.indicator);
+  return result;
+}
+
+}  // namespace pamr::marking

@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "mark/criteria.hpp"
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <cmath>
+#include <string_view>
+
+#include "pamr/base/error.hpp"
+
+namespace pamr::marking {
+
+namespace {
+
+template <class Number>
+bool read_number(std::string_view text, Number& value) {
+  if (text.starts_with('+')) text.remove_prefix(1);
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return error == std::errc() && end == text.data() + text.size();
+}
+
+double number_of(const Given& given) {
+  double value = 0;
+  if (!read_number(given.text, value) || !std::isfinite(value))
+    throw Error(fmt::format("{}: expected a number, found \"{}\"", given.option, given.text));
+  return value;
+}
+
+int count_of(const Given& given, int least) {
+  int value = 0;
+  if (!read_number(given.text, value) || value < least)
+    throw Error(fmt::format("{}: expected an integer of at least {}, found \"{}\"", given.option, least, given.text));
+  return value;
+}
+
+std::vector<double> numbers_of(const Given& given, std::size_t n, const char* names) {
+  std::vector<double> values;
+  std::string_view rest = given.text;
+  for (bool more = true; more;) {
+    const auto comma = rest.find(',');
+    more = comma != std::string_view::npos;
+    double value = 0;
+    if (!read_number(rest.substr(0, comma), value) || !std::isfinite(value)) break;
+    values.push_back(value);
+    if (more) rest.remove_prefix(comma + 1);
+    if (!more && values.size() == n) return values;
+  }
+  throw Error(fmt::format("{}: expected {} numbers {}, found \"{}\"", given.option, n, names, given.text));
+}
+
+mark::Sphere sphere_of(const Given& given, const std::vector<double>& v) {
+  if (v[3] < 0) throw Error(fmt::format("{}: expected a radius of at least 0, found {}", given.option, v[3]));
+  return {{v[0], v[1], v[2]}, v[3]};
+}
+
+/// `FIELD:above:V` or `FIELD:below:V`; the field's name may hold colons.
+Threshold threshold_of(const Given& given) {
+  const auto second = given.text.rfind(':');
+  const auto first = second == std::string::npos || second == 0 ? std::string::npos : given.text.rfind(':', second - 1);
+  if (first != std::string::npos && first > 0) {
+    const auto side = given.text.substr(first + 1, second - first - 1);
+    if (side == "above" || side == "below")
+      return {given.text.substr(0, first), side == "above" ? mark::Side::above : mark::Side::below,
+              number_of({given.option, given.text.substr(second + 1)})};
+  }
+  throw Error(fmt::format("{}: expected FIELD:above:V or FIELD:below:V, found \"{}\"", given.option, given.text));
+}
+
+/// For each option that needs or may have a second one: the index of that second one, or -1.
+struct Pairs {
+  std::vector<std::ptrdiff_t> partner;
+};
+
+bool belongs(const std::string& second, const std::string& first) {
+  if (second == "--layers") return first == "--patch";
+  if (second == "--above" || second == "--below") return first == "--field";
+  return second == "--ratio" && first == "--size-over";
+}
+
+bool is_second(const std::string& option) {
+  return option == "--layers" || option == "--above" || option == "--below" || option == "--ratio";
+}
+
+Pairs pair_up(const std::vector<Given>& given) {
+  const auto n = std::ssize(given);
+  Pairs pairs{std::vector<std::ptrdiff_t>(given.size(), -1)};
+  const auto option = [&](std::ptrdiff_t i) -> const std::string& { return given[static_cast<std::size_t>(i)].option; };
+  for (std::ptrdiff_t i = 0; i < n; ++i) {
+    if (!is_second(option(i))) continue;
+    std::ptrdiff_t found = -1;
+    const auto try_it = [&](std::ptrdiff_t j) {
+      if (found < 0 && belongs(option(i), option(j)) && pairs.partner[static_cast<std::size_t>(j)] < 0) found = j;
+    };
+    for (std::ptrdiff_t j = i - 1; j >= 0; --j) try_it(j);
+    for (std::ptrdiff_t j = i + 1; j < n; ++j) try_it(j);
+    if (found < 0)
+      throw Error(fmt::format("{} {}: expected a {} that it belongs to, found none", option(i),
+                              given[static_cast<std::size_t>(i)].text,
+                              option(i) == "--layers"  ? "--patch NAME"
+                              : option(i) == "--ratio" ? "--size-over FIELD"
+                                                       : "--field NAME"));
+    pairs.partner[static_cast<std::size_t>(found)] = i;
+  }
+  return pairs;
+}
+
+/// The criterion that an option states, with the option that belongs to it or null; nothing for other options.
+std::optional<Criterion> criterion_of(const Given& given, const Given* second) {
+  std::string text = given.text.empty() ? given.option : given.option + " " + given.text;
+  if (second != nullptr) text += " " + second->option + " " + second->text;
+  if (given.option == "--all") return Criterion{text, AllCells{}};
+  if (given.option == "--crossing-sphere")
+    return Criterion{text, CrossingSphere{sphere_of(given, numbers_of(given, 4, "X,Y,Z,R"))}};
+  if (given.option == "--centroid-shell") {
+    const auto v = numbers_of(given, 5, "X,Y,Z,R,W");
+    return Criterion{text, CentroidShell{sphere_of(given, v), v[4]}};
+  }
+  if (given.option == "--box") {
+    const auto v = numbers_of(given, 6, "X0,Y0,Z0,X1,Y1,Z1");
+    if (v[0] > v[3] || v[1] > v[4] || v[2] > v[5])
+      throw Error(fmt::format("--box: expected X0 <= X1, Y0 <= Y1 and Z0 <= Z1, found \"{}\"", given.text));
+    return Criterion{text, Box{{v[0], v[1], v[2]}, {v[3], v[4], v[5]}}};
+  }
+  if (given.option == "--patch")
+    return Criterion{text, NearPatch{given.text, second != nullptr ? count_of(*second, 1) : 1}};
+  if (given.option == "--field") {
+    if (second == nullptr)
+      throw Error(fmt::format("--field {}: expected --above V or --below V with it, found none", given.text));
+    const auto side = second->option == "--above" ? mark::Side::above : mark::Side::below;
+    return Criterion{text, Threshold{given.text, side, number_of(*second)}};
+  }
+  if (given.option == "--size-over") {
+    if (second == nullptr)
+      throw Error(fmt::format("--size-over {}: expected --ratio A with it, found none", given.text));
+    const double ratio = number_of(*second);
+    if (!(ratio > 0)) throw Error(fmt::format("--ratio: expected a positive number, found \"{}\"", second->text));
+    return Criterion{text, SizeOver{given.text, ratio}};
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+Request read_request(const std::vector<Given>& given) {
+  Request request;
+  const auto pairs = pair_up(given);
+  for (std::size_t i = 0; i < given.size(); ++i) {
+    const auto partner = pairs.partner[i];
+    const Given* second = partner < 0 ? nullptr : &given[static_cast<std::size_t>(partner)];
+    if (auto criterion = criterion_of(given[i], second)) {
+      request.criteria.push_back(std::move(*criterion));
+    } else if (given[i].option == "--size") {
+      if (given[i].text != "cbrt" && given[i].text != "longest-edge")
+        throw Error(fmt::format("--size: expected cbrt or longest-edge, found \"{}\"", given[i].text));
+      request.size = given[i].text == "cbrt" ? mark::CellSize::cbrt_volume : mark::CellSize::longest_edge;
+    } else if (given[i].option == "--max-level") {
+      request.max_level = count_of(given[i], 0);
+    } else if (given[i].option == "--only-where") {
+      request.only_where.push_back(threshold_of(given[i]));
+    }
+  }
+  if (request.criteria.empty())
+    throw Error(
+        "expected at least one criterion (--all, --crossing-sphere, --centroid-shell, --box, --patch, --field, "
+        "--size-over), found none");
+  return request;
+}
+
+}  // namespace pamr::marking

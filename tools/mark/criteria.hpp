@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "pamr/mark/field_criteria.hpp"
+#include "pamr/mark/geometric_criteria.hpp"
+
+namespace pamr::marking {
+
+struct AllCells {};
+struct CrossingSphere {
+  mark::Sphere sphere;
+};
+struct CentroidShell {
+  mark::Sphere sphere;
+  double width = 0;
+};
+struct Box {
+  geometry::Vec3 low, high;
+};
+struct NearPatch {
+  std::string patch;
+  int layers = 1;
+};
+struct Threshold {
+  std::string field;
+  mark::Side side = mark::Side::above;
+  double value = 0;
+};
+struct SizeOver {
+  std::string field;
+  double ratio = 1;
+};
+
+/// One criterion as the command line states it.
+struct Criterion {
+  std::string text;  ///< for reports
+  std::variant<AllCells, CrossingSphere, CentroidShell, Box, NearPatch, Threshold, SizeOver> rule;
+};
+
+/// What to mark: cells that meet any criterion and every limit.
+struct Request {
+  std::vector<Criterion> criteria;
+  mark::CellSize size = mark::CellSize::cbrt_volume;
+  std::optional<int> max_level;
+  std::vector<Threshold> only_where;
+};
+
+/// An option and its argument, as given.
+struct Given {
+  std::string option;  ///< "--field"
+  std::string text;    ///< empty for a flag
+};
+
+/// Reads the options, in the order in which they were given: `--layers`, `--above`, `--below` and `--ratio` belong to
+/// the nearest `--patch`, `--field` or `--size-over` before them that has none yet, else to the first after them.
+/// Throws `Error` for what cannot be read, for halves without their other half, and when there is no criterion.
+Request read_request(const std::vector<Given>& given);
+
+}  // namespace pamr::marking
