@@ -46,7 +46,9 @@ TEST(RequiredMarks, AreLegalAndMonotoneForEveryPolicyMaskAndClosureCell) {
         EXPECT_GE(state_of_mask[result[at(a)]], 0);
         EXPECT_EQ(result[result[at(a)]], result[at(a)]);
         for (int b = 0; b < 64; ++b)
-          if ((a & b) == a) EXPECT_EQ(result[at(a)] & result[at(b)], result[at(a)]);
+          if ((a & b) == a) {
+            EXPECT_EQ(result[at(a)] & result[at(b)], result[at(a)]);
+          }
       }
     }
   });

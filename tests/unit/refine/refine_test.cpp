@@ -6,6 +6,7 @@
 #include <random>
 
 #include "pamr/adapt/adapt.hpp"
+#include "pamr/base/error.hpp"
 #include "pamr/base/hash.hpp"
 #include "pamr/geometry/orientation.hpp"
 #include "pamr/mesh/kuhn_cube.hpp"
