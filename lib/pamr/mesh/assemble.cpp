@@ -72,21 +72,6 @@ void check_templates(const DistMesh& mesh) {
 
 }  // namespace
 
-namespace assembly {
-
-par::SharedKey face_key(const DistMesh& mesh, LocalId cell, int slot) {
-  const auto& nodes = mesh.cell_to_node[static_cast<std::size_t>(cell)];
-  par::SharedKey key{};
-  for (std::size_t i = 0; i < 3; ++i) {
-    const auto corner = tet::face_to_corner[static_cast<std::size_t>(slot)][i];
-    key[i] = mesh.node_global[static_cast<std::size_t>(nodes[static_cast<std::size_t>(corner)])];
-  }
-  std::sort(key.begin(), key.end());
-  return key;
-}
-
-}  // namespace assembly
-
 DistMesh assemble(const par::Comm& comm, BlockMesh block, std::span<const Rank> destination) {
   const auto contents = assembly::check_block(comm, block, destination);
   auto to = assembly::family_destinations(comm, block, destination, contents);

@@ -8,7 +8,6 @@
 #include "pamr/mesh/assemble.hpp"
 #include "pamr/mesh/dist_mesh.hpp"
 #include "pamr/par/comm.hpp"
-#include "pamr/par/exchange.hpp"
 
 /// The steps of `assemble`, in its order. Private to the library.
 namespace pamr::mesh::assembly {
@@ -59,8 +58,5 @@ void link_neighbours(const par::Comm& comm, DistMesh& mesh, std::vector<std::arr
 
 /// Sets them from the nodes alone; faces without a second cell get patch 0. Refuses a face in three cells. Collective.
 void build_neighbours(const par::Comm& comm, DistMesh& mesh);
-
-/// Global numbers of a face's nodes, ascending: its name on every rank.
-par::SharedKey face_key(const DistMesh& mesh, LocalId cell, int slot);
 
 }  // namespace pamr::mesh::assembly

@@ -6,6 +6,7 @@
 
 #include "pamr/base/error.hpp"
 #include "pamr/mesh/assemble_steps.hpp"
+#include "pamr/mesh/face_groups.hpp"
 #include "pamr/mesh/id_map.hpp"
 #include "pamr/mesh/tet.hpp"
 
@@ -73,7 +74,7 @@ std::vector<RemoteFace> translate(DistMesh& mesh, const std::vector<std::array<G
       mesh.cell_to_cell[c][f] = local;
       if (local == invalid_local) {
         const CellFace face{static_cast<LocalId>(c), static_cast<int>(f)};
-        remote.push_back({0, face_key(mesh, face.cell, face.slot), face, id});
+        remote.push_back({0, face_key(mesh, face), face, id});
       }
     }
   return remote;
@@ -125,7 +126,7 @@ void check_own(const DistMesh& mesh) {
       const auto d = mesh.cell_to_cell[static_cast<std::size_t>(c)][f];
       if (mesh.is_own(d) && !is_returned(mesh, c, f, d))
         refuse(mesh.cell_global[static_cast<std::size_t>(c)], mesh.cell_global[static_cast<std::size_t>(d)],
-               face_key(mesh, c, static_cast<int>(f)));
+               face_key(mesh, {c, static_cast<int>(f)}));
     }
 }
 

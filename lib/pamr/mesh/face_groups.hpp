@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "pamr/mesh/dist_mesh.hpp"
+#include "pamr/mesh/tet.hpp"
+#include "pamr/par/exchange.hpp"
+
+namespace pamr::mesh {
+
+/// Global numbers of a face's nodes, ascending: its name on every rank.
+inline par::SharedKey face_key(const DistMesh& mesh, CellFace face) {
+  const auto& nodes = mesh.cell_to_node[static_cast<std::size_t>(face.cell)];
+  par::SharedKey key{};
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto corner = tet::face_to_corner[static_cast<std::size_t>(face.slot)][i];
+    key[i] = mesh.node_global[static_cast<std::size_t>(nodes[static_cast<std::size_t>(corner)])];
+  }
+  std::sort(key.begin(), key.end());
+  return key;
+}
+
+/// The faces of this rank's cells grouped by their nodes, found through the faces at each smallest node: 4 bytes a face
+/// and 8 a node. Local; O(cells log(faces at a node)).
+class FaceGroups {
+ public:
+  explicit FaceGroups(const DistMesh& mesh);
+
+  /// Calls `visit(span<const CellFace>)` for each set of faces with the same three nodes, ascending in cell and slot;
+  /// sets in order of their local nodes.
+  template <class Visit>
+  void for_each(Visit&& visit) const;
+
+ private:
+  struct FaceAtNode {
+    LocalId middle = 0;
+    LocalId largest = 0;
+    std::uint32_t from = 0;
+    bool has_nodes_of(const FaceAtNode& other) const { return middle == other.middle && largest == other.largest; }
+  };
+  std::array<LocalId, 3> key(std::uint32_t from) const;
+  void collect(std::size_t node, std::vector<FaceAtNode>& faces) const;
+
+  const DistMesh* mesh_;
+  std::vector<std::size_t> offset_;  // faces of node n: from_[offset_[n] .. offset_[n+1])
+  std::vector<std::uint32_t> from_;  // 4 * cell + slot
+};
+
+template <class Visit>
+void FaceGroups::for_each(Visit&& visit) const {
+  std::vector<FaceAtNode> faces;
+  std::vector<CellFace> group;
+  for (std::size_t node = 0; node + 1 < offset_.size(); ++node) {
+    collect(node, faces);
+    for (std::size_t begin = 0, end = 0; begin < faces.size(); begin = end) {
+      group.clear();
+      for (; end < faces.size() && faces[end].has_nodes_of(faces[begin]); ++end)
+        group.push_back({static_cast<LocalId>(faces[end].from / 4), static_cast<int>(faces[end].from % 4)});
+      visit(std::span<const CellFace>(group));
+    }
+  }
+}
+
+}  // namespace pamr::mesh

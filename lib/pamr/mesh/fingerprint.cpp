@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "pamr/mesh/fingerprint.hpp"
+
+#include <array>
+#include <vector>
+
+#include "pamr/base/hash.hpp"
+
+namespace pamr::mesh {
+
+namespace {
+
+std::uint64_t hash_of(geometry::Vec3 p) {
+  return combine(combine(combine(0, bits_of(p.x)), bits_of(p.y)), bits_of(p.z));
+}
+
+std::uint64_t hash_of(const std::string& name) {
+  std::uint64_t h = 0;
+  for (const char byte : name) h = combine(h, static_cast<unsigned char>(byte));
+  return h;
+}
+
+std::uint64_t state_of(Lineage lineage) {
+  return static_cast<std::uint64_t>(lineage.kind()) + (lineage.is_broken() ? 4U : 0U) +
+         8U * static_cast<std::uint64_t>(lineage.level());
+}
+
+/// Sum over the ranks modulo 2^64, in halves, so that no signed sum overflows.
+std::uint64_t sum_modulo(const par::Comm& comm, std::uint64_t here) {
+  std::array<std::int64_t, 2> half{static_cast<std::int64_t>(here & 0xffffffffU),
+                                   static_cast<std::int64_t>(here >> 32U)};
+  comm.sum_in_place(half);
+  return static_cast<std::uint64_t>(half[0]) + (static_cast<std::uint64_t>(half[1]) << 32U);
+}
+
+}  // namespace
+
+std::uint64_t fingerprint(const par::Comm& comm, const DistMesh& mesh) {
+  std::vector<std::uint64_t> node_hash;
+  node_hash.reserve(mesh.node_position.size());
+  for (const auto p : mesh.node_position) node_hash.push_back(hash_of(p));
+  std::vector<std::uint64_t> patch_hash;
+  for (const auto& patch : mesh.info.patches) patch_hash.push_back(hash_of(patch.name));
+
+  std::uint64_t sum = 0;
+  for (std::size_t c = 0; c < mesh.cell_to_node.size(); ++c) {
+    std::uint64_t corners = 0, boundary = 0;
+    for (std::size_t i = 0; i < 4; ++i) {
+      const auto corner = node_hash[static_cast<std::size_t>(mesh.cell_to_node[c][i])];
+      const auto slot = mesh.cell_to_cell[c][i];
+      corners += corner;
+      if (slot < 0) boundary += combine(corner, patch_hash[static_cast<std::size_t>(slot_to_patch(slot))]);
+    }
+    sum += combine(combine(combine(0, corners), boundary), state_of(mesh.lineage[c]));
+  }
+  return sum_modulo(comm, sum);
+}
+
+}  // namespace pamr::mesh

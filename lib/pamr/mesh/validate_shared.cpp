@@ -1,0 +1,263 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <bit>
+#include <tuple>
+
+#include "pamr/base/hash.hpp"
+#include "pamr/mesh/face_groups.hpp"
+#include "pamr/mesh/validate_steps.hpp"
+#include "pamr/par/exchange.hpp"
+
+namespace pamr::mesh::validation {
+
+namespace {
+
+/// Items put into one message for each rank.
+template <class T>
+class Post {
+ public:
+  explicit Post(Rank size) : by_rank_(static_cast<std::size_t>(size)) {}
+  void add(Rank to, T item) { by_rank_[static_cast<std::size_t>(to)].push_back(std::move(item)); }
+  par::Received<T> send(const par::Comm& comm) {
+    std::vector<par::Outgoing<T>> messages;
+    for (std::size_t r = 0; r < by_rank_.size(); ++r)
+      if (!by_rank_[r].empty()) messages.push_back({static_cast<Rank>(r), std::move(by_rank_[r])});
+    return comm.sparse_exchange(messages);
+  }
+
+ private:
+  std::vector<std::vector<T>> by_rank_;
+};
+
+/// Cell numbers `begin .. end` of one rank.
+struct Run {
+  GlobalId begin = 0;
+  GlobalId end = 0;
+};
+
+std::vector<Run> find_runs(const std::vector<GlobalId>& ids) {
+  std::vector<Run> runs;
+  for (const auto id : ids) {
+    if (runs.empty() || runs.back().end != id) runs.push_back({id, id});
+    ++runs.back().end;
+  }
+  return runs;
+}
+
+/// What both sides of a rank-border face say of it.
+struct FaceCard {
+  par::SharedKey key{};
+  GlobalId own = 0;
+  GlobalId other = 0;
+  std::int64_t sign = 0;
+};
+
+void compare_sides(std::span<const FaceCard> mine, std::span<const FaceCard> theirs, Findings& findings) {
+  for (std::size_t k = 0; k < std::max(mine.size(), theirs.size()); ++k) {
+    if (k >= mine.size())
+      findings.add(Invariant::border_matches, theirs[k].own);
+    else if (k >= theirs.size() || mine[k].key != theirs[k].key)
+      findings.add(Invariant::border_matches, mine[k].own);
+    else if (mine[k].own != theirs[k].other || mine[k].other != theirs[k].own || mine[k].sign != -theirs[k].sign)
+      findings.add(Invariant::neighbours_reciprocal, mine[k].own);
+  }
+}
+
+/// A node as one rank holds it.
+struct NodeCard {
+  GlobalId id = 0;
+  std::uint64_t position = 0;
+};
+
+std::uint64_t exact_hash(geometry::Vec3 p) {
+  std::uint64_t h = 0;
+  for (const auto x : {p.x, p.y, p.z}) h = combine(h, std::bit_cast<std::uint64_t>(x));
+  return h;
+}
+
+std::vector<char> find_used_nodes(const DistMesh& mesh) {
+  std::vector<char> is_used(mesh.node_global.size(), 0);
+  for (const auto& nodes : mesh.cell_to_node)
+    for (const auto node : nodes) is_used[static_cast<std::size_t>(node)] = 1;
+  return is_used;
+}
+
+/// Compares what the ranks say of the nodes of this rank's block, and returns to each rank those that others hold too.
+Post<GlobalId> compare_nodes(const par::Comm& comm, const par::Received<NodeCard>& cards, const par::BlockRange& block,
+                             Findings& findings) {
+  struct Held {
+    NodeCard card;
+    Rank rank;
+  };
+  std::vector<Held> held;
+  held.reserve(cards.item.size());
+  for (std::size_t r = 0; r < cards.rank.size(); ++r)
+    for (const auto& card : cards.from(r)) held.push_back({card, cards.rank[r]});
+  std::sort(held.begin(), held.end(),
+            [](const Held& a, const Held& b) { return std::tie(a.card.id, a.rank) < std::tie(b.card.id, b.rank); });
+  Post<GlobalId> shared(comm.size());
+  GlobalId next = block.begin;
+  const auto report_missing = [&](GlobalId until) {
+    if (next < until) findings.add(Invariant::nodes_referenced, next, until - next);
+  };
+  for (std::size_t begin = 0, end = 0; begin < held.size(); begin = end) {
+    const auto id = held[begin].card.id;
+    report_missing(id);
+    next = id + 1;
+    for (; end < held.size() && held[end].card.id == id; ++end) {
+      if (end > begin && held[end].rank == held[end - 1].rank) findings.add(Invariant::unique_nodes, id);
+      if (held[end].card.position != held[begin].card.position) findings.add(Invariant::shared_nodes_equal, id);
+    }
+    for (auto i = begin; held[begin].rank != held[end - 1].rank && i < end; ++i) shared.add(held[i].rank, id);
+  }
+  report_missing(block.end);
+  return shared;
+}
+
+/// Nodes of this rank, by local number, that other ranks hold too.
+std::vector<char> check_nodes(const par::Comm& comm, const DistMesh& mesh, Findings& findings) {
+  const auto n = mesh.info.n_global_nodes;
+  Post<NodeCard> post(comm.size());
+  const auto is_used = find_used_nodes(mesh);
+  for (std::size_t i = 0; i < mesh.node_global.size(); ++i) {
+    const auto id = mesh.node_global[i];
+    if (is_used[i] == 0)
+      findings.add(Invariant::nodes_referenced, id);
+    else
+      post.add(par::block_of(id, n, comm.size()), {id, exact_hash(mesh.node_position[i])});
+  }
+  const auto cards = post.send(comm);
+  auto shared = compare_nodes(comm, cards, par::block_range(n, comm.rank(), comm.size()), findings).send(comm);
+  std::sort(shared.item.begin(), shared.item.end());
+  std::vector<char> is_shared(mesh.node_global.size(), 0);
+  for (std::size_t i = 0; !shared.item.empty() && i < mesh.node_global.size(); ++i)
+    is_shared[i] = std::binary_search(shared.item.begin(), shared.item.end(), mesh.node_global[i]) ? 1 : 0;
+  return is_shared;
+}
+
+/// An edge of boundary faces: in how many, and the smallest cell there.
+struct BoundaryEdge {
+  GlobalId a = 0, b = 0;
+  std::int64_t n_faces = 1;
+  GlobalId cell = 0;
+};
+
+void merge_equal_edges(std::vector<BoundaryEdge>& edges) {
+  std::sort(edges.begin(), edges.end(), [](const BoundaryEdge& x, const BoundaryEdge& y) {
+    return std::tie(x.a, x.b, x.cell) < std::tie(y.a, y.b, y.cell);
+  });
+  std::size_t n = 0;
+  for (const auto& edge : edges) {
+    if (n > 0 && edges[n - 1].a == edge.a && edges[n - 1].b == edge.b)
+      edges[n - 1].n_faces += edge.n_faces;
+    else
+      edges[n++] = edge;
+  }
+  edges.resize(n);
+}
+
+}  // namespace
+
+void check_unique_cells(const par::Comm& comm, const DistMesh& mesh, Findings& findings) {
+  const auto n = mesh.info.n_global_cells;
+  auto ids = std::span<const GlobalId>(mesh.cell_global);
+  Post<Run> post(comm.size());
+  for (const auto run : find_runs({ids.begin(), ids.end()}))
+    for (auto begin = run.begin; begin < run.end;) {
+      const auto holder = par::block_of(begin, n, comm.size());
+      const auto end = std::min(run.end, par::block_range(n, holder, comm.size()).end);
+      post.add(holder, {begin, end});
+      begin = end;
+    }
+  auto runs = post.send(comm).item;
+  std::sort(runs.begin(), runs.end(), [](const Run& a, const Run& b) { return a.begin < b.begin; });
+  const auto block = par::block_range(n, comm.rank(), comm.size());
+  auto next = block.begin;
+  for (const auto run : runs) {
+    if (run.begin > next) findings.add(Invariant::unique_cells, next, run.begin - next);
+    if (run.begin < next) findings.add(Invariant::unique_cells, run.begin, std::min(next, run.end) - run.begin);
+    next = std::max(next, run.end);
+  }
+  if (next < block.end) findings.add(Invariant::unique_cells, next, block.end - next);
+}
+
+void check_border(const par::Comm& comm, const DistMesh& mesh, Findings& findings) {
+  const auto slot_at = [&](CellFace face) {
+    return mesh.cell_to_cell[static_cast<std::size_t>(face.cell)][static_cast<std::size_t>(face.slot)];
+  };
+  const auto number_of = [&](CellFace face) { return mesh.cell_global[static_cast<std::size_t>(face.cell)]; };
+  std::vector<par::Outgoing<FaceCard>> messages;
+  for (std::size_t i = 0; i < mesh.border_rank.size(); ++i) {
+    messages.push_back({mesh.border_rank[i], {}});
+    for (auto k = mesh.border_offset[i]; k < mesh.border_offset[i + 1]; ++k) {
+      const auto face = mesh.border_face[k];
+      if (slot_at(face) != mesh.n_cells() + static_cast<LocalId>(k))
+        findings.add(Invariant::border_matches, number_of(face));
+      messages.back().item.push_back(
+          {face_key(mesh, face), number_of(face), mesh.ghost_global[k], face_sign(mesh, face)});
+    }
+  }
+  for (LocalId c = 0; c < mesh.n_cells(); ++c)
+    for (int f = 0; f < 4; ++f) {
+      const auto slot = slot_at({c, f});
+      if (mesh.is_ghost(slot) && mesh.border_face[static_cast<std::size_t>(slot - mesh.n_cells())] != CellFace{c, f})
+        findings.add(Invariant::border_matches, number_of({c, f}));
+    }
+  const auto arrived = comm.sparse_exchange(messages);
+  for (const auto& message : messages) {
+    const auto from = std::find(arrived.rank.begin(), arrived.rank.end(), message.to);
+    compare_sides(message.item,
+                  from == arrived.rank.end() ? std::span<const FaceCard>{}
+                                             : arrived.from(static_cast<std::size_t>(from - arrived.rank.begin())),
+                  findings);
+  }
+  for (std::size_t r = 0; r < arrived.rank.size(); ++r)
+    if (!std::binary_search(mesh.border_rank.begin(), mesh.border_rank.end(), arrived.rank[r]))
+      compare_sides({}, arrived.from(r), findings);
+}
+
+void check_shared(const par::Comm& comm, const DistMesh& mesh, Findings& findings) {
+  const auto is_shared = check_nodes(comm, mesh, findings);
+  std::vector<CellFace> faces;
+  std::vector<par::SharedKey> key;
+  if (comm.size() == 1) return;
+  FaceGroups(mesh).for_each([&](std::span<const CellFace> group) {
+    const auto& nodes = mesh.cell_to_node[static_cast<std::size_t>(group[0].cell)];
+    for (std::size_t i = 0; i < 4; ++i)
+      if (static_cast<int>(i) != group[0].slot && is_shared[static_cast<std::size_t>(nodes[i])] == 0) return;
+    faces.push_back(group[0]);
+    key.push_back(face_key(mesh, group[0]));
+  });
+  std::vector<int> n_others(faces.size(), 0);
+  for (const auto item : par::find_shared(comm, key).item) ++n_others[static_cast<std::size_t>(item)];
+  for (std::size_t i = 0; i < faces.size(); ++i) {
+    const auto slot =
+        mesh.cell_to_cell[static_cast<std::size_t>(faces[i].cell)][static_cast<std::size_t>(faces[i].slot)];
+    if (n_others[i] != (mesh.is_ghost(slot) ? 1 : 0))
+      findings.add(Invariant::conforming, mesh.cell_global[static_cast<std::size_t>(faces[i].cell)]);
+  }
+}
+
+void check_boundary(const par::Comm& comm, const DistMesh& mesh, Findings& findings) {
+  std::vector<BoundaryEdge> edges;
+  for (LocalId c = 0; c < mesh.n_cells(); ++c)
+    for (int f = 0; f < 4; ++f) {
+      if (mesh.cell_to_cell[static_cast<std::size_t>(c)][static_cast<std::size_t>(f)] >= 0) continue;
+      const auto node = face_key(mesh, {c, f});
+      const auto cell = mesh.cell_global[static_cast<std::size_t>(c)];
+      edges.push_back({node[0], node[1], 1, cell});
+      edges.push_back({node[0], node[2], 1, cell});
+      edges.push_back({node[1], node[2], 1, cell});
+    }
+  merge_equal_edges(edges);
+  Post<BoundaryEdge> post(comm.size());
+  for (const auto& edge : edges) {
+    const auto hash = combine(static_cast<std::uint64_t>(edge.a), static_cast<std::uint64_t>(edge.b));
+    post.add(static_cast<Rank>(hash % static_cast<std::uint64_t>(comm.size())), edge);
+  }
+  edges = post.send(comm).item;
+  merge_equal_edges(edges);
+  for (const auto& edge : edges)
+    if (edge.n_faces != 2) findings.add(Invariant::boundary_manifold, edge.cell);
+}
+
+}  // namespace pamr::mesh::validation

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <limits>
+
+#include "pamr/mesh/dist_mesh.hpp"
+#include "pamr/par/comm.hpp"
+
+/// The parts of `validate`. Private to the library.
+namespace pamr::mesh::validation {
+
+/// In order of report.
+enum class Invariant : std::uint8_t {
+  ids_in_range,
+  cells_ascend,
+  unique_cells,
+  distinct_corners,
+  fields_sized,
+  finite_coordinates,
+  orientation_positive,
+  not_flat,
+  patches_in_range,
+  neighbours_reciprocal,
+  conforming,
+  border_matches,
+  families_whole,
+  unique_nodes,
+  shared_nodes_equal,
+  nodes_referenced,
+  boundary_manifold,
+};
+inline constexpr std::array<const char*, 17> invariant_name{
+    "ids_in_range",       "cells_ascend",         "unique_cells",   "distinct_corners", "fields_sized",
+    "finite_coordinates", "orientation_positive", "not_flat",       "patches_in_range", "neighbours_reciprocal",
+    "conforming",         "border_matches",       "families_whole", "unique_nodes",     "shared_nodes_equal",
+    "nodes_referenced",   "boundary_manifold"};
+
+/// What this rank found: how often each invariant is broken, and the smallest place.
+struct Findings {
+  std::array<std::int64_t, invariant_name.size()> count{};
+  std::array<GlobalId, invariant_name.size()> where{};
+
+  Findings() { where.fill(std::numeric_limits<GlobalId>::max()); }
+  void add(Invariant invariant, GlobalId at, std::int64_t times = 1) {
+    const auto i = static_cast<std::size_t>(invariant);
+    count[i] += times;
+    where[i] = std::min(where[i], at);
+  }
+  bool has(Invariant invariant) const { return count[static_cast<std::size_t>(invariant)] != 0; }
+};
+
+/// Lengths, numbers in range, distinct corners, ascending cells, fields: what the rest relies on. Local.
+void check_structure(const DistMesh& mesh, Rank rank, Rank size, Findings& findings);
+
+/// Every global cell number once. Collective: one sparse exchange of the runs of numbers.
+void check_unique_cells(const par::Comm& comm, const DistMesh& mesh, Findings& findings);
+
+/// Coordinates, orientation, shape. Local.
+void check_shapes(const DistMesh& mesh, Findings& findings);
+
+/// Patches, own neighbours, own faces. Local.
+void check_own_neighbours(const DistMesh& mesh, Findings& findings);
+
+/// Closure families. Local.
+void check_families(const DistMesh& mesh, Findings& findings);
+
+/// Rank-border faces. Collective: one sparse exchange.
+void check_border(const par::Comm& comm, const DistMesh& mesh, Findings& findings);
+
+/// Nodes, and faces all of whose nodes other ranks hold too. Collective: four sparse exchanges.
+void check_shared(const par::Comm& comm, const DistMesh& mesh, Findings& findings);
+
+/// Edges of the boundary. Collective: one sparse exchange.
+void check_boundary(const par::Comm& comm, const DistMesh& mesh, Findings& findings);
+
+/// -1 or 1: whether the face's nodes, in the order whose normal points out of the cell, are an odd or even permutation
+/// of their ascending global numbers. Cells on the two sides of a face have opposite signs.
+int face_sign(const DistMesh& mesh, CellFace face);
+
+}  // namespace pamr::mesh::validation
