@@ -47,13 +47,14 @@ double distance_to_segment(MeridianPoint p, MeridianPoint a, MeridianPoint b) {
   return std::hypot(p.x - a.x - t * dx, p.r - a.r - t * dr);
 }
 
-/// The finest of the parts of the wall, each seen from here; arcs as two chords.
+/// The finest of the parts of the wall, each seen from here; arcs as two chords. A size holds to one edge length from
+/// its part, so that edges that leave an arc are as short as those on it.
 double size_at(const BluntConeMeridian& m, const BluntConeSizes& s, Vec3 point) {
   const auto p = meridian_point(point);
   const MeridianPoint top{m.shoulder_centre.x, m.max_radius};
   double size = s.far;
   const auto grow = [&](double here, MeridianPoint a, MeridianPoint b) {
-    size = std::min(size, here + s.growth * distance_to_segment(p, a, b));
+    size = std::min(size, here + s.growth * std::max(0.0, distance_to_segment(p, a, b) - here));
   };
   grow(s.forebody, {0, 0}, m.nose_end);
   grow(s.forebody, m.nose_end, m.cone_end);
@@ -135,10 +136,10 @@ std::vector<FeatureCurve> feature_curves(const BluntConeMeridian& m, const Neare
 constexpr double finest = 1e-4;
 constexpr std::array<SizeLimit, 7> limits{{{"far", &BluntConeSizes::far, finest, 15e-3},
                                            {"forebody", &BluntConeSizes::forebody, finest, 6e-3},
-                                           {"shoulder", &BluntConeSizes::shoulder, finest, 0.8e-3},
+                                           {"shoulder", &BluntConeSizes::shoulder, finest, 0.75e-3},
                                            {"base", &BluntConeSizes::base, finest, 6e-3},
-                                           {"fillet", &BluntConeSizes::fillet, finest, 1.35e-3},
-                                           {"sting", &BluntConeSizes::sting, finest, 4e-3},
+                                           {"fillet", &BluntConeSizes::fillet, finest, 1.25e-3},
+                                           {"sting", &BluntConeSizes::sting, finest, 3.8e-3},
                                            {"growth", &BluntConeSizes::growth, 0.05, 0.8}}};
 
 }  // namespace

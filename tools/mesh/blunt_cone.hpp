@@ -7,16 +7,16 @@
 
 namespace pamr::meshing {
 
-/// Wanted edge lengths, metres. Each holds at its part of the wall and grows from there by `growth` per distance up to
-/// `far`.
+/// Wanted edge lengths, metres. Each holds at its part of the wall and one length around, and grows from there by
+/// `growth` per distance up to `far`.
 struct BluntConeSizes {
   double far = 10e-3;
-  double forebody = 2.6e-3;  ///< nose and cone
-  double shoulder = 0.8e-3;
-  double base = 3.0e-3;
-  double fillet = 1.3e-3;
-  double sting = 4.0e-3;
-  double growth = 0.45;  ///< no unit
+  double forebody = 3.2e-3;  ///< nose and cone
+  double shoulder = 0.75e-3;
+  double base = 3.6e-3;
+  double fillet = 1.25e-3;
+  double sting = 3.8e-3;
+  double growth = 0.6;  ///< no unit
 
   /// The sizes that make `far` the largest, all others in proportion, but none larger on a curved wall than the
   /// default.

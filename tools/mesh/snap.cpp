@@ -25,6 +25,9 @@ Vec3 bound(const Domain& domain, Binding binding, Vec3 p) {
   return p;
 }
 
+/// Edges between boundary nodes may get as long as this times the wanted length; longer ones must not get longer.
+constexpr double most_stretch = 1.15;
+
 /// The cells at each node: those of node i are `cell[offset[i] .. offset[i+1])`, ascending.
 struct NodeToCell {
   std::vector<std::size_t> offset, cell;
@@ -48,19 +51,32 @@ class Optimiser {
 
   double worst() const { return *std::min_element(quality_.begin(), quality_.end()); }
 
-  /// One pass over the nodes of all cells below `wanted`; the number of nodes moved.
-  int sweep(double wanted) {
+  /// Passes over the nodes of all cells below `wanted`, until nothing moves; the number of moves.
+  int sweeps(double wanted, int most, bool with_boundary) {
+    int moves = 0;
+    for (int i = 0; i < most && worst() < wanted; ++i) {
+      const int moved = sweep(wanted, with_boundary);
+      moves += moved;
+      if (moved == 0) break;
+    }
+    return moves;
+  }
+
+ private:
+  int sweep(double wanted, bool with_boundary) {
     int moves = 0;
     std::vector<char> is_bad(mesh_.point.size(), 0);
     for (std::size_t c = 0; c < mesh_.cell.size(); ++c)
       if (quality_[c] < wanted)
         for (const auto n : mesh_.cell[c]) is_bad[static_cast<std::size_t>(n)] = 1;
-    for (std::size_t n = 0; n < mesh_.point.size(); ++n)
-      if (is_bad[n] != 0 && mesh_.binding[n].freedom != Freedom::none && move(n)) ++moves;
+    for (std::size_t n = 0; n < mesh_.point.size(); ++n) {
+      const auto freedom = mesh_.binding[n].freedom;
+      const bool may_move = freedom == Freedom::space || (with_boundary && freedom != Freedom::none);
+      if (is_bad[n] != 0 && may_move && move(n)) ++moves;
+    }
     return moves;
   }
 
- private:
   double worst_at(std::size_t node) const {
     double worst = std::numeric_limits<double>::infinity();
     for (auto i = cells_.offset[node]; i < cells_.offset[node + 1]; ++i)
@@ -78,9 +94,23 @@ class Optimiser {
     return shortest;
   }
 
+  /// Largest ratio of an edge between this boundary node and another one to the length wanted in its middle.
+  double stretch_at(std::size_t node) const {
+    double worst = 0;
+    for (auto i = cells_.offset[node]; i < cells_.offset[node + 1]; ++i)
+      for (const auto other : mesh_.cell[cells_.cell[i]]) {
+        if (mesh_.binding[static_cast<std::size_t>(other)].freedom == Freedom::space) continue;
+        const Vec3 p = mesh_.point[node], q = mesh_.position(other);
+        worst = std::max(worst, norm(q - p) / domain_.size(midpoint(p, q)));
+      }
+    return worst;
+  }
+
   bool move(std::size_t node) {
     const Vec3 start = mesh_.point[node];
     const double length = length_at(node);
+    const bool is_on_boundary = mesh_.binding[node].freedom != Freedom::space;
+    const double longest = is_on_boundary ? std::max(most_stretch, stretch_at(node)) : 0;
     double best = worst_at(node);
     Vec3 best_point = start;
     for (double step = 0.2; step > 0.01; step *= 0.5) {
@@ -90,7 +120,7 @@ class Optimiser {
         if (direction == 13) continue;
         mesh_.point[node] = bound(domain_, mesh_.binding[node], centre + step * length / norm(d) * d);
         const double quality = worst_at(node);
-        if (quality > best) {
+        if (quality > best && (!is_on_boundary || stretch_at(node) <= longest)) {
           best = quality;
           best_point = mesh_.point[node];
         }
@@ -125,11 +155,8 @@ Improvement improve(const Domain& domain, RawMesh& mesh, const QualityGoal& goal
   Optimiser optimiser(domain, mesh);
   Improvement result;
   result.min_before = optimiser.worst();
-  for (int i = 0; i < goal.max_sweeps && optimiser.worst() < goal.wanted; ++i) {
-    const int moves = optimiser.sweep(goal.wanted);
-    result.moves += moves;
-    if (moves == 0) break;
-  }
+  result.moves = optimiser.sweeps(goal.wanted, goal.max_sweeps, false);
+  result.moves += optimiser.sweeps(goal.wanted, goal.max_sweeps, true);
   result.min_after = optimiser.worst();
   for (std::size_t c = 0; c < mesh.cell.size(); ++c) {
     const auto p = mesh.points(c);

@@ -14,6 +14,8 @@ namespace {
 using geometry::Vec3;
 
 constexpr double half_side = 2.0;
+/// Wanted edge length per size, which bounds the radius of the ball through the corners of a cell.
+constexpr double edge_per_size = 1.17;
 constexpr int sphere_piece = 6;  // 0 .. 5 are the sides xmin xmax ymin ymax zmin zmax
 
 using Point = std::array<double, 3>;
@@ -56,7 +58,7 @@ Domain sphere_in_box(double size) {
                             box_size_limits.low, box_size_limits.high, size));
   Domain domain;
   domain.label = label;
-  domain.size = [size](Vec3) { return size; };
+  domain.size = [size](Vec3) { return edge_per_size * size; };
   for (std::size_t axis = 0; axis < 3; ++axis)
     for (const double side : {-half_side, half_side})
       domain.pieces.push_back({0, [axis, side](Vec3 p) { return with(p, axis, side); }});
