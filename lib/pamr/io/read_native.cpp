@@ -210,6 +210,7 @@ void Reader::share_out() {
   const auto range = par::block_range(n, comm_->rank(), comm_->size());
   const auto begin = layout_.has_lineage ? family_border(range.begin) : range.begin;
   const auto begins = comm_->all_gather(begin);
+  if (begins[0] != 0) fail(path::lineage, 0, "the first cell of a family", "another one");
   for (std::size_t r = 1; r < begins.size(); ++r)
     if (begins[r] < begins[r - 1])
       fail(path::lineage, begins[r], "whole families", "a member of a family whose first one is missing");

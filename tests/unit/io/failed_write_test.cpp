@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <gmock/gmock.h>
+#include <sys/resource.h>
+
+#include <csignal>
+
+#include "files.hpp"
+#include "hdf5_edit.hpp"
+#include "pamr/base/error.hpp"
+#include "pamr/io/native_file.hpp"
+#include "pamr/io/partial_file.hpp"
+#include "pamr/mesh/kuhn_cube.hpp"
+
+namespace pamr {
+namespace {
+
+using test::Folder;
+
+/// No file of this process may grow beyond `bytes` while it lives: what a full disk looks like.
+class SizeLimit {
+ public:
+  explicit SizeLimit(rlim_t bytes) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {
+    getrlimit(RLIMIT_FSIZE, &old_);
+    const rlimit limit{bytes, old_.rlim_max};
+    setrlimit(RLIMIT_FSIZE, &limit);
+  }
+  ~SizeLimit() {
+    setrlimit(RLIMIT_FSIZE, &old_);
+    std::signal(SIGXFSZ, handler_);
+  }
+  SizeLimit(const SizeLimit&) = delete;
+  SizeLimit& operator=(const SizeLimit&) = delete;
+  SizeLimit(SizeLimit&&) = delete;
+  SizeLimit& operator=(SizeLimit&&) = delete;
+
+ private:
+  void (*handler_)(int);
+  rlimit old_{};
+};
+
+std::string error_of_writing(const par::Comm& comm, const std::filesystem::path& file, const mesh::DistMesh& mesh) {
+  try {
+    io::write_native(comm, file, mesh);
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+TEST(FailedWrite, LeavesNoFileWhenTheDiskIsFull) {
+  const par::Comm comm(MPI_COMM_WORLD);
+  const Folder folder(comm);
+  const auto mesh = test::mesh_with_fields(comm, 4, 1);
+  for (const rlim_t bytes : {0, 1000, 20000, 60000}) {
+    std::string error;
+    {
+      const SizeLimit limit(bytes);
+      error = error_of_writing(comm, folder / "a.hdf", mesh);
+    }
+
+    EXPECT_THAT(error, testing::AllOf(testing::HasSubstr("a.hdf'"), testing::HasSubstr("cannot write it"))) << bytes;
+    EXPECT_EQ(error, comm.broadcast(error));
+    EXPECT_EQ(folder.n_entries(), 0U);
+    comm.barrier();
+  }
+  EXPECT_EQ(error_of_writing(comm, folder / "a.hdf", mesh), "no error");
+}
+
+TEST(FailedWrite, LeavesAnExistingFileAsItWas) {
+  const par::Comm comm(MPI_COMM_WORLD);
+  const Folder folder(comm);
+  io::write_native(comm, folder / "a.hdf", mesh::assemble(comm, mesh::kuhn_cube(comm, 1)));
+  const auto before = test::bytes_of(folder / "a.hdf");
+  const auto mesh = test::mesh_with_fields(comm, 4, 1);
+  comm.barrier();
+  {
+    const SizeLimit limit(50000);
+    error_of_writing(comm, folder / "a.hdf", mesh);
+  }
+
+  EXPECT_EQ(test::bytes_of(folder / "a.hdf"), before);
+  EXPECT_EQ(folder.n_entries(), 1U);
+}
+
+TEST(FailedWrite, SaysThatTheFolderIsMissing) {
+  const par::Comm comm(MPI_COMM_WORLD);
+  const Folder folder(comm);
+
+  const auto error = error_of_writing(comm, folder / "nowhere" / "a.hdf", test::mesh_with_fields(comm, 1, 1));
+
+  EXPECT_THAT(error, testing::HasSubstr("No such file or directory"));
+  EXPECT_EQ(folder.n_entries(), 0U);
+}
+
+TEST(FailedWrite, DoesNotReplaceAFolder) {
+  const par::Comm comm(MPI_COMM_WORLD);
+  const Folder folder(comm);
+  test::on_first_rank(comm, [&] { std::filesystem::create_directory(folder / "a.hdf"); });
+
+  EXPECT_THAT(error_of_writing(comm, folder / "a.hdf", test::mesh_with_fields(comm, 1, 1)),
+              testing::HasSubstr("found a folder of that name"));
+  EXPECT_EQ(folder.n_entries(), 1U);
+}
+
+TEST(FailedWrite, RefusesValuesThatDoNotFitTheirType) {
+  const par::Comm comm(MPI_COMM_WORLD);
+  const Folder folder(comm);
+  auto mesh = test::mesh_with_fields(comm, 2, 1);
+  if (mesh.n_cells() > 0) mesh.find_cell_field("refine")->integer().front() = 256;
+
+  EXPECT_THAT(error_of_writing(comm, folder / "a.hdf", mesh),
+              testing::AllOf(testing::HasSubstr("/VTKHDF/CellData/refine"), testing::HasSubstr("uint8")));
+  EXPECT_EQ(folder.n_entries(), 0U);
+}
+
+TEST(FailedWrite, RefusesNamesThatCouldNotBeReadBack) {
+  const par::Comm comm(MPI_COMM_WORLD);
+  const Folder folder(comm);
+  for (const std::string name : {"a/b", "", ".", "\xff", "stress"}) {
+    auto mesh = test::mesh_with_fields(comm, 1, 1);
+    mesh.find_cell_field("refine")->name = name;
+
+    EXPECT_THAT(error_of_writing(comm, folder / "a.hdf", mesh), testing::HasSubstr("cell field '" + name + "'"));
+  }
+  EXPECT_EQ(folder.n_entries(), 0U);
+}
+
+TEST(PartialFile, FindsTheDiskFullByWritingWhereTheFileSystemCannotTell) {
+  const par::Comm comm(MPI_COMM_WORLD);
+  const Folder folder(comm);
+  const io::PartialFile file(folder / ("a" + std::to_string(comm.rank())));
+  file.make(100);
+
+  const SizeLimit limit(5000000);
+
+  EXPECT_NO_THROW(file.occupy(0, 5000000));
+  EXPECT_THROW(file.occupy(0, 5000001), Error);
+  EXPECT_EQ(std::filesystem::file_size(file.path()), 5000000U);
+}
+
+}  // namespace
+}  // namespace pamr
