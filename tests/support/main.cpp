@@ -15,12 +15,14 @@ class RankListener : public testing::EmptyTestEventListener {
  public:
   RankListener(int rank, int size) : rank_(rank), size_(size) {}
 
+  // GoogleTest holds a lock while it reports a failure, so the running test is remembered, not asked for.
+  void OnTestStart(const testing::TestInfo& test) override { test_ = &test; }
+
   void OnTestPartResult(const testing::TestPartResult& result) override {
     if (!result.failed()) return;
     if (rank_ != 0) {
-      const auto* test = testing::UnitTest::GetInstance()->current_test_info();
-      std::fprintf(stderr, "[rank %d of %d] %s.%s %s:%d\n%s\n", rank_, size_, test ? test->test_suite_name() : "?",
-                   test ? test->name() : "?", result.file_name() ? result.file_name() : "exception",
+      std::fprintf(stderr, "[rank %d of %d] %s.%s %s:%d\n%s\n", rank_, size_, test_ ? test_->test_suite_name() : "?",
+                   test_ ? test_->name() : "?", result.file_name() ? result.file_name() : "exception",
                    result.line_number(), result.message());
     }
     const bool is_exception = result.file_name() == nullptr;
@@ -33,6 +35,7 @@ class RankListener : public testing::EmptyTestEventListener {
  private:
   int rank_;
   int size_;
+  const testing::TestInfo* test_ = nullptr;
 };
 
 }  // namespace
