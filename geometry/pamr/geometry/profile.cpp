@@ -155,6 +155,15 @@ Profile::Nearest Profile::nearest(Meridian at) const {
   return best;
 }
 
+std::optional<Meridian> Profile::nearest_joint(Meridian at) const {
+  std::optional<Meridian> best;
+  for (std::size_t i = 0; i + 1 < pieces_.size(); ++i) {
+    const Meridian joint = pieces_[i].to;
+    if (joint.r > 0 && (!best || norm(at - joint) < norm(at - *best))) best = joint;
+  }
+  return best;
+}
+
 double Profile::area() const {
   double sum = 0;
   for (const Piece& p : pieces_) {

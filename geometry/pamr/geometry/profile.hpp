@@ -39,6 +39,9 @@ class Profile {
   };
   Nearest nearest(Meridian at) const;
 
+  /// Nearest point at which two pieces join off the axis; the first among equals, nothing for a single piece.
+  std::optional<Meridian> nearest_joint(Meridian at) const;
+
   /// Area of the surface of a full turn. Exact per piece: frustums, and zones of tori and spheres.
   double area() const;
   /// Integral of pi r^2 dx over the profile: the volume inside when the profile starts and ends on the axis or is

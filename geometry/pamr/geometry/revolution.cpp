@@ -18,6 +18,12 @@ Vec3 Revolution::normal(Vec3 point) const {
   return axis_.vector(profile_.nearest(place.at).normal, place.radial);
 }
 
+Vec3 Revolution::project_to_seam(Vec3 point) const {
+  const Axis::Place place = axis_.place(point);
+  const auto joint = profile_.nearest_joint(place.at);
+  return axis_.point(joint ? *joint : profile_.nearest(place.at).point, place.radial);
+}
+
 double Revolution::distance(Vec3 point) const { return profile_.nearest(axis_.place(point).at).distance; }
 
 double Revolution::magnitude() const { return largest_coordinate(axis_.origin()) + profile_.magnitude(); }

@@ -21,6 +21,7 @@ class Revolution final : public Surface {
 
   Vec3 project(Vec3 point) const override;
   Vec3 normal(Vec3 point) const override;
+  Vec3 project_to_seam(Vec3 point) const override;
   double distance(Vec3 point) const override;
   bool is_flat() const override { return profile_.is_disc(); }
   double magnitude() const override;

@@ -28,6 +28,9 @@ class Surface {
   virtual Vec3 normal(Vec3 point) const = 0;
   /// Distance to the nearest point, not negative.
   virtual double distance(Vec3 point) const { return norm(point - project(point)); }
+  /// Nearest point of the curves along which pieces of the surface are joined (the circles of a profile's joints):
+  /// where the border of two patches of one surface runs. The nearest point of the surface where it has no such curves.
+  virtual Vec3 project_to_seam(Vec3 point) const { return project(point); }
   /// True when moving along a straight segment between two of its points stays on it (a plane): nothing to project.
   virtual bool is_flat() const { return false; }
   /// Size of the numbers that the surface is made of (a bound of its parameters' coordinates and radii): what the

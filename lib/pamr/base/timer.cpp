@@ -27,14 +27,37 @@ std::size_t peak_resident_bytes() {
 
 StepTimer::StepTimer() : last_wall_(wall_seconds()), last_cpu_(cpu_seconds()) {}
 
+namespace {
+
+StepTime& step_named(std::vector<StepTime>& steps, const std::string& name) {
+  auto entry = std::find_if(steps.begin(), steps.end(), [&](const StepTime& s) { return s.step == name; });
+  if (entry == steps.end()) entry = steps.insert(steps.end(), StepTime{name, 0, 0});
+  return *entry;
+}
+
+}  // namespace
+
 void StepTimer::lap(const std::string& step) {
-  auto entry = std::find_if(steps_.begin(), steps_.end(), [&](const StepTime& s) { return s.step == step; });
-  if (entry == steps_.end()) entry = steps_.insert(steps_.end(), StepTime{step, 0, 0});
-  const double wall = wall_seconds(), cpu = cpu_seconds();
-  entry->wall += wall - last_wall_;
-  entry->cpu += cpu - last_cpu_;
-  last_wall_ = wall;
-  last_cpu_ = cpu;
+  auto& entry = step_named(steps_, step);
+  entry.wall -= last_wall_;
+  entry.cpu -= last_cpu_;
+  skip();
+  entry.wall += last_wall_;
+  entry.cpu += last_cpu_;
+}
+
+void StepTimer::skip() {
+  last_wall_ = wall_seconds();
+  last_cpu_ = cpu_seconds();
+}
+
+std::vector<StepTime> merge_steps(std::vector<StepTime> first, const std::vector<StepTime>& second) {
+  for (const auto& step : second) {
+    auto& entry = step_named(first, step.step);
+    entry.wall += step.wall;
+    entry.cpu += step.cpu;
+  }
+  return first;
 }
 
 }  // namespace pamr

@@ -28,6 +28,8 @@ class StepTimer {
  public:
   StepTimer();
   void lap(const std::string& step);
+  /// Leaves out the time since the last lap: something else has booked it.
+  void skip();
   const std::vector<StepTime>& steps() const { return steps_; }
 
  private:
@@ -35,5 +37,8 @@ class StepTimer {
   double last_cpu_;
   std::vector<StepTime> steps_;
 };
+
+/// Two lists of steps as one, in the order of the first, then of the second; equal names add up.
+std::vector<StepTime> merge_steps(std::vector<StepTime> first, const std::vector<StepTime>& second);
 
 }  // namespace pamr

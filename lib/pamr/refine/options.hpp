@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
+#include <utility>
 
 namespace pamr::refine {
 
@@ -14,6 +16,13 @@ enum class QualityControl : std::uint8_t {
   short_edge,  ///< a mark on a halved edge takes the better face of that edge with it
   removable,   ///< its family is taken back to the parent, which is closed anew or becomes eight: quality is bounded
 };
+
+/// Their names on command lines and in reports.
+inline constexpr std::array<std::pair<const char*, QualityControl>, 4> quality_control_names{
+    {{"none", QualityControl::none},
+     {"isotropic", QualityControl::isotropic},
+     {"short-edge", QualityControl::short_edge},
+     {"removable", QualityControl::removable}}};
 
 /// How to refine once.
 struct Options {

@@ -17,8 +17,14 @@ bool all_flat(const std::vector<const geometry::Surface*>& surfaces) {
   return std::all_of(surfaces.begin(), surfaces.end(), [](const auto* s) { return s->is_flat(); });
 }
 
-Movable aim(LocalId node, geometry::Vec3 base, const PatchList& patch,
+/// Two patches of one surface meet in a seam of it: their common curve is found there, not by intersection.
+bool is_on_seam(const mesh::MeshInfo& info, const PatchList& patch) {
+  return patch[1] >= 0 && patch[2] < 0 && info.patches[at(patch[0])].surface == info.patches[at(patch[1])].surface;
+}
+
+Movable aim(const mesh::MeshInfo& info, LocalId node, geometry::Vec3 base, const PatchList& patch,
             const std::vector<const geometry::Surface*>& surfaces) {
+  if (is_on_seam(info, patch)) return {node, base, surfaces.front()->project_to_seam(base), patch, true};
   const auto projected = geometry::project_onto_all(surfaces, base);
   return {node, base, projected.converged ? projected.point : base, patch, projected.converged};
 }
@@ -57,8 +63,8 @@ std::vector<Movable> project_new_nodes(const mesh::DistMesh& mesh, const Numberi
       known = surfaces_of_pair.emplace(boundary.patch, surfaces_of(mesh.info, surfaces, patch)).first;
     if (all_flat(known->second)) continue;
     const auto [a, b] = numbering.ends[at(boundary.new_node)];
-    movables.push_back(aim(mesh.n_nodes() + boundary.new_node, geometry::midpoint(mesh.point(a), mesh.point(b)), patch,
-                           known->second));
+    movables.push_back(aim(mesh.info, mesh.n_nodes() + boundary.new_node,
+                           geometry::midpoint(mesh.point(a), mesh.point(b)), patch, known->second));
   }
   return movables;
 }
@@ -94,7 +100,7 @@ std::vector<Movable> project_ledger(const par::Comm& comm, const mesh::DistMesh&
   std::vector<Movable> movables;
   for (const auto& [node, patch] : patches) {
     const auto on = surfaces_of(mesh.info, surfaces, patch);
-    if (!on.empty()) movables.push_back(aim(node, mesh.point(node), patch, on));
+    if (!on.empty()) movables.push_back(aim(mesh.info, node, mesh.point(node), patch, on));
   }
   return movables;
 }

@@ -170,6 +170,16 @@ TEST(Revolution, HasAContinuousNormalOverTangentJoints) {
   }
 }
 
+TEST(Revolution, FindsTheSeamWhereTwoPiecesJoin) {
+  // a rounded shoulder that runs tangentially into a flat base: a chord's middle lies on the base, the seam beside it
+  const Revolution body(origin, x_axis, {arc({0, 1}, {1, 2}, {0, 2}, false), line({1, 2}, {1, 3})});
+  const Vec3 middle{1, 1.9 * std::cos(0.3), 1.9 * std::sin(0.3)};
+  const Vec3 seam = body.project_to_seam(middle);
+  EXPECT_LT(norm(seam - Vec3{1, 2 * std::cos(0.3), 2 * std::sin(0.3)}), 1e-15);
+  const Revolution plain(origin, x_axis, {line({0, 1}, {1, 1})});
+  EXPECT_EQ(plain.project_to_seam(middle), plain.project(middle));
+}
+
 TEST(Revolution, ClosesGapsWithinTolerance) {
   const double gap = 3e-10;
   const Revolution surface(origin, x_axis,

@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "cli/run_tool.hpp"
+#include "pamr/adapt/adapt.hpp"
+#include "pamr/balance/weighted_blocks.hpp"
+#include "pamr/geometry/orientation.hpp"
+#include "pamr/io/native_file.hpp"
+#include "pamr/mesh/assemble.hpp"
+#include "pamr/mesh/fingerprint.hpp"
+#include "pamr/mesh/validate.hpp"
+#include "refine/report.hpp"
+
+namespace {
+
+using namespace pamr;
+
+struct Options {
+  std::string input, output, marks = "refine", quality_control = "removable";
+  bool no_project = false, dry_run = false, force = false;
+};
+
+void declare(CLI::App& app, Options& options) {
+  std::vector<std::string> names;
+  for (const auto& [name, policy] : refine::quality_control_names) names.emplace_back(name);
+  app.add_option("MESH", options.input, "mesh to read, with a cell field of marks")->required();
+  auto* output = app.add_option("-o,--output", options.output, "refined mesh to write");
+  app.add_option("--marks", options.marks, "integer cell field: 0 keep, 1 split; not in the result")
+      ->capture_default_str();
+  app.add_option("--quality-control", options.quality_control, "what happens to a closure cell that is hit again")
+      ->check(CLI::IsMember(names))
+      ->capture_default_str();
+  app.add_flag("--no-project", options.no_project, "leave new boundary nodes in the middle of their edges");
+  auto* dry_run = app.add_flag("--dry-run", options.dry_run, "print the exact size of the result, split nothing");
+  app.add_flag("--force", options.force, cli::force_help);
+  app.parse_complete_callback([output, dry_run] {
+    if (output->empty() && dry_run->empty()) throw CLI::RequiredError("--output (or --dry-run)");
+  });
+}
+
+refine::QualityControl policy_of(const std::string& wanted) {
+  return std::find_if(refine::quality_control_names.begin(), refine::quality_control_names.end(),
+                      [&](const auto& entry) { return wanted == entry.first; })
+      ->second;
+}
+
+/// Reads the mesh with its cells spread so that flagged cells count eight times: the paper's weights.
+mesh::DistMesh read(const par::Comm& comm, const Options& options, StepTimer& timer) {
+  auto block = io::read_native(comm, options.input);
+  timer.lap("read");
+  std::vector<std::int64_t> weight(block.cell_to_node.size(), 1);
+  for (const auto& field : block.cell_fields)
+    if (field.name == options.marks && field.holds_integers() && field.n_components == 1)
+      for (std::size_t c = 0; c < weight.size(); ++c) weight[c] = field.integer()[c] == 1 ? 8 : 1;
+  const auto destination = balance::weighted_blocks(comm, weight);
+  timer.lap("balance");
+  auto mesh = mesh::assemble(comm, std::move(block), destination);
+  mesh::require_valid(comm, mesh, options.input);
+  timer.lap("preprocessing");
+  return mesh;
+}
+
+std::int64_t count_inverted(const par::Comm& comm, const mesh::DistMesh& mesh) {
+  std::int64_t n = 0;
+  for (LocalId c = 0; c < mesh.n_cells(); ++c) {
+    const auto p = mesh.points(c);
+    n += geometry::is_positive(p[0], p[1], p[2], p[3]) ? 0 : 1;
+  }
+  return comm.sum(n);
+}
+
+cli::ExitCode forecast(cli::Session& session, const mesh::DistMesh& mesh, std::span<const std::uint8_t> flags,
+                       const refine::Options& options) {
+  const auto& comm = session.comm();
+  const auto size = adapt::dry_run(comm, mesh, flags, options);
+  // at rest: 44 bytes a cell and 32 a node; at the peak the old mesh and the plan of the split are there too
+  const double nodes_per_cell = static_cast<double>(size.nodes) / static_cast<double>(size.cells);
+  const double here = static_cast<double>(size.cells_on_this_rank) * (44 + 32 * nodes_per_cell) +
+                      static_cast<double>(mesh::bytes_at_rest(mesh)) + 40.0 * static_cast<double>(mesh.n_cells());
+  const auto largest = comm.max(here);
+  session.write_report({{"cells_in", mesh.info.n_global_cells},
+                        {"nodes_in", mesh.info.n_global_nodes},
+                        {"marked", size.marked},
+                        {"cells_out", size.cells},
+                        {"nodes_out", size.nodes},
+                        {"largest_rank_bytes", largest}});
+  session.summary(
+      fmt::format("{} of {} cells marked: {} cells, {} nodes after refinement, about {:.0f} MB on the "
+                  "largest rank",
+                  size.marked, mesh.info.n_global_cells, size.cells, size.nodes, 1e-6 * largest));
+  return cli::ExitCode::done;
+}
+
+cli::ExitCode work(cli::Session& session, const Options& options) {
+  const auto& comm = session.comm();
+  session.check_input(options.input);
+  if (!options.dry_run) session.check_output(options.output, {options.input}, options.force);
+
+  StepTimer timer;
+  const auto read_before = refine_tool::bytes_read_so_far();
+  auto mesh = read(comm, options, timer);
+  refine_tool::Measured measured;
+  measured.bytes_read = refine_tool::bytes_read_so_far() - read_before;
+  const auto flags = adapt::flags_from_field(comm, mesh, options.marks);
+  const refine::Options how{.quality_control = policy_of(options.quality_control),
+                            .project = !options.no_project,
+                            .parent_field = true,
+                            .marks_field = options.marks};
+  if (options.dry_run) return forecast(session, mesh, flags, how);
+
+  timer.lap("preprocessing");
+  auto result = adapt::refine(comm, mesh, flags, how);
+  timer.skip();
+  mesh = {};
+  measured.inverted_cells = count_inverted(comm, result.mesh);
+  measured.fingerprint = mesh::fingerprint(comm, result.mesh);
+  measured.bytes_at_rest = mesh::bytes_at_rest(result.mesh);
+  timer.lap("check");
+  auto& provenance = result.mesh.info.provenance;
+  provenance += fmt::format("{}pamr-refine {} --quality-control {}{}", provenance.empty() ? "" : "\n", PAMR_VERSION,
+                            options.quality_control, options.no_project ? " --no-project" : "");
+  io::write_native(comm, options.output, result.mesh);
+  timer.lap("write");
+
+  measured.steps = merge_steps(timer.steps(), result.report.steps);
+  session.write_report(refine_tool::make_report(comm, result.report, measured));
+  session.summary(fmt::format("{} cells ({} marked) -> {} cells, {} nodes, {} off their surface: {}",
+                              result.report.cells_in, result.report.marked, result.report.cells_out,
+                              result.report.nodes_out, result.report.off_surface_nodes, options.output));
+  return cli::ExitCode::done;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Options options;
+  return cli::run_tool(
+      argc, argv,
+      {"pamr-refine", "Refines a mesh once where its cells are marked.",
+       "mpirun -n 4 pamr-refine level0.hdf -o level1.hdf --json level1.json"},
+      [&](CLI::App& app) { declare(app, options); }, [&](cli::Session& session) { return work(session, options); });
+}

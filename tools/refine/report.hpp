@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <vector>
+
+#include "pamr/adapt/adapt.hpp"
+
+namespace pamr::refine_tool {
+
+/// What the tool itself measured beside the refinement; of this rank where not said otherwise.
+struct Measured {
+  std::vector<StepTime> steps;      ///< of the whole run, in order, without gaps
+  std::int64_t inverted_cells = 0;  ///< of the result, by exact arithmetic, all ranks
+  std::uint64_t fingerprint = 0;    ///< of the result
+  std::size_t bytes_at_rest = 0;    ///< of the result
+  std::int64_t bytes_read = 0;      ///< from files
+};
+
+/// The JSON report of docs/tools/pamr-refine.md, complete on every rank. Collective.
+nlohmann::json make_report(const par::Comm& comm, const adapt::Report& report, const Measured& measured);
+
+/// Bytes that this process has read from files and sockets so far; 0 where the system does not tell.
+std::int64_t bytes_read_so_far();
+
+}  // namespace pamr::refine_tool
