@@ -12,6 +12,7 @@
 #include "pamr/io/native_file.hpp"
 #include "pamr/io/partial_file.hpp"
 #include "pamr/io/write_plan.hpp"
+#include "pamr/mesh/fingerprint.hpp"
 
 namespace pamr::io {
 
@@ -103,11 +104,13 @@ class Writer {
   const mesh::DistMesh* mesh_;
   WriteOptions options_;
   WritePlan plan_;
+  std::int64_t fingerprint_ = 0;
   Handle h5_, dataset_properties_, transfer_;
   std::vector<Handle> arrays_, texts_;
 };
 
 void Writer::run() {
+  fingerprint_ = std::bit_cast<std::int64_t>(mesh::fingerprint(*comm_, *mesh_));
   try {
     make_room();
     create();
@@ -214,6 +217,7 @@ void Writer::write_attributes() const {
   write_number_attribute(vtk.id(), "Version", std::array<std::int64_t, 2>{1, 0}, H5T_STD_I64LE);
   write_text_attribute(vtk.id(), "Type", "UnstructuredGrid", H5T_CSET_ASCII);
   write_number_attribute(pamr.id(), "format", std::array<std::int64_t, 1>{format_version}, H5T_STD_I64LE);
+  write_number_attribute(pamr.id(), "fingerprint", std::array<std::int64_t, 1>{fingerprint_}, H5T_STD_U64LE);
   write_text_attribute(pamr.id(), "length_unit", mesh_->info.length_unit, H5T_CSET_UTF8);
   for (const auto& plan : plan_.arrays)
     if (plan.has_checksum)

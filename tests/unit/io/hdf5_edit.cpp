@@ -156,6 +156,15 @@ void write_attribute(const std::filesystem::path& file, const std::string& path,
   require(H5Awrite(attribute.get(), type.get(), text.c_str()) >= 0);
 }
 
+std::uint64_t read_unsigned_attribute(const std::filesystem::path& file, const std::string& path,
+                                      const std::string& name) {
+  const auto h5 = open(file, H5F_ACC_RDONLY);
+  const Id attribute(H5Aopen_by_name(h5.get(), path.c_str(), name.c_str(), H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
+  std::uint64_t value = 0;
+  require(H5Aread(attribute.get(), H5T_NATIVE_UINT64, &value) >= 0);
+  return value;
+}
+
 Extent extent_of(const std::filesystem::path& file, const std::string& path) {
   const auto h5 = open(file, H5F_ACC_RDONLY);
   const Id dataset(H5Dopen2(h5.get(), path.c_str(), H5P_DEFAULT), H5Dclose);

@@ -75,6 +75,9 @@ void write_attribute(const std::filesystem::path& file, const std::string& path,
 void write_attribute(const std::filesystem::path& file, const std::string& path, const std::string& name,
                      const std::string& text);
 
+std::uint64_t read_unsigned_attribute(const std::filesystem::path& file, const std::string& path,
+                                      const std::string& name);
+
 /// Where the first byte of a contiguous dataset lies in the file, and how many there are.
 struct Extent {
   std::uint64_t offset = 0, bytes = 0;

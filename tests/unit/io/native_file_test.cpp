@@ -5,6 +5,7 @@
 
 #include "files.hpp"
 #include "hdf5_edit.hpp"
+#include "pamr/mesh/fingerprint.hpp"
 #include "pamr/mesh/kuhn_cube.hpp"
 #include "support/meshes.hpp"
 
@@ -99,6 +100,19 @@ TEST(NativeFile, WritesWhatItRead) {
   io::write_native(comm, folder / "second.hdf", mesh::assemble(comm, io::read_native(comm, folder / "first.hdf")));
 
   EXPECT_EQ(test::bytes_of(folder / "first.hdf"), test::bytes_of(folder / "second.hdf"));
+}
+
+TEST(NativeFile, StatesTheFingerprintOfTheMesh) {
+  const par::Comm comm(MPI_COMM_WORLD);
+  const Folder folder(comm);
+  const auto mesh = test::mesh_with_fields(comm, 2, 8);
+
+  io::write_native(comm, folder / "a.hdf", mesh);
+
+  const auto expected = mesh::fingerprint(comm, mesh);
+  if (comm.is_first()) {
+    EXPECT_EQ(test::read_unsigned_attribute(folder / "a.hdf", "/PAMR", "fingerprint"), expected);
+  }
 }
 
 TEST(NativeFile, ReplacesAnExistingFile) {

@@ -1,0 +1,224 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// Reads damaged native files, each a mutation of a small good one from a fixed seed, and fails when the reader
+/// crashes, takes longer than 5 seconds, throws anything but `pamr::Error`, gives an error that does not name the file,
+/// or asks for a piece of memory larger than 16 times the file and 64 MiB.
+///
+///     fuzz_native [N] [FIRST_SEED]        N damaged files (2000), on all processors
+///
+/// Worker processes read the files and report each on a pipe, so that a death or a stall belongs to one file; the
+/// worker is then started anew behind it. `fuzz_native --one SEED FILE` writes the damaged file of a seed for a closer
+/// look.
+#include <fcntl.h>
+#include <mpi.h>
+#include <poll.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "mutate.hpp"
+#include "pamr/base/error.hpp"
+#include "pamr/base/hash.hpp"
+#include "pamr/io/native_file.hpp"
+#include "pamr/mesh/assemble.hpp"
+#include "seeds.hpp"
+#include "watched_memory.hpp"
+
+namespace pamr::fuzz {
+namespace {
+
+namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
+constexpr auto time_limit = std::chrono::seconds(5);
+constexpr std::size_t spare_bytes = std::size_t{64} << 20U;
+
+std::string contents_of(const fs::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+/// The good files; seed s damages file s modulo their number.
+std::vector<std::string> good_files(const fs::path& folder) {
+  std::vector<std::string> files;
+  for (int i = 0; i < n_seed_files; ++i) files.push_back(contents_of(folder / seed_name(i)));
+  return files;
+}
+
+/// What reading one file came to, one character on the pipe.
+enum Outcome : char {
+  accepted = 'a',
+  refused = 'r',
+  wrong_exception = 'x',
+  nameless_error = 'n',
+  too_much_memory = 'm'
+};
+
+Outcome read_one(const par::Comm& comm, const fs::path& file) {
+  const auto allowed = 16 * fs::file_size(file) + spare_bytes;
+  largest_request();
+  Outcome outcome = accepted;
+  try {
+    io::read_native(comm, file);
+  } catch (const Error& error) {
+    outcome = std::string(error.what()).find(file.filename().string()) != std::string::npos ? refused : nameless_error;
+  } catch (const std::exception&) {
+    outcome = wrong_exception;
+  }
+  return largest_request() > allowed ? too_much_memory : outcome;
+}
+
+/// Reads the files of seeds `first .. last` and reports each. MPI is started here, with one rank.
+int work(const fs::path& folder, std::uint64_t first, std::uint64_t last, int pipe_end) {
+  MPI_Init(nullptr, nullptr);
+  {
+    const par::Comm comm(MPI_COMM_WORLD);
+    const auto good = good_files(folder);
+    const auto file = folder / ("damaged" + std::to_string(getpid()) + ".hdf");
+    watch_memory();
+    for (auto seed = first; seed < last; ++seed) {
+      std::ofstream(file, std::ios::binary) << mutate(good[seed % good.size()], seed);
+      const char report = read_one(comm, file);
+      if (write(pipe_end, &report, 1) != 1) return 1;
+    }
+    fs::remove(file);
+  }
+  MPI_Finalize();
+  return 0;
+}
+
+struct Tally {
+  std::uint64_t accepted = 0, refused = 0, failed = 0;
+};
+
+void count(Tally& tally, std::uint64_t seed, char report) {
+  if (report == accepted)
+    ++tally.accepted;
+  else if (report == refused)
+    ++tally.refused;
+  else {
+    ++tally.failed;
+    std::printf("seed %llu: %s\n", static_cast<unsigned long long>(seed),
+                report == too_much_memory   ? "asks for too much memory"
+                : report == nameless_error  ? "the error does not name the file"
+                : report == wrong_exception ? "an exception other than Error"
+                                            : "garbled report");
+  }
+}
+
+/// Starts workers one after another until all seeds are done; each death or stall costs one file.
+Tally supervise(const char* program, const fs::path& folder, std::uint64_t first, std::uint64_t last) {
+  Tally tally;
+  while (first < last) {
+    int ends[2];
+    if (pipe2(ends, O_CLOEXEC) != 0) std::abort();
+    const auto child = fork();
+    if (child == 0) {
+      dup2(ends[1], STDIN_FILENO);
+      execl(program, program, "--work", folder.c_str(), std::to_string(first).c_str(), std::to_string(last).c_str(),
+            nullptr);
+      _exit(127);
+    }
+    close(ends[1]);
+    // The first file has to wait for MPI, which may take long on a busy machine.
+    auto patience = 12 * std::chrono::duration_cast<std::chrono::milliseconds>(time_limit);
+    bool stalled = false;
+    while (first < last) {
+      pollfd waiting{ends[0], POLLIN, 0};
+      if (poll(&waiting, 1, static_cast<int>(patience.count())) == 0) {
+        stalled = true;
+        break;
+      }
+      char report = 0;
+      if (read(ends[0], &report, 1) != 1) break;
+      count(tally, first++, report);
+      patience = time_limit;
+    }
+    close(ends[0]);
+    if (stalled) kill(child, SIGKILL);
+    int status = 0;
+    waitpid(child, &status, 0);
+    if (first < last) {
+      ++tally.failed;
+      std::printf("seed %llu: %s\n", static_cast<unsigned long long>(first),
+                  stalled ? "no end within the time limit" : "the reader died");
+      ++first;
+    } else if (status != 0) {
+      ++tally.failed;
+      std::printf("a worker did not end well (status %d)\n", status);
+    }
+  }
+  return tally;
+}
+
+int run(const char* program, std::uint64_t n, std::uint64_t first) {
+  auto folder_name = (fs::temp_directory_path() / "pamr-fuzz-XXXXXX").string();
+  if (mkdtemp(folder_name.data()) == nullptr) return 1;
+  const fs::path folder = folder_name;
+  const auto start = Clock::now();
+  const auto maker = fork();
+  if (maker == 0) {
+    execl(program, program, "--seeds", folder.c_str(), nullptr);
+    _exit(127);
+  }
+  int status = 0;
+  waitpid(maker, &status, 0);
+  std::vector<Tally> tallies(std::max(1U, std::min(4U, std::thread::hardware_concurrency())));
+  if (status == 0) {
+    std::vector<std::thread> supervisors;
+    for (std::size_t i = 0; i < tallies.size(); ++i)
+      supervisors.emplace_back([&, i] {
+        tallies[i] = supervise(program, folder, first + n * i / tallies.size(), first + n * (i + 1) / tallies.size());
+      });
+    for (auto& supervisor : supervisors) supervisor.join();
+  }
+  fs::remove_all(folder);
+  Tally total;
+  for (const auto& tally : tallies) {
+    total.accepted += tally.accepted;
+    total.refused += tally.refused;
+    total.failed += tally.failed;
+  }
+  std::printf("%llu damaged files: %llu refused, %llu accepted, %llu failures, %.1f s\n",
+              static_cast<unsigned long long>(n), static_cast<unsigned long long>(total.refused),
+              static_cast<unsigned long long>(total.accepted), static_cast<unsigned long long>(total.failed),
+              std::chrono::duration<double>(Clock::now() - start).count());
+  return status == 0 && total.failed == 0 && total.refused + total.accepted == n && total.refused > 0 ? 0 : 1;
+}
+
+}  // namespace
+}  // namespace pamr::fuzz
+
+int main(int argc, char** argv) {
+  using namespace pamr::fuzz;
+  const std::string mode = argc > 1 ? argv[1] : "";
+  const auto number = [&](int i, std::uint64_t otherwise) {
+    return argc > i ? std::strtoull(argv[i], nullptr, 10) : otherwise;
+  };
+  if (mode == "--seeds" || mode == "--one") {
+    MPI_Init(nullptr, nullptr);
+    const std::filesystem::path folder = mode == "--seeds" ? argv[2] : std::filesystem::temp_directory_path();
+    {
+      const pamr::par::Comm comm(MPI_COMM_WORLD);
+      write_seed_files(comm, folder);
+    }
+    if (mode == "--one") {
+      const auto seed = number(2, 0);
+      const auto good = good_files(folder);
+      std::ofstream(argv[3], std::ios::binary) << mutate(good[seed % good.size()], seed);
+      for (int i = 0; i < n_seed_files; ++i) std::filesystem::remove(folder / seed_name(i));
+    }
+    MPI_Finalize();
+    return 0;
+  }
+  if (mode == "--work") return work(argv[2], number(3, 0), number(4, 0), STDIN_FILENO);
+  return run(argv[0], number(1, 2000), number(2, 1));
+}
