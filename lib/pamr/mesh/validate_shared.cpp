@@ -159,9 +159,8 @@ void merge_equal_edges(std::vector<BoundaryEdge>& edges) {
 
 void check_unique_cells(const par::Comm& comm, const DistMesh& mesh, Findings& findings) {
   const auto n = mesh.info.n_global_cells;
-  auto ids = std::span<const GlobalId>(mesh.cell_global);
   Post<Run> post(comm.size());
-  for (const auto run : find_runs({ids.begin(), ids.end()}))
+  for (const auto run : find_runs(mesh.cell_global))
     for (auto begin = run.begin; begin < run.end;) {
       const auto holder = par::block_of(begin, n, comm.size());
       const auto end = std::min(run.end, par::block_range(n, holder, comm.size()).end);
