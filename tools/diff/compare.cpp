@@ -12,8 +12,6 @@
 
 #include "diff/match_nodes.hpp"
 #include "diff/pair_rows.hpp"
-#include "pamr/mesh/assemble.hpp"
-#include "pamr/par/exchange.hpp"
 
 namespace pamr::diff {
 
@@ -110,17 +108,15 @@ std::int64_t patch_word(const mesh::MeshInfo& a, const std::string& name, std::i
   return found != a.patches.end() ? found - a.patches.begin() + 1 : std::ssize(a.patches) + 1 + number_in_b;
 }
 
-NodeBlock node_block(const par::Comm& comm, const mesh::BlockMesh& block) {
-  return {par::block_range(block.info.n_global_nodes, comm.rank(), comm.size()).begin, block.node_position};
-}
+NodeList nodes_of(const mesh::DistMesh& mesh) { return {mesh.node_global, mesh.node_position}; }
 
 using FieldOf = const mesh::Field* FieldPlan::Pair::*;
 
-Rows node_rows(const NodeBlock& nodes, const std::vector<GlobalId>& match, const FieldPlan& plan, FieldOf side) {
+Rows node_rows(const mesh::DistMesh& mesh, const std::vector<GlobalId>& match, const FieldPlan& plan, FieldOf side) {
   Rows rows{1, {}};
   for (std::size_t i = 0; i < match.size(); ++i) {
     rows.word.push_back(word(match[i]));
-    rows.word.push_back(word(nodes.first + static_cast<GlobalId>(i)));
+    rows.word.push_back(word(mesh.node_global[i]));
     for (const auto& pair : plan.pairs) append(rows.word, *(pair.*side), pair.as_integers(), i);
   }
   return rows;
@@ -128,22 +124,21 @@ Rows node_rows(const NodeBlock& nodes, const std::vector<GlobalId>& match, const
 
 /// Columns: the patch across from each corner, corners in the order of the keys (0: a neighbour); kind, level and state
 /// of the family; fields.
-Rows cell_rows(const par::Comm& comm, const mesh::BlockMesh& block, const std::vector<GlobalId>& match,
+Rows cell_rows(const mesh::DistMesh& mesh, const std::vector<GlobalId>& match,
                const std::vector<std::int64_t>& patch_words, const FieldPlan& plan, FieldOf side) {
-  std::vector<GlobalId> corners;
-  for (const auto& nodes : block.cell_to_node) corners.insert(corners.end(), nodes.begin(), nodes.end());
-  const auto key = par::fetch_rows<GlobalId>(comm, block.info.n_global_nodes, match, 1, corners);
   Rows rows{4, {}};
-  for (std::size_t cell = 0; cell < block.cell_to_node.size(); ++cell) {
+  for (std::size_t cell = 0; cell < mesh.cell_to_node.size(); ++cell) {
+    std::array<GlobalId, 4> key{};
+    for (std::size_t i = 0; i < 4; ++i) key[i] = match[static_cast<std::size_t>(mesh.cell_to_node[cell][i])];
     std::array<std::size_t, 4> order{0, 1, 2, 3};
-    std::sort(order.begin(), order.end(), [&](auto i, auto j) { return key[4 * cell + i] < key[4 * cell + j]; });
-    for (const auto i : order) rows.word.push_back(word(key[4 * cell + i]));
-    rows.word.push_back(word(block.first_cell + static_cast<GlobalId>(cell)));
+    std::sort(order.begin(), order.end(), [&](auto i, auto j) { return key[i] < key[j]; });
+    for (const auto i : order) rows.word.push_back(word(key[i]));
+    rows.word.push_back(word(mesh.cell_global[cell]));
     for (const auto i : order) {
-      const GlobalId slot = block.cell_to_cell[cell][i];
-      rows.word.push_back(slot >= 0 ? 0U : word(patch_words[static_cast<std::size_t>(-slot - 1)]));
+      const LocalId slot = mesh.cell_to_cell[cell][i];
+      rows.word.push_back(slot >= 0 ? 0U : word(patch_words[static_cast<std::size_t>(mesh::slot_to_patch(slot))]));
     }
-    const auto lineage = block.lineage[cell];
+    const auto lineage = mesh.lineage[cell];
     rows.word.push_back(static_cast<std::uint64_t>(lineage.kind()) << 16U | word(lineage.level()) << 1U |
                         word(lineage.is_broken() ? 1 : 0));
     for (const auto& pair : plan.pairs) append(rows.word, *(pair.*side), pair.as_integers(), cell);
@@ -192,20 +187,18 @@ void report_fields(const FieldPlan& plan, std::span<const Tally> tallies, Compar
 
 }  // namespace
 
-Comparison compare_meshes(const par::Comm& comm, const mesh::DistMesh& mesh_a, const mesh::DistMesh& mesh_b,
-                          double tolerance) {
-  const auto a = mesh::to_blocks(comm, mesh_a), b = mesh::to_blocks(comm, mesh_b);
+Comparison compare_meshes(const par::Comm& comm, const mesh::DistMesh& a, const mesh::DistMesh& b, double tolerance) {
   Comparison result;
   compare_counts(a.info, b.info, result);
   take_notes(a.info, b.info, result);
   const auto on_cells = plan_fields("cell", a.cell_fields, b.cell_fields, result);
   const auto on_nodes = plan_fields("node", a.node_fields, b.node_fields, result);
 
-  const auto nodes_a = node_block(comm, a), nodes_b = node_block(comm, b);
-  const auto match_a = match_nodes(comm, nodes_a, nodes_a, 0), match_b = match_nodes(comm, nodes_a, nodes_b, tolerance);
+  const auto match_a = match_nodes(comm, nodes_of(a), nodes_of(a), 0);
+  const auto match_b = match_nodes(comm, nodes_of(a), nodes_of(b), tolerance);
   const auto node_columns = on_nodes.columns();
-  const auto nodes = pair_rows(comm, node_rows(nodes_a, match_a, on_nodes, &FieldPlan::Pair::a),
-                               node_rows(nodes_b, match_b, on_nodes, &FieldPlan::Pair::b), node_columns, tolerance);
+  const auto nodes = pair_rows(comm, node_rows(a, match_a, on_nodes, &FieldPlan::Pair::a),
+                               node_rows(b, match_b, on_nodes, &FieldPlan::Pair::b), node_columns, tolerance);
   report_unpaired("nodes", nodes, result);
 
   std::vector<std::int64_t> patches_a, patches_b;
@@ -215,8 +208,8 @@ Comparison compare_meshes(const par::Comm& comm, const mesh::DistMesh& mesh_a, c
   const auto field_columns = on_cells.columns();
   cell_columns.insert(cell_columns.end(), field_columns.begin(), field_columns.end());
   const auto cells =
-      pair_rows(comm, cell_rows(comm, a, match_a, patches_a, on_cells, &FieldPlan::Pair::a),
-                cell_rows(comm, b, match_b, patches_b, on_cells, &FieldPlan::Pair::b), cell_columns, tolerance);
+      pair_rows(comm, cell_rows(a, match_a, patches_a, on_cells, &FieldPlan::Pair::a),
+                cell_rows(b, match_b, patches_b, on_cells, &FieldPlan::Pair::b), cell_columns, tolerance);
   report_unpaired("cells", cells, result);
   const std::span<const Tally> columns(cells.column);
   if (const auto faces = joined(columns.first(4)); faces.count > 0)

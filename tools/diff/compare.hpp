@@ -29,7 +29,7 @@ struct Comparison {
 /// however they lie on the ranks. Nodes are matched by their coordinates, each within `tolerance` (length unit), cells
 /// by their nodes, boundary faces by the names of their patches, closure cells by kind and level. Field values may
 /// differ by `tolerance` times max(1, |a|, |b|). Tolerance 0: all must be equal.
-/// Collective. O(n log n) time, and memory for both meshes in blocks and all their fields.
+/// Collective. O(n log n) time, and memory for both meshes and all their fields once more.
 Comparison compare_meshes(const par::Comm& comm, const mesh::DistMesh& a, const mesh::DistMesh& b, double tolerance);
 
 }  // namespace pamr::diff

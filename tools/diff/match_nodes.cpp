@@ -117,11 +117,11 @@ struct Grid {
   }
 };
 
-Grid make_grid(const par::Comm& comm, const NodeBlock& a, const NodeBlock& b, double tolerance) {
+Grid make_grid(const par::Comm& comm, const NodeList& a, const NodeList& b, double tolerance) {
   constexpr double infinity = std::numeric_limits<double>::infinity();
   std::array<double, 3> low{infinity, infinity, infinity}, high{-infinity, -infinity, -infinity};
-  for (const auto* block : {&a, &b})
-    for (const auto p : block->position) {
+  for (const auto* nodes : {&a, &b})
+    for (const auto p : nodes->position) {
       const std::array<double, 3> x{p.x, p.y, p.z};
       for (std::size_t d = 0; d < 3; ++d) {
         low[d] = std::min(low[d], x[d]);
@@ -138,13 +138,12 @@ Grid make_grid(const par::Comm& comm, const NodeBlock& a, const NodeBlock& b, do
 
 }  // namespace
 
-std::vector<GlobalId> match_nodes(const par::Comm& comm, const NodeBlock& reference, const NodeBlock& nodes,
+std::vector<GlobalId> match_nodes(const par::Comm& comm, const NodeList& reference, const NodeList& nodes,
                                   double tolerance) {
   std::vector<GlobalId> match(nodes.position.size(), unmatched);
   std::vector<Visitor> known, questions;
   for (std::size_t i = 0; i < reference.position.size(); ++i)
-    known.push_back(
-        {exact_bin(reference.position[i]), reference.position[i], reference.first + static_cast<GlobalId>(i)});
+    known.push_back({exact_bin(reference.position[i]), reference.position[i], reference.number[i]});
   for (std::size_t i = 0; i < nodes.position.size(); ++i)
     questions.push_back({exact_bin(nodes.position[i]), nodes.position[i], static_cast<std::int64_t>(i)});
   ask(comm, known, questions, 0, match);

@@ -12,9 +12,9 @@ namespace pamr::diff {
 /// What stands for a node that has no counterpart.
 inline constexpr GlobalId unmatched = -1;
 
-/// This rank's part of the nodes of a mesh: any part, as long as every node is on one rank.
-struct NodeBlock {
-  GlobalId first = 0;                        ///< global number of the first; the others follow it
+/// Nodes of a mesh that this rank holds; other ranks may hold the same ones, with the same coordinates.
+struct NodeList {
+  std::span<const GlobalId> number;          ///< in the whole mesh
   std::span<const geometry::Vec3> position;  ///< length unit
 };
 
@@ -23,7 +23,7 @@ struct NodeBlock {
 /// `unmatched` when there is none. Matching a mesh with itself gives each node, or the first of those that lie in the
 /// same place. Collective: four sparse exchanges, six reductions. Cost: O(n log n); with a tolerance also the number of
 /// pairs of nodes that are within it in one coordinate.
-std::vector<GlobalId> match_nodes(const par::Comm& comm, const NodeBlock& reference, const NodeBlock& nodes,
+std::vector<GlobalId> match_nodes(const par::Comm& comm, const NodeList& reference, const NodeList& nodes,
                                   double tolerance);
 
 }  // namespace pamr::diff

@@ -35,6 +35,8 @@ class MetRows {
     order_.resize(word_.size() / width_);
     std::iota(order_.begin(), order_.end(), std::size_t{0});
     std::sort(order_.begin(), order_.end(), [&](std::size_t i, std::size_t j) { return comes_before(i, j); });
+    const auto is_copy = [&](std::size_t i, std::size_t j) { return std::ranges::equal(row(i), row(j)); };
+    order_.erase(std::unique(order_.begin(), order_.end(), is_copy), order_.end());
   }
 
   std::size_t size() const { return order_.size(); }

@@ -37,7 +37,8 @@ struct Pairing {
 };
 
 /// Pairs the rows of two meshes that have the same key and compares their columns. Where several rows of a mesh share
-/// a key, they are paired in the order of their columns. Rows may lie on any rank.
+/// a key, they are paired in the order of their columns. Rows may lie on any
+/// rank; a row that several ranks give counts once.
 /// Collective: two sparse exchanges that carry all rows, and reductions. O(rows log rows).
 Pairing pair_rows(const par::Comm& comm, const Rows& a, const Rows& b, std::span<const Column> columns,
                   double tolerance);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "mark/apply.hpp"
 
+#include "pamr/mark/recovered_error.hpp"
+
 namespace pamr::marking {
 
 namespace {
@@ -24,6 +26,12 @@ struct Evaluate {
   }
   mark::Indicator operator()(const SizeOver& rule) const {
     return mark::larger_than_length(*comm, *mesh, rule.field, rule.ratio, size);
+  }
+  mark::Indicator operator()(const RecoveredError& rule) const {
+    const auto error = mark::recovered_error(*comm, *mesh, rule.field);
+    if (rule.bar == RecoveredError::Bar::bulk) return mark::bulk_of_error(*comm, *mesh, error, rule.value);
+    const double theta = rule.bar == RecoveredError::Bar::target ? rule.value * rule.value : rule.value;
+    return mark::above_mean_share(error, mesh->info.n_global_cells, theta);
   }
 };
 

@@ -67,42 +67,44 @@ Threshold threshold_of(const Given& given) {
   throw Error(fmt::format("{}: expected FIELD:above:V or FIELD:below:V, found \"{}\"", given.option, given.text));
 }
 
-/// For each option that needs or may have a second one: the index of that second one, or -1.
-struct Pairs {
-  std::vector<std::ptrdiff_t> partner;
-};
-
-bool belongs(const std::string& second, const std::string& first) {
-  if (second == "--layers") return first == "--patch";
-  if (second == "--above" || second == "--below") return first == "--field";
-  return second == "--ratio" && first == "--size-over";
+/// The first option that a second one belongs to; nothing for other options.
+const char* first_of(std::string_view second) {
+  if (second == "--layers") return "--patch";
+  if (second == "--above" || second == "--below") return "--field";
+  if (second == "--ratio") return "--size-over";
+  if (second == "--theta" || second == "--target" || second == "--bulk") return "--recovered-error";
+  return nullptr;
 }
 
-bool is_second(const std::string& option) {
-  return option == "--layers" || option == "--above" || option == "--below" || option == "--ratio";
-}
-
-Pairs pair_up(const std::vector<Given>& given) {
-  const auto n = std::ssize(given);
-  Pairs pairs{std::vector<std::ptrdiff_t>(given.size(), -1)};
-  const auto option = [&](std::ptrdiff_t i) -> const std::string& { return given[static_cast<std::size_t>(i)].option; };
-  for (std::ptrdiff_t i = 0; i < n; ++i) {
-    if (!is_second(option(i))) continue;
-    std::ptrdiff_t found = -1;
-    const auto try_it = [&](std::ptrdiff_t j) {
-      if (found < 0 && belongs(option(i), option(j)) && pairs.partner[static_cast<std::size_t>(j)] < 0) found = j;
+/// For each option, the second one that belongs to it, or null.
+std::vector<const Given*> pair_up(const std::vector<Given>& given) {
+  std::vector<const Given*> second(given.size(), nullptr);
+  for (std::size_t i = 0; i < given.size(); ++i) {
+    const char* first = first_of(given[i].option);
+    if (first == nullptr) continue;
+    std::optional<std::size_t> found;
+    const auto try_it = [&](std::size_t j) {
+      if (!found && given[j].option == first && second[j] == nullptr) found = j;
     };
-    for (std::ptrdiff_t j = i - 1; j >= 0; --j) try_it(j);
-    for (std::ptrdiff_t j = i + 1; j < n; ++j) try_it(j);
-    if (found < 0)
-      throw Error(fmt::format("{} {}: expected a {} that it belongs to, found none", option(i),
-                              given[static_cast<std::size_t>(i)].text,
-                              option(i) == "--layers"  ? "--patch NAME"
-                              : option(i) == "--ratio" ? "--size-over FIELD"
-                                                       : "--field NAME"));
-    pairs.partner[static_cast<std::size_t>(found)] = i;
+    for (std::size_t j = i; j-- > 0;) try_it(j);
+    for (std::size_t j = i + 1; j < given.size(); ++j) try_it(j);
+    if (!found)
+      throw Error(fmt::format("{} {}: expected a {} that it belongs to, found none without its own", given[i].option,
+                              given[i].text, first));
+    second[*found] = &given[i];
   }
-  return pairs;
+  return second;
+}
+
+RecoveredError recovered_error_of(const Given& given, const Given& second) {
+  using Bar = RecoveredError::Bar;
+  RecoveredError rule{given.text, Bar::theta, number_of(second)};
+  if (second.option == "--target") rule.bar = Bar::target;
+  if (second.option == "--bulk") rule.bar = Bar::bulk;
+  if (!(rule.value > 0) || (rule.bar == Bar::bulk && rule.value > 1))
+    throw Error(fmt::format("{}: expected a positive number{}, found \"{}\"", second.option,
+                            rule.bar == Bar::bulk ? " of at most 1" : "", second.text));
+  return rule;
 }
 
 /// The criterion that an option states, with the option that belongs to it or null; nothing for other options.
@@ -137,6 +139,12 @@ std::optional<Criterion> criterion_of(const Given& given, const Given* second) {
     if (!(ratio > 0)) throw Error(fmt::format("--ratio: expected a positive number, found \"{}\"", second->text));
     return Criterion{text, SizeOver{given.text, ratio}};
   }
+  if (given.option == "--recovered-error") {
+    if (second == nullptr)
+      throw Error(fmt::format(
+          "--recovered-error {}: expected --theta T, --target EPS or --bulk FRACTION with it, found none", given.text));
+    return Criterion{text, recovered_error_of(given, *second)};
+  }
   return std::nullopt;
 }
 
@@ -144,11 +152,9 @@ std::optional<Criterion> criterion_of(const Given& given, const Given* second) {
 
 Request read_request(const std::vector<Given>& given) {
   Request request;
-  const auto pairs = pair_up(given);
+  const auto seconds = pair_up(given);
   for (std::size_t i = 0; i < given.size(); ++i) {
-    const auto partner = pairs.partner[i];
-    const Given* second = partner < 0 ? nullptr : &given[static_cast<std::size_t>(partner)];
-    if (auto criterion = criterion_of(given[i], second)) {
+    if (auto criterion = criterion_of(given[i], seconds[i])) {
       request.criteria.push_back(std::move(*criterion));
     } else if (given[i].option == "--size") {
       if (given[i].text != "cbrt" && given[i].text != "longest-edge")
@@ -163,7 +169,7 @@ Request read_request(const std::vector<Given>& given) {
   if (request.criteria.empty())
     throw Error(
         "expected at least one criterion (--all, --crossing-sphere, --centroid-shell, --box, --patch, --field, "
-        "--size-over), found none");
+        "--size-over, --recovered-error), found none");
   return request;
 }
 

@@ -36,10 +36,17 @@ struct SizeOver {
   double ratio = 1;
 };
 
+struct RecoveredError {
+  enum class Bar { theta, target, bulk };
+  std::string field;
+  Bar bar = Bar::theta;
+  double value = 0;  ///< share of the mean square; relative error; fraction of the total squared error
+};
+
 /// One criterion as the command line states it.
 struct Criterion {
   std::string text;  ///< for reports
-  std::variant<AllCells, CrossingSphere, CentroidShell, Box, NearPatch, Threshold, SizeOver> rule;
+  std::variant<AllCells, CrossingSphere, CentroidShell, Box, NearPatch, Threshold, SizeOver, RecoveredError> rule;
 };
 
 /// What to mark: cells that meet any criterion and every limit.
@@ -56,9 +63,10 @@ struct Given {
   std::string text;    ///< empty for a flag
 };
 
-/// Reads the options, in the order in which they were given: `--layers`, `--above`, `--below` and `--ratio` belong to
-/// the nearest `--patch`, `--field` or `--size-over` before them that has none yet, else to the first after them.
-/// Throws `Error` for what cannot be read, for halves without their other half, and when there is no criterion.
+/// Reads the options, in the order in which they were given: `--layers`, `--above`, `--below`, `--ratio`,
+/// `--theta`, `--target` and `--bulk` belong to the nearest option of their kind (`--patch`, `--field`, ...) before
+/// them that has none yet, else to the first after them. Throws `Error` for what cannot be read, for halves without
+/// their other half, and when there is no criterion.
 Request read_request(const std::vector<Given>& given);
 
 }  // namespace pamr::marking
