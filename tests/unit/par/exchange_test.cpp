@@ -34,11 +34,12 @@ TEST(FindShared, TellsTheSameKeyFromItsParts) {
   const Comm comm(MPI_COMM_WORLD);
   // Rank 0 holds node 5, rank 1 the edge (5, 6), rank 2 the face (5, 6, 7): three different things.
   const std::vector<SharedKey> all{{5, -1, -1}, {5, 6, -1}, {5, 6, 7}, {6, -1, -1}};
-  const std::vector<SharedKey> key{all[static_cast<std::size_t>(comm.rank() % 4)]};
+  std::vector<SharedKey> key;
+  if (comm.rank() < 4) key.push_back(all[static_cast<std::size_t>(comm.rank())]);
 
   const auto pattern = find_shared(comm, key);
 
-  EXPECT_EQ(pattern.n_slots(), comm.size() > 4 ? 1U : 0U);
+  EXPECT_EQ(pattern.n_slots(), 0U);
 }
 
 TEST(FindShared, ListsAKeyOfAllRanksForEachOfTheOthers) {
