@@ -13,6 +13,7 @@
 #include "mesh/case_file.hpp"
 #include "mesh/mesh3.hpp"
 #include "mesh/order.hpp"
+#include "mesh/peel.hpp"
 #include "mesh/snap.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/geometry/quality.hpp"
@@ -76,6 +77,7 @@ mesh::BlockMesh make_with_cgal(const cli::Session& session, const meshing::MeshC
     raw = meshing::run_mesh3(domain, mesh_case.seed);
     progress.update(1, "boundary");
     meshing::place_boundary(domain, raw);
+    meshing::peel(domain, raw);
     progress.update(2, "quality");
     meshing::improve(domain, raw);
     raw = meshing::ordered(raw);
