@@ -23,6 +23,19 @@ void write_seed_files(const par::Comm& comm, const std::filesystem::path& folder
   test::create_group(chunked, "/PAMR/patches");
   test::write_texts(chunked, "/PAMR/patches/names", {"wall"});
   test::write_texts(chunked, "/PAMR/surfaces", {"[wall]\nkind = \"plane\"\n"});
+  const auto bare = folder / seed_name(4);
+  test::write_plain_vtkhdf(bare, false);
+  test::create_group(bare, "/PAMR");
+  test::write_attribute(bare, "/PAMR", "format", std::vector<std::int64_t>{1});
+  test::create_group(bare, "/PAMR/patches");
+  test::write_texts(bare, "/PAMR/patches/names", {"inflow", "wall"});
+  test::write_dataset<std::int64_t>(bare, "/PAMR/cell_to_cell", {6, 4}, {1, -1, 2, -2, 0, -1, 4, -2, 3, -1, 0, -2,
+                                                                         2, -1, 5, -2, 5, -1, 1, -2, 4, -1, 3, -2});
+  using enum mesh::FamilyKind;
+  test::write_dataset<std::uint64_t>(
+      bare, "/PAMR/lineage", {6},
+      {mesh::Lineage(edge, 3, 0, 1).bits(), mesh::Lineage(edge, 3, 1, 1).bits(), mesh::Lineage(face, 2, 0, 0).bits(),
+       mesh::Lineage(face, 2, 1, 0).bits(), mesh::Lineage(face, 2, 2, 0).bits(), mesh::Lineage(face, 2, 3, 0).bits()});
 }
 
 }  // namespace pamr::fuzz

@@ -17,29 +17,21 @@ namespace {
 /// Shared between the processes; null until watching starts.
 std::atomic<std::size_t>* largest = nullptr;
 
-void note(std::size_t bytes) {
-  if (largest == nullptr) return;
+/// Only memory that was given counts: the reader's child process asks under a limit, and is refused.
+void* note(void* given, std::size_t bytes) {
+  if (largest == nullptr || given == nullptr) return given;
   auto seen = largest->load();
   while (seen < bytes && !largest->compare_exchange_weak(seen, bytes)) {
   }
+  return given;
 }
 
 }  // namespace
 
 extern "C" {
-void* malloc(std::size_t bytes) {
-  note(bytes);
-  return __libc_malloc(bytes);
-}
-void* calloc(std::size_t n, std::size_t bytes) {
-  std::size_t product = 0;
-  note(__builtin_mul_overflow(n, bytes, &product) ? static_cast<std::size_t>(-1) : product);
-  return __libc_calloc(n, bytes);
-}
-void* realloc(void* old, std::size_t bytes) {
-  note(bytes);
-  return __libc_realloc(old, bytes);
-}
+void* malloc(std::size_t bytes) { return note(__libc_malloc(bytes), bytes); }
+void* calloc(std::size_t n, std::size_t bytes) { return note(__libc_calloc(n, bytes), n * bytes); }
+void* realloc(void* old, std::size_t bytes) { return note(__libc_realloc(old, bytes), bytes); }
 }
 
 namespace pamr::fuzz {
@@ -50,6 +42,6 @@ void watch_memory() {
   largest = new (page) std::atomic<std::size_t>(0);
 }
 
-std::size_t largest_request() { return largest->exchange(0); }
+std::size_t largest_piece() { return largest->exchange(0); }
 
 }  // namespace pamr::fuzz

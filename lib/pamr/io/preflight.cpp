@@ -19,7 +19,7 @@ namespace pamr::io {
 
 namespace {
 
-constexpr rlim_t processor_seconds = 3;
+constexpr rlim_t processor_seconds = 2;
 constexpr auto wall_limit = std::chrono::seconds(120);
 constexpr rlim_t spare_bytes = rlim_t{64} << 20U;
 
