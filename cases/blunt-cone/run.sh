@@ -1,12 +1,12 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Meshes the half space about the 70-degree blunt cone, refines it three times at the fore-body and along a bow-shock
-# like sphere, checks every level and prints one table. Installs and builds what is missing first.
+# Meshes the half space about the 70-degree blunt cone, refines it three times at the fore-body, about the nose and
+# along a sphere like the bow shock, checks every level and prints one table. Installs and builds what is missing first.
 #
 #   cases/blunt-cone/run.sh [--ranks N] [--levels N] [--picture]
 #
 #   --ranks N    MPI processes (default 2)
-#   --levels N   refinements (default 3; each makes the mesh about three times larger)
+#   --levels N   refinements (default 3; each makes the mesh two to four times larger)
 #   --picture    renders docs/images/blunt-cone.png from the result
 set -euo pipefail
 
@@ -41,17 +41,29 @@ on_ranks() { # REPORT TOOL ARGUMENT...
   mpirun -q -n "$ranks" "$tool" "$@" --json "$report"
 }
 
+# No inverted cell, and every boundary node on its surface.
+gates=(--gate inverted_cells:max:0)
+for patch in forebody base sting inflow outflow symmetry; do
+  gates+=(--gate "patches.$patch.off_surface_nodes:max:0")
+done
 quality() { # LEVEL
-  on_ranks "quality$1" pamr-quality "$out/level$1.hdf" --gate inverted_cells:max:0 --gate off_surface_nodes:max:0
+  on_ranks "quality$1" pamr-quality "$out/level$1.hdf" "${gates[@]}"
 }
+
+# What to split: the cells at the fore-body (in the first two refinements), those cut by a sphere that lies about where
+# the bow shock stands, and those in a ball about the nose. Metres; a shell of radius 0 is a ball.
+wall=(--patch forebody)
+shock=(--crossing-sphere 0.066,0,0,0.070)
+nose=(--centroid-shell 0.002,0,0,0,0.010)
+smaller_nose=(--centroid-shell 0.002,0,0,0,0.008)
 
 on_ranks mesh pamr-mesh "$case_folder/case.toml" -o "$out/level0.hdf" --force
 quality 0
 for ((level = 1; level <= levels; ++level)); do
   coarse=$((level - 1))
-  # Two layers of cells at the fore-body, and the cells cut by a sphere that lies about where the bow shock stands.
-  on_ranks "mark$coarse" pamr-mark "$out/level$coarse.hdf" -o "$out/marked$coarse.hdf" --force \
-    --patch forebody --layers 2 --crossing-sphere 0.066,0,0,0.070
+  region=("${shock[@]}" "${smaller_nose[@]}")
+  if ((level <= 2)); then region=("${wall[@]}" "${shock[@]}" "${nose[@]}"); fi
+  on_ranks "mark$coarse" pamr-mark "$out/level$coarse.hdf" -o "$out/marked$coarse.hdf" --force "${region[@]}"
   on_ranks "refine$level" pamr-refine "$out/marked$coarse.hdf" -o "$out/level$level.hdf" --force
   quality "$level"
 done

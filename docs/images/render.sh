@@ -1,0 +1,7 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: GPL-3.0-or-later
+# Renders two levels of the blunt cone side by side: render.sh COARSE.hdf FINE.hdf PICTURE.png
+# Needs python3-vtk9, python3-h5py, xvfb and xauth (scripts/setup.sh --picture); works without a screen.
+set -euo pipefail
+folder=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")" && pwd)
+exec xvfb-run --auto-servernum --server-args='-screen 0 1280x1024x24' /usr/bin/python3 "$folder/render.py" "$@"
