@@ -11,11 +11,11 @@ namespace pamr::meshing {
 /// `growth` per distance up to `far`.
 struct BluntConeSizes {
   double far = 10e-3;
-  double forebody = 3.2e-3;  ///< nose and cone
+  double forebody = 3.4e-3;  ///< nose and cone
   double shoulder = 0.75e-3;
   double base = 3.6e-3;
   double fillet = 1.25e-3;
-  double sting = 3.8e-3;
+  double sting = 3.0e-3;
   double growth = 0.6;  ///< no unit
 
   /// The sizes that make `far` the largest, all others in proportion, but none larger on a curved wall than the

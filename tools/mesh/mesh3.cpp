@@ -11,6 +11,7 @@
 #include <CGAL/exceptions.h>
 #include <CGAL/exude_mesh_3.h>
 #include <CGAL/make_mesh_3.h>
+#include <CGAL/perturb_mesh_3.h>
 
 #include <algorithm>
 #include <cmath>
@@ -84,8 +85,8 @@ Complex make_complex(const Domain& domain, const MeshDomain& mesh_domain) {
       p::facet_size = SizeField{&domain, face_factor}, p::facet_topology = CGAL::FACET_VERTICES_ON_SAME_SURFACE_PATCH,
       p::cell_radius_edge_ratio = cell_radius_edge_ratio, p::cell_size = SizeField{&domain, cell_factor});
   auto complex = CGAL::make_mesh_3<Complex>(mesh_domain, criteria, p::no_perturb(), p::no_exude());
-  // No time limit: a mesh must not depend on how fast the machine is. No perturbation: it moves boundary nodes without
-  // regard to the sizes, and `improve` does as much.
+  // No time limits: a mesh must not depend on how fast the machine is.
+  CGAL::perturb_mesh_3(complex, mesh_domain, p::sliver_bound = sliver_bound);
   CGAL::exude_mesh_3(complex, p::sliver_bound = sliver_bound);
   return complex;
 }
