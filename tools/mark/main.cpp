@@ -96,6 +96,16 @@ void declare(CLI::App& app, Options& options) {
   });
 }
 
+/// Errors then say which file has no such patch or field; they are the same on every rank.
+marking::Applied apply(cli::Session& session, const mesh::DistMesh& mesh, const marking::Request& request,
+                       const std::string& file) {
+  try {
+    return marking::apply(session.comm(), mesh, request);
+  } catch (const Error& error) {
+    throw Error(file + ": " + error.what());
+  }
+}
+
 cli::ExitCode run(cli::Session& session, const Options& options) {
   const auto request = marking::read_request(options.given);
   session.check_input(options.input);
@@ -106,7 +116,7 @@ cli::ExitCode run(cli::Session& session, const Options& options) {
   mesh::require_valid(comm, mesh, options.input);
   refine::Options refinement;
   refinement.quality_control = quality_controls.at(options.quality_control);
-  const auto applied = marking::apply(comm, mesh, request);
+  const auto applied = apply(session, mesh, request, options.input);
   auto marks = mark::marks_of(applied.indicator);
   const auto n_wanted = mark::count_marked(comm, marks);
   if (options.max_cells)

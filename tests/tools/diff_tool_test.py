@@ -1,0 +1,79 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""pamr-diff from the command line: equal meshes in any order, what differs, and bad input."""
+import pathlib
+
+import h5py
+import numpy as np
+
+from tool_run import add_cell_field, bare_copy, kuhn_cube, refuses, run, run_tests
+
+
+def permuted(source, target, shift=0.0):
+    """The same points, cells and fields in another order, corners turned in even ways, points moved by `shift`."""
+    random = np.random.default_rng(3)
+    with h5py.File(source) as old, h5py.File(target, "w") as new:
+        old.copy("VTKHDF", new)
+        points, cells = old["VTKHDF/Points"][:], old["VTKHDF/Connectivity"][:].reshape(-1, 4)
+        nodes, order = random.permutation(len(points)), random.permutation(len(cells))
+        place = np.argsort(nodes)
+        new["VTKHDF/Points"][...] = points[nodes] + shift
+        new["VTKHDF/Connectivity"][...] = place[cells[order]][:, [1, 2, 0, 3]].ravel()
+        for name in old.get("VTKHDF/CellData", {}):
+            new["VTKHDF/CellData"][name][...] = old["VTKHDF/CellData"][name][:][order]
+    return target
+
+
+def test_a_mesh_is_the_same_in_any_order():
+    add_cell_field(bare_copy(kuhn_cube("a.hdf", 4), "b.hdf"), "T", np.arange(384) / 7)
+    permuted("b.hdf", "c.hdf")
+    assert "same" in run("pamr-diff", "b.hdf", "c.hdf").out
+    assert run("pamr-diff", "b.hdf", "c.hdf", "--json", "-").json["same"] is True
+    assert run("pamr-diff", "b.hdf", "c.hdf", "--quiet").out == ""
+
+
+def test_the_tolerance_is_for_points_and_values():
+    add_cell_field(bare_copy(kuhn_cube("a.hdf", 4), "b.hdf"), "T", np.arange(384.0))
+    permuted("b.hdf", "c.hdf", shift=1e-9)
+    with h5py.File("c.hdf", "r+") as file:
+        file["VTKHDF/CellData/T"][...] *= 1 + 1e-10
+    run("pamr-diff", "b.hdf", "c.hdf", "--tolerance", "1e-8")
+    result = run("pamr-diff", "b.hdf", "c.hdf", "--tolerance", "1e-11", code=1)
+    assert "nodes" in result.out
+    run("pamr-diff", "b.hdf", "c.hdf", code=1)
+
+
+def test_it_says_what_differs_first():
+    kuhn_cube("a.hdf", 3), kuhn_cube("b.hdf", 2)
+    assert "162 cells in the first mesh, 48 in the second" in run("pamr-diff", "a.hdf", "b.hdf", code=1).out
+    add_cell_field(bare_copy("a.hdf", "c.hdf"), "T", np.zeros(162))
+    bare_copy("a.hdf", "d.hdf")
+    assert '"T" is in the first mesh only' in run("pamr-diff", "c.hdf", "d.hdf", code=1).out
+    values = np.zeros(162)
+    values[[11, 40]] = 0.5
+    add_cell_field("d.hdf", "T", values)
+    report = run("pamr-diff", "c.hdf", "d.hdf", "--json", "-", code=1).json
+    assert report["differences"][0]["what"] == "field T"
+    assert (report["differences"][0]["count"], report["differences"][0]["first"]) == (2, 11)
+    assert report["differences"][0]["largest"] == 0.5
+
+
+def test_other_patches_are_another_mesh():
+    bare_copy(kuhn_cube("a.hdf", 3), "b.hdf")
+    report = run("pamr-diff", "a.hdf", "b.hdf", "--json", "-", code=1).json
+    assert [d["what"] for d in report["differences"]] == ["patches"]
+    assert report["differences"][0]["count"] == 6 * 18
+
+
+def test_bad_input_is_refused():
+    bare_copy(kuhn_cube("a.hdf", 3), "bad.hdf")
+    pathlib.Path("short.hdf").write_bytes(pathlib.Path("a.hdf").read_bytes()[:9000])
+    with h5py.File("bad.hdf", "r+") as file:
+        file["VTKHDF/Connectivity"][20:24] = file["VTKHDF/Connectivity"][20:24][[1, 0, 2, 3]]
+    refuses("pamr-diff", "a.hdf", "missing.hdf", says=["missing.hdf"])
+    refuses("pamr-diff", "a.hdf", "short.hdf", says=["short.hdf"])
+    refuses("pamr-diff", "a.hdf", "bad.hdf", says=["bad.hdf", "orientation"])
+    refuses("pamr-diff", "a.hdf")
+    refuses("pamr-diff", "a.hdf", "a.hdf", "--tolerance", "-1", says=["tolerance"])
+
+
+run_tests(globals())

@@ -1,0 +1,156 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""pamr-mark from the command line: marks against NumPy, the same file on any number of ranks, and bad input."""
+import pathlib
+
+import h5py
+import numpy as np
+
+from tool_run import RANKS, add_cell_field, bare_copy, kuhn_cube, refuses, run, run_tests, same_bytes
+
+
+def arrays(name):
+    with h5py.File(name) as file:
+        cells = file["VTKHDF/Connectivity"][:].reshape(-1, 4)
+        return file["VTKHDF/Points"][:], cells
+
+
+def marks(name, field="refine"):
+    with h5py.File(name) as file:
+        data = file["VTKHDF/CellData"][field]
+        assert data.dtype == np.int32
+        return data[:]
+
+
+def volumes(points, cells):
+    a, b, c, d = (points[cells[:, i]] for i in range(4))
+    return np.einsum("ij,ij->i", np.cross(b - a, c - a), d - a) / 6
+
+
+def mark(mesh, *criteria, **options):
+    result = run("pamr-mark", mesh, "-o", "marked.hdf", "--force", "--json", "-", *criteria, **options)
+    if RANKS > 1:
+        run("pamr-mark", mesh, "-o", "serial.hdf", "--force", "--quiet", *criteria, serial=True)
+        assert same_bytes("marked.hdf", "serial.hdf"), "the file depends on the number of ranks"
+    report, found = result.json, marks("marked.hdf")
+    assert report["marked"] == found.sum() and set(np.unique(found)) <= {0, 1}
+    return found, report
+
+
+def test_geometric_criteria_agree_with_numpy():
+    points, cells = arrays(kuhn_cube("a.hdf", 5))
+    distance = np.linalg.norm(points - [0.1, 0.2, 0.3], axis=1)[cells]
+    centroid = points[cells].mean(axis=1)
+
+    assert (mark("a.hdf", "--all")[0] == 1).all()
+    crossing = (distance.min(axis=1) < 0.47) & (distance.max(axis=1) > 0.47)
+    assert (mark("a.hdf", "--crossing-sphere", "0.1,0.2,0.3,0.47")[0] == crossing).all()
+    shell = abs(np.linalg.norm(centroid - [0.1, 0.2, 0.3], axis=1) - 0.4) < 0.07
+    assert (mark("a.hdf", "--centroid-shell", "0.1,0.2,0.3,0.4,0.07")[0] == shell).all()
+    box = ((centroid >= [-1, 0.11, 0]) & (centroid <= [0.52, 0.77, 1])).all(axis=1)
+    assert (mark("a.hdf", "--box", "-1,0.11,0,0.52,0.77,1")[0] == box).all()
+    assert (mark("a.hdf", "--box", "-1,0.11,0,0.52,0.77,1", "--centroid-shell", "0.1,0.2,0.3,0.4,0.07")[0]
+            == (box | shell)).all()
+
+
+def test_layers_at_a_patch_agree_with_numpy():
+    points, cells = arrays(kuhn_cube("a.hdf", 5))
+    near = (points[cells][:, :, 0] == 0).sum(axis=1) == 3
+    for layers in range(1, 4):
+        assert (mark("a.hdf", "--patch", "xmin", "--layers", layers)[0] == near).all(), layers
+        touched = np.zeros(len(points), bool)
+        touched[cells[near]] = True
+        near = touched[cells].any(axis=1)
+
+
+def test_field_criteria_agree_with_numpy():
+    points, cells = arrays(kuhn_cube("a.hdf", 4))
+    length = 0.05 + 0.1 * points[cells].mean(axis=1)[:, 0]
+    add_cell_field("a.hdf", "lambda", length)
+    add_cell_field("a.hdf", "count", np.arange(len(cells)))
+    size = np.cbrt(volumes(points, cells))
+
+    assert (mark("a.hdf", "--field", "lambda", "--above", "0.1")[0] == (length > 0.1)).all()
+    assert (mark("a.hdf", "--field", "count", "--below", "17")[0] == (np.arange(len(cells)) < 17)).all()
+    assert (mark("a.hdf", "--size-over", "lambda", "--ratio", "1.4")[0] == (size / length > 1.4)).all()
+    edge = np.linalg.norm(points[cells][:, [0, 0, 0, 1, 1, 2]] - points[cells][:, [1, 2, 3, 2, 3, 3]], axis=2).max(axis=1)
+    assert (mark("a.hdf", "--size-over", "lambda", "--ratio", "4.2", "--size", "longest-edge")[0]
+            == (edge / length > 4.2)).all()
+    assert (mark("a.hdf", "--all", "--only-where", "lambda:above:0.1", "--only-where", "count:below:100")[0]
+            == ((length > 0.1) & (np.arange(len(cells)) < 100))).all()
+    assert (mark("a.hdf", "--field", "lambda", "--above", "0.14", "--field", "count", "--below", "5")[0]
+            == ((length > 0.14) | (np.arange(len(cells)) < 5))).all()
+
+
+def test_recovered_error_follows_a_front():
+    points, cells = arrays(kuhn_cube("a.hdf", 6))
+    with h5py.File("a.hdf", "r+") as file:
+        file["VTKHDF"].require_group("PointData")["psi"] = np.tanh(20 * (points[:, 0] - 0.45))
+    x = points[cells].mean(axis=1)[:, 0]
+
+    for bar in (("--theta", "0.5"), ("--target", "0.7"), ("--bulk", "0.5")):
+        found, report = mark("a.hdf", "--recovered-error", "psi", *bar)
+        assert 0 < report["marked"] < len(cells) // 2
+        assert (abs(x[found == 1] - 0.45) < 0.25).all(), bar
+
+
+def test_the_size_after_refinement_is_exact_and_keeps_the_budget():
+    kuhn_cube("a.hdf", 4)
+    for budget in (384, 400, 700, 2000):
+        _, report = mark("a.hdf", "--crossing-sphere", "0,0,0,0.61", "--max-cells", budget)
+        assert report["cells_after"] <= budget and report["marked"] <= report["wanted"]
+        refined = run("pamr-refine", "marked.hdf", "-o", "finer.hdf", "--force", "--json", "-").json
+        assert refined["cells_out"] == report["cells_after"], (budget, refined, report)
+        assert refined["nodes_out"] == report["nodes_after"]
+    assert report["marked"] == report["wanted"]
+
+
+def test_levels_limit_the_marks():
+    kuhn_cube("a.hdf", 2)
+    mark("a.hdf", "--box", "0,0,0,0.5,0.5,0.5")
+    run("pamr-refine", "marked.hdf", "-o", "finer.hdf", "--quiet")
+    assert mark("finer.hdf", "--all", "--max-level", "0")[1]["marked"] == 0
+    once = mark("finer.hdf", "--all", "--max-level", "1")[1]
+    assert 0 < once["marked"] < once["cells"]
+    assert mark("finer.hdf", "--all", "--max-level", "2")[1]["marked"] == once["cells"]
+
+
+def test_marks_are_replaced_and_other_fields_kept():
+    kuhn_cube("a.hdf", 2)
+    add_cell_field("a.hdf", "refine", np.full(48, 7.5))
+    add_cell_field("a.hdf", "rho", np.arange(48) / 3)
+    found, _ = mark("a.hdf", "--all")
+    assert (found == 1).all()
+    with h5py.File("marked.hdf") as file:
+        assert (file["VTKHDF/CellData/rho"][:] == np.arange(48) / 3).all()
+
+
+def test_bad_input_is_refused():
+    kuhn_cube("a.hdf", 3)
+    pathlib.Path("short.hdf").write_bytes(pathlib.Path("a.hdf").read_bytes()[:9000])
+    out = ("-o", "out.hdf")
+    refuses("pamr-mark", "missing.hdf", *out, "--all", says=["missing.hdf"], creates="out.hdf")
+    refuses("pamr-mark", "short.hdf", *out, "--all", says=["short.hdf"], creates="out.hdf")
+    refuses("pamr-mark", "a.hdf", "-o", "no folder/out.hdf", "--all", says=["no folder"])
+    refuses("pamr-mark", "a.hdf", *out, "--patch", "wing", says=["a.hdf", "wing", "xmin"], creates="out.hdf")
+    refuses("pamr-mark", "a.hdf", *out, "--field", "T", "--above", "1", says=["a.hdf", '"T"'], creates="out.hdf")
+    refuses("pamr-mark", "a.hdf", *out, "--field", "T", says=["--above"], creates="out.hdf")
+    refuses("pamr-mark", "a.hdf", *out, says=["criterion"], creates="out.hdf")
+    refuses("pamr-mark", "a.hdf", *out, "--all", "--max-level", "-1", says=["--max-level"], creates="out.hdf")
+    refuses("pamr-mark", "a.hdf", *out, "--crossing-sphere", "0,0,1", says=["X,Y,Z,R"], creates="out.hdf")
+    refuses("pamr-mark", "a.hdf", *out, "--round", says=["--round"], creates="out.hdf")
+    before = pathlib.Path("a.hdf").read_bytes()
+    refuses("pamr-mark", "a.hdf", "-o", "a.hdf", "--all", "--force", says=["a.hdf"])
+    pathlib.Path("old.hdf").write_text("mine")
+    refuses("pamr-mark", "a.hdf", "-o", "old.hdf", "--all", says=["--force"])
+    assert pathlib.Path("old.hdf").read_text() == "mine" and pathlib.Path("a.hdf").read_bytes() == before
+
+
+def test_an_invalid_mesh_is_refused():
+    bare_copy(kuhn_cube("a.hdf", 2), "bad.hdf")
+    with h5py.File("bad.hdf", "r+") as file:
+        cell = file["VTKHDF/Connectivity"][20:24]
+        file["VTKHDF/Connectivity"][20:24] = cell[[1, 0, 2, 3]]
+    refuses("pamr-mark", "bad.hdf", "-o", "out.hdf", "--all", says=["bad.hdf", "orientation", "5"], creates="out.hdf")
+
+
+run_tests(globals())

@@ -1,0 +1,140 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""pamr-quality from the command line: the report, the same bytes on any number of ranks, gates, and bad meshes."""
+import csv
+import json
+import math
+import pathlib
+
+import h5py
+import numpy as np
+
+from tool_run import bare_copy, kuhn_cube, refuses, run, run_tests, same_bytes
+
+METRICS = ("radius_ratio", "mean_ratio", "aspect_ratio", "min_dihedral", "max_dihedral", "edge_ratio")
+
+
+def shaken(name, n):
+    """A cube whose inner nodes are moved: every cell differs, and the boundary stays on its planes."""
+    bare_copy(kuhn_cube("regular.hdf", n), name)
+    with h5py.File(name, "r+") as file:
+        points = file["VTKHDF/Points"][:]
+        inner = ((points > 0) & (points < 1)).all(axis=1)
+        points[inner] += np.random.default_rng(5).uniform(-0.1 / n, 0.1 / n, (inner.sum(), 3))
+        file["VTKHDF/Points"][...] = points
+    return name
+
+
+def test_report_has_its_keys_and_does_not_depend_on_ranks():
+    shaken("a.hdf", 5)
+    report = run("pamr-quality", "a.hdf", "--json", "-").json
+    run("pamr-quality", "a.hdf", "--json", "many.json")
+    run("pamr-quality", "a.hdf", "--json", "one.json", serial=True)
+
+    assert same_bytes("one.json", "many.json")
+    assert (report["cells"], report["nodes"], report["inverted_cells"]) == (750, 216, 0)
+    assert report["conforming"] is True and report["neighbours_consistent"] is True and report["valid"] is True
+    assert math.isclose(report["volume"], 1, rel_tol=1e-14)
+    for name in METRICS:
+        metric = report[name]
+        assert metric["min"] < metric["mean"] < metric["max"]
+        counts, edges = metric["histogram"]["counts"], metric["histogram"]["edges"]
+        assert len(counts) == 50 and len(edges) == 51 and sum(counts) == 750 and sorted(edges) == edges
+    assert len(report["fingerprint"]) == 16
+
+
+def test_values_agree_with_numpy():
+    shaken("a.hdf", 4)
+    report = run("pamr-quality", "a.hdf", "--json", "-").json
+    with h5py.File("a.hdf") as file:
+        p = file["VTKHDF/Points"][:][file["VTKHDF/Connectivity"][:].reshape(-1, 4)]
+    edges = p[:, [0, 0, 0, 1, 1, 2]] - p[:, [1, 2, 3, 2, 3, 3]]
+    length = np.linalg.norm(edges, axis=2)
+    volume = np.einsum("ij,ij->i", np.cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0]), p[:, 3] - p[:, 0]) / 6
+    area = sum(np.linalg.norm(np.cross(p[:, b] - p[:, a], p[:, c] - p[:, a]), axis=1) / 2
+               for a, b, c in ((1, 2, 3), (0, 2, 3), (0, 1, 3), (0, 1, 2)))
+    inner = 3 * volume / area
+    mean_ratio = 12 * np.cbrt(3 * volume) ** 2 / (length**2).sum(axis=1)
+    aspect_ratio = length.max(axis=1) / (2 * math.sqrt(6) * inner)
+    system = p[:, 1:] - p[:, :1]
+    centre = np.linalg.solve(2 * system, (system**2).sum(axis=2)[..., None])[..., 0]
+    radius_ratio = 3 * inner / np.linalg.norm(centre, axis=1)
+    for name, value in (("mean_ratio", mean_ratio), ("aspect_ratio", aspect_ratio), ("radius_ratio", radius_ratio),
+                        ("edge_ratio", length.max(axis=1) / length.min(axis=1))):
+        for key, number in (("min", value.min()), ("mean", value.mean()), ("max", value.max())):
+            assert math.isclose(report[name][key], number, rel_tol=1e-12), (name, key)
+
+
+def test_patches_are_measured():
+    patches = run("pamr-quality", kuhn_cube("a.hdf", 4), "--json", "-").json["patches"]
+    assert list(patches) == sorted(["xmin", "xmax", "ymin", "ymax", "zmin", "zmax"])
+    for patch in patches.values():
+        assert patch["faces"] == 32 and patch["area"] == 1
+        assert patch["worst_distance"] == 0 and patch["off_surface_nodes"] == 0
+
+
+def test_gates_decide_the_exit_code():
+    kuhn_cube("a.hdf", 3)
+    gates = ("mean_ratio:min:0.75", "mean_ratio.mean:max:0.76", "cells:min:162", "inverted_cells:max:0",
+             "patches.xmin.worst_distance:max:1e-12", "min_dihedral:min:44.9", "conforming:min:1")
+    run("pamr-quality", "a.hdf", *(word for gate in gates for word in ("--gate", gate)))
+    failed = run("pamr-quality", "a.hdf", "--gate", "mean_ratio:min:0.8", "--gate", "cells:max:100", "--quiet",
+                 "--json", "a.json", code=1)
+    assert len(failed.err.splitlines()) == 2 and "mean_ratio.min" in failed.err and "cells" in failed.err
+    assert json.loads(pathlib.Path("a.json").read_text())["cells"] == 162
+    refuses("pamr-quality", "a.hdf", "--gate", "roundness:min:0", "--json", "b.json", says=["roundness"],
+            creates="b.json")
+    refuses("pamr-quality", "a.hdf", "--gate", "mean_ratio:0.5", says=["NAME:min:V"])
+    refuses("pamr-quality", "a.hdf", "--gate", "patches.wing.area:min:0", says=["wing"])
+
+
+def test_several_meshes_are_compared():
+    kuhn_cube("a.hdf", 2), kuhn_cube("b.hdf", 3)
+    result = run("pamr-quality", "a.hdf", "b.hdf", "--csv", "levels.csv", "--json", "all.json")
+    assert len(result.out.splitlines()) == 3
+    rows = list(csv.DictReader(open("levels.csv", newline="")))
+    assert [row["file"] for row in rows] == ["a.hdf", "b.hdf"]
+    assert [int(row["cells"]) for row in rows] == [48, 162]
+    assert float(rows[1]["patches.zmax.area"]) == 1
+    meshes = json.loads(pathlib.Path("all.json").read_text())["meshes"]
+    assert [mesh["cells"] for mesh in meshes] == [48, 162]
+
+
+def test_worst_cells_become_a_mesh():
+    shaken("a.hdf", 4)
+    run("pamr-quality", "a.hdf", "--worst", "7", "--worst-out", "worst.hdf")
+    run("pamr-quality", "a.hdf", "--worst", "7", "--worst-out", "twin.hdf", serial=True)
+    assert same_bytes("worst.hdf", "twin.hdf")
+    whole = run("pamr-quality", "a.hdf", "--json", "-").json
+    with h5py.File("worst.hdf") as file:
+        assert file["VTKHDF/NumberOfCells"][0] == 7
+        assert math.isclose(file["VTKHDF/CellData/mean_ratio"][:].min(), whole["mean_ratio"]["min"], rel_tol=1e-14)
+    refuses("pamr-quality", "a.hdf", "--worst", "7", says=["--worst-out"])
+
+
+def test_invalid_meshes_are_reported_not_refused():
+    bare_copy(kuhn_cube("a.hdf", 2), "bad.hdf")
+    with h5py.File("bad.hdf", "r+") as file:
+        cell = file["VTKHDF/Connectivity"][20:24]
+        file["VTKHDF/Connectivity"][20:24] = cell[[1, 0, 2, 3]]
+    result = run("pamr-quality", "bad.hdf", "--json", "report.json", code=1)
+    report = json.loads(pathlib.Path("report.json").read_text())
+    assert report["inverted_cells"] == 1 and report["valid"] is False
+    where = {violation["invariant"]: violation["where"] for violation in report["violations"]}
+    assert where["orientation_positive"] == 5 and "neighbours_reciprocal" not in where
+    assert report["conforming"] is True and report["neighbours_consistent"] is True
+    assert "orientation_positive" in result.err
+
+
+def test_bad_input_is_refused():
+    kuhn_cube("a.hdf", 3)
+    pathlib.Path("short.hdf").write_bytes(pathlib.Path("a.hdf").read_bytes()[:9000])
+    refuses("pamr-quality", "missing.hdf", says=["missing.hdf"])
+    refuses("pamr-quality", "short.hdf", says=["short.hdf"])
+    refuses("pamr-quality", "a.hdf", "--csv", "no folder/a.csv", says=["no folder"])
+    refuses("pamr-quality", says=["MESH"])
+    pathlib.Path("old.csv").write_text("mine")
+    refuses("pamr-quality", "a.hdf", "--csv", "old.csv", says=["--force"])
+    assert pathlib.Path("old.csv").read_text() == "mine"
+
+
+run_tests(globals())
