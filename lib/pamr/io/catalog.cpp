@@ -35,6 +35,7 @@ void put(std::string& out, const ArrayEntry& entry) {
   put(out, static_cast<std::int64_t>(entry.type));
   put(out, entry.shape);
   put(out, entry.values);
+  put(out, std::int64_t{entry.is_chunked});
 }
 
 void put(std::string& out, const TextEntry& entry) {
@@ -72,6 +73,9 @@ class Unpacker {
     entry.type = static_cast<mesh::StorageType>(type);
     get(entry.shape);
     get(entry.values);
+    std::int64_t is_chunked = 0;
+    get(is_chunked);
+    entry.is_chunked = is_chunked != 0;
   }
 
   void get(TextEntry& entry) {
@@ -122,7 +126,6 @@ const NumberEntry* Catalog::find_number(std::string_view path) const { return fi
 std::string pack(const Catalog& catalog) {
   std::string out;
   put(out, std::int64_t{catalog.has_pamr_group});
-  put(out, std::int64_t{catalog.has_chunks});
   put(out, catalog.arrays);
   put(out, catalog.texts);
   put(out, catalog.numbers);
@@ -132,11 +135,9 @@ std::string pack(const Catalog& catalog) {
 Catalog unpack(std::string_view bytes) {
   Unpacker unpacker(bytes);
   Catalog catalog;
-  std::int64_t has_pamr_group = 0, has_chunks = 0;
+  std::int64_t has_pamr_group = 0;
   unpacker.get(has_pamr_group);
-  unpacker.get(has_chunks);
   catalog.has_pamr_group = has_pamr_group != 0;
-  catalog.has_chunks = has_chunks != 0;
   unpacker.get(catalog.arrays);
   unpacker.get(catalog.texts);
   unpacker.get(catalog.numbers);

@@ -19,6 +19,7 @@ struct ArrayEntry {
   mesh::StorageType type = mesh::StorageType::float64;
   std::vector<std::int64_t> shape;
   std::vector<std::int64_t> values;
+  bool is_chunked = false;  ///< chunked, perhaps compressed
 };
 
 /// A text dataset (one string or a list of them), or a text attribute, whose path is `<object>@<attribute>`.
@@ -39,7 +40,6 @@ struct Catalog {
   std::vector<TextEntry> texts;
   std::vector<NumberEntry> numbers;
   bool has_pamr_group = false;
-  bool has_chunks = false;  ///< some array is chunked or compressed
 
   const ArrayEntry* find_array(std::string_view path) const;
   const TextEntry* find_text(std::string_view path) const;

@@ -39,7 +39,7 @@ class Inspector {
 
   void array(const std::string& path, bool read_values);
   mesh::StorageType number_type(hid_t type, const std::string& path) const;
-  void check_layout(hid_t dataset, std::uint64_t bytes, const std::string& path);
+  bool check_layout(hid_t dataset, std::uint64_t bytes, const std::string& path);
   void check_filters(hid_t properties, const std::string& path) const;
 
   void text(const std::string& path);
@@ -155,7 +155,7 @@ void Inspector::array(const std::string& path, bool read_values) {
       hdf5::take(H5Dopen2(h5_.id(), path.c_str(), H5P_DEFAULT), H5Dclose, at(path, "expected a dataset"));
   const Handle type(H5Dget_type(dataset.id()), H5Tclose);
   const Handle space(H5Dget_space(dataset.id()), H5Sclose);
-  ArrayEntry entry{path, number_type(type.id(), path), {}, {}};
+  ArrayEntry entry{path, number_type(type.id(), path), {}, {}, false};
   const int rank = H5Sget_simple_extent_ndims(space.id());
   if (H5Sget_simple_extent_type(space.id()) != H5S_SIMPLE || rank < 1 || rank > 2)
     fail(path, "expected 1 or 2 dimensions, found " + std::to_string(std::max(rank, 0)));
@@ -165,7 +165,7 @@ void Inspector::array(const std::string& path, bool read_values) {
   if (dims[0] > limit || dims[1] > limit || (dims[1] > 0 && dims[0] > limit / dims[1]))
     fail(path, "expected a possible shape, found " + std::to_string(dims[0]) + " x " + std::to_string(dims[1]));
   for (int d = 0; d < rank; ++d) entry.shape.push_back(static_cast<std::int64_t>(dims[static_cast<std::size_t>(d)]));
-  check_layout(dataset.id(), dims[0] * dims[1] * hdf5::size_of(entry.type), path);
+  entry.is_chunked = check_layout(dataset.id(), dims[0] * dims[1] * hdf5::size_of(entry.type), path);
   if (read_values) {
     if (!mesh::is_integer(entry.type) || dims[0] * dims[1] > max_small_values)
       fail(path, "expected a few integers, found " + hdf5::to_text(entry.type) + " and " +
@@ -177,11 +177,11 @@ void Inspector::array(const std::string& path, bool read_values) {
   catalog_.arrays.push_back(std::move(entry));
 }
 
-/// The dataset lies inside this file, and all of them together are no longer than it.
-void Inspector::check_layout(hid_t dataset, std::uint64_t bytes, const std::string& path) {
+/// The dataset lies inside this file, and all of them together are no longer than it. Whether it is in chunks.
+bool Inspector::check_layout(hid_t dataset, std::uint64_t bytes, const std::string& path) {
   const auto properties = hdf5::take(H5Dget_create_plist(dataset), H5Pclose, at(path, "cannot read how it is stored"));
   const auto layout = H5Pget_layout(properties.id());
-  std::uint64_t stored = bytes;
+  const std::uint64_t stored = H5Dget_storage_size(dataset);
   if (layout == H5D_CONTIGUOUS) {
     if (H5Pget_external_count(properties.id()) != 0) fail(path, "expected the data inside the file, found a reference");
     const auto offset = H5Dget_offset(dataset);
@@ -190,17 +190,18 @@ void Inspector::check_layout(hid_t dataset, std::uint64_t bytes, const std::stri
                      std::to_string(file_bytes_) + " bytes, found less");
   } else if (layout == H5D_CHUNKED) {
     check_filters(properties.id(), path);
-    catalog_.has_chunks = true;
-    stored = H5Dget_storage_size(dataset);
     if (bytes / max_inflation > stored)
       fail(path, "expected " + std::to_string(bytes) + " bytes of data, found " + std::to_string(stored));
   } else if (layout != H5D_COMPACT) {
     fail(path, "expected contiguous or chunked data, found a virtual dataset");
   }
+  if (layout != H5D_CHUNKED && stored != bytes)
+    fail(path, "expected " + std::to_string(bytes) + " bytes of data, found " + std::to_string(stored));
   claimed_bytes_ += std::min(stored, file_bytes_ + 1);
   if (claimed_bytes_ > file_bytes_)
     fail(path, "expected datasets that fit the file of " + std::to_string(file_bytes_) +
                    " bytes, found that they claim more");
+  return layout == H5D_CHUNKED;
 }
 
 void Inspector::check_filters(hid_t properties, const std::string& path) const {

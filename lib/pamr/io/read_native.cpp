@@ -12,6 +12,7 @@
 #include "pamr/io/hdf5.hpp"
 #include "pamr/io/layout.hpp"
 #include "pamr/io/native_file.hpp"
+#include "pamr/io/row_source.hpp"
 
 namespace pamr::io {
 
@@ -97,7 +98,7 @@ class Reader {
   ReadOptions options_;
   Catalog catalog_;
   Layout layout_;
-  hdf5::Handle h5_, transfer_;
+  hdf5::Handle h5_;
   GlobalId first_cell_ = 0, end_cell_ = 0;
 };
 
@@ -121,13 +122,9 @@ mesh::BlockMesh Reader::run() {
 
 void Reader::open() {
   par::agree(*comm_, [&] {
-    auto access = hdf5::parallel_access(*comm_);
-    // The index of a chunked dataset is read by each rank for itself, where collective metadata would wait for others.
-    if (catalog_.has_chunks) H5Pset_all_coll_metadata_ops(access.id(), false);
+    const auto access = hdf5::parallel_access(*comm_);
     h5_ = hdf5::take(H5Fopen(file_.c_str(), H5F_ACC_RDONLY, access.id()), H5Fclose,
                      "file '" + file_.string() + "': cannot open it");
-    transfer_ = catalog_.has_chunks ? hdf5::take(H5Pcreate(H5P_DATASET_XFER), H5Pclose, "cannot make a property list")
-                                    : hdf5::collective_transfer();
   });
 }
 
@@ -135,27 +132,30 @@ void Reader::open() {
 /// the checksum. `verify`: the rows of all ranks together are the whole dataset, once. Collective.
 void Reader::each_slab(const std::string& path, StorageType type, const hdf5::Shape& shape, Rows rows, bool verify,
                        const Consume& consume) {
-  hdf5::Handle dataset;
-  par::agree(*comm_, [&] {
-    dataset = hdf5::take(H5Dopen2(h5_.id(), path.c_str(), H5P_DEFAULT), H5Dclose,
-                         "file '" + file_.string() + "', " + path + ": cannot open it");
-  });
   const auto* stored = catalog_.find_number(std::string(path::checksums) + "@" + checksum_path(path));
   verify = verify && options_.verify_checksums && stored != nullptr;
   Checksum checksum(verify ? shape.rows : 0);
   const auto width = static_cast<std::size_t>(shape.width);
   const auto slab = std::max<GlobalId>(1, static_cast<GlobalId>(options_.slab_bytes / (8 * width)));
   const auto n_slabs = comm_->max((rows.count() + slab - 1) / slab);
+  const auto where = "file '" + file_.string() + "', " + path + ": ";
+  std::optional<RowSource> source;
+  par::agree(*comm_, [&] {
+    try {
+      source.emplace(file_, h5_.id(), *catalog_.find_array(path), shape, rows.begin, rows.end, slab);
+    } catch (const Error& error) {
+      throw Error(where + error.what());
+    }
+  });
   std::vector<std::byte> raw;
   std::vector<std::uint64_t> words;
   for (GlobalId s = 0; s < n_slabs; ++s) {
     const auto first = std::min(rows.begin + s * slab, rows.end), n = std::min(slab, rows.end - first);
     const auto n_values = static_cast<std::size_t>(n) * width;
-    raw.resize(std::max<std::size_t>(1, n_values * hdf5::size_of(type)));
-    const bool done = hdf5::read_rows(dataset.id(), shape, first, n, type, raw.data(), transfer_.id());
+    const bool done = source->read(n, raw);
     par::agree(*comm_, [&] {
-      hdf5::require(
-          done, "file '" + file_.string() + "', " + path + ": cannot read rows from " + std::to_string(first) + " on");
+      if (!done)
+        throw Error(where + "cannot read rows from " + std::to_string(first) + " on (" + source->trouble() + ")");
       words.resize(n_values);
       if (!convert(type, raw, words)) {
         const auto wrong = std::find_if(words.begin(), words.end(), [](auto w) { return w >> 63U != 0; });
@@ -167,8 +167,7 @@ void Reader::each_slab(const std::string& path, StorageType type, const hdf5::Sh
   }
   if (verify &&
       (stored->values.size() != 1 || std::bit_cast<std::uint64_t>(stored->values[0]) != checksum.result(*comm_)))
-    throw Error("file '" + file_.string() + "', " + path +
-                ": expected contents that agree with its checksum, found that they do not: the file is damaged");
+    throw Error(where + "expected contents that agree with its checksum, found that they do not: the file is damaged");
 }
 
 /// Values of any type as 64-bit words; false when an unsigned one does not fit a signed word.

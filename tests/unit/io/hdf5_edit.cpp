@@ -171,6 +171,16 @@ Extent extent_of(const std::filesystem::path& file, const std::string& path) {
   return {H5Dget_offset(dataset.get()), H5Dget_storage_size(dataset.get())};
 }
 
+Extent first_chunk_of(const std::filesystem::path& file, const std::string& path) {
+  const auto h5 = open(file, H5F_ACC_RDONLY);
+  const Id dataset(H5Dopen2(h5.get(), path.c_str(), H5P_DEFAULT), H5Dclose);
+  const Id space(H5Dget_space(dataset.get()), H5Sclose);
+  haddr_t offset = 0;
+  hsize_t bytes = 0;
+  require(H5Dget_chunk_info(dataset.get(), space.get(), 0, nullptr, nullptr, &offset, &bytes) >= 0);
+  return {offset, bytes};
+}
+
 void flip_byte(const std::filesystem::path& file, std::uint64_t offset) {
   std::fstream stream(file, std::ios::in | std::ios::out | std::ios::binary);
   stream.seekg(static_cast<std::streamoff>(offset));

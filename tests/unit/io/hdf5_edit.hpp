@@ -83,6 +83,8 @@ struct Extent {
   std::uint64_t offset = 0, bytes = 0;
 };
 Extent extent_of(const std::filesystem::path& file, const std::string& path);
+/// The same of the first chunk of a chunked dataset.
+Extent first_chunk_of(const std::filesystem::path& file, const std::string& path);
 
 /// Flips all bits of one byte of the file.
 void flip_byte(const std::filesystem::path& file, std::uint64_t offset);
