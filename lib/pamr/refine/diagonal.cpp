@@ -13,15 +13,6 @@ using geometry::Vec3;
 
 constexpr double rounding = 1.0 + 0x1p-40;
 
-/// Grows with the mean ratio, without its roots: V^2 / (sum of squared edges)^3 with the sign of V.
-double shape(const geometry::TetPoints& p) {
-  const double v = geometry::volume(p);
-  double squares = 0;
-  for (const auto [a, b] : mesh::tet::edge_to_corner)
-    squares += geometry::squared_norm(p[static_cast<std::size_t>(a)] - p[static_cast<std::size_t>(b)]);
-  return v * std::abs(v) / (squares * squares * squares);
-}
-
 double worst_inner_shape(const SplitPoints& points, int diagonal) {
   double worst = shape(child_points(points, 11 + diagonal, 4));
   for (int child = 5; child < 8; ++child) worst = std::min(worst, shape(child_points(points, 11 + diagonal, child)));
@@ -48,6 +39,14 @@ bool earlier_by_coordinates(const SplitPoints& points, int a, int b) {
 }
 
 }  // namespace
+
+double shape(const geometry::TetPoints& p) {
+  const double v = geometry::volume(p);
+  double squares = 0;
+  for (const auto [a, b] : mesh::tet::edge_to_corner)
+    squares += geometry::squared_norm(p[static_cast<std::size_t>(a)] - p[static_cast<std::size_t>(b)]);
+  return v * std::abs(v) / (squares * squares * squares);
+}
 
 bool all_children_positive(const SplitPoints& points, int state) {
   for (int child = 0; child < split_pattern[static_cast<std::size_t>(state)].n_children; ++child) {

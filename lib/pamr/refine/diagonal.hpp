@@ -19,6 +19,10 @@ inline geometry::TetPoints child_points(const SplitPoints& points, int state, in
           points[static_cast<std::size_t>(code[2])], points[static_cast<std::size_t>(code[3])]};
 }
 
+/// Grows with the mean ratio, without its roots: V^2 / (sum of squared edges)^3 with the sign of V; the mean ratio is
+/// cbrt(15552 shape).
+double shape(const geometry::TetPoints& p);
+
 /// True when every child of that state has positive volume by exact arithmetic.
 bool all_children_positive(const SplitPoints& points, int state);
 

@@ -9,9 +9,17 @@ namespace pamr::refine {
 
 /// The smallest set of marks that holds `marks`, is legal and obeys the policy in a cell that is split by its own
 /// pattern: the only place where the policies `none`, `isotropic` and `short_edge` differ. Monotone in `marks`, so the
-/// closure of the mesh has one least fixed point whatever the order. Under `removable` it holds for regular cells and
-/// for families that keep their closure. Local; depends on the cell's lineage and points only.
+/// closure of the mesh has one least fixed point whatever the order. Under `removable` it holds for regular cells
+/// (which become eight where `closes_badly`) and for families that keep their closure. Local; depends on the cell's
+/// lineage and points only.
 EdgeMask required_marks(const mesh::DistMesh& mesh, LocalId cell, EdgeMask marks, QualityControl policy);
+
+/// True when a cell should rather become eight than be closed with these legal marks (1:2 or 1:4): when closing one of
+/// the marked edges, or the marked face, would make a cell of mean ratio under `poorest_closure`, and 1:8 would not
+/// make one as poor. New nodes are taken in the middle of their edges. Because one bad edge is enough, whatever else is
+/// marked, the rule is monotone. Used by `removable`, on regular cells and rebuilt parents.
+bool closes_badly(const geometry::TetPoints& corner, EdgeMask marks);
+inline constexpr double poorest_closure = 0.3;
 
 /// Marks of the better of the two faces that hold a short edge of a closure cell: the one whose four children have the
 /// larger smallest mean ratio, ties by the coordinates of the face's third corner. 0 when the edge is not short, that

@@ -94,6 +94,16 @@ void Propagation::make_red(LocalId first, int state) {
       if (family_edge(state, child, e).role == EdgeRole::parent) mark(first + child, e);
 }
 
+geometry::TetPoints Propagation::parent_corners(LocalId first, int state) const {
+  geometry::TetPoints corner;
+  for (int child = 0; child < split_pattern[at(state)].n_children; ++child)
+    for (int slot = 0; slot < 4; ++slot) {
+      const int code = split_pattern[at(state)].child_to_node[at(child)][at(slot)];
+      if (code < 4) corner[at(code)] = mesh_.point(mesh_.cell_to_node[at(first + child)][at(slot)]);
+    }
+  return corner;
+}
+
 /// What a mark on a member means: on an edge of the parent, the parent's marks grow to a legal set; on a part of one,
 /// the parent is red, and the parts of its split face obey the face rule as the children there will.
 void Propagation::apply_family_rule(LocalId first) {
@@ -116,11 +126,11 @@ void Propagation::apply_family_rule(LocalId first) {
     }
   }
   const auto legal = legal_mask[parent_marks];
-  if (is_red || legal == all_edges) {
+  if (!is_red && legal == pattern.mask) return;
+  if (is_red || legal == all_edges || closes_badly(parent_corners(first, state), legal)) {
     make_red(first, state);
     return;
   }
-  if (legal == pattern.mask) return;
   for (int child = 0; child < pattern.n_children; ++child)
     for (int e = 0; e < 6; ++e) {
       const auto edge = family_edge(state, child, e);

@@ -41,6 +41,7 @@ class Propagation {
   void add_marks(LocalId cell, EdgeMask wanted);
   void apply_family_rule(LocalId first);
   void make_red(LocalId first, int state);
+  geometry::TetPoints parent_corners(LocalId first, int state) const;
 
   const mesh::DistMesh& mesh_;
   std::span<const std::uint8_t> kept_;

@@ -54,6 +54,31 @@ TEST(RequiredMarks, AreLegalAndMonotoneForEveryPolicyMaskAndClosureCell) {
   });
 }
 
+TEST(ClosesBadly, IsMonotoneAndTurnsPoorClosuresOnly) {
+  std::mt19937 random(11);
+  int n_bad = 0;
+  for (int sample = 0; sample < 500; ++sample) {
+    auto mesh = one_child(0, 0, random);
+    mesh.node_position[0] = mesh.node_position[0] + geometry::Vec3{0.004 * (sample % 100), 0, 0};
+    if (geometry::volume(mesh.points(0)) <= 0) continue;
+    std::array<EdgeMask, 64> result{};
+    for (int m = 0; m < 64; ++m)
+      result[at(m)] = required_marks(mesh, 0, static_cast<EdgeMask>(m), QualityControl::removable);
+    for (int a = 0; a < 64; ++a) {
+      const bool turned = result[at(a)] != legal_mask[at(a)];
+      n_bad += turned ? 1 : 0;
+      EXPECT_TRUE(!turned || result[at(a)] == all_edges);
+      EXPECT_TRUE(!turned || geometry::mean_ratio(mesh.points(0)) < 0.78);
+      for (int b = 0; b < 64; ++b) {
+        if ((a & b) == a) {
+          EXPECT_EQ(result[at(a)] & result[at(b)], result[at(a)]);
+        }
+      }
+    }
+  }
+  EXPECT_GT(n_bad, 100);
+}
+
 TEST(RequiredMarks, SplitAHitClosureCellIntoEightWhenIsotropic) {
   for_every_closure_cell([](const mesh::DistMesh& mesh) {
     for (int m = 1; m < 64; ++m)
