@@ -1,0 +1,209 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Curved boundaries, most of them far too curved for the mesh: new nodes want to go through whole cells.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include "pamr/adapt/adapt.hpp"
+#include "pamr/base/hash.hpp"
+#include "pamr/geometry/orientation.hpp"
+#include "pamr/geometry/surface.hpp"
+#include "pamr/mesh/tet.hpp"
+#include "pamr/refine/movable.hpp"
+#include "support/meshes.hpp"
+#include "support/reference.hpp"
+
+namespace pamr {
+namespace {
+
+/// A random cube whose patch zmin is tied to a sphere that bulges into it by `bulge`, and xmin to a plane.
+mesh::BlockMesh bulging_cube(const par::Comm& comm, std::uint64_t seed, double bulge) {
+  auto block = test::random_mesh(comm, seed, 3);
+  const double radius = (0.5 + bulge * bulge) / (2 * bulge);  // through the corners of the face, highest in its middle
+  block.info.surfaces_toml = "[[surface]]\nname = \"dome\"\nkind = \"sphere\"\ncenter = [0.5, 0.5, " +
+                             std::to_string(bulge - radius) + "]\nradius = " + std::to_string(radius) +
+                             "\n[[surface]]\nname = \"side\"\nkind = \"plane\"\npoint = [0.0, 0.0, 0.0]\n"
+                             "normal = [1.0, 0.0, 0.0]\n";
+  for (auto& patch : block.info.patches) {
+    if (patch.name == "zmin") patch.surface = "dome";
+    if (patch.name == "xmin") patch.surface = "side";
+  }
+  return block;
+}
+
+std::vector<std::uint8_t> near_dome(const mesh::DistMesh& mesh, double height) {
+  std::vector<std::uint8_t> flags;
+  for (LocalId c = 0; c < mesh.n_cells(); ++c) {
+    const auto p = mesh.points(c);
+    flags.push_back(0.25 * (p[0].z + p[1].z + p[2].z + p[3].z) < height ? 1 : 0);
+  }
+  return flags;
+}
+
+void expect_all_positive(const mesh::DistMesh& mesh) {
+  for (LocalId c = 0; c < mesh.n_cells(); ++c) {
+    const auto p = mesh.points(c);
+    ASSERT_GT(geometry::orientation(p[0], p[1], p[2], p[3]), 0);
+  }
+}
+
+void expect_conforming(const mesh::BlockMesh& whole) {
+  const auto reference = test::reference_neighbours(whole.cell_to_node);
+  for (std::size_t c = 0; c < reference.size(); ++c)
+    for (std::size_t f = 0; f < 4; ++f) ASSERT_EQ(std::max<GlobalId>(whole.cell_to_cell[c][f], -1), reference[c][f]);
+}
+
+/// Expects every new node of a boundary face to be on the surface of its patch or in the ledger, and every node in the
+/// ledger to be listed with a distance. A face may lie on another rank than the nodes it shares.
+void expect_honest_ledger(const mesh::DistMesh& mesh, GlobalId n_level_0) {
+  const auto surfaces = geometry::surfaces_from_toml(mesh.info.surfaces_toml, "test");
+  const auto* ledger = mesh.find_node_field(refine::ledger_field);
+  for (LocalId c = 0; c < mesh.n_cells(); ++c)
+    for (int f = 0; f < 4; ++f) {
+      const auto slot = mesh.cell_to_cell[static_cast<std::size_t>(c)][static_cast<std::size_t>(f)];
+      if (slot >= 0) continue;
+      const auto* surface =
+          surfaces.find(mesh.info.patches[static_cast<std::size_t>(mesh::slot_to_patch(slot))].surface);
+      if (surface == nullptr) continue;
+      for (const auto corner : mesh::tet::face_to_corner[static_cast<std::size_t>(f)]) {
+        const auto node = mesh.cell_to_node[static_cast<std::size_t>(c)][static_cast<std::size_t>(corner)];
+        if (mesh.node_global[static_cast<std::size_t>(node)] < n_level_0) continue;
+        const double distance = surface->distance(mesh.point(node));
+        const double listed = ledger == nullptr ? 0 : ledger->real()[static_cast<std::size_t>(node)];
+        ASSERT_TRUE(distance <= 1e-12 || listed >= distance) << "node " << node << " is " << distance << " off";
+      }
+    }
+}
+
+TEST(Projection, PutsEveryNewNodeOfAGentleDomeOnIt) {
+  const par::Comm comm(MPI_COMM_WORLD);
+  for (const std::uint64_t seed : {1U, 2U}) {
+    auto mesh = mesh::assemble(comm, bulging_cube(comm, seed, 0.02));
+    const auto n_level_0 = mesh.info.n_global_nodes;
+    for (int level = 0; level < 3; ++level) {
+      auto result = adapt::refine(comm, mesh, near_dome(mesh, 0.15), {.marks_field = ""});
+      mesh = std::move(result.mesh);
+      expect_all_positive(mesh);
+      EXPECT_EQ(result.report.off_surface_nodes, 0);
+      expect_honest_ledger(mesh, n_level_0);
+      EXPECT_EQ(mesh.find_node_field(refine::ledger_field), nullptr);
+    }
+    expect_conforming(test::gather(comm, mesh));
+  }
+}
+
+TEST(Projection, NeverTurnsACellOverAndListsWhatItLeavesOff) {
+  const par::Comm comm(MPI_COMM_WORLD);
+  bool saw_ledger = false;
+  for (const double bulge : {0.3, 0.6})
+    for (const std::uint64_t seed : {1U, 2U, 3U}) {
+      auto mesh = mesh::assemble(comm, bulging_cube(comm, seed, bulge));
+      const auto n_level_0 = mesh.info.n_global_nodes;
+      for (int level = 0; level < 3; ++level) {
+        auto result = adapt::refine(comm, mesh, near_dome(mesh, 0.2), {.marks_field = ""});
+        mesh = std::move(result.mesh);
+        expect_all_positive(mesh);
+        expect_honest_ledger(mesh, n_level_0);
+        EXPECT_EQ(result.report.marked_not_split, 0);
+        EXPECT_EQ(result.report.off_surface_nodes > 0, mesh.find_node_field(refine::ledger_field) != nullptr);
+        saw_ledger = saw_ledger || result.report.off_surface_nodes > 0;
+      }
+      expect_conforming(test::gather(comm, mesh));
+    }
+  EXPECT_TRUE(saw_ledger);
+}
+
+TEST(Projection, GivesTheSameBitsForAnyDistribution) {
+  const par::Comm comm(MPI_COMM_WORLD), self(MPI_COMM_SELF);
+  for (const double bulge : {0.1, 0.6})
+    for (const std::uint64_t seed : {4U, 5U}) {
+      const auto block = bulging_cube(comm, seed, bulge);
+      auto spread = mesh::assemble(comm, block, test::random_destinations(comm, block, seed));
+      auto serial = mesh::assemble(self, test::cut(self, test::gather(comm, block)));
+      std::int64_t kept = 0, kept_serial = 0;
+      for (int level = 0; level < 3; ++level) {
+        auto a = adapt::refine(comm, spread, near_dome(spread, 0.25), {.marks_field = ""});
+        auto b = adapt::refine(self, serial, near_dome(serial, 0.25), {.marks_field = ""});
+        kept += a.report.families_kept;
+        kept_serial += b.report.families_kept;
+        spread = std::move(a.mesh);
+        serial = std::move(b.mesh);
+      }
+      const auto a = test::gather(comm, spread), b = test::gather(self, serial);
+      EXPECT_TRUE(a.node_position == b.node_position);
+      EXPECT_TRUE(a.cell_to_node == b.cell_to_node);
+      EXPECT_TRUE(a.cell_to_cell == b.cell_to_cell);
+      EXPECT_TRUE(a.lineage == b.lineage);
+      EXPECT_EQ(kept, kept_serial);
+    }
+}
+
+double least_volume_at(const mesh::BlockMesh& whole, GlobalId node) {
+  double least = 1;
+  for (const auto& nodes : whole.cell_to_node)
+    if (std::find(nodes.begin(), nodes.end(), node) != nodes.end()) {
+      geometry::TetPoints p;
+      for (std::size_t i = 0; i < 4; ++i) p[i] = whole.node_position[static_cast<std::size_t>(nodes[i])];
+      least = std::min(least, geometry::volume(p));
+    }
+  return least;
+}
+
+/// A refined mesh whose closure midpoints were moved as far as its cells stay positive: as walls do that bend strongly.
+mesh::BlockMesh strained_mesh(const par::Comm& self, std::uint64_t seed) {
+  auto mesh = mesh::assemble(self, test::random_mesh(self, seed, 3));
+  std::vector<std::uint8_t> flags;
+  for (const auto id : mesh.cell_global)
+    flags.push_back(combine(seed, static_cast<std::uint64_t>(id)) % 8 == 0 ? 1 : 0);
+  const auto n_old = mesh.info.n_global_nodes;
+  auto whole = test::gather(self, adapt::refine(self, mesh, flags, {.parent_field = false, .marks_field = ""}).mesh);
+  std::mt19937_64 random(seed);
+  std::uniform_real_distribution<double> component(-0.12, 0.12);
+  for (auto node = n_old; node < whole.info.n_global_nodes; ++node)
+    for (int attempt = 0; attempt < 4; ++attempt) {
+      auto& at = whole.node_position[static_cast<std::size_t>(node)];
+      const auto before = at;
+      at = at + geometry::Vec3{component(random), component(random), component(random)};
+      if (least_volume_at(whole, node) < 1e-6) at = before;
+    }
+  return whole;
+}
+
+TEST(Families, AreKeptWhereTheirParentCannotBeRebuiltAndTheMeshStaysConforming) {
+  const par::Comm comm(MPI_COMM_WORLD), self(MPI_COMM_SELF);
+  std::int64_t kept = 0, rebuilt = 0;
+  for (const std::uint64_t seed : {1U, 2U, 3U}) {
+    const auto whole = strained_mesh(self, seed);
+    const auto block = test::cut(comm, whole);
+    auto spread = mesh::assemble(comm, block, test::random_destinations(comm, block, seed));
+    auto serial = mesh::assemble(self, test::cut(self, whole));
+    for (int level = 0; level < 2; ++level) {
+      const auto flag = [&](const mesh::DistMesh& mesh) {
+        std::vector<std::uint8_t> flags;
+        for (const auto id : mesh.cell_global)
+          flags.push_back(combine(seed + 5, static_cast<std::uint64_t>(id)) % 6 == 0 ? 1 : 0);
+        return flags;
+      };
+      auto a = adapt::refine(comm, spread, flag(spread), {.marks_field = ""});
+      auto b = adapt::refine(self, serial, flag(serial), {.marks_field = ""});
+      EXPECT_EQ(a.report.families_kept, b.report.families_kept);
+      EXPECT_EQ(a.report.marked_not_split, 0);
+      kept += a.report.families_kept;
+      rebuilt += a.report.families_rebuilt;
+      spread = std::move(a.mesh);
+      serial = std::move(b.mesh);
+      expect_all_positive(spread);
+    }
+    const auto a = test::gather(comm, spread), b = test::gather(self, serial);
+    expect_conforming(a);
+    EXPECT_TRUE(a.node_position == b.node_position && a.cell_to_node == b.cell_to_node);
+    EXPECT_TRUE(a.cell_to_cell == b.cell_to_cell && a.lineage == b.lineage);
+  }
+  EXPECT_GT(kept, 0);
+  EXPECT_GT(rebuilt, 0);
+}
+
+}  // namespace
+}  // namespace pamr
