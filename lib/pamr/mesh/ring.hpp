@@ -47,7 +47,8 @@ LocalId walk_one_way(const DistMesh& mesh, LocalId start, LocalId a, LocalId b, 
 /// Calls `visit(cell, edge)` for every own cell round the edge `edge` of `start`, `start` first, each with the edge's
 /// number in that cell: the cells of an edge found through the cell neighbours, without edge arrays. Local. Where the
 /// ring is cut by the boundary or a rank border, the cells joined to `start` by own faces at the edge are visited.
-/// Cost: about five cells an edge. Source: the method of DSMC-driven parallel adaptive mesh refinement (PAMR), section 2.1.2.
+/// Cost: about five cells an edge. Source: the method of DSMC-driven parallel adaptive mesh refinement (PAMR),
+/// section 2.1.2.
 template <class Visit>
 RingEnds walk_ring(const DistMesh& mesh, LocalId start, int edge, Visit&& visit) {
   const auto& nodes = mesh.cell_to_node[static_cast<std::size_t>(start)];
