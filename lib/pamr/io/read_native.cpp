@@ -13,6 +13,7 @@
 #include "pamr/io/layout.hpp"
 #include "pamr/io/native_file.hpp"
 #include "pamr/io/row_source.hpp"
+#include "pamr/mesh/families.hpp"
 
 namespace pamr::io {
 
@@ -229,11 +230,8 @@ void Reader::read_lineage(mesh::BlockMesh& block) {
             [&](GlobalId first, std::span<const std::uint64_t> words) {
               for (std::size_t i = 0; i < words.size(); ++i) {
                 const mesh::Lineage lineage(static_cast<std::uint32_t>(words[i] & 0xffffU));
-                const bool indices_fit = lineage.kind() == mesh::FamilyKind::regular ? (words[i] & 0xfcU) == 0
-                                         : lineage.kind() == mesh::FamilyKind::edge
-                                             ? lineage.index() < 6 && lineage.child() < 2
-                                             : lineage.index() < 4;
-                if (words[i] > 0xffffU || (words[i] & 3U) == 3U || !indices_fit)
+                const bool is_regular = lineage.kind() == mesh::FamilyKind::regular;
+                if (words[i] > 0xffffU || !mesh::is_well_formed(lineage) || (is_regular && lineage.is_broken()))
                   fail(path::lineage, first + static_cast<GlobalId>(i), "a lineage word as the format specifies",
                        std::to_string(words[i]));
                 block.lineage.push_back(lineage);
