@@ -120,8 +120,8 @@ def test_invalid_meshes_are_reported_not_refused():
     report = json.loads(pathlib.Path("report.json").read_text())
     assert report["inverted_cells"] == 1 and report["valid"] is False
     where = {violation["invariant"]: violation["where"] for violation in report["violations"]}
-    assert where["orientation_positive"] == 5 and "neighbours_reciprocal" not in where
-    assert report["conforming"] is True and report["neighbours_consistent"] is True
+    assert where["orientation_positive"] == 5
+    assert report["conforming"] is True
     assert "orientation_positive" in result.err
 
 

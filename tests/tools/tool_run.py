@@ -30,9 +30,10 @@ class Result:
         return json.loads(self.out)
 
 
-def run(tool, *arguments, code=0, serial=False):
-    """Runs a tool on RANKS processes and expects this exit code. Bad input (2) gives one line of error and no output."""
-    command = ([] if serial else LAUNCHER) + [str(BIN / tool)] + [str(a) for a in arguments]
+def run(tool, *arguments, code=0, serial=False, ranks=RANKS):
+    """Runs a tool on this many processes and expects this exit code. Bad input (2): one line of error and no output."""
+    launcher = LAUNCHER[:-1] + [str(ranks)] if LAUNCHER and ranks > 1 else []
+    command = ([] if serial else launcher) + [str(BIN / tool)] + [str(a) for a in arguments]
     result = Result(subprocess.run(command, capture_output=True, text=True, timeout=100))
     shown = f"{' '.join(command)}\nexit code {result.code}, expected {code}\n{result.out}\n{result.err}"
     assert result.code == code, shown

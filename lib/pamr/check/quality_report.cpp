@@ -55,11 +55,10 @@ void count_levels(const par::Comm& comm, const mesh::DistMesh& mesh, QualityRepo
 
 QualityReport report_quality(const par::Comm& comm, const mesh::DistMesh& mesh, const geometry::SurfaceSet& surfaces,
                              const QualityOptions& options) {
-  constexpr std::array<std::string_view, 7> conformity{"ids_in_range",    "distinct_corners", "neighbours_reciprocal",
-                                                       "border_matches",  "unique_cells",     "boundary_manifold",
-                                                       "nodes_referenced"};
-  constexpr std::array<std::string_view, 4> consistency{"ids_in_range", "neighbours_reciprocal", "patches_in_range",
-                                                        "border_matches"};
+  constexpr std::array<std::string_view, 6> conformity{"ids_in_range", "unique_cells",   "distinct_corners",
+                                                       "conforming",   "border_matches", "boundary_manifold"};
+  constexpr std::array<std::string_view, 5> consistency{"ids_in_range", "patches_in_range", "neighbours_reciprocal",
+                                                        "conforming", "border_matches"};
   QualityReport report;
   report.cells = mesh.info.n_global_cells;
   report.nodes = mesh.info.n_global_nodes;

@@ -13,6 +13,7 @@
 #include "pamr/check/extract.hpp"
 #include "pamr/mesh/assemble.hpp"
 #include "pamr/mesh/kuhn_cube.hpp"
+#include "support/meshes.hpp"
 
 namespace pamr::check {
 namespace {
@@ -182,6 +183,22 @@ TEST(QualityReport, CountsLevelsAndClosureCells) {
 
   EXPECT_EQ(report.cells_of_level, (std::vector<std::int64_t>{4, 0, 2}));
   EXPECT_EQ(report.closure_cells, 2);
+}
+
+TEST(QualityReport, SeesAHangingNode) {
+  // Above the triangle (0,1,2) one cell, below it three that share a node in its middle.
+  par::Comm comm(MPI_COMM_WORLD);
+  const std::vector<Vec3> nodes{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.25, 0.25, 0}, {0, 0, 1}, {0, 0, -1}};
+  const auto hanging =
+      mesh::assemble(comm, test::small_mesh(comm, nodes, {{0, 1, 2, 4}, {1, 0, 3, 5}, {2, 1, 3, 5}, {0, 2, 3, 5}}));
+  const auto closed = mesh::assemble(
+      comm, test::small_mesh(comm, nodes,
+                             {{0, 1, 3, 4}, {1, 2, 3, 4}, {2, 0, 3, 4}, {1, 0, 3, 5}, {2, 1, 3, 5}, {0, 2, 3, 5}}));
+
+  EXPECT_FALSE(report_of(comm, hanging).conforming);
+  EXPECT_EQ(report_of(comm, hanging).inverted_cells, 0);
+  EXPECT_TRUE(report_of(comm, closed).conforming);
+  EXPECT_TRUE(report_of(comm, closed).is_valid());
 }
 
 TEST(QualityReport, RefusesAPatchWhoseSurfaceIsMissing) {

@@ -1,0 +1,242 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""pamr-mesh from the command line: meshes against the geometry written down anew here, repeat runs, and bad input."""
+import functools
+import math
+import pathlib
+
+import h5py
+import numpy as np
+
+from tool_run import RANKS, refuses, run, run_tests, same_bytes
+
+FACES = np.array([[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]])
+EDGES = [(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)]
+
+
+class Mesh:
+    def __init__(self, name):
+        with h5py.File(name) as file:
+            self.points = file["VTKHDF/Points"][:]
+            self.cells = file["VTKHDF/Connectivity"][:].reshape(-1, 4)
+            self.neighbours = file["PAMR/cell_to_cell"][:]
+            self.names = [n.decode() for n in file["PAMR/patches/names"][:]]
+            self.surfaces = [n.decode() for n in file["PAMR/patches/surfaces"][:]]
+            self.length_unit = file["PAMR"].attrs["length_unit"].decode()
+        cell, slot = np.nonzero(self.neighbours < 0)
+        self.faces = self.cells[cell[:, None], FACES[slot]]
+        self.patch = -1 - self.neighbours[cell, slot]
+
+    def faces_of(self, name):
+        return self.faces[self.patch == self.names.index(name)]
+
+    def points_of(self, name):
+        return self.points[np.unique(self.faces_of(name))]
+
+    def mean_ratios(self):
+        p = self.points[self.cells]
+        volume = np.einsum("ij,ij->i", np.cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0]), p[:, 3] - p[:, 0]) / 6
+        assert (volume > 0).all()
+        squares = sum(((p[:, a] - p[:, b]) ** 2).sum(axis=1) for a, b in EDGES)
+        return 12 * (3 * volume) ** (2 / 3) / squares
+
+    def patch_edges(self, name):
+        """How many faces of the patch there are at each of its edges."""
+        count = {}
+        for face in self.faces_of(name):
+            for i in range(3):
+                edge = tuple(sorted((face[i], face[(i + 1) % 3])))
+                count[edge] = count.get(edge, 0) + 1
+        return count
+
+    def border(self, a, b):
+        """Nodes of the edges that two patches share."""
+        shared = set(self.patch_edges(a)) & set(self.patch_edges(b))
+        return self.points[sorted({n for edge in shared for n in edge})]
+
+
+@functools.cache
+def make(*arguments):
+    report = run("pamr-mesh", *arguments, "-o", "made.hdf", "--force", "--json", "-").json
+    mesh = Mesh("made.hdf")
+    assert report["cells"] == len(mesh.cells) and report["nodes"] == len(mesh.points)
+    assert report["min_mean_ratio"] == min(1, report["min_mean_ratio"]) >= 0.2
+    assert abs(report["min_mean_ratio"] - mesh.mean_ratios().min()) < 1e-12
+    assert {n: p["faces"] for n, p in report["patches"].items()} == {n: len(mesh.faces_of(n)) for n in mesh.names}
+    return mesh
+
+
+# The meridian of the blunt cone in millimetres, from the numbers that define it: radii and the cone's angle.
+ANGLE = math.radians(70)
+NOSE = (12.5 - 12.5 * math.sin(ANGLE), 12.5 * math.cos(ANGLE))
+CONE_R = 23.75 + 1.25 * math.cos(ANGLE)
+CONE_X = NOSE[0] + (CONE_R - NOSE[1]) / math.tan(ANGLE)
+SHOULDER_X = CONE_X + 1.25 * math.sin(ANGLE)
+BASE_X = SHOULDER_X + 1.25
+STING_X = BASE_X + 2.08
+
+
+def body_distance(p):
+    """Distance from the body, millimetres, of points near it."""
+    x, r = p[:, 0], np.hypot(p[:, 1], p[:, 2])
+    nose = np.abs(np.hypot(x - 12.5, r) - 12.5)
+    cone = np.abs((x - NOSE[0]) * math.sin(ANGLE) - (r - NOSE[1]) * math.cos(ANGLE))
+    shoulder = np.abs(np.hypot(x - SHOULDER_X, r - 23.75) - 1.25)
+    fillet = np.abs(np.hypot(x - STING_X, r - 8.33) - 2.08)
+    return np.select([x < NOSE[0], x < CONE_X, r > 23.75, r > 8.33, x < STING_X],
+                     [nose, cone, shoulder, np.abs(x - BASE_X), fillet], np.abs(r - 6.25))
+
+
+def wall_radius(p):
+    """The smaller radius of curvature of the wall, millimetres, at points near it; the flat base has none."""
+    x, r = p[:, 0], np.hypot(p[:, 1], p[:, 2])
+    return np.select([x <= NOSE[0], x < CONE_X, r > 23.75, r > 8.33, x < STING_X],
+                     [12.5, r / math.cos(ANGLE), 1.25, np.inf, 2.08], 6.25)
+
+
+def outer_distance(p):
+    x, r = p[:, 0], np.hypot(p[:, 1], p[:, 2])
+    return np.select([r < 30, x < 0], [np.abs(x + 30), np.abs(np.hypot(x, r - 30) - 30)], np.abs(r - 60))
+
+
+def test_blunt_cone_lies_on_its_surfaces():
+    mesh = make("--shape", "blunt-cone")
+
+    assert mesh.length_unit == "m"
+    assert mesh.names == ["forebody", "base", "sting", "inflow", "outflow", "symmetry"]
+    assert mesh.surfaces == ["body", "body", "body", "outer", "outflow", "symmetry"]
+    assert 15000 <= len(mesh.cells) <= 30000
+    tolerance = 1e-12 * 60
+    for wall in ("forebody", "base", "sting"):
+        assert body_distance(1e3 * mesh.points_of(wall)).max() < tolerance
+    assert outer_distance(1e3 * mesh.points_of("inflow")).max() < tolerance
+    assert (mesh.points_of("outflow")[:, 0] == 60e-3).all()
+    assert (mesh.points_of("symmetry")[:, 1] == 0).all()
+    assert (mesh.points[:, 1] >= 0).all()
+    x, r = 1e3 * mesh.points_of("base")[:, 0], 1e3 * np.hypot(*mesh.points_of("base")[:, 1:].T)
+    assert x.min() > BASE_X - tolerance and x.max() < STING_X + tolerance
+    assert r.max() < 23.75 + tolerance and r.min() > 6.25 - tolerance
+
+
+def test_blunt_cone_patches_meet_on_feature_curves():
+    mesh = make("--shape", "blunt-cone")
+
+    for a, b, x, r in (("forebody", "base", BASE_X, 23.75), ("base", "sting", STING_X, 6.25),
+                       ("sting", "outflow", 60, 6.25), ("inflow", "outflow", 60, 60)):
+        ring = 1e3 * mesh.border(a, b)
+        radius, angle = np.hypot(ring[:, 1], ring[:, 2]), np.sort(np.arctan2(ring[:, 1], -ring[:, 2]))
+        assert np.abs(ring[:, 0] - x).max() < 1e-10 and np.abs(radius - r).max() < 1e-10
+        assert angle[0] == 0 and abs(angle[-1] - math.pi) < 1e-15
+    # A patch's border is closed and every edge of it belongs to two patches.
+    border_edges = {}
+    for name in mesh.names:
+        counts = mesh.patch_edges(name)
+        assert set(counts.values()) <= {1, 2}
+        ends = [n for edge, count in counts.items() if count == 1 for n in edge]
+        assert (np.unique(ends, return_counts=True)[1] % 2 == 0).all()
+        for edge, count in counts.items():
+            if count == 1:
+                border_edges[edge] = border_edges.get(edge, 0) + 1
+    assert set(border_edges.values()) == {2}
+
+
+def test_blunt_cone_wall_edges_are_short_against_the_radius_of_curvature():
+    mesh = make("--shape", "blunt-cone")
+
+    faces = np.concatenate([mesh.faces_of(n) for n in ("forebody", "base", "sting")])
+    edges = np.unique(np.sort(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])), axis=0)
+    a, b = 1e3 * mesh.points[edges[:, 0]], 1e3 * mesh.points[edges[:, 1]]
+    length = np.linalg.norm(b - a, axis=1)
+    for t in (0, 0.25, 0.5, 0.75, 1):
+        assert (length <= 0.8 * wall_radius(a + t * (b - a))).all()
+    # No dents: faces of the sting face the axis, out of the gas.
+    p = mesh.points[mesh.faces_of("sting")]
+    normal = np.cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0])
+    axial = p.mean(axis=1) * [0, 1, 1]
+    cosine = -(normal * axial).sum(axis=1) / np.linalg.norm(normal, axis=1) / np.linalg.norm(axial, axis=1)
+    assert cosine.min() > math.cos(math.radians(25))
+
+
+def test_sphere_in_box_lies_on_its_surfaces():
+    mesh = make("--shape", "sphere-in-box")
+
+    assert mesh.names == ["box", "sphere"] and mesh.surfaces == ["", "sphere"]
+    assert 12000 <= len(mesh.cells) <= 18000
+    assert np.abs(np.linalg.norm(mesh.points_of("sphere"), axis=1) - 1).max() < 4e-16 * 2
+    assert (np.abs(mesh.points_of("box")).max(axis=1) == 2).all()
+    flat = mesh.points[mesh.faces_of("box")]
+    assert ((flat == flat[:, :1]) & (np.abs(flat) == 2)).all(axis=1).any(axis=1).all(), "a face lies across an edge"
+    corners = {tuple(p) for p in mesh.points_of("box") if (np.abs(p) == 2).all()}
+    assert len(corners) == 8
+    assert all(count == 2 for n in mesh.names for count in mesh.patch_edges(n).values())
+
+
+def test_size_makes_meshes_finer():
+    coarse = make("--shape", "sphere-in-box", "--size", "0.5")
+    fine = make("--shape", "sphere-in-box", "--size", "0.4")
+
+    assert 1.4 < len(fine.cells) / len(coarse.cells) < 2.8
+
+
+def test_the_same_bytes_on_every_run_and_any_number_of_ranks():
+    pathlib.Path("cone.toml").write_text('[mesh]\nshape = "blunt-cone"\nlength_unit = "m"\nseed = 3\n'
+                                         "[mesh.sizes]\nfar = 0.012\n[gas]\nname = 'N2'\n")
+    for arguments in (["cone.toml"], ["--shape", "sphere-in-box"], ["--shape", "kuhn-cube", "--n", "3"]):
+        run("pamr-mesh", *arguments, "-o", "a.hdf", "--force", "--quiet")
+        run("pamr-mesh", *arguments, "-o", "b.hdf", "--force", "--quiet", serial=RANKS > 1)
+
+        assert same_bytes("a.hdf", "b.hdf")
+
+
+def test_kuhn_cube():
+    mesh = make("--shape", "kuhn-cube", "--n", "4")
+
+    assert len(mesh.cells) == 384 and len(mesh.points) == 125
+    assert mesh.names == ["xmin", "xmax", "ymin", "ymax", "zmin", "zmax"]
+    assert [len(mesh.faces_of(n)) for n in mesh.names] == [32] * 6
+
+
+def test_neighbours_in_the_file_are_neighbours_in_space():
+    mesh = make("--shape", "sphere-in-box")
+
+    inner = np.nonzero(mesh.neighbours >= 0)
+    distance = np.abs(mesh.neighbours[inner] - inner[0])
+    assert np.median(distance) < 0.01 * len(mesh.cells)
+
+
+def test_bad_usage_is_refused():
+    for arguments, words in ((["--shape", "cube"], ["kuhn-cube", '"cube"']), ([], ["neither"]),
+                             (["--shape", "kuhn-cube"], ["--n"]), (["--shape", "kuhn-cube", "--n", "-1"], ["--n"]),
+                             (["--shape", "sphere-in-box", "--n", "3"], ["--n"]),
+                             (["--shape", "sphere-in-box", "--size", "7"], ["0.6", "7"]),
+                             (["--shape", "sphere-in-box", "--size", "0.02"], ["4 million cells"]),
+                             (["--shape", "blunt-cone", "--size", "nan"], ["nan"]),
+                             (["missing.toml"], ["missing.toml"])):
+        refuses("pamr-mesh", *arguments, "-o", "out.hdf", says=words, creates="out.hdf")
+
+
+def test_bad_case_files_are_refused_with_their_line():
+    head = '[mesh]\nshape = "blunt-cone"\n'
+    cases = (("[mesh", ["TOML", ":1"]), ("", ["[mesh]"]), ("mesh = 3\n", ["table", ":1"]),
+             ("[mesh]\nlength_unit = 'm'\n", ["shape"]), ('[mesh]\nshape = "cone"\n', [":2", '"cone"']),
+             (head, ["length_unit", "none"]), (head + 'length_unit = "mm"\n', [":3", '"mm"']),
+             (head + 'length_unit = "m"\nsede = 1\n', [":4", '"sede"']),
+             (head + 'length_unit = "m"\nseed = -1\n', [":4", "-1"]),
+             (head + 'length_unit = "m"\nsizes = 1\n', [":4", "table"]),
+             (head + 'length_unit = "m"\n[mesh.sizes]\nshoulde = 1e-3\n', [":5", '"shoulde"', "shoulder"]),
+             (head + 'length_unit = "m"\n[mesh.sizes]\nshoulder = 2e-3\n', [":5", "0.002"]),
+             (head + 'length_unit = "m"\n[mesh.sizes]\nfar = nan\n', [":5", "nan"]),
+             (head + 'length_unit = "m"\n[mesh.sizes]\nfar = "1"\n', [":5", '"1"']))
+    for text, words in cases:
+        pathlib.Path("bad.toml").write_text(text)
+        refuses("pamr-mesh", "bad.toml", "-o", "out.hdf", says=["bad.toml"] + words, creates="out.hdf")
+
+
+def test_existing_output_stays():
+    pathlib.Path("out.hdf").write_text("mine")
+
+    run("pamr-mesh", "--shape", "kuhn-cube", "--n", "2", "-o", "out.hdf", code=2)
+
+    assert pathlib.Path("out.hdf").read_text() == "mine"
+
+
+run_tests(globals())
