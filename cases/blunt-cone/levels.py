@@ -1,10 +1,12 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Prints one table of the levels of the blunt cone from their reports, and checks areas and volume.
+"""Prints one table of the levels of the blunt cone from their reports, and compares it with expected.csv.
 
 Usage: levels.py FOLDER LEVELS    reads quality<i>.json (0 <= i <= LEVELS) and refine<i>.json (1 <= i) in FOLDER.
-Exit code 1 when the error of the body's area or of the gas volume does not fall from level to level.
+Exit code 1 when a number is not as expected, or when the error of the body's area or of the gas volume grows from one
+level to the next.
 """
+import csv
 import json
 import math
 import os
@@ -62,30 +64,50 @@ def read(folder, name):
         return json.load(file)
 
 
+def table_row(level, report, refinement, errors):
+    distance = max(patch["worst_distance"] for patch in report["patches"].values())
+    ratio, dihedral = report["mean_ratio"], report["min_dihedral"]
+    seconds = f"{refinement['seconds']['total']['max']:8.2f}" if refinement else "       -"
+    return (f"{level:5d} {report['cells']:10d} {report['nodes']:9d}  {ratio['min']:.3f}  {ratio['mean']:.3f}"
+            f"  {dihedral['min']:6.2f}   {distance:8.1e} " + "".join(f"  {error:+9.2e}" for error in errors) + seconds)
+
+
+def unexpected(reports):
+    """Differences from expected.csv: its rows name a level, a path in the quality report, a value and a tolerance."""
+    with open(os.path.join(os.path.dirname(os.path.abspath(__file__)), "expected.csv"), encoding="utf-8") as file:
+        for row in csv.DictReader(line for line in file if not line.startswith("#")):
+            if int(row["level"]) >= len(reports):
+                continue
+            found = reports[int(row["level"])]
+            for key in row["quantity"].split("/"):
+                found = found[key]
+            if not abs(found - float(row["value"])) <= float(row["tolerance"]):
+                yield (f"level {row['level']}: expected {row['quantity']} = {row['value']} within {row['tolerance']}, "
+                       f"found {found}")
+
+
 def main():
     folder, levels = sys.argv[1], int(sys.argv[2])
     areas, volume = exact()
     body_area = sum(areas.values())
-    print("level      cells     nodes  mean ratio    min      worst     body area   gas volume   refine")
-    print("                            min   mean  dihedral  distance    error        error      seconds")
-    area_errors, volume_errors = [], []
-    for level in range(levels + 1):
-        report = read(folder, f"quality{level}")
-        patches = report["patches"]
-        area_errors.append(sum(patches[name]["area"] for name in areas) * 1e6 / body_area - 1)
-        volume_errors.append(report["volume"] * 1e9 / volume - 1)
-        distance = max(patch["worst_distance"] for patch in patches.values())
-        ratio, dihedral = report["mean_ratio"], report["min_dihedral"]
-        seconds = f"{read(folder, f'refine{level}')['seconds']['total']['max']:8.2f}" if level else "       -"
-        print(f"{level:5d} {report['cells']:10d} {report['nodes']:9d}  {ratio['min']:.3f}  {ratio['mean']:.3f}"
-              f"  {dihedral['min']:6.2f}   {distance:8.1e} m  {area_errors[-1]:+9.2e}   {volume_errors[-1]:+9.2e}  {seconds}")
-    print(f"exact: half body area {body_area:.6f} mm2 (" + ", ".join(f"{n} {a:.6f}" for n, a in areas.items())
-          + f"), half gas volume {volume:.4f} mm3")
-    for what, errors in (("body area", area_errors), ("gas volume", volume_errors)):
-        if any(abs(fine) > abs(coarse) for coarse, fine in zip(errors, errors[1:])):
-            print(f"levels.py: error: the error of the {what} grows from one level to the next", file=sys.stderr)
-            return 1
-    return 0
+    print("level      cells     nodes  mean ratio    min      worst    error of   error of   error of   refine")
+    print("                            min   mean  dihedral  distance  fore-body  body area  gas volume seconds")
+    reports = [read(folder, f"quality{level}") for level in range(levels + 1)]
+    errors = []
+    for level, report in enumerate(reports):
+        area = {name: report["patches"][name]["area"] * 1e6 for name in areas}
+        errors.append((area["forebody"] / areas["forebody"] - 1, sum(area.values()) / body_area - 1,
+                       report["volume"] * 1e9 / volume - 1))
+        print(table_row(level, report, read(folder, f"refine{level}") if level else None, errors[-1]))
+    print("distance in m from the exact surfaces; relative errors against half of the exact body and gas:")
+    print("  " + ", ".join(f"{name} {value:.6f} mm2" for name, value in areas.items()) + f", gas {volume:.6f} mm3")
+    trouble = list(unexpected(reports))
+    for what, column in (("fore-body's area", 0), ("body's area", 1), ("gas volume", 2)):
+        if any(abs(fine[column]) > abs(coarse[column]) for coarse, fine in zip(errors, errors[1:])):
+            trouble.append(f"the error of the {what} grows from one level to the next")
+    for text in trouble:
+        print("levels.py: error: " + text, file=sys.stderr)
+    return 1 if trouble else 0
 
 
 if __name__ == "__main__":

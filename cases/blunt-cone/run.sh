@@ -3,11 +3,13 @@
 # Meshes the half space about the 70-degree blunt cone, refines it three times at the fore-body, about the nose and
 # along a sphere like the bow shock, checks every level and prints one table. Installs and builds what is missing first.
 #
-#   cases/blunt-cone/run.sh [--ranks N] [--levels N] [--picture]
+#   cases/blunt-cone/run.sh [--ranks N] [--levels N] [--picture] [--out FOLDER] [--tools FOLDER]
 #
-#   --ranks N    MPI processes (default 2)
-#   --levels N   refinements (default 3; each makes the mesh two to four times larger)
-#   --picture    renders docs/images/blunt-cone.png from the result
+#   --ranks N       MPI processes (default 2)
+#   --levels N      refinements (default 3; each makes the mesh two to four times larger)
+#   --picture       renders docs/images/blunt-cone.png from the result
+#   --out FOLDER    where meshes and reports go (default out/ beside this script)
+#   --tools FOLDER  takes the tools from there and sets nothing up
 set -euo pipefail
 
 case_folder=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")" && pwd)
@@ -16,21 +18,27 @@ out=$case_folder/out
 ranks=2
 levels=3
 picture=no
+tools=
 while [ $# -gt 0 ]; do
   case $1 in
     --ranks) ranks=${2:?run.sh: --ranks needs a number}; shift 2 ;;
     --levels) levels=${2:?run.sh: --levels needs a number}; shift 2 ;;
     --picture) picture=yes; shift ;;
-    -h | --help) sed -n '3,10s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
+    --out) out=${2:?run.sh: --out needs a folder}; shift 2 ;;
+    --tools) tools=${2:?run.sh: --tools needs a folder}; shift 2 ;;
+    -h | --help) sed -n '3,12s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
     *) echo "run.sh: unknown option $1 (see run.sh --help)" >&2; exit 2 ;;
   esac
 done
 
-setup=()
-if [ $picture = yes ]; then setup=(--picture); fi
-"$root/scripts/setup.sh" "${setup[@]}"
+if [ -z "$tools" ]; then
+  setup=()
+  if [ $picture = yes ]; then setup=(--picture); fi
+  "$root/scripts/setup.sh" "${setup[@]}"
+  tools=${PAMR_BUILD:-$root/build/release}/bin
+fi
 . "$root/scripts/mpi_environment.sh"
-PATH=${PAMR_BUILD:-$root/build/release}/bin:$PATH
+PATH=$tools:$PATH
 mkdir -p "$out"
 
 # Runs a tool on all ranks; its report goes to out/<report>.json, its summary line to the terminal.
@@ -50,20 +58,22 @@ quality() { # LEVEL
   on_ranks "quality$1" pamr-quality "$out/level$1.hdf" "${gates[@]}"
 }
 
-# What to split: the cells at the fore-body (in the first two refinements), those cut by a sphere that lies about where
-# the bow shock stands, and those in a ball about the nose. Metres; a shell of radius 0 is a ball.
-wall=(--patch forebody)
-shock=(--crossing-sphere 0.066,0,0,0.070)
-nose=(--centroid-shell 0.002,0,0,0,0.010)
-smaller_nose=(--centroid-shell 0.002,0,0,0,0.008)
+# What to split, metres: a shell about the sphere that lies where the bow shock may stand, thinner from level to level;
+# a ball about the nose (a shell of radius 0); and in the first two refinements the cells at the fore-body.
+region() { # LEVEL
+  case $1 in
+    1) echo --patch forebody --centroid-shell 0.002,0,0,0,0.010 --centroid-shell 0.066,0,0,0.070,0.0050 ;;
+    2) echo --patch forebody --centroid-shell 0.002,0,0,0,0.010 --centroid-shell 0.066,0,0,0.070,0.0025 ;;
+    *) echo --centroid-shell 0.002,0,0,0,0.007 --centroid-shell 0.066,0,0,0.070,0.0006 ;;
+  esac
+}
 
 on_ranks mesh pamr-mesh "$case_folder/case.toml" -o "$out/level0.hdf" --force
 quality 0
 for ((level = 1; level <= levels; ++level)); do
   coarse=$((level - 1))
-  region=("${shock[@]}" "${smaller_nose[@]}")
-  if ((level <= 2)); then region=("${wall[@]}" "${shock[@]}" "${nose[@]}"); fi
-  on_ranks "mark$coarse" pamr-mark "$out/level$coarse.hdf" -o "$out/marked$coarse.hdf" --force "${region[@]}"
+  # shellcheck disable=SC2046  # the options hold no blanks
+  on_ranks "mark$coarse" pamr-mark "$out/level$coarse.hdf" -o "$out/marked$coarse.hdf" --force $(region "$level")
   on_ranks "refine$level" pamr-refine "$out/marked$coarse.hdf" -o "$out/level$level.hdf" --force
   quality "$level"
 done

@@ -1,0 +1,67 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Runs the blunt cone with one refinement on 1 and on 3 ranks: as expected, and the same bytes.
+
+Usage: blunt_cone_test.py CASE_FOLDER TOOLS_FOLDER
+"""
+import filecmp
+import json
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+
+CASE, TOOLS = sys.argv[1:3]
+
+
+class BluntCone(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        temporary = tempfile.TemporaryDirectory(prefix="blunt cone ")
+        cls.addClassCleanup(temporary.cleanup)
+        cls.out = {ranks: os.path.join(temporary.name, f"{ranks} ranks") for ranks in (1, 3)}
+        cls.printed = {ranks: cls.run_case(ranks) for ranks in cls.out}
+
+    @classmethod
+    def run_case(cls, ranks):
+        result = subprocess.run([os.path.join(CASE, "run.sh"), "--tools", TOOLS, "--ranks", str(ranks), "--levels", "1",
+                                 "--out", cls.out[ranks]], capture_output=True, text=True)
+        if result.returncode != 0:
+            raise AssertionError(f"run.sh ended with {result.returncode}\n{result.stdout}\n{result.stderr}")
+        return result.stdout
+
+    def levels(self, folder):
+        return subprocess.run([sys.executable, "-B", os.path.join(CASE, "levels.py"), folder, "1"], capture_output=True,
+                              text=True)
+
+    def test_it_prints_a_row_for_each_level(self):
+        for printed in self.printed.values():
+            rows = [line.split() for line in printed.splitlines() if line.strip()[:2] in ("0 ", "1 ")]
+            self.assertEqual([row[0] for row in rows], ["0", "1"])
+
+    def test_the_files_are_the_same_on_1_and_3_ranks(self):
+        for name in ("level0.hdf", "marked0.hdf", "level1.hdf"):
+            one, three = (os.path.join(self.out[ranks], name) for ranks in (1, 3))
+            self.assertTrue(filecmp.cmp(one, three, shallow=False), name)
+
+    def test_a_number_that_is_not_as_expected_is_named(self):
+        with tempfile.TemporaryDirectory() as folder:
+            for name in ("quality0.json", "quality1.json", "refine1.json"):
+                shutil.copy(os.path.join(self.out[1], name), folder)
+            name = os.path.join(folder, "quality1.json")
+            with open(name, encoding="utf-8") as file:
+                report = json.load(file)
+            report["patches"]["base"]["off_surface_nodes"] = 1
+            with open(name, "w", encoding="utf-8") as file:
+                json.dump(report, file)
+
+            result = self.levels(folder)
+
+            self.assertEqual(result.returncode, 1)
+            self.assertIn("level 1: expected patches/base/off_surface_nodes = 0 within 0, found 1", result.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1])
