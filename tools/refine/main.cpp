@@ -121,7 +121,7 @@ cli::ExitCode work(cli::Session& session, const Options& options) {
   measured.inverted_cells = count_inverted(comm, result.mesh);
   measured.fingerprint = mesh::fingerprint(comm, result.mesh);
   measured.bytes_at_rest = mesh::bytes_at_rest(result.mesh);
-  timer.lap("check");
+  timer.lap(refine_tool::Measured::check_step);
   auto& provenance = result.mesh.info.provenance;
   provenance += fmt::format("{}pamr-refine {} --quality-control {}{}", provenance.empty() ? "" : "\n", PAMR_VERSION,
                             options.quality_control, options.no_project ? " --no-project" : "");

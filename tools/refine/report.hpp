@@ -11,6 +11,9 @@ namespace pamr::refine_tool {
 
 /// What the tool itself measured beside the refinement; of this rank where not said otherwise.
 struct Measured {
+  /// The step that looks at the result for the report: reported apart, because it is no part of a refinement.
+  static constexpr const char* check_step = "check";
+
   std::vector<StepTime> steps;      ///< of the whole run, in order, without gaps
   std::int64_t inverted_cells = 0;  ///< of the result, by exact arithmetic, all ranks
   std::uint64_t fingerprint = 0;    ///< of the result
