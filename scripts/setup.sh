@@ -20,7 +20,7 @@ packages=(
   build-essential cmake ninja-build       # compiler and build
   libopenmpi-dev openmpi-bin              # MPI
   libhdf5-openmpi-dev                     # files
-  libcgal-dev libopenmesh-dev             # geometry (libcgal-dev brings Boost, GMP and MPFR)
+  libcgal-dev                             # geometry (brings Boost, GMP and MPFR)
   libcli11-dev libfmt-dev libtomlplusplus-dev nlohmann-json3-dev  # command line, case files, reports
   python3                                 # tables of the cases
 )
