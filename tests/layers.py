@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Enforces who may include whom, where third parties may appear, and the form of files.
+"""Enforces who may include whom, where third parties may appear, the form of files, and that links lead somewhere.
 
 Usage: layers.py ROOT    lists every violation under ROOT as FILE:LINE: rule; exit code 1 when there is one.
 The rules are the tables below; layers_test.py breaks each of them.
@@ -43,6 +43,7 @@ WITH_LICENCE = SOURCE + (".py", ".sh", ".cmake", ".in")
 FORBIDDEN_NAMES = {"utils", "util", "common", "misc", "helpers", "helper", "manager"}
 NOT_OURS = {"build", "out", "__pycache__"}
 OWN_INCLUDE = re.compile(r'#\s*include\s*["<](?:pamr/)?([\w.]+)/[^">]*[">]')
+MARKDOWN_LINK = re.compile(r"\]\(([^)#\s]+)(?:#[^)]*)?\)")
 RELATIVE_INCLUDE = re.compile(r'#\s*include\s*"[^"]*\.\./')
 
 
@@ -120,9 +121,19 @@ def form_violations(name, text):
                 yield number, "no globs and no CMAKE_SOURCE_DIR: targets and listed files only"
 
 
+def link_violations(path):
+    for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1):
+        for target in MARKDOWN_LINK.findall(line):
+            if ":" not in target and not (path.parent / target).exists():
+                yield number, f"the link leads nowhere: {target}"
+
+
 def violations(root):
     for path in files_of(root):
         name = path.relative_to(root).as_posix()
+        if path.suffix == ".md":
+            for number, rule in link_violations(path):
+                yield f"{name}:{number}: {rule}"
         if path.suffix not in WITH_LICENCE and path.name != "CMakeLists.txt" and name != ".ci/run":
             continue
         text = path.read_text(encoding="utf-8", errors="replace")

@@ -95,6 +95,9 @@ class Layers(unittest.TestCase):
     def test_globs_are_caught(self):
         self.assert_caught("lib/CMakeLists.txt", "# " + SPDX + "file(GLOB x *.cpp)\n", "globs")
 
+    def test_links_to_nowhere_are_caught(self):
+        self.assert_caught("docs/a.md", "[b](b.md) and [itself](a.md#words), [far](https://example.org/c.md)\n", "b.md")
+
     def test_the_program_fails_with_code_1_when_there_is_a_violation(self):
         with tempfile.TemporaryDirectory() as folder:
             pathlib.Path(folder, "a.cpp").write_text("int x;\n")
