@@ -28,11 +28,13 @@ struct Ending {
   std::string error;
 };
 
-/// Reads the command line into `options`. Something to do is left only when it returns nothing.
+/// What the command line asks for: work, or an end without it.
 struct Parsed {
   bool proceed = true;
   Ending ending;
 };
+
+/// Reads the command line into `options` and what `declare` names; prints --help and --version if it `speaks`.
 Parsed parse(int argc, char** argv, const ToolInfo& info, const std::function<void(CLI::App&)>& declare,
              CommonOptions& options, bool speaks) {
   CLI::App app(info.purpose, info.name);
