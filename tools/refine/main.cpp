@@ -10,6 +10,7 @@
 #include "cli/run_tool.hpp"
 #include "pamr/adapt/adapt.hpp"
 #include "pamr/balance/weighted_blocks.hpp"
+#include "pamr/base/error.hpp"
 #include "pamr/geometry/orientation.hpp"
 #include "pamr/io/native_file.hpp"
 #include "pamr/mesh/assemble.hpp"
@@ -50,6 +51,17 @@ refine::QualityControl policy_of(const std::string& wanted) {
       ->second;
 }
 
+/// Puts the name of the file in front of what is wrong with the mesh in it. `work` may communicate, because an `Error`
+/// reaches every rank.
+template <class Work>
+auto naming(const std::string& file, Work&& work) {
+  try {
+    return work();
+  } catch (const Error& error) {
+    throw Error("file '" + file + "': " + error.what());
+  }
+}
+
 /// Reads the mesh with its cells spread so that flagged cells count eight times: the paper's weights.
 mesh::DistMesh read(const par::Comm& comm, const Options& options, StepTimer& timer) {
   auto block = io::read_native(comm, options.input);
@@ -60,7 +72,7 @@ mesh::DistMesh read(const par::Comm& comm, const Options& options, StepTimer& ti
       for (std::size_t c = 0; c < weight.size(); ++c) weight[c] = field.integer()[c] == 1 ? 8 : 1;
   const auto destination = balance::weighted_blocks(comm, weight);
   timer.lap("balance");
-  auto mesh = mesh::assemble(comm, std::move(block), destination);
+  auto mesh = naming(options.input, [&] { return mesh::assemble(comm, std::move(block), destination); });
   mesh::require_valid(comm, mesh, options.input);
   timer.lap("preprocessing");
   return mesh;
@@ -107,7 +119,7 @@ cli::ExitCode work(cli::Session& session, const Options& options) {
   auto mesh = read(comm, options, timer);
   refine_tool::Measured measured;
   measured.bytes_read = refine_tool::bytes_read_so_far() - read_before;
-  const auto flags = adapt::flags_from_field(comm, mesh, options.marks);
+  const auto flags = naming(options.input, [&] { return adapt::flags_from_field(comm, mesh, options.marks); });
   const refine::Options how{.quality_control = policy_of(options.quality_control),
                             .project = !options.no_project,
                             .parent_field = true,

@@ -1,0 +1,302 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""pamr-refine refuses bad input: exit code 2, one line that says what is wrong where, no output, nothing left behind."""
+import os
+import pathlib
+import shutil
+import subprocess
+import time
+
+import h5py
+import numpy as np
+
+from tool_run import BIN, LAUNCHER, RANKS, bare_copy, kuhn_cube, refuses, run, run_tests, same_bytes
+
+SECONDS = 60
+
+
+def good_mesh(name="good.hdf", levels=2):
+    """A Kuhn cube refined in one corner, so that it has closure families of both kinds, and marked again."""
+    mesh = kuhn_cube("level0.hdf", 3)
+    for level in range(levels):
+        run("pamr-mark", mesh, "-o", name, "--crossing-sphere", "0,0,0,0.4", "--force", "--quiet", serial=True)
+        if level + 1 < levels:
+            run("pamr-refine", name, "-o", f"level{level + 1}.hdf", "--quiet", serial=True)
+            mesh = f"level{level + 1}.hdf"
+    return name
+
+
+def drop_checksum(file, dataset):
+    """As docs/file-format.md asks a script that changes a dataset to do; the checks behind the checksum then apply."""
+    if "PAMR/checksums" in file:
+        file["PAMR/checksums"].attrs.pop(dataset, None)
+
+
+def edit(source, target, dataset, change, dtype=None):
+    """A copy in which `change` has been applied to the values of a dataset."""
+    shutil.copy(source, target)
+    with h5py.File(target, "r+") as file:
+        values = file[dataset][:]
+        values = change(values if dtype is None else values.astype(dtype))
+        drop_checksum(file, dataset)
+        del file[dataset]
+        if values is not None:
+            file[dataset] = values
+    return target
+
+
+def with_entry(index, value):
+    def change(values):
+        values[index] = value
+        return values
+    return change
+
+
+def write_bare(name, points, cells, marks=None):
+    """A mesh by the /VTKHDF part of docs/file-format.md alone."""
+    cells = np.asarray(cells, dtype=np.int64)
+    with h5py.File(name, "w") as file:
+        vtk = file.create_group("VTKHDF")
+        vtk.attrs["Version"] = np.array([1, 0])
+        vtk.attrs["Type"] = np.bytes_("UnstructuredGrid")
+        vtk["NumberOfPoints"], vtk["NumberOfCells"] = np.array([len(points)]), np.array([len(cells)])
+        vtk["NumberOfConnectivityIds"] = np.array([cells.size])
+        vtk["Points"], vtk["Connectivity"] = np.asarray(points, dtype=float), cells.ravel()
+        vtk["Offsets"], vtk["Types"] = np.arange(0, cells.size + 1, 4), np.full(len(cells), 10, np.uint8)
+        vtk["CellData/refine"] = np.ones(len(cells), np.int32) if marks is None else marks
+    return name
+
+
+def no_mesh_from(name, *says, options=()):
+    """The tool refuses this input in time, naming the file."""
+    begin = time.monotonic()
+    result = refuses("pamr-refine", name, "-o", "out.hdf", *options, says=says, creates="out.hdf")
+    assert time.monotonic() - begin < SECONDS, "the refusal took too long"
+    assert not list(pathlib.Path(".").glob("out.hdf*")), "something of the output was left behind"
+    return result
+
+
+def test_the_good_mesh_is_accepted():
+    run("pamr-refine", good_mesh(), "-o", "out.hdf")
+    run("pamr-refine", bare_copy("good.hdf", "bare.hdf"), "-o", "out.hdf", "--force")
+    write_bare("one.hdf", [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], [[0, 1, 2, 3]])
+    run("pamr-refine", "one.hdf", "-o", "out.hdf", "--force")
+
+
+def test_files_that_are_no_mesh():
+    contents = pathlib.Path(good_mesh()).read_bytes()
+    no_mesh_from("missing.hdf", "missing.hdf")
+    os.mkdir("folder.hdf")
+    no_mesh_from("folder.hdf", "folder.hdf")
+    os.mkfifo("pipe.hdf")
+    no_mesh_from("pipe.hdf", "pipe.hdf")
+    pathlib.Path("text.hdf").write_text("not a mesh\n" * 1000)
+    no_mesh_from("text.hdf", "text.hdf", "HDF5")
+    for size in (0, 8, 600, len(contents) // 10, len(contents) // 2, 9 * len(contents) // 10, len(contents) - 1):
+        pathlib.Path("short.hdf").write_bytes(contents[:size])
+        no_mesh_from("short.hdf", "short.hdf", "HDF5")
+
+
+def test_a_flipped_byte_in_any_dataset():
+    contents = pathlib.Path(good_mesh()).read_bytes()
+    places = {}
+    with h5py.File("good.hdf") as file:
+        file.visititems(lambda name, item: places.__setitem__(
+            name, item.id.get_offset() + item.id.get_storage_size() // 2) if isinstance(item, h5py.Dataset) else None)
+    assert len(places) >= 12, places
+    for name, place in places.items():
+        damaged = bytearray(contents)
+        damaged[place] ^= 0x10
+        pathlib.Path("flipped.hdf").write_bytes(damaged)
+        # a wrong count shows at the datasets that ought to have it
+        no_mesh_from("flipped.hdf", "flipped.hdf", name if "NumberOf" not in name else "expected")
+
+
+def test_shapes_and_types():
+    good_mesh()
+    for dataset, change, dtype in (
+            ("VTKHDF/Points", lambda v: v[:, :2], None), ("VTKHDF/Points", np.ravel, None),
+            ("VTKHDF/Points", lambda v: v[:-1], None), ("VTKHDF/Points", lambda v: v, np.int64),
+            ("VTKHDF/Connectivity", lambda v: v[:-1], None), ("VTKHDF/Connectivity", lambda v: v.reshape(-1, 4), None),
+            ("VTKHDF/Connectivity", lambda v: v, float), ("VTKHDF/Types", with_entry(3, 12), None),
+            ("VTKHDF/Offsets", with_entry(3, 11), None), ("VTKHDF/NumberOfCells", lambda v: v + 1, None),
+            ("VTKHDF/NumberOfCells", lambda v: 0 * v + 2**62, None), ("VTKHDF/Points", lambda v: None, None),
+            ("PAMR/cell_to_cell", lambda v: v[:, :3], None), ("PAMR/cell_to_cell", lambda v: v, float),
+            ("PAMR/lineage", lambda v: v[:-1], None), ("PAMR/lineage", lambda v: v, float)):
+        # a wrong count shows at the datasets that ought to have it
+        word = dataset if "NumberOf" not in dataset else "expected"
+        no_mesh_from(edit("good.hdf", "bad.hdf", dataset, change, dtype), "bad.hdf", word, "expected", "found")
+
+
+def test_node_numbers_and_coordinates():
+    good_mesh()
+    with h5py.File("good.hdf") as file:
+        n_nodes = len(file["VTKHDF/Points"])
+    for value in (float("nan"), float("inf"), -float("inf")):
+        no_mesh_from(edit("good.hdf", "bad.hdf", "VTKHDF/Points", with_entry((7, 1), value)), "Points", "7")
+    for value in (-1, n_nodes, 2**31, 2**32, 2**63 - 1, -2**63):
+        no_mesh_from(edit("good.hdf", "bad.hdf", "VTKHDF/Connectivity", with_entry(42, value)), "Connectivity", "42",
+                     str(value))
+    no_mesh_from(edit("good.hdf", "bad.hdf", "VTKHDF/Connectivity", with_entry(42, 2**63), np.uint64), "Connectivity")
+
+
+def twice(index):
+    def change(values):
+        values[4 * index:4 * index + 4] = values[4 * index + 4:4 * index + 8]
+        return values
+    return change
+
+
+def inverted(index):
+    def change(values):
+        values[4 * index:4 * index + 2] = values[4 * index:4 * index + 2][::-1].copy()
+        return values
+    return change
+
+
+def test_bad_cells():
+    bare_copy(good_mesh(), "bare.hdf")
+    for source in ("good.hdf", "bare.hdf"):
+        no_mesh_from(edit(source, "bad.hdf", "VTKHDF/Connectivity", inverted(20)), "bad.hdf", "20")
+        no_mesh_from(edit(source, "bad.hdf", "VTKHDF/Connectivity", twice(20)), "bad.hdf")
+
+    def same_node(values):
+        values[81] = values[82]
+        return values
+    no_mesh_from(edit("good.hdf", "bad.hdf", "VTKHDF/Connectivity", same_node), "Connectivity", "80", "twice")
+    corner = [[0, 0, 0], [1, 0, 0], [0, 1, 0]]
+    for height in (1e-13, 0, -1):  # too flat to be split, flat, turned inside out
+        no_mesh_from(write_bare("flat.hdf", corner + [[0.3, 0.3, height]], [[0, 1, 2, 3]]), "flat.hdf", "cell 0")
+
+
+def test_bad_faces():
+    points = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [0.2, 0.3, -1], [0.3, 0.2, -2]]
+    no_mesh_from(write_bare("three.hdf", points, [[0, 1, 2, 3], [0, 2, 1, 4], [0, 2, 1, 5]]), "three.hdf", "face")
+    no_mesh_from(write_bare("over.hdf", points[:4] + [[0.1, 0.1, 2]], [[0, 1, 2, 3], [0, 1, 2, 4]]), "over.hdf")
+
+
+def test_neighbours_that_are_not_mutual():
+    good_mesh()
+    with h5py.File("good.hdf") as file:
+        neighbours = file["PAMR/cell_to_cell"][:]
+        n_patches = len(file["PAMR/patches/names"])
+    c = next(c for c, row in enumerate(neighbours) if (row >= 0).all() and c > 20)
+    exchanged = neighbours[c][[1, 0, 2, 3]]
+    for index, value in ((c, exchanged), ((c, 0), c), ((c, 0), len(neighbours)), ((c, 0), 2**31), ((c, 0), 2**63 - 1),
+                         ((c, 0), -1), ((c, 0), -n_patches - 1), ((c, 0), -2**63),
+                         ((c, 0), (neighbours[c, 0] + 5) % len(neighbours))):
+        no_mesh_from(edit("good.hdf", "bad.hdf", "PAMR/cell_to_cell", with_entry(index, value)), "bad.hdf")
+
+
+def test_lineage_that_describes_no_families():
+    good_mesh()
+    with h5py.File("good.hdf") as file:
+        lineage = file["PAMR/lineage"][:]
+    kind, child = lineage & 3, lineage >> 5 & 3
+    edge = np.flatnonzero((kind == 1) & (child == 0))[0]
+    face = np.flatnonzero((kind == 2) & (child == 0))[0]
+    exchanged = lineage.copy()
+    exchanged[face:face + 2] = exchanged[face:face + 2][::-1]
+
+    def turned(first, end, bit):
+        return with_entry(slice(first, end), lineage[first:end] ^ np.uint64(1 << bit))
+    for change in (with_entry(edge + 1, 0), with_entry(edge, 0), with_entry(face + 2, 0), lambda v: exchanged,
+                   turned(edge, edge + 1, 2), turned(face, face + 1, 3), turned(edge, edge + 1, 9),
+                   turned(edge, edge + 1, 16), with_entry(0, 3), with_entry(0, np.uint64(2**64 - 1)),
+                   # whole families of another template: the cells are not what it says
+                   turned(edge, edge + 2, 3), turned(face, face + 4, 3)):
+        no_mesh_from(edit("good.hdf", "bad.hdf", "PAMR/lineage", change), "bad.hdf", "lineage")
+
+
+def test_bad_marks():
+    good_mesh()
+    field = "VTKHDF/CellData/refine"
+    no_mesh_from("level1.hdf", "refine")
+    no_mesh_from(edit("good.hdf", "bad.hdf", field, lambda v: v, float), "refine", "integer")
+    no_mesh_from(edit("good.hdf", "bad.hdf", field, lambda v: v[:-1]), "refine")
+    no_mesh_from(edit("good.hdf", "bad.hdf", field, lambda v: np.stack([v, v], axis=1)), "refine", "component")
+    for value in (2, -1, 2**31 - 1):
+        no_mesh_from(edit("good.hdf", "bad.hdf", field, with_entry(17, value)), "refine", str(value), "17")
+    no_mesh_from(edit("good.hdf", "bad.hdf", field, with_entry(17, 2**32), np.int64), "refine")
+    no_mesh_from("good.hdf", "other", options=["--marks", "other"])
+    no_mesh_from("good.hdf", "parent", options=["--marks", "parent"])  # an integer field that holds no marks
+
+
+def test_outputs_that_cannot_be():
+    contents = pathlib.Path(good_mesh()).read_bytes()
+    refuses("pamr-refine", "good.hdf", "-o", "nowhere/out.hdf", says=["nowhere"], creates="nowhere")
+    refuses("pamr-refine", "good.hdf", "-o", "/proc/out.hdf", says=["/proc"], creates="/proc/out.hdf")
+    pathlib.Path("kept.hdf").write_text("precious")
+    refuses("pamr-refine", "good.hdf", "-o", "kept.hdf", says=["kept.hdf", "--force"])
+    assert pathlib.Path("kept.hdf").read_text() == "precious"
+    os.mkdir("folder")
+    os.symlink("good.hdf", "symbolic.hdf")
+    os.link("good.hdf", "hard.hdf")
+    for output in ("good.hdf", "./folder/../good.hdf", "symbolic.hdf", "hard.hdf"):
+        refuses("pamr-refine", "good.hdf", "-o", output, "--force", says=["good.hdf"])
+        assert pathlib.Path("good.hdf").read_bytes() == contents
+    refuses("pamr-refine", "good.hdf", "-o", "folder", "--force", says=["folder"])
+    refuses("pamr-refine", "good.hdf", "-o", "out.hdf", "--json", "out.hdf", creates="out.hdf")
+    refuses("pamr-refine", "good.hdf", "-o", "out.hdf", "--json", "good.hdf", creates="out.hdf")
+    refuses("pamr-refine", "good.hdf", "-o", "out.hdf", "--json", "nowhere/report.json", creates="out.hdf")
+    assert pathlib.Path("good.hdf").read_bytes() == contents
+
+
+def test_bad_usage():
+    good_mesh()
+    no_mesh_from("good.hdf", "--frobnicate", options=["--frobnicate"])
+    no_mesh_from("good.hdf", "greedy", options=["--quality-control", "greedy"])
+    no_mesh_from("good.hdf", "level1.hdf", options=["level1.hdf"])
+    refuses("pamr-refine", says=["MESH"])
+    refuses("pamr-refine", "good.hdf", says=["--output"])
+    refuses("pamr-refine", "good.hdf", "-o", "", says=["output"])
+
+
+def refine_onto_full_disk(output, limit_kib=None):
+    """Runs with this largest size of a file (of the tool's own processes only), without shared memory files of MPI."""
+    limited = ["sh", "-c", f'ulimit -f {limit_kib}; exec "$@"', "sh"] if limit_kib else []
+    command = LAUNCHER + limited + [str(BIN / "pamr-refine"), "good.hdf", "-o", output, "--force"]
+    return subprocess.run(command, capture_output=True, text=True, timeout=SECONDS,
+                          env=os.environ | {"OMPI_MCA_btl": "self,tcp", "PMIX_MCA_gds": "hash"})
+
+
+def check_full_disk(done, folder, survivors):
+    # Open MPI's own process, which a run without mpirun has, speaks of the limit too
+    lines = [line for line in done.stderr.splitlines() if "Forwarding signal" not in line]
+    assert done.returncode == 2, (done.returncode, done.stderr)
+    assert len(lines) == 1 and lines[0].startswith("pamr-refine: error: ") and "out.hdf" in lines[0], done.stderr
+    assert sorted(os.listdir(folder)) == survivors, os.listdir(folder)
+
+
+def test_a_file_that_outgrows_the_limit():
+    good_mesh()
+    os.mkdir("disk")
+    for limit in (1, 64):  # units of 512 bytes or 1 KiB, as the shell likes
+        check_full_disk(refine_onto_full_disk("disk/out.hdf", limit), "disk", [])
+    pathlib.Path("disk/out.hdf").write_text("precious")
+    check_full_disk(refine_onto_full_disk("disk/out.hdf", 64), "disk", ["out.hdf"])
+    assert pathlib.Path("disk/out.hdf").read_text() == "precious"
+
+
+def test_a_full_disk():
+    """On a small file system where this user may mount one; the limit on files above stands for it elsewhere."""
+    good_mesh()
+    os.mkdir("disk")
+    mounted = subprocess.run(["mount", "-t", "tmpfs", "-o", "size=128k", "tmpfs", "disk"], capture_output=True)
+    if mounted.returncode != 0:
+        print("        no right to mount: nothing but the limit on files was tried")
+        return
+    try:
+        check_full_disk(refine_onto_full_disk("disk/out.hdf"), "disk", [])
+    finally:
+        subprocess.run(["umount", "disk"], check=True)
+
+
+def test_the_same_input_is_still_good_after_all_that():
+    run("pamr-refine", good_mesh(), "-o", "a.hdf")
+    run("pamr-refine", "good.hdf", "-o", "b.hdf", serial=True)
+    assert same_bytes("a.hdf", "b.hdf")
+
+
+if __name__ == "__main__":
+    print(f"{RANKS} ranks")
+    run_tests(globals())
