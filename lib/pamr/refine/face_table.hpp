@@ -12,8 +12,8 @@
 
 namespace pamr::refine {
 
-/// Open-addressing table of cell faces by their three nodes, for the few faces that no constant table links: those of
-/// families that were taken back.
+/// Open-addressing table of cell faces by their three nodes, for the few faces that no constant table links: those
+/// between two families that were both taken back.
 class FaceTable {
  public:
   FaceTable(const std::vector<mesh::CellNodes>& cell_to_node, std::size_t n_faces)

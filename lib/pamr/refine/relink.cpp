@@ -25,23 +25,23 @@ class Linker {
         numbering_(numbering),
         children_(children),
         fine_(fine),
-        table_(fine.cell_to_node, count_rebuilt_faces(closure)) {}
+        table_(fine.cell_to_node, count_outer_faces(closure)) {}
 
   void link_all() {
     fine_.cell_to_cell.resize(fine_.cell_to_node.size());
-    for (const auto& family : closure_.rebuilt) link_inside(family);
+    for (const auto& family : closure_.rebuilt) link_family(family);
     for (LocalId c = 0; c < old_.n_cells(); ++c)
       if (closure_.action[at(c)] == Action::split) link_split(c);
-    for (const auto& family : closure_.rebuilt) link_outside(family);
   }
 
   /// New faces on the rank border and the rank on their other side.
   const std::vector<BorderFace>& border() const { return border_; }
 
  private:
-  static std::size_t count_rebuilt_faces(const Closure& closure) {
+  static std::size_t count_outer_faces(const Closure& closure) {
     std::size_t n = 0;
-    for (const auto& family : closure.rebuilt) n += 4 * at(family.n_children);
+    // only faces between two such families come here, and only until their twin does
+    for (const auto& family : closure.rebuilt) n += 2 * at(family.n_children) + 8;
     return n;
   }
 
@@ -69,29 +69,25 @@ class Linker {
     const auto next = old_.cell_to_cell[at(c)][at(face)];
     const auto& child_at = pattern.face_to_child[at(face)];
     const auto& slot_at = pattern.face_to_slot[at(face)];
-    const bool is_own = old_.is_own(next);
-    if (is_own && closure_.action[at(next)] == Action::split) {
-      link_by_table(c, next, child_at, slot_at, first);
+    if (old_.is_own(next)) {
+      // a family that was taken back has linked its whole outside already
+      if (closure_.action[at(next)] == Action::split) link_by_table(c, next, child_at, slot_at, first);
       return;
     }
-    const Rank rank = old_.is_ghost(next) ? rank_of_ghost(next) : -1;
+    const Rank rank = next >= 0 ? rank_of_ghost(next) : -1;
     for (int place = 0; place < n_places; ++place) {
       if (child_at[at(place)] < 0) continue;
       const mesh::CellFace mine{first + child_at[at(place)], slot_at[at(place)]};
       if (next < 0)
         set(mine, next);
-      else if (rank >= 0)
-        border_.push_back({mine, rank});
       else
-        match(mine);
+        border_.push_back({mine, rank});
     }
   }
 
   void link_by_table(LocalId c, LocalId next, const std::array<std::int8_t, n_places>& child_at,
                      const std::array<std::int8_t, n_places>& slot_at, LocalId first) {
-    const auto& back = old_.cell_to_cell[at(next)];
-    const int there =
-        static_cast<int>(back[1] == c) + 2 * static_cast<int>(back[2] == c) + 3 * static_cast<int>(back[3] == c);
+    const int there = slot_towards(next, c);
     const auto& child_there = split_pattern[children_.state[at(next)]].face_to_child[at(there)];
     const auto first_there = numbering_.first_child[at(next)];
     if (child_at[whole] >= 0) {
@@ -107,51 +103,94 @@ class Linker {
     if (child_at[centre] >= 0) set({first + child_at[centre], slot_at[centre]}, first_there + child_there[centre]);
   }
 
-  /// Links a face with its twin if that has been seen already.
-  void match(mesh::CellFace face) {
-    const auto twin = table_.find_or_insert(face);
-    if (twin == face) return;
-    set(face, twin.cell);
-    set(twin, face.cell);
-  }
-
-  void link_inside(const RebuiltFamily& family) {
-    const auto first = numbering_.first_child[at(family.first)];
-    for (int n = 0; n < family.n_children; ++n)
-      for (int slot = 0; slot < 4; ++slot) {
-        set({first + n, slot}, invalid_local);
-        match({first + n, slot});
-      }
-  }
-
-  /// What is still open of a family lies on the boundary or on a rank border: as the old face there did.
-  void link_outside(const RebuiltFamily& family) {
-    LocalId cell = numbering_.first_child[at(family.first)];
+  /// Siblings by table, generation by generation; then the outside, face by face.
+  void link_family(const RebuiltFamily& family) {
+    const auto& pattern = split_pattern[at(family.state)];
+    std::array<LocalId, max_children + 1> start{numbering_.first_child[at(family.first)]};
+    for (int child = 0; child < pattern.n_children; ++child)
+      start[at(child) + 1] = start[at(child)] + split_pattern[at(state_of_child(family, child))].n_children;
     for_each_grandchild(family, [&](int child, int state, int grandchild) {
+      const auto cell = start[at(child)] + grandchild;
       for (int slot = 0; slot < 4; ++slot) {
-        if (fine_.cell_to_cell[at(cell)][at(slot)] != invalid_local) continue;
         const int inner = split_pattern[at(state)].child_to_child[at(grandchild)][at(slot)];
-        PAMR_ENSURES(inner < 0);
-        const int link = split_pattern[at(family.state)].child_to_child[at(child)][at(outer_face(inner))];
-        PAMR_ENSURES(link < 0);
-        const auto next = old_neighbour(family.first, outer_face(link), outer_place(link));
-        PAMR_ENSURES(!old_.is_own(next));
-        if (next < 0)
-          set({cell, slot}, next);
+        if (inner >= 0) {
+          set({cell, slot}, start[at(child)] + inner);
+          continue;
+        }
+        const int link = pattern.child_to_child[at(child)][at(outer_face(inner))];
+        if (link >= 0)
+          set({cell, slot}, start[at(link)] + facing(family, child, link, outer_place(inner)));
         else
-          border_.push_back({{cell, slot}, rank_of_ghost(next)});
+          link_outside({cell, slot}, old_face(family.first, outer_face(link), outer_place(link)),
+                       outer_place(inner) == whole ? outer_place(link) : outer_place(inner));
       }
-      ++cell;
     });
   }
 
-  /// Neighbour slot of the member that showed this part of the parent's face; of a face that had no such part, any
-  /// member's there: one rank or patch holds all of its other side.
-  LocalId old_neighbour(LocalId first, int face, int place) const {
+  /// Links a face on the outside of a family, part `place` of the old face `behind`, to what is there now.
+  void link_outside(mesh::CellFace face, mesh::CellFace behind, int place) {
+    const auto next = old_.cell_to_cell[at(behind.cell)][at(behind.slot)];
+    if (next < 0) {
+      set(face, next);
+    } else if (old_.is_ghost(next)) {
+      border_.push_back({face, rank_of_ghost(next)});
+    } else if (closure_.action[at(next)] == Action::split) {
+      const auto twin = part_of(next, slot_towards(next, behind.cell), face, place);
+      set(face, twin.cell);
+      set(twin, face.cell);
+    } else {
+      // two families that were both taken back: the second to come finds the first
+      const auto twin = table_.find_or_insert(face);
+      if (twin == face) return;
+      set(face, twin.cell);
+      set(twin, face.cell);
+    }
+  }
+
+  /// The part of face `there` of old cell `next`, split by its own pattern, that coincides with `face`. A kept corner
+  /// stays in its slot, so the corner that names the part is found in the new cell.
+  mesh::CellFace part_of(LocalId next, int there, mesh::CellFace face, int place) const {
+    const auto& pattern = split_pattern[children_.state[at(next)]];
+    int part = place;
+    if (pattern.face_to_child[at(there)][whole] >= 0)
+      part = whole;
+    else if (place < 4)
+      part = mesh::slot_of(old_.cell_to_node[at(next)], fine_.cell_to_node[at(face.cell)][at(place)]);
+    return {numbering_.first_child[at(next)] + pattern.face_to_child[at(there)][at(part)],
+            pattern.face_to_slot[at(there)][at(part)]};
+  }
+
+  /// Slot of an old cell in which its neighbour `other` stands.
+  int slot_towards(LocalId cell, LocalId other) const {
+    const auto& next = old_.cell_to_cell[at(cell)];
+    return static_cast<int>(next[1] == other) + 2 * static_cast<int>(next[2] == other) +
+           3 * static_cast<int>(next[3] == other);
+  }
+
+  static int state_of_child(const RebuiltFamily& family, int child) {
+    return state_of_mask[family.child_marks[at(child)]];
+  }
+
+  /// The grandchild of `sibling` behind the part `place` of the face that `child` shares with it.
+  static int facing(const RebuiltFamily& family, int child, int sibling, int place) {
+    const auto& pattern = split_pattern[at(family.state)];
+    const auto& back = pattern.child_to_child[at(sibling)];
+    const auto face = std::find(back.begin(), back.end(), child) - back.begin();
+    if (place < 4) {
+      const auto& codes = pattern.child_to_node[at(sibling)];
+      const auto corner = pattern.child_to_node[at(child)][at(place)];
+      place = static_cast<int>(std::find(codes.begin(), codes.end(), corner) - codes.begin());
+    }
+    return split_pattern[at(state_of_child(family, sibling))].face_to_child[at(face)][at(place)];
+  }
+
+  /// The member that showed this part of the parent's face; of a face that had no such part, any member there: one
+  /// rank, patch or cell holds all of its other side, or a family that was taken back too.
+  mesh::CellFace old_face(LocalId first, int face, int place) const {
     const auto& pattern = split_pattern[at(state_of_family(old_.lineage[at(first)]))];
     for (const int p : {place, 0, 1, 2, 3, centre, whole}) {
       const int member = pattern.face_to_child[at(face)][at(p)];
-      if (member >= 0) return old_.cell_to_cell[at(first + member)][at(pattern.face_to_slot[at(face)][at(p)])];
+      if (member >= 0) return {first + member, pattern.face_to_slot[at(face)][at(p)]};
     }
     contract_violated("postcondition", "every face of a parent is shown by a member", __FILE__, __LINE__);
   }
