@@ -11,10 +11,9 @@
 
 namespace pamr::refine {
 
-/// Gives the children in `fine` (nodes, cells and their numbers set) their cell neighbours and rank-border faces. Where
-/// both cells at an old face were split by their own patterns the new neighbour follows from constant tables: no face
-/// is hashed or sorted. Faces of families that were taken back are matched by their nodes, those on rank borders by the
-/// global numbers of their nodes.
+/// Gives the children in `fine` (nodes, cells and their numbers set) their cell neighbours and rank-border faces. New
+/// neighbours follow from constant tables and the old neighbours; only faces between two families that were both taken
+/// back are matched by their nodes, and faces on rank borders by the global numbers of theirs.
 /// Collective: one sparse exchange with the neighbours over the rank border. Cost: constant for each child.
 void relink(const par::Comm& comm, const mesh::DistMesh& old, const Closure& closure, const Numbering& numbering,
             const Children& children, mesh::DistMesh& fine);
