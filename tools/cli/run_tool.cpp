@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cli/run_tool.hpp"
 
+#include <malloc.h>
+
 #include <CLI/CLI.hpp>
 #include <csignal>
 #include <cstdio>
@@ -104,10 +106,19 @@ Ending run(const CommonOptions& options, const std::function<ExitCode(Session&)>
   }
 }
 
+/// Large arrays go back to the system when they are freed. Otherwise glibc learns from the first ones to keep them, and
+/// the stages of a tool add up their peaks.
+void return_freed_memory() {
+#ifdef M_MMAP_THRESHOLD
+  mallopt(M_MMAP_THRESHOLD, 1 << 20);
+#endif
+}
+
 }  // namespace
 
 int run_tool(int argc, char** argv, const ToolInfo& info, const std::function<void(CLI::App&)>& declare,
              const std::function<ExitCode(Session&)>& work) {
+  return_freed_memory();
   const par::Runtime runtime(argc, argv);
   running = &runtime;
   running_tool = &info;

@@ -15,7 +15,7 @@ struct ReadOptions {
   /// Compare the checksums that the file has with its contents; a dataset without one is accepted as it is.
   bool verify_checksums = true;
   /// Largest piece that a rank reads at once, bytes.
-  std::size_t slab_bytes = std::size_t{32} << 20U;
+  std::size_t slab_bytes = std::size_t{8} << 20U;
 };
 
 struct WriteOptions {
@@ -23,7 +23,7 @@ struct WriteOptions {
   /// the mesh brought with it. Nothing that differs from run to run belongs here: equal meshes give equal files.
   std::string provenance;
   /// Largest piece that a rank writes at once, bytes.
-  std::size_t slab_bytes = std::size_t{32} << 20U;
+  std::size_t slab_bytes = std::size_t{8} << 20U;
 };
 
 /// Reads a mesh in the native format (docs/file-format.md): every rank gets a block of cells whose borders are borders
