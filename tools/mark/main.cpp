@@ -57,11 +57,6 @@ constexpr std::array<OptionHelp, 17> criteria_help{{
     {"--only-where", "FIELD:above:V", "limit: only cells where this field is above (or below) V"},
 }};
 
-const std::map<std::string, refine::QualityControl> quality_controls{{"none", refine::QualityControl::none},
-                                                                     {"isotropic", refine::QualityControl::isotropic},
-                                                                     {"short-edge", refine::QualityControl::short_edge},
-                                                                     {"removable", refine::QualityControl::removable}};
-
 void declare(CLI::App& app, Options& options) {
   app.add_option("MESH", options.input, "mesh to read")->required();
   app.add_option("-o,--output", options.output, "mesh to write: the same with the cell field of marks")->required();
@@ -77,7 +72,7 @@ void declare(CLI::App& app, Options& options) {
       ->type_name("N")
       ->check(CLI::PositiveNumber);
   app.add_option("--quality-control", options.quality_control, "of the refinement whose size is predicted")
-      ->check(CLI::IsMember(quality_controls))
+      ->check(CLI::IsMember(refine::quality_control_list()))
       ->capture_default_str();
   app.add_option("--marks", options.marks, "name of the cell field to write")->capture_default_str();
   app.add_flag("--force", options.force, cli::force_help);
@@ -115,7 +110,7 @@ cli::ExitCode run(cli::Session& session, const Options& options) {
   auto mesh = mesh::assemble(comm, io::read_native(comm, options.input));
   mesh::require_valid(comm, mesh, options.input);
   refine::Options refinement;
-  refinement.quality_control = quality_controls.at(options.quality_control);
+  refinement.quality_control = refine::quality_control_named(options.quality_control);
   const auto applied = apply(session, mesh, request, options.input);
   auto marks = mark::marks_of(applied.indicator);
   const auto n_wanted = mark::count_marked(comm, marks);

@@ -2,8 +2,6 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <algorithm>
-#include <map>
 #include <nlohmann/json.hpp>
 #include <string>
 
@@ -28,14 +26,12 @@ struct Options {
 };
 
 void declare(CLI::App& app, Options& options) {
-  std::vector<std::string> names;
-  for (const auto& [name, policy] : refine::quality_control_names) names.emplace_back(name);
   app.add_option("MESH", options.input, "mesh to read, with a cell field of marks")->required();
   auto* output = app.add_option("-o,--output", options.output, "refined mesh to write");
   app.add_option("--marks", options.marks, "integer cell field: 0 keep, 1 split; not in the result")
       ->capture_default_str();
   app.add_option("--quality-control", options.quality_control, "what happens to a closure cell that is hit again")
-      ->check(CLI::IsMember(names))
+      ->check(CLI::IsMember(refine::quality_control_list()))
       ->capture_default_str();
   app.add_flag("--no-project", options.no_project, "leave new boundary nodes in the middle of their edges");
   auto* dry_run = app.add_flag("--dry-run", options.dry_run, "print the exact size of the result, split nothing");
@@ -43,23 +39,6 @@ void declare(CLI::App& app, Options& options) {
   app.parse_complete_callback([output, dry_run] {
     if (output->empty() && dry_run->empty()) throw CLI::RequiredError("--output (or --dry-run)");
   });
-}
-
-refine::QualityControl policy_of(const std::string& wanted) {
-  return std::find_if(refine::quality_control_names.begin(), refine::quality_control_names.end(),
-                      [&](const auto& entry) { return wanted == entry.first; })
-      ->second;
-}
-
-/// Puts the name of the file in front of what is wrong with the mesh in it. `work` may communicate, because an `Error`
-/// reaches every rank.
-template <class Work>
-auto naming(const std::string& file, Work&& work) {
-  try {
-    return work();
-  } catch (const Error& error) {
-    throw Error("file '" + file + "': " + error.what());
-  }
 }
 
 /// Reads the mesh with its cells spread so that flagged cells count eight times: the paper's weights.
@@ -120,7 +99,7 @@ cli::ExitCode work(cli::Session& session, const Options& options) {
   refine_tool::Measured measured;
   measured.bytes_read = refine_tool::bytes_read_so_far() - read_before;
   const auto flags = naming(options.input, [&] { return adapt::flags_from_field(comm, mesh, options.marks); });
-  const refine::Options how{.quality_control = policy_of(options.quality_control),
+  const refine::Options how{.quality_control = refine::quality_control_named(options.quality_control),
                             .project = !options.no_project,
                             .parent_field = true,
                             .marks_field = options.marks};

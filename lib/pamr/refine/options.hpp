@@ -4,7 +4,9 @@
 #include <array>
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <utility>
+#include <vector>
 
 namespace pamr::refine {
 
@@ -23,6 +25,11 @@ inline constexpr std::array<std::pair<const char*, QualityControl>, 4> quality_c
      {"isotropic", QualityControl::isotropic},
      {"short-edge", QualityControl::short_edge},
      {"removable", QualityControl::removable}}};
+
+/// The policy of that name. Throws `Error` for any other name.
+QualityControl quality_control_named(std::string_view name);
+/// All the names, for help texts and checks of command lines.
+std::vector<std::string> quality_control_list();
 
 /// How to refine once.
 struct Options {

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "pamr/refine/options.hpp"
+
+#include "pamr/base/error.hpp"
+
+namespace pamr::refine {
+
+QualityControl quality_control_named(std::string_view wanted) {
+  for (const auto& [name, policy] : quality_control_names)
+    if (wanted == name) return policy;
+  throw Error("quality control: expected none, isotropic, short-edge or removable, found " + std::string(wanted));
+}
+
+std::vector<std::string> quality_control_list() {
+  std::vector<std::string> names;
+  for (const auto& [name, policy] : quality_control_names) names.emplace_back(name);
+  return names;
+}
+
+}  // namespace pamr::refine
