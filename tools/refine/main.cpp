@@ -41,6 +41,17 @@ void declare(CLI::App& app, Options& options) {
   });
 }
 
+/// Puts the name of the file in front of what is wrong with the mesh in it. `work` may communicate, because an `Error`
+/// reaches every rank.
+template <class Work>
+auto naming(const std::string& file, Work&& work) {
+  try {
+    return work();
+  } catch (const Error& error) {
+    throw Error("file '" + file + "': " + error.what());
+  }
+}
+
 /// Reads the mesh with its cells spread so that flagged cells count eight times: the paper's weights.
 mesh::DistMesh read(const par::Comm& comm, const Options& options, StepTimer& timer) {
   auto block = io::read_native(comm, options.input);
