@@ -72,16 +72,23 @@ parallel_jobs() {
   echo $((cores < fitting ? cores : fitting))
 }
 
-# Configures when there is nothing yet, when the folder was made for another checkout, or when the tests were left out
-# so far. Later changes of the build files are noticed by ninja itself.
+# Whether the build folder was configured for this checkout with all that is asked for now.
+is_configured() {
+  local cache=$build/CMakeCache.txt
+  [ -f "$build/build.ninja" ] && grep -qxF "CMAKE_HOME_DIRECTORY:INTERNAL=$root" "$cache" || return 1
+  [ $with_tests = OFF ] || grep -qx 'PAMR_TESTS:BOOL=ON' "$cache" || return 1
+  [ -z "${CI:-}" ] || grep -q '^CMAKE_VERIFY_INTERFACE_HEADER_SETS:.*=ON$' "$cache"
+}
+
+# Later changes of the build files are noticed by ninja itself.
 configure() {
-  local cache=$build/CMakeCache.txt fresh=()
-  if [ -f "$cache" ] && ! grep -qxF "CMAKE_HOME_DIRECTORY:INTERNAL=$root" "$cache"; then fresh=(--fresh); fi
-  if [ ${#fresh[@]} = 0 ] && [ -f "$build/build.ninja" ]; then
-    if [ $with_tests = OFF ] || grep -qx 'PAMR_TESTS:BOOL=ON' "$cache"; then return 0; fi
+  is_configured && return 0
+  local fresh=()
+  if [ -f "$build/CMakeCache.txt" ] && ! grep -qxF "CMAKE_HOME_DIRECTORY:INTERNAL=$root" "$build/CMakeCache.txt"; then
+    fresh=(--fresh) # made for another checkout
   fi
   (cd -- "$root" && cmake --preset release "${fresh[@]}" -B "$build" -DPAMR_TESTS=$with_tests \
-    -DPAMR_BENCH=$with_tests -DPAMR_STRICT="${CI:+ON}")
+    -DPAMR_BENCH=$with_tests -DPAMR_STRICT="${CI:+ON}" -DCMAKE_VERIFY_INTERFACE_HEADER_SETS="${CI:+ON}")
 }
 
 install_packages "${packages[@]}"

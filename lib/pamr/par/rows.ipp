@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "pamr/base/contract.hpp"
+#include "pamr/par/exchange.hpp"
 
 namespace pamr::par {
 
