@@ -79,9 +79,9 @@ struct Shape {
   bool is_flat = true;  ///< one dimension
 };
 
-/// Property lists of the parallel driver, for access to files and for transfers of rows. Each rank writes by itself: its
-/// rows are one large piece of the file, and a collective transfer of Open MPI 4.1 takes 32 MiB more and waits for ever
-/// when one rank runs out of memory in it.
+/// Property lists of the parallel driver, for access to files and for transfers of rows. Each rank writes by itself:
+/// its rows are one large piece of the file, and a collective transfer of Open MPI 4.1 takes 32 MiB more and waits for
+/// ever when one rank runs out of memory in it.
 Handle parallel_access(const par::Comm& comm);
 Handle independent_transfer();
 
