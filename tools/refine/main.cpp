@@ -81,10 +81,11 @@ cli::ExitCode forecast(cli::Session& session, const mesh::DistMesh& mesh, std::s
                        const refine::Options& options) {
   const auto& comm = session.comm();
   const auto size = adapt::dry_run(comm, mesh, flags, options);
-  // at rest: 44 bytes a cell and 32 a node; at the peak the old mesh and the plan of the split are there too
+  // what is there now (the process, the old mesh) and, at the peak, the plan of the split and the new mesh: at rest 44
+  // bytes a cell and 32 a node
   const double nodes_per_cell = static_cast<double>(size.nodes) / static_cast<double>(size.cells);
-  const double here = static_cast<double>(size.cells_on_this_rank) * (44 + 32 * nodes_per_cell) +
-                      static_cast<double>(mesh::bytes_at_rest(mesh)) + 40.0 * static_cast<double>(mesh.n_cells());
+  const double here = static_cast<double>(peak_resident_bytes()) + 40.0 * static_cast<double>(mesh.n_cells()) +
+                      static_cast<double>(size.cells_on_this_rank) * (44 + 32 * nodes_per_cell);
   const auto largest = comm.max(here);
   session.write_report({{"cells_in", mesh.info.n_global_cells},
                         {"nodes_in", mesh.info.n_global_nodes},

@@ -79,17 +79,14 @@ struct Shape {
   bool is_flat = true;  ///< one dimension
 };
 
-/// Property lists of the parallel driver, for access to files and for transfers of rows. Each rank writes by itself:
-/// its rows are one large piece of the file, and a collective transfer of Open MPI 4.1 takes 32 MiB more and waits for
-/// ever when one rank runs out of memory in it.
+/// Access property lists of the parallel driver, for files and for collective transfers.
 Handle parallel_access(const par::Comm& comm);
-Handle independent_transfer();
+Handle collective_transfer();
 
-/// Reads rows `first .. first + n` into memory of the given type; `n` may be 0. Collective unless `transfer` is
-/// independent.
+/// Reads rows `first .. first + n` into memory of the given type. Collective, `n` may be 0 on some ranks.
 bool read_rows(hid_t dataset, const Shape& shape, std::int64_t first, std::int64_t n, mesh::StorageType type, void* to,
                hid_t transfer);
-/// Writes rows `first .. first + n`; `n` may be 0. Collective unless `transfer` is independent.
+/// Writes rows `first .. first + n`. Collective, `n` may be 0 on some ranks.
 bool write_rows(hid_t dataset, const Shape& shape, std::int64_t first, std::int64_t n, hid_t type, const void* from,
                 hid_t transfer);
 

@@ -138,7 +138,7 @@ void Writer::create() {
     H5Pset_obj_track_times(creation.id(), false);
     h5_ = hdf5::take(H5Fcreate(partial_.path().c_str(), H5F_ACC_TRUNC, creation.id(), access.id()), H5Fclose,
                      "file '" + file_.string() + "': cannot create it");
-    transfer_ = hdf5::independent_transfer();
+    transfer_ = hdf5::collective_transfer();
     dataset_properties_ = hdf5::take(H5Pcreate(H5P_DATASET_CREATE), H5Pclose, "cannot make a property list");
     hdf5::require(H5Pset_obj_track_times(dataset_properties_.id(), false) >= 0 &&
                       H5Pset_layout(dataset_properties_.id(), H5D_CONTIGUOUS) >= 0 &&
@@ -228,8 +228,9 @@ void Writer::write_attributes() const {
                            H5T_STD_U64LE);
 }
 
-/// Makes sure of the space before HDF5 opens the file, so that a full disk is noticed here, in a system call: HDF5 1.10
-/// cannot close a file that it cannot complete.
+/// Makes sure of the space before HDF5 opens the file, so that a full disk is noticed here, in a system call. In a
+/// collective write, Open MPI 4.1 loses the error on some ranks, and HDF5 1.10 cannot close a file that it cannot
+/// complete.
 void Writer::make_room() const {
   // Room for the structure of the file besides its data: generous, since it is given back.
   const auto bytes = plan_.data_bytes + 65536 + 4096 * (plan_.arrays.size() + plan_.texts.size());
