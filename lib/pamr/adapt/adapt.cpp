@@ -3,9 +3,11 @@
 
 #include <string>
 
+#include "pamr/base/contract.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/geometry/surface.hpp"
 #include "pamr/mesh/borders.hpp"
+#include "pamr/mesh/validate.hpp"
 #include "pamr/refine/certify.hpp"
 #include "pamr/refine/close.hpp"
 #include "pamr/refine/number.hpp"
@@ -146,6 +148,7 @@ RefineResult refine(const par::Comm& comm, const mesh::DistMesh& mesh, std::span
   refine::relink(comm, mesh, closure, numbering, children, fine);
   timer.lap("relink");
   refine::transfer(mesh, closure, numbering, certificate, certificate.n_off_surface > 0, options, fine);
+  PAMR_ENSURES_AUDIT(mesh::validate(comm, fine).empty());
   timer.lap("transfer");
 
   auto& report = result.report;
