@@ -23,7 +23,7 @@ std::vector<std::uint8_t> mark_box(const mesh::DistMesh& mesh, geometry::Vec3 lo
 
 /// Memory of this process now, bytes.
 std::size_t resident_bytes();
-/// Forgets the peak so far where the system allows it, so that `pamr::peak_now` means what comes next.
+/// Forgets the peak so far where the system allows it, so that `peak_bytes` means what comes next.
 void reset_peak();
 /// Peak since the last reset, bytes.
 std::size_t peak_bytes();

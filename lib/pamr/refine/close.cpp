@@ -141,12 +141,4 @@ Closure close(const par::Comm& comm, const mesh::DistMesh& mesh, const mesh::Bor
   return closure;
 }
 
-std::int64_t count_new_cells(const Closure& closure) {
-  std::int64_t n = 0;
-  for (std::size_t c = 0; c < closure.marks.size(); ++c)
-    if (closure.action[c] == Action::split) n += split_pattern[at(state_of_mask[closure.marks[c]])].n_children;
-  for (const auto& family : closure.rebuilt) n += family.n_children;
-  return n;
-}
-
 }  // namespace pamr::refine

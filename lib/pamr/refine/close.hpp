@@ -26,7 +26,4 @@ namespace pamr::refine {
 Closure close(const par::Comm& comm, const mesh::DistMesh& mesh, const mesh::Borders& borders,
               std::span<const std::uint8_t> flags, QualityControl policy);
 
-/// Cells that this rank will hold after the split.
-std::int64_t count_new_cells(const Closure& closure);
-
 }  // namespace pamr::refine
