@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Speed and memory of one refinement, the refine call alone, on the workloads that the peers were measured on
 // (docs/performance.md): W1 all of K(55) split 1:8; W2 a shell of K(56) with closure; W3 five levels of the cells cut
-// by a sphere in K(14); and `limit`, which writes the same bytes a cell without any logic. Run alone or under mpirun;
-// the first rank prints. Rates are of all ranks together; CPU seconds are summed over the ranks.
+// by a sphere in K(14); and `limit`, which writes the same bytes a cell without any logic. The sizes of 20 are for a
+// quick look. Run alone or under mpirun; the first rank prints. Rates are of all ranks together; CPU seconds are summed
+// over the ranks.
 #include <benchmark/benchmark.h>
 
 #include <memory>
@@ -116,15 +117,16 @@ class Silent : public benchmark::BenchmarkReporter {
 }  // namespace
 
 // Every rank has to run each benchmark the same number of times, so the number is fixed.
-BENCHMARK(limit)->Name("limit")->Arg(55)->UseManualTime()->Iterations(1)->Repetitions(3)->Unit(benchmark::kMillisecond);
-BENCHMARK(uniform)->Name("W1")->Arg(55)->UseManualTime()->Iterations(1)->Repetitions(3)->Unit(benchmark::kMillisecond);
+BENCHMARK(limit)->Name("limit")->Arg(55)->UseManualTime()->Iterations(1)->Repetitions(5)->Unit(benchmark::kMillisecond);
+BENCHMARK(uniform)->Name("W1")->Arg(20)->Arg(55)->UseManualTime()->Iterations(1)->Repetitions(5)->Unit(
+    benchmark::kMillisecond);
 BENCHMARK(shell)
     ->Name("W2")
-    ->ArgsProduct({{56}, {0, 3}})
+    ->ArgsProduct({{20, 56}, {0, 3}})
     ->ArgNames({"n", "policy"})
     ->UseManualTime()
     ->Iterations(1)
-    ->Repetitions(3)
+    ->Repetitions(5)
     ->Unit(benchmark::kMillisecond);
 BENCHMARK(levels)
     ->Name("W3")
@@ -132,7 +134,7 @@ BENCHMARK(levels)
     ->ArgNames({"n", "level"})
     ->UseManualTime()
     ->Iterations(1)
-    ->Repetitions(3)
+    ->Repetitions(5)
     ->Unit(benchmark::kMillisecond);
 
 int main(int argc, char** argv) {

@@ -11,7 +11,7 @@ export OMPI_MCA_rmaps_base_oversubscribe=1 OMPI_MCA_mpi_yield_when_idle=1 OMPI_M
 
 echo "$(date +%F), commit $(git -C "$root" rev-parse --short HEAD), $(sed -n 's/^model name.*: //p' /proc/cpuinfo | head -1), $ranks rank(s), load $(cut -d' ' -f1 /proc/loadavg)"
 columns='Mcells_per_cpu_s Mcells_per_wall_s cells_out bytes_at_rest_per_cell peak_bytes_per_cell largest_rank_peak_MB'
-echo "| workload (medians of 3) | ${columns// / | } |"
+echo "| workload (medians of 5) | ${columns// / | } |"
 echo "|---|---|---|---|---|---|---|"
 for workload in limit/55 W1/55 W2/n:56/policy:0 W2/n:56/policy:3 W3/n:14/level:{1,2,3,4,5}; do
   mpirun -q -n "$ranks" "$bench" "--benchmark_filter=^$workload/" --benchmark_format=csv 2>/dev/null |
