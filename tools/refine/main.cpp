@@ -22,7 +22,7 @@ using namespace pamr;
 
 struct Options {
   std::string input, output, marks = "refine", quality_control = "removable";
-  bool no_project = false, dry_run = false, force = false;
+  bool no_project = false, dry_run = false, force = false, each_rank = false;
 };
 
 void declare(CLI::App& app, Options& options) {
@@ -36,6 +36,7 @@ void declare(CLI::App& app, Options& options) {
   app.add_flag("--no-project", options.no_project, "leave new boundary nodes in the middle of their edges");
   auto* dry_run = app.add_flag("--dry-run", options.dry_run, "print the exact size of the result, split nothing");
   app.add_flag("--force", options.force, cli::force_help);
+  app.add_flag("--each-rank", options.each_rank, "the report lists every rank's share of each step too");
   app.parse_complete_callback([output, dry_run] {
     if (output->empty() && dry_run->empty()) throw CLI::RequiredError("--output (or --dry-run)");
   });
@@ -105,7 +106,7 @@ cli::ExitCode work(cli::Session& session, const Options& options) {
   session.check_input(options.input);
   if (!options.dry_run) session.check_output(options.output, {options.input}, options.force);
 
-  StepTimer timer;
+  StepTimer timer([&] { return comm.traffic(); });
   const auto read_before = refine_tool::bytes_read_so_far();
   auto mesh = read(comm, options, timer);
   refine_tool::Measured measured;
@@ -123,6 +124,8 @@ cli::ExitCode work(cli::Session& session, const Options& options) {
   mesh = {};
   measured.inverted_cells = count_inverted(comm, result.mesh);
   measured.fingerprint = mesh::fingerprint(comm, result.mesh);
+  measured.cells_here = result.mesh.n_cells();
+  measured.lists_ranks = options.each_rank;
   measured.bytes_at_rest = mesh::bytes_at_rest(result.mesh);
   timer.lap(refine_tool::Measured::check_step);
   auto& provenance = result.mesh.info.provenance;

@@ -7,23 +7,39 @@
 #include <fstream>
 #include <numeric>
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace pamr::refine_tool {
 
 namespace {
 
-nlohmann::json over_ranks(const par::Comm& comm, double here) {
-  const auto all = comm.all_gather(here);
+nlohmann::json over_ranks(const std::vector<double>& all) {
   const double sum = std::accumulate(all.begin(), all.end(), 0.0);
   return {{"min", *std::min_element(all.begin(), all.end())},
           {"mean", sum / static_cast<double>(all.size())},
           {"max", *std::max_element(all.begin(), all.end())}};
 }
 
+nlohmann::json over_ranks(const par::Comm& comm, double here) { return over_ranks(comm.all_gather(here)); }
+
+/// What a step took besides its time; one entry for each key of the report.
+std::vector<std::pair<const char*, double>> quantities(const StepTime& step) {
+  const auto& traffic = step.traffic;
+  return {{"compute", step.compute()},
+          {"wait", traffic.wait_wall},
+          {"messages", static_cast<double>(traffic.messages)},
+          {"bytes", static_cast<double>(traffic.bytes)},
+          {"bytes_received", static_cast<double>(traffic.bytes_received)},
+          {"rounds", static_cast<double>(traffic.rounds)},
+          {"reductions", static_cast<double>(traffic.reductions)}};
+}
+
 }  // namespace
 
 nlohmann::json make_report(const par::Comm& comm, const adapt::Report& report, const Measured& measured) {
-  nlohmann::json seconds, cpu_seconds, check_seconds;
+  nlohmann::json seconds, cpu_seconds, check_seconds, steps, of_rank;
+  const auto sent = comm.traffic();  // before the report sends anything itself
   double total = 0, cpu_total = 0;
   for (const auto& step : measured.steps) {
     if (step.step == Measured::check_step) {
@@ -32,6 +48,11 @@ nlohmann::json make_report(const par::Comm& comm, const adapt::Report& report, c
     }
     seconds[step.step] = over_ranks(comm, step.wall);
     cpu_seconds[step.step] = over_ranks(comm, step.cpu);
+    for (const auto& [name, here] : quantities(step)) {
+      const auto all = comm.all_gather(here);
+      steps[step.step][name] = over_ranks(all);
+      if (measured.lists_ranks) of_rank[step.step][name] = all;
+    }
     total += step.wall;
     cpu_total += step.cpu;
   }
@@ -39,29 +60,38 @@ nlohmann::json make_report(const par::Comm& comm, const adapt::Report& report, c
   cpu_seconds["total"] = over_ranks(comm, cpu_total);
   const auto at_rest = comm.sum(static_cast<std::int64_t>(measured.bytes_at_rest));
   const auto peak = static_cast<std::int64_t>(peak_resident_bytes());
-  return {{"cells_in", report.cells_in},
-          {"cells_out", report.cells_out},
-          {"nodes_in", report.nodes_in},
-          {"nodes_out", report.nodes_out},
-          {"marked", report.marked},
-          {"marked_not_split", report.marked_not_split},
-          {"rounds", report.rounds},
-          {"back_off_rounds", report.back_off_rounds},
-          {"families_rebuilt", report.families_rebuilt},
-          {"families_kept", report.families_kept},
-          {"inverted_cells", measured.inverted_cells},
-          {"off_surface_nodes", report.off_surface_nodes},
-          {"fingerprint", fmt::format("{:016x}", measured.fingerprint)},
-          {"ranks", comm.size()},
-          {"peak_rss_bytes", comm.max(peak)},
-          {"peak_rss_bytes_sum", comm.sum(peak)},
-          {"bytes_per_cell_at_rest", static_cast<double>(at_rest) / static_cast<double>(report.cells_out)},
-          {"bytes_sent_max", comm.max(comm.traffic().bytes)},
-          {"messages_sent_max", comm.max(comm.traffic().messages)},
-          {"bytes_read_max", comm.max(measured.bytes_read)},
-          {"seconds", seconds},
-          {"cpu_seconds", cpu_seconds},
-          {"check_seconds", check_seconds}};
+  const auto bytes_sent = comm.max(sent.bytes), messages_sent = comm.max(sent.messages);
+  nlohmann::json json = {
+      {"cells_in", report.cells_in},
+      {"cells_out", report.cells_out},
+      {"nodes_in", report.nodes_in},
+      {"nodes_out", report.nodes_out},
+      {"marked", report.marked},
+      {"marked_not_split", report.marked_not_split},
+      {"rounds", report.rounds},
+      {"back_off_rounds", report.back_off_rounds},
+      {"families_rebuilt", report.families_rebuilt},
+      {"families_kept", report.families_kept},
+      {"inverted_cells", measured.inverted_cells},
+      {"off_surface_nodes", report.off_surface_nodes},
+      {"fingerprint", fmt::format("{:016x}", measured.fingerprint)},
+      {"ranks", comm.size()},
+      {"peak_rss_bytes", comm.max(peak)},
+      {"peak_rss_bytes_sum", comm.sum(peak)},
+      {"bytes_per_cell_at_rest", static_cast<double>(at_rest) / static_cast<double>(report.cells_out)},
+      {"bytes_sent_max", bytes_sent},
+      {"messages_sent_max", messages_sent},
+      {"bytes_read_max", comm.max(measured.bytes_read)},
+      {"seconds", seconds},
+      {"cpu_seconds", cpu_seconds},
+      {"check_seconds", check_seconds},
+      {"steps", steps}};
+  if (measured.lists_ranks) {
+    of_rank["peak_rss_bytes"] = comm.all_gather(peak);
+    of_rank["cells_out"] = comm.all_gather(measured.cells_here);
+    json["of_rank"] = of_rank;
+  }
+  return json;
 }
 
 std::int64_t bytes_read_so_far() {

@@ -19,6 +19,8 @@ struct Measured {
   std::uint64_t fingerprint = 0;    ///< of the result
   std::size_t bytes_at_rest = 0;    ///< of the result
   std::int64_t bytes_read = 0;      ///< from files
+  std::int64_t cells_here = 0;      ///< of the result, on this rank
+  bool lists_ranks = false;         ///< the report also gives each rank's share of every step
 };
 
 /// The JSON report of docs/tools/pamr-refine.md, complete on every rank. Collective.

@@ -109,7 +109,7 @@ std::int64_t count_not_split(const mesh::DistMesh& mesh, std::span<const std::ui
 
 RefineResult refine(const par::Comm& comm, const mesh::DistMesh& mesh, std::span<const std::uint8_t> flags,
                     const refine::Options& options) {
-  StepTimer timer;
+  StepTimer timer([&] { return comm.traffic(); });
   const auto traffic_before = comm.traffic();
   require_flags(comm, mesh, flags);
   const auto surfaces = read_surfaces(comm, mesh, options);
@@ -164,7 +164,7 @@ RefineResult refine(const par::Comm& comm, const mesh::DistMesh& mesh, std::span
   report.rounds = closure.rounds;
   report.back_off_rounds = certificate.rounds;
   report.steps = timer.steps();
-  report.traffic = {comm.traffic().messages - traffic_before.messages, comm.traffic().bytes - traffic_before.bytes};
+  report.traffic = comm.traffic() - traffic_before;
   return result;
 }
 

@@ -22,7 +22,7 @@ struct Report {
   int rounds = 0;               ///< of closing
   int back_off_rounds = 0;      ///< of the projection's certificate
   std::vector<StepTime> steps;  ///< of this rank
-  par::Traffic traffic;         ///< of this rank
+  Traffic traffic;              ///< of this rank
 };
 
 struct RefineResult {

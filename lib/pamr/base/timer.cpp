@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <chrono>
 #include <ctime>
+#include <utility>
 
 namespace pamr {
 
@@ -25,13 +26,35 @@ std::size_t peak_resident_bytes() {
   return static_cast<std::size_t>(usage.ru_maxrss) * 1024;
 }
 
-StepTimer::StepTimer() : last_wall_(wall_seconds()), last_cpu_(cpu_seconds()) {}
+Traffic& Traffic::operator+=(const Traffic& other) {
+  messages += other.messages;
+  bytes += other.bytes;
+  bytes_received += other.bytes_received;
+  rounds += other.rounds;
+  reductions += other.reductions;
+  wait_wall += other.wait_wall;
+  wait_cpu += other.wait_cpu;
+  return *this;
+}
+
+Traffic& Traffic::operator-=(const Traffic& other) {
+  messages -= other.messages;
+  bytes -= other.bytes;
+  bytes_received -= other.bytes_received;
+  rounds -= other.rounds;
+  reductions -= other.reductions;
+  wait_wall -= other.wait_wall;
+  wait_cpu -= other.wait_cpu;
+  return *this;
+}
+
+StepTimer::StepTimer(std::function<Traffic()> traffic) : traffic_(std::move(traffic)) { skip(); }
 
 namespace {
 
 StepTime& step_named(std::vector<StepTime>& steps, const std::string& name) {
   auto entry = std::find_if(steps.begin(), steps.end(), [&](const StepTime& s) { return s.step == name; });
-  if (entry == steps.end()) entry = steps.insert(steps.end(), StepTime{name, 0, 0});
+  if (entry == steps.end()) entry = steps.insert(steps.end(), StepTime{name});
   return *entry;
 }
 
@@ -41,14 +64,17 @@ void StepTimer::lap(const std::string& step) {
   auto& entry = step_named(steps_, step);
   entry.wall -= last_wall_;
   entry.cpu -= last_cpu_;
+  entry.traffic -= last_traffic_;
   skip();
   entry.wall += last_wall_;
   entry.cpu += last_cpu_;
+  entry.traffic += last_traffic_;
 }
 
 void StepTimer::skip() {
   last_wall_ = wall_seconds();
   last_cpu_ = cpu_seconds();
+  if (traffic_) last_traffic_ = traffic_();
 }
 
 std::vector<StepTime> merge_steps(std::vector<StepTime> first, const std::vector<StepTime>& second) {
@@ -56,6 +82,7 @@ std::vector<StepTime> merge_steps(std::vector<StepTime> first, const std::vector
     auto& entry = step_named(first, step.step);
     entry.wall += step.wall;
     entry.cpu += step.cpu;
+    entry.traffic += step.traffic;
   }
   return first;
 }

@@ -22,14 +22,35 @@ void require_success(int code, const char* call) {
 /// MPI counts are ints; anything longer goes in pieces of this many bytes.
 constexpr std::size_t piece = std::size_t{1} << 30U;
 
-template <class T>
-T reduced(MPI_Comm comm, T here, MPI_Datatype type, MPI_Op op) {
-  T result{};
-  require_success(MPI_Allreduce(&here, &result, 1, type, op, comm), "MPI_Allreduce");
-  return result;
+}  // namespace
+
+void Comm::Waiting::resume() {
+  if (is_running_) return;
+  is_running_ = true;
+  traffic_.wait_wall -= wall_seconds();
+  traffic_.wait_cpu -= cpu_seconds();
 }
 
-}  // namespace
+void Comm::Waiting::pause() {
+  if (!is_running_) return;
+  is_running_ = false;
+  traffic_.wait_wall += wall_seconds();
+  traffic_.wait_cpu += cpu_seconds();
+}
+
+template <class Operation>
+void Comm::together(const char* name, Operation operation) const {
+  const Waiting waiting(*this);
+  ++traffic_.reductions;
+  require_success(operation(), name);
+}
+
+template <class T>
+T Comm::reduced(T here, MPI_Datatype type, MPI_Op op) const {
+  T result{};
+  together("MPI_Allreduce", [&] { return MPI_Allreduce(&here, &result, 1, type, op, comm_); });
+  return result;
+}
 
 Comm::Comm(MPI_Comm parent) {
   require_success(MPI_Comm_dup(parent, &comm_), "MPI_Comm_dup");
@@ -44,48 +65,49 @@ Comm::~Comm() {
   if (finalized == 0 && comm_ != MPI_COMM_NULL) MPI_Comm_free(&comm_);
 }
 
-void Comm::barrier() const { require_success(MPI_Barrier(comm_), "MPI_Barrier"); }
+void Comm::barrier() const {
+  together("MPI_Barrier", [&] { return MPI_Barrier(comm_); });
+}
 
-bool Comm::any(bool here) const { return reduced<int>(comm_, here ? 1 : 0, MPI_INT, MPI_MAX) != 0; }
-std::int64_t Comm::sum(std::int64_t here) const { return reduced(comm_, here, MPI_INT64_T, MPI_SUM); }
-std::int64_t Comm::min(std::int64_t here) const { return reduced(comm_, here, MPI_INT64_T, MPI_MIN); }
-std::int64_t Comm::max(std::int64_t here) const { return reduced(comm_, here, MPI_INT64_T, MPI_MAX); }
-double Comm::min(double here) const { return reduced(comm_, here, MPI_DOUBLE, MPI_MIN); }
-double Comm::max(double here) const { return reduced(comm_, here, MPI_DOUBLE, MPI_MAX); }
+bool Comm::any(bool here) const { return reduced<int>(here ? 1 : 0, MPI_INT, MPI_MAX) != 0; }
+std::int64_t Comm::sum(std::int64_t here) const { return reduced(here, MPI_INT64_T, MPI_SUM); }
+std::int64_t Comm::min(std::int64_t here) const { return reduced(here, MPI_INT64_T, MPI_MIN); }
+std::int64_t Comm::max(std::int64_t here) const { return reduced(here, MPI_INT64_T, MPI_MAX); }
+double Comm::min(double here) const { return reduced(here, MPI_DOUBLE, MPI_MIN); }
+double Comm::max(double here) const { return reduced(here, MPI_DOUBLE, MPI_MAX); }
 
 void Comm::sum_in_place(std::span<std::int64_t> values) const {
   const std::vector<std::int64_t> here(values.begin(), values.end());
-  require_success(
-      MPI_Allreduce(here.data(), values.data(), narrow<int>(values.size()), MPI_INT64_T, MPI_SUM, comm_),
-      "MPI_Allreduce");
+  const int n = narrow<int>(values.size());
+  together("MPI_Allreduce", [&] { return MPI_Allreduce(here.data(), values.data(), n, MPI_INT64_T, MPI_SUM, comm_); });
 }
 
 std::int64_t Comm::exclusive_sum(std::int64_t here) const {
   std::int64_t before = 0;
-  require_success(MPI_Exscan(&here, &before, 1, MPI_INT64_T, MPI_SUM, comm_), "MPI_Exscan");
+  together("MPI_Exscan", [&] { return MPI_Exscan(&here, &before, 1, MPI_INT64_T, MPI_SUM, comm_); });
   return rank_ == 0 ? 0 : before;
 }
 
 std::vector<std::int64_t> Comm::all_gather(std::int64_t here) const {
   std::vector<std::int64_t> all(static_cast<std::size_t>(size_));
-  require_success(MPI_Allgather(&here, 1, MPI_INT64_T, all.data(), 1, MPI_INT64_T, comm_), "MPI_Allgather");
+  together("MPI_Allgather", [&] { return MPI_Allgather(&here, 1, MPI_INT64_T, all.data(), 1, MPI_INT64_T, comm_); });
   return all;
 }
 
 std::vector<double> Comm::all_gather(double here) const {
   std::vector<double> all(static_cast<std::size_t>(size_));
-  require_success(MPI_Allgather(&here, 1, MPI_DOUBLE, all.data(), 1, MPI_DOUBLE, comm_), "MPI_Allgather");
+  together("MPI_Allgather", [&] { return MPI_Allgather(&here, 1, MPI_DOUBLE, all.data(), 1, MPI_DOUBLE, comm_); });
   return all;
 }
 
 void Comm::broadcast_raw(std::vector<std::byte>& data, Rank root) const {
   std::int64_t length = static_cast<std::int64_t>(data.size());
-  require_success(MPI_Bcast(&length, 1, MPI_INT64_T, root, comm_), "MPI_Bcast");
+  together("MPI_Bcast", [&] { return MPI_Bcast(&length, 1, MPI_INT64_T, root, comm_); });
   data.resize(static_cast<std::size_t>(length));
   for (std::size_t at = 0; at < data.size(); at += piece)
-    require_success(
-        MPI_Bcast(data.data() + at, static_cast<int>(std::min(piece, data.size() - at)), MPI_BYTE, root, comm_),
-        "MPI_Bcast");
+    together("MPI_Bcast", [&] {
+      return MPI_Bcast(data.data() + at, static_cast<int>(std::min(piece, data.size() - at)), MPI_BYTE, root, comm_);
+    });
 }
 
 std::string Comm::broadcast(std::string text, Rank root) const {
@@ -98,13 +120,18 @@ std::vector<Comm::RawReceived> Comm::sparse_exchange_raw(std::span<const RawMess
   // call's: the closing barrier keeps it from being more than one call ahead.
   const int tag = 100 + next_tag_;
   next_tag_ = 1 - next_tag_;
+  ++traffic_.rounds;
+  ++traffic_.reductions;  // the closing barrier
   std::vector<RawReceived> received;
   std::vector<MPI_Request> sends;
+  Waiting waiting(*this);
   for (const auto& message : messages) {
     PAMR_EXPECTS(message.rank >= 0 && message.rank < size_);
     if (message.data.empty()) continue;
     if (message.rank == rank_) {
+      waiting.pause();
       received.push_back({rank_, {message.data.begin(), message.data.end()}});
+      waiting.resume();
       continue;
     }
     for (std::size_t at = 0; at < message.data.size(); at += piece) {
@@ -120,11 +147,14 @@ std::vector<Comm::RawReceived> Comm::sparse_exchange_raw(std::span<const RawMess
   const auto take = [&](const MPI_Status& status) {
     int count = 0;
     require_success(MPI_Get_count(&status, MPI_BYTE, &count), "MPI_Get_count");
+    waiting.pause();
     auto from = std::find_if(received.begin(), received.end(),
                              [&](const RawReceived& r) { return r.rank == status.MPI_SOURCE; });
     if (from == received.end()) from = received.insert(received.end(), {status.MPI_SOURCE, {}});
     const auto at = from->data.size();
     from->data.resize(at + static_cast<std::size_t>(count));
+    traffic_.bytes_received += count;
+    waiting.resume();
     require_success(MPI_Recv(from->data.data() + at, count, MPI_BYTE, status.MPI_SOURCE, tag, comm_, MPI_STATUS_IGNORE),
                     "MPI_Recv");
   };
@@ -147,6 +177,7 @@ std::vector<Comm::RawReceived> Comm::sparse_exchange_raw(std::span<const RawMess
       }
     }
   }
+  waiting.pause();
   std::sort(received.begin(), received.end(),
             [](const RawReceived& a, const RawReceived& b) { return a.rank < b.rank; });
   return received;
@@ -156,13 +187,17 @@ void Comm::neighbour_exchange(std::span<const Rank> rank, std::span<const std::s
                               std::span<const std::span<std::byte>> receive) const {
   constexpr int tag = 99;
   std::vector<MPI_Request> requests;
-  for (std::size_t i = 0; i < rank.size(); ++i)
+  ++traffic_.rounds;
+  const Waiting waiting(*this);
+  for (std::size_t i = 0; i < rank.size(); ++i) {
+    traffic_.bytes_received += static_cast<std::int64_t>(receive[i].size());
     for (std::size_t at = 0; at < receive[i].size(); at += piece) {
       requests.emplace_back();
       require_success(MPI_Irecv(receive[i].data() + at, static_cast<int>(std::min(piece, receive[i].size() - at)),
                                 MPI_BYTE, rank[i], tag, comm_, &requests.back()),
                       "MPI_Irecv");
     }
+  }
   for (std::size_t i = 0; i < rank.size(); ++i) {
     for (std::size_t at = 0; at < send[i].size(); at += piece) {
       requests.emplace_back();

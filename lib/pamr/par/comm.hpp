@@ -12,15 +12,10 @@
 #include <type_traits>
 #include <vector>
 
+#include "pamr/base/timer.hpp"
 #include "pamr/base/types.hpp"
 
 namespace pamr::par {
-
-/// What this rank has sent through a communicator since it was made.
-struct Traffic {
-  std::int64_t messages = 0;
-  std::int64_t bytes = 0;
-};
 
 /// What one rank received from the others: the items from `rank[i]` are `item[offset[i] .. offset[i+1])`, ranks
 /// ascending.
@@ -59,7 +54,26 @@ class Comm {
   Rank size() const { return size_; }
   bool is_first() const { return rank_ == 0; }
   MPI_Comm handle() const { return comm_; }
+  /// What this rank has sent through this object, and the time it has spent in its calls, since it was made.
   Traffic traffic() const { return traffic_; }
+
+  /// Books time as spent in communication, from its making to its end but for the pauses. For calls of MPI, and of
+  /// libraries that communicate by themselves through `handle()`. Not to be nested. Costs two readings of the clocks.
+  class Waiting {
+   public:
+    explicit Waiting(const Comm& comm) : traffic_(comm.traffic_) { resume(); }
+    ~Waiting() { pause(); }
+    Waiting(const Waiting&) = delete;
+    Waiting& operator=(const Waiting&) = delete;
+    Waiting(Waiting&&) = delete;
+    Waiting& operator=(Waiting&&) = delete;
+    void resume();
+    void pause();
+
+   private:
+    Traffic& traffic_;
+    bool is_running_ = false;
+  };
 
   void barrier() const;
   bool any(bool here) const;
@@ -103,6 +117,11 @@ class Comm {
   };
   std::vector<RawReceived> sparse_exchange_raw(std::span<const RawMessage> messages) const;
   void broadcast_raw(std::vector<std::byte>& data, Rank root) const;
+  /// One operation of all ranks: counts it, times it, and throws `Error` when it fails. `operation` returns MPI's code.
+  template <class Operation>
+  void together(const char* name, Operation operation) const;
+  template <class T>
+  T reduced(T here, MPI_Datatype type, MPI_Op op) const;
 
   MPI_Comm comm_ = MPI_COMM_NULL;
   Rank rank_ = 0;

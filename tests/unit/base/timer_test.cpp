@@ -57,14 +57,47 @@ TEST(StepTimer, LeavesOutWhatIsSkipped) {
   EXPECT_LE(timer.steps().front().wall, wall_seconds() - start - skipped);
 }
 
+TEST(StepTimer, BooksTrafficWithTheStepInWhichItHappened) {
+  Traffic so_far{.messages = 100, .bytes = 7, .wait_cpu = 1};
+  StepTimer timer([&] { return so_far; });
+
+  so_far.messages = 102;
+  timer.lap("close");
+  so_far.messages = 105;
+  so_far.wait_cpu = 1.5;
+  timer.skip();
+  so_far.bytes = 17;
+  so_far.rounds = 2;
+  timer.lap("number");
+  so_far.messages = 106;
+  timer.lap("close");
+
+  const auto& close = timer.steps()[0].traffic;
+  const auto& number = timer.steps()[1].traffic;
+  EXPECT_EQ(close.messages, 3);
+  EXPECT_EQ(close.bytes, 0);
+  EXPECT_EQ(number.messages, 0);
+  EXPECT_EQ(number.bytes, 10);
+  EXPECT_EQ(number.rounds, 2);
+  EXPECT_EQ(close.wait_cpu + number.wait_cpu, 0);
+}
+
+TEST(StepTime, ComputesWhenItDoesNotCommunicate) {
+  const StepTime step{"close", 5, 4, {.wait_wall = 3, .wait_cpu = 2.5}};
+
+  EXPECT_EQ(step.compute(), 1.5);
+}
+
 TEST(MergeSteps, KeepsTheOrderAndAddsEqualNames) {
-  const auto merged = merge_steps({{"read", 1, 2}, {"close", 3, 4}}, {{"write", 5, 6}, {"close", 7, 8}});
+  const auto merged = merge_steps({{"read", 1, 2}, {"close", 3, 4, {.messages = 1}}},
+                                  {{"write", 5, 6}, {"close", 7, 8, {.messages = 2}}});
 
   ASSERT_EQ(merged.size(), 3U);
   EXPECT_EQ(merged[0].step, "read");
   EXPECT_EQ(merged[1].step, "close");
   EXPECT_DOUBLE_EQ(merged[1].wall, 10);
   EXPECT_DOUBLE_EQ(merged[1].cpu, 12);
+  EXPECT_EQ(merged[1].traffic.messages, 3);
   EXPECT_EQ(merged[2].step, "write");
 }
 

@@ -166,6 +166,77 @@ TEST(SparseExchange, CountsWhatItSendsToOthers) {
   const bool to_another = comm.size() > 1;
   EXPECT_EQ(comm.traffic().messages - before.messages, to_another ? 1 : 0);
   EXPECT_EQ(comm.traffic().bytes - before.bytes, to_another ? 24 : 0);
+  EXPECT_EQ(comm.traffic().bytes_received - before.bytes_received, to_another ? 24 : 0);
+  EXPECT_EQ(comm.traffic().rounds - before.rounds, 1);
+  EXPECT_EQ(comm.traffic().reductions - before.reductions, 1);
+}
+
+TEST(NeighbourExchange, CountsWhatItSendsToOthers) {
+  const Comm comm(MPI_COMM_WORLD);
+  const auto before = comm.traffic();
+  std::vector<Rank> others;
+  for (Rank r = 0; r < comm.size(); ++r)
+    if (r != comm.rank()) others.push_back(r);
+  const std::vector<std::byte> mine(5);
+  std::vector<std::vector<std::byte>> theirs(others.size(), std::vector<std::byte>(5));
+
+  comm.neighbour_exchange(others, std::vector<std::span<const std::byte>>(others.size(), mine),
+                          std::vector<std::span<std::byte>>(theirs.begin(), theirs.end()));
+
+  const auto spent = comm.traffic() - before;
+  EXPECT_EQ(spent.messages, comm.size() - 1);
+  EXPECT_EQ(spent.bytes, 5 * (comm.size() - 1));
+  EXPECT_EQ(spent.bytes_received, 5 * (comm.size() - 1));
+  EXPECT_EQ(spent.rounds, 1);
+  EXPECT_EQ(spent.reductions, 0);
+}
+
+TEST(Traffic, CountsOperationsOfAllRanksTogether) {
+  const Comm comm(MPI_COMM_WORLD);
+  const auto before = comm.traffic();
+
+  comm.sum(1);
+  comm.any(false);
+  comm.exclusive_sum(2);
+  comm.all_gather(1.0);
+  comm.barrier();
+
+  EXPECT_EQ((comm.traffic() - before).reductions, 5);
+  EXPECT_EQ((comm.traffic() - before).rounds, 0);
+}
+
+TEST(Traffic, TellsWaitingFromWork) {
+  const Comm comm(MPI_COMM_WORLD);
+  const auto before = comm.traffic();
+  const double wall = wall_seconds(), cpu = cpu_seconds();
+
+  if (comm.is_first())  // the others wait for it
+    while (wall_seconds() - wall < 0.05) {
+    }
+  comm.barrier();
+
+  const auto spent = comm.traffic() - before;
+  EXPECT_GT(spent.wait_wall, 0);
+  EXPECT_LE(spent.wait_wall, wall_seconds() - wall);
+  EXPECT_LE(spent.wait_cpu, cpu_seconds() - cpu);
+}
+
+TEST(Waiting, LeavesOutItsPauses) {
+  const Comm comm(MPI_COMM_WORLD);
+  const double start = wall_seconds();
+  double paused = 0;
+
+  {
+    Comm::Waiting waiting(comm);
+    waiting.pause();
+    const double begin = wall_seconds();
+    while (wall_seconds() - begin < 0.02) {
+    }
+    paused = wall_seconds() - begin;
+    waiting.resume();
+  }
+
+  EXPECT_LE(comm.traffic().wait_wall, wall_seconds() - start - paused);
 }
 
 TEST(SparseExchange, RefusesARankThatDoesNotExist) {
