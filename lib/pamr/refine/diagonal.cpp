@@ -2,6 +2,8 @@
 #include "pamr/refine/diagonal.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
 #include "pamr/geometry/orientation.hpp"
 
@@ -38,6 +40,37 @@ bool earlier_by_coordinates(const SplitPoints& points, int a, int b) {
   return p[0] == q[0] ? geometry::lexicographically_less(p[1], q[1]) : geometry::lexicographically_less(p[0], q[0]);
 }
 
+/// How good the worst inner cell of each diagonal is in a straight cell, comparable among diagonals of equal length.
+/// The four inner cells have an eighth of the volume each, so the one with the largest sum of squared edges is worst.
+/// Each has the diagonal, a half of each of the four edges that the diagonal does not join, and a half of one of the
+/// two edges that it joins: the worst of the longer one. So the sum is less by the shorter one's share.
+std::array<double, 3> worst_straight_shapes(const SplitPoints& points) {
+  std::array<double, 6> squared{};
+  double all = 0;
+  for (std::size_t e = 0; e < 6; ++e) {
+    const auto [a, b] = mesh::tet::edge_to_corner[e];
+    squared[e] = geometry::squared_norm(points[static_cast<std::size_t>(a)] - points[static_cast<std::size_t>(b)]);
+    all += squared[e];
+  }
+  std::array<double, 3> worst{};
+  for (std::size_t d = 0; d < 3; ++d) worst[d] = std::min(squared[d], squared[5 - d]) - all;
+  return worst;
+}
+
+/// Among tied diagonals, those whose worst inner cell is best, equal to rounding.
+void keep_best_shaped(const SplitPoints& points, bool is_straight, std::array<bool, 3>& allowed) {
+  std::array<double, 3> worst{};
+  if (is_straight)
+    worst = worst_straight_shapes(points);
+  else
+    for (std::size_t d = 0; d < 3; ++d)
+      if (allowed[d]) worst[d] = worst_inner_shape(points, static_cast<int>(d));
+  double best = -std::numeric_limits<double>::infinity();
+  for (std::size_t d = 0; d < 3; ++d)
+    if (allowed[d]) best = std::max(best, worst[d]);
+  for (std::size_t d = 0; d < 3; ++d) allowed[d] = allowed[d] && worst[d] >= best - 3 * (rounding - 1) * std::abs(best);
+}
+
 }  // namespace
 
 double shape(const geometry::TetPoints& p) {
@@ -56,47 +89,28 @@ bool all_children_positive(const SplitPoints& points, int state) {
   return true;
 }
 
-int choose_diagonal(const SplitPoints& points, bool must_be_positive) {
+int choose_diagonal(const SplitPoints& points, bool is_straight) {
   std::array<bool, 3> allowed{true, true, true};
-  if (must_be_positive) {
+  if (!is_straight) {
     for (int d = 0; d < 3; ++d) allowed[static_cast<std::size_t>(d)] = inner_children_positive(points, d);
     if (std::none_of(allowed.begin(), allowed.end(), [](bool b) { return b; })) allowed.fill(true);
   }
   std::array<double, 3> squared_length{};
-  double shortest = -1;
-  for (int d = 0; d < 3; ++d) {
-    squared_length[static_cast<std::size_t>(d)] = geometry::squared_norm(
-        points[static_cast<std::size_t>(4 + d)] - points[static_cast<std::size_t>(4 + mesh::tet::opposite_edge(d))]);
-    if (allowed[static_cast<std::size_t>(d)] &&
-        (shortest < 0 || squared_length[static_cast<std::size_t>(d)] < shortest))
-      shortest = squared_length[static_cast<std::size_t>(d)];
+  double shortest = std::numeric_limits<double>::infinity();
+  for (std::size_t d = 0; d < 3; ++d) {
+    squared_length[d] = geometry::squared_norm(points[4 + d] - points[9 - d]);
+    if (allowed[d]) shortest = std::min(shortest, squared_length[d]);
   }
-  int best = -1;
-  double best_shape = 0;
   int n_tied = 0;
-  for (int d = 0; d < 3; ++d) {
-    auto& is_allowed = allowed[static_cast<std::size_t>(d)];
-    is_allowed = is_allowed && squared_length[static_cast<std::size_t>(d)] <= rounding * shortest;
-    if (is_allowed) {
-      best = d;
-      ++n_tied;
-    }
+  for (std::size_t d = 0; d < 3; ++d) {
+    allowed[d] = allowed[d] && squared_length[d] <= rounding * shortest;
+    n_tied += allowed[d] ? 1 : 0;
   }
-  if (n_tied == 1) return best;
-
-  std::array<double, 3> worst{};
+  if (n_tied > 1) keep_best_shaped(points, is_straight, allowed);
+  int best = -1;
   for (int d = 0; d < 3; ++d)
-    if (allowed[static_cast<std::size_t>(d)]) {
-      worst[static_cast<std::size_t>(d)] = worst_inner_shape(points, d);
-      best_shape = std::max(best_shape, worst[static_cast<std::size_t>(d)]);
-    }
-  best = -1;
-  for (int d = 0; d < 3; ++d) {
-    const bool tied = allowed[static_cast<std::size_t>(d)] &&
-                      worst[static_cast<std::size_t>(d)] * rounding * rounding * rounding >= best_shape;
-    if (tied && (best < 0 || earlier_by_coordinates(points, d, best))) best = d;
-  }
-  return best < 0 ? 0 : best;
+    if (allowed[static_cast<std::size_t>(d)] && (best < 0 || earlier_by_coordinates(points, d, best))) best = d;
+  return best;
 }
 
 }  // namespace pamr::refine

@@ -27,9 +27,10 @@ double shape(const geometry::TetPoints& p);
 bool all_children_positive(const SplitPoints& points, int state);
 
 /// The inner diagonal of 1:8: the shortest; among those equal to rounding (squared length within a factor 1 + 2^-40)
-/// the one whose worst inner cell is best; then by coordinates. Never depends on numbering. With `must_be_positive`
-/// only diagonals whose four inner cells are positive by exact arithmetic are looked at, unless there is none. Source:
-/// S. Zhang, Houston J. Math. 21 (1995) for the shortest diagonal; Kuhn cells tie.
-int choose_diagonal(const SplitPoints& points, bool must_be_positive);
+/// the one whose worst inner cell is best; then by coordinates. Never depends on numbering. `is_straight`: every midpoint
+/// lies in the middle of its edge. Otherwise only diagonals whose four inner cells are positive by exact arithmetic are
+/// looked at, unless there is none. Source: S. Zhang, Houston J. Math. 21 (1995) for the shortest diagonal; Kuhn cells
+/// tie.
+int choose_diagonal(const SplitPoints& points, bool is_straight);
 
 }  // namespace pamr::refine

@@ -76,7 +76,7 @@ bool closes_badly(const geometry::TetPoints& corner, EdgeMask marks) {
   double worst = std::popcount(marks) == 3 ? worst_shape(points, state_of_mask[marks]) : 1;
   for (int e = 0; e < 6; ++e)
     if ((marks >> e & 1) != 0) worst = std::min(worst, worst_shape(points, 1 + e));
-  return worst < cubed(poorest_closure) && worst_shape(points, 11 + choose_diagonal(points, false)) > worst;
+  return worst < cubed(poorest_closure) && worst_shape(points, 11 + choose_diagonal(points, true)) > worst;
 }
 
 EdgeMask required_marks(const mesh::DistMesh& mesh, LocalId cell, EdgeMask marks, QualityControl policy) {

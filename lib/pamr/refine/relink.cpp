@@ -5,8 +5,8 @@
 #include <bit>
 
 #include "pamr/base/contract.hpp"
+#include "pamr/base/memory.hpp"
 #include "pamr/mesh/ring.hpp"
-#include "pamr/refine/face_table.hpp"
 #include "pamr/refine/family.hpp"
 #include "pamr/refine/relink_border.hpp"
 
@@ -20,31 +20,22 @@ class Linker {
  public:
   Linker(const mesh::DistMesh& old, const Closure& closure, const Numbering& numbering, const Children& children,
          mesh::DistMesh& fine)
-      : old_(old),
-        closure_(closure),
-        numbering_(numbering),
-        children_(children),
-        fine_(fine),
-        table_(fine.cell_to_node, count_outer_faces(closure)) {}
+      : old_(old), closure_(closure), numbering_(numbering), children_(children), fine_(fine) {}
 
   void link_all() {
-    fine_.cell_to_cell.resize(fine_.cell_to_node.size());
-    for (const auto& family : closure_.rebuilt) link_family(family);
-    for (LocalId c = 0; c < old_.n_cells(); ++c)
+    constexpr mesh::CellNeighbours open{invalid_local, invalid_local, invalid_local, invalid_local};
+    assign_array(fine_.cell_to_cell, fine_.cell_to_node.size(), open);
+    auto family = closure_.rebuilt.begin();
+    for (LocalId c = 0; c < old_.n_cells(); ++c) {
       if (closure_.action[at(c)] == Action::split) link_split(c);
+      if (closure_.action[at(c)] == Action::rebuild) link_family(*family++);
+    }
   }
 
   /// New faces on the rank border and the rank on their other side.
   const std::vector<BorderFace>& border() const { return border_; }
 
  private:
-  static std::size_t count_outer_faces(const Closure& closure) {
-    std::size_t n = 0;
-    // only faces between two such families come here, and only until their twin does
-    for (const auto& family : closure.rebuilt) n += 2 * at(family.n_children) + 8;
-    return n;
-  }
-
   void set(mesh::CellFace face, LocalId neighbour) { fine_.cell_to_cell[at(face.cell)][at(face.slot)] = neighbour; }
 
   Rank rank_of_ghost(LocalId slot) const {
@@ -70,7 +61,7 @@ class Linker {
     const auto& child_at = pattern.face_to_child[at(face)];
     const auto& slot_at = pattern.face_to_slot[at(face)];
     if (old_.is_own(next)) {
-      // a family that was taken back has linked its whole outside already
+      // a family that is taken back links its outside itself, to both sides
       if (closure_.action[at(next)] == Action::split) link_by_table(c, next, child_at, slot_at, first);
       return;
     }
@@ -139,12 +130,32 @@ class Linker {
       set(face, twin.cell);
       set(twin, face.cell);
     } else {
-      // two families that were both taken back: the second to come finds the first
-      const auto twin = table_.find_or_insert(face);
-      if (twin == face) return;
+      // two families that were both taken back: the second to come finds the open face of the first
+      const auto first_there = next - old_.lineage[at(next)].child();
+      if (numbering_.first_child[at(first_there)] > face.cell) return;
+      const auto twin = find_open(first_there, face);
       set(face, twin.cell);
       set(twin, face.cell);
     }
+  }
+
+  /// The face without neighbour, in the children of the family of that first member, that coincides with `face`.
+  mesh::CellFace find_open(LocalId first_member, mesh::CellFace face) const {
+    const auto corners = [this](mesh::CellFace f) {
+      auto nodes = fine_.cell_to_node[at(f.cell)];
+      std::swap(nodes[at(f.slot)], nodes[3]);
+      return nodes;
+    };
+    const auto wanted = corners(face);
+    const auto begin = numbering_.first_child[at(first_member)];
+    const auto end = numbering_.first_child[at(first_member + old_.lineage[at(first_member)].family_size())];
+    for (auto cell = begin; cell < end; ++cell)
+      for (int slot = 0; slot < 4; ++slot) {
+        if (fine_.cell_to_cell[at(cell)][at(slot)] != invalid_local) continue;
+        const auto found = corners({cell, slot});
+        if (std::is_permutation(wanted.begin(), wanted.begin() + 3, found.begin())) return {cell, slot};
+      }
+    contract_violated("postcondition", "families side by side show each other the same faces", __FILE__, __LINE__);
   }
 
   /// The part of face `there` of old cell `next`, split by its own pattern, that coincides with `face`. A kept corner
@@ -200,7 +211,6 @@ class Linker {
   const Numbering& numbering_;
   const Children& children_;
   mesh::DistMesh& fine_;
-  FaceTable table_;
   std::vector<BorderFace> border_;
 };
 

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "pamr/base/contract.hpp"
+#include "pamr/base/memory.hpp"
 #include "pamr/refine/diagonal.hpp"
 #include "pamr/refine/family.hpp"
 
@@ -34,9 +35,9 @@ class Splitter {
            const std::vector<Vec3>& position)
       : mesh_(mesh), closure_(closure), numbering_(numbering), position_(position) {
     const auto n = at(numbering.first_child.back());
-    children_.cell_to_node.resize(n);
-    children_.lineage.resize(n);
-    children_.cell_global.resize(n);
+    reserve_array(children_.cell_to_node, n);
+    reserve_array(children_.lineage, n);
+    reserve_array(children_.cell_global, n);
     children_.state.assign(at(mesh.n_cells()), 0);
   }
 
@@ -63,14 +64,15 @@ class Splitter {
                        [](EdgeMask m) { return m != 0; });
   }
 
-  void write(LocalId child, GlobalId global, const mesh::CellNodes& nodes, mesh::Lineage lineage) {
-    children_.cell_to_node[at(child)] = nodes;
-    children_.lineage[at(child)] = lineage;
-    children_.cell_global[at(child)] = global;
+  /// Children come in ascending order, so they are simply appended.
+  void append(GlobalId global, const mesh::CellNodes& nodes, mesh::Lineage lineage) {
+    children_.cell_to_node.push_back(nodes);
+    children_.lineage.push_back(lineage);
+    children_.cell_global.push_back(global);
   }
 
   void keep(LocalId c, mesh::Lineage lineage) {
-    write(numbering_.first_child[at(c)], numbering_.first_child_global[at(c)], mesh_.cell_to_node[at(c)], lineage);
+    append(numbering_.first_child_global[at(c)], mesh_.cell_to_node[at(c)], lineage);
   }
 
   static mesh::Lineage lineage_of(int state, int child, int base_level) {
@@ -101,7 +103,7 @@ class Splitter {
       is_straight = is_straight && points[at(4 + e)] == geometry::midpoint(points[at(p)], points[at(q)]);
     }
     int state = state_of_mask[marks];
-    if (state == 11) state += choose_diagonal(points, !is_straight);
+    if (state == 11) state += choose_diagonal(points, is_straight);
     children_.state[at(c)] = static_cast<std::uint8_t>(state);
 
     const auto& pattern = split_pattern[at(state)];
@@ -110,8 +112,8 @@ class Splitter {
     const int level = mesh_.lineage[at(c)].level();
     for (int child = 0; child < pattern.n_children; ++child) {
       const auto& code = pattern.child_to_node[at(child)];
-      write(first + child, global + child, {node[at(code[0])], node[at(code[1])], node[at(code[2])], node[at(code[3])]},
-            lineage_of(state, child, level));
+      append(global + child, {node[at(code[0])], node[at(code[1])], node[at(code[2])], node[at(code[3])]},
+             lineage_of(state, child, level));
     }
     if (!is_safely_positive(points))
       for (int child = 0; child < pattern.n_children; ++child) children_.suspects.push_back(first + child);
@@ -164,7 +166,7 @@ class Splitter {
         }
       }
       const auto made = lineage_of(family.state, child, level);
-      write(first + n, global + n, cell, state == 0 ? made : lineage_of(state, grandchild, made.level()));
+      append(global + n, cell, state == 0 ? made : lineage_of(state, grandchild, made.level()));
       children_.suspects.push_back(first + n);
       ++n;
     });
