@@ -1,0 +1,139 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: GPL-3.0-or-later
+# Sets PAMR's refinement beside that of the codes that Debian packages: the same workloads (docs/performance.md), one
+# process each, on this machine in this run. Prints one Markdown table with ratios, and what the table needs to be read.
+#
+#   tests/bench/compare.sh [options] [BUILD]     BUILD: folder with the benchmarks (default build/release)
+#
+#   --small          sizes for a quick look: W1 and W2 on K(20), two levels of W3
+#   --levels N       levels of W3 (default 5)
+#   --budget S       CPU seconds for each peer and workload, after which it gets no further run or level; the first run
+#                    always ends (default 30)
+#   --peers "A B"    some of: netgen dolfinx dmplex gmsh (default all)
+#   --install        first install the peers' packages with apt
+#
+# Peers that are not installed are named in the table. Environment: PAMR_PEER_PYTHON (default /usr/bin/python3, Debian's
+# own, which sees the packages), PAMR_PEER_CXX (default mpicxx).
+set -euo pipefail
+
+root=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")/../.." && pwd)
+here=$root/tests/bench/compare
+python=${PAMR_PEER_PYTHON:-/usr/bin/python3}
+compiler=${PAMR_PEER_CXX:-mpicxx}
+
+declare -A packages=(
+  [netgen]="libnglib-dev netgen-headers libopenmpi-dev"
+  [dolfinx]="python3-dolfinx python3-numpy"
+  [dmplex]="python3-petsc4py python3-numpy"
+  [gmsh]="python3-gmsh python3-numpy"
+)
+declare -A workloads=([netgen]="W1 W2 W3" [dolfinx]="W1 W2 W3" [dmplex]="W1" [gmsh]="W1")
+
+n_uniform=55 n_shell=56 n_levels=14 levels=5 budget=30 repeats=5 peers="netgen dolfinx dmplex gmsh" install=no build=
+arguments="$*"
+while [ $# -gt 0 ]; do
+  case $1 in
+    --small) n_uniform=20 n_shell=20 levels=2 ;;
+    --levels) levels=${2:?}; shift ;;
+    --budget) budget=${2:?}; shift ;;
+    --peers) peers=${2?}; shift ;;
+    --install) install=yes ;;
+    -h | --help) sed -n '3,17s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
+    -*) echo "compare.sh: unknown option $1 (see compare.sh --help)" >&2; exit 2 ;;
+    *) build=$1 ;;
+  esac
+  shift
+done
+build=${build:-$root/build/release}
+for peer in $peers; do
+  [ -n "${packages[$peer]:-}" ] || { echo "compare.sh: expected peers among ${!packages[*]}, found $peer" >&2; exit 2; }
+done
+if ! [[ $levels =~ ^[1-5]$ ]]; then
+  echo "compare.sh: expected 1 to 5 levels, found $levels" >&2
+  exit 2
+fi
+bench=$build/tests/bench/bench_refine quality=$build/tests/bench/bench_quality_control
+for program in "$bench" "$quality"; do
+  [ -x "$program" ] || { echo "compare.sh: no $program: build with -DPAMR_BENCH=ON first" >&2; exit 2; }
+done
+
+results=$(mktemp -d)
+trap 'rm -rf -- "$results"' EXIT
+export OMP_NUM_THREADS=1 PYTHONDONTWRITEBYTECODE=1
+export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 OMPI_MCA_btl_vader_single_copy_mechanism=none
+
+install_peers() {
+  local wanted=() peer as_root=()
+  for peer in $peers; do read -ra wanted <<<"${wanted[*]} ${packages[$peer]}"; done
+  [ "$(id -u)" = 0 ] || as_root=(sudo)
+  "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -q install -y --no-install-recommends "${wanted[@]}" >&2
+}
+
+is_installed() {
+  case $1 in
+    netgen) command -v "$compiler" >/dev/null && [ -e /usr/include/netgen/meshing/meshclass.hpp ] ;;
+    dolfinx) "$python" -c 'import dolfinx, mpi4py, numpy' ;;
+    dmplex) "$python" -c 'import petsc4py.PETSc, numpy' ;;
+    gmsh) "$python" -c 'import gmsh, numpy' ;;
+  esac 2>/dev/null
+}
+
+# netgen's library is built with MPI, which shows in the layout of its mesh class.
+build_netgen() {
+  local folder version
+  folder=/usr/lib/$("$compiler" -print-multiarch)/netgen
+  version=$(basename -- "$(readlink -f "$folder/libmesh.so")")
+  "$compiler" -std=c++17 -O2 -w -DPARALLEL "-DNETGEN_VERSION_NAME=\"${version#libmesh.so.}\"" \
+    -I/usr/include/netgen -I/usr/include/netgen/include "$here/netgen_peer.cpp" -o "$results/netgen_peer" \
+    "-L$folder" "-Wl,-rpath,$folder" -lmesh -linterface -lngcore
+}
+
+size_of() {
+  case $1 in
+    W1) echo "$n_uniform 1" ;;
+    W2) echo "$n_shell 1" ;;
+    W3) echo "$n_levels $levels" ;;
+  esac
+}
+
+# Lines of JSON to <peer>.json; why there are none, to <peer>.note.
+run_peer() {
+  local peer=$1 program=("$python" "$here/$1_peer.py") workload size
+  if ! is_installed "$peer"; then
+    echo "not installed (${packages[$peer]})" >"$results/$peer.note"
+    return
+  fi
+  if [ "$peer" = netgen ]; then
+    program=("$results/netgen_peer")
+    if ! build_netgen; then
+      echo "could not be built" >"$results/$peer.note"
+      return
+    fi
+  fi
+  for workload in ${workloads[$peer]}; do
+    echo "compare.sh: $peer, $workload" >&2
+    read -ra size <<<"$(size_of "$workload")"
+    "${program[@]}" "$workload" "${size[@]}" "$repeats" "$budget" >>"$results/$peer.json" ||
+      echo "$workload ended with code $?" >>"$results/$peer.note"
+  done
+}
+
+run_ours() {
+  local name level
+  for name in "W1/$n_uniform" "W2/n:$n_shell/policy:3" $(for level in $(seq "$levels"); do
+    echo "W3/n:$n_levels/level:$level"
+  done); do
+    echo "compare.sh: PAMR, $name" >&2
+    "$bench" "--benchmark_filter=^$name/" --benchmark_format=csv 2>/dev/null >>"$results/pamr.csv"
+  done
+  "$quality" cube "$n_levels" "$levels" >"$results/pamr.quality"
+}
+
+[ $install = no ] || install_peers
+run_ours
+for peer in $peers; do run_peer "$peer"; done
+
+echo "$(date +%F), commit $(git -C "$root" rev-parse --short HEAD 2>/dev/null || echo unknown), $(sed -n 's/^model name.*: //p' /proc/cpuinfo | head -1), $(nproc --all) cores, load $(cut -d' ' -f1 /proc/loadavg). Command: \`tests/bench/compare.sh${arguments:+ $arguments}\`."
+echo
+read -ra peer_list <<<"$peers"
+python3 -B "$here/table.py" "$results" "${peer_list[@]}"

@@ -1,0 +1,110 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The table of compare.sh: medians of ours and of the peers, ratios, and notes on what a row holds.
+
+Usage: table.py RESULTS PEER...   RESULTS holds pamr.csv (Google Benchmark), pamr.quality (bench_quality_control),
+<peer>.json (lines as printed by the peers) and <peer>.note (why a peer has none)
+"""
+import csv
+import json
+import pathlib
+import re
+import statistics
+import sys
+
+HEAD = ["workload", "code", "cells out", "CPU s", "M cells / CPU s", "ours / theirs", "with neighbours: M cells / CPU s",
+        "ours / theirs", "peak bytes / cell out", "worst mean ratio", "runs"]
+NEIGHBOURS = {
+    "netgen": "faces of the cells: part of bisection, by `UpdateTopology` after uniform refinement",
+    "dolfinx": "by `create_entities(2)` and `create_connectivity`; the edges that `refine` needs are made before it is timed",
+    "dmplex": "part of the call; uniform only: the adaptive transform `refine_sbr` takes no tetrahedra",
+    "gmsh": "none; uniform only",
+}
+
+
+def our_rows(folder):
+    """{(workload, level): row} with the keys of `peer_rows`; neighbours are part of the call."""
+    worst = {}
+    for line in (folder / "pamr.quality").read_text().splitlines():
+        cells = [cell.strip() for cell in line.strip("|").split("|")]
+        if cells[0] == "removable":
+            worst["W3", int(cells[1])] = float(cells[4])
+    runs = {}
+    with open(folder / "pamr.csv", encoding="utf-8", newline="") as lines:
+        for line in csv.reader(lines):
+            if line[0] == "name":
+                columns = line
+            elif not re.search(r"_(mean|median|stddev|cv)$", line[0]):
+                workload, level = re.match(r"(W\d)(?:.*level:(\d+))?", line[0]).groups()
+                runs.setdefault((workload, int(level or 1)), []).append(dict(zip(columns, line)))
+    rows = {}
+    for key, group in runs.items():
+        cells = float(group[0]["cells_out"])
+        cpu = statistics.median(1e-6 * cells / float(run["Mcells_per_cpu_s"]) for run in group)
+        # Runs after the first find memory of the one before; the greatest peak is that of a fresh process.
+        peak = max(float(run["peak_bytes_per_cell"]) for run in group)
+        rows[key] = {"code": "PAMR", "cells": cells, "cpu": cpu, "all_cpu": cpu, "peak": peak, "worst": worst.get(key),
+                     "runs": len(group)}
+    return rows
+
+
+def peer_rows(folder, peer):
+    runs = {}
+    path = folder / f"{peer}.json"
+    for line in path.read_text().splitlines() if path.exists() else []:
+        run = json.loads(line)
+        runs.setdefault((run["workload"], run["level"]), []).append(run)
+    rows = {}
+    for key, group in runs.items():
+        first = group[0]
+        cpu = statistics.median(run["cpu"] for run in group)
+        all_cpu = statistics.median(run["cpu"] + run.get("relate_cpu", 0) for run in group)
+        rows[key] = {"code": first["peer"], "cells": first["cells"], "cpu": cpu,
+                     "all_cpu": None if peer == "gmsh" else all_cpu, "peak": first["peak"] / first["cells"],
+                     "worst": first.get("worst"), "runs": len(group)}
+    return rows
+
+
+def rate(row, key):
+    return 1e-6 * row["cells"] / row[key] if row and row[key] else None
+
+
+def number(value, digits=3):
+    if value is None:
+        return "-"
+    return f"{value:.{digits}g}" if value < 100 else f"{value:.0f}"
+
+
+def format_row(name, row, ours):
+    values = [name, row["code"], f"{row['cells']:,.0f}", number(row["cpu"])]
+    for key in "cpu", "all_cpu":
+        its, our = rate(row, key), rate(ours, key)
+        is_ours = row is ours
+        values += [number(its), "1" if is_ours else number(our / its) if its and our else "-"]
+    return values + [number(row["peak"]), number(row["worst"]), str(row["runs"])]
+
+
+def main():
+    folder, peers = pathlib.Path(sys.argv[1]), sys.argv[2:]
+    ours = our_rows(folder)
+    theirs = {peer: peer_rows(folder, peer) for peer in peers}
+    print("| " + " | ".join(HEAD) + " |")
+    print("|" + "---|" * len(HEAD))
+    for key in sorted(ours):
+        name = f"W3 level {key[1]}" if key[0] == "W3" else key[0]
+        for row in [ours[key]] + [theirs[peer][key] for peer in peers if key in theirs[peer]]:
+            print("| " + " | ".join(format_row(name, row, ours[key])) + " |")
+    for peer in peers:
+        note = folder / f"{peer}.note"
+        for line in note.read_text().splitlines() if note.exists() else []:
+            print("| " + " | ".join(["-", f"{peer}: {line}"] + ["-"] * (len(HEAD) - 2)) + " |")
+    print("\nPAMR: neighbours, global ids and lineage are part of the call; W2 and W3 with the default quality control.")
+    last = max(level for workload, level in ours if workload == "W3")
+    for peer in peers:
+        if not theirs[peer]:
+            continue
+        reached = max((level for workload, level in theirs[peer] if workload == "W3"), default=None)
+        limit = f"; W3 up to level {reached} within the budget" if reached and reached < last else ""
+        print(f"{peer}: neighbours: {NEIGHBOURS[peer]}{limit}.")
+
+
+main()
