@@ -10,6 +10,7 @@
 
 #include "bench/workloads.hpp"
 #include "pamr/adapt/adapt.hpp"
+#include "pamr/base/memory.hpp"
 #include "pamr/base/timer.hpp"
 #include "pamr/par/runtime.hpp"
 
@@ -64,29 +65,39 @@ void shell(benchmark::State& state) {
   run(state, mesh, bench::mark_shell(mesh, 0.35, 0.06), before, static_cast<refine::QualityControl>(state.range(1)));
 }
 
-void levels(benchmark::State& state) {
+void levels(benchmark::State& state, refine::QualityControl policy) {
   const auto before = bench::resident_bytes();
   auto mesh = bench::cube(*world, static_cast<int>(state.range(0)));
   for (int level = 1; level < state.range(1); ++level)
-    mesh =
-        adapt::refine(*world, mesh, bench::mark_crossing(mesh, 0.35), {.parent_field = false, .marks_field = ""}).mesh;
-  run(state, mesh, bench::mark_crossing(mesh, 0.35), before);
+    mesh = adapt::refine(*world, mesh, bench::mark_crossing(mesh, 0.35),
+                         {.quality_control = policy, .parent_field = false, .marks_field = ""})
+               .mesh;
+  run(state, mesh, bench::mark_crossing(mesh, 0.35), before, policy);
 }
 
-/// Writes as many bytes for each cell as a mesh at rest holds, to fresh memory.
-void limit(benchmark::State& state) {
+template <class T>
+std::vector<T> fresh(std::size_t n, bool in_large_pages) {
+  std::vector<T> array;
+  if (in_large_pages) reserve_array(array, n);
+  array.resize(n);
+  return array;
+}
+
+/// Writes as many bytes for each cell as a mesh at rest holds, to fresh memory, in the system's ordinary pages or, as
+/// the library does, in large ones.
+void limit(benchmark::State& state, bool in_large_pages) {
   const auto n = static_cast<std::size_t>(6 * 8 * state.range(0) * state.range(0) * state.range(0) / world->size());
   for (auto _ : state) {
     const auto before = bench::resident_bytes();
     bench::reset_peak();
     world->barrier();
     const Stopwatch start;
-    std::vector<mesh::CellNodes> nodes(n);
-    std::vector<mesh::CellNeighbours> neighbours(n);
-    std::vector<GlobalId> global(n);
-    std::vector<mesh::Lineage> lineage(n);
-    std::vector<geometry::Vec3> position(n / 6);
-    std::vector<GlobalId> node_global(n / 6);
+    auto nodes = fresh<mesh::CellNodes>(n, in_large_pages);
+    auto neighbours = fresh<mesh::CellNeighbours>(n, in_large_pages);
+    auto global = fresh<GlobalId>(n, in_large_pages);
+    auto lineage = fresh<mesh::Lineage>(n, in_large_pages);
+    auto position = fresh<geometry::Vec3>(n / 6, in_large_pages);
+    auto node_global = fresh<GlobalId>(n / 6, in_large_pages);
     for (std::size_t c = 0; c < n; ++c) {
       const auto id = static_cast<LocalId>(c);
       nodes[c] = {id, id + 1, id + 2, id + 3};
@@ -117,7 +128,20 @@ class Silent : public benchmark::BenchmarkReporter {
 }  // namespace
 
 // Every rank has to run each benchmark the same number of times, so the number is fixed.
-BENCHMARK(limit)->Name("limit")->Arg(55)->UseManualTime()->Iterations(1)->Repetitions(5)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(limit, ordinary pages, false)
+    ->Name("limit")
+    ->Arg(55)
+    ->UseManualTime()
+    ->Iterations(1)
+    ->Repetitions(5)
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(limit, large pages, true)
+    ->Name("limit-large-pages")
+    ->Arg(55)
+    ->UseManualTime()
+    ->Iterations(1)
+    ->Repetitions(5)
+    ->Unit(benchmark::kMillisecond);
 BENCHMARK(uniform)->Name("W1")->Arg(20)->Arg(55)->UseManualTime()->Iterations(1)->Repetitions(5)->Unit(
     benchmark::kMillisecond);
 BENCHMARK(shell)
@@ -128,8 +152,16 @@ BENCHMARK(shell)
     ->Iterations(1)
     ->Repetitions(5)
     ->Unit(benchmark::kMillisecond);
-BENCHMARK(levels)
+BENCHMARK_CAPTURE(levels, removable, refine::QualityControl::removable)
     ->Name("W3")
+    ->ArgsProduct({{14}, {1, 2, 3, 4, 5}})
+    ->ArgNames({"n", "level"})
+    ->UseManualTime()
+    ->Iterations(1)
+    ->Repetitions(5)
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(levels, none, refine::QualityControl::none)
+    ->Name("W3-none")
     ->ArgsProduct({{14}, {1, 2, 3, 4, 5}})
     ->ArgNames({"n", "level"})
     ->UseManualTime()
