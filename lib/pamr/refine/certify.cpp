@@ -36,6 +36,7 @@ std::vector<LocalId> cells_to_check(const mesh::DistMesh& fine, const std::vecto
       if (std::any_of(nodes.begin(), nodes.end(), [&](LocalId n) { return movable_of[at(n)] >= 0; }))
         cells.push_back(c);
     }
+  if (movable_of.empty()) return cells;
   std::sort(cells.begin(), cells.end());
   cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
   return cells;

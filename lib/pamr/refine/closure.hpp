@@ -24,6 +24,7 @@ struct RebuiltFamily {
   LocalId first = invalid_local;  ///< first member
   int state = 0;                  ///< how the parent is split now
   int n_children = 0;             ///< cells that it becomes, second generation included
+  bool is_safe = false;           ///< straight and so far from flat that rounding turns no child over
   std::array<EdgeMask, max_children> child_marks{};
 };
 

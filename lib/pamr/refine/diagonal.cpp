@@ -81,6 +81,26 @@ double shape(const geometry::TetPoints& p) {
   return v * std::abs(v) / (squares * squares * squares);
 }
 
+bool is_straight(const SplitPoints& points, EdgeMask mask) {
+  for (std::size_t e = 0; e < 6; ++e) {
+    if ((mask >> e & 1) == 0) continue;
+    const auto [a, b] = mesh::tet::edge_to_corner[e];
+    if (!(points[4 + e] ==
+          geometry::midpoint(points[static_cast<std::size_t>(a)], points[static_cast<std::size_t>(b)])))
+      return false;
+  }
+  return true;
+}
+
+bool is_far_from_flat(const SplitPoints& points) {
+  const Vec3 a = points[1] - points[0], b = points[2] - points[0], c = points[3] - points[0];
+  const double span = std::max({geometry::squared_norm(a), geometry::squared_norm(b), geometry::squared_norm(c)});
+  double largest = 0;
+  for (std::size_t i = 0; i < 4; ++i)
+    largest = std::max({largest, std::abs(points[i].x), std::abs(points[i].y), std::abs(points[i].z)});
+  return geometry::dot(geometry::cross(a, b), c) > 0x1p-41 * (largest + std::sqrt(span)) * span;
+}
+
 bool all_children_positive(const SplitPoints& points, int state) {
   for (int child = 0; child < split_pattern[static_cast<std::size_t>(state)].n_children; ++child) {
     const auto p = child_points(points, state, child);

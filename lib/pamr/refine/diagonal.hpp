@@ -26,11 +26,18 @@ double shape(const geometry::TetPoints& p);
 /// True when every child of that state has positive volume by exact arithmetic.
 bool all_children_positive(const SplitPoints& points, int state);
 
+/// True when every midpoint lies in the middle of its edge. `mask`: edges to look at.
+bool is_straight(const SplitPoints& points, EdgeMask mask = all_edges);
+
+/// True when halving the edges of this cell, and once more those of its children, cannot turn a child over: its volume
+/// is far above what the rounding of midpoints (half a unit in the last place of the largest coordinate) can change.
+bool is_far_from_flat(const SplitPoints& points);
+
 /// The inner diagonal of 1:8: the shortest; among those equal to rounding (squared length within a factor 1 + 2^-40)
-/// the one whose worst inner cell is best; then by coordinates. Never depends on numbering. `is_straight`: every midpoint
-/// lies in the middle of its edge. Otherwise only diagonals whose four inner cells are positive by exact arithmetic are
-/// looked at, unless there is none. Source: S. Zhang, Houston J. Math. 21 (1995) for the shortest diagonal; Kuhn cells
-/// tie.
+/// the one whose worst inner cell is best; then by coordinates. Never depends on numbering. `is_straight`: every
+/// midpoint lies in the middle of its edge. Otherwise only diagonals whose four inner cells are positive by exact
+/// arithmetic are looked at, unless there is none. Source: S. Zhang, Houston J. Math. 21 (1995) for the shortest
+/// diagonal; Kuhn cells tie.
 int choose_diagonal(const SplitPoints& points, bool is_straight);
 
 }  // namespace pamr::refine

@@ -80,8 +80,9 @@ RebuiltFamily plan_family(const mesh::DistMesh& mesh, const FamilyView& family) 
   plan.first = family.first;
   const auto points = family_points(mesh, family);
   plan.state = state_of_mask[family.parent_marks];
-  if (plan.state == 11) plan.state += choose_diagonal(points, false);
-  if (plan.state < 0 || !all_children_positive(points, plan.state)) {
+  plan.is_safe = is_straight(points) && is_far_from_flat(points);
+  if (plan.state == 11) plan.state += choose_diagonal(points, plan.is_safe);
+  if (plan.state < 0 || !(plan.is_safe || all_children_positive(points, plan.state))) {
     plan.state = -1;
     return plan;
   }

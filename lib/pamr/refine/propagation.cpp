@@ -57,8 +57,12 @@ void Propagation::set_mark(LocalId cell, int edge) {
   auto& marks = marks_[at(cell)];
   const auto bit = static_cast<EdgeMask>(1U << edge);
   if ((marks & bit) != 0) return;
-  if ((marks & waiting) == 0) waiting_.push_back(cell);
-  marks = static_cast<EdgeMask>(marks | bit | waiting);
+  marks = static_cast<EdgeMask>(marks | bit);
+  // a family waits as one, by its first member
+  const auto waiter = is_removable(cell) ? cell - mesh_.lineage[at(cell)].child() : cell;
+  if ((marks_[at(waiter)] & waiting) != 0) return;
+  marks_[at(waiter)] = static_cast<EdgeMask>(marks_[at(waiter)] | waiting);
+  waiting_.push_back(waiter);
 }
 
 void Propagation::mark(LocalId cell, int edge) {
@@ -78,7 +82,7 @@ void Propagation::settle() {
     auto& marks = marks_[at(cell)];
     marks = static_cast<EdgeMask>(marks & ~waiting);
     if (is_removable(cell))
-      apply_family_rule(cell - mesh_.lineage[at(cell)].child());
+      apply_family_rule(cell);
     else
       add_marks(cell, required_marks(mesh_, cell, static_cast<EdgeMask>(marks & all_edges), policy_));
   }

@@ -28,7 +28,10 @@ class Linker {
     auto family = closure_.rebuilt.begin();
     for (LocalId c = 0; c < old_.n_cells(); ++c) {
       if (closure_.action[at(c)] == Action::split) link_split(c);
-      if (closure_.action[at(c)] == Action::rebuild) link_family(*family++);
+      if (closure_.action[at(c)] == Action::rebuild) {
+        if (closure_.rebuilt.end() - family > 4) prefetch_neighbours(family[4].first);
+        link_family(*family++);
+      }
     }
   }
 
@@ -42,6 +45,19 @@ class Linker {
     const auto k = at(slot - old_.n_cells());
     const auto next = std::upper_bound(old_.border_offset.begin(), old_.border_offset.end(), k);
     return old_.border_rank[at(next - old_.border_offset.begin() - 1)];
+  }
+
+  /// Has what stands round a family fetched while earlier ones are linked: its neighbours are scattered in memory.
+  void prefetch_neighbours(LocalId first) const {
+    for (int member = 0; member < old_.lineage[at(first)].family_size(); ++member)
+      for (const auto next : old_.cell_to_cell[at(first + member)]) {
+        if (!old_.is_own(next)) continue;
+        __builtin_prefetch(&old_.cell_to_cell[at(next)]);
+        __builtin_prefetch(&old_.cell_to_node[at(next)]);
+        __builtin_prefetch(&numbering_.first_child[at(next)]);
+        __builtin_prefetch(&closure_.action[at(next)]);
+        __builtin_prefetch(&children_.state[at(next)]);
+      }
   }
 
   /// Links the children of one cell: siblings by table, the rest face by face.

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <cmath>
 
 #include "pamr/base/contract.hpp"
 #include "pamr/base/memory.hpp"
@@ -17,17 +16,6 @@ namespace {
 using geometry::Vec3;
 constexpr std::size_t at(std::int64_t i) { return static_cast<std::size_t>(i); }
 constexpr int max_level = 255;
-
-/// True when halving the edges of this cell cannot turn a child over: its volume is far above what the rounding of
-/// midpoints (half a unit in the last place of the largest coordinate) can change.
-bool is_safely_positive(const SplitPoints& p) {
-  const Vec3 a = p[1] - p[0], b = p[2] - p[0], c = p[3] - p[0];
-  const double span = std::max({geometry::squared_norm(a), geometry::squared_norm(b), geometry::squared_norm(c)});
-  double largest = 0;
-  for (int i = 0; i < 4; ++i)
-    largest = std::max({largest, std::abs(p[at(i)].x), std::abs(p[at(i)].y), std::abs(p[at(i)].z)});
-  return geometry::dot(geometry::cross(a, b), c) > 0x1p-41 * (largest + std::sqrt(span)) * span;
-}
 
 class Splitter {
  public:
@@ -94,16 +82,13 @@ class Splitter {
       points[at(i)] = position_[at(corner[at(i)])];
     }
     const auto& midpoints = numbering_.edge_to_node[at(numbering_.row[at(c)])];
-    bool is_straight = true;
     for (int e = 0; e < 6; ++e) {
       if ((marks >> e & 1) == 0) continue;
-      const auto [p, q] = mesh::tet::edge_to_corner[at(e)];
       node[at(4 + e)] = midpoints[at(e)];
       points[at(4 + e)] = position_[at(midpoints[at(e)])];
-      is_straight = is_straight && points[at(4 + e)] == geometry::midpoint(points[at(p)], points[at(q)]);
     }
     int state = state_of_mask[marks];
-    if (state == 11) state += choose_diagonal(points, is_straight);
+    if (state == 11) state += choose_diagonal(points, is_straight(points));
     children_.state[at(c)] = static_cast<std::uint8_t>(state);
 
     const auto& pattern = split_pattern[at(state)];
@@ -115,7 +100,7 @@ class Splitter {
       append(global + child, {node[at(code[0])], node[at(code[1])], node[at(code[2])], node[at(code[3])]},
              lineage_of(state, child, level));
     }
-    if (!is_safely_positive(points))
+    if (!is_far_from_flat(points))
       for (int child = 0; child < pattern.n_children; ++child) children_.suspects.push_back(first + child);
   }
 
@@ -167,7 +152,7 @@ class Splitter {
       }
       const auto made = lineage_of(family.state, child, level);
       append(global + n, cell, state == 0 ? made : lineage_of(state, grandchild, made.level()));
-      children_.suspects.push_back(first + n);
+      if (!family.is_safe) children_.suspects.push_back(first + n);
       ++n;
     });
     PAMR_ENSURES(n == family.n_children);
