@@ -22,6 +22,7 @@ packages=(
   libhdf5-openmpi-dev                     # files
   libcgal-dev                             # geometry (brings Boost, GMP and MPFR)
   libcli11-dev libfmt-dev libtomlplusplus-dev nlohmann-json3-dev  # command line, case files, reports
+  librandom123-dev                        # random numbers of pamr-dsmc
   python3                                 # tables of the cases
 )
 test_packages=(libgtest-dev libgmock-dev libbenchmark-dev python3-h5py python3-numpy)

@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "dsmc/collide.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "dsmc/closed_forms.hpp"
+#include "dsmc/random.hpp"
+
+namespace pamr::dsmc {
+
+using namespace geometry;
+
+namespace {
+
+constexpr std::uint32_t nobody = std::numeric_limits<std::uint32_t>::max();
+
+/// A number in (0, 1) with density proportional to x^(a-1) (1-x)^(b-1), for a = 1 or 3/2 and b > 1.
+double beta(double a, double b, Random& random) {
+  if (a == 1) return 1 - std::pow(random.uniform(), 1 / b);
+  const double mode = (a - 1) / (a + b - 2);
+  const double top = std::pow(mode, a - 1) * std::pow(1 - mode, b - 1);
+  for (;;) {
+    const double x = random.uniform();
+    if (random.uniform() * top < std::pow(x, a - 1) * std::pow(1 - x, b - 1)) return x;
+  }
+}
+
+/// Translational temperature of the particles of a cell; 0 for fewer than two.
+double temperature_of(const Gas& gas, const Particles& p, std::uint32_t begin, std::uint32_t end) {
+  if (end - begin < 2) return 0;
+  double mass = 0, energy = 0;
+  Vec3 momentum;
+  for (auto i = begin; i < end; ++i) {
+    const double m = gas.species[p.species[i]].mass;
+    const Vec3 v = p.velocity(i);
+    mass += m;
+    momentum = momentum + m * v;
+    energy += m * squared_norm(v);
+  }
+  return (energy - squared_norm(momentum) / mass) / (3 * boltzmann * (end - begin - 1));
+}
+
+/// The relative velocity turned at random: isotropically, or by the law of soft spheres. Keeps its length.
+Vec3 scatter(Vec3 g, double speed, double inverse_alpha, Random& random) {
+  const double angle = 2 * std::numbers::pi * random.uniform();
+  if (inverse_alpha == 1) {
+    const double cosine = 2 * random.uniform() - 1, sine = std::sqrt(1 - cosine * cosine);
+    return speed * Vec3{cosine, sine * std::cos(angle), sine * std::sin(angle)};
+  }
+  const double cosine = 2 * std::pow(random.uniform(), inverse_alpha) - 1, sine = std::sqrt(1 - cosine * cosine);
+  const double length = norm(g);
+  const Vec3 n = length > 0 ? (1 / length) * g : Vec3{1, 0, 0};
+  const double ay = std::fabs(n.x) < 0.6 ? 0 : 1;  // any direction well off n
+  Vec3 a = cross(n, Vec3{1 - ay, ay, 0});
+  a = (1 / norm(a)) * a;
+  const Vec3 b = cross(n, a);
+  return speed * (cosine * n + sine * (std::cos(angle) * a + std::sin(angle) * b));
+}
+
+}  // namespace
+
+void CollisionCounts::add(const CollisionCounts& other) {
+  candidates += other.candidates;
+  collisions += other.collisions;
+  clamped += other.clamped;
+}
+
+std::vector<CellCollisions> start_collisions(const Gas& gas, double t, std::size_t n_cells) {
+  double greatest = 0;
+  for (const auto& pair : gas.pairs) {
+    const double speed = 2.5 * std::sqrt(2 * boltzmann * t / pair.reduced_mass);
+    greatest = std::max(greatest, section_times_speed(pair, speed * speed));
+  }
+  return std::vector<CellCollisions>(n_cells, CellCollisions{greatest, 0, 0, 0, 0});
+}
+
+CollisionCounts Collider::collide(const Domain& domain, std::uint64_t step, Particles& particles,
+                                  std::vector<CellCollisions>& state) {
+  counts_ = {};
+  if (!options_.enabled) return counts_;
+  for (std::size_t c = 0; c < state.size(); ++c)
+    if (particles.begin()[c + 1] - particles.begin()[c] > 1) collide_cell(domain, c, step, particles, state[c]);
+  return counts_;
+}
+
+void Collider::collide_cell(const Domain& domain, std::size_t c, std::uint64_t step, Particles& particles,
+                            CellCollisions& state) {
+  const auto begin = particles.begin()[c], end = particles.begin()[c + 1], n = end - begin;
+  const double pairs = 0.5 * n * (n - 1.0) * domain.molecules[c] * domain.dt[c] / domain.volume[c];
+  if (gas_->rotation.model == Rotation::Model::variable) {
+    const double now = temperature_of(*gas_, particles, begin, end);
+    state.temperature = state.temperature > 0 ? state.temperature + 0.02 * (now - state.temperature) : now;
+  }
+  const double wanted = pairs * state.greatest + state.remainder;
+  const auto candidates = static_cast<std::int64_t>(wanted);
+  state.remainder = wanted - static_cast<double>(candidates);
+  if (candidates == 0) return;
+
+  counts_.candidates += candidates;
+  Random random(seed_, Purpose::collision, static_cast<std::uint64_t>(domain.cell_global[c]), step);
+  const double bound = state.greatest;
+  if (options_.partner == CollisionOptions::Partner::nearest) last_partner_.assign(n, nobody);
+  for (std::int64_t k = 0; k < candidates; ++k) {
+    const auto first = random.below(n);
+    const auto second = choose_partner(particles, begin, n, first, random);
+    const auto a = begin + first, b = begin + second;
+    const auto& pair = gas_->pair(particles.species[a], particles.species[b]);
+    const double speed_squared = squared_norm(particles.velocity(a) - particles.velocity(b));
+    const double chance = section_times_speed(pair, speed_squared);
+    state.greatest = std::max(state.greatest, chance);
+    if (random.uniform() * bound >= chance) continue;
+    ++counts_.collisions;
+    ++state.collisions;
+    state.separation += norm(particles.position(a) - particles.position(b));
+    if (options_.partner == CollisionOptions::Partner::nearest) {
+      last_partner_[first] = second;
+      last_partner_[second] = first;
+    }
+    collide_pair(particles, a, b, speed_squared, state.temperature, random);
+  }
+}
+
+std::uint32_t Collider::choose_partner(const Particles& p, std::uint32_t begin, std::uint32_t n, std::uint32_t first,
+                                       Random& random) {
+  if (options_.partner == CollisionOptions::Partner::any || n == 2) {
+    const auto other = random.below(n - 1);
+    return other < first ? other : other + 1;
+  }
+  const auto barred = last_partner_[first];
+  const Vec3 here = p.position(begin + first);
+  double least = std::numeric_limits<double>::infinity();
+  std::uint32_t nearest = first == 0 ? 1 : 0;
+  for (std::uint32_t k = 0; k < n; ++k) {
+    const double distance = squared_norm(p.position(begin + k) - here);
+    if (distance < least && k != first && k != barred) {
+      least = distance;
+      nearest = k;
+    }
+  }
+  return nearest;
+}
+
+void Collider::collide_pair(Particles& p, std::uint32_t a, std::uint32_t b, double speed_squared, double temperature,
+                            Random& random) {
+  const auto sa = p.species[a], sb = p.species[b];
+  const auto& pair = gas_->pair(sa, sb);
+  double speed = std::sqrt(speed_squared);
+  const int za = gas_->species[sa].rotational_degrees, zb = gas_->species[sb].rotational_degrees;
+  if (za + zb > 0) {
+    const double omega = 1 - pair.exponent;
+    double chance_a = relaxation_probability(gas_->rotation, za, omega, temperature);
+    double chance_b = relaxation_probability(gas_->rotation, zb, omega, temperature);
+    if (chance_a > 0.5 || chance_b > 0.5) {
+      ++counts_.clamped;
+      chance_a = std::min(chance_a, 0.5);
+      chance_b = std::min(chance_b, 0.5);
+    }
+    const double draw = random.uniform();
+    if (draw < chance_a + chance_b) {
+      const bool is_a = draw < chance_a;
+      double& rotation = p.rotation[is_a ? a : b];
+      const double total = 0.5 * pair.reduced_mass * speed_squared + rotation;
+      rotation = total * beta(0.5 * (is_a ? za : zb), pair.translational_exponent, random);
+      speed = std::sqrt(2 * (total - rotation) / pair.reduced_mass);
+    }
+  }
+  const Vec3 va = p.velocity(a), vb = p.velocity(b);
+  const Vec3 centre = pair.mass_part_a * va + pair.mass_part_b * vb;
+  const Vec3 g = scatter(va - vb, speed, pair.inverse_alpha, random);
+  const Vec3 new_a = centre + pair.mass_part_b * g, new_b = centre - pair.mass_part_a * g;
+  p.u[a] = new_a.x, p.v[a] = new_a.y, p.w[a] = new_a.z;
+  p.u[b] = new_b.x, p.v[b] = new_b.y, p.w[b] = new_b.z;
+}
+
+}  // namespace pamr::dsmc

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "pamr/base/types.hpp"
+#include "pamr/geometry/vec3.hpp"
+
+namespace pamr::dsmc {
+
+using geometry::Vec3;
+
+/// One particle, on its way between places.
+struct Particle {
+  Vec3 position;        ///< m
+  Vec3 velocity;        ///< m/s
+  double rotation = 0;  ///< rotational energy, J
+  std::uint64_t id = 0;
+  LocalId cell = 0;
+  std::uint32_t species = 0;
+};
+
+/// A rank's particles as structures of arrays, 72 bytes each, and 12 for sorting. `cell` is `gone` for particles that
+/// have left and wait to be dropped by `sort_by_cell`.
+class Particles {
+ public:
+  static constexpr LocalId gone = -1;
+
+  std::vector<double> x, y, z, u, v, w;
+  std::vector<double> rotation;
+  std::vector<std::uint64_t> id;
+  std::vector<LocalId> cell;
+  std::vector<std::uint32_t> species;
+
+  std::size_t size() const { return x.size(); }
+  Vec3 position(std::size_t i) const { return {x[i], y[i], z[i]}; }
+  Vec3 velocity(std::size_t i) const { return {u[i], v[i], w[i]}; }
+  Particle get(std::size_t i) const { return {position(i), velocity(i), rotation[i], id[i], cell[i], species[i]}; }
+  void append(const Particle& particle);
+  void clear();
+
+  /// Drops those gone and orders the rest by cell and, within a cell, by id; afterwards the particles of cell c are
+  /// `begin()[c] .. begin()[c+1]`. Counting sort, O(particles + cells). Local.
+  void sort_by_cell(LocalId n_cells);
+  std::span<const std::uint32_t> begin() const { return begin_; }
+
+  /// Capacities of all arrays, bytes.
+  std::size_t bytes() const;
+
+ private:
+  void reserve_one_more();
+
+  std::vector<std::uint32_t> begin_;
+  std::vector<std::uint32_t> order_;
+  std::vector<double> spare_;
+};
+
+}  // namespace pamr::dsmc
