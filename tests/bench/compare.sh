@@ -7,8 +7,8 @@
 #
 #   --small          sizes for a quick look: W1 and W2 on K(20), two levels of W3
 #   --levels N       levels of W3 (default 5)
-#   --budget S       CPU seconds for each peer and workload, after which it gets no further run or level; the first run
-#                    always ends (default 30)
+#   --budget S       CPU seconds for each peer and workload, after which it gets no further run (default 30, at most 5
+#                    runs); the first run always ends
 #   --peers "A B"    some of: netgen dolfinx dmplex gmsh (default all)
 #   --install        first install the peers' packages with apt
 #
@@ -119,12 +119,13 @@ run_peer() {
 }
 
 run_ours() {
-  local name level
+  local name level count=0
   for name in "W1/$n_uniform" "W2/n:$n_shell/policy:3" $(for level in $(seq "$levels"); do
     echo "W3/n:$n_levels/level:$level"
   done); do
     echo "compare.sh: PAMR, $name" >&2
-    "$bench" "--benchmark_filter=^$name/" --benchmark_format=csv 2>/dev/null >>"$results/pamr.csv"
+    "$bench" "--benchmark_filter=^$name/" --benchmark_format=json 2>/dev/null >"$results/pamr.$count.json"
+    count=$((count + 1))
   done
   "$quality" cube "$n_levels" "$levels" >"$results/pamr.quality"
 }
@@ -133,7 +134,10 @@ run_ours() {
 run_ours
 for peer in $peers; do run_peer "$peer"; done
 
-echo "$(date +%F), commit $(git -C "$root" rev-parse --short HEAD 2>/dev/null || echo unknown), $(sed -n 's/^model name.*: //p' /proc/cpuinfo | head -1), $(nproc --all) cores, load $(cut -d' ' -f1 /proc/loadavg). Command: \`tests/bench/compare.sh${arguments:+ $arguments}\`."
+commit=$(git -C "$root" rev-parse --short HEAD 2>/dev/null || echo unknown)
+machine="$(sed -n 's/^model name.*: //p' /proc/cpuinfo | head -1), $(nproc --all) cores"
+load=$(cut -d' ' -f1 /proc/loadavg)
+echo "$(date +%F), commit $commit, $machine, load $load. Command: \`tests/bench/compare.sh${arguments:+ $arguments}\`."
 echo
 read -ra peer_list <<<"$peers"
 python3 -B "$here/table.py" "$results" "${peer_list[@]}"

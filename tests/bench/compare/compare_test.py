@@ -47,10 +47,11 @@ class Compare(unittest.TestCase):
     def test_table_takes_medians_and_ratios(self):
         with tempfile.TemporaryDirectory() as folder:
             results = pathlib.Path(folder)
-            (results / "pamr.csv").write_text(
-                'name,"Mcells_per_cpu_s","cells_out","peak_bytes_per_cell"\n'
-                '"W1/55/repeats:3",20,8e6,60\n"W1/55/repeats:3",10,8e6,50\n"W1/55/repeats:3",16,8e6,50\n'
-                '"W1/55/repeats:3_median",99,8e6,50\n"W3/n:14/level:2/repeats:1",8,4e6,70\n')
+            ours = [("W1/55/repeats:3", "iteration", 20, 8e6, 60), ("W1/55/repeats:3", "iteration", 10, 8e6, 50),
+                    ("W1/55/repeats:3", "iteration", 16, 8e6, 50), ("W1/55/repeats:3_median", "aggregate", 99, 8e6, 50),
+                    ("W3/n:14/level:2/repeats:1", "iteration", 8, 4e6, 70)]
+            keys = ("name", "run_type", "Mcells_per_cpu_s", "cells_out", "peak_bytes_per_cell")
+            (results / "pamr.1.json").write_text(json.dumps({"benchmarks": [dict(zip(keys, run)) for run in ours]}))
             (results / "pamr.quality").write_text("| policy | level | marked | cells | worst |\n"
                                                   "| none | 2 | 9 | 4000000 | 0.1 |\n| removable | 2 | 9 | 4000000 | 0.4 |\n")
             runs = [{"peer": "netgen 1", "workload": "W1", "level": 1, "run": i + 1, "cells": 8000000, "cpu": cpu,

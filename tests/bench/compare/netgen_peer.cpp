@@ -16,7 +16,7 @@
 
 namespace {
 
-constexpr double growth = 5;  // of a level of W3 over the one before, in cells and time
+constexpr double growth = 4.5;  // of a level of W3 over the one before, in memory
 constexpr double middle = 0.5, radius = 0.35, shell_width = 0.06;
 
 using Corners = std::array<netgen::Point<3>, 4>;
@@ -27,8 +27,8 @@ double cpu_seconds() {
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-long status_bytes(const std::string& key) {
-  std::ifstream status("/proc/self/status");
+long status_bytes(const std::string& key, const char* file = "/proc/self/status") {
+  std::ifstream status(file);
   for (std::string word; status >> word;)
     if (word == key) {
       status >> word;
@@ -140,12 +140,10 @@ double time_topology(netgen::Mesh& mesh) {
   return cpu_seconds() - start;
 }
 
-/// Number of levels that were run.
-int one_run(const std::string& workload, int n, int levels, int run, double budget) {
+void one_run(const std::string& workload, int n, int levels, int run) {
   const auto before = status_bytes("VmRSS:");
   const auto mesh = kuhn_cube(n);
   for (int level = 1; level <= levels; ++level) {
-    const auto begin = cpu_seconds();
     if (workload != "W1") mark(*mesh, workload);
     forget_peak();
     const auto start = cpu_seconds();
@@ -161,9 +159,9 @@ int one_run(const std::string& workload, int n, int levels, int run, double budg
     if (workload == "W3" && run == 1) std::printf(", \"worst\": %.6f", worst_mean_ratio(*mesh));
     std::puts("}");
     std::fflush(stdout);
-    if (run == 1 && cpu_seconds() + growth * (cpu_seconds() - begin) > budget) return level;
+    if (growth * static_cast<double>(peak) > static_cast<double>(status_bytes("MemAvailable:", "/proc/meminfo")))
+      return;
   }
-  return levels;
 }
 
 }  // namespace
@@ -174,12 +172,11 @@ int main(int argc, char** argv) {
     return 2;
   }
   const std::string workload = argv[1];
-  const int n = std::stoi(argv[2]), repeats = std::stoi(argv[4]);
+  const int n = std::stoi(argv[2]), levels = std::stoi(argv[3]), repeats = std::stoi(argv[4]);
   const double budget = std::stod(argv[5]);
   netgen::printmessage_importance = 0;
-  const int levels = one_run(workload, n, std::stoi(argv[3]), 1, budget);
+  one_run(workload, n, levels, 1);
   const double duration = cpu_seconds();
-  for (int run = 2; run <= repeats && cpu_seconds() + duration <= budget; ++run)
-    one_run(workload, n, levels, run, budget);
+  for (int run = 2; run <= repeats && cpu_seconds() + duration <= budget; ++run) one_run(workload, n, levels, run);
   return 0;
 }

@@ -1,10 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The table of compare.sh: medians of ours and of the peers, ratios, and notes on what a row holds.
 
-Usage: table.py RESULTS PEER...   RESULTS holds pamr.csv (Google Benchmark), pamr.quality (bench_quality_control),
+Usage: table.py RESULTS PEER...   RESULTS holds pamr.*.json (Google Benchmark), pamr.quality (bench_quality_control),
 <peer>.json (lines as printed by the peers) and <peer>.note (why a peer has none)
 """
-import csv
 import json
 import pathlib
 import re
@@ -15,7 +14,7 @@ HEAD = ["workload", "code", "cells out", "CPU s", "M cells / CPU s", "ours / the
         "ours / theirs", "peak bytes / cell out", "worst mean ratio", "runs"]
 NEIGHBOURS = {
     "netgen": "faces of the cells: part of bisection, by `UpdateTopology` after uniform refinement",
-    "dolfinx": "by `create_entities(2)` and `create_connectivity`; the edges that `refine` needs are made before it is timed",
+    "dolfinx": "by `create_entities(2)` and `create_connectivity`; the edges that `refine` needs are made untimed",
     "dmplex": "part of the call; uniform only: the adaptive transform `refine_sbr` takes no tetrahedra",
     "gmsh": "none; uniform only",
 }
@@ -29,19 +28,17 @@ def our_rows(folder):
         if cells[0] == "removable":
             worst["W3", int(cells[1])] = float(cells[4])
     runs = {}
-    with open(folder / "pamr.csv", encoding="utf-8", newline="") as lines:
-        for line in csv.reader(lines):
-            if line[0] == "name":
-                columns = line
-            elif not re.search(r"_(mean|median|stddev|cv)$", line[0]):
-                workload, level = re.match(r"(W\d)(?:.*level:(\d+))?", line[0]).groups()
-                runs.setdefault((workload, int(level or 1)), []).append(dict(zip(columns, line)))
+    for path in sorted(folder.glob("pamr.*.json")):
+        for run in json.loads(path.read_text())["benchmarks"]:
+            if run["run_type"] == "iteration":
+                workload, level = re.match(r"(W\d)(?:.*level:(\d+))?", run["name"]).groups()
+                runs.setdefault((workload, int(level or 1)), []).append(run)
     rows = {}
     for key, group in runs.items():
-        cells = float(group[0]["cells_out"])
-        cpu = statistics.median(1e-6 * cells / float(run["Mcells_per_cpu_s"]) for run in group)
+        cells = group[0]["cells_out"]
+        cpu = statistics.median(1e-6 * cells / run["Mcells_per_cpu_s"] for run in group)
         # Runs after the first find memory of the one before; the greatest peak is that of a fresh process.
-        peak = max(float(run["peak_bytes_per_cell"]) for run in group)
+        peak = max(run["peak_bytes_per_cell"] for run in group)
         rows[key] = {"code": "PAMR", "cells": cells, "cpu": cpu, "all_cpu": cpu, "peak": peak, "worst": worst.get(key),
                      "runs": len(group)}
     return rows
@@ -103,7 +100,7 @@ def main():
         if not theirs[peer]:
             continue
         reached = max((level for workload, level in theirs[peer] if workload == "W3"), default=None)
-        limit = f"; W3 up to level {reached} within the budget" if reached and reached < last else ""
+        limit = f"; W3 up to level {reached}, the next might not fit into memory" if reached and reached < last else ""
         print(f"{peer}: neighbours: {NEIGHBOURS[peer]}{limit}.")
 
 

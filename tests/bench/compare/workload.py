@@ -11,8 +11,8 @@ A peer defines a class with
     count(m)        number of cells
     corners(m)      corners of the cells, n_cells x 4 x 3; only of peers that have `mark`
 and calls `main`. Command line: PEER.py WORKLOAD N LEVELS REPEATS BUDGET, with WORKLOAD one of W1, W2, W3. At most
-REPEATS runs, no further one (and no further level) when BUDGET, in CPU seconds of the whole process, would be passed.
-Prints one line of JSON for each level of each run; keys as in `report`.
+REPEATS runs, no further one when BUDGET, in CPU seconds of the whole process, would be passed; no further level of W3
+that might not fit into the memory that is free. Prints one line of JSON for each level of each run; keys as in `report`.
 """
 import ctypes
 import gc
@@ -24,7 +24,7 @@ import time
 import numpy as np
 
 AXIS_ORDERS = ((0, 1, 2), (1, 2, 0), (2, 0, 1), (0, 2, 1), (1, 0, 2), (2, 1, 0))  # the last three are odd
-GROWTH = 5  # of a level of W3 over the one before, in cells and time
+GROWTH = 4.5  # of a level of W3 over the one before, in memory
 MIDDLE = 0.5
 RADIUS = 0.35
 SHELL_WIDTH = 0.06
@@ -72,8 +72,8 @@ def worst_mean_ratio(corners):
     return worst
 
 
-def status_bytes(key):
-    with open("/proc/self/status", encoding="ascii") as status:
+def status_bytes(key, file="/proc/self/status"):
+    with open(file, encoding="ascii") as status:
         return next(1024 * int(line.split()[1]) for line in status if line.startswith(key + ":"))
 
 
@@ -96,12 +96,10 @@ def report(peer, workload, level, run, values):
     print(json.dumps({"peer": peer.name, "workload": workload, "level": level, "run": run, **values}), flush=True)
 
 
-def one_run(peer, workload, n, levels, run, budget):
-    """Levels that were run."""
+def one_run(peer, workload, n, levels, run):
     before = status_bytes("VmRSS")
     mesh = peer.start(n)
     for level in range(1, levels + 1):
-        begin = time.process_time()
         if workload != "W1":
             select = cells_in_shell if workload == "W2" else cells_cut_by_sphere
             peer.mark(mesh, select(peer.corners(mesh)))
@@ -115,18 +113,15 @@ def one_run(peer, workload, n, levels, run, budget):
         if workload == "W3" and run == 1:
             values["worst"] = worst_mean_ratio(peer.corners(mesh))
         report(peer, workload, level, run, {"cells": peer.count(mesh), **values})
-        next_level = GROWTH * (time.process_time() - begin)
-        if run == 1 and time.process_time() + next_level > budget:
-            return level
-    return levels
+        if GROWTH * values["peak"] > status_bytes("MemAvailable", "/proc/meminfo"):
+            break
 
 
 def main(peer):
     workload, (n, levels, repeats), budget = sys.argv[1], map(int, sys.argv[2:5]), float(sys.argv[5])
-    begin = time.process_time()
-    levels = one_run(peer, workload, n, levels, 1, budget)
-    duration = time.process_time() - begin
+    one_run(peer, workload, n, levels, 1)
+    duration = time.process_time()
     for run in range(2, repeats + 1):
         if time.process_time() + duration > budget:
             break
-        one_run(peer, workload, n, levels, run, budget)
+        one_run(peer, workload, n, levels, run)
