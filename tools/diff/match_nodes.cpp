@@ -6,12 +6,12 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
-#include <map>
 #include <set>
 #include <tuple>
 #include <utility>
 
 #include "pamr/base/hash.hpp"
+#include "pamr/par/mailbox.hpp"
 
 namespace pamr::diff {
 
@@ -49,11 +49,9 @@ double largest_difference(geometry::Vec3 a, geometry::Vec3 b) {
 }
 
 par::Received<Visitor> gather_at_bins(const par::Comm& comm, const std::vector<Visitor>& visitors) {
-  std::map<Rank, std::vector<Visitor>> by_rank;
-  for (const auto& visitor : visitors) by_rank[meeting_rank(comm, visitor.bin)].push_back(visitor);
-  std::vector<par::Outgoing<Visitor>> messages;
-  for (auto& [to, items] : by_rank) messages.push_back({to, std::move(items)});
-  return comm.sparse_exchange(messages);
+  par::Mailbox<Visitor> meeting(comm);
+  for (const auto& visitor : visitors) meeting.add(meeting_rank(comm, visitor.bin), visitor);
+  return meeting.send();
 }
 
 /// The best reference node for a question, by distance and then by number. `known` is sorted.

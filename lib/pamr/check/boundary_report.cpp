@@ -5,13 +5,13 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <map>
 #include <span>
 #include <utility>
 
 #include "pamr/base/error.hpp"
 #include "pamr/base/hash.hpp"
 #include "pamr/mesh/tet.hpp"
+#include "pamr/par/mailbox.hpp"
 #include "pamr/par/reproducible_sum.hpp"
 
 namespace pamr::check {
@@ -30,14 +30,12 @@ struct GroupNode {
 /// How many different nodes each group has over all ranks. A node meets its copies on a rank chosen by its number.
 std::vector<std::int64_t> count_distinct(const par::Comm& comm, const std::vector<GroupNode>& here,
                                          std::size_t n_groups) {
-  std::map<Rank, std::vector<GroupNode>> by_rank;
+  par::Mailbox<GroupNode> meeting(comm);
   for (const auto& item : here) {
     const auto to = mix(static_cast<std::uint64_t>(item.node)) % static_cast<std::uint64_t>(comm.size());
-    by_rank[static_cast<Rank>(to)].push_back(item);
+    meeting.add(static_cast<Rank>(to), item);
   }
-  std::vector<par::Outgoing<GroupNode>> messages;
-  for (auto& [to, items] : by_rank) messages.push_back({to, std::move(items)});
-  auto met = comm.sparse_exchange(messages).item;
+  auto met = meeting.send().item;
   std::sort(met.begin(), met.end());
   met.erase(std::unique(met.begin(), met.end()), met.end());
   std::vector<std::int64_t> counts(n_groups, 0);

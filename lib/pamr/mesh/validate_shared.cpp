@@ -1,32 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <bit>
 #include <tuple>
+#include <utility>
 
 #include "pamr/base/hash.hpp"
 #include "pamr/mesh/face_groups.hpp"
 #include "pamr/mesh/validate_steps.hpp"
 #include "pamr/par/exchange.hpp"
+#include "pamr/par/mailbox.hpp"
 
 namespace pamr::mesh::validation {
 
 namespace {
-
-/// Items put into one message for each rank.
-template <class T>
-class Post {
- public:
-  explicit Post(Rank size) : by_rank_(static_cast<std::size_t>(size)) {}
-  void add(Rank to, T item) { by_rank_[static_cast<std::size_t>(to)].push_back(std::move(item)); }
-  par::Received<T> send(const par::Comm& comm) {
-    std::vector<par::Outgoing<T>> messages;
-    for (std::size_t r = 0; r < by_rank_.size(); ++r)
-      if (!by_rank_[r].empty()) messages.push_back({static_cast<Rank>(r), std::move(by_rank_[r])});
-    return comm.sparse_exchange(messages);
-  }
-
- private:
-  std::vector<std::vector<T>> by_rank_;
-};
 
 /// Cell numbers `begin .. end` of one rank.
 struct Run {
@@ -62,10 +47,11 @@ void compare_sides(std::span<const FaceCard> mine, std::span<const FaceCard> the
   }
 }
 
-/// A node as one rank holds it.
+/// A node as one rank holds it; `local` is its number there.
 struct NodeCard {
   GlobalId id = 0;
   std::uint64_t position = 0;
+  std::int64_t local = 0;
 };
 
 std::uint64_t exact_hash(geometry::Vec3 p) {
@@ -81,20 +67,31 @@ std::vector<char> find_used_nodes(const DistMesh& mesh) {
   return is_used;
 }
 
-/// Compares what the ranks say of the nodes of this rank's block, and returns to each rank those that others hold too.
-Post<GlobalId> compare_nodes(const par::Comm& comm, const par::Received<NodeCard>& cards, const par::BlockRange& block,
-                             Findings& findings) {
-  struct Held {
-    NodeCard card;
-    Rank rank;
-  };
-  std::vector<Held> held;
-  held.reserve(cards.item.size());
+/// A card and the rank that it came from.
+struct HeldNode {
+  NodeCard card;
+  Rank rank = 0;
+};
+
+/// The cards of a block of nodes by number, then by rank.
+std::vector<HeldNode> by_number(const par::Received<NodeCard>& cards, const par::BlockRange& block) {
+  std::vector<std::size_t> next(static_cast<std::size_t>(block.count()), 0);
+  for (const auto& card : cards.item) ++next[static_cast<std::size_t>(card.id - block.begin)];
+  std::size_t begin = 0;
+  for (auto& entry : next) begin += std::exchange(entry, begin);
+  std::vector<HeldNode> held(cards.item.size());
   for (std::size_t r = 0; r < cards.rank.size(); ++r)
-    for (const auto& card : cards.from(r)) held.push_back({card, cards.rank[r]});
-  std::sort(held.begin(), held.end(),
-            [](const Held& a, const Held& b) { return std::tie(a.card.id, a.rank) < std::tie(b.card.id, b.rank); });
-  Post<GlobalId> shared(comm.size());
+    for (const auto& card : cards.from(r))
+      held[next[static_cast<std::size_t>(card.id - block.begin)]++] = {card, cards.rank[r]};
+  return held;
+}
+
+/// Compares what the ranks say of the nodes of this rank's block, and returns to each rank its local numbers of those
+/// that others hold too.
+par::Mailbox<std::int64_t> compare_nodes(const par::Comm& comm, const par::Received<NodeCard>& cards,
+                                         const par::BlockRange& block, Findings& findings) {
+  const auto held = by_number(cards, block);
+  par::Mailbox<std::int64_t> shared(comm);
   GlobalId next = block.begin;
   const auto report_missing = [&](GlobalId until) {
     if (next < until) findings.add(Invariant::nodes_referenced, next, until - next);
@@ -107,7 +104,8 @@ Post<GlobalId> compare_nodes(const par::Comm& comm, const par::Received<NodeCard
       if (end > begin && held[end].rank == held[end - 1].rank) findings.add(Invariant::unique_nodes, id);
       if (held[end].card.position != held[begin].card.position) findings.add(Invariant::shared_nodes_equal, id);
     }
-    for (auto i = begin; held[begin].rank != held[end - 1].rank && i < end; ++i) shared.add(held[i].rank, id);
+    for (auto i = begin; held[begin].rank != held[end - 1].rank && i < end; ++i)
+      shared.add(held[i].rank, held[i].card.local);
   }
   report_missing(block.end);
   return shared;
@@ -116,22 +114,44 @@ Post<GlobalId> compare_nodes(const par::Comm& comm, const par::Received<NodeCard
 /// Nodes of this rank, by local number, that other ranks hold too.
 std::vector<char> check_nodes(const par::Comm& comm, const DistMesh& mesh, Findings& findings) {
   const auto n = mesh.info.n_global_nodes;
-  Post<NodeCard> post(comm.size());
+  par::Mailbox<NodeCard> post(comm);
   const auto is_used = find_used_nodes(mesh);
   for (std::size_t i = 0; i < mesh.node_global.size(); ++i) {
     const auto id = mesh.node_global[i];
     if (is_used[i] == 0)
       findings.add(Invariant::nodes_referenced, id);
     else
-      post.add(par::block_of(id, n, comm.size()), {id, exact_hash(mesh.node_position[i])});
+      post.add(par::block_of(id, n, comm.size()),
+               {id, exact_hash(mesh.node_position[i]), static_cast<std::int64_t>(i)});
   }
-  const auto cards = post.send(comm);
-  auto shared = compare_nodes(comm, cards, par::block_range(n, comm.rank(), comm.size()), findings).send(comm);
-  std::sort(shared.item.begin(), shared.item.end());
+  const auto cards = post.send();
+  const auto shared = compare_nodes(comm, cards, par::block_range(n, comm.rank(), comm.size()), findings).send();
   std::vector<char> is_shared(mesh.node_global.size(), 0);
-  for (std::size_t i = 0; !shared.item.empty() && i < mesh.node_global.size(); ++i)
-    is_shared[i] = std::binary_search(shared.item.begin(), shared.item.end(), mesh.node_global[i]) ? 1 : 0;
+  for (const auto local : shared.item) is_shared[static_cast<std::size_t>(local)] = 1;
   return is_shared;
+}
+
+/// A face and its name.
+struct NamedFace {
+  par::SharedKey key{};
+  CellFace face;
+};
+
+/// Faces whose three nodes other ranks hold too; of those with the same nodes the first.
+std::vector<NamedFace> find_candidates(const DistMesh& mesh, const std::vector<char>& is_shared) {
+  std::vector<NamedFace> faces;
+  for (LocalId c = 0; c < mesh.n_cells(); ++c) {
+    const auto& nodes = mesh.cell_to_node[static_cast<std::size_t>(c)];
+    const auto n_shared = std::count_if(nodes.begin(), nodes.end(),
+                                        [&](LocalId n) { return is_shared[static_cast<std::size_t>(n)] != 0; });
+    for (int f = 0; n_shared >= 3 && f < 4; ++f)
+      if (n_shared == 4 || is_shared[static_cast<std::size_t>(nodes[static_cast<std::size_t>(f)])] == 0)
+        faces.push_back({face_key(mesh, {c, f}), {c, f}});
+  }
+  std::stable_sort(faces.begin(), faces.end(), [](const NamedFace& a, const NamedFace& b) { return a.key < b.key; });
+  const auto has_same_nodes = [](const NamedFace& a, const NamedFace& b) { return a.key == b.key; };
+  faces.erase(std::unique(faces.begin(), faces.end(), has_same_nodes), faces.end());
+  return faces;
 }
 
 /// An edge of boundary faces: in how many, and the smallest cell there.
@@ -159,7 +179,7 @@ void merge_equal_edges(std::vector<BoundaryEdge>& edges) {
 
 void check_unique_cells(const par::Comm& comm, const DistMesh& mesh, Findings& findings) {
   const auto n = mesh.info.n_global_cells;
-  Post<Run> post(comm.size());
+  par::Mailbox<Run> post(comm);
   for (const auto run : find_runs(mesh.cell_global))
     for (auto begin = run.begin; begin < run.end;) {
       const auto holder = par::block_of(begin, n, comm.size());
@@ -167,7 +187,7 @@ void check_unique_cells(const par::Comm& comm, const DistMesh& mesh, Findings& f
       post.add(holder, {begin, end});
       begin = end;
     }
-  auto runs = post.send(comm).item;
+  auto runs = post.send().item;
   std::sort(runs.begin(), runs.end(), [](const Run& a, const Run& b) { return a.begin < b.begin; });
   const auto block = par::block_range(n, comm.rank(), comm.size());
   auto next = block.begin;
@@ -216,23 +236,18 @@ void check_border(const par::Comm& comm, const DistMesh& mesh, Findings& finding
 
 void check_shared(const par::Comm& comm, const DistMesh& mesh, Findings& findings) {
   const auto is_shared = check_nodes(comm, mesh, findings);
-  std::vector<CellFace> faces;
-  std::vector<par::SharedKey> key;
   if (comm.size() == 1) return;
-  FaceGroups(mesh).for_each([&](std::span<const CellFace> group) {
-    const auto& nodes = mesh.cell_to_node[static_cast<std::size_t>(group[0].cell)];
-    for (std::size_t i = 0; i < 4; ++i)
-      if (static_cast<int>(i) != group[0].slot && is_shared[static_cast<std::size_t>(nodes[i])] == 0) return;
-    faces.push_back(group[0]);
-    key.push_back(face_key(mesh, group[0]));
-  });
+  const auto faces = find_candidates(mesh, is_shared);
+  std::vector<par::SharedKey> key;
+  key.reserve(faces.size());
+  for (const auto& face : faces) key.push_back(face.key);
   std::vector<int> n_others(faces.size(), 0);
   for (const auto item : par::find_shared(comm, key).item) ++n_others[static_cast<std::size_t>(item)];
   for (std::size_t i = 0; i < faces.size(); ++i) {
-    const auto slot =
-        mesh.cell_to_cell[static_cast<std::size_t>(faces[i].cell)][static_cast<std::size_t>(faces[i].slot)];
+    const auto face = faces[i].face;
+    const auto slot = mesh.cell_to_cell[static_cast<std::size_t>(face.cell)][static_cast<std::size_t>(face.slot)];
     if (n_others[i] != (mesh.is_ghost(slot) ? 1 : 0))
-      findings.add(Invariant::conforming, mesh.cell_global[static_cast<std::size_t>(faces[i].cell)]);
+      findings.add(Invariant::conforming, mesh.cell_global[static_cast<std::size_t>(face.cell)]);
   }
 }
 
@@ -248,12 +263,12 @@ void check_boundary(const par::Comm& comm, const DistMesh& mesh, Findings& findi
       edges.push_back({node[1], node[2], 1, cell});
     }
   merge_equal_edges(edges);
-  Post<BoundaryEdge> post(comm.size());
+  par::Mailbox<BoundaryEdge> post(comm);
   for (const auto& edge : edges) {
     const auto hash = combine(static_cast<std::uint64_t>(edge.a), static_cast<std::uint64_t>(edge.b));
     post.add(static_cast<Rank>(hash % static_cast<std::uint64_t>(comm.size())), edge);
   }
-  edges = post.send(comm).item;
+  edges = post.send().item;
   merge_equal_edges(edges);
   for (const auto& edge : edges)
     if (edge.n_faces != 2) findings.add(Invariant::boundary_manifold, edge.cell);

@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "pamr/base/hash.hpp"
+#include "pamr/par/mailbox.hpp"
 
 namespace pamr::par {
 
@@ -29,16 +30,8 @@ Rank meeting_rank(const SharedKey& key, Rank size) {
   return static_cast<Rank>(h % static_cast<std::uint64_t>(size));
 }
 
-template <class T>
-std::vector<Outgoing<T>> non_empty(std::vector<std::vector<T>>& by_rank) {
-  std::vector<Outgoing<T>> out;
-  for (std::size_t r = 0; r < by_rank.size(); ++r)
-    if (!by_rank[r].empty()) out.push_back({static_cast<Rank>(r), std::move(by_rank[r])});
-  return out;
-}
-
-/// For every key that several ranks sent: what each of them has to know about the others.
-std::vector<Outgoing<Match>> introduce(const Received<Card>& cards, Rank size) {
+/// For every key that several ranks sent: tells each of them about the others.
+Received<Match> introduce(const Comm& comm, const Received<Card>& cards) {
   struct Holder {
     Card card;
     Rank rank;
@@ -50,28 +43,23 @@ std::vector<Outgoing<Match>> introduce(const Received<Card>& cards, Rank size) {
   std::sort(holders.begin(), holders.end(), [](const Holder& a, const Holder& b) {
     return a.card.key != b.card.key ? a.card.key < b.card.key : a.rank < b.rank;
   });
-  std::vector<std::vector<Match>> matches(static_cast<std::size_t>(size));
+  Mailbox<Match> matches(comm);
   for (std::size_t begin = 0, end = 0; begin < holders.size(); begin = end) {
     while (end < holders.size() && holders[end].card.key == holders[begin].card.key) ++end;
     for (auto i = begin; i < end; ++i)
       for (auto j = begin; j < end; ++j)
-        if (i != j)
-          matches[static_cast<std::size_t>(holders[i].rank)].push_back(
-              {holders[i].card.key, holders[i].card.item, holders[j].rank});
+        if (i != j) matches.add(holders[i].rank, {holders[i].card.key, holders[i].card.item, holders[j].rank});
   }
-  return non_empty(matches);
+  return matches.send();
 }
 
 }  // namespace
 
 Pattern find_shared(const Comm& comm, std::span<const SharedKey> key) {
-  std::vector<std::vector<Card>> cards(static_cast<std::size_t>(comm.size()));
+  Mailbox<Card> cards(comm);
   for (std::size_t i = 0; i < key.size(); ++i)
-    cards[static_cast<std::size_t>(meeting_rank(key[i], comm.size()))].push_back(
-        {key[i], static_cast<std::int64_t>(i)});
-  const auto told = comm.sparse_exchange(introduce(comm.sparse_exchange(non_empty(cards)), comm.size()));
-
-  auto matches = told.item;
+    cards.add(meeting_rank(key[i], comm.size()), {key[i], static_cast<std::int64_t>(i)});
+  auto matches = introduce(comm, cards.send()).item;
   std::sort(matches.begin(), matches.end(),
             [](const Match& a, const Match& b) { return a.rank != b.rank ? a.rank < b.rank : a.key < b.key; });
   Pattern pattern;

@@ -9,6 +9,7 @@
 
 #include "pamr/base/contract.hpp"
 #include "pamr/base/error.hpp"
+#include "pamr/par/mailbox.hpp"
 
 namespace pamr::par {
 namespace {
@@ -237,6 +238,23 @@ TEST(Waiting, LeavesOutItsPauses) {
   }
 
   EXPECT_LE(comm.traffic().wait_wall, wall_seconds() - start - paused);
+}
+
+TEST(Mailbox, DeliversToEachRankInOrderAndIsEmptyAfterwards) {
+  const Comm comm(MPI_COMM_WORLD);
+  Mailbox<int> box(comm);
+  const Rank next = (comm.rank() + 1) % comm.size(), previous = (comm.rank() + comm.size() - 1) % comm.size();
+
+  box.add(next, 10 * comm.rank() + 1);
+  box.add(next, 10 * comm.rank() + 2);
+  const auto first = box.send();
+  box.add(comm.rank(), 7);
+  const auto second = box.send();
+
+  EXPECT_THAT(first.rank, ElementsAre(previous));
+  EXPECT_THAT(first.item, ElementsAre(10 * previous + 1, 10 * previous + 2));
+  EXPECT_THAT(second.rank, ElementsAre(comm.rank()));
+  EXPECT_THAT(second.item, ElementsAre(7));
 }
 
 TEST(SparseExchange, RefusesARankThatDoesNotExist) {

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <utility>
+#include <vector>
+
+#include "pamr/par/comm.hpp"
+
+namespace pamr::par {
+
+/// Sorts items by the rank that they are for, to be sent together: at most one message to each rank. 24 bytes a rank
+/// besides the items.
+template <class T>
+class Mailbox {
+ public:
+  explicit Mailbox(const Comm& comm) : comm_(&comm), for_rank_(static_cast<std::size_t>(comm.size())) {}
+
+  void add(Rank to, T item) { for_rank_[static_cast<std::size_t>(to)].push_back(std::move(item)); }
+
+  /// Delivers the items; those from one rank arrive in the order in which they were added there. The box is empty
+  /// afterwards. Collective: one sparse exchange.
+  Received<T> send() {
+    std::vector<Outgoing<T>> messages;
+    for (std::size_t r = 0; r < for_rank_.size(); ++r)
+      if (!for_rank_[r].empty()) messages.push_back({static_cast<Rank>(r), std::exchange(for_rank_[r], {})});
+    return comm_->sparse_exchange(messages);
+  }
+
+ private:
+  const Comm* comm_;
+  std::vector<std::vector<T>> for_rank_;
+};
+
+}  // namespace pamr::par
