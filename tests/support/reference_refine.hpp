@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "pamr/geometry/surface.hpp"
+#include "pamr/mesh/assemble.hpp"
+#include "pamr/refine/options.hpp"
+
+namespace pamr::test {
+
+struct ReferenceRefinement {
+  mesh::BlockMesh mesh;          ///< whole: cells, neighbours, patches, lineage, nodes; no fields
+  std::vector<GlobalId> parent;  ///< the old cell that holds each new cell's centroid
+  std::int64_t families_rebuilt = 0;
+  std::int64_t families_kept = 0;
+  double largest_move = 0;  ///< of a new node onto a surface, over the length of its edge
+  bool is_positive = true;  ///< every cell, exactly
+};
+
+/// The slow, obvious twin of `adapt::refine`: one process, the whole mesh in one block, maps of edges and of faces, all
+/// rules tried on all cells until nothing changes. Written from docs/refinement.md, not from the library's code.
+///
+/// `flags`: one for each cell. `surface_of_patch`: one for each patch, null where there is none; empty: all flat. The
+/// twin puts nodes onto surfaces but neither smooths nor backs off: where `largest_move` reaches 0.02 (smoothing) or
+/// `is_positive` is false (backing off, or no result at all) the two may differ. Cost: seconds for 10,000 cells.
+ReferenceRefinement reference_refine(const mesh::BlockMesh& whole, const std::vector<std::uint8_t>& flags,
+                                     refine::QualityControl policy,
+                                     const std::vector<const geometry::Surface*>& surface_of_patch = {});
+
+}  // namespace pamr::test

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "pamr/geometry/quality.hpp"
+#include "pamr/mesh/assemble.hpp"
+#include "pamr/mesh/dist_mesh.hpp"
+#include "pamr/par/comm.hpp"
+
+/// Random refinements: how many, what is marked, and how results are brought together.
+namespace pamr::test {
+
+/// How many cases of each property: few by default, many where the environment says PAMR_TEST_LEVEL=full.
+bool is_full_level();
+inline std::uint64_t n_cases(std::uint64_t quick, std::uint64_t full) { return is_full_level() ? full : quick; }
+
+/// What is marked: some cells by lot, those cut by a sphere, or those in a corner. By coordinates only, so that marks
+/// depend neither on the numbering nor on the distribution.
+enum class Law { random, sphere, corner };
+inline Law law_of(std::uint64_t seed) { return static_cast<Law>(seed % 3); }
+
+std::vector<std::uint8_t> mark(const mesh::DistMesh& mesh, Law law, std::uint64_t seed);
+std::vector<std::uint8_t> mark(const mesh::BlockMesh& whole, Law law, std::uint64_t seed);
+
+/// The whole mesh and its field `parent` on one rank, cells and nodes by number; nothing on the others. Collective.
+mesh::BlockMesh gather_on(const par::Comm& comm, const mesh::DistMesh& mesh, Rank root);
+
+/// Moves a third of the nodes at random as far as all cells stay positive. Parents of families may turn over by that.
+void shake(mesh::BlockMesh& whole, std::uint64_t seed);
+
+/// Distributes a mesh that every rank holds whole: every cell's rank drawn by lot, or in blocks where `seed` is a
+/// multiple of four. Collective.
+mesh::DistMesh scatter(const par::Comm& comm, const mesh::BlockMesh& whole, std::uint64_t seed);
+
+/// The whole mesh of one rank on all ranks. Collective.
+mesh::BlockMesh broadcast(const par::Comm& comm, const mesh::BlockMesh& whole, Rank root);
+
+}  // namespace pamr::test

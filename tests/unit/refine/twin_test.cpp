@@ -1,0 +1,226 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The refiner against its slow, obvious twin, bit for bit, on small random meshes.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <stdexcept>
+#include <string>
+
+#include "pamr/adapt/adapt.hpp"
+#include "pamr/base/error.hpp"
+#include "pamr/base/hash.hpp"
+#include "random_case.hpp"
+#include "support/delaunay.hpp"
+#include "support/meshes.hpp"
+#include "support/reference_refine.hpp"
+
+namespace pamr {
+namespace {
+
+using refine::QualityControl;
+using test::Law;
+
+constexpr GlobalId enough_cells = 1500;  ///< no further level on larger meshes: the twin is slow
+
+/// One random refinement over several levels, planned by its seed.
+struct Plan {
+  std::uint64_t seed = 0;
+  std::vector<QualityControl> policy;  ///< of each level
+  bool shaken = false;                 ///< nodes are moved between levels
+};
+
+std::string describe(const Plan& plan, std::size_t level) {
+  std::string text = "mesh " + std::to_string(plan.seed) + (plan.shaken ? ", shaken" : "") + ", level " +
+                     std::to_string(level) + ", policies";
+  for (const auto policy : plan.policy)
+    text += std::string(" ") + refine::quality_control_names[static_cast<std::size_t>(policy)].first;
+  return text;
+}
+
+/// What the refiner should have made of one level.
+struct Expected {
+  mesh::BlockMesh input;
+  Law law = Law::random;
+  std::uint64_t seed = 0;
+  QualityControl policy{};
+  test::ReferenceRefinement result;
+};
+
+/// All levels of a plan by the twin alone.
+std::vector<Expected> run_twin(const Plan& plan) {
+  std::vector<Expected> levels;
+  auto mesh = test::random_delaunay(plan.seed);
+  for (std::size_t level = 0; level < plan.policy.size() && mesh.info.n_global_cells < enough_cells; ++level) {
+    const auto seed = combine(plan.seed, level);
+    if (plan.shaken && level > 0) test::shake(mesh, seed);
+    Expected expected{mesh, test::law_of(plan.seed / 6 + level), seed, plan.policy[level], {}};
+    try {
+      expected.result = test::reference_refine(mesh, test::mark(mesh, expected.law, seed), expected.policy);
+    } catch (const std::logic_error& error) {
+      throw std::logic_error(describe(plan, level) + ": " + error.what());
+    }
+    mesh = expected.result.mesh;
+    const bool goes_on = expected.result.is_positive;
+    levels.push_back(std::move(expected));
+    if (!goes_on) break;
+  }
+  return levels;
+}
+
+/// What has been compared; a comparison of nothing proves nothing.
+struct Tally {
+  std::int64_t cases = 0, levels = 0, cells = 0, rebuilt = 0, kept = 0, refused = 0;
+
+  void add(const Expected& expected) {
+    ++levels;
+    cells += expected.result.mesh.info.n_global_cells;
+    rebuilt += expected.result.families_rebuilt;
+    kept += expected.result.families_kept;
+    refused += expected.result.is_positive ? 0 : 1;
+  }
+
+  /// Collective: sums over the ranks, and tells them once.
+  void finish(const par::Comm& comm) {
+    for (auto* count : {&cases, &levels, &cells, &rebuilt, &kept, &refused}) *count = comm.sum(*count);
+    if (comm.is_first())
+      std::printf("compared %ld meshes, %ld refinements, %ld cells; families: %ld rebuilt, %ld kept; refused: %ld\n",
+                  cases, levels, cells, rebuilt, kept, refused);
+  }
+};
+
+template <class T>
+void expect_same_rows(const std::vector<T>& found, const std::vector<T>& expected, const std::string& what) {
+  ASSERT_EQ(found.size(), expected.size()) << what;
+  for (std::size_t i = 0; i < found.size(); ++i) ASSERT_TRUE(found[i] == expected[i]) << what << " " << i;
+}
+
+/// Corners, neighbours, patches, lineage and parents of all cells by number, and all nodes by number, to the last bit.
+void expect_same(const mesh::BlockMesh& found, const test::ReferenceRefinement& expected) {
+  expect_same_rows(found.cell_to_node, expected.mesh.cell_to_node, "corners of cell");
+  expect_same_rows(found.node_position, expected.mesh.node_position, "position of node");
+  expect_same_rows(found.cell_to_cell, expected.mesh.cell_to_cell, "neighbours and patches of cell");
+  expect_same_rows(found.lineage, expected.mesh.lineage, "lineage of cell");
+  ASSERT_EQ(found.cell_fields.size(), 1U);
+  expect_same_rows(found.cell_fields.front().integer(), expected.parent, "parent of cell");
+}
+
+void expect_same_counts(const adapt::Report& report, const test::ReferenceRefinement& expected) {
+  EXPECT_EQ(report.cells_out, expected.mesh.info.n_global_cells);
+  EXPECT_EQ(report.nodes_out, expected.mesh.info.n_global_nodes);
+  EXPECT_EQ(report.families_rebuilt, expected.families_rebuilt);
+  EXPECT_EQ(report.families_kept, expected.families_kept);
+}
+
+/// Refines one level on `comm` and compares on rank `root`, the only one that needs `expected.result`.
+void compare_level(const par::Comm& comm, const Expected& expected, Rank root) {
+  const auto mesh = test::scatter(comm, expected.input, expected.seed);
+  const auto flags = test::mark(mesh, expected.law, expected.seed);
+  const bool is_root = comm.rank() == root;
+  if (comm.any(is_root && !expected.result.is_positive)) {
+    EXPECT_THROW(adapt::refine(comm, mesh, flags, {.quality_control = expected.policy, .marks_field = ""}), Error);
+    return;
+  }
+  const auto fine = adapt::refine(comm, mesh, flags, {.quality_control = expected.policy, .marks_field = ""});
+  const auto found = test::gather_on(comm, fine.mesh, root);
+  if (!is_root) return;
+  expect_same(found, expected.result);
+  expect_same_counts(fine.report, expected.result);
+}
+
+Plan plan_of(std::uint64_t seed, std::vector<QualityControl> policy) {
+  return {seed, std::move(policy), (seed / 7) % 3 == 0};
+}
+
+std::vector<QualityControl> levels_of(QualityControl policy, std::uint64_t seed) {
+  return std::vector<QualityControl>(2 + seed % 3, policy);
+}
+
+/// Every rank compares cases of its own, alone.
+template <class MakePlan>
+Tally compare_alone(std::uint64_t n_cases, MakePlan&& make_plan) {
+  const par::Comm world(MPI_COMM_WORLD), self(MPI_COMM_SELF);
+  Tally tally;
+  for (auto i = static_cast<std::uint64_t>(world.rank()); i < n_cases; i += static_cast<std::uint64_t>(world.size())) {
+    const Plan plan = make_plan(i);
+    const auto levels = run_twin(plan);
+    ++tally.cases;
+    for (std::size_t level = 0; level < levels.size(); ++level) {
+      SCOPED_TRACE(describe(plan, level));
+      compare_level(self, levels[level], 0);
+      tally.add(levels[level]);
+      if (testing::Test::HasFailure()) break;
+    }
+    if (testing::Test::HasFailure()) break;
+  }
+  tally.finish(world);
+  return tally;
+}
+
+/// All ranks refine together; the twin of a case runs on one of them.
+template <class MakePlan>
+Tally compare_together(std::uint64_t n_cases, MakePlan&& make_plan) {
+  const par::Comm world(MPI_COMM_WORLD);
+  Tally tally;
+  const auto size = static_cast<std::uint64_t>(world.size());
+  for (std::uint64_t begin = 0; begin < n_cases; begin += size) {
+    const Plan mine = make_plan(begin + static_cast<std::uint64_t>(world.rank()));
+    const auto levels_here = run_twin(mine);
+    for (Rank root = 0; root < world.size() && begin + static_cast<std::uint64_t>(root) < n_cases; ++root) {
+      const bool is_root = root == world.rank();
+      if (is_root) ++tally.cases;
+      const auto n_levels =
+          static_cast<std::size_t>(world.max(is_root ? static_cast<std::int64_t>(levels_here.size()) : 0));
+      const Plan plan = make_plan(begin + static_cast<std::uint64_t>(root));
+      for (std::size_t level = 0; level < n_levels; ++level) {
+        SCOPED_TRACE(describe(plan, level));
+        Expected expected;
+        if (is_root) {
+          expected = levels_here[level];
+          tally.add(expected);
+        }
+        expected.input = test::broadcast(world, expected.input, root);
+        expected.input.info.patches = test::random_delaunay(plan.seed).info.patches;
+        expected.law = test::law_of(plan.seed / 6 + level);
+        expected.seed = combine(plan.seed, level);
+        expected.policy = plan.policy[level];
+        compare_level(world, expected, root);
+        if (world.any(testing::Test::HasFailure())) return tally;
+      }
+    }
+  }
+  tally.finish(world);
+  return tally;
+}
+
+class Twin : public ::testing::TestWithParam<QualityControl> {};
+INSTANTIATE_TEST_SUITE_P(EveryPolicy, Twin,
+                         ::testing::Values(QualityControl::none, QualityControl::isotropic, QualityControl::short_edge,
+                                           QualityControl::removable),
+                         [](const auto& policy) {
+                           std::string name =
+                               refine::quality_control_names[static_cast<std::size_t>(policy.param)].first;
+                           std::replace(name.begin(), name.end(), '-', '_');
+                           return name;
+                         });
+
+TEST_P(Twin, AgreesOnRandomMeshesRefinedByEachRankAlone) {
+  const auto tally =
+      compare_alone(test::n_cases(50, 1000), [](std::uint64_t i) { return plan_of(i, levels_of(GetParam(), i)); });
+
+  EXPECT_GT(tally.levels, 2 * tally.cases);
+  if (GetParam() == QualityControl::removable) {
+    EXPECT_GT(tally.rebuilt, 10 * tally.cases);
+    EXPECT_GT(tally.kept, 0);
+  }
+}
+
+TEST_P(Twin, AgreesOnRandomMeshesRefinedByAllRanksTogether) {
+  const auto tally = compare_together(test::n_cases(14, 150),
+                                      [](std::uint64_t i) { return plan_of(5000 + i, levels_of(GetParam(), i)); });
+
+  EXPECT_GT(tally.levels, tally.cases);
+}
+
+}  // namespace
+}  // namespace pamr
