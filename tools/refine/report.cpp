@@ -88,6 +88,8 @@ nlohmann::json make_report(const par::Comm& comm, const adapt::Report& report, c
       {"steps", steps}};
   if (measured.lists_ranks) {
     of_rank["peak_rss_bytes"] = comm.all_gather(peak);
+    of_rank["neighbours_closing"] = comm.all_gather(report.neighbours_closing);
+    of_rank["neighbours"] = comm.all_gather(report.neighbours);
     of_rank["cells_out"] = comm.all_gather(measured.cells_here);
     json["of_rank"] = of_rank;
   }

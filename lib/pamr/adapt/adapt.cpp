@@ -163,6 +163,7 @@ RefineResult refine(const par::Comm& comm, const mesh::DistMesh& mesh, std::span
   report.off_surface_nodes = certificate.n_off_surface;
   report.rounds = closure.rounds;
   report.back_off_rounds = certificate.rounds;
+  report.neighbours_closing = report.neighbours = static_cast<std::int64_t>(borders.nodes.rank.size());
   report.steps = timer.steps();
   report.traffic = comm.traffic() - traffic_before;
   return result;

@@ -21,6 +21,8 @@ struct Report {
   std::int64_t off_surface_nodes = 0;
   int rounds = 0;               ///< of closing
   int back_off_rounds = 0;      ///< of the projection's certificate
+  /// Ranks that this rank shares nodes with, while closing and after balancing.
+  std::int64_t neighbours_closing = 0, neighbours = 0;
   std::vector<StepTime> steps;  ///< of this rank
   Traffic traffic;              ///< of this rank
 };

@@ -1,0 +1,255 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Tables and bars from the reports that scaling.sh collects.
+
+Usage: summarize.py FOLDER [--no-bars]
+
+FOLDER holds run-<ranks>-<k>.json, reports of `pamr-refine --each-rank`, and base-<ranks>.json of a mesh of next to
+nothing. Prints markdown; writes steps.csv (each step on each number of ranks) and ranks.csv (each rank's share of each
+step) there. Exit code 1 when a bar is missed.
+"""
+import csv
+import glob
+import json
+import math
+import os
+import re
+import statistics
+import sys
+
+# The network of the model: HDR InfiniBand as published for Azure's HBv3 nodes, 1.2 microseconds and 192 Gbit/s one way
+# (https://docs.azure.cn/en-us/virtual-machines/hbv3-performance, OSU benchmarks), shared by 16 ranks a node.
+LATENCY = 1.2e-6
+RANKS_A_NODE = 16
+BANDWIDTH = 192e9 / 8 / RANKS_A_NODE
+
+# Our steps under the paper's modules; what is not named here is preprocessing. Its table stops before output.
+MODULES = {"close": "I", "number": "II", "project": "III", "subdivide": "III", "transfer": "III", "relink": "IV",
+           "write": "write"}
+MODULE_NAMES = ["preprocessing", "I", "II", "III", "IV", "write"]
+AFTER_BALANCING = ["number", "project", "subdivide", "relink", "transfer"]
+# Their libraries (HDF5 with MPI-IO, Scotch) communicate by themselves.
+ORDER = ["read", "preprocessing", "close", "balance", "partition", "migrate", "number", "project", "subdivide", "relink",
+         "transfer", "write"]
+QUANTITIES = ["compute", "wait", "messages", "bytes", "bytes_received", "rounds", "reductions"]
+
+# Table 2 of the paper, seconds: 2, 4, 8, 16, 32, 64 processors.
+PAPER_RANKS = [2, 4, 8, 16, 32, 64]
+PAPER = {"preprocessing": [12.5, 13.5, 14.4, 15.4, 19.5, 18.2],
+         "I": [92.1, 24.8, 6.2, 2.0, 1.5, 2.4],
+         "II": [977.9, 267.4, 68.5, 23.2, 10.2, 9.9],
+         "III": [0.9, 1.8, 2.0, 3.3, 3.8, 6.9],
+         "IV": [19.5, 9.7, 5.4, 2.9, 2.1, 2.4],
+         "total": [1103.0, 317.2, 96.5, 46.7, 37.1, 39.8]}
+
+
+def median(values):
+    return statistics.median(list(values))
+
+
+class Runs:
+    """The runs on one number of ranks; every figure is the median over them."""
+
+    def __init__(self, ranks, reports, base):
+        self.ranks, self.reports, self.base = ranks, reports, base
+        self.cells_out = reports[0]["cells_out"]
+        self.steps = [s for s in ORDER if s in reports[0]["steps"]]
+        self.steps += [s for s in reports[0]["steps"] if s not in self.steps]
+
+    def over(self, fold, quantity, *steps):
+        """Median over the runs of `fold` over the ranks of the sum of the steps."""
+        def one(report):
+            shares = [report["of_rank"][step][quantity] for step in steps]
+            return fold([sum(rank) for rank in zip(*shares)])
+        return median(one(report) for report in self.reports)
+
+    def sum(self, quantity, *steps):
+        return self.over(sum, quantity, *steps)
+
+    def max(self, quantity, *steps):
+        return self.over(max, quantity, *steps)
+
+    def imbalance(self, *steps):
+        return self.over(lambda all_: max(all_) * len(all_) / sum(all_) if sum(all_) > 0 else 1, "compute", *steps)
+
+    def messages_a_neighbour(self, step):
+        """Most messages that a rank sends for each exchange and each rank that it shares nodes with."""
+        def one(of_rank):
+            neighbours = of_rank["neighbours_closing" if step == "close" else "neighbours"]
+            return max(messages / max(1, n * rounds) for messages, n, rounds in zip(
+                of_rank[step]["messages"], neighbours, of_rank[step]["rounds"]))
+        return median(one(report["of_rank"]) for report in self.reports)
+
+    def memory(self):
+        """Peak of the largest rank beyond that of a process without cells, bytes."""
+        return median(report["peak_rss_bytes"] for report in self.reports) - self.base["peak_rss_bytes"]
+
+    def modelled(self, step):
+        """Seconds of a step on a cluster: the slowest rank's work, its messages, its bytes, its part in reductions."""
+        hops = math.ceil(math.log2(self.ranks)) if self.ranks > 1 else 0
+        moved = max(self.max("bytes", step), self.max("bytes_received", step))
+        return (self.max("compute", step) + (self.max("messages", step) + hops * self.max("reductions", step)) * LATENCY
+                + moved / BANDWIDTH)
+
+
+def load(folder):
+    by_ranks = {}
+    for path in sorted(glob.glob(os.path.join(folder, "run-*-*.json"))):
+        ranks = int(re.search(r"run-(\d+)-\d+\.json$", path).group(1))
+        with open(path, encoding="utf-8") as file:
+            by_ranks.setdefault(ranks, []).append(json.load(file))
+    runs = []
+    for ranks in sorted(by_ranks):
+        with open(os.path.join(folder, f"base-{ranks}.json"), encoding="utf-8") as file:
+            runs.append(Runs(ranks, by_ranks[ranks], json.load(file)))
+    if not runs:
+        sys.exit(f"summarize.py: expected reports run-*-*.json in {folder}, found none")
+    return runs
+
+
+def write_csv(folder, runs):
+    with open(os.path.join(folder, "steps.csv"), "w", newline="", encoding="utf-8") as file:
+        out = csv.writer(file)
+        out.writerow(["ranks", "step", "quantity", "sum", "min", "mean", "max"])
+        for run in runs:
+            for step in run.steps:
+                for q in QUANTITIES:
+                    total = run.sum(q, step)
+                    out.writerow([run.ranks, step, q, total, run.over(min, q, step), total / run.ranks,
+                                  run.max(q, step)])
+    with open(os.path.join(folder, "ranks.csv"), "w", newline="", encoding="utf-8") as file:
+        out = csv.writer(file)
+        out.writerow(["ranks", "rank", "step"] + QUANTITIES)
+        for run in runs:
+            for rank in range(run.ranks):
+                for step in run.steps:
+                    out.writerow([run.ranks, rank, step] + [
+                        median(r["of_rank"][step][q][rank] for r in run.reports) for q in QUANTITIES])
+
+
+def table(head, rows):
+    print("| " + " | ".join(head) + " |")
+    print("|" + "---|" * len(head))
+    for row in rows:
+        print("| " + " | ".join(str(x) for x in row) + " |")
+    print()
+
+
+def number(value):
+    if value == 0:
+        return "0"
+    return f"{value:.0f}" if abs(value) >= 1000 else f"{value:.3g}"
+
+
+def print_tables(runs):
+    first = runs[0]
+    head = ["ranks"] + [str(run.ranks) for run in runs]
+    steps = [step for step in ORDER if any(step in run.steps for run in runs)]
+    print(f"{first.reports[0]['cells_in']} cells, {first.reports[0]['marked']} of them marked, to {first.cells_out} "
+          f"cells, {first.reports[0]['nodes_out']} nodes.\n")
+
+    print("Compute, ms of processor time outside of communication: sum over the ranks (largest rank)\n")
+    rows = [[step] + [f"{1e3 * run.sum('compute', step):.0f} ({1e3 * run.max('compute', step):.1f})" for run in runs]
+            for step in steps]
+    rows.append(["all"] + [f"{1e3 * run.sum('compute', *run.steps):.0f} ({1e3 * run.max('compute', *run.steps):.1f})"
+                           for run in runs])
+    rows.append(["of which after balancing"] +
+                [f"{1e3 * run.sum('compute', *AFTER_BALANCING):.0f} ({1e3 * run.max('compute', *AFTER_BALANCING):.1f})"
+                 for run in runs])
+    rows.append(["largest rank over mean, after balancing"] + [f"{run.imbalance(*AFTER_BALANCING):.2f}" for run in runs])
+    table(head, rows)
+
+    print("Messages sent by the rank that sends most (exchanges of messages; operations of all ranks)\n")
+    table(head, [[step] + [f"{number(run.max('messages', step))} ({number(run.max('rounds', step))}; "
+                           f"{number(run.max('reductions', step))})" for run in runs] for step in steps])
+    print("kB sent or received by the rank that does most\n")
+    table(head, [[step] + [number(1e-3 * moved(run, step)) for run in runs] for step in steps])
+    print("Memory of the largest rank, and ranks that a rank shares nodes with\n")
+    table(head, [
+        ["peak, MB"] + [number(1e-6 * median(r["peak_rss_bytes"] for r in run.reports)) for run in runs],
+        ["of a process without cells, MB"] + [number(1e-6 * run.base["peak_rss_bytes"]) for run in runs],
+        ["difference times ranks, of that on one"] + [
+            f"{run.memory() * run.ranks / (first.memory() * first.ranks):.2f}" for run in runs],
+        ["most neighbours"] + [str(max(run.reports[0]["of_rank"]["neighbours"])) for run in runs]])
+
+    print("Modelled seconds (not measured: the largest rank's compute, its messages and reductions at "
+          f"{1e6 * LATENCY:.1f} us, its bytes at {1e-9 * BANDWIDTH:.1f} GB/s), beside those of the paper's Table 2\n")
+    rows = []
+    for name in MODULE_NAMES:
+        cells = []
+        for run in runs:
+            own = sum(run.modelled(s) for s in run.steps if MODULES.get(s, "preprocessing") == name)
+            cells.append(f"{own:.4f} / {paper(name, run.ranks)}")
+        rows.append([name] + cells)
+    rows.append(["total but write"] + [
+        f"{sum(run.modelled(s) for s in run.steps if s != 'write'):.4f} / {paper('total', run.ranks)}" for run in runs])
+    table(["ours / the paper's"] + [str(run.ranks) for run in runs], rows)
+
+
+def moved(run, step):
+    return max(run.max("bytes", step), run.max("bytes_received", step))
+
+
+def paper(name, ranks):
+    if name not in PAPER or ranks not in PAPER_RANKS:
+        return "-"
+    return f"{PAPER[name][PAPER_RANKS.index(ranks)]:.1f}"
+
+
+def find_bars(runs):
+    """(what, found, most) for each bar."""
+    first = runs[0]
+    bars = []
+    for run in runs[1:]:
+        grown = [s for s in run.steps if s not in ("balance", "partition")]
+        most = {32: 1.25, 64: 1.35}.get(run.ranks)
+        if most:
+            bars.append((f"{run.ranks} ranks: summed compute over that of {first.ranks}",
+                         run.sum("compute", *grown) / first.sum("compute", *grown), most))
+        bars.append((f"{run.ranks} ranks: largest rank over mean, after balancing", run.imbalance(*AFTER_BALANCING),
+                     1.15))
+        for step in ("close", "project", "relink"):
+            bars.append((f"{run.ranks} ranks: {step}, messages for each exchange and neighbour by shared nodes",
+                         run.messages_a_neighbour(step), 1))
+        for step in run.steps:
+            bars.append((f"{run.ranks} ranks: {step}, bytes of a rank for each cell of an even share",
+                         moved(run, step) * run.ranks / run.cells_out, BYTES_A_CELL))
+        bars.append((f"{run.ranks} ranks: memory of the largest rank, of an even share of that on {first.ranks}",
+                     run.memory() * run.ranks / (first.memory() * first.ranks), 2))
+    prints = {r["fingerprint"] for run in runs for r in run.reports}
+    bars.append(("different meshes", len(prints), 1))
+    return bars
+
+
+BYTES_A_CELL = 250  # a row of every array of the file, its fields and numbers, once
+
+
+def print_bars(runs):
+    """Prints those that are missed, and the closest of each kind. Returns whether all are kept."""
+    bars = find_bars(runs)
+    closest = {}
+    for what, found, most in bars:
+        kind = re.sub(r"^\d+ ranks: ", "", what)
+        if kind not in closest or found / most > closest[kind][1] / closest[kind][2]:
+            closest[kind] = (what, found, most)
+    shown = [bar for bar in bars if bar[1] > bar[2] or closest.get(re.sub(r"^\d+ ranks: ", "", bar[0])) == bar]
+    print("Bars: of each kind the closest, and all that are missed\n")
+    table(["bar", "found", "at most", ""],
+          [[what, number(found), number(most), "pass" if found <= most else "FAIL"] for what, found, most in shown])
+    return all(found <= most for _, found, most in bars)
+
+
+def main():
+    arguments = [a for a in sys.argv[1:] if a != "--no-bars"]
+    if len(arguments) != 1:
+        sys.exit(__doc__)
+    runs = load(arguments[0])
+    write_csv(arguments[0], runs)
+    print_tables(runs)
+    if "--no-bars" in sys.argv[1:] or len(runs) < 2:
+        return 0
+    return 0 if print_bars(runs) else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())
