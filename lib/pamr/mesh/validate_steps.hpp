@@ -61,6 +61,10 @@ void check_unique_cells(const par::Comm& comm, const DistMesh& mesh, Findings& f
 /// Coordinates, orientation, shape. Local.
 void check_shapes(const DistMesh& mesh, Findings& findings);
 
+/// True when `check_own_neighbours` would find nothing: the same said without saying where it is broken, which is all
+/// that a sound mesh asks for, three times faster. Local; 16 bytes a cell and 8 a node.
+bool own_faces_match(const DistMesh& mesh);
+
 /// Patches, own neighbours, own faces. Local.
 void check_own_neighbours(const DistMesh& mesh, Findings& findings);
 

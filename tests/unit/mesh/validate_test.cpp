@@ -8,6 +8,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <utility>
 
 #include "pamr/base/error.hpp"
 #include "pamr/mesh/assemble.hpp"
@@ -240,6 +241,34 @@ TEST_F(Validate, FindsACellLaidOverOthers) {
 
     EXPECT_THAT(names(violations), Contains("conforming")) << "cell " << c;
   }
+}
+
+TEST_F(Validate, FindsTwoSoundMeshesOnTheSameNodes) {
+  auto whole = test::gather(comm_, test::random_mesh(comm_, 24, 2));
+  const auto n = whole.cell_to_node.size();
+  for (std::size_t c = 0; c < n; ++c) {
+    auto neighbours = whole.cell_to_cell[c];
+    for (auto& neighbour : neighbours) neighbour += neighbour < 0 ? 0 : static_cast<GlobalId>(n);
+    whole.cell_to_node.push_back(whole.cell_to_node[c]);
+    whole.cell_to_cell.push_back(neighbours);
+  }
+  whole.info.n_global_cells *= 2;
+
+  const auto violations = validate(comm_, assemble(comm_, test::cut(comm_, whole)));
+
+  EXPECT_THAT(names(violations), Contains("conforming"));
+}
+
+TEST_F(Validate, FindsALinkThatOnlyTheUpperCellKnows) {
+  const par::Comm self(MPI_COMM_SELF);
+  mesh_ = assemble(self, test::random_mesh(self, 21, 3));
+  for (std::size_t c = 0; c < mesh_.cell_to_cell.size(); ++c)
+    for (auto& neighbour : mesh_.cell_to_cell[c]) {
+      if (neighbour <= static_cast<LocalId>(c)) continue;
+      const auto kept = std::exchange(neighbour, patch_to_slot(0));
+      EXPECT_THAT(names(validate(self, mesh_)), Contains("neighbours_reciprocal")) << "cell " << c;
+      neighbour = kept;
+    }
 }
 
 TEST_F(Validate, FindsBorderFacesInDifferentOrder) {
