@@ -131,9 +131,22 @@ std::array<std::size_t, 4> even_permutation(Dice& dice) {
 
 }  // namespace
 
+mesh::BlockMesh numbered_from(GlobalId first_id, mesh::BlockMesh block) {
+  const auto step = first_id - block.info.first_id;
+  block.info.first_id = first_id;
+  block.first_cell += step;
+  for (auto& nodes : block.cell_to_node)
+    for (auto& node : nodes) node += step;
+  for (auto& neighbours : block.cell_to_cell)
+    for (auto& neighbour : neighbours)
+      if (neighbour >= 0) neighbour += step;
+  return block;
+}
+
 mesh::BlockMesh gather(const par::Comm& comm, const mesh::BlockMesh& block) {
   mesh::BlockMesh whole;
   whole.info = block.info;
+  whole.first_cell = block.info.first_id;
   whole.cell_to_node = join(comm, block.cell_to_node);
   whole.cell_to_cell = join(comm, block.cell_to_cell);
   whole.lineage = join(comm, block.lineage);
@@ -159,18 +172,23 @@ mesh::BlockMesh gather(const par::Comm& comm, const mesh::DistMesh& mesh) {
     nodes.push_back(n);
     neighbours.push_back(nb);
   }
-  const auto cell_order = inverse(join(comm, mesh.cell_global));
+  const auto rows_of = [&](std::vector<GlobalId> ids) {
+    for (auto& id : ids) id -= mesh.info.first_id;
+    return ids;
+  };
+  const auto cell_order = inverse(rows_of(join(comm, mesh.cell_global)));
   const auto all_nodes = join(comm, nodes);
   const auto all_neighbours = join(comm, neighbours);
   const auto all_lineage = join(comm, mesh.lineage);
   mesh::BlockMesh whole;
   whole.info = mesh.info;
+  whole.first_cell = mesh.info.first_id;
   for (const auto at : cell_order) {
     whole.cell_to_node.push_back(all_nodes[static_cast<std::size_t>(at)]);
     whole.cell_to_cell.push_back(all_neighbours[static_cast<std::size_t>(at)]);
     whole.lineage.push_back(all_lineage[static_cast<std::size_t>(at)]);
   }
-  const auto node_global = join(comm, mesh.node_global);
+  const auto node_global = rows_of(join(comm, mesh.node_global));
   std::vector<GlobalId> node_order(static_cast<std::size_t>(mesh.info.n_global_nodes), 0);
   for (std::size_t i = 0; i < node_global.size(); ++i)
     node_order[static_cast<std::size_t>(node_global[i])] = static_cast<GlobalId>(i);
@@ -201,7 +219,7 @@ mesh::BlockMesh cut(const par::Comm& comm, const mesh::BlockMesh& whole, const s
   };
   mesh::BlockMesh block;
   block.info = whole.info;
-  block.first_cell = first;
+  block.first_cell = whole.info.first_id + first;
   block.cell_to_node = part(whole.cell_to_node, first, last);
   block.cell_to_cell = part(whole.cell_to_cell, first, last);
   block.lineage = part(whole.lineage, first, last);
@@ -236,8 +254,9 @@ mesh::BlockMesh random_mesh(const par::Comm& comm, std::uint64_t seed, int n) {
 std::vector<Rank> random_destinations(const par::Comm& comm, const mesh::BlockMesh& block, std::uint64_t seed) {
   std::vector<Rank> to;
   for (std::size_t c = 0; c < block.cell_to_node.size(); ++c)
-    to.push_back(static_cast<Rank>(combine(mix(seed), static_cast<std::uint64_t>(block.first_cell) + c) %
-                                   static_cast<std::uint64_t>(comm.size())));
+    to.push_back(
+        static_cast<Rank>(combine(mix(seed), static_cast<std::uint64_t>(block.first_cell - block.info.first_id) + c) %
+                          static_cast<std::uint64_t>(comm.size())));
   return to;
 }
 

@@ -27,7 +27,10 @@ mesh::BlockMesh permute(const par::Comm& comm, const mesh::BlockMesh& block, std
 /// The same mesh without neighbours (they are to be built) and without patches.
 mesh::BlockMesh without_neighbours(mesh::BlockMesh block);
 
-/// The whole mesh on every rank, in one block (`first_cell` 0). Collective.
+/// The same mesh with cells and nodes numbered from `first_id` on instead.
+mesh::BlockMesh numbered_from(GlobalId first_id, mesh::BlockMesh block);
+
+/// The whole mesh on every rank, in one block. Collective.
 mesh::BlockMesh gather(const par::Comm& comm, const mesh::BlockMesh& block);
 /// The same from a distributed mesh: cells and nodes by global number.
 mesh::BlockMesh gather(const par::Comm& comm, const mesh::DistMesh& mesh);

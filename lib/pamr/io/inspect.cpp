@@ -89,6 +89,7 @@ void Inspector::pamr() {
   catalog_.has_pamr_group = true;
   number_attribute("/PAMR", "format");
   number_attribute("/PAMR", "fingerprint");
+  number_attribute("/PAMR", "first_id");
   text_attribute("/PAMR", "length_unit");
   for (const auto* name : {"cell_to_cell", "lineage"})
     if (has_link(std::string("/PAMR/") + name)) array(std::string("/PAMR/") + name, false);

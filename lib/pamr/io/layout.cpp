@@ -137,6 +137,11 @@ class Checker {
     info.length_unit = one_text("/PAMR@length_unit", "");
     info.surfaces_toml = one_text(path::surfaces, "\t\r\n");
     info.provenance = one_text(path::provenance, "\t\r\n");
+    if (const auto* first = catalog_->find_number("/PAMR@first_id"); first != nullptr) {
+      if (first->values.size() != 1 || first->values[0] < 0 || first->values[0] > mesh::max_first_id)
+        fail("/PAMR@first_id", "a number from 0 to " + std::to_string(mesh::max_first_id), to_text(first->values));
+      info.first_id = first->values[0];
+    }
     patches();
     if (catalog_->find_array(path::cell_to_cell) != nullptr) {
       layout_.has_neighbours = true;

@@ -100,7 +100,7 @@ class Reader {
   Catalog catalog_;
   Layout layout_;
   hdf5::Handle h5_;
-  GlobalId first_cell_ = 0, end_cell_ = 0;
+  GlobalId first_cell_ = 0, end_cell_ = 0;  ///< rows of the file
 };
 
 mesh::BlockMesh Reader::run() {
@@ -110,7 +110,7 @@ mesh::BlockMesh Reader::run() {
   share_out();
   mesh::BlockMesh block;
   block.info = layout_.info;
-  block.first_cell = first_cell_;
+  block.first_cell = layout_.info.first_id + first_cell_;
   read_lineage(block);
   check_offsets_and_types();
   read_connectivity(block);
@@ -288,7 +288,7 @@ void Reader::read_connectivity(mesh::BlockMesh& block) {
                   fail(path::connectivity, row, "a node from 0 to " + std::to_string(n_nodes - 1),
                        text_of(static_cast<std::int64_t>(words[i])));
                 const auto at = static_cast<std::size_t>(row - 4 * first_cell_);
-                block.cell_to_node[at / 4][at % 4] = static_cast<GlobalId>(words[i]);
+                block.cell_to_node[at / 4][at % 4] = layout_.info.first_id + static_cast<GlobalId>(words[i]);
               }
             });
   par::agree(*comm_, [&] {
@@ -298,30 +298,30 @@ void Reader::read_connectivity(mesh::BlockMesh& block) {
       const auto twice = std::adjacent_find(corners.begin(), corners.end());
       if (twice != corners.end())
         fail(path::connectivity, 4 * (first_cell_ + static_cast<GlobalId>(c)), "four different nodes",
-             "node " + std::to_string(*twice) + " twice");
+             "node " + std::to_string(*twice - layout_.info.first_id) + " twice");
     }
   });
 }
 
 void Reader::read_neighbours(mesh::BlockMesh& block) {
   if (!layout_.has_neighbours) return;
-  const auto n = layout_.info.n_global_cells;
+  const auto all = layout_.info.cell_ids();
   const auto n_patches = static_cast<std::int64_t>(layout_.info.patches.size());
   block.cell_to_cell.resize(static_cast<std::size_t>(cells().count()));
-  each_slab(
-      path::cell_to_cell, layout_.neighbours_type, {n, 4, false}, cells(), true,
-      [&](GlobalId first, std::span<const std::uint64_t> words) {
-        for (std::size_t i = 0; i < words.size(); ++i) {
-          const auto row = first + static_cast<GlobalId>(i / 4);
-          const auto value = static_cast<std::int64_t>(words[i]);
-          if (value >= n || value < -n_patches)
-            fail(path::cell_to_cell, row,
-                 "a cell from 0 to " + std::to_string(n - 1) + " or a patch from -1 to -" + std::to_string(n_patches),
-                 text_of(value));
-          if (value == row) fail(path::cell_to_cell, row, "another cell", "the cell itself");
-          block.cell_to_cell[static_cast<std::size_t>(row - first_cell_)][i % 4] = value;
-        }
-      });
+  each_slab(path::cell_to_cell, layout_.neighbours_type, {all.n, 4, false}, cells(), true,
+            [&](GlobalId first, std::span<const std::uint64_t> words) {
+              for (std::size_t i = 0; i < words.size(); ++i) {
+                const auto row = first + static_cast<GlobalId>(i / 4);
+                const auto value = static_cast<std::int64_t>(words[i]);
+                if (!all.contains(value) && (value >= 0 || value < -n_patches))
+                  fail(path::cell_to_cell, row,
+                       "a cell from " + std::to_string(all.first) + " to " + std::to_string(all.end() - 1) +
+                           " or a patch from -1 to -" + std::to_string(n_patches),
+                       text_of(value));
+                if (value == all.first + row) fail(path::cell_to_cell, row, "another cell", "the cell itself");
+                block.cell_to_cell[static_cast<std::size_t>(row - first_cell_)][i % 4] = value;
+              }
+            });
 }
 
 void Reader::read_points(mesh::BlockMesh& block) {

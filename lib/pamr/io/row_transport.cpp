@@ -5,21 +5,21 @@
 
 namespace pamr::io {
 
-par::BlockRange window(GlobalId n, Rank rank, Rank size, GlobalId step, GlobalId slab) {
-  const auto block = par::block_range(n, rank, size);
+par::BlockRange window(IdRange all, Rank rank, Rank size, GlobalId step, GlobalId slab) {
+  const auto block = par::block_range(all, rank, size);
   const auto begin = std::min(block.begin + step * slab, block.end);
   return {begin, std::min(begin + slab, block.end)};
 }
 
 Window collect(const par::Comm& comm, const HeldRows& rows, GlobalId step, GlobalId slab) {
   const auto width = rows.width;
-  Window result{window(rows.n_global, comm.rank(), comm.size(), step, slab), {}, 0};
+  Window result{window(rows.all, comm.rank(), comm.size(), step, slab), {}, 0};
   const auto n = static_cast<std::size_t>(result.range.count());
   result.words.resize(n * width);
   std::vector<char> is_here(n, 0);
   std::vector<par::Outgoing<std::uint64_t>> messages;
   for (Rank rank = 0; rank < comm.size(); ++rank) {
-    const auto wanted = window(rows.n_global, rank, comm.size(), step, slab);
+    const auto wanted = window(rows.all, rank, comm.size(), step, slab);
     const auto begin = std::lower_bound(rows.id.begin(), rows.id.end(), wanted.begin);
     const auto end = std::lower_bound(begin, rows.id.end(), wanted.end);
     if (begin == end) continue;
@@ -32,7 +32,7 @@ Window collect(const par::Comm& comm, const HeldRows& rows, GlobalId step, Globa
       }
       continue;
     }
-    // A message is a row's number and its words, row after row.
+    // A message is a row's id and its words, row after row.
     messages.push_back({rank, std::vector<std::uint64_t>(count * (width + 1))});
     auto* to = messages.back().item.data();
     for (std::size_t i = first; i < first + count; ++i, to += width + 1) {

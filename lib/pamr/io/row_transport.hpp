@@ -12,21 +12,22 @@ namespace pamr::io {
 
 /// Rows of an array in global numbering, as one rank holds them.
 struct HeldRows {
-  GlobalId n_global = 0;
+  IdRange all = 0;               ///< ids of all rows; row 0 of the array has the first
   std::size_t width = 1;         ///< words a row
-  std::span<const GlobalId> id;  ///< rows held, ascending
+  std::span<const GlobalId> id;  ///< of the rows held, ascending
   /// Writes the `width` words of held row `i`.
   std::function<void(std::size_t i, std::uint64_t* to)> fill;
 };
 
-/// Part of the canonical block of `rank` that is written in step `step`, when a rank writes `slab` rows at once.
-par::BlockRange window(GlobalId n, Rank rank, Rank size, GlobalId step, GlobalId slab);
+/// Ids of the part of the canonical block of `rank` that is written in step `step`, when a rank writes `slab` rows at
+/// once.
+par::BlockRange window(IdRange all, Rank rank, Rank size, GlobalId step, GlobalId slab);
 
 /// The words of the rows in this rank's window, in order, from whichever ranks hold them. A row held by several ranks
 /// is taken from any of them. `missing` is the number of rows that nobody holds. Collective: one sparse exchange of the
 /// rows that are not where they are wanted.
 struct Window {
-  par::BlockRange range;
+  par::BlockRange range;  ///< ids
   std::vector<std::uint64_t> words;
   GlobalId missing = 0;
 };

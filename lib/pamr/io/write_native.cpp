@@ -218,6 +218,8 @@ void Writer::write_attributes() const {
   write_text_attribute(vtk.id(), "Type", "UnstructuredGrid", H5T_CSET_ASCII);
   write_number_attribute(pamr.id(), "format", std::array<std::int64_t, 1>{format_version}, H5T_STD_I64LE);
   write_number_attribute(pamr.id(), "fingerprint", std::array<std::int64_t, 1>{fingerprint_}, H5T_STD_U64LE);
+  if (mesh_->info.first_id != 0)
+    write_number_attribute(pamr.id(), "first_id", std::array<std::int64_t, 1>{mesh_->info.first_id}, H5T_STD_I64LE);
   write_text_attribute(pamr.id(), "length_unit", mesh_->info.length_unit, H5T_CSET_UTF8);
   for (const auto& plan : plan_.arrays)
     if (plan.has_checksum)
@@ -276,15 +278,15 @@ void Writer::fill() {
 std::uint64_t Writer::write_array(const ArrayPlan& plan, hid_t dataset) const {
   const auto& rows = plan.rows;
   const auto slab = std::max<GlobalId>(1, static_cast<GlobalId>(options_.slab_bytes / (8 * rows.width)));
-  const auto n_steps = (par::block_range(rows.n_global, 0, comm_->size()).count() + slab - 1) / slab;
+  const auto n_steps = (par::block_range(rows.all, 0, comm_->size()).count() + slab - 1) / slab;
   // A held row may stand for several rows of a flat dataset (the four entries of a cell in Connectivity).
-  const auto file_rows = rows.n_global == 0 ? 1 : plan.shape.rows / rows.n_global;
+  const auto file_rows = rows.all.n == 0 ? 1 : plan.shape.rows / rows.all.n;
   Checksum checksum(plan.has_checksum ? plan.shape.rows : 0);
   std::vector<std::byte> raw;
   for (GlobalId step = 0; step < n_steps; ++step) {
     Window part;
     if (plan.formula) {
-      part.range = window(rows.n_global, comm_->rank(), comm_->size(), step, slab);
+      part.range = window(rows.all, comm_->rank(), comm_->size(), step, slab);
       part.words.reserve(static_cast<std::size_t>(part.range.count()));
       for (auto row = part.range.begin; row < part.range.end; ++row) part.words.push_back(plan.formula(row));
     } else {
@@ -293,11 +295,12 @@ std::uint64_t Writer::write_array(const ArrayPlan& plan, hid_t dataset) const {
     par::agree(*comm_, [&] {
       if (part.missing > 0)
         throw Error(at(plan.path, "expected every row on some rank, found " + std::to_string(part.missing) +
-                                      " rows from " + std::to_string(part.range.begin) + " on that no rank has"));
+                                      " rows from number " + std::to_string(part.range.begin) +
+                                      " on that no rank has"));
       if (!store(plan.type, part.words, raw))
         throw Error(at(plan.path, "expected values that fit " + hdf5::to_text(plan.type) + ", found others"));
     });
-    const auto first = part.range.begin * file_rows;
+    const auto first = (part.range.begin - rows.all.first) * file_rows;
     if (plan.has_checksum) checksum.add(first, static_cast<std::size_t>(plan.shape.width), part.words);
     const bool done = hdf5::write_rows(dataset, plan.shape, first, part.range.count() * file_rows,
                                        hdf5::memory_type(plan.type), raw.data(), transfer_.id());

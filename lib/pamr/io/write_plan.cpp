@@ -51,11 +51,11 @@ WritePlan::WritePlan(const mesh::DistMesh& mesh, const std::string& provenance) 
 }
 
 HeldRows WritePlan::cell_rows(std::size_t width, std::function<void(std::size_t, std::uint64_t*)> fill) const {
-  return {mesh_->info.n_global_cells, width, mesh_->cell_global, std::move(fill)};
+  return {mesh_->info.cell_ids(), width, mesh_->cell_global, std::move(fill)};
 }
 
 HeldRows WritePlan::node_rows(std::size_t width, std::function<void(std::size_t, std::uint64_t*)> fill) const {
-  return {mesh_->info.n_global_nodes, width, node_id_, std::move(fill)};
+  return {mesh_->info.node_ids(), width, node_id_, std::move(fill)};
 }
 
 void WritePlan::add_mesh() {
@@ -92,7 +92,7 @@ void WritePlan::add_mesh() {
                     cell_rows(4,
                               [&m](std::size_t i, std::uint64_t* to) {
                                 for (const auto node : m.cell_to_node[i])
-                                  *to++ = word_of(m.node_global[static_cast<std::size_t>(node)]);
+                                  *to++ = word_of(m.node_global[static_cast<std::size_t>(node)] - m.info.first_id);
                               }),
                     {},
                     true,
@@ -148,7 +148,7 @@ void WritePlan::add_field(const mesh::Field& field, bool on_cells) {
   auto rows = on_cells ? cell_rows(width, fill) : node_rows(width, fill);
   const auto path = std::string(on_cells ? path::cell_data : path::point_data) + "/" + field.name;
   arrays.push_back(
-      {path, field.storage, {rows.n_global, field.n_components, width == 1}, std::move(rows), {}, true, field.unit});
+      {path, field.storage, {rows.all.n, field.n_components, width == 1}, std::move(rows), {}, true, field.unit});
 }
 
 void WritePlan::add_texts(const std::string& provenance) {

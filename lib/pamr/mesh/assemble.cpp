@@ -39,13 +39,14 @@ void number_nodes(DistMesh& mesh, std::vector<std::array<GlobalId, 4>> cell_to_n
 
 /// Coordinates and node fields of this rank's nodes, from the blocks that hold them.
 void fetch_nodes(const par::Comm& comm, DistMesh& mesh, BlockMesh& block) {
-  const auto n = mesh.info.n_global_nodes;
-  mesh.node_position = par::fetch_rows<geometry::Vec3>(comm, n, block.node_position, 1, mesh.node_global);
+  const auto all = mesh.info.node_ids();
+  mesh.node_position = par::fetch_rows<geometry::Vec3>(comm, all, block.node_position, 1, mesh.node_global);
   block.node_position = {};
   for (auto& field : block.node_fields) {
     std::visit(
         [&]<class T>(std::vector<T>& values) {
-          values = par::fetch_rows<T>(comm, n, values, static_cast<std::size_t>(field.n_components), mesh.node_global);
+          values =
+              par::fetch_rows<T>(comm, all, values, static_cast<std::size_t>(field.n_components), mesh.node_global);
         },
         field.value);
     mesh.node_fields.push_back(std::move(field));
@@ -85,7 +86,7 @@ DistMesh assemble(const par::Comm& comm, BlockMesh block, std::span<const Rank> 
   number_nodes(mesh, std::move(cells.node));
   par::agree(comm, [&] { check_templates(mesh); });
   if (contents.has_neighbours) {
-    const auto owners = assembly::find_owners(comm, mesh.info.n_global_cells, mesh.cell_global, contents);
+    const auto owners = assembly::find_owners(comm, mesh.info.cell_ids(), mesh.cell_global, contents);
     assembly::link_neighbours(comm, mesh, std::move(cells.neighbour), owners);
   } else {
     if (mesh.info.patches.empty()) mesh.info.patches.push_back({"boundary", "patch", ""});

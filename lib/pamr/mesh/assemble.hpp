@@ -11,8 +11,8 @@
 
 namespace pamr::mesh {
 
-/// One rank's share of a mesh as it lies in a file: cells `first_cell ..` in global order with global numbers, and the
-/// canonical block (`par::block_range`) of the nodes.
+/// One rank's share of a mesh as it lies in a file: cells `first_cell ..` in global order with global numbers (the
+/// first of all is `info.first_id`), and the canonical block (`par::block_range`) of the nodes.
 struct BlockMesh {
   MeshInfo info;
   GlobalId first_cell = 0;

@@ -48,8 +48,7 @@ struct CellOwners {
 };
 
 /// Collective.
-CellOwners find_owners(const par::Comm& comm, GlobalId n_global_cells, const std::vector<GlobalId>& id,
-                       const Contents& contents);
+CellOwners find_owners(const par::Comm& comm, IdRange cells, const std::vector<GlobalId>& id, const Contents& contents);
 
 /// Sets `cell_to_cell` and the rank-border faces from global neighbours, whose patches must be in range. Refuses
 /// neighbours that are not reciprocal. Collective.

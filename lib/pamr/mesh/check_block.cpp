@@ -40,6 +40,9 @@ void check_sizes(const BlockMesh& block, std::span<const Rank> destination, cons
   if (n_cells_found != block.info.n_global_cells)
     throw Error("mesh: expected " + std::to_string(block.info.n_global_cells) + " cells, found " +
                 std::to_string(n_cells_found) + " in all blocks together");
+  if (block.info.first_id < 0 || block.info.first_id > max_first_id)
+    throw Error("mesh: expected a first id from 0 to " + std::to_string(max_first_id) + ", found " +
+                std::to_string(block.info.first_id));
   if (n != 0 && block.first_cell != first_cell)
     throw Error("mesh: expected the block of rank " + std::to_string(rank) + " to begin at cell " +
                 std::to_string(first_cell) + ", found " + std::to_string(block.first_cell));
@@ -56,12 +59,13 @@ std::string cell_at(const BlockMesh& block, std::size_t i) {
 }
 
 void check_nodes(const BlockMesh& block) {
+  const auto all = block.info.node_ids();
   for (std::size_t c = 0; c < block.cell_to_node.size(); ++c) {
     const auto& n = block.cell_to_node[c];
     for (const auto id : n)
-      if (id < 0 || id >= block.info.n_global_nodes)
-        throw Error("cell_to_node, " + cell_at(block, c) + ": expected node numbers from 0 to " +
-                    std::to_string(block.info.n_global_nodes - 1) + ", found " + std::to_string(id));
+      if (!all.contains(id))
+        throw Error("cell_to_node, " + cell_at(block, c) + ": expected node numbers from " + std::to_string(all.first) +
+                    " to " + std::to_string(all.end() - 1) + ", found " + std::to_string(id));
     if (n[0] == n[1] || n[0] == n[2] || n[0] == n[3] || n[1] == n[2] || n[1] == n[3] || n[2] == n[3])
       throw Error("cell_to_node, " + cell_at(block, c) + ": expected four different nodes, found " +
                   std::to_string(n[0]) + " " + std::to_string(n[1]) + " " + std::to_string(n[2]) + " " +
@@ -70,12 +74,16 @@ void check_nodes(const BlockMesh& block) {
 }
 
 void check_neighbours(const BlockMesh& block) {
+  const auto all = block.info.cell_ids();
   const auto n_patches = static_cast<GlobalId>(block.info.patches.size());
   for (std::size_t c = 0; c < block.cell_to_cell.size(); ++c)
     for (const auto id : block.cell_to_cell[c]) {
-      if (id >= block.info.n_global_cells)
-        throw Error("cell_to_cell, " + cell_at(block, c) + ": expected neighbours below " +
-                    std::to_string(block.info.n_global_cells) + ", found " + std::to_string(id));
+      if (id >= all.end())
+        throw Error("cell_to_cell, " + cell_at(block, c) + ": expected neighbours below " + std::to_string(all.end()) +
+                    ", found " + std::to_string(id));
+      if (id >= 0 && id < all.first)
+        throw Error("cell_to_cell, " + cell_at(block, c) + ": expected neighbours from " + std::to_string(all.first) +
+                    " on, found " + std::to_string(id));
       if (id < -n_patches)
         throw Error("cell_to_cell, " + cell_at(block, c) + ": expected one of " + std::to_string(n_patches) +
                     " patches (-1 to " + std::to_string(-n_patches) + "), found " + std::to_string(id));
@@ -105,6 +113,7 @@ std::uint64_t fold(std::uint64_t seed, const std::vector<Field>& fields) {
 void check_same_everywhere(const par::Comm& comm, const BlockMesh& block) {
   auto hash = combine(static_cast<std::uint64_t>(block.info.n_global_nodes),
                       static_cast<std::uint64_t>(block.info.n_global_cells));
+  hash = combine(hash, static_cast<std::uint64_t>(block.info.first_id));
   hash = fold(fold(combine(hash, block.info.patches.size()), block.cell_fields), block.node_fields);
   const auto word = static_cast<std::int64_t>(hash >> 1U);
   if (comm.min(word) != comm.max(word))
@@ -133,12 +142,12 @@ struct FamilyContext {
 
 /// Families that begin here and end on later ranks, for those ranks.
 std::vector<par::Outgoing<Announcement>> announce(const FamilyContext& here, const std::vector<GlobalId>& starts,
-                                                  std::span<const Rank> to, GlobalId n_global_cells) {
+                                                  std::span<const Rank> to, GlobalId end_of_cells) {
   std::vector<par::Outgoing<Announcement>> messages;
   for (auto id = std::max(here.begin, here.end - 3); id < here.end; ++id) {
     const auto lineage = here.lineage_of(id);
     if (!lineage.is_removable() || lineage.child() != 0) continue;
-    const auto last = std::min(id + lineage.family_size(), n_global_cells);
+    const auto last = std::min(id + lineage.family_size(), end_of_cells);
     for (auto member = here.end; member < last; ++member) {
       const auto holder =
           static_cast<Rank>(std::upper_bound(starts.begin(), starts.end(), member) - starts.begin() - 1);
@@ -151,7 +160,7 @@ std::vector<par::Outgoing<Announcement>> announce(const FamilyContext& here, con
 
 /// Refuses what is not a whole family in template order. `announced`: the families that began on earlier ranks and
 /// reach into this one (one at most, or the lineage is bad).
-void check_families(const FamilyContext& here, std::span<const Announcement> announced, GlobalId n_global_cells) {
+void check_families(const FamilyContext& here, std::span<const Announcement> announced, GlobalId end_of_cells) {
   const auto require_member = [&](GlobalId id, GlobalId first, Lineage of_first) {
     const auto expected = sibling(of_first, static_cast<int>(id - first));
     if (here.is_here(id) && here.lineage_of(id) != expected)
@@ -165,7 +174,7 @@ void check_families(const FamilyContext& here, std::span<const Announcement> ann
     if (!lineage.is_removable()) continue;
     const auto first = id - lineage.child();
     if (lineage.child() == 0) {
-      if (id + lineage.family_size() > n_global_cells)
+      if (id + lineage.family_size() > end_of_cells)
         refuse_family(id, lineage, std::to_string(lineage.family_size()) + " cells of its family from there on");
       for (int k = 1; k < lineage.family_size(); ++k) require_member(id + k, id, lineage);
     } else if (here.is_here(first)) {
@@ -186,7 +195,7 @@ Contents check_block(const par::Comm& comm, const BlockMesh& block, std::span<co
                                  .has_lineage = comm.any(!block.lineage.empty()),
                                  .has_destinations = comm.any(!destination.empty())};
   const auto n = static_cast<GlobalId>(block.cell_to_node.size());
-  const auto first_cell = comm.exclusive_sum(n);
+  const auto first_cell = block.info.first_id + comm.exclusive_sum(n);
   const auto n_cells = comm.sum(n);
   const auto nodes = par::block_range(block.info.n_global_nodes, comm.rank(), comm.size());
   check_same_everywhere(comm, block);
@@ -210,11 +219,11 @@ std::vector<Rank> family_destinations(const par::Comm& comm, const BlockMesh& bl
   if (!contents.has_destinations) to.assign(static_cast<std::size_t>(n), comm.rank());
   if (!contents.has_lineage) return to;
 
-  const auto begin = comm.exclusive_sum(n);
+  const auto begin = block.info.first_id + comm.exclusive_sum(n);
   const FamilyContext here{&block, begin, begin + n};
   const auto starts = comm.all_gather(begin);
-  const auto announced = comm.sparse_exchange(announce(here, starts, to, block.info.n_global_cells));
-  par::agree(comm, [&] { check_families(here, announced.item, block.info.n_global_cells); });
+  const auto announced = comm.sparse_exchange(announce(here, starts, to, block.info.cell_ids().end()));
+  par::agree(comm, [&] { check_families(here, announced.item, block.info.cell_ids().end()); });
 
   for (const auto& family : announced.item)
     for (int k = 1; k < Lineage(family.lineage).family_size(); ++k)

@@ -35,7 +35,16 @@ struct MeshInfo {
   std::string surfaces_toml;
   std::string length_unit;
   std::string provenance;
+  /// Number of the first cell and of the first node: the global numbers run from here on without gaps. 0 but for parts
+  /// of larger meshes and for tests of large numbers; below `max_first_id`.
+  GlobalId first_id = 0;
+
+  IdRange cell_ids() const { return {n_global_cells, first_id}; }
+  IdRange node_ids() const { return {n_global_nodes, first_id}; }
 };
+
+/// Four times the sum of this and of a count of cells fits 64 bits.
+inline constexpr GlobalId max_first_id = GlobalId{1} << 53U;
 
 /// A face of a cell: the one opposite corner `slot`.
 struct CellFace {

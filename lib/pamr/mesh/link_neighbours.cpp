@@ -50,11 +50,11 @@ class OwnCells {
 };
 
 /// The ranks that hold the cells `id` of other ranks. Collective.
-std::vector<Rank> ask_owners(const par::Comm& comm, GlobalId n_global_cells, const CellOwners& owners,
+std::vector<Rank> ask_owners(const par::Comm& comm, IdRange cells, const CellOwners& owners,
                              std::vector<RemoteFace>& faces) {
   std::vector<GlobalId> id;
   for (const auto& face : faces) id.push_back(face.other);
-  if (owners.first.empty()) return par::fetch_rows<Rank>(comm, n_global_cells, owners.of_block, 1, id);
+  if (owners.first.empty()) return par::fetch_rows<Rank>(comm, cells, owners.of_block, 1, id);
   std::vector<Rank> rank;
   for (const auto cell : id)
     rank.push_back(
@@ -143,16 +143,16 @@ void check_side(std::span<const FaceCard> mine, std::span<const FaceCard> theirs
 
 }  // namespace
 
-CellOwners find_owners(const par::Comm& comm, GlobalId n_global_cells, const std::vector<GlobalId>& id,
+CellOwners find_owners(const par::Comm& comm, IdRange cells, const std::vector<GlobalId>& id,
                        const Contents& contents) {
   CellOwners owners;
   if (contents.has_destinations) {
     const std::vector<Rank> me(id.size(), comm.rank());
-    owners.of_block = par::scatter_rows<Rank>(comm, n_global_cells, me, 1, id);
+    owners.of_block = par::scatter_rows<Rank>(comm, cells, me, 1, id);
     return owners;
   }
   owners.first = comm.all_gather(id.empty() ? -1 : id.front());
-  GlobalId next = n_global_cells;
+  GlobalId next = cells.end();
   for (auto first = owners.first.rbegin(); first != owners.first.rend(); ++first) {
     if (*first < 0) *first = next;
     next = *first;
@@ -164,7 +164,7 @@ void link_neighbours(const par::Comm& comm, DistMesh& mesh, std::vector<std::arr
                      const CellOwners& owners) {
   auto remote = translate(mesh, neighbour);
   neighbour = {};
-  const auto rank = ask_owners(comm, mesh.info.n_global_cells, owners, remote);
+  const auto rank = ask_owners(comm, mesh.info.cell_ids(), owners, remote);
   for (std::size_t i = 0; i < remote.size(); ++i) remote[i].rank = rank[i];
   std::sort(remote.begin(), remote.end(), [](const RemoteFace& a, const RemoteFace& b) {
     return a.rank != b.rank ? a.rank < b.rank : a.key < b.key;

@@ -34,7 +34,7 @@ void check_ids(const DistMesh& mesh, Findings& findings) {
     const auto& neighbours = mesh.cell_to_cell[c];
     if (std::any_of(n.begin(), n.end(), [&](LocalId node) { return node < 0 || node >= mesh.n_nodes(); }) ||
         std::any_of(neighbours.begin(), neighbours.end(), [&](LocalId slot) { return slot >= n_slots; }) ||
-        mesh.cell_global[c] < 0 || mesh.cell_global[c] >= mesh.info.n_global_cells)
+        !mesh.info.cell_ids().contains(mesh.cell_global[c]))
       findings.add(Invariant::ids_in_range, number_of(mesh, c));
     if (n[0] == n[1] || n[0] == n[2] || n[0] == n[3] || n[1] == n[2] || n[1] == n[3] || n[2] == n[3])
       findings.add(Invariant::distinct_corners, number_of(mesh, c));
@@ -42,11 +42,11 @@ void check_ids(const DistMesh& mesh, Findings& findings) {
       findings.add(Invariant::cells_ascend, number_of(mesh, c));
   }
   for (const auto id : mesh.node_global)
-    if (id < 0 || id >= mesh.info.n_global_nodes) findings.add(Invariant::ids_in_range, -1);
+    if (!mesh.info.node_ids().contains(id)) findings.add(Invariant::ids_in_range, -1);
   for (std::size_t k = 0; k < mesh.border_face.size(); ++k) {
     const auto face = mesh.border_face[k];
-    if (face.cell < 0 || face.cell >= mesh.n_cells() || face.slot < 0 || face.slot > 3 || mesh.ghost_global[k] < 0 ||
-        mesh.ghost_global[k] >= mesh.info.n_global_cells)
+    if (face.cell < 0 || face.cell >= mesh.n_cells() || face.slot < 0 || face.slot > 3 ||
+        !mesh.info.cell_ids().contains(mesh.ghost_global[k]))
       findings.add(Invariant::ids_in_range, number_of(mesh, static_cast<std::size_t>(std::max(face.cell, 0))));
   }
 }

@@ -113,7 +113,7 @@ par::Mailbox<std::int64_t> compare_nodes(const par::Comm& comm, const par::Recei
 
 /// Nodes of this rank, by local number, that other ranks hold too.
 std::vector<char> check_nodes(const par::Comm& comm, const DistMesh& mesh, Findings& findings) {
-  const auto n = mesh.info.n_global_nodes;
+  const auto all = mesh.info.node_ids();
   par::Mailbox<NodeCard> post(comm);
   const auto is_used = find_used_nodes(mesh);
   for (std::size_t i = 0; i < mesh.node_global.size(); ++i) {
@@ -121,11 +121,11 @@ std::vector<char> check_nodes(const par::Comm& comm, const DistMesh& mesh, Findi
     if (is_used[i] == 0)
       findings.add(Invariant::nodes_referenced, id);
     else
-      post.add(par::block_of(id, n, comm.size()),
+      post.add(par::block_of(id, all, comm.size()),
                {id, exact_hash(mesh.node_position[i]), static_cast<std::int64_t>(i)});
   }
   const auto cards = post.send();
-  const auto shared = compare_nodes(comm, cards, par::block_range(n, comm.rank(), comm.size()), findings).send();
+  const auto shared = compare_nodes(comm, cards, par::block_range(all, comm.rank(), comm.size()), findings).send();
   std::vector<char> is_shared(mesh.node_global.size(), 0);
   for (const auto local : shared.item) is_shared[static_cast<std::size_t>(local)] = 1;
   return is_shared;
@@ -178,18 +178,18 @@ void merge_equal_edges(std::vector<BoundaryEdge>& edges) {
 }  // namespace
 
 void check_unique_cells(const par::Comm& comm, const DistMesh& mesh, Findings& findings) {
-  const auto n = mesh.info.n_global_cells;
+  const auto all = mesh.info.cell_ids();
   par::Mailbox<Run> post(comm);
   for (const auto run : find_runs(mesh.cell_global))
     for (auto begin = run.begin; begin < run.end;) {
-      const auto holder = par::block_of(begin, n, comm.size());
-      const auto end = std::min(run.end, par::block_range(n, holder, comm.size()).end);
+      const auto holder = par::block_of(begin, all, comm.size());
+      const auto end = std::min(run.end, par::block_range(all, holder, comm.size()).end);
       post.add(holder, {begin, end});
       begin = end;
     }
   auto runs = post.send().item;
   std::sort(runs.begin(), runs.end(), [](const Run& a, const Run& b) { return a.begin < b.begin; });
-  const auto block = par::block_range(n, comm.rank(), comm.size());
+  const auto block = par::block_range(all, comm.rank(), comm.size());
   auto next = block.begin;
   for (const auto run : runs) {
     if (run.begin > next) findings.add(Invariant::unique_cells, next, run.begin - next);

@@ -223,17 +223,17 @@ void agree(const Comm& comm, const std::function<void()>& local) {
   throw Error(comm.broadcast(trouble.value_or(""), static_cast<Rank>(first)));
 }
 
-BlockRange block_range(GlobalId n, Rank rank, Rank size) {
-  const GlobalId quotient = n / size, remainder = n % size;
-  const GlobalId begin = rank * quotient + std::min<GlobalId>(rank, remainder);
+BlockRange block_range(IdRange ids, Rank rank, Rank size) {
+  const GlobalId quotient = ids.n / size, remainder = ids.n % size;
+  const GlobalId begin = ids.first + rank * quotient + std::min<GlobalId>(rank, remainder);
   return {begin, begin + quotient + (rank < remainder ? 1 : 0)};
 }
 
-Rank block_of(GlobalId id, GlobalId n, Rank size) {
-  PAMR_EXPECTS(id >= 0 && id < n);
-  const GlobalId quotient = n / size, remainder = n % size;
-  const GlobalId in_long = remainder * (quotient + 1);
-  return static_cast<Rank>(id < in_long ? id / (quotient + 1) : remainder + (id - in_long) / quotient);
+Rank block_of(GlobalId id, IdRange ids, Rank size) {
+  PAMR_EXPECTS(ids.contains(id));
+  const GlobalId quotient = ids.n / size, remainder = ids.n % size;
+  const GlobalId in_long = remainder * (quotient + 1), at = id - ids.first;
+  return static_cast<Rank>(at < in_long ? at / (quotient + 1) : remainder + (at - in_long) / quotient);
 }
 
 }  // namespace pamr::par

@@ -134,14 +134,14 @@ class Comm {
 /// `Error` of the lowest of them. Collective. Any other exception passes through on the rank where it rose.
 void agree(const Comm& comm, const std::function<void()>& local);
 
-/// Half-open range of the `n` items that block `rank` of `size` holds in the canonical block distribution.
+/// Half-open range of the ids that block `rank` of `size` holds in the canonical block distribution.
 struct BlockRange {
   GlobalId begin = 0, end = 0;
   GlobalId count() const { return end - begin; }
 };
-BlockRange block_range(GlobalId n, Rank rank, Rank size);
+BlockRange block_range(IdRange ids, Rank rank, Rank size);
 /// The block that holds item `id`.
-Rank block_of(GlobalId id, GlobalId n, Rank size);
+Rank block_of(GlobalId id, IdRange ids, Rank size);
 
 template <class T>
 std::vector<T> Comm::broadcast(std::vector<T> values, Rank root) const {

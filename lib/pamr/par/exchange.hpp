@@ -58,16 +58,17 @@ using SharedKey = std::array<GlobalId, 3>;
 /// Collective: two sparse exchanges through a meeting rank chosen from the key; memory and bytes O(keys).
 Pattern find_shared(const Comm& comm, std::span<const SharedKey> key);
 
-/// Rows `ids` (any order, repeats allowed) of an array that lies in canonical block distribution: `rows` holds this
-/// rank's block of `n` rows of `width` values each. Collective: two sparse exchanges.
+/// Rows `ids` (any order, repeats allowed) of an array with a row for each of `all` in canonical block distribution:
+/// `rows` holds this rank's block, `width` values a row. Collective: two sparse exchanges.
 template <class T>
-std::vector<T> fetch_rows(const Comm& comm, GlobalId n, std::span<const T> rows, std::size_t width,
+std::vector<T> fetch_rows(const Comm& comm, IdRange all, std::span<const T> rows, std::size_t width,
                           std::span<const GlobalId> ids);
 
-/// The reverse: sends row `i` of `rows` to the block that holds row `ids[i]` of `n` and returns this rank's block. Rows
-/// given by several ranks must be equal; rows given by none are value-initialised. Collective: two sparse exchanges.
+/// The reverse: sends row `i` of `rows` to the block that holds row `ids[i]` of `all` and returns this rank's block.
+/// Rows given by several ranks must be equal; rows given by none are value-initialised. Collective: two sparse
+/// exchanges.
 template <class T>
-std::vector<T> scatter_rows(const Comm& comm, GlobalId n, std::span<const T> rows, std::size_t width,
+std::vector<T> scatter_rows(const Comm& comm, IdRange all, std::span<const T> rows, std::size_t width,
                             std::span<const GlobalId> ids);
 
 }  // namespace pamr::par

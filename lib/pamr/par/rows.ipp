@@ -12,9 +12,9 @@ namespace pamr::par {
 namespace detail {
 
 /// Indices of `ids` grouped by the block that holds them.
-inline std::vector<Outgoing<std::size_t>> group_by_block(GlobalId n, Rank size, std::span<const GlobalId> ids) {
+inline std::vector<Outgoing<std::size_t>> group_by_block(IdRange all, Rank size, std::span<const GlobalId> ids) {
   std::vector<std::size_t> count(static_cast<std::size_t>(size), 0);
-  for (const auto id : ids) ++count[static_cast<std::size_t>(block_of(id, n, size))];
+  for (const auto id : ids) ++count[static_cast<std::size_t>(block_of(id, all, size))];
   std::vector<Outgoing<std::size_t>> groups;
   std::vector<std::size_t> group_of(static_cast<std::size_t>(size), 0);
   for (Rank r = 0; r < size; ++r) {
@@ -25,17 +25,17 @@ inline std::vector<Outgoing<std::size_t>> group_by_block(GlobalId n, Rank size, 
     groups.back().item.reserve(c);
   }
   for (std::size_t i = 0; i < ids.size(); ++i)
-    groups[group_of[static_cast<std::size_t>(block_of(ids[i], n, size))]].item.push_back(i);
+    groups[group_of[static_cast<std::size_t>(block_of(ids[i], all, size))]].item.push_back(i);
   return groups;
 }
 
 }  // namespace detail
 
 template <class T>
-std::vector<T> fetch_rows(const Comm& comm, GlobalId n, std::span<const T> rows, std::size_t width,
+std::vector<T> fetch_rows(const Comm& comm, IdRange all, std::span<const T> rows, std::size_t width,
                           std::span<const GlobalId> ids) {
-  const auto begin = block_range(n, comm.rank(), comm.size()).begin;
-  const auto groups = detail::group_by_block(n, comm.size(), ids);
+  const auto begin = block_range(all, comm.rank(), comm.size()).begin;
+  const auto groups = detail::group_by_block(all, comm.size(), ids);
   std::vector<Outgoing<GlobalId>> questions;
   for (const auto& group : groups) {
     questions.push_back({group.to, {}});
@@ -67,12 +67,12 @@ std::vector<T> fetch_rows(const Comm& comm, GlobalId n, std::span<const T> rows,
 }
 
 template <class T>
-std::vector<T> scatter_rows(const Comm& comm, GlobalId n, std::span<const T> rows, std::size_t width,
+std::vector<T> scatter_rows(const Comm& comm, IdRange all, std::span<const T> rows, std::size_t width,
                             std::span<const GlobalId> ids) {
-  const auto range = block_range(n, comm.rank(), comm.size());
+  const auto range = block_range(all, comm.rank(), comm.size());
   std::vector<Outgoing<GlobalId>> to_ids;
   std::vector<Outgoing<T>> to_rows;
-  for (const auto& group : detail::group_by_block(n, comm.size(), ids)) {
+  for (const auto& group : detail::group_by_block(all, comm.size(), ids)) {
     to_ids.push_back({group.to, {}});
     to_rows.push_back({group.to, {}});
     to_ids.back().item.reserve(group.item.size());

@@ -169,41 +169,37 @@ void count_children(const Closure& closure, Counts& counts) {
     counts.cells[at(family.first)] = static_cast<std::uint8_t>(family.n_children);
 }
 
-/// For each own cell: how many of the counted things all cells with lower global numbers have.
-struct Offsets {
-  std::vector<GlobalId> nodes, cells;
-  GlobalId n_nodes = 0, n_cells = 0;
-};
-
 /// True when the ranks hold consecutive runs of cell numbers in rank order: then one exclusive sum does.
 bool is_in_runs(const par::Comm& comm, const mesh::DistMesh& mesh) {
-  const auto before = comm.exclusive_sum(mesh.n_cells());
+  const auto before = mesh.info.first_id + comm.exclusive_sum(mesh.n_cells());
   return comm.all(mesh.n_cells() == 0 ||
                   (mesh.cell_global.front() == before && mesh.cell_global.back() == before + mesh.n_cells() - 1));
 }
 
-void accumulate(const par::Comm& comm, std::span<const std::uint8_t> counts, std::vector<GlobalId>& offset) {
+/// `offset[i]`: `start` and the counts before entry i, those of lower ranks included. Collective.
+void accumulate(const par::Comm& comm, std::span<const std::uint8_t> counts, GlobalId start,
+                std::vector<GlobalId>& offset) {
   offset.resize(counts.size());
   GlobalId sum = 0;
   for (std::size_t i = 0; i < counts.size(); ++i) {
     offset[i] = sum;
     sum += counts[i];
   }
-  const auto before = comm.exclusive_sum(sum);
+  const auto before = start + comm.exclusive_sum(sum);
   for (auto& value : offset) value += before;
 }
 
 std::vector<GlobalId> offsets_of(const par::Comm& comm, const mesh::DistMesh& mesh, bool in_runs,
-                                 std::span<const std::uint8_t> counts) {
+                                 std::span<const std::uint8_t> counts, GlobalId start) {
   std::vector<GlobalId> offset;
   if (in_runs) {
-    accumulate(comm, counts, offset);
+    accumulate(comm, counts, start, offset);
     return offset;
   }
-  const auto n = mesh.info.n_global_cells;
-  const auto block = par::scatter_rows<std::uint8_t>(comm, n, counts, 1, mesh.cell_global);
-  accumulate(comm, block, offset);
-  return par::fetch_rows<GlobalId>(comm, n, offset, 1, mesh.cell_global);
+  const auto all = mesh.info.cell_ids();
+  const auto block = par::scatter_rows<std::uint8_t>(comm, all, counts, 1, mesh.cell_global);
+  accumulate(comm, block, start, offset);
+  return par::fetch_rows<GlobalId>(comm, all, offset, 1, mesh.cell_global);
 }
 
 void number_nodes(const par::Comm& comm, const mesh::DistMesh& mesh, const mesh::Borders& borders,
@@ -221,7 +217,7 @@ void number_nodes(const par::Comm& comm, const mesh::DistMesh& mesh, const mesh:
     if (shared_node[i] != invalid_local)
       owner_of[at(shared_node[i] - n_old)] = {find_cell(mesh, shared[i].lowest), shared[i].edge};
   for (LocalId c = 0; c < mesh.n_cells(); ++c) {
-    GlobalId next = mesh.info.n_global_nodes + offset[at(c)];
+    GlobalId next = offset[at(c)];
     for (unsigned marks = closure.marks[at(c)]; marks != 0; marks &= marks - 1) {
       const int e = std::countr_zero(marks);
       const auto node = at(numbering.midpoint(c, e) - n_old);
@@ -261,9 +257,9 @@ Numbering number(const par::Comm& comm, const mesh::DistMesh& mesh, const mesh::
   count_children(closure, counts);
 
   const bool in_runs = is_in_runs(comm, mesh);
-  const auto node_offset = offsets_of(comm, mesh, in_runs, counts.nodes);
+  const auto node_offset = offsets_of(comm, mesh, in_runs, counts.nodes, mesh.info.node_ids().end());
   number_nodes(comm, mesh, borders, closure, shared, shared_node, node_offset, numbering);
-  numbering.first_child_global = offsets_of(comm, mesh, in_runs, counts.cells);
+  numbering.first_child_global = offsets_of(comm, mesh, in_runs, counts.cells, mesh.info.first_id);
 
   std::int64_t n_nodes = 0, n_cells = 0;
   numbering.first_child.resize(counts.cells.size() + 1);

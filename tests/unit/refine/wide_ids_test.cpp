@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A mesh whose numbers begin far beyond 32 bits goes through every stage and the file like the one that begins at 0.
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+
+#include "pamr/adapt/adapt.hpp"
+#include "pamr/check/extract.hpp"
+#include "pamr/check/quality_report.hpp"
+#include "pamr/geometry/surface.hpp"
+#include "pamr/io/native_file.hpp"
+#include "pamr/mesh/fingerprint.hpp"
+#include "pamr/mesh/validate.hpp"
+#include "support/meshes.hpp"
+
+namespace pamr {
+namespace {
+
+using refine::QualityControl;
+
+constexpr GlobalId wide = GlobalId{1} << 33U;
+
+/// A random cube with one node and one cell field, whose lower face is tied to a sphere that bulges into it.
+mesh::BlockMesh dome(const par::Comm& comm, std::uint64_t seed) {
+  constexpr double bulge = 0.25, radius = (0.5 + bulge * bulge) / (2 * bulge);
+  auto block = test::random_mesh(comm, seed, 3);
+  block.info.surfaces_toml = "[[surface]]\nname = \"dome\"\nkind = \"sphere\"\ncenter = [0.5, 0.5, " +
+                             std::to_string(bulge - radius) + "]\nradius = " + std::to_string(radius) + "\n";
+  for (auto& patch : block.info.patches)
+    if (patch.name == "zmin") patch.surface = "dome";
+  std::vector<double> height, volume;
+  for (const auto p : block.node_position) height.push_back(p.z);
+  for (const auto& nodes : block.cell_to_node) volume.push_back(static_cast<double>(nodes[0] % 7));
+  block.node_fields.push_back({"height", "m", 1, mesh::StorageType::float64, std::move(height)});
+  block.cell_fields.push_back({"value", "", 1, mesh::StorageType::float64, std::move(volume)});
+  return block;
+}
+
+/// Cells low in the mesh and some others here and there, whatever their numbers.
+std::vector<std::uint8_t> mark(const mesh::DistMesh& mesh) {
+  std::vector<std::uint8_t> flags;
+  for (LocalId c = 0; c < mesh.n_cells(); ++c) {
+    const auto p = mesh.points(c);
+    const auto middle = 0.25 * (p[0] + p[1] + p[2] + p[3]);
+    const auto row = mesh.cell_global[static_cast<std::size_t>(c)] - mesh.info.first_id;
+    flags.push_back(middle.z < 0.1 || row % 23 == 0 ? 1 : 0);
+  }
+  return flags;
+}
+
+/// The same mesh after a trip through a file, cells spread at random.
+mesh::DistMesh through_file(const par::Comm& comm, const mesh::DistMesh& mesh, std::uint64_t seed) {
+  std::string name;
+  if (comm.is_first()) name = std::filesystem::temp_directory_path() / ("pamr_wide_" + std::to_string(::getpid()));
+  const std::filesystem::path file = comm.broadcast(name) + ".hdf";
+  io::write_native(comm, file, mesh);
+  auto block = io::read_native(comm, file);
+  comm.barrier();
+  if (comm.is_first()) std::filesystem::remove(file);
+  const auto destination = test::random_destinations(comm, block, seed);
+  return mesh::assemble(comm, std::move(block), destination);
+}
+
+void expect_equal_but_for_numbers(const par::Comm& comm, const mesh::DistMesh& moved, const mesh::DistMesh& plain) {
+  auto a = test::numbered_from(0, test::gather(comm, moved));
+  const auto b = test::gather(comm, plain);
+  EXPECT_EQ(a.info.n_global_cells, b.info.n_global_cells);
+  EXPECT_EQ(a.info.n_global_nodes, b.info.n_global_nodes);
+  EXPECT_TRUE(a.node_position == b.node_position);
+  EXPECT_TRUE(a.cell_to_node == b.cell_to_node);
+  EXPECT_TRUE(a.cell_to_cell == b.cell_to_cell);
+  EXPECT_TRUE(a.lineage == b.lineage);
+  ASSERT_EQ(a.cell_fields.size(), b.cell_fields.size());
+  ASSERT_EQ(a.node_fields.size(), b.node_fields.size());
+  for (std::size_t i = 0; i < a.node_fields.size(); ++i) EXPECT_TRUE(a.node_fields[i].value == b.node_fields[i].value);
+  for (std::size_t i = 0; i < a.cell_fields.size(); ++i) {
+    if (a.cell_fields[i].name == "parent")
+      for (auto& id : a.cell_fields[i].integer()) id -= moved.info.first_id;
+    EXPECT_TRUE(a.cell_fields[i].value == b.cell_fields[i].value) << a.cell_fields[i].name;
+  }
+}
+
+class WideIds : public ::testing::TestWithParam<QualityControl> {};
+INSTANTIATE_TEST_SUITE_P(EveryPolicy, WideIds,
+                         ::testing::Values(QualityControl::none, QualityControl::isotropic, QualityControl::short_edge,
+                                           QualityControl::removable));
+
+TEST_P(WideIds, PassThroughThreeLevelsAndTheFileUnharmed) {
+  const par::Comm comm(MPI_COMM_WORLD);
+  const auto block = dome(comm, 4);
+  const auto destination = test::random_destinations(comm, block, 5);
+  auto plain = mesh::assemble(comm, block, destination);
+  auto moved = mesh::assemble(comm, test::numbered_from(wide, block), destination);
+  std::int64_t n_off_surface = 0;
+  for (int level = 0; level < 3; ++level) {
+    const refine::Options options{.quality_control = GetParam(), .marks_field = ""};
+    auto of_plain = adapt::refine(comm, plain, mark(plain), options);
+    auto of_moved = adapt::refine(comm, moved, mark(moved), options);
+    plain = std::move(of_plain.mesh);
+    moved = std::move(of_moved.mesh);
+    EXPECT_EQ(of_moved.report.families_rebuilt, of_plain.report.families_rebuilt);
+    EXPECT_EQ(of_moved.report.marked_not_split, 0);
+    n_off_surface += of_moved.report.off_surface_nodes;
+    EXPECT_EQ(moved.info.first_id, wide);
+    EXPECT_EQ(comm.min(moved.cell_global.empty() ? 2 * wide : moved.cell_global.front()), wide);
+    EXPECT_EQ(comm.max(moved.cell_global.empty() ? 0 : moved.cell_global.back()), wide + moved.info.n_global_cells - 1);
+    for (const auto& violation : mesh::validate(comm, moved))
+      ADD_FAILURE() << violation.invariant << " " << violation.count << " at " << violation.where;
+    expect_equal_but_for_numbers(comm, moved, plain);
+    EXPECT_EQ(mesh::fingerprint(comm, moved), mesh::fingerprint(comm, plain));
+
+    moved = through_file(comm, moved, static_cast<std::uint64_t>(level));
+    expect_equal_but_for_numbers(comm, moved, plain);
+  }
+  EXPECT_GT(n_off_surface, 0);  // the ledger, too, has been carried
+}
+
+TEST(WideIds, AreBuiltFromNodesAlone) {
+  const par::Comm comm(MPI_COMM_WORLD);
+  const auto block = test::without_neighbours(test::random_mesh(comm, 8, 3));
+  const auto destination = test::random_destinations(comm, block, 9);
+
+  const auto moved = mesh::assemble(comm, test::numbered_from(wide, block), destination);
+
+  expect_equal_but_for_numbers(comm, moved, mesh::assemble(comm, block, destination));
+}
+
+TEST(WideIds, AreReportedAndExtractedLikeAnyOthers) {
+  const par::Comm comm(MPI_COMM_WORLD);
+  const auto block = dome(comm, 6);
+  const auto destination = test::random_destinations(comm, block, 7);
+  const auto plain = mesh::assemble(comm, block, destination);
+  const auto moved = mesh::assemble(comm, test::numbered_from(wide, block), destination);
+
+  const auto worst = check::worst_cells(comm, moved, 12);
+  const auto cut_out = check::extract_cells(comm, moved, worst);
+
+  EXPECT_EQ(worst, check::worst_cells(comm, plain, 12));
+  EXPECT_EQ(cut_out.info.first_id, 0);
+  EXPECT_EQ(cut_out.info.n_global_cells, 12);
+  for (const auto id : cut_out.find_cell_field("cell")->integer())
+    EXPECT_TRUE(moved.info.cell_ids().contains(id)) << id;
+  const auto surfaces = geometry::surfaces_from_toml(block.info.surfaces_toml, "test");
+  const auto report = check::report_quality(comm, moved, surfaces);
+  const auto same = check::report_quality(comm, plain, surfaces);
+  EXPECT_EQ(report.fingerprint, same.fingerprint);
+  EXPECT_EQ(report.volume, same.volume);
+  EXPECT_TRUE(report.conforming && report.neighbours_consistent);
+}
+
+}  // namespace
+}  // namespace pamr
