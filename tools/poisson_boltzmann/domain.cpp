@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "poisson_boltzmann/domain.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "pamr/base/error.hpp"
+#include "pamr/mesh/tet.hpp"
+#include "pamr/par/reproducible_sum.hpp"
+
+namespace pamr::poisson_boltzmann {
+
+using geometry::Vec3;
+
+namespace {
+
+std::string listed(const std::vector<mesh::Patch>& patches) {
+  std::string result;
+  for (const auto& patch : patches) result += (result.empty() ? "" : ", ") + patch.name;
+  return result;
+}
+
+void require_patches(const mesh::DistMesh& mesh, const Case& problem, const std::string& where) {
+  const auto& patches = mesh.info.patches;
+  if (patches.size() > 64) throw Error(fmt::format("expected a mesh of at most 64 patches, found {}", patches.size()));
+  const auto exists = [&](const std::string& name) {
+    for (const auto& patch : patches)
+      if (patch.name == name) return true;
+    return false;
+  };
+  for (const auto& b : problem.boundary)
+    if (!exists(b.patch))
+      throw Error(fmt::format("{}: expected [boundary.X] for a patch of the mesh ({}), found \"{}\"", where,
+                              listed(patches), b.patch));
+  for (const auto& name : {problem.force.midplane, problem.estimator.goal_patch})
+    if (!name.empty() && !exists(name))
+      throw Error(fmt::format("{}: expected a patch of the mesh ({}), found \"{}\"", where, listed(patches), name));
+}
+
+std::vector<BoundaryFace> find_faces(const mesh::DistMesh& mesh, const std::vector<Vec3>& point) {
+  std::vector<BoundaryFace> faces;
+  for (LocalId c = 0; c < mesh.n_cells(); ++c)
+    for (std::size_t slot = 0; slot < 4; ++slot) {
+      const auto neighbour = mesh.cell_to_cell[static_cast<std::size_t>(c)][slot];
+      if (neighbour >= 0) continue;
+      BoundaryFace face;
+      face.cell = c;
+      face.patch = mesh::slot_to_patch(neighbour);
+      std::array<Vec3, 3> p;
+      for (std::size_t k = 0; k < 3; ++k) {
+        face.node[k] = mesh.cell_to_node[static_cast<std::size_t>(c)]
+                                        [static_cast<std::size_t>(mesh::tet::face_to_corner[slot][k])];
+        p[k] = point[static_cast<std::size_t>(face.node[k])];
+      }
+      const auto normal = cross(p[1] - p[0], p[2] - p[0]);
+      face.area = 0.5 * norm(normal);
+      face.normal = face.area > 0 ? (0.5 / face.area) * normal : Vec3{};
+      faces.push_back(face);
+    }
+  return faces;
+}
+
+double component(Vec3 v, int axis) { return axis == 0 ? v.x : axis == 1 ? v.y : v.z; }
+
+std::vector<PatchShape> measure(const par::Comm& comm, std::size_t n_patches, const std::vector<BoundaryFace>& faces) {
+  std::vector<par::ExactSum> area(n_patches);
+  std::vector<std::int64_t> count(n_patches, 0), off_axis(3 * n_patches, 0);
+  for (const auto& face : faces) {
+    const auto p = static_cast<std::size_t>(face.patch);
+    area[p].add(face.area);
+    ++count[p];
+    for (int axis = 0; axis < 3; ++axis)
+      if (std::abs(std::abs(component(face.normal, axis)) - 1) > 1e-9)
+        ++off_axis[3 * p + static_cast<std::size_t>(axis)];
+  }
+  const auto areas = par::reproducible_sums(comm, area);
+  comm.sum_in_place(count);
+  comm.sum_in_place(off_axis);
+  std::vector<PatchShape> patches(n_patches);
+  for (std::size_t p = 0; p < n_patches; ++p) {
+    patches[p].area = areas[p];
+    patches[p].n_faces = count[p];
+    for (int axis = 0; axis < 3; ++axis)
+      if (count[p] > 0 && off_axis[3 * p + static_cast<std::size_t>(axis)] == 0) patches[p].axis = axis;
+  }
+  return patches;
+}
+
+}  // namespace
+
+CellShape shape_of(const geometry::TetPoints& p) {
+  CellShape shape;
+  shape.volume = geometry::volume(p);
+  for (std::size_t i = 0; i < 4; ++i) {
+    const auto& corner = mesh::tet::face_to_corner[i];  // its outward normal points away from corner i
+    const auto &a = p[static_cast<std::size_t>(corner[0])], &b = p[static_cast<std::size_t>(corner[1])],
+               &c = p[static_cast<std::size_t>(corner[2])];
+    shape.gradient[i] = (-1.0 / (6.0 * shape.volume)) * cross(b - a, c - a);
+  }
+  return shape;
+}
+
+geometry::TetPoints Domain::points(std::size_t cell) const {
+  const auto& n = mesh->cell_to_node[cell];
+  return {point[static_cast<std::size_t>(n[0])], point[static_cast<std::size_t>(n[1])],
+          point[static_cast<std::size_t>(n[2])], point[static_cast<std::size_t>(n[3])]};
+}
+
+CellShape Domain::shape(std::size_t cell) const { return shape_of(points(cell)); }
+
+int Domain::patch_number(std::string_view name) const {
+  for (std::size_t p = 0; p < mesh->info.patches.size(); ++p)
+    if (mesh->info.patches[p].name == name) return static_cast<int>(p);
+  return -1;
+}
+
+Domain make_domain(const par::Comm& comm, const mesh::DistMesh& mesh, const Case& problem, const std::string& where) {
+  require_patches(mesh, problem, where);
+  const auto scale = debye_lengths_in(mesh.info.length_unit, problem.electrolyte, where);
+  if (!scale)
+    throw Error(fmt::format("expected a mesh in Debye lengths (unit \"1\"), m, um or nm, found the length unit \"{}\"",
+                            mesh.info.length_unit));
+  Domain domain{&mesh, NodeMap(comm, mesh), *scale, {}, {}, {}, {}, {}};
+  domain.point.reserve(mesh.node_position.size());
+  for (const auto& p : mesh.node_position) domain.point.push_back(*scale * p);
+  domain.node_volume.assign(domain.point.size(), 0);
+  for (std::size_t c = 0; c < mesh.cell_to_node.size(); ++c) {
+    const double quarter = geometry::volume(domain.points(c)) / 4;
+    for (const auto node : mesh.cell_to_node[c]) domain.node_volume[static_cast<std::size_t>(node)] += quarter;
+  }
+  domain.nodes.sum_copies(comm, domain.node_volume);
+  domain.faces = find_faces(mesh, domain.point);
+  domain.node_patches.assign(domain.point.size(), 0);
+  for (const auto& face : domain.faces)
+    for (const auto node : face.node)
+      domain.node_patches[static_cast<std::size_t>(node)] |= std::uint64_t{1} << static_cast<unsigned>(face.patch);
+  domain.nodes.join_copies(comm, domain.node_patches, [](std::uint64_t a, std::uint64_t b) { return a | b; });
+  domain.patches = measure(comm, mesh.info.patches.size(), domain.faces);
+  for (std::size_t p = 0; p < domain.patches.size(); ++p)
+    if (domain.patches[p].n_faces > 0 && problem.find_boundary(mesh.info.patches[p].name) == nullptr)
+      throw Error(fmt::format("{}: expected a table [boundary.{}] for that patch of the mesh, found none", where,
+                              mesh.info.patches[p].name));
+  return domain;
+}
+
+std::int64_t bytes_needed(const Domain& domain) {
+  // A node has about 15 neighbours: two matrices of 12 bytes an entry and one while they are assembled; some 40
+  // doubles of vectors and geometry.
+  return static_cast<std::int64_t>(domain.point.size()) * (16 * 12 * 3 + 40 * 8);
+}
+
+}  // namespace pamr::poisson_boltzmann

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "poisson_boltzmann/estimate.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "pamr/mesh/tet.hpp"
+#include "pamr/par/reproducible_sum.hpp"
+
+namespace pamr::poisson_boltzmann {
+
+using geometry::Vec3;
+
+namespace {
+
+std::array<double, 4> corners(const mesh::CellNodes& nodes, std::span<const double> value) {
+  std::array<double, 4> result{};
+  for (std::size_t k = 0; k < 4; ++k) result[k] = value[static_cast<std::size_t>(nodes[k])];
+  return result;
+}
+
+double longest_edge(const geometry::TetPoints& p) {
+  double longest = 0;
+  for (const auto& [a, b] : mesh::tet::edge_to_corner)
+    longest = std::max(longest, squared_norm(p[static_cast<std::size_t>(a)] - p[static_cast<std::size_t>(b)]));
+  return std::sqrt(longest);
+}
+
+}  // namespace
+
+std::vector<Vec3> cell_gradients(const Domain& domain, std::span<const double> value) {
+  const auto& cells = domain.mesh->cell_to_node;
+  std::vector<Vec3> result(cells.size());
+  for (std::size_t c = 0; c < cells.size(); ++c) {
+    const auto shape = domain.shape(c);
+    for (std::size_t k = 0; k < 4; ++k)
+      result[c] = result[c] + value[static_cast<std::size_t>(cells[c][k])] * shape.gradient[k];
+  }
+  return result;
+}
+
+std::vector<Vec3> recover(const par::Comm& comm, const Domain& domain, std::span<const Vec3> cell_gradient,
+                          Recovery recovery) {
+  const auto& cells = domain.mesh->cell_to_node;
+  std::vector<Vec3> sum(domain.point.size());
+  std::vector<double> weight(domain.point.size(), 0);
+  for (std::size_t c = 0; c < cells.size(); ++c) {
+    const double w = recovery == Recovery::plain ? 1 : geometry::volume(domain.points(c));
+    for (const auto node : cells[c]) {
+      auto& at = sum[static_cast<std::size_t>(node)];
+      at = at + w * cell_gradient[c];
+      weight[static_cast<std::size_t>(node)] += w;
+    }
+  }
+  domain.nodes.sum_copies(comm, sum);
+  domain.nodes.sum_copies(comm, weight);
+  for (std::size_t i = 0; i < sum.size(); ++i)
+    if (weight[i] > 0) sum[i] = (1 / weight[i]) * sum[i];
+  return sum;
+}
+
+std::vector<double> squared_errors(const Domain& domain, std::span<const Vec3> cell_gradient,
+                                   std::span<const Vec3> recovered) {
+  const auto& cells = domain.mesh->cell_to_node;
+  std::vector<double> result(cells.size());
+  for (std::size_t c = 0; c < cells.size(); ++c) {
+    Vec3 total;
+    double squares = 0;
+    for (const auto node : cells[c]) {
+      const auto difference = recovered[static_cast<std::size_t>(node)] - cell_gradient[c];
+      total = total + difference;
+      squares += squared_norm(difference);
+    }
+    // Integral of the product of two corner functions: V/20, V/10 of one with itself.
+    result[c] = geometry::volume(domain.points(c)) / 20 * (squares + squared_norm(total));
+  }
+  return result;
+}
+
+Estimate estimate_error(const par::Comm& comm, const Domain& domain, const SourceTerm& term, std::span<const double> u,
+                        std::span<const double> psi0, std::span<const Vec3> cell_gradient,
+                        std::span<const Vec3> recovered) {
+  const auto& cells = domain.mesh->cell_to_node;
+  Estimate result;
+  result.squared = squared_errors(domain, cell_gradient, recovered);
+  result.residual_squared.resize(cells.size());
+  std::array<par::ExactSum, 3> sums;
+  for (std::size_t c = 0; c < cells.size(); ++c) {
+    const auto p = domain.points(c);
+    const double volume = geometry::volume(p), h = longest_edge(p) / std::numbers::pi;
+    double source = 0;
+    for (const auto node : cells[c]) {
+      const double value = term.value(u[static_cast<std::size_t>(node)], psi0[static_cast<std::size_t>(node)]);
+      source += value * value / 4;
+    }
+    result.residual_squared[c] = h * h * volume * source;
+    sums[0].add(result.squared[c]);
+    sums[1].add(result.residual_squared[c]);
+    sums[2].add(volume * squared_norm(cell_gradient[c]));
+  }
+  const auto totals = par::reproducible_sums(comm, sums);
+  result.total_squared = totals[0];
+  result.residual_total_squared = totals[1];
+  result.norm_squared = totals[2];
+  return result;
+}
+
+std::vector<double> goal_errors(const Domain& domain, const SourceTerm& term, std::span<const double> u,
+                                std::span<const double> psi0, std::span<const double> w,
+                                std::span<const double> squared_u, std::span<const double> squared_w, bool nodal) {
+  const auto& cells = domain.mesh->cell_to_node;
+  std::vector<double> result(cells.size());
+  for (std::size_t c = 0; c < cells.size(); ++c) {
+    result[c] = std::sqrt(squared_u[c] * squared_w[c]);
+    if (!nodal) continue;
+    const auto values = corners(cells[c], u), base = corners(cells[c], psi0), dual = corners(cells[c], w);
+    double products = 0, sources = 0, duals = 0;
+    for (std::size_t k = 0; k < 4; ++k) {
+      const double source = term.value(values[k], base[k]);
+      products += source * dual[k];
+      sources += source;
+      duals += dual[k];
+    }
+    // Nodal quadrature of the product of two linear functions less its integral.
+    const double volume = geometry::volume(domain.points(c));
+    result[c] += std::abs(volume * (products / 4 - (products + sources * duals) / 20));
+  }
+  return result;
+}
+
+}  // namespace pamr::poisson_boltzmann

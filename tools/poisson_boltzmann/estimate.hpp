@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "poisson_boltzmann/domain.hpp"
+#include "poisson_boltzmann/source_term.hpp"
+
+namespace pamr::poisson_boltzmann {
+
+/// Gradient of a P1 function on each cell. Local.
+std::vector<geometry::Vec3> cell_gradients(const Domain& domain, std::span<const double> value);
+
+/// Gradient at the nodes: the mean of the gradients of the cells round a node, weighted with their volumes or plain (as
+/// the paper says it). On the boundary the mean is one-sided. Collective: one or two exchanges.
+std::vector<geometry::Vec3> recover(const par::Comm& comm, const Domain& domain,
+                                    std::span<const geometry::Vec3> cell_gradient, Recovery recovery);
+
+/// e_K^2: integral over each cell of |G* - grad u|^2, G* linear between its values at the nodes. Local.
+std::vector<double> squared_errors(const Domain& domain, std::span<const geometry::Vec3> cell_gradient,
+                                   std::span<const geometry::Vec3> recovered);
+
+/// Error of the gradient of u, estimated by recovery (Zienkiewicz and Zhu 1987).
+struct Estimate {
+  std::vector<double> squared;           ///< e_K^2
+  std::vector<double> residual_squared;  ///< (h_K/pi)^2 times the integral of the source term squared, h_K longest edge
+  double total_squared = 0;
+  double residual_total_squared = 0;
+  double norm_squared = 0;  ///< integral of |grad u|^2
+};
+
+/// Collective: one reduction. The sums are exact and rounded once.
+Estimate estimate_error(const par::Comm& comm, const Domain& domain, const SourceTerm& term, std::span<const double> u,
+                        std::span<const double> psi0, std::span<const geometry::Vec3> cell_gradient,
+                        std::span<const geometry::Vec3> recovered);
+
+/// What each cell contributes to the error of a functional whose dual solution is w: the product of the recovered
+/// errors of u and w, and the error of nodal quadrature weighted with w. Local.
+std::vector<double> goal_errors(const Domain& domain, const SourceTerm& term, std::span<const double> u,
+                                std::span<const double> psi0, std::span<const double> w,
+                                std::span<const double> squared_u, std::span<const double> squared_w, bool nodal);
+
+}  // namespace pamr::poisson_boltzmann

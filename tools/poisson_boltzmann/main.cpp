@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "cli/run_tool.hpp"
+#include "pamr/base/error.hpp"
+#include "pamr/io/native_file.hpp"
+#include "pamr/mesh/assemble.hpp"
+#include "pamr/mesh/validate.hpp"
+#include "poisson_boltzmann/report.hpp"
+
+namespace {
+
+using namespace pamr;
+namespace pb = poisson_boltzmann;
+
+struct Options {
+  std::string case_file, mesh, output, start, petsc;
+  bool force = false;
+};
+
+void declare(CLI::App& app, Options& o) {
+  app.add_option("CASE", o.case_file, "case file (TOML)")->required();
+  app.add_option("--mesh", o.mesh, "mesh to solve on")->required();
+  app.add_option("-o,--output", o.output, "mesh to write: the same with the fields of the solution")->required();
+  app.add_option("--start", o.start, "nodal field of the mesh to start from: a potential, as a coarser level left it")
+      ->type_name("FIELD");
+  app.add_option("--petsc", o.petsc, "options for PETSc, after those of the case: \"-pc_type hypre -ksp_monitor\"")
+      ->type_name("OPTIONS");
+  app.add_flag("--force", o.force, cli::force_help);
+}
+
+/// Seconds since it was last asked.
+class Lap {
+ public:
+  double seconds() {
+    const auto now = std::chrono::steady_clock::now();
+    const double result = std::chrono::duration<double>(now - last_).count();
+    last_ = now;
+    return result;
+  }
+
+ private:
+  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+};
+
+/// The text of the file, read by rank 0. Collective.
+std::string text_of(const par::Comm& comm, const std::string& path) {
+  std::string text;
+  par::agree(comm, [&] {
+    if (!comm.is_first()) return;
+    std::ifstream file(path, std::ios::binary);
+    text.assign(std::istreambuf_iterator<char>(file), {});
+    if (!file) throw Error(path + ": expected a file that can be read");
+  });
+  return comm.broadcast(text);
+}
+
+/// u at the nodes from the field that --start names; empty without it. Collective.
+std::vector<double> start_of(const par::Comm& comm, const mesh::DistMesh& mesh, const pb::Conditions& conditions,
+                             const Options& o) {
+  if (o.start.empty()) return {};
+  const auto* field = mesh.find_node_field(o.start);
+  if (field == nullptr)
+    throw Error(fmt::format("{}: expected a field on nodes named \"{}\" to start from, found none", o.mesh, o.start));
+  if (field->n_components != 1 || field->holds_integers())
+    throw Error(fmt::format("{}: field \"{}\": expected one real component on nodes, found {}", o.mesh, o.start,
+                            field->holds_integers() ? std::string("integers") : std::to_string(field->n_components)));
+  std::vector<double> u(field->real().begin(), field->real().end());
+  bool bad = false;
+  for (std::size_t i = 0; i < u.size(); ++i) {
+    bad = bad || !std::isfinite(u[i]) || std::abs(u[i]) > pb::largest_potential;
+    u[i] -= conditions.psi0[i];
+  }
+  if (comm.any(bad))
+    throw Error(fmt::format("{}: field \"{}\": expected potentials within {:g} kT/Ze, found others", o.mesh, o.start,
+                            pb::largest_potential));
+  return u;
+}
+
+void print_case(const cli::Session& session, const pb::Case& problem, const pb::Domain& domain,
+                const pb::Conditions& conditions) {
+  for (const auto& line : pb::describe(problem)) session.summary(line);
+  const auto& comm = session.comm();
+  const double bytes = static_cast<double>(comm.max(pb::bytes_needed(domain)));
+  session.summary(fmt::format("{} nodes, {} cells on {} ranks; about {:.0f} MB a rank besides the mesh",
+                              domain.mesh->info.n_global_nodes, domain.mesh->info.n_global_cells, comm.size(),
+                              bytes / 1e6));
+  if (conditions.n_contradictions > 0)
+    session.warn(fmt::format("{} nodes lie on patches with different potentials; the first of them in the mesh decides",
+                             conditions.n_contradictions));
+}
+
+std::string where_it_failed(const pb::Solution& s) {
+  return fmt::format(
+      "not converged after {} Newton steps ({}): residual {:.3e} of {:.3e} at the start; largest, {:.3e}, at node {} "
+      "({:g}, {:g}, {:g}); nothing is written",
+      s.newton_iterations, s.reason, s.residual, s.first_residual, s.worst_residual, s.worst_node, s.worst_point.x,
+      s.worst_point.y, s.worst_point.z);
+}
+
+cli::ExitCode run(cli::Session& session, const Options& o) {
+  session.check_input(o.case_file);
+  session.check_input(o.mesh);
+  session.check_output(o.output, {o.case_file, o.mesh}, o.force);
+  const auto& comm = session.comm();
+  Lap lap;
+  const auto problem = pb::read_case(text_of(comm, o.case_file), o.case_file);
+  const pb::PetscRuntime petsc(comm, problem.solver.petsc + " " + o.petsc);
+  auto mesh = mesh::assemble(comm, io::read_native(comm, o.mesh));
+  mesh::require_valid(comm, mesh, o.mesh);
+  nlohmann::json seconds{{"read", lap.seconds()}};
+
+  const auto domain = pb::make_domain(comm, mesh, problem, o.case_file);
+  const auto conditions = pb::make_conditions(comm, domain, problem);
+  print_case(session, problem, domain, conditions);
+  const auto start = start_of(comm, mesh, conditions, o);
+  pb::System system(comm, domain, problem, conditions);
+  seconds["assemble"] = lap.seconds();
+  session.summary(pb::table_head());
+  const auto solution = system.solve(start, [&](const pb::NewtonStep& step) { session.summary(pb::table_line(step)); });
+  seconds["solve"] = lap.seconds();
+  for (const auto& name : petsc.unused_options()) session.warn("no part of PETSc asked for the option " + name);
+  if (!solution.converged) {
+    session.warn(where_it_failed(solution));
+    session.write_report({{"converged", false},
+                          {"reason", solution.reason},
+                          {"residual", solution.residual},
+                          {"newton_iterations", solution.newton_iterations},
+                          {"worst_node", solution.worst_node}});
+    return cli::ExitCode::failed;
+  }
+
+  const auto analysis = pb::analyse(comm, domain, problem, conditions, system, solution);
+  seconds["analyse"] = lap.seconds();
+  auto report = pb::report_of(domain, problem, solution, analysis);
+  pb::set_fields(mesh, problem, solution, analysis);
+  io::write_native(comm, o.output, mesh);
+  seconds["write"] = lap.seconds();
+  double total = 0;
+  for (const auto& part : seconds) total += part.get<double>();
+  seconds["total"] = total;
+  report["seconds"] = seconds;
+  for (const auto& line : pb::describe_results(problem, analysis)) session.summary(line);
+  session.write_report(report);
+  session.summary(fmt::format("{} cells, {} Newton steps, {} CG iterations, {:.2f} s -> {}", mesh.info.n_global_cells,
+                              solution.newton_iterations, solution.linear_iterations, total, o.output));
+  return cli::ExitCode::done;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Options options;
+  return cli::run_tool(
+      argc, argv,
+      {"pamr-pb", "Solves the Poisson-Boltzmann equation round charged bodies.",
+       "pamr-mesh --shape kuhn-cube --n 16 -o cube.hdf && pamr-pb cases/plate/cube.toml --mesh cube.hdf -o psi.hdf"},
+      [&](CLI::App& app) { declare(app, options); }, [&](cli::Session& session) { return run(session, options); });
+}
