@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <filesystem>
+#include <utility>
 
 #include "pamr/adapt/adapt.hpp"
 #include "pamr/check/extract.hpp"
@@ -23,8 +25,8 @@ constexpr GlobalId wide = GlobalId{1} << 33U;
 
 /// A random cube with one node and one cell field, whose lower face is tied to a sphere that bulges into it.
 mesh::BlockMesh dome(const par::Comm& comm, std::uint64_t seed) {
-  constexpr double bulge = 0.25, radius = (0.5 + bulge * bulge) / (2 * bulge);
-  auto block = test::random_mesh(comm, seed, 3);
+  constexpr double bulge = 0.4, radius = (0.5 + bulge * bulge) / (2 * bulge);
+  auto block = test::random_mesh(comm, seed, 2);
   block.info.surfaces_toml = "[[surface]]\nname = \"dome\"\nkind = \"sphere\"\ncenter = [0.5, 0.5, " +
                              std::to_string(bulge - radius) + "]\nradius = " + std::to_string(radius) + "\n";
   for (auto& patch : block.info.patches)
@@ -62,22 +64,30 @@ mesh::DistMesh through_file(const par::Comm& comm, const mesh::DistMesh& mesh, s
   return mesh::assemble(comm, std::move(block), destination);
 }
 
+std::vector<mesh::Field> by_name(std::vector<mesh::Field> fields) {
+  std::sort(fields.begin(), fields.end(), [](const auto& a, const auto& b) { return a.name < b.name; });
+  return fields;
+}
+
 void expect_equal_but_for_numbers(const par::Comm& comm, const mesh::DistMesh& moved, const mesh::DistMesh& plain) {
   auto a = test::numbered_from(0, test::gather(comm, moved));
   const auto b = test::gather(comm, plain);
+  for (auto& field : a.cell_fields)
+    if (field.name == "parent")
+      for (auto& id : field.integer()) id -= moved.info.first_id;
   EXPECT_EQ(a.info.n_global_cells, b.info.n_global_cells);
   EXPECT_EQ(a.info.n_global_nodes, b.info.n_global_nodes);
   EXPECT_TRUE(a.node_position == b.node_position);
   EXPECT_TRUE(a.cell_to_node == b.cell_to_node);
   EXPECT_TRUE(a.cell_to_cell == b.cell_to_cell);
   EXPECT_TRUE(a.lineage == b.lineage);
-  ASSERT_EQ(a.cell_fields.size(), b.cell_fields.size());
-  ASSERT_EQ(a.node_fields.size(), b.node_fields.size());
-  for (std::size_t i = 0; i < a.node_fields.size(); ++i) EXPECT_TRUE(a.node_fields[i].value == b.node_fields[i].value);
-  for (std::size_t i = 0; i < a.cell_fields.size(); ++i) {
-    if (a.cell_fields[i].name == "parent")
-      for (auto& id : a.cell_fields[i].integer()) id -= moved.info.first_id;
-    EXPECT_TRUE(a.cell_fields[i].value == b.cell_fields[i].value) << a.cell_fields[i].name;
+  for (const auto& [mine, theirs] : {std::pair(&a.cell_fields, &b.cell_fields), {&a.node_fields, &b.node_fields}}) {
+    const auto x = by_name(*mine), y = by_name(*theirs);  // a file does not keep their order
+    ASSERT_EQ(x.size(), y.size());
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      EXPECT_EQ(x[i].name, y[i].name);
+      EXPECT_TRUE(x[i].value == y[i].value) << x[i].name;
+    }
   }
 }
 
