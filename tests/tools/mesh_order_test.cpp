@@ -1,34 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <gtest/gtest.h>
 
-#include <cstdlib>
-#include <map>
-
 #include "mesh/order.hpp"
 
 namespace pamr::meshing {
 namespace {
-
-using Grid = std::array<std::uint32_t, 3>;
-
-TEST(HilbertKey, PassesEveryPointOfACubeOnceInUnitSteps) {
-  std::map<std::uint64_t, Grid> along;
-  for (std::uint32_t x = 0; x < 8; ++x)
-    for (std::uint32_t y = 0; y < 8; ++y)
-      for (std::uint32_t z = 0; z < 8; ++z) along[hilbert_key({x, y, z})] = {x, y, z};
-
-  ASSERT_EQ(along.size(), 512U);
-  EXPECT_EQ(along.begin()->first, 0U);
-  EXPECT_EQ(along.rbegin()->first, 511U);
-  for (auto next = std::next(along.begin()), here = along.begin(); next != along.end(); ++next, ++here) {
-    int steps = 0;
-    for (std::size_t i = 0; i < 3; ++i)
-      steps += std::abs(static_cast<int>(next->second[i]) - static_cast<int>(here->second[i]));
-    EXPECT_EQ(steps, 1) << "after key " << here->first;
-  }
-}
-
-TEST(HilbertKey, UsesAll63Bits) { EXPECT_EQ(hilbert_key({(1U << 21U) - 1, 0, 0}), (std::uint64_t{1} << 63U) - 1); }
 
 /// Two cells that share a face, the far one first, nodes in no order.
 RawMesh two_cells() {

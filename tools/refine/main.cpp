@@ -4,6 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <utility>
 
 #include "cli/run_tool.hpp"
 #include "pamr/adapt/adapt.hpp"
@@ -13,6 +14,7 @@
 #include "pamr/io/native_file.hpp"
 #include "pamr/mesh/assemble.hpp"
 #include "pamr/mesh/fingerprint.hpp"
+#include "pamr/mesh/order.hpp"
 #include "pamr/mesh/validate.hpp"
 #include "refine/report.hpp"
 
@@ -21,7 +23,7 @@ namespace {
 using namespace pamr;
 
 struct Options {
-  std::string input, output, marks = "refine", quality_control = "removable";
+  std::string input, output, marks = "refine", quality_control = "removable", order = "auto";
   bool no_project = false, dry_run = false, force = false, each_rank = false;
 };
 
@@ -32,6 +34,10 @@ void declare(CLI::App& app, Options& options) {
       ->capture_default_str();
   app.add_option("--quality-control", options.quality_control, "what happens to a closure cell that is hit again")
       ->check(CLI::IsMember(refine::quality_control_list()))
+      ->capture_default_str();
+  app.add_option("--order", options.order,
+                 "put cells and nodes along a space-filling curve first (auto: where it pays)")
+      ->check(CLI::IsMember({"auto", "keep", "curve"}))
       ->capture_default_str();
   app.add_flag("--no-project", options.no_project, "leave new boundary nodes in the middle of their edges");
   auto* dry_run = app.add_flag("--dry-run", options.dry_run, "print the exact size of the result, split nothing");
@@ -53,20 +59,39 @@ auto naming(const std::string& file, Work&& work) {
   }
 }
 
-/// Reads the mesh with its cells spread so that flagged cells count eight times: the paper's weights.
-mesh::DistMesh read(const par::Comm& comm, const Options& options, StepTimer& timer) {
+/// Holds the number of each cell in the file; no field in a file can have such a name.
+constexpr const char* origin_field = "/cell of the input";
+
+mesh::BlockMesh along_curve(const par::Comm& comm, mesh::BlockMesh block) {
+  auto ordered = mesh::order_along_curve(comm, std::move(block));
+  ordered.block.cell_fields.push_back({origin_field, "", 1, mesh::StorageType::int64, std::move(ordered.cell_origin)});
+  return std::move(ordered.block);
+}
+
+/// Reads the mesh with its cells spread so that flagged cells count eight times: the paper's weights. Errors name cells
+/// and nodes by their numbers in the file: where it was put in order, what is wrong is found once more without.
+mesh::DistMesh read(const par::Comm& comm, const Options& options, const std::string& order, StepTimer& timer) {
   auto block = io::read_native(comm, options.input);
   timer.lap("read");
+  const bool reorder = order == "curve" || (order == "auto" && !mesh::is_ordered(comm, block));
+  if (reorder) block = naming(options.input, [&] { return along_curve(comm, std::move(block)); });
+  timer.lap("preprocessing");
   std::vector<std::int64_t> weight(block.cell_to_node.size(), 1);
   for (const auto& field : block.cell_fields)
     if (field.name == options.marks && field.holds_integers() && field.n_components == 1)
       for (std::size_t c = 0; c < weight.size(); ++c) weight[c] = field.integer()[c] == 1 ? 8 : 1;
   const auto destination = balance::weighted_blocks(comm, weight);
   timer.lap("balance");
-  auto mesh = naming(options.input, [&] { return mesh::assemble(comm, std::move(block), destination); });
-  mesh::require_valid(comm, mesh, options.input);
-  timer.lap("preprocessing");
-  return mesh;
+  try {
+    auto mesh = naming(options.input, [&] { return mesh::assemble(comm, std::move(block), destination); });
+    mesh::require_valid(comm, mesh, options.input);
+    if (reorder) adapt::flags_from_field(comm, mesh, options.marks);
+    timer.lap("preprocessing");
+    return mesh;
+  } catch (const Error&) {
+    if (!reorder) throw;
+  }
+  return read(comm, options, "keep", timer);
 }
 
 std::int64_t count_inverted(const par::Comm& comm, const mesh::DistMesh& mesh) {
@@ -108,14 +133,15 @@ cli::ExitCode work(cli::Session& session, const Options& options) {
 
   StepTimer timer([&] { return comm.traffic(); });
   const auto read_before = refine_tool::bytes_read_so_far();
-  auto mesh = read(comm, options, timer);
+  auto mesh = read(comm, options, options.order, timer);
   refine_tool::Measured measured;
   measured.bytes_read = refine_tool::bytes_read_so_far() - read_before;
   const auto flags = naming(options.input, [&] { return adapt::flags_from_field(comm, mesh, options.marks); });
   const refine::Options how{.quality_control = refine::quality_control_named(options.quality_control),
                             .project = !options.no_project,
                             .parent_field = true,
-                            .marks_field = options.marks};
+                            .marks_field = options.marks,
+                            .origin_field = mesh.find_cell_field(origin_field) != nullptr ? origin_field : ""};
   if (options.dry_run) return forecast(session, mesh, flags, how);
 
   timer.lap("preprocessing");
@@ -129,8 +155,9 @@ cli::ExitCode work(cli::Session& session, const Options& options) {
   measured.bytes_at_rest = mesh::bytes_at_rest(result.mesh);
   timer.lap(refine_tool::Measured::check_step);
   auto& provenance = result.mesh.info.provenance;
-  provenance += fmt::format("{}pamr-refine {} --quality-control {}{}", provenance.empty() ? "" : "\n", PAMR_VERSION,
-                            options.quality_control, options.no_project ? " --no-project" : "");
+  provenance += fmt::format("{}pamr-refine {} --quality-control {}{}{}", provenance.empty() ? "" : "\n", PAMR_VERSION,
+                            options.quality_control, options.no_project ? " --no-project" : "",
+                            options.order == "auto" ? "" : " --order " + options.order);
   io::write_native(comm, options.output, result.mesh);
   timer.lap("write");
 

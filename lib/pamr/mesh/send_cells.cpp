@@ -126,21 +126,22 @@ void merge(GlobalCells& cells, GlobalCells arrived, const std::vector<Rank>& to,
 
 }  // namespace
 
-GlobalCells send_cells(const par::Comm& comm, BlockMesh& block, std::vector<Rank> to, const Contents& contents) {
+GlobalCells take_cells(BlockMesh& block, const Contents& contents) {
   GlobalCells cells;
   const auto n = block.cell_to_node.size();
-  cells.id.resize(n);
-  std::iota(cells.id.begin(), cells.id.end(), block.first_cell);
   cells.node = std::exchange(block.cell_to_node, {});
   cells.neighbour = std::exchange(block.cell_to_cell, {});
   cells.lineage = std::exchange(block.lineage, {});
   if (!contents.has_lineage) cells.lineage.resize(n);
   cells.field = std::exchange(block.cell_fields, {});
+  return cells;
+}
 
+void exchange_cells(const par::Comm& comm, GlobalCells& cells, const std::vector<Rank>& to, const Contents& contents) {
   const auto departing = find_departing(to, comm.rank());
   const auto rounds = static_cast<std::size_t>(
       comm.max(static_cast<std::int64_t>((departing.size() + cells_of_round - 1) / cells_of_round)));
-  if (rounds == 0) return cells;
+  if (rounds == 0 && std::is_sorted(cells.id.begin(), cells.id.end())) return;
 
   GlobalCells arrived;
   for (const auto& field : cells.field) {
@@ -154,6 +155,13 @@ GlobalCells send_cells(const par::Comm& comm, BlockMesh& block, std::vector<Rank
                contents.has_neighbours, arrived);
   }
   merge(cells, std::move(arrived), to, comm.rank(), contents.has_neighbours);
+}
+
+GlobalCells send_cells(const par::Comm& comm, BlockMesh& block, std::vector<Rank> to, const Contents& contents) {
+  auto cells = take_cells(block, contents);
+  cells.id.resize(cells.node.size());
+  std::iota(cells.id.begin(), cells.id.end(), block.first_cell);
+  exchange_cells(comm, cells, to, contents);
   return cells;
 }
 

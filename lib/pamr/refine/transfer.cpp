@@ -131,12 +131,15 @@ void transfer(const mesh::DistMesh& old, const Closure& closure, const Numbering
   if (!needs_parents) return;
   const auto parent = parents_of(old, closure, numbering, fine);
   for (const auto& field : old.cell_fields)
-    if (field.name != options.marks_field && !(field.name == "parent" && options.parent_field))
+    if (field.name != options.marks_field && field.name != options.origin_field &&
+        !(field.name == "parent" && options.parent_field))
       fine.cell_fields.push_back(to_cells(old, closure, numbering, parent, field));
   if (options.parent_field) {
-    std::vector<std::int64_t> global(parent.size());
-    for (std::size_t c = 0; c < parent.size(); ++c) global[c] = old.cell_global[at(parent[c])];
-    fine.cell_fields.push_back({"parent", "", 1, mesh::StorageType::int64, std::move(global)});
+    const auto* origin = old.find_cell_field(options.origin_field);
+    const auto& number = origin == nullptr ? old.cell_global : origin->integer();
+    std::vector<std::int64_t> of_parent(parent.size());
+    for (std::size_t c = 0; c < parent.size(); ++c) of_parent[c] = number[at(parent[c])];
+    fine.cell_fields.push_back({"parent", "", 1, mesh::StorageType::int64, std::move(of_parent)});
   }
 }
 

@@ -14,7 +14,7 @@ namespace pamr::refine {
 /// children of a family that was taken back have the volume-weighted mean of its members (integers: the value of
 /// `parent`). Adds the integer cell field `parent` if the options ask for it: the input cell that holds the new cell's
 /// centroid while new nodes still lie on their edges, the smallest number among equals. Replaces the ledger field.
-/// Drops the marks field. Local. Cost: O(children) for each field.
+/// Drops the fields of marks and of origins. Local. Cost: O(children) for each field.
 void transfer(const mesh::DistMesh& old, const Closure& closure, const Numbering& numbering,
               const Certificate& certificate, bool has_ledger, const Options& options, mesh::DistMesh& fine);
 

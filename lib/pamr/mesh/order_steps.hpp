@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "pamr/mesh/hilbert.hpp"
+#include "pamr/mesh/order.hpp"
+
+/// The steps of `order_along_curve`. Private to the library.
+namespace pamr::mesh::ordering {
+
+/// Where the curve puts a cell.
+inline std::uint64_t key_of(const CurveGrid& grid, const geometry::TetPoints& p) {
+  return grid.key(0.25 * (p[0] + p[1] + p[2] + p[3]));
+}
+
+/// Orders a mesh that lies on this rank alone. Local.
+Ordered order_here(BlockMesh block, const CurveGrid& grid);
+
+/// Orders a mesh over all ranks. Collective.
+Ordered order_over_ranks(const par::Comm& comm, BlockMesh block, const CurveGrid& grid);
+
+/// The new number of each cell of the block: its place among all cells by key, then by old number. `key` has one entry
+/// for each cell of the block. Collective: a sample sort.
+std::vector<GlobalId> places_along_curve(const par::Comm& comm, const BlockMesh& block,
+                                         std::span<const std::uint64_t> key);
+
+/// Numbers the nodes in the order in which the cells name them, moves positions and fields to their new blocks and
+/// returns what the numbers were before. `block` holds the cells in canonical blocks, with old node numbers.
+/// Collective.
+std::vector<GlobalId> renumber_nodes(const par::Comm& comm, BlockMesh& block);
+
+}  // namespace pamr::mesh::ordering
