@@ -20,8 +20,10 @@ packages=(
   build-essential cmake ninja-build       # compiler and build
   libopenmpi-dev openmpi-bin              # MPI
   libhdf5-openmpi-dev                     # files
+  libptscotch-dev libscotch-dev libbz2-dev liblzma-dev zlib1g-dev  # partitions
   libcgal-dev                             # geometry (brings Boost, GMP and MPFR)
   libcli11-dev libfmt-dev libtomlplusplus-dev nlohmann-json3-dev  # command line, case files, reports
+  petsc-dev pkg-config                    # Poisson-Boltzmann solver (PETSc with real numbers, brings hypre)
   librandom123-dev                        # random numbers of pamr-dsmc
   python3                                 # tables of the cases
 )

@@ -23,7 +23,8 @@ namespace {
 using namespace pamr;
 
 struct Options {
-  std::string input, output, marks = "refine", quality_control = "removable", order = "auto";
+  std::string input, output, marks = "refine", quality_control = "removable", balance = "scotch", weights = "exact",
+                             order = "auto";
   bool no_project = false, dry_run = false, force = false, each_rank = false;
 };
 
@@ -34,6 +35,14 @@ void declare(CLI::App& app, Options& options) {
       ->capture_default_str();
   app.add_option("--quality-control", options.quality_control, "what happens to a closure cell that is hit again")
       ->check(CLI::IsMember(refine::quality_control_list()))
+      ->capture_default_str();
+  app.add_option("--balance", options.balance, "how cells are spread over the ranks before they are split")
+      ->check(CLI::IsMember({"scotch", "blocks", "none"}))
+      ->capture_default_str();
+  app.add_option(
+         "--weights", options.weights,
+         "what a cell weighs then: the exact number of cells that it becomes, 8 where marked, 1, or a cell field")
+      ->type_name("exact|8/1|uniform|FIELD")
       ->capture_default_str();
   app.add_option("--order", options.order,
                  "put cells and nodes along a space-filling curve first (auto: where it pays)")
@@ -145,7 +154,8 @@ cli::ExitCode work(cli::Session& session, const Options& options) {
   if (options.dry_run) return forecast(session, mesh, flags, how);
 
   timer.lap("preprocessing");
-  auto result = adapt::refine(comm, mesh, flags, how);
+  const auto balancing = adapt::balancing_named(options.balance, options.weights);
+  auto result = naming(options.input, [&] { return adapt::refine(comm, std::move(mesh), flags, {how, balancing}); });
   timer.skip();
   mesh = {};
   measured.inverted_cells = count_inverted(comm, result.mesh);

@@ -35,6 +35,19 @@ std::vector<std::pair<const char*, double>> quantities(const StepTime& step) {
           {"reductions", static_cast<double>(traffic.reductions)}};
 }
 
+nlohmann::json balance_report(const par::Comm& comm, const adapt::BalanceReport& balance) {
+  return {{"method", balance::name_of(balance.method)},
+          {"imbalance_before", balance.before.imbalance},
+          {"imbalance_after", balance.after.imbalance},
+          {"edge_cut_before", balance.before.edge_cut},
+          {"edge_cut_after", balance.after.edge_cut},
+          {"neighbours_max_before", balance.before.max_neighbours},
+          {"neighbours_max_after", balance.after.max_neighbours},
+          {"moved_cells", balance.moved_cells},
+          {"partition_seconds", over_ranks(comm, balance.partition_seconds)},
+          {"migrate_seconds", over_ranks(comm, balance.migrate_seconds)}};
+}
+
 }  // namespace
 
 nlohmann::json make_report(const par::Comm& comm, const adapt::Report& report, const Measured& measured) {
@@ -82,6 +95,7 @@ nlohmann::json make_report(const par::Comm& comm, const adapt::Report& report, c
       {"bytes_sent_max", bytes_sent},
       {"messages_sent_max", messages_sent},
       {"bytes_read_max", comm.max(measured.bytes_read)},
+      {"balance", balance_report(comm, report.balance)},
       {"seconds", seconds},
       {"cpu_seconds", cpu_seconds},
       {"check_seconds", check_seconds},

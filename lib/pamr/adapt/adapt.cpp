@@ -5,6 +5,7 @@
 
 #include "pamr/base/contract.hpp"
 #include "pamr/base/error.hpp"
+#include "pamr/base/memory.hpp"
 #include "pamr/geometry/surface.hpp"
 #include "pamr/mesh/borders.hpp"
 #include "pamr/mesh/validate.hpp"
@@ -44,7 +45,7 @@ geometry::SurfaceSet read_surfaces(const par::Comm& comm, const mesh::DistMesh& 
 std::vector<geometry::Vec3> place_nodes(const mesh::DistMesh& mesh, const refine::Numbering& numbering,
                                         const std::vector<refine::Movable>& movables) {
   std::vector<geometry::Vec3> position;
-  position.reserve(at(mesh.n_nodes()) + numbering.n_new_nodes());
+  reserve_array(position, at(mesh.n_nodes()) + numbering.n_new_nodes());
   position = mesh.node_position;
   for (const auto [a, b] : numbering.ends) position.push_back(geometry::midpoint(mesh.point(a), mesh.point(b)));
   for (const auto& movable : movables) position[at(movable.node)] = movable.target;
@@ -53,7 +54,7 @@ std::vector<geometry::Vec3> place_nodes(const mesh::DistMesh& mesh, const refine
 
 std::vector<GlobalId> join_ids(const mesh::DistMesh& mesh, const refine::Numbering& numbering) {
   std::vector<GlobalId> ids;
-  ids.reserve(mesh.node_global.size() + numbering.n_new_nodes());
+  reserve_array(ids, mesh.node_global.size() + numbering.n_new_nodes());
   ids = mesh.node_global;
   ids.insert(ids.end(), numbering.node_global.begin(), numbering.node_global.end());
   return ids;
@@ -105,24 +106,13 @@ std::int64_t count_not_split(const mesh::DistMesh& mesh, std::span<const std::ui
   return n;
 }
 
-}  // namespace
-
-RefineResult refine(const par::Comm& comm, const mesh::DistMesh& mesh, std::span<const std::uint8_t> flags,
-                    const refine::Options& options) {
-  StepTimer timer([&] { return comm.traffic(); });
-  const auto traffic_before = comm.traffic();
-  require_flags(comm, mesh, flags);
-  const auto surfaces = read_surfaces(comm, mesh, options);
-  const auto borders = mesh::find_borders(comm, mesh);
-  timer.lap("preprocessing");
-
-  const auto closure = refine::close(comm, mesh, borders, flags, options.quality_control);
-  timer.lap("close");
-  timer.lap("balance");
+/// All steps after balancing. `consumed`: the same mesh where its arrays may be freed on the way, or null.
+void split(const par::Comm& comm, const mesh::DistMesh& mesh, mesh::DistMesh* consumed, const mesh::Borders& borders,
+           const refine::Closure& closure, const geometry::SurfaceSet& surfaces, const refine::Options& options,
+           StepTimer& timer, RefineResult& result) {
   const auto numbering = refine::number(comm, mesh, borders, closure);
   timer.lap("number");
 
-  RefineResult result;
   auto& fine = result.mesh;
   fine.info = mesh.info;
   fine.info.n_global_nodes = numbering.n_global_nodes;
@@ -146,6 +136,7 @@ RefineResult refine(const par::Comm& comm, const mesh::DistMesh& mesh, std::span
   timer.lap("project");
 
   refine::relink(comm, mesh, closure, numbering, children, fine);
+  if (consumed != nullptr) consumed->cell_to_cell = {};
   timer.lap("relink");
   refine::transfer(mesh, closure, numbering, certificate, certificate.n_off_surface > 0, options, fine);
   PAMR_ENSURES_AUDIT(mesh::validate(comm, fine).empty());
@@ -157,16 +148,47 @@ RefineResult refine(const par::Comm& comm, const mesh::DistMesh& mesh, std::span
   report.cells_out = fine.info.n_global_cells;
   report.nodes_out = fine.info.n_global_nodes;
   report.marked = closure.n_marked;
-  report.marked_not_split = comm.sum(count_not_split(mesh, flags, closure));
   report.families_rebuilt = closure.families_rebuilt;
   report.families_kept = closure.families_kept;
   report.off_surface_nodes = certificate.n_off_surface;
   report.rounds = closure.rounds;
   report.back_off_rounds = certificate.rounds;
-  report.neighbours_closing = report.neighbours = static_cast<std::int64_t>(borders.nodes.rank.size());
-  report.steps = timer.steps();
-  report.traffic = comm.traffic() - traffic_before;
+  report.neighbours = static_cast<std::int64_t>(borders.nodes.rank.size());
+}
+
+/// The pipeline. `consumed`: the same mesh where it may move to other ranks and be taken apart, or null.
+RefineResult run(const par::Comm& comm, const mesh::DistMesh& mesh, mesh::DistMesh* consumed,
+                 std::span<const std::uint8_t> flags, const refine::Options& options, const Balancing& balancing) {
+  StepTimer timer([&] { return comm.traffic(); });
+  const auto traffic_before = comm.traffic();
+  RefineResult result;
+  require_flags(comm, mesh, flags);
+  const auto surfaces = read_surfaces(comm, mesh, options);
+  auto borders = mesh::find_borders(comm, mesh);
+  timer.lap("preprocessing");
+
+  auto closure = refine::close(comm, mesh, borders, flags, options.quality_control);
+  result.report.marked_not_split = comm.sum(count_not_split(mesh, flags, closure));
+  result.report.neighbours_closing = static_cast<std::int64_t>(borders.nodes.rank.size());
+  timer.lap("close");
+  if (consumed != nullptr) result.report.balance = balance_parents(comm, *consumed, borders, closure, flags, balancing);
+  timer.lap("balance");
+  split(comm, mesh, consumed, borders, closure, surfaces, options, timer, result);
+  result.report.steps = timer.steps();
+  result.report.traffic = comm.traffic() - traffic_before;
   return result;
+}
+
+}  // namespace
+
+RefineResult refine(const par::Comm& comm, const mesh::DistMesh& mesh, std::span<const std::uint8_t> flags,
+                    const refine::Options& options) {
+  return run(comm, mesh, nullptr, flags, options, {});
+}
+
+RefineResult refine(const par::Comm& comm, mesh::DistMesh&& mesh, std::span<const std::uint8_t> flags,
+                    const Options& options) {
+  return run(comm, mesh, &mesh, flags, options.refinement, options.balancing);
 }
 
 Forecast dry_run(const par::Comm& comm, const mesh::DistMesh& mesh, std::span<const std::uint8_t> flags,

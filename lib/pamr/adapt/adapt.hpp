@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <span>
 
+#include "pamr/adapt/balance_parents.hpp"
 #include "pamr/base/timer.hpp"
 #include "pamr/mesh/dist_mesh.hpp"
 #include "pamr/par/comm.hpp"
@@ -21,6 +22,7 @@ struct Report {
   std::int64_t off_surface_nodes = 0;
   int rounds = 0;               ///< of closing
   int back_off_rounds = 0;      ///< of the projection's certificate
+  BalanceReport balance;        ///< of the overload that may move cells
   /// Ranks that this rank shares nodes with, while closing and after balancing.
   std::int64_t neighbours_closing = 0, neighbours = 0;
   std::vector<StepTime> steps;  ///< of this rank
@@ -36,12 +38,27 @@ struct RefineResult {
 /// is), the cells around them are closed, new boundary nodes are put on their surfaces, fields and patches go to the
 /// children. `flags` has one entry for each cell of this rank.
 ///
+/// Cells stay on the ranks where their parents are; the overload below spreads them.
+///
 /// Collective. Pre: `mesh` is valid (`mesh::validate`). Post: so is the result, and it is the same mesh, cell for cell,
 /// node for node, bit for bit, on any number of ranks and for any distribution over them. Throws `Error` on every rank
 /// for flags of the wrong length, bad surfaces, and cells too flat to be split. Memory at the peak: the old mesh, the
 /// new one and about 40 bytes for each cell that is split.
 RefineResult refine(const par::Comm& comm, const mesh::DistMesh& mesh, std::span<const std::uint8_t> flags,
                     const refine::Options& options = {});
+
+/// How to refine and balance in one go.
+struct Options {
+  refine::Options refinement;
+  Balancing balancing;  ///< default: PT-Scotch, by the exact number of cells that each cell becomes
+};
+
+/// The same, and spreads the work: when the marks are closed and the size of the result is known cell by cell, the
+/// parents move to the ranks where their children shall be, so that each rank gets about the same number of cells of
+/// the refined mesh, and the splitting is balanced too. The refined mesh is the same one whatever the balancing; only
+/// its distribution differs. Takes the mesh apart as it goes. Throws `Error` on every rank for bad weights as well.
+RefineResult refine(const par::Comm& comm, mesh::DistMesh&& mesh, std::span<const std::uint8_t> flags,
+                    const Options& options = {});
 
 /// The exact size that a refinement would give, without splitting anything. Collective.
 struct Forecast {

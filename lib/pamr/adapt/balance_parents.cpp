@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "pamr/adapt/balance_parents.hpp"
+
+#include <algorithm>
+
+#include "pamr/adapt/carry.hpp"
+#include "pamr/balance/migrate.hpp"
+#include "pamr/balance/weights.hpp"
+#include "pamr/base/timer.hpp"
+#include "pamr/refine/close.hpp"
+
+namespace pamr::adapt {
+
+namespace {
+
+constexpr std::size_t at(std::int64_t i) { return static_cast<std::size_t>(i); }
+
+std::vector<std::int64_t> exact_weights(const refine::Closure& closure) {
+  const auto counts = count_children(closure);
+  std::vector<std::int64_t> weight(counts.size());
+  for (std::size_t c = 0; c < counts.size(); ++c) weight[c] = counts[c];
+  return weight;
+}
+
+}  // namespace
+
+Balancing balancing_named(std::string_view method, std::string_view weights) {
+  Balancing balancing;
+  balancing.how.method = balance::method_named(method);
+  if (weights == "8/1") {
+    balancing.weights = Weights::eight_to_one;
+  } else if (weights == "uniform") {
+    balancing.weights = Weights::uniform;
+  } else if (weights != "exact") {
+    balancing.weights = Weights::field;
+    balancing.field = weights;
+  }
+  return balancing;
+}
+
+std::vector<std::int64_t> cell_weights(const par::Comm& comm, const mesh::DistMesh& mesh,
+                                       std::span<const std::uint8_t> flags, const refine::Closure& closure,
+                                       const Balancing& balancing) {
+  switch (balancing.weights) {
+    case Weights::exact:
+      return exact_weights(closure);
+    case Weights::field:
+      return balance::weights_from_field(comm, mesh, balancing.field);
+    default:
+      std::vector<std::int64_t> weight(at(mesh.n_cells()), 1);
+      if (balancing.weights == Weights::eight_to_one)
+        for (std::size_t c = 0; c < weight.size(); ++c) weight[c] = flags[c] != 0 ? 8 : 1;
+      return weight;
+  }
+}
+
+BalanceReport balance_parents(const par::Comm& comm, mesh::DistMesh& mesh, mesh::Borders& borders,
+                              refine::Closure& closure, std::span<const std::uint8_t> flags,
+                              const Balancing& balancing) {
+  BalanceReport report;
+  const auto weight = cell_weights(comm, mesh, flags, closure, balancing);
+  report.is_measured = true;
+  if (comm.size() == 1) return report;
+  const auto start = wall_seconds();
+  const auto exact = exact_weights(closure);
+  const std::vector<Rank> stay(weight.size(), comm.rank());
+  report.before = balance::measure(comm, mesh, exact, stay, comm.size());
+  report.after = report.before;
+  if (balancing.how.method == balance::Method::none) return report;
+  const auto wanted = balance::partition(comm, mesh, weight, comm.size(), balancing.how);
+  report.method = wanted.method;
+  report.after = balance::measure(comm, mesh, exact, wanted.part, comm.size());
+  report.moved_cells = comm.sum(static_cast<std::int64_t>(wanted.part.size()) -
+                                std::count(wanted.part.begin(), wanted.part.end(), comm.rank()));
+  const auto middle = wall_seconds();
+  report.partition_seconds = middle - start;
+  if (report.moved_cells == 0) return report;
+  auto bytes = closure_to_bytes(closure);
+  mesh = balance::migrate(comm, std::move(mesh), wanted.part, &bytes);
+  closure = closure_from_bytes(mesh, bytes, closure);
+  borders = mesh::find_borders(comm, mesh);
+  report.migrate_seconds = wall_seconds() - middle;
+  return report;
+}
+
+std::vector<std::int64_t> predict_children(const par::Comm& comm, const mesh::DistMesh& mesh,
+                                           std::span<const std::uint8_t> flags, const refine::Options& options) {
+  return exact_weights(refine::close(comm, mesh, mesh::find_borders(comm, mesh), flags, options.quality_control));
+}
+
+}  // namespace pamr::adapt

@@ -1,0 +1,213 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "pamr/balance/join_pieces.hpp"
+
+#include <algorithm>
+#include <iterator>
+
+#include "pamr/base/contract.hpp"
+#include "pamr/mesh/face_groups.hpp"
+#include "pamr/mesh/id_map.hpp"
+
+namespace pamr::balance {
+
+namespace {
+
+constexpr std::size_t at(std::int64_t i) { return static_cast<std::size_t>(i); }
+
+/// A cell where it lies.
+struct Source {
+  std::uint32_t piece = 0;
+  LocalId cell = 0;
+};
+
+/// The cells of all pieces in ascending global order.
+std::vector<Source> merge_order(const std::vector<Piece>& pieces) {
+  const auto id = [&](Source s) { return pieces[s.piece].mesh.cell_global[at(s.cell)]; };
+  const auto before = [&](Source a, Source b) { return id(a) < id(b); };
+  std::vector<Source> stayed, arrived, order;
+  for (std::uint32_t p = 0; p < pieces.size(); ++p)
+    for (LocalId c = 0; c < pieces[p].mesh.n_cells(); ++c) (p == 0 ? stayed : arrived).push_back({p, c});
+  if (arrived.empty()) return stayed;
+  std::sort(arrived.begin(), arrived.end(), before);
+  order.reserve(stayed.size() + arrived.size());
+  std::merge(stayed.begin(), stayed.end(), arrived.begin(), arrived.end(), std::back_inserter(order), before);
+  return order;
+}
+
+/// Nodes that other pieces may hold too: those of faces that are not between two cells of the piece.
+std::vector<std::uint8_t> find_outer_nodes(const mesh::DistMesh& mesh) {
+  std::vector<std::uint8_t> is_outer(at(mesh.n_nodes()), 0);
+  for (LocalId c = 0; c < mesh.n_cells(); ++c)
+    for (std::size_t f = 0; f < 4; ++f)
+      if (!mesh.is_own(mesh.cell_to_cell[at(c)][f]))
+        for (const auto corner : mesh::tet::face_to_corner[f]) is_outer[at(mesh.cell_to_node[at(c)][at(corner)])] = 1;
+  return is_outer;
+}
+
+/// Numbers the nodes of the pieces in order of first use.
+class NodeJoiner {
+ public:
+  explicit NodeJoiner(const std::vector<Piece>& pieces) : pieces_(pieces), map_(0, 0, 0) {
+    GlobalId min = 0, max = 0;
+    std::size_t n_outer = 0;
+    for (const auto& piece : pieces) {
+      to_new_.emplace_back(at(piece.mesh.n_nodes()), invalid_local);
+      is_outer_.push_back(find_outer_nodes(piece.mesh));
+      for (std::size_t n = 0; n < is_outer_.back().size(); ++n) {
+        if (is_outer_.back()[n] == 0) continue;
+        const auto id = piece.mesh.node_global[n];
+        min = n_outer == 0 ? id : std::min(min, id);
+        max = n_outer == 0 ? id : std::max(max, id);
+        ++n_outer;
+      }
+    }
+    map_ = mesh::IdMap(min, max, n_outer);
+  }
+  LocalId number(Source cell, LocalId node) {
+    auto& here = to_new_[cell.piece][at(node)];
+    if (here != invalid_local) return here;
+    const auto next = static_cast<LocalId>(source_.size());
+    here = is_outer_[cell.piece][at(node)] == 0
+               ? next
+               : map_.find_or_insert(pieces_[cell.piece].mesh.node_global[at(node)], next);
+    if (here == next) source_.push_back({cell.piece, node});
+    return here;
+  }
+  /// Where each new node is found first.
+  const std::vector<Source>& sources() const { return source_; }
+
+ private:
+  const std::vector<Piece>& pieces_;
+  mesh::IdMap map_;
+  std::vector<std::vector<LocalId>> to_new_;
+  std::vector<std::vector<std::uint8_t>> is_outer_;
+  std::vector<Source> source_;
+};
+
+/// Rows `order` of one array of every piece, which are freed.
+template <class Array>
+auto gather(std::vector<Piece>& pieces, const std::vector<Source>& order, std::size_t width, Array array) {
+  std::remove_reference_t<decltype(array(pieces.front()))> all;
+  all.reserve(order.size() * width);
+  for (const auto [piece, row] : order)
+    for (std::size_t k = 0; k < width; ++k) all.push_back(array(pieces[piece])[at(row) * width + k]);
+  for (auto& piece : pieces) array(piece) = {};
+  return all;
+}
+
+template <class Fields>
+std::vector<mesh::Field> gather_fields(std::vector<Piece>& pieces, const std::vector<Source>& order, Fields fields_of) {
+  auto all = empty_like(fields_of(pieces.front()));
+  for (std::size_t f = 0; f < all.size(); ++f)
+    std::visit(
+        [&]<class T>(std::vector<T>& values) {
+          values = gather(pieces, order, at(all[f].n_components),
+                          [&](Piece& p) -> std::vector<T>& { return std::get<std::vector<T>>(fields_of(p)[f].value); });
+        },
+        all[f].value);
+  return all;
+}
+
+struct BorderFace {
+  Rank rank = 0;
+  par::SharedKey key{};
+  mesh::CellFace face;
+  GlobalId other = 0;
+};
+
+LocalId find_cell(const mesh::DistMesh& mesh, GlobalId global) {
+  const auto found = std::lower_bound(mesh.cell_global.begin(), mesh.cell_global.end(), global);
+  PAMR_ENSURES(found != mesh.cell_global.end() && *found == global);
+  return static_cast<LocalId>(found - mesh.cell_global.begin());
+}
+
+/// Neighbours of the joined mesh, which has its cells and nodes already. Returns the faces to other ranks.
+std::vector<BorderFace> join_neighbours(Rank here, const std::vector<Piece>& pieces, const std::vector<Source>& order,
+                                        mesh::DistMesh& mesh) {
+  std::vector<std::vector<LocalId>> to_new;
+  for (const auto& piece : pieces) to_new.emplace_back(piece.mesh.cell_to_cell.size());
+  for (std::size_t c = 0; c < order.size(); ++c) to_new[order[c].piece][at(order[c].cell)] = static_cast<LocalId>(c);
+  std::vector<BorderFace> border;
+  mesh.cell_to_cell.reserve(order.size());
+  for (const auto [p, cell] : order) {
+    const auto& piece = pieces[p];
+    const auto n_piece = static_cast<LocalId>(piece.mesh.cell_to_cell.size());
+    auto& slots = mesh.cell_to_cell.emplace_back(piece.mesh.cell_to_cell[at(cell)]);
+    for (int f = 0; f < 4; ++f) {
+      auto& slot = slots[at(f)];
+      if (slot < 0) continue;
+      if (slot < n_piece) {
+        slot = to_new[p][at(slot)];
+        continue;
+      }
+      const auto ghost = at(slot - n_piece);
+      const auto global = piece.mesh.ghost_global[ghost];
+      if (piece.ghost_to[ghost] == here) {
+        slot = find_cell(mesh, global);
+        continue;
+      }
+      const mesh::CellFace face{static_cast<LocalId>(mesh.cell_to_cell.size() - 1), f};
+      border.push_back({piece.ghost_to[ghost], mesh::face_key(mesh, face), face, global});
+    }
+  }
+  return border;
+}
+
+void fill_border(std::vector<BorderFace> border, mesh::DistMesh& mesh) {
+  std::sort(border.begin(), border.end(), [](const BorderFace& a, const BorderFace& b) {
+    return a.rank != b.rank ? a.rank < b.rank : a.key < b.key;
+  });
+  mesh.border_face.reserve(border.size());
+  mesh.ghost_global.reserve(border.size());
+  for (const auto& face : border) {
+    if (mesh.border_rank.empty() || mesh.border_rank.back() != face.rank) {
+      mesh.border_rank.push_back(face.rank);
+      mesh.border_offset.push_back(mesh.border_face.size());
+    }
+    mesh.cell_to_cell[at(face.face.cell)][at(face.face.slot)] =
+        narrow<LocalId>(static_cast<std::int64_t>(mesh.n_cells()) + static_cast<std::int64_t>(mesh.border_face.size()));
+    mesh.border_face.push_back(face.face);
+    mesh.ghost_global.push_back(face.other);
+    mesh.border_offset.back() = mesh.border_face.size();
+  }
+}
+
+}  // namespace
+
+mesh::DistMesh join_pieces(Rank here, std::vector<Piece> pieces, std::vector<std::uint8_t>& cell_byte) {
+  mesh::DistMesh mesh;
+  const auto order = merge_order(pieces);
+  narrow<LocalId>(order.size());
+  {
+    NodeJoiner joiner(pieces);
+    mesh.cell_to_node.reserve(order.size());
+    for (const auto cell : order) {
+      auto& corners = mesh.cell_to_node.emplace_back(pieces[cell.piece].mesh.cell_to_node[at(cell.cell)]);
+      for (auto& node : corners) node = joiner.number(cell, node);
+    }
+    for (auto& piece : pieces) piece.mesh.cell_to_node = {};
+    const auto& nodes = joiner.sources();
+    mesh.node_global = gather(
+        pieces, nodes, 1, [](Piece & p) -> auto& { return p.mesh.node_global; });
+    mesh.node_position = gather(
+        pieces, nodes, 1, [](Piece & p) -> auto& { return p.mesh.node_position; });
+    mesh.node_fields = gather_fields(
+        pieces, nodes, [](Piece & p) -> auto& { return p.mesh.node_fields; });
+  }
+  mesh.cell_global = gather(
+      pieces, order, 1, [](Piece & p) -> auto& { return p.mesh.cell_global; });
+  mesh.lineage = gather(
+      pieces, order, 1, [](Piece & p) -> auto& { return p.mesh.lineage; });
+  mesh.cell_fields = gather_fields(
+      pieces, order, [](Piece & p) -> auto& { return p.mesh.cell_fields; });
+  cell_byte.clear();
+  if (std::any_of(pieces.begin(), pieces.end(), [](const Piece& p) { return !p.cell_byte.empty(); }))
+    cell_byte = gather(
+        pieces, order, 1, [](Piece & p) -> auto& { return p.cell_byte; });
+  auto border = join_neighbours(here, pieces, order, mesh);
+  pieces = {};
+  fill_border(std::move(border), mesh);
+  return mesh;
+}
+
+}  // namespace pamr::balance

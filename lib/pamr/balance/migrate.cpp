@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "pamr/balance/migrate.hpp"
+
+#include <algorithm>
+#include <string>
+#include <utility>
+
+#include "pamr/balance/dual_graph.hpp"
+#include "pamr/balance/join_pieces.hpp"
+#include "pamr/balance/piece.hpp"
+#include "pamr/base/error.hpp"
+
+namespace pamr::balance {
+
+namespace {
+
+constexpr std::size_t at(std::int64_t i) { return static_cast<std::size_t>(i); }
+
+/// Cells that a rank sends at once: bounds what lies in messages.
+constexpr std::size_t cells_of_round = std::size_t{1} << 18U;
+
+void check_destinations(const par::Comm& comm, const mesh::DistMesh& mesh, std::span<const Rank> destination,
+                        const std::vector<std::uint8_t>* cell_byte) {
+  par::agree(comm, [&] {
+    const auto require_length = [&](std::size_t n, const char* what) {
+      if (n != at(mesh.n_cells()))
+        throw Error("migrate: expected one " + std::string(what) + " for each of the " +
+                    std::to_string(mesh.n_cells()) + " cells of rank " + std::to_string(comm.rank()) + ", found " +
+                    std::to_string(n));
+    };
+    require_length(destination.size(), "destination");
+    if (cell_byte != nullptr) require_length(cell_byte->size(), "byte");
+    for (std::size_t c = 0; c < destination.size(); ++c) {
+      if (destination[c] < 0 || destination[c] >= comm.size())
+        throw Error("migrate: expected a rank below " + std::to_string(comm.size()) + ", found " +
+                    std::to_string(destination[c]) + " for cell " + std::to_string(mesh.cell_global[c]));
+      const auto lineage = mesh.lineage[c];
+      if (lineage.is_removable() && destination[c] != destination[c - at(lineage.child())])
+        throw Error("migrate: expected the cells of a closure family to go to one rank, found ranks " +
+                    std::to_string(destination[c - at(lineage.child())]) + " and " + std::to_string(destination[c]) +
+                    " for the family of cell " + std::to_string(mesh.cell_global[c]));
+    }
+  });
+}
+
+/// Sends the departing cells, grouped by target, round after round; returns the pieces that arrive.
+void exchange_pieces(const par::Comm& comm, const mesh::DistMesh& mesh, std::span<const Rank> destination,
+                     PieceCutter& cutter, std::vector<LocalId> departing, std::vector<Piece>& pieces) {
+  std::stable_sort(departing.begin(), departing.end(),
+                   [&](LocalId a, LocalId b) { return destination[at(a)] < destination[at(b)]; });
+  const auto rounds = at(comm.max(static_cast<std::int64_t>((departing.size() + cells_of_round - 1) / cells_of_round)));
+  for (std::size_t round = 0; round < rounds; ++round) {
+    auto begin = std::min(round * cells_of_round, departing.size());
+    const auto end = std::min(begin + cells_of_round, departing.size());
+    std::vector<par::Outgoing<std::byte>> messages;
+    while (begin < end) {
+      const auto to = destination[at(departing[begin])];
+      auto last = begin;
+      while (last < end && destination[at(departing[last])] == to) ++last;
+      messages.push_back({to, pack(cutter.cut(std::span<const LocalId>(departing).subspan(begin, last - begin)))});
+      begin = last;
+    }
+    const auto arrived = comm.sparse_exchange(messages);
+    for (std::size_t r = 0; r < arrived.rank.size(); ++r) pieces.push_back(unpack(arrived.from(r), mesh));
+  }
+}
+
+}  // namespace
+
+mesh::DistMesh migrate(const par::Comm& comm, mesh::DistMesh mesh, std::span<const Rank> destination,
+                       std::vector<std::uint8_t>* cell_byte) {
+  check_destinations(comm, mesh, destination, cell_byte);
+  std::vector<LocalId> staying, departing;
+  for (LocalId c = 0; c < mesh.n_cells(); ++c) (destination[at(c)] == comm.rank() ? staying : departing).push_back(c);
+  if (!comm.any(!departing.empty())) return mesh;
+
+  std::vector<Piece> pieces(1);
+  {
+    const auto ghost_to = swap_over_faces<Rank>(comm, mesh, destination);
+    PieceCutter cutter(
+        mesh, destination, ghost_to,
+        cell_byte != nullptr ? std::span<const std::uint8_t>(*cell_byte) : std::span<const std::uint8_t>());
+    exchange_pieces(comm, mesh, destination, cutter, std::move(departing), pieces);
+    pieces.front() = cutter.cut(staying);
+    staying = {};
+  }
+  auto info = std::move(mesh.info);
+  mesh = {};
+  std::vector<std::uint8_t> bytes;
+  mesh = join_pieces(comm.rank(), std::move(pieces), bytes);
+  mesh.info = std::move(info);
+  if (cell_byte != nullptr) *cell_byte = std::move(bytes);
+  return mesh;
+}
+
+}  // namespace pamr::balance

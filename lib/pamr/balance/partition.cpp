@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "pamr/balance/partition.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+#include "pamr/balance/dual_graph.hpp"
+#include "pamr/balance/scotch_partition.hpp"
+#include "pamr/balance/weighted_blocks.hpp"
+#include "pamr/balance/weights.hpp"
+#include "pamr/base/contract.hpp"
+#include "pamr/base/error.hpp"
+
+namespace pamr::balance {
+
+namespace {
+
+constexpr std::size_t at(std::int64_t i) { return static_cast<std::size_t>(i); }
+
+/// Scotch wants something to choose from: below so many vertices a part, runs of cells do as well.
+constexpr std::int64_t least_vertices_per_part = 8;
+
+struct PartPair {
+  Rank of = 0;
+  Rank neighbour = 0;
+  friend auto operator<=>(const PartPair&, const PartPair&) = default;
+};
+
+void sort_and_unique(std::vector<PartPair>& pairs) {
+  std::sort(pairs.begin(), pairs.end());
+  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+}
+
+/// The most neighbours that a part has, from the pairs that each rank sees. Collective.
+std::int64_t count_neighbours(const par::Comm& comm, std::vector<PartPair> pairs, Rank n_parts) {
+  sort_and_unique(pairs);
+  std::vector<par::Outgoing<PartPair>> messages;
+  for (const auto& pair : pairs) {
+    const auto to = par::block_of(pair.of, n_parts, comm.size());
+    if (messages.empty() || messages.back().to != to) messages.push_back({to, {}});
+    messages.back().item.push_back(pair);
+  }
+  pairs = comm.sparse_exchange(messages).item;
+  sort_and_unique(pairs);
+  std::int64_t most = 0, run = 0;
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    run = i > 0 && pairs[i].of == pairs[i - 1].of ? run + 1 : 1;
+    most = std::max(most, run);
+  }
+  return comm.max(most);
+}
+
+std::vector<std::int64_t> weigh(const par::Comm& comm, std::span<const std::int64_t> weight, std::span<const Rank> part,
+                                Rank n_parts) {
+  std::vector<std::int64_t> sum(at(n_parts), 0);
+  for (std::size_t c = 0; c < part.size(); ++c) sum[at(part[c])] += weight[c];
+  comm.sum_in_place(sum);
+  return sum;
+}
+
+double imbalance_of(std::span<const std::int64_t> part_weight) {
+  const auto total = std::accumulate(part_weight.begin(), part_weight.end(), std::int64_t{0});
+  const auto greatest = *std::max_element(part_weight.begin(), part_weight.end());
+  return total == 0
+             ? 1
+             : static_cast<double>(greatest) * static_cast<double>(part_weight.size()) / static_cast<double>(total);
+}
+
+/// What a rank holds of a part.
+struct Holding {
+  std::int64_t weight = 0;
+  Rank part = 0;
+  Rank rank = 0;
+};
+
+/// Number of the rank that each part shall bear: the greatest holdings choose first. Collective: each rank tells rank 0
+/// of the parts it holds cells of, at most `n` each.
+std::vector<Rank> name_parts(const par::Comm& comm, std::span<const std::int64_t> weight, std::span<const Rank> part) {
+  const auto n = at(comm.size());
+  std::vector<std::int64_t> here(n, 0);
+  for (std::size_t c = 0; c < part.size(); ++c) here[at(part[c])] += weight[c];
+  std::vector<par::Outgoing<Holding>> message{{0, {}}};
+  for (std::size_t p = 0; p < n; ++p)
+    if (here[p] > 0) message[0].item.push_back({here[p], static_cast<Rank>(p), comm.rank()});
+  auto holdings = comm.sparse_exchange(message).item;
+  std::sort(holdings.begin(), holdings.end(), [](const Holding& a, const Holding& b) {
+    if (a.weight != b.weight) return a.weight > b.weight;
+    return a.part != b.part ? a.part < b.part : a.rank < b.rank;
+  });
+  std::vector<Rank> name(n, -1);
+  std::vector<std::uint8_t> is_taken(n, 0);
+  for (const auto& holding : holdings)
+    if (name[at(holding.part)] < 0 && is_taken[at(holding.rank)] == 0) {
+      name[at(holding.part)] = holding.rank;
+      is_taken[at(holding.rank)] = 1;
+    }
+  Rank next = 0;
+  for (auto& rank : name) {
+    if (rank >= 0) continue;
+    while (is_taken[at(next)] != 0) ++next;
+    rank = next++;
+  }
+  return comm.broadcast(std::move(name), 0);
+}
+
+/// Parts by Scotch, or nothing on every rank where there are too few vertices.
+std::vector<Rank> part_by_scotch(const par::Comm& comm, const mesh::DistMesh& mesh,
+                                 std::span<const std::int64_t> weight, Rank n_parts, const Options& options,
+                                 bool& is_done) {
+  const auto total = comm.sum(std::accumulate(weight.begin(), weight.end(), std::int64_t{0}));
+  const auto n_wanted = options.vertices_per_part * n_parts;
+  // all cells where they are few anyway
+  const bool is_fine = n_wanted == 0 || mesh.info.n_global_cells <= 2 * n_wanted;
+  const auto groups =
+      is_fine ? group_families(mesh) : group_by_weight(mesh, weight, std::max<std::int64_t>(1, total / n_wanted));
+  const auto graph = build_dual_graph(comm, mesh, groups, weight);
+  is_done = graph.n_global_vertices >= least_vertices_per_part * n_parts;
+  if (!is_done) return {};
+  const auto of_vertex = scotch_partition(comm, graph, n_parts, options.tolerance);
+  std::vector<Rank> part(weight.size());
+  for (std::size_t v = 0; v < groups.size(); ++v)
+    for (const auto cell : groups.cells(v)) part[at(cell)] = of_vertex[v];
+  return part;
+}
+
+}  // namespace
+
+Method method_named(std::string_view wanted) {
+  for (const auto& [name, method] : method_names)
+    if (wanted == name) return method;
+  throw Error("balance: expected scotch, blocks or none, found " + std::string(wanted));
+}
+
+const char* name_of(Method method) {
+  for (const auto& [name, value] : method_names)
+    if (value == method) return name;
+  return "";
+}
+
+Quality measure(const par::Comm& comm, const mesh::DistMesh& mesh, std::span<const std::int64_t> weight,
+                std::span<const Rank> part, Rank n_parts) {
+  PAMR_EXPECTS(part.size() == at(mesh.n_cells()) && weight.size() == part.size());
+  Quality quality;
+  const auto beyond = swap_over_faces<Rank>(comm, mesh, part);
+  std::vector<PartPair> pairs;
+  std::int64_t cut_twice = 0;
+  for (std::size_t c = 0; c < part.size(); ++c)
+    for (const auto neighbour : mesh.cell_to_cell[c]) {
+      if (neighbour < 0) continue;
+      const auto other = mesh.is_ghost(neighbour) ? beyond[at(neighbour - mesh.n_cells())] : part[at(neighbour)];
+      if (other == part[c]) continue;
+      ++cut_twice;
+      if (pairs.empty() || pairs.back() != PartPair{part[c], other}) pairs.push_back({part[c], other});
+    }
+  quality.edge_cut = comm.sum(cut_twice) / 2;
+  quality.max_neighbours = count_neighbours(comm, std::move(pairs), n_parts);
+  const auto part_weight = weigh(comm, weight, part, n_parts);
+  quality.imbalance = imbalance_of(part_weight);
+  quality.empty_parts = std::count(part_weight.begin(), part_weight.end(), 0);
+  return quality;
+}
+
+Partition partition(const par::Comm& comm, const mesh::DistMesh& mesh, std::span<const std::int64_t> weight,
+                    Rank n_parts, const Options& options) {
+  PAMR_EXPECTS(weight.size() == at(mesh.n_cells()) && n_parts >= 1);
+  Partition result;
+  const bool are_ranks = n_parts == comm.size();
+  const std::vector<Rank> stay(at(mesh.n_cells()), are_ranks ? comm.rank() : 0);
+  const bool may_stay = are_ranks && (n_parts == 1 || options.method == Method::none ||
+                                      imbalance_of(weigh(comm, weight, stay, n_parts)) <= options.keep_below);
+  if (may_stay || n_parts == 1) {
+    result.part = stay;
+  } else {
+    bool is_done = false;
+    if (options.method == Method::scotch) result.part = part_by_scotch(comm, mesh, weight, n_parts, options, is_done);
+    result.method = is_done ? Method::scotch : Method::blocks;
+    const double achieved = is_done ? imbalance_of(weigh(comm, weight, result.part, n_parts)) : 0;
+    if (!is_done || achieved > options.worst_accepted) {
+      auto runs = weighted_blocks(comm, mesh, weight, n_parts);
+      if (!is_done || imbalance_of(weigh(comm, weight, runs, n_parts)) < achieved) {
+        result.part = std::move(runs);
+        result.method = Method::blocks;
+      }
+    }
+    if (are_ranks) {
+      const auto name = name_parts(comm, weight, result.part);
+      for (auto& part : result.part) part = name[at(part)];
+    }
+  }
+  result.quality = measure(comm, mesh, weight, result.part, n_parts);
+  return result;
+}
+
+}  // namespace pamr::balance

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "pamr/mesh/dist_mesh.hpp"
+
+/// Parts of a rank's mesh on their way. Private to `migrate`.
+namespace pamr::balance {
+
+/// Some cells of a mesh with the nodes they use, as a little mesh: a neighbour slot holds a cell of the piece, a ghost
+/// (n_cells + k: cell `ghost_global[k]`, which goes to rank `ghost_to[k]`) or a boundary patch. The lists of border
+/// ranks and faces are empty.
+struct Piece {
+  mesh::DistMesh mesh;
+  std::vector<Rank> ghost_to;
+  std::vector<std::uint8_t> cell_byte;  ///< n_cells, or empty
+};
+
+/// Cuts pieces out of a mesh, whose arrays have to outlive it. `destination`: of each cell; `ghost_to`: of the cell
+/// behind each border face; `cell_byte` may be empty. Costs O(cells + nodes) once and O(cells of the piece) each.
+class PieceCutter {
+ public:
+  PieceCutter(const mesh::DistMesh& mesh, std::span<const Rank> destination, std::span<const Rank> ghost_to,
+              std::span<const std::uint8_t> cell_byte);
+  /// `cells` ascend.
+  Piece cut(std::span<const LocalId> cells);
+
+ private:
+  void cut_neighbours(std::span<const LocalId> cells, Piece& piece);
+  void cut_nodes(std::span<const LocalId> cells, Piece& piece);
+
+  const mesh::DistMesh* mesh_;
+  std::span<const Rank> destination_;
+  std::span<const Rank> ghost_to_;
+  std::span<const std::uint8_t> cell_byte_;
+  std::vector<LocalId> cell_to_piece_;  // of the piece at hand, else `invalid_local`
+  std::vector<LocalId> node_to_piece_;
+};
+
+/// A piece as bytes and back. `like` has the fields (names, types, widths) that the piece has.
+std::vector<std::byte> pack(const Piece& piece);
+Piece unpack(std::span<const std::byte> bytes, const mesh::DistMesh& like);
+
+/// Fields without values: names, units, types and widths of `fields`.
+std::vector<mesh::Field> empty_like(const std::vector<mesh::Field>& fields);
+
+}  // namespace pamr::balance
