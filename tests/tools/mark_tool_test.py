@@ -93,6 +93,20 @@ def test_recovered_error_follows_a_front():
         assert (abs(x[found == 1] - 0.45) < 0.25).all(), bar
 
 
+def test_the_bulk_of_a_field_is_the_fewest_cells_that_carry_it():
+    points, cells = arrays(kuhn_cube("a.hdf", 3))
+    share = np.linspace(1, 2, len(cells)) ** 3
+    add_cell_field("a.hdf", "part", share)
+    largest = np.sort(share)[::-1].cumsum()
+    found, _ = mark("a.hdf", "--bulk-of", "part:0.3")
+    assert found.sum() == np.searchsorted(largest, 0.3 * share.sum()) + 1
+    assert share[found == 1].min() > share[found == 0].max()
+    refuses("pamr-mark", "a.hdf", "-o", "out.hdf", "--bulk-of", "part", says=["FIELD:FRACTION"], creates="out.hdf")
+    refuses("pamr-mark", "a.hdf", "-o", "out.hdf", "--bulk-of", "part:1.5", says=["at most 1"], creates="out.hdf")
+    add_cell_field("a.hdf", "change", -share)
+    refuses("pamr-mark", "a.hdf", "-o", "out.hdf", "--bulk-of", "change:0.5", says=["change"], creates="out.hdf")
+
+
 def test_the_size_after_refinement_is_exact_and_keeps_the_budget():
     kuhn_cube("a.hdf", 4)
     for budget in (384, 400, 700, 2000):

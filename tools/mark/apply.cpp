@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "mark/apply.hpp"
 
+#include <algorithm>
+
+#include "pamr/base/error.hpp"
 #include "pamr/mark/recovered_error.hpp"
 
 namespace pamr::marking {
@@ -26,6 +29,14 @@ struct Evaluate {
   }
   mark::Indicator operator()(const SizeOver& rule) const {
     return mark::larger_than_length(*comm, *mesh, rule.field, rule.ratio, size);
+  }
+  mark::Indicator operator()(const BulkOf& rule) const {
+    mark::RecoveredError error;
+    error.squared = mark::scalar_on_cells(*comm, *mesh, rule.field);
+    if (comm->any(std::any_of(error.squared.begin(), error.squared.end(), [](double v) { return v < 0; })))
+      throw Error("field \"" + rule.field +
+                  "\": expected values of at least 0 to take the bulk of, found negative ones");
+    return mark::bulk_of_error(*comm, *mesh, error, rule.fraction);
   }
   mark::Indicator operator()(const RecoveredError& rule) const {
     const auto error = mark::recovered_error(*comm, *mesh, rule.field);

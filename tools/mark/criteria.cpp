@@ -67,6 +67,18 @@ Threshold threshold_of(const Given& given) {
   throw Error(fmt::format("{}: expected FIELD:above:V or FIELD:below:V, found \"{}\"", given.option, given.text));
 }
 
+/// `FIELD:FRACTION`; the field's name may hold colons.
+BulkOf bulk_of(const Given& given) {
+  const auto colon = given.text.rfind(':');
+  if (colon == std::string::npos || colon == 0)
+    throw Error(fmt::format("{}: expected FIELD:FRACTION, found \"{}\"", given.option, given.text));
+  const BulkOf rule{given.text.substr(0, colon), number_of({given.option, given.text.substr(colon + 1)})};
+  if (!(rule.fraction > 0 && rule.fraction <= 1))
+    throw Error(
+        fmt::format("{}: expected a fraction above 0 and of at most 1, found {:g}", given.option, rule.fraction));
+  return rule;
+}
+
 /// The first option that a second one belongs to; nothing for other options.
 const char* first_of(std::string_view second) {
   if (second == "--layers") return "--patch";
@@ -124,6 +136,7 @@ std::optional<Criterion> criterion_of(const Given& given, const Given* second) {
       throw Error(fmt::format("--box: expected X0 <= X1, Y0 <= Y1 and Z0 <= Z1, found \"{}\"", given.text));
     return Criterion{text, Box{{v[0], v[1], v[2]}, {v[3], v[4], v[5]}}};
   }
+  if (given.option == "--bulk-of") return Criterion{text, bulk_of(given)};
   if (given.option == "--patch")
     return Criterion{text, NearPatch{given.text, second != nullptr ? count_of(*second, 1) : 1}};
   if (given.option == "--field") {
@@ -169,7 +182,7 @@ Request read_request(const std::vector<Given>& given) {
   if (request.criteria.empty())
     throw Error(
         "expected at least one criterion (--all, --crossing-sphere, --centroid-shell, --box, --patch, --field, "
-        "--size-over, --recovered-error), found none");
+        "--size-over, --recovered-error, --bulk-of), found none");
   return request;
 }
 

@@ -43,10 +43,17 @@ struct RecoveredError {
   double value = 0;  ///< share of the mean square; relative error; fraction of the total squared error
 };
 
+/// The fewest cells that carry this part of the sum of a field.
+struct BulkOf {
+  std::string field;
+  double fraction = 0;
+};
+
 /// One criterion as the command line states it.
 struct Criterion {
   std::string text;  ///< for reports
-  std::variant<AllCells, CrossingSphere, CentroidShell, Box, NearPatch, Threshold, SizeOver, RecoveredError> rule;
+  std::variant<AllCells, CrossingSphere, CentroidShell, Box, NearPatch, Threshold, SizeOver, RecoveredError, BulkOf>
+      rule;
 };
 
 /// What to mark: cells that meet any criterion and every limit.

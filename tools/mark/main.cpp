@@ -37,7 +37,7 @@ struct OptionHelp {
   const char* type;
   const char* text;
 };
-constexpr std::array<OptionHelp, 17> criteria_help{{
+constexpr std::array<OptionHelp, 18> criteria_help{{
     {"--crossing-sphere", "X,Y,Z,R", "cells whose least corner distance from (X,Y,Z) is below R and greatest above"},
     {"--centroid-shell", "X,Y,Z,R,W", "cells whose centroid is nearer than W to the sphere of radius R"},
     {"--box", "X0,Y0,Z0,X1,Y1,Z1", "cells whose centroid lies in the closed box"},
@@ -52,6 +52,7 @@ constexpr std::array<OptionHelp, 17> criteria_help{{
     {"--theta", "T", "of --recovered-error: squared error > T * squared norm / cells"},
     {"--target", "EPS", "of --recovered-error: the same with T = EPS^2, a relative error"},
     {"--bulk", "FRACTION", "of --recovered-error: the fewest cells that carry this part of the squared error"},
+    {"--bulk-of", "FIELD:FRACTION", "the fewest cells that carry this part of the sum of a field (an error estimate)"},
     {"--size", "cbrt|longest-edge", "size of a cell: cube root of its volume (default) or longest edge"},
     {"--max-level", "L", "limit: only cells whose base cell has a level below L, so that none becomes finer than L"},
     {"--only-where", "FIELD:above:V", "limit: only cells where this field is above (or below) V"},
