@@ -154,6 +154,22 @@ std::set<std::set<GlobalId>> half_faces(const ReferenceFamily& family) {
   return halves;
 }
 
+/// Families of which a half face is the face of a cell too that is no member of a whole family with that half face: it
+/// needs the half, so the family cannot be taken back.
+std::set<GlobalId> families_without_partners(const std::vector<Piece>& cell,
+                                             const std::map<GlobalId, ReferenceFamily>& families) {
+  std::map<std::set<GlobalId>, int> n_cells, n_families;
+  for (const auto& piece : cell)
+    for (std::size_t slot = 0; slot < 4; ++slot) ++n_cells[nodes_on_face(piece, {}, slot)];
+  for (const auto& [first, family] : families)
+    for (const auto& half : half_faces(family)) ++n_families[half];
+  std::set<GlobalId> alone;
+  for (const auto& [first, family] : families)
+    for (const auto& half : half_faces(family))
+      if (n_cells.at(half) != n_families.at(half)) alone.insert(first);
+  return alone;
+}
+
 /// Adds the families that share a half face with one that is kept, until there are no more.
 void spread(const std::map<GlobalId, ReferenceFamily>& families, std::set<GlobalId>& kept) {
   for (std::size_t before = 0; before != kept.size();) {
@@ -218,7 +234,8 @@ ReferenceClosing reference_close(const std::vector<Piece>& cell, const Points& p
             read_family(static_cast<GlobalId>(c), {begin, begin + cell[c].lineage.family_size()});
       }
 
-  std::set<GlobalId> kept;
+  auto kept = families_without_partners(cell, families);
+  spread(families, kept);
   for (;;) {
     std::vector<Base> base;
     std::vector<Piece> red;

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "pamr/refine/close.hpp"
 
+#include <algorithm>
+#include <array>
 #include <bit>
 #include <optional>
 
 #include "pamr/base/contract.hpp"
+#include "pamr/mesh/families.hpp"
 #include "pamr/refine/family.hpp"
 #include "pamr/refine/propagation.hpp"
 
@@ -43,13 +46,58 @@ int settle_all(const par::Comm& comm, const mesh::Borders& borders, Propagation&
   return rounds;
 }
 
-/// True when the face of a member is half of a face of its parent: such a face has to be kept or taken back on both
-/// sides.
-bool is_bisected_face(mesh::Lineage lineage, int slot) {
-  const auto& pattern = split_pattern[at(state_of_family(lineage))];
-  const int link = pattern.child_to_child[at(lineage.child())][at(slot)];
-  return link < 0 && outer_place(link) != whole &&
-         std::popcount(static_cast<unsigned>(pattern.mask & mesh::tet::face_edge_mask[at(outer_face(link))])) == 1;
+/// Knows the half faces: faces of members of whole families that are half of a face of the parent. Such a face has to
+/// be kept or taken back on both sides.
+class Halves {
+ public:
+  explicit Halves(const mesh::DistMesh& mesh) : mesh_(mesh) {
+    for (std::uint32_t bits = 0; bits < slots_.size(); ++bits)
+      if (const mesh::Lineage lineage(bits); mesh::is_well_formed(lineage) && lineage.is_closure())
+        for (int slot = 0; slot < 4; ++slot)
+          if (is_bisected_face(lineage, slot)) slots_[bits] = static_cast<std::uint8_t>(slots_[bits] | 1U << slot);
+  }
+
+  /// Bit i: the face in slot i.
+  unsigned slots(LocalId cell) const {
+    const auto lineage = mesh_.lineage[at(cell)];
+    return lineage.is_broken() ? 0U : static_cast<unsigned>(slots_[lineage.bits() & 0x7fU]);
+  }
+  bool is_half(mesh::CellFace face) const { return (slots(face.cell) >> face.slot & 1U) != 0; }
+  /// The same of the face as the own cell `next` behind it has it.
+  bool is_half_behind(LocalId cell, LocalId next) const {
+    const auto& back = mesh_.cell_to_cell[at(next)];
+    return is_half({next, static_cast<int>(std::find(back.begin(), back.end(), cell) - back.begin())});
+  }
+
+ private:
+  static bool is_bisected_face(mesh::Lineage lineage, int slot) {
+    const auto& pattern = split_pattern[at(state_of_family(lineage))];
+    const int link = pattern.child_to_child[at(lineage.child())][at(slot)];
+    return link < 0 && outer_place(link) != whole &&
+           std::popcount(static_cast<unsigned>(pattern.mask & mesh::tet::face_edge_mask[at(outer_face(link))])) == 1;
+  }
+
+  const mesh::DistMesh& mesh_;
+  std::array<std::uint8_t, 128> slots_{};  ///< by the lineage's kind, template and child
+};
+
+/// Members of families that cannot be taken back because the cell behind a half face needs it: it is of no whole family
+/// that has this half. So it is where families were split, under a policy that lets that happen or because they were
+/// kept. Collective: one exchange of a byte a border face. Cost: two neighbours a closure cell.
+std::vector<LocalId> members_without_partner(const par::Comm& comm, const mesh::DistMesh& mesh,
+                                             const mesh::Borders& borders, const Halves& halves) {
+  std::vector<LocalId> members;
+  for (LocalId c = 0; c < mesh.n_cells(); ++c)
+    for (unsigned slots = halves.slots(c); slots != 0; slots &= slots - 1) {
+      const auto next = mesh.cell_to_cell[at(c)][at(std::countr_zero(slots))];
+      if (mesh.is_own(next) && !halves.is_half_behind(c, next)) members.push_back(c);
+    }
+  std::vector<std::uint8_t> mine;
+  for (const auto face : mesh.border_face) mine.push_back(halves.is_half(face) ? 1 : 0);
+  const auto theirs = par::Exchange(comm, borders.faces).swap<std::uint8_t>(mine);
+  for (std::size_t k = 0; k < theirs.size(); ++k)
+    if (mine[k] != 0 && theirs[k] == 0) members.push_back(mesh.border_face[k].cell);
+  return members;
 }
 
 void keep_family(const mesh::DistMesh& mesh, LocalId cell, std::vector<std::uint8_t>& kept,
@@ -63,30 +111,28 @@ void keep_family(const mesh::DistMesh& mesh, LocalId cell, std::vector<std::uint
   }
 }
 
-/// Families that cannot be taken back stay; so do, one after another, those that share a bisected face with them.
+/// Families that cannot be taken back stay; so do, one after another, those that share a half face with them.
 void keep_families(const par::Comm& comm, const mesh::DistMesh& mesh, const mesh::Borders& borders,
-                   const std::vector<LocalId>& stuck, std::vector<std::uint8_t>& kept) {
+                   const Halves& halves, const std::vector<LocalId>& stuck, std::vector<std::uint8_t>& kept) {
   kept.resize(at(mesh.n_cells()), 0);
   std::vector<LocalId> fresh;
-  for (const auto first : stuck) keep_family(mesh, first, kept, fresh);
+  for (const auto member : stuck) keep_family(mesh, member, kept, fresh);
   const par::Exchange exchange(comm, borders.faces);
   for (bool news = true; news;) {
     while (!fresh.empty()) {
       const auto cell = fresh.back();
       fresh.pop_back();
-      for (int f = 0; f < 4; ++f) {
-        const auto next = mesh.cell_to_cell[at(cell)][at(f)];
-        if (is_bisected_face(mesh.lineage[at(cell)], f) && mesh.is_own(next)) keep_family(mesh, next, kept, fresh);
+      for (unsigned slots = halves.slots(cell); slots != 0; slots &= slots - 1) {
+        const auto next = mesh.cell_to_cell[at(cell)][at(std::countr_zero(slots))];
+        if (mesh.is_own(next) && halves.is_half_behind(cell, next)) keep_family(mesh, next, kept, fresh);
       }
     }
     std::vector<std::uint8_t> mine;
-    for (const auto face : mesh.border_face) mine.push_back(kept[at(face.cell)]);
+    for (const auto face : mesh.border_face) mine.push_back(kept[at(face.cell)] != 0 && halves.is_half(face) ? 1 : 0);
     const auto theirs = exchange.swap<std::uint8_t>(mine);
-    for (std::size_t k = 0; k < theirs.size(); ++k) {
-      const auto face = mesh.border_face[k];
-      if (theirs[k] != 0 && is_bisected_face(mesh.lineage[at(face.cell)], face.slot))
-        keep_family(mesh, face.cell, kept, fresh);
-    }
+    for (std::size_t k = 0; k < theirs.size(); ++k)
+      if (theirs[k] != 0 && halves.is_half(mesh.border_face[k]))
+        keep_family(mesh, mesh.border_face[k].cell, kept, fresh);
     news = comm.any(!fresh.empty());
   }
 }
@@ -113,6 +159,11 @@ Closure close(const par::Comm& comm, const mesh::DistMesh& mesh, const mesh::Bor
   closure.n_marked = comm.sum(closure.n_marked);
 
   std::vector<std::uint8_t> kept;
+  const Halves halves(mesh);
+  if (policy == QualityControl::removable) {
+    const auto alone = members_without_partner(comm, mesh, borders, halves);
+    if (comm.any(!alone.empty())) keep_families(comm, mesh, borders, halves, alone, kept);
+  }
   for (;;) {
     Propagation propagation(mesh, flags, kept, policy);
     closure.rounds += settle_all(comm, borders, propagation);
@@ -128,7 +179,7 @@ Closure close(const par::Comm& comm, const mesh::DistMesh& mesh, const mesh::Bor
         closure.rebuilt.push_back(plan);
     }
     if (!comm.any(!stuck.empty())) break;
-    keep_families(comm, mesh, borders, stuck, kept);
+    keep_families(comm, mesh, borders, halves, stuck, kept);
   }
   closure.families_kept = comm.sum(count_kept_and_hit(mesh, kept, closure.marks));
   closure.families_rebuilt = comm.sum(static_cast<std::int64_t>(closure.rebuilt.size()));

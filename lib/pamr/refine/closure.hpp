@@ -35,8 +35,8 @@ struct Closure {
   std::vector<RebuiltFamily> rebuilt;  ///< ascending in `first`
   int rounds = 0;                      ///< exchanges with the neighbours
   std::int64_t n_marked = 0;           ///< cells that were flagged, all ranks
-  std::int64_t families_kept = 0;  ///< hit families whose parent cannot be rebuilt without an inverted cell, all ranks
-  std::int64_t families_rebuilt = 0;  ///< all ranks
+  std::int64_t families_kept = 0;      ///< hit families whose parent cannot be rebuilt, all ranks
+  std::int64_t families_rebuilt = 0;   ///< all ranks
 };
 
 }  // namespace pamr::refine
