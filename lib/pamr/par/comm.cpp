@@ -115,7 +115,8 @@ std::string Comm::broadcast(std::string text, Rank root) const {
   return {data.begin(), data.end()};
 }
 
-std::vector<Comm::RawReceived> Comm::sparse_exchange_raw(std::span<const RawMessage> messages) const {
+std::vector<Comm::RawReceived> Comm::sparse_exchange_raw(std::span<const RawMessage> messages,
+                                                         std::size_t item_bytes) const {
   // The tag alternates between two consecutive calls, so that a fast neighbour's next message is not taken for this
   // call's: the closing barrier keeps it from being more than one call ahead.
   const int tag = 100 + next_tag_;
@@ -125,38 +126,32 @@ std::vector<Comm::RawReceived> Comm::sparse_exchange_raw(std::span<const RawMess
   std::vector<RawReceived> received;
   std::vector<MPI_Request> sends;
   Waiting waiting(*this);
+  const auto whole_items = piece / item_bytes * item_bytes;
   for (const auto& message : messages) {
     PAMR_EXPECTS(message.rank >= 0 && message.rank < size_);
     if (message.data.empty()) continue;
     if (message.rank == rank_) {
-      waiting.pause();
-      received.push_back({rank_, {message.data.begin(), message.data.end()}});
-      waiting.resume();
+      received.push_back({rank_, message.data, nullptr});
       continue;
     }
-    for (std::size_t at = 0; at < message.data.size(); at += piece) {
+    for (std::size_t at = 0; at < message.data.size(); at += whole_items) {
       sends.emplace_back();
-      require_success(MPI_Issend(message.data.data() + at, static_cast<int>(std::min(piece, message.data.size() - at)),
-                                 MPI_BYTE, message.rank, tag, comm_, &sends.back()),
+      const auto n = static_cast<int>(std::min(whole_items, message.data.size() - at));
+      require_success(MPI_Issend(message.data.data() + at, n, MPI_BYTE, message.rank, tag, comm_, &sends.back()),
                       "MPI_Issend");
       ++traffic_.messages;
     }
     traffic_.bytes += static_cast<std::int64_t>(message.data.size());
   }
-  // Pieces of one message arrive in order (same source, tag and communicator), so they are simply appended.
   const auto take = [&](const MPI_Status& status) {
     int count = 0;
     require_success(MPI_Get_count(&status, MPI_BYTE, &count), "MPI_Get_count");
-    waiting.pause();
-    auto from = std::find_if(received.begin(), received.end(),
-                             [&](const RawReceived& r) { return r.rank == status.MPI_SOURCE; });
-    if (from == received.end()) from = received.insert(received.end(), {status.MPI_SOURCE, {}});
-    const auto at = from->data.size();
-    from->data.resize(at + static_cast<std::size_t>(count));
-    traffic_.bytes_received += count;
-    waiting.resume();
-    require_success(MPI_Recv(from->data.data() + at, count, MPI_BYTE, status.MPI_SOURCE, tag, comm_, MPI_STATUS_IGNORE),
+    const auto n = static_cast<std::size_t>(count);
+    std::unique_ptr<std::byte[]> memory(new std::byte[n]);  // not set to zero
+    require_success(MPI_Recv(memory.get(), count, MPI_BYTE, status.MPI_SOURCE, tag, comm_, MPI_STATUS_IGNORE),
                     "MPI_Recv");
+    traffic_.bytes_received += count;
+    received.push_back({status.MPI_SOURCE, {memory.get(), n}, std::move(memory)});
   };
   MPI_Request barrier = MPI_REQUEST_NULL;
   bool in_barrier = false;
@@ -178,8 +173,9 @@ std::vector<Comm::RawReceived> Comm::sparse_exchange_raw(std::span<const RawMess
     }
   }
   waiting.pause();
-  std::sort(received.begin(), received.end(),
-            [](const RawReceived& a, const RawReceived& b) { return a.rank < b.rank; });
+  // Pieces of one message arrive in order: same source, tag and communicator.
+  std::stable_sort(received.begin(), received.end(),
+                   [](const RawReceived& a, const RawReceived& b) { return a.rank < b.rank; });
   return received;
 }
 

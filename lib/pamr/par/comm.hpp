@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <span>
 #include <string>
 #include <type_traits>
@@ -111,11 +112,14 @@ class Comm {
     Rank rank = 0;
     std::span<const std::byte> data;
   };
+  /// A message, or a piece of one, that arrived; `data` lies in `memory`, or where a message to this rank itself lay.
   struct RawReceived {
     Rank rank = 0;
-    std::vector<std::byte> data;
+    std::span<const std::byte> data;
+    std::unique_ptr<std::byte[]> memory;
   };
-  std::vector<RawReceived> sparse_exchange_raw(std::span<const RawMessage> messages) const;
+  /// In ascending order of ranks, the pieces of one message in their order. No item of `item_bytes` is cut in two.
+  std::vector<RawReceived> sparse_exchange_raw(std::span<const RawMessage> messages, std::size_t item_bytes) const;
   void broadcast_raw(std::vector<std::byte>& data, Rank root) const;
   /// One operation of all ranks: counts it, times it, and throws `Error` when it fails. `operation` returns MPI's code.
   template <class Operation>
@@ -160,16 +164,20 @@ Received<T> Comm::sparse_exchange(const std::vector<Outgoing<T>>& messages) cons
   std::vector<RawMessage> raw;
   raw.reserve(messages.size());
   for (const auto& message : messages) raw.push_back({message.to, std::as_bytes(std::span<const T>(message.item))});
-  const auto arrived = sparse_exchange_raw(raw);
+  auto arrived = sparse_exchange_raw(raw, sizeof(T));
   Received<T> result;
   std::size_t total = 0;
   for (const auto& message : arrived) total += message.data.size() / sizeof(T);
-  result.item.resize(total);
-  auto* out = reinterpret_cast<std::byte*>(result.item.data());
-  for (const auto& message : arrived) {
-    out = std::copy(message.data.begin(), message.data.end(), out);
-    result.rank.push_back(message.rank);
-    result.offset.push_back(result.offset.back() + message.data.size() / sizeof(T));
+  result.item.reserve(total);
+  for (auto& message : arrived) {
+    if (result.rank.empty() || result.rank.back() != message.rank) {
+      result.rank.push_back(message.rank);
+      result.offset.push_back(result.offset.back());
+    }
+    const auto* items = reinterpret_cast<const T*>(message.data.data());
+    result.item.insert(result.item.end(), items, items + message.data.size() / sizeof(T));
+    result.offset.back() = result.item.size();
+    message.memory.reset();
   }
   return result;
 }
