@@ -8,9 +8,10 @@
 #include <utility>
 
 #include "dsmc/closed_forms.hpp"
+#include "dsmc/numbering.hpp"
 #include "pamr/base/contract.hpp"
 #include "pamr/base/error.hpp"
-#include "pamr/par/exchange.hpp"
+#include "pamr/base/timer.hpp"
 
 namespace pamr::dsmc {
 
@@ -114,14 +115,8 @@ void Flow::fill(const mesh::DistMesh& mesh) {
       count[c] += n;
     }
   }
-  // Numbers along the global order of the cells: the blocks of the canonical distribution are summed one after another.
   const auto n_global = comm_->sum(static_cast<std::int64_t>(mesh.n_cells()));
-  auto block = par::scatter_rows<std::int64_t>(*comm_, n_global, count, 1, domain_.cell_global);
-  std::int64_t here = 0;
-  for (const auto n : block) here += n;
-  auto next = comm_->exclusive_sum(here);
-  for (auto& n : block) next += std::exchange(n, next);
-  const auto first = par::fetch_rows<std::int64_t>(*comm_, n_global, block, 1, domain_.cell_global);
+  const auto first = number_along_cells(*comm_, n_global, domain_.cell_global, count).first;
   std::size_t at = 0;
   for (std::size_t c = 0; c < count.size(); ++c)
     for (std::int64_t i = 0; i < count[c]; ++i) particles.id[at++] = static_cast<std::uint64_t>(first[c] + i);
@@ -135,13 +130,17 @@ StepCounts Flow::step() {
   counts.entered = static_cast<std::int64_t>(entering.size());
   const auto before = static_cast<std::int64_t>(particles.size()) + counts.entered;
   counts.moved = move(*comm_, rules(), steps_done, particles, entering, surface);
+  double start = cpu_seconds();
   particles.sort_by_cell(domain_.n_cells());
+  counts.compute_seconds = counts.moved.compute_seconds + cpu_seconds() - start;
   counts.particles = static_cast<std::int64_t>(particles.size());
   const auto missing = comm_->sum(before - counts.moved.left - counts.particles);
   lost_ += missing;
   if (missing != 0) throw ContractViolation(fmt::format("{} particles were lost in step {}", missing, steps_done));
+  start = cpu_seconds();
   counts.collided = collider_.collide(domain_, steps_done, particles, collisions);
   if (sampling_) cells.add(particles, setup_.gas.species.size());
+  counts.compute_seconds += cpu_seconds() - start;
   ++steps_done;
   return counts;
 }

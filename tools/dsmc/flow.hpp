@@ -50,6 +50,7 @@ struct StepCounts {
   CollisionCounts collided;
   std::int64_t entered = 0;
   std::int64_t particles = 0;  ///< afterwards
+  double compute_seconds = 0;  ///< processor time without communication
 };
 
 /// One rank's part of a gas in motion.

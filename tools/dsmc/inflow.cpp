@@ -5,11 +5,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 #include "dsmc/closed_forms.hpp"
+#include "dsmc/numbering.hpp"
 #include "pamr/base/error.hpp"
-#include "pamr/par/exchange.hpp"
 
 namespace pamr::dsmc {
 
@@ -71,9 +70,7 @@ Particle draw_particle(const Gas& gas, const Stream& stream, std::uint32_t speci
 Inflow::Inflow(const par::Comm& comm, const MoveRules& rules, std::span<const Stream> stream)
     : rules_(rules), stream_(stream.begin(), stream.end()) {
   const auto& domain = *rules.domain;
-  // Faces are numbered through the whole mesh in the order of their global cells, whatever the partition: each rank
-  // tells the block of a cell how many faces it has, and the blocks are summed one after another.
-  GlobalId n_cells = comm.sum(static_cast<std::int64_t>(domain.n_cells()));
+  const GlobalId n_cells = comm.sum(static_cast<std::int64_t>(domain.n_cells()));
   std::vector<std::int64_t> count;
   std::vector<GlobalId> cell;
   for (std::size_t b = 0; b < domain.boundary.size(); ++b) {
@@ -87,15 +84,9 @@ Inflow::Inflow(const par::Comm& comm, const MoveRules& rules, std::span<const St
     ++count.back();
     face_.push_back({b, 0, {}});
   }
-  auto block = par::scatter_rows<std::int64_t>(comm, n_cells, count, 1, cell);
-  std::int64_t here = 0;
-  for (const auto n : block) here += n;
-  auto next = comm.exclusive_sum(here);
-  const auto total = comm.sum(here);
+  const auto [first, total] = number_along_cells(comm, n_cells, cell, count);
   if (total >= std::int64_t{1} << face_bits)
     throw Error(fmt::format("expected fewer than {} inflow faces, found {}", std::int64_t{1} << face_bits, total));
-  for (auto& n : block) next += std::exchange(n, next);
-  const auto first = par::fetch_rows<std::int64_t>(comm, n_cells, block, 1, cell);
 
   std::size_t k = 0;
   GlobalId at = -1;

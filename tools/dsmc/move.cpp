@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "pamr/base/hash.hpp"
+#include "pamr/base/timer.hpp"
 
 namespace pamr::dsmc {
 
@@ -255,6 +256,7 @@ void MoveCounts::add(const MoveCounts& other) {
   left += other.left;
   sent += other.sent;
   abandoned += other.abandoned;
+  compute_seconds += other.compute_seconds;
   longest = std::max(longest, other.longest);
 }
 
@@ -262,13 +264,17 @@ MoveCounts move(const par::Comm& comm, const MoveRules& rules, std::uint64_t ste
                 std::vector<Flight>& entering, SurfaceTally& tally) {
   Mover mover(rules, step, tally);
   Outbox outbox(*rules.domain);
+  double start = cpu_seconds();
   fly_own(mover, *rules.domain, particles, outbox);
   fly_all(mover, entering, particles, outbox);
+  mover.counts.compute_seconds = cpu_seconds() - start;
   if (comm.size() == 1) return mover.counts;
   while (comm.any(!outbox.is_empty())) {
     auto arrived = outbox.deliver(comm);
     mover.counts.sent += static_cast<std::int64_t>(arrived.size());
+    start = cpu_seconds();
     fly_all(mover, arrived, particles, outbox);
+    mover.counts.compute_seconds += cpu_seconds() - start;
   }
   return mover.counts;
 }

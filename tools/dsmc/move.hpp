@@ -39,6 +39,7 @@ struct MoveCounts {
   std::int64_t left = 0;       ///< through open boundaries
   std::int64_t sent = 0;       ///< to other ranks, each time counted
   std::int64_t abandoned = 0;  ///< met more than 100,000 walls in one step: keep their place, lose their remaining time
+  double compute_seconds = 0;  ///< processor time without communication
   std::int64_t longest = 0;    ///< most faces that one particle passed
 
   void add(const MoveCounts& other);

@@ -1,0 +1,224 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "cli/output_file.hpp"
+#include "cli/run_tool.hpp"
+#include "dsmc/case_file.hpp"
+#include "dsmc/plan.hpp"
+#include "dsmc/run.hpp"
+#include "dsmc/surface_file.hpp"
+#include "pamr/base/error.hpp"
+#include "pamr/base/timer.hpp"
+#include "pamr/io/native_file.hpp"
+#include "pamr/mesh/assemble.hpp"
+#include "pamr/mesh/validate.hpp"
+
+namespace {
+
+using namespace pamr;
+using namespace pamr::dsmc;
+
+struct Options {
+  std::string case_file, mesh, output, surface, history;
+  std::optional<std::uint64_t> steps;
+  bool plan = false, force = false;
+};
+
+void declare(CLI::App& app, Options& o) {
+  app.add_option("CASE", o.case_file, "case file (TOML)")->required();
+  app.add_option("--mesh", o.mesh, "mesh to compute on")->required()->type_name("MESH");
+  app.add_option("-o,--output", o.output, "mesh to write: the same with the averaged flow as cell fields");
+  app.add_option("--steps", o.steps, "end after so many steps in all, transient included (default: as the case says)")
+      ->type_name("N")
+      ->check(CLI::PositiveNumber);
+  app.add_option("--surface", o.surface, "averages on the walls, triangles in VTK's XML format")->type_name("FILE.vtu");
+  app.add_option("--history", o.history, "particles and loads over time")->type_name("FILE.csv");
+  app.add_flag("--plan", o.plan, "print what is known beforehand, and end");
+  app.add_flag("--force", o.force, cli::force_help);
+}
+
+/// The text of a file, read by rank 0. Collective.
+std::string text_of(const par::Comm& comm, const std::string& file) {
+  std::string text;
+  par::agree(comm, [&] {
+    if (!comm.is_first()) return;
+    std::ifstream in(file, std::ios::binary);
+    std::ostringstream all;
+    all << in.rdbuf();
+    if (!in) throw Error(fmt::format("{}: cannot be read", file));
+    text = all.str();
+  });
+  return comm.broadcast(text);
+}
+
+void check_paths(cli::Session& session, const Options& o) {
+  session.check_input(o.case_file);
+  session.check_input(o.mesh);
+  if (o.plan) return;
+  if (o.output.empty()) throw Error("expected -o OUT or --plan, found neither");
+  for (const auto& file : {o.output, o.surface, o.history})
+    if (!file.empty()) session.check_output(file, {o.case_file, o.mesh}, o.force);
+}
+
+void warn_about(cli::Session& session, const Plan& plan) {
+  if (plan.longest_flight > 2)
+    session.warn(
+        fmt::format("a fast molecule of the free stream passes {:.1f} cell sizes in one time step; the result "
+                    "stays sound but coarse: use a shorter step",
+                    plan.longest_flight));
+  if (plan.particles_per_cell < 5)
+    session.warn(fmt::format("{:.2g} particles a cell in the free stream: below 5 collisions are poorly resolved",
+                             plan.particles_per_cell));
+}
+
+void write_text(const par::Comm& comm, const std::string& file, const std::string& text) {
+  if (file.empty()) return;
+  par::agree(comm, [&] {
+    if (comm.is_first()) cli::write_whole(file, text);
+  });
+}
+
+void add_fields(mesh::DistMesh& mesh, const Flow& flow) {
+  for (auto& quantity : flow_fields(flow.domain(), flow.setup().gas, flow.cells, flow.collisions, flow.setup().unit)) {
+    mesh::CellField field{quantity.name, quantity.unit, quantity.n_components, mesh::StorageType::float64,
+                          std::move(quantity.value)};
+    if (auto* old = mesh.find_cell_field(field.name))
+      *old = std::move(field);
+    else
+      mesh.cell_fields.push_back(std::move(field));
+  }
+}
+
+nlohmann::json shown(const Estimate& e) { return {{"value", e.value}, {"stderr", e.error}}; }
+
+nlohmann::json report_of(const Case& c, const Run& run, const Plan& plan, std::int64_t particles, double rate) {
+  const auto results = run.results();
+  const auto& flow = run.flow();
+  nlohmann::json report{{"particles", particles},
+                        {"steps", flow.steps_done},
+                        {"particle_steps_per_second_per_core", rate},
+                        {"lost_particles", flow.lost()},
+                        {"C_D", shown(results.drag)},
+                        {"C_L", shown(results.lift)},
+                        {"C_m", shown(results.moment)},
+                        {"C_H", shown(results.heat)},
+                        {"lambda_inf", plan.mean_free_path},
+                        {"blocks", results.n_blocks},
+                        {"averages_from_step", run.state.sampling_since},
+                        {"steady", run.state.steady_reason},
+                        {"abandoned_particles", run.state.abandoned},
+                        {"clamped_relaxations", run.state.clamped}};
+  const auto& r = c.reference;
+  report["reference"] = {{"area", r.area},
+                         {"length", r.length},
+                         {"point", {r.point.x, r.point.y, r.point.z}},
+                         {"multiplier", r.multiplier},
+                         {"patches", r.patches},
+                         {"dynamic_pressure", run.scale().dynamic_pressure()},
+                         {"speed", run.scale().speed()}};
+  for (const auto& s : c.gas.species)
+    report["species"].push_back({{"name", s.name},
+                                 {"mass", s.mass},
+                                 {"diameter", s.diameter},
+                                 {"omega", s.omega},
+                                 {"t_ref", s.t_ref},
+                                 {"alpha", s.alpha},
+                                 {"rotational_degrees", s.rotational_degrees}});
+  for (const auto& p : results.patches)
+    report["patches"][p.patch] = {
+        {"C_D", shown(p.drag)}, {"C_L", shown(p.lift)}, {"C_m", shown(p.moment)}, {"C_H", shown(p.heat)}};
+  report["plan"] = to_json(plan);
+  return report;
+}
+
+/// Steps until the case or --steps says that it is enough; particle-steps of all ranks.
+double advance(cli::Session& session, Run& run, const Options& options) {
+  const auto& comm = session.comm();
+  auto progress = session.progress("computing", static_cast<std::int64_t>(run.expected_steps()), "steps");
+  double particle_steps = 0;
+  bool was_sampling = run.state.sampling;
+  const auto limit = [&] { return options.steps && run.flow().steps_done >= *options.steps; };
+  bool complete = false;
+  while (!complete && !limit()) {
+    complete = run.step();
+    particle_steps += static_cast<double>(run.flow().particles.size());
+    if (run.state.sampling && !was_sampling) {
+      was_sampling = true;
+      session.summary(run.state.steady_reason);
+    }
+    progress.update(static_cast<std::int64_t>(run.flow().steps_done),
+                    run.state.history.empty() ? "" : fmt::format("{} particles", run.state.history.back().particles));
+  }
+  run.finish();
+  return static_cast<double>(comm.sum(static_cast<std::int64_t>(particle_steps)));
+}
+
+std::string summary_of(const Run& run, std::int64_t particles, double rate, const std::string& output) {
+  const auto results = run.results();
+  std::string line = fmt::format("{} steps, {} particles, none lost, {:.3g} particle-steps per CPU second",
+                                 run.flow().steps_done, particles, rate);
+  if (results.n_blocks > 0 && !results.patches.empty())
+    line += fmt::format("; C_D {:.4f} +- {:.4f}, C_L {:.4f} +- {:.4f}, C_m {:.4f} +- {:.4f}, C_H {:.4f} +- {:.4f}",
+                        results.drag.value, results.drag.error, results.lift.value, results.lift.error,
+                        results.moment.value, results.moment.error, results.heat.value, results.heat.error);
+  return line + " -> " + output;
+}
+
+cli::ExitCode run_case(cli::Session& session, const Options& options) {
+  const auto& comm = session.comm();
+  check_paths(session, options);
+  const auto c = read_case(text_of(comm, options.case_file), options.case_file);
+  auto mesh = mesh::assemble(comm, io::read_native(comm, options.mesh));
+  mesh::require_valid(comm, mesh, options.mesh);
+  const auto setup = make_setup(comm, c, mesh);
+  const auto plan = make_plan(comm, c, setup, mesh);
+  for (const auto& line : describe(c, setup, plan)) session.summary(line);
+  warn_about(session, plan);
+  if (options.plan) {
+    session.write_report(to_json(plan));
+    return cli::ExitCode::done;
+  }
+
+  Flow flow(comm, mesh, setup);
+  flow.fill(mesh);
+  Run run(c, mesh, flow);
+  const double cpu = cpu_seconds();
+  const double particle_steps = advance(session, run, options);
+  double cpu_all = 0;
+  for (const double one : comm.all_gather(cpu_seconds() - cpu)) cpu_all += one;
+  const double rate = particle_steps / std::max(cpu_all, 1e-9);
+
+  add_fields(mesh, flow);
+  io::write_native(comm, options.output, mesh);
+  if (!options.surface.empty()) {
+    const auto faces = wall_faces(comm, run);
+    write_text(comm, options.surface, to_vtu(faces, setup.unit));
+  }
+  write_text(comm, options.history, run.history_csv());
+  const auto particles = flow.n_particles();
+  session.write_report(report_of(c, run, plan, particles, rate));
+  session.summary(summary_of(run, particles, rate, options.output));
+  return cli::ExitCode::done;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Options options;
+  return pamr::cli::run_tool(
+      argc, argv,
+      {"pamr-dsmc", "Computes the flow of a rarefied gas by direct simulation Monte Carlo.",
+       "pamr-mesh --shape sphere-in-box -o sphere.hdf && pamr-dsmc cases/free-molecular-sphere/case.toml --mesh "
+       "sphere.hdf -o flow.hdf"},
+      [&](CLI::App& app) { declare(app, options); }, [&](cli::Session& session) { return run_case(session, options); });
+}
