@@ -13,6 +13,8 @@
 #include "pamr/geometry/cylinder.hpp"
 #include "pamr/geometry/parameters.hpp"
 #include "pamr/geometry/plane.hpp"
+#include "pamr/geometry/polynomial.hpp"
+#include "pamr/geometry/quadric.hpp"
 #include "pamr/geometry/revolution.hpp"
 #include "pamr/geometry/sphere.hpp"
 #include "pamr/geometry/surface.hpp"
@@ -22,7 +24,7 @@ namespace pamr::geometry {
 
 namespace {
 
-constexpr std::string_view kinds = "plane, sphere, cylinder, cone, torus or revolution";
+constexpr std::string_view kinds = "plane, sphere, cylinder, cone, torus, quadric, revolution or polynomial";
 
 std::string kind_of(const toml::node& node) {
   switch (node.type()) {
@@ -142,6 +144,21 @@ std::vector<ProfilePiece> read_profile(const TableReader& surface, const std::st
   return profile;
 }
 
+std::vector<PolynomialSegment> read_segments(const TableReader& surface, const std::string& where,
+                                             const std::string& context) {
+  std::vector<PolynomialSegment> segments;
+  for (const toml::node& node : surface.tables("segments")) {
+    const TableReader piece(*node.as_table(), where, context + ": segment " + std::to_string(segments.size() + 1));
+    piece.refuse_keys_but({"x", "y", "z", "u", "v"});
+    const auto x = piece.numbers<6>("x"), y = piece.numbers<6>("y"), z = piece.numbers<6>("z");
+    PolynomialSegment& read = segments.emplace_back();
+    for (std::size_t i = 0; i < 6; ++i) read.coefficient[i] = {x[i], y[i], z[i]};
+    read.u = piece.numbers<2>("u");
+    read.v = piece.numbers<2>("v");
+  }
+  return segments;
+}
+
 std::unique_ptr<const Surface> read_surface(const TableReader& table, const std::string& where,
                                             const std::string& context) {
   const std::string kind = table.text("kind");
@@ -170,6 +187,14 @@ std::unique_ptr<const Surface> read_surface(const TableReader& table, const std:
     table.refuse_keys_but({"name", "kind", "origin", "axis", "profile"});
     return std::make_unique<Revolution>(table.vector("origin"), table.vector("axis"),
                                         read_profile(table, where, context));
+  }
+  if (kind == "quadric") {
+    table.refuse_keys_but({"name", "kind", "coefficients"});
+    return std::make_unique<Quadric>(table.numbers<10>("coefficients"));
+  }
+  if (kind == "polynomial") {
+    table.refuse_keys_but({"name", "kind", "segments"});
+    return std::make_unique<Polynomial>(read_segments(table, where, context));
   }
   table.fail(table.required("kind").source(), "kind: expected " + std::string(kinds) + ", found \"" + kind + "\"");
 }

@@ -62,6 +62,19 @@ profile = [
   { from = [1, 1], to = [3, 1] },
   { from = [3, 1], to = [3, 0], center = [3, 0.5], clockwise = true },
 ]
+
+[[surface]]
+name = "egg"
+kind = "quadric"
+coefficients = [1, 1, 0.25, 0, 0, 0, -2, 0, 0, 0]
+
+[[surface]]
+name = "dish"
+kind = "polynomial"
+segments = [
+  { x = [0, 1, 0, 0, 0, 0], y = [0, 0, 1, 0, 0, 0], z = [5, 0, 0, 1, 0, 1], u = [-1, 0], v = [-1, 1] },
+  { x = [0, 1, 0, 0, 0, 0], y = [0, 0, 1, 0, 0, 0], z = [5, 0, 0, 1, 0, 1], u = [0, 1], v = [-1, 1] },
+]
 )";
 
 auto reading(const std::string& text) {
@@ -75,8 +88,8 @@ auto refuses(const std::string& start, Parts... parts) {
 TEST(SurfacesFromToml, ReadsEveryKindInOrder) {
   const SurfaceSet set = surfaces_from_toml(every_kind, "case.toml");
 
-  EXPECT_THAT(set.name, ElementsAre("floor", "ball", "tube", "tip", "ring", "body"));
-  ASSERT_EQ(set.surface.size(), 6U);
+  EXPECT_THAT(set.name, ElementsAre("floor", "ball", "tube", "tip", "ring", "body", "egg", "dish"));
+  ASSERT_EQ(set.surface.size(), 8U);
   EXPECT_NEAR(set.find("floor")->distance({5, 5, 1}), 2, 1e-15);
   EXPECT_NEAR(set.find("ball")->distance({1, 2.5, 0}), 1, 1e-15);
   EXPECT_NEAR(set.find("tube")->distance({9, 2, 0}), 1.5, 1e-15);
@@ -84,6 +97,9 @@ TEST(SurfacesFromToml, ReadsEveryKindInOrder) {
   EXPECT_NEAR(set.find("ring")->distance({0, 3, 0}), 0.5, 1e-15);
   EXPECT_NEAR(set.find("body")->distance({2, 0, 3}), 2, 1e-15);
   EXPECT_NEAR(set.find("body")->distance({4, 0.5, 0}), 0.5, 1e-15);
+  EXPECT_NEAR(set.find("egg")->distance({1, 0, 5}), 3, 1e-15);  // (x - 1)^2 + y^2 + z^2 / 4 = 1
+  EXPECT_NEAR(set.find("egg")->distance({4, 0, 0}), 2, 1e-15);
+  EXPECT_NEAR(set.find("dish")->distance({0, 0, 4}), 1, 1e-15);
   EXPECT_EQ(set.find("sky"), nullptr);
 }
 
@@ -154,6 +170,32 @@ TEST(SurfacesFromToml, RefusesValuesOutOfRangeWithTheLineOfTheSurface) {
   EXPECT_THAT(reading("[[surface]]\nname = \"a\"\nkind = \"revolution\"\norigin = [0,0,0]\naxis = [1,0,0]\n"
                       "profile = [ {from = [0,1], to = [1,1], clockwise = true} ]\n"),
               refuses("6: surface \"a\": profile piece 1:", "center"));
+}
+
+TEST(SurfacesFromToml, RefusesQuadricsThatAreNoSurface) {
+  const auto quadric = [](const std::string& coefficients) {
+    return reading("[[surface]]\nname = \"a\"\nkind = \"quadric\"\ncoefficients = [" + coefficients + "]\n");
+  };
+  EXPECT_THAT(quadric("1, 1, 1"), refuses("4: surface \"a\": coefficients:", "10 numbers", "array of 3"));
+  EXPECT_THAT(quadric("0, 0, 0, 0, 0, 0, 1, 2, 3, 4"), refuses("1: ", "a square or a product", "none"));
+  EXPECT_THAT(quadric("1, 1, 1, 0, 0, 0, 0, 0, 0, 2"), refuses("1: ", "zero somewhere", "never is"));
+  EXPECT_THAT(quadric("-1, -1, 0, 0, 0, 0, 0, 0, 0, -2"), refuses("1: ", "zero somewhere", "never is"));
+  EXPECT_THAT(quadric("1, 2, 3, 0, 0, 0, 0, 0, 0, 0"), refuses("1: ", "a point, a line"));
+  EXPECT_THAT(quadric("1, 2, 0, 0, 0, 0, -2, 0, 0, 1"), refuses("1: ", "a point, a line"));
+}
+
+TEST(SurfacesFromToml, RefusesSegmentsThatAreNoSurface) {
+  const auto segments = [](const std::string& text) {
+    return reading("[[surface]]\nname = \"a\"\nkind = \"polynomial\"\nsegments = [" + text + "]\n");
+  };
+  const std::string start = "{x = [0, 1, 0, 0, 0, 0], y = [0, 0, 1, 0, 0, 0], z = [0, 0, 0, 0, 0, 0], ";
+  EXPECT_THAT(segments(""), refuses("4: ", "segments: expected", "one table or more"));
+  EXPECT_THAT(segments(start + "u = [0, 1]}"), refuses("4: surface \"a\": segment 1:", "the key v"));
+  EXPECT_THAT(segments(start + "u = [0, 1], v = [1, 1]}"), refuses("1: ", "segment 1: v:", "the greater one last"));
+  EXPECT_THAT(segments(start + "u = [0, 1], v = [0, 1], w = 3}"), refuses("4: ", "expected only the keys", "w"));
+  EXPECT_THAT(segments("{x = [0, 1, 1, 0, 0, 0], y = [0, 2, 2, 0, 0, 0], z = [0, 0, 0, 0, 0, 0], u = [0, 1], "
+                       "v = [0, 1]}"),
+              refuses("1: ", "segment 1: expected a surface", "a curve or a point"));
 }
 
 TEST(SurfacesFromToml, RefusesANameTwice) {
