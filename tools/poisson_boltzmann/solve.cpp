@@ -247,7 +247,8 @@ Solution System::solve(std::span<const double> start, const std::function<void(c
 
   Watch shown{&watch, &solution.steps, 0};
   const auto& options = problem_.solver;
-  require(SNESSetTolerances(snes_, options.tolerance * solution.first_residual, 0, 0, options.max_newton, 1000000));
+  require(SNESSetTolerances(snes_, std::max(options.tolerance * solution.first_residual, 1e-300), 0, 0,
+                            options.max_newton, 1000000));
   require(SNESMonitorSet(snes_, monitor, &shown, nullptr));
   require(SNESSolve(snes_, nullptr, unknown_));
   require(SNESMonitorCancel(snes_));

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "poisson_boltzmann/estimate.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "pamr/mark/recovered_error.hpp"
+#include "solved.hpp"
+
+namespace pamr::poisson_boltzmann {
+namespace {
+
+const std::string manufactured = "[equation]\nmanufactured = true\n" + cube_boundary("condition = \"manufactured\"");
+
+TEST(Estimate, IsZeroForALinearFunction) {
+  par::Comm comm(MPI_COMM_WORLD);
+  Solved solved(comm, test::random_mesh(comm, 3, 3), manufactured);
+  std::vector<double> linear;
+  for (const auto& p : solved.domain.point) linear.push_back(1 + 2 * p.x - 3 * p.y + 0.5 * p.z);
+
+  for (const auto recovery : {Recovery::plain, Recovery::volume_weighted}) {
+    const auto gradient = cell_gradients(solved.domain, linear);
+    const auto recovered = recover(comm, solved.domain, gradient, recovery);
+    for (const double squared : squared_errors(solved.domain, gradient, recovered)) ASSERT_NEAR(squared, 0, 1e-20);
+  }
+}
+
+TEST(Estimate, AgreesWithTheMarkersOwn) {
+  par::Comm comm(MPI_COMM_WORLD);
+  Solved solved(comm, test::random_mesh(comm, 5, 3), manufactured);
+  const auto analysis = solved.analysis(comm);
+  set_fields(solved.mesh, solved.problem, solved.solution, analysis);
+
+  const auto error = mark::recovered_error(comm, solved.mesh, "potential");
+
+  EXPECT_NEAR(analysis.estimate.total_squared, error.total_squared, 1e-9 * error.total_squared);
+  EXPECT_NEAR(analysis.estimate.norm_squared, error.norm_squared, 1e-9 * error.norm_squared);
+  for (std::size_t c = 0; c < error.squared.size(); ++c)
+    ASSERT_NEAR(analysis.estimate.squared[c], error.squared[c], 1e-6 * error.squared[c] + 1e-12);
+}
+
+TEST(Estimate, ComesNearTheTrueErrorOnASmoothSolution) {
+  par::Comm comm(MPI_COMM_WORLD);
+  Solved solved(comm, test::kuhn_cube(comm, 10), manufactured);
+  const auto analysis = solved.analysis(comm);
+
+  const double effectivity = std::sqrt(analysis.estimate.total_squared) / *analysis.manufactured_h1;
+
+  EXPECT_GT(effectivity, 0.9);
+  EXPECT_LT(effectivity, 1.1);
+}
+
+TEST(Estimate, DependsOnTheKindOfMean) {
+  par::Comm comm(MPI_COMM_WORLD);
+  Solved weighted(comm, test::random_mesh(comm, 5, 3), manufactured);
+  Solved plain(comm, test::random_mesh(comm, 5, 3), "[estimator]\nrecovery = \"plain\"\n" + manufactured);
+
+  EXPECT_NE(weighted.analysis(comm).estimate.total_squared, plain.analysis(comm).estimate.total_squared);
+}
+
+TEST(Goal, PointsToTheMirrorWhoseForceIsAsked) {
+  par::Comm comm(MPI_COMM_WORLD);
+  auto text = cube_boundary("condition = \"symmetry\"", "xmax", "condition = \"potential\"\nvalue = 2");
+  Solved solved(comm, test::kuhn_cube(comm, 6),
+                "[force]\nmidplane = \"xmin\"\n[estimator]\ngoal = \"midplane\"\n" + text);
+
+  const auto analysis = solved.analysis(comm);
+
+  ASSERT_EQ(analysis.goal.size(), solved.mesh.cell_to_node.size());
+  EXPECT_GT(analysis.goal_value, 0);
+  EXPECT_GT(analysis.goal_error, 0);
+  // The exact force per area is cosh(psi) - 1 at the mirror; the estimate is no smaller than the true error.
+  Solved fine(comm, test::kuhn_cube(comm, 18),
+              "[force]\nmidplane = \"xmin\"\n[estimator]\ngoal = \"midplane\"\n" + text);
+  EXPECT_LT(std::abs(fine.analysis(comm).goal_value - analysis.goal_value), analysis.goal_error);
+}
+
+}  // namespace
+}  // namespace pamr::poisson_boltzmann

@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "poisson_boltzmann/solve.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "solved.hpp"
+
+namespace pamr::poisson_boltzmann {
+namespace {
+
+const std::string mirrors = "condition = \"symmetry\"";
+std::string potential(double value) { return "condition = \"potential\"\nvalue = " + std::to_string(value); }
+
+struct Errors {
+  double l2, h1;
+};
+Errors manufactured_errors(const par::Comm& comm, int n, const std::string& solver) {
+  Solved solved(comm, test::kuhn_cube(comm, n),
+                "[equation]\nmanufactured = true\n" + solver + cube_boundary("condition = \"manufactured\""));
+  const auto analysis = solved.analysis(comm);
+  return {*analysis.manufactured_l2, *analysis.manufactured_h1};
+}
+
+TEST(Solve, ConvergesWithTheOrdersOfLinearElements) {
+  par::Comm comm(MPI_COMM_WORLD);
+  for (const std::string quadrature : {"nodal", "gauss"}) {
+    const std::string solver = "[solver]\nquadrature = \"" + quadrature + "\"\n";
+    const auto coarse = manufactured_errors(comm, 5, solver), fine = manufactured_errors(comm, 10, solver);
+
+    EXPECT_NEAR(std::log2(coarse.l2 / fine.l2), 2, 0.1) << quadrature;
+    EXPECT_NEAR(std::log2(coarse.h1 / fine.h1), 1, 0.1) << quadrature;
+  }
+}
+
+TEST(Solve, ConvergesOnAMeshWithoutOrder) {
+  par::Comm comm(MPI_COMM_WORLD);
+  Solved solved(comm, test::random_mesh(comm, 7, 4),
+                "[equation]\nmanufactured = true\n" + cube_boundary("condition = \"manufactured\""));
+
+  EXPECT_TRUE(solved.solution.converged);
+  EXPECT_LT(*solved.analysis(comm).manufactured_l2, 0.02);
+}
+
+TEST(Solve, GivesTheSameChargeAndEnergyOnAnyNumberOfRanks) {
+  par::Comm comm(MPI_COMM_WORLD);
+  Solved solved(comm, test::kuhn_cube(comm, 6), cube_boundary(mirrors, "zmin", potential(5)));
+  const auto analysis = solved.analysis(comm);
+
+  // What one rank gives.
+  EXPECT_NEAR(analysis.patches[4].charge, 13.9503076365, 1e-7);
+  EXPECT_NEAR(analysis.energy.total, 20.6144970620, 1e-7);
+  EXPECT_EQ(solved.solution.newton_iterations, 6);
+}
+
+TEST(Solve, AnswersZeroDataWithZero) {
+  par::Comm comm(MPI_COMM_WORLD);
+  Solved solved(comm, test::kuhn_cube(comm, 3), cube_boundary(potential(0)));
+
+  EXPECT_TRUE(solved.solution.converged);
+  EXPECT_TRUE(std::all_of(solved.solution.u.begin(), solved.solution.u.end(), [](double u) { return u == 0; }));
+}
+
+TEST(Solve, ChangesSignWithItsData) {
+  par::Comm comm(MPI_COMM_WORLD);
+  Solved plus(comm, test::kuhn_cube(comm, 4), cube_boundary(mirrors, "xmax", potential(3)));
+  Solved minus(comm, test::kuhn_cube(comm, 4), cube_boundary(mirrors, "xmax", potential(-3)));
+
+  for (std::size_t i = 0; i < plus.solution.u.size(); ++i) ASSERT_NEAR(plus.solution.u[i], -minus.solution.u[i], 1e-9);
+}
+
+TEST(Solve, KeepsTheMaximumPrincipleWhereNoAngleIsObtuse) {
+  par::Comm comm(MPI_COMM_WORLD);
+  Solved solved(comm, test::kuhn_cube(comm, 5), cube_boundary(mirrors, "zmin", potential(8)));
+  for (const double u : solved.solution.u) {
+    ASSERT_GE(u, 0);
+    ASSERT_LE(u, 8);
+  }
+}
+
+TEST(Solve, FindsNothingBesideThePlateProfileWhenItIsSplitOff) {
+  par::Comm comm(MPI_COMM_WORLD);
+  Solved solved(comm, test::kuhn_cube(comm, 4),
+                "[equation]\nsplit = true\n[plate]\npatch = \"zmin\"\n" +
+                    cube_boundary("condition = \"plate-profile\"", "zmin", potential(5)));
+  const auto analysis = solved.analysis(comm);
+
+  for (const double u : solved.solution.u) ASSERT_NEAR(u, 0, 1e-12);
+  EXPECT_NEAR(analysis.patches[4].charge, 12.100408962, 1e-9);
+  EXPECT_NEAR(analysis.energy.excess, 0, 1e-12);
+}
+
+TEST(Solve, TakesAGivenChargeAndGivesItsPotential) {
+  par::Comm comm(MPI_COMM_WORLD);
+  const std::string charge = "condition = \"charge\"\nvalue = 1.5";
+  Solved solved(comm, test::kuhn_cube(comm, 12),
+                "[equation]\nlinear = true\n" + cube_boundary(mirrors, "xmin", charge));
+  const auto analysis = solved.analysis(comm);
+
+  // Slab with a mirror at x = 1: psi = 1.5 cosh(1 - x) / sinh(1).
+  double at_wall = 0;
+  for (std::size_t i = 0; i < solved.domain.point.size(); ++i)
+    if (solved.domain.point[i].x == 0) at_wall = std::max(at_wall, solved.solution.u[i]);
+  EXPECT_NEAR(comm.max(at_wall), 1.5 * std::cosh(1.0) / std::sinh(1.0), 5e-3);
+  EXPECT_NEAR(analysis.patches[0].charge, 1.5, 1e-12);
+}
+
+TEST(Solve, DecaysThroughAFarFieldWall) {
+  par::Comm comm(MPI_COMM_WORLD);
+  auto text = cube_boundary(mirrors, "xmin", potential(1));
+  text.replace(text.find("[boundary.xmax]\n" + mirrors), 16 + mirrors.size(),
+               "[boundary.xmax]\ncondition = \"far-field\"");
+  Solved solved(comm, test::kuhn_cube(comm, 10), "[equation]\nlinear = true\n" + text);
+
+  for (std::size_t i = 0; i < solved.domain.point.size(); ++i)
+    ASSERT_NEAR(solved.solution.u[i], std::exp(-solved.domain.point[i].x), 3e-3);
+}
+
+TEST(Solve, StartsFromAGivenPotential) {
+  par::Comm comm(MPI_COMM_WORLD);
+  Solved solved(comm, test::kuhn_cube(comm, 5), cube_boundary(mirrors, "zmin", potential(5)));
+
+  const auto again = solved.system.solve(solved.solution.u, [](const NewtonStep&) {});
+
+  EXPECT_EQ(again.newton_iterations, 0);
+  EXPECT_TRUE(again.converged);
+}
+
+TEST(Solve, SaysWhereTheResidualIsLargestWhenItGivesUp) {
+  par::Comm comm(MPI_COMM_WORLD);
+  Solved solved(comm, test::kuhn_cube(comm, 4),
+                "[solver]\nmax_newton = 1\n" + cube_boundary(mirrors, "zmin", potential(5)));
+
+  EXPECT_FALSE(solved.solution.converged);
+  EXPECT_FALSE(solved.solution.reason.empty());
+  EXPECT_GE(solved.solution.worst_node, 0);
+  EXPECT_GT(solved.solution.worst_residual, 0);
+  EXPECT_GT(solved.solution.worst_point.z, 0);  // a node whose potential is not given
+}
+
+TEST(Solve, SolvesTheLinearisedEquationToTheChangeOfTheSolution) {
+  par::Comm comm(MPI_COMM_WORLD);
+  const double step = 1e-4;
+  Solved before(comm, test::kuhn_cube(comm, 4), cube_boundary(mirrors, "zmin", potential(2 - step)));
+  Solved after(comm, test::kuhn_cube(comm, 4), cube_boundary(mirrors, "zmin", potential(2 + step)));
+  Solved at(comm, test::kuhn_cube(comm, 4), cube_boundary(mirrors, "zmin", potential(2)));
+  const std::vector<double> no_load(at.solution.u.size(), 0), one(at.solution.u.size(), 1);
+
+  const auto slope = at.system.solve_linearised(no_load, one);
+
+  for (std::size_t i = 0; i < slope.size(); ++i)
+    ASSERT_NEAR(slope[i], (after.solution.u[i] - before.solution.u[i]) / (2 * step), 1e-5);
+}
+
+TEST(MakeDomain, RefusesPatchesThatDoNotMatch) {
+  par::Comm comm(MPI_COMM_WORLD);
+  const auto mesh = mesh::assemble(comm, test::kuhn_cube(comm, 2));
+  const auto lacking = read_case("[boundary.xmin]\ncondition = \"potential\"\nvalue = 1\n", "c");
+  const auto unknown = read_case(cube_boundary(potential(1)) + "[boundary.hull]\ncondition = \"symmetry\"\n", "c");
+
+  EXPECT_THROW(make_domain(comm, mesh, lacking, "c"), Error);
+  EXPECT_THROW(make_domain(comm, mesh, unknown, "c"), Error);
+}
+
+TEST(MakeConditions, CountsNodesWhereGivenPotentialsContradictEachOther) {
+  par::Comm comm(MPI_COMM_WORLD);
+  Solved solved(comm, test::kuhn_cube(comm, 2), cube_boundary(potential(1), "zmin", potential(2)));
+
+  EXPECT_EQ(solved.conditions.n_contradictions, 8);  // the rim of the bottom, 3 x 3 nodes without its middle
+}
+
+}  // namespace
+}  // namespace pamr::poisson_boltzmann

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "pamr/mesh/assemble.hpp"
+#include "poisson_boltzmann/analysis.hpp"
+#include "support/meshes.hpp"
+
+namespace pamr::poisson_boltzmann {
+
+/// A case solved on a mesh, with all that its parts refer to.
+class Solved {
+ public:
+  Solved(const par::Comm& comm, mesh::BlockMesh block, const std::string& case_text)
+      : problem(read_case(case_text, "case")),
+        mesh(mesh::assemble(comm, std::move(block))),
+        domain(make_domain(comm, mesh, problem, "case")),
+        conditions(make_conditions(comm, domain, problem)),
+        system(comm, domain, problem, conditions) {
+    solution = system.solve({}, [](const NewtonStep&) {});
+  }
+  Solved(const Solved&) = delete;
+  Solved& operator=(const Solved&) = delete;
+  Solved(Solved&&) = delete;
+  Solved& operator=(Solved&&) = delete;
+  ~Solved() = default;
+
+  Analysis analysis(const par::Comm& comm) { return analyse(comm, domain, problem, conditions, system, solution); }
+
+  Case problem;
+  mesh::DistMesh mesh;
+  Domain domain;
+  Conditions conditions;
+  System system;
+  Solution solution;
+};
+
+/// Tables [boundary.X] for the six sides of the unit cube: the same text for all, but for `special`.
+inline std::string cube_boundary(const std::string& all, const std::string& special_patch = "",
+                                 const std::string& special = "") {
+  std::string text;
+  for (const std::string patch : {"xmin", "xmax", "ymin", "ymax", "zmin", "zmax"})
+    text += "[boundary." + patch + "]\n" + (patch == special_patch ? special : all) + "\n";
+  return text;
+}
+
+}  // namespace pamr::poisson_boltzmann
