@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "pamr/base/error.hpp"
+#include "pamr/base/memory.hpp"
 #include "pamr/mesh/assemble_steps.hpp"
 #include "pamr/mesh/families.hpp"
 #include "pamr/mesh/id_map.hpp"
@@ -26,7 +27,7 @@ void number_nodes(DistMesh& mesh, std::vector<std::array<GlobalId, 4>> cell_to_n
     }
   if (max < min) return;
   IdMap local(min, max, cell_to_node.size() / 4);
-  mesh.cell_to_node.reserve(cell_to_node.size());
+  reserve_array(mesh.cell_to_node, cell_to_node.size());
   for (const auto& nodes : cell_to_node) {
     auto& here = mesh.cell_to_node.emplace_back();
     for (std::size_t i = 0; i < 4; ++i) {

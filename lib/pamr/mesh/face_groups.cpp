@@ -1,36 +1,62 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "pamr/mesh/face_groups.hpp"
 
+#include <utility>
+
+#include "pamr/base/memory.hpp"
+
 namespace pamr::mesh {
+
+namespace {
+
+/// Longer lists are rare: nodes with many cells.
+constexpr std::size_t short_list = 64;
+
+std::array<LocalId, 3> nodes_of(const DistMesh& mesh, std::uint32_t from) {
+  const auto& nodes = mesh.cell_to_node[from / 4];
+  const auto& corner = tet::face_to_corner[from % 4];
+  return {nodes[static_cast<std::size_t>(corner[0])], nodes[static_cast<std::size_t>(corner[1])],
+          nodes[static_cast<std::size_t>(corner[2])]};
+}
+
+std::size_t smallest_node(const DistMesh& mesh, std::uint32_t from) {
+  const auto [a, b, c] = nodes_of(mesh, from);
+  return static_cast<std::size_t>(std::min(a, std::min(b, c)));
+}
+
+}  // namespace
 
 FaceGroups::FaceGroups(const DistMesh& mesh) : mesh_(&mesh), offset_(mesh.node_global.size() + 1, 0) {
   const auto n_faces = static_cast<std::uint32_t>(4 * mesh.cell_to_node.size());
-  from_.resize(n_faces);
-  for (std::uint32_t face = 0; face < n_faces; ++face) ++offset_[static_cast<std::size_t>(key(face)[0])];
+  assign_array(from_, n_faces, std::uint32_t{0});
+  for (std::uint32_t face = 0; face < n_faces; ++face) ++offset_[smallest_node(mesh, face)];
   std::size_t end = 0;
   for (auto& offset : offset_) offset = end += offset;
-  for (auto face = n_faces; face-- > 0;) from_[--offset_[static_cast<std::size_t>(key(face)[0])]] = face;
-}
-
-std::array<LocalId, 3> FaceGroups::key(std::uint32_t from) const {
-  const auto& nodes = mesh_->cell_to_node[from / 4];
-  const auto& corner = tet::face_to_corner[from % 4];
-  std::array<LocalId, 3> result{nodes[static_cast<std::size_t>(corner[0])], nodes[static_cast<std::size_t>(corner[1])],
-                                nodes[static_cast<std::size_t>(corner[2])]};
-  std::sort(result.begin(), result.end());
-  return result;
+  for (auto face = n_faces; face-- > 0;) from_[--offset_[smallest_node(mesh, face)]] = face;
 }
 
 void FaceGroups::collect(std::size_t node, std::vector<FaceAtNode>& faces) const {
   faces.clear();
   for (auto i = offset_[node]; i < offset_[node + 1]; ++i) {
-    const auto nodes = key(from_[i]);
-    faces.push_back({nodes[1], nodes[2], from_[i]});
+    auto [a, b, c] = nodes_of(*mesh_, from_[i]);
+    if (b < a) std::swap(a, b);
+    if (c < a) std::swap(a, c);
+    faces.push_back(
+        {static_cast<std::uint64_t>(std::min(b, c)) << 32U | static_cast<std::uint64_t>(std::max(b, c)), from_[i]});
   }
-  std::sort(faces.begin(), faces.end(), [](const FaceAtNode& a, const FaceAtNode& b) {
-    if (a.middle != b.middle) return a.middle < b.middle;
-    return a.largest != b.largest ? a.largest < b.largest : a.from < b.from;
-  });
+  if (faces.size() > short_list) {
+    std::sort(faces.begin(), faces.end(), [](const FaceAtNode& x, const FaceAtNode& y) {
+      return x.others != y.others ? x.others < y.others : x.from < y.from;
+    });
+    return;
+  }
+  // insertion: `from` ascends as they come and stays so among equals
+  for (std::size_t i = 1; i < faces.size(); ++i) {
+    const auto face = faces[i];
+    auto k = i;
+    for (; k > 0 && faces[k - 1].others > face.others; --k) faces[k] = faces[k - 1];
+    faces[k] = face;
+  }
 }
 
 }  // namespace pamr::mesh

@@ -38,12 +38,9 @@ class FaceGroups {
 
  private:
   struct FaceAtNode {
-    LocalId middle = 0;
-    LocalId largest = 0;
+    std::uint64_t others = 0;  // the middle and the largest of its nodes, which have the smallest in common
     std::uint32_t from = 0;
-    bool has_nodes_of(const FaceAtNode& other) const { return middle == other.middle && largest == other.largest; }
   };
-  std::array<LocalId, 3> key(std::uint32_t from) const;
   void collect(std::size_t node, std::vector<FaceAtNode>& faces) const;
 
   const DistMesh* mesh_;
@@ -59,7 +56,7 @@ void FaceGroups::for_each(Visit&& visit) const {
     collect(node, faces);
     for (std::size_t begin = 0, end = 0; begin < faces.size(); begin = end) {
       group.clear();
-      for (; end < faces.size() && faces[end].has_nodes_of(faces[begin]); ++end)
+      for (; end < faces.size() && faces[end].others == faces[begin].others; ++end)
         group.push_back({static_cast<LocalId>(faces[end].from / 4), static_cast<int>(faces[end].from % 4)});
       visit(std::span<const CellFace>(group));
     }

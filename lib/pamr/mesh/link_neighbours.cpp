@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "pamr/base/error.hpp"
+#include "pamr/base/memory.hpp"
 #include "pamr/mesh/assemble_steps.hpp"
 #include "pamr/mesh/face_groups.hpp"
 #include "pamr/mesh/id_map.hpp"
@@ -66,7 +67,7 @@ std::vector<Rank> ask_owners(const par::Comm& comm, IdRange cells, const CellOwn
 std::vector<RemoteFace> translate(DistMesh& mesh, const std::vector<std::array<GlobalId, 4>>& neighbour) {
   const OwnCells own(mesh.cell_global);
   std::vector<RemoteFace> remote;
-  mesh.cell_to_cell.resize(neighbour.size());
+  assign_array(mesh.cell_to_cell, neighbour.size(), CellNeighbours{});
   for (std::size_t c = 0; c < neighbour.size(); ++c)
     for (std::size_t f = 0; f < 4; ++f) {
       const auto id = neighbour[c][f];
@@ -120,7 +121,22 @@ bool is_returned(const DistMesh& mesh, LocalId c, std::size_t f, LocalId d) {
   return false;
 }
 
+/// True when every own neighbour names its cell in turn: links up (to a cell with a larger number) are returned by as
+/// many different links down, and there are no more of these. Of a sound mesh this takes half of looking at both.
+bool all_returned(const DistMesh& mesh) {
+  std::int64_t n_up = 0, n_down = 0;
+  for (LocalId c = 0; c < mesh.n_cells(); ++c)
+    for (std::size_t f = 0; f < 4; ++f) {
+      const auto d = mesh.cell_to_cell[static_cast<std::size_t>(c)][f];
+      if (!mesh.is_own(d)) continue;
+      if (d > c && !is_returned(mesh, c, f, d)) return false;
+      (d > c ? n_up : n_down) += 1;
+    }
+  return n_up == n_down;
+}
+
 void check_own(const DistMesh& mesh) {
+  if (all_returned(mesh)) return;
   for (LocalId c = 0; c < mesh.n_cells(); ++c)
     for (std::size_t f = 0; f < 4; ++f) {
       const auto d = mesh.cell_to_cell[static_cast<std::size_t>(c)][f];

@@ -11,32 +11,6 @@ namespace pamr::mesh::ordering {
 
 namespace {
 
-/// The nodes that this rank's cells name, in order of first use, and each corner's place among them.
-struct Named {
-  std::vector<GlobalId> node;
-  std::vector<LocalId> corner;  ///< 4 a cell
-};
-
-Named find_named(const std::vector<std::array<GlobalId, 4>>& cell_to_node) {
-  Named named;
-  if (cell_to_node.empty()) return named;
-  GlobalId least = cell_to_node[0][0], greatest = least;
-  for (const auto& nodes : cell_to_node)
-    for (const auto node : nodes) {
-      least = std::min(least, node);
-      greatest = std::max(greatest, node);
-    }
-  IdMap local(least, greatest, cell_to_node.size() / 4);
-  named.corner.reserve(4 * cell_to_node.size());
-  for (const auto& nodes : cell_to_node)
-    for (const auto node : nodes) {
-      const auto next = static_cast<LocalId>(named.node.size());
-      named.corner.push_back(local.find_or_insert(node, next));
-      if (named.corner.back() == next) named.node.push_back(node);
-    }
-  return named;
-}
-
 /// What the ranks of the nodes' blocks tell those whose cells name them.
 struct Claims {
   std::vector<char> is_first;  ///< for each named node: no lower rank names it, so that this one numbers it
@@ -79,6 +53,26 @@ void move_rows(const par::Comm& comm, IdRange nodes, std::vector<T>& rows, std::
 }
 
 }  // namespace
+
+Named find_named(const std::vector<std::array<GlobalId, 4>>& cell_to_node) {
+  Named named;
+  if (cell_to_node.empty()) return named;
+  GlobalId least = cell_to_node[0][0], greatest = least;
+  for (const auto& nodes : cell_to_node)
+    for (const auto node : nodes) {
+      least = std::min(least, node);
+      greatest = std::max(greatest, node);
+    }
+  IdMap local(least, greatest, cell_to_node.size() / 4);
+  named.corner.reserve(4 * cell_to_node.size());
+  for (const auto& nodes : cell_to_node)
+    for (const auto node : nodes) {
+      const auto next = static_cast<LocalId>(named.node.size());
+      named.corner.push_back(local.find_or_insert(node, next));
+      if (named.corner.back() == next) named.node.push_back(node);
+    }
+  return named;
+}
 
 std::vector<GlobalId> renumber_nodes(const par::Comm& comm, BlockMesh& block) {
   const auto nodes = block.info.node_ids();

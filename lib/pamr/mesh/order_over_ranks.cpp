@@ -3,6 +3,7 @@
 #include <numeric>
 #include <utility>
 
+#include "pamr/base/memory.hpp"
 #include "pamr/mesh/assemble_steps.hpp"
 #include "pamr/mesh/order_steps.hpp"
 #include "pamr/par/exchange.hpp"
@@ -11,8 +12,11 @@ namespace pamr::mesh::ordering {
 
 namespace {
 
-/// Cells whose nodes or neighbours are asked for at once.
+/// Cells whose neighbours are asked for at once.
 constexpr std::size_t cells_of_round = std::size_t{1} << 17U;
+
+/// Corners whose points are asked for beforehand.
+constexpr std::size_t corners_ahead = 64;
 
 /// Calls `work(begin, end)` for pieces of this rank's cells, as often on every rank. Collective.
 template <class Work>
@@ -61,15 +65,18 @@ void share_family_keys(const par::Comm& comm, const BlockMesh& block, std::vecto
 /// Collective.
 std::vector<std::uint64_t> find_keys(const par::Comm& comm, const BlockMesh& block, const CurveGrid& grid,
                                      bool has_lineage) {
+  const auto named = find_named(block.cell_to_node);
+  const auto point = par::fetch_rows<geometry::Vec3>(comm, block.info.node_ids(), block.node_position, 1, named.node);
   std::vector<std::uint64_t> key;
-  key.reserve(block.cell_to_node.size());
-  in_rounds(comm, block.cell_to_node.size(), [&](std::size_t begin, std::size_t end) {
-    std::vector<GlobalId> nodes;
-    for (auto c = begin; c < end; ++c)
-      nodes.insert(nodes.end(), block.cell_to_node[c].begin(), block.cell_to_node[c].end());
-    const auto p = par::fetch_rows<geometry::Vec3>(comm, block.info.node_ids(), block.node_position, 1, nodes);
-    for (std::size_t i = 0; i < p.size(); i += 4) key.push_back(key_of(grid, {p[i], p[i + 1], p[i + 2], p[i + 3]}));
-  });
+  reserve_array(key, block.cell_to_node.size());
+  const auto at = [&](std::size_t corner) -> const geometry::Vec3& {
+    return point[static_cast<std::size_t>(named.corner[corner])];
+  };
+  for (std::size_t i = 0; i < named.corner.size(); i += 4) {
+    for (auto ahead = i + corners_ahead; ahead < std::min(i + corners_ahead + 4, named.corner.size()); ++ahead)
+      __builtin_prefetch(&at(ahead));
+    key.push_back(key_of(grid, {at(i), at(i + 1), at(i + 2), at(i + 3)}));
+  }
   if (has_lineage) share_family_keys(comm, block, key);
   return key;
 }
@@ -80,16 +87,19 @@ void renumber_neighbours(const par::Comm& comm, BlockMesh& block, const std::vec
                          const std::vector<GlobalId>& place) {
   const auto cells = block.info.cell_ids();
   const auto new_of_block = par::scatter_rows<GlobalId>(comm, cells, place, 1, id);
+  const auto here = par::block_range(cells, comm.rank(), comm.size());
+  const auto is_here = [&](GlobalId cell) { return cell >= here.begin && cell < here.end; };
   in_rounds(comm, block.cell_to_cell.size(), [&](std::size_t begin, std::size_t end) {
     std::vector<GlobalId> asked;
     for (auto c = begin; c < end; ++c)
       for (const auto neighbour : block.cell_to_cell[c])
-        if (neighbour >= 0) asked.push_back(neighbour);
+        if (neighbour >= 0 && !is_here(neighbour)) asked.push_back(neighbour);
     const auto answered = par::fetch_rows<GlobalId>(comm, cells, new_of_block, 1, asked);
     auto next = answered.begin();
     for (auto c = begin; c < end; ++c)
       for (auto& neighbour : block.cell_to_cell[c])
-        if (neighbour >= 0) neighbour = *next++;
+        if (neighbour >= 0)
+          neighbour = is_here(neighbour) ? new_of_block[static_cast<std::size_t>(neighbour - here.begin)] : *next++;
   });
 }
 

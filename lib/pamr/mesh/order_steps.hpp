@@ -26,6 +26,15 @@ Ordered order_over_ranks(const par::Comm& comm, BlockMesh block, const CurveGrid
 std::vector<GlobalId> places_along_curve(const par::Comm& comm, const BlockMesh& block,
                                          std::span<const std::uint64_t> key);
 
+/// The nodes that cells name, in order of first use, and each corner's place among them.
+struct Named {
+  std::vector<GlobalId> node;
+  std::vector<LocalId> corner;  ///< 4 a cell
+};
+
+/// Local.
+Named find_named(const std::vector<std::array<GlobalId, 4>>& cell_to_node);
+
 /// Numbers the nodes in the order in which the cells name them, moves positions and fields to their new blocks and
 /// returns what the numbers were before. `block` holds the cells in canonical blocks, with old node numbers.
 /// Collective.

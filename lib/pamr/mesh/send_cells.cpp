@@ -3,7 +3,9 @@
 #include <numeric>
 #include <utility>
 
+#include "pamr/base/memory.hpp"
 #include "pamr/mesh/assemble_steps.hpp"
+#include "pamr/mesh/sorted_order.hpp"
 
 namespace pamr::mesh::assembly {
 
@@ -93,22 +95,34 @@ void for_each_array(GlobalCells& cells, bool has_neighbours, Change change) {
 template <class T>
 void select_rows(std::vector<T>& rows, std::size_t width, std::span<const std::size_t> order) {
   std::vector<T> selected;
-  selected.reserve(order.size() * width);
+  reserve_array(selected, order.size() * width);
   for (const auto i : order)
     for (std::size_t k = 0; k < width; ++k) selected.push_back(rows[i * width + k]);
   rows = std::move(selected);
 }
 
+/// Rows of the cells that stay, then of those that arrived (as if they stood behind all the old ones), by number.
+std::vector<std::size_t> order_by_number(const std::vector<GlobalId>& old_id, const std::vector<GlobalId>& arrived_id,
+                                         const std::vector<Rank>& to, Rank here) {
+  std::vector<std::size_t> row;
+  std::vector<std::uint64_t> id;
+  for (std::size_t i = 0; i < old_id.size(); ++i)
+    if (to[i] == here) row.push_back(i);
+  for (std::size_t i = 0; i < arrived_id.size(); ++i) row.push_back(old_id.size() + i);
+  id.reserve(row.size());
+  for (const auto i : row)
+    id.push_back(static_cast<std::uint64_t>(i < old_id.size() ? old_id[i] : arrived_id[i - old_id.size()]));
+  const auto least = id.empty() ? 0 : *std::min_element(id.begin(), id.end());
+  for (auto& number : id) number -= least;
+  std::vector<std::size_t> result;
+  result.reserve(row.size());
+  for (const auto i : sorted_order(id)) result.push_back(row[i]);
+  return result;
+}
+
 /// Drops the departed cells, adds the arrived ones and puts all in ascending order.
 void merge(GlobalCells& cells, GlobalCells arrived, const std::vector<Rank>& to, Rank here, bool has_neighbours) {
-  std::vector<std::size_t> order;  // into the cells followed by the arrived ones
-  const auto n_old = cells.id.size();
-  for (std::size_t i = 0; i < n_old; ++i)
-    if (to[i] == here) order.push_back(i);
-  for (std::size_t i = 0; i < arrived.id.size(); ++i) order.push_back(n_old + i);
-  const auto id_at = [&](std::size_t i) { return i < n_old ? cells.id[i] : arrived.id[i - n_old]; };
-  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return id_at(a) < id_at(b); });
-
+  const auto order = order_by_number(cells.id, arrived.id, to, here);
   const auto append = [&](auto& mine, auto& theirs) {
     mine.insert(mine.end(), theirs.begin(), theirs.end());
     theirs = {};
@@ -159,6 +173,7 @@ void exchange_cells(const par::Comm& comm, GlobalCells& cells, const std::vector
 
 GlobalCells send_cells(const par::Comm& comm, BlockMesh& block, std::vector<Rank> to, const Contents& contents) {
   auto cells = take_cells(block, contents);
+  reserve_array(cells.id, cells.node.size());
   cells.id.resize(cells.node.size());
   std::iota(cells.id.begin(), cells.id.end(), block.first_cell);
   exchange_cells(comm, cells, to, contents);
