@@ -72,7 +72,8 @@ class Flow {
   StepCounts step();
 
   void start_sampling();  ///< from here on, with empty sums
-  void stop_sampling() { sampling_ = false; }
+  /// Sampling goes on, or not, with the sums as they are.
+  void resume(bool sampling) { sampling_ = sampling; }
   bool is_sampling() const { return sampling_; }
   /// Ends a block of the averages (see `Samples`); surface sums of the block are returned, one for each boundary face.
   std::vector<SurfaceTally::Sums> end_block();

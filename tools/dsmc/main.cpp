@@ -3,8 +3,10 @@
 
 #include <CLI/CLI.hpp>
 #include <cmath>
+#include <csignal>
 #include <cstdio>
 #include <fstream>
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <sstream>
@@ -14,6 +16,7 @@
 #include "cli/output_file.hpp"
 #include "cli/run_tool.hpp"
 #include "dsmc/case_file.hpp"
+#include "dsmc/checkpoint.hpp"
 #include "dsmc/plan.hpp"
 #include "dsmc/run.hpp"
 #include "dsmc/surface_file.hpp"
@@ -29,8 +32,9 @@ using namespace pamr;
 using namespace pamr::dsmc;
 
 struct Options {
-  std::string case_file, mesh, output, surface, history;
+  std::string case_file, mesh, output, surface, history, restart, checkpoint;
   std::optional<std::uint64_t> steps;
+  std::uint64_t every = 0;
   bool plan = false, force = false;
 };
 
@@ -41,6 +45,15 @@ void declare(CLI::App& app, Options& o) {
   app.add_option("--steps", o.steps, "end after so many steps in all, transient included (default: as the case says)")
       ->type_name("N")
       ->check(CLI::PositiveNumber);
+  auto* checkpoint =
+      app.add_option("--checkpoint", o.checkpoint,
+                     "file to go on from, written at the end, on SIGTERM, SIGINT and SIGUSR1, and as --every says")
+          ->type_name("FILE");
+  app.add_option("--every", o.every, "steps from checkpoint to checkpoint")
+      ->type_name("N")
+      ->check(CLI::PositiveNumber)
+      ->needs(checkpoint);
+  app.add_option("--restart", o.restart, "go on from this checkpoint, on the same mesh")->type_name("FILE");
   app.add_option("--surface", o.surface, "averages on the walls, triangles in VTK's XML format")->type_name("FILE.vtu");
   app.add_option("--history", o.history, "particles and loads over time")->type_name("FILE.csv");
   app.add_flag("--plan", o.plan, "print what is known beforehand, and end");
@@ -61,13 +74,28 @@ std::string text_of(const par::Comm& comm, const std::string& file) {
   return comm.broadcast(text);
 }
 
+volatile std::sig_atomic_t interrupted = 0;
+
+/// From here on the signals that end jobs only ask for an end.
+void watch_signals() {
+  struct sigaction action {};
+  action.sa_handler = [](int) { interrupted = 1; };
+  action.sa_flags = SA_RESTART;
+  for (const int signal : {SIGTERM, SIGINT, SIGUSR1}) ::sigaction(signal, &action, nullptr);
+}
+
 void check_paths(cli::Session& session, const Options& o) {
   session.check_input(o.case_file);
   session.check_input(o.mesh);
+  if (!o.restart.empty()) session.check_input(o.restart);
   if (o.plan) return;
   if (o.output.empty()) throw Error("expected -o OUT or --plan, found neither");
   for (const auto& file : {o.output, o.surface, o.history})
-    if (!file.empty()) session.check_output(file, {o.case_file, o.mesh}, o.force);
+    if (!file.empty()) session.check_output(file, {o.case_file, o.mesh, o.restart}, o.force);
+  if (o.checkpoint.empty()) return;
+  // A run goes on from the checkpoint that it replaces.
+  session.check_output(o.checkpoint, {o.case_file, o.mesh}, o.force || o.checkpoint == o.restart);
+  watch_signals();
 }
 
 void warn_about(cli::Session& session, const Plan& plan) {
@@ -141,17 +169,27 @@ nlohmann::json report_of(const Case& c, const Run& run, const Plan& plan, std::i
   return report;
 }
 
-/// Steps until the case or --steps says that it is enough; particle-steps of all ranks.
-double advance(cli::Session& session, Run& run, const Options& options) {
+/// How far a call of the tool came.
+struct Advance {
+  double particle_steps = 0;  ///< of all ranks
+  bool was_interrupted = false;
+};
+
+/// Steps until the case or --steps says that it is enough, or a signal asks for the end.
+Advance advance(cli::Session& session, Run& run, const Options& options, const std::function<void()>& save) {
   const auto& comm = session.comm();
   auto progress = session.progress("computing", static_cast<std::int64_t>(run.expected_steps()), "steps");
   double particle_steps = 0;
   bool was_sampling = run.state.sampling;
   const auto limit = [&] { return options.steps && run.flow().steps_done >= *options.steps; };
-  bool complete = false;
-  while (!complete && !limit()) {
+  bool complete = run.is_complete(), stop = false;
+  while (!complete && !limit() && !stop) {
     complete = run.step();
     particle_steps += static_cast<double>(run.flow().particles.size());
+    if (!options.checkpoint.empty()) {
+      stop = comm.any(interrupted != 0);
+      if (!stop && options.every > 0 && run.flow().steps_done % options.every == 0) save();
+    }
     if (run.state.sampling && !was_sampling) {
       was_sampling = true;
       session.summary(run.state.steady_reason);
@@ -159,8 +197,7 @@ double advance(cli::Session& session, Run& run, const Options& options) {
     progress.update(static_cast<std::int64_t>(run.flow().steps_done),
                     run.state.history.empty() ? "" : fmt::format("{} particles", run.state.history.back().particles));
   }
-  run.finish();
-  return static_cast<double>(comm.sum(static_cast<std::int64_t>(particle_steps)));
+  return {static_cast<double>(comm.sum(static_cast<std::int64_t>(particle_steps))), stop};
 }
 
 std::string summary_of(const Run& run, std::int64_t particles, double rate, const std::string& output) {
@@ -190,10 +227,21 @@ cli::ExitCode run_case(cli::Session& session, const Options& options) {
   }
 
   Flow flow(comm, mesh, setup);
-  flow.fill(mesh);
   Run run(c, mesh, flow);
+  const auto key = key_of(comm, mesh);
+  if (options.restart.empty())
+    flow.fill(mesh);
+  else
+    read_checkpoint(comm, options.restart, key, run, flow);
+  const auto save = [&] { write_checkpoint(comm, options.checkpoint, key, run, flow); };
   const double cpu = cpu_seconds();
-  const double particle_steps = advance(session, run, options);
+  const auto [particle_steps, was_interrupted] = advance(session, run, options, save);
+  if (!options.checkpoint.empty()) save();
+  if (was_interrupted) {
+    session.summary(fmt::format("interrupted after step {} -> {}", flow.steps_done, options.checkpoint));
+    return cli::ExitCode::interrupted;
+  }
+  run.finish();
   double cpu_all = 0;
   for (const double one : comm.all_gather(cpu_seconds() - cpu)) cpu_all += one;
   const double rate = particle_steps / std::max(cpu_all, 1e-9);

@@ -81,6 +81,10 @@ bool Run::step() {
   state.clamped += sums[6];
   ++state.in_interval;
   if (state.in_interval == (state.sampling ? block_ : interval_)) end_interval();
+  return is_complete();
+}
+
+bool Run::is_complete() const {
   if (!state.sampling) return false;
   const auto sampled = static_cast<std::int64_t>(flow_->steps_done - state.sampling_since);
   if (sampled >= case_->sampling) return true;

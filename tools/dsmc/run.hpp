@@ -65,6 +65,7 @@ class Run {
   /// One step, and what is due after it. Collective. True when the run is complete.
   bool step();
 
+  bool is_complete() const;
   /// Steps of a complete run, as far as it is known now.
   std::uint64_t expected_steps() const;
   std::int64_t interval() const { return interval_; }

@@ -1,0 +1,250 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "dsmc/checkpoint.hpp"
+
+#include <fmt/format.h>
+
+#include <bit>
+#include <nlohmann/json.hpp>
+#include <numeric>
+
+#include "dsmc/numbering.hpp"
+#include "dsmc/run_state_json.hpp"
+#include "dsmc/section_file.hpp"
+#include "pamr/base/contract.hpp"
+#include "pamr/base/error.hpp"
+#include "pamr/base/hash.hpp"
+#include "pamr/mesh/fingerprint.hpp"
+#include "pamr/par/exchange.hpp"
+
+namespace pamr::dsmc {
+
+namespace {
+
+using Words = std::vector<std::uint64_t>;
+
+constexpr std::size_t particle_words = 9, face_words = 12, species_words = 6, fixed_cell_words = 8;
+
+std::uint64_t word(double value) { return std::bit_cast<std::uint64_t>(value); }
+std::uint64_t word(std::int64_t value) { return std::bit_cast<std::uint64_t>(value); }
+double real(std::uint64_t bits) { return std::bit_cast<double>(bits); }
+std::int64_t integer(std::uint64_t bits) { return std::bit_cast<std::int64_t>(bits); }
+
+/// Numbers of the boundary faces of this rank along the global order of the cells.
+struct FaceNumbers {
+  std::vector<GlobalId> of;
+  std::int64_t total = 0;
+};
+FaceNumbers number_faces(const par::Comm& comm, GlobalId n_cells, const Domain& domain) {
+  std::vector<GlobalId> cell;
+  std::vector<std::int64_t> count;
+  for (const auto& face : domain.boundary) {
+    const auto global = domain.cell_global[static_cast<std::size_t>(face.cell)];
+    if (cell.empty() || cell.back() != global) {
+      cell.push_back(global);
+      count.push_back(0);
+    }
+    ++count.back();
+  }
+  const auto numbering = number_along_cells(comm, n_cells, cell, count);
+  FaceNumbers numbers{{}, numbering.total};
+  for (std::size_t i = 0; i < cell.size(); ++i)
+    for (std::int64_t k = 0; k < count[i]; ++k) numbers.of.push_back(numbering.first[i] + k);
+  return numbers;
+}
+
+std::vector<std::int64_t> particles_of_cells(const Flow& flow) {
+  const auto begin = flow.particles.begin();
+  std::vector<std::int64_t> count;
+  for (std::size_t c = 0; c + 1 < begin.size(); ++c) count.push_back(begin[c + 1] - begin[c]);
+  return count;
+}
+
+std::vector<GlobalId> consecutive(const std::vector<std::int64_t>& first, const std::vector<std::int64_t>& count) {
+  std::vector<GlobalId> rows;
+  for (std::size_t c = 0; c < first.size(); ++c)
+    for (std::int64_t i = 0; i < count[c]; ++i) rows.push_back(first[c] + i);
+  return rows;
+}
+
+Section particle_section(const par::Comm& comm, GlobalId n_cells, const Flow& flow) {
+  const auto count = particles_of_cells(flow);
+  const auto numbering = number_along_cells(comm, n_cells, flow.domain().cell_global, count);
+  const auto& p = flow.particles;
+  Words words;
+  words.reserve(particle_words * p.size());
+  for (std::size_t i = 0; i < p.size(); ++i)
+    words.insert(words.end(), {p.id[i], p.species[i], word(p.x[i]), word(p.y[i]), word(p.z[i]), word(p.u[i]),
+                               word(p.v[i]), word(p.w[i]), word(p.rotation[i])});
+  const auto rows = consecutive(numbering.first, count);
+  return {"particles", numbering.total, particle_words,
+          par::scatter_rows<std::uint64_t>(comm, numbering.total, words, particle_words, rows)};
+}
+
+Section cell_section(const par::Comm& comm, GlobalId n_cells, const Flow& flow) {
+  const auto count = particles_of_cells(flow);
+  const auto n_species = flow.setup().gas.species.size();
+  const auto width = fixed_cell_words + species_words * n_species;
+  Words words;
+  words.reserve(width * count.size());
+  for (std::size_t c = 0; c < count.size(); ++c) {
+    const auto& k = flow.collisions[c];
+    words.insert(words.end(),
+                 {word(count[c]), word(k.greatest), word(k.remainder), word(k.temperature), word(k.separation),
+                  word(k.collisions), word(flow.cells.block[c]), word(flow.cells.square_of_blocks[c])});
+    for (std::size_t s = 0; s < n_species; ++s) {
+      const auto& sum = flow.cells.sums[c * n_species + s];
+      words.insert(words.end(), {word(sum.n), word(sum.velocity.x), word(sum.velocity.y), word(sum.velocity.z),
+                                 word(sum.square), word(sum.rotation)});
+    }
+  }
+  return {"cells", n_cells, width,
+          par::scatter_rows<std::uint64_t>(comm, n_cells, words, width, flow.domain().cell_global)};
+}
+
+Section face_section(const par::Comm& comm, GlobalId n_cells, const Run& run, const Flow& flow) {
+  const auto numbers = number_faces(comm, n_cells, flow.domain());
+  Words words;
+  const auto add = [&](const SurfaceTally::Sums& s) {
+    words.insert(words.end(),
+                 {word(s.hits), word(s.momentum[0]), word(s.momentum[1]), word(s.momentum[2]), word(s.energy)});
+  };
+  for (std::size_t f = 0; f < numbers.of.size(); ++f) {
+    add(flow.surface.face[f]);
+    add(run.state.face[f].sums);
+    words.push_back(word(run.state.face[f].heat_squares));
+    words.push_back(word(run.state.face[f].pressure_squares));
+  }
+  return {"faces", numbers.total, face_words,
+          par::scatter_rows<std::uint64_t>(comm, numbers.total, words, face_words, numbers.of)};
+}
+
+nlohmann::json setup_of(const Flow& flow) {
+  const auto& setup = flow.setup();
+  nlohmann::json names = nlohmann::json::array();
+  for (const auto& s : setup.gas.species) names.push_back(s.name);
+  return {{"species", names}, {"dt", setup.dt}, {"molecules", setup.molecules}, {"unit", setup.unit}};
+}
+
+void restore_cells(const par::Comm& comm, const SectionFile& file, GlobalId n_cells, Flow& flow,
+                   std::vector<std::int64_t>& count) {
+  const auto n_species = flow.setup().gas.species.size();
+  const auto width = fixed_cell_words + species_words * n_species;
+  const auto section = file.read("cells", width);
+  const auto words = par::fetch_rows<std::uint64_t>(comm, n_cells, section.block, width, flow.domain().cell_global);
+  const auto& global = flow.domain().cell_global;
+  for (std::size_t c = 0; c < global.size(); ++c) {
+    const auto* w = words.data() + c * width;
+    count.push_back(integer(w[0]));
+    flow.collisions[c] = {real(w[1]), real(w[2]), real(w[3]), real(w[4]), integer(w[5])};
+    flow.cells.block[c] = real(w[6]);
+    flow.cells.square_of_blocks[c] = real(w[7]);
+    for (std::size_t s = 0; s < n_species; ++s) {
+      const auto* v = w + fixed_cell_words + s * species_words;
+      flow.cells.sums[c * n_species + s] = {real(v[0]), {real(v[1]), real(v[2]), real(v[3])}, real(v[4]), real(v[5])};
+    }
+  }
+}
+
+void restore_particles(const par::Comm& comm, const SectionFile& file, GlobalId n_cells, Flow& flow,
+                       const std::vector<std::int64_t>& count) {
+  const auto numbering = number_along_cells(comm, n_cells, flow.domain().cell_global, count);
+  const auto section = file.read("particles", particle_words);
+  if (section.rows != numbering.total)
+    throw Error(
+        fmt::format("checkpoint: expected {} particles, as its cells have, found {}", numbering.total, section.rows));
+  const auto rows = consecutive(numbering.first, count);
+  const auto words = par::fetch_rows<std::uint64_t>(comm, section.rows, section.block, particle_words, rows);
+  const auto n_species = flow.setup().gas.species.size();
+  par::agree(comm, [&] {
+    std::size_t at = 0;
+    for (std::size_t c = 0; c < count.size(); ++c)
+      for (std::int64_t i = 0; i < count[c]; ++i, ++at) {
+        const auto* w = words.data() + at * particle_words;
+        if (w[1] >= n_species)
+          throw Error(fmt::format("checkpoint: expected {} species, found number {}", n_species, w[1]));
+        Particle p;
+        p.id = w[0];
+        p.species = static_cast<std::uint32_t>(w[1]);
+        p.position = {real(w[2]), real(w[3]), real(w[4])};
+        p.velocity = {real(w[5]), real(w[6]), real(w[7])};
+        p.rotation = real(w[8]);
+        p.cell = static_cast<LocalId>(c);
+        flow.particles.append(p);
+      }
+  });
+  flow.particles.sort_by_cell(flow.domain().n_cells());
+}
+
+void restore_faces(const par::Comm& comm, const SectionFile& file, GlobalId n_cells, Run& run, Flow& flow) {
+  const auto numbers = number_faces(comm, n_cells, flow.domain());
+  const auto section = file.read("faces", face_words);
+  if (section.rows != numbers.total)
+    throw Error(fmt::format("checkpoint: expected {} boundary faces, found {}", numbers.total, section.rows));
+  const auto words = par::fetch_rows<std::uint64_t>(comm, numbers.total, section.block, face_words, numbers.of);
+  const auto sums = [](const std::uint64_t* w) {
+    return SurfaceTally::Sums{integer(w[0]), {integer(w[1]), integer(w[2]), integer(w[3])}, integer(w[4])};
+  };
+  for (std::size_t f = 0; f < numbers.of.size(); ++f) {
+    const auto* w = words.data() + f * face_words;
+    flow.surface.face[f] = sums(w);
+    run.state.face[f] = {sums(w + 5), real(w[10]), real(w[11])};
+  }
+}
+
+}  // namespace
+
+MeshKey key_of(const par::Comm& comm, const mesh::DistMesh& mesh) {
+  std::uint64_t sum = 0;
+  for (LocalId cell = 0; cell < mesh.n_cells(); ++cell) {
+    auto h = static_cast<std::uint64_t>(mesh.cell_global[static_cast<std::size_t>(cell)]);
+    for (const auto& p : mesh.points(cell)) h = combine(combine(combine(h, bits_of(p.x)), bits_of(p.y)), bits_of(p.z));
+    sum += h;
+  }
+  return {mesh::fingerprint(comm, mesh), static_cast<std::uint64_t>(comm.sum(static_cast<std::int64_t>(sum))),
+          mesh.info.n_global_cells};
+}
+
+void write_checkpoint(const par::Comm& comm, const std::string& file, const MeshKey& mesh, const Run& run,
+                      const Flow& flow) {
+  nlohmann::json header{{"fingerprint", mesh.fingerprint},
+                        {"numbering", mesh.numbering},
+                        {"n_cells", mesh.n_cells},
+                        {"steps_done", flow.steps_done},
+                        {"sampled_steps", flow.cells.steps},
+                        {"sampled_blocks", flow.cells.blocks},
+                        {"steps_in_block", flow.cells.steps_in_block},
+                        {"steps_in_blocks", flow.cells.steps_in_blocks},
+                        {"setup", setup_of(flow)},
+                        {"run", to_json(run.state)}};
+  write_sections(comm, file, header,
+                 {cell_section(comm, mesh.n_cells, flow), face_section(comm, mesh.n_cells, run, flow),
+                  particle_section(comm, mesh.n_cells, flow)});
+}
+
+void read_checkpoint(const par::Comm& comm, const std::string& name, const MeshKey& mesh, Run& run, Flow& flow) {
+  const SectionFile file(comm, name);
+  const auto& header = file.header();
+  if (header.at("fingerprint") != mesh.fingerprint)
+    throw Error(fmt::format(
+        "file '{}': expected a checkpoint of this mesh (fingerprint {:x}), found one of another mesh "
+        "({:x}, {} cells)",
+        name, mesh.fingerprint, header["fingerprint"].get<std::uint64_t>(), header["n_cells"].get<GlobalId>()));
+  if (header.at("numbering") != mesh.numbering)
+    throw Error(fmt::format("file '{}': expected the cells in the order of this mesh, found another order", name));
+  if (header.at("setup") != setup_of(flow))
+    throw Error(fmt::format("file '{}': expected a checkpoint of this case, {}, found {}", name, setup_of(flow).dump(),
+                            header["setup"].dump()));
+  run.state = run_state_from(header.at("run"), flow.domain().boundary.size());
+  flow.resume(run.state.sampling);
+  flow.steps_done = header.at("steps_done");
+  flow.cells.steps = header.at("sampled_steps");
+  flow.cells.blocks = header.at("sampled_blocks");
+  flow.cells.steps_in_block = header.at("steps_in_block");
+  flow.cells.steps_in_blocks = header.at("steps_in_blocks");
+  std::vector<std::int64_t> count;
+  restore_cells(comm, file, mesh.n_cells, flow, count);
+  restore_particles(comm, file, mesh.n_cells, flow, count);
+  restore_faces(comm, file, mesh.n_cells, run, flow);
+}
+
+}  // namespace pamr::dsmc
