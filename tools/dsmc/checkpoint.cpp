@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <numeric>
 
+#include "dsmc/checkpoint_rows.hpp"
 #include "dsmc/numbering.hpp"
 #include "dsmc/run_state_json.hpp"
 #include "dsmc/section_file.hpp"
@@ -22,12 +23,7 @@ namespace {
 
 using Words = std::vector<std::uint64_t>;
 
-constexpr std::size_t particle_words = 9, face_words = 12, species_words = 6, fixed_cell_words = 8;
-
-std::uint64_t word(double value) { return std::bit_cast<std::uint64_t>(value); }
-std::uint64_t word(std::int64_t value) { return std::bit_cast<std::uint64_t>(value); }
-double real(std::uint64_t bits) { return std::bit_cast<double>(bits); }
-std::int64_t integer(std::uint64_t bits) { return std::bit_cast<std::int64_t>(bits); }
+constexpr std::size_t face_words = 12;
 
 /// Numbers of the boundary faces of this rank along the global order of the cells.
 struct FaceNumbers {
@@ -59,13 +55,6 @@ std::vector<std::int64_t> particles_of_cells(const Flow& flow) {
   return count;
 }
 
-std::vector<GlobalId> consecutive(const std::vector<std::int64_t>& first, const std::vector<std::int64_t>& count) {
-  std::vector<GlobalId> rows;
-  for (std::size_t c = 0; c < first.size(); ++c)
-    for (std::int64_t i = 0; i < count[c]; ++i) rows.push_back(first[c] + i);
-  return rows;
-}
-
 Section particle_section(const par::Comm& comm, GlobalId n_cells, const Flow& flow) {
   const auto count = particles_of_cells(flow);
   const auto numbering = number_along_cells(comm, n_cells, flow.domain().cell_global, count);
@@ -90,7 +79,8 @@ Section cell_section(const par::Comm& comm, GlobalId n_cells, const Flow& flow) 
     const auto& k = flow.collisions[c];
     words.insert(words.end(),
                  {word(count[c]), word(k.greatest), word(k.remainder), word(k.temperature), word(k.separation),
-                  word(k.collisions), word(flow.cells.block[c]), word(flow.cells.square_of_blocks[c])});
+                  word(k.collisions), word(flow.cells.block[c]), word(flow.cells.square_of_blocks[c]),
+                  word(flow.domain().volume[c]), word(flow.domain().molecules[c])});
     for (std::size_t s = 0; s < n_species; ++s) {
       const auto& sum = flow.cells.sums[c * n_species + s];
       words.insert(words.end(), {word(sum.n), word(sum.velocity.x), word(sum.velocity.y), word(sum.velocity.z),
@@ -118,11 +108,15 @@ Section face_section(const par::Comm& comm, GlobalId n_cells, const Run& run, co
           par::scatter_rows<std::uint64_t>(comm, numbers.total, words, face_words, numbers.of)};
 }
 
+nlohmann::json species_of(const Flow& flow) {
+  nlohmann::json names = nlohmann::json::array();
+  for (const auto& s : flow.setup().gas.species) names.push_back(s.name);
+  return names;
+}
+
 nlohmann::json setup_of(const Flow& flow) {
   const auto& setup = flow.setup();
-  nlohmann::json names = nlohmann::json::array();
-  for (const auto& s : setup.gas.species) names.push_back(s.name);
-  return {{"species", names}, {"dt", setup.dt}, {"molecules", setup.molecules}, {"unit", setup.unit}};
+  return {{"species", species_of(flow)}, {"dt", setup.dt}, {"molecules", setup.molecules}, {"unit", setup.unit}};
 }
 
 void restore_cells(const par::Comm& comm, const SectionFile& file, GlobalId n_cells, Flow& flow,
@@ -160,14 +154,7 @@ void restore_particles(const par::Comm& comm, const SectionFile& file, GlobalId 
     for (std::size_t c = 0; c < count.size(); ++c)
       for (std::int64_t i = 0; i < count[c]; ++i, ++at) {
         const auto* w = words.data() + at * particle_words;
-        if (w[1] >= n_species)
-          throw Error(fmt::format("checkpoint: expected {} species, found number {}", n_species, w[1]));
-        Particle p;
-        p.id = w[0];
-        p.species = static_cast<std::uint32_t>(w[1]);
-        p.position = {real(w[2]), real(w[3]), real(w[4])};
-        p.velocity = {real(w[5]), real(w[6]), real(w[7])};
-        p.rotation = real(w[8]);
+        auto p = particle_from(w, n_species);
         p.cell = static_cast<LocalId>(c);
         flow.particles.append(p);
       }

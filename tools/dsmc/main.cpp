@@ -15,6 +15,7 @@
 
 #include "cli/output_file.hpp"
 #include "cli/run_tool.hpp"
+#include "dsmc/carry.hpp"
 #include "dsmc/case_file.hpp"
 #include "dsmc/checkpoint.hpp"
 #include "dsmc/plan.hpp"
@@ -32,7 +33,7 @@ using namespace pamr;
 using namespace pamr::dsmc;
 
 struct Options {
-  std::string case_file, mesh, output, surface, history, restart, checkpoint;
+  std::string case_file, mesh, output, surface, history, restart, carry, checkpoint;
   std::optional<std::uint64_t> steps;
   std::uint64_t every = 0;
   bool plan = false, force = false;
@@ -53,7 +54,11 @@ void declare(CLI::App& app, Options& o) {
       ->type_name("N")
       ->check(CLI::PositiveNumber)
       ->needs(checkpoint);
-  app.add_option("--restart", o.restart, "go on from this checkpoint, on the same mesh")->type_name("FILE");
+  auto* restart = app.add_option("--restart", o.restart, "go on from this checkpoint, on the same mesh");
+  restart->type_name("FILE");
+  app.add_option("--carry", o.carry, "begin with the flow of this checkpoint, on the mesh that MESH was refined from")
+      ->type_name("FILE")
+      ->excludes(restart);
   app.add_option("--surface", o.surface, "averages on the walls, triangles in VTK's XML format")->type_name("FILE.vtu");
   app.add_option("--history", o.history, "particles and loads over time")->type_name("FILE.csv");
   app.add_flag("--plan", o.plan, "print what is known beforehand, and end");
@@ -87,14 +92,15 @@ void watch_signals() {
 void check_paths(cli::Session& session, const Options& o) {
   session.check_input(o.case_file);
   session.check_input(o.mesh);
-  if (!o.restart.empty()) session.check_input(o.restart);
+  for (const auto& file : {o.restart, o.carry})
+    if (!file.empty()) session.check_input(file);
   if (o.plan) return;
   if (o.output.empty()) throw Error("expected -o OUT or --plan, found neither");
   for (const auto& file : {o.output, o.surface, o.history})
-    if (!file.empty()) session.check_output(file, {o.case_file, o.mesh, o.restart}, o.force);
+    if (!file.empty()) session.check_output(file, {o.case_file, o.mesh, o.restart, o.carry}, o.force);
   if (o.checkpoint.empty()) return;
   // A run goes on from the checkpoint that it replaces.
-  session.check_output(o.checkpoint, {o.case_file, o.mesh}, o.force || o.checkpoint == o.restart);
+  session.check_output(o.checkpoint, {o.case_file, o.mesh, o.carry}, o.force || o.checkpoint == o.restart);
   watch_signals();
 }
 
@@ -211,6 +217,20 @@ std::string summary_of(const Run& run, std::int64_t particles, double rate, cons
   return line + " -> " + output;
 }
 
+/// Fills the flow anew, from a checkpoint, or from that of a coarser mesh.
+void begin(cli::Session& session, const Options& options, const mesh::DistMesh& mesh, const MeshKey& key, Run& run,
+           Flow& flow) {
+  if (!options.restart.empty()) return read_checkpoint(session.comm(), options.restart, key, run, flow);
+  if (options.carry.empty()) return flow.fill(mesh);
+  const auto carried = carry(session.comm(), options.carry, mesh, flow);
+  run.state.first_step = carried.step;
+  run.state.carried = true;
+  session.summary(
+      fmt::format("carried {} particles from step {}: {} now inside walls removed, {} particles with the new "
+                  "weight",
+                  carried.old_particles, carried.step, carried.removed, carried.new_particles));
+}
+
 cli::ExitCode run_case(cli::Session& session, const Options& options) {
   const auto& comm = session.comm();
   check_paths(session, options);
@@ -229,10 +249,7 @@ cli::ExitCode run_case(cli::Session& session, const Options& options) {
   Flow flow(comm, mesh, setup);
   Run run(c, mesh, flow);
   const auto key = key_of(comm, mesh);
-  if (options.restart.empty())
-    flow.fill(mesh);
-  else
-    read_checkpoint(comm, options.restart, key, run, flow);
+  begin(session, options, mesh, key, run, flow);
   const auto save = [&] { write_checkpoint(comm, options.checkpoint, key, run, flow); };
   const double cpu = cpu_seconds();
   const auto [particle_steps, was_interrupted] = advance(session, run, options, save);

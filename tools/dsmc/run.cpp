@@ -56,6 +56,12 @@ Run::Run(const Case& the_case, const mesh::DistMesh& mesh, Flow& flow)
   state.face.resize(flow.domain().boundary.size());
 }
 
+std::uint64_t Run::discarded() const { return state.carried ? static_cast<std::uint64_t>(interval_) * window : 0; }
+
+std::uint64_t Run::first_sampled_step() const {
+  return state.first_step + std::max(discarded(), static_cast<std::uint64_t>(case_->transient.value_or(0)));
+}
+
 std::uint64_t Run::expected_steps() const {
   const auto sampled = static_cast<std::uint64_t>(case_->sampling);
   if (state.sampling) return state.sampling_since + sampled;
@@ -64,7 +70,7 @@ std::uint64_t Run::expected_steps() const {
 }
 
 bool Run::step() {
-  if (!state.sampling && case_->transient && flow_->steps_done >= static_cast<std::uint64_t>(*case_->transient))
+  if (!state.sampling && case_->transient && flow_->steps_done >= first_sampled_step())
     begin_sampling(fmt::format("averages begin after step {} as the case says", flow_->steps_done));
   const auto counts = flow_->step();
   std::int64_t sums[] = {
@@ -131,7 +137,7 @@ void Run::end_interval() {
   if (case_->transient || row.n_steps != interval_) return;
   std::vector<Series> series{{"the number of particles", {}}, {"the drag", {}}, {"the heat to the walls", {}}};
   for (const auto& old : state.history) {
-    if (old.sampled || old.step <= state.not_steady_before) continue;
+    if (old.sampled || old.step <= state.first_step + discarded()) continue;
     series[0].value.push_back(static_cast<double>(old.particles));
     series[1].value.push_back(old.body.drag);
     series[2].value.push_back(old.body.heat);
@@ -139,7 +145,7 @@ void Run::end_interval() {
   const auto verdict = judge_steadiness(series, window);
   if (verdict.is_steady)
     begin_sampling(fmt::format("steady after step {}: {}", flow_->steps_done, verdict.reason));
-  else if (flow_->steps_done >= static_cast<std::uint64_t>(case_->most_transient))
+  else if (flow_->steps_done >= state.first_step + static_cast<std::uint64_t>(case_->most_transient))
     begin_sampling(fmt::format("not steady after step {} (most_transient), averages begin all the same: {}",
                                flow_->steps_done, verdict.reason));
 }

@@ -33,8 +33,9 @@ struct FaceTotals {
 /// Where a run stands between two steps, besides the flow itself: everything that a checkpoint keeps.
 struct RunState {
   bool sampling = false;
-  std::uint64_t sampling_since = 0;     ///< step
-  std::uint64_t not_steady_before = 0;  ///< step: after a carried flow
+  std::uint64_t sampling_since = 0;  ///< step
+  std::uint64_t first_step = 0;      ///< at which this computation began: that of a carried flow
+  bool carried = false;              ///< began with a carried flow: one flow-through time is discarded
   std::string steady_reason;
   std::int64_t in_interval = 0;  ///< steps of the interval under way
   HistoryRow interval;           ///< its counts so far, of all ranks
@@ -80,6 +81,8 @@ class Run {
   RunState state;
 
  private:
+  std::uint64_t discarded() const;  ///< steps of a carried flow that do not count
+  std::uint64_t first_sampled_step() const;
   void begin_sampling(const std::string& reason);
   void end_interval();
   Results::OfPatch of(const std::string& name, const std::function<Load(const std::vector<Load>&)>& part) const;

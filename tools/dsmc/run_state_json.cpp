@@ -39,7 +39,8 @@ json to_json(const RunState& s) {
   }
   return {{"sampling", s.sampling},
           {"sampling_since", s.sampling_since},
-          {"not_steady_before", s.not_steady_before},
+          {"first_step", s.first_step},
+          {"carried", s.carried},
           {"steady_reason", s.steady_reason},
           {"in_interval", s.in_interval},
           {"interval", row_to_json(s.interval)},
@@ -54,7 +55,8 @@ RunState run_state_from(const json& j, std::size_t n_faces) {
     RunState s;
     s.sampling = j.at("sampling");
     s.sampling_since = j.at("sampling_since");
-    s.not_steady_before = j.at("not_steady_before");
+    s.first_step = j.at("first_step");
+    s.carried = j.at("carried");
     s.steady_reason = j.at("steady_reason");
     s.in_interval = j.at("in_interval");
     s.interval = row_from(j.at("interval"));
