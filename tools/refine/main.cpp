@@ -9,6 +9,7 @@
 #include "cli/run_tool.hpp"
 #include "pamr/adapt/adapt.hpp"
 #include "pamr/balance/weighted_blocks.hpp"
+#include "pamr/balance/weights.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/geometry/orientation.hpp"
 #include "pamr/io/native_file.hpp"
@@ -94,7 +95,11 @@ mesh::DistMesh read(const par::Comm& comm, const Options& options, const std::st
   try {
     auto mesh = naming(options.input, [&] { return mesh::assemble(comm, std::move(block), destination); });
     mesh::require_valid(comm, mesh, options.input);
-    if (reorder) adapt::flags_from_field(comm, mesh, options.marks);
+    if (reorder) {
+      adapt::flags_from_field(comm, mesh, options.marks);
+      const auto balancing = adapt::balancing_named(options.balance, options.weights);
+      if (balancing.weights == adapt::Weights::field) balance::weights_from_field(comm, mesh, balancing.field);
+    }
     timer.lap("preprocessing");
     return mesh;
   } catch (const Error&) {

@@ -4,6 +4,8 @@
 #include <algorithm>
 
 #include "pamr/base/contract.hpp"
+#include "pamr/mesh/hilbert.hpp"
+#include "pamr/mesh/sorted_order.hpp"
 
 namespace pamr::balance {
 
@@ -63,41 +65,34 @@ Groups group_families(const mesh::DistMesh& mesh) {
 Groups group_by_weight(const mesh::DistMesh& mesh, std::span<const std::int64_t> cell_weight,
                        std::int64_t weight_of_group) {
   PAMR_EXPECTS(cell_weight.size() == at(mesh.n_cells()));
+  geometry::Vec3 low{}, high{};
+  if (mesh.n_nodes() > 0) low = high = mesh.node_position.front();
+  for (const auto& p : mesh.node_position) {
+    low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
+    high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+  }
+  const mesh::CurveGrid grid(low, high);
+  std::vector<std::uint64_t> key;
+  std::vector<LocalId> first;
+  for (LocalId c = 0; c < mesh.n_cells(); c += family_of(mesh, c).size) {
+    const auto p = mesh.points(c);
+    key.push_back(grid.key(0.25 * (p[0] + p[1] + p[2] + p[3])));
+    first.push_back(c);
+  }
+  const auto order = mesh::sorted_order(key);
+  key = {};
   Groups groups;
   groups.cell.reserve(at(mesh.n_cells()));
-  std::vector<std::uint8_t> is_queued(at(mesh.n_cells()), 0);  // by first cell of the family
-  std::vector<LocalId> rim;                                    // families met but not taken, first come first served
-  std::size_t next_of_rim = 0;
-  LocalId next_seed = 0;
   std::int64_t weight = 0;
-  const auto queue = [&](Family family) {
-    if (is_queued[at(family.first)] != 0) return;
-    is_queued[at(family.first)] = 1;
-    rim.push_back(family.first);
-  };
-  // the families met first stay queued when a group is full: the next one begins there
-  while (groups.cell.size() < at(mesh.n_cells())) {
-    if (next_of_rim == rim.size()) {
-      if (groups.cell.size() > groups.offset.back()) {
-        groups.offset.push_back(groups.cell.size());
-        weight = 0;
-      }
-      while (is_queued[at(family_of(mesh, next_seed).first)] != 0) ++next_seed;
-      rim.clear();
-      next_of_rim = 0;
-      queue(family_of(mesh, next_seed));
-    }
-    const auto family = family_of(mesh, rim[next_of_rim++]);
+  for (const auto i : order) {
+    const auto family = family_of(mesh, first[i]);
     for (auto c = family.first; c < family.first + family.size; ++c) {
       groups.cell.push_back(c);
       weight += cell_weight[at(c)];
-      for (const auto neighbour : mesh.cell_to_cell[at(c)])
-        if (mesh.is_own(neighbour)) queue(family_of(mesh, neighbour));
     }
-    if (weight >= weight_of_group) {
-      groups.offset.push_back(groups.cell.size());
-      weight = 0;
-    }
+    if (weight < weight_of_group) continue;
+    groups.offset.push_back(groups.cell.size());
+    weight = 0;
   }
   if (groups.cell.size() > groups.offset.back()) groups.offset.push_back(groups.cell.size());
   return groups;

@@ -6,6 +6,7 @@
 
 #include "pamr/balance/dual_graph.hpp"
 #include "pamr/balance/scotch_partition.hpp"
+#include "pamr/balance/smooth_parts.hpp"
 #include "pamr/balance/weighted_blocks.hpp"
 #include "pamr/balance/weights.hpp"
 #include "pamr/base/contract.hpp"
@@ -31,8 +32,8 @@ void sort_and_unique(std::vector<PartPair>& pairs) {
   pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
 }
 
-/// The most neighbours that a part has, from the pairs that each rank sees. Collective.
-std::int64_t count_neighbours(const par::Comm& comm, std::vector<PartPair> pairs, Rank n_parts) {
+/// Counts the neighbours of the parts from the pairs that each rank sees. Collective.
+void count_neighbours(const par::Comm& comm, std::vector<PartPair> pairs, Rank n_parts, Quality& quality) {
   sort_and_unique(pairs);
   std::vector<par::Outgoing<PartPair>> messages;
   for (const auto& pair : pairs) {
@@ -47,7 +48,9 @@ std::int64_t count_neighbours(const par::Comm& comm, std::vector<PartPair> pairs
     run = i > 0 && pairs[i].of == pairs[i - 1].of ? run + 1 : 1;
     most = std::max(most, run);
   }
-  return comm.max(most);
+  quality.max_neighbours = comm.max(most);
+  quality.mean_neighbours =
+      static_cast<double>(comm.sum(static_cast<std::int64_t>(pairs.size()))) / static_cast<double>(n_parts);
 }
 
 std::vector<std::int64_t> weigh(const par::Comm& comm, std::span<const std::int64_t> weight, std::span<const Rank> part,
@@ -120,6 +123,7 @@ std::vector<Rank> part_by_scotch(const par::Comm& comm, const mesh::DistMesh& me
   std::vector<Rank> part(weight.size());
   for (std::size_t v = 0; v < groups.size(); ++v)
     for (const auto cell : groups.cells(v)) part[at(cell)] = of_vertex[v];
+  smooth_parts(comm, mesh, weight, n_parts, 1 + options.tolerance, part);
   return part;
 }
 
@@ -153,7 +157,7 @@ Quality measure(const par::Comm& comm, const mesh::DistMesh& mesh, std::span<con
       if (pairs.empty() || pairs.back() != PartPair{part[c], other}) pairs.push_back({part[c], other});
     }
   quality.edge_cut = comm.sum(cut_twice) / 2;
-  quality.max_neighbours = count_neighbours(comm, std::move(pairs), n_parts);
+  count_neighbours(comm, std::move(pairs), n_parts, quality);
   const auto part_weight = weigh(comm, weight, part, n_parts);
   quality.imbalance = imbalance_of(part_weight);
   quality.empty_parts = std::count(part_weight.begin(), part_weight.end(), 0);

@@ -36,9 +36,10 @@ struct Options {
   double tolerance = 0.01;
   /// Where Scotch's parts still exceed the mean by this factor, runs of cells are taken instead if they are better.
   double worst_accepted = 1.05;
-  /// Vertices of the graph for each part: so many groups of neighbouring cells of equal weight. Fewer are faster, more
-  /// cut fewer faces. 0: every cell and every closure family is a vertex.
-  std::int64_t vertices_per_part = 2000;
+  /// Vertices of the graph that Scotch gets for each part: so many groups of cells that lie together. The borders
+  /// between the parts are smoothed cell by cell afterwards. More cut fewer faces and take longer. 0: every cell and
+  /// every closure family is a vertex.
+  std::int64_t vertices_per_part = 500;
 };
 
 /// How good a distribution of cells over parts is. The same on every rank.
@@ -46,6 +47,7 @@ struct Quality {
   double imbalance = 1;             ///< greatest weight of a part / mean
   std::int64_t edge_cut = 0;        ///< faces between cells of different parts
   std::int64_t max_neighbours = 0;  ///< parts that share a face with one part: the most
+  double mean_neighbours = 0;       ///< mean of the same
   std::int64_t empty_parts = 0;     ///< parts without cells
 };
 

@@ -1,0 +1,122 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""pamr-partition from the command line: the parts it writes against what it reports, families, weights, bad input."""
+import h5py
+import numpy as np
+
+from tool_run import RANKS, add_cell_field, kuhn_cube, refuses, run, run_tests, same_bytes
+
+
+def read(name):
+    with h5py.File(name) as file:
+        return (file["VTKHDF/CellData/rank"][:], file["PAMR/cell_to_cell"][:],
+                file["PAMR/lineage"][:] if "lineage" in file["PAMR"] else None)
+
+
+def partition(mesh, parts, *options):
+    report = run("pamr-partition", mesh, "-o", "parts.hdf", "--force", "-p", parts, "--json", "-", *options).json
+    rank, neighbours, lineage = read("parts.hdf")
+    assert report["parts"] == parts and report["cells"] == len(rank)
+    assert rank.min() >= 0 and rank.max() < parts
+    inside = neighbours >= 0
+    other = np.where(inside, rank[np.where(inside, neighbours, 0)], rank[:, None])
+    assert report["edge_cut"] == (other != rank[:, None]).sum() // 2
+    pairs = {(a, b) for row, a in zip(other, rank) for b in row if a != b}
+    of_part = [sum(1 for a, _ in pairs if a == part) for part in range(parts)]
+    assert report["neighbours_max"] == max(of_part) and np.isclose(report["neighbours_mean"], np.mean(of_part))
+    assert report["empty_parts"] == parts - len(set(rank))
+    if lineage is not None:
+        kind, child, broken = lineage & 3, lineage >> 5 & 3, lineage >> 7 & 1
+        member = np.flatnonzero((kind != 0) & (broken == 0))
+        assert (rank[member] == rank[member - child[member].astype(int)]).all(), "a family is torn"
+    return rank, report
+
+
+def imbalance(rank, weight, parts):
+    return np.bincount(rank, weight, parts).max() * parts / weight.sum()
+
+
+def test_uniform_weights_give_parts_of_equal_size():
+    kuhn_cube("a.hdf", 8)
+    for parts in (1, 2, 3, 7):
+        for method in ("scotch", "blocks"):
+            rank, report = partition("a.hdf", parts, "--weights", "uniform", "--method", method)
+            assert np.isclose(report["imbalance_after"], imbalance(rank, np.ones(len(rank)), parts))
+            assert report["imbalance_after"] <= 1.05
+            assert report["method"] == (method if parts > 1 else "none")
+
+
+def test_scotch_cuts_fewer_faces_than_runs_of_cells():
+    kuhn_cube("a.hdf", 12)
+    scotch = partition("a.hdf", 8, "--method", "scotch")[1]
+    blocks = partition("a.hdf", 8, "--method", "blocks")[1]
+    assert scotch["edge_cut"] < blocks["edge_cut"] == blocks["edge_cut_before"]
+
+
+def test_weights_refine_balance_the_refined_mesh():
+    kuhn_cube("a.hdf", 8)
+    run("pamr-mark", "a.hdf", "-o", "b.hdf", "--box", "0,0,0,1,1,0.3", "--quiet")
+    rank, report = partition("b.hdf", 4)
+    assert report["weights"] == "refine" and report["imbalance_before"] > 1.5 and report["imbalance_after"] <= 1.05
+    # the field survives the refinement: children bear the rank of their parent
+    run("pamr-refine", "parts.hdf", "-o", "fine.hdf", "--quiet")
+    with h5py.File("fine.hdf") as file:
+        children = file["VTKHDF/CellData/rank"][:]
+    assert np.isclose(report["imbalance_after"], imbalance(children, np.ones(len(children)), 4))
+
+    # a mesh that holds closure families
+    run("pamr-mark", "fine.hdf", "-o", "marked.hdf", "--box", "0.2,0,0,0.6,1,0.4", "--quiet")
+    assert partition("marked.hdf", 5)[1]["imbalance_after"] <= 1.05
+
+
+def test_a_mesh_without_marks_counts_each_cell_once():
+    kuhn_cube("a.hdf", 5)
+    assert (partition("a.hdf", 3)[0] == partition("a.hdf", 3, "--weights", "uniform")[0]).all()
+
+
+def test_a_cell_field_may_weigh():
+    kuhn_cube("a.hdf", 8)
+    particles = np.random.default_rng(1).integers(0, 40, 3072) ** 2
+    add_cell_field("a.hdf", "particles", particles)
+    rank, report = partition("a.hdf", 6, "--weights", "particles")
+    assert np.isclose(report["imbalance_after"], imbalance(rank, particles, 6), rtol=1e-6)
+    assert report["imbalance_after"] <= 1.05
+
+
+def test_more_parts_than_cells_leave_parts_empty():
+    kuhn_cube("a.hdf", 1)
+    for method in ("scotch", "blocks"):
+        rank, report = partition("a.hdf", 10, "--method", method)
+        assert len(set(rank)) == 6 and report["empty_parts"] == 4
+
+
+def test_the_rest_of_the_file_stays_as_it_is():
+    kuhn_cube("a.hdf", 4)
+    partition("a.hdf", 3)
+    run("pamr-diff", "a.hdf", "parts.hdf", code=1)  # the field `rank` is new, and nothing else
+    with h5py.File("a.hdf") as old, h5py.File("parts.hdf") as new:
+        assert (old["VTKHDF/Connectivity"][:] == new["VTKHDF/Connectivity"][:]).all()
+        assert (old["VTKHDF/Points"][:] == new["VTKHDF/Points"][:]).all()
+        assert set(new["VTKHDF/CellData"]) == {"rank"}
+    # made again it replaces the field, and is the same
+    run("pamr-partition", "parts.hdf", "-o", "again.hdf", "-p", 3, "--quiet")
+    assert same_bytes("parts.hdf", "again.hdf")
+
+
+def test_bad_input_is_refused_in_one_line():
+    kuhn_cube("a.hdf", 2)
+    add_cell_field("a.hdf", "negative", np.where(np.arange(48) == 17, -2.0, 1.0))
+    add_cell_field("a.hdf", "nothing", np.zeros(48))
+    add_cell_field("a.hdf", "nan", np.where(np.arange(48) == 5, np.nan, 1.0))
+    add_cell_field("a.hdf", "vector", np.ones((48, 3)))
+    add_cell_field("a.hdf", "refine", np.where(np.arange(48) == 5, 2, 0))
+    for field, words in (("negative", ["'negative'", "at least 0", "-2", "cell 17"]), ("nan", ["nan", "cell 5"]),
+                         ("nothing", ["found 0 in all the 48 cells"]), ("vector", ["one component", "3"]),
+                         ("missing", ["'missing'", "a.hdf"]), ("refine", ["refine", "cell 5"])):
+        refuses("pamr-partition", "a.hdf", "-o", "b.hdf", "-p", 2, "--weights", field, says=words, creates="b.hdf")
+    refuses("pamr-partition", "a.hdf", "-o", "b.hdf", "-p", 0, creates="b.hdf")
+    refuses("pamr-partition", "a.hdf", "-o", "b.hdf", creates="b.hdf")
+    refuses("pamr-partition", "a.hdf", "-o", "b.hdf", "-p", 2, "--method", "metis", creates="b.hdf")
+    refuses("pamr-partition", "a.hdf", "-o", "a.hdf", "-p", 2, "--force")
+
+
+run_tests(globals())
