@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Speed and memory of one refinement: `limit`, W1, W2, W3, each in a process of its own so that peaks do not mix.
+# Speed and memory of one refinement: `limit`, W1, W2, W3, each in a process of its own so that peaks do not mix; then
+# W3 with cells, nodes and marks in random order.
 # Usage: run.sh [BUILD] [RANKS]   (default: build/release, 1 rank)
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
@@ -22,3 +23,6 @@ median = next(row for row in rows if row["name"].endswith("_median"))
 print("|", sys.argv[1], "|", " | ".join("%.4g" % float(median.get(c) or "nan") for c in sys.argv[2:]), "|")
 ' "$workload" $columns
 done
+
+echo
+mpirun -q -n "$ranks" "${bench%/*}/bench_order" 14 5 5

@@ -6,7 +6,7 @@ import shutil
 import h5py
 import numpy as np
 
-from tool_run import bare_copy, kuhn_cube, refuses, run, run_tests, same_bytes
+from tool_run import add_cell_field, bare_copy, kuhn_cube, refuses, run, run_tests, same_bytes
 
 
 def marked_mesh(name="marked.hdf"):
@@ -83,6 +83,13 @@ def check_parents(source, refined):
             assert not (least_part(np.where(has, parent - back, parent))[has] >= 1e-12).any(), "not the smallest"
 
 
+def mean_jump(name):
+    """Mean distance between the centroids of consecutive cells."""
+    with h5py.File(name) as file:
+        centroid = corners(file).mean(axis=1)
+    return np.linalg.norm(np.diff(centroid, axis=0), axis=1).mean()
+
+
 def test_the_mesh_does_not_depend_on_the_numbering():
     expected = refine(marked_mesh(), "expected.hdf")
     for seed in (1, 2):
@@ -104,11 +111,6 @@ def test_parents_are_cells_of_the_input():
 
 def test_the_order_is_along_the_curve_when_asked():
     shuffled = shuffled_copy(marked_mesh(), "shuffled.hdf", 4)
-
-    def mean_jump(name):
-        with h5py.File(name) as file:
-            centroid = corners(file).mean(axis=1)
-        return np.linalg.norm(np.diff(centroid, axis=0), axis=1).mean()
     refine(shuffled, "keep.hdf", "--order", "keep")
     refine(shuffled, "curve.hdf", "--order", "curve")
     assert mean_jump("curve.hdf") < 0.5 * mean_jump("keep.hdf"), (mean_jump("curve.hdf"), mean_jump("keep.hdf"))
@@ -130,6 +132,18 @@ def test_small_meshes_are_kept_as_they_are():
     refine("marked.hdf", "keep.hdf", "--order", "keep")
     with h5py.File("auto.hdf") as a, h5py.File("keep.hdf") as b:
         assert (a["VTKHDF/Connectivity"][:] == b["VTKHDF/Connectivity"][:]).all()
+
+
+def test_a_large_mesh_in_random_order_is_put_in_order_by_itself():
+    kuhn_cube("cube.hdf", 19)
+    with h5py.File("cube.hdf") as file:
+        marks = np.zeros(len(file["VTKHDF/Types"]), np.int8)
+    marks[:1000] = 1
+    add_cell_field("cube.hdf", "refine", marks)
+    refine(shuffled_copy("cube.hdf", "shuffled.hdf", 7), "out.hdf")
+    refine("cube.hdf", "expected.hdf")
+    assert mean_jump("out.hdf") < 2 * mean_jump("expected.hdf"), (mean_jump("out.hdf"), mean_jump("expected.hdf"))
+    check_parents("shuffled.hdf", "out.hdf")
 
 
 def test_errors_name_cells_by_their_numbers_in_the_file():

@@ -16,10 +16,15 @@ namespace {
 
 using Quad = std::array<GlobalId, 4>;
 
-constexpr GlobalId far_cell = GlobalId{1} << 15U;
-constexpr GlobalId far_node = GlobalId{1} << 13U;
+constexpr GlobalId cells_of_small_mesh = GlobalId{1} << 15U;
+constexpr GlobalId far_cell = GlobalId{1} << 13U;
+constexpr GlobalId far_node = GlobalId{1} << 11U;
 
-bool is_near(GlobalId a, GlobalId b, GlobalId span) { return a - b <= span && b - a <= span; }
+/// In unsigned arithmetic: nobody has looked at the numbers yet.
+bool is_near(GlobalId a, GlobalId b, GlobalId span) {
+  const auto reach = static_cast<std::uint64_t>(span);
+  return static_cast<std::uint64_t>(a) - static_cast<std::uint64_t>(b) + reach <= 2 * reach;
+}
 
 int count_lonely(const Quad& n) {
   const auto near = [](GlobalId a, GlobalId b) { return is_near(a, b, far_node) ? 1 : 0; };
@@ -87,7 +92,7 @@ CurveGrid grid_over(const par::Comm& comm, const std::vector<geometry::Vec3>& po
 }  // namespace
 
 Disorder measure_disorder(const par::Comm& comm, const BlockMesh& block) {
-  if (block.info.n_global_cells <= far_cell) return {};
+  if (block.info.n_global_cells <= cells_of_small_mesh) return {};
   Disorder disorder;
   if (comm.any(!block.cell_to_cell.empty()))
     count_far_neighbours(block, disorder);

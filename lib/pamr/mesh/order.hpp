@@ -11,20 +11,21 @@ namespace pamr::mesh {
 
 /// Counts that say how far numbers stray from the places of cells in space; the same on any number of ranks.
 ///
-/// A *link* goes from a cell to a neighbour; it is far where the two numbers differ by more than 2^15 (the cells
-/// between them fill a second-level cache). A *corner* is lonely where its node's number differs by more than 2^13 from
-/// those of the cell's other three nodes. Where a mesh has no neighbours yet, a link goes from a cell to the next one,
-/// and is far where the two share no node. Meshes of at most 2^15 cells have no links and no corners that count: a
-/// cache holds them in any order.
+/// A *link* goes from a cell to a neighbour; it is far where the two numbers differ by more than 2^13 (the cells
+/// between them fill a good part of a second-level cache). A *corner* is lonely where its node's number differs by more
+/// than 2^11 from those of the cell's other three nodes. Where a mesh has no neighbours yet, a link goes from a cell to
+/// the next one, and is far where the two share no node. Meshes of at most 2^15 cells have no links and no corners that
+/// count: a cache holds them in any order.
 ///
-/// In random order nearly all links are far and all corners lonely. On lexicographic cubes the links of one direction
-/// are far (1/6) and 1/6 of the corners lonely; along a curve a few percent; each uniform refinement halves the share
-/// of far links, and where old and new nodes meet in a cell a single one is lonely (1/4).
+/// Measured: in random order nine in ten links are far and eight in ten corners lonely; on lexicographic cubes the
+/// links of one direction (1/6) and 1/6 of the corners; along a curve 3 %; on refined meshes, where old nodes and new
+/// ones meet in a cell, up to 8 % and 21 %. A mesh that was refined in random order keeps a part of it: 47 % and 55 %
+/// after one uniform refinement, 24 % and 43 % after two.
 struct Disorder {
   std::int64_t links = 0, far_links = 0;
   std::int64_t corners = 0, lonely_corners = 0;
 
-  /// Less than a quarter of the links far and at most half of the corners lonely.
+  /// At most a quarter of the links far and half of the corners lonely.
   bool is_small() const { return 4 * far_links <= links && 2 * lonely_corners <= corners; }
 };
 
