@@ -10,6 +10,7 @@
 #include "pamr/mesh/assemble_steps.hpp"
 #include "pamr/mesh/families.hpp"
 #include "pamr/mesh/id_map.hpp"
+#include "pamr/mesh/local_size.hpp"
 #include "pamr/par/exchange.hpp"
 
 namespace pamr::mesh {
@@ -78,6 +79,7 @@ DistMesh assemble(const par::Comm& comm, BlockMesh block, std::span<const Rank> 
   const auto contents = assembly::check_block(comm, block, destination);
   auto to = assembly::family_destinations(comm, block, destination, contents);
   auto cells = assembly::send_cells(comm, block, std::move(to), contents);
+  require_local_size(comm, std::ssize(cells.id), "mesh");
 
   DistMesh mesh;
   mesh.info = std::move(block.info);

@@ -6,13 +6,11 @@
 #include "pamr/base/hash.hpp"
 #include "pamr/mesh/assemble_steps.hpp"
 #include "pamr/mesh/families.hpp"
+#include "pamr/mesh/local_size.hpp"
 
 namespace pamr::mesh::assembly {
 
 namespace {
-
-/// Four faces a cell are counted in 32 bits, and ghosts follow the cells in local numbers.
-constexpr std::size_t max_cells_of_rank = std::size_t{1} << 29U;
 
 void require_size(std::size_t found, std::size_t expected, const std::string& what, Rank rank) {
   if (found != expected)
@@ -34,9 +32,6 @@ void check_fields(const std::vector<Field>& fields, std::size_t n, const char* p
 void check_sizes(const BlockMesh& block, std::span<const Rank> destination, const Contents& contents,
                  GlobalId first_cell, GlobalId n_cells_found, const par::BlockRange& nodes, Rank rank) {
   const auto n = block.cell_to_node.size();
-  if (n > max_cells_of_rank)
-    throw Error("mesh: expected at most " + std::to_string(max_cells_of_rank) + " cells on a rank, found " +
-                std::to_string(n) + "; use more ranks");
   if (n_cells_found != block.info.n_global_cells)
     throw Error("mesh: expected " + std::to_string(block.info.n_global_cells) + " cells, found " +
                 std::to_string(n_cells_found) + " in all blocks together");
@@ -199,6 +194,7 @@ Contents check_block(const par::Comm& comm, const BlockMesh& block, std::span<co
   const auto n_cells = comm.sum(n);
   const auto nodes = par::block_range(block.info.n_global_nodes, comm.rank(), comm.size());
   check_same_everywhere(comm, block);
+  require_local_size(comm, n, "mesh");
   par::agree(comm, [&] {
     check_sizes(block, destination, contents, first_cell, n_cells, nodes, comm.rank());
     check_nodes(block);

@@ -74,8 +74,8 @@ void describe_boundary(MeshInfo& info) {
 }  // namespace
 
 BlockMesh kuhn_cube(const par::Comm& comm, int n) {
-  if (n < 1 || n > 1 << 20)
-    throw Error(std::string("Kuhn cube: expected 1 to 1048576 cubes along an edge, found ") + std::to_string(n));
+  if (n < 1 || n > 100000)
+    throw Error(std::string("Kuhn cube: expected 1 to 100000 cubes along an edge, found ") + std::to_string(n));
   const Grid grid{n};
   BlockMesh block;
   describe_boundary(block.info);

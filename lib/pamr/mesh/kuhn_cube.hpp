@@ -11,7 +11,7 @@ namespace pamr::mesh {
 /// c, node i + (n+1)(j + (n+1)k) lies at (i/n, j/n, k/n). Patches `xmin xmax ymin ymax zmin zmax`, in this order, each
 /// tied to the plane of its name. Neighbours are given; every rank holds the canonical block of the cells and of the
 /// nodes. Local, though it asks `comm` for rank and size; each rank makes its own block. Throws `Error` unless 1 <= n
-/// <= 2^20. Cost: O(block). Source: H. W. Kuhn, "Some combinatorial lemmas in topology", IBM J. Res. Dev. 4 (1960).
+/// <= 10^5. Cost: O(block). Source: H. W. Kuhn, "Some combinatorial lemmas in topology", IBM J. Res. Dev. 4 (1960).
 BlockMesh kuhn_cube(const par::Comm& comm, int n);
 
 }  // namespace pamr::mesh

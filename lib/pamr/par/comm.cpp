@@ -2,6 +2,7 @@
 #include "pamr/par/comm.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <optional>
 
 #include "pamr/base/contract.hpp"
@@ -19,8 +20,12 @@ void require_success(int code, const char* call) {
   throw Error(std::string(call) + " failed: " + std::string(text.data(), static_cast<std::size_t>(length)));
 }
 
-/// MPI counts are ints; anything longer goes in pieces of this many bytes.
-constexpr std::size_t piece = std::size_t{1} << 30U;
+/// Calls `transfer(offset, length)` for each piece of `n` items: at most `piece` of them, in order. MPI does not let
+/// messages of one sender, receiver and tag overtake each other, so they arrive in order, too.
+template <class Transfer>
+void in_pieces(std::size_t n, std::size_t piece, Transfer transfer) {
+  for (std::size_t at = 0; at < n; at += piece) transfer(at, static_cast<int>(std::min(piece, n - at)));
+}
 
 }  // namespace
 
@@ -52,7 +57,8 @@ T Comm::reduced(T here, MPI_Datatype type, MPI_Op op) const {
   return result;
 }
 
-Comm::Comm(MPI_Comm parent) {
+Comm::Comm(MPI_Comm parent, std::size_t piece_bytes) : piece_bytes_(piece_bytes) {
+  PAMR_EXPECTS(piece_bytes >= 1 && piece_bytes <= std::size_t{std::numeric_limits<int>::max()});
   require_success(MPI_Comm_dup(parent, &comm_), "MPI_Comm_dup");
   require_success(MPI_Comm_set_errhandler(comm_, MPI_ERRORS_RETURN), "MPI_Comm_set_errhandler");
   require_success(MPI_Comm_rank(comm_, &rank_), "MPI_Comm_rank");
@@ -78,8 +84,10 @@ double Comm::max(double here) const { return reduced(here, MPI_DOUBLE, MPI_MAX);
 
 void Comm::sum_in_place(std::span<std::int64_t> values) const {
   const std::vector<std::int64_t> here(values.begin(), values.end());
-  const int n = narrow<int>(values.size());
-  together("MPI_Allreduce", [&] { return MPI_Allreduce(here.data(), values.data(), n, MPI_INT64_T, MPI_SUM, comm_); });
+  in_pieces(values.size(), std::max<std::size_t>(1, piece_bytes_ / sizeof(std::int64_t)), [&](std::size_t at, int n) {
+    together("MPI_Allreduce",
+             [&] { return MPI_Allreduce(here.data() + at, values.data() + at, n, MPI_INT64_T, MPI_SUM, comm_); });
+  });
 }
 
 std::int64_t Comm::exclusive_sum(std::int64_t here) const {
@@ -104,10 +112,9 @@ void Comm::broadcast_raw(std::vector<std::byte>& data, Rank root) const {
   std::int64_t length = static_cast<std::int64_t>(data.size());
   together("MPI_Bcast", [&] { return MPI_Bcast(&length, 1, MPI_INT64_T, root, comm_); });
   data.resize(static_cast<std::size_t>(length));
-  for (std::size_t at = 0; at < data.size(); at += piece)
-    together("MPI_Bcast", [&] {
-      return MPI_Bcast(data.data() + at, static_cast<int>(std::min(piece, data.size() - at)), MPI_BYTE, root, comm_);
-    });
+  in_pieces(data.size(), piece_bytes_, [&](std::size_t at, int n) {
+    together("MPI_Bcast", [&] { return MPI_Bcast(data.data() + at, n, MPI_BYTE, root, comm_); });
+  });
 }
 
 std::string Comm::broadcast(std::string text, Rank root) const {
@@ -126,7 +133,7 @@ std::vector<Comm::RawReceived> Comm::sparse_exchange_raw(std::span<const RawMess
   std::vector<RawReceived> received;
   std::vector<MPI_Request> sends;
   Waiting waiting(*this);
-  const auto whole_items = piece / item_bytes * item_bytes;
+  const auto whole_items = std::max(item_bytes, piece_bytes_ / item_bytes * item_bytes);
   for (const auto& message : messages) {
     PAMR_EXPECTS(message.rank >= 0 && message.rank < size_);
     if (message.data.empty()) continue;
@@ -134,13 +141,12 @@ std::vector<Comm::RawReceived> Comm::sparse_exchange_raw(std::span<const RawMess
       received.push_back({rank_, message.data, nullptr});
       continue;
     }
-    for (std::size_t at = 0; at < message.data.size(); at += whole_items) {
+    in_pieces(message.data.size(), whole_items, [&](std::size_t at, int n) {
       sends.emplace_back();
-      const auto n = static_cast<int>(std::min(whole_items, message.data.size() - at));
       require_success(MPI_Issend(message.data.data() + at, n, MPI_BYTE, message.rank, tag, comm_, &sends.back()),
                       "MPI_Issend");
       ++traffic_.messages;
-    }
+    });
     traffic_.bytes += static_cast<std::int64_t>(message.data.size());
   }
   const auto take = [&](const MPI_Status& status) {
@@ -164,8 +170,7 @@ std::vector<Comm::RawReceived> Comm::sparse_exchange_raw(std::span<const RawMess
       require_success(MPI_Test(&barrier, &done, MPI_STATUS_IGNORE), "MPI_Test");
     } else {
       int sent = 0;
-      require_success(MPI_Testall(static_cast<int>(sends.size()), sends.data(), &sent, MPI_STATUSES_IGNORE),
-                      "MPI_Testall");
+      require_success(MPI_Testall(narrow<int>(sends.size()), sends.data(), &sent, MPI_STATUSES_IGNORE), "MPI_Testall");
       if (sent != 0) {
         require_success(MPI_Ibarrier(comm_, &barrier), "MPI_Ibarrier");
         in_barrier = true;
@@ -173,7 +178,7 @@ std::vector<Comm::RawReceived> Comm::sparse_exchange_raw(std::span<const RawMess
     }
   }
   waiting.pause();
-  // Pieces of one message arrive in order: same source, tag and communicator.
+  // Pieces of one message arrived in order.
   std::stable_sort(received.begin(), received.end(),
                    [](const RawReceived& a, const RawReceived& b) { return a.rank < b.rank; });
   return received;
@@ -187,24 +192,21 @@ void Comm::neighbour_exchange(std::span<const Rank> rank, std::span<const std::s
   const Waiting waiting(*this);
   for (std::size_t i = 0; i < rank.size(); ++i) {
     traffic_.bytes_received += static_cast<std::int64_t>(receive[i].size());
-    for (std::size_t at = 0; at < receive[i].size(); at += piece) {
+    in_pieces(receive[i].size(), piece_bytes_, [&](std::size_t at, int n) {
       requests.emplace_back();
-      require_success(MPI_Irecv(receive[i].data() + at, static_cast<int>(std::min(piece, receive[i].size() - at)),
-                                MPI_BYTE, rank[i], tag, comm_, &requests.back()),
+      require_success(MPI_Irecv(receive[i].data() + at, n, MPI_BYTE, rank[i], tag, comm_, &requests.back()),
                       "MPI_Irecv");
-    }
+    });
   }
   for (std::size_t i = 0; i < rank.size(); ++i) {
-    for (std::size_t at = 0; at < send[i].size(); at += piece) {
+    in_pieces(send[i].size(), piece_bytes_, [&](std::size_t at, int n) {
       requests.emplace_back();
-      require_success(MPI_Isend(send[i].data() + at, static_cast<int>(std::min(piece, send[i].size() - at)), MPI_BYTE,
-                                rank[i], tag, comm_, &requests.back()),
-                      "MPI_Isend");
+      require_success(MPI_Isend(send[i].data() + at, n, MPI_BYTE, rank[i], tag, comm_, &requests.back()), "MPI_Isend");
       ++traffic_.messages;
-    }
+    });
     traffic_.bytes += static_cast<std::int64_t>(send[i].size());
   }
-  require_success(MPI_Waitall(static_cast<int>(requests.size()), requests.data(), MPI_STATUSES_IGNORE), "MPI_Waitall");
+  require_success(MPI_Waitall(narrow<int>(requests.size()), requests.data(), MPI_STATUSES_IGNORE), "MPI_Waitall");
 }
 
 void agree(const Comm& comm, const std::function<void()>& local) {

@@ -43,8 +43,9 @@ struct Outgoing {
 /// deterministic, and sums are of integers only, because a sum of doubles depends on the number of ranks.
 class Comm {
  public:
-  /// Collective over `parent`. MPI must be initialised and outlive the object.
-  explicit Comm(MPI_Comm parent);
+  /// Collective over `parent`. MPI must be initialised and outlive the object. The counts of MPI are of 32 bits, so
+  /// messages of more than `piece_bytes` (1 to 2^31 - 1, the same on every rank) go in pieces; tests choose tiny ones.
+  explicit Comm(MPI_Comm parent, std::size_t piece_bytes = std::size_t{1} << 30U);
   ~Comm();
   Comm(const Comm&) = delete;
   Comm& operator=(const Comm&) = delete;
@@ -130,6 +131,7 @@ class Comm {
   MPI_Comm comm_ = MPI_COMM_NULL;
   Rank rank_ = 0;
   Rank size_ = 1;
+  std::size_t piece_bytes_ = 0;
   mutable Traffic traffic_;
   mutable int next_tag_ = 0;
 };

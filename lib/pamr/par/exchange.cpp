@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "pamr/base/contract.hpp"
 #include "pamr/base/hash.hpp"
 #include "pamr/par/mailbox.hpp"
 
@@ -68,7 +69,7 @@ Pattern find_shared(const Comm& comm, std::span<const SharedKey> key) {
       pattern.rank.push_back(static_cast<Rank>(match.rank));
       pattern.offset.push_back(pattern.item.size());
     }
-    pattern.item.push_back(static_cast<LocalId>(match.item));
+    pattern.item.push_back(narrow<LocalId>(match.item));
     pattern.offset.back() = pattern.item.size();
   }
   return pattern;

@@ -4,10 +4,12 @@
 #include <algorithm>
 #include <bit>
 #include <limits>
+#include <numeric>
 #include <span>
 
 #include "pamr/base/contract.hpp"
 #include "pamr/base/error.hpp"
+#include "pamr/mesh/local_size.hpp"
 #include "pamr/mesh/ring.hpp"
 
 namespace pamr::refine {
@@ -255,6 +257,8 @@ Numbering number(const par::Comm& comm, const mesh::DistMesh& mesh, const mesh::
   std::sort(numbering.boundary.begin(), numbering.boundary.end(),
             [](const BoundaryNode& a, const BoundaryNode& b) { return a.new_node < b.new_node; });
   count_children(closure, counts);
+  mesh::require_local_size(comm, std::accumulate(counts.cells.begin(), counts.cells.end(), std::int64_t{0}),
+                           "refined mesh");
 
   const bool in_runs = is_in_runs(comm, mesh);
   const auto node_offset = offsets_of(comm, mesh, in_runs, counts.nodes, mesh.info.node_ids().end());
