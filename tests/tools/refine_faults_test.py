@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""pamr-refine when processes die or are told to end: the job ends and leaves no broken file under its output's name."""
+"""pamr-refine when processes die, are told to end, or get too little memory: it ends, says so, leaves no broken file."""
 import os
 import pathlib
 import signal
@@ -17,8 +17,9 @@ def marked_cube(n=40):
     run("pamr-refine", "marked.hdf", "-o", "whole.hdf", serial=True)
 
 
-def command(output):
-    return LAUNCHER + [str(BIN / "pamr-refine"), "marked.hdf", "-o", output, "--force", "--quiet"]
+def command(output, limits="", mesh="marked.hdf"):
+    limited = ["sh", "-c", f'{limits}; exec "$@"', "sh"] if limits else []
+    return LAUNCHER + limited + [str(BIN / "pamr-refine"), mesh, "-o", output, "--force", "--quiet"]
 
 
 def processes_of(job):
@@ -109,6 +110,48 @@ def test_a_job_that_is_told_to_end():
         for moment in moments("out.hdf"):
             check_end(disturb("out.hdf", moment, lambda job: job.send_signal(sign)), "out.hdf")
             assert not os.path.exists("out.hdf.partial"), f"{sign.name} left the unfinished file"
+
+
+def largest_size(mesh):
+    """Address space of the largest process of a run that has all it wants, KiB."""
+    job = subprocess.Popen(command("free.hdf", mesh=mesh), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    largest = 0
+    while job.poll() is None:
+        for pid in processes_of(job):
+            try:
+                lines = pathlib.Path(f"/proc/{pid}/status").read_text().splitlines()
+            except OSError:
+                continue  # it has ended meanwhile
+            largest = max([largest] + [int(line.split()[1]) for line in lines if line.startswith("VmPeak:")])
+        time.sleep(0.005)
+    job.communicate()
+    os.remove("free.hdf")
+    return largest
+
+
+def test_too_little_memory():
+    """Between what a small mesh takes, which is what MPI and HDF5 want for themselves, and what this one takes."""
+    run("pamr-mark", kuhn_cube("small.hdf", 8), "-o", "marked_small.hdf", "--all", "--quiet", serial=True)
+    marked_cube()
+    least, most = largest_size("marked_small.hdf"), largest_size("marked.hdf")
+    assert most > 1.2 * least, (least, most)
+    pathlib.Path("out.hdf").write_bytes(PRECIOUS)
+    named = 0
+    for percent in range(20, 100, 10):
+        limit = least + (most - least) * percent // 100
+        begin = time.monotonic()
+        done = subprocess.run(command("out.hdf", f"ulimit -v {limit}"), capture_output=True, text=True, timeout=60)
+        print(f"        {limit} KiB: {done.returncode} after {time.monotonic() - begin:.1f} s, "
+              f"{(done.stderr.splitlines() or ['no message'])[-1][:100]}")
+        if done.returncode == 0:
+            assert same_bytes("out.hdf", "whole.hdf")
+            pathlib.Path("out.hdf").write_bytes(PRECIOUS)
+            continue
+        assert done.stderr.strip(), "it ended without a message"
+        assert time.monotonic() - begin < 30, "it took too long to end"
+        check_output("out.hdf")
+        named += "pamr-refine: error: out of memory" in done.stderr and done.returncode == 3
+    assert named > 0, "no run with too little memory said so"
 
 
 if __name__ == "__main__":

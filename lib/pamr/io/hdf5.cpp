@@ -144,15 +144,15 @@ Handle parallel_access(const par::Comm& comm) {
   auto access = take(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, "cannot make a property list");
   require(H5Pset_fapl_mpio(access.id(), comm.handle(), MPI_INFO_NULL) >= 0 &&
               H5Pset_all_coll_metadata_ops(access.id(), true) >= 0 &&
-              H5Pset_coll_metadata_write(access.id(), true) >= 0 &&
+              H5Pset_coll_metadata_write(access.id(), false) >= 0 &&
               H5Pset_libver_bounds(access.id(), H5F_LIBVER_V18, H5F_LIBVER_V18) >= 0,
           "cannot select parallel file access");
   return access;
 }
 
-Handle collective_transfer() {
+Handle independent_transfer() {
   auto transfer = take(H5Pcreate(H5P_DATASET_XFER), H5Pclose, "cannot make a property list");
-  require(H5Pset_dxpl_mpio(transfer.id(), H5FD_MPIO_COLLECTIVE) >= 0, "cannot select collective transfers");
+  require(H5Pset_dxpl_mpio(transfer.id(), H5FD_MPIO_INDEPENDENT) >= 0, "cannot select independent transfers");
   return transfer;
 }
 

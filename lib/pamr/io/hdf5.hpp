@@ -72,6 +72,9 @@ hid_t file_type(mesh::StorageType type);
 std::size_t size_of(mesh::StorageType type);
 std::string to_text(mesh::StorageType type);
 
+/// The most that is read or written at once: more would not fit MPI's counts.
+inline constexpr std::size_t max_transfer_bytes = std::size_t{1} << 30U;
+
 /// Extents of a dataset of one or two dimensions: `width` is 1 for one dimension.
 struct Shape {
   std::int64_t rows = 0;
@@ -79,14 +82,17 @@ struct Shape {
   bool is_flat = true;  ///< one dimension
 };
 
-/// Access property lists of the parallel driver, for files and for collective transfers.
+/// Property lists of the parallel driver, for access to files and for transfers of rows. Each rank writes by itself:
+/// its rows are one large piece of the file, and a collective transfer of Open MPI 4.1 takes 32 MiB more and waits for
+/// ever when one rank runs out of memory in it.
 Handle parallel_access(const par::Comm& comm);
-Handle collective_transfer();
+Handle independent_transfer();
 
-/// Reads rows `first .. first + n` into memory of the given type. Collective, `n` may be 0 on some ranks.
+/// Reads rows `first .. first + n` into memory of the given type; `n` may be 0. Collective unless `transfer` is
+/// independent.
 bool read_rows(hid_t dataset, const Shape& shape, std::int64_t first, std::int64_t n, mesh::StorageType type, void* to,
                hid_t transfer);
-/// Writes rows `first .. first + n`. Collective, `n` may be 0 on some ranks.
+/// Writes rows `first .. first + n`; `n` may be 0. Collective unless `transfer` is independent.
 bool write_rows(hid_t dataset, const Shape& shape, std::int64_t first, std::int64_t n, hid_t type, const void* from,
                 hid_t transfer);
 

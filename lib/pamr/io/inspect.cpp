@@ -98,6 +98,13 @@ void Inspector::pamr() {
   if (has_group("/PAMR/patches"))
     for (const auto* name : {"names", "kinds", "surfaces"})
       if (has_link(std::string("/PAMR/patches/") + name)) text(std::string("/PAMR/patches/") + name);
+  if (has_group("/PAMR/surface_data"))
+    for (const auto& name : names_in("/PAMR/surface_data")) {
+      const auto path = "/PAMR/surface_data/" + name;
+      if (!has_group(path)) fail(path, "expected a group, found another object");
+      array(path + "/points", false);
+      array(path + "/triangles", false);
+    }
   if (has_group("/PAMR/checksums")) all_number_attributes("/PAMR/checksums");
 }
 
@@ -130,7 +137,7 @@ std::vector<std::string> Inspector::names_in(const std::string& group) const {
   hdf5::require(
       H5Literate_by_name(h5_.id(), group.c_str(), H5_INDEX_NAME, H5_ITER_INC, &start, add, &names, H5P_DEFAULT) >= 0,
       at(group, "cannot list it"));
-  if (names.size() > max_fields) fail(group, "expected at most " + std::to_string(max_fields) + " fields, found more");
+  if (names.size() > max_fields) fail(group, "expected at most " + std::to_string(max_fields) + " objects, found more");
   return names;
 }
 

@@ -143,6 +143,7 @@ class Checker {
       info.first_id = first->values[0];
     }
     patches();
+    for (const auto& entry : catalog_->arrays) triangulation(entry);
     if (catalog_->find_array(path::cell_to_cell) != nullptr) {
       layout_.has_neighbours = true;
       layout_.neighbours_type = array(path::cell_to_cell, {info.n_global_cells, 4}, true);
@@ -156,6 +157,30 @@ class Checker {
       layout_.has_lineage = true;
       layout_.lineage_type = array(path::lineage, {info.n_global_cells}, true);
     }
+  }
+
+  /// Takes a pair of datasets where its `points` turn up; the catalog has both.
+  void triangulation(const ArrayEntry& points) {
+    const auto group = std::string(path::surface_data) + "/";
+    constexpr std::string_view last = "/points";
+    if (!points.path.starts_with(group) || !points.path.ends_with(last)) return;
+    TriangulationEntry entry;
+    entry.path = points.path.substr(0, points.path.size() - last.size());
+    entry.name = entry.path.substr(group.size());
+    if (!is_clean_text(entry.name, "")) fail(group + "...", "names in UTF-8", "another encoding");
+    const auto rows_of = [&](const std::string& path, GlobalId least) {
+      const auto& shape = catalog_->find_array(path)->shape;
+      constexpr GlobalId most = std::numeric_limits<int>::max();
+      if (shape.size() != 2 || shape[0] < least || shape[0] > most || shape[1] != 3)
+        fail(path, "shape n x 3, n from " + std::to_string(least) + " to " + std::to_string(most), to_text(shape));
+      return shape[0];
+    };
+    const auto triangles = entry.path + "/triangles";
+    entry.n_points = rows_of(points.path, 3);
+    entry.n_triangles = rows_of(triangles, 1);
+    entry.points_type = array(points.path.c_str(), {entry.n_points, 3}, false);
+    entry.triangles_type = array(triangles.c_str(), {entry.n_triangles, 3}, true);
+    layout_.triangulations.push_back(std::move(entry));
   }
 
   void patches() {

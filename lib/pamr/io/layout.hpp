@@ -29,6 +29,7 @@ inline constexpr const char* patch_names = "/PAMR/patches/names";
 inline constexpr const char* patch_kinds = "/PAMR/patches/kinds";
 inline constexpr const char* patch_surfaces = "/PAMR/patches/surfaces";
 inline constexpr const char* surfaces = "/PAMR/surfaces";
+inline constexpr const char* surface_data = "/PAMR/surface_data";
 inline constexpr const char* provenance = "/PAMR/provenance";
 inline constexpr const char* checksums = "/PAMR/checksums";
 }  // namespace path
@@ -44,12 +45,20 @@ struct FieldEntry {
   bool is_flat = true;  ///< one dimension
 };
 
+/// A triangulated surface; datasets `points` and `triangles` in the group `path`.
+struct TriangulationEntry {
+  std::string path, name;
+  GlobalId n_points = 0, n_triangles = 0;
+  mesh::StorageType points_type{}, triangles_type{};
+};
+
 /// What a file contains, after every claim of its catalog was compared with the others.
 struct Layout {
   mesh::MeshInfo info;
   mesh::StorageType points_type{}, connectivity_type{}, offsets_type{}, types_type{}, neighbours_type{}, lineage_type{};
   bool has_neighbours = false, has_lineage = false;
   std::vector<FieldEntry> fields;
+  std::vector<TriangulationEntry> triangulations;
 };
 
 /// Throws `Error` with file, dataset, what was expected and what was found. Local; the same on every rank, because the

@@ -14,7 +14,7 @@ namespace pamr::io {
 struct ReadOptions {
   /// Compare the checksums that the file has with its contents; a dataset without one is accepted as it is.
   bool verify_checksums = true;
-  /// Largest piece that a rank reads at once, bytes.
+  /// Largest piece that a rank reads at once, bytes; 2^30 at most.
   std::size_t slab_bytes = std::size_t{8} << 20U;
 };
 
@@ -22,7 +22,7 @@ struct WriteOptions {
   /// Text that says where the mesh comes from (version, options that change the result, name of the case); empty: what
   /// the mesh brought with it. Nothing that differs from run to run belongs here: equal meshes give equal files.
   std::string provenance;
-  /// Largest piece that a rank writes at once, bytes.
+  /// Largest piece that a rank writes at once, bytes; 2^30 at most.
   std::size_t slab_bytes = std::size_t{8} << 20U;
 };
 

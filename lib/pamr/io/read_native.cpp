@@ -3,7 +3,6 @@
 #include <bit>
 #include <cmath>
 #include <functional>
-#include <limits>
 #include <optional>
 
 #include "pamr/base/error.hpp"
@@ -14,6 +13,7 @@
 #include "pamr/io/native_file.hpp"
 #include "pamr/io/row_source.hpp"
 #include "pamr/mesh/families.hpp"
+#include "pamr/mesh/local_size.hpp"
 
 namespace pamr::io {
 
@@ -59,7 +59,9 @@ std::string text_of(std::int64_t value) { return std::to_string(value); }
 class Reader {
  public:
   Reader(const par::Comm& comm, std::filesystem::path file, const ReadOptions& options)
-      : comm_(&comm), file_(std::move(file)), options_(options) {}
+      : comm_(&comm), file_(std::move(file)), options_(options) {
+    options_.slab_bytes = std::min(options_.slab_bytes, hdf5::max_transfer_bytes);
+  }
 
   mesh::BlockMesh run();
 
@@ -88,11 +90,12 @@ class Reader {
 
   void read_lineage(mesh::BlockMesh& block);
   void check_families(const mesh::BlockMesh& block) const;
-  void read_points(mesh::BlockMesh& block);
+  std::vector<geometry::Vec3> read_points(const std::string& path, StorageType type, GlobalId n_rows, Rows rows);
   void read_connectivity(mesh::BlockMesh& block);
   void read_neighbours(mesh::BlockMesh& block);
   void check_offsets_and_types();
   mesh::Field read_field(const FieldEntry& entry);
+  geometry::Triangulation read_triangulation(const TriangulationEntry& entry);
 
   const par::Comm* comm_;
   std::filesystem::path file_;
@@ -115,9 +118,10 @@ mesh::BlockMesh Reader::run() {
   check_offsets_and_types();
   read_connectivity(block);
   read_neighbours(block);
-  read_points(block);
+  block.node_position = read_points(path::points, layout_.points_type, layout_.info.n_global_nodes, nodes());
   for (const auto& entry : layout_.fields)
     (entry.on_cells ? block.cell_fields : block.node_fields).push_back(read_field(entry));
+  for (const auto& entry : layout_.triangulations) block.info.triangulations.push_back(read_triangulation(entry));
   const par::Comm::Waiting waiting(*comm_);
   h5_.reset();
   return block;
@@ -223,7 +227,7 @@ void Reader::share_out() {
   const auto rank = static_cast<std::size_t>(comm_->rank());
   first_cell_ = begin;
   end_cell_ = rank + 1 < begins.size() ? begins[rank + 1] : n;
-  constexpr GlobalId limit = std::numeric_limits<LocalId>::max() / 2;
+  constexpr GlobalId limit = mesh::max_local_cells;
   if (n / comm_->size() > limit || layout_.info.n_global_nodes / comm_->size() > limit)
     throw Error("file '" + file_.string() + "': expected at most " + std::to_string(limit) +
                 " cells and nodes a rank, found more: run on more ranks");
@@ -330,20 +334,42 @@ void Reader::read_neighbours(mesh::BlockMesh& block) {
             });
 }
 
-void Reader::read_points(mesh::BlockMesh& block) {
-  const auto rows = nodes();
-  block.node_position.resize(static_cast<std::size_t>(rows.count()));
-  each_slab(path::points, layout_.points_type, {layout_.info.n_global_nodes, 3, false}, rows, true,
+std::vector<geometry::Vec3> Reader::read_points(const std::string& path, StorageType type, GlobalId n_rows, Rows rows) {
+  std::vector<geometry::Vec3> points(static_cast<std::size_t>(rows.count()));
+  each_slab(path, type, {n_rows, 3, false}, rows, true, [&](GlobalId first, std::span<const std::uint64_t> words) {
+    for (std::size_t i = 0; i < words.size(); i += 3) {
+      const auto row = first + static_cast<GlobalId>(i / 3);
+      const geometry::Vec3 p{std::bit_cast<double>(words[i]), std::bit_cast<double>(words[i + 1]),
+                             std::bit_cast<double>(words[i + 2])};
+      if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z))
+        fail(path, row, "finite coordinates", "NaN or infinity");
+      points[static_cast<std::size_t>(row - rows.begin)] = p;
+    }
+  });
+  return points;
+}
+
+/// Read by the first rank and told to the others: it is small beside the mesh.
+geometry::Triangulation Reader::read_triangulation(const TriangulationEntry& entry) {
+  const auto rows = [&](GlobalId n) { return Rows{0, comm_->is_first() ? n : 0}; };
+  geometry::Triangulation result;
+  result.name = entry.name;
+  result.points =
+      comm_->broadcast(read_points(entry.path + "/points", entry.points_type, entry.n_points, rows(entry.n_points)));
+  const auto path = entry.path + "/triangles";
+  each_slab(path, entry.triangles_type, {entry.n_triangles, 3, false}, rows(entry.n_triangles), true,
             [&](GlobalId first, std::span<const std::uint64_t> words) {
-              for (std::size_t i = 0; i < words.size(); i += 3) {
-                const auto row = first + static_cast<GlobalId>(i / 3);
-                const geometry::Vec3 p{std::bit_cast<double>(words[i]), std::bit_cast<double>(words[i + 1]),
-                                       std::bit_cast<double>(words[i + 2])};
-                if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z))
-                  fail(path::points, row, "finite coordinates", "NaN or infinity");
-                block.node_position[static_cast<std::size_t>(row - rows.begin)] = p;
+              for (std::size_t i = 0; i < words.size(); ++i) {
+                if (words[i] >= static_cast<std::uint64_t>(entry.n_points))
+                  fail(path, first + static_cast<GlobalId>(i / 3),
+                       "a point from 0 to " + std::to_string(entry.n_points - 1),
+                       text_of(static_cast<std::int64_t>(words[i])));
+                if (i % 3 == 0) result.triangles.emplace_back();
+                result.triangles.back()[i % 3] = static_cast<int>(words[i]);
               }
             });
+  result.triangles = comm_->broadcast(std::move(result.triangles));
+  return result;
 }
 
 mesh::Field Reader::read_field(const FieldEntry& entry) {

@@ -40,7 +40,7 @@ RowSource::RowSource(const std::filesystem::path& file, hid_t h5, const ArrayEnt
     : type_(entry.type), shape_(shape), next_(first) {
   if (!entry.is_chunked) {
     dataset_ = hdf5::take(H5Dopen2(h5, entry.path.c_str(), H5P_DEFAULT), H5Dclose, "cannot open it");
-    transfer_ = hdf5::collective_transfer();
+    transfer_ = hdf5::independent_transfer();
     return;
   }
   if (first >= end) return;

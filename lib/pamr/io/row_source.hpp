@@ -15,8 +15,8 @@
 namespace pamr::io {
 
 /// This rank's rows of a dataset, one slab after another. A contiguous dataset, whose place in the file is known to be
-/// sound, is read by all ranks together. The chunks of a chunked one are not verified, and HDF5 1.10 may crash on
-/// damaged ones, so each rank has its rows read by a process of its own.
+/// sound, is read through the file that all ranks have open. The chunks of a chunked one are not verified, and
+/// HDF5 1.10 may crash on damaged ones, so each rank has its rows read by a process of its own.
 class RowSource {
  public:
   /// Rows `first .. end` in slabs of `slab` rows. Collective over the ranks that have `h5` open; throws `Error` without

@@ -73,7 +73,14 @@ class Writer {
  public:
   Writer(const par::Comm& comm, const std::filesystem::path& file, const mesh::DistMesh& mesh,
          const WriteOptions& options)
-      : comm_(&comm), file_(file), partial_(file), mesh_(&mesh), options_(options), plan_(mesh, options.provenance) {}
+      : comm_(&comm),
+        file_(file),
+        partial_(file),
+        mesh_(&mesh),
+        options_(options),
+        plan_(comm, mesh, options.provenance) {
+    options_.slab_bytes = std::min(options_.slab_bytes, hdf5::max_transfer_bytes);
+  }
 
   void run();
 
@@ -139,7 +146,7 @@ void Writer::create() {
     H5Pset_obj_track_times(creation.id(), false);
     h5_ = hdf5::take(H5Fcreate(partial_.path().c_str(), H5F_ACC_TRUNC, creation.id(), access.id()), H5Fclose,
                      "file '" + file_.string() + "': cannot create it");
-    transfer_ = hdf5::collective_transfer();
+    transfer_ = hdf5::independent_transfer();
     dataset_properties_ = hdf5::take(H5Pcreate(H5P_DATASET_CREATE), H5Pclose, "cannot make a property list");
     hdf5::require(H5Pset_obj_track_times(dataset_properties_.id(), false) >= 0 &&
                       H5Pset_layout(dataset_properties_.id(), H5D_CONTIGUOUS) >= 0 &&
@@ -156,9 +163,15 @@ void Writer::create() {
 void Writer::create_groups() {
   const auto properties = hdf5::take(H5Pcreate(H5P_GROUP_CREATE), H5Pclose, "cannot make a property list");
   H5Pset_obj_track_times(properties.id(), false);
-  for (const auto* group : {"/VTKHDF", path::point_data, path::cell_data, "/PAMR", path::patches, path::checksums})
-    hdf5::take(H5Gcreate2(h5_.id(), group, H5P_DEFAULT, properties.id(), H5P_DEFAULT), H5Gclose,
+  const auto make = [&](const std::string& group, hid_t link) {
+    hdf5::take(H5Gcreate2(h5_.id(), group.c_str(), link, properties.id(), H5P_DEFAULT), H5Gclose,
                at(group, "cannot create it"));
+  };
+  for (const auto* group : {"/VTKHDF", path::point_data, path::cell_data, "/PAMR", path::patches, path::checksums})
+    make(group, H5P_DEFAULT);
+  const auto link = hdf5::take(H5Pcreate(H5P_LINK_CREATE), H5Pclose, "cannot make a property list");
+  H5Pset_char_encoding(link.id(), H5T_CSET_UTF8);
+  for (const auto& group : plan_.groups) make(group, link.id());
 }
 
 Handle Writer::create_array(const ArrayPlan& plan) const {
@@ -231,9 +244,8 @@ void Writer::write_attributes() const {
                            H5T_STD_U64LE);
 }
 
-/// Makes sure of the space before HDF5 opens the file, so that a full disk is noticed here, in a system call. In a
-/// collective write, Open MPI 4.1 loses the error on some ranks, and HDF5 1.10 cannot close a file that it cannot
-/// complete.
+/// Makes sure of the space before HDF5 opens the file, so that a full disk is noticed here, in a system call: HDF5 1.10
+/// cannot close a file that it cannot complete.
 void Writer::make_room() const {
   // Room for the structure of the file besides its data: generous, since it is given back.
   const auto bytes = plan_.data_bytes + 65536 + 4096 * (plan_.arrays.size() + plan_.texts.size());

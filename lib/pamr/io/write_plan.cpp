@@ -2,7 +2,10 @@
 #include "pamr/io/write_plan.hpp"
 
 #include <algorithm>
+#include <array>
 #include <bit>
+#include <cmath>
+#include <limits>
 #include <numeric>
 #include <set>
 
@@ -19,9 +22,10 @@ namespace {
 
 std::uint64_t word_of(std::int64_t value) { return static_cast<std::uint64_t>(value); }
 
-std::vector<const mesh::Field*> by_name(const std::vector<mesh::Field>& fields) {
-  std::vector<const mesh::Field*> sorted;
-  for (const auto& field : fields) sorted.push_back(&field);
+template <class Named>
+std::vector<const Named*> by_name(const std::vector<Named>& all) {
+  std::vector<const Named*> sorted;
+  for (const auto& one : all) sorted.push_back(&one);
   std::sort(sorted.begin(), sorted.end(), [](const auto* a, const auto* b) { return a->name < b->name; });
   return sorted;
 }
@@ -32,7 +36,7 @@ std::size_t n_values(const mesh::Field& field) {
 
 }  // namespace
 
-WritePlan::WritePlan(const mesh::DistMesh& mesh, const std::string& provenance) : mesh_(&mesh) {
+WritePlan::WritePlan(const par::Comm& comm, const mesh::DistMesh& mesh, const std::string& provenance) : mesh_(&mesh) {
   node_order_.resize(mesh.node_global.size());
   std::iota(node_order_.begin(), node_order_.end(), LocalId{0});
   std::sort(node_order_.begin(), node_order_.end(), [&](LocalId a, LocalId b) {
@@ -43,6 +47,7 @@ WritePlan::WritePlan(const mesh::DistMesh& mesh, const std::string& provenance) 
   add_mesh();
   for (const auto* field : by_name(mesh.node_fields)) add_field(*field, false);
   for (const auto* field : by_name(mesh.cell_fields)) add_field(*field, true);
+  for (const auto* surface : by_name(mesh.info.triangulations)) add_triangulation(comm, *surface);
   add_texts(provenance);
   for (const auto& array : arrays)
     data_bytes += static_cast<std::uint64_t>(array.shape.rows * array.shape.width) * hdf5::size_of(array.type);
@@ -151,6 +156,32 @@ void WritePlan::add_field(const mesh::Field& field, bool on_cells) {
       {path, field.storage, {rows.all.n, field.n_components, width == 1}, std::move(rows), {}, true, field.unit});
 }
 
+void WritePlan::add_triangulation(const par::Comm& comm, const geometry::Triangulation& surface) {
+  if (groups.empty()) groups.emplace_back(path::surface_data);
+  const auto group = std::string(path::surface_data) + "/" + surface.name;
+  groups.push_back(group);
+  const auto add = [&](const char* name, StorageType type, std::size_t n, auto fill) {
+    const auto all = static_cast<GlobalId>(n);
+    const auto range = par::block_range(all, comm.rank(), comm.size());
+    auto& ids = row_id_.emplace_back(static_cast<std::size_t>(range.count()));
+    std::iota(ids.begin(), ids.end(), range.begin);
+    HeldRows rows{all, 3, ids, [fill, &ids](std::size_t i, std::uint64_t* to) {
+                    const auto row = fill(static_cast<std::size_t>(ids[i]));
+                    std::copy(row.begin(), row.end(), to);
+                  }};
+    arrays.push_back({group + name, type, {all, 3, false}, std::move(rows), {}, true, ""});
+  };
+  add("/points", StorageType::float64, surface.points.size(), [&surface](std::size_t i) {
+    const auto p = surface.points[i];
+    return std::array{std::bit_cast<std::uint64_t>(p.x), std::bit_cast<std::uint64_t>(p.y),
+                      std::bit_cast<std::uint64_t>(p.z)};
+  });
+  add("/triangles", StorageType::int32, surface.triangles.size(), [&surface](std::size_t i) {
+    const auto& t = surface.triangles[i];
+    return std::array{word_of(t[0]), word_of(t[1]), word_of(t[2])};
+  });
+}
+
 void WritePlan::add_texts(const std::string& provenance) {
   TextPlan names{path::patch_names, {}, true}, kinds{path::patch_kinds, {}, true}, ties{path::patch_surfaces, {}, true};
   for (const auto& patch : mesh_->info.patches) {
@@ -165,13 +196,43 @@ void WritePlan::add_texts(const std::string& provenance) {
   texts.push_back({path::provenance, {provenance.empty() ? mesh_->info.provenance : provenance}, false});
 }
 
+namespace {
+
+bool is_name(const std::string& name) {
+  return !name.empty() && name != "." && name.find('/') == std::string::npos && is_clean_text(name, "");
+}
+
+void require_writable(const std::vector<geometry::Triangulation>& surfaces) {
+  std::set<std::string> seen;
+  for (const auto& surface : surfaces) {
+    const auto where = "triangulated surface '" + surface.name + "': ";
+    if (!is_name(surface.name)) throw Error(where + "expected a name in UTF-8 without '/', found another");
+    if (!seen.insert(surface.name).second) throw Error(where + "expected different names, found it twice");
+    constexpr std::size_t most = std::numeric_limits<int>::max();
+    const auto n = surface.points.size();
+    if (n < 3 || n > most || surface.triangles.empty() || surface.triangles.size() > most)
+      throw Error(where + "expected 3 points and 1 triangle or more, found " + std::to_string(n) + " and " +
+                  std::to_string(surface.triangles.size()));
+    for (const auto p : surface.points)
+      if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z))
+        throw Error(where + "expected finite coordinates, found NaN or infinity");
+    for (const auto& triangle : surface.triangles)
+      for (const int point : triangle)
+        if (point < 0 || static_cast<std::size_t>(point) >= n)
+          throw Error(where + "expected points from 0 to " + std::to_string(n - 1) + " in triangles, found " +
+                      std::to_string(point));
+  }
+}
+
+}  // namespace
+
 void require_writable(const mesh::DistMesh& mesh) {
+  require_writable(mesh.info.triangulations);
   for (const auto* fields : {&mesh.node_fields, &mesh.cell_fields}) {
     const std::string where = fields == &mesh.cell_fields ? "cell field '" : "node field '";
     std::set<std::string> seen;
     for (const auto& field : *fields) {
-      if (field.name.empty() || field.name == "." || field.name.find('/') != std::string::npos ||
-          !is_clean_text(field.name, "") || !is_clean_text(field.unit, ""))
+      if (!is_name(field.name) || !is_clean_text(field.unit, ""))
         throw Error(where + field.name + "': expected a name and a unit in UTF-8, the name without '/', found another");
       if (!seen.insert(field.name).second)
         throw Error(where + field.name + "': expected different names, found it twice");

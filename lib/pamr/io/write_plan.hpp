@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <functional>
 #include <string>
 #include <vector>
@@ -35,13 +36,15 @@ struct TextPlan {
 
 /// All the datasets of a mesh in the order in which they are written. Refers to the mesh, which must outlive it.
 struct WritePlan {
-  WritePlan(const mesh::DistMesh& mesh, const std::string& provenance);
+  /// Local; `comm` tells which rows of the triangulated surfaces, which every rank has whole, this rank gives.
+  WritePlan(const par::Comm& comm, const mesh::DistMesh& mesh, const std::string& provenance);
   WritePlan(const WritePlan&) = delete;
   WritePlan& operator=(const WritePlan&) = delete;
   WritePlan(WritePlan&&) = delete;
   WritePlan& operator=(WritePlan&&) = delete;
   ~WritePlan() = default;
 
+  std::vector<std::string> groups;  ///< those that only some meshes have
   std::vector<ArrayPlan> arrays;
   std::vector<TextPlan> texts;
   std::uint64_t data_bytes = 0;  ///< of all datasets together
@@ -50,12 +53,14 @@ struct WritePlan {
   void add_mesh();
   void add_field(const mesh::Field& field, bool on_cells);
   void add_texts(const std::string& provenance);
+  void add_triangulation(const par::Comm& comm, const geometry::Triangulation& surface);
   HeldRows cell_rows(std::size_t width, std::function<void(std::size_t, std::uint64_t*)> fill) const;
   HeldRows node_rows(std::size_t width, std::function<void(std::size_t, std::uint64_t*)> fill) const;
 
   const mesh::DistMesh* mesh_;
-  std::vector<LocalId> node_order_;  ///< nodes in the order of their global ids
-  std::vector<GlobalId> node_id_;    ///< those ids
+  std::vector<LocalId> node_order_;           ///< nodes in the order of their global ids
+  std::vector<GlobalId> node_id_;             ///< those ids
+  std::deque<std::vector<GlobalId>> row_id_;  ///< rows given of each dataset of a triangulated surface
 };
 
 /// Throws `Error` when names of fields or patches could not be read back. Local, the same on every rank.

@@ -32,7 +32,10 @@ CellField* DistMesh::find_cell_field(std::string_view name) { return find_by_nam
 const NodeField* DistMesh::find_node_field(std::string_view name) const { return find_by_name(node_fields, name); }
 
 std::size_t bytes_at_rest(const DistMesh& m) {
-  return capacity_bytes(m.node_position) + capacity_bytes(m.node_global) + capacity_bytes(m.cell_to_node) +
+  std::size_t bytes = 0;
+  for (const auto& surface : m.info.triangulations)
+    bytes += capacity_bytes(surface.points) + capacity_bytes(surface.triangles);
+  return bytes + capacity_bytes(m.node_position) + capacity_bytes(m.node_global) + capacity_bytes(m.cell_to_node) +
          capacity_bytes(m.cell_to_cell) + capacity_bytes(m.cell_global) + capacity_bytes(m.lineage) +
          capacity_bytes(m.border_rank) + capacity_bytes(m.border_offset) + capacity_bytes(m.border_face) +
          capacity_bytes(m.ghost_global) + fields_bytes(m.node_fields) + fields_bytes(m.cell_fields);

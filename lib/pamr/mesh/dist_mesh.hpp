@@ -10,6 +10,7 @@
 
 #include "pamr/base/types.hpp"
 #include "pamr/geometry/quality.hpp"
+#include "pamr/geometry/triangulation.hpp"
 #include "pamr/geometry/vec3.hpp"
 #include "pamr/mesh/field.hpp"
 #include "pamr/mesh/lineage.hpp"
@@ -38,6 +39,8 @@ struct MeshInfo {
   /// Number of the first cell and of the first node: the global numbers run from here on without gaps. 0 but for parts
   /// of larger meshes and for tests of large numbers; below `max_first_id`.
   GlobalId first_id = 0;
+  /// Triangulated surfaces that `surfaces_toml` may refer to, whole on every rank: small beside the mesh.
+  std::vector<geometry::Triangulation> triangulations;
 
   IdRange cell_ids() const { return {n_global_cells, first_id}; }
   IdRange node_ids() const { return {n_global_nodes, first_id}; }
