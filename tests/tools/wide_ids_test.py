@@ -1,0 +1,82 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A mesh whose numbers begin at 2^33 goes through every tool like the one that begins at 0."""
+import json
+import shutil
+
+import h5py
+import numpy as np
+
+from tool_run import RANKS, kuhn_cube, refuses, run, run_tests, same_bytes
+
+FIRST = 2**33
+
+
+def numbered_from(first, source, target):
+    """A copy in which cells and nodes are numbered from `first` on."""
+    shutil.copy(source, target)
+    with h5py.File(target, "r+") as file:
+        file["PAMR"].attrs["first_id"] = np.int64(first)
+        for name in ("PAMR/cell_to_cell", "VTKHDF/CellData/parent"):
+            if name in file:
+                values = file[name][:]
+                file[name][...] = np.where(values >= 0, values + first, values)
+                file["PAMR/checksums"].attrs.pop(name, None)
+    return target
+
+
+def equal_but_for_numbers(wide, plain):
+    """Every dataset is the same but for numbers of cells, which are greater by FIRST."""
+    with h5py.File(wide) as a, h5py.File(plain) as b:
+        names = []
+        b.visititems(lambda name, item: names.append(name) if isinstance(item, h5py.Dataset) else None)
+        for name in names:
+            x, y = a[name][()], b[name][()]
+            if name.endswith(("cell_to_cell", "CellData/parent")):
+                y = np.where(y >= 0, y + FIRST, y)
+            assert np.array_equal(x, y), name
+        assert a["PAMR"].attrs["first_id"] == FIRST
+        assert "first_id" not in b["PAMR"].attrs
+        assert a["PAMR"].attrs["fingerprint"] == b["PAMR"].attrs["fingerprint"]
+
+
+def test_marking_and_refining():
+    plain = kuhn_cube("plain0.hdf", 3)
+    wide = numbered_from(FIRST, plain, "wide0.hdf")
+    for level in range(2):
+        for mesh in ("plain", "wide"):
+            run("pamr-mark", f"{mesh}{level}.hdf", "-o", f"{mesh}.hdf", "--crossing-sphere", "0,0,0,0.6", "--max-cells",
+                9000, "--force", "--quiet")
+            run("pamr-refine", f"{mesh}.hdf", "-o", f"{mesh}{level + 1}.hdf", "--quiet")
+        equal_but_for_numbers("wide.hdf", "plain.hdf")
+        equal_but_for_numbers(f"wide{level + 1}.hdf", f"plain{level + 1}.hdf")
+    run("pamr-refine", "wide.hdf", "-o", "one.hdf", "--quiet", serial=True)
+    assert same_bytes("one.hdf", "wide2.hdf")
+
+
+def test_reports_and_comparisons():
+    plain = kuhn_cube("plain.hdf", 3)
+    wide = numbered_from(FIRST, plain, "wide.hdf")
+    reports = [run("pamr-quality", mesh, "--json", "-").json for mesh in (plain, wide)]
+    assert json.dumps(reports[0]).replace("plain.hdf", "") == json.dumps(reports[1]).replace("wide.hdf", "")
+    run("pamr-diff", plain, wide)
+    run("pamr-diff", wide, plain)
+    run("pamr-quality", wide, "--worst", 5, "--worst-out", "worst.hdf", "--quiet")
+    with h5py.File("worst.hdf") as file:
+        cells = file["VTKHDF/CellData/cell"][:]
+        assert len(cells) == 5 and (cells >= FIRST).all() and (cells < FIRST + 6 * 27).all(), cells
+
+
+def test_numbers_that_do_not_follow_the_first():
+    plain = kuhn_cube("plain.hdf", 2)
+    shutil.copy(plain, "bad.hdf")
+    with h5py.File("bad.hdf", "r+") as file:
+        file["PAMR"].attrs["first_id"] = np.int64(FIRST)
+    for tool, arguments in (("pamr-refine", ["-o", "out.hdf"]), ("pamr-mark", ["-o", "out.hdf", "--all"]),
+                            ("pamr-quality", [])):
+        refuses(tool, "bad.hdf", *arguments, says=["bad.hdf", "cell_to_cell", f"from {FIRST} to {FIRST + 47}"],
+                creates="out.hdf")
+
+
+if __name__ == "__main__":
+    print(f"{RANKS} ranks")
+    run_tests(globals())
