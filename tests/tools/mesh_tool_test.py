@@ -170,6 +170,23 @@ def test_sphere_in_box_lies_on_its_surfaces():
     assert all(count == 2 for n in mesh.names for count in mesh.patch_edges(n).values())
 
 
+def test_charged_spheres_lie_on_their_surfaces():
+    mesh = make("--shape", "charged-spheres", "--size", "1.3")
+
+    assert mesh.names == mesh.surfaces == ["sphere", "plate", "symmetry_x", "symmetry_y", "end", "side", "lid"]
+    assert 5000 <= len(mesh.cells) <= 10000 and mesh.length_unit == "1"
+    assert np.abs(np.linalg.norm(mesh.points_of("sphere") - [2.25, 0, 2.5], axis=1) - 0.325).max() < 1e-15
+    for name, axis, at in (("plate", 2, 0), ("symmetry_x", 0, 0), ("symmetry_y", 1, 0), ("end", 0, 9.75),
+                           ("side", 1, 7.5), ("lid", 2, 10)):
+        assert (mesh.points_of(name)[:, axis] == at).all()
+    assert len(mesh.border("sphere", "symmetry_y")) > 8
+    box = {tuple(p) for p in mesh.points if p[0] in (0, 9.75) and p[1] in (0, 7.5) and p[2] in (0, 10)}
+    assert len(box) == 8
+    for a, b, length in (("end", "side", 10), ("plate", "symmetry_x", 7.5), ("lid", "side", 9.75)):
+        edge = mesh.border(a, b)
+        assert abs((edge.max(axis=0) - edge.min(axis=0)).sum() - length) < 1e-14
+
+
 def test_size_makes_meshes_finer():
     coarse = make("--shape", "sphere-in-box", "--size", "0.5")
     fine = make("--shape", "sphere-in-box", "--size", "0.4")

@@ -6,6 +6,7 @@
 
 #include <limits>
 
+#include "mesh/charged_spheres.hpp"
 #include "mesh/sphere_in_box.hpp"
 #include "pamr/base/error.hpp"
 
@@ -119,11 +120,17 @@ class Reader {
 MeshCase case_of_shape(const std::string& shape, double size) {
   MeshCase result;
   result.shape = shape;
-  if (shape != "blunt-cone" && shape != "sphere-in-box")
-    throw Error(fmt::format("expected --shape kuhn-cube, blunt-cone or sphere-in-box, found \"{}\"", shape));
-  if (size != 0) {
-    result.box_size = size;
-    result.blunt_cone = BluntConeSizes::scaled_to(size);
+  if (shape == "blunt-cone") {
+    if (size != 0) result.blunt_cone = BluntConeSizes::scaled_to(size);
+  } else if (shape == "sphere-in-box") {
+    if (size != 0) result.box_size = size;
+  } else if (shape == "charged-spheres") {
+    ChargedSpheres spheres;
+    if (size != 0) spheres.far = size;
+    result.combination = charged_spheres(spheres);
+  } else {
+    throw Error(
+        fmt::format("expected --shape kuhn-cube, blunt-cone, sphere-in-box or charged-spheres, found \"{}\"", shape));
   }
   return result;
 }
@@ -137,15 +144,23 @@ MeshCase read_case(std::string_view text, const std::string& where) {
 }
 
 Domain domain_of(const MeshCase& mesh_case) {
-  return mesh_case.shape == "blunt-cone" ? blunt_cone(mesh_case.blunt_cone) : sphere_in_box(mesh_case.box_size);
+  if (mesh_case.shape == "blunt-cone") return blunt_cone(mesh_case.blunt_cone);
+  if (mesh_case.shape == "sphere-in-box") return sphere_in_box(mesh_case.box_size);
+  return combine(mesh_case.combination, mesh_case.shape);
 }
 
 std::string describe(const MeshCase& mesh_case) {
   auto line = fmt::format("pamr-mesh: shape {}, seed {}, sizes", mesh_case.shape, mesh_case.seed);
   if (mesh_case.shape == "sphere-in-box") return line + fmt::format(" edge {}", mesh_case.box_size);
-  for (const auto& limit : blunt_cone_size_limits())
-    line += fmt::format(" {} {}", limit.name, mesh_case.blunt_cone.*limit.value);
-  return line;
+  if (mesh_case.shape == "blunt-cone") {
+    for (const auto& limit : blunt_cone_size_limits())
+      line += fmt::format(" {} {}", limit.name, mesh_case.blunt_cone.*limit.value);
+    return line;
+  }
+  const auto& c = mesh_case.combination;
+  line += fmt::format(" far {} growth {}", c.far, c.growth);
+  for (const auto& [name, size] : c.near) line += fmt::format(" {} {}", name, size);
+  return line + fmt::format(", region {}", c.region);
 }
 
 }  // namespace pamr::meshing

@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "mesh/blunt_cone.hpp"
+#include "mesh/combination.hpp"
 
 namespace pamr::meshing {
 
@@ -13,10 +14,11 @@ inline constexpr double default_box_size = 0.28;
 
 /// What is to be meshed with CGAL.
 struct MeshCase {
-  std::string shape;  ///< "blunt-cone" or "sphere-in-box"
+  std::string shape;
   std::uint32_t seed = 0;
   BluntConeSizes blunt_cone;           ///< of that shape
   double box_size = default_box_size;  ///< edge length, of sphere-in-box
+  Combination combination;             ///< of the other shapes
 };
 
 /// The case that `--shape` and, unless 0, `--size` ask for. Throws `Error` for an unknown shape.

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "mesh/domain.hpp"
+
+namespace pamr::meshing {
+
+/// Surfaces and what is between them, as a case file says it.
+struct Combination {
+  std::string surfaces_toml;  ///< entries [[surface]]; each becomes a patch of its name
+  std::string region;         ///< see `Region`
+  geometry::Vec3 low, high;   ///< a box that holds the region, in units of the mesh as all lengths here
+  std::string length_unit;
+  double far = 0;     ///< largest wanted edge length
+  double growth = 0;  ///< of the wanted edge length per distance, no unit; under 1
+  /// Wanted edge lengths up to one such length from a surface; they grow from there.
+  std::vector<std::pair<std::string, double>> near;
+};
+
+/// The domain that it describes. Local, deterministic. Throws `Error` that begins with `where` for surfaces and regions
+/// that are none, a region that leaves its box, and edges as `trace_feature_curves` refuses them.
+Domain combine(const Combination& combination, const std::string& where);
+
+}  // namespace pamr::meshing

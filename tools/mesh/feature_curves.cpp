@@ -1,0 +1,220 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "mesh/feature_curves.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "mesh/curve_trace.hpp"
+#include "pamr/base/error.hpp"
+
+namespace pamr::meshing {
+namespace {
+
+using geometry::Vec3;
+using Polyline = std::vector<Vec3>;
+
+/// A part of a common curve between two corners, or all of it.
+struct Arc {
+  int a = 0, b = 0;
+  Polyline point;
+
+  bool is_closed() const { return point.front() == point.back(); }
+};
+
+std::string text_of(Vec3 p) { return fmt::format("({:g}, {:g}, {:g})", p.x, p.y, p.z); }
+
+class Tracer {
+ public:
+  explicit Tracer(const Solid& solid) : solid_(solid), tolerance_(1e-9 * solid.radius()) {}
+
+  std::vector<Arc> edges() {
+    const auto samples = sample_surfaces(solid_);
+    for (int a = 0; a < solid_.n_surfaces(); ++a)
+      for (int b = a + 1; b < solid_.n_surfaces(); ++b) {
+        const CommonCurve curve(solid_, a, b);
+        auto starts = samples[static_cast<std::size_t>(a)];
+        const auto& others = samples[static_cast<std::size_t>(b)];
+        starts.insert(starts.end(), others.begin(), others.end());
+        for (const auto& trace : curve.trace(starts)) cut(curve, trace);
+      }
+    join();
+    return std::move(arcs_);
+  }
+
+ private:
+  /// The same corner for all that is nearer to it than rounding.
+  Vec3 corner(Vec3 p) {
+    for (const Vec3 known : corners_)
+      if (norm(known - p) < tolerance_) return known;
+    corners_.push_back(p);
+    return p;
+  }
+
+  /// More points where a third surface may be crossed twice between two of them: the signed distance from it cannot
+  /// change faster than one moves.
+  void add_between(const CommonCurve& curve, Polyline& to, Vec3 end, int depth) const {
+    const Vec3 begin = to.back();
+    const double length = norm(end - begin);
+    for (int d = 0; d < solid_.n_surfaces() && depth > 0; ++d) {
+      if (d == curve.a() || d == curve.b()) continue;
+      const double f = solid_.signed_distance(d, begin), g = solid_.signed_distance(d, end);
+      if ((f < 0) != (g < 0) || std::abs(f) + std::abs(g) > 1.01 * length) continue;
+      if (std::max(std::abs(f), std::abs(g)) < tolerance_) refuse_common(curve, d, begin);
+      const auto middle = curve.project(midpoint(begin, end));
+      if (!middle.is_on_curve) break;
+      add_between(curve, to, middle.point, depth - 1);
+      add_between(curve, to, end, depth - 1);
+      return;
+    }
+    to.push_back(end);
+  }
+
+  [[noreturn]] void refuse_common(const CommonCurve& curve, int d, Vec3 p) const {
+    throw Error(fmt::format("expected at most two surfaces in a curve, found \"{}\", \"{}\" and \"{}\" near {}",
+                            solid_.name(curve.a()), solid_.name(curve.b()), solid_.name(d), text_of(p)));
+  }
+
+  /// Where surface `d` crosses the curve between two of its points on different sides of it.
+  Vec3 crossing(const CommonCurve& curve, int d, Vec3 begin, Vec3 end) {
+    const bool begins_behind = solid_.signed_distance(d, begin) < 0;
+    for (int i = 0; i < 60; ++i) {
+      const auto middle = curve.project(midpoint(begin, end));
+      if (!middle.is_on_curve || middle.point == begin || middle.point == end) break;
+      ((solid_.signed_distance(d, middle.point) < 0) == begins_behind ? begin : end) = middle.point;
+    }
+    std::array<int, 3> number{curve.a(), curve.b(), d};
+    std::sort(number.begin(), number.end());
+    const std::array<const geometry::Surface*, 3> all{&solid_.surface(number[0]), &solid_.surface(number[1]),
+                                                      &solid_.surface(number[2])};
+    const auto found = geometry::project_onto_all(all, begin);
+    return corner(found.converged && norm(found.point - begin) < 1e3 * tolerance_ ? found.point : begin);
+  }
+
+  /// Cuts at every third surface and keeps the parts that are edges of the solid.
+  void cut(const CommonCurve& curve, const CommonCurve::Trace& trace) {
+    Polyline fine{trace.point.front()};
+    for (std::size_t i = 1; i < trace.point.size(); ++i) add_between(curve, fine, trace.point[i], 12);
+    std::vector<Polyline> parts{{fine.front()}};
+    for (std::size_t i = 1; i < fine.size(); ++i) {
+      const auto before = solid_.sides(fine[i - 1]) ^ solid_.sides(fine[i]);
+      std::vector<std::pair<double, Vec3>> crossings;
+      for (int d = 0; d < solid_.n_surfaces(); ++d)
+        if (d != curve.a() && d != curve.b() && (before >> d & 1U) != 0) {
+          const Vec3 p = crossing(curve, d, fine[i - 1], fine[i]);
+          crossings.emplace_back(norm(p - fine[i - 1]), p);
+        }
+      std::sort(crossings.begin(), crossings.end(), [](const auto& p, const auto& q) { return p.first < q.first; });
+      for (const auto& [distance, p] : crossings) {
+        append(parts.back(), p);
+        parts.push_back({p});
+      }
+      append(parts.back(), fine[i]);
+    }
+    if (trace.is_closed && parts.size() > 1) {
+      auto& first = parts.front();
+      parts.back().insert(parts.back().end(), first.begin() + 1, first.end());
+      first = std::move(parts.back());
+      parts.pop_back();
+    }
+    for (auto& part : parts)
+      if (part.size() > 1) keep_if_edge(curve, std::move(part));
+  }
+
+  /// Leaves out what is the last point already, to rounding; corners stay.
+  void append(Polyline& to, Vec3 p) {
+    if (norm(to.back() - p) > 10 * tolerance_) {
+      to.push_back(p);
+    } else if (to.size() > 1) {
+      to.back() = p;
+    }
+  }
+
+  void keep_if_edge(const CommonCurve& curve, Polyline part) {
+    if (part.size() == 2) {
+      const auto middle = curve.project(midpoint(part[0], part[1]));
+      if (middle.is_on_curve) part.insert(part.begin() + 1, middle.point);
+    }
+    if (!is_edge(curve, part[part.size() / 2])) return;
+    const bool is_closed = part.front() == part.back();
+    const auto is_corner = [this](Vec3 p) { return std::find(corners_.begin(), corners_.end(), p) != corners_.end(); };
+    if (!is_closed && !(is_corner(part.front()) && is_corner(part.back())))
+      throw Error(
+          fmt::format("expected edges that close or end in corners inside the bounds, found one of \"{}\" and "
+                      "\"{}\" that ends at {} and {}",
+                      solid_.name(curve.a()), solid_.name(curve.b()), text_of(part.front()), text_of(part.back())));
+    arcs_.push_back({curve.a(), curve.b(), std::move(part)});
+  }
+
+  /// True when both surfaces bound the solid here.
+  bool is_edge(const CommonCurve& curve, Vec3 p) const {
+    const Sides a = Sides{1} << curve.a(), b = Sides{1} << curve.b(), rest = solid_.sides(p) & ~(a | b);
+    const auto in = [&](Sides sides) { return solid_.region.contains(rest | sides); };
+    const bool none = in(0), only_a = in(a), only_b = in(b), all = in(a | b);
+    const bool depends_on_a = none != only_a || only_b != all, depends_on_b = none != only_b || only_a != all;
+    if (!depends_on_a || !depends_on_b) return false;
+    if (none == all && only_a == only_b)
+      throw Error(
+          fmt::format("expected a region that does not touch itself, found one that does where \"{}\" and "
+                      "\"{}\" meet at {}",
+                      solid_.name(curve.a()), solid_.name(curve.b()), text_of(p)));
+    return true;
+  }
+
+  /// Arcs of the same surfaces become one where nothing else ends.
+  void join() {
+    for (bool has_joined = true; has_joined;) {
+      has_joined = false;
+      for (std::size_t i = 0; i < arcs_.size() && !has_joined; ++i)
+        for (const bool at_end : {true, false}) {
+          const auto j = only_other(i, at_end ? arcs_[i].point.back() : arcs_[i].point.front());
+          if (j == arcs_.size()) continue;
+          connect(i, j, at_end);
+          has_joined = true;
+          break;
+        }
+    }
+  }
+
+  /// The arc of the same surfaces that ends at p, when it is the only one to do so beside arc i; else the number of
+  /// arcs.
+  std::size_t only_other(std::size_t i, Vec3 p) const {
+    if (arcs_[i].is_closed()) return arcs_.size();
+    std::size_t found = arcs_.size(), n_ends = 0;
+    for (std::size_t j = 0; j < arcs_.size(); ++j) {
+      if (j == i || (arcs_[j].point.front() != p && arcs_[j].point.back() != p)) continue;
+      ++n_ends;
+      found = j;
+    }
+    const bool is_same = n_ends == 1 && arcs_[found].a == arcs_[i].a && arcs_[found].b == arcs_[i].b;
+    return is_same && !arcs_[found].is_closed() ? found : arcs_.size();
+  }
+
+  void connect(std::size_t i, std::size_t j, bool at_end) {
+    auto& to = arcs_[i].point;
+    auto from = std::move(arcs_[j].point);
+    if (!at_end) std::reverse(to.begin(), to.end());
+    if (from.front() != to.back()) std::reverse(from.begin(), from.end());
+    to.insert(to.end(), from.begin() + 1, from.end());
+    arcs_.erase(arcs_.begin() + static_cast<std::ptrdiff_t>(j));
+  }
+
+  const Solid& solid_;
+  double tolerance_;
+  std::vector<Vec3> corners_;
+  std::vector<Arc> arcs_;
+};
+
+}  // namespace
+
+std::vector<FeatureCurve> trace_feature_curves(const std::shared_ptr<const Solid>& solid) {
+  std::vector<FeatureCurve> result;
+  for (auto& arc : Tracer(*solid).edges())
+    result.push_back({std::move(arc.point),
+                      [solid, a = arc.a, b = arc.b](Vec3 p) { return CommonCurve(*solid, a, b).project(p).point; }});
+  return result;
+}
+
+}  // namespace pamr::meshing
