@@ -172,10 +172,12 @@ class Analyst {
     const auto goal = make_goal(result);
     const auto w = system_.solve_linearised(goal.load, goal.fixed);
     const auto gradient = cell_gradients(domain_, w);
-    const auto squared_w =
-        squared_errors(domain_, gradient, recover(comm_, domain_, gradient, problem_.estimator.recovery));
-    result.goal = goal_errors(domain_, term_, solution_.u, conditions_.psi0, w, result.estimate.squared, squared_w,
-                              problem_.solver.quadrature == Quadrature::nodal);
+    const auto recovered = recover(comm_, domain_, gradient, problem_.estimator.recovery);
+    auto error = goal_error(comm_, domain_, term_,
+                            {solution_.u, conditions_.psi0, w, gradient_, recovered_, gradient, recovered},
+                            problem_.solver.quadrature == Quadrature::nodal);
+    result.goal_correction = goal.factor * error.correction;
+    result.goal = std::move(error.share);
     result.goal_value = goal.value;
     result.goal_error = goal.factor * par::reproducible_sum(comm_, result.goal);
   }

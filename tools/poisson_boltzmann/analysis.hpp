@@ -19,6 +19,7 @@ struct Analysis {
   double goal_value = 0;     ///< the functional, on full bodies
   double goal_error = 0;     ///< sum of `goal`, on full bodies
   std::vector<PatchResult> patches;
+  double goal_correction = 0;  ///< estimated error of the functional with its sign, on full bodies
   Energy energy;
   std::optional<double> manufactured_l2, manufactured_h1;  ///< errors against the manufactured solution
 };

@@ -107,26 +107,45 @@ Estimate estimate_error(const par::Comm& comm, const Domain& domain, const Sourc
   return result;
 }
 
-std::vector<double> goal_errors(const Domain& domain, const SourceTerm& term, std::span<const double> u,
-                                std::span<const double> psi0, std::span<const double> w,
-                                std::span<const double> squared_u, std::span<const double> squared_w, bool nodal) {
+GoalError goal_error(const par::Comm& comm, const Domain& domain, const SourceTerm& term, const GoalInput& in,
+                     bool nodal) {
   const auto& cells = domain.mesh->cell_to_node;
-  std::vector<double> result(cells.size());
+  GoalError result;
+  result.share.resize(cells.size());
+  std::array<par::ExactSum, 1> sum;
   for (std::size_t c = 0; c < cells.size(); ++c) {
-    result[c] = std::sqrt(squared_u[c] * squared_w[c]);
-    if (!nodal) continue;
-    const auto values = corners(cells[c], u), base = corners(cells[c], psi0), dual = corners(cells[c], w);
-    double products = 0, sources = 0, duals = 0;
-    for (std::size_t k = 0; k < 4; ++k) {
-      const double source = term.value(values[k], base[k]);
-      products += source * dual[k];
-      sources += source;
-      duals += dual[k];
-    }
-    // Nodal quadrature of the product of two linear functions less its integral.
     const double volume = geometry::volume(domain.points(c));
-    result[c] += std::abs(volume * (products / 4 - (products + sources * duals) / 20));
+    Vec3 total_u, total_w;
+    double squares_u = 0, squares_w = 0, products = 0;
+    for (const auto node : cells[c]) {
+      const auto i = static_cast<std::size_t>(node);
+      const auto error_u = in.recovered_u[i] - in.gradient_u[c], error_w = in.recovered_w[i] - in.gradient_w[c];
+      total_u = total_u + error_u;
+      total_w = total_w + error_w;
+      squares_u += squared_norm(error_u);
+      squares_w += squared_norm(error_w);
+      products += dot(error_u, error_w);
+    }
+    const double part = volume / 20;  // integral of the product of two corner functions
+    double correction = part * (products + dot(total_u, total_w));
+    result.share[c] = part * std::sqrt((squares_u + squared_norm(total_u)) * (squares_w + squared_norm(total_w)));
+    if (nodal) {
+      const auto u = corners(cells[c], in.u), base = corners(cells[c], in.psi0), w = corners(cells[c], in.w);
+      double together = 0, sources = 0, duals = 0;
+      for (std::size_t k = 0; k < 4; ++k) {
+        const double source = term.value(u[k], base[k]);
+        together += source * w[k];
+        sources += source;
+        duals += w[k];
+      }
+      // Nodal quadrature of the product of two linear functions less its integral.
+      const double excess = volume / 4 * together - part * (together + sources * duals);
+      correction += excess;
+      result.share[c] += std::abs(excess);
+    }
+    sum[0].add(correction);
   }
+  result.correction = par::reproducible_sums(comm, sum)[0];
   return result;
 }
 

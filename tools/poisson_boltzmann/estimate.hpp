@@ -35,10 +35,21 @@ Estimate estimate_error(const par::Comm& comm, const Domain& domain, const Sourc
                         std::span<const double> psi0, std::span<const geometry::Vec3> cell_gradient,
                         std::span<const geometry::Vec3> recovered);
 
-/// What each cell contributes to the error of a functional whose dual solution is w: the product of the recovered
-/// errors of u and w, and the error of nodal quadrature weighted with w. Local.
-std::vector<double> goal_errors(const Domain& domain, const SourceTerm& term, std::span<const double> u,
-                                std::span<const double> psi0, std::span<const double> w,
-                                std::span<const double> squared_u, std::span<const double> squared_w, bool nodal);
+/// Error of a functional of the solution, by its dual solution w.
+struct GoalError {
+  /// Of each cell, not negative: the product of the recovered errors of u and w, and the error of nodal quadrature
+  /// weighted with w. For marking; their sum is far above the error.
+  std::vector<double> share;
+  /// Estimate of J(u) - J(u_h) with its sign, to first order: the integral of (G* - grad u_h) . (W* - grad w_h) and
+  /// what nodal quadrature adds, on the meshed part.
+  double correction = 0;
+};
+struct GoalInput {
+  std::span<const double> u, psi0, w;
+  std::span<const geometry::Vec3> gradient_u, recovered_u, gradient_w, recovered_w;  ///< on cells, at nodes
+};
+/// Collective: one reduction. Source: R. Becker, R. Rannacher, Acta Numerica 10 (2001), with recovered gradients.
+GoalError goal_error(const par::Comm& comm, const Domain& domain, const SourceTerm& term, const GoalInput& input,
+                     bool nodal);
 
 }  // namespace pamr::poisson_boltzmann

@@ -10,12 +10,14 @@
 #include <string>
 #include <vector>
 
+#include "cli/output_file.hpp"
 #include "cli/run_tool.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/io/native_file.hpp"
 #include "pamr/mesh/assemble.hpp"
 #include "pamr/mesh/validate.hpp"
 #include "poisson_boltzmann/report.hpp"
+#include "poisson_boltzmann/surface_file.hpp"
 
 namespace {
 
@@ -23,7 +25,7 @@ using namespace pamr;
 namespace pb = poisson_boltzmann;
 
 struct Options {
-  std::string case_file, mesh, output, start, petsc;
+  std::string case_file, mesh, output, start, surface, petsc;
   bool force = false;
 };
 
@@ -33,6 +35,8 @@ void declare(CLI::App& app, Options& o) {
   app.add_option("-o,--output", o.output, "mesh to write: the same with the fields of the solution")->required();
   app.add_option("--start", o.start, "nodal field of the mesh to start from: a potential, as a coarser level left it")
       ->type_name("FIELD");
+  app.add_option("--surface", o.surface, "write the boundary with potential, charge density and stress, for ParaView")
+      ->type_name("FILE.vtu");
   app.add_option("--petsc", o.petsc, "options for PETSc, after those of the case: \"-pc_type hypre -ksp_monitor\"")
       ->type_name("OPTIONS");
   app.add_flag("--force", o.force, cli::force_help);
@@ -111,6 +115,7 @@ cli::ExitCode run(cli::Session& session, const Options& o) {
   session.check_input(o.case_file);
   session.check_input(o.mesh);
   session.check_output(o.output, {o.case_file, o.mesh}, o.force);
+  if (!o.surface.empty()) session.check_output(o.surface, {o.case_file, o.mesh, o.output}, o.force);
   const auto& comm = session.comm();
   Lap lap;
   const auto problem = pb::read_case(text_of(comm, o.case_file), o.case_file);
@@ -141,6 +146,12 @@ cli::ExitCode run(cli::Session& session, const Options& o) {
 
   const auto analysis = pb::analyse(comm, domain, problem, conditions, system, solution);
   seconds["analyse"] = lap.seconds();
+  if (!o.surface.empty()) {
+    const auto text = pb::surface_text(comm, domain, problem, conditions, solution, analysis);
+    par::agree(comm, [&] {
+      if (comm.is_first()) cli::write_whole(o.surface, text);
+    });
+  }
   auto report = pb::report_of(domain, problem, solution, analysis);
   pb::set_fields(mesh, problem, solution, analysis);
   io::write_native(comm, o.output, mesh);
