@@ -78,19 +78,25 @@ mesh::BlockMesh along_curve(const par::Comm& comm, mesh::BlockMesh block) {
   return std::move(ordered.block);
 }
 
-/// Reads the mesh with its cells spread so that flagged cells count eight times: the paper's weights. Errors name cells
-/// and nodes by their numbers in the file: where it was put in order, what is wrong is found once more without.
+/// The paper's weights: flagged cells count eight times.
+std::vector<std::int64_t> paper_weights(const mesh::BlockMesh& block, const std::string& marks) {
+  std::vector<std::int64_t> weight(block.cell_to_node.size(), 1);
+  for (const auto& field : block.cell_fields)
+    if (field.name == marks && field.holds_integers() && field.n_components == 1)
+      for (std::size_t c = 0; c < weight.size(); ++c) weight[c] = field.integer()[c] == 1 ? 8 : 1;
+  return weight;
+}
+
+/// Reads the mesh, its cells in even blocks; where nothing balances them later, in blocks of even weight. Errors name
+/// cells and nodes by their numbers in the file: where it was put in order, what is wrong is found once more without.
 mesh::DistMesh read(const par::Comm& comm, const Options& options, const std::string& order, StepTimer& timer) {
   auto block = io::read_native(comm, options.input);
   timer.lap("read");
   const bool reorder = order == "curve" || (order == "auto" && !mesh::is_ordered(comm, block));
   if (reorder) block = naming(options.input, [&] { return along_curve(comm, std::move(block)); });
   timer.lap("preprocessing");
-  std::vector<std::int64_t> weight(block.cell_to_node.size(), 1);
-  for (const auto& field : block.cell_fields)
-    if (field.name == options.marks && field.holds_integers() && field.n_components == 1)
-      for (std::size_t c = 0; c < weight.size(); ++c) weight[c] = field.integer()[c] == 1 ? 8 : 1;
-  const auto destination = balance::weighted_blocks(comm, weight);
+  std::vector<Rank> destination;
+  if (options.balance == "none") destination = balance::weighted_blocks(comm, paper_weights(block, options.marks));
   timer.lap("balance");
   try {
     auto mesh = naming(options.input, [&] { return mesh::assemble(comm, std::move(block), destination); });

@@ -171,7 +171,8 @@ RefineResult run(const par::Comm& comm, const mesh::DistMesh& mesh, mesh::DistMe
   result.report.marked_not_split = comm.sum(count_not_split(mesh, flags, closure));
   result.report.neighbours_closing = static_cast<std::int64_t>(borders.nodes.rank.size());
   timer.lap("close");
-  if (consumed != nullptr) result.report.balance = balance_parents(comm, *consumed, borders, closure, flags, balancing);
+  if (consumed != nullptr)
+    result.report.balance = balance_parents(comm, *consumed, borders, closure, flags, balancing, timer);
   timer.lap("balance");
   split(comm, mesh, consumed, borders, closure, surfaces, options, timer, result);
   result.report.steps = timer.steps();

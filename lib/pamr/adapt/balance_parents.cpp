@@ -55,8 +55,8 @@ std::vector<std::int64_t> cell_weights(const par::Comm& comm, const mesh::DistMe
 }
 
 BalanceReport balance_parents(const par::Comm& comm, mesh::DistMesh& mesh, mesh::Borders& borders,
-                              refine::Closure& closure, std::span<const std::uint8_t> flags,
-                              const Balancing& balancing) {
+                              refine::Closure& closure, std::span<const std::uint8_t> flags, const Balancing& balancing,
+                              StepTimer& timer) {
   BalanceReport report;
   const auto weight = cell_weights(comm, mesh, flags, closure, balancing);
   report.is_measured = true;
@@ -72,6 +72,7 @@ BalanceReport balance_parents(const par::Comm& comm, mesh::DistMesh& mesh, mesh:
   report.after = balance::measure(comm, mesh, exact, wanted.part, comm.size());
   report.moved_cells = comm.sum(static_cast<std::int64_t>(wanted.part.size()) -
                                 std::count(wanted.part.begin(), wanted.part.end(), comm.rank()));
+  timer.lap("balance");
   const auto middle = wall_seconds();
   report.partition_seconds = middle - start;
   if (report.moved_cells == 0) return report;
@@ -80,6 +81,7 @@ BalanceReport balance_parents(const par::Comm& comm, mesh::DistMesh& mesh, mesh:
   closure = closure_from_bytes(mesh, bytes, closure);
   borders = mesh::find_borders(comm, mesh);
   report.migrate_seconds = wall_seconds() - middle;
+  timer.lap("migrate");
   return report;
 }
 

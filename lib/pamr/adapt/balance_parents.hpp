@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "pamr/balance/rebalance.hpp"
+#include "pamr/base/timer.hpp"
 #include "pamr/mesh/borders.hpp"
 #include "pamr/mesh/dist_mesh.hpp"
 #include "pamr/par/comm.hpp"
@@ -48,10 +49,11 @@ std::vector<std::int64_t> cell_weights(const par::Comm& comm, const mesh::DistMe
                                        const Balancing& balancing);
 
 /// Moves the parents to the ranks where their children shall be: `mesh` and `closure` become those of the cells that
-/// this rank has then, `borders` are found anew. Collective. Nothing moves on one rank and with `Method::none`.
+/// this rank has then, `borders` are found anew. Books its time as `balance` and `migrate`. Collective. Nothing moves
+/// on one rank and with `Method::none`.
 BalanceReport balance_parents(const par::Comm& comm, mesh::DistMesh& mesh, mesh::Borders& borders,
-                              refine::Closure& closure, std::span<const std::uint8_t> flags,
-                              const Balancing& balancing);
+                              refine::Closure& closure, std::span<const std::uint8_t> flags, const Balancing& balancing,
+                              StepTimer& timer);
 
 /// The exact number of cells that each cell of this rank becomes, those of a family that is taken back at its first
 /// member: weights for `balance::partition`. Collective. Throws `Error` as `refine` does.

@@ -80,7 +80,9 @@ class Context {
 
 class Graph {
  public:
-  explicit Graph(const par::Comm& comm) { code_ = SCOTCH_dgraphInit(&graph_, comm.handle()); }
+  explicit Graph(const par::Comm& comm) {
+    code_ = comm.in_library([&] { return SCOTCH_dgraphInit(&graph_, comm.handle()); });
+  }
   ~Graph() { SCOTCH_dgraphExit(&graph_); }
   Graph(const Graph&) = delete;
   Graph& operator=(const Graph&) = delete;
@@ -132,18 +134,19 @@ std::vector<Rank> scotch_partition(const par::Comm& comm, const DualGraph& graph
   Pointers pointer;
   const auto n = static_cast<SCOTCH_Num>(graph.n_vertices());
   const auto n_arcs = static_cast<SCOTCH_Num>(graph.neighbour.size());
-  require_success(
-      comm,
-      SCOTCH_dgraphBuild(plain.get(), 0, n, n, pointer(graph.arc_begin), nullptr, pointer(graph.weight), nullptr,
-                         n_arcs, n_arcs, pointer(graph.neighbour), nullptr, pointer(graph.n_faces)),
-      "SCOTCH_dgraphBuild");
+  const auto build = [&] {
+    return SCOTCH_dgraphBuild(plain.get(), 0, n, n, pointer(graph.arc_begin), nullptr, pointer(graph.weight), nullptr,
+                              n_arcs, n_arcs, pointer(graph.neighbour), nullptr, pointer(graph.n_faces));
+  };
+  require_success(comm, comm.in_library(build), "SCOTCH_dgraphBuild");
   require_success(comm, SCOTCH_contextBindDgraph(context.get(), plain.get(), bound.get()), "SCOTCH_contextBindDgraph");
   Strategy strategy;
   require_success(comm,
                   SCOTCH_stratDgraphMapBuild(strategy.get(), SCOTCH_STRATBALANCE, comm.size(), n_parts, tolerance),
                   "SCOTCH_stratDgraphMapBuild");
   std::vector<std::int64_t> part(graph.n_vertices(), 0);
-  require_success(comm, SCOTCH_dgraphPart(bound.get(), n_parts, strategy.get(), pointer(part)), "SCOTCH_dgraphPart");
+  const auto divide = [&] { return SCOTCH_dgraphPart(bound.get(), n_parts, strategy.get(), pointer(part)); };
+  require_success(comm, comm.in_library(divide), "SCOTCH_dgraphPart");
 
   std::vector<Rank> result;
   result.reserve(part.size());

@@ -34,6 +34,7 @@ Traffic& Traffic::operator+=(const Traffic& other) {
   reductions += other.reductions;
   wait_wall += other.wait_wall;
   wait_cpu += other.wait_cpu;
+  library_cpu += other.library_cpu;
   return *this;
 }
 
@@ -45,6 +46,7 @@ Traffic& Traffic::operator-=(const Traffic& other) {
   reductions -= other.reductions;
   wait_wall -= other.wait_wall;
   wait_cpu -= other.wait_cpu;
+  library_cpu -= other.library_cpu;
   return *this;
 }
 

@@ -122,14 +122,13 @@ mesh::BlockMesh Reader::run() {
   for (const auto& entry : layout_.fields)
     (entry.on_cells ? block.cell_fields : block.node_fields).push_back(read_field(entry));
   for (const auto& entry : layout_.triangulations) block.info.triangulations.push_back(read_triangulation(entry));
-  const par::Comm::Waiting waiting(*comm_);
-  h5_.reset();
+  comm_->in_library([&] { return h5_.reset(); });
   return block;
 }
 
 void Reader::open() {
   par::agree(*comm_, [&] {
-    const par::Comm::Waiting waiting(*comm_);
+    const par::Comm::Waiting waiting(*comm_, par::Comm::Waiting::In::library);
     const auto access = hdf5::parallel_access(*comm_);
     h5_ = hdf5::take(H5Fopen(file_.c_str(), H5F_ACC_RDONLY, access.id()), H5Fclose,
                      "file '" + file_.string() + "': cannot open it");
@@ -149,7 +148,7 @@ void Reader::each_slab(const std::string& path, StorageType type, const hdf5::Sh
   const auto where = "file '" + file_.string() + "', " + path + ": ";
   std::optional<RowSource> source;
   par::agree(*comm_, [&] {
-    const par::Comm::Waiting waiting(*comm_);
+    const par::Comm::Waiting waiting(*comm_, par::Comm::Waiting::In::library);
     try {
       source.emplace(file_, h5_.id(), *catalog_.find_array(path), shape, rows.begin, rows.end, slab);
     } catch (const Error& error) {
@@ -161,9 +160,7 @@ void Reader::each_slab(const std::string& path, StorageType type, const hdf5::Sh
   for (GlobalId s = 0; s < n_slabs; ++s) {
     const auto first = std::min(rows.begin + s * slab, rows.end), n = std::min(slab, rows.end - first);
     const auto n_values = static_cast<std::size_t>(n) * width;
-    par::Comm::Waiting waiting(*comm_);
-    const bool done = source->read(n, raw);
-    waiting.pause();
+    const bool done = comm_->in_library([&] { return source->read(n, raw); });
     par::agree(*comm_, [&] {
       if (!done)
         throw Error(where + "cannot read rows from " + std::to_string(first) + " on (" + source->trouble() + ")");

@@ -140,7 +140,7 @@ void Writer::run() {
 /// Makes the file and everything in it but the values. Every rank makes the same calls with the same arguments.
 void Writer::create() {
   par::agree(*comm_, [&] {
-    const par::Comm::Waiting waiting(*comm_);
+    const par::Comm::Waiting waiting(*comm_, par::Comm::Waiting::In::library);
     const auto access = hdf5::parallel_access(*comm_);
     const auto creation = hdf5::take(H5Pcreate(H5P_FILE_CREATE), H5Pclose, "cannot make a property list");
     H5Pset_obj_track_times(creation.id(), false);
@@ -278,7 +278,7 @@ void Writer::fill() {
     const auto checksum = write_array(plan, arrays_[i].id());
     if (!plan.has_checksum) continue;
     par::agree(*comm_, [&] {
-      const par::Comm::Waiting waiting(*comm_);
+      const par::Comm::Waiting waiting(*comm_, par::Comm::Waiting::In::library);
       const auto attribute = hdf5::take(H5Aopen(group.id(), checksum_path(plan.path).c_str(), H5P_DEFAULT), H5Aclose,
                                         at(path::checksums, "cannot open it"));
       hdf5::require(H5Awrite(attribute.id(), H5T_NATIVE_UINT64, &checksum) >= 0,
@@ -316,10 +316,10 @@ std::uint64_t Writer::write_array(const ArrayPlan& plan, hid_t dataset) const {
     });
     const auto first = (part.range.begin - rows.all.first) * file_rows;
     if (plan.has_checksum) checksum.add(first, static_cast<std::size_t>(plan.shape.width), part.words);
-    par::Comm::Waiting waiting(*comm_);
-    const bool done = hdf5::write_rows(dataset, plan.shape, first, part.range.count() * file_rows,
-                                       hdf5::memory_type(plan.type), raw.data(), transfer_.id());
-    waiting.pause();
+    const bool done = comm_->in_library([&] {
+      return hdf5::write_rows(dataset, plan.shape, first, part.range.count() * file_rows, hdf5::memory_type(plan.type),
+                              raw.data(), transfer_.id());
+    });
     par::agree(*comm_, [&] { hdf5::require(done, at(plan.path, "cannot write it")); });
   }
   return plan.has_checksum ? checksum.result(*comm_) : 0;
@@ -333,16 +333,16 @@ void Writer::write_text(const TextPlan& plan, hid_t dataset) const {
     std::copy(plan.texts[i].begin(), plan.texts[i].end(), padded.data() + i * bytes);
   const Handle space(H5Dget_space(dataset), H5Sclose);
   if (!comm_->is_first()) H5Sselect_none(space.id());
-  par::Comm::Waiting waiting(*comm_);
-  const bool done =
-      plan.texts.empty() || H5Dwrite(dataset, type.id(), space.id(), space.id(), transfer_.id(), padded.data()) >= 0;
-  waiting.pause();
+  const bool done = comm_->in_library([&] {
+    return plan.texts.empty() ||
+           H5Dwrite(dataset, type.id(), space.id(), space.id(), transfer_.id(), padded.data()) >= 0;
+  });
   par::agree(*comm_, [&] { hdf5::require(done, at(plan.path, "cannot write it")); });
 }
 
 /// Closes everything; false when HDF5 could not write the rest. Collective.
 bool Writer::close() {
-  const par::Comm::Waiting waiting(*comm_);
+  const par::Comm::Waiting waiting(*comm_, par::Comm::Waiting::In::library);
   arrays_.clear();
   texts_.clear();
   dataset_properties_.reset();

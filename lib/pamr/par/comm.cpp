@@ -32,15 +32,19 @@ void in_pieces(std::size_t n, std::size_t piece, Transfer transfer) {
 void Comm::Waiting::resume() {
   if (is_running_) return;
   is_running_ = true;
-  traffic_.wait_wall -= wall_seconds();
-  traffic_.wait_cpu -= cpu_seconds();
+  book(-wall_seconds(), -cpu_seconds());
 }
 
 void Comm::Waiting::pause() {
   if (!is_running_) return;
   is_running_ = false;
-  traffic_.wait_wall += wall_seconds();
-  traffic_.wait_cpu += cpu_seconds();
+  book(wall_seconds(), cpu_seconds());
+}
+
+void Comm::Waiting::book(double wall, double cpu) {
+  traffic_.wait_wall += wall;
+  traffic_.wait_cpu += cpu;
+  if (in_ == In::library) traffic_.library_cpu += cpu;
 }
 
 template <class Operation>

@@ -59,11 +59,15 @@ class Comm {
   /// What this rank has sent through this object, and the time it has spent in its calls, since it was made.
   Traffic traffic() const { return traffic_; }
 
-  /// Books time as spent in communication, from its making to its end but for the pauses. For calls of MPI, and of
-  /// libraries that communicate by themselves through `handle()`. Not to be nested. Costs two readings of the clocks.
+  /// Books time as spent in communication, from its making to its end but for the pauses. Not to be nested. Costs two
+  /// readings of the clocks.
   class Waiting {
    public:
-    explicit Waiting(const Comm& comm) : traffic_(comm.traffic_) { resume(); }
+    enum class In : bool {
+      mpi,
+      library,  ///< one that communicates by itself through `handle()`: HDF5, Scotch; work and waiting are one there
+    };
+    explicit Waiting(const Comm& comm, In in = In::mpi) : traffic_(comm.traffic_), in_(in) { resume(); }
     ~Waiting() { pause(); }
     Waiting(const Waiting&) = delete;
     Waiting& operator=(const Waiting&) = delete;
@@ -73,9 +77,17 @@ class Comm {
     void pause();
 
    private:
+    void book(double wall, double cpu);
     Traffic& traffic_;
+    In in_;
     bool is_running_ = false;
   };
+  /// Runs a part of such a library and returns what it returns.
+  template <class Call>
+  auto in_library(Call&& call) const {
+    const Waiting waiting(*this, Waiting::In::library);
+    return call();
+  }
 
   void barrier() const;
   bool any(bool here) const;
