@@ -239,9 +239,12 @@ cli::ExitCode run_case(cli::Session& session, const Options& options) {
   mesh::require_valid(comm, mesh, options.mesh);
   const auto setup = make_setup(comm, c, mesh);
   const auto plan = make_plan(comm, c, setup, mesh);
-  for (const auto& line : describe(c, setup, plan)) session.summary(line);
-  warn_about(session, plan);
+  const auto tell = [&] {
+    for (const auto& line : describe(c, setup, plan)) session.summary(line);
+    warn_about(session, plan);
+  };
   if (options.plan) {
+    tell();
     session.write_report(to_json(plan));
     return cli::ExitCode::done;
   }
@@ -250,6 +253,7 @@ cli::ExitCode run_case(cli::Session& session, const Options& options) {
   Run run(c, mesh, flow);
   const auto key = key_of(comm, mesh);
   begin(session, options, mesh, key, run, flow);
+  tell();
   const auto save = [&] { write_checkpoint(comm, options.checkpoint, key, run, flow); };
   const double cpu = cpu_seconds();
   const auto [particle_steps, was_interrupted] = advance(session, run, options, save);

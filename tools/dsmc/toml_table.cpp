@@ -26,6 +26,7 @@ TomlTable::TomlTable(const toml::table& table, std::string where, std::string na
 
 const toml::node* TomlTable::find(std::string_view key) {
   used_.insert(std::string(key));
+  asked_.insert(std::string(key));
   return table_->get(key);
 }
 
@@ -132,7 +133,7 @@ std::vector<TomlTable> TomlTable::list(std::string_view key) {
 
 void TomlTable::done() const {
   std::string known;
-  for (const auto& key : used_) known += (known.empty() ? "" : ", ") + key;
+  for (const auto& key : asked_) known += (known.empty() ? "" : ", ") + key;
   for (const auto& [key, node] : *table_)
     if (!used_.contains(std::string(key.str())))
       throw Error(fmt::format("{}:{}: expected one of {}{}, found \"{}\"", where_, key.source().begin.line, known, in(),

@@ -23,7 +23,10 @@ class TomlTable {
   /// `name` is the table's full name, empty for the file itself.
   TomlTable(const toml::table& table, std::string where, std::string name);
 
-  bool has(std::string_view key) const { return table_->contains(key); }
+  bool has(std::string_view key) const {
+    asked_.insert(std::string(key));
+    return table_->contains(key);
+  }
   /// A number in [low, high]; `open` leaves out `low` itself.
   double number(std::string_view key, double low, double high, bool open = false);
   double number_or(std::string_view key, double otherwise, double low, double high, bool open = false);
@@ -57,6 +60,7 @@ class TomlTable {
   const toml::table* table_;
   std::string where_, name_;
   std::set<std::string> used_;
+  mutable std::set<std::string> asked_;  ///< keys that could have been there: for messages
 };
 
 }  // namespace pamr::dsmc

@@ -1,0 +1,241 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""pamr-dsmc as a user runs it: the free-molecular sphere, restart, carrying a flow, the plan, bad input."""
+import csv
+import math
+import os
+import pathlib
+import signal
+import subprocess
+import time
+import xml.etree.ElementTree as xml
+
+import h5py
+import numpy as np
+
+from tool_run import BIN, LAUNCHER, RANKS, add_cell_field, kuhn_cube, refuses, run, run_tests, same_bytes
+
+SPECIES = """
+[species.N2]
+mass = 4.65e-26
+diameter = 4.17e-10
+omega = 0.74
+t_ref = 273.0
+rotational_degrees = 2
+"""
+
+SPHERE = SPECIES + """
+[gas]
+fractions = { N2 = 1.0 }
+[stream.free]
+density = 1e17
+temperature = 300.0
+velocity = [2110.3806, 0.0, 0.0]
+[boundary.sphere]
+kind = "diffuse"
+temperature = 300.0
+[boundary.box]
+kind = "inflow"
+[collisions]
+enabled = false
+[particles]
+per_cell = 12.0
+[domain]
+unit = 1.0
+[time]
+step = 1e-4
+[run]
+transient = 60
+sampling = 240
+block = 12
+[reference]
+area = 3.141592653589793
+length = 2.0
+"""
+
+# Gas streams through a cube past a warm floor.
+CUBE = SPECIES + """
+[gas]
+fractions = { N2 = 1.0 }
+[gas.rotation]
+z_infinity = 18.1
+t_star = 91.5
+[stream.free]
+density = 1e20
+temperature = 300.0
+speed = 400.0
+[boundary]
+xmin = { kind = "inflow" }
+xmax = { kind = "inflow" }
+ymin = { kind = "symmetry" }
+ymax = { kind = "cll", temperature = 400.0, normal_accommodation = 0.5, tangential_accommodation = 0.9 }
+zmin = { kind = "diffuse", temperature = 500.0, velocity = [10.0, 0.0, 0.0] }
+zmax = { kind = "maxwell", temperature = 300.0, accommodation = 0.5 }
+[particles]
+per_cell = 15.0
+[domain]
+unit = 1.0
+[time]
+step = 5e-5
+[run]
+transient = 10
+sampling = 20
+block = 4
+[reference]
+area = 1.0
+"""
+
+
+def write(name, text):
+    pathlib.Path(name).write_text(text)
+    return name
+
+
+def compute(case, mesh, out, *more, **kwargs):
+    return run("pamr-dsmc", case, "--mesh", mesh, "-o", out, *more, **kwargs)
+
+
+def test_free_molecular_sphere_has_the_drag_and_heat_of_the_closed_form():
+    case = write("sphere.toml", SPHERE)
+    run("pamr-mesh", "--shape", "sphere-in-box", "--size", "0.5", "-o", "sphere.hdf", "--quiet", serial=True)
+    report = compute(case, "sphere.hdf", "flow.hdf", "--surface", "wall.vtu", "--history", "h.csv", "--json", "-",
+                     "--quiet").json
+
+    # The closed forms integrated over the facets of the sphere: 2.31553 and 1.03960 for the sphere itself.
+    bound = report["plan"]["free_molecular"]
+    assert 2.1 < bound["C_D"] < 2.31553 and 0.93 < bound["C_H"] < 1.0396, bound
+    assert report["lost_particles"] == 0 and report["abandoned_particles"] == 0
+    for name in ("C_D", "C_H"):
+        error = report[name]["stderr"]
+        assert 0 < error < 0.01 * bound[name], report[name]
+        assert abs(report[name]["value"] - bound[name]) < 4 * error, (report[name], bound[name])
+    for name in ("C_L", "C_m"):
+        assert abs(report[name]["value"] - bound[name]) < 4 * report[name]["stderr"] + 1e-4, (name, report[name])
+    assert report["blocks"] == 20 and report["steps"] == 300
+    for key in ("particles", "particle_steps_per_second_per_core", "species", "lambda_inf", "reference"):
+        assert report[key], key
+
+    # Ahead of the sphere, what it sends back comes on top of the free stream.
+    root = xml.parse("wall.vtu").getroot()
+    arrays = {a.get("Name"): np.array(a.text.split(), dtype=float) for a in root.iter("DataArray")}
+    assert abs(arrays["area"].sum() / (4 * math.pi) - 1) < 0.1
+    assert (arrays["hits"] > 0).mean() > 0.5 and (arrays["p_stderr"][arrays["hits"] > 0.1] > 0).all()
+    with h5py.File("flow.hdf") as file:
+        data = file["VTKHDF/CellData"]
+        points, cells = file["VTKHDF/Points"][:], file["VTKHDF/Connectivity"][:].reshape(-1, 4)
+        upstream = points[cells].mean(axis=1)[:, 0] < -1.7
+        n = data["n"][:][upstream]
+        assert 1e17 < n.mean() < 2e17, n.mean()
+        assert 1000 < data["u"][:][upstream].mean(axis=0)[0] < 2110
+        assert (data["n_stderr"][:] > 0).mean() > 0.9
+    rows = list(csv.DictReader(open("h.csv")))
+    assert rows[-1]["step"] == "300" and sum(row["averaged"] == "1" for row in rows) == 20
+
+
+def test_restart_gives_the_same_bytes_as_a_run_without_interruption():
+    case, mesh = write("case.toml", CUBE), kuhn_cube("cube.hdf", 4)
+    compute(case, mesh, "a.hdf", "--checkpoint", "a.ck", "--history", "a.csv", "--surface", "a.vtu", "--quiet", ranks=1)
+    compute(case, mesh, "b.hdf", "--checkpoint", "b.ck", "--steps", "17", "--quiet")
+    compute(case, mesh, "c.hdf", "--restart", "b.ck", "--checkpoint", "c.ck", "--history", "c.csv", "--surface",
+            "c.vtu", "--quiet", ranks=max(1, RANKS - 1))
+    for a, c in (("a.hdf", "c.hdf"), ("a.ck", "c.ck"), ("a.csv", "c.csv"), ("a.vtu", "c.vtu")):
+        assert same_bytes(a, c), f"{a} differs from {c}"
+
+
+def test_a_signal_ends_the_run_with_a_checkpoint_to_go_on_from():
+    case, mesh = write("case.toml", CUBE.replace("sampling = 20", "sampling = 100000")), kuhn_cube("cube.hdf", 3)
+    command = [str(BIN / "pamr-dsmc"), case, "--mesh", mesh, "-o", "a.hdf", "--checkpoint", "a.ck", "--every", "20",
+               "--quiet"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+        deadline = time.monotonic() + 60
+        while not os.path.exists("a.ck") and process.poll() is None and time.monotonic() < deadline:
+            time.sleep(0.05)
+        process.send_signal(signal.SIGTERM)
+        out, err = process.communicate(timeout=60)
+    assert process.returncode == 6, (process.returncode, out, err)
+    assert not os.path.exists("a.hdf") and not os.path.exists("a.ck.partial")
+    case = write("case.toml", CUBE)
+    compute(case, mesh, "b.hdf", "--restart", "a.ck", "--quiet")
+
+
+def test_a_flow_is_carried_through_a_refinement():
+    case, mesh = write("case.toml", CUBE), kuhn_cube("cube.hdf", 4)
+    first = compute(case, mesh, "a.hdf", "--checkpoint", "a.ck", "--json", "-", "--quiet").json
+    run("pamr-mark", "a.hdf", "-o", "m.hdf", "--box", "0,0,0,1,1,0.3", "--quiet")
+    run("pamr-refine", "m.hdf", "-o", "fine.hdf", "--quiet")
+    weight = write("weight.toml", CUBE.replace("per_cell = 15.0", "total = 11520.0"))  # twice as many particles
+    out = compute(weight, "fine.hdf", "b.hdf", "--carry", "a.ck", "--checkpoint", "b.ck", "--json", "b.json")
+    compute(weight, "fine.hdf", "c.hdf", "--carry", "a.ck", "--checkpoint", "c.ck", "--quiet", ranks=1)
+    assert same_bytes("b.hdf", "c.hdf") and same_bytes("b.ck", "c.ck")
+    line = next(line for line in out.out.splitlines() if line.startswith("carried"))
+    carried, removed, new = (int(line.split()[i]) for i in (1, 6, 11))
+    assert carried == first["particles"] and removed <= 2, line
+    assert abs(new / (2 * carried) - 1) < 0.05, line
+
+
+def test_plan_computes_nothing():
+    case, mesh = write("case.toml", CUBE), kuhn_cube("cube.hdf", 2)
+    plan = run("pamr-dsmc", case, "--mesh", mesh, "--plan", "--json", "-").json
+    assert abs(plan["speed_ratio"] - 400 / math.sqrt(2 * 1.380649e-23 * 300 / 4.65e-26)) < 1e-9
+    assert abs(plan["particles"] - 48 * 15) < 1e-6 and plan["lambda_inf"] > 0
+    assert os.listdir(".").count("case.toml") == 1 and len(os.listdir(".")) == 2
+
+
+def test_bad_cases_are_refused_with_their_line():
+    mesh = kuhn_cube("cube.hdf", 2)
+
+    def refused(old, new, *says):
+        assert old in CUBE
+        case = write("bad.toml", CUBE.replace(old, new))
+        refuses("pamr-dsmc", case, "--mesh", mesh, "-o", "x.hdf", says=says, creates="x.hdf")
+
+    def line_of(text):
+        return f"bad.toml:{CUBE[:CUBE.index(text)].count(chr(10)) + 1}:"
+
+    refused("speed = 400.0", "sped = 400.0", line_of("speed"), '"sped"', "speed")
+    refused("density = 1e20", "density = -1e20", line_of("density"), "-1e+20")
+    refused('zmin = { kind = "diffuse", temperature = 500.0, velocity = [10.0, 0.0, 0.0] }\n', "", "boundary", "zmin")
+    refused("zmin = {", "floor = { kind = \"symmetry\" }\nzmin = {", '"floor"', "xmin")
+    refused("per_cell = 15.0", "weight = 0.0", line_of("per_cell"), "weight")
+    refused("step = 5e-5", 'step = "short"', line_of("step"), '"short"')
+    refused("step = 5e-5", "step = 0.0", line_of("step"))
+    refused('"cll"', '"sticky"', line_of("ymax"), '"sticky"')
+    refused("z_infinity = 18.1", "probability = 0.2\nz_infinity = 18.1", "one of probability")
+    refused("fractions = { N2 = 1.0 }", "fractions = { N2 = 0.9 }", line_of("fractions"), "0.9")
+    refused("unit = 1.0", "unit = -1.0", line_of("unit"))
+    refused("[gas]\n", "[gas]\nfrac tions\n", "expected TOML")
+    refuses("pamr-dsmc", "absent.toml", "--mesh", mesh, "-o", "x.hdf", says=("absent.toml",))
+
+
+def test_a_checkpoint_that_does_not_fit_is_refused():
+    case, mesh, other = write("case.toml", CUBE), kuhn_cube("cube.hdf", 2), kuhn_cube("other.hdf", 3)
+    compute(case, mesh, "a.hdf", "--checkpoint", "a.ck", "--steps", "3", "--quiet")
+    again = ("pamr-dsmc", case, "--mesh", mesh, "-o", "x.hdf", "--restart")
+    refuses("pamr-dsmc", case, "--mesh", other, "-o", "x.hdf", "--restart", "a.ck", says=("another mesh",), creates="x.hdf")
+    refuses("pamr-dsmc", case, "--mesh", other, "-o", "x.hdf", "--carry", "a.ck", says=("parent",), creates="x.hdf")
+    with h5py.File(mesh) as file:
+        n = len(file["VTKHDF/Types"])
+    add_cell_field("other.hdf", "parent", np.minimum(np.arange(162, dtype=np.int64), n - 1))
+    refuses("pamr-dsmc", case, "--mesh", other, "-o", "x.hdf", "--carry", "a.ck", says=("other volumes",), creates="x.hdf")
+    slower = write("slower.toml", CUBE.replace("step = 5e-5", "step = 4e-5"))
+    refuses("pamr-dsmc", slower, "--mesh", mesh, "-o", "x.hdf", "--restart", "a.ck", says=("this case",), creates="x.hdf")
+    whole = pathlib.Path("a.ck").read_bytes()
+    for length in (0, 5, 31, 40, len(whole) // 2, len(whole) - 1):
+        pathlib.Path("cut.ck").write_bytes(whole[:length])
+        refuses(*again, "cut.ck", says=("cut.ck",), creates="x.hdf")
+    for place in (3, 20, 100, len(whole) // 2, len(whole) - 5):
+        flipped = bytearray(whole)
+        flipped[place] ^= 16
+        pathlib.Path("flipped.ck").write_bytes(flipped)
+        refuses(*again, "flipped.ck", says=("flipped.ck",), creates="x.hdf")
+    refuses(*again, mesh, says=("checkpoint of pamr-dsmc",), creates="x.hdf")
+
+
+def test_coarse_time_steps_and_few_particles_are_warned_about():
+    mesh = kuhn_cube("cube.hdf", 2)
+    case = write("case.toml", CUBE.replace("step = 5e-5", "step = 2e-2").replace("per_cell = 15.0", "per_cell = 2.0"))
+    result = compute(case, mesh, "x.hdf", "--steps", "2", "--quiet")
+    assert "cell sizes in one time step" in result.err and "particles a cell" in result.err, result.err
+
+
+run_tests(globals())
