@@ -81,23 +81,35 @@ class Halves {
   std::array<std::uint8_t, 128> slots_{};  ///< by the lineage's kind, template and child
 };
 
-/// Members of families that cannot be taken back because the cell behind a half face needs it: it is of no whole family
-/// that has this half. So it is where families were split, under a policy that lets that happen or because they were
-/// kept. Collective: one exchange of a byte a border face. Cost: two neighbours a closure cell.
-std::vector<LocalId> members_without_partner(const par::Comm& comm, const mesh::DistMesh& mesh,
-                                             const mesh::Borders& borders, const Halves& halves) {
-  std::vector<LocalId> members;
-  for (LocalId c = 0; c < mesh.n_cells(); ++c)
+/// True when a family cannot be taken back because the own cell behind one of its half faces needs it: that cell is of
+/// no whole family that has this half. So it is where families were split, under a policy that lets that happen or
+/// because they were kept.
+bool lacks_partner(const mesh::DistMesh& mesh, const Halves& halves, LocalId first) {
+  for (LocalId c = first; c < first + mesh.lineage[at(first)].family_size(); ++c)
     for (unsigned slots = halves.slots(c); slots != 0; slots &= slots - 1) {
       const auto next = mesh.cell_to_cell[at(c)][at(std::countr_zero(slots))];
-      if (mesh.is_own(next) && !halves.is_half_behind(c, next)) members.push_back(c);
+      if (mesh.is_own(next) && !halves.is_half_behind(c, next)) return true;
     }
+  return false;
+}
+
+/// Members of such families whose half face lies on the rank border. Collective: one exchange of a byte a border face.
+std::vector<LocalId> without_partner_on_border(const par::Comm& comm, const mesh::DistMesh& mesh,
+                                               const mesh::Borders& borders, const Halves& halves) {
   std::vector<std::uint8_t> mine;
   for (const auto face : mesh.border_face) mine.push_back(halves.is_half(face) ? 1 : 0);
   const auto theirs = par::Exchange(comm, borders.faces).swap<std::uint8_t>(mine);
+  std::vector<LocalId> members;
   for (std::size_t k = 0; k < theirs.size(); ++k)
     if (mine[k] != 0 && theirs[k] == 0) members.push_back(mesh.border_face[k].cell);
   return members;
+}
+
+/// Adds the first members of all families of this rank that lack a partner inside it.
+void add_without_partner_inside(const mesh::DistMesh& mesh, const Halves& halves, std::vector<LocalId>& members) {
+  for (LocalId c = 0; c < mesh.n_cells(); ++c)
+    if (mesh.lineage[at(c)].is_removable() && mesh.lineage[at(c)].child() == 0 && lacks_partner(mesh, halves, c))
+      members.push_back(c);
 }
 
 void keep_family(const mesh::DistMesh& mesh, LocalId cell, std::vector<std::uint8_t>& kept,
@@ -160,26 +172,34 @@ Closure close(const par::Comm& comm, const mesh::DistMesh& mesh, const mesh::Bor
 
   std::vector<std::uint8_t> kept;
   const Halves halves(mesh);
-  if (policy == QualityControl::removable) {
-    const auto alone = members_without_partner(comm, mesh, borders, halves);
-    if (comm.any(!alone.empty())) keep_families(comm, mesh, borders, halves, alone, kept);
-  }
+  // Families without partner are kept. They are rare, and those that nobody hits need not be known: all of them are
+  // looked for only once one is met.
+  bool partners_are_known = policy != QualityControl::removable;
+  std::vector<LocalId> stuck;
+  if (!partners_are_known) stuck = without_partner_on_border(comm, mesh, borders, halves);
+  bool lacks_one = !stuck.empty();
   for (;;) {
+    if (!partners_are_known && comm.any(lacks_one)) {
+      add_without_partner_inside(mesh, halves, stuck);
+      partners_are_known = true;
+    }
+    if (comm.any(!stuck.empty())) keep_families(comm, mesh, borders, halves, stuck, kept);
+    stuck.clear();
     Propagation propagation(mesh, flags, kept, policy);
     closure.rounds += settle_all(comm, borders, propagation);
     const auto hit = propagation.hit_families();
     closure.marks = std::move(propagation).take_marks();
     closure.rebuilt.clear();
-    std::vector<LocalId> stuck;
     for (const auto first : hit) {
+      lacks_one = !partners_are_known && lacks_partner(mesh, halves, first);
+      if (lacks_one) break;
       const auto plan = plan_family(mesh, view_family(mesh, closure.marks, first));
       if (plan.state < 0)
         stuck.push_back(first);
       else
         closure.rebuilt.push_back(plan);
     }
-    if (!comm.any(!stuck.empty())) break;
-    keep_families(comm, mesh, borders, halves, stuck, kept);
+    if (!comm.any(lacks_one || !stuck.empty())) break;
   }
   closure.families_kept = comm.sum(count_kept_and_hit(mesh, kept, closure.marks));
   closure.families_rebuilt = comm.sum(static_cast<std::int64_t>(closure.rebuilt.size()));

@@ -65,13 +65,54 @@ EdgeMask face_implied_by_short_edge(const mesh::DistMesh& mesh, LocalId cell, in
   return mesh::tet::face_edge_mask[at(take_p ? p : q)];
 }
 
-/// Cells from this mean ratio on are not looked at: a quarter of the volume costs a factor 0.40, and the shorter edges
-/// give some of it back.
-constexpr double well_shaped = poorest_closure / 0.39;
+namespace {
+
+/// The poorest shape that closing one of the marked edges, or the marked face, of a straight cell makes, from its edges
+/// alone: children of 1:2 have half of the volume each, those of 1:4 a quarter, and the squared length of a median is
+/// (2 a^2 + 2 b^2 - c^2) / 4.
+double poorest_closing(const geometry::TetPoints& corner, EdgeMask marks) {
+  std::array<std::array<double, 4>, 4> squared{};
+  for (const auto [a, b] : mesh::tet::edge_to_corner)
+    squared[at(a)][at(b)] = squared[at(b)][at(a)] = geometry::squared_norm(corner[at(a)] - corner[at(b)]);
+  const auto median = [&](int from, int a, int b) {
+    return 0.25 * (2 * squared[at(from)][at(a)] + 2 * squared[at(from)][at(b)] - squared[at(a)][at(b)]);
+  };
+  double largest_half = 0;  // sum of squared edges of a child of 1:2
+  for (unsigned rest = marks; rest != 0; rest &= rest - 1) {
+    const auto [a, b] = mesh::tet::edge_to_corner[at(std::countr_zero(rest))];
+    const auto [c, d] = mesh::tet::edge_to_corner[at(mesh::tet::opposite_edge(std::countr_zero(rest)))];
+    const double both = 0.25 * squared[at(a)][at(b)] + squared[at(c)][at(d)] + median(c, a, b) + median(d, a, b);
+    largest_half = std::max({largest_half, both + squared[at(a)][at(c)] + squared[at(a)][at(d)],
+                             both + squared[at(b)][at(c)] + squared[at(b)][at(d)]});
+  }
+  const double v = geometry::volume(corner), halved = 0.25 * v * std::abs(v);
+  double worst = halved / (largest_half * largest_half * largest_half);
+  if (std::popcount(static_cast<unsigned>(marks)) == 3) {
+    const int state = state_of_mask[marks], top = state - 7;  // face f lies opposite corner f
+    std::array<int, 3> base{};
+    for (int i = 0, n = 0; i < 4; ++i)
+      if (i != top) base[at(n++)] = i;
+    double quarter = 0;
+    std::array<double, 3> of_edge{};  // median from the top to the middle of the edge opposite base corner i
+    for (int i = 0; i < 3; ++i) {
+      const int a = base[at((i + 1) % 3)], b = base[at((i + 2) % 3)];
+      quarter += 0.25 * squared[at(a)][at(b)];
+      of_edge[at(i)] = median(top, a, b);
+    }
+    double largest = quarter + of_edge[0] + of_edge[1] + of_edge[2];
+    for (int i = 0; i < 3; ++i)
+      largest = std::max(
+          largest, quarter + squared[at(top)][at(base[at(i)])] + of_edge[at((i + 1) % 3)] + of_edge[at((i + 2) % 3)]);
+    worst = std::min(worst, 0.25 * halved / (largest * largest * largest));
+  }
+  return worst;
+}
+
+}  // namespace
 
 bool closes_badly(const geometry::TetPoints& corner, EdgeMask marks) {
   if (marks == 0 || marks == all_edges) return false;
-  if (shape(corner) >= cubed(well_shaped)) return false;
+  if (poorest_closing(corner, marks) >= cubed(poorest_closure) * (1 + 1e-9)) return false;
   const auto points = straight_points(corner);
   double worst = std::popcount(marks) == 3 ? worst_shape(points, state_of_mask[marks]) : 1;
   for (int e = 0; e < 6; ++e)
