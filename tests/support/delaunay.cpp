@@ -94,6 +94,12 @@ std::vector<Vec3> random_points(Dice& dice, std::uint64_t kind) {
   return point;
 }
 
+/// To multiples of 2^-18.
+void round_to_whole(std::vector<Vec3>& point) {
+  for (auto& p : point)
+    p = {std::round(p.x * 0x1p18) * 0x1p-18, std::round(p.y * 0x1p18) * 0x1p-18, std::round(p.z * 0x1p18) * 0x1p-18};
+}
+
 using Triangle = std::set<GlobalId>;
 
 std::map<Triangle, int> boundary_faces(const std::vector<Quad>& cells) {
@@ -175,11 +181,12 @@ mesh::BlockMesh to_block(const Cloud& cloud) {
 
 }  // namespace
 
-mesh::BlockMesh random_delaunay(std::uint64_t seed) {
+mesh::BlockMesh random_delaunay(std::uint64_t seed, bool whole_numbers) {
   for (std::uint64_t attempt = 0;; ++attempt) {
     Dice dice(combine(mix(seed), attempt));
     Cloud cloud;
     cloud.point = random_points(dice, seed % n_kinds);
+    if (whole_numbers) round_to_whole(cloud.point);
     cloud.cell = tetrahedra(cloud.point);
     remove_flat(cloud, seed % n_kinds >= 4 ? 0.3 : (seed / n_kinds) % 2 == 0 ? 1e-6 : 0.1);
     if ((seed / n_kinds) % 3 == 0) carve(cloud, dice);
@@ -194,24 +201,47 @@ mesh::BlockMesh random_delaunay(std::uint64_t seed) {
   }
 }
 
+mesh::BlockMesh random_ball(std::uint64_t seed) {
+  for (std::uint64_t attempt = 0;; ++attempt) {
+    Dice dice(combine(mix(seed + 2), attempt));
+    Cloud cloud;
+    cloud.point = random_points(dice, 1);
+    cloud.cell = tetrahedra(cloud.point);
+    shuffle(cloud, dice);
+    auto whole = to_block(cloud);  // reference_neighbours gives patch 0
+    bool all_on_sphere = true;
+    for (std::size_t c = 0; c < cloud.cell.size(); ++c)
+      for (std::size_t f = 0; f < 4; ++f)
+        for (std::size_t i = 0; i < 4; ++i)
+          if (whole.cell_to_cell[c][f] < 0 && i != f)
+            all_on_sphere = all_on_sphere && std::abs(norm(cloud.point[at(cloud.cell[c][i])]) - 1) < 1e-14;
+    const bool is_good = std::all_of(cloud.cell.begin(), cloud.cell.end(),
+                                     [&](const Quad& n) { return geometry::mean_ratio(cloud.points(n)) > 1e-3; });
+    if (!is_good || !all_on_sphere || touches_itself(cloud.cell)) continue;
+    whole.info.patches = {{"ball", "patch", "ball"}};
+    whole.info.surfaces_toml = "[[surface]]\nname = \"ball\"\nkind = \"sphere\"\ncenter = [0, 0, 0]\nradius = 1\n";
+    return whole;
+  }
+}
+
 mesh::BlockMesh random_dome(std::uint64_t seed) {
   constexpr double radius = 4;
   const auto height = [](double x, double y) { return std::sqrt(radius * radius - x * x - y * y) - radius; };
   for (std::uint64_t attempt = 0;; ++attempt) {
     Dice dice(combine(mix(seed + 1), attempt));
     Cloud cloud;
-    constexpr int n = 3;
-    for (int i = 0; i <= n; ++i)
-      for (int j = 0; j <= n; ++j)
+    // a lattice with centers, its uppermost nodes on the dome
+    constexpr double step = 1.0 / 3, shake = 0.02;
+    for (int i = 0; i <= 3; ++i)
+      for (int j = 0; j <= 3; ++j)
         for (int k = 0; k <= 2; ++k) {
-          const double shake = 0.08;
-          const double x = 1.0 * i / n - 0.5 + shake * dice.symmetric(),
-                       y = 1.0 * j / n - 0.5 + shake * dice.symmetric();
-          const double z = k == 2 ? height(x, y) : k == 1 ? -0.4 + shake * dice.symmetric() : -0.8;
-          cloud.point.push_back({x, y, z});
+          const double x = step * i - 0.5 + shake * dice.symmetric(), y = step * j - 0.5 + shake * dice.symmetric();
+          const double z = -step * k + (k == 1 ? shake * dice.symmetric() : 0);
+          cloud.point.push_back({x, y, k == 0 ? height(x, y) : z});
+          if (i < 3 && j < 3 && k < 2) cloud.point.push_back({x + step / 2, y + step / 2, z - step / 2});
         }
     cloud.cell = tetrahedra(cloud.point);
-    remove_flat(cloud, 0.05);
+    remove_flat(cloud, 0.3);
     if (touches_itself(cloud.cell)) continue;
     shuffle(cloud, dice);
     auto whole = to_block(cloud);

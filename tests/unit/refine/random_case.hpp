@@ -16,6 +16,10 @@ namespace pamr::test {
 bool is_full_level();
 inline std::uint64_t n_cases(std::uint64_t quick, std::uint64_t full) { return is_full_level() ? full : quick; }
 
+/// Seeds of the cases that this rank goes through alone: 50 (full: 1,000) on one rank; fewer and others on more ranks,
+/// shared out among them.
+std::vector<std::uint64_t> seeds_alone(const par::Comm& world);
+
 /// What is marked: some cells by lot, those cut by a sphere, or those in a corner. By coordinates only, so that marks
 /// depend neither on the numbering nor on the distribution.
 enum class Law { random, sphere, corner };
