@@ -2,6 +2,7 @@
 #include "pamr/adapt/balance_parents.hpp"
 
 #include <algorithm>
+#include <numeric>
 
 #include "pamr/adapt/carry.hpp"
 #include "pamr/balance/migrate.hpp"
@@ -58,18 +59,19 @@ BalanceReport balance_parents(const par::Comm& comm, mesh::DistMesh& mesh, mesh:
                               refine::Closure& closure, std::span<const std::uint8_t> flags, const Balancing& balancing,
                               StepTimer& timer) {
   BalanceReport report;
-  const auto weight = cell_weights(comm, mesh, flags, closure, balancing);
-  report.is_measured = true;
-  if (comm.size() == 1) return report;
   const auto start = wall_seconds();
-  const auto exact = exact_weights(closure);
-  const std::vector<Rank> stay(weight.size(), comm.rank());
-  report.before = balance::measure(comm, mesh, exact, stay, comm.size());
+  report.is_measured = true;
+  const auto counts = count_children(closure);
+  report.before = balance::measure_ranks(comm, mesh, std::accumulate(counts.begin(), counts.end(), std::int64_t{0}));
   report.after = report.before;
-  if (balancing.how.method == balance::Method::none) return report;
+  const bool is_exact = balancing.weights == Weights::exact;
+  if (is_exact && (report.before.imbalance <= balancing.how.keep_below || comm.size() == 1)) return report;
+  const auto weight = cell_weights(comm, mesh, flags, closure, balancing);
+  if (balancing.how.method == balance::Method::none || comm.size() == 1) return report;
   const auto wanted = balance::partition(comm, mesh, weight, comm.size(), balancing.how);
   report.method = wanted.method;
-  report.after = balance::measure(comm, mesh, exact, wanted.part, comm.size());
+  report.after =
+      is_exact ? wanted.quality : balance::measure(comm, mesh, exact_weights(closure), wanted.part, comm.size());
   report.moved_cells = comm.sum(static_cast<std::int64_t>(wanted.part.size()) -
                                 std::count(wanted.part.begin(), wanted.part.end(), comm.rank()));
   timer.lap("balance");

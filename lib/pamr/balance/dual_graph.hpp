@@ -25,10 +25,9 @@ struct Groups {
 /// One group for each whole closure family and for each other cell, in the order of the cells. Local.
 Groups group_families(const mesh::DistMesh& mesh);
 
-/// Groups of cells that lie together and weigh about `weight_of_group`: runs along Hilbert's curve through the centroids
-/// of this rank's cells, whatever the order of the cells. Whole families count as one cell. Makes the graph small
-/// enough for the partitioner to cost less than the refinement. Local; O(cells).
-/// `cell_weight`: n_cells.
+/// Groups of cells that lie together and weigh about `weight_of_group`: runs along Hilbert's curve through the
+/// centroids of this rank's cells, whatever the order of the cells. Whole families count as one cell. Makes the graph
+/// small enough for the partitioner to cost less than the refinement. Local; O(cells). `cell_weight`: n_cells.
 Groups group_by_weight(const mesh::DistMesh& mesh, std::span<const std::int64_t> cell_weight,
                        std::int64_t weight_of_group);
 

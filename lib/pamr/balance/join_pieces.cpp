@@ -5,6 +5,7 @@
 #include <iterator>
 
 #include "pamr/base/contract.hpp"
+#include "pamr/base/memory.hpp"
 #include "pamr/mesh/face_groups.hpp"
 #include "pamr/mesh/id_map.hpp"
 
@@ -88,9 +89,13 @@ class NodeJoiner {
 template <class Array>
 auto gather(std::vector<Piece>& pieces, const std::vector<Source>& order, std::size_t width, Array array) {
   std::remove_reference_t<decltype(array(pieces.front()))> all;
-  all.reserve(order.size() * width);
-  for (const auto [piece, row] : order)
-    for (std::size_t k = 0; k < width; ++k) all.push_back(array(pieces[piece])[at(row) * width + k]);
+  std::vector<decltype(all.data())> from;
+  for (auto& piece : pieces) from.push_back(array(piece).data());
+  reserve_array(all, order.size() * width);
+  for (const auto [piece, row] : order) {
+    const auto* values = from[piece] + at(row) * width;
+    for (std::size_t k = 0; k < width; ++k) all.push_back(values[k]);
+  }
   for (auto& piece : pieces) array(piece) = {};
   return all;
 }
@@ -128,7 +133,7 @@ std::vector<BorderFace> join_neighbours(Rank here, const std::vector<Piece>& pie
   for (const auto& piece : pieces) to_new.emplace_back(piece.mesh.cell_to_cell.size());
   for (std::size_t c = 0; c < order.size(); ++c) to_new[order[c].piece][at(order[c].cell)] = static_cast<LocalId>(c);
   std::vector<BorderFace> border;
-  mesh.cell_to_cell.reserve(order.size());
+  reserve_array(mesh.cell_to_cell, order.size());
   for (const auto [p, cell] : order) {
     const auto& piece = pieces[p];
     const auto n_piece = static_cast<LocalId>(piece.mesh.cell_to_cell.size());
@@ -180,7 +185,7 @@ mesh::DistMesh join_pieces(Rank here, std::vector<Piece> pieces, std::vector<std
   narrow<LocalId>(order.size());
   {
     NodeJoiner joiner(pieces);
-    mesh.cell_to_node.reserve(order.size());
+    reserve_array(mesh.cell_to_node, order.size());
     for (const auto cell : order) {
       auto& corners = mesh.cell_to_node.emplace_back(pieces[cell.piece].mesh.cell_to_node[at(cell.cell)]);
       for (auto& node : corners) node = joiner.number(cell, node);

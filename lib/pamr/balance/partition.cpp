@@ -164,16 +164,32 @@ Quality measure(const par::Comm& comm, const mesh::DistMesh& mesh, std::span<con
   return quality;
 }
 
+Quality measure_ranks(const par::Comm& comm, const mesh::DistMesh& mesh, std::int64_t weight_here) {
+  const auto of_rank = comm.all_gather(weight_here);
+  const auto n_neighbours = static_cast<std::int64_t>(mesh.border_rank.size());
+  Quality quality;
+  quality.imbalance = imbalance_of(of_rank);
+  quality.edge_cut = comm.sum(static_cast<std::int64_t>(mesh.border_face.size())) / 2;
+  quality.max_neighbours = comm.max(n_neighbours);
+  quality.mean_neighbours = static_cast<double>(comm.sum(n_neighbours)) / static_cast<double>(comm.size());
+  quality.empty_parts = std::count(of_rank.begin(), of_rank.end(), 0);
+  return quality;
+}
+
 Partition partition(const par::Comm& comm, const mesh::DistMesh& mesh, std::span<const std::int64_t> weight,
                     Rank n_parts, const Options& options) {
   PAMR_EXPECTS(weight.size() == at(mesh.n_cells()) && n_parts >= 1);
   Partition result;
   const bool are_ranks = n_parts == comm.size();
-  const std::vector<Rank> stay(at(mesh.n_cells()), are_ranks ? comm.rank() : 0);
-  const bool may_stay = are_ranks && (n_parts == 1 || options.method == Method::none ||
-                                      imbalance_of(weigh(comm, weight, stay, n_parts)) <= options.keep_below);
-  if (may_stay || n_parts == 1) {
-    result.part = stay;
+  if (are_ranks) {
+    result.quality = measure_ranks(comm, mesh, std::accumulate(weight.begin(), weight.end(), std::int64_t{0}));
+    if (options.method == Method::none || result.quality.imbalance <= options.keep_below) {
+      result.part.assign(weight.size(), comm.rank());
+      return result;
+    }
+  }
+  if (n_parts == 1) {
+    result.part.assign(weight.size(), 0);
   } else {
     bool is_done = false;
     if (options.method == Method::scotch) result.part = part_by_scotch(comm, mesh, weight, n_parts, options, is_done);

@@ -56,6 +56,10 @@ struct Quality {
 Quality measure(const par::Comm& comm, const mesh::DistMesh& mesh, std::span<const std::int64_t> weight,
                 std::span<const Rank> part, Rank n_parts);
 
+/// The same for the distribution over the ranks that the mesh has, part by rank; faster: from the rank borders alone.
+/// `weight_here`: of this rank's cells together. Collective: four reductions.
+Quality measure_ranks(const par::Comm& comm, const mesh::DistMesh& mesh, std::int64_t weight_here);
+
 struct Partition {
   std::vector<Rank> part;        ///< of each of this rank's cells; whole families in one part
   Method method = Method::none;  ///< what gave it: `none` when all was kept, `blocks` also where Scotch was no use

@@ -2,6 +2,7 @@
 #include "pamr/balance/rebalance.hpp"
 
 #include <algorithm>
+#include <numeric>
 #include <utility>
 
 #include "pamr/balance/migrate.hpp"
@@ -21,8 +22,7 @@ Rebalanced rebalance(const par::Comm& comm, mesh::DistMesh mesh, std::span<const
   Rebalanced result;
   auto& report = result.report;
   const auto start = wall_seconds();
-  const std::vector<Rank> stay(weight.size(), comm.rank());
-  report.before = measure(comm, mesh, weight, stay, comm.size());
+  report.before = measure_ranks(comm, mesh, std::accumulate(weight.begin(), weight.end(), std::int64_t{0}));
   const auto wanted = partition(comm, mesh, weight, comm.size(), options);
   report.after = wanted.quality;
   report.method = wanted.method;

@@ -159,6 +159,24 @@ TEST(Partition, MeasuresWhatASlowCountMeasures) {
   EXPECT_EQ(quality.max_neighbours, static_cast<std::int64_t>(most));
 }
 
+TEST(Partition, MeasuresTheRanksFromTheirBordersAsFromTheCells) {
+  const par::Comm comm(MPI_COMM_WORLD);
+  const auto mesh = test::refined_mesh(comm, 4);
+  const auto weight = uneven_weights(mesh);
+  const std::vector<Rank> own(weight.size(), comm.rank());
+  std::int64_t here = 0;
+  for (const auto w : weight) here += w;
+
+  const auto expected = balance::measure(comm, mesh, weight, own, comm.size());
+  const auto quality = balance::measure_ranks(comm, mesh, here);
+
+  EXPECT_EQ(quality.imbalance, expected.imbalance);
+  EXPECT_EQ(quality.edge_cut, expected.edge_cut);
+  EXPECT_EQ(quality.max_neighbours, expected.max_neighbours);
+  EXPECT_EQ(quality.mean_neighbours, expected.mean_neighbours);
+  EXPECT_EQ(quality.empty_parts, expected.empty_parts);
+}
+
 TEST(WeightedBlocks, GivesEachCellThePartItHasWhereverTheCellsAre) {
   const par::Comm comm(MPI_COMM_WORLD);
   auto mesh = test::refined_mesh(comm, 6);
