@@ -40,7 +40,7 @@ CommonCurve::Found CommonCurve::project(Vec3 p) const {
   const auto found = geometry::project_onto_all(both, p);
   if (!found.converged || geometry::distance_from_all(both, found.point) > on_curve * solid_->radius())
     return {p, false};
-  return {found.point, true};
+  return {solid_->on_planes(std::array{a_, b_}, found.point), true};
 }
 
 Vec3 CommonCurve::tangent(Vec3 p) const {

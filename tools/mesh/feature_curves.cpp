@@ -90,7 +90,9 @@ class Tracer {
     const std::array<const geometry::Surface*, 3> all{&solid_.surface(number[0]), &solid_.surface(number[1]),
                                                       &solid_.surface(number[2])};
     const auto found = geometry::project_onto_all(all, begin);
-    return corner(found.converged && norm(found.point - begin) < 1e3 * tolerance_ ? found.point : begin);
+    return corner(found.converged && norm(found.point - begin) < 1e3 * tolerance_
+                      ? solid_.on_planes(number, found.point)
+                      : begin);
   }
 
   /// Cuts at every third surface and keeps the parts that are edges of the solid.

@@ -16,6 +16,12 @@ constexpr Sides bit(int i) { return Sides{1} << i; }
 
 }  // namespace
 
+Vec3 Solid::on_planes(std::span<const int> among, Vec3 p) const {
+  for (const int i : among)
+    if (surface(i).is_flat()) p = surface(i).project(p);
+  return p;
+}
+
 Sides Solid::sides(Vec3 p) const {
   Sides result = 0;
   for (int i = 0; i < n_surfaces(); ++i)

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -21,6 +22,9 @@ struct Solid {
   const geometry::Surface& surface(int i) const { return *surfaces->surface[static_cast<std::size_t>(i)]; }
   const std::string& name(int i) const { return surfaces->name[static_cast<std::size_t>(i)]; }
 
+  /// A point that lies on the given surfaces to rounding, put on the flat ones among them once more: coordinate planes
+  /// then hold it exactly.
+  geometry::Vec3 on_planes(std::span<const int> among, geometry::Vec3 p) const;
   /// Distance from surface `i`, negative on the side to which its normal does not point.
   double signed_distance(int i, geometry::Vec3 p) const {
     return geometry::dot(p - surface(i).project(p), surface(i).normal(p));
