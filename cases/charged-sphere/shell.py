@@ -12,7 +12,7 @@ Usage: shell.py -o MESH --radius A [--outer R] [--edges N] [--layers M] [--growt
   --growth G   thickness of the last layer over the first (default 40)
   --width W    sector: angle in radians between the middle of the triangle and its corners; without it an octant
 
-Patches: `sphere`, `outer`, and the sides `x0 y0 z0` of the octant (mirrors) or `side0 side1 side2` of the sector.
+Patches: `sphere`, `outer`, and the sides `symmetry_x symmetry_y symmetry_z` of the octant or `side0 side1 side2` of the sector.
 """
 import argparse
 
@@ -69,7 +69,7 @@ def shell(inner, outer, n, layers, growth, width=None):
     p = points[cells]
     volume = np.einsum("ij,ij->i", np.cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0]), p[:, 3] - p[:, 0])
     cells[volume < 0] = cells[volume < 0][:, [1, 0, 2, 3]]
-    names = ["sphere", "outer"] + (["x0", "y0", "z0"] if width is None else ["side0", "side1", "side2"])
+    names = ["sphere", "outer"] + (["symmetry_x", "symmetry_y", "symmetry_z"] if width is None else ["side0", "side1", "side2"])
 
     level, spot = np.divmod(np.arange(len(points)), len(unit))
     on = np.column_stack([level == 0, level == layers] + [weights[spot][:, k] == 0 for k in range(3)])

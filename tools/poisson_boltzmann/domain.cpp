@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "pamr/base/error.hpp"
@@ -36,6 +37,33 @@ void require_patches(const mesh::DistMesh& mesh, const Case& problem, const std:
   for (const auto& name : {problem.force.midplane, problem.estimator.goal_patch})
     if (!name.empty() && !exists(name))
       throw Error(fmt::format("{}: expected a patch of the mesh ({}), found \"{}\"", where, listed(patches), name));
+}
+
+/// The nodes of a body's patch must lie on the body that the case states. Collective.
+void require_bodies(const par::Comm& comm, const Domain& domain, const Case& problem, const std::string& where) {
+  const auto require_near = [&](const std::string& patch, double size, const std::string& body, auto&& distance) {
+    const int number = domain.patch_number(patch);
+    if (number < 0)
+      throw Error(fmt::format("{}: expected a patch of the mesh ({}), found \"{}\"", where,
+                              listed(domain.mesh->info.patches), patch));
+    double worst = 0;
+    for (std::size_t i = 0; i < domain.point.size(); ++i)
+      if ((domain.node_patches[i] >> static_cast<unsigned>(number) & 1U) != 0)
+        worst = std::max(worst, std::abs(distance(domain.point[i])));
+    worst = comm.max(worst);
+    if (worst > 1e-3 * size)
+      throw Error(fmt::format("{}: expected the nodes of patch \"{}\" on {}, found some {:g} Debye lengths away", where,
+                              patch, body, worst));
+  };
+  for (const auto& s : problem.spheres)
+    if (!s.patch.empty())
+      require_near(s.patch, s.radius,
+                   fmt::format("the sphere of radius {:g} about ({:g}, {:g}, {:g})", s.radius, s.centre.x, s.centre.y,
+                               s.centre.z),
+                   [&](Vec3 p) { return norm(p - s.centre) - s.radius; });
+  if (problem.plate)
+    require_near(problem.plate->patch, 1, fmt::format("the plate z = {:g}", problem.plate->position),
+                 [&](Vec3 p) { return p.z - problem.plate->position; });
 }
 
 std::vector<BoundaryFace> find_faces(const mesh::DistMesh& mesh, const std::vector<Vec3>& point) {
@@ -136,6 +164,7 @@ Domain make_domain(const par::Comm& comm, const mesh::DistMesh& mesh, const Case
     for (const auto node : face.node)
       domain.node_patches[static_cast<std::size_t>(node)] |= std::uint64_t{1} << static_cast<unsigned>(face.patch);
   domain.nodes.join_copies(comm, domain.node_patches, [](std::uint64_t a, std::uint64_t b) { return a | b; });
+  require_bodies(comm, domain, problem, where);
   domain.patches = measure(comm, mesh.info.patches.size(), domain.faces);
   for (std::size_t p = 0; p < domain.patches.size(); ++p)
     if (domain.patches[p].n_faces > 0 && problem.find_boundary(mesh.info.patches[p].name) == nullptr)

@@ -54,7 +54,8 @@ struct Domain {
 };
 
 /// Collective: a few exchanges and reductions. Throws `Error` on every rank when the mesh's length unit is unknown, a
-/// patch of the mesh has no condition, the case names a patch that the mesh does not have, or there are more than 64.
+/// patch of the mesh has no condition, the case names a patch that the mesh does not have, a patch does not lie on the
+/// sphere or plate that the case says it is, or there are more than 64.
 Domain make_domain(const par::Comm& comm, const mesh::DistMesh& mesh, const Case& problem, const std::string& where);
 
 /// Bytes that a solve takes on this rank besides the mesh, estimated from its nodes.

@@ -126,9 +126,9 @@ cli::ExitCode run(cli::Session& session, const Options& o) {
 
   const auto domain = pb::make_domain(comm, mesh, problem, o.case_file);
   const auto conditions = pb::make_conditions(comm, domain, problem);
-  print_case(session, problem, domain, conditions);
   const auto start = start_of(comm, mesh, conditions, o);
   pb::System system(comm, domain, problem, conditions);
+  print_case(session, problem, domain, conditions);
   seconds["assemble"] = lap.seconds();
   session.summary(pb::table_head());
   const auto solution = system.solve(start, [&](const pb::NewtonStep& step) { session.summary(pb::table_line(step)); });

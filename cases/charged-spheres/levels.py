@@ -1,0 +1,67 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Prints a table of the levels of a Poisson-Boltzmann run and compares its last level with expected.csv.
+
+Usage: levels.py FOLDER COLUMN... [--expected FILE --case NAME]
+
+FOLDER holds solve<i>.json. COLUMN is `title=path`, a path like forces.sphere.midplane.dimensionless.0 in the report of
+pamr-pb. The rows `case,quantity,value,tolerance` of FILE whose case is NAME are compared with the last level: tolerances
+are relative. Exit code 1 when a number is not as expected.
+"""
+import argparse
+import csv
+import json
+import os
+import sys
+
+
+def value_at(report, path):
+    for key in path.split("."):
+        report = report[int(key)] if isinstance(report, list) else report[key]
+        if report is None:
+            return None
+    return report
+
+
+def shown(value):
+    return "-" if value is None else f"{value}" if isinstance(value, int) else f"{value:.6g}"
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("folder")
+    parser.add_argument("columns", nargs="*")
+    parser.add_argument("--expected")
+    parser.add_argument("--case")
+    o = parser.parse_args()
+    reports = []
+    while os.path.exists(name := os.path.join(o.folder, f"solve{len(reports)}.json")):
+        with open(name, encoding="utf-8") as file:
+            reports.append(json.load(file))
+    if not reports:
+        sys.exit(f"levels.py: expected solve0.json in {o.folder}, found none")
+
+    columns = [c.split("=", 1) for c in ["nodes=nodes", "cells=cells", *o.columns]]
+    rows = [["level"] + [title for title, _ in columns]]
+    for level, report in enumerate(reports):
+        rows.append([str(level)] + [shown(value_at(report, path)) for _, path in columns])
+    widths = [max(len(row[i]) for row in rows) for i in range(len(rows[0]))]
+    for row in rows:
+        print("  ".join(cell.rjust(width) for cell, width in zip(row, widths)))
+
+    wrong = 0
+    if o.expected:
+        with open(o.expected, encoding="utf-8") as file:
+            for row in csv.DictReader(line for line in file if not line.startswith("#")):
+                if row["case"] != o.case:
+                    continue
+                found, wanted = value_at(reports[-1], row["quantity"]), float(row["value"])
+                if found is None or abs(found - wanted) > float(row["tolerance"]) * abs(wanted):
+                    print(f"{o.case}: expected {row['quantity']} = {wanted:g} within {float(row['tolerance']):g}, found "
+                          f"{shown(found)}", file=sys.stderr)
+                    wrong = 1
+    return wrong
+
+
+if __name__ == "__main__":
+    sys.exit(main())

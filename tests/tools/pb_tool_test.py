@@ -1,0 +1,184 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""pamr-pb from the command line: charges against tables, forces, the loop with marking and refining, and bad input."""
+import pathlib
+import sys
+
+import h5py
+import numpy as np
+
+from tool_run import RANKS, kuhn_cube, refuses, run, run_tests
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "cases" / "charged-sphere"))
+import shell  # noqa: E402  makes sectors and octants of spherical shells
+
+SIDES = ("xmin", "xmax", "ymin", "ymax", "zmin", "zmax")
+
+
+def condition(patch, kind, value=None):
+    return f'[boundary.{patch}]\ncondition = "{kind}"\n' + (f"value = {value}\n" if value is not None else "")
+
+
+def cube_case(name="case.toml", head="", **special):
+    """All sides mirrors, but for those in `special` (patch: value of the potential)."""
+    text = head + "".join(condition(p, "potential", special[p]) if p in special else condition(p, "symmetry")
+                          for p in SIDES)
+    pathlib.Path(name).write_text(text)
+    return name
+
+
+def shell_mesh(name, radius, **options):
+    points, cells, neighbours, patches = shell.shell(radius, radius + 8, options.get("edges", 10), options["layers"],
+                                                     options.get("growth", 40), options.get("width"))
+    toml = "".join(f'[[surface]]\nname = "{surface}"\nkind = "sphere"\ncenter = [0, 0, 0]\nradius = {float(r)!r}\n'
+                   for surface, r in (("sphere", radius), ("outer", radius + 8)))
+    shell.write(name, points, cells, neighbours, patches, ["sphere", "outer", "", "", ""], toml)
+    return patches
+
+
+def sphere_case(name, radius, potential, patches, head=""):
+    text = head + f'[[sphere]]\npatch = "sphere"\ncentre = [0, 0, 0]\nradius = {radius}\n'
+    text += condition("sphere", "potential", potential) + condition("outer", "far-field")
+    pathlib.Path(name).write_text(text + "".join(condition(p, "symmetry") for p in patches[2:]))
+    return name
+
+
+def solve(case, mesh, *options, **expected):
+    return run("pamr-pb", case, "--mesh", mesh, "-o", "psi.hdf", "--force", "--json", "-", *options, **expected)
+
+
+def test_charges_of_spheres_are_those_of_the_table():
+    # Inward integration of the spherical equation (README.md of cases/charged-sphere): -dpsi/dr at the sphere.
+    table = {(0.325, 3): 12.863724626, (1, 5): 15.785936194, (5, 1): 1.238612951, (20, 5): 12.270965433}
+    for (radius, potential), charge in table.items():
+        patches = shell_mesh("shell.hdf", radius, layers=150, width=0.05)
+        case = sphere_case("case.toml", radius, potential, patches)
+        found = solve(case, "shell.hdf").json["charge_densities"]["sphere"]
+        assert abs(found / charge - 1) < 1e-3, (radius, potential, found)
+
+
+def test_a_sphere_obeys_the_linear_solution():
+    patches = shell_mesh("shell.hdf", 1, layers=100, width=0.05)
+    case = sphere_case("case.toml", 1, 2, patches, "[equation]\nlinear = true\n")
+    solve(case, "shell.hdf")
+    with h5py.File("psi.hdf") as file:
+        r = np.linalg.norm(file["VTKHDF/Points"][:], axis=1)
+        psi = file["VTKHDF/PointData/potential"][:]
+    assert abs(psi - 2 / r * np.exp(1 - r)).max() < 4e-3
+
+
+def test_the_loop_brings_the_charge_of_an_octant_nearer():
+    patches = shell_mesh("level0.hdf", 1, layers=8, edges=5, growth=8)
+    case = sphere_case("case.toml", 1, 3, patches, '[estimator]\ngoal = "charge"\ngoal_patch = "sphere"\n')
+    errors, start = [], []
+    for level in range(3):
+        report = run("pamr-pb", case, "--mesh", f"level{level}.hdf", "-o", f"solved{level}.hdf", "--json", "-",
+                     *start).json
+        errors.append(abs(report["charge_densities"]["sphere"] / 6.937467235 - 1))
+        assert report["charges"]["sphere"] == report["charge_densities"]["sphere"] * report["areas"]["sphere"] * 8
+        run("pamr-mark", f"solved{level}.hdf", "-o", "marked.hdf", "--force", "--bulk-of", "goal_error:0.5", "--quiet")
+        run("pamr-refine", "marked.hdf", "-o", f"level{level + 1}.hdf", "--quiet")
+        start = ["--start", "potential"]
+    assert errors[1] < 0.6 * errors[0] and errors[2] < 0.6 * errors[1], errors
+
+
+def test_the_report_has_what_scripts_ask_for():
+    report = solve(cube_case(zmin=4), kuhn_cube("a.hdf", 4)).json
+    for key in ("nodes", "cells", "newton_iterations", "linear_iterations", "residual", "energy", "seconds", "forces",
+                "charges", "error_estimate", "force_error"):
+        assert key in report, key
+    for form in ("surface", "volume", "midplane"):
+        assert form in report["forces"]["zmin"]
+    force = report["forces"]["zmin"]["surface"]
+    assert abs(force["newton"][2] - 4.58811e-13 * force["dimensionless"][2]) < 1e-4 * abs(force["newton"][2])
+    with h5py.File("psi.hdf") as file:
+        for name, n in (("error_squared", 384), ("error_ratio", 384), ("indicator", 384)):
+            assert file["VTKHDF/CellData"][name].shape == (n,)
+        assert file["VTKHDF/PointData/electric_field"].shape == (125, 3)
+        assert file["VTKHDF/PointData/potential"].attrs["unit"] in ("kT/Ze", b"kT/Ze")
+
+
+def test_the_answer_does_not_depend_on_the_ranks():
+    case = cube_case(zmin=5, xmax=2)
+    kuhn_cube("a.hdf", 5)
+    serial = run("pamr-pb", case, "--mesh", "a.hdf", "-o", "serial.hdf", "--json", "-", serial=True).json
+    several = solve(case, "a.hdf").json
+    assert abs(several["charges"]["zmin"] - serial["charges"]["zmin"]) < 1e-8
+    assert abs(several["energy"] - serial["energy"]) < 1e-8
+    with h5py.File("serial.hdf") as a, h5py.File("psi.hdf") as b:
+        assert abs(a["VTKHDF/PointData/potential"][:] - b["VTKHDF/PointData/potential"][:]).max() < 1e-8
+    assert RANKS >= 1
+
+
+def test_options_reach_petsc():
+    case = cube_case(zmin=5)
+    kuhn_cube("a.hdf", 4)
+    jacobi = solve(case, "a.hdf").json
+    amg = solve(case, "a.hdf", "--petsc", "-pc_type hypre").json
+    exact = solve(case, "a.hdf", "--petsc", "-snes_ksp_ew 0 -ksp_rtol 1e-12").json
+    by_case = solve(cube_case("amg.toml", '[solver]\npreconditioner = "boomeramg"\n', zmin=5), "a.hdf").json
+    assert amg["linear_iterations"] < jacobi["linear_iterations"] < exact["linear_iterations"]
+    assert by_case["linear_iterations"] < jacobi["linear_iterations"]
+    assert abs(amg["energy"] - jacobi["energy"]) < 1e-8
+    unknown = solve(case, "a.hdf", "--petsc", "-no_such_thing 1")
+    assert "-no_such_thing" in unknown.err
+    refuses("pamr-pb", case, "--mesh", "a.hdf", "-o", "out.hdf", "--petsc", "-ksp_type fastest", says=["options"],
+            creates="out.hdf")
+
+
+def test_it_starts_from_a_field():
+    case = cube_case(zmin=5)
+    solve(case, kuhn_cube("a.hdf", 4))
+    pathlib.Path("psi.hdf").rename("before.hdf")
+    assert solve(case, "before.hdf", "--start", "potential").json["newton_iterations"] == 0
+    refuses("pamr-pb", case, "--mesh", "before.hdf", "-o", "out.hdf", "--start", "heat", says=["heat"], creates="out.hdf")
+    refuses("pamr-pb", case, "--mesh", "before.hdf", "-o", "out.hdf", "--start", "electric_field", says=["3"],
+            creates="out.hdf")
+
+
+def test_a_field_of_wrong_length_is_refused():
+    kuhn_cube("a.hdf", 2)
+    with h5py.File("a.hdf", "r+") as file:
+        file["VTKHDF"].require_group("PointData")["potential"] = np.zeros(5)
+    refuses("pamr-pb", cube_case(zmin=1), "--mesh", "a.hdf", "-o", "out.hdf", "--start", "potential",
+            says=["potential"], creates="out.hdf")
+
+
+def test_what_does_not_converge_writes_nothing_and_says_where():
+    case = cube_case(head="[solver]\nmax_newton = 1\n", zmin=5)
+    pathlib.Path("psi.hdf").write_text("mine")
+    result = run("pamr-pb", case, "--mesh", kuhn_cube("a.hdf", 3), "-o", "psi.hdf", "--force", code=1)
+    assert "not converged" in result.err and "node" in result.err
+    assert pathlib.Path("psi.hdf").read_text() == "mine"
+
+
+def test_the_boundary_can_be_written():
+    solve(cube_case(zmin=3), kuhn_cube("a.hdf", 3), "--surface", "wall.vtu")
+    text = pathlib.Path("wall.vtu").read_text()
+    assert 'NumberOfPoints="324" NumberOfCells="108"' in text and 'Name="charge_density"' in text
+
+
+def test_bad_input_is_refused():
+    kuhn_cube("a.hdf", 2)
+    mesh = ("--mesh", "a.hdf", "-o", "out.hdf")
+
+    def refused(text, *says):
+        pathlib.Path("bad.toml").write_text(text)
+        refuses("pamr-pb", "bad.toml", *mesh, says=["bad.toml", *says], creates="out.hdf")
+
+    good = pathlib.Path(cube_case(zmin=1)).read_text()
+    refused("".join(condition(p, "symmetry") for p in SIDES), "potential or charge")
+    refused(good.replace("value = 1", "value = 1e4"), "sinh overflows")
+    refused(good.replace("[boundary.xmin]", "[boundary.hull]"), "hull")
+    refused(condition("zmin", "potential", 1), "boundary.xmin")
+    refused(good + condition("hull", "symmetry"), "hull")
+    refused("[pair]\npatch = 'zmin'\nradius = 1\ndistance = 1.5\n" + good, "overlap")
+    refused('[plate]\npatch = "zmin"\n[[sphere]]\ncentre = [0, 0, 1]\nradius = 1.2\n' + good, "touch")
+    refused("[electrolyte]\ndebye_length = 1e-8\nconcentration = 1\n" + good, "Debye length")
+    refused('[[sphere]]\npatch = "zmin"\ncentre = [0, 0, 0]\nradius = 0.2\n' + good, "sphere of radius 0.2")
+    refused('[electrolyte]\nsalt = "CaCl2"\n' + good, "CaCl2")
+    refused("[solver]\nsteps = 3\n" + good, "steps", ":2")
+    refuses("pamr-pb", "missing.toml", *mesh, says=["missing.toml"], creates="out.hdf")
+    refuses("pamr-pb", "case.toml", "--mesh", "missing.hdf", "-o", "out.hdf", says=["missing.hdf"], creates="out.hdf")
+
+
+run_tests(globals())
