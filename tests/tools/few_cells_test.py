@@ -86,6 +86,15 @@ def test_quality_and_differences_are_those_of_one_rank():
     run("pamr-diff", "helix2.hdf", "helix1.hdf", code=1)
 
 
+def test_more_ranks_and_more_parts_than_cells():
+    mesh = write_bare("helix.hdf", *helix(2))
+    run("pamr-partition", mesh, "-o", "many.hdf", "-p", 2, "--quiet")
+    with h5py.File("many.hdf") as file:
+        assert sorted(file["VTKHDF/CellData/rank"]) == [0, 1]
+    report = run("pamr-partition", mesh, "-o", "parts.hdf", "-p", 5, "--json", "-", "--quiet").json
+    assert report["empty_parts"] == 3, report
+
+
 def test_a_mesh_without_cells_is_refused_by_every_tool():
     points, _ = helix(1)
     empty = write_bare("empty.hdf", points, np.zeros((0, 4), dtype=np.int64))
@@ -96,6 +105,7 @@ def test_a_mesh_without_cells_is_refused_by_every_tool():
         refuses("pamr-refine", mesh, "-o", "out.hdf", says=[mesh, where], creates="out.hdf")
         refuses("pamr-mark", mesh, "-o", "out.hdf", "--all", says=[mesh, where], creates="out.hdf")
     refuses("pamr-quality", empty, says=[empty, "1 cell or more"])
+    refuses("pamr-partition", empty, "-o", "out.hdf", "-p", 2, says=[empty, "1 cell or more"], creates="out.hdf")
     refuses("pamr-diff", good, empty, says=[empty, "1 cell or more"])
 
 

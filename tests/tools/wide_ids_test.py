@@ -60,6 +60,10 @@ def test_reports_and_comparisons():
     assert json.dumps(reports[0]).replace("plain.hdf", "") == json.dumps(reports[1]).replace("wide.hdf", "")
     run("pamr-diff", plain, wide)
     run("pamr-diff", wide, plain)
+    for method in ("scotch", "blocks"):
+        for mesh in (plain, wide):
+            run("pamr-partition", mesh, "-o", f"{method}-{mesh}", "-p", 4, "--method", method, "--quiet")
+        equal_but_for_numbers(f"{method}-{wide}", f"{method}-{plain}")
     run("pamr-quality", wide, "--worst", 5, "--worst-out", "worst.hdf", "--quiet")
     with h5py.File("worst.hdf") as file:
         cells = file["VTKHDF/CellData/cell"][:]
