@@ -62,7 +62,79 @@ std::vector<std::uint8_t> reach(const mesh::DistMesh& fine, const par::Exchange&
   return reached;
 }
 
-using Fixed = std::array<std::int64_t, 4>;  ///< displacement in fixed point, and the number of terms in a sum
+using Fixed = std::array<std::int64_t, 3>;  ///< displacement in fixed point
+
+/// The cells at free nodes, with their nodes numbered among themselves, so that the sweeps stay within little memory.
+struct Region {
+  std::vector<LocalId> number;  ///< of each node of the mesh; -1 outside
+  std::vector<LocalId> node;    ///< of each number
+  std::vector<mesh::CellNodes> cell_to_number;
+};
+
+Region gather(const mesh::DistMesh& fine, const std::vector<std::uint8_t>& is_free) {
+  Region region;
+  region.number.assign(at(fine.n_nodes()), -1);
+  for (const auto& nodes : fine.cell_to_node) {
+    if (std::none_of(nodes.begin(), nodes.end(), [&](LocalId n) { return is_free[at(n)] != 0; })) continue;
+    auto& numbers = region.cell_to_number.emplace_back();
+    for (std::size_t i = 0; i < 4; ++i) {
+      auto& number = region.number[at(nodes[i])];
+      if (number < 0) {
+        number = static_cast<LocalId>(region.node.size());
+        region.node.push_back(nodes[i]);
+      }
+      numbers[i] = number;
+    }
+  }
+  return region;
+}
+
+/// Adds to the value of each shared node of the region what the other ranks have for it.
+template <class T, class Add>
+void add_shared(const par::Exchange& exchange, const Region& region, std::vector<T>& values, Add&& add) {
+  std::vector<T> mine;
+  mine.reserve(exchange.pattern().n_slots());
+  for (const auto node : exchange.pattern().item) {
+    const auto number = region.number[at(node)];
+    mine.push_back(number < 0 ? T{} : values[at(number)]);
+  }
+  const auto theirs = exchange.swap<T>(mine);
+  for (std::size_t k = 0; k < theirs.size(); ++k) {
+    const auto number = region.number[at(exchange.pattern().item[k])];
+    if (number >= 0) add(values[at(number)], theirs[k]);
+  }
+}
+
+/// For each node of the region the sum over its cells of the values at their other corners.
+void sum_neighbours(const Region& region, const std::vector<Fixed>& value, std::vector<Fixed>& sum) {
+  std::fill(sum.begin(), sum.end(), Fixed{});
+  for (const auto& numbers : region.cell_to_number) {
+    Fixed all{};
+    for (const auto i : numbers)
+      for (std::size_t k = 0; k < 3; ++k) all[k] += value[at(i)][k];
+    for (const auto i : numbers)
+      for (std::size_t k = 0; k < 3; ++k) sum[at(i)][k] += all[k] - value[at(i)][k];
+  }
+}
+
+/// Replaces the values at free nodes by the mean over their neighbours, `n_sweeps` times, all at once each time.
+void sweep(const par::Exchange& exchange, const Region& region, const std::vector<std::uint8_t>& is_free, int n_sweeps,
+           std::vector<Fixed>& value) {
+  std::vector<std::int32_t> n_terms(value.size(), 0);
+  for (const auto& numbers : region.cell_to_number)
+    for (const auto i : numbers) n_terms[at(i)] += 3;
+  add_shared(exchange, region, n_terms, [](std::int32_t& mine, std::int32_t theirs) { mine += theirs; });
+  std::vector<Fixed> sum(value.size());
+  for (int i = 0; i < n_sweeps; ++i) {
+    sum_neighbours(region, value, sum);
+    add_shared(exchange, region, sum, [](Fixed& mine, const Fixed& theirs) {
+      for (std::size_t k = 0; k < 3; ++k) mine[k] += theirs[k];
+    });
+    for (std::size_t n = 0; n < value.size(); ++n)
+      if (is_free[at(region.node[n])] != 0)
+        for (std::size_t k = 0; k < 3; ++k) value[n][k] = sum[n][k] / n_terms[n];
+  }
+}
 
 }  // namespace
 
@@ -76,41 +148,22 @@ void smooth_displacement(const par::Comm& comm, const mesh::DistMesh& fine, cons
   auto is_free = reach(fine, exchange, movables);
   std::fill_n(is_free.begin(), n_old_nodes, std::uint8_t{0});
   for (const auto& boundary : numbering.boundary) is_free[at(n_old_nodes + boundary.new_node)] = 0;
-  std::vector<LocalId> active;
-  for (LocalId c = 0; c < fine.n_cells(); ++c) {
-    const auto& nodes = fine.cell_to_node[at(c)];
-    if (std::any_of(nodes.begin(), nodes.end(), [&](LocalId n) { return is_free[at(n)] != 0; })) active.push_back(c);
-  }
+  const auto region = gather(fine, is_free);
 
   // 40 bits for the largest displacement leave 23 for the sum of its neighbours
   const double scale = std::ldexp(1.0, 40 - std::ilogb(extent.displacement) - 1);
-  std::vector<Fixed> value(at(fine.n_nodes()), Fixed{});
+  std::vector<Fixed> value(region.node.size(), Fixed{});
   for (const auto& m : movables) {
+    const auto number = region.number[at(m.node)];
+    if (number < 0) continue;
     const Vec3 d = m.target - m.base;
-    value[at(m.node)] = {std::llround(d.x * scale), std::llround(d.y * scale), std::llround(d.z * scale), 0};
+    value[at(number)] = {std::llround(d.x * scale), std::llround(d.y * scale), std::llround(d.z * scale)};
   }
-  std::vector<Fixed> sum(value.size());
-  for (int sweep = 0; sweep < n_sweeps; ++sweep) {
-    std::fill(sum.begin(), sum.end(), Fixed{});
-    for (const auto c : active)
-      for (const auto i : fine.cell_to_node[at(c)]) {
-        if (is_free[at(i)] == 0) continue;
-        for (const auto j : fine.cell_to_node[at(c)]) {
-          if (i == j) continue;
-          for (std::size_t k = 0; k < 3; ++k) sum[at(i)][k] += value[at(j)][k];
-          ++sum[at(i)][3];
-        }
-      }
-    fold_shared(exchange, sum, [&](LocalId node, const Fixed& theirs) {
-      for (std::size_t k = 0; k < 4; ++k) sum[at(node)][k] += theirs[k];
-    });
-    for (std::size_t i = 0; i < value.size(); ++i)
-      if (is_free[i] != 0 && sum[i][3] > 0)
-        for (std::size_t k = 0; k < 3; ++k) value[i][k] = sum[i][k] / sum[i][3];
-  }
+  sweep(exchange, region, is_free, n_sweeps, value);
   for (LocalId node = n_old_nodes; node < fine.n_nodes(); ++node) {
-    const auto& v = value[at(node)];
-    if (is_free[at(node)] == 0 || (v[0] == 0 && v[1] == 0 && v[2] == 0)) continue;
+    if (is_free[at(node)] == 0 || region.number[at(node)] < 0) continue;
+    const auto& v = value[at(region.number[at(node)])];
+    if (v == Fixed{}) continue;
     const Vec3 base = fine.point(node);
     const Vec3 d{static_cast<double>(v[0]) / scale, static_cast<double>(v[1]) / scale,
                  static_cast<double>(v[2]) / scale};
