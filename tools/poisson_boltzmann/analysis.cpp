@@ -73,8 +73,9 @@ class Analyst {
     for (std::size_t p = 0; p < result.patches.size(); ++p) {
       auto& patch = result.patches[p];
       const auto* sphere = sphere_of(problem_, patch.name);
-      if (sphere == nullptr) continue;
-      const auto cut_off = make_cut_off(comm_, state_, *sphere, static_cast<int>(p));
+      std::optional<CutOff> cut_off;
+      if (sphere != nullptr) cut_off = make_cut_off(comm_, state_, *sphere, static_cast<int>(p));
+      if (problem_.plate && patch.name == problem_.plate->patch) cut_off = make_plate_cut_off(comm_, state_);
       if (!cut_off) continue;
       patch.inner = cut_off->inner;
       patch.outer = cut_off->outer;

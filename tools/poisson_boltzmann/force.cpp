@@ -176,6 +176,21 @@ std::vector<PatchResult> surface_results(const par::Comm& comm, const State& sta
   return results;
 }
 
+namespace {
+
+/// 1 up to `inner`, 0 from `outer` on, a cubic between them.
+std::vector<double> fall_off(const std::vector<double>& distance, double inner, double outer) {
+  std::vector<double> result;
+  result.reserve(distance.size());
+  for (const double d : distance) {
+    const double t = std::clamp((d - inner) / (outer - inner), 0.0, 1.0);
+    result.push_back(1 - t * t * (3 - 2 * t));
+  }
+  return result;
+}
+
+}  // namespace
+
 std::optional<CutOff> make_cut_off(const par::Comm& comm, const State& state, const Sphere& sphere, int patch) {
   const auto& domain = state.domain;
   std::uint64_t harmless = std::uint64_t{1} << static_cast<unsigned>(patch);
@@ -206,17 +221,31 @@ std::optional<CutOff> make_cut_off(const par::Comm& comm, const State& state, co
   if (!asked && gap < 1e-3 * sphere.radius) return std::nullopt;
   CutOff result;
   result.outer = state.problem.force.outer.value_or(std::min(4.0, 0.95 * gap));
-  result.inner = state.problem.force.inner.value_or(0.2 * result.outer);
+  result.inner = state.problem.force.inner.value_or(0.5 * result.outer);
   if (!(result.outer <= gap) || !(result.inner < result.outer))
     throw Error(
         fmt::format("expected a cut-off function within the {:g} Debye lengths from sphere {} to the nearest "
                     "other boundary, found inner {:g} and outer {:g}",
                     gap, sphere.patch, result.inner, result.outer));
-  result.chi.resize(distance.size());
-  for (std::size_t i = 0; i < distance.size(); ++i) {
-    const double t = std::clamp((distance[i] - result.inner) / (result.outer - result.inner), 0.0, 1.0);
-    result.chi[i] = 1 - t * t * (3 - 2 * t);
+  result.chi = fall_off(distance, result.inner, result.outer);
+  return result;
+}
+
+CutOff make_plate_cut_off(const par::Comm& comm, const State& state) {
+  const auto& domain = state.domain;
+  std::vector<double> height(domain.point.size());
+  double gap = HUGE_VAL;
+  for (const auto& sphere : state.problem.spheres)
+    gap = std::min(gap, sphere.centre.z - sphere.radius - state.problem.plate->position);
+  double top = 0;
+  for (std::size_t i = 0; i < height.size(); ++i) {
+    height[i] = domain.point[i].z - state.problem.plate->position;
+    top = std::max(top, height[i]);
   }
+  CutOff result;
+  result.outer = 0.95 * std::min(gap, comm.max(top));
+  result.inner = 0.5 * result.outer;
+  result.chi = fall_off(height, result.inner, result.outer);
   return result;
 }
 

@@ -63,9 +63,13 @@ struct CutOff {
   double inner = 0, outer = 0;
 };
 /// `outer` is at most 0.95 of the distance to the nearest other boundary (mirrors that cut the sphere do not count),
-/// and 4 Debye lengths; `inner` a fifth of it. Nothing where a boundary that is no such mirror touches the sphere.
+/// and 4 Debye lengths; `inner` half of it. Nothing where a boundary that is no such mirror touches the sphere.
 /// Collective: a reduction. Throws `Error` when the case asks for more.
 std::optional<CutOff> make_cut_off(const par::Comm& comm, const State& state, const Sphere& sphere, int patch);
+
+/// The same for the plate, by the height over it: it ends below the spheres. Holds where the side walls are mirrors or
+/// so far away that the potential there is that of the profile. Pre: the case has a plate. Collective: a reduction.
+CutOff make_plate_cut_off(const par::Comm& comm, const State& state);
 
 /// f_i = - integral of T_ij d_j chi, on the meshed part. T = grad psi grad psi - (|grad psi|^2/2 + cosh psi - 1) 1 less
 /// that of psi0. Collective: exact sums.

@@ -92,7 +92,7 @@ std::vector<std::string> describe_results(const Case& problem, const Analysis& a
       if (!line.empty()) lines.push_back(line);
     if (patch.volume)
       lines.push_back(
-          fmt::format("  cut-off function 1 within {:.4g}, 0 beyond {:.4g} of the sphere", patch.inner, patch.outer));
+          fmt::format("  cut-off function 1 within {:.4g}, 0 beyond {:.4g} of the surface", patch.inner, patch.outer));
   }
   const auto& estimate = analysis.estimate;
   lines.push_back(fmt::format("energy {:.10g}, less that of the plate profile {:.10g}", analysis.energy.total,
