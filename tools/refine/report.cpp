@@ -116,12 +116,21 @@ nlohmann::json make_report(const par::Comm& comm, const adapt::Report& report, c
       {"steps", steps}};
   if (measured.lists_ranks) {
     of_rank["peak_rss_bytes"] = comm.all_gather(peak);
+    of_rank["shared_rss_bytes"] = comm.all_gather(shared_resident_bytes());
     of_rank["neighbours_closing"] = comm.all_gather(report.neighbours_closing);
     of_rank["neighbours"] = comm.all_gather(report.neighbours);
     of_rank["cells_out"] = comm.all_gather(measured.cells_here);
     json["of_rank"] = of_rank;
   }
   return json;
+}
+
+std::int64_t shared_resident_bytes() {
+  std::ifstream status("/proc/self/status");
+  std::int64_t kilobytes = 0;
+  for (std::string word; status >> word;)
+    if (word == "RssShmem:") status >> kilobytes;
+  return 1024 * kilobytes;
 }
 
 std::int64_t bytes_read_so_far() {

@@ -26,6 +26,10 @@ struct Measured {
 /// The JSON report of docs/tools/pamr-refine.md, complete on every rank. Collective.
 nlohmann::json make_report(const par::Comm& comm, const adapt::Report& report, const Measured& measured);
 
+/// Memory that this process shares with others (MPI's buffers between the processes of a machine) and has touched; 0
+/// where the system does not tell.
+std::int64_t shared_resident_bytes();
+
 /// Bytes that this process has read from files and sockets so far; 0 where the system does not tell.
 std::int64_t bytes_read_so_far();
 
