@@ -163,7 +163,8 @@ def print_tables(runs):
                  for run in runs])
     rows += [[f"{step}: {library}, work and waiting"] + [f"{1e3 * run.sum('library', step):.0f} "
               f"({1e3 * run.max('library', step):.1f})" for run in runs] for step, library in LIBRARIES.items()]
-    rows.append(["largest rank over mean, after balancing"] + [f"{run.imbalance(*AFTER_BALANCING):.2f}" for run in runs])
+    rows.append(["largest rank over mean, after balancing"] +
+                [f"{run.imbalance(*AFTER_BALANCING):.2f}" for run in runs])
     table(head, rows)
 
     print("Messages sent by the rank that sends most (exchanges of messages; operations of all ranks)\n")
@@ -180,7 +181,8 @@ def print_tables(runs):
         ["most neighbours"] + [str(max(run.reports[0]["of_rank"]["neighbours"])) for run in runs]])
 
     print("Modelled seconds (not measured: the largest rank's compute, its messages and reductions at "
-          f"{1e6 * LATENCY:.1f} us, its bytes at {1e-9 * BANDWIDTH:.1f} GB/s), beside those of the paper's Table 2\n")
+          f"{1e6 * LATENCY:.1f} us, its bytes at {1e-9 * BANDWIDTH:.1f} GB/s; without HDF5 and "
+          "Scotch), beside those of the paper's Table 2\n")
     rows = []
     for name in MODULE_NAMES:
         cells = []
