@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
+#include <sys/resource.h>
 
 #include <CLI/CLI.hpp>
 #include <chrono>
 #include <cmath>
+#include <ctime>
 #include <fstream>
 #include <iterator>
 #include <nlohmann/json.hpp>
@@ -42,19 +44,41 @@ void declare(CLI::App& app, Options& o) {
   app.add_flag("--force", o.force, cli::force_help);
 }
 
-/// Seconds since it was last asked.
-class Lap {
+/// Wall and processor time of the parts of the work, on this rank.
+class Laps {
  public:
-  double seconds() {
-    const auto now = std::chrono::steady_clock::now();
-    const double result = std::chrono::duration<double>(now - last_).count();
-    last_ = now;
-    return result;
+  /// What was done since the last call, or the start, is `part`.
+  void end(const std::string& part) {
+    const auto wall = std::chrono::steady_clock::now();
+    const auto cpu = std::clock();
+    wall_[part] = std::chrono::duration<double>(wall - last_wall_).count();
+    cpu_[part] = static_cast<double>(cpu - last_cpu_) / CLOCKS_PER_SEC;
+    last_wall_ = wall;
+    last_cpu_ = cpu;
   }
+  /// With the sum of the parts as `total`.
+  nlohmann::json wall() const { return with_total(wall_); }
+  nlohmann::json cpu() const { return with_total(cpu_); }
 
  private:
-  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+  static nlohmann::json with_total(nlohmann::json parts) {
+    double total = 0;
+    for (const auto& part : parts) total += part.get<double>();
+    parts["total"] = total;
+    return parts;
+  }
+
+  std::chrono::steady_clock::time_point last_wall_ = std::chrono::steady_clock::now();
+  std::clock_t last_cpu_ = std::clock();
+  nlohmann::json wall_ = nlohmann::json::object(), cpu_ = nlohmann::json::object();
 };
+
+/// Largest resident set of this process so far.
+std::int64_t peak_bytes() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return std::int64_t{1024} * usage.ru_maxrss;
+}
 
 /// The text of the file, read by rank 0. Collective.
 std::string text_of(const par::Comm& comm, const std::string& path) {
@@ -117,22 +141,22 @@ cli::ExitCode run(cli::Session& session, const Options& o) {
   session.check_output(o.output, {o.case_file, o.mesh}, o.force);
   if (!o.surface.empty()) session.check_output(o.surface, {o.case_file, o.mesh, o.output}, o.force);
   const auto& comm = session.comm();
-  Lap lap;
+  Laps laps;
   const auto problem = pb::read_case(text_of(comm, o.case_file), o.case_file);
   const pb::PetscRuntime petsc(comm, problem.solver.petsc + " " + o.petsc);
   auto mesh = mesh::assemble(comm, io::read_native(comm, o.mesh));
   mesh::require_valid(comm, mesh, o.mesh);
-  nlohmann::json seconds{{"read", lap.seconds()}};
+  laps.end("read");
 
   const auto domain = pb::make_domain(comm, mesh, problem, o.case_file);
   const auto conditions = pb::make_conditions(comm, domain, problem);
   const auto start = start_of(comm, mesh, conditions, o);
   pb::System system(comm, domain, problem, conditions);
   print_case(session, problem, domain, conditions);
-  seconds["assemble"] = lap.seconds();
+  laps.end("assemble");
   session.summary(pb::table_head());
   const auto solution = system.solve(start, [&](const pb::NewtonStep& step) { session.summary(pb::table_line(step)); });
-  seconds["solve"] = lap.seconds();
+  laps.end("solve");
   for (const auto& name : petsc.unused_options()) session.warn("no part of PETSc asked for the option " + name);
   if (!solution.converged) {
     session.warn(where_it_failed(solution));
@@ -145,7 +169,7 @@ cli::ExitCode run(cli::Session& session, const Options& o) {
   }
 
   const auto analysis = pb::analyse(comm, domain, problem, conditions, system, solution);
-  seconds["analyse"] = lap.seconds();
+  laps.end("analyse");
   if (!o.surface.empty()) {
     const auto text = pb::surface_text(comm, domain, problem, conditions, solution, analysis);
     par::agree(comm, [&] {
@@ -155,15 +179,15 @@ cli::ExitCode run(cli::Session& session, const Options& o) {
   auto report = pb::report_of(domain, problem, solution, analysis);
   pb::set_fields(mesh, problem, solution, analysis);
   io::write_native(comm, o.output, mesh);
-  seconds["write"] = lap.seconds();
-  double total = 0;
-  for (const auto& part : seconds) total += part.get<double>();
-  seconds["total"] = total;
-  report["seconds"] = seconds;
+  laps.end("write");
+  report["seconds"] = laps.wall();
+  report["cpu_seconds"] = laps.cpu();
+  report["peak_rss_bytes"] = comm.max(peak_bytes());
   for (const auto& line : pb::describe_results(problem, analysis)) session.summary(line);
   session.write_report(report);
   session.summary(fmt::format("{} cells, {} Newton steps, {} CG iterations, {:.2f} s -> {}", mesh.info.n_global_cells,
-                              solution.newton_iterations, solution.linear_iterations, total, o.output));
+                              solution.newton_iterations, solution.linear_iterations,
+                              report["seconds"]["total"].get<double>(), o.output));
   return cli::ExitCode::done;
 }
 
