@@ -280,7 +280,7 @@ TEST(P7CurvedBoundary, HoldsEveryNodeThatIsNotInTheLedger) {
 TEST(P8RankIndependence, GivesTheBytesAndFingerprintOfOneRankForAnyDistribution) {
   const par::Comm world(MPI_COMM_WORLD), self(MPI_COMM_SELF);
   const auto size = static_cast<std::uint64_t>(world.size());
-  const auto n_cases = test::n_cases(50, 1000);
+  const auto n_cases = test::n_cases_together(world);
   const auto mesh_of = [](std::uint64_t i) { return i % 5 == 0 ? test::random_dome(i) : test::random_delaunay(i); };
   std::string bytes;
   std::uint64_t fingerprint = 0;
@@ -322,8 +322,7 @@ TEST(P9Permutation, OfCellsNodesAndCornersLeavesTheFingerprint) {
 
 TEST(P10Repeat, GivesTheSamePartsOnTheSameRanks) {
   const par::Comm world(MPI_COMM_WORLD);
-  const auto n_cases =
-      test::n_cases(50, 1000) / (world.size() > 4 ? 4 : 1);  // 1,000 and more over all numbers of ranks
+  const auto n_cases = test::n_cases_together(world);
   for (std::uint64_t i = 0; i < n_cases; ++i) {
     const auto mesh = test::scatter(world, test::random_delaunay(i), i);
     const auto first = refine_once(world, mesh, i, 0, policy_of(i)).mesh;

@@ -64,6 +64,10 @@ std::vector<std::uint64_t> seeds_alone(const par::Comm& world) {
   return seeds;
 }
 
+std::uint64_t n_cases_together(const par::Comm& world) {
+  return world.size() <= 4 ? n_cases(50, 1000) : world.size() <= 7 ? n_cases(20, 300) : n_cases(10, 100);
+}
+
 std::vector<std::uint8_t> mark(const mesh::DistMesh& mesh, Law law, std::uint64_t seed) {
   std::vector<std::uint8_t> flags;
   for (LocalId c = 0; c < mesh.n_cells(); ++c)

@@ -20,6 +20,9 @@ inline std::uint64_t n_cases(std::uint64_t quick, std::uint64_t full) { return i
 /// shared out among them.
 std::vector<std::uint64_t> seeds_alone(const par::Comm& world);
 
+/// How many cases all ranks go through together: 50 (full: 1,000), fewer where many ranks share few cores.
+std::uint64_t n_cases_together(const par::Comm& world);
+
 /// What is marked: some cells by lot, those cut by a sphere, or those in a corner. By coordinates only, so that marks
 /// depend neither on the numbering nor on the distribution.
 enum class Law { random, sphere, corner };

@@ -229,7 +229,7 @@ TEST_P(TwinOf, AgreesOnRandomMeshesRefinedByEachRankAlone) {
 }
 
 TEST_P(TwinOf, AgreesOnRandomMeshesRefinedByAllRanksTogether) {
-  const auto tally = compare_together(test::n_cases(14, 150),
+  const auto tally = compare_together(test::n_cases(5, 40),
                                       [](std::uint64_t i) { return plan_of(50000 + i, levels_of(GetParam(), i)); });
 
   EXPECT_GT(tally.levels, tally.cases);
