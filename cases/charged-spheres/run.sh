@@ -1,0 +1,75 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: GPL-3.0-or-later
+# Two charged spheres near a charged plate: the coupled loop of meshing, solving, marking and refining by the stage tools,
+# a table of its levels, and the same forces on the last mesh without the plate's potential.
+#
+#   cases/charged-spheres/run.sh [--reading a|b] [--ranks N] [--levels N] [--max-cells N] [--out FOLDER] [--tools FOLDER]
+#
+#   --reading a|b  the paper's lengths in micrometres (a) or in Debye lengths (b, default)
+#   --levels N     refinements at most (default 5)
+#   --max-cells N  cells at most (default 700000)
+set -euo pipefail
+
+case_folder=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")" && pwd)
+root=$(cd -- "$case_folder/../.." && pwd)
+out=
+reading=b
+ranks=2
+levels=5
+max_cells=700000
+tools=
+while [ $# -gt 0 ]; do
+  case $1 in
+    --reading) reading=${2:?run.sh: --reading needs a or b}; shift 2 ;;
+    --ranks) ranks=${2:?run.sh: --ranks needs a number}; shift 2 ;;
+    --levels) levels=${2:?run.sh: --levels needs a number}; shift 2 ;;
+    --max-cells) max_cells=${2:?run.sh: --max-cells needs a number}; shift 2 ;;
+    --out) out=${2:?run.sh: --out needs a folder}; shift 2 ;;
+    --tools) tools=${2:?run.sh: --tools needs a folder}; shift 2 ;;
+    -h | --help) sed -n '3,10s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
+    *) echo "run.sh: unknown option $1 (see run.sh --help)" >&2; exit 2 ;;
+  esac
+done
+case $reading in a | b) ;; *) echo "run.sh: expected --reading a or b, found $reading" >&2; exit 2 ;; esac
+out=${out:-$case_folder/out/reading-$reading}
+if [ -z "$tools" ]; then
+  "$root/scripts/setup.sh"
+  tools=${PAMR_BUILD:-$root/build/release}/bin
+fi
+. "$root/scripts/mpi_environment.sh"
+PATH=$tools:$PATH
+mkdir -p "$out"
+case_file=$case_folder/reading-$reading.toml
+
+# The error of the mid-plane force decides in reading A; in reading B the whole error has a part in it, so that the
+# volume form, the vertical force and the charges converge too.
+criteria=(--bulk-of goal_error:0.5)
+if [ "$reading" = b ]; then criteria=(--bulk-of goal_error:0.4 --bulk-of indicator:0.3); fi
+
+pamr-mesh "$case_file" -o "$out/mesh.hdf" --force
+"$case_folder/loop.sh" "$case_file" "$out/mesh.hdf" "$out" "$ranks" "$levels" "$max_cells" "${criteria[@]}"
+status=0
+python3 "$case_folder/levels.py" "$out" "midplane=forces.sphere.midplane.dimensionless.0" "correction=goal.correction" \
+  "newton=forces.sphere.midplane.newton.0" "volume_x=forces.sphere.volume.dimensionless.0" \
+  "surface_x=forces.sphere.surface.dimensionless.0" "volume_z=forces.sphere.volume.dimensionless.2" \
+  "plate_z=forces.plate.volume.dimensionless.2" "estimate=error_estimate.relative" \
+  --expected "$case_folder/expected.csv" --case "reading-$reading" || status=1
+
+# The last mesh again, with nothing where the plate was: what the plate changes, free of most of the mesh's error.
+last=$(ls "$out"/level*.hdf | sort -V | tail -n 1)
+mpirun -q -n "$ranks" pamr-pb "$case_folder/reading-$reading-without-plate.toml" --mesh "$last" \
+  -o "$out/without-plate.hdf" --force --quiet --json "$out/without-plate.json"
+python3 - "$out/without-plate.json" "${last%.hdf}" <<'PYTHON'
+import json
+import re
+import sys
+
+without = json.load(open(sys.argv[1], encoding="utf-8"))
+number = re.search(r"(\d+)$", sys.argv[2]).group(1)
+with_plate = json.load(open(sys.argv[2].rsplit("/", 1)[0] + f"/solve{number}.json", encoding="utf-8"))
+force = [r["forces"]["sphere"]["midplane"]["dimensionless"][0] for r in (with_plate, without)]
+print(f"force with plate {force[0]:.6g}, without {force[1]:.6g}: the plate changes it by {force[0] - force[1]:.3e} "
+      f"({100 * (force[0] / force[1] - 1):.2f} %)")
+PYTHON
+echo "For ParaView: $last"
+exit $status
