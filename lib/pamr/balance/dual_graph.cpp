@@ -5,7 +5,6 @@
 
 #include "pamr/base/contract.hpp"
 #include "pamr/mesh/hilbert.hpp"
-#include "pamr/mesh/sorted_order.hpp"
 
 namespace pamr::balance {
 
@@ -42,6 +41,18 @@ class GhostVertices {
   std::vector<GlobalId> id_;
 };
 
+/// Length of the curve's stretches: 2^18 of them; their counters fit a second-level cache.
+constexpr unsigned bucket_bits = 18;
+
+/// Indices in ascending order of their buckets, those of one bucket in the order in which they stand.
+std::vector<std::uint32_t> sort_by_bucket(const std::vector<std::uint32_t>& bucket) {
+  std::vector<std::uint32_t> place((std::size_t{1} << bucket_bits) + 1, 0), order(bucket.size());
+  for (const auto b : bucket) ++place[b + 1];
+  for (std::size_t b = 1; b < place.size(); ++b) place[b] += place[b - 1];
+  for (std::size_t i = 0; i < bucket.size(); ++i) order[place[bucket[i]]++] = static_cast<std::uint32_t>(i);
+  return order;
+}
+
 std::vector<LocalId> invert(const Groups& groups) {
   std::vector<LocalId> cell_to_group(groups.cell.size());
   for (std::size_t g = 0; g < groups.size(); ++g)
@@ -72,15 +83,17 @@ Groups group_by_weight(const mesh::DistMesh& mesh, std::span<const std::int64_t>
     high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
   }
   const mesh::CurveGrid grid(low, high);
-  std::vector<std::uint64_t> key;
+  std::vector<std::uint32_t> bucket;
   std::vector<LocalId> first;
+  bucket.reserve(at(mesh.n_cells()));
+  first.reserve(at(mesh.n_cells()));
   for (LocalId c = 0; c < mesh.n_cells(); c += family_of(mesh, c).size) {
     const auto p = mesh.points(c);
-    key.push_back(grid.key(0.25 * (p[0] + p[1] + p[2] + p[3])));
+    bucket.push_back(static_cast<std::uint32_t>(grid.key(0.25 * (p[0] + p[1] + p[2] + p[3])) >> (63U - bucket_bits)));
     first.push_back(c);
   }
-  const auto order = mesh::sorted_order(key);
-  key = {};
+  const auto order = sort_by_bucket(bucket);
+  bucket = {};
   Groups groups;
   groups.cell.reserve(at(mesh.n_cells()));
   std::int64_t weight = 0;

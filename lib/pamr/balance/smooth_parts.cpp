@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <numeric>
+#include <utility>
 
 #include "pamr/balance/dual_graph.hpp"
 #include "pamr/base/contract.hpp"
@@ -45,31 +46,50 @@ class FaceCount {
 class Smoother {
  public:
   Smoother(const mesh::DistMesh& mesh, Rank here, std::span<const std::int64_t> weight, std::vector<Rank>& part)
-      : mesh_(mesh), here_(here), weight_(weight), part_(part) {
+      : mesh_(mesh), here_(here), weight_(weight), part_(part), is_listed_(part.size(), 0) {
     for (std::size_t i = 0; i < mesh.border_rank.size(); ++i)
       ghost_rank_.resize(mesh.border_offset[i + 1], mesh.border_rank[i]);
+    for (std::size_t c = 0; c < part.size(); ++c)
+      for (const auto neighbour : mesh.cell_to_cell[c])
+        if (mesh.is_ghost(neighbour) || (neighbour >= 0 && part[at(neighbour)] != part[c])) {
+          list(static_cast<LocalId>(c));
+          break;
+        }
   }
 
-  /// Goes over the cells once. `room`: what this rank may still add to each part. Cells at a rank border only move when
-  /// it is their side's turn, so that two cells that face each other do not move at once. Returns the faces saved.
+  /// Goes over the families at borders, and those that come to lie there, once. `room`: what this rank may still add to
+  /// each part. Families at a rank border only move when it is their side's turn, so that two that face each other do
+  /// not move at once; they are looked at in every sweep. Returns the faces saved.
   std::int64_t sweep(std::span<const Rank> beyond, bool lower_rank_moves, std::vector<std::int64_t>& room) {
     std::int64_t saved = 0;
-    for (LocalId first = 0; first < mesh_.n_cells();) {
-      const auto lineage = mesh_.lineage[at(first)];
-      const LocalId size = lineage.is_removable() ? lineage.family_size() : 1;
-      if (is_at_border(first, size, beyond)) saved += move(first, size, beyond, lower_rank_moves, room);
-      first += size;
+    const auto now = std::move(listed_);
+    listed_.clear();
+    for (const auto first : now) is_listed_[at(first)] = 0;
+    for (const auto first : now) {
+      const auto size = size_of(first);
+      const auto gain = move(first, size, beyond, lower_rank_moves, room);
+      saved += gain;
+      for (auto c = first; c < first + size; ++c)
+        for (const auto neighbour : mesh_.cell_to_cell[at(c)])
+          if (mesh_.is_ghost(neighbour))
+            list(c);
+          else if (neighbour >= 0 && gain > 0)
+            list(neighbour);
     }
     return saved;
   }
 
  private:
-  bool is_at_border(LocalId first, LocalId size, std::span<const Rank> beyond) const {
-    const auto own = part_[at(first)];
-    for (auto c = first; c < first + size; ++c)
-      for (const auto neighbour : mesh_.cell_to_cell[at(c)])
-        if (neighbour >= 0 && part_behind(neighbour, beyond) != own) return true;
-    return false;
+  LocalId size_of(LocalId first) const {
+    const auto lineage = mesh_.lineage[at(first)];
+    return lineage.is_removable() ? lineage.family_size() : 1;
+  }
+  void list(LocalId cell) {
+    const auto lineage = mesh_.lineage[at(cell)];
+    const auto first = lineage.is_removable() ? cell - lineage.child() : cell;
+    if (is_listed_[at(first)] != 0) return;
+    is_listed_[at(first)] = 1;
+    listed_.push_back(first);
   }
   Rank part_behind(LocalId neighbour, std::span<const Rank> beyond) const {
     return mesh_.is_ghost(neighbour) ? beyond[at(neighbour - mesh_.n_cells())] : part_[at(neighbour)];
@@ -109,7 +129,9 @@ class Smoother {
   Rank here_;
   std::span<const std::int64_t> weight_;
   std::vector<Rank>& part_;
-  std::vector<Rank> ghost_rank_;  // of each rank-border face
+  std::vector<Rank> ghost_rank_;         // of each rank-border face
+  std::vector<LocalId> listed_;          // families to look at, by their first cells
+  std::vector<std::uint8_t> is_listed_;  // by first cell
 };
 
 }  // namespace
@@ -118,18 +140,21 @@ std::int64_t smooth_parts(const par::Comm& comm, const mesh::DistMesh& mesh, std
                           Rank n_parts, double worst, std::vector<Rank>& part) {
   PAMR_EXPECTS(weight.size() == at(mesh.n_cells()) && part.size() == weight.size());
   Smoother smoother(mesh, comm.rank(), weight, part);
+  std::vector<std::int64_t> here(at(n_parts), 0);
+  for (std::size_t c = 0; c < part.size(); ++c) here[at(part[c])] += weight[c];
   std::int64_t saved = 0;
   int idle = 0;
   for (int sweep = 0; sweep < max_sweeps && idle < 2; ++sweep) {
-    std::vector<std::int64_t> sum(at(n_parts), 0);
-    for (std::size_t c = 0; c < part.size(); ++c) sum[at(part[c])] += weight[c];
+    auto sum = here;
     comm.sum_in_place(sum);
     const auto total = std::accumulate(sum.begin(), sum.end(), std::int64_t{0});
     const auto limit = static_cast<std::int64_t>(worst * static_cast<double>(total) / static_cast<double>(n_parts));
     // shared out evenly, so that all ranks together stay below the limit
     for (auto& value : sum) value = std::max<std::int64_t>(0, limit - value) / comm.size();
+    auto room = sum;
     const auto beyond = swap_over_faces<Rank>(comm, mesh, part);
-    const auto now = comm.sum(smoother.sweep(beyond, sweep % 2 == 0, sum));
+    const auto now = comm.sum(smoother.sweep(beyond, sweep % 2 == 0, room));
+    for (std::size_t p = 0; p < here.size(); ++p) here[p] += sum[p] - room[p];
     saved += now;
     idle = now == 0 ? idle + 1 : 0;
   }
