@@ -5,7 +5,9 @@
 #include <cmath>
 
 #include "mesh/blunt_cone.hpp"
+#include "mesh/combination.hpp"
 #include "mesh/meridian.hpp"
+#include "mesh/region.hpp"
 #include "mesh/sphere_in_box.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/geometry/surface.hpp"
@@ -122,6 +124,103 @@ TEST(SphereInBox, LabelsItsSidesAndTheBall) {
   EXPECT_EQ(domain.label({0, 0, -2.1}), 4);
   EXPECT_EQ(domain.label({0, 0, 2.1}), 5);
   EXPECT_EQ(domain.curves.size(), 12U);
+}
+
+TEST(Region, CombinesSides) {
+  const std::vector<std::string> names{"a", "b", "c"};
+  const Region region("+a & (-b | !(+c))", names, "test");
+
+  for (Sides sides = 0; sides < 8; ++sides) {
+    const bool a = (sides & 1U) != 0, b = (sides & 2U) != 0, c = (sides & 4U) != 0;
+    EXPECT_EQ(region.contains(sides), a && (!b || !c)) << sides;
+  }
+}
+
+TEST(Region, AndBindsBeforeOr) {
+  const std::vector<std::string> names{"a", "b", "c"};
+  const Region region("+a | +b & -c", names, "test");
+
+  EXPECT_TRUE(region.contains(0b101));
+  EXPECT_TRUE(region.contains(0b010));
+  EXPECT_FALSE(region.contains(0b110));
+}
+
+TEST(Region, RefusesWhatItCannotRead) {
+  const std::vector<std::string> names{"a", "b"};
+
+  for (const char* text : {"", "+a", "+a +b", "+a & ", "(+a | +b", "+a & +b)", "a & +b", "+a & +d", "+a % +b"})
+    EXPECT_THAT([&] { Region(text, names, "where"); }, testing::ThrowsMessage<Error>(testing::StartsWith("where: ")))
+        << text;
+  EXPECT_THROW(Region(std::string(1000, '(') + "+a & +b", names, "where"), Error);
+}
+
+/// The unit ball without the sector x > 0, y > 0: two planes that make a reentrant edge along z.
+Combination notched_ball() {
+  Combination c;
+  c.surfaces_toml = "[[surface]]\nname = \"ball\"\nkind = \"sphere\"\ncenter = [0, 0, 0]\nradius = 1\n" +
+                    plane_toml("x", 0, 0) + plane_toml("y", 1, 0);
+  c.region = "-ball & (-x | -y)";
+  c.low = {-1, -1, -1};
+  c.high = {1, 1, 1};
+  c.length_unit = "1";
+  c.far = 0.5;
+  c.growth = 0.3;
+  c.near = {{"ball", 0.2}};
+  return c;
+}
+
+TEST(Combination, LabelsWhatLiesBehindEachSurface) {
+  const auto domain = combine(notched_ball(), "test");
+
+  EXPECT_EQ(domain.label({-0.5, 0.1, 0}), Domain::inside);
+  EXPECT_EQ(domain.label({-2, 0, 0}), 0);
+  EXPECT_EQ(domain.label({0.1, 0.3, 0}), 1);
+  EXPECT_EQ(domain.label({0.3, 0.1, 0}), 2);
+}
+
+TEST(Combination, FindsEdgesAndCornersButNoTracesOfPlanesInside) {
+  const auto domain = combine(notched_ball(), "test");
+
+  // the edge along z, and a half circle in each plane: from pole to pole all of them
+  ASSERT_EQ(domain.curves.size(), 3U);
+  for (const auto& curve : domain.curves) {
+    EXPECT_NEAR(std::abs(curve.polyline.front().z), 1, 1e-12);
+    EXPECT_EQ(curve.polyline.front().x, 0);
+    EXPECT_TRUE(curve.polyline.front() == domain.curves[0].polyline.front() ||
+                curve.polyline.front() == domain.curves[0].polyline.back());
+    for (const auto& p : curve.polyline) {
+      EXPECT_TRUE(p.x >= 0 && p.y >= 0 && (p.x == 0 || p.y == 0));
+      EXPECT_LE(norm(p), 1 + 1e-12);
+      EXPECT_LT(norm(curve.nearest(p) - p), 1e-12);
+    }
+  }
+}
+
+TEST(Combination, SizesGrowFromTheirSurface) {
+  const auto domain = combine(notched_ball(), "test");
+
+  EXPECT_DOUBLE_EQ(domain.size({-0.9, 0, 0}), 0.2);
+  EXPECT_NEAR(domain.size({-0.5, 0, 0}), 0.2 + 0.3 * 0.3, 1e-12);
+}
+
+TEST(Combination, RefusesARegionThatTouchesItselfAlongACurve) {
+  auto c = notched_ball();
+  c.region = "-ball & ((+x & +y) | (-x & -y))";
+
+  EXPECT_THAT([&] { combine(c, "test"); }, testing::ThrowsMessage<Error>(testing::HasSubstr("touch itself")));
+}
+
+TEST(Combination, StartsFromPointsOnASurfaceThatNoEdgeTouches) {
+  Combination c = notched_ball();
+  c.surfaces_toml = "[[surface]]\nname = \"ball\"\nkind = \"sphere\"\ncenter = [0, 0, 0]\nradius = 1\n";
+  c.region = "-ball";
+  c.far = 2;
+  c.near.clear();
+  const auto domain = combine(c, "test");
+
+  EXPECT_TRUE(domain.curves.empty());
+  EXPECT_EQ(domain.pieces[0].start.size(), 6U);
+  for (const auto& p : domain.pieces[0].start) EXPECT_NEAR(norm(p), 1, 1e-15);
 }
 
 }  // namespace

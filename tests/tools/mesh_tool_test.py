@@ -187,6 +187,117 @@ def test_charged_spheres_lie_on_their_surfaces():
         assert abs((edge.max(axis=0) - edge.min(axis=0)).sum() - length) < 1e-14
 
 
+def surfaces_case(region, bounds, sizes, *surfaces):
+    """Writes a case file for shape "surfaces" and makes its mesh."""
+    text = f'[mesh]\nshape = "surfaces"\nlength_unit = "1"\nregion = "{region}"\nbounds = {bounds}\n[mesh.sizes]\n{sizes}\n'
+    for name, kind, keys in surfaces:
+        text += f'[[surface]]\nname = "{name}"\nkind = "{kind}"\n{keys}\n'
+    pathlib.Path("surfaces.toml").write_text(text)
+    make.cache_clear()
+    return make("surfaces.toml")
+
+
+def sphere(name, radius):
+    return name, "sphere", f"center = [0, 0, 0]\nradius = {radius}"
+
+
+def plane(name, axis, at):
+    unit = [int(i == axis) for i in range(3)]
+    return name, "plane", f"point = {[at * u for u in unit]}\nnormal = {unit}"
+
+
+def is_closed(mesh, name):
+    return set(mesh.patch_edges(name).values()) == {2}
+
+
+def area(mesh, name):
+    p = mesh.points[mesh.faces_of(name)]
+    return np.linalg.norm(np.cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0]), axis=1).sum() / 2
+
+
+def test_box_with_a_cylindrical_hole_has_sharp_edges():
+    mesh = surfaces_case("+x0 & -x1 & +y0 & -y1 & +z0 & -z1 & +hole", [[-1, -1, -0.5], [1, 1, 0.5]],
+                         "far = 0.3\nnear = { hole = 0.2 }",
+                         ("hole", "cylinder", "point = [0, 0, 0]\naxis = [0, 0, 1]\nradius = 0.4"),
+                         *(plane(f"{n}{side}", axis, at * (2 * side - 1))
+                           for n, axis, at in (("x", 0, 1), ("y", 1, 1), ("z", 2, 0.5)) for side in (0, 1)))
+
+    assert mesh.names == mesh.surfaces == ["hole", "x0", "x1", "y0", "y1", "z0", "z1"]
+    assert np.abs(np.hypot(*mesh.points_of("hole")[:, :2].T) - 0.4).max() < 1e-15
+    for z, at in (("z0", -0.5), ("z1", 0.5)):
+        rim = mesh.border("hole", z)
+        assert (rim[:, 2] == at).all() and np.abs(np.hypot(rim[:, 0], rim[:, 1]) - 0.4).max() < 1e-15
+        polygon = len(rim) * 0.08 * math.sin(2 * math.pi / len(rim))  # of a regular one; the rim's has less area
+        assert 4 - math.pi * 0.16 < area(mesh, z) < 4 - 0.97 * polygon
+    for side in ("x0", "x1", "y0", "y1"):
+        assert abs(area(mesh, side) - 2) < 1e-14
+    assert 0.97 < area(mesh, "hole") / (0.8 * math.pi) < 1
+
+
+def test_thin_shell_and_torus_have_no_edges():
+    shell = surfaces_case("+inner & -outer", [[-1.1] * 3, [1.1] * 3], "far = 0.15", sphere("inner", 1),
+                          sphere("outer", 1.1))
+    torus = surfaces_case("-ring", [[-1.4, -1.4, -0.4], [1.4, 1.4, 0.4]], "far = 0.25",
+                          ("ring", "torus",
+                           "center = [0, 0, 0]\naxis = [0, 0, 1]\nmajor_radius = 1\nminor_radius = 0.4"))
+
+    for name, radius in (("inner", 1), ("outer", 1.1)):
+        assert is_closed(shell, name)
+        assert np.abs(np.linalg.norm(shell.points_of(name), axis=1) - radius).max() < 1e-15
+        assert 0.97 < area(shell, name) / (4 * math.pi * radius ** 2) < 1
+    p = torus.points_of("ring")
+    assert is_closed(torus, "ring") and 0.96 < area(torus, "ring") / (1.6 * math.pi ** 2) < 1
+    assert np.abs(np.hypot(np.hypot(p[:, 0], p[:, 1]) - 1, p[:, 2]) - 0.4).max() < 1e-15
+    edges = len(torus.patch_edges("ring"))
+    assert len(p) - edges + len(torus.faces_of("ring")) == 0, "a torus has Euler characteristic 0"
+
+
+def test_unit_ball_gets_as_coarse_as_asked_for():
+    cells = []
+    for size in (0.4, 0.8, 1.2, 1.6, 2.0):
+        ball = surfaces_case("-ball", [[-1] * 3, [1] * 3], f"far = {size}", sphere("ball", 1))
+        wall = ball.points_of("ball")
+        assert is_closed(ball, "ball") and np.abs(np.linalg.norm(wall, axis=1) - 1).max() < 1e-15
+        assert len(wall) - len(ball.patch_edges("ball")) + len(ball.faces_of("ball")) == 2
+        cells.append(len(ball.cells))
+
+    assert cells == sorted(cells, reverse=True) and cells[0] > 400 and cells[-1] < 10
+
+
+def test_unions_and_curves_of_two_quadrics():
+    mesh = surfaces_case("(-ball | (-rod & -front)) & +middle", [[0, -1, -1], [2, 1, 1]], "far = 0.3",
+                         sphere("ball", 1), ("rod", "cylinder", "point = [0, 0, 0.1]\naxis = [1, 0, 0]\nradius = 0.5"),
+                         plane("front", 0, 2), plane("middle", 0, 0))
+
+    ring = mesh.border("ball", "rod")
+    assert len(ring) > 8
+    assert np.abs(np.linalg.norm(ring, axis=1) - 1).max() < 1e-12
+    assert np.abs(np.hypot(ring[:, 1], ring[:, 2] - 0.1) - 0.5).max() < 1e-12
+    assert len(mesh.border("ball", "middle")) > 8 and len(mesh.border("rod", "front")) > 6
+    assert not len(mesh.border("ball", "front")) and not len(mesh.border("rod", "middle"))
+
+
+def test_case_shapes_lie_on_their_surfaces():
+    shapes = (("charged-sphere", "1", "radius = 0.5\nouter_radius = 3", "far = 1",
+               ["sphere", "outer", "symmetry_x", "symmetry_y", "symmetry_z"]),
+              ("sphere-pair", "1", "radius = 1\ndistance = 3\nhalf_length = 5\nwidth = 4\ntop = 4", "far = 1.5",
+               ["sphere", "symmetry_z", "symmetry_x", "symmetry_y", "end", "side", "lid"]),
+              ("supersonic-sphere", "m", "radius = 0.5\nparts = 16", "far = 0.8",
+               ["sphere", "inflow", "outflow", "side", "symmetry_1", "symmetry_2"]))
+    centre = {"sphere-pair": [1.5, 0, 0]}
+    for shape, unit, geometry, sizes, names in shapes:
+        pathlib.Path(f"{shape}.toml").write_text(f'[mesh]\nshape = "{shape}"\nlength_unit = "{unit}"\n'
+                                                 f"[mesh.geometry]\n{geometry}\n[mesh.sizes]\n{sizes}\n")
+        mesh = make(f"{shape}.toml")
+        assert mesh.names == mesh.surfaces == names
+        radius = float(geometry.split()[2])
+        distance = np.linalg.norm(mesh.points_of("sphere") - centre.get(shape, [0, 0, 0]), axis=1)
+        assert np.abs(distance - radius).max() < 1e-15
+    off_axis = mesh.points[np.hypot(mesh.points[:, 1], mesh.points[:, 2]) > 1e-9]
+    angle = np.arctan2(off_axis[:, 2], off_axis[:, 1])
+    assert abs(angle.min()) < 1e-12 and abs(angle.max() - math.pi / 8) < 1e-12
+
+
 def test_size_makes_meshes_finer():
     coarse = make("--shape", "sphere-in-box", "--size", "0.5")
     fine = make("--shape", "sphere-in-box", "--size", "0.4")
@@ -197,7 +308,7 @@ def test_size_makes_meshes_finer():
 def test_the_same_bytes_on_every_run_and_any_number_of_ranks():
     pathlib.Path("cone.toml").write_text('[mesh]\nshape = "blunt-cone"\nlength_unit = "m"\nseed = 3\n'
                                          "[mesh.sizes]\nfar = 0.012\n[gas]\nname = 'N2'\n")
-    for arguments in (["cone.toml"], ["--shape", "sphere-in-box"], ["--shape", "kuhn-cube", "--n", "3"]):
+    for arguments in (["cone.toml"], ["--shape", "sphere-in-box"], ["--shape", "charged-spheres", "--size", "2"], ["--shape", "kuhn-cube", "--n", "3"]):
         run("pamr-mesh", *arguments, "-o", "a.hdf", "--force", "--quiet")
         run("pamr-mesh", *arguments, "-o", "b.hdf", "--force", "--quiet", serial=RANKS > 1)
 
@@ -227,6 +338,7 @@ def test_bad_usage_is_refused():
                              (["--shape", "sphere-in-box", "--size", "7"], ["0.6", "7"]),
                              (["--shape", "sphere-in-box", "--size", "0.02"], ["4 million cells"]),
                              (["--shape", "blunt-cone", "--size", "nan"], ["nan"]),
+                             (["--shape", "charged-spheres", "--size", "nan"], ["nan"]),
                              (["missing.toml"], ["missing.toml"])):
         refuses("pamr-mesh", *arguments, "-o", "out.hdf", says=words, creates="out.hdf")
 
@@ -242,7 +354,24 @@ def test_bad_case_files_are_refused_with_their_line():
              (head + 'length_unit = "m"\n[mesh.sizes]\nshoulde = 1e-3\n', [":5", '"shoulde"', "shoulder"]),
              (head + 'length_unit = "m"\n[mesh.sizes]\nshoulder = 2e-3\n', [":5", "0.002"]),
              (head + 'length_unit = "m"\n[mesh.sizes]\nfar = nan\n', [":5", "nan"]),
-             (head + 'length_unit = "m"\n[mesh.sizes]\nfar = "1"\n', [":5", '"1"']))
+             (head + 'length_unit = "m"\n[mesh.sizes]\nfar = "1"\n', [":5", '"1"']),
+             (head + 'length_unit = "m"\nregion = "+a"\n', [":4", '"region"']))
+    ball = '[[surface]]\nname = "ball"\nkind = "sphere"\ncenter = [0, 0, 0]\nradius = 1\n'
+    head = '[mesh]\nshape = "surfaces"\nlength_unit = "1"\n'
+    good = 'region = "-ball"\nbounds = [[-1, -1, -1], [1, 1, 1]]\n[mesh.sizes]\nfar = 0.5\n'
+    cases += ((head + good, ["[[surface]]"]), (head + ball, ["region", "none"]),
+              (head + good + ball.replace("sphere", "sfere"), [":10", '"sfere"']),
+              (head + good + ball.replace("= 1", "= 0"), [":8", "radius"]),
+              (head + good.replace("-ball", "-bell") + ball, [":4", '"bell"']),
+              (head + good.replace("-ball", "-ball &") + ball, [":4", "its end"]),
+              (head + good.replace("-ball", "+ball") + ball, ["bounds", "in it"]),
+              (head + good.replace("[1, 1, 1]", "[1, 1, -1]") + ball, [":5", "-1"]),
+              (head + good.replace("far = 0.5", "near = { ball = 1 }") + ball, ["far"]),
+              (head + good + "near = { bell = 0.5 }\n" + ball, [":8", '"bell"']),
+              (head + good + ball + ball.replace('"ball"', '"other"'), [":4", '"other"']),
+              ('[mesh]\nshape = "sphere-pair"\nlength_unit = "1"\n[mesh.geometry]\nradius = 3\n', ["distance", "4.5"]),
+              ('[mesh]\nshape = "sphere-pair"\nlength_unit = "1"\n[mesh.geometry]\nheight = 3\n', [":5", '"height"']),
+              ('[mesh]\nshape = "supersonic-sphere"\nlength_unit = "m"\n[mesh.geometry]\nparts = 4.5\n', ["4.5"]))
     for text, words in cases:
         pathlib.Path("bad.toml").write_text(text)
         refuses("pamr-mesh", "bad.toml", "-o", "out.hdf", says=["bad.toml"] + words, creates="out.hdf")

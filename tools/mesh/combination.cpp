@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
 #include <memory>
 
 #include "mesh/feature_curves.hpp"
@@ -53,6 +54,30 @@ std::function<double(Vec3)> size_field(const std::shared_ptr<const Solid>& solid
   };
 }
 
+/// Points of surface `i` that bound the solid, far from each other: no nearer than edges are wanted there, but at least
+/// six where there are so many, and at most `most`.
+std::vector<Vec3> scattered_points(const Solid& solid, int i, const std::vector<Vec3>& samples,
+                                   const std::function<double(Vec3)>& size) {
+  constexpr std::size_t least = 6, most = 60;
+  const Sides bit = Sides{1} << i;
+  std::vector<Vec3> candidates;
+  for (const Vec3 p : samples) {
+    const Sides rest = solid.sides(p) & ~bit;
+    if (solid.region.contains(rest) != solid.region.contains(rest | bit)) candidates.push_back(p);
+  }
+  std::vector<Vec3> chosen;
+  std::vector<double> distance(candidates.size(), std::numeric_limits<double>::infinity());
+  while (!candidates.empty() && chosen.size() < most) {
+    const auto farthest = std::max_element(distance.begin(), distance.end());
+    const Vec3 p = candidates[static_cast<std::size_t>(farthest - distance.begin())];
+    if (*farthest == 0 || (chosen.size() >= least && *farthest < size(p))) break;
+    chosen.push_back(p);
+    for (std::size_t k = 0; k < candidates.size(); ++k)
+      distance[k] = std::min(distance[k], geometry::norm(candidates[k] - p));
+  }
+  return chosen;
+}
+
 }  // namespace
 
 Domain combine(const Combination& c, const std::string& where) {
@@ -67,10 +92,18 @@ Domain combine(const Combination& c, const std::string& where) {
     domain.pieces.push_back({i, [solid, i](Vec3 p) { return solid->surface(i).project(p); }});
     domain.patches.push_back({solid->name(i), "patch", solid->name(i)});
   }
+  const auto samples = sample_surfaces(*solid);
   try {
-    domain.curves = trace_feature_curves(solid);
+    domain.curves = trace_feature_curves(solid, samples);
   } catch (const Error& error) {
     throw Error(where + ": " + error.what());
+  }
+  for (int i = 0; i < solid->n_surfaces(); ++i) {
+    const auto at = static_cast<std::size_t>(i);
+    if (std::none_of(domain.curves.begin(), domain.curves.end(), [&](const FeatureCurve& curve) {
+          return solid->surface(i).distance(curve.polyline[curve.polyline.size() / 2]) < 1e-9 * solid->radius();
+        }))
+      domain.pieces[at].start = scattered_points(*solid, i, samples[at], domain.size);
   }
   domain.surfaces_toml = c.surfaces_toml;
   domain.length_unit = c.length_unit;

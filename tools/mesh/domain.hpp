@@ -17,6 +17,8 @@ using Nearest = std::function<geometry::Vec3(geometry::Vec3)>;
 struct Piece {
   int patch = 0;
   Nearest nearest;
+  /// Where a piece that no curve touches is to be found: some points on it, not all in one plane.
+  std::vector<geometry::Vec3> start{};
 };
 
 /// A curve that mesh edges must follow: a sharp edge of the domain, or the border between two patches of one smooth

@@ -30,8 +30,7 @@ class Tracer {
  public:
   explicit Tracer(const Solid& solid) : solid_(solid), tolerance_(1e-9 * solid.radius()) {}
 
-  std::vector<Arc> edges() {
-    const auto samples = sample_surfaces(solid_);
+  std::vector<Arc> edges(const SurfaceSamples& samples) {
     for (int a = 0; a < solid_.n_surfaces(); ++a)
       for (int b = a + 1; b < solid_.n_surfaces(); ++b) {
         const CommonCurve curve(solid_, a, b);
@@ -211,9 +210,10 @@ class Tracer {
 
 }  // namespace
 
-std::vector<FeatureCurve> trace_feature_curves(const std::shared_ptr<const Solid>& solid) {
+std::vector<FeatureCurve> trace_feature_curves(const std::shared_ptr<const Solid>& solid,
+                                               const SurfaceSamples& samples) {
   std::vector<FeatureCurve> result;
-  for (auto& arc : Tracer(*solid).edges())
+  for (auto& arc : Tracer(*solid).edges(samples))
     result.push_back({std::move(arc.point),
                       [solid, a = arc.a, b = arc.b](Vec3 p) { return CommonCurve(*solid, a, b).project(p).point; }});
   return result;

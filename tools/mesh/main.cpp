@@ -36,11 +36,12 @@ struct Options {
 void declare(CLI::App& app, Options& options) {
   app.add_option("CASE", options.case_file, "case file (TOML) whose table [mesh] says what to mesh");
   app.add_option("--shape", options.shape,
-                 "kuhn-cube, blunt-cone, sphere-in-box or charged-spheres, instead of a case file");
+                 "kuhn-cube, blunt-cone, sphere-in-box, charged-spheres or supersonic-sphere, instead of a case file");
   app.add_option("--n", options.n, "kuhn-cube: cubes a side, 6 cells each")->check(CLI::PositiveNumber);
-  app.add_option("--size", options.size,
-                 "sphere-in-box: edge length (default 0.28); largest edge length of the others: blunt-cone in metres "
-                 "(default 0.01), charged-spheres in Debye lengths (default 0.5)")
+  app.add_option(
+         "--size", options.size,
+         "sphere-in-box: edge length (default 0.28); largest edge length of the others: blunt-cone in metres "
+         "(default 0.01), charged-spheres in Debye lengths (default 0.5), supersonic-sphere in metres (default 0.004)")
       ->check(CLI::PositiveNumber);
   app.add_option("-o,--output", options.output, "mesh to write (.hdf)")->required();
   app.add_flag("--force", options.force, cli::force_help);
@@ -53,7 +54,7 @@ void require_consistent(const Options& o) {
     throw Error(o.n > 0 ? "expected --n with --shape kuhn-cube only"
                         : "expected --n N with --shape kuhn-cube, found none");
   if (o.size > 0 && (o.shape.empty() || o.shape == "kuhn-cube"))
-    throw Error("expected --size with --shape blunt-cone, sphere-in-box or charged-spheres only");
+    throw Error("expected --size with --shape only, and not with kuhn-cube");
 }
 
 /// The text of the file, read by rank 0. Collective.

@@ -78,13 +78,31 @@ MeshDomain make_domain(const Domain& domain, CGAL::Random& random) {
   return result;
 }
 
+/// What Delaunay refinement starts from: balls along the curves, and points on the pieces without curves. CGAL shoots
+/// rays for these in a domain without any curve and looks for none in the others.
+Complex start(const Domain& domain, const MeshDomain& mesh_domain, const Criteria& criteria) {
+  Complex complex;
+  if (!domain.curves.empty())
+    CGAL::Mesh_3::internal::C3t3_initializer<Complex, MeshDomain, Criteria, true>()(complex, mesh_domain, criteria,
+                                                                                    true);
+  for (std::size_t i = 0; i < domain.pieces.size(); ++i)
+    for (const auto& q : domain.pieces[i].start) {
+      const auto vertex = complex.triangulation().insert(Triangulation::Weighted_point(Kernel::Point_3(q.x, q.y, q.z)));
+      if (vertex == Complex::Vertex_handle()) continue;  // hidden by a ball
+      complex.set_dimension(vertex, 2);
+      complex.set_index(vertex, mesh_domain.index_from_surface_patch_index({gas, first_piece + static_cast<int>(i)}));
+    }
+  return complex;
+}
+
 Complex make_complex(const Domain& domain, const MeshDomain& mesh_domain) {
   namespace p = CGAL::parameters;
   const Criteria criteria(
       p::edge_size = SizeField{&domain, edge_factor}, p::facet_angle = min_face_angle,
       p::facet_size = SizeField{&domain, face_factor}, p::facet_topology = CGAL::FACET_VERTICES_ON_SAME_SURFACE_PATCH,
       p::cell_radius_edge_ratio = cell_radius_edge_ratio, p::cell_size = SizeField{&domain, cell_factor});
-  auto complex = CGAL::make_mesh_3<Complex>(mesh_domain, criteria, p::no_perturb(), p::no_exude());
+  auto complex = start(domain, mesh_domain, criteria);
+  CGAL::refine_mesh_3(complex, mesh_domain, criteria, p::no_reset_c3t3(), p::no_perturb(), p::no_exude());
   // No time limits: a mesh must not depend on how fast the machine is.
   CGAL::perturb_mesh_3(complex, mesh_domain, p::sliver_bound = sliver_bound);
   CGAL::exude_mesh_3(complex, p::sliver_bound = sliver_bound);

@@ -59,9 +59,9 @@ int Solid::label(Vec3 p) const {
   return order[static_cast<std::size_t>(n - 1)];
 }
 
-std::vector<std::vector<Vec3>> sample_surfaces(const Solid& solid) {
+SurfaceSamples sample_surfaces(const Solid& solid) {
   constexpr int n = 24;
-  std::vector<std::vector<Vec3>> result(static_cast<std::size_t>(solid.n_surfaces()));
+  SurfaceSamples result(static_cast<std::size_t>(solid.n_surfaces()));
   const Vec3 side = solid.high - solid.low;
   for (int k = 0; k < n * n * n; ++k) {
     // off the middle, because symmetric places have no unique nearest points

@@ -41,8 +41,10 @@ struct Solid {
   double radius() const { return 0.5 * geometry::norm(high - low); }
 };
 
+using SurfaceSamples = std::vector<std::vector<geometry::Vec3>>;
+
 /// Points on each surface, near enough to each other to find what is larger than a twelfth of the solid's radius, or a
 /// sixth of the surface: nearest points of a grid that fills the solid's box.
-std::vector<std::vector<geometry::Vec3>> sample_surfaces(const Solid& solid);
+SurfaceSamples sample_surfaces(const Solid& solid);
 
 }  // namespace pamr::meshing
