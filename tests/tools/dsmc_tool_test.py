@@ -173,6 +173,42 @@ def test_a_flow_is_carried_through_a_refinement():
     assert abs(new / (2 * carried) - 1) < 0.05, line
 
 
+def test_stations_and_lines_show_the_flow_where_they_are():
+    case = write("case.toml", CUBE + """
+[[station]]
+name = "floor"
+x = 0.5
+r = 0.4
+half_width = 0.2
+[[station]]
+name = "nearest"
+x = 0.5
+r = 0.4
+half_width = 1e-9
+[[line]]
+name = "across"
+from = [0.1, 0.3, 0.2]
+to = [0.9, 0.3, 0.2]
+points = 5
+[[line]]
+name = "outside"
+from = [2.0, 0.3, 0.2]
+""")
+    compute(case, kuhn_cube("cube.hdf", 4), "a.hdf", "--lines", "a.csv", "--quiet")
+    compute(case, "cube.hdf", "b.hdf", "--lines", "b.csv", "--quiet", ranks=1)
+    assert same_bytes("a.csv", "b.csv")
+    rows = list(csv.DictReader(open("a.csv")))
+    line = [row for row in rows if row["name"] == "across" and row["quantity"] == "n"]
+    assert [float(row["s"]) for row in line] == [0, 0.2, 0.4, 0.6, 0.8]
+    assert all(0.2e20 < float(row["value"]) < 5e20 for row in line), line
+    assert not [row for row in rows if row["name"] == "outside"]
+    floor = {row["quantity"]: row for row in rows if row["name"] == "floor"}
+    near = {row["quantity"]: row for row in rows if row["name"] == "nearest"}
+    pressure = 1e20 * 1.380649e-23 * 300
+    assert int(floor["p"]["s"]) > 1 and int(near["p"]["s"]) == 1
+    assert 0.5 * pressure < float(floor["p"]["value"]) < 4 * pressure and float(floor["p"]["stderr"]) > 0
+
+
 def test_plan_computes_nothing():
     case, mesh = write("case.toml", CUBE), kuhn_cube("cube.hdf", 2)
     plan = run("pamr-dsmc", case, "--mesh", mesh, "--plan", "--json", "-").json

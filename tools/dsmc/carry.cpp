@@ -176,6 +176,7 @@ void copy_particles(const par::Comm& comm, const mesh::DistMesh& mesh, const Par
       const auto copies =
           static_cast<std::int64_t>(placed.rotation[i] / flow.domain().molecules[c] + random.uniform_fine());
       p.cell = placed.cell[i];
+      p.partner = 0;  // the old numbers mean nothing any more
       for (std::int64_t k = 0; k < copies; ++k) flow.particles.append(p);
       count[c] += copies;
     }

@@ -39,6 +39,7 @@ class Reader {
     read_time(need("time"));
     if (auto table = root.table("run")) read_run(*table);
     if (auto table = root.table("reference")) read_reference(*table);
+    read_probes(root);
     if (auto table = root.table("domain")) {
       case_.unit = table->number("unit", 0, infinity, true);
       table->done();
@@ -243,6 +244,27 @@ class Reader {
     case_.block = table.integer_or("block", 0, 1, most);
     case_.stop_error = table.number_or("stop_error", 0, 0, 1);
     table.done();
+  }
+
+  void read_probes(TomlTable& root) {
+    for (auto& table : root.list("station")) {
+      Station s;
+      s.name = table.text("name", "a name");
+      s.x = table.number("x", -infinity, infinity);
+      s.r = table.number("r", 0, infinity);
+      s.half_width = table.number("half_width", 0, infinity, true);
+      table.done();
+      case_.station.push_back(s);
+    }
+    for (auto& table : root.list("line")) {
+      ProbeLine l;
+      l.name = table.text("name", "a name");
+      l.from = table.vector("from");
+      l.to = table.has("to") ? table.vector("to") : l.from;
+      l.n_points = table.integer_or("points", 1, 1, 100000);
+      table.done();
+      case_.line.push_back(l);
+    }
   }
 
   void read_reference(TomlTable& table) {

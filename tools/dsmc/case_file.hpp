@@ -23,6 +23,19 @@ struct Reference {
   std::vector<std::string> patches;  ///< whose forces count; empty: all walls
 };
 
+/// A band of the walls round the x axis: a thermocouple, say. Metres.
+struct Station {
+  std::string name;
+  double x = 0, r = 0, half_width = 0;
+};
+
+/// Points in the gas at equal distances, metres.
+struct ProbeLine {
+  std::string name;
+  Vec3 from, to;
+  std::int64_t n_points = 1;
+};
+
 /// A case file: what is to be computed, before the mesh is known.
 struct Case {
   std::string where;  ///< name of the file
@@ -44,6 +57,8 @@ struct Case {
   std::int64_t block = 0;                 ///< steps of a block of the averages; 0: a twentieth of `sampling`
   double stop_error = 0;                  ///< stop when the relative standard error of C_D is below; 0: never
   Reference reference;
+  std::vector<Station> station;
+  std::vector<ProbeLine> line;
 };
 
 /// Reads a case file (docs/tools/pamr-dsmc.md). `where` is its name; species may come from a file beside it. Throws

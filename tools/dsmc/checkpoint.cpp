@@ -62,8 +62,8 @@ Section particle_section(const par::Comm& comm, GlobalId n_cells, const Flow& fl
   Words words;
   words.reserve(particle_words * p.size());
   for (std::size_t i = 0; i < p.size(); ++i)
-    words.insert(words.end(), {p.id[i], p.species[i], word(p.x[i]), word(p.y[i]), word(p.z[i]), word(p.u[i]),
-                               word(p.v[i]), word(p.w[i]), word(p.rotation[i])});
+    words.insert(words.end(), {p.id[i], p.species[i] | std::uint64_t{p.partner[i]} << 32U, word(p.x[i]), word(p.y[i]),
+                               word(p.z[i]), word(p.u[i]), word(p.v[i]), word(p.w[i]), word(p.rotation[i])});
   const auto rows = consecutive(numbering.first, count);
   return {"particles", numbering.total, particle_words,
           par::scatter_rows<std::uint64_t>(comm, numbering.total, words, particle_words, rows)};
@@ -119,11 +119,10 @@ nlohmann::json setup_of(const Flow& flow) {
   return {{"species", species_of(flow)}, {"dt", setup.dt}, {"molecules", setup.molecules}, {"unit", setup.unit}};
 }
 
-void restore_cells(const par::Comm& comm, const SectionFile& file, GlobalId n_cells, Flow& flow,
+void restore_cells(const par::Comm& comm, const Section& section, GlobalId n_cells, Flow& flow,
                    std::vector<std::int64_t>& count) {
   const auto n_species = flow.setup().gas.species.size();
   const auto width = fixed_cell_words + species_words * n_species;
-  const auto section = file.read("cells", width);
   const auto words = par::fetch_rows<std::uint64_t>(comm, n_cells, section.block, width, flow.domain().cell_global);
   const auto& global = flow.domain().cell_global;
   for (std::size_t c = 0; c < global.size(); ++c) {
@@ -139,10 +138,9 @@ void restore_cells(const par::Comm& comm, const SectionFile& file, GlobalId n_ce
   }
 }
 
-void restore_particles(const par::Comm& comm, const SectionFile& file, GlobalId n_cells, Flow& flow,
+void restore_particles(const par::Comm& comm, const Section& section, GlobalId n_cells, Flow& flow,
                        const std::vector<std::int64_t>& count) {
   const auto numbering = number_along_cells(comm, n_cells, flow.domain().cell_global, count);
-  const auto section = file.read("particles", particle_words);
   if (section.rows != numbering.total)
     throw Error(
         fmt::format("checkpoint: expected {} particles, as its cells have, found {}", numbering.total, section.rows));
@@ -162,9 +160,8 @@ void restore_particles(const par::Comm& comm, const SectionFile& file, GlobalId 
   flow.particles.sort_by_cell(flow.domain().n_cells());
 }
 
-void restore_faces(const par::Comm& comm, const SectionFile& file, GlobalId n_cells, Run& run, Flow& flow) {
+void restore_faces(const par::Comm& comm, const Section& section, GlobalId n_cells, Run& run, Flow& flow) {
   const auto numbers = number_faces(comm, n_cells, flow.domain());
-  const auto section = file.read("faces", face_words);
   if (section.rows != numbers.total)
     throw Error(fmt::format("checkpoint: expected {} boundary faces, found {}", numbers.total, section.rows));
   const auto words = par::fetch_rows<std::uint64_t>(comm, numbers.total, section.block, face_words, numbers.of);
@@ -191,8 +188,7 @@ MeshKey key_of(const par::Comm& comm, const mesh::DistMesh& mesh) {
           mesh.info.n_global_cells};
 }
 
-void write_checkpoint(const par::Comm& comm, const std::string& file, const MeshKey& mesh, const Run& run,
-                      const Flow& flow) {
+Snapshot take_snapshot(const par::Comm& comm, const MeshKey& mesh, const Run& run, const Flow& flow) {
   nlohmann::json header{{"fingerprint", mesh.fingerprint},
                         {"numbering", mesh.numbering},
                         {"n_cells", mesh.n_cells},
@@ -203,14 +199,13 @@ void write_checkpoint(const par::Comm& comm, const std::string& file, const Mesh
                         {"steps_in_blocks", flow.cells.steps_in_blocks},
                         {"setup", setup_of(flow)},
                         {"run", to_json(run.state)}};
-  write_sections(comm, file, header,
-                 {cell_section(comm, mesh.n_cells, flow), face_section(comm, mesh.n_cells, run, flow),
-                  particle_section(comm, mesh.n_cells, flow)});
+  return {std::move(header), cell_section(comm, mesh.n_cells, flow), face_section(comm, mesh.n_cells, run, flow),
+          particle_section(comm, mesh.n_cells, flow)};
 }
 
-void read_checkpoint(const par::Comm& comm, const std::string& name, const MeshKey& mesh, Run& run, Flow& flow) {
-  const SectionFile file(comm, name);
-  const auto& header = file.header();
+void restore(const par::Comm& comm, const Snapshot& snapshot, const std::string& name, const MeshKey& mesh, Run& run,
+             Flow& flow) {
+  const auto& header = snapshot.header;
   if (header.at("fingerprint") != mesh.fingerprint)
     throw Error(fmt::format(
         "file '{}': expected a checkpoint of this mesh (fingerprint {:x}), found one of another mesh "
@@ -229,9 +224,19 @@ void read_checkpoint(const par::Comm& comm, const std::string& name, const MeshK
   flow.cells.steps_in_block = header.at("steps_in_block");
   flow.cells.steps_in_blocks = header.at("steps_in_blocks");
   std::vector<std::int64_t> count;
-  restore_cells(comm, file, mesh.n_cells, flow, count);
-  restore_particles(comm, file, mesh.n_cells, flow, count);
-  restore_faces(comm, file, mesh.n_cells, run, flow);
+  restore_cells(comm, snapshot.cells, mesh.n_cells, flow, count);
+  restore_particles(comm, snapshot.particles, mesh.n_cells, flow, count);
+  restore_faces(comm, snapshot.faces, mesh.n_cells, run, flow);
+}
+
+void write_checkpoint(const par::Comm& comm, const std::string& file, const Snapshot& snapshot) {
+  write_sections(comm, file, snapshot.header, {&snapshot.cells, &snapshot.faces, &snapshot.particles});
+}
+
+Snapshot read_checkpoint(const par::Comm& comm, const std::string& name, std::size_t n_species) {
+  const SectionFile file(comm, name);
+  return {file.header(), file.read("cells", fixed_cell_words + species_words * n_species),
+          file.read("faces", face_words), file.read("particles", particle_words)};
 }
 
 }  // namespace pamr::dsmc

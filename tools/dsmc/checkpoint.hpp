@@ -2,9 +2,11 @@
 #pragma once
 
 #include <cstdint>
+#include <nlohmann/json.hpp>
 #include <string>
 
 #include "dsmc/run.hpp"
+#include "dsmc/section_file.hpp"
 #include "pamr/mesh/dist_mesh.hpp"
 #include "pamr/par/comm.hpp"
 
@@ -19,15 +21,25 @@ struct MeshKey {
 /// Collective.
 MeshKey key_of(const par::Comm& comm, const mesh::DistMesh& mesh);
 
-/// Writes everything that the computation needs to go on: particles, collisions and averages of the cells, sums on the
-/// walls, history. Particles lie in the order of their global cells and ids, so the file has the same bytes on any
-/// number of ranks. Collective; throws `Error`. Memory: twice the particles for a while.
-void write_checkpoint(const par::Comm& comm, const std::string& file, const MeshKey& mesh, const Run& run,
-                      const Flow& flow);
+/// Everything that a computation needs to go on, in tables that no longer depend on ranks and partition: particles in
+/// the order of their global cells and ids, collisions and averages of the cells, sums on the walls, history.
+struct Snapshot {
+  nlohmann::json header;
+  Section cells, faces, particles;
+};
 
-/// Takes a computation up where it was written, on any number of ranks and with any partition of the same mesh. `run`
-/// and `flow` are new and made from the same case. Collective. Throws the same `Error` on every rank for a damaged
-/// file, another mesh, other species, time step or weight.
-void read_checkpoint(const par::Comm& comm, const std::string& file, const MeshKey& mesh, Run& run, Flow& flow);
+/// Collective. Memory: twice the particles for a while.
+Snapshot take_snapshot(const par::Comm& comm, const MeshKey& mesh, const Run& run, const Flow& flow);
+
+/// Takes a computation up where it was, on any number of ranks and with any partition of the same mesh. `run` and
+/// `flow` are new and made from the same case. Collective. Throws the same `Error` on every rank for another mesh,
+/// species, time step or weight; `name` is the file's.
+void restore(const par::Comm& comm, const Snapshot& snapshot, const std::string& name, const MeshKey& mesh, Run& run,
+             Flow& flow);
+
+/// A snapshot as a file: the same bytes on any number of ranks. Collective; throws `Error`.
+void write_checkpoint(const par::Comm& comm, const std::string& file, const Snapshot& snapshot);
+/// Collective. Throws the same `Error` on every rank for a damaged file. `n_species` of the case.
+Snapshot read_checkpoint(const par::Comm& comm, const std::string& file, std::size_t n_species);
 
 }  // namespace pamr::dsmc

@@ -14,7 +14,7 @@
 /// The rows of a checkpoint's tables (docs/tools/pamr-dsmc.md).
 namespace pamr::dsmc {
 
-/// particles: id, species, position, velocity, rotational energy.
+/// particles: id, species (low half) and last partner (high half), position, velocity, rotational energy.
 inline constexpr std::size_t particle_words = 9;
 /// cells: particles, greatest, remainder, temperature, separation, collisions, block, squares of blocks, volume and
 /// molecules a particle, then for each species n, velocity, square and rotation summed.
@@ -28,11 +28,13 @@ inline std::int64_t integer(std::uint64_t bits) { return std::bit_cast<std::int6
 
 /// A particle from its row, its cell not set. Throws `Error` for a species that does not exist.
 inline Particle particle_from(const std::uint64_t* row, std::size_t n_species) {
-  if (row[1] >= n_species)
-    throw Error(fmt::format("checkpoint: expected {} species, found number {}", n_species, row[1]));
+  const auto species = static_cast<std::uint32_t>(row[1]);
+  if (species >= n_species)
+    throw Error(fmt::format("checkpoint: expected {} species, found number {}", n_species, species));
   Particle p;
   p.id = row[0];
-  p.species = static_cast<std::uint32_t>(row[1]);
+  p.species = species;
+  p.partner = static_cast<std::uint32_t>(row[1] >> 32U);
   p.position = {real(row[2]), real(row[3]), real(row[4])};
   p.velocity = {real(row[5]), real(row[6]), real(row[7])};
   p.rotation = real(row[8]);

@@ -15,8 +15,6 @@ using namespace geometry;
 
 namespace {
 
-constexpr std::uint32_t nobody = std::numeric_limits<std::uint32_t>::max();
-
 /// A number in (0, 1) with density proportional to x^(a-1) (1-x)^(b-1), for a = 1 or 3/2 and b > 1.
 double beta(double a, double b, Random& random) {
   if (a == 1) return 1 - std::pow(random.uniform(), 1 / b);
@@ -71,7 +69,7 @@ void CollisionCounts::add(const CollisionCounts& other) {
 std::vector<CellCollisions> start_collisions(const Gas& gas, double t, std::size_t n_cells) {
   double greatest = 0;
   for (const auto& pair : gas.pairs) {
-    const double speed = 2.5 * std::sqrt(2 * boltzmann * t / pair.reduced_mass);
+    const double speed = 4 * std::sqrt(2 * boltzmann * t / pair.reduced_mass);
     greatest = std::max(greatest, section_times_speed(pair, speed * speed));
   }
   return std::vector<CellCollisions>(n_cells, CellCollisions{greatest, 0, 0, 0, 0});
@@ -102,7 +100,6 @@ void Collider::collide_cell(const Domain& domain, std::size_t c, std::uint64_t s
   counts_.candidates += candidates;
   Random random(seed_, Purpose::collision, static_cast<std::uint64_t>(domain.cell_global[c]), step);
   const double bound = state.greatest;
-  if (options_.partner == CollisionOptions::Partner::nearest) last_partner_.assign(n, nobody);
   for (std::int64_t k = 0; k < candidates; ++k) {
     const auto first = random.below(n);
     const auto second = choose_partner(particles, begin, n, first, random);
@@ -115,10 +112,8 @@ void Collider::collide_cell(const Domain& domain, std::size_t c, std::uint64_t s
     ++counts_.collisions;
     ++state.collisions;
     state.separation += norm(particles.position(a) - particles.position(b));
-    if (options_.partner == CollisionOptions::Partner::nearest) {
-      last_partner_[first] = second;
-      last_partner_[second] = first;
-    }
+    particles.partner[a] = tag_of(particles.id[b]);
+    particles.partner[b] = tag_of(particles.id[a]);
     collide_pair(particles, a, b, speed_squared, state.temperature, random);
   }
 }
@@ -129,13 +124,13 @@ std::uint32_t Collider::choose_partner(const Particles& p, std::uint32_t begin, 
     const auto other = random.below(n - 1);
     return other < first ? other : other + 1;
   }
-  const auto barred = last_partner_[first];
+  const auto barred = p.partner[begin + first];
   const Vec3 here = p.position(begin + first);
   double least = std::numeric_limits<double>::infinity();
   std::uint32_t nearest = first == 0 ? 1 : 0;
   for (std::uint32_t k = 0; k < n; ++k) {
     const double distance = squared_norm(p.position(begin + k) - here);
-    if (distance < least && k != first && k != barred) {
+    if (distance < least && k != first && tag_of(p.id[begin + k]) != barred) {
       least = distance;
       nearest = k;
     }

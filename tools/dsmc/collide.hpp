@@ -13,7 +13,7 @@ namespace pamr::dsmc {
 
 struct CollisionOptions {
   enum class Partner : std::uint8_t {
-    nearest,  ///< the nearest particle of the cell with which the first has not just collided in this step
+    nearest,  ///< the nearest particle of the cell but the one with which the first has last collided
     any       ///< any other particle of the cell
   };
   bool enabled = true;
@@ -68,7 +68,6 @@ class Collider {
   CollisionOptions options_;
   std::uint64_t seed_;
   CollisionCounts counts_;
-  std::vector<std::uint32_t> last_partner_;  ///< of each particle of the cell under way
 };
 
 }  // namespace pamr::dsmc

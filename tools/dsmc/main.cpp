@@ -6,7 +6,6 @@
 #include <csignal>
 #include <cstdio>
 #include <fstream>
-#include <functional>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <sstream>
@@ -18,7 +17,9 @@
 #include "dsmc/carry.hpp"
 #include "dsmc/case_file.hpp"
 #include "dsmc/checkpoint.hpp"
+#include "dsmc/computation.hpp"
 #include "dsmc/plan.hpp"
+#include "dsmc/probes.hpp"
 #include "dsmc/run.hpp"
 #include "dsmc/surface_file.hpp"
 #include "pamr/base/error.hpp"
@@ -33,7 +34,7 @@ using namespace pamr;
 using namespace pamr::dsmc;
 
 struct Options {
-  std::string case_file, mesh, output, surface, history, restart, carry, checkpoint;
+  std::string case_file, mesh, output, surface, lines, history, restart, carry, checkpoint;
   std::optional<std::uint64_t> steps;
   std::uint64_t every = 0;
   bool plan = false, force = false;
@@ -60,6 +61,8 @@ void declare(CLI::App& app, Options& o) {
       ->type_name("FILE")
       ->excludes(restart);
   app.add_option("--surface", o.surface, "averages on the walls, triangles in VTK's XML format")->type_name("FILE.vtu");
+  app.add_option("--lines", o.lines, "averages at the case's stations on walls and lines in the gas")
+      ->type_name("FILE.csv");
   app.add_option("--history", o.history, "particles and loads over time")->type_name("FILE.csv");
   app.add_flag("--plan", o.plan, "print what is known beforehand, and end");
   app.add_flag("--force", o.force, cli::force_help);
@@ -96,7 +99,7 @@ void check_paths(cli::Session& session, const Options& o) {
     if (!file.empty()) session.check_input(file);
   if (o.plan) return;
   if (o.output.empty()) throw Error("expected -o OUT or --plan, found neither");
-  for (const auto& file : {o.output, o.surface, o.history})
+  for (const auto& file : {o.output, o.surface, o.lines, o.history})
     if (!file.empty()) session.check_output(file, {o.case_file, o.mesh, o.restart, o.carry}, o.force);
   if (o.checkpoint.empty()) return;
   // A run goes on from the checkpoint that it replaces.
@@ -122,8 +125,8 @@ void write_text(const par::Comm& comm, const std::string& file, const std::strin
   });
 }
 
-void add_fields(mesh::DistMesh& mesh, const Flow& flow) {
-  for (auto& quantity : flow_fields(flow.domain(), flow.setup().gas, flow.cells, flow.collisions, flow.setup().unit)) {
+void add_fields(mesh::DistMesh& mesh, std::vector<CellQuantity> quantities) {
+  for (auto& quantity : quantities) {
     mesh::CellField field{quantity.name, quantity.unit, quantity.n_components, mesh::StorageType::float64,
                           std::move(quantity.value)};
     if (auto* old = mesh.find_cell_field(field.name))
@@ -182,26 +185,30 @@ struct Advance {
 };
 
 /// Steps until the case or --steps says that it is enough, or a signal asks for the end.
-Advance advance(cli::Session& session, Run& run, const Options& options, const std::function<void()>& save) {
+Advance advance(cli::Session& session, Computation& computation, const Options& options) {
   const auto& comm = session.comm();
-  auto progress = session.progress("computing", static_cast<std::int64_t>(run.expected_steps()), "steps");
+  const auto run = [&]() -> const Run& { return *computation.run; };
+  auto progress = session.progress("computing", static_cast<std::int64_t>(run().expected_steps()), "steps");
   double particle_steps = 0;
-  bool was_sampling = run.state.sampling;
-  const auto limit = [&] { return options.steps && run.flow().steps_done >= *options.steps; };
-  bool complete = run.is_complete(), stop = false;
+  bool was_sampling = run().state.sampling;
+  const auto steps_done = [&] { return run().flow().steps_done; };
+  const auto limit = [&] { return options.steps && steps_done() >= *options.steps; };
+  bool complete = run().is_complete(), stop = false;
   while (!complete && !limit() && !stop) {
-    complete = run.step();
-    particle_steps += static_cast<double>(run.flow().particles.size());
+    complete = computation.step();
+    particle_steps += static_cast<double>(run().flow().particles.size());
     if (!options.checkpoint.empty()) {
       stop = comm.any(interrupted != 0);
-      if (!stop && options.every > 0 && run.flow().steps_done % options.every == 0) save();
+      if (!stop && options.every > 0 && steps_done() % options.every == 0)
+        write_checkpoint(comm, options.checkpoint, computation.snapshot());
     }
-    if (run.state.sampling && !was_sampling) {
+    if (run().state.sampling && !was_sampling) {
       was_sampling = true;
-      session.summary(run.state.steady_reason);
+      session.summary(run().state.steady_reason);
     }
-    progress.update(static_cast<std::int64_t>(run.flow().steps_done),
-                    run.state.history.empty() ? "" : fmt::format("{} particles", run.state.history.back().particles));
+    const auto& history = run().state.history;
+    progress.update(static_cast<std::int64_t>(steps_done()),
+                    history.empty() ? "" : fmt::format("{} particles", history.back().particles));
   }
   return {static_cast<double>(comm.sum(static_cast<std::int64_t>(particle_steps))), stop};
 }
@@ -217,18 +224,43 @@ std::string summary_of(const Run& run, std::int64_t particles, double rate, cons
   return line + " -> " + output;
 }
 
-/// Fills the flow anew, from a checkpoint, or from that of a coarser mesh.
-void begin(cli::Session& session, const Options& options, const mesh::DistMesh& mesh, const MeshKey& key, Run& run,
-           Flow& flow) {
-  if (!options.restart.empty()) return read_checkpoint(session.comm(), options.restart, key, run, flow);
-  if (options.carry.empty()) return flow.fill(mesh);
-  const auto carried = carry(session.comm(), options.carry, mesh, flow);
-  run.state.first_step = carried.step;
-  run.state.carried = true;
-  session.summary(
-      fmt::format("carried {} particles from step {}: {} now inside walls removed, {} particles with the new "
-                  "weight",
-                  carried.old_particles, carried.step, carried.removed, carried.new_particles));
+/// Fills the flow anew, from a checkpoint, or from that of a coarser mesh, and spreads it over the ranks.
+void begin(cli::Session& session, const Options& options, Computation& computation) {
+  const auto& comm = session.comm();
+  auto& flow = computation.flow;
+  auto& run = computation.run;
+  if (!options.restart.empty()) {
+    const auto snapshot = read_checkpoint(comm, options.restart, flow->setup().gas.species.size());
+    restore(comm, snapshot, options.restart, computation.key(), *run, *flow);
+  } else if (options.carry.empty()) {
+    flow->fill(computation.mesh);
+  } else {
+    const auto carried = carry(comm, options.carry, computation.mesh, *flow);
+    run->state.first_step = carried.step;
+    run->state.carried = true;
+    session.summary(
+        fmt::format("carried {} particles from step {}: {} now inside walls removed, {} particles with the "
+                    "new weight",
+                    carried.old_particles, carried.step, carried.removed, carried.new_particles));
+  }
+  computation.rebalance();
+}
+
+/// Everything that is asked for besides checkpoints.
+void write_outputs(cli::Session& session, const Options& options, const Case& c, Computation& computation) {
+  const auto& comm = session.comm();
+  const auto& flow = *computation.flow;
+  const auto& run = *computation.run;
+  auto fields = flow_fields(flow.domain(), flow.setup().gas, flow.cells, flow.collisions, flow.setup().unit);
+  const auto faces = wall_faces(comm, run);
+  if (!options.lines.empty()) {
+    const auto lines = line_rows(comm, c.line, flow.domain(), fields);
+    write_text(comm, options.lines, probe_header + station_rows(c.station, faces) + lines);
+  }
+  add_fields(computation.mesh, std::move(fields));
+  io::write_native(comm, options.output, computation.mesh);
+  write_text(comm, options.surface, to_vtu(faces, flow.setup().unit));
+  write_text(comm, options.history, run.history_csv());
 }
 
 cli::ExitCode run_case(cli::Session& session, const Options& options) {
@@ -249,33 +281,27 @@ cli::ExitCode run_case(cli::Session& session, const Options& options) {
     return cli::ExitCode::done;
   }
 
-  Flow flow(comm, mesh, setup);
-  Run run(c, mesh, flow);
-  const auto key = key_of(comm, mesh);
-  begin(session, options, mesh, key, run, flow);
+  Computation computation(comm, c, std::move(mesh));
+  begin(session, options, computation);
   tell();
-  const auto save = [&] { write_checkpoint(comm, options.checkpoint, key, run, flow); };
   const double cpu = cpu_seconds();
-  const auto [particle_steps, was_interrupted] = advance(session, run, options, save);
-  if (!options.checkpoint.empty()) save();
+  const auto [particle_steps, was_interrupted] = advance(session, computation, options);
+  if (!options.checkpoint.empty()) write_checkpoint(comm, options.checkpoint, computation.snapshot());
   if (was_interrupted) {
-    session.summary(fmt::format("interrupted after step {} -> {}", flow.steps_done, options.checkpoint));
+    session.summary(fmt::format("interrupted after step {} -> {}", computation.flow->steps_done, options.checkpoint));
     return cli::ExitCode::interrupted;
   }
+  auto& run = *computation.run;
   run.finish();
   double cpu_all = 0;
   for (const double one : comm.all_gather(cpu_seconds() - cpu)) cpu_all += one;
   const double rate = particle_steps / std::max(cpu_all, 1e-9);
 
-  add_fields(mesh, flow);
-  io::write_native(comm, options.output, mesh);
-  if (!options.surface.empty()) {
-    const auto faces = wall_faces(comm, run);
-    write_text(comm, options.surface, to_vtu(faces, setup.unit));
-  }
-  write_text(comm, options.history, run.history_csv());
-  const auto particles = flow.n_particles();
-  session.write_report(report_of(c, run, plan, particles, rate));
+  write_outputs(session, options, c, computation);
+  const auto particles = computation.flow->n_particles();
+  auto report = report_of(c, run, plan, particles, rate);
+  report["rebalanced"] = computation.n_moves();
+  session.write_report(report);
   session.summary(summary_of(run, particles, rate, options.output));
   return cli::ExitCode::done;
 }

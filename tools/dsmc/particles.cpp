@@ -31,7 +31,13 @@ void gather(std::vector<double>& rows, std::vector<double>& spare, std::span<con
   rows.swap(spare);
 }
 
-/// The same for integers of the same size, so that the same spare memory serves.
+/// The same for integers, so that the same spare memory serves.
+void gather(std::vector<std::uint32_t>& rows, std::vector<double>& spare, std::span<const std::uint32_t> order) {
+  remake(spare, order.size());
+  for (std::size_t i = 0; i < order.size(); ++i) spare[i] = rows[order[i]];
+  rows.resize(order.size());
+  for (std::size_t i = 0; i < order.size(); ++i) rows[i] = static_cast<std::uint32_t>(spare[i]);
+}
 void gather(std::vector<std::uint64_t>& rows, std::vector<double>& spare, std::span<const std::uint32_t> order) {
   remake(spare, order.size());
   for (std::size_t i = 0; i < order.size(); ++i) spare[i] = std::bit_cast<double>(rows[order[i]]);
@@ -48,6 +54,7 @@ void Particles::reserve_one_more() {
   id.reserve(room);
   cell.reserve(room);
   species.reserve(room);
+  partner.reserve(room);
 }
 
 void Particles::append(const Particle& p) {
@@ -62,6 +69,7 @@ void Particles::append(const Particle& p) {
   id.push_back(p.id);
   cell.push_back(p.cell);
   species.push_back(p.species);
+  partner.push_back(p.partner);
 }
 
 void Particles::clear() {
@@ -69,6 +77,7 @@ void Particles::clear() {
   id.clear();
   cell.clear();
   species.clear();
+  partner.clear();
 }
 
 void Particles::sort_by_cell(LocalId n_cells) {
@@ -95,6 +104,7 @@ void Particles::sort_by_cell(LocalId n_cells) {
 
   for (auto* values : {&x, &y, &z, &u, &v, &w, &rotation}) gather(*values, spare_, order_);
   gather(id, spare_, order_);
+  gather(partner, spare_, order_);
   for (auto& row : order_) row = species[row];  // the order is of no more use: its memory becomes the species
   order_.swap(species);
   cell.resize(species.size());
@@ -106,7 +116,8 @@ std::size_t Particles::bytes() const {
   std::size_t sum = 0;
   for (const auto* values : {&x, &y, &z, &u, &v, &w, &rotation, &spare_}) sum += values->capacity() * sizeof(double);
   sum += id.capacity() * sizeof(std::uint64_t) + cell.capacity() * sizeof(LocalId);
-  return sum + (species.capacity() + begin_.capacity() + order_.capacity()) * sizeof(std::uint32_t);
+  return sum +
+         (species.capacity() + partner.capacity() + begin_.capacity() + order_.capacity()) * sizeof(std::uint32_t);
 }
 
 }  // namespace pamr::dsmc

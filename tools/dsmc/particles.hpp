@@ -21,9 +21,13 @@ struct Particle {
   std::uint64_t id = 0;
   LocalId cell = 0;
   std::uint32_t species = 0;
+  std::uint32_t partner = 0;  ///< tag of the particle that it has last collided with; 0: none
 };
 
-/// A rank's particles as structures of arrays, 72 bytes each, and 12 for sorting. `cell` is `gone` for particles that
+/// What `Particle::partner` remembers of a particle: its number as far as 32 bits go.
+inline std::uint32_t tag_of(std::uint64_t id) { return static_cast<std::uint32_t>(id) + 1; }
+
+/// A rank's particles as structures of arrays, 76 bytes each, and 12 for sorting. `cell` is `gone` for particles that
 /// have left and wait to be dropped by `sort_by_cell`.
 class Particles {
  public:
@@ -33,12 +37,14 @@ class Particles {
   std::vector<double> rotation;
   std::vector<std::uint64_t> id;
   std::vector<LocalId> cell;
-  std::vector<std::uint32_t> species;
+  std::vector<std::uint32_t> species, partner;
 
   std::size_t size() const { return x.size(); }
   Vec3 position(std::size_t i) const { return {x[i], y[i], z[i]}; }
   Vec3 velocity(std::size_t i) const { return {u[i], v[i], w[i]}; }
-  Particle get(std::size_t i) const { return {position(i), velocity(i), rotation[i], id[i], cell[i], species[i]}; }
+  Particle get(std::size_t i) const {
+    return {position(i), velocity(i), rotation[i], id[i], cell[i], species[i], partner[i]};
+  }
   void append(const Particle& particle);
   void clear();
 

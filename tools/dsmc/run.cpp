@@ -43,6 +43,42 @@ double flow_through_steps(const Flow& flow, const mesh::DistMesh& mesh) {
   return std::max(1.0, time / setup.dt);
 }
 
+/// Temperatures of all particles together. Sums in fixed point, so that they do not depend on the ranks. Collective.
+struct Temperatures {
+  double translational = 0, rotational = 0;
+};
+Temperatures temperatures_of(const Flow& flow) {
+  const auto& p = flow.particles;
+  const auto& species = flow.setup().gas.species;
+  const auto& units = flow.surface;
+  std::vector<std::int64_t> sums(5 + species.size(), 0);  // momentum, energies, numbers of the species
+  const auto fixed = [](double value) { return std::llrint(value); };
+  for (std::size_t i = 0; i < p.size(); ++i) {
+    const double m = species[p.species[i]].mass;
+    const Vec3 v = p.velocity(i);
+    sums[0] += fixed(m * v.x / units.momentum_unit);
+    sums[1] += fixed(m * v.y / units.momentum_unit);
+    sums[2] += fixed(m * v.z / units.momentum_unit);
+    sums[3] += fixed(0.5 * m * squared_norm(v) / units.energy_unit);
+    sums[4] += fixed(p.rotation[i] / units.energy_unit);
+    ++sums[5 + p.species[i]];
+  }
+  flow.comm().sum_in_place(sums);
+  double mass = 0, n = 0, degrees = 0;
+  for (std::size_t s = 0; s < species.size(); ++s) {
+    const double count = static_cast<double>(sums[5 + s]);
+    mass += species[s].mass * count;
+    n += count;
+    degrees += species[s].rotational_degrees * count;
+  }
+  if (n < 2) return {};
+  const Vec3 momentum = units.momentum_unit *
+                        Vec3{static_cast<double>(sums[0]), static_cast<double>(sums[1]), static_cast<double>(sums[2])};
+  const double energy = units.energy_unit * static_cast<double>(sums[3]) - squared_norm(momentum) / (2 * mass);
+  return {energy / (1.5 * boltzmann * (n - 1)),
+          degrees > 0 ? units.energy_unit * static_cast<double>(sums[4]) / (0.5 * degrees * boltzmann) : 0};
+}
+
 }  // namespace
 
 Run::Run(const Case& the_case, const mesh::DistMesh& mesh, Flow& flow)
@@ -72,7 +108,8 @@ std::uint64_t Run::expected_steps() const {
 bool Run::step() {
   if (!state.sampling && case_->transient && flow_->steps_done >= first_sampled_step())
     begin_sampling(fmt::format("averages begin after step {} as the case says", flow_->steps_done));
-  const auto counts = flow_->step();
+  last_step_ = flow_->step();
+  const auto& counts = last_step_;
   std::int64_t sums[] = {
       counts.entered,         counts.moved.left,      counts.moved.wall_hits, counts.collided.collisions,
       counts.moved.crossings, counts.moved.abandoned, counts.collided.clamped};
@@ -119,6 +156,9 @@ void Run::end_interval() {
   row.n_steps = std::exchange(state.in_interval, 0);
   row.particles = flow_->n_particles();
   row.body = scale_.coefficients(sum_of(loads, body_));
+  const auto temperatures = temperatures_of(*flow_);
+  row.t_tr = temperatures.translational;
+  row.t_rot = temperatures.rotational;
   state.history.push_back(row);
   if (state.sampling) {
     state.blocks.push_back(loads);
@@ -183,16 +223,16 @@ Results Run::results() const {
 std::string Run::history_csv() const {
   std::string text =
       "step,time,averaged,particles,entered_per_step,left_per_step,wall_hits_per_step,collisions_per_particle_step,"
-      "crossings_per_particle_step,C_D,C_L,C_m,C_H\n";
+      "crossings_per_particle_step,C_D,C_L,C_m,C_H,T_tr,T_rot\n";
   for (const auto& row : state.history) {
     const double n = static_cast<double>(row.n_steps),
                  all = n * static_cast<double>(std::max<std::int64_t>(1, row.particles));
-    text += fmt::format("{},{:.9g},{},{},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g}\n", row.step,
-                        static_cast<double>(row.step) * case_->dt, row.sampled ? 1 : 0, row.particles,
-                        static_cast<double>(row.entered) / n, static_cast<double>(row.left) / n,
-                        static_cast<double>(row.wall_hits) / n, static_cast<double>(row.collisions) / all,
-                        static_cast<double>(row.crossings) / all, row.body.drag, row.body.lift, row.body.moment,
-                        row.body.heat);
+    text += fmt::format(
+        "{},{:.9g},{},{},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g}\n", row.step,
+        static_cast<double>(row.step) * case_->dt, row.sampled ? 1 : 0, row.particles,
+        static_cast<double>(row.entered) / n, static_cast<double>(row.left) / n, static_cast<double>(row.wall_hits) / n,
+        static_cast<double>(row.collisions) / all, static_cast<double>(row.crossings) / all, row.body.drag,
+        row.body.lift, row.body.moment, row.body.heat, row.t_tr, row.t_rot);
   }
   return text;
 }

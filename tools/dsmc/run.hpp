@@ -21,6 +21,7 @@ struct HistoryRow {
   std::int64_t particles = 0;                                                        ///< at the end
   std::int64_t entered = 0, left = 0, wall_hits = 0, collisions = 0, crossings = 0;  ///< in the interval
   Coefficients body;                                                                 ///< of the reference patches
+  double t_tr = 0, t_rot = 0;  ///< K, of all particles at the end, about their mean velocity
 };
 
 /// Sums over a boundary face since averaging began, and what its error follows from.
@@ -74,6 +75,7 @@ class Run {
   const Scale& scale() const { return scale_; }
   const std::vector<bool>& body() const { return body_; }
   const Flow& flow() const { return *flow_; }
+  const StepCounts& last_step() const { return last_step_; }  ///< of this rank
   std::string history_csv() const;
   /// Ends averaging begun with too few steps for a block, so that what there is counts. Collective.
   void finish();
@@ -93,6 +95,7 @@ class Run {
   Scale scale_;
   std::vector<bool> body_;
   std::int64_t interval_ = 1, block_ = 1;
+  StepCounts last_step_;
 };
 
 }  // namespace pamr::dsmc

@@ -13,12 +13,13 @@ using nlohmann::json;
 
 json row_to_json(const HistoryRow& r) {
   return json::array({r.step, r.sampled, r.n_steps, r.particles, r.entered, r.left, r.wall_hits, r.collisions,
-                      r.crossings, r.body.drag, r.body.lift, r.body.moment, r.body.heat});
+                      r.crossings, r.body.drag, r.body.lift, r.body.moment, r.body.heat, r.t_tr, r.t_rot});
 }
 
 HistoryRow row_from(const json& j) {
-  return {j.at(0), j.at(1), j.at(2), j.at(3), j.at(4),
-          j.at(5), j.at(6), j.at(7), j.at(8), {j.at(9), j.at(10), j.at(11), j.at(12)}};
+  return {j.at(0),  j.at(1), j.at(2), j.at(3), j.at(4),
+          j.at(5),  j.at(6), j.at(7), j.at(8), {j.at(9), j.at(10), j.at(11), j.at(12)},
+          j.at(13), j.at(14)};
 }
 
 json load_to_json(const Load& l) {

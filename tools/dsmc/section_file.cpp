@@ -83,17 +83,17 @@ std::uint64_t bytes_of(const Section& section) { return 8 * static_cast<std::uin
 }  // namespace
 
 void write_sections(const par::Comm& comm, const std::string& file, const nlohmann::json& header,
-                    const std::vector<Section>& sections) {
+                    const std::vector<const Section*>& sections) {
   auto text_of = header;
   text_of["sections"] = nlohmann::json::array();
   std::uint64_t at = 0;  // behind the text
-  for (const auto& section : sections) {
-    text_of["sections"].push_back({{"name", section.name},
-                                   {"rows", section.rows},
-                                   {"width", section.width},
+  for (const auto* section : sections) {
+    text_of["sections"].push_back({{"name", section->name},
+                                   {"rows", section->rows},
+                                   {"width", section->width},
                                    {"offset", at},
-                                   {"checksum", checksum(comm, section)}});
-    at += bytes_of(section);
+                                   {"checksum", checksum(comm, *section)}});
+    at += bytes_of(*section);
   }
   auto text = text_of.dump();
   text.resize((text.size() + 7) / 8 * 8, ' ');
@@ -113,11 +113,11 @@ void write_sections(const par::Comm& comm, const std::string& file, const nlohma
         put(out.number(), file, sizeof(fixed), text.data(), text.size());
       }
       std::uint64_t offset = data;
-      for (const auto& section : sections) {
-        const auto range = par::block_range(section.rows, comm.rank(), comm.size());
-        put(out.number(), file, offset + 8 * static_cast<std::uint64_t>(range.begin) * section.width,
-            section.block.data(), 8 * section.block.size());
-        offset += bytes_of(section);
+      for (const auto* section : sections) {
+        const auto range = par::block_range(section->rows, comm.rank(), comm.size());
+        put(out.number(), file, offset + 8 * static_cast<std::uint64_t>(range.begin) * section->width,
+            section->block.data(), 8 * section->block.size());
+        offset += bytes_of(*section);
       }
       if (::fsync(out.number()) != 0)
         throw Error(fmt::format("file '{}': cannot be written: {}", file, std::strerror(errno)));

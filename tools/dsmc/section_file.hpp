@@ -26,7 +26,7 @@ struct Section {
 /// of ranks if the blocks' contents do not. Collective; throws the same `Error` on every rank when it cannot be
 /// written.
 void write_sections(const par::Comm& comm, const std::string& file, const nlohmann::json& header,
-                    const std::vector<Section>& sections);
+                    const std::vector<const Section*>& sections);
 
 /// Opened for reading: header and lengths have been verified.
 class SectionFile {

@@ -127,7 +127,8 @@ std::vector<TomlTable> TomlTable::list(std::string_view key) {
   const auto* node = find(key);
   if (node == nullptr) return all;
   if (!node->is_array_of_tables()) refuse(key, "a list of tables");
-  for (const auto& item : *node->as_array()) all.emplace_back(*item.as_table(), where_, name_ + "." + std::string(key));
+  for (const auto& item : *node->as_array())
+    all.emplace_back(*item.as_table(), where_, (name_.empty() ? "" : name_ + ".") + std::string(key));
   return all;
 }
 

@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "dsmc/computation.hpp"
+#include "dsmc/loads.hpp"
+#include "dsmc/random.hpp"
+#include "dsmc/steady.hpp"
+#include "pamr/base/error.hpp"
+#include "pamr/mesh/assemble.hpp"
+#include "support/meshes.hpp"
+#include "unit/dsmc/gases.hpp"
+
+namespace {
+
+using namespace pamr;
+using namespace pamr::dsmc;
+using geometry::Vec3;
+
+/// A value that tends to 1 within `time` intervals, with noise of size `noise`.
+std::vector<double> tending(std::size_t n, double time, double noise) {
+  std::vector<double> values;
+  Random random(4, Purpose::seed, 1, 0);
+  for (std::size_t i = 0; i < n; ++i)
+    values.push_back(1 - 0.5 * std::exp(-static_cast<double>(i) / time) + noise * random.normal_pair().a);
+  return values;
+}
+
+TEST(Steadiness, IsSeenWhenTwoWindowsHaveStoppedChanging) {
+  EXPECT_FALSE(judge_steadiness({{"particles", tending(19, 1, 0.001)}}, 10).is_steady);  // not two windows yet
+  EXPECT_FALSE(judge_steadiness({{"particles", tending(20, 20, 0.001)}}, 10).is_steady);
+  EXPECT_FALSE(judge_steadiness({{"particles", tending(40, 20, 0.001)}}, 10).is_steady);
+  EXPECT_TRUE(judge_steadiness({{"particles", tending(150, 20, 0.001)}}, 10).is_steady);
+  EXPECT_TRUE(judge_steadiness({{"particles", tending(60, 1, 0.0)}}, 10).is_steady);
+  const auto verdict =
+      judge_steadiness({{"particles", tending(150, 20, 0.001)}, {"drag", tending(150, 60, 0.001)}}, 10);
+  EXPECT_FALSE(verdict.is_steady);
+  EXPECT_NE(verdict.reason.find("drag still changes"), std::string::npos) << verdict.reason;
+}
+
+TEST(Steadiness, IsNotSeenInNoiseThatHidesEverything) {
+  EXPECT_FALSE(judge_steadiness({{"drag", tending(40, 1, 1.0)}}, 10).is_steady);
+}
+
+TEST(Estimate, IsTheMeanWithItsStandardError) {
+  const auto e = estimate({1, 2, 3, 4});
+  EXPECT_DOUBLE_EQ(e.value, 2.5);
+  EXPECT_DOUBLE_EQ(e.error, std::sqrt(5.0 / 3 / 4));
+  EXPECT_EQ(estimate({7}).error, 0);
+}
+
+TEST(StopAtRise, MovesWhenTheMeanCostOfAStepBeginsToRise) {
+  StopAtRise rule;
+  rule.moved(1.0);
+  EXPECT_FALSE(rule.add(20, 2.0, 1.99));  // the price is spread over more and more steps
+  EXPECT_FALSE(rule.add(20, 2.0, 1.98));
+  EXPECT_FALSE(rule.add(20, 2.0, 1.95));
+  EXPECT_TRUE(rule.add(20, 3.0, 2.0));
+}
+
+TEST(Loads, OfANewtonianStreamOnAPlateAreThoseOfTheClosedForm) {
+  const par::Comm comm(MPI_COMM_WORLD);
+  const auto mesh = mesh::assemble(comm, test::kuhn_cube(comm, 3));
+  const auto gas = test::nitrogen();
+  const double angle = 0.3, speed = 1000;
+  const Stream stream{"free", 1e20, 300, 300, {speed * std::cos(angle), 0, speed * std::sin(angle)}, {1}};
+  const auto domain = make_domain(mesh, 1, 1, 1);
+  Reference reference;
+  reference.length = 2;
+  reference.point = {1, 0, 0};
+  const Scale scale(gas, stream, reference);
+
+  const auto loads = integrate_law(comm, domain, newtonian_law(gas, stream), reference.point, mesh.info.patches.size());
+
+  // Face x = 1: C_p = 2 cos^2 along x, with its middle at z = 1/2 beside the point of reference.
+  std::vector<bool> wanted;
+  for (const auto& patch : mesh.info.patches) wanted.push_back(patch.name == "xmax");
+  const auto k = scale.coefficients(sum_of(loads, wanted));
+  const double cp = 2 * std::pow(std::cos(angle), 2);
+  EXPECT_NEAR(k.drag, cp * std::cos(angle), 1e-12);
+  EXPECT_NEAR(k.lift, -cp * std::sin(angle), 1e-12);
+  EXPECT_NEAR(k.moment, 0.5 * cp / 2, 1e-12);  // z F_x
+}
+
+const char* const stream_case = R"(
+[species.N2]
+mass = 4.65e-26
+diameter = 4.17e-10
+omega = 0.74
+t_ref = 273.0
+rotational_degrees = 2
+[gas]
+fractions = { N2 = 1.0 }
+[stream.free]
+density = 1e20
+temperature = 300.0
+speed = 600.0
+angle = 20.0
+[stream.puff]
+density = 1e21
+temperature = 300.0
+[boundary]
+xmin = { kind = "inflow" }
+xmax = { kind = "inflow" }
+ymin = { kind = "symmetry" }
+ymax = { kind = "diffuse", temperature = 400.0 }
+zmin = { kind = "diffuse", temperature = 500.0 }
+zmax = { kind = "outflow" }
+[initial]
+[[initial.region]]
+sphere = [0.2, 0.2, 0.2, 0.3]
+stream = "puff"
+[particles]
+per_cell = 8.0
+[domain]
+unit = 1.0
+[time]
+step = 5e-5
+cell_fraction = 0.4
+[run]
+transient = 30
+sampling = 60
+block = 5
+[reference]
+area = 1.0
+)";
+
+TEST(Computation, IsTheSameWhetherCellsMoveToOtherRanksOrNot) {
+  const par::Comm comm(MPI_COMM_WORLD), alone(MPI_COMM_SELF);
+  const auto c = read_case(stream_case, "case.toml");
+  const auto block = test::random_mesh(comm, 8, 4);
+  Computation computation(comm, c, mesh::assemble(comm, block));
+  Computation serial(alone, c, mesh::assemble(alone, test::gather(comm, block)));
+  computation.flow->fill(computation.mesh);
+  serial.flow->fill(serial.mesh);
+
+  bool moved = false, complete = false;
+  for (int step = 1; !complete; ++step) {
+    complete = computation.step();
+    ASSERT_EQ(serial.step(), complete);
+    if (step % 25 == 0) moved = computation.rebalance() || moved;
+  }
+
+  EXPECT_EQ(moved, comm.size() > 1);
+  const auto a = computation.run->results(), b = serial.run->results();
+  EXPECT_EQ(a.drag.value, b.drag.value);
+  EXPECT_EQ(a.drag.error, b.drag.error);
+  EXPECT_EQ(a.heat.value, b.heat.value);
+  EXPECT_GT(b.drag.error, 0);
+  EXPECT_EQ(b.n_blocks, 12U);
+  EXPECT_EQ(computation.run->history_csv(), serial.run->history_csv());
+  EXPECT_EQ(computation.flow->lost(), 0);
+}
+
+TEST(CaseFile, ThatIsRefusedNamesTheLine) {
+  const auto refused = [](const std::string& old, const std::string& with, const std::string& says) {
+    std::string text = stream_case;
+    text.replace(text.find(old), old.size(), with);
+    try {
+      read_case(text, "case.toml");
+      ADD_FAILURE() << with << " was accepted";
+    } catch (const Error& error) {
+      EXPECT_NE(std::string(error.what()).find(says), std::string::npos) << error.what();
+    }
+  };
+  refused("[time]", "[times]", "[time]");
+  refused("sphere = [0.2, 0.2, 0.2, 0.3]", "sphere = [0.2, 0.2, 0.3]", "case.toml:27");
+  refused("stream = \"puff\"", "stream = \"pouf\"", "\"pouf\"");
+  refused("area = 1.0", "area = 1.0\npatches = [\"zmax\"]", "zmax");
+  refused("omega = 0.74", "omega = 0.3", "case.toml:5");
+  refused("[stream.free]", "[stream.far]", "[stream.free]");
+}
+
+}  // namespace

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "dsmc/run.hpp"
+#include "dsmc/sample.hpp"
+#include "dsmc/surface_file.hpp"
+
+namespace pamr::dsmc {
+
+/// Means of p and q over the faces of the walls whose middle lies within `half_width` of the circle (x, r) about the x
+/// axis, weighted by their area; of the nearest face where there is none. Local, for the rank that has the faces.
+std::string station_rows(const std::vector<Station>& stations, const std::vector<FaceRow>& faces);
+
+/// The flow along lines: at each point the values of the cell that holds it (the one of the smallest number where it
+/// lies on a face), nothing outside the domain. Text on rank 0. Collective. O(cells x points).
+std::string line_rows(const par::Comm& comm, const std::vector<ProbeLine>& lines, const Domain& domain,
+                      const std::vector<CellQuantity>& fields);
+
+inline constexpr const char* probe_header = "name,s,x,y,z,quantity,value,stderr\n";
+
+}  // namespace pamr::dsmc
