@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """pamr-pb from the command line: charges against tables, forces, the loop with marking and refining, and bad input."""
 import pathlib
+import subprocess
 import sys
 
 import h5py
 import numpy as np
 
-from tool_run import RANKS, kuhn_cube, refuses, run, run_tests
+from tool_run import BIN, RANKS, kuhn_cube, refuses, run, run_tests
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "cases" / "charged-sphere"))
 import shell  # noqa: E402  makes sectors and octants of spherical shells
@@ -79,6 +80,38 @@ def test_the_loop_brings_the_charge_of_an_octant_nearer():
         run("pamr-refine", "marked.hdf", "-o", f"level{level + 1}.hdf", "--quiet")
         start = ["--start", "potential"]
     assert errors[1] < 0.6 * errors[0] and errors[2] < 0.6 * errors[1], errors
+
+
+def test_the_estimate_is_near_the_true_error_on_a_sphere():
+    patches = shell_mesh("shell.hdf", 1, layers=24, edges=12, growth=10)
+    case = sphere_case("case.toml", 1, 3, patches, "[equation]\nlinear = true\n")
+    estimate = solve(case, "shell.hdf").json["error_estimate"]["recovered"]
+    with h5py.File("psi.hdf") as file:
+        points, psi = file["VTKHDF/Points"][:], file["VTKHDF/PointData/potential"][:]
+        cells = file["VTKHDF/Connectivity"][:].reshape(-1, 4)
+    corner = points[cells]
+    edges = corner[:, 1:] - corner[:, :1]
+    gradient = np.linalg.solve(edges, (psi[cells][:, 1:] - psi[cells][:, :1])[..., None])[..., 0]
+    squared = 0
+    for k in range(4):  # four points, exact for second order
+        weight = np.full(4, 0.138196601125010515)
+        weight[k] = 0.585410196624968454
+        at = np.einsum("k,nkd->nd", weight, corner)
+        r = np.linalg.norm(at, axis=1)[:, None]
+        exact = -3 * np.exp(1 - r) * (1 / r + 1 / r ** 2) * at / r
+        squared += (np.linalg.det(edges) / 24 * ((gradient - exact) ** 2).sum(axis=1)).sum()
+    assert 0.9 < estimate / np.sqrt(squared) < 1.1
+
+
+def test_the_loop_of_the_cases_prints_its_levels_and_holds_them_to_what_is_expected():
+    script = pathlib.Path(__file__).resolve().parents[2] / "cases" / "plate" / "run.sh"
+    result = subprocess.run([script, "--tools", BIN, "--ranks", str(RANKS), "--levels", "1", "--out", "out put"],
+                            capture_output=True, text=True, timeout=100)
+    rows = [line.split() for line in result.stdout.splitlines()]
+    assert [row[0] for row in rows] == ["level", "0", "1"], result.stdout + result.stderr
+    slopes = [float(row[3]) for row in rows[1:]]
+    assert abs(slopes[1] - 12.1004) < abs(slopes[0] - 12.1004)
+    assert result.returncode == 1 and "expected charge_densities.zmin = 12.1004" in result.stderr
 
 
 def test_the_report_has_what_scripts_ask_for():
