@@ -35,7 +35,7 @@ PATH=$tools:$PATH
 mkdir -p "$out"
 on_ranks() { mpirun -q -n "$ranks" "$@"; }
 
-sampling=600
+sampling=300
 [ $full = yes ] && sampling=4000
 case_file=$out/case.toml
 sed -e "s|\.\./species.toml|$case_folder/../species.toml|" -e "s/^sampling = .*/sampling = $sampling/" "$case_folder/case.toml" >"$case_file"

@@ -75,6 +75,8 @@ int main(int argc, char** argv) {
   if (!comm.is_first()) return 0;
   fmt::print("{:.0f} particles, {} cells, {} ranks, {} steps: {:.2f} M particle-steps per CPU second\n", particles,
              mesh.info.n_global_cells, comm.size(), n_steps, particle_steps / cpu_all * 1e-6);
+  fmt::print("case: density {} 1/m3, step {} s, weight {}\n", flow.setup().stream[0].density, flow.setup().dt,
+             flow.setup().molecules);
   fmt::print(
       "per particle-step: {:.3f} crossings, {:.4f} collisions of {:.3f} candidate pairs; {:.1f} bytes a particle\n",
       crossings_per, collisions_per, candidates_per, bytes);
