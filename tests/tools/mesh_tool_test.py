@@ -369,6 +369,8 @@ def test_bad_case_files_are_refused_with_their_line():
               (head + good.replace("far = 0.5", "near = { ball = 1 }") + ball, ["far"]),
               (head + good + "near = { bell = 0.5 }\n" + ball, [":8", '"bell"']),
               (head + good + ball + ball.replace('"ball"', '"other"'), [":4", '"other"']),
+              (head + good.replace("-ball", "-ball & -idle") + ball +
+               ball.replace('"ball"', '"idle"').replace("radius = 1", "radius = 2"), ["no face", '"idle"']),
               ('[mesh]\nshape = "sphere-pair"\nlength_unit = "1"\n[mesh.geometry]\nradius = 3\n', ["distance", "4.5"]),
               ('[mesh]\nshape = "sphere-pair"\nlength_unit = "1"\n[mesh.geometry]\nheight = 3\n', [":5", '"height"']),
               ('[mesh]\nshape = "supersonic-sphere"\nlength_unit = "m"\n[mesh.geometry]\nparts = 4.5\n', ["4.5"]))

@@ -19,7 +19,7 @@ struct MeshCase {
   BluntConeSizes blunt_cone;           ///< of that shape
   double box_size = default_box_size;  ///< edge length, of sphere-in-box
   Combination combination;             ///< of the other shapes
-  std::string where;                   ///< begins the errors of the other shapes
+  std::string where;                   ///< the file, or the shape where there is none: begins errors
 };
 
 /// The case that `--shape` and, unless 0, `--size` ask for. Throws `Error` for an unknown shape.

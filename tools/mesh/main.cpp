@@ -69,6 +69,19 @@ std::string text_of(const par::Comm& comm, const std::string& path) {
   return comm.broadcast(text);
 }
 
+meshing::RawMesh level_zero(const cli::Session& session, const meshing::Domain& domain, unsigned seed) {
+  auto progress = session.progress("meshing", 3, "steps");
+  auto raw = meshing::run_mesh3(domain, seed);
+  progress.update(1, "boundary");
+  meshing::place_boundary(domain, raw);
+  meshing::peel(domain, raw);
+  progress.update(2, "quality");
+  meshing::improve(domain, raw);
+  raw = meshing::ordered(raw);
+  progress.update(3);
+  return raw;
+}
+
 /// Rank 0 makes the mesh while the others wait. Collective.
 mesh::BlockMesh make_with_cgal(const cli::Session& session, const meshing::MeshCase& mesh_case) {
   const auto& comm = session.comm();
@@ -76,15 +89,11 @@ mesh::BlockMesh make_with_cgal(const cli::Session& session, const meshing::MeshC
   meshing::RawMesh raw;
   par::agree(comm, [&] {
     if (!comm.is_first()) return;
-    auto progress = session.progress("meshing", 3, "steps");
-    raw = meshing::run_mesh3(domain, mesh_case.seed);
-    progress.update(1, "boundary");
-    meshing::place_boundary(domain, raw);
-    meshing::peel(domain, raw);
-    progress.update(2, "quality");
-    meshing::improve(domain, raw);
-    raw = meshing::ordered(raw);
-    progress.update(3);
+    try {
+      raw = level_zero(session, domain, mesh_case.seed);
+    } catch (const Error& error) {
+      throw Error(mesh_case.where + ": " + error.what());
+    }
   });
   auto block = meshing::to_block_mesh(comm, domain, raw);
   block.info.provenance = meshing::describe(mesh_case);

@@ -140,13 +140,14 @@ class Extraction {
     mesh_.binding.resize(mesh_.point.size());
   }
 
-  RawMesh result(std::size_t n_pieces) && {
+  RawMesh result(const Domain& domain) && {
     bind_to_curves();
     bind_to_pieces();
-    for (std::size_t i = 0; i < n_pieces; ++i)
+    for (std::size_t i = 0; i < domain.pieces.size(); ++i)
       if (std::none_of(mesh_.face.begin(), mesh_.face.end(),
                        [i](const BoundaryFace& face) { return face.piece == static_cast<int>(i); }))
-        too_coarse("no face on piece " + std::to_string(i) + " of the boundary");
+        too_coarse("no face on a piece of \"" + domain.patches[static_cast<std::size_t>(domain.pieces[i].patch)].name +
+                   "\"");
     return std::move(mesh_);
   }
 
@@ -229,7 +230,7 @@ RawMesh run_mesh3(const Domain& domain, unsigned seed) {
     CGAL::Random random(seed);
     const auto mesh_domain = make_domain(domain, random);
     const auto complex = make_complex(domain, mesh_domain);
-    auto mesh = Extraction(complex).result(domain.pieces.size());
+    auto mesh = Extraction(complex).result(domain);
     if (mesh.cell.empty()) too_coarse("no cell");
     return mesh;
   } catch (const CGAL::Failure_exception& failure) {
