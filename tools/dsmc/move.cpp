@@ -97,7 +97,10 @@ bool Mover::meets_boundary(Flight& flight, std::size_t at, double time) {
   const auto out = reflect(condition, species, face.normal, {p.velocity, p.rotation}, random);
   if (condition.is_wall()) {
     ++counts.wall_hits;
-    const double energy = 0.5 * species.mass * (squared_norm(p.velocity) - squared_norm(out.velocity));
+    // Seen from the wall: what a moving wall works is no heat.
+    const double energy =
+        0.5 * species.mass *
+        (squared_norm(p.velocity - condition.velocity) - squared_norm(out.velocity - condition.velocity));
     tally_->add(at, species.mass * (p.velocity - out.velocity), energy + (p.rotation - out.rotation));
   }
   p.velocity = out.velocity;
