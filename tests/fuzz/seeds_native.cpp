@@ -1,13 +1,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "seeds.hpp"
-
 #include "pamr/io/native_file.hpp"
 #include "pamr/mesh/assemble.hpp"
+#include "seeds.hpp"
 #include "support/meshes.hpp"
 #include "unit/io/files.hpp"
 #include "unit/io/hdf5_edit.hpp"
 
 namespace pamr::fuzz {
+
+// 0 a Kuhn cube with fields and patches as the library writes it; 1 a closure family; 2 the `/VTKHDF` part alone in
+// HDF5's oldest layout; 3 the same chunked and compressed, with texts of variable length; 4 all parts in the oldest
+// layout and without checksums, so that damage reaches the values.
+int n_seed_files() { return 5; }
+
+void read_file(const par::Comm& comm, const std::filesystem::path& file) { io::read_native(comm, file); }
 
 std::string seed_name(int i) { return "seed" + std::to_string(i) + ".hdf"; }
 

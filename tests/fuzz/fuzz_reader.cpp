@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-/// Reads damaged native files, each a mutation of a small good one from a fixed seed, and fails when the reader
-/// crashes, takes longer than 5 seconds, throws anything but `pamr::Error`, gives an error that does not name the file,
-/// or asks for a piece of memory larger than 16 times the file and 64 MiB.
+/// Reads damaged files of one format (native, Gmsh), each a mutation of a small good one from a fixed seed, and fails
+/// when the reader crashes, takes longer than 5 seconds, throws anything but `pamr::Error`, gives an error that does
+/// not name the file, or asks for a piece of memory larger than 16 times the file and 64 MiB.
 ///
-///     fuzz_native [N] [FIRST_SEED]        N damaged files (2000), on all processors
+///     fuzz_FORMAT [N] [FIRST_SEED]        N damaged files (2000), on all processors
 ///
 /// Worker processes read the files and report each on a pipe, so that a death or a stall belongs to one file; the
-/// worker is then started anew behind it. `fuzz_native --one SEED FILE` writes the damaged file of a seed for a closer
+/// worker is then started anew behind it. `fuzz_FORMAT --one SEED FILE` writes the damaged file of a seed for a closer
 /// look.
 #include <fcntl.h>
 #include <mpi.h>
@@ -29,8 +29,6 @@
 #include "mutate.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/base/hash.hpp"
-#include "pamr/io/native_file.hpp"
-#include "pamr/mesh/assemble.hpp"
 #include "seeds.hpp"
 #include "watched_memory.hpp"
 
@@ -52,7 +50,7 @@ std::string contents_of(const fs::path& file) {
 /// The good files; seed s damages file s modulo their number.
 std::vector<std::string> good_files(const fs::path& folder) {
   std::vector<std::string> files;
-  for (int i = 0; i < n_seed_files; ++i) files.push_back(contents_of(folder / seed_name(i)));
+  for (int i = 0; i < n_seed_files(); ++i) files.push_back(contents_of(folder / seed_name(i)));
   return files;
 }
 
@@ -84,7 +82,7 @@ Outcome read_one(const par::Comm& comm, const fs::path& file) {
   const auto start = processor_time();
   Outcome outcome = accepted;
   try {
-    io::read_native(comm, file);
+    read_file(comm, file);
   } catch (const Error& error) {
     outcome = std::string(error.what()).find(file.filename().string()) != std::string::npos ? refused : nameless_error;
   } catch (const std::exception&) {
@@ -100,7 +98,7 @@ int work(const fs::path& folder, std::uint64_t first, std::uint64_t last, int pi
   {
     const par::Comm comm(MPI_COMM_WORLD);
     const auto good = good_files(folder);
-    const auto file = folder / ("damaged" + std::to_string(getpid()) + ".hdf");
+    const auto file = folder / ("damaged" + std::to_string(getpid()) + fs::path(seed_name(0)).extension().string());
     watch_memory();
     for (auto seed = first; seed < last; ++seed) {
       std::ofstream(file, std::ios::binary) << mutate(good[seed % good.size()], seed);
@@ -230,7 +228,7 @@ int main(int argc, char** argv) {
       const auto seed = number(2, 0);
       const auto good = good_files(folder);
       std::ofstream(argv[3], std::ios::binary) << mutate(good[seed % good.size()], seed);
-      for (int i = 0; i < n_seed_files; ++i) std::filesystem::remove(folder / seed_name(i));
+      for (int i = 0; i < n_seed_files(); ++i) std::filesystem::remove(folder / seed_name(i));
     }
     MPI_Finalize();
     return 0;

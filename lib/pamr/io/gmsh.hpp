@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+
+#include "pamr/mesh/dist_mesh.hpp"
+#include "pamr/par/comm.hpp"
+
+namespace pamr::io {
+
+struct GmshOptions {
+  bool repair = false;  ///< turn inverted cells over instead of refusing them
+};
+
+struct GmshMesh {
+  mesh::DistMesh mesh;
+  std::int64_t n_turned = 0;          ///< cells that were inverted
+  std::int64_t n_dropped_nodes = 0;   ///< nodes of no tetrahedron: centres of circles, points of the geometry
+  std::int64_t n_untagged_faces = 0;  ///< boundary faces without triangle: they are in the patch `boundary`
+};
+
+/// Reads a mesh in Gmsh's format 2.2 or 4.1, text or binary, whose cells are tetrahedra of first order. Physical
+/// surfaces become patches of the same name (`surface_N` without a name; geometrical surfaces where there are no
+/// physical ones), physical volumes the cell field `region`. Cells are put in order along Hilbert's curve.
+///
+/// Collective; the result does not depend on the number of ranks. Every rank runs through the file and keeps its block
+/// of nodes and elements; only these are ever in memory. Throws the same `Error` on every rank, with line or byte, for
+/// what is no such file; and by name, with counts, for elements of other kinds, periodic links, triangles inside the
+/// domain or apart from it, cells that are inverted (unless `repair`) or flat, node numbers that are missing, twice or
+/// so scattered that no table holds them (more than 64 times as many as nodes).
+GmshMesh read_gmsh(const par::Comm& comm, const std::filesystem::path& file, const GmshOptions& options = {});
+
+}  // namespace pamr::io

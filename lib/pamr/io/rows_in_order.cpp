@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "pamr/io/rows_in_order.hpp"
+
+#include <span>
+
+#include "pamr/par/exchange.hpp"
+
+namespace pamr::io {
+
+namespace {
+
+mesh::Field in_order(const par::Comm& comm, IdRange all, std::span<const GlobalId> ids, const mesh::Field& field) {
+  auto result = mesh::Field{field.name, field.unit, field.n_components, field.storage, {}};
+  std::visit(
+      [&]<class T>(const std::vector<T>& values) {
+        result.value = par::scatter_rows<T>(comm, all, values, static_cast<std::size_t>(field.n_components), ids);
+      },
+      field.value);
+  return result;
+}
+
+}  // namespace
+
+RowsInOrder rows_in_order(const par::Comm& comm, const mesh::DistMesh& mesh) {
+  RowsInOrder rows;
+  const auto first = mesh.info.first_id;
+  rows.first_node = par::block_range(mesh.info.n_global_nodes, comm.rank(), comm.size()).begin;
+  rows.first_cell = par::block_range(mesh.info.n_global_cells, comm.rank(), comm.size()).begin;
+  rows.position =
+      par::scatter_rows<geometry::Vec3>(comm, mesh.info.node_ids(), mesh.node_position, 1, mesh.node_global);
+  std::vector<std::array<GlobalId, 4>> nodes(mesh.cell_to_node.size());
+  std::vector<std::array<std::int32_t, 4>> patch(mesh.cell_to_node.size());
+  for (std::size_t c = 0; c < nodes.size(); ++c)
+    for (std::size_t i = 0; i < 4; ++i) {
+      nodes[c][i] = mesh.node_global[static_cast<std::size_t>(mesh.cell_to_node[c][i])] - first;
+      patch[c][i] = mesh.cell_to_cell[c][i] < 0 ? mesh::slot_to_patch(mesh.cell_to_cell[c][i]) : -1;
+    }
+  rows.cell_to_node =
+      par::scatter_rows<std::array<GlobalId, 4>>(comm, mesh.info.cell_ids(), nodes, 1, mesh.cell_global);
+  rows.patch = par::scatter_rows<std::array<std::int32_t, 4>>(comm, mesh.info.cell_ids(), patch, 1, mesh.cell_global);
+  return rows;
+}
+
+mesh::CellField cells_in_order(const par::Comm& comm, const mesh::DistMesh& mesh, const mesh::CellField& field) {
+  return in_order(comm, mesh.info.cell_ids(), mesh.cell_global, field);
+}
+
+mesh::NodeField nodes_in_order(const par::Comm& comm, const mesh::DistMesh& mesh, const mesh::NodeField& field) {
+  return in_order(comm, mesh.info.node_ids(), mesh.node_global, field);
+}
+
+}  // namespace pamr::io

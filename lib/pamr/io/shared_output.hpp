@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <span>
+#include <string_view>
+
+#include "pamr/io/partial_file.hpp"
+#include "pamr/par/comm.hpp"
+
+namespace pamr::io {
+
+/// A file that all ranks write together, piece after piece: of each piece the ranks' parts follow one another. It gets
+/// its name when it is complete; an error leaves nothing behind. Every member is collective and throws the same `Error`
+/// on every rank.
+class SharedOutput {
+ public:
+  SharedOutput(const par::Comm& comm, const std::filesystem::path& file);
+  ~SharedOutput();
+  SharedOutput(const SharedOutput&) = delete;
+  SharedOutput& operator=(const SharedOutput&) = delete;
+  SharedOutput(SharedOutput&&) = delete;
+  SharedOutput& operator=(SharedOutput&&) = delete;
+
+  /// Appends the parts of all ranks, in rank order.
+  void append(std::span<const std::byte> part);
+  void append(std::string_view part) { append(std::as_bytes(std::span<const char>(part.data(), part.size()))); }
+  /// Appends what the first rank says.
+  void append_once(std::string_view text) { append(comm_.is_first() ? text : std::string_view()); }
+  void commit();
+
+ private:
+  const par::Comm& comm_;
+  PartialFile file_;
+  int descriptor_ = -1;
+  std::int64_t end_ = 0;
+  bool is_complete_ = false;
+};
+
+}  // namespace pamr::io

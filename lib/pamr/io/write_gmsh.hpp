@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+
+#include "pamr/mesh/dist_mesh.hpp"
+#include "pamr/par/comm.hpp"
+
+namespace pamr::io {
+
+enum class GmshVersion : std::uint8_t { v2_2, v4_1 };
+
+struct GmshWriteOptions {
+  GmshVersion version = GmshVersion::v4_1;
+  bool binary = true;
+};
+
+/// Writes nodes, boundary triangles and tetrahedra in Gmsh's format: patches become physical surfaces 1, 2, ... of
+/// their names, values of an integer cell field `region` physical volumes (1 without
+/// the field). Nodes are numbered from 1 in global order,
+/// and so are the elements: triangles patch by patch, then cells (4.1: region by region). Fields are left out. Text has
+/// 17 digits, which read back as the same numbers. The same bytes on any number of ranks.
+///
+/// Collective; throws the same `Error` on every rank (in 2.2 binary also for more than 2^31 nodes or elements, which
+/// that format cannot number) and leaves nothing behind then.
+void write_gmsh(const par::Comm& comm, const std::filesystem::path& file, const mesh::DistMesh& mesh,
+                const GmshWriteOptions& options = {});
+
+}  // namespace pamr::io

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "pamr/io/gmsh.hpp"
+#include "pamr/io/write_gmsh.hpp"
+#include "pamr/mesh/assemble.hpp"
+#include "seeds.hpp"
+#include "support/meshes.hpp"
+
+namespace pamr::fuzz {
+
+// 0 version 2.2 as text, 1 binary; 2 version 4.1 as text, 3 binary
+int n_seed_files() { return 4; }
+
+void read_file(const par::Comm& comm, const std::filesystem::path& file) { io::read_gmsh(comm, file); }
+
+std::string seed_name(int i) { return "seed" + std::to_string(i) + ".msh"; }
+
+void write_seed_files(const par::Comm& comm, const std::filesystem::path& folder) {
+  const auto mesh = mesh::assemble(comm, test::random_mesh(comm, 1, 2));
+  for (int i = 0; i < n_seed_files(); ++i)
+    io::write_gmsh(comm, folder / seed_name(i), mesh,
+                   {i < 2 ? io::GmshVersion::v2_2 : io::GmshVersion::v4_1, i % 2 == 1});
+}
+
+}  // namespace pamr::fuzz

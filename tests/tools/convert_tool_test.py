@@ -1,0 +1,177 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""pamr-convert: Gmsh's formats in and out, VTK's out; meshio is the independent reader."""
+import pathlib
+
+import h5py
+import meshio
+import numpy as np
+
+from tool_run import kuhn_cube, refuses, run, run_tests, same_bytes
+
+FORMATS = [("2.2", True), ("2.2", False), ("4.1", True), ("4.1", False)]
+
+
+def to_gmsh(source, target, version, text, **how):
+    run("pamr-convert", source, target, "--gmsh-version", version, *(["--text"] if text else []), "--quiet", **how)
+    return target
+
+
+def fingerprint(mesh):
+    return run("pamr-quality", mesh, "--json", "-", "--quiet").json["fingerprint"]
+
+
+def test_a_mesh_comes_back_from_every_format():
+    kuhn_cube("cube.hdf", 3)
+    run("pamr-mark", "cube.hdf", "-o", "marked.hdf", "--box", "0,0,0,0.4,0.4,1", "--quiet")
+    run("pamr-refine", "marked.hdf", "-o", "fine.hdf", "--quiet")
+    with h5py.File("fine.hdf") as file:
+        points, cells = file["VTKHDF/Points"][:], file["VTKHDF/Connectivity"][:].reshape(-1, 4)
+    run("pamr-convert", "fine.hdf", "plain.vtu", "--quiet")
+    for version, text in FORMATS:
+        name = f"fine{version}{text}.msh"
+        to_gmsh("fine.hdf", name, version, text)
+        read = meshio.read(name)
+        assert np.array_equal(read.points, points), "coordinates have changed"
+        assert np.array_equal(read.cells_dict["tetra"], cells)
+        assert set(read.field_data) == {"xmin", "xmax", "ymin", "ymax", "zmin", "zmax"}
+        for patch, (tag, _) in read.field_data.items():
+            on_patch = read.cells_dict["triangle"][read.cell_data_dict["gmsh:physical"]["triangle"] == tag]
+            axis, side = "xyz".index(patch[0]), 0.0 if patch.endswith("min") else 1.0
+            assert len(on_patch) > 0 and np.all(points[on_patch][:, :, axis] == side), patch
+        back = run("pamr-convert", name, "back.hdf", "--force", "--json", "-").json
+        assert back["cells"] == len(cells) and back["nodes"] == len(points) and back["untagged_faces"] == 0
+        assert sorted(back["patches"]) == sorted(read.field_data)
+        with h5py.File("back.hdf") as file:
+            again = file["VTKHDF/Points"][:]
+        assert sorted(map(tuple, again)) == sorted(map(tuple, points)), "coordinates have changed on the way back"
+        areas = [run("pamr-quality", m, "--json", "-", "--quiet").json["patches"] for m in ("fine.hdf", "back.hdf")]
+        assert {k: (v["faces"], round(v["area"], 12)) for k, v in areas[0].items()} == \
+               {k: (v["faces"], round(v["area"], 12)) for k, v in areas[1].items()}
+
+
+def test_files_do_not_depend_on_the_number_of_ranks():
+    kuhn_cube("cube.hdf", 4)
+    for version, text in FORMATS:
+        to_gmsh("cube.hdf", "one.msh", version, text, serial=True)
+        to_gmsh("cube.hdf", "many.msh", version, text)
+        assert same_bytes("one.msh", "many.msh"), (version, text)
+        run("pamr-convert", "one.msh", "one.hdf", "--quiet", serial=True)
+        run("pamr-convert", "many.msh", "many.hdf", "--quiet")
+        assert same_bytes("one.hdf", "many.hdf"), (version, text)
+        for name in ("one.msh", "many.msh", "one.hdf", "many.hdf"):
+            pathlib.Path(name).unlink()
+    for name, how in (("one.vtu", {"serial": True}), ("many.vtu", {})):
+        run("pamr-convert", "cube.hdf", name, "--quiet", **how)
+    assert same_bytes("one.vtu", "many.vtu")
+
+
+def test_vtu_holds_the_mesh_and_its_fields():
+    kuhn_cube("cube.hdf", 2)
+    with h5py.File("cube.hdf", "r+") as file:
+        n = file["VTKHDF/Types"].shape[0]
+        file["VTKHDF"].require_group("CellData")["weight"] = np.arange(n) * 0.5
+        file["VTKHDF"].require_group("PointData")["flow"] = file["VTKHDF/Points"][:] * 2
+    run("pamr-convert", "cube.hdf", "cube.vtu", "--quiet")
+    read = meshio.read("cube.vtu")
+    with h5py.File("cube.hdf") as file:
+        assert np.array_equal(read.points, file["VTKHDF/Points"][:])
+        assert np.array_equal(read.cells_dict["tetra"], file["VTKHDF/Connectivity"][:].reshape(-1, 4))
+    assert np.array_equal(read.cell_data["weight"][0], np.arange(n) * 0.5)
+    assert np.array_equal(read.point_data["flow"], 2 * read.points)
+
+
+def two_cells(version="2.2", nodes=None, elements=None):
+    """Two tetrahedra with a common face, all outer faces tagged."""
+    nodes = nodes or ["10 0 0 0", "20 1 0 0", "30 0 1 0", "40 0 0 1", "50 1 1 1"]
+    elements = elements or ["1 4 2 7 1 10 20 30 40", "2 4 2 7 1 20 30 40 50", "3 2 2 1 1 10 20 30",
+                            "4 2 2 1 1 10 20 40", "5 2 2 1 1 10 30 40", "6 2 2 2 2 20 30 50", "7 2 2 2 2 20 40 50",
+                            "8 2 2 2 2 30 40 50", "9 15 2 0 1 10", "10 1 2 0 1 10 20"]
+    return "\n".join([f"$MeshFormat\n{version} 0 8\n$EndMeshFormat", "$PhysicalNames", "3", '2 1 "near"',
+                      '2 2 "far side"', '3 7 "gas"', "$EndPhysicalNames", "$Nodes", str(len(nodes)), *nodes, "$EndNodes",
+                      "$Elements", str(len(elements)), *elements, "$EndElements", ""])
+
+
+def write(name, text):
+    pathlib.Path(name).write_text(text)
+    return name
+
+
+def test_groups_become_patches_and_regions():
+    result = run("pamr-convert", write("two.msh", two_cells()), "two.hdf", "--json", "-").json
+    assert result["patches"] == ["near", "far side"] and result["cells"] == 2 and result["nodes"] == 5
+    with h5py.File("two.hdf") as file:
+        assert list(file["VTKHDF/CellData/region"][:]) == [7, 7]
+
+
+def test_inverted_cells_are_refused_or_repaired():
+    turned = two_cells().replace("1 4 2 7 1 10 20 30 40", "1 4 2 7 1 20 10 30 40")
+    refuses("pamr-convert", write("turned.msh", turned), "out.hdf", says=["1 inverted", "--repair"], creates="out.hdf")
+    assert run("pamr-convert", "turned.msh", "out.hdf", "--repair", "--json", "-").json["turned_cells"] == 1
+    refuses("pamr-convert", "turned.msh", "strict.hdf", "--repair", "--strict", says=["1 inverted"], creates="strict.hdf")
+
+
+def test_what_is_no_good_mesh_is_refused_by_name():
+    good = two_cells()
+    cases = {
+        "nothing": ("", ["$MeshFormat"]),
+        "version": (good.replace("2.2 0 8", "4.0 0 8"), ["line 2", "2.2 or 4.1"]),
+        "number": (good.replace("20 1 0 0", "20 1 x 0"), ["line 13", '"x"']),
+        "nan": (good.replace("20 1 0 0", "20 1 nan 0"), ["line 13", "finite"]),
+        "twice": (good.replace("20 1 0 0", "10 1 0 0"), ["10 twice"]),
+        "missing": (good.replace("1 4 2 7 1 10 20 30 40", "1 4 2 7 1 10 20 30 45"), ["node number 45"]),
+        "negative": (good.replace("1 4 2 7 1 10 20 30 40", "1 4 2 7 1 10 20 30 -4"), ["node number -4"]),
+        "flat": (good.replace("40 0 0 1", "40 1 1 0"), ["1 flat"]),
+        "second order": (good.replace("1 4 2 7 1 10 20 30 40", "1 11 2 7 1 10 20 30 40 10 20 30 40 50 10"),
+                         ["1 tetrahedra of second order"]),
+        "hexahedra": (good.replace("1 4 2 7 1 10 20 30 40", "1 5 2 7 1 10 20 30 40 50 10 20 30"), ["1 hexahedra"]),
+        "inside": (good.replace("3 2 2 1 1 10 20 30", "3 2 2 1 1 20 30 40"), ["1 inside the domain"]),
+        "apart": (good.replace("3 2 2 1 1 10 20 30", "3 2 2 1 1 10 20 50"), ["1 inside the domain or apart"]),
+        "two tags": (good.replace("4 2 2 1 1 10 20 40", "4 2 2 2 2 10 20 30"), ["1 faces in two surfaces"]),
+        "many": (good.replace("$Nodes\n5", "$Nodes\n5000000000"), ["5000000000"]),
+        "few": (good.replace("$Nodes\n5", "$Nodes\n6"), ["expected"]),
+        "cut": (good[:300], ["the end of the file"]),
+        "no cells": ("\n".join(line for line in good.split("\n") if " 4 2 7 " not in line).replace("\n10\n1 4", "\n8\n1 4")
+                     .replace("$Elements\n10", "$Elements\n8"), ["tetrahedra, found none"]),
+        "periodic": (good + "$Periodic\n1\n2 1 2\n1\n10 20\n$EndPeriodic\n", ["periodic links, found 1"]),
+        "scattered": (good.replace("50", "5000000"), ["without wide gaps"]),
+    }
+    for name, (text, says) in cases.items():
+        refuses("pamr-convert", write(f"{name}.msh", text), "out.hdf", says=[f"{name}.msh", *says], creates="out.hdf")
+
+
+def test_strict_refuses_what_is_otherwise_told():
+    lonely = two_cells(nodes=["10 0 0 0", "20 1 0 0", "30 0 1 0", "40 0 0 1", "50 1 1 1", "60 5 5 5"])
+    assert run("pamr-convert", write("lonely.msh", lonely), "out.hdf", "--json", "-").json["dropped_nodes"] == 1
+    refuses("pamr-convert", "lonely.msh", "strict.hdf", "--strict", says=["1 others"], creates="strict.hdf")
+    untagged = two_cells().replace("8 2 2 2 2 30 40 50", "8 15 2 0 1 10")
+    result = run("pamr-convert", write("untagged.msh", untagged), "untagged.hdf", "--json", "-").json
+    assert result["untagged_faces"] == 1 and result["patches"] == ["near", "far side", "boundary"]
+    refuses("pamr-convert", "untagged.msh", "strict.hdf", "--strict", says=["1 faces without"], creates="strict.hdf")
+
+
+SURFACES = '[[surface]]\nname = "near"\nkind = "plane"\npoint = [0, 0, 0]\nnormal = [0, 0, 1]\n'
+
+
+def test_patches_are_tied_to_surfaces_where_their_nodes_lie():
+    kuhn_cube("cube.hdf", 2)
+    write("floor.toml", SURFACES)
+    result = run("pamr-convert", "cube.hdf", "tied.hdf", "--surfaces", "floor.toml", "--tie", "zmin=near", "--json",
+                 "-").json
+    assert result["ties"] == {"zmin": {"surface": "near", "worst_distance": 0}}
+    refuses("pamr-convert", "cube.hdf", "no.hdf", "--surfaces", "floor.toml", says=['"near"', "a patch that lies on it"],
+            creates="no.hdf")
+    refuses("pamr-convert", "cube.hdf", "no.hdf", "--surfaces", "floor.toml", "--tie", "zmax=near",
+            says=["patch 'zmax'", "as far as 1"], creates="no.hdf")
+    refuses("pamr-convert", "cube.hdf", "no.hdf", "--surfaces", "floor.toml", "--tie", "roof=near", says=["'roof'"],
+            creates="no.hdf")
+    refuses("pamr-convert", "cube.hdf", "no.hdf", "--surfaces", "floor.toml", "--tie", "zmin", says=["PATCH=SURFACE"],
+            creates="no.hdf")
+
+
+def test_endings_are_checked_before_anything_is_read():
+    kuhn_cube("cube.hdf", 1)
+    refuses("pamr-convert", "cube.hdf", "cube.stl", says=[".hdf, .msh, .vtu"], creates="cube.stl")
+    refuses("pamr-convert", "cube.hdf", "cube.hdf", says=["cube.hdf"])
+
+
+run_tests(globals())
