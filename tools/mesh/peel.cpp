@@ -56,6 +56,8 @@ std::vector<Ear> find_ears(const RawMesh& mesh) {
 bool lies_behind(const Domain& domain, const RawMesh& mesh, const Ear& ear) {
   const auto middle = [&](Edge e) { return geometry::midpoint(mesh.position(e.first), mesh.position(e.second)); };
   const Vec3 outer = middle(ear.outer), inner = middle(ear.inner);
+  // far from the wall, as in the middle of a ball, the nearest point says nothing
+  if (domain.label(inner) == Domain::inside) return false;
   return geometry::dot(domain.pieces[at(ear.piece)].nearest(inner) - inner, inner - outer) > 0;
 }
 
