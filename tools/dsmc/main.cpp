@@ -6,6 +6,7 @@
 #include <csignal>
 #include <cstdio>
 #include <fstream>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <sstream>
@@ -185,10 +186,17 @@ struct Advance {
 };
 
 /// Steps until the case or --steps says that it is enough, or a signal asks for the end.
-Advance advance(cli::Session& session, Computation& computation, const Options& options) {
+Advance advance(cli::Session& session, const Case& c, Computation& computation, const Options& options) {
   const auto& comm = session.comm();
   const auto run = [&]() -> const Run& { return *computation.run; };
-  auto progress = session.progress("computing", static_cast<std::int64_t>(run().expected_steps()), "steps");
+  // How long the transient takes is not known beforehand: its progress is that towards its limit.
+  const auto show = [&] {
+    const bool open = !run().state.sampling && !c.transient;
+    const auto total = open ? c.most_transient : static_cast<std::int64_t>(run().expected_steps());
+    return std::unique_ptr<cli::Progress>(
+        new cli::Progress(session.progress(open ? "waiting for a steady flow" : "computing", total, "steps")));
+  };
+  auto progress = show();
   double particle_steps = 0;
   bool was_sampling = run().state.sampling;
   const auto steps_done = [&] { return run().flow().steps_done; };
@@ -205,10 +213,12 @@ Advance advance(cli::Session& session, Computation& computation, const Options& 
     if (run().state.sampling && !was_sampling) {
       was_sampling = true;
       session.summary(run().state.steady_reason);
+      progress.reset();  // takes its bar away first
+      progress = show();
     }
     const auto& history = run().state.history;
-    progress.update(static_cast<std::int64_t>(steps_done()),
-                    history.empty() ? "" : fmt::format("{} particles", history.back().particles));
+    progress->update(static_cast<std::int64_t>(steps_done()),
+                     history.empty() ? "" : fmt::format("{} particles", history.back().particles));
   }
   return {static_cast<double>(comm.sum(static_cast<std::int64_t>(particle_steps))), stop};
 }
@@ -285,7 +295,7 @@ cli::ExitCode run_case(cli::Session& session, const Options& options) {
   begin(session, options, computation);
   tell();
   const double cpu = cpu_seconds();
-  const auto [particle_steps, was_interrupted] = advance(session, computation, options);
+  const auto [particle_steps, was_interrupted] = advance(session, c, computation, options);
   if (!options.checkpoint.empty()) write_checkpoint(comm, options.checkpoint, computation.snapshot());
   if (was_interrupted) {
     session.summary(fmt::format("interrupted after step {} -> {}", computation.flow->steps_done, options.checkpoint));
