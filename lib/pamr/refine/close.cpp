@@ -172,34 +172,29 @@ Closure close(const par::Comm& comm, const mesh::DistMesh& mesh, const mesh::Bor
 
   std::vector<std::uint8_t> kept;
   const Halves halves(mesh);
-  // Families without partner are kept. They are rare, and those that nobody hits need not be known: all of them are
-  // looked for only once one is met.
-  bool partners_are_known = policy != QualityControl::removable;
-  std::vector<LocalId> stuck;
-  if (!partners_are_known) stuck = without_partner_on_border(comm, mesh, borders, halves);
-  bool lacks_one = !stuck.empty();
+  // All families without partner are kept before anything is marked, those that nobody will hit as well: they keep
+  // families beside them, and which of these are met first would depend on the partition.
+  if (policy == QualityControl::removable) {
+    auto alone = without_partner_on_border(comm, mesh, borders, halves);
+    add_without_partner_inside(mesh, halves, alone);
+    if (comm.any(!alone.empty())) keep_families(comm, mesh, borders, halves, alone, kept);
+  }
   for (;;) {
-    if (!partners_are_known && comm.any(lacks_one)) {
-      add_without_partner_inside(mesh, halves, stuck);
-      partners_are_known = true;
-    }
-    if (comm.any(!stuck.empty())) keep_families(comm, mesh, borders, halves, stuck, kept);
-    stuck.clear();
     Propagation propagation(mesh, flags, kept, policy);
     closure.rounds += settle_all(comm, borders, propagation);
     const auto hit = propagation.hit_families();
     closure.marks = std::move(propagation).take_marks();
     closure.rebuilt.clear();
+    std::vector<LocalId> stuck;
     for (const auto first : hit) {
-      lacks_one = !partners_are_known && lacks_partner(mesh, halves, first);
-      if (lacks_one) break;
       const auto plan = plan_family(mesh, view_family(mesh, closure.marks, first));
       if (plan.state < 0)
         stuck.push_back(first);
       else
         closure.rebuilt.push_back(plan);
     }
-    if (!comm.any(lacks_one || !stuck.empty())) break;
+    if (!comm.any(!stuck.empty())) break;
+    keep_families(comm, mesh, borders, halves, stuck, kept);
   }
   closure.families_kept = comm.sum(count_kept_and_hit(mesh, kept, closure.marks));
   closure.families_rebuilt = comm.sum(static_cast<std::int64_t>(closure.rebuilt.size()));
