@@ -62,7 +62,7 @@ void run(const par::Comm& comm, const std::string& name, balance::Method method,
     compute += s.compute();
     if (s.step == "balance") balancing += s.compute();
     if (s.step == "migrate") migrating += s.compute();
-    scotch += s.traffic.library_cpu;
+    scotch += s.traffic.external_cpu;
   }
   const double longest = comm.max(wall), all = sum(compute), of_balance = sum(balancing), of_migrate = sum(migrating),
                of_scotch = sum(scotch);

@@ -27,7 +27,7 @@ nlohmann::json over_ranks(const par::Comm& comm, double here) { return over_rank
 std::vector<std::pair<const char*, double>> quantities(const StepTime& step) {
   const auto& traffic = step.traffic;
   return {{"compute", step.compute()},
-          {"library", traffic.library_cpu},
+          {"library", traffic.external_cpu},
           {"wait", traffic.wait_wall},
           {"messages", static_cast<double>(traffic.messages)},
           {"bytes", static_cast<double>(traffic.bytes)},

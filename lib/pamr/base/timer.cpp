@@ -34,7 +34,7 @@ Traffic& Traffic::operator+=(const Traffic& other) {
   reductions += other.reductions;
   wait_wall += other.wait_wall;
   wait_cpu += other.wait_cpu;
-  library_cpu += other.library_cpu;
+  external_cpu += other.external_cpu;
   return *this;
 }
 
@@ -46,7 +46,7 @@ Traffic& Traffic::operator-=(const Traffic& other) {
   reductions -= other.reductions;
   wait_wall -= other.wait_wall;
   wait_cpu -= other.wait_cpu;
-  library_cpu -= other.library_cpu;
+  external_cpu -= other.external_cpu;
   return *this;
 }
 

@@ -44,7 +44,7 @@ void Comm::Waiting::pause() {
 void Comm::Waiting::book(double wall, double cpu) {
   traffic_.wait_wall += wall;
   traffic_.wait_cpu += cpu;
-  if (in_ == In::library) traffic_.library_cpu += cpu;
+  if (in_ == In::library) traffic_.external_cpu += cpu;
 }
 
 template <class Operation>
