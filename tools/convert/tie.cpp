@@ -7,6 +7,7 @@
 
 #include "pamr/base/error.hpp"
 #include "pamr/geometry/surface.hpp"
+#include "pamr/geometry/triangulated.hpp"
 #include "pamr/mesh/tet.hpp"
 
 namespace pamr::convert_tool {
@@ -57,7 +58,8 @@ std::vector<Tie> tie_patches(const par::Comm& comm, mesh::DistMesh& mesh, const 
                              const std::string& file, const std::vector<std::string>& pairs, double tolerance) {
   geometry::SurfaceSet surfaces;
   par::agree(comm, [&] {
-    surfaces = geometry::surfaces_from_toml(text, file);
+    mesh.info.triangulations = geometry::triangulations_of_toml(text, file);
+    surfaces = geometry::surfaces_from_toml(text, file, mesh.info.triangulations);
     name_surfaces(mesh, surfaces, pairs);
   });
   mesh.info.surfaces_toml = text;

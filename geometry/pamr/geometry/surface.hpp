@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "pamr/geometry/triangulation.hpp"
 #include "pamr/geometry/vec3.hpp"
 
 namespace pamr::geometry {
@@ -48,8 +49,11 @@ struct SurfaceSet {
 };
 
 /// Reads the surfaces from TOML text: an array of tables `[[surface]]` with `name`, `kind` and the parameters of the
-/// kind (docs/surfaces.md). Throws `Error` with the line for an unknown kind, key, type or value out of range.
-SurfaceSet surfaces_from_toml(std::string_view text, std::string_view where);
+/// kind (docs/surfaces.md). Surfaces of kind `triangulation` are made from the one of their name among
+/// `triangulations`: no file is read here (`triangulations_of_toml` does). Throws `Error` with the line for an unknown
+/// kind, key, type or value out of range, and for a triangulation that is not there or not valid.
+SurfaceSet surfaces_from_toml(std::string_view text, std::string_view where,
+                              std::span<const Triangulation> triangulations = {});
 
 /// Nearest point that lies on all the given surfaces (1: the surface, 2: their common curve, 3: their corner), found by
 /// Newton steps of least length from `point`. Of two surfaces whose normals at `point` differ by under 5 degrees

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <filesystem>
 #include <initializer_list>
 #include <string>
 #include <utility>
@@ -18,13 +19,16 @@
 #include "pamr/geometry/revolution.hpp"
 #include "pamr/geometry/sphere.hpp"
 #include "pamr/geometry/surface.hpp"
+#include "pamr/geometry/surface_file.hpp"
 #include "pamr/geometry/torus.hpp"
+#include "pamr/geometry/triangulated.hpp"
 
 namespace pamr::geometry {
 
 namespace {
 
-constexpr std::string_view kinds = "plane, sphere, cylinder, cone, torus, quadric, revolution or polynomial";
+constexpr std::string_view kinds =
+    "plane, sphere, cylinder, cone, torus, quadric, revolution, polynomial or triangulation";
 
 std::string kind_of(const toml::node& node) {
   switch (node.type()) {
@@ -159,8 +163,29 @@ std::vector<PolynomialSegment> read_segments(const TableReader& surface, const s
   return segments;
 }
 
+/// The keys of a triangulation but for its data; the file must be named even when the data comes from elsewhere.
+Triangulated::Options triangulation_options(const TableReader& table) {
+  table.refuse_keys_but({"name", "kind", "file", "feature_angle", "open", "near"});
+  table.text("file");
+  Triangulated::Options options;
+  if (table.has("feature_angle")) options.feature_angle = table.number("feature_angle");
+  if (table.has("open")) options.open_allowed = table.truth("open");
+  if (table.has("near")) options.near = table.vector("near");
+  return options;
+}
+
+std::unique_ptr<const Surface> read_triangulated(const TableReader& table,
+                                                 std::span<const Triangulation> triangulations) {
+  const auto options = triangulation_options(table);
+  const auto name = table.text("name");
+  const auto data = std::find_if(triangulations.begin(), triangulations.end(),
+                                 [&](const Triangulation& candidate) { return candidate.name == name; });
+  if (data == triangulations.end()) table.fail("expected its triangles beside the description, found none");
+  return std::make_unique<Triangulated>(*data, options);
+}
+
 std::unique_ptr<const Surface> read_surface(const TableReader& table, const std::string& where,
-                                            const std::string& context) {
+                                            const std::string& context, std::span<const Triangulation> triangulations) {
   const std::string kind = table.text("kind");
   if (kind == "plane") {
     table.refuse_keys_but({"name", "kind", "point", "normal"});
@@ -196,43 +221,69 @@ std::unique_ptr<const Surface> read_surface(const TableReader& table, const std:
     table.refuse_keys_but({"name", "kind", "segments"});
     return std::make_unique<Polynomial>(read_segments(table, where, context));
   }
+  if (kind == "triangulation") return read_triangulated(table, triangulations);
   table.fail(table.required("kind").source(), "kind: expected " + std::string(kinds) + ", found \"" + kind + "\"");
 }
 
-}  // namespace
-
-SurfaceSet surfaces_from_toml(std::string_view text, std::string_view where) {
-  const std::string file(where);
-  toml::table root;
+toml::table parse(std::string_view text, const std::string& file) {
   try {
-    root = toml::parse(text, file);
+    return toml::parse(text, file);
   } catch (const toml::parse_error& error) {
     throw Error(file + ":" + std::to_string(error.source().begin.line) +
                 ": expected TOML, found: " + std::string(error.description()));
   }
-  SurfaceSet set;
+}
+
+/// Calls `use(reader, name, context)` for each surface; errors that do not name the file get file and line.
+template <class Use>
+void for_each_surface(const toml::table& root, const std::string& file, const Use& use) {
   const TableReader top(root, file, "surfaces");
   top.refuse_keys_but({"surface"});
-  if (!top.has("surface")) return set;
+  if (!top.has("surface")) return;
+  int n = 0;
   for (const toml::node& node : top.tables("surface")) {
     const toml::table& table = *node.as_table();
-    const std::string number = "surface " + std::to_string(set.name.size() + 1);
-    const std::string name = TableReader(table, file, number).text("name");
+    const std::string name = TableReader(table, file, "surface " + std::to_string(++n)).text("name");
     const std::string context = "surface \"" + name + "\"";
     const TableReader reader(table, file, context);
-    if (set.find(name) != nullptr) reader.fail(table.get("name")->source(), "expected a new name, found it twice");
-    std::unique_ptr<const Surface> surface;
     try {
-      surface = read_surface(reader, file, context);
+      use(reader, name, context);
     } catch (const Error& error) {
       const std::string message = error.what();
       if (message.starts_with(file + ":")) throw;
       reader.fail(message);
     }
+  }
+}
+
+}  // namespace
+
+SurfaceSet surfaces_from_toml(std::string_view text, std::string_view where,
+                              std::span<const Triangulation> triangulations) {
+  const std::string file(where);
+  const auto root = parse(text, file);
+  SurfaceSet set;
+  for_each_surface(root, file, [&](const TableReader& reader, const std::string& name, const std::string& context) {
+    if (set.find(name) != nullptr) reader.fail(reader.required("name").source(), "expected a new name, found it twice");
+    auto surface = read_surface(reader, file, context, triangulations);
     set.name.push_back(name);
     set.surface.push_back(std::move(surface));
-  }
+  });
   return set;
+}
+
+std::vector<Triangulation> triangulations_of_toml(std::string_view text, std::string_view where) {
+  const std::string file(where);
+  const auto root = parse(text, file);
+  std::vector<Triangulation> result;
+  for_each_surface(root, file, [&](const TableReader& reader, const std::string& name, const std::string&) {
+    if (reader.text("kind") != "triangulation") return;
+    const auto options = triangulation_options(reader);
+    const auto path = std::filesystem::path(file).parent_path() / reader.text("file");
+    result.push_back(read_triangulation(path, options.open_allowed));
+    result.back().name = name;
+  });
+  return result;
 }
 
 }  // namespace pamr::geometry

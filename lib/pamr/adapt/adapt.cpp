@@ -36,7 +36,8 @@ geometry::SurfaceSet read_surfaces(const par::Comm& comm, const mesh::DistMesh& 
   geometry::SurfaceSet surfaces;
   par::agree(comm, [&] {
     if (options.project && !mesh.info.surfaces_toml.empty())
-      surfaces = geometry::surfaces_from_toml(mesh.info.surfaces_toml, "surfaces of the mesh");
+      surfaces =
+          geometry::surfaces_from_toml(mesh.info.surfaces_toml, "surfaces of the mesh", mesh.info.triangulations);
   });
   return surfaces;
 }
