@@ -4,10 +4,12 @@
 # a table of its levels, and the same forces on the last mesh without the plate's potential.
 #
 #   cases/charged-spheres/run.sh [--reading a|b] [--ranks N] [--levels N] [--max-cells N] [--out FOLDER] [--tools FOLDER]
+#                                [--picture]
 #
 #   --reading a|b  the paper's lengths in micrometres (a) or in Debye lengths (b, default)
 #   --levels N     refinements at most (default 5)
 #   --max-cells N  cells at most (default 700000)
+#   --picture      renders docs/images/charged-spheres.png from level 0 and the last level
 set -euo pipefail
 
 case_folder=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")" && pwd)
@@ -18,6 +20,7 @@ ranks=2
 levels=5
 max_cells=700000
 tools=
+picture=no
 while [ $# -gt 0 ]; do
   case $1 in
     --reading) reading=${2:?run.sh: --reading needs a or b}; shift 2 ;;
@@ -26,14 +29,17 @@ while [ $# -gt 0 ]; do
     --max-cells) max_cells=${2:?run.sh: --max-cells needs a number}; shift 2 ;;
     --out) out=${2:?run.sh: --out needs a folder}; shift 2 ;;
     --tools) tools=${2:?run.sh: --tools needs a folder}; shift 2 ;;
-    -h | --help) sed -n '3,10s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
+    --picture) picture=yes; shift ;;
+    -h | --help) sed -n '3,12s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
     *) echo "run.sh: unknown option $1 (see run.sh --help)" >&2; exit 2 ;;
   esac
 done
 case $reading in a | b) ;; *) echo "run.sh: expected --reading a or b, found $reading" >&2; exit 2 ;; esac
 out=${out:-$case_folder/out/reading-$reading}
 if [ -z "$tools" ]; then
-  "$root/scripts/setup.sh"
+  setup=()
+  if [ $picture = yes ]; then setup=(--picture); fi
+  "$root/scripts/setup.sh" "${setup[@]}"
   tools=${PAMR_BUILD:-$root/build/release}/bin
 fi
 . "$root/scripts/mpi_environment.sh"
@@ -71,5 +77,8 @@ force = [r["forces"]["sphere"]["midplane"]["dimensionless"][0] for r in (with_pl
 print(f"force with plate {force[0]:.6g}, without {force[1]:.6g}: the plate changes it by {force[0] - force[1]:.3e} "
       f"({100 * (force[0] / force[1] - 1):.2f} %)")
 PYTHON
+if [ $picture = yes ]; then
+  "$root/docs/images/render.sh" --spheres "$out/level0.hdf" "$last" "$root/docs/images/charged-spheres.png"
+fi
 echo "For ParaView: $last"
 exit $status

@@ -150,36 +150,46 @@ def renderer_of(mesh, title, left, right, legend_levels):
     return renderer
 
 
-def main():
-    coarse, fine, picture = Mesh(sys.argv[1]), Mesh(sys.argv[2]), sys.argv[3]
+def white_window(width, height):
     window = vtk.vtkRenderWindow()
     window.SetOffScreenRendering(1)
     window.SetMultiSamples(4)
-    window.SetSize(WIDTH * OVERSAMPLING, HEIGHT * OVERSAMPLING)
-    number = {1: "one refinement", 2: "two refinements", 3: "three refinements"}.get(
-        fine.deepest, f"{fine.deepest} refinements")
+    window.SetSize(width * OVERSAMPLING, height * OVERSAMPLING)
     background = vtk.vtkRenderer()
     background.SetBackground(1, 1, 1)
     window.AddRenderer(background)
-    window.AddRenderer(renderer_of(coarse, "Level 0", 0, 0.498, 0))
-    window.AddRenderer(renderer_of(fine, "After " + number, 0.502, 1, fine.deepest + 1))
-    window.Render()
+    return window
 
+
+def save(window, picture):
+    """Renders, averages OVERSAMPLING x OVERSAMPLING pixels to one and writes a PNG."""
+    window.Render()
+    k = OVERSAMPLING
+    width, height = (size // k for size in window.GetSize())
     grab = vtk.vtkWindowToImageFilter()
     grab.SetInput(window)
     grab.ReadFrontBufferOff()
     grab.Update()
     pixels = vtk_to_numpy(grab.GetOutput().GetPointData().GetScalars())
-    k = OVERSAMPLING
-    small = pixels.reshape(HEIGHT, k, WIDTH, k, 3).mean(axis=(1, 3)).round().astype(np.uint8)
+    small = pixels.reshape(height, k, width, k, 3).mean(axis=(1, 3)).round().astype(np.uint8)
     image = vtk.vtkImageData()
-    image.SetDimensions(WIDTH, HEIGHT, 1)
+    image.SetDimensions(width, height, 1)
     image.GetPointData().SetScalars(numpy_to_vtk(small.reshape(-1, 3), deep=True))
     writer = vtk.vtkPNGWriter()
     writer.SetFileName(picture)
     writer.SetCompressionLevel(9)
     writer.SetInputData(image)
     writer.Write()
+
+
+def main():
+    coarse, fine, picture = Mesh(sys.argv[1]), Mesh(sys.argv[2]), sys.argv[3]
+    number = {1: "one refinement", 2: "two refinements", 3: "three refinements"}.get(
+        fine.deepest, f"{fine.deepest} refinements")
+    window = white_window(WIDTH, HEIGHT)
+    window.AddRenderer(renderer_of(coarse, "Level 0", 0, 0.498, 0))
+    window.AddRenderer(renderer_of(fine, "After " + number, 0.502, 1, fine.deepest + 1))
+    save(window, picture)
     print(f"{picture}: {coarse.n_cells} and {fine.n_cells} cells")
 
 
