@@ -62,7 +62,8 @@ python3 "$case_folder/levels.py" "$out" "midplane=forces.sphere.midplane.dimensi
   --expected "$case_folder/expected.csv" --case "reading-$reading" || status=1
 
 # The last mesh again, with nothing where the plate was: what the plate changes, free of most of the mesh's error.
-last=$(ls "$out"/level*.hdf | sort -V | tail -n 1)
+solved=("$out"/solve*.json)  # of this run; levels of a longer one before may lie beside
+last=$out/level$((${#solved[@]} - 1)).hdf
 mpirun -q -n "$ranks" pamr-pb "$case_folder/reading-$reading-without-plate.toml" --mesh "$last" \
   -o "$out/without-plate.hdf" --force --quiet --json "$out/without-plate.json"
 python3 - "$out/without-plate.json" "${last%.hdf}" <<'PYTHON'

@@ -173,10 +173,24 @@ Domain make_domain(const par::Comm& comm, const mesh::DistMesh& mesh, const Case
   return domain;
 }
 
-std::int64_t bytes_needed(const Domain& domain) {
-  // A node has about 15 neighbours: two matrices of 12 bytes an entry and one while they are assembled; some 40
-  // doubles of vectors and geometry.
-  return static_cast<std::int64_t>(domain.point.size()) * (16 * 12 * 3 + 40 * 8);
+Memory memory_needed(const mesh::DistMesh& mesh, const Case& problem) {
+  const auto n_nodes = static_cast<std::int64_t>(mesh.node_position.size());
+  const auto n_cells = static_cast<std::int64_t>(mesh.cell_to_node.size());
+  std::int64_t n_outer_faces = 0;
+  for (const auto& slots : mesh.cell_to_cell)
+    for (const auto slot : slots) n_outer_faces += mesh.is_own(slot) ? 0 : 1;
+  // Euler's formula, nodes - edges + faces - cells = 1 for a ball, with 2 faces = 4 cells + outer faces.
+  const auto n_edges = n_cells == 0 ? 0 : n_nodes + n_cells + n_outer_faces / 2 - 1;
+  Memory memory;
+  memory.n_entries = n_nodes + 2 * n_edges;
+  memory.mesh = static_cast<std::int64_t>(mesh::bytes_at_rest(mesh));
+  // Two matrices of 8 + 4 bytes an entry, or one and the rows that it is assembled from. Some 45 numbers a node:
+  // conditions, vectors of the solvers, gradients, fields of the answer. 9 a cell: gradients and error estimates.
+  memory.program = 50'000'000;
+  memory.solve = 24 * memory.n_entries + 360 * n_nodes + 72 * n_cells + 56 * n_outer_faces;
+  // The multigrid hierarchy: hypre's copy of the matrix, its coarser ones and what moves between them.
+  if (problem.solver.preconditioner == "boomeramg") memory.solve += 60 * memory.n_entries;
+  return memory;
 }
 
 }  // namespace pamr::poisson_boltzmann

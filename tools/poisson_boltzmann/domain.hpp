@@ -58,7 +58,15 @@ struct Domain {
 /// sphere or plate that the case says it is, or there are more than 64.
 Domain make_domain(const par::Comm& comm, const mesh::DistMesh& mesh, const Case& problem, const std::string& where);
 
-/// Bytes that a solve takes on this rank besides the mesh, estimated from its nodes.
-std::int64_t bytes_needed(const Domain& domain);
+/// What a solve will take on this rank, estimated from the counts of the mesh before anything is allocated. Bytes.
+struct Memory {
+  std::int64_t n_entries = 0;  ///< of the stiffness matrix that this rank's cells make; exact on a part without holes
+  std::int64_t program = 0;    ///< PETSc, hypre and MPI, taken already
+  std::int64_t mesh = 0;       ///< taken already
+  std::int64_t solve = 0;      ///< matrices, vectors, estimates and fields; without buffers of files and of messages
+  std::int64_t total() const { return program + mesh + solve; }
+};
+/// Local. O(cells).
+Memory memory_needed(const mesh::DistMesh& mesh, const Case& problem);
 
 }  // namespace pamr::poisson_boltzmann

@@ -114,17 +114,21 @@ std::vector<double> start_of(const par::Comm& comm, const mesh::DistMesh& mesh, 
   return u;
 }
 
-void print_case(const cli::Session& session, const pb::Case& problem, const pb::Domain& domain,
-                const pb::Conditions& conditions) {
+/// What is solved, and the memory that it will take; the latter as it goes to the report. Collective.
+nlohmann::json print_case(const cli::Session& session, const pb::Case& problem, const mesh::DistMesh& mesh,
+                          const pb::Conditions& conditions) {
   for (const auto& line : pb::describe(problem)) session.summary(line);
   const auto& comm = session.comm();
-  const double bytes = static_cast<double>(comm.max(pb::bytes_needed(domain)));
-  session.summary(fmt::format("{} nodes, {} cells on {} ranks; about {:.0f} MB a rank besides the mesh",
-                              domain.mesh->info.n_global_nodes, domain.mesh->info.n_global_cells, comm.size(),
-                              bytes / 1e6));
+  const auto memory = pb::memory_needed(mesh, problem);
+  const auto n_entries = comm.sum(memory.n_entries), bytes = comm.max(memory.total());
+  session.summary(fmt::format(
+      "{} nodes, {} cells, {} matrix entries on {} ranks: needs about {:.0f} MB a rank, {:.0f} of them for the mesh",
+      mesh.info.n_global_nodes, mesh.info.n_global_cells, n_entries, comm.size(), 1e-6 * static_cast<double>(bytes),
+      1e-6 * static_cast<double>(comm.max(memory.mesh))));
   if (conditions.n_contradictions > 0)
     session.warn(fmt::format("{} nodes lie on patches with different potentials; the first of them in the mesh decides",
                              conditions.n_contradictions));
+  return {{"matrix_entries", n_entries}, {"bytes_a_rank", bytes}};
 }
 
 std::string where_it_failed(const pb::Solution& s) {
@@ -151,8 +155,8 @@ cli::ExitCode run(cli::Session& session, const Options& o) {
   const auto domain = pb::make_domain(comm, mesh, problem, o.case_file);
   const auto conditions = pb::make_conditions(comm, domain, problem);
   const auto start = start_of(comm, mesh, conditions, o);
-  pb::System system(comm, domain, problem, conditions);
-  print_case(session, problem, domain, conditions);
+  nlohmann::json needs;
+  pb::System system(comm, domain, problem, conditions, [&] { needs = print_case(session, problem, mesh, conditions); });
   laps.end("assemble");
   session.summary(pb::table_head());
   const auto solution = system.solve(start, [&](const pb::NewtonStep& step) { session.summary(pb::table_line(step)); });
@@ -180,6 +184,7 @@ cli::ExitCode run(cli::Session& session, const Options& o) {
   pb::set_fields(mesh, problem, solution, analysis);
   io::write_native(comm, o.output, mesh);
   laps.end("write");
+  report["needs"] = needs;
   report["seconds"] = laps.wall();
   report["cpu_seconds"] = laps.cpu();
   report["peak_rss_bytes"] = comm.max(peak_bytes());

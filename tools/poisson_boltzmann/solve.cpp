@@ -47,8 +47,12 @@ PetscErrorCode monitor(SNES snes, PetscInt step, PetscReal norm, void* context) 
 
 }  // namespace
 
-System::System(const par::Comm& comm, const Domain& domain, const Case& problem, const Conditions& conditions)
+System::System(const par::Comm& comm, const Domain& domain, const Case& problem, const Conditions& conditions,
+               const std::function<void()>& before_matrices)
     : comm_(comm), domain_(domain), problem_(problem), conditions_(conditions), term_(problem.linear) {
+  require(SNESCreate(comm.handle(), snes_.address()));
+  configure(snes_);
+  if (before_matrices) before_matrices();
   stiffness_ = assemble_stiffness(comm, domain);
   require(MatCreateVecs(stiffness_, unknown_.address(), work_.address()));
   require(VecDuplicate(unknown_, diagonal_.address()));
@@ -62,13 +66,11 @@ System::System(const par::Comm& comm, const Domain& domain, const Case& problem,
       fixed.push_back(domain.nodes.equation()[static_cast<std::size_t>(node)]);
   require(MatZeroRowsColumns(jacobian_, static_cast<PetscInt>(fixed.size()), fixed.data(), 1.0, nullptr, nullptr));
   require(MatGetDiagonal(jacobian_, diagonal_));
-  require(SNESCreate(comm.handle(), snes_.address()));
-  configure(snes_);
+  require(SNESSetFunction(snes_, nullptr, residual_callback, this));
+  require(SNESSetJacobian(snes_, jacobian_, jacobian_, jacobian_callback, this));
 }
 
 void System::configure(SNES snes) {
-  require(SNESSetFunction(snes, nullptr, residual_callback, this));
-  require(SNESSetJacobian(snes, jacobian_, jacobian_, jacobian_callback, this));
   KSP ksp = nullptr;
   PC pc = nullptr;
   require(SNESGetKSP(snes, &ksp));

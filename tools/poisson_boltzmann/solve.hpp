@@ -39,8 +39,10 @@ struct Solution {
 /// only the diagonal of its copy, with Gauss points all of it.
 class System {
  public:
-  /// Collective. Keeps references to its arguments.
-  System(const par::Comm& comm, const Domain& domain, const Case& problem, const Conditions& conditions);
+  /// Collective. Keeps references to its arguments but the last. `before_matrices` is called when PETSc has taken its
+  /// options and nothing large is allocated yet. Throws `Error` when PETSc cannot use its options.
+  System(const par::Comm& comm, const Domain& domain, const Case& problem, const Conditions& conditions,
+         const std::function<void()>& before_matrices = {});
 
   /// Newton's method with line search (SNES), linear systems by conjugate gradients. Starts from `start` (u at the
   /// local nodes) or, when it is empty, from 0 off the boundary. `watch` sees each line of the table. Converged when

@@ -154,6 +154,23 @@ TEST(Solve, SolvesTheLinearisedEquationToTheChangeOfTheSolution) {
     ASSERT_NEAR(slope[i], (after.solution.u[i] - before.solution.u[i]) / (2 * step), 1e-5);
 }
 
+TEST(MemoryNeeded, CountsTheEntriesOfTheMatrixFromTheMesh) {
+  par::Comm comm(MPI_COMM_WORLD);
+  const auto mesh = mesh::assemble(comm, test::kuhn_cube(comm, 4));
+  const auto jacobi = read_case(cube_boundary(potential(1)), "c");
+  const auto amg = read_case("[solver]\npreconditioner = \"boomeramg\"\n" + cube_boundary(potential(1)), "c");
+  const auto memory = memory_needed(mesh, jacobi);
+
+  const auto n_entries = comm.sum(memory.n_entries);
+  if (comm.size() == 1)
+    EXPECT_EQ(n_entries, 125 + 2 * 604);  // nodes and edges: 7 n^3 + 9 n^2 + 3 n
+  else
+    EXPECT_GT(n_entries, 125 + 2 * 604);  // shared rows are counted on every rank
+  EXPECT_EQ(memory.mesh, static_cast<std::int64_t>(mesh::bytes_at_rest(mesh)));
+  EXPECT_GT(memory.solve, 2 * 12 * memory.n_entries);  // the matrix and its copy with the Jacobian's diagonal
+  EXPECT_GT(memory_needed(mesh, amg).solve, memory.solve);
+}
+
 TEST(MakeDomain, RefusesPatchesThatDoNotMatch) {
   par::Comm comm(MPI_COMM_WORLD);
   const auto mesh = mesh::assemble(comm, test::kuhn_cube(comm, 2));
