@@ -1,15 +1,16 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Force and interaction energy over the distance of the spheres or over their height, each value by its own mesh and
-loop of solving, marking and refining.
+"""Force and interaction energy over the distance of the spheres or over their height, or force over the place of the end
+wall, each value by its own mesh and loop of solving, marking and refining.
 
-Usage: sweep.py CASE.toml --vary distance|height VALUE... [--levels N] [--max-cells N] [--ranks N] [--out FOLDER]
-                [--tools FOLDER]
+Usage: sweep.py CASE.toml --vary distance|height|half_length VALUE... [--levels N] [--max-cells N] [--ranks N]
+                [--out FOLDER] [--tools FOLDER]
 
-CASE.toml has [mesh.geometry] and [pair] with this length (reading-b.toml). VALUES are in the unit of the mesh, Debye
-lengths. Prints a table and writes FOLDER/sweep.csv. The energy (unit: force unit times Debye length) is the integral of
-the force, f_x over the distance or f_z over the height, from the value to infinity: between the values the force is
-taken as exponential, beyond the last as exp(-distance) (pairs) or exp(-height).
+CASE.toml has [mesh.geometry] and [pair] with this length (reading-b.toml), or half_length, the place x of the end wall,
+in [mesh.geometry] (end-wall.toml; the force is f_x by the volume form, without an energy). VALUES are in the unit of the
+mesh, Debye lengths. Prints a table and writes FOLDER/sweep.csv. The energy (unit: force unit times Debye length) is the
+integral of the force, f_x over the distance or f_z over the height, from the value to infinity: between the values the
+force is taken as exponential, beyond the last as exp(-distance) (pairs) or exp(-height).
 """
 import argparse
 import csv
@@ -47,7 +48,7 @@ def solve(o, value):
     folder = o.out / f"{o.vary}-{value:g}"
     folder.mkdir(parents=True, exist_ok=True)
     text = pathlib.Path(o.case).read_text(encoding="utf-8")
-    for table in ("mesh.geometry", "pair"):
+    for table in ("mesh.geometry",) if o.vary == "half_length" else ("mesh.geometry", "pair"):
         text = replaced(text, table, o.vary, value)
     (folder / "case.toml").write_text(text, encoding="utf-8")
     subprocess.run(["pamr-mesh", folder / "case.toml", "-o", folder / "mesh.hdf", "--force", "--quiet"], check=True)
@@ -61,13 +62,15 @@ def solve(o, value):
     force = report["forces"]["sphere"]
     if o.vary == "distance":
         return report["cells"], force["midplane"]["dimensionless"][0], report["goal"]["correction"], report["units"]
+    if o.vary == "half_length":
+        return report["cells"], force["volume"]["dimensionless"][0], report["goal"]["correction"], report["units"]
     return report["cells"], force["volume"]["dimensionless"][2], 0.0, report["units"]
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("case")
-    parser.add_argument("--vary", choices=("distance", "height"), required=True)
+    parser.add_argument("--vary", choices=("distance", "height", "half_length"), required=True)
     parser.add_argument("values", type=float, nargs="+")
     parser.add_argument("--levels", type=int, default=4)
     parser.add_argument("--max-cells", type=int, default=200000)
@@ -79,15 +82,17 @@ def main():
         os.environ["PATH"] = o.tools + os.pathsep + os.environ["PATH"]
     o.values.sort()
     rows = [solve(o, value) for value in o.values]
-    energy = energies(o.values, [force for _, force, _, _ in rows])
+    forces = [force for _, force, _, _ in rows]
+    # The wall is no coordinate of the spheres: there is no energy to a force over its place.
+    energy = [math.nan] * len(forces) if o.vary == "half_length" else energies(o.values, forces)
     unit = rows[0][3]["force_newton"]
     with open(o.out / "sweep.csv", "w", encoding="utf-8", newline="") as file:
         writer = csv.writer(file)
         writer.writerow([o.vary, "cells", "force", "estimated_error", "force_newton", "energy"])
-        print(f"{o.vary:>9}     cells        force  estim. error     newton         energy")
+        print(f"{o.vary:>11}   cells        force  estim. error     newton         energy")
         for value, (cells, force, correction, _), total in zip(o.values, rows, energy):
             writer.writerow([value, cells, force, correction, unit * force, total])
-            print(f"{value:9g} {cells:>9} {force:>12.5e} {correction:>13.2e} {unit * force:>10.3e} {total:>14.5e}")
+            print(f"{value:11g} {cells:>7} {force:>12.5e} {correction:>13.2e} {unit * force:>10.3e} {total:>14.5e}")
 
 
 if __name__ == "__main__":
