@@ -101,7 +101,9 @@ def test_the_bulk_of_a_field_is_the_fewest_cells_that_carry_it():
     found, _ = mark("a.hdf", "--bulk-of", "part:0.3")
     assert found.sum() == np.searchsorted(largest, 0.3 * share.sum()) + 1
     assert share[found == 1].min() > share[found == 0].max()
-    refuses("pamr-mark", "a.hdf", "-o", "out.hdf", "--bulk-of", "part", says=["FIELD:FRACTION"], creates="out.hdf")
+    usual, _ = mark("a.hdf", "--bulk-of", "part")
+    assert list(usual) == list(found), "a fraction of 0.3 is the usual one"
+    refuses("pamr-mark", "a.hdf", "-o", "out.hdf", "--bulk-of", ":0.3", says=["FIELD or"], creates="out.hdf")
     refuses("pamr-mark", "a.hdf", "-o", "out.hdf", "--bulk-of", "part:1.5", says=["at most 1"], creates="out.hdf")
     add_cell_field("a.hdf", "change", -share)
     refuses("pamr-mark", "a.hdf", "-o", "out.hdf", "--bulk-of", "change:0.5", says=["change"], creates="out.hdf")

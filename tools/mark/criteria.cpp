@@ -67,11 +67,13 @@ Threshold threshold_of(const Given& given) {
   throw Error(fmt::format("{}: expected FIELD:above:V or FIELD:below:V, found \"{}\"", given.option, given.text));
 }
 
-/// `FIELD:FRACTION`; the field's name may hold colons.
+/// `FIELD` or `FIELD:FRACTION`; the field's name may hold colons when a fraction follows.
 BulkOf bulk_of(const Given& given) {
+  constexpr double usual_fraction = 0.3;
   const auto colon = given.text.rfind(':');
+  if (colon == std::string::npos && !given.text.empty()) return {given.text, usual_fraction};
   if (colon == std::string::npos || colon == 0)
-    throw Error(fmt::format("{}: expected FIELD:FRACTION, found \"{}\"", given.option, given.text));
+    throw Error(fmt::format("{}: expected FIELD or FIELD:FRACTION, found \"{}\"", given.option, given.text));
   const BulkOf rule{given.text.substr(0, colon), number_of({given.option, given.text.substr(colon + 1)})};
   if (!(rule.fraction > 0 && rule.fraction <= 1))
     throw Error(
