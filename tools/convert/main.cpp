@@ -3,13 +3,12 @@
 
 #include <CLI/CLI.hpp>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
 #include "cli/run_tool.hpp"
+#include "cli/text_file.hpp"
 #include "convert/tie.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/io/gmsh.hpp"
@@ -58,17 +57,6 @@ std::string extension(const std::string& file, std::initializer_list<std::string
     list += (list.empty() ? "" : ", ") + std::string(ending);
   }
   throw Error("file '" + file + "': expected a name that ends in " + list + ", found \"" + found + "\"");
-}
-
-std::string text_of(const par::Comm& comm, const std::string& path) {
-  std::string text;
-  par::agree(comm, [&] {
-    if (!comm.is_first()) return;
-    std::ifstream file(path, std::ios::binary);
-    text.assign(std::istreambuf_iterator<char>(file), {});
-    if (!file) throw Error("file '" + path + "': expected a file that can be read");
-  });
-  return comm.broadcast(text);
 }
 
 /// Reads either format; says what the reader had to change.
@@ -121,8 +109,8 @@ cli::ExitCode convert(cli::Session& session, const Options& options) {
   auto mesh = read(session, options, report);
   mesh::require_valid(comm, mesh, options.input);
   if (!options.surfaces.empty())
-    for (const auto& tie : convert_tool::tie_patches(comm, mesh, text_of(comm, options.surfaces), options.surfaces,
-                                                     options.ties, options.tolerance))
+    for (const auto& tie : convert_tool::tie_patches(comm, mesh, cli::read_text(comm, options.surfaces),
+                                                     options.surfaces, options.ties, options.tolerance))
       report["ties"][tie.patch] = {{"surface", tie.surface}, {"worst_distance", tie.worst_distance}};
   write(comm, options, mesh);
   report["cells"] = mesh.info.n_global_cells;

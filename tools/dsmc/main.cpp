@@ -5,16 +5,15 @@
 #include <cmath>
 #include <csignal>
 #include <cstdio>
-#include <fstream>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <sstream>
 #include <string>
 #include <vector>
 
 #include "cli/output_file.hpp"
 #include "cli/run_tool.hpp"
+#include "cli/text_file.hpp"
 #include "dsmc/carry.hpp"
 #include "dsmc/case_file.hpp"
 #include "dsmc/checkpoint.hpp"
@@ -67,20 +66,6 @@ void declare(CLI::App& app, Options& o) {
   app.add_option("--history", o.history, "particles and loads over time")->type_name("FILE.csv");
   app.add_flag("--plan", o.plan, "print what is known beforehand, and end");
   app.add_flag("--force", o.force, cli::force_help);
-}
-
-/// The text of a file, read by rank 0. Collective.
-std::string text_of(const par::Comm& comm, const std::string& file) {
-  std::string text;
-  par::agree(comm, [&] {
-    if (!comm.is_first()) return;
-    std::ifstream in(file, std::ios::binary);
-    std::ostringstream all;
-    all << in.rdbuf();
-    if (!in) throw Error(fmt::format("{}: cannot be read", file));
-    text = all.str();
-  });
-  return comm.broadcast(text);
 }
 
 volatile std::sig_atomic_t interrupted = 0;
@@ -276,7 +261,7 @@ void write_outputs(cli::Session& session, const Options& options, const Case& c,
 cli::ExitCode run_case(cli::Session& session, const Options& options) {
   const auto& comm = session.comm();
   check_paths(session, options);
-  const auto c = read_case(text_of(comm, options.case_file), options.case_file);
+  const auto c = read_case(cli::read_text(comm, options.case_file), options.case_file);
   auto mesh = mesh::assemble(comm, io::read_native(comm, options.mesh));
   mesh::require_valid(comm, mesh, options.mesh);
   const auto setup = make_setup(comm, c, mesh);

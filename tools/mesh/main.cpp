@@ -2,13 +2,12 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <fstream>
-#include <iterator>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
 #include "cli/run_tool.hpp"
+#include "cli/text_file.hpp"
 #include "mesh/block_mesh.hpp"
 #include "mesh/case_file.hpp"
 #include "mesh/mesh3.hpp"
@@ -55,18 +54,6 @@ void require_consistent(const Options& o) {
                         : "expected --n N with --shape kuhn-cube, found none");
   if (o.size > 0 && (o.shape.empty() || o.shape == "kuhn-cube"))
     throw Error("expected --size with --shape only, and not with kuhn-cube");
-}
-
-/// The text of the file, read by rank 0. Collective.
-std::string text_of(const par::Comm& comm, const std::string& path) {
-  std::string text;
-  par::agree(comm, [&] {
-    if (!comm.is_first()) return;
-    std::ifstream file(path, std::ios::binary);
-    text.assign(std::istreambuf_iterator<char>(file), {});
-    if (!file) throw Error(path + ": expected a file that can be read");
-  });
-  return comm.broadcast(text);
 }
 
 meshing::RawMesh level_zero(const cli::Session& session, const meshing::Domain& domain, unsigned seed) {
@@ -134,7 +121,7 @@ cli::ExitCode make_mesh(cli::Session& session, const Options& options) {
     block.info.provenance = fmt::format("pamr-mesh: shape kuhn-cube, n {}", options.n);
   } else {
     block = make_with_cgal(session, options.shape.empty()
-                                        ? meshing::read_case(text_of(comm, options.case_file), options.case_file)
+                                        ? meshing::read_case(cli::read_text(comm, options.case_file), options.case_file)
                                         : meshing::case_of_shape(options.shape, options.size));
   }
   const auto destination = meshing::block_destinations(comm, block);

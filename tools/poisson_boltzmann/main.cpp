@@ -6,14 +6,13 @@
 #include <chrono>
 #include <cmath>
 #include <ctime>
-#include <fstream>
-#include <iterator>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
 #include "cli/output_file.hpp"
 #include "cli/run_tool.hpp"
+#include "cli/text_file.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/io/native_file.hpp"
 #include "pamr/mesh/assemble.hpp"
@@ -80,18 +79,6 @@ std::int64_t peak_bytes() {
   return std::int64_t{1024} * usage.ru_maxrss;
 }
 
-/// The text of the file, read by rank 0. Collective.
-std::string text_of(const par::Comm& comm, const std::string& path) {
-  std::string text;
-  par::agree(comm, [&] {
-    if (!comm.is_first()) return;
-    std::ifstream file(path, std::ios::binary);
-    text.assign(std::istreambuf_iterator<char>(file), {});
-    if (!file) throw Error(path + ": expected a file that can be read");
-  });
-  return comm.broadcast(text);
-}
-
 /// u at the nodes from the field that --start names; empty without it. Collective.
 std::vector<double> start_of(const par::Comm& comm, const mesh::DistMesh& mesh, const pb::Conditions& conditions,
                              const Options& o) {
@@ -146,7 +133,7 @@ cli::ExitCode run(cli::Session& session, const Options& o) {
   if (!o.surface.empty()) session.check_output(o.surface, {o.case_file, o.mesh, o.output}, o.force);
   const auto& comm = session.comm();
   Laps laps;
-  const auto problem = pb::read_case(text_of(comm, o.case_file), o.case_file);
+  const auto problem = pb::read_case(cli::read_text(comm, o.case_file), o.case_file);
   const pb::PetscRuntime petsc(comm, problem.solver.petsc + " " + o.petsc);
   auto mesh = mesh::assemble(comm, io::read_native(comm, o.mesh));
   mesh::require_valid(comm, mesh, o.mesh);
