@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """pamr-dsmc as a user runs it: the free-molecular sphere, restart, carrying a flow, the plan, bad input."""
 import csv
+import json
 import math
 import os
 import pathlib
@@ -156,6 +157,75 @@ def test_a_signal_ends_the_run_with_a_checkpoint_to_go_on_from():
     assert not os.path.exists("a.hdf") and not os.path.exists("a.ck.partial")
     case = write("case.toml", CUBE)
     compute(case, mesh, "b.hdf", "--restart", "a.ck", "--quiet")
+
+
+def computing_here():
+    """Ids of the processes of pamr-dsmc that work in this folder."""
+    found = []
+    for entry in pathlib.Path("/proc").glob("[0-9]*"):
+        try:
+            if (entry / "exe").readlink().name == "pamr-dsmc" and (entry / "cwd").readlink() == pathlib.Path.cwd():
+                found.append(int(entry.name))
+        except OSError:  # gone meanwhile, or another user's
+            pass
+    return found
+
+
+def test_a_killed_run_resumes_from_its_last_checkpoint():
+    case, mesh = write("long.toml", CUBE.replace("transient = 10", "transient = 100000")), kuhn_cube("cube.hdf", 3)
+    command = [str(BIN / "pamr-dsmc"), case, "--mesh", mesh, "-o", "a.hdf", "--checkpoint", "a.ck", "--every", "5", "--quiet"]
+    with subprocess.Popen([*LAUNCHER, *command], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as process:
+        deadline = time.monotonic() + 60
+        while not os.path.exists("a.ck") and process.poll() is None and time.monotonic() < deadline:
+            time.sleep(0.02)
+        killed = computing_here()
+        for pid in killed:
+            os.kill(pid, signal.SIGKILL)
+        process.wait(timeout=60)
+    assert len(killed) == RANKS and process.returncode != 0 and not os.path.exists("a.hdf")
+    for partial in pathlib.Path(".").glob("*.partial"):  # of a kill in the middle of writing
+        partial.unlink()
+    kept = pathlib.Path("a.ck").read_bytes()
+    pathlib.Path("kept.ck").write_bytes(kept)
+    n = int(json.loads(kept[32:32 + int.from_bytes(kept[16:24], "little")])["steps_done"])
+    assert n > 0 and n % 5 == 0
+    compute(case, mesh, "b.hdf", "--restart", "kept.ck", "--steps", n + 7, "--checkpoint", "b.ck", "--quiet")
+    compute(case, mesh, "c.hdf", "--steps", n + 7, "--checkpoint", "c.ck", "--quiet", ranks=1)
+    assert same_bytes("b.ck", "c.ck")
+
+
+MIXTURE = CUBE.replace("[gas]\n", SPECIES.replace("N2", "X").replace("4.17e-10", "3e-10") + "[gas]\n").replace(
+    "{ N2 = 1.0 }", "{ N2 = 0.99, X = 0.01 }")
+
+
+def test_a_trace_species_has_a_weight_of_its_own():
+    mesh = kuhn_cube("cube.hdf", 4)
+    alike = write("alike.toml", MIXTURE)
+    case = write("case.toml", MIXTURE.replace("per_cell = 15.0", "per_cell = 30.0\nspecies_weights = { X = 0.01 }"))
+    a = compute(case, mesh, "a.hdf", "--checkpoint", "a.ck", "--history", "a.csv", "--json", "-", "--quiet", ranks=1).json
+    compute(case, mesh, "b.hdf", "--checkpoint", "b.ck", "--steps", "17", "--quiet")
+    compute(case, mesh, "c.hdf", "--restart", "b.ck", "--checkpoint", "c.ck", "--history", "c.csv", "--quiet")
+    for x, y in (("a.hdf", "c.hdf"), ("a.ck", "c.ck"), ("a.csv", "c.csv")):
+        assert same_bytes(x, y), f"{x} differs from {y}"
+    b = compute(alike, mesh, "alike.hdf", "--checkpoint", "alike.ck", "--json", "-", "--quiet").json
+    with h5py.File("a.hdf") as one, h5py.File("alike.hdf") as other:
+        x, y = (file["VTKHDF/CellData"] for file in (one, other))
+        for name, bar in (("n", 0.02), ("n_N2", 0.02), ("T", 0.03), ("rho", 0.02)):
+            assert abs(x[name][:].mean() / y[name][:].mean() - 1) < bar, name
+        assert abs(x["n_X"][:].mean() / (0.01 * x["n"][:].mean()) - 1) < 0.05
+        assert abs(x["particles"][:].mean() / 30 - 1) < 0.2, x["particles"][:].mean()
+        assert np.allclose(x["n"][:], x["n_X"][:] + x["n_N2"][:])
+    assert abs(a["C_D"]["value"] - b["C_D"]["value"]) < 5 * (a["C_D"]["stderr"] + b["C_D"]["stderr"])
+
+    # A flow with one weight goes on with two: as many molecules, a hundred times as many particles of the trace.
+    run("pamr-mark", "alike.hdf", "-o", "m.hdf", "--box", "0,0,0,0,0,0", "--quiet")
+    run("pamr-refine", "m.hdf", "-o", "same.hdf", "--quiet")
+    compute(case, "same.hdf", "d.hdf", "--carry", "alike.ck", "--checkpoint", "d.ck", "--steps", "12", "--quiet")
+    refuses("pamr-dsmc", case, "--mesh", mesh, "-o", "x.hdf", "--restart", "alike.ck", says=("alike.ck",), creates="x.hdf")
+    refuses("pamr-dsmc", write("bad.toml", MIXTURE.replace("per_cell = 15.0", "per_cell = 30.0\nspecies_weights = { X = -0.01 }")),
+            "--mesh", mesh, "-o", "x.hdf", says=("bad.toml:", "-0.01"), creates="x.hdf")
+    refuses("pamr-dsmc", write("bad.toml", MIXTURE.replace("per_cell = 15.0", "per_cell = 30.0\nspecies_weights = { N2 = 0.5, X = 0.1 }")),
+            "--mesh", mesh, "-o", "x.hdf", says=("bad.toml:", "greatest is 1"), creates="x.hdf")
 
 
 def test_a_flow_is_carried_through_a_refinement():

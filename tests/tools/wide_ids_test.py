@@ -70,6 +70,57 @@ def test_reports_and_comparisons():
         assert len(cells) == 5 and (cells >= FIRST).all() and (cells < FIRST + 6 * 27).all(), cells
 
 
+DSMC = """
+[species.N2]
+mass = 4.65e-26
+diameter = 4.17e-10
+omega = 0.74
+t_ref = 273.0
+[gas]
+fractions = { N2 = 1.0 }
+[stream.free]
+density = 1e20
+temperature = 300.0
+speed = 400.0
+[boundary]
+xmin = { kind = "inflow" }
+xmax = { kind = "outflow" }
+ymin = { kind = "symmetry" }
+ymax = { kind = "symmetry" }
+zmin = { kind = "diffuse", temperature = 500.0 }
+zmax = { kind = "inflow" }
+[particles]
+per_cell = 8.0
+[domain]
+unit = 1.0
+[time]
+step = 5e-5
+[run]
+transient = 4
+sampling = 8
+"""
+
+
+def test_a_flow_on_them_and_carried():
+    plain = kuhn_cube("plain0.hdf", 3)
+    numbered_from(FIRST, plain, "wide0.hdf")
+    with open("case.toml", "w") as file:
+        file.write(DSMC)
+    for mesh in ("plain", "wide"):
+        run("pamr-dsmc", "case.toml", "--mesh", f"{mesh}0.hdf", "-o", f"{mesh}.hdf", "--checkpoint", f"{mesh}.ck",
+            "--surface", f"{mesh}.vtu", "--quiet")
+        run("pamr-dsmc", "case.toml", "--mesh", f"{mesh}0.hdf", "-o", f"{mesh}-short.hdf", "--checkpoint", f"{mesh}-short.ck",
+            "--steps", "6", "--quiet", serial=True)
+        run("pamr-dsmc", "case.toml", "--mesh", f"{mesh}0.hdf", "-o", f"{mesh}-again.hdf", "--restart", f"{mesh}-short.ck", "--quiet")
+        assert same_bytes(f"{mesh}.hdf", f"{mesh}-again.hdf")
+        run("pamr-mark", f"{mesh}.hdf", "-o", f"{mesh}-marked.hdf", "--crossing-sphere", "0,0,0,0.6", "--quiet")
+        run("pamr-refine", f"{mesh}-marked.hdf", "-o", f"{mesh}1.hdf", "--quiet")
+        run("pamr-dsmc", "case.toml", "--mesh", f"{mesh}1.hdf", "-o", f"{mesh}2.hdf", "--carry", f"{mesh}.ck", "--quiet")
+    assert same_bytes("plain.ck", "wide.ck") and same_bytes("plain.vtu", "wide.vtu")
+    equal_but_for_numbers("wide.hdf", "plain.hdf")
+    equal_but_for_numbers("wide2.hdf", "plain2.hdf")
+
+
 def test_numbers_that_do_not_follow_the_first():
     plain = kuhn_cube("plain.hdf", 2)
     shutil.copy(plain, "bad.hdf")

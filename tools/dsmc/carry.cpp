@@ -35,25 +35,31 @@ struct Passenger {
   double molecules = 0;  ///< that it stands for
 };
 
-const std::vector<std::int64_t>& parents_of(const mesh::DistMesh& mesh, const std::string& file, GlobalId n_old) {
+/// The old cells of this rank's cells, both counted from the meshes' first.
+std::vector<GlobalId> parents_of(const mesh::DistMesh& mesh, const std::string& file, GlobalId n_old) {
   const auto* field = mesh.find_cell_field("parent");
   if (field == nullptr || !field->holds_integers() || field->n_components != 1)
     throw Error(
         fmt::format("file '{}': expected a mesh with the integer cell field parent, as pamr-refine writes it, to "
                     "carry this flow to, found none",
                     file));
-  for (const auto parent : field->integer())
-    if (parent < 0 || parent >= n_old)
+  const IdRange old{n_old, mesh.info.first_id};
+  std::vector<GlobalId> parents;
+  for (const auto parent : field->integer()) {
+    if (!old.contains(parent))
       throw Error(
           fmt::format("file '{}': expected a checkpoint on the mesh that this one was refined from, found one of "
                       "{} cells where the field parent names cell {}",
                       file, n_old, parent));
-  return field->integer();
+    parents.push_back(parent - old.first);
+  }
+  return parents;
 }
 
 /// The new cells that stand for each old cell of this rank's block: the one with the smallest number hosts.
 std::vector<Offer> hosts(const par::Comm& comm, const std::string& file, const mesh::DistMesh& mesh,
-                         const std::vector<std::int64_t>& parent, const Section& old_cells, double unit) {
+                         const std::vector<GlobalId>& parent, const Section& old_cells, double unit) {
+  const auto number = cells_from_0(mesh);
   std::vector<par::Outgoing<Offer>> messages(static_cast<std::size_t>(comm.size()));
   for (Rank r = 0; r < comm.size(); ++r) messages[static_cast<std::size_t>(r)].to = r;
   for (std::size_t c = 0; c < parent.size(); ++c) {
@@ -61,8 +67,7 @@ std::vector<Offer> hosts(const par::Comm& comm, const std::string& file, const m
     auto points = mesh.points(cell);
     for (auto& p : points) p = unit * p;
     const auto to = par::block_of(parent[c], old_cells.rows, comm.size());
-    messages[static_cast<std::size_t>(to)].item.push_back(
-        {parent[c], mesh.cell_global[c], volume(points), comm.rank()});
+    messages[static_cast<std::size_t>(to)].item.push_back({parent[c], number[c], volume(points), comm.rank()});
   }
   std::erase_if(messages, [](const auto& m) { return m.item.empty(); });
   const auto first = par::block_range(old_cells.rows, comm.rank(), comm.size()).begin;
@@ -100,7 +105,7 @@ std::vector<Offer> hosts(const par::Comm& comm, const std::string& file, const m
 
 /// Sends every old particle to the rank of its host. `word_of` are this rank's block of the old particles.
 std::vector<Passenger> send_to_hosts(const par::Comm& comm, const Section& old_cells, const Section& old_particles,
-                                     const std::vector<Offer>& host) {
+                                     const std::vector<double>& weights, const std::vector<Offer>& host) {
   std::vector<std::int64_t> count;
   std::int64_t here = 0;
   for (std::size_t c = 0; c < host.size(); ++c) {
@@ -122,11 +127,13 @@ std::vector<Passenger> send_to_hosts(const par::Comm& comm, const Section& old_c
   for (std::size_t c = 0; c < host.size(); ++c)
     for (std::int64_t i = 0; i < count[c]; ++i, ++at) {
       const auto* w = words.data() + at * particle_words;
+      const auto species = static_cast<std::uint32_t>(w[1]);
+      const double weight = species < weights.size() ? weights[species] : 1;  // refused later
       messages[static_cast<std::size_t>(host[c].rank)].item.push_back(
           {rows[at],
            host[c].cell,
            {real(w[2]), real(w[3]), real(w[4])},
-           real(old_cells.block[c * old_cells.width + molecules_word])});
+           real(old_cells.block[c * old_cells.width + molecules_word]) * weight});
     }
   std::erase_if(messages, [](const auto& m) { return m.item.empty(); });
   return comm.sparse_exchange(messages).item;
@@ -142,7 +149,7 @@ Particles locate(const par::Comm& comm, const mesh::DistMesh& mesh, const Flow& 
   const std::vector<BoundaryCondition> patch(mesh.info.patches.size(), away);
   std::vector<Flight> flights;
   for (const auto& passenger : passengers) {
-    const auto& global = mesh.cell_global;
+    const auto& global = domain.cell_global;
     const auto cell =
         static_cast<LocalId>(std::lower_bound(global.begin(), global.end(), passenger.host) - global.begin());
     const auto corner = corners(mesh, unit, cell);
@@ -174,14 +181,14 @@ void copy_particles(const par::Comm& comm, const mesh::DistMesh& mesh, const Par
       const auto c = static_cast<std::size_t>(placed.cell[i]);
       Random random(flow.setup().seed, Purpose::thinning, placed.id[i], flow.steps_done);
       const auto copies =
-          static_cast<std::int64_t>(placed.rotation[i] / flow.domain().molecules[c] + random.uniform_fine());
+          static_cast<std::int64_t>(placed.rotation[i] / flow.molecules_of(c, p.species) + random.uniform_fine());
       p.cell = placed.cell[i];
       p.partner = 0;  // the old numbers mean nothing any more
       for (std::int64_t k = 0; k < copies; ++k) flow.particles.append(p);
       count[c] += copies;
     }
   });
-  const auto first = number_along_cells(comm, mesh.info.n_global_cells, mesh.cell_global, count).first;
+  const auto first = number_along_cells(comm, mesh.info.n_global_cells, flow.domain().cell_global, count).first;
   std::size_t at = 0;
   for (std::size_t c = 0; c < count.size(); ++c)
     for (std::int64_t k = 0; k < count[c]; ++k) flow.particles.id[at++] = static_cast<std::uint64_t>(first[c] + k);
@@ -198,24 +205,28 @@ Carried carry(const par::Comm& comm, const std::string& name, const mesh::DistMe
   if (setup.at("species") != species || setup.at("unit") != flow.setup().unit)
     throw Error(
         fmt::format("file '{}': expected a flow of the species {}, found {}", name, species.dump(), setup.dump()));
-  const auto width = fixed_cell_words + species_words * species.size();
+  const std::vector<double> weights = setup.contains("weights") ? setup.at("weights").get<std::vector<double>>()
+                                                                : std::vector<double>(species.size(), 1);
+  if (weights.size() != species.size())
+    throw Error(fmt::format("file '{}': expected a weight for each species, found {}", name, setup.dump()));
+  const auto width = cell_words(species.size(), setup.contains("weights"));
   const auto old_cells = file.read("cells", width), old_particles = file.read("particles", particle_words);
-  const std::vector<std::int64_t>* parent = nullptr;
-  par::agree(comm, [&] { parent = &parents_of(mesh, name, old_cells.rows); });
+  std::vector<GlobalId> parent;
+  par::agree(comm, [&] { parent = parents_of(mesh, name, old_cells.rows); });
   flow.steps_done = file.header().at("steps_done");
 
-  const auto host = hosts(comm, name, mesh, *parent, old_cells, flow.setup().unit);
-  const auto placed = locate(comm, mesh, flow, send_to_hosts(comm, old_cells, old_particles, host));
+  const auto host = hosts(comm, name, mesh, parent, old_cells, flow.setup().unit);
+  const auto placed = locate(comm, mesh, flow, send_to_hosts(comm, old_cells, old_particles, weights, host));
 
   std::vector<GlobalId> rows;
   for (const auto id : placed.id) rows.push_back(static_cast<GlobalId>(id));
   const auto words =
       par::fetch_rows<std::uint64_t>(comm, old_particles.rows, old_particles.block, particle_words, rows);
-  const auto old = par::fetch_rows<std::uint64_t>(comm, old_cells.rows, old_cells.block, width, *parent);
+  const auto old = par::fetch_rows<std::uint64_t>(comm, old_cells.rows, old_cells.block, width, parent);
   copy_particles(comm, mesh, placed, words, flow);
   for (std::size_t c = 0; c < flow.collisions.size(); ++c) {
     const auto* w = old.data() + c * width;
-    flow.collisions[c] = {real(w[1]), 0, real(w[3]), 0, 0};
+    flow.collisions[c] = {real(w[1]), 0, real(w[3]), 0, 0, 0};
   }
   const auto found = comm.sum(static_cast<std::int64_t>(placed.size()));
   return {old_particles.rows, flow.n_particles(), old_particles.rows - found, flow.steps_done};

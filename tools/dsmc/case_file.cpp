@@ -226,6 +226,15 @@ class Reader {
     if (table.has("weight")) case_.weight = table.number("weight", 0, infinity, true);
     if (table.has("per_cell")) case_.per_cell = table.number("per_cell", 0, 1e6, true);
     if (table.has("total")) case_.total = table.number("total", 0, 1e12, true);
+    if (auto weights = table.table("species_weights")) {
+      for (auto& s : case_.gas.species) s.weight = weights->number_or(s.name, 1, 0, 1, true);
+      weights->done();
+      try {
+        prepare(case_.gas);
+      } catch (const Error& error) {
+        throw Error(fmt::format("{}: {}", weights->at(), error.what()));
+      }
+    }
     table.done();
   }
 

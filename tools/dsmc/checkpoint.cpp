@@ -71,8 +71,8 @@ Section particle_section(const par::Comm& comm, GlobalId n_cells, const Flow& fl
 
 Section cell_section(const par::Comm& comm, GlobalId n_cells, const Flow& flow) {
   const auto count = particles_of_cells(flow);
-  const auto n_species = flow.setup().gas.species.size();
-  const auto width = fixed_cell_words + species_words * n_species;
+  const auto& gas = flow.setup().gas;
+  const auto n_species = gas.species.size(), width = cell_words(gas);
   Words words;
   words.reserve(width * count.size());
   for (std::size_t c = 0; c < count.size(); ++c) {
@@ -86,6 +86,7 @@ Section cell_section(const par::Comm& comm, GlobalId n_cells, const Flow& flow) 
       words.insert(words.end(), {word(sum.n), word(sum.velocity.x), word(sum.velocity.y), word(sum.velocity.z),
                                  word(sum.square), word(sum.rotation)});
     }
+    if (gas.is_weighted) words.push_back(word(k.owed));
   }
   return {"cells", n_cells, width,
           par::scatter_rows<std::uint64_t>(comm, n_cells, words, width, flow.domain().cell_global)};
@@ -116,19 +117,24 @@ nlohmann::json species_of(const Flow& flow) {
 
 nlohmann::json setup_of(const Flow& flow) {
   const auto& setup = flow.setup();
-  return {{"species", species_of(flow)}, {"dt", setup.dt}, {"molecules", setup.molecules}, {"unit", setup.unit}};
+  nlohmann::json shown{
+      {"species", species_of(flow)}, {"dt", setup.dt}, {"molecules", setup.molecules}, {"unit", setup.unit}};
+  if (setup.gas.is_weighted)
+    for (const auto& s : setup.gas.species) shown["weights"].push_back(s.weight);
+  return shown;
 }
 
 void restore_cells(const par::Comm& comm, const Section& section, GlobalId n_cells, Flow& flow,
                    std::vector<std::int64_t>& count) {
-  const auto n_species = flow.setup().gas.species.size();
-  const auto width = fixed_cell_words + species_words * n_species;
+  const auto& gas = flow.setup().gas;
+  const auto n_species = gas.species.size(), width = cell_words(gas);
   const auto words = par::fetch_rows<std::uint64_t>(comm, n_cells, section.block, width, flow.domain().cell_global);
   const auto& global = flow.domain().cell_global;
   for (std::size_t c = 0; c < global.size(); ++c) {
     const auto* w = words.data() + c * width;
     count.push_back(integer(w[0]));
-    flow.collisions[c] = {real(w[1]), real(w[2]), real(w[3]), real(w[4]), integer(w[5])};
+    flow.collisions[c] = {real(w[1]), real(w[2]),    real(w[3]),
+                          real(w[4]), integer(w[5]), gas.is_weighted ? real(w[width - 1]) : 0};
     flow.cells.block[c] = real(w[6]);
     flow.cells.square_of_blocks[c] = real(w[7]);
     for (std::size_t s = 0; s < n_species; ++s) {
@@ -180,7 +186,7 @@ void restore_faces(const par::Comm& comm, const Section& section, GlobalId n_cel
 MeshKey key_of(const par::Comm& comm, const mesh::DistMesh& mesh) {
   std::uint64_t sum = 0;
   for (LocalId cell = 0; cell < mesh.n_cells(); ++cell) {
-    auto h = static_cast<std::uint64_t>(mesh.cell_global[static_cast<std::size_t>(cell)]);
+    auto h = static_cast<std::uint64_t>(mesh.cell_global[static_cast<std::size_t>(cell)] - mesh.info.first_id);
     for (const auto& p : mesh.points(cell)) h = combine(combine(combine(h, bits_of(p.x)), bits_of(p.y)), bits_of(p.z));
     sum += h;
   }
@@ -233,10 +239,10 @@ void write_checkpoint(const par::Comm& comm, const std::string& file, const Snap
   write_sections(comm, file, snapshot.header, {&snapshot.cells, &snapshot.faces, &snapshot.particles});
 }
 
-Snapshot read_checkpoint(const par::Comm& comm, const std::string& name, std::size_t n_species) {
+Snapshot read_checkpoint(const par::Comm& comm, const std::string& name, const Gas& gas) {
   const SectionFile file(comm, name);
-  return {file.header(), file.read("cells", fixed_cell_words + species_words * n_species),
-          file.read("faces", face_words), file.read("particles", particle_words)};
+  return {file.header(), file.read("cells", cell_words(gas)), file.read("faces", face_words),
+          file.read("particles", particle_words)};
 }
 
 }  // namespace pamr::dsmc

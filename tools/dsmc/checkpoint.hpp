@@ -12,7 +12,7 @@
 
 namespace pamr::dsmc {
 
-/// What tells whether a checkpoint belongs to a mesh: its fingerprint, and a hash of the numbers of its cells.
+/// What tells whether a checkpoint belongs to a mesh: its fingerprint, and a hash of the order of its cells.
 struct MeshKey {
   std::uint64_t fingerprint = 0;
   std::uint64_t numbering = 0;
@@ -39,7 +39,7 @@ void restore(const par::Comm& comm, const Snapshot& snapshot, const std::string&
 
 /// A snapshot as a file: the same bytes on any number of ranks. Collective; throws `Error`.
 void write_checkpoint(const par::Comm& comm, const std::string& file, const Snapshot& snapshot);
-/// Collective. Throws the same `Error` on every rank for a damaged file. `n_species` of the case.
-Snapshot read_checkpoint(const par::Comm& comm, const std::string& file, std::size_t n_species);
+/// Collective. Throws the same `Error` on every rank for a damaged file. `gas` of the case.
+Snapshot read_checkpoint(const par::Comm& comm, const std::string& file, const Gas& gas);
 
 }  // namespace pamr::dsmc

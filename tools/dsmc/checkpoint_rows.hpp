@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "dsmc/gas.hpp"
 #include "dsmc/particles.hpp"
 #include "pamr/base/error.hpp"
 
@@ -20,6 +21,12 @@ inline constexpr std::size_t particle_words = 9;
 /// molecules a particle, then for each species n, velocity, square and rotation summed.
 inline constexpr std::size_t fixed_cell_words = 10, species_words = 6;
 inline constexpr std::size_t volume_word = 8, molecules_word = 9;
+
+/// Words of a row of cells. In a gas with species of unlike weights the energy that the cell owes comes last.
+inline std::size_t cell_words(std::size_t n_species, bool is_weighted) {
+  return fixed_cell_words + species_words * n_species + (is_weighted ? 1 : 0);
+}
+inline std::size_t cell_words(const Gas& gas) { return cell_words(gas.species.size(), gas.is_weighted); }
 
 inline std::uint64_t word(double value) { return std::bit_cast<std::uint64_t>(value); }
 inline std::uint64_t word(std::int64_t value) { return std::bit_cast<std::uint64_t>(value); }

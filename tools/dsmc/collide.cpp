@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <utility>
 
 #include "dsmc/closed_forms.hpp"
 #include "dsmc/random.hpp"
@@ -29,16 +30,17 @@ double beta(double a, double b, Random& random) {
 /// Translational temperature of the particles of a cell; 0 for fewer than two.
 double temperature_of(const Gas& gas, const Particles& p, std::uint32_t begin, std::uint32_t end) {
   if (end - begin < 2) return 0;
-  double mass = 0, energy = 0;
+  double molecules = 0, mass = 0, energy = 0;
   Vec3 momentum;
   for (auto i = begin; i < end; ++i) {
-    const double m = gas.species[p.species[i]].mass;
+    const double w = gas.species[p.species[i]].weight, m = w * gas.species[p.species[i]].mass;
     const Vec3 v = p.velocity(i);
+    molecules += w;
     mass += m;
     momentum = momentum + m * v;
     energy += m * squared_norm(v);
   }
-  return (energy - squared_norm(momentum) / mass) / (3 * boltzmann * (end - begin - 1));
+  return (energy - squared_norm(momentum) / mass) / (3 * boltzmann * (molecules - molecules / (end - begin)));
 }
 
 /// The relative velocity turned at random: isotropically, or by the law of soft spheres. Keeps its length.
@@ -70,9 +72,9 @@ std::vector<CellCollisions> start_collisions(const Gas& gas, double t, std::size
   double greatest = 0;
   for (const auto& pair : gas.pairs) {
     const double speed = 4 * std::sqrt(2 * boltzmann * t / pair.reduced_mass);
-    greatest = std::max(greatest, section_times_speed(pair, speed * speed));
+    greatest = std::max(greatest, pair.weight * section_times_speed(pair, speed * speed));
   }
-  return std::vector<CellCollisions>(n_cells, CellCollisions{greatest, 0, 0, 0, 0});
+  return std::vector<CellCollisions>(n_cells, CellCollisions{greatest, 0, 0, 0, 0, 0});
 }
 
 CollisionCounts Collider::collide(const Domain& domain, std::uint64_t step, Particles& particles,
@@ -100,13 +102,18 @@ void Collider::collide_cell(const Domain& domain, std::size_t c, std::uint64_t s
   counts_.candidates += candidates;
   Random random(seed_, Purpose::collision, static_cast<std::uint64_t>(domain.cell_global[c]), step);
   const double bound = state.greatest;
+  double heaviest = 1;
+  if (gas_->is_weighted) {
+    heaviest = 0;
+    for (auto i = begin; i < end; ++i) heaviest = std::max(heaviest, gas_->species[particles.species[i]].weight);
+  }
   for (std::int64_t k = 0; k < candidates; ++k) {
     const auto first = random.below(n);
     const auto second = choose_partner(particles, begin, n, first, random);
     const auto a = begin + first, b = begin + second;
     const auto& pair = gas_->pair(particles.species[a], particles.species[b]);
     const double speed_squared = squared_norm(particles.velocity(a) - particles.velocity(b));
-    const double chance = section_times_speed(pair, speed_squared);
+    const double chance = pair.weight * section_times_speed(pair, speed_squared);
     state.greatest = std::max(state.greatest, chance);
     if (random.uniform() * bound >= chance) continue;
     ++counts_.collisions;
@@ -114,8 +121,41 @@ void Collider::collide_cell(const Domain& domain, std::size_t c, std::uint64_t s
     state.separation += norm(particles.position(a) - particles.position(b));
     particles.partner[a] = tag_of(particles.id[b]);
     particles.partner[b] = tag_of(particles.id[a]);
-    collide_pair(particles, a, b, speed_squared, state.temperature, random);
+    const auto sa = particles.species[a], sb = particles.species[b];
+    ++of_pair_[std::min(sa, sb) * gas_->species.size() + std::max(sa, sb)];
+    if (gas_->is_weighted)
+      collide_weighted(particles, {a, b, speed_squared}, heaviest, state, random);
+    else
+      collide_pair(particles, {a, b, speed_squared}, state.temperature, random);
   }
+}
+
+void Collider::collide_weighted(Particles& p, Partners partners, double heaviest, CellCollisions& state,
+                                Random& random) {
+  const auto a = partners.a, b = partners.b;
+  const auto& first = gas_->species[p.species[a]];
+  const auto& second = gas_->species[p.species[b]];
+  if (first.weight == second.weight) {
+    if (first.weight == heaviest) {
+      const auto& pair = gas_->pair(p.species[a], p.species[b]);
+      partners.speed_squared += 2 * std::exchange(state.owed, 0.0) / (heaviest * pair.reduced_mass);
+    }
+    collide_pair(p, partners, state.temperature, random);
+    return;
+  }
+  const bool a_is_heavier = first.weight > second.weight;
+  const auto& kind = a_is_heavier ? first : second;
+  const auto heavy = a_is_heavier ? a : b;
+  const double part = (a_is_heavier ? second.weight : first.weight) / kind.weight;
+  const Vec3 old = p.velocity(heavy);
+  const double old_rotation = p.rotation[heavy];
+  collide_pair(p, partners, state.temperature, random);
+  const Vec3 change = p.velocity(heavy) - old;
+  // part v'^2 + (1 - part) v^2 - (v + part (v' - v))^2 = part (1 - part) (v' - v)^2
+  state.owed += 0.5 * kind.weight * kind.mass * part * (1 - part) * squared_norm(change);
+  const Vec3 mean = old + part * change;
+  p.u[heavy] = mean.x, p.v[heavy] = mean.y, p.w[heavy] = mean.z;
+  p.rotation[heavy] = old_rotation + part * (p.rotation[heavy] - old_rotation);
 }
 
 std::uint32_t Collider::choose_partner(const Particles& p, std::uint32_t begin, std::uint32_t n, std::uint32_t first,
@@ -124,6 +164,7 @@ std::uint32_t Collider::choose_partner(const Particles& p, std::uint32_t begin, 
     const auto other = random.below(n - 1);
     return other < first ? other : other + 1;
   }
+  if (gas_->is_weighted) return choose_weighted_partner(p, begin, n, first, random);
   const auto barred = p.partner[begin + first];
   const Vec3 here = p.position(begin + first);
   double least = std::numeric_limits<double>::infinity();
@@ -138,8 +179,27 @@ std::uint32_t Collider::choose_partner(const Particles& p, std::uint32_t begin, 
   return nearest;
 }
 
-void Collider::collide_pair(Particles& p, std::uint32_t a, std::uint32_t b, double speed_squared, double temperature,
-                            Random& random) {
+std::uint32_t Collider::choose_weighted_partner(const Particles& p, std::uint32_t begin, std::uint32_t n,
+                                                std::uint32_t first, Random& random) {
+  // Particles of a trace have nearly always collided with others last: to bar those alone would bend the rates, hence
+  // the kind of the partner is drawn before.
+  const auto drawn = random.below(n - 1);
+  auto nearest = drawn < first ? drawn : drawn + 1;
+  const auto kind = p.species[begin + nearest], barred = p.partner[begin + first];
+  const Vec3 here = p.position(begin + first);
+  double least = std::numeric_limits<double>::infinity();
+  for (std::uint32_t k = 0; k < n; ++k) {
+    if (k == first || p.species[begin + k] != kind || tag_of(p.id[begin + k]) == barred) continue;
+    const double distance = squared_norm(p.position(begin + k) - here);
+    if (distance >= least) continue;
+    least = distance;
+    nearest = k;
+  }
+  return nearest;
+}
+
+void Collider::collide_pair(Particles& p, const Partners& partners, double temperature, Random& random) {
+  const auto [a, b, speed_squared] = partners;
   const auto sa = p.species[a], sb = p.species[b];
   const auto& pair = gas_->pair(sa, sb);
   double speed = std::sqrt(speed_squared);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "dsmc/domain.hpp"
@@ -22,11 +23,12 @@ struct CollisionOptions {
 
 /// What the collisions of a cell carry from step to step.
 struct CellCollisions {
-  double greatest = 0;     ///< (cross section times speed)_max, m3/s: a bound that grows when it is exceeded
+  double greatest = 0;     ///< (weight times cross section times speed)_max, m3/s: a bound that grows when exceeded
   double remainder = 0;    ///< part of a candidate pair left over
   double temperature = 0;  ///< smoothed translational temperature, for the variable relaxation number; 0: not yet
   double separation = 0;   ///< sum over its collisions of the distance of the two particles, m
   std::int64_t collisions = 0;
+  double owed = 0;  ///< energy that collisions of unlike weights have taken, to be given back: J times weight
 };
 
 /// What happened in the collisions of a step on this rank.
@@ -47,27 +49,46 @@ std::vector<CellCollisions> start_collisions(const Gas& gas, double t, std::size
 /// with at most one partner a collision. The numbers drawn belong to the global cell and the step, the particles of a
 /// cell are in the order of their ids: the result does not depend on the number of ranks. Momentum and energy of each
 /// pair are kept to rounding. Local. O(particles + candidates x particles a cell).
-/// Source: G. A. Bird, Molecular Gas Dynamics and the Direct Simulation of Gas Flows, 1994, chapters 11 and 5.
+///
+/// Species of unlike weights: a pair collides with the chance of the greater weight, so that each collision stands for
+/// as many of real ones as the lighter particle has molecules. The lighter one takes the outcome; of the heavier one
+/// only the part of the weights' ratio does, and it then gets the mean velocity and mean rotational energy of its two
+/// parts. That keeps the momentum. The energy that the mean loses is owed by the cell and goes into the relative motion
+/// of its next collision of two particles of the greatest weight present: energy with what is owed is kept to rounding.
+/// Source: G. A. Bird, Molecular Gas Dynamics and the Direct Simulation of Gas Flows, 1994, chapters 11 and 5; I. D.
+/// Boyd, "Conservative species weighting scheme for the direct simulation Monte Carlo method", J. Thermophys. Heat
+/// Transfer 10 (1996).
 class Collider {
  public:
   Collider(const Gas& gas, const CollisionOptions& options, std::uint64_t seed)
-      : gas_(&gas), options_(options), seed_(seed) {}
+      : gas_(&gas), options_(options), seed_(seed), of_pair_(gas.pairs.size(), 0) {}
 
   CollisionCounts collide(const Domain& domain, std::uint64_t step, Particles& particles,
                           std::vector<CellCollisions>& state);
+  /// Collisions of particles of species a and b since this was made, at a n_species + b with a <= b; of this rank.
+  std::span<const std::int64_t> collisions_of_pairs() const { return of_pair_; }
 
  private:
   void collide_cell(const Domain& domain, std::size_t c, std::uint64_t step, Particles& particles,
                     CellCollisions& state);
   std::uint32_t choose_partner(const Particles& particles, std::uint32_t begin, std::uint32_t n, std::uint32_t first,
                                Random& random);
-  void collide_pair(Particles& particles, std::uint32_t a, std::uint32_t b, double speed_squared, double temperature,
-                    Random& random);
+  /// The nearest of a species drawn with the chance of its particles.
+  std::uint32_t choose_weighted_partner(const Particles& particles, std::uint32_t begin, std::uint32_t n,
+                                        std::uint32_t first, Random& random);
+  struct Partners {
+    std::uint32_t a = 0, b = 0;
+    double speed_squared = 0;  ///< of their relative motion
+  };
+  void collide_pair(Particles& particles, const Partners& partners, double temperature, Random& random);
+  void collide_weighted(Particles& particles, Partners partners, double heaviest, CellCollisions& state,
+                        Random& random);
 
   const Gas* gas_;
   CollisionOptions options_;
   std::uint64_t seed_;
   CollisionCounts counts_;
+  std::vector<std::int64_t> of_pair_;
 };
 
 }  // namespace pamr::dsmc

@@ -51,6 +51,12 @@ TetPoints corners(const mesh::DistMesh& mesh, double unit, LocalId cell) {
   return points;
 }
 
+std::vector<GlobalId> cells_from_0(const mesh::DistMesh& mesh) {
+  auto numbers = mesh.cell_global;
+  for (auto& number : numbers) number -= mesh.info.first_id;
+  return numbers;
+}
+
 Domain make_domain(const mesh::DistMesh& mesh, double unit, double dt, double molecules) {
   Domain domain;
   const auto n = static_cast<std::size_t>(mesh.n_cells());
@@ -59,7 +65,7 @@ Domain make_domain(const mesh::DistMesh& mesh, double unit, double dt, double mo
   domain.volume.resize(n);
   domain.dt.assign(n, dt);
   domain.molecules.assign(n, molecules);
-  domain.cell_global = mesh.cell_global;
+  domain.cell_global = cells_from_0(mesh);
   domain.border_rank = mesh.border_rank;
   domain.border_offset = mesh.border_offset;
   domain.border_face = mesh.border_face;

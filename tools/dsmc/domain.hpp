@@ -47,6 +47,7 @@ struct Domain {
   std::vector<double> volume;     ///< m3
   std::vector<double> dt;         ///< s
   std::vector<double> molecules;  ///< real molecules that one particle stands for; over dt the same in every cell
+  /// Global numbers of the cells, counted from the mesh's first (`MeshInfo::first_id`), so that they begin at 0.
   std::vector<GlobalId> cell_global;
   std::vector<BoundaryFace> boundary;
   bool uniform_dt = true;
@@ -57,6 +58,9 @@ struct Domain {
 
   LocalId n_cells() const { return static_cast<LocalId>(planes.size()); }
 };
+
+/// Global numbers of a rank's cells less that of the mesh's first.
+std::vector<GlobalId> cells_from_0(const mesh::DistMesh& mesh);
 
 /// Corners of a cell in metres.
 geometry::TetPoints corners(const mesh::DistMesh& mesh, double unit, LocalId cell);

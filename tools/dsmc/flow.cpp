@@ -84,7 +84,7 @@ Flow::Flow(const par::Comm& comm, const mesh::DistMesh& mesh, Setup setup)
   collisions = start_collisions(setup_.gas, hottest(setup_), n);
   surface.face.resize(domain_.boundary.size());
   surface.set_units(setup_.gas.species.front().mass, typical_speed(setup_));
-  cells.clear(n, setup_.gas.species.size());
+  cells.clear(n, setup_.gas);
   inflow_.emplace(comm, rules(), setup_.stream);
   particles.sort_by_cell(domain_.n_cells());
 }
@@ -104,7 +104,7 @@ void Flow::fill(const mesh::DistMesh& mesh) {
     const auto& stream = setup_.stream[static_cast<std::size_t>(which)];
     Random random(setup_.seed, Purpose::seed, static_cast<std::uint64_t>(domain_.cell_global[c]), steps_done);
     for (std::uint32_t s = 0; s < n_species; ++s) {
-      const double mean = stream.density * stream.fraction[s] * domain_.volume[c] / domain_.molecules[c];
+      const double mean = stream.density * stream.fraction[s] * domain_.volume[c] / molecules_of(c, s);
       const auto n = static_cast<std::int64_t>(mean + random.uniform_fine());
       for (std::int64_t i = 0; i < n; ++i) {
         auto p = draw_particle(setup_.gas, stream, s, random);
@@ -139,7 +139,7 @@ StepCounts Flow::step() {
   if (missing != 0) throw ContractViolation(fmt::format("{} particles were lost in step {}", missing, steps_done));
   start = cpu_seconds();
   counts.collided = collider_.collide(domain_, steps_done, particles, collisions);
-  if (sampling_) cells.add(particles, setup_.gas.species.size());
+  if (sampling_) cells.add(particles, setup_.gas);
   counts.compute_seconds += cpu_seconds() - start;
   ++steps_done;
   return counts;
@@ -147,7 +147,7 @@ StepCounts Flow::step() {
 
 void Flow::start_sampling() {
   sampling_ = true;
-  cells.clear(static_cast<std::size_t>(domain_.n_cells()), setup_.gas.species.size());
+  cells.clear(static_cast<std::size_t>(domain_.n_cells()), setup_.gas);
   for (auto& cell : collisions) {
     cell.separation = 0;
     cell.collisions = 0;

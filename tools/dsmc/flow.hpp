@@ -84,6 +84,11 @@ class Flow {
   const par::Comm& comm() const { return *comm_; }
   const Setup& setup() const { return setup_; }
   const Domain& domain() const { return domain_; }
+  /// Molecules that a particle of a species stands for in a cell.
+  double molecules_of(std::size_t cell, std::size_t species) const {
+    return domain_.molecules[cell] * setup_.gas.species[species].weight;
+  }
+  const Collider& collider() const { return collider_; }
 
   Particles particles;
   std::vector<CellCollisions> collisions;

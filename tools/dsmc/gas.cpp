@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <numbers>
 
 #include "pamr/base/error.hpp"
@@ -36,6 +37,16 @@ void prepare(Gas& gas) {
           "or 3 rotational degrees, found mass {} diameter {} omega {} t_ref {} alpha {} rotational degrees {}",
           s.name, s.mass, s.diameter, s.omega, s.t_ref, s.alpha, s.rotational_degrees));
   }
+  double greatest = 0;
+  gas.is_weighted = false;
+  for (const auto& s : gas.species) {
+    if (!(s.weight > 0))
+      throw Error(fmt::format("species {}: expected a weight above 0, found {:g}", s.name, s.weight));
+    greatest = std::max(greatest, s.weight);
+    gas.is_weighted = gas.is_weighted || s.weight != 1;
+  }
+  if (greatest != 1)
+    throw Error(fmt::format("expected species' weights of which the greatest is 1, found {:g}", greatest));
   gas.pairs.clear();
   for (const auto& a : gas.species)
     for (const auto& b : gas.species) {
@@ -50,8 +61,15 @@ void prepare(Gas& gas) {
       pair.mass_part_b = b.mass / (a.mass + b.mass);
       pair.inverse_alpha = 2 / (a.alpha + b.alpha);
       pair.translational_exponent = 2.5 - omega;
+      pair.weight = std::max(a.weight, b.weight);
       gas.pairs.push_back(pair);
     }
+}
+
+double particles_per_molecule(const Gas& gas, const std::vector<double>& fraction) {
+  double sum = 0;
+  for (std::size_t i = 0; i < fraction.size(); ++i) sum += fraction[i] / gas.species[i].weight;
+  return sum;
 }
 
 double relaxation_probability(const Rotation& rotation, int rotational_degrees, double omega, double t) {

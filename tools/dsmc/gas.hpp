@@ -20,6 +20,9 @@ struct Species {
   double t_ref = 273;   ///< K
   double alpha = 1;     ///< exponent of the scattering law
   int rotational_degrees = 0;
+  /// Molecules that a particle of this species stands for, over those of a particle of weight 1 in the same cell: below
+  /// 1 for a trace species, which then has more particles.
+  double weight = 1;
 };
 
 /// How often a molecule's rotation takes part in a collision.
@@ -44,6 +47,7 @@ struct PairData {
   double mass_part_b = 0;
   double inverse_alpha = 1;
   double translational_exponent = 0;  ///< 5/2 - omega: half the degrees of freedom of relative motion
+  double weight = 1;                  ///< the greater of the two species' weights
 };
 
 /// A gas of one or more species; `fraction[i]` of its molecules are of species i (sum 1).
@@ -54,6 +58,7 @@ struct Gas {
 
   const PairData& pair(std::size_t a, std::size_t b) const { return pairs[a * species.size() + b]; }
   std::vector<PairData> pairs;  ///< filled by `prepare`
+  bool is_weighted = false;     ///< filled by `prepare`: the species have different weights
 
   double mean_mass() const;
   double mean_degrees() const;  ///< 3 + rotational
@@ -63,6 +68,9 @@ struct Gas {
 /// Fills the table of pairs: diameters, exponents and reference temperatures of unlike molecules are the means.
 /// Throws `Error` for values without sense.
 void prepare(Gas& gas);
+
+/// Particles of each molecule of weight 1 in a gas of these parts: the sum of the parts over the weights.
+double particles_per_molecule(const Gas& gas, const std::vector<double>& fraction);
 
 /// Cross section times relative speed, m3/s, from the squared relative speed.
 inline double section_times_speed(const PairData& pair, double speed_squared) {

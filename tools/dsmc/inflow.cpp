@@ -103,7 +103,7 @@ Inflow::Inflow(const par::Comm& comm, const MoveRules& rules, std::span<const St
     for (std::size_t s = 0; s < rules.gas->species.size(); ++s)
       face.mean.push_back(molecular_flux(flow.density * flow.fraction[s], flow.temperature, rules.gas->species[s].mass,
                                          -dot(flow.velocity, boundary.normal)) *
-                          boundary.area * domain.dt[c] / domain.molecules[c]);
+                          boundary.area * domain.dt[c] / (domain.molecules[c] * rules.gas->species[s].weight));
   }
 }
 
@@ -129,7 +129,7 @@ void Inflow::draw(std::uint64_t step, std::vector<Flight>& entering) const {
         if (index >> index_bits != 0)
           throw Error(
               fmt::format("expected at most {} particles a step through each inflow face, found more on a face "
-                          "of cell {}: use a shorter time step or a greater weight",
+                          "of the cell {} places after the first: use a shorter time step or a greater weight",
                           1U << index_bits, rules_.domain->cell_global[c]));
         const auto id = id_of(step, face.number, index);
         Random random(rules_.seed, Purpose::inflow_particle, id, step);

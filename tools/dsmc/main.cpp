@@ -225,7 +225,7 @@ void begin(cli::Session& session, const Options& options, Computation& computati
   auto& flow = computation.flow;
   auto& run = computation.run;
   if (!options.restart.empty()) {
-    const auto snapshot = read_checkpoint(comm, options.restart, flow->setup().gas.species.size());
+    const auto snapshot = read_checkpoint(comm, options.restart, flow->setup().gas);
     restore(comm, snapshot, options.restart, computation.key(), *run, *flow);
   } else if (options.carry.empty()) {
     flow->fill(computation.mesh);

@@ -101,7 +101,8 @@ bool Mover::meets_boundary(Flight& flight, std::size_t at, double time) {
     const double energy =
         0.5 * species.mass *
         (squared_norm(p.velocity - condition.velocity) - squared_norm(out.velocity - condition.velocity));
-    tally_->add(at, species.mass * (p.velocity - out.velocity), energy + (p.rotation - out.rotation));
+    tally_->add(at, (species.weight * species.mass) * (p.velocity - out.velocity),
+                species.weight * (energy + (p.rotation - out.rotation)));
   }
   p.velocity = out.velocity;
   p.rotation = out.rotation;

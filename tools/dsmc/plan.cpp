@@ -54,7 +54,8 @@ Plan make_plan(const par::Comm& comm, const Case& c, const Setup& setup, const m
     longest = std::max(longest, fast * dt / std::cbrt(v));
   }
   plan.longest_flight = comm.max(longest);
-  plan.particles = free.density * par::reproducible_sums(comm, sums)[0] / setup.molecules;
+  plan.particles = free.density * par::reproducible_sums(comm, sums)[0] / setup.molecules *
+                   particles_per_molecule(gas, free.fraction);
   const double cells = static_cast<double>(mesh.info.n_global_cells);
   plan.particles_per_cell = plan.particles / cells;
   plan.bytes = plan.particles * particle_bytes + cells * cell_bytes;
@@ -86,6 +87,7 @@ std::vector<std::string> describe(const Case& c, const Setup& setup, const Plan&
                     "alpha {:g} ({}), {} rotational degrees",
                     s.name, c.gas.fraction[i], s.mass, s.diameter, s.t_ref, s.omega, s.alpha,
                     s.alpha == 1 ? "VHS" : "VSS", s.rotational_degrees));
+    if (c.gas.is_weighted) lines.back() += fmt::format(", weight {:g}", s.weight);
   }
   lines.push_back("rotation: " + rotation_text(c.gas.rotation));
   const auto& free = c.stream.front();

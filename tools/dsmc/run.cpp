@@ -54,28 +54,29 @@ Temperatures temperatures_of(const Flow& flow) {
   std::vector<std::int64_t> sums(5 + species.size(), 0);  // momentum, energies, numbers of the species
   const auto fixed = [](double value) { return std::llrint(value); };
   for (std::size_t i = 0; i < p.size(); ++i) {
-    const double m = species[p.species[i]].mass;
+    const double w = species[p.species[i]].weight, m = w * species[p.species[i]].mass;
     const Vec3 v = p.velocity(i);
     sums[0] += fixed(m * v.x / units.momentum_unit);
     sums[1] += fixed(m * v.y / units.momentum_unit);
     sums[2] += fixed(m * v.z / units.momentum_unit);
     sums[3] += fixed(0.5 * m * squared_norm(v) / units.energy_unit);
-    sums[4] += fixed(p.rotation[i] / units.energy_unit);
+    sums[4] += fixed(w * p.rotation[i] / units.energy_unit);
     ++sums[5 + p.species[i]];
   }
   flow.comm().sum_in_place(sums);
-  double mass = 0, n = 0, degrees = 0;
+  double mass = 0, n = 0, molecules = 0, degrees = 0;
   for (std::size_t s = 0; s < species.size(); ++s) {
-    const double count = static_cast<double>(sums[5 + s]);
+    n += static_cast<double>(sums[5 + s]);
+    const double count = species[s].weight * static_cast<double>(sums[5 + s]);
     mass += species[s].mass * count;
-    n += count;
+    molecules += count;
     degrees += species[s].rotational_degrees * count;
   }
   if (n < 2) return {};
   const Vec3 momentum = units.momentum_unit *
                         Vec3{static_cast<double>(sums[0]), static_cast<double>(sums[1]), static_cast<double>(sums[2])};
   const double energy = units.energy_unit * static_cast<double>(sums[3]) - squared_norm(momentum) / (2 * mass);
-  return {energy / (1.5 * boltzmann * (n - 1)),
+  return {energy / (1.5 * boltzmann * (molecules - molecules / n)),
           degrees > 0 ? units.energy_unit * static_cast<double>(sums[4]) / (0.5 * degrees * boltzmann) : 0};
 }
 

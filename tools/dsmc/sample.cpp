@@ -14,8 +14,9 @@ namespace {
 
 /// Averages of one cell.
 struct CellState {
-  double count = 0;  ///< particles, summed over the steps
-  double mass = 0;   ///< of them, kg
+  double count = 0;      ///< particles, summed over the steps
+  double molecules = 0;  ///< the same, each times its weight
+  double mass = 0;       ///< of them, kg
   Vec3 velocity;
   double t_tr = 0, t_rot = 0, t = 0;
   double degrees = 3;
@@ -26,48 +27,51 @@ CellState state_of(const Gas& gas, const CellSums* sums) {
   Vec3 momentum;
   double energy = 0, rotation = 0, rotational_degrees = 0;
   for (std::size_t s = 0; s < gas.species.size(); ++s) {
-    const double m = gas.species[s].mass;
+    const double w = gas.species[s].weight, m = w * gas.species[s].mass;
     cell.count += sums[s].n;
+    cell.molecules += w * sums[s].n;
     cell.mass += m * sums[s].n;
     momentum = momentum + m * sums[s].velocity;
     energy += m * sums[s].square;
-    rotation += sums[s].rotation;
-    rotational_degrees += gas.species[s].rotational_degrees * sums[s].n;
+    rotation += w * sums[s].rotation;
+    rotational_degrees += gas.species[s].rotational_degrees * w * sums[s].n;
   }
   if (cell.count == 0) return cell;
   cell.velocity = (1 / cell.mass) * momentum;
   const double thermal = std::max(0.0, energy - squared_norm(momentum) / cell.mass);
-  if (cell.count > 1) cell.t_tr = thermal / (3 * boltzmann * (cell.count - 1));
+  if (cell.count > 1) cell.t_tr = thermal / (3 * boltzmann * (cell.molecules - cell.molecules / cell.count));
   if (rotational_degrees > 0) cell.t_rot = 2 * rotation / (boltzmann * rotational_degrees);
-  const double mean_rotational = rotational_degrees / cell.count;
+  const double mean_rotational = rotational_degrees / cell.molecules;
   cell.degrees = 3 + mean_rotational;
   cell.t = (3 * cell.t_tr + mean_rotational * cell.t_rot) / cell.degrees;
   return cell;
 }
 
 /// The gas with the species in the parts found in a cell.
-Species mean_of_cell(const Gas& gas, const CellSums* sums, double count) {
+Species mean_of_cell(const Gas& gas, const CellSums* sums, double molecules) {
   Gas local = gas;
-  for (std::size_t s = 0; s < gas.species.size(); ++s) local.fraction[s] = sums[s].n / count;
+  for (std::size_t s = 0; s < gas.species.size(); ++s)
+    local.fraction[s] = gas.species[s].weight * sums[s].n / molecules;
   return mean_species(local);
 }
 
 }  // namespace
 
-void CellSamples::clear(std::size_t n_cells, std::size_t n_species) {
+void CellSamples::clear(std::size_t n_cells, const Gas& gas) {
   *this = {};
-  sums.resize(n_cells * n_species);
+  sums.resize(n_cells * gas.species.size());
   block.resize(n_cells);
   square_of_blocks.resize(n_cells);
 }
 
-void CellSamples::add(const Particles& p, std::size_t n_species) {
+void CellSamples::add(const Particles& p, const Gas& gas) {
+  const auto n_species = gas.species.size();
   ++steps;
   ++steps_in_block;
   const auto begin = p.begin();
   for (std::size_t c = 0; c < block.size(); ++c) {
     const auto first = begin[c], last = begin[c + 1];
-    block[c] += last - first;
+    if (!gas.is_weighted) block[c] += last - first;
     if (n_species == 1) {
       CellSums here;
       for (auto i = first; i < last; ++i) {
@@ -90,6 +94,7 @@ void CellSamples::add(const Particles& p, std::size_t n_species) {
       sum.velocity = sum.velocity + v;
       sum.square += squared_norm(v);
       sum.rotation += p.rotation[i];
+      if (gas.is_weighted) block[c] += gas.species[p.species[i]].weight;
     }
   }
 }
@@ -126,16 +131,16 @@ std::vector<CellQuantity> flow_fields(const Domain& domain, const Gas& gas, cons
     const auto cell = state_of(gas, sums);
     const double density = domain.molecules[c] / domain.volume[c];
     lambda.value[c] = tau.value[c] = kn.value[c] = never;
-    for (std::size_t s = 0; s < n_species; ++s) parts[s].value[c] = sums[s].n / steps * density;
+    for (std::size_t s = 0; s < n_species; ++s) parts[s].value[c] = gas.species[s].weight * sums[s].n / steps * density;
     if (samples.blocks > 1) {
       const double b = static_cast<double>(samples.blocks), m = static_cast<double>(samples.steps_in_blocks);
-      const double total = cell.count - samples.block[c];
+      const double total = cell.molecules - samples.block[c];
       const double variance = std::max(0.0, samples.square_of_blocks[c] / b - (total / b) * (total / b)) * b / (b - 1);
       error.value[c] = std::sqrt(variance / b) * b / m * density;
     }
     if (cell.count == 0) continue;
     particles.value[c] = cell.count / steps;
-    n.value[c] = particles.value[c] * density;
+    n.value[c] = cell.molecules / steps * density;
     rho.value[c] = cell.mass / steps * density;
     u.value[3 * c] = cell.velocity.x;
     u.value[3 * c + 1] = cell.velocity.y;
@@ -144,7 +149,7 @@ std::vector<CellQuantity> flow_fields(const Domain& domain, const Gas& gas, cons
     t_rot.value[c] = cell.t_rot;
     t.value[c] = cell.t;
     if (!(cell.t_tr > 0)) continue;
-    const auto mean = mean_of_cell(gas, sums, cell.count);
+    const auto mean = mean_of_cell(gas, sums, cell.molecules);
     const double gamma = (cell.degrees + 2) / cell.degrees;
     const double free_path = mean_free_path(mean, n.value[c], cell.t_tr);
     ma.value[c] = norm(cell.velocity) / std::sqrt(gamma * boltzmann * std::max(cell.t, 1e-3) / mean.mass);

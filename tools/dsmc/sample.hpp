@@ -25,14 +25,14 @@ struct CellSums {
 struct CellSamples {
   std::int64_t steps = 0;
   std::vector<CellSums> sums;  ///< n_cells x n_species
-  /// For standard errors: particles in the cell summed over the steps of the block under way, and the sum of the
-  /// squares of these sums over the finished blocks.
+  /// For standard errors: particles in the cell, each times its species' weight, summed over the steps of the block
+  /// under way, and the sum of the squares of these sums over the finished blocks.
   std::vector<double> block, square_of_blocks;
   std::int64_t blocks = 0, steps_in_block = 0, steps_in_blocks = 0;
 
-  void clear(std::size_t n_cells, std::size_t n_species);
+  void clear(std::size_t n_cells, const Gas& gas);
   /// Adds the particles as they are now; they must be sorted by cell. Local, O(particles).
-  void add(const Particles& particles, std::size_t n_species);
+  void add(const Particles& particles, const Gas& gas);
   void end_block();
 };
 

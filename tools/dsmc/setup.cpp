@@ -76,7 +76,9 @@ Setup make_setup(const par::Comm& comm, const Case& c, const mesh::DistMesh& mes
     const double v = volume(corners(mesh, setup.unit, cell));
     sums[0].add(setup.cell_dt.empty() ? v : v * (c.dt / setup.cell_dt[static_cast<std::size_t>(cell)]));
   }
-  const double molecules = c.stream.front().density * par::reproducible_sums(comm, sums)[0];
+  const auto& free = c.stream.front();
+  const double molecules =
+      free.density * par::reproducible_sums(comm, sums)[0] * particles_per_molecule(c.gas, free.fraction);
   if (c.weight)
     setup.molecules = *c.weight;
   else if (c.total)
