@@ -11,6 +11,7 @@
 #include "cli/text_file.hpp"
 #include "convert/tie.hpp"
 #include "pamr/base/error.hpp"
+#include "pamr/geometry/self_intersection.hpp"
 #include "pamr/io/gmsh.hpp"
 #include "pamr/io/native_file.hpp"
 #include "pamr/io/write_gmsh.hpp"
@@ -112,6 +113,9 @@ cli::ExitCode convert(cli::Session& session, const Options& options) {
     for (const auto& tie : convert_tool::tie_patches(comm, mesh, cli::read_text(comm, options.surfaces),
                                                      options.surfaces, options.ties, options.tolerance))
       report["ties"][tie.patch] = {{"surface", tie.surface}, {"worst_distance", tie.worst_distance}};
+  if (comm.is_first())
+    for (const auto& surface : mesh.info.triangulations)
+      if (const auto warning = geometry::self_intersection_warning(surface); !warning.empty()) session.warn(warning);
   write(comm, options, mesh);
   report["cells"] = mesh.info.n_global_cells;
   report["nodes"] = mesh.info.n_global_nodes;

@@ -17,6 +17,7 @@
 #include "mesh/supersonic_sphere.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/geometry/surface.hpp"
+#include "pamr/geometry/triangulated.hpp"
 
 namespace pamr::meshing {
 namespace {
@@ -248,7 +249,8 @@ class Reader {
   void read_surfaces(const toml::table& root, const toml::table& mesh) {
     auto& c = result_.combination;
     const auto surfaces = surfaces_of(root, text_);
-    const auto set = geometry::surfaces_from_toml(surfaces, where_);
+    c.triangulations = geometry::triangulations_of_toml(surfaces, where_);
+    const auto set = geometry::surfaces_from_toml(surfaces, where_, c.triangulations);
     if (set.name.empty()) throw Error(where_ + ": expected tables [[surface]] for shape \"surfaces\", found none");
     c.surfaces_toml = surfaces.substr(surfaces.find_first_not_of('\n'));
     c.region = text(mesh, "region", "\"+NAME & -NAME ...\"");

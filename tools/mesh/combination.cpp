@@ -8,6 +8,7 @@
 #include <memory>
 
 #include "mesh/feature_curves.hpp"
+#include "mesh/pieces.hpp"
 #include "mesh/solid.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/geometry/surface.hpp"
@@ -54,14 +55,16 @@ std::function<double(Vec3)> size_field(const std::shared_ptr<const Solid>& solid
   };
 }
 
-/// Points of surface `i` that bound the solid, far from each other: no nearer than edges are wanted there, but at least
+/// Points of a piece that bound the solid, far from each other: no nearer than edges are wanted there, but at least
 /// six where there are so many, and at most `most`.
-std::vector<Vec3> scattered_points(const Solid& solid, int i, const std::vector<Vec3>& samples,
-                                   const std::function<double(Vec3)>& size) {
+std::vector<Vec3> scattered_points(const Solid& solid, const Pieces& pieces, int piece,
+                                   const std::vector<Vec3>& samples, const std::function<double(Vec3)>& size) {
   constexpr std::size_t least = 6, most = 60;
+  const int i = pieces.all()[static_cast<std::size_t>(piece)].surface;
   const Sides bit = Sides{1} << i;
   std::vector<Vec3> candidates;
   for (const Vec3 p : samples) {
+    if (pieces.nearest(i, p) != piece) continue;
     const Sides rest = solid.sides(p) & ~bit;
     if (solid.region.contains(rest) != solid.region.contains(rest | bit)) candidates.push_back(p);
   }
@@ -81,31 +84,40 @@ std::vector<Vec3> scattered_points(const Solid& solid, int i, const std::vector<
 }  // namespace
 
 Domain combine(const Combination& c, const std::string& where) {
-  auto surfaces = std::make_shared<const geometry::SurfaceSet>(geometry::surfaces_from_toml(c.surfaces_toml, where));
+  auto surfaces = std::make_shared<const geometry::SurfaceSet>(
+      geometry::surfaces_from_toml(c.surfaces_toml, where, c.triangulations));
   const Region region(c.region, surfaces->name, where);
   const auto solid = std::make_shared<const Solid>(Solid{std::move(surfaces), region, c.low, c.high});
+  const auto pieces = std::make_shared<const Pieces>(solid, where);
   require_within_bounds(*solid, where);
   Domain domain;
-  domain.label = [solid](Vec3 p) { return solid->label(p); };
+  domain.label = [solid, pieces](Vec3 p) {
+    const int surface = solid->label(p);
+    return surface < 0 ? Domain::inside : pieces->nearest(surface, p);
+  };
   domain.size = size_field(solid, c, where);
-  for (int i = 0; i < solid->n_surfaces(); ++i) {
-    domain.pieces.push_back({i, [solid, i](Vec3 p) { return solid->surface(i).project(p); }});
-    domain.patches.push_back({solid->name(i), "patch", solid->name(i)});
+  for (const auto& piece : pieces->all()) {
+    const int number = static_cast<int>(domain.pieces.size());
+    domain.pieces.push_back({number, [pieces, shape = piece.shape](Vec3 p) { return shape->project(p); }});
+    domain.patches.push_back({piece.name, "patch", solid->name(piece.surface)});
   }
   const auto samples = sample_surfaces(*solid);
   try {
     domain.curves = trace_feature_curves(solid, samples);
+    for (auto& crease : pieces->creases()) domain.curves.push_back(std::move(crease));
   } catch (const Error& error) {
     throw Error(where + ": " + error.what());
   }
-  for (int i = 0; i < solid->n_surfaces(); ++i) {
-    const auto at = static_cast<std::size_t>(i);
+  for (std::size_t k = 0; k < domain.pieces.size(); ++k) {
+    const auto& piece = pieces->all()[k];
     if (std::none_of(domain.curves.begin(), domain.curves.end(), [&](const FeatureCurve& curve) {
-          return solid->surface(i).distance(curve.polyline[curve.polyline.size() / 2]) < 1e-9 * solid->radius();
+          return piece.shape->distance(curve.polyline[curve.polyline.size() / 2]) < 1e-9 * solid->radius();
         }))
-      domain.pieces[at].start = scattered_points(*solid, i, samples[at], domain.size);
+      domain.pieces[k].start = scattered_points(*solid, *pieces, static_cast<int>(k),
+                                                samples[static_cast<std::size_t>(piece.surface)], domain.size);
   }
   domain.surfaces_toml = c.surfaces_toml;
+  domain.triangulations = c.triangulations;
   domain.length_unit = c.length_unit;
   domain.centre = solid->centre();
   domain.radius = 1.05 * solid->radius();

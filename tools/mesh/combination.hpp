@@ -6,14 +6,16 @@
 #include <vector>
 
 #include "mesh/domain.hpp"
+#include "pamr/geometry/triangulation.hpp"
 
 namespace pamr::meshing {
 
 /// Surfaces and what is between them, as a case file says it.
 struct Combination {
-  std::string surfaces_toml;  ///< entries [[surface]]; each becomes a patch of its name
-  std::string region;         ///< see `Region`
-  geometry::Vec3 low, high;   ///< a box that holds the region, in units of the mesh as all lengths here
+  std::string surfaces_toml;  ///< entries [[surface]]; each becomes a patch of its name, or several (see `Pieces`)
+  std::vector<geometry::Triangulation> triangulations{};  ///< data of those of kind `triangulation`
+  std::string region;                                     ///< see `Region`
+  geometry::Vec3 low, high;  ///< a box that holds the region, in units of the mesh as all lengths here
   std::string length_unit;
   double far = 0;     ///< largest wanted edge length
   double growth = 0;  ///< of the wanted edge length per distance, no unit; under 1

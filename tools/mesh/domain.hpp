@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "pamr/geometry/triangulation.hpp"
 #include "pamr/geometry/vec3.hpp"
 #include "pamr/mesh/dist_mesh.hpp"
 
@@ -39,7 +40,8 @@ struct Domain {
   std::vector<Piece> pieces;
   std::vector<FeatureCurve> curves;
   std::vector<mesh::Patch> patches;
-  std::string surfaces_toml;  ///< the surfaces that the patches name
+  std::string surfaces_toml;                              ///< the surfaces that the patches name
+  std::vector<geometry::Triangulation> triangulations{};  ///< data of the triangulated ones
   std::string length_unit;
   geometry::Vec3 centre;  ///< of a ball that holds the domain
   double radius = 0;      ///< of that ball

@@ -16,6 +16,7 @@
 #include "mesh/snap.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/geometry/quality.hpp"
+#include "pamr/geometry/self_intersection.hpp"
 #include "pamr/io/native_file.hpp"
 #include "pamr/mesh/assemble.hpp"
 #include "pamr/mesh/kuhn_cube.hpp"
@@ -72,7 +73,13 @@ meshing::RawMesh level_zero(const cli::Session& session, const meshing::Domain& 
 /// Rank 0 makes the mesh while the others wait. Collective.
 mesh::BlockMesh make_with_cgal(const cli::Session& session, const meshing::MeshCase& mesh_case) {
   const auto& comm = session.comm();
-  const auto domain = meshing::domain_of(mesh_case);
+  meshing::Domain domain;
+  par::agree(comm, [&] {
+    domain = meshing::domain_of(mesh_case);
+    if (!comm.is_first()) return;
+    for (const auto& surface : domain.triangulations)
+      if (const auto warning = geometry::self_intersection_warning(surface); !warning.empty()) session.warn(warning);
+  });
   meshing::RawMesh raw;
   par::agree(comm, [&] {
     if (!comm.is_first()) return;
@@ -120,9 +127,13 @@ cli::ExitCode make_mesh(cli::Session& session, const Options& options) {
     block = mesh::kuhn_cube(comm, options.n);
     block.info.provenance = fmt::format("pamr-mesh: shape kuhn-cube, n {}", options.n);
   } else {
-    block = make_with_cgal(session, options.shape.empty()
-                                        ? meshing::read_case(cli::read_text(comm, options.case_file), options.case_file)
-                                        : meshing::case_of_shape(options.shape, options.size));
+    meshing::MeshCase mesh_case;
+    const auto text = options.case_file.empty() ? std::string() : cli::read_text(comm, options.case_file);
+    par::agree(comm, [&] {  // it may read surface files
+      mesh_case = options.shape.empty() ? meshing::read_case(text, options.case_file)
+                                        : meshing::case_of_shape(options.shape, options.size);
+    });
+    block = make_with_cgal(session, mesh_case);
   }
   const auto destination = meshing::block_destinations(comm, block);
   const auto mesh = mesh::assemble(comm, std::move(block), destination);

@@ -26,9 +26,7 @@ struct Solid {
   /// then hold it exactly.
   geometry::Vec3 on_planes(std::span<const int> among, geometry::Vec3 p) const;
   /// Distance from surface `i`, negative on the side to which its normal does not point.
-  double signed_distance(int i, geometry::Vec3 p) const {
-    return geometry::dot(p - surface(i).project(p), surface(i).normal(p));
-  }
+  double signed_distance(int i, geometry::Vec3 p) const { return surface(i).signed_distance(p); }
   Sides sides(geometry::Vec3 p) const;
   bool contains(geometry::Vec3 p) const { return region.contains(sides(p)); }
 

@@ -5,7 +5,9 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <string>
 
+#include "pamr/base/error.hpp"
 #include "pamr/geometry/jet.hpp"
 
 namespace pamr::geometry {
@@ -20,8 +22,11 @@ Vec3 unit(Vec3 v) { return (1 / norm(v)) * v; }
 
 class Finder {
  public:
-  Finder(const Triangulation& surface, double angle)
-      : surface_(surface), cosine_(std::cos(angle * std::numbers::pi / 180)) {
+  Finder(const Triangulation& surface, const CreaseOptions& options)
+      : surface_(surface),
+        options_(options),
+        // rounding must not make 180 degrees an angle that a folded pair of triangles exceeds
+        cosine_(options.angle < 180 ? std::cos(options.angle * std::numbers::pi / 180) : -2) {
     result_.neighbour = triangle_neighbours(surface);
   }
 
@@ -30,8 +35,10 @@ class Finder {
       const Vec3 a = point(t, 0);
       facet_.push_back(unit(cross(point(t, 1) - a, point(t, 2) - a)));
     }
+    mark_given();
     find_creases();
     find_patches();
+    drop_short();
     find_planes();
     find_tangents();
     find_normals();
@@ -41,13 +48,92 @@ class Finder {
  private:
   Vec3 point(std::size_t t, std::size_t k) const { return surface_.points[at(surface_.triangles[t][k])]; }
 
+  /// Both ends within 1e-6 of the surface's size from a segment: that catches what a text file rounds off.
+  void mark_given() {
+    is_given_.assign(surface_.triangles.size(), {false, false, false});
+    if (options_.given.empty()) return;
+    Vec3 low = surface_.points.front(), high = low;
+    for (const Vec3 p : surface_.points) {
+      low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
+      high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+    }
+    const double near = 1e-6 * norm(high - low);
+    for (std::size_t line = 0; line < options_.given.size(); ++line)
+      for (std::size_t i = 0; i + 1 < options_.given[line].size(); ++i)
+        if (!mark_segment(options_.given[line][i], options_.given[line][i + 1], near))
+          throw Error("creases: expected polylines along edges of the triangles, found none on segment " +
+                      std::to_string(i + 1) + " of polyline " + std::to_string(line + 1));
+  }
+
+  bool mark_segment(Vec3 a, Vec3 b, double near) {
+    const auto is_on = [&](Vec3 p) {
+      const double length = squared_norm(b - a), s = length > 0 ? std::clamp(dot(p - a, b - a) / length, 0.0, 1.0) : 0;
+      return norm(a + s * (b - a) - p) <= near;
+    };
+    std::vector<char> is_point_on;
+    is_point_on.reserve(surface_.points.size());
+    for (const Vec3 p : surface_.points) is_point_on.push_back(is_on(p) ? 1 : 0);
+    bool found = false;
+    for (std::size_t t = 0; t < surface_.triangles.size(); ++t)
+      for (std::size_t k = 0; k < 3; ++k)
+        if (is_point_on[at(surface_.triangles[t][k])] != 0 && is_point_on[at(surface_.triangles[t][(k + 1) % 3])] != 0)
+          found = is_given_[t][k] = true;
+    return found;
+  }
+
+  /// Takes out short creases with the same piece on both sides.
+  void drop_short() {
+    if (!(options_.shortest > 0)) return;
+    const auto n = result_.creases.size();
+    std::vector<char> is_inner(n, 0);
+    for (std::size_t t = 0; t < facet_.size(); ++t)
+      for (std::size_t k = 0; k < 3; ++k) {
+        const int crease = result_.crease_at[t][k], other = result_.neighbour[t][k].triangle;
+        if (crease >= 0 && other >= 0 && result_.patch[t] == result_.patch[at(other)]) is_inner[at(crease)] = 1;
+      }
+    std::vector<std::vector<int>> at_point(surface_.points.size());
+    for (std::size_t c = 0; c < n; ++c)
+      if (is_inner[c] != 0)
+        for (const int p : result_.creases[c].point) at_point[at(p)].push_back(static_cast<int>(c));
+    std::vector<char> is_seen(n, 0), is_dropped(n, 0);
+    for (std::size_t start = 0; start < n; ++start) {
+      if (is_inner[start] == 0 || is_seen[start] != 0) continue;
+      std::vector<int> together{static_cast<int>(start)};
+      is_seen[start] = 1;
+      double length = 0;
+      for (std::size_t i = 0; i < together.size(); ++i) {
+        const auto& ends = result_.creases[at(together[i])].point;
+        length += norm(surface_.points[at(ends[1])] - surface_.points[at(ends[0])]);
+        for (const int p : ends)
+          for (const int next : at_point[at(p)])
+            if (is_seen[at(next)] == 0) {
+              is_seen[at(next)] = 1;
+              together.push_back(next);
+            }
+      }
+      for (const int c : together) is_dropped[at(c)] = length < options_.shortest ? 1 : 0;
+    }
+    std::vector<int> new_number(n, -1);
+    int n_kept = 0;
+    for (std::size_t c = 0; c < n; ++c) {
+      if (is_dropped[c] != 0) continue;
+      result_.creases[at(n_kept)] = result_.creases[c];
+      new_number[c] = n_kept++;
+    }
+    result_.creases.resize(at(n_kept));
+    for (auto& creases : result_.crease_at)
+      for (int& crease : creases)
+        if (crease >= 0) crease = new_number[at(crease)];
+  }
+
   void find_creases() {
     const auto n = surface_.triangles.size();
     result_.crease_at.assign(n, {-1, -1, -1});
     for (std::size_t t = 0; t < n; ++t)
       for (std::size_t k = 0; k < 3; ++k) {
         const auto [other, edge] = result_.neighbour[t][k];
-        if (other >= 0 && (at(other) < t || dot(facet_[t], facet_[at(other)]) >= cosine_)) continue;
+        const bool is_sharp = other < 0 || dot(facet_[t], facet_[at(other)]) < cosine_ || is_given_[t][k];
+        if (!is_sharp || (other >= 0 && at(other) < t)) continue;
         const auto number = static_cast<int>(result_.creases.size());
         result_.creases.push_back({{surface_.triangles[t][k], surface_.triangles[t][(k + 1) % 3]}, {}});
         result_.crease_at[t][k] = number;
@@ -213,13 +299,17 @@ class Finder {
   }
 
   const Triangulation& surface_;
+  const CreaseOptions& options_;
   double cosine_;
+  std::vector<std::array<bool, 3>> is_given_;
   std::vector<Vec3> facet_;
   Features result_;
 };
 
 }  // namespace
 
-Features find_features(const Triangulation& surface, double angle) { return Finder(surface, angle).find(); }
+Features find_features(const Triangulation& surface, const CreaseOptions& options) {
+  return Finder(surface, options).find();
+}
 
 }  // namespace pamr::geometry

@@ -27,11 +27,20 @@ struct Features {
   std::vector<Vec3> plane_normal, plane_point;   ///< by patch, of its largest triangle
 };
 
-/// Finds creases where the normals of two triangles differ by more than `angle` degrees, and the normals and tangents
-/// of the smooth surface at the points. Normals come from fitted quadrics (`jet_normal`) over two rings of triangles on
-/// the same side of the creases, tangents from the circle through a point and its two neighbours along the crease; a
-/// crease turns freely where not exactly two meet, or where it turns by more than 75 degrees. The surface must be
-/// valid. O(n log n).
-Features find_features(const Triangulation& surface, double angle);
+/// What makes an edge a crease.
+struct CreaseOptions {
+  double angle = 40;  ///< degrees between the normals of two triangles, more is a crease; 180: none by angle
+  /// Creases given as polylines: every edge both ends of which lie on one of their segments.
+  std::vector<std::vector<Vec3>> given{};
+  /// Creases that end inside a piece and are shorter than this, all that hang together, are none: noise. Length unit.
+  double shortest = 0;
+};
+
+/// Finds creases, and the normals and tangents of the smooth surface at the points. Normals come from fitted quadrics
+/// (`jet_normal`) over two rings of triangles on the same side of the creases, tangents from the circle through a point
+/// and its two neighbours along the crease; a crease turns freely where not exactly two meet, or where it turns by more
+/// than 75 degrees. The surface must be valid. Throws `Error` for a segment of a given crease that no edge lies on (to
+/// 1e-6 of the size of the surface). O(n log n), and O(n) for each segment of a given crease.
+Features find_features(const Triangulation& surface, const CreaseOptions& options);
 
 }  // namespace pamr::geometry

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -32,6 +33,15 @@ class Surface {
   /// Nearest point of the curves along which pieces of the surface are joined (the circles of a profile's joints):
   /// where the border of two patches of one surface runs. The nearest point of the surface where it has no such curves.
   virtual Vec3 project_to_seam(Vec3 point) const { return project(point); }
+  /// Distance with a sign: negative on the side to which the normal does not point.
+  virtual double signed_distance(Vec3 point) const { return dot(point - project(point), normal(point)); }
+  /// For an edge from a to b of the mesh in one patch of the surface: where the middle of its chord belongs when both
+  /// ends lie next to each other on a sharp edge that ends inside the surface; nothing elsewhere, and for surfaces
+  /// without such edges. The same for b and a.
+  virtual std::optional<Vec3> inner_crease_between(Vec3 a, Vec3 b) const {
+    (void)a, (void)b;
+    return std::nullopt;
+  }
   /// True when moving along a straight segment between two of its points stays on it (a plane): nothing to project.
   virtual bool is_flat() const { return false; }
   /// Size of the numbers that the surface is made of (a bound of its parameters' coordinates and radii): what the

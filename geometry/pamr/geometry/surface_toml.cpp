@@ -86,6 +86,27 @@ class TableReader {
     return {values[0], values[1], values[2]};
   }
 
+  /// An array of arrays of two points or more.
+  std::vector<std::vector<Vec3>> polylines(std::string_view key) const {
+    const toml::node& node = required(key);
+    const auto refuse = [&](const toml::node& what) {
+      fail(what.source(),
+           std::string(key) + ": expected polylines [[[x, y, z], [x, y, z], ...], ...], found " + kind_of(what));
+    };
+    std::vector<std::vector<Vec3>> result;
+    if (!node.is_array()) refuse(node);
+    for (const toml::node& line : *node.as_array()) {
+      if (!line.is_array() || line.as_array()->size() < 2) refuse(line);
+      auto& read = result.emplace_back();
+      for (const toml::node& point : *line.as_array()) {
+        const toml::array* x = point.as_array();
+        if (x == nullptr || x->size() != 3) refuse(point);
+        read.push_back({finite((*x)[0], key), finite((*x)[1], key), finite((*x)[2], key)});
+      }
+    }
+    return result;
+  }
+
   Meridian meridian(std::string_view key) const {
     const auto values = numbers<2>(key);
     return {values[0], values[1]};
@@ -165,10 +186,12 @@ std::vector<PolynomialSegment> read_segments(const TableReader& surface, const s
 
 /// The keys of a triangulation but for its data; the file must be named even when the data comes from elsewhere.
 Triangulated::Options triangulation_options(const TableReader& table) {
-  table.refuse_keys_but({"name", "kind", "file", "feature_angle", "open", "near"});
+  table.refuse_keys_but({"name", "kind", "file", "feature_angle", "creases", "shortest_crease", "open", "near"});
   table.text("file");
   Triangulated::Options options;
-  if (table.has("feature_angle")) options.feature_angle = table.number("feature_angle");
+  if (table.has("feature_angle")) options.crease.angle = table.number("feature_angle");
+  if (table.has("creases")) options.crease.given = table.polylines("creases");
+  if (table.has("shortest_crease")) options.crease.shortest = table.number("shortest_crease");
   if (table.has("open")) options.open_allowed = table.truth("open");
   if (table.has("near")) options.near = table.vector("near");
   return options;

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <span>
 #include <string_view>
 #include <vector>
 
 #include "pamr/geometry/crease.hpp"
+#include "pamr/geometry/crease_net.hpp"
 #include "pamr/geometry/surface.hpp"
 #include "pamr/geometry/triangulated_curve.hpp"
 #include "pamr/geometry/triangulated_tree.hpp"
@@ -19,7 +21,7 @@ namespace pamr::geometry {
 class Triangulated final : public Surface {
  public:
   struct Options {
-    double feature_angle = 40;      ///< degrees between the normals of two triangles, more is a crease; in (0, 180)
+    CreaseOptions crease{};
     bool open_allowed = false;      ///< the surface may end
     std::optional<Vec3> near = {};  ///< take only the piece between creases that is nearest to this point
   };
@@ -28,39 +30,72 @@ class Triangulated final : public Surface {
 
   Vec3 project(Vec3 point) const override;
   Vec3 normal(Vec3 point) const override;
+  /// Beyond a crease or a corner the sign is that of the mean normal there, by angle at a corner.
+  /// Source: J. A. Baerentzen, H. Aanaes, Signed distance computation using the angle weighted pseudonormal, 2005.
+  double signed_distance(Vec3 point) const override;
   /// Nearest point of the creases, and of the ends of an open surface; the nearest point where there are none.
   Vec3 project_to_seam(Vec3 point) const override;
+  std::optional<Vec3> inner_crease_between(Vec3 a, Vec3 b) const override;
   /// True for a planar piece taken alone.
   bool is_flat() const override { return is_flat_; }
-  double magnitude() const override { return magnitude_; }
+  double magnitude() const override { return shape_->magnitude; }
 
   /// Pieces between creases of the whole triangulation.
-  std::size_t n_patches() const { return features_.is_planar.size(); }
-  std::size_t n_creases() const { return edges_.size(); }
+  std::size_t n_patches() const { return shape_->features.is_planar.size(); }
+  std::size_t n_creases() const { return creases_->n_edges(); }
+  /// The piece that holds the nearest point.
+  int piece_at(Vec3 point) const { return shape_->features.patch[static_cast<std::size_t>(nearest(point).triangle)]; }
+  /// One piece taken alone; it shares the data of the whole.
+  std::unique_ptr<const Triangulated> piece(int number) const;
+  /// The creases as curves: all of them, or, of a piece taken alone, those round it and in it.
+  const CreaseNet& creases() const { return *creases_; }
+  /// True for one piece taken alone, by `near` or by `piece`.
+  bool is_one_piece() const { return stays_in_patch_; }
+  /// Calls `use(piece, middle)` for every triangle, with the middle of the flat one.
+  template <class Use>
+  void for_each_triangle(Use&& use) const {
+    for (const int t : triangle_of_tree_) {
+      const auto& corner = shape_->corner[static_cast<std::size_t>(t)];
+      const auto point = [&](std::size_t k) { return flat_->points[static_cast<std::size_t>(corner[k])]; };
+      use(shape_->features.patch[static_cast<std::size_t>(t)], (1.0 / 3) * (point(0) + point(1) + point(2)));
+    }
+  }
 
  private:
+  struct Shape {
+    Features features;
+    std::vector<CurvedTriangle> curved;
+    std::vector<std::array<int, 3>> corner;  // n_triangles x 3 points
+    std::vector<Vec3> pseudonormal;          // by point, not of unit length
+    double magnitude = 0;
+  };
   struct Place {
     Foot foot;
     int triangle = -1;
   };
+  Triangulated(std::shared_ptr<const Shape> shape, std::shared_ptr<const Triangulation> flat, int only_piece);
+  static std::shared_ptr<Shape> make_shape(const Triangulation& surface, const CreaseOptions& options);
+  static void curve_triangles(const Triangulation& surface, Shape& shape);
+  static void find_pseudonormals(const Triangulation& surface, Shape& shape);
+  /// The whole for -1.
+  void take_piece(int only_piece);
+
   Place nearest(Vec3 point) const;
   /// A nearer point in a triangle next to where `here` touches the border of its own; false when there is none.
   bool go_on(Vec3 point, Place& here) const;
   bool try_triangle(Vec3 point, int triangle, double u, double v, Place& best) const;
   Vec3 onto_plane(int triangle, Vec3 point) const;
-  void build_triangles(const Triangulation& surface);
-  void build_edges(const Triangulation& surface, int only_patch);
+  Vec3 foot_of(const Place& here, Vec3 point) const;
+  Vec3 unit_normal(int triangle, double u, double v) const;
+  /// The normal that tells the sides apart where the nearest point lies.
+  Vec3 outward(const Place& here) const;
 
-  Features features_;
-  std::vector<CurvedTriangle> curved_;
+  std::shared_ptr<const Shape> shape_;
+  std::shared_ptr<const Triangulation> flat_;
   std::vector<int> triangle_of_tree_;
   std::optional<TriangleTree> tree_;
-  std::vector<CurvedEdge> edges_;
-  std::vector<std::array<int, 2>> edge_ends_;   // points, renumbered
-  std::vector<std::vector<int>> edges_at_end_;  // by point
-  std::optional<TriangleTree> edge_tree_;
+  std::optional<CreaseNet> creases_;
   bool stays_in_patch_ = false, is_flat_ = false;
-  double magnitude_ = 0;
 };
 
 /// Reads the files of all surfaces of kind `triangulation` in TOML text (see `surfaces_from_toml`), each named as its

@@ -63,8 +63,14 @@ std::vector<Movable> project_new_nodes(const mesh::DistMesh& mesh, const Numberi
       known = surfaces_of_pair.emplace(boundary.patch, surfaces_of(mesh.info, surfaces, patch)).first;
     if (all_flat(known->second)) continue;
     const auto [a, b] = numbering.ends[at(boundary.new_node)];
-    movables.push_back(aim(mesh.info, mesh.n_nodes() + boundary.new_node,
-                           geometry::midpoint(mesh.point(a), mesh.point(b)), patch, known->second));
+    const LocalId node = mesh.n_nodes() + boundary.new_node;
+    const auto base = geometry::midpoint(mesh.point(a), mesh.point(b));
+    if (patch[1] < 0)  // a sharp edge that ends inside a patch parts no patches
+      if (const auto crease = known->second.front()->inner_crease_between(mesh.point(a), mesh.point(b))) {
+        movables.push_back({node, base, *crease, patch, true});
+        continue;
+      }
+    movables.push_back(aim(mesh.info, node, base, patch, known->second));
   }
   return movables;
 }

@@ -8,6 +8,7 @@
 #include <functional>
 
 #include "pamr/base/error.hpp"
+#include "pamr/geometry/self_intersection.hpp"
 #include "support/triangulations.hpp"
 
 namespace pamr::geometry {
@@ -127,11 +128,135 @@ TEST(Triangulated, CanBeOnePieceBetweenCreases) {
   EXPECT_NEAR(std::hypot(corner.point.x, corner.point.y), 0.5, 1e-5);
 }
 
+/// Distance from the cube with the round hole, negative in it; exact near its walls, edges and rims.
+double distance_from_bored_cube(Vec3 p) {
+  const double x = std::abs(p.x) - 1, y = std::abs(p.y) - 1, z = std::abs(p.z) - 1, r = 0.5 - std::hypot(p.x, p.y);
+  const double deepest = std::max({x, y, z, r});
+  if (deepest <= 0) return deepest;
+  return norm({std::max(x, 0.0), std::max(y, 0.0), std::hypot(std::max(z, 0.0), std::max(r, 0.0))});
+}
+
+TEST(Triangulated, TellsInsideFromOutsideBesideEdgesAndCorners) {
+  const Triangulated surface(testing::bored_cube(24), {});
+
+  for (int i = 0; i < 4000; ++i) {
+    const Vec3 p{1.3 * std::sin(1.1 * i), 1.3 * std::sin(1.7 * i + 1), 1.3 * std::sin(2.3 * i + 2)};
+    const double exact = distance_from_bored_cube(p);
+    const double found = surface.signed_distance(p);
+    if (std::abs(exact) > 1e-3) {
+      EXPECT_EQ(found < 0, exact < 0) << p.x << " " << p.y << " " << p.z;
+    }
+    if (std::abs(exact) < 0.2) {
+      EXPECT_NEAR(found, exact, 3e-4) << p.x << " " << p.y << " " << p.z;
+    }
+  }
+  EXPECT_LT(surface.signed_distance({0.999, 0.999, 0.999}), 0);
+  EXPECT_NEAR(surface.signed_distance({1.3, 1.4, 1}), 0.5, 1e-15);
+  EXPECT_NEAR(surface.signed_distance({1.3, 1.4, 2.2}), 1.3, 1e-15);
+}
+
+TEST(Triangulated, TakesPiecesAloneAndCreasesAsLines) {
+  const Triangulated surface(testing::bored_cube(24), {});
+
+  std::size_t n_closed = 0;
+  for (const auto& line : surface.creases().lines()) n_closed += line.is_closed() ? 1 : 0;
+  EXPECT_EQ(surface.creases().lines().size(), 14U);  // 12 edges of the cube, 2 rims
+  EXPECT_EQ(n_closed, 2U);
+  for (const Vec3 p : {Vec3{0.9, 0.9, 1.2}, {0.4, 0, 0.3}, {-1.2, 0.3, 0.3}}) {
+    const auto alone = surface.piece(surface.piece_at(p));
+    EXPECT_EQ(alone->project(p), surface.project(p));
+    EXPECT_TRUE(alone->is_one_piece());
+  }
+  const auto top = surface.piece(surface.piece_at({0.9, 0.9, 1.2}));
+  EXPECT_TRUE(top->is_flat());
+  EXPECT_EQ(top->project({0.9, 0.9, -5}), (Vec3{0.9, 0.9, 1}));
+}
+
+TEST(Triangulated, TakesCreasesThatAreGiven) {
+  Triangulated::Options options;
+  options.crease.angle = 180;
+  EXPECT_EQ(Triangulated(testing::bored_cube(24), options).n_patches(), 1U);
+  for (const double z : {-1.0, 1.0})
+    options.crease.given.push_back({{1, 1, z}, {-1, 1, z}, {-1, -1, z}, {1, -1, z}, {1, 1, z}});
+  for (const double x : {-1.0, 1.0})
+    for (const double y : {-1.0, 1.0}) options.crease.given.push_back({{x, y, -1}, {x, y, 1}});
+
+  const Triangulated surface(testing::bored_cube(24), options);
+
+  EXPECT_EQ(surface.n_creases(), 12U);
+  EXPECT_EQ(surface.n_patches(), 5U);  // the four sides, and the rest, smooth over the rims
+  options.crease.given.push_back({{1, 1, 1}, {-1, -0.9, 1}});
+  EXPECT_THAT([&] { Triangulated(testing::bored_cube(24), options); },
+              ::testing::ThrowsMessage<Error>(::testing::HasSubstr("segment 1 of polyline 7")));
+}
+
+/// A sphere with one crease of two edges in it.
+Triangulated::Options with_inner_crease(const Triangulation& sphere) {
+  const auto corner = [&](std::size_t t, std::size_t k) {
+    return sphere.points[static_cast<std::size_t>(sphere.triangles[t][k])];
+  };
+  Triangulated::Options options;
+  options.crease.given = {{corner(0, 0), corner(0, 1)}};
+  return options;
+}
+
+TEST(Triangulated, KeepsNodesOnACreaseThatEndsInside) {
+  const auto sphere = testing::icosphere(2);
+  const auto options = with_inner_crease(sphere);
+  const Vec3 a = options.crease.given[0][0], b = options.crease.given[0][1];
+
+  const Triangulated surface(sphere, options);
+
+  ASSERT_EQ(surface.n_creases(), 1U);
+  EXPECT_EQ(surface.n_patches(), 1U);
+  const auto middle = surface.inner_crease_between(a, b);
+  ASSERT_TRUE(middle.has_value());
+  EXPECT_EQ(*middle, surface.creases().nearest(midpoint(a, b)));
+  EXPECT_EQ(middle, surface.inner_crease_between(b, a));
+  EXPECT_FALSE(surface.inner_crease_between(a, surface.project({0.3, -0.2, 1})).has_value());
+  EXPECT_FALSE(Triangulated(testing::bored_cube(24), {}).inner_crease_between({1, 1, 0}, {1, 1, 1}).has_value());
+}
+
+TEST(Triangulated, TakesShortCreasesThatEndInsideForNoise) {
+  const auto sphere = testing::icosphere(2);
+  auto options = with_inner_crease(sphere);
+  const double length = norm(options.crease.given[0][1] - options.crease.given[0][0]);
+
+  options.crease.shortest = 0.9 * length;
+  EXPECT_EQ(Triangulated(sphere, options).n_creases(), 1U);
+  options.crease.shortest = 1.1 * length;
+  EXPECT_EQ(Triangulated(sphere, options).n_creases(), 0U);
+}
+
+TEST(SelfIntersections, AreFoundWhereTwoSpheresCutEachOther) {
+  auto surface = testing::icosphere(2);
+  EXPECT_EQ(find_self_intersections(surface).n_pairs, 0);
+  EXPECT_EQ(self_intersection_warning(surface), "");
+  const auto n = static_cast<int>(surface.points.size());
+  for (int i = 0; i < n; ++i)
+    surface.points.push_back(surface.points[static_cast<std::size_t>(i)] + Vec3{1.01, 0.02, 0.03});
+  for (std::size_t t = 0; t < 320; ++t) {
+    auto corner = surface.triangles[t];
+    for (int& p : corner) p += n;
+    surface.triangles.push_back(corner);
+  }
+  surface.name = "pair";
+
+  const auto found = find_self_intersections(surface);
+
+  EXPECT_GT(found.n_pairs, 20);
+  EXPECT_NEAR(found.where.x, 0.5, 0.3);
+  EXPECT_EQ(find_self_intersections(surface, 5).n_pairs, 5);
+  EXPECT_THAT(self_intersection_warning(surface),
+              ::testing::AllOf(::testing::HasSubstr("\"pair\""),
+                               ::testing::HasSubstr(std::to_string(found.n_pairs) + " pairs")));
+}
+
 TEST(Triangulated, RefusesOptionsOutOfRange) {
   Triangulated::Options options;
-  options.feature_angle = 180;
+  options.crease.angle = 181;
   EXPECT_THROW(Triangulated(testing::icosphere(0), options), Error);
-  options.feature_angle = 40;
+  options.crease.angle = 40;
   options.near = Vec3{0, 0, std::nan("")};
   EXPECT_THROW(Triangulated(testing::icosphere(0), options), Error);
 }

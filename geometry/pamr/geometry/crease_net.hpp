@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <optional>
+#include <vector>
+
+#include "pamr/geometry/crease.hpp"
+#include "pamr/geometry/triangulated_curve.hpp"
+#include "pamr/geometry/triangulated_tree.hpp"
+#include "pamr/geometry/triangulation.hpp"
+
+namespace pamr::geometry {
+
+/// Creases one after another between two corners, or round a closed curve: smooth in itself.
+struct CreaseLine {
+  std::vector<Vec3> polyline;  ///< points of the curve, finely; the first one again at the end when it is closed
+  std::array<int, 2> piece{};  ///< of the triangles on its two sides, equal where it ends inside a piece; -1: none
+  bool is_closed() const { return polyline.front() == polyline.back(); }
+};
+
+/// The creases of a triangulated surface as curves. Local, thread-safe, the same bits for the same point.
+class CreaseNet {
+ public:
+  /// All creases, or, unless `only_piece` is negative, those round that piece. O(n log n).
+  CreaseNet(const Triangulation& surface, const Features& features, int only_piece);
+
+  bool is_empty() const { return edges_.empty(); }
+  std::size_t n_edges() const { return edges_.size(); }
+  const std::vector<CreaseLine>& lines() const { return lines_; }
+
+  /// Nearest point of all creases; there must be some.
+  Vec3 nearest(Vec3 point) const;
+  /// Nearest point of one line.
+  Vec3 nearest_on_line(std::size_t line, Vec3 point) const;
+  /// The point of the crease for the middle of the chord from a to b, where both lie on one line that has the same
+  /// piece on both sides, next to each other: the way along the line must not be 1.3 times the chord. Does not depend
+  /// on the order of a and b. Lines between two pieces are no matter of this function: patches tell them.
+  std::optional<Vec3> between(Vec3 a, Vec3 b) const;
+
+ private:
+  struct Edge {
+    CurvedEdge curve;
+    std::array<int, 2> end{};  // points, renumbered
+    std::array<Vec3, 2> tangent{};
+    std::array<int, 2> piece{-1, -1};
+    std::size_t line = 0;
+    double start = 0, length = 0;  // along the line, chords
+    bool runs_along = true;        // from its first point to its second
+  };
+  struct Line {
+    std::vector<int> edges;  // in order
+    double length = 0;
+    std::optional<TriangleTree> tree;
+  };
+  struct Place {
+    Vec3 point;
+    double way = 0;  // along the line
+  };
+  bool is_smooth_at(int end, int one, int other) const;
+  void chain();
+  void sample(Line& line);
+  Place place_on(const Line& line, Vec3 point) const;
+
+  std::vector<Edge> edges_;
+  std::vector<std::array<Vec3, 2>> chord_;
+  std::vector<std::vector<int>> edges_at_end_;  // by renumbered point
+  std::optional<TriangleTree> tree_;
+  std::vector<Line> line_;
+  std::vector<CreaseLine> lines_;
+  bool has_inner_lines_ = false;
+};
+
+}  // namespace pamr::geometry

@@ -1,0 +1,122 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Triangulated bodies as the boundary of a mesh: pamr-mesh makes it, pamr-refine rounds what is round in it."""
+import pathlib
+
+import h5py
+import numpy as np
+
+from surface_models import bored_cube, icosphere, write_off, write_stl
+from tool_run import RANKS, refuses, run, run_tests, same_bytes
+
+FACES = np.array([[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]])
+
+
+def body_toml(file, keys=""):
+    return f'[[surface]]\nname = "body"\nkind = "triangulation"\nfile = "{file}"\n{keys}'
+
+
+def case(name, region, bounds, sizes, surfaces):
+    pathlib.Path(name).write_text(f'[mesh]\nshape = "surfaces"\nlength_unit = "1"\nregion = "{region}"\nbounds = {bounds}\n'
+                                  f"[mesh.sizes]\n{sizes}\n{surfaces}")
+    return name
+
+
+def patches(name):
+    """Points of each patch."""
+    with h5py.File(name) as file:
+        points, cells = file["VTKHDF/Points"][:], file["VTKHDF/Connectivity"][:].reshape(-1, 4)
+        cell, slot = np.nonzero(file["PAMR/cell_to_cell"][:] < 0)
+        patch = -1 - file["PAMR/cell_to_cell"][:][cell, slot]
+        names = [n.decode() for n in file["PAMR/patches/names"][:]]
+    faces = cells[cell[:, None], FACES[slot]]
+    return points, {n: np.unique(faces[patch == i]) for i, n in enumerate(names)}
+
+
+def refine(name, levels, *marks):
+    """Names of the meshes of all levels."""
+    names = [name]
+    for level in range(1, levels + 1):
+        run("pamr-mark", names[-1], "-o", "marked.hdf", *marks, "--force", "--quiet")
+        names.append(name.replace(".hdf", f"{level}.hdf"))
+        report = run("pamr-refine", "marked.hdf", "-o", names[-1], "--force", "--json", "-").json
+        assert report["inverted_cells"] == 0 and report["off_surface_nodes"] == 0
+    return names
+
+
+def test_nodes_on_a_coarse_sphere_are_nearer_to_the_ball_than_its_triangles():
+    points, triangles = icosphere(2)
+    write_stl("ball.stl", points, triangles)
+    run("pamr-mesh", case("ball.toml", "-body", [[-1] * 3, [1] * 3], "far = 0.5", body_toml("ball.stl")), "-o", "ball.hdf")
+    facets = max(1 - np.linalg.norm(points[list(t)].mean(axis=0)) for t in triangles)
+
+    for name in refine("ball.hdf", 3, "--patch", "body"):
+        at, nodes = patches(name)
+        assert list(nodes) == ["body"]
+        assert np.abs(np.linalg.norm(at[nodes["body"]], axis=1) - 1).max() < facets / 50
+
+
+def test_edges_of_a_machined_part_stay_sharp_and_its_planes_planar():
+    write_stl("part.stl", *bored_cube(24))
+    run("pamr-mesh", case("part.toml", "-body", [[-1] * 3, [1] * 3], "far = 0.5", body_toml("part.stl")), "-o", "part.hdf")
+
+    for name in refine("part.hdf", 2, "--all"):
+        at, nodes = patches(name)
+        assert sorted(nodes) == [f"body_{i}" for i in range(1, 8)]
+        planes = {n: next(((axis, side) for axis in range(3) for side in (-1, 1) if (at[k][:, axis] == side).all()), None)
+                  for n, k in nodes.items()}
+        bore = next(n for n, plane in planes.items() if plane is None)
+        assert len(set(planes.values())) == 7, "six planes, to the last bit, and the bore"
+        assert np.abs(np.hypot(*at[nodes[bore]][:, :2].T) - 0.5).max() < 2e-4, "its facets are 4e-3 away"
+        rims = [np.intersect1d(nodes[bore], nodes[n]) for n, plane in planes.items() if plane in ((2, -1), (2, 1))]
+        assert all(len(r) >= 8 and np.abs(np.hypot(*at[r][:, :2].T) - 0.5).max() < 1e-8 for r in rims)
+        corner = [k for k in range(len(at)) if (np.abs(at[k]) == 1).all()]
+        assert len(corner) == 8
+    volume = run("pamr-quality", name, "--json", "-", "--quiet").json["volume"]
+    assert abs(volume - (8 - np.pi / 2)) < 0.02
+
+
+def test_a_body_can_stand_in_a_box_with_other_bodies():
+    write_off("part.off", *bored_cube(16))
+    planes = "".join(f'[[surface]]\nname = "{n}{s}"\nkind = "plane"\npoint = {[3 * (2 * s - 1) * (i == k) for i in range(3)]}\n'
+                     f"normal = {[int(i == k) for i in range(3)]}\n" for k, n in enumerate("xyz") for s in (0, 1))
+    ball = '[[surface]]\nname = "ball"\nkind = "sphere"\ncenter = [2, 2, 2]\nradius = 0.5\n'
+    text = case("box.toml", "+x0 & -x1 & +y0 & -y1 & +z0 & -z1 & +body & +ball", [[-3] * 3, [3] * 3],
+                "far = 1\nnear = { body = 0.5, ball = 0.3 }", body_toml("part.off") + planes + ball)
+    report = run("pamr-mesh", text, "-o", "box.hdf", "--json", "-").json
+    run("pamr-mesh", text, "-o", "again.hdf", "--quiet", serial=RANKS > 1)
+
+    assert set(report["patches"]) == {"x0", "x1", "y0", "y1", "z0", "z1", "ball", *(f"body_{i}" for i in range(1, 8))}
+    assert same_bytes("box.hdf", "again.hdf")
+    refine("box.hdf", 1, "--patch", "body_7")
+
+
+def test_a_surface_that_cuts_through_itself_is_told():
+    one, triangles = icosphere(1)
+    n = len(one)
+    points = np.vstack([one, one + [1.1, 0.1, 0.05]])
+    write_off("pair.off", points, triangles + [tuple(i + n for i in t) for t in triangles])
+    run("pamr-mesh", "--shape", "sphere-in-box", "--size", "0.5", "-o", "ball.hdf", "--quiet")
+    pathlib.Path("pair.toml").write_text(body_toml("pair.off"))
+
+    told = run("pamr-convert", "ball.hdf", "out.hdf", "--surfaces", "pair.toml", "--tie", "sphere=body", "--tolerance", "9")
+
+    assert 'surface "body" cuts through itself' in told.err and "pairs of triangles" in told.err
+
+
+def test_bad_bodies_are_refused():
+    points, triangles = icosphere(1)
+    for name, text, words in (("empty", [], ["(empty)"]), ("open", triangles[1:], ["(open)"]),
+                              ("thick", triangles + [triangles[0]], ["non-manifold"]),
+                              ("turned", [triangles[0][::-1]] + triangles[1:], ["orientation"])):
+        write_off(f"{name}.off", points, text)
+        case("bad.toml", "-body", [[-1] * 3, [1] * 3], "far = 0.5", body_toml(f"{name}.off"))
+        refuses("pamr-mesh", "bad.toml", "-o", "out.hdf", says=["bad.toml:8", f"{name}.off", *words], creates="out.hdf")
+    write_off("part.off", *bored_cube(16))
+    for keys, words in (("near = [1, 0, 0]", ["near"]), ("creases = [[[0, 0, 0], [1, 0, 0]]]", ["segment 1 of polyline 1"]),
+                        ("creases = [[1, 2]]", ["polylines", "1"]), ("feature_angle = 200", ["feature_angle", "200"]),
+                        ("shortest_crease = -1", ["shortest_crease", "-1"])):
+        case("bad.toml", "-body", [[-1] * 3, [1] * 3], "far = 0.5", body_toml("part.off", keys + "\n"))
+        refuses("pamr-mesh", "bad.toml", "-o", "out.hdf", says=["bad.toml", *words], creates="out.hdf")
+
+
+run_tests(globals())
