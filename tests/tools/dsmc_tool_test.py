@@ -263,6 +263,12 @@ points = 5
 [[line]]
 name = "outside"
 from = [2.0, 0.3, 0.2]
+[[plane]]
+name = "section"
+corner = [0.1, 0.3, 0.0]
+along = [0.8, 0.0, 0.0]
+across = [0.0, 0.0, 2.0]
+points = [5, 11]
 """)
     compute(case, kuhn_cube("cube.hdf", 4), "a.hdf", "--lines", "a.csv", "--quiet")
     compute(case, "cube.hdf", "b.hdf", "--lines", "b.csv", "--quiet", ranks=1)
@@ -272,11 +278,42 @@ from = [2.0, 0.3, 0.2]
     assert [float(row["s"]) for row in line] == [0, 0.2, 0.4, 0.6, 0.8]
     assert all(0.2e20 < float(row["value"]) < 5e20 for row in line), line
     assert not [row for row in rows if row["name"] == "outside"]
+    plane = [row for row in rows if row["name"] == "section" and row["quantity"] == "n"]
+    assert len(plane) == 5 * 6, len(plane)  # half of it is outside
+    assert [float(row["x"]) for row in plane[:6]] == [0.1, 0.3, 0.5, 0.7, 0.9, 0.1] and float(plane[5]["z"]) == 0.2
+    assert [row["value"] for row in plane[5:10]] == [row["value"] for row in line]  # the line lies in the plane
     floor = {row["quantity"]: row for row in rows if row["name"] == "floor"}
     near = {row["quantity"]: row for row in rows if row["name"] == "nearest"}
     pressure = 1e20 * 1.380649e-23 * 300
     assert int(floor["p"]["s"]) > 1 and int(near["p"]["s"]) == 1
     assert 0.5 * pressure < float(floor["p"]["value"]) < 4 * pressure and float(floor["p"]["stderr"]) > 0
+
+
+def test_time_steps_follow_the_flow_that_an_earlier_run_found():
+    mesh = kuhn_cube("cube.hdf", 4)
+    dense = CUBE.replace("density = 1e20", "density = 2e21").replace("step = 5e-5", "step = 1e-5")
+    compute(write("first.toml", dense), mesh, "a.hdf", "--quiet")
+    local = dense.replace("step = 1e-5", "step = 1e-5\ncell_fraction = 0.3\ncollision_fraction = 0.25\nfrom_fields = true")
+    case = write("case.toml", local.replace("per_cell = 15.0", "total = 9000.0"))
+    out = compute(case, "a.hdf", "b.hdf", "--checkpoint", "b.ck", "--json", "-", "--quiet").json
+    compute(case, "a.hdf", "c.hdf", "--checkpoint", "c.ck", "--quiet", ranks=1)
+    assert same_bytes("b.hdf", "c.hdf") and same_bytes("b.ck", "c.ck")
+    assert abs(out["plan"]["particles"] / 9000 - 1) < 1e-9, out["plan"]
+    with h5py.File("a.hdf") as before, h5py.File("b.hdf") as after:
+        a, b = before["VTKHDF/CellData"], after["VTKHDF/CellData"]
+        volume = 1 / 384
+        fast = np.linalg.norm(a["u"][:], axis=1) + np.sqrt(2 * 1.380649e-23 * a["T_tr"][:] / 4.65e-26)
+        step = np.minimum(1e-5, np.minimum(0.3 * volume**(1 / 3) / fast, 0.25 * a["tau_c"][:]))
+        assert step.max() > 1.2 * step.min() and step.max() < 1e-5
+        assert np.allclose(b["collision_probability"][:] * b["tau_c"][:], step, rtol=1e-9)
+        weight = b["n"][:] * volume / b["particles"][:]
+        assert np.ptp(weight / step) < 1e-9 * (weight / step).mean()
+        assert abs(b["particles"][:].sum() / 9000 - 1) < 0.1
+    quality = out["quality"]
+    assert quality["collision_probability_below_1"] == 1 and quality["size_below_mean_free_path"] == 0
+    refuses("pamr-dsmc", case, "--mesh", mesh, "-o", "x.hdf", says=("from_fields",), creates="x.hdf")
+    bad = write("bad.toml", dense.replace("step = 1e-5", "step = 1e-5\nfrom_fields = true"))
+    refuses("pamr-dsmc", bad, "--mesh", "a.hdf", "-o", "x.hdf", says=("bad.toml:", "from_fields"), creates="x.hdf")
 
 
 def test_plan_computes_nothing():
@@ -342,6 +379,10 @@ def test_coarse_time_steps_and_few_particles_are_warned_about():
     case = write("case.toml", CUBE.replace("step = 5e-5", "step = 2e-2").replace("per_cell = 15.0", "per_cell = 2.0"))
     result = compute(case, mesh, "x.hdf", "--steps", "2", "--quiet")
     assert "cell sizes in one time step" in result.err and "particles a cell" in result.err, result.err
+    few = write("few.toml", CUBE.replace("per_cell = 15.0", "per_cell = 2.0").replace("zmax = { kind = \"maxwell\"", "zmax = { kind = \"diffuse\"").replace(
+        ", accommodation = 0.5 }", " }"))
+    result = compute(few, mesh, "y.hdf", "--quiet")
+    assert "denser than the free stream have fewer than 5 particles" in result.err, result.err
 
 
 run_tests(globals())

@@ -241,6 +241,10 @@ class Reader {
   void read_time(TomlTable table) {
     case_.dt = table.number("step", 0, infinity, true);
     case_.cell_fraction = table.number_or("cell_fraction", 0, 0, 10);
+    case_.collision_fraction = table.number_or("collision_fraction", 0, 0, 10);
+    case_.from_fields = table.flag_or("from_fields", false);
+    if (case_.from_fields && case_.cell_fraction == 0 && case_.collision_fraction == 0)
+      table.refuse("from_fields", "cell_fraction or collision_fraction beside it");
     table.done();
   }
 
@@ -273,6 +277,20 @@ class Reader {
       l.n_points = table.integer_or("points", 1, 1, 100000);
       table.done();
       case_.line.push_back(l);
+    }
+    for (auto& table : root.list("plane")) {
+      ProbePlane p;
+      p.name = table.text("name", "a name");
+      p.corner = table.vector("corner");
+      p.along = table.vector("along");
+      p.across = table.vector("across");
+      const auto points = table.numbers("points", 2);
+      for (const double n : points)
+        if (!(n >= 2 && n <= 10000 && n == std::floor(n))) table.refuse("points", "two integers between 2 and 10000");
+      p.n_along = static_cast<std::int64_t>(points[0]);
+      p.n_across = static_cast<std::int64_t>(points[1]);
+      table.done();
+      case_.plane.push_back(p);
     }
   }
 

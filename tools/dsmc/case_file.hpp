@@ -36,6 +36,13 @@ struct ProbeLine {
   std::int64_t n_points = 1;
 };
 
+/// A grid of points in the gas: `n_along` x `n_across` of them, from a corner to the ends of two edges, metres.
+struct ProbePlane {
+  std::string name;
+  Vec3 corner, along, across;
+  std::int64_t n_along = 2, n_across = 2;
+};
+
 /// A case file: what is to be computed, before the mesh is known.
 struct Case {
   std::string where;  ///< name of the file
@@ -49,7 +56,9 @@ struct Case {
   std::optional<double> weight, per_cell, total;  ///< exactly one of them
   double dt = 0;                                  ///< s
   double cell_fraction = 0;  ///< variable time step: part of a cell that a fast molecule passes; 0: the same dt in all
-  std::optional<double> unit;  ///< metres in the mesh's length unit
+  double collision_fraction = 0;  ///< variable time step: part of the mean collision time; 0: no bound
+  bool from_fields = false;       ///< speed, collision time and density of each cell from the mesh's fields
+  std::optional<double> unit;     ///< metres in the mesh's length unit
   std::uint64_t seed = 1;
   std::optional<std::int64_t> transient;  ///< steps before averaging; none: until steady
   std::int64_t most_transient = 100000;   ///< steps: averaging begins then at the latest
@@ -59,6 +68,7 @@ struct Case {
   Reference reference;
   std::vector<Station> station;
   std::vector<ProbeLine> line;
+  std::vector<ProbePlane> plane;
 };
 
 /// Reads a case file (docs/tools/pamr-dsmc.md). `where` is its name; species may come from a file beside it. Throws

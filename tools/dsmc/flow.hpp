@@ -42,6 +42,7 @@ struct Setup {
   std::vector<double> cell_dt;  ///< s, of each own cell; empty: `dt` in all. Weights follow them
   double unit = 1;              ///< metres in the mesh's length unit
   std::uint64_t seed = 1;
+  double expected_particles = 0;  ///< if the free stream (the fields' gas, if steps go by it) filled the domain
 };
 
 /// What a step did, on this rank.

@@ -20,6 +20,7 @@
 #include "dsmc/computation.hpp"
 #include "dsmc/plan.hpp"
 #include "dsmc/probes.hpp"
+#include "dsmc/quality.hpp"
 #include "dsmc/run.hpp"
 #include "dsmc/surface_file.hpp"
 #include "pamr/base/error.hpp"
@@ -61,7 +62,7 @@ void declare(CLI::App& app, Options& o) {
       ->type_name("FILE")
       ->excludes(restart);
   app.add_option("--surface", o.surface, "averages on the walls, triangles in VTK's XML format")->type_name("FILE.vtu");
-  app.add_option("--lines", o.lines, "averages at the case's stations on walls and lines in the gas")
+  app.add_option("--lines", o.lines, "averages at the case's stations on walls, lines and planes in the gas")
       ->type_name("FILE.csv");
   app.add_option("--history", o.history, "particles and loads over time")->type_name("FILE.csv");
   app.add_flag("--plan", o.plan, "print what is known beforehand, and end");
@@ -170,6 +171,16 @@ struct Advance {
   bool was_interrupted = false;
 };
 
+/// The particles, and by how much their number has changed in ten intervals: a flow that drifts is not steady.
+std::string particles_and_drift(const std::vector<HistoryRow>& history) {
+  if (history.empty()) return "";
+  const double now = static_cast<double>(history.back().particles);
+  auto text = fmt::format("{} particles", history.back().particles);
+  if (history.size() <= 10) return text;
+  const double then = static_cast<double>(history[history.size() - 11].particles);
+  return text + fmt::format(", drift {:+.2f} %", 100 * (now - then) / std::max(1.0, then));
+}
+
 /// Steps until the case or --steps says that it is enough, or a signal asks for the end.
 Advance advance(cli::Session& session, const Case& c, Computation& computation, const Options& options) {
   const auto& comm = session.comm();
@@ -201,9 +212,7 @@ Advance advance(cli::Session& session, const Case& c, Computation& computation, 
       progress.reset();  // takes its bar away first
       progress = show();
     }
-    const auto& history = run().state.history;
-    progress->update(static_cast<std::int64_t>(steps_done()),
-                     history.empty() ? "" : fmt::format("{} particles", history.back().particles));
+    progress->update(static_cast<std::int64_t>(steps_done()), particles_and_drift(run().state.history));
   }
   return {static_cast<double>(comm.sum(static_cast<std::int64_t>(particle_steps))), stop};
 }
@@ -241,21 +250,32 @@ void begin(cli::Session& session, const Options& options, Computation& computati
   computation.rebalance();
 }
 
-/// Everything that is asked for besides checkpoints.
-void write_outputs(cli::Session& session, const Options& options, const Case& c, Computation& computation) {
+void warn_about(cli::Session& session, const CellQuality& quality) {
+  if (quality.few_in_dense_gas > 0.1)
+    session.warn(
+        fmt::format("{:.0f} % of the {:.0f} cells denser than the free stream have fewer than 5 particles: use "
+                    "more particles or fewer cells",
+                    100 * quality.few_in_dense_gas, quality.cells_of_dense_gas));
+}
+
+/// Everything that is asked for besides checkpoints; returns the quality of the cells.
+CellQuality write_outputs(cli::Session& session, const Options& options, const Case& c, Computation& computation) {
   const auto& comm = session.comm();
   const auto& flow = *computation.flow;
   const auto& run = *computation.run;
   auto fields = flow_fields(flow.domain(), flow.setup().gas, flow.cells, flow.collisions, flow.setup().unit);
   const auto faces = wall_faces(comm, run);
+  const auto quality = judge_cells(comm, fields, c.stream.front().density);
   if (!options.lines.empty()) {
-    const auto lines = line_rows(comm, c.line, flow.domain(), fields);
+    const auto lines =
+        point_rows(comm, points_of(c.line, c.plane), computation.mesh, flow.setup().unit, flow.domain(), fields);
     write_text(comm, options.lines, probe_header + station_rows(c.station, faces) + lines);
   }
   add_fields(computation.mesh, std::move(fields));
   io::write_native(comm, options.output, computation.mesh);
   write_text(comm, options.surface, to_vtu(faces, flow.setup().unit));
   write_text(comm, options.history, run.history_csv());
+  return quality;
 }
 
 cli::ExitCode run_case(cli::Session& session, const Options& options) {
@@ -292,10 +312,12 @@ cli::ExitCode run_case(cli::Session& session, const Options& options) {
   for (const double one : comm.all_gather(cpu_seconds() - cpu)) cpu_all += one;
   const double rate = particle_steps / std::max(cpu_all, 1e-9);
 
-  write_outputs(session, options, c, computation);
+  const auto quality = write_outputs(session, options, c, computation);
+  warn_about(session, quality);
   const auto particles = computation.flow->n_particles();
   auto report = report_of(c, run, plan, particles, rate);
   report["rebalanced"] = computation.n_moves();
+  report["quality"] = to_json(quality);
   session.write_report(report);
   session.summary(summary_of(run, particles, rate, options.output));
   return cli::ExitCode::done;

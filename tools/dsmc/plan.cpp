@@ -9,7 +9,6 @@
 
 #include "dsmc/closed_forms.hpp"
 #include "dsmc/particles.hpp"
-#include "pamr/par/reproducible_sum.hpp"
 
 namespace pamr::dsmc {
 
@@ -45,17 +44,14 @@ Plan make_plan(const par::Comm& comm, const Case& c, const Setup& setup, const m
     plan.knudsen = plan.mean_free_path / c.reference.length;
     plan.reynolds = free.density * mean.mass * speed * c.reference.length / viscosity(mean, free.temperature);
   }
-  par::ExactSum sums[1];
   double longest = 0;
   for (LocalId cell = 0; cell < mesh.n_cells(); ++cell) {
     const double v = volume(corners(mesh, setup.unit, cell));
     const double dt = setup.cell_dt.empty() ? setup.dt : setup.cell_dt[static_cast<std::size_t>(cell)];
-    sums[0].add(v * setup.dt / dt);
     longest = std::max(longest, fast * dt / std::cbrt(v));
   }
   plan.longest_flight = comm.max(longest);
-  plan.particles = free.density * par::reproducible_sums(comm, sums)[0] / setup.molecules *
-                   particles_per_molecule(gas, free.fraction);
+  plan.particles = setup.expected_particles;
   const double cells = static_cast<double>(mesh.info.n_global_cells);
   plan.particles_per_cell = plan.particles / cells;
   plan.bytes = plan.particles * particle_bytes + cells * cell_bytes;

@@ -6,7 +6,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <tuple>
+#include <utility>
 
 namespace pamr::dsmc {
 
@@ -24,6 +26,17 @@ Estimate mean_over(const std::vector<const FaceRow*>& faces, Value value, Error 
     squares += std::pow(face->area * error(*face), 2);
   }
   return {sum / area, std::sqrt(squares) / area};
+}
+
+/// A little more than the tetrahedron takes along x.
+std::pair<double, double> extent_in_x(const TetPoints& corner) {
+  double low = corner[0].x, high = low;
+  for (const auto& p : corner) {
+    low = std::min(low, p.x);
+    high = std::max(high, p.x);
+  }
+  const double room = 1e-9 * (high - low);
+  return {low - room, high + room};
 }
 
 /// The value that rank 0 is told of a point.
@@ -66,32 +79,48 @@ std::string station_rows(const std::vector<Station>& stations, const std::vector
   return text;
 }
 
-std::string line_rows(const par::Comm& comm, const std::vector<ProbeLine>& lines, const Domain& domain,
-                      const std::vector<CellQuantity>& fields) {
-  struct Point {
-    const ProbeLine* line;
-    double s;
-    Vec3 at;
+std::vector<ProbePoint> points_of(const std::vector<ProbeLine>& lines, const std::vector<ProbePlane>& planes) {
+  std::vector<ProbePoint> points;
+  const auto part = [](std::int64_t i, std::int64_t n) {
+    return n == 1 ? 0 : static_cast<double>(i) / static_cast<double>(n - 1);
   };
-  std::vector<Point> points;
   for (const auto& line : lines)
     for (std::int64_t i = 0; i < line.n_points; ++i) {
-      const double part = line.n_points == 1 ? 0 : static_cast<double>(i) / static_cast<double>(line.n_points - 1);
-      points.push_back({&line, part * norm(line.to - line.from), line.from + part * (line.to - line.from)});
+      const double s = part(i, line.n_points);
+      points.push_back({line.name, s * norm(line.to - line.from), line.from + s * (line.to - line.from)});
     }
+  for (const auto& plane : planes)
+    for (std::int64_t j = 0; j < plane.n_across; ++j)
+      for (std::int64_t i = 0; i < plane.n_along; ++i) {
+        const double s = part(i, plane.n_along), t = part(j, plane.n_across);
+        points.push_back({plane.name, s * norm(plane.along), plane.corner + s * plane.along + t * plane.across});
+      }
+  return points;
+}
+
+std::string point_rows(const par::Comm& comm, const std::vector<ProbePoint>& points, const mesh::DistMesh& mesh,
+                       double unit, const Domain& domain, const std::vector<CellQuantity>& fields) {
   if (points.empty()) return {};
+  // Points by x, so that a cell looks at those near it only.
+  std::vector<std::size_t> order(points.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::sort(order.begin(), order.end(), [&](auto a, auto b) { return points[a].at.x < points[b].at.x; });
+  std::vector<bool> is_found(points.size(), false);
 
   std::vector<par::Outgoing<Found>> message{{0, {}}};
-  for (std::size_t i = 0; i < points.size(); ++i)
-    for (LocalId cell = 0; cell < domain.n_cells(); ++cell) {
-      if (!is_inside(domain, cell, points[i].at, 0)) continue;
+  for (LocalId cell = 0; cell < domain.n_cells(); ++cell) {
+    const auto [low, high] = extent_in_x(corners(mesh, unit, cell));
+    auto at = std::lower_bound(order.begin(), order.end(), low, [&](auto i, double x) { return points[i].at.x < x; });
+    for (; at != order.end() && points[*at].at.x <= high; ++at) {
+      if (is_found[*at] || !is_inside(domain, cell, points[*at].at, 0)) continue;
+      is_found[*at] = true;  // cells ascend: the one of the smallest number on this rank
       for (std::size_t f = 0; f < fields.size(); ++f)
         for (int k = 0; k < fields[f].n_components; ++k)
-          message[0].item.push_back({static_cast<std::int64_t>(i), domain.cell_global[static_cast<std::size_t>(cell)],
+          message[0].item.push_back({static_cast<std::int64_t>(*at), domain.cell_global[static_cast<std::size_t>(cell)],
                                      static_cast<std::int64_t>(f), k,
                                      fields[f].value[static_cast<std::size_t>(cell * fields[f].n_components + k)]});
-      break;  // cells ascend
     }
+  }
   if (message[0].item.empty()) message.clear();
   auto found = comm.sparse_exchange(message).item;
   std::sort(found.begin(), found.end(), [](const Found& a, const Found& b) {
@@ -106,8 +135,8 @@ std::string line_rows(const par::Comm& comm, const std::vector<ProbeLine>& lines
     const auto& field = fields[static_cast<std::size_t>(one.field)];
     const auto& point = points[static_cast<std::size_t>(one.point)];
     const std::string component = field.n_components == 1 ? "" : std::string("_") + "xyz"[one.component];
-    text += fmt::format("{},{:.9g},{:.9g},{:.9g},{:.9g},{}{},{:.9g},\n", point.line->name, point.s, point.at.x,
-                        point.at.y, point.at.z, field.name, component, one.value);
+    text += fmt::format("{},{:.9g},{:.9g},{:.9g},{:.9g},{}{},{:.9g},\n", point.name, point.s, point.at.x, point.at.y,
+                        point.at.z, field.name, component, one.value);
   }
   return text;
 }

@@ -14,10 +14,20 @@ namespace pamr::dsmc {
 /// axis, weighted by their area; of the nearest face where there is none. Local, for the rank that has the faces.
 std::string station_rows(const std::vector<Station>& stations, const std::vector<FaceRow>& faces);
 
-/// The flow along lines: at each point the values of the cell that holds it (the one of the smallest number where it
-/// lies on a face), nothing outside the domain. Text on rank 0. Collective. O(cells x points).
-std::string line_rows(const par::Comm& comm, const std::vector<ProbeLine>& lines, const Domain& domain,
-                      const std::vector<CellQuantity>& fields);
+/// A place in the gas at which the flow is shown.
+struct ProbePoint {
+  std::string name;
+  double s = 0;  ///< m: way from the beginning of the line, or along the first edge of the plane
+  Vec3 at;       ///< m
+};
+
+/// The points of lines, then those of planes, the first edge running fastest.
+std::vector<ProbePoint> points_of(const std::vector<ProbeLine>& lines, const std::vector<ProbePlane>& planes);
+
+/// The flow at points: the values of the cell that holds each (the one of the smallest number where it lies on a face),
+/// nothing outside the domain. Text on rank 0. Collective. O(cells log points + points in the cells' extents along x).
+std::string point_rows(const par::Comm& comm, const std::vector<ProbePoint>& points, const mesh::DistMesh& mesh,
+                       double unit, const Domain& domain, const std::vector<CellQuantity>& fields);
 
 inline constexpr const char* probe_header = "name,s,x,y,z,quantity,value,stderr\n";
 

@@ -168,6 +168,67 @@ TEST(Flow, RotationRelaxesAsTheProbabilityPerMoleculeSays) {
   }
 }
 
+TEST(Flow, RotationWhoseRateGoesByTheTemperatureComesToEquilibrium) {
+  const par::Comm comm(MPI_COMM_WORLD);
+  const auto mesh = mesh::assemble(comm, test::kuhn_cube(comm, 6));
+  auto gas = test::nitrogen();
+  gas.rotation = {Rotation::Model::variable, 0, 18.1, 91.5};
+  const double tau = 2.43426e-7, dt = 0.3 * tau;
+  Flow flow(comm, mesh, test::box_of(gas, mesh, 2e-3, 30, 1e22, 500, 100, dt));
+  flow.fill(mesh);
+  const auto before = totals(flow);
+  double t_tr = before.t_tr(), t_rot = before.t_rot(2), clamped = 0;
+  const double total = 3 * t_tr + 2 * t_rot, real_density = before.n * flow.setup().molecules / 8e-9;
+
+  for (int step = 1; step <= 60; ++step) {
+    clamped += static_cast<double>(flow.step().collided.clamped);
+    for (int part = 0; part < 20; ++part) {  // as with one probability, which now falls with the temperature
+      const double zt = 5 - 2 * 0.74, chance = relaxation_probability(gas.rotation, 2, 0.74, t_tr);
+      t_rot +=
+          dt / 20 * collision_frequency(gas.species[0], real_density, t_tr) * chance * zt / (zt + 2) * (t_tr - t_rot);
+      t_tr = (total - 2 * t_rot) / 3;
+    }
+    if (step % 20 != 0) continue;
+    // The cells' temperatures are smoothed over 50 steps: the chance lags a little.
+    EXPECT_NEAR(totals(flow).t_rot(2), t_rot, 4 * t_rot / std::sqrt(before.n) + 1.5) << step;
+  }
+  EXPECT_EQ(clamped, 0);
+
+  double rotational = 0, translational = 0;
+  for (int step = 0; step < 120; ++step) {
+    flow.step();
+    const auto now = totals(flow);
+    rotational += now.t_rot(2) / 120;
+    translational += now.t_tr() / 120;
+  }
+  EXPECT_NEAR(rotational / translational, 1, 4 * std::sqrt(5.0 / 3 / before.n / 8) + 0.003);
+}
+
+TEST(Flow, ColdRotationIsHeldToOneRelaxingMoleculeInTwoAndCounted) {
+  const par::Comm comm(MPI_COMM_WORLD);
+  const auto mesh = mesh::assemble(comm, test::kuhn_cube(comm, 4));
+  auto gas = test::nitrogen();
+  gas.rotation = {Rotation::Model::variable, 0, 18.1, 91.5};
+  EXPECT_GT(relaxation_probability(gas.rotation, 2, 0.74, 13.6), 1);
+  EXPECT_LT(relaxation_probability(gas.rotation, 2, 0.74, 300), 0.5);
+  Flow flow(comm, mesh, test::box_of(gas, mesh, 2e-3, 30, 1e22, 13.6, 13.6, 2e-7));
+  flow.fill(mesh);
+  const auto before = totals(flow);
+
+  std::int64_t collisions = 0, clamped = 0;
+  for (int step = 0; step < 60; ++step) {
+    const auto counts = flow.step().collided;
+    collisions += counts.collisions;
+    clamped += counts.clamped;
+  }
+
+  EXPECT_GT(comm.sum(collisions), 10000);
+  EXPECT_EQ(comm.sum(clamped), comm.sum(collisions));
+  const auto after = totals(flow);
+  EXPECT_NEAR((after.translational + after.rotational) / (before.translational + before.rotational), 1, 1e-12);
+  EXPECT_NEAR(after.t_rot(2) / after.t_tr(), 1, 4 * std::sqrt(5.0 / 3 / before.n));
+}
+
 TEST(Flow, AMixtureComesToOneTemperature) {
   const par::Comm comm(MPI_COMM_WORLD);
   const auto mesh = mesh::assemble(comm, test::kuhn_cube(comm, 6));
