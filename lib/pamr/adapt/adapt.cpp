@@ -9,12 +9,11 @@
 #include "pamr/geometry/surface.hpp"
 #include "pamr/mesh/borders.hpp"
 #include "pamr/mesh/validate.hpp"
-#include "pamr/refine/certify.hpp"
 #include "pamr/refine/close.hpp"
 #include "pamr/refine/number.hpp"
 #include "pamr/refine/project.hpp"
 #include "pamr/refine/relink.hpp"
-#include "pamr/refine/smooth.hpp"
+#include "pamr/refine/settle.hpp"
 #include "pamr/refine/subdivide.hpp"
 #include "pamr/refine/transfer.hpp"
 
@@ -132,8 +131,8 @@ void split(const par::Comm& comm, const mesh::DistMesh& mesh, mesh::DistMesh* co
   timer.lap("subdivide");
 
   const auto shared = share_nodes(borders, closure, numbering);
-  refine::smooth_displacement(comm, fine, shared, numbering, mesh.n_nodes(), movables);
-  const auto certificate = refine::certify(comm, fine, shared, surfaces, movables, children.suspects);
+  const auto certificate =
+      refine::settle(comm, fine, shared, surfaces, numbering, mesh.n_nodes(), std::move(movables), children.suspects);
   timer.lap("project");
 
   refine::relink(comm, mesh, closure, numbering, children, fine);
@@ -154,6 +153,7 @@ void split(const par::Comm& comm, const mesh::DistMesh& mesh, mesh::DistMesh* co
   report.off_surface_nodes = certificate.n_off_surface;
   report.rounds = closure.rounds;
   report.back_off_rounds = certificate.rounds;
+  report.untangling_rounds = certificate.untangling_rounds;
   report.neighbours = static_cast<std::int64_t>(borders.nodes.rank.size());
 }
 

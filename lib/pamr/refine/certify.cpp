@@ -27,17 +27,13 @@ bool is_positive(const mesh::DistMesh& mesh, LocalId cell) {
   return geometry::is_positive(p[0], p[1], p[2], p[3]);
 }
 
-std::vector<LocalId> cells_to_check(const mesh::DistMesh& fine, const std::vector<LocalId>& movable_of,
+std::vector<LocalId> cells_to_check(const mesh::DistMesh& fine, const std::vector<Movable>& movables,
                                     std::span<const LocalId> suspects) {
-  std::vector<LocalId> cells(suspects.begin(), suspects.end());
-  if (!movable_of.empty())
-    for (LocalId c = 0; c < fine.n_cells(); ++c) {
-      const auto& nodes = fine.cell_to_node[at(c)];
-      if (std::any_of(nodes.begin(), nodes.end(), [&](LocalId n) { return movable_of[at(n)] >= 0; }))
-        cells.push_back(c);
-    }
-  if (movable_of.empty()) return cells;
-  std::sort(cells.begin(), cells.end());
+  auto cells = cells_with_moved_nodes(fine, movables);
+  const auto n_moved = static_cast<std::ptrdiff_t>(cells.size());
+  cells.insert(cells.end(), suspects.begin(), suspects.end());
+  std::sort(cells.begin() + n_moved, cells.end());
+  std::inplace_merge(cells.begin(), cells.begin() + n_moved, cells.end());
   cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
   return cells;
 }
@@ -116,11 +112,24 @@ class BackOff {
 
 }  // namespace
 
+std::vector<LocalId> cells_with_moved_nodes(const mesh::DistMesh& fine, const std::vector<Movable>& movables) {
+  std::vector<LocalId> cells;
+  if (movables.empty()) return cells;
+  std::vector<std::uint8_t> moves(at(fine.n_nodes()), 0);
+  for (const auto& m : movables) moves[at(m.node)] = 1;
+  for (LocalId c = 0; c < fine.n_cells(); ++c) {
+    const auto& nodes = fine.cell_to_node[at(c)];
+    if ((moves[at(nodes[0])] | moves[at(nodes[1])] | moves[at(nodes[2])] | moves[at(nodes[3])]) != 0)
+      cells.push_back(c);
+  }
+  return cells;
+}
+
 Certificate certify(const par::Comm& comm, mesh::DistMesh& fine, const par::Pattern& shared,
                     const geometry::SurfaceSet& surfaces, const std::vector<Movable>& movables,
                     std::span<const LocalId> suspects) {
   BackOff back_off(comm, fine, shared, movables);
-  const auto cells = cells_to_check(fine, back_off.movable_of(), suspects);
+  const auto cells = cells_to_check(fine, movables, suspects);
   Certificate certificate;
   while (!back_off.settle(cells)) ++certificate.rounds;
 
@@ -132,8 +141,8 @@ Certificate certify(const par::Comm& comm, mesh::DistMesh& fine, const par::Patt
   for (std::size_t i = 0; i < movables.size(); ++i) {
     const auto& m = movables[i];
     if (m.patch[0] < 0 || (back_off.step(i) == 0 && m.is_reachable)) continue;
-    const auto on = surfaces_of(fine.info, surfaces, m.patch);
-    certificate.ledger.push_back({m.node, geometry::distance_from_all(on, fine.point(m.node))});
+    const auto on = surfaces_of_node(fine.info, surfaces, m.patch);
+    certificate.ledger.push_back({m.node, geometry::distance_from_all(on.surface, fine.point(m.node))});
     n_off += is_mine[at(m.node)];
   }
   std::sort(certificate.ledger.begin(), certificate.ledger.end(),

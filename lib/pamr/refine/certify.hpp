@@ -18,7 +18,11 @@ struct Certificate {
   std::vector<OffSurface> ledger;  ///< this rank's nodes that are off their surfaces, ascending
   std::int64_t n_off_surface = 0;  ///< all ranks, each node once
   int rounds = 0;                  ///< of backing off
+  int untangling_rounds = 0;
 };
+
+/// This rank's cells with a node of `movables`, ascending.
+std::vector<LocalId> cells_with_moved_nodes(const mesh::DistMesh& fine, const std::vector<Movable>& movables);
 
 /// Moves the nodes of `movables` in `fine` as far towards their targets as no cell turns over: starts with all of it,
 /// and where a cell is not positive by exact arithmetic takes back half of what its nodes moved, again and again, at

@@ -11,14 +11,17 @@ namespace pamr::refine {
 
 inline constexpr int max_node_patches = 4;
 
+/// Patches at a node, ascending, -1 where there are no more.
+using PatchList = std::array<int, max_node_patches>;
+
 /// A node that may leave the middle of its edge: where it lies when nothing moves and where it wants to go.
 struct Movable {
   LocalId node = invalid_local;  ///< in the refined mesh
   geometry::Vec3 base;
   geometry::Vec3 target;
-  std::array<int, max_node_patches> patch{-1, -1, -1,
-                                          -1};  ///< patches whose surfaces it belongs to; none: an inner node
-  bool is_reachable = true;  ///< false: no common point of its surfaces was found near by, `target` is `base`
+  PatchList patch{-1, -1, -1, -1};  ///< patches whose surfaces it belongs to; none: an inner node
+  bool is_reachable = true;         ///< false: no common point of its surfaces was found near by, `target` is `base`
+  bool is_held = false;             ///< on a sharp edge inside its surface: it may not slide
 };
 
 /// A boundary node that does not lie on its surfaces, and how far it is from them.

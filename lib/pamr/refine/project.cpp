@@ -11,21 +11,13 @@ namespace pamr::refine {
 namespace {
 
 constexpr std::size_t at(std::int64_t i) { return static_cast<std::size_t>(i); }
-using PatchList = std::array<int, max_node_patches>;
 
 bool all_flat(const std::vector<const geometry::Surface*>& surfaces) {
   return std::all_of(surfaces.begin(), surfaces.end(), [](const auto* s) { return s->is_flat(); });
 }
 
-/// Two patches of one surface meet in a seam of it: their common curve is found there, not by intersection.
-bool is_on_seam(const mesh::MeshInfo& info, const PatchList& patch) {
-  return patch[1] >= 0 && patch[2] < 0 && info.patches[at(patch[0])].surface == info.patches[at(patch[1])].surface;
-}
-
-Movable aim(const mesh::MeshInfo& info, LocalId node, geometry::Vec3 base, const PatchList& patch,
-            const std::vector<const geometry::Surface*>& surfaces) {
-  if (is_on_seam(info, patch)) return {node, base, surfaces.front()->project_to_seam(base), patch, true};
-  const auto projected = geometry::project_onto_all(surfaces, base);
+Movable aim(LocalId node, geometry::Vec3 base, const PatchList& patch, const SurfacesOfNode& on) {
+  const auto projected = on.place(base);
   return {node, base, projected.converged ? projected.point : base, patch, projected.converged};
 }
 
@@ -40,37 +32,46 @@ void add_patch(PatchList& list, int patch) {
 
 }  // namespace
 
-std::vector<const geometry::Surface*> surfaces_of(const mesh::MeshInfo& info, const geometry::SurfaceSet& surfaces,
-                                                  const PatchList& patch) {
-  std::vector<const geometry::Surface*> result;
+SurfacesOfNode surfaces_of_node(const mesh::MeshInfo& info, const geometry::SurfaceSet& surfaces,
+                                const PatchList& patch) {
+  SurfacesOfNode on;
+  on.all_tied = true;
   for (const auto p : patch) {
     if (p < 0) continue;
     const auto* surface = surfaces.find(info.patches[at(p)].surface);
-    if (surface != nullptr && std::find(result.begin(), result.end(), surface) == result.end())
-      result.push_back(surface);
+    if (surface == nullptr)
+      on.all_tied = false;
+    else if (std::find(on.surface.begin(), on.surface.end(), surface) == on.surface.end())
+      on.surface.push_back(surface);
   }
-  return result;
+  on.is_on_seam = patch[1] >= 0 && patch[2] < 0 &&
+                  info.patches[at(patch[0])].surface == info.patches[at(patch[1])].surface && !on.surface.empty();
+  return on;
+}
+
+PatchList patches_of(const BoundaryNode& boundary) {
+  return {boundary.patch[0], boundary.patch[1] == boundary.patch[0] ? -1 : boundary.patch[1], -1, -1};
 }
 
 std::vector<Movable> project_new_nodes(const mesh::DistMesh& mesh, const Numbering& numbering,
                                        const geometry::SurfaceSet& surfaces) {
   std::vector<Movable> movables;
-  std::map<std::array<int, 2>, std::vector<const geometry::Surface*>> surfaces_of_pair;
+  std::map<std::array<int, 2>, SurfacesOfNode> surfaces_of_pair;
   for (const auto& boundary : numbering.boundary) {
-    const PatchList patch{boundary.patch[0], boundary.patch[1] == boundary.patch[0] ? -1 : boundary.patch[1], -1, -1};
+    const auto patch = patches_of(boundary);
     auto known = surfaces_of_pair.find(boundary.patch);
     if (known == surfaces_of_pair.end())
-      known = surfaces_of_pair.emplace(boundary.patch, surfaces_of(mesh.info, surfaces, patch)).first;
-    if (all_flat(known->second)) continue;
+      known = surfaces_of_pair.emplace(boundary.patch, surfaces_of_node(mesh.info, surfaces, patch)).first;
+    if (all_flat(known->second.surface)) continue;
     const auto [a, b] = numbering.ends[at(boundary.new_node)];
     const LocalId node = mesh.n_nodes() + boundary.new_node;
     const auto base = geometry::midpoint(mesh.point(a), mesh.point(b));
     if (patch[1] < 0)  // a sharp edge that ends inside a patch parts no patches
-      if (const auto crease = known->second.front()->inner_crease_between(mesh.point(a), mesh.point(b))) {
-        movables.push_back({node, base, *crease, patch, true});
+      if (const auto crease = known->second.surface.front()->inner_crease_between(mesh.point(a), mesh.point(b))) {
+        movables.push_back({node, base, *crease, patch, true, true});
         continue;
       }
-    movables.push_back(aim(mesh.info, node, base, patch, known->second));
+    movables.push_back(aim(node, base, patch, known->second));
   }
   return movables;
 }
@@ -105,8 +106,8 @@ std::vector<Movable> project_ledger(const par::Comm& comm, const mesh::DistMesh&
   }
   std::vector<Movable> movables;
   for (const auto& [node, patch] : patches) {
-    const auto on = surfaces_of(mesh.info, surfaces, patch);
-    if (!on.empty()) movables.push_back(aim(mesh.info, node, mesh.point(node), patch, on));
+    const auto on = surfaces_of_node(mesh.info, surfaces, patch);
+    if (!on.surface.empty()) movables.push_back(aim(node, mesh.point(node), patch, on));
   }
   return movables;
 }

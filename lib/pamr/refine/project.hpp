@@ -11,9 +11,23 @@
 
 namespace pamr::refine {
 
-/// The surfaces that the given patches are tied to, without repeats, in patch order.
-std::vector<const geometry::Surface*> surfaces_of(const mesh::MeshInfo& info, const geometry::SurfaceSet& surfaces,
-                                                  const std::array<int, max_node_patches>& patch);
+/// What a node on these patches lies on.
+struct SurfacesOfNode {
+  std::vector<const geometry::Surface*> surface;  ///< without repeats, in patch order
+  bool is_on_seam = false;  ///< two patches of one surface: their border is a curve of that surface
+  bool all_tied = false;    ///< every one of the patches has a surface
+
+  /// The place on them that a node at `point` belongs to. `converged` is false when there is none near by.
+  geometry::Projected place(geometry::Vec3 point) const {
+    if (is_on_seam) return {surface.front()->project_to_seam(point), true};
+    return geometry::project_onto_all(surface, point);
+  }
+};
+SurfacesOfNode surfaces_of_node(const mesh::MeshInfo& info, const geometry::SurfaceSet& surfaces,
+                                const PatchList& patch);
+
+/// Patches at a new node on the boundary.
+PatchList patches_of(const BoundaryNode& boundary);
 
 /// Where the new boundary nodes belong: on the surface of their patch, on the common curve of two. Only edges that lie
 /// in the boundary get such a node; flat surfaces move nothing. Local: every rank that holds a node computes the same

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "pamr/refine/settle.hpp"
+
+#include <algorithm>
+
+#include "pamr/refine/smooth.hpp"
+#include "pamr/refine/untangle.hpp"
+
+namespace pamr::refine {
+
+Certificate settle(const par::Comm& comm, mesh::DistMesh& fine, const par::Pattern& shared,
+                   const geometry::SurfaceSet& surfaces, const Numbering& numbering, LocalId n_old_nodes,
+                   std::vector<Movable> movables, std::span<const LocalId> suspects) {
+  int rounds = 0;
+  if (comm.any(!movables.empty())) {
+    smooth_displacement(comm, fine, shared, numbering, n_old_nodes, movables);
+    for (const auto& m : movables) fine.node_position[static_cast<std::size_t>(m.node)] = m.target;
+    const auto freedom = free_nodes(fine.info, surfaces, numbering, n_old_nodes, movables);
+    rounds = untangle(comm, fine, shared, freedom, cells_with_moved_nodes(fine, movables), movables);
+  }
+  auto certificate = certify(comm, fine, shared, surfaces, movables, suspects);
+  certificate.untangling_rounds = rounds;
+  return certificate;
+}
+
+}  // namespace pamr::refine

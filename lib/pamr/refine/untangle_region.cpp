@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "pamr/refine/untangle_region.hpp"
+
+#include <algorithm>
+#include <map>
+
+#include "pamr/refine/split_pattern.hpp"
+
+namespace pamr::refine {
+
+namespace {
+
+constexpr std::size_t at(std::int64_t i) { return static_cast<std::size_t>(i); }
+
+/// Nodes that may move within `n_layers` cells of the given cells.
+std::vector<std::uint8_t> reach(const par::Comm& comm, const mesh::DistMesh& fine, const par::Pattern& shared,
+                                const std::vector<LocalId>& cells, int n_layers) {
+  const par::Exchange exchange(comm, shared);
+  std::vector<std::uint8_t> reached(at(fine.n_nodes()), 0), mine(shared.n_slots());
+  for (const auto c : cells)
+    for (const auto node : fine.cell_to_node[at(c)]) reached[at(node)] = 1;
+  for (int layer = 0; layer < n_layers; ++layer) {
+    for (std::size_t k = 0; k < mine.size(); ++k) mine[k] = reached[at(shared.item[k])];
+    const auto theirs = exchange.swap<std::uint8_t>(mine);
+    for (std::size_t k = 0; k < theirs.size(); ++k)
+      reached[at(shared.item[k])] = static_cast<std::uint8_t>(reached[at(shared.item[k])] | theirs[k]);
+    if (layer + 1 == n_layers) break;
+    auto next = reached;
+    for (const auto& nodes : fine.cell_to_node)
+      if (std::any_of(nodes.begin(), nodes.end(), [&](LocalId n) { return reached[at(n)] != 0; }))
+        for (const auto n : nodes) next[at(n)] = 1;
+    reached = std::move(next);
+  }
+  return reached;
+}
+
+/// The part of a pattern whose items are wanted, by their new numbers. Both sides want the same ones.
+par::Pattern restrict(const par::Pattern& whole, const std::vector<LocalId>& number,
+                      const std::vector<std::uint8_t>& is_wanted) {
+  par::Pattern part;
+  for (std::size_t i = 0; i < whole.rank.size(); ++i) {
+    for (auto k = whole.offset[i]; k < whole.offset[i + 1]; ++k)
+      if (is_wanted[at(whole.item[k])] != 0) part.item.push_back(number[at(whole.item[k])]);
+    if (part.item.size() == part.offset.back()) continue;
+    part.rank.push_back(whole.rank[i]);
+    part.offset.push_back(part.item.size());
+  }
+  return part;
+}
+
+/// For each of `n` nodes the rows that it occurs in; negative entries are none.
+template <class Row>
+RowsOfNode turn_round(const std::vector<Row>& rows, std::size_t n) {
+  RowsOfNode result;
+  result.begin.assign(n + 1, 0);
+  for (const auto& row : rows)
+    for (const auto i : row)
+      if (i >= 0) ++result.begin[at(i) + 1];
+  for (std::size_t i = 0; i < n; ++i) result.begin[i + 1] += result.begin[i];
+  result.item.resize(result.begin.back());
+  auto next = result.begin;
+  for (std::size_t r = 0; r < rows.size(); ++r)
+    for (const auto i : rows[r])
+      if (i >= 0) result.item[next[at(i)]++] = static_cast<LocalId>(r);
+  return result;
+}
+
+}  // namespace
+
+Freedom free_nodes(const mesh::MeshInfo& info, const geometry::SurfaceSet& surfaces, const Numbering& numbering,
+                   LocalId n_old_nodes, const std::vector<Movable>& movables) {
+  Freedom freedom;
+  freedom.of_node.assign(at(n_old_nodes) + numbering.n_new_nodes(), Freedom::inner);
+  std::fill_n(freedom.of_node.begin(), n_old_nodes, Freedom::fixed);
+  std::map<PatchList, std::int32_t> rows;
+  const auto row_of = [&](const PatchList& patch) {
+    const auto known = rows.find(patch);
+    if (known != rows.end()) return known->second;
+    std::int32_t row = Freedom::fixed;
+    auto on = surfaces_of_node(info, surfaces, patch);
+    if (on.all_tied && !on.is_on_seam) {
+      row = static_cast<std::int32_t>(freedom.on.size());
+      freedom.on.push_back(std::move(on));
+    }
+    rows.emplace(patch, row);
+    return row;
+  };
+  for (const auto& boundary : numbering.boundary)
+    freedom.of_node[at(n_old_nodes + boundary.new_node)] = row_of(patches_of(boundary));
+  for (const auto& m : movables)
+    if (m.patch[0] >= 0) freedom.of_node[at(m.node)] = m.is_reachable && !m.is_held ? row_of(m.patch) : Freedom::fixed;
+  return freedom;
+}
+
+std::vector<LocalId> families_at(const mesh::DistMesh& fine, const std::vector<std::uint8_t>& is_wanted) {
+  std::vector<LocalId> families;
+  for (LocalId c = 0; c < fine.n_cells(); ++c) {
+    const auto lineage = fine.lineage[at(c)];
+    if (!lineage.is_removable()) continue;
+    const auto& nodes = fine.cell_to_node[at(c)];
+    const auto first = c - lineage.child();
+    if ((families.empty() || families.back() != first) &&
+        std::any_of(nodes.begin(), nodes.end(), [&](LocalId n) { return is_wanted[at(n)] != 0; }))
+      families.push_back(first);
+  }
+  return families;
+}
+
+std::array<LocalId, 10> parent_nodes(const mesh::DistMesh& fine, LocalId first) {
+  std::array<LocalId, 10> nodes{};
+  nodes.fill(-1);
+  const auto& pattern = split_pattern[at(state_of_family(fine.lineage[at(first)]))];
+  for (int child = 0; child < pattern.n_children; ++child)
+    for (std::size_t slot = 0; slot < 4; ++slot)
+      nodes[at(pattern.child_to_node[at(child)][slot])] = fine.cell_to_node[at(first + child)][slot];
+  return nodes;
+}
+
+UntangleRegion gather_region(const par::Comm& comm, const mesh::DistMesh& fine, const par::Pattern& shared,
+                             const Freedom& freedom, const std::vector<LocalId>& cells, int n_layers) {
+  auto may_move = reach(comm, fine, shared, cells, n_layers);
+  for (std::size_t n = 0; n < may_move.size(); ++n)
+    if (freedom.of_node[n] == Freedom::fixed) may_move[n] = 0;
+
+  UntangleRegion region;
+  std::vector<LocalId> number(at(fine.n_nodes()), -1);
+  const auto number_of = [&](LocalId node) {
+    if (number[at(node)] < 0) {
+      number[at(node)] = static_cast<LocalId>(region.node.size());
+      region.node.push_back(node);
+      region.may_move.push_back(may_move[at(node)]);
+    }
+    return number[at(node)];
+  };
+  for (const auto& nodes : fine.cell_to_node) {
+    if (std::none_of(nodes.begin(), nodes.end(), [&](LocalId n) { return may_move[at(n)] != 0; })) continue;
+    region.cell.push_back({number_of(nodes[0]), number_of(nodes[1]), number_of(nodes[2]), number_of(nodes[3])});
+  }
+  for (const auto first : families_at(fine, may_move)) {
+    region.family.push_back(parent_nodes(fine, first));
+    for (auto& node : region.family.back())
+      if (node >= 0) node = number_of(node);
+  }
+  region.cells_of_node = turn_round(region.cell, region.node.size());
+  region.families_of_node = turn_round(region.family, region.node.size());
+  region.shared = restrict(shared, number, may_move);
+  return region;
+}
+
+}  // namespace pamr::refine

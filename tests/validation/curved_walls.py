@@ -1,0 +1,195 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Refines bodies at their curved walls, level by level, and tabulates what became of the walls.
+
+    curved_walls.py BIN_FOLDER [--cases NAME,...] [--sizes H,...] [--mesher pamr|gmsh] [--levels N] [--ranks N] [--keep DIR]
+
+A row a level: cells, nodes on the walls, how many are off their surface, the worst distance, the smallest mean ratio, errors of
+area and volume with their orders, the largest angle between a wall face and the exact normal. Exit code 1 when a cell is
+inverted, a flagged cell is not split, or a node on a sharp edge is off it.
+"""
+import argparse
+import json
+import math
+import pathlib
+import subprocess
+import sys
+import tempfile
+
+import h5py
+import numpy as np
+
+import wall_cases
+
+FACES = np.array([[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]])
+HEAD = ("level", "cells", "wall nodes", "off", "worst distance", "moved", "smallest mean ratio", "area error", "order",
+        "volume error", "order", "normals off by", "order", "kept", "untangling", "project s", "refine s")
+
+
+def arguments():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("bin", type=pathlib.Path)
+    parser.add_argument("--cases", default=",".join([*wall_cases.CASES, "blunt-cone"]))
+    parser.add_argument("--sizes", default="0.4,0.8,1.2,1.6,2.0", help="edges at the wall / smallest radius of curvature")
+    parser.add_argument("--mesher", choices=("pamr", "gmsh"), default="pamr")
+    parser.add_argument("--levels", type=int, default=5)
+    parser.add_argument("--layers", type=int, default=1, help="layers of cells that are split at the wall")
+    parser.add_argument("--ranks", type=int, default=1)
+    parser.add_argument("--keep", type=pathlib.Path, help="leave the meshes in this folder")
+    return parser.parse_args()
+
+
+def call(options, tool, *words):
+    launcher = ["mpirun", "-q", "-n", str(options.ranks)] if options.ranks > 1 else []
+    done = subprocess.run([*launcher, str(options.bin / tool), *map(str, words)], capture_output=True, text=True)
+    if done.returncode != 0:
+        raise RuntimeError(f"{tool} {' '.join(map(str, words))}: {done.stderr.strip() or done.returncode}")
+    return done.stdout
+
+
+def make_level_0(options, name, size, folder):
+    mesh = folder / "level0.hdf"
+    if name == "blunt-cone":
+        call(options, "pamr-mesh", "--shape", "blunt-cone", "-o", mesh)
+        return wall_cases.Case(["forebody", "base", "sting"]), mesh
+    maker, _ = wall_cases.CASES[name]
+    case = maker(size, options.mesher)
+    if mesh.exists():
+        return case, mesh
+    if case.geo:
+        (folder / "body.geo").write_text(case.geo)
+        (folder / "body.toml").write_text(case.surfaces)
+        done = subprocess.run(["gmsh", "-3", "-v", "2", "body.geo", "-o", "body.msh"], cwd=folder, capture_output=True, text=True)
+        if not (folder / "body.msh").exists():
+            raise RuntimeError(f"gmsh: {done.stdout} {done.stderr}")
+        tied = []
+        call(options, "pamr-convert", folder / "body.msh", mesh, "--surfaces", folder / "body.toml", *tied)
+    elif case.case_file:
+        (folder / "case.toml").write_text(case.case_file)
+        call(options, "pamr-mesh", folder / "case.toml", "-o", mesh)
+    return case, mesh
+
+
+class Walls:
+    """Faces of the patches of a mesh."""
+
+    def __init__(self, path):
+        with h5py.File(path) as file:
+            self.points = file["VTKHDF/Points"][:]
+            cells = file["VTKHDF/Connectivity"][:].reshape(-1, 4)
+            neighbours = file["PAMR/cell_to_cell"][:]
+            self.names = [n.decode() for n in file["PAMR/patches/names"][:]]
+        cell, slot = np.nonzero(neighbours < 0)
+        self.faces = cells[cell[:, None], FACES[slot]]
+        self.patch = -1 - neighbours[cell, slot]
+
+    def faces_of(self, name):
+        return self.faces[self.patch == self.names.index(name)]
+
+    def nodes_of(self, names):
+        return np.unique(np.concatenate([self.faces_of(n).ravel() for n in names]))
+
+    def normals_off(self, name, normal):
+        """Largest angle in degrees between a face and the exact normal at its centroid, whatever its sense."""
+        p = self.points[self.faces_of(name)]
+        n = np.cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0])
+        n /= np.linalg.norm(n, axis=1)[:, None]
+        exact = normal(p.mean(axis=1))
+        return np.degrees(np.arcsin(np.clip(np.linalg.norm(np.cross(n, exact), axis=1), 0, 1))).max()
+
+    def off_edges(self, sharp):
+        """Largest distance of the nodes that two patches share from the sharp edge between them."""
+        worst = 0.0
+        for a, b, distance in sharp:
+            shared = np.intersect1d(self.nodes_of([a]), self.nodes_of([b]))
+            worst = max(worst, distance(self.points[shared]).max())
+        return worst
+
+
+def order(before, now):
+    return math.log2(before / now) if before > 0 and now > 0 else math.nan
+
+
+def shown(value):
+    if isinstance(value, str):
+        return value
+    if isinstance(value, int):
+        return f"{value:,}"
+    return "-" if math.isnan(value) else f"{value:.2f}" if 0.1 <= abs(value) < 100 else f"{value:.1e}" if value else "0"
+
+
+def measure(options, case, mesh):
+    quality = json.loads(call(options, "pamr-quality", mesh, "--json", "-", "--quiet"))
+    walls = Walls(mesh)
+    patches = [quality["patches"][n] for n in case.walls]
+    row = {"cells": quality["cells"], "wall nodes": len(walls.nodes_of(case.walls)),
+           "off": max(quality["ledger"]["nodes"], max(p["off_surface_nodes"] for p in patches)),
+           "worst distance": max(p["worst_distance"] for p in patches), "smallest mean ratio": quality["mean_ratio"]["min"],
+           "area error": math.nan, "volume error": math.nan, "normals off by": math.nan, "inverted": quality["inverted_cells"],
+           "valid": quality["valid"], "edge": walls.off_edges(case.sharp)}
+    if case.area:
+        row["area error"] = max(abs(quality["patches"][n]["area"] / exact - 1) for n, exact in case.area.items())
+        row["volume error"] = abs(quality["volume"] / case.volume - 1)
+        row["normals off by"] = max(walls.normals_off(n, f) for n, f in case.normal.items())
+    return row
+
+
+def refine(options, case, mesh, folder, level):
+    marks = folder / "marks.hdf"
+    flags = [word for name in case.walls for word in ("--patch", name)]
+    if options.layers > 1:
+        flags += ["--layers", options.layers]
+    call(options, "pamr-mark", mesh, "-o", marks, *flags, "--force")
+    fine = folder / f"level{level}.hdf"
+    report = json.loads(call(options, "pamr-refine", marks, "-o", fine, "--force", "--json", "-", "--quiet"))
+    marks.unlink()
+    return report, fine
+
+
+def run(options, name, size, folder):
+    """Prints the table of one body; true when nothing was broken."""
+    sound = True
+    case, mesh = make_level_0(options, name, size, folder)
+    print(f"\n{name}, h/R = {size}" if name != "blunt-cone" else f"\n{name}", flush=True)
+    print("| " + " | ".join(HEAD) + " |\n|" + "---|" * len(HEAD))
+    before = None
+    for level in range(options.levels + 1):
+        report = {}
+        if level > 0:
+            report, fine = refine(options, case, mesh, folder, level)
+            if options.keep is None:
+                mesh.unlink()
+            mesh = fine
+        row = measure(options, case, mesh)
+        sound = sound and row["inverted"] == 0 and row["valid"] and report.get("marked_not_split", 0) == 0 and row["edge"] <= 1e-12
+        orders = {k: order(before[k], row[k]) if before else math.nan for k in ("area error", "volume error", "normals off by")}
+        seconds = report.get("seconds", {})
+        cells = [level, row["cells"], row["wall nodes"], row["off"], row["worst distance"], report.get("moved_nodes", 0),
+                 row["smallest mean ratio"], row["area error"], orders["area error"], row["volume error"], orders["volume error"],
+                 row["normals off by"], orders["normals off by"], report.get("families_kept", 0),
+                 report.get("untangling_rounds", 0),
+                 seconds.get("project", {}).get("max", math.nan), seconds.get("total", {}).get("max", math.nan)]
+        print("| " + " | ".join(shown(c) for c in cells) + " |", flush=True)
+        before = row
+    if case.sharp:
+        print(f"\nNodes on sharp edges: at most {row['edge']:.1e} off them.")
+    return sound
+
+
+def main():
+    options = arguments()
+    sound = True
+    for name in options.cases.split(","):
+        for size in [0.0] if name == "blunt-cone" else [float(s) for s in options.sizes.split(",")]:
+            with tempfile.TemporaryDirectory() as scratch:
+                folder = pathlib.Path(scratch)
+                if options.keep is not None:
+                    folder = options.keep / f"{name}-{size}"
+                    folder.mkdir(parents=True, exist_ok=True)
+                try:
+                    sound = run(options, name, size, folder) and sound
+                except RuntimeError as error:
+                    print(f"\n{name}, h/R = {size}: {error}", flush=True)
+    return 0 if sound else 1
+
+
+sys.exit(main())
