@@ -13,10 +13,11 @@ Certificate settle(const par::Comm& comm, mesh::DistMesh& fine, const par::Patte
                    std::vector<Movable> movables, std::span<const LocalId> suspects) {
   int rounds = 0;
   if (comm.any(!movables.empty())) {
-    smooth_displacement(comm, fine, shared, numbering, n_old_nodes, movables);
+    const double ratio = smooth_displacement(comm, fine, shared, numbering, n_old_nodes, movables);
     for (const auto& m : movables) fine.node_position[static_cast<std::size_t>(m.node)] = m.target;
     const auto freedom = free_nodes(fine.info, surfaces, numbering, n_old_nodes, movables);
-    rounds = untangle(comm, fine, shared, freedom, cells_with_moved_nodes(fine, movables), movables);
+    rounds =
+        untangle(comm, fine, shared, freedom, cells_with_moved_nodes(fine, movables), ratio < gentle_ratio, movables);
   }
   auto certificate = certify(comm, fine, shared, surfaces, movables, suspects);
   certificate.untangling_rounds = rounds;

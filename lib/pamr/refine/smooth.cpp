@@ -32,7 +32,7 @@ Extent measure(const par::Comm& comm, const mesh::DistMesh& fine, const Numberin
   return {comm.max(here.displacement), comm.max(here.ratio)};
 }
 
-int sweeps_for(double ratio) { return ratio < 0.02 ? 0 : ratio < 0.1 ? 10 : 30; }
+int sweeps_for(double ratio) { return ratio < gentle_ratio ? 0 : ratio < 0.1 ? 10 : 30; }
 
 /// Swaps one value for each shared node and lets `take(node, theirs)` fold it in.
 template <class T, class Take>
@@ -138,11 +138,11 @@ void sweep(const par::Exchange& exchange, const Region& region, const std::vecto
 
 }  // namespace
 
-void smooth_displacement(const par::Comm& comm, const mesh::DistMesh& fine, const par::Pattern& shared,
-                         const Numbering& numbering, LocalId n_old_nodes, std::vector<Movable>& movables) {
+double smooth_displacement(const par::Comm& comm, const mesh::DistMesh& fine, const par::Pattern& shared,
+                           const Numbering& numbering, LocalId n_old_nodes, std::vector<Movable>& movables) {
   const auto extent = measure(comm, fine, numbering, n_old_nodes, movables);
   const int n_sweeps = sweeps_for(extent.ratio);
-  if (n_sweeps == 0) return;
+  if (n_sweeps == 0) return extent.ratio;
   const par::Exchange exchange(comm, shared);
 
   auto is_free = reach(fine, exchange, movables);
@@ -167,8 +167,9 @@ void smooth_displacement(const par::Comm& comm, const mesh::DistMesh& fine, cons
     const Vec3 base = fine.point(node);
     const Vec3 d{static_cast<double>(v[0]) / scale, static_cast<double>(v[1]) / scale,
                  static_cast<double>(v[2]) / scale};
-    movables.push_back({node, base, base + d, {-1, -1, -1, -1}, true});
+    movables.push_back({node, base, base + d, {-1, -1, -1, -1}, true, false});
   }
+  return extent.ratio;
 }
 
 }  // namespace pamr::refine

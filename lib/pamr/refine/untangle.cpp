@@ -254,12 +254,14 @@ class Untangler {
   std::vector<LocalId> row_;                ///< per node: its place among those chosen in this round, -1: not chosen
 };
 
-/// Cells with a moved node that are poor, and first cells of families with one whose parent would be.
-std::vector<LocalId> find_poor(const mesh::DistMesh& fine, const std::vector<LocalId>& cells,
+/// Cells with a moved node that are poor, and those of families with one whose parent would be. `is_gentle`: only cells
+/// that are turned over.
+std::vector<LocalId> find_poor(const mesh::DistMesh& fine, const std::vector<LocalId>& cells, bool is_gentle,
                                const std::vector<Movable>& movables) {
   std::vector<LocalId> poor;
   for (const auto c : cells)
-    if (untangle_key(fine.points(c)) < poor_key) poor.push_back(c);
+    if (const double key = untangle_key(fine.points(c)); is_gentle ? key <= 0 : key < poor_key) poor.push_back(c);
+  if (is_gentle) return poor;
   std::vector<std::uint8_t> moves(at(fine.n_nodes()), 0);
   for (const auto& m : movables) moves[at(m.node)] = 1;
   for (const auto first : families_at(fine, moves)) {
@@ -291,8 +293,8 @@ double untangle_key(const SplitPoints& parent) {
 }
 
 int untangle(const par::Comm& comm, mesh::DistMesh& fine, const par::Pattern& shared, const Freedom& freedom,
-             const std::vector<LocalId>& cells, std::vector<Movable>& movables) {
-  const auto poor = find_poor(fine, cells, movables);
+             const std::vector<LocalId>& cells, bool is_gentle, std::vector<Movable>& movables) {
+  const auto poor = find_poor(fine, cells, is_gentle, movables);
   if (!comm.any(!poor.empty())) return 0;
   const auto region = gather_region(comm, fine, shared, freedom, poor, 2);
   Untangler untangler(comm, fine, freedom, region);
@@ -307,7 +309,7 @@ int untangle(const par::Comm& comm, mesh::DistMesh& fine, const par::Pattern& sh
     if (movable_of[at(node)] >= 0)
       movables[at(movable_of[at(node)])].target = p;
     else
-      movables.push_back({node, fine.point(node), p, {-1, -1, -1, -1}, true});
+      movables.push_back({node, fine.point(node), p, {-1, -1, -1, -1}, true, false});
     fine.node_position[at(node)] = p;
   }
   return rounds;
