@@ -6,6 +6,7 @@ import h5py
 import meshio
 import numpy as np
 
+from surface_models import icosphere, write_stl
 from tool_run import kuhn_cube, refuses, run, run_tests, same_bytes
 
 FORMATS = [("2.2", True), ("2.2", False), ("4.1", True), ("4.1", False)]
@@ -166,6 +167,96 @@ def test_patches_are_tied_to_surfaces_where_their_nodes_lie():
             creates="no.hdf")
     refuses("pamr-convert", "cube.hdf", "no.hdf", "--surfaces", "floor.toml", "--tie", "zmin", says=["PATCH=SURFACE"],
             creates="no.hdf")
+
+
+def test_a_patch_is_tied_to_the_file_of_a_body():
+    run("pamr-mesh", "--shape", "sphere-in-box", "--size", "0.5", "-o", "made.hdf", "--quiet")
+    run("pamr-convert", "made.hdf", "plain.msh", "--quiet")
+    pathlib.Path("parts").mkdir()
+    write_stl("parts/ball.stl", *icosphere(2))
+    told = run("pamr-convert", "plain.msh", "tied.hdf", "--surface", "parts/ball.stl", "--patch", "sphere", "--json", "-")
+    assert 1e-5 < told.json["ties"]["sphere"]["worst_distance"] < 2e-4, "the ball and the smooth surface of its triangles"
+    assert "next refinement" in told.err
+    with h5py.File("tied.hdf") as file:
+        assert b"parts" not in file["PAMR/surfaces"][()], "no folder names in the file"
+    run("pamr-mark", "tied.hdf", "-o", "marked.hdf", "--patch", "sphere", "--quiet")
+    run("pamr-refine", "marked.hdf", "-o", "fine.hdf", "--quiet")
+    before, after = (run("pamr-quality", m, "--json", "-", "--quiet").json for m in ("tied.hdf", "fine.hdf"))
+    assert before["ledger"]["nodes"] == before["patches"]["sphere"]["off_surface_nodes"] > 0
+    assert after["ledger"]["nodes"] == after["patches"]["sphere"]["off_surface_nodes"] == 0
+
+    arguments = ["pamr-convert", "plain.msh", "no.hdf", "--surface", "parts/ball.stl"]
+    refuses(*arguments, says=["--patch NAME for each --surface FILE", "0 and 1"], creates="no.hdf")
+    refuses(*arguments, "--patch", "moon", says=["'moon'", "box, sphere"], creates="no.hdf")
+    refuses(*arguments, "--patch", "sphere", "--tolerance", "1e-6", says=["'sphere'", "within 1e-06"], creates="no.hdf")
+    refuses(*arguments, "--patch", "box", says=["'box'", "--tolerance"], creates="no.hdf")
+
+
+def test_surfaces_that_a_mesh_has_are_kept():
+    kuhn_cube("cube.hdf", 2)
+    write("floor.toml", SURFACES)
+    write("roof.toml", SURFACES.replace("near", "top").replace("[0, 0, 0]", "[0, 0, 1]"))
+    run("pamr-convert", "cube.hdf", "one.hdf", "--surfaces", "floor.toml", "--tie", "zmin=near", "--quiet")
+    result = run("pamr-convert", "one.hdf", "two.hdf", "--surfaces", "roof.toml", "--tie", "zmax=top", "--json", "-").json
+    assert set(result["ties"]) == {"zmax"}
+    patches = run("pamr-quality", "two.hdf", "--json", "-", "--quiet").json["patches"]
+    assert patches["zmin"]["surface"] == "near" and patches["zmax"]["surface"] == "top"
+    refuses("pamr-convert", "one.hdf", "no.hdf", "--surfaces", "floor.toml", "--tie", "zmax=near",
+            says=['"near"', "twice"], creates="no.hdf")
+
+
+def foam_list(path):
+    """The entries of a list of an OpenFOAM file, without its head."""
+    lines = pathlib.Path(path).read_text().split("}\n", 1)[1].split()
+    assert lines[1] == "(" and lines[-1] == ")"
+    return int(lines[0]), lines[2:-1]
+
+
+def test_openfoam_case_has_its_faces_in_upper_triangular_order():
+    kuhn_cube("cube.hdf", 3)
+    run("pamr-convert", "cube.hdf", "case", "--quiet")
+    run("pamr-convert", "cube.hdf", "again", "--quiet", serial=True)
+    folder = pathlib.Path("case/constant/polyMesh")
+    assert sorted(f.name for f in folder.iterdir()) == ["boundary", "faces", "neighbour", "owner", "points"]
+    for file in folder.iterdir():
+        assert same_bytes(file, pathlib.Path("again/constant/polyMesh") / file.name), file.name
+    points = np.array([float(w.strip("()")) for w in foam_list(folder / "points")[1]]).reshape(-1, 3)
+    n, words = foam_list(folder / "faces")
+    assert all(w.startswith("3(") for w in words[::3])
+    faces = np.array([int(w.removeprefix("3(").strip("()")) for w in words]).reshape(-1, 3)
+    owner, neighbour = (np.array([int(w) for w in foam_list(folder / f)[1]]) for f in ("owner", "neighbour"))
+    with h5py.File("cube.hdf") as file:
+        assert np.array_equal(points, file["VTKHDF/Points"][:])
+        cells = file["VTKHDF/Connectivity"][:].reshape(-1, 4)
+    assert n == len(faces) == len(owner) == len(neighbour) + 6 * 18
+    inner = owner[: len(neighbour)]
+    assert (inner < neighbour).all()
+    order = np.lexsort((neighbour, inner))
+    assert (order == np.arange(len(order))).all(), "by owner, then by neighbour"
+    middle = points[cells].mean(axis=1)
+    p = points[faces]
+    normal = np.cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0])
+    assert ((p.mean(axis=1) - middle[owner]) * normal).sum(axis=1).min() > 0, "normals point out of the owner"
+    assert all(set(f) < set(cells[c]) for f, c in zip(faces, owner)) and all(set(f) < set(cells[c]) for f, c in zip(faces, neighbour))
+    boundary = (folder / "boundary").read_text().split()
+    assert [boundary[i + 1] for i, w in enumerate(boundary) if w == "nFaces"] == ["18;"] * 6
+    assert [boundary[i + 1] for i, w in enumerate(boundary) if w == "startFace"] == [f"{len(neighbour) + 18 * k};" for k in range(6)]
+    x = points[faces[len(neighbour): len(neighbour) + 18]][:, :, 0]
+    assert (x == 0).all(), "the first patch is xmin"
+
+
+def test_an_openfoam_case_is_replaced_only_when_asked():
+    kuhn_cube("cube.hdf", 1)
+    old = pathlib.Path("case/constant/polyMesh/points")
+    old.parent.mkdir(parents=True)
+    old.write_text("mine")
+    write("case/system", "stays")
+    refuses("pamr-convert", "cube.hdf", "case", says=["case", "--force"])
+    assert old.read_text() == "mine"
+    run("pamr-convert", "cube.hdf", "case", "--force", "--quiet")
+    assert old.read_text() != "mine" and pathlib.Path("case/system").read_text() == "stays"
+    assert [f.name for f in pathlib.Path("case/constant").iterdir()] == ["polyMesh"]
+    refuses("pamr-convert", "cube.hdf", "missing/case", says=["missing"], creates="missing")
 
 
 def test_endings_are_checked_before_anything_is_read():

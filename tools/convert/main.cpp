@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "cli/output_file.hpp"
 #include "cli/run_tool.hpp"
 #include "cli/text_file.hpp"
 #include "convert/tie.hpp"
@@ -14,6 +15,7 @@
 #include "pamr/geometry/self_intersection.hpp"
 #include "pamr/io/gmsh.hpp"
 #include "pamr/io/native_file.hpp"
+#include "pamr/io/write_foam.hpp"
 #include "pamr/io/write_gmsh.hpp"
 #include "pamr/io/write_vtu.hpp"
 #include "pamr/mesh/assemble.hpp"
@@ -25,23 +27,33 @@ using namespace pamr;
 
 struct Options {
   std::string input, output, surfaces, gmsh_version = "4.1";
-  std::vector<std::string> ties;
-  double tolerance = -1e-6;
+  std::vector<std::string> ties, surface_files, patches;
+  double tolerance = -1;
   bool repair = false, strict = false, text = false, force = false;
 };
 
 void declare(CLI::App& app, Options& options) {
   app.add_option("IN", options.input, "mesh to read: .hdf (native) or .msh (Gmsh 2.2 or 4.1, text or binary)")
       ->required();
-  app.add_option("OUT", options.output, "mesh to write: .hdf, .msh or .vtu")->required();
+  app.add_option("OUT", options.output,
+                 "mesh to write: .hdf, .msh, .vtu, or a folder (no ending, or there already): an OpenFOAM case")
+      ->required();
   app.add_flag("--repair", options.repair, "turn inverted cells of a .msh over instead of refusing them");
   app.add_flag("--strict", options.strict,
                "refuse what would only be reported: inverted cells, nodes of no cell, "
                "boundary faces without tag");
   app.add_option("--surfaces", options.surfaces, "TOML file of surfaces to tie patches to (docs/surfaces.md)");
+  app.add_option("--surface", options.surface_files,
+                 "STL, OBJ, PLY or OFF file of the body that the patch after it (--patch) lies on; may be repeated")
+      ->type_name("FILE")
+      ->allow_extra_args(false);
+  app.add_option("--patch", options.patches, "patch that lies on the --surface of the same place")
+      ->type_name("NAME")
+      ->allow_extra_args(false);
   app.add_option("--tie", options.ties, "PATCH=SURFACE, where the two have different names");
   app.add_option("--tolerance", options.tolerance,
-                 "largest distance of a node from its surface, length units (default: 1e-6 of the mesh's size)")
+                 "largest distance of a node from its surface, length units (default: 1e-6 of the mesh's size, and "
+                 "for triangulated surfaces 1.5 times how far their facets lie off there)")
       ->check(CLI::NonNegativeNumber);
   app.add_option("--gmsh-version", options.gmsh_version, "format of a .msh to write")
       ->check(CLI::IsMember({"2.2", "4.1"}))
@@ -83,7 +95,13 @@ mesh::DistMesh read(cli::Session& session, const Options& options, nlohmann::jso
   return std::move(read.mesh);
 }
 
-void write(const par::Comm& comm, const Options& options, const mesh::DistMesh& mesh) {
+bool is_foam_case(const std::string& output) {
+  std::error_code none;
+  return std::filesystem::path(output).extension().empty() || std::filesystem::is_directory(output, none);
+}
+
+void write(const par::Comm& comm, const Options& options, bool as_foam, const mesh::DistMesh& mesh) {
+  if (as_foam) return io::write_foam(comm, options.output, mesh);
   const auto ending = extension(options.output, {".hdf", ".msh", ".vtu"});
   if (ending == ".hdf") io::write_native(comm, options.output, mesh);
   if (ending == ".vtu") io::write_vtu(comm, options.output, mesh);
@@ -92,31 +110,75 @@ void write(const par::Comm& comm, const Options& options, const mesh::DistMesh& 
                    {options.gmsh_version == "2.2" ? io::GmshVersion::v2_2 : io::GmshVersion::v4_1, !options.text});
 }
 
-cli::ExitCode convert(cli::Session& session, const Options& options) {
-  const auto& comm = session.comm();
+/// Checks what can be checked before anything is read. Collective.
+void check_files(cli::Session& session, const Options& options, bool as_foam) {
   (void)extension(options.input, {".hdf", ".msh"});
-  (void)extension(options.output, {".hdf", ".msh", ".vtu"});
-  std::vector<std::string> inputs{options.input};
-  session.check_input(options.input);
-  if (!options.surfaces.empty()) {
-    session.check_input(options.surfaces);
-    inputs.push_back(options.surfaces);
-  }
+  if (!as_foam) (void)extension(options.output, {".hdf", ".msh", ".vtu"});
   if (options.surfaces.empty() && !options.ties.empty())
     throw Error("--tie: expected --surfaces beside it, found none");
-  session.check_output(options.output, inputs, options.force);
+  if (options.surface_files.size() != options.patches.size())
+    throw Error(fmt::format("expected a --patch NAME for each --surface FILE, found {} and {}", options.patches.size(),
+                            options.surface_files.size()));
+  std::vector<std::string> inputs{options.input};
+  if (!options.surfaces.empty()) inputs.push_back(options.surfaces);
+  inputs.insert(inputs.end(), options.surface_files.begin(), options.surface_files.end());
+  for (const auto& input : inputs) session.check_input(input);
+  if (!as_foam) return session.check_output(options.output, inputs, options.force);
+  par::agree(session.comm(), [&] {
+    if (!session.comm().is_first()) return;
+    const auto folder = std::filesystem::absolute(options.output).lexically_normal();
+    const auto parent = folder.has_filename() ? folder.parent_path() : folder.parent_path().parent_path();
+    if (std::filesystem::exists(folder) && !std::filesystem::is_directory(folder))
+      throw Error(options.output + ": expected a folder for an OpenFOAM case, found a file of that name");
+    if (!std::filesystem::is_directory(parent))
+      throw Error(options.output + ": expected an existing folder to write into, found none named " + parent.string());
+    if (std::filesystem::exists(folder / "constant" / "polyMesh") && !options.force)
+      throw Error(options.output + ": constant/polyMesh exists already (--force replaces it)");
+  });
+  for (const char* name : {"points", "faces", "owner", "neighbour", "boundary"}) {
+    const auto file = (io::partial_foam_folder(options.output) / name).string();
+    cli::remove_on_interrupt(file);
+    cli::remove_on_interrupt(cli::partial_name(file));
+  }
+}
+
+/// Ties patches to surfaces where that is asked for. Collective.
+void tie(cli::Session& session, const Options& options, mesh::DistMesh& mesh, nlohmann::json& report) {
+  if (options.surfaces.empty() && options.surface_files.empty()) return;
+  const auto& comm = session.comm();
+  convert_tool::TieRequest request;
+  request.file = "--surface";
+  if (!options.surfaces.empty()) {
+    request.toml = cli::read_text(comm, options.surfaces);
+    request.file = options.surfaces;
+  }
+  request.pairs = options.ties;
+  request.tolerance = options.tolerance;
+  for (std::size_t i = 0; i < options.patches.size(); ++i)
+    request.files.emplace_back(options.patches[i], options.surface_files[i]);
+  for (const auto& tie : convert_tool::tie_patches(comm, mesh, request)) {
+    report["ties"][tie.patch] = {{"surface", tie.surface}, {"worst_distance", tie.worst_distance}};
+    if (tie.n_off > 0)
+      session.warn(
+          fmt::format("patch '{}': nodes up to {:.3g} off surface \"{}\": the next refinement at them brings "
+                      "them there",
+                      tie.patch, tie.worst_distance, tie.surface));
+  }
+  if (!comm.is_first()) return;
+  for (const auto& surface : mesh.info.triangulations)
+    if (const auto warning = geometry::self_intersection_warning(surface); !warning.empty()) session.warn(warning);
+}
+
+cli::ExitCode convert(cli::Session& session, const Options& options) {
+  const auto& comm = session.comm();
+  const bool as_foam = comm.any(is_foam_case(options.output));
+  check_files(session, options, as_foam);
 
   nlohmann::json report;
   auto mesh = read(session, options, report);
   mesh::require_valid(comm, mesh, options.input);
-  if (!options.surfaces.empty())
-    for (const auto& tie : convert_tool::tie_patches(comm, mesh, cli::read_text(comm, options.surfaces),
-                                                     options.surfaces, options.ties, options.tolerance))
-      report["ties"][tie.patch] = {{"surface", tie.surface}, {"worst_distance", tie.worst_distance}};
-  if (comm.is_first())
-    for (const auto& surface : mesh.info.triangulations)
-      if (const auto warning = geometry::self_intersection_warning(surface); !warning.empty()) session.warn(warning);
-  write(comm, options, mesh);
+  tie(session, options, mesh, report);
+  write(comm, options, as_foam, mesh);
   report["cells"] = mesh.info.n_global_cells;
   report["nodes"] = mesh.info.n_global_nodes;
   report["patches"] = nlohmann::json::array();
@@ -133,7 +195,8 @@ int main(int argc, char** argv) {
   Options options;
   return cli::run_tool(
       argc, argv,
-      {"pamr-convert", "Converts meshes from and to Gmsh's format, and to VTK's.",
-       "pamr-convert part.msh part.hdf --surfaces part.toml\n  pamr-convert level3.hdf level3.vtu"},
+      {"pamr-convert", "Converts meshes from and to Gmsh's format, and to VTK's and OpenFOAM's.",
+       "pamr-convert part.msh part.hdf --surfaces part.toml\n  pamr-convert level3.hdf level3.vtu\n  pamr-convert "
+       "level3.hdf foam_case"},
       [&](CLI::App& app) { declare(app, options); }, [&](cli::Session& session) { return convert(session, options); });
 }

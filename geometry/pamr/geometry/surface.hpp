@@ -42,6 +42,11 @@ class Surface {
     (void)a, (void)b;
     return std::nullopt;
   }
+  /// How far flat facets that the surface was made from lie off it near the point: 0 but for triangulated ones.
+  virtual double facet_deviation(Vec3 point) const {
+    (void)point;
+    return 0;
+  }
   /// True when moving along a straight segment between two of its points stays on it (a plane): nothing to project.
   virtual bool is_flat() const { return false; }
   /// Size of the numbers that the surface is made of (a bound of its parameters' coordinates and radii): what the

@@ -246,6 +246,17 @@ Vec3 Triangulated::project_to_seam(Vec3 point) const {
   return creases_->is_empty() ? project(point) : creases_->nearest(point);
 }
 
+double Triangulated::facet_deviation(Vec3 point) const {
+  const auto triangle = at(nearest(point).triangle);
+  double largest = 0;
+  for (const auto& [u, v] : {std::array{1.0 / 3, 1.0 / 3}, {0.5, 0.0}, {0.5, 0.5}, {0.0, 0.5}}) {
+    const auto corner = [&](std::size_t k) { return flat_->points[at(shape_->corner[triangle][k])]; };
+    const Vec3 on_facet = (1 - u - v) * corner(0) + u * corner(1) + v * corner(2);
+    largest = std::max(largest, norm(shape_->curved[triangle].point(u, v) - on_facet));
+  }
+  return largest;
+}
+
 std::optional<Vec3> Triangulated::inner_crease_between(Vec3 a, Vec3 b) const { return creases_->between(a, b); }
 
 }  // namespace pamr::geometry

@@ -36,6 +36,8 @@ class Triangulated final : public Surface {
   /// Nearest point of the creases, and of the ends of an open surface; the nearest point where there are none.
   Vec3 project_to_seam(Vec3 point) const override;
   std::optional<Vec3> inner_crease_between(Vec3 a, Vec3 b) const override;
+  /// Of the triangle nearest to the point, at its middle and those of its sides.
+  double facet_deviation(Vec3 point) const override;
   /// True for a planar piece taken alone.
   bool is_flat() const override { return is_flat_; }
   double magnitude() const override { return shape_->magnitude; }
