@@ -11,43 +11,71 @@ namespace pamr::mesh {
 namespace {
 
 struct Arc {
-  par::SharedKey key;
+  GlobalId a = 0, b = 0;  ///< ends of the edge, a < b
   CellEdge lowest;
 };
 
-/// One entry for each arc of an edge at which this rank's part ends at a rank border.
+/// Bits of the edges of rank-border faces, by edge number in the face's cell.
+class FaceEdges {
+ public:
+  explicit FaceEdges(const DistMesh& mesh) : mesh_(&mesh), seen_(mesh.border_face.size(), 0) {}
+  bool is_seen(std::size_t face, int edge) const { return (seen_[face] >> edge & 1) != 0; }
+  /// `slot`: a neighbour slot at which a walk round the edge from node `a` to node `b` ended.
+  void see(LocalId slot, LocalId a, LocalId b) {
+    if (!mesh_->is_ghost(slot)) return;
+    const auto face = static_cast<std::size_t>(slot - mesh_->n_cells());
+    const auto& nodes = mesh_->cell_to_node[static_cast<std::size_t>(mesh_->border_face[face].cell)];
+    const auto edge =
+        tet::edge_of[static_cast<std::size_t>(slot_of(nodes, a))][static_cast<std::size_t>(slot_of(nodes, b))];
+    seen_[face] = static_cast<std::uint8_t>(seen_[face] | 1U << static_cast<unsigned>(edge));
+  }
+
+ private:
+  const DistMesh* mesh_;
+  std::vector<std::uint8_t> seen_;
+};
+
+/// One entry for each arc of an edge at which this rank's part ends at a rank border, by edge and lowest cell. An arc
+/// has two ends: it is walked from the first that comes.
 std::vector<Arc> find_arcs(const DistMesh& mesh) {
   std::vector<Arc> arcs;
-  for (const auto face : mesh.border_face)
+  FaceEdges ends(mesh);
+  for (std::size_t k = 0; k < mesh.border_face.size(); ++k) {
+    const auto face = mesh.border_face[k];
+    const auto& nodes = mesh.cell_to_node[static_cast<std::size_t>(face.cell)];
     for (int e = 0; e < tet::n_edges; ++e) {
-      if ((tet::face_edge_mask[static_cast<std::size_t>(face.slot)] >> e & 1) == 0) continue;
+      if ((tet::face_edge_mask[static_cast<std::size_t>(face.slot)] >> e & 1) == 0 || ends.is_seen(k, e)) continue;
       CellEdge lowest{face.cell, e};
-      walk_ring(mesh, face.cell, e, [&](LocalId cell, int edge) {
+      const auto end = walk_ring(mesh, face.cell, e, [&](LocalId cell, int edge) {
         if (cell < lowest.cell) lowest = {cell, edge};
       });
-      const auto& nodes = mesh.cell_to_node[static_cast<std::size_t>(lowest.cell)];
-      const auto [p, q] = tet::edge_to_corner[static_cast<std::size_t>(lowest.edge)];
-      const auto a = mesh.node_global[static_cast<std::size_t>(nodes[static_cast<std::size_t>(p)])];
-      const auto b = mesh.node_global[static_cast<std::size_t>(nodes[static_cast<std::size_t>(q)])];
-      arcs.push_back({{std::min(a, b), std::max(a, b), -1}, lowest});
+      const auto [p, q] = tet::edge_to_corner[static_cast<std::size_t>(e)];
+      const auto a = nodes[static_cast<std::size_t>(p)], b = nodes[static_cast<std::size_t>(q)];
+      ends.see(end.first, a, b);
+      ends.see(end.second, a, b);
+      const auto id_a = mesh.node_global[static_cast<std::size_t>(a)];
+      const auto id_b = mesh.node_global[static_cast<std::size_t>(b)];
+      arcs.push_back({std::min(id_a, id_b), std::max(id_a, id_b), lowest});
     }
-  const auto order = [](const Arc& arc) { return std::tie(arc.key, arc.lowest.cell); };
-  std::sort(arcs.begin(), arcs.end(), [&](const Arc& a, const Arc& b) { return order(a) < order(b); });
-  arcs.erase(std::unique(arcs.begin(), arcs.end(), [&](const Arc& a, const Arc& b) { return order(a) == order(b); }),
-             arcs.end());
+  }
+  std::sort(arcs.begin(), arcs.end(), [](const Arc& x, const Arc& y) {
+    return std::tie(x.a, x.b, x.lowest.cell) < std::tie(y.a, y.b, y.lowest.cell);
+  });
   return arcs;
 }
 
-/// Nodes of rank-border and boundary faces, without repeats.
+/// Nodes of rank-border and boundary faces, ascending.
 std::vector<LocalId> outer_nodes(const DistMesh& mesh) {
-  std::vector<LocalId> nodes;
+  std::vector<std::uint8_t> is_outer(mesh.node_global.size(), 0);
   for (LocalId c = 0; c < mesh.n_cells(); ++c)
     for (int f = 0; f < 4; ++f)
       if (!mesh.is_own(mesh.cell_to_cell[static_cast<std::size_t>(c)][static_cast<std::size_t>(f)]))
         for (const auto corner : tet::face_to_corner[static_cast<std::size_t>(f)])
-          nodes.push_back(mesh.cell_to_node[static_cast<std::size_t>(c)][static_cast<std::size_t>(corner)]);
-  std::sort(nodes.begin(), nodes.end());
-  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+          is_outer[static_cast<std::size_t>(
+              mesh.cell_to_node[static_cast<std::size_t>(c)][static_cast<std::size_t>(corner)])] = 1;
+  std::vector<LocalId> nodes;
+  for (std::size_t n = 0; n < is_outer.size(); ++n)
+    if (is_outer[n] != 0) nodes.push_back(static_cast<LocalId>(n));
   return nodes;
 }
 
@@ -58,8 +86,9 @@ Borders find_borders(const par::Comm& comm, const DistMesh& mesh) {
   std::vector<par::SharedKey> key;
   const auto arcs = find_arcs(mesh);
   for (const auto& arc : arcs) {
-    if (key.empty() || key.back() != arc.key) {
-      key.push_back(arc.key);
+    const par::SharedKey edge{arc.a, arc.b, -1};
+    if (key.empty() || key.back() != edge) {
+      key.push_back(edge);
       borders.arc_offset.push_back(borders.arc.size());
     }
     borders.arc.push_back(arc.lowest);

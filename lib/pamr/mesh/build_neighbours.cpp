@@ -89,6 +89,11 @@ void match_across_ranks(const par::Comm& comm, DistMesh& mesh) {
   std::vector<par::SharedKey> key;
   for (const auto face : candidates) key.push_back(face_key(mesh, face));
   auto pattern = par::find_shared(comm, key);
+  for (std::size_t i = 0; i < pattern.rank.size(); ++i)  // border faces by key, as `link_neighbours` has them
+    std::sort(pattern.item.begin() + static_cast<std::ptrdiff_t>(pattern.offset[i]),
+              pattern.item.begin() + static_cast<std::ptrdiff_t>(pattern.offset[i + 1]), [&](LocalId a, LocalId b) {
+                return key[static_cast<std::size_t>(a)] < key[static_cast<std::size_t>(b)];
+              });
   std::vector<GlobalId> cell;
   for (const auto item : pattern.item)
     cell.push_back(mesh.cell_global[static_cast<std::size_t>(candidates[static_cast<std::size_t>(item)].cell)]);

@@ -131,26 +131,19 @@ std::vector<char> check_nodes(const par::Comm& comm, const DistMesh& mesh, Findi
   return is_shared;
 }
 
-/// A face and its name.
-struct NamedFace {
-  par::SharedKey key{};
-  CellFace face;
-};
-
-/// Faces whose three nodes other ranks hold too; of those with the same nodes the first.
-std::vector<NamedFace> find_candidates(const DistMesh& mesh, const std::vector<char>& is_shared) {
-  std::vector<NamedFace> faces;
+/// Faces whose three nodes other ranks hold too, those between own cells from one of their two sides.
+std::vector<CellFace> find_candidates(const DistMesh& mesh, const std::vector<char>& is_shared) {
+  std::vector<CellFace> faces;
   for (LocalId c = 0; c < mesh.n_cells(); ++c) {
     const auto& nodes = mesh.cell_to_node[static_cast<std::size_t>(c)];
     const auto n_shared = std::count_if(nodes.begin(), nodes.end(),
                                         [&](LocalId n) { return is_shared[static_cast<std::size_t>(n)] != 0; });
     for (int f = 0; n_shared >= 3 && f < 4; ++f)
-      if (n_shared == 4 || is_shared[static_cast<std::size_t>(nodes[static_cast<std::size_t>(f)])] == 0)
-        faces.push_back({face_key(mesh, {c, f}), {c, f}});
+      if ((n_shared == 4 || is_shared[static_cast<std::size_t>(nodes[static_cast<std::size_t>(f)])] == 0) &&
+          (mesh.cell_to_cell[static_cast<std::size_t>(c)][static_cast<std::size_t>(f)] > c ||
+           mesh.cell_to_cell[static_cast<std::size_t>(c)][static_cast<std::size_t>(f)] < 0))
+        faces.push_back({c, f});
   }
-  std::stable_sort(faces.begin(), faces.end(), [](const NamedFace& a, const NamedFace& b) { return a.key < b.key; });
-  const auto has_same_nodes = [](const NamedFace& a, const NamedFace& b) { return a.key == b.key; };
-  faces.erase(std::unique(faces.begin(), faces.end(), has_same_nodes), faces.end());
   return faces;
 }
 
@@ -240,11 +233,11 @@ void check_shared(const par::Comm& comm, const DistMesh& mesh, Findings& finding
   const auto faces = find_candidates(mesh, is_shared);
   std::vector<par::SharedKey> key;
   key.reserve(faces.size());
-  for (const auto& face : faces) key.push_back(face.key);
+  for (const auto face : faces) key.push_back(face_key(mesh, face));
   std::vector<int> n_others(faces.size(), 0);
   for (const auto item : par::find_shared(comm, key).item) ++n_others[static_cast<std::size_t>(item)];
   for (std::size_t i = 0; i < faces.size(); ++i) {
-    const auto face = faces[i].face;
+    const auto face = faces[i];
     const auto slot = mesh.cell_to_cell[static_cast<std::size_t>(face.cell)][static_cast<std::size_t>(face.slot)];
     if (n_others[i] != (mesh.is_ghost(slot) ? 1 : 0))
       findings.add(Invariant::conforming, mesh.cell_global[static_cast<std::size_t>(face.cell)]);

@@ -2,6 +2,7 @@
 #include "pamr/par/exchange.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <numeric>
 
 #include "pamr/base/contract.hpp"
@@ -20,36 +21,54 @@ struct Card {
 
 /// Told by the meeting rank to a holder: your item is held by `rank` too.
 struct Match {
-  SharedKey key;
-  std::int64_t item;
-  std::int64_t rank;
+  std::int32_t item;
+  Rank rank;
 };
 
-Rank meeting_rank(const SharedKey& key, Rank size) {
+std::uint64_t hash_of(const SharedKey& key) {
   std::uint64_t h = 0;
   for (const auto id : key) h = combine(h, static_cast<std::uint64_t>(id));
-  return static_cast<Rank>(h % static_cast<std::uint64_t>(size));
+  return h;
+}
+
+/// Cards in an order in which equal keys stand together, those of one key in the order in which they came: dealt into
+/// as many buckets as there are cards by the hash, then put in order within each, which holds one key or two.
+std::vector<std::uint32_t> group_by_key(std::span<const Card> cards) {
+  narrow<LocalId>(std::ssize(cards));
+  // the low bits said which rank they meet on
+  const auto shift = 64U - static_cast<unsigned>(std::bit_width(cards.size() | 1U));
+  std::vector<std::uint32_t> bucket, end((std::size_t{1} << (64U - shift)) + 1, 0), order(cards.size());
+  bucket.reserve(cards.size());
+  for (const auto& card : cards) {
+    bucket.push_back(static_cast<std::uint32_t>(hash_of(card.key) >> shift));
+    ++end[bucket.back() + 1];
+  }
+  for (std::size_t b = 1; b < end.size(); ++b) end[b] += end[b - 1];
+  auto& next = end;  // of each bucket its begin, which moves to its end
+  for (std::size_t i = 0; i < cards.size(); ++i) {
+    const auto begin_of_next = next[bucket[i]]++;
+    order[begin_of_next] = static_cast<std::uint32_t>(i);
+  }
+  for (std::size_t begin = 0, b = 0; b + 1 < next.size(); begin = next[b++])
+    if (next[b] - begin > 1)
+      std::stable_sort(order.begin() + static_cast<std::ptrdiff_t>(begin), order.begin() + next[b],
+                       [&](std::uint32_t x, std::uint32_t y) { return cards[x].key < cards[y].key; });
+  return order;
 }
 
 /// For every key that several ranks sent: tells each of them about the others.
 Received<Match> introduce(const Comm& comm, const Received<Card>& cards) {
-  struct Holder {
-    Card card;
-    Rank rank;
-  };
-  std::vector<Holder> holders;
-  holders.reserve(cards.item.size());
-  for (std::size_t r = 0; r < cards.rank.size(); ++r)
-    for (const auto& card : cards.from(r)) holders.push_back({card, cards.rank[r]});
-  std::sort(holders.begin(), holders.end(), [](const Holder& a, const Holder& b) {
-    return a.card.key != b.card.key ? a.card.key < b.card.key : a.rank < b.rank;
-  });
+  std::vector<Rank> sender;
+  sender.reserve(cards.item.size());
+  for (std::size_t r = 0; r < cards.rank.size(); ++r) sender.resize(cards.offset[r + 1], cards.rank[r]);
+  const auto order = group_by_key(cards.item);
   Mailbox<Match> matches(comm);
-  for (std::size_t begin = 0, end = 0; begin < holders.size(); begin = end) {
-    while (end < holders.size() && holders[end].card.key == holders[begin].card.key) ++end;
+  for (std::size_t begin = 0, end = 0; begin < order.size(); begin = end) {
+    while (end < order.size() && cards.item[order[end]].key == cards.item[order[begin]].key) ++end;
     for (auto i = begin; i < end; ++i)
       for (auto j = begin; j < end; ++j)
-        if (i != j) matches.add(holders[i].rank, {holders[i].card.key, holders[i].card.item, holders[j].rank});
+        if (i != j)
+          matches.add(sender[order[i]], {static_cast<std::int32_t>(cards.item[order[i]].item), sender[order[j]]});
   }
   return matches.send();
 }
@@ -57,19 +76,21 @@ Received<Match> introduce(const Comm& comm, const Received<Card>& cards) {
 }  // namespace
 
 Pattern find_shared(const Comm& comm, std::span<const SharedKey> key) {
+  narrow<LocalId>(std::ssize(key));
   Mailbox<Card> cards(comm);
   for (std::size_t i = 0; i < key.size(); ++i)
-    cards.add(meeting_rank(key[i], comm.size()), {key[i], static_cast<std::int64_t>(i)});
+    cards.add(static_cast<Rank>(hash_of(key[i]) % static_cast<std::uint64_t>(comm.size())),
+              {key[i], static_cast<std::int64_t>(i)});
+  // a meeting rank tells all holders of its keys in one order, so what two ranks share comes in one order on both
   auto matches = introduce(comm, cards.send()).item;
-  std::sort(matches.begin(), matches.end(),
-            [](const Match& a, const Match& b) { return a.rank != b.rank ? a.rank < b.rank : a.key < b.key; });
+  std::stable_sort(matches.begin(), matches.end(), [](const Match& a, const Match& b) { return a.rank < b.rank; });
   Pattern pattern;
   for (const auto& match : matches) {
-    if (pattern.rank.empty() || pattern.rank.back() != static_cast<Rank>(match.rank)) {
-      pattern.rank.push_back(static_cast<Rank>(match.rank));
+    if (pattern.rank.empty() || pattern.rank.back() != match.rank) {
+      pattern.rank.push_back(match.rank);
       pattern.offset.push_back(pattern.item.size());
     }
-    pattern.item.push_back(narrow<LocalId>(match.item));
+    pattern.item.push_back(match.item);
     pattern.offset.back() = pattern.item.size();
   }
   return pattern;

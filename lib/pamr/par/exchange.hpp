@@ -54,8 +54,8 @@ class Exchange {
 using SharedKey = std::array<GlobalId, 3>;
 
 /// Finds which ranks hold the same keys. `key[i]` names local item `i`; no key occurs twice on a rank. The pattern
-/// lists, for each neighbour, the items held by both, in ascending order of their keys.
-/// Collective: two sparse exchanges through a meeting rank chosen from the key; memory and bytes O(keys).
+/// lists, for each neighbour, the items held by both, in an order that follows from the keys and the number of ranks.
+/// Collective: two sparse exchanges through a meeting rank chosen from the key; time, memory and bytes O(keys).
 Pattern find_shared(const Comm& comm, std::span<const SharedKey> key);
 
 /// Rows `ids` (any order, repeats allowed) of an array with a row for each of `all` in canonical block distribution:
