@@ -5,11 +5,12 @@
 # what each step computes, sends and holds on the ranks, the time that follows on a cluster, and the bars, with pass or
 # FAIL. Docs: docs/performance.md, "Scaling".
 #
-#   tests/bench/scaling.sh [BUILD] [--ranks "1 2 4"] [--repeats N] [--tiny] [--out FOLDER]
+#   tests/bench/scaling.sh [BUILD] [--ranks "1 2 4"] [--repeats N] [--balance METHOD] [--tiny] [--out FOLDER]
 #
 #   BUILD       build folder (default build/release)
 #   --ranks     numbers of processes (default "1 2 4 8 16 32 64"; the first is what the others are compared with)
 #   --repeats   runs of each, of which the medians count (default 3)
+#   --balance   auto, scotch, blocks or none (default auto, as pamr-refine's)
 #   --tiny      a small cube instead, and no bars: shows that all this works
 #   --out       where reports and tables go (default BUILD/tests/bench/scaling-out); meshes stay there for the next time
 #
@@ -20,15 +21,17 @@ root=$(cd -- "$folder/../.." && pwd)
 build=$root/build/release
 ranks="1 2 4 8 16 32 64"
 repeats=3
+balance=auto
 tiny=no
 out=
 while [ $# -gt 0 ]; do
   case $1 in
     --ranks) ranks=${2:?scaling.sh: --ranks needs numbers}; shift 2 ;;
     --repeats) repeats=${2:?scaling.sh: --repeats needs a number}; shift 2 ;;
+    --balance) balance=${2:?scaling.sh: --balance needs a method}; shift 2 ;;
     --tiny) tiny=yes; shift ;;
     --out) out=${2:?scaling.sh: --out needs a folder}; shift 2 ;;
-    -h | --help) sed -n '3,17s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
+    -h | --help) sed -n '3,18s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
     -*) echo "scaling.sh: unknown option $1 (see scaling.sh --help)" >&2; exit 2 ;;
     *) build=$1; shift ;;
   esac
@@ -41,7 +44,8 @@ rm -f "$out"/run-*.json "$out"/base-*.json
 trap 'echo "scaling.sh: a run failed" >&2; exit 2' ERR
 
 refine() { # RANKS REPORT MESH
-  mpirun -q -n "$1" pamr-refine "$3" -o "$out/refined.hdf" --force --quiet --each-rank --json "$out/$2.json"
+  mpirun -q -n "$1" pamr-refine "$3" -o "$out/refined.hdf" --force --quiet --balance "$balance" --each-rank \
+    --json "$out/$2.json"
   rm -f "$out/refined.hdf"
 }
 
@@ -82,5 +86,5 @@ bars=()
 if [ $tiny = yes ]; then bars=(--no-bars); fi
 echo "$(date +%F), commit $(git -C "$root" rev-parse --short HEAD 2>/dev/null || echo unknown)," \
   "$(sed -n 's/^model name.*: //p' /proc/cpuinfo | head -1), $(nproc) cores, load $(cut -d' ' -f1 /proc/loadavg)." \
-  "Command: tests/bench/scaling.sh, medians of $repeats."
+  "Command: tests/bench/scaling.sh --balance $balance --repeats $repeats (medians)."
 python3 "$folder/scaling/summarize.py" "$out" "${bars[@]}"

@@ -106,11 +106,15 @@ Ending run(const CommonOptions& options, const std::function<ExitCode(Session&)>
   }
 }
 
-/// Large arrays go back to the system when they are freed. Otherwise glibc learns from the first ones to keep them, and
-/// the stages of a tool add up their peaks.
-void return_freed_memory() {
-#ifdef M_MMAP_THRESHOLD
-  mallopt(M_MMAP_THRESHOLD, 1 << 20);
+/// Large arrays go back to the system when they are freed: otherwise glibc learns from the first ones to keep them, and
+/// the stages of a tool add up their peaks. Small memory stays with the process and comes in large steps: given back
+/// and taken anew at every step, as glibc does, it costs more page faults than the work on it on a rank with few cells.
+void set_up_allocation() {
+#if defined(M_MMAP_THRESHOLD) && defined(M_TRIM_THRESHOLD) && defined(M_TOP_PAD)
+  constexpr int megabyte = 1 << 20;
+  mallopt(M_MMAP_THRESHOLD, megabyte);
+  mallopt(M_TRIM_THRESHOLD, 256 * megabyte);
+  mallopt(M_TOP_PAD, 64 * megabyte);
 #endif
 }
 
@@ -118,7 +122,7 @@ void return_freed_memory() {
 
 int run_tool(int argc, char** argv, const ToolInfo& info, const std::function<void(CLI::App&)>& declare,
              const std::function<ExitCode(Session&)>& work) {
-  return_freed_memory();
+  set_up_allocation();
   const par::Runtime runtime(argc, argv);
   running = &runtime;
   running_tool = &info;

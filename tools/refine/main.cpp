@@ -14,6 +14,7 @@
 #include "pamr/geometry/orientation.hpp"
 #include "pamr/io/native_file.hpp"
 #include "pamr/mesh/assemble.hpp"
+#include "pamr/mesh/expected_children.hpp"
 #include "pamr/mesh/fingerprint.hpp"
 #include "pamr/mesh/order.hpp"
 #include "pamr/mesh/validate.hpp"
@@ -24,7 +25,7 @@ namespace {
 using namespace pamr;
 
 struct Options {
-  std::string input, output, marks = "refine", quality_control = "removable", balance = "scotch", weights = "exact",
+  std::string input, output, marks = "refine", quality_control = "removable", balance = "auto", weights = "exact",
                              order = "auto";
   bool no_project = false, dry_run = false, force = false, each_rank = false;
 };
@@ -38,7 +39,7 @@ void declare(CLI::App& app, Options& options) {
       ->check(CLI::IsMember(refine::quality_control_list()))
       ->capture_default_str();
   app.add_option("--balance", options.balance, "how cells are spread over the ranks before they are split")
-      ->check(CLI::IsMember({"scotch", "blocks", "none"}))
+      ->check(CLI::IsMember({"auto", "scotch", "blocks", "none"}))
       ->capture_default_str();
   app.add_option(
          "--weights", options.weights,
@@ -78,25 +79,25 @@ mesh::BlockMesh along_curve(const par::Comm& comm, mesh::BlockMesh block) {
   return std::move(ordered.block);
 }
 
-/// The paper's weights: flagged cells count eight times.
-std::vector<std::int64_t> paper_weights(const mesh::BlockMesh& block, const std::string& marks) {
+/// Runs of cells that become about the same number.
+std::vector<Rank> runs_of_equal_work(const par::Comm& comm, const mesh::BlockMesh& block, const std::string& marks) {
   std::vector<std::int64_t> weight(block.cell_to_node.size(), 1);
   for (const auto& field : block.cell_fields)
     if (field.name == marks && field.holds_integers() && field.n_components == 1)
-      for (std::size_t c = 0; c < weight.size(); ++c) weight[c] = field.integer()[c] == 1 ? 8 : 1;
-  return weight;
+      weight = mesh::expected_children(block.cell_to_node, field.integer());
+  return balance::weighted_blocks(comm, weight);
 }
 
-/// Reads the mesh, its cells in even blocks; where nothing balances them later, in blocks of even weight. Errors name
-/// cells and nodes by their numbers in the file: where it was put in order, what is wrong is found once more without.
+/// Reads the mesh, its cells in runs that become about the same number. Errors name cells and nodes by their numbers in
+/// the file: where it was put in order, what is wrong is found once more without.
 mesh::DistMesh read(const par::Comm& comm, const Options& options, const std::string& order, StepTimer& timer) {
-  auto block = io::read_native(comm, options.input);
+  auto block = io::read_native(comm, options.input, {.marks_field = options.marks});
   timer.lap("read");
   const bool reorder = order == "curve" || (order == "auto" && !mesh::is_ordered(comm, block));
   if (reorder) block = naming(options.input, [&] { return along_curve(comm, std::move(block)); });
   timer.lap("preprocessing");
   std::vector<Rank> destination;
-  if (options.balance == "none") destination = balance::weighted_blocks(comm, paper_weights(block, options.marks));
+  if (reorder && comm.size() > 1) destination = runs_of_equal_work(comm, block, options.marks);
   timer.lap("balance");
   try {
     auto mesh = naming(options.input, [&] { return mesh::assemble(comm, std::move(block), destination); });

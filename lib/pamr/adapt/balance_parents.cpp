@@ -28,6 +28,8 @@ std::vector<std::int64_t> exact_weights(const refine::Closure& closure) {
 Balancing balancing_named(std::string_view method, std::string_view weights) {
   Balancing balancing;
   balancing.how.method = balance::method_named(method);
+  // moving the cells costs about as much as all steps after it, so a little less waiting does not repay it
+  if (balancing.how.method == balance::Method::best) balancing.how.keep_below = 1.2;
   if (weights == "8/1") {
     balancing.weights = Weights::eight_to_one;
   } else if (weights == "uniform") {

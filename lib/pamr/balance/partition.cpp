@@ -2,6 +2,7 @@
 #include "pamr/balance/partition.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 #include "pamr/balance/dual_graph.hpp"
@@ -30,6 +31,23 @@ struct PartPair {
 void sort_and_unique(std::vector<PartPair>& pairs) {
   std::sort(pairs.begin(), pairs.end());
   pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+}
+
+/// Calls `visit` for this rank's side of every face between parts; returns their number on all ranks. Collective.
+template <class Visit>
+std::int64_t for_each_cut_face(const par::Comm& comm, const mesh::DistMesh& mesh, std::span<const Rank> part,
+                               Visit visit) {
+  const auto beyond = swap_over_faces<Rank>(comm, mesh, part);
+  std::int64_t n_sides = 0;
+  for (std::size_t c = 0; c < part.size(); ++c)
+    for (const auto neighbour : mesh.cell_to_cell[c]) {
+      if (neighbour < 0) continue;
+      const auto other = mesh.is_ghost(neighbour) ? beyond[at(neighbour - mesh.n_cells())] : part[at(neighbour)];
+      if (other == part[c]) continue;
+      ++n_sides;
+      visit(PartPair{part[c], other});
+    }
+  return comm.sum(n_sides) / 2;
 }
 
 /// Counts the neighbours of the parts from the pairs that each rank sees. Collective.
@@ -127,12 +145,46 @@ std::vector<Rank> part_by_scotch(const par::Comm& comm, const mesh::DistMesh& me
   return part;
 }
 
+/// Faces between `n_parts` compact parts of so many cells. Cubes of 6 m^3 equal tetrahedra have 12 m^2 faces outside,
+/// each shared by two parts.
+double faces_between_compact_parts(GlobalId n_cells, Rank n_parts) {
+  const auto in_part = static_cast<double>(n_cells) / static_cast<double>(n_parts);
+  return 0.5 * static_cast<double>(n_parts) * 12 * std::pow(in_part / 6, 2.0 / 3.0);
+}
+
+/// Parts by the method asked for; `result.method` says what gave them.
+void choose_parts(const par::Comm& comm, const mesh::DistMesh& mesh, std::span<const std::int64_t> weight, Rank n_parts,
+                  const Options& options, Partition& result) {
+  std::vector<Rank> runs;
+  const bool has_runs = options.method != Method::scotch;
+  if (has_runs) {
+    runs = weighted_blocks(comm, mesh, weight, n_parts);
+    const auto accepted = options.runs_accepted * faces_between_compact_parts(mesh.info.n_global_cells, n_parts);
+    if (options.method == Method::blocks ||
+        static_cast<double>(for_each_cut_face(comm, mesh, runs, [](PartPair) {})) <= accepted) {
+      result.part = std::move(runs);
+      result.method = Method::blocks;
+      return;
+    }
+  }
+  bool is_done = false;
+  result.part = part_by_scotch(comm, mesh, weight, n_parts, options, is_done);
+  result.method = Method::scotch;
+  const double achieved = is_done ? imbalance_of(weigh(comm, weight, result.part, n_parts)) : 0;
+  if (is_done && achieved <= options.worst_accepted) return;
+  if (!has_runs) runs = weighted_blocks(comm, mesh, weight, n_parts);
+  if (!is_done || imbalance_of(weigh(comm, weight, runs, n_parts)) < achieved) {
+    result.part = std::move(runs);
+    result.method = Method::blocks;
+  }
+}
+
 }  // namespace
 
 Method method_named(std::string_view wanted) {
   for (const auto& [name, method] : method_names)
     if (wanted == name) return method;
-  throw Error("balance: expected scotch, blocks or none, found " + std::string(wanted));
+  throw Error("balance: expected auto, scotch, blocks or none, found " + std::string(wanted));
 }
 
 const char* name_of(Method method) {
@@ -145,18 +197,10 @@ Quality measure(const par::Comm& comm, const mesh::DistMesh& mesh, std::span<con
                 std::span<const Rank> part, Rank n_parts) {
   PAMR_EXPECTS(part.size() == at(mesh.n_cells()) && weight.size() == part.size());
   Quality quality;
-  const auto beyond = swap_over_faces<Rank>(comm, mesh, part);
   std::vector<PartPair> pairs;
-  std::int64_t cut_twice = 0;
-  for (std::size_t c = 0; c < part.size(); ++c)
-    for (const auto neighbour : mesh.cell_to_cell[c]) {
-      if (neighbour < 0) continue;
-      const auto other = mesh.is_ghost(neighbour) ? beyond[at(neighbour - mesh.n_cells())] : part[at(neighbour)];
-      if (other == part[c]) continue;
-      ++cut_twice;
-      if (pairs.empty() || pairs.back() != PartPair{part[c], other}) pairs.push_back({part[c], other});
-    }
-  quality.edge_cut = comm.sum(cut_twice) / 2;
+  quality.edge_cut = for_each_cut_face(comm, mesh, part, [&](PartPair pair) {
+    if (pairs.empty() || pairs.back() != pair) pairs.push_back(pair);
+  });
   count_neighbours(comm, std::move(pairs), n_parts, quality);
   const auto part_weight = weigh(comm, weight, part, n_parts);
   quality.imbalance = imbalance_of(part_weight);
@@ -191,17 +235,7 @@ Partition partition(const par::Comm& comm, const mesh::DistMesh& mesh, std::span
   if (n_parts == 1) {
     result.part.assign(weight.size(), 0);
   } else {
-    bool is_done = false;
-    if (options.method == Method::scotch) result.part = part_by_scotch(comm, mesh, weight, n_parts, options, is_done);
-    result.method = is_done ? Method::scotch : Method::blocks;
-    const double achieved = is_done ? imbalance_of(weigh(comm, weight, result.part, n_parts)) : 0;
-    if (!is_done || achieved > options.worst_accepted) {
-      auto runs = weighted_blocks(comm, mesh, weight, n_parts);
-      if (!is_done || imbalance_of(weigh(comm, weight, runs, n_parts)) < achieved) {
-        result.part = std::move(runs);
-        result.method = Method::blocks;
-      }
-    }
+    choose_parts(comm, mesh, weight, n_parts, options, result);
     if (are_ranks) {
       const auto name = name_parts(comm, weight, result.part);
       for (auto& part : result.part) part = name[at(part)];

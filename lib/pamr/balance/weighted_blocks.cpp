@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "pamr/base/contract.hpp"
+#include "pamr/mesh/cell_runs.hpp"
 #include "pamr/par/exchange.hpp"
 
 namespace pamr::balance {
@@ -13,13 +14,6 @@ namespace pamr::balance {
 namespace {
 
 constexpr std::size_t at(std::int64_t i) { return static_cast<std::size_t>(i); }
-
-/// True when the ranks hold consecutive runs of cell numbers in rank order.
-bool is_in_runs(const par::Comm& comm, const mesh::DistMesh& mesh) {
-  const auto before = mesh.info.first_id + comm.exclusive_sum(mesh.n_cells());
-  return comm.all(mesh.n_cells() == 0 ||
-                  (mesh.cell_global.front() == before && mesh.cell_global.back() == before + mesh.n_cells() - 1));
-}
 
 }  // namespace
 
@@ -43,7 +37,7 @@ std::vector<Rank> weighted_blocks(const par::Comm& comm, const mesh::DistMesh& m
                                   std::span<const std::int64_t> weight, Rank n_parts) {
   PAMR_EXPECTS(weight.size() == at(mesh.n_cells()));
   std::vector<Rank> part;
-  if (is_in_runs(comm, mesh)) {
+  if (!mesh::cell_runs(comm, mesh).empty()) {
     part = weighted_blocks(comm, weight, n_parts);
   } else {
     const auto all = mesh.info.cell_ids();

@@ -3,6 +3,7 @@
 #include <bit>
 #include <cmath>
 #include <functional>
+#include <numeric>
 #include <optional>
 
 #include "pamr/base/error.hpp"
@@ -12,6 +13,7 @@
 #include "pamr/io/layout.hpp"
 #include "pamr/io/native_file.hpp"
 #include "pamr/io/row_source.hpp"
+#include "pamr/mesh/expected_children.hpp"
 #include "pamr/mesh/families.hpp"
 #include "pamr/mesh/local_size.hpp"
 
@@ -77,6 +79,7 @@ class Reader {
 
   void open();
   void share_out();
+  GlobalId first_of_equal_work(const FieldEntry& marks);
   GlobalId family_border(GlobalId cell);
   Rows cells() const { return {first_cell_, end_cell_}; }
   Rows nodes() const {
@@ -211,11 +214,54 @@ GlobalId Reader::family_border(GlobalId cell) {
   return std::min(border, n);
 }
 
-/// Decides which cells this rank reads: its canonical block, begun at the next border of a family.
+/// First cell of this rank's run when the runs become about the same number of cells. Each rank looks at its canonical
+/// block; what is wrong in it is found when it is read for good.
+GlobalId Reader::first_of_equal_work(const FieldEntry& marks) {
+  const auto n = layout_.info.n_global_cells;
+  const auto block = par::block_range(n, comm_->rank(), comm_->size());
+  std::vector<std::array<GlobalId, 4>> nodes(static_cast<std::size_t>(block.count()));
+  std::vector<std::int64_t> mark;
+  each_slab(path::connectivity, layout_.connectivity_type, {4 * n, 1, true}, {4 * block.begin, 4 * block.end}, false,
+            [&](GlobalId first, std::span<const std::uint64_t> words) {
+              auto at = static_cast<std::size_t>(first - 4 * block.begin);
+              for (const auto word : words) {
+                nodes[at / 4][at % 4] = static_cast<GlobalId>(word);
+                ++at;
+              }
+            });
+  each_slab(marks.path, marks.type, {n, 1, marks.is_flat}, {block.begin, block.end}, false,
+            [&](GlobalId, std::span<const std::uint64_t> words) {
+              for (const auto word : words) mark.push_back(static_cast<std::int64_t>(word));
+            });
+  const auto weight = mesh::expected_children(nodes, mark);
+  const auto here = std::accumulate(weight.begin(), weight.end(), std::int64_t{0});
+  const auto total = comm_->sum(here);
+  auto before = comm_->exclusive_sum(here);
+  std::vector<std::int64_t> first(static_cast<std::size_t>(comm_->size()), 0);
+  const auto target = [&, size = comm_->size()](std::int64_t rank) {
+    return total / size * rank + total % size * rank / size;
+  };
+  std::int64_t rank = 1;
+  while (rank < comm_->size() && target(rank) < before) ++rank;
+  for (std::size_t c = 0; c < weight.size(); before += weight[c++])
+    for (; rank < comm_->size() && target(rank) < before + weight[c]; ++rank)
+      first[static_cast<std::size_t>(rank)] = block.begin + static_cast<GlobalId>(c);
+  comm_->sum_in_place(first);
+  return first[static_cast<std::size_t>(comm_->rank())];
+}
+
+/// Decides which cells this rank reads: its canonical block, or the one of equal work, begun at the next border of a
+/// family.
 void Reader::share_out() {
   const auto n = layout_.info.n_global_cells;
   const auto range = par::block_range(n, comm_->rank(), comm_->size());
-  const auto begin = layout_.has_lineage ? family_border(range.begin) : range.begin;
+  auto begin = range.begin;
+  const auto marks = std::find_if(layout_.fields.begin(), layout_.fields.end(), [&](const FieldEntry& field) {
+    return field.on_cells && field.name == options_.marks_field && field.n_components == 1 &&
+           mesh::is_integer(field.type);
+  });
+  if (marks != layout_.fields.end() && comm_->size() > 1) begin = first_of_equal_work(*marks);
+  if (layout_.has_lineage) begin = family_border(begin);
   const auto begins = comm_->all_gather(begin);
   if (begins[0] != 0) fail(path::lineage, 0, "the first cell of a family", "another one");
   for (std::size_t r = 1; r < begins.size(); ++r)
@@ -389,6 +435,7 @@ mesh::Field Reader::read_field(const FieldEntry& entry) {
 }  // namespace
 
 mesh::BlockMesh read_native(const par::Comm& comm, const std::filesystem::path& file, const ReadOptions& options) {
+  comm.in_library([] { return H5open(); });  // sets HDF5 up, once
   const hdf5::Silence silence;
   return Reader(comm, file, options).run();
 }

@@ -5,21 +5,26 @@
 
 namespace pamr::io {
 
-par::BlockRange window(IdRange all, Rank rank, Rank size, GlobalId step, GlobalId slab) {
-  const auto block = par::block_range(all, rank, size);
+par::BlockRange rows_written(const HeldRows& rows, Rank rank, Rank size) {
+  if (rows.run.empty()) return par::block_range(rows.all, rank, size);
+  return {rows.run[static_cast<std::size_t>(rank)], rows.run[static_cast<std::size_t>(rank) + 1]};
+}
+
+par::BlockRange window(const HeldRows& rows, Rank rank, Rank size, GlobalId step, GlobalId slab) {
+  const auto block = rows_written(rows, rank, size);
   const auto begin = std::min(block.begin + step * slab, block.end);
   return {begin, std::min(begin + slab, block.end)};
 }
 
 Window collect(const par::Comm& comm, const HeldRows& rows, GlobalId step, GlobalId slab) {
   const auto width = rows.width;
-  Window result{window(rows.all, comm.rank(), comm.size(), step, slab), {}, 0};
+  Window result{window(rows, comm.rank(), comm.size(), step, slab), {}, 0};
   const auto n = static_cast<std::size_t>(result.range.count());
   result.words.resize(n * width);
   std::vector<char> is_here(n, 0);
   std::vector<par::Outgoing<std::uint64_t>> messages;
   for (Rank rank = 0; rank < comm.size(); ++rank) {
-    const auto wanted = window(rows.all, rank, comm.size(), step, slab);
+    const auto wanted = window(rows, rank, comm.size(), step, slab);
     const auto begin = std::lower_bound(rows.id.begin(), rows.id.end(), wanted.begin);
     const auto end = std::lower_bound(begin, rows.id.end(), wanted.end);
     if (begin == end) continue;

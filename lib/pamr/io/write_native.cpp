@@ -292,7 +292,10 @@ void Writer::fill() {
 std::uint64_t Writer::write_array(const ArrayPlan& plan, hid_t dataset) const {
   const auto& rows = plan.rows;
   const auto slab = std::max<GlobalId>(1, static_cast<GlobalId>(options_.slab_bytes / (8 * rows.width)));
-  const auto n_steps = (par::block_range(rows.all, 0, comm_->size()).count() + slab - 1) / slab;
+  GlobalId most_rows = 0;
+  for (Rank rank = 0; rank < comm_->size(); ++rank)
+    most_rows = std::max(most_rows, rows_written(rows, rank, comm_->size()).count());
+  const auto n_steps = (most_rows + slab - 1) / slab;
   // A held row may stand for several rows of a flat dataset (the four entries of a cell in Connectivity).
   const auto file_rows = rows.all.n == 0 ? 1 : plan.shape.rows / rows.all.n;
   Checksum checksum(plan.has_checksum ? plan.shape.rows : 0);
@@ -300,7 +303,7 @@ std::uint64_t Writer::write_array(const ArrayPlan& plan, hid_t dataset) const {
   for (GlobalId step = 0; step < n_steps; ++step) {
     Window part;
     if (plan.formula) {
-      part.range = window(rows.all, comm_->rank(), comm_->size(), step, slab);
+      part.range = window(rows, comm_->rank(), comm_->size(), step, slab);
       part.words.reserve(static_cast<std::size_t>(part.range.count()));
       for (auto row = part.range.begin; row < part.range.end; ++row) part.words.push_back(plan.formula(row));
     } else {

@@ -13,6 +13,7 @@
 #include "pamr/base/error.hpp"
 #include "pamr/io/layout.hpp"
 #include "pamr/io/text.hpp"
+#include "pamr/mesh/cell_runs.hpp"
 
 namespace pamr::io {
 
@@ -36,7 +37,8 @@ std::size_t n_values(const mesh::Field& field) {
 
 }  // namespace
 
-WritePlan::WritePlan(const par::Comm& comm, const mesh::DistMesh& mesh, const std::string& provenance) : mesh_(&mesh) {
+WritePlan::WritePlan(const par::Comm& comm, const mesh::DistMesh& mesh, const std::string& provenance)
+    : mesh_(&mesh), cell_run_(mesh::cell_runs(comm, mesh)) {
   node_order_.resize(mesh.node_global.size());
   std::iota(node_order_.begin(), node_order_.end(), LocalId{0});
   std::sort(node_order_.begin(), node_order_.end(), [&](LocalId a, LocalId b) {
@@ -56,11 +58,11 @@ WritePlan::WritePlan(const par::Comm& comm, const mesh::DistMesh& mesh, const st
 }
 
 HeldRows WritePlan::cell_rows(std::size_t width, std::function<void(std::size_t, std::uint64_t*)> fill) const {
-  return {mesh_->info.cell_ids(), width, mesh_->cell_global, std::move(fill)};
+  return {mesh_->info.cell_ids(), width, mesh_->cell_global, cell_run_, std::move(fill)};
 }
 
 HeldRows WritePlan::node_rows(std::size_t width, std::function<void(std::size_t, std::uint64_t*)> fill) const {
-  return {mesh_->info.node_ids(), width, node_id_, std::move(fill)};
+  return {mesh_->info.node_ids(), width, node_id_, {}, std::move(fill)};
 }
 
 void WritePlan::add_mesh() {
@@ -70,7 +72,7 @@ void WritePlan::add_mesh() {
     arrays.push_back({path,
                       StorageType::int64,
                       {1, 1, true},
-                      {1, 1, {}, {}},
+                      {1, 1, {}, {}, {}},
                       [value](GlobalId) { return word_of(value); },
                       false,
                       ""});
@@ -105,14 +107,14 @@ void WritePlan::add_mesh() {
   arrays.push_back({path::offsets,
                     StorageType::int64,
                     {n_cells + 1, 1, true},
-                    {n_cells + 1, 1, {}, {}},
+                    {n_cells + 1, 1, {}, {}, {}},
                     [](GlobalId row) { return word_of(4 * row); },
                     false,
                     ""});
   arrays.push_back({path::types,
                     StorageType::uint8,
                     {n_cells, 1, true},
-                    {n_cells, 1, {}, {}},
+                    {n_cells, 1, {}, {}, {}},
                     [](GlobalId) { return word_of(tetrahedron); },
                     false,
                     ""});
@@ -165,7 +167,7 @@ void WritePlan::add_triangulation(const par::Comm& comm, const geometry::Triangu
     const auto range = par::block_range(all, comm.rank(), comm.size());
     auto& ids = row_id_.emplace_back(static_cast<std::size_t>(range.count()));
     std::iota(ids.begin(), ids.end(), range.begin);
-    HeldRows rows{all, 3, ids, [fill, &ids](std::size_t i, std::uint64_t* to) {
+    HeldRows rows{all, 3, ids, {}, [fill, &ids](std::size_t i, std::uint64_t* to) {
                     const auto row = fill(static_cast<std::size_t>(ids[i]));
                     std::copy(row.begin(), row.end(), to);
                   }};

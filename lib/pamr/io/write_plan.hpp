@@ -36,7 +36,8 @@ struct TextPlan {
 
 /// All the datasets of a mesh in the order in which they are written. Refers to the mesh, which must outlive it.
 struct WritePlan {
-  /// Local; `comm` tells which rows of the triangulated surfaces, which every rank has whole, this rank gives.
+  /// Cells are written by the ranks that hold them where these hold runs, by canonical blocks elsewhere. Of the
+  /// triangulated surfaces, which every rank has whole, each gives its part. Collective.
   WritePlan(const par::Comm& comm, const mesh::DistMesh& mesh, const std::string& provenance);
   WritePlan(const WritePlan&) = delete;
   WritePlan& operator=(const WritePlan&) = delete;
@@ -58,6 +59,7 @@ struct WritePlan {
   HeldRows node_rows(std::size_t width, std::function<void(std::size_t, std::uint64_t*)> fill) const;
 
   const mesh::DistMesh* mesh_;
+  std::vector<GlobalId> cell_run_;            ///< as `mesh::cell_runs` has it
   std::vector<LocalId> node_order_;           ///< nodes in the order of their global ids
   std::vector<GlobalId> node_id_;             ///< those ids
   std::deque<std::vector<GlobalId>> row_id_;  ///< rows given of each dataset of a triangulated surface

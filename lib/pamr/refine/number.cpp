@@ -9,6 +9,7 @@
 
 #include "pamr/base/contract.hpp"
 #include "pamr/base/error.hpp"
+#include "pamr/mesh/cell_runs.hpp"
 #include "pamr/mesh/local_size.hpp"
 #include "pamr/mesh/ring.hpp"
 
@@ -171,13 +172,6 @@ void count_children(const Closure& closure, Counts& counts) {
     counts.cells[at(family.first)] = static_cast<std::uint8_t>(family.n_children);
 }
 
-/// True when the ranks hold consecutive runs of cell numbers in rank order: then one exclusive sum does.
-bool is_in_runs(const par::Comm& comm, const mesh::DistMesh& mesh) {
-  const auto before = mesh.info.first_id + comm.exclusive_sum(mesh.n_cells());
-  return comm.all(mesh.n_cells() == 0 ||
-                  (mesh.cell_global.front() == before && mesh.cell_global.back() == before + mesh.n_cells() - 1));
-}
-
 /// `offset[i]`: `start` and the counts before entry i, those of lower ranks included. Collective.
 void accumulate(const par::Comm& comm, std::span<const std::uint8_t> counts, GlobalId start,
                 std::vector<GlobalId>& offset) {
@@ -260,7 +254,7 @@ Numbering number(const par::Comm& comm, const mesh::DistMesh& mesh, const mesh::
   mesh::require_local_size(comm, std::accumulate(counts.cells.begin(), counts.cells.end(), std::int64_t{0}),
                            "refined mesh");
 
-  const bool in_runs = is_in_runs(comm, mesh);
+  const bool in_runs = !mesh::cell_runs(comm, mesh).empty();  // then one exclusive sum does
   const auto node_offset = offsets_of(comm, mesh, in_runs, counts.nodes, mesh.info.node_ids().end());
   number_nodes(comm, mesh, borders, closure, shared, shared_node, node_offset, numbering);
   numbering.first_child_global = offsets_of(comm, mesh, in_runs, counts.cells, mesh.info.first_id);

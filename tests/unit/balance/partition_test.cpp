@@ -47,6 +47,21 @@ TEST(Partition, BalancesUnevenWeightsForAnyNumberOfParts) {
     }
 }
 
+TEST(Partition, TakesTheRunsOfAnOrderedMeshAndScotchForOneInNoOrder) {
+  const par::Comm comm(MPI_COMM_WORLD);
+  const auto ordered = mesh::assemble(comm, mesh::kuhn_cube(comm, 10));
+  const auto scattered = test::refined_mesh(comm, 3);  // its cells are in random order
+  const balance::Options how{.method = Method::best, .keep_below = 0};
+
+  const auto runs = balance::partition(comm, ordered, uneven_weights(ordered), 4, how);
+  const auto parts = balance::partition(comm, scattered, uneven_weights(scattered), 4, how);
+
+  EXPECT_EQ(runs.method, Method::blocks);
+  EXPECT_EQ(parts.method, Method::scotch);
+  expect_sound(ordered, runs.part, 4);
+  expect_sound(scattered, parts.part, 4);
+}
+
 TEST(Partition, CutsFewerFacesThanRunsOfCellsInRandomOrder) {
   const par::Comm comm(MPI_COMM_WORLD);
   const auto mesh = test::refined_mesh(comm, 3);  // its cells are in random order

@@ -74,6 +74,34 @@ TEST(NativeFile, ReadsTheSameInSmallPieces) {
   expect_same(test::gather(comm, pieces), test::gather(comm, whole));
 }
 
+TEST(NativeFile, IsSharedOutByItsMarks) {
+  const par::Comm comm(MPI_COMM_WORLD);
+  const Folder folder(comm);
+  auto mesh = mesh::assemble(comm, mesh::kuhn_cube(comm, 8));
+  mesh::CellField marks{"refine", "", 1, mesh::StorageType::int8, std::vector<std::int64_t>{}};
+  for (LocalId c = 0; c < mesh.n_cells(); ++c) {
+    const auto p = mesh.points(c)[0];
+    marks.integer().push_back(p.x < 0.4 && p.y < 0.4 && p.z < 0.4 ? 1 : 0);
+  }
+  mesh.cell_fields.push_back(std::move(marks));
+  io::write_native(comm, folder / "a.hdf", mesh);
+
+  const auto even = io::read_native(comm, folder / "a.hdf", {.marks_field = "no such field"});
+  const auto fair = io::read_native(comm, folder / "a.hdf", {.marks_field = "refine"});
+
+  expect_same(test::gather(comm, fair), test::gather(comm, even));
+  const auto work = [](const mesh::BlockMesh& block) {
+    std::int64_t n = 0;
+    for (const auto mark : block.cell_fields.front().integer()) n += mark == 1 ? 8 : 1;
+    return n;
+  };
+  const auto mean = static_cast<double>(comm.sum(work(fair))) / comm.size();
+  EXPECT_LE(static_cast<double>(comm.max(work(fair))), 1.25 * mean);  // closure is foreseen too, not only marks
+  if (comm.size() == 4) {
+    EXPECT_GT(comm.max(work(even)), comm.max(work(fair)));
+  }
+}
+
 TEST(NativeFile, HasTheSameBytesOnAnyNumberOfRanksAndAnyPartition) {
   const par::Comm comm(MPI_COMM_WORLD);
   const Folder folder(comm);

@@ -27,7 +27,7 @@ TEST(Windows, CoverTheRowsOnceAndInOrderWhateverTheFirstId) {
       GlobalId next = all.first;
       for (Rank rank = 0; rank < size; ++rank)
         for (GlobalId step = 0;; ++step) {
-          const auto range = io::window(all, rank, size, step, slab);
+          const auto range = io::window({all, 1, {}, {}, {}}, rank, size, step, slab);
           if (range.count() == 0) break;
           EXPECT_EQ(range.begin, next);
           EXPECT_LE(range.count(), slab);
@@ -41,7 +41,7 @@ TEST(Windows, AreFilledFromRowsWithNumbersBeyond32Bits) {
   const par::Comm comm(MPI_COMM_WORLD);
   std::vector<GlobalId> ids;  // dealt round the ranks
   for (GlobalId row = comm.rank(); row < 50; row += comm.size()) ids.push_back(two_to_33 + row);
-  const io::HeldRows rows{{50, two_to_33}, 2, ids, [&](std::size_t i, std::uint64_t* to) {
+  const io::HeldRows rows{{50, two_to_33}, 2, ids, {}, [&](std::size_t i, std::uint64_t* to) {
                             to[0] = static_cast<std::uint64_t>(ids[i]);
                             to[1] = 7;
                           }};
