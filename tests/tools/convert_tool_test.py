@@ -159,7 +159,7 @@ def test_patches_are_tied_to_surfaces_where_their_nodes_lie():
     result = run("pamr-convert", "cube.hdf", "tied.hdf", "--surfaces", "floor.toml", "--tie", "zmin=near", "--json",
                  "-").json
     assert result["ties"] == {"zmin": {"surface": "near", "worst_distance": 0}}
-    refuses("pamr-convert", "cube.hdf", "no.hdf", "--surfaces", "floor.toml", says=['"near"', "a patch that lies on it"],
+    refuses("pamr-convert", "cube.hdf", "no.hdf", "--surfaces", "floor.toml", says=["floor.toml:2:8", '"near"', "a patch that lies on it"],
             creates="no.hdf")
     refuses("pamr-convert", "cube.hdf", "no.hdf", "--surfaces", "floor.toml", "--tie", "zmax=near",
             says=["patch 'zmax'", "as far as 1"], creates="no.hdf")

@@ -346,7 +346,7 @@ def test_bad_usage_is_refused():
 def test_bad_case_files_are_refused_with_their_line():
     head = '[mesh]\nshape = "blunt-cone"\n'
     cases = (("[mesh", ["TOML", ":1"]), ("", ["[mesh]"]), ("mesh = 3\n", ["table", ":1"]),
-             ("[mesh]\nlength_unit = 'm'\n", ["shape"]), ('[mesh]\nshape = "cone"\n', [":2", '"cone"']),
+             ("[mesh]\nlength_unit = 'm'\n", ["shape"]), ('[mesh]\nshape = "cone"\n', [":2:9", '"cone"']),
              (head, ["length_unit", "none"]), (head + 'length_unit = "mm"\n', [":3", '"mm"']),
              (head + 'length_unit = "m"\nsede = 1\n', [":4", '"sede"']),
              (head + 'length_unit = "m"\nseed = -1\n', [":4", "-1"]),
@@ -360,9 +360,9 @@ def test_bad_case_files_are_refused_with_their_line():
     head = '[mesh]\nshape = "surfaces"\nlength_unit = "1"\n'
     good = 'region = "-ball"\nbounds = [[-1, -1, -1], [1, 1, 1]]\n[mesh.sizes]\nfar = 0.5\n'
     cases += ((head + good, ["[[surface]]"]), (head + ball, ["region", "none"]),
-              (head + good + ball.replace("sphere", "sfere"), [":10", '"sfere"']),
-              (head + good + ball.replace("= 1", "= 0"), [":8", "radius"]),
-              (head + good.replace("-ball", "-bell") + ball, [":4", '"bell"']),
+              (head + good + ball.replace("sphere", "sfere"), [":10:8", '"sfere"']),
+              (head + good + ball.replace("= 1", "= 0"), [":12:10", "radius"]),
+              (head + good.replace("-ball", "-bell") + ball, [":4:10", '"bell"']),
               (head + good.replace("-ball", "-ball &") + ball, [":4", "its end"]),
               (head + good.replace("-ball", "+ball") + ball, ["bounds", "in it"]),
               (head + good.replace("[1, 1, 1]", "[1, 1, -1]") + ball, [":5", "-1"]),

@@ -99,6 +99,36 @@ def test_several_meshes_are_compared():
     assert [mesh["cells"] for mesh in meshes] == [48, 162]
 
 
+def test_levels_of_a_run_show_how_a_wall_converges():
+    names = ["level0.hdf"]
+    run("pamr-mesh", "--shape", "sphere-in-box", "--size", "0.5", "-o", names[0], "--quiet")
+    for level in (1, 2):
+        run("pamr-mark", names[-1], "-o", "marked.hdf", "--patch", "sphere", "--force", "--quiet")
+        names.append(f"level{level}.hdf")
+        run("pamr-refine", "marked.hdf", "-o", names[-1], "--quiet")
+    result = run("pamr-quality", *names, "--json", "levels.json")
+    lines = result.out.splitlines()
+    assert len(lines) == 8 and lines[4].split()[:2] == ["patch", "mesh"]
+    assert [line.split()[:2] for line in lines[5:]] == [["sphere", name] for name in names]
+    spheres = [mesh["patches"]["sphere"] for mesh in json.loads(pathlib.Path("levels.json").read_text())["meshes"]]
+    errors = [4 * math.pi - sphere["area"] for sphere in spheres]
+    for coarse, fine in ((0, 1), (1, 2)):
+        assert 3.5 < errors[coarse] / errors[fine] < 4.5, "areas converge at second order"
+        for key in ("mean_normal_deviation", "worst_normal_deviation"):
+            assert 1.7 < spheres[coarse][key] / spheres[fine][key], "normals at first order"
+    with h5py.File(names[0]) as file:
+        points, cells = file["VTKHDF/Points"][:], file["VTKHDF/Connectivity"][:].reshape(-1, 4)
+        patches = [n.decode() for n in file["PAMR/patches/names"][:]]
+        cell, slot = np.nonzero(file["PAMR/cell_to_cell"][:] == -1 - patches.index("sphere"))
+    p = points[cells[cell[:, None], np.array([[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]])[slot]]]
+    normal, middle = np.cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0]), p.mean(axis=1)
+    doubled = np.linalg.norm(normal, axis=1)
+    cosine = np.abs((normal * middle).sum(axis=1)) / doubled / np.linalg.norm(middle, axis=1)
+    angle = np.degrees(np.arccos(np.minimum(cosine, 1)))
+    assert math.isclose(spheres[0]["worst_normal_deviation"], angle.max(), rel_tol=1e-6)
+    assert math.isclose(spheres[0]["mean_normal_deviation"], (angle * doubled).sum() / doubled.sum(), rel_tol=1e-6)
+
+
 def test_worst_cells_become_a_mesh():
     shaken("a.hdf", 4)
     run("pamr-quality", "a.hdf", "--worst", "7", "--worst-out", "worst.hdf")

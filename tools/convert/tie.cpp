@@ -51,10 +51,10 @@ void name_surfaces(mesh::DistMesh& mesh, const geometry::SurfaceSet& surfaces, c
       throw Error("--tie " + pair + ": expected the name of a surface, found \"" + surface + "\"");
     patch_named(mesh, pair.substr(0, equals)).surface = surface;
   }
-  for (const auto& name : surfaces.name)
+  for (std::size_t i = 0; i < surfaces.name.size(); ++i)
     if (std::none_of(mesh.info.patches.begin(), mesh.info.patches.end(),
-                     [&](const auto& patch) { return patch.surface == name; }))
-      throw Error("surface \"" + name +
+                     [&](const auto& patch) { return patch.surface == surfaces.name[i]; }))
+      throw Error(surfaces.described_at[i] + ": surface \"" + surfaces.name[i] +
                   "\": expected a patch that lies on it (of the same name, or by --tie), found none");
 }
 

@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "mesh/case_text.hpp"
 #include "mesh/charged_spheres.hpp"
 #include "mesh/region.hpp"
 #include "mesh/sphere_in_box.hpp"
@@ -34,26 +35,10 @@ constexpr std::array<ShapeName, 7> shapes{{{"blunt-cone", "m"},
                                            {"supersonic-sphere", "m"},
                                            {"surfaces", nullptr}}};
 
-[[noreturn]] void refuse(const std::string& where, const toml::source_region& source, const std::string& expected,
-                         const std::string& found) {
-  throw Error(fmt::format("{}:{}: expected {}, found {}", where, source.begin.line, expected, found));
-}
-
-std::string quoted(std::string_view text) { return "\"" + std::string(text) + "\""; }
-
 std::string known_shapes() {
   std::string result;
   for (const auto& shape : shapes) result += (result.empty() ? "" : " or ") + quoted(shape.name);
   return result;
-}
-
-/// What a node holds, for a message.
-std::string shown(const toml::node& node) {
-  if (const auto text = node.value_exact<std::string>()) return quoted(*text);
-  if (const auto integer = node.value_exact<std::int64_t>()) return fmt::format("{}", *integer);
-  if (const auto real = node.value_exact<double>()) return fmt::format("{:g}", *real);
-  if (const auto truth = node.value_exact<bool>()) return *truth ? "true" : "false";
-  return node.is_table() ? "a table" : node.is_array() ? "an array" : "a date or time";
 }
 
 /// A number that a table may hold.
@@ -65,36 +50,6 @@ struct Number {
 constexpr double least_length = 1e-12, greatest_length = 1e12;
 Number length(std::string_view name, double& value) { return {name, &value, least_length, greatest_length}; }
 Number growth(double& value) { return {"growth", &value, 0.05, 0.8}; }
-
-/// Where the tables that have a header begin, with whether they describe surfaces.
-using Headers = std::vector<std::pair<std::size_t, bool>>;
-
-void find_headers(const toml::node& node, bool is_surface, Headers& headers) {
-  if (const auto* array = node.as_array())
-    for (const auto& element : *array) find_headers(element, is_surface, headers);
-  const auto* table = node.as_table();
-  if (table == nullptr || table->is_inline()) return;
-  headers.emplace_back(table->source().begin.line, is_surface);
-  for (const auto& [key, inner] : *table) find_headers(inner, is_surface, headers);
-}
-
-/// The case file with nothing but its tables [[surface]] left, every one in its line.
-std::string surfaces_of(const toml::table& root, std::string_view text) {
-  Headers headers;
-  for (const auto& [key, node] : root) find_headers(node, key.str() == "surface", headers);
-  std::sort(headers.begin(), headers.end());
-  std::string result;
-  std::size_t line = 1, next = 0;
-  bool is_kept = false;
-  for (std::size_t at = 0; at < text.size(); ++line) {
-    const auto end = std::min(text.find('\n', at), text.size());
-    for (; next < headers.size() && headers[next].first <= line; ++next) is_kept = headers[next].second;
-    if (is_kept) result += text.substr(at, end - at);
-    result += '\n';
-    at = end + 1;
-  }
-  return result;
-}
 
 /// One read of a case file.
 class Reader {
@@ -257,7 +212,7 @@ class Reader {
     try {
       const Region region(c.region, set.name, where_);
     } catch (const Error& error) {
-      throw Error(with_line(error.what(), mesh.get("region")->source().begin.line));
+      throw Error(with_place(error.what(), mesh.get("region")->source().begin));
     }
     read_bounds(mesh);
     c.far = c.growth = 0;
@@ -273,9 +228,9 @@ class Reader {
     }
   }
 
-  /// "file: what" with the line after the file.
-  std::string with_line(const std::string& message, std::size_t line) const {
-    return fmt::format("{}:{}{}", where_, line, message.substr(where_.size()));
+  /// "file: what" with line and column after the file.
+  std::string with_place(const std::string& message, const toml::source_position& place) const {
+    return fmt::format("{}:{}:{}{}", where_, place.line, place.column, message.substr(where_.size()));
   }
 
   void read_bounds(const toml::table& mesh) {

@@ -23,6 +23,31 @@ std::int64_t off_surface_nodes(const check::QualityReport& report) {
   return count;
 }
 
+/// The patches on curved surfaces mesh by mesh, when there are any: what has no distance and no turned triangle in any
+/// mesh lies on planes.
+void append_patch_table(const std::vector<NamedReport>& reports, std::size_t width, std::vector<std::string>& lines) {
+  std::vector<std::string> names;
+  for (const auto& named : reports)
+    for (const auto& patch : named.report.patches)
+      if ((patch.worst_distance > 0 || patch.worst_normal_deviation > 0) &&
+          std::find(names.begin(), names.end(), patch.name) == names.end())
+        names.push_back(patch.name);
+  if (names.empty()) return;
+  std::size_t patch_width = 5;
+  for (const auto& name : names) patch_width = std::max(patch_width, name.size());
+  lines.push_back(fmt::format("{:<{}} {:<{}} {:>10} {:>14} {:>11} {:>11} {:>16} {:>17}", "patch", patch_width, "mesh",
+                              width, "faces", "area", "worst dist.", "off surface", "mean normal dev.",
+                              "worst normal dev."));
+  for (const auto& name : names)
+    for (const auto& [file, r] : reports)
+      for (const auto& patch : r.patches)
+        if (patch.name == name)
+          lines.push_back(fmt::format("{:<{}} {:<{}} {:>10} {:>14.8g} {:>11.3e} {:>11} {:>16.3f} {:>17.3f}", name,
+                                      patch_width, file, width, patch.faces, patch.area, patch.worst_distance,
+                                      patch.off_surface_nodes, patch.mean_normal_deviation,
+                                      patch.worst_normal_deviation));
+}
+
 /// Text as a field of a comma-separated line.
 std::string quoted(const std::string& text) {
   if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
@@ -52,6 +77,8 @@ nlohmann::json to_json(const check::QualityReport& report) {
                                    {"area", patch.area},
                                    {"worst_distance", patch.worst_distance},
                                    {"off_surface_nodes", patch.off_surface_nodes},
+                                   {"mean_normal_deviation", patch.mean_normal_deviation},
+                                   {"worst_normal_deviation", patch.worst_normal_deviation},
                                    {"surface", patch.surface}};
   json["violations"] = nlohmann::json::array();
   for (const auto& violation : report.violations)
@@ -106,6 +133,7 @@ std::vector<std::string> table_of(const std::vector<NamedReport>& reports) {
         width, r.cells, r.nodes, r.volume, metric(r, "mean_ratio").min, metric(r, "mean_ratio").mean,
         metric(r, "radius_ratio").min, metric(r, "min_dihedral").min, metric(r, "max_dihedral").max, r.inverted_cells,
         off_surface_nodes(r), r.is_valid() ? "yes" : "NO", r.fingerprint));
+  append_patch_table(reports, width, lines);
   return lines;
 }
 

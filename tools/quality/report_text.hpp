@@ -26,7 +26,8 @@ std::string to_csv(const std::vector<NamedReport>& reports);
 /// One line that says what the mesh is like.
 std::string summary_of(const NamedReport& report);
 
-/// Several meshes, such as the levels of a run, as lines of a table, heads first.
+/// Several meshes, such as the levels of a run, as lines of a table, heads first; then the patches on curved surfaces,
+/// each mesh by mesh.
 std::vector<std::string> table_of(const std::vector<NamedReport>& reports);
 
 /// What is wrong with the mesh, a line each; empty when it is valid.

@@ -57,6 +57,7 @@ class Surface {
 /// Named surfaces of a mesh, in the order of their description.
 struct SurfaceSet {
   std::vector<std::string> name;
+  std::vector<std::string> described_at;  ///< file:line:column of each in its description, to be named in errors
   std::vector<std::unique_ptr<const Surface>> surface;
 
   /// The surface of that name, or null.
@@ -65,8 +66,8 @@ struct SurfaceSet {
 
 /// Reads the surfaces from TOML text: an array of tables `[[surface]]` with `name`, `kind` and the parameters of the
 /// kind (docs/surfaces.md). Surfaces of kind `triangulation` are made from the one of their name among
-/// `triangulations`: no file is read here (`triangulations_of_toml` does). Throws `Error` with the line for an unknown
-/// kind, key, type or value out of range, and for a triangulation that is not there or not valid.
+/// `triangulations`: no file is read here (`triangulations_of_toml` does). Throws `Error` with line and column for an
+/// unknown kind, key, type or value out of range, and for a triangulation that is not there or not valid.
 SurfaceSet surfaces_from_toml(std::string_view text, std::string_view where,
                               std::span<const Triangulation> triangulations = {});
 

@@ -49,6 +49,11 @@ std::string kind_of(const toml::node& node) {
   }
 }
 
+/// file:line:column
+std::string place_in(const std::string& file, const toml::source_region& source) {
+  return file + ":" + std::to_string(source.begin.line) + ":" + std::to_string(source.begin.column);
+}
+
 /// Reads the keys of one table; errors name the file, the line and the table.
 class TableReader {
  public:
@@ -56,11 +61,19 @@ class TableReader {
       : table_(table), where_(std::move(where)), context_(std::move(context)) {}
 
   [[noreturn]] void fail(const toml::source_region& place, const std::string& message) const {
-    throw Error(where_ + ":" + std::to_string(place.begin.line) + ": " + context_ + ": " + message);
+    throw Error(place_in(where_, place) + ": " + context_ + ": " + message);
   }
   [[noreturn]] void fail(const std::string& message) const { fail(table_.source(), message); }
 
   bool has(std::string_view key) const { return table_.contains(key); }
+
+  /// The value of the key with which a message begins ("radius: expected", "profile piece 2"); the table without one.
+  const toml::source_region& place_of(std::string_view message) const {
+    const std::string key(message.substr(0, message.find_first_of(": ")));
+    for (const auto& name : {key, key + "s"})
+      if (const toml::node* node = table_.get(name); node != nullptr) return node->source();
+    return table_.source();
+  }
 
   const toml::node& required(std::string_view key) const {
     const toml::node* node = table_.get(key);
@@ -252,8 +265,7 @@ toml::table parse(std::string_view text, const std::string& file) {
   try {
     return toml::parse(text, file);
   } catch (const toml::parse_error& error) {
-    throw Error(file + ":" + std::to_string(error.source().begin.line) +
-                ": expected TOML, found: " + std::string(error.description()));
+    throw Error(place_in(file, error.source()) + ": expected TOML, found: " + std::string(error.description()));
   }
 }
 
@@ -274,7 +286,7 @@ void for_each_surface(const toml::table& root, const std::string& file, const Us
     } catch (const Error& error) {
       const std::string message = error.what();
       if (message.starts_with(file + ":")) throw;
-      reader.fail(message);
+      reader.fail(reader.place_of(message), message);
     }
   }
 }
@@ -290,6 +302,7 @@ SurfaceSet surfaces_from_toml(std::string_view text, std::string_view where,
     if (set.find(name) != nullptr) reader.fail(reader.required("name").source(), "expected a new name, found it twice");
     auto surface = read_surface(reader, file, context, triangulations);
     set.name.push_back(name);
+    set.described_at.push_back(place_in(file, reader.required("name").source()));
     set.surface.push_back(std::move(surface));
   });
   return set;

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <span>
 #include <utility>
 
@@ -44,12 +45,24 @@ std::vector<std::int64_t> count_distinct(const par::Comm& comm, const std::vecto
   return counts;
 }
 
-/// Twice the area of a face of a cell.
-double doubled_area(const mesh::DistMesh& mesh, LocalId cell, std::size_t face) {
+bool is_finite(geometry::Vec3 p) { return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z); }
+
+/// A face of a cell: its middle, and its normal as long as twice its area.
+struct Facet {
+  geometry::Vec3 middle, normal;
+};
+Facet facet_of(const mesh::DistMesh& mesh, LocalId cell, std::size_t face) {
   const auto p = mesh.points(cell);
-  const auto [a, b, c] = mesh::tet::face_to_corner[face];
-  const auto pa = p[static_cast<std::size_t>(a)];
-  return norm(cross(p[static_cast<std::size_t>(b)] - pa, p[static_cast<std::size_t>(c)] - pa));
+  const auto [i, j, k] = mesh::tet::face_to_corner[face];
+  const auto a = p[static_cast<std::size_t>(i)], b = p[static_cast<std::size_t>(j)], c = p[static_cast<std::size_t>(k)];
+  return {(1.0 / 3) * (a + b + c), cross(b - a, c - a)};
+}
+
+/// Angle between two directions, whichever way they point, degrees from 0 to 90; 90 where one is no direction.
+double angle_between(geometry::Vec3 a, geometry::Vec3 b) {
+  const double along = std::abs(dot(a, b)), across = norm(cross(a, b));
+  if (!std::isfinite(along) || !std::isfinite(across) || (along == 0 && across == 0)) return 90;
+  return std::atan2(across, along) * 180 / std::numbers::pi;
 }
 
 std::vector<const geometry::Surface*> surfaces_of(const mesh::DistMesh& mesh, const geometry::SurfaceSet& surfaces) {
@@ -69,8 +82,6 @@ std::ptrdiff_t patch_of(const mesh::DistMesh& mesh, LocalId slot) {
   const std::ptrdiff_t patch = mesh::slot_to_patch(slot);
   return patch < std::ssize(mesh.info.patches) ? patch : -1;
 }
-
-bool is_finite(geometry::Vec3 p) { return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z); }
 
 /// Local nodes of each patch, each once.
 std::vector<std::vector<LocalId>> nodes_of_patches(const mesh::DistMesh& mesh) {
@@ -113,14 +124,22 @@ std::vector<PatchReport> measure_patches(const par::Comm& comm, const mesh::Dist
                                          const geometry::SurfaceSet& surfaces, double tolerance) {
   const auto surface = surfaces_of(mesh, surfaces);  // the same names on every rank: all throw or none
   const std::size_t n_patches = mesh.info.patches.size();
-  std::vector<par::ExactSum> area(n_patches);
+  std::vector<par::ExactSum> area(n_patches), turned_area(n_patches);
+  std::vector<double> worst_turn(n_patches, 0);
   std::vector<std::int64_t> faces(n_patches, 0);
   for (LocalId cell = 0; cell < mesh.n_cells(); ++cell)
     for (std::size_t face = 0; face < 4; ++face) {
       const auto patch = patch_of(mesh, mesh.cell_to_cell[static_cast<std::size_t>(cell)][face]);
       if (patch < 0) continue;
-      ++faces[static_cast<std::size_t>(patch)];
-      area[static_cast<std::size_t>(patch)].add(0.5 * doubled_area(mesh, cell, face));
+      const auto p = static_cast<std::size_t>(patch);
+      const auto facet = facet_of(mesh, cell, face);
+      const double here = 0.5 * norm(facet.normal);
+      ++faces[p];
+      area[p].add(here);
+      if (surface[p] == nullptr) continue;
+      const double turn = is_finite(facet.middle) ? angle_between(facet.normal, surface[p]->normal(facet.middle)) : 90;
+      worst_turn[p] = std::max(worst_turn[p], turn);
+      turned_area[p].add(here * turn);
     }
 
   const auto nodes = nodes_of_patches(mesh);
@@ -137,14 +156,16 @@ std::vector<PatchReport> measure_patches(const par::Comm& comm, const mesh::Dist
     }
   }
 
-  const auto total_area = par::reproducible_sums(comm, area);
+  const auto total_area = par::reproducible_sums(comm, area), total_turn = par::reproducible_sums(comm, turned_area);
   comm.sum_in_place(faces);
   const auto off_nodes = count_distinct(comm, off, n_patches);
   std::vector<PatchReport> reports;
   for (std::size_t patch = 0; patch < n_patches; ++patch) {
     const auto& info = mesh.info.patches[patch];
     const double worst_of_all = comm.max(worst[patch]);
-    reports.push_back({info.name, info.surface, faces[patch], total_area[patch], worst_of_all, off_nodes[patch]});
+    const double mean_turn = total_area[patch] > 0 ? total_turn[patch] / total_area[patch] : 0;
+    reports.push_back({info.name, info.surface, faces[patch], total_area[patch], worst_of_all, off_nodes[patch],
+                       mean_turn, comm.max(worst_turn[patch])});
   }
   return reports;
 }

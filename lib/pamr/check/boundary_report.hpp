@@ -19,6 +19,9 @@ struct PatchReport {
   double area = 0;                     ///< squared length unit
   double worst_distance = 0;           ///< largest distance of a node of the patch from its surface, length unit
   std::int64_t off_surface_nodes = 0;  ///< nodes farther from it than the tolerance
+  /// Angle between a triangle and the surface at its middle, degrees from 0 to 90: mean by area, and largest. 0 without
+  /// a surface.
+  double mean_normal_deviation = 0, worst_normal_deviation = 0;
 };
 
 /// Length of the diagonal of the box round all nodes; 0 for a mesh without nodes. Collective: six reductions.
@@ -28,7 +31,7 @@ double bounding_box_diagonal(const par::Comm& comm, const mesh::DistMesh& mesh);
 /// `tolerance` (length unit) is the distance beyond which a node counts as off its surface. Areas are exact sums
 /// rounded once: the same bits for every number of ranks. Collective: a sparse exchange of the off-surface nodes and
 /// reductions. Throws `Error` on every rank when a patch names a surface that is not among `surfaces`.
-/// Cost: one distance per node and patch of this rank's boundary.
+/// Cost: one distance per node and patch, and one normal per triangle, of this rank's boundary.
 std::vector<PatchReport> measure_patches(const par::Comm& comm, const mesh::DistMesh& mesh,
                                          const geometry::SurfaceSet& surfaces, double tolerance);
 

@@ -59,6 +59,8 @@ void expect_same_bits(const QualityReport& a, const QualityReport& b) {
     EXPECT_EQ(bits(a.patches[i].area), bits(b.patches[i].area));
     EXPECT_EQ(bits(a.patches[i].worst_distance), bits(b.patches[i].worst_distance));
     EXPECT_EQ(a.patches[i].off_surface_nodes, b.patches[i].off_surface_nodes);
+    EXPECT_EQ(bits(a.patches[i].mean_normal_deviation), bits(b.patches[i].mean_normal_deviation));
+    EXPECT_EQ(bits(a.patches[i].worst_normal_deviation), bits(b.patches[i].worst_normal_deviation));
   }
   EXPECT_EQ(a.inverted_cells, b.inverted_cells);
   EXPECT_EQ(a.conforming, b.conforming);

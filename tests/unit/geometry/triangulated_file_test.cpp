@@ -139,9 +139,9 @@ TEST(SurfacesFromToml, TakesTrianglesFromFilesBesideTheTextOrFromTheMesh) {
   EXPECT_EQ(data[0].name, "ball");
   EXPECT_NEAR(norm(set.find("ball")->project({2, 1, 0.5})), 1, 3e-4);
   const auto without = [&] { surfaces_from_toml(text, "mesh"); };
-  EXPECT_THAT(without, ::testing::ThrowsMessage<Error>(AllOf(HasSubstr("mesh:1: "), HasSubstr("its triangles"))));
+  EXPECT_THAT(without, ::testing::ThrowsMessage<Error>(AllOf(HasSubstr("mesh:1:1: "), HasSubstr("its triangles"))));
   EXPECT_THAT([&] { triangulations_of_toml(text, "elsewhere/case.toml"); },
-              ::testing::ThrowsMessage<Error>(AllOf(HasSubstr("elsewhere/case.toml:1: "), HasSubstr("ball.off"))));
+              ::testing::ThrowsMessage<Error>(AllOf(HasSubstr("elsewhere/case.toml:1:1: "), HasSubstr("ball.off"))));
 }
 
 }  // namespace
