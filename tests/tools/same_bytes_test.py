@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The refined file is the same, byte for byte, on 1, 2, 3, 4 and 7 ranks: several levels of a flat and of a curved case.
+"""The refined file is the same, byte for byte, on 1, 2, 3, 4 and 7 ranks (at the full level 8 and 16 too), however its
+cells are balanced: several levels of a flat and of a curved case.
 
 Called with the name of the policy to test as the last argument, after what tool_run.py wants.
 """
 import json
+import os
 import sys
 
 POLICY = sys.argv.pop()
@@ -13,7 +15,10 @@ import numpy as np
 
 from tool_run import kuhn_cube, run, run_tests, same_bytes
 
-RANKS_REFINE = (1, 2, 3, 4, 7)
+# How cells are balanced on each number of ranks.
+BALANCE = {1: "auto", 2: "auto", 3: "scotch", 4: "blocks", 7: "scotch"}
+if os.environ.get("PAMR_TEST_LEVEL") == "full":
+    BALANCE = {1: "scotch", 8: "scotch", 16: "auto"}
 STEPS = "read preprocessing close balance number project subdivide relink transfer write".split()
 KEYS = ("cells_in cells_out nodes_in nodes_out marked rounds inverted_cells off_surface_nodes fingerprint families_kept "
         "marked_not_split peak_rss_bytes peak_rss_bytes_sum bytes_per_cell_at_rest bytes_sent_max bytes_read_max").split()
@@ -60,10 +65,10 @@ def next_level(mesh, level, criterion):
         run("pamr-mark", mesh, "-o", f"marked{ranks}.hdf", "--force", "--quiet", *criterion, ranks=ranks)
     assert same_bytes("marked1.hdf", "marked3.hdf"), f"level {level}: marks depend on the number of ranks"
     reports = []
-    for ranks in RANKS_REFINE:
+    for ranks, balance in BALANCE.items():
         out = f"level{level}_on{ranks}.hdf"
-        reports.append(run("pamr-refine", "marked1.hdf", "-o", out, "--quality-control", POLICY, "--json", "-", "--quiet",
-                           ranks=ranks).json)
+        reports.append(run("pamr-refine", "marked1.hdf", "-o", out, "--quality-control", POLICY, "--balance", balance,
+                           "--json", "-", "--quiet", ranks=ranks).json)
         check_report(reports[-1], ranks)
         for key in SHARED:
             assert reports[-1][key] == reports[0][key], f"level {level}, {ranks} ranks: {key} differs"
