@@ -14,6 +14,7 @@
 #include "pamr/io/layout.hpp"
 #include "pamr/io/text.hpp"
 #include "pamr/mesh/cell_runs.hpp"
+#include "pamr/mesh/sorted_order.hpp"
 
 namespace pamr::io {
 
@@ -39,13 +40,13 @@ std::size_t n_values(const mesh::Field& field) {
 
 WritePlan::WritePlan(const par::Comm& comm, const mesh::DistMesh& mesh, const std::string& provenance)
     : mesh_(&mesh), cell_run_(mesh::cell_runs(comm, mesh)) {
-  node_order_.resize(mesh.node_global.size());
-  std::iota(node_order_.begin(), node_order_.end(), LocalId{0});
-  std::sort(node_order_.begin(), node_order_.end(), [&](LocalId a, LocalId b) {
-    return mesh.node_global[static_cast<std::size_t>(a)] < mesh.node_global[static_cast<std::size_t>(b)];
-  });
+  std::vector<std::uint64_t> number;  // from the least on
+  number.reserve(mesh.node_global.size());
+  for (const auto id : mesh.node_global) number.push_back(static_cast<std::uint64_t>(id - mesh.info.first_id));
+  node_order_ = mesh::sorted_order(number);
+  number = {};
   node_id_.reserve(node_order_.size());
-  for (const auto node : node_order_) node_id_.push_back(mesh.node_global[static_cast<std::size_t>(node)]);
+  for (const auto node : node_order_) node_id_.push_back(mesh.node_global[node]);
   add_mesh();
   for (const auto* field : by_name(mesh.node_fields)) add_field(*field, false);
   for (const auto* field : by_name(mesh.cell_fields)) add_field(*field, true);
@@ -85,7 +86,7 @@ void WritePlan::add_mesh() {
                     {n_nodes, 3, false},
                     node_rows(3,
                               [this](std::size_t i, std::uint64_t* to) {
-                                const auto p = mesh_->point(node_order_[i]);
+                                const auto p = mesh_->point(static_cast<LocalId>(node_order_[i]));
                                 to[0] = std::bit_cast<std::uint64_t>(p.x);
                                 to[1] = std::bit_cast<std::uint64_t>(p.y);
                                 to[2] = std::bit_cast<std::uint64_t>(p.z);
@@ -147,7 +148,7 @@ void WritePlan::add_field(const mesh::Field& field, bool on_cells) {
   PAMR_EXPECTS(field.n_components >= 1 && n_values(field) == n_rows * width);
   PAMR_EXPECTS(field.holds_integers() == mesh::is_integer(field.storage));
   const auto fill = [this, &field, width, on_cells](std::size_t i, std::uint64_t* to) {
-    const auto row = on_cells ? i : static_cast<std::size_t>(node_order_[i]);
+    const auto row = on_cells ? i : node_order_[i];
     for (std::size_t k = 0; k < width; ++k)
       to[k] = field.holds_integers() ? word_of(field.integer()[row * width + k])
                                      : std::bit_cast<std::uint64_t>(field.real()[row * width + k]);

@@ -60,7 +60,7 @@ struct WritePlan {
 
   const mesh::DistMesh* mesh_;
   std::vector<GlobalId> cell_run_;            ///< as `mesh::cell_runs` has it
-  std::vector<LocalId> node_order_;           ///< nodes in the order of their global ids
+  std::vector<std::uint32_t> node_order_;     ///< nodes in the order of their global ids
   std::vector<GlobalId> node_id_;             ///< those ids
   std::deque<std::vector<GlobalId>> row_id_;  ///< rows given of each dataset of a triangulated surface
 };
