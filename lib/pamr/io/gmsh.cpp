@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <optional>
 #include <set>
 #include <string>
 #include <utility>
@@ -27,9 +28,12 @@ using Face = std::array<GlobalId, 3>;
 
 constexpr std::size_t at(std::int64_t i) { return static_cast<std::size_t>(i); }
 
-Parts read_parts(const par::Comm& comm, const std::filesystem::path& file) {
-  const MappedFile mapped(file);
-  TextCursor in(mapped.bytes(), file.string());
+struct Header {
+  double version = 0;
+  bool is_binary = false;
+};
+
+Header read_header(TextCursor& in) {
   if (in.line() != "$MeshFormat") in.fail("a Gmsh file that begins with $MeshFormat", "another beginning");
   const double version = in.real("the version of the format");
   const auto kind = in.integer("0 for text or 1 for binary"), size = in.integer("the size of a real");
@@ -42,8 +46,32 @@ Parts read_parts(const par::Comm& comm, const std::filesystem::path& file) {
   auto end = in.line();
   if (end.empty()) end = in.line();
   if (end != "$EndMeshFormat") in.fail("$EndMeshFormat", "another line");
-  const gmsh::Share share{comm.rank(), comm.size()};
-  return version == 2.2 ? gmsh::read_parts_2(in, kind == 1, share) : gmsh::read_parts_4(in, kind == 1, share);
+  return {version, kind == 1};
+}
+
+/// Collective.
+Parts read_parts(const par::Comm& comm, const std::filesystem::path& file) {
+  std::optional<MappedFile> mapped;
+  std::optional<TextCursor> in;
+  Header header;
+  par::agree(comm, [&] {
+    mapped.emplace(file);
+    in.emplace(mapped->bytes(), file.string());
+    header = read_header(*in);
+  });
+  const auto size = static_cast<std::int64_t>(mapped->bytes().size());
+  if (comm.min(size) != comm.max(size))
+    throw Error("file '" + file.string() + "': expected a file that stays as it is, found one of several sizes");
+  std::optional<LineIndex> lines;
+  if (comm.any(!header.is_binary) && comm.size() > 1) lines.emplace(comm, mapped->bytes());
+  Parts parts;
+  par::agree(comm, [&] {
+    if (lines) in->use_index(&*lines);
+    const gmsh::Share share{comm.rank(), comm.size()};
+    parts = header.version == 2.2 ? gmsh::read_parts_2(*in, header.is_binary, share)
+                                  : gmsh::read_parts_4(*in, header.is_binary, share);
+  });
+  return parts;
 }
 
 /// What the file holds that cannot become a mesh of tetrahedra. Collective.
@@ -317,8 +345,7 @@ void renumber(const par::Comm& comm, const mesh::Ordered& ordered, GlobalId n_no
 }  // namespace
 
 GmshMesh read_gmsh(const par::Comm& comm, const std::filesystem::path& file, const GmshOptions& options) {
-  Parts parts;
-  par::agree(comm, [&] { parts = read_parts(comm, file); });
+  auto parts = read_parts(comm, file);
   refuse_what_does_not_fit(comm, parts, file.string());
   auto numbered = number(comm, parts, file.string());
 

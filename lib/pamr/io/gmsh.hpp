@@ -24,11 +24,12 @@ struct GmshMesh {
 /// surfaces become patches of the same name (`surface_N` without a name; geometrical surfaces where there are no
 /// physical ones), physical volumes the cell field `region`. Cells are put in order along Hilbert's curve.
 ///
-/// Collective; the result does not depend on the number of ranks. Every rank runs through the file and keeps its block
-/// of nodes and elements; only these are ever in memory. Throws the same `Error` on every rank, with line or byte, for
-/// what is no such file; and by name, with counts, for elements of other kinds, periodic links, triangles inside the
-/// domain or apart from it, cells that are inverted (unless `repair`) or flat, node numbers that are missing, twice or
-/// so scattered that no table holds them (more than 64 times as many as nodes).
+/// Collective; the result does not depend on the number of ranks. Every rank reads its block of nodes and
+/// elements and passes over the rest, in a text by the number of lines, which the ranks have counted together. Throws
+/// the same `Error` on every rank, with line or byte, for what is no such file; and by name, with counts, for elements
+/// of other kinds, periodic links, triangles inside the domain or apart from it, cells that are inverted (unless
+/// `repair`) or flat, node numbers that are missing, twice or so scattered that no table holds them (more than 64 times
+/// as many as nodes).
 GmshMesh read_gmsh(const par::Comm& comm, const std::filesystem::path& file, const GmshOptions& options = {});
 
 }  // namespace pamr::io

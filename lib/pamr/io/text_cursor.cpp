@@ -67,15 +67,36 @@ std::string_view TextCursor::line() {
   return text;
 }
 
-void TextCursor::skip_lines(std::int64_t n, std::string_view what) {
-  for (; n > 0; --n) {
-    const auto end = bytes_.find('\n', at_);
-    if (end == std::string_view::npos) {
+void TextCursor::skip_to_line(std::string_view text) {
+  for (auto from = at_;;) {
+    const auto begin = bytes_.find(text.front(), from);
+    if (begin == std::string_view::npos) {
       at_ = bytes_.size();
-      fail(std::string(what), "the end of the file");
+      fail(std::string(text), "the end of the file");
     }
-    at_ = end + 1;
+    from = begin + 1;
+    if (begin > 0 && begin != at_ && bytes_[begin - 1] != '\n') continue;
+    if (bytes_.substr(begin, text.size()) != text) continue;
+    auto end = begin + text.size();
+    if (end < bytes_.size() && bytes_[end] == '\r') ++end;
+    if (end < bytes_.size() && bytes_[end] != '\n') continue;
+    at_ = std::min(end + 1, bytes_.size());
+    return;
   }
+}
+
+void TextCursor::skip_lines(std::int64_t n, std::string_view what) {
+  constexpr std::size_t near = 2 * LineIndex::default_chunk;  // farther than this the index is faster
+  const auto start = at_;
+  for (; n > 0 && (index_ == nullptr || at_ - start < near); --n) {
+    const auto end = bytes_.find('\n', at_);
+    at_ = end == std::string_view::npos ? bytes_.size() : end + 1;
+    if (end == std::string_view::npos) fail(std::string(what), "the end of the file");
+  }
+  if (n <= 0) return;
+  const auto there = index_->after_lines(at_, n);
+  at_ = there == std::string_view::npos ? bytes_.size() : there;
+  if (there == std::string_view::npos) fail(std::string(what), "the end of the file");
 }
 
 void TextCursor::skip_rows(std::int64_t n, std::size_t size, std::string_view what) {

@@ -11,6 +11,8 @@
 #include <string_view>
 #include <type_traits>
 
+#include "pamr/io/line_index.hpp"
+
 namespace pamr::io {
 
 /// A whole file as bytes, mapped read-only: pages come and go as they are read. Local.
@@ -41,9 +43,13 @@ class TextCursor {
   std::size_t remaining() const { return bytes_.size() - at_; }
   std::size_t position() const { return at_; }
   void set_binary(bool binary) { binary_ = binary; }
+  /// Lets `skip_lines` go far without running through what it passes. The index must be that of the same bytes.
+  void use_index(const LineIndex* index) { index_ = index; }
 
   /// The rest of the current line without its end, which is passed.
   std::string_view line();
+  /// Passes everything up to the end of the next line that reads `text`; throws when there is none.
+  void skip_to_line(std::string_view text);
   /// Passes `n` whole lines; throws when there are fewer.
   void skip_lines(std::int64_t n, std::string_view what);
   /// Passes `n` times `size` bytes of a binary part.
@@ -76,6 +82,7 @@ class TextCursor {
   std::string file_;
   std::size_t at_ = 0;
   bool binary_ = false;
+  const LineIndex* index_ = nullptr;
 };
 
 }  // namespace pamr::io
