@@ -97,6 +97,8 @@ nlohmann::json make_report(const par::Comm& comm, const adapt::Report& report, c
       {"marked_not_split", report.marked_not_split},
       {"rounds", report.rounds},
       {"back_off_rounds", report.back_off_rounds},
+      {"moved_nodes", report.moved_nodes},
+      {"cells_checked", report.cells_checked},
       {"untangling_rounds", report.untangling_rounds},
       {"families_rebuilt", report.families_rebuilt},
       {"families_kept", report.families_kept},

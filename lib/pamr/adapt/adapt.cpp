@@ -153,6 +153,8 @@ void split(const par::Comm& comm, const mesh::DistMesh& mesh, mesh::DistMesh* co
   report.off_surface_nodes = certificate.n_off_surface;
   report.rounds = closure.rounds;
   report.back_off_rounds = certificate.rounds;
+  report.moved_nodes = certificate.n_moved;
+  report.cells_checked = certificate.n_cells_checked;
   report.untangling_rounds = certificate.untangling_rounds;
   report.neighbours = static_cast<std::int64_t>(borders.nodes.rank.size());
 }

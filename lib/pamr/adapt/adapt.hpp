@@ -20,10 +20,12 @@ struct Report {
   std::int64_t families_rebuilt = 0;  ///< closure families taken back to their parent
   std::int64_t families_kept = 0;     ///< hit families whose parent could not be rebuilt
   std::int64_t off_surface_nodes = 0;
-  int rounds = 0;             ///< of closing
-  int back_off_rounds = 0;    ///< of the projection's certificate
-  int untangling_rounds = 0;  ///< of moving this level's nodes out of the way, at walls too curved for their mesh
-  BalanceReport balance;      ///< of the overload that may move cells
+  std::int64_t moved_nodes = 0;    ///< put onto a surface, or moved because of others that were
+  std::int64_t cells_checked = 0;  ///< cells with such a node, and those next to flat: exactly positive
+  int rounds = 0;                  ///< of closing
+  int back_off_rounds = 0;         ///< of the projection's certificate
+  int untangling_rounds = 0;       ///< of moving this level's nodes out of the way, at walls too curved for their mesh
+  BalanceReport balance;           ///< of the overload that may move cells
   /// Ranks that this rank shares nodes with, while closing and after balancing.
   std::int64_t neighbours_closing = 0, neighbours = 0;
   std::vector<StepTime> steps;  ///< of this rank

@@ -27,13 +27,13 @@ bool is_positive(const mesh::DistMesh& mesh, LocalId cell) {
   return geometry::is_positive(p[0], p[1], p[2], p[3]);
 }
 
-std::vector<LocalId> cells_to_check(const mesh::DistMesh& fine, const std::vector<Movable>& movables,
-                                    std::span<const LocalId> suspects) {
-  auto cells = cells_with_moved_nodes(fine, movables);
-  const auto n_moved = static_cast<std::ptrdiff_t>(cells.size());
+/// Cells of both lists, each once; `moved` ascends.
+std::vector<LocalId> join(const std::vector<LocalId>& moved, std::span<const LocalId> suspects) {
+  std::vector<LocalId> cells(moved);
   cells.insert(cells.end(), suspects.begin(), suspects.end());
-  std::sort(cells.begin() + n_moved, cells.end());
-  std::inplace_merge(cells.begin(), cells.begin() + n_moved, cells.end());
+  const auto middle = cells.begin() + static_cast<std::ptrdiff_t>(moved.size());
+  std::sort(middle, cells.end());
+  std::inplace_merge(cells.begin(), middle, cells.end());
   cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
   return cells;
 }
@@ -127,9 +127,9 @@ std::vector<LocalId> cells_with_moved_nodes(const mesh::DistMesh& fine, const st
 
 Certificate certify(const par::Comm& comm, mesh::DistMesh& fine, const par::Pattern& shared,
                     const geometry::SurfaceSet& surfaces, const std::vector<Movable>& movables,
-                    std::span<const LocalId> suspects) {
+                    const std::vector<LocalId>& moved_cells, std::span<const LocalId> suspects) {
   BackOff back_off(comm, fine, shared, movables);
-  const auto cells = cells_to_check(fine, movables, suspects);
+  const auto cells = join(moved_cells, suspects);
   Certificate certificate;
   while (!back_off.settle(cells)) ++certificate.rounds;
 
@@ -137,9 +137,10 @@ Certificate certify(const par::Comm& comm, mesh::DistMesh& fine, const par::Patt
   for (std::size_t i = 0; i < shared.rank.size(); ++i)
     for (auto k = shared.offset[i]; k < shared.offset[i + 1]; ++k)
       if (shared.rank[i] < comm.rank()) is_mine[at(shared.item[k])] = 0;
-  std::int64_t n_off = 0;
+  std::int64_t n_off = 0, n_moved = 0;
   for (std::size_t i = 0; i < movables.size(); ++i) {
     const auto& m = movables[i];
+    if (!(fine.point(m.node) == m.base)) n_moved += is_mine[at(m.node)];
     if (m.patch[0] < 0 || (back_off.step(i) == 0 && m.is_reachable)) continue;
     const auto on = surfaces_of_node(fine.info, surfaces, m.patch);
     certificate.ledger.push_back({m.node, geometry::distance_from_all(on.surface, fine.point(m.node))});
@@ -148,6 +149,8 @@ Certificate certify(const par::Comm& comm, mesh::DistMesh& fine, const par::Patt
   std::sort(certificate.ledger.begin(), certificate.ledger.end(),
             [](const OffSurface& a, const OffSurface& b) { return a.node < b.node; });
   certificate.n_off_surface = comm.sum(n_off);
+  certificate.n_moved = comm.sum(n_moved);
+  certificate.n_cells_checked = comm.sum(static_cast<std::int64_t>(cells.size()));
   return certificate;
 }
 

@@ -12,14 +12,15 @@ Certificate settle(const par::Comm& comm, mesh::DistMesh& fine, const par::Patte
                    const geometry::SurfaceSet& surfaces, const Numbering& numbering, LocalId n_old_nodes,
                    std::vector<Movable> movables, std::span<const LocalId> suspects) {
   int rounds = 0;
+  std::vector<LocalId> cells;
   if (comm.any(!movables.empty())) {
-    const double ratio = smooth_displacement(comm, fine, shared, numbering, n_old_nodes, movables);
+    const double ratio = smooth_displacement(comm, fine, shared, surfaces, numbering, n_old_nodes, movables);
     for (const auto& m : movables) fine.node_position[static_cast<std::size_t>(m.node)] = m.target;
-    const auto freedom = free_nodes(fine.info, surfaces, numbering, n_old_nodes, movables);
-    rounds =
-        untangle(comm, fine, shared, freedom, cells_with_moved_nodes(fine, movables), ratio < gentle_ratio, movables);
+    cells = cells_with_moved_nodes(fine, movables);
+    rounds = untangle(comm, fine, shared, surfaces, numbering, n_old_nodes, cells, ratio < gentle_ratio, movables);
+    if (rounds > 0) cells = cells_with_moved_nodes(fine, movables);
   }
-  auto certificate = certify(comm, fine, shared, surfaces, movables, suspects);
+  auto certificate = certify(comm, fine, shared, surfaces, movables, cells, suspects);
   certificate.untangling_rounds = rounds;
   return certificate;
 }

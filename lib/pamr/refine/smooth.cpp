@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 namespace pamr::refine {
 
@@ -17,6 +18,7 @@ constexpr int n_layers = 3;
 struct Extent {
   double displacement = 0;
   double ratio = 0;
+  std::vector<LocalId> seeds;  ///< this rank's nodes that neighbours should follow
 };
 
 Extent measure(const par::Comm& comm, const mesh::DistMesh& fine, const Numbering& numbering, LocalId n_old_nodes,
@@ -25,11 +27,15 @@ Extent measure(const par::Comm& comm, const mesh::DistMesh& fine, const Numberin
   for (const auto& m : movables) {
     const double d = geometry::norm(m.target - m.base);
     here.displacement = std::max(here.displacement, d);
-    if (m.node < n_old_nodes) continue;
-    const auto [a, b] = numbering.ends[at(m.node - n_old_nodes)];
-    here.ratio = std::max(here.ratio, d / geometry::norm(fine.point(a) - fine.point(b)));
+    double ratio = 1;  // nodes of the ledger are to be helped in any case
+    if (m.node >= n_old_nodes) {
+      const auto [a, b] = numbering.ends[at(m.node - n_old_nodes)];
+      ratio = d / geometry::norm(fine.point(a) - fine.point(b));
+      here.ratio = std::max(here.ratio, ratio);
+    }
+    if (ratio >= gentle_ratio) here.seeds.push_back(m.node);
   }
-  return {comm.max(here.displacement), comm.max(here.ratio)};
+  return {comm.max(here.displacement), comm.max(here.ratio), std::move(here.seeds)};
 }
 
 int sweeps_for(double ratio) { return ratio < gentle_ratio ? 0 : ratio < 0.1 ? 10 : 30; }
@@ -44,15 +50,19 @@ void fold_shared(const par::Exchange& exchange, const std::vector<T>& of_node, T
   for (std::size_t k = 0; k < theirs.size(); ++k) take(exchange.pattern().item[k], theirs[k]);
 }
 
-/// Nodes within `n_layers` cells of a moving one.
+bool any_of(const std::vector<std::uint8_t>& flag, const mesh::CellNodes& nodes) {
+  return (flag[at(nodes[0])] | flag[at(nodes[1])] | flag[at(nodes[2])] | flag[at(nodes[3])]) != 0;
+}
+
+/// Nodes within `n_layers` cells of a seed.
 std::vector<std::uint8_t> reach(const mesh::DistMesh& fine, const par::Exchange& exchange,
-                                const std::vector<Movable>& movables) {
+                                const std::vector<LocalId>& seeds) {
   std::vector<std::uint8_t> reached(at(fine.n_nodes()), 0);
-  for (const auto& m : movables) reached[at(m.node)] = 1;
+  for (const auto node : seeds) reached[at(node)] = 1;
   for (int layer = 0; layer < n_layers; ++layer) {
     auto next = reached;
     for (const auto& nodes : fine.cell_to_node)
-      if (std::any_of(nodes.begin(), nodes.end(), [&](LocalId n) { return reached[at(n)] != 0; }))
+      if (any_of(reached, nodes))
         for (const auto n : nodes) next[at(n)] = 1;
     reached = std::move(next);
     fold_shared(exchange, reached, [&](LocalId node, std::uint8_t theirs) {
@@ -75,7 +85,7 @@ Region gather(const mesh::DistMesh& fine, const std::vector<std::uint8_t>& is_fr
   Region region;
   region.number.assign(at(fine.n_nodes()), -1);
   for (const auto& nodes : fine.cell_to_node) {
-    if (std::none_of(nodes.begin(), nodes.end(), [&](LocalId n) { return is_free[at(n)] != 0; })) continue;
+    if (!any_of(is_free, nodes)) continue;
     auto& numbers = region.cell_to_number.emplace_back();
     for (std::size_t i = 0; i < 4; ++i) {
       auto& number = region.number[at(nodes[i])];
@@ -117,9 +127,50 @@ void sum_neighbours(const Region& region, const std::vector<Fixed>& value, std::
   }
 }
 
+/// A node that stays in a plane: its number in the region, and the unit normal.
+struct InPlane {
+  std::size_t number = 0;
+  Vec3 normal;
+};
+
+/// New nodes within one patch on a plane may move in it: makes them free.
+std::vector<std::pair<LocalId, const geometry::Surface*>> free_in_planes(const mesh::MeshInfo& info,
+                                                                         const geometry::SurfaceSet& surfaces,
+                                                                         const Numbering& numbering,
+                                                                         LocalId n_old_nodes,
+                                                                         std::vector<std::uint8_t>& is_free) {
+  std::vector<const geometry::Surface*> plane_of_patch;
+  for (const auto& patch : info.patches) {
+    const auto* surface = surfaces.find(patch.surface);
+    plane_of_patch.push_back(surface != nullptr && surface->is_flat() ? surface : nullptr);
+  }
+  std::vector<std::pair<LocalId, const geometry::Surface*>> in_plane;
+  for (const auto& boundary : numbering.boundary) {
+    const auto node = n_old_nodes + boundary.new_node;
+    const auto* plane = boundary.patch[0] == boundary.patch[1] ? plane_of_patch[at(boundary.patch[0])] : nullptr;
+    if (is_free[at(node)] != 0 && plane != nullptr)
+      in_plane.emplace_back(node, plane);
+    else
+      is_free[at(node)] = 0;
+  }
+  return in_plane;
+}
+
+void stay_in_planes(const std::vector<InPlane>& in_plane, std::vector<Fixed>& value) {
+  for (const auto& node : in_plane) {
+    auto& v = value[node.number];
+    const Vec3 n = node.normal;
+    const double out =
+        n.x * static_cast<double>(v[0]) + n.y * static_cast<double>(v[1]) + n.z * static_cast<double>(v[2]);
+    v[0] -= std::llround(out * n.x);
+    v[1] -= std::llround(out * n.y);
+    v[2] -= std::llround(out * n.z);
+  }
+}
+
 /// Replaces the values at free nodes by the mean over their neighbours, `n_sweeps` times, all at once each time.
-void sweep(const par::Exchange& exchange, const Region& region, const std::vector<std::uint8_t>& is_free, int n_sweeps,
-           std::vector<Fixed>& value) {
+void sweep(const par::Exchange& exchange, const Region& region, const std::vector<std::uint8_t>& is_free,
+           const std::vector<InPlane>& in_plane, int n_sweeps, std::vector<Fixed>& value) {
   std::vector<std::int32_t> n_terms(value.size(), 0);
   for (const auto& numbers : region.cell_to_number)
     for (const auto i : numbers) n_terms[at(i)] += 3;
@@ -133,22 +184,31 @@ void sweep(const par::Exchange& exchange, const Region& region, const std::vecto
     for (std::size_t n = 0; n < value.size(); ++n)
       if (is_free[at(region.node[n])] != 0)
         for (std::size_t k = 0; k < 3; ++k) value[n][k] = sum[n][k] / n_terms[n];
+    stay_in_planes(in_plane, value);
   }
 }
 
 }  // namespace
 
 double smooth_displacement(const par::Comm& comm, const mesh::DistMesh& fine, const par::Pattern& shared,
-                           const Numbering& numbering, LocalId n_old_nodes, std::vector<Movable>& movables) {
+                           const geometry::SurfaceSet& surfaces, const Numbering& numbering, LocalId n_old_nodes,
+                           std::vector<Movable>& movables) {
   const auto extent = measure(comm, fine, numbering, n_old_nodes, movables);
   const int n_sweeps = sweeps_for(extent.ratio);
   if (n_sweeps == 0) return extent.ratio;
   const par::Exchange exchange(comm, shared);
 
-  auto is_free = reach(fine, exchange, movables);
+  auto is_free = reach(fine, exchange, extent.seeds);
   std::fill_n(is_free.begin(), n_old_nodes, std::uint8_t{0});
-  for (const auto& boundary : numbering.boundary) is_free[at(n_old_nodes + boundary.new_node)] = 0;
+  const auto planes = free_in_planes(fine.info, surfaces, numbering, n_old_nodes, is_free);
   const auto region = gather(fine, is_free);
+  std::vector<InPlane> in_plane;
+  std::vector<const geometry::Surface*> plane_of(region.node.size(), nullptr);
+  for (const auto& [node, plane] : planes) {
+    const auto number = at(region.number[at(node)]);
+    in_plane.push_back({number, plane->normal(fine.point(node))});
+    plane_of[number] = plane;
+  }
 
   // 40 bits for the largest displacement leave 23 for the sum of its neighbours
   const double scale = std::ldexp(1.0, 40 - std::ilogb(extent.displacement) - 1);
@@ -159,15 +219,16 @@ double smooth_displacement(const par::Comm& comm, const mesh::DistMesh& fine, co
     const Vec3 d = m.target - m.base;
     value[at(number)] = {std::llround(d.x * scale), std::llround(d.y * scale), std::llround(d.z * scale)};
   }
-  sweep(exchange, region, is_free, n_sweeps, value);
-  for (LocalId node = n_old_nodes; node < fine.n_nodes(); ++node) {
-    if (is_free[at(node)] == 0 || region.number[at(node)] < 0) continue;
-    const auto& v = value[at(region.number[at(node)])];
-    if (v == Fixed{}) continue;
+  sweep(exchange, region, is_free, in_plane, n_sweeps, value);
+  for (std::size_t number = 0; number < value.size(); ++number) {
+    const auto node = region.node[number];
+    const auto& v = value[number];
+    if (is_free[at(node)] == 0 || v == Fixed{}) continue;
     const Vec3 base = fine.point(node);
     const Vec3 d{static_cast<double>(v[0]) / scale, static_cast<double>(v[1]) / scale,
                  static_cast<double>(v[2]) / scale};
-    movables.push_back({node, base, base + d, {-1, -1, -1, -1}, true, false});
+    const auto target = plane_of[number] == nullptr ? base + d : plane_of[number]->project(base + d);
+    movables.push_back({node, base, target, {-1, -1, -1, -1}, true, false});
   }
   return extent.ratio;
 }

@@ -26,6 +26,7 @@ constexpr double infinite = std::numeric_limits<double>::infinity();
 
 constexpr double key_of(double mean_ratio) { return mean_ratio * mean_ratio * mean_ratio / 15552; }
 constexpr double poor_key = key_of(poor_mean_ratio), sliding_key = key_of(sliding_mean_ratio);
+constexpr double very_poor_key = key_of(very_poor_mean_ratio);
 constexpr double family_scale = poor_key / key_of(parent_mean_ratio);  ///< makes families comparable with cells
 
 using Tries = std::array<double, n_tries>;
@@ -254,17 +255,31 @@ class Untangler {
   std::vector<LocalId> row_;                ///< per node: its place among those chosen in this round, -1: not chosen
 };
 
-/// Cells with a moved node that are poor, and those of families with one whose parent would be. `is_gentle`: only cells
-/// that are turned over.
-std::vector<LocalId> find_poor(const mesh::DistMesh& fine, const std::vector<LocalId>& cells, bool is_gentle,
-                               const std::vector<Movable>& movables) {
+/// Those of the cells that are very poor, and much better when nothing moves.
+std::vector<LocalId> find_spoilt(const mesh::DistMesh& fine, const std::vector<LocalId>& cells,
+                                 const std::vector<Movable>& movables) {
+  std::vector<LocalId> spoilt;
+  for (const auto c : cells)
+    if (untangle_key(fine.points(c)) < very_poor_key) spoilt.push_back(c);
+  if (spoilt.empty()) return spoilt;
+  std::vector<LocalId> movable_of(at(fine.n_nodes()), -1);
+  for (std::size_t i = 0; i < movables.size(); ++i) movable_of[at(movables[i].node)] = static_cast<LocalId>(i);
+  std::erase_if(spoilt, [&](LocalId c) {
+    auto p = fine.points(c);
+    const double key = untangle_key(p);
+    for (std::size_t k = 0; k < 4; ++k)
+      if (const auto i = movable_of[at(fine.cell_to_node[at(c)][k])]; i >= 0) p[k] = movables[at(i)].base;
+    return key > 0 && key >= 0.5 * untangle_key(p);
+  });
+  return spoilt;
+}
+
+/// Those of the cells that are poor, and members of families whose parent would be.
+std::vector<LocalId> find_poor(const mesh::DistMesh& fine, const std::vector<LocalId>& cells) {
   std::vector<LocalId> poor;
   for (const auto c : cells)
-    if (const double key = untangle_key(fine.points(c)); is_gentle ? key <= 0 : key < poor_key) poor.push_back(c);
-  if (is_gentle) return poor;
-  std::vector<std::uint8_t> moves(at(fine.n_nodes()), 0);
-  for (const auto& m : movables) moves[at(m.node)] = 1;
-  for (const auto first : families_at(fine, moves)) {
+    if (untangle_key(fine.points(c)) < poor_key) poor.push_back(c);
+  for (const auto first : families_of(fine, cells)) {
     const auto parent = split_points(parent_nodes(fine, first), [&](LocalId n) { return fine.point(n); });
     if (family_scale * untangle_key(parent) >= poor_key) continue;
     for (LocalId c = first; c < first + fine.lineage[at(first)].family_size(); ++c) poor.push_back(c);
@@ -292,10 +307,12 @@ double untangle_key(const SplitPoints& parent) {
   return std::min(corners, best);
 }
 
-int untangle(const par::Comm& comm, mesh::DistMesh& fine, const par::Pattern& shared, const Freedom& freedom,
+int untangle(const par::Comm& comm, mesh::DistMesh& fine, const par::Pattern& shared,
+             const geometry::SurfaceSet& surfaces, const Numbering& numbering, LocalId n_old_nodes,
              const std::vector<LocalId>& cells, bool is_gentle, std::vector<Movable>& movables) {
-  const auto poor = find_poor(fine, cells, is_gentle, movables);
+  const auto poor = is_gentle ? find_spoilt(fine, cells, movables) : find_poor(fine, cells);
   if (!comm.any(!poor.empty())) return 0;
+  const auto freedom = free_nodes(fine.info, surfaces, numbering, n_old_nodes, movables);
   const auto region = gather_region(comm, fine, shared, freedom, poor, 2);
   Untangler untangler(comm, fine, freedom, region);
   const int rounds = untangler.run();

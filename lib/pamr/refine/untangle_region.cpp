@@ -92,16 +92,13 @@ Freedom free_nodes(const mesh::MeshInfo& info, const geometry::SurfaceSet& surfa
   return freedom;
 }
 
-std::vector<LocalId> families_at(const mesh::DistMesh& fine, const std::vector<std::uint8_t>& is_wanted) {
+std::vector<LocalId> families_of(const mesh::DistMesh& fine, const std::vector<LocalId>& cells) {
   std::vector<LocalId> families;
-  for (LocalId c = 0; c < fine.n_cells(); ++c) {
+  for (const auto c : cells) {
     const auto lineage = fine.lineage[at(c)];
     if (!lineage.is_removable()) continue;
-    const auto& nodes = fine.cell_to_node[at(c)];
     const auto first = c - lineage.child();
-    if ((families.empty() || families.back() != first) &&
-        std::any_of(nodes.begin(), nodes.end(), [&](LocalId n) { return is_wanted[at(n)] != 0; }))
-      families.push_back(first);
+    if (families.empty() || families.back() != first) families.push_back(first);
   }
   return families;
 }
@@ -132,11 +129,14 @@ UntangleRegion gather_region(const par::Comm& comm, const mesh::DistMesh& fine, 
     }
     return number[at(node)];
   };
-  for (const auto& nodes : fine.cell_to_node) {
+  std::vector<LocalId> cells_here;
+  for (LocalId c = 0; c < fine.n_cells(); ++c) {
+    const auto& nodes = fine.cell_to_node[at(c)];
     if (std::none_of(nodes.begin(), nodes.end(), [&](LocalId n) { return may_move[at(n)] != 0; })) continue;
+    cells_here.push_back(c);
     region.cell.push_back({number_of(nodes[0]), number_of(nodes[1]), number_of(nodes[2]), number_of(nodes[3])});
   }
-  for (const auto first : families_at(fine, may_move)) {
+  for (const auto first : families_of(fine, cells_here)) {
     region.family.push_back(parent_nodes(fine, first));
     for (auto& node : region.family.back())
       if (node >= 0) node = number_of(node);

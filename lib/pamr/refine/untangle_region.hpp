@@ -49,8 +49,8 @@ struct UntangleRegion {
   par::Pattern shared;                          ///< entries of `node` that may move and other ranks hold too
 };
 
-/// First cells of the closure families of this rank that have one of the given nodes, ascending.
-std::vector<LocalId> families_at(const mesh::DistMesh& fine, const std::vector<std::uint8_t>& is_wanted);
+/// First cells of the closure families of the given cells, which ascend.
+std::vector<LocalId> families_of(const mesh::DistMesh& fine, const std::vector<LocalId>& cells);
 
 /// Nodes of the parent of a closure family of the refined mesh, by code; -1: not there.
 std::array<LocalId, 10> parent_nodes(const mesh::DistMesh& fine, LocalId first);
