@@ -38,34 +38,36 @@ def arguments():
     return parser.parse_args()
 
 
-def call(options, tool, *words):
+def caller(options):
+    """Runs a tool and gives back what it prints."""
     launcher = ["mpirun", "-q", "-n", str(options.ranks)] if options.ranks > 1 else []
-    done = subprocess.run([*launcher, str(options.bin / tool), *map(str, words)], capture_output=True, text=True)
-    if done.returncode != 0:
-        raise RuntimeError(f"{tool} {' '.join(map(str, words))}: {done.stderr.strip() or done.returncode}")
-    return done.stdout
+
+    def call(tool, *words):
+        command = [*launcher, str(options.bin / tool), *map(str, words)]
+        done = subprocess.run(command, capture_output=True, text=True)
+        if done.returncode != 0:
+            raise RuntimeError(f"{' '.join(command)}: {done.stderr.strip() or done.returncode}")
+        return done.stdout
+
+    return call
 
 
-def make_level_0(options, name, size, folder):
+def make_level_0(call, name, size, mesher, folder):
     mesh = folder / "level0.hdf"
     if name == "blunt-cone":
-        call(options, "pamr-mesh", "--shape", "blunt-cone", "-o", mesh)
+        call("pamr-mesh", "--shape", "blunt-cone", "-o", mesh, "--force", "--quiet")
         return wall_cases.Case(["forebody", "base", "sting"]), mesh
-    maker, _ = wall_cases.CASES[name]
-    case = maker(size, options.mesher)
-    if mesh.exists():
-        return case, mesh
+    case = wall_cases.CASES[name](size, mesher)
     if case.geo:
         (folder / "body.geo").write_text(case.geo)
         (folder / "body.toml").write_text(case.surfaces)
         done = subprocess.run(["gmsh", "-3", "-v", "2", "body.geo", "-o", "body.msh"], cwd=folder, capture_output=True, text=True)
         if not (folder / "body.msh").exists():
             raise RuntimeError(f"gmsh: {done.stdout} {done.stderr}")
-        tied = []
-        call(options, "pamr-convert", folder / "body.msh", mesh, "--surfaces", folder / "body.toml", *tied)
-    elif case.case_file:
+        call("pamr-convert", folder / "body.msh", mesh, "--surfaces", folder / "body.toml", "--force", "--quiet")
+    else:
         (folder / "case.toml").write_text(case.case_file)
-        call(options, "pamr-mesh", folder / "case.toml", "-o", mesh)
+        call("pamr-mesh", folder / "case.toml", "-o", mesh, "--force", "--quiet")
     return case, mesh
 
 
@@ -117,8 +119,8 @@ def shown(value):
     return "-" if math.isnan(value) else f"{value:.2f}" if 0.1 <= abs(value) < 100 else f"{value:.1e}" if value else "0"
 
 
-def measure(options, case, mesh):
-    quality = json.loads(call(options, "pamr-quality", mesh, "--json", "-", "--quiet"))
+def measure(call, case, mesh):
+    quality = json.loads(call("pamr-quality", mesh, "--json", "-", "--quiet"))
     walls = Walls(mesh)
     patches = [quality["patches"][n] for n in case.walls]
     row = {"cells": quality["cells"], "wall nodes": len(walls.nodes_of(case.walls)),
@@ -129,18 +131,17 @@ def measure(options, case, mesh):
     if case.area:
         row["area error"] = max(abs(quality["patches"][n]["area"] / exact - 1) for n, exact in case.area.items())
         row["volume error"] = abs(quality["volume"] / case.volume - 1)
+    if case.normal:
         row["normals off by"] = max(walls.normals_off(n, f) for n, f in case.normal.items())
     return row
 
 
-def refine(options, case, mesh, folder, level):
+def refine(call, case, mesh, folder, level, layers=1):
     marks = folder / "marks.hdf"
-    flags = [word for name in case.walls for word in ("--patch", name)]
-    if options.layers > 1:
-        flags += ["--layers", options.layers]
-    call(options, "pamr-mark", mesh, "-o", marks, *flags, "--force")
+    flags = [word for name in case.walls for word in ("--patch", name)] + ["--layers", layers]
+    call("pamr-mark", mesh, "-o", marks, *flags, "--force", "--quiet")
     fine = folder / f"level{level}.hdf"
-    report = json.loads(call(options, "pamr-refine", marks, "-o", fine, "--force", "--json", "-", "--quiet"))
+    report = json.loads(call("pamr-refine", marks, "-o", fine, "--force", "--json", "-", "--quiet"))
     marks.unlink()
     return report, fine
 
@@ -148,18 +149,19 @@ def refine(options, case, mesh, folder, level):
 def run(options, name, size, folder):
     """Prints the table of one body; true when nothing was broken."""
     sound = True
-    case, mesh = make_level_0(options, name, size, folder)
+    call = caller(options)
+    case, mesh = make_level_0(call, name, size, options.mesher, folder)
     print(f"\n{name}, h/R = {size}" if name != "blunt-cone" else f"\n{name}", flush=True)
     print("| " + " | ".join(HEAD) + " |\n|" + "---|" * len(HEAD))
     before = None
     for level in range(options.levels + 1):
         report = {}
         if level > 0:
-            report, fine = refine(options, case, mesh, folder, level)
+            report, fine = refine(call, case, mesh, folder, level, options.layers)
             if options.keep is None:
                 mesh.unlink()
             mesh = fine
-        row = measure(options, case, mesh)
+        row = measure(call, case, mesh)
         sound = sound and row["inverted"] == 0 and row["valid"] and report.get("marked_not_split", 0) == 0 and row["edge"] <= 1e-12
         orders = {k: order(before[k], row[k]) if before else math.nan for k in ("area error", "volume error", "normals off by")}
         seconds = report.get("seconds", {})
@@ -192,4 +194,5 @@ def main():
     return 0 if sound else 1
 
 
-sys.exit(main())
+if __name__ == "__main__":
+    sys.exit(main())

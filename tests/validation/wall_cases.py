@@ -146,6 +146,7 @@ def ellipsoid(h, mesher):
     area = 2 * math.pi * (1 + 2 / eccentricity * math.asin(eccentricity))
     exact = {"walls": ["egg"], "area": {"egg": area}, "volume": 8 / 3 * math.pi,
              "normal": {"egg": lambda p: radial(p * [1, 1, 0.25])}}
+    h *= 0.5
     egg = '[[surface]]\nname = "egg"\nkind = "quadric"\ncoefficients = [1, 1, 0.25, 0, 0, 0, 0, 0, 0, -1]\n'
     return Case(case_file=made_by_pamr("-egg", [[-1, -1, -2], [1, 1, 2]], {"egg": h}, h, egg), **exact)
 
@@ -164,6 +165,39 @@ def dish(h, mesher):
                 normal={"dish": lambda p: radial(np.column_stack([-p[:, 0], -p[:, 1], np.ones(len(p))]))})
 
 
-# name -> (maker, smallest radius of curvature: lengths of edges are given in it)
-CASES = {"ball-in-box": (ball_in_box, 1.0), "ball": (ball, 1.0), "torus-in-box": (torus_in_box, 0.4),
-         "bored-box": (bored_box, 0.5), "thin-shell": (thin_shell, 1.0), "ellipsoid": (ellipsoid, 0.5), "dish": (dish, 1.0)}
+def revolved(pieces):
+    """Area and volume of a body of revolution: pieces of (x, r) over a parameter in [0, 1], by the midpoint rule."""
+    t = np.linspace(0, 1, 200001)
+    area = volume = 0.0
+    for piece in pieces:
+        x, r = piece(t)
+        dx, dr, mean = np.diff(x), np.diff(r), (r[1:] + r[:-1]) / 2
+        area += 2 * math.pi * (mean * np.hypot(dx, dr)).sum()
+        volume += math.pi * ((r[1:]**2 + r[1:] * r[:-1] + r[:-1]**2) / 3 * dx).sum()
+    return area, volume
+
+
+def blunt_cone_in_box(h, mesher):
+    """A box without a cone of 30 degrees with nose radius 0.5, shoulder radius 0.2 and flat base; h is relative to 0.2."""
+    shoulder = 0.2
+    root = math.sqrt(3) / 2
+    a, b = (0.25, 0.5 * root), (1.25, 0.5 * root + 1 / math.sqrt(3))
+    centre = (b[0] + shoulder / 2, b[1] - shoulder * root)
+    end = (centre[0] + shoulder, centre[1])
+    pieces = [lambda t: (0.5 - 0.5 * np.cos(t * math.pi / 3), 0.5 * np.sin(t * math.pi / 3)),
+              lambda t: (a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1])),
+              lambda t: (centre[0] - shoulder * np.cos(math.pi / 3 + t * 2 * math.pi / 3),
+                         centre[1] + shoulder * np.sin(math.pi / 3 + t * 2 * math.pi / 3)),
+              lambda t: (end[0] + 0 * t, end[1] * (1 - t))]
+    area, volume = revolved(pieces)
+    surfaces = (f'[[surface]]\nname = "cone"\nkind = "revolution"\norigin = [-1, 0, 0]\naxis = [1, 0, 0]\nprofile = [\n'
+                f"  {{ from = [0, 0], to = {list(a)}, center = [0.5, 0] }},\n  {{ from = {list(a)}, to = {list(b)} }},\n"
+                f"  {{ from = {list(b)}, to = {list(end)}, center = {list(centre)} }},\n"
+                f"  {{ from = {list(end)}, to = [{end[0]}, 0] }},\n]\n")
+    return Case(["cone"], case_file=made_by_pamr(f"+cone & {BOX}", [[-2, -2, -2], [2, 2, 2]], {"cone": h * shoulder}, 0.8,
+                                                 surfaces + planes([2, 2, 2])), area={"cone": area}, volume=64 - volume)
+
+
+# Their argument: edges at the wall over its smallest radius of curvature (thin-shell: over the outer one), and the mesher.
+CASES = {"ball-in-box": ball_in_box, "ball": ball, "torus-in-box": torus_in_box, "bored-box": bored_box,
+         "cone-in-box": blunt_cone_in_box, "thin-shell": thin_shell, "ellipsoid": ellipsoid, "dish": dish}

@@ -46,9 +46,10 @@ std::string describe(const mesh::DistMesh& mesh, LocalId cell) {
 /// Takes the movement of one set of nodes back step by step.
 class BackOff {
  public:
-  BackOff(const par::Comm& comm, mesh::DistMesh& fine, const par::Pattern& shared, const std::vector<Movable>& movables)
+  BackOff(const par::Comm& comm, mesh::DistMesh& fine, const par::Pattern& shared, const std::vector<Movable>& movables,
+          bool any_moves)
       : comm_(comm), fine_(fine), exchange_(comm, shared), movables_(movables), step_(movables.size(), 0) {
-    if (!comm.any(!movables.empty())) return;
+    if (!any_moves) return;
     movable_of_.assign(at(fine.n_nodes()), -1);
     for (std::size_t i = 0; i < movables.size(); ++i) {
       movable_of_[at(movables[i].node)] = static_cast<LocalId>(i);
@@ -126,12 +127,13 @@ std::vector<LocalId> cells_with_moved_nodes(const mesh::DistMesh& fine, const st
 }
 
 Certificate certify(const par::Comm& comm, mesh::DistMesh& fine, const par::Pattern& shared,
-                    const geometry::SurfaceSet& surfaces, const std::vector<Movable>& movables,
+                    const geometry::SurfaceSet& surfaces, const std::vector<Movable>& movables, bool any_moves,
                     const std::vector<LocalId>& moved_cells, std::span<const LocalId> suspects) {
-  BackOff back_off(comm, fine, shared, movables);
+  BackOff back_off(comm, fine, shared, movables, any_moves);
   const auto cells = join(moved_cells, suspects);
   Certificate certificate;
   while (!back_off.settle(cells)) ++certificate.rounds;
+  if (!any_moves) return certificate;
 
   std::vector<std::uint8_t> is_mine(at(fine.n_nodes()), 1);  // the lowest rank that holds a node counts it
   for (std::size_t i = 0; i < shared.rank.size(); ++i)

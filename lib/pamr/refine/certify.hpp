@@ -20,7 +20,7 @@ struct Certificate {
   int rounds = 0;                  ///< of backing off
   int untangling_rounds = 0;
   std::int64_t n_moved = 0;          ///< nodes that do not lie where they would without surfaces, each once
-  std::int64_t n_cells_checked = 0;  ///< all ranks
+  std::int64_t n_cells_checked = 0;  ///< all ranks; not counted where nothing moves
 };
 
 /// This rank's cells with a node of `movables`, ascending.
@@ -28,13 +28,12 @@ std::vector<LocalId> cells_with_moved_nodes(const mesh::DistMesh& fine, const st
 
 /// Moves the nodes of `movables` in `fine` as far towards their targets as no cell turns over: starts with all of it,
 /// and where a cell is not positive by exact arithmetic takes back half of what its nodes moved, again and again, at
-/// last all of it. `moved_cells`: those with a node of `movables`. Afterwards every one
-/// of them and of `suspects` is exactly positive, given that
-/// they are so when nothing moves; otherwise throws `Error` on every rank. `shared`: nodes of the refined mesh that
-/// other ranks hold too. Collective: one neighbour exchange and one reduction a round. Depends on neither order nor
-/// ranks.
+/// last all of it. `any_moves`: some rank has such nodes. `moved_cells`: those with a node of `movables`. Afterwards
+/// every one of them and of `suspects` is exactly positive, given that they are so when nothing moves; otherwise throws
+/// `Error` on every rank. `shared`: nodes of the refined mesh that other ranks hold too. Collective: one neighbour
+/// exchange and one reduction a round. Depends on neither order nor ranks.
 Certificate certify(const par::Comm& comm, mesh::DistMesh& fine, const par::Pattern& shared,
-                    const geometry::SurfaceSet& surfaces, const std::vector<Movable>& movables,
+                    const geometry::SurfaceSet& surfaces, const std::vector<Movable>& movables, bool any_moves,
                     const std::vector<LocalId>& moved_cells, std::span<const LocalId> suspects);
 
 }  // namespace pamr::refine

@@ -13,14 +13,15 @@ Certificate settle(const par::Comm& comm, mesh::DistMesh& fine, const par::Patte
                    std::vector<Movable> movables, std::span<const LocalId> suspects) {
   int rounds = 0;
   std::vector<LocalId> cells;
-  if (comm.any(!movables.empty())) {
+  const bool any_moves = comm.any(!movables.empty());
+  if (any_moves) {
     const double ratio = smooth_displacement(comm, fine, shared, surfaces, numbering, n_old_nodes, movables);
     for (const auto& m : movables) fine.node_position[static_cast<std::size_t>(m.node)] = m.target;
     cells = cells_with_moved_nodes(fine, movables);
     rounds = untangle(comm, fine, shared, surfaces, numbering, n_old_nodes, cells, ratio < gentle_ratio, movables);
     if (rounds > 0) cells = cells_with_moved_nodes(fine, movables);
   }
-  auto certificate = certify(comm, fine, shared, surfaces, movables, cells, suspects);
+  auto certificate = certify(comm, fine, shared, surfaces, movables, any_moves, cells, suspects);
   certificate.untangling_rounds = rounds;
   return certificate;
 }

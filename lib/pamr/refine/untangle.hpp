@@ -27,7 +27,7 @@ double untangle_key(const SplitPoints& parent);
 /// also have lost by the movement; under which nodes of the wall move along it; which the children of a family's parent
 /// should have.
 inline constexpr double poor_mean_ratio = 0.2, very_poor_mean_ratio = 0.05, sliding_mean_ratio = 0.005,
-                        parent_mean_ratio = 0.02;
+                        parent_mean_ratio = 0.1;
 /// How far a node of the wall may move along it, in parts of its longest edge.
 inline constexpr double longest_slide = 0.2;
 
