@@ -16,7 +16,6 @@ struct Plan {
   double mean_free_path = 0, collision_time = 0;                ///< m, s
   double particles = 0;                                         ///< in the domain filled with the free stream
   double particles_per_cell = 0;
-  double flow_through_steps = 0;
   double bytes = 0;                   ///< of particles and cells, all ranks
   double steps = 0, cpu_seconds = 0;  ///< at 4 million particle-steps a second
   double longest_flight = 0;  ///< cells that a fast molecule of the free stream passes in a step, in the smallest cell

@@ -183,7 +183,10 @@ void Run::end_interval() {
     series[1].value.push_back(old.body.drag);
     series[2].value.push_back(old.body.heat);
   }
-  const auto verdict = judge_steadiness(series, window);
+  // Where the noise of so few particles hides the slope, windows twice, four times, ... as long are looked at too.
+  auto verdict = judge_steadiness(series, window);
+  for (std::size_t longer = 2 * window; !verdict.is_steady && 2 * longer <= series[0].value.size(); longer *= 2)
+    if (auto other = judge_steadiness(series, longer); other.is_steady) verdict = std::move(other);
   if (verdict.is_steady)
     begin_sampling(fmt::format("steady after step {}: {}", flow_->steps_done, verdict.reason));
   else if (flow_->steps_done >= state.first_step + static_cast<std::uint64_t>(case_->most_transient))

@@ -46,6 +46,7 @@ Line fit(std::span<const double> y) {
 
 Verdict judge_steadiness(const std::vector<Series>& series, std::size_t window) {
   Verdict verdict{true, {}};
+  const auto windows = fmt::format("the last two windows of {} intervals", window);
   for (const auto& s : series) {
     if (s.value.size() < 2 * window) return {false, fmt::format("fewer than two windows of {} intervals yet", window)};
     const std::span<const double> all(s.value);
@@ -59,10 +60,9 @@ Verdict judge_steadiness(const std::vector<Series>& series, std::size_t window) 
     const bool ok =
         small(first.change, first.change_error) && small(last.change, last.change_error) && small(step, step_error);
     verdict.is_steady = verdict.is_steady && ok;
-    verdict.reason +=
-        fmt::format("{}{} {} by {:+.2f} % and {:+.2f} % in the last two windows, their means by {:+.2f} %",
-                    verdict.reason.empty() ? "" : "; ", s.name, ok ? "changed only" : "still changes",
-                    100 * first.change / size, 100 * last.change / size, 100 * step / size);
+    verdict.reason += fmt::format("{}{} {} by {:+.2f} % and {:+.2f} % in {}, their means by {:+.2f} %",
+                                  verdict.reason.empty() ? "" : "; ", s.name, ok ? "changed only" : "still changes",
+                                  100 * first.change / size, 100 * last.change / size, windows, 100 * step / size);
   }
   return verdict;
 }

@@ -1,0 +1,63 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: GPL-3.0-or-later
+# Normal shocks in argon and nitrogen, averaged about the mid-density point: jumps and thickness.
+#
+#   cases/shock/run.sh [--ranks N] [--full] [--out FOLDER] [--tools FOLDER]
+#
+#   --ranks N       MPI processes (default 2)
+#   --full          all four shocks with three seeds; without it argon at Mach 8 (omega 0.81) with one seed
+#   --out FOLDER    where meshes and results go (default out/ beside this script)
+#   --tools FOLDER  takes the tools from there and sets nothing up
+set -euo pipefail
+
+case_folder=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")" && pwd)
+root=$(cd -- "$case_folder/../.." && pwd)
+out=$case_folder/out
+ranks=2
+full=no
+tools=
+while [ $# -gt 0 ]; do
+  case $1 in
+    --ranks) ranks=${2:?run.sh: --ranks needs a number}; shift 2 ;;
+    --full) full=yes; shift ;;
+    --out) out=${2:?run.sh: --out needs a folder}; shift 2 ;;
+    --tools) tools=${2:?run.sh: --tools needs a folder}; shift 2 ;;
+    -h | --help) sed -n '3,10s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
+    *) echo "run.sh: unknown option $1 (see run.sh --help)" >&2; exit 2 ;;
+  esac
+done
+if [ -z "$tools" ]; then
+  "$root/scripts/setup.sh"
+  tools=${PAMR_BUILD:-$root/build/release}/bin
+fi
+. "$root/scripts/mpi_environment.sh"
+PATH=$tools:$PATH
+python=/usr/bin/python3  # the one that sees Debian's h5py
+[ -x "$python" ] || python=python3
+mkdir -p "$out"
+on_ranks() { mpirun -q -n "$ranks" "$@"; }
+
+cases="case" seeds=1
+[ $full = yes ] && cases="case argon-m8-omega-0.70 argon-m4.2 nitrogen-m20" && seeds=3
+every=100
+"$python" "$case_folder/box_mesh.py" "$out/box.msh" 205 2 2 -0.56 0.26
+pamr-convert "$out/box.msh" "$out/box.hdf" --force --quiet
+
+# A window of the averages is what a run stopped by --steps has gained since the one before, which it goes on from.
+status=0
+for name in $cases; do
+  number() { sed -n "s/^$1 = \([0-9]*\).*/\1/p" "$case_folder/$name.toml"; }
+  transient=$(number transient) windows=$(($(number sampling) / every))
+  for ((seed = 1; seed <= seeds; ++seed)); do
+    sed -e "s|\.\./species.toml|$case_folder/../species.toml|" -e "s/^seed = .*/seed = $seed/" \
+      "$case_folder/$name.toml" >"$out/$name.toml"
+    restart=()
+    for ((window = 1; window <= windows; ++window)); do
+      on_ranks pamr-dsmc "$out/$name.toml" --mesh "$out/box.hdf" -o "$out/$name-$seed-$window.hdf" --force --quiet \
+        --steps $((transient + window * every)) --checkpoint "$out/$name-$seed.checkpoint" "${restart[@]}"
+      restart=(--restart "$out/$name-$seed.checkpoint")
+    done
+  done
+  "$python" "$case_folder/profile.py" "$case_folder/$name.toml" "$out" $seeds $every $windows || status=1
+done
+exit $status
