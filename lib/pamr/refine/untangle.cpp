@@ -65,22 +65,31 @@ class Untangler {
     for (std::size_t c = 0; c < region.cell.size(); ++c) cell_key_.push_back(key_of_cell(c));
     for (std::size_t f = 0; f < region.family.size(); ++f) family_key_.push_back(key_of_family(f));
     worst_here_.assign(n, infinite);
-    std::vector<double> minus_size(n, 0);
+    std::vector<double> minus_size(n, 0), shortest(n, 0);
     for (std::size_t i = 0; i < n; ++i) {
       if (region.may_move[i] == 0) continue;
       find_worst_here(i);
       minus_size[i] = -longest_edge(i);
+      shortest[i] = shortest_edge(i);
     }
     worst_ = least_over_ranks(worst_here_);
     size_ = least_over_ranks(minus_size);
     for (auto& size : size_) size = -size;
+    shortest_ = least_over_ranks(std::move(shortest));
     step_.assign(n, first_step);
     row_.assign(n, -1);
   }
 
+  /// Wall nodes slide little at first, and farther where a cell is still turned over when nothing else helps.
   int run() {
     int round = 0;
     while (round < max_rounds && improve(round)) ++round;
+    const bool is_tangled = std::any_of(worst_.begin(), worst_.end(), [](double worst) { return worst <= 0; });
+    if (!comm_.any(is_tangled)) return round;
+    slides_far_ = true;
+    step_.assign(step_.size(), first_step);
+    const int last = round + max_rounds;
+    while (round < last && improve(round)) ++round;
     return round;
   }
 
@@ -109,6 +118,13 @@ class Untangler {
     for (const auto c : region_.cells_of_node.at(i))
       for (const auto j : region_.cell[at(c)]) longest = std::max(longest, geometry::norm(point(j) - position_[i]));
     return longest;
+  }
+  double shortest_edge(std::size_t i) const {
+    double shortest = infinite;
+    for (const auto c : region_.cells_of_node.at(i))
+      for (const auto j : region_.cell[at(c)])
+        if (at(j) != i) shortest = std::min(shortest, geometry::norm(point(j) - position_[i]));
+    return shortest;
   }
 
   /// Of each node the least of the values that the ranks have.
@@ -158,14 +174,15 @@ class Untangler {
 
   /// The place tried; the node's own where it would leave its surfaces.
   Vec3 place_to_try(std::size_t i, int round, int attempt) const {
-    const Vec3 d = direction(hash_of(position_[i], max_rounds + round * n_tries + attempt / 2));
+    const Vec3 d = direction(hash_of(position_[i], 2 * max_rounds + round * n_tries + attempt / 2));
     const double length = (attempt % 2 == 0 ? 1 : -1) * step_[i] * size_[i];
     const Vec3 wanted = position_[i] + length * d;
     const auto row = freedom_.of_node[at(region_.node[i])];
     if (row == Freedom::inner) return wanted;
     const auto placed = freedom_.on[at(row)].place(wanted);
     const bool is_near = geometry::norm(placed.point - position_[i]) <= 2 * std::abs(length);
-    const bool is_at_home = geometry::norm(placed.point - home_[i]) <= longest_slide * size_[i];
+    const double slide = longest_slide * (slides_far_ && worst_[i] <= 0 ? size_[i] : shortest_[i]);
+    const bool is_at_home = geometry::norm(placed.point - home_[i]) <= slide;
     return placed.converged && is_near && is_at_home ? placed.point : position_[i];
   }
 
@@ -250,9 +267,10 @@ class Untangler {
   std::vector<Vec3> position_, home_;
   std::vector<double> cell_key_, family_key_;
   std::vector<double> worst_here_, worst_;  ///< per node: of this rank's cells and families, of all ranks'
-  std::vector<double> size_;                ///< per node: its longest edge at the start
+  std::vector<double> size_, shortest_;     ///< per node: its longest and shortest edge at the start
   std::vector<double> step_;                ///< per node: how far to try, in parts of its size
-  std::vector<LocalId> row_;                ///< per node: its place among those chosen in this round, -1: not chosen
+  bool slides_far_ = false;
+  std::vector<LocalId> row_;  ///< per node: its place among those chosen in this round, -1: not chosen
 };
 
 /// Those of the cells that are very poor, and much better when nothing moves.

@@ -28,7 +28,8 @@ double untangle_key(const SplitPoints& parent);
 /// should have.
 inline constexpr double poor_mean_ratio = 0.2, very_poor_mean_ratio = 0.05, sliding_mean_ratio = 0.005,
                         parent_mean_ratio = 0.1;
-/// How far a node of the wall may move along it, in parts of its longest edge.
+/// How far a node of the wall may move along it, in parts of its shortest edge, and of its longest one
+/// while a cell at it is turned over and nothing else helps.
 inline constexpr double longest_slide = 0.2;
 
 /// Moves new nodes near bad cells to where the worst cell at each of them is better: inner nodes anywhere, nodes of the
