@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Prints one table of the levels of the blunt cone from their reports, and compares it with expected.csv.
+"""Prints one table of the levels of the flow about the blunt cone from their reports, beside the paper's, and checks it.
 
-Usage: levels.py FOLDER LEVELS    reads quality<i>.json (0 <= i <= LEVELS) and refine<i>.json (1 <= i) in FOLDER.
-Exit code 1 when a number is not as expected, or when the error of the body's area or of the gas volume grows from one
-level to the next.
+Usage: levels.py FOLDER LEVELS smoke|small|full    reads flow<i>.json, quality<i>.json, dense<i>.json, few<i>.json in FOLDER.
+Exit code 1 when a particle was lost, (small, full) a number is not as in expected.csv or the drag grows from one level
+to the next by more than its standard error, or (full) there are too few particles, too large standard errors or too large a drag.
 """
 import csv
 import json
@@ -12,51 +12,11 @@ import math
 import os
 import sys
 
-# The body, mm (README.md gives the source): nose radius, largest radius, shoulder radius, fillet radius, sting radius,
-# half angle, and where the gas ends.
-NOSE, LARGEST, SHOULDER, FILLET, STING, ANGLE = 12.5, 25.0, 1.25, 2.08, 6.25, math.radians(70)
-INFLOW, OUTFLOW, OUTER, ROUNDING = -30.0, 60.0, 60.0, 30.0
-
-
-def arc(centre_r, radius, start, end):
-    """Area and volume of revolution under an arc whose polar angle runs from `start` to `end`; x grows along it."""
-    def area(angle):
-        return 2 * math.pi * radius * (centre_r * angle - radius * math.cos(angle))
-
-    def volume(angle):  # integral of pi r^2 dx with r = centre_r + radius sin, dx = -radius sin dangle
-        cosine, sine = math.cos(angle), math.sin(angle)
-        return -math.pi * radius * (-centre_r ** 2 * cosine + centre_r * radius * (angle - sine * cosine)
-                                    + radius ** 2 * (cosine ** 3 / 3 - cosine))
-
-    return abs(area(end) - area(start)), volume(end) - volume(start)
-
-
-def exact():
-    """Areas of the half body's patches, mm^2, and volume of the half gas, mm^3."""
-    # Polar angles are measured from the x axis; along the nose they fall from 180 to 90 + 70 degrees.
-    normal = math.pi / 2 + ANGLE
-    nose_area, nose_volume = arc(0, NOSE, math.pi, normal)
-    nose_end = (NOSE + NOSE * math.cos(normal), NOSE * math.sin(normal))
-    shoulder_r = LARGEST - SHOULDER
-    cone_end_r = shoulder_r + SHOULDER * math.sin(normal)
-    cone_end_x = nose_end[0] + (cone_end_r - nose_end[1]) / math.tan(ANGLE)
-    cone_area = math.pi * (nose_end[1] + cone_end_r) * math.hypot(cone_end_x - nose_end[0], cone_end_r - nose_end[1])
-    cone_volume = math.pi / 3 * (cone_end_x - nose_end[0]) * (
-        nose_end[1] ** 2 + nose_end[1] * cone_end_r + cone_end_r ** 2)
-    shoulder_x = cone_end_x - SHOULDER * math.cos(normal)
-    shoulder_area, shoulder_volume = arc(shoulder_r, SHOULDER, normal, 0)
-    base_x, fillet_r = shoulder_x + SHOULDER, STING + FILLET
-    base_area = math.pi * (shoulder_r ** 2 - fillet_r ** 2)
-    fillet_area, fillet_volume = arc(fillet_r, FILLET, math.pi, 1.5 * math.pi)
-    sting_length = OUTFLOW - base_x - FILLET
-    body = (nose_volume + cone_volume + shoulder_volume + fillet_volume
-            + math.pi * STING ** 2 * sting_length)
-    # The tunnel: a cylinder whose front edge is rounded.
-    _, rounding = arc(OUTER - ROUNDING, ROUNDING, math.pi, math.pi / 2)
-    tunnel = rounding + math.pi * OUTER ** 2 * (OUTFLOW - INFLOW - ROUNDING)
-    areas = {"forebody": nose_area + cone_area + shoulder_area, "base": base_area + fillet_area,
-             "sting": 2 * math.pi * STING * sting_length}
-    return {name: area / 2 for name, area in areas.items()}, (tunnel - body) / 2
+# The paper's Tables 3 and 4: cells, particles, C_D, C_L, C_m; and the experiment that it compares with.
+PAPER = [(15190, 0.27e6, 1.667, -0.141, -0.057), (43624, 0.56e6, 1.621, -0.154, -0.058),
+         (229040, 5.88e6, 1.582, -0.166, -0.056)]
+EXPERIMENT = (1.476, -0.18, -0.054)
+COEFFICIENTS = ("C_D", "C_L", "C_m", "C_H")
 
 
 def read(folder, name):
@@ -64,47 +24,79 @@ def read(folder, name):
         return json.load(file)
 
 
-def table_row(level, report, refinement, errors):
-    distance = max(patch["worst_distance"] for patch in report["patches"].values())
-    ratio, dihedral = report["mean_ratio"], report["min_dihedral"]
-    seconds = f"{refinement['seconds']['total']['max']:8.2f}" if refinement else "       -"
-    return (f"{level:5d} {report['cells']:10d} {report['nodes']:9d}  {ratio['min']:.3f}  {ratio['mean']:.3f}"
-            f"  {dihedral['min']:6.2f}   {distance:8.1e} " + "".join(f"  {error:+9.2e}" for error in errors) + seconds)
+class Level:
+    def __init__(self, folder, level):
+        self.flow = read(folder, f"flow{level}")
+        self.cells = read(folder, f"quality{level}")["cells"]
+        self.few = read(folder, f"few{level}")["marked"] / read(folder, f"dense{level}")["marked"]
+
+    def value(self, name):
+        """A number of the reports and its standard error."""
+        if name == "cells":
+            return self.cells, 0.0
+        found = self.flow[name]
+        return (found["value"], found["stderr"]) if isinstance(found, dict) else (found, 0.0)
+
+    def row(self, level):
+        flow = self.flow
+        numbers = "".join(f"  {self.value(c)[0]:8.4f} {self.value(c)[1]:.4f}" for c in COEFFICIENTS)
+        return (f"{level:5d} {self.cells:8d} {flow['particles']:9d} {flow['particles'] / self.cells:6.1f} "
+                f"{100 * (1 - self.few):5.0f} % {flow['averages_from_step'] - flow['began_at_step']:7d} "
+                f"{flow['steps'] - flow['averages_from_step']:8d}{numbers}")
 
 
-def unexpected(reports):
-    """Differences from expected.csv: its rows name a level, a path in the quality report, a value and a tolerance."""
-    with open(os.path.join(os.path.dirname(os.path.abspath(__file__)), "expected.csv"), encoding="utf-8") as file:
+def unexpected(levels, size):
+    """Differences from expected.csv: 4 standard errors of both, and a share for what another mesh would change."""
+    name = os.path.join(os.path.dirname(os.path.abspath(__file__)), "expected.csv")
+    with open(name, encoding="utf-8") as file:
         for row in csv.DictReader(line for line in file if not line.startswith("#")):
-            if int(row["level"]) >= len(reports):
+            if row["run"] != size or int(row["level"]) >= len(levels):
                 continue
-            found = reports[int(row["level"])]
-            for key in row["quantity"].split("/"):
-                found = found[key]
-            if not abs(found - float(row["value"])) <= float(row["tolerance"]):
-                yield (f"level {row['level']}: expected {row['quantity']} = {row['value']} within {row['tolerance']}, "
-                       f"found {found}")
+            found, error = levels[int(row["level"])].value(row["quantity"])
+            expected = float(row["value"])
+            allowed = 4 * math.hypot(error, float(row["stderr"])) + float(row["mesh"])
+            if not abs(found - expected) <= allowed:
+                yield (f"level {row['level']}: expected {row['quantity']} = {row['value']} within {allowed:.3g}, "
+                       f"found {found:g}")
+
+
+def requirements(levels, size):
+    for i, (coarse, fine) in enumerate(zip(levels, levels[1:])):
+        (before, error), (after, other) = coarse.value("C_D"), fine.value("C_D")
+        if size != "smoke" and after > before + math.hypot(error, other):
+            yield f"level {i + 1}: expected C_D to fall, or to stay within its standard error, found {before} and {after}"
+    for i, level in enumerate(levels):
+        if level.flow["lost_particles"] != 0:
+            yield f"level {i}: {level.flow['lost_particles']} particles were lost"
+        if size != "full":
+            continue
+        if not level.flow["steady"].startswith("steady"):
+            yield f"level {i}: expected a steady flow, found: {level.flow['steady']}"
+        if level.flow["particles"] < 8 * level.cells or level.few > 0.1:
+            yield f"level {i}: expected 8 particles a cell and 5 in 90 % of the cells in gas denser than the free stream's"
+        if level.value("C_D")[1] > 0.005 * level.value("C_D")[0] or max(level.value(c)[1] for c in ("C_L", "C_m")) > 0.003:
+            yield f"level {i}: expected standard errors of at most 0.5 % (C_D) and 0.003 (C_L, C_m)"
+    if size == "full" and len(levels) > 2:
+        drag, error = levels[2].value("C_D")
+        if levels[2].cells < 150000:
+            yield f"level 2: expected at least 150,000 cells, found {levels[2].cells}"
+        if drag > PAPER[2][2] + 2 * error:
+            yield f"level 2: expected C_D of at most {PAPER[2][2]} and two standard errors, found {drag}"
 
 
 def main():
-    folder, levels = sys.argv[1], int(sys.argv[2])
-    areas, volume = exact()
-    body_area = sum(areas.values())
-    print("level      cells     nodes  mean ratio    min      worst    error of   error of   error of   refine")
-    print("                            min   mean  dihedral  distance  fore-body  body area  gas volume seconds")
-    reports = [read(folder, f"quality{level}") for level in range(levels + 1)]
-    errors = []
-    for level, report in enumerate(reports):
-        area = {name: report["patches"][name]["area"] * 1e6 for name in areas}
-        errors.append((area["forebody"] / areas["forebody"] - 1, sum(area.values()) / body_area - 1,
-                       report["volume"] * 1e9 / volume - 1))
-        print(table_row(level, report, read(folder, f"refine{level}") if level else None, errors[-1]))
-    print("distance in m from the exact surfaces; relative errors against half of the exact body and gas:")
-    print("  " + ", ".join(f"{name} {value:.6f} mm2" for name, value in areas.items()) + f", gas {volume:.6f} mm3")
-    trouble = list(unexpected(reports))
-    for what, column in (("fore-body's area", 0), ("body's area", 1), ("gas volume", 2)):
-        if any(abs(fine[column]) > abs(coarse[column]) for coarse, fine in zip(errors, errors[1:])):
-            trouble.append(f"the error of the {what} grows from one level to the next")
+    folder, n_levels, size = sys.argv[1], int(sys.argv[2]), sys.argv[3]
+    levels = [Level(folder, level) for level in range(n_levels + 1)]
+    print("level    cells particles a cell  5 or  steps:          C_D             C_L             C_m             C_H")
+    print("                                 more  discarded, kept      +-              +-              +-              +-")
+    for i, level in enumerate(levels):
+        print(level.row(i))
+    for i, (cells, particles, *found) in enumerate(PAPER[:len(levels)]):
+        print(f"paper {i} {cells:7d} {particles:9.0f} {particles / cells:6.1f}" + " " * 24
+              + "".join(f"  {v:8.3f}       " for v in found).rstrip())
+    print("experiment" + " " * 45 + "".join(f"  {v:8.3f}       " for v in EXPERIMENT).rstrip())
+    print("'5 or more': share of the cells in gas denser than the free stream's that hold at least five particles")
+    trouble = list(unexpected(levels, size)) + list(requirements(levels, size))
     for text in trouble:
         print("levels.py: error: " + text, file=sys.stderr)
     return 1 if trouble else 0

@@ -1,12 +1,17 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Meshes the half space about the 70-degree blunt cone, refines it three times at the fore-body, about the nose and
-# along a sphere like the bow shock, checks every level and prints one table. Installs and builds what is missing first.
+# The loop of mesh, flow, mark and refine about the 70-degree blunt cone at Mach 20 and 10 degrees: solves on level 0,
+# marks the cells larger than the local mean free path, refines them, carries the flow to the new mesh, solves again.
+# Prints one table of the levels. Installs and builds what is missing first.
 #
-#   cases/blunt-cone/run.sh [--ranks N] [--levels N] [--picture] [--out FOLDER] [--tools FOLDER]
+#   cases/blunt-cone/run.sh [--ranks N] [--levels N] [--full | --smoke] [--resume] [--picture] [--out FOLDER]
+#                           [--tools FOLDER]
 #
 #   --ranks N       MPI processes (default 2)
-#   --levels N      refinements (default 3; each makes the mesh two to four times larger)
+#   --levels N      refinements, at most 2 (default 1; with --full 2)
+#   --full          the particles and steps of docs/results/blunt-cone.md
+#   --smoke         few particles and steps: shows in seconds that the loop works, and nothing of the flow
+#   --resume        keeps what an interrupted run has finished, and goes on from its last checkpoint
 #   --picture       renders docs/images/blunt-cone.png from the result
 #   --out FOLDER    where meshes and reports go (default out/ beside this script)
 #   --tools FOLDER  takes the tools from there and sets nothing up
@@ -16,20 +21,39 @@ case_folder=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")" && pwd)
 root=$(cd -- "$case_folder/../.." && pwd)
 out=$case_folder/out
 ranks=2
-levels=3
+levels=
+size=small
+resume=no
 picture=no
 tools=
 while [ $# -gt 0 ]; do
   case $1 in
     --ranks) ranks=${2:?run.sh: --ranks needs a number}; shift 2 ;;
     --levels) levels=${2:?run.sh: --levels needs a number}; shift 2 ;;
+    --full) size=full; shift ;;
+    --smoke) size=smoke; shift ;;
+    --resume) resume=yes; shift ;;
     --picture) picture=yes; shift ;;
     --out) out=${2:?run.sh: --out needs a folder}; shift 2 ;;
     --tools) tools=${2:?run.sh: --tools needs a folder}; shift 2 ;;
-    -h | --help) sed -n '3,12s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
+    -h | --help) sed -n '3,18s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
     *) echo "run.sh: unknown option $1 (see run.sh --help)" >&2; exit 2 ;;
   esac
 done
+
+# By level: molecules a particle where the time step is the longest, averaged steps, and at most so many cells.
+cells=(0 60000 165000)
+transient=
+case $size in
+  full) weight=(4.0e11 6.5e11 5.5e11) sampling=(500 500 500) ;;
+  small) weight=(1.2e12 2.0e12 2.5e12) sampling=(500 500 500) ;;
+  smoke) weight=(3.0e13 4.0e13 4.0e13) sampling=(40 40 40) transient="transient = 40" ;;
+esac
+[ -n "$levels" ] || levels=$([ $size = full ] && echo 2 || echo 1)
+if ! [[ $levels =~ ^[0-2]$ ]]; then
+  echo "run.sh: --levels: expected 0, 1 or 2, found $levels" >&2
+  exit 2
+fi
 
 if [ -z "$tools" ]; then
   setup=()
@@ -40,13 +64,45 @@ fi
 . "$root/scripts/mpi_environment.sh"
 PATH=$tools:$PATH
 mkdir -p "$out"
+[ $resume = yes ] || rm -f "$out"/*.hdf "$out"/*.json "$out"/*.checkpoint "$out"/*.csv
 
-# Runs a tool on all ranks; its report goes to out/<report>.json, its summary line to the terminal.
+# Runs a tool on all ranks unless its report is there; reports go to out/<report>.json, summary lines to the terminal.
 on_ranks() { # REPORT TOOL ARGUMENT...
   local report=$out/$1.json tool=$2
   shift 2
-  printf '%-13s ' "$tool"
-  mpirun -q -n "$ranks" "$tool" "$@" --json "$report"
+  if [ -e "$report" ]; then return; fi
+  printf '%-12s ' "$tool"
+  mpirun -q -n "$ranks" "$tool" "$@" --force --json "$report.part"
+  mv "$report.part" "$report"
+}
+
+# The case with the numbers of a level.
+case_of() { # LEVEL
+  sed -e "s|\"\.\./species.toml\"|\"$root/cases/species.toml\"|" -e "s/^weight = .*/weight = ${weight[$1]}/" \
+    -e "s/^sampling = .*/sampling = ${sampling[$1]}\n$transient/" "$case_folder/case.toml" >"$out/case$1.toml"
+}
+
+solve() { # LEVEL
+  local begin=()
+  if [ -e "$out/flow$1.checkpoint" ]; then begin=(--restart "$out/flow$1.checkpoint")
+  elif [ "$1" -gt 0 ]; then begin=(--carry "$out/flow$(($1 - 1)).checkpoint"); fi
+  case_of "$1"
+  on_ranks "flow$1" pamr-dsmc "$out/case$1.toml" --mesh "$out/level$1.hdf" -o "$out/flow$1.hdf" "${begin[@]}" \
+    --checkpoint "$out/flow$1.checkpoint" --every 300 --surface "$out/wall$1.vtu" --history "$out/history$1.csv"
+  # How many cells in gas denser than the free stream's, and how many of them hold fewer than five particles.
+  local denser=(--only-where n:above:1.116e21)
+  on_ranks "dense$1" pamr-mark "$out/flow$1.hdf" -o "$out/counted.hdf" --all "${denser[@]}" >/dev/null
+  on_ranks "few$1" pamr-mark "$out/flow$1.hdf" -o "$out/counted.hdf" --field particles --below 5 "${denser[@]}" >/dev/null
+  rm -f "$out/counted.hdf"
+}
+
+# Larger than the local mean free path, where the gas is denser than 1.05 times the free stream's beyond three standard
+# errors; the coarsest against it first, up to the level's number of cells.
+refine() { # LEVEL
+  local coarse=$(($1 - 1))
+  on_ranks "mark$coarse" pamr-mark "$out/flow$coarse.hdf" -o "$out/marked$coarse.hdf" --size-over lambda --ratio 1 \
+    --only-where n:above:1.1718e21 --error n_stderr:3 --max-cells "${cells[$1]}"
+  on_ranks "refine$1" pamr-refine "$out/marked$coarse.hdf" -o "$out/level$1.hdf"
 }
 
 # No inverted cell, and every boundary node on its surface.
@@ -55,34 +111,26 @@ for patch in forebody base sting inflow outflow symmetry; do
   gates+=(--gate "patches.$patch.off_surface_nodes:max:0")
 done
 quality() { # LEVEL
-  on_ranks "quality$1" pamr-quality "$out/level$1.hdf" "${gates[@]}"
+  if [ -e "$out/quality$1.json" ]; then return; fi
+  printf '%-12s ' pamr-quality
+  mpirun -q -n "$ranks" pamr-quality "$out/level$1.hdf" "${gates[@]}" --json "$out/quality$1.json"
 }
 
-# What to split, metres: a shell about the sphere that lies where the bow shock may stand, thinner from level to level;
-# a ball about the nose (a shell of radius 0); and in the first two refinements the cells at the fore-body.
-region() { # LEVEL
-  case $1 in
-    1) echo --patch forebody --centroid-shell 0.002,0,0,0,0.010 --centroid-shell 0.066,0,0,0.070,0.0050 ;;
-    2) echo --patch forebody --centroid-shell 0.002,0,0,0,0.010 --centroid-shell 0.066,0,0,0.070,0.0025 ;;
-    *) echo --centroid-shell 0.002,0,0,0,0.007 --centroid-shell 0.066,0,0,0.070,0.0006 ;;
-  esac
-}
-
-on_ranks mesh pamr-mesh "$case_folder/case.toml" -o "$out/level0.hdf" --force
+on_ranks mesh pamr-mesh "$case_folder/case.toml" -o "$out/level0.hdf"
 quality 0
+solve 0
 for ((level = 1; level <= levels; ++level)); do
-  coarse=$((level - 1))
-  # shellcheck disable=SC2046  # the options hold no blanks
-  on_ranks "mark$coarse" pamr-mark "$out/level$coarse.hdf" -o "$out/marked$coarse.hdf" --force $(region "$level")
-  on_ranks "refine$level" pamr-refine "$out/marked$coarse.hdf" -o "$out/level$level.hdf" --force
+  refine "$level"
   quality "$level"
+  solve "$level"
 done
 
 echo
-python3 "$case_folder/levels.py" "$out" "$levels"
+status=0
+python3 -B "$case_folder/levels.py" "$out" "$levels" $size || status=$?
 if [ $picture = yes ]; then
   "$root/docs/images/render.sh" "$out/level0.hdf" "$out/level$levels.hdf" "$root/docs/images/blunt-cone.png"
 fi
 echo
-echo "Meshes to open in ParaView: $out/level0.hdf ... $out/level$levels.hdf"
-echo "Reports: $out/*.json"
+echo "To open in ParaView: $out/flow0.hdf ... flow$levels.hdf and $out/wall0.vtu ..."
+exit $status

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Runs the blunt cone with one refinement on 1 and on 3 ranks: as expected, and the same bytes.
+"""The blunt cone with one refinement: its shape on 1 and on 3 ranks, as expected and with the same bytes, and the loop of
+mesh, flow, mark and refine with few particles.
 
 Usage: blunt_cone_test.py CASE_FOLDER TOOLS_FOLDER
 """
@@ -16,24 +17,24 @@ import unittest
 CASE, TOOLS = sys.argv[1:3]
 
 
-class BluntCone(unittest.TestCase):
+def run(script, *options):
+    result = subprocess.run([os.path.join(CASE, script), "--tools", TOOLS, *options], capture_output=True, text=True)
+    if result.returncode != 0:
+        raise AssertionError(f"{script} ended with {result.returncode}\n{result.stdout}\n{result.stderr}")
+    return result.stdout
+
+
+class Shape(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         temporary = tempfile.TemporaryDirectory(prefix="blunt cone ")
         cls.addClassCleanup(temporary.cleanup)
         cls.out = {ranks: os.path.join(temporary.name, f"{ranks} ranks") for ranks in (1, 3)}
-        cls.printed = {ranks: cls.run_case(ranks) for ranks in cls.out}
+        cls.printed = {ranks: run("geometry.sh", "--ranks", str(ranks), "--levels", "1", "--out", out)
+                       for ranks, out in cls.out.items()}
 
-    @classmethod
-    def run_case(cls, ranks):
-        result = subprocess.run([os.path.join(CASE, "run.sh"), "--tools", TOOLS, "--ranks", str(ranks), "--levels", "1",
-                                 "--out", cls.out[ranks]], capture_output=True, text=True)
-        if result.returncode != 0:
-            raise AssertionError(f"run.sh ended with {result.returncode}\n{result.stdout}\n{result.stderr}")
-        return result.stdout
-
-    def levels(self, folder):
-        return subprocess.run([sys.executable, "-B", os.path.join(CASE, "levels.py"), folder, "1"], capture_output=True,
+    def table(self, folder):
+        return subprocess.run([sys.executable, "-B", os.path.join(CASE, "geometry.py"), folder, "1"], capture_output=True,
                               text=True)
 
     def test_it_prints_a_row_for_each_level(self):
@@ -57,10 +58,26 @@ class BluntCone(unittest.TestCase):
             with open(name, "w", encoding="utf-8") as file:
                 json.dump(report, file)
 
-            result = self.levels(folder)
+            result = self.table(folder)
 
             self.assertEqual(result.returncode, 1)
             self.assertIn("level 1: expected patches/base/off_surface_nodes = 0 within 0, found 1", result.stderr)
+
+
+class Loop(unittest.TestCase):
+    def test_it_solves_marks_refines_carries_and_prints_a_row_for_each_level_and_goes_on_where_it_was(self):
+        with tempfile.TemporaryDirectory(prefix="blunt cone ") as out:
+            printed = run("run.sh", "--smoke", "--ranks", "1", "--out", out)
+            rows = [line.split() for line in printed.splitlines() if line.strip()[:2] in ("0 ", "1 ")]
+            self.assertEqual([row[0] for row in rows], ["0", "1"])
+            self.assertIn("carried", printed)
+            self.assertGreater(int(rows[1][1]), 2 * int(rows[0][1]))
+
+            os.remove(os.path.join(out, "flow1.json"))
+            again = run("run.sh", "--smoke", "--ranks", "1", "--resume", "--out", out)
+
+            self.assertNotIn("carried", again)
+            self.assertEqual([line.split() for line in again.splitlines() if line.strip()[:2] in ("0 ", "1 ")], rows)
 
 
 if __name__ == "__main__":

@@ -60,13 +60,21 @@ TEST(ReadRequest, ReadsLimits) {
   const auto request = read_request({{"--all", ""},
                                      {"--max-level", "3"},
                                      {"--only-where", "a:b:above:1.5"},
+                                     {"--error", "of a:2.5"},
                                      {"--only-where", "c:below:-2"},
+                                     {"--error", "of c"},
+                                     {"--only-where", "d:below:0"},
                                      {"--size", "longest-edge"}});
 
   EXPECT_EQ(request.max_level, 3);
-  EXPECT_EQ(request.only_where.at(0).field, "a:b");
-  EXPECT_EQ(request.only_where.at(0).value, 1.5);
-  EXPECT_EQ(request.only_where.at(1).side, mark::Side::below);
+  EXPECT_EQ(request.only_where.at(0).threshold.field, "a:b");
+  EXPECT_EQ(request.only_where.at(0).threshold.value, 1.5);
+  EXPECT_EQ(request.only_where.at(0).certainty.field, "of a");
+  EXPECT_EQ(request.only_where.at(0).certainty.times, 2.5);
+  EXPECT_EQ(request.only_where.at(1).threshold.side, mark::Side::below);
+  EXPECT_EQ(request.only_where.at(1).certainty.field, "of c");
+  EXPECT_EQ(request.only_where.at(1).certainty.times, 3);
+  EXPECT_EQ(request.only_where.at(2).certainty.field, "");
   EXPECT_EQ(request.size, mark::CellSize::longest_edge);
 }
 
@@ -97,6 +105,9 @@ TEST(ReadRequest, RefusesWhatItCannotRead) {
       {{"--all", ""}, {"--only-where", "rho:1"}},
       {{"--all", ""}, {"--only-where", "rho:over:1"}},
       {{"--all", ""}, {"--only-where", ":above:1"}},
+      {{"--all", ""}, {"--error", "f"}},
+      {{"--all", ""}, {"--only-where", "rho:above:1"}, {"--error", "f:-1"}},
+      {{"--all", ""}, {"--only-where", "rho:above:1"}, {"--error", ":2"}},
   };
   for (const auto& given : bad)
     EXPECT_THROW(read_request(given), Error) << (given.empty() ? "nothing" : given.back().option + given.back().text);

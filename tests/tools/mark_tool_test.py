@@ -77,6 +77,10 @@ def test_field_criteria_agree_with_numpy():
             == (edge / length > 4.2)).all()
     assert (mark("a.hdf", "--all", "--only-where", "lambda:above:0.1", "--only-where", "count:below:100")[0]
             == ((length > 0.1) & (np.arange(len(cells)) < 100))).all()
+    error = 1e-4 * (np.arange(len(cells)) % 7)
+    add_cell_field("a.hdf", "error", error)
+    assert (mark("a.hdf", "--all", "--only-where", "lambda:above:0.1", "--error", "error:40")[0]
+            == (length - 40 * error > 0.1)).all()
     assert (mark("a.hdf", "--field", "lambda", "--above", "0.14", "--field", "count", "--below", "5")[0]
             == ((length > 0.14) | (np.arange(len(cells)) < 5))).all()
 

@@ -107,6 +107,7 @@ void Collider::collide_cell(const Domain& domain, std::size_t c, std::uint64_t s
     heaviest = 0;
     for (auto i = begin; i < end; ++i) heaviest = std::max(heaviest, gas_->species[particles.species[i]].weight);
   }
+  nearest_.start(particles, begin, n, candidates);
   for (std::int64_t k = 0; k < candidates; ++k) {
     const auto first = random.below(n);
     const auto second = choose_partner(particles, begin, n, first, random);
@@ -165,18 +166,7 @@ std::uint32_t Collider::choose_partner(const Particles& p, std::uint32_t begin, 
     return other < first ? other : other + 1;
   }
   if (gas_->is_weighted) return choose_weighted_partner(p, begin, n, first, random);
-  const auto barred = p.partner[begin + first];
-  const Vec3 here = p.position(begin + first);
-  double least = std::numeric_limits<double>::infinity();
-  std::uint32_t nearest = first == 0 ? 1 : 0;
-  for (std::uint32_t k = 0; k < n; ++k) {
-    const double distance = squared_norm(p.position(begin + k) - here);
-    if (distance < least && k != first && tag_of(p.id[begin + k]) != barred) {
-      least = distance;
-      nearest = k;
-    }
-  }
-  return nearest;
+  return nearest_.find(first, p.partner[begin + first]);
 }
 
 std::uint32_t Collider::choose_weighted_partner(const Particles& p, std::uint32_t begin, std::uint32_t n,

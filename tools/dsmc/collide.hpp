@@ -7,6 +7,7 @@
 
 #include "dsmc/domain.hpp"
 #include "dsmc/gas.hpp"
+#include "dsmc/nearest.hpp"
 #include "dsmc/particles.hpp"
 #include "dsmc/random.hpp"
 
@@ -48,7 +49,8 @@ std::vector<CellCollisions> start_collisions(const Gas& gas, double t, std::size
 /// sigma c / (sigma c)_max. Scattering by variable hard or soft spheres; Larsen-Borgnakke exchange of rotational energy
 /// with at most one partner a collision. The numbers drawn belong to the global cell and the step, the particles of a
 /// cell are in the order of their ids: the result does not depend on the number of ranks. Momentum and energy of each
-/// pair are kept to rounding. Local. O(particles + candidates x particles a cell).
+/// pair are kept to rounding. Local. O(particles + candidates), with weights O(particles +
+/// candidates x particles a cell).
 ///
 /// Species of unlike weights: a pair collides with the chance of the greater weight, so that each collision stands for
 /// as many of real ones as the lighter particle has molecules. The lighter one takes the outcome; of the heavier one
@@ -89,6 +91,7 @@ class Collider {
   std::uint64_t seed_;
   CollisionCounts counts_;
   std::vector<std::int64_t> of_pair_;
+  NearestInCell nearest_;
 };
 
 }  // namespace pamr::dsmc

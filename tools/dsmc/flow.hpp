@@ -40,6 +40,7 @@ struct Setup {
   double molecules = 1;         ///< real molecules that a particle stands for, where the time step is `dt`
   double dt = 0;                ///< s
   std::vector<double> cell_dt;  ///< s, of each own cell; empty: `dt` in all. Weights follow them
+  double slowness = 1;          ///< mean over the volume of `dt` over a cell's time step
   double unit = 1;              ///< metres in the mesh's length unit
   std::uint64_t seed = 1;
   double expected_particles = 0;  ///< if the free stream (the fields' gas, if steps go by it) filled the domain

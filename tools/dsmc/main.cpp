@@ -138,6 +138,7 @@ nlohmann::json report_of(const Case& c, const Run& run, const Plan& plan, std::i
                         {"C_H", shown(results.heat)},
                         {"lambda_inf", plan.mean_free_path},
                         {"blocks", results.n_blocks},
+                        {"began_at_step", run.state.first_step},
                         {"averages_from_step", run.state.sampling_since},
                         {"steady", run.state.steady_reason},
                         {"abandoned_particles", run.state.abandoned},

@@ -114,16 +114,19 @@ Setup make_setup(const par::Comm& comm, const Case& c, const mesh::DistMesh& mes
   setup.cell_dt = time_steps(c, mesh, setup.unit, gas);
   setup.seed = c.seed;
 
-  par::ExactSum sums[1];  // of n V dt_0 / dt over the cells: molecules of particles whose weight is 1
+  par::ExactSum sums[3];  // of n V dt_0 / dt over the cells: molecules of particles whose weight is 1; V; V dt_0 / dt
   for (LocalId cell = 0; cell < mesh.n_cells(); ++cell) {
     const double v = volume(corners(mesh, setup.unit, cell));
     const auto i = static_cast<std::size_t>(cell);
     const double steps = setup.cell_dt.empty() ? v : v * (c.dt / setup.cell_dt[i]);
     sums[0].add(c.from_fields ? steps * gas[i].density : steps);
+    sums[1].add(v);
+    sums[2].add(steps);
   }
+  const auto total = par::reproducible_sums(comm, sums);
+  setup.slowness = total[2] / total[1];
   const auto& free = c.stream.front();
-  const double molecules = (c.from_fields ? 1 : free.density) * par::reproducible_sums(comm, sums)[0] *
-                           particles_per_molecule(c.gas, free.fraction);
+  const double molecules = (c.from_fields ? 1 : free.density) * total[0] * particles_per_molecule(c.gas, free.fraction);
   if (c.weight)
     setup.molecules = *c.weight;
   else if (c.total)

@@ -57,7 +57,8 @@ Applied apply(const par::Comm& comm, const mesh::DistMesh& mesh, const Request& 
     mark::unite(result.indicator, wish);
   }
   for (const auto& limit : request.only_where)
-    mark::keep_only_where(comm, mesh, limit.field, limit.side, limit.value, result.indicator);
+    mark::keep_only_where(comm, mesh, limit.threshold.field, limit.threshold.side, limit.threshold.value,
+                          result.indicator, limit.certainty);
   if (request.max_level) mark::keep_below_level(mesh, *request.max_level, result.indicator);
   return result;
 }

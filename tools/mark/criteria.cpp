@@ -67,6 +67,18 @@ Threshold threshold_of(const Given& given) {
   throw Error(fmt::format("{}: expected FIELD:above:V or FIELD:below:V, found \"{}\"", given.option, given.text));
 }
 
+/// `FIELD` or `FIELD:TIMES`; the field's name may hold colons when a number follows.
+mark::Certainty certainty_of(const Given& given) {
+  mark::Certainty certainty;
+  const auto colon = given.text.rfind(':');
+  certainty.field = given.text.substr(0, colon);
+  if (colon != std::string::npos) certainty.times = number_of({given.option, given.text.substr(colon + 1)});
+  if (certainty.field.empty() || certainty.times < 0)
+    throw Error(
+        fmt::format("--error: expected FIELD or FIELD:TIMES with TIMES of at least 0, found \"{}\"", given.text));
+  return certainty;
+}
+
 /// `FIELD` or `FIELD:FRACTION`; the field's name may hold colons when a fraction follows.
 BulkOf bulk_of(const Given& given) {
   constexpr double usual_fraction = 0.3;
@@ -86,6 +98,7 @@ const char* first_of(std::string_view second) {
   if (second == "--layers") return "--patch";
   if (second == "--above" || second == "--below") return "--field";
   if (second == "--ratio") return "--size-over";
+  if (second == "--error") return "--only-where";
   if (second == "--theta" || second == "--target" || second == "--bulk") return "--recovered-error";
   return nullptr;
 }
@@ -178,7 +191,8 @@ Request read_request(const std::vector<Given>& given) {
     } else if (given[i].option == "--max-level") {
       request.max_level = count_of(given[i], 0);
     } else if (given[i].option == "--only-where") {
-      request.only_where.push_back(threshold_of(given[i]));
+      request.only_where.push_back(
+          {threshold_of(given[i]), seconds[i] != nullptr ? certainty_of(*seconds[i]) : mark::Certainty{}});
     }
   }
   if (request.criteria.empty())

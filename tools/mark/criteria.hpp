@@ -31,6 +31,11 @@ struct Threshold {
   mark::Side side = mark::Side::above;
   double value = 0;
 };
+/// A threshold that only values count as beyond which are surely so.
+struct Cutoff {
+  Threshold threshold;
+  mark::Certainty certainty;
+};
 struct SizeOver {
   std::string field;
   double ratio = 1;
@@ -61,7 +66,7 @@ struct Request {
   std::vector<Criterion> criteria;
   mark::CellSize size = mark::CellSize::cbrt_volume;
   std::optional<int> max_level;
-  std::vector<Threshold> only_where;
+  std::vector<Cutoff> only_where;
 };
 
 /// An option and its argument, as given.
@@ -71,9 +76,9 @@ struct Given {
 };
 
 /// Reads the options, in the order in which they were given: `--layers`, `--above`, `--below`, `--ratio`,
-/// `--theta`, `--target` and `--bulk` belong to the nearest option of their kind (`--patch`, `--field`, ...) before
-/// them that has none yet, else to the first after them. Throws `Error` for what cannot be read, for halves without
-/// their other half, and when there is no criterion.
+/// `--theta`, `--target`, `--bulk` and `--error` belong to the nearest option of their kind (`--patch`, `--field`, ...)
+/// before them that has none yet, else to the first after them. Throws `Error` for what cannot be read, for halves
+/// without their other half, and when there is no criterion.
 Request read_request(const std::vector<Given>& given);
 
 }  // namespace pamr::marking

@@ -37,7 +37,7 @@ struct OptionHelp {
   const char* type;
   const char* text;
 };
-constexpr std::array<OptionHelp, 18> criteria_help{{
+constexpr std::array<OptionHelp, 19> criteria_help{{
     {"--crossing-sphere", "X,Y,Z,R", "cells whose least corner distance from (X,Y,Z) is below R and greatest above"},
     {"--centroid-shell", "X,Y,Z,R,W", "cells whose centroid is nearer than W to the sphere of radius R"},
     {"--box", "X0,Y0,Z0,X1,Y1,Z1", "cells whose centroid lies in the closed box"},
@@ -57,6 +57,8 @@ constexpr std::array<OptionHelp, 18> criteria_help{{
     {"--size", "cbrt|longest-edge", "size of a cell: cube root of its volume (default) or longest edge"},
     {"--max-level", "L", "limit: only cells whose base cell has a level below L, so that none becomes finer than L"},
     {"--only-where", "FIELD:above:V", "limit: only cells where this field is above (or below) V"},
+    {"--error", "FIELD[:TIMES]",
+     "of --only-where: by more than TIMES (3) times this field, the standard error of the other"},
 }};
 
 void declare(CLI::App& app, Options& options) {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <string>
+#include <utility>
 
 #include "pamr/base/contract.hpp"
 #include "pamr/base/error.hpp"
@@ -33,11 +34,23 @@ std::string names_of(const mesh::DistMesh& mesh) {
   return names.empty() ? "none" : names;
 }
 
-/// Throws on every rank, naming the smallest cell, when any rank has found one.
-void refuse_cell(const par::Comm& comm, GlobalId found, const std::string& complaint) {
+/// Throws on every rank, naming the smallest cell, when the value of any cell of any rank is bad.
+template <class IsBad>
+void refuse_first(const par::Comm& comm, const mesh::DistMesh& mesh, const std::vector<double>& values, IsBad is_bad,
+                  const std::string& complaint) {
   constexpr GlobalId none = std::numeric_limits<GlobalId>::max();
-  const GlobalId first = comm.min(found == invalid_global ? none : found);
+  const auto bad = std::find_if(values.begin(), values.end(), is_bad);
+  const GlobalId first =
+      comm.min(bad == values.end() ? none : mesh.cell_global[static_cast<std::size_t>(bad - values.begin())]);
   if (first != none) throw Error(complaint + " in cell " + std::to_string(first));
+}
+
+Indicator beyond(std::vector<double> values, Side side, double threshold) {
+  const double sign = side == Side::above ? 1.0 : -1.0;
+  const double limit = round_to_20_bits(threshold);
+  const double scale = limit != 0 ? std::abs(limit) : 1.0;
+  for (auto& value : values) value = std::max(sign * (round_to_20_bits(value) - limit) / scale, 0.0);
+  return values;
 }
 
 }  // namespace
@@ -60,21 +73,15 @@ std::vector<double> scalar_on_cells(const par::Comm& comm, const mesh::DistMesh&
     throw Error("expected the name of a field (the mesh has: " + names_of(mesh) + "), found \"" + std::string(name) +
                 "\"");
   }
-  const auto bad = std::find_if(values.begin(), values.end(), [](double v) { return !std::isfinite(v); });
-  refuse_cell(comm,
-              bad == values.end() ? invalid_global : mesh.cell_global[static_cast<std::size_t>(bad - values.begin())],
-              "field \"" + std::string(name) + "\": expected finite values, found one that is not");
+  refuse_first(
+      comm, mesh, values, [](double v) { return !std::isfinite(v); },
+      "field \"" + std::string(name) + "\": expected finite values, found one that is not");
   return values;
 }
 
 Indicator beyond_threshold(const par::Comm& comm, const mesh::DistMesh& mesh, std::string_view field, Side side,
                            double threshold) {
-  const double sign = side == Side::above ? 1.0 : -1.0;
-  const double limit = round_to_20_bits(threshold);
-  const double scale = limit != 0 ? std::abs(limit) : 1.0;
-  auto indicator = scalar_on_cells(comm, mesh, field);
-  for (auto& value : indicator) value = std::max(sign * (round_to_20_bits(value) - limit) / scale, 0.0);
-  return indicator;
+  return beyond(scalar_on_cells(comm, mesh, field), side, threshold);
 }
 
 double cell_size(const mesh::DistMesh& mesh, LocalId cell, CellSize measure) {
@@ -91,10 +98,9 @@ Indicator larger_than_length(const par::Comm& comm, const mesh::DistMesh& mesh, 
   if (!(ratio > 0) || !std::isfinite(ratio))
     throw Error("expected a positive ratio of cell size to length, found " + std::to_string(ratio));
   auto length = scalar_on_cells(comm, mesh, field);
-  const auto bad = std::find_if(length.begin(), length.end(), [](double v) { return !(v > 0); });
-  refuse_cell(comm,
-              bad == length.end() ? invalid_global : mesh.cell_global[static_cast<std::size_t>(bad - length.begin())],
-              "field \"" + std::string(field) + "\": expected positive lengths, found one that is not");
+  refuse_first(
+      comm, mesh, length, [](double v) { return !(v > 0); },
+      "field \"" + std::string(field) + "\": expected positive lengths, found one that is not");
   const double limit = round_to_20_bits(ratio);
   Indicator indicator(length.size());
   for (std::size_t i = 0; i < length.size(); ++i) {
@@ -105,9 +111,18 @@ Indicator larger_than_length(const par::Comm& comm, const mesh::DistMesh& mesh, 
 }
 
 void keep_only_where(const par::Comm& comm, const mesh::DistMesh& mesh, std::string_view field, Side side,
-                     double threshold, Indicator& indicator) {
+                     double threshold, Indicator& indicator, const Certainty& certainty) {
   PAMR_EXPECTS(indicator.size() == mesh.cell_to_node.size());
-  const auto kept = beyond_threshold(comm, mesh, field, side, threshold);
+  auto values = scalar_on_cells(comm, mesh, field);
+  if (!certainty.field.empty()) {
+    const auto error = scalar_on_cells(comm, mesh, certainty.field);
+    refuse_first(
+        comm, mesh, error, [](double e) { return e < 0; },
+        "field \"" + certainty.field + "\": expected errors of at least 0, found a negative one");
+    const double towards = side == Side::above ? -certainty.times : certainty.times;
+    for (std::size_t i = 0; i < values.size(); ++i) values[i] += towards * error[i];
+  }
+  const auto kept = beyond(std::move(values), side, threshold);
   for (std::size_t i = 0; i < indicator.size(); ++i)
     if (!(kept[i] > 0)) indicator[i] = 0;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -33,8 +34,15 @@ double cell_size(const mesh::DistMesh& mesh, LocalId cell, CellSize measure);
 Indicator larger_than_length(const par::Comm& comm, const mesh::DistMesh& mesh, std::string_view field, double ratio,
                              CellSize measure = CellSize::cbrt_volume);
 
-/// Takes the wish from cells whose value does not lie beyond the threshold. Collective.
+/// How sure a value must be to count as beyond a threshold: by more than `times` the error that `field` gives for it.
+struct Certainty {
+  std::string field;  ///< standard error of the value, at least 0; empty: values count as they are
+  double times = 3;
+};
+
+/// Takes the wish from cells whose value does not lie beyond the threshold, or not surely. Collective. Throws `Error`
+/// too when an error is negative.
 void keep_only_where(const par::Comm& comm, const mesh::DistMesh& mesh, std::string_view field, Side side,
-                     double threshold, Indicator& indicator);
+                     double threshold, Indicator& indicator, const Certainty& certainty = {});
 
 }  // namespace pamr::mark

@@ -246,6 +246,42 @@ TEST(KeepOnlyWhere, LimitsByAField) {
   EXPECT_LT(count, 2 * 16);
 }
 
+/// A cube whose cells hold the density 1.2 and, by turns, no error and one of 0.1.
+mesh::DistMesh noisy_cube(const par::Comm& comm) {
+  auto mesh = scattered_cube(comm, 1);
+  std::vector<double> error;
+  for (const auto id : mesh.cell_global) error.push_back(id % 2 == 0 ? 0.0 : 0.1);
+  auto& densities = mesh.node_fields.front().real();
+  densities.assign(densities.size(), 1.2);
+  mesh.find_cell_field("length")->real() = error;
+  return mesh;
+}
+
+TEST(KeepOnlyWhere, LeavesOutValuesThatAreBeyondByLessThanTheirError) {
+  par::Comm comm(MPI_COMM_WORLD);
+  const auto mesh = noisy_cube(comm);
+  const auto kept = [&](Side side, double threshold, const Certainty& certainty) {
+    auto indicator = all_cells(mesh);
+    keep_only_where(comm, mesh, "density", side, threshold, indicator, certainty);
+    return count_marked(comm, marks_of(indicator));
+  };
+
+  EXPECT_EQ(kept(Side::above, 1.05, {}), 6);
+  EXPECT_EQ(kept(Side::above, 1.05, {"length", 1}), 6);
+  EXPECT_EQ(kept(Side::above, 1.05, {"length", 2}), 3);
+  EXPECT_EQ(kept(Side::below, 1.35, {"length", 1}), 6);
+  EXPECT_EQ(kept(Side::below, 1.35, {"length", 2}), 3);
+}
+
+TEST(KeepOnlyWhere, RefusesNegativeErrors) {
+  par::Comm comm(MPI_COMM_WORLD);
+  auto mesh = noisy_cube(comm);
+  mesh.find_cell_field("length")->real().assign(mesh.cell_to_node.size(), -0.1);
+  auto indicator = all_cells(mesh);
+
+  EXPECT_THROW(keep_only_where(comm, mesh, "density", Side::above, 1, indicator, {"length", 1}), Error);
+}
+
 TEST(KeepBelowLevel, TakesTheLevelOfTheBaseCell) {
   par::Comm comm(MPI_COMM_WORLD);
   auto mesh = scattered_cube(comm, 1);
