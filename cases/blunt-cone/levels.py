@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Prints one table of the levels of the flow about the blunt cone from their reports, beside the paper's, and checks it.
 
-Usage: levels.py FOLDER LEVELS smoke|small|full    reads flow<i>.json, quality<i>.json, dense<i>.json, few<i>.json in FOLDER.
+Usage: levels.py FOLDER LEVELS smoke|small|full    reads flow<i>.json and quality<i>.json in FOLDER.
 Exit code 1 when a particle was lost, (small, full) a number is not as in expected.csv or the drag grows from one level
 to the next by more than its standard error, or (full) there are too few particles, too large standard errors or too large a drag.
 """
@@ -28,7 +28,7 @@ class Level:
     def __init__(self, folder, level):
         self.flow = read(folder, f"flow{level}")
         self.cells = read(folder, f"quality{level}")["cells"]
-        self.few = read(folder, f"few{level}")["marked"] / read(folder, f"dense{level}")["marked"]
+        self.few = self.flow["quality"]["dense_gas_below_5_particles"]
 
     def value(self, name):
         """A number of the reports and its standard error."""

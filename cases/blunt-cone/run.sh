@@ -4,13 +4,14 @@
 # marks the cells larger than the local mean free path, refines them, carries the flow to the new mesh, solves again.
 # Prints one table of the levels. Installs and builds what is missing first.
 #
-#   cases/blunt-cone/run.sh [--ranks N] [--levels N] [--full | --smoke] [--resume] [--picture] [--out FOLDER]
-#                           [--tools FOLDER]
+#   cases/blunt-cone/run.sh [--ranks N] [--levels N] [--full | --smoke | --heat-flux] [--resume] [--picture]
+#                           [--out FOLDER] [--tools FOLDER]
 #
 #   --ranks N       MPI processes (default 2)
 #   --levels N      refinements, at most 2 (default 1; with --full 2)
 #   --full          the particles and steps of docs/results/blunt-cone.md
 #   --smoke         few particles and steps: shows in seconds that the loop works, and nothing of the flow
+#   --heat-flux     Set 1 of the wind tunnel at no incidence instead, and its heat flux at the thermocouples
 #   --resume        keeps what an interrupted run has finished, and goes on from its last checkpoint
 #   --picture       renders docs/images/blunt-cone.png from the result
 #   --out FOLDER    where meshes and reports go (default out/ beside this script)
@@ -32,11 +33,12 @@ while [ $# -gt 0 ]; do
     --levels) levels=${2:?run.sh: --levels needs a number}; shift 2 ;;
     --full) size=full; shift ;;
     --smoke) size=smoke; shift ;;
+    --heat-flux) size=heat-flux; shift ;;
     --resume) resume=yes; shift ;;
     --picture) picture=yes; shift ;;
     --out) out=${2:?run.sh: --out needs a folder}; shift 2 ;;
     --tools) tools=${2:?run.sh: --tools needs a folder}; shift 2 ;;
-    -h | --help) sed -n '3,18s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
+    -h | --help) sed -n '3,19s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
     *) echo "run.sh: unknown option $1 (see run.sh --help)" >&2; exit 2 ;;
   esac
 done
@@ -44,7 +46,14 @@ done
 # By level: molecules a particle where the time step is the longest, averaged steps, and at most so many cells.
 cells=(0 60000 165000)
 transient=
+case_file=$case_folder/case.toml
+limit=1.1718e21  # 1.05 times the free stream's density
 case $size in
+  heat-flux)
+    weight=(3.5e11 3.5e11) sampling=(800 3600) cells=(0 100000)
+    case_file=$case_folder/heat-flux.toml
+    limit=3.9008e20
+    ;;
   full) weight=(4.0e11 6.5e11 5.5e11) sampling=(500 500 500) ;;
   small) weight=(1.2e12 2.0e12 2.5e12) sampling=(500 500 500) ;;
   smoke) weight=(3.0e13 4.0e13 4.0e13) sampling=(40 40 40) transient="transient = 40" ;;
@@ -79,7 +88,7 @@ on_ranks() { # REPORT TOOL ARGUMENT...
 # The case with the numbers of a level.
 case_of() { # LEVEL
   sed -e "s|\"\.\./species.toml\"|\"$root/cases/species.toml\"|" -e "s/^weight = .*/weight = ${weight[$1]}/" \
-    -e "s/^sampling = .*/sampling = ${sampling[$1]}\n$transient/" "$case_folder/case.toml" >"$out/case$1.toml"
+    -e "s/^sampling = .*/sampling = ${sampling[$1]}\n$transient/" "$case_file" >"$out/case$1.toml"
 }
 
 solve() { # LEVEL
@@ -88,12 +97,8 @@ solve() { # LEVEL
   elif [ "$1" -gt 0 ]; then begin=(--carry "$out/flow$(($1 - 1)).checkpoint"); fi
   case_of "$1"
   on_ranks "flow$1" pamr-dsmc "$out/case$1.toml" --mesh "$out/level$1.hdf" -o "$out/flow$1.hdf" "${begin[@]}" \
-    --checkpoint "$out/flow$1.checkpoint" --every 300 --surface "$out/wall$1.vtu" --history "$out/history$1.csv"
-  # How many cells in gas denser than the free stream's, and how many of them hold fewer than five particles.
-  local denser=(--only-where n:above:1.116e21)
-  on_ranks "dense$1" pamr-mark "$out/flow$1.hdf" -o "$out/counted.hdf" --all "${denser[@]}" >/dev/null
-  on_ranks "few$1" pamr-mark "$out/flow$1.hdf" -o "$out/counted.hdf" --field particles --below 5 "${denser[@]}" >/dev/null
-  rm -f "$out/counted.hdf"
+    --checkpoint "$out/flow$1.checkpoint" --every 300 --surface "$out/wall$1.vtu" --lines "$out/lines$1.csv" \
+    --history "$out/history$1.csv"
 }
 
 # Larger than the local mean free path, where the gas is denser than 1.05 times the free stream's beyond three standard
@@ -101,7 +106,7 @@ solve() { # LEVEL
 refine() { # LEVEL
   local coarse=$(($1 - 1))
   on_ranks "mark$coarse" pamr-mark "$out/flow$coarse.hdf" -o "$out/marked$coarse.hdf" --size-over lambda --ratio 1 \
-    --only-where n:above:1.1718e21 --error n_stderr:3 --max-cells "${cells[$1]}"
+    --only-where "n:above:$limit" --error n_stderr:3 --max-cells "${cells[$1]}"
   on_ranks "refine$1" pamr-refine "$out/marked$coarse.hdf" -o "$out/level$1.hdf"
 }
 
@@ -127,7 +132,11 @@ done
 
 echo
 status=0
-python3 -B "$case_folder/levels.py" "$out" "$levels" $size || status=$?
+if [ $size = heat-flux ]; then
+  python3 -B "$case_folder/heat_flux.py" "$out" "$levels" || status=$?
+else
+  python3 -B "$case_folder/levels.py" "$out" "$levels" $size || status=$?
+fi
 if [ $picture = yes ]; then
   "$root/docs/images/render.sh" "$out/level0.hdf" "$out/level$levels.hdf" "$root/docs/images/blunt-cone.png"
 fi

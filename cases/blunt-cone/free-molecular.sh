@@ -1,0 +1,48 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: GPL-3.0-or-later
+# The blunt cone without collisions: the fore-body is refined twice, the closed form is integrated over the facets of each
+# level, and the last level is run. Fails when a coefficient is not that of the exact surface.
+#
+#   cases/blunt-cone/free-molecular.sh [--ranks N] [--out FOLDER] [--tools FOLDER]
+#
+#   --ranks N       MPI processes (default 2)
+#   --out FOLDER    where meshes and reports go (default out/free-molecular beside this script)
+#   --tools FOLDER  takes the tools from there and sets nothing up
+set -euo pipefail
+
+case_folder=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")" && pwd)
+root=$(cd -- "$case_folder/../.." && pwd)
+out=$case_folder/out/free-molecular
+ranks=2
+tools=
+while [ $# -gt 0 ]; do
+  case $1 in
+    --ranks) ranks=${2:?free-molecular.sh: --ranks needs a number}; shift 2 ;;
+    --out) out=${2:?free-molecular.sh: --out needs a folder}; shift 2 ;;
+    --tools) tools=${2:?free-molecular.sh: --tools needs a folder}; shift 2 ;;
+    -h | --help) sed -n '3,10s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
+    *) echo "free-molecular.sh: unknown option $1 (see free-molecular.sh --help)" >&2; exit 2 ;;
+  esac
+done
+if [ -z "$tools" ]; then
+  "$root/scripts/setup.sh"
+  tools=${PAMR_BUILD:-$root/build/release}/bin
+fi
+. "$root/scripts/mpi_environment.sh"
+PATH=$tools:$PATH
+mkdir -p "$out"
+on_ranks() { mpirun -q -n "$ranks" "$@"; }
+
+on_ranks pamr-mesh "$case_folder/case.toml" -o "$out/level0.hdf" --force
+for level in 0 1 2; do
+  if [ $level -gt 0 ]; then
+    on_ranks pamr-mark "$out/level$((level - 1)).hdf" -o "$out/marked.hdf" --patch forebody --force --quiet
+    on_ranks pamr-refine "$out/marked.hdf" -o "$out/level$level.hdf" --force
+  fi
+  on_ranks pamr-quality "$out/level$level.hdf" --json "$out/quality$level.json" --quiet
+  on_ranks pamr-dsmc "$case_folder/free-molecular.toml" --mesh "$out/level$level.hdf" -o "$out/flow.hdf" --plan --quiet \
+    --json "$out/plan$level.json" --force
+done
+on_ranks pamr-dsmc "$case_folder/free-molecular.toml" --mesh "$out/level2.hdf" -o "$out/flow.hdf" --force \
+  --surface "$out/wall.vtu" --json "$out/flow.json"
+python3 -B "$case_folder/free_molecular.py" "$out"

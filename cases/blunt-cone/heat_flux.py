@@ -1,0 +1,44 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""heat_flux.py FOLDER LEVELS: heat flux at the thermocouples and drag of Set 1; exit code 1 when a bound does not hold."""
+import csv
+import json
+import pathlib
+import sys
+
+# kW/m2 by S/Rn: the experiment (Allegre, Bisch, Lengrand 1997, set 1, no incidence) with the bound on the finest level,
+# and two other codes: PICLas' own curve for this case, and SPARTA.
+STATIONS = {"S/Rn 0": (10.23, 0.05, 9.83, 10.11), "S/Rn 0.52": (8.39, 0.12, 7.82, 7.80),
+            "S/Rn 1.04": (6.33, 0.12, 6.53, 7.01), "S/Rn 1.56": (5.12, None, 6.09, 6.58)}
+DRAG = (1.640, 0.05)  # SPARTA, axisymmetric, fore-body with shoulder
+
+folder, finest = pathlib.Path(sys.argv[1]), int(sys.argv[2])
+failed = []
+print("level    cells    C_D  +-     " + "".join(f"  q({name})  +-   " for name in STATIONS))
+for level in range(finest + 1):
+    with open(folder / f"flow{level}.json", encoding="utf-8") as file:
+        flow = json.load(file)
+    with open(folder / f"quality{level}.json", encoding="utf-8") as file:
+        cells = json.load(file)["cells"]
+    with open(folder / f"lines{level}.csv", encoding="utf-8") as file:
+        q = {row["name"]: (float(row["value"]) / 1e3, float(row["stderr"]) / 1e3)
+             for row in csv.DictReader(file) if row["quantity"] == "q"}
+    drag = flow["patches"]["forebody"]["C_D"]
+    print(f"{level:5d} {cells:8d} {drag['value']:6.4f} {drag['stderr']:.4f}  "
+          + "   ".join(f"{q[name][0]:9.2f} {q[name][1]:.2f}" for name in STATIONS))
+print("experiment".ljust(31) + "   ".join(f"{v[0]:9.2f}     " for v in STATIONS.values()))
+print("PICLas".ljust(31) + "   ".join(f"{v[2]:9.2f}     " for v in STATIONS.values()))
+print(f"SPARTA         {DRAG[0]:6.3f}".ljust(31) + "   ".join(f"{v[3]:9.2f}     " for v in STATIONS.values()))
+print("kW/m2, with standard errors; the last thermocouple has no bound: all codes lie above it")
+for name, (measured, bound, *_) in STATIONS.items():
+    value, error = q[name]
+    if bound is None:
+        continue
+    if error > 0.02 * value:
+        failed.append(f"{name}: expected a standard error of at most 2 %, found {100 * error / value:.1f} %")
+    if abs(value / measured - 1) > bound:
+        failed.append(f"{name}: expected {measured} within {100 * bound:.0f} %, found {value:.2f}")
+if abs(drag["value"] / DRAG[0] - 1) > DRAG[1]:
+    failed.append(f"C_D: expected {DRAG[0]} within {100 * DRAG[1]:.0f} %, found {drag['value']:.4f}")
+print("\n".join(failed) if failed else "within the bounds")
+sys.exit(1 if failed else 0)
