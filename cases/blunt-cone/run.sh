@@ -54,8 +54,8 @@ case $size in
     case_file=$case_folder/heat-flux.toml
     limit=3.9008e20
     ;;
-  full) weight=(4.0e11 6.5e11 5.5e11) sampling=(500 500 500) ;;
-  small) weight=(1.2e12 2.0e12 2.5e12) sampling=(500 500 500) ;;
+  full) weight=(4.0e11 8.2e11 6.2e11) sampling=(500 400 400) ;;
+  small) weight=(2.0e12 3.0e12 3.0e12) sampling=(500 500 500) ;;
   smoke) weight=(3.0e13 4.0e13 4.0e13) sampling=(40 40 40) transient="transient = 40" ;;
 esac
 [ -n "$levels" ] || levels=$([ $size = full ] && echo 2 || echo 1)
