@@ -97,7 +97,7 @@ def draw(curves):
         colour = COLOURS[i % len(COLOURS)]
         path = " ".join(f"{x:.1f},{y:.1f}" for x, y in (at(s, q) for s, q in points))
         lines.append(f'<polyline points="{path}" fill="none" stroke="{colour}" stroke-width="1.6"/>')
-        y = TOP + 20 + 20 * i
+        y = TOP + 40 + 20 * i
         lines.append(f'<path d="M{WIDTH - 150} {y}h24" stroke="{colour}" stroke-width="2.5"/>'
                      f'<text x="{WIDTH - 120}" y="{y + 4}">{label}</text>')
     return "\n".join(lines + ["</svg>", ""])

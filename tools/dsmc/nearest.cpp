@@ -80,7 +80,7 @@ std::size_t NearestInCell::number_of(int x, int y, int z) const {
 
 /// The boxes whose number along some side differs by more than `inner` and by at most `radius` from the middle's.
 void NearestInCell::look_at_shell(const Vec3& here, const std::array<int, 3>& middle, int inner, int radius,
-                                  std::uint32_t first, std::uint32_t barred, Best& best) const {
+                                  std::uint32_t barred, Best& best) const {
   const auto look_at_row = [&](int from, int to, int y, int z) {
     from = std::max(from, 0);
     to = std::min(to, boxes_[0] - 1);
@@ -90,7 +90,7 @@ void NearestInCell::look_at_shell(const Vec3& here, const std::array<int, 3>& mi
       const auto& other = member_[i];
       const double distance = squared_norm(other.position - here);
       if (distance > best.distance || (distance == best.distance && other.particle > best.particle)) continue;
-      if (other.particle != first && other.tag != barred) best = {distance, other.particle};
+      if (distance > 0 && other.tag != barred) best = {distance, other.particle};
     }
   };
   for (int z = std::max(0, middle[2] - radius); z <= std::min(boxes_[2] - 1, middle[2] + radius); ++z)
@@ -110,13 +110,14 @@ std::uint32_t NearestInCell::find(std::uint32_t first, std::uint32_t barred) con
   if (!has_grid_) {
     for (std::uint32_t k = 0; k < n_; ++k) {
       const double distance = squared_norm(particles_->position(begin_ + k) - here);
-      if (distance < best.distance && k != first && tag_of(particles_->id[begin_ + k]) != barred) best = {distance, k};
+      if (distance < best.distance && distance > 0 && tag_of(particles_->id[begin_ + k]) != barred)
+        best = {distance, k};
     }
   } else {
     const auto middle = box_of(here);
     const int last = *std::max_element(boxes_.begin(), boxes_.end());
     for (int inner = -1, radius = 1; inner < last; inner = radius++) {
-      look_at_shell(here, middle, inner, radius, first, barred, best);
+      look_at_shell(here, middle, inner, radius, barred, best);
       // What lies further out is further away than so many sides of a box; a little less, for rounding.
       const double sure = 0.999 * radius * side_;
       if (best.distance < sure * sure) break;
