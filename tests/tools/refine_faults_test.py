@@ -132,9 +132,9 @@ def largest_size(mesh):
 def test_too_little_memory():
     """Between what a small mesh takes, which is what MPI and HDF5 want for themselves, and what this one takes."""
     run("pamr-mark", kuhn_cube("small.hdf", 8), "-o", "marked_small.hdf", "--all", "--quiet", serial=True)
-    marked_cube()
+    marked_cube(44)
     least, most = largest_size("marked_small.hdf"), largest_size("marked.hdf")
-    assert most > 1.2 * least, (least, most)
+    assert most > least + 30000, (least, most)  # both with the 64 MiB that a process sets aside
     pathlib.Path("out.hdf").write_bytes(PRECIOUS)
     named = 0
     for percent in range(20, 100, 10):

@@ -93,7 +93,9 @@ int end(const Ending& ending, double patience) {
   } catch (...) {
     ending.error = "internal: exception of an unknown type";
   }
-  running->abort(end(ending, patience));
+  const int code = end(ending, patience);
+  (void)running->settle(code, 1);  // whoever aborts first takes the others with it: not before one has reported
+  running->abort(code);
 }
 
 Ending run(const CommonOptions& options, const std::function<ExitCode(Session&)>& work) {
