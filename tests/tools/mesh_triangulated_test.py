@@ -90,6 +90,24 @@ def test_a_body_can_stand_in_a_box_with_other_bodies():
     refine("box.hdf", 1, "--patch", "body_7")
 
 
+def test_a_plane_cuts_a_ball_in_half():
+    write_stl("ball.stl", *icosphere(2))
+    cut = '[[surface]]\nname = "cut"\nkind = "plane"\npoint = [0, 0, 0]\nnormal = [0, 0, 1]\n'
+    exact = '[[surface]]\nname = "body"\nkind = "sphere"\ncenter = [0, 0, 0]\nradius = 1\n'
+    for body, near in ((body_toml("ball.stl"), 2e-4), (exact, 1e-15)):
+        case("half.toml", "-body & +cut", [[-1, -1, 0], [1, 1, 1]], "far = 0.4", body + cut)
+        run("pamr-mesh", "half.toml", "-o", "half.hdf", "--force", "--quiet")
+        for name in refine("half.hdf", 1, "--patch", "body"):
+            at, nodes = patches(name)
+            assert (at[nodes["cut"]][:, 2] == 0).all()
+            assert np.abs(np.linalg.norm(at[nodes["body"]], axis=1) - 1).max() < near
+            rim = np.intersect1d(nodes["body"], nodes["cut"])
+            assert len(rim) > 12 and np.abs(np.linalg.norm(at[rim], axis=1) - 1).max() < near
+    write_stl("part.stl", *bored_cube(16))
+    case("cut.toml", "-body & +cut", [[-1] * 3, [1] * 3], "far = 0.4", body_toml("part.stl") + cut)
+    refuses("pamr-mesh", "cut.toml", "-o", "no.hdf", says=["cut.toml", '"body"', "no other surface crosses"], creates="no.hdf")
+
+
 def test_a_surface_that_cuts_through_itself_is_told():
     one, triangles = icosphere(1)
     n = len(one)

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <memory>
 
@@ -55,10 +56,11 @@ std::function<double(Vec3)> size_field(const std::shared_ptr<const Solid>& solid
   };
 }
 
-/// Points of a piece that bound the solid, far from each other: no nearer than edges are wanted there, but at least
-/// six where there are so many, and at most `most`.
+/// Points of a piece that bound the solid, far from each other and from the curves: no nearer than edges are wanted
+/// there, but at least six where there are so many and no curve is near, and at most `most`.
 std::vector<Vec3> scattered_points(const Solid& solid, const Pieces& pieces, int piece,
-                                   const std::vector<Vec3>& samples, const std::function<double(Vec3)>& size) {
+                                   const std::vector<Vec3>& samples, const std::vector<FeatureCurve>& curves,
+                                   const std::function<double(Vec3)>& size) {
   constexpr std::size_t least = 6, most = 60;
   const int i = pieces.all()[static_cast<std::size_t>(piece)].surface;
   const Sides bit = Sides{1} << i;
@@ -70,15 +72,34 @@ std::vector<Vec3> scattered_points(const Solid& solid, const Pieces& pieces, int
   }
   std::vector<Vec3> chosen;
   std::vector<double> distance(candidates.size(), std::numeric_limits<double>::infinity());
+  for (const auto& curve : curves)
+    for (std::size_t k = 0; k < candidates.size(); ++k)
+      for (const Vec3 p : curve.polyline) distance[k] = std::min(distance[k], geometry::norm(candidates[k] - p));
   while (!candidates.empty() && chosen.size() < most) {
     const auto farthest = std::max_element(distance.begin(), distance.end());
     const Vec3 p = candidates[static_cast<std::size_t>(farthest - distance.begin())];
-    if (*farthest == 0 || (chosen.size() >= least && *farthest < size(p))) break;
+    if (*farthest == 0 || ((chosen.size() >= least || !curves.empty()) && *farthest < size(p))) break;
     chosen.push_back(p);
     for (std::size_t k = 0; k < candidates.size(); ++k)
       distance[k] = std::min(distance[k], geometry::norm(candidates[k] - p));
   }
   return chosen;
+}
+
+/// True when all points of the curves lie in one plane, to 1e-6 of the radius.
+bool are_in_one_plane(const std::vector<FeatureCurve>& curves, double radius) {
+  std::vector<Vec3> points;
+  for (const auto& curve : curves) points.insert(points.end(), curve.polyline.begin(), curve.polyline.end());
+  if (points.empty()) return false;
+  const auto farthest = [&](auto&& distance) {
+    return *std::max_element(points.begin(), points.end(), [&](Vec3 a, Vec3 b) { return distance(a) < distance(b); });
+  };
+  const Vec3 a = points.front(), b = farthest([&](Vec3 p) { return geometry::norm(p - a); });
+  const auto square_to_line = [&](Vec3 p) { return geometry::cross(b - a, p - a); };
+  const Vec3 normal = square_to_line(farthest([&](Vec3 p) { return geometry::norm(square_to_line(p)); }));
+  const double length = geometry::norm(normal);
+  return std::all_of(points.begin(), points.end(),
+                     [&](Vec3 p) { return std::abs(geometry::dot(p - a, normal)) <= 1e-6 * radius * length; });
 }
 
 }  // namespace
@@ -103,18 +124,22 @@ Domain combine(const Combination& c, const std::string& where) {
   }
   const auto samples = sample_surfaces(*solid);
   try {
+    auto creases = pieces->creases();
     domain.curves = trace_feature_curves(solid, samples);
-    for (auto& crease : pieces->creases()) domain.curves.push_back(std::move(crease));
+    for (auto& crease : creases) domain.curves.push_back(std::move(crease));
   } catch (const Error& error) {
     throw Error(where + ": " + error.what());
   }
+  domain.curves_in_one_plane = are_in_one_plane(domain.curves, solid->radius());
   for (std::size_t k = 0; k < domain.pieces.size(); ++k) {
     const auto& piece = pieces->all()[k];
-    if (std::none_of(domain.curves.begin(), domain.curves.end(), [&](const FeatureCurve& curve) {
-          return piece.shape->distance(curve.polyline[curve.polyline.size() / 2]) < 1e-9 * solid->radius();
-        }))
-      domain.pieces[k].start = scattered_points(*solid, *pieces, static_cast<int>(k),
-                                                samples[static_cast<std::size_t>(piece.surface)], domain.size);
+    const bool has_curve = std::any_of(domain.curves.begin(), domain.curves.end(), [&](const FeatureCurve& curve) {
+      return piece.shape->distance(curve.polyline[curve.polyline.size() / 2]) < 1e-9 * solid->radius();
+    });
+    if (!has_curve || domain.curves_in_one_plane)
+      domain.pieces[k].start =
+          scattered_points(*solid, *pieces, static_cast<int>(k), samples[static_cast<std::size_t>(piece.surface)],
+                           has_curve ? domain.curves : std::vector<FeatureCurve>{}, domain.size);
   }
   domain.surfaces_toml = c.surfaces_toml;
   domain.triangulations = c.triangulations;

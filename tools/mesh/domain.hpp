@@ -18,7 +18,7 @@ using Nearest = std::function<geometry::Vec3(geometry::Vec3)>;
 struct Piece {
   int patch = 0;
   Nearest nearest;
-  /// Where a piece that no curve touches is to be found: some points on it, not all in one plane.
+  /// Where a piece is to be found that no curve touches, or that only curves in one plane touch: some points on it.
   std::vector<geometry::Vec3> start{};
 };
 
@@ -39,6 +39,7 @@ struct Domain {
   std::function<double(geometry::Vec3)> size;
   std::vector<Piece> pieces;
   std::vector<FeatureCurve> curves;
+  bool curves_in_one_plane = false;  ///< every piece then has points to start from
   std::vector<mesh::Patch> patches;
   std::string surfaces_toml;                              ///< the surfaces that the patches name
   std::vector<geometry::Triangulation> triangulations{};  ///< data of the triangulated ones

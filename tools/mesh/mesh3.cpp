@@ -12,6 +12,7 @@
 #include <CGAL/exude_mesh_3.h>
 #include <CGAL/make_mesh_3.h>
 #include <CGAL/perturb_mesh_3.h>
+#include <CGAL/version.h>
 
 #include <algorithm>
 #include <cmath>
@@ -78,20 +79,33 @@ MeshDomain make_domain(const Domain& domain, CGAL::Random& random) {
   return result;
 }
 
+// `start` calls CGAL's C3t3_initializer, which is no documented interface: the documented ones either protect curves or
+// take points of the caller, never both, and a closed surface beside curves needs both. It was read in CGAL 5.5 and has
+// the same arguments in all of 5.x; another major version must be looked at before this line is changed.
+static_assert(CGAL_VERSION_NR >= 1050500000 && CGAL_VERSION_NR < 1060000000,
+              "mesh3.cpp: expected CGAL 5.5 or a later 5.x: it calls CGAL::Mesh_3::internal::C3t3_initializer");
+
 /// What Delaunay refinement starts from: balls along the curves, and points on the pieces without curves. CGAL shoots
 /// rays for these in a domain without any curve and looks for none in the others.
 Complex start(const Domain& domain, const MeshDomain& mesh_domain, const Criteria& criteria) {
   Complex complex;
+  const auto add_points = [&] {
+    for (std::size_t i = 0; i < domain.pieces.size(); ++i)
+      for (const auto& q : domain.pieces[i].start) {
+        const auto vertex =
+            complex.triangulation().insert(Triangulation::Weighted_point(Kernel::Point_3(q.x, q.y, q.z)));
+        if (vertex == Complex::Vertex_handle()) continue;  // hidden by a ball
+        complex.set_dimension(vertex, 2);
+        complex.set_index(vertex, mesh_domain.index_from_surface_patch_index({gas, first_piece + static_cast<int>(i)}));
+      }
+  };
+  // Balls in one plane span no space: CGAL would then scatter points of its own, which may lie so near to others that
+  // refinement never ends before rounding does.
+  if (domain.curves_in_one_plane) add_points();
   if (!domain.curves.empty())
     CGAL::Mesh_3::internal::C3t3_initializer<Complex, MeshDomain, Criteria, true>()(complex, mesh_domain, criteria,
                                                                                     true);
-  for (std::size_t i = 0; i < domain.pieces.size(); ++i)
-    for (const auto& q : domain.pieces[i].start) {
-      const auto vertex = complex.triangulation().insert(Triangulation::Weighted_point(Kernel::Point_3(q.x, q.y, q.z)));
-      if (vertex == Complex::Vertex_handle()) continue;  // hidden by a ball
-      complex.set_dimension(vertex, 2);
-      complex.set_index(vertex, mesh_domain.index_from_surface_patch_index({gas, first_piece + static_cast<int>(i)}));
-    }
+  if (!domain.curves_in_one_plane) add_points();
   return complex;
 }
 

@@ -29,7 +29,8 @@ class Pieces {
   /// The piece of surface `i` that is nearest to a point.
   int nearest(int i, geometry::Vec3 p) const;
 
-  /// The creases of triangulated surfaces that are edges of the solid, each cut where another surface crosses it.
+  /// The creases of triangulated surfaces that are edges of the solid. Throws `Error` for one that another surface
+  /// crosses.
   std::vector<FeatureCurve> creases() const;
 
  private:
