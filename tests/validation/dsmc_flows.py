@@ -1,0 +1,173 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Validation cases of pamr-dsmc in the gas itself: viscosity, steps that vary with the cells, trace species."""
+import math
+import subprocess
+import sys
+
+import numpy as np
+
+import dsmc_cases as cases
+import dsmc_runs as runs
+from dsmc_runs import ARGON, ARGON_SOFT, BOLTZMANN, NITROGEN, case_text, check, compute, cube, fields, gas, mean, refined, tool, walls
+
+XENON = dict(mass=2.18e-25, diameter=5.74e-10, omega=0.85, t_ref=273.0)
+
+
+def box(name, *numbers):
+    if not (runs.OUT / name).exists():
+        subprocess.run([sys.executable, str(cases.ROOT / "cases/shock/box_mesh.py"), str(runs.OUT / "box.msh"), *map(str, numbers)], check=True)
+        tool("pamr-convert", "box.msh", name, "--quiet", ranks=1)
+    return name
+
+
+def conductivity(species, seed):
+    """Conductivity over that of kinetic theory, 15/4 k/m mu: heat from wall to wall over the slope of the temperature in the
+    middle half, six mean free paths and more from the walls."""
+    bricks, low, high = 25, 200.0, 400.0
+    t = 0.5 * (low + high)
+    n = cases.free_path(species, 1, t) * bricks
+    k = compute("conductivity", {**gas(Ar=species), "stream.free": dict(density=n, temperature=t),
+                                 **walls(xmin={"kind": "diffuse", "temperature": high}, xmax={"kind": "diffuse", "temperature": low}),
+                                 "particles": dict(per_cell=40.0), "time": dict(step=0.2 / bricks / cases.fast(t, species["mass"])),
+                                 "run": dict(transient=1000, sampling=3000), "reference": dict(area=4.0 / bricks**2)}, box("channel.hdf", bricks, 2, 2, 0, 1), seed)
+    heat = 0.5 * k["reference"]["dynamic_pressure"] * k["reference"]["speed"] * (k["patches"]["xmax"]["C_H"]["value"] - k["patches"]["xmin"]["C_H"]["value"])
+    middle, volume, density, temperature = fields("conductivity", "n", "T")
+    core = np.abs(middle[:, 0] - 0.5) < 0.25
+    slope, _ = np.polyfit(middle[core, 0], temperature[core], 1, w=np.sqrt(density[core]))
+    at = np.average(temperature[core])
+    return -heat / slope / (15 / 4 * BOLTZMANN / species["mass"] * cases.viscosity(species, at))
+
+
+def conductivity_cases():
+    for name, species in (("VHS", ARGON), ("VSS", ARGON_SOFT)):
+        value, error = mean([conductivity(species, seed) for seed in range(1, runs.SEEDS + 1)])
+        check("19", f"conductivity of argon over kinetic theory's, {name}", 1.0, value, error, bar=0.02)
+
+
+def vortex(species, seed, bricks):
+    """Viscosity over that of kinetic theory at this size and speed, from the decay of a vortex u = A (sin kx cos ky, -cos kx sin ky) between mirrors,
+    which is a solution of the equations of flow with rate 2 nu k^2: no walls take part."""
+    t, path = 273.0, 1 / bricks
+    n = cases.free_path(species, 1, t) / path
+    c = cases.fast(t, species["mass"])
+    dt, k, patches = 0.2 * path / c, math.pi, 16
+    streams, regions = {"stream.free": dict(density=n, temperature=t)}, []
+    for i in range(patches):
+        for j in range(patches):
+            x, y = (i + 0.5) / patches, (j + 0.5) / patches
+            u = [0.35 * c * math.sin(k * x) * math.cos(k * y), -0.35 * c * math.cos(k * x) * math.sin(k * y), 0.0]
+            streams[f"stream.s{i}x{j}"] = dict(density=n, temperature=t, velocity=u)
+            regions.append(dict(box=[i / patches, j / patches, -1.0, (i + 1) / patches, (j + 1) / patches, 1.0], stream=f"s{i}x{j}"))
+    start, every, windows = 60, 60, 9
+    name = "vortex"
+    tables = {**gas(Ar=species), **streams, **walls(), "initial": {}, "initial.region": regions, "particles": dict(per_cell=30.0),
+              "domain": {"unit": 1.0}, "time": dict(step=dt), "run": dict(transient=start, sampling=every * windows, seed=seed)}
+    (runs.OUT / f"{name}.toml").write_text(case_text(tables))
+    before, amplitude = 0, []
+    for window in range(1, windows + 1):
+        tool("pamr-dsmc", f"{name}.toml", "--mesh", f"slab{bricks}.hdf", "-o", f"{name}.hdf", "--history", f"{name}.csv", "--force", "--quiet",
+             "--checkpoint", f"{name}.checkpoint", "--steps", start + every * window, *(["--restart", f"{name}.checkpoint"] if window > 1 else []))
+        middle, volume, density, u = fields(name, "n", "u")
+        x, y = k * middle[:, 0], k * middle[:, 1]
+        moment = (density * volume * (u[:, 0] * np.sin(x) * np.cos(y) - u[:, 1] * np.cos(x) * np.sin(y))).sum() / (density * volume).sum()
+        total = 2 * moment * 2 * window  # mean of phi^2 is a half
+        amplitude.append((total - before) / 2)
+        before = total
+    with open(runs.OUT / f"{name}.csv") as file:
+        energy = float(file.readlines()[-1].split(",")[-2])  # K, with the vortex
+    rho = density.mean() * species["mass"]
+    decay, at, a = [0.0], 0.0, amplitude[0]
+    for _ in range(windows - 1):
+        for _ in range(every):
+            temperature = energy - species["mass"] * a * a / (6 * BOLTZMANN)
+            rate = 2 * cases.viscosity(species, temperature) / rho * k * k
+            at += rate * dt
+            a *= math.exp(-rate * dt)
+        decay.append(at)
+    weight = np.array(amplitude)
+    return -np.polyfit(decay, np.log(np.array(amplitude) / amplitude[0]), 1, w=weight)[0]
+
+
+def viscosity_cases():
+    bricks = 32
+    if not (runs.OUT / f"slab{bricks}.hdf").exists():
+        subprocess.run([sys.executable, str(cases.ROOT / "cases/shock/box_mesh.py"), str(runs.OUT / "slab.msh"), str(bricks), str(bricks), "1", "0", "1"],
+                       check=True)
+        tool("pamr-convert", "slab.msh", f"slab{bricks}.hdf", "--quiet", ranks=1)
+    for name, species in (("VHS", ARGON), ("VSS", ARGON_SOFT)):
+        value, error = mean([vortex(species, seed, bricks) for seed in range(1, runs.SEEDS + 1)])
+        check("19", f"viscosity of argon over kinetic theory's from a vortex at Mach 0.38, {name}", 1.0, value, error, gated=False)
+
+
+def jumping_mesh():
+    """Kuhn's cube with a corner refined three times: sizes jump by eight."""
+    level = cube(3)
+    for k in (1, 2, 3):
+        level = refined(level, f"jump{k}.hdf", "--box", "0,0,0,0.34,0.34,0.34")
+    return level
+
+
+def steps():
+    on = jumping_mesh()
+    n, t = 1e19, 300.0
+    c = cases.fast(t, NITROGEN["mass"])
+    u = [c, 0.3 * c, 0.0]
+    tables = {**gas(N2=NITROGEN), "stream.free": dict(density=n, temperature=t, velocity=u), **walls("inflow"), "particles": dict(total=40000.0),
+              "time": dict(step=0.2 / c, cell_fraction=0.4), "run": dict(transient=80, sampling=200)}
+    found = {}
+    for seed in range(1, 3 * runs.SEEDS + 1):
+        compute("steps", tables, on, seed)
+        middle, volume, density, velocity, t_tr = fields("steps", "n", "u", "T_tr")
+        size = np.round(np.log2(volume.max() / volume) / 3).astype(int)
+        groups = {f"cells of size 1/{2**k}": size == k for k in range(4)}
+        groups |= {f"the plane layer x = {0.25 * k + 0.125}": np.abs(middle[:, 0] - 0.25 * k - 0.125) < 0.125 for k in range(4)}
+        for name, group in groups.items():
+            w = volume[group]
+            molecules = (density[group] * w).sum()
+            flow = (density[group] * velocity[group, 0] * w).sum()
+            row = {"flux": flow / w.sum() / n / c}
+            if name.startswith("cells"):
+                # About the mean velocity of all: that of each cell has been fitted to few independent samples.
+                weights = density[group] * w / molecules
+                thermal = 3 * BOLTZMANN / NITROGEN["mass"] * t_tr[group] + (velocity[group]**2).sum(axis=1)
+                square = (weights * thermal).sum() - ((weights[:, None] * velocity[group]).sum(axis=0)**2).sum()
+                row |= {"density": molecules / w.sum() / n, "velocity": flow / molecules / c, "temperature": square / (3 * BOLTZMANN / NITROGEN["mass"] * t)}
+            for quantity, value in row.items():
+                found.setdefault((quantity, name), []).append(value)
+    for (quantity, name), values in found.items():
+        value, error = mean(values)
+        check("22", f"uniform stream, {quantity} in {name}", 1.0, value, error)
+    # Case 7 again: what a step varying from face to face lets in.
+    expected = n * c / (2 * math.sqrt(math.pi)) * cases.chi(1.0)
+    tables |= {**walls("outflow", xmin={"kind": "inflow"}), "initial": {"stream": "vacuum"}, "stream.free": dict(density=n, temperature=t, velocity=[c, 0.0, 0.0]),
+               "particles": {"weight": 1e15}}
+    values = [mean([row["entered_per_step"] * 1e15 / (0.2 / c) for row in compute("steps-flux", tables, on, seed)["history"]]) for seed in range(1, runs.SEEDS + 1)]
+    value, error = runs.together(values)
+    check("22", "flux at s = 1 through a side of cells of all sizes (1/m2/s)", expected, value, error, bar=1e-3 * value, most=0.001 * value)
+
+
+def trace():
+    """Conduction through argon with one part in a thousand of a heavy gas, with equal weights and with 0.01 for the trace."""
+    t, cubes, per_cell = 320.0, 6, 20.0
+    n = cases.free_path(ARGON, 1, t) / 0.2
+    found = {}
+    for weight in (1.0, 0.01):
+        for seed in range(1, 2 * runs.SEEDS + 1):
+            tables = {"species.Ar": ARGON, "species.Xe": XENON, "gas": {"fractions": {"Ar": 0.999, "Xe": 0.001}},
+                      "stream.free": dict(density=n, temperature=t),
+                      **walls(xmin={"kind": "diffuse", "temperature": 373.0}, xmax={"kind": "diffuse", "temperature": 273.0}),
+                      "particles": dict(weight=n / (6 * cubes**3 * per_cell), species_weights={"Xe": weight}),
+                      "time": dict(step=0.08 / cases.fast(t, ARGON["mass"])), "run": dict(transient=200, sampling=1000), "reference": dict(area=1.0)}
+            k = compute("trace", tables, cube(cubes), seed)
+            middle, volume, density, heavy, temperature = fields("trace", "n", "n_Xe", "T")
+            x, molecules = middle[:, 0], density * volume
+            half = lambda values: (values * volume)[x < 0.5].sum() / (values * volume).sum()
+            heat = k["patches"]["xmax"]["C_H"]["value"] - k["patches"]["xmin"]["C_H"]["value"]
+            row = {"heat flux": heat, "temperature of the warm quarter (K)": np.average(temperature[x < 0.25], weights=molecules[x < 0.25]),
+                   "temperature of the cold quarter (K)": np.average(temperature[x > 0.75], weights=molecules[x > 0.75]),
+                   "part of the argon in the warm half": half(density), "part of the trace in the warm half": half(heavy)}
+            for name, value in row.items():
+                found.setdefault(name, {}).setdefault(weight, []).append(value)
+    for name, values in found.items():
+        (reference, error0), (value, error) = mean(values[1.0]), mean(values[0.01])
+        check("23", f"{name}, weight 0.01 against 1", reference, value, math.hypot(error0, error))
