@@ -119,6 +119,30 @@ TEST(SurfaceFile, RefusesDamagedStl) {
   EXPECT_THAT(error_of(bytes, "a.stl"), AllOf(HasSubstr("triangle 2: "), HasSubstr("infinity")));
 }
 
+TEST(SurfaceFile, RefusesTheSameFaultsInEveryFormat) {
+  const auto good = ::pamr::testing::icosphere(0);
+  auto empty = good, not_finite = good, flat = good, open = good, thick = good;
+  empty.triangles.clear();
+  not_finite.points[3].y = NAN;
+  flat.points[5] = flat.points[11];  // two corners of triangle 1 in one place
+  open.triangles.pop_back();
+  thick.triangles.push_back({good.triangles[0][0], good.triangles[0][2], 7});
+  const std::pair<const char*, std::string (*)(const Triangulation&)> formats[] = {
+      {"a.stl", ::pamr::testing::as_stl_text},  {"a.stl", ::pamr::testing::as_stl_bytes},
+      {"a.obj", ::pamr::testing::as_obj},       {"a.ply", ::pamr::testing::as_ply_text},
+      {"a.ply", ::pamr::testing::as_ply_bytes}, {"a.off", ::pamr::testing::as_off}};
+  for (const auto& [name, as_bytes] : formats) {
+    const std::string bytes = as_bytes(good);
+    EXPECT_EQ(error_of(bytes, name), "") << name;
+    for (const auto& bad : {empty, not_finite, flat, open, thick})
+      EXPECT_THAT(error_of(as_bytes(bad), name), HasSubstr(name)) << bad.triangles.size();
+    EXPECT_THAT(error_of(as_bytes(open), name), HasSubstr("(open)"));
+    EXPECT_THAT(error_of(as_bytes(thick), name), HasSubstr("(non-manifold)"));
+    for (const std::size_t size : {std::size_t{0}, bytes.size() / 4, bytes.size() / 2, bytes.size() - 7})
+      EXPECT_THAT(error_of(bytes.substr(0, size), name), HasSubstr(name)) << name << " cut at " << size;
+  }
+}
+
 TEST(SurfaceFile, RefusesFilesThatAreNotThere) {
   EXPECT_THROW(read_triangulation("no/such/file.stl"), Error);
   EXPECT_THROW(read_triangulation(std::filesystem::temp_directory_path()), Error);
