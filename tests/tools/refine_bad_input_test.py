@@ -207,6 +207,12 @@ def test_lineage_that_describes_no_families():
         no_mesh_from(edit("good.hdf", "bad.hdf", "PAMR/lineage", change), "bad.hdf", "lineage")
 
 
+def test_a_patch_whose_surface_is_not_there():
+    edit(good_mesh(), "bad.hdf", "PAMR/patches/surfaces", with_entry(2, b"nope"))
+    refuses("pamr-refine", "bad.hdf", "-o", "out.hdf", says=['"ymin"', '"nope"', "found none"], creates="out.hdf")
+    run("pamr-refine", "bad.hdf", "-o", "out.hdf", "--no-project", "--quiet")
+
+
 def test_bad_marks():
     good_mesh()
     field = "VTKHDF/CellData/refine"

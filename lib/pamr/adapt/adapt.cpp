@@ -34,9 +34,12 @@ void require_flags(const par::Comm& comm, const mesh::DistMesh& mesh, std::span<
 geometry::SurfaceSet read_surfaces(const par::Comm& comm, const mesh::DistMesh& mesh, const refine::Options& options) {
   geometry::SurfaceSet surfaces;
   par::agree(comm, [&] {
-    if (options.project && !mesh.info.surfaces_toml.empty())
-      surfaces =
-          geometry::surfaces_from_toml(mesh.info.surfaces_toml, "surfaces of the mesh", mesh.info.triangulations);
+    if (!options.project) return;
+    surfaces = geometry::surfaces_from_toml(mesh.info.surfaces_toml, "surfaces of the mesh", mesh.info.triangulations);
+    for (const auto& patch : mesh.info.patches)
+      if (!patch.surface.empty() && surfaces.find(patch.surface) == nullptr)
+        throw Error("patch \"" + patch.name + "\" lies on surface \"" + patch.surface +
+                    "\": expected a surface of that name in the mesh, found none");
   });
   return surfaces;
 }
