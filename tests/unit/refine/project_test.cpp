@@ -140,6 +140,26 @@ TEST(Projection, GivesTheSameBitsForAnyDistribution) {
     }
 }
 
+TEST(Projection, LetsNewNodesOfAPlaneFollowTheWallWithinThePlane) {
+  const par::Comm comm(MPI_COMM_WORLD);
+  const auto mesh = mesh::assemble(comm, bulging_cube(comm, 2, 0.1));
+  const auto flags = near_dome(mesh, 0.4);
+
+  const auto moved = test::gather(comm, adapt::refine(comm, mesh, flags, {.marks_field = ""}).mesh);
+  const auto straight =
+      test::gather(comm, adapt::refine(comm, mesh, flags, {.project = false, .marks_field = ""}).mesh);
+
+  ASSERT_EQ(moved.node_position.size(), straight.node_position.size());
+  int n_followed = 0;
+  for (std::size_t n = 0; n < moved.node_position.size(); ++n) {
+    const auto before = straight.node_position[n], now = moved.node_position[n];
+    if (before.x != 0 || before.z == 0) continue;  // not on the plane, or at the dome
+    EXPECT_EQ(now.x, 0);
+    n_followed += now == before ? 0 : 1;
+  }
+  EXPECT_GT(n_followed, 0);
+}
+
 double least_volume_at(const mesh::BlockMesh& whole, GlobalId node) {
   double least = 1;
   for (const auto& nodes : whole.cell_to_node)
