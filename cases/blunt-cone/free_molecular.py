@@ -27,7 +27,7 @@ def row(name, values):
 
 
 print(f"{'':28}" + "".join(f"{c:>10}" for c in EXACT))
-plans = [read(f"plan{level}")["plan"] for level in range(3)]
+plans = [read(f"plan{level}") for level in range(3)]
 for level, plan in enumerate(plans):
     row(f"closed form, facets, level {level}", [plan["free_molecular"][c] for c in EXACT])
 row("closed form, exact surface", [v[0] for v in EXACT.values()])

@@ -4,7 +4,8 @@
 
 Usage: levels.py FOLDER LEVELS smoke|small|full    reads flow<i>.json and quality<i>.json in FOLDER.
 Exit code 1 when a particle was lost, (small, full) a number is not as in expected.csv or the drag grows from one level
-to the next by more than its standard error, or (full) there are too few particles, too large standard errors or too large a drag.
+to the next by more than its standard error, or (full) there are too few particles, too large standard errors or too
+large a drag.
 """
 import csv
 import json
