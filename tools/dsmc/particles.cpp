@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <cstring>
 #include <limits>
 
 #include "pamr/base/contract.hpp"
@@ -42,7 +41,7 @@ void gather(std::vector<std::uint64_t>& rows, std::vector<double>& spare, std::s
   remake(spare, order.size());
   for (std::size_t i = 0; i < order.size(); ++i) spare[i] = std::bit_cast<double>(rows[order[i]]);
   rows.resize(order.size());
-  std::memcpy(rows.data(), spare.data(), order.size() * sizeof(double));
+  for (std::size_t i = 0; i < order.size(); ++i) rows[i] = std::bit_cast<std::uint64_t>(spare[i]);
 }
 
 }  // namespace
