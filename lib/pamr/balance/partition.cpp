@@ -160,7 +160,7 @@ void choose_parts(const par::Comm& comm, const mesh::DistMesh& mesh, std::span<c
   if (has_runs) {
     runs = weighted_blocks(comm, mesh, weight, n_parts);
     const auto accepted = options.runs_accepted * faces_between_compact_parts(mesh.info.n_global_cells, n_parts);
-    if (options.method == Method::blocks ||
+    if (options.method != Method::best ||
         static_cast<double>(for_each_cut_face(comm, mesh, runs, [](PartPair) {})) <= accepted) {
       result.part = std::move(runs);
       result.method = Method::blocks;

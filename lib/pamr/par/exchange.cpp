@@ -45,10 +45,7 @@ std::vector<std::uint32_t> group_by_key(std::span<const Card> cards) {
   }
   for (std::size_t b = 1; b < end.size(); ++b) end[b] += end[b - 1];
   auto& next = end;  // of each bucket its begin, which moves to its end
-  for (std::size_t i = 0; i < cards.size(); ++i) {
-    const auto begin_of_next = next[bucket[i]]++;
-    order[begin_of_next] = static_cast<std::uint32_t>(i);
-  }
+  for (std::size_t i = 0; i < cards.size(); ++i) order[next[bucket[i]]++] = static_cast<std::uint32_t>(i);
   for (std::size_t begin = 0, b = 0; b + 1 < next.size(); begin = next[b++])
     if (next[b] - begin > 1)
       std::stable_sort(order.begin() + static_cast<std::ptrdiff_t>(begin), order.begin() + next[b],

@@ -62,6 +62,17 @@ TEST(Partition, TakesTheRunsOfAnOrderedMeshAndScotchForOneInNoOrder) {
   expect_sound(scattered, parts.part, 4);
 }
 
+TEST(Partition, CutsRunsWhereNoneIsAskedForOtherPartsThanRanks) {
+  const par::Comm comm(MPI_COMM_WORLD);
+  const auto scattered = test::refined_mesh(comm, 3);
+  const auto n_parts = static_cast<Rank>(comm.size() + 3);
+
+  const auto result = balance::partition(comm, scattered, uneven_weights(scattered), n_parts, {.method = Method::none});
+
+  EXPECT_EQ(result.method, Method::blocks);
+  expect_sound(scattered, result.part, n_parts);
+}
+
 TEST(Partition, CutsFewerFacesThanRunsOfCellsInRandomOrder) {
   const par::Comm comm(MPI_COMM_WORLD);
   const auto mesh = test::refined_mesh(comm, 3);  // its cells are in random order
