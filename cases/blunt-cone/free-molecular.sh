@@ -10,28 +10,8 @@
 #   --tools FOLDER  takes the tools from there and sets nothing up
 set -euo pipefail
 
-case_folder=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")" && pwd)
-root=$(cd -- "$case_folder/../.." && pwd)
-out=$case_folder/out/free-molecular
-ranks=2
-tools=
-while [ $# -gt 0 ]; do
-  case $1 in
-    --ranks) ranks=${2:?free-molecular.sh: --ranks needs a number}; shift 2 ;;
-    --out) out=${2:?free-molecular.sh: --out needs a folder}; shift 2 ;;
-    --tools) tools=${2:?free-molecular.sh: --tools needs a folder}; shift 2 ;;
-    -h | --help) sed -n '3,10s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
-    *) echo "free-molecular.sh: unknown option $1 (see free-molecular.sh --help)" >&2; exit 2 ;;
-  esac
-done
-if [ -z "$tools" ]; then
-  "$root/scripts/setup.sh"
-  tools=${PAMR_BUILD:-$root/build/release}/bin
-fi
-. "$root/scripts/mpi_environment.sh"
-PATH=$tools:$PATH
-mkdir -p "$out"
-on_ranks() { mpirun -q -n "$ranks" "$@"; }
+subfolder=free-molecular
+. "$(dirname -- "${BASH_SOURCE[0]}")/../start.sh"
 
 on_ranks pamr-mesh "$case_folder/case.toml" -o "$out/level0.hdf" --force
 for level in 0 1 2; do

@@ -12,30 +12,8 @@
 #   --tools FOLDER  takes the tools from there and sets nothing up
 set -euo pipefail
 
-case_folder=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")" && pwd)
-root=$(cd -- "$case_folder/../.." && pwd)
-out=$case_folder/out/geometry
-ranks=2
-levels=3
-tools=
-while [ $# -gt 0 ]; do
-  case $1 in
-    --ranks) ranks=${2:?geometry.sh: --ranks needs a number}; shift 2 ;;
-    --levels) levels=${2:?geometry.sh: --levels needs a number}; shift 2 ;;
-    --out) out=${2:?geometry.sh: --out needs a folder}; shift 2 ;;
-    --tools) tools=${2:?geometry.sh: --tools needs a folder}; shift 2 ;;
-    -h | --help) sed -n '3,12s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
-    *) echo "geometry.sh: unknown option $1 (see geometry.sh --help)" >&2; exit 2 ;;
-  esac
-done
-
-if [ -z "$tools" ]; then
-  "$root/scripts/setup.sh"
-  tools=${PAMR_BUILD:-$root/build/release}/bin
-fi
-. "$root/scripts/mpi_environment.sh"
-PATH=$tools:$PATH
-mkdir -p "$out"
+subfolder=geometry levels=3
+. "$(dirname -- "${BASH_SOURCE[0]}")/../start.sh"
 
 # Runs a tool on all ranks; its report goes to out/<report>.json, its summary line to the terminal.
 on_ranks() { # REPORT TOOL ARGUMENT...

@@ -10,6 +10,7 @@
 #   --tools FOLDER  takes the tools from there and sets nothing up
 set -euo pipefail
 
+full=no
 . "$(dirname -- "${BASH_SOURCE[0]}")/../start.sh"
 
 steps=600 levels=1

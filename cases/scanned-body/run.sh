@@ -10,30 +10,8 @@
 #   --tools FOLDER  takes the tools from there and sets nothing up
 set -euo pipefail
 
-case_folder=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")" && pwd)
-root=$(cd -- "$case_folder/../.." && pwd)
-out=$case_folder/out
-ranks=2
 levels=3
-tools=
-while [ $# -gt 0 ]; do
-  case $1 in
-    --ranks) ranks=${2:?run.sh: --ranks needs a number}; shift 2 ;;
-    --levels) levels=${2:?run.sh: --levels needs a number}; shift 2 ;;
-    --out) out=${2:?run.sh: --out needs a folder}; shift 2 ;;
-    --tools) tools=${2:?run.sh: --tools needs a folder}; shift 2 ;;
-    -h | --help) sed -n '3,10s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
-    *) echo "run.sh: unknown option $1 (see run.sh --help)" >&2; exit 2 ;;
-  esac
-done
-if [ -z "$tools" ]; then
-  "$root/scripts/setup.sh"
-  tools=${PAMR_BUILD:-$root/build/release}/bin
-fi
-. "$root/scripts/mpi_environment.sh"
-PATH=$tools:$PATH
-mkdir -p "$out"
-on_ranks() { mpirun -q -n "$ranks" "$@"; }
+. "$(dirname -- "${BASH_SOURCE[0]}")/../start.sh"
 
 /usr/bin/python3 "$case_folder/make_body.py" "$out/scan.stl" --levels 4
 cp "$case_folder/case.toml" "$out/case.toml"
