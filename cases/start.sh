@@ -1,38 +1,56 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Sourced at the start of a case's script: reads the options that such scripts have in common, sets PAMR up unless told
-# where its tools are, and leaves
+# Sourced at the start of a case's script: reads its options, sets PAMR up unless told where its tools are, and leaves
 #
-#   case_folder   folder of the script             ranks      number of MPI processes
+#   case_folder   folder of the script             ranks      number of MPI processes (--ranks)
 #   out           folder for results, made         on_ranks   runs a tool on that many
-#   full          yes after --full, where the script has set it to no before
-#   levels        of --levels, where the script has set its default before
 #
-# A script may set `subfolder` of out/ before. --help prints the comment at the head of the script.
+# Besides --ranks, --out and --tools a script has those options that it has declared before, with its defaults set:
+#
+#   declare -A values=([--levels]=levels)   options with a value, and the variables that take it
+#   declare -A flags=([--full]=full)        options without: the variable becomes yes
+#   arguments=()                            takes what is no option
+#   check_options() { ... }                 called when they are read; may set `subfolder` of out/
+#
+# With a flag `picture` the packages for pictures are installed too. --help prints the comment at the head of the script.
 script=${BASH_SOURCE[1]}
 name=$(basename -- "$script")
 case_folder=$(cd -- "$(dirname -- "$script")" && pwd)
-root=$(cd -- "$case_folder/../.." && pwd)
-out=$case_folder/out${subfolder:+/$subfolder}
-ranks=2
+root=$case_folder
+until [ -e "$root/scripts/setup.sh" ]; do root=$(dirname -- "$root"); done
+declare -p values &>/dev/null || declare -A values
+declare -p flags &>/dev/null || declare -A flags
+values+=([--ranks]=ranks [--out]=out [--tools]=tools)
+ranks=${ranks:-2}
+out=
 tools=
 while [ $# -gt 0 ]; do
-  option=$1
-  # not an option of scripts that have set no such variable
-  if [ "$1" = --full ] && [ -z "${full:-}" ]; then option=none; fi
-  if [ "$1" = --levels ] && [ -z "${levels:-}" ]; then option=none; fi
-  case $option in
-    --ranks) ranks=${2:?$name: --ranks needs a number}; shift 2 ;;
-    --full) full=yes; shift ;;
-    --levels) levels=${2:?$name: --levels needs a number}; shift 2 ;;
-    --out) out=${2:?$name: --out needs a folder}; shift 2 ;;
-    --tools) tools=${2:?$name: --tools needs a folder}; shift 2 ;;
-    -h | --help) sed -n -e '3,$!d' -e '/^#/!q' -e 's/^# \{0,1\}//p' "$script"; exit 0 ;;
-    *) echo "$name: unknown option $1 (see $name --help)" >&2; exit 2 ;;
-  esac
+  if [ -n "${values[$1]:-}" ]; then
+    if [ $# -lt 2 ]; then
+      echo "$name: $1 needs a value" >&2
+      exit 2
+    fi
+    printf -v "${values[$1]}" %s "$2"
+    shift
+  elif [ -n "${flags[$1]:-}" ]; then
+    printf -v "${flags[$1]}" yes
+  elif [ "$1" = -h ] || [ "$1" = --help ]; then
+    sed -n -e '3,$!d' -e '/^#/!q' -e 's/^# \{0,1\}//p' "$script"
+    exit 0
+  elif declare -p arguments &>/dev/null && [[ $1 != -* ]]; then
+    arguments+=("$1")
+  else
+    echo "$name: unknown option $1 (see $name --help)" >&2
+    exit 2
+  fi
+  shift
 done
+if declare -F check_options >/dev/null; then check_options; fi
+out=${out:-$case_folder/out${subfolder:+/$subfolder}}
 if [ -z "$tools" ]; then
-  "$root/scripts/setup.sh"
+  setup=()
+  if [ "${picture:-no}" = yes ]; then setup=(--picture); fi
+  "$root/scripts/setup.sh" "${setup[@]}"
   tools=${PAMR_BUILD:-$root/build/release}/bin
 fi
 . "$root/scripts/mpi_environment.sh"

@@ -12,7 +12,9 @@
 #   --tools FOLDER  takes the tools from there and sets nothing up
 set -euo pipefail
 
-subfolder=geometry levels=3
+declare -A values=([--levels]=levels)
+subfolder=geometry
+levels=3
 . "$(dirname -- "${BASH_SOURCE[0]}")/../start.sh"
 
 # Runs a tool on all ranks; its report goes to out/<report>.json, its summary line to the terminal.

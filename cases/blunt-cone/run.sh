@@ -18,30 +18,21 @@
 #   --tools FOLDER  takes the tools from there and sets nothing up
 set -euo pipefail
 
-case_folder=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")" && pwd)
-root=$(cd -- "$case_folder/../.." && pwd)
-out=$case_folder/out
-ranks=2
-levels=
-size=small
-resume=no
-picture=no
-tools=
-while [ $# -gt 0 ]; do
-  case $1 in
-    --ranks) ranks=${2:?run.sh: --ranks needs a number}; shift 2 ;;
-    --levels) levels=${2:?run.sh: --levels needs a number}; shift 2 ;;
-    --full) size=full; shift ;;
-    --smoke) size=smoke; shift ;;
-    --heat-flux) size=heat-flux; shift ;;
-    --resume) resume=yes; shift ;;
-    --picture) picture=yes; shift ;;
-    --out) out=${2:?run.sh: --out needs a folder}; shift 2 ;;
-    --tools) tools=${2:?run.sh: --tools needs a folder}; shift 2 ;;
-    -h | --help) sed -n '3,19s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
-    *) echo "run.sh: unknown option $1 (see run.sh --help)" >&2; exit 2 ;;
-  esac
-done
+declare -A values=([--levels]=levels)
+declare -A flags=([--full]=full [--smoke]=smoke [--heat-flux]=heat_flux [--resume]=resume [--picture]=picture)
+levels= full=no smoke=no heat_flux=no resume=no picture=no
+check_options() {
+  size=small
+  if [ $full = yes ]; then size=full; fi
+  if [ $smoke = yes ]; then size=smoke; fi
+  if [ $heat_flux = yes ]; then size=heat-flux; fi
+  levels=${levels:-$([ $size = full ] && echo 2 || echo 1)}
+  if ! [[ $levels =~ ^[0-2]$ ]]; then
+    echo "run.sh: --levels: expected 0, 1 or 2, found $levels" >&2
+    exit 2
+  fi
+}
+. "$(dirname -- "${BASH_SOURCE[0]}")/../start.sh"
 
 # By level: molecules a particle where the time step is the longest, averaged steps, and at most so many cells.
 cells=(0 60000 165000)
@@ -58,21 +49,6 @@ case $size in
   small) weight=(2.0e12 3.0e12 3.0e12) sampling=(500 500 500) ;;
   smoke) weight=(3.0e13 4.0e13 4.0e13) sampling=(40 40 40) transient="transient = 40" ;;
 esac
-[ -n "$levels" ] || levels=$([ $size = full ] && echo 2 || echo 1)
-if ! [[ $levels =~ ^[0-2]$ ]]; then
-  echo "run.sh: --levels: expected 0, 1 or 2, found $levels" >&2
-  exit 2
-fi
-
-if [ -z "$tools" ]; then
-  setup=()
-  if [ $picture = yes ]; then setup=(--picture); fi
-  "$root/scripts/setup.sh" "${setup[@]}"
-  tools=${PAMR_BUILD:-$root/build/release}/bin
-fi
-. "$root/scripts/mpi_environment.sh"
-PATH=$tools:$PATH
-mkdir -p "$out"
 [ $resume = yes ] || rm -f "$out"/*.hdf "$out"/*.json "$out"/*.checkpoint "$out"/*.csv
 
 # Runs a tool on all ranks unless its report is there; reports go to out/<report>.json, summary lines to the terminal.

@@ -12,39 +12,17 @@
 #   --picture      renders docs/images/charged-spheres.png from level 0 and the last level
 set -euo pipefail
 
-case_folder=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")" && pwd)
-root=$(cd -- "$case_folder/../.." && pwd)
-out=
+declare -A values=([--reading]=reading [--levels]=levels [--max-cells]=max_cells)
+declare -A flags=([--picture]=picture)
 reading=b
-ranks=2
 levels=5
 max_cells=700000
-tools=
 picture=no
-while [ $# -gt 0 ]; do
-  case $1 in
-    --reading) reading=${2:?run.sh: --reading needs a or b}; shift 2 ;;
-    --ranks) ranks=${2:?run.sh: --ranks needs a number}; shift 2 ;;
-    --levels) levels=${2:?run.sh: --levels needs a number}; shift 2 ;;
-    --max-cells) max_cells=${2:?run.sh: --max-cells needs a number}; shift 2 ;;
-    --out) out=${2:?run.sh: --out needs a folder}; shift 2 ;;
-    --tools) tools=${2:?run.sh: --tools needs a folder}; shift 2 ;;
-    --picture) picture=yes; shift ;;
-    -h | --help) sed -n '3,12s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
-    *) echo "run.sh: unknown option $1 (see run.sh --help)" >&2; exit 2 ;;
-  esac
-done
-case $reading in a | b) ;; *) echo "run.sh: expected --reading a or b, found $reading" >&2; exit 2 ;; esac
-out=${out:-$case_folder/out/reading-$reading}
-if [ -z "$tools" ]; then
-  setup=()
-  if [ $picture = yes ]; then setup=(--picture); fi
-  "$root/scripts/setup.sh" "${setup[@]}"
-  tools=${PAMR_BUILD:-$root/build/release}/bin
-fi
-. "$root/scripts/mpi_environment.sh"
-PATH=$tools:$PATH
-mkdir -p "$out"
+check_options() {
+  case $reading in a | b) ;; *) echo "run.sh: expected --reading a or b, found $reading" >&2; exit 2 ;; esac
+  subfolder=reading-$reading
+}
+. "$(dirname -- "${BASH_SOURCE[0]}")/../start.sh"
 case_file=$case_folder/reading-$reading.toml
 
 # The error of the mid-plane force decides in reading A; in reading B the whole error has a part in it, so that the

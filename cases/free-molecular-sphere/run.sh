@@ -10,6 +10,7 @@
 #   --tools FOLDER  takes the tools from there and sets nothing up
 set -euo pipefail
 
+declare -A flags=([--full]=full)
 full=no
 . "$(dirname -- "${BASH_SOURCE[0]}")/../start.sh"
 

@@ -7,36 +7,15 @@
 # CASE is RADIUS-DISTANCE-POTENTIAL-EQUATION as in expected.csv (default 1-3-3-sinh); `all`: all of them.
 set -euo pipefail
 
-case_folder=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")" && pwd)
-root=$(cd -- "$case_folder/../.." && pwd)
-out=$case_folder/out
-ranks=2
+declare -A values=([--levels]=levels [--max-cells]=max_cells)
 levels=5
 max_cells=300000
-tools=
-cases=()
-while [ $# -gt 0 ]; do
-  case $1 in
-    --ranks) ranks=${2:?run.sh: --ranks needs a number}; shift 2 ;;
-    --levels) levels=${2:?run.sh: --levels needs a number}; shift 2 ;;
-    --max-cells) max_cells=${2:?run.sh: --max-cells needs a number}; shift 2 ;;
-    --out) out=${2:?run.sh: --out needs a folder}; shift 2 ;;
-    --tools) tools=${2:?run.sh: --tools needs a folder}; shift 2 ;;
-    -h | --help) sed -n '3,7s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
-    -*) echo "run.sh: unknown option $1 (see run.sh --help)" >&2; exit 2 ;;
-    *) cases+=("$1"); shift ;;
-  esac
-done
-if [ ${#cases[@]} = 0 ]; then cases=(1-3-3-sinh); fi
+arguments=()
+. "$(dirname -- "${BASH_SOURCE[0]}")/../start.sh"
+cases=("${arguments[@]:-1-3-3-sinh}")
 if [ "${cases[0]}" = all ]; then
   mapfile -t cases < <(grep -oE '^[0-9][^,]*' "$case_folder/expected.csv")
 fi
-if [ -z "$tools" ]; then
-  "$root/scripts/setup.sh"
-  tools=${PAMR_BUILD:-$root/build/release}/bin
-fi
-. "$root/scripts/mpi_environment.sh"
-PATH=$tools:$PATH
 
 for name in "${cases[@]}"; do
   folder=$out/$name
