@@ -8,6 +8,7 @@
 
 #include "pamr/base/contract.hpp"
 #include "pamr/mesh/families.hpp"
+#include "pamr/mesh/ring.hpp"
 #include "pamr/refine/family.hpp"
 #include "pamr/refine/propagation.hpp"
 
@@ -65,8 +66,7 @@ class Halves {
   bool is_half(mesh::CellFace face) const { return (slots(face.cell) >> face.slot & 1U) != 0; }
   /// The same of the face as the own cell `next` behind it has it.
   bool is_half_behind(LocalId cell, LocalId next) const {
-    const auto& back = mesh_.cell_to_cell[at(next)];
-    return is_half({next, static_cast<int>(std::find(back.begin(), back.end(), cell) - back.begin())});
+    return is_half({next, mesh::slot_of(mesh_.cell_to_cell[at(next)], cell)});
   }
 
  private:

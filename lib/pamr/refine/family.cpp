@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "pamr/refine/family.hpp"
 
+#include <bit>
+
 namespace pamr::refine {
 
 namespace {
@@ -9,33 +11,7 @@ using mesh::tet::edge_to_corner;
 
 constexpr std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-constexpr FamilyEdge make_role(int a, int b) {
-  if (a < 4 && b < 4) return {EdgeRole::parent, mesh::tet::edge_of[at(a)][at(b)]};
-  if (a >= 4 && b >= 4) return {EdgeRole::part, -1};
-  const auto [p, q] = edge_to_corner[at((a < 4 ? b : a) - 4)];
-  const int corner = a < 4 ? a : b;
-  return {p == corner || q == corner ? EdgeRole::part : EdgeRole::bisector, -1};
-}
-
-using RoleTable = std::array<std::array<std::array<FamilyEdge, 6>, 4>, n_states>;
-
-constexpr RoleTable make_roles() {
-  RoleTable table{};
-  for (int s = 1; s < 11; ++s)
-    for (int c = 0; c < split_pattern[at(s)].n_children; ++c)
-      for (int e = 0; e < 6; ++e) {
-        const auto& nodes = split_pattern[at(s)].child_to_node[at(c)];
-        table[at(s)][at(c)][at(e)] =
-            make_role(nodes[at(edge_to_corner[at(e)][0])], nodes[at(edge_to_corner[at(e)][1])]);
-      }
-  return table;
-}
-
-constexpr RoleTable roles = make_roles();
-
 }  // namespace
-
-FamilyEdge family_edge(int state, int child, int edge) { return roles[at(state)][at(child)][at(edge)]; }
 
 FamilyView view_family(const mesh::DistMesh& mesh, const std::vector<EdgeMask>& marks, LocalId first) {
   FamilyView view;
@@ -48,16 +24,16 @@ FamilyView view_family(const mesh::DistMesh& mesh, const std::vector<EdgeMask>& 
     const auto& code = pattern.child_to_node[at(child)];
     const auto& nodes = mesh.cell_to_node[at(first + child)];
     for (int slot = 0; slot < 4; ++slot) view.node[at(code[at(slot)])] = nodes[at(slot)];
-    for (int e = 0; e < 6; ++e) {
-      if ((marks[at(first + child)] >> e & 1) == 0) continue;
-      const auto edge = family_edge(view.state, child, e);
-      const auto a = code[at(edge_to_corner[at(e)][0])], b = code[at(edge_to_corner[at(e)][1])];
-      if (edge.role == EdgeRole::parent)
-        view.parent_marks = static_cast<EdgeMask>(view.parent_marks | 1 << edge.parent_edge);
-      if (edge.role == EdgeRole::part) {
-        view.part_is_marked[at(a)] = static_cast<std::uint16_t>(view.part_is_marked[at(a)] | 1 << b);
-        view.part_is_marked[at(b)] = static_cast<std::uint16_t>(view.part_is_marked[at(b)] | 1 << a);
-      }
+    const unsigned all = marks[at(first + child)];
+    for (unsigned rest = all & edges_of_parent[at(view.state)][at(child)]; rest != 0; rest &= rest - 1)
+      view.parent_marks = static_cast<EdgeMask>(
+          view.parent_marks | 1 << family_edge(view.state, child, std::countr_zero(rest)).parent_edge);
+    for (unsigned rest = all & edges_of_parts[at(view.state)][at(child)]; rest != 0; rest &= rest - 1) {
+      const auto [p, q] = edge_to_corner[at(std::countr_zero(rest))];
+      const auto a = code[at(p)], b = code[at(q)];
+      view.part_is_marked[at(a)] = static_cast<std::uint16_t>(view.part_is_marked[at(a)] | 1 << b);
+      view.part_is_marked[at(b)] = static_cast<std::uint16_t>(view.part_is_marked[at(b)] | 1 << a);
+      view.any_part_is_marked = true;
     }
   }
   return view;
@@ -80,13 +56,17 @@ RebuiltFamily plan_family(const mesh::DistMesh& mesh, const FamilyView& family) 
   plan.first = family.first;
   const auto points = family_points(mesh, family);
   plan.state = state_of_mask[family.parent_marks];
-  plan.is_safe = is_straight(points) && is_far_from_flat(points);
+  plan.is_safe = is_straight(points, split_pattern[at(family.state)].mask) && is_far_from_flat(points);
   if (plan.state == 11) plan.state += choose_diagonal(points, plan.is_safe);
   if (plan.state < 0 || !(plan.is_safe || all_children_positive(points, plan.state))) {
     plan.state = -1;
     return plan;
   }
   const auto& pattern = split_pattern[at(plan.state)];
+  if (!family.any_part_is_marked) {
+    plan.n_children = pattern.n_children;
+    return plan;
+  }
   for (int child = 0; child < pattern.n_children; ++child) {
     const auto& code = pattern.child_to_node[at(child)];
     EdgeMask marks = 0;

@@ -22,8 +22,53 @@ struct FamilyEdge {
   int parent_edge = -1;  ///< of role `parent`
 };
 
+namespace detail {
+
+constexpr FamilyEdge make_role(int a, int b) {
+  if (a < 4 && b < 4) return {EdgeRole::parent, mesh::tet::edge_of[at(a)][at(b)]};
+  if (a >= 4 && b >= 4) return {EdgeRole::part, -1};
+  const auto [p, q] = mesh::tet::edge_to_corner[at((a < 4 ? b : a) - 4)];
+  const int corner = a < 4 ? a : b;
+  return {p == corner || q == corner ? EdgeRole::part : EdgeRole::bisector, -1};
+}
+
+using RoleTable = std::array<std::array<std::array<FamilyEdge, 6>, 4>, n_states>;
+
+constexpr RoleTable make_roles() {
+  RoleTable table{};
+  for (int s = 1; s < 11; ++s)
+    for (int c = 0; c < split_pattern[at(s)].n_children; ++c)
+      for (int e = 0; e < 6; ++e) {
+        const auto& nodes = split_pattern[at(s)].child_to_node[at(c)];
+        const auto [p, q] = mesh::tet::edge_to_corner[at(e)];
+        table[at(s)][at(c)][at(e)] = make_role(nodes[at(p)], nodes[at(q)]);
+      }
+  return table;
+}
+
+constexpr auto make_masks(const RoleTable& roles, EdgeRole role) {
+  std::array<std::array<EdgeMask, 4>, n_states> table{};
+  for (int s = 1; s < 11; ++s)
+    for (int c = 0; c < split_pattern[at(s)].n_children; ++c)
+      for (int e = 0; e < 6; ++e)
+        if (roles[at(s)][at(c)][at(e)].role == role)
+          table[at(s)][at(c)] = static_cast<EdgeMask>(table[at(s)][at(c)] | 1U << e);
+  return table;
+}
+
+}  // namespace detail
+
+/// Role of each edge of each member in a family made by a state: `family_edges[state][child][edge]`.
+inline constexpr auto family_edges = detail::make_roles();
+
+/// Edges of that role in each member: `edges_of_parent[state][child]`, `edges_of_parts[state][child]`.
+inline constexpr auto edges_of_parent = detail::make_masks(family_edges, EdgeRole::parent);
+inline constexpr auto edges_of_parts = detail::make_masks(family_edges, EdgeRole::part);
+
 /// Role of edge `edge` of member `child` in a family made by `state`.
-FamilyEdge family_edge(int state, int child, int edge);
+constexpr FamilyEdge family_edge(int state, int child, int edge) {
+  return family_edges[detail::at(state)][detail::at(child)][detail::at(edge)];
+}
 
 /// A closure family seen as its parent: nodes and marks by node code.
 struct FamilyView {
@@ -32,6 +77,7 @@ struct FamilyView {
   std::array<LocalId, 10> node{};                  ///< by code; `invalid_local` where there is none yet
   EdgeMask parent_marks = 0;                       ///< edges of the parent with a midpoint, old or new
   std::array<std::uint16_t, 10> part_is_marked{};  ///< bit b of entry a: the part from code a to code b is marked
+  bool any_part_is_marked = false;
 };
 
 /// Gathers a whole family from its first member and the marks of its members. Local.

@@ -67,52 +67,48 @@ EdgeMask face_implied_by_short_edge(const mesh::DistMesh& mesh, LocalId cell, in
 
 namespace {
 
-/// The poorest shape that closing one of the marked edges, or the marked face, of a straight cell makes, from its edges
-/// alone: children of 1:2 have half of the volume each, those of 1:4 a quarter, and the squared length of a median is
-/// (2 a^2 + 2 b^2 - c^2) / 4.
-double poorest_closing(const geometry::TetPoints& corner, EdgeMask marks) {
-  std::array<std::array<double, 4>, 4> squared{};
-  for (const auto [a, b] : mesh::tet::edge_to_corner)
-    squared[at(a)][at(b)] = squared[at(b)][at(a)] = geometry::squared_norm(corner[at(a)] - corner[at(b)]);
-  const auto median = [&](int from, int a, int b) {
-    return 0.25 * (2 * squared[at(from)][at(a)] + 2 * squared[at(from)][at(b)] - squared[at(a)][at(b)]);
-  };
-  double largest_half = 0;  // sum of squared edges of a child of 1:2
+/// True when closing any one of the marked edges, or the marked face, of a straight cell makes shapes of `limit` or
+/// better, from its edges alone. Squared lengths: a median is (2 a^2 + 2 b^2 - c^2) / 4, with which the sums over the
+/// edges of a child become sums over those of the cell. Children of 1:2 have half of the volume each, those of 1:4 a
+/// quarter.
+bool all_close_well(const geometry::TetPoints& corner, EdgeMask marks, double limit) {
+  std::array<double, 6> squared{};
+  double all = 0;
+  for (std::size_t e = 0; e < 6; ++e) {
+    const auto [a, b] = mesh::tet::edge_to_corner[e];
+    squared[e] = geometry::squared_norm(corner[at(a)] - corner[at(b)]);
+    all += squared[e];
+  }
+  const auto between = [&squared](int a, int b) { return squared[at(mesh::tet::edge_of[at(a)][at(b)])]; };
+  double largest = 0;  // sum of squared edges of a child of 1:2
   for (unsigned rest = marks; rest != 0; rest &= rest - 1) {
-    const auto [a, b] = mesh::tet::edge_to_corner[at(std::countr_zero(rest))];
-    const auto [c, d] = mesh::tet::edge_to_corner[at(mesh::tet::opposite_edge(std::countr_zero(rest)))];
-    const double both = 0.25 * squared[at(a)][at(b)] + squared[at(c)][at(d)] + median(c, a, b) + median(d, a, b);
-    largest_half = std::max({largest_half, both + squared[at(a)][at(c)] + squared[at(a)][at(d)],
-                             both + squared[at(b)][at(c)] + squared[at(b)][at(d)]});
+    const int e = std::countr_zero(rest), opposite = mesh::tet::opposite_edge(e);
+    const auto [a, b] = mesh::tet::edge_to_corner[at(e)];
+    const auto [c, d] = mesh::tet::edge_to_corner[at(opposite)];
+    const double longer = std::max(between(a, c) + between(a, d), between(b, c) + between(b, d));
+    largest = std::max(largest, 0.5 * (all + squared[at(opposite)]) - 0.75 * squared[at(e)] + longer);
   }
   const double v = geometry::volume(corner), halved = 0.25 * v * std::abs(v);
-  double worst = halved / (largest_half * largest_half * largest_half);
-  if (std::popcount(static_cast<unsigned>(marks)) == 3) {
-    const int state = state_of_mask[marks], top = state - 7;  // face f lies opposite corner f
-    std::array<int, 3> base{};
-    for (int i = 0, n = 0; i < 4; ++i)
-      if (i != top) base[at(n++)] = i;
-    double quarter = 0;
-    std::array<double, 3> of_edge{};  // median from the top to the middle of the edge opposite base corner i
-    for (int i = 0; i < 3; ++i) {
-      const int a = base[at((i + 1) % 3)], b = base[at((i + 2) % 3)];
-      quarter += 0.25 * squared[at(a)][at(b)];
-      of_edge[at(i)] = median(top, a, b);
-    }
-    double largest = quarter + of_edge[0] + of_edge[1] + of_edge[2];
-    for (int i = 0; i < 3; ++i)
-      largest = std::max(
-          largest, quarter + squared[at(top)][at(base[at(i)])] + of_edge[at((i + 1) % 3)] + of_edge[at((i + 2) % 3)]);
-    worst = std::min(worst, 0.25 * halved / (largest * largest * largest));
+  if (halved < limit * largest * largest * largest) return false;
+  const int state = state_of_mask[marks];
+  if (state < 7) return true;
+  const int top = state - 7;  // face f lies opposite corner f
+  double upright = 0, most = 0;
+  for (int i = 0; i < 4; ++i) {
+    if (i == top) continue;
+    const int e = mesh::tet::edge_of[at(top)][at(i)];
+    upright += squared[at(e)];
+    most = std::max(most, 1.5 * squared[at(e)] + 0.25 * squared[at(mesh::tet::opposite_edge(e))]);
   }
-  return worst;
+  const double largest_quarter = std::max(upright, 0.5 * upright + most);
+  return 0.25 * halved >= limit * largest_quarter * largest_quarter * largest_quarter;
 }
 
 }  // namespace
 
 bool closes_badly(const geometry::TetPoints& corner, EdgeMask marks) {
   if (marks == 0 || marks == all_edges) return false;
-  if (poorest_closing(corner, marks) >= cubed(poorest_closure) * (1 + 1e-9)) return false;
+  if (all_close_well(corner, marks, cubed(poorest_closure) * (1 + 1e-9))) return false;
   const auto points = straight_points(corner);
   double worst = std::popcount(marks) == 3 ? worst_shape(points, state_of_mask[marks]) : 1;
   for (int e = 0; e < 6; ++e)

@@ -71,21 +71,57 @@ void Propagation::mark(LocalId cell, int edge) {
 }
 
 void Propagation::add_marks(LocalId cell, EdgeMask wanted) {
-  for (int e = 0; e < 6; ++e)
-    if ((wanted >> e & 1) != 0) mark(cell, e);
+  for (unsigned rest = wanted & ~static_cast<unsigned>(marks_[at(cell)]); rest != 0; rest &= rest - 1)
+    mark(cell, std::countr_zero(rest));
+}
+
+/// Has what a waiting cell's rule reads fetched from memory: first its nodes, later their positions.
+void Propagation::prefetch_cell(LocalId cell) const {
+  __builtin_prefetch(&mesh_.cell_to_node[at(cell)]);
+  __builtin_prefetch(&mesh_.cell_to_cell[at(cell)]);
+  __builtin_prefetch(&mesh_.lineage[at(cell)]);
+}
+
+void Propagation::prefetch_points(LocalId cell) const {
+  if (!is_removable(cell)) {
+    for (const auto node : mesh_.cell_to_node[at(cell)]) __builtin_prefetch(&mesh_.node_position[at(node)]);
+    return;
+  }
+  for (int child = 0; child < mesh_.lineage[at(cell)].family_size(); ++child)
+    for (const auto next : mesh_.cell_to_cell[at(cell + child)])
+      if (mesh_.is_own(next)) {
+        __builtin_prefetch(&mesh_.cell_to_node[at(next)]);
+        __builtin_prefetch(&mesh_.cell_to_cell[at(next)]);
+      }
 }
 
 void Propagation::settle() {
+  constexpr std::size_t ahead = 20;
+  std::vector<LocalId> batch;
   while (!waiting_.empty()) {
-    const auto cell = waiting_.back();
-    waiting_.pop_back();
-    auto& marks = marks_[at(cell)];
-    marks = static_cast<EdgeMask>(marks & ~waiting);
-    if (is_removable(cell))
-      apply_family_rule(cell);
-    else
-      add_marks(cell, required_marks(mesh_, cell, static_cast<EdgeMask>(marks & all_edges), policy_));
+    batch.clear();
+    if (waiting_.size() > marks_.size() / 64) {
+      for (std::size_t c = 0; c < marks_.size(); ++c)
+        if ((marks_[c] & waiting) != 0) batch.push_back(static_cast<LocalId>(c));
+      waiting_.clear();
+    } else {
+      batch.swap(waiting_);
+    }
+    for (std::size_t i = 0; i < batch.size(); ++i) {
+      if (i + 2 * ahead < batch.size()) prefetch_cell(batch[i + 2 * ahead]);
+      if (i + ahead < batch.size()) prefetch_points(batch[i + ahead]);
+      apply_rule(batch[i]);
+    }
   }
+}
+
+void Propagation::apply_rule(LocalId cell) {
+  auto& marks = marks_[at(cell)];
+  marks = static_cast<EdgeMask>(marks & ~waiting);
+  if (is_removable(cell))
+    apply_family_rule(cell);
+  else
+    add_marks(cell, required_marks(mesh_, cell, static_cast<EdgeMask>(marks & all_edges), policy_));
 }
 
 /// A red parent: all its edges are marked. Those that have a midpoint already are no edges any more.
@@ -94,8 +130,7 @@ void Propagation::make_red(LocalId first, int state) {
   if ((flag & family_is_red) != 0) return;
   flag = static_cast<EdgeMask>(flag | family_is_red);
   for (int child = 0; child < split_pattern[at(state)].n_children; ++child)
-    for (int e = 0; e < 6; ++e)
-      if (family_edge(state, child, e).role == EdgeRole::parent) mark(first + child, e);
+    add_marks(first + child, edges_of_parent[at(state)][at(child)]);
 }
 
 geometry::TetPoints Propagation::parent_corners(LocalId first, int state) const {
@@ -116,18 +151,15 @@ void Propagation::apply_family_rule(LocalId first) {
   unsigned parent_marks = pattern.mask;
   bool is_red = (marks_[at(first)] & family_is_red) != 0;
   for (int child = 0; child < pattern.n_children; ++child) {
-    auto marks = static_cast<EdgeMask>(marks_[at(first + child)] & all_edges);
+    const auto marks = static_cast<EdgeMask>(marks_[at(first + child)] & all_edges);
     if (pattern.kind == mesh::FamilyKind::face) {
       const auto on_face = static_cast<EdgeMask>(marks & mesh::tet::face_edge_mask[at(pattern.index)]);
       if (std::popcount(on_face) == 2) add_marks(first + child, mesh::tet::face_edge_mask[at(pattern.index)]);
     }
-    for (; marks != 0; marks = static_cast<EdgeMask>(marks & (marks - 1))) {
-      const auto edge = family_edge(state, child, std::countr_zero(marks));
-      if (edge.role == EdgeRole::parent)
-        parent_marks |= 1U << edge.parent_edge;
-      else
-        is_red = true;
-    }
+    const auto of_parent = edges_of_parent[at(state)][at(child)];
+    is_red = is_red || (marks & ~of_parent) != 0;
+    for (unsigned rest = marks & of_parent; rest != 0; rest &= rest - 1)
+      parent_marks |= 1U << family_edge(state, child, std::countr_zero(rest)).parent_edge;
   }
   const auto legal = legal_mask[parent_marks];
   if (!is_red && legal == pattern.mask) return;

@@ -39,6 +39,9 @@ class Propagation {
   void start_from_flags(std::span<const std::uint8_t> flags);
   void set_mark(LocalId cell, int edge);
   void add_marks(LocalId cell, EdgeMask wanted);
+  void prefetch_cell(LocalId cell) const;
+  void prefetch_points(LocalId cell) const;
+  void apply_rule(LocalId cell);
   void apply_family_rule(LocalId first);
   void make_red(LocalId first, int state);
   geometry::TetPoints parent_corners(LocalId first, int state) const;

@@ -36,6 +36,12 @@ Own describe(const mesh::DistMesh& mesh, const BorderFace& border) {
 
 }  // namespace
 
+Rank rank_of_ghost(const mesh::DistMesh& mesh, LocalId slot) {
+  const auto k = at(slot - mesh.n_cells());
+  const auto next = std::upper_bound(mesh.border_offset.begin(), mesh.border_offset.end(), k);
+  return mesh.border_rank[at(next - mesh.border_offset.begin() - 1)];
+}
+
 void link_border(const par::Comm& comm, const std::vector<BorderFace>& faces, mesh::DistMesh& fine) {
   std::vector<Own> own;
   own.reserve(faces.size());

@@ -14,6 +14,9 @@ struct BorderFace {
   Rank rank = 0;
 };
 
+/// The rank on the other side of a face ghost: a neighbour slot from n_cells on.
+Rank rank_of_ghost(const mesh::DistMesh& mesh, LocalId slot);
+
 /// Fills the rank-border arrays of `fine` and the ghost slots of its cells: each rank tells its neighbours the global
 /// nodes of its new border faces and the cell behind them, and both list what they share in the order of those nodes.
 /// Collective: one sparse exchange; bytes and memory proportional to the rank border.

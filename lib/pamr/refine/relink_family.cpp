@@ -1,0 +1,264 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "pamr/refine/relink_family.hpp"
+
+#include "pamr/mesh/ring.hpp"
+
+namespace pamr::refine {
+
+namespace {
+
+constexpr std::size_t at(std::int64_t i) { return static_cast<std::size_t>(i); }
+
+/// Old cells in a block of the index of families.
+constexpr int block_bits = 5;
+
+/// How a face between two siblings looks from the other one: its slot there, and the slots of its corners.
+struct Facing {
+  std::int8_t face = -1;
+  std::array<std::int8_t, 4> corner{};
+};
+
+using FacingTable = std::array<std::array<std::array<Facing, 4>, max_children>, n_states>;
+
+constexpr FacingTable make_facings() {
+  FacingTable table{};
+  for (int s = 1; s < n_states; ++s) {
+    const auto& pattern = split_pattern[at(s)];
+    for (int c = 0; c < pattern.n_children; ++c)
+      for (int f = 0; f < 4; ++f) {
+        const int sibling = pattern.child_to_child[at(c)][at(f)];
+        if (sibling < 0) continue;
+        auto& facing = table[at(s)][at(c)][at(f)];
+        for (int there = 0; there < 4; ++there) {
+          if (pattern.child_to_child[at(sibling)][at(there)] == c) facing.face = static_cast<std::int8_t>(there);
+          for (int here = 0; here < 4; ++here)
+            if (pattern.child_to_node[at(c)][at(here)] == pattern.child_to_node[at(sibling)][at(there)])
+              facing.corner[at(here)] = static_cast<std::int8_t>(there);
+        }
+      }
+  }
+  return table;
+}
+
+constexpr FacingTable facings = make_facings();
+
+/// One of three: a face without marks, with one, with three.
+enum class FaceSplit : std::uint8_t { none, halves, quarters };
+
+FaceSplit split_of(const SplitPattern& pattern, int face) {
+  const auto& child = pattern.face_to_child[at(face)];
+  return child[whole] >= 0 ? FaceSplit::none : child[centre] >= 0 ? FaceSplit::quarters : FaceSplit::halves;
+}
+
+}  // namespace
+
+FamilyLinker::FamilyLinker(const mesh::DistMesh& old, const Closure& closure, const Numbering& numbering,
+                           const Children& children, mesh::DistMesh& fine, std::vector<BorderFace>& border)
+    : old_(old), closure_(closure), numbering_(numbering), children_(children), fine_(fine), border_(border) {
+  if (closure.rebuilt.empty()) return;
+  block_to_family_.reserve(at(old.n_cells() >> block_bits) + 1);
+  LocalId family = 0;
+  for (LocalId block = 0; block <= old.n_cells() >> block_bits; ++block) {
+    while (at(family) < closure.rebuilt.size() && closure.rebuilt[at(family)].first >> block_bits < block) ++family;
+    block_to_family_.push_back(family);
+  }
+}
+
+const RebuiltFamily& FamilyLinker::family_of(LocalId first_member) const {
+  auto i = at(block_to_family_[at(first_member >> block_bits)]);
+  while (closure_.rebuilt[i].first < first_member) ++i;
+  return closure_.rebuilt[i];
+}
+
+void FamilyLinker::link(std::size_t i) {
+  constexpr std::size_t ahead = 4;
+  if (i + ahead < closure_.rebuilt.size()) prefetch_neighbours(closure_.rebuilt[i + ahead].first);
+  const auto parent = gather(closure_.rebuilt[i]);
+  link_siblings(parent);
+  for (int face = 0; face < 4; ++face) link_face(parent, face);
+}
+
+/// Has what stands round a family fetched while earlier ones are linked: its neighbours are scattered in memory.
+void FamilyLinker::prefetch_neighbours(LocalId first) const {
+  const auto end = first + old_.lineage[at(first)].family_size();
+  for (auto member = first; member < end; ++member)
+    for (const auto next : old_.cell_to_cell[at(member)]) {
+      if (!old_.is_own(next) || (first <= next && next < end)) continue;
+      __builtin_prefetch(&old_.cell_to_cell[at(next)]);
+      __builtin_prefetch(&old_.cell_to_node[at(next)]);
+      __builtin_prefetch(&numbering_.first_child[at(next)]);
+      __builtin_prefetch(&closure_.action[at(next)]);
+      __builtin_prefetch(&children_.state[at(next)]);
+    }
+}
+
+FamilyLinker::Parent FamilyLinker::gather(const RebuiltFamily& family) const {
+  Parent parent;
+  parent.first_member = family.first;
+  parent.before = &split_pattern[at(state_of_family(old_.lineage[at(family.first)]))];
+  parent.now = &split_pattern[at(family.state)];
+  auto next = numbering_.first_child[at(family.first)];
+  for (int child = 0; child < parent.now->n_children; ++child) {
+    parent.child[at(child)] = &split_pattern[at(state_of_mask[family.child_marks[at(child)]])];
+    parent.start[at(child)] = next;
+    next += parent.child[at(child)]->n_children;
+  }
+  parent.node.fill(invalid_local);
+  for (int member = 0; member < parent.before->n_children; ++member)
+    for (int slot = 0; slot < 4; ++slot)
+      parent.node[at(parent.before->child_to_node[at(member)][at(slot)])] =
+          old_.cell_to_node[at(family.first + member)][at(slot)];
+  return parent;
+}
+
+/// Siblings of both generations.
+void FamilyLinker::link_siblings(const Parent& parent) {
+  const auto& facing_here = facings[at(parent.now - split_pattern.data())];
+  for (int c = 0; c < parent.now->n_children; ++c) {
+    const auto& child = *parent.child[at(c)];
+    const auto start = parent.start[at(c)];
+    if (child.n_children > 1)
+      for (int grandchild = 0; grandchild < child.n_children; ++grandchild)
+        for (int slot = 0; slot < 4; ++slot) {
+          const int link = child.child_to_child[at(grandchild)][at(slot)];
+          if (link >= 0) set({start + grandchild, slot}, start + link);
+        }
+    for (int face = 0; face < 4; ++face) {
+      const int sibling = parent.now->child_to_child[at(c)][at(face)];
+      if (sibling < 0) continue;
+      const auto& facing = facing_here[at(c)][at(face)];
+      const auto& child_there = parent.child[at(sibling)]->face_to_child[at(facing.face)];
+      const auto start_there = parent.start[at(sibling)];
+      const auto& child_at = child.face_to_child[at(face)];
+      const auto& slot_at = child.face_to_slot[at(face)];
+      if (child_at[whole] >= 0) {
+        set({start + child_at[whole], slot_at[whole]}, start_there + child_there[whole]);
+        continue;
+      }
+      for (int place = 0; place <= centre; ++place)
+        if (child_at[at(place)] >= 0)
+          set({start + child_at[at(place)], slot_at[at(place)]},
+              start_there + child_there[at(place < 4 ? facing.corner[at(place)] : place)]);
+    }
+  }
+}
+
+/// A face that was split and keeps its parts is linked part by part of the old face; any other as one: one rank, patch
+/// or cell holds all of its other side, or a family that was taken back too.
+void FamilyLinker::link_face(const Parent& parent, int face) {
+  const auto& before = *parent.before;
+  const bool keeps_parts = split_of(before, face) == split_of(*parent.now, face);
+  for (int place = 0; place < n_places; ++place) {
+    const int member = before.face_to_child[at(face)][at(place)];
+    if (member < 0) continue;
+    const mesh::CellFace behind{parent.first_member + member, before.face_to_slot[at(face)][at(place)]};
+    if (!keeps_parts || place == whole) {
+      link_region(parent, face, all_places, behind);
+      return;
+    }
+    if (link_region(parent, face, place, behind)) return;
+  }
+}
+
+/// Links the part `place` of a face, or all of it, to what is behind the old face `behind`. True when that is all of
+/// the parent's face already.
+bool FamilyLinker::link_region(const Parent& parent, int face, int place, mesh::CellFace behind) {
+  const auto next = old_.cell_to_cell[at(behind.cell)][at(behind.slot)];
+  if (next < 0) {
+    for_each_part(parent, face, place, [&](mesh::CellFace part, Name, Name) { set(part, next); });
+    return false;
+  }
+  if (old_.is_ghost(next)) {
+    const auto rank = rank_of_ghost(old_, next);
+    for_each_part(parent, face, place, [&](mesh::CellFace part, Name, Name) { border_.push_back({part, rank}); });
+    return false;
+  }
+  const int there = mesh::slot_of(old_.cell_to_cell[at(next)], behind.cell);
+  if (closure_.action[at(next)] != Action::split) return link_to_family(parent, face, place, next, there);
+
+  const auto& pattern = split_pattern[children_.state[at(next)]];
+  const auto& child_there = pattern.face_to_child[at(there)];
+  const auto& slot_there = pattern.face_to_slot[at(there)];
+  const auto start_there = numbering_.first_child[at(next)];
+  const auto& corner_there = old_.cell_to_node[at(next)];
+  for_each_part(parent, face, place, [&](mesh::CellFace part, Name name, Name) {
+    const int twin = child_there[whole] >= 0 ? whole : name == name_centre ? centre : mesh::slot_of(corner_there, name);
+    set_both(part, {start_there + child_there[at(twin)], slot_there[at(twin)]});
+  });
+  return false;
+}
+
+/// The other side was taken back as well. Where both parents show the same number of marks, they have the whole face in
+/// common; otherwise a face of the one is a quarter of a face of the other.
+bool FamilyLinker::link_to_family(const Parent& parent, int face, int place, LocalId next, int face_there) {
+  const auto lineage = old_.lineage[at(next)];
+  const auto first = next - lineage.child();
+  const auto& before = split_pattern[at(state_of_family(lineage))];
+  const int link = before.child_to_child[at(lineage.child())][at(face_there)];
+  const bool is_common = split_of(*parent.before, face) == split_of(before, outer_face(link));
+  if (first > parent.first_member) return is_common;  // which links both
+  const auto other = gather(family_of(first));
+  const int place_there = is_common || outer_place(link) == whole ? all_places : outer_place(link);
+  for_each_part(parent, face, is_common ? all_places : place, [&](mesh::CellFace part, Name first_name, Name second) {
+    set_both(part, find(other, outer_face(link), place_there, first_name, second));
+  });
+  return is_common;
+}
+
+/// The part of a face that bears these names: of the face when `place` is `all_places`, then of the child's face there;
+/// otherwise of the child's face at `place`.
+mesh::CellFace FamilyLinker::find(const Parent& parent, int face, int place, Name first, Name second) const {
+  const auto& faces = parent.now->face_to_child[at(face)];
+  if (place == all_places) {
+    place = whole;
+    if (faces[whole] < 0) {
+      place = centre;
+      for (int corner = 0; corner < 4; ++corner)
+        if (parent.node[at(corner)] == first) place = corner;
+    }
+    first = second;
+  }
+  const int c = faces[at(place)];
+  const int slot = parent.now->face_to_slot[at(face)][at(place)];
+  const auto& child = *parent.child[at(c)];
+  int part = whole;
+  if (child.face_to_child[at(slot)][whole] < 0) {
+    part = centre;
+    for (int corner = 0; corner < 4; ++corner)
+      if (parent.node[at(parent.now->child_to_node[at(c)][at(corner)])] == first) part = corner;
+  }
+  return {parent.start[at(c)] + child.face_to_child[at(slot)][at(part)], child.face_to_slot[at(slot)][at(part)]};
+}
+
+/// Visits the new faces in a part of a parent's face, or in all of it: `visit(face, first, second)`, the names of the
+/// part: of the face and of the child's face when `place` is `all_places`; otherwise of the child's face.
+template <class Visit>
+void FamilyLinker::for_each_part(const Parent& parent, int face, int place, Visit&& visit) const {
+  const auto& faces = parent.now->face_to_child[at(face)];
+  const int begin = place == all_places ? 0 : place, end = place == all_places ? n_places : place + 1;
+  for (int p = begin; p < end; ++p) {
+    const int c = faces[at(p)];
+    if (c < 0) continue;
+    const int slot = parent.now->face_to_slot[at(face)][at(p)];
+    const auto& child = *parent.child[at(c)];
+    const auto& child_at = child.face_to_child[at(slot)];
+    const auto& slot_at = child.face_to_slot[at(slot)];
+    const Name outer = p < 4 ? parent.node[at(p)] : p == centre ? name_centre : name_whole;
+    const auto visit_part = [&](int q, Name inner) {
+      const mesh::CellFace part{parent.start[at(c)] + child_at[at(q)], slot_at[at(q)]};
+      if (place == all_places)
+        visit(part, outer, inner);
+      else
+        visit(part, inner, name_whole);
+    };
+    if (child_at[whole] >= 0) {
+      visit_part(whole, name_whole);
+      continue;
+    }
+    for (int corner = 0; corner < 4; ++corner)
+      if (child_at[at(corner)] >= 0) visit_part(corner, parent.node[at(parent.now->child_to_node[at(c)][at(corner)])]);
+    if (child_at[centre] >= 0) visit_part(centre, name_centre);
+  }
+}
+
+}  // namespace pamr::refine

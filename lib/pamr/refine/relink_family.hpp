@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <vector>
+
+#include "pamr/mesh/dist_mesh.hpp"
+#include "pamr/refine/closure.hpp"
+#include "pamr/refine/number.hpp"
+#include "pamr/refine/relink_border.hpp"
+#include "pamr/refine/subdivide.hpp"
+
+namespace pamr::refine {
+
+/// Links the children of families that are taken back: their siblings by table, then each face of the parent as a whole
+/// to what is behind it now. The parts of such a face are called by the corners that they keep, which both sides know,
+/// so nothing is searched, not even between two families. Writes the links of both sides, also into children of cells
+/// that are split by their own pattern. Local. Cost: constant for each child.
+class FamilyLinker {
+ public:
+  /// `fine.cell_to_cell` has room for all children. Faces on the rank border are added to `border`.
+  FamilyLinker(const mesh::DistMesh& old, const Closure& closure, const Numbering& numbering, const Children& children,
+               mesh::DistMesh& fine, std::vector<BorderFace>& border);
+
+  /// Links the family `closure.rebuilt[i]`; of two families side by side the later one links both. Call for all,
+  /// ascending or not.
+  void link(std::size_t i);
+
+ private:
+  /// A parent that is split anew, with what is needed to find a child by the face and the part that it shows.
+  struct Parent {
+    LocalId first_member = invalid_local;
+    const SplitPattern* before = nullptr;  ///< how it was split in the old mesh
+    const SplitPattern* now = nullptr;
+    std::array<const SplitPattern*, max_children> child{};  ///< how each child is split once more
+    std::array<LocalId, max_children> start{};              ///< first grandchild of each child
+    std::array<LocalId, 10> node{};                         ///< old nodes by code: corners and midpoints there were
+  };
+  /// A part of a triangle: the corner node that it keeps, or `name_centre`, or `name_whole`.
+  using Name = LocalId;
+  static constexpr Name name_centre = -2;
+  static constexpr Name name_whole = -3;
+  /// All parts of a parent's face.
+  static constexpr int all_places = -1;
+
+  Parent gather(const RebuiltFamily& family) const;
+  const RebuiltFamily& family_of(LocalId first_member) const;
+  void prefetch_neighbours(LocalId first) const;
+  void link_siblings(const Parent& parent);
+  void link_face(const Parent& parent, int face);
+  bool link_region(const Parent& parent, int face, int place, mesh::CellFace behind);
+  bool link_to_family(const Parent& parent, int face, int place, LocalId next, int face_there);
+  mesh::CellFace find(const Parent& parent, int face, int place, Name first, Name second) const;
+  template <class Visit>
+  void for_each_part(const Parent& parent, int face, int place, Visit&& visit) const;
+
+  void set(mesh::CellFace face, LocalId neighbour) {
+    fine_.cell_to_cell[static_cast<std::size_t>(face.cell)][static_cast<std::size_t>(face.slot)] = neighbour;
+  }
+  void set_both(mesh::CellFace a, mesh::CellFace b) {
+    set(a, b.cell);
+    set(b, a.cell);
+  }
+
+  const mesh::DistMesh& old_;
+  const Closure& closure_;
+  const Numbering& numbering_;
+  const Children& children_;
+  mesh::DistMesh& fine_;
+  std::vector<BorderFace>& border_;
+  std::vector<LocalId> block_to_family_;  ///< of each block of old cells: its first family or one after it
+};
+
+}  // namespace pamr::refine
