@@ -112,6 +112,23 @@ def relaxation():
         check("6", f"T_rot / T_tr after 24 to 32 tau, {model}", np.mean(exact_ratio), value, error, bar=0.003)
 
 
+def equilibrium():
+    """Nitrogen that is in equilibrium stays there, whatever the step: rotation over translation, from 10 to 50 collision times."""
+    n, t, cubes, per_cell = 1e22, 340.0, 14, 20.0
+    for fraction, partner in ((0.2, "nearest"), (0.1, "nearest"), (0.05, "nearest"), (0.2, "any")):
+        dt = fraction / frequency(NITROGEN, n, t)
+        start, most = round(10 / fraction), round(50 / fraction)
+        found = []
+        for seed in range(1, runs.SEEDS + 1):
+            rows = compute("equilibrium", {**gas(N2=NITROGEN), "gas.rotation": {"probability": 0.2}, "stream.free": dict(density=n, temperature=t),
+                                           **walls("specular"), "collisions": {"partner": partner}, "particles": dict(per_cell=per_cell),
+                                           "domain": dict(unit=1.3e-3), "time": dict(step=dt),
+                                           "run": dict(transient=0, sampling=most, block=1)}, cube(cubes), seed)["history"][start:]
+            found += [sum(x["T_rot"] for x in part) / sum(x["T_tr"] for x in part) for part in np.array_split(rows, 8)]
+        value, error = mean(found)
+        check("6", f"T_rot / T_tr in equilibrium, step {fraction} tau, partner {partner}", 1.0, value, error, bar=0.003, most=0.0007)
+
+
 def flux():
     n, t, weight = 1e20, 300.0, 1e16
     for s in (0.0, 1.0, 5.0, -1.0):
@@ -300,7 +317,7 @@ normal = [1, 0, 0]
 def main():
     runs.OUT, runs.RANKS, runs.SEEDS = pathlib.Path(sys.argv[1]).resolve(), int(sys.argv[2]), int(sys.argv[3])
     from dsmc_flows import conductivity_cases, steps, trace, viscosity_cases
-    all_cases = {"collision-rate": collision_rate, "relaxation": relaxation, "flux": flux,
+    all_cases = {"collision-rate": collision_rate, "relaxation": relaxation, "equilibrium": equilibrium, "flux": flux,
                  "plate": lambda: (plate(), plate("maxwell")), "sphere": sphere, "newton": newton, "fourier": fourier, "couette": couette,
                  "transition": transition, "tube": tube, "conductivity": conductivity_cases, "viscosity": viscosity_cases, "steps": steps, "trace": trace}
     for name in sys.argv[4:] or all_cases:

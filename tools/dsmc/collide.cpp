@@ -43,6 +43,30 @@ double temperature_of(const Gas& gas, const Particles& p, std::uint32_t begin, s
   return (energy - squared_norm(momentum) / mass) / (3 * boltzmann * (molecules - molecules / (end - begin)));
 }
 
+/// Chance that one of two colliding molecules exchanges rotational energy, and whether it had to be cut.
+struct Exchange {
+  double a = 0, b = 0;
+  bool is_clamped = false;
+};
+Exchange exchange_chances(const Gas& gas, std::size_t sa, std::size_t sb, double temperature) {
+  constexpr double most = 0.5;
+  const double omega = 1 - gas.pair(sa, sb).exponent;
+  const double a = relaxation_probability(gas.rotation, gas.species[sa].rotational_degrees, omega, temperature);
+  const double b = relaxation_probability(gas.rotation, gas.species[sb].rotational_degrees, omega, temperature);
+  return {std::min(a, most), std::min(b, most), a > most || b > most};
+}
+
+/// The greatest chance of an exchange in a collision of any two molecules.
+double greatest_exchange(const Gas& gas, double temperature) {
+  double greatest = 0;
+  for (std::size_t a = 0; a < gas.species.size(); ++a)
+    for (std::size_t b = a; b < gas.species.size(); ++b) {
+      const auto chance = exchange_chances(gas, a, b, temperature);
+      greatest = std::max(greatest, chance.a + chance.b);
+    }
+  return greatest;
+}
+
 /// The relative velocity turned at random: isotropically, or by the law of soft spheres. Keeps its length.
 Vec3 scatter(Vec3 g, double speed, double inverse_alpha, Random& random) {
   const double angle = 2 * std::numbers::pi * random.uniform();
@@ -81,6 +105,7 @@ CollisionCounts Collider::collide(const Domain& domain, std::uint64_t step, Part
                                   std::vector<CellCollisions>& state) {
   counts_ = {};
   if (!options_.enabled) return counts_;
+  if (gas_->rotation.model != Rotation::Model::variable) exchanging_ = greatest_exchange(*gas_, 0);
   for (std::size_t c = 0; c < state.size(); ++c)
     if (particles.begin()[c + 1] - particles.begin()[c] > 1) collide_cell(domain, c, step, particles, state[c]);
   return counts_;
@@ -108,10 +133,19 @@ void Collider::collide_cell(const Domain& domain, std::size_t c, std::uint64_t s
     for (auto i = begin; i < end; ++i) heaviest = std::max(heaviest, gas_->species[particles.species[i]].weight);
   }
   nearest_.start(particles, begin, n, candidates);
+  if (gas_->rotation.model == Rotation::Model::variable) exchanging_ = greatest_exchange(*gas_, state.temperature);
+  if (exchanging_ > 0) tried_.assign(n, 0);
   for (std::int64_t k = 0; k < candidates; ++k) {
+    const double draw = exchanging_ > 0 ? random.uniform() : 1;
     const auto first = random.below(n);
-    const auto second = choose_partner(particles, begin, n, first, random);
+    const bool may_exchange = draw < exchanging_;
+    const auto barred = may_exchange ? tried_[first] : particles.partner[begin + first];
+    const auto second = choose_partner(particles, begin, n, first, barred, random);
     const auto a = begin + first, b = begin + second;
+    if (may_exchange) {
+      tried_[first] = tag_of(particles.id[b]);
+      tried_[second] = tag_of(particles.id[a]);
+    }
     const auto& pair = gas_->pair(particles.species[a], particles.species[b]);
     const double speed_squared = squared_norm(particles.velocity(a) - particles.velocity(b));
     const double chance = pair.weight * section_times_speed(pair, speed_squared);
@@ -125,9 +159,9 @@ void Collider::collide_cell(const Domain& domain, std::size_t c, std::uint64_t s
     const auto sa = particles.species[a], sb = particles.species[b];
     ++of_pair_[std::min(sa, sb) * gas_->species.size() + std::max(sa, sb)];
     if (gas_->is_weighted)
-      collide_weighted(particles, {a, b, speed_squared}, heaviest, state, random);
+      collide_weighted(particles, {a, b, speed_squared, draw}, heaviest, state, random);
     else
-      collide_pair(particles, {a, b, speed_squared}, state.temperature, random);
+      collide_pair(particles, {a, b, speed_squared, draw}, state.temperature, random);
   }
 }
 
@@ -160,22 +194,22 @@ void Collider::collide_weighted(Particles& p, Partners partners, double heaviest
 }
 
 std::uint32_t Collider::choose_partner(const Particles& p, std::uint32_t begin, std::uint32_t n, std::uint32_t first,
-                                       Random& random) {
+                                       std::uint32_t barred, Random& random) {
   if (options_.partner == CollisionOptions::Partner::any || n == 2) {
     const auto other = random.below(n - 1);
     return other < first ? other : other + 1;
   }
-  if (gas_->is_weighted) return choose_weighted_partner(p, begin, n, first, random);
-  return nearest_.find(first, p.partner[begin + first]);
+  if (gas_->is_weighted) return choose_weighted_partner(p, begin, n, first, barred, random);
+  return nearest_.find(first, barred);
 }
 
 std::uint32_t Collider::choose_weighted_partner(const Particles& p, std::uint32_t begin, std::uint32_t n,
-                                                std::uint32_t first, Random& random) {
+                                                std::uint32_t first, std::uint32_t barred, Random& random) {
   // Particles of a trace have nearly always collided with others last: to bar those alone would bend the rates, hence
   // the kind of the partner is drawn before.
   const auto drawn = random.below(n - 1);
   auto nearest = drawn < first ? drawn : drawn + 1;
-  const auto kind = p.species[begin + nearest], barred = p.partner[begin + first];
+  const auto kind = p.species[begin + nearest];
   const Vec3 here = p.position(begin + first);
   double least = std::numeric_limits<double>::infinity();
   for (std::uint32_t k = 0; k < n; ++k) {
@@ -189,26 +223,19 @@ std::uint32_t Collider::choose_weighted_partner(const Particles& p, std::uint32_
 }
 
 void Collider::collide_pair(Particles& p, const Partners& partners, double temperature, Random& random) {
-  const auto [a, b, speed_squared] = partners;
+  const auto [a, b, speed_squared, draw] = partners;
   const auto sa = p.species[a], sb = p.species[b];
   const auto& pair = gas_->pair(sa, sb);
   double speed = std::sqrt(speed_squared);
-  const int za = gas_->species[sa].rotational_degrees, zb = gas_->species[sb].rotational_degrees;
-  if (za + zb > 0) {
-    const double omega = 1 - pair.exponent;
-    double chance_a = relaxation_probability(gas_->rotation, za, omega, temperature);
-    double chance_b = relaxation_probability(gas_->rotation, zb, omega, temperature);
-    if (chance_a > 0.5 || chance_b > 0.5) {
-      ++counts_.clamped;
-      chance_a = std::min(chance_a, 0.5);
-      chance_b = std::min(chance_b, 0.5);
-    }
-    const double draw = random.uniform();
-    if (draw < chance_a + chance_b) {
-      const bool is_a = draw < chance_a;
+  if (exchanging_ > 0) {
+    const auto chance = exchange_chances(*gas_, sa, sb, temperature);
+    if (chance.is_clamped) ++counts_.clamped;
+    if (draw < chance.a + chance.b) {
+      const bool is_a = draw < chance.a;
       double& rotation = p.rotation[is_a ? a : b];
       const double total = 0.5 * pair.reduced_mass * speed_squared + rotation;
-      rotation = total * beta(0.5 * (is_a ? za : zb), pair.translational_exponent, random);
+      const int degrees = gas_->species[is_a ? sa : sb].rotational_degrees;
+      rotation = total * beta(0.5 * degrees, pair.translational_exponent, random);
       speed = std::sqrt(2 * (total - rotation) / pair.reduced_mass);
     }
   }

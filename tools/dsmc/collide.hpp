@@ -15,7 +15,7 @@ namespace pamr::dsmc {
 
 struct CollisionOptions {
   enum class Partner : std::uint8_t {
-    nearest,  ///< the nearest particle of the cell but the one with which the first has last collided
+    nearest,  ///< the nearest particle of the cell; not the last partner where no rotational energy may be exchanged
     any       ///< any other particle of the cell
   };
   bool enabled = true;
@@ -47,10 +47,14 @@ std::vector<CellCollisions> start_collisions(const Gas& gas, double t, std::size
 ///
 /// No time counter: candidate pairs N (N - 1) F (sigma c)_max dt / (2 V) with the remainder carried, each accepted with
 /// sigma c / (sigma c)_max. Scattering by variable hard or soft spheres; Larsen-Borgnakke exchange of rotational energy
-/// with at most one partner a collision. The numbers drawn belong to the global cell and the step, the particles of a
-/// cell are in the order of their ids: the result does not depend on the number of ranks. Momentum and energy of each
-/// pair are kept to rounding. Local. O(particles + candidates), with weights O(particles +
-/// candidates x particles a cell).
+/// with at most one partner a collision. Whether a candidate pair may exchange is drawn before its partners. Pairs that
+/// may are chosen by their places alone (of the nearest ones not the one just tried in this step), whatever came of
+/// earlier trials: so the equilibrium of rotation and translation stays exactly. Of the others, which keep their
+/// relative speed, the last partner is barred, since to meet again at once does nothing. To bar it for all would select
+/// pairs by their relative speed, because slow pairs stay together for longer. The numbers drawn belong to the global
+/// cell and the step, the particles of a cell are in the order of their ids: the result does not depend on the number
+/// of ranks. Momentum and energy of each pair are kept to rounding. Local. O(particles + candidates), with weights
+/// O(particles + candidates x particles a cell).
 ///
 /// Species of unlike weights: a pair collides with the chance of the greater weight, so that each collision stands for
 /// as many of real ones as the lighter particle has molecules. The lighter one takes the outcome; of the heavier one
@@ -74,13 +78,14 @@ class Collider {
   void collide_cell(const Domain& domain, std::size_t c, std::uint64_t step, Particles& particles,
                     CellCollisions& state);
   std::uint32_t choose_partner(const Particles& particles, std::uint32_t begin, std::uint32_t n, std::uint32_t first,
-                               Random& random);
+                               std::uint32_t barred, Random& random);
   /// The nearest of a species drawn with the chance of its particles.
   std::uint32_t choose_weighted_partner(const Particles& particles, std::uint32_t begin, std::uint32_t n,
-                                        std::uint32_t first, Random& random);
+                                        std::uint32_t first, std::uint32_t barred, Random& random);
   struct Partners {
     std::uint32_t a = 0, b = 0;
     double speed_squared = 0;  ///< of their relative motion
+    double draw = 1;           ///< in (0, 1): small ones exchange rotational energy
   };
   void collide_pair(Particles& particles, const Partners& partners, double temperature, Random& random);
   void collide_weighted(Particles& particles, Partners partners, double heaviest, CellCollisions& state,
@@ -91,6 +96,8 @@ class Collider {
   std::uint64_t seed_;
   CollisionCounts counts_;
   std::vector<std::int64_t> of_pair_;
+  std::vector<std::uint32_t> tried_;  ///< tag of the last partner in the cell and step in a pair that may exchange
+  double exchanging_ = 0;             ///< greatest chance of an exchange of rotational energy, in the cell at hand
   NearestInCell nearest_;
 };
 
