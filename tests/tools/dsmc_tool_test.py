@@ -349,6 +349,12 @@ def test_bad_cases_are_refused_with_their_line():
     refused("per_cell = 15.0", "weight = 0.0", line_of("per_cell"), "weight")
     refused("step = 5e-5", 'step = "short"', line_of("step"), '"short"')
     refused("step = 5e-5", "step = 0.0", line_of("step"))
+    side = '{ kind = "inflow" }'
+    refused(f"xmin = {side}", 'xmin = { kind = "periodic", partner = "xmax" }', line_of("xmin"), "periodic", '"xmax"')
+    refused(f"xmin = {side}", 'xmin = { kind = "periodic" }', line_of("xmin"), "partner")
+    refused(f"xmin = {side}\nxmax = {side}\nymin = {{ kind = \"symmetry\" }}",
+            f'xmin = {{ kind = "periodic", partner = "ymin" }}\nxmax = {side}\nymin = {{ kind = "periodic", partner = "xmin" }}',
+            '"xmin"', '"ymin"', "face of cell")
     refused('"cll"', '"sticky"', line_of("ymax"), '"sticky"')
     refused("z_infinity = 18.1", "probability = 0.2\nz_infinity = 18.1", "one of probability")
     refused("fractions = { N2 = 1.0 }", "fractions = { N2 = 0.9 }", line_of("fractions"), "0.9")

@@ -31,7 +31,8 @@ struct BoundaryCondition {
     cll,       ///< Cercignani, Lampis and Lord
     symmetry,  ///< mirrored; not a wall: no force is counted
     inflow,    ///< a stream comes in; what reaches it leaves
-    outflow    ///< vacuum beyond: what reaches it leaves
+    outflow,   ///< vacuum beyond: what reaches it leaves
+    periodic   ///< what reaches it goes on from the partner patch
   };
   Kind kind = Kind::specular;
   double temperature = 0;  ///< K
@@ -41,6 +42,7 @@ struct BoundaryCondition {
   double tangential_accommodation = 1;  ///< cll: of the tangential momentum
   double rotational_accommodation = 1;  ///< cll: of the rotational energy
   int stream = -1;                      ///< inflow: which
+  int partner = -1;                     ///< periodic: the other patch
 
   bool is_wall() const { return kind == Kind::diffuse || kind == Kind::specular || kind == Kind::cll; }
   bool is_open() const { return kind == Kind::inflow || kind == Kind::outflow; }

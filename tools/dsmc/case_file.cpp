@@ -159,12 +159,13 @@ class Reader {
   }
 
   void read_boundaries(TomlTable boundaries) {
-    static const std::map<std::string, Kind> kinds{
-        {"diffuse", Kind::diffuse},   {"specular", Kind::specular}, {"maxwell", Kind::diffuse}, {"cll", Kind::cll},
-        {"symmetry", Kind::symmetry}, {"inflow", Kind::inflow},     {"outflow", Kind::outflow}};
+    static const std::map<std::string, Kind> kinds{{"diffuse", Kind::diffuse},   {"specular", Kind::specular},
+                                                   {"maxwell", Kind::diffuse},   {"cll", Kind::cll},
+                                                   {"symmetry", Kind::symmetry}, {"inflow", Kind::inflow},
+                                                   {"outflow", Kind::outflow},   {"periodic", Kind::periodic}};
     for (auto& [patch, table] : boundaries.tables()) {
       constexpr const char* expected =
-          "\"diffuse\", \"specular\", \"maxwell\", \"cll\", \"symmetry\", \"inflow\" or \"outflow\"";
+          "\"diffuse\", \"specular\", \"maxwell\", \"cll\", \"symmetry\", \"inflow\", \"outflow\" or \"periodic\"";
       const auto kind = table.text("kind", expected);
       if (!kinds.contains(kind)) table.refuse("kind", expected);
       BoundaryCondition b;
@@ -180,10 +181,17 @@ class Reader {
         b.rotational_accommodation = table.number_or("rotational_accommodation", 1, 0, 1);
       }
       if (b.kind == Kind::inflow) b.stream = stream_named(table, "stream");
+      if (b.kind == Kind::periodic) case_.partner[patch] = table.text("partner", "the name of the opposite patch");
       table.done();
       case_.boundary[patch] = b;
       case_.boundary_at[patch] = table.at();
     }
+    for (const auto& [patch, partner] : case_.partner)
+      if (const auto found = case_.partner.find(partner);
+          patch == partner || found == case_.partner.end() || found->second != patch)
+        throw Error(fmt::format(
+            "{}: expected partner = the name of another periodic patch whose partner is \"{}\", found \"{}\"",
+            case_.boundary_at[patch], patch, partner));
   }
 
   void read_initial(TomlTable& initial) {

@@ -50,6 +50,7 @@ struct Case {
   std::vector<Stream> stream;                         ///< the free stream first
   std::map<std::string, BoundaryCondition> boundary;  ///< by patch
   std::map<std::string, std::string> boundary_at;     ///< file and line of each, for messages
+  std::map<std::string, std::string> partner;         ///< of periodic patches
   int initial = 0;
   std::vector<Region> region;
   CollisionOptions collisions;

@@ -83,7 +83,7 @@ Domain make_domain(const mesh::DistMesh& mesh, double unit, double dt, double mo
       auto& link = domain.link[c][f];
       if (link >= 0) continue;
       const auto& corner = mesh::tet::face_to_corner[f];
-      BoundaryFace face{cell, slot, mesh::slot_to_patch(link), 0, plane.normal, {}};
+      BoundaryFace face{cell, slot, mesh::slot_to_patch(link), 0, plane.normal, {}, -1};
       for (std::size_t k = 0; k < 3; ++k) face.corner[k] = points[static_cast<std::size_t>(corner[k])];
       face.area = 0.5 * norm(cross(face.corner[1] - face.corner[0], face.corner[2] - face.corner[0]));
       domain.boundary.push_back(face);

@@ -35,6 +35,7 @@ struct BoundaryFace {
   double area = 0;               ///< m2
   Vec3 normal;                   ///< unit, out of the gas
   std::array<Vec3, 3> corner{};  ///< m
+  LocalId across = -1;           ///< of a periodic patch: where the way goes on, as in `Domain::link`
 };
 
 /// What particles need of a rank's part of a mesh, in metres: 148 bytes a cell besides the mesh. The planes of a face
@@ -50,9 +51,10 @@ struct Domain {
   /// Global numbers of the cells, counted from the mesh's first (`MeshInfo::first_id`), so that they begin at 0.
   std::vector<GlobalId> cell_global;
   std::vector<BoundaryFace> boundary;
+  std::vector<Vec3> shift;  ///< of each patch, m: what goes on across a periodic one is shifted by it; empty: none is
   bool uniform_dt = true;
 
-  std::vector<Rank> border_rank;  ///< as in DistMesh
+  std::vector<Rank> border_rank;  ///< as in DistMesh; periodic faces whose partners lie elsewhere come after the mesh's
   std::vector<std::size_t> border_offset{0};
   std::vector<mesh::CellFace> border_face;
 

@@ -9,6 +9,7 @@
 
 #include "dsmc/closed_forms.hpp"
 #include "dsmc/numbering.hpp"
+#include "dsmc/periodic.hpp"
 #include "pamr/base/contract.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/base/timer.hpp"
@@ -74,6 +75,7 @@ Flow::Flow(const par::Comm& comm, const mesh::DistMesh& mesh, Setup setup)
   if (!(setup_.dt > 0) || !(setup_.molecules > 0))
     throw Error(fmt::format("expected a positive time step and weight, found {} s and {} molecules a particle",
                             setup_.dt, setup_.molecules));
+  join_periodic(comm, mesh, setup_.patch, domain_);
   const auto n = static_cast<std::size_t>(mesh.n_cells());
   if (!setup_.cell_dt.empty()) {
     PAMR_EXPECTS(setup_.cell_dt.size() == n);

@@ -43,6 +43,7 @@ class Mover {
   };
   Exit first_exit(const CellPlanes& planes, const Flight& flight, unsigned out) const;
   Exit drawn_exit(const CellPlanes& planes, const Flight& flight, unsigned out, std::int64_t turn) const;
+  bool goes_across(Vec3& position, LocalId& link) const;
   bool meets_boundary(Flight& flight, std::size_t face, double time);
 
   const Domain* domain_;
@@ -78,6 +79,17 @@ Mover::Exit Mover::drawn_exit(const CellPlanes& planes, const Flight& flight, un
     if (combine(flight.particle.id, static_cast<std::uint64_t>(turn) * 4 + n) % n == 0) exit = one;
   }
   return exit;
+}
+
+/// A flight meets a boundary face. Of a periodic patch: shifts the place that its line began at, and `link` becomes
+/// where it goes on; else false.
+bool Mover::goes_across(Vec3& position, LocalId& link) const {
+  if (domain_->shift.empty()) return false;
+  const auto& face = domain_->boundary[static_cast<std::size_t>(-link - 1)];
+  if (face.across < 0) return false;
+  position = position + domain_->shift[static_cast<std::size_t>(face.patch)];
+  link = face.across;
+  return true;
 }
 
 /// The particle reaches a boundary face after `time`; false when it leaves the domain.
@@ -128,8 +140,8 @@ End Mover::fly(Flight& flight) {
       if (without_progress > patience) exit = drawn_exit(planes, flight, out, without_progress);
       flight.passed = std::max(flight.passed, exit.time);
     }
-    const auto link = domain_->link[c][static_cast<std::size_t>(exit.slot)];
-    if (link < 0) {
+    auto link = domain_->link[c][static_cast<std::size_t>(exit.slot)];
+    if (link < 0 && !goes_across(p.position, link)) {
       if (!meets_boundary(flight, static_cast<std::size_t>(-link - 1), exit.time)) return End::leaves_domain;
       if (flight.events < most_events) continue;
       ++counts.abandoned;

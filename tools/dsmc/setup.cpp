@@ -33,6 +33,13 @@ std::vector<BoundaryCondition> conditions_of(const Case& c, const mesh::DistMesh
     if (std::none_of(mesh.info.patches.begin(), mesh.info.patches.end(), [&](const auto& p) { return p.name == name; }))
       throw Error(fmt::format("{}: expected a patch of the mesh ({}) in [boundary.PATCH], found \"{}\"",
                               c.boundary_at.at(name), names, name));
+  const auto number = [&](const std::string& name) {
+    const auto& patches = mesh.info.patches;
+    const auto at = std::find_if(patches.begin(), patches.end(), [&](const auto& p) { return p.name == name; });
+    return static_cast<int>(at - patches.begin());
+  };
+  for (const auto& [name, partner] : c.partner)
+    conditions[static_cast<std::size_t>(number(name))].partner = number(partner);
   return conditions;
 }
 
