@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <string>
 
@@ -42,42 +43,81 @@ constexpr std::array<std::size_t, 3> ascending_corners(std::size_t face) {
   return corner;
 }
 
+/// The nodes of a family's cells by code: 0..3 the corners of the parent, 4 + e the middle of its edge e.
+struct FamilyTemplate {
+  int n_children = 0;
+  std::array<std::array<std::int8_t, 4>, 4> child_to_node{};
+};
+
+namespace detail {
+
+constexpr std::array<FamilyTemplate, tet::n_edges> make_edge_templates() {
+  std::array<FamilyTemplate, tet::n_edges> templates{};
+  for (std::size_t e = 0; e < templates.size(); ++e) {
+    const auto [i, j] = tet::edge_to_corner[e];
+    auto& [n_children, child] = templates[e];
+    n_children = 2;
+    child[0] = child[1] = {0, 1, 2, 3};
+    child[0][static_cast<std::size_t>(j)] = child[1][static_cast<std::size_t>(i)] = static_cast<std::int8_t>(4 + e);
+  }
+  return templates;
+}
+
+constexpr std::array<FamilyTemplate, 4> make_face_templates() {
+  std::array<FamilyTemplate, 4> templates{};
+  for (std::size_t f = 0; f < templates.size(); ++f) {
+    const auto corner = ascending_corners(f);
+    auto& [n_children, child] = templates[f];
+    n_children = 4;
+    child.fill({0, 1, 2, 3});
+    for (std::size_t k = 0; k < 3; ++k)
+      for (std::size_t l = k + 1; l < 3; ++l) {
+        const auto middle = static_cast<std::int8_t>(4 + tet::edge_of[corner[k]][corner[l]]);
+        child[k][corner[l]] = child[l][corner[k]] = child[3][corner[3 - k - l]] = middle;
+      }
+  }
+  return templates;
+}
+
+inline constexpr auto edge_templates = make_edge_templates();
+inline constexpr auto face_templates = make_face_templates();
+inline constexpr FamilyTemplate regular_template{1, {{{0, 1, 2, 3}}}};
+
+}  // namespace detail
+
+/// How the cells of such a family lie in their parent. Pre: `kind` and `index` are of a well-formed lineage.
+constexpr const FamilyTemplate& family_template(FamilyKind kind, int index) {
+  const auto i = static_cast<std::size_t>(index);
+  return kind == FamilyKind::edge   ? detail::edge_templates[i]
+         : kind == FamilyKind::face ? detail::face_templates[i]
+                                    : detail::regular_template;
+}
+
 /// The parent's corners, from the cells of its family in template order (2 or 4, any kind of node number).
 template <class Id>
 std::array<Id, 4> parent_corners(Lineage first, std::span<const std::array<Id, 4>> family) {
-  auto parent = family[0];
-  if (first.kind() == FamilyKind::edge) {
-    const auto j = static_cast<std::size_t>(tet::edge_to_corner[static_cast<std::size_t>(first.index())][1]);
-    parent[j] = family[1][j];
-  } else if (first.kind() == FamilyKind::face) {
-    const auto [a, b, c] = ascending_corners(static_cast<std::size_t>(first.index()));
-    parent[b] = family[1][b];
-    parent[c] = family[2][c];
-  }
+  const auto& shape = family_template(first.kind(), first.index());
+  std::array<Id, 4> parent{};
+  for (std::size_t child = 0; child < family.size(); ++child)
+    for (std::size_t slot = 0; slot < 4; ++slot)
+      if (const auto code = static_cast<std::size_t>(shape.child_to_node[child][slot]); code < 4)
+        parent[code] = family[child][slot];
   return parent;
 }
 
 /// True when the cells of a family, in template order, share their nodes as the template says.
 template <class Id>
 bool fits_template(Lineage first, std::span<const std::array<Id, 4>> family) {
-  const auto parent = parent_corners(first, family);
-  if (first.kind() == FamilyKind::edge) {
-    const auto corner = tet::edge_to_corner[static_cast<std::size_t>(first.index())];
-    const auto i = static_cast<std::size_t>(corner[0]), j = static_cast<std::size_t>(corner[1]);
-    auto child_0 = parent, child_1 = parent;
-    child_0[j] = child_1[i] = family[0][j];
-    return family[0] == child_0 && family[1] == child_1;
-  }
-  if (first.kind() == FamilyKind::face) {
-    const auto [a, b, c] = ascending_corners(static_cast<std::size_t>(first.index()));
-    const auto ab = family[0][b], ac = family[0][c], bc = family[1][c];
-    std::array<std::array<Id, 4>, 4> child{parent, parent, parent, parent};
-    child[0][b] = child[1][a] = child[3][c] = ab;
-    child[0][c] = child[2][a] = child[3][b] = ac;
-    child[1][c] = child[2][b] = child[3][a] = bc;
-    return child[0] == family[0] && child[1] == family[1] && child[2] == family[2] && child[3] == family[3];
-  }
-  return true;
+  const auto& shape = family_template(first.kind(), first.index());
+  std::array<Id, 4 + tet::n_edges> node{};
+  for (std::size_t child = 0; child < family.size(); ++child)
+    for (std::size_t slot = 0; slot < 4; ++slot)
+      node[static_cast<std::size_t>(shape.child_to_node[child][slot])] = family[child][slot];
+  bool fits = true;
+  for (std::size_t child = 0; child < family.size(); ++child)
+    for (std::size_t slot = 0; slot < 4; ++slot)
+      fits = fits && node[static_cast<std::size_t>(shape.child_to_node[child][slot])] == family[child][slot];
+  return fits;
 }
 
 }  // namespace pamr::mesh

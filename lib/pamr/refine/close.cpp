@@ -185,6 +185,7 @@ Closure close(const par::Comm& comm, const mesh::DistMesh& mesh, const mesh::Bor
     const auto hit = propagation.hit_families();
     closure.marks = std::move(propagation).take_marks();
     closure.rebuilt.clear();
+    closure.rebuilt.reserve(hit.size());
     std::vector<LocalId> stuck;
     for (const auto first : hit) {
       const auto plan = plan_family(mesh, view_family(mesh, closure.marks, first));

@@ -39,7 +39,7 @@ void Propagation::start_from_flags(std::span<const std::uint8_t> flags) {
     }
     for (int f = 0; f < 4; ++f) {
       const auto next = mesh_.cell_to_cell[at(c)][at(f)];
-      if (!mesh_.is_own(next) || is_full(next)) continue;
+      if (!mesh_.is_own(next) || (marks_[at(next)] & all_edges) == all_edges) continue;
       for (int e = 0; e < 6; ++e)
         if ((mesh::tet::face_edge_mask[at(f)] >> e & 1) != 0) {
           const auto [p, q] = mesh::tet::edge_to_corner[at(e)];

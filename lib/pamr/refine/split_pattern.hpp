@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "pamr/mesh/lineage.hpp"
+#include "pamr/mesh/families.hpp"
 #include "pamr/mesh/tet.hpp"
 
 /// The 14 ways to split a cell and everything that follows from them, as constant tables.
@@ -81,28 +81,12 @@ constexpr void add_child(SplitPattern& p, std::array<std::int8_t, 4> nodes) {
   p.child_to_node[at(p.n_children++)] = nodes;
 }
 
-constexpr void split_edge(SplitPattern& p, int edge) {
-  const auto [i, j] = mesh::tet::edge_to_corner[at(edge)];
-  std::array<std::int8_t, 4> first{0, 1, 2, 3}, second{0, 1, 2, 3};
-  first[at(j)] = second[at(i)] = to_code(4 + edge);
-  add_child(p, first);
-  add_child(p, second);
-}
-
-constexpr void split_face(SplitPattern& p, int face) {
-  std::array<std::int8_t, 4> middle{0, 1, 2, 3};
-  for (int kept = 0; kept < 4; ++kept) {
-    if (kept == face) continue;
-    std::array<std::int8_t, 4> corner{0, 1, 2, 3};
-    int others_sum = 6 - face - kept;
-    for (int other = 0; other < 4; ++other)
-      if (other != face && other != kept) {
-        corner[at(other)] = to_code(midpoint_code(kept, other));
-        middle[at(kept)] = to_code(midpoint_code(other, others_sum - other));
-      }
-    add_child(p, corner);
-  }
-  add_child(p, middle);
+/// 1:2 or 1:4.
+constexpr void split_closure(SplitPattern& p, mesh::FamilyKind kind, int index) {
+  p.kind = kind;
+  p.index = index;
+  const auto& family = mesh::family_template(kind, index);
+  for (int child = 0; child < family.n_children; ++child) add_child(p, family.child_to_node[at(child)]);
 }
 
 /// Corner children 0..3, then the four cells round the diagonal: each holds its two ends and one edge of the ring of
@@ -182,17 +166,13 @@ constexpr std::array<SplitPattern, n_states> make_patterns() {
   add_child(patterns[0], {0, 1, 2, 3});
   for (int e = 0; e < 6; ++e) {
     auto& p = patterns[at(1 + e)];
-    p.kind = mesh::FamilyKind::edge;
-    p.index = e;
     p.mask = static_cast<EdgeMask>(1U << e);
-    split_edge(p, e);
+    split_closure(p, mesh::FamilyKind::edge, e);
   }
   for (int f = 0; f < 4; ++f) {
     auto& p = patterns[at(7 + f)];
-    p.kind = mesh::FamilyKind::face;
-    p.index = f;
     p.mask = mesh::tet::face_edge_mask[at(f)];
-    split_face(p, f);
+    split_closure(p, mesh::FamilyKind::face, f);
   }
   for (int d = 0; d < 3; ++d) {
     auto& p = patterns[at(11 + d)];
