@@ -38,21 +38,24 @@ std::string bar(std::int64_t done, std::int64_t total) {
 }  // namespace
 
 std::string progress_text(const std::string& what, std::int64_t done, std::int64_t total, const std::string& unit,
-                          double seconds, const std::string& step) {
-  std::string text = fmt::format("{}: {} of {} {}", what, done, total, unit);
+                          double seconds, const std::string& step, std::int64_t before) {
+  std::string text =
+      total < 0 ? fmt::format("{}: {} {}", what, done, unit) : fmt::format("{}: {} of {} {}", what, done, total, unit);
   if (total > 0) text += fmt::format(" ({} %)", done * 100 / total);
-  if (done > 0 && seconds > 0) {
-    const double rate = static_cast<double>(done) / seconds;
-    text += fmt::format(", {}{}/s, {} left", rate_text(rate), unit,
-                        clock_text(static_cast<double>(std::max<std::int64_t>(total - done, 0)) / rate));
+  if (done > before && seconds > 0) {
+    const double rate = static_cast<double>(done - before) / seconds;
+    text += fmt::format(", {}{}/s", rate_text(rate), unit);
+    if (total >= 0)
+      text += fmt::format(", {} left", clock_text(static_cast<double>(std::max<std::int64_t>(total - done, 0)) / rate));
   }
   if (!step.empty()) text += ", " + step;
   return text;
 }
 
-Progress::Progress(std::string what, std::int64_t total, std::string unit, bool shown)
+Progress::Progress(std::string what, std::int64_t total, std::string unit, bool shown, std::int64_t before)
     : what_(std::move(what)),
       total_(total),
+      before_(before),
       unit_(std::move(unit)),
       shown_(shown),
       on_terminal_(shown && isatty(STDERR_FILENO) == 1),
@@ -73,7 +76,7 @@ void Progress::update(std::int64_t done, const std::string& step) {
   if (!due) return;
   last_ = now;
   const auto text =
-      progress_text(what_, done, total_, unit_, std::chrono::duration<double>(now - start_).count(), step);
+      progress_text(what_, done, total_, unit_, std::chrono::duration<double>(now - start_).count(), step, before_);
   if (on_terminal_) {
     std::fputs((clear_line + bar(done, total_) + text).c_str(), stderr);
     drawn_ = true;

@@ -12,7 +12,8 @@ namespace pamr::cli {
 /// nothing there. Local; cheap enough for every step of a loop.
 class Progress {
  public:
-  Progress(std::string what, std::int64_t total, std::string unit, bool shown);
+  /// `total` below zero: not known. `before`: units that were complete already, which say nothing of the rate.
+  Progress(std::string what, std::int64_t total, std::string unit, bool shown, std::int64_t before = 0);
   /// Takes the bar off the terminal.
   ~Progress();
   Progress(const Progress&) = delete;
@@ -27,7 +28,7 @@ class Progress {
   using Clock = std::chrono::steady_clock;
 
   std::string what_;
-  std::int64_t total_;
+  std::int64_t total_, before_;
   std::string unit_;
   bool shown_;
   bool on_terminal_;
@@ -36,8 +37,9 @@ class Progress {
   Clock::time_point last_;
 };
 
-/// The text of one line: "refining: 40 of 100 cells (40 %), 12.5 cells/s, 0:05 left, close".
+/// The text of one line: "refining: 40 of 100 cells (40 %), 12.5 cells/s, 0:05 left, close"; with an unknown total
+/// "refining: 40 cells, 12.5 cells/s, close".
 std::string progress_text(const std::string& what, std::int64_t done, std::int64_t total, const std::string& unit,
-                          double seconds, const std::string& step);
+                          double seconds, const std::string& step, std::int64_t before = 0);
 
 }  // namespace pamr::cli

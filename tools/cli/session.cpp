@@ -54,8 +54,9 @@ void Session::warn(const std::string& line) const {
   std::fflush(stderr);
 }
 
-Progress Session::progress(const std::string& what, std::int64_t total, const std::string& unit) const {
-  return {what, total, unit, comm_->is_first() && !options_.quiet};
+Progress Session::progress(const std::string& what, std::int64_t total, const std::string& unit,
+                           std::int64_t before) const {
+  return {what, total, unit, comm_->is_first() && !options_.quiet, before};
 }
 
 void Session::write_report(const nlohmann::json& report) const {

@@ -47,8 +47,10 @@ class Session {
   void summary(const std::string& line) const;
   /// A remark that the user should see even with --quiet: one line on standard error, by rank 0. Local.
   void warn(const std::string& line) const;
-  /// Progress of `total` units of work; silent with --quiet and on ranks other than 0. Local.
-  Progress progress(const std::string& what, std::int64_t total, const std::string& unit) const;
+  /// Progress of `total` units of work (below zero: not known), of which `before` are done; silent with --quiet and on
+  /// ranks other than 0. Local.
+  Progress progress(const std::string& what, std::int64_t total, const std::string& unit,
+                    std::int64_t before = 0) const;
   /// Writes the report where --json says (an existing file is replaced), all or nothing; nothing without --json. NaN
   /// and infinity become null. Only rank 0's `report` counts. Collective; throws `Error`.
   void write_report(const nlohmann::json& report) const;

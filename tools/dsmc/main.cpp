@@ -186,12 +186,12 @@ std::string particles_and_drift(const std::vector<HistoryRow>& history) {
 Advance advance(cli::Session& session, const Case& c, Computation& computation, const Options& options) {
   const auto& comm = session.comm();
   const auto run = [&]() -> const Run& { return *computation.run; };
-  // How long the transient takes is not known beforehand: its progress is that towards its limit.
   const auto show = [&] {
     const bool open = !run().state.sampling && !c.transient;
-    const auto total = open ? c.most_transient : static_cast<std::int64_t>(run().expected_steps());
+    const auto total = open ? -1 : static_cast<std::int64_t>(run().expected_steps());
+    const auto before = static_cast<std::int64_t>(run().flow().steps_done);
     return std::unique_ptr<cli::Progress>(
-        new cli::Progress(session.progress(open ? "waiting for a steady flow" : "computing", total, "steps")));
+        new cli::Progress(session.progress(open ? "waiting for a steady flow" : "computing", total, "steps", before)));
   };
   auto progress = show();
   double particle_steps = 0;

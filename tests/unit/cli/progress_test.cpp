@@ -22,6 +22,16 @@ TEST(ProgressText, ShortensLargeRatesAndLongTimes) {
             "moving: 1 of 7201 cells (0 %), 1 cells/s, 2:00:00 left");
 }
 
+TEST(ProgressText, KnowsNoTimeLeftWithoutATotal) {
+  EXPECT_EQ(progress_text("waiting", 40, -1, "steps", 2.0, "noise"), "waiting: 40 steps, 20 steps/s, noise");
+}
+
+TEST(ProgressText, CountsNoRateForWhatWasDoneBefore) {
+  EXPECT_EQ(progress_text("computing", 60, 100, "steps", 2.0, "", 40),
+            "computing: 60 of 100 steps (60 %), 10 steps/s, 0:04 left");
+  EXPECT_EQ(progress_text("computing", 40, 100, "steps", 2.0, "", 40), "computing: 40 of 100 steps (40 %)");
+}
+
 TEST(ProgressText, SurvivesATotalOfZero) {
   EXPECT_EQ(progress_text("refining", 0, 0, "cells", 0.0, ""), "refining: 0 of 0 cells");
 }
