@@ -15,7 +15,12 @@ void read_file(const par::Comm& comm, const std::filesystem::path& file) { io::r
 std::string seed_name(int i) { return "seed" + std::to_string(i) + ".msh"; }
 
 void write_seed_files(const par::Comm& comm, const std::filesystem::path& folder) {
-  const auto mesh = mesh::assemble(comm, test::random_mesh(comm, 1, 2));
+  auto block = test::random_mesh(comm, 1, 2);
+  block.info.regions = {{1, "gas"}, {2, "solid"}};
+  std::vector<std::int64_t> region(block.cell_to_node.size());
+  for (std::size_t c = 0; c < region.size(); ++c) region[c] = 1 + (block.first_cell + static_cast<std::int64_t>(c)) % 2;
+  block.cell_fields = {{"region", "", 1, mesh::StorageType::int32, std::move(region)}};
+  const auto mesh = mesh::assemble(comm, std::move(block));
   for (int i = 0; i < n_seed_files(); ++i)
     io::write_gmsh(comm, folder / seed_name(i), mesh,
                    {i < 2 ? io::GmshVersion::v2_2 : io::GmshVersion::v4_1, i % 2 == 1});

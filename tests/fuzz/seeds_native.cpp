@@ -35,6 +35,9 @@ void write_seed_files(const par::Comm& comm, const std::filesystem::path& folder
   test::write_attribute(bare, "/PAMR", "format", std::vector<std::int64_t>{1});
   test::create_group(bare, "/PAMR/patches");
   test::write_texts(bare, "/PAMR/patches/names", {"inflow", "wall"});
+  test::create_group(bare, "/PAMR/regions");
+  test::write_dataset<std::int64_t>(bare, "/PAMR/regions/numbers", {2}, {1, 4});
+  test::write_texts(bare, "/PAMR/regions/names", {"gas", "solid"});
   test::write_dataset<std::int64_t>(bare, "/PAMR/cell_to_cell", {6, 4}, {1, -1, 2, -2, 0, -1, 4, -2, 3, -1, 0, -2,
                                                                          2, -1, 5, -2, 5, -1, 1, -2, 4, -1, 3, -2});
   using enum mesh::FamilyKind;

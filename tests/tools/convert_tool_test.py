@@ -102,6 +102,68 @@ def test_groups_become_patches_and_regions():
     assert result["patches"] == ["near", "far side"] and result["cells"] == 2 and result["nodes"] == 5
     with h5py.File("two.hdf") as file:
         assert list(file["VTKHDF/CellData/region"][:]) == [7, 7]
+    assert regions_of("two.hdf")[0] == {7: "gas"} and result["regions"] == {"7": "gas"}
+
+
+def cube_of_two_regions():
+    """A refined cube whose cells left and right of x = 1/2 are regions 9 "gas" and 4 "sölid body"; 1 is named but empty."""
+    kuhn_cube("cube.hdf", 2)
+    with h5py.File("cube.hdf", "r+") as file:
+        middle = file["VTKHDF/Points"][:][file["VTKHDF/Connectivity"][:].reshape(-1, 4)].mean(axis=1)
+        file["VTKHDF"].require_group("CellData")["region"] = np.where(middle[:, 0] < 0.5, 9, 4).astype(np.int32)
+        file["PAMR/regions/numbers"] = [1, 4, 9]
+        file["PAMR/regions/names"] = ["nothing", "sölid body", "gas"]
+    run("pamr-mark", "cube.hdf", "-o", "marked.hdf", "--box", "0,0,0,0.4,0.4,1", "--quiet")
+    run("pamr-refine", "marked.hdf", "-o", "fine.hdf", "--quiet")
+    return "fine.hdf"
+
+
+def regions_of(file):
+    """Numbers and names of the regions of a native file, and the number and volume of the cells of each."""
+    with h5py.File(file) as f:
+        points, cells = f["VTKHDF/Points"][:], f["VTKHDF/Connectivity"][:].reshape(-1, 4)
+        region = f["VTKHDF/CellData/region"][:]
+        names = dict(zip(f["PAMR/regions/numbers"][:].tolist(), (n.decode() for n in f["PAMR/regions/names"][:])))
+    p = points[cells]
+    volume = np.einsum("ij,ij->i", np.cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0]), p[:, 3] - p[:, 0]) / 6
+    return names, {int(r): (int((region == r).sum()), round(volume[region == r].sum(), 12)) for r in np.unique(region)}
+
+
+def test_regions_keep_their_names_through_refinement_and_back_to_gmsh():
+    names, parts = regions_of(cube_of_two_regions())
+    assert names == {1: "nothing", 4: "sölid body", 9: "gas"} and [v for _, v in parts.values()] == [0.5, 0.5]
+    assert parts[9][0] > parts[4][0] >= 24
+    for version, text in FORMATS:
+        read = meshio.read(to_gmsh("fine.hdf", f"fine{version}{text}.msh", version, text))
+        volumes = {name: int(tag) for name, (tag, dimension) in read.field_data.items() if dimension == 3}
+        assert volumes == {"nothing": 1, "sölid body": 4, "gas": 9}
+        tags = read.cell_data_dict["gmsh:physical"]["tetra"]
+        assert {int(t): int((tags == t).sum()) for t in np.unique(tags)} == {t: n for t, (n, _) in parts.items()}
+        report = run("pamr-convert", f"fine{version}{text}.msh", "back.hdf", "--force", "--json", "-").json
+        assert report["regions"] == {"1": "nothing", "4": "sölid body", "9": "gas"}
+        assert regions_of("back.hdf") == (names, parts)
+    run("pamr-convert", "fine.hdf", "again.hdf", "--quiet", serial=True)
+    assert same_bytes("fine.hdf", "again.hdf")
+    run("pamr-convert", "fine.hdf", "fine.vtu", "--quiet")
+    with h5py.File("fine.hdf") as file:
+        assert np.array_equal(meshio.read("fine.vtu").cell_data["region"][0], file["VTKHDF/CellData/region"][:])
+
+
+def test_regions_become_zones_of_an_openfoam_case():
+    cube_of_two_regions()
+    run("pamr-convert", "fine.hdf", "case", "--quiet")
+    run("pamr-convert", "fine.hdf", "again", "--quiet", serial=True)
+    zones = pathlib.Path("case/constant/polyMesh/cellZones")
+    assert same_bytes(zones, "again/constant/polyMesh/cellZones")
+    words = zones.read_text().split("}\n", 1)[1].split()
+    assert words[0] == "2" and words.count("cellZone;") == 2
+    with h5py.File("fine.hdf") as file:
+        region = file["VTKHDF/CellData/region"][:]
+    for number, word in ((4, "s__lid_body"), (9, "gas")):
+        here = words.index(word)
+        n = int(words[here + 6])
+        assert words[here + 5 : here + 8 : 2] == ["List<label>", "("] and words[here + 8 + n] == ")"
+        assert [int(w) for w in words[here + 8 : here + 8 + n]] == np.flatnonzero(region == number).tolist()
 
 
 def test_inverted_cells_are_refused_or_repaired():

@@ -183,6 +183,7 @@ cli::ExitCode convert(cli::Session& session, const Options& options) {
   report["nodes"] = mesh.info.n_global_nodes;
   report["patches"] = nlohmann::json::array();
   for (const auto& patch : mesh.info.patches) report["patches"].push_back(patch.name);
+  for (const auto& region : mesh.info.regions) report["regions"][std::to_string(region.number)] = region.name;
   session.write_report(report);
   session.summary(fmt::format("{} cells, {} nodes, {} patches -> {}", mesh.info.n_global_cells,
                               mesh.info.n_global_nodes, mesh.info.patches.size(), options.output));

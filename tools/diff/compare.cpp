@@ -99,6 +99,7 @@ void take_notes(const mesh::MeshInfo& a, const mesh::MeshInfo& b, Comparison& re
   if (a.length_unit != b.length_unit)
     result.notes.push_back(fmt::format("length unit \"{}\" and \"{}\"", a.length_unit, b.length_unit));
   if (a.patches != b.patches) result.notes.emplace_back("another list of patches, or other kinds or surfaces of them");
+  if (a.regions != b.regions) result.notes.emplace_back("other names of regions");
   if (a.triangulations != b.triangulations) result.notes.emplace_back("another list of triangulated surfaces");
   if (a.surfaces_toml != b.surfaces_toml) result.notes.emplace_back("another description of the surfaces");
 }

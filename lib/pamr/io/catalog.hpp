@@ -12,8 +12,8 @@
 
 namespace pamr::io {
 
-/// A dataset of numbers: where it is and what it is said to hold. `values`: its contents, if it has at most 16
-/// integers.
+/// A dataset of numbers: where it is and what it is said to hold. `values`: its contents, if it is one
+/// of the small ones that are read at once (counts, numbers of regions).
 struct ArrayEntry {
   std::string path;
   mesh::StorageType type = mesh::StorageType::float64;

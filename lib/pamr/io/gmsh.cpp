@@ -234,6 +234,14 @@ std::vector<std::int64_t> all_groups(const par::Comm& comm, const Parts& parts) 
   return comm.broadcast(std::vector<std::int64_t>(all.begin(), all.end()));
 }
 
+/// Physical volumes with a name, ascending.
+std::vector<mesh::Region> named_regions(const Parts& parts) {
+  std::vector<mesh::Region> regions;
+  for (const auto& [group, name] : parts.group_name)
+    if (group.first == 3 && !name.empty()) regions.push_back({group.second, name});
+  return regions;
+}
+
 std::string name_of_group(const Parts& parts, std::int64_t group) {
   const auto named = parts.group_name.find({2, group});
   if (group > 0 && named != parts.group_name.end() && !named->second.empty()) return named->second;
@@ -365,7 +373,7 @@ GmshMesh read_gmsh(const par::Comm& comm, const std::filesystem::path& file, con
   block.cell_to_node = std::move(numbered.cell);
   std::vector<std::int64_t> region;
   for (const auto& cell : parts.tetrahedron) region.push_back(std::max<std::int64_t>(cell.group, 0));
-  block.cell_fields.push_back({"region", "", 1, mesh::StorageType::int32, std::move(region)});
+  block.cell_fields.push_back({mesh::region_field, "", 1, mesh::StorageType::int32, std::move(region)});
   parts.tetrahedron = {};
 
   try {
@@ -378,6 +386,7 @@ GmshMesh read_gmsh(const par::Comm& comm, const std::filesystem::path& file, con
   auto& patches = result.mesh.info.patches;
   patches.clear();
   for (const auto group : groups) patches.push_back({name_of_group(parts, group), "", ""});
+  result.mesh.info.regions = named_regions(parts);
   result.n_untagged_faces = tag_faces(comm, result.mesh, numbered.triangle, patch_of_triangle,
                                       static_cast<int>(patches.size()), file.string());
   if (result.n_untagged_faces > 0) patches.push_back({"boundary", "", ""});

@@ -7,6 +7,7 @@
 #include "pamr/base/error.hpp"
 #include "pamr/io/catalog.hpp"
 #include "pamr/io/hdf5.hpp"
+#include "pamr/io/layout.hpp"
 
 namespace pamr::io {
 
@@ -37,7 +38,8 @@ class Inspector {
   bool has_group(const std::string& path) const;
   std::vector<std::string> names_in(const std::string& group) const;
 
-  void array(const std::string& path, bool read_values);
+  /// `max_values`: how many integers it may be at most, to be read at once; 0: any numbers, not read here.
+  void array(const std::string& path, hsize_t max_values);
   mesh::StorageType number_type(hid_t type, const std::string& path) const;
   bool check_layout(hid_t dataset, std::uint64_t bytes, const std::string& path);
   void check_filters(hid_t properties, const std::string& path) const;
@@ -71,13 +73,13 @@ Catalog Inspector::run() {
   number_attribute("/VTKHDF", "Version");
   text_attribute("/VTKHDF", "Type");
   for (const auto* name : {"NumberOfPoints", "NumberOfCells", "NumberOfConnectivityIds"})
-    array(std::string("/VTKHDF/") + name, true);
-  for (const auto* name : {"Points", "Connectivity", "Offsets", "Types"}) array(std::string("/VTKHDF/") + name, false);
+    array(std::string("/VTKHDF/") + name, max_small_values);
+  for (const auto* name : {"Points", "Connectivity", "Offsets", "Types"}) array(std::string("/VTKHDF/") + name, 0);
   for (const std::string group : {"/VTKHDF/PointData", "/VTKHDF/CellData"}) {
     if (!has_group(group)) continue;
     for (const auto& name : names_in(group)) {
       const auto path = group + "/" + name;
-      array(path, false);
+      array(path, 0);
       text_attribute(path, "unit");
     }
   }
@@ -92,18 +94,22 @@ void Inspector::pamr() {
   number_attribute("/PAMR", "first_id");
   text_attribute("/PAMR", "length_unit");
   for (const auto* name : {"cell_to_cell", "lineage"})
-    if (has_link(std::string("/PAMR/") + name)) array(std::string("/PAMR/") + name, false);
+    if (has_link(std::string("/PAMR/") + name)) array(std::string("/PAMR/") + name, 0);
   for (const auto* name : {"surfaces", "provenance"})
     if (has_link(std::string("/PAMR/") + name)) text(std::string("/PAMR/") + name);
   if (has_group("/PAMR/patches"))
     for (const auto* name : {"names", "kinds", "surfaces"})
       if (has_link(std::string("/PAMR/patches/") + name)) text(std::string("/PAMR/patches/") + name);
+  if (has_group("/PAMR/regions")) {
+    array("/PAMR/regions/numbers", max_regions);
+    text("/PAMR/regions/names");
+  }
   if (has_group("/PAMR/surface_data"))
     for (const auto& name : names_in("/PAMR/surface_data")) {
       const auto path = "/PAMR/surface_data/" + name;
       if (!has_group(path)) fail(path, "expected a group, found another object");
-      array(path + "/points", false);
-      array(path + "/triangles", false);
+      array(path + "/points", 0);
+      array(path + "/triangles", 0);
     }
   if (has_group("/PAMR/checksums")) all_number_attributes("/PAMR/checksums");
 }
@@ -157,7 +163,7 @@ mesh::StorageType Inspector::number_type(hid_t type, const std::string& path) co
                                        : "another type"));
 }
 
-void Inspector::array(const std::string& path, bool read_values) {
+void Inspector::array(const std::string& path, hsize_t max_values) {
   if (!has_link(path)) fail(path, "expected this dataset, found none");
   const auto dataset =
       hdf5::take(H5Dopen2(h5_.id(), path.c_str(), H5P_DEFAULT), H5Dclose, at(path, "expected a dataset"));
@@ -174,8 +180,8 @@ void Inspector::array(const std::string& path, bool read_values) {
     fail(path, "expected a possible shape, found " + std::to_string(dims[0]) + " x " + std::to_string(dims[1]));
   for (int d = 0; d < rank; ++d) entry.shape.push_back(static_cast<std::int64_t>(dims[static_cast<std::size_t>(d)]));
   entry.is_chunked = check_layout(dataset.id(), dims[0] * dims[1] * hdf5::size_of(entry.type), path);
-  if (read_values) {
-    if (!mesh::is_integer(entry.type) || dims[0] * dims[1] > max_small_values)
+  if (max_values > 0) {
+    if (!mesh::is_integer(entry.type) || dims[0] * dims[1] > max_values)
       fail(path, "expected a few integers, found " + hdf5::to_text(entry.type) + " and " +
                      std::to_string(dims[0] * dims[1]) + " values");
     entry.values.resize(dims[0] * dims[1]);

@@ -143,6 +143,7 @@ class Checker {
       info.first_id = first->values[0];
     }
     patches();
+    regions();
     for (const auto& entry : catalog_->arrays) triangulation(entry);
     if (catalog_->find_array(path::cell_to_cell) != nullptr) {
       layout_.has_neighbours = true;
@@ -200,6 +201,24 @@ class Checker {
       if (!seen.insert(names[p]).second)
         fail(path::patch_names, "different names", "'" + names[p] + "' twice, again in row " + std::to_string(p));
       layout_.info.patches.push_back({names[p], kinds[p], surfaces[p]});
+    }
+  }
+
+  /// The catalog has both datasets or none.
+  void regions() {
+    const auto* entry = catalog_->find_array(path::region_numbers);
+    if (entry == nullptr) return;
+    const auto& numbers = entry->values;
+    const auto names = text_list(path::region_names);
+    if (names.size() != numbers.size())
+      fail(path::region_names, std::to_string(numbers.size()) + " texts, one for each number",
+           std::to_string(names.size()));
+    for (std::size_t r = 0; r < names.size(); ++r) {
+      if (names[r].empty()) fail(path::region_names, "a name", "an empty one in row " + std::to_string(r));
+      if (r > 0 && numbers[r] <= numbers[r - 1])
+        fail(path::region_numbers, "ascending numbers",
+             std::to_string(numbers[r]) + " after " + std::to_string(numbers[r - 1]));
+      layout_.info.regions.push_back({numbers[r], names[r]});
     }
   }
 

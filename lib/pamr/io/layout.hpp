@@ -28,6 +28,9 @@ inline constexpr const char* patches = "/PAMR/patches";
 inline constexpr const char* patch_names = "/PAMR/patches/names";
 inline constexpr const char* patch_kinds = "/PAMR/patches/kinds";
 inline constexpr const char* patch_surfaces = "/PAMR/patches/surfaces";
+inline constexpr const char* regions = "/PAMR/regions";
+inline constexpr const char* region_numbers = "/PAMR/regions/numbers";
+inline constexpr const char* region_names = "/PAMR/regions/names";
 inline constexpr const char* surfaces = "/PAMR/surfaces";
 inline constexpr const char* surface_data = "/PAMR/surface_data";
 inline constexpr const char* provenance = "/PAMR/provenance";
@@ -36,6 +39,7 @@ inline constexpr const char* checksums = "/PAMR/checksums";
 
 inline constexpr int tetrahedron = 10;  ///< VTK's number of the cell type
 inline constexpr int format_version = 1;
+inline constexpr std::size_t max_regions = 4096;  ///< with a name
 
 struct FieldEntry {
   std::string path, name, unit;

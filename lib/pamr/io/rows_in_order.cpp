@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "pamr/io/rows_in_order.hpp"
 
+#include <algorithm>
+#include <set>
 #include <span>
 
 #include "pamr/par/exchange.hpp"
+#include "pamr/par/mailbox.hpp"
 
 namespace pamr::io {
 
@@ -47,6 +50,26 @@ mesh::CellField cells_in_order(const par::Comm& comm, const mesh::DistMesh& mesh
 
 mesh::NodeField nodes_in_order(const par::Comm& comm, const mesh::DistMesh& mesh, const mesh::NodeField& field) {
   return in_order(comm, mesh.info.node_ids(), mesh.node_global, field);
+}
+
+RegionsInOrder regions_in_order(const par::Comm& comm, const mesh::DistMesh& mesh) {
+  RegionsInOrder regions;
+  const auto* field = mesh.find_cell_field(mesh::region_field);
+  regions.has_field = field != nullptr && field->holds_integers() && field->n_components == 1;
+  if (!regions.has_field) return regions;
+  regions.of_cell = cells_in_order(comm, mesh, *field).integer();
+  par::Mailbox<std::int64_t> box(comm);
+  for (const auto region : std::set<std::int64_t>(regions.of_cell.begin(), regions.of_cell.end())) box.add(0, region);
+  const auto received = box.send();
+  const std::set<std::int64_t> all(received.item.begin(), received.item.end());
+  regions.all = comm.broadcast(std::vector<std::int64_t>(all.begin(), all.end()));
+  return regions;
+}
+
+std::string name_of_region(const mesh::MeshInfo& info, std::int64_t number) {
+  const auto found = std::find_if(info.regions.begin(), info.regions.end(),
+                                  [&](const auto& region) { return region.number == number; });
+  return found == info.regions.end() ? "" : found->name;
 }
 
 }  // namespace pamr::io

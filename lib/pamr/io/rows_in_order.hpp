@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "pamr/mesh/dist_mesh.hpp"
@@ -25,5 +26,16 @@ RowsInOrder rows_in_order(const par::Comm& comm, const mesh::DistMesh& mesh);
 /// The values of a field in that order.
 mesh::CellField cells_in_order(const par::Comm& comm, const mesh::DistMesh& mesh, const mesh::CellField& field);
 mesh::NodeField nodes_in_order(const par::Comm& comm, const mesh::DistMesh& mesh, const mesh::NodeField& field);
+
+/// The values of the cell field `region` in that order, and all that there are.
+struct RegionsInOrder {
+  bool has_field = false;             ///< where it is an integer field of one component; else nothing else is set
+  std::vector<std::int64_t> of_cell;  ///< of this rank's canonical block
+  std::vector<std::int64_t> all;      ///< ascending, the same on every rank
+};
+RegionsInOrder regions_in_order(const par::Comm& comm, const mesh::DistMesh& mesh);
+
+/// The name of a region, empty where it has none.
+std::string name_of_region(const mesh::MeshInfo& info, std::int64_t number);
 
 }  // namespace pamr::io

@@ -79,19 +79,41 @@ std::vector<std::vector<Face>> faces_of(const par::Comm& comm, const mesh::DistM
   return parts;
 }
 
-/// Names of the patches as words of OpenFOAM.
-std::vector<std::string> words(const std::vector<mesh::Patch>& patches) {
+/// A name as a word of OpenFOAM.
+std::string word_of(const std::string& name) {
+  std::string word;
+  for (const char c : name)
+    word += c <= ' ' || c > '~' || std::string_view("\"'/;{}()[]$#\\").find(c) != std::string_view::npos ? '_' : c;
+  return word;
+}
+
+/// Names as words of OpenFOAM, which have to differ.
+std::vector<std::string> words(const std::string& what, const std::vector<std::string>& names) {
   std::vector<std::string> result;
-  for (const auto& patch : patches) {
-    std::string word;
-    for (const char c : patch.name)
-      word += c <= ' ' || c > '~' || std::string_view("\"'/;{}()[]$#\\").find(c) != std::string_view::npos ? '_' : c;
+  for (const auto& name : names) {
+    auto word = word_of(name);
     if (std::find(result.begin(), result.end(), word) != result.end())
-      throw Error("patch '" + patch.name + "': expected names that differ in OpenFOAM's characters, found \"" + word +
+      throw Error(what + " '" + name + "': expected names that differ in OpenFOAM's characters, found \"" + word +
                   "\" twice");
     result.push_back(std::move(word));
   }
   return result;
+}
+
+std::vector<std::string> words_of_patches(const mesh::MeshInfo& info) {
+  std::vector<std::string> names;
+  for (const auto& patch : info.patches) names.push_back(patch.name);
+  return words("patch", names);
+}
+
+/// Names of the zones of the given regions.
+std::vector<std::string> words_of_regions(const mesh::MeshInfo& info, const std::vector<std::int64_t>& numbers) {
+  std::vector<std::string> names;
+  for (const auto number : numbers) {
+    const auto name = name_of_region(info, number);
+    names.push_back(name.empty() ? "region_" + std::to_string(number) : name);
+  }
+  return words("region", names);
 }
 
 class Writer {
@@ -133,6 +155,7 @@ class Writer {
                  text += '\n';
                }));
     write_boundary();
+    write_zones();
   }
 
  private:
@@ -163,7 +186,7 @@ class Writer {
 
   void write_boundary() {
     const auto& patches = mesh_.info.patches;
-    const auto names = words(patches);
+    const auto names = words_of_patches(mesh_.info);
     std::string text = header("polyBoundaryMesh", "boundary") + std::to_string(patches.size()) + "\n(\n";
     auto start = n_faces_[0];
     for (std::size_t p = 0; p < patches.size(); ++p) {
@@ -176,6 +199,33 @@ class Writer {
     }
     SharedOutput out(comm_, folder_ / "boundary");
     out.append_once(text + ")\n");
+    out.commit();
+  }
+
+  /// The cells of each region but 0, which stands for none.
+  void write_zones() {
+    auto regions = regions_in_order(comm_, mesh_);
+    std::erase(regions.all, 0);
+    if (regions.all.empty()) return;
+    const auto names = words_of_regions(mesh_.info, regions.all);
+    SharedOutput out(comm_, folder_ / "cellZones");
+    out.append_once(header("regIOobject", "cellZones") + std::to_string(names.size()) + "\n(\n");
+    for (std::size_t r = 0; r < names.size(); ++r) {
+      std::string cells;
+      std::int64_t n = 0;
+      for (std::size_t c = 0; c < regions.of_cell.size(); ++c)
+        if (regions.of_cell[c] == regions.all[r]) {
+          append_number(cells, rows_.first_cell + static_cast<GlobalId>(c));
+          cells += '\n';
+          ++n;
+        }
+      out.append_once("    " + names[r] +
+                      "\n    {\n        type            cellZone;\n        cellLabels      List<label>\n" +
+                      std::to_string(comm_.sum(n)) + "\n(\n");
+      out.append(cells);
+      out.append_once(")\n;\n    }\n");
+    }
+    out.append_once(")\n");
     out.commit();
   }
 
@@ -206,7 +256,7 @@ void on_disk(const par::Comm& comm, const fs::path& folder, const Do& act) {
 fs::path partial_foam_folder(const fs::path& case_folder) { return case_folder / "constant" / "polyMesh.partial"; }
 
 void write_foam(const par::Comm& comm, const fs::path& case_folder, const mesh::DistMesh& mesh) {
-  (void)words(mesh.info.patches);
+  (void)words_of_patches(mesh.info);
   const auto partial = partial_foam_folder(case_folder), whole = case_folder / "constant" / "polyMesh";
   const auto old = case_folder / "constant" / "polyMesh.old";
   on_disk(comm, whole, [&] {

@@ -6,7 +6,6 @@
 #include <array>
 #include <charconv>
 #include <limits>
-#include <set>
 #include <string>
 #include <vector>
 
@@ -14,7 +13,6 @@
 #include "pamr/io/rows_in_order.hpp"
 #include "pamr/io/shared_output.hpp"
 #include "pamr/mesh/tet.hpp"
-#include "pamr/par/mailbox.hpp"
 
 namespace pamr::io {
 
@@ -53,8 +51,7 @@ class Record {
 /// Elements of one rank in the order of the file.
 struct Elements {
   std::vector<std::vector<std::array<GlobalId, 3>>> triangle;  ///< by patch
-  std::vector<std::int64_t> region;                            ///< of each cell, 1 without the field
-  std::vector<std::int64_t> all_regions;                       ///< ascending, the same on every rank
+  RegionsInOrder region;                                       ///< 1 everywhere without the field
 };
 
 Elements collect(const par::Comm& comm, const mesh::DistMesh& mesh, const RowsInOrder& rows) {
@@ -68,16 +65,11 @@ Elements collect(const par::Comm& comm, const mesh::DistMesh& mesh, const RowsIn
         face[i] = rows.cell_to_node[c][static_cast<std::size_t>(mesh::tet::face_to_corner[slot][i])];
       elements.triangle[static_cast<std::size_t>(rows.patch[c][slot])].push_back(face);
     }
-  const auto* field = mesh.find_cell_field("region");
-  if (field != nullptr && field->holds_integers() && field->n_components == 1)
-    elements.region = cells_in_order(comm, mesh, *field).integer();
-  else
-    elements.region.assign(rows.cell_to_node.size(), 1);
-  par::Mailbox<std::int64_t> box(comm);
-  for (const auto region : std::set<std::int64_t>(elements.region.begin(), elements.region.end())) box.add(0, region);
-  const auto received = box.send();
-  const std::set<std::int64_t> all(received.item.begin(), received.item.end());
-  elements.all_regions = comm.broadcast(std::vector<std::int64_t>(all.begin(), all.end()));
+  elements.region = regions_in_order(comm, mesh);
+  if (!elements.region.has_field) {
+    elements.region.of_cell.assign(rows.cell_to_node.size(), 1);
+    elements.region.all = {1};
+  }
   return elements;
 }
 
@@ -122,7 +114,7 @@ class Writer {
     }
     Record cells(binary_);
     for (std::size_t c = 0; c < rows_.cell_to_node.size(); ++c)
-      element_2(cells, done + rows_.first_cell + static_cast<GlobalId>(c) + 1, 4, elements_.region[c], 1,
+      element_2(cells, done + rows_.first_cell + static_cast<GlobalId>(c) + 1, 4, elements_.region.of_cell[c], 1,
                 rows_.cell_to_node[c]);
     if (mesh_.info.n_global_cells > 0) block_2(cells, 4, mesh_.info.n_global_cells);
     end(Record(binary_), "Elements");
@@ -145,9 +137,12 @@ class Writer {
     std::string text = "$MeshFormat\n" + version + (binary_ ? " 1 8\n" : " 0 8\n");
     const std::int32_t one = 1;
     if (binary_) text.append(reinterpret_cast<const char*>(&one), sizeof(one)) += '\n';
-    text += "$EndMeshFormat\n$PhysicalNames\n" + std::to_string(mesh_.info.patches.size()) + "\n";
+    const auto regions = elements_.region.has_field ? mesh_.info.regions : std::vector<mesh::Region>();
+    const auto n_names = mesh_.info.patches.size() + regions.size();
+    text += "$EndMeshFormat\n$PhysicalNames\n" + std::to_string(n_names) + "\n";
     for (std::size_t p = 0; p < mesh_.info.patches.size(); ++p)
       text += "2 " + std::to_string(p + 1) + " \"" + mesh_.info.patches[p].name + "\"\n";
+    for (const auto& [number, name] : regions) text += "3 " + std::to_string(number) + " \"" + name + "\"\n";
     out_.append_once(text + "$EndPhysicalNames\n");
   }
   void section(const std::string& name, const std::string& head) { out_.append_once("$" + name + "\n" + head); }
@@ -197,7 +192,7 @@ class Writer {
       record.large(0);
       record.large(0);
       record.large(static_cast<std::int64_t>(n_triangles_.size()));
-      record.large(static_cast<std::int64_t>(elements_.all_regions.size()));
+      record.large(static_cast<std::int64_t>(elements_.region.all.size()));
       record.end_line();
       const auto entity = [&](std::size_t index, std::int64_t physical) {
         record.small(static_cast<std::int64_t>(index) + 1);
@@ -208,7 +203,7 @@ class Writer {
         record.end_line();
       };
       for (std::size_t p = 0; p < n_triangles_.size(); ++p) entity(p, static_cast<std::int64_t>(p) + 1);
-      for (std::size_t r = 0; r < elements_.all_regions.size(); ++r) entity(r, elements_.all_regions[r]);
+      for (std::size_t r = 0; r < elements_.region.all.size(); ++r) entity(r, elements_.region.all[r]);
     }
     end(record, "Entities");
   }
@@ -262,13 +257,13 @@ class Writer {
   void write_elements_4() {
     const auto n_surfaces =
         std::count_if(n_triangles_.begin(), n_triangles_.end(), [](std::int64_t n) { return n > 0; });
-    head_4(n_surfaces + static_cast<std::int64_t>(elements_.all_regions.size()), n_elements_);
+    head_4(n_surfaces + static_cast<std::int64_t>(elements_.region.all.size()), n_elements_);
     std::int64_t number = 0;
     for (std::size_t p = 0; p < elements_.triangle.size(); ++p) block_4(2, p, 2, elements_.triangle[p], number);
-    for (std::size_t r = 0; r < elements_.all_regions.size(); ++r) {
+    for (std::size_t r = 0; r < elements_.region.all.size(); ++r) {
       std::vector<std::array<GlobalId, 4>> cells;
       for (std::size_t c = 0; c < rows_.cell_to_node.size(); ++c)
-        if (elements_.region[c] == elements_.all_regions[r]) cells.push_back(rows_.cell_to_node[c]);
+        if (elements_.region.of_cell[c] == elements_.region.all[r]) cells.push_back(rows_.cell_to_node[c]);
       block_4(3, r, 4, cells, number);
     }
     end(Record(binary_), "Elements");

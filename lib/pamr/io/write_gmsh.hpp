@@ -17,10 +17,10 @@ struct GmshWriteOptions {
 };
 
 /// Writes nodes, boundary triangles and tetrahedra in Gmsh's format: patches become physical surfaces 1, 2, ... of
-/// their names, values of an integer cell field `region` physical volumes (1 without
-/// the field). Nodes are numbered from 1 in global order,
-/// and so are the elements: triangles patch by patch, then cells (4.1: region by region). Fields are left out. Text has
-/// 17 digits, which read back as the same numbers. The same bytes on any number of ranks.
+/// their names, values of an integer cell field `region` physical volumes with the names they have (volume 1 without
+/// the field). Nodes are numbered from 1 in global order, and so are the elements: triangles patch by patch, then cells
+/// (4.1: region by region). Fields are left out. Text has 17 digits, which read back as the same numbers. The same
+/// bytes on any number of ranks.
 ///
 /// Collective; throws the same `Error` on every rank (in 2.2 binary also for more than 2^31 nodes or elements, which
 /// that format cannot number) and leaves nothing behind then.

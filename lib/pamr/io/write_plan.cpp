@@ -51,6 +51,7 @@ WritePlan::WritePlan(const par::Comm& comm, const mesh::DistMesh& mesh, const st
   for (const auto* field : by_name(mesh.node_fields)) add_field(*field, false);
   for (const auto* field : by_name(mesh.cell_fields)) add_field(*field, true);
   for (const auto* surface : by_name(mesh.info.triangulations)) add_triangulation(comm, *surface);
+  if (!mesh.info.regions.empty()) add_regions();
   add_texts(provenance);
   for (const auto& array : arrays)
     data_bytes += static_cast<std::uint64_t>(array.shape.rows * array.shape.width) * hdf5::size_of(array.type);
@@ -185,6 +186,22 @@ void WritePlan::add_triangulation(const par::Comm& comm, const geometry::Triangu
   });
 }
 
+void WritePlan::add_regions() {
+  const auto& regions = mesh_->info.regions;
+  const auto n = std::ssize(regions);
+  groups.emplace_back(path::regions);
+  arrays.push_back({path::region_numbers,
+                    StorageType::int64,
+                    {n, 1, true},
+                    {n, 1, {}, {}, {}},
+                    [&regions](GlobalId row) { return word_of(regions[static_cast<std::size_t>(row)].number); },
+                    true,
+                    ""});
+  TextPlan names{path::region_names, {}, true};
+  for (const auto& region : regions) names.texts.push_back(region.name);
+  texts.push_back(std::move(names));
+}
+
 void WritePlan::add_texts(const std::string& provenance) {
   TextPlan names{path::patch_names, {}, true}, kinds{path::patch_kinds, {}, true}, ties{path::patch_surfaces, {}, true};
   for (const auto& patch : mesh_->info.patches) {
@@ -248,6 +265,17 @@ void require_writable(const mesh::DistMesh& mesh) {
       throw Error("patch '" + patch.name + "': expected name, kind and surface in UTF-8, found another encoding");
     if (!seen.insert(patch.name).second)
       throw Error("patch '" + patch.name + "': expected different names, found it twice");
+  }
+  if (mesh.info.regions.size() > max_regions)
+    throw Error("regions: expected at most " + std::to_string(max_regions) + " with a name, found " +
+                std::to_string(mesh.info.regions.size()));
+  for (std::size_t r = 0; r < mesh.info.regions.size(); ++r) {
+    const auto& [number, name] = mesh.info.regions[r];
+    const auto where = "region " + std::to_string(number) + ": ";
+    if (name.empty() || !is_clean_text(name, "")) throw Error(where + "expected a name in UTF-8, found another");
+    if (r > 0 && number <= mesh.info.regions[r - 1].number)
+      throw Error(where + "expected ascending numbers, found it after " +
+                  std::to_string(mesh.info.regions[r - 1].number));
   }
   for (const auto* text : {&mesh.info.surfaces_toml, &mesh.info.provenance})
     if (!is_clean_text(*text, "\t\r\n")) throw Error("surfaces or provenance: expected UTF-8, found another encoding");

@@ -53,6 +53,7 @@ struct WritePlan {
  private:
   void add_mesh();
   void add_field(const mesh::Field& field, bool on_cells);
+  void add_regions();
   void add_texts(const std::string& provenance);
   void add_triangulation(const par::Comm& comm, const geometry::Triangulation& surface);
   HeldRows cell_rows(std::size_t width, std::function<void(std::size_t, std::uint64_t*)> fill) const;

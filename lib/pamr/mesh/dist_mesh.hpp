@@ -28,11 +28,22 @@ struct Patch {
   friend bool operator==(const Patch&, const Patch&) = default;
 };
 
+/// The name of a part of the domain: of the cells whose integer field `region_field` has that value.
+struct Region {
+  std::int64_t number = 0;
+  std::string name;
+  friend bool operator==(const Region&, const Region&) = default;
+};
+
+/// Cell field of the parts of the domain, 0 for cells of none.
+inline constexpr const char* region_field = "region";
+
 /// What is said once for the whole mesh; the same on every rank.
 struct MeshInfo {
   GlobalId n_global_nodes = 0;
   GlobalId n_global_cells = 0;
   std::vector<Patch> patches;
+  std::vector<Region> regions;  ///< those with a name, ascending by number
   std::string surfaces_toml;
   std::string length_unit;
   std::string provenance;

@@ -231,7 +231,28 @@ std::vector<Damage> damages_of_the_extension() {
     return [cell, value](const path& f) { set_value<std::uint64_t>(f, "/PAMR/lineage", cell, value.bits()); };
   };
   using enum mesh::FamilyKind;
+  const auto regions = [](std::vector<std::int64_t> numbers, std::vector<std::string> names) {
+    return [numbers, names](const path& f) {
+      create_group(f, "/PAMR/regions");
+      write_dataset<std::int64_t>(f, "/PAMR/regions/numbers", {numbers.size()}, numbers);
+      if (!names.empty()) write_texts(f, "/PAMR/regions/names", names);
+    };
+  };
   return {
+      {"RegionsWithoutNames", regions({1}, {}), {"/PAMR/regions/names", "a dataset"}},
+      {"MoreRegionsThanNames", regions({1, 2}, {"gas"}), {"/PAMR/regions/names", "2 texts", "found 1"}},
+      {"RegionTwice", regions({2, 2}, {"gas", "solid"}), {"/PAMR/regions/numbers", "ascending", "2 after 2"}},
+      {"RegionWithoutName", regions({2, 3}, {"gas", ""}), {"/PAMR/regions/names", "row 1"}},
+      {"RegionNameIsNotUtf8", regions({2}, {"g\xff"}), {"/PAMR/regions/names", "UTF-8"}},
+      {"RegionNumbersAreReal",
+       [](const path& f) {
+         create_group(f, "/PAMR/regions");
+         write_dataset<double>(f, "/PAMR/regions/numbers", {1}, {1.0});
+       },
+       {"/PAMR/regions/numbers", "integers"}},
+      {"TooManyRegions",
+       regions(std::vector<std::int64_t>(4097), std::vector<std::string>(4097)),
+       {"/PAMR/regions/numbers", "4097 values"}},
       {"UnknownKindOfFamily",
        [](const path& f) { set_value<std::uint64_t>(f, "/PAMR/lineage", 7, 3); },
        {"/PAMR/lineage, row 7", "found 3"}},

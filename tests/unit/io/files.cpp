@@ -37,6 +37,7 @@ mesh::DistMesh mesh_with_fields(const par::Comm& comm, int n, std::uint64_t seed
   using mesh::StorageType;
   auto block = random_mesh(comm, seed, n);
   block.info.length_unit = "m";
+  block.info.regions = {{-3, "gaz"}, {7, "région solide"}};
   block.info.surfaces_toml = "[sphere]\nkind = \"sphere\"\nradius = 1.0\n";
   const auto n_cells = static_cast<std::int64_t>(block.cell_to_node.size());
   const auto first_node = par::block_range(block.info.n_global_nodes, comm.rank(), comm.size()).begin;

@@ -32,6 +32,7 @@ void expect_same(const mesh::BlockMesh& a, const mesh::BlockMesh& b) {
   EXPECT_EQ(a.info.n_global_nodes, b.info.n_global_nodes);
   EXPECT_EQ(a.info.n_global_cells, b.info.n_global_cells);
   EXPECT_EQ(a.info.patches, b.info.patches);
+  EXPECT_EQ(a.info.regions, b.info.regions);
   EXPECT_EQ(a.info.surfaces_toml, b.info.surfaces_toml);
   EXPECT_EQ(a.info.length_unit, b.info.length_unit);
   EXPECT_EQ(a.node_position, b.node_position);
