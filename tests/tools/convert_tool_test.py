@@ -6,7 +6,7 @@ import h5py
 import meshio
 import numpy as np
 
-from surface_models import icosphere, write_stl
+from surface_models import bored_cube, can, icosphere, write_stl
 from tool_run import kuhn_cube, refuses, run, run_tests, same_bytes
 
 FORMATS = [("2.2", True), ("2.2", False), ("4.1", True), ("4.1", False)]
@@ -252,6 +252,111 @@ def test_a_patch_is_tied_to_the_file_of_a_body():
     refuses(*arguments, "--patch", "moon", says=["'moon'", "box, sphere"], creates="no.hdf")
     refuses(*arguments, "--patch", "sphere", "--tolerance", "1e-6", says=["'sphere'", "within 1e-06"], creates="no.hdf")
     refuses(*arguments, "--patch", "box", says=["'box'", "--tolerance"], creates="no.hdf")
+
+
+def as_one_patch(source, target):
+    """A Gmsh file (2.2, text) with all its triangles in one surface, "wall"."""
+    lines = pathlib.Path(source).read_text().split("\n")
+    names, elements = lines.index("$PhysicalNames"), lines.index("$Elements")
+    for i in range(elements + 2, len(lines) - 2):
+        words = lines[i].split()
+        if words[1] == "2":
+            lines[i] = " ".join(words[:3] + ["1", "1"] + words[5:])
+    lines[names + 1 : lines.index("$EndPhysicalNames")] = ["1", '2 1 "wall"']
+    return write(target, "\n".join(lines))
+
+
+def sharp_edges(name, degrees):
+    """Points, and the ends of the edges at which two faces of the boundary meet at more than this angle."""
+    with h5py.File(name) as file:
+        points, cells = file["VTKHDF/Points"][:], file["VTKHDF/Connectivity"][:].reshape(-1, 4)
+        cell, slot = np.nonzero(file["PAMR/cell_to_cell"][:] < 0)
+    faces = cells[cell[:, None], np.array([[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]])[slot]]
+    normal = np.cross(points[faces[:, 1]] - points[faces[:, 0]], points[faces[:, 2]] - points[faces[:, 0]])
+    normal /= np.linalg.norm(normal, axis=1)[:, None]
+    edges = np.sort(np.vstack([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]), axis=1)
+    order = np.lexsort((edges[:, 1], edges[:, 0]))
+    face = np.tile(np.arange(len(faces)), 3)[order].reshape(-1, 2)
+    cosine = (normal[face[:, 0]] * normal[face[:, 1]]).sum(axis=1)
+    return points, edges[order[::2]][cosine < np.cos(np.radians(degrees))], np.unique(faces)
+
+
+def test_edges_inside_one_patch_stay_sharp():
+    write_stl("part.stl", *bored_cube(24))
+    write("part.toml", '[mesh]\nshape = "surfaces"\nlength_unit = "1"\nregion = "-body"\nbounds = [[-1, -1, -1], [1, 1, 1]]\n'
+          '[mesh.sizes]\nfar = 0.5\n[[surface]]\nname = "body"\nkind = "triangulation"\nfile = "part.stl"\n')
+    run("pamr-mesh", "part.toml", "-o", "made.hdf", "--quiet")
+    run("pamr-convert", "made.hdf", "made.msh", "--gmsh-version", "2.2", "--text", "--quiet")
+    told = run("pamr-convert", as_one_patch("made.msh", "one.msh"), "level0.hdf", "--surface", "part.stl", "--patch", "wall",
+               "--json", "-").json
+    n_edges = told["ties"]["wall"]["edges_along_creases"]
+    assert n_edges > 80 and told["ties"]["wall"]["edges_across_creases"] == 0
+
+    marks = [["--patch", "wall"]] * 2 + [["--box", "0.97,0.97,-1,1,1,1", "--box", "0.3,0.3,0.99,0.4,0.4,1"]] * 2
+    for level, criterion in enumerate(marks, 1):
+        run("pamr-mark", f"level{level - 1}.hdf", "-o", "marked.hdf", *criterion, "--force", "--quiet")
+        report = run("pamr-refine", "marked.hdf", "-o", f"level{level}.hdf", "--json", "-").json
+        assert report["inverted_cells"] == 0 and report["off_surface_nodes"] == 0
+        points, edges, wall = sharp_edges(f"level{level}.hdf", 50)
+        assert len(edges) == n_edges * 2**level if level < 3 else len(edges) > n_edges * 4
+        p = points[np.unique(edges)]
+        on_edge = (np.abs(np.abs(p) - 1) < 1e-3).sum(axis=1) >= 2
+        assert ((np.abs(p[on_edge]) == 1).sum(axis=1) >= 2).all(), "straight edges, to the last bit"
+        rim = p[~on_edge]
+        assert (np.abs(rim[:, 2]) == 1).all() and np.abs(np.hypot(*rim[:, :2].T) - 0.5).max() < 1e-8, "both rims"
+        flat = points[wall][np.hypot(*points[wall][:, :2].T) > 0.6]
+        assert (np.abs(flat) == 1).any(axis=1).all(), "planes, to the last bit"
+
+
+def test_nodes_on_the_chords_of_a_round_edge_go_to_the_edge():
+    write_stl("can.stl", *can(12))
+    write("can.toml", '[mesh]\nshape = "surfaces"\nlength_unit = "1"\nregion = "-body"\nbounds = [[-1, -1, -1], [1, 1, 1]]\n'
+          '[mesh.sizes]\nfar = 0.5\n[[surface]]\nname = "body"\nkind = "triangulation"\nfile = "can.stl"\n')
+    run("pamr-mesh", "can.toml", "-o", "made.hdf", "--quiet")
+    run("pamr-mark", "made.hdf", "-o", "all.hdf", "--all", "--quiet")
+    run("pamr-refine", "all.hdf", "-o", "chords.hdf", "--no-project", "--quiet")
+    run("pamr-convert", "chords.hdf", "chords.msh", "--gmsh-version", "2.2", "--text", "--quiet")
+    tie = ["--surface", "can.stl", "--patch", "wall", "--quiet"]
+    run("pamr-convert", as_one_patch("chords.msh", "one.msh"), "level0.hdf", *tie)
+    run("pamr-mark", "level0.hdf", "-o", "marked.hdf", "--patch", "wall", "--quiet")
+    run("pamr-refine", "marked.hdf", "-o", "level1.hdf", "--quiet")
+
+    def rims(name):
+        points, edges, _ = sharp_edges(name, 50)
+        nodes = points[np.unique(edges)]
+        assert (np.abs(nodes[:, 2]) == 1).all()
+        return np.abs(np.hypot(*nodes[:, :2].T) - 1).max()
+    assert rims("level0.hdf") > 0.01, "nodes in the middle of chords, in the planes of the ends"
+    assert rims("level1.hdf") < 1e-4
+
+
+def test_edges_of_the_mesh_across_sharp_ones_are_told():
+    kuhn_cube("cube.hdf", 4)
+    write_stl("box.stl", *bored_cube(8))
+    with h5py.File("cube.hdf", "r+") as file:  # all of its outside is one patch on a cube of side 2 with a bore
+        file["VTKHDF/Points"][:] = 2 * file["VTKHDF/Points"][:] - 1
+        file["PAMR/cell_to_cell"][:] = np.maximum(file["PAMR/cell_to_cell"][:], -1)
+        del file["PAMR/patches"], file["PAMR/surfaces"], file["PAMR/checksums"]
+        file["PAMR/patches/names"] = ["wall"]
+    told = run("pamr-convert", "cube.hdf", "tied.hdf", "--surface", "box.stl", "--patch", "wall", "--json", "-", "--tolerance", "1")
+    assert told.json["ties"]["wall"]["edges_along_creases"] == 12 * 4, "the edges of the cube"
+    assert told.json["ties"]["wall"]["edges_across_creases"] > 0 and "run across sharp edges" in told.err
+
+
+def test_creases_are_given_on_the_command_line():
+    run("pamr-mesh", "--shape", "sphere-in-box", "--size", "0.5", "-o", "made.hdf", "--quiet")
+    points, triangles = icosphere(2)
+    write_stl("ball.stl", points, triangles)
+    edge = ",".join("%.17g" % x for corner in triangles[0][:2] for x in points[corner])
+    arguments = ["pamr-convert", "made.hdf", "tied.hdf", "--force", "--surface", "ball.stl", "--patch", "sphere"]
+    run(*arguments, "--feature-angle", "30.5", "--crease", edge, "--crease", edge, "--quiet")
+    with h5py.File("tied.hdf") as file:
+        text = file["PAMR/surfaces"][()].decode()
+    assert "feature_angle = 30.5\n" in text and text.count("[[[") == 1 and "], [[" in text
+    refuses(*arguments, "--crease", "0,0,0,1,0,0", says=["segment 1 of polyline 1"])
+    refuses(*arguments, "--crease", "0,0,0,1", says=["--crease", "4 numbers"])
+    refuses("pamr-convert", "made.hdf", "no.hdf", "--crease", edge, says=["one --surface", "found 0"], creates="no.hdf")
+    refuses("pamr-convert", "made.hdf", "no.hdf", "--feature-angle", "30", says=["--feature-angle", "--surface"], creates="no.hdf")
 
 
 def test_surfaces_that_a_mesh_has_are_kept():

@@ -60,6 +60,16 @@ def bored_cube(n):
     return np.array(points, dtype=float), triangles
 
 
+def can(n):
+    """A cylinder of radius 1 from z = -1 to 1 whose rims have n chords, with flat ends."""
+    points = [(math.cos(2 * math.pi * i / n), math.sin(2 * math.pi * i / n), z) for z in (-1, 1) for i in range(n)]
+    triangles = []
+    for i in range(n):
+        j = (i + 1) % n
+        triangles += [(i, j, n + j), (i, n + j, n + i), (2 * n, j, i), (2 * n + 1, n + i, n + j)]
+    return np.array(points + [(0, 0, -1), (0, 0, 1)], dtype=float), triangles
+
+
 def write_stl(name, points, triangles):
     lines = ["solid body"]
     for corners in triangles:

@@ -28,7 +28,8 @@ using namespace pamr;
 struct Options {
   std::string input, output, surfaces, gmsh_version = "4.1";
   std::vector<std::string> ties, surface_files, patches;
-  double tolerance = -1;
+  std::vector<std::vector<double>> creases;
+  double tolerance = -1, feature_angle = -1;
   bool repair = false, strict = false, text = false, force = false;
 };
 
@@ -49,6 +50,14 @@ void declare(CLI::App& app, Options& options) {
       ->allow_extra_args(false);
   app.add_option("--patch", options.patches, "patch that lies on the --surface of the same place")
       ->type_name("NAME")
+      ->allow_extra_args(false);
+  app.add_option("--feature-angle", options.feature_angle,
+                 "degrees between two triangles of a --surface, more is a sharp edge (default: 40)")
+      ->check(CLI::Range(0.0, 180.0));
+  app.add_option("--crease", options.creases,
+                 "X,Y,Z,X,Y,Z,...: polyline along edges of the --surface that are sharp as well; may be repeated")
+      ->delimiter(',')
+      ->type_name("POINTS")
       ->allow_extra_args(false);
   app.add_option("--tie", options.ties, "PATCH=SURFACE, where the two have different names");
   app.add_option("--tolerance", options.tolerance,
@@ -119,6 +128,14 @@ void check_files(cli::Session& session, const Options& options, bool as_foam) {
   if (options.surface_files.size() != options.patches.size())
     throw Error(fmt::format("expected a --patch NAME for each --surface FILE, found {} and {}", options.patches.size(),
                             options.surface_files.size()));
+  if (options.surface_files.empty() && options.feature_angle >= 0)
+    throw Error("--feature-angle: expected --surface beside it, found none");
+  if (!options.creases.empty() && options.surface_files.size() != 1)
+    throw Error(fmt::format("--crease: expected one --surface beside it, found {}", options.surface_files.size()));
+  for (const auto& polyline : options.creases)
+    if (polyline.size() < 6 || polyline.size() % 3 != 0)
+      throw Error(fmt::format("--crease: expected two points or more of three coordinates each, found {} numbers",
+                              polyline.size()));
   std::vector<std::string> inputs{options.input};
   if (!options.surfaces.empty()) inputs.push_back(options.surfaces);
   inputs.insert(inputs.end(), options.surface_files.begin(), options.surface_files.end());
@@ -154,10 +171,25 @@ void tie(cli::Session& session, const Options& options, mesh::DistMesh& mesh, nl
   }
   request.pairs = options.ties;
   request.tolerance = options.tolerance;
+  request.feature_angle = options.feature_angle;
+  for (const auto& numbers : options.creases) {
+    auto& polyline = request.creases.emplace_back();
+    for (std::size_t i = 0; i + 2 < numbers.size(); i += 3)
+      polyline.push_back({numbers[i], numbers[i + 1], numbers[i + 2]});
+  }
   for (std::size_t i = 0; i < options.patches.size(); ++i)
     request.files.emplace_back(options.patches[i], options.surface_files[i]);
   for (const auto& tie : convert_tool::tie_patches(comm, mesh, request)) {
     report["ties"][tie.patch] = {{"surface", tie.surface}, {"worst_distance", tie.worst_distance}};
+    if (tie.creases) {
+      report["ties"][tie.patch]["edges_along_creases"] = tie.creases->n_along;
+      report["ties"][tie.patch]["edges_across_creases"] = tie.creases->n_across;
+      if (tie.creases->n_across > 0)
+        session.warn(
+            fmt::format("patch '{}': {} edges of the mesh run across sharp edges of surface \"{}\" (up to {:.3g} from "
+                        "them), not along them: the sharp edges are rounded there",
+                        tie.patch, tie.creases->n_across, tie.surface, tie.creases->worst_across));
+    }
     if (tie.n_off > 0)
       session.warn(
           fmt::format("patch '{}': nodes up to {:.3g} off surface \"{}\": the next refinement at them brings "

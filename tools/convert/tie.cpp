@@ -64,6 +64,21 @@ std::string toml_text(const std::string& text) {
   return result + "\"";
 }
 
+/// What the command line says about the creases of its files.
+std::string crease_keys(const TieRequest& request) {
+  std::string text;
+  if (request.feature_angle >= 0) text += fmt::format("feature_angle = {}\n", request.feature_angle);
+  if (request.creases.empty()) return text;
+  text += "creases = [";
+  for (const auto& polyline : request.creases) {
+    text += &polyline == &request.creases.front() ? "[" : ", [";
+    for (const auto& p : polyline)
+      text += fmt::format("{}[{}, {}, {}]", &p == &polyline.front() ? "" : ", ", p.x, p.y, p.z);
+    text += "]";
+  }
+  return text + "]\n";
+}
+
 /// The surfaces asked for as text and data.
 struct Described {
   std::string toml;
@@ -79,7 +94,7 @@ Described describe(const TieRequest& request) {
     if (!result.toml.empty() && result.toml.back() != '\n') result.toml += '\n';
     result.toml += "[[surface]]\nname = " + toml_text(patch) +
                    "\nkind = \"triangulation\"\nfile = " + toml_text(std::filesystem::path(file).filename().string()) +
-                   "\n";
+                   "\n" + crease_keys(request);
   }
   return result;
 }
@@ -125,7 +140,7 @@ void put_into_ledger(const par::Comm& comm, mesh::DistMesh& mesh, const std::vec
 Tie measure(const par::Comm& comm, const mesh::DistMesh& mesh, int patch, const geometry::Surface& surface,
             double tolerance, double size, std::vector<double>& off) {
   const auto& info = mesh.info.patches[static_cast<std::size_t>(patch)];
-  Tie tie{info.name, info.surface, 0, -1, 0};
+  Tie tie{info.name, info.surface, 0, -1, 0, {}};
   for (const auto node : nodes_of(mesh, patch)) {
     const auto p = mesh.point(node);
     const double distance = surface.distance(p);
@@ -136,6 +151,12 @@ Tie measure(const par::Comm& comm, const mesh::DistMesh& mesh, int patch, const 
     ++tie.n_off;
     auto& here = off[static_cast<std::size_t>(node)];
     here = std::max(here, distance);
+  }
+  if (surface.has_creases()) {
+    std::vector<double> off_crease(off.size(), 0.0);
+    tie.creases = fit_creases(comm, mesh, patch, surface, off_crease);
+    for (std::size_t n = 0; n < off.size(); ++n)
+      if (off_crease[n] > 1e-12 * size) off[n] = std::max(off[n], off_crease[n]);
   }
   tie.worst_distance = comm.max(tie.worst_distance);
   tie.worst_excess = comm.max(tie.worst_excess);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <utility>
 
 namespace pamr::geometry {
 
@@ -14,7 +15,9 @@ constexpr double gain = 1 - 1e-12;         // a squared distance must fall below
 constexpr double least_cosine = 1 - 1e-6;  // of the tangents of two creases that go on smoothly
 constexpr int n_samples = 8;               // of each crease
 constexpr double most_detour = 1.3;        // of the way along a line between two nodes next to each other
+constexpr double piece_detour = 2;         // the same where the triangles beside the chord confirm it
 constexpr double on_line = 1e-6;           // distance from a line, of the chord
+constexpr double of_bulge = 1.5;           // more of it where nodes may lie on chords
 
 }  // namespace
 
@@ -37,7 +40,8 @@ CreaseNet::CreaseNet(const Triangulation& surface, const Features& features, int
       edges_at_end_[at(end[k])].push_back(static_cast<int>(edges_.size()));
     }
     const CurvedEdge curve({a, inner_point(a, b, crease.tangent[0]), inner_point(b, a, -crease.tangent[1]), b});
-    edges_.push_back({curve, end, crease.tangent, piece[c], 0, 0, norm(b - a), true});
+    edges_.push_back(
+        {curve, end, crease.tangent, piece[c], 0, 0, norm(b - a), true, norm(curve.point(0.5) - midpoint(a, b))});
     chord_.push_back({a, b});
     flat.push_back({a, b, b});
   }
@@ -98,7 +102,6 @@ void CreaseNet::sample(Line& line) {
     flat.push_back({chord_[at(e)][0], chord_[at(e)][1], chord_[at(e)][1]});
   }
   result.piece = edges_[at(line.edges.front())].piece;
-  has_inner_lines_ = has_inner_lines_ || result.piece[0] == result.piece[1];
   line.tree.emplace(flat);
   lines_.push_back(std::move(result));
 }
@@ -121,7 +124,7 @@ CreaseNet::Place CreaseNet::place_on(const Line& line, Vec3 point) const {
     const auto& edge = edges_[at(e)];
     const Foot foot = edge.curve.nearest(point, u);
     return std::pair(foot.squared_distance,
-                     Place{foot.point, edge.start + edge.length * (edge.runs_along ? foot.u : 1 - foot.u)});
+                     Place{foot.point, edge.start + edge.length * (edge.runs_along ? foot.u : 1 - foot.u), edge.bulge});
   };
   const int nearest = line.edges[at(hit.triangle)];
   auto best = try_edge(nearest, std::clamp(hit.u + hit.v, 0.0, 1.0));
@@ -136,26 +139,39 @@ CreaseNet::Place CreaseNet::place_on(const Line& line, Vec3 point) const {
 
 Vec3 CreaseNet::nearest_on_line(std::size_t line, Vec3 point) const { return place_on(line_[line], point).point; }
 
-std::optional<Vec3> CreaseNet::between(Vec3 a, Vec3 b) const {
-  if (!has_inner_lines_) return std::nullopt;
-  const double chord = norm(b - a), near = on_line * chord;
-  if (!(squared_norm(nearest(a) - a) <= near * near) || !(squared_norm(nearest(b) - b) <= near * near))
-    return std::nullopt;
+bool CreaseNet::is_near(Vec3 a, Vec3 b) const {
+  if (is_empty()) return false;
+  const double least = on_line * norm(b - a);
+  const auto is_on = [&](Vec3 p) {
+    const double bulge = edges_[at(tree_->nearest(p).triangle)].bulge;
+    return norm(nearest(p) - p) <= least + of_bulge * bulge;
+  };
+  return is_on(a) && is_on(b);
+}
+
+std::optional<Vec3> CreaseNet::between_on(std::size_t number, Vec3 a, Vec3 b, std::array<int, 2> sides) const {
+  const auto& piece = lines_[number].piece;
+  const bool is_inner = piece[0] == piece[1];
+  if (!is_inner && piece != sides && piece != std::array{sides[1], sides[0]}) return std::nullopt;
+  const auto& line = line_[number];
+  const auto from = place_on(line, a), to = place_on(line, b);
+  const double chord = norm(b - a), more = is_inner ? 0 : of_bulge;
+  if (!(norm(from.point - a) <= on_line * chord + more * from.bulge)) return std::nullopt;
+  if (!(norm(to.point - b) <= on_line * chord + more * to.bulge)) return std::nullopt;
+  double way = std::abs(to.way - from.way);
+  if (lines_[number].is_closed()) way = std::min(way, line.length - way);
+  if (!(way <= (is_inner ? most_detour : piece_detour) * chord)) return std::nullopt;
+  return place_on(line, midpoint(a, b)).point;
+}
+
+std::optional<Vec3> CreaseNet::between(Vec3 a, Vec3 b, std::array<int, 2> sides) const {
+  if (is_empty()) return std::nullopt;
+  if (lexicographically_less(b, a)) std::swap(a, b);
   // Beside corners a node lies on several lines.
-  for (const auto& end : {a, b}) {
-    const auto hit = tree_->nearest(end);
-    for (const int known : edges_[at(hit.triangle)].end)
-      for (const int candidate : edges_at_end_[at(known)]) {
-        const auto number = edges_[at(candidate)].line;
-        const auto& line = line_[number];
-        if (lines_[number].piece[0] != lines_[number].piece[1]) continue;
-        const auto from = place_on(line, a), to = place_on(line, b);
-        if (!(norm(from.point - a) <= near) || !(norm(to.point - b) <= near)) continue;
-        double way = std::abs(to.way - from.way);
-        if (lines_[number].is_closed()) way = std::min(way, line.length - way);
-        if (way <= most_detour * chord) return place_on(line, midpoint(a, b)).point;
-      }
-  }
+  for (const auto& end : {a, b})
+    for (const int known : edges_[at(tree_->nearest(end).triangle)].end)
+      for (const int candidate : edges_at_end_[at(known)])
+        if (const auto middle = between_on(edges_[at(candidate)].line, a, b, sides)) return middle;
   return std::nullopt;
 }
 

@@ -33,10 +33,14 @@ class CreaseNet {
   Vec3 nearest(Vec3 point) const;
   /// Nearest point of one line.
   Vec3 nearest_on_line(std::size_t line, Vec3 point) const;
-  /// The point of the crease for the middle of the chord from a to b, where both lie on one line that has the same
-  /// piece on both sides, next to each other: the way along the line must not be 1.3 times the chord. Does not depend
-  /// on the order of a and b. Lines between two pieces are no matter of this function: patches tell them.
-  std::optional<Vec3> between(Vec3 a, Vec3 b) const;
+  /// Whether both ends of the chord lie on a crease, to 1e-6 of the chord and 1.5 times what the crease bulges from its
+  /// own chord there: nodes of a mesh may lie on the flat triangles. Never where the net has no crease.
+  bool is_near(Vec3 a, Vec3 b) const;
+  /// The point of the crease for the middle of the chord from a to b, where both lie on one line next to each other.
+  /// A line between two pieces must have `sides` (in either order) on its two sides and less way between a and b than
+  /// twice the chord; one with the same piece on both sides less than 1.3 times, and a and b on it to 1e-6 of the
+  /// chord. Does not depend on the order of a and b.
+  std::optional<Vec3> between(Vec3 a, Vec3 b, std::array<int, 2> sides) const;
 
  private:
   struct Edge {
@@ -47,6 +51,7 @@ class CreaseNet {
     std::size_t line = 0;
     double start = 0, length = 0;  // along the line, chords
     bool runs_along = true;        // from its first point to its second
+    double bulge = 0;              // distance of the curve from its chord
   };
   struct Line {
     std::vector<int> edges;  // in order
@@ -56,7 +61,9 @@ class CreaseNet {
   struct Place {
     Vec3 point;
     double way = 0;  // along the line
+    double bulge = 0;
   };
+  std::optional<Vec3> between_on(std::size_t line, Vec3 a, Vec3 b, std::array<int, 2> sides) const;
   bool is_smooth_at(int end, int one, int other) const;
   void chain();
   void sample(Line& line);
@@ -68,7 +75,6 @@ class CreaseNet {
   std::optional<TriangleTree> tree_;
   std::vector<Line> line_;
   std::vector<CreaseLine> lines_;
-  bool has_inner_lines_ = false;
 };
 
 }  // namespace pamr::geometry

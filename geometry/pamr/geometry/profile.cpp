@@ -80,6 +80,36 @@ Profile::Profile(const std::vector<ProfilePiece>& pieces) {
       pieces_.push_back(make_piece(chain[i]));
     });
   }
+  find_corners();
+}
+
+void Profile::find_corners() {
+  constexpr double least_sine = 0.0871557427476582;  // of 5 degrees
+  const auto leaves = [](const Piece& piece, bool at_start) -> Meridian {
+    if (!piece.is_arc) return piece.tangent;
+    const Meridian out = at_start ? piece.from_center : piece.to_center;
+    return {-piece.sense * out.r, piece.sense * out.x};
+  };
+  const auto is_corner = [&](const Piece& before, const Piece& after) {
+    if (!(before.to == after.from) || !(before.to.r > 0)) return false;
+    const Meridian t = leaves(before, false), u = leaves(after, true);
+    return std::abs(cross(t, u)) > least_sine || dot(t, u) < 0;
+  };
+  run_.push_back(0);
+  for (std::size_t i = 1; i < pieces_.size(); ++i) {
+    const bool sharp = is_corner(pieces_[i - 1], pieces_[i]);
+    run_.push_back(run_.back() + (sharp ? 1 : 0));
+    if (sharp) corners_.push_back({pieces_[i].from, {run_.back() - 1, run_.back()}});
+  }
+  if (is_corner(pieces_.back(), pieces_.front()))  // of a closed profile
+    corners_.push_back({pieces_.front().from, {run_.back(), 0}});
+}
+
+int Profile::run_at(Meridian at) const { return run_[nearest_piece(at)]; }
+
+const Profile::Corner& Profile::nearest_corner(Meridian at) const {
+  return *std::min_element(corners_.begin(), corners_.end(),
+                           [&](const Corner& a, const Corner& b) { return norm(at - a.point) < norm(at - b.point); });
 }
 
 Profile::Piece Profile::make_piece(const ProfilePiece& given) {
@@ -152,6 +182,13 @@ Profile::Nearest Profile::nearest(Meridian at) const {
     const Nearest other = nearest_on(pieces_[i], at);
     if (other.distance < best.distance) best = other;
   }
+  return best;
+}
+
+std::size_t Profile::nearest_piece(Meridian at) const {
+  std::size_t best = 0;
+  for (std::size_t i = 1; i < pieces_.size(); ++i)
+    if (nearest_on(pieces_[i], at).distance < nearest_on(pieces_[best], at).distance) best = i;
   return best;
 }
 

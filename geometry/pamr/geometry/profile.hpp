@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <optional>
 #include <vector>
 
@@ -42,6 +44,18 @@ class Profile {
   /// Nearest point at which two pieces join off the axis; the first among equals, nothing for a single piece.
   std::optional<Meridian> nearest_joint(Meridian at) const;
 
+  /// Corners off the axis, where pieces join at more than 5 degrees, part the profile into smooth runs, numbered from
+  /// 0.
+  bool has_corners() const { return !corners_.empty(); }
+  /// Number of the run that holds the nearest point.
+  int run_at(Meridian at) const;
+  struct Corner {
+    Meridian point;
+    std::array<int, 2> run{};  ///< before and after it
+  };
+  /// There must be one.
+  const Corner& nearest_corner(Meridian at) const;
+
   /// Area of the surface of a full turn. Exact per piece: frustums, and zones of tori and spheres.
   double area() const;
   /// Integral of pi r^2 dx over the profile: the volume inside when the profile starts and ends on the axis or is
@@ -65,8 +79,12 @@ class Profile {
   static void make_arc(const ProfileArc& given, Piece& piece);
   static bool spans(const Piece& arc, Meridian from_center);
   static Nearest nearest_on(const Piece& piece, Meridian at);
+  std::size_t nearest_piece(Meridian at) const;
+  void find_corners();
 
   std::vector<Piece> pieces_;
+  std::vector<int> run_;  // of each piece
+  std::vector<Corner> corners_;
 };
 
 }  // namespace pamr::geometry

@@ -22,6 +22,9 @@ class Revolution final : public Surface {
   Vec3 project(Vec3 point) const override;
   Vec3 normal(Vec3 point) const override;
   Vec3 project_to_seam(Vec3 point) const override;
+  bool has_creases() const override { return profile_.has_corners(); }
+  int piece_at(Vec3 point) const override { return profile_.run_at(axis_.place(point).at); }
+  std::optional<Vec3> crease_between(Vec3 a, Vec3 b, Vec3 c, Vec3 d) const override;
   double distance(Vec3 point) const override;
   bool is_flat() const override { return profile_.is_disc(); }
   double magnitude() const override;

@@ -35,11 +35,19 @@ class Surface {
   virtual Vec3 project_to_seam(Vec3 point) const { return project(point); }
   /// Distance with a sign: negative on the side to which the normal does not point.
   virtual double signed_distance(Vec3 point) const { return dot(point - project(point), normal(point)); }
-  /// For an edge from a to b of the mesh in one patch of the surface: where the middle of its chord belongs when both
-  /// ends lie next to each other on a sharp edge that ends inside the surface; nothing elsewhere, and for surfaces
-  /// without such edges. The same for b and a.
-  virtual std::optional<Vec3> inner_crease_between(Vec3 a, Vec3 b) const {
-    (void)a, (void)b;
+  /// Whether it has sharp edges inside.
+  virtual bool has_creases() const { return false; }
+  /// Number of the smooth piece between sharp edges that is nearest to the point; 0 throughout where there is one.
+  virtual int piece_at(Vec3 point) const {
+    (void)point;
+    return 0;
+  }
+  /// For an edge from a to b of the mesh between the triangles (a, b, c) and (a, b, d) of one patch: where the middle
+  /// of its chord belongs when the edge runs along a sharp edge inside the surface. Its ends must lie next to each
+  /// other on that, and the triangles, where it parts two pieces, on the two sides of it. Nothing elsewhere, and for
+  /// surfaces without such edges. The same for b and a, and for d and c.
+  virtual std::optional<Vec3> crease_between(Vec3 a, Vec3 b, Vec3 c, Vec3 d) const {
+    (void)a, (void)b, (void)c, (void)d;
     return std::nullopt;
   }
   /// How far flat facets that the surface was made from lie off it near the point: 0 but for triangulated ones.

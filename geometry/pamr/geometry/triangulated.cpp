@@ -257,6 +257,10 @@ double Triangulated::facet_deviation(Vec3 point) const {
   return largest;
 }
 
-std::optional<Vec3> Triangulated::inner_crease_between(Vec3 a, Vec3 b) const { return creases_->between(a, b); }
+std::optional<Vec3> Triangulated::crease_between(Vec3 a, Vec3 b, Vec3 c, Vec3 d) const {
+  if (!creases_->is_near(a, b)) return std::nullopt;
+  const auto piece = [&](Vec3 third) { return piece_at((1.0 / 3) * (a + b + third)); };
+  return creases_->between(a, b, {piece(c), piece(d)});
+}
 
 }  // namespace pamr::geometry

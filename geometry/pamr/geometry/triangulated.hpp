@@ -35,7 +35,8 @@ class Triangulated final : public Surface {
   double signed_distance(Vec3 point) const override;
   /// Nearest point of the creases, and of the ends of an open surface; the nearest point where there are none.
   Vec3 project_to_seam(Vec3 point) const override;
-  std::optional<Vec3> inner_crease_between(Vec3 a, Vec3 b) const override;
+  bool has_creases() const override { return !creases_->is_empty(); }
+  std::optional<Vec3> crease_between(Vec3 a, Vec3 b, Vec3 c, Vec3 d) const override;
   /// Of the triangle nearest to the point, at its middle and those of its sides.
   double facet_deviation(Vec3 point) const override;
   /// True for a planar piece taken alone.
@@ -45,8 +46,9 @@ class Triangulated final : public Surface {
   /// Pieces between creases of the whole triangulation.
   std::size_t n_patches() const { return shape_->features.is_planar.size(); }
   std::size_t n_creases() const { return creases_->n_edges(); }
-  /// The piece that holds the nearest point.
-  int piece_at(Vec3 point) const { return shape_->features.patch[static_cast<std::size_t>(nearest(point).triangle)]; }
+  int piece_at(Vec3 point) const override {
+    return shape_->features.patch[static_cast<std::size_t>(nearest(point).triangle)];
+  }
   /// One piece taken alone; it shares the data of the whole.
   std::unique_ptr<const Triangulated> piece(int number) const;
   /// The creases as curves: all of them, or, of a piece taken alone, those round it and in it.

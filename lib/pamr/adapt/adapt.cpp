@@ -121,7 +121,7 @@ void split(const par::Comm& comm, const mesh::DistMesh& mesh, mesh::DistMesh* co
   fine.info.n_global_nodes = numbering.n_global_nodes;
   fine.info.n_global_cells = numbering.n_global_cells;
   auto movables = refine::project_ledger(comm, mesh, borders, surfaces);
-  const auto of_new_nodes = refine::project_new_nodes(mesh, numbering, surfaces);
+  const auto of_new_nodes = refine::project_new_nodes(comm, mesh, borders, numbering, surfaces);
   movables.insert(movables.end(), of_new_nodes.begin(), of_new_nodes.end());
   fine.node_position = place_nodes(mesh, numbering, movables);
   fine.node_global = join_ids(mesh, numbering);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <map>
+#include <optional>
 
 #include "pamr/mesh/tet.hpp"
 
@@ -30,6 +31,69 @@ void add_patch(PatchList& list, int patch) {
   std::sort(list.begin(), free + 1);
 }
 
+/// Third corners of the two boundary faces at a new node.
+struct Wings {
+  std::array<geometry::Vec3, 2> corner{};
+  int count = 0;
+  void add(geometry::Vec3 p) {
+    if (count < 2) corner[at(count++)] = p;
+  }
+};
+
+/// The patches whose surfaces have sharp edges inside.
+std::vector<bool> patches_with_creases(const mesh::MeshInfo& info, const geometry::SurfaceSet& surfaces) {
+  std::vector<bool> has(info.patches.size(), false);
+  for (std::size_t p = 0; p < has.size(); ++p)
+    if (const auto* surface = surfaces.find(info.patches[p].surface)) has[p] = surface->has_creases();
+  return has;
+}
+
+/// For each entry of `numbering.boundary` the faces of the given patches at it, those of all ranks. Collective.
+std::vector<Wings> find_wings(const par::Comm& comm, const mesh::DistMesh& mesh, const mesh::Borders& borders,
+                              const Numbering& numbering, const std::vector<bool>& is_wanted) {
+  std::vector<Wings> wings(numbering.boundary.size());
+  const auto entry_of = [&](LocalId cell, int edge) -> Wings* {
+    if (numbering.row[at(cell)] < 0 || numbering.midpoint(cell, edge) == invalid_local) return nullptr;
+    const LocalId node = numbering.midpoint(cell, edge) - mesh.n_nodes();
+    const auto found = std::lower_bound(numbering.boundary.begin(), numbering.boundary.end(), node,
+                                        [](const BoundaryNode& b, LocalId n) { return b.new_node < n; });
+    if (found == numbering.boundary.end() || found->new_node != node) return nullptr;
+    return &wings[at(found - numbering.boundary.begin())];
+  };
+  for (LocalId c = 0; c < mesh.n_cells(); ++c) {
+    if (numbering.row[at(c)] < 0) continue;
+    for (int f = 0; f < 4; ++f) {
+      const auto next = mesh.cell_to_cell[at(c)][at(f)];
+      if (next >= 0 || !is_wanted[at(mesh::slot_to_patch(next))]) continue;
+      const auto& corner = mesh::tet::face_to_corner[at(f)];
+      for (std::size_t k = 0; k < 3; ++k) {
+        const auto edge = mesh::tet::edge_of[at(corner[(k + 1) % 3])][at(corner[(k + 2) % 3])];
+        if (auto* entry = entry_of(c, edge)) entry->add(mesh.point(mesh.cell_to_node[at(c)][at(corner[k])]));
+      }
+    }
+  }
+  std::vector<Wings> mine;
+  const auto of_border = [&](LocalId item) {
+    const auto arc = borders.arcs(at(item)).front();
+    return entry_of(arc.cell, arc.edge);
+  };
+  for (const auto item : borders.edges.item) {
+    const auto* entry = of_border(item);
+    mine.push_back(entry == nullptr ? Wings{} : *entry);
+  }
+  const auto theirs = par::Exchange(comm, borders.edges).swap<Wings>(mine);
+  for (std::size_t k = 0; k < theirs.size(); ++k)
+    if (auto* entry = of_border(borders.edges.item[k]))
+      for (int i = 0; i < theirs[k].count; ++i) entry->add(theirs[k].corner[at(i)]);
+  return wings;
+}
+
+/// A node of the ledger that is as far from a sharp edge of its surface as the ledger says belongs on that edge.
+bool is_of_crease(const SurfacesOfNode& on, const PatchList& patch, geometry::Vec3 point, double off) {
+  if (patch[1] >= 0 || !on.surface.front()->has_creases()) return false;
+  return off >= (1 - 1e-9) * geometry::norm(point - on.surface.front()->project_to_seam(point));
+}
+
 }  // namespace
 
 SurfacesOfNode surfaces_of_node(const mesh::MeshInfo& info, const geometry::SurfaceSet& surfaces,
@@ -53,11 +117,16 @@ PatchList patches_of(const BoundaryNode& boundary) {
   return {boundary.patch[0], boundary.patch[1] == boundary.patch[0] ? -1 : boundary.patch[1], -1, -1};
 }
 
-std::vector<Movable> project_new_nodes(const mesh::DistMesh& mesh, const Numbering& numbering,
-                                       const geometry::SurfaceSet& surfaces) {
+std::vector<Movable> project_new_nodes(const par::Comm& comm, const mesh::DistMesh& mesh, const mesh::Borders& borders,
+                                       const Numbering& numbering, const geometry::SurfaceSet& surfaces) {
+  const auto has_creases = patches_with_creases(mesh.info, surfaces);
+  std::vector<Wings> wings;
+  if (std::find(has_creases.begin(), has_creases.end(), true) != has_creases.end())
+    wings = find_wings(comm, mesh, borders, numbering, has_creases);
   std::vector<Movable> movables;
   std::map<std::array<int, 2>, SurfacesOfNode> surfaces_of_pair;
-  for (const auto& boundary : numbering.boundary) {
+  for (std::size_t i = 0; i < numbering.boundary.size(); ++i) {
+    const auto& boundary = numbering.boundary[i];
     const auto patch = patches_of(boundary);
     auto known = surfaces_of_pair.find(boundary.patch);
     if (known == surfaces_of_pair.end())
@@ -66,8 +135,9 @@ std::vector<Movable> project_new_nodes(const mesh::DistMesh& mesh, const Numberi
     const auto [a, b] = numbering.ends[at(boundary.new_node)];
     const LocalId node = mesh.n_nodes() + boundary.new_node;
     const auto base = geometry::midpoint(mesh.point(a), mesh.point(b));
-    if (patch[1] < 0)  // a sharp edge that ends inside a patch parts no patches
-      if (const auto crease = known->second.surface.front()->inner_crease_between(mesh.point(a), mesh.point(b))) {
+    if (patch[1] < 0 && !wings.empty() && wings[i].count == 2)  // a sharp edge inside a patch parts no patches
+      if (const auto crease = known->second.surface.front()->crease_between(mesh.point(a), mesh.point(b),
+                                                                            wings[i].corner[0], wings[i].corner[1])) {
         movables.push_back({node, base, *crease, patch, true, true});
         continue;
       }
@@ -107,7 +177,12 @@ std::vector<Movable> project_ledger(const par::Comm& comm, const mesh::DistMesh&
   std::vector<Movable> movables;
   for (const auto& [node, patch] : patches) {
     const auto on = surfaces_of_node(mesh.info, surfaces, patch);
-    if (!on.surface.empty()) movables.push_back(aim(node, mesh.point(node), patch, on));
+    if (on.surface.empty()) continue;
+    const auto here = mesh.point(node);
+    if (is_of_crease(on, patch, here, off[at(node)]))
+      movables.push_back({node, here, on.surface.front()->project_to_seam(here), patch, true, true});
+    else
+      movables.push_back(aim(node, here, patch, on));
   }
   return movables;
 }

@@ -30,13 +30,16 @@ SurfacesOfNode surfaces_of_node(const mesh::MeshInfo& info, const geometry::Surf
 PatchList patches_of(const BoundaryNode& boundary);
 
 /// Where the new boundary nodes belong: on the surface of their patch, on the common curve of two. Only edges that lie
-/// in the boundary get such a node; flat surfaces move nothing. Local: every rank that holds a node computes the same
-/// bits. Ascending in node. Source: the PAMR paper, section 2.1.4.
-std::vector<Movable> project_new_nodes(const mesh::DistMesh& mesh, const Numbering& numbering,
-                                       const geometry::SurfaceSet& surfaces);
+/// in the boundary get such a node; flat surfaces move nothing. Every rank that holds a node computes the same bits.
+/// Ascending in node. Edges along sharp edges inside the surface of their patch (`Surface::crease_between`) get
+/// their node there, held. Collective where a patch has such a surface: one exchange over the border edges, of the
+/// third corners of the boundary faces; else local. Source: the PAMR paper, section 2.1.4.
+std::vector<Movable> project_new_nodes(const par::Comm& comm, const mesh::DistMesh& mesh, const mesh::Borders& borders,
+                                       const Numbering& numbering, const geometry::SurfaceSet& surfaces);
 
 /// The same for old nodes that an earlier refinement had to leave off their surface (nodal field `off_surface` > 0):
-/// they are tried again. Collective where the mesh has that field: one neighbour exchange of their patches.
+/// they are tried again, those as far from a sharp edge of their only surface as the field says on that edge.
+/// Collective where the mesh has that field: one neighbour exchange of their patches.
 std::vector<Movable> project_ledger(const par::Comm& comm, const mesh::DistMesh& mesh, const mesh::Borders& borders,
                                     const geometry::SurfaceSet& surfaces);
 

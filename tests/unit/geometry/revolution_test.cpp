@@ -43,6 +43,25 @@ Measure measure(Curve curve, int n) {
   return sum;
 }
 
+TEST(Revolution, KeepsNodesOnTheCornersOfItsProfile) {
+  const Revolution can(origin, x_axis, {line({-1, 0}, {-1, 2}), line({-1, 2}, {1, 2}), line({1, 2}, {1, 0})});
+  const Vec3 a{1, 2, 0}, b{1, 2 * std::cos(0.3), 2 * std::sin(0.3)}, on_side{0.5, 2, 0.3}, on_end{1, 1.4, 0.2};
+
+  const auto middle = can.crease_between(a, b, on_side, on_end);
+
+  ASSERT_TRUE(middle.has_value());
+  EXPECT_NEAR(norm(*middle - Vec3{1, 2 * std::cos(0.15), 2 * std::sin(0.15)}), 0, 1e-15);
+  EXPECT_EQ(middle, can.crease_between(b, a, on_end, on_side));
+  EXPECT_FALSE(can.crease_between(a, b, {0.4, 2, 0.4}, on_side).has_value()) << "both triangles on the side";
+  EXPECT_FALSE(can.crease_between(a, {0.9, 2, 0}, on_side, on_end).has_value()) << "an end beside the corner";
+  const Revolution smooth(origin, x_axis, {line({-1, 1}, {0, 1}), arc({0, 1}, {1, 0}, {0, 0})});
+  EXPECT_FALSE(smooth.has_creases());
+  const Revolution ring(origin, x_axis,
+                        {line({0, 1}, {0, 2}), line({0, 2}, {1, 2}), line({1, 2}, {1, 1}), line({1, 1}, {0, 1})});
+  EXPECT_TRUE(
+      ring.crease_between({0, 1, 0}, {0, std::cos(0.2), std::sin(0.2)}, {0, 1.2, 0.1}, {0.2, 1, 0.1}).has_value());
+}
+
 TEST(Revolution, MeasuresASphereAConeACylinderAndATorus) {
   const Revolution sphere({3, 4, 5}, {1, 2, 2}, {arc({-2, 0}, {2, 0}, {0, 0}, true)});
   EXPECT_NEAR(sphere.area(), 4 * pi * 4, 1e-13);

@@ -209,12 +209,42 @@ TEST(Triangulated, KeepsNodesOnACreaseThatEndsInside) {
 
   ASSERT_EQ(surface.n_creases(), 1U);
   EXPECT_EQ(surface.n_patches(), 1U);
-  const auto middle = surface.inner_crease_between(a, b);
+  const Vec3 c = surface.project({0.3, -0.2, 1}), d = surface.project({-0.2, 0.1, 1});
+  const auto middle = surface.crease_between(a, b, c, d);
   ASSERT_TRUE(middle.has_value());
   EXPECT_EQ(*middle, surface.creases().nearest(midpoint(a, b)));
-  EXPECT_EQ(middle, surface.inner_crease_between(b, a));
-  EXPECT_FALSE(surface.inner_crease_between(a, surface.project({0.3, -0.2, 1})).has_value());
-  EXPECT_FALSE(Triangulated(testing::bored_cube(24), {}).inner_crease_between({1, 1, 0}, {1, 1, 1}).has_value());
+  EXPECT_EQ(middle, surface.crease_between(b, a, d, c));
+  EXPECT_FALSE(surface.crease_between(a, c, b, d).has_value());
+}
+
+TEST(Triangulated, KeepsNodesOnACreaseBetweenItsPiecesWhereTheTrianglesBesideSaySo) {
+  const Triangulated surface(testing::bored_cube(24), {});
+  const Vec3 a{1, 1, 0}, b{1, 1, 0.5}, on_x{1, 0.5, 0.2}, on_y{0.5, 1, 0.2}, on_top{0.7, 0.7, 1};
+
+  EXPECT_EQ(surface.crease_between(a, b, on_x, on_y), (Vec3{1, 1, 0.25}));
+  EXPECT_EQ(surface.crease_between(b, a, on_y, on_x), (Vec3{1, 1, 0.25}));
+  EXPECT_FALSE(surface.crease_between(a, b, on_x, {1, 0.4, 0.3}).has_value()) << "both triangles in one plane";
+  EXPECT_FALSE(surface.crease_between(a, {1, 0.9, 0.5}, on_x, on_y).has_value()) << "an end beside the crease";
+  EXPECT_FALSE(surface.crease_between({1, 1, 1}, {1, 0.9, 0.9}, on_x, on_top).has_value()) << "an end inside a plane";
+}
+
+TEST(Triangulated, TakesNodesOnTheChordsOfACreaseForItsNodes) {
+  const Triangulated surface(testing::bored_cube(24), {});
+  const auto& points = testing::bored_cube(24).points;
+  std::vector<Vec3> rim;
+  for (const Vec3 p : points)
+    if (p.z == 1 && std::abs(std::hypot(p.x, p.y) - 0.5) < 1e-9) rim.push_back(p);
+  ASSERT_EQ(rim.size(), 24U);
+  std::sort(rim.begin(), rim.end(), [](Vec3 p, Vec3 q) { return std::atan2(p.y, p.x) < std::atan2(q.y, q.x); });
+  const Vec3 a = midpoint(rim[0], rim[1]), b = midpoint(rim[2], rim[3]), out = 1.5 * midpoint(rim[1], rim[2]);
+  const Vec3 on_top{out.x, out.y, 1}, on_bore{rim[1].x, rim[1].y, 0.6};
+
+  const auto middle = surface.crease_between(a, b, on_top, on_bore);
+
+  ASSERT_TRUE(middle.has_value());
+  EXPECT_NEAR(std::hypot(middle->x, middle->y), 0.5, 1e-6);
+  EXPECT_EQ(middle->z, 1);
+  EXPECT_FALSE(surface.crease_between(a, b, on_top, {1.2 * out.x, 1.2 * out.y, 1}).has_value());
 }
 
 TEST(Triangulated, TakesShortCreasesThatEndInsideForNoise) {
