@@ -27,7 +27,7 @@ packages=(
   librandom123-dev                        # random numbers of pamr-dsmc
   python3                                 # tables of the cases
 )
-test_packages=(libgtest-dev libgmock-dev libbenchmark-dev python3-h5py python3-numpy python3-meshio)
+test_packages=(libgtest-dev libgmock-dev libbenchmark-dev libopenmesh-dev python3-h5py python3-numpy python3-meshio)
 picture_packages=(python3-vtk9 python3-h5py python3-numpy xvfb xauth)
 
 with_tests=OFF

@@ -282,28 +282,28 @@ def sharp_edges(name, degrees):
 
 
 def test_edges_inside_one_patch_stay_sharp():
-    write_stl("part.stl", *bored_cube(24))
+    write_stl("part.stl", *bored_cube(16))
     write("part.toml", '[mesh]\nshape = "surfaces"\nlength_unit = "1"\nregion = "-body"\nbounds = [[-1, -1, -1], [1, 1, 1]]\n'
-          '[mesh.sizes]\nfar = 0.5\n[[surface]]\nname = "body"\nkind = "triangulation"\nfile = "part.stl"\n')
+          '[mesh.sizes]\nfar = 0.7\n[[surface]]\nname = "body"\nkind = "triangulation"\nfile = "part.stl"\n')
     run("pamr-mesh", "part.toml", "-o", "made.hdf", "--quiet")
     run("pamr-convert", "made.hdf", "made.msh", "--gmsh-version", "2.2", "--text", "--quiet")
     told = run("pamr-convert", as_one_patch("made.msh", "one.msh"), "level0.hdf", "--surface", "part.stl", "--patch", "wall",
                "--json", "-").json
     n_edges = told["ties"]["wall"]["edges_along_creases"]
-    assert n_edges > 80 and told["ties"]["wall"]["edges_across_creases"] == 0
+    assert n_edges > 50 and told["ties"]["wall"]["edges_across_creases"] == 0
 
-    marks = [["--patch", "wall"]] * 2 + [["--box", "0.97,0.97,-1,1,1,1", "--box", "0.3,0.3,0.99,0.4,0.4,1"]] * 2
+    marks = [["--patch", "wall"]] + [["--box", "0.97,0.97,-1,1,1,1", "--box", "0.3,0.3,0.99,0.4,0.4,1"]] * 3
     for level, criterion in enumerate(marks, 1):
         run("pamr-mark", f"level{level - 1}.hdf", "-o", "marked.hdf", *criterion, "--force", "--quiet")
         report = run("pamr-refine", "marked.hdf", "-o", f"level{level}.hdf", "--json", "-").json
         assert report["inverted_cells"] == 0 and report["off_surface_nodes"] == 0
         points, edges, wall = sharp_edges(f"level{level}.hdf", 50)
-        assert len(edges) == n_edges * 2**level if level < 3 else len(edges) > n_edges * 4
+        assert len(edges) == 2 * n_edges if level == 1 else len(edges) > 2 * n_edges
         p = points[np.unique(edges)]
         on_edge = (np.abs(np.abs(p) - 1) < 1e-3).sum(axis=1) >= 2
         assert ((np.abs(p[on_edge]) == 1).sum(axis=1) >= 2).all(), "straight edges, to the last bit"
         rim = p[~on_edge]
-        assert (np.abs(rim[:, 2]) == 1).all() and np.abs(np.hypot(*rim[:, :2].T) - 0.5).max() < 1e-8, "both rims"
+        assert (np.abs(rim[:, 2]) == 1).all() and np.abs(np.hypot(*rim[:, :2].T) - 0.5).max() < 1e-6, "both rims"
         flat = points[wall][np.hypot(*points[wall][:, :2].T) > 0.6]
         assert (np.abs(flat) == 1).any(axis=1).all(), "planes, to the last bit"
 
