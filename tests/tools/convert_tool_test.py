@@ -292,7 +292,7 @@ def test_edges_inside_one_patch_stay_sharp():
     n_edges = told["ties"]["wall"]["edges_along_creases"]
     assert n_edges > 50 and told["ties"]["wall"]["edges_across_creases"] == 0
 
-    marks = [["--patch", "wall"]] + [["--box", "0.97,0.97,-1,1,1,1", "--box", "0.3,0.3,0.99,0.4,0.4,1"]] * 3
+    marks = [["--patch", "wall"]] + [["--box", "0.8,0.8,-1,1,1,0", "--box", "0.2,0.2,0.8,0.5,0.5,1"]] * 3
     for level, criterion in enumerate(marks, 1):
         run("pamr-mark", f"level{level - 1}.hdf", "-o", "marked.hdf", *criterion, "--force", "--quiet")
         report = run("pamr-refine", "marked.hdf", "-o", f"level{level}.hdf", "--json", "-").json
