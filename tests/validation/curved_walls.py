@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Refines bodies at their curved walls, level by level, and tabulates what became of the walls.
 
-    curved_walls.py BIN_FOLDER [--cases NAME,...] [--sizes H,...] [--mesher pamr|gmsh] [--levels N] [--ranks N] [--keep DIR]
+    curved_walls.py BIN_FOLDER [--cases NAME,...] [--sizes H,...] [--mesher pamr|gmsh] [--repair] [--levels N] [--ranks N]
+                    [--keep DIR]
 
 A row a level: cells, nodes on the walls, how many are off their surface, the worst distance, the smallest mean ratio, errors of
 area and volume with their orders, the largest angle between a wall face and the exact normal. Exit code 1 when a cell is
@@ -31,6 +32,7 @@ def arguments():
     parser.add_argument("--cases", default=",".join([*wall_cases.CASES, "blunt-cone"]))
     parser.add_argument("--sizes", default="0.4,0.8,1.2,1.6,2.0", help="edges at the wall / smallest radius of curvature")
     parser.add_argument("--mesher", choices=("pamr", "gmsh"), default="pamr")
+    parser.add_argument("--repair", action="store_true", help="split what would flatten cells at Gmsh's walls (pamr-convert)")
     parser.add_argument("--levels", type=int, default=5)
     parser.add_argument("--layers", type=int, default=1, help="layers of cells that are split at the wall")
     parser.add_argument("--ranks", type=int, default=1)
@@ -52,11 +54,14 @@ def caller(options):
     return call
 
 
-def make_level_0(call, name, size, mesher, folder):
+def make_level_0(call, name, size, mesher, folder, repair=False):
     mesh = folder / "level0.hdf"
     if name == "blunt-cone":
         call("pamr-mesh", "--shape", "blunt-cone", "-o", mesh, "--force", "--quiet")
-        return wall_cases.Case(["forebody", "base", "sting"]), mesh
+        walls = ["forebody", "base", "sting"]
+        with h5py.File(mesh) as file:
+            normal = wall_cases.normals_of_file(file["PAMR/surfaces"][()].decode(), {wall: "body" for wall in walls})
+        return wall_cases.Case(walls, normal=normal), mesh
     case = wall_cases.CASES[name](size, mesher)
     if case.geo:
         (folder / "body.geo").write_text(case.geo)
@@ -64,7 +69,8 @@ def make_level_0(call, name, size, mesher, folder):
         done = subprocess.run(["gmsh", "-3", "-v", "2", "body.geo", "-o", "body.msh"], cwd=folder, capture_output=True, text=True)
         if not (folder / "body.msh").exists():
             raise RuntimeError(f"gmsh: {done.stdout} {done.stderr}")
-        call("pamr-convert", folder / "body.msh", mesh, "--surfaces", folder / "body.toml", "--force", "--quiet")
+        call("pamr-convert", folder / "body.msh", mesh, "--surfaces", folder / "body.toml", "--force", "--quiet",
+             *(["--repair"] if repair else []))
     else:
         (folder / "case.toml").write_text(case.case_file)
         call("pamr-mesh", folder / "case.toml", "-o", mesh, "--force", "--quiet")
@@ -150,7 +156,7 @@ def run(options, name, size, folder):
     """Prints the table of one body; true when nothing was broken."""
     sound = True
     call = caller(options)
-    case, mesh = make_level_0(call, name, size, options.mesher, folder)
+    case, mesh = make_level_0(call, name, size, options.mesher, folder, options.repair)
     print(f"\n{name}, h/R = {size}" if name != "blunt-cone" else f"\n{name}", flush=True)
     print("| " + " | ".join(HEAD) + " |\n|" + "---|" * len(HEAD))
     before = None

@@ -7,6 +7,7 @@ beside it.
 """
 import dataclasses
 import math
+import tomllib
 
 import numpy as np
 
@@ -177,6 +178,45 @@ def revolved(pieces):
     return area, volume
 
 
+def nearest_on_step(step, x, r):
+    """Of points of the half plane: distance from a segment or an arc of a profile, and the normal there."""
+    start, end = np.array(step["from"]), np.array(step["to"])
+    p = np.column_stack([x, r])
+    if "center" not in step:
+        along = end - start
+        t = np.clip((p - start) @ along / (along @ along), 0, 1)
+        away = np.array([-along[1], along[0]]) / np.hypot(*along)
+        return np.linalg.norm(p - start - t[:, None] * along, axis=1), np.broadcast_to(away, p.shape)
+    centre = np.array(step["center"])
+    angle = [math.atan2(q[1] - centre[1], q[0] - centre[0]) for q in (start, end)]
+    turn = (angle[1] - angle[0] + math.pi) % (2 * math.pi) - math.pi
+    gone = (np.arctan2(r - centre[1], x - centre[0]) - angle[0] + math.pi) % (2 * math.pi) - math.pi
+    there = angle[0] + np.clip(gone / turn, 0, 1) * turn
+    normal = np.column_stack([np.cos(there), np.sin(there)])
+    return np.linalg.norm(p - centre - np.hypot(*(start - centre)) * normal, axis=1), normal
+
+
+def revolution_normal(surface):
+    """Normals of a surface of revolution about a line along x: those of the nearest points of its profile."""
+    origin = np.array(surface["origin"])
+
+    def normal(points):
+        q = points - origin
+        r = np.hypot(q[:, 1], q[:, 2])
+        found = [nearest_on_step(step, q[:, 0] * surface["axis"][0], r) for step in surface["profile"]]
+        nearest = np.argmin([distance for distance, _ in found], axis=0)
+        x, out = np.array([n for _, n in found])[nearest, np.arange(len(q))].T
+        return np.column_stack([x * surface["axis"][0], out * q[:, 1] / r, out * q[:, 2] / r])
+
+    return normal
+
+
+def normals_of_file(text, walls):
+    """The normal field of each wall from the surfaces that a mesh file describes: {wall: surface}."""
+    surfaces = {s["name"]: s for s in tomllib.loads(text)["surface"]}
+    return {wall: revolution_normal(surfaces[name]) for wall, name in walls.items()}
+
+
 def blunt_cone_in_box(h, mesher):
     """A box without a cone of 30 degrees with nose radius 0.5, shoulder radius 0.2 and flat base; h is relative to 0.2."""
     shoulder = 0.2
@@ -195,7 +235,8 @@ def blunt_cone_in_box(h, mesher):
                 f"  {{ from = {list(b)}, to = {list(end)}, center = {list(centre)} }},\n"
                 f"  {{ from = {list(end)}, to = [{end[0]}, 0] }},\n]\n")
     return Case(["cone"], case_file=made_by_pamr(f"+cone & {BOX}", [[-2, -2, -2], [2, 2, 2]], {"cone": h * shoulder}, 0.8,
-                                                 surfaces + planes([2, 2, 2])), area={"cone": area}, volume=64 - volume)
+                                                 surfaces + planes([2, 2, 2])), area={"cone": area}, volume=64 - volume,
+                normal=normals_of_file(surfaces, {"cone": "cone"}))
 
 
 # Their argument: edges at the wall over its smallest radius of curvature (thin-shell: over the outer one), and the mesher.

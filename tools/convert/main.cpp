@@ -2,9 +2,11 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "cli/output_file.hpp"
@@ -20,6 +22,7 @@
 #include "pamr/io/write_vtu.hpp"
 #include "pamr/mesh/assemble.hpp"
 #include "pamr/mesh/validate.hpp"
+#include "pamr/mesh/wall_ears.hpp"
 
 namespace {
 
@@ -39,7 +42,10 @@ void declare(CLI::App& app, Options& options) {
   app.add_option("OUT", options.output,
                  "mesh to write: .hdf, .msh, .vtu, or a folder (no ending, or there already): an OpenFOAM case")
       ->required();
-  app.add_flag("--repair", options.repair, "turn inverted cells of a .msh over instead of refusing them");
+  app.add_flag(
+      "--repair", options.repair,
+      "turn inverted cells of a .msh over instead of refusing them, and split inner edges and faces so that no "
+      "inner face has two edges on one curved wall (cells there get flat when they are refined)");
   app.add_flag("--strict", options.strict,
                "refuse what would only be reported: inverted cells, nodes of no cell, "
                "boundary faces without tag");
@@ -201,6 +207,33 @@ void tie(cli::Session& session, const Options& options, mesh::DistMesh& mesh, nl
     if (const auto warning = geometry::self_intersection_warning(surface); !warning.empty()) session.warn(warning);
 }
 
+/// Takes away, or tells of, inner faces with two edges on one curved wall. Collective.
+void treat_ears(cli::Session& session, const Options& options, mesh::DistMesh& mesh, nlohmann::json& report) {
+  const auto& comm = session.comm();
+  const bool is_refined =
+      comm.any(std::any_of(mesh.lineage.begin(), mesh.lineage.end(), [](auto l) { return l != mesh::Lineage{}; }));
+  const bool repair = options.repair && !options.strict;
+  if (repair && is_refined) throw Error("--repair: expected a mesh of level 0, found cells that were refined");
+  if (is_refined || (options.surfaces.empty() && options.surface_files.empty() && !repair)) return;
+  const auto ears = mesh::find_wall_ears(comm, mesh);
+  report["wall_ears"] = ears.count;
+  if (!repair) {
+    if (ears.count > 0)
+      session.warn(
+          fmt::format("{} inner faces have two edges on one curved wall: cells behind them get flatter at every "
+                      "refinement (--repair splits them)",
+                      ears.count));
+    return;
+  }
+  report["split_edges"] = ears.edge.size();
+  report["split_faces"] = ears.face.size();
+  if (ears.count == 0) return;
+  mesh = mesh::open_wall_ears(comm, std::move(mesh), ears);
+  session.warn(
+      fmt::format("{} inner faces had two edges on one curved wall: {} inner edges and {} inner faces were split",
+                  ears.count, ears.edge.size(), ears.face.size()));
+}
+
 cli::ExitCode convert(cli::Session& session, const Options& options) {
   const auto& comm = session.comm();
   const bool as_foam = comm.any(is_foam_case(options.output));
@@ -210,6 +243,7 @@ cli::ExitCode convert(cli::Session& session, const Options& options) {
   auto mesh = read(session, options, report);
   mesh::require_valid(comm, mesh, options.input);
   tie(session, options, mesh, report);
+  treat_ears(session, options, mesh, report);
   write(comm, options, as_foam, mesh);
   report["cells"] = mesh.info.n_global_cells;
   report["nodes"] = mesh.info.n_global_nodes;

@@ -4,6 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "cli/run_tool.hpp"
@@ -21,6 +22,7 @@
 #include "pamr/mesh/assemble.hpp"
 #include "pamr/mesh/kuhn_cube.hpp"
 #include "pamr/mesh/validate.hpp"
+#include "pamr/mesh/wall_ears.hpp"
 
 namespace {
 
@@ -136,11 +138,15 @@ cli::ExitCode make_mesh(cli::Session& session, const Options& options) {
     block = make_with_cgal(session, mesh_case);
   }
   const auto destination = meshing::block_destinations(comm, block);
-  const auto mesh = mesh::assemble(comm, std::move(block), destination);
+  auto mesh = mesh::assemble(comm, std::move(block), destination);
+  const auto ears = mesh::find_wall_ears(comm, mesh);
+  mesh = mesh::open_wall_ears(comm, std::move(mesh), ears);
   mesh::require_valid(comm, mesh, "the new mesh");
   io::write_native(comm, options.output, mesh);
 
-  const auto report = report_on(comm, mesh);
+  auto report = report_on(comm, mesh);
+  report["split_edges"] = ears.edge.size();
+  report["split_faces"] = ears.face.size();
   session.write_report(report);
   session.summary(fmt::format("{} cells, {} nodes, smallest mean ratio {:.3f} -> {}", mesh.info.n_global_cells,
                               mesh.info.n_global_nodes, report["min_mean_ratio"].get<double>(), options.output));

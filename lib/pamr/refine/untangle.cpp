@@ -29,6 +29,9 @@ constexpr double poor_key = key_of(poor_mean_ratio), sliding_key = key_of(slidin
 constexpr double very_poor_key = key_of(very_poor_mean_ratio);
 constexpr double family_scale = poor_key / key_of(parent_mean_ratio);  ///< makes families comparable with cells
 
+/// How far nodes of the wall may move along it.
+enum class Slide : std::uint8_t { none, little, far };
+
 using Tries = std::array<double, n_tries>;
 
 std::uint64_t hash_of(Vec3 p, int round) {
@@ -80,16 +83,12 @@ class Untangler {
     row_.assign(n, -1);
   }
 
-  /// Wall nodes slide little at first, and farther where a cell is still turned over when nothing else helps.
+  /// Inner nodes move first. Wall nodes slide where that is not enough, because it spoils the shape of the wall's
+  /// faces; little, and farther where a cell is still turned over when nothing else helps.
   int run() {
-    int round = 0;
-    while (round < max_rounds && improve(round)) ++round;
-    const bool is_tangled = std::any_of(worst_.begin(), worst_.end(), [](double worst) { return worst <= 0; });
-    if (!comm_.any(is_tangled)) return round;
-    slides_far_ = true;
-    step_.assign(step_.size(), first_step);
-    const int last = round + max_rounds;
-    while (round < last && improve(round)) ++round;
+    int round = improve_all(Slide::none, 0);
+    if (is_any_below(sliding_key)) round = improve_all(Slide::little, round);
+    if (is_any_below(0)) round = improve_all(Slide::far, round);
     return round;
   }
 
@@ -141,7 +140,21 @@ class Untangler {
 
   bool is_active(std::size_t i) const {
     if (region_.may_move[i] == 0 || step_[i] < last_step) return false;
-    return worst_[i] < (freedom_.of_node[at(region_.node[i])] == Freedom::inner ? poor_key : sliding_key);
+    if (freedom_.of_node[at(region_.node[i])] == Freedom::inner) return worst_[i] < poor_key;
+    return slide_ != Slide::none && worst_[i] < sliding_key;
+  }
+
+  bool is_any_below(double key) const {
+    return comm_.any(std::any_of(worst_.begin(), worst_.end(), [&](double worst) { return worst <= key; }));
+  }
+
+  /// Rounds until nothing is left to try; the number of the next round.
+  int improve_all(Slide slide, int round) {
+    slide_ = slide;
+    step_.assign(step_.size(), first_step);
+    const int last = round + max_rounds;
+    while (round < last && improve(round)) ++round;
+    return round;
   }
 
   bool is_beaten_here(std::size_t i, const std::vector<std::uint64_t>& priority) const {
@@ -181,7 +194,7 @@ class Untangler {
     if (row == Freedom::inner) return wanted;
     const auto placed = freedom_.on[at(row)].place(wanted);
     const bool is_near = geometry::norm(placed.point - position_[i]) <= 2 * std::abs(length);
-    const double slide = longest_slide * (slides_far_ && worst_[i] <= 0 ? size_[i] : shortest_[i]);
+    const double slide = longest_slide * (slide_ == Slide::far && worst_[i] <= 0 ? size_[i] : shortest_[i]);
     const bool is_at_home = geometry::norm(placed.point - home_[i]) <= slide;
     return placed.converged && is_near && is_at_home ? placed.point : position_[i];
   }
@@ -269,7 +282,7 @@ class Untangler {
   std::vector<double> worst_here_, worst_;  ///< per node: of this rank's cells and families, of all ranks'
   std::vector<double> size_, shortest_;     ///< per node: its longest and shortest edge at the start
   std::vector<double> step_;                ///< per node: how far to try, in parts of its size
-  bool slides_far_ = false;
+  Slide slide_ = Slide::none;
   std::vector<LocalId> row_;  ///< per node: its place among those chosen in this round, -1: not chosen
 };
 
