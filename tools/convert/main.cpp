@@ -229,6 +229,7 @@ void treat_ears(cli::Session& session, const Options& options, mesh::DistMesh& m
   report["split_faces"] = ears.face.size();
   if (ears.count == 0) return;
   mesh = mesh::open_wall_ears(comm, std::move(mesh), ears);
+  mesh.info.provenance += "; repaired at curved walls";
   session.warn(
       fmt::format("{} inner faces had two edges on one curved wall: {} inner edges and {} inner faces were split",
                   ears.count, ears.edge.size(), ears.face.size()));
