@@ -253,15 +253,17 @@ def test_thin_shell_and_torus_have_no_edges():
 
 
 def test_unit_ball_gets_as_coarse_as_asked_for():
-    cells = []
+    cells, nodes = [], []
     for size in (0.4, 0.8, 1.2, 1.6, 2.0):
         ball = surfaces_case("-ball", [[-1] * 3, [1] * 3], f"far = {size}", sphere("ball", 1))
         wall = ball.points_of("ball")
         assert is_closed(ball, "ball") and np.abs(np.linalg.norm(wall, axis=1) - 1).max() < 1e-15
         assert len(wall) - len(ball.patch_edges("ball")) + len(ball.faces_of("ball")) == 2
         cells.append(len(ball.cells))
+        nodes.append(len(wall))
 
-    assert cells == sorted(cells, reverse=True) and cells[0] > 400 and cells[-1] == 4, "the last one is an octahedron"
+    assert nodes == sorted(nodes, reverse=True) and cells[0] > 400
+    assert (nodes[-1], cells[-1]) == (6, 8), "the last one is an octahedron, its axis split"
 
 
 def test_unions_and_curves_of_two_quadrics():
