@@ -15,7 +15,7 @@ struct ReadOptions {
   /// Compare the checksums that the file has with its contents; a dataset without one is accepted as it is.
   bool verify_checksums = true;
   /// Largest piece that a rank reads at once, bytes; 2^30 at most.
-  std::size_t slab_bytes = std::size_t{8} << 20U;
+  std::size_t slab_bytes = std::size_t{1} << 20U;
   /// Integer cell field of marks (1: to be refined). The ranks then read runs of cells of which about the same number
   /// will come (`mesh::expected_children`); where there is no such field, or no name here, runs of the same number.
   std::string marks_field = {};
@@ -26,7 +26,7 @@ struct WriteOptions {
   /// the mesh brought with it. Nothing that differs from run to run belongs here: equal meshes give equal files.
   std::string provenance;
   /// Largest piece that a rank writes at once, bytes; 2^30 at most.
-  std::size_t slab_bytes = std::size_t{8} << 20U;
+  std::size_t slab_bytes = std::size_t{1} << 20U;
 };
 
 /// Reads a mesh in the native format (docs/file-format.md): every rank gets a block of cells whose borders are borders
@@ -48,8 +48,8 @@ mesh::BlockMesh read_native(const par::Comm& comm, const std::filesystem::path& 
 /// Collective. The file appears complete or not at all: it is written as `<file>.partial`, flushed to the disk and
 /// renamed. Throws the same `Error` on every rank when it cannot be written (folder missing, no permission, disk full,
 /// a value that does not fit the type of its field); nothing is left behind then and an existing file stays as it was.
-/// Communication: rows travel to the rank that writes their part of the file; none of cells where the ranks hold runs of
-/// them in rank order. Memory: three slabs and 4 bytes a node.
+/// Communication: rows travel to the rank that writes their part of the file; none of cells where the ranks hold runs
+/// of them in rank order. Memory: three slabs and 4 bytes a node.
 void write_native(const par::Comm& comm, const std::filesystem::path& file, const mesh::DistMesh& mesh,
                   const WriteOptions& options = {});
 

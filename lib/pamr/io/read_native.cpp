@@ -89,7 +89,7 @@ class Reader {
 
   void each_slab(const std::string& path, StorageType type, const hdf5::Shape& shape, Rows rows, bool verify,
                  const Consume& consume);
-  bool convert(StorageType type, const std::vector<std::byte>& raw, std::span<std::uint64_t> words) const;
+  static bool convert(StorageType type, std::span<const std::byte> raw, std::span<std::uint64_t> words);
 
   void read_lineage(mesh::BlockMesh& block);
   void check_families(const mesh::BlockMesh& block) const;
@@ -107,6 +107,8 @@ class Reader {
   Layout layout_;
   hdf5::Handle h5_;
   GlobalId first_cell_ = 0, end_cell_ = 0;  ///< rows of the file
+  std::vector<std::byte> raw_;              ///< a slab as the file has it, and
+  std::vector<std::uint64_t> words_;        ///< a piece of it as words; memory is taken once for all datasets
 };
 
 mesh::BlockMesh Reader::run() {
@@ -158,22 +160,25 @@ void Reader::each_slab(const std::string& path, StorageType type, const hdf5::Sh
       throw Error(where + error.what());
     }
   });
-  std::vector<std::byte> raw;
-  std::vector<std::uint64_t> words;
+  constexpr std::size_t piece = std::size_t{1} << 15U;  // values that stay in the processor's cache
   for (GlobalId s = 0; s < n_slabs; ++s) {
     const auto first = std::min(rows.begin + s * slab, rows.end), n = std::min(slab, rows.end - first);
-    const auto n_values = static_cast<std::size_t>(n) * width;
-    const bool done = comm_->in_library([&] { return source->read(n, raw); });
+    const bool done = comm_->in_library([&] { return source->read(n, raw_); });
     par::agree(*comm_, [&] {
       if (!done)
         throw Error(where + "cannot read rows from " + std::to_string(first) + " on (" + source->trouble() + ")");
-      words.resize(n_values);
-      if (!convert(type, raw, words)) {
-        const auto wrong = std::find_if(words.begin(), words.end(), [](auto w) { return w >> 63U != 0; });
-        fail(path, first + (wrong - words.begin()) / shape.width, "integers below 2^63", std::to_string(*wrong));
+      const auto step = std::max<GlobalId>(1, static_cast<GlobalId>(piece / width));
+      for (GlobalId at = 0; at < n; at += step) {
+        words_.resize(static_cast<std::size_t>(std::min(step, n - at)) * width);
+        if (!convert(type, std::span(raw_).subspan(static_cast<std::size_t>(at) * width * hdf5::size_of(type)),
+                     words_)) {
+          const auto wrong = std::find_if(words_.begin(), words_.end(), [](auto w) { return w >> 63U != 0; });
+          fail(path, first + at + (wrong - words_.begin()) / shape.width, "integers below 2^63",
+               std::to_string(*wrong));
+        }
+        if (verify) checksum.add(first + at, width, words_);
+        consume(first + at, words_);
       }
-      if (verify) checksum.add(first, width, words);
-      consume(first, words);
     });
   }
   if (verify &&
@@ -182,7 +187,7 @@ void Reader::each_slab(const std::string& path, StorageType type, const hdf5::Sh
 }
 
 /// Values of any type as 64-bit words; false when an unsigned one does not fit a signed word.
-bool Reader::convert(StorageType type, const std::vector<std::byte>& raw, std::span<std::uint64_t> words) const {
+bool Reader::convert(StorageType type, std::span<const std::byte> raw, std::span<std::uint64_t> words) {
   bool fits = true;
   with_type(type, [&](auto sample) {
     using T = decltype(sample);

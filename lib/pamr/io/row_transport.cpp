@@ -16,12 +16,27 @@ par::BlockRange window(const HeldRows& rows, Rank rank, Rank size, GlobalId step
   return {begin, std::min(begin + slab, block.end)};
 }
 
-Window collect(const par::Comm& comm, const HeldRows& rows, GlobalId step, GlobalId slab) {
+void take_own(const HeldRows& rows, par::BlockRange range, Window& result) {
+  result.range = range;
+  result.words.resize(static_cast<std::size_t>(range.count()) * rows.width);
+  result.missing = range.count();
+  auto next = range.begin;
+  const auto begin = std::lower_bound(rows.id.begin(), rows.id.end(), range.begin);
+  for (auto i = static_cast<std::size_t>(begin - rows.id.begin()); i < rows.id.size() && rows.id[i] < range.end; ++i) {
+    if (rows.id[i] < next) continue;  // there already
+    next = rows.id[i] + 1;
+    rows.fill(i, result.words.data() + static_cast<std::size_t>(rows.id[i] - range.begin) * rows.width);
+    --result.missing;
+  }
+}
+
+void collect(const par::Comm& comm, const HeldRows& rows, GlobalId step, GlobalId slab, Window& result) {
   const auto width = rows.width;
-  Window result{window(rows, comm.rank(), comm.size(), step, slab), {}, 0};
+  result.range = window(rows, comm.rank(), comm.size(), step, slab);
   const auto n = static_cast<std::size_t>(result.range.count());
   result.words.resize(n * width);
-  std::vector<char> is_here(n, 0);
+  auto& is_here = result.is_here;
+  is_here.assign(n, 0);
   std::vector<par::Outgoing<std::uint64_t>> messages;
   for (Rank rank = 0; rank < comm.size(); ++rank) {
     const auto wanted = window(rows, rank, comm.size(), step, slab);
@@ -52,7 +67,6 @@ Window collect(const par::Comm& comm, const HeldRows& rows, GlobalId step, Globa
     is_here[at] = 1;
   }
   result.missing = std::count(is_here.begin(), is_here.end(), 0);
-  return result;
 }
 
 }  // namespace pamr::io

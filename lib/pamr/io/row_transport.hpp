@@ -21,20 +21,28 @@ struct HeldRows {
   std::function<void(std::size_t i, std::uint64_t* to)> fill;
 };
 
+/// True when each rank writes the rows that it holds: nothing travels.
+inline bool stays(const HeldRows& rows) { return !rows.run.empty(); }
+
 /// Ids of the rows that `rank` writes.
 par::BlockRange rows_written(const HeldRows& rows, Rank rank, Rank size);
 
 /// Those of them that it writes in step `step`, when a rank writes `slab` rows at once.
 par::BlockRange window(const HeldRows& rows, Rank rank, Rank size, GlobalId step, GlobalId slab);
 
-/// The words of the rows in this rank's window, in order, from whichever ranks hold them. A row held by several ranks
-/// is taken from any of them. `missing` is the number of rows that nobody holds. Collective: one sparse exchange of the
-/// rows that are not where they are wanted.
+/// Rows on their way to the file: their words, in order. Used again and again, so that its memory is taken once.
 struct Window {
   par::BlockRange range;  ///< ids
   std::vector<std::uint64_t> words;
-  GlobalId missing = 0;
+  GlobalId missing = 0;       ///< rows that nobody holds
+  std::vector<char> is_here;  ///< for `collect`
 };
-Window collect(const par::Comm& comm, const HeldRows& rows, GlobalId step, GlobalId slab);
+
+/// The rows in this rank's window from whichever ranks hold them. A row held by several ranks is taken from any of
+/// them. Collective: one sparse exchange of the rows that are not where they are wanted.
+void collect(const par::Comm& comm, const HeldRows& rows, GlobalId step, GlobalId slab, Window& result);
+
+/// The rows `range` of those that this rank writes, where they stay. Local.
+void take_own(const HeldRows& rows, par::BlockRange range, Window& result);
 
 }  // namespace pamr::io

@@ -21,6 +21,8 @@ namespace {
 using hdf5::Handle;
 using mesh::StorageType;
 
+constexpr std::size_t piece_bytes = std::size_t{256} << 10U;
+
 /// Stores the words as values of type T; false when one does not fit. Reals are rounded, and their words with them.
 template <class T>
 bool store(std::span<std::uint64_t> words, std::vector<std::byte>& raw) {
@@ -101,7 +103,9 @@ class Writer {
   void write_attributes() const;
   void reserve() const;
   void fill();
-  std::uint64_t write_array(const ArrayPlan& plan, hid_t dataset) const;
+  std::uint64_t write_array(const ArrayPlan& plan, hid_t dataset);
+  void evaluate(const ArrayPlan& plan, par::BlockRange range);
+  void write_window(const ArrayPlan& plan, hid_t dataset, Checksum& checksum);
   void write_text(const TextPlan& plan, hid_t dataset) const;
   bool close();
 
@@ -114,6 +118,8 @@ class Writer {
   std::int64_t fingerprint_ = 0;
   Handle h5_, dataset_properties_, transfer_;
   std::vector<Handle> arrays_, texts_;
+  Window window_;               ///< the rows that are being written, and
+  std::vector<std::byte> raw_;  ///< what they are in the file
 };
 
 void Writer::run() {
@@ -288,44 +294,64 @@ void Writer::fill() {
   for (std::size_t i = 0; i < texts_.size(); ++i) write_text(plan_.texts[i], texts_[i].id());
 }
 
-/// Writes a dataset slab by slab; returns its checksum.
-std::uint64_t Writer::write_array(const ArrayPlan& plan, hid_t dataset) const {
+/// Writes a dataset; returns its checksum. Rows that stay are written in short pieces, which never leave the
+/// processor's cache; others travel slab by slab.
+std::uint64_t Writer::write_array(const ArrayPlan& plan, hid_t dataset) {
   const auto& rows = plan.rows;
-  const auto slab = std::max<GlobalId>(1, static_cast<GlobalId>(options_.slab_bytes / (8 * rows.width)));
+  Checksum checksum(plan.has_checksum ? plan.shape.rows : 0);
+  const auto slab_of = [&](std::size_t bytes) {
+    return std::max<GlobalId>(1, static_cast<GlobalId>(bytes / (8 * rows.width)));
+  };
+  if (plan.formula || stays(rows)) {
+    const auto piece = slab_of(std::min(options_.slab_bytes, piece_bytes));
+    const auto own = rows_written(rows, comm_->rank(), comm_->size());
+    par::agree(*comm_, [&] {
+      for (auto begin = own.begin; begin < own.end; begin += piece) {
+        const par::BlockRange range{begin, std::min(begin + piece, own.end)};
+        if (plan.formula)
+          evaluate(plan, range);
+        else
+          take_own(rows, range, window_);
+        write_window(plan, dataset, checksum);
+      }
+    });
+    return plan.has_checksum ? checksum.result(*comm_) : 0;
+  }
+  const auto slab = slab_of(options_.slab_bytes);
   GlobalId most_rows = 0;
   for (Rank rank = 0; rank < comm_->size(); ++rank)
     most_rows = std::max(most_rows, rows_written(rows, rank, comm_->size()).count());
   const auto n_steps = (most_rows + slab - 1) / slab;
-  // A held row may stand for several rows of a flat dataset (the four entries of a cell in Connectivity).
-  const auto file_rows = rows.all.n == 0 ? 1 : plan.shape.rows / rows.all.n;
-  Checksum checksum(plan.has_checksum ? plan.shape.rows : 0);
-  std::vector<std::byte> raw;
   for (GlobalId step = 0; step < n_steps; ++step) {
-    Window part;
-    if (plan.formula) {
-      part.range = window(rows, comm_->rank(), comm_->size(), step, slab);
-      part.words.reserve(static_cast<std::size_t>(part.range.count()));
-      for (auto row = part.range.begin; row < part.range.end; ++row) part.words.push_back(plan.formula(row));
-    } else {
-      part = collect(*comm_, rows, step, slab);
-    }
-    par::agree(*comm_, [&] {
-      if (part.missing > 0)
-        throw Error(at(plan.path, "expected every row on some rank, found " + std::to_string(part.missing) +
-                                      " rows from number " + std::to_string(part.range.begin) +
-                                      " on that no rank has"));
-      if (!store(plan.type, part.words, raw))
-        throw Error(at(plan.path, "expected values that fit " + hdf5::to_text(plan.type) + ", found others"));
-    });
-    const auto first = (part.range.begin - rows.all.first) * file_rows;
-    if (plan.has_checksum) checksum.add(first, static_cast<std::size_t>(plan.shape.width), part.words);
-    const bool done = comm_->in_library([&] {
-      return hdf5::write_rows(dataset, plan.shape, first, part.range.count() * file_rows, hdf5::memory_type(plan.type),
-                              raw.data(), transfer_.id());
-    });
-    par::agree(*comm_, [&] { hdf5::require(done, at(plan.path, "cannot write it")); });
+    collect(*comm_, rows, step, slab, window_);
+    par::agree(*comm_, [&] { write_window(plan, dataset, checksum); });
   }
   return plan.has_checksum ? checksum.result(*comm_) : 0;
+}
+
+void Writer::evaluate(const ArrayPlan& plan, par::BlockRange range) {
+  window_.range = range;
+  window_.missing = 0;
+  window_.words.clear();
+  for (auto row = range.begin; row < range.end; ++row) window_.words.push_back(plan.formula(row));
+}
+
+/// Writes the rows of the window and adds them to the checksum. Local.
+void Writer::write_window(const ArrayPlan& plan, hid_t dataset, Checksum& checksum) {
+  if (window_.missing > 0)
+    throw Error(at(plan.path, "expected every row on some rank, found " + std::to_string(window_.missing) +
+                                  " rows from number " + std::to_string(window_.range.begin) + " on that no rank has"));
+  if (!store(plan.type, window_.words, raw_))
+    throw Error(at(plan.path, "expected values that fit " + hdf5::to_text(plan.type) + ", found others"));
+  // A held row may stand for several rows of a flat dataset (the four entries of a cell in Connectivity).
+  const auto file_rows = plan.rows.all.n == 0 ? 1 : plan.shape.rows / plan.rows.all.n;
+  const auto first = (window_.range.begin - plan.rows.all.first) * file_rows;
+  if (plan.has_checksum) checksum.add(first, static_cast<std::size_t>(plan.shape.width), window_.words);
+  const bool done = comm_->in_library([&] {
+    return hdf5::write_rows(dataset, plan.shape, first, window_.range.count() * file_rows, hdf5::memory_type(plan.type),
+                            raw_.data(), transfer_.id());
+  });
+  hdf5::require(done, at(plan.path, "cannot write it"));
 }
 
 void Writer::write_text(const TextPlan& plan, hid_t dataset) const {

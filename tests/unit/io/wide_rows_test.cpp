@@ -46,7 +46,8 @@ TEST(Windows, AreFilledFromRowsWithNumbersBeyond32Bits) {
                             to[1] = 7;
                           }};
 
-  const auto window = io::collect(comm, rows, 0, 50);
+  io::Window window;
+  io::collect(comm, rows, 0, 50, window);
 
   EXPECT_EQ(window.missing, 0);
   ASSERT_EQ(window.words.size(), static_cast<std::size_t>(2 * window.range.count()));
