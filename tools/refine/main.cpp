@@ -2,13 +2,13 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <utility>
 
 #include "cli/run_tool.hpp"
 #include "pamr/adapt/adapt.hpp"
-#include "pamr/balance/weighted_blocks.hpp"
 #include "pamr/balance/weights.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/geometry/orientation.hpp"
@@ -18,6 +18,7 @@
 #include "pamr/mesh/fingerprint.hpp"
 #include "pamr/mesh/order.hpp"
 #include "pamr/mesh/validate.hpp"
+#include "pamr/par/equal_work.hpp"
 #include "refine/report.hpp"
 
 namespace {
@@ -79,13 +80,19 @@ mesh::BlockMesh along_curve(const par::Comm& comm, mesh::BlockMesh block) {
   return std::move(ordered.block);
 }
 
+std::vector<std::uint8_t> flags_of(const std::vector<std::int64_t>& marks) {
+  std::vector<std::uint8_t> flags(marks.size());
+  std::transform(marks.begin(), marks.end(), flags.begin(), [](std::int64_t mark) { return mark == 1 ? 1 : 0; });
+  return flags;
+}
+
 /// Runs of cells that become about the same number.
 std::vector<Rank> runs_of_equal_work(const par::Comm& comm, const mesh::BlockMesh& block, const std::string& marks) {
-  std::vector<std::int64_t> weight(block.cell_to_node.size(), 1);
+  std::vector<std::uint8_t> weight(block.cell_to_node.size(), 1);
   for (const auto& field : block.cell_fields)
     if (field.name == marks && field.holds_integers() && field.n_components == 1)
-      weight = mesh::expected_children(block.cell_to_node, field.integer());
-  return balance::weighted_blocks(comm, weight);
+      weight = mesh::expected_children(block.cell_to_node, flags_of(field.integer()));
+  return par::runs_of_equal_work(comm, weight, comm.size());
 }
 
 /// Reads the mesh, its cells in runs that become about the same number. Errors name cells and nodes by their numbers in

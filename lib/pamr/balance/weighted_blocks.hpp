@@ -11,16 +11,11 @@
 namespace pamr::balance {
 
 /// Cuts the cells, in their global order, into one run for each part so that the runs weigh the same as nearly as whole
-/// cells allow: the part of each of this rank's cells. As good as the order of the cells is local (files of `pamr-mesh`
-/// follow a Hilbert curve, and children follow their parents).
-/// `weight`: positive, one for each cell of this rank, the ranks' cells following one another in global order;
-/// `n_parts` 0: as many parts as ranks. Collective: one exclusive sum and one sum. Order-free, so the same for any
-/// distribution of the input.
-std::vector<Rank> weighted_blocks(const par::Comm& comm, std::span<const std::int64_t> weight, Rank n_parts = 0);
-
-/// The same for the cells of a distributed mesh, wherever they are, whole families in one part (of their first member).
-/// Collective: the weights go to the canonical blocks of the cells and the parts come back, 16 bytes a cell, where the
-/// ranks do not hold runs of cells already.
+/// cells allow (`par::runs_of_equal_work`), wherever they are, whole families in one part (of their first member): the
+/// part of each of this rank's cells. As good as the order of the cells is local (files of `pamr-mesh` follow a Hilbert
+/// curve, and children follow their parents). `weight`: positive, one for each cell of this rank. Collective: the
+/// weights go to the canonical blocks of the cells and the parts come back, 16 bytes a cell, where the ranks do not
+/// hold runs of cells already.
 std::vector<Rank> weighted_blocks(const par::Comm& comm, const mesh::DistMesh& mesh,
                                   std::span<const std::int64_t> weight, Rank n_parts);
 

@@ -32,20 +32,29 @@ void Checksum::add(GlobalId first_row, std::size_t width, std::span<const std::u
   }
 }
 
-std::uint64_t Checksum::result(const par::Comm& comm) const {
+std::uint64_t Checksum::result(const par::Comm& comm) const { return results(comm, {this, 1}).front(); }
+
+std::vector<std::uint64_t> Checksum::results(const par::Comm& comm, std::span<const Checksum> checksums) {
   // The two halves of a word are added apart, so that the signed sums of the communicator cannot overflow.
   constexpr std::uint64_t low_half = 0xffffffffU;
   std::vector<std::int64_t> halves;
-  halves.reserve(2 * block_.size());
-  for (const auto sum : block_) {
-    halves.push_back(static_cast<std::int64_t>(sum & low_half));
-    halves.push_back(static_cast<std::int64_t>(sum >> 32U));
-  }
+  for (const auto& checksum : checksums)
+    for (const auto sum : checksum.block_) {
+      halves.push_back(static_cast<std::int64_t>(sum & low_half));
+      halves.push_back(static_cast<std::int64_t>(sum >> 32U));
+    }
   comm.sum_in_place(halves);
-  std::vector<std::uint64_t> blocks(block_.size());
-  for (std::size_t b = 0; b < blocks.size(); ++b)
-    blocks[b] = static_cast<std::uint64_t>(halves[2 * b]) + (static_cast<std::uint64_t>(halves[2 * b + 1]) << 32U);
-  return chain(n_rows_, blocks);
+  std::vector<std::uint64_t> result;
+  std::size_t at = 0;
+  for (const auto& checksum : checksums) {
+    std::vector<std::uint64_t> blocks(checksum.block_.size());
+    for (auto& block : blocks) {
+      block = static_cast<std::uint64_t>(halves[at]) + (static_cast<std::uint64_t>(halves[at + 1]) << 32U);
+      at += 2;
+    }
+    result.push_back(chain(checksum.n_rows_, blocks));
+  }
+  return result;
 }
 
 std::uint64_t checksum_of(std::span<const std::string> texts) {

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "pamr/base/error.hpp"
+#include "pamr/base/memory.hpp"
 #include "pamr/io/catalog.hpp"
 #include "pamr/io/checksum.hpp"
 #include "pamr/io/hdf5.hpp"
@@ -16,6 +17,7 @@
 #include "pamr/mesh/expected_children.hpp"
 #include "pamr/mesh/families.hpp"
 #include "pamr/mesh/local_size.hpp"
+#include "pamr/par/equal_work.hpp"
 
 namespace pamr::io {
 
@@ -89,6 +91,8 @@ class Reader {
 
   void each_slab(const std::string& path, StorageType type, const hdf5::Shape& shape, Rows rows, bool verify,
                  const Consume& consume);
+  std::string where_is(const std::string& path) const { return "file '" + file_.string() + "', " + path + ": "; }
+  std::optional<RowSource> open_rows(const std::string& path, const hdf5::Shape& shape, Rows rows, GlobalId slab) const;
   static bool convert(StorageType type, std::span<const std::byte> raw, std::span<std::uint64_t> words);
 
   void read_lineage(mesh::BlockMesh& block);
@@ -140,6 +144,18 @@ void Reader::open() {
   });
 }
 
+/// HDF5 opens a dataset on all ranks together; reading its rows is each rank's own.
+std::optional<RowSource> Reader::open_rows(const std::string& path, const hdf5::Shape& shape, Rows rows,
+                                           GlobalId slab) const {
+  const par::Comm::Waiting waiting(*comm_, par::Comm::Waiting::In::library);
+  try {
+    return std::optional<RowSource>(std::in_place, file_, h5_.id(), *catalog_.find_array(path), shape, rows.begin,
+                                    rows.end, slab);
+  } catch (const Error& error) {
+    throw Error(where_is(path) + error.what());
+  }
+}
+
 /// Reads the rows in slabs and hands them on as 64-bit words (integers sign-extended, reals as doubles), then compares
 /// the checksum. `verify`: the rows of all ranks together are the whole dataset, once. Collective.
 void Reader::each_slab(const std::string& path, StorageType type, const hdf5::Shape& shape, Rows rows, bool verify,
@@ -149,29 +165,19 @@ void Reader::each_slab(const std::string& path, StorageType type, const hdf5::Sh
   Checksum checksum(verify ? shape.rows : 0);
   const auto width = static_cast<std::size_t>(shape.width);
   const auto slab = std::max<GlobalId>(1, static_cast<GlobalId>(options_.slab_bytes / (8 * width)));
-  const auto n_slabs = comm_->max((rows.count() + slab - 1) / slab);
-  const auto where = "file '" + file_.string() + "', " + path + ": ";
-  std::optional<RowSource> source;
   par::agree(*comm_, [&] {
-    const par::Comm::Waiting waiting(*comm_, par::Comm::Waiting::In::library);
-    try {
-      source.emplace(file_, h5_.id(), *catalog_.find_array(path), shape, rows.begin, rows.end, slab);
-    } catch (const Error& error) {
-      throw Error(where + error.what());
-    }
-  });
-  constexpr std::size_t piece = std::size_t{1} << 15U;  // values that stay in the processor's cache
-  for (GlobalId s = 0; s < n_slabs; ++s) {
-    const auto first = std::min(rows.begin + s * slab, rows.end), n = std::min(slab, rows.end - first);
-    const bool done = comm_->in_library([&] { return source->read(n, raw_); });
-    par::agree(*comm_, [&] {
-      if (!done)
-        throw Error(where + "cannot read rows from " + std::to_string(first) + " on (" + source->trouble() + ")");
+    auto source = open_rows(path, shape, rows, slab);
+    for (auto first = rows.begin; first < rows.end; first += slab) {
+      const auto n = std::min(slab, rows.end - first);
+      if (!comm_->in_library([&] { return source->read(n, raw_); }))
+        throw Error(where_is(path) + "cannot read rows from " + std::to_string(first) + " on (" + source->trouble() +
+                    ")");
+      constexpr std::size_t piece = std::size_t{1} << 15U;  // values that stay in the processor's cache
       const auto step = std::max<GlobalId>(1, static_cast<GlobalId>(piece / width));
       for (GlobalId at = 0; at < n; at += step) {
         words_.resize(static_cast<std::size_t>(std::min(step, n - at)) * width);
-        if (!convert(type, std::span(raw_).subspan(static_cast<std::size_t>(at) * width * hdf5::size_of(type)),
-                     words_)) {
+        const auto raw = std::span(raw_).subspan(static_cast<std::size_t>(at) * width * hdf5::size_of(type));
+        if (!convert(type, raw, words_)) {
           const auto wrong = std::find_if(words_.begin(), words_.end(), [](auto w) { return w >> 63U != 0; });
           fail(path, first + at + (wrong - words_.begin()) / shape.width, "integers below 2^63",
                std::to_string(*wrong));
@@ -179,11 +185,12 @@ void Reader::each_slab(const std::string& path, StorageType type, const hdf5::Sh
         if (verify) checksum.add(first + at, width, words_);
         consume(first + at, words_);
       }
-    });
-  }
+    }
+  });
   if (verify &&
       (stored->values.size() != 1 || std::bit_cast<std::uint64_t>(stored->values[0]) != checksum.result(*comm_)))
-    throw Error(where + "expected contents that agree with its checksum, found that they do not: the file is damaged");
+    throw Error(where_is(path) +
+                "expected contents that agree with its checksum, found that they do not: the file is damaged");
 }
 
 /// Values of any type as 64-bit words; false when an unsigned one does not fit a signed word.
@@ -224,35 +231,26 @@ GlobalId Reader::family_border(GlobalId cell) {
 GlobalId Reader::first_of_equal_work(const FieldEntry& marks) {
   const auto n = layout_.info.n_global_cells;
   const auto block = par::block_range(n, comm_->rank(), comm_->size());
-  std::vector<std::array<GlobalId, 4>> nodes(static_cast<std::size_t>(block.count()));
-  std::vector<std::int64_t> mark;
+  std::vector<std::array<GlobalId, 4>> nodes;
+  reserve_array(nodes, static_cast<std::size_t>(block.count()));
+  std::vector<std::uint8_t> mark;
+  mark.reserve(static_cast<std::size_t>(block.count()));
   each_slab(path::connectivity, layout_.connectivity_type, {4 * n, 1, true}, {4 * block.begin, 4 * block.end}, false,
-            [&](GlobalId first, std::span<const std::uint64_t> words) {
-              auto at = static_cast<std::size_t>(first - 4 * block.begin);
-              for (const auto word : words) {
-                nodes[at / 4][at % 4] = static_cast<GlobalId>(word);
-                ++at;
+            [&](GlobalId, std::span<const std::uint64_t> words) {
+              for (std::size_t i = 0; i + 3 < words.size(); i += 4) {
+                auto& corner = nodes.emplace_back();
+                for (std::size_t k = 0; k < 4; ++k) corner[k] = static_cast<GlobalId>(words[i + k]);
               }
             });
   each_slab(marks.path, marks.type, {n, 1, marks.is_flat}, {block.begin, block.end}, false,
             [&](GlobalId, std::span<const std::uint64_t> words) {
-              for (const auto word : words) mark.push_back(static_cast<std::int64_t>(word));
+              for (const auto word : words) mark.push_back(word == 1 ? 1 : 0);
             });
-  const auto weight = mesh::expected_children(nodes, mark);
-  const auto here = std::accumulate(weight.begin(), weight.end(), std::int64_t{0});
-  const auto total = comm_->sum(here);
-  auto before = comm_->exclusive_sum(here);
-  std::vector<std::int64_t> first(static_cast<std::size_t>(comm_->size()), 0);
-  const auto target = [&, size = comm_->size()](std::int64_t rank) {
-    return total / size * rank + total % size * rank / size;
-  };
-  std::int64_t rank = 1;
-  while (rank < comm_->size() && target(rank) < before) ++rank;
-  for (std::size_t c = 0; c < weight.size(); before += weight[c++])
-    for (; rank < comm_->size() && target(rank) < before + weight[c]; ++rank)
-      first[static_cast<std::size_t>(rank)] = block.begin + static_cast<GlobalId>(c);
-  comm_->sum_in_place(first);
-  return first[static_cast<std::size_t>(comm_->rank())];
+  std::vector<std::int64_t> n_cells(static_cast<std::size_t>(comm_->size()), 0);  // of each run
+  for (const auto run : par::runs_of_equal_work(*comm_, mesh::expected_children(nodes, mark), comm_->size()))
+    ++n_cells[static_cast<std::size_t>(run)];
+  comm_->sum_in_place(n_cells);
+  return std::accumulate(n_cells.begin(), n_cells.begin() + comm_->rank(), GlobalId{0});
 }
 
 /// Decides which cells this rank reads: its canonical block, or the one of equal work, begun at the next border of a

@@ -103,7 +103,7 @@ class Writer {
   void write_attributes() const;
   void reserve() const;
   void fill();
-  std::uint64_t write_array(const ArrayPlan& plan, hid_t dataset);
+  Checksum write_array(const ArrayPlan& plan, hid_t dataset);
   void evaluate(const ArrayPlan& plan, par::BlockRange range);
   void write_window(const ArrayPlan& plan, hid_t dataset, Checksum& checksum);
   void write_text(const TextPlan& plan, hid_t dataset) const;
@@ -277,26 +277,27 @@ void Writer::reserve() const {
 }
 
 void Writer::fill() {
-  const auto group =
-      hdf5::take(H5Gopen2(h5_.id(), path::checksums, H5P_DEFAULT), H5Gclose, at(path::checksums, "cannot open it"));
-  for (std::size_t i = 0; i < arrays_.size(); ++i) {
-    const auto& plan = plan_.arrays[i];
-    const auto checksum = write_array(plan, arrays_[i].id());
-    if (!plan.has_checksum) continue;
-    par::agree(*comm_, [&] {
-      const par::Comm::Waiting waiting(*comm_, par::Comm::Waiting::In::library);
-      const auto attribute = hdf5::take(H5Aopen(group.id(), checksum_path(plan.path).c_str(), H5P_DEFAULT), H5Aclose,
-                                        at(path::checksums, "cannot open it"));
-      hdf5::require(H5Awrite(attribute.id(), H5T_NATIVE_UINT64, &checksum) >= 0,
+  std::vector<Checksum> checksums;
+  for (std::size_t i = 0; i < arrays_.size(); ++i) checksums.push_back(write_array(plan_.arrays[i], arrays_[i].id()));
+  const auto values = Checksum::results(*comm_, checksums);
+  par::agree(*comm_, [&] {
+    const par::Comm::Waiting waiting(*comm_, par::Comm::Waiting::In::library);
+    const auto group =
+        hdf5::take(H5Gopen2(h5_.id(), path::checksums, H5P_DEFAULT), H5Gclose, at(path::checksums, "cannot open it"));
+    for (std::size_t i = 0; i < arrays_.size(); ++i) {
+      if (!plan_.arrays[i].has_checksum) continue;
+      const auto attribute = hdf5::take(H5Aopen(group.id(), checksum_path(plan_.arrays[i].path).c_str(), H5P_DEFAULT),
+                                        H5Aclose, at(path::checksums, "cannot open it"));
+      hdf5::require(H5Awrite(attribute.id(), H5T_NATIVE_UINT64, &values[i]) >= 0,
                     at(path::checksums, "cannot write it"));
-    });
-  }
-  for (std::size_t i = 0; i < texts_.size(); ++i) write_text(plan_.texts[i], texts_[i].id());
+    }
+    for (std::size_t i = 0; i < texts_.size(); ++i) write_text(plan_.texts[i], texts_[i].id());
+  });
 }
 
-/// Writes a dataset; returns its checksum. Rows that stay are written in short pieces, which never leave the
-/// processor's cache; others travel slab by slab.
-std::uint64_t Writer::write_array(const ArrayPlan& plan, hid_t dataset) {
+/// Writes a dataset; returns the checksum of this rank's part. Rows that stay are written in short pieces, which never
+/// leave the processor's cache; others travel slab by slab.
+Checksum Writer::write_array(const ArrayPlan& plan, hid_t dataset) {
   const auto& rows = plan.rows;
   Checksum checksum(plan.has_checksum ? plan.shape.rows : 0);
   const auto slab_of = [&](std::size_t bytes) {
@@ -315,7 +316,7 @@ std::uint64_t Writer::write_array(const ArrayPlan& plan, hid_t dataset) {
         write_window(plan, dataset, checksum);
       }
     });
-    return plan.has_checksum ? checksum.result(*comm_) : 0;
+    return checksum;
   }
   const auto slab = slab_of(options_.slab_bytes);
   GlobalId most_rows = 0;
@@ -326,7 +327,7 @@ std::uint64_t Writer::write_array(const ArrayPlan& plan, hid_t dataset) {
     collect(*comm_, rows, step, slab, window_);
     par::agree(*comm_, [&] { write_window(plan, dataset, checksum); });
   }
-  return plan.has_checksum ? checksum.result(*comm_) : 0;
+  return checksum;
 }
 
 void Writer::evaluate(const ArrayPlan& plan, par::BlockRange range) {
@@ -362,11 +363,9 @@ void Writer::write_text(const TextPlan& plan, hid_t dataset) const {
     std::copy(plan.texts[i].begin(), plan.texts[i].end(), padded.data() + i * bytes);
   const Handle space(H5Dget_space(dataset), H5Sclose);
   if (!comm_->is_first()) H5Sselect_none(space.id());
-  const bool done = comm_->in_library([&] {
-    return plan.texts.empty() ||
-           H5Dwrite(dataset, type.id(), space.id(), space.id(), transfer_.id(), padded.data()) >= 0;
-  });
-  par::agree(*comm_, [&] { hdf5::require(done, at(plan.path, "cannot write it")); });
+  hdf5::require(
+      plan.texts.empty() || H5Dwrite(dataset, type.id(), space.id(), space.id(), transfer_.id(), padded.data()) >= 0,
+      at(plan.path, "cannot write it"));
 }
 
 /// Closes everything; false when HDF5 could not write the rest. Collective.

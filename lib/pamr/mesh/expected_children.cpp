@@ -28,15 +28,15 @@ class HashedBits {
 
 }  // namespace
 
-std::vector<std::int64_t> expected_children(std::span<const std::array<GlobalId, 4>> cell_to_node,
-                                            std::span<const std::int64_t> marks) {
+std::vector<std::uint8_t> expected_children(std::span<const std::array<GlobalId, 4>> cell_to_node,
+                                            std::span<const std::uint8_t> marks) {
   PAMR_EXPECTS(marks.size() == cell_to_node.size());
   HashedBits touched(8 * cell_to_node.size());
   for (std::size_t c = 0; c < marks.size(); ++c)
     if (marks[c] == 1)
       for (const auto node : cell_to_node[c]) touched.insert(node);
-  constexpr std::array<std::int64_t, 5> children{1, 1, 2, 4, 8};  // by the number of touched nodes
-  std::vector<std::int64_t> expected(marks.size());
+  constexpr std::array<std::uint8_t, 5> children{1, 1, 2, 4, 8};  // by the number of touched nodes
+  std::vector<std::uint8_t> expected(marks.size());
   for (std::size_t c = 0; c < marks.size(); ++c) {
     std::size_t n = 0;
     for (const auto node : cell_to_node[c]) n += touched.contains(node) ? 1 : 0;

@@ -15,8 +15,8 @@ namespace pamr::mesh {
 /// block, else 1. Good enough to share a mesh out before it is put together (within 5 % on 16 ranks, 20 % on 64, for
 /// the cone of tests/bench/scaling.sh); what it becomes exactly is known after `refine::close` only.
 /// `cell_to_node`: n x 4 node numbers; `marks`: n values, 1 for a marked cell. A hashed bit for each node, so a few
-/// cells in a hundred may be taken for neighbours of marked ones that are none. Local. Memory: 8 bytes a cell and 2.
-std::vector<std::int64_t> expected_children(std::span<const std::array<GlobalId, 4>> cell_to_node,
-                                            std::span<const std::int64_t> marks);
+/// cells in a hundred may be taken for neighbours of marked ones that are none. Local. Memory: 2 bytes a cell and a bit a node.
+std::vector<std::uint8_t> expected_children(std::span<const std::array<GlobalId, 4>> cell_to_node,
+                                            std::span<const std::uint8_t> marks);
 
 }  // namespace pamr::mesh

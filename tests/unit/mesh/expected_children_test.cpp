@@ -14,9 +14,9 @@ namespace {
 TEST(ExpectedChildren, FollowFromTheNodesThatACellSharesWithMarkedOnes) {
   const std::vector<std::array<GlobalId, 4>> cells{
       {0, 1, 2, 3}, {1, 2, 3, 4}, {2, 3, 4, 5}, {3, 4, 5, 6}, {7, 8, 9, 10}};
-  const std::vector<std::int64_t> marks{1, 0, 0, 0, 0};
+  const std::vector<std::uint8_t> marks{1, 0, 0, 0, 0};
 
-  EXPECT_EQ(mesh::expected_children(cells, marks), (std::vector<std::int64_t>{8, 4, 2, 1, 1}));
+  EXPECT_EQ(mesh::expected_children(cells, marks), (std::vector<std::uint8_t>{8, 4, 2, 1, 1}));
 }
 
 TEST(ExpectedChildren, OfNoCellsAreNone) { EXPECT_TRUE(mesh::expected_children({}, {}).empty()); }
@@ -25,7 +25,6 @@ TEST(ExpectedChildren, ComeNearTheRefinedCube) {
   const par::Comm comm(MPI_COMM_WORLD);
   const auto mesh = mesh::assemble(comm, mesh::kuhn_cube(comm, 12));
   std::vector<std::array<GlobalId, 4>> nodes;
-  std::vector<std::int64_t> marks;
   std::vector<std::uint8_t> flags;
   for (LocalId c = 0; c < mesh.n_cells(); ++c) {
     auto& row = nodes.emplace_back();
@@ -33,10 +32,9 @@ TEST(ExpectedChildren, ComeNearTheRefinedCube) {
       row[i] = mesh.node_global[static_cast<std::size_t>(mesh.cell_to_node[static_cast<std::size_t>(c)][i])];
     const auto p = mesh.points(c)[0];
     flags.push_back(p.x * p.x + p.y * p.y + p.z * p.z < 0.16 ? 1 : 0);
-    marks.push_back(flags.back());
   }
 
-  const auto expected = mesh::expected_children(nodes, marks);
+  const auto expected = mesh::expected_children(nodes, flags);
 
   const auto sum = comm.sum(std::accumulate(expected.begin(), expected.end(), std::int64_t{0}));
   const auto exact = adapt::dry_run(comm, mesh, flags).cells;
