@@ -5,6 +5,7 @@
 #include <tuple>
 
 #include "pamr/mesh/ring.hpp"
+#include "pamr/mesh/sorted_order.hpp"
 
 namespace pamr::mesh {
 
@@ -58,10 +59,16 @@ std::vector<Arc> find_arcs(const DistMesh& mesh) {
       arcs.push_back({std::min(id_a, id_b), std::max(id_a, id_b), lowest});
     }
   }
-  std::sort(arcs.begin(), arcs.end(), [](const Arc& x, const Arc& y) {
-    return std::tie(x.a, x.b, x.lowest.cell) < std::tie(y.a, y.b, y.lowest.cell);
+  std::vector<std::uint64_t> leading;
+  leading.reserve(arcs.size());
+  for (const auto& arc : arcs) leading.push_back(static_cast<std::uint64_t>(arc.a - mesh.info.first_id));
+  std::vector<Arc> sorted;
+  sorted.reserve(arcs.size());
+  const auto order = sorted_order(leading, [&](std::uint32_t x, std::uint32_t y) {
+    return std::tie(arcs[x].b, arcs[x].lowest.cell) < std::tie(arcs[y].b, arcs[y].lowest.cell);
   });
-  return arcs;
+  for (const auto i : order) sorted.push_back(arcs[i]);
+  return sorted;
 }
 
 /// Nodes of rank-border and boundary faces, ascending.

@@ -21,8 +21,8 @@ inline par::SharedKey face_key(const DistMesh& mesh, CellFace face) {
     const auto corner = tet::face_to_corner[static_cast<std::size_t>(face.slot)][i];
     key[i] = mesh.node_global[static_cast<std::size_t>(nodes[static_cast<std::size_t>(corner)])];
   }
-  std::sort(key.begin(), key.end());
-  return key;
+  const auto least = std::min({key[0], key[1], key[2]}), most = std::max({key[0], key[1], key[2]});
+  return {least, key[0] ^ key[1] ^ key[2] ^ least ^ most, most};
 }
 
 /// The faces of this rank's cells grouped by their nodes, found through the faces at each smallest node: 4 bytes a face

@@ -5,8 +5,6 @@
 #include <bit>
 #include <utility>
 
-#include "pamr/base/hash.hpp"
-
 namespace pamr::mesh {
 
 IdMap::IdMap(GlobalId min, GlobalId max, std::size_t expected) : min_(min) {
@@ -14,11 +12,16 @@ IdMap::IdMap(GlobalId min, GlobalId max, std::size_t expected) : min_(min) {
   if (range < 4 * std::max<std::size_t>(expected, 16))
     table_.assign(static_cast<std::size_t>(range) + 1, invalid_local);
   else
-    hash_.resize(std::bit_ceil(2 * std::max<std::size_t>(expected, 16)));
+    make_hash(std::bit_ceil(2 * std::max<std::size_t>(expected, 16)));
+}
+
+void IdMap::make_hash(std::size_t n) {
+  hash_.assign(n, {});
+  shift_ = 64U - static_cast<unsigned>(std::countr_zero(n));
 }
 
 std::size_t IdMap::place_of(GlobalId id) const {
-  auto place = static_cast<std::size_t>(mix(static_cast<std::uint64_t>(id))) & (hash_.size() - 1);
+  auto place = static_cast<std::size_t>(static_cast<std::uint64_t>(id) * 0x9e3779b97f4a7c15U >> shift_);
   while (hash_[place].id != id && hash_[place].id != invalid_global) place = (place + 1) & (hash_.size() - 1);
   return place;
 }
@@ -43,7 +46,8 @@ LocalId IdMap::find_or_insert(GlobalId id, LocalId next) {
 }
 
 void IdMap::grow() {
-  const auto old = std::exchange(hash_, std::vector<Entry>(2 * hash_.size()));
+  const auto old = std::exchange(hash_, {});
+  make_hash(2 * old.size());
   for (const auto& entry : old)
     if (entry.id != invalid_global) hash_[place_of(entry.id)] = entry;
 }

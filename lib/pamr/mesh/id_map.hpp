@@ -26,11 +26,13 @@ class IdMap {
     LocalId local = invalid_local;
   };
   std::size_t place_of(GlobalId id) const;
+  void make_hash(std::size_t n);
   void grow();
 
   GlobalId min_ = 0;
   std::vector<LocalId> table_;
-  std::vector<Entry> hash_;
+  std::vector<Entry> hash_;  ///< 2^(64 - shift_)
+  unsigned shift_ = 0;
   std::size_t n_hashed_ = 0;
 };
 

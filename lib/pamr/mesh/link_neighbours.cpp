@@ -9,6 +9,7 @@
 #include "pamr/mesh/assemble_steps.hpp"
 #include "pamr/mesh/face_groups.hpp"
 #include "pamr/mesh/id_map.hpp"
+#include "pamr/mesh/sorted_order.hpp"
 #include "pamr/mesh/tet.hpp"
 
 namespace pamr::mesh::assembly {
@@ -181,10 +182,17 @@ void link_neighbours(const par::Comm& comm, DistMesh& mesh, std::vector<std::arr
   auto remote = translate(mesh, neighbour);
   neighbour = {};
   const auto rank = ask_owners(comm, mesh.info.cell_ids(), owners, remote);
-  for (std::size_t i = 0; i < remote.size(); ++i) remote[i].rank = rank[i];
-  std::sort(remote.begin(), remote.end(), [](const RemoteFace& a, const RemoteFace& b) {
-    return a.rank != b.rank ? a.rank < b.rank : a.key < b.key;
-  });
+  std::vector<par::SharedKey> key(remote.size());
+  for (std::size_t i = 0; i < remote.size(); ++i) {
+    remote[i].rank = rank[i];
+    key[i] = remote[i].key;
+  }
+  {
+    std::vector<RemoteFace> sorted;
+    sorted.reserve(remote.size());
+    for (const auto i : border_order(rank, key)) sorted.push_back(remote[i]);
+    remote = std::move(sorted);
+  }
   fill_border(mesh, remote);
 
   std::vector<par::Outgoing<FaceCard>> messages;

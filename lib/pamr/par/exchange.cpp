@@ -26,16 +26,20 @@ struct Match {
 };
 
 std::uint64_t hash_of(const SharedKey& key) {
-  std::uint64_t h = 0;
-  for (const auto id : key) h = combine(h, static_cast<std::uint64_t>(id));
-  return h;
+  return mix(static_cast<std::uint64_t>(key[0]) + 0x9e3779b97f4a7c15U * static_cast<std::uint64_t>(key[1]) +
+             0xc2b2ae3d27d4eb4fU * static_cast<std::uint64_t>(key[2]));
+}
+
+/// The rank on which the holders of a key meet: by the lower half of its hash.
+Rank meeting_rank(const SharedKey& key, Rank size) {
+  return static_cast<Rank>((hash_of(key) & 0xffffffffU) * static_cast<std::uint64_t>(size) >> 32U);
 }
 
 /// Cards in an order in which equal keys stand together, those of one key in the order in which they came: dealt into
 /// as many buckets as there are cards by the hash, then put in order within each, which holds one key or two.
 std::vector<std::uint32_t> group_by_key(std::span<const Card> cards) {
   narrow<LocalId>(std::ssize(cards));
-  // the low bits said which rank they meet on
+  // the lower half said which rank they meet on
   const auto shift = 64U - static_cast<unsigned>(std::bit_width(cards.size() | 1U));
   std::vector<std::uint32_t> bucket, end((std::size_t{1} << (64U - shift)) + 1, 0), order(cards.size());
   bucket.reserve(cards.size());
@@ -74,10 +78,15 @@ Received<Match> introduce(const Comm& comm, const Received<Card>& cards) {
 
 Pattern find_shared(const Comm& comm, std::span<const SharedKey> key) {
   narrow<LocalId>(std::ssize(key));
+  std::vector<Rank> to(key.size());
+  std::vector<std::size_t> count(static_cast<std::size_t>(comm.size()), 0);
+  for (std::size_t i = 0; i < key.size(); ++i) {
+    to[i] = meeting_rank(key[i], comm.size());
+    ++count[static_cast<std::size_t>(to[i])];
+  }
   Mailbox<Card> cards(comm);
-  for (std::size_t i = 0; i < key.size(); ++i)
-    cards.add(static_cast<Rank>(hash_of(key[i]) % static_cast<std::uint64_t>(comm.size())),
-              {key[i], static_cast<std::int64_t>(i)});
+  for (Rank rank = 0; rank < comm.size(); ++rank) cards.reserve(rank, count[static_cast<std::size_t>(rank)]);
+  for (std::size_t i = 0; i < key.size(); ++i) cards.add(to[i], {key[i], static_cast<std::int64_t>(i)});
   // a meeting rank tells all holders of its keys in one order, so what two ranks share comes in one order on both
   auto matches = introduce(comm, cards.send()).item;
   std::stable_sort(matches.begin(), matches.end(), [](const Match& a, const Match& b) { return a.rank < b.rank; });

@@ -18,6 +18,8 @@ class Mailbox {
 
   void add(Rank to, T item) { for_rank_[static_cast<std::size_t>(to)].push_back(std::move(item)); }
 
+  void reserve(Rank to, std::size_t n) { for_rank_[static_cast<std::size_t>(to)].reserve(n); }
+
   /// Delivers the items; those from one rank arrive in the order in which they were added there. The box is empty
   /// afterwards. Collective: one sparse exchange.
   Received<T> send() {

@@ -158,6 +158,9 @@ std::vector<SharedEdge> make_shared(const par::Comm& comm, const mesh::DistMesh&
 }
 
 LocalId find_cell(const mesh::DistMesh& mesh, GlobalId global) {
+  const auto& ids = mesh.cell_global;
+  if (!ids.empty() && ids.back() - ids.front() + 1 == std::ssize(ids))  // a run of numbers
+    return global >= ids.front() && global <= ids.back() ? static_cast<LocalId>(global - ids.front()) : invalid_local;
   const auto found = std::lower_bound(mesh.cell_global.begin(), mesh.cell_global.end(), global);
   return found != mesh.cell_global.end() && *found == global ? static_cast<LocalId>(found - mesh.cell_global.begin())
                                                              : invalid_local;

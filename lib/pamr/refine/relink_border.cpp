@@ -5,6 +5,7 @@
 #include <array>
 
 #include "pamr/base/contract.hpp"
+#include "pamr/mesh/sorted_order.hpp"
 #include "pamr/mesh/tet.hpp"
 
 namespace pamr::refine {
@@ -15,23 +16,18 @@ constexpr std::size_t at(std::int64_t i) { return static_cast<std::size_t>(i); }
 
 /// A border face as both sides know it.
 struct Record {
-  std::array<GlobalId, 3> node;  ///< ascending
+  par::SharedKey node;  ///< ascending
   GlobalId cell;
 };
 
-struct Own {
-  Record record;
-  BorderFace border;
-};
-
-Own describe(const mesh::DistMesh& mesh, const BorderFace& border) {
-  Own own{{{}, mesh.cell_global[at(border.face.cell)]}, border};
+par::SharedKey nodes_of(const mesh::DistMesh& mesh, mesh::CellFace face) {
+  std::array<GlobalId, 3> id{};
   for (std::size_t i = 0; i < 3; ++i) {
-    const auto corner = mesh::tet::face_to_corner[at(border.face.slot)][i];
-    own.record.node[i] = mesh.node_global[at(mesh.cell_to_node[at(border.face.cell)][at(corner)])];
+    const auto corner = mesh::tet::face_to_corner[at(face.slot)][i];
+    id[i] = mesh.node_global[at(mesh.cell_to_node[at(face.cell)][at(corner)])];
   }
-  std::sort(own.record.node.begin(), own.record.node.end());
-  return own;
+  const auto least = std::min({id[0], id[1], id[2]}), most = std::max({id[0], id[1], id[2]});
+  return {least, id[0] ^ id[1] ^ id[2] ^ least ^ most, most};
 }
 
 }  // namespace
@@ -43,36 +39,39 @@ Rank rank_of_ghost(const mesh::DistMesh& mesh, LocalId slot) {
 }
 
 void link_border(const par::Comm& comm, const std::vector<BorderFace>& faces, mesh::DistMesh& fine) {
-  std::vector<Own> own;
-  own.reserve(faces.size());
-  for (const auto& face : faces) own.push_back(describe(fine, face));
-  std::sort(own.begin(), own.end(), [](const Own& a, const Own& b) {
-    return a.border.rank != b.border.rank ? a.border.rank < b.border.rank : a.record.node < b.record.node;
-  });
+  std::vector<Rank> rank(faces.size());
+  std::vector<par::SharedKey> key(faces.size());
+  for (std::size_t i = 0; i < faces.size(); ++i) {
+    rank[i] = faces[i].rank;
+    key[i] = nodes_of(fine, faces[i].face);
+  }
+  const auto order = mesh::border_order(rank, key);
 
   fine.border_rank.clear();
   fine.border_offset.assign(1, 0);
   fine.border_face.clear();
+  fine.border_face.reserve(faces.size());
   std::vector<par::Outgoing<Record>> messages;
-  for (const auto& face : own) {
-    if (fine.border_rank.empty() || fine.border_rank.back() != face.border.rank) {
-      fine.border_rank.push_back(face.border.rank);
+  for (const auto i : order) {
+    if (fine.border_rank.empty() || fine.border_rank.back() != rank[i]) {
+      fine.border_rank.push_back(rank[i]);
       fine.border_offset.push_back(fine.border_face.size());
-      messages.push_back({face.border.rank, {}});
+      messages.push_back({rank[i], {}});
     }
+    const auto face = faces[i].face;
     const auto ghost = fine.n_cells() + static_cast<LocalId>(fine.border_face.size());
-    fine.cell_to_cell[at(face.border.face.cell)][at(face.border.face.slot)] = ghost;
-    fine.border_face.push_back(face.border.face);
+    fine.cell_to_cell[at(face.cell)][at(face.slot)] = ghost;
+    fine.border_face.push_back(face);
     fine.border_offset.back() = fine.border_face.size();
-    messages.back().item.push_back(face.record);
+    messages.back().item.push_back({key[i], fine.cell_global[at(face.cell)]});
   }
 
   // both sides list the same faces in the same order, so the records of slot k meet in slot k
   const auto received = comm.sparse_exchange(messages);
-  PAMR_ENSURES(received.rank == fine.border_rank && received.item.size() == own.size());
-  fine.ghost_global.resize(own.size());
-  for (std::size_t k = 0; k < own.size(); ++k) {
-    PAMR_ENSURES(received.item[k].node == own[k].record.node);
+  PAMR_ENSURES(received.rank == fine.border_rank && received.item.size() == order.size());
+  fine.ghost_global.resize(order.size());
+  for (std::size_t k = 0; k < order.size(); ++k) {
+    PAMR_ENSURES(received.item[k].node == key[order[k]]);
     fine.ghost_global[k] = received.item[k].cell;
   }
 }
