@@ -3,6 +3,8 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
+#include <cstdint>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <utility>
@@ -86,12 +88,19 @@ std::vector<std::uint8_t> flags_of(const std::vector<std::int64_t>& marks) {
   return flags;
 }
 
+std::vector<std::array<std::uint32_t, 4>> lower_halves(const std::vector<std::array<GlobalId, 4>>& cell_to_node) {
+  std::vector<std::array<std::uint32_t, 4>> halves(cell_to_node.size());
+  for (std::size_t c = 0; c < halves.size(); ++c)
+    for (std::size_t i = 0; i < 4; ++i) halves[c][i] = static_cast<std::uint32_t>(cell_to_node[c][i]);
+  return halves;
+}
+
 /// Runs of cells that become about the same number.
 std::vector<Rank> runs_of_equal_work(const par::Comm& comm, const mesh::BlockMesh& block, const std::string& marks) {
   std::vector<std::uint8_t> weight(block.cell_to_node.size(), 1);
   for (const auto& field : block.cell_fields)
     if (field.name == marks && field.holds_integers() && field.n_components == 1)
-      weight = mesh::expected_children(block.cell_to_node, flags_of(field.integer()));
+      weight = mesh::expected_children(lower_halves(block.cell_to_node), flags_of(field.integer()));
   return par::runs_of_equal_work(comm, weight, comm.size());
 }
 

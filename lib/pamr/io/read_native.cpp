@@ -231,7 +231,7 @@ GlobalId Reader::family_border(GlobalId cell) {
 GlobalId Reader::first_of_equal_work(const FieldEntry& marks) {
   const auto n = layout_.info.n_global_cells;
   const auto block = par::block_range(n, comm_->rank(), comm_->size());
-  std::vector<std::array<GlobalId, 4>> nodes;
+  std::vector<std::array<std::uint32_t, 4>> nodes;
   reserve_array(nodes, static_cast<std::size_t>(block.count()));
   std::vector<std::uint8_t> mark;
   mark.reserve(static_cast<std::size_t>(block.count()));
@@ -239,7 +239,7 @@ GlobalId Reader::first_of_equal_work(const FieldEntry& marks) {
             [&](GlobalId, std::span<const std::uint64_t> words) {
               for (std::size_t i = 0; i + 3 < words.size(); i += 4) {
                 auto& corner = nodes.emplace_back();
-                for (std::size_t k = 0; k < 4; ++k) corner[k] = static_cast<GlobalId>(words[i + k]);
+                for (std::size_t k = 0; k < 4; ++k) corner[k] = static_cast<std::uint32_t>(words[i + k]);
               }
             });
   each_slab(marks.path, marks.type, {n, 1, marks.is_flat}, {block.begin, block.end}, false,

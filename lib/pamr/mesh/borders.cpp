@@ -40,6 +40,7 @@ class FaceEdges {
 /// has two ends: it is walked from the first that comes.
 std::vector<Arc> find_arcs(const DistMesh& mesh) {
   std::vector<Arc> arcs;
+  arcs.reserve(2 * mesh.border_face.size());
   FaceEdges ends(mesh);
   for (std::size_t k = 0; k < mesh.border_face.size(); ++k) {
     const auto face = mesh.border_face[k];

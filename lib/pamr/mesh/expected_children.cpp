@@ -16,11 +16,11 @@ class HashedBits {
   explicit HashedBits(std::size_t least_bits)
       : shift_(64U - static_cast<unsigned>(std::bit_width(std::max<std::size_t>(64, least_bits) - 1))),
         words_(std::size_t{1} << (64U - shift_ - 6U), 0) {}
-  void insert(GlobalId id) { words_[place(id) / 64] |= std::uint64_t{1} << (place(id) % 64); }
-  bool contains(GlobalId id) const { return (words_[place(id) / 64] >> (place(id) % 64) & 1U) != 0; }
+  void insert(std::uint32_t id) { words_[place(id) / 64] |= std::uint64_t{1} << (place(id) % 64); }
+  bool contains(std::uint32_t id) const { return (words_[place(id) / 64] >> (place(id) % 64) & 1U) != 0; }
 
  private:
-  std::size_t place(GlobalId id) const { return static_cast<std::uint64_t>(id) * 0x9e3779b97f4a7c15U >> shift_; }
+  std::size_t place(std::uint32_t id) const { return std::uint64_t{id} * 0x9e3779b97f4a7c15U >> shift_; }
 
   unsigned shift_;
   std::vector<std::uint64_t> words_;
@@ -28,7 +28,7 @@ class HashedBits {
 
 }  // namespace
 
-std::vector<std::uint8_t> expected_children(std::span<const std::array<GlobalId, 4>> cell_to_node,
+std::vector<std::uint8_t> expected_children(std::span<const std::array<std::uint32_t, 4>> cell_to_node,
                                             std::span<const std::uint8_t> marks) {
   PAMR_EXPECTS(marks.size() == cell_to_node.size());
   HashedBits touched(8 * cell_to_node.size());

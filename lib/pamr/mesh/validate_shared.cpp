@@ -200,6 +200,7 @@ void check_border(const par::Comm& comm, const DistMesh& mesh, Findings& finding
   std::vector<par::Outgoing<FaceCard>> messages;
   for (std::size_t i = 0; i < mesh.border_rank.size(); ++i) {
     messages.push_back({mesh.border_rank[i], {}});
+    messages.back().item.reserve(mesh.border_offset[i + 1] - mesh.border_offset[i]);
     for (auto k = mesh.border_offset[i]; k < mesh.border_offset[i + 1]; ++k) {
       const auto face = mesh.border_face[k];
       if (slot_at(face) != mesh.n_cells() + static_cast<LocalId>(k))

@@ -17,13 +17,16 @@ std::vector<Rank> cut(const Comm& comm, std::span<const Weight> weight, Rank n_r
   const auto total = std::accumulate(of_rank.begin(), of_rank.end(), std::int64_t{0});
   PAMR_EXPECTS(weight.empty() || (total > 0 && total <= std::numeric_limits<std::int64_t>::max() / (2 * n_runs)));
   auto before = std::accumulate(of_rank.begin(), of_rank.begin() + comm.rank(), std::int64_t{0});
-  std::vector<Rank> run;
-  run.reserve(weight.size());
+  // twice the weight up to the middle of an item, and where the next run begins in the same measure, times the runs
+  auto run = weight.empty() ? std::int64_t{0} : before * n_runs / total;
+  std::vector<Rank> result;
+  result.reserve(weight.size());
   for (const std::int64_t w : weight) {
-    run.push_back(static_cast<Rank>(std::min<std::int64_t>((2 * before + w) * n_runs / (2 * total), n_runs - 1)));
+    while (run + 1 < n_runs && (2 * before + w) * n_runs >= (run + 1) * 2 * total) ++run;
+    result.push_back(static_cast<Rank>(run));
     before += w;
   }
-  return run;
+  return result;
 }
 
 }  // namespace

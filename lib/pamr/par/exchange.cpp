@@ -64,6 +64,7 @@ Received<Match> introduce(const Comm& comm, const Received<Card>& cards) {
   for (std::size_t r = 0; r < cards.rank.size(); ++r) sender.resize(cards.offset[r + 1], cards.rank[r]);
   const auto order = group_by_key(cards.item);
   Mailbox<Match> matches(comm);
+  for (std::size_t r = 0; r < cards.rank.size(); ++r) matches.reserve(cards.rank[r], cards.from(r).size());
   for (std::size_t begin = 0, end = 0; begin < order.size(); begin = end) {
     while (end < order.size() && cards.item[order[end]].key == cards.item[order[begin]].key) ++end;
     for (auto i = begin; i < end; ++i)

@@ -52,11 +52,14 @@ void link_border(const par::Comm& comm, const std::vector<BorderFace>& faces, me
   fine.border_face.clear();
   fine.border_face.reserve(faces.size());
   std::vector<par::Outgoing<Record>> messages;
-  for (const auto i : order) {
-    if (fine.border_rank.empty() || fine.border_rank.back() != rank[i]) {
+  for (std::size_t k = 0, end = 0; k < order.size(); ++k) {
+    const auto i = order[k];
+    if (k == end) {
+      while (end < order.size() && rank[order[end]] == rank[i]) ++end;
       fine.border_rank.push_back(rank[i]);
-      fine.border_offset.push_back(fine.border_face.size());
+      fine.border_offset.push_back(k);
       messages.push_back({rank[i], {}});
+      messages.back().item.reserve(end - k);
     }
     const auto face = faces[i].face;
     const auto ghost = fine.n_cells() + static_cast<LocalId>(fine.border_face.size());

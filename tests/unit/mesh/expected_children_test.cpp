@@ -12,7 +12,7 @@ namespace pamr {
 namespace {
 
 TEST(ExpectedChildren, FollowFromTheNodesThatACellSharesWithMarkedOnes) {
-  const std::vector<std::array<GlobalId, 4>> cells{
+  const std::vector<std::array<std::uint32_t, 4>> cells{
       {0, 1, 2, 3}, {1, 2, 3, 4}, {2, 3, 4, 5}, {3, 4, 5, 6}, {7, 8, 9, 10}};
   const std::vector<std::uint8_t> marks{1, 0, 0, 0, 0};
 
@@ -24,12 +24,13 @@ TEST(ExpectedChildren, OfNoCellsAreNone) { EXPECT_TRUE(mesh::expected_children({
 TEST(ExpectedChildren, ComeNearTheRefinedCube) {
   const par::Comm comm(MPI_COMM_WORLD);
   const auto mesh = mesh::assemble(comm, mesh::kuhn_cube(comm, 12));
-  std::vector<std::array<GlobalId, 4>> nodes;
+  std::vector<std::array<std::uint32_t, 4>> nodes;
   std::vector<std::uint8_t> flags;
   for (LocalId c = 0; c < mesh.n_cells(); ++c) {
     auto& row = nodes.emplace_back();
     for (std::size_t i = 0; i < 4; ++i)
-      row[i] = mesh.node_global[static_cast<std::size_t>(mesh.cell_to_node[static_cast<std::size_t>(c)][i])];
+      row[i] = static_cast<std::uint32_t>(
+          mesh.node_global[static_cast<std::size_t>(mesh.cell_to_node[static_cast<std::size_t>(c)][i])]);
     const auto p = mesh.points(c)[0];
     flags.push_back(p.x * p.x + p.y * p.y + p.z * p.z < 0.16 ? 1 : 0);
   }
