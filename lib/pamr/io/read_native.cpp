@@ -232,14 +232,15 @@ GlobalId Reader::first_of_equal_work(const FieldEntry& marks) {
   const auto n = layout_.info.n_global_cells;
   const auto block = par::block_range(n, comm_->rank(), comm_->size());
   std::vector<std::array<std::uint32_t, 4>> nodes;
-  reserve_array(nodes, static_cast<std::size_t>(block.count()));
+  assign_array(nodes, static_cast<std::size_t>(block.count()), {});
   std::vector<std::uint8_t> mark;
   mark.reserve(static_cast<std::size_t>(block.count()));
   each_slab(path::connectivity, layout_.connectivity_type, {4 * n, 1, true}, {4 * block.begin, 4 * block.end}, false,
-            [&](GlobalId, std::span<const std::uint64_t> words) {
-              for (std::size_t i = 0; i + 3 < words.size(); i += 4) {
-                auto& corner = nodes.emplace_back();
-                for (std::size_t k = 0; k < 4; ++k) corner[k] = static_cast<std::uint32_t>(words[i + k]);
+            [&](GlobalId first, std::span<const std::uint64_t> words) {
+              auto at = static_cast<std::size_t>(first - 4 * block.begin);
+              for (const auto word : words) {
+                nodes[at / 4][at % 4] = static_cast<std::uint32_t>(word);
+                ++at;
               }
             });
   each_slab(marks.path, marks.type, {n, 1, marks.is_flat}, {block.begin, block.end}, false,

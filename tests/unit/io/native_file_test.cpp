@@ -89,7 +89,10 @@ TEST(NativeFile, IsSharedOutByItsMarks) {
 
   const auto even = io::read_native(comm, folder / "a.hdf", {.marks_field = "no such field"});
   const auto fair = io::read_native(comm, folder / "a.hdf", {.marks_field = "refine"});
+  const auto pieces = io::read_native(comm, folder / "a.hdf", {.slab_bytes = 200, .marks_field = "refine"});
 
+  EXPECT_EQ(pieces.first_cell, fair.first_cell);
+  EXPECT_EQ(pieces.cell_to_node, fair.cell_to_node);
   expect_same(test::gather(comm, fair), test::gather(comm, even));
   const auto work = [](const mesh::BlockMesh& block) {
     std::int64_t n = 0;
