@@ -120,6 +120,7 @@ void split(const par::Comm& comm, const mesh::DistMesh& mesh, mesh::DistMesh* co
   fine.info = mesh.info;
   fine.info.n_global_nodes = numbering.n_global_nodes;
   fine.info.n_global_cells = numbering.n_global_cells;
+  fine.info.halves_are_paired = closure.halves_are_paired;
   auto movables = refine::project_ledger(comm, mesh, borders, surfaces);
   const auto of_new_nodes = refine::project_new_nodes(comm, mesh, borders, numbering, surfaces);
   movables.insert(movables.end(), of_new_nodes.begin(), of_new_nodes.end());

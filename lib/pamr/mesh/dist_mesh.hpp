@@ -50,6 +50,9 @@ struct MeshInfo {
   /// Number of the first cell and of the first node: the global numbers run from here on without gaps. 0 but for parts
   /// of larger meshes and for tests of large numbers; below `max_first_id`.
   GlobalId first_id = 0;
+  /// Known: every face that halves a face of the parent of a whole closure family is so on both of its sides. Set by
+  /// refinements that keep it so, and not written to files; where it is not known, the next one looks.
+  bool halves_are_paired = false;
   /// Triangulated surfaces that `surfaces_toml` may refer to, whole on every rank: small beside the mesh.
   std::vector<geometry::Triangulation> triangulations;
 

@@ -174,7 +174,7 @@ Closure close(const par::Comm& comm, const mesh::DistMesh& mesh, const mesh::Bor
   const Halves halves(mesh);
   // All families without partner are kept before anything is marked, those that nobody will hit as well: they keep
   // families beside them, and which of these are met first would depend on the partition.
-  if (policy == QualityControl::removable) {
+  if (policy == QualityControl::removable && !mesh.info.halves_are_paired) {
     auto alone = without_partner_on_border(comm, mesh, borders, halves);
     add_without_partner_inside(mesh, halves, alone);
     if (comm.any(!alone.empty())) keep_families(comm, mesh, borders, halves, alone, kept);
@@ -197,6 +197,8 @@ Closure close(const par::Comm& comm, const mesh::DistMesh& mesh, const mesh::Bor
     if (!comm.any(!stuck.empty())) break;
     keep_families(comm, mesh, borders, halves, stuck, kept);
   }
+  // With no family kept none is split while it is whole; what is made at a halved face is a whole family on both sides.
+  closure.halves_are_paired = policy == QualityControl::removable && kept.empty();
   closure.families_kept = comm.sum(count_kept_and_hit(mesh, kept, closure.marks));
   closure.families_rebuilt = comm.sum(static_cast<std::int64_t>(closure.rebuilt.size()));
   closure.action.assign(at(mesh.n_cells()), Action::split);

@@ -84,6 +84,7 @@ void FamilyLinker::prefetch_neighbours(LocalId first) const {
   for (auto member = first; member < end; ++member)
     for (const auto next : old_.cell_to_cell[at(member)]) {
       if (!old_.is_own(next) || (first <= next && next < end)) continue;
+      __builtin_prefetch(&old_.lineage[at(next)]);
       __builtin_prefetch(&old_.cell_to_cell[at(next)]);
       __builtin_prefetch(&old_.cell_to_node[at(next)]);
       __builtin_prefetch(&numbering_.first_child[at(next)]);

@@ -57,7 +57,7 @@ bool is_full_level() {
 
 std::vector<std::uint64_t> seeds_alone(const par::Comm& world) {
   const auto size = static_cast<std::uint64_t>(world.size());
-  const auto n = size == 1 ? n_cases(50, 1000) : n_cases(7, 200);
+  const auto n = size == 1 ? n_cases(50, 1000) : n_cases(7, 1000);
   const auto begin = (size - 1) * 1000;
   std::vector<std::uint64_t> seeds;
   for (auto i = static_cast<std::uint64_t>(world.rank()); i < n; i += size) seeds.push_back(begin + i);
@@ -65,7 +65,7 @@ std::vector<std::uint64_t> seeds_alone(const par::Comm& world) {
 }
 
 std::uint64_t n_cases_together(const par::Comm& world) {
-  return world.size() <= 4 ? n_cases(50, 1000) : world.size() <= 7 ? n_cases(20, 300) : n_cases(10, 100);
+  return n_cases(world.size() <= 4 ? 50 : world.size() <= 7 ? 20 : 10, 1000);
 }
 
 std::vector<std::uint8_t> mark(const mesh::DistMesh& mesh, Law law, std::uint64_t seed) {

@@ -16,11 +16,11 @@ namespace pamr::test {
 bool is_full_level();
 inline std::uint64_t n_cases(std::uint64_t quick, std::uint64_t full) { return is_full_level() ? full : quick; }
 
-/// Seeds of the cases that this rank goes through alone: 50 (full: 1,000) on one rank; fewer and others on more ranks,
-/// shared out among them.
+/// Seeds of the cases that this rank goes through alone: 50 (full: 1,000) on one rank; 7 (full: 1,000) others on more
+/// ranks, shared out among them.
 std::vector<std::uint64_t> seeds_alone(const par::Comm& world);
 
-/// How many cases all ranks go through together: 50 (full: 1,000), fewer where many ranks share few cores.
+/// How many cases all ranks go through together: 50, fewer where many ranks share few cores (full: 1,000).
 std::uint64_t n_cases_together(const par::Comm& world);
 
 /// What is marked: some cells by lot, those cut by a sphere, or those in a corner. By coordinates only, so that marks

@@ -9,6 +9,7 @@
 #include "pamr/base/error.hpp"
 #include "pamr/base/hash.hpp"
 #include "pamr/geometry/orientation.hpp"
+#include "pamr/mesh/fingerprint.hpp"
 #include "pamr/mesh/kuhn_cube.hpp"
 #include "pamr/mesh/validate.hpp"
 #include "support/meshes.hpp"
@@ -184,6 +185,26 @@ TEST(Removable, NeverSplitsAClosureCell) {
                                  QualityControl::removable, 4);
   for (const auto lineage : run.mesh.lineage) EXPECT_FALSE(lineage.is_broken());
   EXPECT_GT(run.reports.back().families_rebuilt, 0);
+}
+
+TEST(Removable, GivesTheSameWhetherHalvesAreKnownToBePairedOrNot) {
+  const par::Comm comm(MPI_COMM_WORLD);
+  const auto refine = [&comm](const mesh::DistMesh& before, QualityControl policy) {
+    std::vector<std::uint8_t> flags;
+    for (const auto cell : before.cell_global) flags.push_back(cell % 11 == 0 ? 1 : 0);
+    return adapt::refine(comm, before, flags, {.quality_control = policy, .marks_field = ""}).mesh;
+  };
+  const auto known = refine(mesh::assemble(comm, test::random_mesh(comm, 4, 3)), QualityControl::removable);
+  ASSERT_TRUE(known.info.halves_are_paired);
+  auto unknown = known;
+  unknown.info.halves_are_paired = false;
+
+  const auto fine = refine(known, QualityControl::removable);
+  EXPECT_TRUE(fine.info.halves_are_paired);
+  EXPECT_EQ(mesh::fingerprint(comm, fine), mesh::fingerprint(comm, refine(unknown, QualityControl::removable)));
+  const auto mixed = refine(known, QualityControl::none);
+  EXPECT_FALSE(mixed.info.halves_are_paired);
+  EXPECT_FALSE(refine(mixed, QualityControl::removable).info.halves_are_paired) << "families were kept";
 }
 
 TEST(Refine, RefusesFlagsOfTheWrongLengthOnEveryRank) {
