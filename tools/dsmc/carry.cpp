@@ -226,7 +226,10 @@ Carried carry(const par::Comm& comm, const std::string& name, const mesh::DistMe
   copy_particles(comm, mesh, placed, words, flow);
   for (std::size_t c = 0; c < flow.collisions.size(); ++c) {
     const auto* w = old.data() + c * width;
-    flow.collisions[c] = {real(w[1]), 0, real(w[3]), 0, 0, 0};
+    const auto& domain = flow.domain();
+    const double part = domain.volume[c] / real(w[volume_word]) * real(w[molecules_word]) / domain.molecules[c];
+    const double owed = setup.contains("weights") && flow.setup().gas.is_weighted ? part * real(w[width - 1]) : 0;
+    flow.collisions[c] = {real(w[1]), 0, real(w[3]), 0, 0, owed};
   }
   const auto found = comm.sum(static_cast<std::int64_t>(placed.size()));
   return {old_particles.rows, flow.n_particles(), old_particles.rows - found, flow.steps_done};

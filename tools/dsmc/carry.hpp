@@ -22,9 +22,9 @@ struct Carried {
 /// projected and smoothed nodes make the meshes not nested; what meets the boundary on the way lies outside now and is
 /// removed. A particle becomes old over new weight particles on average, whole ones at random; the numbers drawn belong
 /// to the old particle, so the result does not depend on the number of ranks. Cells inherit the bound of their
-/// collisions. Particles are numbered anew. Collective. Throws the same `Error` on every rank when the mesh has no
-/// field `parent`, or when the old cells are not those that the field names (their number, and the volumes of the cells
-/// with the same parent), or for other species.
+/// collisions, and by their volumes what energy the old cell owes (see `Collider`). Particles are numbered anew.
+/// Collective. Throws the same `Error` on every rank when the mesh has no field `parent`, or when the old cells are not
+/// those that the field names (their number, and the volumes of the cells with the same parent), or for other species.
 Carried carry(const par::Comm& comm, const std::string& file, const mesh::DistMesh& mesh, Flow& flow);
 
 }  // namespace pamr::dsmc
