@@ -252,6 +252,16 @@ def test_thin_shell_and_torus_have_no_edges():
     assert len(p) - edges + len(torus.faces_of("ring")) == 0, "a torus has Euler characteristic 0"
 
 
+def test_a_thin_shell_is_made_finer_than_asked_for_where_it_has_to_be():
+    for size in (0.8, 2.0):
+        shell = surfaces_case("-outer & +inner", [[-1] * 3, [1] * 3], f"far = {size}", sphere("outer", 1), sphere("inner", 0.9))
+        for name, radius in (("inner", 0.9), ("outer", 1)):
+            wall = shell.points_of(name)
+            assert is_closed(shell, name) and np.abs(np.linalg.norm(wall, axis=1) - radius).max() < 1e-15
+            assert len(wall) - len(shell.patch_edges(name)) + len(shell.faces_of(name)) == 2
+        assert len(shell.cells) < 6000, "edges in the gap are at most 1.5 times as long as it is wide"
+
+
 def test_unit_ball_gets_as_coarse_as_asked_for():
     cells, nodes = [], []
     for size in (0.4, 0.8, 1.2, 1.6, 2.0):

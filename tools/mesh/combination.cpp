@@ -39,6 +39,22 @@ void require_within_bounds(const Solid& solid, const std::string& where) {
       }
 }
 
+/// What edges in a gap are bounded to: `factor` times the least sum of the distances from two surfaces whose normals
+/// there are within 45 degrees of each other in either sense; at least a sixteenth of `size`.
+double bounded_by_gaps(const geometry::SurfaceSet& surfaces, double factor, Vec3 p, double size) {
+  constexpr double least_cosine = 0.7071, least_part = 1.0 / 16;
+  std::vector<std::pair<double, Vec3>> near;
+  for (const auto& surface : surfaces.surface)
+    if (const double distance = surface->distance(p); factor * distance < size)
+      near.emplace_back(distance, surface->normal(p));
+  double bound = size;
+  for (std::size_t i = 0; i < near.size(); ++i)
+    for (std::size_t j = 0; j < i; ++j)
+      if (std::abs(geometry::dot(near[i].second, near[j].second)) > least_cosine)
+        bound = std::min(bound, factor * (near[i].first + near[j].first));
+  return std::max(bound, least_part * size);
+}
+
 std::function<double(Vec3)> size_field(const std::shared_ptr<const Solid>& solid, const Combination& c,
                                        const std::string& where) {
   std::vector<std::pair<const geometry::Surface*, double>> near;
@@ -48,11 +64,11 @@ std::function<double(Vec3)> size_field(const std::shared_ptr<const Solid>& solid
       throw Error(fmt::format("{}: expected the name of a surface for a size, found \"{}\"", where, name));
     near.emplace_back(surface, size);
   }
-  return [solid, near, far = c.far, growth = c.growth](Vec3 p) {
+  return [solid, near, far = c.far, growth = c.growth, factor = c.gap_factor](Vec3 p) {
     double size = far;
     for (const auto& [surface, here] : near)
       if (here < size) size = std::min(size, here + growth * std::max(0.0, surface->distance(p) - here));
-    return size;
+    return factor > 0 ? bounded_by_gaps(*solid->surfaces, factor, p, size) : size;
   };
 }
 

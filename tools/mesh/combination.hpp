@@ -19,6 +19,9 @@ struct Combination {
   std::string length_unit;
   double far = 0;     ///< largest wanted edge length
   double growth = 0;  ///< of the wanted edge length per distance, no unit; under 1
+  /// Edges between two surfaces that run about along each other are at most so many times as long as the gap there;
+  /// 0: no bound.
+  double gap_factor = 0;
   /// Wanted edge lengths up to one such length from a surface; they grow from there.
   std::vector<std::pair<std::string, double>> near;
 };

@@ -72,6 +72,46 @@ meshing::RawMesh level_zero(const cli::Session& session, const meshing::Domain& 
   return raw;
 }
 
+/// Whether two domains that differ by their sizes differ in these anywhere inside: on a grid.
+bool differ_in_sizes(const meshing::Domain& a, const meshing::Domain& b) {
+  constexpr int n = 32;
+  const double step = 2 * a.radius / n;
+  for (int i = 0; i < n * n * n; ++i) {
+    const geometry::Vec3 grid{i % n + 0.5 - n / 2, i / n % n + 0.5 - n / 2, i / n / n + 0.5 - n / 2};
+    const auto p = a.centre + step * grid;
+    if (a.label(p) == meshing::Domain::inside && a.size(p) != b.size(p)) return true;
+  }
+  return false;
+}
+
+/// Where edges as long as wanted cannot tell the two sides of a gap apart, the mesh is made again with shorter ones in
+/// the gaps; the first error where that does not help either.
+meshing::RawMesh make_here(const cli::Session& session, const meshing::MeshCase& mesh_case,
+                           const meshing::Domain& domain) {
+  try {
+    return level_zero(session, domain, mesh_case.seed);
+  } catch (const Error& first) {
+    if (mesh_case.combination.region.empty()) throw Error(mesh_case.where + ": " + first.what());
+    for (const double factor : {3.0, 1.5}) {
+      auto finer_case = mesh_case;
+      finer_case.combination.gap_factor = factor;
+      try {
+        const auto finer = meshing::domain_of(finer_case);
+        if (!differ_in_sizes(domain, finer)) continue;
+        auto raw = level_zero(session, finer, mesh_case.seed);
+        session.warn(
+            fmt::format("{}: two surfaces are nearer to each other than edges of the wanted sizes can follow: "
+                        "edges in the gaps are at most {:g} times as long as these are wide",
+                        mesh_case.where, factor));
+        return raw;
+      } catch (const Error&) {
+        continue;
+      }
+    }
+    throw Error(mesh_case.where + ": " + first.what());
+  }
+}
+
 /// Rank 0 makes the mesh while the others wait. Collective.
 mesh::BlockMesh make_with_cgal(const cli::Session& session, const meshing::MeshCase& mesh_case) {
   const auto& comm = session.comm();
@@ -84,12 +124,7 @@ mesh::BlockMesh make_with_cgal(const cli::Session& session, const meshing::MeshC
   });
   meshing::RawMesh raw;
   par::agree(comm, [&] {
-    if (!comm.is_first()) return;
-    try {
-      raw = level_zero(session, domain, mesh_case.seed);
-    } catch (const Error& error) {
-      throw Error(mesh_case.where + ": " + error.what());
-    }
+    if (comm.is_first()) raw = make_here(session, mesh_case, domain);
   });
   auto block = meshing::to_block_mesh(comm, domain, raw);
   block.info.provenance = meshing::describe(mesh_case);

@@ -8,6 +8,7 @@
 #include <CGAL/Mesh_domain_with_polyline_features_3.h>
 #include <CGAL/Mesh_triangulation_3.h>
 #include <CGAL/Random.h>
+#include <CGAL/assertions_behaviour.h>
 #include <CGAL/exceptions.h>
 #include <CGAL/exude_mesh_3.h>
 #include <CGAL/make_mesh_3.h>
@@ -16,6 +17,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <limits>
 #include <map>
 #include <string>
 #include <utility>
@@ -59,11 +62,20 @@ struct SizeField {
   }
 };
 
-MeshDomain make_domain(const Domain& domain, CGAL::Random& random) {
+/// Counts how often CGAL asks on which side of the boundary a point lies, while it may do so only so often: its
+/// perturbation moves nodes for ever in some meshes, and a limit of time would make the mesh depend on the machine.
+struct Work {
+  struct TooMuch {};
+  std::int64_t n_labels = 0;
+  std::int64_t most = std::numeric_limits<std::int64_t>::max();
+};
+
+MeshDomain make_domain(const Domain& domain, CGAL::Random& random, Work& work) {
   namespace p = CGAL::parameters;
   const auto& c = domain.centre;
   const Kernel::Sphere_3 ball(Kernel::Point_3(c.x, c.y, c.z), domain.radius * domain.radius);
-  const std::function<int(const Kernel::Point_3&)> label = [&domain](const Kernel::Point_3& point) {
+  const std::function<int(const Kernel::Point_3&)> label = [&domain, &work](const Kernel::Point_3& point) {
+    if (++work.n_labels > work.most) throw Work::TooMuch();
     const int piece = domain.label(from_cgal(point));
     return piece == Domain::inside ? gas : first_piece + piece;
   };
@@ -109,7 +121,9 @@ Complex start(const Domain& domain, const MeshDomain& mesh_domain, const Criteri
   return complex;
 }
 
-Complex make_complex(const Domain& domain, const MeshDomain& mesh_domain) {
+/// Throws `Work::TooMuch` when perturbation finds no end; `with_perturbation` false: without it.
+Complex make_complex(const Domain& domain, const MeshDomain& mesh_domain, bool with_perturbation, Work& work) {
+  constexpr std::int64_t most_labels = 50'000;  // for each node
   namespace p = CGAL::parameters;
   const Criteria criteria(
       p::edge_size = SizeField{&domain, edge_factor}, p::facet_angle = min_face_angle,
@@ -117,8 +131,12 @@ Complex make_complex(const Domain& domain, const MeshDomain& mesh_domain) {
       p::cell_radius_edge_ratio = cell_radius_edge_ratio, p::cell_size = SizeField{&domain, cell_factor});
   auto complex = start(domain, mesh_domain, criteria);
   CGAL::refine_mesh_3(complex, mesh_domain, criteria, p::no_reset_c3t3(), p::no_perturb(), p::no_exude());
-  // No time limits: a mesh must not depend on how fast the machine is.
-  CGAL::perturb_mesh_3(complex, mesh_domain, p::sliver_bound = sliver_bound);
+  if (with_perturbation) {
+    const auto n_nodes = static_cast<std::int64_t>(complex.triangulation().number_of_vertices());
+    work.most = work.n_labels + most_labels * n_nodes;
+    CGAL::perturb_mesh_3(complex, mesh_domain, p::sliver_bound = sliver_bound);
+    work.most = std::numeric_limits<std::int64_t>::max();
+  }
   CGAL::exude_mesh_3(complex, p::sliver_bound = sliver_bound);
   return complex;
 }
@@ -232,6 +250,40 @@ class Extraction {
   RawMesh mesh_;
 };
 
+/// Keeps CGAL from printing what it throws as well.
+class Silence {
+ public:
+  Silence() : old_error_(CGAL::set_error_handler(say_nothing)), old_warning_(CGAL::set_warning_handler(say_nothing)) {}
+  ~Silence() {
+    CGAL::set_error_handler(old_error_);
+    CGAL::set_warning_handler(old_warning_);
+  }
+  Silence(const Silence&) = delete;
+  Silence& operator=(const Silence&) = delete;
+  Silence(Silence&&) = delete;
+  Silence& operator=(Silence&&) = delete;
+
+ private:
+  static void say_nothing(const char*, const char*, const char*, int, const char*) {}
+  CGAL::Failure_function old_error_, old_warning_;
+};
+
+Complex make_complex(const Domain& domain, unsigned seed, bool with_perturbation) {
+  CGAL::get_default_random() = CGAL::Random(seed);
+  CGAL::Random random(seed);
+  Work work;
+  const auto mesh_domain = make_domain(domain, random, work);
+  return make_complex(domain, mesh_domain, with_perturbation, work);
+}
+
+Complex make_complex(const Domain& domain, unsigned seed) {
+  try {
+    return make_complex(domain, seed, true);
+  } catch (const Work::TooMuch&) {  // slivers are left to exudation and to `improve`
+    return make_complex(domain, seed, false);
+  }
+}
+
 }  // namespace
 
 RawMesh run_mesh3(const Domain& domain, unsigned seed) {
@@ -239,11 +291,9 @@ RawMesh run_mesh3(const Domain& domain, unsigned seed) {
   if (const double n = predicted_cells(domain); n > most_cells)
     throw Error("expected sizes that give at most 4 million cells at level 0, found " +
                 std::to_string(std::llround(n)) + " cells: choose coarser sizes and refine with pamr-refine");
+  const Silence silence;
   try {
-    CGAL::get_default_random() = CGAL::Random(seed);
-    CGAL::Random random(seed);
-    const auto mesh_domain = make_domain(domain, random);
-    const auto complex = make_complex(domain, mesh_domain);
+    const auto complex = make_complex(domain, seed);
     auto mesh = Extraction(complex).result(domain);
     if (mesh.cell.empty()) too_coarse("no cell");
     return mesh;
