@@ -5,7 +5,7 @@ import pathlib
 import h5py
 import numpy as np
 
-from surface_models import bored_cube, icosphere, write_off, write_stl
+from surface_models import bored_cube, can, icosphere, wing, write_off, write_stl
 from tool_run import RANKS, refuses, run, run_tests, same_bytes
 
 FACES = np.array([[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]])
@@ -103,9 +103,90 @@ def test_a_plane_cuts_a_ball_in_half():
             assert np.abs(np.linalg.norm(at[nodes["body"]], axis=1) - 1).max() < near
             rim = np.intersect1d(nodes["body"], nodes["cut"])
             assert len(rim) > 12 and np.abs(np.linalg.norm(at[rim], axis=1) - 1).max() < near
+
+
+def plane(name, point, normal):
+    return f'[[surface]]\nname = "{name}"\nkind = "plane"\npoint = {point}\nnormal = {normal}\n'
+
+
+def test_a_plane_cuts_a_body_across_its_sharp_edges():
     write_stl("part.stl", *bored_cube(16))
-    case("cut.toml", "-body & +cut", [[-1] * 3, [1] * 3], "far = 0.4", body_toml("part.stl") + cut)
-    refuses("pamr-mesh", "cut.toml", "-o", "no.hdf", says=["cut.toml", '"body"', "no other surface crosses"], creates="no.hdf")
+    case("part.toml", "-body & +cut", [[-1] * 3, [1] * 3], "far = 0.5", body_toml("part.stl") + plane("cut", [0, 0, 0], [0, 1, 0]))
+    run("pamr-mesh", "part.toml", "-o", "part.hdf")
+
+    for name in refine("part.hdf", 2, "--patch", "cut"):
+        at, nodes = patches(name)
+        assert len(nodes) == 7 and (at[nodes["cut"]][:, 1] == 0).all()
+        planes = {n: next(((axis, side) for axis in range(3) for side in (-1, 1) if (at[k][:, axis] == side).all()), None)
+                  for n, k in nodes.items() if n != "cut"}
+        bore = next(n for n, side in planes.items() if side is None)
+        assert set(planes.values()) == {(0, -1), (0, 1), (1, 1), (2, -1), (2, 1), None}, "the side y = -1 is gone"
+        corners = {tuple(at[k]) for k in nodes["cut"] if sum(k in of for of in nodes.values()) == 3}
+        assert corners == {(x, 0, z) for x in (-1, -0.5, 0.5, 1) for z in (-1, 1)}, "four edges and both rims, two times each"
+        rims = [np.intersect1d(nodes[bore], nodes[n]) for n, side in planes.items() if side in ((2, -1), (2, 1))]
+        assert all(len(r) >= 5 and np.abs(np.hypot(*at[r][:, :2].T) - 0.5).max() < 1e-4 for r in rims)
+        assert all(len(np.intersect1d(nodes["cut"], nodes[n])) >= 5 for n, side in planes.items() if side != (1, 1))
+    volume = run("pamr-quality", name, "--json", "-", "--quiet").json["volume"]
+    assert abs(volume - (4 - np.pi / 4)) < 0.02
+
+
+def test_a_body_stands_in_the_ground_and_a_ball_cuts_its_corner():
+    block = np.array([[x, y, z] for z in (-1, 1) for x, y in ((1, 1), (-1, 1), (-1, -1), (1, -1))], dtype=float)
+    sides = [(0, 2, 1), (0, 3, 2), (4, 5, 6), (4, 6, 7)]
+    for i, j in ((0, 1), (1, 2), (2, 3), (3, 0)):
+        sides += [(i, j, 4 + j), (i, 4 + j, 4 + i)]
+    write_stl("block.stl", block, sides)
+    ball = '[[surface]]\nname = "ball"\nkind = "sphere"\ncenter = [1, 1, 1]\nradius = 0.375\n'
+    walls = "".join(plane(f"{n}{s}", [2 * s * (i == k) for i in range(3)], [int(i == k) for i in range(3)])
+                    for k, n in enumerate("xyz") for s in (-1, 1) if (n, s) != ("z", -1))
+    # a third of the block is over the ground: triangles of two sides have their middles under it
+    text = case("ground.toml", "+x-1 & -x1 & +y-1 & -y1 & -z1 & +ground & +body & +ball", [[-2, -2, 0.4], [2, 2, 2]],
+                "far = 0.7\nnear = { body = 0.4, ball = 0.25 }",
+                body_toml("block.stl") + ball + walls + plane("ground", [0, 0, 0.4], [0, 0, 1]))
+    run("pamr-mesh", text, "-o", "ground.hdf")
+    run("pamr-mesh", text, "-o", "again.hdf", "--quiet", serial=RANKS > 1)
+    assert same_bytes("ground.hdf", "again.hdf")
+
+    missing = []
+    for name in refine("ground.hdf", 2, "--all"):
+        at, nodes = patches(name)
+        body = [n for n in nodes if n.startswith("body")]
+        assert len(body) == 5 and (at[nodes["ground"]][:, 2] == 0.4).all()
+        assert np.abs(np.linalg.norm(at[nodes["ball"]] - 1, axis=1) - 0.375).max() < 1e-14
+        assert all(any((at[nodes[n]][:, axis] == side).all() for axis in range(3) for side in (-1, 1)) for n in body)
+        assert {(1, 1, 0.4), (-1, 1, 0.4), (1, -1, 0.4), (-1, -1, 0.4)} <= {tuple(p) for p in at[nodes["ground"]]}
+        corners = {tuple(at[k].round(14)) for k in nodes["ball"] if sum(k in nodes[n] for n in body) == 2}
+        assert corners == {(0.625, 1, 1), (1, 0.625, 1), (1, 1, 0.625)}
+        volume = run("pamr-quality", name, "--json", "-", "--quiet").json["volume"]
+        missing.append(abs(volume - (4 * 4 * 1.6 - 4 * 0.6 - 7 / 6 * np.pi * 0.375 ** 3)))
+    assert missing[2] < missing[1] / 3 < missing[0] / 9
+
+
+def test_a_mirror_cuts_a_wing_across_the_edge_that_ends_in_its_skin():
+    write_stl("wing.stl", *wing(16))
+    ball = '[[surface]]\nname = "far"\nkind = "sphere"\ncenter = [0.5, 0, 0]\nradius = 3\n'
+    case("wing.toml", "+body & +root & -far", [[-3, -3, 0], [4, 3, 3]], "far = 1\nnear = { body = 0.2 }",
+         body_toml("wing.stl") + plane("root", [0, 0, 0.05], [0, 0, 1]) + ball)
+    run("pamr-mesh", "wing.toml", "-o", "wing.hdf")
+
+    for name, least in zip(refine("wing.hdf", 1, "--patch", "body_1"), (5, 10)):
+        at, nodes = patches(name)
+        assert sorted(nodes) == ["body_1", "body_3", "far", "root"] and (at[nodes["root"]][:, 2] == 0.05).all()
+        behind = at[nodes["body_1"]][np.abs(at[nodes["body_1"]][:, 0] - 1) < 1e-12]
+        assert len(behind) > least and np.abs(behind[:, 1]).max() < 1e-12 and behind[:, 2].min() == 0.05
+        assert at[nodes["body_1"]][:, 0].max() < 1 + 1e-12
+        assert (1, 0) in {tuple(p) for p in at[np.intersect1d(nodes["root"], nodes["body_1"])][:, :2].round(14)}
+
+
+def test_cuts_along_sharp_edges_are_refused():
+    write_stl("part.stl", *bored_cube(16))
+    for cut, words in ((plane("cut", [0, 0, 0], [1, -1, 0]), ["lies in another surface"]),
+                       (plane("cut", [0, 0, -1], [0, 0, 1]), ["lies in another surface"])):
+        case("cut.toml", "-body & +cut", [[-1] * 3, [1] * 3], "far = 0.4", body_toml("part.stl") + cut)
+        refuses("pamr-mesh", "cut.toml", "-o", "no.hdf", says=["cut.toml", '"body"', *words], creates="no.hdf")
+    write_stl("can.stl", *can(24))
+    case("cut.toml", "-body & +cut", [[-1] * 3, [1] * 3], "far = 0.4", body_toml("can.stl") + plane("cut", [0, 0.9995, 0], [0, -1, 0]))
+    refuses("pamr-mesh", "cut.toml", "-o", "no.hdf", says=["cut.toml", "5 degrees"], creates="no.hdf")
 
 
 def test_a_surface_that_cuts_through_itself_is_told():

@@ -70,6 +70,23 @@ def can(n):
     return np.array(points + [(0, 0, -1), (0, 0, 1)], dtype=float), triangles
 
 
+def wing(n):
+    """A wing with flat ends from z = -1 to 1, n chords above and below: round in front (x = 0), sharp behind (x = 1, 48 degrees)."""
+    m, layers = 2 * n, 8
+    section = [(s, 0.9 * (math.sqrt(s) - s) * (1 if i <= n else -1))
+               for i in range(m) for s in [(1 + math.cos(math.pi * i / n)) / 2]]
+    points = [(x, y, 2 * k / layers - 1) for k in range(layers + 1) for x, y in section]
+    triangles = []
+    for a in range(m * layers):
+        b = a // m * m + (a + 1) % m
+        triangles += [(a, b, m + b), (a, m + b, m + a)]
+    for i in range(n):
+        over, under = (i, i + 1), ((m - i) % m, m - i - 1)
+        end = [t for t in ((over[0], under[1], under[0]), (over[0], over[1], under[1])) if len(set(t)) == 3]
+        triangles += [t[::-1] for t in end] + [tuple(m * layers + j for j in t) for t in end]
+    return np.array(points), triangles
+
+
 def write_stl(name, points, triangles):
     lines = ["solid body"]
     for corners in triangles:

@@ -125,7 +125,15 @@ Domain combine(const Combination& c, const std::string& where) {
       geometry::surfaces_from_toml(c.surfaces_toml, where, c.triangulations));
   const Region region(c.region, surfaces->name, where);
   const auto solid = std::make_shared<const Solid>(Solid{std::move(surfaces), region, c.low, c.high});
-  const auto pieces = std::make_shared<const Pieces>(solid, where);
+  const auto samples = sample_surfaces(*solid);
+  const auto told = [&where](auto&& make) {
+    try {
+      return make();
+    } catch (const Error& error) {
+      throw Error(where + ": " + error.what());
+    }
+  };
+  const auto pieces = told([&] { return std::make_shared<const Pieces>(solid, samples); });
   require_within_bounds(*solid, where);
   Domain domain;
   domain.label = [solid, pieces](Vec3 p) {
@@ -138,14 +146,8 @@ Domain combine(const Combination& c, const std::string& where) {
     domain.pieces.push_back({number, [pieces, shape = piece.shape](Vec3 p) { return shape->project(p); }});
     domain.patches.push_back({piece.name, "patch", solid->name(piece.surface)});
   }
-  const auto samples = sample_surfaces(*solid);
-  try {
-    auto creases = pieces->creases();
-    domain.curves = trace_feature_curves(solid, samples);
-    for (auto& crease : creases) domain.curves.push_back(std::move(crease));
-  } catch (const Error& error) {
-    throw Error(where + ": " + error.what());
-  }
+  domain.curves = told([&] { return trace_feature_curves(solid, pieces, samples); });
+  for (auto& crease : pieces->creases()) domain.curves.push_back(std::move(crease));
   domain.curves_in_one_plane = are_in_one_plane(domain.curves, solid->radius());
   for (std::size_t k = 0; k < domain.pieces.size(); ++k) {
     const auto& piece = pieces->all()[k];

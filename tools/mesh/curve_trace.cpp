@@ -15,7 +15,8 @@ using geometry::Vec3;
 
 constexpr double least_sine = 0.0872;  // 5 degrees: below, `project_onto_all` takes one of the surfaces alone
 constexpr double most_turn = 0.01;     // radians from point to point
-constexpr double on_curve = 1e-10;     // of the solid's radius
+constexpr double most_kink = 0.3;   // radians where triangles of one smooth piece join: their curves have kinks there
+constexpr double on_curve = 1e-10;  // of the solid's radius
 constexpr std::size_t most_points = 1000000;
 
 double distance_to_segment(Vec3 p, Vec3 a, Vec3 b) {
@@ -36,21 +37,22 @@ bool lies_on(const CommonCurve::Trace& trace, Vec3 p, double tolerance) {
 }  // namespace
 
 CommonCurve::Found CommonCurve::project(Vec3 p) const {
-  const std::array<const geometry::Surface*, 2> both{&solid_->surface(a_), &solid_->surface(b_)};
-  const auto found = geometry::project_onto_all(both, p);
-  if (!found.converged || geometry::distance_from_all(both, found.point) > on_curve * solid_->radius())
+  const auto found = geometry::project_onto_all(shape_, p);
+  if (!found.converged || geometry::distance_from_all(shape_, found.point) > on_curve * solid_->radius())
     return {p, false};
   return {solid_->on_planes(std::array{a_, b_}, found.point), true};
 }
 
-Vec3 CommonCurve::tangent(Vec3 p) const {
-  return geometry::cross(solid_->surface(a_).normal(p), solid_->surface(b_).normal(p));
-}
+Vec3 CommonCurve::tangent(Vec3 p) const { return geometry::cross(shape_[0]->normal(p), shape_[1]->normal(p)); }
 
 bool CommonCurve::is_beyond(Vec3 p) const {
   const double margin = 0.02 * solid_->radius();
   const Vec3 below = solid_->low - p, above = p - solid_->high;
   return std::max({below.x, below.y, below.z, above.x, above.y, above.z}) > margin;
+}
+
+bool CommonCurve::is_triangulated(Vec3 p) const {
+  return std::any_of(shape_.begin(), shape_.end(), [p](const auto* shape) { return shape->facet_deviation(p) > 0; });
 }
 
 bool CommonCurve::follow(std::vector<Vec3>& points, double sense) const {
@@ -66,7 +68,8 @@ bool CommonCurve::follow(std::vector<Vec3>& points, double sense) const {
     const double turn = geometry::norm(geometry::cross(along, then)) / std::max(geometry::norm(then), least_sine);
     const bool goes_on = next.is_on_curve && sense * geometry::dot(along, then) > 0 &&
                          geometry::dot(next.point - here, along) > 0.5 * step;
-    if (!goes_on || turn > most_turn) {
+    const bool is_kink = step < shortest && turn < most_kink && is_triangulated(here);
+    if (!goes_on || (turn > most_turn && !is_kink)) {
       if (step < shortest) return false;
       step *= 0.5;
       continue;
@@ -102,7 +105,7 @@ std::vector<CommonCurve::Trace> CommonCurve::trace(const std::vector<Vec3>& star
   std::vector<Trace> result;
   const double near = solid_->radius() / 12;
   for (const Vec3 start : starts) {
-    if (solid_->surface(a_).distance(start) > near || solid_->surface(b_).distance(start) > near) continue;
+    if (shape_[0]->distance(start) > near || shape_[1]->distance(start) > near) continue;
     const auto found = project(start);
     if (!found.is_on_curve || is_beyond(found.point)) continue;
     const double tolerance = 1e-6 * solid_->radius();

@@ -4,7 +4,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
+#include <map>
 #include <utility>
 
 #include "mesh/curve_trace.hpp"
@@ -18,7 +21,7 @@ using Polyline = std::vector<Vec3>;
 
 /// A part of a common curve between two corners, or all of it.
 struct Arc {
-  int a = 0, b = 0;
+  std::array<int, 2> piece{};
   Polyline point;
 
   bool is_closed() const { return point.front() == point.back(); }
@@ -28,22 +31,63 @@ std::string text_of(Vec3 p) { return fmt::format("({:g}, {:g}, {:g})", p.x, p.y,
 
 class Tracer {
  public:
-  explicit Tracer(const Solid& solid) : solid_(solid), tolerance_(1e-9 * solid.radius()) {}
+  Tracer(const Solid& solid, const Pieces& pieces)
+      : solid_(solid),
+        pieces_(pieces),
+        tolerance_(1e-9 * solid.radius()),
+        n_crease_corners_(static_cast<std::ptrdiff_t>(pieces.crease_corners().size())),
+        corners_(pieces.crease_corners()) {}
 
   std::vector<Arc> edges(const SurfaceSamples& samples) {
     for (int a = 0; a < solid_.n_surfaces(); ++a)
       for (int b = a + 1; b < solid_.n_surfaces(); ++b) {
-        const CommonCurve curve(solid_, a, b);
         auto starts = samples[static_cast<std::size_t>(a)];
         const auto& others = samples[static_cast<std::size_t>(b)];
         starts.insert(starts.end(), others.begin(), others.end());
-        for (const auto& trace : curve.trace(starts)) cut(curve, trace);
+        trace_pieces(a, b, starts);
       }
     join();
+    require_whole_corners();
+    part_loops();
     return std::move(arcs_);
   }
 
  private:
+  /// Each start serves the pieces that are nearest to it, each corner on creases the pieces that meet there.
+  void trace_pieces(int a, int b, const Polyline& starts) {
+    const auto of_a = pieces_.of(a), of_b = pieces_.of(b);
+    std::map<std::array<int, 2>, Polyline> sorted;
+    for (int p = of_a.begin; p < of_a.end; ++p)
+      for (int q = of_b.begin; q < of_b.end; ++q) {
+        auto& own = sorted[{p, q}];
+        for (const Vec3 corner : pieces_.crease_corners())
+          if (pieces_.at(p).shape->distance(corner) < tolerance_ && pieces_.at(q).shape->distance(corner) < tolerance_)
+            own.push_back(corner);
+      }
+    for (const Vec3 start : starts) sorted[{pieces_.nearest(a, start), pieces_.nearest(b, start)}].push_back(start);
+    for (const auto& [piece, own] : sorted) {
+      const CommonCurve curve(solid_, pieces_, piece);
+      for (auto& trace : curve.trace(own)) {
+        if (!trace.is_closed) end_in_corners(trace.point);
+        cut(curve, trace);
+      }
+    }
+  }
+
+  /// Lets a curve that comes to a crease end in the corner there.
+  void end_in_corners(Polyline& points) const {
+    const double near = 3e-6 * solid_.radius(), around = 1e-3 * solid_.radius();
+    for (int end = 0; end < 2; ++end) {
+      std::reverse(points.begin(), points.end());
+      for (const Vec3 corner : pieces_.crease_corners()) {
+        if (norm(points.back() - corner) > near) continue;
+        while (points.size() > 1 && norm(points.back() - corner) < around) points.pop_back();
+        points.push_back(corner);
+        break;
+      }
+    }
+  }
+
   /// The same corner for all that is nearer to it than rounding.
   Vec3 corner(Vec3 p) {
     for (const Vec3 known : corners_)
@@ -86,8 +130,9 @@ class Tracer {
     }
     std::array<int, 3> number{curve.a(), curve.b(), d};
     std::sort(number.begin(), number.end());
-    const std::array<const geometry::Surface*, 3> all{&solid_.surface(number[0]), &solid_.surface(number[1]),
-                                                      &solid_.surface(number[2])};
+    std::array<const geometry::Surface*, 3> all{};
+    std::transform(number.begin(), number.end(), all.begin(),
+                   [&](int i) { return i == d ? &solid_.surface(d) : curve.shape()[i == curve.a() ? 0 : 1]; });
     const auto found = geometry::project_onto_all(all, begin);
     return corner(found.converged && norm(found.point - begin) < 1e3 * tolerance_
                       ? solid_.on_planes(number, found.point)
@@ -146,7 +191,7 @@ class Tracer {
           fmt::format("expected edges that close or end in corners inside the bounds, found one of \"{}\" and "
                       "\"{}\" that ends at {} and {}",
                       solid_.name(curve.a()), solid_.name(curve.b()), text_of(part.front()), text_of(part.back())));
-    arcs_.push_back({curve.a(), curve.b(), std::move(part)});
+    arcs_.push_back({curve.piece(), std::move(part)});
   }
 
   /// True when both surfaces bound the solid here.
@@ -182,15 +227,48 @@ class Tracer {
   /// The arc of the same surfaces that ends at p, when it is the only one to do so beside arc i; else the number of
   /// arcs.
   std::size_t only_other(std::size_t i, Vec3 p) const {
-    if (arcs_[i].is_closed()) return arcs_.size();
+    if (arcs_[i].is_closed() || is_crease_corner(p)) return arcs_.size();
     std::size_t found = arcs_.size(), n_ends = 0;
     for (std::size_t j = 0; j < arcs_.size(); ++j) {
       if (j == i || (arcs_[j].point.front() != p && arcs_[j].point.back() != p)) continue;
       ++n_ends;
       found = j;
     }
-    const bool is_same = n_ends == 1 && arcs_[found].a == arcs_[i].a && arcs_[found].b == arcs_[i].b;
+    const bool is_same = n_ends == 1 && arcs_[found].piece == arcs_[i].piece;
     return is_same && !arcs_[found].is_closed() ? found : arcs_.size();
+  }
+
+  bool is_crease_corner(Vec3 p) const {
+    const auto end = corners_.begin() + n_crease_corners_;
+    return std::find(corners_.begin(), end, p) != end;
+  }
+
+  /// Where another surface ends a crease, a curve must go on along each side of it.
+  void require_whole_corners() const {
+    const auto creases = pieces_.creases();
+    const auto n_ends = [](Vec3 p, const Polyline& line) { return (line.front() == p) + (line.back() == p); };
+    for (const Vec3 corner : pieces_.crease_corners()) {
+      int n_creases = 0, n_arcs = 0;
+      for (const auto& crease : creases) n_creases += n_ends(corner, crease.polyline);
+      for (const auto& arc : arcs_) n_arcs += n_ends(corner, arc.point);
+      if ((n_creases == 1 && n_arcs < 2) || (n_creases == 0 && n_arcs == 1))
+        throw Error(
+            fmt::format("expected surfaces that meet at more than 5 degrees where one cuts a sharp edge of another, "
+                        "found less at {}",
+                        text_of(corner)));
+    }
+  }
+
+  /// Parts a closed curve that begins and ends in a corner on a crease: closed ones have no corner.
+  void part_loops() {
+    for (std::size_t i = 0, n = arcs_.size(); i < n; ++i) {
+      auto& loop = arcs_[i].point;
+      if (loop.front() != loop.back() || !is_crease_corner(loop.front())) continue;
+      const auto middle = loop.begin() + std::ssize(loop) / 2;
+      Arc rest{arcs_[i].piece, {middle, loop.end()}};
+      loop.erase(middle + 1, loop.end());
+      arcs_.push_back(std::move(rest));
+    }
   }
 
   void connect(std::size_t i, std::size_t j, bool at_end) {
@@ -203,19 +281,23 @@ class Tracer {
   }
 
   const Solid& solid_;
+  const Pieces& pieces_;
   double tolerance_;
-  std::vector<Vec3> corners_;
+  std::ptrdiff_t n_crease_corners_;
+  std::vector<Vec3> corners_;  ///< those on creases first
   std::vector<Arc> arcs_;
 };
 
 }  // namespace
 
 std::vector<FeatureCurve> trace_feature_curves(const std::shared_ptr<const Solid>& solid,
+                                               const std::shared_ptr<const Pieces>& pieces,
                                                const SurfaceSamples& samples) {
   std::vector<FeatureCurve> result;
-  for (auto& arc : Tracer(*solid).edges(samples))
-    result.push_back({std::move(arc.point),
-                      [solid, a = arc.a, b = arc.b](Vec3 p) { return CommonCurve(*solid, a, b).project(p).point; }});
+  for (auto& arc : Tracer(*solid, *pieces).edges(samples))
+    result.push_back({std::move(arc.point), [solid, pieces, piece = arc.piece](Vec3 p) {
+                        return CommonCurve(*solid, *pieces, piece).project(p).point;
+                      }});
   return result;
 }
 

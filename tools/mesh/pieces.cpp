@@ -13,74 +13,70 @@ namespace {
 using geometry::Triangulated;
 using geometry::Vec3;
 
-constexpr std::size_t at(int i) { return static_cast<std::size_t>(i); }
+constexpr std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
 }  // namespace
 
-Pieces::Pieces(const std::shared_ptr<const Solid>& solid, const std::string& where) : solid_(solid) {
+Pieces::Pieces(const std::shared_ptr<const Solid>& solid, const SurfaceSamples& samples) : solid_(solid) {
+  for (int i = 0; i < solid->n_surfaces(); ++i) {
+    whole_.push_back(dynamic_cast<const Triangulated*>(&solid->surface(i)));
+    if (whole_.back() != nullptr && whole_.back()->is_one_piece())
+      throw Error(
+          fmt::format("expected whole triangulated surfaces in a region, found \"{}\" with the key near: "
+                      "its pieces become patches of their own",
+                      solid->name(i)));
+  }
+  creases_ = cut_creases(*solid);
   for (int i = 0; i < solid->n_surfaces(); ++i) {
     first_.push_back(static_cast<int>(piece_.size()));
-    const auto* whole = dynamic_cast<const Triangulated*>(&solid->surface(i));
-    whole_.push_back(whole);
     number_.emplace_back();
-    if (whole != nullptr && whole->is_one_piece())
-      throw Error(
-          fmt::format("{}: expected whole triangulated surfaces in a region, found \"{}\" with the key near: "
-                      "its pieces become patches of their own",
-                      where, solid->name(i)));
+    const auto* whole = whole_[index(i)];
     if (whole != nullptr && whole->n_patches() > 1) {
-      add_pieces(i, *whole);
+      add_pieces(i, *whole, samples[index(i)]);
     } else {
       piece_.push_back({i, &solid->surface(i), -1, solid->name(i)});
     }
   }
+  first_.push_back(static_cast<int>(piece_.size()));
 }
 
-void Pieces::add_pieces(int i, const Triangulated& whole) {
+void Pieces::add_pieces(int i, const Triangulated& whole, const std::vector<Vec3>& samples) {
   std::vector<bool> is_used(whole.n_patches(), false);
-  whole.for_each_triangle([&](int piece, Vec3 middle) {
-    if (!is_used[at(piece)]) is_used[at(piece)] = bounds(i, whole.project(middle));
-  });
-  number_[at(i)].assign(whole.n_patches(), -1);
+  const auto look = [&](int piece, Vec3 p) {
+    if (!is_used[index(piece)]) is_used[index(piece)] = solid_->divides(i, solid_->sides(p));
+  };
+  whole.for_each_triangle([&](int piece, Vec3 middle) { look(piece, whole.project(middle)); });
+  // where other surfaces leave little of large triangles
+  for (const Vec3 p : samples) look(whole.piece_at(p), p);
+  for (const auto& part : creases_.parts)
+    if (part.surface == i)
+      for (const int piece : whole.creases().lines()[part.line].piece)
+        if (piece >= 0) is_used[index(piece)] = true;
+  if (std::find(is_used.begin(), is_used.end(), true) == is_used.end())
+    throw Error(
+        fmt::format("expected surfaces that bound the region, found no place where \"{}\" does", solid_->name(i)));
+  number_[index(i)].assign(whole.n_patches(), -1);
   for (std::size_t p = 0; p < is_used.size(); ++p) {
     if (!is_used[p]) continue;
     const auto number = static_cast<int>(p);
-    number_[at(i)][p] = static_cast<int>(piece_.size());
+    number_[index(i)][p] = static_cast<int>(piece_.size());
     alone_.push_back(whole.piece(number));
     piece_.push_back({i, alone_.back().get(), number, fmt::format("{}_{}", solid_->name(i), number + 1)});
   }
 }
 
-bool Pieces::bounds(int i, Vec3 p) const {
-  const Sides bit = Sides{1} << i, rest = solid_->sides(p) & ~bit;
-  return solid_->region.contains(rest) != solid_->region.contains(rest | bit);
-}
-
 int Pieces::nearest(int i, Vec3 p) const {
-  if (number_[at(i)].empty()) return first_[at(i)];
-  const int number = number_[at(i)][at(whole_[at(i)]->piece_at(p))];
-  return number >= 0 ? number : first_[at(i)];
+  if (number_[index(i)].empty()) return first_[index(i)];
+  const int number = number_[index(i)][index(whole_[index(i)]->piece_at(p))];
+  return number >= 0 ? number : first_[index(i)];
 }
 
 std::vector<FeatureCurve> Pieces::creases() const {
   std::vector<FeatureCurve> result;
-  for (int i = 0; i < solid_->n_surfaces(); ++i) {
-    if (whole_[at(i)] == nullptr) continue;
-    const auto& lines = whole_[at(i)]->creases().lines();
-    for (std::size_t line = 0; line < lines.size(); ++line) {
-      const auto& points = lines[line].polyline;
-      const auto n_bounding = std::count_if(points.begin(), points.end(), [&](Vec3 p) { return bounds(i, p); });
-      if (n_bounding == 0) continue;
-      if (n_bounding != std::ssize(points))
-        throw Error(
-            fmt::format("expected sharp edges of \"{}\" that no other surface crosses, found one near ({:g}, "
-                        "{:g}, {:g}) that leaves the region",
-                        solid_->name(i), points[0].x, points[0].y, points[0].z));
-      result.push_back({points, [solid = solid_, whole = whole_[at(i)], line](Vec3 p) {
-                          return whole->creases().nearest_on_line(line, p);
-                        }});
-    }
-  }
+  for (const auto& part : creases_.parts)
+    result.push_back({part.polyline, [solid = solid_, whole = whole_[index(part.surface)], line = part.line](Vec3 p) {
+                        return whole->creases().nearest_on_line(line, p);
+                      }});
   return result;
 }
 

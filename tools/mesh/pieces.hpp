@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "mesh/crease_cut.hpp"
 #include "mesh/domain.hpp"
 #include "mesh/solid.hpp"
 #include "pamr/geometry/triangulated.hpp"
@@ -15,8 +16,9 @@ namespace pamr::meshing {
 /// triangulated one that creases part into several, one for each of these that bounds the solid.
 class Pieces {
  public:
-  /// Throws `Error` that begins with `where` for one piece of a triangulated surface taken alone (it has no sides).
-  Pieces(const std::shared_ptr<const Solid>& solid, const std::string& where);
+  /// `samples` are those of `sample_surfaces`. Throws `Error` for one piece of a triangulated surface taken alone (it
+  /// has no sides), one in pieces of which none bounds the solid, and as `cut_creases` does.
+  Pieces(const std::shared_ptr<const Solid>& solid, const SurfaceSamples& samples);
 
   struct Piece {
     int surface = 0;
@@ -26,23 +28,30 @@ class Pieces {
   };
   const std::vector<Piece>& all() const { return piece_; }
 
+  const Piece& at(int number) const { return piece_[static_cast<std::size_t>(number)]; }
+  /// Numbers of the pieces of surface `i`, one after another.
+  struct Range {
+    int begin = 0, end = 0;
+  };
+  Range of(int i) const { return {first_[static_cast<std::size_t>(i)], first_[static_cast<std::size_t>(i) + 1]}; }
+
   /// The piece of surface `i` that is nearest to a point.
   int nearest(int i, geometry::Vec3 p) const;
 
-  /// The creases of triangulated surfaces that are edges of the solid. Throws `Error` for one that another surface
-  /// crosses.
+  /// The creases of triangulated surfaces, or parts of them, that are edges of the solid.
   std::vector<FeatureCurve> creases() const;
+  /// Where other surfaces meet creases.
+  const std::vector<geometry::Vec3>& crease_corners() const { return creases_.corners; }
 
  private:
-  /// True when the point of surface `i` lies on the boundary of the solid.
-  bool bounds(int i, geometry::Vec3 p) const;
-  void add_pieces(int i, const geometry::Triangulated& whole);
+  void add_pieces(int i, const geometry::Triangulated& whole, const std::vector<geometry::Vec3>& samples);
 
   std::shared_ptr<const Solid> solid_;
+  CutCreases creases_;
   std::vector<Piece> piece_;
   std::vector<std::unique_ptr<const geometry::Triangulated>> alone_;
   std::vector<const geometry::Triangulated*> whole_;  ///< by surface; null for the other kinds
-  std::vector<int> first_;                            ///< by surface
+  std::vector<int> first_;                            ///< by surface, and the number of all pieces
   std::vector<std::vector<int>> number_;              ///< by surface and piece of the triangulation, -1: bounds nothing
 };
 

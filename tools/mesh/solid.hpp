@@ -29,6 +29,11 @@ struct Solid {
   double signed_distance(int i, geometry::Vec3 p) const { return surface(i).signed_distance(p); }
   Sides sides(geometry::Vec3 p) const;
   bool contains(geometry::Vec3 p) const { return region.contains(sides(p)); }
+  /// True when surface `i` bounds the solid at a point of it on the given sides of the others.
+  bool divides(int i, Sides sides) const {
+    const Sides bit = Sides{1} << i;
+    return region.contains(sides & ~bit) != region.contains(sides | bit);
+  }
 
   /// -1 inside, or the surface to cross last on the least way in, lengths measured by the largest distance from any
   /// surface crossed: what a `Domain` calls the piece behind which the point lies. The borders between these parts of
