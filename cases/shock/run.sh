@@ -18,17 +18,19 @@ python=/usr/bin/python3  # the one that sees Debian's h5py
 
 cases="case" seeds=1
 [ $full = yes ] && cases="case argon-m8-omega-0.70 argon-m4.2 nitrogen-m20" && seeds=3
-every=100
+every=300
 "$python" "$case_folder/box_mesh.py" "$out/box.msh" 205 2 2 -0.56 0.26
 pamr-convert "$out/box.msh" "$out/box.hdf" --force --quiet
 
 # A window of the averages is what a run stopped by --steps has gained since the one before, which it goes on from.
 status=0
+number_of_run=0  # no two runs have the same random numbers
 for name in $cases; do
   number() { sed -n "s/^$1 = \([0-9]*\).*/\1/p" "$case_folder/$name.toml"; }
   transient=$(number transient) windows=$(($(number sampling) / every))
   for ((seed = 1; seed <= seeds; ++seed)); do
-    sed -e "s|\.\./species.toml|$case_folder/../species.toml|" -e "s/^seed = .*/seed = $seed/" \
+    number_of_run=$((number_of_run + 1))
+    sed -e "s|\.\./species.toml|$case_folder/../species.toml|" -e "s/^seed = .*/seed = $number_of_run/" \
       "$case_folder/$name.toml" >"$out/$name.toml"
     restart=()
     for ((window = 1; window <= windows; ++window)); do

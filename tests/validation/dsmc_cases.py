@@ -114,20 +114,24 @@ def relaxation():
 
 
 def equilibrium():
-    """Nitrogen that is in equilibrium stays there, whatever the step: rotation over translation, from 10 to 50 collision times."""
+    """Nitrogen, and its mixture with argon, in equilibrium stay there, whatever the step: rotation over translation, from 10 to 50
+    collision times."""
     n, t, cubes, per_cell = 1e22, 340.0, 14, 20.0
-    for fraction, partner in ((0.2, "nearest"), (0.1, "nearest"), (0.05, "nearest"), (0.2, "any")):
+    pure, mixed = dict(N2=NITROGEN), dict(Ar=ARGON, N2=NITROGEN)
+    for fraction, partner, species in ((0.2, "nearest", pure), (0.1, "nearest", pure), (0.05, "nearest", pure), (0.2, "any", pure),
+                                       (0.2, "nearest", mixed)):
         dt = fraction / frequency(NITROGEN, n, t)
-        start, most = round(10 / fraction), round(50 / fraction)
+        start, end = round(10 / fraction), round(50 / fraction)
         found = []
         for seed in range(1, runs.SEEDS + 1):
-            rows = compute("equilibrium", {**gas(N2=NITROGEN), "gas.rotation": {"probability": 0.2}, "stream.free": dict(density=n, temperature=t),
+            rows = compute("equilibrium", {**gas(**species), "gas.rotation": {"probability": 0.2}, "stream.free": dict(density=n, temperature=t),
                                            **walls("specular"), "collisions": {"partner": partner}, "particles": dict(per_cell=per_cell),
                                            "domain": dict(unit=1.3e-3), "time": dict(step=dt),
-                                           "run": dict(transient=0, sampling=most, block=1)}, cube(cubes), seed)["history"][start:]
+                                           "run": dict(transient=0, sampling=end, block=1)}, cube(cubes), seed)["history"][start:]
             found += [sum(x["T_rot"] for x in part) / sum(x["T_tr"] for x in part) for part in np.array_split(rows, 8)]
         value, error = mean(found)
-        check("6", f"T_rot / T_tr in equilibrium, step {fraction} tau, partner {partner}", 1.0, value, error, bar=0.003, most=0.0007)
+        case, name, most = ("6", "", 0.0007) if species is pure else ("20", ", argon and nitrogen half each", 0.001)
+        check(case, f"T_rot / T_tr in equilibrium, step {fraction} tau, partner {partner}{name}", 1.0, value, error, bar=0.003, most=most)
 
 
 def between_walls(t, speeds):

@@ -64,9 +64,9 @@ def case_text(tables):
 
 
 def gas(**species):
-    """Tables of a gas of one species: name=table."""
-    (name, table), = species.items()
-    return {f"species.{name}": table, "gas": {"fractions": {name: 1.0}}}
+    """Tables of a gas of one species, or of equal parts of several: name=table."""
+    return {**{f"species.{name}": table for name, table in species.items()},
+            "gas": {"fractions": {name: 1 / len(species) for name in species}}}
 
 
 def walls(kind="symmetry", **given):

@@ -12,10 +12,10 @@ namespace pamr::mesh {
 
 /// The ears of a mesh: inner faces of which two edges lie in one smooth curved wall. The same on every rank.
 ///
-///      c-----b       seen from the gas: b, c, d and a lie on the wall, abc and abd are faces of it, acd is an ear.
-///      When | \ / |       it is refined the edges from a along the wall lie more and more in one plane, and so does
-///      all that |  /  |       is between the ear and the wall: the children at a lose 0.63 of their mean ratio at
-///      every level, | / \ |       wherever new nodes are put. A cell with two faces on the wall has two ears. a-----d
+/// With corners a, b, c, d on the wall and faces abc and abd in it, the face acd inside is an ear. When it is refined
+/// the edges from a along the wall lie more and more in one plane, and so does all that is between the ear and the
+/// wall: the children at a lose 0.63 of their mean ratio at every level, wherever new nodes are put. A cell with two
+/// faces on the wall has two ears.
 struct WallEars {
   std::vector<std::array<GlobalId, 2>> edge;  ///< inner edges opposite the corner a (here cd), ascending
   std::vector<std::array<GlobalId, 3>> face;  ///< ears whose third edge lies in the boundary too, ascending
