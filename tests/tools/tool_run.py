@@ -38,7 +38,8 @@ def run(tool, *arguments, code=0, serial=False, ranks=RANKS):
     shown = f"{' '.join(command)}\nexit code {result.code}, expected {code}\n{result.out}\n{result.err}"
     assert result.code == code, shown
     if code == 2:
-        lines = result.err.splitlines()
+        # mpiexec itself may complain of a socket that it has just closed, when ranks end together
+        lines = [line for line in result.err.splitlines() if not line.startswith("[warn] Epoll")]
         assert len(lines) == 1 and lines[0].startswith(f"{tool}: error: "), shown
         assert result.out == "", shown
     assert not list(pathlib.Path(".").glob("**/*.partial")), "a temporary file was left behind"
