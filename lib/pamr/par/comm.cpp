@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <limits>
 #include <optional>
+#include <thread>
 
 #include "pamr/base/contract.hpp"
 #include "pamr/base/error.hpp"
@@ -169,7 +170,10 @@ std::vector<Comm::RawReceived> Comm::sparse_exchange_raw(std::span<const RawMess
     int arrived = 0;
     MPI_Status status;
     require_success(MPI_Iprobe(MPI_ANY_SOURCE, tag, comm_, &arrived, &status), "MPI_Iprobe");
-    if (arrived != 0) take(status);
+    if (arrived != 0)
+      take(status);
+    else
+      std::this_thread::yield();  // where ranks share cores the one that is waited for may stand in line for this one
     if (in_barrier) {
       require_success(MPI_Test(&barrier, &done, MPI_STATUS_IGNORE), "MPI_Test");
     } else {
