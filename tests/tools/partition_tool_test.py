@@ -12,6 +12,14 @@ def read(name):
                 file["PAMR/lineage"][:] if "lineage" in file["PAMR"] else None)
 
 
+def neighbours_of(rank, neighbours, parts):
+    """How many other parts each part shares faces with."""
+    inside = neighbours >= 0
+    other = np.where(inside, rank[np.where(inside, neighbours, 0)], rank[:, None])
+    pairs = {(a, b) for row, a in zip(other, rank) for b in row if a != b}
+    return [sum(1 for a, _ in pairs if a == part) for part in range(parts)]
+
+
 def partition(mesh, parts, *options):
     report = run("pamr-partition", mesh, "-o", "parts.hdf", "--force", "-p", parts, "--json", "-", *options).json
     rank, neighbours, lineage = read("parts.hdf")
@@ -20,9 +28,12 @@ def partition(mesh, parts, *options):
     inside = neighbours >= 0
     other = np.where(inside, rank[np.where(inside, neighbours, 0)], rank[:, None])
     assert report["edge_cut"] == (other != rank[:, None]).sum() // 2
-    pairs = {(a, b) for row, a in zip(other, rank) for b in row if a != b}
-    of_part = [sum(1 for a, _ in pairs if a == part) for part in range(parts)]
+    of_part = neighbours_of(rank, neighbours, parts)
     assert report["neighbours_max"] == max(of_part) and np.isclose(report["neighbours_mean"], np.mean(of_part))
+    if lineage is None:  # otherwise the runs are rounded to whole families
+        of_run = neighbours_of((2 * np.arange(len(rank)) + 1) * parts // (2 * len(rank)), neighbours, parts)
+        assert report["neighbours_max_before"] == max(of_run), (report, of_run)
+        assert np.isclose(report["neighbours_mean_before"], np.mean(of_run))
     assert report["empty_parts"] == parts - len(set(rank))
     if lineage is not None:
         kind, child, broken = lineage & 3, lineage >> 5 & 3, lineage >> 7 & 1
@@ -66,6 +77,19 @@ def test_weights_refine_balance_the_refined_mesh():
     # a mesh that holds closure families
     run("pamr-mark", "fine.hdf", "-o", "marked.hdf", "--box", "0.2,0,0,0.6,1,0.4", "--quiet")
     assert partition("marked.hdf", 5)[1]["imbalance_after"] <= 1.05
+
+
+def test_the_papers_weights_count_a_marked_cell_eight_times():
+    kuhn_cube("a.hdf", 6)
+    run("pamr-mark", "a.hdf", "-o", "b.hdf", "--box", "0,0,0,1,1,0.4", "--quiet")
+    with h5py.File("b.hdf") as file:
+        weight = np.where(file["VTKHDF/CellData/refine"][:] == 1, 8, 1)
+    rank, report = partition("b.hdf", 4, "--weights", "8/1")
+    assert np.isclose(report["imbalance_after"], imbalance(rank, weight, 4)) and report["imbalance_after"] <= 1.05
+    add_cell_field("a.hdf", "weight", weight)
+    assert (partition("a.hdf", 4, "--weights", "weight")[0] == rank).all()
+    refuses("pamr-partition", "a.hdf", "-o", "b2.hdf", "-p", 2, "--weights", "8/1", says=["'refine'", "a.hdf"],
+            creates="b2.hdf")
 
 
 def test_a_mesh_without_marks_counts_each_cell_once():

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdint>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -39,13 +40,14 @@ void declare(CLI::App& app, Options& options) {
       ->check(CLI::Range(1, 1 << 20));
   app.add_option("--weights", options.weights,
                  "what a cell weighs: the exact number of cells that it becomes when the marked cells are refined (1 "
-                 "each where the mesh has no marks), 1 each, or the values of a cell field")
-      ->type_name("refine|uniform|FIELD")
+                 "each where the mesh has no marks), 8 where it is marked and else 1, 1 each, or the values of a cell "
+                 "field")
+      ->type_name("refine|8/1|uniform|FIELD")
       ->capture_default_str();
   app.add_option("--method", options.method, "few faces between parts (scotch) or runs of cells in file order (blocks)")
       ->check(CLI::IsMember({"scotch", "blocks"}))
       ->capture_default_str();
-  app.add_option("--marks", options.marks, "of --weights refine: integer cell field of marks, 0 keep, 1 split")
+  app.add_option("--marks", options.marks, "of --weights refine and 8/1: integer cell field of marks, 0 keep, 1 split")
       ->capture_default_str();
   app.add_option("--quality-control", options.quality_control, "of --weights refine: the refinement that is predicted")
       ->check(CLI::IsMember(refine::quality_control_list()))
@@ -58,6 +60,12 @@ std::vector<std::int64_t> weigh(const par::Comm& comm, const mesh::DistMesh& mes
     refine::Options refinement;
     refinement.quality_control = refine::quality_control_named(options.quality_control);
     return adapt::predict_children(comm, mesh, adapt::flags_from_field(comm, mesh, options.marks), refinement);
+  }
+  if (options.weights == "8/1") {
+    const auto flags = adapt::flags_from_field(comm, mesh, options.marks);
+    std::vector<std::int64_t> weight(flags.size());
+    std::transform(flags.begin(), flags.end(), weight.begin(), [](std::uint8_t flag) { return flag != 0 ? 8 : 1; });
+    return weight;
   }
   if (options.weights == "refine" || options.weights == "uniform")
     return std::vector<std::int64_t>(static_cast<std::size_t>(mesh.n_cells()), 1);
@@ -106,6 +114,8 @@ cli::ExitCode run(cli::Session& session, const Options& options) {
                         {"imbalance_after", after.imbalance},
                         {"neighbours_max", after.max_neighbours},
                         {"neighbours_mean", after.mean_neighbours},
+                        {"neighbours_max_before", before.max_neighbours},
+                        {"neighbours_mean_before", before.mean_neighbours},
                         {"empty_parts", after.empty_parts}});
   session.summary(fmt::format(
       "{} cells in {} parts: {} faces between parts, imbalance {:.4f} (runs of equal length: "
