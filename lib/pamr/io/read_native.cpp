@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <cstring>
 #include <functional>
 #include <numeric>
 #include <optional>
@@ -52,6 +53,11 @@ void with_type(StorageType type, Run run) {
   }
 }
 
+/// What HDF5 reads at once of a dataset that it need not inflate, and what is then looked at in one go: these pieces
+/// stay in the processor's caches, and take little memory of their own.
+constexpr std::size_t piece_bytes = std::size_t{256} << 10U;
+constexpr std::size_t values_at_once = std::size_t{2} << 10U;
+
 /// Rows that this rank reads of a dataset.
 struct Rows {
   GlobalId begin = 0, end = 0;
@@ -93,7 +99,7 @@ class Reader {
                  const Consume& consume);
   std::string where_is(const std::string& path) const { return "file '" + file_.string() + "', " + path + ": "; }
   std::optional<RowSource> open_rows(const std::string& path, const hdf5::Shape& shape, Rows rows, GlobalId slab) const;
-  static bool convert(StorageType type, std::span<const std::byte> raw, std::span<std::uint64_t> words);
+  std::span<const std::uint64_t> as_words(StorageType type, std::size_t first, std::size_t n);
 
   void read_lineage(mesh::BlockMesh& block);
   void check_families(const mesh::BlockMesh& block) const;
@@ -111,8 +117,8 @@ class Reader {
   Layout layout_;
   hdf5::Handle h5_;
   GlobalId first_cell_ = 0, end_cell_ = 0;  ///< rows of the file
-  std::vector<std::byte> raw_;              ///< a slab as the file has it, and
-  std::vector<std::uint64_t> words_;        ///< a piece of it as words; memory is taken once for all datasets
+  std::vector<std::uint64_t> raw_;          ///< a slab as the file has it, at the front, and
+  std::vector<std::uint64_t> words_;        ///< a part of it as words; memory is taken once for all datasets
 };
 
 mesh::BlockMesh Reader::run() {
@@ -156,34 +162,40 @@ std::optional<RowSource> Reader::open_rows(const std::string& path, const hdf5::
   }
 }
 
-/// Reads the rows in slabs and hands them on as 64-bit words (integers sign-extended, reals as doubles), then compares
-/// the checksum. `verify`: the rows of all ranks together are the whole dataset, once. Collective.
+/// Reads the rows in slabs and hands them on as 64-bit words (integers sign-extended, reals as doubles), whole groups
+/// of four rows where there are so many, then compares the checksum. `verify`: the rows of all ranks together are the
+/// whole dataset, once. Collective.
 void Reader::each_slab(const std::string& path, StorageType type, const hdf5::Shape& shape, Rows rows, bool verify,
                        const Consume& consume) {
   const auto* stored = catalog_.find_number(std::string(path::checksums) + "@" + checksum_path(path));
   verify = verify && options_.verify_checksums && stored != nullptr;
   Checksum checksum(verify ? shape.rows : 0);
   const auto width = static_cast<std::size_t>(shape.width);
-  const auto slab = std::max<GlobalId>(1, static_cast<GlobalId>(options_.slab_bytes / (8 * width)));
+  const auto rows_in = [&](std::size_t values) {  // the corners of a cell are four rows of one dataset
+    return std::max<GlobalId>(4, static_cast<GlobalId>(values / width / 4 * 4));
+  };
+  const bool is_chunked = catalog_.find_array(path)->is_chunked;
+  const auto slab = rows_in((is_chunked ? options_.slab_bytes : std::min(options_.slab_bytes, piece_bytes)) / 8);
+  const auto step = rows_in(values_at_once);
   par::agree(*comm_, [&] {
     auto source = open_rows(path, shape, rows, slab);
     for (auto first = rows.begin; first < rows.end; first += slab) {
       const auto n = std::min(slab, rows.end - first);
-      if (!comm_->in_library([&] { return source->read(n, raw_); }))
+      const auto bytes = static_cast<std::size_t>(n) * width * hdf5::size_of(type);
+      raw_.resize((bytes + 7) / 8);
+      if (!comm_->in_library([&] { return source->read(n, std::as_writable_bytes(std::span(raw_)).first(bytes)); }))
         throw Error(where_is(path) + "cannot read rows from " + std::to_string(first) + " on (" + source->trouble() +
                     ")");
-      constexpr std::size_t piece = std::size_t{1} << 15U;  // values that stay in the processor's cache
-      const auto step = std::max<GlobalId>(1, static_cast<GlobalId>(piece / width));
       for (GlobalId at = 0; at < n; at += step) {
-        words_.resize(static_cast<std::size_t>(std::min(step, n - at)) * width);
-        const auto raw = std::span(raw_).subspan(static_cast<std::size_t>(at) * width * hdf5::size_of(type));
-        if (!convert(type, raw, words_)) {
-          const auto wrong = std::find_if(words_.begin(), words_.end(), [](auto w) { return w >> 63U != 0; });
-          fail(path, first + at + (wrong - words_.begin()) / shape.width, "integers below 2^63",
-               std::to_string(*wrong));
-        }
-        if (verify) checksum.add(first + at, width, words_);
-        consume(first + at, words_);
+        const auto words = as_words(type, static_cast<std::size_t>(at) * width,
+                                    static_cast<std::size_t>(std::min(step, n - at)) * width);
+        if (type == StorageType::uint64)
+          for (std::size_t i = 0; i < words.size(); ++i)
+            if (words[i] >> 63U != 0)
+              fail(path, first + at + static_cast<GlobalId>(i / width), "integers below 2^63",
+                   std::to_string(words[i]));
+        if (verify) checksum.add(first + at, width, words);
+        consume(first + at, words);
       }
     }
   });
@@ -193,23 +205,23 @@ void Reader::each_slab(const std::string& path, StorageType type, const hdf5::Sh
                 "expected contents that agree with its checksum, found that they do not: the file is damaged");
 }
 
-/// Values of any type as 64-bit words; false when an unsigned one does not fit a signed word.
-bool Reader::convert(StorageType type, std::span<const std::byte> raw, std::span<std::uint64_t> words) {
-  bool fits = true;
+/// Values of the slab as 64-bit words: where they lie if that is what they are, else converted.
+std::span<const std::uint64_t> Reader::as_words(StorageType type, std::size_t first, std::size_t n) {
+  if (hdf5::size_of(type) == 8) return std::span(raw_).subspan(first, n);
+  words_.resize(std::max(words_.size(), n));
   with_type(type, [&](auto sample) {
     using T = decltype(sample);
-    for (std::size_t i = 0; i < words.size(); ++i) {
+    const auto raw = std::as_bytes(std::span(raw_)).subspan(first * sizeof(T), n * sizeof(T));
+    for (std::size_t i = 0; i < n; ++i) {
       T value;
-      std::copy_n(raw.data() + i * sizeof(T), sizeof(T), reinterpret_cast<std::byte*>(&value));
-      if constexpr (std::is_floating_point_v<T>) {
-        words[i] = std::bit_cast<std::uint64_t>(static_cast<double>(value));
-      } else {
-        words[i] = static_cast<std::uint64_t>(static_cast<std::int64_t>(value));
-        if constexpr (std::is_same_v<T, std::uint64_t>) fits = fits && value >> 63U == 0;
-      }
+      std::memcpy(&value, raw.data() + i * sizeof(T), sizeof(T));
+      if constexpr (std::is_floating_point_v<T>)
+        words_[i] = std::bit_cast<std::uint64_t>(static_cast<double>(value));
+      else
+        words_[i] = static_cast<std::uint64_t>(static_cast<std::int64_t>(value));
     }
   });
-  return fits;
+  return std::span(words_).first(n);
 }
 
 /// First family border at or after the first cell of a canonical block.
@@ -237,11 +249,9 @@ GlobalId Reader::first_of_equal_work(const FieldEntry& marks) {
   mark.reserve(static_cast<std::size_t>(block.count()));
   each_slab(path::connectivity, layout_.connectivity_type, {4 * n, 1, true}, {4 * block.begin, 4 * block.end}, false,
             [&](GlobalId first, std::span<const std::uint64_t> words) {
-              auto at = static_cast<std::size_t>(first - 4 * block.begin);
-              for (const auto word : words) {
-                nodes[at / 4][at % 4] = static_cast<std::uint32_t>(word);
-                ++at;
-              }
+              auto* cell = nodes.data() + (first / 4 - block.begin);
+              for (; !words.empty(); words = words.subspan(4), ++cell)
+                for (std::size_t i = 0; i < 4; ++i) (*cell)[i] = static_cast<std::uint32_t>(words[i]);
             });
   each_slab(marks.path, marks.type, {n, 1, marks.is_flat}, {block.begin, block.end}, false,
             [&](GlobalId, std::span<const std::uint64_t> words) {
@@ -339,23 +349,26 @@ void Reader::read_connectivity(mesh::BlockMesh& block) {
   block.cell_to_node.resize(static_cast<std::size_t>(cells().count()));
   each_slab(path::connectivity, layout_.connectivity_type, {4 * layout_.info.n_global_cells, 1, true},
             {4 * first_cell_, 4 * end_cell_}, true, [&](GlobalId first, std::span<const std::uint64_t> words) {
-              for (std::size_t i = 0; i < words.size(); ++i) {
-                const auto row = first + static_cast<GlobalId>(i);
-                if (words[i] >= n_nodes)
-                  fail(path::connectivity, row, "a node from 0 to " + std::to_string(n_nodes - 1),
-                       text_of(static_cast<std::int64_t>(words[i])));
-                const auto at = static_cast<std::size_t>(row - 4 * first_cell_);
-                block.cell_to_node[at / 4][at % 4] = layout_.info.first_id + static_cast<GlobalId>(words[i]);
-              }
+              auto* cell = block.cell_to_node.data() + (first / 4 - first_cell_);
+              for (std::size_t at = 0; at < words.size(); at += 4, ++cell)
+                for (std::size_t i = 0; i < 4; ++i) {
+                  const auto word = words[at + i];
+                  if (word >= n_nodes)
+                    fail(path::connectivity, first + static_cast<GlobalId>(at + i),
+                         "a node from 0 to " + std::to_string(n_nodes - 1), text_of(static_cast<std::int64_t>(word)));
+                  (*cell)[i] = layout_.info.first_id + static_cast<GlobalId>(word);
+                }
             });
   par::agree(*comm_, [&] {
     for (std::size_t c = 0; c < block.cell_to_node.size(); ++c) {
       auto corners = block.cell_to_node[c];
+      if (corners[0] != corners[1] && corners[0] != corners[2] && corners[0] != corners[3] &&
+          corners[1] != corners[2] && corners[1] != corners[3] && corners[2] != corners[3])
+        continue;
       std::sort(corners.begin(), corners.end());
       const auto twice = std::adjacent_find(corners.begin(), corners.end());
-      if (twice != corners.end())
-        fail(path::connectivity, 4 * (first_cell_ + static_cast<GlobalId>(c)), "four different nodes",
-             "node " + std::to_string(*twice - layout_.info.first_id) + " twice");
+      fail(path::connectivity, 4 * (first_cell_ + static_cast<GlobalId>(c)), "four different nodes",
+           "node " + std::to_string(*twice - layout_.info.first_id) + " twice");
     }
   });
 }
@@ -367,16 +380,18 @@ void Reader::read_neighbours(mesh::BlockMesh& block) {
   block.cell_to_cell.resize(static_cast<std::size_t>(cells().count()));
   each_slab(path::cell_to_cell, layout_.neighbours_type, {all.n, 4, false}, cells(), true,
             [&](GlobalId first, std::span<const std::uint64_t> words) {
-              for (std::size_t i = 0; i < words.size(); ++i) {
-                const auto row = first + static_cast<GlobalId>(i / 4);
-                const auto value = static_cast<std::int64_t>(words[i]);
-                if (!all.contains(value) && (value >= 0 || value < -n_patches))
-                  fail(path::cell_to_cell, row,
-                       "a cell from " + std::to_string(all.first) + " to " + std::to_string(all.end() - 1) +
-                           " or a patch from -1 to -" + std::to_string(n_patches),
-                       text_of(value));
-                if (value == all.first + row) fail(path::cell_to_cell, row, "another cell", "the cell itself");
-                block.cell_to_cell[static_cast<std::size_t>(row - first_cell_)][i % 4] = value;
+              for (auto row = first; !words.empty(); words = words.subspan(4), ++row) {
+                auto& cell = block.cell_to_cell[static_cast<std::size_t>(row - first_cell_)];
+                for (std::size_t i = 0; i < 4; ++i) {
+                  const auto value = static_cast<std::int64_t>(words[i]);
+                  if (!all.contains(value) && (value >= 0 || value < -n_patches))
+                    fail(path::cell_to_cell, row,
+                         "a cell from " + std::to_string(all.first) + " to " + std::to_string(all.end() - 1) +
+                             " or a patch from -1 to -" + std::to_string(n_patches),
+                         text_of(value));
+                  if (value == all.first + row) fail(path::cell_to_cell, row, "another cell", "the cell itself");
+                  cell[i] = value;
+                }
               }
             });
 }
@@ -425,14 +440,17 @@ mesh::Field Reader::read_field(const FieldEntry& entry) {
   mesh::Field field{entry.name, entry.unit, entry.n_components, entry.type, {}};
   if (mesh::is_integer(entry.type)) field.value = std::vector<std::int64_t>();
   const auto n_values = static_cast<std::size_t>(rows.count()) * static_cast<std::size_t>(entry.n_components);
-  std::visit([&](auto& values) { values.reserve(n_values); }, field.value);
-  each_slab(entry.path, entry.type, {n_rows, entry.n_components, entry.is_flat}, rows, true,
-            [&](GlobalId, std::span<const std::uint64_t> words) {
-              if (field.holds_integers())
-                for (const auto word : words) field.integer().push_back(static_cast<std::int64_t>(word));
-              else
-                for (const auto word : words) field.real().push_back(std::bit_cast<double>(word));
-            });
+  std::visit(
+      [&](auto& values) {
+        values.resize(n_values);
+        auto* to = values.data();
+        each_slab(entry.path, entry.type, {n_rows, entry.n_components, entry.is_flat}, rows, true,
+                  [&](GlobalId, std::span<const std::uint64_t> words) {
+                    std::memcpy(to, words.data(), words.size_bytes());
+                    to += words.size();
+                  });
+      },
+      field.value);
   return field;
 }
 

@@ -50,13 +50,11 @@ RowSource::RowSource(const std::filesystem::path& file, hid_t h5, const ArrayEnt
                        .memory_bytes = 16 * static_cast<rlim_t>(std::filesystem::file_size(file)) + spare_bytes});
 }
 
-bool RowSource::read(GlobalId n, std::vector<std::byte>& raw) {
-  raw.resize(std::max<std::size_t>(1, n_bytes(shape_, type_, n)));
+bool RowSource::read(GlobalId n, std::span<std::byte> raw) {
   const auto first = next_;
   next_ += n;
   if (dataset_.is_open()) return hdf5::read_rows(dataset_.id(), shape_, first, n, type_, raw.data(), transfer_.id());
-  if (n == 0) return true;
-  return process_->receive({reinterpret_cast<char*>(raw.data()), n_bytes(shape_, type_, n)});
+  return process_->receive({reinterpret_cast<char*>(raw.data()), raw.size()});
 }
 
 std::string RowSource::trouble() {

@@ -24,9 +24,9 @@ class RowSource {
   RowSource(const std::filesystem::path& file, hid_t h5, const ArrayEntry& entry, const hdf5::Shape& shape,
             GlobalId first, GlobalId end, GlobalId slab);
 
-  /// Reads the next `n` rows; `n` is a whole slab but for the last, and 0 when there are none left. Collective; false
-  /// when it failed here, and `trouble` says why.
-  bool read(GlobalId n, std::vector<std::byte>& raw);
+  /// Reads the next `n` rows (a whole slab but for the last, 1 or more) to where `raw` lies, whose size is theirs.
+  /// Local; false when it failed, and `trouble` says why.
+  bool read(GlobalId n, std::span<std::byte> raw);
   std::string trouble();
 
  private:
