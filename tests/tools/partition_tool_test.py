@@ -113,6 +113,14 @@ def test_more_parts_than_cells_leave_parts_empty():
         assert len(set(rank)) == 6 and report["empty_parts"] == 4
 
 
+def test_huge_weights_in_a_million_parts():
+    kuhn_cube("a.hdf", 1)
+    add_cell_field("a.hdf", "huge", np.full(6, 1e30))
+    report = run("pamr-partition", "a.hdf", "-o", "parts.hdf", "--force", "-p", 2**20, "--weights", "huge", "--json",
+                 "-").json
+    assert report["empty_parts"] == 2**20 - 6
+
+
 def test_the_rest_of_the_file_stays_as_it_is():
     kuhn_cube("a.hdf", 4)
     partition("a.hdf", 3)

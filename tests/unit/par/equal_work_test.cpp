@@ -45,6 +45,17 @@ TEST(EqualWork, ManyRunsOfFewItemsLeaveSomeEmpty) {
   EXPECT_EQ(run, weight.empty() ? std::vector<Rank>{} : (std::vector<Rank>{2, 6}));
 }
 
+TEST(EqualWork, CutsHugeWeightsIntoAMillionRuns) {
+  const par::Comm comm(MPI_COMM_WORLD);
+  const auto here = par::block_range(3, comm.rank(), comm.size());
+  const std::vector<std::int64_t> weight(static_cast<std::size_t>(here.count()), std::int64_t{1} << 59U);
+  const std::vector<Rank> sixths{174762, 524288, 873813};  // one, three and five of 2^20
+
+  const auto run = par::runs_of_equal_work(comm, weight, 1 << 20);
+
+  EXPECT_EQ(run, std::vector<Rank>(sixths.begin() + here.begin, sixths.begin() + here.end));
+}
+
 TEST(EqualWork, OfNothingThereAreNoRuns) {
   const par::Comm comm(MPI_COMM_WORLD);
 

@@ -356,29 +356,54 @@ std::vector<std::uint8_t> mark_near(const mesh::DistMesh& mesh, Vec3 target) {
   return flags;
 }
 
-/// The smallest mean ratio never falls under this part of what it was at first, or of that of the poorest cell that
-/// closing makes on purpose. The least over the 1,000 cases on one rank: 0.453 and 0.740, from the second and the
-/// fourth level on; about 500 of the cases reach the sixth level, the others grow too large before.
-constexpr double kept_of_first = 0.4, kept_of_poorest = 0.7, poorest_closure = 0.3;
+/// The smallest mean ratio among the cells that this level has made, but for those that close a child of a parent which
+/// was rebuilt: the edges of that child were new, so nobody could mark them and have it become eight. Such closures go
+/// no further, for they are taken back in their turn.
+double worst_of_judged(const mesh::DistMesh& before, const mesh::DistMesh& after) {
+  const auto& parent = after.find_cell_field("parent")->integer();
+  double worst = 1;
+  for (LocalId c = 0; c < after.n_cells(); ++c) {
+    const auto old = static_cast<LocalId>(parent[at(c)]);
+    const auto lineage = after.lineage[at(c)];
+    const bool closes_new_cell = lineage.is_closure() && lineage.level() > before.lineage[at(old)].level();
+    if (closes_new_cell || after.points(c) == before.points(old)) continue;
+    worst = std::min(worst, geometry::mean_ratio(after.points(c)));
+  }
+  return worst;
+}
+
+/// No mean ratio falls under the first part of the smallest one at first. What a level makes, closures of cells that it
+/// has made itself left out, stays above the second part of that, or of the poorest cell that closing makes on purpose.
+/// The least over the seeds of 1, 2, 3, 4, 7, 8 and 16 ranks, 7,000 cases: 0.445 and 0.758; about half of the cases
+/// reach the sixth level, the others grow too large before.
+constexpr double kept_of_first = 0.4, kept_of_poorest = 0.75, poorest_closure = 0.3;
 
 TEST(P11Quality, StaysBoundedOverSixLevelsOfRemovableFamilies) {
   const par::Comm world(MPI_COMM_WORLD), self(MPI_COMM_SELF);
   std::int64_t n_deep = 0;
+  double least = 9, least_judged = 9;
   for (const auto i : test::seeds_alone(world)) {
     auto mesh = test::scatter(self, test::random_delaunay(i), 0);
     const auto target = mesh.point(0);
     const double at_first = worst_mean_ratio(mesh);
     for (int level = 1; level <= 6 && mesh.n_cells() < 10000; ++level) {
-      mesh = adapt::refine(self, mesh, mark_near(mesh, target),
-                           {.quality_control = QualityControl::removable, .marks_field = ""})
-                 .mesh;
-      const double worst = worst_mean_ratio(mesh);
-      EXPECT_GE(worst, kept_of_first * at_first) << "mesh " << i << ", level " << level;
-      EXPECT_GE(worst, kept_of_poorest * std::min(at_first, poorest_closure)) << "mesh " << i << ", level " << level;
+      auto fine = adapt::refine(self, mesh, mark_near(mesh, target),
+                                {.quality_control = QualityControl::removable, .marks_field = ""})
+                      .mesh;
+      const double kept = worst_mean_ratio(fine) / at_first;
+      const double judged = worst_of_judged(mesh, fine) / std::min(at_first, poorest_closure);
+      EXPECT_GE(kept, kept_of_first) << "mesh " << i << ", level " << level;
+      EXPECT_GE(judged, kept_of_poorest) << "mesh " << i << ", level " << level;
+      least = std::min(least, kept);
+      least_judged = std::min(least_judged, judged);
       n_deep += level == 6 ? 1 : 0;
+      mesh = std::move(fine);
     }
   }
   EXPECT_GT(world.sum(n_deep), 0);
+  least = world.min(least);
+  least_judged = world.min(least_judged);
+  if (world.is_first()) std::printf("mean ratio kept: %.3f, of what was judged %.3f\n", least, least_judged);
 }
 
 TEST(P12Idempotence, NothingMarkedChangesNothing) {
