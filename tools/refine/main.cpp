@@ -196,7 +196,7 @@ cli::ExitCode work(cli::Session& session, const Options& options) {
   provenance += fmt::format("{}pamr-refine {} --quality-control {}{}{}", provenance.empty() ? "" : "\n", PAMR_VERSION,
                             options.quality_control, options.no_project ? " --no-project" : "",
                             options.order == "auto" ? "" : " --order " + options.order);
-  io::write_native(comm, options.output, result.mesh);
+  io::write_native(comm, options.output, result.mesh, {.fingerprint = measured.fingerprint});
   timer.lap("write");
 
   measured.steps = merge_steps(timer.steps(), result.report.steps);

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 
 #include "pamr/mesh/assemble.hpp"
@@ -24,7 +26,9 @@ struct ReadOptions {
 struct WriteOptions {
   /// Text that says where the mesh comes from (version, options that change the result, name of the case); empty: what
   /// the mesh brought with it. Nothing that differs from run to run belongs here: equal meshes give equal files.
-  std::string provenance;
+  std::string provenance = {};
+  /// `mesh::fingerprint` of the mesh where the caller has it already.
+  std::optional<std::uint64_t> fingerprint = {};
   /// Largest piece that a rank writes at once, bytes; 2^30 at most.
   std::size_t slab_bytes = std::size_t{1} << 20U;
 };

@@ -20,13 +20,16 @@ void take_own(const HeldRows& rows, par::BlockRange range, Window& result) {
   result.range = range;
   result.words.resize(static_cast<std::size_t>(range.count()) * rows.width);
   result.missing = range.count();
-  auto next = range.begin;
   const auto begin = std::lower_bound(rows.id.begin(), rows.id.end(), range.begin);
-  for (auto i = static_cast<std::size_t>(begin - rows.id.begin()); i < rows.id.size() && rows.id[i] < range.end; ++i) {
-    if (rows.id[i] < next) continue;  // there already
-    next = rows.id[i] + 1;
-    rows.fill(i, result.words.data() + static_cast<std::size_t>(rows.id[i] - range.begin) * rows.width);
-    --result.missing;
+  const auto end = std::lower_bound(begin, rows.id.end(), range.end);
+  for (auto first = begin; first != end;) {  // rows whose numbers follow one another in one go
+    auto last = first + 1;
+    while (last != end && *last == *first + (last - first)) ++last;
+    const auto n = static_cast<std::size_t>(last - first);
+    rows.fill(static_cast<std::size_t>(first - rows.id.begin()), n,
+              result.words.data() + static_cast<std::size_t>(*first - range.begin) * rows.width);
+    result.missing -= last - first;
+    first = std::find_if(last, end, [&](GlobalId id) { return id > *(last - 1); });  // what is there already
   }
 }
 
@@ -47,7 +50,7 @@ void collect(const par::Comm& comm, const HeldRows& rows, GlobalId step, GlobalI
     if (rank == comm.rank()) {
       for (std::size_t i = first; i < first + count; ++i) {
         const auto at = static_cast<std::size_t>(rows.id[i] - wanted.begin);
-        rows.fill(i, result.words.data() + at * width);
+        rows.fill(i, 1, result.words.data() + at * width);
         is_here[at] = 1;
       }
       continue;
@@ -57,7 +60,7 @@ void collect(const par::Comm& comm, const HeldRows& rows, GlobalId step, GlobalI
     auto* to = messages.back().item.data();
     for (std::size_t i = first; i < first + count; ++i, to += width + 1) {
       *to = static_cast<std::uint64_t>(rows.id[i]);
-      rows.fill(i, to + 1);
+      rows.fill(i, 1, to + 1);
     }
   }
   const auto received = comm.sparse_exchange(messages);

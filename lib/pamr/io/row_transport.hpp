@@ -17,8 +17,8 @@ struct HeldRows {
   std::span<const GlobalId> id;  ///< of the rows held, ascending
   /// First id of the run of rows that each rank writes, and the end of the last run; empty: canonical blocks.
   std::span<const GlobalId> run;
-  /// Writes the `width` words of held row `i`.
-  std::function<void(std::size_t i, std::uint64_t* to)> fill;
+  /// Writes the words of the `n` held rows from the `first` on, row after row.
+  std::function<void(std::size_t first, std::size_t n, std::uint64_t* to)> fill;
 };
 
 /// True when each rank writes the rows that it holds: nothing travels.

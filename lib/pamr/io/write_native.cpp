@@ -26,7 +26,7 @@ constexpr std::size_t piece_bytes = std::size_t{256} << 10U;
 /// Stores the words as values of type T; false when one does not fit. Reals are rounded, and their words with them.
 template <class T>
 bool store(std::span<std::uint64_t> words, std::vector<std::byte>& raw) {
-  raw.resize(std::max<std::size_t>(1, words.size() * sizeof(T)));
+  raw.resize(std::max(raw.size(), words.size() * sizeof(T)));
   bool fits = true;
   for (std::size_t i = 0; i < words.size(); ++i) {
     T value;
@@ -35,40 +35,39 @@ bool store(std::span<std::uint64_t> words, std::vector<std::byte>& raw) {
       words[i] = std::bit_cast<std::uint64_t>(static_cast<double>(value));
     } else {
       value = static_cast<T>(words[i]);
-      if constexpr (std::is_same_v<T, std::uint64_t>)
-        fits = fits && words[i] >> 63U == 0;
-      else
-        fits = fits && static_cast<std::int64_t>(value) == static_cast<std::int64_t>(words[i]);
+      fits = fits && static_cast<std::int64_t>(value) == static_cast<std::int64_t>(words[i]);
     }
     std::memcpy(raw.data() + i * sizeof(T), &value, sizeof(T));
   }
   return fits;
 }
 
-bool store(StorageType type, std::span<std::uint64_t> words, std::vector<std::byte>& raw) {
+/// The words as HDF5 takes them from memory: as they are or, of other types, in `raw`. Null when one does not fit.
+const void* store(StorageType type, std::span<std::uint64_t> words, std::vector<std::byte>& raw) {
+  const auto stored = [&](bool fits) { return fits ? raw.data() : nullptr; };
   switch (type) {
     case StorageType::float64:
-      return store<double>(words, raw);
-    case StorageType::float32:
-      return store<float>(words, raw);
     case StorageType::int64:
-      return store<std::int64_t>(words, raw);
-    case StorageType::int32:
-      return store<std::int32_t>(words, raw);
-    case StorageType::int16:
-      return store<std::int16_t>(words, raw);
-    case StorageType::int8:
-      return store<std::int8_t>(words, raw);
+      return words.data();
     case StorageType::uint64:
-      return store<std::uint64_t>(words, raw);
+      return std::any_of(words.begin(), words.end(), [](auto word) { return word >> 63U != 0; }) ? nullptr
+                                                                                                 : words.data();
+    case StorageType::float32:
+      return stored(store<float>(words, raw));
+    case StorageType::int32:
+      return stored(store<std::int32_t>(words, raw));
+    case StorageType::int16:
+      return stored(store<std::int16_t>(words, raw));
+    case StorageType::int8:
+      return stored(store<std::int8_t>(words, raw));
     case StorageType::uint32:
-      return store<std::uint32_t>(words, raw);
+      return stored(store<std::uint32_t>(words, raw));
     case StorageType::uint16:
-      return store<std::uint16_t>(words, raw);
+      return stored(store<std::uint16_t>(words, raw));
     case StorageType::uint8:
-      return store<std::uint8_t>(words, raw);
+      return stored(store<std::uint8_t>(words, raw));
   }
-  return false;
+  return nullptr;
 }
 
 class Writer {
@@ -103,7 +102,10 @@ class Writer {
   void write_attributes() const;
   void reserve() const;
   void fill();
-  Checksum write_array(const ArrayPlan& plan, hid_t dataset);
+  bool is_local(const ArrayPlan& plan) const { return plan.formula || stays(plan.rows); }
+  GlobalId rows_in(std::size_t bytes, const ArrayPlan& plan) const;
+  void write_local(const ArrayPlan& plan, hid_t dataset, Checksum& checksum);
+  void write_travelling(const ArrayPlan& plan, hid_t dataset, Checksum& checksum);
   void evaluate(const ArrayPlan& plan, par::BlockRange range);
   void write_window(const ArrayPlan& plan, hid_t dataset, Checksum& checksum);
   void write_text(const TextPlan& plan, hid_t dataset) const;
@@ -123,7 +125,8 @@ class Writer {
 };
 
 void Writer::run() {
-  fingerprint_ = std::bit_cast<std::int64_t>(mesh::fingerprint(*comm_, *mesh_));
+  fingerprint_ =
+      std::bit_cast<std::int64_t>(options_.fingerprint ? *options_.fingerprint : mesh::fingerprint(*comm_, *mesh_));
   try {
     make_room();
     create();
@@ -278,7 +281,13 @@ void Writer::reserve() const {
 
 void Writer::fill() {
   std::vector<Checksum> checksums;
-  for (std::size_t i = 0; i < arrays_.size(); ++i) checksums.push_back(write_array(plan_.arrays[i], arrays_[i].id()));
+  for (const auto& plan : plan_.arrays) checksums.emplace_back(plan.has_checksum ? plan.shape.rows : 0);
+  for (std::size_t i = 0; i < arrays_.size(); ++i)
+    if (!is_local(plan_.arrays[i])) write_travelling(plan_.arrays[i], arrays_[i].id(), checksums[i]);
+  par::agree(*comm_, [&] {
+    for (std::size_t i = 0; i < arrays_.size(); ++i)
+      if (is_local(plan_.arrays[i])) write_local(plan_.arrays[i], arrays_[i].id(), checksums[i]);
+  });
   const auto values = Checksum::results(*comm_, checksums);
   par::agree(*comm_, [&] {
     const par::Comm::Waiting waiting(*comm_, par::Comm::Waiting::In::library);
@@ -295,46 +304,43 @@ void Writer::fill() {
   });
 }
 
-/// Writes a dataset; returns the checksum of this rank's part. Rows that stay are written in short pieces, which never
-/// leave the processor's cache; others travel slab by slab.
-Checksum Writer::write_array(const ArrayPlan& plan, hid_t dataset) {
-  const auto& rows = plan.rows;
-  Checksum checksum(plan.has_checksum ? plan.shape.rows : 0);
-  const auto slab_of = [&](std::size_t bytes) {
-    return std::max<GlobalId>(1, static_cast<GlobalId>(bytes / (8 * rows.width)));
-  };
-  if (plan.formula || stays(rows)) {
-    const auto piece = slab_of(std::min(options_.slab_bytes, piece_bytes));
-    const auto own = rows_written(rows, comm_->rank(), comm_->size());
-    par::agree(*comm_, [&] {
-      for (auto begin = own.begin; begin < own.end; begin += piece) {
-        const par::BlockRange range{begin, std::min(begin + piece, own.end)};
-        if (plan.formula)
-          evaluate(plan, range);
-        else
-          take_own(rows, range, window_);
-        write_window(plan, dataset, checksum);
-      }
-    });
-    return checksum;
+/// Rows of which the words take so much memory.
+GlobalId Writer::rows_in(std::size_t bytes, const ArrayPlan& plan) const {
+  return std::max<GlobalId>(1, static_cast<GlobalId>(bytes / (8 * plan.rows.width)));
+}
+
+/// Writes rows that stay, in short pieces, which never leave the processor's cache. Local.
+void Writer::write_local(const ArrayPlan& plan, hid_t dataset, Checksum& checksum) {
+  const auto piece = rows_in(std::min(options_.slab_bytes, piece_bytes), plan);
+  const auto own = rows_written(plan.rows, comm_->rank(), comm_->size());
+  for (auto begin = own.begin; begin < own.end; begin += piece) {
+    const par::BlockRange range{begin, std::min(begin + piece, own.end)};
+    if (plan.formula)
+      evaluate(plan, range);
+    else
+      take_own(plan.rows, range, window_);
+    write_window(plan, dataset, checksum);
   }
-  const auto slab = slab_of(options_.slab_bytes);
+}
+
+/// Writes rows that travel, slab by slab. Collective.
+void Writer::write_travelling(const ArrayPlan& plan, hid_t dataset, Checksum& checksum) {
+  const auto slab = rows_in(options_.slab_bytes, plan);
   GlobalId most_rows = 0;
   for (Rank rank = 0; rank < comm_->size(); ++rank)
-    most_rows = std::max(most_rows, rows_written(rows, rank, comm_->size()).count());
+    most_rows = std::max(most_rows, rows_written(plan.rows, rank, comm_->size()).count());
   const auto n_steps = (most_rows + slab - 1) / slab;
   for (GlobalId step = 0; step < n_steps; ++step) {
-    collect(*comm_, rows, step, slab, window_);
+    collect(*comm_, plan.rows, step, slab, window_);
     par::agree(*comm_, [&] { write_window(plan, dataset, checksum); });
   }
-  return checksum;
 }
 
 void Writer::evaluate(const ArrayPlan& plan, par::BlockRange range) {
   window_.range = range;
   window_.missing = 0;
-  window_.words.clear();
-  for (auto row = range.begin; row < range.end; ++row) window_.words.push_back(plan.formula(row));
+  window_.words.resize(static_cast<std::size_t>(range.count()));
+  plan.formula(range.begin, window_.words);
 }
 
 /// Writes the rows of the window and adds them to the checksum. Local.
@@ -342,7 +348,9 @@ void Writer::write_window(const ArrayPlan& plan, hid_t dataset, Checksum& checks
   if (window_.missing > 0)
     throw Error(at(plan.path, "expected every row on some rank, found " + std::to_string(window_.missing) +
                                   " rows from number " + std::to_string(window_.range.begin) + " on that no rank has"));
-  if (!store(plan.type, window_.words, raw_))
+  if (window_.words.empty()) return;
+  const auto* values = store(plan.type, window_.words, raw_);
+  if (values == nullptr)
     throw Error(at(plan.path, "expected values that fit " + hdf5::to_text(plan.type) + ", found others"));
   // A held row may stand for several rows of a flat dataset (the four entries of a cell in Connectivity).
   const auto file_rows = plan.rows.all.n == 0 ? 1 : plan.shape.rows / plan.rows.all.n;
@@ -350,7 +358,7 @@ void Writer::write_window(const ArrayPlan& plan, hid_t dataset, Checksum& checks
   if (plan.has_checksum) checksum.add(first, static_cast<std::size_t>(plan.shape.width), window_.words);
   const bool done = comm_->in_library([&] {
     return hdf5::write_rows(dataset, plan.shape, first, window_.range.count() * file_rows, hdf5::memory_type(plan.type),
-                            raw_.data(), transfer_.id());
+                            values, transfer_.id());
   });
   hdf5::require(done, at(plan.path, "cannot write it"));
 }

@@ -5,6 +5,7 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <numeric>
 #include <set>
@@ -36,7 +37,33 @@ std::size_t n_values(const mesh::Field& field) {
   return std::visit([](const auto& values) { return values.size(); }, field.value);
 }
 
+/// `HeldRows::fill` from what writes one row: `fill_row(i, to)`.
+template <class FillRow>
+auto row_by_row(std::size_t width, FillRow fill_row) {
+  return [width, fill_row](std::size_t first, std::size_t n, std::uint64_t* to) {
+    for (auto i = first; i < first + n; ++i, to += width) fill_row(i, to);
+  };
+}
+
+/// `ArrayPlan::formula` from what gives one value.
+template <class ValueOf>
+auto value_by_value(ValueOf value_of) {
+  return [value_of](GlobalId row, std::span<std::uint64_t> values) {
+    for (auto& value : values) value = value_of(row++);
+  };
+}
+
 }  // namespace
+
+template <class FillRow>
+HeldRows WritePlan::cell_rows(std::size_t width, FillRow fill_row) const {
+  return {mesh_->info.cell_ids(), width, mesh_->cell_global, cell_run_, row_by_row(width, fill_row)};
+}
+
+template <class FillRow>
+HeldRows WritePlan::node_rows(std::size_t width, FillRow fill_row) const {
+  return {mesh_->info.node_ids(), width, node_id_, {}, row_by_row(width, fill_row)};
+}
 
 WritePlan::WritePlan(const par::Comm& comm, const mesh::DistMesh& mesh, const std::string& provenance)
     : mesh_(&mesh), cell_run_(mesh::cell_runs(comm, mesh)) {
@@ -59,14 +86,6 @@ WritePlan::WritePlan(const par::Comm& comm, const mesh::DistMesh& mesh, const st
     for (const auto& line : text.texts) data_bytes += line.size();
 }
 
-HeldRows WritePlan::cell_rows(std::size_t width, std::function<void(std::size_t, std::uint64_t*)> fill) const {
-  return {mesh_->info.cell_ids(), width, mesh_->cell_global, cell_run_, std::move(fill)};
-}
-
-HeldRows WritePlan::node_rows(std::size_t width, std::function<void(std::size_t, std::uint64_t*)> fill) const {
-  return {mesh_->info.node_ids(), width, node_id_, {}, std::move(fill)};
-}
-
 void WritePlan::add_mesh() {
   const auto& m = *mesh_;
   const auto n_cells = m.info.n_global_cells, n_nodes = m.info.n_global_nodes;
@@ -75,7 +94,7 @@ void WritePlan::add_mesh() {
                       StorageType::int64,
                       {1, 1, true},
                       {1, 1, {}, {}, {}},
-                      [value](GlobalId) { return word_of(value); },
+                      value_by_value([value](GlobalId) { return word_of(value); }),
                       false,
                       ""});
   };
@@ -110,14 +129,14 @@ void WritePlan::add_mesh() {
                     StorageType::int64,
                     {n_cells + 1, 1, true},
                     {n_cells + 1, 1, {}, {}, {}},
-                    [](GlobalId row) { return word_of(4 * row); },
+                    value_by_value([](GlobalId row) { return word_of(4 * row); }),
                     false,
                     ""});
   arrays.push_back({path::types,
                     StorageType::uint8,
                     {n_cells, 1, true},
                     {n_cells, 1, {}, {}, {}},
-                    [](GlobalId) { return word_of(tetrahedron); },
+                    value_by_value([](GlobalId) { return word_of(tetrahedron); }),
                     false,
                     ""});
   arrays.push_back({path::cell_to_cell,
@@ -148,13 +167,16 @@ void WritePlan::add_field(const mesh::Field& field, bool on_cells) {
   const auto n_rows = on_cells ? mesh_->cell_global.size() : mesh_->node_global.size();
   PAMR_EXPECTS(field.n_components >= 1 && n_values(field) == n_rows * width);
   PAMR_EXPECTS(field.holds_integers() == mesh::is_integer(field.storage));
-  const auto fill = [this, &field, width, on_cells](std::size_t i, std::uint64_t* to) {
-    const auto row = on_cells ? i : node_order_[i];
-    for (std::size_t k = 0; k < width; ++k)
-      to[k] = field.holds_integers() ? word_of(field.integer()[row * width + k])
-                                     : std::bit_cast<std::uint64_t>(field.real()[row * width + k]);
-  };
-  auto rows = on_cells ? cell_rows(width, fill) : node_rows(width, fill);
+  auto rows = std::visit(
+      [&](const auto& values) {
+        const auto copy_row = [&values, width](std::size_t row, std::uint64_t* to) {
+          static_assert(sizeof values[0] == sizeof *to);
+          std::memcpy(to, values.data() + row * width, width * sizeof *to);
+        };
+        if (on_cells) return cell_rows(width, copy_row);
+        return node_rows(width, [this, copy_row](std::size_t i, std::uint64_t* to) { copy_row(node_order_[i], to); });
+      },
+      field.value);
   const auto path = std::string(on_cells ? path::cell_data : path::point_data) + "/" + field.name;
   arrays.push_back(
       {path, field.storage, {rows.all.n, field.n_components, width == 1}, std::move(rows), {}, true, field.unit});
@@ -169,10 +191,10 @@ void WritePlan::add_triangulation(const par::Comm& comm, const geometry::Triangu
     const auto range = par::block_range(all, comm.rank(), comm.size());
     auto& ids = row_id_.emplace_back(static_cast<std::size_t>(range.count()));
     std::iota(ids.begin(), ids.end(), range.begin);
-    HeldRows rows{all, 3, ids, {}, [fill, &ids](std::size_t i, std::uint64_t* to) {
+    HeldRows rows{all, 3, ids, {}, row_by_row(3, [fill, &ids](std::size_t i, std::uint64_t* to) {
                     const auto row = fill(static_cast<std::size_t>(ids[i]));
                     std::copy(row.begin(), row.end(), to);
-                  }};
+                  })};
     arrays.push_back({group + name, type, {all, 3, false}, std::move(rows), {}, true, ""});
   };
   add("/points", StorageType::float64, surface.points.size(), [&surface](std::size_t i) {
@@ -190,13 +212,14 @@ void WritePlan::add_regions() {
   const auto& regions = mesh_->info.regions;
   const auto n = std::ssize(regions);
   groups.emplace_back(path::regions);
-  arrays.push_back({path::region_numbers,
-                    StorageType::int64,
-                    {n, 1, true},
-                    {n, 1, {}, {}, {}},
-                    [&regions](GlobalId row) { return word_of(regions[static_cast<std::size_t>(row)].number); },
-                    true,
-                    ""});
+  arrays.push_back(
+      {path::region_numbers,
+       StorageType::int64,
+       {n, 1, true},
+       {n, 1, {}, {}, {}},
+       value_by_value([&regions](GlobalId row) { return word_of(regions[static_cast<std::size_t>(row)].number); }),
+       true,
+       ""});
   TextPlan names{path::region_names, {}, true};
   for (const auto& region : regions) names.texts.push_back(region.name);
   texts.push_back(std::move(names));

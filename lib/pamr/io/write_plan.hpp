@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <deque>
 #include <functional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -21,8 +22,8 @@ struct ArrayPlan {
   hdf5::Shape shape;
   /// Its rows on this rank; one of them may stand for several rows of a flat dataset.
   HeldRows rows;
-  /// Set instead of `rows.fill` where a row's one value follows from its number.
-  std::function<std::uint64_t(GlobalId row)> formula;
+  /// Set instead of `rows.fill` where a row's one value follows from its number: writes those from `first` on.
+  std::function<void(GlobalId first, std::span<std::uint64_t> values)> formula;
   bool has_checksum = true;
   std::string unit;
 };
@@ -56,8 +57,10 @@ struct WritePlan {
   void add_regions();
   void add_texts(const std::string& provenance);
   void add_triangulation(const par::Comm& comm, const geometry::Triangulation& surface);
-  HeldRows cell_rows(std::size_t width, std::function<void(std::size_t, std::uint64_t*)> fill) const;
-  HeldRows node_rows(std::size_t width, std::function<void(std::size_t, std::uint64_t*)> fill) const;
+  template <class FillRow>
+  HeldRows cell_rows(std::size_t width, FillRow fill_row) const;
+  template <class FillRow>
+  HeldRows node_rows(std::size_t width, FillRow fill_row) const;
 
   const mesh::DistMesh* mesh_;
   std::vector<GlobalId> cell_run_;            ///< as `mesh::cell_runs` has it

@@ -41,9 +41,11 @@ TEST(Windows, AreFilledFromRowsWithNumbersBeyond32Bits) {
   const par::Comm comm(MPI_COMM_WORLD);
   std::vector<GlobalId> ids;  // dealt round the ranks
   for (GlobalId row = comm.rank(); row < 50; row += comm.size()) ids.push_back(two_to_33 + row);
-  const io::HeldRows rows{{50, two_to_33}, 2, ids, {}, [&](std::size_t i, std::uint64_t* to) {
-                            to[0] = static_cast<std::uint64_t>(ids[i]);
-                            to[1] = 7;
+  const io::HeldRows rows{{50, two_to_33}, 2, ids, {}, [&](std::size_t first, std::size_t n, std::uint64_t* to) {
+                            for (auto i = first; i < first + n; ++i, to += 2) {
+                              to[0] = static_cast<std::uint64_t>(ids[i]);
+                              to[1] = 7;
+                            }
                           }};
 
   io::Window window;
@@ -55,6 +57,21 @@ TEST(Windows, AreFilledFromRowsWithNumbersBeyond32Bits) {
     EXPECT_EQ(static_cast<GlobalId>(window.words[i]), window.range.begin + static_cast<GlobalId>(i / 2));
     EXPECT_EQ(window.words[i + 1], 7U);
   }
+}
+
+TEST(Windows, TakeOwnRowsOnceAndCountThoseThatAreMissing) {
+  const std::vector<GlobalId> ids{9, 10, 11, 11, 13, 14, 14, 20};
+  const std::vector<GlobalId> run{10, 16};
+  const io::HeldRows rows{{30, 0}, 1, ids, run, [&](std::size_t first, std::size_t n, std::uint64_t* to) {
+                            for (std::size_t i = 0; i < n; ++i) to[i] = static_cast<std::uint64_t>(ids[first + i]);
+                          }};
+
+  io::Window window;
+  io::take_own(rows, {10, 16}, window);
+
+  EXPECT_EQ(window.missing, 2);  // 12 and 15
+  ASSERT_EQ(window.words.size(), 6U);
+  for (const std::size_t row : {0U, 1U, 3U, 4U}) EXPECT_EQ(window.words[row], 10 + row);
 }
 
 TEST(Extents, ReachRowsBeyond2To33OfASparseFile) {
