@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """pamr-partition from the command line: the parts it writes against what it reports, families, weights, bad input."""
+import os
+
 import h5py
 import numpy as np
 
@@ -106,6 +108,27 @@ def test_a_cell_field_may_weigh():
     assert report["imbalance_after"] <= 1.05
 
 
+def test_pamr_refine_makes_the_same_mesh_whatever_cells_weigh():
+    kuhn_cube("a.hdf", 5)
+    run("pamr-mark", "a.hdf", "-o", "b.hdf", "--box", "0,0,0,1,1,0.3", "--quiet")
+    add_cell_field("b.hdf", "particles", 0.5 + np.random.default_rng(2).random(750))
+    cuts = set()
+    for weights, method in (("exact", "scotch"), ("8/1", "scotch"), ("uniform", "blocks"), ("particles", "scotch"),
+                            ("particles", "blocks")):
+        report = run("pamr-refine", "b.hdf", "-o", "fine.hdf", "--force", "--weights", weights, "--balance", method,
+                     "--json", "-").json
+        balance = report["balance"]
+        assert {"edge_cut_before", "edge_cut_after", "moved_cells", "neighbours_max_before", "neighbours_max_after",
+                "imbalance_before", "imbalance_after"} <= set(balance)
+        if weights == "exact":
+            os.rename("fine.hdf", "first.hdf")
+            assert balance["imbalance_after"] <= 1.05
+        else:
+            assert same_bytes("first.hdf", "fine.hdf"), (weights, method)
+        cuts.add((balance["edge_cut_after"], balance["moved_cells"], balance["imbalance_after"]))
+    assert len(cuts) == (5 if RANKS > 1 else 1), cuts  # each was heeded
+
+
 def test_more_parts_than_cells_leave_parts_empty():
     kuhn_cube("a.hdf", 1)
     for method in ("scotch", "blocks"):
@@ -141,10 +164,14 @@ def test_bad_input_is_refused_in_one_line():
     add_cell_field("a.hdf", "nan", np.where(np.arange(48) == 5, np.nan, 1.0))
     add_cell_field("a.hdf", "vector", np.ones((48, 3)))
     add_cell_field("a.hdf", "refine", np.where(np.arange(48) == 5, 2, 0))
+    add_cell_field("a.hdf", "marks", np.where(np.arange(48) == 5, 1, 0))
     for field, words in (("negative", ["'negative'", "at least 0", "-2", "cell 17"]), ("nan", ["nan", "cell 5"]),
                          ("nothing", ["found 0 in all the 48 cells"]), ("vector", ["one component", "3"]),
                          ("missing", ["'missing'", "a.hdf"]), ("refine", ["refine", "cell 5"])):
         refuses("pamr-partition", "a.hdf", "-o", "b.hdf", "-p", 2, "--weights", field, says=words, creates="b.hdf")
+        if field != "refine":
+            refuses("pamr-refine", "a.hdf", "-o", "b.hdf", "--marks", "marks", "--weights", field, says=words,
+                    creates="b.hdf")
     refuses("pamr-partition", "a.hdf", "-o", "b.hdf", "-p", 0, creates="b.hdf")
     refuses("pamr-partition", "a.hdf", "-o", "b.hdf", creates="b.hdf")
     refuses("pamr-partition", "a.hdf", "-o", "b.hdf", "-p", 2, "--method", "metis", creates="b.hdf")
