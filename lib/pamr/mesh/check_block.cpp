@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
+#include <array>
+#include <numeric>
 #include <string>
 
 #include "pamr/base/error.hpp"
@@ -104,15 +106,14 @@ std::uint64_t fold(std::uint64_t seed, const std::vector<Field>& fields) {
   return combine(seed, fields.size());
 }
 
-/// Fields and counts travel between ranks by position, so their description must be the same on all.
-void check_same_everywhere(const par::Comm& comm, const BlockMesh& block) {
+/// Fields and counts travel between ranks by position, so their description must be the same on all: a number that
+/// says whether it is, 0 or more.
+std::int64_t description_of(const BlockMesh& block) {
   auto hash = combine(static_cast<std::uint64_t>(block.info.n_global_nodes),
                       static_cast<std::uint64_t>(block.info.n_global_cells));
   hash = combine(hash, static_cast<std::uint64_t>(block.info.first_id));
   hash = fold(fold(combine(hash, block.info.patches.size()), block.cell_fields), block.node_fields);
-  const auto word = static_cast<std::int64_t>(hash >> 1U);
-  if (comm.min(word) != comm.max(word))
-    throw Error("mesh: expected the same counts, patches and fields on every rank, found different ones");
+  return static_cast<std::int64_t>(hash >> 1U);
 }
 
 /// What the rank that holds the first member of a closure family tells those that hold the rest of it.
@@ -186,14 +187,20 @@ void check_families(const FamilyContext& here, std::span<const Announcement> ann
 }  // namespace
 
 Contents check_block(const par::Comm& comm, const BlockMesh& block, std::span<const Rank> destination) {
-  const auto contents = Contents{.has_neighbours = comm.any(!block.cell_to_cell.empty()),
-                                 .has_lineage = comm.any(!block.lineage.empty()),
-                                 .has_destinations = comm.any(!destination.empty())};
   const auto n = static_cast<GlobalId>(block.cell_to_node.size());
-  const auto first_cell = block.info.first_id + comm.exclusive_sum(n);
-  const auto n_cells = comm.sum(n);
+  const auto description = description_of(block);
+  std::array<std::int64_t, 5> most{block.cell_to_cell.empty() ? 0 : 1, block.lineage.empty() ? 0 : 1,
+                                   destination.empty() ? 0 : 1, description, -description};
+  comm.max_in_place(most);
+  const auto contents =
+      Contents{.has_neighbours = most[0] != 0, .has_lineage = most[1] != 0, .has_destinations = most[2] != 0};
+  const auto count = comm.all_gather(n);
+  const auto first_cell =
+      block.info.first_id + std::accumulate(count.begin(), count.begin() + comm.rank(), GlobalId{0});
+  const auto n_cells = std::accumulate(count.begin(), count.end(), GlobalId{0});
   const auto nodes = par::block_range(block.info.n_global_nodes, comm.rank(), comm.size());
-  check_same_everywhere(comm, block);
+  if (most[3] != -most[4])
+    throw Error("mesh: expected the same counts, patches and fields on every rank, found different ones");
   require_local_size(comm, n, "mesh");
   par::agree(comm, [&] {
     check_sizes(block, destination, contents, first_cell, n_cells, nodes, comm.rank());
@@ -215,9 +222,10 @@ std::vector<Rank> family_destinations(const par::Comm& comm, const BlockMesh& bl
   if (!contents.has_destinations) to.assign(static_cast<std::size_t>(n), comm.rank());
   if (!contents.has_lineage) return to;
 
-  const auto begin = block.info.first_id + comm.exclusive_sum(n);
+  auto starts = comm.all_gather(n);
+  std::exclusive_scan(starts.begin(), starts.end(), starts.begin(), block.info.first_id);
+  const auto begin = starts[static_cast<std::size_t>(comm.rank())];
   const FamilyContext here{&block, begin, begin + n};
-  const auto starts = comm.all_gather(begin);
   const auto announced = comm.sparse_exchange(announce(here, starts, to, block.info.cell_ids().end()));
   par::agree(comm, [&] { check_families(here, announced.item, block.info.cell_ids().end()); });
 

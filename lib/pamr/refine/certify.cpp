@@ -2,6 +2,7 @@
 #include "pamr/refine/certify.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <string>
 
@@ -78,10 +79,10 @@ class BackOff {
         }
       if (!can_yield && trouble.empty()) trouble = describe(fine_, c);
     }
+    if (!comm_.any(!all_positive)) return true;
     par::agree(comm_, [&] {
       if (!trouble.empty()) throw Error(trouble);
     });
-    if (!comm_.any(!all_positive)) return true;
     share(wanted);
     for (std::size_t i = 0; i < step_.size(); ++i)
       if (wanted[i] != step_[i]) {
@@ -150,9 +151,11 @@ Certificate certify(const par::Comm& comm, mesh::DistMesh& fine, const par::Patt
   }
   std::sort(certificate.ledger.begin(), certificate.ledger.end(),
             [](const OffSurface& a, const OffSurface& b) { return a.node < b.node; });
-  certificate.n_off_surface = comm.sum(n_off);
-  certificate.n_moved = comm.sum(n_moved);
-  certificate.n_cells_checked = comm.sum(static_cast<std::int64_t>(cells.size()));
+  std::array<std::int64_t, 3> sum{n_off, n_moved, static_cast<std::int64_t>(cells.size())};
+  comm.sum_in_place(sum);
+  certificate.n_off_surface = sum[0];
+  certificate.n_moved = sum[1];
+  certificate.n_cells_checked = sum[2];
   return certificate;
 }
 

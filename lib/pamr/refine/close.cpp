@@ -167,9 +167,6 @@ Closure close(const par::Comm& comm, const mesh::DistMesh& mesh, const mesh::Bor
               std::span<const std::uint8_t> flags, QualityControl policy) {
   PAMR_EXPECTS(flags.size() == at(mesh.n_cells()));
   Closure closure;
-  for (const auto flag : flags) closure.n_marked += flag != 0 ? 1 : 0;
-  closure.n_marked = comm.sum(closure.n_marked);
-
   std::vector<std::uint8_t> kept;
   const Halves halves(mesh);
   // All families without partner are kept before anything is marked, those that nobody will hit as well: they keep
@@ -199,8 +196,13 @@ Closure close(const par::Comm& comm, const mesh::DistMesh& mesh, const mesh::Bor
   }
   // With no family kept none is split while it is whole; what is made at a halved face is a whole family on both sides.
   closure.halves_are_paired = policy == QualityControl::removable && kept.empty();
-  closure.families_kept = comm.sum(count_kept_and_hit(mesh, kept, closure.marks));
-  closure.families_rebuilt = comm.sum(static_cast<std::int64_t>(closure.rebuilt.size()));
+  std::array<std::int64_t, 3> sum{std::count_if(flags.begin(), flags.end(), [](auto flag) { return flag != 0; }),
+                                  count_kept_and_hit(mesh, kept, closure.marks),
+                                  static_cast<std::int64_t>(closure.rebuilt.size())};
+  comm.sum_in_place(sum);
+  closure.n_marked = sum[0];
+  closure.families_kept = sum[1];
+  closure.families_rebuilt = sum[2];
   closure.action.assign(at(mesh.n_cells()), Action::split);
   for (const auto& family : closure.rebuilt) {
     closure.action[at(family.first)] = Action::rebuild;
