@@ -29,7 +29,7 @@ class Linker {
     }
   }
 
-  /// New faces on the rank border and the rank on their other side.
+  /// New faces on the rank border.
   const std::vector<BorderFace>& border() const { return border_; }
 
  private:
@@ -56,14 +56,13 @@ class Linker {
       if (closure_.action[at(next)] == Action::split) link_by_table(c, next, child_at, slot_at, first);
       return;
     }
-    const Rank rank = next >= 0 ? rank_of_ghost(old_, next) : -1;
     for (int place = 0; place < n_places; ++place) {
       if (child_at[at(place)] < 0) continue;
       const mesh::CellFace mine{first + child_at[at(place)], slot_at[at(place)]};
       if (next < 0)
         set(mine, next);
       else
-        border_.push_back({mine, rank});
+        border_.push_back({mine, next - old_.n_cells()});
     }
   }
 
@@ -99,7 +98,7 @@ void relink(const par::Comm& comm, const mesh::DistMesh& old, const Closure& clo
             const Children& children, mesh::DistMesh& fine) {
   Linker linker(old, closure, numbering, children, fine);
   linker.link_all();
-  link_border(comm, linker.border(), fine);
+  link_border(comm, old, linker.border(), fine);
 }
 
 }  // namespace pamr::refine

@@ -2,11 +2,10 @@
 #include "pamr/refine/relink_border.hpp"
 
 #include <algorithm>
-#include <array>
 
 #include "pamr/base/contract.hpp"
-#include "pamr/mesh/sorted_order.hpp"
-#include "pamr/mesh/tet.hpp"
+#include "pamr/base/hash.hpp"
+#include "pamr/mesh/face_groups.hpp"
 
 namespace pamr::refine {
 
@@ -16,65 +15,69 @@ constexpr std::size_t at(std::int64_t i) { return static_cast<std::size_t>(i); }
 
 /// A border face as both sides know it.
 struct Record {
-  par::SharedKey node;  ///< ascending
+  std::uint64_t name;  ///< of its nodes, whatever their order
   GlobalId cell;
 };
 
-par::SharedKey nodes_of(const mesh::DistMesh& mesh, mesh::CellFace face) {
-  std::array<GlobalId, 3> id{};
-  for (std::size_t i = 0; i < 3; ++i) {
-    const auto corner = mesh::tet::face_to_corner[at(face.slot)][i];
-    id[i] = mesh.node_global[at(mesh.cell_to_node[at(face.cell)][at(corner)])];
-  }
-  const auto least = std::min({id[0], id[1], id[2]}), most = std::max({id[0], id[1], id[2]});
-  return {least, id[0] ^ id[1] ^ id[2] ^ least ^ most, most};
+/// A border face of this side.
+struct Part {
+  mesh::CellFace face;
+  std::uint64_t name = 0;
+};
+
+std::uint64_t name_of(const mesh::DistMesh& mesh, mesh::CellFace face) {
+  std::uint64_t sum = 0;
+  for (const auto corner : mesh::tet::face_to_corner[at(face.slot)])
+    sum += mix(static_cast<std::uint64_t>(mesh.node_global[at(mesh.cell_to_node[at(face.cell)][at(corner)])]));
+  return sum;
+}
+
+/// The faces by old border face, the parts of one by their names. `end[k]`: where those of old face `k` end.
+std::vector<Part> in_order(const std::vector<BorderFace>& faces, const mesh::DistMesh& fine,
+                           std::vector<std::size_t>& end) {
+  for (const auto& face : faces) ++end[at(face.old_face) + 1];
+  for (std::size_t k = 1; k < end.size(); ++k) end[k] += end[k - 1];
+  std::vector<Part> parts(faces.size());
+  for (const auto& face : faces) parts[end[at(face.old_face)]++] = {face.face, name_of(fine, face.face)};
+  const auto comes_first = [&](const Part& a, const Part& b) {
+    return a.name != b.name ? a.name < b.name : mesh::face_key(fine, a.face) < mesh::face_key(fine, b.face);
+  };
+  for (std::size_t k = 0, begin = 0; k + 1 < end.size(); begin = end[k++])
+    if (end[k] - begin > 1)
+      std::sort(parts.begin() + static_cast<std::ptrdiff_t>(begin), parts.begin() + static_cast<std::ptrdiff_t>(end[k]),
+                comes_first);
+  return parts;
 }
 
 }  // namespace
 
-Rank rank_of_ghost(const mesh::DistMesh& mesh, LocalId slot) {
-  const auto k = at(slot - mesh.n_cells());
-  const auto next = std::upper_bound(mesh.border_offset.begin(), mesh.border_offset.end(), k);
-  return mesh.border_rank[at(next - mesh.border_offset.begin() - 1)];
-}
+void link_border(const par::Comm& comm, const mesh::DistMesh& old, const std::vector<BorderFace>& faces,
+                 mesh::DistMesh& fine) {
+  std::vector<std::size_t> end(old.border_face.size() + 1, 0);
+  const auto parts = in_order(faces, fine, end);
 
-void link_border(const par::Comm& comm, const std::vector<BorderFace>& faces, mesh::DistMesh& fine) {
-  std::vector<Rank> rank(faces.size());
-  std::vector<par::SharedKey> key(faces.size());
-  for (std::size_t i = 0; i < faces.size(); ++i) {
-    rank[i] = faces[i].rank;
-    key[i] = nodes_of(fine, faces[i].face);
-  }
-  const auto order = mesh::border_order(rank, key);
-
-  fine.border_rank.clear();
+  fine.border_rank = old.border_rank;
   fine.border_offset.assign(1, 0);
   fine.border_face.clear();
-  fine.border_face.reserve(faces.size());
+  fine.border_face.reserve(parts.size());
   std::vector<par::Outgoing<Record>> messages;
-  for (std::size_t k = 0, end = 0; k < order.size(); ++k) {
-    const auto i = order[k];
-    if (k == end) {
-      while (end < order.size() && rank[order[end]] == rank[i]) ++end;
-      fine.border_rank.push_back(rank[i]);
-      fine.border_offset.push_back(k);
-      messages.push_back({rank[i], {}});
-      messages.back().item.reserve(end - k);
+  for (std::size_t i = 0; i < old.border_rank.size(); ++i) {
+    fine.border_offset.push_back(end[old.border_offset[i + 1] - 1]);
+    auto& message = messages.emplace_back(par::Outgoing<Record>{old.border_rank[i], {}});
+    message.item.reserve(fine.border_offset[i + 1] - fine.border_offset[i]);
+    for (auto k = fine.border_offset[i]; k < fine.border_offset[i + 1]; ++k) {
+      const auto& [face, name] = parts[k];
+      fine.cell_to_cell[at(face.cell)][at(face.slot)] = fine.n_cells() + static_cast<LocalId>(k);
+      fine.border_face.push_back(face);
+      message.item.push_back({name, fine.cell_global[at(face.cell)]});
     }
-    const auto face = faces[i].face;
-    const auto ghost = fine.n_cells() + static_cast<LocalId>(fine.border_face.size());
-    fine.cell_to_cell[at(face.cell)][at(face.slot)] = ghost;
-    fine.border_face.push_back(face);
-    fine.border_offset.back() = fine.border_face.size();
-    messages.back().item.push_back({key[i], fine.cell_global[at(face.cell)]});
   }
 
-  // both sides list the same faces in the same order, so the records of slot k meet in slot k
   const auto received = comm.sparse_exchange(messages);
-  PAMR_ENSURES(received.rank == fine.border_rank && received.item.size() == order.size());
-  fine.ghost_global.resize(order.size());
-  for (std::size_t k = 0; k < order.size(); ++k) {
-    PAMR_ENSURES(received.item[k].node == key[order[k]]);
+  PAMR_ENSURES(received.rank == fine.border_rank && received.offset == fine.border_offset);
+  fine.ghost_global.resize(parts.size());
+  for (std::size_t k = 0; k < parts.size(); ++k) {
+    PAMR_ENSURES(received.item[k].name == parts[k].name);
     fine.ghost_global[k] = received.item[k].cell;
   }
 }

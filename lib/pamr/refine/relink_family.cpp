@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "pamr/refine/relink_family.hpp"
 
+#include <algorithm>
+
 #include "pamr/mesh/ring.hpp"
 
 namespace pamr::refine {
@@ -161,6 +163,18 @@ void FamilyLinker::link_face(const Parent& parent, int face) {
   }
 }
 
+/// The first of the rank-border faces that a face of the parent was in the old mesh: the other side finds the same.
+LocalId FamilyLinker::lowest_border_face(const Parent& parent, int face) const {
+  LocalId lowest = old_.n_cells() + static_cast<LocalId>(old_.border_face.size());
+  for (int place = 0; place < n_places; ++place) {
+    const int member = parent.before->face_to_child[at(face)][at(place)];
+    if (member < 0) continue;
+    const auto slot = parent.before->face_to_slot[at(face)][at(place)];
+    lowest = std::min(lowest, old_.cell_to_cell[at(parent.first_member + member)][at(slot)]);
+  }
+  return lowest - old_.n_cells();
+}
+
 /// Links the part `place` of a face, or all of it, to what is behind the old face `behind`. True when that is all of
 /// the parent's face already.
 bool FamilyLinker::link_region(const Parent& parent, int face, int place, mesh::CellFace behind) {
@@ -170,8 +184,8 @@ bool FamilyLinker::link_region(const Parent& parent, int face, int place, mesh::
     return false;
   }
   if (old_.is_ghost(next)) {
-    const auto rank = rank_of_ghost(old_, next);
-    for_each_part(parent, face, place, [&](mesh::CellFace part, Name, Name) { border_.push_back({part, rank}); });
+    const auto old_face = place == all_places ? lowest_border_face(parent, face) : next - old_.n_cells();
+    for_each_part(parent, face, place, [&](mesh::CellFace part, Name, Name) { border_.push_back({part, old_face}); });
     return false;
   }
   const int there = mesh::slot_of(old_.cell_to_cell[at(next)], behind.cell);

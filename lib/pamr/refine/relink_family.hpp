@@ -50,6 +50,7 @@ class FamilyLinker {
   void link_siblings(const Parent& parent);
   void link_face(const Parent& parent, int face);
   bool link_region(const Parent& parent, int face, int place, mesh::CellFace behind);
+  LocalId lowest_border_face(const Parent& parent, int face) const;
   bool link_to_family(const Parent& parent, int face, int place, LocalId next, int face_there);
   mesh::CellFace find(const Parent& parent, int face, int place, Name first, Name second) const;
   template <class Visit>
