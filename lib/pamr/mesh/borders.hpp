@@ -19,7 +19,7 @@ struct CellEdge {
 /// What the ranks of a distributed mesh share besides faces. Built once for each mesh.
 struct Borders {
   /// Border edges: `edges.item` counts them from 0. A rank may hold several arcs of the ring of one edge;
-  /// `arc[arc_offset[i] .. arc_offset[i+1])` names one cell of each, the one lowest in its arc.
+  /// `arc[arc_offset[i] .. arc_offset[i+1])` names one cell of each.
   par::Pattern edges;
   std::vector<std::size_t> arc_offset{0};
   std::vector<CellEdge> arc;
@@ -35,7 +35,7 @@ struct Borders {
 };
 
 /// Finds them, by sharing of nodes: two ranks may meet in an edge without a common face.
-/// Collective: four sparse exchanges. Cost proportional to the rank border and to the boundary of this rank's part.
+/// Collective: three sparse exchanges. Cost proportional to the rank border and to the boundary of this rank's part.
 Borders find_borders(const par::Comm& comm, const DistMesh& mesh);
 
 }  // namespace pamr::mesh

@@ -82,9 +82,13 @@ class NodeMaker {
     return narrow<LocalId>(static_cast<std::int64_t>(mesh_.n_nodes()) +
                            static_cast<std::int64_t>(numbering_.ends.size()) - 1);
   }
-  mesh::RingEnds give(LocalId node, LocalId cell, int edge) {
-    return mesh::walk_ring(mesh_, cell, edge,
-                           [&](LocalId c, int e) { numbering_.edge_to_node[at(numbering_.row[at(c)])][at(e)] = node; });
+  /// Gives the node to all cells of the arc; `lowest` becomes the first of them.
+  mesh::RingEnds give(LocalId node, mesh::CellEdge arc, mesh::CellEdge& lowest) {
+    lowest = arc;
+    return mesh::walk_ring(mesh_, arc.cell, arc.edge, [&](LocalId c, int e) {
+      set(node, c, e);
+      if (c < lowest.cell) lowest = {c, e};
+    });
   }
   void note_boundary(LocalId node, const PatchPair& patches) {
     if (patches.is_complete()) numbering_.boundary.push_back({node - mesh_.n_nodes(), patches.sorted()});
@@ -97,7 +101,7 @@ class NodeMaker {
         const int e = std::countr_zero(marks);
         if (numbering_.midpoint(c, e) != invalid_local) continue;
         const auto node = make(c, e);
-        const auto ends = give(node, c, e);
+        const auto ends = mesh::walk_ring(mesh_, c, e, [&](LocalId cell, int edge) { set(node, cell, edge); });
         ++counts.nodes[at(c)];
         if (ends.is_closed) continue;
         PatchPair patches;
@@ -109,6 +113,10 @@ class NodeMaker {
   }
 
  private:
+  void set(LocalId node, LocalId cell, int edge) {
+    numbering_.edge_to_node[at(numbering_.row[at(cell)])][at(edge)] = node;
+  }
+
   const mesh::DistMesh& mesh_;
   const Closure& closure_;
   Numbering& numbering_;
@@ -129,15 +137,16 @@ std::vector<SharedEdge> make_shared(const par::Comm& comm, const mesh::DistMesh&
     if (!is_marked(closure, borders, i)) continue;
     node[i] = maker.make(borders.arcs(i).front().cell, borders.arcs(i).front().edge);
     for (const auto arc : borders.arcs(i)) {
-      const auto ends = maker.give(node[i], arc.cell, arc.edge);
+      mesh::CellEdge lowest;
+      const auto ends = maker.give(node[i], arc, lowest);
       if (!ends.is_closed) {
         shared[i].patches.add(ends.first);
         shared[i].patches.add(ends.second);
       }
-      const auto global = mesh.cell_global[at(arc.cell)];
+      const auto global = mesh.cell_global[at(lowest.cell)];
       if (global < shared[i].lowest) {
         shared[i].lowest = global;
-        shared[i].edge = arc.edge;
+        shared[i].edge = lowest.edge;
       }
     }
   }
