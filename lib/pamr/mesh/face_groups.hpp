@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "pamr/base/hash.hpp"
 #include "pamr/mesh/dist_mesh.hpp"
 #include "pamr/mesh/tet.hpp"
 #include "pamr/par/exchange.hpp"
@@ -23,6 +24,16 @@ inline par::SharedKey face_key(const DistMesh& mesh, CellFace face) {
   }
   const auto least = std::min({key[0], key[1], key[2]}), most = std::max({key[0], key[1], key[2]});
   return {least, key[0] ^ key[1] ^ key[2] ^ least ^ most, most};
+}
+
+/// A hash of a face's nodes, whatever their order: the same on every rank.
+inline std::uint64_t face_name(const DistMesh& mesh, CellFace face) {
+  const auto& nodes = mesh.cell_to_node[static_cast<std::size_t>(face.cell)];
+  std::uint64_t sum = 0;
+  for (const auto corner : tet::face_to_corner[static_cast<std::size_t>(face.slot)])
+    sum += mix(static_cast<std::uint64_t>(
+        mesh.node_global[static_cast<std::size_t>(nodes[static_cast<std::size_t>(corner)])]));
+  return sum;
 }
 
 /// The faces of this rank's cells grouped by their nodes, found through the faces at each smallest node: 4 bytes a face

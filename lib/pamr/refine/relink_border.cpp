@@ -4,7 +4,6 @@
 #include <algorithm>
 
 #include "pamr/base/contract.hpp"
-#include "pamr/base/hash.hpp"
 #include "pamr/mesh/face_groups.hpp"
 
 namespace pamr::refine {
@@ -15,7 +14,7 @@ constexpr std::size_t at(std::int64_t i) { return static_cast<std::size_t>(i); }
 
 /// A border face as both sides know it.
 struct Record {
-  std::uint64_t name;  ///< of its nodes, whatever their order
+  std::uint64_t name;  ///< `mesh::face_name`
   GlobalId cell;
 };
 
@@ -25,20 +24,13 @@ struct Part {
   std::uint64_t name = 0;
 };
 
-std::uint64_t name_of(const mesh::DistMesh& mesh, mesh::CellFace face) {
-  std::uint64_t sum = 0;
-  for (const auto corner : mesh::tet::face_to_corner[at(face.slot)])
-    sum += mix(static_cast<std::uint64_t>(mesh.node_global[at(mesh.cell_to_node[at(face.cell)][at(corner)])]));
-  return sum;
-}
-
 /// The faces by old border face, the parts of one by their names. `end[k]`: where those of old face `k` end.
 std::vector<Part> in_order(const std::vector<BorderFace>& faces, const mesh::DistMesh& fine,
                            std::vector<std::size_t>& end) {
   for (const auto& face : faces) ++end[at(face.old_face) + 1];
   for (std::size_t k = 1; k < end.size(); ++k) end[k] += end[k - 1];
   std::vector<Part> parts(faces.size());
-  for (const auto& face : faces) parts[end[at(face.old_face)]++] = {face.face, name_of(fine, face.face)};
+  for (const auto& face : faces) parts[end[at(face.old_face)]++] = {face.face, mesh::face_name(fine, face.face)};
   const auto comes_first = [&](const Part& a, const Part& b) {
     return a.name != b.name ? a.name < b.name : mesh::face_key(fine, a.face) < mesh::face_key(fine, b.face);
   };
