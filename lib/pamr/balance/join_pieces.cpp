@@ -6,8 +6,9 @@
 
 #include "pamr/base/contract.hpp"
 #include "pamr/base/memory.hpp"
-#include "pamr/mesh/face_groups.hpp"
 #include "pamr/mesh/id_map.hpp"
+#include "pamr/mesh/rank_border.hpp"
+#include "pamr/mesh/tet.hpp"
 
 namespace pamr::balance {
 
@@ -113,13 +114,6 @@ std::vector<mesh::Field> gather_fields(std::vector<Piece>& pieces, const std::ve
   return all;
 }
 
-struct BorderFace {
-  Rank rank = 0;
-  par::SharedKey key{};
-  mesh::CellFace face;
-  GlobalId other = 0;
-};
-
 LocalId find_cell(const mesh::DistMesh& mesh, GlobalId global) {
   const auto found = std::lower_bound(mesh.cell_global.begin(), mesh.cell_global.end(), global);
   PAMR_ENSURES(found != mesh.cell_global.end() && *found == global);
@@ -127,12 +121,12 @@ LocalId find_cell(const mesh::DistMesh& mesh, GlobalId global) {
 }
 
 /// Neighbours of the joined mesh, which has its cells and nodes already. Returns the faces to other ranks.
-std::vector<BorderFace> join_neighbours(Rank here, const std::vector<Piece>& pieces, const std::vector<Source>& order,
-                                        mesh::DistMesh& mesh) {
+std::vector<mesh::RemoteFace> join_neighbours(Rank here, const std::vector<Piece>& pieces,
+                                              const std::vector<Source>& order, mesh::DistMesh& mesh) {
   std::vector<std::vector<LocalId>> to_new;
   for (const auto& piece : pieces) to_new.emplace_back(piece.mesh.cell_to_cell.size());
   for (std::size_t c = 0; c < order.size(); ++c) to_new[order[c].piece][at(order[c].cell)] = static_cast<LocalId>(c);
-  std::vector<BorderFace> border;
+  std::vector<mesh::RemoteFace> border;
   reserve_array(mesh.cell_to_cell, order.size());
   for (const auto [p, cell] : order) {
     const auto& piece = pieces[p];
@@ -151,30 +145,10 @@ std::vector<BorderFace> join_neighbours(Rank here, const std::vector<Piece>& pie
         slot = find_cell(mesh, global);
         continue;
       }
-      const mesh::CellFace face{static_cast<LocalId>(mesh.cell_to_cell.size() - 1), f};
-      border.push_back({piece.ghost_to[ghost], mesh::face_key(mesh, face), face, global});
+      border.push_back({{static_cast<LocalId>(mesh.cell_to_cell.size() - 1), f}, piece.ghost_to[ghost], global});
     }
   }
   return border;
-}
-
-void fill_border(std::vector<BorderFace> border, mesh::DistMesh& mesh) {
-  std::sort(border.begin(), border.end(), [](const BorderFace& a, const BorderFace& b) {
-    return a.rank != b.rank ? a.rank < b.rank : a.key < b.key;
-  });
-  mesh.border_face.reserve(border.size());
-  mesh.ghost_global.reserve(border.size());
-  for (const auto& face : border) {
-    if (mesh.border_rank.empty() || mesh.border_rank.back() != face.rank) {
-      mesh.border_rank.push_back(face.rank);
-      mesh.border_offset.push_back(mesh.border_face.size());
-    }
-    mesh.cell_to_cell[at(face.face.cell)][at(face.face.slot)] =
-        narrow<LocalId>(static_cast<std::int64_t>(mesh.n_cells()) + static_cast<std::int64_t>(mesh.border_face.size()));
-    mesh.border_face.push_back(face.face);
-    mesh.ghost_global.push_back(face.other);
-    mesh.border_offset.back() = mesh.border_face.size();
-  }
 }
 
 }  // namespace
@@ -209,9 +183,9 @@ mesh::DistMesh join_pieces(Rank here, std::vector<Piece> pieces, std::vector<std
   if (std::any_of(pieces.begin(), pieces.end(), [](const Piece& p) { return !p.cell_byte.empty(); }))
     cell_byte = gather(
         pieces, order, 1, [](Piece & p) -> auto& { return p.cell_byte; });
-  auto border = join_neighbours(here, pieces, order, mesh);
+  const auto border = join_neighbours(here, pieces, order, mesh);
   pieces = {};
-  fill_border(std::move(border), mesh);
+  mesh::fill_border(here, mesh, border);
   return mesh;
 }
 

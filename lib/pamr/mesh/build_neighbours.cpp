@@ -6,6 +6,7 @@
 #include "pamr/base/error.hpp"
 #include "pamr/mesh/assemble_steps.hpp"
 #include "pamr/mesh/face_groups.hpp"
+#include "pamr/mesh/rank_border.hpp"
 #include "pamr/mesh/tet.hpp"
 
 namespace pamr::mesh::assembly {
@@ -88,26 +89,19 @@ void match_across_ranks(const par::Comm& comm, DistMesh& mesh) {
   const auto candidates = find_candidates(mesh, find_shared_nodes(comm, mesh));
   std::vector<par::SharedKey> key;
   for (const auto face : candidates) key.push_back(face_key(mesh, face));
-  auto pattern = par::find_shared(comm, key);
-  for (std::size_t i = 0; i < pattern.rank.size(); ++i)  // border faces by key, as `link_neighbours` has them
-    std::sort(pattern.item.begin() + static_cast<std::ptrdiff_t>(pattern.offset[i]),
-              pattern.item.begin() + static_cast<std::ptrdiff_t>(pattern.offset[i + 1]), [&](LocalId a, LocalId b) {
-                return key[static_cast<std::size_t>(a)] < key[static_cast<std::size_t>(b)];
-              });
+  const auto pattern = par::find_shared(comm, key);
   std::vector<GlobalId> cell;
   for (const auto item : pattern.item)
     cell.push_back(mesh.cell_global[static_cast<std::size_t>(candidates[static_cast<std::size_t>(item)].cell)]);
-  mesh.ghost_global = par::Exchange(comm, pattern).swap<GlobalId>(cell);
-  par::agree(comm, [&] { check_two_cells(mesh, pattern, candidates, mesh.ghost_global); });
+  const auto theirs = par::Exchange(comm, pattern).swap<GlobalId>(cell);
+  par::agree(comm, [&] { check_two_cells(mesh, pattern, candidates, theirs); });
 
-  mesh.border_rank = std::move(pattern.rank);
-  mesh.border_offset = std::move(pattern.offset);
-  mesh.border_face.reserve(pattern.item.size());
-  for (const auto item : pattern.item) {
-    const auto face = candidates[static_cast<std::size_t>(item)];
-    slot_at(mesh, face) = mesh.n_cells() + static_cast<LocalId>(mesh.border_face.size());
-    mesh.border_face.push_back(face);
-  }
+  std::vector<RemoteFace> remote;
+  remote.reserve(theirs.size());
+  for (std::size_t i = 0; i < pattern.rank.size(); ++i)
+    for (auto k = pattern.offset[i]; k < pattern.offset[i + 1]; ++k)
+      remote.push_back({candidates[static_cast<std::size_t>(pattern.item[k])], pattern.rank[i], theirs[k]});
+  fill_border(comm.rank(), mesh, remote);
 }
 
 }  // namespace

@@ -36,6 +36,15 @@ inline std::uint64_t face_name(const DistMesh& mesh, CellFace face) {
   return sum;
 }
 
+/// A hash of what both sides of rank-border face `k` know of it: its nodes, the cell on the lower of the two ranks and
+/// the one on the higher. Equal on both sides when they name each other's cell across the same nodes.
+inline std::uint64_t border_word(const DistMesh& mesh, std::size_t k, bool is_lower_rank) {
+  const auto face = mesh.border_face[k];
+  const auto own = static_cast<std::uint64_t>(mesh.cell_global[static_cast<std::size_t>(face.cell)]);
+  const auto other = static_cast<std::uint64_t>(mesh.ghost_global[k]);
+  return combine(combine(face_name(mesh, face), is_lower_rank ? own : other), is_lower_rank ? other : own);
+}
+
 /// The faces of this rank's cells grouped by their nodes, found through the faces at each smallest node: 4 bytes a face
 /// and 8 a node. Local; O(cells log(faces at a node)).
 class FaceGroups {

@@ -20,8 +20,11 @@ void IdMap::make_hash(std::size_t n) {
   shift_ = 64U - static_cast<unsigned>(std::countr_zero(n));
 }
 
+/// Eight consecutive numbers stand in one place, because they are asked for together.
 std::size_t IdMap::place_of(GlobalId id) const {
-  auto place = static_cast<std::size_t>(static_cast<std::uint64_t>(id) * 0x9e3779b97f4a7c15U >> shift_);
+  const auto bits = static_cast<std::uint64_t>(id);
+  auto place =
+      static_cast<std::size_t>(((bits >> 3U) * 0x9e3779b97f4a7c15U >> shift_ & ~std::uint64_t{7}) | (bits & 7U));
   while (hash_[place].id != id && hash_[place].id != invalid_global) place = (place + 1) & (hash_.size() - 1);
   return place;
 }

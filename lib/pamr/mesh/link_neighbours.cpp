@@ -4,25 +4,18 @@
 #include <string>
 #include <utility>
 
+#include "pamr/base/contract.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/base/memory.hpp"
 #include "pamr/mesh/assemble_steps.hpp"
 #include "pamr/mesh/face_groups.hpp"
 #include "pamr/mesh/id_map.hpp"
-#include "pamr/mesh/sorted_order.hpp"
+#include "pamr/mesh/rank_border.hpp"
 #include "pamr/mesh/tet.hpp"
 
 namespace pamr::mesh::assembly {
 
 namespace {
-
-/// A face whose other cell is on another rank.
-struct RemoteFace {
-  Rank rank = 0;
-  par::SharedKey key{};
-  CellFace face;
-  GlobalId other = 0;
-};
 
 /// What both sides of a rank-border face say of it.
 struct FaceCard {
@@ -51,17 +44,19 @@ class OwnCells {
   std::unique_ptr<IdMap> map_;
 };
 
-/// The ranks that hold the cells `id` of other ranks. Collective.
-std::vector<Rank> ask_owners(const par::Comm& comm, IdRange cells, const CellOwners& owners,
-                             std::vector<RemoteFace>& faces) {
-  std::vector<GlobalId> id;
-  for (const auto& face : faces) id.push_back(face.other);
-  if (owners.first.empty()) return par::fetch_rows<Rank>(comm, cells, owners.of_block, 1, id);
-  std::vector<Rank> rank;
-  for (const auto cell : id)
-    rank.push_back(
-        static_cast<Rank>(std::upper_bound(owners.first.begin(), owners.first.end(), cell) - owners.first.begin() - 1));
-  return rank;
+/// Finds the ranks that hold the other cells. Collective.
+void ask_owners(const par::Comm& comm, IdRange cells, const CellOwners& owners, std::vector<RemoteFace>& faces) {
+  if (owners.first.empty()) {
+    std::vector<GlobalId> id;
+    for (const auto& face : faces) id.push_back(face.other);
+    const auto rank = par::fetch_rows<Rank>(comm, cells, owners.of_block, 1, id);
+    for (std::size_t i = 0; i < faces.size(); ++i) faces[i].rank = rank[i];
+    return;
+  }
+  for (auto& face : faces) {
+    const auto next = std::upper_bound(owners.first.begin(), owners.first.end(), face.other);
+    face.rank = static_cast<Rank>(next - owners.first.begin() - 1);
+  }
 }
 
 /// Own cells become local neighbours, patches slots; the faces to other ranks are returned.
@@ -74,29 +69,9 @@ std::vector<RemoteFace> translate(DistMesh& mesh, const std::vector<std::array<G
       const auto id = neighbour[c][f];
       const auto local = id < 0 ? static_cast<LocalId>(id) : own.find(id);
       mesh.cell_to_cell[c][f] = local;
-      if (local == invalid_local) {
-        const CellFace face{static_cast<LocalId>(c), static_cast<int>(f)};
-        remote.push_back({0, face_key(mesh, face), face, id});
-      }
+      if (local == invalid_local) remote.push_back({{static_cast<LocalId>(c), static_cast<int>(f)}, 0, id});
     }
   return remote;
-}
-
-/// Fills the rank-border arrays from the faces, which are sorted by rank and key.
-void fill_border(DistMesh& mesh, const std::vector<RemoteFace>& faces) {
-  mesh.border_face.reserve(faces.size());
-  mesh.ghost_global.reserve(faces.size());
-  for (const auto& face : faces) {
-    if (mesh.border_rank.empty() || mesh.border_rank.back() != face.rank) {
-      mesh.border_rank.push_back(face.rank);
-      mesh.border_offset.push_back(mesh.border_face.size());
-    }
-    mesh.cell_to_cell[static_cast<std::size_t>(face.face.cell)][static_cast<std::size_t>(face.face.slot)] =
-        mesh.n_cells() + static_cast<LocalId>(mesh.border_face.size());
-    mesh.border_face.push_back(face.face);
-    mesh.ghost_global.push_back(face.other);
-    mesh.border_offset.back() = mesh.border_face.size();
-  }
 }
 
 [[noreturn]] void refuse(GlobalId cell, GlobalId neighbour, const par::SharedKey& key) {
@@ -137,7 +112,6 @@ bool all_returned(const DistMesh& mesh) {
 }
 
 void check_own(const DistMesh& mesh) {
-  if (all_returned(mesh)) return;
   for (LocalId c = 0; c < mesh.n_cells(); ++c)
     for (std::size_t f = 0; f < 4; ++f) {
       const auto d = mesh.cell_to_cell[static_cast<std::size_t>(c)][f];
@@ -156,6 +130,53 @@ void check_side(std::span<const FaceCard> mine, std::span<const FaceCard> theirs
   if (here != mine.end() && (there == theirs.end() || here->key <= there->key))
     refuse(here->own, here->other, here->key);
   if (there != theirs.end()) refuse(there->own, there->other, there->key);
+}
+
+/// True when both sides of every rank-border face name the same nodes and each other's cell. Collective: one sparse
+/// exchange of 8 bytes a face.
+bool border_is_returned(const par::Comm& comm, const DistMesh& mesh) {
+  std::vector<par::Outgoing<std::uint64_t>> messages;
+  for (std::size_t i = 0; i < mesh.border_rank.size(); ++i) {
+    messages.push_back({mesh.border_rank[i], {}});
+    messages.back().item.reserve(mesh.border_offset[i + 1] - mesh.border_offset[i]);
+    for (auto k = mesh.border_offset[i]; k < mesh.border_offset[i + 1]; ++k)
+      messages.back().item.push_back(border_word(mesh, k, comm.rank() < mesh.border_rank[i]));
+  }
+  const auto arrived = comm.sparse_exchange(messages);
+  bool is_returned = arrived.rank == mesh.border_rank;
+  for (std::size_t i = 0; is_returned && i < messages.size(); ++i) {
+    const auto theirs = arrived.from(i);
+    is_returned = std::equal(theirs.begin(), theirs.end(), messages[i].item.begin(), messages[i].item.end());
+  }
+  return is_returned;
+}
+
+/// Says which neighbours do not name each other. Collective: one sparse exchange.
+void refuse_neighbours(const par::Comm& comm, const DistMesh& mesh) {
+  std::vector<par::Outgoing<FaceCard>> messages;
+  for (std::size_t i = 0; i < mesh.border_rank.size(); ++i) {
+    auto& cards = messages.emplace_back(par::Outgoing<FaceCard>{mesh.border_rank[i], {}}).item;
+    for (auto k = mesh.border_offset[i]; k < mesh.border_offset[i + 1]; ++k) {
+      const auto face = mesh.border_face[k];
+      cards.push_back(
+          {face_key(mesh, face), mesh.cell_global[static_cast<std::size_t>(face.cell)], mesh.ghost_global[k]});
+    }
+    std::sort(cards.begin(), cards.end(), [](const FaceCard& a, const FaceCard& b) { return a.key < b.key; });
+  }
+  const auto arrived = comm.sparse_exchange(messages);
+  par::agree(comm, [&] {
+    check_own(mesh);
+    for (std::size_t r = 0; r < arrived.rank.size(); ++r) {
+      const auto mine = std::find_if(messages.begin(), messages.end(),
+                                     [&](const auto& message) { return message.to == arrived.rank[r]; });
+      check_side(mine == messages.end() ? std::span<const FaceCard>{} : std::span<const FaceCard>(mine->item),
+                 arrived.from(r));
+    }
+    for (const auto& message : messages)
+      if (std::find(arrived.rank.begin(), arrived.rank.end(), message.to) == arrived.rank.end())
+        check_side(message.item, {});
+  });
+  PAMR_ENSURES(false && "neighbours that are not returned are refused");
 }
 
 }  // namespace
@@ -181,38 +202,10 @@ void link_neighbours(const par::Comm& comm, DistMesh& mesh, std::vector<std::arr
                      const CellOwners& owners) {
   auto remote = translate(mesh, neighbour);
   neighbour = {};
-  const auto rank = ask_owners(comm, mesh.info.cell_ids(), owners, remote);
-  std::vector<par::SharedKey> key(remote.size());
-  for (std::size_t i = 0; i < remote.size(); ++i) {
-    remote[i].rank = rank[i];
-    key[i] = remote[i].key;
-  }
-  {
-    std::vector<RemoteFace> sorted;
-    sorted.reserve(remote.size());
-    for (const auto i : border_order(rank, key)) sorted.push_back(remote[i]);
-    remote = std::move(sorted);
-  }
-  fill_border(mesh, remote);
-
-  std::vector<par::Outgoing<FaceCard>> messages;
-  for (const auto& face : remote) {
-    if (messages.empty() || messages.back().to != face.rank) messages.push_back({face.rank, {}});
-    messages.back().item.push_back({face.key, mesh.cell_global[static_cast<std::size_t>(face.face.cell)], face.other});
-  }
-  const auto arrived = comm.sparse_exchange(messages);
-  par::agree(comm, [&] {
-    check_own(mesh);
-    for (std::size_t r = 0; r < arrived.rank.size(); ++r) {
-      const auto mine = std::find_if(messages.begin(), messages.end(),
-                                     [&](const auto& message) { return message.to == arrived.rank[r]; });
-      check_side(mine == messages.end() ? std::span<const FaceCard>{} : std::span<const FaceCard>(mine->item),
-                 arrived.from(r));
-    }
-    for (const auto& message : messages)
-      if (std::find(arrived.rank.begin(), arrived.rank.end(), message.to) == arrived.rank.end())
-        check_side(message.item, {});
-  });
+  ask_owners(comm, mesh.info.cell_ids(), owners, remote);
+  fill_border(comm.rank(), mesh, remote);
+  const bool on_border = border_is_returned(comm, mesh);
+  if (comm.any(!on_border || !all_returned(mesh))) refuse_neighbours(comm, mesh);
 }
 
 }  // namespace pamr::mesh::assembly

@@ -67,22 +67,4 @@ std::vector<std::uint32_t> sorted_order(std::span<const std::uint64_t> key) {
   return order;
 }
 
-std::vector<std::uint32_t> border_order(std::span<const Rank> rank, std::span<const par::SharedKey> key) {
-  Rank most_rank = 0;
-  GlobalId least = key.empty() ? 0 : key[0][0], most = least;
-  for (const auto& nodes : key) {
-    least = std::min(least, nodes[0]);
-    most = std::max(most, nodes[0]);
-  }
-  for (const auto r : rank) most_rank = std::max(most_rank, r);
-  // rank and smallest node in one word; of node numbers too far apart for that the leading bits
-  const auto bits = [](std::int64_t n) { return static_cast<int>(std::bit_width(static_cast<std::uint64_t>(n))); };
-  const int dropped = std::max(0, bits(most - least) + bits(most_rank) - 64), shift = bits(most - least) - dropped;
-  std::vector<std::uint64_t> leading(key.size());
-  for (std::size_t i = 0; i < key.size(); ++i)
-    leading[i] =
-        static_cast<std::uint64_t>(rank[i]) << shift | static_cast<std::uint64_t>(key[i][0] - least) >> dropped;
-  return sorted_order(leading, [&](std::uint32_t a, std::uint32_t b) { return key[a] < key[b]; });
-}
-
 }  // namespace pamr::mesh

@@ -14,12 +14,6 @@ constexpr double least_mean_ratio = 1e-8;
 
 bool is_finite(geometry::Vec3 p) { return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z); }
 
-LocalId slot_at(const DistMesh& mesh, CellFace face) {
-  return mesh.cell_to_cell[static_cast<std::size_t>(face.cell)][static_cast<std::size_t>(face.slot)];
-}
-
-GlobalId number_of(const DistMesh& mesh, LocalId cell) { return mesh.cell_global[static_cast<std::size_t>(cell)]; }
-
 /// True when the own neighbour `d` of a face names its cell across the same nodes, from the other side.
 bool is_returned(const DistMesh& mesh, CellFace face, LocalId d) {
   for (int g = 0; g < 4; ++g) {

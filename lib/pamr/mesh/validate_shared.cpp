@@ -28,25 +28,6 @@ std::vector<Run> find_runs(const std::vector<GlobalId>& ids) {
   return runs;
 }
 
-/// What both sides of a rank-border face say of it.
-struct FaceCard {
-  par::SharedKey key{};
-  GlobalId own = 0;
-  GlobalId other = 0;
-  std::int64_t sign = 0;
-};
-
-void compare_sides(std::span<const FaceCard> mine, std::span<const FaceCard> theirs, Findings& findings) {
-  for (std::size_t k = 0; k < std::max(mine.size(), theirs.size()); ++k) {
-    if (k >= mine.size())
-      findings.add(Invariant::border_matches, theirs[k].own);
-    else if (k >= theirs.size() || mine[k].key != theirs[k].key)
-      findings.add(Invariant::border_matches, mine[k].own);
-    else if (mine[k].own != theirs[k].other || mine[k].other != theirs[k].own || mine[k].sign != -theirs[k].sign)
-      findings.add(Invariant::neighbours_reciprocal, mine[k].own);
-  }
-}
-
 /// A node as one rank holds it; `local` is its number there.
 struct NodeCard {
   GlobalId id = 0;
@@ -140,8 +121,7 @@ std::vector<CellFace> find_candidates(const DistMesh& mesh, const std::vector<ch
                                         [&](LocalId n) { return is_shared[static_cast<std::size_t>(n)] != 0; });
     for (int f = 0; n_shared >= 3 && f < 4; ++f)
       if ((n_shared == 4 || is_shared[static_cast<std::size_t>(nodes[static_cast<std::size_t>(f)])] == 0) &&
-          (mesh.cell_to_cell[static_cast<std::size_t>(c)][static_cast<std::size_t>(f)] > c ||
-           mesh.cell_to_cell[static_cast<std::size_t>(c)][static_cast<std::size_t>(f)] < 0))
+          (slot_at(mesh, {c, f}) > c || slot_at(mesh, {c, f}) < 0))
         faces.push_back({c, f});
   }
   return faces;
@@ -176,7 +156,7 @@ bool all_differ(const par::Comm& comm, const DistMesh& mesh, const std::vector<C
   par::Mailbox<std::uint64_t> post(comm);
   const auto first_higher = mesh.n_cells() + first_face_to_higher(mesh, comm.rank());
   for (const auto face : faces) {
-    const auto slot = mesh.cell_to_cell[static_cast<std::size_t>(face.cell)][static_cast<std::size_t>(face.slot)];
+    const auto slot = slot_at(mesh, face);
     if (mesh.is_ghost(slot) && slot < first_higher) continue;
     const auto name = face_name(mesh, face);
     post.add(static_cast<Rank>((name & 0xffffffffU) * static_cast<std::uint64_t>(comm.size()) >> 32U), name);
@@ -230,42 +210,6 @@ void check_unique_cells(const par::Comm& comm, const DistMesh& mesh, Findings& f
   if (next < block.end) findings.add(Invariant::unique_cells, next, block.end - next);
 }
 
-void check_border(const par::Comm& comm, const DistMesh& mesh, Findings& findings) {
-  const auto slot_at = [&](CellFace face) {
-    return mesh.cell_to_cell[static_cast<std::size_t>(face.cell)][static_cast<std::size_t>(face.slot)];
-  };
-  const auto number_of = [&](CellFace face) { return mesh.cell_global[static_cast<std::size_t>(face.cell)]; };
-  std::vector<par::Outgoing<FaceCard>> messages;
-  for (std::size_t i = 0; i < mesh.border_rank.size(); ++i) {
-    messages.push_back({mesh.border_rank[i], {}});
-    messages.back().item.reserve(mesh.border_offset[i + 1] - mesh.border_offset[i]);
-    for (auto k = mesh.border_offset[i]; k < mesh.border_offset[i + 1]; ++k) {
-      const auto face = mesh.border_face[k];
-      if (slot_at(face) != mesh.n_cells() + static_cast<LocalId>(k))
-        findings.add(Invariant::border_matches, number_of(face));
-      messages.back().item.push_back(
-          {face_key(mesh, face), number_of(face), mesh.ghost_global[k], face_sign(mesh, face)});
-    }
-  }
-  for (LocalId c = 0; c < mesh.n_cells(); ++c)
-    for (int f = 0; f < 4; ++f) {
-      const auto slot = slot_at({c, f});
-      if (mesh.is_ghost(slot) && mesh.border_face[static_cast<std::size_t>(slot - mesh.n_cells())] != CellFace{c, f})
-        findings.add(Invariant::border_matches, number_of({c, f}));
-    }
-  const auto arrived = comm.sparse_exchange(messages);
-  for (const auto& message : messages) {
-    const auto from = std::find(arrived.rank.begin(), arrived.rank.end(), message.to);
-    compare_sides(message.item,
-                  from == arrived.rank.end() ? std::span<const FaceCard>{}
-                                             : arrived.from(static_cast<std::size_t>(from - arrived.rank.begin())),
-                  findings);
-  }
-  for (std::size_t r = 0; r < arrived.rank.size(); ++r)
-    if (!std::binary_search(mesh.border_rank.begin(), mesh.border_rank.end(), arrived.rank[r]))
-      compare_sides({}, arrived.from(r), findings);
-}
-
 void check_shared(const par::Comm& comm, const DistMesh& mesh, Findings& findings) {
   const auto is_shared = check_nodes(comm, mesh, findings);
   if (comm.size() == 1) return;
@@ -280,9 +224,8 @@ void check_shared(const par::Comm& comm, const DistMesh& mesh, Findings& finding
   for (const auto item : par::find_shared(comm, key).item) ++n_others[static_cast<std::size_t>(item)];
   for (std::size_t i = 0; i < faces.size(); ++i) {
     const auto face = faces[i];
-    const auto slot = mesh.cell_to_cell[static_cast<std::size_t>(face.cell)][static_cast<std::size_t>(face.slot)];
-    if (n_others[i] != (mesh.is_ghost(slot) ? 1 : 0))
-      findings.add(Invariant::conforming, mesh.cell_global[static_cast<std::size_t>(face.cell)]);
+    if (n_others[i] != (mesh.is_ghost(slot_at(mesh, face)) ? 1 : 0))
+      findings.add(Invariant::conforming, number_of(mesh, face.cell));
   }
 }
 
@@ -290,7 +233,7 @@ void check_boundary(const par::Comm& comm, const DistMesh& mesh, Findings& findi
   std::vector<BoundaryEdge> edges;
   for (LocalId c = 0; c < mesh.n_cells(); ++c)
     for (int f = 0; f < 4; ++f) {
-      if (mesh.cell_to_cell[static_cast<std::size_t>(c)][static_cast<std::size_t>(f)] >= 0) continue;
+      if (slot_at(mesh, {c, f}) >= 0) continue;
       const auto node = face_key(mesh, {c, f});
       const auto cell = mesh.cell_global[static_cast<std::size_t>(c)];
       edges.push_back({node[0], node[1], 1, cell});

@@ -52,6 +52,14 @@ struct Findings {
   bool has(Invariant invariant) const { return count[static_cast<std::size_t>(invariant)] != 0; }
 };
 
+inline LocalId slot_at(const DistMesh& mesh, CellFace face) {
+  return mesh.cell_to_cell[static_cast<std::size_t>(face.cell)][static_cast<std::size_t>(face.slot)];
+}
+
+inline GlobalId number_of(const DistMesh& mesh, LocalId cell) {
+  return mesh.cell_global[static_cast<std::size_t>(cell)];
+}
+
 /// Lengths, numbers in range, distinct corners, ascending cells, fields: what the rest relies on. Local.
 void check_structure(const DistMesh& mesh, Rank rank, Rank size, Findings& findings);
 
@@ -71,10 +79,11 @@ void check_own_neighbours(const DistMesh& mesh, Findings& findings);
 /// Closure families. Local.
 void check_families(const DistMesh& mesh, Findings& findings);
 
-/// Rank-border faces. Collective: one sparse exchange.
+/// Rank-border faces. Collective: one sparse exchange of 8 bytes a face, one more where something is wrong.
 void check_border(const par::Comm& comm, const DistMesh& mesh, Findings& findings);
 
-/// Nodes, and faces all of whose nodes other ranks hold too. Collective: four sparse exchanges.
+/// Nodes, and faces all of whose nodes other ranks hold too; after `check_border`, on whose findings it relies.
+/// Collective: three sparse exchanges, two more where something is wrong.
 void check_shared(const par::Comm& comm, const DistMesh& mesh, Findings& findings);
 
 /// Edges of the boundary. Collective: one sparse exchange.

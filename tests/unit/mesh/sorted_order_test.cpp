@@ -34,31 +34,5 @@ TEST(SortedOrder, IsThatOfAStableSort) {
     }
 }
 
-TEST(BorderOrder, IsByRankThenByAllThreeNodes) {
-  std::mt19937_64 engine(7);
-  // nodes close together, far apart, and so far that rank and node do not fit one word; many faces at one node
-  for (const GlobalId range : {GlobalId{3}, GlobalId{1000}, GlobalId{1} << 40U, (GlobalId{1} << 62U) + 1})
-    for (const std::size_t n : {0U, 1U, 300U, 3000U}) {
-      std::vector<Rank> rank(n);
-      std::vector<par::SharedKey> key(n);
-      for (auto& r : rank) r = static_cast<Rank>(engine() % 64);
-      for (auto& nodes : key) {
-        for (auto& node : nodes) node = static_cast<GlobalId>(engine() % static_cast<std::uint64_t>(range)) + 5;
-        std::sort(nodes.begin(), nodes.end());
-      }
-
-      const auto order = border_order(rank, key);
-
-      ASSERT_EQ(order.size(), n);
-      std::vector<char> is_seen(n, 0);
-      for (const auto i : order) is_seen[i] = 1;
-      EXPECT_EQ(std::count(is_seen.begin(), is_seen.end(), 1), static_cast<std::ptrdiff_t>(n));
-      for (std::size_t k = 1; k < n; ++k) {
-        const auto a = order[k - 1], b = order[k];
-        EXPECT_TRUE(rank[a] < rank[b] || (rank[a] == rank[b] && key[a] <= key[b])) << "range " << range;
-      }
-    }
-}
-
 }  // namespace
 }  // namespace pamr::mesh
