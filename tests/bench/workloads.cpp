@@ -6,6 +6,7 @@
 #include <fstream>
 #include <string>
 
+#include "pamr/base/memory.hpp"
 #include "pamr/mesh/assemble.hpp"
 #include "pamr/mesh/kuhn_cube.hpp"
 
@@ -71,6 +72,13 @@ std::size_t peak_bytes() { return status_value("VmHWM:"); }
 void reset_peak() {
   std::ofstream clear("/proc/self/clear_refs");
   clear << "5";
+}
+
+void warm_memory(std::size_t bytes) {
+  if (bytes < std::size_t{64} << 20U) return;  // what an allocator keeps to itself, and caches hold
+  std::vector<char> memory;
+  reserve_array(memory, bytes);
+  memory.resize(bytes);
 }
 
 }  // namespace pamr::bench

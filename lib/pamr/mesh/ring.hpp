@@ -3,6 +3,7 @@
 
 #include <utility>
 
+#include "pamr/base/prefetch.hpp"
 #include "pamr/mesh/dist_mesh.hpp"
 #include "pamr/mesh/tet.hpp"
 
@@ -33,7 +34,7 @@ LocalId walk_one_way(const DistMesh& mesh, LocalId start, LocalId a, LocalId b, 
   for (;;) {
     const LocalId next = mesh.cell_to_cell[static_cast<std::size_t>(cell)][static_cast<std::size_t>(leave)];
     if (next == start || !mesh.is_own(next)) return next;
-    __builtin_prefetch(&mesh.cell_to_cell[static_cast<std::size_t>(next)]);  // while the nodes are on their way
+    prefetch(&mesh.cell_to_cell[static_cast<std::size_t>(next)]);  // while the nodes are on their way
     const auto& nodes = mesh.cell_to_node[static_cast<std::size_t>(next)];
     const int slot_a = slot_of(nodes, a), slot_b = slot_of(nodes, b), slot_pivot = slot_of(nodes, pivot);
     visit(next, tet::edge_of[static_cast<std::size_t>(slot_a)][static_cast<std::size_t>(slot_b)]);

@@ -7,6 +7,8 @@
 #include <optional>
 
 #include "pamr/base/contract.hpp"
+#include "pamr/base/memory.hpp"
+#include "pamr/base/prefetch.hpp"
 #include "pamr/mesh/families.hpp"
 #include "pamr/mesh/ring.hpp"
 #include "pamr/refine/family.hpp"
@@ -149,6 +151,26 @@ void keep_families(const par::Comm& comm, const mesh::DistMesh& mesh, const mesh
   }
 }
 
+/// Plans how families are split anew, ascending. Returns those that cannot be.
+std::vector<LocalId> plan_families(const mesh::DistMesh& mesh, const std::vector<EdgeMask>& marks,
+                                   const std::vector<LocalId>& hit, std::vector<RebuiltFamily>& rebuilt) {
+  constexpr std::size_t ahead = 8;
+  std::vector<LocalId> stuck;
+  reserve_array(rebuilt, hit.size());
+  for (std::size_t i = 0; i < hit.size(); ++i) {
+    if (i + 2 * ahead < hit.size()) prefetch(&mesh.cell_to_node[at(hit[i + 2 * ahead])]);
+    if (i + ahead < hit.size())  // two members have all nodes but one
+      for (int member = 0; member < 2; ++member)
+        for (const auto node : mesh.cell_to_node[at(hit[i + ahead] + member)]) prefetch(&mesh.node_position[at(node)]);
+    const auto plan = plan_family(mesh, view_family(mesh, marks, hit[i]));
+    if (plan.state < 0)
+      stuck.push_back(hit[i]);
+    else
+      rebuilt.push_back(plan);
+  }
+  return stuck;
+}
+
 std::int64_t count_kept_and_hit(const mesh::DistMesh& mesh, const std::vector<std::uint8_t>& kept,
                                 const std::vector<EdgeMask>& marks) {
   std::int64_t n = 0;
@@ -182,15 +204,7 @@ Closure close(const par::Comm& comm, const mesh::DistMesh& mesh, const mesh::Bor
     const auto hit = propagation.hit_families();
     closure.marks = std::move(propagation).take_marks();
     closure.rebuilt.clear();
-    closure.rebuilt.reserve(hit.size());
-    std::vector<LocalId> stuck;
-    for (const auto first : hit) {
-      const auto plan = plan_family(mesh, view_family(mesh, closure.marks, first));
-      if (plan.state < 0)
-        stuck.push_back(first);
-      else
-        closure.rebuilt.push_back(plan);
-    }
+    const auto stuck = plan_families(mesh, closure.marks, hit, closure.rebuilt);
     if (!comm.any(!stuck.empty())) break;
     keep_families(comm, mesh, borders, halves, stuck, kept);
   }
@@ -203,7 +217,7 @@ Closure close(const par::Comm& comm, const mesh::DistMesh& mesh, const mesh::Bor
   closure.n_marked = sum[0];
   closure.families_kept = sum[1];
   closure.families_rebuilt = sum[2];
-  closure.action.assign(at(mesh.n_cells()), Action::split);
+  assign_array(closure.action, at(mesh.n_cells()), Action::split);
   for (const auto& family : closure.rebuilt) {
     closure.action[at(family.first)] = Action::rebuild;
     for (int child = 1; child < mesh.lineage[at(family.first)].family_size(); ++child)

@@ -17,17 +17,17 @@ FamilyView view_family(const mesh::DistMesh& mesh, const std::vector<EdgeMask>& 
   FamilyView view;
   view.first = first;
   view.state = state_of_family(mesh.lineage[at(first)]);
-  view.node.fill(invalid_local);
+  for (int code = 0; code < 10; ++code) {
+    const auto [member, slot] = node_places[at(view.state)][at(code)];
+    view.node[at(code)] = member < 0 ? invalid_local : mesh.cell_to_node[at(first + member)][at(slot)];
+  }
   const auto& pattern = split_pattern[at(view.state)];
   view.parent_marks = pattern.mask;
   for (int child = 0; child < pattern.n_children; ++child) {
+    const auto all = marks[at(first + child)];
+    view.parent_marks =
+        static_cast<EdgeMask>(view.parent_marks | (marks_for_parent[at(view.state)][at(child)][all] & all_edges));
     const auto& code = pattern.child_to_node[at(child)];
-    const auto& nodes = mesh.cell_to_node[at(first + child)];
-    for (int slot = 0; slot < 4; ++slot) view.node[at(code[at(slot)])] = nodes[at(slot)];
-    const unsigned all = marks[at(first + child)];
-    for (unsigned rest = all & edges_of_parent[at(view.state)][at(child)]; rest != 0; rest &= rest - 1)
-      view.parent_marks = static_cast<EdgeMask>(
-          view.parent_marks | 1 << family_edge(view.state, child, std::countr_zero(rest)).parent_edge);
     for (unsigned rest = all & edges_of_parts[at(view.state)][at(child)]; rest != 0; rest &= rest - 1) {
       const auto [p, q] = edge_to_corner[at(std::countr_zero(rest))];
       const auto a = code[at(p)], b = code[at(q)];
@@ -70,7 +70,12 @@ RebuiltFamily plan_family(const mesh::DistMesh& mesh, const FamilyView& family) 
   for (int child = 0; child < pattern.n_children; ++child) {
     const auto& code = pattern.child_to_node[at(child)];
     EdgeMask marks = 0;
-    for (int e = 0; e < 6; ++e) {
+    unsigned corners = 0, ends = 0;
+    for (const auto c : code) {
+      corners |= 1U << c;
+      ends |= family.part_is_marked[at(c)];
+    }
+    for (int e = 0; e < 6 && (corners & ends) != 0; ++e) {
       const auto a = code[at(edge_to_corner[at(e)][0])], b = code[at(edge_to_corner[at(e)][1])];
       if ((family.part_is_marked[at(a)] >> b & 1) != 0) marks = static_cast<EdgeMask>(marks | 1 << e);
     }

@@ -56,7 +56,41 @@ constexpr auto make_masks(const RoleTable& roles, EdgeRole role) {
   return table;
 }
 
+/// A node of a family in one of its members.
+struct NodePlace {
+  std::int8_t member = -1;
+  std::int8_t slot = 0;
+};
+
+constexpr auto make_places() {
+  std::array<std::array<NodePlace, 10>, n_states> table{};
+  for (int s = 1; s < 11; ++s)
+    for (int c = 0; c < split_pattern[at(s)].n_children; ++c)
+      for (int slot = 0; slot < 4; ++slot)
+        table[at(s)][at(split_pattern[at(s)].child_to_node[at(c)][at(slot)])] = {to_code(c), to_code(slot)};
+  return table;
+}
+
+using MeaningTable = std::array<std::array<std::array<std::uint8_t, 64>, 4>, 11>;
+
+constexpr MeaningTable make_meanings(const RoleTable& roles) {
+  MeaningTable table{};
+  for (int s = 1; s < 11; ++s)
+    for (int c = 0; c < split_pattern[at(s)].n_children; ++c)
+      for (int marks = 0; marks < 64; ++marks)
+        for (int e = 0; e < 6; ++e) {
+          if ((marks >> e & 1) == 0) continue;
+          const auto edge = roles[at(s)][at(c)][at(e)];
+          auto& meaning = table[at(s)][at(c)][at(marks)];
+          meaning = static_cast<std::uint8_t>(meaning | 1U << (edge.role == EdgeRole::parent ? edge.parent_edge : 6));
+        }
+  return table;
+}
+
 }  // namespace detail
+
+/// Where the node of a code is found in a family made by a state: `node_places[state][code]`, member -1: no such node.
+inline constexpr auto node_places = detail::make_places();
 
 /// Role of each edge of each member in a family made by a state: `family_edges[state][child][edge]`.
 inline constexpr auto family_edges = detail::make_roles();
@@ -64,6 +98,10 @@ inline constexpr auto family_edges = detail::make_roles();
 /// Edges of that role in each member: `edges_of_parent[state][child]`, `edges_of_parts[state][child]`.
 inline constexpr auto edges_of_parent = detail::make_masks(family_edges, EdgeRole::parent);
 inline constexpr auto edges_of_parts = detail::make_masks(family_edges, EdgeRole::part);
+
+/// What a member's marks say of the parent: the parent's edges among them, and `beyond_parent` when there are others.
+inline constexpr auto marks_for_parent = detail::make_meanings(family_edges);
+inline constexpr unsigned beyond_parent = 0x40;
 
 /// Role of edge `edge` of member `child` in a family made by `state`.
 constexpr FamilyEdge family_edge(int state, int child, int edge) {

@@ -9,6 +9,8 @@
 
 #include "pamr/base/contract.hpp"
 #include "pamr/base/error.hpp"
+#include "pamr/base/memory.hpp"
+#include "pamr/base/prefetch.hpp"
 #include "pamr/mesh/cell_runs.hpp"
 #include "pamr/mesh/local_size.hpp"
 #include "pamr/mesh/ring.hpp"
@@ -26,16 +28,16 @@ struct Counts {
 };
 
 void make_rows(const Closure& closure, Numbering& numbering) {
-  std::size_t n_rows = 0;
-  for (const auto marks : closure.marks) n_rows += marks != 0 ? 1 : 0;
-  numbering.row.assign(closure.marks.size(), -1);
-  numbering.edge_to_node.resize(n_rows);
-  LocalId next = 0;
-  for (std::size_t c = 0; c < closure.marks.size(); ++c)
-    if (closure.marks[c] != 0) {
-      numbering.edge_to_node[at(next)].fill(invalid_local);
-      numbering.row[c] = next++;
-    }
+  LocalId n_rows = 0;
+  reserve_array(numbering.row, closure.marks.size());
+  for (const auto marks : closure.marks) {
+    numbering.row.push_back(marks != 0 ? n_rows : -1);
+    n_rows += marks != 0 ? 1 : 0;
+  }
+  reserve_array(numbering.ends, 6 * at(n_rows));  // more than there will be
+  std::array<LocalId, 6> empty{};
+  empty.fill(invalid_local);
+  assign_array(numbering.edge_to_node, at(n_rows), empty);
 }
 
 /// Patches met at the ends of an arc; those of a border edge are completed by the other ranks.
@@ -96,7 +98,9 @@ class NodeMaker {
 
   /// Nodes of marked edges inside this rank's part, by ascending lowest cell.
   void make_inner(Counts& counts) {
+    constexpr LocalId ahead = 16;
     for (LocalId c = 0; c < mesh_.n_cells(); ++c) {
+      if (c + ahead < mesh_.n_cells() && closure_.marks[at(c + ahead)] != 0) prefetch_behind(c + ahead);
       for (unsigned marks = closure_.marks[at(c)]; marks != 0; marks &= marks - 1) {
         const int e = std::countr_zero(marks);
         if (numbering_.midpoint(c, e) != invalid_local) continue;
@@ -115,6 +119,15 @@ class NodeMaker {
  private:
   void set(LocalId node, LocalId cell, int edge) {
     numbering_.edge_to_node[at(numbering_.row[at(cell)])][at(edge)] = node;
+  }
+  /// The cells at the faces, which walks from there come to first.
+  void prefetch_behind(LocalId cell) const {
+    for (const auto slot : mesh_.cell_to_cell[at(cell)]) {
+      const auto next = at(mesh_.is_own(slot) ? slot : cell);
+      prefetch(&mesh_.cell_to_node[next]);
+      prefetch(&mesh_.cell_to_cell[next]);
+      prefetch(&numbering_.row[next]);
+    }
   }
 
   const mesh::DistMesh& mesh_;
@@ -187,14 +200,13 @@ void count_children(const Closure& closure, Counts& counts) {
 /// `offset[i]`: `start` and the counts before entry i, those of lower ranks included. Collective.
 void accumulate(const par::Comm& comm, std::span<const std::uint8_t> counts, GlobalId start,
                 std::vector<GlobalId>& offset) {
-  offset.resize(counts.size());
-  GlobalId sum = 0;
-  for (std::size_t i = 0; i < counts.size(); ++i) {
-    offset[i] = sum;
-    sum += counts[i];
+  const auto sum = std::accumulate(counts.begin(), counts.end(), GlobalId{0});
+  auto next = start + comm.exclusive_sum(sum);
+  reserve_array(offset, counts.size());
+  for (const auto count : counts) {
+    offset.push_back(next);
+    next += count;
   }
-  const auto before = start + comm.exclusive_sum(sum);
-  for (auto& value : offset) value += before;
 }
 
 std::vector<GlobalId> offsets_of(const par::Comm& comm, const mesh::DistMesh& mesh, bool in_runs,
@@ -215,7 +227,7 @@ void number_nodes(const par::Comm& comm, const mesh::DistMesh& mesh, const mesh:
                   const std::vector<LocalId>& shared_node, const std::vector<GlobalId>& offset, Numbering& numbering) {
   const auto n_old = mesh.n_nodes();
   auto& global = numbering.node_global;
-  global.assign(numbering.n_new_nodes(), invalid_global);
+  assign_array(global, numbering.n_new_nodes(), invalid_global);
   // border nodes of which another cell, maybe elsewhere, is the lowest, wait for that cell
   std::vector<mesh::CellFace> owner_of;  // lowest cell and edge of each border node, by new node
   const auto n_shared =
@@ -272,13 +284,13 @@ Numbering number(const par::Comm& comm, const mesh::DistMesh& mesh, const mesh::
   numbering.first_child_global = offsets_of(comm, mesh, in_runs, counts.cells, mesh.info.first_id);
 
   std::int64_t n_nodes = 0, n_cells = 0;
-  numbering.first_child.resize(counts.cells.size() + 1);
+  reserve_array(numbering.first_child, counts.cells.size() + 1);
   for (std::size_t c = 0; c < counts.cells.size(); ++c) {
-    numbering.first_child[c] = narrow<LocalId>(n_cells);
+    numbering.first_child.push_back(narrow<LocalId>(n_cells));
     n_cells += counts.cells[c];
     n_nodes += counts.nodes[c];
   }
-  numbering.first_child.back() = narrow<LocalId>(n_cells);
+  numbering.first_child.push_back(narrow<LocalId>(n_cells));
   numbering.n_global_nodes = mesh.info.n_global_nodes + comm.sum(n_nodes);
   numbering.n_global_cells = comm.sum(n_cells);
   return numbering;

@@ -3,6 +3,8 @@
 
 #include <bit>
 
+#include "pamr/base/memory.hpp"
+#include "pamr/base/prefetch.hpp"
 #include "pamr/mesh/ring.hpp"
 #include "pamr/refine/family.hpp"
 #include "pamr/refine/policy.hpp"
@@ -15,7 +17,9 @@ constexpr std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 Propagation::Propagation(const mesh::DistMesh& mesh, std::span<const std::uint8_t> flags,
                          std::span<const std::uint8_t> kept, QualityControl policy)
-    : mesh_(mesh), kept_(kept), policy_(policy), marks_(at(mesh.n_cells()), 0) {
+    : mesh_(mesh), kept_(kept), policy_(policy) {
+  assign_array(marks_, at(mesh.n_cells()), EdgeMask{0});
+  reserve_array(waiting_, at(mesh.n_cells()));  // more than ever wait
   start_from_flags(flags);
 }
 
@@ -30,7 +34,9 @@ void Propagation::start_from_flags(std::span<const std::uint8_t> flags) {
   const auto is_full = [&](LocalId c) { return flags[at(c)] != 0 && !is_removable(c); };
   for (LocalId c = 0; c < mesh_.n_cells(); ++c)
     if (is_full(c)) marks_[at(c)] = all_edges;
+  constexpr LocalId ahead = 16;
   for (LocalId c = 0; c < mesh_.n_cells(); ++c) {
+    if (c + ahead < mesh_.n_cells() && flags[at(c + ahead)] != 0) prefetch_behind(c + ahead);
     if (flags[at(c)] == 0) continue;
     if (!is_full(c)) {
       const auto lineage = mesh_.lineage[at(c)];
@@ -53,13 +59,28 @@ void Propagation::start_from_flags(std::span<const std::uint8_t> flags) {
   }
 }
 
+namespace {
+
+/// Edges of a member on which marks still have a consequence when the parent is red: those of the split face.
+EdgeMask edges_of_split_face(mesh::Lineage lineage) {
+  return lineage.kind() == mesh::FamilyKind::face ? mesh::tet::face_edge_mask[at(lineage.index())] : EdgeMask{0};
+}
+
+}  // namespace
+
 void Propagation::set_mark(LocalId cell, int edge) {
   auto& marks = marks_[at(cell)];
   const auto bit = static_cast<EdgeMask>(1U << edge);
   if ((marks & bit) != 0) return;
   marks = static_cast<EdgeMask>(marks | bit);
-  // a family waits as one, by its first member
-  const auto waiter = is_removable(cell) ? cell - mesh_.lineage[at(cell)].child() : cell;
+  auto waiter = cell;
+  if (is_removable(cell)) {  // a family waits as one, by its first member
+    const auto lineage = mesh_.lineage[at(cell)];
+    waiter -= lineage.child();
+    if ((marks_[at(waiter)] & family_is_red) != 0 && (edges_of_split_face(lineage) & bit) == 0) return;
+  } else if ((marks & all_edges) == all_edges) {
+    return;
+  }
   if ((marks_[at(waiter)] & waiting) != 0) return;
   marks_[at(waiter)] = static_cast<EdgeMask>(marks_[at(waiter)] | waiting);
   waiting_.push_back(waiter);
@@ -75,29 +96,36 @@ void Propagation::add_marks(LocalId cell, EdgeMask wanted) {
     mark(cell, std::countr_zero(rest));
 }
 
-/// Has what a waiting cell's rule reads fetched from memory: first its nodes, later their positions.
+/// Has what a waiting cell's rule reads fetched from memory: first the cell, later what is round it.
 void Propagation::prefetch_cell(LocalId cell) const {
-  __builtin_prefetch(&mesh_.cell_to_node[at(cell)]);
-  __builtin_prefetch(&mesh_.cell_to_cell[at(cell)]);
-  __builtin_prefetch(&mesh_.lineage[at(cell)]);
+  prefetch(&mesh_.cell_to_node[at(cell)]);
+  prefetch(&mesh_.cell_to_cell[at(cell)]);
+  prefetch(&mesh_.lineage[at(cell)]);
 }
 
-void Propagation::prefetch_points(LocalId cell) const {
-  if (!is_removable(cell)) {
-    for (const auto node : mesh_.cell_to_node[at(cell)]) __builtin_prefetch(&mesh_.node_position[at(node)]);
-    return;
+void Propagation::prefetch_round(LocalId cell) const {
+  const int size = is_removable(cell) ? mesh_.lineage[at(cell)].family_size() : 1;
+  for (auto member = cell; member < cell + size; ++member) {
+    for (const auto node : mesh_.cell_to_node[at(member)]) prefetch(&mesh_.node_position[at(node)]);
+    prefetch_behind(member);
   }
-  for (int child = 0; child < mesh_.lineage[at(cell)].family_size(); ++child)
-    for (const auto next : mesh_.cell_to_cell[at(cell + child)])
-      if (mesh_.is_own(next)) {
-        __builtin_prefetch(&mesh_.cell_to_node[at(next)]);
-        __builtin_prefetch(&mesh_.cell_to_cell[at(next)]);
-      }
+}
+
+/// The cells at the faces, which walks from there come to first.
+void Propagation::prefetch_behind(LocalId cell) const {
+  for (const auto slot : mesh_.cell_to_cell[at(cell)]) {
+    const auto next = at(mesh_.is_own(slot) ? slot : cell);
+    prefetch(&mesh_.cell_to_node[next]);
+    prefetch(&mesh_.cell_to_cell[next]);
+    prefetch(&mesh_.lineage[next]);
+    prefetch(&marks_[next]);
+  }
 }
 
 void Propagation::settle() {
   constexpr std::size_t ahead = 20;
   std::vector<LocalId> batch;
+  reserve_array(batch, marks_.size());
   while (!waiting_.empty()) {
     batch.clear();
     if (waiting_.size() > marks_.size() / 64) {
@@ -109,7 +137,7 @@ void Propagation::settle() {
     }
     for (std::size_t i = 0; i < batch.size(); ++i) {
       if (i + 2 * ahead < batch.size()) prefetch_cell(batch[i + 2 * ahead]);
-      if (i + ahead < batch.size()) prefetch_points(batch[i + ahead]);
+      if (i + ahead < batch.size()) prefetch_round(batch[i + ahead]);
       apply_rule(batch[i]);
     }
   }
@@ -135,11 +163,10 @@ void Propagation::make_red(LocalId first, int state) {
 
 geometry::TetPoints Propagation::parent_corners(LocalId first, int state) const {
   geometry::TetPoints corner;
-  for (int child = 0; child < split_pattern[at(state)].n_children; ++child)
-    for (int slot = 0; slot < 4; ++slot) {
-      const int code = split_pattern[at(state)].child_to_node[at(child)][at(slot)];
-      if (code < 4) corner[at(code)] = mesh_.point(mesh_.cell_to_node[at(first + child)][at(slot)]);
-    }
+  for (int code = 0; code < 4; ++code) {
+    const auto [member, slot] = node_places[at(state)][at(code)];
+    corner[at(code)] = mesh_.point(mesh_.cell_to_node[at(first + member)][at(slot)]);
+  }
   return corner;
 }
 
@@ -148,19 +175,16 @@ geometry::TetPoints Propagation::parent_corners(LocalId first, int state) const 
 void Propagation::apply_family_rule(LocalId first) {
   const int state = state_of_family(mesh_.lineage[at(first)]);
   const auto& pattern = split_pattern[at(state)];
-  unsigned parent_marks = pattern.mask;
-  bool is_red = (marks_[at(first)] & family_is_red) != 0;
+  const auto face_edges = edges_of_split_face(mesh_.lineage[at(first)]);
+  unsigned meaning = pattern.mask;
   for (int child = 0; child < pattern.n_children; ++child) {
     const auto marks = static_cast<EdgeMask>(marks_[at(first + child)] & all_edges);
-    if (pattern.kind == mesh::FamilyKind::face) {
-      const auto on_face = static_cast<EdgeMask>(marks & mesh::tet::face_edge_mask[at(pattern.index)]);
-      if (std::popcount(on_face) == 2) add_marks(first + child, mesh::tet::face_edge_mask[at(pattern.index)]);
-    }
-    const auto of_parent = edges_of_parent[at(state)][at(child)];
-    is_red = is_red || (marks & ~of_parent) != 0;
-    for (unsigned rest = marks & of_parent; rest != 0; rest &= rest - 1)
-      parent_marks |= 1U << family_edge(state, child, std::countr_zero(rest)).parent_edge;
+    add_marks(first + child, legal_mask[marks & face_edges]);
+    meaning |= marks_for_parent[at(state)][at(child)][marks];
   }
+  if ((marks_[at(first)] & family_is_red) != 0) return;
+  const bool is_red = (meaning & beyond_parent) != 0;
+  const unsigned parent_marks = meaning & all_edges;
   const auto legal = legal_mask[parent_marks];
   if (!is_red && legal == pattern.mask) return;
   if (is_red || legal == all_edges || closes_badly(parent_corners(first, state), legal)) {

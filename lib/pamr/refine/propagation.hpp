@@ -40,7 +40,8 @@ class Propagation {
   void set_mark(LocalId cell, int edge);
   void add_marks(LocalId cell, EdgeMask wanted);
   void prefetch_cell(LocalId cell) const;
-  void prefetch_points(LocalId cell) const;
+  void prefetch_round(LocalId cell) const;
+  void prefetch_behind(LocalId cell) const;
   void apply_rule(LocalId cell);
   void apply_family_rule(LocalId first);
   void make_red(LocalId first, int state);

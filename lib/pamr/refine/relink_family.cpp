@@ -3,7 +3,9 @@
 
 #include <algorithm>
 
+#include "pamr/base/prefetch.hpp"
 #include "pamr/mesh/ring.hpp"
+#include "pamr/refine/family.hpp"
 
 namespace pamr::refine {
 
@@ -12,11 +14,11 @@ namespace {
 constexpr std::size_t at(std::int64_t i) { return static_cast<std::size_t>(i); }
 
 /// Old cells in a block of the index of families.
-constexpr int block_bits = 5;
+constexpr int block_bits = 3;
 
 /// How a face between two siblings looks from the other one: its slot there, and the slots of its corners.
 struct Facing {
-  std::int8_t face = -1;
+  std::int8_t face = 0;
   std::array<std::int8_t, 4> corner{};
 };
 
@@ -47,10 +49,28 @@ constexpr FacingTable facings = make_facings();
 /// One of three: a face without marks, with one, with three.
 enum class FaceSplit : std::uint8_t { none, halves, quarters };
 
-FaceSplit split_of(const SplitPattern& pattern, int face) {
-  const auto& child = pattern.face_to_child[at(face)];
-  return child[whole] >= 0 ? FaceSplit::none : child[centre] >= 0 ? FaceSplit::quarters : FaceSplit::halves;
+constexpr auto make_face_splits() {
+  std::array<std::array<FaceSplit, 4>, n_states> table{};
+  for (int s = 0; s < n_states; ++s)
+    for (int face = 0; face < 4; ++face) {
+      const auto& child = split_pattern[at(s)].face_to_child[at(face)];
+      table[at(s)][at(face)] = child[whole] >= 0    ? FaceSplit::none
+                               : child[centre] >= 0 ? FaceSplit::quarters
+                                                    : FaceSplit::halves;
+    }
+  return table;
 }
+
+constexpr std::array<std::array<int, 3>, 4> corners_of_face{{{1, 2, 3}, {0, 2, 3}, {0, 1, 3}, {0, 1, 2}}};
+
+/// `link >= 0 ? inner : outer` without a branch: which it is follows no order that a processor could foresee.
+constexpr LocalId if_inner(std::int8_t link, LocalId inner, LocalId outer) {
+  const int is_outer = link >> 7;  // all bits or none
+  return (outer & is_outer) | (inner & ~is_outer);
+}
+
+/// How a state splits a face: `face_split[state][face]`.
+constexpr auto face_split = make_face_splits();
 
 }  // namespace
 
@@ -73,75 +93,100 @@ const RebuiltFamily& FamilyLinker::family_of(LocalId first_member) const {
 }
 
 void FamilyLinker::link(std::size_t i) {
-  constexpr std::size_t ahead = 4;
-  if (i + ahead < closure_.rebuilt.size()) prefetch_neighbours(closure_.rebuilt[i + ahead].first);
+  constexpr std::size_t ahead = 3;
+  if (i + 2 * ahead < closure_.rebuilt.size()) prefetch_neighbours(closure_.rebuilt[i + 2 * ahead].first);
+  if (i + ahead < closure_.rebuilt.size()) prefetch_children_behind(closure_.rebuilt[i + ahead].first);
   const auto parent = gather(closure_.rebuilt[i]);
   link_siblings(parent);
   for (int face = 0; face < 4; ++face) link_face(parent, face);
 }
 
-/// Has what stands round a family fetched while earlier ones are linked: its neighbours are scattered in memory.
+/// Has what stands round a family fetched while earlier ones are linked: its neighbours are scattered in memory. To
+/// fetch siblings, too, and the first cell where there is none costs less than to tell them apart.
 void FamilyLinker::prefetch_neighbours(LocalId first) const {
   const auto end = first + old_.lineage[at(first)].family_size();
   for (auto member = first; member < end; ++member)
-    for (const auto next : old_.cell_to_cell[at(member)]) {
-      if (!old_.is_own(next) || (first <= next && next < end)) continue;
-      __builtin_prefetch(&old_.lineage[at(next)]);
-      __builtin_prefetch(&old_.cell_to_cell[at(next)]);
-      __builtin_prefetch(&old_.cell_to_node[at(next)]);
-      __builtin_prefetch(&numbering_.first_child[at(next)]);
-      __builtin_prefetch(&closure_.action[at(next)]);
-      __builtin_prefetch(&children_.state[at(next)]);
+    for (const auto slot : old_.cell_to_cell[at(member)]) {
+      const auto next = old_.is_own(slot) ? at(slot) : 0;
+      prefetch(&old_.lineage[next]);
+      prefetch(&old_.cell_to_cell[next]);
+      prefetch(&old_.cell_to_node[next]);
+      prefetch(&numbering_.first_child[next]);
+      prefetch(&closure_.action[next]);
+      prefetch(&children_.state[next]);
+    }
+}
+
+/// Has the links of the children on the other side fetched, the first and the last of each cell: most are written, too.
+void FamilyLinker::prefetch_children_behind(LocalId first) const {
+  const auto end = first + old_.lineage[at(first)].family_size();
+  for (auto member = first; member < end; ++member)
+    for (const auto slot : old_.cell_to_cell[at(member)]) {
+      const auto next = old_.is_own(slot) ? at(slot) : 0;
+      prefetch(fine_.cell_to_cell.data() + numbering_.first_child[next]);
+      prefetch(fine_.cell_to_cell.data() + numbering_.first_child[next + 1] - 1);
     }
 }
 
 FamilyLinker::Parent FamilyLinker::gather(const RebuiltFamily& family) const {
   Parent parent;
   parent.first_member = family.first;
-  parent.before = &split_pattern[at(state_of_family(old_.lineage[at(family.first)]))];
-  parent.now = &split_pattern[at(family.state)];
+  parent.before = state_of_family(old_.lineage[at(family.first)]);
+  parent.now = family.state;
   auto next = numbering_.first_child[at(family.first)];
-  for (int child = 0; child < parent.now->n_children; ++child) {
+  for (int child = 0; child < max_children; ++child) {  // those beyond the last are nobody's
     parent.child[at(child)] = &split_pattern[at(state_of_mask[family.child_marks[at(child)]])];
     parent.start[at(child)] = next;
     next += parent.child[at(child)]->n_children;
   }
-  parent.node.fill(invalid_local);
-  for (int member = 0; member < parent.before->n_children; ++member)
-    for (int slot = 0; slot < 4; ++slot)
-      parent.node[at(parent.before->child_to_node[at(member)][at(slot)])] =
-          old_.cell_to_node[at(family.first + member)][at(slot)];
+  for (int code = 0; code < 10; ++code) {
+    const auto [member, slot] = node_places[at(parent.before)][at(code)];
+    const auto node = old_.cell_to_node[at(family.first + std::max<int>(member, 0))][at(slot)];
+    parent.node[at(code)] = member < 0 ? invalid_local : node;
+  }
   return parent;
 }
 
-/// Siblings of both generations.
+/// Siblings of both generations: first those that are not split once more, which most are, without branches; then the
+/// others and both sides of their faces.
 void FamilyLinker::link_siblings(const Parent& parent) {
-  const auto& facing_here = facings[at(parent.now - split_pattern.data())];
-  for (int c = 0; c < parent.now->n_children; ++c) {
-    const auto& child = *parent.child[at(c)];
-    const auto start = parent.start[at(c)];
-    if (child.n_children > 1)
-      for (int grandchild = 0; grandchild < child.n_children; ++grandchild)
-        for (int slot = 0; slot < 4; ++slot) {
-          const int link = child.child_to_child[at(grandchild)][at(slot)];
-          if (link >= 0) set({start + grandchild, slot}, start + link);
-        }
-    for (int face = 0; face < 4; ++face) {
-      const int sibling = parent.now->child_to_child[at(c)][at(face)];
-      if (sibling < 0) continue;
-      const auto& facing = facing_here[at(c)][at(face)];
-      const auto& child_there = parent.child[at(sibling)]->face_to_child[at(facing.face)];
-      const auto start_there = parent.start[at(sibling)];
-      const auto& child_at = child.face_to_child[at(face)];
-      const auto& slot_at = child.face_to_slot[at(face)];
-      if (child_at[whole] >= 0) {
-        set({start + child_at[whole], slot_at[whole]}, start_there + child_there[whole]);
-        continue;
-      }
-      for (int place = 0; place <= centre; ++place)
-        if (child_at[at(place)] >= 0)
-          set({start + child_at[at(place)], slot_at[at(place)]},
-              start_there + child_there[at(place < 4 ? facing.corner[at(place)] : place)]);
+  const auto& pattern = split_pattern[at(parent.now)];
+  bool all_are_whole = true;
+  for (int c = 0; c < pattern.n_children; ++c) {
+    all_are_whole = all_are_whole && parent.child[at(c)]->n_children == 1;
+    const auto& sibling = pattern.child_to_child[at(c)];
+    auto& link = fine_.cell_to_cell[at(parent.start[at(c)])];
+    for (std::size_t face = 0; face < 4; ++face)
+      link[face] = if_inner(sibling[face], parent.start[at(sibling[face] & (max_children - 1))], link[face]);
+  }
+  if (all_are_whole) return;
+  for (int c = 0; c < pattern.n_children; ++c)
+    if (parent.child[at(c)]->n_children > 1) link_split_child(parent, c);
+}
+
+/// Links the children of a child that is split once more to each other and to its siblings.
+void FamilyLinker::link_split_child(const Parent& parent, int c) {
+  const auto& child = *parent.child[at(c)];
+  const auto start = parent.start[at(c)];
+  for (int grandchild = 0; grandchild < child.n_children; ++grandchild) {
+    const auto& sibling = child.child_to_child[at(grandchild)];
+    auto& link = fine_.cell_to_cell[at(start + grandchild)];
+    for (std::size_t slot = 0; slot < 4; ++slot)
+      link[slot] = if_inner(sibling[slot], start + sibling[slot], link[slot]);
+  }
+  for (int face = 0; face < 4; ++face) {
+    const int sibling = split_pattern[at(parent.now)].child_to_child[at(c)][at(face)];
+    if (sibling < 0) continue;
+    const auto& facing = facings[at(parent.now)][at(c)][at(face)];
+    const auto& there = *parent.child[at(sibling)];
+    const auto start_there = parent.start[at(sibling)];
+    for (int place = 0; place < n_places; ++place) {
+      const int part = child.face_to_child[at(face)][at(place)];
+      if (part < 0) continue;
+      const auto place_there = at(place < 4 ? facing.corner[at(place)] : place);
+      set_both({start + part, child.face_to_slot[at(face)][at(place)]},
+               {start_there + there.face_to_child[at(facing.face)][place_there],
+                there.face_to_slot[at(facing.face)][place_there]});
     }
   }
 }
@@ -149,8 +194,8 @@ void FamilyLinker::link_siblings(const Parent& parent) {
 /// A face that was split and keeps its parts is linked part by part of the old face; any other as one: one rank, patch
 /// or cell holds all of its other side, or a family that was taken back too.
 void FamilyLinker::link_face(const Parent& parent, int face) {
-  const auto& before = *parent.before;
-  const bool keeps_parts = split_of(before, face) == split_of(*parent.now, face);
+  const auto& before = split_pattern[at(parent.before)];
+  const bool keeps_parts = face_split[at(parent.before)][at(face)] == face_split[at(parent.now)][at(face)];
   for (int place = 0; place < n_places; ++place) {
     const int member = before.face_to_child[at(face)][at(place)];
     if (member < 0) continue;
@@ -165,11 +210,12 @@ void FamilyLinker::link_face(const Parent& parent, int face) {
 
 /// The first of the rank-border faces that a face of the parent was in the old mesh: the other side finds the same.
 LocalId FamilyLinker::lowest_border_face(const Parent& parent, int face) const {
+  const auto& before = split_pattern[at(parent.before)];
   LocalId lowest = old_.n_cells() + static_cast<LocalId>(old_.border_face.size());
   for (int place = 0; place < n_places; ++place) {
-    const int member = parent.before->face_to_child[at(face)][at(place)];
+    const int member = before.face_to_child[at(face)][at(place)];
     if (member < 0) continue;
-    const auto slot = parent.before->face_to_slot[at(face)][at(place)];
+    const auto slot = before.face_to_slot[at(face)][at(place)];
     lowest = std::min(lowest, old_.cell_to_cell[at(parent.first_member + member)][at(slot)]);
   }
   return lowest - old_.n_cells();
@@ -196,6 +242,14 @@ bool FamilyLinker::link_region(const Parent& parent, int face, int place, mesh::
   const auto& slot_there = pattern.face_to_slot[at(there)];
   const auto start_there = numbering_.first_child[at(next)];
   const auto& corner_there = old_.cell_to_node[at(next)];
+  if (Quarters mine; place == all_places && find_quarters(parent, face, mine)) {
+    for (int i = 0; i < 3; ++i) {
+      const int twin = mesh::slot_of(corner_there, mine.name[at(i)]);
+      set_both(mine.part[at(i)], {start_there + child_there[at(twin)], slot_there[at(twin)]});
+    }
+    set_both(mine.part[3], {start_there + child_there[centre], slot_there[centre]});
+    return false;
+  }
   for_each_part(parent, face, place, [&](mesh::CellFace part, Name name, Name) {
     const int twin = child_there[whole] >= 0 ? whole : name == name_centre ? centre : mesh::slot_of(corner_there, name);
     set_both(part, {start_there + child_there[at(twin)], slot_there[at(twin)]});
@@ -208,11 +262,20 @@ bool FamilyLinker::link_region(const Parent& parent, int face, int place, mesh::
 bool FamilyLinker::link_to_family(const Parent& parent, int face, int place, LocalId next, int face_there) {
   const auto lineage = old_.lineage[at(next)];
   const auto first = next - lineage.child();
-  const auto& before = split_pattern[at(state_of_family(lineage))];
-  const int link = before.child_to_child[at(lineage.child())][at(face_there)];
-  const bool is_common = split_of(*parent.before, face) == split_of(before, outer_face(link));
+  const int before = state_of_family(lineage);
+  const int link = split_pattern[at(before)].child_to_child[at(lineage.child())][at(face_there)];
+  const bool is_common = face_split[at(parent.before)][at(face)] == face_split[at(before)][at(outer_face(link))];
   if (first > parent.first_member) return is_common;  // which links both
   const auto other = gather(family_of(first));
+  if (Quarters mine, theirs;
+      is_common && find_quarters(parent, face, mine) && find_quarters(other, outer_face(link), theirs)) {
+    for (int i = 0; i < 3; ++i) {
+      const int twin = (theirs.name[1] == mine.name[at(i)] ? 1 : 0) + (theirs.name[2] == mine.name[at(i)] ? 2 : 0);
+      set_both(mine.part[at(i)], theirs.part[at(twin)]);
+    }
+    set_both(mine.part[3], theirs.part[3]);
+    return is_common;
+  }
   const int place_there = is_common || outer_place(link) == whole ? all_places : outer_place(link);
   for_each_part(parent, face, is_common ? all_places : place, [&](mesh::CellFace part, Name first_name, Name second) {
     set_both(part, find(other, outer_face(link), place_there, first_name, second));
@@ -220,10 +283,27 @@ bool FamilyLinker::link_to_family(const Parent& parent, int face, int place, Loc
   return is_common;
 }
 
+/// The parts of a face in four, none of them split once more, as most are. False: the face is not of that kind.
+bool FamilyLinker::find_quarters(const Parent& parent, int face, Quarters& quarters) const {
+  const auto& pattern = split_pattern[at(parent.now)];
+  if (pattern.face_to_child[at(face)][centre] < 0) return false;
+  int all = 0;
+  for (int i = 0; i < 4; ++i) {
+    const int place = i < 3 ? corners_of_face[at(face)][at(i)] : centre;
+    const int c = pattern.face_to_child[at(face)][at(place)], slot = pattern.face_to_slot[at(face)][at(place)];
+    const int part = parent.child[at(c)]->face_to_child[at(slot)][whole];
+    quarters.part[at(i)] = {parent.start[at(c)] + part, parent.child[at(c)]->face_to_slot[at(slot)][whole]};
+    if (i < 3) quarters.name[at(i)] = parent.node[at(place)];
+    all |= part;
+  }
+  return all >= 0;
+}
+
 /// The part of a face that bears these names: of the face when `place` is `all_places`, then of the child's face there;
 /// otherwise of the child's face at `place`.
 mesh::CellFace FamilyLinker::find(const Parent& parent, int face, int place, Name first, Name second) const {
-  const auto& faces = parent.now->face_to_child[at(face)];
+  const auto& pattern = split_pattern[at(parent.now)];
+  const auto& faces = pattern.face_to_child[at(face)];
   if (place == all_places) {
     place = whole;
     if (faces[whole] < 0) {
@@ -234,13 +314,13 @@ mesh::CellFace FamilyLinker::find(const Parent& parent, int face, int place, Nam
     first = second;
   }
   const int c = faces[at(place)];
-  const int slot = parent.now->face_to_slot[at(face)][at(place)];
+  const int slot = pattern.face_to_slot[at(face)][at(place)];
   const auto& child = *parent.child[at(c)];
   int part = whole;
   if (child.face_to_child[at(slot)][whole] < 0) {
     part = centre;
     for (int corner = 0; corner < 4; ++corner)
-      if (parent.node[at(parent.now->child_to_node[at(c)][at(corner)])] == first) part = corner;
+      if (parent.node[at(pattern.child_to_node[at(c)][at(corner)])] == first) part = corner;
   }
   return {parent.start[at(c)] + child.face_to_child[at(slot)][at(part)], child.face_to_slot[at(slot)][at(part)]};
 }
@@ -249,12 +329,13 @@ mesh::CellFace FamilyLinker::find(const Parent& parent, int face, int place, Nam
 /// part: of the face and of the child's face when `place` is `all_places`; otherwise of the child's face.
 template <class Visit>
 void FamilyLinker::for_each_part(const Parent& parent, int face, int place, Visit&& visit) const {
-  const auto& faces = parent.now->face_to_child[at(face)];
+  const auto& pattern = split_pattern[at(parent.now)];
+  const auto& faces = pattern.face_to_child[at(face)];
   const int begin = place == all_places ? 0 : place, end = place == all_places ? n_places : place + 1;
   for (int p = begin; p < end; ++p) {
     const int c = faces[at(p)];
     if (c < 0) continue;
-    const int slot = parent.now->face_to_slot[at(face)][at(p)];
+    const int slot = pattern.face_to_slot[at(face)][at(p)];
     const auto& child = *parent.child[at(c)];
     const auto& child_at = child.face_to_child[at(slot)];
     const auto& slot_at = child.face_to_slot[at(slot)];
@@ -271,7 +352,7 @@ void FamilyLinker::for_each_part(const Parent& parent, int face, int place, Visi
       continue;
     }
     for (int corner = 0; corner < 4; ++corner)
-      if (child_at[at(corner)] >= 0) visit_part(corner, parent.node[at(parent.now->child_to_node[at(c)][at(corner)])]);
+      if (child_at[at(corner)] >= 0) visit_part(corner, parent.node[at(pattern.child_to_node[at(c)][at(corner)])]);
     if (child_at[centre] >= 0) visit_part(centre, name_centre);
   }
 }

@@ -31,8 +31,8 @@ class FamilyLinker {
   /// A parent that is split anew, with what is needed to find a child by the face and the part that it shows.
   struct Parent {
     LocalId first_member = invalid_local;
-    const SplitPattern* before = nullptr;  ///< how it was split in the old mesh
-    const SplitPattern* now = nullptr;
+    int before = 0;  ///< state by which it was split in the old mesh
+    int now = 0;
     std::array<const SplitPattern*, max_children> child{};  ///< how each child is split once more
     std::array<LocalId, max_children> start{};              ///< first grandchild of each child
     std::array<LocalId, 10> node{};                         ///< old nodes by code: corners and midpoints there were
@@ -41,17 +41,25 @@ class FamilyLinker {
   using Name = LocalId;
   static constexpr Name name_centre = -2;
   static constexpr Name name_whole = -3;
+  /// A face in four parts: those at three corners, which the names say, then the centre.
+  struct Quarters {
+    std::array<mesh::CellFace, 4> part{};
+    std::array<Name, 3> name{};
+  };
   /// All parts of a parent's face.
   static constexpr int all_places = -1;
 
   Parent gather(const RebuiltFamily& family) const;
   const RebuiltFamily& family_of(LocalId first_member) const;
   void prefetch_neighbours(LocalId first) const;
+  void prefetch_children_behind(LocalId first) const;
   void link_siblings(const Parent& parent);
+  void link_split_child(const Parent& parent, int c);
   void link_face(const Parent& parent, int face);
   bool link_region(const Parent& parent, int face, int place, mesh::CellFace behind);
   LocalId lowest_border_face(const Parent& parent, int face) const;
   bool link_to_family(const Parent& parent, int face, int place, LocalId next, int face_there);
+  bool find_quarters(const Parent& parent, int face, Quarters& quarters) const;
   mesh::CellFace find(const Parent& parent, int face, int place, Name first, Name second) const;
   template <class Visit>
   void for_each_part(const Parent& parent, int face, int place, Visit&& visit) const;

@@ -26,7 +26,7 @@ class Splitter {
     reserve_array(children_.cell_to_node, n);
     reserve_array(children_.lineage, n);
     reserve_array(children_.cell_global, n);
-    children_.state.assign(at(mesh.n_cells()), 0);
+    assign_array(children_.state, at(mesh.n_cells()), std::uint8_t{0});
   }
 
   Children run() && {
