@@ -45,6 +45,15 @@ TEST(Comm, SumsArraysElementByElement) {
   EXPECT_THAT(values, ElementsAre(p, p * (p - 1) / 2, -2 * p));
 }
 
+TEST(Comm, FindsTheGreatestOfArraysElementByElement) {
+  const Comm comm(MPI_COMM_WORLD);
+  std::vector<std::int64_t> values{1, comm.rank(), -comm.rank()};
+
+  comm.max_in_place(values);
+
+  EXPECT_THAT(values, ElementsAre(1, comm.size() - 1, 0));
+}
+
 TEST(Comm, SumsAnEmptyArray) {
   const Comm comm(MPI_COMM_WORLD);
   std::vector<std::int64_t> none;
