@@ -99,20 +99,32 @@ Region gather(const mesh::DistMesh& fine, const std::vector<std::uint8_t>& is_fr
   return region;
 }
 
-/// Adds to the value of each shared node of the region what the other ranks have for it.
-template <class T, class Add>
-void add_shared(const par::Exchange& exchange, const Region& region, std::vector<T>& values, Add&& add) {
-  std::vector<T> mine;
-  mine.reserve(exchange.pattern().n_slots());
-  for (const auto node : exchange.pattern().item) {
-    const auto number = region.number[at(node)];
-    mine.push_back(number < 0 ? T{} : values[at(number)]);
+/// The free nodes that other ranks hold too, in the numbers of the region: only their sums are put together.
+struct SharedFree {
+  par::Pattern pattern;
+  std::vector<std::int32_t> n_terms;  ///< of each slot, on the other side
+};
+
+/// Collective: one exchange over all shared nodes.
+SharedFree share_free(const par::Exchange& exchange, const Region& region, const std::vector<std::uint8_t>& is_free,
+                      const std::vector<std::int32_t>& n_terms) {
+  const auto& all = exchange.pattern();
+  std::vector<std::int32_t> mine;
+  mine.reserve(all.n_slots());
+  for (const auto node : all.item) mine.push_back(is_free[at(node)] != 0 ? n_terms[at(region.number[at(node)])] : -1);
+  const auto theirs = exchange.swap<std::int32_t>(mine);
+  SharedFree shared;
+  for (std::size_t i = 0; i < all.rank.size(); ++i) {
+    for (auto k = all.offset[i]; k < all.offset[i + 1]; ++k)
+      if (mine[k] >= 0 && theirs[k] >= 0) {
+        shared.pattern.item.push_back(region.number[at(all.item[k])]);
+        shared.n_terms.push_back(theirs[k]);
+      }
+    if (shared.pattern.item.size() == shared.pattern.offset.back()) continue;
+    shared.pattern.rank.push_back(all.rank[i]);
+    shared.pattern.offset.push_back(shared.pattern.item.size());
   }
-  const auto theirs = exchange.swap<T>(mine);
-  for (std::size_t k = 0; k < theirs.size(); ++k) {
-    const auto number = region.number[at(exchange.pattern().item[k])];
-    if (number >= 0) add(values[at(number)], theirs[k]);
-  }
+  return shared;
 }
 
 /// For each node of the region the sum over its cells of the values at their other corners.
@@ -169,18 +181,22 @@ void stay_in_planes(const std::vector<InPlane>& in_plane, std::vector<Fixed>& va
 }
 
 /// Replaces the values at free nodes by the mean over their neighbours, `n_sweeps` times, all at once each time.
-void sweep(const par::Exchange& exchange, const Region& region, const std::vector<std::uint8_t>& is_free,
-           const std::vector<InPlane>& in_plane, int n_sweeps, std::vector<Fixed>& value) {
+void sweep(const par::Comm& comm, const par::Exchange& exchange, const Region& region,
+           const std::vector<std::uint8_t>& is_free, const std::vector<InPlane>& in_plane, int n_sweeps,
+           std::vector<Fixed>& value) {
   std::vector<std::int32_t> n_terms(value.size(), 0);
   for (const auto& numbers : region.cell_to_number)
     for (const auto i : numbers) n_terms[at(i)] += 3;
-  add_shared(exchange, region, n_terms, [](std::int32_t& mine, std::int32_t theirs) { mine += theirs; });
-  std::vector<Fixed> sum(value.size());
+  const auto shared = share_free(exchange, region, is_free, n_terms);
+  const auto& item = shared.pattern.item;
+  for (std::size_t k = 0; k < item.size(); ++k) n_terms[at(item[k])] += shared.n_terms[k];
+  std::vector<Fixed> sum(value.size()), mine(item.size());
   for (int i = 0; i < n_sweeps; ++i) {
     sum_neighbours(region, value, sum);
-    add_shared(exchange, region, sum, [](Fixed& mine, const Fixed& theirs) {
-      for (std::size_t k = 0; k < 3; ++k) mine[k] += theirs[k];
-    });
+    for (std::size_t k = 0; k < item.size(); ++k) mine[k] = sum[at(item[k])];
+    const auto theirs = par::Exchange(comm, shared.pattern).swap<Fixed>(mine);
+    for (std::size_t k = 0; k < item.size(); ++k)
+      for (std::size_t d = 0; d < 3; ++d) sum[at(item[k])][d] += theirs[k][d];
     for (std::size_t n = 0; n < value.size(); ++n)
       if (is_free[at(region.node[n])] != 0)
         for (std::size_t k = 0; k < 3; ++k) value[n][k] = sum[n][k] / n_terms[n];
@@ -219,7 +235,7 @@ double smooth_displacement(const par::Comm& comm, const mesh::DistMesh& fine, co
     const Vec3 d = m.target - m.base;
     value[at(number)] = {std::llround(d.x * scale), std::llround(d.y * scale), std::llround(d.z * scale)};
   }
-  sweep(exchange, region, is_free, in_plane, n_sweeps, value);
+  sweep(comm, exchange, region, is_free, in_plane, n_sweeps, value);
   for (std::size_t number = 0; number < value.size(); ++number) {
     const auto node = region.node[number];
     const auto& v = value[number];
