@@ -102,11 +102,16 @@ TEST_P(WideIds, PassThroughThreeLevelsAndTheFileUnharmed) {
   const auto destination = test::random_destinations(comm, block, 5);
   auto plain = mesh::assemble(comm, block, destination);
   auto moved = mesh::assemble(comm, test::numbered_from(wide, block), destination);
-  std::int64_t n_off_surface = 0;
+  std::int64_t n_off_surface = 0, n_moved = 0;
   for (int level = 0; level < 3; ++level) {
     const refine::Options options{.quality_control = GetParam(), .marks_field = ""};
     auto of_plain = adapt::refine(comm, plain, mark(plain), options);
-    auto of_moved = adapt::refine(comm, moved, mark(moved), options);
+    adapt::Options spread{options, adapt::balancing_named(level == 1 ? "blocks" : "scotch", "exact")};
+    spread.balancing.how.keep_below = 0;
+    spread.balancing.how.vertices_per_part = 40;
+    const auto flags = mark(moved);
+    auto of_moved = adapt::refine(comm, std::move(moved), flags, spread);
+    n_moved += of_moved.report.balance.moved_cells;
     plain = std::move(of_plain.mesh);
     moved = std::move(of_moved.mesh);
     EXPECT_EQ(of_moved.report.families_rebuilt, of_plain.report.families_rebuilt);
@@ -124,6 +129,7 @@ TEST_P(WideIds, PassThroughThreeLevelsAndTheFileUnharmed) {
     expect_equal_but_for_numbers(comm, moved, plain);
   }
   EXPECT_GT(n_off_surface, 0);  // the ledger, too, has been carried
+  EXPECT_EQ(n_moved > 0, comm.size() > 1);
 }
 
 TEST(WideIds, AreBuiltFromNodesAlone) {
