@@ -125,7 +125,7 @@ cli::ExitCode run(cli::Session& session, const Options& options) {
   const auto n_marked = mark::count_marked(comm, marks);
   const auto size = adapt::dry_run(comm, mesh, marks, refinement);
 
-  mark::set_marks(mesh, marks, options.marks);
+  mark::set_marks(mesh, marks, options.marks, size.work);
   io::write_native(comm, options.output, mesh);
   nlohmann::json report{{"cells", mesh.info.n_global_cells},
                         {"nodes", mesh.info.n_global_nodes},

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "pamr/adapt/adapt.hpp"
 
+#include <algorithm>
 #include <string>
 
 #include "pamr/base/contract.hpp"
@@ -89,6 +90,38 @@ par::Pattern share_nodes(const mesh::Borders& borders, const refine::Closure& cl
     shared.offset.push_back(shared.item.size());
   }
   return shared;
+}
+
+/// Of each patch whether new nodes on it will be moved: not where its surface is flat, missing or unknown.
+std::vector<bool> curved_patches(const mesh::DistMesh& mesh, const refine::Options& options) {
+  std::vector<bool> is_curved(mesh.info.patches.size(), false);
+  if (!options.project) return is_curved;
+  try {
+    const auto surfaces = geometry::surfaces_from_toml(mesh.info.surfaces_toml, "", mesh.info.triangulations);
+    for (std::size_t p = 0; p < is_curved.size(); ++p)
+      if (const auto* surface = surfaces.find(mesh.info.patches[p].surface)) is_curved[p] = !surface->is_flat();
+  } catch (const Error&) {  // told by the refinement, not by its forecast
+  }
+  return is_curved;
+}
+
+/// `Forecast::work`: the number of children, two more where a cell is closed (its edges are walked for few children),
+/// and five quarters more at a curved wall, where nodes are moved and what moves with them is smoothed and checked.
+/// Source: processor times of 64 ranks of tests/bench/scaling.sh, fitted.
+std::vector<std::uint8_t> work_of_cells(const mesh::DistMesh& mesh, const std::vector<LocalId>& first_child,
+                                        const std::vector<bool>& is_curved) {
+  std::vector<std::uint8_t> work(at(mesh.n_cells()));
+  for (std::size_t c = 0; c < work.size(); ++c) {
+    const auto children = first_child[c + 1] - first_child[c];
+    const auto& slots = mesh.cell_to_cell[c];
+    const bool at_wall = children > 1 && std::any_of(slots.begin(), slots.end(), [&](LocalId slot) {
+                           return slot < 0 && is_curved[at(mesh::slot_to_patch(slot))];
+                         });
+    const bool is_closed = children > 1 && children < refine::max_children;
+    work[c] = static_cast<std::uint8_t>(
+        std::clamp(children + (is_closed ? 2 : 0) + (at_wall ? 5 * children / 4 : 0), 1, 255));
+  }
+  return work;
 }
 
 /// Flagged cells of which something is left that was not split into eight.
@@ -205,7 +238,8 @@ Forecast dry_run(const par::Comm& comm, const mesh::DistMesh& mesh, std::span<co
   const auto borders = mesh::find_borders(comm, mesh);
   const auto closure = refine::close(comm, mesh, borders, flags, options.quality_control);
   const auto numbering = refine::number(comm, mesh, borders, closure);
-  return {numbering.n_global_cells, numbering.n_global_nodes, closure.n_marked, numbering.first_child.back()};
+  return {numbering.n_global_cells, numbering.n_global_nodes, closure.n_marked, numbering.first_child.back(),
+          work_of_cells(mesh, numbering.first_child, curved_patches(mesh, options))};
 }
 
 std::vector<std::uint8_t> flags_from_field(const par::Comm& comm, const mesh::DistMesh& mesh, const std::string& name) {

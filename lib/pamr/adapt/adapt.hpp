@@ -69,6 +69,8 @@ struct Forecast {
   std::int64_t nodes = 0;
   std::int64_t marked = 0;
   std::int64_t cells_on_this_rank = 0;
+  /// Of each cell of this rank what refining it costs, about, in cells that come of it: 1 to 255.
+  std::vector<std::uint8_t> work;
 };
 Forecast dry_run(const par::Comm& comm, const mesh::DistMesh& mesh, std::span<const std::uint8_t> flags,
                  const refine::Options& options = {});

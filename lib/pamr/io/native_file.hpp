@@ -18,8 +18,9 @@ struct ReadOptions {
   bool verify_checksums = true;
   /// Largest piece that a rank reads at once, bytes; 2^30 at most.
   std::size_t slab_bytes = std::size_t{1} << 20U;
-  /// Integer cell field of marks (1: to be refined). The ranks then read runs of cells of which about the same number
-  /// will come (`mesh::expected_children`); where there is no such field, or no name here, runs of the same number.
+  /// Integer cell field of marks (1: to be refined). The ranks then read runs of cells that are about the same work:
+  /// by the field `mesh::work_field`, which is not part of the result, or else by `mesh::expected_children`; where
+  /// there is no field of marks, or no name here, runs of the same number.
   std::string marks_field = {};
 };
 

@@ -87,6 +87,9 @@ class Reader {
 
   void open();
   void share_out();
+  const FieldEntry* find_integers(const std::string& cell_field) const;
+  std::vector<std::uint8_t> expected_children(Rows block, const FieldEntry& marks);
+  std::vector<std::uint8_t> work_of(Rows block, const FieldEntry& field);
   GlobalId first_of_equal_work(const FieldEntry& marks);
   GlobalId family_border(GlobalId cell);
   Rows cells() const { return {first_cell_, end_cell_}; }
@@ -134,8 +137,9 @@ mesh::BlockMesh Reader::run() {
   read_connectivity(block);
   read_neighbours(block);
   block.node_position = read_points(path::points, layout_.points_type, layout_.info.n_global_nodes, nodes());
+  const auto* work = options_.marks_field.empty() ? nullptr : find_integers(mesh::work_field(options_.marks_field));
   for (const auto& entry : layout_.fields)
-    (entry.on_cells ? block.cell_fields : block.node_fields).push_back(read_field(entry));
+    if (&entry != work) (entry.on_cells ? block.cell_fields : block.node_fields).push_back(read_field(entry));
   for (const auto& entry : layout_.triangulations) block.info.triangulations.push_back(read_triangulation(entry));
   comm_->in_library([&] { return h5_.reset(); });
   return block;
@@ -238,11 +242,15 @@ GlobalId Reader::family_border(GlobalId cell) {
   return std::min(border, n);
 }
 
-/// First cell of this rank's run when the runs become about the same number of cells. Each rank looks at its canonical
-/// block; what is wrong in it is found when it is read for good.
-GlobalId Reader::first_of_equal_work(const FieldEntry& marks) {
+const FieldEntry* Reader::find_integers(const std::string& cell_field) const {
+  const auto found = std::find_if(layout_.fields.begin(), layout_.fields.end(), [&](const FieldEntry& field) {
+    return field.on_cells && field.name == cell_field && field.n_components == 1 && mesh::is_integer(field.type);
+  });
+  return found == layout_.fields.end() ? nullptr : &*found;
+}
+
+std::vector<std::uint8_t> Reader::expected_children(Rows block, const FieldEntry& marks) {
   const auto n = layout_.info.n_global_cells;
-  const auto block = par::block_range(n, comm_->rank(), comm_->size());
   std::vector<std::array<std::uint32_t, 4>> nodes;
   assign_array(nodes, static_cast<std::size_t>(block.count()), {});
   std::vector<std::uint8_t> mark;
@@ -253,13 +261,35 @@ GlobalId Reader::first_of_equal_work(const FieldEntry& marks) {
               for (; !words.empty(); words = words.subspan(4), ++cell)
                 for (std::size_t i = 0; i < 4; ++i) (*cell)[i] = static_cast<std::uint32_t>(words[i]);
             });
-  each_slab(marks.path, marks.type, {n, 1, marks.is_flat}, {block.begin, block.end}, false,
+  each_slab(marks.path, marks.type, {n, 1, marks.is_flat}, block, false,
             [&](GlobalId, std::span<const std::uint64_t> words) {
               for (const auto word : words) mark.push_back(word == 1 ? 1 : 0);
             });
+  return mesh::expected_children(nodes, mark);
+}
+
+/// What the file says that each cell costs. Numbers out of range only make the runs uneven.
+std::vector<std::uint8_t> Reader::work_of(Rows block, const FieldEntry& field) {
+  std::vector<std::uint8_t> work;
+  work.reserve(static_cast<std::size_t>(block.count()));
+  each_slab(
+      field.path, field.type, {layout_.info.n_global_cells, 1, field.is_flat}, block, false,
+      [&](GlobalId, std::span<const std::uint64_t> words) {
+        for (const auto word : words)
+          work.push_back(static_cast<std::uint8_t>(std::clamp<std::int64_t>(static_cast<std::int64_t>(word), 1, 255)));
+      });
+  return work;
+}
+
+/// First cell of this rank's run when the runs are about the same work. Each rank looks at its canonical block; what is
+/// wrong in it is found when it is read for good.
+GlobalId Reader::first_of_equal_work(const FieldEntry& marks) {
+  const auto range = par::block_range(layout_.info.n_global_cells, comm_->rank(), comm_->size());
+  const Rows block{range.begin, range.end};
+  const auto* field = find_integers(mesh::work_field(options_.marks_field));
+  const auto work = field != nullptr ? work_of(block, *field) : expected_children(block, marks);
   std::vector<std::int64_t> n_cells(static_cast<std::size_t>(comm_->size()), 0);  // of each run
-  for (const auto run : par::runs_of_equal_work(*comm_, mesh::expected_children(nodes, mark), comm_->size()))
-    ++n_cells[static_cast<std::size_t>(run)];
+  for (const auto run : par::runs_of_equal_work(*comm_, work, comm_->size())) ++n_cells[static_cast<std::size_t>(run)];
   comm_->sum_in_place(n_cells);
   return std::accumulate(n_cells.begin(), n_cells.begin() + comm_->rank(), GlobalId{0});
 }
@@ -270,11 +300,8 @@ void Reader::share_out() {
   const auto n = layout_.info.n_global_cells;
   const auto range = par::block_range(n, comm_->rank(), comm_->size());
   auto begin = range.begin;
-  const auto marks = std::find_if(layout_.fields.begin(), layout_.fields.end(), [&](const FieldEntry& field) {
-    return field.on_cells && field.name == options_.marks_field && field.n_components == 1 &&
-           mesh::is_integer(field.type);
-  });
-  if (marks != layout_.fields.end() && comm_->size() > 1) begin = first_of_equal_work(*marks);
+  const auto* marks = find_integers(options_.marks_field);
+  if (marks != nullptr && comm_->size() > 1) begin = first_of_equal_work(*marks);
   if (layout_.has_lineage) begin = family_border(begin);
   const auto begins = comm_->all_gather(begin);
   if (begins[0] != 0) fail(path::lineage, 0, "the first cell of a family", "another one");

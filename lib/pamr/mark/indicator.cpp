@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "pamr/base/contract.hpp"
+#include "pamr/mesh/expected_children.hpp"
 #include "pamr/par/select_smallest.hpp"
 
 namespace pamr::mark {
@@ -63,16 +64,17 @@ std::int64_t count_marked(const par::Comm& comm, std::span<const std::uint8_t> m
   return comm.sum(static_cast<std::int64_t>(std::count(marks.begin(), marks.end(), std::uint8_t{1})));
 }
 
-void set_marks(mesh::DistMesh& mesh, std::span<const std::uint8_t> marks, const std::string& name) {
-  PAMR_EXPECTS(marks.size() == mesh.cell_to_node.size());
-  mesh::CellField field;
-  field.name = name;
-  field.storage = mesh::StorageType::int32;
-  field.value = std::vector<std::int64_t>(marks.begin(), marks.end());
-  if (auto* old = mesh.find_cell_field(name))
-    *old = std::move(field);
-  else
-    mesh.cell_fields.push_back(std::move(field));
+void set_marks(mesh::DistMesh& mesh, std::span<const std::uint8_t> marks, const std::string& name,
+               std::span<const std::uint8_t> work) {
+  const auto n = mesh.cell_to_node.size();
+  PAMR_EXPECTS(marks.size() == n && (work.empty() || work.size() == n));
+  const auto work_name = mesh::work_field(name);
+  std::erase_if(mesh.cell_fields, [&](const auto& field) { return field.name == name || field.name == work_name; });
+  const auto put = [&](const std::string& field, mesh::StorageType type, std::span<const std::uint8_t> values) {
+    mesh.cell_fields.push_back({field, "", 1, type, std::vector<std::int64_t>(values.begin(), values.end())});
+  };
+  put(name, mesh::StorageType::int32, marks);
+  if (!work.empty()) put(work_name, mesh::StorageType::uint8, work);
 }
 
 }  // namespace pamr::mark

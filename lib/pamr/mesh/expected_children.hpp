@@ -4,9 +4,15 @@
 #include <array>
 #include <cstdint>
 #include <span>
+#include <string>
 #include <vector>
 
 namespace pamr::mesh {
+
+/// Name of the cell field that says what refining by the marks of that name will cost in each cell, in cells that come
+/// of it (1 to 255): who writes the marks may know it exactly (`adapt::Forecast`), and the mesh is then shared out by
+/// it. Where it is missing or stale the result is the same and the ranks are less even.
+inline std::string work_field(const std::string& marks_field) { return marks_field + "_work"; }
 
 /// About how many cells each of a block of cells becomes when the marked ones are refined, from the block alone: eight
 /// for a marked cell; for another one 2, 4 or 8 where two, three or four of its nodes are nodes of marked cells of the
