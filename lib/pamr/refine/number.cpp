@@ -140,10 +140,25 @@ bool is_marked(const Closure& closure, const mesh::Borders& borders, std::size_t
   return (closure.marks[at(arc.cell)] >> arc.edge & 1) != 0;
 }
 
+/// The part of the pattern of border edges that is marked.
+par::Pattern marked_edges(const mesh::Borders& borders, const Closure& closure) {
+  par::Pattern marked;
+  const auto& all = borders.edges;
+  for (std::size_t i = 0; i < all.rank.size(); ++i) {
+    for (auto k = all.offset[i]; k < all.offset[i + 1]; ++k)
+      if (is_marked(closure, borders, at(all.item[k]))) marked.item.push_back(all.item[k]);
+    if (marked.item.size() == marked.offset.back()) continue;
+    marked.rank.push_back(all.rank[i]);
+    marked.offset.push_back(marked.item.size());
+  }
+  return marked;
+}
+
 /// Nodes of marked border edges. Returns what is known of every border edge on all its ranks; entry i of `node` is the
 /// local id of its node.
 std::vector<SharedEdge> make_shared(const par::Comm& comm, const mesh::DistMesh& mesh, const mesh::Borders& borders,
-                                    const Closure& closure, NodeMaker& maker, std::vector<LocalId>& node) {
+                                    const par::Pattern& marked, const Closure& closure, NodeMaker& maker,
+                                    std::vector<LocalId>& node) {
   std::vector<SharedEdge> shared(borders.n_edges());
   node.assign(borders.n_edges(), invalid_local);
   for (std::size_t i = 0; i < shared.size(); ++i) {
@@ -164,10 +179,11 @@ std::vector<SharedEdge> make_shared(const par::Comm& comm, const mesh::DistMesh&
     }
   }
   std::vector<SharedEdge> mine;
-  for (const auto i : borders.edges.item) mine.push_back(shared[at(i)]);
-  const auto theirs = par::Exchange(comm, borders.edges).swap<SharedEdge>(mine);
+  mine.reserve(marked.n_slots());
+  for (const auto i : marked.item) mine.push_back(shared[at(i)]);
+  const auto theirs = par::Exchange(comm, marked).swap<SharedEdge>(mine);
   for (std::size_t k = 0; k < theirs.size(); ++k) {
-    auto& edge = shared[at(borders.edges.item[k])];
+    auto& edge = shared[at(marked.item[k])];
     if (theirs[k].lowest < edge.lowest) {
       edge.lowest = theirs[k].lowest;
       edge.edge = theirs[k].edge;
@@ -222,9 +238,9 @@ std::vector<GlobalId> offsets_of(const par::Comm& comm, const mesh::DistMesh& me
   return par::fetch_rows<GlobalId>(comm, all, offset, 1, mesh.cell_global);
 }
 
-void number_nodes(const par::Comm& comm, const mesh::DistMesh& mesh, const mesh::Borders& borders,
-                  const Closure& closure, const std::vector<SharedEdge>& shared,
-                  const std::vector<LocalId>& shared_node, const std::vector<GlobalId>& offset, Numbering& numbering) {
+void number_nodes(const par::Comm& comm, const mesh::DistMesh& mesh, const par::Pattern& marked, const Closure& closure,
+                  const std::vector<SharedEdge>& shared, const std::vector<LocalId>& shared_node,
+                  const std::vector<GlobalId>& offset, Numbering& numbering) {
   const auto n_old = mesh.n_nodes();
   auto& global = numbering.node_global;
   assign_array(global, numbering.n_new_nodes(), invalid_global);
@@ -247,13 +263,11 @@ void number_nodes(const par::Comm& comm, const mesh::DistMesh& mesh, const mesh:
     }
   }
   std::vector<GlobalId> mine;
-  for (const auto i : borders.edges.item)
-    mine.push_back(shared_node[at(i)] == invalid_local ? invalid_global : global[at(shared_node[at(i)] - n_old)]);
-  const auto theirs = par::Exchange(comm, borders.edges).swap<GlobalId>(mine);
-  for (std::size_t k = 0; k < theirs.size(); ++k) {
-    const auto node = shared_node[at(borders.edges.item[k])];
-    if (node != invalid_local && theirs[k] != invalid_global) global[at(node - n_old)] = theirs[k];
-  }
+  mine.reserve(marked.n_slots());
+  for (const auto i : marked.item) mine.push_back(global[at(shared_node[at(i)] - n_old)]);
+  const auto theirs = par::Exchange(comm, marked).swap<GlobalId>(mine);
+  for (std::size_t k = 0; k < theirs.size(); ++k)
+    if (theirs[k] != invalid_global) global[at(shared_node[at(marked.item[k])] - n_old)] = theirs[k];
 }
 
 }  // namespace
@@ -266,7 +280,8 @@ Numbering number(const par::Comm& comm, const mesh::DistMesh& mesh, const mesh::
 
   NodeMaker maker(mesh, closure, numbering);
   std::vector<LocalId> shared_node;
-  const auto shared = make_shared(comm, mesh, borders, closure, maker, shared_node);
+  const auto marked = marked_edges(borders, closure);
+  const auto shared = make_shared(comm, mesh, borders, marked, closure, maker, shared_node);
   for (std::size_t i = 0; i < shared.size(); ++i) {
     const auto lowest = shared_node[i] == invalid_local ? invalid_local : find_cell(mesh, shared[i].lowest);
     if (lowest != invalid_local) ++counts.nodes[at(lowest)];
@@ -280,7 +295,7 @@ Numbering number(const par::Comm& comm, const mesh::DistMesh& mesh, const mesh::
 
   const bool in_runs = !mesh::cell_runs(comm, mesh).empty();  // then one exclusive sum does
   const auto node_offset = offsets_of(comm, mesh, in_runs, counts.nodes, mesh.info.node_ids().end());
-  number_nodes(comm, mesh, borders, closure, shared, shared_node, node_offset, numbering);
+  number_nodes(comm, mesh, marked, closure, shared, shared_node, node_offset, numbering);
   numbering.first_child_global = offsets_of(comm, mesh, in_runs, counts.cells, mesh.info.first_id);
 
   std::int64_t n_nodes = 0, n_cells = 0;

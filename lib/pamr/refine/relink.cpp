@@ -21,6 +21,7 @@ class Linker {
   void link_all() {
     constexpr mesh::CellNeighbours open{invalid_local, invalid_local, invalid_local, invalid_local};
     assign_array(fine_.cell_to_cell, fine_.cell_to_node.size(), open);
+    border_.reserve(4 * old_.border_face.size());
     FamilyLinker families(old_, closure_, numbering_, children_, fine_, border_);
     std::size_t family = 0;
     for (LocalId c = 0; c < old_.n_cells(); ++c) {

@@ -35,9 +35,12 @@ std::vector<Part> in_order(const std::vector<BorderFace>& faces, const mesh::Dis
     return a.name != b.name ? a.name < b.name : mesh::face_key(fine, a.face) < mesh::face_key(fine, b.face);
   };
   for (std::size_t k = 0, begin = 0; k + 1 < end.size(); begin = end[k++])
-    if (end[k] - begin > 1)
-      std::sort(parts.begin() + static_cast<std::ptrdiff_t>(begin), parts.begin() + static_cast<std::ptrdiff_t>(end[k]),
-                comes_first);
+    for (auto i = begin + 1; i < end[k]; ++i) {  // four parts, rarely more
+      const auto part = parts[i];
+      auto place = i;
+      for (; place > begin && comes_first(part, parts[place - 1]); --place) parts[place] = parts[place - 1];
+      parts[place] = part;
+    }
   return parts;
 }
 
