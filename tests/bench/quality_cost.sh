@@ -31,8 +31,8 @@ print(f"| {sys.argv[1]} | {none['cells_out']:,.0f} | {removable['cells_out']:,.0
 EOF
 }
 
-# 1.5 GB taken and given back: what a virtual machine has lent to its host comes back before a run, not in it.
-warm_memory() { python3 -c 'b"x" * (3 << 29)'; }
+# shellcheck source=tests/bench/warm_memory.sh
+. "$root/tests/bench/warm_memory.sh"
 
 cone() { # LEVEL MARKS...
   local level=$1

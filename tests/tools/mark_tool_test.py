@@ -144,6 +144,44 @@ def test_marks_are_replaced_and_other_fields_kept():
         assert (file["VTKHDF/CellData/rho"][:] == np.arange(48) / 3).all()
 
 
+def work_and_children(*criterion):
+    """What pamr-mark foresees of a.hdf, and how many cells come of each of its cells."""
+    mark("a.hdf", *criterion)
+    run("pamr-refine", "marked.hdf", "-o", "fine.hdf", "--quiet", "--force")
+    with h5py.File("marked.hdf") as file, h5py.File("fine.hdf") as fine:
+        work = file["VTKHDF/CellData/refine_work"][:]
+        assert work.dtype == np.uint8 and "refine_work" not in fine["VTKHDF/CellData"]
+        return work, np.bincount(fine["VTKHDF/CellData/parent"][:], minlength=len(work))
+
+
+def test_work_is_the_cells_to_come_and_more_where_they_cost_more():
+    kuhn_cube("a.hdf", 5)
+    work, children = work_and_children("--crossing-sphere", "0.1,0.2,0.3,0.47")
+    assert (work == children + 2 * ((children > 1) & (children < 8))).all() and len(set(children)) == 4
+
+    run("pamr-mesh", "--shape", "sphere-in-box", "--size", "0.5", "-o", "a.hdf", "--quiet", "--force")
+    work, children = work_and_children("--patch", "sphere")
+    with h5py.File("a.hdf") as file:
+        patch = [name.decode() for name in file["PAMR/patches/names"][:]].index("sphere")
+        at_wall = (file["PAMR/cell_to_cell"][:] == -1 - patch).any(axis=1) & (children > 1)
+    assert at_wall.any()
+    assert (work == children + 2 * ((children > 1) & (children < 8)) + at_wall * (5 * children // 4)).all()
+
+
+def test_work_shares_the_cells_out_and_decides_nothing():
+    kuhn_cube("a.hdf", 5)
+    work, _ = work_and_children("--crossing-sphere", "0.1,0.2,0.3,0.47")
+    random = np.random.default_rng(3)
+    for nonsense in (None, np.full(len(work), -7), random.integers(-2**62, 2**62, len(work))):
+        with h5py.File("marked.hdf", "r+") as file:
+            fields = file["VTKHDF/CellData"]
+            fields.pop("refine_work", None)
+            if nonsense is not None:
+                fields["refine_work"] = nonsense
+        run("pamr-refine", "marked.hdf", "-o", "other.hdf", "--quiet", "--force")
+        assert same_bytes("fine.hdf", "other.hdf")
+
+
 def test_bad_input_is_refused():
     kuhn_cube("a.hdf", 3)
     pathlib.Path("short.hdf").write_bytes(pathlib.Path("a.hdf").read_bytes()[:9000])
