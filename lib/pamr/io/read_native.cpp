@@ -268,12 +268,12 @@ std::vector<std::uint8_t> Reader::expected_children(Rows block, const FieldEntry
   return mesh::expected_children(nodes, mark);
 }
 
-/// What the file says that each cell costs. Numbers out of range only make the runs uneven.
+/// What the file says that each cell costs. Numbers out of range only make the runs uneven; damage is told.
 std::vector<std::uint8_t> Reader::work_of(Rows block, const FieldEntry& field) {
   std::vector<std::uint8_t> work;
   work.reserve(static_cast<std::size_t>(block.count()));
   each_slab(
-      field.path, field.type, {layout_.info.n_global_cells, 1, field.is_flat}, block, false,
+      field.path, field.type, {layout_.info.n_global_cells, 1, field.is_flat}, block, true,
       [&](GlobalId, std::span<const std::uint64_t> words) {
         for (const auto word : words)
           work.push_back(static_cast<std::uint8_t>(std::clamp<std::int64_t>(static_cast<std::int64_t>(word), 1, 255)));
@@ -287,6 +287,7 @@ GlobalId Reader::first_of_equal_work(const FieldEntry& marks) {
   const auto range = par::block_range(layout_.info.n_global_cells, comm_->rank(), comm_->size());
   const Rows block{range.begin, range.end};
   const auto* field = find_integers(mesh::work_field(options_.marks_field));
+  if (field == nullptr && comm_->size() == 1) return 0;
   const auto work = field != nullptr ? work_of(block, *field) : expected_children(block, marks);
   std::vector<std::int64_t> n_cells(static_cast<std::size_t>(comm_->size()), 0);  // of each run
   for (const auto run : par::runs_of_equal_work(*comm_, work, comm_->size())) ++n_cells[static_cast<std::size_t>(run)];
@@ -301,7 +302,7 @@ void Reader::share_out() {
   const auto range = par::block_range(n, comm_->rank(), comm_->size());
   auto begin = range.begin;
   const auto* marks = find_integers(options_.marks_field);
-  if (marks != nullptr && comm_->size() > 1) begin = first_of_equal_work(*marks);
+  if (marks != nullptr) begin = first_of_equal_work(*marks);
   if (layout_.has_lineage) begin = family_border(begin);
   const auto begins = comm_->all_gather(begin);
   if (begins[0] != 0) fail(path::lineage, 0, "the first cell of a family", "another one");
