@@ -65,16 +65,16 @@ std::int64_t count_marked(const par::Comm& comm, std::span<const std::uint8_t> m
 }
 
 void set_marks(mesh::DistMesh& mesh, std::span<const std::uint8_t> marks, const std::string& name,
-               std::span<const std::uint8_t> work) {
+               const std::optional<std::vector<std::uint8_t>>& work) {
   const auto n = mesh.cell_to_node.size();
-  PAMR_EXPECTS(marks.size() == n && (work.empty() || work.size() == n));
+  PAMR_EXPECTS(marks.size() == n && (!work || work->size() == n));
   const auto work_name = mesh::work_field(name);
   std::erase_if(mesh.cell_fields, [&](const auto& field) { return field.name == name || field.name == work_name; });
   const auto put = [&](const std::string& field, mesh::StorageType type, std::span<const std::uint8_t> values) {
     mesh.cell_fields.push_back({field, "", 1, type, std::vector<std::int64_t>(values.begin(), values.end())});
   };
   put(name, mesh::StorageType::int32, marks);
-  if (!work.empty()) put(work_name, mesh::StorageType::uint8, work);
+  if (work) put(work_name, mesh::StorageType::uint8, *work);
 }
 
 }  // namespace pamr::mark

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -43,8 +44,8 @@ std::vector<std::uint8_t> strongest(const par::Comm& comm, const mesh::DistMesh&
 std::int64_t count_marked(const par::Comm& comm, std::span<const std::uint8_t> marks);
 
 /// Puts marks into the mesh as integer cell field `name` (0 keep, 1 split), in place of any field of that name, and
-/// `work` (`adapt::Forecast`), where it is known, as `mesh::work_field` beside it. Local.
+/// `work` (`adapt::Forecast`), where it is known, as `mesh::work_field` beside it: on all ranks or on none. Local.
 void set_marks(mesh::DistMesh& mesh, std::span<const std::uint8_t> marks, const std::string& name = "refine",
-               std::span<const std::uint8_t> work = {});
+               const std::optional<std::vector<std::uint8_t>>& work = std::nullopt);
 
 }  // namespace pamr::mark
