@@ -9,9 +9,11 @@ import pathlib
 import re
 import sys
 
-LIB_STAGES = ("io", "mark", "refine", "check", "balance")
-BELOW_STAGES = ("base", "par", "mesh", "geometry")
-ALL_OF_LIB = BELOW_STAGES + LIB_STAGES + ("adapt",)
+VALUES = ("base", "par", "geometry", "mesh")
+MESH_AT_REST = VALUES + ("assemble", "order", "validate")
+STAGES = ("io", "mark", "refine", "check", "balance")
+REFINER = MESH_AT_REST + STAGES + ("adapt",)
+SOLVERS = ("dsmc", "poisson_boltzmann")
 
 # Module of a file -> modules whose headers it may include besides its own.
 MAY_INCLUDE = {
@@ -19,30 +21,34 @@ MAY_INCLUDE = {
     "geometry": ("base",),
     "par": ("base",),
     "mesh": ("base", "par", "geometry"),
-    **{stage: BELOW_STAGES for stage in LIB_STAGES},
-    "adapt": ALL_OF_LIB,
-}
-TOOL_MAY_INCLUDE = {
+    **{module: VALUES for module in ("assemble", "validate")},
+    "order": VALUES + ("assemble",),
+    **{stage: MESH_AT_REST for stage in STAGES},
+    "adapt": REFINER,
+    "meshing": MESH_AT_REST + ("io", "check"),
+    **{solver: MESH_AT_REST + ("io", "mark", "check", "balance", "adapt/adapt.hpp") for solver in SOLVERS},
     "cli": ("base", "par", "io"),
-    "dsmc": BELOW_STAGES + ("io", "mark", "check", "balance", "cli"),
-    "poisson_boltzmann": BELOW_STAGES + ("io", "mark", "check", "balance", "cli"),
+    "tools": REFINER + SOLVERS + ("meshing", "cli"),
 }
-ANY_TOOL = ALL_OF_LIB + ("cli",)
 
 # What only some places may hold: pattern of the line, pattern of the places, rule. Tests are free to use an oracle.
 CORNERS = (
     (re.compile(r"\bMPI_[A-Z][a-z]\w*\s*\("), re.compile(r"lib/pamr/par/"), "MPI is called in lib/pamr/par only"),
     (re.compile(r"#\s*include\s*[<\"](pt)?scotch"), re.compile(r"lib/pamr/balance/scotch_partition\.cpp$"),
      "Scotch is included in balance/scotch_partition.cpp only"),
-    (re.compile(r"#\s*include\s*[<\"](CGAL|OpenMesh)/"), re.compile(r"geometry/.*\.cpp$|tools/mesh/"),
-     "CGAL and OpenMesh are included in geometry/**/*.cpp and tools/mesh only"),
+    (re.compile(r"#\s*include\s*[<\"](CGAL|OpenMesh)/"), re.compile(r"geometry/.*\.cpp$|lib/meshing/.*\.cpp$"),
+     "CGAL and OpenMesh are included in geometry/**/*.cpp and lib/meshing/**/*.cpp only"),
+    (re.compile(r"#\s*include\s*[<\"]CGAL/(Mesh|make_mesh|exude_mesh|Labeled_mesh)_"), re.compile(r"lib/meshing/.*\.cpp$"),
+     "CGAL's Mesh_3 is included in lib/meshing only"),
+    (re.compile(r"#\s*include\s*[<\"]petsc"), re.compile(r"lib/solvers/poisson_boltzmann/"),
+     "PETSc is included in lib/solvers/poisson_boltzmann only"),
 )
 MAX_LINES = 500
 SOURCE = (".cpp", ".hpp", ".ipp", ".c", ".h")
 WITH_LICENCE = SOURCE + (".py", ".sh", ".cmake", ".in")
 FORBIDDEN_NAMES = {"utils", "util", "common", "misc", "helpers", "helper", "manager"}
 NOT_OURS = {"build", "out", "__pycache__"}
-OWN_INCLUDE = re.compile(r'#\s*include\s*["<](?:pamr/)?([\w.]+)/[^">]*[">]')
+OWN_INCLUDE = re.compile(r'#\s*include\s*["<](?:pamr/|solvers/)?([\w.]+)/([^">]*)[">]')
 MARKDOWN_LINK = re.compile(r"\]\(([^)#\s]+)(?:#[^)]*)?\)")
 RELATIVE_INCLUDE = re.compile(r'#\s*include\s*"[^"]*\.\./')
 
@@ -63,29 +69,33 @@ def without_comments(text):
 
 
 def module_of(name):
-    """Module of a product file and what it may include, or nothing for files that are free (tests, cases)."""
+    """Module of a product file, or nothing for files that are free (tests, cases)."""
     parts = name.split("/")
     if parts[0] == "geometry" and len(parts) > 3:
-        return "geometry", MAY_INCLUDE["geometry"]
+        return "geometry"
     if parts[:2] == ["lib", "pamr"] and len(parts) > 3:
-        return parts[2], MAY_INCLUDE.get(parts[2], ())
-    if parts[0] == "tools" and len(parts) > 2:
-        return parts[1], TOOL_MAY_INCLUDE.get(parts[1], ANY_TOOL)
+        return parts[2]
+    if parts[:2] == ["lib", "solvers"] and len(parts) > 3:
+        return parts[2]
+    if parts[0] == "lib" and len(parts) > 2:
+        return parts[1]
+    if parts[0] == "tools":
+        return "cli" if parts[1] == "cli" else "tools"
     return None
 
 
 def include_violations(name, lines):
-    here = module_of(name)
-    known = set(ALL_OF_LIB) | {"cli", "dsmc", "poisson_boltzmann"}
+    module = module_of(name)
     for number, line in enumerate(lines, 1):
         if RELATIVE_INCLUDE.search(line):
             yield number, "includes are written from the include folder, not with .."
         match = OWN_INCLUDE.search(line)
-        if not here or not match or match.group(1) not in known:
+        if not module or not match or match.group(1) not in MAY_INCLUDE:
             continue
-        module, allowed = here
-        if match.group(1) != module and match.group(1) not in allowed:
-            yield number, f"{module} must not include {match.group(1)}"
+        allowed = MAY_INCLUDE.get(module, ())
+        other, header = match.groups()
+        if other != module and other not in allowed and f"{other}/{header}" not in allowed:
+            yield number, f"{module} must not include {other}"
 
 
 def corner_violations(name, lines):
@@ -110,9 +120,9 @@ def form_violations(name, text):
     for part in list(path.parts[:-1]) + [path.stem]:
         if part in FORBIDDEN_NAMES:
             yield 1, f"'{part}' says nothing; name the file or folder after what it holds"
-    here = module_of(name)
-    if here and path.suffix == ".hpp" and name.startswith(("lib/", "geometry/")):
-        space = "pamr" if here[0] == "base" else f"pamr::{here[0]}"
+    module = module_of(name)
+    if module and path.suffix == ".hpp" and module != "tools":
+        space = "pamr" if module == "base" else f"pamr::{module}"
         if not re.search(rf"\bnamespace {space}\b", text):
             yield 1, f"folder and namespace agree: namespace {space}"
     if path.name == "CMakeLists.txt" or path.suffix == ".cmake":

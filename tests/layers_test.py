@@ -49,9 +49,28 @@ class Layers(unittest.TestCase):
         self.assert_caught("lib/pamr/adapt/a.cpp", SPDX + '#include "cli/session.hpp"\n', "adapt must not include cli")
 
     def test_solvers_must_not_refine(self):
-        self.assert_caught("tools/dsmc/a.cpp", SPDX + '#include "pamr/refine/close.hpp"\n',
+        self.assert_caught("lib/solvers/dsmc/run/a.cpp", SPDX + '#include "pamr/refine/close.hpp"\n',
                            "dsmc must not include refine")
-        self.assert_clean("tools/refine/main.cpp", SPDX + '#include "pamr/adapt/adapt.hpp"\n#include "cli/session.hpp"\n')
+        self.assert_caught("lib/solvers/dsmc/run/a.cpp", SPDX + '#include "pamr/adapt/forecast.hpp"\n',
+                           "dsmc must not include adapt")
+        self.assert_clean("lib/solvers/dsmc/run/a.cpp", SPDX + '#include "pamr/adapt/adapt.hpp"\n')
+        self.assert_clean("tools/refine.cpp", SPDX + '#include "pamr/adapt/adapt.hpp"\n#include "cli/session.hpp"\n')
+
+    def test_solvers_do_not_know_one_another_nor_the_refiner_them(self):
+        self.assert_caught("lib/solvers/dsmc/run/a.cpp", SPDX + '#include "solvers/poisson_boltzmann/force.hpp"\n',
+                           "dsmc must not include poisson_boltzmann")
+        self.assert_caught("lib/pamr/adapt/a.cpp", SPDX + '#include "solvers/dsmc/gas/gas.hpp"\n',
+                           "adapt must not include dsmc")
+        self.assert_caught("lib/pamr/io/a.cpp", SPDX + '#include "meshing/mesh3.hpp"\n', "io must not include meshing")
+
+    def test_meshing_must_not_refine(self):
+        self.assert_caught("lib/meshing/a.cpp", SPDX + '#include "pamr/adapt/adapt.hpp"\n',
+                           "meshing must not include adapt")
+
+    def test_petsc_and_mesh_3_have_one_place(self):
+        self.assert_caught("lib/solvers/dsmc/run/a.cpp", SPDX + "#include <petscksp.h>\n", "PETSc")
+        self.assert_clean("lib/solvers/poisson_boltzmann/a.cpp", SPDX + "#include <petscksp.h>\n")
+        self.assert_caught("geometry/pamr/geometry/a.cpp", SPDX + "#include <CGAL/Mesh_triangulation_3.h>\n", "Mesh_3")
 
     def test_relative_includes_are_caught(self):
         self.assert_caught("lib/pamr/mesh/a.cpp", SPDX + '#include "../par/comm.hpp"\n', "include folder")
@@ -59,7 +78,7 @@ class Layers(unittest.TestCase):
     def test_mpi_is_called_in_par_only(self):
         call = SPDX + "int f() { return MPI_Barrier(c); }\n"
         self.assert_caught("lib/pamr/mesh/a.cpp", call, "MPI is called in lib/pamr/par only")
-        self.assert_caught("tools/refine/a.cpp", call, "MPI is called")
+        self.assert_caught("tools/refine.cpp", call, "MPI is called")
         self.assert_clean("lib/pamr/par/a.cpp", call)
         self.assert_clean("lib/pamr/mesh/a.cpp", SPDX + "// MPI_Barrier(c) is called elsewhere\nMPI_Comm comm;\n")
 
@@ -74,7 +93,7 @@ class Layers(unittest.TestCase):
             self.assert_caught("geometry/pamr/geometry/a.hpp",
                                SPDX + "#pragma once\n" + include + "namespace pamr::geometry {}\n", "CGAL and OpenMesh")
             self.assert_clean("geometry/pamr/geometry/a.cpp", SPDX + include)
-            self.assert_clean("tools/mesh/a.cpp", SPDX + include)
+            self.assert_clean("lib/meshing/a.cpp", SPDX + include)
 
     def test_files_have_at_most_500_lines(self):
         self.assert_clean("lib/pamr/par/a.cpp", SPDX + "\n" * 499)
@@ -89,8 +108,8 @@ class Layers(unittest.TestCase):
         self.assert_caught("lib/pamr/par/a.hpp", SPDX + "#pragma once\nnamespace pamr {}\n", "namespace pamr::par")
 
     def test_names_that_say_nothing_are_caught(self):
-        self.assert_caught("tools/refine/utils/a.cpp", SPDX, "'utils'")
-        self.assert_caught("tools/refine/helpers.cpp", SPDX, "'helpers'")
+        self.assert_caught("lib/pamr/refine/utils/a.cpp", SPDX, "'utils'")
+        self.assert_caught("lib/pamr/refine/helpers.cpp", SPDX, "'helpers'")
 
     def test_globs_are_caught(self):
         self.assert_caught("lib/CMakeLists.txt", "# " + SPDX + "file(GLOB x *.cpp)\n", "globs")

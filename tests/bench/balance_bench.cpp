@@ -12,9 +12,9 @@
 
 #include "bench/workloads.hpp"
 #include "pamr/adapt/adapt.hpp"
+#include "pamr/assemble/assemble.hpp"
+#include "pamr/io/native/native_file.hpp"
 #include "pamr/par/equal_work.hpp"
-#include "pamr/io/native_file.hpp"
-#include "pamr/mesh/assemble.hpp"
 #include "pamr/par/runtime.hpp"
 
 namespace {
@@ -36,7 +36,7 @@ Workload load(const par::Comm& comm, const std::string& name) {
   auto block = io::read_native(comm, name);
   const std::vector<std::int64_t> ones(block.cell_to_node.size(), 1);
   const auto destination = par::runs_of_equal_work(comm, ones, comm.size());
-  auto mesh = mesh::assemble(comm, std::move(block), destination);
+  auto mesh = assemble::assemble(comm, std::move(block), destination);
   auto flags = adapt::flags_from_field(comm, mesh, "refine");
   return {std::move(mesh), std::move(flags)};
 }

@@ -14,12 +14,12 @@
 #include <cstdlib>
 #include <vector>
 
-#include "dsmc/closed_forms.hpp"
-#include "dsmc/flow.hpp"
+#include "pamr/assemble/assemble.hpp"
+#include "pamr/assemble/kuhn_cube.hpp"
 #include "pamr/base/timer.hpp"
-#include "pamr/mesh/assemble.hpp"
-#include "pamr/mesh/kuhn_cube.hpp"
 #include "pamr/par/runtime.hpp"
+#include "solvers/dsmc/gas/kinetic_theory.hpp"
+#include "solvers/dsmc/kernel/flow.hpp"
 
 namespace {
 
@@ -48,7 +48,7 @@ int main(int argc, char** argv) {
   const par::Runtime runtime(argc, argv);
   const par::Comm comm(runtime.world());
   const int n = argc > 1 ? std::atoi(argv[1]) : 11, n_steps = argc > 2 ? std::atoi(argv[2]) : 50;
-  const auto mesh = mesh::assemble(comm, mesh::kuhn_cube(comm, n));
+  const auto mesh = assemble::assemble(comm, assemble::kuhn_cube(comm, n));
   Flow flow(comm, mesh, box(mesh));
   flow.fill(mesh);
   for (int step = 0; step < 5; ++step) flow.step();

@@ -11,12 +11,12 @@
 
 #include "bench/workloads.hpp"
 #include "pamr/adapt/adapt.hpp"
+#include "pamr/assemble/assemble.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/base/timer.hpp"
-#include "pamr/mesh/assemble.hpp"
-#include "pamr/mesh/order.hpp"
-#include "pamr/mesh/validate.hpp"
+#include "pamr/order/order_along_curve.hpp"
 #include "pamr/par/runtime.hpp"
+#include "pamr/validate/validate.hpp"
 #include "support/meshes.hpp"
 
 namespace {
@@ -61,15 +61,15 @@ Level refine_shuffled(const par::Comm& comm, mesh::BlockMesh block) {
   level.cells_in = block.info.n_global_cells;
   comm.barrier();
   Stopwatch watch(comm);
-  if (!mesh::is_ordered(comm, block)) block = mesh::order_along_curve(comm, std::move(block)).block;
+  if (!order::is_ordered(comm, block)) block = order::order_along_curve(comm, std::move(block)).block;
   level.seconds[0] = watch.lap();
-  auto mesh = mesh::assemble(comm, std::move(block));
+  auto mesh = assemble::assemble(comm, std::move(block));
   const auto flags = adapt::flags_from_field(comm, mesh, "refine");
   mesh.cell_fields.clear();
   level.seconds[1] = watch.lap();
   level.mesh = adapt::refine(comm, mesh, flags, {.parent_field = false, .marks_field = ""}).mesh;
   level.seconds[2] = watch.lap();
-  mesh::require_valid(comm, mesh, "the ordered mesh");
+  validate::require_valid(comm, mesh, "the ordered mesh");
   level.seconds[3] = watch.lap();
   return level;
 }

@@ -10,9 +10,9 @@
 
 #include "bench/workloads.hpp"
 #include "pamr/adapt/adapt.hpp"
+#include "pamr/assemble/assemble.hpp"
 #include "pamr/base/error.hpp"
-#include "pamr/io/native_file.hpp"
-#include "pamr/mesh/assemble.hpp"
+#include "pamr/io/native/native_file.hpp"
 #include "pamr/par/reproducible_sum.hpp"
 #include "pamr/par/runtime.hpp"
 
@@ -43,7 +43,7 @@ struct Workload {
   geometry::Vec3 low, high;
 
   mesh::DistMesh start(const par::Comm& comm) const {
-    return is_cube ? bench::cube(comm, n) : mesh::assemble(comm, io::read_native(comm, file));
+    return is_cube ? bench::cube(comm, n) : assemble::assemble(comm, io::read_native(comm, file));
   }
   std::vector<std::uint8_t> mark(const mesh::DistMesh& mesh) const {
     return is_cube ? bench::mark_crossing(mesh, 0.35) : bench::mark_box(mesh, low, high);

@@ -14,8 +14,8 @@
 #include <vector>
 
 #include "pamr/base/timer.hpp"
-#include "pamr/geometry/self_intersection.hpp"
-#include "pamr/geometry/triangulated.hpp"
+#include "pamr/geometry/triangulated/self_intersection.hpp"
+#include "pamr/geometry/triangulated/triangulated_surface.hpp"
 
 namespace {
 

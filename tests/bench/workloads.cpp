@@ -6,9 +6,9 @@
 #include <fstream>
 #include <string>
 
+#include "pamr/assemble/assemble.hpp"
+#include "pamr/assemble/kuhn_cube.hpp"
 #include "pamr/base/memory.hpp"
-#include "pamr/mesh/assemble.hpp"
-#include "pamr/mesh/kuhn_cube.hpp"
 
 namespace pamr::bench {
 
@@ -34,7 +34,7 @@ std::size_t status_value(const std::string& key) {
 
 }  // namespace
 
-mesh::DistMesh cube(const par::Comm& comm, int n) { return mesh::assemble(comm, mesh::kuhn_cube(comm, n)); }
+mesh::DistMesh cube(const par::Comm& comm, int n) { return assemble::assemble(comm, assemble::kuhn_cube(comm, n)); }
 
 std::vector<std::uint8_t> mark_shell(const mesh::DistMesh& mesh, double radius, double width) {
   std::vector<std::uint8_t> flags(static_cast<std::size_t>(mesh.n_cells()));

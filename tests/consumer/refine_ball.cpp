@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <pamr/adapt/adapt.hpp>
-#include <pamr/io/native_file.hpp>
-#include <pamr/mesh/assemble.hpp>
+#include <pamr/assemble/assemble.hpp>
+#include <pamr/io/native/native_file.hpp>
 #include <pamr/par/runtime.hpp>
 
 int main(int argc, char** argv) {
   const pamr::par::Runtime mpi(argc, argv);
   const pamr::par::Comm comm(mpi.world());
-  const auto mesh = pamr::mesh::assemble(comm, pamr::io::read_native(comm, "cube.hdf"));
+  const auto mesh = pamr::assemble::assemble(comm, pamr::io::read_native(comm, "cube.hdf"));
   std::vector<std::uint8_t> flags;  // one for each cell of this rank: 1 splits it
   for (pamr::LocalId cell = 0; cell < mesh.n_cells(); ++cell) {
     const auto p = mesh.points(cell);

@@ -15,7 +15,7 @@
 
 #include "mutate.hpp"
 #include "pamr/base/error.hpp"
-#include "pamr/geometry/surface_file.hpp"
+#include "pamr/geometry/triangulated/read_triangulation.hpp"
 #include "support/triangulations.hpp"
 
 namespace pamr::fuzz {

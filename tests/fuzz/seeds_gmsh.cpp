@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "pamr/io/gmsh.hpp"
-#include "pamr/io/write_gmsh.hpp"
-#include "pamr/mesh/assemble.hpp"
+#include "pamr/assemble/assemble.hpp"
+#include "pamr/io/gmsh/read_gmsh.hpp"
+#include "pamr/io/gmsh/write_gmsh.hpp"
 #include "seeds.hpp"
 #include "support/meshes.hpp"
 
@@ -20,7 +20,7 @@ void write_seed_files(const par::Comm& comm, const std::filesystem::path& folder
   std::vector<std::int64_t> region(block.cell_to_node.size());
   for (std::size_t c = 0; c < region.size(); ++c) region[c] = 1 + (block.first_cell + static_cast<std::int64_t>(c)) % 2;
   block.cell_fields = {{"region", "", 1, mesh::StorageType::int32, std::move(region)}};
-  const auto mesh = mesh::assemble(comm, std::move(block));
+  const auto mesh = assemble::assemble(comm, std::move(block));
   for (int i = 0; i < n_seed_files(); ++i)
     io::write_gmsh(comm, folder / seed_name(i), mesh,
                    {i < 2 ? io::GmshVersion::v2_2 : io::GmshVersion::v4_1, i % 2 == 1});

@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "pamr/mesh/assemble.hpp"
+#include "pamr/assemble/assemble.hpp"
 
 namespace pamr::test {
 

@@ -7,10 +7,10 @@
 #include <tuple>
 #include <utility>
 
+#include "pamr/assemble/kuhn_cube.hpp"
 #include "pamr/base/hash.hpp"
 #include "pamr/geometry/orientation.hpp"
 #include "pamr/mesh/families.hpp"
-#include "pamr/mesh/kuhn_cube.hpp"
 
 namespace pamr::test {
 
@@ -238,7 +238,7 @@ mesh::BlockMesh cut(const par::Comm& comm, const mesh::BlockMesh& whole) {
 }
 
 mesh::BlockMesh kuhn_cube(const par::Comm& comm, int n) {
-  auto block = mesh::kuhn_cube(comm, n);
+  auto block = assemble::kuhn_cube(comm, n);
   block.info.surfaces_toml.clear();
   for (auto& patch : block.info.patches) patch.surface.clear();
   return block;

@@ -4,13 +4,13 @@
 #include <cstdint>
 #include <vector>
 
-#include "pamr/mesh/assemble.hpp"
+#include "pamr/assemble/assemble.hpp"
 #include "pamr/par/comm.hpp"
 
 /// Meshes for tests. All small: some are made whole on every rank and cut into blocks.
 namespace pamr::test {
 
-/// The unit cube of `mesh::kuhn_cube`, its patches tied to no surface.
+/// The unit cube of `assemble::kuhn_cube`, its patches tied to no surface.
 mesh::BlockMesh kuhn_cube(const par::Comm& comm, int n);
 
 /// A Kuhn cube whose inner nodes are moved at random, all cells exactly positive, and which is then permuted. The same

@@ -7,7 +7,7 @@
 #include <set>
 #include <vector>
 
-#include "pamr/mesh/assemble.hpp"
+#include "pamr/assemble/assemble.hpp"
 
 /// Slow, obvious twins of the library's kernels. They take a whole mesh in one block and are serial.
 namespace pamr::test {

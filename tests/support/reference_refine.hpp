@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "pamr/assemble/assemble.hpp"
 #include "pamr/geometry/surface.hpp"
-#include "pamr/mesh/assemble.hpp"
 #include "pamr/refine/options.hpp"
 
 namespace pamr::test {

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "pamr/mesh/assemble.hpp"
+#include "pamr/assemble/assemble.hpp"
 #include "pamr/mesh/tet.hpp"
 
 /// Cells and their children by the names of their nodes: the splitting part of `reference_refine`. Nothing of the

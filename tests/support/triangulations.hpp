@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "pamr/geometry/triangulation.hpp"
+#include "pamr/geometry/triangulated/triangulation.hpp"
 
 namespace pamr::testing {
 

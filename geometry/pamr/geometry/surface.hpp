@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "pamr/geometry/triangulation.hpp"
+#include "pamr/geometry/triangulated/triangulation.hpp"
 #include "pamr/geometry/vec3.hpp"
 
 namespace pamr::geometry {

@@ -19,9 +19,9 @@
 #include "pamr/geometry/revolution.hpp"
 #include "pamr/geometry/sphere.hpp"
 #include "pamr/geometry/surface.hpp"
-#include "pamr/geometry/surface_file.hpp"
 #include "pamr/geometry/torus.hpp"
-#include "pamr/geometry/triangulated.hpp"
+#include "pamr/geometry/triangulated/read_triangulation.hpp"
+#include "pamr/geometry/triangulated/triangulated_surface.hpp"
 
 namespace pamr::geometry {
 

@@ -9,7 +9,6 @@
 #include "pamr/base/memory.hpp"
 #include "pamr/geometry/surface.hpp"
 #include "pamr/mesh/borders.hpp"
-#include "pamr/mesh/validate.hpp"
 #include "pamr/refine/close.hpp"
 #include "pamr/refine/number.hpp"
 #include "pamr/refine/project.hpp"
@@ -17,6 +16,7 @@
 #include "pamr/refine/settle.hpp"
 #include "pamr/refine/subdivide.hpp"
 #include "pamr/refine/transfer.hpp"
+#include "pamr/validate/validate.hpp"
 
 namespace pamr::adapt {
 
@@ -176,7 +176,7 @@ void split(const par::Comm& comm, const mesh::DistMesh& mesh, mesh::DistMesh* co
   if (consumed != nullptr) consumed->cell_to_cell = {};
   timer.lap("relink");
   refine::transfer(mesh, closure, numbering, certificate, certificate.n_off_surface > 0, options, fine);
-  PAMR_ENSURES_AUDIT(mesh::validate(comm, fine).empty());
+  PAMR_ENSURES_AUDIT(validate::validate(comm, fine).empty());
   timer.lap("transfer");
 
   auto& report = result.report;

@@ -43,10 +43,10 @@ struct RefineResult {
 ///
 /// Cells stay on the ranks where their parents are; the overload below spreads them.
 ///
-/// Collective. Pre: `mesh` is valid (`mesh::validate`). Post: so is the result, and it is the same mesh, cell for cell,
-/// node for node, bit for bit, on any number of ranks and for any distribution over them. Throws `Error` on every rank
-/// for flags of the wrong length, bad surfaces, and cells too flat to be split. Memory at the peak: the old mesh, the
-/// new one and about 40 bytes for each cell that is split.
+/// Collective. Pre: `mesh` is valid (`validate::validate`). Post: so is the result, and it is the same mesh, cell for
+/// cell, node for node, bit for bit, on any number of ranks and for any distribution over them. Throws `Error` on every
+/// rank for flags of the wrong length, bad surfaces, and cells too flat to be split. Memory at the peak: the old mesh,
+/// the new one and about 40 bytes for each cell that is split.
 RefineResult refine(const par::Comm& comm, const mesh::DistMesh& mesh, std::span<const std::uint8_t> flags,
                     const refine::Options& options = {});
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <numeric>
 
-#include "pamr/adapt/carry.hpp"
+#include "pamr/adapt/closure_bytes.hpp"
 #include "pamr/balance/migrate.hpp"
 #include "pamr/balance/weights.hpp"
 #include "pamr/base/timer.hpp"

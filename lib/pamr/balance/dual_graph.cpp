@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "pamr/base/contract.hpp"
-#include "pamr/mesh/hilbert.hpp"
+#include "pamr/order/hilbert.hpp"
 
 namespace pamr::balance {
 
@@ -82,7 +82,7 @@ Groups group_by_weight(const mesh::DistMesh& mesh, std::span<const std::int64_t>
     low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
     high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
   }
-  const mesh::CurveGrid grid(low, high);
+  const order::CurveGrid grid(low, high);
   std::vector<std::uint32_t> bucket;
   std::vector<LocalId> first;
   bucket.reserve(at(mesh.n_cells()));

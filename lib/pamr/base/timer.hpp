@@ -26,7 +26,7 @@ struct Traffic {
   std::int64_t reductions = 0;  ///< operations of all ranks together: reductions, scans, gathers, broadcasts, barriers
   double wait_wall = 0;         ///< seconds
   double wait_cpu = 0;          ///< seconds
-  double external_cpu = 0;       ///< seconds; the part of it within libraries that communicate by themselves
+  double external_cpu = 0;      ///< seconds; the part of it within libraries that communicate by themselves
 
   Traffic& operator+=(const Traffic& other);
   Traffic& operator-=(const Traffic& other);

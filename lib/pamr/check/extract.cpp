@@ -5,10 +5,10 @@
 #include <array>
 #include <utility>
 
+#include "pamr/assemble/assemble.hpp"
 #include "pamr/base/contract.hpp"
 #include "pamr/check/metrics.hpp"
-#include "pamr/geometry/quality.hpp"
-#include "pamr/mesh/assemble.hpp"
+#include "pamr/geometry/tet_shape.hpp"
 #include "pamr/par/exchange.hpp"
 #include "pamr/par/select_smallest.hpp"
 
@@ -110,7 +110,7 @@ mesh::DistMesh extract_cells(const par::Comm& comm, const mesh::DistMesh& mesh, 
     for (std::size_t i = m; i < metric_rows.size(); i += 6) field.real().push_back(metric_rows[i]);
     block.cell_fields.push_back(std::move(field));
   }
-  return mesh::assemble(comm, std::move(block));
+  return assemble::assemble(comm, std::move(block));
 }
 
 }  // namespace pamr::check

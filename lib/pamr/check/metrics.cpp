@@ -6,7 +6,7 @@
 #include <limits>
 #include <span>
 
-#include "pamr/geometry/quality.hpp"
+#include "pamr/geometry/tet_shape.hpp"
 #include "pamr/par/reproducible_sum.hpp"
 
 namespace pamr::check {

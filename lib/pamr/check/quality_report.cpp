@@ -20,8 +20,8 @@ bool is_finite(const geometry::TetPoints& points) {
                      [](geometry::Vec3 p) { return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z); });
 }
 
-bool is_broken(const std::vector<mesh::Violation>& violations, std::span<const std::string_view> invariants) {
-  return std::any_of(violations.begin(), violations.end(), [&](const mesh::Violation& violation) {
+bool is_broken(const std::vector<validate::Violation>& violations, std::span<const std::string_view> invariants) {
+  return std::any_of(violations.begin(), violations.end(), [&](const validate::Violation& violation) {
     return std::find(invariants.begin(), invariants.end(), violation.invariant) != invariants.end();
   });
 }
@@ -62,7 +62,7 @@ QualityReport report_quality(const par::Comm& comm, const mesh::DistMesh& mesh, 
   QualityReport report;
   report.cells = mesh.info.n_global_cells;
   report.nodes = mesh.info.n_global_nodes;
-  report.violations = mesh::validate(comm, mesh);
+  report.violations = validate::validate(comm, mesh);
   report.conforming = !is_broken(report.violations, conformity);
   report.neighbours_consistent = !is_broken(report.violations, consistency);
   measure_volume(comm, mesh, report);

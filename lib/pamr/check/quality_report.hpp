@@ -8,8 +8,8 @@
 #include "pamr/check/metrics.hpp"
 #include "pamr/geometry/surface.hpp"
 #include "pamr/mesh/dist_mesh.hpp"
-#include "pamr/mesh/validate.hpp"
 #include "pamr/par/comm.hpp"
+#include "pamr/validate/validate.hpp"
 
 namespace pamr::check {
 
@@ -29,7 +29,7 @@ struct QualityReport {
   bool conforming = false;          ///< every inner face in exactly two cells, the boundary closed and manifold
   bool neighbours_consistent =
       false;  ///< neighbours name each other across the same nodes, from opposite sides; other faces in a patch
-  std::vector<mesh::Violation> violations;  ///< of all invariants; empty: the mesh is valid
+  std::vector<validate::Violation> violations;  ///< of all invariants; empty: the mesh is valid
   std::vector<MetricReport> metrics;
   std::vector<std::int64_t> cells_of_level;  ///< cells whose base cell has level 0, 1, ...
   std::int64_t closure_cells = 0;
@@ -41,7 +41,7 @@ struct QualityReport {
 
 /// Measures a mesh; never throws because the mesh is bad. `surfaces` holds the surfaces that the patches name.
 /// Every number is the same for every number of ranks, partition and order of the cells, to the last bit.
-/// Collective. O(cells) and what `mesh::validate` takes. Throws `Error` on every rank when a patch names a surface
+/// Collective. O(cells) and what `validate::validate` takes. Throws `Error` on every rank when a patch names a surface
 /// that is not there.
 QualityReport report_quality(const par::Comm& comm, const mesh::DistMesh& mesh, const geometry::SurfaceSet& surfaces,
                              const QualityOptions& options = {});

@@ -10,7 +10,7 @@
 
 #include "pamr/base/contract.hpp"
 #include "pamr/base/error.hpp"
-#include "pamr/geometry/quality.hpp"
+#include "pamr/geometry/tet_shape.hpp"
 #include "pamr/mesh/tet.hpp"
 
 namespace pamr::mark {

@@ -9,7 +9,7 @@
 #include <string>
 
 #include "pamr/base/error.hpp"
-#include "pamr/geometry/quality.hpp"
+#include "pamr/geometry/tet_shape.hpp"
 #include "pamr/mesh/borders.hpp"
 #include "pamr/mesh/tet.hpp"
 #include "pamr/par/exchange.hpp"

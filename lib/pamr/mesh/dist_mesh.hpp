@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "pamr/base/types.hpp"
-#include "pamr/geometry/quality.hpp"
-#include "pamr/geometry/triangulation.hpp"
+#include "pamr/geometry/tet_shape.hpp"
+#include "pamr/geometry/triangulated/triangulation.hpp"
 #include "pamr/geometry/vec3.hpp"
 #include "pamr/mesh/field.hpp"
 #include "pamr/mesh/lineage.hpp"

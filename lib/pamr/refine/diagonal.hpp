@@ -3,7 +3,7 @@
 
 #include <array>
 
-#include "pamr/geometry/quality.hpp"
+#include "pamr/geometry/tet_shape.hpp"
 #include "pamr/geometry/vec3.hpp"
 #include "pamr/refine/split_pattern.hpp"
 

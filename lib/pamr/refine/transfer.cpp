@@ -5,7 +5,7 @@
 #include <limits>
 #include <utility>
 
-#include "pamr/geometry/quality.hpp"
+#include "pamr/geometry/tet_shape.hpp"
 
 namespace pamr::refine {
 

@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "pamr/base/hash.hpp"
-#include "pamr/geometry/quality.hpp"
+#include "pamr/geometry/tet_shape.hpp"
 #include "pamr/mesh/tet.hpp"
 #include "pamr/refine/diagonal.hpp"
 

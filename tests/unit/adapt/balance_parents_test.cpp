@@ -5,10 +5,10 @@
 #include <gtest/gtest.h>
 
 #include "pamr/adapt/adapt.hpp"
+#include "pamr/assemble/kuhn_cube.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/base/hash.hpp"
-#include "pamr/mesh/kuhn_cube.hpp"
-#include "pamr/mesh/validate.hpp"
+#include "pamr/validate/validate.hpp"
 #include "support/meshes.hpp"
 
 namespace pamr {
@@ -55,7 +55,7 @@ TEST_P(EveryPolicy, GivesTheSerialMeshWhateverTheBalancing) {
   for (const std::uint64_t seed : {1U, 2U}) {
     const auto block = test::random_mesh(comm, seed, 3);
     const auto whole = test::gather(comm, block);
-    auto serial = mesh::assemble(self, test::cut(self, whole));
+    auto serial = assemble::assemble(self, test::cut(self, whole));
     for (std::uint64_t level = 0; level < n_levels; ++level)
       serial = adapt::refine(self, serial, random_flags(serial, seed + level),
                              {.quality_control = GetParam(), .marks_field = ""})
@@ -63,7 +63,7 @@ TEST_P(EveryPolicy, GivesTheSerialMeshWhateverTheBalancing) {
     const auto expected = test::gather(self, serial);
 
     for (const auto& [method, weights] : {std::pair{"scotch", "exact"}, {"scotch", "8/1"}, {"blocks", "exact"}}) {
-      auto mesh = mesh::assemble(comm, block, test::random_destinations(comm, block, seed));
+      auto mesh = assemble::assemble(comm, block, test::random_destinations(comm, block, seed));
       for (std::uint64_t level = 0; level < n_levels; ++level) {
         auto balancing = adapt::balancing_named(method, weights);
         balancing.how.keep_below = 0;
@@ -73,14 +73,14 @@ TEST_P(EveryPolicy, GivesTheSerialMeshWhateverTheBalancing) {
       }
       SCOPED_TRACE(std::string(method) + " " + weights);
       expect_equal(test::gather(comm, mesh), expected);
-      EXPECT_TRUE(mesh::validate(comm, mesh).empty());
+      EXPECT_TRUE(validate::validate(comm, mesh).empty());
     }
   }
 }
 
 TEST_P(EveryPolicy, PredictsEachCellsChildrenExactly) {
   const par::Comm comm(MPI_COMM_WORLD);
-  auto mesh = mesh::assemble(comm, test::random_mesh(comm, 3, 3));
+  auto mesh = assemble::assemble(comm, test::random_mesh(comm, 3, 3));
   for (std::uint64_t level = 0; level < 3; ++level) {
     const auto flags = random_flags(mesh, level);
     const refine::Options options{.quality_control = GetParam(), .marks_field = ""};
@@ -97,7 +97,7 @@ TEST_P(EveryPolicy, PredictsEachCellsChildrenExactly) {
 TEST(BalanceParents, SpreadsTheRefinedMeshEvenly) {
   const par::Comm comm(MPI_COMM_WORLD);
   for (const auto* method : {"scotch", "blocks"}) {
-    auto mesh = mesh::assemble(comm, mesh::kuhn_cube(comm, 10));
+    auto mesh = assemble::assemble(comm, assemble::kuhn_cube(comm, 10));
     const auto flags = random_flags(mesh, 1);
 
     const auto result = adapt::refine(comm, std::move(mesh), flags,
@@ -115,21 +115,21 @@ TEST(BalanceParents, SpreadsTheRefinedMeshEvenly) {
 TEST(BalanceParents, WorksOnMoreRanksThanCells) {
   const par::Comm comm(MPI_COMM_WORLD);
   for (const auto* method : {"scotch", "blocks", "none"}) {
-    auto mesh = mesh::assemble(comm, mesh::kuhn_cube(comm, 1));  // six cells
+    auto mesh = assemble::assemble(comm, assemble::kuhn_cube(comm, 1));  // six cells
     for (std::int64_t expected = 48; expected <= 384; expected *= 8) {
       const std::vector<std::uint8_t> all(static_cast<std::size_t>(mesh.n_cells()), 1);
       auto result = adapt::refine(comm, std::move(mesh), all,
                                   options_of(QualityControl::removable, adapt::balancing_named(method, "exact")));
       mesh = std::move(result.mesh);
       EXPECT_EQ(mesh.info.n_global_cells, expected);
-      EXPECT_TRUE(mesh::validate(comm, mesh).empty());
+      EXPECT_TRUE(validate::validate(comm, mesh).empty());
     }
   }
 }
 
 TEST(BalanceParents, WeighsByACellField) {
   const par::Comm comm(MPI_COMM_WORLD);
-  auto mesh = mesh::assemble(comm, mesh::kuhn_cube(comm, 8));
+  auto mesh = assemble::assemble(comm, assemble::kuhn_cube(comm, 8));
   std::vector<double> cost;
   for (LocalId c = 0; c < mesh.n_cells(); ++c) cost.push_back(mesh.points(c)[0].y < 0.2 ? 9.5 : 0.5);
   mesh.cell_fields.push_back({"cost", "", 1, mesh::StorageType::float64, std::move(cost)});
@@ -146,7 +146,7 @@ TEST(BalanceParents, WeighsByACellField) {
 
 TEST(BalanceParents, RefusesBadWeightsOnEveryRank) {
   const par::Comm comm(MPI_COMM_WORLD);
-  const auto mesh = mesh::assemble(comm, mesh::kuhn_cube(comm, 2));
+  const auto mesh = assemble::assemble(comm, assemble::kuhn_cube(comm, 2));
   const std::vector<std::uint8_t> nothing(static_cast<std::size_t>(mesh.n_cells()), 0);
   auto copy = mesh;
 

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "pamr/base/error.hpp"
-#include "pamr/mesh/validate.hpp"
+#include "pamr/validate/validate.hpp"
 #include "refined_mesh.hpp"
 
 namespace pamr {
@@ -60,8 +60,8 @@ TEST(Migrate, GivesTheMeshThatAssemblyGivesForTheSameDestinations) {
         const auto first = global - (lineage.is_removable() ? static_cast<std::size_t>(lineage.child()) : 0);
         of_block.push_back(static_cast<Rank>(combine(seed + 7, first) % static_cast<std::uint64_t>(n_used)));
       }
-      if (comm.size() > 1) expect_identical(mesh, mesh::assemble(comm, block, of_block));
-      for (const auto& violation : mesh::validate(comm, mesh))
+      if (comm.size() > 1) expect_identical(mesh, assemble::assemble(comm, block, of_block));
+      for (const auto& violation : validate::validate(comm, mesh))
         ADD_FAILURE() << violation.invariant << " " << violation.count << " at " << violation.where;
     }
 }
@@ -109,7 +109,7 @@ TEST(Migrate, SendsOnlyTheCellsThatMove) {
   const auto sent = comm.traffic().bytes - before - 4 * n_border;
   EXPECT_EQ(sent > 0, comm.is_first());
   EXPECT_LT(sent, 4096);
-  EXPECT_TRUE(mesh::validate(comm, mesh).empty());
+  EXPECT_TRUE(validate::validate(comm, mesh).empty());
 }
 
 TEST(Migrate, RefusesBadDestinationsOnEveryRank) {

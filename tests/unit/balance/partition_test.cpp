@@ -5,9 +5,9 @@
 
 #include <set>
 
+#include "pamr/assemble/kuhn_cube.hpp"
 #include "pamr/balance/migrate.hpp"
 #include "pamr/balance/weighted_blocks.hpp"
-#include "pamr/mesh/kuhn_cube.hpp"
 #include "refined_mesh.hpp"
 
 namespace pamr {
@@ -49,7 +49,7 @@ TEST(Partition, BalancesUnevenWeightsForAnyNumberOfParts) {
 
 TEST(Partition, TakesTheRunsOfAnOrderedMeshAndScotchForOneInNoOrder) {
   const par::Comm comm(MPI_COMM_WORLD);
-  const auto ordered = mesh::assemble(comm, mesh::kuhn_cube(comm, 10));
+  const auto ordered = assemble::assemble(comm, assemble::kuhn_cube(comm, 10));
   const auto scattered = test::refined_mesh(comm, 3);  // its cells are in random order
   const balance::Options how{.method = Method::best, .keep_below = 0};
 
@@ -87,7 +87,7 @@ TEST(Partition, CutsFewerFacesThanRunsOfCellsInRandomOrder) {
 
 TEST(Partition, IsTheSameWhenItIsMadeAgain) {
   const par::Comm comm(MPI_COMM_WORLD);
-  const auto mesh = mesh::assemble(comm, mesh::kuhn_cube(comm, 8));
+  const auto mesh = assemble::assemble(comm, assemble::kuhn_cube(comm, 8));
   const auto weight = uneven_weights(mesh);
 
   const auto first = balance::partition(comm, mesh, weight, 4, {.keep_below = 0});
@@ -97,7 +97,7 @@ TEST(Partition, IsTheSameWhenItIsMadeAgain) {
 
 TEST(Partition, KeepsWhatIsBalancedAlready) {
   const par::Comm comm(MPI_COMM_WORLD);
-  const auto mesh = mesh::assemble(comm, mesh::kuhn_cube(comm, 4));
+  const auto mesh = assemble::assemble(comm, assemble::kuhn_cube(comm, 4));
   const std::vector<std::int64_t> weight(mesh.cell_global.size(), 1);
 
   const auto result = balance::partition(comm, mesh, weight, comm.size(), {.keep_below = 1.02});
@@ -108,7 +108,7 @@ TEST(Partition, KeepsWhatIsBalancedAlready) {
 
 TEST(Partition, MovesFewCellsWhenLittleIsOutOfBalance) {
   const par::Comm comm(MPI_COMM_WORLD);
-  auto mesh = mesh::assemble(comm, mesh::kuhn_cube(comm, 8));
+  auto mesh = assemble::assemble(comm, assemble::kuhn_cube(comm, 8));
   const std::vector<std::int64_t> ones(mesh.cell_global.size(), 1);
   const auto before = balance::partition(comm, mesh, ones, comm.size(), {.keep_below = 0});
   mesh = balance::migrate(comm, std::move(mesh), before.part);
@@ -124,7 +124,7 @@ TEST(Partition, MovesFewCellsWhenLittleIsOutOfBalance) {
 
 TEST(Partition, LeavesPartsEmptyWhenThereAreMorePartsThanCells) {
   const par::Comm comm(MPI_COMM_WORLD);
-  const auto mesh = mesh::assemble(comm, mesh::kuhn_cube(comm, 1));  // six cells
+  const auto mesh = assemble::assemble(comm, assemble::kuhn_cube(comm, 1));  // six cells
   const std::vector<std::int64_t> weight(mesh.cell_global.size(), 1);
   for (const auto method : {Method::scotch, Method::blocks})
     for (const Rank n_parts : {comm.size(), 6, 20}) {
@@ -140,7 +140,7 @@ TEST(Partition, LeavesPartsEmptyWhenThereAreMorePartsThanCells) {
 TEST(Partition, WorksWhereAllCellsLieOnOneRank) {
   const par::Comm comm(MPI_COMM_WORLD);
   for (const auto method : {Method::scotch, Method::blocks}) {
-    auto mesh = mesh::assemble(comm, mesh::kuhn_cube(comm, 6));
+    auto mesh = assemble::assemble(comm, assemble::kuhn_cube(comm, 6));
     const std::vector<Rank> to_the_last(mesh.cell_global.size(), comm.size() - 1);
     mesh = balance::migrate(comm, std::move(mesh), to_the_last);
     const std::vector<std::int64_t> weight(mesh.cell_global.size(), 1);
@@ -159,7 +159,7 @@ TEST(Partition, MeasuresWhatASlowCountMeasures) {
   constexpr Rank n_parts = 5;
   const auto part = test::random_ranks(mesh, 9, n_parts);
   const auto whole = test::gather(comm, mesh);
-  const auto alone = mesh::assemble(self, test::cut(self, whole));
+  const auto alone = assemble::assemble(self, test::cut(self, whole));
   const auto part_alone = test::random_ranks(alone, 9, n_parts);
 
   const auto quality = balance::measure(comm, mesh, uneven_weights(mesh), part, n_parts);

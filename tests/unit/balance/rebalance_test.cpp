@@ -5,7 +5,7 @@
 
 #include "pamr/base/error.hpp"
 #include "pamr/mesh/fingerprint.hpp"
-#include "pamr/mesh/validate.hpp"
+#include "pamr/validate/validate.hpp"
 #include "refined_mesh.hpp"
 
 namespace pamr {
@@ -33,7 +33,7 @@ TEST(Rebalance, EvensOutTheParticlesOfASolver) {
   double total = 0;
   for (const auto n : all) total += n;
   EXPECT_LE(comm.max(here) * comm.size() / total, 1.06);
-  EXPECT_TRUE(mesh::validate(comm, result.mesh).empty());
+  EXPECT_TRUE(validate::validate(comm, result.mesh).empty());
   EXPECT_EQ(mesh::fingerprint(comm, result.mesh), fingerprint);
   EXPECT_EQ(comm.sum(result.mesh.n_cells()), n_cells);
   // the fields came along

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "pamr/adapt/adapt.hpp"
+#include "pamr/assemble/assemble.hpp"
 #include "pamr/base/hash.hpp"
-#include "pamr/mesh/assemble.hpp"
 #include "support/meshes.hpp"
 
 namespace pamr::test {
@@ -15,7 +15,7 @@ namespace pamr::test {
 /// A random mesh refined twice with random marks, so that it holds regular cells and closure families of both kinds;
 /// with cell and node fields of both types. The same on any number of ranks.
 inline mesh::DistMesh refined_mesh(const par::Comm& comm, std::uint64_t seed) {
-  auto mesh = mesh::assemble(comm, random_mesh(comm, seed, 3));
+  auto mesh = assemble::assemble(comm, random_mesh(comm, seed, 3));
   for (std::uint64_t level = 0; level < 2; ++level) {
     std::vector<std::uint8_t> flags;
     for (const auto id : mesh.cell_global)

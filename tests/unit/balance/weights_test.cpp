@@ -6,9 +6,9 @@
 
 #include <limits>
 
+#include "pamr/assemble/assemble.hpp"
+#include "pamr/assemble/kuhn_cube.hpp"
 #include "pamr/base/error.hpp"
-#include "pamr/mesh/assemble.hpp"
-#include "pamr/mesh/kuhn_cube.hpp"
 
 namespace pamr {
 namespace {
@@ -16,7 +16,7 @@ namespace {
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 
-mesh::DistMesh cube(const par::Comm& comm) { return mesh::assemble(comm, mesh::kuhn_cube(comm, 2)); }
+mesh::DistMesh cube(const par::Comm& comm) { return assemble::assemble(comm, assemble::kuhn_cube(comm, 2)); }
 
 std::string trouble(const std::function<void()>& work) {
   try {

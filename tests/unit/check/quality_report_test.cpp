@@ -8,11 +8,11 @@
 #include <cmath>
 #include <numeric>
 
+#include "pamr/assemble/assemble.hpp"
+#include "pamr/assemble/kuhn_cube.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/base/hash.hpp"
 #include "pamr/check/extract.hpp"
-#include "pamr/mesh/assemble.hpp"
-#include "pamr/mesh/kuhn_cube.hpp"
 #include "support/meshes.hpp"
 
 namespace pamr::check {
@@ -31,14 +31,14 @@ Vec3 shaken(Vec3 p, double size) {
 
 /// The Kuhn cube with moved nodes, its cells scattered over the ranks without any order.
 mesh::DistMesh shaken_cube(const par::Comm& comm, int n, double size) {
-  auto block = mesh::kuhn_cube(comm, n);
+  auto block = assemble::kuhn_cube(comm, n);
   for (auto& p : block.node_position) p = shaken(p, size);
   std::vector<Rank> destination;
   for (std::size_t i = 0; i < block.cell_to_node.size(); ++i) {
     const auto id = static_cast<std::uint64_t>(block.first_cell) + i;
     destination.push_back(static_cast<Rank>(mix(id) % static_cast<std::uint64_t>(comm.size())));
   }
-  return mesh::assemble(comm, std::move(block), destination);
+  return assemble::assemble(comm, std::move(block), destination);
 }
 
 QualityReport report_of(const par::Comm& comm, const mesh::DistMesh& mesh) {
@@ -192,8 +192,8 @@ TEST(QualityReport, SeesAHangingNode) {
   par::Comm comm(MPI_COMM_WORLD);
   const std::vector<Vec3> nodes{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.25, 0.25, 0}, {0, 0, 1}, {0, 0, -1}};
   const auto hanging =
-      mesh::assemble(comm, test::small_mesh(comm, nodes, {{0, 1, 2, 4}, {1, 0, 3, 5}, {2, 1, 3, 5}, {0, 2, 3, 5}}));
-  const auto closed = mesh::assemble(
+      assemble::assemble(comm, test::small_mesh(comm, nodes, {{0, 1, 2, 4}, {1, 0, 3, 5}, {2, 1, 3, 5}, {0, 2, 3, 5}}));
+  const auto closed = assemble::assemble(
       comm, test::small_mesh(comm, nodes,
                              {{0, 1, 3, 4}, {1, 2, 3, 4}, {2, 0, 3, 4}, {1, 0, 3, 5}, {2, 1, 3, 5}, {0, 2, 3, 5}}));
 

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "dsmc/flow.hpp"
+#include "solvers/dsmc/kernel/flow.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <numbers>
 
-#include "dsmc/closed_forms.hpp"
+#include "pamr/assemble/assemble.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/base/hash.hpp"
-#include "pamr/mesh/assemble.hpp"
 #include "pamr/par/reproducible_sum.hpp"
+#include "solvers/dsmc/gas/kinetic_theory.hpp"
 #include "support/meshes.hpp"
 #include "unit/dsmc/gases.hpp"
 
@@ -62,7 +62,7 @@ int patch_named(const mesh::DistMesh& mesh, const std::string& name) {
 TEST(Flow, RunsWithCollisionsInflowAndDiffuseWallsAreBitEqualOnAnyNumberOfRanks) {
   const par::Comm comm(MPI_COMM_WORLD), alone(MPI_COMM_SELF);
   const auto block = test::random_mesh(comm, 5, 4);
-  const auto mesh = mesh::assemble(comm, block), whole = mesh::assemble(alone, test::gather(comm, block));
+  const auto mesh = assemble::assemble(comm, block), whole = assemble::assemble(alone, test::gather(comm, block));
   const auto setup_for = [](const mesh::DistMesh& some) {
     auto setup = open_cube(some, {"wind", 1e20, 300, 300, {500, 100, 0}, {1}}, 20, 1e-4);
     setup.patch[static_cast<std::size_t>(patch_named(some, "ymin"))] = {Kind::diffuse, 500, {}, 0.7, 1, 1, 1, -1};
@@ -95,7 +95,7 @@ TEST(Flow, RunsWithCollisionsInflowAndDiffuseWallsAreBitEqualOnAnyNumberOfRanks)
 
 TEST(Flow, EquilibriumCollidesAsOftenAsKineticTheorySays) {
   const par::Comm comm(MPI_COMM_WORLD);
-  const auto mesh = mesh::assemble(comm, test::kuhn_cube(comm, 6));
+  const auto mesh = assemble::assemble(comm, test::kuhn_cube(comm, 6));
   const auto gas = test::argon();
   const double density = 7.07043e22, dt = 7e-9;
   Flow flow(comm, mesh, test::box_of(gas, mesh, 1e-4, 15, density, 273.15, 273.15, dt));
@@ -120,7 +120,7 @@ TEST(Flow, EquilibriumCollidesAsOftenAsKineticTheorySays) {
 
 TEST(Flow, SoftSpheresAndRandomPartnersCollideAsOftenToo) {
   const par::Comm comm(MPI_COMM_WORLD);
-  const auto mesh = mesh::assemble(comm, test::kuhn_cube(comm, 5));
+  const auto mesh = assemble::assemble(comm, test::kuhn_cube(comm, 5));
   auto gas = test::argon();
   gas.species[0].alpha = 1.4;
   prepare(gas);
@@ -144,7 +144,7 @@ TEST(Flow, SoftSpheresAndRandomPartnersCollideAsOftenToo) {
 
 TEST(Flow, RotationRelaxesAsTheProbabilityPerMoleculeSays) {
   const par::Comm comm(MPI_COMM_WORLD);
-  const auto mesh = mesh::assemble(comm, test::kuhn_cube(comm, 7));
+  const auto mesh = assemble::assemble(comm, test::kuhn_cube(comm, 7));
   const auto gas = test::nitrogen();
   const double tau = 2.43426e-7, dt = 0.2 * tau;
   Flow flow(comm, mesh, test::box_of(gas, mesh, 2e-3, 30, 1e22, 500, 100, dt));
@@ -170,7 +170,7 @@ TEST(Flow, RotationRelaxesAsTheProbabilityPerMoleculeSays) {
 
 TEST(Flow, RotationWhoseRateGoesByTheTemperatureComesToEquilibrium) {
   const par::Comm comm(MPI_COMM_WORLD);
-  const auto mesh = mesh::assemble(comm, test::kuhn_cube(comm, 6));
+  const auto mesh = assemble::assemble(comm, test::kuhn_cube(comm, 6));
   auto gas = test::nitrogen();
   gas.rotation = {Rotation::Model::variable, 0, 18.1, 91.5};
   const double tau = 2.43426e-7, dt = 0.3 * tau;
@@ -206,7 +206,7 @@ TEST(Flow, RotationWhoseRateGoesByTheTemperatureComesToEquilibrium) {
 
 TEST(Flow, ColdRotationIsHeldToOneRelaxingMoleculeInTwoAndCounted) {
   const par::Comm comm(MPI_COMM_WORLD);
-  const auto mesh = mesh::assemble(comm, test::kuhn_cube(comm, 4));
+  const auto mesh = assemble::assemble(comm, test::kuhn_cube(comm, 4));
   auto gas = test::nitrogen();
   gas.rotation = {Rotation::Model::variable, 0, 18.1, 91.5};
   EXPECT_GT(relaxation_probability(gas.rotation, 2, 0.74, 13.6), 1);
@@ -231,7 +231,7 @@ TEST(Flow, ColdRotationIsHeldToOneRelaxingMoleculeInTwoAndCounted) {
 
 TEST(Flow, AMixtureComesToOneTemperature) {
   const par::Comm comm(MPI_COMM_WORLD);
-  const auto mesh = mesh::assemble(comm, test::kuhn_cube(comm, 6));
+  const auto mesh = assemble::assemble(comm, test::kuhn_cube(comm, 6));
   Gas gas;
   gas.species = {{"Ar", 6.63e-26, 4.17e-10, 0.81, 273, 1, 0}, {"N2", 4.65e-26, 4.17e-10, 0.74, 273, 1, 2}};
   gas.fraction = {0.4, 0.6};
@@ -265,7 +265,7 @@ TEST(Flow, AMixtureComesToOneTemperature) {
 
 TEST(Flow, GasEntersAnEmptyBoxWithTheFluxesOfAMaxwellian) {
   const par::Comm comm(MPI_COMM_WORLD);
-  const auto mesh = mesh::assemble(comm, test::kuhn_cube(comm, 4));
+  const auto mesh = assemble::assemble(comm, test::kuhn_cube(comm, 4));
   const auto gas = test::nitrogen();
   const double c = most_probable_speed(300, gas.species[0].mass), root = std::sqrt(std::numbers::pi);
   for (const double s : {0.0, 1.0, 5.0, -1.0, -2.0}) {
@@ -308,7 +308,7 @@ TEST(Flow, GasEntersAnEmptyBoxWithTheFluxesOfAMaxwellian) {
 
 TEST(Flow, AUniformStreamStaysUniformWhereTheTimeStepVaries) {
   const par::Comm comm(MPI_COMM_WORLD);
-  const auto mesh = mesh::assemble(comm, test::random_mesh(comm, 9, 4));
+  const auto mesh = assemble::assemble(comm, test::random_mesh(comm, 9, 4));
   const auto gas = test::nitrogen();
   const double c = most_probable_speed(300, gas.species[0].mass);
   auto setup = open_cube(mesh, {"wind", 1e20, 300, 300, {c, 0.3 * c, 0}, {1}}, 60, 2e-4);
@@ -346,7 +346,7 @@ TEST(Flow, AUniformStreamStaysUniformWhereTheTimeStepVaries) {
 
 TEST(Flow, AFreeMolecularStreamPressesRubsAndHeatsAPlateAsTheClosedFormsSay) {
   const par::Comm comm(MPI_COMM_WORLD);
-  const auto mesh = mesh::assemble(comm, test::kuhn_cube(comm, 3));
+  const auto mesh = assemble::assemble(comm, test::kuhn_cube(comm, 3));
   const auto gas = test::nitrogen();
   const double c = most_probable_speed(200, gas.species[0].mass), s = 5, density = 1e20;
   for (const double angle : {90.0, 20.0, 0.0}) {
@@ -383,7 +383,7 @@ TEST(Flow, AFreeMolecularStreamPressesRubsAndHeatsAPlateAsTheClosedFormsSay) {
 
 TEST(Flow, RefusesATimeStepOrAWeightThatIsNotPositive) {
   const par::Comm comm(MPI_COMM_WORLD);
-  const auto mesh = mesh::assemble(comm, test::kuhn_cube(comm, 1));
+  const auto mesh = assemble::assemble(comm, test::kuhn_cube(comm, 1));
   auto setup = test::box_of(test::argon(), mesh, 1, 10, 1e20, 300, 300, 1e-6);
   setup.dt = -1;
   EXPECT_THROW(Flow(comm, mesh, setup), Error);

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "dsmc/flow.hpp"
 #include "pamr/mesh/dist_mesh.hpp"
 #include "pamr/par/reproducible_sum.hpp"
+#include "solvers/dsmc/kernel/flow.hpp"
 
 /// Gases and boxes for tests.
 namespace pamr::test {

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "dsmc/move.hpp"
+#include "solvers/dsmc/kernel/move.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
+#include "pamr/assemble/assemble.hpp"
 #include "pamr/base/hash.hpp"
-#include "pamr/geometry/quality.hpp"
-#include "pamr/mesh/assemble.hpp"
+#include "pamr/geometry/tet_shape.hpp"
 #include "support/meshes.hpp"
 
 namespace {
@@ -27,7 +27,7 @@ Gas nitrogen() {
 /// A mesh with particles in it and what moves them.
 struct Box {
   Box(const par::Comm& on, const mesh::BlockMesh& block, double dt, BoundaryCondition wall = {})
-      : comm(&on), mesh(mesh::assemble(on, block)), domain(make_domain(mesh, 1, dt, 1)), gas(nitrogen()) {
+      : comm(&on), mesh(assemble::assemble(on, block)), domain(make_domain(mesh, 1, dt, 1)), gas(nitrogen()) {
     patch.assign(mesh.info.patches.size(), wall);
     tally.face.resize(domain.boundary.size());
     tally.set_units(4.65e-26, 1);

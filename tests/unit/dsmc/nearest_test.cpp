@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "dsmc/nearest.hpp"
+#include "solvers/dsmc/kernel/nearest.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "dsmc/periodic.hpp"
+#include "solvers/dsmc/kernel/periodic.hpp"
 
 #include <gmock/gmock.h>
 
 #include <cmath>
 
+#include "pamr/assemble/assemble.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/base/hash.hpp"
-#include "pamr/mesh/assemble.hpp"
 #include "support/meshes.hpp"
 #include "unit/dsmc/gases.hpp"
 
@@ -51,7 +51,7 @@ Setup wind_in_a_box(const mesh::DistMesh& mesh, double dt) {
 TEST(Periodic, FlightsEndWhereTheUnfoldedStraightLineDoesAndNoneIsLostOnAnyNumberOfRanks) {
   const par::Comm comm(MPI_COMM_WORLD), alone(MPI_COMM_SELF);
   const auto block = test::kuhn_cube(comm, 3);
-  const auto mesh = mesh::assemble(comm, block), whole = mesh::assemble(alone, test::gather(comm, block));
+  const auto mesh = assemble::assemble(comm, block), whole = assemble::assemble(alone, test::gather(comm, block));
   auto setup = wind_in_a_box(mesh, 1.7e-3);  // more than a passage of the box in a step
   setup.collisions.enabled = false;
   Flow flow(comm, mesh, setup), twin(alone, whole, setup);
@@ -84,7 +84,7 @@ TEST(Periodic, FlightsEndWhereTheUnfoldedStraightLineDoesAndNoneIsLostOnAnyNumbe
 TEST(Periodic, AStreamWithCollisionsKeepsItsMomentumAndEnergyAndItsBitsOnAnyNumberOfRanks) {
   const par::Comm comm(MPI_COMM_WORLD), alone(MPI_COMM_SELF);
   const auto block = test::kuhn_cube(comm, 4);
-  const auto mesh = mesh::assemble(comm, block), whole = mesh::assemble(alone, test::gather(comm, block));
+  const auto mesh = assemble::assemble(comm, block), whole = assemble::assemble(alone, test::gather(comm, block));
   const auto setup = wind_in_a_box(mesh, 1e-4);
   Flow flow(comm, mesh, setup), twin(alone, whole, setup);
   flow.fill(mesh);
@@ -111,7 +111,7 @@ TEST(Periodic, AStreamWithCollisionsKeepsItsMomentumAndEnergyAndItsBitsOnAnyNumb
 
 TEST(Periodic, ParticlesCrossBetweenCellsOfUnlikeStepsAndStayInTheirCells) {
   const par::Comm comm(MPI_COMM_WORLD);
-  const auto mesh = mesh::assemble(comm, test::kuhn_cube(comm, 4));
+  const auto mesh = assemble::assemble(comm, test::kuhn_cube(comm, 4));
   auto setup = wind_in_a_box(mesh, 2e-4);
   setup.collisions.enabled = false;
   for (LocalId cell = 0; cell < mesh.n_cells(); ++cell) {  // half the step in the left half
@@ -139,7 +139,7 @@ TEST(Periodic, ParticlesCrossBetweenCellsOfUnlikeStepsAndStayInTheirCells) {
 
 TEST(Periodic, PatchesWhoseFacesDoNotMatchAreRefusedOnEveryRankWithTheNameOfAFace) {
   const par::Comm comm(MPI_COMM_WORLD);
-  const auto mesh = mesh::assemble(comm, test::kuhn_cube(comm, 3));
+  const auto mesh = assemble::assemble(comm, test::kuhn_cube(comm, 3));
   auto setup = wind_in_a_box(mesh, 1e-4);
   for (auto& patch : setup.patch) patch = {};
   for (const int side : {0, 2}) {  // xmin and ymin

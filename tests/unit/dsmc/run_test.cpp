@@ -3,12 +3,12 @@
 
 #include <cmath>
 
-#include "dsmc/computation.hpp"
-#include "dsmc/loads.hpp"
-#include "dsmc/random.hpp"
-#include "dsmc/steady.hpp"
+#include "pamr/assemble/assemble.hpp"
 #include "pamr/base/error.hpp"
-#include "pamr/mesh/assemble.hpp"
+#include "solvers/dsmc/kernel/random.hpp"
+#include "solvers/dsmc/run/computation.hpp"
+#include "solvers/dsmc/sampling/loads.hpp"
+#include "solvers/dsmc/sampling/steady.hpp"
 #include "support/meshes.hpp"
 #include "unit/dsmc/gases.hpp"
 
@@ -61,7 +61,7 @@ TEST(StopAtRise, MovesWhenTheMeanCostOfAStepBeginsToRise) {
 
 TEST(Loads, OfANewtonianStreamOnAPlateAreThoseOfTheClosedForm) {
   const par::Comm comm(MPI_COMM_WORLD);
-  const auto mesh = mesh::assemble(comm, test::kuhn_cube(comm, 3));
+  const auto mesh = assemble::assemble(comm, test::kuhn_cube(comm, 3));
   const auto gas = test::nitrogen();
   const double angle = 0.3, speed = 1000;
   const Stream stream{"free", 1e20, 300, 300, {speed * std::cos(angle), 0, speed * std::sin(angle)}, {1}};
@@ -130,8 +130,8 @@ TEST(Computation, IsTheSameWhetherCellsMoveToOtherRanksOrNot) {
   const par::Comm comm(MPI_COMM_WORLD), alone(MPI_COMM_SELF);
   const auto c = read_case(stream_case, "case.toml");
   const auto block = test::random_mesh(comm, 8, 4);
-  Computation computation(comm, c, mesh::assemble(comm, block));
-  Computation serial(alone, c, mesh::assemble(alone, test::gather(comm, block)));
+  Computation computation(comm, c, assemble::assemble(comm, block));
+  Computation serial(alone, c, assemble::assemble(alone, test::gather(comm, block)));
   computation.flow->fill(computation.mesh);
   serial.flow->fill(serial.mesh);
 

@@ -3,10 +3,10 @@
 
 #include <cmath>
 
-#include "dsmc/boundary.hpp"
-#include "dsmc/closed_forms.hpp"
-#include "dsmc/flow.hpp"
-#include "pamr/mesh/assemble.hpp"
+#include "pamr/assemble/assemble.hpp"
+#include "solvers/dsmc/gas/kinetic_theory.hpp"
+#include "solvers/dsmc/kernel/boundary.hpp"
+#include "solvers/dsmc/kernel/flow.hpp"
 #include "support/meshes.hpp"
 #include "unit/dsmc/gases.hpp"
 
@@ -32,7 +32,7 @@ struct Plates {
 };
 Plates between_plates(const BoundaryCondition& left, const BoundaryCondition& right, double temperature) {
   const par::Comm comm(MPI_COMM_WORLD);
-  const auto mesh = mesh::assemble(comm, test::kuhn_cube(comm, 2));
+  const auto mesh = assemble::assemble(comm, test::kuhn_cube(comm, 2));
   const auto gas = test::argon();
   auto setup = test::box_of(gas, mesh, 1, 400, 1e18, temperature, temperature,
                             0.4 / most_probable_speed(temperature, gas.species[0].mass));
@@ -76,7 +76,7 @@ TEST(Walls, ConductHeatThroughAFreeMolecularGasAsTheClosedFormSays) {
 
 TEST(Walls, ThatMoveDragTheGasAndAreHeatedAsTheClosedFormSays) {
   const par::Comm comm(MPI_COMM_WORLD);
-  const auto mesh = mesh::assemble(comm, test::kuhn_cube(comm, 2));
+  const auto mesh = assemble::assemble(comm, test::kuhn_cube(comm, 2));
   const auto gas = test::argon();
   const double temperature = 273, density = 1e18, speed = 300, mass = gas.species[0].mass;
   auto setup = test::box_of(gas, mesh, 1, 200, density, temperature, temperature, 1e-3);

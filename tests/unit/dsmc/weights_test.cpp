@@ -4,10 +4,10 @@
 
 #include <cmath>
 
-#include "dsmc/collide.hpp"
-#include "dsmc/flow.hpp"
+#include "pamr/assemble/assemble.hpp"
 #include "pamr/base/error.hpp"
-#include "pamr/mesh/assemble.hpp"
+#include "solvers/dsmc/kernel/collide.hpp"
+#include "solvers/dsmc/kernel/flow.hpp"
 #include "support/meshes.hpp"
 #include "unit/dsmc/gases.hpp"
 
@@ -55,7 +55,7 @@ double meeting_rate(const PairData& pair, double n, double t) {
 
 TEST(Weights, CollisionsKeepMomentumAndEnergyWithWhatIsOwed) {
   const par::Comm alone(MPI_COMM_SELF);
-  const auto mesh = mesh::assemble(alone, test::kuhn_cube(alone, 3));
+  const auto mesh = assemble::assemble(alone, test::kuhn_cube(alone, 3));
   Flow flow(alone, mesh, test::box_of(argon_with_nitrogen(0.01, 0.01), mesh, 2e-3, 30, 1e22, 400, 100, 2e-7));
   flow.fill(mesh);
   Collider collider(flow.setup().gas, {}, 5);
@@ -83,7 +83,7 @@ TEST(Weights, CollisionsKeepMomentumAndEnergyWithWhatIsOwed) {
 
 TEST(Weights, TraceMoleculesCollideAsOftenAsKineticTheorySays) {
   const par::Comm comm(MPI_COMM_WORLD);
-  const auto mesh = mesh::assemble(comm, test::kuhn_cube(comm, 5));
+  const auto mesh = assemble::assemble(comm, test::kuhn_cube(comm, 5));
   const double t = 300, n = 1e22, fraction = 0.01;
   const auto gas = argon_with_nitrogen(fraction, 0.02);
   auto setup = test::box_of(gas, mesh, 2e-3, 16, n, t, t, 0);
@@ -109,7 +109,7 @@ TEST(Weights, TraceMoleculesCollideAsOftenAsKineticTheorySays) {
 
 TEST(Weights, MixturesOfLikeWeightsCollideAsOftenAsKineticTheorySays) {
   const par::Comm comm(MPI_COMM_WORLD);
-  const auto mesh = mesh::assemble(comm, test::kuhn_cube(comm, 6));
+  const auto mesh = assemble::assemble(comm, test::kuhn_cube(comm, 6));
   const double t = 300, n = 1e22;
   const auto gas = argon_with_nitrogen(0.5, 1);
   auto setup = test::box_of(gas, mesh, 2e-3, 24, n, t, t, 0);
@@ -131,7 +131,7 @@ TEST(Weights, MixturesOfLikeWeightsCollideAsOftenAsKineticTheorySays) {
 
 TEST(Weights, AHotTraceCoolsAsFastAsWithEqualWeights) {
   const par::Comm comm(MPI_COMM_WORLD);
-  const auto mesh = mesh::assemble(comm, test::kuhn_cube(comm, 6));
+  const auto mesh = assemble::assemble(comm, test::kuhn_cube(comm, 6));
   double t[2][3] = {}, error[3] = {};
   for (const int which : {0, 1}) {
     auto setup = test::box_of(argon_with_nitrogen(0.02, which == 0 ? 1 : 0.05), mesh, 2e-3, 25, 1e22, 300, 300, 5e-8);

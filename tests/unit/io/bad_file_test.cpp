@@ -6,8 +6,8 @@
 
 #include "files.hpp"
 #include "hdf5_edit.hpp"
-#include "pamr/io/native_file.hpp"
-#include "pamr/mesh/kuhn_cube.hpp"
+#include "pamr/assemble/kuhn_cube.hpp"
+#include "pamr/io/native/native_file.hpp"
 
 namespace pamr {
 namespace {
@@ -31,10 +31,10 @@ void PrintTo(const Damage& damage, std::ostream* out) { *out << damage.name; }
 const std::string& good_file(const par::Comm& comm, const Folder& folder) {
   static std::string contents;
   if (!contents.empty()) return contents;
-  auto block = mesh::kuhn_cube(comm, 2);
+  auto block = assemble::kuhn_cube(comm, 2);
   block.cell_fields.push_back(
       {"u", "K", 1, mesh::StorageType::float64, std::vector<double>(block.cell_to_node.size())});
-  io::write_native(comm, folder / "good.hdf", mesh::assemble(comm, block));
+  io::write_native(comm, folder / "good.hdf", assemble::assemble(comm, block));
   EXPECT_EQ(test::error_of_reading(comm, folder / "good.hdf"), "no error");
   return contents = test::bytes_of(folder / "good.hdf");
 }

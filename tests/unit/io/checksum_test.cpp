@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "pamr/io/checksum.hpp"
+#include "pamr/io/native/checksum.hpp"
 
 #include <gmock/gmock.h>
 
 #include "files.hpp"
 #include "hdf5_edit.hpp"
-#include "pamr/io/native_file.hpp"
+#include "pamr/io/native/native_file.hpp"
 
 namespace pamr {
 namespace {

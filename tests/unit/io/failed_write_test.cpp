@@ -6,10 +6,10 @@
 
 #include "files.hpp"
 #include "hdf5_edit.hpp"
+#include "pamr/assemble/kuhn_cube.hpp"
 #include "pamr/base/error.hpp"
-#include "pamr/io/native_file.hpp"
+#include "pamr/io/native/native_file.hpp"
 #include "pamr/io/partial_file.hpp"
-#include "pamr/mesh/kuhn_cube.hpp"
 
 namespace pamr {
 namespace {
@@ -69,7 +69,7 @@ TEST(FailedWrite, LeavesNoFileWhenTheDiskIsFull) {
 TEST(FailedWrite, LeavesAnExistingFileAsItWas) {
   const par::Comm comm(MPI_COMM_WORLD);
   const Folder folder(comm);
-  io::write_native(comm, folder / "a.hdf", mesh::assemble(comm, mesh::kuhn_cube(comm, 1)));
+  io::write_native(comm, folder / "a.hdf", assemble::assemble(comm, assemble::kuhn_cube(comm, 1)));
   const auto before = test::bytes_of(folder / "a.hdf");
   const auto mesh = test::mesh_with_fields(comm, 4, 1);
   comm.barrier();

@@ -5,7 +5,7 @@
 
 #include "files.hpp"
 #include "hdf5_edit.hpp"
-#include "pamr/io/native_file.hpp"
+#include "pamr/io/native/native_file.hpp"
 #include "support/meshes.hpp"
 
 namespace pamr {
@@ -37,7 +37,7 @@ TEST(FileFormat, ManualHasExamplesThatTheReaderAccepts) {
   ASSERT_EQ(whole.cell_fields.size(), 1U);
   EXPECT_THAT(whole.cell_fields[0].integer(), testing::ElementsAre(1, 0, 0, 0, 0, 0));
   EXPECT_EQ(whole.node_fields.at(0).unit, "K");
-  EXPECT_EQ(mesh::assemble(comm, block).info.n_global_cells, 6);
+  EXPECT_EQ(assemble::assemble(comm, block).info.n_global_cells, 6);
 }
 
 TEST(FileFormat, ManualHasChecksumsThatTheReaderCompares) {

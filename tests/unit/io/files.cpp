@@ -8,7 +8,7 @@
 #include "hdf5_edit.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/base/hash.hpp"
-#include "pamr/io/native_file.hpp"
+#include "pamr/io/native/native_file.hpp"
 #include "support/meshes.hpp"
 
 namespace pamr::test {
@@ -63,7 +63,7 @@ mesh::DistMesh mesh_with_fields(const par::Comm& comm, int n, std::uint64_t seed
   block.node_fields.push_back({"potential", "kT/e", 1, StorageType::float32, reals(first_node, n_nodes, 1, 4)});
   block.node_fields.push_back({"number", "", 1, StorageType::int64, integers(first_node, n_nodes, 1, 5)});
   const auto destination = random_destinations(comm, block, seed);
-  return mesh::assemble(comm, std::move(block), destination);
+  return assemble::assemble(comm, std::move(block), destination);
 }
 
 void on_first_rank(const par::Comm& comm, const std::function<void()>& edit) {

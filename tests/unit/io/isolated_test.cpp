@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "pamr/io/isolated.hpp"
+#include "pamr/io/native/isolated.hpp"
 
 #include <gmock/gmock.h>
 

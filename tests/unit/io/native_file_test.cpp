@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "pamr/io/native_file.hpp"
+#include "pamr/io/native/native_file.hpp"
 
 #include <gmock/gmock.h>
 
 #include "files.hpp"
 #include "hdf5_edit.hpp"
+#include "pamr/assemble/kuhn_cube.hpp"
 #include "pamr/mesh/fingerprint.hpp"
-#include "pamr/mesh/kuhn_cube.hpp"
 #include "support/meshes.hpp"
 
 namespace pamr {
@@ -78,7 +78,7 @@ TEST(NativeFile, ReadsTheSameInSmallPieces) {
 TEST(NativeFile, IsSharedOutByItsMarks) {
   const par::Comm comm(MPI_COMM_WORLD);
   const Folder folder(comm);
-  auto mesh = mesh::assemble(comm, mesh::kuhn_cube(comm, 8));
+  auto mesh = assemble::assemble(comm, assemble::kuhn_cube(comm, 8));
   mesh::CellField marks{"refine", "", 1, mesh::StorageType::int8, std::vector<std::int64_t>{}};
   for (LocalId c = 0; c < mesh.n_cells(); ++c) {
     const auto p = mesh.points(c)[0];
@@ -129,7 +129,7 @@ TEST(NativeFile, WritesWhatItRead) {
   const Folder folder(comm);
   io::write_native(comm, folder / "first.hdf", test::mesh_with_fields(comm, 2, 4), {.provenance = "first"});
 
-  io::write_native(comm, folder / "second.hdf", mesh::assemble(comm, io::read_native(comm, folder / "first.hdf")));
+  io::write_native(comm, folder / "second.hdf", assemble::assemble(comm, io::read_native(comm, folder / "first.hdf")));
 
   EXPECT_EQ(test::bytes_of(folder / "first.hdf"), test::bytes_of(folder / "second.hdf"));
 }
@@ -152,7 +152,7 @@ TEST(NativeFile, ReplacesAnExistingFile) {
   const Folder folder(comm);
 
   io::write_native(comm, folder / "a.hdf", test::mesh_with_fields(comm, 3, 5));
-  io::write_native(comm, folder / "a.hdf", mesh::assemble(comm, mesh::kuhn_cube(comm, 1)));
+  io::write_native(comm, folder / "a.hdf", assemble::assemble(comm, assemble::kuhn_cube(comm, 1)));
 
   EXPECT_EQ(io::read_native(comm, folder / "a.hdf").info.n_global_cells, 6);
   EXPECT_EQ(folder.n_entries(), 1U);
@@ -161,7 +161,7 @@ TEST(NativeFile, ReplacesAnExistingFile) {
 TEST(NativeFile, GivesEachRankWholeFamilies) {
   const par::Comm comm(MPI_COMM_WORLD);
   const Folder folder(comm);
-  io::write_native(comm, folder / "a.hdf", mesh::assemble(comm, mesh::kuhn_cube(comm, 2)));
+  io::write_native(comm, folder / "a.hdf", assemble::assemble(comm, assemble::kuhn_cube(comm, 2)));
   using enum mesh::FamilyKind;
   std::vector<std::uint64_t> words;
   for (int k = 0; k < 5; ++k) {
@@ -188,7 +188,7 @@ TEST(NativeFile, ReadsAFamilyOnMoreRanksThanItHasCells) {
   const auto whole = test::closure_family(mesh::FamilyKind::edge, 3);
   std::vector<GlobalId> begin(static_cast<std::size_t>(comm.size()), 2);
   begin[0] = 0;
-  const auto mesh = mesh::assemble(comm, test::cut(comm, whole, begin));
+  const auto mesh = assemble::assemble(comm, test::cut(comm, whole, begin));
 
   io::write_native(comm, folder / "family.hdf", mesh);
   const auto block = io::read_native(comm, folder / "family.hdf");
@@ -217,14 +217,14 @@ TEST(NativeFile, AcceptsAFileWithNothingButTheVtkPart) {
     ASSERT_EQ(whole.node_fields.size(), 1U);
     EXPECT_EQ(whole.node_fields[0].n_components, 2);
     EXPECT_EQ(whole.node_fields[0].real()[15], 15.0);
-    EXPECT_EQ(mesh::assemble(comm, block).info.n_global_cells, 6);
+    EXPECT_EQ(assemble::assemble(comm, block).info.n_global_cells, 6);
   }
 }
 
 TEST(NativeFile, AcceptsFieldsAndTextsThatAScriptAdded) {
   const par::Comm comm(MPI_COMM_WORLD);
   const Folder folder(comm);
-  io::write_native(comm, folder / "a.hdf", mesh::assemble(comm, mesh::kuhn_cube(comm, 1)));
+  io::write_native(comm, folder / "a.hdf", assemble::assemble(comm, assemble::kuhn_cube(comm, 1)));
   test::on_first_rank(comm, [&] {
     test::write_dataset<std::int32_t>(folder / "a.hdf", "/VTKHDF/CellData/refine", {6}, {0, 1, 0, 1, 0, 1});
     test::write_attribute(folder / "a.hdf", "/VTKHDF/CellData/refine", "unit", std::string("1"));
@@ -239,7 +239,7 @@ TEST(NativeFile, AcceptsFieldsAndTextsThatAScriptAdded) {
   EXPECT_EQ(whole.cell_fields[0].unit, "1");
   EXPECT_THAT(whole.cell_fields[0].integer(), testing::ElementsAre(0, 1, 0, 1, 0, 1));
   EXPECT_EQ(block.info.patches[4].name, "größer");
-  EXPECT_EQ(block.info.patches[4].kind, mesh::kuhn_cube(comm, 1).info.patches[4].kind);
+  EXPECT_EQ(block.info.patches[4].kind, assemble::kuhn_cube(comm, 1).info.patches[4].kind);
 }
 
 }  // namespace

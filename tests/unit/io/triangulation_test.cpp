@@ -7,9 +7,9 @@
 #include "files.hpp"
 #include "hdf5_edit.hpp"
 #include "pamr/adapt/adapt.hpp"
+#include "pamr/assemble/kuhn_cube.hpp"
 #include "pamr/base/error.hpp"
-#include "pamr/io/native_file.hpp"
-#include "pamr/mesh/kuhn_cube.hpp"
+#include "pamr/io/native/native_file.hpp"
 
 namespace pamr {
 namespace {
@@ -32,9 +32,9 @@ std::vector<geometry::Triangulation> by_name(std::vector<geometry::Triangulation
 }
 
 mesh::DistMesh cube_with(const par::Comm& comm, std::vector<geometry::Triangulation> surfaces) {
-  auto block = mesh::kuhn_cube(comm, 2);
+  auto block = assemble::kuhn_cube(comm, 2);
   block.info.triangulations = std::move(surfaces);
-  return mesh::assemble(comm, std::move(block));
+  return assemble::assemble(comm, std::move(block));
 }
 
 TEST(Triangulations, AreReadBackOnEveryRankInOrderOfTheirNames) {
@@ -58,7 +58,8 @@ TEST(Triangulations, GoThroughARefinementAndAnotherFileWithTheSameBytes) {
   io::write_native(comm, folder / "together.hdf", fine(comm));
   if (comm.is_first()) io::write_native(self, folder / "alone.hdf", fine(self), {.provenance = "", .slab_bytes = 48});
   comm.barrier();
-  io::write_native(comm, folder / "again.hdf", mesh::assemble(comm, io::read_native(comm, folder / "together.hdf")));
+  io::write_native(comm, folder / "again.hdf",
+                   assemble::assemble(comm, io::read_native(comm, folder / "together.hdf")));
 
   EXPECT_EQ(test::bytes_of(folder / "together.hdf"), test::bytes_of(folder / "alone.hdf"));
   EXPECT_EQ(test::bytes_of(folder / "together.hdf"), test::bytes_of(folder / "again.hdf"));

@@ -6,11 +6,11 @@
 
 #include "files.hpp"
 #include "hdf5_edit.hpp"
-#include "pamr/io/checksum.hpp"
-#include "pamr/io/hdf5.hpp"
-#include "pamr/io/native_file.hpp"
-#include "pamr/io/row_transport.hpp"
-#include "pamr/mesh/kuhn_cube.hpp"
+#include "pamr/assemble/kuhn_cube.hpp"
+#include "pamr/io/native/checksum.hpp"
+#include "pamr/io/native/hdf5.hpp"
+#include "pamr/io/native/native_file.hpp"
+#include "pamr/io/native/row_transport.hpp"
 #include "support/meshes.hpp"
 
 namespace pamr {
@@ -138,8 +138,8 @@ TEST(FirstId, IsWrittenOnlyWhereItIsNotZeroAndTellsNeighboursFromRows) {
   const Folder folder(comm);
   const auto block = test::kuhn_cube(comm, 2);
 
-  io::write_native(comm, folder / "plain.hdf", mesh::assemble(comm, block));
-  io::write_native(comm, folder / "wide.hdf", mesh::assemble(comm, test::numbered_from(two_to_33, block)));
+  io::write_native(comm, folder / "plain.hdf", assemble::assemble(comm, block));
+  io::write_native(comm, folder / "wide.hdf", assemble::assemble(comm, test::numbered_from(two_to_33, block)));
 
   test::on_first_rank(comm, [&] {
     EXPECT_EQ(test::read_unsigned_attribute(folder / "wide.hdf", "/PAMR", "first_id"), std::uint64_t{1} << 33U);
@@ -159,7 +159,7 @@ TEST(FirstId, IsRefusedOutOfRangeOrWhenNeighboursDoNotFollowIt) {
   const par::Comm comm(MPI_COMM_WORLD);
   const Folder folder(comm);
   const auto error_with = [&](std::vector<std::int64_t> first_id) {
-    io::write_native(comm, folder / "a.hdf", mesh::assemble(comm, test::kuhn_cube(comm, 2)));
+    io::write_native(comm, folder / "a.hdf", assemble::assemble(comm, test::kuhn_cube(comm, 2)));
     test::on_first_rank(comm, [&] { test::write_attribute(folder / "a.hdf", "/PAMR", "first_id", first_id); });
     return test::error_of_reading(comm, folder / "a.hdf");
   };

@@ -6,12 +6,12 @@
 #include <functional>
 #include <limits>
 
+#include "pamr/assemble/assemble.hpp"
+#include "pamr/assemble/kuhn_cube.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/base/hash.hpp"
 #include "pamr/mark/field_criteria.hpp"
 #include "pamr/mark/geometric_criteria.hpp"
-#include "pamr/mesh/assemble.hpp"
-#include "pamr/mesh/kuhn_cube.hpp"
 
 namespace pamr::mark {
 namespace {
@@ -24,7 +24,7 @@ double mean_free_path(Vec3 p) { return 0.05 + 0.1 * p.x; }
 
 /// The Kuhn cube with its cells scattered over the ranks without any order, nodal field `density`, cell field `length`.
 mesh::DistMesh scattered_cube(const par::Comm& comm, int n) {
-  auto block = mesh::kuhn_cube(comm, n);
+  auto block = assemble::kuhn_cube(comm, n);
   mesh::Field nodal, cellwise;
   nodal.name = "density";
   for (const auto p : block.node_position) nodal.real().push_back(density(p));
@@ -34,7 +34,7 @@ mesh::DistMesh scattered_cube(const par::Comm& comm, int n) {
     const auto id = static_cast<std::uint64_t>(block.first_cell) + i;
     destination.push_back(static_cast<Rank>(mix(id) % static_cast<std::uint64_t>(comm.size())));
   }
-  auto mesh = mesh::assemble(comm, std::move(block), destination);
+  auto mesh = assemble::assemble(comm, std::move(block), destination);
   cellwise.name = "length";
   for (LocalId cell = 0; cell < mesh.n_cells(); ++cell) cellwise.real().push_back(mean_free_path(centroid(mesh, cell)));
   mesh.cell_fields.push_back(cellwise);

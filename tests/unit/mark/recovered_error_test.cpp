@@ -9,8 +9,8 @@
 #include <limits>
 #include <numeric>
 
+#include "pamr/assemble/assemble.hpp"
 #include "pamr/base/error.hpp"
-#include "pamr/mesh/assemble.hpp"
 #include "support/meshes.hpp"
 
 namespace pamr::mark {
@@ -27,7 +27,7 @@ mesh::DistMesh mesh_with(const par::Comm& comm, Function&& psi, int n = 4) {
   for (const auto p : block.node_position) field.real().push_back(psi(p));
   block.node_fields = {field};
   const auto destination = test::random_destinations(comm, block, 22);
-  return mesh::assemble(comm, std::move(block), destination);
+  return assemble::assemble(comm, std::move(block), destination);
 }
 
 double front(Vec3 p) { return std::tanh(8 * (p.x - 0.4)) + 0.1 * p.y * p.z; }
@@ -65,7 +65,7 @@ TEST(RecoveredError, IsTheIntegralOfTheDifferenceInOneCell) {
   field.name = "psi";
   for (const auto p : block.node_position) field.real().push_back(p.x > 0 ? p.x : 4 * p.x);
   block.node_fields = {field};
-  const auto mesh = mesh::assemble(comm, std::move(block));
+  const auto mesh = assemble::assemble(comm, std::move(block));
 
   const auto error = recovered_error(comm, mesh, "psi");
 

@@ -6,7 +6,7 @@
 #include <numeric>
 
 #include "pamr/adapt/adapt.hpp"
-#include "pamr/mesh/kuhn_cube.hpp"
+#include "pamr/assemble/kuhn_cube.hpp"
 
 namespace pamr {
 namespace {
@@ -23,7 +23,7 @@ TEST(ExpectedChildren, OfNoCellsAreNone) { EXPECT_TRUE(mesh::expected_children({
 
 TEST(ExpectedChildren, ComeNearTheRefinedCube) {
   const par::Comm comm(MPI_COMM_WORLD);
-  const auto mesh = mesh::assemble(comm, mesh::kuhn_cube(comm, 12));
+  const auto mesh = assemble::assemble(comm, assemble::kuhn_cube(comm, 12));
   std::vector<std::array<std::uint32_t, 4>> nodes;
   std::vector<std::uint8_t> flags;
   for (LocalId c = 0; c < mesh.n_cells(); ++c) {

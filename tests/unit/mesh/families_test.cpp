@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "pamr/geometry/quality.hpp"
+#include "pamr/geometry/tet_shape.hpp"
 #include "support/meshes.hpp"
 #include "support/reference.hpp"
 

@@ -17,7 +17,7 @@ TEST(Fingerprint, IsThatOfTheDocumentedExample) {
   const par::Comm comm(MPI_COMM_WORLD);
   const auto block = test::small_mesh(comm, {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {{0, 1, 2, 3}});
 
-  EXPECT_EQ(fingerprint(comm, assemble(comm, block)), 0x77d09ba2d04045caU);
+  EXPECT_EQ(fingerprint(comm, assemble::assemble(comm, block)), 0x77d09ba2d04045caU);
 }
 
 TEST(Fingerprint, AgreesWithItsFormulaWrittenOutAgain) {
@@ -26,8 +26,8 @@ TEST(Fingerprint, AgreesWithItsFormulaWrittenOutAgain) {
   auto family = test::closure_family(FamilyKind::face, 0);
   for (auto& lineage : family.lineage) lineage = Lineage(lineage.bits() | 0x300U).broken();
 
-  EXPECT_EQ(fingerprint(comm, assemble(comm, cube)), test::reference_fingerprint(test::gather(comm, cube)));
-  const auto mesh = assemble(comm, test::cut(comm, family));
+  EXPECT_EQ(fingerprint(comm, assemble::assemble(comm, cube)), test::reference_fingerprint(test::gather(comm, cube)));
+  const auto mesh = assemble::assemble(comm, test::cut(comm, family));
   EXPECT_EQ(fingerprint(comm, mesh), test::reference_fingerprint(test::gather(comm, mesh)));
 }
 
@@ -35,20 +35,21 @@ TEST(Fingerprint, DoesNotDependOnNumberingCornersOrRanks) {
   const par::Comm comm(MPI_COMM_WORLD);
   const par::Comm alone(MPI_COMM_SELF);
   const auto block = test::random_mesh(comm, 2, 3);
-  const auto expected = fingerprint(alone, assemble(alone, test::random_mesh(alone, 2, 3)));
+  const auto expected = fingerprint(alone, assemble::assemble(alone, test::random_mesh(alone, 2, 3)));
 
-  EXPECT_EQ(fingerprint(comm, assemble(comm, block)), expected);
+  EXPECT_EQ(fingerprint(comm, assemble::assemble(comm, block)), expected);
   for (const std::uint64_t seed : {3U, 4U, 5U}) {
     const auto permuted = test::permute(comm, block, seed);
     ASSERT_NE(test::gather(comm, permuted).cell_to_node, test::gather(comm, block).cell_to_node);
-    EXPECT_EQ(fingerprint(comm, assemble(comm, permuted, test::random_destinations(comm, permuted, seed))), expected);
+    EXPECT_EQ(fingerprint(comm, assemble::assemble(comm, permuted, test::random_destinations(comm, permuted, seed))),
+              expected);
   }
 }
 
 TEST(Fingerprint, DoesNotDependOnTheSignOfZeroOrTheOrderOfPatches) {
   const par::Comm comm(MPI_COMM_WORLD);
   auto whole = test::gather(comm, test::kuhn_cube(comm, 2));
-  const auto expected = fingerprint(comm, assemble(comm, test::cut(comm, whole)));
+  const auto expected = fingerprint(comm, assemble::assemble(comm, test::cut(comm, whole)));
   for (auto& p : whole.node_position)
     if (p.x == 0) p.x = -0.0;
   std::swap(whole.info.patches[0], whole.info.patches[4]);
@@ -56,18 +57,18 @@ TEST(Fingerprint, DoesNotDependOnTheSignOfZeroOrTheOrderOfPatches) {
     for (auto& neighbour : cell)
       if (neighbour == -1 || neighbour == -5) neighbour = -6 - neighbour;
 
-  EXPECT_EQ(fingerprint(comm, assemble(comm, test::cut(comm, whole))), expected);
+  EXPECT_EQ(fingerprint(comm, assemble::assemble(comm, test::cut(comm, whole))), expected);
 }
 
 TEST(Fingerprint, ChangesWithEverythingItCovers) {
   const par::Comm comm(MPI_COMM_WORLD);
   const auto whole = test::gather(comm, test::random_mesh(comm, 6, 2));
-  std::set<std::uint64_t> seen{fingerprint(comm, assemble(comm, test::cut(comm, whole)))};
+  std::set<std::uint64_t> seen{fingerprint(comm, assemble::assemble(comm, test::cut(comm, whole)))};
   const auto expect_new = [&](const char* what, const std::function<void(BlockMesh&)>& change) {
     auto changed = whole;
     changed.lineage.resize(changed.cell_to_node.size());
     change(changed);
-    EXPECT_TRUE(seen.insert(fingerprint(comm, assemble(comm, test::cut(comm, changed)))).second) << what;
+    EXPECT_TRUE(seen.insert(fingerprint(comm, assemble::assemble(comm, test::cut(comm, changed)))).second) << what;
   };
   for (const std::size_t node : {0U, 13U, 26U}) {
     expect_new("a bit of x",

@@ -3,11 +3,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "pamr/assemble/assemble.hpp"
 #include "pamr/base/error.hpp"
-#include "pamr/mesh/assemble.hpp"
 #include "pamr/mesh/fingerprint.hpp"
 #include "pamr/mesh/local_size.hpp"
-#include "pamr/mesh/validate.hpp"
+#include "pamr/validate/validate.hpp"
 #include "support/meshes.hpp"
 
 namespace pamr::mesh {
@@ -30,7 +30,7 @@ TEST(WideNumbers, AreThoseOfTheMeshAndNoOthers) {
   const auto error_with = [&](const std::function<void(BlockMesh&)>& spoil) {
     auto bad = good;
     if (comm.rank() == comm.size() - 1) spoil(bad);
-    return error_of([&] { assemble(comm, bad); });
+    return error_of([&] { assemble::assemble(comm, bad); });
   };
 
   EXPECT_EQ(error_with([](BlockMesh&) {}), "no error");
@@ -52,7 +52,7 @@ TEST(WideNumbers, MayBeginAnywhereUpToALimitTheSameOnAllRanks) {
   const par::Comm comm(MPI_COMM_WORLD);
   const auto block = test::random_mesh(comm, 3, 2);
   const auto error_from = [&](GlobalId first) {
-    return error_of([&] { assemble(comm, test::numbered_from(first, block)); });
+    return error_of([&] { assemble::assemble(comm, test::numbered_from(first, block)); });
   };
 
   EXPECT_EQ(error_from(max_first_id), "no error");
@@ -65,12 +65,12 @@ TEST(WideNumbers, MayBeginAnywhereUpToALimitTheSameOnAllRanks) {
 
 TEST(WideNumbers, AreSeenByValidationWhenTheyDoNotFollowTheFirst) {
   const par::Comm comm(MPI_COMM_WORLD);
-  auto mesh = assemble(comm, test::numbered_from(wide, test::random_mesh(comm, 3, 2)));
+  auto mesh = assemble::assemble(comm, test::numbered_from(wide, test::random_mesh(comm, 3, 2)));
 
-  EXPECT_TRUE(validate(comm, mesh).empty());
+  EXPECT_TRUE(validate::validate(comm, mesh).empty());
   mesh.info.first_id = 0;
 
-  const auto violations = validate(comm, mesh);
+  const auto violations = validate::validate(comm, mesh);
   ASSERT_FALSE(violations.empty());
   EXPECT_EQ(violations.front().invariant, "ids_in_range");
   EXPECT_GE(violations.front().count, mesh.info.n_global_cells);
@@ -81,8 +81,8 @@ TEST(WideNumbers, ChangeNeitherTheFingerprintNorThePartOfARank) {
   const auto block = test::random_mesh(comm, 11, 3);
   const auto destination = test::random_destinations(comm, block, 2);
 
-  const auto plain = assemble(comm, block, destination);
-  const auto moved = assemble(comm, test::numbered_from(wide, block), destination);
+  const auto plain = assemble::assemble(comm, block, destination);
+  const auto moved = assemble::assemble(comm, test::numbered_from(wide, block), destination);
 
   EXPECT_EQ(fingerprint(comm, moved), fingerprint(comm, plain));
   EXPECT_EQ(moved.cell_to_node, plain.cell_to_node);

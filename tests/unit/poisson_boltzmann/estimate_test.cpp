@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "poisson_boltzmann/estimate.hpp"
+#include "solvers/poisson_boltzmann/estimate.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "poisson_boltzmann/force.hpp"
+#include "solvers/poisson_boltzmann/force.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
 #include "pamr/par/reproducible_sum.hpp"
-#include "poisson_boltzmann/estimate.hpp"
 #include "solved.hpp"
+#include "solvers/poisson_boltzmann/estimate.hpp"
 
 namespace pamr::poisson_boltzmann {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "poisson_boltzmann/solve.hpp"
+#include "solvers/poisson_boltzmann/solve.hpp"
 
 #include <gtest/gtest.h>
 
@@ -156,7 +156,7 @@ TEST(Solve, SolvesTheLinearisedEquationToTheChangeOfTheSolution) {
 
 TEST(MemoryNeeded, CountsTheEntriesOfTheMatrixFromTheMesh) {
   par::Comm comm(MPI_COMM_WORLD);
-  const auto mesh = mesh::assemble(comm, test::kuhn_cube(comm, 4));
+  const auto mesh = assemble::assemble(comm, test::kuhn_cube(comm, 4));
   const auto jacobi = read_case(cube_boundary(potential(1)), "c");
   const auto amg = read_case("[solver]\npreconditioner = \"boomeramg\"\n" + cube_boundary(potential(1)), "c");
   const auto memory = memory_needed(mesh, jacobi);
@@ -173,7 +173,7 @@ TEST(MemoryNeeded, CountsTheEntriesOfTheMatrixFromTheMesh) {
 
 TEST(MakeDomain, RefusesPatchesThatDoNotMatch) {
   par::Comm comm(MPI_COMM_WORLD);
-  const auto mesh = mesh::assemble(comm, test::kuhn_cube(comm, 2));
+  const auto mesh = assemble::assemble(comm, test::kuhn_cube(comm, 2));
   const auto lacking = read_case("[boundary.xmin]\ncondition = \"potential\"\nvalue = 1\n", "c");
   const auto unknown = read_case(cube_boundary(potential(1)) + "[boundary.hull]\ncondition = \"symmetry\"\n", "c");
 

@@ -4,8 +4,8 @@
 #include <memory>
 #include <string>
 
-#include "pamr/mesh/assemble.hpp"
-#include "poisson_boltzmann/analysis.hpp"
+#include "pamr/assemble/assemble.hpp"
+#include "solvers/poisson_boltzmann/analysis.hpp"
 #include "support/meshes.hpp"
 
 namespace pamr::poisson_boltzmann {
@@ -15,7 +15,7 @@ class Solved {
  public:
   Solved(const par::Comm& comm, mesh::BlockMesh block, const std::string& case_text)
       : problem(read_case(case_text, "case")),
-        mesh(mesh::assemble(comm, std::move(block))),
+        mesh(assemble::assemble(comm, std::move(block))),
         domain(make_domain(comm, mesh, problem, "case")),
         conditions(make_conditions(comm, domain, problem)),
         system(comm, domain, problem, conditions) {

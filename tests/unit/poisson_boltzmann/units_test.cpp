@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "poisson_boltzmann/units.hpp"
+#include "solvers/poisson_boltzmann/units.hpp"
 
 #include <gtest/gtest.h>
 

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "pamr/mesh/assemble.hpp"
+#include "pamr/assemble/assemble.hpp"
 
 /// Geometry without rounding, for meshes whose coordinates are whole multiples of 2^-30 and at most 8 in size: volumes
 /// and areas are whole numbers.

@@ -4,11 +4,11 @@
 #include <gtest/gtest.h>
 
 #include "pamr/adapt/adapt.hpp"
+#include "pamr/assemble/kuhn_cube.hpp"
 #include "pamr/base/hash.hpp"
 #include "pamr/mesh/fingerprint.hpp"
-#include "pamr/mesh/kuhn_cube.hpp"
-#include "pamr/mesh/order.hpp"
-#include "pamr/mesh/validate.hpp"
+#include "pamr/order/order_along_curve.hpp"
+#include "pamr/validate/validate.hpp"
 #include "support/meshes.hpp"
 
 namespace pamr {
@@ -41,21 +41,21 @@ struct Outcome {
 /// along the curve if `order`.
 std::vector<Outcome> refine_levels(const par::Comm& comm, const mesh::BlockMesh& start, QualityControl policy,
                                    std::uint64_t shuffle, bool order) {
-  auto mesh = mesh::assemble(comm, start);
+  auto mesh = assemble::assemble(comm, start);
   std::vector<Outcome> outcomes;
   for (std::uint64_t level = 0; level < 3; ++level) {
     if (shuffle != 0) {
       auto block = test::permute(comm, test::cut(comm, test::gather(comm, mesh)), combine(shuffle, level));
-      if (order) block = mesh::order_along_curve(comm, std::move(block)).block;
+      if (order) block = order::order_along_curve(comm, std::move(block)).block;
       const auto destination = test::random_destinations(comm, block, shuffle);
-      mesh = mesh::assemble(comm, std::move(block), destination);
+      mesh = assemble::assemble(comm, std::move(block), destination);
     }
     mesh = adapt::refine(comm, mesh, draw(mesh, level, 15),
                          {.quality_control = policy, .parent_field = false, .marks_field = ""})
                .mesh;
     outcomes.push_back({mesh::fingerprint(comm, mesh), mesh.info.n_global_cells});
   }
-  EXPECT_TRUE(mesh::validate(comm, mesh).empty());
+  EXPECT_TRUE(validate::validate(comm, mesh).empty());
   return outcomes;
 }
 

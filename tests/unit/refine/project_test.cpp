@@ -80,7 +80,7 @@ void expect_honest_ledger(const mesh::DistMesh& mesh, GlobalId n_level_0) {
 TEST(Projection, PutsEveryNewNodeOfAGentleDomeOnIt) {
   const par::Comm comm(MPI_COMM_WORLD);
   for (const std::uint64_t seed : {1U, 2U}) {
-    auto mesh = mesh::assemble(comm, bulging_cube(comm, seed, 0.02));
+    auto mesh = assemble::assemble(comm, bulging_cube(comm, seed, 0.02));
     const auto n_level_0 = mesh.info.n_global_nodes;
     for (int level = 0; level < 3; ++level) {
       auto result = adapt::refine(comm, mesh, near_dome(mesh, 0.15), {.marks_field = ""});
@@ -99,7 +99,7 @@ TEST(Projection, NeverTurnsACellOverAndListsWhatItLeavesOff) {
   bool saw_ledger = false;
   for (const double bulge : {0.3, 0.6})
     for (const std::uint64_t seed : {1U, 2U, 3U}) {
-      auto mesh = mesh::assemble(comm, bulging_cube(comm, seed, bulge));
+      auto mesh = assemble::assemble(comm, bulging_cube(comm, seed, bulge));
       const auto n_level_0 = mesh.info.n_global_nodes;
       for (int level = 0; level < 3; ++level) {
         auto result = adapt::refine(comm, mesh, near_dome(mesh, 0.2), {.marks_field = ""});
@@ -120,8 +120,8 @@ TEST(Projection, GivesTheSameBitsForAnyDistribution) {
   for (const double bulge : {0.1, 0.6})
     for (const std::uint64_t seed : {4U, 5U}) {
       const auto block = bulging_cube(comm, seed, bulge);
-      auto spread = mesh::assemble(comm, block, test::random_destinations(comm, block, seed));
-      auto serial = mesh::assemble(self, test::cut(self, test::gather(comm, block)));
+      auto spread = assemble::assemble(comm, block, test::random_destinations(comm, block, seed));
+      auto serial = assemble::assemble(self, test::cut(self, test::gather(comm, block)));
       std::int64_t kept = 0, kept_serial = 0;
       for (int level = 0; level < 3; ++level) {
         auto a = adapt::refine(comm, spread, near_dome(spread, 0.25), {.marks_field = ""});
@@ -142,7 +142,7 @@ TEST(Projection, GivesTheSameBitsForAnyDistribution) {
 
 TEST(Projection, LetsNewNodesOfAPlaneFollowTheWallWithinThePlane) {
   const par::Comm comm(MPI_COMM_WORLD);
-  const auto mesh = mesh::assemble(comm, bulging_cube(comm, 2, 0.1));
+  const auto mesh = assemble::assemble(comm, bulging_cube(comm, 2, 0.1));
   const auto flags = near_dome(mesh, 0.4);
 
   const auto moved = test::gather(comm, adapt::refine(comm, mesh, flags, {.marks_field = ""}).mesh);
@@ -173,7 +173,7 @@ double least_volume_at(const mesh::BlockMesh& whole, GlobalId node) {
 
 /// A refined mesh whose closure midpoints were moved as far as its cells stay positive: as walls do that bend strongly.
 mesh::BlockMesh strained_mesh(const par::Comm& self, std::uint64_t seed) {
-  auto mesh = mesh::assemble(self, test::random_mesh(self, seed, 3));
+  auto mesh = assemble::assemble(self, test::random_mesh(self, seed, 3));
   std::vector<std::uint8_t> flags;
   for (const auto id : mesh.cell_global)
     flags.push_back(combine(seed, static_cast<std::uint64_t>(id)) % 8 == 0 ? 1 : 0);
@@ -197,8 +197,8 @@ TEST(Families, AreKeptWhereTheirParentCannotBeRebuiltAndTheMeshStaysConforming) 
   for (const std::uint64_t seed : {1U, 2U, 3U}) {
     const auto whole = strained_mesh(self, seed);
     const auto block = test::cut(comm, whole);
-    auto spread = mesh::assemble(comm, block, test::random_destinations(comm, block, seed));
-    auto serial = mesh::assemble(self, test::cut(self, whole));
+    auto spread = assemble::assemble(comm, block, test::random_destinations(comm, block, seed));
+    auto serial = assemble::assemble(self, test::cut(self, whole));
     for (int level = 0; level < 2; ++level) {
       const auto flag = [&](const mesh::DistMesh& mesh) {
         std::vector<std::uint8_t> flags;

@@ -15,7 +15,7 @@
 #include "pamr/adapt/adapt.hpp"
 #include "pamr/base/hash.hpp"
 #include "pamr/geometry/orientation.hpp"
-#include "pamr/geometry/quality.hpp"
+#include "pamr/geometry/tet_shape.hpp"
 #include "pamr/mesh/fingerprint.hpp"
 #include "random_case.hpp"
 #include "support/delaunay.hpp"
@@ -313,7 +313,7 @@ TEST(P9Permutation, OfCellsNodesAndCornersLeavesTheFingerprint) {
   on_random_levels(any_mesh, [&](const Level& level) {
     const auto seed = static_cast<std::uint64_t>(level.report.cells_out);
     const auto permuted = test::permute(self, level.before, seed);
-    auto mesh = mesh::assemble(self, permuted);
+    auto mesh = assemble::assemble(self, permuted);
     const auto flags = test::mark(mesh, level.law, level.seed);
     const auto fine = adapt::refine(self, mesh, flags, {.quality_control = level.policy, .marks_field = ""});
     ASSERT_EQ(mesh::fingerprint(self, fine.mesh), test::reference_fingerprint(level.after));

@@ -159,9 +159,9 @@ void shake(mesh::BlockMesh& whole, std::uint64_t seed) {
 
 mesh::DistMesh scatter(const par::Comm& comm, const mesh::BlockMesh& whole, std::uint64_t seed) {
   auto block = cut(comm, whole);
-  if (seed % 4 == 0) return mesh::assemble(comm, std::move(block));
+  if (seed % 4 == 0) return assemble::assemble(comm, std::move(block));
   const auto destination = random_destinations(comm, block, seed);
-  return mesh::assemble(comm, std::move(block), destination);
+  return assemble::assemble(comm, std::move(block), destination);
 }
 
 mesh::BlockMesh broadcast(const par::Comm& comm, const mesh::BlockMesh& whole, Rank root) {

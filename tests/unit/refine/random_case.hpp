@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "pamr/geometry/quality.hpp"
-#include "pamr/mesh/assemble.hpp"
+#include "pamr/assemble/assemble.hpp"
+#include "pamr/geometry/tet_shape.hpp"
 #include "pamr/mesh/dist_mesh.hpp"
 #include "pamr/par/comm.hpp"
 

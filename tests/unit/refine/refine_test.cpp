@@ -6,12 +6,12 @@
 #include <random>
 
 #include "pamr/adapt/adapt.hpp"
+#include "pamr/assemble/kuhn_cube.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/base/hash.hpp"
 #include "pamr/geometry/orientation.hpp"
 #include "pamr/mesh/fingerprint.hpp"
-#include "pamr/mesh/kuhn_cube.hpp"
-#include "pamr/mesh/validate.hpp"
+#include "pamr/validate/validate.hpp"
 #include "support/meshes.hpp"
 #include "support/reference.hpp"
 
@@ -101,8 +101,8 @@ TEST_P(EveryPolicy, GivesASoundMeshEqualToTheSerialOneForAnyDistribution) {
       const auto whole = test::gather(comm, block);
       const double volume = test::reference_volume(whole);
 
-      const auto spread = refine_levels(comm, mesh::assemble(comm, block, destination), law, GetParam(), 3);
-      const auto serial = refine_levels(self, mesh::assemble(self, test::cut(self, whole)), law, GetParam(), 3);
+      const auto spread = refine_levels(comm, assemble::assemble(comm, block, destination), law, GetParam(), 3);
+      const auto serial = refine_levels(self, assemble::assemble(self, test::cut(self, whole)), law, GetParam(), 3);
 
       const auto result = test::gather(comm, spread.mesh);
       expect_sound(result, volume);
@@ -116,11 +116,11 @@ TEST_P(EveryPolicy, GivesASoundMeshEqualToTheSerialOneForAnyDistribution) {
 
 TEST_P(EveryPolicy, PassesValidationAfterEachLevel) {
   const par::Comm comm(MPI_COMM_WORLD);
-  auto mesh = mesh::assemble(comm, mesh::kuhn_cube(comm, 4));
+  auto mesh = assemble::assemble(comm, assemble::kuhn_cube(comm, 4));
   for (int level = 0; level < 3; ++level) {
     mesh =
         adapt::refine(comm, mesh, mark(mesh, Law::sphere, 0), {.quality_control = GetParam(), .marks_field = ""}).mesh;
-    for (const auto& violation : mesh::validate(comm, mesh))
+    for (const auto& violation : validate::validate(comm, mesh))
       ADD_FAILURE() << violation.invariant << " " << violation.count << " at " << violation.where;
   }
 }
@@ -128,7 +128,7 @@ TEST_P(EveryPolicy, PassesValidationAfterEachLevel) {
 TEST_P(EveryPolicy, LeavesAMeshWithoutMarksAsItIs) {
   const par::Comm comm(MPI_COMM_WORLD);
   const auto block = test::random_mesh(comm, 5, 3);
-  const auto once = refine_levels(comm, mesh::assemble(comm, block), Law::corner, GetParam(), 1).mesh;
+  const auto once = refine_levels(comm, assemble::assemble(comm, block), Law::corner, GetParam(), 1).mesh;
 
   const std::vector<std::uint8_t> nothing(static_cast<std::size_t>(once.n_cells()), 0);
   auto same =
@@ -143,7 +143,7 @@ TEST_P(EveryPolicy, LeavesAMeshWithoutMarksAsItIs) {
 
 TEST_P(EveryPolicy, MakesEightToTheKCellsWhenAllAreMarkedKTimes) {
   const par::Comm comm(MPI_COMM_WORLD);
-  auto mesh = mesh::assemble(comm, test::random_mesh(comm, 9, 2));
+  auto mesh = assemble::assemble(comm, test::random_mesh(comm, 9, 2));
   for (std::int64_t expected = 48 * 8; expected <= 48 * 64; expected *= 8) {
     const std::vector<std::uint8_t> all(static_cast<std::size_t>(mesh.n_cells()), 1);
     mesh = adapt::refine(comm, mesh, all, {.quality_control = GetParam(), .marks_field = ""}).mesh;
@@ -154,7 +154,7 @@ TEST_P(EveryPolicy, MakesEightToTheKCellsWhenAllAreMarkedKTimes) {
 
 TEST_P(EveryPolicy, PredictsItsSizeExactly) {
   const par::Comm comm(MPI_COMM_WORLD);
-  auto mesh = mesh::assemble(comm, test::random_mesh(comm, 4, 3));
+  auto mesh = assemble::assemble(comm, test::random_mesh(comm, 4, 3));
   for (int level = 0; level < 3; ++level) {
     const auto flags = mark(mesh, Law::random, 3);
     const auto forecast = adapt::dry_run(comm, mesh, flags, {.quality_control = GetParam(), .marks_field = ""});
@@ -169,7 +169,8 @@ TEST_P(EveryPolicy, PredictsItsSizeExactly) {
 TEST(Removable, KeepsTheShapesBoundedWhereNoControlDoesNot) {
   const par::Comm comm(MPI_COMM_WORLD);
   const auto worst = [&](QualityControl policy) {
-    const auto run = refine_levels(comm, mesh::assemble(comm, mesh::kuhn_cube(comm, 4)), Law::sphere, policy, 4);
+    const auto run =
+        refine_levels(comm, assemble::assemble(comm, assemble::kuhn_cube(comm, 4)), Law::sphere, policy, 4);
     double here = 1;
     for (LocalId c = 0; c < run.mesh.n_cells(); ++c) here = std::min(here, geometry::mean_ratio(run.mesh.points(c)));
     return comm.min(here);
@@ -181,7 +182,7 @@ TEST(Removable, KeepsTheShapesBoundedWhereNoControlDoesNot) {
 
 TEST(Removable, NeverSplitsAClosureCell) {
   const par::Comm comm(MPI_COMM_WORLD);
-  const auto run = refine_levels(comm, mesh::assemble(comm, test::random_mesh(comm, 6, 3)), Law::random,
+  const auto run = refine_levels(comm, assemble::assemble(comm, test::random_mesh(comm, 6, 3)), Law::random,
                                  QualityControl::removable, 4);
   for (const auto lineage : run.mesh.lineage) EXPECT_FALSE(lineage.is_broken());
   EXPECT_GT(run.reports.back().families_rebuilt, 0);
@@ -194,7 +195,7 @@ TEST(Removable, GivesTheSameWhetherHalvesAreKnownToBePairedOrNot) {
     for (const auto cell : before.cell_global) flags.push_back(cell % 11 == 0 ? 1 : 0);
     return adapt::refine(comm, before, flags, {.quality_control = policy, .marks_field = ""}).mesh;
   };
-  const auto known = refine(mesh::assemble(comm, test::random_mesh(comm, 4, 3)), QualityControl::removable);
+  const auto known = refine(assemble::assemble(comm, test::random_mesh(comm, 4, 3)), QualityControl::removable);
   ASSERT_TRUE(known.info.halves_are_paired);
   auto unknown = known;
   unknown.info.halves_are_paired = false;
@@ -209,7 +210,7 @@ TEST(Removable, GivesTheSameWhetherHalvesAreKnownToBePairedOrNot) {
 
 TEST(Refine, RefusesFlagsOfTheWrongLengthOnEveryRank) {
   const par::Comm comm(MPI_COMM_WORLD);
-  const auto mesh = mesh::assemble(comm, mesh::kuhn_cube(comm, 2));
+  const auto mesh = assemble::assemble(comm, assemble::kuhn_cube(comm, 2));
   const std::vector<std::uint8_t> flags(static_cast<std::size_t>(mesh.n_cells()) + (comm.is_first() ? 1 : 0), 0);
   EXPECT_THROW(adapt::refine(comm, mesh, flags), Error);
 }

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "pamr/adapt/adapt.hpp"
-#include "pamr/mesh/kuhn_cube.hpp"
+#include "pamr/assemble/kuhn_cube.hpp"
 #include "support/meshes.hpp"
 
 namespace pamr {
@@ -26,7 +26,7 @@ double integral(const mesh::DistMesh& mesh, const mesh::CellField& field) {
 }
 
 mesh::DistMesh mesh_with_fields(const par::Comm& comm) {
-  auto mesh = mesh::assemble(comm, test::random_mesh(comm, 12, 3));
+  auto mesh = assemble::assemble(comm, test::random_mesh(comm, 12, 3));
   std::vector<double> nodal, mass;
   std::vector<std::int64_t> region;
   for (const auto p : mesh.node_position) nodal.push_back(linear(p));

@@ -60,8 +60,8 @@ TEST(Untangling, BringsEveryNodeOfABallKnownByEightCornersOntoItOnAnyRanks) {
   const par::Comm comm(MPI_COMM_WORLD), self(MPI_COMM_SELF);
   const auto whole = hollow_cube(self, 3);
   const auto block = test::cut(comm, whole);
-  auto spread = mesh::assemble(comm, block, test::random_destinations(comm, block, 7));
-  auto serial = mesh::assemble(self, test::cut(self, whole));
+  auto spread = assemble::assemble(comm, block, test::random_destinations(comm, block, 7));
+  auto serial = assemble::assemble(self, test::cut(self, whole));
   std::int64_t rounds = 0;
 
   for (int level = 0; level < 3; ++level) {

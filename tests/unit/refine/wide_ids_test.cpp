@@ -11,9 +11,9 @@
 #include "pamr/check/extract.hpp"
 #include "pamr/check/quality_report.hpp"
 #include "pamr/geometry/surface.hpp"
-#include "pamr/io/native_file.hpp"
+#include "pamr/io/native/native_file.hpp"
 #include "pamr/mesh/fingerprint.hpp"
-#include "pamr/mesh/validate.hpp"
+#include "pamr/validate/validate.hpp"
 #include "support/meshes.hpp"
 
 namespace pamr {
@@ -61,7 +61,7 @@ mesh::DistMesh through_file(const par::Comm& comm, const mesh::DistMesh& mesh, s
   comm.barrier();
   if (comm.is_first()) std::filesystem::remove(file);
   const auto destination = test::random_destinations(comm, block, seed);
-  return mesh::assemble(comm, std::move(block), destination);
+  return assemble::assemble(comm, std::move(block), destination);
 }
 
 std::vector<mesh::Field> by_name(std::vector<mesh::Field> fields) {
@@ -100,8 +100,8 @@ TEST_P(WideIds, PassThroughThreeLevelsAndTheFileUnharmed) {
   const par::Comm comm(MPI_COMM_WORLD);
   const auto block = dome(comm, 4);
   const auto destination = test::random_destinations(comm, block, 5);
-  auto plain = mesh::assemble(comm, block, destination);
-  auto moved = mesh::assemble(comm, test::numbered_from(wide, block), destination);
+  auto plain = assemble::assemble(comm, block, destination);
+  auto moved = assemble::assemble(comm, test::numbered_from(wide, block), destination);
   std::int64_t n_off_surface = 0, n_moved = 0;
   for (int level = 0; level < 3; ++level) {
     const refine::Options options{.quality_control = GetParam(), .marks_field = ""};
@@ -120,7 +120,7 @@ TEST_P(WideIds, PassThroughThreeLevelsAndTheFileUnharmed) {
     EXPECT_EQ(moved.info.first_id, wide);
     EXPECT_EQ(comm.min(moved.cell_global.empty() ? 2 * wide : moved.cell_global.front()), wide);
     EXPECT_EQ(comm.max(moved.cell_global.empty() ? 0 : moved.cell_global.back()), wide + moved.info.n_global_cells - 1);
-    for (const auto& violation : mesh::validate(comm, moved))
+    for (const auto& violation : validate::validate(comm, moved))
       ADD_FAILURE() << violation.invariant << " " << violation.count << " at " << violation.where;
     expect_equal_but_for_numbers(comm, moved, plain);
     EXPECT_EQ(mesh::fingerprint(comm, moved), mesh::fingerprint(comm, plain));
@@ -137,17 +137,17 @@ TEST(WideIds, AreBuiltFromNodesAlone) {
   const auto block = test::without_neighbours(test::random_mesh(comm, 8, 3));
   const auto destination = test::random_destinations(comm, block, 9);
 
-  const auto moved = mesh::assemble(comm, test::numbered_from(wide, block), destination);
+  const auto moved = assemble::assemble(comm, test::numbered_from(wide, block), destination);
 
-  expect_equal_but_for_numbers(comm, moved, mesh::assemble(comm, block, destination));
+  expect_equal_but_for_numbers(comm, moved, assemble::assemble(comm, block, destination));
 }
 
 TEST(WideIds, AreReportedAndExtractedLikeAnyOthers) {
   const par::Comm comm(MPI_COMM_WORLD);
   const auto block = dome(comm, 6);
   const auto destination = test::random_destinations(comm, block, 7);
-  const auto plain = mesh::assemble(comm, block, destination);
-  const auto moved = mesh::assemble(comm, test::numbered_from(wide, block), destination);
+  const auto plain = assemble::assemble(comm, block, destination);
+  const auto moved = assemble::assemble(comm, test::numbered_from(wide, block), destination);
 
   const auto worst = check::worst_cells(comm, moved, 12);
   const auto cut_out = check::extract_cells(comm, moved, worst);

@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "pamr/geometry/triangulated/check_triangulation.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "pamr/base/error.hpp"
+#include "pamr/geometry/parameters.hpp"
+
+namespace pamr::geometry {
+
+namespace {
+
+constexpr std::size_t at(int i) { return static_cast<std::size_t>(i); }
+constexpr double largest_size = 1e100, least_height = 1e-10;
+
+struct Side {
+  int low = 0, high = 0;  // numbers of the end points
+  int triangle = 0, edge = 0;
+  bool upwards = false;  // runs from low to high
+};
+
+/// All sides of all triangles; those of one edge are neighbours, in the order of their triangles.
+std::vector<Side> sides_of(const Triangulation& surface) {
+  std::vector<Side> sides;
+  sides.reserve(3 * surface.triangles.size());
+  for (std::size_t t = 0; t < surface.triangles.size(); ++t)
+    for (int k = 0; k < 3; ++k) {
+      const int a = surface.triangles[t][at(k)], b = surface.triangles[t][at((k + 1) % 3)];
+      sides.push_back({std::min(a, b), std::max(a, b), static_cast<int>(t), k, a < b});
+    }
+  std::sort(sides.begin(), sides.end(), [](const Side& a, const Side& b) {
+    return std::array{a.low, a.high, a.triangle, a.edge} < std::array{b.low, b.high, b.triangle, b.edge};
+  });
+  return sides;
+}
+
+[[noreturn]] void fail(const std::string& where, int triangle, const std::string& message) {
+  throw Error(where + ": triangle " + std::to_string(triangle + 1) + ": " + message);
+}
+
+void require_shapes(const Triangulation& surface, const std::string& where) {
+  const auto n_points = static_cast<int>(surface.points.size());
+  for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
+    const auto& corner = surface.triangles[t];
+    const auto number = static_cast<int>(t);
+    for (const int p : corner) {
+      if (p < 0 || p >= n_points)
+        fail(where, number,
+             "expected points from 1 to " + std::to_string(n_points) + ", found " + std::to_string(p + 1));
+      if (!(largest_coordinate(surface.points[at(p)]) < largest_size))
+        fail(where, number, "expected finite coordinates below 1e100, found " + decimal(surface.points[at(p)]));
+    }
+    const Vec3 a = surface.points[at(corner[0])], b = surface.points[at(corner[1])], c = surface.points[at(corner[2])];
+    const double longest = std::sqrt(std::max({squared_norm(b - a), squared_norm(c - b), squared_norm(a - c)}));
+    if (!(longest > least_length) || !(norm(cross((1 / longest) * (b - a), (1 / longest) * (c - a))) > least_height))
+      fail(where, number, "expected three corners that span an area, found none at " + decimal(a));
+  }
+}
+
+void require_edges(const Triangulation& surface, const std::vector<Side>& sides, const std::string& where,
+                   bool open_allowed) {
+  for (std::size_t i = 0; i < sides.size();) {
+    std::size_t end = i + 1;
+    while (end < sides.size() && sides[end].low == sides[i].low && sides[end].high == sides[i].high) ++end;
+    const auto text = "the edge from " + decimal(surface.points[at(sides[i].low)]) + " to " +
+                      decimal(surface.points[at(sides[i].high)]);
+    if (end - i > 2)
+      fail(where, sides[i + 2].triangle,
+           "expected at most two triangles at " + text + ", found " + std::to_string(end - i) + " (non-manifold)");
+    if (end - i == 1 && !open_allowed)
+      fail(where, sides[i].triangle, "expected a closed surface, found nothing beyond " + text + " (open)");
+    if (end - i == 2 && sides[i].upwards == sides[i + 1].upwards)
+      fail(where, sides[i + 1].triangle,
+           "expected the opposite sense of triangle " + std::to_string(sides[i].triangle + 1) + " at " + text +
+               ", found the same (orientation)");
+    i = end;
+  }
+}
+
+/// Follows the triangles around each point; those that the first fan does not reach make it non-manifold.
+void require_fans(const Triangulation& surface, const std::vector<std::array<Beyond, 3>>& neighbours,
+                  const std::string& where) {
+  std::vector<int> n_around(surface.points.size(), 0), first(surface.points.size(), -1), corner_of(first);
+  for (std::size_t t = surface.triangles.size(); t-- > 0;)
+    for (int k = 0; k < 3; ++k) {
+      const auto p = at(surface.triangles[t][at(k)]);
+      ++n_around[p];
+      first[p] = static_cast<int>(t);
+      corner_of[p] = k;
+    }
+  for (std::size_t p = 0; p < surface.points.size(); ++p) {
+    if (first[p] < 0) continue;
+    int n = 1;
+    // Out over the edge that starts at the corner; when that ends, back over the one that ends there.
+    int t = first[p], k = corner_of[p];
+    bool is_closed = false;
+    for (;;) {
+      const auto [next, edge] = neighbours[at(t)][at(k)];
+      if (next < 0) break;
+      t = next;
+      k = (edge + 1) % 3;
+      if (t == first[p]) {
+        is_closed = true;
+        break;
+      }
+      ++n;
+    }
+    for (t = first[p], k = corner_of[p]; !is_closed; ++n) {
+      const auto [next, edge] = neighbours[at(t)][at((k + 2) % 3)];
+      if (next < 0) break;
+      t = next;
+      k = edge;
+    }
+    if (n != n_around[p])
+      fail(where, first[p],
+           "expected the triangles at point " + decimal(surface.points[p]) + " joined to one fan, found " +
+               std::to_string(n_around[p] - n) + " of " + std::to_string(n_around[p]) + " apart (non-manifold)");
+  }
+}
+
+}  // namespace
+
+void drop_unused_points(Triangulation& surface) {
+  std::vector<int> new_number(surface.points.size(), -1);
+  for (const auto& corner : surface.triangles)
+    for (const int p : corner) new_number[at(p)] = 0;
+  int n = 0;
+  for (std::size_t p = 0; p < new_number.size(); ++p) {
+    if (new_number[p] < 0) continue;
+    surface.points[at(n)] = surface.points[p];
+    new_number[p] = n++;
+  }
+  surface.points.resize(at(n));
+  for (auto& corner : surface.triangles)
+    for (int& p : corner) p = new_number[at(p)];
+}
+
+void require_valid(const Triangulation& surface, const std::string& where, bool open_allowed) {
+  if (surface.triangles.empty()) throw Error(where + ": expected triangles, found none (empty)");
+  require_shapes(surface, where);
+  require_edges(surface, sides_of(surface), where, open_allowed);
+  require_fans(surface, triangle_neighbours(surface), where);
+}
+
+std::vector<std::array<Beyond, 3>> triangle_neighbours(const Triangulation& surface) {
+  std::vector<std::array<Beyond, 3>> neighbours(surface.triangles.size());
+  const auto sides = sides_of(surface);
+  for (std::size_t i = 0; i + 1 < sides.size(); ++i) {
+    const Side &a = sides[i], &b = sides[i + 1];
+    if (a.low != b.low || a.high != b.high) continue;
+    neighbours[at(a.triangle)][at(a.edge)] = {b.triangle, b.edge};
+    neighbours[at(b.triangle)][at(b.edge)] = {a.triangle, a.edge};
+  }
+  return neighbours;
+}
+
+}  // namespace pamr::geometry

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <unordered_map>
+
+#include "pamr/base/error.hpp"
+#include "pamr/base/hash.hpp"
+#include "pamr/geometry/triangulated/read_triangulation.hpp"
+#include "pamr/geometry/triangulated/triangulation_text.hpp"
+
+namespace pamr::geometry {
+
+namespace {
+
+constexpr std::size_t head_bytes = 84, facet_bytes = 50;
+
+struct HashOfPoint {
+  std::size_t operator()(Vec3 p) const {
+    const auto bits = [](double x) { return std::bit_cast<std::uint64_t>(x); };
+    return combine(combine(bits(p.x), bits(p.y)), bits(p.z));
+  }
+};
+
+/// Collects corners; equal ones become one point, in the order of their first use.
+class Welder {
+ public:
+  int add(Vec3 p) {
+    p = p + Vec3{};  // -0 becomes 0
+    const auto [place, is_new] = number_.emplace(p, static_cast<int>(result.points.size()));
+    if (is_new) result.points.push_back(p);
+    return place->second;
+  }
+  Triangulation result;
+
+ private:
+  std::unordered_map<Vec3, int, HashOfPoint> number_;
+};
+
+/// The number of facets that a binary file of this size and head has; -1 when head and size do not agree.
+std::int64_t binary_facets(std::string_view bytes) {
+  if (bytes.size() < head_bytes) return -1;
+  std::uint32_t n = 0;
+  std::memcpy(&n, bytes.data() + head_bytes - sizeof n, sizeof n);
+  return head_bytes + facet_bytes * std::uint64_t{n} == bytes.size() ? std::int64_t{n} : -1;
+}
+
+Triangulation parse_binary(std::string_view bytes, std::int64_t n, const std::string& where) {
+  Welder welder;
+  for (std::int64_t f = 0; f < n; ++f) {
+    float value[12];  // normal, which need not be right, and three corners
+    std::memcpy(value, bytes.data() + head_bytes + facet_bytes * static_cast<std::size_t>(f), sizeof value);
+    for (int i = 3; i < 12; ++i)
+      if (!std::isfinite(value[i]))
+        throw Error(where + ": triangle " + std::to_string(f + 1) +
+                    ": expected finite coordinates, found NaN or infinity");
+    std::array<int, 3> corner{};
+    for (std::size_t k = 0; k < 3; ++k) corner[k] = welder.add({value[3 + 3 * k], value[4 + 3 * k], value[5 + 3 * k]});
+    welder.result.triangles.push_back(corner);
+  }
+  return std::move(welder.result);
+}
+
+Triangulation parse_ascii(std::string_view bytes, const std::string& where) {
+  Welder welder;
+  SurfaceText text(bytes, where);
+  while (!text.at_end()) {
+    text.expect("solid");
+    text.skip_line();  // the name
+    for (;;) {
+      const auto word = text.word("\"facet\" or \"endsolid\"");
+      if (is_same_word(word, "endsolid")) break;
+      if (!is_same_word(word, "facet")) text.fail("expected \"facet\" or \"endsolid\", found another word");
+      text.expect("normal");
+      for (int i = 0; i < 3; ++i) text.word("normal");  // it need not be right, nor a number
+      text.expect("outer");
+      text.expect("loop");
+      std::array<int, 3> corner{};
+      for (int& point : corner) {
+        text.expect("vertex");
+        const double x = text.number("x"), y = text.number("y"), z = text.number("z");
+        point = welder.add({x, y, z});
+      }
+      text.expect("endloop");
+      text.expect("endfacet");
+      welder.result.triangles.push_back(corner);
+    }
+    text.skip_line();
+  }
+  return std::move(welder.result);
+}
+
+}  // namespace
+
+Triangulation parse_stl(std::string_view bytes, const std::string& where) {
+  // Binary files may begin with "solid" too, so the size decides first.
+  if (const auto n = binary_facets(bytes); n >= 0) return parse_binary(bytes, n, where);
+  if (bytes.substr(0, bytes.find_first_of("\r\n")).find('\0') == std::string_view::npos &&
+      is_same_word(bytes.substr(0, 5), "solid"))
+    return parse_ascii(bytes, where);
+  throw Error(where + ": expected STL, \"solid\" or 84 bytes and 50 for each triangle that they announce, found " +
+              std::to_string(bytes.size()) + " bytes");
+}
+
+}  // namespace pamr::geometry

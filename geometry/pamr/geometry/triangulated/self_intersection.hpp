@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "pamr/geometry/triangulated/triangulation.hpp"
+
+namespace pamr::geometry {
+
+/// Where a triangulation cuts through itself: pairs of triangles that have a point in common other than a common
+/// corner or edge, folded pairs included.
+struct SelfIntersections {
+  std::int64_t n_pairs = 0;
+  bool has_more = false;  ///< the search ended at `most` pairs
+  Vec3 where;             ///< a corner of the first triangle of the first pair
+};
+
+/// Counts them, exactly, with a tree of boxes. The triangulation must be valid (`require_valid`). Local. About half a
+/// second for 100,000 triangles that do not cut each other.
+SelfIntersections find_self_intersections(const Triangulation& surface, std::int64_t most = 1000000);
+
+/// One line that names the surface, says how many pairs there are and where the first one is; empty for none.
+std::string self_intersection_warning(const Triangulation& surface);
+
+}  // namespace pamr::geometry

@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "pamr/geometry/triangulated/triangulation_text.hpp"
+
+#include <charconv>
+#include <cmath>
+
+#include "pamr/base/error.hpp"
+
+namespace pamr::geometry {
+
+namespace {
+
+bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\v' || c == '\f'; }
+
+/// What was found, fit for a message.
+std::string shown(std::string_view word) {
+  constexpr std::size_t most = 40;
+  std::string text = "\"";
+  for (const char c : word.substr(0, most)) text += c >= ' ' && c <= '~' ? c : '?';
+  return text + (word.size() > most ? "...\"" : "\"");
+}
+
+char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
+
+}  // namespace
+
+bool is_same_word(std::string_view a, std::string_view b) {
+  if (a.size() != b.size()) return false;
+  for (std::size_t i = 0; i < a.size(); ++i)
+    if (lower(a[i]) != lower(b[i])) return false;
+  return true;
+}
+
+void SurfaceText::fail(const std::string& message) const {
+  throw Error(where_ + ":" + std::to_string(line_) + ": " + message);
+}
+
+void SurfaceText::skip_blanks(bool over_lines) {
+  for (; at_ < text_.size(); ++at_) {
+    const char c = text_[at_];
+    if (comment_ != 0 && c == comment_) {
+      at_ = std::min(text_.find('\n', at_), text_.size());
+      if (at_ == text_.size()) return;
+    }
+    if (text_[at_] == '\n') {
+      if (!over_lines) return;
+      ++line_;
+    } else if (!is_blank(text_[at_])) {
+      return;
+    }
+  }
+}
+
+std::string_view SurfaceText::word_in_line() {
+  skip_blanks(false);
+  const auto start = at_;
+  while (at_ < text_.size() && !is_blank(text_[at_]) && text_[at_] != '\n' && (comment_ == 0 || text_[at_] != comment_))
+    ++at_;
+  return text_.substr(start, at_ - start);
+}
+
+std::string_view SurfaceText::word(std::string_view what) {
+  skip_blanks(true);
+  const auto found = word_in_line();
+  if (found.empty()) fail("expected " + std::string(what) + ", found the end of the file");
+  return found;
+}
+
+double SurfaceText::number_of(std::string_view word, std::string_view what) const {
+  const auto digits = word.starts_with('+') ? word.substr(1) : word;
+  double value = 0;
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+  const bool is_number = end == digits.data() + digits.size() && !digits.empty() && !digits.starts_with('+');
+  if (is_number && error == std::errc::result_out_of_range) {
+    // Too small counts as zero, too large is refused: numbers with a negative exponent are the small ones.
+    if (digits.find("e-") != std::string_view::npos || digits.find("E-") != std::string_view::npos) return 0;
+  } else if (is_number && error == std::errc() && std::isfinite(value)) {
+    return value;
+  }
+  fail("expected a finite number (" + std::string(what) + "), found " + shown(word));
+}
+
+std::int64_t SurfaceText::whole_of(std::string_view word, std::string_view what, std::int64_t low,
+                                   std::int64_t high) const {
+  std::int64_t value = 0;
+  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+  if (error != std::errc() || end != word.data() + word.size() || value < low || value > high)
+    fail("expected a whole number from " + std::to_string(low) + " to " + std::to_string(high) + " (" +
+         std::string(what) + "), found " + shown(word));
+  return value;
+}
+
+void SurfaceText::expect(std::string_view wanted) {
+  const auto found = word("\"" + std::string(wanted) + "\"");
+  if (!is_same_word(found, wanted)) fail("expected \"" + std::string(wanted) + "\", found " + shown(found));
+}
+
+void SurfaceText::skip_line() {
+  at_ = std::min(text_.find('\n', at_), text_.size());
+  if (at_ == text_.size()) return;
+  ++at_;
+  ++line_;
+}
+
+bool SurfaceText::at_end() {
+  skip_blanks(true);
+  return at_ == text_.size();
+}
+
+}  // namespace pamr::geometry

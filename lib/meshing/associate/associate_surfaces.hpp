@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "meshing/associate/fit_creases.hpp"
+#include "pamr/mesh/dist_mesh.hpp"
+#include "pamr/par/comm.hpp"
+
+namespace pamr::meshing {
+
+/// How far the nodes of a patch lie from its surface.
+struct Tie {
+  std::string patch, surface;
+  double worst_distance = 0;
+  double worst_excess = -1;          ///< largest distance over the tolerance
+  std::int64_t n_off = 0;            ///< nodes off it that went into the ledger, counted on every rank that holds them
+  std::optional<CreaseFit> creases;  ///< where the surface has sharp edges inside
+};
+
+/// Surfaces to tie patches to.
+struct TieRequest {
+  std::string toml;                ///< describes surfaces (docs/surfaces.md); may be empty
+  std::string file;                ///< where it comes from: begins errors, and file names in it count from its folder
+  std::vector<std::string> pairs;  ///< PATCH=SURFACE
+  std::vector<std::pair<std::string, std::string>> files;  ///< a patch and the file of its triangulated surface
+  double feature_angle = -1;                               ///< of these files, degrees; negative: the default
+  std::vector<std::vector<geometry::Vec3>> creases;        ///< of the only one of these files, polylines
+  double tolerance = -1;                                   ///< length units; negative: the default
+};
+
+/// Gives patches their surfaces: a patch of the same name as a surface is tied without being named. Surfaces that the
+/// mesh has already are kept while a patch lies on one. Nodes on the patches that are not on their surfaces to 1e-12 of
+/// the mesh's size go into the ledger (nodal field `off_surface`), so that the next refinement brings them there, and
+/// so do nodes of edges along sharp edges inside a surface (`fit_creases`) that are off these.
+/// Collective. Throws `Error` on every rank for bad text or files, names that are not there, surfaces that no patch
+/// uses, and when a node lies farther from its surface than the tolerance: 1e-6 of the mesh's size unless given, and
+/// for triangulated surfaces 1.5 times the distance between the facets and the smooth surface there on top.
+std::vector<Tie> tie_patches(const par::Comm& comm, mesh::DistMesh& mesh, const TieRequest& request);
+
+}  // namespace pamr::meshing

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <span>
+
+#include "meshing/meshing_domain.hpp"
+
+namespace pamr::meshing {
+
+/// Wanted edge lengths, metres. Each holds at its part of the wall and one length around, and grows from there by
+/// `growth` per distance up to `far`.
+struct BluntConeSizes {
+  double far = 10e-3;
+  double forebody = 3.4e-3;  ///< nose and cone
+  double shoulder = 0.75e-3;
+  double base = 3.6e-3;
+  double fillet = 1.25e-3;
+  double sting = 3.0e-3;
+  double growth = 0.6;  ///< no unit
+
+  /// The sizes that make `far` the largest, all others in proportion, but none larger on a curved wall than the
+  /// default.
+  static BluntConeSizes scaled_to(double far);
+};
+
+/// Name and bounds of each of the sizes. The upper bounds of those on arcs keep every wall edge within 0.8 of the
+/// smaller radius of curvature there; the others keep the mesh valid.
+struct SizeLimit {
+  const char* name;
+  double BluntConeSizes::*value;
+  double low, high;
+};
+std::span<const SizeLimit> blunt_cone_size_limits();
+
+/// Half of the gas round the 70-degree blunt cone with its sting, metres: x along the axis, nose tip in the origin,
+/// y >= 0. Patches forebody, base, sting, inflow, outflow, symmetry. Local. Throws `Error` for sizes out of range.
+Domain blunt_cone(const BluntConeSizes& sizes);
+
+}  // namespace pamr::meshing

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "meshing/meshing_domain.hpp"
+#include "pamr/geometry/triangulated/triangulation.hpp"
+
+namespace pamr::meshing {
+
+/// Surfaces and what is between them, as a case file says it.
+struct Combination {
+  std::string surfaces_toml;  ///< entries [[surface]]; each becomes a patch of its name, or several (see `Pieces`)
+  std::vector<geometry::Triangulation> triangulations{};  ///< data of those of kind `triangulation`
+  std::string region;                                     ///< see `Region`
+  geometry::Vec3 low, high;  ///< a box that holds the region, in units of the mesh as all lengths here
+  std::string length_unit;
+  double far = 0;     ///< largest wanted edge length
+  double growth = 0;  ///< of the wanted edge length per distance, no unit; under 1
+  /// Edges between two surfaces that run about along each other are at most so many times as long as the gap there;
+  /// 0: no bound.
+  double gap_factor = 0;
+  /// Wanted edge lengths up to one such length from a surface; they grow from there.
+  std::vector<std::pair<std::string, double>> near;
+};
+
+/// The domain that it describes. Local, deterministic. Throws `Error` that begins with `where` for surfaces and regions
+/// that are none, a region that leaves its box, and edges as `trace_feature_curves` refuses them.
+Domain combine(const Combination& combination, const std::string& where);
+
+}  // namespace pamr::meshing

@@ -1,0 +1,305 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "meshing/mesh3.hpp"
+
+#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include <CGAL/Labeled_mesh_domain_3.h>
+#include <CGAL/Mesh_complex_3_in_triangulation_3.h>
+#include <CGAL/Mesh_criteria_3.h>
+#include <CGAL/Mesh_domain_with_polyline_features_3.h>
+#include <CGAL/Mesh_triangulation_3.h>
+#include <CGAL/Random.h>
+#include <CGAL/assertions_behaviour.h>
+#include <CGAL/exceptions.h>
+#include <CGAL/exude_mesh_3.h>
+#include <CGAL/make_mesh_3.h>
+#include <CGAL/perturb_mesh_3.h>
+#include <CGAL/version.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <map>
+#include <string>
+#include <utility>
+
+#include "pamr/base/error.hpp"
+#include "pamr/mesh/tet.hpp"
+
+namespace pamr::meshing {
+namespace {
+
+using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
+using LabelledDomain = CGAL::Labeled_mesh_domain_3<Kernel>;
+using MeshDomain = CGAL::Mesh_domain_with_polyline_features_3<LabelledDomain>;
+using Triangulation = CGAL::Mesh_triangulation_3<MeshDomain>::type;
+using Complex =
+    CGAL::Mesh_complex_3_in_triangulation_3<Triangulation, MeshDomain::Corner_index, MeshDomain::Curve_index>;
+using Criteria = CGAL::Mesh_criteria_3<Triangulation>;
+using Edge = std::pair<std::int32_t, std::int32_t>;
+
+// CGAL's labels of space: 1 is the gas, 2 + p lies behind piece p. Its curves count from 1.
+constexpr int gas = 1;
+constexpr int first_piece = 2;
+
+// The largest radius of a circumscribed ball as a multiple of the wanted edge length: 0.577 and 0.612 are those of the
+// regular triangle and tetrahedron. A bound on edges is one on balls: CGAL lets edges on curves be 1.66 times as long,
+// so 0.72 gives 1.2 of the wanted length, as 0.6 does for faces. The error bound is a part of the domain's radius.
+constexpr double edge_factor = 0.72, face_factor = 0.6, cell_factor = 0.85;
+constexpr double min_face_angle = 28.0, cell_radius_edge_ratio = 2.0;
+constexpr double sliver_bound = 14.0;  // smallest dihedral angle worth no more work, degrees
+constexpr double relative_error = 1e-6;
+
+geometry::Vec3 from_cgal(const Kernel::Point_3& p) { return {p.x(), p.y(), p.z()}; }
+
+struct SizeField {
+  using FT = Kernel::FT;
+  const Domain* domain;
+  double factor;
+  template <class Index>
+  FT operator()(const Kernel::Point_3& p, int, const Index&) const {
+    return factor * domain->size(from_cgal(p));
+  }
+};
+
+/// Counts how often CGAL asks on which side of the boundary a point lies, while it may do so only so often: its
+/// perturbation moves nodes for ever in some meshes, and a limit of time would make the mesh depend on the machine.
+struct Work {
+  struct TooMuch {};
+  std::int64_t n_labels = 0;
+  std::int64_t most = std::numeric_limits<std::int64_t>::max();
+};
+
+MeshDomain make_domain(const Domain& domain, CGAL::Random& random, Work& work) {
+  namespace p = CGAL::parameters;
+  const auto& c = domain.centre;
+  const Kernel::Sphere_3 ball(Kernel::Point_3(c.x, c.y, c.z), domain.radius * domain.radius);
+  const std::function<int(const Kernel::Point_3&)> label = [&domain, &work](const Kernel::Point_3& point) {
+    if (++work.n_labels > work.most) throw Work::TooMuch();
+    const int piece = domain.label(from_cgal(point));
+    return piece == Domain::inside ? gas : first_piece + piece;
+  };
+  const std::function<bool(int)> is_outside = [](int index) { return index != gas; };
+  MeshDomain result(label, ball, p::relative_error_bound = relative_error, p::p_rng = &random,
+                    p::null_subdomain_index = is_outside);
+  std::vector<std::vector<Kernel::Point_3>> polylines;
+  for (const auto& curve : domain.curves) {
+    auto& polyline = polylines.emplace_back();
+    for (const auto& q : curve.polyline) polyline.emplace_back(q.x, q.y, q.z);
+  }
+  result.add_features(polylines.begin(), polylines.end());
+  return result;
+}
+
+// `start` calls CGAL's C3t3_initializer, which is no documented interface: the documented ones either protect curves or
+// take points of the caller, never both, and a closed surface beside curves needs both. It was read in CGAL 5.5 and has
+// the same arguments in all of 5.x; another major version must be looked at before this line is changed.
+static_assert(CGAL_VERSION_NR >= 1050500000 && CGAL_VERSION_NR < 1060000000,
+              "mesh3.cpp: expected CGAL 5.5 or a later 5.x: it calls CGAL::Mesh_3::internal::C3t3_initializer");
+
+/// What Delaunay refinement starts from: balls along the curves, and points on the pieces without curves. CGAL shoots
+/// rays for these in a domain without any curve and looks for none in the others.
+Complex start(const Domain& domain, const MeshDomain& mesh_domain, const Criteria& criteria) {
+  Complex complex;
+  const auto add_points = [&] {
+    for (std::size_t i = 0; i < domain.pieces.size(); ++i)
+      for (const auto& q : domain.pieces[i].start) {
+        const auto vertex =
+            complex.triangulation().insert(Triangulation::Weighted_point(Kernel::Point_3(q.x, q.y, q.z)));
+        if (vertex == Complex::Vertex_handle()) continue;  // hidden by a ball
+        complex.set_dimension(vertex, 2);
+        complex.set_index(vertex, mesh_domain.index_from_surface_patch_index({gas, first_piece + static_cast<int>(i)}));
+      }
+  };
+  // Balls in one plane span no space: CGAL would then scatter points of its own, which may lie so near to others that
+  // refinement never ends before rounding does.
+  if (domain.curves_in_one_plane) add_points();
+  if (!domain.curves.empty())
+    CGAL::Mesh_3::internal::C3t3_initializer<Complex, MeshDomain, Criteria, true>()(complex, mesh_domain, criteria,
+                                                                                    true);
+  if (!domain.curves_in_one_plane) add_points();
+  return complex;
+}
+
+/// Throws `Work::TooMuch` when perturbation finds no end; `with_perturbation` false: without it.
+Complex make_complex(const Domain& domain, const MeshDomain& mesh_domain, bool with_perturbation, Work& work) {
+  constexpr std::int64_t most_labels = 50'000;  // for each node
+  namespace p = CGAL::parameters;
+  const Criteria criteria(
+      p::edge_size = SizeField{&domain, edge_factor}, p::facet_angle = min_face_angle,
+      p::facet_size = SizeField{&domain, face_factor}, p::facet_topology = CGAL::FACET_VERTICES_ON_SAME_SURFACE_PATCH,
+      p::cell_radius_edge_ratio = cell_radius_edge_ratio, p::cell_size = SizeField{&domain, cell_factor});
+  auto complex = start(domain, mesh_domain, criteria);
+  CGAL::refine_mesh_3(complex, mesh_domain, criteria, p::no_reset_c3t3(), p::no_perturb(), p::no_exude());
+  if (with_perturbation) {
+    const auto n_nodes = static_cast<std::int64_t>(complex.triangulation().number_of_vertices());
+    work.most = work.n_labels + most_labels * n_nodes;
+    CGAL::perturb_mesh_3(complex, mesh_domain, p::sliver_bound = sliver_bound);
+    work.most = std::numeric_limits<std::int64_t>::max();
+  }
+  CGAL::exude_mesh_3(complex, p::sliver_bound = sliver_bound);
+  return complex;
+}
+
+/// Number of cells that the sizes ask for, from a grid of samples; a regular cell of edge h has the volume 0.118 h^3.
+double predicted_cells(const Domain& domain) {
+  constexpr int n = 64;
+  const double step = 2 * domain.radius / n;
+  double sum = 0;
+  for (int i = 0; i < n * n * n; ++i) {
+    const geometry::Vec3 grid{i % n + 0.5 - n / 2, i / n % n + 0.5 - n / 2, i / n / n + 0.5 - n / 2};
+    const auto point = domain.centre + step * grid;
+    if (domain.label(point) == Domain::inside) sum += std::pow(step / domain.size(point), 3);
+  }
+  return sum / 0.118;
+}
+
+[[noreturn]] void too_coarse(const std::string& what) {
+  throw Error("expected a mesh whose boundary follows the domain, found " + what +
+              ": the sizes are too coarse for the domain");
+}
+
+std::string text_of(geometry::Vec3 p) {
+  return "(" + std::to_string(p.x) + ", " + std::to_string(p.y) + ", " + std::to_string(p.z) + ")";
+}
+
+/// Nodes are numbered in the order in which the cells name them; CGAL's handles are compared by the time when they
+/// were made, so no order depends on addresses.
+class Extraction {
+ public:
+  explicit Extraction(const Complex& complex) : complex_(complex) {
+    for (auto c = complex.cells_in_complex_begin(); c != complex.cells_in_complex_end(); ++c) add_cell(c);
+    mesh_.binding.resize(mesh_.point.size());
+  }
+
+  RawMesh result(const Domain& domain) && {
+    bind_to_curves();
+    bind_to_pieces();
+    for (std::size_t i = 0; i < domain.pieces.size(); ++i)
+      if (std::none_of(mesh_.face.begin(), mesh_.face.end(),
+                       [i](const BoundaryFace& face) { return face.piece == static_cast<int>(i); }))
+        too_coarse("no face on a piece of \"" + domain.patches[static_cast<std::size_t>(domain.pieces[i].patch)].name +
+                   "\"");
+    return std::move(mesh_);
+  }
+
+ private:
+  void add_cell(Complex::Cell_handle handle) {
+    auto& cell = mesh_.cell.emplace_back();
+    for (int i = 0; i < 4; ++i) {
+      const auto vertex = handle->vertex(i);
+      const auto [at, is_new] = number_.try_emplace(vertex, static_cast<std::int32_t>(mesh_.point.size()));
+      if (is_new) mesh_.point.push_back(from_cgal(vertex->point().point()));
+      cell[static_cast<std::size_t>(i)] = at->second;
+    }
+    for (int i = 0; i < 4; ++i) {
+      if (complex_.is_in_complex(handle->neighbor(i))) continue;
+      const auto index = complex_.surface_patch_index(handle, i);
+      const int piece = std::max(index.first, index.second) - first_piece;
+      if (std::min(index.first, index.second) != gas || piece < 0)
+        too_coarse("a boundary face on no piece of the boundary at " + text_of(mesh_.position(cell[0])));
+      mesh_.face.push_back({static_cast<std::int32_t>(mesh_.cell.size()) - 1, i, piece});
+    }
+  }
+
+  void bind_to_curves() {
+    for (auto e = complex_.edges_in_complex_begin(); e != complex_.edges_in_complex_end(); ++e) {
+      std::array<std::int32_t, 2> ends{};
+      for (std::size_t i = 0; i < 2; ++i) {
+        const auto vertex = e->first->vertex(i == 0 ? e->second : e->third);
+        const auto at = number_.find(vertex);
+        if (at == number_.end())
+          too_coarse("a feature edge outside the mesh at " + text_of(from_cgal(vertex->point().point())));
+        ends[i] = at->second;
+        mesh_.binding[static_cast<std::size_t>(at->second)] =
+            complex_.is_in_complex(vertex) ? Binding{Freedom::none, -1}
+                                           : Binding{Freedom::curve, complex_.curve_index(*e) - 1};
+      }
+      feature_edges_[std::minmax(ends[0], ends[1])] = 0;
+    }
+  }
+
+  void bind_to_pieces() {
+    std::map<Edge, int> piece_of_edge;
+    for (const auto& face : mesh_.face) {
+      std::array<std::int32_t, 3> corner{};
+      for (std::size_t i = 0; i < 3; ++i) {
+        const auto k = mesh::tet::face_to_corner[static_cast<std::size_t>(face.slot)][i];
+        corner[i] = mesh_.cell[static_cast<std::size_t>(face.cell)][static_cast<std::size_t>(k)];
+        auto& binding = mesh_.binding[static_cast<std::size_t>(corner[i])];
+        if (binding.freedom == Freedom::space) binding = {Freedom::piece, face.piece};
+        if (binding.freedom == Freedom::piece && binding.number != face.piece)
+          too_coarse("a node off the feature curves on two pieces at " + text_of(mesh_.position(corner[i])));
+      }
+      for (std::size_t i = 0; i < 3; ++i) {
+        const Edge edge = std::minmax(corner[i], corner[(i + 1) % 3]);
+        const auto [at, is_new] = piece_of_edge.try_emplace(edge, face.piece);
+        const auto feature = feature_edges_.find(edge);
+        if (feature != feature_edges_.end()) ++feature->second;
+        if (!is_new && at->second != face.piece && feature == feature_edges_.end())
+          too_coarse("a border between patches off the feature curves at " + text_of(mesh_.position(edge.first)));
+      }
+    }
+    for (const auto& [edge, n_faces] : feature_edges_)
+      if (n_faces != 2) too_coarse("a feature edge off the boundary at " + text_of(mesh_.position(edge.first)));
+  }
+
+  const Complex& complex_;
+  std::map<Triangulation::Vertex_handle, std::int32_t> number_;
+  std::map<Edge, int> feature_edges_;  ///< with the number of boundary faces at each
+  RawMesh mesh_;
+};
+
+/// Keeps CGAL from printing what it throws as well.
+class Silence {
+ public:
+  Silence() : old_error_(CGAL::set_error_handler(say_nothing)), old_warning_(CGAL::set_warning_handler(say_nothing)) {}
+  ~Silence() {
+    CGAL::set_error_handler(old_error_);
+    CGAL::set_warning_handler(old_warning_);
+  }
+  Silence(const Silence&) = delete;
+  Silence& operator=(const Silence&) = delete;
+  Silence(Silence&&) = delete;
+  Silence& operator=(Silence&&) = delete;
+
+ private:
+  static void say_nothing(const char*, const char*, const char*, int, const char*) {}
+  CGAL::Failure_function old_error_, old_warning_;
+};
+
+Complex make_complex(const Domain& domain, unsigned seed, bool with_perturbation) {
+  CGAL::get_default_random() = CGAL::Random(seed);
+  CGAL::Random random(seed);
+  Work work;
+  const auto mesh_domain = make_domain(domain, random, work);
+  return make_complex(domain, mesh_domain, with_perturbation, work);
+}
+
+Complex make_complex(const Domain& domain, unsigned seed) {
+  try {
+    return make_complex(domain, seed, true);
+  } catch (const Work::TooMuch&) {  // slivers are left to exudation and to `improve`
+    return make_complex(domain, seed, false);
+  }
+}
+
+}  // namespace
+
+RawMesh run_mesh3(const Domain& domain, unsigned seed) {
+  constexpr double most_cells = 4e6;  // one process makes the mesh, with about a kilobyte a cell
+  if (const double n = predicted_cells(domain); n > most_cells)
+    throw Error("expected sizes that give at most 4 million cells at level 0, found " +
+                std::to_string(std::llround(n)) + " cells: choose coarser sizes and refine with pamr-refine");
+  const Silence silence;
+  try {
+    const auto complex = make_complex(domain, seed);
+    auto mesh = Extraction(complex).result(domain);
+    if (mesh.cell.empty()) too_coarse("no cell");
+    return mesh;
+  } catch (const CGAL::Failure_exception& failure) {
+    throw Error(std::string("CGAL could not mesh the domain: ") + failure.what());
+  }
+}
+
+}  // namespace pamr::meshing

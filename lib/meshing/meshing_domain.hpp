@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "pamr/geometry/triangulated/triangulation.hpp"
+#include "pamr/geometry/vec3.hpp"
+#include "pamr/mesh/dist_mesh.hpp"
+
+namespace pamr::meshing {
+
+/// Nearest point of an exact curve or surface.
+using Nearest = std::function<geometry::Vec3(geometry::Vec3)>;
+
+/// A smooth part of the boundary: all of a patch, or one side of it where the patch has sharp edges.
+struct Piece {
+  int patch = 0;
+  Nearest nearest;
+  /// Where a piece is to be found that no curve touches, or that only curves in one plane touch: some points on it.
+  std::vector<geometry::Vec3> start{};
+};
+
+/// A curve that mesh edges must follow: a sharp edge of the domain, or the border between two patches of one smooth
+/// surface. `polyline` samples it finely; its ends are corners of the domain and stay as they are.
+struct FeatureCurve {
+  std::vector<geometry::Vec3> polyline;
+  Nearest nearest;
+};
+
+/// A part of space to mesh, described without any mesher. Its functions may be called until the last copy is gone.
+struct Domain {
+  /// `inside`, or the piece of the boundary behind which the point lies: a straight path from the gas to it, short
+  /// enough, crosses that piece.
+  std::function<int(geometry::Vec3)> label;
+  static constexpr int inside = -1;
+  /// Wanted edge length at a point; changes by less than the distance does.
+  std::function<double(geometry::Vec3)> size;
+  std::vector<Piece> pieces;
+  std::vector<FeatureCurve> curves;
+  bool curves_in_one_plane = false;  ///< every piece then has points to start from
+  std::vector<mesh::Patch> patches;
+  std::string surfaces_toml;                              ///< the surfaces that the patches name
+  std::vector<geometry::Triangulation> triangulations{};  ///< data of the triangulated ones
+  std::string length_unit;
+  geometry::Vec3 centre;  ///< of a ball that holds the domain
+  double radius = 0;      ///< of that ball
+};
+
+}  // namespace pamr::meshing

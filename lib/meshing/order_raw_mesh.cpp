@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "meshing/order_raw_mesh.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include "pamr/base/sorted_order.hpp"
+#include "pamr/order/hilbert.hpp"
+
+namespace pamr::meshing {
+namespace {
+
+using geometry::Vec3;
+
+/// Old cells along the curve.
+std::vector<std::uint32_t> along_curve(const RawMesh& mesh) {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  Vec3 low{infinity, infinity, infinity}, high = -low;
+  for (const auto& p : mesh.point) {
+    low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
+    high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+  }
+  const order::CurveGrid grid(low, high);
+  std::vector<std::uint64_t> key;
+  for (std::size_t c = 0; c < mesh.cell.size(); ++c) {
+    const auto p = mesh.points(c);
+    key.push_back(grid.key(0.25 * (p[0] + p[1] + p[2] + p[3])));
+  }
+  return sorted_order(key);
+}
+
+}  // namespace
+
+RawMesh ordered(const RawMesh& mesh) {
+  RawMesh result;
+  std::vector<std::int32_t> old_to_new_node(mesh.point.size(), -1);
+  std::vector<std::int32_t> old_to_new_cell(mesh.cell.size(), -1);
+  for (const auto old : along_curve(mesh)) {
+    old_to_new_cell[old] = static_cast<std::int32_t>(result.cell.size());
+    auto cell = mesh.cell[old];
+    for (auto& node : cell) {
+      auto& number = old_to_new_node[static_cast<std::size_t>(node)];
+      if (number < 0) {
+        number = static_cast<std::int32_t>(result.point.size());
+        result.point.push_back(mesh.position(node));
+        result.binding.push_back(mesh.binding[static_cast<std::size_t>(node)]);
+      }
+      node = number;
+    }
+    result.cell.push_back(cell);
+  }
+  result.face = mesh.face;
+  for (auto& face : result.face) face.cell = old_to_new_cell[static_cast<std::size_t>(face.cell)];
+  std::sort(result.face.begin(), result.face.end(), [](const BoundaryFace& a, const BoundaryFace& b) {
+    return std::pair(a.cell, a.slot) < std::pair(b.cell, b.slot);
+  });
+  return result;
+}
+
+}  // namespace pamr::meshing

@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "meshing/raw_mesh.hpp"
+
+namespace pamr::meshing {
+
+/// The same mesh with its cells along Hilbert's curve by centroid and its nodes in the order in which the cells name
+/// them, so that neighbours in space are neighbours in the file and in a block of it. Local, deterministic.
+RawMesh ordered(const RawMesh& mesh);
+
+}  // namespace pamr::meshing

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "meshing/crease_cut.hpp"
+#include "meshing/meshing_domain.hpp"
+#include "meshing/solid.hpp"
+#include "pamr/geometry/triangulated/triangulated_surface.hpp"
+
+namespace pamr::meshing {
+
+/// The smooth pieces of which the boundary of a solid is made, and its patches: one for each surface, and for a
+/// triangulated one that creases part into several, one for each of these that bounds the solid.
+class Pieces {
+ public:
+  /// `samples` are those of `sample_surfaces`. Throws `Error` for one piece of a triangulated surface taken alone (it
+  /// has no sides), one in pieces of which none bounds the solid, and as `cut_creases` does.
+  Pieces(const std::shared_ptr<const Solid>& solid, const SurfaceSamples& samples);
+
+  struct Piece {
+    int surface = 0;
+    const geometry::Surface* shape = nullptr;  ///< of the piece alone
+    int number = -1;                           ///< among those of the triangulation, -1 for a surface in one piece
+    std::string name;                          ///< of the patch: of the surface, or NAME_1, NAME_2, ... of its pieces
+  };
+  const std::vector<Piece>& all() const { return piece_; }
+
+  const Piece& at(int number) const { return piece_[static_cast<std::size_t>(number)]; }
+  /// Numbers of the pieces of surface `i`, one after another.
+  struct Range {
+    int begin = 0, end = 0;
+  };
+  Range of(int i) const { return {first_[static_cast<std::size_t>(i)], first_[static_cast<std::size_t>(i) + 1]}; }
+
+  /// The piece of surface `i` that is nearest to a point.
+  int nearest(int i, geometry::Vec3 p) const;
+
+  /// The creases of triangulated surfaces, or parts of them, that are edges of the solid.
+  std::vector<FeatureCurve> creases() const;
+  /// Where other surfaces meet creases.
+  const std::vector<geometry::Vec3>& crease_corners() const { return creases_.corners; }
+
+ private:
+  void add_pieces(int i, const geometry::Triangulated& whole, const std::vector<geometry::Vec3>& samples);
+
+  std::shared_ptr<const Solid> solid_;
+  CutCreases creases_;
+  std::vector<Piece> piece_;
+  std::vector<std::unique_ptr<const geometry::Triangulated>> alone_;
+  std::vector<const geometry::Triangulated*> whole_;  ///< by surface; null for the other kinds
+  std::vector<int> first_;                            ///< by surface, and the number of all pieces
+  std::vector<std::vector<int>> number_;              ///< by surface and piece of the triangulation, -1: bounds nothing
+};
+
+}  // namespace pamr::meshing

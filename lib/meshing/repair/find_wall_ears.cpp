@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <optional>
+
+#include "meshing/repair/wall_ears.hpp"
+#include "pamr/geometry/surface.hpp"
+#include "pamr/mesh/borders.hpp"
+#include "pamr/mesh/tet.hpp"
+#include "pamr/par/exchange.hpp"
+#include "pamr/par/gather_few.hpp"
+
+namespace pamr::meshing {
+
+namespace {
+
+using geometry::Vec3;
+using Edge = std::array<GlobalId, 2>;
+using Face = std::array<GlobalId, 3>;
+constexpr std::size_t at(std::int64_t i) { return static_cast<std::size_t>(i); }
+
+constexpr double look_ahead = 0.01;    ///< where along an edge the wall's normal is asked for
+constexpr double least_cosine = 0.95;  ///< between the normals along two edges of one smooth wall
+
+/// The curved surfaces of a mesh, and which of them each patch is tied to.
+struct Walls {
+  geometry::SurfaceSet surfaces;
+  std::vector<const geometry::Surface*> curved;
+  std::vector<int> of_patch;  ///< entry of `curved`, -1: none
+};
+
+Walls curved_walls(const par::Comm& comm, const mesh::MeshInfo& info) {
+  Walls walls;
+  par::agree(comm, [&] {
+    walls.surfaces = geometry::surfaces_from_toml(info.surfaces_toml, "surfaces of the mesh", info.triangulations);
+  });
+  for (const auto& patch : info.patches) {
+    const auto* surface = walls.surfaces.find(patch.surface);
+    if (surface == nullptr || surface->is_flat()) {
+      walls.of_patch.push_back(-1);
+      continue;
+    }
+    const auto known = std::find(walls.curved.begin(), walls.curved.end(), surface);
+    walls.of_patch.push_back(static_cast<int>(known - walls.curved.begin()));
+    if (known == walls.curved.end()) walls.curved.push_back(surface);
+  }
+  return walls;
+}
+
+Edge edge_of(GlobalId a, GlobalId b) { return {std::min(a, b), std::max(a, b)}; }
+
+std::array<LocalId, 3> nodes_of_face(const mesh::DistMesh& mesh, LocalId cell, std::size_t slot) {
+  const auto& corner = mesh::tet::face_to_corner[slot];
+  const auto& node = mesh.cell_to_node[at(cell)];
+  return {node[at(corner[0])], node[at(corner[1])], node[at(corner[2])]};
+}
+
+/// Calls `visit(cell, slot)` for the faces in the boundary, or for those inside, each once on this rank.
+template <class Visit>
+void for_each_face(const mesh::DistMesh& mesh, bool in_boundary, Visit&& visit) {
+  for (LocalId c = 0; c < mesh.n_cells(); ++c)
+    for (std::size_t slot = 0; slot < 4; ++slot) {
+      const auto next = mesh.cell_to_cell[at(c)][slot];
+      if (in_boundary ? next < 0 : next > c) visit(c, slot);
+    }
+}
+
+/// Of each node the walls it lies on, as bits (those beyond 64 share bits: a first sieve). Collective.
+std::vector<std::uint64_t> walls_of_nodes(const par::Comm& comm, const mesh::DistMesh& mesh, const Walls& walls) {
+  std::vector<std::uint64_t> bits(at(mesh.n_nodes()), 0), mine;
+  for_each_face(mesh, true, [&](LocalId c, std::size_t slot) {
+    const int wall = walls.of_patch[at(mesh::slot_to_patch(mesh.cell_to_cell[at(c)][slot]))];
+    if (wall < 0) return;
+    for (const auto node : nodes_of_face(mesh, c, slot)) bits[at(node)] |= std::uint64_t{1} << (at(wall) % 64);
+  });
+  const auto borders = mesh::find_borders(comm, mesh);
+  for (const auto node : borders.nodes.item) mine.push_back(bits[at(node)]);
+  const auto theirs = par::Exchange(comm, borders.nodes).swap<std::uint64_t>(mine);
+  for (std::size_t k = 0; k < theirs.size(); ++k) bits[at(borders.nodes.item[k])] |= theirs[k];
+  return bits;
+}
+
+/// For the edges asked about: whether they lie in the boundary, and in which walls.
+class EdgeTable {
+ public:
+  EdgeTable(const par::Comm& comm, const mesh::DistMesh& mesh, const Walls& walls, std::vector<Edge> asked)
+      : edge_(std::move(asked)), width_(1 + walls.curved.size()), flag_(edge_.size() * width_, 0) {
+    std::vector<GlobalId> ends;
+    for (const auto& edge : edge_) ends.insert(ends.end(), edge.begin(), edge.end());
+    std::sort(ends.begin(), ends.end());
+    std::vector<std::uint8_t> is_end;
+    for (const auto id : mesh.node_global) is_end.push_back(std::binary_search(ends.begin(), ends.end(), id) ? 1 : 0);
+    for_each_face(mesh, true, [&](LocalId c, std::size_t slot) {
+      const auto wall = walls.of_patch[at(mesh::slot_to_patch(mesh.cell_to_cell[at(c)][slot]))];
+      const auto node = nodes_of_face(mesh, c, slot);
+      for (std::size_t k = 0; k < 3; ++k) {
+        const auto a = node[k], b = node[(k + 1) % 3];
+        if (is_end[at(a)] == 0 || is_end[at(b)] == 0) continue;
+        const auto row = find(edge_of(mesh.node_global[at(a)], mesh.node_global[at(b)]));
+        if (!row) continue;
+        flag_[*row * width_] = 1;
+        if (wall >= 0) flag_[*row * width_ + 1 + at(wall)] = 1;
+      }
+    });
+    comm.sum_in_place(flag_);
+  }
+
+  bool is_in_boundary(Edge edge) const { return flag_[*find(edge) * width_] > 0; }
+  bool is_in_wall(Edge edge, std::size_t wall) const { return flag_[*find(edge) * width_ + 1 + wall] > 0; }
+
+ private:
+  std::optional<std::size_t> find(Edge edge) const {
+    const auto row = std::lower_bound(edge_.begin(), edge_.end(), edge);
+    if (row == edge_.end() || *row != edge) return std::nullopt;
+    return at(row - edge_.begin());
+  }
+
+  std::vector<Edge> edge_;
+  std::size_t width_;
+  std::vector<std::int64_t> flag_;
+};
+
+/// An ear, and how to take it away: the edge to split, or twice -1 where the face itself is to be.
+struct Found {
+  Face face;
+  Edge edge{-1, -1};
+};
+
+/// True when the edges from `a` to `c` and to `d` run into one smooth part of the surface.
+bool is_smooth(const geometry::Surface& surface, Vec3 a, Vec3 c, Vec3 d) {
+  return geometry::dot(surface.normal(a + look_ahead * (c - a)), surface.normal(a + look_ahead * (d - a))) >
+         least_cosine;
+}
+
+std::optional<Found> judge(const mesh::DistMesh& mesh, const Walls& walls, const EdgeTable& table,
+                           const std::array<LocalId, 3>& node) {
+  Found found;
+  for (std::size_t k = 0; k < 3; ++k) found.face[k] = mesh.node_global[at(node[k])];
+  const auto id = found.face;
+  std::sort(found.face.begin(), found.face.end());
+  for (std::size_t k = 0; k < 3; ++k) {
+    const auto i = (k + 1) % 3, j = (k + 2) % 3;
+    for (std::size_t wall = 0; wall < walls.curved.size(); ++wall) {
+      if (!table.is_in_wall(edge_of(id[k], id[i]), wall) || !table.is_in_wall(edge_of(id[k], id[j]), wall) ||
+          !is_smooth(*walls.curved[wall], mesh.point(node[k]), mesh.point(node[i]), mesh.point(node[j])))
+        continue;
+      if (const auto opposite = edge_of(id[i], id[j]); !table.is_in_boundary(opposite)) found.edge = opposite;
+      return found;
+    }
+  }
+  return std::nullopt;
+}
+
+template <class T>
+void sort_unique(std::vector<T>& items) {
+  std::sort(items.begin(), items.end());
+  items.erase(std::unique(items.begin(), items.end()), items.end());
+}
+
+}  // namespace
+
+WallEars find_wall_ears(const par::Comm& comm, const mesh::DistMesh& mesh) {
+  WallEars ears;
+  const auto walls = curved_walls(comm, mesh.info);
+  if (walls.curved.empty()) return ears;
+
+  const auto bits = walls_of_nodes(comm, mesh, walls);
+  std::vector<std::array<LocalId, 3>> candidate;
+  std::vector<Edge> asked;
+  for_each_face(mesh, false, [&](LocalId c, std::size_t slot) {
+    const auto node = nodes_of_face(mesh, c, slot);
+    if ((bits[at(node[0])] & bits[at(node[1])] & bits[at(node[2])]) == 0) return;
+    candidate.push_back(node);
+    for (std::size_t k = 0; k < 3; ++k)
+      asked.push_back(edge_of(mesh.node_global[at(node[k])], mesh.node_global[at(node[(k + 1) % 3])]));
+  });
+  sort_unique(asked);
+  asked = gather_few(comm, std::move(asked));
+  sort_unique(asked);
+  const EdgeTable table(comm, mesh, walls, std::move(asked));
+
+  std::vector<Found> found;
+  for (const auto& node : candidate)
+    if (const auto ear = judge(mesh, walls, table, node)) found.push_back(*ear);
+  found = gather_few(comm, std::move(found));
+  std::vector<Face> all;
+  for (const auto& ear : found) {  // one on a rank border comes from both sides
+    all.push_back(ear.face);
+    if (ear.edge[0] >= 0)
+      ears.edge.push_back(ear.edge);
+    else
+      ears.face.push_back(ear.face);
+  }
+  sort_unique(all);
+  sort_unique(ears.edge);
+  sort_unique(ears.face);
+  ears.count = static_cast<std::int64_t>(all.size());
+  return ears;
+}
+
+}  // namespace pamr::meshing

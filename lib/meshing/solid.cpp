@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "meshing/solid.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+
+namespace pamr::meshing {
+
+using geometry::Vec3;
+
+namespace {
+
+constexpr Sides bit(int i) { return Sides{1} << i; }
+
+}  // namespace
+
+Vec3 Solid::on_planes(std::span<const int> among, Vec3 p) const {
+  for (const int i : among)
+    if (surface(i).is_flat()) p = surface(i).project(p);
+  return p;
+}
+
+Sides Solid::sides(Vec3 p) const {
+  Sides result = 0;
+  for (int i = 0; i < n_surfaces(); ++i)
+    if (signed_distance(i, p) >= 0) result |= bit(i);
+  return result;
+}
+
+int Solid::label(Vec3 p) const {
+  std::array<double, Region::most_surfaces> distance{};
+  Sides here = 0;
+  const int n = n_surfaces();
+  for (int i = 0; i < n; ++i) {
+    const double d = signed_distance(i, p);
+    if (d >= 0) here |= bit(i);
+    distance[static_cast<std::size_t>(i)] = std::abs(d);
+  }
+  if (region.contains(here)) return -1;
+  std::array<int, Region::most_surfaces> order{};
+  const auto end = order.begin() + n;
+  std::iota(order.begin(), end, 0);
+  std::sort(order.begin(), end, [&](int a, int b) {
+    const double da = distance[static_cast<std::size_t>(a)], db = distance[static_cast<std::size_t>(b)];
+    return da < db || (da == db && a < b);
+  });
+  // Up to three surfaces meet in a corner, so near the solid three crossings are enough.
+  for (auto k = order.begin(); k != end; ++k) {
+    const Sides last = here ^ bit(*k);
+    if (region.contains(last)) return *k;
+    for (auto j = order.begin(); j != k; ++j) {
+      if (region.contains(last ^ bit(*j))) return *k;
+      for (auto i = order.begin(); i != j; ++i)
+        if (region.contains(last ^ bit(*j) ^ bit(*i))) return *k;
+    }
+  }
+  return order[static_cast<std::size_t>(n - 1)];
+}
+
+SurfaceSamples sample_surfaces(const Solid& solid) {
+  constexpr int n = 24;
+  SurfaceSamples result(static_cast<std::size_t>(solid.n_surfaces()));
+  const Vec3 side = solid.high - solid.low;
+  for (int k = 0; k < n * n * n; ++k) {
+    // off the middle, because symmetric places have no unique nearest points
+    const Vec3 p = solid.low + Vec3{(k % n + 0.47) / n * side.x, (k / n % n + 0.52) / n * side.y,
+                                    (k / (n * n) + 0.49) / n * side.z};
+    for (int i = 0; i < solid.n_surfaces(); ++i)
+      result[static_cast<std::size_t>(i)].push_back(solid.surface(i).project(p));
+  }
+  return result;
+}
+
+}  // namespace pamr::meshing

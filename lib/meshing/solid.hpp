@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "meshing/region.hpp"
+#include "pamr/geometry/surface.hpp"
+#include "pamr/geometry/vec3.hpp"
+
+namespace pamr::meshing {
+
+/// A part of space bounded by surfaces: those on whose sides the region says which are in it.
+struct Solid {
+  std::shared_ptr<const geometry::SurfaceSet> surfaces;
+  Region region;
+  geometry::Vec3 low, high;  ///< a box that holds it
+
+  int n_surfaces() const { return static_cast<int>(surfaces->surface.size()); }
+  const geometry::Surface& surface(int i) const { return *surfaces->surface[static_cast<std::size_t>(i)]; }
+  const std::string& name(int i) const { return surfaces->name[static_cast<std::size_t>(i)]; }
+
+  /// A point that lies on the given surfaces to rounding, put on the flat ones among them once more: coordinate planes
+  /// then hold it exactly.
+  geometry::Vec3 on_planes(std::span<const int> among, geometry::Vec3 p) const;
+  /// Distance from surface `i`, negative on the side to which its normal does not point.
+  double signed_distance(int i, geometry::Vec3 p) const { return surface(i).signed_distance(p); }
+  Sides sides(geometry::Vec3 p) const;
+  bool contains(geometry::Vec3 p) const { return region.contains(sides(p)); }
+  /// True when surface `i` bounds the solid at a point of it on the given sides of the others.
+  bool divides(int i, Sides sides) const {
+    const Sides bit = Sides{1} << i;
+    return region.contains(sides & ~bit) != region.contains(sides | bit);
+  }
+
+  /// -1 inside, or the surface to cross last on the least way in, lengths measured by the largest distance from any
+  /// surface crossed: what a `Domain` calls the piece behind which the point lies. The borders between these parts of
+  /// the outside meet the solid in its edges and nowhere else.
+  int label(geometry::Vec3 p) const;
+
+  geometry::Vec3 centre() const { return geometry::midpoint(low, high); }
+  double radius() const { return 0.5 * geometry::norm(high - low); }
+};
+
+using SurfaceSamples = std::vector<std::vector<geometry::Vec3>>;
+
+/// Points on each surface, near enough to each other to find what is larger than a twelfth of the solid's radius, or a
+/// sixth of the surface: nearest points of a grid that fills the solid's box.
+SurfaceSamples sample_surfaces(const Solid& solid);
+
+}  // namespace pamr::meshing

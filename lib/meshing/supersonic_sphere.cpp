@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "meshing/supersonic_sphere.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "meshing/meridian.hpp"
+#include "pamr/base/error.hpp"
+
+namespace pamr::meshing {
+namespace {
+
+void require(bool holds, const std::string& expected) {
+  if (!holds) throw Error("expected " + expected);
+}
+
+}  // namespace
+
+Combination supersonic_sphere(const SupersonicSphere& given) {
+  auto p = given;
+  const auto fill = [](double& value, double otherwise) {
+    if (value == 0) value = otherwise;
+  };
+  fill(p.inflow, 4 * p.radius);
+  fill(p.outflow, 6 * p.radius);
+  fill(p.side, 5 * p.radius);
+  fill(p.far, 0.8 * p.radius);
+  fill(p.size_sphere, std::min(0.25 * p.far, 0.6 * p.radius));
+  require(p.radius > 0, fmt::format("a radius > 0, found {:g}", p.radius));
+  require(p.parts >= 2 && p.parts <= 32 && p.parts == std::floor(p.parts),
+          fmt::format("2 to 32 parts of a turn, found {:g}", p.parts));
+  require(p.inflow > p.radius && p.outflow > p.radius && p.side > p.radius,
+          fmt::format("borders beyond the sphere, found inflow {:g}, outflow {:g}, side {:g}", p.inflow, p.outflow,
+                      p.side));
+  require(p.size_sphere > 0 && p.size_sphere <= 0.6 * p.radius && p.size_sphere <= p.far,
+          fmt::format("an edge length at the sphere up to 0.6 radii and the largest one, found {:g}", p.size_sphere));
+  require(p.far <= 0.6 * p.side,
+          fmt::format("a largest edge length up to 0.6 of the outer cylinder's radius, found {:g}", p.far));
+  require(p.growth >= 0.05 && p.growth <= 0.8, fmt::format("growth between 0.05 and 0.8, found {:g}", p.growth));
+
+  Combination result;
+  result.surfaces_toml =
+      fmt::format("[[surface]]\nname = \"sphere\"\nkind = \"sphere\"\ncenter = [0.0, 0.0, 0.0]\nradius = {:.17g}\n\n",
+                  p.radius) +
+      plane_toml("inflow", 0, -p.inflow) + "\n" + plane_toml("outflow", 0, p.outflow) + "\n" +
+      fmt::format(
+          "[[surface]]\nname = \"side\"\nkind = \"cylinder\"\npoint = [0.0, 0.0, 0.0]\naxis = [1.0, 0.0, "
+          "0.0]\nradius = {:.17g}\n\n",
+          p.side) +
+      plane_toml("symmetry_1", 2, 0);
+  result.region = "+sphere & +inflow & -outflow & -side & +symmetry_1";
+  const double angle = 2 * std::numbers::pi / p.parts;
+  if (p.parts > 2) {
+    const double across = p.parts == 4 ? 0 : -std::cos(angle);
+    result.surfaces_toml += fmt::format(
+        "\n[[surface]]\nname = \"symmetry_2\"\nkind = \"plane\"\npoint = [0.0, 0.0, 0.0]\nnormal = [0.0, {:.17g}, "
+        "{:.17g}]\n",
+        std::sin(angle), across);
+    result.region += " & +symmetry_2";
+  }
+  // z = r sin(angle) where y = r cos(angle): the sector starts at y > 0
+  const double least_y = p.parts == 2 || p.parts == 3 ? -p.side : 0;
+  result.low = {-p.inflow, least_y, 0};
+  result.high = {p.outflow, p.side, p.parts > 4 ? p.side * std::sin(angle) : p.side};
+  result.length_unit = "m";
+  result.far = p.far;
+  result.growth = p.growth;
+  result.near = {{"sphere", p.size_sphere}};
+  return result;
+}
+
+}  // namespace pamr::meshing

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "pamr/assemble/assemble.hpp"
+
+#include <algorithm>
+#include <string>
+#include <utility>
+
+#include "pamr/assemble/assemble_steps.hpp"
+#include "pamr/base/error.hpp"
+#include "pamr/base/memory.hpp"
+#include "pamr/mesh/families.hpp"
+#include "pamr/mesh/id_map.hpp"
+#include "pamr/mesh/local_size.hpp"
+#include "pamr/par/exchange.hpp"
+
+namespace pamr::assemble {
+
+namespace {
+
+/// Numbers the nodes in order of first use and fills `cell_to_node` and `node_global`.
+void number_nodes(mesh::DistMesh& mesh, std::vector<std::array<GlobalId, 4>> cell_to_node) {
+  GlobalId min = 0, max = -1;
+  if (!cell_to_node.empty()) min = max = cell_to_node[0][0];
+  for (const auto& nodes : cell_to_node)
+    for (const auto id : nodes) {
+      min = std::min(min, id);
+      max = std::max(max, id);
+    }
+  if (max < min) return;
+  mesh::IdMap local(min, max, cell_to_node.size() / 4);
+  reserve_array(mesh.cell_to_node, cell_to_node.size());
+  for (const auto& nodes : cell_to_node) {
+    auto& here = mesh.cell_to_node.emplace_back();
+    for (std::size_t i = 0; i < 4; ++i) {
+      here[i] = local.find_or_insert(nodes[i], static_cast<LocalId>(mesh.node_global.size()));
+      if (here[i] == static_cast<LocalId>(mesh.node_global.size())) mesh.node_global.push_back(nodes[i]);
+    }
+  }
+  mesh.node_global.shrink_to_fit();
+}
+
+/// Coordinates and node fields of this rank's nodes, from the blocks that hold them.
+void fetch_nodes(const par::Comm& comm, mesh::DistMesh& mesh, mesh::BlockMesh& block) {
+  const auto all = mesh.info.node_ids();
+  mesh.node_position = par::fetch_rows<geometry::Vec3>(comm, all, block.node_position, 1, mesh.node_global);
+  block.node_position = {};
+  for (auto& field : block.node_fields) {
+    std::visit(
+        [&]<class T>(std::vector<T>& values) {
+          values =
+              par::fetch_rows<T>(comm, all, values, static_cast<std::size_t>(field.n_components), mesh.node_global);
+        },
+        field.value);
+    mesh.node_fields.push_back(std::move(field));
+  }
+}
+
+/// Refuses families whose cells do not share their nodes as the template says. They are whole and on one rank by now.
+void check_templates(const mesh::DistMesh& mesh) {
+  for (std::size_t c = 0; c < mesh.lineage.size();) {
+    const auto lineage = mesh.lineage[c];
+    if (!lineage.is_removable()) {
+      ++c;
+      continue;
+    }
+    const auto size = static_cast<std::size_t>(lineage.family_size());
+    if (!mesh::fits_template(lineage, std::span<const mesh::CellNodes>(mesh.cell_to_node).subspan(c, size)))
+      throw Error("lineage: expected cells " + std::to_string(mesh.cell_global[c]) + " to " +
+                  std::to_string(mesh.cell_global[c + size - 1]) +
+                  " to share their nodes as one closure family, found other nodes (first cell: " +
+                  mesh::describe(lineage) + ")");
+    c += size;
+  }
+}
+
+}  // namespace
+
+mesh::DistMesh assemble(const par::Comm& comm, mesh::BlockMesh block, std::span<const Rank> destination) {
+  const auto contents = check_block(comm, block, destination);
+  auto to = family_destinations(comm, block, destination, contents);
+  auto cells = send_cells(comm, block, std::move(to), contents);
+  mesh::require_local_size(comm, std::ssize(cells.id), "mesh");
+
+  mesh::DistMesh mesh;
+  mesh.info = std::move(block.info);
+  mesh.cell_global = std::move(cells.id);
+  mesh.lineage = std::move(cells.lineage);
+  mesh.cell_fields = std::move(cells.field);
+  number_nodes(mesh, std::move(cells.node));
+  par::agree(comm, [&] { check_templates(mesh); });
+  if (contents.has_neighbours) {
+    const auto owners = find_owners(comm, mesh.info.cell_ids(), mesh.cell_global, contents);
+    link_neighbours(comm, mesh, std::move(cells.neighbour), owners);
+  } else {
+    if (mesh.info.patches.empty()) mesh.info.patches.push_back({"boundary", "patch", ""});
+    build_neighbours(comm, mesh);
+  }
+  fetch_nodes(comm, mesh, block);
+  return mesh;
+}
+
+}  // namespace pamr::assemble

@@ -1,0 +1,245 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <array>
+#include <numeric>
+#include <string>
+
+#include "pamr/assemble/assemble_steps.hpp"
+#include "pamr/base/error.hpp"
+#include "pamr/base/hash.hpp"
+#include "pamr/mesh/families.hpp"
+#include "pamr/mesh/local_size.hpp"
+
+namespace pamr::assemble {
+
+namespace {
+
+void require_size(std::size_t found, std::size_t expected, const std::string& what, Rank rank) {
+  if (found != expected)
+    throw Error(what + ": expected " + std::to_string(expected) + " entries, found " + std::to_string(found) +
+                " (rank " + std::to_string(rank) + ")");
+}
+
+void check_fields(const std::vector<mesh::Field>& fields, std::size_t n, const char* place, Rank rank) {
+  for (const auto& field : fields) {
+    if (field.n_components < 1)
+      throw Error(std::string(place) + " field `" + field.name + "`: expected at least 1 component, found " +
+                  std::to_string(field.n_components));
+    const auto size = std::visit([](const auto& values) { return values.size(); }, field.value);
+    require_size(size, n * static_cast<std::size_t>(field.n_components),
+                 std::string(place) + " field `" + field.name + "`", rank);
+  }
+}
+
+void check_sizes(const mesh::BlockMesh& block, std::span<const Rank> destination, const Contents& contents,
+                 GlobalId first_cell, GlobalId n_cells_found, const par::BlockRange& nodes, Rank rank) {
+  const auto n = block.cell_to_node.size();
+  if (n_cells_found != block.info.n_global_cells)
+    throw Error("mesh: expected " + std::to_string(block.info.n_global_cells) + " cells, found " +
+                std::to_string(n_cells_found) + " in all blocks together");
+  if (block.info.first_id < 0 || block.info.first_id > mesh::max_first_id)
+    throw Error("mesh: expected a first id from 0 to " + std::to_string(mesh::max_first_id) + ", found " +
+                std::to_string(block.info.first_id));
+  if (n != 0 && block.first_cell != first_cell)
+    throw Error("mesh: expected the block of rank " + std::to_string(rank) + " to begin at cell " +
+                std::to_string(first_cell) + ", found " + std::to_string(block.first_cell));
+  if (contents.has_neighbours) require_size(block.cell_to_cell.size(), n, "cell_to_cell", rank);
+  if (contents.has_lineage) require_size(block.lineage.size(), n, "lineage", rank);
+  if (contents.has_destinations) require_size(destination.size(), n, "destinations", rank);
+  require_size(block.node_position.size(), static_cast<std::size_t>(nodes.count()), "node block", rank);
+  check_fields(block.cell_fields, n, "cell", rank);
+  check_fields(block.node_fields, static_cast<std::size_t>(nodes.count()), "node", rank);
+}
+
+std::string cell_at(const mesh::BlockMesh& block, std::size_t i) {
+  return "cell " + std::to_string(block.first_cell + static_cast<GlobalId>(i));
+}
+
+void check_nodes(const mesh::BlockMesh& block) {
+  const auto all = block.info.node_ids();
+  for (std::size_t c = 0; c < block.cell_to_node.size(); ++c) {
+    const auto& n = block.cell_to_node[c];
+    for (const auto id : n)
+      if (!all.contains(id))
+        throw Error("cell_to_node, " + cell_at(block, c) + ": expected node numbers from " + std::to_string(all.first) +
+                    " to " + std::to_string(all.end() - 1) + ", found " + std::to_string(id));
+    if (n[0] == n[1] || n[0] == n[2] || n[0] == n[3] || n[1] == n[2] || n[1] == n[3] || n[2] == n[3])
+      throw Error("cell_to_node, " + cell_at(block, c) + ": expected four different nodes, found " +
+                  std::to_string(n[0]) + " " + std::to_string(n[1]) + " " + std::to_string(n[2]) + " " +
+                  std::to_string(n[3]));
+  }
+}
+
+void check_neighbours(const mesh::BlockMesh& block) {
+  const auto all = block.info.cell_ids();
+  const auto n_patches = static_cast<GlobalId>(block.info.patches.size());
+  for (std::size_t c = 0; c < block.cell_to_cell.size(); ++c)
+    for (const auto id : block.cell_to_cell[c]) {
+      if (id >= all.end())
+        throw Error("cell_to_cell, " + cell_at(block, c) + ": expected neighbours below " + std::to_string(all.end()) +
+                    ", found " + std::to_string(id));
+      if (id >= 0 && id < all.first)
+        throw Error("cell_to_cell, " + cell_at(block, c) + ": expected neighbours from " + std::to_string(all.first) +
+                    " on, found " + std::to_string(id));
+      if (id < -n_patches)
+        throw Error("cell_to_cell, " + cell_at(block, c) + ": expected one of " + std::to_string(n_patches) +
+                    " patches (-1 to " + std::to_string(-n_patches) + "), found " + std::to_string(id));
+      if (id == block.first_cell + static_cast<GlobalId>(c))
+        throw Error("cell_to_cell, " + cell_at(block, c) + ": expected another cell, found the cell itself");
+    }
+}
+
+void check_lineage(const mesh::BlockMesh& block) {
+  for (std::size_t c = 0; c < block.lineage.size(); ++c)
+    if (!mesh::is_well_formed(block.lineage[c]))
+      throw Error("lineage, " + cell_at(block, c) +
+                  ": expected kind, template index, child number and level of a cell, found " +
+                  std::to_string(block.lineage[c].bits()));
+}
+
+std::uint64_t fold(std::uint64_t seed, const std::vector<mesh::Field>& fields) {
+  for (const auto& field : fields) {
+    for (const char letter : field.name) seed = combine(seed, static_cast<unsigned char>(letter));
+    seed = combine(seed, static_cast<std::uint64_t>(field.n_components));
+    seed = combine(seed, field.holds_integers() ? 1 : 2);
+  }
+  return combine(seed, fields.size());
+}
+
+/// Fields and counts travel between ranks by position, so their description must be the same on all: a number that
+/// says whether it is, 0 or more.
+std::int64_t description_of(const mesh::BlockMesh& block) {
+  auto hash = combine(static_cast<std::uint64_t>(block.info.n_global_nodes),
+                      static_cast<std::uint64_t>(block.info.n_global_cells));
+  hash = combine(hash, static_cast<std::uint64_t>(block.info.first_id));
+  hash = fold(fold(combine(hash, block.info.patches.size()), block.cell_fields), block.node_fields);
+  return static_cast<std::int64_t>(hash >> 1U);
+}
+
+/// What the rank that holds the first member of a closure family tells those that hold the rest of it.
+struct Announcement {
+  GlobalId first = 0;
+  std::uint32_t lineage = 0;
+  Rank to = 0;
+};
+
+struct FamilyContext {
+  const mesh::BlockMesh* block;
+  GlobalId begin;
+  GlobalId end;
+
+  mesh::Lineage lineage_of(GlobalId id) const { return block->lineage[static_cast<std::size_t>(id - begin)]; }
+  bool is_here(GlobalId id) const { return id >= begin && id < end; }
+};
+
+[[noreturn]] void refuse_family(GlobalId cell, mesh::Lineage found, const std::string& expected) {
+  throw Error("lineage, cell " + std::to_string(cell) + ": found " + mesh::describe(found) + ", expected " + expected);
+}
+
+/// Families that begin here and end on later ranks, for those ranks.
+std::vector<par::Outgoing<Announcement>> announce(const FamilyContext& here, const std::vector<GlobalId>& starts,
+                                                  std::span<const Rank> to, GlobalId end_of_cells) {
+  std::vector<par::Outgoing<Announcement>> messages;
+  for (auto id = std::max(here.begin, here.end - 3); id < here.end; ++id) {
+    const auto lineage = here.lineage_of(id);
+    if (!lineage.is_removable() || lineage.child() != 0) continue;
+    const auto last = std::min(id + lineage.family_size(), end_of_cells);
+    for (auto member = here.end; member < last; ++member) {
+      const auto holder =
+          static_cast<Rank>(std::upper_bound(starts.begin(), starts.end(), member) - starts.begin() - 1);
+      if (messages.empty() || messages.back().to != holder)
+        messages.push_back({holder, {{id, lineage.bits(), to[static_cast<std::size_t>(id - here.begin)]}}});
+    }
+  }
+  return messages;
+}
+
+/// Refuses what is not a whole family in template order. `announced`: the families that began on earlier ranks and
+/// reach into this one (one at most, or the lineage is bad).
+void check_families(const FamilyContext& here, std::span<const Announcement> announced, GlobalId end_of_cells) {
+  const auto require_member = [&](GlobalId id, GlobalId first, mesh::Lineage of_first) {
+    const auto expected = mesh::sibling(of_first, static_cast<int>(id - first));
+    if (here.is_here(id) && here.lineage_of(id) != expected)
+      refuse_family(id, here.lineage_of(id),
+                    mesh::describe(expected) + ", of the family of cell " + std::to_string(first));
+  };
+  for (const auto& family : announced)
+    for (int k = 1; k < mesh::Lineage(family.lineage).family_size(); ++k)
+      require_member(family.first + k, family.first, mesh::Lineage(family.lineage));
+  for (auto id = here.begin; id < here.end; ++id) {
+    const auto lineage = here.lineage_of(id);
+    if (!lineage.is_removable()) continue;
+    const auto first = id - lineage.child();
+    if (lineage.child() == 0) {
+      if (id + lineage.family_size() > end_of_cells)
+        refuse_family(id, lineage, std::to_string(lineage.family_size()) + " cells of its family from there on");
+      for (int k = 1; k < lineage.family_size(); ++k) require_member(id + k, id, lineage);
+    } else if (here.is_here(first)) {
+      if (here.lineage_of(first) != mesh::sibling(lineage, 0))
+        refuse_family(first, here.lineage_of(first),
+                      mesh::describe(mesh::sibling(lineage, 0)) + ", for the family of cell " + std::to_string(id));
+    } else if (std::none_of(announced.begin(), announced.end(),
+                            [&](const Announcement& family) { return family.first == first; })) {
+      refuse_family(id, lineage, "the first member of its family at cell " + std::to_string(first));
+    }
+  }
+}
+
+}  // namespace
+
+Contents check_block(const par::Comm& comm, const mesh::BlockMesh& block, std::span<const Rank> destination) {
+  const auto n = static_cast<GlobalId>(block.cell_to_node.size());
+  const auto description = description_of(block);
+  std::array<std::int64_t, 5> most{block.cell_to_cell.empty() ? 0 : 1, block.lineage.empty() ? 0 : 1,
+                                   destination.empty() ? 0 : 1, description, -description};
+  comm.max_in_place(most);
+  const auto contents =
+      Contents{.has_neighbours = most[0] != 0, .has_lineage = most[1] != 0, .has_destinations = most[2] != 0};
+  const auto count = comm.all_gather(n);
+  const auto first_cell =
+      block.info.first_id + std::accumulate(count.begin(), count.begin() + comm.rank(), GlobalId{0});
+  const auto n_cells = std::accumulate(count.begin(), count.end(), GlobalId{0});
+  const auto nodes = par::block_range(block.info.n_global_nodes, comm.rank(), comm.size());
+  if (most[3] != -most[4])
+    throw Error("mesh: expected the same counts, patches and fields on every rank, found different ones");
+  mesh::require_local_size(comm, n, "mesh");
+  par::agree(comm, [&] {
+    check_sizes(block, destination, contents, first_cell, n_cells, nodes, comm.rank());
+    check_nodes(block);
+    check_neighbours(block);
+    check_lineage(block);
+    for (const auto to : destination)
+      if (to < 0 || to >= comm.size())
+        throw Error("destinations: expected ranks from 0 to " + std::to_string(comm.size() - 1) + ", found " +
+                    std::to_string(to));
+  });
+  return contents;
+}
+
+std::vector<Rank> family_destinations(const par::Comm& comm, const mesh::BlockMesh& block,
+                                      std::span<const Rank> destination, const Contents& contents) {
+  const auto n = static_cast<GlobalId>(block.cell_to_node.size());
+  std::vector<Rank> to(destination.begin(), destination.end());
+  if (!contents.has_destinations) to.assign(static_cast<std::size_t>(n), comm.rank());
+  if (!contents.has_lineage) return to;
+
+  auto starts = comm.all_gather(n);
+  std::exclusive_scan(starts.begin(), starts.end(), starts.begin(), block.info.first_id);
+  const auto begin = starts[static_cast<std::size_t>(comm.rank())];
+  const FamilyContext here{&block, begin, begin + n};
+  const auto announced = comm.sparse_exchange(announce(here, starts, to, block.info.cell_ids().end()));
+  par::agree(comm, [&] { check_families(here, announced.item, block.info.cell_ids().end()); });
+
+  for (const auto& family : announced.item)
+    for (int k = 1; k < mesh::Lineage(family.lineage).family_size(); ++k)
+      if (here.is_here(family.first + k)) to[static_cast<std::size_t>(family.first + k - begin)] = family.to;
+  for (auto id = here.begin; id < here.end; ++id) {
+    const auto lineage = here.lineage_of(id);
+    const auto first = id - lineage.child();
+    if (lineage.is_removable() && here.is_here(first))
+      to[static_cast<std::size_t>(id - begin)] = to[static_cast<std::size_t>(first - begin)];
+  }
+  return to;
+}
+
+}  // namespace pamr::assemble

@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "pamr/assemble/assemble_steps.hpp"
+#include "pamr/base/contract.hpp"
+#include "pamr/base/error.hpp"
+#include "pamr/base/memory.hpp"
+#include "pamr/mesh/face_groups.hpp"
+#include "pamr/mesh/id_map.hpp"
+#include "pamr/mesh/rank_border.hpp"
+#include "pamr/mesh/tet.hpp"
+
+namespace pamr::assemble {
+
+namespace {
+
+/// What both sides of a rank-border face say of it.
+struct FaceCard {
+  par::SharedKey key{};
+  GlobalId own = 0;
+  GlobalId other = 0;
+};
+
+/// Numbers of this rank's cells by their global numbers.
+class OwnCells {
+ public:
+  explicit OwnCells(const std::vector<GlobalId>& id) : first_(id.empty() ? 0 : id.front()), n_(id.size()) {
+    if (id.empty() || id.back() - id.front() == static_cast<GlobalId>(id.size()) - 1) return;
+    map_ = std::make_unique<mesh::IdMap>(id.front(), id.back(), id.size());
+    for (std::size_t i = 0; i < id.size(); ++i) map_->find_or_insert(id[i], static_cast<LocalId>(i));
+  }
+  LocalId find(GlobalId id) const {
+    if (map_) return map_->find(id);
+    const auto at = static_cast<std::uint64_t>(id - first_);
+    return at < n_ ? static_cast<LocalId>(at) : invalid_local;
+  }
+
+ private:
+  GlobalId first_;
+  std::size_t n_;
+  std::unique_ptr<mesh::IdMap> map_;
+};
+
+/// Finds the ranks that hold the other cells. Collective.
+void ask_owners(const par::Comm& comm, IdRange cells, const CellOwners& owners, std::vector<mesh::RemoteFace>& faces) {
+  if (owners.first.empty()) {
+    std::vector<GlobalId> id;
+    for (const auto& face : faces) id.push_back(face.other);
+    const auto rank = par::fetch_rows<Rank>(comm, cells, owners.of_block, 1, id);
+    for (std::size_t i = 0; i < faces.size(); ++i) faces[i].rank = rank[i];
+    return;
+  }
+  for (auto& face : faces) {
+    const auto next = std::upper_bound(owners.first.begin(), owners.first.end(), face.other);
+    face.rank = static_cast<Rank>(next - owners.first.begin() - 1);
+  }
+}
+
+/// Own cells become local neighbours, patches slots; the faces to other ranks are returned.
+std::vector<mesh::RemoteFace> translate(mesh::DistMesh& mesh, const std::vector<std::array<GlobalId, 4>>& neighbour) {
+  const OwnCells own(mesh.cell_global);
+  std::vector<mesh::RemoteFace> remote;
+  assign_array(mesh.cell_to_cell, neighbour.size(), mesh::CellNeighbours{});
+  for (std::size_t c = 0; c < neighbour.size(); ++c)
+    for (std::size_t f = 0; f < 4; ++f) {
+      const auto id = neighbour[c][f];
+      const auto local = id < 0 ? static_cast<LocalId>(id) : own.find(id);
+      mesh.cell_to_cell[c][f] = local;
+      if (local == invalid_local) remote.push_back({{static_cast<LocalId>(c), static_cast<int>(f)}, 0, id});
+    }
+  return remote;
+}
+
+[[noreturn]] void refuse(GlobalId cell, GlobalId neighbour, const par::SharedKey& key) {
+  throw Error("cell_to_cell: expected the neighbours of a face to name each other, found cell " + std::to_string(cell) +
+              " with neighbour " + std::to_string(neighbour) + " across the face of nodes " + std::to_string(key[0]) +
+              " " + std::to_string(key[1]) + " " + std::to_string(key[2]) + ", where cell " +
+              std::to_string(neighbour) + " does not name cell " + std::to_string(cell));
+}
+
+bool has_node(const mesh::CellNodes& nodes, LocalId node) {
+  return nodes[0] == node || nodes[1] == node || nodes[2] == node || nodes[3] == node;
+}
+
+/// True when cell `d` names `c` across the face opposite corner `f` of `c`.
+bool is_returned(const mesh::DistMesh& mesh, LocalId c, std::size_t f, LocalId d) {
+  const auto& nodes = mesh.cell_to_node[static_cast<std::size_t>(c)];
+  const auto& other = mesh.cell_to_node[static_cast<std::size_t>(d)];
+  for (std::size_t i = 0; i < 4; ++i)
+    if (i != f && !has_node(other, nodes[i])) return false;
+  for (std::size_t g = 0; g < 4; ++g)
+    if (mesh.cell_to_cell[static_cast<std::size_t>(d)][g] == c && (other[g] == nodes[f] || !has_node(nodes, other[g])))
+      return true;
+  return false;
+}
+
+/// True when every own neighbour names its cell in turn: links up (to a cell with a larger number) are returned by as
+/// many different links down, and there are no more of these. Of a sound mesh this takes half of looking at both.
+bool all_returned(const mesh::DistMesh& mesh) {
+  std::int64_t n_up = 0, n_down = 0;
+  for (LocalId c = 0; c < mesh.n_cells(); ++c)
+    for (std::size_t f = 0; f < 4; ++f) {
+      const auto d = mesh.cell_to_cell[static_cast<std::size_t>(c)][f];
+      if (!mesh.is_own(d)) continue;
+      if (d > c && !is_returned(mesh, c, f, d)) return false;
+      (d > c ? n_up : n_down) += 1;
+    }
+  return n_up == n_down;
+}
+
+void check_own(const mesh::DistMesh& mesh) {
+  for (LocalId c = 0; c < mesh.n_cells(); ++c)
+    for (std::size_t f = 0; f < 4; ++f) {
+      const auto d = mesh.cell_to_cell[static_cast<std::size_t>(c)][f];
+      if (mesh.is_own(d) && !is_returned(mesh, c, f, d))
+        refuse(mesh.cell_global[static_cast<std::size_t>(c)], mesh.cell_global[static_cast<std::size_t>(d)],
+               mesh::face_key(mesh, {c, static_cast<int>(f)}));
+    }
+}
+
+/// Both lists are in the same order when they hold the same faces.
+void check_side(std::span<const FaceCard> mine, std::span<const FaceCard> theirs) {
+  const auto same = [](const FaceCard& a, const FaceCard& b) {
+    return a.key == b.key && a.own == b.other && a.other == b.own;
+  };
+  const auto [here, there] = std::mismatch(mine.begin(), mine.end(), theirs.begin(), theirs.end(), same);
+  if (here != mine.end() && (there == theirs.end() || here->key <= there->key))
+    refuse(here->own, here->other, here->key);
+  if (there != theirs.end()) refuse(there->own, there->other, there->key);
+}
+
+/// True when both sides of every rank-border face name the same nodes and each other's cell. Collective: one sparse
+/// exchange of 8 bytes a face.
+bool border_is_returned(const par::Comm& comm, const mesh::DistMesh& mesh) {
+  std::vector<par::Outgoing<std::uint64_t>> messages;
+  for (std::size_t i = 0; i < mesh.border_rank.size(); ++i) {
+    messages.push_back({mesh.border_rank[i], {}});
+    messages.back().item.reserve(mesh.border_offset[i + 1] - mesh.border_offset[i]);
+    for (auto k = mesh.border_offset[i]; k < mesh.border_offset[i + 1]; ++k)
+      messages.back().item.push_back(mesh::border_word(mesh, k, comm.rank() < mesh.border_rank[i]));
+  }
+  const auto arrived = comm.sparse_exchange(messages);
+  bool is_returned = arrived.rank == mesh.border_rank;
+  for (std::size_t i = 0; is_returned && i < messages.size(); ++i) {
+    const auto theirs = arrived.from(i);
+    is_returned = std::equal(theirs.begin(), theirs.end(), messages[i].item.begin(), messages[i].item.end());
+  }
+  return is_returned;
+}
+
+/// Says which neighbours do not name each other. Collective: one sparse exchange.
+void refuse_neighbours(const par::Comm& comm, const mesh::DistMesh& mesh) {
+  std::vector<par::Outgoing<FaceCard>> messages;
+  for (std::size_t i = 0; i < mesh.border_rank.size(); ++i) {
+    auto& cards = messages.emplace_back(par::Outgoing<FaceCard>{mesh.border_rank[i], {}}).item;
+    for (auto k = mesh.border_offset[i]; k < mesh.border_offset[i + 1]; ++k) {
+      const auto face = mesh.border_face[k];
+      cards.push_back(
+          {mesh::face_key(mesh, face), mesh.cell_global[static_cast<std::size_t>(face.cell)], mesh.ghost_global[k]});
+    }
+    std::sort(cards.begin(), cards.end(), [](const FaceCard& a, const FaceCard& b) { return a.key < b.key; });
+  }
+  const auto arrived = comm.sparse_exchange(messages);
+  par::agree(comm, [&] {
+    check_own(mesh);
+    for (std::size_t r = 0; r < arrived.rank.size(); ++r) {
+      const auto mine = std::find_if(messages.begin(), messages.end(),
+                                     [&](const auto& message) { return message.to == arrived.rank[r]; });
+      check_side(mine == messages.end() ? std::span<const FaceCard>{} : std::span<const FaceCard>(mine->item),
+                 arrived.from(r));
+    }
+    for (const auto& message : messages)
+      if (std::find(arrived.rank.begin(), arrived.rank.end(), message.to) == arrived.rank.end())
+        check_side(message.item, {});
+  });
+  PAMR_ENSURES(false && "neighbours that are not returned are refused");
+}
+
+}  // namespace
+
+CellOwners find_owners(const par::Comm& comm, IdRange cells, const std::vector<GlobalId>& id,
+                       const Contents& contents) {
+  CellOwners owners;
+  if (contents.has_destinations) {
+    const std::vector<Rank> me(id.size(), comm.rank());
+    owners.of_block = par::scatter_rows<Rank>(comm, cells, me, 1, id);
+    return owners;
+  }
+  owners.first = comm.all_gather(id.empty() ? -1 : id.front());
+  GlobalId next = cells.end();
+  for (auto first = owners.first.rbegin(); first != owners.first.rend(); ++first) {
+    if (*first < 0) *first = next;
+    next = *first;
+  }
+  return owners;
+}
+
+void link_neighbours(const par::Comm& comm, mesh::DistMesh& mesh, std::vector<std::array<GlobalId, 4>> neighbour,
+                     const CellOwners& owners) {
+  auto remote = translate(mesh, neighbour);
+  neighbour = {};
+  ask_owners(comm, mesh.info.cell_ids(), owners, remote);
+  mesh::fill_border(comm.rank(), mesh, remote);
+  const bool on_border = border_is_returned(comm, mesh);
+  if (comm.any(!on_border || !all_returned(mesh))) refuse_neighbours(comm, mesh);
+}
+
+}  // namespace pamr::assemble

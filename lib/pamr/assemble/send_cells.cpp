@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <numeric>
+#include <utility>
+
+#include "pamr/assemble/assemble_steps.hpp"
+#include "pamr/base/memory.hpp"
+#include "pamr/base/sorted_order.hpp"
+
+namespace pamr::assemble {
+
+namespace {
+
+constexpr std::size_t cells_of_round = std::size_t{1} << 17U;
+
+/// A cell on its way, without its fields.
+struct Traveller {
+  GlobalId id = 0;
+  std::array<GlobalId, 4> node{};
+  std::array<GlobalId, 4> neighbour{};
+  std::uint64_t lineage = 0;
+};
+
+std::vector<std::size_t> find_departing(const std::vector<Rank>& to, Rank here) {
+  std::vector<std::size_t> departing;
+  for (std::size_t i = 0; i < to.size(); ++i)
+    if (to[i] != here) departing.push_back(i);
+  return departing;
+}
+
+/// The cells of one round, grouped by target.
+std::vector<par::Outgoing<std::size_t>> group_by_target(std::span<const std::size_t> cells,
+                                                        const std::vector<Rank>& to) {
+  std::vector<std::size_t> order(cells.begin(), cells.end());
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return to[a] < to[b]; });
+  std::vector<par::Outgoing<std::size_t>> groups;
+  for (const auto cell : order) {
+    if (groups.empty() || groups.back().to != to[cell]) groups.push_back({to[cell], {}});
+    groups.back().item.push_back(cell);
+  }
+  return groups;
+}
+
+template <class T, class Make>
+par::Received<T> send_groups(const par::Comm& comm, const std::vector<par::Outgoing<std::size_t>>& groups,
+                             std::size_t width, Make append) {
+  std::vector<par::Outgoing<T>> messages;
+  for (const auto& group : groups) {
+    messages.push_back({group.to, {}});
+    messages.back().item.reserve(group.item.size() * width);
+    for (const auto cell : group.item) append(cell, messages.back().item);
+  }
+  return comm.sparse_exchange(messages);
+}
+
+void send_round(const par::Comm& comm, const GlobalCells& from, std::span<const std::size_t> cells,
+                const std::vector<Rank>& to, bool has_neighbours, GlobalCells& arrived) {
+  const auto groups = group_by_target(cells, to);
+  const auto travellers = send_groups<Traveller>(comm, groups, 1, [&](std::size_t cell, std::vector<Traveller>& out) {
+    out.push_back({from.id[cell], from.node[cell], has_neighbours ? from.neighbour[cell] : std::array<GlobalId, 4>{},
+                   from.lineage[cell].bits()});
+  });
+  for (const auto& cell : travellers.item) {
+    arrived.id.push_back(cell.id);
+    arrived.node.push_back(cell.node);
+    if (has_neighbours) arrived.neighbour.push_back(cell.neighbour);
+    arrived.lineage.push_back(mesh::Lineage(static_cast<std::uint32_t>(cell.lineage)));
+  }
+  for (std::size_t f = 0; f < from.field.size(); ++f)
+    std::visit(
+        [&]<class T>(const std::vector<T>& values) {
+          const auto width = static_cast<std::size_t>(from.field[f].n_components);
+          const auto rows = send_groups<T>(comm, groups, width, [&](std::size_t cell, std::vector<T>& out) {
+            const auto row = values.begin() + static_cast<std::ptrdiff_t>(cell * width);
+            out.insert(out.end(), row, row + static_cast<std::ptrdiff_t>(width));
+          });
+          auto& all = std::get<std::vector<T>>(arrived.field[f].value);
+          all.insert(all.end(), rows.item.begin(), rows.item.end());
+        },
+        from.field[f].value);
+}
+
+/// Calls `change(array, width)` for every array of the cells.
+template <class Change>
+void for_each_array(GlobalCells& cells, bool has_neighbours, Change change) {
+  change(cells.id, 1);
+  change(cells.node, 1);
+  if (has_neighbours) change(cells.neighbour, 1);
+  change(cells.lineage, 1);
+  for (auto& field : cells.field)
+    std::visit([&](auto& values) { change(values, static_cast<std::size_t>(field.n_components)); }, field.value);
+}
+
+/// Rows `order` of an array, in that order.
+template <class T>
+void select_rows(std::vector<T>& rows, std::size_t width, std::span<const std::size_t> order) {
+  std::vector<T> selected;
+  reserve_array(selected, order.size() * width);
+  for (const auto i : order)
+    for (std::size_t k = 0; k < width; ++k) selected.push_back(rows[i * width + k]);
+  rows = std::move(selected);
+}
+
+/// Rows of the cells that stay, then of those that arrived (as if they stood behind all the old ones), by number.
+std::vector<std::size_t> order_by_number(const std::vector<GlobalId>& old_id, const std::vector<GlobalId>& arrived_id,
+                                         const std::vector<Rank>& to, Rank here) {
+  std::vector<std::size_t> row;
+  std::vector<std::uint64_t> id;
+  for (std::size_t i = 0; i < old_id.size(); ++i)
+    if (to[i] == here) row.push_back(i);
+  for (std::size_t i = 0; i < arrived_id.size(); ++i) row.push_back(old_id.size() + i);
+  id.reserve(row.size());
+  for (const auto i : row)
+    id.push_back(static_cast<std::uint64_t>(i < old_id.size() ? old_id[i] : arrived_id[i - old_id.size()]));
+  const auto least = id.empty() ? 0 : *std::min_element(id.begin(), id.end());
+  for (auto& number : id) number -= least;
+  std::vector<std::size_t> result;
+  result.reserve(row.size());
+  for (const auto i : sorted_order(id)) result.push_back(row[i]);
+  return result;
+}
+
+/// Drops the departed cells, adds the arrived ones and puts all in ascending order.
+void merge(GlobalCells& cells, GlobalCells arrived, const std::vector<Rank>& to, Rank here, bool has_neighbours) {
+  const auto order = order_by_number(cells.id, arrived.id, to, here);
+  const auto append = [&](auto& mine, auto& theirs) {
+    mine.insert(mine.end(), theirs.begin(), theirs.end());
+    theirs = {};
+  };
+  append(cells.id, arrived.id);
+  append(cells.node, arrived.node);
+  append(cells.neighbour, arrived.neighbour);
+  append(cells.lineage, arrived.lineage);
+  for (std::size_t f = 0; f < cells.field.size(); ++f)
+    std::visit(
+        [&]<class T>(std::vector<T>& values) { append(values, std::get<std::vector<T>>(arrived.field[f].value)); },
+        cells.field[f].value);
+  for_each_array(cells, has_neighbours, [&](auto& rows, std::size_t width) { select_rows(rows, width, order); });
+}
+
+}  // namespace
+
+GlobalCells take_cells(mesh::BlockMesh& block, const Contents& contents) {
+  GlobalCells cells;
+  const auto n = block.cell_to_node.size();
+  cells.node = std::exchange(block.cell_to_node, {});
+  cells.neighbour = std::exchange(block.cell_to_cell, {});
+  cells.lineage = std::exchange(block.lineage, {});
+  if (!contents.has_lineage) cells.lineage.resize(n);
+  cells.field = std::exchange(block.cell_fields, {});
+  return cells;
+}
+
+void exchange_cells(const par::Comm& comm, GlobalCells& cells, const std::vector<Rank>& to, const Contents& contents) {
+  const auto departing = find_departing(to, comm.rank());
+  const auto rounds = static_cast<std::size_t>(
+      comm.max(static_cast<std::int64_t>((departing.size() + cells_of_round - 1) / cells_of_round)));
+  if (rounds == 0 && std::is_sorted(cells.id.begin(), cells.id.end())) return;
+
+  GlobalCells arrived;
+  for (const auto& field : cells.field) {
+    auto& empty =
+        arrived.field.emplace_back(mesh::CellField{field.name, field.unit, field.n_components, field.storage, {}});
+    if (field.holds_integers()) empty.value = std::vector<std::int64_t>{};
+  }
+  for (std::size_t round = 0; round < rounds; ++round) {
+    const auto begin = std::min(round * cells_of_round, departing.size());
+    const auto end = std::min(begin + cells_of_round, departing.size());
+    send_round(comm, cells, std::span<const std::size_t>(departing).subspan(begin, end - begin), to,
+               contents.has_neighbours, arrived);
+  }
+  merge(cells, std::move(arrived), to, comm.rank(), contents.has_neighbours);
+}
+
+GlobalCells send_cells(const par::Comm& comm, mesh::BlockMesh& block, std::vector<Rank> to, const Contents& contents) {
+  auto cells = take_cells(block, contents);
+  reserve_array(cells.id, cells.node.size());
+  cells.id.resize(cells.node.size());
+  std::iota(cells.id.begin(), cells.id.end(), block.first_cell);
+  exchange_cells(comm, cells, to, contents);
+  return cells;
+}
+
+}  // namespace pamr::assemble

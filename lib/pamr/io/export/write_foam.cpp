@@ -1,0 +1,281 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Source of the format: OpenFOAM user guide, "Mesh description", and the source of primitiveMesh for the order of
+// faces.
+#include "pamr/io/export/write_foam.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "pamr/base/error.hpp"
+#include "pamr/io/rows_in_order.hpp"
+#include "pamr/io/shared_output.hpp"
+#include "pamr/mesh/tet.hpp"
+#include "pamr/par/exchange.hpp"
+
+namespace pamr::io {
+
+namespace {
+
+namespace fs = std::filesystem;
+using Nodes = std::array<GlobalId, 3>;
+
+/// A face of a cell of this rank's block: its nodes, seen counter-clockwise from outside, and the cells at it.
+struct Face {
+  GlobalId owner = 0, neighbour = -1;
+  Nodes node{};
+};
+
+template <class T>
+void append_number(std::string& text, T value) {
+  std::array<char, 40> digits{};
+  text.append(digits.data(), std::to_chars(digits.data(), digits.data() + digits.size(), value).ptr);
+}
+
+std::string header(const std::string& kind, const std::string& name, const std::string& note = {}) {
+  return "FoamFile\n{\n    version     2.0;\n    format      ascii;\n    class       " + kind + ";\n" +
+         (note.empty() ? "" : "    note        \"" + note + "\";\n") +
+         "    location    \"constant/polyMesh\";\n    object      " + name + ";\n}\n\n";
+}
+
+/// Neighbour cells of this rank's canonical block, numbered from 0; negative at the boundary.
+std::vector<std::array<GlobalId, 4>> neighbours_in_order(const par::Comm& comm, const mesh::DistMesh& mesh) {
+  std::vector<std::array<GlobalId, 4>> rows(mesh.cell_to_cell.size());
+  for (std::size_t c = 0; c < rows.size(); ++c)
+    for (std::size_t i = 0; i < 4; ++i) {
+      const auto next = mesh.cell_to_cell[c][i];
+      const auto global = [&] {
+        if (next < 0) return GlobalId{-1};
+        const auto id = mesh.is_ghost(next) ? mesh.ghost_global[static_cast<std::size_t>(next - mesh.n_cells())]
+                                            : mesh.cell_global[static_cast<std::size_t>(next)];
+        return id - mesh.info.first_id;
+      };
+      rows[c][i] = global();
+    }
+  return par::scatter_rows<std::array<GlobalId, 4>>(comm, mesh.info.cell_ids(), rows, 1, mesh.cell_global);
+}
+
+/// The faces of this rank's cells in the order of the file: first the inner ones, then a list for each patch.
+std::vector<std::vector<Face>> faces_of(const par::Comm& comm, const mesh::DistMesh& mesh, const RowsInOrder& rows) {
+  const auto neighbours = neighbours_in_order(comm, mesh);
+  std::vector<std::vector<Face>> parts(1 + mesh.info.patches.size());
+  for (std::size_t c = 0; c < rows.cell_to_node.size(); ++c) {
+    const auto cell = rows.first_cell + static_cast<GlobalId>(c);
+    const auto first_inner = static_cast<std::ptrdiff_t>(parts[0].size());
+    for (std::size_t slot = 0; slot < 4; ++slot) {
+      const auto next = neighbours[c][slot];
+      if (next >= 0 && next < cell) continue;
+      Face face{cell, next, {}};
+      for (std::size_t i = 0; i < 3; ++i)
+        face.node[i] = rows.cell_to_node[c][static_cast<std::size_t>(mesh::tet::face_to_corner[slot][i])];
+      parts[next >= 0 ? 0 : 1 + static_cast<std::size_t>(rows.patch[c][slot])].push_back(face);
+    }
+    std::sort(parts[0].begin() + first_inner, parts[0].end(),
+              [](const Face& a, const Face& b) { return a.neighbour < b.neighbour; });
+  }
+  return parts;
+}
+
+/// A name as a word of OpenFOAM.
+std::string word_of(const std::string& name) {
+  std::string word;
+  for (const char c : name)
+    word += c <= ' ' || c > '~' || std::string_view("\"'/;{}()[]$#\\").find(c) != std::string_view::npos ? '_' : c;
+  return word;
+}
+
+/// Names as words of OpenFOAM, which have to differ.
+std::vector<std::string> words(const std::string& what, const std::vector<std::string>& names) {
+  std::vector<std::string> result;
+  for (const auto& name : names) {
+    auto word = word_of(name);
+    if (std::find(result.begin(), result.end(), word) != result.end())
+      throw Error(what + " '" + name + "': expected names that differ in OpenFOAM's characters, found \"" + word +
+                  "\" twice");
+    result.push_back(std::move(word));
+  }
+  return result;
+}
+
+std::vector<std::string> words_of_patches(const mesh::MeshInfo& info) {
+  std::vector<std::string> names;
+  for (const auto& patch : info.patches) names.push_back(patch.name);
+  return words("patch", names);
+}
+
+/// Names of the zones of the given regions.
+std::vector<std::string> words_of_regions(const mesh::MeshInfo& info, const std::vector<std::int64_t>& numbers) {
+  std::vector<std::string> names;
+  for (const auto number : numbers) {
+    const auto name = name_of_region(info, number);
+    names.push_back(name.empty() ? "region_" + std::to_string(number) : name);
+  }
+  return words("region", names);
+}
+
+class Writer {
+ public:
+  Writer(const par::Comm& comm, fs::path folder, const mesh::DistMesh& mesh)
+      : comm_(comm),
+        folder_(std::move(folder)),
+        mesh_(mesh),
+        rows_(rows_in_order(comm, mesh)),
+        parts_(faces_of(comm, mesh, rows_)) {
+    for (const auto& part : parts_) {
+      n_faces_.push_back(comm.sum(static_cast<std::int64_t>(part.size())));
+      n_all_ += n_faces_.back();
+    }
+  }
+
+  void write() {
+    std::string points;
+    for (const auto p : rows_.position) {
+      points += '(';
+      append_number(points, p.x);
+      append_number(points += ' ', p.y);
+      append_number(points += ' ', p.z);
+      points += ")\n";
+    }
+    write_list("vectorField", "points", mesh_.info.n_global_nodes, {points});
+    write_list("faceList", "faces", n_all_, texts(parts_.size(), [](std::string& text, const Face& face) {
+                 append_number(text += "3(", face.node[0]);
+                 append_number(text += ' ', face.node[1]);
+                 append_number(text += ' ', face.node[2]);
+                 text += ")\n";
+               }));
+    write_list("labelList", "owner", n_all_, texts(parts_.size(), [](std::string& text, const Face& face) {
+                 append_number(text, face.owner);
+                 text += '\n';
+               }));
+    write_list("labelList", "neighbour", n_faces_[0], texts(1, [](std::string& text, const Face& face) {
+                 append_number(text, face.neighbour);
+                 text += '\n';
+               }));
+    write_boundary();
+    write_zones();
+  }
+
+ private:
+  template <class Line>
+  std::vector<std::string> texts(std::size_t n_parts, const Line& line) const {
+    std::vector<std::string> result(n_parts);
+    for (std::size_t part = 0; part < n_parts; ++part)
+      for (const auto& face : parts_[part]) line(result[part], face);
+    return result;
+  }
+
+  /// A list of `n` items: of each part the ranks' texts one after another.
+  void write_list(const std::string& kind, const std::string& name, std::int64_t n,
+                  const std::vector<std::string>& parts) {
+    // OpenFOAM's tools take the sizes from this note before they read anything else.
+    const std::string note = name == "owner" || name == "neighbour"
+                                 ? "nPoints:" + std::to_string(mesh_.info.n_global_nodes) +
+                                       "  nCells:" + std::to_string(mesh_.info.n_global_cells) +
+                                       "  nFaces:" + std::to_string(n_all_) +
+                                       "  nInternalFaces:" + std::to_string(n_faces_[0])
+                                 : "";
+    SharedOutput out(comm_, folder_ / name);
+    out.append_once(header(kind, name, note) + std::to_string(n) + "\n(\n");
+    for (const auto& part : parts) out.append(part);
+    out.append_once(")\n");
+    out.commit();
+  }
+
+  void write_boundary() {
+    const auto& patches = mesh_.info.patches;
+    const auto names = words_of_patches(mesh_.info);
+    std::string text = header("polyBoundaryMesh", "boundary") + std::to_string(patches.size()) + "\n(\n";
+    auto start = n_faces_[0];
+    for (std::size_t p = 0; p < patches.size(); ++p) {
+      const auto& kind = patches[p].kind;
+      const bool is_type = kind == "wall" || kind == "symmetry" || kind == "symmetryPlane";
+      text += "    " + names[p] + "\n    {\n        type            " + (is_type ? kind : "patch") +
+              ";\n        nFaces          " + std::to_string(n_faces_[1 + p]) + ";\n        startFace       " +
+              std::to_string(start) + ";\n    }\n";
+      start += n_faces_[1 + p];
+    }
+    SharedOutput out(comm_, folder_ / "boundary");
+    out.append_once(text + ")\n");
+    out.commit();
+  }
+
+  /// The cells of each region but 0, which stands for none.
+  void write_zones() {
+    auto regions = regions_in_order(comm_, mesh_);
+    std::erase(regions.all, 0);
+    if (regions.all.empty()) return;
+    const auto names = words_of_regions(mesh_.info, regions.all);
+    SharedOutput out(comm_, folder_ / "cellZones");
+    out.append_once(header("regIOobject", "cellZones") + std::to_string(names.size()) + "\n(\n");
+    for (std::size_t r = 0; r < names.size(); ++r) {
+      std::string cells;
+      std::int64_t n = 0;
+      for (std::size_t c = 0; c < regions.of_cell.size(); ++c)
+        if (regions.of_cell[c] == regions.all[r]) {
+          append_number(cells, rows_.first_cell + static_cast<GlobalId>(c));
+          cells += '\n';
+          ++n;
+        }
+      out.append_once("    " + names[r] +
+                      "\n    {\n        type            cellZone;\n        cellLabels      List<label>\n" +
+                      std::to_string(comm_.sum(n)) + "\n(\n");
+      out.append(cells);
+      out.append_once(")\n;\n    }\n");
+    }
+    out.append_once(")\n");
+    out.commit();
+  }
+
+  const par::Comm& comm_;
+  fs::path folder_;
+  const mesh::DistMesh& mesh_;
+  RowsInOrder rows_;
+  std::vector<std::vector<Face>> parts_;
+  std::vector<std::int64_t> n_faces_;  ///< of each part, all ranks
+  std::int64_t n_all_ = 0;
+};
+
+/// Does something with the disk on one rank; the system's errors become `Error` on every rank.
+template <class Do>
+void on_disk(const par::Comm& comm, const fs::path& folder, const Do& act) {
+  par::agree(comm, [&] {
+    if (!comm.is_first()) return;
+    try {
+      act();
+    } catch (const fs::filesystem_error& error) {
+      throw Error("folder '" + folder.string() + "': cannot write it: " + error.code().message());
+    }
+  });
+}
+
+}  // namespace
+
+fs::path partial_foam_folder(const fs::path& case_folder) { return case_folder / "constant" / "polyMesh.partial"; }
+
+void write_foam(const par::Comm& comm, const fs::path& case_folder, const mesh::DistMesh& mesh) {
+  (void)words_of_patches(mesh.info);
+  const auto partial = partial_foam_folder(case_folder), whole = case_folder / "constant" / "polyMesh";
+  const auto old = case_folder / "constant" / "polyMesh.old";
+  on_disk(comm, whole, [&] {
+    fs::remove_all(partial);
+    fs::create_directories(partial);
+  });
+  try {
+    Writer(comm, partial, mesh).write();
+    on_disk(comm, whole, [&] {
+      fs::remove_all(old);
+      if (fs::exists(whole)) fs::rename(whole, old);
+      fs::rename(partial, whole);
+      fs::remove_all(old);
+    });
+  } catch (const Error&) {  // reaches every rank
+    std::error_code ignored;
+    if (comm.is_first()) fs::remove_all(partial, ignored);
+    throw;
+  }
+}
+
+}  // namespace pamr::io

@@ -1,0 +1,396 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "pamr/io/gmsh/read_gmsh.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <optional>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "pamr/assemble/assemble.hpp"
+#include "pamr/base/error.hpp"
+#include "pamr/base/hash.hpp"
+#include "pamr/geometry/orientation.hpp"
+#include "pamr/io/gmsh/gmsh_parts.hpp"
+#include "pamr/mesh/tet.hpp"
+#include "pamr/order/order_along_curve.hpp"
+#include "pamr/par/exchange.hpp"
+#include "pamr/par/mailbox.hpp"
+
+namespace pamr::io {
+
+namespace {
+
+using gmsh::Parts;
+using Face = std::array<GlobalId, 3>;
+
+constexpr std::size_t at(std::int64_t i) { return static_cast<std::size_t>(i); }
+
+struct Header {
+  double version = 0;
+  bool is_binary = false;
+};
+
+Header read_header(TextCursor& in) {
+  if (in.line() != "$MeshFormat") in.fail("a Gmsh file that begins with $MeshFormat", "another beginning");
+  const double version = in.real("the version of the format");
+  const auto kind = in.integer("0 for text or 1 for binary"), size = in.integer("the size of a real");
+  if (version != 2.2 && version != 4.1) in.fail("version 2.2 or 4.1 of the format", std::to_string(version));
+  if (kind != 0 && kind != 1) in.fail("0 for text or 1 for binary", std::to_string(kind));
+  if (size != 8) in.fail("reals of 8 bytes", std::to_string(size));
+  (void)in.line();
+  if (kind == 1 && in.value<std::int32_t>("a one that shows the order of bytes") != 1)
+    in.fail("binary numbers with the least byte first", "another order of bytes");
+  auto end = in.line();
+  if (end.empty()) end = in.line();
+  if (end != "$EndMeshFormat") in.fail("$EndMeshFormat", "another line");
+  return {version, kind == 1};
+}
+
+/// Collective.
+Parts read_parts(const par::Comm& comm, const std::filesystem::path& file) {
+  std::optional<MappedFile> mapped;
+  std::optional<TextCursor> in;
+  Header header;
+  par::agree(comm, [&] {
+    mapped.emplace(file);
+    in.emplace(mapped->bytes(), file.string());
+    header = read_header(*in);
+  });
+  const auto size = static_cast<std::int64_t>(mapped->bytes().size());
+  if (comm.min(size) != comm.max(size))
+    throw Error("file '" + file.string() + "': expected a file that stays as it is, found one of several sizes");
+  std::optional<LineIndex> lines;
+  if (comm.any(!header.is_binary) && comm.size() > 1) lines.emplace(comm, mapped->bytes());
+  Parts parts;
+  par::agree(comm, [&] {
+    if (lines) in->use_index(&*lines);
+    const gmsh::Share share{comm.rank(), comm.size()};
+    parts = header.version == 2.2 ? gmsh::read_parts_2(*in, header.is_binary, share)
+                                  : gmsh::read_parts_4(*in, header.is_binary, share);
+  });
+  return parts;
+}
+
+/// What the file holds that cannot become a mesh of tetrahedra. Collective.
+void refuse_what_does_not_fit(const par::Comm& comm, const Parts& parts, const std::string& file) {
+  std::string found;
+  for (int type = 1; type <= 125; ++type) {
+    const auto here = parts.refused.find(type);
+    const bool is_anywhere = gmsh::n_nodes_of_type(type) > 0;
+    const auto n = is_anywhere ? comm.sum(here == parts.refused.end() ? 0 : here->second) : 0;
+    if (n > 0) found += (found.empty() ? "" : ", ") + std::to_string(n) + " " + gmsh::name_of_type(type);
+  }
+  if (!found.empty())
+    throw Error("file '" + file +
+                "': expected tetrahedra and triangles of first order (points and lines are left out), "
+                "found " +
+                found);
+  if (parts.n_periodic_links > 0)
+    throw Error("file '" + file + "': expected no periodic links, found " + std::to_string(parts.n_periodic_links));
+  if (comm.sum(static_cast<std::int64_t>(parts.tetrahedron.size())) == 0)
+    throw Error("file '" + file + "': expected tetrahedra, found none");
+}
+
+/// From the numbers that the file gives its nodes to their place in the file. Collective.
+class NodeTable {
+ public:
+  NodeTable(const par::Comm& comm, const Parts& parts, const std::string& file) : comm_(comm), file_(file) {
+    std::int64_t least = std::numeric_limits<std::int64_t>::max(), greatest = 0;
+    for (const auto tag : parts.node_tag) {
+      least = std::min(least, tag);
+      greatest = std::max(greatest, tag);
+    }
+    least = comm.min(least);
+    greatest = comm.max(greatest);
+    if (parts.n_nodes == 0) throw Error("file '" + file + "': expected nodes, found none");
+    if (least < 0 || greatest - least >= 64 * parts.n_nodes + 1024)
+      throw Error("file '" + file + "': expected node numbers from 0 on without wide gaps, found numbers from " +
+                  std::to_string(least) + " to " + std::to_string(greatest) + " for " + std::to_string(parts.n_nodes) +
+                  " nodes");
+    tags_ = {greatest - least + 1, least};
+    std::vector<GlobalId> place(parts.node_tag.size());
+    const auto own = par::block_range(parts.n_nodes, comm.rank(), comm.size());
+    for (std::size_t i = 0; i < place.size(); ++i) place[i] = own.begin + static_cast<GlobalId>(i) + 1;
+    place_ = par::scatter_rows<GlobalId>(comm, tags_, place, 1, parts.node_tag);
+    const auto back = par::fetch_rows<GlobalId>(comm, tags_, place_, 1, parts.node_tag);
+    par::agree(comm, [&] {
+      for (std::size_t i = 0; i < back.size(); ++i)
+        if (back[i] != place[i])
+          throw Error("file '" + file_ + "': expected every node number once, found " +
+                      std::to_string(parts.node_tag[i]) + " twice");
+    });
+  }
+
+  /// Replaces numbers by places. Collective.
+  void translate(std::vector<GlobalId>& tags) const {
+    par::agree(comm_, [&] {
+      for (const auto tag : tags)
+        if (!tags_.contains(tag)) fail(tag);
+    });
+    auto place = par::fetch_rows<GlobalId>(comm_, tags_, place_, 1, tags);
+    par::agree(comm_, [&] {
+      for (std::size_t i = 0; i < tags.size(); ++i)
+        if (place[i]-- == 0) fail(tags[i]);
+    });
+    tags = std::move(place);
+  }
+
+ private:
+  [[noreturn]] void fail(GlobalId tag) const {
+    throw Error("file '" + file_ + "': expected elements of nodes that are there, found node number " +
+                std::to_string(tag));
+  }
+
+  const par::Comm& comm_;
+  const std::string& file_;
+  IdRange tags_{0};
+  std::vector<GlobalId> place_;
+};
+
+/// Cells and boundary triangles by the places of their nodes.
+struct Numbered {
+  std::vector<std::array<GlobalId, 4>> cell;
+  std::vector<Face> triangle;
+  GlobalId n_nodes = 0;
+  std::vector<geometry::Vec3> position;  ///< canonical block
+  std::int64_t n_dropped = 0;
+};
+
+template <class Item>
+std::vector<GlobalId> flatten(const std::vector<Item>& items) {
+  std::vector<GlobalId> flat;
+  flat.reserve(items.size() * std::tuple_size_v<decltype(Item::node)>);
+  for (const auto& item : items) flat.insert(flat.end(), item.node.begin(), item.node.end());
+  return flat;
+}
+
+/// Leaves out the nodes that no cell has and closes the gaps in the numbering. Collective.
+Numbered number(const par::Comm& comm, const Parts& parts, const std::string& file) {
+  const NodeTable table(comm, parts, file);
+  auto corners = flatten(parts.tetrahedron), of_triangles = flatten(parts.triangle);
+  table.translate(corners);
+  table.translate(of_triangles);
+
+  const std::vector<std::uint8_t> one(corners.size(), 1);
+  const auto is_used = par::scatter_rows<std::uint8_t>(comm, parts.n_nodes, one, 1, corners);
+  Numbered result;
+  std::int64_t n_used = 0;
+  for (const auto used : is_used) n_used += used;
+  auto next = comm.exclusive_sum(n_used);
+  result.n_nodes = comm.sum(n_used);
+  result.n_dropped = parts.n_nodes - result.n_nodes;
+  std::vector<GlobalId> new_number(is_used.size(), -1), kept;
+  std::vector<geometry::Vec3> position;
+  for (std::size_t i = 0; i < is_used.size(); ++i)
+    if (is_used[i] != 0) {
+      new_number[i] = next++;
+      kept.push_back(new_number[i]);
+      position.push_back(parts.position[i]);
+    }
+  result.position = par::scatter_rows<geometry::Vec3>(comm, result.n_nodes, position, 1, kept);
+  corners = par::fetch_rows<GlobalId>(comm, parts.n_nodes, new_number, 1, corners);
+  of_triangles = par::fetch_rows<GlobalId>(comm, parts.n_nodes, new_number, 1, of_triangles);
+  for (std::size_t i = 0; i < corners.size(); i += 4)
+    result.cell.push_back({corners[i], corners[i + 1], corners[i + 2], corners[i + 3]});
+  for (std::size_t i = 0; i < of_triangles.size(); i += 3)
+    result.triangle.push_back({of_triangles[i], of_triangles[i + 1], of_triangles[i + 2]});
+  return result;
+}
+
+/// Turns inverted cells over, or refuses them; refuses flat ones. Returns how many were turned. Collective.
+std::int64_t orient(const par::Comm& comm, Numbered& numbered, bool repair, const std::string& file) {
+  std::vector<GlobalId> corners;
+  corners.reserve(4 * numbered.cell.size());
+  for (const auto& cell : numbered.cell) corners.insert(corners.end(), cell.begin(), cell.end());
+  const auto p = par::fetch_rows<geometry::Vec3>(comm, numbered.n_nodes, numbered.position, 1, corners);
+  std::int64_t n_flat = 0, n_inverted = 0;
+  for (std::size_t c = 0; c < numbered.cell.size(); ++c) {
+    const int sign = geometry::orientation(p[4 * c], p[4 * c + 1], p[4 * c + 2], p[4 * c + 3]);
+    n_flat += sign == 0 ? 1 : 0;
+    n_inverted += sign < 0 ? 1 : 0;
+    if (sign < 0) std::swap(numbered.cell[c][2], numbered.cell[c][3]);
+  }
+  n_flat = comm.sum(n_flat);
+  n_inverted = comm.sum(n_inverted);
+  if (n_flat > 0)
+    throw Error("file '" + file + "': expected cells with a volume, found " + std::to_string(n_flat) + " flat ones");
+  if (n_inverted > 0 && !repair)
+    throw Error("file '" + file + "': expected cells of positive volume, found " + std::to_string(n_inverted) +
+                " inverted ones (--repair turns them over)");
+  return n_inverted;
+}
+
+/// All groups that triangles of any rank belong to, ascending. Collective.
+std::vector<std::int64_t> all_groups(const par::Comm& comm, const Parts& parts) {
+  std::set<std::int64_t> here;
+  for (const auto& triangle : parts.triangle) here.insert(triangle.group);
+  par::Mailbox<std::int64_t> box(comm);
+  for (const auto group : here) box.add(0, group);
+  const auto received = box.send();
+  const std::set<std::int64_t> all(received.item.begin(), received.item.end());
+  return comm.broadcast(std::vector<std::int64_t>(all.begin(), all.end()));
+}
+
+/// Physical volumes with a name, ascending.
+std::vector<mesh::Region> named_regions(const Parts& parts) {
+  std::vector<mesh::Region> regions;
+  for (const auto& [group, name] : parts.group_name)
+    if (group.first == 3 && !name.empty()) regions.push_back({group.second, name});
+  return regions;
+}
+
+std::string name_of_group(const Parts& parts, std::int64_t group) {
+  const auto named = parts.group_name.find({2, group});
+  if (group > 0 && named != parts.group_name.end() && !named->second.empty()) return named->second;
+  return (group > 0 ? "physical_" : "surface_") + std::to_string(std::abs(group));
+}
+
+/// A boundary face or a triangle at the rank where the two meet.
+struct Meeting {
+  Face face;           ///< ascending
+  std::int64_t group;  ///< index of the triangle's patch, -1 for a face of a cell
+  LocalId cell;        ///< of a face of a cell, on the rank that sent it
+  int slot;
+};
+
+struct Answer {
+  LocalId cell;
+  int slot;
+  std::int64_t patch;
+};
+
+Face sorted(Face face) {
+  std::sort(face.begin(), face.end());
+  return face;
+}
+
+Rank meeting_rank(const par::Comm& comm, const Face& face) {
+  std::uint64_t h = 0;
+  for (const auto node : face) h = combine(h, static_cast<std::uint64_t>(node));
+  return static_cast<Rank>(h % static_cast<std::uint64_t>(comm.size()));
+}
+
+/// Gives boundary faces the patches of the triangles on them; faces without triangle keep `untagged`. Returns how many
+/// these are. Collective.
+std::int64_t tag_faces(const par::Comm& comm, mesh::DistMesh& mesh, const std::vector<Face>& triangle,
+                       const std::vector<std::int64_t>& patch_of_triangle, int untagged, const std::string& file) {
+  par::Mailbox<Meeting> box(comm);
+  for (LocalId c = 0; c < mesh.n_cells(); ++c)
+    for (int slot = 0; slot < 4; ++slot) {
+      if (mesh.cell_to_cell[at(c)][at(slot)] >= 0) continue;
+      mesh.cell_to_cell[at(c)][at(slot)] = mesh::patch_to_slot(untagged);
+      Face face{};
+      for (std::size_t i = 0; i < 3; ++i)
+        face[i] = mesh.node_global[at(mesh.cell_to_node[at(c)][at(mesh::tet::face_to_corner[at(slot)][i])])];
+      face = sorted(face);
+      box.add(meeting_rank(comm, face), {face, -1, c, slot});
+    }
+  for (std::size_t t = 0; t < triangle.size(); ++t) {
+    const auto face = sorted(triangle[t]);
+    box.add(meeting_rank(comm, face), {face, patch_of_triangle[t], 0, 0});
+  }
+  const auto received = box.send();
+  std::vector<std::pair<Meeting, Rank>> meeting;
+  for (std::size_t r = 0; r < received.rank.size(); ++r)
+    for (const auto& item : received.from(r)) meeting.push_back({item, received.rank[r]});
+  std::sort(meeting.begin(), meeting.end(), [](const auto& a, const auto& b) {
+    return a.first.face != b.first.face ? a.first.face < b.first.face : a.first.group < b.first.group;
+  });
+  std::int64_t n_inside = 0, n_twice = 0, n_untagged = 0;
+  par::Mailbox<Answer> answers(comm);
+  for (std::size_t i = 0; i < meeting.size();) {
+    std::size_t end = i;
+    while (end < meeting.size() && meeting[end].first.face == meeting[i].first.face) ++end;
+    const bool has_face = meeting[i].first.group < 0;
+    const std::size_t first_triangle = i + (has_face ? 1 : 0);
+    if (!has_face) n_inside += static_cast<std::int64_t>(end - i);
+    if (has_face && first_triangle == end) ++n_untagged;
+    if (has_face && first_triangle < end) {
+      if (meeting[first_triangle].first.group != meeting[end - 1].first.group) ++n_twice;
+      const auto& face = meeting[i];
+      answers.add(face.second, {face.first.cell, face.first.slot, meeting[first_triangle].first.group});
+    }
+    i = end;
+  }
+  const auto answered = answers.send();
+  for (const auto& answer : answered.item)
+    mesh.cell_to_cell[at(answer.cell)][at(answer.slot)] = mesh::patch_to_slot(static_cast<int>(answer.patch));
+  n_inside = comm.sum(n_inside);
+  n_twice = comm.sum(n_twice);
+  if (n_inside > 0)
+    throw Error("file '" + file + "': expected tagged triangles on the boundary of the tetrahedra, found " +
+                std::to_string(n_inside) + " inside the domain or apart from it");
+  if (n_twice > 0)
+    throw Error("file '" + file + "': expected one tag for each boundary face, found " + std::to_string(n_twice) +
+                " faces in two surfaces");
+  return comm.sum(n_untagged);
+}
+
+/// Where the ordered mesh has put the nodes: triangles in its numbers. Collective.
+void renumber(const par::Comm& comm, const order::Ordered& ordered, GlobalId n_nodes, std::vector<Face>& triangle) {
+  const auto own = par::block_range(n_nodes, comm.rank(), comm.size());
+  std::vector<GlobalId> now(ordered.node_origin.size());
+  for (std::size_t i = 0; i < now.size(); ++i) now[i] = own.begin + static_cast<GlobalId>(i);
+  const auto new_number = par::scatter_rows<GlobalId>(comm, n_nodes, now, 1, ordered.node_origin);
+  std::vector<GlobalId> flat;
+  for (const auto& face : triangle) flat.insert(flat.end(), face.begin(), face.end());
+  // a node that only triangles have was left out: such a triangle is apart from the cells
+  std::vector<std::size_t> known;
+  std::vector<GlobalId> ask;
+  for (std::size_t i = 0; i < flat.size(); ++i)
+    if (flat[i] >= 0) {
+      known.push_back(i);
+      ask.push_back(flat[i]);
+    }
+  const auto answer = par::fetch_rows<GlobalId>(comm, n_nodes, new_number, 1, ask);
+  for (std::size_t k = 0; k < known.size(); ++k) flat[known[k]] = answer[k];
+  for (std::size_t t = 0; t < triangle.size(); ++t) triangle[t] = {flat[3 * t], flat[3 * t + 1], flat[3 * t + 2]};
+}
+
+}  // namespace
+
+GmshMesh read_gmsh(const par::Comm& comm, const std::filesystem::path& file, const GmshOptions& options) {
+  auto parts = read_parts(comm, file);
+  refuse_what_does_not_fit(comm, parts, file.string());
+  auto numbered = number(comm, parts, file.string());
+
+  GmshMesh result;
+  result.n_dropped_nodes = numbered.n_dropped;
+  result.n_turned = orient(comm, numbered, options.repair, file.string());
+  const auto groups = all_groups(comm, parts);
+  std::vector<std::int64_t> patch_of_triangle;
+  for (const auto& triangle : parts.triangle)
+    patch_of_triangle.push_back(std::lower_bound(groups.begin(), groups.end(), triangle.group) - groups.begin());
+
+  mesh::BlockMesh block;
+  block.info.n_global_nodes = numbered.n_nodes;
+  block.info.n_global_cells = comm.sum(static_cast<std::int64_t>(numbered.cell.size()));
+  block.first_cell = comm.exclusive_sum(static_cast<std::int64_t>(numbered.cell.size()));
+  block.node_position = std::move(numbered.position);
+  block.cell_to_node = std::move(numbered.cell);
+  std::vector<std::int64_t> region;
+  for (const auto& cell : parts.tetrahedron) region.push_back(std::max<std::int64_t>(cell.group, 0));
+  block.cell_fields.push_back({mesh::region_field, "", 1, mesh::StorageType::int32, std::move(region)});
+  parts.tetrahedron = {};
+
+  try {
+    auto ordered = order::order_along_curve(comm, std::move(block));
+    renumber(comm, ordered, numbered.n_nodes, numbered.triangle);
+    result.mesh = assemble::assemble(comm, std::move(ordered.block));
+  } catch (const Error& error) {  // reaches every rank
+    throw Error("file '" + file.string() + "': " + error.what());
+  }
+  auto& patches = result.mesh.info.patches;
+  patches.clear();
+  for (const auto group : groups) patches.push_back({name_of_group(parts, group), "", ""});
+  result.mesh.info.regions = named_regions(parts);
+  result.n_untagged_faces = tag_faces(comm, result.mesh, numbered.triangle, patch_of_triangle,
+                                      static_cast<int>(patches.size()), file.string());
+  if (result.n_untagged_faces > 0) patches.push_back({"boundary", "", ""});
+  return result;
+}
+
+}  // namespace pamr::io

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Gmsh's format 2.2. Source: Gmsh reference manual, section "MSH file format version 2 (Legacy)".
+#include <algorithm>
+
+#include "pamr/io/gmsh/gmsh_parts.hpp"
+
+namespace pamr::io::gmsh {
+
+namespace {
+
+int checked_type(const TextCursor& in, std::int64_t type) {
+  if (type < 0 || type > 1000 || n_nodes_of_type(static_cast<int>(type)) == 0)
+    in.fail("an element type of Gmsh", std::to_string(type));
+  return static_cast<int>(type);
+}
+
+void read_nodes(TextCursor& in, bool is_binary, Share share, Parts& parts) {
+  parts.n_nodes = in.checked_count(in.integer("the number of nodes"), 8, "nodes");
+  (void)in.line();
+  const auto own = share.of(parts.n_nodes);
+  parts.node_tag.reserve(static_cast<std::size_t>(own.count()));
+  parts.position.reserve(static_cast<std::size_t>(own.count()));
+  constexpr std::size_t row = sizeof(std::int32_t) + 3 * sizeof(double);
+  in.set_binary(is_binary);
+  is_binary ? in.skip_rows(own.begin, row, "a node") : in.skip_lines(own.begin, "a node");
+  for (auto i = own.begin; i < own.end; ++i) {
+    if (is_binary) {
+      parts.node_tag.push_back(in.value<std::int32_t>("a node"));
+      const auto x = in.value<double>("x"), y = in.value<double>("y"), z = in.value<double>("z");
+      if (!std::isfinite(x) || !std::isfinite(y) || !std::isfinite(z)) in.fail("finite coordinates", "others");
+      parts.position.push_back({x, y, z});
+    } else {
+      parts.node_tag.push_back(in.integer("the number of a node"));
+      const double x = in.real("x"), y = in.real("y"), z = in.real("z");
+      parts.position.push_back({x, y, z});
+      (void)in.line();
+    }
+  }
+  const auto rest = parts.n_nodes - own.end;
+  is_binary ? in.skip_rows(rest, row, "a node") : in.skip_lines(rest, "a node");
+}
+
+/// The first tag is the physical group, the second the geometrical entity.
+std::int64_t group_of(std::int64_t physical, std::int64_t entity) {
+  return physical != 0 ? std::abs(physical) : -entity;
+}
+
+void read_element_line(TextCursor& in, Parts& parts) {
+  (void)in.integer("the number of an element");
+  const int type = checked_type(in, in.integer("the type of an element"));
+  const auto n_tags = in.integer("the number of tags");
+  if (n_tags < 0 || n_tags > 1000) in.fail("a number of tags up to 1000", std::to_string(n_tags));
+  std::array<std::int64_t, 2> tag{};
+  for (std::int64_t t = 0; t < n_tags; ++t) {
+    const auto value = in.integer("a tag");
+    if (t < 2) tag[static_cast<std::size_t>(t)] = value;
+  }
+  std::array<std::int64_t, 4> nodes{};
+  for (int k = 0; k < n_nodes_of_type(type); ++k) {
+    const auto node = in.integer("a node of an element");
+    if (k < 4) nodes[static_cast<std::size_t>(k)] = node;
+  }
+  keep_element(parts, type, nodes, group_of(tag[0], tag[1]));
+  (void)in.line();
+}
+
+void read_binary_elements(TextCursor& in, Share share, Parts& parts) {
+  const auto own = share.of(parts.n_elements);
+  for (std::int64_t done = 0; done < parts.n_elements;) {
+    const int type = checked_type(in, in.value<std::int32_t>("the type of elements"));
+    const auto n = in.value<std::int32_t>("a number of elements"), n_tags = in.value<std::int32_t>("a number of tags");
+    if (n <= 0 || n > parts.n_elements - done) in.fail("a number of elements that is left", std::to_string(n));
+    if (n_tags < 0 || n_tags > 1000) in.fail("a number of tags up to 1000", std::to_string(n_tags));
+    const int n_nodes = n_nodes_of_type(type);
+    const auto row = sizeof(std::int32_t) * static_cast<std::size_t>(1 + n_tags + n_nodes);
+    const auto begin = std::clamp<std::int64_t>(own.begin - done, 0, n);
+    const auto end = std::clamp<std::int64_t>(own.end - done, 0, n);
+    in.skip_rows(begin, row, "an element");
+    for (auto i = begin; i < end; ++i) {
+      (void)in.value<std::int32_t>("an element");
+      std::array<std::int64_t, 2> tag{};
+      for (int t = 0; t < n_tags; ++t) {
+        const auto value = in.value<std::int32_t>("a tag");
+        if (t < 2) tag[static_cast<std::size_t>(t)] = value;
+      }
+      std::array<std::int64_t, 4> nodes{};
+      for (int k = 0; k < n_nodes; ++k) {
+        const auto node = in.value<std::int32_t>("a node of an element");
+        if (k < 4) nodes[static_cast<std::size_t>(k)] = node;
+      }
+      keep_element(parts, type, nodes, group_of(tag[0], tag[1]));
+    }
+    in.skip_rows(n - end, row, "an element");
+    done += n;
+  }
+}
+
+void read_elements(TextCursor& in, bool is_binary, Share share, Parts& parts) {
+  parts.n_elements = in.checked_count(in.integer("the number of elements"), 6, "elements");
+  (void)in.line();
+  in.set_binary(is_binary);
+  if (is_binary) {
+    read_binary_elements(in, share, parts);
+    return;
+  }
+  const auto own = share.of(parts.n_elements);
+  in.skip_lines(own.begin, "an element");
+  for (auto i = own.begin; i < own.end; ++i) read_element_line(in, parts);
+  in.skip_lines(parts.n_elements - own.end, "an element");
+}
+
+}  // namespace
+
+Parts read_parts_2(TextCursor& in, bool is_binary, Share share) {
+  Parts parts;
+  for_each_section(in, [&](const std::string& name) {
+    if (name == "PhysicalNames")
+      read_group_names(in, parts);
+    else if (name == "Nodes")
+      read_nodes(in, is_binary, share, parts);
+    else if (name == "Elements")
+      read_elements(in, is_binary, share, parts);
+    else if (name == "Periodic")
+      parts.n_periodic_links = in.integer("the number of periodic links");
+    else
+      return false;
+    in.set_binary(false);
+    return name != "Periodic";
+  });
+  return parts;
+}
+
+}  // namespace pamr::io::gmsh

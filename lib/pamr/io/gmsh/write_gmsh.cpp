@@ -1,0 +1,290 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Source of the formats: Gmsh reference manual, "MSH file format" and "MSH file format version 2 (Legacy)".
+#include "pamr/io/gmsh/write_gmsh.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "pamr/base/error.hpp"
+#include "pamr/io/rows_in_order.hpp"
+#include "pamr/io/shared_output.hpp"
+#include "pamr/mesh/tet.hpp"
+
+namespace pamr::io {
+
+namespace {
+
+/// Numbers as text, a blank between them, or as bytes.
+class Record {
+ public:
+  explicit Record(bool binary) : binary_(binary) {}
+
+  void small(std::int64_t value) { binary_ ? bytes(static_cast<std::int32_t>(value)) : text(value); }
+  void large(std::int64_t value) { binary_ ? bytes(static_cast<std::uint64_t>(value)) : text(value); }
+  void real(double value) { binary_ ? bytes(value) : text(value); }
+  void end_line() {
+    if (!binary_) data_ += '\n';
+  }
+  const std::string& data() const { return data_; }
+
+ private:
+  template <class T>
+  void bytes(T value) {
+    data_.append(reinterpret_cast<const char*>(&value), sizeof(T));
+  }
+  template <class T>
+  void text(T value) {
+    std::array<char, 40> digits{};
+    const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), value).ptr;
+    if (!data_.empty() && data_.back() != '\n') data_ += ' ';
+    data_.append(digits.data(), end);
+  }
+
+  bool binary_;
+  std::string data_;
+};
+
+/// Elements of one rank in the order of the file.
+struct Elements {
+  std::vector<std::vector<std::array<GlobalId, 3>>> triangle;  ///< by patch
+  RegionsInOrder region;                                       ///< 1 everywhere without the field
+};
+
+Elements collect(const par::Comm& comm, const mesh::DistMesh& mesh, const RowsInOrder& rows) {
+  Elements elements;
+  elements.triangle.resize(mesh.info.patches.size());
+  for (std::size_t c = 0; c < rows.patch.size(); ++c)
+    for (std::size_t slot = 0; slot < 4; ++slot) {
+      if (rows.patch[c][slot] < 0) continue;
+      std::array<GlobalId, 3> face{};
+      for (std::size_t i = 0; i < 3; ++i)
+        face[i] = rows.cell_to_node[c][static_cast<std::size_t>(mesh::tet::face_to_corner[slot][i])];
+      elements.triangle[static_cast<std::size_t>(rows.patch[c][slot])].push_back(face);
+    }
+  elements.region = regions_in_order(comm, mesh);
+  if (!elements.region.has_field) {
+    elements.region.of_cell.assign(rows.cell_to_node.size(), 1);
+    elements.region.all = {1};
+  }
+  return elements;
+}
+
+class Writer {
+ public:
+  Writer(const par::Comm& comm, const std::filesystem::path& file, const mesh::DistMesh& mesh, bool binary)
+      : comm_(comm),
+        mesh_(mesh),
+        binary_(binary),
+        out_(comm, file),
+        rows_(rows_in_order(comm, mesh)),
+        elements_(collect(comm, mesh, rows_)) {
+    for (const auto& patch : elements_.triangle)
+      n_triangles_.push_back(comm.sum(static_cast<std::int64_t>(patch.size())));
+    n_elements_ = mesh.info.n_global_cells;
+    for (const auto n : n_triangles_) n_elements_ += n;
+  }
+
+  void write_2() {
+    const auto most = std::max(n_elements_, mesh_.info.n_global_nodes);
+    if (binary_ && most > std::numeric_limits<std::int32_t>::max())
+      throw Error("Gmsh format 2.2, binary: expected at most 2^31 - 1 nodes and elements, found " +
+                  std::to_string(most));
+    begin("2.2");
+    section("Nodes", std::to_string(mesh_.info.n_global_nodes) + "\n");
+    Record nodes(binary_);
+    for (std::size_t i = 0; i < rows_.position.size(); ++i) {
+      nodes.small(rows_.first_node + static_cast<GlobalId>(i) + 1);
+      put(nodes, rows_.position[i]);
+    }
+    end(nodes, "Nodes");
+    section("Elements", std::to_string(n_elements_) + "\n");
+    std::int64_t done = 0;
+    for (std::size_t p = 0; p < elements_.triangle.size(); ++p) {
+      Record part(binary_);
+      const auto& triangles = elements_.triangle[p];
+      auto number = done + comm_.exclusive_sum(static_cast<std::int64_t>(triangles.size()));
+      const auto patch = static_cast<std::int64_t>(p) + 1;
+      for (const auto& face : triangles) element_2(part, ++number, 2, patch, patch, face);
+      if (n_triangles_[p] > 0) block_2(part, 2, n_triangles_[p]);
+      done += n_triangles_[p];
+    }
+    Record cells(binary_);
+    for (std::size_t c = 0; c < rows_.cell_to_node.size(); ++c)
+      element_2(cells, done + rows_.first_cell + static_cast<GlobalId>(c) + 1, 4, elements_.region.of_cell[c], 1,
+                rows_.cell_to_node[c]);
+    if (mesh_.info.n_global_cells > 0) block_2(cells, 4, mesh_.info.n_global_cells);
+    end(Record(binary_), "Elements");
+    out_.commit();
+  }
+
+  void write_4() {
+    begin("4.1");
+    section("Entities", "");
+    write_entities();
+    section("Nodes", "");
+    write_nodes_4();
+    section("Elements", "");
+    write_elements_4();
+    out_.commit();
+  }
+
+ private:
+  void begin(const std::string& version) {
+    std::string text = "$MeshFormat\n" + version + (binary_ ? " 1 8\n" : " 0 8\n");
+    const std::int32_t one = 1;
+    if (binary_) text.append(reinterpret_cast<const char*>(&one), sizeof(one)) += '\n';
+    const auto regions = elements_.region.has_field ? mesh_.info.regions : std::vector<mesh::Region>();
+    const auto n_names = mesh_.info.patches.size() + regions.size();
+    text += "$EndMeshFormat\n$PhysicalNames\n" + std::to_string(n_names) + "\n";
+    for (std::size_t p = 0; p < mesh_.info.patches.size(); ++p)
+      text += "2 " + std::to_string(p + 1) + " \"" + mesh_.info.patches[p].name + "\"\n";
+    for (const auto& [number, name] : regions) text += "3 " + std::to_string(number) + " \"" + name + "\"\n";
+    out_.append_once(text + "$EndPhysicalNames\n");
+  }
+  void section(const std::string& name, const std::string& head) { out_.append_once("$" + name + "\n" + head); }
+  void end(const Record& record, const std::string& name) {
+    out_.append(record.data());
+    out_.append_once((binary_ ? "\n$End" : "$End") + name + "\n");
+  }
+  static void put(Record& record, geometry::Vec3 p) {
+    record.real(p.x);
+    record.real(p.y);
+    record.real(p.z);
+    record.end_line();
+  }
+
+  template <std::size_t N>
+  void element_2(Record& record, std::int64_t number, int type, std::int64_t physical, std::int64_t entity,
+                 const std::array<GlobalId, N>& nodes) const {
+    record.small(number);
+    if (!binary_) {
+      record.small(type);
+      record.small(2);
+    }
+    record.small(physical);
+    record.small(entity);
+    for (const auto node : nodes) record.small(node + 1);
+    record.end_line();
+  }
+  void block_2(const Record& record, int type, std::int64_t n) {
+    Record head(true);
+    head.small(type);
+    head.small(n);
+    head.small(2);
+    if (binary_) out_.append_once(head.data());
+    out_.append(record.data());
+  }
+
+  void write_entities() {
+    geometry::Vec3 low{1e300, 1e300, 1e300}, high{-1e300, -1e300, -1e300};
+    for (const auto p : rows_.position) {
+      low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
+      high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+    }
+    low = {comm_.min(low.x), comm_.min(low.y), comm_.min(low.z)};
+    high = {comm_.max(high.x), comm_.max(high.y), comm_.max(high.z)};
+    Record record(binary_);
+    if (comm_.is_first()) {
+      record.large(0);
+      record.large(0);
+      record.large(static_cast<std::int64_t>(n_triangles_.size()));
+      record.large(static_cast<std::int64_t>(elements_.region.all.size()));
+      record.end_line();
+      const auto entity = [&](std::size_t index, std::int64_t physical) {
+        record.small(static_cast<std::int64_t>(index) + 1);
+        for (const double x : {low.x, low.y, low.z, high.x, high.y, high.z}) record.real(x);
+        record.large(physical == 0 ? 0 : 1);
+        if (physical != 0) record.small(physical);
+        record.large(0);
+        record.end_line();
+      };
+      for (std::size_t p = 0; p < n_triangles_.size(); ++p) entity(p, static_cast<std::int64_t>(p) + 1);
+      for (std::size_t r = 0; r < elements_.region.all.size(); ++r) entity(r, elements_.region.all[r]);
+    }
+    end(record, "Entities");
+  }
+
+  void head_4(std::int64_t n_blocks, std::int64_t n) {
+    Record head(binary_);
+    for (const auto value : {n_blocks, n, std::int64_t{n > 0 ? 1 : 0}, n}) head.large(value);
+    head.end_line();
+    out_.append_once(head.data());
+  }
+
+  void write_nodes_4() {
+    const auto n = mesh_.info.n_global_nodes;
+    head_4(n > 0 ? 1 : 0, n);
+    Record head(binary_), tags(binary_), points(binary_);
+    for (const int value : {3, 1, 0}) head.small(value);
+    head.large(n);
+    head.end_line();
+    if (n > 0) out_.append_once(head.data());
+    for (std::size_t i = 0; i < rows_.position.size(); ++i) {
+      tags.large(rows_.first_node + static_cast<GlobalId>(i) + 1);
+      tags.end_line();
+      put(points, rows_.position[i]);
+    }
+    out_.append(tags.data());
+    end(points, "Nodes");
+  }
+
+  /// Appends a block of elements of one entity; `number` counts through the file.
+  template <class Item>
+  void block_4(int dimension, std::size_t entity, int type, const std::vector<Item>& items, std::int64_t& number) {
+    const auto n = comm_.sum(static_cast<std::int64_t>(items.size()));
+    if (n == 0) return;
+    Record head(binary_), part(binary_);
+    head.small(dimension);
+    head.small(static_cast<std::int64_t>(entity) + 1);
+    head.small(type);
+    head.large(n);
+    head.end_line();
+    out_.append_once(head.data());
+    auto mine = number + comm_.exclusive_sum(static_cast<std::int64_t>(items.size()));
+    for (const auto& item : items) {
+      part.large(++mine);
+      for (const auto node : item) part.large(node + 1);
+      part.end_line();
+    }
+    out_.append(part.data());
+    number += n;
+  }
+
+  void write_elements_4() {
+    const auto n_surfaces =
+        std::count_if(n_triangles_.begin(), n_triangles_.end(), [](std::int64_t n) { return n > 0; });
+    head_4(n_surfaces + static_cast<std::int64_t>(elements_.region.all.size()), n_elements_);
+    std::int64_t number = 0;
+    for (std::size_t p = 0; p < elements_.triangle.size(); ++p) block_4(2, p, 2, elements_.triangle[p], number);
+    for (std::size_t r = 0; r < elements_.region.all.size(); ++r) {
+      std::vector<std::array<GlobalId, 4>> cells;
+      for (std::size_t c = 0; c < rows_.cell_to_node.size(); ++c)
+        if (elements_.region.of_cell[c] == elements_.region.all[r]) cells.push_back(rows_.cell_to_node[c]);
+      block_4(3, r, 4, cells, number);
+    }
+    end(Record(binary_), "Elements");
+  }
+
+  const par::Comm& comm_;
+  const mesh::DistMesh& mesh_;
+  bool binary_;
+  SharedOutput out_;
+  RowsInOrder rows_;
+  Elements elements_;
+  std::vector<std::int64_t> n_triangles_;  ///< of each patch, all ranks
+  std::int64_t n_elements_ = 0;
+};
+
+}  // namespace
+
+void write_gmsh(const par::Comm& comm, const std::filesystem::path& file, const mesh::DistMesh& mesh,
+                const GmshWriteOptions& options) {
+  Writer writer(comm, file, mesh, options.binary);
+  options.version == GmshVersion::v2_2 ? writer.write_2() : writer.write_4();
+}
+
+}  // namespace pamr::io

@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "pamr/io/native/hdf5.hpp"
+
+#include <array>
+
+#include "pamr/base/error.hpp"
+
+namespace pamr::io::hdf5 {
+
+namespace {
+
+herr_t append_description(unsigned /*depth*/, const H5E_error2_t* error, void* text) {
+  auto& result = *static_cast<std::string*>(text);
+  if (error->desc == nullptr || result.size() > 300) return 0;
+  if (!result.empty()) result += "; ";
+  result += error->desc;
+  return 0;
+}
+
+struct Selection {
+  Handle memory, file;
+};
+
+Selection select(hid_t dataset, const Shape& shape, std::int64_t first, std::int64_t n) {
+  const int rank = shape.is_flat ? 1 : 2;
+  const std::array<hsize_t, 2> start{static_cast<hsize_t>(first), 0};
+  const std::array<hsize_t, 2> count{static_cast<hsize_t>(n), static_cast<hsize_t>(shape.width)};
+  Selection result{Handle(H5Screate_simple(rank, count.data(), nullptr), H5Sclose),
+                   Handle(H5Dget_space(dataset), H5Sclose)};
+  if (n == 0) {
+    H5Sselect_none(result.memory.id());
+    H5Sselect_none(result.file.id());
+  } else {
+    H5Sselect_hyperslab(result.file.id(), H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr);
+  }
+  return result;
+}
+
+}  // namespace
+
+Silence::Silence() {
+  H5Eget_auto2(H5E_DEFAULT, &print_, &data_);
+  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+}
+
+Silence::~Silence() { H5Eset_auto2(H5E_DEFAULT, print_, data_); }
+
+std::string last_error() {
+  std::string text;
+  H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, append_description, &text);
+  H5Eclear2(H5E_DEFAULT);
+  return text.empty() ? "no reason given" : text;
+}
+
+Handle take(hid_t id, Handle::Close close, const std::string& what) {
+  require(id >= 0, what);
+  return {id, close};
+}
+
+void require(bool succeeded, const std::string& what) {
+  if (!succeeded) throw Error(what + " (HDF5: " + last_error() + ")");
+}
+
+hid_t memory_type(mesh::StorageType type) {
+  switch (type) {
+    case mesh::StorageType::float64:
+      return H5T_NATIVE_DOUBLE;
+    case mesh::StorageType::float32:
+      return H5T_NATIVE_FLOAT;
+    case mesh::StorageType::int64:
+      return H5T_NATIVE_INT64;
+    case mesh::StorageType::int32:
+      return H5T_NATIVE_INT32;
+    case mesh::StorageType::int16:
+      return H5T_NATIVE_INT16;
+    case mesh::StorageType::int8:
+      return H5T_NATIVE_INT8;
+    case mesh::StorageType::uint64:
+      return H5T_NATIVE_UINT64;
+    case mesh::StorageType::uint32:
+      return H5T_NATIVE_UINT32;
+    case mesh::StorageType::uint16:
+      return H5T_NATIVE_UINT16;
+    case mesh::StorageType::uint8:
+      return H5T_NATIVE_UINT8;
+  }
+  return -1;
+}
+
+hid_t file_type(mesh::StorageType type) {
+  switch (type) {
+    case mesh::StorageType::float64:
+      return H5T_IEEE_F64LE;
+    case mesh::StorageType::float32:
+      return H5T_IEEE_F32LE;
+    case mesh::StorageType::int64:
+      return H5T_STD_I64LE;
+    case mesh::StorageType::int32:
+      return H5T_STD_I32LE;
+    case mesh::StorageType::int16:
+      return H5T_STD_I16LE;
+    case mesh::StorageType::int8:
+      return H5T_STD_I8LE;
+    case mesh::StorageType::uint64:
+      return H5T_STD_U64LE;
+    case mesh::StorageType::uint32:
+      return H5T_STD_U32LE;
+    case mesh::StorageType::uint16:
+      return H5T_STD_U16LE;
+    case mesh::StorageType::uint8:
+      return H5T_STD_U8LE;
+  }
+  return -1;
+}
+
+std::size_t size_of(mesh::StorageType type) {
+  switch (type) {
+    case mesh::StorageType::float64:
+    case mesh::StorageType::int64:
+    case mesh::StorageType::uint64:
+      return 8;
+    case mesh::StorageType::float32:
+    case mesh::StorageType::int32:
+    case mesh::StorageType::uint32:
+      return 4;
+    case mesh::StorageType::int16:
+    case mesh::StorageType::uint16:
+      return 2;
+    case mesh::StorageType::int8:
+    case mesh::StorageType::uint8:
+      return 1;
+  }
+  return 0;
+}
+
+std::string to_text(mesh::StorageType type) {
+  if (!mesh::is_integer(type)) return "float" + std::to_string(8 * size_of(type));
+  const bool is_unsigned = type == mesh::StorageType::uint64 || type == mesh::StorageType::uint32 ||
+                           type == mesh::StorageType::uint16 || type == mesh::StorageType::uint8;
+  return (is_unsigned ? "uint" : "int") + std::to_string(8 * size_of(type));
+}
+
+Handle parallel_access(const par::Comm& comm) {
+  auto access = take(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, "cannot make a property list");
+  require(H5Pset_fapl_mpio(access.id(), comm.handle(), MPI_INFO_NULL) >= 0 &&
+              H5Pset_all_coll_metadata_ops(access.id(), true) >= 0 &&
+              H5Pset_coll_metadata_write(access.id(), false) >= 0 &&
+              H5Pset_libver_bounds(access.id(), H5F_LIBVER_V18, H5F_LIBVER_V18) >= 0,
+          "cannot select parallel file access");
+  return access;
+}
+
+Handle independent_transfer() {
+  auto transfer = take(H5Pcreate(H5P_DATASET_XFER), H5Pclose, "cannot make a property list");
+  require(H5Pset_dxpl_mpio(transfer.id(), H5FD_MPIO_INDEPENDENT) >= 0, "cannot select independent transfers");
+  return transfer;
+}
+
+bool read_rows(hid_t dataset, const Shape& shape, std::int64_t first, std::int64_t n, mesh::StorageType type, void* to,
+               hid_t transfer) {
+  const auto selection = select(dataset, shape, first, n);
+  return H5Dread(dataset, memory_type(type), selection.memory.id(), selection.file.id(), transfer, to) >= 0;
+}
+
+bool write_rows(hid_t dataset, const Shape& shape, std::int64_t first, std::int64_t n, hid_t type, const void* from,
+                hid_t transfer) {
+  const auto selection = select(dataset, shape, first, n);
+  return H5Dwrite(dataset, type, selection.memory.id(), selection.file.id(), transfer, from) >= 0;
+}
+
+}  // namespace pamr::io::hdf5

@@ -1,0 +1,333 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <limits>
+
+#include "pamr/base/error.hpp"
+#include "pamr/io/native/catalog.hpp"
+#include "pamr/io/native/hdf5.hpp"
+#include "pamr/io/native/layout.hpp"
+
+namespace pamr::io {
+
+namespace {
+
+using hdf5::Handle;
+
+constexpr std::size_t max_fields = 4096;
+constexpr hsize_t max_small_values = 16;
+/// A compressed array is at most so many times longer than its compressed form: the limit of the deflate format.
+constexpr std::uint64_t max_inflation = 1032;
+
+/// Walks through one file. Every failure is an `Error` that names the file and the object.
+class Inspector {
+ public:
+  explicit Inspector(const std::filesystem::path& file);
+  Catalog run();
+
+ private:
+  [[noreturn]] void fail(const std::string& path, const std::string& trouble) const {
+    throw Error("file '" + file_.string() + "', " + path + ": " + trouble);
+  }
+  std::string at(const std::string& path, const char* trouble) const {
+    return "file '" + file_.string() + "', " + path + ": " + trouble;
+  }
+
+  bool has_link(const std::string& path) const;
+  bool has_group(const std::string& path) const;
+  std::vector<std::string> names_in(const std::string& group) const;
+
+  /// `max_values`: how many integers it may be at most, to be read at once; 0: any numbers, not read here.
+  void array(const std::string& path, hsize_t max_values);
+  mesh::StorageType number_type(hid_t type, const std::string& path) const;
+  bool check_layout(hid_t dataset, std::uint64_t bytes, const std::string& path);
+  void check_filters(hid_t properties, const std::string& path) const;
+
+  void text(const std::string& path);
+  std::vector<std::string> texts_from(hid_t object, hid_t type, hid_t space, bool is_attribute,
+                                      const std::string& path) const;
+  void text_attribute(const std::string& path, const char* name);
+  void number_attribute(const std::string& path, const std::string& name);
+  void all_number_attributes(const std::string& path);
+  void pamr();
+
+  std::filesystem::path file_;
+  Handle h5_;
+  std::uint64_t file_bytes_ = 0;
+  std::uint64_t claimed_bytes_ = 0;
+  Catalog catalog_;
+};
+
+Inspector::Inspector(const std::filesystem::path& file) : file_(file) {
+  file_bytes_ = std::filesystem::file_size(file);
+  auto access = hdf5::take(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, "cannot make a property list");
+  H5Pset_file_locking(access.id(), true, true);
+  h5_ = Handle(H5Fopen(file.c_str(), H5F_ACC_RDONLY, access.id()), H5Fclose);
+  if (!h5_.is_open())
+    throw Error("file '" + file.string() + "': expected a complete HDF5 file, HDF5 says: " + hdf5::last_error());
+}
+
+Catalog Inspector::run() {
+  if (!has_group("/VTKHDF")) fail("/VTKHDF", "expected this group, found none");
+  number_attribute("/VTKHDF", "Version");
+  text_attribute("/VTKHDF", "Type");
+  for (const auto* name : {"NumberOfPoints", "NumberOfCells", "NumberOfConnectivityIds"})
+    array(std::string("/VTKHDF/") + name, max_small_values);
+  for (const auto* name : {"Points", "Connectivity", "Offsets", "Types"}) array(std::string("/VTKHDF/") + name, 0);
+  for (const std::string group : {"/VTKHDF/PointData", "/VTKHDF/CellData"}) {
+    if (!has_group(group)) continue;
+    for (const auto& name : names_in(group)) {
+      const auto path = group + "/" + name;
+      array(path, 0);
+      text_attribute(path, "unit");
+    }
+  }
+  if (has_group("/PAMR")) pamr();
+  return std::move(catalog_);
+}
+
+void Inspector::pamr() {
+  catalog_.has_pamr_group = true;
+  number_attribute("/PAMR", "format");
+  number_attribute("/PAMR", "fingerprint");
+  number_attribute("/PAMR", "first_id");
+  text_attribute("/PAMR", "length_unit");
+  for (const auto* name : {"cell_to_cell", "lineage"})
+    if (has_link(std::string("/PAMR/") + name)) array(std::string("/PAMR/") + name, 0);
+  for (const auto* name : {"surfaces", "provenance"})
+    if (has_link(std::string("/PAMR/") + name)) text(std::string("/PAMR/") + name);
+  if (has_group("/PAMR/patches"))
+    for (const auto* name : {"names", "kinds", "surfaces"})
+      if (has_link(std::string("/PAMR/patches/") + name)) text(std::string("/PAMR/patches/") + name);
+  if (has_group("/PAMR/regions")) {
+    array("/PAMR/regions/numbers", max_regions);
+    text("/PAMR/regions/names");
+  }
+  if (has_group("/PAMR/surface_data"))
+    for (const auto& name : names_in("/PAMR/surface_data")) {
+      const auto path = "/PAMR/surface_data/" + name;
+      if (!has_group(path)) fail(path, "expected a group, found another object");
+      array(path + "/points", 0);
+      array(path + "/triangles", 0);
+    }
+  if (has_group("/PAMR/checksums")) all_number_attributes("/PAMR/checksums");
+}
+
+/// Whether an object hangs there by a plain link; a soft or external link could lead anywhere, so it is refused.
+bool Inspector::has_link(const std::string& path) const {
+  const auto exists = H5Lexists(h5_.id(), path.c_str(), H5P_DEFAULT);
+  hdf5::require(exists >= 0, at(path, "cannot look it up"));
+  if (exists == 0) return false;
+  H5L_info_t info;
+  hdf5::require(H5Lget_info(h5_.id(), path.c_str(), &info, H5P_DEFAULT) >= 0, at(path, "cannot look it up"));
+  if (info.type != H5L_TYPE_HARD) fail(path, "expected the object itself, found a soft or external link");
+  return true;
+}
+
+bool Inspector::has_group(const std::string& path) const {
+  if (!has_link(path)) return false;
+  const auto object = hdf5::take(H5Oopen(h5_.id(), path.c_str(), H5P_DEFAULT), H5Oclose, at(path, "cannot open it"));
+  if (H5Iget_type(object.id()) != H5I_GROUP) fail(path, "expected a group, found a dataset or type");
+  return true;
+}
+
+std::vector<std::string> Inspector::names_in(const std::string& group) const {
+  std::vector<std::string> names;
+  const auto add = [](hid_t, const char* name, const H5L_info_t*, void* data) -> herr_t {
+    auto& list = *static_cast<std::vector<std::string>*>(data);
+    list.emplace_back(name);
+    return list.size() > max_fields ? 1 : 0;
+  };
+  hsize_t start = 0;
+  hdf5::require(
+      H5Literate_by_name(h5_.id(), group.c_str(), H5_INDEX_NAME, H5_ITER_INC, &start, add, &names, H5P_DEFAULT) >= 0,
+      at(group, "cannot list it"));
+  if (names.size() > max_fields) fail(group, "expected at most " + std::to_string(max_fields) + " objects, found more");
+  return names;
+}
+
+mesh::StorageType Inspector::number_type(hid_t type, const std::string& path) const {
+  using mesh::StorageType;
+  for (int i = 0; i <= static_cast<int>(StorageType::uint16); ++i) {
+    const auto candidate = static_cast<StorageType>(i);
+    const auto little = hdf5::file_type(candidate);
+    const Handle big(H5Tcopy(little), H5Tclose);
+    if (H5Tget_size(little) > 1) H5Tset_order(big.id(), H5T_ORDER_BE);
+    if (H5Tequal(type, little) > 0 || H5Tequal(type, big.id()) > 0) return candidate;
+  }
+  const auto kind = H5Tget_class(type);
+  fail(path, std::string("expected numbers (float32, float64 or integers of 8 to 64 bits), found ") +
+                 (kind == H5T_ENUM     ? "an enumeration (a Boolean field has to be written as uint8)"
+                  : kind == H5T_STRING ? "text"
+                                       : "another type"));
+}
+
+void Inspector::array(const std::string& path, hsize_t max_values) {
+  if (!has_link(path)) fail(path, "expected this dataset, found none");
+  const auto dataset =
+      hdf5::take(H5Dopen2(h5_.id(), path.c_str(), H5P_DEFAULT), H5Dclose, at(path, "expected a dataset"));
+  const Handle type(H5Dget_type(dataset.id()), H5Tclose);
+  const Handle space(H5Dget_space(dataset.id()), H5Sclose);
+  ArrayEntry entry{path, number_type(type.id(), path), {}, {}, false};
+  const int rank = H5Sget_simple_extent_ndims(space.id());
+  if (H5Sget_simple_extent_type(space.id()) != H5S_SIMPLE || rank < 1 || rank > 2)
+    fail(path, "expected 1 or 2 dimensions, found " + std::to_string(std::max(rank, 0)));
+  std::array<hsize_t, 2> dims{1, 1};
+  H5Sget_simple_extent_dims(space.id(), dims.data(), nullptr);
+  constexpr hsize_t limit = hsize_t{1} << 56U;
+  if (dims[0] > limit || dims[1] > limit || (dims[1] > 0 && dims[0] > limit / dims[1]))
+    fail(path, "expected a possible shape, found " + std::to_string(dims[0]) + " x " + std::to_string(dims[1]));
+  for (int d = 0; d < rank; ++d) entry.shape.push_back(static_cast<std::int64_t>(dims[static_cast<std::size_t>(d)]));
+  entry.is_chunked = check_layout(dataset.id(), dims[0] * dims[1] * hdf5::size_of(entry.type), path);
+  if (max_values > 0) {
+    if (!mesh::is_integer(entry.type) || dims[0] * dims[1] > max_values)
+      fail(path, "expected a few integers, found " + hdf5::to_text(entry.type) + " and " +
+                     std::to_string(dims[0] * dims[1]) + " values");
+    entry.values.resize(dims[0] * dims[1]);
+    hdf5::require(H5Dread(dataset.id(), H5T_NATIVE_INT64, H5S_ALL, H5S_ALL, H5P_DEFAULT, entry.values.data()) >= 0,
+                  at(path, "cannot read it"));
+  }
+  catalog_.arrays.push_back(std::move(entry));
+}
+
+/// The dataset lies inside this file, and all of them together are no longer than it. Whether it is in chunks.
+bool Inspector::check_layout(hid_t dataset, std::uint64_t bytes, const std::string& path) {
+  const auto properties = hdf5::take(H5Dget_create_plist(dataset), H5Pclose, at(path, "cannot read how it is stored"));
+  const auto layout = H5Pget_layout(properties.id());
+  const std::uint64_t stored = H5Dget_storage_size(dataset);
+  if (layout == H5D_CONTIGUOUS) {
+    if (H5Pget_external_count(properties.id()) != 0) fail(path, "expected the data inside the file, found a reference");
+    const auto offset = H5Dget_offset(dataset);
+    if (bytes > 0 && (offset == HADDR_UNDEF || offset > file_bytes_ || bytes > file_bytes_ - offset))
+      fail(path, "expected " + std::to_string(bytes) + " bytes of data inside a file of " +
+                     std::to_string(file_bytes_) + " bytes, found less");
+  } else if (layout == H5D_CHUNKED) {
+    check_filters(properties.id(), path);
+    if (bytes / max_inflation > stored)
+      fail(path, "expected " + std::to_string(bytes) + " bytes of data, found " + std::to_string(stored));
+  } else if (layout != H5D_COMPACT) {
+    fail(path, "expected contiguous or chunked data, found a virtual dataset");
+  }
+  if (layout != H5D_CHUNKED && stored != bytes)
+    fail(path, "expected " + std::to_string(bytes) + " bytes of data, found " + std::to_string(stored));
+  claimed_bytes_ += std::min(stored, file_bytes_ + 1);
+  if (claimed_bytes_ > file_bytes_)
+    fail(path, "expected datasets that fit the file of " + std::to_string(file_bytes_) +
+                   " bytes, found that they claim more");
+  return layout == H5D_CHUNKED;
+}
+
+void Inspector::check_filters(hid_t properties, const std::string& path) const {
+  std::array<hsize_t, 2> chunk{1, 1};
+  const int rank = H5Pget_chunk(properties, 2, chunk.data());
+  constexpr hsize_t limit = hsize_t{1} << 26U;
+  if (rank < 1 || rank > 2 || chunk[0] > limit || chunk[1] > limit || chunk[0] * chunk[1] > limit)
+    fail(path, "expected chunks of at most " + std::to_string(limit) + " values, found larger ones");
+  const int n_filters = H5Pget_nfilters(properties);
+  for (int i = 0; i < n_filters; ++i) {
+    unsigned flags = 0, config = 0;
+    std::size_t n_values = 0;
+    const auto filter =
+        H5Pget_filter2(properties, static_cast<unsigned>(i), &flags, &n_values, nullptr, 0, nullptr, &config);
+    if (filter != H5Z_FILTER_DEFLATE && filter != H5Z_FILTER_SHUFFLE && filter != H5Z_FILTER_FLETCHER32)
+      fail(path, "expected the filters deflate, shuffle and fletcher32 at most, found filter number " +
+                     std::to_string(filter));
+  }
+}
+
+void Inspector::text(const std::string& path) {
+  const auto dataset =
+      hdf5::take(H5Dopen2(h5_.id(), path.c_str(), H5P_DEFAULT), H5Dclose, at(path, "expected a dataset"));
+  const Handle type(H5Dget_type(dataset.id()), H5Tclose);
+  const Handle space(H5Dget_space(dataset.id()), H5Sclose);
+  catalog_.texts.push_back({path, texts_from(dataset.id(), type.id(), space.id(), false, path)});
+}
+
+std::vector<std::string> Inspector::texts_from(hid_t object, hid_t type, hid_t space, bool is_attribute,
+                                               const std::string& path) const {
+  if (H5Tget_class(type) != H5T_STRING) fail(path, "expected text, found another type");
+  if (H5Sget_simple_extent_type(space) == H5S_NULL) return {};
+  const auto n_signed = H5Sget_simple_extent_npoints(space);
+  if (n_signed < 0 || H5Sget_simple_extent_ndims(space) > 1) fail(path, "expected one text or a list, found a table");
+  const auto n = static_cast<std::uint64_t>(n_signed);
+  const auto size = H5Tget_size(type);
+  if (size == 0 || n > file_bytes_ / size) fail(path, "expected texts that fit the file, found longer ones");
+  const bool is_variable = H5Tis_variable_str(type) > 0;
+  std::vector<char> bytes(n * size + 1, '\0');
+  if (n > 0 && !is_variable) {
+    const Handle memory(H5Tcopy(type), H5Tclose);
+    const auto done = is_attribute ? H5Aread(object, memory.id(), bytes.data())
+                                   : H5Dread(object, memory.id(), H5S_ALL, H5S_ALL, H5P_DEFAULT, bytes.data());
+    hdf5::require(done >= 0, at(path, "cannot read it"));
+  }
+  std::vector<char*> pointers(n, nullptr);
+  if (n > 0 && is_variable) {
+    const auto done = is_attribute ? H5Aread(object, type, pointers.data())
+                                   : H5Dread(object, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, pointers.data());
+    hdf5::require(done >= 0, at(path, "cannot read it"));
+  }
+  std::vector<std::string> texts;
+  for (std::uint64_t i = 0; i < n; ++i) {
+    const char* begin = is_variable ? pointers[i] : bytes.data() + i * size;
+    const auto limit = is_variable ? std::numeric_limits<std::size_t>::max() : size;
+    texts.emplace_back(
+        begin == nullptr ? "" : std::string(begin, is_variable ? std::strlen(begin) : ::strnlen(begin, limit)));
+    if (is_variable && begin != nullptr) H5free_memory(pointers[i]);
+  }
+  return texts;
+}
+
+void Inspector::text_attribute(const std::string& path, const char* name) {
+  const auto full = path + "@" + name;
+  const auto exists = H5Aexists_by_name(h5_.id(), path.c_str(), name, H5P_DEFAULT);
+  hdf5::require(exists >= 0, at(full, "cannot look it up"));
+  if (exists == 0) return;
+  const auto attribute = hdf5::take(H5Aopen_by_name(h5_.id(), path.c_str(), name, H5P_DEFAULT, H5P_DEFAULT), H5Aclose,
+                                    at(full, "cannot open it"));
+  const Handle type(H5Aget_type(attribute.id()), H5Tclose);
+  const Handle space(H5Aget_space(attribute.id()), H5Sclose);
+  catalog_.texts.push_back({full, texts_from(attribute.id(), type.id(), space.id(), true, full)});
+}
+
+void Inspector::number_attribute(const std::string& path, const std::string& name) {
+  const auto full = path + "@" + name;
+  const auto exists = H5Aexists_by_name(h5_.id(), path.c_str(), name.c_str(), H5P_DEFAULT);
+  hdf5::require(exists >= 0, at(full, "cannot look it up"));
+  if (exists == 0) return;
+  const auto attribute = hdf5::take(H5Aopen_by_name(h5_.id(), path.c_str(), name.c_str(), H5P_DEFAULT, H5P_DEFAULT),
+                                    H5Aclose, at(full, "cannot open it"));
+  const Handle type(H5Aget_type(attribute.id()), H5Tclose);
+  const Handle space(H5Aget_space(attribute.id()), H5Sclose);
+  const auto n = H5Sget_simple_extent_npoints(space.id());
+  if (H5Tget_class(type.id()) != H5T_INTEGER || n < 1 || n > static_cast<hssize_t>(max_small_values))
+    fail(full, "expected a few integers, found another type or number");
+  const bool is_unsigned = H5Tget_sign(type.id()) == H5T_SGN_NONE;
+  NumberEntry entry{full, std::vector<std::int64_t>(static_cast<std::size_t>(n))};
+  hdf5::require(H5Aread(attribute.id(), is_unsigned ? H5T_NATIVE_UINT64 : H5T_NATIVE_INT64, entry.values.data()) >= 0,
+                at(full, "cannot read it"));
+  catalog_.numbers.push_back(std::move(entry));
+}
+
+void Inspector::all_number_attributes(const std::string& path) {
+  std::vector<std::string> names;
+  const auto add = [](hid_t, const char* name, const H5A_info_t*, void* data) -> herr_t {
+    auto& list = *static_cast<std::vector<std::string>*>(data);
+    list.emplace_back(name);
+    return list.size() > 2 * max_fields ? 1 : 0;
+  };
+  hsize_t start = 0;
+  hdf5::require(
+      H5Aiterate_by_name(h5_.id(), path.c_str(), H5_INDEX_NAME, H5_ITER_INC, &start, add, &names, H5P_DEFAULT) >= 0,
+      at(path, "cannot list its attributes"));
+  for (const auto& name : names) number_attribute(path, name);
+}
+
+}  // namespace
+
+Catalog inspect(const std::filesystem::path& file) {
+  const hdf5::Silence silence;
+  return Inspector(file).run();
+}
+
+}  // namespace pamr::io

@@ -1,0 +1,239 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "pamr/io/native/layout.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <limits>
+#include <set>
+
+#include "pamr/base/error.hpp"
+#include "pamr/io/native/checksum.hpp"
+#include "pamr/io/native/hdf5.hpp"
+#include "pamr/io/text.hpp"
+
+namespace pamr::io {
+
+namespace {
+
+std::string to_text(const std::vector<std::int64_t>& shape) {
+  std::string text;
+  for (const auto extent : shape) text += (text.empty() ? "" : " x ") + std::to_string(extent);
+  return text;
+}
+
+class Checker {
+ public:
+  Checker(const Catalog& catalog, std::filesystem::path file, bool verify_checksums)
+      : catalog_(&catalog), file_(std::move(file)), verify_(verify_checksums) {}
+
+  Layout run() {
+    header();
+    counts();
+    layout_.points_type = array(path::points, {layout_.info.n_global_nodes, 3}, false);
+    layout_.connectivity_type = array(path::connectivity, {4 * layout_.info.n_global_cells}, true);
+    layout_.offsets_type = array(path::offsets, {layout_.info.n_global_cells + 1}, true);
+    layout_.types_type = array(path::types, {layout_.info.n_global_cells}, true);
+    for (const auto& entry : catalog_->arrays) field(entry);
+    if (catalog_->has_pamr_group)
+      extension();
+    else
+      layout_.info.patches = {{"boundary", "", ""}};
+    return std::move(layout_);
+  }
+
+ private:
+  [[noreturn]] void fail(const std::string& path, const std::string& expected, const std::string& found) const {
+    throw Error("file '" + file_.string() + "', " + path + ": expected " + expected + ", found " + found);
+  }
+
+  void header() const {
+    const auto* version = catalog_->find_number("/VTKHDF@Version");
+    if (version == nullptr) fail("/VTKHDF@Version", "1.x", "no such attribute");
+    if (version->values.size() != 2 || version->values[0] != 1)
+      fail("/VTKHDF@Version", "1.x", to_text(version->values));
+    const auto* type = catalog_->find_text("/VTKHDF@Type");
+    if (type == nullptr) fail("/VTKHDF@Type", "\"UnstructuredGrid\"", "no such attribute");
+    if (type->texts.size() != 1 || type->texts[0] != "UnstructuredGrid")
+      fail("/VTKHDF@Type", "\"UnstructuredGrid\"", type->texts.size() == 1 ? "another type" : "several texts");
+  }
+
+  GlobalId count(const char* path) const {
+    const auto& values = catalog_->find_array(path)->values;
+    if (values.size() != 1) fail(path, "1 piece", std::to_string(values.size()) + " pieces");
+    return values[0];
+  }
+
+  void counts() {
+    const auto n_points = count(path::n_points), n_cells = count(path::n_cells), n_ids = count(path::n_connectivity);
+    constexpr GlobalId limit = GlobalId{1} << 53U;
+    if (n_points < 4 || n_points > limit) fail(path::n_points, "4 points or more", std::to_string(n_points));
+    if (n_cells < 1 || n_cells > limit) fail(path::n_cells, "1 cell or more", std::to_string(n_cells));
+    if (n_ids != 4 * n_cells)
+      fail(path::n_connectivity, std::to_string(4 * n_cells) + " (4 for each cell)", std::to_string(n_ids));
+    layout_.info.n_global_nodes = n_points;
+    layout_.info.n_global_cells = n_cells;
+  }
+
+  mesh::StorageType array(const char* path, const std::vector<std::int64_t>& shape, bool integer) const {
+    const auto& entry = *catalog_->find_array(path);
+    if (entry.shape != shape) fail(path, "shape " + to_text(shape), to_text(entry.shape));
+    if (mesh::is_integer(entry.type) != integer)
+      fail(path, integer ? "integers" : "float64 or float32", hdf5::to_text(entry.type));
+    return entry.type;
+  }
+
+  void field(const ArrayEntry& entry) {
+    for (const bool on_cells : {false, true}) {
+      const auto group = std::string(on_cells ? path::cell_data : path::point_data) + "/";
+      if (!entry.path.starts_with(group)) continue;
+      FieldEntry result{entry.path, entry.path.substr(group.size()), "", on_cells, entry.type, 1, true};
+      if (!is_clean_text(result.name, "")) fail(group + "...", "field names in UTF-8", "another encoding");
+      const auto rows = on_cells ? layout_.info.n_global_cells : layout_.info.n_global_nodes;
+      if (entry.shape[0] != rows) fail(entry.path, std::to_string(rows) + " rows", to_text(entry.shape));
+      result.is_flat = entry.shape.size() == 1;
+      if (!result.is_flat) {
+        if (entry.shape[1] < 1 || entry.shape[1] > 65536)
+          fail(entry.path, "1 to 65536 components", std::to_string(entry.shape[1]));
+        result.n_components = static_cast<int>(entry.shape[1]);
+      }
+      result.unit = one_text(entry.path + "@unit", "");
+      layout_.fields.push_back(std::move(result));
+    }
+  }
+
+  /// A single text; empty when the file has none.
+  std::string one_text(const std::string& path, std::string_view allowed_controls) const {
+    const auto* entry = catalog_->find_text(path);
+    if (entry == nullptr || entry->texts.empty()) return {};
+    if (entry->texts.size() != 1) fail(path, "one text", std::to_string(entry->texts.size()));
+    if (!is_clean_text(entry->texts[0], allowed_controls)) fail(path, "text in UTF-8", "another encoding");
+    verify(*entry);
+    return entry->texts[0];
+  }
+
+  std::vector<std::string> text_list(const std::string& path) const {
+    const auto* entry = catalog_->find_text(path);
+    if (entry == nullptr) return {};
+    for (const auto& text : entry->texts)
+      if (!is_clean_text(text, "")) fail(path, "texts in UTF-8", "another encoding");
+    verify(*entry);
+    return entry->texts;
+  }
+
+  void verify(const TextEntry& entry) const {
+    if (!verify_) return;
+    const auto* stored = catalog_->find_number(std::string(path::checksums) + "@" + checksum_path(entry.path));
+    if (stored == nullptr) return;
+    if (stored->values.size() != 1 || std::bit_cast<std::uint64_t>(stored->values[0]) != checksum_of(entry.texts))
+      fail(entry.path, "contents that agree with its checksum", "that they do not: the file is damaged");
+  }
+
+  void extension() {
+    const auto* format = catalog_->find_number("/PAMR@format");
+    if (format == nullptr) fail("/PAMR@format", std::to_string(format_version), "no such attribute");
+    if (format->values != std::vector<std::int64_t>{format_version})
+      fail("/PAMR@format", std::to_string(format_version), to_text(format->values));
+    auto& info = layout_.info;
+    info.length_unit = one_text("/PAMR@length_unit", "");
+    info.surfaces_toml = one_text(path::surfaces, "\t\r\n");
+    info.provenance = one_text(path::provenance, "\t\r\n");
+    if (const auto* first = catalog_->find_number("/PAMR@first_id"); first != nullptr) {
+      if (first->values.size() != 1 || first->values[0] < 0 || first->values[0] > mesh::max_first_id)
+        fail("/PAMR@first_id", "a number from 0 to " + std::to_string(mesh::max_first_id), to_text(first->values));
+      info.first_id = first->values[0];
+    }
+    patches();
+    regions();
+    for (const auto& entry : catalog_->arrays) triangulation(entry);
+    if (catalog_->find_array(path::cell_to_cell) != nullptr) {
+      layout_.has_neighbours = true;
+      layout_.neighbours_type = array(path::cell_to_cell, {info.n_global_cells, 4}, true);
+    } else if (info.patches.size() > 1) {
+      fail(path::cell_to_cell, "this dataset, because there are " + std::to_string(info.patches.size()) + " patches",
+           "none");
+    } else if (info.patches.empty()) {
+      info.patches = {{"boundary", "", ""}};
+    }
+    if (catalog_->find_array(path::lineage) != nullptr) {
+      layout_.has_lineage = true;
+      layout_.lineage_type = array(path::lineage, {info.n_global_cells}, true);
+    }
+  }
+
+  /// Takes a pair of datasets where its `points` turn up; the catalog has both.
+  void triangulation(const ArrayEntry& points) {
+    const auto group = std::string(path::surface_data) + "/";
+    constexpr std::string_view last = "/points";
+    if (!points.path.starts_with(group) || !points.path.ends_with(last)) return;
+    TriangulationEntry entry;
+    entry.path = points.path.substr(0, points.path.size() - last.size());
+    entry.name = entry.path.substr(group.size());
+    if (!is_clean_text(entry.name, "")) fail(group + "...", "names in UTF-8", "another encoding");
+    const auto rows_of = [&](const std::string& path, GlobalId least) {
+      const auto& shape = catalog_->find_array(path)->shape;
+      constexpr GlobalId most = std::numeric_limits<int>::max();
+      if (shape.size() != 2 || shape[0] < least || shape[0] > most || shape[1] != 3)
+        fail(path, "shape n x 3, n from " + std::to_string(least) + " to " + std::to_string(most), to_text(shape));
+      return shape[0];
+    };
+    const auto triangles = entry.path + "/triangles";
+    entry.n_points = rows_of(points.path, 3);
+    entry.n_triangles = rows_of(triangles, 1);
+    entry.points_type = array(points.path.c_str(), {entry.n_points, 3}, false);
+    entry.triangles_type = array(triangles.c_str(), {entry.n_triangles, 3}, true);
+    layout_.triangulations.push_back(std::move(entry));
+  }
+
+  void patches() {
+    const auto names = text_list(path::patch_names);
+    auto kinds = text_list(path::patch_kinds), surfaces = text_list(path::patch_surfaces);
+    if (kinds.empty()) kinds.resize(names.size());
+    if (surfaces.empty()) surfaces.resize(names.size());
+    if (kinds.size() != names.size())
+      fail(path::patch_kinds, std::to_string(names.size()) + " texts, one for each patch",
+           std::to_string(kinds.size()));
+    if (surfaces.size() != names.size())
+      fail(path::patch_surfaces, std::to_string(names.size()) + " texts, one for each patch",
+           std::to_string(surfaces.size()));
+    std::set<std::string> seen;
+    for (std::size_t p = 0; p < names.size(); ++p) {
+      if (names[p].empty()) fail(path::patch_names, "a name", "an empty one in row " + std::to_string(p));
+      if (!seen.insert(names[p]).second)
+        fail(path::patch_names, "different names", "'" + names[p] + "' twice, again in row " + std::to_string(p));
+      layout_.info.patches.push_back({names[p], kinds[p], surfaces[p]});
+    }
+  }
+
+  /// The catalog has both datasets or none.
+  void regions() {
+    const auto* entry = catalog_->find_array(path::region_numbers);
+    if (entry == nullptr) return;
+    const auto& numbers = entry->values;
+    const auto names = text_list(path::region_names);
+    if (names.size() != numbers.size())
+      fail(path::region_names, std::to_string(numbers.size()) + " texts, one for each number",
+           std::to_string(names.size()));
+    for (std::size_t r = 0; r < names.size(); ++r) {
+      if (names[r].empty()) fail(path::region_names, "a name", "an empty one in row " + std::to_string(r));
+      if (r > 0 && numbers[r] <= numbers[r - 1])
+        fail(path::region_numbers, "ascending numbers",
+             std::to_string(numbers[r]) + " after " + std::to_string(numbers[r - 1]));
+      layout_.info.regions.push_back({numbers[r], names[r]});
+    }
+  }
+
+  const Catalog* catalog_;
+  std::filesystem::path file_;
+  bool verify_;
+  Layout layout_;
+};
+
+}  // namespace
+
+Layout check_catalog(const Catalog& catalog, const std::filesystem::path& file, bool verify_checksums) {
+  return Checker(catalog, file, verify_checksums).run();
+}
+
+std::string checksum_path(const std::string& dataset) { return dataset.substr(1); }
+
+}  // namespace pamr::io

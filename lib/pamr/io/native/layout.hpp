@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "pamr/io/native/catalog.hpp"
+#include "pamr/mesh/dist_mesh.hpp"
+
+namespace pamr::io {
+
+/// Datasets of the native format.
+namespace path {
+inline constexpr const char* n_points = "/VTKHDF/NumberOfPoints";
+inline constexpr const char* n_cells = "/VTKHDF/NumberOfCells";
+inline constexpr const char* n_connectivity = "/VTKHDF/NumberOfConnectivityIds";
+inline constexpr const char* points = "/VTKHDF/Points";
+inline constexpr const char* connectivity = "/VTKHDF/Connectivity";
+inline constexpr const char* offsets = "/VTKHDF/Offsets";
+inline constexpr const char* types = "/VTKHDF/Types";
+inline constexpr const char* point_data = "/VTKHDF/PointData";
+inline constexpr const char* cell_data = "/VTKHDF/CellData";
+inline constexpr const char* cell_to_cell = "/PAMR/cell_to_cell";
+inline constexpr const char* lineage = "/PAMR/lineage";
+inline constexpr const char* patches = "/PAMR/patches";
+inline constexpr const char* patch_names = "/PAMR/patches/names";
+inline constexpr const char* patch_kinds = "/PAMR/patches/kinds";
+inline constexpr const char* patch_surfaces = "/PAMR/patches/surfaces";
+inline constexpr const char* regions = "/PAMR/regions";
+inline constexpr const char* region_numbers = "/PAMR/regions/numbers";
+inline constexpr const char* region_names = "/PAMR/regions/names";
+inline constexpr const char* surfaces = "/PAMR/surfaces";
+inline constexpr const char* surface_data = "/PAMR/surface_data";
+inline constexpr const char* provenance = "/PAMR/provenance";
+inline constexpr const char* checksums = "/PAMR/checksums";
+}  // namespace path
+
+inline constexpr int tetrahedron = 10;  ///< VTK's number of the cell type
+inline constexpr int format_version = 1;
+inline constexpr std::size_t max_regions = 4096;  ///< with a name
+
+struct FieldEntry {
+  std::string path, name, unit;
+  bool on_cells = true;
+  mesh::StorageType type = mesh::StorageType::float64;
+  int n_components = 1;
+  bool is_flat = true;  ///< one dimension
+};
+
+/// A triangulated surface; datasets `points` and `triangles` in the group `path`.
+struct TriangulationEntry {
+  std::string path, name;
+  GlobalId n_points = 0, n_triangles = 0;
+  mesh::StorageType points_type{}, triangles_type{};
+};
+
+/// What a file contains, after every claim of its catalog was compared with the others.
+struct Layout {
+  mesh::MeshInfo info;
+  mesh::StorageType points_type{}, connectivity_type{}, offsets_type{}, types_type{}, neighbours_type{}, lineage_type{};
+  bool has_neighbours = false, has_lineage = false;
+  std::vector<FieldEntry> fields;
+  std::vector<TriangulationEntry> triangulations;
+};
+
+/// Throws `Error` with file, dataset, what was expected and what was found. Local; the same on every rank, because the
+/// catalog is.
+Layout check_catalog(const Catalog& catalog, const std::filesystem::path& file, bool verify_checksums);
+
+/// The name of a dataset's entry in `/PAMR/checksums`: its path without the first slash.
+std::string checksum_path(const std::string& dataset);
+
+}  // namespace pamr::io

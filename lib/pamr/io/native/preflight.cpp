@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <new>
+
+#include "pamr/base/error.hpp"
+#include "pamr/io/native/catalog.hpp"
+#include "pamr/io/native/isolated.hpp"
+
+namespace pamr::io {
+
+namespace {
+
+constexpr rlim_t spare_bytes = rlim_t{64} << 20U;
+
+/// Answers start with one of these.
+constexpr char good = 'G', bad = 'B';
+
+/// The catalog or the reason why there is none, in the forked process.
+std::string answer_for(const std::filesystem::path& file) {
+  try {
+    return good + pack(inspect(file));
+  } catch (const Error& error) {
+    return bad + std::string(error.what());
+  } catch (const std::bad_alloc&) {
+    return bad + ("file '" + file.string() + "': expected contents in keeping with its size, found a claim of more");
+  }
+}
+
+std::uintmax_t size_of_regular_file(const std::filesystem::path& file) {
+  std::error_code code;
+  const auto status = std::filesystem::status(file, code);
+  if (!std::filesystem::exists(status)) throw Error("file '" + file.string() + "': expected a file, found none");
+  if (!std::filesystem::is_regular_file(status))
+    throw Error("file '" + file.string() + "': expected a file, found " +
+                (std::filesystem::is_directory(status) ? "a folder" : "something else"));
+  if (access(file.c_str(), R_OK) != 0)
+    throw Error("file '" + file.string() + "': expected a file that may be read, found: " + std::strerror(errno));
+  return std::filesystem::file_size(file);
+}
+
+/// The first bytes of an HDF5 file; HDF5 also allows them at offsets 512, 1024, 2048 ...
+void require_signature(const std::filesystem::path& file, std::uintmax_t bytes) {
+  constexpr std::array<char, 8> signature{'\x89', 'H', 'D', 'F', '\r', '\n', '\x1a', '\n'};
+  std::ifstream stream(file, std::ios::binary);
+  for (std::uintmax_t offset = 0; offset + 8 <= bytes; offset = offset == 0 ? 512 : 2 * offset) {
+    std::array<char, 8> found{};
+    stream.seekg(static_cast<std::streamoff>(offset));
+    if (stream.read(found.data(), found.size()) && found == signature) return;
+  }
+  throw Error("file '" + file.string() + "': expected an HDF5 file, found no HDF5 signature");
+}
+
+std::string look_through(const std::filesystem::path& file) {
+  const auto bytes = size_of_regular_file(file);
+  require_signature(file, bytes);
+  Isolated process(
+      [&](const Isolated::Send& send) {
+        const auto answer = answer_for(file);
+        send(answer);
+      },
+      {.processor_seconds = 2, .memory_bytes = 16 * static_cast<rlim_t>(bytes) + spare_bytes});
+  auto answer = process.receive_all();
+  const auto trouble = process.end();
+  if (!trouble.empty() || answer.empty())
+    throw Error("file '" + file.string() + "': expected a sound HDF5 file, found one that HDF5 cannot cope with (" +
+                (trouble.empty() ? "no answer" : trouble) + ")");
+  if (answer.front() == bad) throw Error(answer.substr(1));
+  return answer.substr(1);
+}
+
+}  // namespace
+
+Catalog catalog_of(const par::Comm& comm, const std::filesystem::path& file) {
+  std::string packed;
+  Catalog catalog;
+  par::agree(comm, [&] {
+    if (!comm.is_first()) return;
+    packed = look_through(file);
+    catalog = unpack(packed);
+  });
+  packed = comm.broadcast(std::move(packed));
+  if (!comm.is_first()) catalog = unpack(packed);
+  return catalog;
+}
+
+}  // namespace pamr::io

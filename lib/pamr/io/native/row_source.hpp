@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "pamr/base/types.hpp"
+#include "pamr/io/native/catalog.hpp"
+#include "pamr/io/native/hdf5.hpp"
+#include "pamr/io/native/isolated.hpp"
+
+namespace pamr::io {
+
+/// This rank's rows of a dataset, one slab after another. A contiguous dataset, whose place in the file is known to be
+/// sound, is read through the file that all ranks have open. The chunks of a chunked one are not verified, and
+/// HDF5 1.10 may crash on damaged ones, so each rank has its rows read by a process of its own.
+class RowSource {
+ public:
+  /// Rows `first .. end` in slabs of `slab` rows. Collective over the ranks that have `h5` open; throws `Error` without
+  /// the file's name.
+  RowSource(const std::filesystem::path& file, hid_t h5, const ArrayEntry& entry, const hdf5::Shape& shape,
+            GlobalId first, GlobalId end, GlobalId slab);
+
+  /// Reads the next `n` rows (a whole slab but for the last, 1 or more) to where `raw` lies, whose size is theirs.
+  /// Local; false when it failed, and `trouble` says why.
+  bool read(GlobalId n, std::span<std::byte> raw);
+  std::string trouble();
+
+ private:
+  mesh::StorageType type_;
+  hdf5::Shape shape_;
+  GlobalId next_;
+  hdf5::Handle dataset_, transfer_;
+  std::optional<Isolated> process_;
+};
+
+}  // namespace pamr::io

@@ -1,0 +1,308 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "pamr/io/native/write_plan.hpp"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <numeric>
+#include <set>
+
+#include "pamr/base/contract.hpp"
+#include "pamr/base/error.hpp"
+#include "pamr/base/sorted_order.hpp"
+#include "pamr/io/native/layout.hpp"
+#include "pamr/io/text.hpp"
+#include "pamr/mesh/cell_runs.hpp"
+
+namespace pamr::io {
+
+using mesh::StorageType;
+
+namespace {
+
+std::uint64_t word_of(std::int64_t value) { return static_cast<std::uint64_t>(value); }
+
+template <class Named>
+std::vector<const Named*> by_name(const std::vector<Named>& all) {
+  std::vector<const Named*> sorted;
+  for (const auto& one : all) sorted.push_back(&one);
+  std::sort(sorted.begin(), sorted.end(), [](const auto* a, const auto* b) { return a->name < b->name; });
+  return sorted;
+}
+
+std::size_t n_values(const mesh::Field& field) {
+  return std::visit([](const auto& values) { return values.size(); }, field.value);
+}
+
+/// `HeldRows::fill` from what writes one row: `fill_row(i, to)`.
+template <class FillRow>
+auto row_by_row(std::size_t width, FillRow fill_row) {
+  return [width, fill_row](std::size_t first, std::size_t n, std::uint64_t* to) {
+    for (auto i = first; i < first + n; ++i, to += width) fill_row(i, to);
+  };
+}
+
+/// `ArrayPlan::formula` from what gives one value.
+template <class ValueOf>
+auto value_by_value(ValueOf value_of) {
+  return [value_of](GlobalId row, std::span<std::uint64_t> values) {
+    for (auto& value : values) value = value_of(row++);
+  };
+}
+
+}  // namespace
+
+template <class FillRow>
+HeldRows WritePlan::cell_rows(std::size_t width, FillRow fill_row) const {
+  return {mesh_->info.cell_ids(), width, mesh_->cell_global, cell_run_, row_by_row(width, fill_row)};
+}
+
+template <class FillRow>
+HeldRows WritePlan::node_rows(std::size_t width, FillRow fill_row) const {
+  return {mesh_->info.node_ids(), width, node_id_, {}, row_by_row(width, fill_row)};
+}
+
+WritePlan::WritePlan(const par::Comm& comm, const mesh::DistMesh& mesh, const std::string& provenance)
+    : mesh_(&mesh), cell_run_(mesh::cell_runs(comm, mesh)) {
+  std::vector<std::uint64_t> number;  // from the least on
+  number.reserve(mesh.node_global.size());
+  for (const auto id : mesh.node_global) number.push_back(static_cast<std::uint64_t>(id - mesh.info.first_id));
+  node_order_ = sorted_order(number);
+  number = {};
+  node_id_.reserve(node_order_.size());
+  for (const auto node : node_order_) node_id_.push_back(mesh.node_global[node]);
+  add_mesh();
+  for (const auto* field : by_name(mesh.node_fields)) add_field(*field, false);
+  for (const auto* field : by_name(mesh.cell_fields)) add_field(*field, true);
+  for (const auto* surface : by_name(mesh.info.triangulations)) add_triangulation(comm, *surface);
+  if (!mesh.info.regions.empty()) add_regions();
+  add_texts(provenance);
+  for (const auto& array : arrays)
+    data_bytes += static_cast<std::uint64_t>(array.shape.rows * array.shape.width) * hdf5::size_of(array.type);
+  for (const auto& text : texts)
+    for (const auto& line : text.texts) data_bytes += line.size();
+}
+
+void WritePlan::add_mesh() {
+  const auto& m = *mesh_;
+  const auto n_cells = m.info.n_global_cells, n_nodes = m.info.n_global_nodes;
+  const auto single = [&](const char* path, GlobalId value) {
+    arrays.push_back({path,
+                      StorageType::int64,
+                      {1, 1, true},
+                      {1, 1, {}, {}, {}},
+                      value_by_value([value](GlobalId) { return word_of(value); }),
+                      false,
+                      ""});
+  };
+  single(path::n_points, n_nodes);
+  single(path::n_cells, n_cells);
+  single(path::n_connectivity, 4 * n_cells);
+  arrays.push_back({path::points,
+                    StorageType::float64,
+                    {n_nodes, 3, false},
+                    node_rows(3,
+                              [this](std::size_t i, std::uint64_t* to) {
+                                const auto p = mesh_->point(static_cast<LocalId>(node_order_[i]));
+                                to[0] = std::bit_cast<std::uint64_t>(p.x);
+                                to[1] = std::bit_cast<std::uint64_t>(p.y);
+                                to[2] = std::bit_cast<std::uint64_t>(p.z);
+                              }),
+                    {},
+                    true,
+                    ""});
+  arrays.push_back({path::connectivity,
+                    StorageType::int64,
+                    {4 * n_cells, 1, true},
+                    cell_rows(4,
+                              [&m](std::size_t i, std::uint64_t* to) {
+                                for (const auto node : m.cell_to_node[i])
+                                  *to++ = word_of(m.node_global[static_cast<std::size_t>(node)] - m.info.first_id);
+                              }),
+                    {},
+                    true,
+                    ""});
+  arrays.push_back({path::offsets,
+                    StorageType::int64,
+                    {n_cells + 1, 1, true},
+                    {n_cells + 1, 1, {}, {}, {}},
+                    value_by_value([](GlobalId row) { return word_of(4 * row); }),
+                    false,
+                    ""});
+  arrays.push_back({path::types,
+                    StorageType::uint8,
+                    {n_cells, 1, true},
+                    {n_cells, 1, {}, {}, {}},
+                    value_by_value([](GlobalId) { return word_of(tetrahedron); }),
+                    false,
+                    ""});
+  arrays.push_back({path::cell_to_cell,
+                    StorageType::int64,
+                    {n_cells, 4, false},
+                    cell_rows(4,
+                              [&m](std::size_t i, std::uint64_t* to) {
+                                for (const auto slot : m.cell_to_cell[i])
+                                  *to++ = word_of(m.is_own(slot) ? m.cell_global[static_cast<std::size_t>(slot)]
+                                                  : m.is_ghost(slot)
+                                                      ? m.ghost_global[static_cast<std::size_t>(slot - m.n_cells())]
+                                                      : slot);
+                              }),
+                    {},
+                    true,
+                    ""});
+  arrays.push_back({path::lineage,
+                    StorageType::uint64,
+                    {n_cells, 1, true},
+                    cell_rows(1, [&m](std::size_t i, std::uint64_t* to) { *to = m.lineage[i].bits(); }),
+                    {},
+                    true,
+                    ""});
+}
+
+void WritePlan::add_field(const mesh::Field& field, bool on_cells) {
+  const auto width = static_cast<std::size_t>(field.n_components);
+  const auto n_rows = on_cells ? mesh_->cell_global.size() : mesh_->node_global.size();
+  PAMR_EXPECTS(field.n_components >= 1 && n_values(field) == n_rows * width);
+  PAMR_EXPECTS(field.holds_integers() == mesh::is_integer(field.storage));
+  auto rows = std::visit(
+      [&](const auto& values) {
+        const auto copy_row = [&values, width](std::size_t row, std::uint64_t* to) {
+          static_assert(sizeof values[0] == sizeof *to);
+          std::memcpy(to, values.data() + row * width, width * sizeof *to);
+        };
+        if (on_cells) return cell_rows(width, copy_row);
+        return node_rows(width, [this, copy_row](std::size_t i, std::uint64_t* to) { copy_row(node_order_[i], to); });
+      },
+      field.value);
+  const auto path = std::string(on_cells ? path::cell_data : path::point_data) + "/" + field.name;
+  arrays.push_back(
+      {path, field.storage, {rows.all.n, field.n_components, width == 1}, std::move(rows), {}, true, field.unit});
+}
+
+void WritePlan::add_triangulation(const par::Comm& comm, const geometry::Triangulation& surface) {
+  if (groups.empty()) groups.emplace_back(path::surface_data);
+  const auto group = std::string(path::surface_data) + "/" + surface.name;
+  groups.push_back(group);
+  const auto add = [&](const char* name, StorageType type, std::size_t n, auto fill) {
+    const auto all = static_cast<GlobalId>(n);
+    const auto range = par::block_range(all, comm.rank(), comm.size());
+    auto& ids = row_id_.emplace_back(static_cast<std::size_t>(range.count()));
+    std::iota(ids.begin(), ids.end(), range.begin);
+    HeldRows rows{all, 3, ids, {}, row_by_row(3, [fill, &ids](std::size_t i, std::uint64_t* to) {
+                    const auto row = fill(static_cast<std::size_t>(ids[i]));
+                    std::copy(row.begin(), row.end(), to);
+                  })};
+    arrays.push_back({group + name, type, {all, 3, false}, std::move(rows), {}, true, ""});
+  };
+  add("/points", StorageType::float64, surface.points.size(), [&surface](std::size_t i) {
+    const auto p = surface.points[i];
+    return std::array{std::bit_cast<std::uint64_t>(p.x), std::bit_cast<std::uint64_t>(p.y),
+                      std::bit_cast<std::uint64_t>(p.z)};
+  });
+  add("/triangles", StorageType::int32, surface.triangles.size(), [&surface](std::size_t i) {
+    const auto& t = surface.triangles[i];
+    return std::array{word_of(t[0]), word_of(t[1]), word_of(t[2])};
+  });
+}
+
+void WritePlan::add_regions() {
+  const auto& regions = mesh_->info.regions;
+  const auto n = std::ssize(regions);
+  groups.emplace_back(path::regions);
+  arrays.push_back(
+      {path::region_numbers,
+       StorageType::int64,
+       {n, 1, true},
+       {n, 1, {}, {}, {}},
+       value_by_value([&regions](GlobalId row) { return word_of(regions[static_cast<std::size_t>(row)].number); }),
+       true,
+       ""});
+  TextPlan names{path::region_names, {}, true};
+  for (const auto& region : regions) names.texts.push_back(region.name);
+  texts.push_back(std::move(names));
+}
+
+void WritePlan::add_texts(const std::string& provenance) {
+  TextPlan names{path::patch_names, {}, true}, kinds{path::patch_kinds, {}, true}, ties{path::patch_surfaces, {}, true};
+  for (const auto& patch : mesh_->info.patches) {
+    names.texts.push_back(patch.name);
+    kinds.texts.push_back(patch.kind);
+    ties.texts.push_back(patch.surface);
+  }
+  texts.push_back(std::move(names));
+  texts.push_back(std::move(kinds));
+  texts.push_back(std::move(ties));
+  texts.push_back({path::surfaces, {mesh_->info.surfaces_toml}, false});
+  texts.push_back({path::provenance, {provenance.empty() ? mesh_->info.provenance : provenance}, false});
+}
+
+namespace {
+
+bool is_name(const std::string& name) {
+  return !name.empty() && name != "." && name.find('/') == std::string::npos && is_clean_text(name, "");
+}
+
+void require_writable(const std::vector<geometry::Triangulation>& surfaces) {
+  std::set<std::string> seen;
+  for (const auto& surface : surfaces) {
+    const auto where = "triangulated surface '" + surface.name + "': ";
+    if (!is_name(surface.name)) throw Error(where + "expected a name in UTF-8 without '/', found another");
+    if (!seen.insert(surface.name).second) throw Error(where + "expected different names, found it twice");
+    constexpr std::size_t most = std::numeric_limits<int>::max();
+    const auto n = surface.points.size();
+    if (n < 3 || n > most || surface.triangles.empty() || surface.triangles.size() > most)
+      throw Error(where + "expected 3 points and 1 triangle or more, found " + std::to_string(n) + " and " +
+                  std::to_string(surface.triangles.size()));
+    for (const auto p : surface.points)
+      if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z))
+        throw Error(where + "expected finite coordinates, found NaN or infinity");
+    for (const auto& triangle : surface.triangles)
+      for (const int point : triangle)
+        if (point < 0 || static_cast<std::size_t>(point) >= n)
+          throw Error(where + "expected points from 0 to " + std::to_string(n - 1) + " in triangles, found " +
+                      std::to_string(point));
+  }
+}
+
+}  // namespace
+
+void require_writable(const mesh::DistMesh& mesh) {
+  require_writable(mesh.info.triangulations);
+  for (const auto* fields : {&mesh.node_fields, &mesh.cell_fields}) {
+    const std::string where = fields == &mesh.cell_fields ? "cell field '" : "node field '";
+    std::set<std::string> seen;
+    for (const auto& field : *fields) {
+      if (!is_name(field.name) || !is_clean_text(field.unit, ""))
+        throw Error(where + field.name + "': expected a name and a unit in UTF-8, the name without '/', found another");
+      if (!seen.insert(field.name).second)
+        throw Error(where + field.name + "': expected different names, found it twice");
+    }
+  }
+  std::set<std::string> seen;
+  for (const auto& patch : mesh.info.patches) {
+    if (patch.name.empty() || !is_clean_text(patch.name, "") || !is_clean_text(patch.kind, "") ||
+        !is_clean_text(patch.surface, ""))
+      throw Error("patch '" + patch.name + "': expected name, kind and surface in UTF-8, found another encoding");
+    if (!seen.insert(patch.name).second)
+      throw Error("patch '" + patch.name + "': expected different names, found it twice");
+  }
+  if (mesh.info.regions.size() > max_regions)
+    throw Error("regions: expected at most " + std::to_string(max_regions) + " with a name, found " +
+                std::to_string(mesh.info.regions.size()));
+  for (std::size_t r = 0; r < mesh.info.regions.size(); ++r) {
+    const auto& [number, name] = mesh.info.regions[r];
+    const auto where = "region " + std::to_string(number) + ": ";
+    if (name.empty() || !is_clean_text(name, "")) throw Error(where + "expected a name in UTF-8, found another");
+    if (r > 0 && number <= mesh.info.regions[r - 1].number)
+      throw Error(where + "expected ascending numbers, found it after " +
+                  std::to_string(mesh.info.regions[r - 1].number));
+  }
+  for (const auto* text : {&mesh.info.surfaces_toml, &mesh.info.provenance})
+    if (!is_clean_text(*text, "\t\r\n")) throw Error("surfaces or provenance: expected UTF-8, found another encoding");
+  if (!is_clean_text(mesh.info.length_unit, "")) throw Error("length unit: expected UTF-8, found another encoding");
+}
+
+}  // namespace pamr::io

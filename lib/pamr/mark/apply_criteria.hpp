@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "pamr/mark/criteria.hpp"
+#include "pamr/mesh/dist_mesh.hpp"
+#include "pamr/par/comm.hpp"
+
+namespace pamr::mark {
+
+struct Applied {
+  Indicator indicator;                           ///< of the cells that meet a criterion and all limits
+  std::vector<std::int64_t> cells_of_criterion;  ///< cells of all ranks that meet each criterion, before the limits
+};
+
+/// Evaluates all criteria and limits of a request but the budget. Collective. Throws `Error` on every rank for patches
+/// and fields that the mesh does not have or that do not suit.
+Applied apply(const par::Comm& comm, const mesh::DistMesh& mesh, const Request& request);
+
+}  // namespace pamr::mark

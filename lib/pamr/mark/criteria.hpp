@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "pamr/mark/field_criteria.hpp"
+#include "pamr/mark/geometric_criteria.hpp"
+
+namespace pamr::mark {
+
+struct AllCells {};
+struct CrossingSphere {
+  Sphere sphere;
+};
+struct CentroidShell {
+  Sphere sphere;
+  double width = 0;
+};
+struct Box {
+  geometry::Vec3 low, high;
+};
+struct NearPatch {
+  std::string patch;
+  int layers = 1;
+};
+struct Threshold {
+  std::string field;
+  Side side = Side::above;
+  double value = 0;
+};
+/// A threshold that only values count as beyond which are surely so.
+struct Cutoff {
+  Threshold threshold;
+  Certainty certainty;
+};
+struct SizeOver {
+  std::string field;
+  double ratio = 1;
+};
+
+struct ErrorOver {
+  enum class Bar { theta, target, bulk };
+  std::string field;
+  Bar bar = Bar::theta;
+  double value = 0;  ///< share of the mean square; relative error; fraction of the total squared error
+};
+
+/// The fewest cells that carry this part of the sum of a field.
+struct BulkOf {
+  std::string field;
+  double fraction = 0;
+};
+
+/// One criterion as the command line states it.
+struct Criterion {
+  std::string text;  ///< for reports
+  std::variant<AllCells, CrossingSphere, CentroidShell, Box, NearPatch, Threshold, SizeOver, ErrorOver, BulkOf> rule;
+};
+
+/// What to mark: cells that meet any criterion and every limit.
+struct Request {
+  std::vector<Criterion> criteria;
+  CellSize size = CellSize::cbrt_volume;
+  std::optional<int> max_level;
+  std::vector<Cutoff> only_where;
+};
+
+/// An option and its argument, as given.
+struct Given {
+  std::string option;  ///< "--field"
+  std::string text;    ///< empty for a flag
+};
+
+/// Reads the options, in the order in which they were given: `--layers`, `--above`, `--below`, `--ratio`,
+/// `--theta`, `--target`, `--bulk` and `--error` belong to the nearest option of their kind (`--patch`, `--field`, ...)
+/// before them that has none yet, else to the first after them. Throws `Error` for what cannot be read, for halves
+/// without their other half, and when there is no criterion.
+Request read_request(const std::vector<Given>& given);
+
+}  // namespace pamr::mark

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "pamr/mesh/dist_mesh.hpp"
+
+namespace pamr::mesh {
+
+/// One rank's share of a mesh as it lies in a file: cells `first_cell ..` in global order with global numbers (the
+/// first of all is `info.first_id`), and the canonical block (`par::block_range`) of the nodes.
+struct BlockMesh {
+  MeshInfo info;
+  GlobalId first_cell = 0;
+  std::vector<std::array<GlobalId, 4>> cell_to_node;  ///< n x 4, global
+  std::vector<std::array<GlobalId, 4>> cell_to_cell;  ///< n x 4, global or -(patch+1); empty on every rank: to be built
+  std::vector<Lineage> lineage;                       ///< n, or empty on every rank: all regular, level 0
+  std::vector<geometry::Vec3> node_position;          ///< canonical block of n_global_nodes
+  std::vector<CellField> cell_fields;                 ///< values of the n cells
+  std::vector<NodeField> node_fields;                 ///< values of the node block
+};
+
+}  // namespace pamr::mesh

@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <numeric>
+#include <utility>
+
+#include "pamr/assemble/assemble_steps.hpp"
+#include "pamr/base/memory.hpp"
+#include "pamr/order/order_steps.hpp"
+#include "pamr/par/exchange.hpp"
+
+namespace pamr::order {
+
+namespace {
+
+/// Cells whose neighbours are asked for at once.
+constexpr std::size_t cells_of_round = std::size_t{1} << 17U;
+
+/// Corners whose points are asked for beforehand.
+constexpr std::size_t corners_ahead = 64;
+
+/// Calls `work(begin, end)` for pieces of this rank's cells, as often on every rank. Collective.
+template <class Work>
+void in_rounds(const par::Comm& comm, std::size_t n, Work&& work) {
+  const auto rounds = comm.max(static_cast<std::int64_t>((n + cells_of_round - 1) / cells_of_round));
+  for (std::int64_t round = 0; round < rounds; ++round) {
+    const auto begin = std::min(n, static_cast<std::size_t>(round) * cells_of_round);
+    work(begin, std::min(n, begin + cells_of_round));
+  }
+}
+
+/// The key of a closure family that begins on an earlier rank.
+struct FamilyKey {
+  GlobalId first = 0;
+  std::uint64_t key = 0;
+};
+
+/// Gives the members of a family that lie on later ranks the key of its first one. Collective.
+void share_family_keys(const par::Comm& comm, const mesh::BlockMesh& block, std::vector<std::uint64_t>& key) {
+  const auto n = static_cast<GlobalId>(block.lineage.size());
+  const auto begin = block.info.first_id + comm.exclusive_sum(n), end = begin + n;
+  const auto starts = comm.all_gather(begin);
+  std::vector<par::Outgoing<FamilyKey>> messages;
+  for (auto id = std::max(begin, end - 3); id < end; ++id) {
+    const auto lineage = block.lineage[static_cast<std::size_t>(id - begin)];
+    if (!lineage.is_removable() || lineage.child() != 0) continue;
+    for (auto member = end; member < id + lineage.family_size(); ++member) {
+      const auto holder =
+          static_cast<Rank>(std::upper_bound(starts.begin(), starts.end(), member) - starts.begin() - 1);
+      if (messages.empty() || messages.back().to != holder)
+        messages.push_back({holder, {{id, key[static_cast<std::size_t>(id - begin)]}}});
+    }
+  }
+  const auto arrived = comm.sparse_exchange(messages);
+  for (auto id = begin; id < end; ++id) {
+    const auto lineage = block.lineage[static_cast<std::size_t>(id - begin)];
+    if (!lineage.is_removable() || lineage.child() == 0) continue;
+    const auto first = id - lineage.child();
+    auto& own = key[static_cast<std::size_t>(id - begin)];
+    if (first >= begin) own = key[static_cast<std::size_t>(first - begin)];
+    for (const auto& family : arrived.item)
+      if (family.first == first) own = family.key;
+  }
+}
+
+/// Collective.
+std::vector<std::uint64_t> find_keys(const par::Comm& comm, const mesh::BlockMesh& block, const CurveGrid& grid,
+                                     bool has_lineage) {
+  const auto named = find_named(block.cell_to_node);
+  const auto point = par::fetch_rows<geometry::Vec3>(comm, block.info.node_ids(), block.node_position, 1, named.node);
+  std::vector<std::uint64_t> key;
+  reserve_array(key, block.cell_to_node.size());
+  const auto at = [&](std::size_t corner) -> const geometry::Vec3& {
+    return point[static_cast<std::size_t>(named.corner[corner])];
+  };
+  for (std::size_t i = 0; i < named.corner.size(); i += 4) {
+    for (auto ahead = i + corners_ahead; ahead < std::min(i + corners_ahead + 4, named.corner.size()); ++ahead)
+      __builtin_prefetch(&at(ahead));
+    key.push_back(key_of(grid, {at(i), at(i + 1), at(i + 2), at(i + 3)}));
+  }
+  if (has_lineage) share_family_keys(comm, block, key);
+  return key;
+}
+
+/// Replaces the old numbers of neighbours by the new ones. `id` and `place`: old and new numbers of the block's cells.
+/// Collective.
+void renumber_neighbours(const par::Comm& comm, mesh::BlockMesh& block, const std::vector<GlobalId>& id,
+                         const std::vector<GlobalId>& place) {
+  const auto cells = block.info.cell_ids();
+  const auto new_of_block = par::scatter_rows<GlobalId>(comm, cells, place, 1, id);
+  const auto here = par::block_range(cells, comm.rank(), comm.size());
+  const auto is_here = [&](GlobalId cell) { return cell >= here.begin && cell < here.end; };
+  in_rounds(comm, block.cell_to_cell.size(), [&](std::size_t begin, std::size_t end) {
+    std::vector<GlobalId> asked;
+    for (auto c = begin; c < end; ++c)
+      for (const auto neighbour : block.cell_to_cell[c])
+        if (neighbour >= 0 && !is_here(neighbour)) asked.push_back(neighbour);
+    const auto answered = par::fetch_rows<GlobalId>(comm, cells, new_of_block, 1, asked);
+    auto next = answered.begin();
+    for (auto c = begin; c < end; ++c)
+      for (auto& neighbour : block.cell_to_cell[c])
+        if (neighbour >= 0)
+          neighbour = is_here(neighbour) ? new_of_block[static_cast<std::size_t>(neighbour - here.begin)] : *next++;
+  });
+}
+
+/// Sends the cells to the canonical blocks of their new numbers. Returns their old ones. Collective.
+std::vector<GlobalId> move_cells(const par::Comm& comm, mesh::BlockMesh& block, std::vector<GlobalId> place,
+                                 std::vector<GlobalId> id, const assemble::Contents& contents) {
+  std::vector<Rank> to;
+  to.reserve(place.size());
+  for (const auto number : place) to.push_back(par::block_of(number, block.info.cell_ids(), comm.size()));
+  auto cells = assemble::take_cells(block, contents);
+  cells.id = std::move(place);
+  cells.field.push_back({"", "", 1, mesh::StorageType::int64, std::move(id)});
+  assemble::exchange_cells(comm, cells, to, contents);
+
+  block.first_cell = par::block_range(block.info.cell_ids(), comm.rank(), comm.size()).begin;
+  block.cell_to_node = std::move(cells.node);
+  block.cell_to_cell = std::move(cells.neighbour);
+  block.lineage = std::move(cells.lineage);
+  if (!contents.has_lineage) block.lineage.clear();
+  auto origin = std::move(cells.field.back().integer());
+  cells.field.pop_back();
+  block.cell_fields = std::move(cells.field);
+  return origin;
+}
+
+}  // namespace
+
+Ordered order_over_ranks(const par::Comm& comm, mesh::BlockMesh block, const CurveGrid& grid) {
+  const assemble::Contents contents{.has_neighbours = comm.any(!block.cell_to_cell.empty()),
+                                    .has_lineage = comm.any(!block.lineage.empty()),
+                                    .has_destinations = true};
+  const auto key = find_keys(comm, block, grid, contents.has_lineage);
+  auto place = places_along_curve(comm, block, key);
+  std::vector<GlobalId> id(block.cell_to_node.size());
+  std::iota(id.begin(), id.end(), block.first_cell);
+  if (contents.has_neighbours) renumber_neighbours(comm, block, id, place);
+
+  Ordered ordered;
+  ordered.cell_origin = move_cells(comm, block, std::move(place), std::move(id), contents);
+  ordered.node_origin = renumber_nodes(comm, block);
+  ordered.block = std::move(block);
+  return ordered;
+}
+
+}  // namespace pamr::order

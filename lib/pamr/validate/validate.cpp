@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "pamr/validate/validate.hpp"
+
+#include "pamr/base/error.hpp"
+#include "pamr/validate/validate_steps.hpp"
+
+namespace pamr::validate {
+
+namespace {
+
+GlobalId number_of(const mesh::DistMesh& mesh, std::size_t cell) {
+  return cell < mesh.cell_global.size() ? mesh.cell_global[cell] : static_cast<GlobalId>(cell);
+}
+
+bool border_fits(const mesh::DistMesh& mesh, Rank rank, Rank size) {
+  if (mesh.border_offset.size() != mesh.border_rank.size() + 1 || mesh.border_offset.front() != 0 ||
+      mesh.border_offset.back() != mesh.border_face.size() || mesh.ghost_global.size() != mesh.border_face.size())
+    return false;
+  for (std::size_t i = 0; i < mesh.border_rank.size(); ++i) {
+    const auto other = mesh.border_rank[i];
+    if (other < 0 || other >= size || other == rank || (i > 0 && other <= mesh.border_rank[i - 1]) ||
+        mesh.border_offset[i] > mesh.border_offset[i + 1])
+      return false;
+  }
+  return true;
+}
+
+void check_ids(const mesh::DistMesh& mesh, Findings& findings) {
+  const auto n_slots = mesh.n_cells() + static_cast<LocalId>(mesh.border_face.size());
+  for (std::size_t c = 0; c < mesh.cell_to_node.size(); ++c) {
+    const auto& n = mesh.cell_to_node[c];
+    const auto& neighbours = mesh.cell_to_cell[c];
+    if (std::any_of(n.begin(), n.end(), [&](LocalId node) { return node < 0 || node >= mesh.n_nodes(); }) ||
+        std::any_of(neighbours.begin(), neighbours.end(), [&](LocalId slot) { return slot >= n_slots; }) ||
+        !mesh.info.cell_ids().contains(mesh.cell_global[c]))
+      findings.add(Invariant::ids_in_range, number_of(mesh, c));
+    if (n[0] == n[1] || n[0] == n[2] || n[0] == n[3] || n[1] == n[2] || n[1] == n[3] || n[2] == n[3])
+      findings.add(Invariant::distinct_corners, number_of(mesh, c));
+    if (c > 0 && mesh.cell_global[c - 1] >= mesh.cell_global[c])
+      findings.add(Invariant::cells_ascend, number_of(mesh, c));
+  }
+  for (const auto id : mesh.node_global)
+    if (!mesh.info.node_ids().contains(id)) findings.add(Invariant::ids_in_range, -1);
+  for (std::size_t k = 0; k < mesh.border_face.size(); ++k) {
+    const auto face = mesh.border_face[k];
+    if (face.cell < 0 || face.cell >= mesh.n_cells() || face.slot < 0 || face.slot > 3 ||
+        !mesh.info.cell_ids().contains(mesh.ghost_global[k]))
+      findings.add(Invariant::ids_in_range, number_of(mesh, static_cast<std::size_t>(std::max(face.cell, 0))));
+  }
+}
+
+void check_fields(const std::vector<mesh::Field>& fields, std::size_t n, Findings& findings) {
+  for (const auto& field : fields) {
+    const auto size = std::visit([](const auto& values) { return values.size(); }, field.value);
+    if (field.n_components < 1 || size != n * static_cast<std::size_t>(field.n_components))
+      findings.add(Invariant::fields_sized, -1);
+  }
+}
+
+}  // namespace
+
+void check_structure(const mesh::DistMesh& mesh, Rank rank, Rank size, Findings& findings) {
+  const auto n_cells = mesh.cell_to_node.size(), n_nodes = mesh.node_position.size();
+  check_fields(mesh.cell_fields, n_cells, findings);
+  check_fields(mesh.node_fields, n_nodes, findings);
+  if (mesh.cell_to_cell.size() != n_cells || mesh.cell_global.size() != n_cells || mesh.lineage.size() != n_cells ||
+      mesh.node_global.size() != n_nodes || !border_fits(mesh, rank, size))
+    findings.add(Invariant::ids_in_range, -1);
+  else
+    check_ids(mesh, findings);
+}
+
+std::vector<Violation> validate(const par::Comm& comm, const mesh::DistMesh& mesh) {
+  Findings found;
+  check_structure(mesh, comm.rank(), comm.size(), found);
+  if (!comm.any(found.has(Invariant::ids_in_range) || found.has(Invariant::distinct_corners))) {
+    check_unique_cells(comm, mesh, found);
+    check_shapes(mesh, found);
+    check_own_neighbours(mesh, found);
+    check_families(mesh, found);
+    check_border(comm, mesh, found);
+    check_shared(comm, mesh, found);
+    check_boundary(comm, mesh, found);
+  }
+  comm.sum_in_place(found.count);
+  std::vector<Violation> violations;
+  for (std::size_t i = 0; i < found.count.size(); ++i)
+    if (found.count[i] != 0) violations.push_back({invariant_name[i], found.count[i], comm.min(found.where[i])});
+  return violations;
+}
+
+void require_valid(const par::Comm& comm, const mesh::DistMesh& mesh, const std::string& what) {
+  const auto violations = validate(comm, mesh);
+  if (violations.empty()) return;
+  const auto& first = violations.front();
+  const bool at_node = first.invariant == "finite_coordinates" || first.invariant == "unique_nodes" ||
+                       first.invariant == "shared_nodes_equal" || first.invariant == "nodes_referenced";
+  auto text = what + ": expected a valid mesh, found `" + first.invariant + "` broken " + std::to_string(first.count);
+  text.append(first.count == 1 ? " time" : " times");
+  if (first.where >= 0)
+    text.append(at_node ? ", first at node " : ", first at cell ").append(std::to_string(first.where));
+  if (violations.size() > 1)
+    text.append(", besides ").append(std::to_string(violations.size() - 1)).append(" other invariants");
+  throw Error(text);
+}
+
+}  // namespace pamr::validate

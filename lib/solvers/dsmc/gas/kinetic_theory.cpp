@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "solvers/dsmc/gas/kinetic_theory.hpp"
+
+#include <cmath>
+#include <numbers>
+
+namespace pamr::dsmc {
+
+namespace {
+constexpr double pi = std::numbers::pi;
+const double sqrt_pi = std::sqrt(pi);
+}  // namespace
+
+double flux_factor(double s) { return std::exp(-s * s) + sqrt_pi * s * (1 + std::erf(s)); }
+
+double most_probable_speed(double t, double mass) { return std::sqrt(2 * boltzmann * t / mass); }
+
+double molecular_flux(double n, double t, double mass, double normal) {
+  const double c = most_probable_speed(t, mass);
+  return n * c / (2 * sqrt_pi) * flux_factor(normal / c);
+}
+
+double viscosity(const Species& s, double t) {
+  const double reference = 15 * std::sqrt(pi * s.mass * boltzmann * s.t_ref) /
+                           (2 * pi * s.diameter * s.diameter * (5 - 2 * s.omega) * (7 - 2 * s.omega));
+  return reference * std::pow(t / s.t_ref, s.omega);
+}
+
+double mean_free_path(const Species& s, double n, double t) {
+  return 1 / (std::numbers::sqrt2 * pi * s.diameter * s.diameter * n * std::pow(s.t_ref / t, s.omega - 0.5));
+}
+
+double collision_frequency(const Species& s, double n, double t) {
+  return 4 * s.diameter * s.diameter * n * std::sqrt(pi * boltzmann * s.t_ref / s.mass) *
+         std::pow(t / s.t_ref, 1 - s.omega);
+}
+
+Species mean_species(const Gas& gas) {
+  Species mean;
+  mean.name = "mean";
+  mean.omega = mean.t_ref = mean.alpha = 0;
+  for (std::size_t i = 0; i < gas.species.size(); ++i) {
+    const auto& s = gas.species[i];
+    const double f = gas.fraction[i];
+    mean.mass += f * s.mass;
+    mean.diameter += f * s.diameter;
+    mean.omega += f * s.omega;
+    mean.t_ref += f * s.t_ref;
+    mean.alpha += f * s.alpha;
+  }
+  return mean;
+}
+
+PlateCoefficients free_molecular_plate(double s, double theta, double t_ratio, double rotational_degrees) {
+  const double sn = s * std::sin(theta), chi = flux_factor(sn), half = 0.5 * rotational_degrees;
+  const double gauss = std::exp(-sn * sn), one_erf = 1 + std::erf(sn);
+  PlateCoefficients c;
+  c.pressure = (sn * gauss / sqrt_pi + (0.5 + sn * sn) * one_erf + 0.5 * std::sqrt(t_ratio) * chi) / (s * s);
+  c.shear = std::cos(theta) * chi / (s * sqrt_pi);
+  c.heat = ((s * s + 2) * gauss + sqrt_pi * sn * (s * s + 2.5) * one_erf + half * chi - (2 + half) * t_ratio * chi) /
+           (2 * sqrt_pi * s * s * s);
+  return c;
+}
+
+double free_molecular_sphere_drag(double s, double t_ratio) {
+  const double s2 = s * s;
+  return (2 * s2 + 1) * std::exp(-s2) / (sqrt_pi * s2 * s) + (4 * s2 * s2 + 4 * s2 - 1) * std::erf(s) / (2 * s2 * s2) +
+         2 * sqrt_pi / (3 * s) * std::sqrt(t_ratio);
+}
+
+double free_molecular_sphere_heat(double s, double t_ratio, double rotational_degrees) {
+  // Mean of the plate's coefficient over the sphere: integral over the polar angle by Simpson's rule, 2 pi R^2 sin over
+  // pi R^2.
+  constexpr int n = 2000;
+  double sum = 0;
+  for (int i = 0; i <= n; ++i) {
+    const double polar = pi * i / n;
+    const double value =
+        free_molecular_plate(s, pi / 2 - polar, t_ratio, rotational_degrees).heat * 2 * std::sin(polar);
+    sum += value * (i == 0 || i == n ? 1 : i % 2 == 1 ? 4 : 2);
+  }
+  return sum * pi / n / 3;
+}
+
+ShockRatios normal_shock(double m, double gamma) {
+  const double m2 = m * m;
+  ShockRatios r;
+  r.density = (gamma + 1) * m2 / ((gamma - 1) * m2 + 2);
+  r.pressure = 1 + 2 * gamma / (gamma + 1) * (m2 - 1);
+  r.temperature = r.pressure / r.density;
+  return r;
+}
+
+}  // namespace pamr::dsmc

@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "solvers/dsmc/kernel/flow.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "pamr/base/contract.hpp"
+#include "pamr/base/error.hpp"
+#include "pamr/base/timer.hpp"
+#include "solvers/dsmc/gas/kinetic_theory.hpp"
+#include "solvers/dsmc/kernel/numbering.hpp"
+#include "solvers/dsmc/kernel/periodic.hpp"
+
+namespace pamr::dsmc {
+
+using namespace geometry;
+
+namespace {
+
+/// Speed that hits on walls are measured by: the fastest stream or wall and some thermal speed.
+double typical_speed(const Setup& setup) {
+  double speed = 1;
+  double lightest = setup.gas.species.front().mass;
+  for (const auto& s : setup.gas.species) lightest = std::min(lightest, s.mass);
+  for (const auto& s : setup.stream)
+    speed = std::max(speed, norm(s.velocity) + 3 * most_probable_speed(s.temperature, lightest));
+  for (const auto& p : setup.patch)
+    if (p.temperature > 0) speed = std::max(speed, norm(p.velocity) + 3 * most_probable_speed(p.temperature, lightest));
+  return speed;
+}
+
+double hottest(const Setup& setup) {
+  double t = 0;
+  for (const auto& s : setup.stream) t = std::max(t, s.temperature);
+  for (const auto& p : setup.patch) t = std::max(t, p.temperature);
+  return t > 0 ? t : 300;
+}
+
+/// A point of the tetrahedron, uniformly. Source: C. Rocchini, P. Cignoni, "Generating random points in a tetrahedron",
+/// J. Graphics Tools 5 (2000).
+Vec3 point_in(const TetPoints& corner, Random& random) {
+  double s = random.uniform_fine(), t = random.uniform_fine(), u = random.uniform_fine();
+  if (s + t > 1) {
+    s = 1 - s;
+    t = 1 - t;
+  }
+  if (t + u > 1) {
+    const double old = u;
+    u = 1 - s - t;
+    t = 1 - old;
+  } else if (s + t + u > 1) {
+    const double old = u;
+    u = s + t + u - 1;
+    s = 1 - t - old;
+  }
+  return corner[0] + s * (corner[1] - corner[0]) + t * (corner[2] - corner[0]) + u * (corner[3] - corner[0]);
+}
+
+}  // namespace
+
+bool Region::holds(Vec3 p) const {
+  if (radius > 0) return norm(p - centre) <= radius;
+  return p.x >= low.x && p.y >= low.y && p.z >= low.z && p.x <= high.x && p.y <= high.y && p.z <= high.z;
+}
+
+Flow::Flow(const par::Comm& comm, const mesh::DistMesh& mesh, Setup setup)
+    : comm_(&comm),
+      setup_(std::move(setup)),
+      domain_(make_domain(mesh, setup_.unit, setup_.dt, setup_.molecules)),
+      collider_(setup_.gas, setup_.collisions, setup_.seed) {
+  PAMR_EXPECTS(setup_.patch.size() == mesh.info.patches.size());
+  if (!(setup_.dt > 0) || !(setup_.molecules > 0))
+    throw Error(fmt::format("expected a positive time step and weight, found {} s and {} molecules a particle",
+                            setup_.dt, setup_.molecules));
+  join_periodic(comm, mesh, setup_.patch, domain_);
+  const auto n = static_cast<std::size_t>(mesh.n_cells());
+  if (!setup_.cell_dt.empty()) {
+    PAMR_EXPECTS(setup_.cell_dt.size() == n);
+    domain_.uniform_dt = false;
+    domain_.dt = setup_.cell_dt;
+    for (std::size_t c = 0; c < n; ++c) domain_.molecules[c] = setup_.molecules * (domain_.dt[c] / setup_.dt);
+  }
+  collisions = start_collisions(setup_.gas, hottest(setup_), n);
+  surface.face.resize(domain_.boundary.size());
+  surface.set_units(setup_.gas.species.front().mass, typical_speed(setup_));
+  cells.clear(n, setup_.gas);
+  inflow_.emplace(comm, rules(), setup_.stream);
+  particles.sort_by_cell(domain_.n_cells());
+}
+
+void Flow::fill(const mesh::DistMesh& mesh) {
+  particles.clear();
+  const auto n_species = static_cast<std::uint32_t>(setup_.gas.species.size());
+  std::vector<std::int64_t> count(static_cast<std::size_t>(mesh.n_cells()), 0);
+  for (LocalId cell = 0; cell < mesh.n_cells(); ++cell) {
+    const auto c = static_cast<std::size_t>(cell);
+    const auto corner = corners(mesh, setup_.unit, cell);
+    const Vec3 middle = 0.25 * (corner[0] + corner[1] + corner[2] + corner[3]);
+    int which = setup_.initial;
+    for (const auto& region : setup_.region)
+      if (region.holds(middle)) which = region.stream;
+    if (which < 0) continue;
+    const auto& stream = setup_.stream[static_cast<std::size_t>(which)];
+    Random random(setup_.seed, Purpose::seed, static_cast<std::uint64_t>(domain_.cell_global[c]), steps_done);
+    for (std::uint32_t s = 0; s < n_species; ++s) {
+      const double mean = stream.density * stream.fraction[s] * domain_.volume[c] / molecules_of(c, s);
+      const auto n = static_cast<std::int64_t>(mean + random.uniform_fine());
+      for (std::int64_t i = 0; i < n; ++i) {
+        auto p = draw_particle(setup_.gas, stream, s, random);
+        p.position = point_in(corner, random);
+        p.cell = cell;
+        particles.append(p);
+      }
+      count[c] += n;
+    }
+  }
+  const auto n_global = comm_->sum(static_cast<std::int64_t>(mesh.n_cells()));
+  const auto first = number_along_cells(*comm_, n_global, domain_.cell_global, count).first;
+  std::size_t at = 0;
+  for (std::size_t c = 0; c < count.size(); ++c)
+    for (std::int64_t i = 0; i < count[c]; ++i) particles.id[at++] = static_cast<std::uint64_t>(first[c] + i);
+  particles.sort_by_cell(domain_.n_cells());
+}
+
+StepCounts Flow::step() {
+  StepCounts counts;
+  std::vector<Flight> entering;
+  par::agree(*comm_, [&] { inflow_->draw(steps_done, entering); });
+  counts.entered = static_cast<std::int64_t>(entering.size());
+  const auto before = static_cast<std::int64_t>(particles.size()) + counts.entered;
+  counts.moved = move(*comm_, rules(), steps_done, particles, entering, surface);
+  double start = cpu_seconds();
+  particles.sort_by_cell(domain_.n_cells());
+  counts.compute_seconds = counts.moved.compute_seconds + cpu_seconds() - start;
+  counts.particles = static_cast<std::int64_t>(particles.size());
+  const auto missing = comm_->sum(before - counts.moved.left - counts.particles);
+  lost_ += missing;
+  if (missing != 0) throw ContractViolation(fmt::format("{} particles were lost in step {}", missing, steps_done));
+  start = cpu_seconds();
+  counts.collided = collider_.collide(domain_, steps_done, particles, collisions);
+  if (sampling_) cells.add(particles, setup_.gas);
+  counts.compute_seconds += cpu_seconds() - start;
+  ++steps_done;
+  return counts;
+}
+
+void Flow::start_sampling() {
+  sampling_ = true;
+  cells.clear(static_cast<std::size_t>(domain_.n_cells()), setup_.gas);
+  for (auto& cell : collisions) {
+    cell.separation = 0;
+    cell.collisions = 0;
+  }
+  std::fill(surface.face.begin(), surface.face.end(), SurfaceTally::Sums{});
+}
+
+std::vector<SurfaceTally::Sums> Flow::end_block() {
+  cells.end_block();
+  return std::exchange(surface.face, std::vector<SurfaceTally::Sums>(surface.face.size()));
+}
+
+std::int64_t Flow::n_particles() const { return comm_->sum(static_cast<std::int64_t>(particles.size())); }
+
+}  // namespace pamr::dsmc

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "solvers/dsmc/kernel/gas_domain.hpp"
+
+#include <algorithm>
+
+#include "pamr/base/contract.hpp"
+#include "pamr/mesh/tet.hpp"
+
+namespace pamr::dsmc {
+
+using namespace geometry;
+
+namespace {
+
+/// Plane through three nodes taken in the order of their global numbers, turned towards the outside of the cell.
+struct Plane {
+  Vec3 normal;
+  double offset = 0;
+};
+Plane plane_of_face(const mesh::DistMesh& mesh, double unit, LocalId cell, int slot) {
+  const auto& nodes = mesh.cell_to_node[static_cast<std::size_t>(cell)];
+  const auto& face = mesh::tet::face_to_corner[static_cast<std::size_t>(slot)];
+  std::array<LocalId, 3> node{};
+  for (std::size_t k = 0; k < 3; ++k) node[k] = nodes[static_cast<std::size_t>(face[k])];
+  bool odd = false;
+  const auto order = [&](std::size_t i, std::size_t j) {
+    if (mesh.node_global[static_cast<std::size_t>(node[i])] <= mesh.node_global[static_cast<std::size_t>(node[j])])
+      return;
+    std::swap(node[i], node[j]);
+    odd = !odd;
+  };
+  order(0, 1);
+  order(1, 2);
+  order(0, 1);
+  const Vec3 a = unit * mesh.point(node[0]), b = unit * mesh.point(node[1]), c = unit * mesh.point(node[2]);
+  Vec3 normal = cross(b - a, c - a);
+  normal = (1 / norm(normal)) * normal;
+  double offset = dot(normal, a);
+  if (odd) {
+    normal = -normal;
+    offset = -offset;
+  }
+  return {normal, offset};
+}
+
+}  // namespace
+
+TetPoints corners(const mesh::DistMesh& mesh, double unit, LocalId cell) {
+  auto points = mesh.points(cell);
+  for (auto& p : points) p = unit * p;
+  return points;
+}
+
+std::vector<GlobalId> cells_from_0(const mesh::DistMesh& mesh) {
+  auto numbers = mesh.cell_global;
+  for (auto& number : numbers) number -= mesh.info.first_id;
+  return numbers;
+}
+
+Domain make_domain(const mesh::DistMesh& mesh, double unit, double dt, double molecules) {
+  Domain domain;
+  const auto n = static_cast<std::size_t>(mesh.n_cells());
+  domain.planes.resize(n);
+  domain.link.assign(mesh.cell_to_cell.begin(), mesh.cell_to_cell.end());
+  domain.volume.resize(n);
+  domain.dt.assign(n, dt);
+  domain.molecules.assign(n, molecules);
+  domain.cell_global = cells_from_0(mesh);
+  domain.border_rank = mesh.border_rank;
+  domain.border_offset = mesh.border_offset;
+  domain.border_face = mesh.border_face;
+  for (LocalId cell = 0; cell < mesh.n_cells(); ++cell) {
+    const auto c = static_cast<std::size_t>(cell);
+    const auto points = corners(mesh, unit, cell);
+    domain.volume[c] = geometry::volume(points);
+    for (int slot = 0; slot < 4; ++slot) {
+      const auto f = static_cast<std::size_t>(slot);
+      const auto plane = plane_of_face(mesh, unit, cell, slot);
+      domain.planes[c].nx[f] = plane.normal.x;
+      domain.planes[c].ny[f] = plane.normal.y;
+      domain.planes[c].nz[f] = plane.normal.z;
+      domain.planes[c].d[f] = plane.offset;
+      auto& link = domain.link[c][f];
+      if (link >= 0) continue;
+      const auto& corner = mesh::tet::face_to_corner[f];
+      BoundaryFace face{cell, slot, mesh::slot_to_patch(link), 0, plane.normal, {}, -1};
+      for (std::size_t k = 0; k < 3; ++k) face.corner[k] = points[static_cast<std::size_t>(corner[k])];
+      face.area = 0.5 * norm(cross(face.corner[1] - face.corner[0], face.corner[2] - face.corner[0]));
+      domain.boundary.push_back(face);
+      link = -static_cast<LocalId>(domain.boundary.size());
+    }
+  }
+  return domain;
+}
+
+bool is_inside(const Domain& domain, LocalId cell, Vec3 position, double tolerance) {
+  for (int slot = 0; slot < 4; ++slot)
+    if (domain.planes[static_cast<std::size_t>(cell)].depth(slot, position) < -tolerance) return false;
+  return true;
+}
+
+}  // namespace pamr::dsmc

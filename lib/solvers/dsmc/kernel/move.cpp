@@ -1,0 +1,298 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "solvers/dsmc/kernel/move.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <utility>
+
+#include "pamr/base/hash.hpp"
+#include "pamr/base/timer.hpp"
+
+namespace pamr::dsmc {
+
+using namespace geometry;
+
+namespace {
+
+constexpr std::uint32_t most_events = 100000;
+constexpr std::int64_t patience = 64;  ///< faces passed without a look at the progress, or without progress
+
+enum class End : std::uint8_t { rests, leaves_rank, leaves_domain };
+
+/// Bits of the faces outside of which the point lies.
+inline unsigned outside(const CellPlanes& p, Vec3 at) {
+  unsigned bits = 0;
+  for (std::size_t f = 0; f < 4; ++f)
+    bits |= static_cast<unsigned>(p.nx[f] * at.x + p.ny[f] * at.y + p.nz[f] * at.z > p.d[f]) << f;
+  return bits;
+}
+
+/// Moves one particle at a time.
+class Mover {
+ public:
+  Mover(const MoveRules& rules, std::uint64_t step, SurfaceTally& tally)
+      : domain_(rules.domain), gas_(rules.gas), patch_(rules.patch), seed_(rules.seed), step_(step), tally_(&tally) {}
+
+  End fly(Flight& flight);
+  MoveCounts counts;
+
+ private:
+  struct Exit {
+    int slot = -1;
+    double time = 0;
+  };
+  Exit first_exit(const CellPlanes& planes, const Flight& flight, unsigned out) const;
+  Exit drawn_exit(const CellPlanes& planes, const Flight& flight, unsigned out, std::int64_t turn) const;
+  bool goes_across(Vec3& position, LocalId& link) const;
+  bool meets_boundary(Flight& flight, std::size_t face, double time);
+
+  const Domain* domain_;
+  const Gas* gas_;
+  std::span<const BoundaryCondition> patch_;
+  std::uint64_t seed_, step_;
+  SurfaceTally* tally_;
+};
+
+/// The face of `out` that the flight passes first; none when it moves outwards through none of them.
+Mover::Exit Mover::first_exit(const CellPlanes& planes, const Flight& flight, unsigned out) const {
+  Exit best;
+  const auto& p = flight.particle;
+  for (; out != 0; out &= out - 1) {
+    const int slot = std::countr_zero(out);
+    const double speed = dot(planes.normal(slot), p.velocity);
+    if (!(speed > 0)) continue;
+    const double time = planes.depth(slot, p.position) / speed;
+    if (best.slot < 0 || time < best.time) best = {slot, time};
+  }
+  return best;
+}
+
+/// A face of `out` drawn among those that the flight has passed already: a random walk in the mesh towards the end of
+/// the flight, which unlike a walk by fixed rules cannot go round in circles for ever.
+Mover::Exit Mover::drawn_exit(const CellPlanes& planes, const Flight& flight, unsigned out, std::int64_t turn) const {
+  Exit exit = first_exit(planes, flight, out);
+  std::uint64_t n = 0;
+  for (; out != 0; out &= out - 1) {
+    const auto one = first_exit(planes, flight, out & (~out + 1));
+    if (one.slot < 0 || one.time > flight.passed) continue;
+    ++n;
+    if (combine(flight.particle.id, static_cast<std::uint64_t>(turn) * 4 + n) % n == 0) exit = one;
+  }
+  return exit;
+}
+
+/// A flight meets a boundary face. Of a periodic patch: shifts the place that its line began at, and `link` becomes
+/// where it goes on; else false.
+bool Mover::goes_across(Vec3& position, LocalId& link) const {
+  if (domain_->shift.empty()) return false;
+  const auto& face = domain_->boundary[static_cast<std::size_t>(-link - 1)];
+  if (face.across < 0) return false;
+  position = position + domain_->shift[static_cast<std::size_t>(face.patch)];
+  link = face.across;
+  return true;
+}
+
+/// The particle reaches a boundary face after `time`; false when it leaves the domain.
+bool Mover::meets_boundary(Flight& flight, std::size_t at, double time) {
+  const auto& face = domain_->boundary[at];
+  const auto& condition = patch_[static_cast<std::size_t>(face.patch)];
+  if (condition.is_open()) return false;
+  auto& p = flight.particle;
+  time = std::clamp(time, 0.0, flight.time);
+  p.position = p.position + time * p.velocity;
+  flight.time -= time;
+  flight.passed = 0;
+  flight.barred = 1U << face.slot;
+  const auto& species = gas_->species[p.species];
+  Random random(seed_, Purpose::wall, p.id, step_, 8 * flight.events);
+  ++flight.events;
+  const auto out = reflect(condition, species, face.normal, {p.velocity, p.rotation}, random);
+  if (condition.is_wall()) {
+    ++counts.wall_hits;
+    // Seen from the wall: what a moving wall works is no heat.
+    const double energy =
+        0.5 * species.mass *
+        (squared_norm(p.velocity - condition.velocity) - squared_norm(out.velocity - condition.velocity));
+    tally_->add(at, (species.weight * species.mass) * (p.velocity - out.velocity),
+                species.weight * (energy + (p.rotation - out.rotation)));
+  }
+  p.velocity = out.velocity;
+  p.rotation = out.rotation;
+  return true;
+}
+
+End Mover::fly(Flight& flight) {
+  auto& p = flight.particle;
+  std::int64_t passed_faces = 0, without_progress = 0;
+  for (;;) {
+    const auto c = static_cast<std::size_t>(p.cell);
+    const auto& planes = domain_->planes[c];
+    const Vec3 end = p.position + flight.time * p.velocity;
+    const unsigned out = outside(planes, end) & ~flight.barred;
+    Exit exit;
+    if (out != 0) exit = first_exit(planes, flight, out);
+    if (exit.slot < 0) {
+      p.position = end;
+      break;
+    }
+    if (passed_faces > patience) {
+      without_progress = exit.time > flight.passed ? 0 : without_progress + 1;
+      if (without_progress > patience) exit = drawn_exit(planes, flight, out, without_progress);
+      flight.passed = std::max(flight.passed, exit.time);
+    }
+    auto link = domain_->link[c][static_cast<std::size_t>(exit.slot)];
+    if (link < 0 && !goes_across(p.position, link)) {
+      if (!meets_boundary(flight, static_cast<std::size_t>(-link - 1), exit.time)) return End::leaves_domain;
+      if (flight.events < most_events) continue;
+      ++counts.abandoned;
+      break;
+    }
+    ++passed_faces;
+    ++counts.crossings;
+    flight.barred = 0;
+    if (!domain_->uniform_dt) flight.passed = std::clamp(exit.time, flight.passed, flight.time);
+    if (link >= domain_->n_cells()) {
+      flight.dt_from = domain_->dt[c];
+      p.cell = link - domain_->n_cells();
+      return End::leaves_rank;
+    }
+    if (!domain_->uniform_dt)
+      flight.time = flight.passed +
+                    (flight.time - flight.passed) * (domain_->dt[static_cast<std::size_t>(link)] / domain_->dt[c]);
+    p.cell = link;
+  }
+  counts.longest = std::max(counts.longest, passed_faces);
+  return End::rests;
+}
+
+/// Flights by the rank that they go to; `particle.cell` is then the number of the face among those shared with it.
+class Outbox {
+ public:
+  explicit Outbox(const Domain& domain) : domain_(&domain), message_(domain.border_rank.size()) {
+    for (std::size_t i = 0; i < message_.size(); ++i) message_[i].to = domain.border_rank[i];
+  }
+  void add(Flight flight) {
+    const auto face = static_cast<std::size_t>(flight.particle.cell);
+    const auto& offset = domain_->border_offset;
+    const auto i = static_cast<std::size_t>(std::upper_bound(offset.begin(), offset.end(), face) - offset.begin()) - 1;
+    flight.particle.cell = static_cast<LocalId>(face - offset[i]);
+    message_[i].item.push_back(flight);
+    ++n_;
+  }
+  bool is_empty() const { return n_ == 0; }
+  /// Collective.
+  std::vector<Flight> deliver(const par::Comm& comm) {
+    std::vector<par::Outgoing<Flight>> full;
+    for (auto& message : message_)
+      if (!message.item.empty()) full.push_back({message.to, std::exchange(message.item, {})});
+    n_ = 0;
+    const auto received = comm.sparse_exchange(full);
+    std::vector<Flight> arrived(received.item);
+    for (std::size_t i = 0; i < received.rank.size(); ++i) {
+      const auto& ranks = domain_->border_rank;
+      const auto at =
+          static_cast<std::size_t>(std::lower_bound(ranks.begin(), ranks.end(), received.rank[i]) - ranks.begin());
+      for (auto k = received.offset[i]; k < received.offset[i + 1]; ++k) enter(arrived[k], domain_->border_offset[at]);
+    }
+    return arrived;
+  }
+
+ private:
+  void enter(Flight& flight, std::size_t first_face) const {
+    const auto face = first_face + static_cast<std::size_t>(flight.particle.cell);
+    flight.particle.cell = domain_->border_face[face].cell;
+    if (domain_->uniform_dt) return;
+    const double ratio = domain_->dt[static_cast<std::size_t>(flight.particle.cell)] / flight.dt_from;
+    flight.time = flight.passed + (flight.time - flight.passed) * ratio;
+  }
+
+  const Domain* domain_;
+  std::vector<par::Outgoing<Flight>> message_;
+  std::size_t n_ = 0;
+};
+
+void fly_all(Mover& mover, std::vector<Flight>& flights, Particles& particles, Outbox& outbox) {
+  for (auto& flight : flights) switch (mover.fly(flight)) {
+      case End::rests:
+        particles.append(flight.particle);
+        break;
+      case End::leaves_rank:
+        outbox.add(flight);
+        break;
+      case End::leaves_domain:
+        ++mover.counts.left;
+    }
+  flights.clear();
+}
+
+/// The particles that are here already; most stay in their cell.
+void fly_own(Mover& mover, const Domain& domain, Particles& particles, Outbox& outbox) {
+  const auto n = particles.size();
+  for (std::size_t i = 0; i < n; ++i) {
+    const auto cell = particles.cell[i];
+    const auto c = static_cast<std::size_t>(cell);
+    const double dt = domain.dt[c];
+    const Vec3 end = particles.position(i) + dt * particles.velocity(i);
+    if (outside(domain.planes[c], end) == 0) {
+      particles.x[i] = end.x;
+      particles.y[i] = end.y;
+      particles.z[i] = end.z;
+      continue;
+    }
+    Flight flight;
+    flight.particle = particles.get(i);
+    flight.time = dt;
+    const auto how = mover.fly(flight);
+    const auto& p = flight.particle;
+    if (how == End::rests) {
+      particles.x[i] = p.position.x;
+      particles.y[i] = p.position.y;
+      particles.z[i] = p.position.z;
+      particles.cell[i] = p.cell;
+      if (flight.events == 0) continue;
+      particles.u[i] = p.velocity.x;
+      particles.v[i] = p.velocity.y;
+      particles.w[i] = p.velocity.z;
+      particles.rotation[i] = p.rotation;
+    } else {
+      particles.cell[i] = Particles::gone;
+      if (how == End::leaves_rank)
+        outbox.add(flight);
+      else
+        ++mover.counts.left;
+    }
+  }
+}
+
+}  // namespace
+
+void MoveCounts::add(const MoveCounts& other) {
+  crossings += other.crossings;
+  wall_hits += other.wall_hits;
+  left += other.left;
+  sent += other.sent;
+  abandoned += other.abandoned;
+  compute_seconds += other.compute_seconds;
+  longest = std::max(longest, other.longest);
+}
+
+MoveCounts move(const par::Comm& comm, const MoveRules& rules, std::uint64_t step, Particles& particles,
+                std::vector<Flight>& entering, SurfaceTally& tally) {
+  Mover mover(rules, step, tally);
+  Outbox outbox(*rules.domain);
+  double start = cpu_seconds();
+  fly_own(mover, *rules.domain, particles, outbox);
+  fly_all(mover, entering, particles, outbox);
+  mover.counts.compute_seconds = cpu_seconds() - start;
+  if (comm.size() == 1) return mover.counts;
+  while (comm.any(!outbox.is_empty())) {
+    auto arrived = outbox.deliver(comm);
+    mover.counts.sent += static_cast<std::int64_t>(arrived.size());
+    start = cpu_seconds();
+    fly_all(mover, arrived, particles, outbox);
+    mover.counts.compute_seconds += cpu_seconds() - start;
+  }
+  return mover.counts;
+}
+
+}  // namespace pamr::dsmc

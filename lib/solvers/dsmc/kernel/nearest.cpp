@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "solvers/dsmc/kernel/nearest.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace pamr::dsmc {
+
+namespace {
+
+constexpr std::uint32_t few = 48;      ///< particles that are looked at one by one in any case
+constexpr double price_of_a_grid = 4;  ///< of a particle, over that of looking at one
+constexpr int most_boxes = 64;         ///< along a side
+
+}  // namespace
+
+void NearestInCell::start(const Particles& particles, std::uint32_t begin, std::uint32_t n, std::int64_t n_searches) {
+  particles_ = &particles;
+  begin_ = begin;
+  n_ = n;
+  has_grid_ = n > few && static_cast<double>(n_searches) > price_of_a_grid;
+  if (has_grid_) make_grid();
+}
+
+void NearestInCell::make_grid() {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  std::array<double, 3> high{-infinity, -infinity, -infinity};
+  low_ = {infinity, infinity, infinity};
+  for (std::uint32_t k = 0; k < n_; ++k) {
+    const auto p = particles_->position(begin_ + k);
+    const std::array<double, 3> x{p.x, p.y, p.z};
+    for (std::size_t d = 0; d < 3; ++d) {
+      low_[d] = std::min(low_[d], x[d]);
+      high[d] = std::max(high[d], x[d]);
+    }
+  }
+  double volume = 1, longest = 0;
+  for (std::size_t d = 0; d < 3; ++d) {
+    volume *= high[d] - low_[d];
+    longest = std::max(longest, high[d] - low_[d]);
+  }
+  side_ = std::max(std::cbrt(volume / n_), longest / most_boxes);
+  if (!(side_ > 0)) {  // all in one place
+    has_grid_ = false;
+    return;
+  }
+  std::size_t n_boxes = 1;
+  for (std::size_t d = 0; d < 3; ++d) {
+    boxes_[d] = std::max(1, static_cast<int>(std::ceil((high[d] - low_[d]) / side_)));
+    n_boxes *= static_cast<std::size_t>(boxes_[d]);
+  }
+  first_.assign(n_boxes + 1, 0);
+  member_.resize(n_);
+  const auto number = [&](std::uint32_t k) {
+    const auto box = box_of(particles_->position(begin_ + k));
+    return number_of(box[0], box[1], box[2]);
+  };
+  for (std::uint32_t k = 0; k < n_; ++k) ++first_[number(k) + 1];
+  for (std::size_t b = 0; b < n_boxes; ++b) first_[b + 1] += first_[b];
+  for (std::uint32_t k = n_; k-- > 0;)
+    member_[--first_[number(k) + 1]] = {particles_->position(begin_ + k), tag_of(particles_->id[begin_ + k]), k};
+  // Filling from behind has moved every beginning one box on.
+  std::rotate(first_.begin(), first_.begin() + 1, first_.end());
+  first_.back() = n_;
+}
+
+std::array<int, 3> NearestInCell::box_of(const Vec3& position) const {
+  const std::array<double, 3> x{position.x, position.y, position.z};
+  std::array<int, 3> box{};
+  for (std::size_t d = 0; d < 3; ++d) box[d] = std::min(boxes_[d] - 1, static_cast<int>((x[d] - low_[d]) / side_));
+  return box;
+}
+
+std::size_t NearestInCell::number_of(int x, int y, int z) const {
+  return (static_cast<std::size_t>(z) * static_cast<std::size_t>(boxes_[1]) + static_cast<std::size_t>(y)) *
+             static_cast<std::size_t>(boxes_[0]) +
+         static_cast<std::size_t>(x);
+}
+
+/// The boxes whose number along some side differs by more than `inner` and by at most `radius` from the middle's.
+void NearestInCell::look_at_shell(const Vec3& here, const std::array<int, 3>& middle, int inner, int radius,
+                                  std::uint32_t barred, Best& best) const {
+  const auto look_at_row = [&](int from, int to, int y, int z) {
+    from = std::max(from, 0);
+    to = std::min(to, boxes_[0] - 1);
+    if (from > to) return;
+    const auto end = first_[number_of(to, y, z) + 1];
+    for (auto i = first_[number_of(from, y, z)]; i < end; ++i) {
+      const auto& other = member_[i];
+      const double distance = squared_norm(other.position - here);
+      if (distance > best.distance || (distance == best.distance && other.particle > best.particle)) continue;
+      if (distance > 0 && other.tag != barred) best = {distance, other.particle};
+    }
+  };
+  for (int z = std::max(0, middle[2] - radius); z <= std::min(boxes_[2] - 1, middle[2] + radius); ++z)
+    for (int y = std::max(0, middle[1] - radius); y <= std::min(boxes_[1] - 1, middle[1] + radius); ++y) {
+      if (std::abs(z - middle[2]) > inner || std::abs(y - middle[1]) > inner) {
+        look_at_row(middle[0] - radius, middle[0] + radius, y, z);
+      } else {
+        look_at_row(middle[0] - radius, middle[0] - inner - 1, y, z);
+        look_at_row(middle[0] + inner + 1, middle[0] + radius, y, z);
+      }
+    }
+}
+
+std::uint32_t NearestInCell::find(std::uint32_t first, std::uint32_t barred) const {
+  Best best{std::numeric_limits<double>::infinity(), n_};
+  const Vec3 here = particles_->position(begin_ + first);
+  if (!has_grid_) {
+    for (std::uint32_t k = 0; k < n_; ++k) {
+      const double distance = squared_norm(particles_->position(begin_ + k) - here);
+      if (distance < best.distance && distance > 0 && tag_of(particles_->id[begin_ + k]) != barred)
+        best = {distance, k};
+    }
+  } else {
+    const auto middle = box_of(here);
+    const int last = *std::max_element(boxes_.begin(), boxes_.end());
+    for (int inner = -1, radius = 1; inner < last; inner = radius++) {
+      look_at_shell(here, middle, inner, radius, barred, best);
+      // What lies further out is further away than so many sides of a box; a little less, for rounding.
+      const double sure = 0.999 * radius * side_;
+      if (best.distance < sure * sure) break;
+    }
+  }
+  if (best.particle < n_) return best.particle;
+  return first == 0 ? 1 : 0;
+}
+
+}  // namespace pamr::dsmc

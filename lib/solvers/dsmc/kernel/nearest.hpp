@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "solvers/dsmc/kernel/particles.hpp"
+
+namespace pamr::dsmc {
+
+/// Finds nearest neighbours among the particles of one cell. Many particles are put into a grid of boxes with about one
+/// each, so that a search looks at a few of them only; few are looked at one by one. The answer is the same. Local.
+class NearestInCell {
+ public:
+  /// Takes the `n` particles from `begin` on; they must stay where they are until the next call. `n_searches`: expected
+  /// number of searches, which decides whether a grid repays its making. O(n) with a grid, else O(1).
+  void start(const Particles& particles, std::uint32_t begin, std::uint32_t n, std::int64_t n_searches);
+
+  /// The particle nearest to particle `first` of the cell, but not in the same place, and whose tag is not `barred`;
+  /// among equally near ones the first. Only itself is in its place, or copies of it, which a carried flow may have:
+  /// they fly along with it, and with them as partners neither would ever collide. The first other particle of the cell
+  /// when there is no such one. Numbers count from `begin`.
+  std::uint32_t find(std::uint32_t first, std::uint32_t barred) const;
+
+ private:
+  struct Best {
+    double distance;  ///< squared
+    std::uint32_t particle;
+  };
+  struct Member {
+    Vec3 position;
+    std::uint32_t tag, particle;
+  };
+  void make_grid();
+  void look_at_shell(const Vec3& here, const std::array<int, 3>& middle, int inner, int radius, std::uint32_t barred,
+                     Best& best) const;
+  std::array<int, 3> box_of(const Vec3& position) const;
+  std::size_t number_of(int x, int y, int z) const;
+
+  const Particles* particles_ = nullptr;
+  std::uint32_t begin_ = 0, n_ = 0;
+  bool has_grid_ = false;
+  std::array<double, 3> low_{};
+  double side_ = 1;  ///< of a box, m
+  std::array<int, 3> boxes_{1, 1, 1};
+  std::vector<std::uint32_t> first_;  ///< members of box b: first_[b] to first_[b + 1]
+  std::vector<Member> member_;        ///< rows of boxes along x lie side by side
+};
+
+}  // namespace pamr::dsmc

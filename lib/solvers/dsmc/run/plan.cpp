@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "solvers/dsmc/run/plan.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "solvers/dsmc/gas/kinetic_theory.hpp"
+#include "solvers/dsmc/kernel/particles.hpp"
+
+namespace pamr::dsmc {
+
+using namespace geometry;
+
+namespace {
+
+constexpr double particle_bytes = 96;
+constexpr double cell_bytes = 148 + 44 + 40 + 72 + 48;  ///< planes, mesh, collisions, samples, fields
+constexpr double typical_rate = 4e6;
+
+std::string rotation_text(const Rotation& r) {
+  if (r.model == Rotation::Model::probability) return fmt::format("probability {:g} a molecule", r.value);
+  if (r.model == Rotation::Model::z_continuum) return fmt::format("continuum relaxation number {:g}", r.value);
+  return fmt::format("relaxation number of Parker, Z_inf {:g}, T* {:g} K", r.z_infinity, r.t_star);
+}
+
+}  // namespace
+
+Plan make_plan(const par::Comm& comm, const Case& c, const Setup& setup, const mesh::DistMesh& mesh) {
+  Plan plan;
+  const auto& free = c.stream.front();
+  Gas gas = c.gas;
+  gas.fraction = free.fraction;
+  const auto mean = mean_species(gas);
+  const double speed = norm(free.velocity);
+  const double fast = speed + most_probable_speed(free.temperature, mean.mass);
+  plan.mach = speed / std::sqrt(gas.heat_ratio() * boltzmann * free.temperature / mean.mass);
+  plan.speed_ratio = speed / most_probable_speed(free.temperature, mean.mass);
+  if (free.density > 0) {
+    plan.mean_free_path = mean_free_path(mean, free.density, free.temperature);
+    plan.collision_time = 1 / collision_frequency(mean, free.density, free.temperature);
+    plan.knudsen = plan.mean_free_path / c.reference.length;
+    plan.reynolds = free.density * mean.mass * speed * c.reference.length / viscosity(mean, free.temperature);
+  }
+  double longest = 0;
+  for (LocalId cell = 0; cell < mesh.n_cells(); ++cell) {
+    const double v = volume(corners(mesh, setup.unit, cell));
+    const double dt = setup.cell_dt.empty() ? setup.dt : setup.cell_dt[static_cast<std::size_t>(cell)];
+    longest = std::max(longest, fast * dt / std::cbrt(v));
+  }
+  plan.longest_flight = comm.max(longest);
+  plan.particles = setup.expected_particles;
+  const double cells = static_cast<double>(mesh.info.n_global_cells);
+  plan.particles_per_cell = plan.particles / cells;
+  plan.bytes = plan.particles * particle_bytes + cells * cell_bytes;
+  plan.steps = static_cast<double>(c.sampling + c.transient.value_or(0));
+  plan.cpu_seconds = plan.particles * plan.steps / typical_rate;
+
+  const auto body = reference_patches(c.reference, mesh.info.patches, setup.patch);
+  plan.has_body = std::find(body.begin(), body.end(), true) != body.end() && speed > 0 && free.density > 0;
+  if (!plan.has_body) return plan;
+  double wall = 0;
+  for (std::size_t p = 0; p < body.size(); ++p)
+    if (body[p]) wall = std::max(wall, setup.patch[p].temperature);
+  const auto domain = make_domain(mesh, setup.unit, setup.dt, setup.molecules);
+  const Scale scale(gas, free, c.reference);
+  const auto bound = [&](const SurfaceLaw& law) {
+    return scale.coefficients(sum_of(integrate_law(comm, domain, law, c.reference.point, body.size()), body));
+  };
+  plan.free_molecular = bound(free_molecular_law(gas, free, wall));
+  plan.newtonian = bound(newtonian_law(gas, free));
+  return plan;
+}
+
+std::vector<std::string> describe(const Case& c, const Setup& setup, const Plan& plan) {
+  std::vector<std::string> lines;
+  for (std::size_t i = 0; i < c.gas.species.size(); ++i) {
+    const auto& s = c.gas.species[i];
+    lines.push_back(
+        fmt::format("species {}: {:g} of the molecules, mass {:g} kg, diameter {:g} m at {:g} K, omega {:g}, "
+                    "alpha {:g} ({}), {} rotational degrees",
+                    s.name, c.gas.fraction[i], s.mass, s.diameter, s.t_ref, s.omega, s.alpha,
+                    s.alpha == 1 ? "VHS" : "VSS", s.rotational_degrees));
+    if (c.gas.is_weighted) lines.back() += fmt::format(", weight {:g}", s.weight);
+  }
+  lines.push_back("rotation: " + rotation_text(c.gas.rotation));
+  const auto& free = c.stream.front();
+  lines.push_back(fmt::format("free stream: n {:g} 1/m3, T {:g} K, T_rot {:g} K, u ({:g}, {:g}, {:g}) m/s",
+                              free.density, free.temperature, free.rotational_temperature, free.velocity.x,
+                              free.velocity.y, free.velocity.z));
+  lines.push_back(
+      fmt::format("Ma {:.4g}, speed ratio {:.4g}, Kn {:.4g}, Re {:.4g} on {:g} m; mean free path {:.4g} m, "
+                  "collision time {:.4g} s (variable hard spheres)",
+                  plan.mach, plan.speed_ratio, plan.knudsen, plan.reynolds, c.reference.length, plan.mean_free_path,
+                  plan.collision_time));
+  lines.push_back(
+      fmt::format("time step {:g} s{}, weight {:g} molecules a particle; about {:.0f} particles ({:.1f} a "
+                  "cell), {:.0f} MB, {:.3g} steps, {:.3g} CPU s",
+                  setup.dt, setup.cell_dt.empty() ? "" : " at most, varying with the cells", setup.molecules,
+                  plan.particles, plan.particles_per_cell, plan.bytes * 1e-6, plan.steps, plan.cpu_seconds));
+  if (plan.has_body)
+    lines.push_back(
+        fmt::format("bounds for a convex body: free-molecular C_D {:.4f} C_L {:.4f} C_m {:.4f} C_H {:.4f}; "
+                    "Newtonian C_D {:.4f} C_L {:.4f} C_m {:.4f}",
+                    plan.free_molecular.drag, plan.free_molecular.lift, plan.free_molecular.moment,
+                    plan.free_molecular.heat, plan.newtonian.drag, plan.newtonian.lift, plan.newtonian.moment));
+  return lines;
+}
+
+nlohmann::json to_json(const Plan& plan) {
+  const auto bound = [](const Coefficients& k) {
+    return nlohmann::json{{"C_D", k.drag}, {"C_L", k.lift}, {"C_m", k.moment}, {"C_H", k.heat}};
+  };
+  nlohmann::json report{{"mach", plan.mach},
+                        {"speed_ratio", plan.speed_ratio},
+                        {"knudsen", plan.knudsen},
+                        {"reynolds", plan.reynolds},
+                        {"lambda_inf", plan.mean_free_path},
+                        {"tau_c", plan.collision_time},
+                        {"particles", plan.particles},
+                        {"particles_per_cell", plan.particles_per_cell},
+                        {"bytes", plan.bytes},
+                        {"steps", plan.steps},
+                        {"cpu_seconds", plan.cpu_seconds},
+                        {"cells_per_step", plan.longest_flight}};
+  if (plan.has_body) {
+    report["free_molecular"] = bound(plan.free_molecular);
+    report["newtonian"] = bound(plan.newtonian);
+  }
+  return report;
+}
+
+}  // namespace pamr::dsmc

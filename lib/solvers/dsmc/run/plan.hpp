@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+#include "solvers/dsmc/run/flow_case.hpp"
+#include "solvers/dsmc/sampling/loads.hpp"
+
+namespace pamr::dsmc {
+
+/// What is known of a computation before its first step.
+struct Plan {
+  double mach = 0, speed_ratio = 0, knudsen = 0, reynolds = 0;  ///< on the reference length, of the free stream
+  double mean_free_path = 0, collision_time = 0;                ///< m, s
+  double particles = 0;                                         ///< in the domain filled with the free stream
+  double particles_per_cell = 0;
+  double bytes = 0;                   ///< of particles and cells, all ranks
+  double steps = 0, cpu_seconds = 0;  ///< at 4 million particle-steps a second
+  double longest_flight = 0;  ///< cells that a fast molecule of the free stream passes in a step, in the smallest cell
+  Coefficients free_molecular, newtonian;  ///< bounds for a convex body without shadows
+  bool has_body = false;
+};
+
+/// Collective.
+Plan make_plan(const par::Comm& comm, const Case& the_case, const Setup& setup, const mesh::DistMesh& mesh);
+
+/// Lines for the reader. `species` lines come first.
+std::vector<std::string> describe(const Case& the_case, const Setup& setup, const Plan& plan);
+nlohmann::json to_json(const Plan& plan);
+
+}  // namespace pamr::dsmc

@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "pamr/base/error.hpp"
+#include "pamr/par/reproducible_sum.hpp"
+#include "solvers/dsmc/gas/kinetic_theory.hpp"
+#include "solvers/dsmc/run/flow_case.hpp"
+
+namespace pamr::dsmc {
+
+using namespace geometry;
+
+namespace {
+
+std::vector<BoundaryCondition> conditions_of(const Case& c, const mesh::DistMesh& mesh) {
+  std::vector<BoundaryCondition> conditions;
+  std::string names, missing;
+  for (const auto& patch : mesh.info.patches) {
+    names += (names.empty() ? "" : ", ") + patch.name;
+    const auto found = c.boundary.find(patch.name);
+    if (found == c.boundary.end())
+      missing += (missing.empty() ? "" : ", ") + patch.name;
+    else
+      conditions.push_back(found->second);
+  }
+  if (!missing.empty())
+    throw Error(fmt::format("{}: expected a table [boundary.PATCH] for every patch of the mesh, found none for {}",
+                            c.where, missing));
+  for (const auto& [name, condition] : c.boundary)
+    if (std::none_of(mesh.info.patches.begin(), mesh.info.patches.end(), [&](const auto& p) { return p.name == name; }))
+      throw Error(fmt::format("{}: expected a patch of the mesh ({}) in [boundary.PATCH], found \"{}\"",
+                              c.boundary_at.at(name), names, name));
+  const auto number = [&](const std::string& name) {
+    const auto& patches = mesh.info.patches;
+    const auto at = std::find_if(patches.begin(), patches.end(), [&](const auto& p) { return p.name == name; });
+    return static_cast<int>(at - patches.begin());
+  };
+  for (const auto& [name, partner] : c.partner)
+    conditions[static_cast<std::size_t>(number(name))].partner = number(partner);
+  return conditions;
+}
+
+double unit_of(const Case& c, const mesh::DistMesh& mesh) {
+  if (c.unit) return *c.unit;
+  if (mesh.info.length_unit == "m") return 1;
+  throw Error(fmt::format("{}: expected unit = METRES in [domain] for a mesh whose length unit is \"{}\", found none",
+                          c.where, mesh.info.length_unit));
+}
+
+/// The gas in each cell by which its time step goes: the free stream, or what an earlier run has found there.
+struct Local {
+  double density = 0;         ///< 1/m3
+  double fast = 0;            ///< m/s, of a fast molecule
+  double collision_time = 0;  ///< s
+};
+
+const std::vector<double>& field_of(const Case& c, const mesh::DistMesh& mesh, const char* name, int n_components) {
+  const auto* field = mesh.find_cell_field(name);
+  if (field == nullptr || field->holds_integers() || field->n_components != n_components)
+    throw Error(
+        fmt::format("{}: expected a mesh with the cell field {} of an earlier run, as from_fields in [time] says, "
+                    "found none",
+                    c.where, name));
+  return field->real();
+}
+
+std::vector<Local> local_gas(const Case& c, const mesh::DistMesh& mesh) {
+  const auto& free = c.stream.front();
+  double lightest = c.gas.species.front().mass;
+  for (const auto& s : c.gas.species) lightest = std::min(lightest, s.mass);
+  Gas gas = c.gas;
+  gas.fraction = free.fraction;
+  Local far{free.density, norm(free.velocity) + most_probable_speed(free.temperature, lightest),
+            free.density > 0 ? 1 / collision_frequency(mean_species(gas), free.density, free.temperature) : 1e30};
+  std::vector<Local> cells(static_cast<std::size_t>(mesh.n_cells()), far);
+  if (!c.from_fields) return cells;
+  const auto &n = field_of(c, mesh, "n", 1), &u = field_of(c, mesh, "u", 3), &t = field_of(c, mesh, "T_tr", 1),
+             &tau = field_of(c, mesh, "tau_c", 1);
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    const double speed = std::hypot(u[3 * i], std::hypot(u[3 * i + 1], u[3 * i + 2]));
+    const double thermal = t[i] > 0 ? most_probable_speed(t[i], lightest) : 0;
+    cells[i].density = std::max(0.0, n[i]);
+    if (speed + thermal > 0) cells[i].fast = speed + thermal;
+    if (tau[i] > 0) cells[i].collision_time = tau[i];
+  }
+  return cells;
+}
+
+/// Time step of each cell: the part `cell_fraction` of its size at the speed of a fast molecule and the part
+/// `collision_fraction` of the collision time, at most `dt`.
+std::vector<double> time_steps(const Case& c, const mesh::DistMesh& mesh, double unit, const std::vector<Local>& gas) {
+  std::vector<double> steps;
+  if (c.cell_fraction == 0 && c.collision_fraction == 0) return steps;
+  for (LocalId cell = 0; cell < mesh.n_cells(); ++cell) {
+    const auto& here = gas[static_cast<std::size_t>(cell)];
+    double step = c.dt;
+    if (c.cell_fraction > 0)
+      step = std::min(step, c.cell_fraction * std::cbrt(volume(corners(mesh, unit, cell))) / here.fast);
+    if (c.collision_fraction > 0) step = std::min(step, c.collision_fraction * here.collision_time);
+    steps.push_back(step);
+  }
+  return steps;
+}
+
+}  // namespace
+
+Setup make_setup(const par::Comm& comm, const Case& c, const mesh::DistMesh& mesh) {
+  Setup setup;
+  setup.gas = c.gas;
+  setup.stream = c.stream;
+  setup.patch = conditions_of(c, mesh);
+  setup.initial = c.initial;
+  setup.region = c.region;
+  setup.collisions = c.collisions;
+  setup.dt = c.dt;
+  setup.unit = unit_of(c, mesh);
+  const auto gas = local_gas(c, mesh);
+  setup.cell_dt = time_steps(c, mesh, setup.unit, gas);
+  setup.seed = c.seed;
+
+  par::ExactSum sums[3];  // of n V dt_0 / dt over the cells: molecules of particles whose weight is 1; V; V dt_0 / dt
+  for (LocalId cell = 0; cell < mesh.n_cells(); ++cell) {
+    const double v = volume(corners(mesh, setup.unit, cell));
+    const auto i = static_cast<std::size_t>(cell);
+    const double steps = setup.cell_dt.empty() ? v : v * (c.dt / setup.cell_dt[i]);
+    sums[0].add(c.from_fields ? steps * gas[i].density : steps);
+    sums[1].add(v);
+    sums[2].add(steps);
+  }
+  const auto total = par::reproducible_sums(comm, sums);
+  setup.slowness = total[2] / total[1];
+  const auto& free = c.stream.front();
+  const double molecules = (c.from_fields ? 1 : free.density) * total[0] * particles_per_molecule(c.gas, free.fraction);
+  if (c.weight)
+    setup.molecules = *c.weight;
+  else if (c.total)
+    setup.molecules = molecules / *c.total;
+  else
+    setup.molecules = molecules / (*c.per_cell * static_cast<double>(mesh.info.n_global_cells));
+  if (!(setup.molecules > 0))
+    throw Error(
+        fmt::format("{}: expected a density above 0 in [stream.free], from which the weight follows, or weight "
+                    "in [particles]",
+                    c.where));
+  setup.expected_particles = molecules / setup.molecules;
+  return setup;
+}
+
+}  // namespace pamr::dsmc

@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "solvers/dsmc/sampling/loads.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "pamr/par/reproducible_sum.hpp"
+#include "solvers/dsmc/gas/kinetic_theory.hpp"
+
+namespace pamr::dsmc {
+
+using namespace geometry;
+
+namespace {
+
+constexpr std::size_t n_parts = 7;  ///< force, moment, heat
+
+Vec3 centre(const BoundaryFace& face) { return (1.0 / 3) * (face.corner[0] + face.corner[1] + face.corner[2]); }
+
+/// Adds up `part(face)` over all faces of each patch, without rounding.
+template <class Part>
+std::vector<Load> add_up(const par::Comm& comm, const Domain& domain, std::size_t n_patches, Vec3 point, Part part) {
+  std::vector<par::ExactSum> sums(n_parts * n_patches);
+  for (std::size_t b = 0; b < domain.boundary.size(); ++b) {
+    const auto& face = domain.boundary[b];
+    const auto [force, heat] = part(b);
+    const Vec3 moment = cross(centre(face) - point, force);
+    auto* sum = sums.data() + n_parts * static_cast<std::size_t>(face.patch);
+    const double row[n_parts] = {force.x, force.y, force.z, moment.x, moment.y, moment.z, heat};
+    for (std::size_t k = 0; k < n_parts; ++k) sum[k].add(row[k]);
+  }
+  const auto totals = par::reproducible_sums(comm, sums);
+  std::vector<Load> loads(n_patches);
+  for (std::size_t p = 0; p < n_patches; ++p) {
+    const double* t = totals.data() + n_parts * p;
+    loads[p] = {{t[0], t[1], t[2]}, {t[3], t[4], t[5]}, t[6]};
+  }
+  return loads;
+}
+
+double density_of(const Gas& gas, const Stream& stream) {
+  double sum = 0;
+  for (std::size_t s = 0; s < gas.species.size(); ++s) sum += stream.fraction[s] * gas.species[s].mass;
+  return sum * stream.density;
+}
+
+}  // namespace
+
+Estimate estimate(const std::vector<double>& values) {
+  Estimate result;
+  const double n = static_cast<double>(values.size());
+  if (values.empty()) return result;
+  for (const double v : values) result.value += v / n;
+  if (values.size() < 2) return result;
+  double squares = 0;
+  for (const double v : values) squares += (v - result.value) * (v - result.value);
+  result.error = std::sqrt(squares / (n - 1) / n);
+  return result;
+}
+
+Load& Load::operator+=(const Load& other) {
+  force = force + other.force;
+  moment = moment + other.moment;
+  heat += other.heat;
+  return *this;
+}
+
+std::vector<Load> patch_loads(const par::Comm& comm, const Domain& domain, const SurfaceTally& units,
+                              const std::vector<SurfaceTally::Sums>& face, double molecules_per_time,
+                              std::int64_t n_steps, Vec3 point, std::size_t n_patches) {
+  const double per_step = molecules_per_time / static_cast<double>(std::max<std::int64_t>(1, n_steps));
+  const double momentum = units.momentum_unit * per_step, energy = units.energy_unit * per_step;
+  return add_up(comm, domain, n_patches, point, [&](std::size_t b) {
+    const auto& m = face[b].momentum;
+    const Vec3 force{static_cast<double>(m[0]), static_cast<double>(m[1]), static_cast<double>(m[2])};
+    return std::pair<Vec3, double>{momentum * force, energy * static_cast<double>(face[b].energy)};
+  });
+}
+
+std::vector<Load> integrate_law(const par::Comm& comm, const Domain& domain, const SurfaceLaw& law, Vec3 point,
+                                std::size_t n_patches) {
+  return add_up(comm, domain, n_patches, point, [&](std::size_t b) {
+    const auto& face = domain.boundary[b];
+    const auto [stress, heat] = law(face.normal);
+    return std::pair<Vec3, double>{face.area * stress, face.area * heat};
+  });
+}
+
+Scale::Scale(const Gas& gas, const Stream& stream, const Reference& reference) : reference_(reference) {
+  speed_ = norm(stream.velocity);
+  drag_ = speed_ > 0 ? (1 / speed_) * stream.velocity : Vec3{1, 0, 0};
+  lift_ = cross(drag_, reference.pitch_axis);
+  const double length = norm(lift_);
+  lift_ = length > 1e-12 ? (1 / length) * lift_ : tangents(drag_).a;
+  if (speed_ == 0) speed_ = most_probable_speed(stream.temperature, mean_species(gas).mass);
+  pressure_ = 0.5 * density_of(gas, stream) * speed_ * speed_;
+}
+
+Coefficients Scale::coefficients(const Load& load) const {
+  if (!(pressure_ > 0)) return {};
+  const double force = reference_.multiplier / (pressure_ * reference_.area);
+  return {force * dot(load.force, drag_), force * dot(load.force, lift_),
+          force / reference_.length * dot(load.moment, reference_.pitch_axis), force / speed_ * load.heat};
+}
+
+std::vector<bool> reference_patches(const Reference& reference, const std::vector<mesh::Patch>& patches,
+                                    const std::vector<BoundaryCondition>& conditions) {
+  std::vector<bool> wanted;
+  for (std::size_t p = 0; p < patches.size(); ++p) {
+    const auto& names = reference.patches;
+    const bool named = names.empty() || std::find(names.begin(), names.end(), patches[p].name) != names.end();
+    wanted.push_back(named && conditions[p].is_wall());
+  }
+  return wanted;
+}
+
+Load sum_of(const std::vector<Load>& patch, const std::vector<bool>& wanted) {
+  Load sum;
+  for (std::size_t p = 0; p < patch.size(); ++p)
+    if (wanted[p]) sum += patch[p];
+  return sum;
+}
+
+SurfaceLaw free_molecular_law(const Gas& gas, const Stream& stream, double wall_temperature) {
+  return [=](Vec3 normal) -> std::pair<Vec3, double> {
+    const double speed = norm(stream.velocity);
+    if (speed == 0) return {};
+    const Vec3 along = (1 / speed) * stream.velocity;
+    const double sine = std::clamp(dot(along, normal), -1.0, 1.0);
+    const Vec3 flat = along - sine * normal;
+    const double cosine = norm(flat);
+    Vec3 stress;
+    double heat = 0;
+    for (std::size_t s = 0; s < gas.species.size(); ++s) {
+      const auto& kind = gas.species[s];
+      const double ratio = speed / most_probable_speed(stream.temperature, kind.mass);
+      const double q = 0.5 * kind.mass * stream.density * stream.fraction[s] * speed * speed;
+      const auto c =
+          free_molecular_plate(ratio, std::asin(sine), wall_temperature / stream.temperature, kind.rotational_degrees);
+      stress = stress + (q * c.pressure) * normal;
+      if (cosine > 0) stress = stress + (q * c.shear / cosine) * flat;
+      heat += q * speed * c.heat;
+    }
+    return {stress, heat};
+  };
+}
+
+SurfaceLaw newtonian_law(const Gas& gas, const Stream& stream) {
+  return [=](Vec3 normal) -> std::pair<Vec3, double> {
+    const double towards = dot(stream.velocity, normal);
+    if (towards <= 0) return {};
+    return {(density_of(gas, stream) * towards * towards) * normal, 0};
+  };
+}
+
+}  // namespace pamr::dsmc

@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "solvers/dsmc/sampling/probes.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <tuple>
+#include <utility>
+
+namespace pamr::dsmc {
+
+using namespace geometry;
+
+namespace {
+
+/// Mean of `value` over faces by area, with the error of a mean of independent values.
+template <class Value, class Error>
+Estimate mean_over(const std::vector<const FaceRow*>& faces, Value value, Error error) {
+  double area = 0, sum = 0, squares = 0;
+  for (const auto* face : faces) {
+    area += face->area;
+    sum += face->area * value(*face);
+    squares += std::pow(face->area * error(*face), 2);
+  }
+  return {sum / area, std::sqrt(squares) / area};
+}
+
+/// A little more than the tetrahedron takes along x.
+std::pair<double, double> extent_in_x(const TetPoints& corner) {
+  double low = corner[0].x, high = low;
+  for (const auto& p : corner) {
+    low = std::min(low, p.x);
+    high = std::max(high, p.x);
+  }
+  const double room = 1e-9 * (high - low);
+  return {low - room, high + room};
+}
+
+/// The value that rank 0 is told of a point.
+struct Found {
+  std::int64_t point = 0;
+  GlobalId cell = 0;
+  std::int64_t field = 0, component = 0;
+  double value = 0;
+};
+
+}  // namespace
+
+std::string station_rows(const std::vector<Station>& stations, const std::vector<FaceRow>& faces) {
+  std::string text;
+  for (const auto& station : stations) {
+    std::vector<const FaceRow*> inside;
+    const FaceRow* nearest = nullptr;
+    double least = std::numeric_limits<double>::infinity();
+    for (const auto& face : faces) {
+      const Vec3 middle = (1.0 / 3) * (face.corner[0] + face.corner[1] + face.corner[2]);
+      const double away = std::hypot(middle.x - station.x, std::hypot(middle.y, middle.z) - station.r);
+      if (away <= station.half_width) inside.push_back(&face);
+      if (away < least) {
+        least = away;
+        nearest = &face;
+      }
+    }
+    if (inside.empty() && nearest != nullptr) inside.push_back(nearest);
+    if (inside.empty()) continue;
+    const auto row = [&](const char* quantity, const Estimate& e) {
+      text += fmt::format("{},{},{:.9g},{:.9g},0,{},{:.9g},{:.9g}\n", station.name, inside.size(), station.x, station.r,
+                          quantity, e.value, e.error);
+    };
+    row("p",
+        mean_over(
+            inside, [](const FaceRow& f) { return f.pressure; }, [](const FaceRow& f) { return f.pressure_error; }));
+    row("q", mean_over(
+                 inside, [](const FaceRow& f) { return f.heat; }, [](const FaceRow& f) { return f.heat_error; }));
+  }
+  return text;
+}
+
+std::vector<ProbePoint> points_of(const std::vector<ProbeLine>& lines, const std::vector<ProbePlane>& planes) {
+  std::vector<ProbePoint> points;
+  const auto part = [](std::int64_t i, std::int64_t n) {
+    return n == 1 ? 0 : static_cast<double>(i) / static_cast<double>(n - 1);
+  };
+  for (const auto& line : lines)
+    for (std::int64_t i = 0; i < line.n_points; ++i) {
+      const double s = part(i, line.n_points);
+      points.push_back({line.name, s * norm(line.to - line.from), line.from + s * (line.to - line.from)});
+    }
+  for (const auto& plane : planes)
+    for (std::int64_t j = 0; j < plane.n_across; ++j)
+      for (std::int64_t i = 0; i < plane.n_along; ++i) {
+        const double s = part(i, plane.n_along), t = part(j, plane.n_across);
+        points.push_back({plane.name, s * norm(plane.along), plane.corner + s * plane.along + t * plane.across});
+      }
+  return points;
+}
+
+std::string point_rows(const par::Comm& comm, const std::vector<ProbePoint>& points, const mesh::DistMesh& mesh,
+                       double unit, const Domain& domain, const std::vector<CellQuantity>& fields) {
+  if (points.empty()) return {};
+  // Points by x, so that a cell looks at those near it only.
+  std::vector<std::size_t> order(points.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::sort(order.begin(), order.end(), [&](auto a, auto b) { return points[a].at.x < points[b].at.x; });
+  std::vector<bool> is_found(points.size(), false);
+
+  std::vector<par::Outgoing<Found>> message{{0, {}}};
+  for (LocalId cell = 0; cell < domain.n_cells(); ++cell) {
+    const auto [low, high] = extent_in_x(corners(mesh, unit, cell));
+    auto at = std::lower_bound(order.begin(), order.end(), low, [&](auto i, double x) { return points[i].at.x < x; });
+    for (; at != order.end() && points[*at].at.x <= high; ++at) {
+      if (is_found[*at] || !is_inside(domain, cell, points[*at].at, 0)) continue;
+      is_found[*at] = true;  // cells ascend: the one of the smallest number on this rank
+      for (std::size_t f = 0; f < fields.size(); ++f)
+        for (int k = 0; k < fields[f].n_components; ++k)
+          message[0].item.push_back({static_cast<std::int64_t>(*at), domain.cell_global[static_cast<std::size_t>(cell)],
+                                     static_cast<std::int64_t>(f), k,
+                                     fields[f].value[static_cast<std::size_t>(cell * fields[f].n_components + k)]});
+    }
+  }
+  if (message[0].item.empty()) message.clear();
+  auto found = comm.sparse_exchange(message).item;
+  std::sort(found.begin(), found.end(), [](const Found& a, const Found& b) {
+    return std::tie(a.point, a.field, a.component, a.cell) < std::tie(b.point, b.field, b.component, b.cell);
+  });
+  std::string text;
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    const auto& one = found[i];
+    if (i > 0 && std::tie(found[i - 1].point, found[i - 1].field, found[i - 1].component) ==
+                     std::tie(one.point, one.field, one.component))
+      continue;
+    const auto& field = fields[static_cast<std::size_t>(one.field)];
+    const auto& point = points[static_cast<std::size_t>(one.point)];
+    const std::string component = field.n_components == 1 ? "" : std::string("_") + "xyz"[one.component];
+    text += fmt::format("{},{:.9g},{:.9g},{:.9g},{:.9g},{}{},{:.9g},\n", point.name, point.s, point.at.x, point.at.y,
+                        point.at.z, field.name, component, one.value);
+  }
+  return text;
+}
+
+}  // namespace pamr::dsmc

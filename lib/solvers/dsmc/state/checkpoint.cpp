@@ -1,0 +1,248 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "solvers/dsmc/state/checkpoint.hpp"
+
+#include <fmt/format.h>
+
+#include <bit>
+#include <nlohmann/json.hpp>
+#include <numeric>
+
+#include "pamr/base/contract.hpp"
+#include "pamr/base/error.hpp"
+#include "pamr/base/hash.hpp"
+#include "pamr/mesh/fingerprint.hpp"
+#include "pamr/par/exchange.hpp"
+#include "solvers/dsmc/kernel/numbering.hpp"
+#include "solvers/dsmc/state/checkpoint_rows.hpp"
+#include "solvers/dsmc/state/run_state_json.hpp"
+#include "solvers/dsmc/state/section_file.hpp"
+
+namespace pamr::dsmc {
+
+namespace {
+
+using Words = std::vector<std::uint64_t>;
+
+constexpr std::size_t face_words = 12;
+
+/// Numbers of the boundary faces of this rank along the global order of the cells.
+struct FaceNumbers {
+  std::vector<GlobalId> of;
+  std::int64_t total = 0;
+};
+FaceNumbers number_faces(const par::Comm& comm, GlobalId n_cells, const Domain& domain) {
+  std::vector<GlobalId> cell;
+  std::vector<std::int64_t> count;
+  for (const auto& face : domain.boundary) {
+    const auto global = domain.cell_global[static_cast<std::size_t>(face.cell)];
+    if (cell.empty() || cell.back() != global) {
+      cell.push_back(global);
+      count.push_back(0);
+    }
+    ++count.back();
+  }
+  const auto numbering = number_along_cells(comm, n_cells, cell, count);
+  FaceNumbers numbers{{}, numbering.total};
+  for (std::size_t i = 0; i < cell.size(); ++i)
+    for (std::int64_t k = 0; k < count[i]; ++k) numbers.of.push_back(numbering.first[i] + k);
+  return numbers;
+}
+
+std::vector<std::int64_t> particles_of_cells(const Flow& flow) {
+  const auto begin = flow.particles.begin();
+  std::vector<std::int64_t> count;
+  for (std::size_t c = 0; c + 1 < begin.size(); ++c) count.push_back(begin[c + 1] - begin[c]);
+  return count;
+}
+
+Section particle_section(const par::Comm& comm, GlobalId n_cells, const Flow& flow) {
+  const auto count = particles_of_cells(flow);
+  const auto numbering = number_along_cells(comm, n_cells, flow.domain().cell_global, count);
+  const auto& p = flow.particles;
+  Words words;
+  words.reserve(particle_words * p.size());
+  for (std::size_t i = 0; i < p.size(); ++i)
+    words.insert(words.end(), {p.id[i], p.species[i] | std::uint64_t{p.partner[i]} << 32U, word(p.x[i]), word(p.y[i]),
+                               word(p.z[i]), word(p.u[i]), word(p.v[i]), word(p.w[i]), word(p.rotation[i])});
+  const auto rows = consecutive(numbering.first, count);
+  return {"particles", numbering.total, particle_words,
+          par::scatter_rows<std::uint64_t>(comm, numbering.total, words, particle_words, rows)};
+}
+
+Section cell_section(const par::Comm& comm, GlobalId n_cells, const Flow& flow) {
+  const auto count = particles_of_cells(flow);
+  const auto& gas = flow.setup().gas;
+  const auto n_species = gas.species.size(), width = cell_words(gas);
+  Words words;
+  words.reserve(width * count.size());
+  for (std::size_t c = 0; c < count.size(); ++c) {
+    const auto& k = flow.collisions[c];
+    words.insert(words.end(),
+                 {word(count[c]), word(k.greatest), word(k.remainder), word(k.temperature), word(k.separation),
+                  word(k.collisions), word(flow.cells.block[c]), word(flow.cells.square_of_blocks[c]),
+                  word(flow.domain().volume[c]), word(flow.domain().molecules[c])});
+    for (std::size_t s = 0; s < n_species; ++s) {
+      const auto& sum = flow.cells.sums[c * n_species + s];
+      words.insert(words.end(), {word(sum.n), word(sum.velocity.x), word(sum.velocity.y), word(sum.velocity.z),
+                                 word(sum.square), word(sum.rotation)});
+    }
+    if (gas.is_weighted) words.push_back(word(k.owed));
+  }
+  return {"cells", n_cells, width,
+          par::scatter_rows<std::uint64_t>(comm, n_cells, words, width, flow.domain().cell_global)};
+}
+
+Section face_section(const par::Comm& comm, GlobalId n_cells, const Run& run, const Flow& flow) {
+  const auto numbers = number_faces(comm, n_cells, flow.domain());
+  Words words;
+  const auto add = [&](const SurfaceTally::Sums& s) {
+    words.insert(words.end(),
+                 {word(s.hits), word(s.momentum[0]), word(s.momentum[1]), word(s.momentum[2]), word(s.energy)});
+  };
+  for (std::size_t f = 0; f < numbers.of.size(); ++f) {
+    add(flow.surface.face[f]);
+    add(run.state.face[f].sums);
+    words.push_back(word(run.state.face[f].heat_squares));
+    words.push_back(word(run.state.face[f].pressure_squares));
+  }
+  return {"faces", numbers.total, face_words,
+          par::scatter_rows<std::uint64_t>(comm, numbers.total, words, face_words, numbers.of)};
+}
+
+nlohmann::json species_of(const Flow& flow) {
+  nlohmann::json names = nlohmann::json::array();
+  for (const auto& s : flow.setup().gas.species) names.push_back(s.name);
+  return names;
+}
+
+nlohmann::json setup_of(const Flow& flow) {
+  const auto& setup = flow.setup();
+  nlohmann::json shown{
+      {"species", species_of(flow)}, {"dt", setup.dt}, {"molecules", setup.molecules}, {"unit", setup.unit}};
+  if (setup.gas.is_weighted)
+    for (const auto& s : setup.gas.species) shown["weights"].push_back(s.weight);
+  return shown;
+}
+
+void restore_cells(const par::Comm& comm, const Section& section, GlobalId n_cells, Flow& flow,
+                   std::vector<std::int64_t>& count) {
+  const auto& gas = flow.setup().gas;
+  const auto n_species = gas.species.size(), width = cell_words(gas);
+  const auto words = par::fetch_rows<std::uint64_t>(comm, n_cells, section.block, width, flow.domain().cell_global);
+  const auto& global = flow.domain().cell_global;
+  for (std::size_t c = 0; c < global.size(); ++c) {
+    const auto* w = words.data() + c * width;
+    count.push_back(integer(w[0]));
+    flow.collisions[c] = {real(w[1]), real(w[2]),    real(w[3]),
+                          real(w[4]), integer(w[5]), gas.is_weighted ? real(w[width - 1]) : 0};
+    flow.cells.block[c] = real(w[6]);
+    flow.cells.square_of_blocks[c] = real(w[7]);
+    for (std::size_t s = 0; s < n_species; ++s) {
+      const auto* v = w + fixed_cell_words + s * species_words;
+      flow.cells.sums[c * n_species + s] = {real(v[0]), {real(v[1]), real(v[2]), real(v[3])}, real(v[4]), real(v[5])};
+    }
+  }
+}
+
+void restore_particles(const par::Comm& comm, const Section& section, GlobalId n_cells, Flow& flow,
+                       const std::vector<std::int64_t>& count) {
+  const auto numbering = number_along_cells(comm, n_cells, flow.domain().cell_global, count);
+  if (section.rows != numbering.total)
+    throw Error(
+        fmt::format("checkpoint: expected {} particles, as its cells have, found {}", numbering.total, section.rows));
+  const auto rows = consecutive(numbering.first, count);
+  const auto words = par::fetch_rows<std::uint64_t>(comm, section.rows, section.block, particle_words, rows);
+  const auto n_species = flow.setup().gas.species.size();
+  par::agree(comm, [&] {
+    std::size_t at = 0;
+    for (std::size_t c = 0; c < count.size(); ++c)
+      for (std::int64_t i = 0; i < count[c]; ++i, ++at) {
+        const auto* w = words.data() + at * particle_words;
+        auto p = particle_from(w, n_species);
+        p.cell = static_cast<LocalId>(c);
+        flow.particles.append(p);
+      }
+  });
+  flow.particles.sort_by_cell(flow.domain().n_cells());
+}
+
+void restore_faces(const par::Comm& comm, const Section& section, GlobalId n_cells, Run& run, Flow& flow) {
+  const auto numbers = number_faces(comm, n_cells, flow.domain());
+  if (section.rows != numbers.total)
+    throw Error(fmt::format("checkpoint: expected {} boundary faces, found {}", numbers.total, section.rows));
+  const auto words = par::fetch_rows<std::uint64_t>(comm, numbers.total, section.block, face_words, numbers.of);
+  const auto sums = [](const std::uint64_t* w) {
+    return SurfaceTally::Sums{integer(w[0]), {integer(w[1]), integer(w[2]), integer(w[3])}, integer(w[4])};
+  };
+  for (std::size_t f = 0; f < numbers.of.size(); ++f) {
+    const auto* w = words.data() + f * face_words;
+    flow.surface.face[f] = sums(w);
+    run.state.face[f] = {sums(w + 5), real(w[10]), real(w[11])};
+  }
+}
+
+}  // namespace
+
+MeshKey key_of(const par::Comm& comm, const mesh::DistMesh& mesh) {
+  std::uint64_t sum = 0;
+  for (LocalId cell = 0; cell < mesh.n_cells(); ++cell) {
+    auto h = static_cast<std::uint64_t>(mesh.cell_global[static_cast<std::size_t>(cell)] - mesh.info.first_id);
+    for (const auto& p : mesh.points(cell)) h = combine(combine(combine(h, bits_of(p.x)), bits_of(p.y)), bits_of(p.z));
+    sum += h;
+  }
+  return {mesh::fingerprint(comm, mesh), static_cast<std::uint64_t>(comm.sum(static_cast<std::int64_t>(sum))),
+          mesh.info.n_global_cells};
+}
+
+Snapshot take_snapshot(const par::Comm& comm, const MeshKey& mesh, const Run& run, const Flow& flow) {
+  nlohmann::json header{{"fingerprint", mesh.fingerprint},
+                        {"numbering", mesh.numbering},
+                        {"n_cells", mesh.n_cells},
+                        {"steps_done", flow.steps_done},
+                        {"sampled_steps", flow.cells.steps},
+                        {"sampled_blocks", flow.cells.blocks},
+                        {"steps_in_block", flow.cells.steps_in_block},
+                        {"steps_in_blocks", flow.cells.steps_in_blocks},
+                        {"setup", setup_of(flow)},
+                        {"run", to_json(run.state)}};
+  return {std::move(header), cell_section(comm, mesh.n_cells, flow), face_section(comm, mesh.n_cells, run, flow),
+          particle_section(comm, mesh.n_cells, flow)};
+}
+
+void restore(const par::Comm& comm, const Snapshot& snapshot, const std::string& name, const MeshKey& mesh, Run& run,
+             Flow& flow) {
+  const auto& header = snapshot.header;
+  if (header.at("fingerprint") != mesh.fingerprint)
+    throw Error(fmt::format(
+        "file '{}': expected a checkpoint of this mesh (fingerprint {:x}), found one of another mesh "
+        "({:x}, {} cells)",
+        name, mesh.fingerprint, header["fingerprint"].get<std::uint64_t>(), header["n_cells"].get<GlobalId>()));
+  if (header.at("numbering") != mesh.numbering)
+    throw Error(fmt::format("file '{}': expected the cells in the order of this mesh, found another order", name));
+  if (header.at("setup") != setup_of(flow))
+    throw Error(fmt::format("file '{}': expected a checkpoint of this case, {}, found {}", name, setup_of(flow).dump(),
+                            header["setup"].dump()));
+  run.state = run_state_from(header.at("run"), flow.domain().boundary.size());
+  flow.resume(run.state.sampling);
+  flow.steps_done = header.at("steps_done");
+  flow.cells.steps = header.at("sampled_steps");
+  flow.cells.blocks = header.at("sampled_blocks");
+  flow.cells.steps_in_block = header.at("steps_in_block");
+  flow.cells.steps_in_blocks = header.at("steps_in_blocks");
+  std::vector<std::int64_t> count;
+  restore_cells(comm, snapshot.cells, mesh.n_cells, flow, count);
+  restore_particles(comm, snapshot.particles, mesh.n_cells, flow, count);
+  restore_faces(comm, snapshot.faces, mesh.n_cells, run, flow);
+}
+
+void write_checkpoint(const par::Comm& comm, const std::string& file, const Snapshot& snapshot) {
+  write_sections(comm, file, snapshot.header, {&snapshot.cells, &snapshot.faces, &snapshot.particles});
+}
+
+Snapshot read_checkpoint(const par::Comm& comm, const std::string& name, const Gas& gas) {
+  const SectionFile file(comm, name);
+  return {file.header(), file.read("cells", cell_words(gas)), file.read("faces", face_words),
+          file.read("particles", particle_words)};
+}
+
+}  // namespace pamr::dsmc

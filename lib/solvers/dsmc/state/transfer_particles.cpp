@@ -1,0 +1,238 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "solvers/dsmc/state/transfer_particles.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "pamr/base/error.hpp"
+#include "pamr/par/exchange.hpp"
+#include "solvers/dsmc/kernel/move.hpp"
+#include "solvers/dsmc/kernel/numbering.hpp"
+#include "solvers/dsmc/state/checkpoint_rows.hpp"
+#include "solvers/dsmc/state/section_file.hpp"
+
+namespace pamr::dsmc {
+
+using namespace geometry;
+
+namespace {
+
+/// A new cell that offers itself to the particles of its parent.
+struct Offer {
+  GlobalId parent = 0, cell = 0;
+  double volume = 0;
+  Rank rank = 0;
+};
+
+/// A particle on its way to the rank of the cell from which it will be looked for.
+struct Passenger {
+  GlobalId row = 0;   ///< of the old particles
+  GlobalId host = 0;  ///< new cell
+  Vec3 position;
+  double molecules = 0;  ///< that it stands for
+};
+
+/// The old cells of this rank's cells, both counted from the meshes' first.
+std::vector<GlobalId> parents_of(const mesh::DistMesh& mesh, const std::string& file, GlobalId n_old) {
+  const auto* field = mesh.find_cell_field("parent");
+  if (field == nullptr || !field->holds_integers() || field->n_components != 1)
+    throw Error(
+        fmt::format("file '{}': expected a mesh with the integer cell field parent, as pamr-refine writes it, to "
+                    "carry this flow to, found none",
+                    file));
+  const IdRange old{n_old, mesh.info.first_id};
+  std::vector<GlobalId> parents;
+  for (const auto parent : field->integer()) {
+    if (!old.contains(parent))
+      throw Error(
+          fmt::format("file '{}': expected a checkpoint on the mesh that this one was refined from, found one of "
+                      "{} cells where the field parent names cell {}",
+                      file, n_old, parent));
+    parents.push_back(parent - old.first);
+  }
+  return parents;
+}
+
+/// The new cells that stand for each old cell of this rank's block: the one with the smallest number hosts.
+std::vector<Offer> hosts(const par::Comm& comm, const std::string& file, const mesh::DistMesh& mesh,
+                         const std::vector<GlobalId>& parent, const Section& old_cells, double unit) {
+  const auto number = cells_from_0(mesh);
+  std::vector<par::Outgoing<Offer>> messages(static_cast<std::size_t>(comm.size()));
+  for (Rank r = 0; r < comm.size(); ++r) messages[static_cast<std::size_t>(r)].to = r;
+  for (std::size_t c = 0; c < parent.size(); ++c) {
+    const auto cell = static_cast<LocalId>(c);
+    auto points = mesh.points(cell);
+    for (auto& p : points) p = unit * p;
+    const auto to = par::block_of(parent[c], old_cells.rows, comm.size());
+    messages[static_cast<std::size_t>(to)].item.push_back({parent[c], number[c], volume(points), comm.rank()});
+  }
+  std::erase_if(messages, [](const auto& m) { return m.item.empty(); });
+  const auto first = par::block_range(old_cells.rows, comm.rank(), comm.size()).begin;
+  const auto n = old_cells.block.size() / old_cells.width;
+  std::vector<Offer> host(n, Offer{-1, -1, 0, 0});
+  for (const auto& offer : comm.sparse_exchange(messages).item) {
+    auto& best = host[static_cast<std::size_t>(offer.parent - first)];
+    const double together = best.volume + offer.volume;
+    if (best.cell < 0 || offer.cell < best.cell) best = offer;
+    best.volume = together;
+  }
+
+  // A mesh that was not refined from that one has other volumes behind the same numbers.
+  constexpr double scale = 1e6;
+  std::int64_t wrong[2] = {0, 0};
+  for (std::size_t c = 0; c < n; ++c) {
+    const double old = real(old_cells.block[c * old_cells.width + volume_word]);
+    if (!(old > 0)) continue;
+    wrong[0] += static_cast<std::int64_t>(scale * std::min(1.0, std::fabs(host[c].volume - old) / old));
+    wrong[1] += static_cast<std::int64_t>(scale);
+  }
+  comm.sum_in_place(wrong);
+  if (2 * wrong[0] > wrong[1])
+    throw Error(
+        fmt::format("file '{}': expected a checkpoint on the mesh that this one was refined from, found cells of "
+                    "other volumes",
+                    file));
+  // An old cell without a centroid in it takes the host of a neighbour in the order of the cells.
+  for (std::size_t c = 1; c < n; ++c)
+    if (host[c].cell < 0) host[c] = host[c - 1];
+  for (std::size_t c = n; c-- > 1;)
+    if (host[c - 1].cell < 0) host[c - 1] = host[c];
+  return host;
+}
+
+/// Sends every old particle to the rank of its host. `word_of` are this rank's block of the old particles.
+std::vector<Passenger> send_to_hosts(const par::Comm& comm, const Section& old_cells, const Section& old_particles,
+                                     const std::vector<double>& weights, const std::vector<Offer>& host) {
+  std::vector<std::int64_t> count;
+  std::int64_t here = 0;
+  for (std::size_t c = 0; c < host.size(); ++c) {
+    count.push_back(host[c].cell < 0 ? 0 : integer(old_cells.block[c * old_cells.width]));
+    here += integer(old_cells.block[c * old_cells.width]);
+  }
+  std::vector<std::int64_t> first;
+  auto next = comm.exclusive_sum(here);
+  for (std::size_t c = 0; c < host.size(); ++c) {
+    first.push_back(next);
+    next += integer(old_cells.block[c * old_cells.width]);
+  }
+  const auto rows = consecutive(first, count);
+  const auto words =
+      par::fetch_rows<std::uint64_t>(comm, old_particles.rows, old_particles.block, particle_words, rows);
+  std::vector<par::Outgoing<Passenger>> messages(static_cast<std::size_t>(comm.size()));
+  for (Rank r = 0; r < comm.size(); ++r) messages[static_cast<std::size_t>(r)].to = r;
+  std::size_t at = 0;
+  for (std::size_t c = 0; c < host.size(); ++c)
+    for (std::int64_t i = 0; i < count[c]; ++i, ++at) {
+      const auto* w = words.data() + at * particle_words;
+      const auto species = static_cast<std::uint32_t>(w[1]);
+      const double weight = species < weights.size() ? weights[species] : 1;  // refused later
+      messages[static_cast<std::size_t>(host[c].rank)].item.push_back(
+          {rows[at],
+           host[c].cell,
+           {real(w[2]), real(w[3]), real(w[4])},
+           real(old_cells.block[c * old_cells.width + molecules_word]) * weight});
+    }
+  std::erase_if(messages, [](const auto& m) { return m.item.empty(); });
+  return comm.sparse_exchange(messages).item;
+}
+
+/// Walks them to their places: particles whose id is the row of the old one, and whose rotation is its weight.
+Particles locate(const par::Comm& comm, const mesh::DistMesh& mesh, const Flow& flow,
+                 const std::vector<Passenger>& passengers) {
+  const double unit = flow.setup().unit;
+  const auto domain = make_domain(mesh, unit, 1, 1);
+  BoundaryCondition away;
+  away.kind = BoundaryCondition::Kind::outflow;
+  const std::vector<BoundaryCondition> patch(mesh.info.patches.size(), away);
+  std::vector<Flight> flights;
+  for (const auto& passenger : passengers) {
+    const auto& global = domain.cell_global;
+    const auto cell =
+        static_cast<LocalId>(std::lower_bound(global.begin(), global.end(), passenger.host) - global.begin());
+    const auto corner = corners(mesh, unit, cell);
+    Flight flight;
+    flight.particle.position = 0.25 * (corner[0] + corner[1] + corner[2] + corner[3]);
+    flight.particle.velocity = passenger.position - flight.particle.position;
+    flight.particle.id = static_cast<std::uint64_t>(passenger.row);
+    flight.particle.rotation = passenger.molecules;
+    flight.particle.cell = cell;
+    flight.time = 1;
+    flights.push_back(flight);
+  }
+  Particles placed;
+  SurfaceTally tally;
+  tally.face.resize(domain.boundary.size());
+  move(comm, {&domain, &flow.setup().gas, patch, 0}, 0, placed, flights, tally);
+  placed.sort_by_cell(domain.n_cells());
+  return placed;
+}
+
+/// Makes whole particles of old ones that stand for more or fewer molecules, and numbers them.
+void copy_particles(const par::Comm& comm, const mesh::DistMesh& mesh, const Particles& placed,
+                    const std::vector<std::uint64_t>& words, Flow& flow) {
+  const auto n_species = flow.setup().gas.species.size();
+  std::vector<std::int64_t> count(static_cast<std::size_t>(mesh.n_cells()), 0);
+  par::agree(comm, [&] {
+    for (std::size_t i = 0; i < placed.size(); ++i) {
+      auto p = particle_from(words.data() + i * particle_words, n_species);
+      const auto c = static_cast<std::size_t>(placed.cell[i]);
+      Random random(flow.setup().seed, Purpose::thinning, placed.id[i], flow.steps_done);
+      const auto copies =
+          static_cast<std::int64_t>(placed.rotation[i] / flow.molecules_of(c, p.species) + random.uniform_fine());
+      p.cell = placed.cell[i];
+      p.partner = 0;  // the old numbers mean nothing any more
+      for (std::int64_t k = 0; k < copies; ++k) flow.particles.append(p);
+      count[c] += copies;
+    }
+  });
+  const auto first = number_along_cells(comm, mesh.info.n_global_cells, flow.domain().cell_global, count).first;
+  std::size_t at = 0;
+  for (std::size_t c = 0; c < count.size(); ++c)
+    for (std::int64_t k = 0; k < count[c]; ++k) flow.particles.id[at++] = static_cast<std::uint64_t>(first[c] + k);
+  flow.particles.sort_by_cell(flow.domain().n_cells());
+}
+
+}  // namespace
+
+Carried carry(const par::Comm& comm, const std::string& name, const mesh::DistMesh& mesh, Flow& flow) {
+  const SectionFile file(comm, name);
+  nlohmann::json species = nlohmann::json::array();
+  for (const auto& s : flow.setup().gas.species) species.push_back(s.name);
+  const auto& setup = file.header().at("setup");
+  if (setup.at("species") != species || setup.at("unit") != flow.setup().unit)
+    throw Error(
+        fmt::format("file '{}': expected a flow of the species {}, found {}", name, species.dump(), setup.dump()));
+  const std::vector<double> weights = setup.contains("weights") ? setup.at("weights").get<std::vector<double>>()
+                                                                : std::vector<double>(species.size(), 1);
+  if (weights.size() != species.size())
+    throw Error(fmt::format("file '{}': expected a weight for each species, found {}", name, setup.dump()));
+  const auto width = cell_words(species.size(), setup.contains("weights"));
+  const auto old_cells = file.read("cells", width), old_particles = file.read("particles", particle_words);
+  std::vector<GlobalId> parent;
+  par::agree(comm, [&] { parent = parents_of(mesh, name, old_cells.rows); });
+  flow.steps_done = file.header().at("steps_done");
+
+  const auto host = hosts(comm, name, mesh, parent, old_cells, flow.setup().unit);
+  const auto placed = locate(comm, mesh, flow, send_to_hosts(comm, old_cells, old_particles, weights, host));
+
+  std::vector<GlobalId> rows;
+  for (const auto id : placed.id) rows.push_back(static_cast<GlobalId>(id));
+  const auto words =
+      par::fetch_rows<std::uint64_t>(comm, old_particles.rows, old_particles.block, particle_words, rows);
+  const auto old = par::fetch_rows<std::uint64_t>(comm, old_cells.rows, old_cells.block, width, parent);
+  copy_particles(comm, mesh, placed, words, flow);
+  for (std::size_t c = 0; c < flow.collisions.size(); ++c) {
+    const auto* w = old.data() + c * width;
+    const auto& domain = flow.domain();
+    const double part = domain.volume[c] / real(w[volume_word]) * real(w[molecules_word]) / domain.molecules[c];
+    const double owed = setup.contains("weights") && flow.setup().gas.is_weighted ? part * real(w[width - 1]) : 0;
+    flow.collisions[c] = {real(w[1]), 0, real(w[3]), 0, 0, owed};
+  }
+  const auto found = comm.sum(static_cast<std::int64_t>(placed.size()));
+  return {old_particles.rows, flow.n_particles(), old_particles.rows - found, flow.steps_done};
+}
+
+}  // namespace pamr::dsmc

@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "solvers/poisson_boltzmann/estimate.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "pamr/mesh/tet.hpp"
+#include "pamr/par/reproducible_sum.hpp"
+
+namespace pamr::poisson_boltzmann {
+
+using geometry::Vec3;
+
+namespace {
+
+std::array<double, 4> corners(const mesh::CellNodes& nodes, std::span<const double> value) {
+  std::array<double, 4> result{};
+  for (std::size_t k = 0; k < 4; ++k) result[k] = value[static_cast<std::size_t>(nodes[k])];
+  return result;
+}
+
+double longest_edge(const geometry::TetPoints& p) {
+  double longest = 0;
+  for (const auto& [a, b] : mesh::tet::edge_to_corner)
+    longest = std::max(longest, squared_norm(p[static_cast<std::size_t>(a)] - p[static_cast<std::size_t>(b)]));
+  return std::sqrt(longest);
+}
+
+}  // namespace
+
+std::vector<Vec3> cell_gradients(const Domain& domain, std::span<const double> value) {
+  const auto& cells = domain.mesh->cell_to_node;
+  std::vector<Vec3> result(cells.size());
+  for (std::size_t c = 0; c < cells.size(); ++c) {
+    const auto shape = domain.shape(c);
+    for (std::size_t k = 0; k < 4; ++k)
+      result[c] = result[c] + value[static_cast<std::size_t>(cells[c][k])] * shape.gradient[k];
+  }
+  return result;
+}
+
+std::vector<Vec3> recover(const par::Comm& comm, const Domain& domain, std::span<const Vec3> cell_gradient,
+                          Recovery recovery) {
+  const auto& cells = domain.mesh->cell_to_node;
+  std::vector<Vec3> sum(domain.point.size());
+  std::vector<double> weight(domain.point.size(), 0);
+  for (std::size_t c = 0; c < cells.size(); ++c) {
+    const double w = recovery == Recovery::plain ? 1 : geometry::volume(domain.points(c));
+    for (const auto node : cells[c]) {
+      auto& at = sum[static_cast<std::size_t>(node)];
+      at = at + w * cell_gradient[c];
+      weight[static_cast<std::size_t>(node)] += w;
+    }
+  }
+  domain.nodes.sum_copies(comm, sum);
+  domain.nodes.sum_copies(comm, weight);
+  for (std::size_t i = 0; i < sum.size(); ++i)
+    if (weight[i] > 0) sum[i] = (1 / weight[i]) * sum[i];
+  return sum;
+}
+
+std::vector<double> squared_errors(const Domain& domain, std::span<const Vec3> cell_gradient,
+                                   std::span<const Vec3> recovered) {
+  const auto& cells = domain.mesh->cell_to_node;
+  std::vector<double> result(cells.size());
+  for (std::size_t c = 0; c < cells.size(); ++c) {
+    Vec3 total;
+    double squares = 0;
+    for (const auto node : cells[c]) {
+      const auto difference = recovered[static_cast<std::size_t>(node)] - cell_gradient[c];
+      total = total + difference;
+      squares += squared_norm(difference);
+    }
+    // Integral of the product of two corner functions: V/20, V/10 of one with itself.
+    result[c] = geometry::volume(domain.points(c)) / 20 * (squares + squared_norm(total));
+  }
+  return result;
+}
+
+Estimate estimate_error(const par::Comm& comm, const Domain& domain, const SourceTerm& term, std::span<const double> u,
+                        std::span<const double> psi0, std::span<const Vec3> cell_gradient,
+                        std::span<const Vec3> recovered) {
+  const auto& cells = domain.mesh->cell_to_node;
+  Estimate result;
+  result.squared = squared_errors(domain, cell_gradient, recovered);
+  result.residual_squared.resize(cells.size());
+  std::array<par::ExactSum, 3> sums;
+  for (std::size_t c = 0; c < cells.size(); ++c) {
+    const auto p = domain.points(c);
+    const double volume = geometry::volume(p), h = longest_edge(p) / std::numbers::pi;
+    double source = 0;
+    for (const auto node : cells[c]) {
+      const double value = term.value(u[static_cast<std::size_t>(node)], psi0[static_cast<std::size_t>(node)]);
+      source += value * value / 4;
+    }
+    result.residual_squared[c] = h * h * volume * source;
+    sums[0].add(result.squared[c]);
+    sums[1].add(result.residual_squared[c]);
+    sums[2].add(volume * squared_norm(cell_gradient[c]));
+  }
+  const auto totals = par::reproducible_sums(comm, sums);
+  result.total_squared = totals[0];
+  result.residual_total_squared = totals[1];
+  result.norm_squared = totals[2];
+  return result;
+}
+
+GoalError goal_error(const par::Comm& comm, const Domain& domain, const SourceTerm& term, const GoalInput& in,
+                     bool nodal) {
+  const auto& cells = domain.mesh->cell_to_node;
+  GoalError result;
+  result.share.resize(cells.size());
+  std::array<par::ExactSum, 1> sum;
+  for (std::size_t c = 0; c < cells.size(); ++c) {
+    const double volume = geometry::volume(domain.points(c));
+    Vec3 total_u, total_w;
+    double squares_u = 0, squares_w = 0, products = 0;
+    for (const auto node : cells[c]) {
+      const auto i = static_cast<std::size_t>(node);
+      const auto error_u = in.recovered_u[i] - in.gradient_u[c], error_w = in.recovered_w[i] - in.gradient_w[c];
+      total_u = total_u + error_u;
+      total_w = total_w + error_w;
+      squares_u += squared_norm(error_u);
+      squares_w += squared_norm(error_w);
+      products += dot(error_u, error_w);
+    }
+    const double part = volume / 20;  // integral of the product of two corner functions
+    double correction = part * (products + dot(total_u, total_w));
+    result.share[c] = part * std::sqrt((squares_u + squared_norm(total_u)) * (squares_w + squared_norm(total_w)));
+    if (nodal) {
+      const auto u = corners(cells[c], in.u), base = corners(cells[c], in.psi0), w = corners(cells[c], in.w);
+      double together = 0, sources = 0, duals = 0;
+      for (std::size_t k = 0; k < 4; ++k) {
+        const double source = term.value(u[k], base[k]);
+        together += source * w[k];
+        sources += source;
+        duals += w[k];
+      }
+      // Nodal quadrature of the product of two linear functions less its integral.
+      const double excess = volume / 4 * together - part * (together + sources * duals);
+      correction += excess;
+      result.share[c] += std::abs(excess);
+    }
+    sum[0].add(correction);
+  }
+  result.correction = par::reproducible_sums(comm, sum)[0];
+  return result;
+}
+
+}  // namespace pamr::poisson_boltzmann

@@ -1,0 +1,196 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "solvers/poisson_boltzmann/fem_domain.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "pamr/base/error.hpp"
+#include "pamr/mesh/tet.hpp"
+#include "pamr/par/reproducible_sum.hpp"
+
+namespace pamr::poisson_boltzmann {
+
+using geometry::Vec3;
+
+namespace {
+
+std::string listed(const std::vector<mesh::Patch>& patches) {
+  std::string result;
+  for (const auto& patch : patches) result += (result.empty() ? "" : ", ") + patch.name;
+  return result;
+}
+
+void require_patches(const mesh::DistMesh& mesh, const Case& problem, const std::string& where) {
+  const auto& patches = mesh.info.patches;
+  if (patches.size() > 64) throw Error(fmt::format("expected a mesh of at most 64 patches, found {}", patches.size()));
+  const auto exists = [&](const std::string& name) {
+    for (const auto& patch : patches)
+      if (patch.name == name) return true;
+    return false;
+  };
+  for (const auto& b : problem.boundary)
+    if (!exists(b.patch))
+      throw Error(fmt::format("{}: expected [boundary.X] for a patch of the mesh ({}), found \"{}\"", where,
+                              listed(patches), b.patch));
+  for (const auto& name : {problem.force.midplane, problem.estimator.goal_patch})
+    if (!name.empty() && !exists(name))
+      throw Error(fmt::format("{}: expected a patch of the mesh ({}), found \"{}\"", where, listed(patches), name));
+}
+
+/// The nodes of a body's patch must lie on the body that the case states. Collective.
+void require_bodies(const par::Comm& comm, const Domain& domain, const Case& problem, const std::string& where) {
+  const auto require_near = [&](const std::string& patch, double size, const std::string& body, auto&& distance) {
+    const int number = domain.patch_number(patch);
+    if (number < 0)
+      throw Error(fmt::format("{}: expected a patch of the mesh ({}), found \"{}\"", where,
+                              listed(domain.mesh->info.patches), patch));
+    double worst = 0;
+    for (std::size_t i = 0; i < domain.point.size(); ++i)
+      if ((domain.node_patches[i] >> static_cast<unsigned>(number) & 1U) != 0)
+        worst = std::max(worst, std::abs(distance(domain.point[i])));
+    worst = comm.max(worst);
+    if (worst > 1e-3 * size)
+      throw Error(fmt::format("{}: expected the nodes of patch \"{}\" on {}, found some {:g} Debye lengths away", where,
+                              patch, body, worst));
+  };
+  for (const auto& s : problem.spheres)
+    if (!s.patch.empty())
+      require_near(s.patch, s.radius,
+                   fmt::format("the sphere of radius {:g} about ({:g}, {:g}, {:g})", s.radius, s.centre.x, s.centre.y,
+                               s.centre.z),
+                   [&](Vec3 p) { return norm(p - s.centre) - s.radius; });
+  if (problem.plate)
+    require_near(problem.plate->patch, 1, fmt::format("the plate z = {:g}", problem.plate->position),
+                 [&](Vec3 p) { return p.z - problem.plate->position; });
+}
+
+std::vector<BoundaryFace> find_faces(const mesh::DistMesh& mesh, const std::vector<Vec3>& point) {
+  std::vector<BoundaryFace> faces;
+  for (LocalId c = 0; c < mesh.n_cells(); ++c)
+    for (std::size_t slot = 0; slot < 4; ++slot) {
+      const auto neighbour = mesh.cell_to_cell[static_cast<std::size_t>(c)][slot];
+      if (neighbour >= 0) continue;
+      BoundaryFace face;
+      face.cell = c;
+      face.patch = mesh::slot_to_patch(neighbour);
+      std::array<Vec3, 3> p;
+      for (std::size_t k = 0; k < 3; ++k) {
+        face.node[k] = mesh.cell_to_node[static_cast<std::size_t>(c)]
+                                        [static_cast<std::size_t>(mesh::tet::face_to_corner[slot][k])];
+        p[k] = point[static_cast<std::size_t>(face.node[k])];
+      }
+      const auto normal = cross(p[1] - p[0], p[2] - p[0]);
+      face.area = 0.5 * norm(normal);
+      face.normal = face.area > 0 ? (0.5 / face.area) * normal : Vec3{};
+      faces.push_back(face);
+    }
+  return faces;
+}
+
+double component(Vec3 v, int axis) { return axis == 0 ? v.x : axis == 1 ? v.y : v.z; }
+
+std::vector<PatchShape> measure(const par::Comm& comm, std::size_t n_patches, const std::vector<BoundaryFace>& faces) {
+  std::vector<par::ExactSum> area(n_patches);
+  std::vector<std::int64_t> count(n_patches, 0), off_axis(3 * n_patches, 0);
+  for (const auto& face : faces) {
+    const auto p = static_cast<std::size_t>(face.patch);
+    area[p].add(face.area);
+    ++count[p];
+    for (int axis = 0; axis < 3; ++axis)
+      if (std::abs(std::abs(component(face.normal, axis)) - 1) > 1e-9)
+        ++off_axis[3 * p + static_cast<std::size_t>(axis)];
+  }
+  const auto areas = par::reproducible_sums(comm, area);
+  comm.sum_in_place(count);
+  comm.sum_in_place(off_axis);
+  std::vector<PatchShape> patches(n_patches);
+  for (std::size_t p = 0; p < n_patches; ++p) {
+    patches[p].area = areas[p];
+    patches[p].n_faces = count[p];
+    for (int axis = 0; axis < 3; ++axis)
+      if (count[p] > 0 && off_axis[3 * p + static_cast<std::size_t>(axis)] == 0) patches[p].axis = axis;
+  }
+  return patches;
+}
+
+}  // namespace
+
+CellShape shape_of(const geometry::TetPoints& p) {
+  CellShape shape;
+  shape.volume = geometry::volume(p);
+  for (std::size_t i = 0; i < 4; ++i) {
+    const auto& corner = mesh::tet::face_to_corner[i];  // its outward normal points away from corner i
+    const auto &a = p[static_cast<std::size_t>(corner[0])], &b = p[static_cast<std::size_t>(corner[1])],
+               &c = p[static_cast<std::size_t>(corner[2])];
+    shape.gradient[i] = (-1.0 / (6.0 * shape.volume)) * cross(b - a, c - a);
+  }
+  return shape;
+}
+
+geometry::TetPoints Domain::points(std::size_t cell) const {
+  const auto& n = mesh->cell_to_node[cell];
+  return {point[static_cast<std::size_t>(n[0])], point[static_cast<std::size_t>(n[1])],
+          point[static_cast<std::size_t>(n[2])], point[static_cast<std::size_t>(n[3])]};
+}
+
+CellShape Domain::shape(std::size_t cell) const { return shape_of(points(cell)); }
+
+int Domain::patch_number(std::string_view name) const {
+  for (std::size_t p = 0; p < mesh->info.patches.size(); ++p)
+    if (mesh->info.patches[p].name == name) return static_cast<int>(p);
+  return -1;
+}
+
+Domain make_domain(const par::Comm& comm, const mesh::DistMesh& mesh, const Case& problem, const std::string& where) {
+  require_patches(mesh, problem, where);
+  const auto scale = debye_lengths_in(mesh.info.length_unit, problem.electrolyte, where);
+  if (!scale)
+    throw Error(fmt::format("expected a mesh in Debye lengths (unit \"1\"), m, um or nm, found the length unit \"{}\"",
+                            mesh.info.length_unit));
+  Domain domain{&mesh, NodeMap(comm, mesh), *scale, {}, {}, {}, {}, {}};
+  domain.point.reserve(mesh.node_position.size());
+  for (const auto& p : mesh.node_position) domain.point.push_back(*scale * p);
+  domain.node_volume.assign(domain.point.size(), 0);
+  for (std::size_t c = 0; c < mesh.cell_to_node.size(); ++c) {
+    const double quarter = geometry::volume(domain.points(c)) / 4;
+    for (const auto node : mesh.cell_to_node[c]) domain.node_volume[static_cast<std::size_t>(node)] += quarter;
+  }
+  domain.nodes.sum_copies(comm, domain.node_volume);
+  domain.faces = find_faces(mesh, domain.point);
+  domain.node_patches.assign(domain.point.size(), 0);
+  for (const auto& face : domain.faces)
+    for (const auto node : face.node)
+      domain.node_patches[static_cast<std::size_t>(node)] |= std::uint64_t{1} << static_cast<unsigned>(face.patch);
+  domain.nodes.join_copies(comm, domain.node_patches, [](std::uint64_t a, std::uint64_t b) { return a | b; });
+  require_bodies(comm, domain, problem, where);
+  domain.patches = measure(comm, mesh.info.patches.size(), domain.faces);
+  for (std::size_t p = 0; p < domain.patches.size(); ++p)
+    if (domain.patches[p].n_faces > 0 && problem.find_boundary(mesh.info.patches[p].name) == nullptr)
+      throw Error(fmt::format("{}: expected a table [boundary.{}] for that patch of the mesh, found none", where,
+                              mesh.info.patches[p].name));
+  return domain;
+}
+
+Memory memory_needed(const mesh::DistMesh& mesh, const Case& problem) {
+  const auto n_nodes = static_cast<std::int64_t>(mesh.node_position.size());
+  const auto n_cells = static_cast<std::int64_t>(mesh.cell_to_node.size());
+  std::int64_t n_outer_faces = 0;
+  for (const auto& slots : mesh.cell_to_cell)
+    for (const auto slot : slots) n_outer_faces += mesh.is_own(slot) ? 0 : 1;
+  // Euler's formula, nodes - edges + faces - cells = 1 for a ball, with 2 faces = 4 cells + outer faces.
+  const auto n_edges = n_cells == 0 ? 0 : n_nodes + n_cells + n_outer_faces / 2 - 1;
+  Memory memory;
+  memory.n_entries = n_nodes + 2 * n_edges;
+  memory.mesh = static_cast<std::int64_t>(mesh::bytes_at_rest(mesh));
+  // Two matrices of 8 + 4 bytes an entry, or one and the rows that it is assembled from. Some 45 numbers a node:
+  // conditions, vectors of the solvers, gradients, fields of the answer. 9 a cell: gradients and error estimates.
+  memory.program = 50'000'000;
+  memory.solve = 24 * memory.n_entries + 360 * n_nodes + 72 * n_cells + 56 * n_outer_faces;
+  // The multigrid hierarchy: hypre's copy of the matrix, its coarser ones and what moves between them.
+  if (problem.solver.preconditioner == "boomeramg") memory.solve += 60 * memory.n_entries;
+  return memory;
+}
+
+}  // namespace pamr::poisson_boltzmann

@@ -1,0 +1,312 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "solvers/poisson_boltzmann/pb_case.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "pamr/base/error.hpp"
+#include "solvers/poisson_boltzmann/checked_table.hpp"
+
+namespace pamr::poisson_boltzmann {
+
+namespace {
+
+constexpr NumberRange any{-1e300, 1e300}, positive{1e-300, 1e300}, from_zero{0, 1e300};
+
+constexpr std::array<std::pair<Condition, const char*>, 6> condition_names{{{Condition::potential, "potential"},
+                                                                            {Condition::charge, "charge"},
+                                                                            {Condition::symmetry, "symmetry"},
+                                                                            {Condition::plate_profile, "plate-profile"},
+                                                                            {Condition::far_field, "far-field"},
+                                                                            {Condition::manufactured, "manufactured"}}};
+
+bool fixes_potential(Condition condition) {
+  return condition == Condition::potential || condition == Condition::plate_profile ||
+         condition == Condition::manufactured;
+}
+
+int valence_of(CheckedTable& table, const std::string& salt) {
+  const auto colon = salt.find(':');
+  const auto digits = [](const std::string& text) {
+    return text.size() == 1 && text[0] >= '1' && text[0] <= '9' ? text[0] - '0' : 0;
+  };
+  const int first = colon == std::string::npos ? 0 : digits(salt.substr(0, colon));
+  const int second = colon == std::string::npos ? 0 : digits(salt.substr(colon + 1));
+  if (first == 0 || first != second)
+    table.refuse("salt", "a Z:Z salt (\"1:1\", \"2:2\", ...), for which the equation is lap psi = sinh psi",
+                 "\"" + salt + "\"");
+  return first;
+}
+
+Electrolyte read_electrolyte(CheckedTable& table) {
+  Electrolyte e;
+  e.salt = table.text("salt").value_or(e.salt);
+  e.valence = valence_of(table, e.salt);
+  e.temperature = table.number("temperature", {1, 10000}).value_or(e.temperature);
+  e.permittivity = table.number("permittivity", {1, 10000}).value_or(e.permittivity);
+  e.debye_length = table.number("debye_length", {1e-12, 1});
+  if (const auto concentration = table.number("concentration", {1e-12, 1e6})) {
+    const double from_salt = debye_length(e, *concentration);
+    if (e.debye_length && std::abs(*e.debye_length - from_salt) > 1e-3 * from_salt)
+      table.refuse("concentration",
+                   fmt::format("the concentration of debye_length = {:g} m, or one of the two alone", *e.debye_length),
+                   fmt::format("{:g} mol/m^3, whose Debye length is {:g} m", *concentration, from_salt));
+    if (!e.debye_length) e.debye_length = from_salt;
+  }
+  table.finish();
+  return e;
+}
+
+/// One read of a case file.
+class Reader {
+ public:
+  Reader(const toml::table& root, std::string where) : where_(std::move(where)), root_(root, "", where_) {}
+
+  Case read() {
+    root_.skip("mesh");
+    if (auto table = root_.table("electrolyte")) result_.electrolyte = read_electrolyte(*table);
+    if (auto table = root_.table("lengths")) read_lengths(*table);
+    if (auto table = root_.table("equation")) read_equation(*table);
+    for (auto& table : root_.tables("sphere")) read_sphere(table);
+    if (auto table = root_.table("pair")) read_pair(*table);
+    if (auto table = root_.table("plate")) {
+      result_.plate = Plate{table->text("patch").value_or("plate"), 0, 0};
+      result_.plate->position = table->number("position", any).value_or(0) * unit_;
+      table->finish();
+    }
+    if (auto table = root_.table("boundary"))
+      for (auto& [patch, entry] : table->all_tables()) read_boundary(patch, entry);
+    if (auto table = root_.table("solver")) read_solver(*table);
+    if (auto table = root_.table("force")) read_force(*table);
+    if (auto table = root_.table("estimator")) read_estimator(*table);
+    root_.finish();
+    check();
+    return result_;
+  }
+
+ private:
+  [[noreturn]] void refuse(const std::string& expected, const std::string& found) const {
+    throw Error(fmt::format("{}: expected {}, found {}", where_, expected, found));
+  }
+
+  void read_lengths(CheckedTable& table) {
+    result_.length_unit = table.word("unit", "debye m um nm", result_.length_unit);
+    unit_ = *debye_lengths_in(result_.length_unit, result_.electrolyte, where_);
+    table.finish();
+  }
+
+  void read_equation(CheckedTable& table) {
+    result_.linear = table.truth("linear").value_or(false);
+    result_.split = table.truth("split").value_or(false);
+    result_.manufactured = table.truth("manufactured").value_or(false);
+    table.finish();
+  }
+
+  void read_sphere(CheckedTable& table) {
+    Sphere sphere;
+    sphere.patch = table.text("patch").value_or("");
+    sphere.centre = unit_ * table.required_point("centre");
+    sphere.radius = unit_ * table.required_number("radius", positive);
+    table.finish();
+    result_.spheres.push_back(sphere);
+  }
+
+  void read_pair(CheckedTable& table) {
+    const double radius = unit_ * table.required_number("radius", positive);
+    const double distance = unit_ * table.required_number("distance", positive);
+    const double height = unit_ * table.number("height", any).value_or(0);
+    result_.spheres.push_back({table.text("patch").value_or("sphere"), {distance / 2, 0, height}, radius});
+    result_.spheres.push_back({table.text("other_patch").value_or(""), {-distance / 2, 0, height}, radius});
+    table.finish();
+  }
+
+  void read_boundary(const std::string& patch, CheckedTable& table) {
+    Boundary boundary;
+    boundary.patch = patch;
+    const auto word = table.word("condition", "potential charge symmetry plate-profile far-field manufactured", "");
+    if (word.empty())
+      table.refuse("condition", "condition = \"potential\", \"charge\", \"symmetry\" or another for patch " + patch,
+                   "none");
+    for (const auto& [condition, name] : condition_names)
+      if (word == name) boundary.condition = condition;
+    const auto units = units_of(result_.electrolyte);
+    if (boundary.condition == Condition::potential) {
+      const auto unit = table.word("unit", "kT/Ze V mV", "kT/Ze");
+      const double scale = unit == "V" ? 1 / units.potential : unit == "mV" ? 1e-3 / units.potential : 1;
+      boundary.value = scale * table.required_number("value", any);
+      if (!(std::abs(boundary.value) <= largest_potential))
+        table.refuse("value", fmt::format("a potential of at most {:g} kT/Ze (sinh overflows)", largest_potential),
+                     fmt::format("{:g} kT/Ze", boundary.value));
+    } else if (boundary.condition == Condition::charge) {
+      const auto unit = table.word("unit", "dimensionless C/m2", "dimensionless");
+      if (unit == "C/m2" && !units.charge_density)
+        table.refuse("unit", "debye_length or concentration in [electrolyte] for a charge in C/m2", "none");
+      boundary.value = table.required_number("value", {-1e100, 1e100}) / (unit == "C/m2" ? *units.charge_density : 1);
+    }
+    table.finish();
+    result_.boundary.push_back(boundary);
+  }
+
+  void read_solver(CheckedTable& table) {
+    auto& solver = result_.solver;
+    if (table.word("quadrature", "nodal gauss", "nodal") == "gauss") solver.quadrature = Quadrature::gauss;
+    solver.tolerance = table.number("tolerance", {1e-15, 0.1}).value_or(solver.tolerance);
+    solver.max_newton = static_cast<int>(table.number("max_newton", {1, 10000}).value_or(solver.max_newton));
+    solver.preconditioner = table.word("preconditioner", "jacobi boomeramg", solver.preconditioner);
+    solver.petsc = table.text("petsc").value_or("");
+    table.finish();
+  }
+
+  void read_force(CheckedTable& table) {
+    auto& force = result_.force;
+    force.midplane = table.text("midplane").value_or("");
+    force.inner = table.number("inner", from_zero);
+    force.outer = table.number("outer", positive);
+    if (force.inner) *force.inner *= unit_;
+    if (force.outer) *force.outer *= unit_;
+    if (force.inner && force.outer && !(*force.inner < *force.outer))
+      table.refuse("inner", "inner below outer", fmt::format("{:g} and {:g}", *force.inner, *force.outer));
+    table.finish();
+  }
+
+  void read_estimator(CheckedTable& table) {
+    auto& estimator = result_.estimator;
+    if (table.word("recovery", "volume-weighted plain", "volume-weighted") == "plain")
+      estimator.recovery = Recovery::plain;
+    estimator.goal = table.word("goal", "none midplane volume-x volume-y volume-z charge", estimator.goal);
+    estimator.goal_patch = table.text("goal_patch").value_or("");
+    table.finish();
+  }
+
+  void check_spheres() const {
+    const auto& spheres = result_.spheres;
+    for (std::size_t i = 0; i < spheres.size(); ++i) {
+      for (std::size_t j = 0; j < i; ++j) {
+        const double distance = norm(spheres[i].centre - spheres[j].centre);
+        if (!(distance > spheres[i].radius + spheres[j].radius))
+          refuse("spheres that do not overlap or touch",
+                 fmt::format("radii {:g} and {:g} at a distance of {:g} between their centres (Debye lengths)",
+                             spheres[j].radius, spheres[i].radius, distance));
+      }
+      if (result_.plate && !(spheres[i].centre.z - spheres[i].radius > result_.plate->position))
+        refuse("spheres above the plate that do not touch it",
+               fmt::format("a sphere of radius {:g} with its centre {:g} above the plate (Debye lengths)",
+                           spheres[i].radius, spheres[i].centre.z - result_.plate->position));
+      if (!spheres[i].patch.empty() && result_.find_boundary(spheres[i].patch) == nullptr)
+        refuse("a table [boundary." + spheres[i].patch + "] for the patch of a sphere", "none");
+    }
+  }
+
+  void check() {
+    if (result_.boundary.empty()) refuse("a table [boundary.PATCH] for every patch of the mesh", "none");
+    if (result_.plate) {
+      const auto* plate = result_.find_boundary(result_.plate->patch);
+      if (plate == nullptr || plate->condition != Condition::potential)
+        refuse(fmt::format("[boundary.{}] with condition = \"potential\" for the patch of the plate",
+                           result_.plate->patch),
+               plate == nullptr ? "none" : std::string("\"") + name_of(plate->condition) + "\"");
+      result_.plate->potential = plate->value;
+    }
+    check_spheres();
+    if (result_.split && !result_.plate) refuse("a table [plate] with split = true", "none");
+    if (result_.split && result_.manufactured) refuse("either split or manufactured", "both");
+    bool driven = false;
+    for (const auto& b : result_.boundary) {
+      driven = driven || fixes_potential(b.condition) || (b.condition == Condition::charge && b.value != 0);
+      if (b.condition == Condition::manufactured && !result_.manufactured)
+        refuse("manufactured = true in [equation] with condition \"manufactured\"", "none");
+    }
+    if (!driven && !result_.manufactured)
+      refuse("a patch with a given potential or charge", "none: the potential would be zero everywhere");
+    if (result_.estimator.goal == "midplane" && result_.force.midplane.empty())
+      refuse("midplane = \"PATCH\" in [force] for goal = \"midplane\"", "none");
+    const bool by_volume = result_.estimator.goal.rfind("volume", 0) == 0;
+    if ((by_volume || result_.estimator.goal == "charge") && result_.estimator.goal_patch.empty())
+      refuse("goal_patch = \"PATCH\" in [estimator] with goal = \"" + result_.estimator.goal + "\"", "none");
+  }
+
+  std::string where_;
+  CheckedTable root_;
+  Case result_;
+  double unit_ = 1;
+};
+
+std::string with_unit(double value, const std::optional<double>& unit, const std::string& name) {
+  return unit ? fmt::format("{:.7g} ({:.6g} {})", value, value * *unit, name) : fmt::format("{:.7g}", value);
+}
+
+}  // namespace
+
+const char* name_of(Condition condition) {
+  for (const auto& [known, name] : condition_names)
+    if (known == condition) return name;
+  return "";
+}
+
+const Boundary* Case::find_boundary(std::string_view patch) const {
+  for (const auto& b : boundary)
+    if (b.patch == patch) return &b;
+  return nullptr;
+}
+
+PlateProfile Case::profile() const {
+  return plate ? PlateProfile(plate->potential, plate->position, linear) : PlateProfile();
+}
+
+std::optional<double> debye_lengths_in(std::string_view unit, const Electrolyte& electrolyte,
+                                       const std::string& where) {
+  if (unit == "debye" || unit == "1" || unit.empty()) return 1.0;
+  const double metres = unit == "m" ? 1 : unit == "um" ? 1e-6 : unit == "nm" ? 1e-9 : 0;
+  if (metres == 0) return std::nullopt;
+  if (!electrolyte.debye_length)
+    throw Error(fmt::format("{}: expected debye_length or concentration in [electrolyte] for lengths in {}, found none",
+                            where, unit));
+  return metres / *electrolyte.debye_length;
+}
+
+Case read_case(std::string_view text, const std::string& where) {
+  try {
+    const auto root = toml::parse(text, where);
+    return Reader(root, where).read();
+  } catch (const toml::parse_error& error) {
+    throw Error(fmt::format("{}:{}: expected TOML, found {}", where, error.source().begin.line, error.description()));
+  }
+}
+
+std::vector<std::string> describe(const Case& problem) {
+  std::vector<std::string> lines;
+  const auto& e = problem.electrolyte;
+  const auto units = units_of(e);
+  lines.push_back(fmt::format("{} salt, {:g} K, permittivity {:g}: kT/Ze = {:.6g} mV, force unit {:.6g} N", e.salt,
+                              e.temperature, e.permittivity, 1e3 * units.potential, units.force));
+  if (units.length)
+    lines.push_back(fmt::format("Debye length {:.6g} m, salt {:.6g} mol/m^3", *units.length, *units.concentration));
+  lines.push_back(fmt::format("equation: lap psi = {}{}{}", problem.linear ? "psi" : "sinh psi",
+                              problem.manufactured ? " + manufactured source" : "",
+                              problem.split ? ", solved for u = psi - psi0(z)" : ""));
+  for (const auto& s : problem.spheres)
+    lines.push_back(fmt::format("sphere {}: radius {}, centre ({:.7g}, {:.7g}, {:.7g}) Debye lengths",
+                                s.patch.empty() ? "(beyond a mirror)" : s.patch, with_unit(s.radius, units.length, "m"),
+                                s.centre.x, s.centre.y, s.centre.z));
+  if (problem.spheres.size() == 2)
+    lines.push_back(
+        fmt::format("distance of the centres {}",
+                    with_unit(norm(problem.spheres[0].centre - problem.spheres[1].centre), units.length, "m")));
+  if (problem.plate && !problem.spheres.empty())
+    lines.push_back(fmt::format("height over the plate {}",
+                                with_unit(problem.spheres[0].centre.z - problem.plate->position, units.length, "m")));
+  for (const auto& b : problem.boundary) {
+    std::string value;
+    if (b.condition == Condition::potential)
+      value = " " + with_unit(b.value, units.potential, "V");
+    else if (b.condition == Condition::charge)
+      value = " " + with_unit(b.value, units.charge_density, "C/m^2");
+    lines.push_back(fmt::format("patch {}: {}{}", b.patch, name_of(b.condition), value));
+  }
+  return lines;
+}
+
+}  // namespace pamr::poisson_boltzmann

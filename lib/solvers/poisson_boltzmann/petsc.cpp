@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "solvers/poisson_boltzmann/petsc.hpp"
+
+#include <stdexcept>
+
+#include "pamr/base/error.hpp"
+
+namespace pamr::poisson_boltzmann {
+
+namespace {
+
+/// What PETSc said of the last error; PETSc is one per process, and so is this.
+std::string& last_message() {
+  static std::string message;
+  return message;
+}
+
+PetscErrorCode remember(MPI_Comm, int, const char*, const char*, PetscErrorCode code, PetscErrorType type,
+                        const char* message, void*) {
+  if (type == PETSC_ERROR_INITIAL && message != nullptr) last_message() = message;
+  return code;
+}
+
+std::string message_of(PetscErrorCode code) {
+  const char* text = nullptr;
+  PetscErrorMessage(code, &text, nullptr);
+  std::string message = text == nullptr ? "error " + std::to_string(code) : text;
+  if (!last_message().empty()) message += ": " + last_message();
+  return message;
+}
+
+}  // namespace
+
+void require(PetscErrorCode code) {
+  if (code != 0) throw std::runtime_error("PETSc: " + message_of(code));
+}
+
+void require_options(PetscErrorCode code) {
+  if (code != 0) throw Error("expected options that PETSc can use, found: " + message_of(code));
+}
+
+PetscRuntime::PetscRuntime(const par::Comm& comm, const std::string& options) {
+  PETSC_COMM_WORLD = comm.handle();
+  PetscOptionsSetValue(nullptr, "-no_signal_handler", "true");  // may be called before PETSc starts
+  if (const auto code = PetscInitializeNoArguments(); code != 0)
+    throw std::runtime_error("PETSc cannot start, error " + std::to_string(code));
+  require(PetscPushErrorHandler(remember, nullptr));
+  const auto code = PetscOptionsInsertString(nullptr, options.c_str());
+  if (code != 0) {
+    const auto message = message_of(code);
+    PetscFinalize();
+    throw Error("expected options for PETSc, found \"" + options + "\": " + message);
+  }
+}
+
+PetscRuntime::~PetscRuntime() {
+  PetscOptionsSetValue(nullptr, "-options_left", "no");
+  PetscFinalize();
+}
+
+std::vector<std::string> PetscRuntime::unused_options() const {
+  PetscInt n = 0;
+  char **names = nullptr, **values = nullptr;
+  require(PetscOptionsLeftGet(nullptr, &n, &names, &values));
+  std::vector<std::string> result;
+  for (PetscInt i = 0; i < n; ++i) result.push_back(std::string("-") + names[i]);
+  require(PetscOptionsLeftRestore(nullptr, &n, &names, &values));
+  return result;
+}
+
+Entries::Entries(Vec vector) : vector_(vector) { require(VecGetArray(vector_, &value_)); }
+Entries::~Entries() { VecRestoreArray(vector_, &value_); }
+ConstEntries::ConstEntries(Vec vector) : vector_(vector) { require(VecGetArrayRead(vector_, &value_)); }
+ConstEntries::~ConstEntries() { VecRestoreArrayRead(vector_, &value_); }
+
+}  // namespace pamr::poisson_boltzmann

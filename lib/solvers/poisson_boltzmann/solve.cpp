@@ -1,0 +1,319 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "solvers/poisson_boltzmann/solve.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "solvers/poisson_boltzmann/quadrature.hpp"
+#include "solvers/poisson_boltzmann/stiffness.hpp"
+
+namespace pamr::poisson_boltzmann {
+
+namespace {
+
+/// The values at the four corners of a cell.
+std::array<double, 4> at_corners(const mesh::CellNodes& nodes, const std::vector<double>& value) {
+  return {value[static_cast<std::size_t>(nodes[0])], value[static_cast<std::size_t>(nodes[1])],
+          value[static_cast<std::size_t>(nodes[2])], value[static_cast<std::size_t>(nodes[3])]};
+}
+
+double interpolate(const std::array<double, 4>& value, const std::array<double, 4>& weight) {
+  return value[0] * weight[0] + value[1] * weight[1] + value[2] * weight[2] + value[3] * weight[3];
+}
+
+/// What the callbacks of one solve need besides the system.
+struct Watch {
+  const std::function<void(const NewtonStep&)>* show;
+  std::vector<NewtonStep>* steps;
+  int linear_before = 0;
+};
+
+PetscErrorCode monitor(SNES snes, PetscInt step, PetscReal norm, void* context) {
+  auto& watch = *static_cast<Watch*>(context);
+  PetscInt linear = 0;
+  SNESGetLinearSolveIterations(snes, &linear);
+  NewtonStep line{static_cast<int>(step), norm, 0, static_cast<int>(linear) - watch.linear_before};
+  watch.linear_before = static_cast<int>(linear);
+  if (step > 0) {
+    Vec update = nullptr;
+    SNESGetSolutionUpdate(snes, &update);
+    if (update != nullptr) VecNorm(update, NORM_INFINITY, &line.largest_change);
+  }
+  watch.steps->push_back(line);
+  if (*watch.show) (*watch.show)(line);
+  return 0;
+}
+
+}  // namespace
+
+System::System(const par::Comm& comm, const Domain& domain, const Case& problem, const Conditions& conditions,
+               const std::function<void()>& before_matrices)
+    : comm_(comm), domain_(domain), problem_(problem), conditions_(conditions), term_(problem.linear) {
+  require(SNESCreate(comm.handle(), snes_.address()));
+  configure(snes_);
+  if (before_matrices) before_matrices();
+  stiffness_ = assemble_stiffness(comm, domain);
+  require(MatCreateVecs(stiffness_, unknown_.address(), work_.address()));
+  require(VecDuplicate(unknown_, diagonal_.address()));
+  require(VecDuplicate(unknown_, updated_.address()));
+  require(MatDuplicate(stiffness_, MAT_COPY_VALUES, jacobian_.address()));
+  require(MatSetOption(jacobian_, MAT_SPD, PETSC_TRUE));
+  require(MatSetOption(jacobian_, MAT_KEEP_NONZERO_PATTERN, PETSC_TRUE));
+  std::vector<PetscInt> fixed;
+  for (const auto node : domain.nodes.owned())
+    if (conditions.fixed[static_cast<std::size_t>(node)] != 0)
+      fixed.push_back(domain.nodes.equation()[static_cast<std::size_t>(node)]);
+  require(MatZeroRowsColumns(jacobian_, static_cast<PetscInt>(fixed.size()), fixed.data(), 1.0, nullptr, nullptr));
+  require(MatGetDiagonal(jacobian_, diagonal_));
+  require(SNESSetFunction(snes_, nullptr, residual_callback, this));
+  require(SNESSetJacobian(snes_, jacobian_, jacobian_, jacobian_callback, this));
+}
+
+void System::configure(SNES snes) {
+  KSP ksp = nullptr;
+  PC pc = nullptr;
+  require(SNESGetKSP(snes, &ksp));
+  require(KSPSetType(ksp, KSPCG));
+  require(KSPGetPC(ksp, &pc));
+  if (problem_.solver.preconditioner == "boomeramg") {
+    require(PCSetType(pc, PCHYPRE));
+    require(PCHYPRESetType(pc, "boomeramg"));
+  } else {
+    require(PCSetType(pc, PCJACOBI));
+  }
+  require(KSPSetNormType(ksp, KSP_NORM_UNPRECONDITIONED));
+  // Solving early Newton steps roughly halves the linear work (S. C. Eisenstat, H. F. Walker, SIAM J. Sci. Comput. 17
+  // (1996), choice 2).
+  if (!problem_.linear) {
+    require(SNESKSPSetUseEW(snes, PETSC_TRUE));
+    require(SNESKSPSetParametersEW(snes, 2, 1e-2, 1e-2, 0.9, 1.618033988749895, 1.618033988749895, 0.1));
+  } else {
+    require(KSPSetTolerances(ksp, 1e-2 * problem_.solver.tolerance, 0, PETSC_DEFAULT, 100000));
+  }
+  SNESLineSearch search = nullptr;
+  require(SNESGetLineSearch(snes, &search));
+  require(SNESLineSearchSetType(search, SNESLINESEARCHBT));
+  require_options(SNESSetFromOptions(snes));
+}
+
+void System::set_owned(Vec vector, std::span<const double> local) const {
+  Entries entries(vector);
+  const auto& owned = domain_.nodes.owned();
+  for (std::size_t k = 0; k < owned.size(); ++k) entries[k] = local[static_cast<std::size_t>(owned[k])];
+}
+
+std::vector<double> System::local_values(Vec vector) const {
+  std::vector<double> owned(domain_.nodes.n_owned());
+  {
+    const ConstEntries entries(vector);
+    for (std::size_t k = 0; k < owned.size(); ++k) owned[k] = entries[k];
+  }
+  return domain_.nodes.spread(comm_, owned);
+}
+
+void System::residual(Vec u, Vec f, bool with_fixed) const {
+  require(MatMult(stiffness_, u, f));
+  const bool nodal = problem_.solver.quadrature == Quadrature::nodal;
+  std::vector<double> gauss;
+  if (!nodal) {
+    gauss.assign(domain_.point.size(), 0);
+    add_gauss(local_values(u), gauss);
+    domain_.nodes.sum_copies(comm_, gauss);
+  }
+  const ConstEntries value(u);
+  Entries result(f);
+  const auto& owned = domain_.nodes.owned();
+  for (std::size_t k = 0; k < owned.size(); ++k) {
+    const auto i = static_cast<std::size_t>(owned[k]);
+    if (conditions_.fixed[i] != 0 && !with_fixed) {
+      result[k] = value[k] - conditions_.value[i];
+      continue;
+    }
+    const double source = nodal ? domain_.node_volume[i] * term_.value(value[k], conditions_.psi0[i]) : gauss[i];
+    result[k] += source + conditions_.robin[i] * value[k] - conditions_.load[i];
+  }
+}
+
+void System::add_gauss(const std::vector<double>& u, std::vector<double>& to) const {
+  const auto& cells = domain_.mesh->cell_to_node;
+  const auto profile = problem_.profile();
+  for (std::size_t c = 0; c < cells.size(); ++c) {
+    const auto values = at_corners(cells[c], u);
+    const auto p = domain_.points(c);
+    const double volume = geometry::volume(p);
+    for (const auto& at : gauss_points) {
+      const double z = interpolate({p[0].z, p[1].z, p[2].z, p[3].z}, at.weight_of_corner);
+      const double psi0 = problem_.split ? profile.potential(z) : 0;
+      const double amount = volume * at.weight * term_.value(interpolate(values, at.weight_of_corner), psi0);
+      for (std::size_t k = 0; k < 4; ++k) to[static_cast<std::size_t>(cells[c][k])] += amount * at.weight_of_corner[k];
+    }
+  }
+}
+
+void System::add_gauss_matrix(const std::vector<double>& u) {
+  const auto& cells = domain_.mesh->cell_to_node;
+  const auto profile = problem_.profile();
+  for (std::size_t c = 0; c < cells.size(); ++c) {
+    const auto values = at_corners(cells[c], u);
+    const auto p = domain_.points(c);
+    const double volume = geometry::volume(p);
+    std::array<double, 16> block{};
+    std::array<PetscInt, 4> row{};
+    for (const auto& at : gauss_points) {
+      const double z = interpolate({p[0].z, p[1].z, p[2].z, p[3].z}, at.weight_of_corner);
+      const double psi0 = problem_.split ? profile.potential(z) : 0;
+      const double amount = volume * at.weight * term_.slope(interpolate(values, at.weight_of_corner), psi0);
+      for (std::size_t i = 0; i < 4; ++i)
+        for (std::size_t j = 0; j < 4; ++j)
+          block[4 * i + j] += amount * at.weight_of_corner[i] * at.weight_of_corner[j];
+    }
+    for (std::size_t k = 0; k < 4; ++k) {
+      const auto node = static_cast<std::size_t>(cells[c][k]);
+      row[k] = conditions_.fixed[node] != 0 ? -1 : domain_.nodes.equation()[node];  // PETSc leaves negative rows out
+    }
+    require(MatSetValues(jacobian_, 4, row.data(), 4, row.data(), block.data(), ADD_VALUES));
+  }
+  require(MatAssemblyBegin(jacobian_, MAT_FINAL_ASSEMBLY));
+  require(MatAssemblyEnd(jacobian_, MAT_FINAL_ASSEMBLY));
+}
+
+void System::linearise(Vec u) {
+  const bool nodal = problem_.solver.quadrature == Quadrature::nodal;
+  if (!nodal) {
+    require(MatCopy(stiffness_, jacobian_, SAME_NONZERO_PATTERN));
+    std::vector<PetscInt> fixed;
+    for (const auto node : domain_.nodes.owned())
+      if (conditions_.fixed[static_cast<std::size_t>(node)] != 0)
+        fixed.push_back(domain_.nodes.equation()[static_cast<std::size_t>(node)]);
+    require(MatZeroRowsColumns(jacobian_, static_cast<PetscInt>(fixed.size()), fixed.data(), 1.0, nullptr, nullptr));
+    add_gauss_matrix(local_values(u));
+  }
+  require(nodal ? VecCopy(diagonal_, updated_) : MatGetDiagonal(jacobian_, updated_));
+  {
+    const ConstEntries value(u);
+    Entries diagonal(updated_);
+    const auto& owned = domain_.nodes.owned();
+    for (std::size_t k = 0; k < owned.size(); ++k) {
+      const auto i = static_cast<std::size_t>(owned[k]);
+      if (conditions_.fixed[i] != 0) continue;
+      diagonal[k] += conditions_.robin[i];
+      if (nodal) diagonal[k] += domain_.node_volume[i] * term_.slope(value[k], conditions_.psi0[i]);
+    }
+  }
+  require(MatDiagonalSet(jacobian_, updated_, INSERT_VALUES));
+}
+
+PetscErrorCode System::residual_callback(SNES, Vec u, Vec f, void* context) {
+  static_cast<const System*>(context)->residual(u, f, false);
+  return 0;
+}
+
+PetscErrorCode System::jacobian_callback(SNES, Vec u, Mat, Mat, void* context) {
+  static_cast<System*>(context)->linearise(u);
+  return 0;
+}
+
+void System::find_worst(Vec f, Solution& solution) const {
+  PetscInt at = 0;
+  Vector magnitude;
+  require(VecDuplicate(f, magnitude.address()));
+  require(VecCopy(f, magnitude));
+  require(VecAbs(magnitude));
+  require(VecMax(magnitude, &at, &solution.worst_residual));
+  GlobalId node = -1;
+  geometry::Vec3 point{-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
+  const auto here = static_cast<std::int64_t>(at) - domain_.nodes.first_equation();
+  if (here >= 0 && here < static_cast<std::int64_t>(domain_.nodes.n_owned())) {
+    const auto i = static_cast<std::size_t>(domain_.nodes.owned()[static_cast<std::size_t>(here)]);
+    node = domain_.mesh->node_global[i];
+    point = domain_.mesh->node_position[i];
+  }
+  solution.worst_node = comm_.max(node);
+  solution.worst_point = {comm_.max(point.x), comm_.max(point.y), comm_.max(point.z)};
+}
+
+Solution System::solve(std::span<const double> start, const std::function<void(const NewtonStep&)>& watch) {
+  Solution solution;
+  std::vector<double> first(domain_.point.size(), 0);
+  for (std::size_t i = 0; i < first.size(); ++i)
+    if (conditions_.fixed[i] != 0) first[i] = conditions_.value[i];
+  set_owned(unknown_, first);
+  residual(unknown_, work_, false);
+  require(VecNorm(work_, NORM_2, &solution.first_residual));
+  if (!start.empty()) {
+    for (std::size_t i = 0; i < first.size(); ++i)
+      if (conditions_.fixed[i] == 0) first[i] = start[i];
+    set_owned(unknown_, first);
+  }
+
+  Watch shown{&watch, &solution.steps, 0};
+  const auto& options = problem_.solver;
+  require(SNESSetTolerances(snes_, std::max(options.tolerance * solution.first_residual, 1e-300), 0, 0,
+                            options.max_newton, 1000000));
+  require(SNESMonitorSet(snes_, monitor, &shown, nullptr));
+  require(SNESSolve(snes_, nullptr, unknown_));
+  require(SNESMonitorCancel(snes_));
+
+  SNESConvergedReason reason = SNES_CONVERGED_ITERATING;
+  require(SNESGetConvergedReason(snes_, &reason));
+  solution.converged = reason > 0;
+  const char* text = nullptr;
+  require(SNESGetConvergedReasonString(snes_, &text));
+  solution.reason = text == nullptr ? "" : text;
+  PetscInt newton = 0, linear = 0;
+  require(SNESGetIterationNumber(snes_, &newton));
+  require(SNESGetLinearSolveIterations(snes_, &linear));
+  solution.newton_iterations = static_cast<int>(newton);
+  solution.linear_iterations = static_cast<int>(linear);
+
+  residual(unknown_, work_, false);
+  require(VecNorm(work_, NORM_2, &solution.residual));
+  find_worst(work_, solution);
+  residual(unknown_, work_, true);
+  solution.reaction = local_values(work_);
+  solution.u = local_values(unknown_);
+  return solution;
+}
+
+std::vector<double> System::solve_linearised(std::span<const double> load, std::span<const double> value) {
+  linearise(unknown_);
+  std::vector<double> given(domain_.point.size(), 0), right(load.begin(), load.end());
+  if (!value.empty())
+    for (std::size_t i = 0; i < given.size(); ++i)
+      if (conditions_.fixed[i] != 0) given[i] = value[i];
+  // Moves the given values to the right-hand side: their columns are gone from the matrix.
+  Vector w, f;
+  require(VecDuplicate(unknown_, w.address()));
+  require(VecDuplicate(unknown_, f.address()));
+  set_owned(w, given);
+  require(MatMult(stiffness_, w, f));
+  {
+    Entries entries(f);
+    const auto& owned = domain_.nodes.owned();
+    for (std::size_t k = 0; k < owned.size(); ++k) {
+      const auto i = static_cast<std::size_t>(owned[k]);
+      entries[k] = conditions_.fixed[i] != 0 ? given[i] : right[i] - entries[k];
+    }
+  }
+  KSP ksp = nullptr;
+  require(SNESGetKSP(snes_, &ksp));
+  require(KSPSetTolerances(ksp, 1e-8, 0, PETSC_DEFAULT, 100000));
+  require(KSPSetInitialGuessNonzero(ksp, PETSC_FALSE));
+  require(KSPSetOperators(ksp, jacobian_, jacobian_));
+  require(KSPSolve(ksp, f, w));
+  return local_values(w);
+}
+
+double System::gradient_energy(std::span<const double> local) const {
+  Vector u, f;
+  require(VecDuplicate(unknown_, u.address()));
+  require(VecDuplicate(unknown_, f.address()));
+  set_owned(u, local);
+  require(MatMult(stiffness_, u, f));
+  double product = 0;
+  require(VecDot(u, f, &product));
+  return product;
+}
+
+}  // namespace pamr::poisson_boltzmann

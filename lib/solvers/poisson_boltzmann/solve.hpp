@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "solvers/poisson_boltzmann/conditions.hpp"
+#include "solvers/poisson_boltzmann/petsc.hpp"
+#include "solvers/poisson_boltzmann/source_term.hpp"
+
+namespace pamr::poisson_boltzmann {
+
+/// One line of the convergence table.
+struct NewtonStep {
+  int step = 0;
+  double residual = 0;        ///< 2-norm over the free nodes
+  double largest_change = 0;  ///< of u in this step
+  int linear_iterations = 0;  ///< of this step
+};
+
+struct Solution {
+  std::vector<double> u;         ///< n_nodes; psi = psi0 + u
+  std::vector<double> reaction;  ///< n_nodes: residual without the given potentials; the charge that holds a fixed node
+  bool converged = false;
+  std::string reason;  ///< PETSc's, where it has not converged
+  std::vector<NewtonStep> steps;
+  int newton_iterations = 0;
+  int linear_iterations = 0;
+  double residual = 0;                   ///< at the end
+  double first_residual = 0;             ///< of the potential that is 0 off the boundary
+  GlobalId worst_node = invalid_global;  ///< where the residual is largest
+  geometry::Vec3 worst_point;            ///< length unit of the mesh
+  double worst_residual = 0;
+};
+
+/// P1 Galerkin system of one case: the stiffness matrix is assembled once; with nodal quadrature a Newton step rewrites
+/// only the diagonal of its copy, with Gauss points all of it.
+class System {
+ public:
+  /// Collective. Keeps references to its arguments but the last. `before_matrices` is called when PETSc has taken its
+  /// options and nothing large is allocated yet. Throws `Error` when PETSc cannot use its options.
+  System(const par::Comm& comm, const Domain& domain, const Case& problem, const Conditions& conditions,
+         const std::function<void()>& before_matrices = {});
+
+  /// Newton's method with line search (SNES), linear systems by conjugate gradients. Starts from `start` (u at the
+  /// local nodes) or, when it is empty, from 0 off the boundary. `watch` sees each line of the table. Converged when
+  /// the residual is below `tolerance` times that of the potential that is 0 off the boundary. Collective.
+  Solution solve(std::span<const double> start, const std::function<void(const NewtonStep&)>& watch);
+
+  /// Solution w of the linearised equation at the last solution, w = `value` where u is given (zeros when empty), with
+  /// `load` at the free nodes. Collective.
+  std::vector<double> solve_linearised(std::span<const double> load, std::span<const double> value);
+
+  /// u . K u, the energy of the gradient. Collective.
+  double gradient_energy(std::span<const double> local) const;
+
+ private:
+  static PetscErrorCode residual_callback(SNES snes, Vec u, Vec f, void* context);
+  static PetscErrorCode jacobian_callback(SNES snes, Vec u, Mat j, Mat p, void* context);
+  void residual(Vec u, Vec f, bool with_fixed) const;
+  void linearise(Vec u);
+  void add_gauss(const std::vector<double>& u, std::vector<double>& to) const;
+  void add_gauss_matrix(const std::vector<double>& u);
+  void configure(SNES snes);
+  void set_owned(Vec vector, std::span<const double> local) const;
+  std::vector<double> local_values(Vec vector) const;
+  void find_worst(Vec f, Solution& solution) const;
+
+  const par::Comm& comm_;
+  const Domain& domain_;
+  const Case& problem_;
+  const Conditions& conditions_;
+  SourceTerm term_;
+  Matrix stiffness_, jacobian_;
+  Vector diagonal_;  ///< of the stiffness, 1 at fixed nodes
+  Vector unknown_, work_, updated_;
+  NonlinearSolver snes_;
+};
+
+}  // namespace pamr::poisson_boltzmann

@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "pamr/geometry/triangulated/read_triangulation.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+
+#include "pamr/base/error.hpp"
+#include "pamr/geometry/surface.hpp"
+#include "pamr/geometry/triangulated/triangulated_surface.hpp"
+#include "support/triangulations.hpp"
+
+namespace pamr::geometry {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+/// The error of reading bytes as a file of that name; empty when there is none.
+std::string error_of(const std::string& bytes, const std::string& name, bool open_allowed = false) {
+  try {
+    parse_triangulation(bytes, name, open_allowed);
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+std::string replaced(std::string text, const std::string& what, const std::string& by) {
+  const auto place = text.find(what);
+  return place == std::string::npos ? "" : text.replace(place, what.size(), by);
+}
+
+const std::string tetrahedron = "OFF\n4 4 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n";
+
+TEST(SurfaceFile, ReadsTheSameSurfaceFromEveryFormat) {
+  const auto sphere = ::pamr::testing::icosphere(1);
+
+  EXPECT_EQ(parse_triangulation(::pamr::testing::as_off(sphere), "a.off"), sphere);
+  EXPECT_EQ(parse_triangulation(::pamr::testing::as_obj(sphere), "a.OBJ"), sphere);
+  EXPECT_EQ(parse_triangulation(::pamr::testing::as_ply_text(sphere), "a.ply"), sphere);
+  EXPECT_EQ(parse_triangulation(::pamr::testing::as_ply_bytes(sphere), "a.ply"), sphere);
+  for (const auto& bytes : {::pamr::testing::as_stl_text(sphere), ::pamr::testing::as_stl_bytes(sphere)}) {
+    const auto read = parse_triangulation(bytes, "a.stl");
+    ASSERT_EQ(read.points.size(), sphere.points.size());
+    ASSERT_EQ(read.triangles.size(), sphere.triangles.size());
+    for (std::size_t t = 0; t < read.triangles.size(); ++t)
+      for (std::size_t k = 0; k < 3; ++k)
+        EXPECT_LT(norm(read.points[static_cast<std::size_t>(read.triangles[t][k])] -
+                       sphere.points[static_cast<std::size_t>(sphere.triangles[t][k])]),
+                  1e-7);
+  }
+}
+
+TEST(SurfaceFile, ReadsPlyOfTheOtherByteOrderWithMoreProperties) {
+  std::string bytes =
+      "ply\nformat binary_big_endian 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
+      "property uchar red\nelement face 4\nproperty list uchar ushort vertex_index\nend_header\n";
+  const auto add = [&](const void* value, std::size_t size) {
+    const char* first = static_cast<const char*>(value);
+    bytes.append(std::make_reverse_iterator(first + size), std::make_reverse_iterator(first));
+  };
+  const float points[4][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  for (const auto& p : points) {
+    for (const float x : p) add(&x, sizeof x);
+    bytes += '\x7f';
+  }
+  const std::uint16_t triangles[4][3] = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
+  for (const auto& t : triangles) {
+    bytes += '\3';
+    for (const auto p : t) add(&p, sizeof p);
+  }
+
+  EXPECT_EQ(parse_triangulation(bytes, "a.ply"), parse_triangulation(tetrahedron, "a.off"));
+}
+
+TEST(SurfaceFile, RefusesSurfacesThatNoBodyHas) {
+  EXPECT_EQ(error_of(tetrahedron, "a.off"), "");
+  EXPECT_THAT(error_of(replaced(tetrahedron, "0 0 1", "0 0 nan"), "a.off"),
+              AllOf(HasSubstr("a.off:6: "), HasSubstr("finite"), HasSubstr("nan")));
+  EXPECT_THAT(error_of(replaced(tetrahedron, "3 1 2 3", "3 1 2 4"), "a.off"), HasSubstr("a.off:10: expected a whole"));
+  EXPECT_THAT(error_of(replaced(tetrahedron, "3 1 2 3\n", ""), "a.off"), HasSubstr("end of the file"));
+  EXPECT_THAT(error_of(tetrahedron + "3 1 2 3\n", "a.off"), HasSubstr("a.off:11: expected the end"));
+  const auto open = replaced(replaced(tetrahedron, "3 1 2 3\n", ""), "4 4 0", "4 3 0");
+  EXPECT_THAT(error_of(open, "a.off"), AllOf(HasSubstr("a.off: triangle 1: "), HasSubstr("(open)")));
+  EXPECT_EQ(error_of(open, "a.off", true), "");
+  EXPECT_THAT(error_of(replaced(tetrahedron, "3 1 2 3", "3 1 3 2"), "a.off"),
+              AllOf(HasSubstr("triangle 4: "), HasSubstr("(orientation)")));
+  EXPECT_THAT(error_of(replaced(tetrahedron, "3 1 2 3", "3 1 2 2"), "a.off"), HasSubstr("triangle 4: expected three"));
+  EXPECT_THAT(error_of(replaced(tetrahedron, "0 0 1", "0.5 0.5 0"), "a.off"), HasSubstr("span an area"));
+  EXPECT_THAT(error_of("OFF\n0 0 0\n", "a.off"), HasSubstr("(empty)"));
+  EXPECT_THAT(error_of("", "a.off"), HasSubstr("a.off:1: expected \"OFF\""));
+  EXPECT_THAT(error_of(tetrahedron, "a.vtk"), HasSubstr("ending in .stl, .obj, .ply or .off"));
+}
+
+TEST(SurfaceFile, RefusesSurfacesThatMeetThemselvesInAnEdgeOrAPoint) {
+  const auto fin = "OFF\n5 5 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n1 1 1\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n3 0 1 4\n";
+  const auto two =
+      "OFF\n7 8 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n-1 0 0\n0 -1 0\n0 0 -1\n3 0 2 1\n3 0 1 3\n3 0 3 2\n"
+      "3 1 2 3\n3 0 4 5\n3 0 6 4\n3 0 5 6\n3 4 6 5\n";
+  EXPECT_THAT(error_of(fin, "a.off", true), AllOf(HasSubstr("found 3"), HasSubstr("(non-manifold)")));
+  EXPECT_THAT(error_of(two, "a.off"), AllOf(HasSubstr("point [0, 0, 0]"), HasSubstr("3 of 6 apart (non-manifold)")));
+}
+
+TEST(SurfaceFile, RefusesDamagedStl) {
+  const auto sphere = ::pamr::testing::icosphere(0);
+  const auto text = ::pamr::testing::as_stl_text(sphere);
+  auto bytes = ::pamr::testing::as_stl_bytes(sphere);
+
+  EXPECT_THAT(error_of(text.substr(0, text.find("endsolid")), "a.stl"), HasSubstr("end of the file"));
+  EXPECT_THAT(error_of(replaced(text, "endloop", "vertex"), "a.stl"), HasSubstr("a.stl:7: expected \"endloop\""));
+  EXPECT_THAT(error_of(bytes.substr(0, bytes.size() - 1), "a.stl"), HasSubstr("50 for each triangle"));
+  const float infinity = INFINITY;
+  std::memcpy(bytes.data() + 84 + 50 + 12, &infinity, sizeof infinity);
+  EXPECT_THAT(error_of(bytes, "a.stl"), AllOf(HasSubstr("triangle 2: "), HasSubstr("infinity")));
+}
+
+TEST(SurfaceFile, RefusesTheSameFaultsInEveryFormat) {
+  const auto good = ::pamr::testing::icosphere(0);
+  auto empty = good, not_finite = good, flat = good, open = good, thick = good;
+  empty.triangles.clear();
+  not_finite.points[3].y = NAN;
+  flat.points[5] = flat.points[11];  // two corners of triangle 1 in one place
+  open.triangles.pop_back();
+  thick.triangles.push_back({good.triangles[0][0], good.triangles[0][2], 7});
+  const std::pair<const char*, std::string (*)(const Triangulation&)> formats[] = {
+      {"a.stl", ::pamr::testing::as_stl_text},  {"a.stl", ::pamr::testing::as_stl_bytes},
+      {"a.obj", ::pamr::testing::as_obj},       {"a.ply", ::pamr::testing::as_ply_text},
+      {"a.ply", ::pamr::testing::as_ply_bytes}, {"a.off", ::pamr::testing::as_off}};
+  for (const auto& [name, as_bytes] : formats) {
+    const std::string bytes = as_bytes(good);
+    EXPECT_EQ(error_of(bytes, name), "") << name;
+    for (const auto& bad : {empty, not_finite, flat, open, thick})
+      EXPECT_THAT(error_of(as_bytes(bad), name), HasSubstr(name)) << bad.triangles.size();
+    EXPECT_THAT(error_of(as_bytes(open), name), HasSubstr("(open)"));
+    EXPECT_THAT(error_of(as_bytes(thick), name), HasSubstr("(non-manifold)"));
+    for (const std::size_t size : {std::size_t{0}, bytes.size() / 4, bytes.size() / 2, bytes.size() - 7})
+      EXPECT_THAT(error_of(bytes.substr(0, size), name), HasSubstr(name)) << name << " cut at " << size;
+  }
+}
+
+TEST(SurfaceFile, RefusesFilesThatAreNotThere) {
+  EXPECT_THROW(read_triangulation("no/such/file.stl"), Error);
+  EXPECT_THROW(read_triangulation(std::filesystem::temp_directory_path()), Error);
+}
+
+TEST(SurfacesFromToml, TakesTrianglesFromFilesBesideTheTextOrFromTheMesh) {
+  std::string name = (std::filesystem::temp_directory_path() / "pamr-surface-XXXXXX").string();
+  ASSERT_NE(mkdtemp(name.data()), nullptr);
+  const std::filesystem::path folder = name;
+  std::ofstream(folder / "ball.off") << ::pamr::testing::as_off(::pamr::testing::icosphere(2));
+  const std::string text = "[[surface]]\nname = \"ball\"\nkind = \"triangulation\"\nfile = \"ball.off\"\n";
+
+  const auto data = triangulations_of_toml(text, (folder / "case.toml").string());
+  std::filesystem::remove_all(folder);
+  const auto set = surfaces_from_toml(text, "mesh", data);
+
+  ASSERT_EQ(data.size(), 1U);
+  EXPECT_EQ(data[0].name, "ball");
+  EXPECT_NEAR(norm(set.find("ball")->project({2, 1, 0.5})), 1, 3e-4);
+  const auto without = [&] { surfaces_from_toml(text, "mesh"); };
+  EXPECT_THAT(without, ::testing::ThrowsMessage<Error>(AllOf(HasSubstr("mesh:1:1: "), HasSubstr("its triangles"))));
+  EXPECT_THAT([&] { triangulations_of_toml(text, "elsewhere/case.toml"); },
+              ::testing::ThrowsMessage<Error>(AllOf(HasSubstr("elsewhere/case.toml:1:1: "), HasSubstr("ball.off"))));
+}
+
+}  // namespace
+}  // namespace pamr::geometry

@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "solvers/poisson_boltzmann/pb_case.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "pamr/base/error.hpp"
+
+namespace pamr::poisson_boltzmann {
+namespace {
+
+const std::string wall = "[boundary.wall]\ncondition = \"potential\"\nvalue = 2\n";
+const std::string sphere_boundary = "[boundary.ball]\ncondition = \"potential\"\nvalue = 3\n";
+
+std::string error_of(const std::string& text) {
+  try {
+    read_case(text, "case.toml");
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+TEST(ReadCase, TakesDefaultsForAllButTheBoundary) {
+  const auto problem = read_case(wall, "case.toml");
+
+  ASSERT_EQ(problem.boundary.size(), 1U);
+  EXPECT_EQ(problem.boundary[0].condition, Condition::potential);
+  EXPECT_EQ(problem.boundary[0].value, 2);
+  EXPECT_EQ(problem.electrolyte.valence, 1);
+  EXPECT_EQ(problem.solver.quadrature, Quadrature::nodal);
+  EXPECT_FALSE(problem.linear || problem.split || problem.manufactured || problem.plate);
+}
+
+TEST(ReadCase, LeavesTheTableOfTheMesherAlone) { EXPECT_NO_THROW(read_case("[mesh]\nshape = \"any\"\n" + wall, "c")); }
+
+TEST(ReadCase, ScalesDimensionalInputWithTheDebyeLength) {
+  const auto problem = read_case(
+      "[electrolyte]\ndebye_length = 0.275e-6\n[lengths]\nunit = \"um\"\n"
+      "[pair]\npatch = \"ball\"\nradius = 0.325\ndistance = 4.5\nheight = 2.5\n[plate]\npatch = \"wall\"\n"
+      "[boundary.ball]\ncondition = \"potential\"\nvalue = 77.0778\nunit = \"mV\"\n" +
+          wall,
+      "case.toml");
+
+  ASSERT_EQ(problem.spheres.size(), 2U);
+  EXPECT_NEAR(problem.spheres[0].radius, 1.1818182, 1e-7);
+  EXPECT_NEAR(2 * problem.spheres[0].centre.x, 16.363636, 1e-6);
+  EXPECT_NEAR(problem.spheres[0].centre.z, 9.0909091, 1e-7);
+  EXPECT_EQ(problem.spheres[1].centre.x, -problem.spheres[0].centre.x);
+  EXPECT_TRUE(problem.spheres[1].patch.empty());
+  EXPECT_NEAR(problem.find_boundary("ball")->value, 3, 1e-4);
+  EXPECT_EQ(problem.plate->potential, 2);
+}
+
+TEST(ReadCase, NamesTheLineOfAnUnknownKey) {
+  EXPECT_THAT(error_of("[solver]\ntolerance = 1e-8\nspeed = 3\n" + wall),
+              testing::AllOf(testing::HasSubstr("case.toml:3"), testing::HasSubstr("\"speed\""),
+                             testing::HasSubstr("tolerance")));
+  EXPECT_THAT(error_of("[weather]\nsun = true\n" + wall), testing::HasSubstr("\"weather\""));
+  EXPECT_THAT(error_of(wall + "flux = 2\n"), testing::HasSubstr("\"flux\""));
+}
+
+TEST(ReadCase, RefusesSaltsThatAreNotSymmetricByName) {
+  EXPECT_THAT(error_of("[electrolyte]\nsalt = \"2:1\"\n" + wall),
+              testing::AllOf(testing::HasSubstr("case.toml:2"), testing::HasSubstr("\"2:1\"")));
+  EXPECT_THAT(error_of("[electrolyte]\nsalt = \"MgCl2\"\n" + wall), testing::HasSubstr("\"MgCl2\""));
+  EXPECT_EQ(read_case("[electrolyte]\nsalt = \"2:2\"\n" + wall, "c").electrolyte.valence, 2);
+}
+
+TEST(ReadCase, RefusesSpheresThatOverlapOrTouchThePlate) {
+  const std::string touching =
+      "[plate]\npatch = \"wall\"\n[[sphere]]\npatch = \"ball\"\ncentre = [0, 0, 1]\nradius = 1\n";
+  const std::string pair = "[pair]\npatch = \"ball\"\nradius = 1\ndistance = 1.9\n";
+
+  EXPECT_THAT(error_of(touching + wall + sphere_boundary), testing::HasSubstr("touch"));
+  EXPECT_THAT(error_of(pair + sphere_boundary), testing::HasSubstr("overlap"));
+}
+
+TEST(ReadCase, RefusesContradictoryLengths) {
+  EXPECT_THAT(error_of("[electrolyte]\ndebye_length = 1e-8\nconcentration = 10\n" + wall),
+              testing::HasSubstr("debye_length"));
+  EXPECT_THAT(error_of("[lengths]\nunit = \"nm\"\n" + wall), testing::HasSubstr("debye_length"));
+  EXPECT_THAT(error_of("[force]\ninner = 2\nouter = 1\n" + wall), testing::HasSubstr("inner"));
+}
+
+TEST(ReadCase, RefusesAPotentialThatSinhCannotTake) {
+  EXPECT_THAT(error_of("[boundary.wall]\ncondition = \"potential\"\nvalue = 1000\n"), testing::HasSubstr("sinh"));
+}
+
+TEST(ReadCase, RefusesWhatDrivesNothing) {
+  EXPECT_THAT(error_of("[boundary.wall]\ncondition = \"symmetry\"\n"), testing::HasSubstr("given potential or charge"));
+  EXPECT_THAT(error_of("[boundary.wall]\ncondition = \"charge\"\nvalue = 0\n"),
+              testing::HasSubstr("given potential or charge"));
+  EXPECT_THAT(error_of(""), testing::HasSubstr("[boundary.PATCH]"));
+}
+
+TEST(ReadCase, RefusesOtherBadInput) {
+  for (const auto* text :
+       {"[boundary.wall]\ncondition = \"hot\"\n", "[boundary.wall]\nvalue = 2\n",
+        "[boundary.wall]\ncondition = \"potential\"\n", "[boundary.wall]\ncondition = \"potential\"\nvalue = \"2\"\n",
+        "[boundary]\nwall = 2\n", "boundary = [\n", "[boundary.wall]\ncondition = \"potential\"\nvalue = nan\n",
+        "[boundary.wall]\ncondition = \"manufactured\"\n",
+        "[boundary.wall]\ncondition = \"charge\"\nvalue = 1\nunit = \"C/m2\"\n"})
+    EXPECT_THROW(read_case(text, "c"), Error) << text;
+  for (const auto* text :
+       {"[equation]\nsplit = true\n", "[plate]\npatch = \"floor\"\n", "[estimator]\ngoal = \"midplane\"\n",
+        "[estimator]\ngoal = \"charge\"\n", "[pair]\npatch = \"ball\"\nradius = 1\ndistance = 3\n",
+        "[solver]\nquadrature = \"lobatto\"\n", "[solver]\nmax_newton = 0\n",
+        "[[sphere]]\ncentre = [0, 0]\nradius = 1\n", "[[sphere]]\ncentre = [0, 0, 0]\nradius = -1\n", "sphere = 3\n",
+        "[equation]\nlinear = 1\n"})
+    EXPECT_THROW(read_case(text + wall, "c"), Error) << text;
+}
+
+TEST(DescribeCase, PrintsBothScales) {
+  const auto lines = describe(
+      read_case("[electrolyte]\ndebye_length = 0.275e-6\n[[sphere]]\npatch = \"ball\"\ncentre = [0, 0, 0]\nradius = "
+                "1.1818182\n" +
+                    sphere_boundary,
+                "c"));
+
+  EXPECT_THAT(lines, testing::Contains(testing::HasSubstr("4.58811e-13 N")));
+  EXPECT_THAT(lines, testing::Contains(testing::HasSubstr("1.181818 (3.25e-07 m)")));
+  EXPECT_THAT(lines, testing::Contains(testing::HasSubstr("patch ball: potential 3 (0.0770777 V)")));
+}
+
+}  // namespace
+}  // namespace pamr::poisson_boltzmann

@@ -1,0 +1,270 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "cli/output_file.hpp"
+#include "cli/run_tool.hpp"
+#include "cli/text_file.hpp"
+#include "meshing/associate/associate_surfaces.hpp"
+#include "meshing/repair/wall_ears.hpp"
+#include "pamr/assemble/assemble.hpp"
+#include "pamr/base/error.hpp"
+#include "pamr/geometry/triangulated/self_intersection.hpp"
+#include "pamr/io/export/write_foam.hpp"
+#include "pamr/io/export/write_vtu.hpp"
+#include "pamr/io/gmsh/read_gmsh.hpp"
+#include "pamr/io/gmsh/write_gmsh.hpp"
+#include "pamr/io/native/native_file.hpp"
+#include "pamr/validate/validate.hpp"
+
+namespace {
+
+using namespace pamr;
+
+struct Options {
+  std::string input, output, surfaces, gmsh_version = "4.1";
+  std::vector<std::string> ties, surface_files, patches;
+  std::vector<std::vector<double>> creases;
+  double tolerance = -1, feature_angle = -1;
+  bool repair = false, strict = false, text = false, force = false;
+};
+
+void declare(CLI::App& app, Options& options) {
+  app.add_option("IN", options.input, "mesh to read: .hdf (native) or .msh (Gmsh 2.2 or 4.1, text or binary)")
+      ->required();
+  app.add_option("OUT", options.output,
+                 "mesh to write: .hdf, .msh, .vtu, or a folder (no ending, or there already): an OpenFOAM case")
+      ->required();
+  app.add_flag(
+      "--repair", options.repair,
+      "turn inverted cells of a .msh over instead of refusing them, and split inner edges and faces so that no "
+      "inner face has two edges on one curved wall (cells there get flat when they are refined)");
+  app.add_flag("--strict", options.strict,
+               "refuse what would only be reported: inverted cells, nodes of no cell, "
+               "boundary faces without tag");
+  app.add_option("--surfaces", options.surfaces, "TOML file of surfaces to tie patches to (docs/surfaces.md)");
+  app.add_option("--surface", options.surface_files,
+                 "STL, OBJ, PLY or OFF file of the body that the patch after it (--patch) lies on; may be repeated")
+      ->type_name("FILE")
+      ->allow_extra_args(false);
+  app.add_option("--patch", options.patches, "patch that lies on the --surface of the same place")
+      ->type_name("NAME")
+      ->allow_extra_args(false);
+  app.add_option("--feature-angle", options.feature_angle,
+                 "degrees between two triangles of a --surface, more is a sharp edge (default: 40)")
+      ->check(CLI::Range(0.0, 180.0));
+  app.add_option("--crease", options.creases,
+                 "X,Y,Z,X,Y,Z,...: polyline along edges of the --surface that are sharp as well; may be repeated")
+      ->delimiter(',')
+      ->type_name("POINTS")
+      ->allow_extra_args(false);
+  app.add_option("--tie", options.ties, "PATCH=SURFACE, where the two have different names");
+  app.add_option("--tolerance", options.tolerance,
+                 "largest distance of a node from its surface, length units (default: 1e-6 of the mesh's size, and "
+                 "for triangulated surfaces 1.5 times how far their facets lie off there)")
+      ->check(CLI::NonNegativeNumber);
+  app.add_option("--gmsh-version", options.gmsh_version, "format of a .msh to write")
+      ->check(CLI::IsMember({"2.2", "4.1"}))
+      ->capture_default_str();
+  app.add_flag("--text", options.text, "write a .msh as text instead of binary");
+  app.add_flag("--force", options.force, cli::force_help);
+}
+
+std::string extension(const std::string& file, std::initializer_list<std::string_view> known) {
+  const auto found = std::filesystem::path(file).extension().string();
+  std::string list;
+  for (const auto ending : known) {
+    if (found == ending) return found;
+    list += (list.empty() ? "" : ", ") + std::string(ending);
+  }
+  throw Error("file '" + file + "': expected a name that ends in " + list + ", found \"" + found + "\"");
+}
+
+/// Reads either format; says what the reader had to change.
+mesh::DistMesh read(cli::Session& session, const Options& options, nlohmann::json& report) {
+  const auto& comm = session.comm();
+  if (extension(options.input, {".hdf", ".msh"}) == ".hdf")
+    return assemble::assemble(comm, io::read_native(comm, options.input));
+  auto read = io::read_gmsh(comm, options.input, {.repair = options.repair && !options.strict});
+  report["turned_cells"] = read.n_turned;
+  report["dropped_nodes"] = read.n_dropped_nodes;
+  report["untagged_faces"] = read.n_untagged_faces;
+  if (options.strict && read.n_dropped_nodes > 0)
+    throw Error(fmt::format("file '{}': expected nodes that belong to cells, found {} others", options.input,
+                            read.n_dropped_nodes));
+  if (options.strict && read.n_untagged_faces > 0)
+    throw Error(fmt::format("file '{}': expected a triangle on every boundary face, found {} faces without",
+                            options.input, read.n_untagged_faces));
+  if (read.n_turned > 0) session.warn(fmt::format("{} inverted cells were turned over", read.n_turned));
+  if (read.n_dropped_nodes > 0) session.warn(fmt::format("{} nodes of no cell were left out", read.n_dropped_nodes));
+  if (read.n_untagged_faces > 0 && read.mesh.info.patches.size() > 1)
+    session.warn(fmt::format("{} boundary faces without tag are in the patch 'boundary'", read.n_untagged_faces));
+  read.mesh.info.provenance = "pamr-convert from Gmsh";
+  return std::move(read.mesh);
+}
+
+bool is_foam_case(const std::string& output) {
+  std::error_code none;
+  return std::filesystem::path(output).extension().empty() || std::filesystem::is_directory(output, none);
+}
+
+void write(const par::Comm& comm, const Options& options, bool as_foam, const mesh::DistMesh& mesh) {
+  if (as_foam) return io::write_foam(comm, options.output, mesh);
+  const auto ending = extension(options.output, {".hdf", ".msh", ".vtu"});
+  if (ending == ".hdf") io::write_native(comm, options.output, mesh);
+  if (ending == ".vtu") io::write_vtu(comm, options.output, mesh);
+  if (ending == ".msh")
+    io::write_gmsh(comm, options.output, mesh,
+                   {options.gmsh_version == "2.2" ? io::GmshVersion::v2_2 : io::GmshVersion::v4_1, !options.text});
+}
+
+/// Checks what can be checked before anything is read. Collective.
+void check_files(cli::Session& session, const Options& options, bool as_foam) {
+  (void)extension(options.input, {".hdf", ".msh"});
+  if (!as_foam) (void)extension(options.output, {".hdf", ".msh", ".vtu"});
+  if (options.surfaces.empty() && !options.ties.empty())
+    throw Error("--tie: expected --surfaces beside it, found none");
+  if (options.surface_files.size() != options.patches.size())
+    throw Error(fmt::format("expected a --patch NAME for each --surface FILE, found {} and {}", options.patches.size(),
+                            options.surface_files.size()));
+  if (options.surface_files.empty() && options.feature_angle >= 0)
+    throw Error("--feature-angle: expected --surface beside it, found none");
+  if (!options.creases.empty() && options.surface_files.size() != 1)
+    throw Error(fmt::format("--crease: expected one --surface beside it, found {}", options.surface_files.size()));
+  for (const auto& polyline : options.creases)
+    if (polyline.size() < 6 || polyline.size() % 3 != 0)
+      throw Error(fmt::format("--crease: expected two points or more of three coordinates each, found {} numbers",
+                              polyline.size()));
+  std::vector<std::string> inputs{options.input};
+  if (!options.surfaces.empty()) inputs.push_back(options.surfaces);
+  inputs.insert(inputs.end(), options.surface_files.begin(), options.surface_files.end());
+  for (const auto& input : inputs) session.check_input(input);
+  if (!as_foam) return session.check_output(options.output, inputs, options.force);
+  par::agree(session.comm(), [&] {
+    if (!session.comm().is_first()) return;
+    const auto folder = std::filesystem::absolute(options.output).lexically_normal();
+    const auto parent = folder.has_filename() ? folder.parent_path() : folder.parent_path().parent_path();
+    if (std::filesystem::exists(folder) && !std::filesystem::is_directory(folder))
+      throw Error(options.output + ": expected a folder for an OpenFOAM case, found a file of that name");
+    if (!std::filesystem::is_directory(parent))
+      throw Error(options.output + ": expected an existing folder to write into, found none named " + parent.string());
+    if (std::filesystem::exists(folder / "constant" / "polyMesh") && !options.force)
+      throw Error(options.output + ": constant/polyMesh exists already (--force replaces it)");
+  });
+  for (const char* name : {"points", "faces", "owner", "neighbour", "boundary"}) {
+    const auto file = (io::partial_foam_folder(options.output) / name).string();
+    cli::remove_on_interrupt(file);
+    cli::remove_on_interrupt(cli::partial_name(file));
+  }
+}
+
+/// Ties patches to surfaces where that is asked for. Collective.
+void tie(cli::Session& session, const Options& options, mesh::DistMesh& mesh, nlohmann::json& report) {
+  if (options.surfaces.empty() && options.surface_files.empty()) return;
+  const auto& comm = session.comm();
+  meshing::TieRequest request;
+  request.file = "--surface";
+  if (!options.surfaces.empty()) {
+    request.toml = cli::read_text(comm, options.surfaces);
+    request.file = options.surfaces;
+  }
+  request.pairs = options.ties;
+  request.tolerance = options.tolerance;
+  request.feature_angle = options.feature_angle;
+  for (const auto& numbers : options.creases) {
+    auto& polyline = request.creases.emplace_back();
+    for (std::size_t i = 0; i + 2 < numbers.size(); i += 3)
+      polyline.push_back({numbers[i], numbers[i + 1], numbers[i + 2]});
+  }
+  for (std::size_t i = 0; i < options.patches.size(); ++i)
+    request.files.emplace_back(options.patches[i], options.surface_files[i]);
+  for (const auto& tie : meshing::tie_patches(comm, mesh, request)) {
+    report["ties"][tie.patch] = {{"surface", tie.surface}, {"worst_distance", tie.worst_distance}};
+    if (tie.creases) {
+      report["ties"][tie.patch]["edges_along_creases"] = tie.creases->n_along;
+      report["ties"][tie.patch]["edges_across_creases"] = tie.creases->n_across;
+      if (tie.creases->n_across > 0)
+        session.warn(
+            fmt::format("patch '{}': {} edges of the mesh run across sharp edges of surface \"{}\" (up to {:.3g} from "
+                        "them), not along them: the sharp edges are rounded there",
+                        tie.patch, tie.creases->n_across, tie.surface, tie.creases->worst_across));
+    }
+    if (tie.n_off > 0)
+      session.warn(
+          fmt::format("patch '{}': nodes up to {:.3g} off surface \"{}\": the next refinement at them brings "
+                      "them there",
+                      tie.patch, tie.worst_distance, tie.surface));
+  }
+  if (!comm.is_first()) return;
+  for (const auto& surface : mesh.info.triangulations)
+    if (const auto warning = geometry::self_intersection_warning(surface); !warning.empty()) session.warn(warning);
+}
+
+/// Takes away, or tells of, inner faces with two edges on one curved wall. Collective.
+void treat_ears(cli::Session& session, const Options& options, mesh::DistMesh& mesh, nlohmann::json& report) {
+  const auto& comm = session.comm();
+  const bool is_refined =
+      comm.any(std::any_of(mesh.lineage.begin(), mesh.lineage.end(), [](auto l) { return l != mesh::Lineage{}; }));
+  const bool repair = options.repair && !options.strict;
+  if (repair && is_refined) throw Error("--repair: expected a mesh of level 0, found cells that were refined");
+  if (is_refined || (options.surfaces.empty() && options.surface_files.empty() && !repair)) return;
+  const auto ears = meshing::find_wall_ears(comm, mesh);
+  report["wall_ears"] = ears.count;
+  if (!repair) {
+    if (ears.count > 0)
+      session.warn(
+          fmt::format("{} inner faces have two edges on one curved wall: cells behind them get flatter at every "
+                      "refinement (--repair splits them)",
+                      ears.count));
+    return;
+  }
+  report["split_edges"] = ears.edge.size();
+  report["split_faces"] = ears.face.size();
+  if (ears.count == 0) return;
+  mesh = meshing::open_wall_ears(comm, std::move(mesh), ears);
+  mesh.info.provenance += "; repaired at curved walls";
+  session.warn(
+      fmt::format("{} inner faces had two edges on one curved wall: {} inner edges and {} inner faces were split",
+                  ears.count, ears.edge.size(), ears.face.size()));
+}
+
+cli::ExitCode convert(cli::Session& session, const Options& options) {
+  const auto& comm = session.comm();
+  const bool as_foam = comm.any(is_foam_case(options.output));
+  check_files(session, options, as_foam);
+
+  nlohmann::json report;
+  auto mesh = read(session, options, report);
+  validate::require_valid(comm, mesh, options.input);
+  tie(session, options, mesh, report);
+  treat_ears(session, options, mesh, report);
+  write(comm, options, as_foam, mesh);
+  report["cells"] = mesh.info.n_global_cells;
+  report["nodes"] = mesh.info.n_global_nodes;
+  report["patches"] = nlohmann::json::array();
+  for (const auto& patch : mesh.info.patches) report["patches"].push_back(patch.name);
+  for (const auto& region : mesh.info.regions) report["regions"][std::to_string(region.number)] = region.name;
+  session.write_report(report);
+  session.summary(fmt::format("{} cells, {} nodes, {} patches -> {}", mesh.info.n_global_cells,
+                              mesh.info.n_global_nodes, mesh.info.patches.size(), options.output));
+  return cli::ExitCode::done;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Options options;
+  return cli::run_tool(
+      argc, argv,
+      {"pamr-convert", "Converts meshes from and to Gmsh's format, and to VTK's and OpenFOAM's.",
+       "pamr-convert part.msh part.hdf --surfaces part.toml\n  pamr-convert level3.hdf level3.vtu\n  pamr-convert "
+       "level3.hdf foam_case"},
+      [&](CLI::App& app) { declare(app, options); }, [&](cli::Session& session) { return convert(session, options); });
+}

@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cli/run_tool.hpp"
+#include "pamr/adapt/adapt.hpp"
+#include "pamr/assemble/assemble.hpp"
+#include "pamr/base/error.hpp"
+#include "pamr/io/native/native_file.hpp"
+#include "pamr/mark/apply_criteria.hpp"
+#include "pamr/mark/budget.hpp"
+#include "pamr/mark/criteria.hpp"
+#include "pamr/validate/validate.hpp"
+
+namespace {
+
+using namespace pamr;
+
+struct Options {
+  std::string input, output, marks = "refine", quality_control = "removable";
+  std::optional<std::int64_t> max_cells;
+  std::vector<mark::Given> given;  ///< criteria and limits, in the order of the command line
+  bool all = false, force = false;
+};
+
+struct OptionHelp {
+  const char* name;
+  const char* type;
+  const char* text;
+};
+constexpr std::array<OptionHelp, 19> criteria_help{{
+    {"--crossing-sphere", "X,Y,Z,R", "cells whose least corner distance from (X,Y,Z) is below R and greatest above"},
+    {"--centroid-shell", "X,Y,Z,R,W", "cells whose centroid is nearer than W to the sphere of radius R"},
+    {"--box", "X0,Y0,Z0,X1,Y1,Z1", "cells whose centroid lies in the closed box"},
+    {"--patch", "NAME", "cells with a face on this boundary patch"},
+    {"--layers", "N", "of --patch: N layers of cells, those on the patch and then those sharing a node (default 1)"},
+    {"--field", "NAME", "cells by a field (nodal fields: mean of the corners), with --above or --below"},
+    {"--above", "V", "of --field: where it is above V"},
+    {"--below", "V", "of --field: where it is below V"},
+    {"--size-over", "FIELD", "cells larger than --ratio times the length that this field gives"},
+    {"--ratio", "A", "of --size-over: size / length > A"},
+    {"--recovered-error", "FIELD", "cells by the error of this nodal field's gradient, with one of the next three"},
+    {"--theta", "T", "of --recovered-error: squared error > T * squared norm / cells"},
+    {"--target", "EPS", "of --recovered-error: the same with T = EPS^2, a relative error"},
+    {"--bulk", "FRACTION", "of --recovered-error: the fewest cells that carry this part of the squared error"},
+    {"--bulk-of", "FIELD[:FRACTION]",
+     "the fewest cells that carry this part (0.3) of the sum of a field (an error estimate)"},
+    {"--size", "cbrt|longest-edge", "size of a cell: cube root of its volume (default) or longest edge"},
+    {"--max-level", "L", "limit: only cells whose base cell has a level below L, so that none becomes finer than L"},
+    {"--only-where", "FIELD:above:V", "limit: only cells where this field is above (or below) V"},
+    {"--error", "FIELD[:TIMES]",
+     "of --only-where: by more than TIMES (3) times this field, the standard error of the other"},
+}};
+
+void declare(CLI::App& app, Options& options) {
+  app.add_option("MESH", options.input, "mesh to read")->required();
+  app.add_option("-o,--output", options.output, "mesh to write: the same with the cell field of marks")->required();
+  const auto* all = app.add_flag("--all", options.all, "every cell");
+  std::vector<const CLI::Option*> listed{all};
+  for (const auto& help : criteria_help) {
+    auto* option = app.add_option(help.name, help.text);
+    option->type_name(help.type)->take_all()->expected(1, 1000)->allow_extra_args(false);
+    listed.push_back(option);
+  }
+  app.add_option("--max-cells", options.max_cells,
+                 "limit: cells in falling order of the criterion while the refined mesh has at most N cells")
+      ->type_name("N")
+      ->check(CLI::PositiveNumber);
+  app.add_option("--quality-control", options.quality_control, "of the refinement whose size is predicted")
+      ->check(CLI::IsMember(refine::quality_control_list()))
+      ->capture_default_str();
+  app.add_option("--marks", options.marks, "name of the cell field to write")->capture_default_str();
+  app.add_flag("--force", options.force, cli::force_help);
+  app.parse_complete_callback([&app, &options, listed] {
+    std::map<const CLI::Option*, std::size_t> n_seen;
+    for (const CLI::Option* option : app.parse_order()) {
+      if (std::find(listed.begin(), listed.end(), option) == listed.end()) continue;
+      const auto& results = option->results();
+      const auto at = n_seen[option]++;
+      if (option == listed.front()) {
+        if (at == 0) options.given.push_back({"--all", ""});
+      } else {
+        options.given.push_back({option->get_name(), results.at(at)});
+      }
+    }
+  });
+}
+
+/// Errors then say which file has no such patch or field; they are the same on every rank.
+mark::Applied apply(cli::Session& session, const mesh::DistMesh& mesh, const mark::Request& request,
+                    const std::string& file) {
+  try {
+    return mark::apply(session.comm(), mesh, request);
+  } catch (const Error& error) {
+    throw Error(file + ": " + error.what());
+  }
+}
+
+cli::ExitCode run(cli::Session& session, const Options& options) {
+  const auto request = mark::read_request(options.given);
+  session.check_input(options.input);
+  session.check_output(options.output, {options.input}, options.force);
+
+  const auto& comm = session.comm();
+  auto mesh = assemble::assemble(comm, io::read_native(comm, options.input));
+  validate::require_valid(comm, mesh, options.input);
+  refine::Options refinement;
+  refinement.quality_control = refine::quality_control_named(options.quality_control);
+  const auto applied = apply(session, mesh, request, options.input);
+  auto marks = mark::marks_of(applied.indicator);
+  const auto n_wanted = mark::count_marked(comm, marks);
+  if (options.max_cells)
+    marks = mark::marks_within_budget(
+        comm, mesh, applied.indicator, *options.max_cells,
+        [&](std::span<const std::uint8_t> some) { return adapt::dry_run(comm, mesh, some, refinement).cells; });
+  const auto n_marked = mark::count_marked(comm, marks);
+  const auto size = adapt::dry_run(comm, mesh, marks, refinement);
+
+  mark::set_marks(mesh, marks, options.marks, size.work);
+  io::write_native(comm, options.output, mesh);
+  nlohmann::json report{{"cells", mesh.info.n_global_cells},
+                        {"nodes", mesh.info.n_global_nodes},
+                        {"wanted", n_wanted},
+                        {"marked", n_marked},
+                        {"cells_after", size.cells},
+                        {"nodes_after", size.nodes},
+                        {"marks", options.marks},
+                        {"quality_control", options.quality_control}};
+  report["criteria"] = nlohmann::json::array();
+  for (std::size_t i = 0; i < request.criteria.size(); ++i)
+    report["criteria"].push_back({{"criterion", request.criteria[i].text}, {"cells", applied.cells_of_criterion[i]}});
+  session.write_report(report);
+  session.summary(fmt::format("{} of {} cells marked{}; {} cells and {} nodes after refinement -> {}", n_marked,
+                              mesh.info.n_global_cells,
+                              n_wanted > n_marked ? fmt::format(" (of {} wanted)", n_wanted) : std::string(),
+                              size.cells, size.nodes, options.output));
+  return cli::ExitCode::done;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Options options;
+  return pamr::cli::run_tool(
+      argc, argv,
+      {"pamr-mark", "Marks cells to be refined: those that meet any criterion and every limit.",
+       "pamr-mesh --shape kuhn-cube --n 4 -o a.hdf && pamr-mark a.hdf -o b.hdf --crossing-sphere 0,0,0,0.6 --patch "
+       "xmin"},
+      [&](CLI::App& app) { declare(app, options); }, [&](cli::Session& session) { return run(session, options); });
+}

@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "cli/run_tool.hpp"
+#include "pamr/adapt/adapt.hpp"
+#include "pamr/assemble/assemble.hpp"
+#include "pamr/balance/partition.hpp"
+#include "pamr/balance/weighted_blocks.hpp"
+#include "pamr/balance/weights.hpp"
+#include "pamr/base/error.hpp"
+#include "pamr/io/native/native_file.hpp"
+#include "pamr/validate/validate.hpp"
+
+namespace {
+
+using namespace pamr;
+
+constexpr const char* rank_field = "rank";
+
+struct Options {
+  std::string input, output, weights = "refine", marks = "refine", method = "scotch", quality_control = "removable";
+  Rank n_parts = 0;
+  bool force = false;
+};
+
+void declare(CLI::App& app, Options& options) {
+  app.add_option("MESH", options.input, "mesh to read")->required();
+  app.add_option("-o,--output", options.output, "mesh to write: the same with the integer cell field 'rank'")
+      ->required();
+  app.add_option("-p,--parts", options.n_parts, "number of parts; need not be that of the processes")
+      ->required()
+      ->check(CLI::Range(1, 1 << 20));
+  app.add_option("--weights", options.weights,
+                 "what a cell weighs: the exact number of cells that it becomes when the marked cells are refined (1 "
+                 "each where the mesh has no marks), 8 where it is marked and else 1, 1 each, or the values of a cell "
+                 "field")
+      ->type_name("refine|8/1|uniform|FIELD")
+      ->capture_default_str();
+  app.add_option("--method", options.method, "few faces between parts (scotch) or runs of cells in file order (blocks)")
+      ->check(CLI::IsMember({"scotch", "blocks"}))
+      ->capture_default_str();
+  app.add_option("--marks", options.marks, "of --weights refine and 8/1: integer cell field of marks, 0 keep, 1 split")
+      ->capture_default_str();
+  app.add_option("--quality-control", options.quality_control, "of --weights refine: the refinement that is predicted")
+      ->check(CLI::IsMember(refine::quality_control_list()))
+      ->capture_default_str();
+  app.add_flag("--force", options.force, cli::force_help);
+}
+
+std::vector<std::int64_t> weigh(const par::Comm& comm, const mesh::DistMesh& mesh, const Options& options) {
+  if (options.weights == "refine" && mesh.find_cell_field(options.marks) != nullptr) {
+    refine::Options refinement;
+    refinement.quality_control = refine::quality_control_named(options.quality_control);
+    return adapt::predict_children(comm, mesh, adapt::flags_from_field(comm, mesh, options.marks), refinement);
+  }
+  if (options.weights == "8/1") {
+    const auto flags = adapt::flags_from_field(comm, mesh, options.marks);
+    std::vector<std::int64_t> weight(flags.size());
+    std::transform(flags.begin(), flags.end(), weight.begin(), [](std::uint8_t flag) { return flag != 0 ? 8 : 1; });
+    return weight;
+  }
+  if (options.weights == "refine" || options.weights == "uniform")
+    return std::vector<std::int64_t>(static_cast<std::size_t>(mesh.n_cells()), 1);
+  return balance::weights_from_field(comm, mesh, options.weights);
+}
+
+/// Writes (replaces) the cell field `rank`.
+void set_ranks(mesh::DistMesh& mesh, const std::vector<Rank>& part) {
+  std::erase_if(mesh.cell_fields, [](const mesh::CellField& field) { return field.name == rank_field; });
+  mesh.cell_fields.push_back(
+      {rank_field, "", 1, mesh::StorageType::int64, std::vector<std::int64_t>(part.begin(), part.end())});
+}
+
+cli::ExitCode run(cli::Session& session, const Options& options) {
+  session.check_input(options.input);
+  session.check_output(options.output, {options.input}, options.force);
+
+  const auto& comm = session.comm();
+  auto mesh = assemble::assemble(comm, io::read_native(comm, options.input));
+  validate::require_valid(comm, mesh, options.input);
+  const auto weight = [&] {
+    try {
+      return weigh(comm, mesh, options);
+    } catch (const Error& error) {  // the same on every rank
+      throw Error("file '" + options.input + "': " + error.what());
+    }
+  }();
+  const std::vector<std::int64_t> ones(weight.size(), 1);
+  const auto runs = balance::weighted_blocks(comm, mesh, ones, options.n_parts);
+  const auto before = balance::measure(comm, mesh, weight, runs, options.n_parts);
+  // a partition that is kept in a file may take its time: every cell and every family is a vertex
+  const auto partition =
+      balance::partition(comm, mesh, weight, options.n_parts,
+                         {.method = balance::method_named(options.method), .keep_below = 0, .vertices_per_part = 0});
+  const auto& after = partition.quality;
+
+  set_ranks(mesh, partition.part);
+  io::write_native(comm, options.output, mesh);
+  session.write_report({{"cells", mesh.info.n_global_cells},
+                        {"parts", options.n_parts},
+                        {"method", balance::name_of(options.n_parts == 1 ? balance::Method::none : partition.method)},
+                        {"weights", options.weights},
+                        {"edge_cut", after.edge_cut},
+                        {"edge_cut_before", before.edge_cut},
+                        {"imbalance_before", before.imbalance},
+                        {"imbalance_after", after.imbalance},
+                        {"neighbours_max", after.max_neighbours},
+                        {"neighbours_mean", after.mean_neighbours},
+                        {"neighbours_max_before", before.max_neighbours},
+                        {"neighbours_mean_before", before.mean_neighbours},
+                        {"empty_parts", after.empty_parts}});
+  session.summary(fmt::format(
+      "{} cells in {} parts: {} faces between parts, imbalance {:.4f} (runs of equal length: "
+      "{}, {:.4f}), at most {} neighbours a part{} -> {}",
+      mesh.info.n_global_cells, options.n_parts, after.edge_cut, after.imbalance, before.edge_cut, before.imbalance,
+      after.max_neighbours, after.empty_parts > 0 ? fmt::format(", {} empty", after.empty_parts) : std::string(),
+      options.output));
+  return cli::ExitCode::done;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Options options;
+  return cli::run_tool(
+      argc, argv,
+      {"pamr-partition", "Divides a mesh into parts of equal weight with few faces between them.",
+       "pamr-mesh --shape kuhn-cube --n 8 -o a.hdf && pamr-partition a.hdf -o b.hdf -p 4"},
+      [&](CLI::App& app) { declare(app, options); }, [&](cli::Session& session) { return run(session, options); });
+}

@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "cli/output_file.hpp"
+#include "cli/run_tool.hpp"
+#include "pamr/assemble/assemble.hpp"
+#include "pamr/base/error.hpp"
+#include "pamr/check/extract.hpp"
+#include "pamr/check/gate.hpp"
+#include "pamr/check/quality_report.hpp"
+#include "pamr/check/report_text.hpp"
+#include "pamr/io/native/native_file.hpp"
+
+namespace {
+
+using namespace pamr;
+
+struct Options {
+  std::vector<std::string> meshes, gates;
+  std::string csv, worst_out;
+  std::int64_t worst = 0;
+  double tolerance = check::QualityOptions{}.off_surface_tolerance;
+  bool force = false;
+};
+
+void declare(CLI::App& app, Options& options) {
+  app.add_option("MESH", options.meshes, "meshes to measure; several are compared in a table")->required();
+  app.add_option("--gate", options.gates,
+                 "NAME:min:V or NAME:max:V, exit 1 unless the number keeps the bound; NAME is a path in the report, "
+                 "such as mean_ratio.min, inverted_cells, patches.sphere.worst_distance")
+      ->allow_extra_args(false);
+  app.add_option("--csv", options.csv, "write the numbers here, a line a mesh")->type_name("FILE");
+  app.add_option("--worst", options.worst, "write the N cells of lowest mean ratio as a mesh")
+      ->check(CLI::PositiveNumber);
+  app.add_option("--worst-out", options.worst_out, "that mesh (.hdf)")->type_name("FILE");
+  app.add_option("--off-surface", options.tolerance,
+                 "distance beyond which a boundary node is off its surface, as a part of the bounding box's diagonal")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  app.add_flag("--force", options.force, cli::force_help);
+}
+
+void check_files(cli::Session& session, const Options& options) {
+  if ((options.worst > 0) != !options.worst_out.empty())
+    throw Error(std::string("expected --worst N and --worst-out FILE together, found only ") +
+                (options.worst > 0 ? "--worst" : "--worst-out"));
+  if (options.worst > 0 && options.meshes.size() > 1)
+    throw Error(fmt::format("expected one mesh with --worst, found {}", options.meshes.size()));
+  for (const auto& file : options.meshes) session.check_input(file);
+  if (!options.csv.empty()) session.check_output(options.csv, options.meshes, options.force);
+  if (!options.worst_out.empty()) session.check_output(options.worst_out, options.meshes, options.force);
+}
+
+void write_csv(const par::Comm& comm, const std::string& file, const std::string& text) {
+  par::agree(comm, [&] {
+    if (comm.is_first()) cli::write_whole(file, text);
+  });
+}
+
+nlohmann::json whole_report(const std::vector<check::NamedReport>& reports) {
+  if (reports.size() == 1) return check::to_json(reports.front().report);
+  nlohmann::json json{{"meshes", nlohmann::json::array()}};
+  for (const auto& named : reports) {
+    json["meshes"].push_back(check::to_json(named.report));
+    json["meshes"].back()["file"] = named.file;
+  }
+  return json;
+}
+
+cli::ExitCode run(cli::Session& session, const Options& options) {
+  std::vector<check::Gate> gates;
+  for (const auto& text : options.gates) gates.push_back(check::parse_gate(text));
+  check_files(session, options);
+
+  const auto& comm = session.comm();
+  std::vector<check::NamedReport> reports;
+  std::vector<std::string> complaints;
+  for (const auto& file : options.meshes) {
+    const auto mesh = assemble::assemble(comm, io::read_native(comm, file));
+    const auto surfaces =
+        geometry::surfaces_from_toml(mesh.info.surfaces_toml, file + ", surfaces", mesh.info.triangulations);
+    reports.push_back({file, check::report_quality(comm, mesh, surfaces, {options.tolerance})});
+    const auto faults = check::faults_of(reports.back());
+    complaints.insert(complaints.end(), faults.begin(), faults.end());
+    const auto numbers = check::numbers_of(check::to_json(reports.back().report));
+    for (const auto& gate : gates)
+      if (const auto reason = check::why_failed(gate, numbers); !reason.empty())
+        complaints.push_back(file + ": " + reason);
+    if (options.worst > 0)
+      io::write_native(comm, options.worst_out,
+                       check::extract_cells(comm, mesh, check::worst_cells(comm, mesh, options.worst)));
+  }
+
+  if (!options.csv.empty()) write_csv(comm, options.csv, check::to_csv(reports));
+  session.write_report(whole_report(reports));
+  if (reports.size() == 1)
+    session.summary(check::summary_of(reports.front()));
+  else
+    for (const auto& line : check::table_of(reports)) session.summary(line);
+  for (const auto& complaint : complaints) session.warn(complaint);
+  return complaints.empty() ? cli::ExitCode::done : cli::ExitCode::failed;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Options options;
+  return pamr::cli::run_tool(
+      argc, argv,
+      {"pamr-quality",
+       "Measures meshes: invariants, cell shapes, patches, fingerprint; exit 1 when an invariant or a gate fails.",
+       "pamr-mesh --shape kuhn-cube --n 4 -o a.hdf && pamr-quality a.hdf --gate mean_ratio:min:0.2 --json -"},
+      [&](CLI::App& app) { declare(app, options); }, [&](cli::Session& session) { return run(session, options); });
+}

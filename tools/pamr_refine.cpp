@@ -1,0 +1,219 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <utility>
+
+#include "cli/run_tool.hpp"
+#include "pamr/adapt/adapt.hpp"
+#include "pamr/adapt/refine_report.hpp"
+#include "pamr/assemble/assemble.hpp"
+#include "pamr/balance/weights.hpp"
+#include "pamr/base/error.hpp"
+#include "pamr/geometry/orientation.hpp"
+#include "pamr/io/native/native_file.hpp"
+#include "pamr/mesh/expected_children.hpp"
+#include "pamr/mesh/fingerprint.hpp"
+#include "pamr/order/order_along_curve.hpp"
+#include "pamr/par/equal_work.hpp"
+#include "pamr/validate/validate.hpp"
+
+namespace {
+
+using namespace pamr;
+
+struct Options {
+  std::string input, output, marks = "refine", quality_control = "removable", balance = "auto", weights = "exact",
+                             order = "auto";
+  bool no_project = false, dry_run = false, force = false, each_rank = false;
+};
+
+void declare(CLI::App& app, Options& options) {
+  app.add_option("MESH", options.input, "mesh to read, with a cell field of marks")->required();
+  auto* output = app.add_option("-o,--output", options.output, "refined mesh to write");
+  app.add_option("--marks", options.marks, "integer cell field: 0 keep, 1 split; not in the result")
+      ->capture_default_str();
+  app.add_option("--quality-control", options.quality_control, "what happens to a closure cell that is hit again")
+      ->check(CLI::IsMember(refine::quality_control_list()))
+      ->capture_default_str();
+  app.add_option("--balance", options.balance, "how cells are spread over the ranks before they are split")
+      ->check(CLI::IsMember({"auto", "scotch", "blocks", "none"}))
+      ->capture_default_str();
+  app.add_option(
+         "--weights", options.weights,
+         "what a cell weighs then: the exact number of cells that it becomes, 8 where marked, 1, or a cell field")
+      ->type_name("exact|8/1|uniform|FIELD")
+      ->capture_default_str();
+  app.add_option("--order", options.order,
+                 "put cells and nodes along a space-filling curve first (auto: where it pays)")
+      ->check(CLI::IsMember({"auto", "keep", "curve"}))
+      ->capture_default_str();
+  app.add_flag("--no-project", options.no_project, "leave new boundary nodes in the middle of their edges");
+  auto* dry_run = app.add_flag("--dry-run", options.dry_run, "print the exact size of the result, split nothing");
+  app.add_flag("--force", options.force, cli::force_help);
+  app.add_flag("--each-rank", options.each_rank, "the report lists every rank's share of each step too");
+  app.parse_complete_callback([output, dry_run] {
+    if (output->empty() && dry_run->empty()) throw CLI::RequiredError("--output (or --dry-run)");
+  });
+}
+
+/// Puts the name of the file in front of what is wrong with the mesh in it. `work` may communicate, because an `Error`
+/// reaches every rank.
+template <class Work>
+auto naming(const std::string& file, Work&& work) {
+  try {
+    return work();
+  } catch (const Error& error) {
+    throw Error("file '" + file + "': " + error.what());
+  }
+}
+
+/// Holds the number of each cell in the file; no field in a file can have such a name.
+constexpr const char* origin_field = "/cell of the input";
+
+mesh::BlockMesh along_curve(const par::Comm& comm, mesh::BlockMesh block) {
+  auto ordered = order::order_along_curve(comm, std::move(block));
+  ordered.block.cell_fields.push_back({origin_field, "", 1, mesh::StorageType::int64, std::move(ordered.cell_origin)});
+  return std::move(ordered.block);
+}
+
+std::vector<std::uint8_t> flags_of(const std::vector<std::int64_t>& marks) {
+  std::vector<std::uint8_t> flags(marks.size());
+  std::transform(marks.begin(), marks.end(), flags.begin(), [](std::int64_t mark) { return mark == 1 ? 1 : 0; });
+  return flags;
+}
+
+std::vector<std::array<std::uint32_t, 4>> lower_halves(const std::vector<std::array<GlobalId, 4>>& cell_to_node) {
+  std::vector<std::array<std::uint32_t, 4>> halves(cell_to_node.size());
+  for (std::size_t c = 0; c < halves.size(); ++c)
+    for (std::size_t i = 0; i < 4; ++i) halves[c][i] = static_cast<std::uint32_t>(cell_to_node[c][i]);
+  return halves;
+}
+
+/// Runs of cells that become about the same number.
+std::vector<Rank> runs_of_equal_work(const par::Comm& comm, const mesh::BlockMesh& block, const std::string& marks) {
+  std::vector<std::uint8_t> weight(block.cell_to_node.size(), 1);
+  for (const auto& field : block.cell_fields)
+    if (field.name == marks && field.holds_integers() && field.n_components == 1)
+      weight = mesh::expected_children(lower_halves(block.cell_to_node), flags_of(field.integer()));
+  return par::runs_of_equal_work(comm, weight, comm.size());
+}
+
+/// Reads the mesh, its cells in runs that become about the same number. Errors name cells and nodes by their numbers in
+/// the file: where it was put in order, what is wrong is found once more without.
+mesh::DistMesh read(const par::Comm& comm, const Options& options, const std::string& order, StepTimer& timer) {
+  auto block = io::read_native(comm, options.input, {.marks_field = options.marks});
+  timer.lap("read");
+  const bool reorder = order == "curve" || (order == "auto" && !order::is_ordered(comm, block));
+  if (reorder) block = naming(options.input, [&] { return along_curve(comm, std::move(block)); });
+  timer.lap("preprocessing");
+  std::vector<Rank> destination;
+  if (reorder && comm.size() > 1) destination = runs_of_equal_work(comm, block, options.marks);
+  timer.lap("balance");
+  try {
+    auto mesh = naming(options.input, [&] { return assemble::assemble(comm, std::move(block), destination); });
+    validate::require_valid(comm, mesh, options.input);
+    if (reorder) {
+      adapt::flags_from_field(comm, mesh, options.marks);
+      const auto balancing = adapt::balancing_named(options.balance, options.weights);
+      if (balancing.weights == adapt::Weights::field) balance::weights_from_field(comm, mesh, balancing.field);
+    }
+    timer.lap("preprocessing");
+    return mesh;
+  } catch (const Error&) {
+    if (!reorder) throw;
+  }
+  return read(comm, options, "keep", timer);
+}
+
+std::int64_t count_inverted(const par::Comm& comm, const mesh::DistMesh& mesh) {
+  std::int64_t n = 0;
+  for (LocalId c = 0; c < mesh.n_cells(); ++c) {
+    const auto p = mesh.points(c);
+    n += geometry::is_positive(p[0], p[1], p[2], p[3]) ? 0 : 1;
+  }
+  return comm.sum(n);
+}
+
+cli::ExitCode forecast(cli::Session& session, const mesh::DistMesh& mesh, std::span<const std::uint8_t> flags,
+                       const refine::Options& options) {
+  const auto& comm = session.comm();
+  const auto size = adapt::dry_run(comm, mesh, flags, options);
+  // what is there now (the process, the old mesh) and, at the peak, the plan of the split and the new mesh: at rest 44
+  // bytes a cell and 32 a node
+  const double nodes_per_cell = static_cast<double>(size.nodes) / static_cast<double>(size.cells);
+  const double here = static_cast<double>(peak_resident_bytes()) + 40.0 * static_cast<double>(mesh.n_cells()) +
+                      static_cast<double>(size.cells_on_this_rank) * (44 + 32 * nodes_per_cell);
+  const auto largest = comm.max(here);
+  session.write_report({{"cells_in", mesh.info.n_global_cells},
+                        {"nodes_in", mesh.info.n_global_nodes},
+                        {"marked", size.marked},
+                        {"cells_out", size.cells},
+                        {"nodes_out", size.nodes},
+                        {"largest_rank_bytes", largest}});
+  session.summary(
+      fmt::format("{} of {} cells marked: {} cells, {} nodes after refinement, about {:.0f} MB on the "
+                  "largest rank",
+                  size.marked, mesh.info.n_global_cells, size.cells, size.nodes, 1e-6 * largest));
+  return cli::ExitCode::done;
+}
+
+cli::ExitCode work(cli::Session& session, const Options& options) {
+  const auto& comm = session.comm();
+  session.check_input(options.input);
+  if (!options.dry_run) session.check_output(options.output, {options.input}, options.force);
+
+  StepTimer timer([&] { return comm.traffic(); });
+  const auto read_before = adapt::bytes_read_so_far();
+  auto mesh = read(comm, options, options.order, timer);
+  adapt::Measured measured;
+  measured.bytes_read = adapt::bytes_read_so_far() - read_before;
+  const auto flags = naming(options.input, [&] { return adapt::flags_from_field(comm, mesh, options.marks); });
+  const refine::Options how{.quality_control = refine::quality_control_named(options.quality_control),
+                            .project = !options.no_project,
+                            .parent_field = true,
+                            .marks_field = options.marks,
+                            .origin_field = mesh.find_cell_field(origin_field) != nullptr ? origin_field : ""};
+  if (options.dry_run) return forecast(session, mesh, flags, how);
+
+  timer.lap("preprocessing");
+  const auto balancing = adapt::balancing_named(options.balance, options.weights);
+  auto result = naming(options.input, [&] { return adapt::refine(comm, std::move(mesh), flags, {how, balancing}); });
+  timer.skip();
+  mesh = {};
+  measured.inverted_cells = count_inverted(comm, result.mesh);
+  measured.fingerprint = mesh::fingerprint(comm, result.mesh);
+  measured.cells_here = result.mesh.n_cells();
+  measured.lists_ranks = options.each_rank;
+  measured.bytes_at_rest = mesh::bytes_at_rest(result.mesh);
+  timer.lap(adapt::Measured::check_step);
+  auto& provenance = result.mesh.info.provenance;
+  provenance += fmt::format("{}pamr-refine {} --quality-control {}{}{}", provenance.empty() ? "" : "\n", PAMR_VERSION,
+                            options.quality_control, options.no_project ? " --no-project" : "",
+                            options.order == "auto" ? "" : " --order " + options.order);
+  io::write_native(comm, options.output, result.mesh, {.fingerprint = measured.fingerprint});
+  timer.lap("write");
+
+  measured.steps = merge_steps(timer.steps(), result.report.steps);
+  session.write_report(adapt::make_report(comm, result.report, measured));
+  session.summary(fmt::format("{} cells ({} marked) -> {} cells, {} nodes, {} off their surface: {}",
+                              result.report.cells_in, result.report.marked, result.report.cells_out,
+                              result.report.nodes_out, result.report.off_surface_nodes, options.output));
+  return cli::ExitCode::done;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Options options;
+  return cli::run_tool(
+      argc, argv,
+      {"pamr-refine", "Refines a mesh once where its cells are marked.",
+       "mpirun -n 4 pamr-refine level0.hdf -o level1.hdf --json level1.json"},
+      [&](CLI::App& app) { declare(app, options); }, [&](cli::Session& session) { return work(session, options); });
+}
