@@ -45,7 +45,7 @@ CORNERS = (
 )
 MAX_LINES = 500
 SOURCE = (".cpp", ".hpp", ".ipp", ".c", ".h")
-WITH_LICENCE = SOURCE + (".py", ".sh", ".cmake", ".in")
+WITH_LICENSE = SOURCE + (".py", ".sh", ".cmake", ".in")
 FORBIDDEN_NAMES = {"utils", "util", "common", "misc", "helpers", "helper", "manager"}
 NOT_OURS = {"build", "out", "__pycache__"}
 OWN_INCLUDE = re.compile(r'#\s*include\s*["<](?:pamr/|solvers/)?([\w.]+)/([^">]*)[">]')
@@ -110,9 +110,9 @@ def corner_violations(name, lines):
 def form_violations(name, text):
     path = pathlib.PurePosixPath(name)
     head = text.splitlines()[:2]
-    has_licence = path.suffix in WITH_LICENCE or path.name == "CMakeLists.txt" or name == ".ci/run"
-    if has_licence and not any("SPDX-License-Identifier: GPL-3.0-or-later" in line for line in head):
-        yield 1, "the first line names the licence: SPDX-License-Identifier: GPL-3.0-or-later"
+    has_license = path.suffix in WITH_LICENSE or path.name == "CMakeLists.txt" or name == ".ci/run"
+    if has_license and not any("SPDX-License-Identifier: GPL-3.0-or-later" in line for line in head):
+        yield 1, "the first line names the license: SPDX-License-Identifier: GPL-3.0-or-later"
     if path.suffix in SOURCE and text.count("\n") > MAX_LINES:
         yield text.count("\n"), f"a source file has at most {MAX_LINES} lines"
     if path.suffix == ".hpp" and "#pragma once" not in text:
@@ -144,7 +144,7 @@ def violations(root):
         if path.suffix == ".md":
             for number, rule in link_violations(path):
                 yield f"{name}:{number}: {rule}"
-        if path.suffix not in WITH_LICENCE and path.name != "CMakeLists.txt" and name != ".ci/run":
+        if path.suffix not in WITH_LICENSE and path.name != "CMakeLists.txt" and name != ".ci/run":
             continue
         text = path.read_text(encoding="utf-8", errors="replace")
         found = list(form_violations(name, text))

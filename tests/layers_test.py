@@ -99,9 +99,9 @@ class Layers(unittest.TestCase):
         self.assert_clean("lib/pamr/par/a.cpp", SPDX + "\n" * 499)
         self.assert_caught("lib/pamr/par/a.cpp", SPDX + "\n" * 500, "500 lines")
 
-    def test_the_licence_is_named_in_every_kind_of_file(self):
+    def test_the_license_is_named_in_every_kind_of_file(self):
         for name in ("lib/pamr/par/a.cpp", "tests/a.py", "cases/x/run.sh", "tests/CMakeLists.txt", "cmake/a.cmake"):
-            self.assert_caught(name, "\n", "licence")
+            self.assert_caught(name, "\n", "license")
 
     def test_headers_have_pragma_once_and_their_namespace(self):
         self.assert_caught("lib/pamr/par/a.hpp", SPDX + "namespace pamr::par {}\n", "#pragma once")

@@ -42,8 +42,8 @@ void declare(CLI::App& app, Options& options) {
   app.add_option("--n", options.n, "kuhn-cube: cubes a side, 6 cells each")->check(CLI::PositiveNumber);
   app.add_option(
          "--size", options.size,
-         "sphere-in-box: edge length (default 0.28); largest edge length of the others: blunt-cone in metres "
-         "(default 0.01), charged-spheres in Debye lengths (default 0.5), supersonic-sphere in metres (default 0.004)")
+         "sphere-in-box: edge length (default 0.28); largest edge length of the others: blunt-cone in meters "
+         "(default 0.01), charged-spheres in Debye lengths (default 0.5), supersonic-sphere in meters (default 0.004)")
       ->check(CLI::PositiveNumber);
   app.add_option("-o,--output", options.output, "mesh to write (.hdf)")->required();
   app.add_flag("--force", options.force, cli::force_help);
@@ -78,7 +78,7 @@ bool differ_in_sizes(const meshing::Domain& a, const meshing::Domain& b) {
   const double step = 2 * a.radius / n;
   for (int i = 0; i < n * n * n; ++i) {
     const geometry::Vec3 grid{i % n + 0.5 - n / 2, i / n % n + 0.5 - n / 2, i / n / n + 0.5 - n / 2};
-    const auto p = a.centre + step * grid;
+    const auto p = a.center + step * grid;
     if (a.label(p) == meshing::Domain::inside && a.size(p) != b.size(p)) return true;
   }
   return false;

@@ -112,16 +112,16 @@ cli::ExitCode run(cli::Session& session, const Options& options) {
                         {"edge_cut_before", before.edge_cut},
                         {"imbalance_before", before.imbalance},
                         {"imbalance_after", after.imbalance},
-                        {"neighbours_max", after.max_neighbours},
-                        {"neighbours_mean", after.mean_neighbours},
-                        {"neighbours_max_before", before.max_neighbours},
-                        {"neighbours_mean_before", before.mean_neighbours},
+                        {"neighbors_max", after.max_neighbors},
+                        {"neighbors_mean", after.mean_neighbors},
+                        {"neighbors_max_before", before.max_neighbors},
+                        {"neighbors_mean_before", before.mean_neighbors},
                         {"empty_parts", after.empty_parts}});
   session.summary(fmt::format(
       "{} cells in {} parts: {} faces between parts, imbalance {:.4f} (runs of equal length: "
-      "{}, {:.4f}), at most {} neighbours a part{} -> {}",
+      "{}, {:.4f}), at most {} neighbors a part{} -> {}",
       mesh.info.n_global_cells, options.n_parts, after.edge_cut, after.imbalance, before.edge_cut, before.imbalance,
-      after.max_neighbours, after.empty_parts > 0 ? fmt::format(", {} empty", after.empty_parts) : std::string(),
+      after.max_neighbors, after.empty_parts > 0 ? fmt::format(", {} empty", after.empty_parts) : std::string(),
       options.output));
   return cli::ExitCode::done;
 }

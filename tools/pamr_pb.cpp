@@ -159,8 +159,8 @@ cli::ExitCode run(cli::Session& session, const Options& o) {
     return cli::ExitCode::failed;
   }
 
-  const auto analysis = pb::analyse(comm, domain, problem, conditions, system, solution);
-  laps.end("analyse");
+  const auto analysis = pb::analyze(comm, domain, problem, conditions, system, solution);
+  laps.end("analyze");
   if (!o.surface.empty()) {
     const auto text = pb::surface_text(comm, domain, problem, conditions, solution, analysis);
     par::agree(comm, [&] {

@@ -18,14 +18,14 @@ NOSE, LARGEST, SHOULDER, FILLET, STING, ANGLE = 12.5, 25.0, 1.25, 2.08, 6.25, ma
 INFLOW, OUTFLOW, OUTER, ROUNDING = -30.0, 60.0, 60.0, 30.0
 
 
-def arc(centre_r, radius, start, end):
+def arc(center_r, radius, start, end):
     """Area and volume of revolution under an arc whose polar angle runs from `start` to `end`; x grows along it."""
     def area(angle):
-        return 2 * math.pi * radius * (centre_r * angle - radius * math.cos(angle))
+        return 2 * math.pi * radius * (center_r * angle - radius * math.cos(angle))
 
-    def volume(angle):  # integral of pi r^2 dx with r = centre_r + radius sin, dx = -radius sin dangle
+    def volume(angle):  # integral of pi r^2 dx with r = center_r + radius sin, dx = -radius sin dangle
         cosine, sine = math.cos(angle), math.sin(angle)
-        return -math.pi * radius * (-centre_r ** 2 * cosine + centre_r * radius * (angle - sine * cosine)
+        return -math.pi * radius * (-center_r ** 2 * cosine + center_r * radius * (angle - sine * cosine)
                                     + radius ** 2 * (cosine ** 3 / 3 - cosine))
 
     return abs(area(end) - area(start)), volume(end) - volume(start)

@@ -34,7 +34,7 @@ quality() { # LEVEL
   on_ranks "quality$1" pamr-quality "$out/level$1.hdf" "${gates[@]}"
 }
 
-# What to split, metres: a shell about the sphere that lies where the bow shock may stand, thinner from level to level;
+# What to split, meters: a shell about the sphere that lies where the bow shock may stand, thinner from level to level;
 # a ball about the nose (a shell of radius 0); and in the first two refinements the cells at the fore-body.
 region() { # LEVEL
   case $1 in

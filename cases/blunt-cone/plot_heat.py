@@ -9,12 +9,12 @@ import argparse
 import math
 import re
 
-# The meridian, m: nose and cone touch at NOSE, cone and shoulder at CONE, then the arcs' centres and radii.
+# The meridian, m: nose and cone touch at NOSE, cone and shoulder at CONE, then the arcs' centers and radii.
 RADIUS, ANGLE = 12.5e-3, math.radians(70)
 NOSE, CONE = (0.753842e-3, 4.275252e-3), (7.997677e-3, 24.177525e-3)
 SHOULDER, FILLET = (9.172293e-3, 23.75e-3, 1.25e-3), (12.502293e-3, 8.33e-3, 2.08e-3)
 END = 6.0  # S/Rn at which the drawing ends
-COLOURS = ("#1f77b4", "#2ca02c", "#d62728", "#9467bd")
+COLORS = ("#1f77b4", "#2ca02c", "#d62728", "#9467bd")
 WIDTH, HEIGHT, LEFT, RIGHT, TOP, BOTTOM = 860, 460, 70, 20, 20, 55
 N_BINS = 120
 
@@ -94,11 +94,11 @@ def draw(curves):
                  'stream</text>')
     lines.append(f'<text transform="translate(20 {HEIGHT / 2}) rotate(-90)" text-anchor="middle">heat flux, kW/m2</text>')
     for i, (label, points) in enumerate(curves):
-        colour = COLOURS[i % len(COLOURS)]
+        color = COLORS[i % len(COLORS)]
         path = " ".join(f"{x:.1f},{y:.1f}" for x, y in (at(s, q) for s, q in points))
-        lines.append(f'<polyline points="{path}" fill="none" stroke="{colour}" stroke-width="1.6"/>')
+        lines.append(f'<polyline points="{path}" fill="none" stroke="{color}" stroke-width="1.6"/>')
         y = TOP + 40 + 20 * i
-        lines.append(f'<path d="M{WIDTH - 150} {y}h24" stroke="{colour}" stroke-width="2.5"/>'
+        lines.append(f'<path d="M{WIDTH - 150} {y}h24" stroke="{color}" stroke-width="2.5"/>'
                      f'<text x="{WIDTH - 120}" y="{y + 4}">{label}</text>')
     return "\n".join(lines + ["</svg>", ""])
 

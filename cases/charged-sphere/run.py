@@ -34,10 +34,10 @@ def write_case(name, radius, potential, sides, goal):
 
 
 def write_mesh(name, radius, **options):
-    points, cells, neighbours, patches = shell.shell(radius, radius + 8, **options)
+    points, cells, neighbors, patches = shell.shell(radius, radius + 8, **options)
     toml = "".join(f'[[surface]]\nname = "{surface}"\nkind = "sphere"\ncenter = [0, 0, 0]\nradius = {float(r)!r}\n'
                    for surface, r in (("sphere", radius), ("outer", radius + 8)))
-    shell.write(name, points, cells, neighbours, patches, ["sphere", "outer", "", "", ""], toml)
+    shell.write(name, points, cells, neighbors, patches, ["sphere", "outer", "", "", ""], toml)
     return patches[2:]
 
 

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Writes a part of a spherical shell as a native mesh file: an octant, or a narrow sector whose three side planes pass
-through the centre. Lengths in Debye lengths.
+through the center. Lengths in Debye lengths.
 
 Usage: shell.py -o MESH --radius A [--outer R] [--edges N] [--layers M] [--growth G] [--width W]
 
@@ -53,11 +53,11 @@ def radii(inner, outer, layers, growth):
 
 
 def shell(inner, outer, n, layers, growth, width=None):
-    """Points, cells, neighbours (-(patch + 1) on the boundary) and the names of the patches."""
+    """Points, cells, neighbors (-(patch + 1) on the boundary) and the names of the patches."""
     unit, triangles, weights = surface_grid(triangle(width), n)
     at = radii(inner, outer, layers, growth)
     points = (at[:, None, None] * unit[None]).reshape(-1, 3)
-    # Each prism becomes three tetrahedra; diagonals run from the smaller number below, so that neighbours agree.
+    # Each prism becomes three tetrahedra; diagonals run from the smaller number below, so that neighbors agree.
     a, b, c = np.sort(triangles, axis=1).T
     cells = []
     for layer in range(layers):
@@ -73,10 +73,10 @@ def shell(inner, outer, n, layers, growth, width=None):
 
     level, spot = np.divmod(np.arange(len(points)), len(unit))
     on = np.column_stack([level == 0, level == layers] + [weights[spot][:, k] == 0 for k in range(3)])
-    return points, cells, neighbours(cells, on), names
+    return points, cells, neighbors(cells, on), names
 
 
-def neighbours(cells, on):
+def neighbors(cells, on):
     """Across the face opposite each corner: the other cell, or the patch whose nodes these are."""
     m = len(cells)
     faces = np.stack([np.delete(cells, i, axis=1) for i in range(4)], axis=1).reshape(-1, 3)

@@ -13,7 +13,7 @@ import os
 
 from levels import value_at
 
-COLOURS = ("#1f77b4", "#d62728", "#2ca02c", "#9467bd")
+COLORS = ("#1f77b4", "#d62728", "#2ca02c", "#9467bd")
 WIDTH, HEIGHT, LEFT, BOTTOM, TOP, RIGHT = 620, 440, 80, 55, 20, 20
 
 
@@ -53,11 +53,11 @@ def draw(series):
     out.append(f'<text x="20" y="{HEIGHT / 2}" text-anchor="middle" transform="rotate(-90 20 {HEIGHT / 2})">'
                'relative error</text>')
     for number, (label, points) in enumerate(series):
-        colour = COLOURS[number % len(COLOURS)]
+        color = COLORS[number % len(COLORS)]
         line = " ".join("{:.1f},{:.1f}".format(*at(*p)) for p in points)
-        out.append(f'<polyline points="{line}" fill="none" stroke="{colour}" stroke-width="2"/>')
-        out += ['<circle cx="{:.1f}" cy="{:.1f}" r="4" fill="{}"/>'.format(*at(*p), colour) for p in points]
-        out.append(f'<text x="{WIDTH - RIGHT - 8}" y="{TOP + 20 + 18 * number}" text-anchor="end" fill="{colour}">'
+        out.append(f'<polyline points="{line}" fill="none" stroke="{color}" stroke-width="2"/>')
+        out += ['<circle cx="{:.1f}" cy="{:.1f}" r="4" fill="{}"/>'.format(*at(*p), color) for p in points]
+        out.append(f'<text x="{WIDTH - RIGHT - 8}" y="{TOP + 20 + 18 * number}" text-anchor="end" fill="{color}">'
                    f'{label}</text>')
     return "\n".join(out + ["</svg>"]) + "\n"
 

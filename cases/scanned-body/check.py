@@ -19,7 +19,7 @@ FACES = np.array([[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]])
 
 
 def off_body(points):
-    """Distance from the body along the ray from its centre."""
+    """Distance from the body along the ray from its center."""
     radius = np.linalg.norm(points, axis=1)
     return np.abs(radius - make_body.body_radius(points / radius[:, None]))
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Renders a coarse and a fine mesh of the blunt cone side by side: body and symmetry plane, edges coloured by level.
+"""Renders a coarse and a fine mesh of the blunt cone side by side: body and symmetry plane, edges colored by level.
 
 Usage: render.py COARSE.hdf FINE.hdf PICTURE.png    (under xvfb-run where there is no screen)
 """
@@ -14,7 +14,7 @@ from vtk.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray, vtk_to
 BODY = ("forebody", "base", "sting")
 PLANE = ("symmetry",)
 WIDTH, HEIGHT, OVERSAMPLING = 1800, 900, 2
-# Edge and face colour of each level; deeper levels repeat the last.
+# Edge and face color of each level; deeper levels repeat the last.
 EDGE = np.array([(106, 122, 143), (20, 121, 143), (214, 126, 20), (178, 24, 52)], dtype=np.uint8)
 PLANE_FACE = np.array([(244, 246, 249), (222, 239, 241), (253, 236, 208), (250, 217, 213)], dtype=np.uint8)
 BODY_FACE = np.array([(226, 230, 236), (205, 226, 229), (243, 222, 190), (233, 196, 193)], dtype=np.uint8)
@@ -29,23 +29,23 @@ class Mesh:
             grid, own = file["VTKHDF"], file["PAMR"]
             self.points = grid["Points"][:]
             cells = grid["Connectivity"][:].reshape(-1, 4)
-            neighbours = own["cell_to_cell"][:]
+            neighbors = own["cell_to_cell"][:]
             levels = (own["lineage"][:] >> 8 & 0xFF).astype(int) if "lineage" in own else np.zeros(len(cells), int)
             patches = [text.decode() for text in own["patches/names"][:]]
         self.n_cells = len(cells)
         self.deepest = int(levels.max())
-        cell, slot = np.nonzero(neighbours < 0)
+        cell, slot = np.nonzero(neighbors < 0)
         corners = np.array([[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]])  # opposite each slot, outward
         self.face = np.take_along_axis(cells[cell], corners[slot], axis=1)
         self.face_level = levels[cell]
-        self.face_patch = np.array(patches)[-neighbours[cell, slot] - 1]
+        self.face_patch = np.array(patches)[-neighbors[cell, slot] - 1]
 
     def part(self, patches):
         chosen = np.isin(self.face_patch, patches)
         return self.face[chosen], self.face_level[chosen]
 
 
-def poly_data(points, rows, colours, are_lines):
+def poly_data(points, rows, colors, are_lines):
     data = vtk.vtkPolyData()
     nodes = vtk.vtkPoints()
     nodes.SetData(numpy_to_vtk(points, deep=True))
@@ -58,7 +58,7 @@ def poly_data(points, rows, colours, are_lines):
         data.SetLines(cells)
     else:
         data.SetPolys(cells)
-    scalars = numpy_to_vtk(np.ascontiguousarray(colours), deep=True, array_type=vtk.VTK_UNSIGNED_CHAR)
+    scalars = numpy_to_vtk(np.ascontiguousarray(colors), deep=True, array_type=vtk.VTK_UNSIGNED_CHAR)
     data.GetCellData().SetScalars(scalars)
     return data
 
@@ -84,7 +84,7 @@ def face_actor(mesh, patches, palette, is_lit):
 
 
 def edge_actor(mesh, patches, widths):
-    """Every edge once, in the colour of the finest face at it."""
+    """Every edge once, in the color of the finest face at it."""
     face, level = mesh.part(patches)
     ends = np.sort(face[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
     edges, which = np.unique(ends, axis=0, return_inverse=True)
@@ -94,8 +94,8 @@ def edge_actor(mesh, patches, widths):
     for at in range(edge_level.max() + 1):
         chosen = edge_level == at
         mapper = vtk.vtkPolyDataMapper()
-        colours = np.broadcast_to(EDGE[min(at, len(EDGE) - 1)], (chosen.sum(), 3))
-        mapper.SetInputData(poly_data(mesh.points, edges[chosen], colours, True))
+        colors = np.broadcast_to(EDGE[min(at, len(EDGE) - 1)], (chosen.sum(), 3))
+        mapper.SetInputData(poly_data(mesh.points, edges[chosen], colors, True))
         actor = vtk.vtkActor()
         actor.SetMapper(mapper)
         actor.GetProperty().LightingOff()
@@ -105,13 +105,13 @@ def edge_actor(mesh, patches, widths):
     return actors
 
 
-def text_actor(text, x, y, size, colour=INK, bold=False):
+def text_actor(text, x, y, size, color=INK, bold=False):
     actor = vtk.vtkTextActor()
     actor.SetInput(text)
     look = actor.GetTextProperty()
     look.SetFontFamilyToArial()
     look.SetFontSize(size * OVERSAMPLING)
-    look.SetColor(*colour)
+    look.SetColor(*color)
     look.SetBold(bold)
     look.SetBackgroundColor(1, 1, 1)
     look.SetBackgroundOpacity(0.9)
@@ -131,8 +131,8 @@ def renderer_of(mesh, title, left, right, legend_levels):
     renderer.AddActor2D(text_actor(title, 0.035, 0.925, 25, bold=True))
     renderer.AddActor2D(text_actor(f"{mesh.n_cells:,} cells", 0.035, 0.882, 19))
     for level in range(legend_levels):
-        colour = EDGE[min(level, len(EDGE) - 1)] / 255
-        renderer.AddActor2D(text_actor(f"level {level}", 0.035 + 0.115 * level, 0.035, 19, colour, bold=True))
+        color = EDGE[min(level, len(EDGE) - 1)] / 255
+        renderer.AddActor2D(text_actor(f"level {level}", 0.035 + 0.115 * level, 0.035, 19, color, bold=True))
 
     renderer.RemoveAllLights()
     for position, strength in (((-0.40, 0.20, -0.25), 0.95), ((0.1, 0.5, -0.1), 0.45)):

@@ -22,13 +22,13 @@ PICTURES = (("density", "n / n_inf", (0.05, 20), True, (0.1, 0.5, 1.05, 2, 4, 8,
 
 
 def read(name):
-    """The mesh as a VTK grid, millimetres, with the flow on its nodes: means over the cells by volume."""
+    """The mesh as a VTK grid, millimeters, with the flow on its nodes: means over the cells by volume."""
     with h5py.File(name) as file:
         grid, data = file["VTKHDF"], file["VTKHDF/CellData"]
         points, cells = grid["Points"][:] * 1e3, grid["Connectivity"][:].reshape(-1, 4)
         fields = {"density": data["n"][:] / DENSITY, "temperature": data["T"][:] / TEMPERATURE, "mach": data["Ma"][:]}
         velocity = data["u"][:]
-        neighbours = file["PAMR/cell_to_cell"][:]
+        neighbors = file["PAMR/cell_to_cell"][:]
         plane = [text.decode() for text in file["PAMR/patches/names"][:]].index("symmetry")
     x = points[cells]
     volume = np.einsum("ij,ij->i", np.cross(x[:, 1] - x[:, 0], x[:, 2] - x[:, 0]), x[:, 3] - x[:, 0])
@@ -37,7 +37,7 @@ def read(name):
     def on_nodes(values):
         return np.bincount(cells.ravel(), np.repeat(values * volume, 4)) / weight
 
-    cell, slot = np.nonzero(neighbours == -(plane + 1))
+    cell, slot = np.nonzero(neighbors == -(plane + 1))
     corners = np.array([[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]])  # opposite each slot
     faces = np.take_along_axis(cells[cell], corners[slot], axis=1)
     velocity = np.column_stack([on_nodes(velocity[:, k]) for k in range(3)])
@@ -69,7 +69,7 @@ def plane_of(points, faces, values, velocity):
     return data
 
 
-def colours(bounds, is_log):
+def colors(bounds, is_log):
     table = vtk.vtkLookupTable()
     table.SetNumberOfTableValues(256)
     stops = np.array([(0.19, 0.07, 0.23), (0.27, 0.48, 0.95), (0.10, 0.84, 0.76), (0.64, 0.99, 0.24), (0.98, 0.73, 0.22),
@@ -85,13 +85,13 @@ def colours(bounds, is_log):
     return table
 
 
-def line_actor(lines, colour, width):
+def line_actor(lines, color, width):
     mapper = vtk.vtkPolyDataMapper()
     mapper.SetInputConnection(lines.GetOutputPort())
     mapper.ScalarVisibilityOff()
     actor = vtk.vtkActor()
     actor.SetMapper(mapper)
-    actor.GetProperty().SetColor(*colour)
+    actor.GetProperty().SetColor(*color)
     actor.GetProperty().SetLineWidth(width)
     return actor
 
@@ -118,7 +118,7 @@ def streamlines(data):
 
 
 def render(data, title, bounds, is_log, isolines, with_streamlines, name):
-    table = colours(bounds, is_log)
+    table = colors(bounds, is_log)
     mapper = vtk.vtkPolyDataMapper()
     mapper.SetInputData(data)
     mapper.SetLookupTable(table)

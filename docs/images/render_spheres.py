@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Renders the surface meshes of the charged spheres and their plate, level 0 beside a later level: a sphere from near by
-and both over the plate. The meshed quarter is mirrored; edges and faces are coloured by level.
+and both over the plate. The meshed quarter is mirrored; edges and faces are colored by level.
 
 Usage: render_spheres.py COARSE.hdf FINE.hdf PICTURE.png    (under xvfb-run where there is no screen)
 """
@@ -21,7 +21,7 @@ def mirrored(mesh):
     """The mesh with the images of its faces in x = 0 and y = 0."""
     sides = [np.array(side) for side in ((1, 1, 1), (-1, 1, 1), (1, -1, 1), (-1, -1, 1))]
     near = mesh.part(SPHERE)[0].ravel()
-    mesh.centre = (mesh.points[near].max(axis=0) + mesh.points[near].min(axis=0)) / 2 * (1, 0, 1)
+    mesh.center = (mesh.points[near].max(axis=0) + mesh.points[near].min(axis=0)) / 2 * (1, 0, 1)
     mesh.radius = np.ptp(mesh.points[near, 2]) / 2
     mesh.n_sphere, mesh.n_plate = len(mesh.part(SPHERE)[0]), len(mesh.part(PLATE)[0])
     mesh.face = np.concatenate([mesh.face + k * len(mesh.points) for k in range(len(sides))])
@@ -59,16 +59,16 @@ def scene(mesh, box, focus, position, angle, width_scale):
 
 def column(mesh, title, left, right, legend_levels):
     """Two pictures one above the other: a sphere, and both over the plate."""
-    unit = mesh.centre[2]  # the height of the centres over the plate
-    at = mesh.centre
+    unit = mesh.center[2]  # the height of the centers over the plate
+    at = mesh.center
     near = scene(mesh, (left, SPLIT, right, 1), at, at + np.array((-6, -8, 3)) * mesh.radius, 16.5, 1.2)
     far = scene(mesh, (left, 0, right, SPLIT), (0, 0, 0.46 * unit), (unit, -9 * unit, 4.2 * unit), 12.5, 0.8)
     near.AddActor2D(text_actor(title, 0.035, 0.925, 25, bold=True))
     counts = f"{mesh.n_cells:,} cells, {mesh.n_sphere:,} faces on the half sphere, {mesh.n_plate:,} on the plate"
     near.AddActor2D(text_actor(counts, 0.035, 0.880, 17))
     for level in range(legend_levels):
-        colour = EDGE[min(level, len(EDGE) - 1)] / 255
-        near.AddActor2D(text_actor(f"level {level}", 0.035 + 0.125 * level, 0.03, 19, colour, bold=True))
+        color = EDGE[min(level, len(EDGE) - 1)] / 255
+        near.AddActor2D(text_actor(f"level {level}", 0.035 + 0.125 * level, 0.03, 19, color, bold=True))
     return near, far
 
 

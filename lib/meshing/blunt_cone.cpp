@@ -51,7 +51,7 @@ double distance_to_segment(MeridianPoint p, MeridianPoint a, MeridianPoint b) {
 /// its part, so that edges that leave an arc are as short as those on it.
 double size_at(const BluntConeMeridian& m, const BluntConeSizes& s, Vec3 point) {
   const auto p = meridian_point(point);
-  const MeridianPoint top{m.shoulder_centre.x, m.max_radius};
+  const MeridianPoint top{m.shoulder_center.x, m.max_radius};
   double size = s.far;
   const auto grow = [&](double here, MeridianPoint a, MeridianPoint b) {
     size = std::min(size, here + s.growth * std::max(0.0, distance_to_segment(p, a, b) - here));
@@ -190,8 +190,8 @@ Domain blunt_cone(const BluntConeSizes& sizes) {
   domain.patches = {{"forebody", "patch", "body"}, {"base", "patch", "body"},       {"sting", "patch", "body"},
                     {"inflow", "patch", "outer"},  {"outflow", "patch", "outflow"}, {"symmetry", "patch", "symmetry"}};
   domain.length_unit = std::string("m");
-  domain.centre = {0.5 * (m.inflow_x + m.outflow_x), 0, 0};
-  domain.radius = 1.2 * std::hypot(m.outer_radius, domain.centre.x - m.inflow_x);
+  domain.center = {0.5 * (m.inflow_x + m.outflow_x), 0, 0};
+  domain.radius = 1.2 * std::hypot(m.outer_radius, domain.center.x - m.inflow_x);
   return domain;
 }
 

@@ -7,7 +7,7 @@
 
 namespace pamr::meshing {
 
-/// Wanted edge lengths, metres. Each holds at its part of the wall and one length around, and grows from there by
+/// Wanted edge lengths, meters. Each holds at its part of the wall and one length around, and grows from there by
 /// `growth` per distance up to `far`.
 struct BluntConeSizes {
   double far = 10e-3;
@@ -32,7 +32,7 @@ struct SizeLimit {
 };
 std::span<const SizeLimit> blunt_cone_size_limits();
 
-/// Half of the gas round the 70-degree blunt cone with its sting, metres: x along the axis, nose tip in the origin,
+/// Half of the gas round the 70-degree blunt cone with its sting, meters: x along the axis, nose tip in the origin,
 /// y >= 0. Patches forebody, base, sting, inflow, outflow, symmetry. Local. Throws `Error` for sizes out of range.
 Domain blunt_cone(const BluntConeSizes& sizes);
 

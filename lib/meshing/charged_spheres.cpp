@@ -19,10 +19,10 @@ void require(bool holds, const std::string& expected) {
   if (!holds) throw Error("expected " + expected);
 }
 
-std::string sphere_toml(const std::string& name, geometry::Vec3 centre, double radius) {
+std::string sphere_toml(const std::string& name, geometry::Vec3 center, double radius) {
   return fmt::format(
       "[[surface]]\nname = \"{}\"\nkind = \"sphere\"\ncenter = [{:.17g}, {:.17g}, {:.17g}]\nradius = {:.17g}\n", name,
-      centre.x, centre.y, centre.z, radius);
+      center.x, center.y, center.z, radius);
 }
 
 void require_sizes(double on_sphere, double radius, double far, double growth) {
@@ -50,9 +50,9 @@ Combination charged_spheres(const ChargedSpheres& given) {
   fill(p.size_walls, p.far);
   require(p.radius > 0, fmt::format("a radius > 0, found {:g}", p.radius));
   require(p.distance > 2 * p.radius,
-          fmt::format("a distance of the centres over two radii, {:g}, found {:g}", 2 * p.radius, p.distance));
+          fmt::format("a distance of the centers over two radii, {:g}, found {:g}", 2 * p.radius, p.distance));
   require(!has_plate || p.height > p.radius,
-          fmt::format("a height of the centres over the radius, {:g}, found {:g}", p.radius, p.height));
+          fmt::format("a height of the centers over the radius, {:g}, found {:g}", p.radius, p.height));
   require(p.half_length > p.distance / 2 + p.radius && p.width > p.radius && p.top > p.height + p.radius,
           fmt::format("walls beyond the sphere, found half_length {:g}, width {:g}, top {:g}", p.half_length, p.width,
                       p.top));

@@ -5,7 +5,7 @@
 
 namespace pamr::meshing {
 
-/// Two equal spheres in a liquid, in any unit, as a rule Debye lengths: centres at x = +- distance / 2, y = 0,
+/// Two equal spheres in a liquid, in any unit, as a rule Debye lengths: centers at x = +- distance / 2, y = 0,
 /// z = height above the plate z = 0. The mesh is the quarter x, y >= 0 and holds half a sphere. Without plate (height
 /// 0) the mirror z = 0 takes its place: an eighth with a quarter of a sphere.
 struct ChargedSpheres {

@@ -162,7 +162,7 @@ Domain combine(const Combination& c, const std::string& where) {
   domain.surfaces_toml = c.surfaces_toml;
   domain.triangulations = c.triangulations;
   domain.length_unit = c.length_unit;
-  domain.centre = solid->centre();
+  domain.center = solid->center();
   domain.radius = 1.05 * solid->radius();
   return domain;
 }

@@ -24,7 +24,7 @@ class CommonCurve {
     bool is_on_curve = true;
   };
   Found project(geometry::Vec3 p) const;
-  /// Square to both normals, not normalised: its length is the sine of the angle between the surfaces.
+  /// Square to both normals, not normalized: its length is the sine of the angle between the surfaces.
   geometry::Vec3 tangent(geometry::Vec3 p) const;
 
   struct Trace {

@@ -11,17 +11,17 @@ struct MeridianPoint {
   double x = 0, r = 0;
 };
 
-/// One step of a profile: straight, or an arc of at most half a turn about `centre`.
+/// One step of a profile: straight, or an arc of at most half a turn about `center`.
 struct ProfileStep {
   MeridianPoint from, to;
   bool is_arc = false;
-  MeridianPoint centre{};
+  MeridianPoint center{};
 };
 
 using Profile = std::vector<ProfileStep>;
 
 /// The 70-degree blunt cone (AGARD WG 18 planetary probe, model of the CNRS SR3 wind tunnel) on its sting and the outer
-/// border of the gas about it, metres. Seven numbers define the body; every other one follows from them:
+/// border of the gas about it, meters. Seven numbers define the body; every other one follows from them:
 ///
 ///        cone    ___ shoulder            nose: radius 12.5 mm; cone: 70 degrees against the axis; shoulder: radius
 ///          \    (   |                    1.25 mm up to 25 mm from the axis; base: flat; fillet: radius 2.08 mm;
@@ -41,8 +41,8 @@ class BluntConeMeridian {
 
   double nose_radius = 12.5e-3, max_radius = 25e-3, shoulder_radius = 1.25e-3, fillet_radius = 2.08e-3,
          sting_radius = 6.25e-3;
-  MeridianPoint nose_end, cone_end;              ///< where the neighbours touch
-  MeridianPoint shoulder_centre, fillet_centre;  ///< of the arcs
+  MeridianPoint nose_end, cone_end;              ///< where the neighbors touch
+  MeridianPoint shoulder_center, fillet_center;  ///< of the arcs
   MeridianPoint shoulder_end, base_end, fillet_end;
   double inflow_x = -30e-3, outflow_x = 60e-3, outer_radius = 60e-3, rounding_radius = 30e-3;
 

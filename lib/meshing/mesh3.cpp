@@ -72,7 +72,7 @@ struct Work {
 
 MeshDomain make_domain(const Domain& domain, CGAL::Random& random, Work& work) {
   namespace p = CGAL::parameters;
-  const auto& c = domain.centre;
+  const auto& c = domain.center;
   const Kernel::Sphere_3 ball(Kernel::Point_3(c.x, c.y, c.z), domain.radius * domain.radius);
   const std::function<int(const Kernel::Point_3&)> label = [&domain, &work](const Kernel::Point_3& point) {
     if (++work.n_labels > work.most) throw Work::TooMuch();
@@ -148,7 +148,7 @@ double predicted_cells(const Domain& domain) {
   double sum = 0;
   for (int i = 0; i < n * n * n; ++i) {
     const geometry::Vec3 grid{i % n + 0.5 - n / 2, i / n % n + 0.5 - n / 2, i / n / n + 0.5 - n / 2};
-    const auto point = domain.centre + step * grid;
+    const auto point = domain.center + step * grid;
     if (domain.label(point) == Domain::inside) sum += std::pow(step / domain.size(point), 3);
   }
   return sum / 0.118;

@@ -44,7 +44,7 @@ struct Domain {
   std::string surfaces_toml;                              ///< the surfaces that the patches name
   std::vector<geometry::Triangulation> triangulations{};  ///< data of the triangulated ones
   std::string length_unit;
-  geometry::Vec3 centre;  ///< of a ball that holds the domain
+  geometry::Vec3 center;  ///< of a ball that holds the domain
   double radius = 0;      ///< of that ball
 };
 

@@ -6,7 +6,7 @@
 namespace pamr::meshing {
 
 /// The same mesh with its cells along Hilbert's curve by centroid and its nodes in the order in which the cells name
-/// them, so that neighbours in space are neighbours in the file and in a block of it. Local, deterministic.
+/// them, so that neighbors in space are neighbors in the file and in a block of it. Local, deterministic.
 RawMesh ordered(const RawMesh& mesh);
 
 }  // namespace pamr::meshing

@@ -27,7 +27,7 @@ struct Binding {
   int number = -1;
 };
 
-/// The mesh of one process, while it is made: no neighbours, no order.
+/// The mesh of one process, while it is made: no neighbors, no order.
 struct RawMesh {
   std::vector<geometry::Vec3> point;              ///< n_nodes
   std::vector<Binding> binding;                   ///< n_nodes

@@ -43,9 +43,9 @@ struct NodeToCell {
   }
 };
 
-class Optimiser {
+class Optimizer {
  public:
-  Optimiser(const Domain& domain, RawMesh& mesh) : domain_(domain), mesh_(mesh), cells_(mesh) {
+  Optimizer(const Domain& domain, RawMesh& mesh) : domain_(domain), mesh_(mesh), cells_(mesh) {
     for (std::size_t c = 0; c < mesh.cell.size(); ++c) quality_.push_back(geometry::mean_ratio(mesh.points(c)));
   }
 
@@ -84,7 +84,7 @@ class Optimiser {
     return worst;
   }
 
-  /// Distance to the nearest neighbour.
+  /// Distance to the nearest neighbor.
   double length_at(std::size_t node) const {
     double shortest = std::numeric_limits<double>::infinity();
     for (auto i = cells_.offset[node]; i < cells_.offset[node + 1]; ++i)
@@ -114,11 +114,11 @@ class Optimiser {
     double best = worst_at(node);
     Vec3 best_point = start;
     for (double step = 0.2; step > 0.01; step *= 0.5) {
-      const Vec3 centre = best_point;
+      const Vec3 center = best_point;
       for (int direction = 0; direction < 27; ++direction) {
         const Vec3 d{direction % 3 - 1.0, direction / 3 % 3 - 1.0, direction / 9 - 1.0};
         if (direction == 13) continue;
-        mesh_.point[node] = bound(domain_, mesh_.binding[node], centre + step * length / norm(d) * d);
+        mesh_.point[node] = bound(domain_, mesh_.binding[node], center + step * length / norm(d) * d);
         const double quality = worst_at(node);
         if (quality > best && (!is_on_boundary || stretch_at(node) <= longest)) {
           best = quality;
@@ -152,12 +152,12 @@ double place_boundary(const Domain& domain, RawMesh& mesh) {
 }
 
 Improvement improve(const Domain& domain, RawMesh& mesh, const QualityGoal& goal) {
-  Optimiser optimiser(domain, mesh);
+  Optimizer optimizer(domain, mesh);
   Improvement result;
-  result.min_before = optimiser.worst();
-  result.moves = optimiser.sweeps(goal.wanted, goal.max_sweeps, false);
-  result.moves += optimiser.sweeps(goal.wanted, goal.max_sweeps, true);
-  result.min_after = optimiser.worst();
+  result.min_before = optimizer.worst();
+  result.moves = optimizer.sweeps(goal.wanted, goal.max_sweeps, false);
+  result.moves += optimizer.sweeps(goal.wanted, goal.max_sweeps, true);
+  result.min_after = optimizer.worst();
   for (std::size_t c = 0; c < mesh.cell.size(); ++c) {
     const auto p = mesh.points(c);
     const double quality = geometry::mean_ratio(p);

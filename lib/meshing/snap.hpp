@@ -22,7 +22,7 @@ struct Improvement {
 
 /// Raises the smallest mean ratios by moving the nodes of bad cells, one by one in their order, to the best of a fixed
 /// set of places near by; boundary nodes stay exactly on their piece or curve, corners stay. A move is made only when
-/// the worst cell at the node gets better, so no cell ever gets worse than the worst of its neighbours was, and, on the
+/// the worst cell at the node gets better, so no cell ever gets worse than the worst of its neighbors was, and, on the
 /// boundary, when no edge to another boundary node gets too long. Inner nodes first. Local, deterministic.
 /// Throws `Error` when a cell is not positive (exactly) or below the required mean ratio at the end.
 Improvement improve(const Domain& domain, RawMesh& mesh, const QualityGoal& goal = {});

@@ -40,7 +40,7 @@ struct Solid {
   /// the outside meet the solid in its edges and nowhere else.
   int label(geometry::Vec3 p) const;
 
-  geometry::Vec3 centre() const { return geometry::midpoint(low, high); }
+  geometry::Vec3 center() const { return geometry::midpoint(low, high); }
   double radius() const { return 0.5 * geometry::norm(high - low); }
 };
 

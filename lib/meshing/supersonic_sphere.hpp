@@ -5,12 +5,12 @@
 
 namespace pamr::meshing {
 
-/// A sector of the gas round a sphere about the origin, metres: x along the flow, between two planes through the x
+/// A sector of the gas round a sphere about the origin, meters: x along the flow, between two planes through the x
 /// axis, from z = 0 towards y, 1 / `parts` of a full turn.
 struct SupersonicSphere {
   double radius = 5e-3;
   double parts = 16;             ///< 2, 3, ... 32
-  double inflow = 0;             ///< distance of the inflow plane from the centre; 0: 4 radii
+  double inflow = 0;             ///< distance of the inflow plane from the center; 0: 4 radii
   double outflow = 0, side = 0;  ///< of the outflow plane and of the outer cylinder; 0: 6 and 5 radii
   /// Wanted edge lengths at the sphere and elsewhere. 0: a fifth of the radius, four fifths.
   double size_sphere = 0, far = 0, growth = 0.35;

@@ -10,7 +10,7 @@
 namespace pamr::meshing {
 namespace {
 
-using Neighbours = std::vector<std::array<GlobalId, 4>>;
+using Neighbors = std::vector<std::array<GlobalId, 4>>;
 
 /// A face seen from one of its cells.
 struct HalfFace {
@@ -35,8 +35,8 @@ std::vector<HalfFace> sorted_half_faces(const RawMesh& mesh) {
   return faces;
 }
 
-Neighbours neighbours_of(const Domain& domain, const RawMesh& mesh) {
-  Neighbours result(mesh.cell.size(), {invalid_global, invalid_global, invalid_global, invalid_global});
+Neighbors neighbors_of(const Domain& domain, const RawMesh& mesh) {
+  Neighbors result(mesh.cell.size(), {invalid_global, invalid_global, invalid_global, invalid_global});
   const auto slot_of = [&result](std::int32_t cell, int slot) -> GlobalId& {
     return result[static_cast<std::size_t>(cell)][static_cast<std::size_t>(slot)];
   };
@@ -80,7 +80,7 @@ mesh::BlockMesh to_block_mesh(const par::Comm& comm, const Domain& domain, const
   block.info.length_unit = domain.length_unit;
   par::agree(comm, [&] {
     if (!comm.is_first()) return;
-    block.cell_to_cell = neighbours_of(domain, mesh);
+    block.cell_to_cell = neighbors_of(domain, mesh);
     for (const auto& cell : mesh.cell) block.cell_to_node.push_back({cell[0], cell[1], cell[2], cell[3]});
   });
   if (!comm.is_first()) block.first_cell = block.info.n_global_cells;

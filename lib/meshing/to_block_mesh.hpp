@@ -8,7 +8,7 @@
 
 namespace pamr::meshing {
 
-/// The mesh that rank 0 made, with neighbours built from its faces, as the blocks that `assemble::assemble` takes: all
+/// The mesh that rank 0 made, with neighbors built from its faces, as the blocks that `assemble::assemble` takes: all
 /// cells on rank 0, the nodes in canonical blocks. `mesh` is read on rank 0 only, `domain` must be the same everywhere.
 /// Collective. Throws `Error` on every rank for a face in three cells or a boundary face in no patch.
 mesh::BlockMesh to_block_mesh(const par::Comm& comm, const Domain& domain, const RawMesh& mesh);

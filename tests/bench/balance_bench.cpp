@@ -70,7 +70,7 @@ void run(const par::Comm& comm, const std::string& name, balance::Method method,
     fmt::print(
         "| {} | {} | {} | {} | {:.4f} | {:.4f} | {} | {} | {} | {} | {:.2f} | {:.3f} | {:.3f} | {:.3f} | {:.3f} |\n",
         name, comm.size(), balance::name_of(method), vertices_per_part, balance.before.imbalance,
-        balance.after.imbalance, balance.before.edge_cut, balance.after.edge_cut, balance.after.max_neighbours,
+        balance.after.imbalance, balance.before.edge_cut, balance.after.edge_cut, balance.after.max_neighbors,
         balance.moved_cells, longest, all, of_balance, of_migrate, of_scotch);
 }
 
@@ -82,7 +82,7 @@ int main(int argc, char** argv) {
   const std::string name = argc > 1 ? argv[1] : "20";
   if (comm.is_first())
     fmt::print(
-        "| mesh | ranks | method | groups a part | imbalance before | after | cut before | after | neighbours | moved "
+        "| mesh | ranks | method | groups a part | imbalance before | after | cut before | after | neighbors | moved "
         "| "
         "wall s | compute s | of it balance | migrate | Scotch s |\n"
         "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");

@@ -86,7 +86,7 @@ LarsenBorgnakkeVariableHardSphereCoeffs {{ Tref 273; relaxationCollisionNumber 5
 InflowBoundaryModel none;
 typeIdList (N2);
 moleculeProperties {{ N2 {{ mass 46.5e-27; diameter 4.17e-10; internalDegreesOfFreedom 2; omega 0.74; }} }}""")
-foam("system/dsmcInitialiseDict", "dictionary", "dsmcInitialiseDict",
+foam("system/dsmcInitializeDict", "dictionary", "dsmcInitializeDict",
      f"numberDensities {{ N2 {density}; }}\ntemperature 300;\nvelocity (0 0 0);")
 foam("system/fvSchemes", "dictionary", "fvSchemes", """ddtSchemes { default Euler; } gradSchemes { default Gauss linear; }
 divSchemes { default none; } laplacianSchemes { default Gauss linear corrected; }
@@ -109,7 +109,7 @@ print(used.ru_utime + used.ru_stime)
 sys.exit(done.returncode)' "$folder/log" "$@" || { tail -20 "$folder/log" >&2; return 1; }
 }
 control 1
-cpu dsmcInitialise -case "$folder" >/dev/null
+cpu dsmcInitialize -case "$folder" >/dev/null
 short=$(cpu dsmcFoam -case "$folder")
 control $((steps + 1))
 long=$(cpu dsmcFoam -case "$folder")

@@ -95,7 +95,7 @@ void limit(benchmark::State& state, bool in_large_pages) {
     world->barrier();
     const Stopwatch start;
     auto nodes = fresh<mesh::CellNodes>(n, in_large_pages);
-    auto neighbours = fresh<mesh::CellNeighbours>(n, in_large_pages);
+    auto neighbors = fresh<mesh::CellNeighbors>(n, in_large_pages);
     auto global = fresh<GlobalId>(n, in_large_pages);
     auto lineage = fresh<mesh::Lineage>(n, in_large_pages);
     auto position = fresh<geometry::Vec3>(n / 6, in_large_pages);
@@ -103,7 +103,7 @@ void limit(benchmark::State& state, bool in_large_pages) {
     for (std::size_t c = 0; c < n; ++c) {
       const auto id = static_cast<LocalId>(c);
       nodes[c] = {id, id + 1, id + 2, id + 3};
-      neighbours[c] = {id - 1, id + 1, id - 2, id + 2};
+      neighbors[c] = {id - 1, id + 1, id - 2, id + 2};
       global[c] = id;
       lineage[c] = mesh::Lineage(static_cast<std::uint32_t>(c));
     }
@@ -112,7 +112,7 @@ void limit(benchmark::State& state, bool in_large_pages) {
       node_global[i] = static_cast<GlobalId>(i);
     }
     benchmark::DoNotOptimize(nodes.data());
-    benchmark::DoNotOptimize(neighbours.data());
+    benchmark::DoNotOptimize(neighbors.data());
     benchmark::DoNotOptimize(global.data());
     benchmark::DoNotOptimize(lineage.data());
     benchmark::DoNotOptimize(position.data());

@@ -68,7 +68,7 @@ class Solid:
                  under(end) - under(begin))
 
 
-# The profile of the blunt cone, millimetres: nose radius, largest radius, shoulder radius, fillet radius, sting radius,
+# The profile of the blunt cone, millimeters: nose radius, largest radius, shoulder radius, fillet radius, sting radius,
 # half angle; where the gas ends; where sphere and cone touch, length of the cone, where the flat base is.
 nose, largest, shoulder, fillet, sting, angle = 12.5, 25.0, 1.25, 2.08, 6.25, math.radians(70)
 inflow, outflow, outer, rounding = -30.0, 60.0, 60.0, 30.0
@@ -138,7 +138,7 @@ class Convergence(unittest.TestCase):
 
     def check_mesh(self, report, patches, length):
         self.assertIs(report["conforming"], True)
-        self.assertIs(report["neighbours_consistent"], True)
+        self.assertIs(report["neighbors_consistent"], True)
         self.assertEqual(report["inverted_cells"], 0)
         for name in patches:
             patch = report["patches"][name]

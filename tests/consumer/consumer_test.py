@@ -20,7 +20,7 @@ def text_of(*parts):
         return file.read()
 
 
-def without_licence(text):
+def without_license(text):
     return re.sub(r"^.*SPDX-License-Identifier.*\n", "", text, count=1)
 
 
@@ -48,7 +48,7 @@ class Consumer(unittest.TestCase):
     def test_the_readme_shows_these_programs(self):
         readme = text_of(SOURCE, "README.md")
         for language, name in (("cpp", "refine_ball.cpp"), ("python", "mark_ball.py")):
-            program = without_licence(text_of(CONSUMER, name))
+            program = without_license(text_of(CONSUMER, name))
             self.assertIn(f"```{language}\n{program}```\n", readme, f"README.md must show {name} as it is")
 
     def test_both_programs_of_the_readme_give_the_same_mesh(self):

@@ -175,7 +175,7 @@ mesh::BlockMesh to_block(const Cloud& cloud) {
   whole.info.n_global_cells = static_cast<GlobalId>(cloud.cell.size());
   whole.node_position = cloud.point;
   whole.cell_to_node = cloud.cell;
-  whole.cell_to_cell = reference_neighbours(cloud.cell);
+  whole.cell_to_cell = reference_neighbors(cloud.cell);
   return whole;
 }
 
@@ -194,9 +194,9 @@ mesh::BlockMesh random_delaunay(std::uint64_t seed, bool whole_numbers) {
     shuffle(cloud, dice);
     auto whole = to_block(cloud);
     whole.info.patches = {{"wall", "patch", ""}, {"inlet", "patch", ""}, {"outlet", "patch", ""}};
-    for (auto& neighbours : whole.cell_to_cell)
-      for (auto& neighbour : neighbours)
-        if (neighbour < 0) neighbour = -1 - static_cast<GlobalId>(dice.below(3));
+    for (auto& neighbors : whole.cell_to_cell)
+      for (auto& neighbor : neighbors)
+        if (neighbor < 0) neighbor = -1 - static_cast<GlobalId>(dice.below(3));
     return whole;
   }
 }
@@ -208,7 +208,7 @@ mesh::BlockMesh random_ball(std::uint64_t seed) {
     cloud.point = random_points(dice, 1);
     cloud.cell = tetrahedra(cloud.point);
     shuffle(cloud, dice);
-    auto whole = to_block(cloud);  // reference_neighbours gives patch 0
+    auto whole = to_block(cloud);  // reference_neighbors gives patch 0
     bool all_on_sphere = true;
     for (std::size_t c = 0; c < cloud.cell.size(); ++c)
       for (std::size_t f = 0; f < 4; ++f)

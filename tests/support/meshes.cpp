@@ -137,9 +137,9 @@ mesh::BlockMesh numbered_from(GlobalId first_id, mesh::BlockMesh block) {
   block.first_cell += step;
   for (auto& nodes : block.cell_to_node)
     for (auto& node : nodes) node += step;
-  for (auto& neighbours : block.cell_to_cell)
-    for (auto& neighbour : neighbours)
-      if (neighbour >= 0) neighbour += step;
+  for (auto& neighbors : block.cell_to_cell)
+    for (auto& neighbor : neighbors)
+      if (neighbor >= 0) neighbor += step;
   return block;
 }
 
@@ -159,7 +159,7 @@ mesh::BlockMesh gather(const par::Comm& comm, const mesh::BlockMesh& block) {
 }
 
 mesh::BlockMesh gather(const par::Comm& comm, const mesh::DistMesh& mesh) {
-  std::vector<Quad> nodes, neighbours;
+  std::vector<Quad> nodes, neighbors;
   for (std::size_t c = 0; c < mesh.cell_to_node.size(); ++c) {
     Quad n{}, nb{};
     for (std::size_t i = 0; i < 4; ++i) {
@@ -170,7 +170,7 @@ mesh::BlockMesh gather(const par::Comm& comm, const mesh::DistMesh& mesh) {
                                     : slot;
     }
     nodes.push_back(n);
-    neighbours.push_back(nb);
+    neighbors.push_back(nb);
   }
   const auto rows_of = [&](std::vector<GlobalId> ids) {
     for (auto& id : ids) id -= mesh.info.first_id;
@@ -178,14 +178,14 @@ mesh::BlockMesh gather(const par::Comm& comm, const mesh::DistMesh& mesh) {
   };
   const auto cell_order = inverse(rows_of(join(comm, mesh.cell_global)));
   const auto all_nodes = join(comm, nodes);
-  const auto all_neighbours = join(comm, neighbours);
+  const auto all_neighbors = join(comm, neighbors);
   const auto all_lineage = join(comm, mesh.lineage);
   mesh::BlockMesh whole;
   whole.info = mesh.info;
   whole.first_cell = mesh.info.first_id;
   for (const auto at : cell_order) {
     whole.cell_to_node.push_back(all_nodes[static_cast<std::size_t>(at)]);
-    whole.cell_to_cell.push_back(all_neighbours[static_cast<std::size_t>(at)]);
+    whole.cell_to_cell.push_back(all_neighbors[static_cast<std::size_t>(at)]);
     whole.lineage.push_back(all_lineage[static_cast<std::size_t>(at)]);
   }
   const auto node_global = rows_of(join(comm, mesh.node_global));
@@ -283,8 +283,8 @@ mesh::BlockMesh permute(const par::Comm& comm, const mesh::BlockMesh& block, std
     for (std::size_t i = 0; i < 4; ++i) {
       whole.cell_to_node[c][i] = old_to_new_node[static_cast<std::size_t>(old.cell_to_node[from][corner[i]])];
       if (old.cell_to_cell.empty()) continue;
-      const auto neighbour = old.cell_to_cell[from][corner[i]];
-      whole.cell_to_cell[c][i] = neighbour < 0 ? neighbour : old_to_new_cell[static_cast<std::size_t>(neighbour)];
+      const auto neighbor = old.cell_to_cell[from][corner[i]];
+      whole.cell_to_cell[c][i] = neighbor < 0 ? neighbor : old_to_new_cell[static_cast<std::size_t>(neighbor)];
     }
   }
   for (std::size_t i = 0; i < new_to_old_node.size(); ++i)
@@ -294,7 +294,7 @@ mesh::BlockMesh permute(const par::Comm& comm, const mesh::BlockMesh& block, std
   return cut(comm, whole);
 }
 
-mesh::BlockMesh without_neighbours(mesh::BlockMesh block) {
+mesh::BlockMesh without_neighbors(mesh::BlockMesh block) {
   block.cell_to_cell.clear();
   block.info.patches.clear();
   return block;

@@ -14,7 +14,7 @@ namespace pamr::test {
 mesh::BlockMesh kuhn_cube(const par::Comm& comm, int n);
 
 /// A Kuhn cube whose inner nodes are moved at random, all cells exactly positive, and which is then permuted. The same
-/// mesh, with the same numbers, on any number of ranks. Neighbours are given.
+/// mesh, with the same numbers, on any number of ranks. Neighbors are given.
 mesh::BlockMesh random_mesh(const par::Comm& comm, std::uint64_t seed, int n);
 
 /// A rank drawn for each cell of the block, by its global number.
@@ -24,8 +24,8 @@ std::vector<Rank> random_destinations(const par::Comm& comm, const mesh::BlockMe
 /// closure families stay together and keep their corners, which their template fixes. Collective.
 mesh::BlockMesh permute(const par::Comm& comm, const mesh::BlockMesh& block, std::uint64_t seed);
 
-/// The same mesh without neighbours (they are to be built) and without patches.
-mesh::BlockMesh without_neighbours(mesh::BlockMesh block);
+/// The same mesh without neighbors (they are to be built) and without patches.
+mesh::BlockMesh without_neighbors(mesh::BlockMesh block);
 
 /// The same mesh with cells and nodes numbered from `first_id` on instead.
 mesh::BlockMesh numbered_from(GlobalId first_id, mesh::BlockMesh block);
@@ -40,7 +40,7 @@ mesh::BlockMesh cut(const par::Comm& comm, const mesh::BlockMesh& whole);
 /// The same with cells cut where told: rank r holds cells `begin[r] .. begin[r+1])`, the last rank those to the end.
 mesh::BlockMesh cut(const par::Comm& comm, const mesh::BlockMesh& whole, const std::vector<GlobalId>& begin);
 
-/// A mesh from nodes and cells given whole on every rank, one patch `wall`, neighbours to be built.
+/// A mesh from nodes and cells given whole on every rank, one patch `wall`, neighbors to be built.
 mesh::BlockMesh small_mesh(const par::Comm& comm, std::vector<geometry::Vec3> nodes,
                            std::vector<std::array<GlobalId, 4>> cells);
 

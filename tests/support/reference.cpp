@@ -42,18 +42,18 @@ std::uint64_t bits(double x) { return x == 0 ? 0 : std::bit_cast<std::uint64_t>(
 
 }  // namespace
 
-Cells reference_neighbours(const Cells& cell_to_node) {
+Cells reference_neighbors(const Cells& cell_to_node) {
   std::map<std::array<GlobalId, 3>, std::vector<GlobalId>> face_to_cell;
   for (std::size_t c = 0; c < cell_to_node.size(); ++c)
     for (std::size_t f = 0; f < 4; ++f)
       face_to_cell[face_nodes(cell_to_node[c], f)].push_back(static_cast<GlobalId>(c));
-  Cells neighbours(cell_to_node.size());
+  Cells neighbors(cell_to_node.size());
   for (std::size_t c = 0; c < cell_to_node.size(); ++c)
     for (std::size_t f = 0; f < 4; ++f) {
       const auto& cells = face_to_cell.at(face_nodes(cell_to_node[c], f));
-      neighbours[c][f] = cells.size() == 1 ? -1 : cells[0] == static_cast<GlobalId>(c) ? cells[1] : cells[0];
+      neighbors[c][f] = cells.size() == 1 ? -1 : cells[0] == static_cast<GlobalId>(c) ? cells[1] : cells[0];
     }
-  return neighbours;
+  return neighbors;
 }
 
 std::map<std::array<GlobalId, 2>, std::set<GlobalId>> reference_edge_to_cell(const Cells& cell_to_node) {
@@ -80,11 +80,11 @@ std::vector<double> reference_patch_areas(const mesh::BlockMesh& whole) {
   std::vector<double> area(whole.info.patches.size(), 0);
   for (std::size_t c = 0; c < whole.cell_to_node.size(); ++c)
     for (std::size_t f = 0; f < 4; ++f) {
-      const auto neighbour = whole.cell_to_cell[c][f];
-      if (neighbour >= 0) continue;
+      const auto neighbor = whole.cell_to_cell[c][f];
+      if (neighbor >= 0) continue;
       const auto face = face_nodes(whole.cell_to_node[c], f);
       const auto a = point(whole, face[0]);
-      area[static_cast<std::size_t>(-neighbour - 1)] +=
+      area[static_cast<std::size_t>(-neighbor - 1)] +=
           0.5 * norm(cross(point(whole, face[1]) - a, point(whole, face[2]) - a));
     }
   return area;
@@ -104,8 +104,8 @@ std::uint64_t reference_fingerprint(const mesh::BlockMesh& whole) {
       const auto p = point(whole, whole.cell_to_node[c][i]);
       const auto h = chain({0, bits(p.x), bits(p.y), bits(p.z)});
       corners += h;
-      const auto neighbour = whole.cell_to_cell[c][i];
-      if (neighbour < 0) boundary += chain({h, patch_hash[static_cast<std::size_t>(-neighbour - 1)]});
+      const auto neighbor = whole.cell_to_cell[c][i];
+      if (neighbor < 0) boundary += chain({h, patch_hash[static_cast<std::size_t>(-neighbor - 1)]});
     }
     const auto lineage = whole.lineage.empty() ? mesh::Lineage{} : whole.lineage[c];
     const auto state = static_cast<std::uint64_t>(lineage.kind()) + (lineage.is_broken() ? 4U : 0U) +

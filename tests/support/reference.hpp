@@ -12,8 +12,8 @@
 /// Slow, obvious twins of the library's kernels. They take a whole mesh in one block and are serial.
 namespace pamr::test {
 
-/// Neighbours by a map from faces to cells; a face with one cell gets -1 (patch 0).
-std::vector<std::array<GlobalId, 4>> reference_neighbours(const std::vector<std::array<GlobalId, 4>>& cell_to_node);
+/// Neighbors by a map from faces to cells; a face with one cell gets -1 (patch 0).
+std::vector<std::array<GlobalId, 4>> reference_neighbors(const std::vector<std::array<GlobalId, 4>>& cell_to_node);
 
 /// Cells at each edge, edges by ascending node numbers.
 std::map<std::array<GlobalId, 2>, std::set<GlobalId>> reference_edge_to_cell(

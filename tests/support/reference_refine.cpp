@@ -22,8 +22,8 @@ std::vector<Piece> pieces_of(const mesh::BlockMesh& whole) {
     pieces[c].corner = whole.cell_to_node[c];
     if (!whole.lineage.empty()) pieces[c].lineage = whole.lineage[c];
     for (std::size_t f = 0; f < 4; ++f) {
-      const auto neighbour = whole.cell_to_cell[c][f];
-      if (neighbour < 0) pieces[c].patch[f] = static_cast<int>(-neighbour - 1);
+      const auto neighbor = whole.cell_to_cell[c][f];
+      if (neighbor < 0) pieces[c].patch[f] = static_cast<int>(-neighbor - 1);
     }
   }
   return pieces;
@@ -151,9 +151,9 @@ std::vector<GlobalId> find_parents(const Offspring& offspring, const ReferenceCl
   return parents;
 }
 
-/// Neighbours by a map of faces; a face of one cell has the patch that it inherited, and no other face has one.
+/// Neighbors by a map of faces; a face of one cell has the patch that it inherited, and no other face has one.
 void link(const std::vector<Piece>& piece, mesh::BlockMesh& mesh) {
-  mesh.cell_to_cell = reference_neighbours(mesh.cell_to_node);
+  mesh.cell_to_cell = reference_neighbors(mesh.cell_to_node);
   for (std::size_t c = 0; c < piece.size(); ++c)
     for (std::size_t f = 0; f < 4; ++f) {
       const bool is_outside = mesh.cell_to_cell[c][f] < 0;

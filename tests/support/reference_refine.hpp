@@ -11,7 +11,7 @@
 namespace pamr::test {
 
 struct ReferenceRefinement {
-  mesh::BlockMesh mesh;          ///< whole: cells, neighbours, patches, lineage, nodes; no fields
+  mesh::BlockMesh mesh;          ///< whole: cells, neighbors, patches, lineage, nodes; no fields
   std::vector<GlobalId> parent;  ///< the old cell that holds each new cell's centroid
   std::int64_t families_rebuilt = 0;
   std::int64_t families_kept = 0;

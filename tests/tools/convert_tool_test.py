@@ -395,20 +395,20 @@ def test_openfoam_case_has_its_faces_in_upper_triangular_order():
     with h5py.File("cube.hdf") as file:
         assert np.array_equal(points, file["VTKHDF/Points"][:])
         cells = file["VTKHDF/Connectivity"][:].reshape(-1, 4)
-    assert n == len(faces) == len(owner) == len(neighbour) + 6 * 18
-    inner = owner[: len(neighbour)]
-    assert (inner < neighbour).all()
-    order = np.lexsort((neighbour, inner))
-    assert (order == np.arange(len(order))).all(), "by owner, then by neighbour"
+    assert n == len(faces) == len(owner) == len(neighbor) + 6 * 18
+    inner = owner[: len(neighbor)]
+    assert (inner < neighbor).all()
+    order = np.lexsort((neighbor, inner))
+    assert (order == np.arange(len(order))).all(), "by owner, then by neighbor"
     middle = points[cells].mean(axis=1)
     p = points[faces]
     normal = np.cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0])
     assert ((p.mean(axis=1) - middle[owner]) * normal).sum(axis=1).min() > 0, "normals point out of the owner"
-    assert all(set(f) < set(cells[c]) for f, c in zip(faces, owner)) and all(set(f) < set(cells[c]) for f, c in zip(faces, neighbour))
+    assert all(set(f) < set(cells[c]) for f, c in zip(faces, owner)) and all(set(f) < set(cells[c]) for f, c in zip(faces, neighbor))
     boundary = (folder / "boundary").read_text().split()
     assert [boundary[i + 1] for i, w in enumerate(boundary) if w == "nFaces"] == ["18;"] * 6
-    assert [boundary[i + 1] for i, w in enumerate(boundary) if w == "startFace"] == [f"{len(neighbour) + 18 * k};" for k in range(6)]
-    x = points[faces[len(neighbour): len(neighbour) + 18]][:, :, 0]
+    assert [boundary[i + 1] for i, w in enumerate(boundary) if w == "startFace"] == [f"{len(neighbor) + 18 * k};" for k in range(6)]
+    x = points[faces[len(neighbor): len(neighbor) + 18]][:, :, 0]
     assert (x == 0).all(), "the first patch is xmin"
 
 

@@ -77,7 +77,7 @@ def test_quality_and_differences_are_those_of_one_rank():
         mesh = write_bare(f"helix{n_cells}.hdf", *helix(n_cells))
         many = run("pamr-quality", mesh, "--json", "-", "--quiet").json
         assert many == run("pamr-quality", mesh, "--json", "-", "--quiet", serial=True).json
-        assert many["cells"] == n_cells and many["conforming"] and many["neighbours_consistent"], many
+        assert many["cells"] == n_cells and many["conforming"] and many["neighbors_consistent"], many
         if n_cells in (1, 5):
             run("pamr-quality", mesh, "--worst", 3, "--worst-out", f"worst{n_cells}.hdf", "--quiet")
             with h5py.File(f"worst{n_cells}.hdf") as file:

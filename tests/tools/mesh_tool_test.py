@@ -18,13 +18,13 @@ class Mesh:
         with h5py.File(name) as file:
             self.points = file["VTKHDF/Points"][:]
             self.cells = file["VTKHDF/Connectivity"][:].reshape(-1, 4)
-            self.neighbours = file["PAMR/cell_to_cell"][:]
+            self.neighbors = file["PAMR/cell_to_cell"][:]
             self.names = [n.decode() for n in file["PAMR/patches/names"][:]]
             self.surfaces = [n.decode() for n in file["PAMR/patches/surfaces"][:]]
             self.length_unit = file["PAMR"].attrs["length_unit"].decode()
-        cell, slot = np.nonzero(self.neighbours < 0)
+        cell, slot = np.nonzero(self.neighbors < 0)
         self.faces = self.cells[cell[:, None], FACES[slot]]
-        self.patch = -1 - self.neighbours[cell, slot]
+        self.patch = -1 - self.neighbors[cell, slot]
 
     def faces_of(self, name):
         return self.faces[self.patch == self.names.index(name)]
@@ -65,7 +65,7 @@ def make(*arguments):
     return mesh
 
 
-# The meridian of the blunt cone in millimetres, from the numbers that define it: radii and the cone's angle.
+# The meridian of the blunt cone in millimeters, from the numbers that define it: radii and the cone's angle.
 ANGLE = math.radians(70)
 NOSE = (12.5 - 12.5 * math.sin(ANGLE), 12.5 * math.cos(ANGLE))
 CONE_R = 23.75 + 1.25 * math.cos(ANGLE)
@@ -76,7 +76,7 @@ STING_X = BASE_X + 2.08
 
 
 def body_distance(p):
-    """Distance from the body, millimetres, of points near it."""
+    """Distance from the body, millimeters, of points near it."""
     x, r = p[:, 0], np.hypot(p[:, 1], p[:, 2])
     nose = np.abs(np.hypot(x - 12.5, r) - 12.5)
     cone = np.abs((x - NOSE[0]) * math.sin(ANGLE) - (r - NOSE[1]) * math.cos(ANGLE))
@@ -87,7 +87,7 @@ def body_distance(p):
 
 
 def wall_radius(p):
-    """The smaller radius of curvature of the wall, millimetres, at points near it; the flat base has none."""
+    """The smaller radius of curvature of the wall, millimeters, at points near it; the flat base has none."""
     x, r = p[:, 0], np.hypot(p[:, 1], p[:, 2])
     return np.select([x <= NOSE[0], x < CONE_X, r > 23.75, r > 8.33, x < STING_X],
                      [12.5, r / math.cos(ANGLE), 1.25, np.inf, 2.08], 6.25)
@@ -296,14 +296,14 @@ def test_case_shapes_lie_on_their_surfaces():
                ["sphere", "symmetry_z", "symmetry_x", "symmetry_y", "end", "side", "lid"]),
               ("supersonic-sphere", "m", "radius = 0.5\nparts = 16", "far = 0.8",
                ["sphere", "inflow", "outflow", "side", "symmetry_1", "symmetry_2"]))
-    centre = {"sphere-pair": [1.5, 0, 0]}
+    center = {"sphere-pair": [1.5, 0, 0]}
     for shape, unit, geometry, sizes, names in shapes:
         pathlib.Path(f"{shape}.toml").write_text(f'[mesh]\nshape = "{shape}"\nlength_unit = "{unit}"\n'
                                                  f"[mesh.geometry]\n{geometry}\n[mesh.sizes]\n{sizes}\n")
         mesh = make(f"{shape}.toml")
         assert mesh.names == mesh.surfaces == names
         radius = float(geometry.split()[2])
-        distance = np.linalg.norm(mesh.points_of("sphere") - centre.get(shape, [0, 0, 0]), axis=1)
+        distance = np.linalg.norm(mesh.points_of("sphere") - center.get(shape, [0, 0, 0]), axis=1)
         assert np.abs(distance - radius).max() < 1e-15
     off_axis = mesh.points[np.hypot(mesh.points[:, 1], mesh.points[:, 2]) > 1e-9]
     angle = np.arctan2(off_axis[:, 2], off_axis[:, 1])
@@ -335,11 +335,11 @@ def test_kuhn_cube():
     assert [len(mesh.faces_of(n)) for n in mesh.names] == [32] * 6
 
 
-def test_neighbours_in_the_file_are_neighbours_in_space():
+def test_neighbors_in_the_file_are_neighbors_in_space():
     mesh = make("--shape", "sphere-in-box")
 
-    inner = np.nonzero(mesh.neighbours >= 0)
-    distance = np.abs(mesh.neighbours[inner] - inner[0])
+    inner = np.nonzero(mesh.neighbors >= 0)
+    distance = np.abs(mesh.neighbors[inner] - inner[0])
     assert np.median(distance) < 0.01 * len(mesh.cells)
 
 

@@ -14,28 +14,28 @@ def read(name):
                 file["PAMR/lineage"][:] if "lineage" in file["PAMR"] else None)
 
 
-def neighbours_of(rank, neighbours, parts):
+def neighbors_of(rank, neighbors, parts):
     """How many other parts each part shares faces with."""
-    inside = neighbours >= 0
-    other = np.where(inside, rank[np.where(inside, neighbours, 0)], rank[:, None])
+    inside = neighbors >= 0
+    other = np.where(inside, rank[np.where(inside, neighbors, 0)], rank[:, None])
     pairs = {(a, b) for row, a in zip(other, rank) for b in row if a != b}
     return [sum(1 for a, _ in pairs if a == part) for part in range(parts)]
 
 
 def partition(mesh, parts, *options):
     report = run("pamr-partition", mesh, "-o", "parts.hdf", "--force", "-p", parts, "--json", "-", *options).json
-    rank, neighbours, lineage = read("parts.hdf")
+    rank, neighbors, lineage = read("parts.hdf")
     assert report["parts"] == parts and report["cells"] == len(rank)
     assert rank.min() >= 0 and rank.max() < parts
-    inside = neighbours >= 0
-    other = np.where(inside, rank[np.where(inside, neighbours, 0)], rank[:, None])
+    inside = neighbors >= 0
+    other = np.where(inside, rank[np.where(inside, neighbors, 0)], rank[:, None])
     assert report["edge_cut"] == (other != rank[:, None]).sum() // 2
-    of_part = neighbours_of(rank, neighbours, parts)
-    assert report["neighbours_max"] == max(of_part) and np.isclose(report["neighbours_mean"], np.mean(of_part))
+    of_part = neighbors_of(rank, neighbors, parts)
+    assert report["neighbors_max"] == max(of_part) and np.isclose(report["neighbors_mean"], np.mean(of_part))
     if lineage is None:  # otherwise the runs are rounded to whole families
-        of_run = neighbours_of((2 * np.arange(len(rank)) + 1) * parts // (2 * len(rank)), neighbours, parts)
-        assert report["neighbours_max_before"] == max(of_run), (report, of_run)
-        assert np.isclose(report["neighbours_mean_before"], np.mean(of_run))
+        of_run = neighbors_of((2 * np.arange(len(rank)) + 1) * parts // (2 * len(rank)), neighbors, parts)
+        assert report["neighbors_max_before"] == max(of_run), (report, of_run)
+        assert np.isclose(report["neighbors_mean_before"], np.mean(of_run))
     assert report["empty_parts"] == parts - len(set(rank))
     if lineage is not None:
         kind, child, broken = lineage & 3, lineage >> 5 & 3, lineage >> 7 & 1
@@ -118,7 +118,7 @@ def test_pamr_refine_makes_the_same_mesh_whatever_cells_weigh():
         report = run("pamr-refine", "b.hdf", "-o", "fine.hdf", "--force", "--weights", weights, "--balance", method,
                      "--json", "-").json
         balance = report["balance"]
-        assert {"edge_cut_before", "edge_cut_after", "moved_cells", "neighbours_max_before", "neighbours_max_after",
+        assert {"edge_cut_before", "edge_cut_after", "moved_cells", "neighbors_max_before", "neighbors_max_after",
                 "imbalance_before", "imbalance_after"} <= set(balance)
         if weights == "exact":
             os.rename("fine.hdf", "first.hdf")

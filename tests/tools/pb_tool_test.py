@@ -28,11 +28,11 @@ def cube_case(name="case.toml", head="", **special):
 
 
 def shell_mesh(name, radius, **options):
-    points, cells, neighbours, patches = shell.shell(radius, radius + 8, options.get("edges", 10), options["layers"],
+    points, cells, neighbors, patches = shell.shell(radius, radius + 8, options.get("edges", 10), options["layers"],
                                                      options.get("growth", 40), options.get("width"))
     toml = "".join(f'[[surface]]\nname = "{surface}"\nkind = "sphere"\ncenter = [0, 0, 0]\nradius = {float(r)!r}\n'
                    for surface, r in (("sphere", radius), ("outer", radius + 8)))
-    shell.write(name, points, cells, neighbours, patches, ["sphere", "outer", "", "", ""], toml)
+    shell.write(name, points, cells, neighbors, patches, ["sphere", "outer", "", "", ""], toml)
     return patches
 
 

@@ -32,7 +32,7 @@ def test_report_has_its_keys_and_does_not_depend_on_ranks():
 
     assert same_bytes("one.json", "many.json")
     assert (report["cells"], report["nodes"], report["inverted_cells"]) == (750, 216, 0)
-    assert report["conforming"] is True and report["neighbours_consistent"] is True and report["valid"] is True
+    assert report["conforming"] is True and report["neighbors_consistent"] is True and report["valid"] is True
     assert math.isclose(report["volume"], 1, rel_tol=1e-14)
     for name in METRICS:
         metric = report[name]
@@ -56,8 +56,8 @@ def test_values_agree_with_numpy():
     mean_ratio = 12 * np.cbrt(3 * volume) ** 2 / (length**2).sum(axis=1)
     aspect_ratio = length.max(axis=1) / (2 * math.sqrt(6) * inner)
     system = p[:, 1:] - p[:, :1]
-    centre = np.linalg.solve(2 * system, (system**2).sum(axis=2)[..., None])[..., 0]
-    radius_ratio = 3 * inner / np.linalg.norm(centre, axis=1)
+    center = np.linalg.solve(2 * system, (system**2).sum(axis=2)[..., None])[..., 0]
+    radius_ratio = 3 * inner / np.linalg.norm(center, axis=1)
     for name, value in (("mean_ratio", mean_ratio), ("aspect_ratio", aspect_ratio), ("radius_ratio", radius_ratio),
                         ("edge_ratio", length.max(axis=1) / length.min(axis=1))):
         for key, number in (("min", value.min()), ("mean", value.mean()), ("max", value.max())):

@@ -174,16 +174,16 @@ def test_bad_faces():
     no_mesh_from(write_bare("over.hdf", points[:4] + [[0.1, 0.1, 2]], [[0, 1, 2, 3], [0, 1, 2, 4]]), "over.hdf")
 
 
-def test_neighbours_that_are_not_mutual():
+def test_neighbors_that_are_not_mutual():
     good_mesh()
     with h5py.File("good.hdf") as file:
-        neighbours = file["PAMR/cell_to_cell"][:]
+        neighbors = file["PAMR/cell_to_cell"][:]
         n_patches = len(file["PAMR/patches/names"])
-    c = next(c for c, row in enumerate(neighbours) if (row >= 0).all() and c > 20)
-    exchanged = neighbours[c][[1, 0, 2, 3]]
-    for index, value in ((c, exchanged), ((c, 0), c), ((c, 0), len(neighbours)), ((c, 0), 2**31), ((c, 0), 2**63 - 1),
+    c = next(c for c, row in enumerate(neighbors) if (row >= 0).all() and c > 20)
+    exchanged = neighbors[c][[1, 0, 2, 3]]
+    for index, value in ((c, exchanged), ((c, 0), c), ((c, 0), len(neighbors)), ((c, 0), 2**31), ((c, 0), 2**63 - 1),
                          ((c, 0), -1), ((c, 0), -n_patches - 1), ((c, 0), -2**63),
-                         ((c, 0), (neighbours[c, 0] + 5) % len(neighbours))):
+                         ((c, 0), (neighbors[c, 0] + 5) % len(neighbors))):
         no_mesh_from(edit("good.hdf", "bad.hdf", "PAMR/cell_to_cell", with_entry(index, value)), "bad.hdf")
 
 

@@ -32,8 +32,8 @@ def shuffled_copy(source, target, seed):
         new_cell = np.argsort(order)
         node_order = random.permutation(len(vtk["Points"]))
         new_node = np.argsort(node_order)
-        neighbours = ours["cell_to_cell"][:][order]
-        ours["cell_to_cell"][:] = np.where(neighbours >= 0, new_cell[neighbours], neighbours)
+        neighbors = ours["cell_to_cell"][:][order]
+        ours["cell_to_cell"][:] = np.where(neighbors >= 0, new_cell[neighbors], neighbors)
         ours["lineage"][:] = ours["lineage"][:][order]
         vtk["Points"][:] = vtk["Points"][:][node_order]
         vtk["Connectivity"][:] = new_node[vtk["Connectivity"][:].reshape(-1, 4)[order]].ravel()

@@ -79,7 +79,7 @@ def next_level(mesh, level, criterion):
 def check_mesh(mesh):
     """The invariants by another program than the one that made the mesh."""
     report = run("pamr-quality", mesh, "--json", "-", "--quiet", ranks=3).json
-    assert report["conforming"] is True and report["neighbours_consistent"] is True
+    assert report["conforming"] is True and report["neighbors_consistent"] is True
     assert report["inverted_cells"] == 0
     return report
 

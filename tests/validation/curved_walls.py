@@ -84,11 +84,11 @@ class Walls:
         with h5py.File(path) as file:
             self.points = file["VTKHDF/Points"][:]
             cells = file["VTKHDF/Connectivity"][:].reshape(-1, 4)
-            neighbours = file["PAMR/cell_to_cell"][:]
+            neighbors = file["PAMR/cell_to_cell"][:]
             self.names = [n.decode() for n in file["PAMR/patches/names"][:]]
-        cell, slot = np.nonzero(neighbours < 0)
+        cell, slot = np.nonzero(neighbors < 0)
         self.faces = cells[cell[:, None], FACES[slot]]
-        self.patch = -1 - neighbours[cell, slot]
+        self.patch = -1 - neighbors[cell, slot]
 
     def faces_of(self, name):
         return self.faces[self.patch == self.names.index(name)]

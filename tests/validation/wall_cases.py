@@ -187,13 +187,13 @@ def nearest_on_step(step, x, r):
         t = np.clip((p - start) @ along / (along @ along), 0, 1)
         away = np.array([-along[1], along[0]]) / np.hypot(*along)
         return np.linalg.norm(p - start - t[:, None] * along, axis=1), np.broadcast_to(away, p.shape)
-    centre = np.array(step["center"])
-    angle = [math.atan2(q[1] - centre[1], q[0] - centre[0]) for q in (start, end)]
+    center = np.array(step["center"])
+    angle = [math.atan2(q[1] - center[1], q[0] - center[0]) for q in (start, end)]
     turn = (angle[1] - angle[0] + math.pi) % (2 * math.pi) - math.pi
-    gone = (np.arctan2(r - centre[1], x - centre[0]) - angle[0] + math.pi) % (2 * math.pi) - math.pi
+    gone = (np.arctan2(r - center[1], x - center[0]) - angle[0] + math.pi) % (2 * math.pi) - math.pi
     there = angle[0] + np.clip(gone / turn, 0, 1) * turn
     normal = np.column_stack([np.cos(there), np.sin(there)])
-    return np.linalg.norm(p - centre - np.hypot(*(start - centre)) * normal, axis=1), normal
+    return np.linalg.norm(p - center - np.hypot(*(start - center)) * normal, axis=1), normal
 
 
 def revolution_normal(surface):
@@ -222,17 +222,17 @@ def blunt_cone_in_box(h, mesher):
     shoulder = 0.2
     root = math.sqrt(3) / 2
     a, b = (0.25, 0.5 * root), (1.25, 0.5 * root + 1 / math.sqrt(3))
-    centre = (b[0] + shoulder / 2, b[1] - shoulder * root)
-    end = (centre[0] + shoulder, centre[1])
+    center = (b[0] + shoulder / 2, b[1] - shoulder * root)
+    end = (center[0] + shoulder, center[1])
     pieces = [lambda t: (0.5 - 0.5 * np.cos(t * math.pi / 3), 0.5 * np.sin(t * math.pi / 3)),
               lambda t: (a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1])),
-              lambda t: (centre[0] - shoulder * np.cos(math.pi / 3 + t * 2 * math.pi / 3),
-                         centre[1] + shoulder * np.sin(math.pi / 3 + t * 2 * math.pi / 3)),
+              lambda t: (center[0] - shoulder * np.cos(math.pi / 3 + t * 2 * math.pi / 3),
+                         center[1] + shoulder * np.sin(math.pi / 3 + t * 2 * math.pi / 3)),
               lambda t: (end[0] + 0 * t, end[1] * (1 - t))]
     area, volume = revolved(pieces)
     surfaces = (f'[[surface]]\nname = "cone"\nkind = "revolution"\norigin = [-1, 0, 0]\naxis = [1, 0, 0]\nprofile = [\n'
                 f"  {{ from = [0, 0], to = {list(a)}, center = [0.5, 0] }},\n  {{ from = {list(a)}, to = {list(b)} }},\n"
-                f"  {{ from = {list(b)}, to = {list(end)}, center = {list(centre)} }},\n"
+                f"  {{ from = {list(b)}, to = {list(end)}, center = {list(center)} }},\n"
                 f"  {{ from = {list(end)}, to = [{end[0]}, 0] }},\n]\n")
     return Case(["cone"], case_file=made_by_pamr(f"+cone & {BOX}", [[-2, -2, -2], [2, 2, 2]], {"cone": h * shoulder}, 0.8,
                                                  surfaces + planes([2, 2, 2])), area={"cone": area}, volume=64 - volume,

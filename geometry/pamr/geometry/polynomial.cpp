@@ -108,7 +108,7 @@ double on_grid(const std::array<double, 2>& range, int i) {
   return i == grid ? range[1] : range[0] + (range[1] - range[0]) * i / grid;
 }
 
-/// Calls `visit(u, v)` at every grid point that is no farther from the target than its neighbours on the grid.
+/// Calls `visit(u, v)` at every grid point that is no farther from the target than its neighbors on the grid.
 template <class Visit>
 void for_each_start(const PolynomialSegment& s, Vec3 target, Visit&& visit) {
   std::array<std::array<double, grid + 1>, grid + 1> squared{};

@@ -265,11 +265,11 @@ class Improver {
     double best = std::min(worst, worst_limit(n));
     if (!movers_[n].is_new && best >= good_enough) return false;
     for (double step = 0.2; step > 0.01; step *= 0.5) {
-      const Vec3 centre = p;
+      const Vec3 center = p;
       for (int direction = 0; direction < 27; ++direction) {
         if (direction == 13) continue;
         const Vec3 d{direction % 3 - 1.0, direction / 3 % 3 - 1.0, direction / 9 - 1.0};
-        const Vec3 there = centre + (step * length / geometry::norm(d)) * d;
+        const Vec3 there = center + (step * length / geometry::norm(d)) * d;
         put(n, there);
         const double cells = worst_cell(n), value = std::min(cells, worst_limit(n));
         if (cells < least || !(value > best) || !all_positive(n)) continue;
@@ -382,7 +382,7 @@ void scatter_nodes(const par::Comm& comm, const mesh::DistMesh& mesh, const std:
   }
 }
 
-/// Gives boundary faces their patches; neighbours were built without them.
+/// Gives boundary faces their patches; neighbors were built without them.
 void name_patches(const std::vector<std::array<int, 4>>& patch, mesh::DistMesh& mesh) {
   PAMR_ENSURES(patch.size() == mesh.cell_to_cell.size());
   for (std::size_t c = 0; c < patch.size(); ++c)

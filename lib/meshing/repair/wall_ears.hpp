@@ -29,7 +29,7 @@ WallEars find_wall_ears(const par::Comm& comm, const mesh::DistMesh& mesh);
 
 /// Takes the ears away: splits each edge of `ears`, and so all cells round it, by a new node, and each face of them,
 /// and so the two cells at it, by another. The boundary stays as it is. Edges are split in falling order of length, so
-/// that neighbours agree on their common faces; children take the place of their parent in the order of cells, new
+/// that neighbors agree on their common faces; children take the place of their parent in the order of cells, new
 /// nodes come last. A new node begins in the middle and moves to where the cells at it are best, both as they are and
 /// as their corners on the wall will be once refined often; so do inner nodes of the split cells, where they are poor
 /// and no node field would have to follow. Cell fields are copied, node fields averaged. Pre: `ears` of this mesh, all

@@ -193,7 +193,7 @@ void split(const par::Comm& comm, const mesh::DistMesh& mesh, mesh::DistMesh* co
   report.moved_nodes = certificate.n_moved;
   report.cells_checked = certificate.n_cells_checked;
   report.untangling_rounds = certificate.untangling_rounds;
-  report.neighbours = static_cast<std::int64_t>(borders.nodes.rank.size());
+  report.neighbors = static_cast<std::int64_t>(borders.nodes.rank.size());
 }
 
 /// The pipeline. `consumed`: the same mesh where it may move to other ranks and be taken apart, or null.
@@ -209,7 +209,7 @@ RefineResult run(const par::Comm& comm, const mesh::DistMesh& mesh, mesh::DistMe
 
   auto closure = refine::close(comm, mesh, borders, flags, options.quality_control);
   result.report.marked_not_split = comm.sum(count_not_split(mesh, flags, closure));
-  result.report.neighbours_closing = static_cast<std::int64_t>(borders.nodes.rank.size());
+  result.report.neighbors_closing = static_cast<std::int64_t>(borders.nodes.rank.size());
   timer.lap("close");
   if (consumed != nullptr)
     result.report.balance = balance_parents(comm, *consumed, borders, closure, flags, balancing, timer);

@@ -27,7 +27,7 @@ struct Report {
   int untangling_rounds = 0;       ///< of moving this level's nodes out of the way, at walls too curved for their mesh
   BalanceReport balance;           ///< of the overload that may move cells
   /// Ranks that this rank shares nodes with, while closing and after balancing.
-  std::int64_t neighbours_closing = 0, neighbours = 0;
+  std::int64_t neighbors_closing = 0, neighbors = 0;
   std::vector<StepTime> steps;  ///< of this rank
   Traffic traffic;              ///< of this rank
 };

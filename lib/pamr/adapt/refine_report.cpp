@@ -47,8 +47,8 @@ nlohmann::json balance_report(const par::Comm& comm, const adapt::BalanceReport&
           {"imbalance_after", balance.after.imbalance},
           {"edge_cut_before", balance.before.edge_cut},
           {"edge_cut_after", balance.after.edge_cut},
-          {"neighbours_max_before", balance.before.max_neighbours},
-          {"neighbours_max_after", balance.after.max_neighbours},
+          {"neighbors_max_before", balance.before.max_neighbors},
+          {"neighbors_max_after", balance.after.max_neighbors},
           {"moved_cells", balance.moved_cells},
           {"partition_seconds", over_ranks(comm, balance.partition_seconds)},
           {"migrate_seconds", over_ranks(comm, balance.migrate_seconds)}};
@@ -125,8 +125,8 @@ nlohmann::json make_report(const par::Comm& comm, const adapt::Report& report, c
   if (measured.lists_ranks) {
     of_rank["peak_rss_bytes"] = comm.all_gather(peak);
     of_rank["shared_rss_bytes"] = comm.all_gather(shared_resident_bytes());
-    of_rank["neighbours_closing"] = comm.all_gather(report.neighbours_closing);
-    of_rank["neighbours"] = comm.all_gather(report.neighbours);
+    of_rank["neighbors_closing"] = comm.all_gather(report.neighbors_closing);
+    of_rank["neighbors"] = comm.all_gather(report.neighbors);
     of_rank["cells_out"] = comm.all_gather(measured.cells_here);
     json["of_rank"] = of_rank;
   }

@@ -88,12 +88,12 @@ mesh::DistMesh assemble(const par::Comm& comm, mesh::BlockMesh block, std::span<
   mesh.cell_fields = std::move(cells.field);
   number_nodes(mesh, std::move(cells.node));
   par::agree(comm, [&] { check_templates(mesh); });
-  if (contents.has_neighbours) {
+  if (contents.has_neighbors) {
     const auto owners = find_owners(comm, mesh.info.cell_ids(), mesh.cell_global, contents);
-    link_neighbours(comm, mesh, std::move(cells.neighbour), owners);
+    link_neighbors(comm, mesh, std::move(cells.neighbor), owners);
   } else {
     if (mesh.info.patches.empty()) mesh.info.patches.push_back({"boundary", "patch", ""});
-    build_neighbours(comm, mesh);
+    build_neighbors(comm, mesh);
   }
   fetch_nodes(comm, mesh, block);
   return mesh;

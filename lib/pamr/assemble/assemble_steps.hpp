@@ -14,7 +14,7 @@ namespace pamr::assemble {
 
 /// What the blocks hold, the same on every rank.
 struct Contents {
-  bool has_neighbours = false;
+  bool has_neighbors = false;
   bool has_lineage = false;
   bool has_destinations = false;
 };
@@ -31,7 +31,7 @@ std::vector<Rank> family_destinations(const par::Comm& comm, const mesh::BlockMe
 struct GlobalCells {
   std::vector<GlobalId> id;
   std::vector<std::array<GlobalId, 4>> node;
-  std::vector<std::array<GlobalId, 4>> neighbour;  ///< empty: to be built
+  std::vector<std::array<GlobalId, 4>> neighbor;  ///< empty: to be built
   std::vector<mesh::Lineage> lineage;
   std::vector<mesh::CellField> field;
 };
@@ -57,12 +57,12 @@ struct CellOwners {
 /// Collective.
 CellOwners find_owners(const par::Comm& comm, IdRange cells, const std::vector<GlobalId>& id, const Contents& contents);
 
-/// Sets `cell_to_cell` and the rank-border faces from global neighbours, whose patches must be in range. Refuses
-/// neighbours that are not reciprocal. Collective.
-void link_neighbours(const par::Comm& comm, mesh::DistMesh& mesh, std::vector<std::array<GlobalId, 4>> neighbour,
-                     const CellOwners& owners);
+/// Sets `cell_to_cell` and the rank-border faces from global neighbors, whose patches must be in range. Refuses
+/// neighbors that are not reciprocal. Collective.
+void link_neighbors(const par::Comm& comm, mesh::DistMesh& mesh, std::vector<std::array<GlobalId, 4>> neighbor,
+                    const CellOwners& owners);
 
 /// Sets them from the nodes alone; faces without a second cell get patch 0. Refuses a face in three cells. Collective.
-void build_neighbours(const par::Comm& comm, mesh::DistMesh& mesh);
+void build_neighbors(const par::Comm& comm, mesh::DistMesh& mesh);
 
 }  // namespace pamr::assemble

@@ -59,8 +59,8 @@ std::vector<mesh::CellFace> find_candidates(const mesh::DistMesh& mesh, const st
     for (int f = 0; f < 4; ++f) {
       const auto& nodes = mesh.cell_to_node[static_cast<std::size_t>(c)];
       const auto& corner = mesh::tet::face_to_corner[static_cast<std::size_t>(f)];
-      const auto neighbour = mesh.cell_to_cell[static_cast<std::size_t>(c)][static_cast<std::size_t>(f)];
-      const bool is_first = neighbour == invalid_local || neighbour > c;
+      const auto neighbor = mesh.cell_to_cell[static_cast<std::size_t>(c)][static_cast<std::size_t>(f)];
+      const bool is_first = neighbor == invalid_local || neighbor > c;
       if (is_first && std::all_of(corner.begin(), corner.end(), [&](int i) {
             return is_shared[static_cast<std::size_t>(nodes[static_cast<std::size_t>(i)])] != 0;
           }))
@@ -106,12 +106,12 @@ void match_across_ranks(const par::Comm& comm, mesh::DistMesh& mesh) {
 
 }  // namespace
 
-void build_neighbours(const par::Comm& comm, mesh::DistMesh& mesh) {
+void build_neighbors(const par::Comm& comm, mesh::DistMesh& mesh) {
   par::agree(comm, [&] { match_own(mesh); });
   if (comm.size() > 1) match_across_ranks(comm, mesh);
-  for (auto& neighbours : mesh.cell_to_cell)
-    for (auto& neighbour : neighbours)
-      if (neighbour == invalid_local) neighbour = mesh::patch_to_slot(0);
+  for (auto& neighbors : mesh.cell_to_cell)
+    for (auto& neighbor : neighbors)
+      if (neighbor == invalid_local) neighbor = mesh::patch_to_slot(0);
 }
 
 }  // namespace pamr::assemble

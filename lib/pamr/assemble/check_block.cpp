@@ -43,7 +43,7 @@ void check_sizes(const mesh::BlockMesh& block, std::span<const Rank> destination
   if (n != 0 && block.first_cell != first_cell)
     throw Error("mesh: expected the block of rank " + std::to_string(rank) + " to begin at cell " +
                 std::to_string(first_cell) + ", found " + std::to_string(block.first_cell));
-  if (contents.has_neighbours) require_size(block.cell_to_cell.size(), n, "cell_to_cell", rank);
+  if (contents.has_neighbors) require_size(block.cell_to_cell.size(), n, "cell_to_cell", rank);
   if (contents.has_lineage) require_size(block.lineage.size(), n, "lineage", rank);
   if (contents.has_destinations) require_size(destination.size(), n, "destinations", rank);
   require_size(block.node_position.size(), static_cast<std::size_t>(nodes.count()), "node block", rank);
@@ -70,16 +70,16 @@ void check_nodes(const mesh::BlockMesh& block) {
   }
 }
 
-void check_neighbours(const mesh::BlockMesh& block) {
+void check_neighbors(const mesh::BlockMesh& block) {
   const auto all = block.info.cell_ids();
   const auto n_patches = static_cast<GlobalId>(block.info.patches.size());
   for (std::size_t c = 0; c < block.cell_to_cell.size(); ++c)
     for (const auto id : block.cell_to_cell[c]) {
       if (id >= all.end())
-        throw Error("cell_to_cell, " + cell_at(block, c) + ": expected neighbours below " + std::to_string(all.end()) +
+        throw Error("cell_to_cell, " + cell_at(block, c) + ": expected neighbors below " + std::to_string(all.end()) +
                     ", found " + std::to_string(id));
       if (id >= 0 && id < all.first)
-        throw Error("cell_to_cell, " + cell_at(block, c) + ": expected neighbours from " + std::to_string(all.first) +
+        throw Error("cell_to_cell, " + cell_at(block, c) + ": expected neighbors from " + std::to_string(all.first) +
                     " on, found " + std::to_string(id));
       if (id < -n_patches)
         throw Error("cell_to_cell, " + cell_at(block, c) + ": expected one of " + std::to_string(n_patches) +
@@ -194,7 +194,7 @@ Contents check_block(const par::Comm& comm, const mesh::BlockMesh& block, std::s
                                    destination.empty() ? 0 : 1, description, -description};
   comm.max_in_place(most);
   const auto contents =
-      Contents{.has_neighbours = most[0] != 0, .has_lineage = most[1] != 0, .has_destinations = most[2] != 0};
+      Contents{.has_neighbors = most[0] != 0, .has_lineage = most[1] != 0, .has_destinations = most[2] != 0};
   const auto count = comm.all_gather(n);
   const auto first_cell =
       block.info.first_id + std::accumulate(count.begin(), count.begin() + comm.rank(), GlobalId{0});
@@ -206,7 +206,7 @@ Contents check_block(const par::Comm& comm, const mesh::BlockMesh& block, std::s
   par::agree(comm, [&] {
     check_sizes(block, destination, contents, first_cell, n_cells, nodes, comm.rank());
     check_nodes(block);
-    check_neighbours(block);
+    check_neighbors(block);
     check_lineage(block);
     for (const auto to : destination)
       if (to < 0 || to >= comm.size())

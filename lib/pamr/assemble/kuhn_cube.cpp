@@ -39,22 +39,22 @@ std::array<GlobalId, 4> path_nodes(const Grid& grid, std::array<GlobalId, 3> pos
   return node;
 }
 
-/// Neighbours opposite w0 .. w3. Leaving through the end of the path the path is shifted by one step into the next
+/// Neighbors opposite w0 .. w3. Leaving through the end of the path the path is shifted by one step into the next
 /// cube; through its middle two steps change places within the cube.
-std::array<GlobalId, 4> path_neighbours(const Grid& grid, const std::array<GlobalId, 3>& position, std::size_t order) {
+std::array<GlobalId, 4> path_neighbors(const Grid& grid, const std::array<GlobalId, 3>& position, std::size_t order) {
   const auto [a, b, c] = axis_order[order];
   const auto cell = [&](const std::array<GlobalId, 3>& p, Axes axes) {
     return 6 * grid.cube_at(p) + static_cast<GlobalId>(find_order(axes));
   };
-  std::array<GlobalId, 4> neighbour{};
+  std::array<GlobalId, 4> neighbor{};
   auto next = position, previous = position;
   ++next[a];
   --previous[c];
-  neighbour[0] = next[a] < grid.n ? cell(next, {b, c, a}) : -static_cast<GlobalId>(2 * a + 1) - 1;
-  neighbour[1] = cell(position, {b, a, c});
-  neighbour[2] = cell(position, {a, c, b});
-  neighbour[3] = previous[c] >= 0 ? cell(previous, {c, a, b}) : -static_cast<GlobalId>(2 * c) - 1;
-  return neighbour;
+  neighbor[0] = next[a] < grid.n ? cell(next, {b, c, a}) : -static_cast<GlobalId>(2 * a + 1) - 1;
+  neighbor[1] = cell(position, {b, a, c});
+  neighbor[2] = cell(position, {a, c, b});
+  neighbor[3] = previous[c] >= 0 ? cell(previous, {c, a, b}) : -static_cast<GlobalId>(2 * c) - 1;
+  return neighbor;
 }
 
 void describe_boundary(mesh::MeshInfo& info) {
@@ -91,13 +91,13 @@ mesh::BlockMesh kuhn_cube(const par::Comm& comm, int n) {
     const auto position = grid.cube_position(id / 6);
     const auto order = static_cast<std::size_t>(id % 6);
     auto nodes = path_nodes(grid, position, order);
-    auto neighbours = path_neighbours(grid, position, order);
+    auto neighbors = path_neighbors(grid, position, order);
     if (!is_even(order)) {
       std::swap(nodes[1], nodes[2]);
-      std::swap(neighbours[1], neighbours[2]);
+      std::swap(neighbors[1], neighbors[2]);
     }
     block.cell_to_node.push_back(nodes);
-    block.cell_to_cell.push_back(neighbours);
+    block.cell_to_cell.push_back(neighbors);
   }
 
   const auto nodes = par::block_range(block.info.n_global_nodes, comm.rank(), comm.size());

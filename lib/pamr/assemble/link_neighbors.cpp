@@ -59,14 +59,14 @@ void ask_owners(const par::Comm& comm, IdRange cells, const CellOwners& owners, 
   }
 }
 
-/// Own cells become local neighbours, patches slots; the faces to other ranks are returned.
-std::vector<mesh::RemoteFace> translate(mesh::DistMesh& mesh, const std::vector<std::array<GlobalId, 4>>& neighbour) {
+/// Own cells become local neighbors, patches slots; the faces to other ranks are returned.
+std::vector<mesh::RemoteFace> translate(mesh::DistMesh& mesh, const std::vector<std::array<GlobalId, 4>>& neighbor) {
   const OwnCells own(mesh.cell_global);
   std::vector<mesh::RemoteFace> remote;
-  assign_array(mesh.cell_to_cell, neighbour.size(), mesh::CellNeighbours{});
-  for (std::size_t c = 0; c < neighbour.size(); ++c)
+  assign_array(mesh.cell_to_cell, neighbor.size(), mesh::CellNeighbors{});
+  for (std::size_t c = 0; c < neighbor.size(); ++c)
     for (std::size_t f = 0; f < 4; ++f) {
-      const auto id = neighbour[c][f];
+      const auto id = neighbor[c][f];
       const auto local = id < 0 ? static_cast<LocalId>(id) : own.find(id);
       mesh.cell_to_cell[c][f] = local;
       if (local == invalid_local) remote.push_back({{static_cast<LocalId>(c), static_cast<int>(f)}, 0, id});
@@ -74,11 +74,11 @@ std::vector<mesh::RemoteFace> translate(mesh::DistMesh& mesh, const std::vector<
   return remote;
 }
 
-[[noreturn]] void refuse(GlobalId cell, GlobalId neighbour, const par::SharedKey& key) {
-  throw Error("cell_to_cell: expected the neighbours of a face to name each other, found cell " + std::to_string(cell) +
-              " with neighbour " + std::to_string(neighbour) + " across the face of nodes " + std::to_string(key[0]) +
-              " " + std::to_string(key[1]) + " " + std::to_string(key[2]) + ", where cell " +
-              std::to_string(neighbour) + " does not name cell " + std::to_string(cell));
+[[noreturn]] void refuse(GlobalId cell, GlobalId neighbor, const par::SharedKey& key) {
+  throw Error("cell_to_cell: expected the neighbors of a face to name each other, found cell " + std::to_string(cell) +
+              " with neighbor " + std::to_string(neighbor) + " across the face of nodes " + std::to_string(key[0]) +
+              " " + std::to_string(key[1]) + " " + std::to_string(key[2]) + ", where cell " + std::to_string(neighbor) +
+              " does not name cell " + std::to_string(cell));
 }
 
 bool has_node(const mesh::CellNodes& nodes, LocalId node) {
@@ -97,7 +97,7 @@ bool is_returned(const mesh::DistMesh& mesh, LocalId c, std::size_t f, LocalId d
   return false;
 }
 
-/// True when every own neighbour names its cell in turn: links up (to a cell with a larger number) are returned by as
+/// True when every own neighbor names its cell in turn: links up (to a cell with a larger number) are returned by as
 /// many different links down, and there are no more of these. Of a sound mesh this takes half of looking at both.
 bool all_returned(const mesh::DistMesh& mesh) {
   std::int64_t n_up = 0, n_down = 0;
@@ -151,8 +151,8 @@ bool border_is_returned(const par::Comm& comm, const mesh::DistMesh& mesh) {
   return is_returned;
 }
 
-/// Says which neighbours do not name each other. Collective: one sparse exchange.
-void refuse_neighbours(const par::Comm& comm, const mesh::DistMesh& mesh) {
+/// Says which neighbors do not name each other. Collective: one sparse exchange.
+void refuse_neighbors(const par::Comm& comm, const mesh::DistMesh& mesh) {
   std::vector<par::Outgoing<FaceCard>> messages;
   for (std::size_t i = 0; i < mesh.border_rank.size(); ++i) {
     auto& cards = messages.emplace_back(par::Outgoing<FaceCard>{mesh.border_rank[i], {}}).item;
@@ -176,7 +176,7 @@ void refuse_neighbours(const par::Comm& comm, const mesh::DistMesh& mesh) {
       if (std::find(arrived.rank.begin(), arrived.rank.end(), message.to) == arrived.rank.end())
         check_side(message.item, {});
   });
-  PAMR_ENSURES(false && "neighbours that are not returned are refused");
+  PAMR_ENSURES(false && "neighbors that are not returned are refused");
 }
 
 }  // namespace
@@ -198,14 +198,14 @@ CellOwners find_owners(const par::Comm& comm, IdRange cells, const std::vector<G
   return owners;
 }
 
-void link_neighbours(const par::Comm& comm, mesh::DistMesh& mesh, std::vector<std::array<GlobalId, 4>> neighbour,
-                     const CellOwners& owners) {
-  auto remote = translate(mesh, neighbour);
-  neighbour = {};
+void link_neighbors(const par::Comm& comm, mesh::DistMesh& mesh, std::vector<std::array<GlobalId, 4>> neighbor,
+                    const CellOwners& owners) {
+  auto remote = translate(mesh, neighbor);
+  neighbor = {};
   ask_owners(comm, mesh.info.cell_ids(), owners, remote);
   mesh::fill_border(comm.rank(), mesh, remote);
   const bool on_border = border_is_returned(comm, mesh);
-  if (comm.any(!on_border || !all_returned(mesh))) refuse_neighbours(comm, mesh);
+  if (comm.any(!on_border || !all_returned(mesh))) refuse_neighbors(comm, mesh);
 }
 
 }  // namespace pamr::assemble

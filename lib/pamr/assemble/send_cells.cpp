@@ -17,7 +17,7 @@ constexpr std::size_t cells_of_round = std::size_t{1} << 17U;
 struct Traveller {
   GlobalId id = 0;
   std::array<GlobalId, 4> node{};
-  std::array<GlobalId, 4> neighbour{};
+  std::array<GlobalId, 4> neighbor{};
   std::uint64_t lineage = 0;
 };
 
@@ -54,16 +54,16 @@ par::Received<T> send_groups(const par::Comm& comm, const std::vector<par::Outgo
 }
 
 void send_round(const par::Comm& comm, const GlobalCells& from, std::span<const std::size_t> cells,
-                const std::vector<Rank>& to, bool has_neighbours, GlobalCells& arrived) {
+                const std::vector<Rank>& to, bool has_neighbors, GlobalCells& arrived) {
   const auto groups = group_by_target(cells, to);
   const auto travellers = send_groups<Traveller>(comm, groups, 1, [&](std::size_t cell, std::vector<Traveller>& out) {
-    out.push_back({from.id[cell], from.node[cell], has_neighbours ? from.neighbour[cell] : std::array<GlobalId, 4>{},
+    out.push_back({from.id[cell], from.node[cell], has_neighbors ? from.neighbor[cell] : std::array<GlobalId, 4>{},
                    from.lineage[cell].bits()});
   });
   for (const auto& cell : travellers.item) {
     arrived.id.push_back(cell.id);
     arrived.node.push_back(cell.node);
-    if (has_neighbours) arrived.neighbour.push_back(cell.neighbour);
+    if (has_neighbors) arrived.neighbor.push_back(cell.neighbor);
     arrived.lineage.push_back(mesh::Lineage(static_cast<std::uint32_t>(cell.lineage)));
   }
   for (std::size_t f = 0; f < from.field.size(); ++f)
@@ -82,10 +82,10 @@ void send_round(const par::Comm& comm, const GlobalCells& from, std::span<const 
 
 /// Calls `change(array, width)` for every array of the cells.
 template <class Change>
-void for_each_array(GlobalCells& cells, bool has_neighbours, Change change) {
+void for_each_array(GlobalCells& cells, bool has_neighbors, Change change) {
   change(cells.id, 1);
   change(cells.node, 1);
-  if (has_neighbours) change(cells.neighbour, 1);
+  if (has_neighbors) change(cells.neighbor, 1);
   change(cells.lineage, 1);
   for (auto& field : cells.field)
     std::visit([&](auto& values) { change(values, static_cast<std::size_t>(field.n_components)); }, field.value);
@@ -121,7 +121,7 @@ std::vector<std::size_t> order_by_number(const std::vector<GlobalId>& old_id, co
 }
 
 /// Drops the departed cells, adds the arrived ones and puts all in ascending order.
-void merge(GlobalCells& cells, GlobalCells arrived, const std::vector<Rank>& to, Rank here, bool has_neighbours) {
+void merge(GlobalCells& cells, GlobalCells arrived, const std::vector<Rank>& to, Rank here, bool has_neighbors) {
   const auto order = order_by_number(cells.id, arrived.id, to, here);
   const auto append = [&](auto& mine, auto& theirs) {
     mine.insert(mine.end(), theirs.begin(), theirs.end());
@@ -129,13 +129,13 @@ void merge(GlobalCells& cells, GlobalCells arrived, const std::vector<Rank>& to,
   };
   append(cells.id, arrived.id);
   append(cells.node, arrived.node);
-  append(cells.neighbour, arrived.neighbour);
+  append(cells.neighbor, arrived.neighbor);
   append(cells.lineage, arrived.lineage);
   for (std::size_t f = 0; f < cells.field.size(); ++f)
     std::visit(
         [&]<class T>(std::vector<T>& values) { append(values, std::get<std::vector<T>>(arrived.field[f].value)); },
         cells.field[f].value);
-  for_each_array(cells, has_neighbours, [&](auto& rows, std::size_t width) { select_rows(rows, width, order); });
+  for_each_array(cells, has_neighbors, [&](auto& rows, std::size_t width) { select_rows(rows, width, order); });
 }
 
 }  // namespace
@@ -144,7 +144,7 @@ GlobalCells take_cells(mesh::BlockMesh& block, const Contents& contents) {
   GlobalCells cells;
   const auto n = block.cell_to_node.size();
   cells.node = std::exchange(block.cell_to_node, {});
-  cells.neighbour = std::exchange(block.cell_to_cell, {});
+  cells.neighbor = std::exchange(block.cell_to_cell, {});
   cells.lineage = std::exchange(block.lineage, {});
   if (!contents.has_lineage) cells.lineage.resize(n);
   cells.field = std::exchange(block.cell_fields, {});
@@ -167,9 +167,9 @@ void exchange_cells(const par::Comm& comm, GlobalCells& cells, const std::vector
     const auto begin = std::min(round * cells_of_round, departing.size());
     const auto end = std::min(begin + cells_of_round, departing.size());
     send_round(comm, cells, std::span<const std::size_t>(departing).subspan(begin, end - begin), to,
-               contents.has_neighbours, arrived);
+               contents.has_neighbors, arrived);
   }
-  merge(cells, std::move(arrived), to, comm.rank(), contents.has_neighbours);
+  merge(cells, std::move(arrived), to, comm.rank(), contents.has_neighbors);
 }
 
 GlobalCells send_cells(const par::Comm& comm, mesh::BlockMesh& block, std::vector<Rank> to, const Contents& contents) {

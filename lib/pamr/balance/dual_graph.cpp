@@ -134,20 +134,20 @@ DualGraph build_dual_graph(const par::Comm& comm, const mesh::DistMesh& mesh, co
     const auto begin = graph.arc_begin.back();
     for (const auto cell : groups.cells(v)) {
       graph.weight[v] += cell_weight[at(cell)];
-      for (const auto neighbour : mesh.cell_to_cell[at(cell)]) {
-        if (neighbour < 0) continue;
-        const auto ghost = mesh.is_ghost(neighbour) ? ghosts.place(beyond[at(neighbour - mesh.n_cells())]) : 0;
-        const auto other = mesh.is_ghost(neighbour) ? n + ghost : at(cell_to_group[at(neighbour)]);
+      for (const auto neighbor : mesh.cell_to_cell[at(cell)]) {
+        if (neighbor < 0) continue;
+        const auto ghost = mesh.is_ghost(neighbor) ? ghosts.place(beyond[at(neighbor - mesh.n_cells())]) : 0;
+        const auto other = mesh.is_ghost(neighbor) ? n + ghost : at(cell_to_group[at(neighbor)]);
         if (other == v) continue;
         if (arc_to[other] < begin) {
-          arc_to[other] = static_cast<std::int64_t>(graph.neighbour.size());
-          graph.neighbour.push_back(other < n ? graph.first_vertex + static_cast<GlobalId>(other) : ghosts.id(ghost));
+          arc_to[other] = static_cast<std::int64_t>(graph.neighbor.size());
+          graph.neighbor.push_back(other < n ? graph.first_vertex + static_cast<GlobalId>(other) : ghosts.id(ghost));
           graph.n_faces.push_back(0);
         }
         ++graph.n_faces[at(arc_to[other])];
       }
     }
-    graph.arc_begin.push_back(static_cast<std::int64_t>(graph.neighbour.size()));
+    graph.arc_begin.push_back(static_cast<std::int64_t>(graph.neighbor.size()));
   }
   return graph;
 }

@@ -33,25 +33,25 @@ Groups group_by_weight(const mesh::DistMesh& mesh, std::span<const std::int64_t>
 
 /// The graph whose vertices are groups of cells and whose arcs are pairs of groups that share faces, distributed as the
 /// cells are. Vertices are numbered over the ranks, rank after rank: local vertex `i` is `first_vertex + i`. Parallel
-/// arcs are merged; every arc is listed at both ends with the same weight; a vertex is not its own neighbour.
+/// arcs are merged; every arc is listed at both ends with the same weight; a vertex is not its own neighbor.
 struct DualGraph {
   GlobalId first_vertex = 0;
   GlobalId n_global_vertices = 0;
   std::vector<std::int64_t> weight;     ///< n_vertices: sum over the cells
   std::vector<std::int64_t> arc_begin;  ///< n_vertices + 1
-  std::vector<GlobalId> neighbour;      ///< arcs of vertex i: arc_begin[i] .. arc_begin[i+1]
+  std::vector<GlobalId> neighbor;       ///< arcs of vertex i: arc_begin[i] .. arc_begin[i+1]
   std::vector<std::int64_t> n_faces;    ///< of each arc
 
   std::size_t n_vertices() const { return weight.size(); }
 };
 
-/// Builds it. Collective: one exclusive sum, one sum, one neighbour exchange of 8 bytes a rank-border face. Order of
+/// Builds it. Collective: one exclusive sum, one sum, one neighbor exchange of 8 bytes a rank-border face. Order of
 /// the arcs: as the faces are met. Cost: O(cells) time, 8 bytes a cell besides the result.
 DualGraph build_dual_graph(const par::Comm& comm, const mesh::DistMesh& mesh, const Groups& groups,
                            std::span<const std::int64_t> cell_weight);
 
 /// What the other side of each rank-border face says, for one value a cell given by `of_cell`. Collective over the
-/// neighbours: one message to each.
+/// neighbors: one message to each.
 template <class T>
 std::vector<T> swap_over_faces(const par::Comm& comm, const mesh::DistMesh& mesh, std::span<const T> of_cell);
 

@@ -120,9 +120,9 @@ LocalId find_cell(const mesh::DistMesh& mesh, GlobalId global) {
   return static_cast<LocalId>(found - mesh.cell_global.begin());
 }
 
-/// Neighbours of the joined mesh, which has its cells and nodes already. Returns the faces to other ranks.
-std::vector<mesh::RemoteFace> join_neighbours(Rank here, const std::vector<Piece>& pieces,
-                                              const std::vector<Source>& order, mesh::DistMesh& mesh) {
+/// Neighbors of the joined mesh, which has its cells and nodes already. Returns the faces to other ranks.
+std::vector<mesh::RemoteFace> join_neighbors(Rank here, const std::vector<Piece>& pieces,
+                                             const std::vector<Source>& order, mesh::DistMesh& mesh) {
   std::vector<std::vector<LocalId>> to_new;
   for (const auto& piece : pieces) to_new.emplace_back(piece.mesh.cell_to_cell.size());
   for (std::size_t c = 0; c < order.size(); ++c) to_new[order[c].piece][at(order[c].cell)] = static_cast<LocalId>(c);
@@ -183,7 +183,7 @@ mesh::DistMesh join_pieces(Rank here, std::vector<Piece> pieces, std::vector<std
   if (std::any_of(pieces.begin(), pieces.end(), [](const Piece& p) { return !p.cell_byte.empty(); }))
     cell_byte = gather(
         pieces, order, 1, [](Piece & p) -> auto& { return p.cell_byte; });
-  const auto border = join_neighbours(here, pieces, order, mesh);
+  const auto border = join_neighbors(here, pieces, order, mesh);
   pieces = {};
   mesh::fill_border(here, mesh, border);
   return mesh;

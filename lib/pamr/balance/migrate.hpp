@@ -11,12 +11,12 @@
 namespace pamr::balance {
 
 /// The same mesh with every cell on the rank that `destination` names: `destination[i]` is the new rank of this rank's
-/// cell `i`. Cells take along their nodes, neighbours, patches, lineage, all node and cell fields and, when given, one
+/// cell `i`. Cells take along their nodes, neighbors, patches, lineage, all node and cell fields and, when given, one
 /// byte each (`cell_byte`: n_cells values before, one for each new cell after). Members of a whole closure family have
 /// the same destination.
 ///
-/// Collective: one neighbour exchange of 4 bytes a border face (where the cells behind it go), then one sparse exchange
-/// for each 2^18 cells that the busiest rank sends; cells that stay are not sent, and neighbours are linked without any
+/// Collective: one neighbor exchange of 4 bytes a border face (where the cells behind it go), then one sparse exchange
+/// for each 2^18 cells that the busiest rank sends; cells that stay are not sent, and neighbors are linked without any
 /// directory. Result: a valid mesh if `mesh` was, in the form that `assemble::assemble` gives (cells ascending, nodes
 /// in order of first use, border faces in the order of their nodes); where nothing moves anywhere, `mesh` as it is.
 /// Throws `Error` on every rank for a destination that is no rank, families torn apart, or lists of the wrong length.

@@ -24,7 +24,7 @@ constexpr std::int64_t least_vertices_per_part = 8;
 
 struct PartPair {
   Rank of = 0;
-  Rank neighbour = 0;
+  Rank neighbor = 0;
   friend auto operator<=>(const PartPair&, const PartPair&) = default;
 };
 
@@ -40,9 +40,9 @@ std::int64_t for_each_cut_face(const par::Comm& comm, const mesh::DistMesh& mesh
   const auto beyond = swap_over_faces<Rank>(comm, mesh, part);
   std::int64_t n_sides = 0;
   for (std::size_t c = 0; c < part.size(); ++c)
-    for (const auto neighbour : mesh.cell_to_cell[c]) {
-      if (neighbour < 0) continue;
-      const auto other = mesh.is_ghost(neighbour) ? beyond[at(neighbour - mesh.n_cells())] : part[at(neighbour)];
+    for (const auto neighbor : mesh.cell_to_cell[c]) {
+      if (neighbor < 0) continue;
+      const auto other = mesh.is_ghost(neighbor) ? beyond[at(neighbor - mesh.n_cells())] : part[at(neighbor)];
       if (other == part[c]) continue;
       ++n_sides;
       visit(PartPair{part[c], other});
@@ -50,8 +50,8 @@ std::int64_t for_each_cut_face(const par::Comm& comm, const mesh::DistMesh& mesh
   return comm.sum(n_sides) / 2;
 }
 
-/// Counts the neighbours of the parts from the pairs that each rank sees. Collective.
-void count_neighbours(const par::Comm& comm, std::vector<PartPair> pairs, Rank n_parts, Quality& quality) {
+/// Counts the neighbors of the parts from the pairs that each rank sees. Collective.
+void count_neighbors(const par::Comm& comm, std::vector<PartPair> pairs, Rank n_parts, Quality& quality) {
   sort_and_unique(pairs);
   std::vector<par::Outgoing<PartPair>> messages;
   for (const auto& pair : pairs) {
@@ -66,8 +66,8 @@ void count_neighbours(const par::Comm& comm, std::vector<PartPair> pairs, Rank n
     run = i > 0 && pairs[i].of == pairs[i - 1].of ? run + 1 : 1;
     most = std::max(most, run);
   }
-  quality.max_neighbours = comm.max(most);
-  quality.mean_neighbours =
+  quality.max_neighbors = comm.max(most);
+  quality.mean_neighbors =
       static_cast<double>(comm.sum(static_cast<std::int64_t>(pairs.size()))) / static_cast<double>(n_parts);
 }
 
@@ -201,7 +201,7 @@ Quality measure(const par::Comm& comm, const mesh::DistMesh& mesh, std::span<con
   quality.edge_cut = for_each_cut_face(comm, mesh, part, [&](PartPair pair) {
     if (pairs.empty() || pairs.back() != pair) pairs.push_back(pair);
   });
-  count_neighbours(comm, std::move(pairs), n_parts, quality);
+  count_neighbors(comm, std::move(pairs), n_parts, quality);
   const auto part_weight = weigh(comm, weight, part, n_parts);
   quality.imbalance = imbalance_of(part_weight);
   quality.empty_parts = std::count(part_weight.begin(), part_weight.end(), 0);
@@ -210,12 +210,12 @@ Quality measure(const par::Comm& comm, const mesh::DistMesh& mesh, std::span<con
 
 Quality measure_ranks(const par::Comm& comm, const mesh::DistMesh& mesh, std::int64_t weight_here) {
   const auto of_rank = comm.all_gather(weight_here);
-  const auto n_neighbours = static_cast<std::int64_t>(mesh.border_rank.size());
+  const auto n_neighbors = static_cast<std::int64_t>(mesh.border_rank.size());
   Quality quality;
   quality.imbalance = imbalance_of(of_rank);
   quality.edge_cut = comm.sum(static_cast<std::int64_t>(mesh.border_face.size())) / 2;
-  quality.max_neighbours = comm.max(n_neighbours);
-  quality.mean_neighbours = static_cast<double>(comm.sum(n_neighbours)) / static_cast<double>(comm.size());
+  quality.max_neighbors = comm.max(n_neighbors);
+  quality.mean_neighbors = static_cast<double>(comm.sum(n_neighbors)) / static_cast<double>(comm.size());
   quality.empty_parts = std::count(of_rank.begin(), of_rank.end(), 0);
   return quality;
 }

@@ -17,7 +17,7 @@ namespace pamr::balance {
 /// How the cells are spread.
 enum class Method : std::uint8_t {
   none,    ///< they stay where they are
-  scotch,  ///< PT-Scotch on the graph of cell neighbours: few faces between parts
+  scotch,  ///< PT-Scotch on the graph of cell neighbors: few faces between parts
   blocks,  ///< runs of cells in global order: cheap, as good as that order is local
   best,    ///< runs where these cut few faces, else PT-Scotch: for meshes that are soon written in global order
 };
@@ -48,14 +48,14 @@ struct Options {
 
 /// How good a distribution of cells over parts is. The same on every rank.
 struct Quality {
-  double imbalance = 1;             ///< greatest weight of a part / mean
-  std::int64_t edge_cut = 0;        ///< faces between cells of different parts
-  std::int64_t max_neighbours = 0;  ///< parts that share a face with one part: the most
-  double mean_neighbours = 0;       ///< mean of the same
-  std::int64_t empty_parts = 0;     ///< parts without cells
+  double imbalance = 1;            ///< greatest weight of a part / mean
+  std::int64_t edge_cut = 0;       ///< faces between cells of different parts
+  std::int64_t max_neighbors = 0;  ///< parts that share a face with one part: the most
+  double mean_neighbors = 0;       ///< mean of the same
+  std::int64_t empty_parts = 0;    ///< parts without cells
 };
 
-/// Looks at `part` (0 .. n_parts-1), the part of each of this rank's cells. Collective: one neighbour exchange, one
+/// Looks at `part` (0 .. n_parts-1), the part of each of this rank's cells. Collective: one neighbor exchange, one
 /// sparse exchange of 8 bytes a pair of adjacent parts that a rank sees, reductions of n_parts integers.
 Quality measure(const par::Comm& comm, const mesh::DistMesh& mesh, std::span<const std::int64_t> weight,
                 std::span<const Rank> part, Rank n_parts);

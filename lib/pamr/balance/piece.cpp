@@ -74,7 +74,7 @@ PieceCutter::PieceCutter(const mesh::DistMesh& mesh, std::span<const Rank> desti
       cell_to_piece_(at(mesh.n_cells()), invalid_local),
       node_to_piece_(at(mesh.n_nodes()), invalid_local) {}
 
-void PieceCutter::cut_neighbours(std::span<const LocalId> cells, Piece& piece) {
+void PieceCutter::cut_neighbors(std::span<const LocalId> cells, Piece& piece) {
   auto& out = piece.mesh;
   for (std::size_t i = 0; i < cells.size(); ++i) cell_to_piece_[at(cells[i])] = static_cast<LocalId>(i);
   const auto n = static_cast<LocalId>(cells.size());
@@ -127,7 +127,7 @@ void PieceCutter::cut_nodes(std::span<const LocalId> cells, Piece& piece) {
 
 Piece PieceCutter::cut(std::span<const LocalId> cells) {
   Piece piece;
-  cut_neighbours(cells, piece);
+  cut_neighbors(cells, piece);
   cut_nodes(cells, piece);
   auto& out = piece.mesh;
   out.cell_global.reserve(cells.size());

@@ -11,7 +11,7 @@
 /// Parts of a rank's mesh on their way. Private to `migrate`.
 namespace pamr::balance {
 
-/// Some cells of a mesh with the nodes they use, as a little mesh: a neighbour slot holds a cell of the piece, a ghost
+/// Some cells of a mesh with the nodes they use, as a little mesh: a neighbor slot holds a cell of the piece, a ghost
 /// (n_cells + k: cell `ghost_global[k]`, which goes to rank `ghost_to[k]`) or a boundary patch. The lists of border
 /// ranks and faces are empty.
 struct Piece {
@@ -30,7 +30,7 @@ class PieceCutter {
   Piece cut(std::span<const LocalId> cells);
 
  private:
-  void cut_neighbours(std::span<const LocalId> cells, Piece& piece);
+  void cut_neighbors(std::span<const LocalId> cells, Piece& piece);
   void cut_nodes(std::span<const LocalId> cells, Piece& piece);
 
   const mesh::DistMesh* mesh_;

@@ -133,10 +133,10 @@ std::vector<Rank> scotch_partition(const par::Comm& comm, const DualGraph& graph
   require_success(comm, plain.code() + bound.code(), "SCOTCH_dgraphInit");
   Pointers pointer;
   const auto n = static_cast<SCOTCH_Num>(graph.n_vertices());
-  const auto n_arcs = static_cast<SCOTCH_Num>(graph.neighbour.size());
+  const auto n_arcs = static_cast<SCOTCH_Num>(graph.neighbor.size());
   const auto build = [&] {
     return SCOTCH_dgraphBuild(plain.get(), 0, n, n, pointer(graph.arc_begin), nullptr, pointer(graph.weight), nullptr,
-                              n_arcs, n_arcs, pointer(graph.neighbour), nullptr, pointer(graph.n_faces));
+                              n_arcs, n_arcs, pointer(graph.neighbor), nullptr, pointer(graph.n_faces));
   };
   require_success(comm, comm.in_library(build), "SCOTCH_dgraphBuild");
   require_success(comm, SCOTCH_contextBindDgraph(context.get(), plain.get(), bound.get()), "SCOTCH_contextBindDgraph");

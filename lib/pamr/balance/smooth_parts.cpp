@@ -50,8 +50,8 @@ class Smoother {
     for (std::size_t i = 0; i < mesh.border_rank.size(); ++i)
       ghost_rank_.resize(mesh.border_offset[i + 1], mesh.border_rank[i]);
     for (std::size_t c = 0; c < part.size(); ++c)
-      for (const auto neighbour : mesh.cell_to_cell[c])
-        if (mesh.is_ghost(neighbour) || (neighbour >= 0 && part[at(neighbour)] != part[c])) {
+      for (const auto neighbor : mesh.cell_to_cell[c])
+        if (mesh.is_ghost(neighbor) || (neighbor >= 0 && part[at(neighbor)] != part[c])) {
           list(static_cast<LocalId>(c));
           break;
         }
@@ -70,11 +70,11 @@ class Smoother {
       const auto gain = move(first, size, beyond, lower_rank_moves, room);
       saved += gain;
       for (auto c = first; c < first + size; ++c)
-        for (const auto neighbour : mesh_.cell_to_cell[at(c)])
-          if (mesh_.is_ghost(neighbour))
+        for (const auto neighbor : mesh_.cell_to_cell[at(c)])
+          if (mesh_.is_ghost(neighbor))
             list(c);
-          else if (neighbour >= 0 && gain > 0)
-            list(neighbour);
+          else if (neighbor >= 0 && gain > 0)
+            list(neighbor);
     }
     return saved;
   }
@@ -91,8 +91,8 @@ class Smoother {
     is_listed_[at(first)] = 1;
     listed_.push_back(first);
   }
-  Rank part_behind(LocalId neighbour, std::span<const Rank> beyond) const {
-    return mesh_.is_ghost(neighbour) ? beyond[at(neighbour - mesh_.n_cells())] : part_[at(neighbour)];
+  Rank part_behind(LocalId neighbor, std::span<const Rank> beyond) const {
+    return mesh_.is_ghost(neighbor) ? beyond[at(neighbor - mesh_.n_cells())] : part_[at(neighbor)];
   }
 
   std::int64_t move(LocalId first, LocalId size, std::span<const Rank> beyond, bool lower_rank_moves,
@@ -101,11 +101,11 @@ class Smoother {
     std::int64_t weight = 0;
     for (auto c = first; c < first + size; ++c) {
       weight += weight_[at(c)];
-      for (const auto neighbour : mesh_.cell_to_cell[at(c)]) {
-        if (neighbour < 0 || (neighbour >= first && neighbour < first + size)) continue;
-        if (mesh_.is_ghost(neighbour) && (ghost_rank_[at(neighbour - mesh_.n_cells())] > here_) != lower_rank_moves)
+      for (const auto neighbor : mesh_.cell_to_cell[at(c)]) {
+        if (neighbor < 0 || (neighbor >= first && neighbor < first + size)) continue;
+        if (mesh_.is_ghost(neighbor) && (ghost_rank_[at(neighbor - mesh_.n_cells())] > here_) != lower_rank_moves)
           return 0;
-        faces.add(part_behind(neighbour, beyond));
+        faces.add(part_behind(neighbor, beyond));
       }
     }
     const auto own = part_[at(first)];

@@ -18,7 +18,7 @@ std::vector<T> swap_over_faces(const par::Comm& comm, const mesh::DistMesh& mesh
     send.push_back(std::as_bytes(std::span<const T>(mine).subspan(begin, count)));
     receive.push_back(std::as_writable_bytes(std::span<T>(theirs).subspan(begin, count)));
   }
-  comm.neighbour_exchange(mesh.border_rank, send, receive);
+  comm.neighbor_exchange(mesh.border_rank, send, receive);
   return theirs;
 }
 

@@ -124,7 +124,7 @@ Rows node_rows(const mesh::DistMesh& mesh, const std::vector<GlobalId>& match, c
   return rows;
 }
 
-/// Columns: the patch across from each corner, corners in the order of the keys (0: a neighbour); kind, level and state
+/// Columns: the patch across from each corner, corners in the order of the keys (0: a neighbor); kind, level and state
 /// of the family; fields.
 Rows cell_rows(const mesh::DistMesh& mesh, const std::vector<GlobalId>& match,
                const std::vector<std::int64_t>& patch_words, const FieldPlan& plan, FieldOf side) {

@@ -57,14 +57,14 @@ QualityReport report_quality(const par::Comm& comm, const mesh::DistMesh& mesh, 
                              const QualityOptions& options) {
   constexpr std::array<std::string_view, 6> conformity{"ids_in_range", "unique_cells",   "distinct_corners",
                                                        "conforming",   "border_matches", "boundary_manifold"};
-  constexpr std::array<std::string_view, 5> consistency{"ids_in_range", "patches_in_range", "neighbours_reciprocal",
+  constexpr std::array<std::string_view, 5> consistency{"ids_in_range", "patches_in_range", "neighbors_reciprocal",
                                                         "conforming", "border_matches"};
   QualityReport report;
   report.cells = mesh.info.n_global_cells;
   report.nodes = mesh.info.n_global_nodes;
   report.violations = validate::validate(comm, mesh);
   report.conforming = !is_broken(report.violations, conformity);
-  report.neighbours_consistent = !is_broken(report.violations, consistency);
+  report.neighbors_consistent = !is_broken(report.violations, consistency);
   measure_volume(comm, mesh, report);
   report.bounding_box_diagonal = bounding_box_diagonal(comm, mesh);
   report.patches = measure_patches(comm, mesh, surfaces, options.off_surface_tolerance * report.bounding_box_diagonal);

@@ -27,8 +27,8 @@ struct QualityReport {
   std::vector<PatchReport> patches;
   std::int64_t inverted_cells = 0;  ///< volume not positive by exact arithmetic, or corners that are not finite
   bool conforming = false;          ///< every inner face in exactly two cells, the boundary closed and manifold
-  bool neighbours_consistent =
-      false;  ///< neighbours name each other across the same nodes, from opposite sides; other faces in a patch
+  bool neighbors_consistent =
+      false;  ///< neighbors name each other across the same nodes, from opposite sides; other faces in a patch
   std::vector<validate::Violation> violations;  ///< of all invariants; empty: the mesh is valid
   std::vector<MetricReport> metrics;
   std::vector<std::int64_t> cells_of_level;  ///< cells whose base cell has level 0, 1, ...

@@ -65,7 +65,7 @@ nlohmann::json to_json(const check::QualityReport& report) {
                       {"bounding_box_diagonal", report.bounding_box_diagonal},
                       {"inverted_cells", report.inverted_cells},
                       {"conforming", report.conforming},
-                      {"neighbours_consistent", report.neighbours_consistent},
+                      {"neighbors_consistent", report.neighbors_consistent},
                       {"valid", report.is_valid()},
                       {"cells_of_level", report.cells_of_level},
                       {"closure_cells", report.closure_cells},

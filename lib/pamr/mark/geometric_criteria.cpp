@@ -54,7 +54,7 @@ Indicator crossing_sphere(const mesh::DistMesh& mesh, const Sphere& sphere) {
   return cells_where(mesh, [&](LocalId cell) {
     double least = std::numeric_limits<double>::infinity(), greatest = 0;
     for (const auto corner : mesh.points(cell)) {
-      const double distance = geometry::norm(corner - sphere.centre);
+      const double distance = geometry::norm(corner - sphere.center);
       least = std::min(least, distance);
       greatest = std::max(greatest, distance);
     }
@@ -64,7 +64,7 @@ Indicator crossing_sphere(const mesh::DistMesh& mesh, const Sphere& sphere) {
 
 Indicator centroid_in_shell(const mesh::DistMesh& mesh, const Sphere& sphere, double width) {
   return cells_where(mesh, [&](LocalId cell) {
-    return std::abs(geometry::norm(centroid(mesh, cell) - sphere.centre) - sphere.radius) < width;
+    return std::abs(geometry::norm(centroid(mesh, cell) - sphere.center) - sphere.radius) < width;
   });
 }
 
@@ -79,8 +79,8 @@ Indicator near_patch(const par::Comm& comm, const mesh::DistMesh& mesh, std::str
   const LocalId slot = mesh::patch_to_slot(find_patch(mesh, patch));
   if (layers < 1) throw Error("expected at least 1 layer of cells, found " + std::to_string(layers));
   auto indicator = cells_where(mesh, [&](LocalId cell) {
-    const auto& neighbours = mesh.cell_to_cell[static_cast<std::size_t>(cell)];
-    return std::find(neighbours.begin(), neighbours.end(), slot) != neighbours.end();
+    const auto& neighbors = mesh.cell_to_cell[static_cast<std::size_t>(cell)];
+    return std::find(neighbors.begin(), neighbors.end(), slot) != neighbors.end();
   });
   if (layers == 1) return indicator;
 

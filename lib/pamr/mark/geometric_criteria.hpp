@@ -15,14 +15,14 @@ namespace pamr::mark {
 Indicator all_cells(const mesh::DistMesh& mesh);
 
 struct Sphere {
-  geometry::Vec3 centre;
+  geometry::Vec3 center;
   double radius = 0;
 };
 
-/// Cells that a sphere passes through: least distance of a corner from the centre < radius < greatest. Local.
+/// Cells that a sphere passes through: least distance of a corner from the center < radius < greatest. Local.
 Indicator crossing_sphere(const mesh::DistMesh& mesh, const Sphere& sphere);
 
-/// Cells whose centroid is nearer to a sphere than `width`: |distance from the centre - radius| < width. Local.
+/// Cells whose centroid is nearer to a sphere than `width`: |distance from the center - radius| < width. Local.
 Indicator centroid_in_shell(const mesh::DistMesh& mesh, const Sphere& sphere, double width);
 
 /// Cells whose centroid lies in the closed box between two corners. Local.

@@ -131,27 +131,27 @@ Edges find_edges(const DistMesh& mesh, std::span<const std::uint8_t> place) {
   return edges;
 }
 
-/// A slot of the pattern of nodes and the neighbour that it belongs to, both counted from 0.
+/// A slot of the pattern of nodes and the neighbor that it belongs to, both counted from 0.
 struct SharedNode {
-  std::uint32_t neighbour = 0;
+  std::uint32_t neighbor = 0;
   std::uint32_t slot = 0;
 };
 
-/// An edge of this rank whose two nodes a neighbour has too, in slots of that neighbour's; kept by the smaller slot.
+/// An edge of this rank whose two nodes a neighbor has too, in slots of that neighbor's; kept by the smaller slot.
 struct Candidate {
   std::uint32_t larger_slot = 0;
   LocalId edge = 0;
 };
 
-/// Calls `put(smaller slot, candidate)` for every edge and every neighbour that has both nodes.
+/// Calls `put(smaller slot, candidate)` for every edge and every neighbor that has both nodes.
 template <class Put>
 void for_each_candidate(const Edges& edges, const Buckets<SharedNode>& shared, Put&& put) {
   for (std::size_t i = 0; i < edges.ends.size(); ++i) {
     const auto a = shared.of(at(edges.ends[i][0])), b = shared.of(at(edges.ends[i][1]));
     for (std::size_t k = 0, l = 0; k < a.size() && l < b.size();) {
-      if (a[k].neighbour == b[l].neighbour)
+      if (a[k].neighbor == b[l].neighbor)
         put(at(std::min(a[k].slot, b[l].slot)), Candidate{std::max(a[k].slot, b[l].slot), static_cast<LocalId>(i)});
-      const bool next_a = a[k].neighbour <= b[l].neighbour, next_b = b[l].neighbour <= a[k].neighbour;
+      const bool next_a = a[k].neighbor <= b[l].neighbor, next_b = b[l].neighbor <= a[k].neighbor;
       k += next_a ? 1 : 0;
       l += next_b ? 1 : 0;
     }
@@ -171,7 +171,7 @@ par::Pattern share_edges(const par::Comm& comm, const DistMesh& mesh, const Edge
     insertion_sort(candidates.of(slot),
                    [](const Candidate& x, const Candidate& y) { return x.larger_slot < y.larger_slot; });
 
-  using Word = std::uint64_t;  // both slots, counted from the neighbour's first
+  using Word = std::uint64_t;  // both slots, counted from the neighbor's first
   std::vector<par::Outgoing<Word>> messages;
   for (std::size_t i = 0; i < nodes.rank.size(); ++i) {
     const auto first = nodes.offset[i];

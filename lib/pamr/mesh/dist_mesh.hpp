@@ -18,7 +18,7 @@
 namespace pamr::mesh {
 
 using CellNodes = std::array<LocalId, 4>;
-using CellNeighbours = std::array<LocalId, 4>;
+using CellNeighbors = std::array<LocalId, 4>;
 
 /// A named part of the boundary. `surface` names an entry of the mesh's surfaces; empty: nothing to project onto.
 struct Patch {
@@ -72,7 +72,7 @@ struct CellFace {
 
 /// One rank's part of a tetrahedral mesh: structures of arrays, 32-bit local and 64-bit global ids, no edges.
 ///
-/// Cells are all owned and ascend in global id; closure families are whole and contiguous. A neighbour slot holds an
+/// Cells are all owned and ascend in global id; closure families are whole and contiguous. A neighbor slot holds an
 /// owned cell (0 .. n_cells-1), a face ghost (n_cells + k: rank-border face k, whose other cell is `ghost_global[k]` on
 /// another rank) or a boundary patch (-(patch+1)). Rank-border faces are grouped by rank, ranks ascending, and listed
 /// in the same order on both sides. Nodes on a rank border are held by every rank that has a cell at them, with equal
@@ -83,10 +83,10 @@ struct DistMesh {
   std::vector<geometry::Vec3> node_position;  ///< n_nodes, length unit
   std::vector<GlobalId> node_global;          ///< n_nodes
 
-  std::vector<CellNodes> cell_to_node;       ///< n_cells x 4, local ids
-  std::vector<CellNeighbours> cell_to_cell;  ///< n_cells x 4, see above
-  std::vector<GlobalId> cell_global;         ///< n_cells, ascending
-  std::vector<Lineage> lineage;              ///< n_cells
+  std::vector<CellNodes> cell_to_node;      ///< n_cells x 4, local ids
+  std::vector<CellNeighbors> cell_to_cell;  ///< n_cells x 4, see above
+  std::vector<GlobalId> cell_global;        ///< n_cells, ascending
+  std::vector<Lineage> lineage;             ///< n_cells
 
   std::vector<Rank> border_rank;  ///< ranks that share a face with this one, ascending
   std::vector<std::size_t> border_offset{
@@ -99,8 +99,8 @@ struct DistMesh {
 
   LocalId n_nodes() const { return static_cast<LocalId>(node_position.size()); }
   LocalId n_cells() const { return static_cast<LocalId>(cell_to_node.size()); }
-  bool is_own(LocalId neighbour) const { return neighbour >= 0 && neighbour < n_cells(); }
-  bool is_ghost(LocalId neighbour) const { return neighbour >= n_cells(); }
+  bool is_own(LocalId neighbor) const { return neighbor >= 0 && neighbor < n_cells(); }
+  bool is_ghost(LocalId neighbor) const { return neighbor >= n_cells(); }
 
   geometry::TetPoints points(LocalId cell) const {
     const auto& n = cell_to_node[static_cast<std::size_t>(cell)];

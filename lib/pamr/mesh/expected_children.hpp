@@ -19,7 +19,7 @@ inline std::string work_field(const std::string& marks_field) { return marks_fie
 /// block, else 1. Good enough to share a mesh out before it is put together (within 5 % on 16 ranks, 20 % on 64, for
 /// the cone of tests/bench/scaling.sh); what it becomes exactly is known after `refine::close` only.
 /// `cell_to_node`: n x 4, the lower halves of the node numbers; `marks`: n values, 1 for a marked cell. A hashed bit
-/// for each node, so a few cells in a hundred may be taken for neighbours of marked ones that are none. Local. Memory:
+/// for each node, so a few cells in a hundred may be taken for neighbors of marked ones that are none. Local. Memory:
 /// 2 bytes a cell and a bit a node.
 std::vector<std::uint8_t> expected_children(std::span<const std::array<std::uint32_t, 4>> cell_to_node,
                                             std::span<const std::uint8_t> marks);

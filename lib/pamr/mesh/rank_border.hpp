@@ -14,7 +14,7 @@ struct RemoteFace {
   GlobalId other = 0;  ///< that cell
 };
 
-/// Fills the rank-border arrays of a mesh and the neighbour slots of these faces, in an order that the other sides find
+/// Fills the rank-border arrays of a mesh and the neighbor slots of these faces, in an order that the other sides find
 /// as well when they have the same faces. The arrays are empty before; cells and nodes are there. `here`: this rank.
 /// Local.
 void fill_border(Rank here, DistMesh& mesh, const std::vector<RemoteFace>& remote);

@@ -9,7 +9,7 @@
 
 namespace pamr::mesh {
 
-/// Where a walk round an edge ended: nowhere (`is_closed`), or at two neighbour slots that are no own cells (patches or
+/// Where a walk round an edge ended: nowhere (`is_closed`), or at two neighbor slots that are no own cells (patches or
 /// face ghosts).
 struct RingEnds {
   bool is_closed = true;
@@ -47,7 +47,7 @@ LocalId walk_one_way(const DistMesh& mesh, LocalId start, LocalId a, LocalId b, 
 }  // namespace detail
 
 /// Calls `visit(cell, edge)` for every own cell round the edge `edge` of `start`, `start` first, each with the edge's
-/// number in that cell: the cells of an edge found through the cell neighbours, without edge arrays. Local. Where the
+/// number in that cell: the cells of an edge found through the cell neighbors, without edge arrays. Local. Where the
 /// ring is cut by the boundary or a rank border, the cells joined to `start` by own faces at the edge are visited.
 /// Cost: about five cells an edge. Source: the method of DSMC-driven parallel adaptive mesh refinement (PAMR),
 /// section 2.1.2.

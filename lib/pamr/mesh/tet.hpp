@@ -7,7 +7,7 @@
 /// The numbering of a tetrahedron's corners, edges and faces, here and nowhere else.
 ///
 ///            3            edge 0: 0-1   edge 3: 1-2      face i lies opposite corner i, and slot i of
-///           /|\           edge 1: 0-2   edge 4: 1-3      `cell_to_cell` is the neighbour across it
+///           /|\           edge 1: 0-2   edge 4: 1-3      `cell_to_cell` is the neighbor across it
 ///          / | \          edge 2: 0-3   edge 5: 2-3
 ///         0--|--2         opposite edges: e and 5 - e    (p1-p0) x (p2-p0) . (p3-p0) > 0
 ///          \ | /

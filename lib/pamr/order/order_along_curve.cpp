@@ -33,10 +33,10 @@ int count_lonely(const Quad& n) {
   return 4 - (n01 | n02 | n03) - (n01 | n12 | n13) - (n02 | n12 | n23) - (n03 | n13 | n23);
 }
 
-void count_far_neighbours(const mesh::BlockMesh& block, Disorder& disorder) {
+void count_far_neighbors(const mesh::BlockMesh& block, Disorder& disorder) {
   auto cell = block.first_cell;
-  for (const auto& neighbours : block.cell_to_cell) {
-    for (const auto other : neighbours) {
+  for (const auto& neighbors : block.cell_to_cell) {
+    for (const auto other : neighbors) {
       disorder.links += other < 0 ? 0 : 1;
       disorder.far_links += other < 0 || is_near(cell, other, far_cell) ? 0 : 1;
     }
@@ -95,7 +95,7 @@ Disorder measure_disorder(const par::Comm& comm, const mesh::BlockMesh& block) {
   if (block.info.n_global_cells <= cells_of_small_mesh) return {};
   Disorder disorder;
   if (comm.any(!block.cell_to_cell.empty()))
-    count_far_neighbours(block, disorder);
+    count_far_neighbors(block, disorder);
   else
     count_unconnected(comm, block, disorder);
   for (const auto& nodes : block.cell_to_node) disorder.lonely_corners += count_lonely(nodes);

@@ -11,9 +11,9 @@ namespace pamr::order {
 
 /// Counts that say how far numbers stray from the places of cells in space; the same on any number of ranks.
 ///
-/// A *link* goes from a cell to a neighbour; it is far where the two numbers differ by more than 2^13 (the cells
+/// A *link* goes from a cell to a neighbor; it is far where the two numbers differ by more than 2^13 (the cells
 /// between them fill a good part of a second-level cache). A *corner* is lonely where its node's number differs by more
-/// than 2^11 from those of the cell's other three nodes. Where a mesh has no neighbours yet, a link goes from a cell to
+/// than 2^11 from those of the cell's other three nodes. Where a mesh has no neighbors yet, a link goes from a cell to
 /// the next one, and is far where the two share no node. Meshes of at most 2^15 cells have no links and no corners that
 /// count: a cache holds them in any order.
 ///
@@ -29,7 +29,7 @@ struct Disorder {
   bool is_small() const { return 4 * far_links <= links && 2 * lonely_corners <= corners; }
 };
 
-/// Collective: one reduction (without neighbours four gathers of one number a rank besides). Numbers out of range count
+/// Collective: one reduction (without neighbors four gathers of one number a rank besides). Numbers out of range count
 /// as far. Cost: one pass over the cells.
 Disorder measure_disorder(const par::Comm& comm, const mesh::BlockMesh& block);
 
@@ -47,7 +47,7 @@ struct Ordered {
 
 /// The same mesh with its cells along Hilbert's curve through their centroids, over the smallest cube that holds all
 /// nodes, and its nodes in the order in which the cells name them first: what lies close in space lies close in memory,
-/// in the file, and in a block of it. Corners, neighbours, patches, lineage and fields go along. A closure family stays
+/// in the file, and in a block of it. Corners, neighbors, patches, lineage and fields go along. A closure family stays
 /// together in template order, where its first member lies; cells of equal place keep their order; nodes that no cell
 /// names come last.
 ///

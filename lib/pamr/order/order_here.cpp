@@ -98,7 +98,7 @@ std::vector<std::uint32_t> reorder_corners(mesh::BlockMesh& block, const std::ve
   return node_to_old;
 }
 
-void reorder_neighbours(mesh::BlockMesh& block, const std::vector<std::uint32_t>& new_to_old) {
+void reorder_neighbors(mesh::BlockMesh& block, const std::vector<std::uint32_t>& new_to_old) {
   const auto old_to_new = inverse(new_to_old);
   const auto n = new_to_old.size();
   const auto first = block.info.first_id;
@@ -130,7 +130,7 @@ std::vector<GlobalId> origins(const std::vector<std::uint32_t>& new_to_old, Glob
 Ordered order_here(mesh::BlockMesh block, const CurveGrid& grid) {
   auto new_to_old = sorted_order(find_keys(block, grid));
   const auto node_to_old = reorder_corners(block, new_to_old);
-  if (!block.cell_to_cell.empty()) reorder_neighbours(block, new_to_old);
+  if (!block.cell_to_cell.empty()) reorder_neighbors(block, new_to_old);
   if (!block.lineage.empty()) reorder(block.lineage, 1, new_to_old);
   reorder(block.cell_fields, new_to_old);
   reorder(block.node_position, 1, node_to_old);

@@ -12,7 +12,7 @@ namespace pamr::order {
 
 namespace {
 
-/// Cells whose neighbours are asked for at once.
+/// Cells whose neighbors are asked for at once.
 constexpr std::size_t cells_of_round = std::size_t{1} << 17U;
 
 /// Corners whose points are asked for beforehand.
@@ -81,10 +81,10 @@ std::vector<std::uint64_t> find_keys(const par::Comm& comm, const mesh::BlockMes
   return key;
 }
 
-/// Replaces the old numbers of neighbours by the new ones. `id` and `place`: old and new numbers of the block's cells.
+/// Replaces the old numbers of neighbors by the new ones. `id` and `place`: old and new numbers of the block's cells.
 /// Collective.
-void renumber_neighbours(const par::Comm& comm, mesh::BlockMesh& block, const std::vector<GlobalId>& id,
-                         const std::vector<GlobalId>& place) {
+void renumber_neighbors(const par::Comm& comm, mesh::BlockMesh& block, const std::vector<GlobalId>& id,
+                        const std::vector<GlobalId>& place) {
   const auto cells = block.info.cell_ids();
   const auto new_of_block = par::scatter_rows<GlobalId>(comm, cells, place, 1, id);
   const auto here = par::block_range(cells, comm.rank(), comm.size());
@@ -92,14 +92,14 @@ void renumber_neighbours(const par::Comm& comm, mesh::BlockMesh& block, const st
   in_rounds(comm, block.cell_to_cell.size(), [&](std::size_t begin, std::size_t end) {
     std::vector<GlobalId> asked;
     for (auto c = begin; c < end; ++c)
-      for (const auto neighbour : block.cell_to_cell[c])
-        if (neighbour >= 0 && !is_here(neighbour)) asked.push_back(neighbour);
+      for (const auto neighbor : block.cell_to_cell[c])
+        if (neighbor >= 0 && !is_here(neighbor)) asked.push_back(neighbor);
     const auto answered = par::fetch_rows<GlobalId>(comm, cells, new_of_block, 1, asked);
     auto next = answered.begin();
     for (auto c = begin; c < end; ++c)
-      for (auto& neighbour : block.cell_to_cell[c])
-        if (neighbour >= 0)
-          neighbour = is_here(neighbour) ? new_of_block[static_cast<std::size_t>(neighbour - here.begin)] : *next++;
+      for (auto& neighbor : block.cell_to_cell[c])
+        if (neighbor >= 0)
+          neighbor = is_here(neighbor) ? new_of_block[static_cast<std::size_t>(neighbor - here.begin)] : *next++;
   });
 }
 
@@ -116,7 +116,7 @@ std::vector<GlobalId> move_cells(const par::Comm& comm, mesh::BlockMesh& block, 
 
   block.first_cell = par::block_range(block.info.cell_ids(), comm.rank(), comm.size()).begin;
   block.cell_to_node = std::move(cells.node);
-  block.cell_to_cell = std::move(cells.neighbour);
+  block.cell_to_cell = std::move(cells.neighbor);
   block.lineage = std::move(cells.lineage);
   if (!contents.has_lineage) block.lineage.clear();
   auto origin = std::move(cells.field.back().integer());
@@ -128,14 +128,14 @@ std::vector<GlobalId> move_cells(const par::Comm& comm, mesh::BlockMesh& block, 
 }  // namespace
 
 Ordered order_over_ranks(const par::Comm& comm, mesh::BlockMesh block, const CurveGrid& grid) {
-  const assemble::Contents contents{.has_neighbours = comm.any(!block.cell_to_cell.empty()),
+  const assemble::Contents contents{.has_neighbors = comm.any(!block.cell_to_cell.empty()),
                                     .has_lineage = comm.any(!block.lineage.empty()),
                                     .has_destinations = true};
   const auto key = find_keys(comm, block, grid, contents.has_lineage);
   auto place = places_along_curve(comm, block, key);
   std::vector<GlobalId> id(block.cell_to_node.size());
   std::iota(id.begin(), id.end(), block.first_cell);
-  if (contents.has_neighbours) renumber_neighbours(comm, block, id, place);
+  if (contents.has_neighbors) renumber_neighbors(comm, block, id, place);
 
   Ordered ordered;
   ordered.cell_origin = move_cells(comm, block, std::move(place), std::move(id), contents);

@@ -132,7 +132,7 @@ std::string Comm::broadcast(std::string text, Rank root) const {
 
 std::vector<Comm::RawReceived> Comm::sparse_exchange_raw(std::span<const RawMessage> messages,
                                                          std::size_t item_bytes) const {
-  // The tag alternates between two consecutive calls, so that a fast neighbour's next message is not taken for this
+  // The tag alternates between two consecutive calls, so that a fast neighbor's next message is not taken for this
   // call's: the closing barrier keeps it from being more than one call ahead.
   const int tag = 100 + next_tag_;
   next_tag_ = 1 - next_tag_;
@@ -195,8 +195,8 @@ std::vector<Comm::RawReceived> Comm::sparse_exchange_raw(std::span<const RawMess
   return received;
 }
 
-void Comm::neighbour_exchange(std::span<const Rank> rank, std::span<const std::span<const std::byte>> send,
-                              std::span<const std::span<std::byte>> receive) const {
+void Comm::neighbor_exchange(std::span<const Rank> rank, std::span<const std::span<const std::byte>> send,
+                             std::span<const std::span<std::byte>> receive) const {
   constexpr int tag = 99;
   std::vector<MPI_Request> requests;
   ++traffic_.rounds;

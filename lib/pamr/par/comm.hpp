@@ -43,7 +43,7 @@ struct Outgoing {
 /// deterministic, and sums are of integers only, because a sum of doubles depends on the number of ranks.
 class Comm {
  public:
-  /// Collective over `parent`. MPI must be initialised and outlive the object. The counts of MPI are of 32 bits, so
+  /// Collective over `parent`. MPI must be initialized and outlive the object. The counts of MPI are of 32 bits, so
   /// messages of more than `piece_bytes` (1 to 2^31 - 1, the same on every rank) go in pieces; tests choose tiny ones.
   explicit Comm(MPI_Comm parent, std::size_t piece_bytes = std::size_t{1} << 30U);
   ~Comm();
@@ -116,10 +116,10 @@ class Comm {
   template <class T>
   Received<T> sparse_exchange(const std::vector<Outgoing<T>>& messages) const;
 
-  /// Bytes to and from known neighbours: `send[i]` goes to `rank[i]`, whose answer fills `receive[i]`, whose length is
+  /// Bytes to and from known neighbors: `send[i]` goes to `rank[i]`, whose answer fills `receive[i]`, whose length is
   /// known beforehand. Use `Exchange` instead where a pattern is at hand.
-  void neighbour_exchange(std::span<const Rank> rank, std::span<const std::span<const std::byte>> send,
-                          std::span<const std::span<std::byte>> receive) const;
+  void neighbor_exchange(std::span<const Rank> rank, std::span<const std::span<const std::byte>> send,
+                         std::span<const std::span<std::byte>> receive) const;
 
  private:
   struct RawMessage {

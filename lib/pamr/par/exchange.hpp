@@ -10,9 +10,9 @@
 
 namespace pamr::par {
 
-/// A symmetric pattern of shared things, built once and used many times. Slot `k` of neighbour `i` (slots
+/// A symmetric pattern of shared things, built once and used many times. Slot `k` of neighbor `i` (slots
 /// `offset[i] .. offset[i+1]`) stands for local item `item[k]`, and means the same thing on both sides: the two ranks
-/// list what they share in the same order. Neighbours ascending, never this rank.
+/// list what they share in the same order. Neighbors ascending, never this rank.
 struct Pattern {
   std::vector<Rank> rank;
   std::vector<std::size_t> offset{0};
@@ -21,7 +21,7 @@ struct Pattern {
   std::size_t n_slots() const { return item.size(); }
 };
 
-/// Swaps one value per slot with the neighbours of a pattern. Every call is collective over the neighbours and sends
+/// Swaps one value per slot with the neighbors of a pattern. Every call is collective over the neighbors and sends
 /// one message to each.
 class Exchange {
  public:
@@ -41,7 +41,7 @@ class Exchange {
       send.push_back(std::as_bytes(mine.subspan(begin, count)));
       receive.push_back(std::as_writable_bytes(std::span<T>(theirs).subspan(begin, count)));
     }
-    comm_->neighbour_exchange(pattern_->rank, send, receive);
+    comm_->neighbor_exchange(pattern_->rank, send, receive);
     return theirs;
   }
 
@@ -54,7 +54,7 @@ class Exchange {
 using SharedKey = std::array<GlobalId, 3>;
 
 /// Finds which ranks hold the same keys. `key[i]` names local item `i`; no key occurs twice on a rank. The pattern
-/// lists, for each neighbour, the items held by both, in an order that follows from the keys and the number of ranks.
+/// lists, for each neighbor, the items held by both, in an order that follows from the keys and the number of ranks.
 /// Collective: two sparse exchanges through a meeting rank chosen from the key; time, memory and bytes O(keys).
 Pattern find_shared(const Comm& comm, std::span<const SharedKey> key);
 
@@ -65,7 +65,7 @@ std::vector<T> fetch_rows(const Comm& comm, IdRange all, std::span<const T> rows
                           std::span<const GlobalId> ids);
 
 /// The reverse: sends row `i` of `rows` to the block that holds row `ids[i]` of `all` and returns this rank's block.
-/// Rows given by several ranks must be equal; rows given by none are value-initialised. Collective: two sparse
+/// Rows given by several ranks must be equal; rows given by none are value-initialized. Collective: two sparse
 /// exchanges.
 template <class T>
 std::vector<T> scatter_rows(const Comm& comm, IdRange all, std::span<const T> rows, std::size_t width,

@@ -10,12 +10,12 @@
 namespace pamr::par {
 
 /// MPI from its start to its end; one object per process, made in `main`. For programs of ours: an application that
-/// has initialised MPI itself makes a `Comm` from its communicator and needs no `Runtime`.
+/// has initialized MPI itself makes a `Comm` from its communicator and needs no `Runtime`.
 class Runtime {
  public:
-  /// Initialises MPI. Collective over all processes.
+  /// Initializes MPI. Collective over all processes.
   Runtime(int& argc, char**& argv);
-  /// Finalises MPI. Collective.
+  /// Finalizes MPI. Collective.
   ~Runtime();
   Runtime(const Runtime&) = delete;
   Runtime& operator=(const Runtime&) = delete;

@@ -30,7 +30,7 @@ std::vector<LocalId> cells_with_moved_nodes(const mesh::DistMesh& fine, const st
 /// and where a cell is not positive by exact arithmetic takes back half of what its nodes moved, again and again, at
 /// last all of it. `any_moves`: some rank has such nodes. `moved_cells`: those with a node of `movables`. Afterwards
 /// every one of them and of `suspects` is exactly positive, given that they are so when nothing moves; otherwise throws
-/// `Error` on every rank. `shared`: nodes of the refined mesh that other ranks hold too. Collective: one neighbour
+/// `Error` on every rank. `shared`: nodes of the refined mesh that other ranks hold too. Collective: one neighbor
 /// exchange and one reduction a round. Depends on neither order nor ranks.
 Certificate certify(const par::Comm& comm, mesh::DistMesh& fine, const par::Pattern& shared,
                     const geometry::SurfaceSet& surfaces, const std::vector<Movable>& movables, bool any_moves,

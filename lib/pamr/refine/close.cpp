@@ -20,7 +20,7 @@ namespace {
 
 constexpr std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-/// Settles this rank, tells the neighbours which border edges are marked, and so on until nobody has news. Returns the
+/// Settles this rank, tells the neighbors which border edges are marked, and so on until nobody has news. Returns the
 /// number of exchanges.
 int settle_all(const par::Comm& comm, const mesh::Borders& borders, Propagation& propagation) {
   const par::Exchange exchange(comm, borders.edges);

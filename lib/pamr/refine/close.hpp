@@ -22,7 +22,7 @@ namespace pamr::refine {
 /// Families that cannot be taken back are kept, and those that share half a face with them: before anything is marked,
 /// those of which a half face is a face of a cell of no whole family; then, marking again from the start, those that
 /// are hit and whose parent would have an inverted child.
-/// Collective: k rounds of one neighbour exchange and one reduction. Cost: one ring walk for each marked edge that is
+/// Collective: k rounds of one neighbor exchange and one reduction. Cost: one ring walk for each marked edge that is
 /// not wholly inside flagged cells. Source: ALUGrid and Omega_h do the same with stored edges; least fixed point after
 /// R. E. Bank, A. H. Sherman, A. Weiser, "Refinement algorithms and data structures for regular local mesh
 /// refinement", 1983 (green closure taken back).

@@ -34,7 +34,7 @@ struct Closure {
   std::vector<Action> action;          ///< n_cells
   std::vector<RebuiltFamily> rebuilt;  ///< ascending in `first`
   bool halves_are_paired = false;      ///< of the refined mesh, see `mesh::MeshInfo`
-  int rounds = 0;                      ///< exchanges with the neighbours
+  int rounds = 0;                      ///< exchanges with the neighbors
   std::int64_t n_marked = 0;           ///< cells that were flagged, all ranks
   std::int64_t families_kept = 0;      ///< hit families whose parent cannot be rebuilt, all ranks
   std::int64_t families_rebuilt = 0;   ///< all ranks

@@ -13,7 +13,7 @@ namespace pamr::refine {
 /// What an edge of a family's member is to the parent.
 enum class EdgeRole : std::uint8_t {
   parent,    ///< an edge of the parent without midpoint
-  part,      ///< a half of a marked edge, or a side of the centre of a split face: still an edge when the parent is red
+  part,      ///< a half of a marked edge, or a side of the center of a split face: still an edge when the parent is red
   bisector,  ///< from a midpoint to the opposite corner of a face: gone when the parent is red
 };
 

@@ -39,7 +39,7 @@ std::vector<Movable> project_new_nodes(const par::Comm& comm, const mesh::DistMe
 
 /// The same for old nodes that an earlier refinement had to leave off their surface (nodal field `off_surface` > 0):
 /// they are tried again, those as far from a sharp edge of their only surface as the field says on that edge.
-/// Collective where the mesh has that field: one neighbour exchange of their patches.
+/// Collective where the mesh has that field: one neighbor exchange of their patches.
 std::vector<Movable> project_ledger(const par::Comm& comm, const mesh::DistMesh& mesh, const mesh::Borders& borders,
                                     const geometry::SurfaceSet& surfaces);
 

@@ -19,7 +19,7 @@ class Linker {
       : old_(old), closure_(closure), numbering_(numbering), children_(children), fine_(fine) {}
 
   void link_all() {
-    constexpr mesh::CellNeighbours open{invalid_local, invalid_local, invalid_local, invalid_local};
+    constexpr mesh::CellNeighbors open{invalid_local, invalid_local, invalid_local, invalid_local};
     assign_array(fine_.cell_to_cell, fine_.cell_to_node.size(), open);
     border_.reserve(4 * old_.border_face.size());
     FamilyLinker families(old_, closure_, numbering_, children_, fine_, border_);
@@ -34,7 +34,7 @@ class Linker {
   const std::vector<BorderFace>& border() const { return border_; }
 
  private:
-  void set(mesh::CellFace face, LocalId neighbour) { fine_.cell_to_cell[at(face.cell)][at(face.slot)] = neighbour; }
+  void set(mesh::CellFace face, LocalId neighbor) { fine_.cell_to_cell[at(face.cell)][at(face.slot)] = neighbor; }
 
   /// Links the children of one cell: siblings by table, the rest face by face.
   void link_split(LocalId c) {
@@ -82,7 +82,7 @@ class Linker {
       if (child_at[at(place)] >= 0)
         set({first + child_at[at(place)], slot_at[at(place)]},
             first_there + child_there[at(mesh::slot_of(corner_there, corner[at(place)]))]);
-    if (child_at[centre] >= 0) set({first + child_at[centre], slot_at[centre]}, first_there + child_there[centre]);
+    if (child_at[center] >= 0) set({first + child_at[center], slot_at[center]}, first_there + child_there[center]);
   }
 
   const mesh::DistMesh& old_;

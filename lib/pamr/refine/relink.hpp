@@ -11,10 +11,10 @@
 
 namespace pamr::refine {
 
-/// Gives the children in `fine` (nodes, cells and their numbers set) their cell neighbours and rank-border faces. New
-/// neighbours follow from constant tables and the old neighbours; only faces between two families that were both taken
+/// Gives the children in `fine` (nodes, cells and their numbers set) their cell neighbors and rank-border faces. New
+/// neighbors follow from constant tables and the old neighbors; only faces between two families that were both taken
 /// back are matched by their nodes, and faces on rank borders by the global numbers of theirs.
-/// Collective: one sparse exchange with the neighbours over the rank border. Cost: constant for each child.
+/// Collective: one sparse exchange with the neighbors over the rank border. Cost: constant for each child.
 void relink(const par::Comm& comm, const mesh::DistMesh& old, const Closure& closure, const Numbering& numbering,
             const Children& children, mesh::DistMesh& fine);
 

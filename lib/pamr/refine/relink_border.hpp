@@ -14,7 +14,7 @@ struct BorderFace {
   LocalId old_face = 0;  ///< the rank-border face of the old mesh that it is part of
 };
 
-/// Fills the rank-border arrays of `fine` and the ghost slots of its cells: each rank tells its neighbours the cell
+/// Fills the rank-border arrays of `fine` and the ghost slots of its cells: each rank tells its neighbors the cell
 /// behind each new border face. Both sides list them by the old border faces that they are part of, whose order they
 /// share, and the parts of one by their nodes, so nothing is searched. `old_face`: the same one on both sides; the
 /// lowest where a face is part of several, as where a halved face is split anew. Collective: one sparse exchange of 16

@@ -55,7 +55,7 @@ constexpr auto make_face_splits() {
     for (int face = 0; face < 4; ++face) {
       const auto& child = split_pattern[at(s)].face_to_child[at(face)];
       table[at(s)][at(face)] = child[whole] >= 0    ? FaceSplit::none
-                               : child[centre] >= 0 ? FaceSplit::quarters
+                               : child[center] >= 0 ? FaceSplit::quarters
                                                     : FaceSplit::halves;
     }
   return table;
@@ -94,16 +94,16 @@ const RebuiltFamily& FamilyLinker::family_of(LocalId first_member) const {
 
 void FamilyLinker::link(std::size_t i) {
   constexpr std::size_t ahead = 3;
-  if (i + 2 * ahead < closure_.rebuilt.size()) prefetch_neighbours(closure_.rebuilt[i + 2 * ahead].first);
+  if (i + 2 * ahead < closure_.rebuilt.size()) prefetch_neighbors(closure_.rebuilt[i + 2 * ahead].first);
   if (i + ahead < closure_.rebuilt.size()) prefetch_children_behind(closure_.rebuilt[i + ahead].first);
   const auto parent = gather(closure_.rebuilt[i]);
   link_siblings(parent);
   for (int face = 0; face < 4; ++face) link_face(parent, face);
 }
 
-/// Has what stands round a family fetched while earlier ones are linked: its neighbours are scattered in memory. To
+/// Has what stands round a family fetched while earlier ones are linked: its neighbors are scattered in memory. To
 /// fetch siblings, too, and the first cell where there is none costs less than to tell them apart.
-void FamilyLinker::prefetch_neighbours(LocalId first) const {
+void FamilyLinker::prefetch_neighbors(LocalId first) const {
   const auto end = first + old_.lineage[at(first)].family_size();
   for (auto member = first; member < end; ++member)
     for (const auto slot : old_.cell_to_cell[at(member)]) {
@@ -247,11 +247,11 @@ bool FamilyLinker::link_region(const Parent& parent, int face, int place, mesh::
       const int twin = mesh::slot_of(corner_there, mine.name[at(i)]);
       set_both(mine.part[at(i)], {start_there + child_there[at(twin)], slot_there[at(twin)]});
     }
-    set_both(mine.part[3], {start_there + child_there[centre], slot_there[centre]});
+    set_both(mine.part[3], {start_there + child_there[center], slot_there[center]});
     return false;
   }
   for_each_part(parent, face, place, [&](mesh::CellFace part, Name name, Name) {
-    const int twin = child_there[whole] >= 0 ? whole : name == name_centre ? centre : mesh::slot_of(corner_there, name);
+    const int twin = child_there[whole] >= 0 ? whole : name == name_center ? center : mesh::slot_of(corner_there, name);
     set_both(part, {start_there + child_there[at(twin)], slot_there[at(twin)]});
   });
   return false;
@@ -286,10 +286,10 @@ bool FamilyLinker::link_to_family(const Parent& parent, int face, int place, Loc
 /// The parts of a face in four, none of them split once more, as most are. False: the face is not of that kind.
 bool FamilyLinker::find_quarters(const Parent& parent, int face, Quarters& quarters) const {
   const auto& pattern = split_pattern[at(parent.now)];
-  if (pattern.face_to_child[at(face)][centre] < 0) return false;
+  if (pattern.face_to_child[at(face)][center] < 0) return false;
   int all = 0;
   for (int i = 0; i < 4; ++i) {
-    const int place = i < 3 ? corners_of_face[at(face)][at(i)] : centre;
+    const int place = i < 3 ? corners_of_face[at(face)][at(i)] : center;
     const int c = pattern.face_to_child[at(face)][at(place)], slot = pattern.face_to_slot[at(face)][at(place)];
     const int part = parent.child[at(c)]->face_to_child[at(slot)][whole];
     quarters.part[at(i)] = {parent.start[at(c)] + part, parent.child[at(c)]->face_to_slot[at(slot)][whole]};
@@ -307,7 +307,7 @@ mesh::CellFace FamilyLinker::find(const Parent& parent, int face, int place, Nam
   if (place == all_places) {
     place = whole;
     if (faces[whole] < 0) {
-      place = centre;
+      place = center;
       for (int corner = 0; corner < 4; ++corner)
         if (parent.node[at(corner)] == first) place = corner;
     }
@@ -318,7 +318,7 @@ mesh::CellFace FamilyLinker::find(const Parent& parent, int face, int place, Nam
   const auto& child = *parent.child[at(c)];
   int part = whole;
   if (child.face_to_child[at(slot)][whole] < 0) {
-    part = centre;
+    part = center;
     for (int corner = 0; corner < 4; ++corner)
       if (parent.node[at(pattern.child_to_node[at(c)][at(corner)])] == first) part = corner;
   }
@@ -339,7 +339,7 @@ void FamilyLinker::for_each_part(const Parent& parent, int face, int place, Visi
     const auto& child = *parent.child[at(c)];
     const auto& child_at = child.face_to_child[at(slot)];
     const auto& slot_at = child.face_to_slot[at(slot)];
-    const Name outer = p < 4 ? parent.node[at(p)] : p == centre ? name_centre : name_whole;
+    const Name outer = p < 4 ? parent.node[at(p)] : p == center ? name_center : name_whole;
     const auto visit_part = [&](int q, Name inner) {
       const mesh::CellFace part{parent.start[at(c)] + child_at[at(q)], slot_at[at(q)]};
       if (place == all_places)
@@ -353,7 +353,7 @@ void FamilyLinker::for_each_part(const Parent& parent, int face, int place, Visi
     }
     for (int corner = 0; corner < 4; ++corner)
       if (child_at[at(corner)] >= 0) visit_part(corner, parent.node[at(pattern.child_to_node[at(c)][at(corner)])]);
-    if (child_at[centre] >= 0) visit_part(centre, name_centre);
+    if (child_at[center] >= 0) visit_part(center, name_center);
   }
 }
 

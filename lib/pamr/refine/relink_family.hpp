@@ -37,11 +37,11 @@ class FamilyLinker {
     std::array<LocalId, max_children> start{};              ///< first grandchild of each child
     std::array<LocalId, 10> node{};                         ///< old nodes by code: corners and midpoints there were
   };
-  /// A part of a triangle: the corner node that it keeps, or `name_centre`, or `name_whole`.
+  /// A part of a triangle: the corner node that it keeps, or `name_center`, or `name_whole`.
   using Name = LocalId;
-  static constexpr Name name_centre = -2;
+  static constexpr Name name_center = -2;
   static constexpr Name name_whole = -3;
-  /// A face in four parts: those at three corners, which the names say, then the centre.
+  /// A face in four parts: those at three corners, which the names say, then the center.
   struct Quarters {
     std::array<mesh::CellFace, 4> part{};
     std::array<Name, 3> name{};
@@ -51,7 +51,7 @@ class FamilyLinker {
 
   Parent gather(const RebuiltFamily& family) const;
   const RebuiltFamily& family_of(LocalId first_member) const;
-  void prefetch_neighbours(LocalId first) const;
+  void prefetch_neighbors(LocalId first) const;
   void prefetch_children_behind(LocalId first) const;
   void link_siblings(const Parent& parent);
   void link_split_child(const Parent& parent, int c);
@@ -64,8 +64,8 @@ class FamilyLinker {
   template <class Visit>
   void for_each_part(const Parent& parent, int face, int place, Visit&& visit) const;
 
-  void set(mesh::CellFace face, LocalId neighbour) {
-    fine_.cell_to_cell[static_cast<std::size_t>(face.cell)][static_cast<std::size_t>(face.slot)] = neighbour;
+  void set(mesh::CellFace face, LocalId neighbor) {
+    fine_.cell_to_cell[static_cast<std::size_t>(face.cell)][static_cast<std::size_t>(face.slot)] = neighbor;
   }
   void set_both(mesh::CellFace a, mesh::CellFace b) {
     set(a, b.cell);

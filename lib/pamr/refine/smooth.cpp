@@ -18,7 +18,7 @@ constexpr int n_layers = 3;
 struct Extent {
   double displacement = 0;
   double ratio = 0;
-  std::vector<LocalId> seeds;  ///< this rank's nodes that neighbours should follow
+  std::vector<LocalId> seeds;  ///< this rank's nodes that neighbors should follow
 };
 
 Extent measure(const par::Comm& comm, const mesh::DistMesh& fine, const Numbering& numbering, LocalId n_old_nodes,
@@ -128,7 +128,7 @@ SharedFree share_free(const par::Exchange& exchange, const Region& region, const
 }
 
 /// For each node of the region the sum over its cells of the values at their other corners.
-void sum_neighbours(const Region& region, const std::vector<Fixed>& value, std::vector<Fixed>& sum) {
+void sum_neighbors(const Region& region, const std::vector<Fixed>& value, std::vector<Fixed>& sum) {
   std::fill(sum.begin(), sum.end(), Fixed{});
   for (const auto& numbers : region.cell_to_number) {
     Fixed all{};
@@ -180,7 +180,7 @@ void stay_in_planes(const std::vector<InPlane>& in_plane, std::vector<Fixed>& va
   }
 }
 
-/// Replaces the values at free nodes by the mean over their neighbours, `n_sweeps` times, all at once each time.
+/// Replaces the values at free nodes by the mean over their neighbors, `n_sweeps` times, all at once each time.
 void sweep(const par::Comm& comm, const par::Exchange& exchange, const Region& region,
            const std::vector<std::uint8_t>& is_free, const std::vector<InPlane>& in_plane, int n_sweeps,
            std::vector<Fixed>& value) {
@@ -192,7 +192,7 @@ void sweep(const par::Comm& comm, const par::Exchange& exchange, const Region& r
   for (std::size_t k = 0; k < item.size(); ++k) n_terms[at(item[k])] += shared.n_terms[k];
   std::vector<Fixed> sum(value.size()), mine(item.size());
   for (int i = 0; i < n_sweeps; ++i) {
-    sum_neighbours(region, value, sum);
+    sum_neighbors(region, value, sum);
     for (std::size_t k = 0; k < item.size(); ++k) mine[k] = sum[at(item[k])];
     const auto theirs = par::Exchange(comm, shared.pattern).swap<Fixed>(mine);
     for (std::size_t k = 0; k < item.size(); ++k)
@@ -226,7 +226,7 @@ double smooth_displacement(const par::Comm& comm, const mesh::DistMesh& fine, co
     plane_of[number] = plane;
   }
 
-  // 40 bits for the largest displacement leave 23 for the sum of its neighbours
+  // 40 bits for the largest displacement leave 23 for the sum of its neighbors
   const double scale = std::ldexp(1.0, 40 - std::ilogb(extent.displacement) - 1);
   std::vector<Fixed> value(region.node.size(), Fixed{});
   for (const auto& m : movables) {

@@ -20,7 +20,7 @@ inline constexpr double gentle_ratio = 0.02;
 /// averaging over the cells at a node, old nodes fixed, sums in 64-bit fixed point so that neither order nor ranks
 /// change a bit. New nodes within a patch on a plane follow in the plane. Appends the nodes that move to `movables`.
 /// The number of sweeps depends on the largest displacement relative to its edge: none under 2 %, 10 up to 10 %, 30
-/// beyond; it is returned. Collective: one neighbour exchange a sweep over the nodes of `shared` (of the refined mesh).
+/// beyond; it is returned. Collective: one neighbor exchange a sweep over the nodes of `shared` (of the refined mesh).
 double smooth_displacement(const par::Comm& comm, const mesh::DistMesh& fine, const par::Pattern& shared,
                            const geometry::SurfaceSet& surfaces, const Numbering& numbering, LocalId n_old_nodes,
                            std::vector<Movable>& movables);

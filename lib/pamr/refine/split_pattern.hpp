@@ -14,12 +14,12 @@
 /// A way to split is named by its state: 0 nothing; 1 + e: 1:2 on edge e; 7 + f: 1:4 on face f; 11 + d: 1:8 with inner
 /// diagonal d, which joins the midpoints of edges d and 5 - d. Nodes of the children are named by code: 0..3 the
 /// corners, 4 + e the midpoint of edge e. A part of a split face is named by its place: 0..3 the corner of the cell
-/// that it keeps (of a face with one mark: the end of the marked edge), `centre`, or `whole` for a face without marks.
+/// that it keeps (of a face with one mark: the end of the marked edge), `center`, or `whole` for a face without marks.
 namespace pamr::refine {
 
 inline constexpr int n_states = 14;
 inline constexpr int max_children = 8;
-inline constexpr int centre = 4;
+inline constexpr int center = 4;
 inline constexpr int whole = 5;
 inline constexpr int n_places = 6;
 
@@ -117,7 +117,7 @@ constexpr int place_on_face(const SplitPattern& p, const std::array<std::int8_t,
   const EdgeMask marks = static_cast<EdgeMask>(p.mask & mesh::tet::face_edge_mask[at(face)]);
   const int n_marks = std::popcount(marks);
   if (n_marks == 0) return whole;
-  int place = centre;
+  int place = center;
   for (int i = 0; i < 4; ++i) {
     if (i == slot || nodes[at(i)] >= 4) continue;
     // with one mark both parts keep the opposite corner: the end of the marked edge names the part

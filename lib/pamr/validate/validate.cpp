@@ -29,9 +29,9 @@ void check_ids(const mesh::DistMesh& mesh, Findings& findings) {
   const auto n_slots = mesh.n_cells() + static_cast<LocalId>(mesh.border_face.size());
   for (std::size_t c = 0; c < mesh.cell_to_node.size(); ++c) {
     const auto& n = mesh.cell_to_node[c];
-    const auto& neighbours = mesh.cell_to_cell[c];
+    const auto& neighbors = mesh.cell_to_cell[c];
     if (std::any_of(n.begin(), n.end(), [&](LocalId node) { return node < 0 || node >= mesh.n_nodes(); }) ||
-        std::any_of(neighbours.begin(), neighbours.end(), [&](LocalId slot) { return slot >= n_slots; }) ||
+        std::any_of(neighbors.begin(), neighbors.end(), [&](LocalId slot) { return slot >= n_slots; }) ||
         !mesh.info.cell_ids().contains(mesh.cell_global[c]))
       findings.add(Invariant::ids_in_range, number_of(mesh, c));
     if (n[0] == n[1] || n[0] == n[2] || n[0] == n[3] || n[1] == n[2] || n[1] == n[3] || n[2] == n[3])
@@ -76,7 +76,7 @@ std::vector<Violation> validate(const par::Comm& comm, const mesh::DistMesh& mes
   if (!comm.any(found.has(Invariant::ids_in_range) || found.has(Invariant::distinct_corners))) {
     check_unique_cells(comm, mesh, found);
     check_shapes(mesh, found);
-    check_own_neighbours(mesh, found);
+    check_own_neighbors(mesh, found);
     check_families(mesh, found);
     check_border(comm, mesh, found);
     check_shared(comm, mesh, found);

@@ -31,7 +31,7 @@ struct Violation {
 /// | `orientation_positive`  | (p1-p0) x (p2-p0) . (p3-p0) > 0 by exact arithmetic                                    |
 /// | `not_flat`              | mean ratio of at least 1e-8                                                            |
 /// | `patches_in_range`      | boundary faces name a patch that exists                                                |
-/// | `neighbours_reciprocal` | a neighbour names the cell in turn, across the same nodes, and lies on their other side
+/// | `neighbors_reciprocal` | a neighbor names the cell in turn, across the same nodes, and lies on their other side
 /// | | `conforming`            | a face is in one cell, with a patch, or in two that name each other: no hanging node |
 /// | `border_matches`        | both ranks list the same rank-border faces in the same order                           |
 /// | `families_whole`        | closure families: contiguous, in template order, nodes shared as the template says     |
@@ -41,7 +41,7 @@ struct Violation {
 /// | `boundary_manifold`     | every boundary edge lies in exactly two boundary faces                                 |
 ///
 /// Where `ids_in_range` or `distinct_corners` is broken the checks that follow numbers are left out. Cells round one
-/// edge are found by walks through the neighbours elsewhere; meshes that pass here cannot lead such a walk astray.
+/// edge are found by walks through the neighbors elsewhere; meshes that pass here cannot lead such a walk astray.
 /// Collective. Cost: O(cells log(faces at a node)) time, 16 bytes a cell of memory besides the mesh; exchanges of 16
 /// bytes a node, and proportional to the rank border and to the boundary.
 std::vector<Violation> validate(const par::Comm& comm, const mesh::DistMesh& mesh);

@@ -24,7 +24,7 @@ void compare_sides(std::span<const FaceCard> mine, std::span<const FaceCard> the
     else if (k >= theirs.size() || mine[k].key != theirs[k].key)
       findings.add(Invariant::border_matches, mine[k].own);
     else if (mine[k].own != theirs[k].other || mine[k].other != theirs[k].own || mine[k].sign != -theirs[k].sign)
-      findings.add(Invariant::neighbours_reciprocal, mine[k].own);
+      findings.add(Invariant::neighbors_reciprocal, mine[k].own);
   }
 }
 

@@ -14,7 +14,7 @@ constexpr double least_mean_ratio = 1e-8;
 
 bool is_finite(geometry::Vec3 p) { return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z); }
 
-/// True when the own neighbour `d` of a face names its cell across the same nodes, from the other side.
+/// True when the own neighbor `d` of a face names its cell across the same nodes, from the other side.
 bool is_returned(const mesh::DistMesh& mesh, mesh::CellFace face, LocalId d) {
   for (int g = 0; g < 4; ++g) {
     const mesh::CellFace back{d, g};
@@ -59,7 +59,7 @@ void check_shapes(const mesh::DistMesh& mesh, Findings& findings) {
   }
 }
 
-void check_own_neighbours(const mesh::DistMesh& mesh, Findings& findings) {
+void check_own_neighbors(const mesh::DistMesh& mesh, Findings& findings) {
   if (own_faces_match(mesh)) return;
   const auto n_patches = static_cast<int>(mesh.info.patches.size());
   for (LocalId c = 0; c < mesh.n_cells(); ++c)
@@ -68,7 +68,7 @@ void check_own_neighbours(const mesh::DistMesh& mesh, Findings& findings) {
       if (slot < 0 && (slot == invalid_local || mesh::slot_to_patch(slot) >= n_patches))
         findings.add(Invariant::patches_in_range, number_of(mesh, c));
       if (mesh.is_own(slot) && !is_returned(mesh, {c, f}, slot))
-        findings.add(Invariant::neighbours_reciprocal, number_of(mesh, c));
+        findings.add(Invariant::neighbors_reciprocal, number_of(mesh, c));
     }
   mesh::FaceGroups(mesh).for_each([&](std::span<const mesh::CellFace> faces) {
     const bool conforms = faces.size() == 1 ? !mesh.is_own(slot_at(mesh, faces[0]))

@@ -31,7 +31,7 @@ bool is_met(const mesh::DistMesh& mesh, LocalId c, std::size_t f, LocalId d) {
   return false;
 }
 
-/// True when patches exist and own neighbours are returned. Links up (to a cell with a larger number) meet as many
+/// True when patches exist and own neighbors are returned. Links up (to a cell with a larger number) meet as many
 /// different links down; when there are no more of these, they are all met.
 bool links_match(const mesh::DistMesh& mesh) {
   const auto n_patches = static_cast<int>(mesh.info.patches.size());

@@ -216,7 +216,7 @@ void check_shared(const par::Comm& comm, const mesh::DistMesh& mesh, Findings& f
   if (comm.size() == 1) return;
   const auto faces = find_candidates(mesh, is_shared);
   if (all_differ(comm, mesh, faces,
-                 !findings.has(Invariant::border_matches) && !findings.has(Invariant::neighbours_reciprocal)))
+                 !findings.has(Invariant::border_matches) && !findings.has(Invariant::neighbors_reciprocal)))
     return;
   std::vector<par::SharedKey> key;
   key.reserve(faces.size());

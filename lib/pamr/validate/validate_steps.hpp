@@ -23,7 +23,7 @@ enum class Invariant : std::uint8_t {
   orientation_positive,
   not_flat,
   patches_in_range,
-  neighbours_reciprocal,
+  neighbors_reciprocal,
   conforming,
   border_matches,
   families_whole,
@@ -34,7 +34,7 @@ enum class Invariant : std::uint8_t {
 };
 inline constexpr std::array<const char*, 17> invariant_name{
     "ids_in_range",       "cells_ascend",         "unique_cells",   "distinct_corners", "fields_sized",
-    "finite_coordinates", "orientation_positive", "not_flat",       "patches_in_range", "neighbours_reciprocal",
+    "finite_coordinates", "orientation_positive", "not_flat",       "patches_in_range", "neighbors_reciprocal",
     "conforming",         "border_matches",       "families_whole", "unique_nodes",     "shared_nodes_equal",
     "nodes_referenced",   "boundary_manifold"};
 
@@ -69,12 +69,12 @@ void check_unique_cells(const par::Comm& comm, const mesh::DistMesh& mesh, Findi
 /// Coordinates, orientation, shape. Local.
 void check_shapes(const mesh::DistMesh& mesh, Findings& findings);
 
-/// True when `check_own_neighbours` would find nothing: the same said without saying where it is broken, which is all
+/// True when `check_own_neighbors` would find nothing: the same said without saying where it is broken, which is all
 /// that a sound mesh asks for, three times faster. Local; 16 bytes a cell and 8 a node.
 bool own_faces_match(const mesh::DistMesh& mesh);
 
-/// Patches, own neighbours, own faces. Local.
-void check_own_neighbours(const mesh::DistMesh& mesh, Findings& findings);
+/// Patches, own neighbors, own faces. Local.
+void check_own_neighbors(const mesh::DistMesh& mesh, Findings& findings);
 
 /// Closure families. Local.
 void check_families(const mesh::DistMesh& mesh, Findings& findings);

@@ -210,7 +210,7 @@ mesh::Field scalar(const std::string& name, const std::string& unit, std::vector
 
 }  // namespace
 
-Analysis analyse(const par::Comm& comm, const Domain& domain, const Case& problem, const Conditions& conditions,
+Analysis analyze(const par::Comm& comm, const Domain& domain, const Case& problem, const Conditions& conditions,
                  System& system, const Solution& solution) {
   return Analyst(comm, domain, problem, conditions, system, solution).run();
 }

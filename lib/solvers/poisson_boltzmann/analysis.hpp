@@ -25,7 +25,7 @@ struct Analysis {
 };
 
 /// Collective. `system` holds the solution; for a goal one more linear system is solved.
-Analysis analyse(const par::Comm& comm, const Domain& domain, const Case& problem, const Conditions& conditions,
+Analysis analyze(const par::Comm& comm, const Domain& domain, const Case& problem, const Conditions& conditions,
                  System& system, const Solution& solution);
 
 /// Puts the results into the mesh as fields (docs/tools/pamr-pb.md), in place of fields of the same names. Local.

@@ -161,10 +161,10 @@ Vec3 manufactured_gradient(Vec3 p) {
 double far_field_coefficient(const std::vector<Sphere>& spheres, Vec3 point, Vec3 normal) {
   if (spheres.empty()) return 1;
   double nearest = std::numeric_limits<double>::infinity();
-  for (const auto& s : spheres) nearest = std::min(nearest, norm(point - s.centre) - s.radius);
+  for (const auto& s : spheres) nearest = std::min(nearest, norm(point - s.center) - s.radius);
   double sum = 0, slope = 0;
   for (const auto& s : spheres) {
-    const auto away = point - s.centre;
+    const auto away = point - s.center;
     const double distance = norm(away);
     const double share = s.radius * std::exp(nearest - (distance - s.radius)) / distance;
     sum += share;

@@ -58,9 +58,9 @@ void require_bodies(const par::Comm& comm, const Domain& domain, const Case& pro
   for (const auto& s : problem.spheres)
     if (!s.patch.empty())
       require_near(s.patch, s.radius,
-                   fmt::format("the sphere of radius {:g} about ({:g}, {:g}, {:g})", s.radius, s.centre.x, s.centre.y,
-                               s.centre.z),
-                   [&](Vec3 p) { return norm(p - s.centre) - s.radius; });
+                   fmt::format("the sphere of radius {:g} about ({:g}, {:g}, {:g})", s.radius, s.center.x, s.center.y,
+                               s.center.z),
+                   [&](Vec3 p) { return norm(p - s.center) - s.radius; });
   if (problem.plate)
     require_near(problem.plate->patch, 1, fmt::format("the plate z = {:g}", problem.plate->position),
                  [&](Vec3 p) { return p.z - problem.plate->position; });
@@ -70,11 +70,11 @@ std::vector<BoundaryFace> find_faces(const mesh::DistMesh& mesh, const std::vect
   std::vector<BoundaryFace> faces;
   for (LocalId c = 0; c < mesh.n_cells(); ++c)
     for (std::size_t slot = 0; slot < 4; ++slot) {
-      const auto neighbour = mesh.cell_to_cell[static_cast<std::size_t>(c)][slot];
-      if (neighbour >= 0) continue;
+      const auto neighbor = mesh.cell_to_cell[static_cast<std::size_t>(c)][slot];
+      if (neighbor >= 0) continue;
       BoundaryFace face;
       face.cell = c;
-      face.patch = mesh::slot_to_patch(neighbour);
+      face.patch = mesh::slot_to_patch(neighbor);
       std::array<Vec3, 3> p;
       for (std::size_t k = 0; k < 3; ++k) {
         face.node[k] = mesh.cell_to_node[static_cast<std::size_t>(c)]

@@ -199,7 +199,7 @@ std::optional<CutOff> make_cut_off(const par::Comm& comm, const State& state, co
     const int axis = domain.patches[q].axis;
     if (b != nullptr && b->condition == Condition::symmetry && axis >= 0 &&
         state.mirrors[static_cast<std::size_t>(patch)].cut[axis]) {
-      const double away = axis == 0 ? sphere.centre.x : axis == 1 ? sphere.centre.y : sphere.centre.z;
+      const double away = axis == 0 ? sphere.center.x : axis == 1 ? sphere.center.y : sphere.center.z;
       // The mirror that cuts this sphere, not another of the same direction.
       double level = 0;
       for (const auto& face : domain.faces)
@@ -213,7 +213,7 @@ std::optional<CutOff> make_cut_off(const par::Comm& comm, const State& state, co
   double gap = HUGE_VAL;
   std::vector<double> distance(domain.point.size());
   for (std::size_t i = 0; i < distance.size(); ++i) {
-    distance[i] = norm(domain.point[i] - sphere.centre) - sphere.radius;
+    distance[i] = norm(domain.point[i] - sphere.center) - sphere.radius;
     if ((domain.node_patches[i] & ~harmless) != 0) gap = std::min(gap, distance[i]);
   }
   gap = comm.min(gap);
@@ -236,7 +236,7 @@ CutOff make_plate_cut_off(const par::Comm& comm, const State& state) {
   std::vector<double> height(domain.point.size());
   double gap = HUGE_VAL;
   for (const auto& sphere : state.problem.spheres)
-    gap = std::min(gap, sphere.centre.z - sphere.radius - state.problem.plate->position);
+    gap = std::min(gap, sphere.center.z - sphere.radius - state.problem.plate->position);
   double top = 0;
   for (std::size_t i = 0; i < height.size(); ++i) {
     height[i] = domain.point[i].z - state.problem.plate->position;

@@ -108,7 +108,7 @@ class Reader {
   void read_sphere(CheckedTable& table) {
     Sphere sphere;
     sphere.patch = table.text("patch").value_or("");
-    sphere.centre = unit_ * table.required_point("centre");
+    sphere.center = unit_ * table.required_point("center");
     sphere.radius = unit_ * table.required_number("radius", positive);
     table.finish();
     result_.spheres.push_back(sphere);
@@ -185,16 +185,16 @@ class Reader {
     const auto& spheres = result_.spheres;
     for (std::size_t i = 0; i < spheres.size(); ++i) {
       for (std::size_t j = 0; j < i; ++j) {
-        const double distance = norm(spheres[i].centre - spheres[j].centre);
+        const double distance = norm(spheres[i].center - spheres[j].center);
         if (!(distance > spheres[i].radius + spheres[j].radius))
           refuse("spheres that do not overlap or touch",
-                 fmt::format("radii {:g} and {:g} at a distance of {:g} between their centres (Debye lengths)",
+                 fmt::format("radii {:g} and {:g} at a distance of {:g} between their centers (Debye lengths)",
                              spheres[j].radius, spheres[i].radius, distance));
       }
-      if (result_.plate && !(spheres[i].centre.z - spheres[i].radius > result_.plate->position))
+      if (result_.plate && !(spheres[i].center.z - spheres[i].radius > result_.plate->position))
         refuse("spheres above the plate that do not touch it",
-               fmt::format("a sphere of radius {:g} with its centre {:g} above the plate (Debye lengths)",
-                           spheres[i].radius, spheres[i].centre.z - result_.plate->position));
+               fmt::format("a sphere of radius {:g} with its center {:g} above the plate (Debye lengths)",
+                           spheres[i].radius, spheres[i].center.z - result_.plate->position));
       if (!spheres[i].patch.empty() && result_.find_boundary(spheres[i].patch) == nullptr)
         refuse("a table [boundary." + spheres[i].patch + "] for the patch of a sphere", "none");
     }
@@ -259,12 +259,12 @@ PlateProfile Case::profile() const {
 std::optional<double> debye_lengths_in(std::string_view unit, const Electrolyte& electrolyte,
                                        const std::string& where) {
   if (unit == "debye" || unit == "1" || unit.empty()) return 1.0;
-  const double metres = unit == "m" ? 1 : unit == "um" ? 1e-6 : unit == "nm" ? 1e-9 : 0;
-  if (metres == 0) return std::nullopt;
+  const double meters = unit == "m" ? 1 : unit == "um" ? 1e-6 : unit == "nm" ? 1e-9 : 0;
+  if (meters == 0) return std::nullopt;
   if (!electrolyte.debye_length)
     throw Error(fmt::format("{}: expected debye_length or concentration in [electrolyte] for lengths in {}, found none",
                             where, unit));
-  return metres / *electrolyte.debye_length;
+  return meters / *electrolyte.debye_length;
 }
 
 Case read_case(std::string_view text, const std::string& where) {
@@ -288,16 +288,16 @@ std::vector<std::string> describe(const Case& problem) {
                               problem.manufactured ? " + manufactured source" : "",
                               problem.split ? ", solved for u = psi - psi0(z)" : ""));
   for (const auto& s : problem.spheres)
-    lines.push_back(fmt::format("sphere {}: radius {}, centre ({:.7g}, {:.7g}, {:.7g}) Debye lengths",
+    lines.push_back(fmt::format("sphere {}: radius {}, center ({:.7g}, {:.7g}, {:.7g}) Debye lengths",
                                 s.patch.empty() ? "(beyond a mirror)" : s.patch, with_unit(s.radius, units.length, "m"),
-                                s.centre.x, s.centre.y, s.centre.z));
+                                s.center.x, s.center.y, s.center.z));
   if (problem.spheres.size() == 2)
     lines.push_back(
-        fmt::format("distance of the centres {}",
-                    with_unit(norm(problem.spheres[0].centre - problem.spheres[1].centre), units.length, "m")));
+        fmt::format("distance of the centers {}",
+                    with_unit(norm(problem.spheres[0].center - problem.spheres[1].center), units.length, "m")));
   if (problem.plate && !problem.spheres.empty())
     lines.push_back(fmt::format("height over the plate {}",
-                                with_unit(problem.spheres[0].centre.z - problem.plate->position, units.length, "m")));
+                                with_unit(problem.spheres[0].center.z - problem.plate->position, units.length, "m")));
   for (const auto& b : problem.boundary) {
     std::string value;
     if (b.condition == Condition::potential)

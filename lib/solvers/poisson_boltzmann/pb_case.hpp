@@ -32,7 +32,7 @@ struct Boundary {
 /// A charged sphere; lengths in Debye lengths. `patch` is empty for one beyond a mirror, which is not in the mesh.
 struct Sphere {
   std::string patch;
-  geometry::Vec3 centre;
+  geometry::Vec3 center;
   double radius = 0;
 };
 

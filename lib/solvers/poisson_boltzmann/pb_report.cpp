@@ -40,7 +40,7 @@ json report_of(const Domain& domain, const Case& problem, const Solution& soluti
               {"energy", analysis.energy.total},
               {"excess_energy", analysis.energy.excess}};
   report["units"] = {{"force_newton", units.force}, {"potential_volt", units.potential}};
-  report["units"]["length_metre"] = units.length ? json(*units.length) : json(nullptr);
+  report["units"]["length_meter"] = units.length ? json(*units.length) : json(nullptr);
   for (const auto& step : solution.steps)
     report["convergence"].push_back({{"step", step.step},
                                      {"residual", step.residual},

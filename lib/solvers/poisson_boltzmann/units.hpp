@@ -29,7 +29,7 @@ struct Units {
 /// The units of an electrolyte; those that hold a length need its Debye length.
 Units units_of(const Electrolyte& electrolyte);
 
-/// Debye length of a Z:Z salt of `concentration` mol/m^3: kappa^2 = 2 n Z^2 e^2 / (eps eps0 kT). Metres.
+/// Debye length of a Z:Z salt of `concentration` mol/m^3: kappa^2 = 2 n Z^2 e^2 / (eps eps0 kT). Meters.
 double debye_length(const Electrolyte& electrolyte, double concentration);
 
 }  // namespace pamr::poisson_boltzmann

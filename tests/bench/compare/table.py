@@ -10,9 +10,9 @@ import re
 import statistics
 import sys
 
-HEAD = ["workload", "code", "cells out", "CPU s", "M cells / CPU s", "ours / theirs", "with neighbours: M cells / CPU s",
+HEAD = ["workload", "code", "cells out", "CPU s", "M cells / CPU s", "ours / theirs", "with neighbors: M cells / CPU s",
         "ours / theirs", "peak bytes / cell out", "worst mean ratio", "runs"]
-NEIGHBOURS = {
+NEIGHBORS = {
     "netgen": "faces of the cells: part of bisection, by `UpdateTopology` after uniform refinement",
     "dolfinx": "by `create_entities(2)` and `create_connectivity`; the edges that `refine` needs are made untimed",
     "dmplex": "part of the call; uniform only: the adaptive transform `refine_sbr` takes no tetrahedra",
@@ -21,7 +21,7 @@ NEIGHBOURS = {
 
 
 def our_rows(folder):
-    """{(workload, level): row} with the keys of `peer_rows`; neighbours are part of the call."""
+    """{(workload, level): row} with the keys of `peer_rows`; neighbors are part of the call."""
     worst = {}
     for line in (folder / "pamr.quality").read_text().splitlines():
         cells = [cell.strip() for cell in line.strip("|").split("|")]
@@ -94,14 +94,14 @@ def main():
         note = folder / f"{peer}.note"
         for line in note.read_text().splitlines() if note.exists() else []:
             print("| " + " | ".join(["-", f"{peer}: {line}"] + ["-"] * (len(HEAD) - 2)) + " |")
-    print("\nPAMR: neighbours, global ids and lineage are part of the call; W2 and W3 with the default quality control.")
+    print("\nPAMR: neighbors, global ids and lineage are part of the call; W2 and W3 with the default quality control.")
     last = max(level for workload, level in ours if workload == "W3")
     for peer in peers:
         if not theirs[peer]:
             continue
         reached = max((level for workload, level in theirs[peer] if workload == "W3"), default=None)
         limit = f"; W3 up to level {reached}, the next might not fit into memory" if reached and reached < last else ""
-        print(f"{peer}: neighbours: {NEIGHBOURS[peer]}{limit}.")
+        print(f"{peer}: neighbors: {NEIGHBORS[peer]}{limit}.")
 
 
 main()

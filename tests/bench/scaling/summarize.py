@@ -73,12 +73,12 @@ class Runs:
     def imbalance(self, *steps):
         return self.over(lambda all_: max(all_) * len(all_) / sum(all_) if sum(all_) > 0 else 1, "compute", *steps)
 
-    def messages_a_neighbour(self, step):
+    def messages_a_neighbor(self, step):
         """Most messages that a rank sends for each exchange and each rank that it shares nodes with."""
         def one(of_rank):
-            neighbours = of_rank["neighbours_closing" if step == "close" else "neighbours"]
+            neighbors = of_rank["neighbors_closing" if step == "close" else "neighbors"]
             return max(messages / max(1, n * rounds) for messages, n, rounds in zip(
-                of_rank[step]["messages"], neighbours, of_rank[step]["rounds"]))
+                of_rank[step]["messages"], neighbors, of_rank[step]["rounds"]))
         return median(one(report["of_rank"]) for report in self.reports)
 
     def memory(self):
@@ -89,7 +89,7 @@ class Runs:
             return max(p - s for p, s in zip(of_rank["peak_rss_bytes"], of_rank["shared_rss_bytes"]))
         return median(own(report) for report in self.reports) - own(self.base)
 
-    def modelled(self, step):
+    def modeled(self, step):
         """Seconds of a step on a cluster: the slowest rank's work, its messages, its bytes, its part in reductions."""
         hops = math.ceil(math.log2(self.ranks)) if self.ranks > 1 else 0
         moved = max(self.max("bytes", step), self.max("bytes_received", step))
@@ -178,20 +178,20 @@ def print_tables(runs):
         ["of a process without cells, MB"] + [number(1e-6 * run.base["peak_rss_bytes"]) for run in runs],
         ["difference (without shared memory) times ranks, of that on one"] + [
             f"{run.memory() * run.ranks / (first.memory() * first.ranks):.2f}" for run in runs],
-        ["most neighbours"] + [str(max(run.reports[0]["of_rank"]["neighbours"])) for run in runs]])
+        ["most neighbors"] + [str(max(run.reports[0]["of_rank"]["neighbors"])) for run in runs]])
 
-    print("Modelled seconds (not measured: the largest rank's compute, its messages and reductions at "
+    print("Modeled seconds (not measured: the largest rank's compute, its messages and reductions at "
           f"{1e6 * LATENCY:.1f} us, its bytes at {1e-9 * BANDWIDTH:.1f} GB/s; without HDF5 and "
           "Scotch), beside those of the paper's Table 2\n")
     rows = []
     for name in MODULE_NAMES:
         cells = []
         for run in runs:
-            own = sum(run.modelled(s) for s in run.steps if MODULES.get(s, "preprocessing") == name)
+            own = sum(run.modeled(s) for s in run.steps if MODULES.get(s, "preprocessing") == name)
             cells.append(f"{own:.4f} / {paper(name, run.ranks)}")
         rows.append([name] + cells)
     rows.append(["total but write"] + [
-        f"{sum(run.modelled(s) for s in run.steps if s != 'write'):.4f} / {paper('total', run.ranks)}" for run in runs])
+        f"{sum(run.modeled(s) for s in run.steps if s != 'write'):.4f} / {paper('total', run.ranks)}" for run in runs])
     table(["ours / the paper's"] + [str(run.ranks) for run in runs], rows)
 
 
@@ -221,8 +221,8 @@ def find_bars(runs):
         bars.append((f"{run.ranks} ranks: largest rank over mean, after balancing", run.imbalance(*AFTER_BALANCING),
                      1.15))
         for step in ("close", "project", "relink"):
-            bars.append((f"{run.ranks} ranks: {step}, messages for each exchange and neighbour by shared nodes",
-                         run.messages_a_neighbour(step), 1))
+            bars.append((f"{run.ranks} ranks: {step}, messages for each exchange and neighbor by shared nodes",
+                         run.messages_a_neighbor(step), 1))
         for step in run.steps:
             bars.append((f"{run.ranks} ranks: {step}, bytes of a rank for each cell of an even share",
                          moved(run, step) * run.ranks / run.cells_out, BYTES_A_CELL))

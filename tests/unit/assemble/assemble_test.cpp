@@ -138,7 +138,7 @@ TEST(Assemble, WorksWithRanksThatHoldNoCells) {
     for (Rank r = 0; r < comm.size(); ++r) begin.push_back(r <= holder ? 0 : 48);
 
     const auto given = assemble(comm, test::cut(comm, whole, begin));
-    const auto built = assemble(comm, test::without_neighbours(test::cut(comm, whole, begin)));
+    const auto built = assemble(comm, test::without_neighbors(test::cut(comm, whole, begin)));
 
     EXPECT_EQ(given.n_cells(), comm.rank() == holder ? 48 : 0);
     EXPECT_EQ(built.n_cells(), comm.rank() == holder ? 48 : 0);
@@ -146,12 +146,12 @@ TEST(Assemble, WorksWithRanksThatHoldNoCells) {
   }
 }
 
-TEST(Assemble, BuildsTheNeighboursOfTheSerialTwin) {
+TEST(Assemble, BuildsTheNeighborsOfTheSerialTwin) {
   const par::Comm comm(MPI_COMM_WORLD);
   for (const std::uint64_t seed : {11U, 12U}) {
-    const auto block = test::without_neighbours(test::random_mesh(comm, seed, 3));
+    const auto block = test::without_neighbors(test::random_mesh(comm, seed, 3));
     auto expected = test::gather(comm, block);
-    expected.cell_to_cell = test::reference_neighbours(expected.cell_to_node);
+    expected.cell_to_cell = test::reference_neighbors(expected.cell_to_node);
     expected.info.patches = {{"boundary", "patch", ""}};
 
     const auto stayed = assemble(comm, block);
@@ -164,13 +164,13 @@ TEST(Assemble, BuildsTheNeighboursOfTheSerialTwin) {
   }
 }
 
-TEST(Assemble, BuildsTheBorderThatGivenNeighboursDescribe) {
+TEST(Assemble, BuildsTheBorderThatGivenNeighborsDescribe) {
   const par::Comm comm(MPI_COMM_WORLD);
   auto block = test::random_mesh(comm, 13, 3);
   const auto to = test::random_destinations(comm, block, 13);
   const auto given = assemble(comm, block, to);
 
-  const auto built = assemble(comm, test::without_neighbours(block), to);
+  const auto built = assemble(comm, test::without_neighbors(block), to);
 
   EXPECT_EQ(built.border_rank, given.border_rank);
   EXPECT_EQ(built.border_offset, given.border_offset);
@@ -266,7 +266,7 @@ TEST(Assemble, SendsWholeFamiliesToTheDestinationOfTheirFirstMember) {
   const par::Comm comm(MPI_COMM_WORLD);
   const auto whole = families_mesh();
   const auto block = test::cut(comm, whole);
-  std::vector<Rank> to;  // neighbouring cells are told to go to different ranks
+  std::vector<Rank> to;  // neighboring cells are told to go to different ranks
   for (std::size_t c = 0; c < block.cell_to_node.size(); ++c)
     to.push_back(static_cast<Rank>((block.first_cell + static_cast<GlobalId>(c)) % comm.size()));
 
@@ -311,13 +311,13 @@ TEST_F(AssembleRefuses, ANodeTwiceInACell) {
               HasSubstr("cell 5: expected four different nodes"));
 }
 
-TEST_F(AssembleRefuses, NeighbourAndPatchNumbersOutOfRange) {
-  EXPECT_THAT(cube([](mesh::BlockMesh& m) { m.cell_to_cell[3][0] = 48; }), HasSubstr("neighbours below 48, found 48"));
+TEST_F(AssembleRefuses, NeighborAndPatchNumbersOutOfRange) {
+  EXPECT_THAT(cube([](mesh::BlockMesh& m) { m.cell_to_cell[3][0] = 48; }), HasSubstr("neighbors below 48, found 48"));
   EXPECT_THAT(cube([](mesh::BlockMesh& m) { m.cell_to_cell[3][0] = -7; }), HasSubstr("6 patches (-1 to -6), found -7"));
   EXPECT_THAT(cube([](mesh::BlockMesh& m) { m.cell_to_cell[3][0] = 3; }), HasSubstr("found the cell itself"));
 }
 
-TEST_F(AssembleRefuses, NeighboursThatAreNotReciprocal) {
+TEST_F(AssembleRefuses, NeighborsThatAreNotReciprocal) {
   for (const std::size_t c : {0U, 13U, 47U})
     for (std::size_t f = 0; f < 4; ++f) {
       if (cube_.cell_to_cell[c][f] < 0) continue;

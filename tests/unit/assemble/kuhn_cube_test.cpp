@@ -33,14 +33,14 @@ TEST(KuhnCube, HasPositiveCellsOnly) {
   }
 }
 
-TEST(KuhnCube, GivesTheNeighboursOfTheSerialTwin) {
+TEST(KuhnCube, GivesTheNeighborsOfTheSerialTwin) {
   const par::Comm comm(MPI_COMM_WORLD);
   const auto whole = test::gather(comm, kuhn_cube(comm, 3));
   auto found = whole.cell_to_cell;
   for (auto& cell : found)
-    for (auto& neighbour : cell) neighbour = std::max(neighbour, GlobalId{-1});
+    for (auto& neighbor : cell) neighbor = std::max(neighbor, GlobalId{-1});
 
-  EXPECT_EQ(found, test::reference_neighbours(whole.cell_to_node));
+  EXPECT_EQ(found, test::reference_neighbors(whole.cell_to_node));
 }
 
 TEST(KuhnCube, PutsEachPatchOnItsPlane) {

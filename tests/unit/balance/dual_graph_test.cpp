@@ -22,7 +22,7 @@ Arcs gather_arcs(const par::Comm& comm, const balance::DualGraph& graph) {
   std::vector<Arc> mine;
   for (std::size_t v = 0; v < graph.n_vertices(); ++v)
     for (auto a = graph.arc_begin[v]; a < graph.arc_begin[v + 1]; ++a)
-      mine.push_back({graph.first_vertex + static_cast<GlobalId>(v), graph.neighbour[static_cast<std::size_t>(a)],
+      mine.push_back({graph.first_vertex + static_cast<GlobalId>(v), graph.neighbor[static_cast<std::size_t>(a)],
                       graph.n_faces[static_cast<std::size_t>(a)]});
   std::vector<par::Outgoing<Arc>> messages;
   for (Rank r = 0; r < comm.size(); ++r) messages.push_back({r, mine});
@@ -61,11 +61,10 @@ void expect_sound(const par::Comm& comm, const mesh::DistMesh& mesh, const balan
     for (const auto cell : groups.cells(g)) group_of[static_cast<std::size_t>(cell)] = g;
   std::int64_t expected = 0, found = 0;
   for (std::size_t c = 0; c < group_of.size(); ++c)
-    for (const auto neighbour : mesh.cell_to_cell[c])
+    for (const auto neighbor : mesh.cell_to_cell[c])
       expected +=
-          mesh.is_ghost(neighbour) || (neighbour >= 0 && group_of[static_cast<std::size_t>(neighbour)] != group_of[c])
-              ? 1
-              : 0;
+          mesh.is_ghost(neighbor) || (neighbor >= 0 && group_of[static_cast<std::size_t>(neighbor)] != group_of[c]) ? 1
+                                                                                                                    : 0;
   for (const auto& arc : arcs) found += arc.second;
   EXPECT_EQ(found, comm.sum(expected));
 }

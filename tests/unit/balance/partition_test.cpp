@@ -165,24 +165,24 @@ TEST(Partition, MeasuresWhatASlowCountMeasures) {
   const auto quality = balance::measure(comm, mesh, uneven_weights(mesh), part, n_parts);
 
   std::vector<std::int64_t> sum(n_parts, 0);
-  std::vector<std::set<Rank>> neighbours(n_parts);
+  std::vector<std::set<Rank>> neighbors(n_parts);
   std::int64_t cut = 0, total = 0;
   const auto weight = uneven_weights(alone);
   for (std::size_t c = 0; c < part_alone.size(); ++c) {
     sum[static_cast<std::size_t>(part_alone[c])] += weight[c];
     total += weight[c];
-    for (const auto neighbour : alone.cell_to_cell[c]) {
-      if (neighbour < 0 || part_alone[static_cast<std::size_t>(neighbour)] == part_alone[c]) continue;
+    for (const auto neighbor : alone.cell_to_cell[c]) {
+      if (neighbor < 0 || part_alone[static_cast<std::size_t>(neighbor)] == part_alone[c]) continue;
       ++cut;
-      neighbours[static_cast<std::size_t>(part_alone[c])].insert(part_alone[static_cast<std::size_t>(neighbour)]);
+      neighbors[static_cast<std::size_t>(part_alone[c])].insert(part_alone[static_cast<std::size_t>(neighbor)]);
     }
   }
   EXPECT_EQ(quality.edge_cut, cut / 2);
   EXPECT_DOUBLE_EQ(quality.imbalance, static_cast<double>(*std::max_element(sum.begin(), sum.end())) * n_parts /
                                           static_cast<double>(total));
   std::size_t most = 0;
-  for (const auto& set : neighbours) most = std::max(most, set.size());
-  EXPECT_EQ(quality.max_neighbours, static_cast<std::int64_t>(most));
+  for (const auto& set : neighbors) most = std::max(most, set.size());
+  EXPECT_EQ(quality.max_neighbors, static_cast<std::int64_t>(most));
 }
 
 TEST(Partition, MeasuresTheRanksFromTheirBordersAsFromTheCells) {
@@ -198,8 +198,8 @@ TEST(Partition, MeasuresTheRanksFromTheirBordersAsFromTheCells) {
 
   EXPECT_EQ(quality.imbalance, expected.imbalance);
   EXPECT_EQ(quality.edge_cut, expected.edge_cut);
-  EXPECT_EQ(quality.max_neighbours, expected.max_neighbours);
-  EXPECT_EQ(quality.mean_neighbours, expected.mean_neighbours);
+  EXPECT_EQ(quality.max_neighbors, expected.max_neighbors);
+  EXPECT_EQ(quality.mean_neighbors, expected.mean_neighbors);
   EXPECT_EQ(quality.empty_parts, expected.empty_parts);
 }
 

@@ -15,7 +15,7 @@ TEST(Mix, AgreesWithTheFirstOutputsOfSplitmix64) {
   EXPECT_EQ(mix(0x9e3779b97f4a7c15U), 0x6e789e6aa1b965f4U);
 }
 
-TEST(Mix, GivesDistinctValuesForNeighbouringWords) {
+TEST(Mix, GivesDistinctValuesForNeighboringWords) {
   std::set<std::uint64_t> values;
 
   for (std::uint64_t i = 0; i < 10000; ++i) values.insert(mix(i));
@@ -29,7 +29,7 @@ TEST(Combine, DependsOnTheSeed) { EXPECT_NE(combine(1, 7), combine(2, 7)); }
 
 TEST(BitsOf, FoldsMinusZeroOntoPlusZero) { EXPECT_EQ(bits_of(-0.0), bits_of(0.0)); }
 
-TEST(BitsOf, TellsNeighbouringDoublesApart) { EXPECT_NE(bits_of(1.0), bits_of(1.0 + 0x1p-52)); }
+TEST(BitsOf, TellsNeighboringDoublesApart) { EXPECT_NE(bits_of(1.0), bits_of(1.0 + 0x1p-52)); }
 
 }  // namespace
 }  // namespace pamr

@@ -147,8 +147,8 @@ TEST(CompareMeshes, SeesPatchesByNameAndLineage) {
   auto renamed = a, swapped = a, finer = a;
   renamed.info.patches[1].name = "another";
   std::swap(swapped.info.patches[0], swapped.info.patches[1]);
-  for (auto& neighbours : swapped.cell_to_cell)
-    for (auto& slot : neighbours)
+  for (auto& neighbors : swapped.cell_to_cell)
+    for (auto& slot : neighbors)
       if (slot == -1 || slot == -2) slot = -3 - slot;
   for (std::size_t i = 0; i < finer.lineage.size(); ++i)
     if (finer.cell_global[i] == 4) finer.lineage[i] = mesh::Lineage(mesh::FamilyKind::regular, 0, 0, 1);

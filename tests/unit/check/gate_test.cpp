@@ -52,7 +52,7 @@ TEST(WhyFailed, ComparesNumbersByTheirPath) {
   EXPECT_EQ(failure("patches.wall, left.worst_distance:max:1e-12"), "");
   EXPECT_NE(failure("patches.wall, left.worst_distance:max:1e-14"), "");
   EXPECT_EQ(failure("conforming:min:1"), "");
-  EXPECT_NE(failure("neighbours_consistent:min:1"), "");
+  EXPECT_NE(failure("neighbors_consistent:min:1"), "");
 }
 
 TEST(WhyFailed, TakesAMetricsNameForItsExtreme) {
@@ -73,9 +73,8 @@ TEST(WhyFailed, RefusesUnknownNames) {
 TEST(ToJson, HasTheKeysOfTheManual) {
   const auto json = to_json(example());
 
-  for (const char* key :
-       {"cells", "nodes", "volume", "patches", "inverted_cells", "conforming", "neighbours_consistent", "fingerprint",
-        "radius_ratio", "mean_ratio", "aspect_ratio", "min_dihedral", "max_dihedral"})
+  for (const char* key : {"cells", "nodes", "volume", "patches", "inverted_cells", "conforming", "neighbors_consistent",
+                          "fingerprint", "radius_ratio", "mean_ratio", "aspect_ratio", "min_dihedral", "max_dihedral"})
     EXPECT_TRUE(json.contains(key)) << key;
   EXPECT_EQ(json["mean_ratio"]["histogram"]["counts"].size(), 50U);
   EXPECT_EQ(json["mean_ratio"]["histogram"]["edges"].size(), 51U);

@@ -64,7 +64,7 @@ void expect_same_bits(const QualityReport& a, const QualityReport& b) {
   }
   EXPECT_EQ(a.inverted_cells, b.inverted_cells);
   EXPECT_EQ(a.conforming, b.conforming);
-  EXPECT_EQ(a.neighbours_consistent, b.neighbours_consistent);
+  EXPECT_EQ(a.neighbors_consistent, b.neighbors_consistent);
   ASSERT_EQ(a.metrics.size(), b.metrics.size());
   for (std::size_t i = 0; i < a.metrics.size(); ++i) {
     EXPECT_EQ(bits(a.metrics[i].min), bits(b.metrics[i].min));
@@ -86,7 +86,7 @@ TEST(QualityReport, OfTheKuhnCubeIsWhatCanBeWorkedOutByHand) {
 
   EXPECT_TRUE(report.is_valid());
   EXPECT_TRUE(report.conforming);
-  EXPECT_TRUE(report.neighbours_consistent);
+  EXPECT_TRUE(report.neighbors_consistent);
   EXPECT_EQ(report.cells, 6 * 64);
   EXPECT_EQ(report.nodes, 125);
   EXPECT_DOUBLE_EQ(report.volume, 1.0);

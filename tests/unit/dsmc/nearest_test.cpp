@@ -46,9 +46,9 @@ TEST(NearestInCell, FindsWhatLookingAtAllFinds) {
     for (const std::int64_t n_searches : {1, 1000}) {
       nearest.start(particles, begin, n, n_searches);
       for (std::uint32_t first = 0; first < n; first += 1 + n / 100) {
-        const auto neighbour = obvious(particles, n, first, 0);
-        EXPECT_EQ(nearest.find(first, 0), neighbour);
-        const auto barred = tag_of(particles.id[begin + neighbour]);
+        const auto neighbor = obvious(particles, n, first, 0);
+        EXPECT_EQ(nearest.find(first, 0), neighbor);
+        const auto barred = tag_of(particles.id[begin + neighbor]);
         EXPECT_EQ(nearest.find(first, barred), obvious(particles, n, first, barred));
       }
     }

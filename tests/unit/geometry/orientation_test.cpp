@@ -45,7 +45,7 @@ TEST(Orientation, IsZeroForFlatCellsOnly) {
 }
 
 TEST(Orientation, SeesTheLastBitOfACoordinateFarFromTheOrigin) {
-  // The plane x + y + z = 3 * 12345.678, a point on it and its neighbours by one unit in the last place.
+  // The plane x + y + z = 3 * 12345.678, a point on it and its neighbors by one unit in the last place.
   const double s = 12345.678;
   const Vec3 a{s, s, s}, b{s + 1, s - 1, s}, c{s, s + 1, s - 1};
   const Vec3 on{s + 2, s - 1, s - 1};

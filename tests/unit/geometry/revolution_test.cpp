@@ -143,7 +143,7 @@ TEST(Revolution, AgreesWithAPlainSearchOverRandomProfiles) {
   std::mt19937_64 random(12);
   std::uniform_real_distribution<double> unit(0.0, 1.0);
   for (int trial = 0; trial < 40; ++trial) {
-    // Three pieces with random ends; the middle one an arc on a random centre of the perpendicular bisector.
+    // Three pieces with random ends; the middle one an arc on a random center of the perpendicular bisector.
     std::vector<Meridian> end(4);
     for (Meridian& m : end) m = {2 * unit(random) - 1, 3 + unit(random)};
     const Meridian chord = end[2] - end[1], across{-chord.r, chord.x};

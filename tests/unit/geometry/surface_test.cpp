@@ -38,13 +38,13 @@ struct Kind {
 
 void PrintTo(const Kind& kind, std::ostream* out) { *out << kind.name; }
 
-const Vec3 centre{0.3, -0.2, 0.1};
+const Vec3 center{0.3, -0.2, 0.1};
 const Vec3 axis{2.0 / 7.0, 3.0 / 7.0, 6.0 / 7.0};
 const Vec3 side_a{3.0 / std::sqrt(13.0), -2.0 / std::sqrt(13.0), 0};
 const Vec3 side_b = cross(axis, side_a);
 
 Vec3 turned(double x, double r, double turn) {
-  return centre + x * axis + r * std::cos(2 * pi * turn) * side_a + r * std::sin(2 * pi * turn) * side_b;
+  return center + x * axis + r * std::cos(2 * pi * turn) * side_a + r * std::sin(2 * pi * turn) * side_b;
 }
 
 /// A blunt cone: nose arc of radius 0.5, tangent cone of 30 degrees, tangent shoulder arc of radius 0.2 up to the
@@ -73,7 +73,7 @@ struct BluntCone {
   }
 };
 
-/// sum(square y^2 + linear y) + constant in the turned frame of (side_a, side_b, axis) about `centre`, written out in
+/// sum(square y^2 + linear y) + constant in the turned frame of (side_a, side_b, axis) about `center`, written out in
 /// x, y, z.
 std::unique_ptr<const Surface> turned_quadric(Vec3 square, Vec3 linear, double constant) {
   std::array<double, 10> c{};
@@ -82,7 +82,7 @@ std::unique_ptr<const Surface> turned_quadric(Vec3 square, Vec3 linear, double c
   const std::array<double, 3> squares{square.x, square.y, square.z}, linears{linear.x, linear.y, linear.z};
   for (std::size_t i = 0; i < 3; ++i) {
     const Vec3 d = direction[i];
-    const double s = squares[i], l = linears[i], at = dot(d, centre);  // s (d x - at)^2 + l (d x - at)
+    const double s = squares[i], l = linears[i], at = dot(d, center);  // s (d x - at)^2 + l (d x - at)
     const std::array<double, 10> term{
         s * d.x * d.x,     s * d.y * d.y,          s * d.z * d.z,          2 * s * d.x * d.y,      2 * s * d.y * d.z,
         2 * s * d.z * d.x, (l - 2 * s * at) * d.x, (l - 2 * s * at) * d.y, (l - 2 * s * at) * d.z, (s * at - l) * at};
@@ -91,12 +91,12 @@ std::unique_ptr<const Surface> turned_quadric(Vec3 square, Vec3 linear, double c
   return std::make_unique<Quadric>(c);
 }
 
-Vec3 in_frame(double a, double b, double c) { return centre + a * side_a + b * side_b + c * axis; }
+Vec3 in_frame(double a, double b, double c) { return center + a * side_a + b * side_b + c * axis; }
 
 /// A saddle over a square, cut into 2 x 2 segments.
 std::unique_ptr<const Surface> saddle_in_segments() {
   PolynomialSegment all;
-  all.coefficient = {centre, side_a, side_b, 0.3 * axis, 0.1 * axis, -0.2 * axis};
+  all.coefficient = {center, side_a, side_b, 0.3 * axis, 0.1 * axis, -0.2 * axis};
   std::vector<PolynomialSegment> segments;
   for (const double u : {-3.0, 0.0})
     for (const double v : {-3.0, 0.0}) {
@@ -109,17 +109,17 @@ std::unique_ptr<const Surface> saddle_in_segments() {
 
 std::vector<Kind> all_kinds() {
   return {
-      {"Plane", [] { return std::make_unique<Plane>(centre, 5.0 * axis); },
-       [](double s, double t) { return centre + (6 * s - 3) * side_a + (6 * t - 3) * side_b; }},
-      {"Sphere", [] { return std::make_unique<Sphere>(centre, 0.7); },
+      {"Plane", [] { return std::make_unique<Plane>(center, 5.0 * axis); },
+       [](double s, double t) { return center + (6 * s - 3) * side_a + (6 * t - 3) * side_b; }},
+      {"Sphere", [] { return std::make_unique<Sphere>(center, 0.7); },
        [](double s, double t) { return turned(-0.7 * std::cos(pi * s), 0.7 * std::sin(pi * s), t); }},
-      {"Cylinder", [] { return std::make_unique<Cylinder>(centre, -2.0 * axis, 0.6); },
+      {"Cylinder", [] { return std::make_unique<Cylinder>(center, -2.0 * axis, 0.6); },
        [](double s, double t) { return turned(8 * s - 4, 0.6, t); }},
-      {"Cone", [] { return std::make_unique<Cone>(centre, axis, 35.0); },
+      {"Cone", [] { return std::make_unique<Cone>(center, axis, 35.0); },
        [](double s, double t) { return turned(5 * s * std::cos(35 * pi / 180), 5 * s * std::sin(35 * pi / 180), t); }},
-      {"Torus", [] { return std::make_unique<Torus>(centre, axis, 0.9, 0.35); },
+      {"Torus", [] { return std::make_unique<Torus>(center, axis, 0.9, 0.35); },
        [](double s, double t) { return turned(0.35 * std::cos(2 * pi * s), 0.9 + 0.35 * std::sin(2 * pi * s), t); }},
-      {"BluntCone", [] { return std::make_unique<Revolution>(centre, axis, BluntCone{}.profile); },
+      {"BluntCone", [] { return std::make_unique<Revolution>(center, axis, BluntCone{}.profile); },
        [](double s, double t) {
          const Meridian m = BluntCone{}.at(s);
          return turned(m.x, m.r, t);
@@ -261,8 +261,8 @@ TEST_P(EverySurface, HasANormalThatDoesNotJumpNearTheSurface) {
 TEST_P(EverySurface, GivesTheSameBitsTwiceAndFinitePointsFromAnywhere) {
   const auto surface = GetParam().make(), other = GetParam().make();
   std::vector<Vec3> points = random_points(100, 6, 3.0);
-  for (int i = -10; i <= 10; ++i) points.push_back(centre + 0.2 * i * axis);
-  points.push_back(centre + Vec3{1e-160, 0, 0});
+  for (int i = -10; i <= 10; ++i) points.push_back(center + 0.2 * i * axis);
+  points.push_back(center + Vec3{1e-160, 0, 0});
   points.push_back({1e10, -1e10, 1e10});
   for (const Vec3 p : points) {
     const Vec3 q = surface->project(p), n = surface->normal(p);
@@ -286,7 +286,7 @@ TEST(Plane, IsExactOnACoordinatePlane) {
   EXPECT_TRUE(plane.is_flat());
 }
 
-TEST(Sphere, ProjectsItsCentreTowardsX) {
+TEST(Sphere, ProjectsItsCenterTowardsX) {
   const Sphere sphere({1, 2, 3}, 2);
 
   EXPECT_EQ(sphere.project({1, 2, 3}), (Vec3{3, 2, 3}));

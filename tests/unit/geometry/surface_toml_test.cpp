@@ -118,10 +118,10 @@ TEST(SurfacesFromToml, RefusesUnknownKeysAndKinds) {
   EXPECT_THAT(reading("\n[[surface]]\nname = \"a\"\nkind = \"cube\"\n"),
               refuses("4:8: surface \"a\": kind:", "plane, sphere", "\"cube\""));
   EXPECT_THAT(reading("[[surface]]\nname = \"a\"\nkind = \"sphere\"\ncenter = [0,0,0]\nradius = 1\ncolour = 3\n"),
-              refuses("6:1: surface \"a\":", "center, radius", "colour"));
+              refuses("6:1: surface \"a\":", "center, radius", "color"));
   EXPECT_THAT(reading("[[surface]]\nname = \"a\"\nkind = \"revolution\"\norigin = [0,0,0]\naxis = [1,0,0]\n"
-                      "profile = [ {from = [0,1], to = [1,1]},\n {from = [1,1], to = [2,1], centre = [1,2]} ]\n"),
-              refuses("7:29: surface \"a\": profile piece 2:", "centre"));
+                      "profile = [ {from = [0,1], to = [1,1]},\n {from = [1,1], to = [2,1], center = [1,2]} ]\n"),
+              refuses("7:29: surface \"a\": profile piece 2:", "center"));
 }
 
 TEST(SurfacesFromToml, RefusesMissingKeys) {

@@ -208,18 +208,18 @@ std::vector<Damage> damages_of_the_mesh() {
       {"PatchTooLarge",
        [](const path& f) { set_value<std::int64_t>(f, "/PAMR/cell_to_cell", 81, -7); },
        {"/PAMR/cell_to_cell, row 20", "-1 to -6", "found -7"}},
-      {"NeighbourTooLarge",
+      {"NeighborTooLarge",
        [](const path& f) { set_value<std::int64_t>(f, "/PAMR/cell_to_cell", 81, 48); },
        {"/PAMR/cell_to_cell, row 20", "found 48"}},
-      {"OwnNeighbour",
+      {"OwnNeighbor",
        [](const path& f) { set_value<std::int64_t>(f, "/PAMR/cell_to_cell", 81, 20); },
        {"/PAMR/cell_to_cell, row 20", "the cell itself"}},
-      {"NarrowNeighbours",
+      {"NarrowNeighbors",
        [](const path& f) {
          write_dataset<std::int64_t>(f, "/PAMR/cell_to_cell", {64, 3}, std::vector<std::int64_t>(192));
        },
        {"/PAMR/cell_to_cell", "expected shape 48 x 4, found 64 x 3"}},
-      {"NoNeighboursButPatches",
+      {"NoNeighborsButPatches",
        [](const path& f) { remove_object(f, "/PAMR/cell_to_cell"); },
        {"/PAMR/cell_to_cell", "6 patches"}},
   };

@@ -133,7 +133,7 @@ TEST(Checksums, TakeInRowsBeyond2To33) {
   EXPECT_NE(elsewhere.result(comm), expected);
 }
 
-TEST(FirstId, IsWrittenOnlyWhereItIsNotZeroAndTellsNeighboursFromRows) {
+TEST(FirstId, IsWrittenOnlyWhereItIsNotZeroAndTellsNeighborsFromRows) {
   const par::Comm comm(MPI_COMM_WORLD);
   const Folder folder(comm);
   const auto block = test::kuhn_cube(comm, 2);
@@ -155,7 +155,7 @@ TEST(FirstId, IsWrittenOnlyWhereItIsNotZeroAndTellsNeighboursFromRows) {
   EXPECT_EQ(io::read_native(comm, folder / "wide.hdf").info.first_id, two_to_33);
 }
 
-TEST(FirstId, IsRefusedOutOfRangeOrWhenNeighboursDoNotFollowIt) {
+TEST(FirstId, IsRefusedOutOfRangeOrWhenNeighborsDoNotFollowIt) {
   const par::Comm comm(MPI_COMM_WORLD);
   const Folder folder(comm);
   const auto error_with = [&](std::vector<std::int64_t> first_id) {

@@ -30,7 +30,7 @@ TEST(ReadRequest, ReadsEachCriterion) {
 
   ASSERT_EQ(request.criteria.size(), 8U);
   EXPECT_EQ(rule<ErrorOver>(request, 7).bar, ErrorOver::Bar::target);
-  EXPECT_EQ(rule<CrossingSphere>(request, 1).sphere.centre, (geometry::Vec3{1, -2, 3.5}));
+  EXPECT_EQ(rule<CrossingSphere>(request, 1).sphere.center, (geometry::Vec3{1, -2, 3.5}));
   EXPECT_EQ(rule<CrossingSphere>(request, 1).sphere.radius, 0.25);
   EXPECT_EQ(rule<CentroidShell>(request, 2).width, 0.1);
   EXPECT_EQ(rule<Box>(request, 3).high, (geometry::Vec3{1, 1, 1}));

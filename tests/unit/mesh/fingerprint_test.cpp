@@ -54,8 +54,8 @@ TEST(Fingerprint, DoesNotDependOnTheSignOfZeroOrTheOrderOfPatches) {
     if (p.x == 0) p.x = -0.0;
   std::swap(whole.info.patches[0], whole.info.patches[4]);
   for (auto& cell : whole.cell_to_cell)
-    for (auto& neighbour : cell)
-      if (neighbour == -1 || neighbour == -5) neighbour = -6 - neighbour;
+    for (auto& neighbor : cell)
+      if (neighbor == -1 || neighbor == -5) neighbor = -6 - neighbor;
 
   EXPECT_EQ(fingerprint(comm, assemble::assemble(comm, test::cut(comm, whole))), expected);
 }
@@ -81,9 +81,9 @@ TEST(Fingerprint, ChangesWithEverythingItCovers) {
   expect_new("name of a patch", [](BlockMesh& m) { m.info.patches[3].name = "wall"; });
   expect_new("patch of a face", [](BlockMesh& m) {
     for (auto& cell : m.cell_to_cell)
-      for (auto& neighbour : cell)
-        if (neighbour < 0) {
-          neighbour = neighbour == -1 ? -2 : -1;
+      for (auto& neighbor : cell)
+        if (neighbor < 0) {
+          neighbor = neighbor == -1 ? -2 : -1;
           return;
         }
   });

@@ -41,9 +41,9 @@ TEST(WideNumbers, AreThoseOfTheMeshAndNoOthers) {
   EXPECT_THAT(error_with([](BlockMesh& b) {
                 b.cell_to_cell.back() = {wide - 1, wide, wide, wide};
               }),
-              testing::HasSubstr("expected neighbours from 8589934592 on, found 8589934591"));
+              testing::HasSubstr("expected neighbors from 8589934592 on, found 8589934591"));
   EXPECT_THAT(error_with([](BlockMesh& b) { b.cell_to_cell.back()[2] = wide + 48; }),
-              testing::HasSubstr("expected neighbours below 8589934640, found 8589934640"));
+              testing::HasSubstr("expected neighbors below 8589934640, found 8589934640"));
   EXPECT_THAT(error_with([](BlockMesh& b) { b.first_cell -= wide; }),
               testing::HasSubstr("to begin at cell " + std::to_string(wide + 48 - 48 / comm.size())));
 }

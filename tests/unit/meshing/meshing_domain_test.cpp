@@ -20,12 +20,12 @@ using geometry::Vec3;
 TEST(BluntConeMeridian, AgreesWithTheModelOfTheWindTunnel) {
   const BluntConeMeridian m;
 
-  // Coordinates of the CAD solid of the CNRS SR3 model, millimetres, six decimals.
+  // Coordinates of the CAD solid of the CNRS SR3 model, millimeters, six decimals.
   EXPECT_NEAR(1e3 * m.nose_end.x, 0.753842, 5e-7);
   EXPECT_NEAR(1e3 * m.nose_end.r, 4.275252, 5e-7);
   EXPECT_NEAR(1e3 * m.cone_end.x, 7.997677, 5e-7);
   EXPECT_NEAR(1e3 * m.cone_end.r, 24.177525, 5e-7);
-  EXPECT_NEAR(1e3 * m.shoulder_centre.x, 9.172293, 5e-7);
+  EXPECT_NEAR(1e3 * m.shoulder_center.x, 9.172293, 5e-7);
   EXPECT_NEAR(1e3 * m.shoulder_end.x, 10.422293, 5e-7);
   EXPECT_NEAR(1e3 * m.fillet_end.x, 12.502293, 5e-7);
 }

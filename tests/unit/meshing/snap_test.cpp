@@ -13,9 +13,9 @@ namespace {
 using geometry::Vec3;
 
 /// A tetrahedron cut into four by a node in it.
-RawMesh star(Vec3 centre) {
+RawMesh star(Vec3 center) {
   RawMesh mesh;
-  mesh.point = {{1, 1, 1}, {1, -1, -1}, {-1, 1, -1}, {-1, -1, 1}, centre};
+  mesh.point = {{1, 1, 1}, {1, -1, -1}, {-1, 1, -1}, {-1, -1, 1}, center};
   mesh.binding.assign(5, {Freedom::none, -1});
   mesh.binding[4] = {};
   mesh.cell = {{4, 2, 1, 3}, {0, 2, 4, 3}, {0, 4, 1, 3}, {0, 2, 1, 4}};

@@ -104,7 +104,7 @@ TEST(WallEars, FlatWallsSharpEdgesAndPatchesWithoutSurfaceHaveNone) {
 TEST(WallEars, TheRepairedMeshIsTheSameOnAnyRanks) {
   const par::Comm comm(MPI_COMM_WORLD), self(MPI_COMM_SELF);
   const auto repaired = [](const par::Comm& on) {
-    auto mesh = assemble::assemble(on, tied(test::without_neighbours(test::kuhn_cube(on, 1)),
+    auto mesh = assemble::assemble(on, tied(test::without_neighbors(test::kuhn_cube(on, 1)),
                                             "[[surface]]\nname = \"wall\"\nkind = \"sphere\"\n"
                                             "center = [0.5, 0.5, 0.5]\nradius = 0.8660254037844386\n"));
     const auto ears = find_wall_ears(on, mesh);

@@ -142,7 +142,7 @@ TEST(OrderAlongCurve, TellsWhereCellsAndNodesComeFromAndCarriesFields) {
     EXPECT_EQ(ordered.block.node_position[i], whole.node_position[static_cast<std::size_t>(ordered.node_origin[i])]);
 }
 
-TEST(OrderAlongCurve, PutsNeighboursCloseTogetherAndNodesInOrderOfFirstUse) {
+TEST(OrderAlongCurve, PutsNeighborsCloseTogetherAndNodesInOrderOfFirstUse) {
   const par::Comm comm(MPI_COMM_WORLD);
   const auto whole =
       test::gather(comm, order_along_curve(comm, test::permute(comm, test::kuhn_cube(comm, 8), 1)).block);
@@ -172,9 +172,9 @@ TEST(OrderAlongCurve, IsTheSameWhenDoneTwice) {
   expect_same(twice.block, once);
 }
 
-TEST(OrderAlongCurve, OrdersAMeshWithoutNeighboursOrLineage) {
+TEST(OrderAlongCurve, OrdersAMeshWithoutNeighborsOrLineage) {
   const par::Comm comm(MPI_COMM_WORLD);
-  const auto block = test::without_neighbours(test::random_mesh(comm, 7, 4));
+  const auto block = test::without_neighbors(test::random_mesh(comm, 7, 4));
   const auto expected = mesh::fingerprint(comm, assemble::assemble(comm, block));
 
   const auto ordered = order_along_curve(comm, block);
@@ -242,14 +242,14 @@ TEST(OrderAlongCurve, RefusesNumbersOutOfRangeByTheNumbersOfTheInput) {
     return "no error";
   };
   const auto whole = test::gather(comm, test::random_mesh(comm, 10, 2));
-  auto bad_node = whole, bad_neighbour = whole, bad_lineage = whole;
+  auto bad_node = whole, bad_neighbor = whole, bad_lineage = whole;
   bad_node.cell_to_node[17][2] = whole.info.n_global_nodes;
-  bad_neighbour.cell_to_cell[23][1] = whole.info.n_global_cells;
+  bad_neighbor.cell_to_cell[23][1] = whole.info.n_global_cells;
   bad_lineage.lineage.assign(whole.cell_to_node.size(), mesh::Lineage());
   bad_lineage.lineage[31] = mesh::Lineage(mesh::FamilyKind::edge, 0, 1, 0);
 
   EXPECT_NE(message_of(bad_node).find("cell_to_node, cell 17:"), std::string::npos) << message_of(bad_node);
-  EXPECT_NE(message_of(bad_neighbour).find("cell_to_cell, cell 23:"), std::string::npos) << message_of(bad_neighbour);
+  EXPECT_NE(message_of(bad_neighbor).find("cell_to_cell, cell 23:"), std::string::npos) << message_of(bad_neighbor);
   EXPECT_NE(message_of(bad_lineage).find("cell 30"), std::string::npos) << message_of(bad_lineage);
 }
 
@@ -261,10 +261,10 @@ TEST(IsOrdered, HoldsForTheOrdersThatToolsWrite) {
   const auto lexicographic = large_cube(comm);
 
   EXPECT_TRUE(is_ordered(comm, lexicographic));
-  EXPECT_TRUE(is_ordered(comm, test::without_neighbours(lexicographic)));
+  EXPECT_TRUE(is_ordered(comm, test::without_neighbors(lexicographic)));
   const auto curve = order_along_curve(comm, test::permute(comm, lexicographic, 1)).block;
   EXPECT_TRUE(is_ordered(comm, curve));
-  EXPECT_TRUE(is_ordered(comm, test::without_neighbours(curve)));
+  EXPECT_TRUE(is_ordered(comm, test::without_neighbors(curve)));
 }
 
 TEST(IsOrdered, FailsForShuffledCellsOfALargeMesh) {
@@ -273,7 +273,7 @@ TEST(IsOrdered, FailsForShuffledCellsOfALargeMesh) {
   const auto shuffled = test::permute(comm, test::kuhn_cube(comm, 24), 2);
 
   EXPECT_FALSE(is_ordered(comm, shuffled));
-  EXPECT_FALSE(is_ordered(comm, test::without_neighbours(shuffled)));
+  EXPECT_FALSE(is_ordered(comm, test::without_neighbors(shuffled)));
 }
 
 TEST(IsOrdered, HoldsForSmallMeshesInAnyOrder) {
@@ -284,9 +284,9 @@ TEST(IsOrdered, HoldsForSmallMeshesInAnyOrder) {
 
 TEST(MeasureDisorder, CountsTheSameOnAnyNumberOfRanks) {
   const par::Comm comm(MPI_COMM_WORLD), self(MPI_COMM_SELF);
-  for (const bool has_neighbours : {true, false}) {
+  for (const bool has_neighbors : {true, false}) {
     auto block = test::permute(comm, large_cube(comm), 4);
-    if (!has_neighbours) block = test::without_neighbours(std::move(block));
+    if (!has_neighbors) block = test::without_neighbors(std::move(block));
 
     const auto here = measure_disorder(comm, block), serial = measure_disorder(self, test::gather(comm, block));
 

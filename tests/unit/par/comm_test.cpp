@@ -181,7 +181,7 @@ TEST(SparseExchange, CountsWhatItSendsToOthers) {
   EXPECT_EQ(comm.traffic().reductions - before.reductions, 1);
 }
 
-TEST(NeighbourExchange, CountsWhatItSendsToOthers) {
+TEST(NeighborExchange, CountsWhatItSendsToOthers) {
   const Comm comm(MPI_COMM_WORLD);
   const auto before = comm.traffic();
   std::vector<Rank> others;
@@ -190,8 +190,8 @@ TEST(NeighbourExchange, CountsWhatItSendsToOthers) {
   const std::vector<std::byte> mine(5);
   std::vector<std::vector<std::byte>> theirs(others.size(), std::vector<std::byte>(5));
 
-  comm.neighbour_exchange(others, std::vector<std::span<const std::byte>>(others.size(), mine),
-                          std::vector<std::span<std::byte>>(theirs.begin(), theirs.end()));
+  comm.neighbor_exchange(others, std::vector<std::span<const std::byte>>(others.size(), mine),
+                         std::vector<std::span<std::byte>>(theirs.begin(), theirs.end()));
 
   const auto spent = comm.traffic() - before;
   EXPECT_EQ(spent.messages, comm.size() - 1);

@@ -57,7 +57,7 @@ TEST_P(Pieces, OfASparseExchangeAreJoinedInOrder) {
   }
 }
 
-TEST_P(Pieces, OfANeighbourExchangeFillTheirPlaces) {
+TEST_P(Pieces, OfANeighborExchangeFillTheirPlaces) {
   const Comm comm(MPI_COMM_WORLD, GetParam());
   for (std::uint64_t seed = 0; seed < 4; ++seed) {
     Pattern pattern;

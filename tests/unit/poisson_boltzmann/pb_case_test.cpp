@@ -44,9 +44,9 @@ TEST(ReadCase, ScalesDimensionalInputWithTheDebyeLength) {
 
   ASSERT_EQ(problem.spheres.size(), 2U);
   EXPECT_NEAR(problem.spheres[0].radius, 1.1818182, 1e-7);
-  EXPECT_NEAR(2 * problem.spheres[0].centre.x, 16.363636, 1e-6);
-  EXPECT_NEAR(problem.spheres[0].centre.z, 9.0909091, 1e-7);
-  EXPECT_EQ(problem.spheres[1].centre.x, -problem.spheres[0].centre.x);
+  EXPECT_NEAR(2 * problem.spheres[0].center.x, 16.363636, 1e-6);
+  EXPECT_NEAR(problem.spheres[0].center.z, 9.0909091, 1e-7);
+  EXPECT_EQ(problem.spheres[1].center.x, -problem.spheres[0].center.x);
   EXPECT_TRUE(problem.spheres[1].patch.empty());
   EXPECT_NEAR(problem.find_boundary("ball")->value, 3, 1e-4);
   EXPECT_EQ(problem.plate->potential, 2);

@@ -27,7 +27,7 @@ class Solved {
   Solved& operator=(Solved&&) = delete;
   ~Solved() = default;
 
-  Analysis analysis(const par::Comm& comm) { return analyse(comm, domain, problem, conditions, system, solution); }
+  Analysis analysis(const par::Comm& comm) { return analyze(comm, domain, problem, conditions, system, solution); }
 
   Case problem;
   mesh::DistMesh mesh;

@@ -19,7 +19,7 @@ TEST(Units, TheDebyeLengthAndTheSaltDetermineEachOther) {
 
   const double salt = *units_of(water).concentration;
 
-  EXPECT_NEAR(salt, 1.22e-3, 0.01e-3);  // mol/m^3: 7.37e20 ions of each kind in a cubic metre
+  EXPECT_NEAR(salt, 1.22e-3, 0.01e-3);  // mol/m^3: 7.37e20 ions of each kind in a cubic meter
   EXPECT_NEAR(debye_length(water, salt), 0.275e-6, 1e-15);
   EXPECT_NEAR(debye_length(Electrolyte{}, 1), 9.62e-9, 0.01e-9);
 }

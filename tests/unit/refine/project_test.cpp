@@ -50,7 +50,7 @@ void expect_all_positive(const mesh::DistMesh& mesh) {
 }
 
 void expect_conforming(const mesh::BlockMesh& whole) {
-  const auto reference = test::reference_neighbours(whole.cell_to_node);
+  const auto reference = test::reference_neighbors(whole.cell_to_node);
   for (std::size_t c = 0; c < reference.size(); ++c)
     for (std::size_t f = 0; f < 4; ++f) ASSERT_EQ(std::max<GlobalId>(whole.cell_to_cell[c][f], -1), reference[c][f]);
 }

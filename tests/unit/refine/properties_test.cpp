@@ -144,16 +144,16 @@ TEST(P1Conformity, EveryFaceBelongsToTwoCellsOrToThePatchesAndNoNodeHangsOnAnEdg
   });
 }
 
-TEST(P2Neighbours, PointBackAcrossTheSameFaceOrNameAPatch) {
+TEST(P2Neighbors, PointBackAcrossTheSameFaceOrNameAPatch) {
   on_random_levels(any_mesh, [](const Level& level) {
     for (const auto& [face, cells] : faces_of(level.after))
       for (std::size_t i = 0; i < cells.size(); ++i) {
         const auto [cell, slot] = cells[i];
-        const auto neighbour = level.after.cell_to_cell[at(cell)][slot];
+        const auto neighbor = level.after.cell_to_cell[at(cell)][slot];
         if (cells.size() == 2)
-          ASSERT_EQ(neighbour, cells[1 - i].first);
+          ASSERT_EQ(neighbor, cells[1 - i].first);
         else
-          ASSERT_TRUE(neighbour <= -1 && neighbour >= -static_cast<GlobalId>(level.after.info.patches.size()));
+          ASSERT_TRUE(neighbor <= -1 && neighbor >= -static_cast<GlobalId>(level.after.info.patches.size()));
       }
   });
 }

@@ -85,7 +85,7 @@ std::vector<std::uint8_t> mark(const mesh::BlockMesh& whole, Law law, std::uint6
 mesh::BlockMesh gather_on(const par::Comm& comm, const mesh::DistMesh& mesh, Rank root) {
   struct CellRow {
     GlobalId id;
-    std::array<GlobalId, 4> node, neighbour;
+    std::array<GlobalId, 4> node, neighbor;
     std::uint32_t lineage;
     std::int64_t parent;
   };
@@ -100,9 +100,9 @@ mesh::BlockMesh gather_on(const par::Comm& comm, const mesh::DistMesh& mesh, Ran
     for (std::size_t i = 0; i < 4; ++i) {
       const auto slot = mesh.cell_to_cell[c][i];
       row.node[i] = mesh.node_global[at(mesh.cell_to_node[c][i])];
-      row.neighbour[i] = mesh.is_own(slot)     ? mesh.cell_global[at(slot)]
-                         : mesh.is_ghost(slot) ? mesh.ghost_global[at(slot - mesh.n_cells())]
-                                               : slot;
+      row.neighbor[i] = mesh.is_own(slot)     ? mesh.cell_global[at(slot)]
+                        : mesh.is_ghost(slot) ? mesh.ghost_global[at(slot - mesh.n_cells())]
+                                              : slot;
     }
     cells.push_back(row);
   }
@@ -120,7 +120,7 @@ mesh::BlockMesh gather_on(const par::Comm& comm, const mesh::DistMesh& mesh, Ran
   mesh::CellField parents{"parent", "", 1, mesh::StorageType::int64, std::vector<std::int64_t>{}};
   for (const auto& row : cells) {
     whole.cell_to_node.push_back(row.node);
-    whole.cell_to_cell.push_back(row.neighbour);
+    whole.cell_to_cell.push_back(row.neighbor);
     whole.lineage.emplace_back(row.lineage);
     parents.integer().push_back(row.parent);
   }

@@ -66,8 +66,8 @@ Run refine_levels(const par::Comm& comm, mesh::DistMesh mesh, Law law, QualityCo
 }
 
 void expect_sound(const mesh::BlockMesh& whole, double volume) {
-  // conforming: the neighbours by table are those that a map of all faces gives
-  const auto reference = test::reference_neighbours(whole.cell_to_node);
+  // conforming: the neighbors by table are those that a map of all faces gives
+  const auto reference = test::reference_neighbors(whole.cell_to_node);
   ASSERT_EQ(reference.size(), whole.cell_to_cell.size());
   for (std::size_t c = 0; c < reference.size(); ++c)
     for (std::size_t f = 0; f < 4; ++f)

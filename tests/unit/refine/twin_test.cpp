@@ -107,11 +107,11 @@ void expect_same_rows(const std::vector<T>& found, const std::vector<T>& expecte
   for (std::size_t i = 0; i < found.size(); ++i) ASSERT_TRUE(found[i] == expected[i]) << what << " " << i;
 }
 
-/// Corners, neighbours, patches, lineage and parents of all cells by number, and all nodes by number, to the last bit.
+/// Corners, neighbors, patches, lineage and parents of all cells by number, and all nodes by number, to the last bit.
 void expect_same(const mesh::BlockMesh& found, const test::ReferenceRefinement& expected) {
   expect_same_rows(found.cell_to_node, expected.mesh.cell_to_node, "corners of cell");
   expect_same_rows(found.node_position, expected.mesh.node_position, "position of node");
-  expect_same_rows(found.cell_to_cell, expected.mesh.cell_to_cell, "neighbours and patches of cell");
+  expect_same_rows(found.cell_to_cell, expected.mesh.cell_to_cell, "neighbors and patches of cell");
   expect_same_rows(found.lineage, expected.mesh.lineage, "lineage of cell");
   ASSERT_EQ(found.cell_fields.size(), 1U);
   expect_same_rows(found.cell_fields.front().integer(), expected.parent, "parent of cell");

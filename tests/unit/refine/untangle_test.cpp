@@ -31,7 +31,7 @@ mesh::BlockMesh hollow_cube(const par::Comm& self, int n) {
   for (GlobalId c = 0; c < whole.info.n_global_cells; ++c)
     if (!is_inside(c)) cells.push_back(whole.cell_to_node[at(c)]);
   auto hollow = test::small_mesh(self, whole.node_position, cells);
-  hollow.cell_to_cell = test::reference_neighbours(hollow.cell_to_node);
+  hollow.cell_to_cell = test::reference_neighbors(hollow.cell_to_node);
   for (std::size_t c = 0; c < cells.size(); ++c)
     for (std::size_t f = 0; f < 4; ++f) {
       if (hollow.cell_to_cell[c][f] >= 0) continue;

@@ -134,7 +134,7 @@ TEST_P(WideIds, PassThroughThreeLevelsAndTheFileUnharmed) {
 
 TEST(WideIds, AreBuiltFromNodesAlone) {
   const par::Comm comm(MPI_COMM_WORLD);
-  const auto block = test::without_neighbours(test::random_mesh(comm, 8, 3));
+  const auto block = test::without_neighbors(test::random_mesh(comm, 8, 3));
   const auto destination = test::random_destinations(comm, block, 9);
 
   const auto moved = assemble::assemble(comm, test::numbered_from(wide, block), destination);
@@ -162,7 +162,7 @@ TEST(WideIds, AreReportedAndExtractedLikeAnyOthers) {
   const auto same = check::report_quality(comm, plain, surfaces);
   EXPECT_EQ(report.fingerprint, same.fingerprint);
   EXPECT_EQ(report.volume, same.volume);
-  EXPECT_TRUE(report.conforming && report.neighbours_consistent);
+  EXPECT_TRUE(report.conforming && report.neighbors_consistent);
 }
 
 }  // namespace

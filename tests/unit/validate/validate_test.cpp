@@ -67,7 +67,7 @@ TEST_F(Validate, FindsNothingInValidMeshes) {
     const auto block = test::random_mesh(comm_, seed, 3);
     const auto to = test::random_destinations(comm_, block, seed);
     EXPECT_THAT(names(validate(comm_, assemble::assemble(comm_, block, to))), IsEmpty());
-    EXPECT_THAT(names(validate(comm_, assemble::assemble(comm_, test::without_neighbours(block), to))), IsEmpty());
+    EXPECT_THAT(names(validate(comm_, assemble::assemble(comm_, test::without_neighbors(block), to))), IsEmpty());
   }
 }
 
@@ -183,8 +183,8 @@ TEST_F(Validate, FindsPatchesThatDoNotExist) {
   EXPECT_EQ(violations[0].count, 18);
 }
 
-TEST_F(Validate, FindsNeighboursThatAreNotReciprocal) {
-  // The first own neighbour of the first cell that has one becomes the cell after it.
+TEST_F(Validate, FindsNeighborsThatAreNotReciprocal) {
+  // The first own neighbor of the first cell that has one becomes the cell after it.
   for (LocalId c = 0; comm_.is_first() && c < mesh_.n_cells(); ++c) {
     auto& slots = mesh_.cell_to_cell[static_cast<std::size_t>(c)];
     const auto own = std::find_if(slots.begin(), slots.end(), [&](LocalId slot) { return mesh_.is_own(slot); });
@@ -195,7 +195,7 @@ TEST_F(Validate, FindsNeighboursThatAreNotReciprocal) {
 
   const auto violations = validate(comm_, mesh_);
 
-  EXPECT_THAT(names(violations), Contains("neighbours_reciprocal"));
+  EXPECT_THAT(names(violations), Contains("neighbors_reciprocal"));
   EXPECT_THAT(names(violations), Contains("conforming"));
 }
 
@@ -204,7 +204,7 @@ TEST_F(Validate, FindsGhostsThatAreNotReciprocal) {
 
   const auto violations = validate(comm_, mesh_);
 
-  const auto expected = is_parallel() ? std::vector<std::string>{"neighbours_reciprocal"} : std::vector<std::string>{};
+  const auto expected = is_parallel() ? std::vector<std::string>{"neighbors_reciprocal"} : std::vector<std::string>{};
   EXPECT_EQ(names(violations), expected);
 }
 
@@ -214,8 +214,8 @@ TEST_F(Validate, FindsTwoCellsOnTheSameNodes) {
 
   const auto violations = validate(comm_, assemble::assemble(comm_, block));
 
-  ASSERT_THAT(names(violations), Contains("neighbours_reciprocal"));
-  EXPECT_EQ(find(violations, "neighbours_reciprocal")->count, 8);
+  ASSERT_THAT(names(violations), Contains("neighbors_reciprocal"));
+  EXPECT_EQ(find(violations, "neighbors_reciprocal")->count, 8);
 }
 
 TEST_F(Validate, FindsACrackWhereTwoCellsMeet) {
@@ -223,7 +223,7 @@ TEST_F(Validate, FindsACrackWhereTwoCellsMeet) {
   auto whole = test::gather(comm_, test::random_mesh(comm_, 22, 2));
   const auto c = GlobalId{24};  // in the middle of the blocks, so that the face lies on a rank border for some counts
   auto& slots = whole.cell_to_cell[24];
-  const auto slot = std::find_if(slots.begin(), slots.end(), [](GlobalId neighbour) { return neighbour >= 0; });
+  const auto slot = std::find_if(slots.begin(), slots.end(), [](GlobalId neighbor) { return neighbor >= 0; });
   auto& back = whole.cell_to_cell[static_cast<std::size_t>(*slot)];
   *std::find(back.begin(), back.end(), c) = -1;
   *slot = -1;
@@ -250,10 +250,10 @@ TEST_F(Validate, FindsTwoSoundMeshesOnTheSameNodes) {
   auto whole = test::gather(comm_, test::random_mesh(comm_, 24, 2));
   const auto n = whole.cell_to_node.size();
   for (std::size_t c = 0; c < n; ++c) {
-    auto neighbours = whole.cell_to_cell[c];
-    for (auto& neighbour : neighbours) neighbour += neighbour < 0 ? 0 : static_cast<GlobalId>(n);
+    auto neighbors = whole.cell_to_cell[c];
+    for (auto& neighbor : neighbors) neighbor += neighbor < 0 ? 0 : static_cast<GlobalId>(n);
     whole.cell_to_node.push_back(whole.cell_to_node[c]);
-    whole.cell_to_cell.push_back(neighbours);
+    whole.cell_to_cell.push_back(neighbors);
   }
   whole.info.n_global_cells *= 2;
 
@@ -266,11 +266,11 @@ TEST_F(Validate, FindsALinkThatOnlyTheUpperCellKnows) {
   const par::Comm self(MPI_COMM_SELF);
   mesh_ = assemble::assemble(self, test::random_mesh(self, 21, 3));
   for (std::size_t c = 0; c < mesh_.cell_to_cell.size(); ++c)
-    for (auto& neighbour : mesh_.cell_to_cell[c]) {
-      if (neighbour <= static_cast<LocalId>(c)) continue;
-      const auto kept = std::exchange(neighbour, mesh::patch_to_slot(0));
-      EXPECT_THAT(names(validate(self, mesh_)), Contains("neighbours_reciprocal")) << "cell " << c;
-      neighbour = kept;
+    for (auto& neighbor : mesh_.cell_to_cell[c]) {
+      if (neighbor <= static_cast<LocalId>(c)) continue;
+      const auto kept = std::exchange(neighbor, mesh::patch_to_slot(0));
+      EXPECT_THAT(names(validate(self, mesh_)), Contains("neighbors_reciprocal")) << "cell " << c;
+      neighbor = kept;
     }
 }
 

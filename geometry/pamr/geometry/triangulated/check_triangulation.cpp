@@ -20,7 +20,7 @@ struct Side {
   bool upwards = false;  // runs from low to high
 };
 
-/// All sides of all triangles; those of one edge are neighbours, in the order of their triangles.
+/// All sides of all triangles; those of one edge are neighbors, in the order of their triangles.
 std::vector<Side> sides_of(const Triangulation& surface) {
   std::vector<Side> sides;
   sides.reserve(3 * surface.triangles.size());
@@ -79,7 +79,7 @@ void require_edges(const Triangulation& surface, const std::vector<Side>& sides,
 }
 
 /// Follows the triangles around each point; those that the first fan does not reach make it non-manifold.
-void require_fans(const Triangulation& surface, const std::vector<std::array<Beyond, 3>>& neighbours,
+void require_fans(const Triangulation& surface, const std::vector<std::array<Beyond, 3>>& neighbors,
                   const std::string& where) {
   std::vector<int> n_around(surface.points.size(), 0), first(surface.points.size(), -1), corner_of(first);
   for (std::size_t t = surface.triangles.size(); t-- > 0;)
@@ -96,7 +96,7 @@ void require_fans(const Triangulation& surface, const std::vector<std::array<Bey
     int t = first[p], k = corner_of[p];
     bool is_closed = false;
     for (;;) {
-      const auto [next, edge] = neighbours[at(t)][at(k)];
+      const auto [next, edge] = neighbors[at(t)][at(k)];
       if (next < 0) break;
       t = next;
       k = (edge + 1) % 3;
@@ -107,7 +107,7 @@ void require_fans(const Triangulation& surface, const std::vector<std::array<Bey
       ++n;
     }
     for (t = first[p], k = corner_of[p]; !is_closed; ++n) {
-      const auto [next, edge] = neighbours[at(t)][at((k + 2) % 3)];
+      const auto [next, edge] = neighbors[at(t)][at((k + 2) % 3)];
       if (next < 0) break;
       t = next;
       k = edge;
@@ -140,19 +140,19 @@ void require_valid(const Triangulation& surface, const std::string& where, bool 
   if (surface.triangles.empty()) throw Error(where + ": expected triangles, found none (empty)");
   require_shapes(surface, where);
   require_edges(surface, sides_of(surface), where, open_allowed);
-  require_fans(surface, triangle_neighbours(surface), where);
+  require_fans(surface, triangle_neighbors(surface), where);
 }
 
-std::vector<std::array<Beyond, 3>> triangle_neighbours(const Triangulation& surface) {
-  std::vector<std::array<Beyond, 3>> neighbours(surface.triangles.size());
+std::vector<std::array<Beyond, 3>> triangle_neighbors(const Triangulation& surface) {
+  std::vector<std::array<Beyond, 3>> neighbors(surface.triangles.size());
   const auto sides = sides_of(surface);
   for (std::size_t i = 0; i + 1 < sides.size(); ++i) {
     const Side &a = sides[i], &b = sides[i + 1];
     if (a.low != b.low || a.high != b.high) continue;
-    neighbours[at(a.triangle)][at(a.edge)] = {b.triangle, b.edge};
-    neighbours[at(b.triangle)][at(b.edge)] = {a.triangle, a.edge};
+    neighbors[at(a.triangle)][at(a.edge)] = {b.triangle, b.edge};
+    neighbors[at(b.triangle)][at(b.edge)] = {a.triangle, a.edge};
   }
-  return neighbours;
+  return neighbors;
 }
 
 }  // namespace pamr::geometry

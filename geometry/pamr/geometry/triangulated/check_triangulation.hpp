@@ -25,6 +25,6 @@ struct Beyond {
   int triangle = -1;
   int edge = -1;
 };
-std::vector<std::array<Beyond, 3>> triangle_neighbours(const Triangulation& surface);
+std::vector<std::array<Beyond, 3>> triangle_neighbors(const Triangulation& surface);
 
 }  // namespace pamr::geometry

@@ -27,7 +27,7 @@ class Finder {
         options_(options),
         // rounding must not make 180 degrees an angle that a folded pair of triangles exceeds
         cosine_(options.angle < 180 ? std::cos(options.angle * std::numbers::pi / 180) : -2) {
-    result_.neighbour = triangle_neighbours(surface);
+    result_.neighbor = triangle_neighbors(surface);
   }
 
   Features find() {
@@ -88,7 +88,7 @@ class Finder {
     std::vector<char> is_inner(n, 0);
     for (std::size_t t = 0; t < facet_.size(); ++t)
       for (std::size_t k = 0; k < 3; ++k) {
-        const int crease = result_.crease_at[t][k], other = result_.neighbour[t][k].triangle;
+        const int crease = result_.crease_at[t][k], other = result_.neighbor[t][k].triangle;
         if (crease >= 0 && other >= 0 && result_.patch[t] == result_.patch[at(other)]) is_inner[at(crease)] = 1;
       }
     std::vector<std::vector<int>> at_point(surface_.points.size());
@@ -131,7 +131,7 @@ class Finder {
     result_.crease_at.assign(n, {-1, -1, -1});
     for (std::size_t t = 0; t < n; ++t)
       for (std::size_t k = 0; k < 3; ++k) {
-        const auto [other, edge] = result_.neighbour[t][k];
+        const auto [other, edge] = result_.neighbor[t][k];
         const bool is_sharp = other < 0 || dot(facet_[t], facet_[at(other)]) < cosine_ || is_given_[t][k];
         if (!is_sharp || (other >= 0 && at(other) < t)) continue;
         const auto number = static_cast<int>(result_.creases.size());
@@ -153,7 +153,7 @@ class Finder {
         const auto t = waiting.back();
         waiting.pop_back();
         for (std::size_t k = 0; k < 3; ++k) {
-          const int next = result_.neighbour[t][k].triangle;
+          const int next = result_.neighbor[t][k].triangle;
           if (result_.crease_at[t][k] >= 0 || result_.patch[at(next)] >= 0) continue;
           result_.patch[at(next)] = n_patches;
           waiting.push_back(at(next));
@@ -229,7 +229,7 @@ class Finder {
     Sector result{{{t, k}}};
     for (int a = t, b = k;;) {
       if (result_.crease_at[at(a)][at(b)] >= 0) break;
-      const auto [next, edge] = result_.neighbour[at(a)][at(b)];
+      const auto [next, edge] = result_.neighbor[at(a)][at(b)];
       a = next;
       b = (edge + 1) % 3;
       if (a == t) return result;
@@ -238,7 +238,7 @@ class Finder {
     for (int a = t, b = k;;) {
       const auto before = at((b + 2) % 3);
       if (result_.crease_at[at(a)][before] >= 0) break;
-      const auto [next, edge] = result_.neighbour[at(a)][before];
+      const auto [next, edge] = result_.neighbor[at(a)][before];
       a = next;
       b = edge;
       result.members.push_back({a, b});
@@ -278,7 +278,7 @@ class Finder {
       for (const auto end = triangles.size(); from < end; ++from)
         for (std::size_t k = 0; k < 3; ++k) {
           const auto t = at(triangles[from]);
-          const int next = result_.neighbour[t][k].triangle;
+          const int next = result_.neighbor[t][k].triangle;
           if (result_.crease_at[t][k] < 0 && std::find(triangles.begin(), triangles.end(), next) == triangles.end())
             triangles.push_back(next);
         }

@@ -18,13 +18,13 @@ struct Crease {
 
 /// What a triangulation says about the smooth surface that it was made from.
 struct Features {
-  std::vector<std::array<Beyond, 3>> neighbour;  ///< n_triangles x 3, see `triangle_neighbours`
-  std::vector<std::array<int, 3>> crease_at;     ///< n_triangles x 3, number of the crease at the edge or -1
-  std::vector<Crease> creases;                   ///< in the order of their first triangle
-  std::vector<int> patch;                        ///< n_triangles, the piece between creases that it belongs to
-  std::vector<std::array<Vec3, 3>> normal;       ///< n_triangles x 3, unit normals at the corners, one-sided
-  std::vector<char> is_planar;                   ///< by patch: all its triangles in one plane, to 1e-9 of its size
-  std::vector<Vec3> plane_normal, plane_point;   ///< by patch, of its largest triangle
+  std::vector<std::array<Beyond, 3>> neighbor;  ///< n_triangles x 3, see `triangle_neighbors`
+  std::vector<std::array<int, 3>> crease_at;    ///< n_triangles x 3, number of the crease at the edge or -1
+  std::vector<Crease> creases;                  ///< in the order of their first triangle
+  std::vector<int> patch;                       ///< n_triangles, the piece between creases that it belongs to
+  std::vector<std::array<Vec3, 3>> normal;      ///< n_triangles x 3, unit normals at the corners, one-sided
+  std::vector<char> is_planar;                  ///< by patch: all its triangles in one plane, to 1e-9 of its size
+  std::vector<Vec3> plane_normal, plane_point;  ///< by patch, of its largest triangle
 };
 
 /// What makes an edge a crease.
@@ -38,7 +38,7 @@ struct CreaseOptions {
 
 /// Finds creases, and the normals and tangents of the smooth surface at the points. Normals come from fitted quadrics
 /// (`jet_normal`) over two rings of triangles on the same side of the creases, tangents from the circle through a point
-/// and its two neighbours along the crease; a crease turns freely where not exactly two meet, or where it turns by more
+/// and its two neighbors along the crease; a crease turns freely where not exactly two meet, or where it turns by more
 /// than 75 degrees. The surface must be valid. Throws `Error` for a segment of a given crease that no edge lies on (to
 /// 1e-6 of the size of the surface). O(n log n), and O(n) for each segment of a given crease.
 Features find_features(const Triangulation& surface, const CreaseOptions& options);

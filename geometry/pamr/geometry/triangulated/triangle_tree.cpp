@@ -75,8 +75,8 @@ int TriangleTree::build(std::span<Item> items, std::size_t first) {
   const Box box = box_of(items);
   const Vec3 size = box.high - box.low;
   const auto key = [&](const Item& item) {
-    if (size.x >= size.y && size.x >= size.z) return item.centre.x;
-    return size.y >= size.z ? item.centre.y : item.centre.z;
+    if (size.x >= size.y && size.x >= size.z) return item.center.x;
+    return size.y >= size.z ? item.center.y : item.center.z;
   };
   const auto half = items.size() / 2;
   std::nth_element(

@@ -37,7 +37,7 @@ class TriangleTree {
   };
   struct Item {
     std::array<Vec3, 3> corner;
-    Vec3 centre;
+    Vec3 center;
     int triangle = 0;
   };
   int build(std::span<Item> items, std::size_t first);

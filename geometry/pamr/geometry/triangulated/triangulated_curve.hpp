@@ -26,7 +26,7 @@ class CurvedEdge {
   std::array<Vec3, 4> coefficient_;
 };
 
-/// A cubic triangle over u, v >= 0, u + v <= 1, with corner a at (0, 0), b at (1, 0) and c at (0, 1). Neighbours share
+/// A cubic triangle over u, v >= 0, u + v <= 1, with corner a at (0, 0), b at (1, 0) and c at (0, 1). Neighbors share
 /// their edge curve, so the surface of many is continuous.
 /// Source: A. Vlachos, J. Peters, C. Boyd, J. Mitchell, Curved PN triangles, 2001; here the inner points of the edges
 /// are given, at the distance that makes arcs of circles good to sixth order.

@@ -98,7 +98,7 @@ void Triangulated::curve_triangles(const Triangulation& surface, Shape& shape) {
     for (std::size_t k = 0; k < 3; ++k) p[k] = surface.points[at(corner[k])];
     for (std::size_t k = 0; k < 3; ++k) {
       const auto next = (k + 1) % 3;
-      const auto [other, edge] = features.neighbour[t][k];
+      const auto [other, edge] = features.neighbor[t][k];
       if (other >= 0 && at(other) < t) {  // the same bits from both sides
         inner[t][k] = {inner[at(other)][at(edge)][1], inner[at(other)][at(edge)][0]};
         continue;
@@ -140,7 +140,7 @@ bool Triangulated::go_on(Vec3 point, Place& here) const {
   const auto [foot, triangle] = here;
   const std::array<double, 3> far{foot.v, 1 - foot.u - foot.v, foot.u};  // from edges 0, 1 and 2
   const auto may_cross = [&](int t, int k) {
-    return shape_->features.neighbour[at(t)][at(k)].triangle >= 0 &&
+    return shape_->features.neighbor[at(t)][at(k)].triangle >= 0 &&
            !(stays_in_patch_ && shape_->features.crease_at[at(t)][at(k)] >= 0);
   };
   for (int k = 0; k < 3; ++k) {
@@ -150,7 +150,7 @@ bool Triangulated::go_on(Vec3 point, Place& here) const {
       Place best = here;
       int t = triangle, c = k;
       while (may_cross(t, c)) {
-        const auto [next, edge] = shape_->features.neighbour[at(t)][at(c)];
+        const auto [next, edge] = shape_->features.neighbor[at(t)][at(c)];
         t = next;
         c = (edge + 1) % 3;
         if (t == triangle) break;
@@ -159,7 +159,7 @@ bool Triangulated::go_on(Vec3 point, Place& here) const {
       }
       if (t != triangle || !may_cross(t, k))
         for (t = triangle, c = k; may_cross(t, (c + 2) % 3);) {
-          const auto [next, edge] = shape_->features.neighbour[at(t)][at((c + 2) % 3)];
+          const auto [next, edge] = shape_->features.neighbor[at(t)][at((c + 2) % 3)];
           t = next;
           c = edge;
           if (t == triangle) break;
@@ -171,7 +171,7 @@ bool Triangulated::go_on(Vec3 point, Place& here) const {
       return true;
     }
     if (far[at((k + 1) % 3)] <= border || !may_cross(triangle, k)) continue;  // corner k + 1 has its own turn
-    const auto [next, edge] = shape_->features.neighbour[at(triangle)][at(k)];
+    const auto [next, edge] = shape_->features.neighbor[at(triangle)][at(k)];
     const double s = k == 0 ? foot.u : (k == 1 ? foot.v : 1 - foot.v);
     const auto [u, v] = on_edge(edge, 1 - s);
     if (try_triangle(point, next, u, v, here)) return true;
@@ -227,7 +227,7 @@ Vec3 Triangulated::outward(const Place& here) const {
     if (!(far[at(k)] <= side_border)) continue;
     if (far[at((k + 2) % 3)] <= side_border) return shape_->pseudonormal[at(shape_->corner[at(triangle)][at(k)])];
     if (far[at((k + 1) % 3)] <= side_border) continue;  // corner k + 1 has its own turn
-    const auto [next, edge] = shape_->features.neighbour[at(triangle)][at(k)];
+    const auto [next, edge] = shape_->features.neighbor[at(triangle)][at(k)];
     if (next < 0) return own;
     const auto [u, v] = on_edge(edge, 1 - (k == 0 ? foot.u : (k == 1 ? foot.v : 1 - foot.v)));
     return own + unit_normal(next, u, v);

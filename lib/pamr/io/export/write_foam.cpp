@@ -25,7 +25,7 @@ using Nodes = std::array<GlobalId, 3>;
 
 /// A face of a cell of this rank's block: its nodes, seen counter-clockwise from outside, and the cells at it.
 struct Face {
-  GlobalId owner = 0, neighbour = -1;
+  GlobalId owner = 0, neighbor = -1;
   Nodes node{};
 };
 
@@ -41,8 +41,8 @@ std::string header(const std::string& kind, const std::string& name, const std::
          "    location    \"constant/polyMesh\";\n    object      " + name + ";\n}\n\n";
 }
 
-/// Neighbour cells of this rank's canonical block, numbered from 0; negative at the boundary.
-std::vector<std::array<GlobalId, 4>> neighbours_in_order(const par::Comm& comm, const mesh::DistMesh& mesh) {
+/// Neighbor cells of this rank's canonical block, numbered from 0; negative at the boundary.
+std::vector<std::array<GlobalId, 4>> neighbors_in_order(const par::Comm& comm, const mesh::DistMesh& mesh) {
   std::vector<std::array<GlobalId, 4>> rows(mesh.cell_to_cell.size());
   for (std::size_t c = 0; c < rows.size(); ++c)
     for (std::size_t i = 0; i < 4; ++i) {
@@ -60,13 +60,13 @@ std::vector<std::array<GlobalId, 4>> neighbours_in_order(const par::Comm& comm, 
 
 /// The faces of this rank's cells in the order of the file: first the inner ones, then a list for each patch.
 std::vector<std::vector<Face>> faces_of(const par::Comm& comm, const mesh::DistMesh& mesh, const RowsInOrder& rows) {
-  const auto neighbours = neighbours_in_order(comm, mesh);
+  const auto neighbors = neighbors_in_order(comm, mesh);
   std::vector<std::vector<Face>> parts(1 + mesh.info.patches.size());
   for (std::size_t c = 0; c < rows.cell_to_node.size(); ++c) {
     const auto cell = rows.first_cell + static_cast<GlobalId>(c);
     const auto first_inner = static_cast<std::ptrdiff_t>(parts[0].size());
     for (std::size_t slot = 0; slot < 4; ++slot) {
-      const auto next = neighbours[c][slot];
+      const auto next = neighbors[c][slot];
       if (next >= 0 && next < cell) continue;
       Face face{cell, next, {}};
       for (std::size_t i = 0; i < 3; ++i)
@@ -74,7 +74,7 @@ std::vector<std::vector<Face>> faces_of(const par::Comm& comm, const mesh::DistM
       parts[next >= 0 ? 0 : 1 + static_cast<std::size_t>(rows.patch[c][slot])].push_back(face);
     }
     std::sort(parts[0].begin() + first_inner, parts[0].end(),
-              [](const Face& a, const Face& b) { return a.neighbour < b.neighbour; });
+              [](const Face& a, const Face& b) { return a.neighbor < b.neighbor; });
   }
   return parts;
 }
@@ -151,7 +151,7 @@ class Writer {
                  text += '\n';
                }));
     write_list("labelList", "neighbour", n_faces_[0], texts(1, [](std::string& text, const Face& face) {
-                 append_number(text, face.neighbour);
+                 append_number(text, face.neighbor);
                  text += '\n';
                }));
     write_boundary();

@@ -9,7 +9,7 @@
 namespace pamr::io {
 
 /// Writes the folder `constant/polyMesh` of an OpenFOAM case, text: points, faces, owner, neighbour, boundary. Points
-/// and cells keep their order; faces between cells come first, by owner (the smaller cell), then by neighbour, as
+/// and cells keep their order; faces between cells come first, by owner (the smaller cell), then by neighbor, as
 /// OpenFOAM wants them, then the boundary, patch by patch. Patches keep their names, but for characters that its words
 /// cannot have, which become `_`; a patch of kind `wall`, `symmetry` or `symmetryPlane` has that type, others `patch`.
 /// Numbers have as many digits as it takes to read the same ones back. The cells of each region

@@ -16,7 +16,7 @@ struct GmshOptions {
 struct GmshMesh {
   mesh::DistMesh mesh;
   std::int64_t n_turned = 0;          ///< cells that were inverted
-  std::int64_t n_dropped_nodes = 0;   ///< nodes of no tetrahedron: centres of circles, points of the geometry
+  std::int64_t n_dropped_nodes = 0;   ///< nodes of no tetrahedron: centers of circles, points of the geometry
   std::int64_t n_untagged_faces = 0;  ///< boundary faces without triangle: they are in the patch `boundary`
 };
 

@@ -146,8 +146,8 @@ class Checker {
     regions();
     for (const auto& entry : catalog_->arrays) triangulation(entry);
     if (catalog_->find_array(path::cell_to_cell) != nullptr) {
-      layout_.has_neighbours = true;
-      layout_.neighbours_type = array(path::cell_to_cell, {info.n_global_cells, 4}, true);
+      layout_.has_neighbors = true;
+      layout_.neighbors_type = array(path::cell_to_cell, {info.n_global_cells, 4}, true);
     } else if (info.patches.size() > 1) {
       fail(path::cell_to_cell, "this dataset, because there are " + std::to_string(info.patches.size()) + " patches",
            "none");

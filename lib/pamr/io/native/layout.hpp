@@ -59,8 +59,8 @@ struct TriangulationEntry {
 /// What a file contains, after every claim of its catalog was compared with the others.
 struct Layout {
   mesh::MeshInfo info;
-  mesh::StorageType points_type{}, connectivity_type{}, offsets_type{}, types_type{}, neighbours_type{}, lineage_type{};
-  bool has_neighbours = false, has_lineage = false;
+  mesh::StorageType points_type{}, connectivity_type{}, offsets_type{}, types_type{}, neighbors_type{}, lineage_type{};
+  bool has_neighbors = false, has_lineage = false;
   std::vector<FieldEntry> fields;
   std::vector<TriangulationEntry> triangulations;
 };

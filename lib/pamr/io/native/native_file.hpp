@@ -40,7 +40,7 @@ struct WriteOptions {
 ///
 /// Nothing in the file is trusted: rank 0 looks through its structure in a process of its own, which may die of it;
 /// shapes, types, counts, ranges and checksums are verified before the values are used, and no array is larger than the
-/// size of the file allows. Does not look at the geometry (`validate::validate` does) nor match neighbours
+/// size of the file allows. Does not look at the geometry (`validate::validate` does) nor match neighbors
 /// (`assemble::assemble` does).
 ///
 /// Collective. Throws the same `Error` on every rank. Memory: the result and one slab. The process that looks through

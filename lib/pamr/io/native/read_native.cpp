@@ -108,7 +108,7 @@ class Reader {
   void check_families(const mesh::BlockMesh& block) const;
   std::vector<geometry::Vec3> read_points(const std::string& path, StorageType type, GlobalId n_rows, Rows rows);
   void read_connectivity(mesh::BlockMesh& block);
-  void read_neighbours(mesh::BlockMesh& block);
+  void read_neighbors(mesh::BlockMesh& block);
   void check_offsets_and_types();
   mesh::Field read_field(const FieldEntry& entry);
   geometry::Triangulation read_triangulation(const TriangulationEntry& entry);
@@ -135,7 +135,7 @@ mesh::BlockMesh Reader::run() {
   read_lineage(block);
   check_offsets_and_types();
   read_connectivity(block);
-  read_neighbours(block);
+  read_neighbors(block);
   block.node_position = read_points(path::points, layout_.points_type, layout_.info.n_global_nodes, nodes());
   const auto* work = options_.marks_field.empty() ? nullptr : find_integers(mesh::work_field(options_.marks_field));
   for (const auto& entry : layout_.fields)
@@ -401,12 +401,12 @@ void Reader::read_connectivity(mesh::BlockMesh& block) {
   });
 }
 
-void Reader::read_neighbours(mesh::BlockMesh& block) {
-  if (!layout_.has_neighbours) return;
+void Reader::read_neighbors(mesh::BlockMesh& block) {
+  if (!layout_.has_neighbors) return;
   const auto all = layout_.info.cell_ids();
   const auto n_patches = static_cast<std::int64_t>(layout_.info.patches.size());
   block.cell_to_cell.resize(static_cast<std::size_t>(cells().count()));
-  each_slab(path::cell_to_cell, layout_.neighbours_type, {all.n, 4, false}, cells(), true,
+  each_slab(path::cell_to_cell, layout_.neighbors_type, {all.n, 4, false}, cells(), true,
             [&](GlobalId first, std::span<const std::uint64_t> words) {
               for (auto row = first; !words.empty(); words = words.subspan(4), ++row) {
                 auto& cell = block.cell_to_cell[static_cast<std::size_t>(row - first_cell_)];

@@ -240,9 +240,9 @@ void Collider::collide_pair(Particles& p, const Partners& partners, double tempe
     }
   }
   const Vec3 va = p.velocity(a), vb = p.velocity(b);
-  const Vec3 centre = pair.mass_part_a * va + pair.mass_part_b * vb;
+  const Vec3 center = pair.mass_part_a * va + pair.mass_part_b * vb;
   const Vec3 g = scatter(va - vb, speed, pair.inverse_alpha, random);
-  const Vec3 new_a = centre + pair.mass_part_b * g, new_b = centre - pair.mass_part_a * g;
+  const Vec3 new_a = center + pair.mass_part_b * g, new_b = center - pair.mass_part_a * g;
   p.u[a] = new_a.x, p.v[a] = new_a.y, p.w[a] = new_a.z;
   p.u[b] = new_b.x, p.v[b] = new_b.y, p.w[b] = new_b.z;
 }

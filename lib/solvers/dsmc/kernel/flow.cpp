@@ -62,7 +62,7 @@ Vec3 point_in(const TetPoints& corner, Random& random) {
 }  // namespace
 
 bool Region::holds(Vec3 p) const {
-  if (radius > 0) return norm(p - centre) <= radius;
+  if (radius > 0) return norm(p - center) <= radius;
   return p.x >= low.x && p.y >= low.y && p.z >= low.z && p.x <= high.x && p.y <= high.y && p.z <= high.z;
 }
 

@@ -22,7 +22,7 @@ namespace pamr::dsmc {
 /// A part of space filled with a gas at the start: inside the box, or inside the sphere if `radius` is positive.
 struct Region {
   Vec3 low, high;  ///< m
-  Vec3 centre;     ///< m
+  Vec3 center;     ///< m
   double radius = 0;
   int stream = 0;
 
@@ -41,7 +41,7 @@ struct Setup {
   double dt = 0;                ///< s
   std::vector<double> cell_dt;  ///< s, of each own cell; empty: `dt` in all. Weights follow them
   double slowness = 1;          ///< mean over the volume of `dt` over a cell's time step
-  double unit = 1;              ///< metres in the mesh's length unit
+  double unit = 1;              ///< meters in the mesh's length unit
   std::uint64_t seed = 1;
   double expected_particles = 0;  ///< if the free stream (the fields' gas, if steps go by it) filled the domain
 };

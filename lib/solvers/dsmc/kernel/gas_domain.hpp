@@ -38,7 +38,7 @@ struct BoundaryFace {
   LocalId across = -1;           ///< of a periodic patch: where the way goes on, as in `Domain::link`
 };
 
-/// What particles need of a rank's part of a mesh, in metres: 148 bytes a cell besides the mesh. The planes of a face
+/// What particles need of a rank's part of a mesh, in meters: 148 bytes a cell besides the mesh. The planes of a face
 /// are the exact negatives of one another in its two cells, on all ranks, because they are computed from the nodes in
 /// the order of their global numbers: a particle that has passed a face cannot turn back through it by rounding.
 struct Domain {
@@ -64,14 +64,14 @@ struct Domain {
 /// Global numbers of a rank's cells less that of the mesh's first.
 std::vector<GlobalId> cells_from_0(const mesh::DistMesh& mesh);
 
-/// Corners of a cell in metres.
+/// Corners of a cell in meters.
 geometry::TetPoints corners(const mesh::DistMesh& mesh, double unit, LocalId cell);
 
-/// Builds the domain of a mesh whose length unit is `unit` metres, with the same time step and weight in all cells.
+/// Builds the domain of a mesh whose length unit is `unit` meters, with the same time step and weight in all cells.
 /// Local. O(cells) time.
 Domain make_domain(const mesh::DistMesh& mesh, double unit, double dt, double molecules);
 
-/// Checks that `position` is in the cell to within `tolerance` metres.
+/// Checks that `position` is in the cell to within `tolerance` meters.
 bool is_inside(const Domain& domain, LocalId cell, Vec3 position, double tolerance);
 
 }  // namespace pamr::dsmc

@@ -46,7 +46,7 @@ struct MoveCounts {
 };
 
 /// Moves all particles by the time step of their cell, and `entering` ones by the time they have left, from face to
-/// face through the neighbours; particles that leave the rank go on where they arrive until none is left on its way.
+/// face through the neighbors; particles that leave the rank go on where they arrive until none is left on its way.
 ///
 /// A flight is a straight line from where it began (or from the last wall), and a particle leaves a cell through the
 /// face that this line meets first among those whose outside holds the end of the flight and through which it moves

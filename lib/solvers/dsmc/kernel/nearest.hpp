@@ -9,7 +9,7 @@
 
 namespace pamr::dsmc {
 
-/// Finds nearest neighbours among the particles of one cell. Many particles are put into a grid of boxes with about one
+/// Finds nearest neighbors among the particles of one cell. Many particles are put into a grid of boxes with about one
 /// each, so that a search looks at a few of them only; few are looked at one by one. The answer is the same. Local.
 class NearestInCell {
  public:

@@ -204,7 +204,7 @@ class Reader {
       if (table.has("sphere")) {
         const auto s = table.numbers("sphere", 4);
         if (!(s[3] > 0)) table.refuse("sphere", "[x, y, z, radius] with a positive radius");
-        region.centre = {s[0], s[1], s[2]};
+        region.center = {s[0], s[1], s[2]};
         region.radius = s[3];
       } else {
         const auto b = table.numbers("box", 6);

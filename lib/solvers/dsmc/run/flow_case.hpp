@@ -23,20 +23,20 @@ struct Reference {
   std::vector<std::string> patches;  ///< whose forces count; empty: all walls
 };
 
-/// A band of the walls round the x axis: a thermocouple, say. Metres.
+/// A band of the walls round the x axis: a thermocouple, say. Meters.
 struct Station {
   std::string name;
   double x = 0, r = 0, half_width = 0;
 };
 
-/// Points in the gas at equal distances, metres.
+/// Points in the gas at equal distances, meters.
 struct ProbeLine {
   std::string name;
   Vec3 from, to;
   std::int64_t n_points = 1;
 };
 
-/// A grid of points in the gas: `n_along` x `n_across` of them, from a corner to the ends of two edges, metres.
+/// A grid of points in the gas: `n_along` x `n_across` of them, from a corner to the ends of two edges, meters.
 struct ProbePlane {
   std::string name;
   Vec3 corner, along, across;
@@ -59,7 +59,7 @@ struct Case {
   double cell_fraction = 0;  ///< variable time step: part of a cell that a fast molecule passes; 0: the same dt in all
   double collision_fraction = 0;  ///< variable time step: part of the mean collision time; 0: no bound
   bool from_fields = false;       ///< speed, collision time and density of each cell from the mesh's fields
-  std::optional<double> unit;     ///< metres in the mesh's length unit
+  std::optional<double> unit;     ///< meters in the mesh's length unit
   std::uint64_t seed = 1;
   std::optional<std::int64_t> transient;  ///< steps before averaging; none: until steady
   std::int64_t most_transient = 100000;   ///< steps: averaging begins then at the latest
@@ -77,7 +77,7 @@ struct Case {
 Case read_case(std::string_view text, const std::string& where);
 
 /// The case on a mesh. Throws `Error` for patches without a condition, conditions without a patch, and a length unit
-/// that is not known in metres. Collective.
+/// that is not known in meters. Collective.
 Setup make_setup(const par::Comm& comm, const Case& the_case, const mesh::DistMesh& mesh);
 
 }  // namespace pamr::dsmc

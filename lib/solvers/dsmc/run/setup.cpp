@@ -46,7 +46,7 @@ std::vector<BoundaryCondition> conditions_of(const Case& c, const mesh::DistMesh
 double unit_of(const Case& c, const mesh::DistMesh& mesh) {
   if (c.unit) return *c.unit;
   if (mesh.info.length_unit == "m") return 1;
-  throw Error(fmt::format("{}: expected unit = METRES in [domain] for a mesh whose length unit is \"{}\", found none",
+  throw Error(fmt::format("{}: expected unit = METERS in [domain] for a mesh whose length unit is \"{}\", found none",
                           c.where, mesh.info.length_unit));
 }
 

@@ -95,7 +95,7 @@ std::vector<Offer> hosts(const par::Comm& comm, const std::string& file, const m
         fmt::format("file '{}': expected a checkpoint on the mesh that this one was refined from, found cells of "
                     "other volumes",
                     file));
-  // An old cell without a centroid in it takes the host of a neighbour in the order of the cells.
+  // An old cell without a centroid in it takes the host of a neighbor in the order of the cells.
   for (std::size_t c = 1; c < n; ++c)
     if (host[c].cell < 0) host[c] = host[c - 1];
   for (std::size_t c = n; c-- > 1;)

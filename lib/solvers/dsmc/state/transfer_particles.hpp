@@ -18,7 +18,7 @@ struct Carried {
 
 /// Fills `flow`, new and empty, with the particles of a checkpoint on the mesh that this one was refined from. The cell
 /// field `parent` names for every cell the old cell that holds its centroid. Each particle starts from the middle of a
-/// cell whose parent it was in and walks straight to its place through the neighbours of the new mesh, because
+/// cell whose parent it was in and walks straight to its place through the neighbors of the new mesh, because
 /// projected and smoothed nodes make the meshes not nested; what meets the boundary on the way lies outside now and is
 /// removed. A particle becomes old over new weight particles on average, whole ones at random; the numbers drawn belong
 /// to the old particle, so the result does not depend on the number of ranks. Cells inherit the bound of their
