@@ -16,6 +16,7 @@
 #include "pamr/balance/weighted_blocks.hpp"
 #include "pamr/balance/weights.hpp"
 #include "pamr/base/error.hpp"
+#include "pamr/base/index.hpp"
 #include "pamr/io/native/native_file.hpp"
 #include "pamr/validate/validate.hpp"
 
@@ -68,7 +69,7 @@ std::vector<std::int64_t> weigh(const par::Comm& comm, const mesh::DistMesh& mes
     return weight;
   }
   if (options.weights == "refine" || options.weights == "uniform")
-    return std::vector<std::int64_t>(static_cast<std::size_t>(mesh.n_cells()), 1);
+    return std::vector<std::int64_t>(at(mesh.n_cells()), 1);
   return balance::weights_from_field(comm, mesh, options.weights);
 }
 

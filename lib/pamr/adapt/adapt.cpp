@@ -6,6 +6,7 @@
 
 #include "pamr/base/contract.hpp"
 #include "pamr/base/error.hpp"
+#include "pamr/base/index.hpp"
 #include "pamr/base/memory.hpp"
 #include "pamr/geometry/surface.hpp"
 #include "pamr/mesh/borders.hpp"
@@ -21,8 +22,6 @@
 namespace pamr::adapt {
 
 namespace {
-
-constexpr std::size_t at(std::int64_t i) { return static_cast<std::size_t>(i); }
 
 void require_flags(const par::Comm& comm, const mesh::DistMesh& mesh, std::span<const std::uint8_t> flags) {
   par::agree(comm, [&] {

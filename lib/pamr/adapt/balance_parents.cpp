@@ -7,14 +7,13 @@
 #include "pamr/adapt/closure_bytes.hpp"
 #include "pamr/balance/migrate.hpp"
 #include "pamr/balance/weights.hpp"
+#include "pamr/base/index.hpp"
 #include "pamr/base/timer.hpp"
 #include "pamr/refine/close.hpp"
 
 namespace pamr::adapt {
 
 namespace {
-
-constexpr std::size_t at(std::int64_t i) { return static_cast<std::size_t>(i); }
 
 std::vector<std::int64_t> exact_weights(const refine::Closure& closure) {
   const auto counts = count_children(closure);

@@ -2,13 +2,13 @@
 #include "pamr/adapt/closure_bytes.hpp"
 
 #include "pamr/base/contract.hpp"
+#include "pamr/base/index.hpp"
 #include "pamr/refine/family.hpp"
 
 namespace pamr::adapt {
 
 namespace {
 
-constexpr std::size_t at(std::int64_t i) { return static_cast<std::size_t>(i); }
 constexpr unsigned action_shift = 6;
 
 }  // namespace

@@ -4,13 +4,12 @@
 #include <algorithm>
 
 #include "pamr/base/contract.hpp"
+#include "pamr/base/index.hpp"
 #include "pamr/order/hilbert.hpp"
 
 namespace pamr::balance {
 
 namespace {
-
-constexpr std::size_t at(std::int64_t i) { return static_cast<std::size_t>(i); }
 
 /// First cell of the family of a cell and the number of cells there; the cell itself where there is no whole family.
 struct Family {
@@ -32,9 +31,7 @@ class GhostVertices {
     id_.erase(std::unique(id_.begin(), id_.end()), id_.end());
   }
   std::size_t size() const { return id_.size(); }
-  std::size_t place(GlobalId id) const {
-    return static_cast<std::size_t>(std::lower_bound(id_.begin(), id_.end(), id) - id_.begin());
-  }
+  std::size_t place(GlobalId id) const { return at(std::lower_bound(id_.begin(), id_.end(), id) - id_.begin()); }
   GlobalId id(std::size_t place) const { return id_[place]; }
 
  private:

@@ -5,6 +5,7 @@
 #include <iterator>
 
 #include "pamr/base/contract.hpp"
+#include "pamr/base/index.hpp"
 #include "pamr/base/memory.hpp"
 #include "pamr/mesh/id_map.hpp"
 #include "pamr/mesh/rank_border.hpp"
@@ -13,8 +14,6 @@
 namespace pamr::balance {
 
 namespace {
-
-constexpr std::size_t at(std::int64_t i) { return static_cast<std::size_t>(i); }
 
 /// A cell where it lies.
 struct Source {

@@ -9,12 +9,11 @@
 #include "pamr/balance/join_pieces.hpp"
 #include "pamr/balance/piece.hpp"
 #include "pamr/base/error.hpp"
+#include "pamr/base/index.hpp"
 
 namespace pamr::balance {
 
 namespace {
-
-constexpr std::size_t at(std::int64_t i) { return static_cast<std::size_t>(i); }
 
 /// Cells that a rank sends at once: bounds what lies in messages.
 constexpr std::size_t cells_of_round = std::size_t{1} << 18U;

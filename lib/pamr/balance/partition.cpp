@@ -12,12 +12,11 @@
 #include "pamr/balance/weights.hpp"
 #include "pamr/base/contract.hpp"
 #include "pamr/base/error.hpp"
+#include "pamr/base/index.hpp"
 
 namespace pamr::balance {
 
 namespace {
-
-constexpr std::size_t at(std::int64_t i) { return static_cast<std::size_t>(i); }
 
 /// Scotch wants something to choose from: below so many vertices a part, runs of cells do as well.
 constexpr std::int64_t least_vertices_per_part = 8;

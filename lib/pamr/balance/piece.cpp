@@ -6,12 +6,11 @@
 #include <cstring>
 
 #include "pamr/base/contract.hpp"
+#include "pamr/base/index.hpp"
 
 namespace pamr::balance {
 
 namespace {
-
-constexpr std::size_t at(std::int64_t i) { return static_cast<std::size_t>(i); }
 
 /// Rows `rows` of every field.
 std::vector<mesh::Field> select(const std::vector<mesh::Field>& fields, std::span<const LocalId> rows) {

@@ -8,12 +8,12 @@
 
 #include "pamr/balance/dual_graph.hpp"
 #include "pamr/base/contract.hpp"
+#include "pamr/base/index.hpp"
 
 namespace pamr::balance {
 
 namespace {
 
-constexpr std::size_t at(std::int64_t i) { return static_cast<std::size_t>(i); }
 constexpr int max_sweeps = 12;
 
 /// Faces of one family by the part on their other side; a family has at most 16.

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "pamr/balance/dual_graph.hpp"
+#include "pamr/base/index.hpp"
 
 namespace pamr::balance {
 
@@ -10,7 +11,7 @@ template <class T>
 std::vector<T> swap_over_faces(const par::Comm& comm, const mesh::DistMesh& mesh, std::span<const T> of_cell) {
   std::vector<T> mine, theirs(mesh.border_face.size());
   mine.reserve(mesh.border_face.size());
-  for (const auto face : mesh.border_face) mine.push_back(of_cell[static_cast<std::size_t>(face.cell)]);
+  for (const auto face : mesh.border_face) mine.push_back(of_cell[at(face.cell)]);
   std::vector<std::span<const std::byte>> send;
   std::vector<std::span<std::byte>> receive;
   for (std::size_t i = 0; i < mesh.border_rank.size(); ++i) {

@@ -2,17 +2,12 @@
 #include "pamr/balance/weighted_blocks.hpp"
 
 #include "pamr/base/contract.hpp"
+#include "pamr/base/index.hpp"
 #include "pamr/mesh/cell_runs.hpp"
 #include "pamr/par/equal_work.hpp"
 #include "pamr/par/exchange.hpp"
 
 namespace pamr::balance {
-
-namespace {
-
-constexpr std::size_t at(std::int64_t i) { return static_cast<std::size_t>(i); }
-
-}  // namespace
 
 std::vector<Rank> weighted_blocks(const par::Comm& comm, const mesh::DistMesh& mesh,
                                   std::span<const std::int64_t> weight, Rank n_parts) {

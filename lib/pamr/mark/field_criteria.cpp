@@ -10,6 +10,7 @@
 
 #include "pamr/base/contract.hpp"
 #include "pamr/base/error.hpp"
+#include "pamr/base/index.hpp"
 #include "pamr/geometry/tet_shape.hpp"
 #include "pamr/mesh/tet.hpp"
 
@@ -40,8 +41,7 @@ void refuse_first(const par::Comm& comm, const mesh::DistMesh& mesh, const std::
                   const std::string& complaint) {
   constexpr GlobalId none = std::numeric_limits<GlobalId>::max();
   const auto bad = std::find_if(values.begin(), values.end(), is_bad);
-  const GlobalId first =
-      comm.min(bad == values.end() ? none : mesh.cell_global[static_cast<std::size_t>(bad - values.begin())]);
+  const GlobalId first = comm.min(bad == values.end() ? none : mesh.cell_global[at(bad - values.begin())]);
   if (first != none) throw Error(complaint + " in cell " + std::to_string(first));
 }
 
@@ -64,8 +64,7 @@ std::vector<double> scalar_on_cells(const par::Comm& comm, const mesh::DistMesh&
     const auto& field = require_scalar(*on_nodes);
     for (std::size_t i = 0; i < values.size(); ++i) {
       std::array<double, 4> corner{};
-      for (std::size_t k = 0; k < 4; ++k)
-        corner[k] = value_at(field, static_cast<std::size_t>(mesh.cell_to_node[i][k]));
+      for (std::size_t k = 0; k < 4; ++k) corner[k] = value_at(field, at(mesh.cell_to_node[i][k]));
       std::sort(corner.begin(), corner.end());  // the mean must not depend on how the corners are numbered
       values[i] = 0.25 * (((corner[0] + corner[1]) + corner[2]) + corner[3]);
     }
@@ -88,8 +87,7 @@ double cell_size(const mesh::DistMesh& mesh, LocalId cell, CellSize measure) {
   const auto p = mesh.points(cell);
   if (measure == CellSize::cbrt_volume) return std::cbrt(std::abs(geometry::volume(p)));
   double longest = 0;
-  for (const auto& [a, b] : mesh::tet::edge_to_corner)
-    longest = std::max(longest, geometry::norm(p[static_cast<std::size_t>(b)] - p[static_cast<std::size_t>(a)]));
+  for (const auto& [a, b] : mesh::tet::edge_to_corner) longest = std::max(longest, geometry::norm(p[at(b)] - p[at(a)]));
   return longest;
 }
 

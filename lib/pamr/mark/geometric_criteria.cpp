@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "pamr/base/error.hpp"
+#include "pamr/base/index.hpp"
 #include "pamr/mesh/borders.hpp"
 #include "pamr/par/exchange.hpp"
 
@@ -21,7 +22,7 @@ template <class Predicate>
 Indicator cells_where(const mesh::DistMesh& mesh, Predicate&& holds) {
   Indicator indicator(mesh.cell_to_node.size(), 0);
   for (LocalId cell = 0; cell < mesh.n_cells(); ++cell)
-    if (holds(cell)) indicator[static_cast<std::size_t>(cell)] = wanted;
+    if (holds(cell)) indicator[at(cell)] = wanted;
   return indicator;
 }
 
@@ -40,10 +41,10 @@ int find_patch(const mesh::DistMesh& mesh, std::string_view name) {
 void share_flags(const par::Exchange& exchange, std::vector<std::uint8_t>& node_flag) {
   const auto& item = exchange.pattern().item;
   std::vector<std::uint8_t> mine(item.size());
-  for (std::size_t k = 0; k < item.size(); ++k) mine[k] = node_flag[static_cast<std::size_t>(item[k])];
+  for (std::size_t k = 0; k < item.size(); ++k) mine[k] = node_flag[at(item[k])];
   const auto theirs = exchange.swap<std::uint8_t>(mine);
   for (std::size_t k = 0; k < item.size(); ++k)
-    if (theirs[k] != 0) node_flag[static_cast<std::size_t>(item[k])] = 1;
+    if (theirs[k] != 0) node_flag[at(item[k])] = 1;
 }
 
 }  // namespace
@@ -79,7 +80,7 @@ Indicator near_patch(const par::Comm& comm, const mesh::DistMesh& mesh, std::str
   const LocalId slot = mesh::patch_to_slot(find_patch(mesh, patch));
   if (layers < 1) throw Error("expected at least 1 layer of cells, found " + std::to_string(layers));
   auto indicator = cells_where(mesh, [&](LocalId cell) {
-    const auto& neighbors = mesh.cell_to_cell[static_cast<std::size_t>(cell)];
+    const auto& neighbors = mesh.cell_to_cell[at(cell)];
     return std::find(neighbors.begin(), neighbors.end(), slot) != neighbors.end();
   });
   if (layers == 1) return indicator;
@@ -90,11 +91,11 @@ Indicator near_patch(const par::Comm& comm, const mesh::DistMesh& mesh, std::str
   for (int layer = 1; layer < layers; ++layer) {
     for (std::size_t cell = 0; cell < indicator.size(); ++cell)
       if (indicator[cell] > 0)
-        for (const LocalId node : mesh.cell_to_node[cell]) node_flag[static_cast<std::size_t>(node)] = 1;
+        for (const LocalId node : mesh.cell_to_node[cell]) node_flag[at(node)] = 1;
     share_flags(exchange, node_flag);
     for (std::size_t cell = 0; cell < indicator.size(); ++cell)
       for (const LocalId node : mesh.cell_to_node[cell])
-        if (node_flag[static_cast<std::size_t>(node)] != 0) indicator[cell] = wanted;
+        if (node_flag[at(node)] != 0) indicator[cell] = wanted;
   }
   return indicator;
 }

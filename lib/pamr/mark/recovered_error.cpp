@@ -9,6 +9,7 @@
 #include <string>
 
 #include "pamr/base/error.hpp"
+#include "pamr/base/index.hpp"
 #include "pamr/geometry/tet_shape.hpp"
 #include "pamr/mesh/borders.hpp"
 #include "pamr/mesh/tet.hpp"
@@ -55,7 +56,7 @@ Vec3 gradient(const geometry::TetPoints& p, const std::array<double, 4>& value, 
   for (const auto i : order) {
     auto corner = mesh::tet::face_to_corner[i];  // its outward normal points away from corner i
     std::array<Vec3, 3> q;
-    for (std::size_t k = 0; k < 3; ++k) q[k] = p[static_cast<std::size_t>(corner[k])];
+    for (std::size_t k = 0; k < 3; ++k) q[k] = p[at(corner[k])];
     // Turn the face so that it begins with its first corner by coordinates: the same bits whatever the numbering.
     std::rotate(q.begin(), std::min_element(q.begin(), q.end(), geometry::lexicographically_less), q.end());
     sum = sum + (value[i] - value[order[0]]) * cross(q[1] - q[0], q[2] - q[0]);
@@ -83,9 +84,9 @@ template <class T, class Join>
 void join_copies(const par::Exchange& exchange, std::vector<T>& at_node, Join&& join) {
   const auto& item = exchange.pattern().item;
   std::vector<T> mine(item.size());
-  for (std::size_t k = 0; k < item.size(); ++k) mine[k] = at_node[static_cast<std::size_t>(item[k])];
+  for (std::size_t k = 0; k < item.size(); ++k) mine[k] = at_node[at(item[k])];
   const auto theirs = exchange.swap<T>(mine);
-  for (std::size_t k = 0; k < item.size(); ++k) join(at_node[static_cast<std::size_t>(item[k])], theirs[k]);
+  for (std::size_t k = 0; k < item.size(); ++k) join(at_node[at(item[k])], theirs[k]);
 }
 
 /// Recovered gradient at each node: fixed-point sums whose unit is set by the largest term at the node.
@@ -97,7 +98,7 @@ std::vector<Vec3> recover(const par::Comm& comm, const mesh::DistMesh& mesh, con
     const auto term = cells[c].weighted();
     for (const LocalId node : mesh.cell_to_node[c])
       for (std::size_t k = 0; k < 4; ++k) {
-        auto& e = exponent[static_cast<std::size_t>(node)][k];
+        auto& e = exponent[at(node)][k];
         e = std::max(e, exponent_of(term[k]));
       }
   }
@@ -111,8 +112,8 @@ std::vector<Vec3> recover(const par::Comm& comm, const mesh::DistMesh& mesh, con
     for (const LocalId node : mesh.cell_to_node[c])
       for (std::size_t k = 0; k < 4; ++k)
         if (term[k] != 0)
-          sum[static_cast<std::size_t>(node)][k] += static_cast<std::int64_t>(
-              std::nearbyint(std::ldexp(term[k], term_bits - exponent[static_cast<std::size_t>(node)][k])));
+          sum[at(node)][k] +=
+              static_cast<std::int64_t>(std::nearbyint(std::ldexp(term[k], term_bits - exponent[at(node)][k])));
   }
   join_copies(exchange, sum, [](Sums& mine, const Sums& theirs) {
     for (std::size_t k = 0; k < 4; ++k) mine[k] += theirs[k];
@@ -136,7 +137,7 @@ RecoveredError recovered_error(const par::Comm& comm, const mesh::DistMesh& mesh
   for (std::size_t c = 0; c < cells.size(); ++c) {
     const auto p = mesh.points(static_cast<LocalId>(c));
     std::array<double, 4> at_corner{};
-    for (std::size_t k = 0; k < 4; ++k) at_corner[k] = value[static_cast<std::size_t>(mesh.cell_to_node[c][k])];
+    for (std::size_t k = 0; k < 4; ++k) at_corner[k] = value[at(mesh.cell_to_node[c][k])];
     cells[c].volume = geometry::volume(p);
     cells[c].gradient = gradient(p, at_corner, cells[c].volume);
   }
@@ -152,7 +153,7 @@ RecoveredError recovered_error(const par::Comm& comm, const mesh::DistMesh& mesh
               [&](LocalId i, LocalId j) { return geometry::lexicographically_less(mesh.point(i), mesh.point(j)); });
     Vec3 total;
     for (std::size_t k = 0; k < 4; ++k) {
-      const auto difference = recovered[static_cast<std::size_t>(order[k])] - cells[c].gradient;
+      const auto difference = recovered[at(order[k])] - cells[c].gradient;
       total = total + difference;
       squares[k] = squared_norm(difference);
     }

@@ -7,6 +7,7 @@
 
 #include "pamr/base/contract.hpp"
 #include "pamr/base/hash.hpp"
+#include "pamr/base/index.hpp"
 #include "pamr/par/mailbox.hpp"
 
 namespace pamr::par {
@@ -80,13 +81,13 @@ Received<Match> introduce(const Comm& comm, const Received<Card>& cards) {
 Pattern find_shared(const Comm& comm, std::span<const SharedKey> key) {
   narrow<LocalId>(std::ssize(key));
   std::vector<Rank> to(key.size());
-  std::vector<std::size_t> count(static_cast<std::size_t>(comm.size()), 0);
+  std::vector<std::size_t> count(at(comm.size()), 0);
   for (std::size_t i = 0; i < key.size(); ++i) {
     to[i] = meeting_rank(key[i], comm.size());
-    ++count[static_cast<std::size_t>(to[i])];
+    ++count[at(to[i])];
   }
   Mailbox<Card> cards(comm);
-  for (Rank rank = 0; rank < comm.size(); ++rank) cards.reserve(rank, count[static_cast<std::size_t>(rank)]);
+  for (Rank rank = 0; rank < comm.size(); ++rank) cards.reserve(rank, count[at(rank)]);
   for (std::size_t i = 0; i < key.size(); ++i) cards.add(to[i], {key[i], static_cast<std::int64_t>(i)});
   // a meeting rank tells all holders of its keys in one order, so what two ranks share comes in one order on both
   auto matches = introduce(comm, cards.send()).item;

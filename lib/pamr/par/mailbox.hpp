@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "pamr/base/index.hpp"
 #include "pamr/par/comm.hpp"
 
 namespace pamr::par {
@@ -14,11 +15,11 @@ namespace pamr::par {
 template <class T>
 class Mailbox {
  public:
-  explicit Mailbox(const Comm& comm) : comm_(&comm), for_rank_(static_cast<std::size_t>(comm.size())) {}
+  explicit Mailbox(const Comm& comm) : comm_(&comm), for_rank_(at(comm.size())) {}
 
-  void add(Rank to, T item) { for_rank_[static_cast<std::size_t>(to)].push_back(std::move(item)); }
+  void add(Rank to, T item) { for_rank_[at(to)].push_back(std::move(item)); }
 
-  void reserve(Rank to, std::size_t n) { for_rank_[static_cast<std::size_t>(to)].reserve(n); }
+  void reserve(Rank to, std::size_t n) { for_rank_[at(to)].reserve(n); }
 
   /// Delivers the items; those from one rank arrive in the order in which they were added there. The box is empty
   /// afterwards. Collective: one sparse exchange.

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "pamr/base/error.hpp"
+#include "pamr/base/index.hpp"
 #include "pamr/geometry/orientation.hpp"
 #include "pamr/refine/project.hpp"
 
@@ -14,7 +15,6 @@ namespace pamr::refine {
 
 namespace {
 
-constexpr std::size_t at(std::int64_t i) { return static_cast<std::size_t>(i); }
 constexpr std::uint8_t not_at_all = 10;  ///< backing-off step at which a node stays where it was
 
 geometry::Vec3 place(const Movable& m, std::uint8_t step) {

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "pamr/base/contract.hpp"
+#include "pamr/base/index.hpp"
 #include "pamr/base/memory.hpp"
 #include "pamr/base/prefetch.hpp"
 #include "pamr/mesh/families.hpp"
@@ -17,8 +18,6 @@
 namespace pamr::refine {
 
 namespace {
-
-constexpr std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 /// Settles this rank, tells the neighbors which border edges are marked, and so on until nobody has news. Returns the
 /// number of exchanges.

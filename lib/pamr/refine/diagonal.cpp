@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "pamr/base/index.hpp"
 #include "pamr/geometry/orientation.hpp"
 
 namespace pamr::refine {
@@ -30,8 +31,8 @@ bool inner_children_positive(const SplitPoints& points, int diagonal) {
 }
 
 std::array<Vec3, 2> ends_in_order(const SplitPoints& points, int diagonal) {
-  const auto p = points[static_cast<std::size_t>(4 + diagonal)];
-  const auto q = points[static_cast<std::size_t>(4 + mesh::tet::opposite_edge(diagonal))];
+  const auto p = points[at(4 + diagonal)];
+  const auto q = points[at(4 + mesh::tet::opposite_edge(diagonal))];
   return geometry::lexicographically_less(p, q) ? std::array{p, q} : std::array{q, p};
 }
 
@@ -49,7 +50,7 @@ std::array<double, 3> worst_straight_shapes(const SplitPoints& points) {
   double all = 0;
   for (std::size_t e = 0; e < 6; ++e) {
     const auto [a, b] = mesh::tet::edge_to_corner[e];
-    squared[e] = geometry::squared_norm(points[static_cast<std::size_t>(a)] - points[static_cast<std::size_t>(b)]);
+    squared[e] = geometry::squared_norm(points[at(a)] - points[at(b)]);
     all += squared[e];
   }
   std::array<double, 3> worst{};
@@ -76,8 +77,7 @@ void keep_best_shaped(const SplitPoints& points, bool is_straight, std::array<bo
 double shape(const geometry::TetPoints& p) {
   const double v = geometry::volume(p);
   double squares = 0;
-  for (const auto [a, b] : mesh::tet::edge_to_corner)
-    squares += geometry::squared_norm(p[static_cast<std::size_t>(a)] - p[static_cast<std::size_t>(b)]);
+  for (const auto [a, b] : mesh::tet::edge_to_corner) squares += geometry::squared_norm(p[at(a)] - p[at(b)]);
   return v * std::abs(v) / (squares * squares * squares);
 }
 
@@ -85,9 +85,7 @@ bool is_straight(const SplitPoints& points, EdgeMask mask) {
   for (std::size_t e = 0; e < 6; ++e) {
     if ((mask >> e & 1) == 0) continue;
     const auto [a, b] = mesh::tet::edge_to_corner[e];
-    if (!(points[4 + e] ==
-          geometry::midpoint(points[static_cast<std::size_t>(a)], points[static_cast<std::size_t>(b)])))
-      return false;
+    if (!(points[4 + e] == geometry::midpoint(points[at(a)], points[at(b)]))) return false;
   }
   return true;
 }
@@ -102,7 +100,7 @@ bool is_far_from_flat(const SplitPoints& points) {
 }
 
 bool all_children_positive(const SplitPoints& points, int state) {
-  for (int child = 0; child < split_pattern[static_cast<std::size_t>(state)].n_children; ++child) {
+  for (int child = 0; child < split_pattern[at(state)].n_children; ++child) {
     const auto p = child_points(points, state, child);
     if (!geometry::is_positive(p[0], p[1], p[2], p[3])) return false;
   }
@@ -112,7 +110,7 @@ bool all_children_positive(const SplitPoints& points, int state) {
 int choose_diagonal(const SplitPoints& points, bool is_straight) {
   std::array<bool, 3> allowed{true, true, true};
   if (!is_straight) {
-    for (int d = 0; d < 3; ++d) allowed[static_cast<std::size_t>(d)] = inner_children_positive(points, d);
+    for (int d = 0; d < 3; ++d) allowed[at(d)] = inner_children_positive(points, d);
     if (std::none_of(allowed.begin(), allowed.end(), [](bool b) { return b; })) allowed.fill(true);
   }
   std::array<double, 3> squared_length{};
@@ -129,7 +127,7 @@ int choose_diagonal(const SplitPoints& points, bool is_straight) {
   if (n_tied > 1) keep_best_shaped(points, is_straight, allowed);
   int best = -1;
   for (int d = 0; d < 3; ++d)
-    if (allowed[static_cast<std::size_t>(d)] && (best < 0 || earlier_by_coordinates(points, d, best))) best = d;
+    if (allowed[at(d)] && (best < 0 || earlier_by_coordinates(points, d, best))) best = d;
   return best;
 }
 

@@ -3,6 +3,7 @@
 
 #include <array>
 
+#include "pamr/base/index.hpp"
 #include "pamr/geometry/tet_shape.hpp"
 #include "pamr/geometry/vec3.hpp"
 #include "pamr/refine/split_pattern.hpp"
@@ -14,9 +15,8 @@ using SplitPoints = std::array<geometry::Vec3, 10>;
 
 /// Points of one child of a split cell.
 inline geometry::TetPoints child_points(const SplitPoints& points, int state, int child) {
-  const auto& code = split_pattern[static_cast<std::size_t>(state)].child_to_node[static_cast<std::size_t>(child)];
-  return {points[static_cast<std::size_t>(code[0])], points[static_cast<std::size_t>(code[1])],
-          points[static_cast<std::size_t>(code[2])], points[static_cast<std::size_t>(code[3])]};
+  const auto& code = split_pattern[at(state)].child_to_node[at(child)];
+  return {points[at(code[0])], points[at(code[1])], points[at(code[2])], points[at(code[3])]};
 }
 
 /// Grows with the mean ratio, without its roots: V^2 / (sum of squared edges)^3 with the sign of V; the mean ratio is

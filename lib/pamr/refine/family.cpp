@@ -3,13 +3,13 @@
 
 #include <bit>
 
+#include "pamr/base/index.hpp"
+
 namespace pamr::refine {
 
 namespace {
 
 using mesh::tet::edge_to_corner;
-
-constexpr std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 }  // namespace
 

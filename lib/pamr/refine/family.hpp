@@ -105,7 +105,7 @@ inline constexpr unsigned beyond_parent = 0x40;
 
 /// Role of edge `edge` of member `child` in a family made by `state`.
 constexpr FamilyEdge family_edge(int state, int child, int edge) {
-  return family_edges[detail::at(state)][detail::at(child)][detail::at(edge)];
+  return family_edges[at(state)][at(child)][at(edge)];
 }
 
 /// A closure family seen as its parent: nodes and marks by node code.

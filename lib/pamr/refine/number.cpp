@@ -9,6 +9,7 @@
 
 #include "pamr/base/contract.hpp"
 #include "pamr/base/error.hpp"
+#include "pamr/base/index.hpp"
 #include "pamr/base/memory.hpp"
 #include "pamr/base/prefetch.hpp"
 #include "pamr/mesh/cell_runs.hpp"
@@ -18,8 +19,6 @@
 namespace pamr::refine {
 
 namespace {
-
-constexpr std::size_t at(std::int64_t i) { return static_cast<std::size_t>(i); }
 
 /// What each old cell brings forth: nodes that it is the lowest cell of, and children.
 struct Counts {

@@ -4,6 +4,7 @@
 #include <array>
 #include <vector>
 
+#include "pamr/base/index.hpp"
 #include "pamr/mesh/borders.hpp"
 #include "pamr/mesh/dist_mesh.hpp"
 #include "pamr/par/comm.hpp"
@@ -30,9 +31,7 @@ struct Numbering {
   GlobalId n_global_cells = 0;
 
   std::size_t n_new_nodes() const { return ends.size(); }
-  LocalId midpoint(LocalId cell, int edge) const {
-    return edge_to_node[static_cast<std::size_t>(row[static_cast<std::size_t>(cell)])][static_cast<std::size_t>(edge)];
-  }
+  LocalId midpoint(LocalId cell, int edge) const { return edge_to_node[at(row[at(cell)])][at(edge)]; }
 };
 
 /// Makes one node on every marked edge and numbers nodes and children so that nothing depends on the partition: old

@@ -4,13 +4,12 @@
 #include <algorithm>
 #include <bit>
 
+#include "pamr/base/index.hpp"
 #include "pamr/refine/diagonal.hpp"
 
 namespace pamr::refine {
 
 namespace {
-
-constexpr std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 /// A half of a parent's edge: from one of its ends to its midpoint. The mark of lengths plays no part.
 bool is_short(mesh::Lineage lineage, int edge) {

@@ -5,13 +5,12 @@
 #include <map>
 #include <optional>
 
+#include "pamr/base/index.hpp"
 #include "pamr/mesh/tet.hpp"
 
 namespace pamr::refine {
 
 namespace {
-
-constexpr std::size_t at(std::int64_t i) { return static_cast<std::size_t>(i); }
 
 bool all_flat(const std::vector<const geometry::Surface*>& surfaces) {
   return std::all_of(surfaces.begin(), surfaces.end(), [](const auto* s) { return s->is_flat(); });

@@ -3,6 +3,7 @@
 
 #include <bit>
 
+#include "pamr/base/index.hpp"
 #include "pamr/base/memory.hpp"
 #include "pamr/base/prefetch.hpp"
 #include "pamr/mesh/ring.hpp"
@@ -11,9 +12,7 @@
 
 namespace pamr::refine {
 
-namespace {
-constexpr std::size_t at(int i) { return static_cast<std::size_t>(i); }
-}  // namespace
+namespace {}  // namespace
 
 Propagation::Propagation(const mesh::DistMesh& mesh, std::span<const std::uint8_t> flags,
                          std::span<const std::uint8_t> kept, QualityControl policy)

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "pamr/base/index.hpp"
 #include "pamr/mesh/borders.hpp"
 #include "pamr/mesh/dist_mesh.hpp"
 #include "pamr/refine/options.hpp"
@@ -24,7 +25,7 @@ class Propagation {
   void settle();
   /// Marks an edge in every cell of its arc.
   void mark(LocalId cell, int edge);
-  bool is_marked(LocalId cell, int edge) const { return (marks_[static_cast<std::size_t>(cell)] >> edge & 1) != 0; }
+  bool is_marked(LocalId cell, int edge) const { return (marks_[at(cell)] >> edge & 1) != 0; }
 
   /// First members of the families that have to change, ascending.
   std::vector<LocalId> hit_families() const;

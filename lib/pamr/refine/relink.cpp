@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "pamr/refine/relink.hpp"
 
+#include "pamr/base/index.hpp"
 #include "pamr/base/memory.hpp"
 #include "pamr/mesh/ring.hpp"
 #include "pamr/refine/relink_border.hpp"
@@ -9,8 +10,6 @@
 namespace pamr::refine {
 
 namespace {
-
-constexpr std::size_t at(std::int64_t i) { return static_cast<std::size_t>(i); }
 
 class Linker {
  public:

@@ -4,13 +4,12 @@
 #include <algorithm>
 
 #include "pamr/base/contract.hpp"
+#include "pamr/base/index.hpp"
 #include "pamr/mesh/face_groups.hpp"
 
 namespace pamr::refine {
 
 namespace {
-
-constexpr std::size_t at(std::int64_t i) { return static_cast<std::size_t>(i); }
 
 /// A border face as both sides know it.
 struct Record {

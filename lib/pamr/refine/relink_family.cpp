@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "pamr/base/index.hpp"
 #include "pamr/base/prefetch.hpp"
 #include "pamr/mesh/ring.hpp"
 #include "pamr/refine/family.hpp"
@@ -10,8 +11,6 @@
 namespace pamr::refine {
 
 namespace {
-
-constexpr std::size_t at(std::int64_t i) { return static_cast<std::size_t>(i); }
 
 /// Old cells in a block of the index of families.
 constexpr int block_bits = 3;

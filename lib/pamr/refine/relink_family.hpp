@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "pamr/base/index.hpp"
 #include "pamr/mesh/dist_mesh.hpp"
 #include "pamr/refine/closure.hpp"
 #include "pamr/refine/number.hpp"
@@ -64,9 +65,7 @@ class FamilyLinker {
   template <class Visit>
   void for_each_part(const Parent& parent, int face, int place, Visit&& visit) const;
 
-  void set(mesh::CellFace face, LocalId neighbor) {
-    fine_.cell_to_cell[static_cast<std::size_t>(face.cell)][static_cast<std::size_t>(face.slot)] = neighbor;
-  }
+  void set(mesh::CellFace face, LocalId neighbor) { fine_.cell_to_cell[at(face.cell)][at(face.slot)] = neighbor; }
   void set_both(mesh::CellFace a, mesh::CellFace b) {
     set(a, b.cell);
     set(b, a.cell);

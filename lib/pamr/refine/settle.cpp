@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "pamr/base/index.hpp"
 #include "pamr/refine/smooth.hpp"
 #include "pamr/refine/untangle.hpp"
 
@@ -16,7 +17,7 @@ Certificate settle(const par::Comm& comm, mesh::DistMesh& fine, const par::Patte
   const bool any_moves = comm.any(!movables.empty());
   if (any_moves) {
     const double ratio = smooth_displacement(comm, fine, shared, surfaces, numbering, n_old_nodes, movables);
-    for (const auto& m : movables) fine.node_position[static_cast<std::size_t>(m.node)] = m.target;
+    for (const auto& m : movables) fine.node_position[at(m.node)] = m.target;
     cells = cells_with_moved_nodes(fine, movables);
     rounds = untangle(comm, fine, shared, surfaces, numbering, n_old_nodes, cells, ratio < gentle_ratio, movables);
     if (rounds > 0) cells = cells_with_moved_nodes(fine, movables);

@@ -6,12 +6,13 @@
 #include <cmath>
 #include <utility>
 
+#include "pamr/base/index.hpp"
+
 namespace pamr::refine {
 
 namespace {
 
 using geometry::Vec3;
-constexpr std::size_t at(std::int64_t i) { return static_cast<std::size_t>(i); }
 constexpr int n_layers = 3;
 
 /// Largest displacement, and largest displacement over the length of the node's edge, over all ranks.

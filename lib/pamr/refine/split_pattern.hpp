@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "pamr/base/index.hpp"
 #include "pamr/mesh/families.hpp"
 #include "pamr/mesh/tet.hpp"
 
@@ -47,7 +48,6 @@ constexpr int outer_place(int code) { return (-code - 1) % n_places; }
 namespace detail {
 
 constexpr std::int8_t to_code(int value) { return static_cast<std::int8_t>(value); }
-constexpr std::size_t at(int i) { return static_cast<std::size_t>(i); }
 constexpr int midpoint_code(int corner_a, int corner_b) { return 4 + mesh::tet::edge_of[at(corner_a)][at(corner_b)]; }
 
 /// Twice the position of a node of the reference cell (corners at the origin and the unit vectors).

@@ -5,6 +5,7 @@
 #include <bit>
 
 #include "pamr/base/contract.hpp"
+#include "pamr/base/index.hpp"
 #include "pamr/base/memory.hpp"
 #include "pamr/refine/diagonal.hpp"
 #include "pamr/refine/family.hpp"
@@ -14,7 +15,6 @@ namespace pamr::refine {
 namespace {
 
 using geometry::Vec3;
-constexpr std::size_t at(std::int64_t i) { return static_cast<std::size_t>(i); }
 constexpr int max_level = 255;
 
 class Splitter {

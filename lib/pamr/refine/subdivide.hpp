@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "pamr/base/index.hpp"
 #include "pamr/mesh/dist_mesh.hpp"
 #include "pamr/refine/closure.hpp"
 #include "pamr/refine/number.hpp"
@@ -29,9 +30,9 @@ Children subdivide(const mesh::DistMesh& mesh, const Closure& closure, const Num
 /// the children of the parent and `grandchild` those of that child's own pattern.
 template <class Visit>
 void for_each_grandchild(const RebuiltFamily& family, Visit&& visit) {
-  for (int child = 0; child < split_pattern[static_cast<std::size_t>(family.state)].n_children; ++child) {
-    const int state = state_of_mask[family.child_marks[static_cast<std::size_t>(child)]];
-    for (int grandchild = 0; grandchild < split_pattern[static_cast<std::size_t>(state)].n_children; ++grandchild)
+  for (int child = 0; child < split_pattern[at(family.state)].n_children; ++child) {
+    const int state = state_of_mask[family.child_marks[at(child)]];
+    for (int grandchild = 0; grandchild < split_pattern[at(state)].n_children; ++grandchild)
       visit(child, state, grandchild);
   }
 }

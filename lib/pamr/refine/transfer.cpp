@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "pamr/base/index.hpp"
 #include "pamr/geometry/tet_shape.hpp"
 
 namespace pamr::refine {
@@ -12,7 +13,6 @@ namespace pamr::refine {
 namespace {
 
 using geometry::Vec3;
-constexpr std::size_t at(std::int64_t i) { return static_cast<std::size_t>(i); }
 
 /// Straight position of a node of the refined mesh: old nodes where they were, new ones in the middle of their edge.
 Vec3 straight_point(const mesh::DistMesh& old, const Numbering& numbering, LocalId node) {

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "pamr/base/hash.hpp"
+#include "pamr/base/index.hpp"
 #include "pamr/geometry/tet_shape.hpp"
 #include "pamr/mesh/tet.hpp"
 #include "pamr/refine/diagonal.hpp"
@@ -16,7 +17,6 @@ namespace pamr::refine {
 namespace {
 
 using geometry::Vec3;
-constexpr std::size_t at(std::int64_t i) { return static_cast<std::size_t>(i); }
 
 constexpr int n_tries = 8;  ///< places tried round a node in one round
 constexpr int max_rounds = 400;

@@ -4,13 +4,12 @@
 #include <algorithm>
 #include <map>
 
+#include "pamr/base/index.hpp"
 #include "pamr/refine/split_pattern.hpp"
 
 namespace pamr::refine {
 
 namespace {
-
-constexpr std::size_t at(std::int64_t i) { return static_cast<std::size_t>(i); }
 
 /// Nodes that may move within `n_layers` cells of the given cells.
 std::vector<std::uint8_t> reach(const par::Comm& comm, const mesh::DistMesh& fine, const par::Pattern& shared,
