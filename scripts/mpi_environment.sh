@@ -10,3 +10,10 @@ export OMPI_MCA_rmaps_base_oversubscribe="${OMPI_MCA_rmaps_base_oversubscribe:-1
 export OMPI_MCA_mpi_yield_when_idle="${OMPI_MCA_mpi_yield_when_idle:-1}"
 # No warning about cross-memory attach, which containers forbid.
 export OMPI_MCA_btl_vader_single_copy_mechanism="${OMPI_MCA_btl_vader_single_copy_mechanism:-none}"
+# No search for fast interconnects where there are none: two of the libraries that Open MPI would load for them measure
+# the processor's clock for 0.1 s each, which is more than half of the time in which a small job starts.
+if [ -z "$(ls -A /sys/class/infiniband /sys/class/cxi 2>/dev/null)" ]; then
+  export OMPI_MCA_mtl="${OMPI_MCA_mtl:-^psm,psm2,ofi}"
+fi
+# A process that was started without mpirun starts no daemon for itself.
+export OMPI_MCA_ess_singleton_isolated="${OMPI_MCA_ess_singleton_isolated:-1}"

@@ -34,7 +34,9 @@ def run(tool, *arguments, code=0, serial=False, ranks=RANKS):
     """Runs a tool on this many processes and expects this exit code. Bad input (2): one line of error and no output."""
     launcher = LAUNCHER[:-1] + [str(ranks)] if LAUNCHER and ranks > 1 else []
     command = ([] if serial else launcher) + [str(BIN / tool)] + [str(a) for a in arguments]
-    result = Result(subprocess.run(command, capture_output=True, text=True, timeout=100))
+    # Ranks that fail together end by themselves: mpirun need not give them a second to do so.
+    environment = os.environ | ({"OMPI_MCA_odls_base_sigkill_timeout": "0"} if code else {})
+    result = Result(subprocess.run(command, capture_output=True, text=True, timeout=100, env=environment))
     shown = f"{' '.join(command)}\nexit code {result.code}, expected {code}\n{result.out}\n{result.err}"
     assert result.code == code, shown
     if code == 2:
