@@ -391,7 +391,7 @@ def test_openfoam_case_has_its_faces_in_upper_triangular_order():
     n, words = foam_list(folder / "faces")
     assert all(w.startswith("3(") for w in words[::3])
     faces = np.array([int(w.removeprefix("3(").strip("()")) for w in words]).reshape(-1, 3)
-    owner, neighbour = (np.array([int(w) for w in foam_list(folder / f)[1]]) for f in ("owner", "neighbour"))
+    owner, neighbor = (np.array([int(w) for w in foam_list(folder / f)[1]]) for f in ("owner", "neighbour"))
     with h5py.File("cube.hdf") as file:
         assert np.array_equal(points, file["VTKHDF/Points"][:])
         cells = file["VTKHDF/Connectivity"][:].reshape(-1, 4)
