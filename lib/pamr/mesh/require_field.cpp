@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "pamr/mesh/require_field.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "pamr/base/error.hpp"
+
+namespace pamr::mesh {
+
+namespace {
+
+std::string shown(FieldValues values, int n_components) {
+  const auto* kind = values == FieldValues::real ? "real " : values == FieldValues::integer ? "integer " : "";
+  return fmt::format("{} {}component{}", n_components, kind, n_components == 1 ? "" : "s");
+}
+
+std::string begin_of_message(const WantedField& wanted) {
+  return wanted.used_for.empty() ? std::string() : fmt::format("{}: ", wanted.used_for);
+}
+
+const Field& find(const std::vector<Field>& fields, const WantedField& wanted, std::string_view place) {
+  const auto found = std::find_if(fields.begin(), fields.end(), [&](const Field& f) { return f.name == wanted.name; });
+  if (found == fields.end())
+    throw Error(fmt::format("{}expected a {} field \"{}\", found none of that name (the mesh has: {})",
+                            begin_of_message(wanted), place, wanted.name, names_of(fields)));
+  return require_field(*found, wanted, place);
+}
+
+}  // namespace
+
+const Field& require_field(const Field& field, const WantedField& wanted, std::string_view place) {
+  const auto held = field.holds_integers() ? FieldValues::integer : FieldValues::real;
+  if (field.n_components == wanted.n_components && (wanted.values == FieldValues::any || wanted.values == held))
+    return field;
+  throw Error(fmt::format("{}{} field \"{}\": expected {}, found {}", begin_of_message(wanted), place, field.name,
+                          shown(wanted.values, wanted.n_components), shown(held, field.n_components)));
+}
+
+const CellField& require_cell_field(const DistMesh& mesh, const WantedField& wanted) {
+  return find(mesh.cell_fields, wanted, "cell");
+}
+
+const NodeField& require_node_field(const DistMesh& mesh, const WantedField& wanted) {
+  return find(mesh.node_fields, wanted, "node");
+}
+
+std::string names_of(const std::vector<Field>& fields) {
+  std::string names;
+  for (const auto& field : fields) names += (names.empty() ? "" : ", ") + field.name;
+  return names.empty() ? "none" : names;
+}
+
+void put_field(std::vector<Field>& fields, Field field) {
+  const auto old = std::find_if(fields.begin(), fields.end(), [&](const Field& f) { return f.name == field.name; });
+  if (old == fields.end())
+    fields.push_back(std::move(field));
+  else
+    *old = std::move(field);
+}
+
+void remove_field(std::vector<Field>& fields, std::string_view name) {
+  std::erase_if(fields, [&](const Field& field) { return field.name == name; });
+}
+
+}  // namespace pamr::mesh
