@@ -2,12 +2,19 @@
 #pragma once
 
 #include <cmath>
+#include <cstddef>
 
 namespace pamr::geometry {
 
 /// Point or vector of three-dimensional space, in the length unit of the mesh.
 struct Vec3 {
   double x = 0, y = 0, z = 0;
+
+  /// Component along axis 0, 1 or 2.
+  constexpr double operator[](std::size_t axis) const { return axis == 0 ? x : axis == 1 ? y : z; }
+  constexpr double& operator[](std::size_t axis) { return axis == 0 ? x : axis == 1 ? y : z; }
+  constexpr Vec3& operator+=(Vec3 a) { return *this = *this + a; }
+  constexpr Vec3& operator-=(Vec3 a) { return *this = *this - a; }
 
   friend constexpr Vec3 operator+(Vec3 a, Vec3 b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
   friend constexpr Vec3 operator-(Vec3 a, Vec3 b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
