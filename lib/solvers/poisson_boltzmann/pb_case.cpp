@@ -7,14 +7,14 @@
 #include <cmath>
 #include <limits>
 
+#include "pamr/base/case_file.hpp"
 #include "pamr/base/error.hpp"
-#include "solvers/poisson_boltzmann/checked_table.hpp"
 
 namespace pamr::poisson_boltzmann {
 
 namespace {
 
-constexpr NumberRange any{-1e300, 1e300}, positive{1e-300, 1e300}, from_zero{0, 1e300};
+constexpr auto positive = NumberRange::above(0);
 
 constexpr std::array<std::pair<Condition, const char*>, 6> condition_names{{{Condition::potential, "potential"},
                                                                             {Condition::charge, "charge"},
@@ -28,7 +28,7 @@ bool fixes_potential(Condition condition) {
          condition == Condition::manufactured;
 }
 
-int valence_of(CheckedTable& table, const std::string& salt) {
+int valence_of(const TomlTable& table, const std::string& salt) {
   const auto colon = salt.find(':');
   const auto digits = [](const std::string& text) {
     return text.size() == 1 && text[0] >= '1' && text[0] <= '9' ? text[0] - '0' : 0;
@@ -36,149 +36,130 @@ int valence_of(CheckedTable& table, const std::string& salt) {
   const int first = colon == std::string::npos ? 0 : digits(salt.substr(0, colon));
   const int second = colon == std::string::npos ? 0 : digits(salt.substr(colon + 1));
   if (first == 0 || first != second)
-    table.refuse("salt", "a Z:Z salt (\"1:1\", \"2:2\", ...), for which the equation is lap psi = sinh psi",
-                 "\"" + salt + "\"");
+    table.refuse("salt", "a Z:Z salt (\"1:1\", \"2:2\", ...), for which the equation is lap psi = sinh psi");
   return first;
 }
 
-Electrolyte read_electrolyte(CheckedTable& table) {
+Electrolyte read_electrolyte(const TomlTable& table) {
   Electrolyte e;
-  e.salt = table.text("salt").value_or(e.salt);
+  e.salt = table.text_or("salt", e.salt);
   e.valence = valence_of(table, e.salt);
-  e.temperature = table.number("temperature", {1, 10000}).value_or(e.temperature);
-  e.permittivity = table.number("permittivity", {1, 10000}).value_or(e.permittivity);
-  e.debye_length = table.number("debye_length", {1e-12, 1});
-  if (const auto concentration = table.number("concentration", {1e-12, 1e6})) {
+  e.temperature = table.number_or("temperature", e.temperature, {1, 10000});
+  e.permittivity = table.number_or("permittivity", e.permittivity, {1, 10000});
+  e.debye_length = table.find_number("debye_length", {1e-12, 1});
+  if (const auto concentration = table.find_number("concentration", {1e-12, 1e6})) {
     const double from_salt = debye_length(e, *concentration);
     if (e.debye_length && std::abs(*e.debye_length - from_salt) > 1e-3 * from_salt)
       table.refuse("concentration",
-                   fmt::format("the concentration of debye_length = {:g} m, or one of the two alone", *e.debye_length),
+                   fmt::format("that of debye_length = {:g} m, or one of the two keys", *e.debye_length),
                    fmt::format("{:g} mol/m^3, whose Debye length is {:g} m", *concentration, from_salt));
     if (!e.debye_length) e.debye_length = from_salt;
   }
-  table.finish();
   return e;
+}
+
+SolverOptions read_solver(const TomlTable& table) {
+  SolverOptions solver;
+  if (table.word_or("quadrature", "nodal", {"nodal", "gauss"}) == "gauss") solver.quadrature = Quadrature::gauss;
+  solver.tolerance = table.number_or("tolerance", solver.tolerance, {1e-15, 0.1});
+  solver.max_newton = static_cast<int>(table.integer_or("max_newton", solver.max_newton, 1, 10000));
+  solver.preconditioner = table.word_or("preconditioner", solver.preconditioner, {"jacobi", "boomeramg"});
+  solver.petsc = table.text_or("petsc", "");
+  return solver;
+}
+
+EstimatorOptions read_estimator(const TomlTable& table) {
+  EstimatorOptions estimator;
+  if (table.word_or("recovery", "volume-weighted", {"volume-weighted", "plain"}) == "plain")
+    estimator.recovery = Recovery::plain;
+  estimator.goal =
+      table.word_or("goal", estimator.goal, {"none", "midplane", "volume-x", "volume-y", "volume-z", "charge"});
+  estimator.goal_patch = table.text_or("goal_patch", "");
+  return estimator;
 }
 
 /// One read of a case file.
 class Reader {
  public:
-  Reader(const toml::table& root, std::string where) : where_(std::move(where)), root_(root, "", where_) {}
+  explicit Reader(const TomlTable& file) : file_(file) {}
 
   Case read() {
-    root_.skip("mesh");
-    if (auto table = root_.table("electrolyte")) result_.electrolyte = read_electrolyte(*table);
-    if (auto table = root_.table("lengths")) read_lengths(*table);
-    if (auto table = root_.table("equation")) read_equation(*table);
-    for (auto& table : root_.tables("sphere")) read_sphere(table);
-    if (auto table = root_.table("pair")) read_pair(*table);
-    if (auto table = root_.table("plate")) {
-      result_.plate = Plate{table->text("patch").value_or("plate"), 0, 0};
-      result_.plate->position = table->number("position", any).value_or(0) * unit_;
-      table->finish();
+    if (const auto table = file_.find_table("electrolyte")) result_.electrolyte = read_electrolyte(*table);
+    if (const auto table = file_.find_table("lengths")) read_lengths(*table);
+    if (const auto table = file_.find_table("equation")) {
+      result_.linear = table->flag_or("linear", false);
+      result_.split = table->flag_or("split", false);
+      result_.manufactured = table->flag_or("manufactured", false);
     }
-    if (auto table = root_.table("boundary"))
-      for (auto& [patch, entry] : table->all_tables()) read_boundary(patch, entry);
-    if (auto table = root_.table("solver")) read_solver(*table);
-    if (auto table = root_.table("force")) read_force(*table);
-    if (auto table = root_.table("estimator")) read_estimator(*table);
-    root_.finish();
+    for (const auto& table : file_.list("sphere"))
+      result_.spheres.push_back({table.text_or("patch", ""), unit_ * table.point<geometry::Vec3>("center"),
+                                 unit_ * table.number("radius", positive)});
+    if (const auto table = file_.find_table("pair")) read_pair(*table);
+    if (const auto table = file_.find_table("plate"))
+      result_.plate = Plate{table->text_or("patch", "plate"), unit_ * table->number_or("position", 0), 0};
+    if (const auto table = file_.find_table("boundary"))
+      for (const auto& patch : table->all_tables()) result_.boundary.push_back(read_boundary(patch));
+    if (const auto table = file_.find_table("solver")) result_.solver = read_solver(*table);
+    if (const auto table = file_.find_table("force")) read_force(*table);
+    if (const auto table = file_.find_table("estimator")) result_.estimator = read_estimator(*table);
+    file_.finish();
     check();
     return result_;
   }
 
  private:
   [[noreturn]] void refuse(const std::string& expected, const std::string& found) const {
-    throw Error(fmt::format("{}: expected {}, found {}", where_, expected, found));
+    file_.fail(fmt::format("expected {}, found {}", expected, found));
   }
 
-  void read_lengths(CheckedTable& table) {
-    result_.length_unit = table.word("unit", "debye m um nm", result_.length_unit);
-    unit_ = *debye_lengths_in(result_.length_unit, result_.electrolyte, where_);
-    table.finish();
+  void read_lengths(const TomlTable& table) {
+    result_.length_unit = table.word_or("unit", result_.length_unit, {"debye", "m", "um", "nm"});
+    unit_ = *debye_lengths_in(result_.length_unit, result_.electrolyte, file_.at());
   }
 
-  void read_equation(CheckedTable& table) {
-    result_.linear = table.truth("linear").value_or(false);
-    result_.split = table.truth("split").value_or(false);
-    result_.manufactured = table.truth("manufactured").value_or(false);
-    table.finish();
+  void read_pair(const TomlTable& table) {
+    const double radius = unit_ * table.number("radius", positive);
+    const double distance = unit_ * table.number("distance", positive);
+    const double height = unit_ * table.number_or("height", 0);
+    result_.spheres.push_back({table.text_or("patch", "sphere"), {distance / 2, 0, height}, radius});
+    result_.spheres.push_back({table.text_or("other_patch", ""), {-distance / 2, 0, height}, radius});
   }
 
-  void read_sphere(CheckedTable& table) {
-    Sphere sphere;
-    sphere.patch = table.text("patch").value_or("");
-    sphere.center = unit_ * table.required_point("center");
-    sphere.radius = unit_ * table.required_number("radius", positive);
-    table.finish();
-    result_.spheres.push_back(sphere);
-  }
-
-  void read_pair(CheckedTable& table) {
-    const double radius = unit_ * table.required_number("radius", positive);
-    const double distance = unit_ * table.required_number("distance", positive);
-    const double height = unit_ * table.number("height", any).value_or(0);
-    result_.spheres.push_back({table.text("patch").value_or("sphere"), {distance / 2, 0, height}, radius});
-    result_.spheres.push_back({table.text("other_patch").value_or(""), {-distance / 2, 0, height}, radius});
-    table.finish();
-  }
-
-  void read_boundary(const std::string& patch, CheckedTable& table) {
+  Boundary read_boundary(const TomlTable& table) const {
     Boundary boundary;
-    boundary.patch = patch;
-    const auto word = table.word("condition", "potential charge symmetry plate-profile far-field manufactured", "");
-    if (word.empty())
-      table.refuse("condition", "condition = \"potential\", \"charge\", \"symmetry\" or another for patch " + patch,
-                   "none");
+    boundary.patch = table.name();
+    const auto word =
+        table.word("condition", {"potential", "charge", "symmetry", "plate-profile", "far-field", "manufactured"});
     for (const auto& [condition, name] : condition_names)
       if (word == name) boundary.condition = condition;
     const auto units = units_of(result_.electrolyte);
     if (boundary.condition == Condition::potential) {
-      const auto unit = table.word("unit", "kT/Ze V mV", "kT/Ze");
+      const auto unit = table.word_or("unit", "kT/Ze", {"kT/Ze", "V", "mV"});
       const double scale = unit == "V" ? 1 / units.potential : unit == "mV" ? 1e-3 / units.potential : 1;
-      boundary.value = scale * table.required_number("value", any);
+      boundary.value = scale * table.number("value");
       if (!(std::abs(boundary.value) <= largest_potential))
         table.refuse("value", fmt::format("a potential of at most {:g} kT/Ze (sinh overflows)", largest_potential),
                      fmt::format("{:g} kT/Ze", boundary.value));
     } else if (boundary.condition == Condition::charge) {
-      const auto unit = table.word("unit", "dimensionless C/m2", "dimensionless");
+      const auto unit = table.word_or("unit", "dimensionless", {"dimensionless", "C/m2"});
       if (unit == "C/m2" && !units.charge_density)
-        table.refuse("unit", "debye_length or concentration in [electrolyte] for a charge in C/m2", "none");
-      boundary.value = table.required_number("value", {-1e100, 1e100}) / (unit == "C/m2" ? *units.charge_density : 1);
+        throw Error(
+            fmt::format("{}: expected debye_length or concentration in [electrolyte] for a charge in C/m2, found none",
+                        table.at("unit")));
+      boundary.value = table.number("value", {-1e100, 1e100}) / (unit == "C/m2" ? *units.charge_density : 1);
     }
-    table.finish();
-    result_.boundary.push_back(boundary);
+    return boundary;
   }
 
-  void read_solver(CheckedTable& table) {
-    auto& solver = result_.solver;
-    if (table.word("quadrature", "nodal gauss", "nodal") == "gauss") solver.quadrature = Quadrature::gauss;
-    solver.tolerance = table.number("tolerance", {1e-15, 0.1}).value_or(solver.tolerance);
-    solver.max_newton = static_cast<int>(table.number("max_newton", {1, 10000}).value_or(solver.max_newton));
-    solver.preconditioner = table.word("preconditioner", "jacobi boomeramg", solver.preconditioner);
-    solver.petsc = table.text("petsc").value_or("");
-    table.finish();
-  }
-
-  void read_force(CheckedTable& table) {
+  void read_force(const TomlTable& table) {
     auto& force = result_.force;
-    force.midplane = table.text("midplane").value_or("");
-    force.inner = table.number("inner", from_zero);
-    force.outer = table.number("outer", positive);
+    force.midplane = table.text_or("midplane", "");
+    force.inner = table.find_number("inner", NumberRange::at_least(0));
+    force.outer = table.find_number("outer", positive);
+    if (force.inner && force.outer && !(*force.inner < *force.outer))
+      table.refuse("inner", fmt::format("a number below outer = {:g}", *force.outer));
     if (force.inner) *force.inner *= unit_;
     if (force.outer) *force.outer *= unit_;
-    if (force.inner && force.outer && !(*force.inner < *force.outer))
-      table.refuse("inner", "inner below outer", fmt::format("{:g} and {:g}", *force.inner, *force.outer));
-    table.finish();
-  }
-
-  void read_estimator(CheckedTable& table) {
-    auto& estimator = result_.estimator;
-    if (table.word("recovery", "volume-weighted plain", "volume-weighted") == "plain")
-      estimator.recovery = Recovery::plain;
-    estimator.goal = table.word("goal", "none midplane volume-x volume-y volume-z charge", estimator.goal);
-    estimator.goal_patch = table.text("goal_patch").value_or("");
-    table.finish();
   }
 
   void check_spheres() const {
@@ -228,8 +209,7 @@ class Reader {
       refuse("goal_patch = \"PATCH\" in [estimator] with goal = \"" + result_.estimator.goal + "\"", "none");
   }
 
-  std::string where_;
-  CheckedTable root_;
+  const TomlTable& file_;
   Case result_;
   double unit_ = 1;
 };
@@ -268,12 +248,8 @@ std::optional<double> debye_lengths_in(std::string_view unit, const Electrolyte&
 }
 
 Case read_case(std::string_view text, const std::string& where) {
-  try {
-    const auto root = toml::parse(text, where);
-    return Reader(root, where).read();
-  } catch (const toml::parse_error& error) {
-    throw Error(fmt::format("{}:{}: expected TOML, found {}", where, error.source().begin.line, error.description()));
-  }
+  const auto file = parse_case(text, where);
+  return Reader(file).read();
 }
 
 std::vector<std::string> describe(const Case& problem) {

@@ -92,10 +92,11 @@ inline constexpr double largest_potential = 300;
 /// unit is a length and the electrolyte has no Debye length.
 std::optional<double> debye_lengths_in(std::string_view unit, const Electrolyte& electrolyte, const std::string& where);
 
-/// Reads a case file (docs/tools/pamr-pb.md); table `mesh` belongs to pamr-mesh. `where` is the file's name. Throws
-/// `Error` with the line for TOML errors, unknown keys, wrong types and values out of range, salts that are not Z:Z,
-/// spheres that overlap or touch the plate, lengths that contradict each other, and when nothing fixes a solution.
-/// Local.
+/// Reads a case file (docs/tools/pamr-pb.md); tables of other tools are ignored. `where` is the file's name. Local.
+/// Throws `Error`
+/// - with file, line and column for TOML errors, unknown keys, wrong types and values out of range;
+/// - for salts that are not Z:Z, spheres that overlap or touch the plate, and lengths that contradict each other;
+/// - when no patch has a given potential or charge.
 Case read_case(std::string_view text, const std::string& where);
 
 /// The case in lines for the user: dimensional and dimensionless quantities side by side, and what holds where.
