@@ -14,6 +14,7 @@
 #include "cli/run_tool.hpp"
 #include "pamr/adapt/adapt.hpp"
 #include "pamr/assemble/assemble.hpp"
+#include "pamr/balance/expected_work.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/io/native/native_file.hpp"
 #include "pamr/mark/apply_criteria.hpp"
@@ -125,7 +126,8 @@ cli::ExitCode run(cli::Session& session, const Options& options) {
   const auto n_marked = mark::count_marked(comm, marks);
   const auto size = adapt::dry_run(comm, mesh, marks, refinement);
 
-  mark::set_marks(mesh, marks, options.marks, size.work);
+  mark::set_marks(mesh, marks, options.marks);
+  balance::set_work(mesh, options.marks, size.work);
   io::write_native(comm, options.output, mesh);
   nlohmann::json report{{"cells", mesh.info.n_global_cells},
                         {"nodes", mesh.info.n_global_nodes},

@@ -2,8 +2,6 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <algorithm>
-#include <array>
 #include <cstdint>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -11,17 +9,12 @@
 
 #include "cli/run_tool.hpp"
 #include "pamr/adapt/adapt.hpp"
+#include "pamr/adapt/read_for_refinement.hpp"
 #include "pamr/adapt/refine_report.hpp"
-#include "pamr/assemble/assemble.hpp"
-#include "pamr/balance/weights.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/geometry/orientation.hpp"
 #include "pamr/io/native/native_file.hpp"
-#include "pamr/mesh/expected_children.hpp"
 #include "pamr/mesh/fingerprint.hpp"
-#include "pamr/order/order_along_curve.hpp"
-#include "pamr/par/equal_work.hpp"
-#include "pamr/validate/validate.hpp"
 
 namespace {
 
@@ -73,64 +66,6 @@ auto naming(const std::string& file, Work&& work) {
   }
 }
 
-/// Holds the number of each cell in the file; no field in a file can have such a name.
-constexpr const char* origin_field = "/cell of the input";
-
-mesh::BlockMesh along_curve(const par::Comm& comm, mesh::BlockMesh block) {
-  auto ordered = order::order_along_curve(comm, std::move(block));
-  ordered.block.cell_fields.push_back({origin_field, "", 1, mesh::StorageType::int64, std::move(ordered.cell_origin)});
-  return std::move(ordered.block);
-}
-
-std::vector<std::uint8_t> flags_of(const std::vector<std::int64_t>& marks) {
-  std::vector<std::uint8_t> flags(marks.size());
-  std::transform(marks.begin(), marks.end(), flags.begin(), [](std::int64_t mark) { return mark == 1 ? 1 : 0; });
-  return flags;
-}
-
-std::vector<std::array<std::uint32_t, 4>> lower_halves(const std::vector<std::array<GlobalId, 4>>& cell_to_node) {
-  std::vector<std::array<std::uint32_t, 4>> halves(cell_to_node.size());
-  for (std::size_t c = 0; c < halves.size(); ++c)
-    for (std::size_t i = 0; i < 4; ++i) halves[c][i] = static_cast<std::uint32_t>(cell_to_node[c][i]);
-  return halves;
-}
-
-/// Runs of cells that become about the same number.
-std::vector<Rank> runs_of_equal_work(const par::Comm& comm, const mesh::BlockMesh& block, const std::string& marks) {
-  std::vector<std::uint8_t> weight(block.cell_to_node.size(), 1);
-  for (const auto& field : block.cell_fields)
-    if (field.name == marks && field.holds_integers() && field.n_components == 1)
-      weight = mesh::expected_children(lower_halves(block.cell_to_node), flags_of(field.integer()));
-  return par::runs_of_equal_work(comm, weight, comm.size());
-}
-
-/// Reads the mesh, its cells in runs that become about the same number. Errors name cells and nodes by their numbers in
-/// the file: where it was put in order, what is wrong is found once more without.
-mesh::DistMesh read(const par::Comm& comm, const Options& options, const std::string& order, StepTimer& timer) {
-  auto block = io::read_native(comm, options.input, {.marks_field = options.marks});
-  timer.lap("read");
-  const bool reorder = order == "curve" || (order == "auto" && !order::is_ordered(comm, block));
-  if (reorder) block = naming(options.input, [&] { return along_curve(comm, std::move(block)); });
-  timer.lap("preprocessing");
-  std::vector<Rank> destination;
-  if (reorder && comm.size() > 1) destination = runs_of_equal_work(comm, block, options.marks);
-  timer.lap("balance");
-  try {
-    auto mesh = naming(options.input, [&] { return assemble::assemble(comm, std::move(block), destination); });
-    validate::require_valid(comm, mesh, options.input);
-    if (reorder) {
-      adapt::flags_from_field(comm, mesh, options.marks);
-      const auto balancing = adapt::balancing_named(options.balance, options.weights);
-      if (balancing.weights == adapt::Weights::field) balance::weights_from_field(comm, mesh, balancing.field);
-    }
-    timer.lap("preprocessing");
-    return mesh;
-  } catch (const Error&) {
-    if (!reorder) throw;
-  }
-  return read(comm, options, "keep", timer);
-}
-
 std::int64_t count_inverted(const par::Comm& comm, const mesh::DistMesh& mesh) {
   std::int64_t n = 0;
   for (LocalId c = 0; c < mesh.n_cells(); ++c) {
@@ -170,19 +105,22 @@ cli::ExitCode work(cli::Session& session, const Options& options) {
 
   StepTimer timer([&] { return comm.traffic(); });
   const auto read_before = adapt::bytes_read_so_far();
-  auto mesh = read(comm, options, options.order, timer);
+  const auto balancing = adapt::balancing_named(options.balance, options.weights);
+  auto mesh = adapt::read_for_refinement(
+      comm, options.input,
+      {.marks_field = options.marks, .ordering = adapt::ordering_named(options.order), .balancing = balancing}, timer);
   adapt::Measured measured;
   measured.bytes_read = adapt::bytes_read_so_far() - read_before;
   const auto flags = naming(options.input, [&] { return adapt::flags_from_field(comm, mesh, options.marks); });
-  const refine::Options how{.quality_control = refine::quality_control_named(options.quality_control),
-                            .project = !options.no_project,
-                            .parent_field = true,
-                            .marks_field = options.marks,
-                            .origin_field = mesh.find_cell_field(origin_field) != nullptr ? origin_field : ""};
+  const refine::Options how{
+      .quality_control = refine::quality_control_named(options.quality_control),
+      .project = !options.no_project,
+      .parent_field = true,
+      .marks_field = options.marks,
+      .origin_field = mesh.find_cell_field(adapt::origin_field) != nullptr ? adapt::origin_field : ""};
   if (options.dry_run) return forecast(session, mesh, flags, how);
 
   timer.lap("preprocessing");
-  const auto balancing = adapt::balancing_named(options.balance, options.weights);
   auto result = naming(options.input, [&] { return adapt::refine(comm, std::move(mesh), flags, {how, balancing}); });
   timer.skip();
   mesh = {};

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "pamr/base/contract.hpp"
-#include "pamr/mesh/expected_children.hpp"
+#include "pamr/mesh/require_field.hpp"
 #include "pamr/par/select_smallest.hpp"
 
 namespace pamr::mark {
@@ -64,17 +64,10 @@ std::int64_t count_marked(const par::Comm& comm, std::span<const std::uint8_t> m
   return comm.sum(static_cast<std::int64_t>(std::count(marks.begin(), marks.end(), std::uint8_t{1})));
 }
 
-void set_marks(mesh::DistMesh& mesh, std::span<const std::uint8_t> marks, const std::string& name,
-               const std::optional<std::vector<std::uint8_t>>& work) {
-  const auto n = mesh.cell_to_node.size();
-  PAMR_EXPECTS(marks.size() == n && (!work || work->size() == n));
-  const auto work_name = mesh::work_field(name);
-  std::erase_if(mesh.cell_fields, [&](const auto& field) { return field.name == name || field.name == work_name; });
-  const auto put = [&](const std::string& field, mesh::StorageType type, std::span<const std::uint8_t> values) {
-    mesh.cell_fields.push_back({field, "", 1, type, std::vector<std::int64_t>(values.begin(), values.end())});
-  };
-  put(name, mesh::StorageType::int32, marks);
-  if (work) put(work_name, mesh::StorageType::uint8, *work);
+void set_marks(mesh::DistMesh& mesh, std::span<const std::uint8_t> marks, const std::string& name) {
+  PAMR_EXPECTS(marks.size() == mesh.cell_to_node.size());
+  mesh::put_field(mesh.cell_fields,
+                  {name, "", 1, mesh::StorageType::int32, std::vector<std::int64_t>(marks.begin(), marks.end())});
 }
 
 }  // namespace pamr::mark

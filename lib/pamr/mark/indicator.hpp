@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -43,9 +42,8 @@ std::vector<std::uint8_t> strongest(const par::Comm& comm, const mesh::DistMesh&
 /// Number of marked cells over all ranks. Collective: one reduction.
 std::int64_t count_marked(const par::Comm& comm, std::span<const std::uint8_t> marks);
 
-/// Puts marks into the mesh as integer cell field `name` (0 keep, 1 split), in place of any field of that name, and
-/// `work` (`adapt::Forecast`), where it is known, as `mesh::work_field` beside it: on all ranks or on none. Local.
-void set_marks(mesh::DistMesh& mesh, std::span<const std::uint8_t> marks, const std::string& name = "refine",
-               const std::optional<std::vector<std::uint8_t>>& work = std::nullopt);
+/// Puts marks into the mesh as integer cell field `name` (0 keep, 1 split), in place of any field of that name.
+/// Local.
+void set_marks(mesh::DistMesh& mesh, std::span<const std::uint8_t> marks, const std::string& name = "refine");
 
 }  // namespace pamr::mark

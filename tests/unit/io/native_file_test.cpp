@@ -75,35 +75,49 @@ TEST(NativeFile, ReadsTheSameInSmallPieces) {
   expect_same(test::gather(comm, pieces), test::gather(comm, whole));
 }
 
-TEST(NativeFile, IsSharedOutByItsMarks) {
+TEST(NativeFile, IsReadInRunsThatBeginWhereToldOrAtTheNextFamily) {
   const par::Comm comm(MPI_COMM_WORLD);
   const Folder folder(comm);
-  auto mesh = assemble::assemble(comm, assemble::kuhn_cube(comm, 8));
-  mesh::CellField marks{"refine", "", 1, mesh::StorageType::int8, std::vector<std::int64_t>{}};
-  for (LocalId c = 0; c < mesh.n_cells(); ++c) {
-    const auto p = mesh.points(c)[0];
-    marks.integer().push_back(p.x < 0.4 && p.y < 0.4 && p.z < 0.4 ? 1 : 0);
-  }
-  mesh.cell_fields.push_back(std::move(marks));
+  const auto mesh = assemble::assemble(comm, assemble::kuhn_cube(comm, 4));
+  io::write_native(comm, folder / "a.hdf", mesh);
+  const GlobalId first = comm.rank() == 0 ? 0 : 384 - 2 * (comm.size() - comm.rank());
+
+  io::NativeFile file(comm, folder / "a.hdf"), in_pieces(comm, folder / "a.hdf", {.slab_bytes = 200});
+  const auto block = file.read(first), pieces = in_pieces.read(first), even = file.read();
+
+  EXPECT_EQ(block.first_cell, first);
+  EXPECT_EQ(pieces.first_cell, first);
+  EXPECT_EQ(std::ssize(block.cell_to_node), comm.is_first() && comm.size() > 1 ? 384 - 2 * (comm.size() - 1)
+                                            : comm.size() > 1                  ? 2
+                                                                               : 384);
+  EXPECT_EQ(pieces.cell_to_node, block.cell_to_node);
+  expect_same(test::gather(comm, block), test::gather(comm, even));
+}
+
+TEST(NativeFile, GivesSingleFieldsOfIntegersAndLeavesOneOut) {
+  const par::Comm comm(MPI_COMM_WORLD);
+  const Folder folder(comm);
+  auto mesh = assemble::assemble(comm, assemble::kuhn_cube(comm, 2));
+  std::vector<std::int64_t> twice;
+  for (const auto id : mesh.cell_global) twice.push_back(2 * id);
+  mesh.cell_fields = {{"twice", "", 1, mesh::StorageType::int32, twice},
+                      {"pair", "", 2, mesh::StorageType::int8, std::vector<std::int64_t>(2 * twice.size(), 1)},
+                      {"real", "", 1, mesh::StorageType::float64, std::vector<double>(twice.size(), 1)}};
   io::write_native(comm, folder / "a.hdf", mesh);
 
-  const auto even = io::read_native(comm, folder / "a.hdf", {.marks_field = "no such field"});
-  const auto fair = io::read_native(comm, folder / "a.hdf", {.marks_field = "refine"});
-  const auto pieces = io::read_native(comm, folder / "a.hdf", {.slab_bytes = 200, .marks_field = "refine"});
+  io::NativeFile file(comm, folder / "a.hdf");
+  const auto values = file.read_integers("twice", io::NativeFile::Checked::checksum);
+  const auto cells = file.read_cell_to_node();
+  const auto block = file.read({}, "twice");
 
-  EXPECT_EQ(pieces.first_cell, fair.first_cell);
-  EXPECT_EQ(pieces.cell_to_node, fair.cell_to_node);
-  expect_same(test::gather(comm, fair), test::gather(comm, even));
-  const auto work = [](const mesh::BlockMesh& block) {
-    std::int64_t n = 0;
-    for (const auto mark : block.cell_fields.front().integer()) n += mark == 1 ? 8 : 1;
-    return n;
-  };
-  const auto mean = static_cast<double>(comm.sum(work(fair))) / comm.size();
-  EXPECT_LE(static_cast<double>(comm.max(work(fair))), 1.25 * mean);  // closure is foreseen too, not only marks
-  if (comm.size() == 4) {
-    EXPECT_GT(comm.max(work(even)), comm.max(work(fair)));
-  }
+  EXPECT_EQ(file.info().n_global_cells, 48);
+  for (const auto* name : {"pair", "real", "none"}) EXPECT_FALSE(file.has_integers(name)) << name;
+  const auto range = par::block_range(48, comm.rank(), comm.size());
+  ASSERT_EQ(std::ssize(values), range.count());
+  for (std::size_t i = 0; i < values.size(); ++i) EXPECT_EQ(values[i], 2 * (range.begin + std::int64_t(i)));
+  EXPECT_EQ(cells, block.cell_to_node);
+  ASSERT_EQ(block.cell_fields.size(), 2U);
+  EXPECT_EQ(block.cell_fields[0].name, "pair");
 }
 
 TEST(NativeFile, HasTheSameBytesOnAnyNumberOfRanksAndAnyPartition) {

@@ -1,14 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <optional>
-#include <string>
+#include <string_view>
+#include <vector>
 
-#include "pamr/assemble/assemble.hpp"
-#include "pamr/mesh/dist_mesh.hpp"
+#include "pamr/io/native/write_native.hpp"
+#include "pamr/mesh/block_mesh.hpp"
 #include "pamr/par/comm.hpp"
 
 namespace pamr::io {
@@ -18,44 +21,61 @@ struct ReadOptions {
   bool verify_checksums = true;
   /// Largest piece that a rank reads at once, bytes; 2^30 at most.
   std::size_t slab_bytes = std::size_t{1} << 20U;
-  /// Integer cell field of marks (1: to be refined). The ranks then read runs of cells that are about the same work:
-  /// by the field `mesh::work_field`, which is not part of the result, or else by `mesh::expected_children`; where
-  /// there is no field of marks, or no name here, runs of the same number.
-  std::string marks_field = {};
 };
 
-struct WriteOptions {
-  /// Text that says where the mesh comes from (version, options that change the result, name of the case); empty: what
-  /// the mesh brought with it. Nothing that differs from run to run belongs here: equal meshes give equal files.
-  std::string provenance = {};
-  /// `mesh::fingerprint` of the mesh where the caller has it already.
-  std::optional<std::uint64_t> fingerprint = {};
-  /// Largest piece that a rank writes at once, bytes; 2^30 at most.
-  std::size_t slab_bytes = std::size_t{1} << 20U;
+/// A mesh in the native format (docs/file-format.md), open for reading. Opening looks through the structure of the file
+/// and reads everything that is small; the functions read the large arrays.
+///
+/// Nothing in the file is trusted:
+/// - rank 0 looks through its structure in a process of its own, which may die of it (`subprocess.hpp`);
+/// - shapes, types, counts, ranges and checksums are verified before the values are used;
+/// - no array is larger than the size of the file allows.
+/// The geometry is not looked at (`validate::validate` does), nor are neighbors matched (`assemble::assemble` does).
+///
+/// All functions but `info` and `has_integers` are collective; so are the constructor and the destructor. They throw
+/// the same `Error` on every rank.
+class NativeFile {
+ public:
+  NativeFile(const par::Comm& comm, std::filesystem::path file, const ReadOptions& options = {});
+  ~NativeFile();
+  NativeFile(const NativeFile&) = delete;
+  NativeFile& operator=(const NativeFile&) = delete;
+  NativeFile(NativeFile&&) = delete;
+  NativeFile& operator=(NativeFile&&) = delete;
+
+  /// What the file says of the whole mesh, but for the triangulations.
+  const mesh::MeshInfo& info() const;
+  /// Whether there is a cell field of this name, of one integer component.
+  bool has_integers(std::string_view cell_field) const;
+
+  enum class Checked {
+    checksum,
+    later,  ///< when `read` reads it once more: for a first look that only decides who reads what
+  };
+  /// Values of such a field in this rank's canonical block of the cells (`par::block_range`).
+  std::vector<std::int64_t> read_integers(std::string_view cell_field, Checked checked);
+  /// Nodes of the cells of that block (n x 4, global ids, in range), the checksum not compared.
+  std::vector<std::array<GlobalId, 4>> read_cell_to_node();
+
+  /// The mesh: a run of cells for each rank, and its canonical block of the nodes.
+  /// - `first_cell`: row of the first cell of this rank's run, counted from 0, ascending with the ranks, 0 on rank 0;
+  ///   none on every rank: canonical blocks. The run begins at the first border of a family at or after it, and ends
+  ///   where that of the next rank begins.
+  /// - `without_cell_field`: a field to leave out; empty: none.
+  /// - A file without `/PAMR` gives no `cell_to_cell` and no `lineage`, and one patch, `boundary`.
+  /// Memory: the result and one slab.
+  mesh::BlockMesh read(std::optional<GlobalId> first_cell = {}, std::string_view without_cell_field = {});
+
+ private:
+  struct Open;
+
+  const par::Comm* comm_;
+  std::filesystem::path file_;
+  std::unique_ptr<Open> open_;
 };
 
-/// Reads a mesh in the native format (docs/file-format.md): every rank gets a block of cells whose borders are borders
-/// of families, and the canonical block of the nodes. A file without `/PAMR` is accepted: `cell_to_cell` and `lineage`
-/// are then empty and there is one patch, `boundary`.
-///
-/// Nothing in the file is trusted: rank 0 looks through its structure in a process of its own, which may die of it;
-/// shapes, types, counts, ranges and checksums are verified before the values are used, and no array is larger than the
-/// size of the file allows. Does not look at the geometry (`validate::validate` does) nor match neighbors
-/// (`assemble::assemble` does).
-///
-/// Collective. Throws the same `Error` on every rank. Memory: the result and one slab. The process that looks through
-/// the file is forked from rank 0.
+/// The mesh of a file, in canonical blocks of whole families: `NativeFile(comm, file, options).read()`. Collective;
+/// throws the same `Error` on every rank.
 mesh::BlockMesh read_native(const par::Comm& comm, const std::filesystem::path& file, const ReadOptions& options = {});
-
-/// Writes a mesh in global order. The bytes of the file depend on the mesh alone, not on the number of ranks nor on
-/// which rank holds what; fields are written in the order of their names.
-///
-/// Collective. The file appears complete or not at all: it is written as `<file>.partial`, flushed to the disk and
-/// renamed. Throws the same `Error` on every rank when it cannot be written (folder missing, no permission, disk full,
-/// a value that does not fit the type of its field); nothing is left behind then and an existing file stays as it was.
-/// Communication: rows travel to the rank that writes their part of the file; none of cells where the ranks hold runs
-/// of them in rank order. Memory: three slabs and 4 bytes a node.
-void write_native(const par::Comm& comm, const std::filesystem::path& file, const mesh::DistMesh& mesh,
-                  const WriteOptions& options = {});
 
 }  // namespace pamr::io

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "pamr/io/native/write_native.hpp"
+
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -9,7 +11,6 @@
 #include "pamr/io/native/checksum.hpp"
 #include "pamr/io/native/hdf5.hpp"
 #include "pamr/io/native/layout.hpp"
-#include "pamr/io/native/native_file.hpp"
 #include "pamr/io/native/write_plan.hpp"
 #include "pamr/io/partial_file.hpp"
 #include "pamr/mesh/fingerprint.hpp"

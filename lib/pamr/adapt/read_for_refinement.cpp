@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "pamr/adapt/read_for_refinement.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "pamr/adapt/adapt.hpp"
+#include "pamr/assemble/assemble.hpp"
+#include "pamr/balance/expected_work.hpp"
+#include "pamr/balance/weights.hpp"
+#include "pamr/base/error.hpp"
+#include "pamr/io/native/native_file.hpp"
+#include "pamr/order/order_along_curve.hpp"
+#include "pamr/par/equal_work.hpp"
+#include "pamr/validate/validate.hpp"
+
+namespace pamr::adapt {
+
+namespace {
+
+using mesh::BlockMesh;
+
+/// Puts the name of the file in front of what is wrong with the mesh in it. `work` may communicate, because an `Error`
+/// reaches every rank.
+template <class Work>
+auto naming(const std::filesystem::path& file, Work&& work) {
+  try {
+    return work();
+  } catch (const Error& error) {
+    throw Error(fmt::format("file '{}': {}", file.string(), error.what()));
+  }
+}
+
+/// The row at which this rank begins to read; none: at its canonical block.
+std::optional<GlobalId> first_cell_to_read(const par::Comm& comm, io::NativeFile& file, const std::string& marks) {
+  using enum io::NativeFile::Checked;
+  if (!file.has_integers(marks)) return {};
+  const auto work = balance::work_field(marks);
+  // read_for_refinement leaves this field out of the mesh, so this is the only time that it is verified
+  if (file.has_integers(work))
+    return balance::first_cell_of_run(comm, balance::work_from_values(file.read_integers(work, checksum)));
+  if (comm.size() == 1) return {};
+  const auto cell_to_node = file.read_cell_to_node();
+  return balance::first_cell_of_run(comm, balance::work_from_marks(cell_to_node, file.read_integers(marks, later)));
+}
+
+BlockMesh read_block(const par::Comm& comm, const std::filesystem::path& path, const std::string& marks) {
+  io::NativeFile file(comm, path);
+  const auto work = balance::work_field(marks);
+  return file.read(first_cell_to_read(comm, file, marks), file.has_integers(work) ? work : std::string());
+}
+
+BlockMesh along_curve(const par::Comm& comm, BlockMesh block) {
+  auto ordered = order::order_along_curve(comm, std::move(block));
+  ordered.block.cell_fields.push_back({origin_field, "", 1, mesh::StorageType::int64, std::move(ordered.cell_origin)});
+  return std::move(ordered.block);
+}
+
+/// Where the cells of a mesh go that was put in order: runs of about the same work.
+std::vector<Rank> destinations(const par::Comm& comm, const BlockMesh& block, const std::string& marks) {
+  std::vector<std::uint8_t> work(block.cell_to_node.size(), 1);
+  for (const auto& field : block.cell_fields)
+    if (field.name == marks && field.holds_integers() && field.n_components == 1)
+      work = balance::work_from_marks(block.cell_to_node, field.integer());
+  return par::runs_of_equal_work(comm, work, comm.size());
+}
+
+/// Fails for what the refinement would refuse, as long as the file can be read again for its numbers.
+void require_inputs(const par::Comm& comm, const mesh::DistMesh& mesh, const ReadingOptions& options) {
+  flags_from_field(comm, mesh, options.marks_field);
+  if (options.balancing.weights == Weights::field) balance::weights_from_field(comm, mesh, options.balancing.field);
+}
+
+}  // namespace
+
+Ordering ordering_named(const std::string& name) {
+  return name == "curve" ? Ordering::curve : name == "keep" ? Ordering::keep : Ordering::automatic;
+}
+
+mesh::DistMesh read_for_refinement(const par::Comm& comm, const std::filesystem::path& file,
+                                   const ReadingOptions& options, StepTimer& timer) {
+  auto block = read_block(comm, file, options.marks_field);
+  timer.lap("read");
+  const bool reorder = options.ordering == Ordering::curve ||
+                       (options.ordering == Ordering::automatic && !order::is_ordered(comm, block));
+  if (reorder) block = naming(file, [&] { return along_curve(comm, std::move(block)); });
+  timer.lap("preprocessing");
+  std::vector<Rank> destination;
+  if (reorder && comm.size() > 1) destination = destinations(comm, block, options.marks_field);
+  timer.lap("balance");
+  try {
+    auto mesh = naming(file, [&] { return assemble::assemble(comm, std::move(block), destination); });
+    validate::require_valid(comm, mesh, file.string());
+    if (reorder) require_inputs(comm, mesh, options);
+    timer.lap("preprocessing");
+    return mesh;
+  } catch (const Error&) {
+    if (!reorder) throw;
+  }
+  auto as_it_is = options;
+  as_it_is.ordering = Ordering::keep;
+  return read_for_refinement(comm, file, as_it_is, timer);
+}
+
+}  // namespace pamr::adapt

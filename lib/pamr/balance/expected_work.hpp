@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "pamr/mesh/dist_mesh.hpp"
+#include "pamr/par/comm.hpp"
+
+/// What refining will cost in each cell, in cells that come of it, before the mesh is put together: by it the cells are
+/// distributed when they are read. Where it is wrong the refined mesh is the same and the ranks are less even.
+namespace pamr::balance {
+
+/// Name of the integer cell field of the work (1 to 255) that belongs to a field of marks: who writes the marks may
+/// know it exactly (`adapt::Forecast`).
+std::string work_field(const std::string& marks_field);
+
+/// Puts that field into the mesh in place of an older one; without `work` only removes the older one. On all ranks or
+/// on none. Local.
+void set_work(mesh::DistMesh& mesh, const std::string& marks_field,
+              const std::optional<std::vector<std::uint8_t>>& work);
+
+/// The work that such a field states; values out of range count as 1 or 255.
+std::vector<std::uint8_t> work_from_values(std::span<const std::int64_t> values);
+
+/// About how many cells each of a block of cells becomes when the marked ones are refined, from the block alone:
+/// - 8 for a marked cell; for another one 2, 4 or 8 where two, three or four of its nodes are nodes of marked cells of
+///   the block, else 1.
+/// - `cell_to_node`: n x 4, global ids; `marks`: n values, 1 for a marked cell.
+/// - Within 5 % on 16 ranks and 20 % on 64 for the cone of tests/bench/scaling.sh; the exact number is known after
+///   `refine::close`. A node is one hashed bit, so a few cells in a hundred may be taken for neighbors of marked ones
+///   that are none.
+/// Local. Memory: a byte a cell and a bit a node.
+std::vector<std::uint8_t> work_from_marks(std::span<const std::array<GlobalId, 4>> cell_to_node,
+                                          std::span<const std::int64_t> marks);
+
+/// The number of cells in the runs of the ranks before this one when the runs are about the same work: the row at which
+/// this rank's run begins. `work`: of this rank's cells, the ranks' cells following one another. Collective: a gather
+/// of a number a rank and a reduction.
+GlobalId first_cell_of_run(const par::Comm& comm, std::span<const std::uint8_t> work);
+
+}  // namespace pamr::balance

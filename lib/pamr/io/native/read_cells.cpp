@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "pamr/io/native/read_cells.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <span>
+
+#include "pamr/base/index.hpp"
+#include "pamr/mesh/families.hpp"
+
+namespace pamr::io {
+
+namespace {
+
+std::string text_of(std::uint64_t word) { return fmt::format("{}", static_cast<std::int64_t>(word)); }
+
+/// Families are whole, contiguous and in template order. Cells of broken families count as single cells.
+void check_families(const SlabReader& reader, const std::vector<mesh::Lineage>& lineage, GlobalId first_cell) {
+  const auto n = lineage.size();
+  for (std::size_t c = 0; c < n;) {
+    const auto first = lineage[c];
+    const auto size = first.is_removable() ? at(first.family_size()) : std::size_t{1};
+    for (std::size_t k = 0; size > 1 && k < size; ++k) {
+      const mesh::Lineage expected(first.kind(), first.index(), static_cast<int>(k), first.level());
+      if (c + k >= n || lineage[c + k] != expected)
+        reader.fail(path::lineage, first_cell + static_cast<GlobalId>(c + k),
+                    fmt::format("child {} of a family of {}", k, size),
+                    c + k >= n ? "the end of the dataset" : fmt::format("word {}", lineage[c + k].bits()));
+    }
+    c += size;
+  }
+}
+
+}  // namespace
+
+GlobalId family_border(SlabReader& reader, const Layout& layout, GlobalId cell) {
+  const auto n = layout.info.n_global_cells;
+  GlobalId border = cell;
+  reader.each_slab({path::lineage, layout.lineage_type, {n, 1, true}}, {cell, std::min(cell + 1, n)}, false,
+                   [&](GlobalId, std::span<const std::uint64_t> words) {
+                     if (words.empty()) return;
+                     const mesh::Lineage lineage(static_cast<std::uint32_t>(words[0]));
+                     if (lineage.is_removable() && lineage.child() != 0)
+                       border = cell + std::max(0, lineage.family_size() - lineage.child());
+                   });
+  return std::min(border, n);
+}
+
+std::vector<mesh::Lineage> read_lineage(SlabReader& reader, const Layout& layout, Rows cells) {
+  std::vector<mesh::Lineage> result;
+  if (!layout.has_lineage) return result;
+  result.reserve(at(cells.count()));
+  reader.each_slab({path::lineage, layout.lineage_type, {layout.info.n_global_cells, 1, true}}, cells, true,
+                   [&](GlobalId first, std::span<const std::uint64_t> words) {
+                     for (std::size_t i = 0; i < words.size(); ++i) {
+                       const mesh::Lineage lineage(static_cast<std::uint32_t>(words[i] & 0xffffU));
+                       const bool is_regular = lineage.kind() == mesh::FamilyKind::regular;
+                       if (words[i] > 0xffffU || !mesh::is_well_formed(lineage) || (is_regular && lineage.is_broken()))
+                         reader.fail(path::lineage, first + static_cast<GlobalId>(i),
+                                     "a lineage word as the format specifies", fmt::format("{}", words[i]));
+                       result.push_back(lineage);
+                     }
+                   });
+  par::agree(reader.comm(), [&] { check_families(reader, result, cells.begin); });
+  return result;
+}
+
+void check_offsets_and_types(SlabReader& reader, const Layout& layout, Rows cells) {
+  const auto n = layout.info.n_global_cells;
+  const auto& comm = reader.comm();
+  const bool is_last = comm.rank() == comm.size() - 1;
+  reader.each_slab({path::offsets, layout.offsets_type, {n + 1, 1, true}}, {cells.begin, is_last ? n + 1 : cells.end},
+                   true, [&](GlobalId first, std::span<const std::uint64_t> words) {
+                     for (std::size_t i = 0; i < words.size(); ++i) {
+                       const auto row = first + static_cast<GlobalId>(i);
+                       if (words[i] != static_cast<std::uint64_t>(4 * row))
+                         reader.fail(path::offsets, row, fmt::format("{}", 4 * row), text_of(words[i]));
+                     }
+                   });
+  reader.each_slab({path::types, layout.types_type, {n, 1, true}}, cells, true,
+                   [&](GlobalId first, std::span<const std::uint64_t> words) {
+                     for (std::size_t i = 0; i < words.size(); ++i)
+                       if (words[i] != tetrahedron)
+                         reader.fail(path::types, first + static_cast<GlobalId>(i), "cell type 10 (tetrahedron)",
+                                     text_of(words[i]));
+                   });
+}
+
+std::vector<std::array<GlobalId, 4>> read_connectivity(SlabReader& reader, const Layout& layout, Rows cells,
+                                                       bool verify) {
+  const auto n_nodes = static_cast<std::uint64_t>(layout.info.n_global_nodes);
+  std::vector<std::array<GlobalId, 4>> result(at(cells.count()));
+  reader.each_slab({path::connectivity, layout.connectivity_type, {4 * layout.info.n_global_cells, 1, true}},
+                   {4 * cells.begin, 4 * cells.end}, verify, [&](GlobalId first, std::span<const std::uint64_t> words) {
+                     auto* cell = result.data() + (first / 4 - cells.begin);
+                     for (std::size_t row = 0; row < words.size(); row += 4, ++cell)
+                       for (std::size_t i = 0; i < 4; ++i) {
+                         const auto word = words[row + i];
+                         if (word >= n_nodes)
+                           reader.fail(path::connectivity, first + static_cast<GlobalId>(row + i),
+                                       fmt::format("a node from 0 to {}", n_nodes - 1), text_of(word));
+                         (*cell)[i] = layout.info.first_id + static_cast<GlobalId>(word);
+                       }
+                   });
+  return result;
+}
+
+void check_corners(SlabReader& reader, const Layout& layout, Rows cells,
+                   const std::vector<std::array<GlobalId, 4>>& cell_to_node) {
+  par::agree(reader.comm(), [&] {
+    for (std::size_t c = 0; c < cell_to_node.size(); ++c) {
+      auto corners = cell_to_node[c];
+      if (corners[0] != corners[1] && corners[0] != corners[2] && corners[0] != corners[3] &&
+          corners[1] != corners[2] && corners[1] != corners[3] && corners[2] != corners[3])
+        continue;
+      std::sort(corners.begin(), corners.end());
+      const auto twice = std::adjacent_find(corners.begin(), corners.end());
+      reader.fail(path::connectivity, 4 * (cells.begin + static_cast<GlobalId>(c)), "four different nodes",
+                  fmt::format("node {} twice", *twice - layout.info.first_id));
+    }
+  });
+}
+
+std::vector<std::array<GlobalId, 4>> read_neighbors(SlabReader& reader, const Layout& layout, Rows cells) {
+  std::vector<std::array<GlobalId, 4>> result;
+  if (!layout.has_neighbors) return result;
+  const auto all = layout.info.cell_ids();
+  const auto n_patches = static_cast<std::int64_t>(layout.info.patches.size());
+  result.resize(at(cells.count()));
+  reader.each_slab({path::cell_to_cell, layout.neighbors_type, {all.n, 4, false}}, cells, true,
+                   [&](GlobalId first, std::span<const std::uint64_t> words) {
+                     for (auto row = first; !words.empty(); words = words.subspan(4), ++row) {
+                       auto& cell = result[at(row - cells.begin)];
+                       for (std::size_t i = 0; i < 4; ++i) {
+                         const auto value = static_cast<std::int64_t>(words[i]);
+                         if (!all.contains(value) && (value >= 0 || value < -n_patches))
+                           reader.fail(path::cell_to_cell, row,
+                                       fmt::format("a cell from {} to {} or a patch from -1 to -{}", all.first,
+                                                   all.end() - 1, n_patches),
+                                       fmt::format("{}", value));
+                         if (value == all.first + row)
+                           reader.fail(path::cell_to_cell, row, "another cell", "the cell itself");
+                         cell[i] = value;
+                       }
+                     }
+                   });
+  return result;
+}
+
+}  // namespace pamr::io

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "pamr/mesh/dist_mesh.hpp"
+#include "pamr/par/comm.hpp"
+
+namespace pamr::io {
+
+struct WriteOptions {
+  /// Text that says where the mesh comes from (version, options that change the result, name of the case); empty: what
+  /// the mesh brought with it. Nothing that differs from run to run belongs here: equal meshes give equal files.
+  std::string provenance = {};
+  /// `mesh::fingerprint` of the mesh where the caller has it already.
+  std::optional<std::uint64_t> fingerprint = {};
+  /// Largest piece that a rank writes at once, bytes; 2^30 at most.
+  std::size_t slab_bytes = std::size_t{1} << 20U;
+};
+
+/// Writes a mesh in the native format (docs/file-format.md), in global order.
+/// - The bytes of the file depend on the mesh alone, not on the number of ranks nor on which rank holds what; fields
+/// are
+///   written in the order of their names.
+/// - The file appears complete or not at all: it is written as `<file>.partial`, flushed to the disk and renamed.
+/// - Collective. Throws the same `Error` on every rank when it cannot be written (folder missing, no permission, disk
+///   full, a value that does not fit the type of its field); nothing is left behind then and an existing file stays as
+///   it was.
+/// - Communication: rows travel to the rank that writes their part of the file; none of cells where the ranks hold runs
+///   of them in rank order. Memory: three slabs and 4 bytes a node.
+void write_native(const par::Comm& comm, const std::filesystem::path& file, const mesh::DistMesh& mesh,
+                  const WriteOptions& options = {});
+
+}  // namespace pamr::io
