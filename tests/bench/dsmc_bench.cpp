@@ -18,8 +18,8 @@
 #include "pamr/assemble/kuhn_cube.hpp"
 #include "pamr/base/timer.hpp"
 #include "pamr/par/runtime.hpp"
+#include "solvers/dsmc/flow/flow.hpp"
 #include "solvers/dsmc/gas/kinetic_theory.hpp"
-#include "solvers/dsmc/kernel/flow.hpp"
 
 namespace {
 
@@ -38,7 +38,7 @@ Setup box(const mesh::DistMesh& mesh) {
   const double density = 2 * 0.07 / setup.dt / collision_frequency(n2, 1, temperature);
   setup.stream = {{"gas", density, temperature, temperature, {}, {1}}};
   setup.patch.resize(mesh.info.patches.size());
-  setup.molecules = density / (n_cells * per_cell);
+  setup.fnum = density / (n_cells * per_cell);
   return setup;
 }
 
@@ -76,7 +76,7 @@ int main(int argc, char** argv) {
   fmt::print("{:.0f} particles, {} cells, {} ranks, {} steps: {:.2f} M particle-steps per CPU second\n", particles,
              mesh.info.n_global_cells, comm.size(), n_steps, particle_steps / cpu_all * 1e-6);
   fmt::print("case: density {} 1/m3, step {} s, weight {}\n", flow.setup().stream[0].density, flow.setup().dt,
-             flow.setup().molecules);
+             flow.setup().fnum);
   fmt::print(
       "per particle-step: {:.3f} crossings, {:.4f} collisions of {:.3f} candidate pairs; {:.1f} bytes a particle\n",
       crossings_per, collisions_per, candidates_per, bytes);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "solvers/dsmc/kernel/flow.hpp"
+#include "solvers/dsmc/flow/flow.hpp"
 
 #include <gtest/gtest.h>
 
@@ -36,7 +36,7 @@ std::int64_t fingerprint(const Flow& flow) {
   for (std::size_t c = 0; c < global.size(); ++c) {
     auto h = static_cast<std::uint64_t>(global[c]);
     const auto& sums = flow.cells.sums[c];
-    for (const double value : {flow.collisions[c].greatest, flow.collisions[c].remainder, sums.n, sums.velocity.x,
+    for (const double value : {flow.collisions[c].max_sigma_cr, flow.collisions[c].remainder, sums.n, sums.velocity.x,
                                sums.square, sums.rotation})
       h = combine(h, bits_of(value));
     sum += h;
@@ -101,7 +101,7 @@ TEST(Flow, EquilibriumCollidesAsOftenAsKineticTheorySays) {
   Flow flow(comm, mesh, test::box_of(gas, mesh, 1e-4, 15, density, 273.15, 273.15, dt));
   flow.fill(mesh);
   const auto before = totals(flow);
-  const double real_density = before.n * flow.setup().molecules / 1e-12;
+  const double real_density = before.n * flow.setup().fnum / 1e-12;
   const double expected = 0.5 * collision_frequency(gas.species[0], real_density, before.t_tr()) * dt;
   EXPECT_NEAR(collision_frequency(gas.species[0], density, 273.15), 2.01953e7, 1e2);
 
@@ -130,7 +130,7 @@ TEST(Flow, SoftSpheresAndRandomPartnersCollideAsOftenToo) {
   flow.fill(mesh);
   const auto before = totals(flow);
   const double expected =
-      0.5 * collision_frequency(gas.species[0], before.n * setup.molecules / 1e-12, before.t_tr()) * 7e-9;
+      0.5 * collision_frequency(gas.species[0], before.n * setup.fnum / 1e-12, before.t_tr()) * 7e-9;
 
   for (int step = 0; step < 30; ++step) flow.step();
   constexpr int n_steps = 200;
@@ -151,7 +151,7 @@ TEST(Flow, RotationRelaxesAsTheProbabilityPerMoleculeSays) {
   flow.fill(mesh);
   const auto before = totals(flow);
   double t_tr = before.t_tr(), t_rot = before.t_rot(2);
-  const double total = 3 * t_tr + 2 * t_rot, real_density = before.n * flow.setup().molecules / 8e-9;
+  const double total = 3 * t_tr + 2 * t_rot, real_density = before.n * flow.setup().fnum / 8e-9;
 
   for (int step = 1; step <= 60; ++step) {
     flow.step();
@@ -178,7 +178,7 @@ TEST(Flow, RotationWhoseRateGoesByTheTemperatureComesToEquilibrium) {
   flow.fill(mesh);
   const auto before = totals(flow);
   double t_tr = before.t_tr(), t_rot = before.t_rot(2), clamped = 0;
-  const double total = 3 * t_tr + 2 * t_rot, real_density = before.n * flow.setup().molecules / 8e-9;
+  const double total = 3 * t_tr + 2 * t_rot, real_density = before.n * flow.setup().fnum / 8e-9;
 
   for (int step = 1; step <= 60; ++step) {
     clamped += static_cast<double>(flow.step().collided.clamped);
@@ -273,7 +273,7 @@ TEST(Flow, GasEntersAnEmptyBoxWithTheFluxesOfAMaxwellian) {
     for (auto& patch : setup.patch) patch = {Kind::outflow, 0, {}, 1, 1, 1, 1, -1};
     setup.patch[static_cast<std::size_t>(patch_named(mesh, "xmin"))] = {Kind::inflow, 0, {}, 1, 1, 1, 1, 0};
     setup.initial = -1;
-    if (s < 0) setup.molecules /= 20;
+    if (s < 0) setup.fnum /= 20;
     Flow flow(comm, mesh, setup);
     const MoveRules rules{&flow.domain(), &flow.setup().gas, flow.setup().patch, 3};
     const Inflow inflow(comm, rules, flow.setup().stream);
@@ -294,7 +294,7 @@ TEST(Flow, GasEntersAnEmptyBoxWithTheFluxesOfAMaxwellian) {
     }
     const double all = static_cast<double>(comm.sum(static_cast<std::int64_t>(number)));
     const auto mean = [&](double value) { return par::reproducible_sum(comm, std::vector<double>{value}) / all; };
-    const double per_step = molecular_flux(1e20, 300, gas.species[0].mass, s * c) * 1e-4 / setup.molecules;
+    const double per_step = molecular_flux(1e20, 300, gas.species[0].mass, s * c) * 1e-4 / setup.fnum;
     const double error = 4 / std::sqrt(all), chi = flux_factor(s), gauss = std::exp(-s * s), up = 1 + std::erf(s);
     EXPECT_NEAR(all / 8 / per_step, 1, 4 / std::sqrt(8.0 * 32) * 32 / per_step) << s;  // 32 faces, rounded at random
     EXPECT_NEAR(mean(push), (s * gauss + root * (0.5 + s * s) * up) / chi,
@@ -330,7 +330,7 @@ TEST(Flow, AUniformStreamStaysUniformWhereTheTimeStepVaries) {
       if ((setup.cell_dt[i] > 1e-4) != left) continue;
       const auto& sums = flow.cells.sums[i];
       volume += flow.domain().volume[i];
-      molecules += sums.n / 60 * flow.domain().molecules[i];
+      molecules += sums.n / 60 * flow.domain().fnum[i];
       velocity += sums.velocity.x;
       square += sums.square;
       count += sums.n;
@@ -372,7 +372,7 @@ TEST(Flow, AFreeMolecularStreamPressesRubsAndHeatsAPlateAsTheClosedFormsSay) {
       heat += flow.surface.face[f].energy;
     }
     const auto closed = free_molecular_plate(s, theta, 1, 2);
-    const double scale = setup.molecules / (n_steps * setup.dt), rho = density * gas.species[0].mass, v = s * c;
+    const double scale = setup.fnum / (n_steps * setup.dt), rho = density * gas.species[0].mass, v = s * c;
     const auto sum = [&](std::int64_t fixed) { return static_cast<double>(comm.sum(fixed)); };
     const double error = 4 / std::sqrt(sum(hits)), q = 0.5 * rho * v * v;
     EXPECT_NEAR(sum(push) * flow.surface.momentum_unit * scale / q / closed.pressure, 1, error) << angle;
@@ -388,7 +388,7 @@ TEST(Flow, RefusesATimeStepOrAWeightThatIsNotPositive) {
   setup.dt = -1;
   EXPECT_THROW(Flow(comm, mesh, setup), Error);
   setup.dt = 1e-6;
-  setup.molecules = 0;
+  setup.fnum = 0;
   EXPECT_THROW(Flow(comm, mesh, setup), Error);
 }
 

@@ -3,7 +3,7 @@
 
 #include "pamr/mesh/dist_mesh.hpp"
 #include "pamr/par/reproducible_sum.hpp"
-#include "solvers/dsmc/kernel/flow.hpp"
+#include "solvers/dsmc/flow/flow.hpp"
 
 /// Gases and boxes for tests.
 namespace pamr::test {
@@ -34,7 +34,7 @@ inline dsmc::Setup box_of(const dsmc::Gas& gas, const mesh::DistMesh& mesh, doub
   setup.patch.resize(mesh.info.patches.size());
   setup.unit = unit;
   setup.dt = dt;
-  setup.molecules = density * unit * unit * unit / (static_cast<double>(mesh.info.n_global_cells) * per_cell);
+  setup.fnum = density * unit * unit * unit / (static_cast<double>(mesh.info.n_global_cells) * per_cell);
   return setup;
 }
 

@@ -26,12 +26,12 @@ Particles slab(std::uint32_t n, test::Dice& dice) {
 }
 
 /// The definition: every particle looked at, the first of the nearest taken, copies left out.
-std::uint32_t obvious(const Particles& p, std::uint32_t n, std::uint32_t first, std::uint32_t barred) {
+std::uint32_t obvious(const Particles& p, std::uint32_t n, std::uint32_t first, std::uint32_t excluded) {
   double least = std::numeric_limits<double>::infinity();
   std::uint32_t found = first == 0 ? 1 : 0;
   for (std::uint32_t k = 0; k < n; ++k) {
     const double distance = squared_norm(p.position(begin + k) - p.position(begin + first));
-    if (distance == 0 || tag_of(p.id[begin + k]) == barred || distance >= least) continue;
+    if (distance == 0 || tag_of(p.id[begin + k]) == excluded || distance >= least) continue;
     least = distance;
     found = k;
   }
@@ -48,8 +48,8 @@ TEST(NearestInCell, FindsWhatLookingAtAllFinds) {
       for (std::uint32_t first = 0; first < n; first += 1 + n / 100) {
         const auto neighbor = obvious(particles, n, first, 0);
         EXPECT_EQ(nearest.find(first, 0), neighbor);
-        const auto barred = tag_of(particles.id[begin + neighbor]);
-        EXPECT_EQ(nearest.find(first, barred), obvious(particles, n, first, barred));
+        const auto excluded = tag_of(particles.id[begin + neighbor]);
+        EXPECT_EQ(nearest.find(first, excluded), obvious(particles, n, first, excluded));
       }
     }
   }

@@ -2,13 +2,18 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <memory>
 
 #include "pamr/assemble/assemble.hpp"
 #include "pamr/base/error.hpp"
 #include "solvers/dsmc/kernel/random.hpp"
 #include "solvers/dsmc/run/computation.hpp"
+#include "solvers/dsmc/run/history.hpp"
+#include "solvers/dsmc/run/make_setup.hpp"
+#include "solvers/dsmc/run/stop_at_rise.hpp"
+#include "solvers/dsmc/sampling/estimate.hpp"
 #include "solvers/dsmc/sampling/loads.hpp"
-#include "solvers/dsmc/sampling/steady.hpp"
+#include "solvers/dsmc/sampling/steadiness.hpp"
 #include "support/meshes.hpp"
 #include "unit/dsmc/gases.hpp"
 
@@ -28,19 +33,19 @@ std::vector<double> tending(std::size_t n, double time, double noise) {
 }
 
 TEST(Steadiness, IsSeenWhenTwoWindowsHaveStoppedChanging) {
-  EXPECT_FALSE(judge_steadiness({{"particles", tending(19, 1, 0.001)}}, 10).is_steady);  // not two windows yet
-  EXPECT_FALSE(judge_steadiness({{"particles", tending(20, 20, 0.001)}}, 10).is_steady);
-  EXPECT_FALSE(judge_steadiness({{"particles", tending(40, 20, 0.001)}}, 10).is_steady);
-  EXPECT_TRUE(judge_steadiness({{"particles", tending(150, 20, 0.001)}}, 10).is_steady);
-  EXPECT_TRUE(judge_steadiness({{"particles", tending(60, 1, 0.0)}}, 10).is_steady);
+  EXPECT_FALSE(assess_steadiness({{"particles", tending(19, 1, 0.001)}}, 10).is_steady);  // not two windows yet
+  EXPECT_FALSE(assess_steadiness({{"particles", tending(20, 20, 0.001)}}, 10).is_steady);
+  EXPECT_FALSE(assess_steadiness({{"particles", tending(40, 20, 0.001)}}, 10).is_steady);
+  EXPECT_TRUE(assess_steadiness({{"particles", tending(150, 20, 0.001)}}, 10).is_steady);
+  EXPECT_TRUE(assess_steadiness({{"particles", tending(60, 1, 0.0)}}, 10).is_steady);
   const auto verdict =
-      judge_steadiness({{"particles", tending(150, 20, 0.001)}, {"drag", tending(150, 60, 0.001)}}, 10);
+      assess_steadiness({{"particles", tending(150, 20, 0.001)}, {"drag", tending(150, 60, 0.001)}}, 10);
   EXPECT_FALSE(verdict.is_steady);
   EXPECT_NE(verdict.reason.find("drag still changes"), std::string::npos) << verdict.reason;
 }
 
 TEST(Steadiness, IsNotSeenInNoiseThatHidesEverything) {
-  EXPECT_FALSE(judge_steadiness({{"drag", tending(40, 1, 1.0)}}, 10).is_steady);
+  EXPECT_FALSE(assess_steadiness({{"drag", tending(40, 1, 1.0)}}, 10).is_steady);
 }
 
 TEST(Estimate, IsTheMeanWithItsStandardError) {
@@ -65,7 +70,7 @@ TEST(Loads, OfANewtonianStreamOnAPlateAreThoseOfTheClosedForm) {
   const auto gas = test::nitrogen();
   const double angle = 0.3, speed = 1000;
   const Stream stream{"free", 1e20, 300, 300, {speed * std::cos(angle), 0, speed * std::sin(angle)}, {1}};
-  const auto domain = make_domain(mesh, 1, 1, 1);
+  const auto domain = make_gas_domain(mesh, 1, 1, 1);
   Reference reference;
   reference.length = 2;
   reference.point = {1, 0, 0};
@@ -126,31 +131,40 @@ block = 5
 area = 1.0
 )";
 
+std::unique_ptr<Computation> filled(const par::Comm& comm, const Case& c, mesh::DistMesh mesh) {
+  auto setup = make_setup(comm, c, mesh);
+  auto computation = std::make_unique<Computation>(comm, c, std::move(setup), std::move(mesh));
+  computation->fill();
+  return computation;
+}
+
+std::string history_of(const Computation& computation) {
+  return to_csv(computation.averaging().state().history, computation.the_case().dt);
+}
+
 TEST(Computation, IsTheSameWhetherCellsMoveToOtherRanksOrNot) {
   const par::Comm comm(MPI_COMM_WORLD), alone(MPI_COMM_SELF);
   const auto c = read_case(stream_case, "case.toml");
   const auto block = test::random_mesh(comm, 8, 4);
-  Computation computation(comm, c, assemble::assemble(comm, block));
-  Computation serial(alone, c, assemble::assemble(alone, test::gather(comm, block)));
-  computation.flow->fill(computation.mesh);
-  serial.flow->fill(serial.mesh);
+  auto computation = filled(comm, c, assemble::assemble(comm, block));
+  auto serial = filled(alone, c, assemble::assemble(alone, test::gather(comm, block)));
 
   bool moved = false, complete = false;
   for (int step = 1; !complete; ++step) {
-    complete = computation.step();
-    ASSERT_EQ(serial.step(), complete);
-    if (step % 25 == 0) moved = computation.rebalance() || moved;
+    complete = computation->step().is_complete;
+    ASSERT_EQ(serial->step().is_complete, complete);
+    if (step % 25 == 0) moved = computation->rebalance() || moved;
   }
 
   EXPECT_EQ(moved, comm.size() > 1);
-  const auto a = computation.run->results(), b = serial.run->results();
-  EXPECT_EQ(a.drag.value, b.drag.value);
-  EXPECT_EQ(a.drag.error, b.drag.error);
-  EXPECT_EQ(a.heat.value, b.heat.value);
-  EXPECT_GT(b.drag.error, 0);
+  const auto a = computation->averaging().results(), b = serial->averaging().results();
+  EXPECT_EQ(a.body.drag.value, b.body.drag.value);
+  EXPECT_EQ(a.body.drag.error, b.body.drag.error);
+  EXPECT_EQ(a.body.heat.value, b.body.heat.value);
+  EXPECT_GT(b.body.drag.error, 0);
   EXPECT_EQ(b.n_blocks, 12U);
-  EXPECT_EQ(computation.run->history_csv(), serial.run->history_csv());
-  EXPECT_EQ(computation.flow->lost(), 0);
+  EXPECT_EQ(history_of(*computation), history_of(*serial));
+  EXPECT_EQ(computation->flow().lost(), 0);
 }
 
 TEST(CaseFile, ThatIsRefusedNamesTheLine) {

@@ -4,9 +4,9 @@
 #include <cmath>
 
 #include "pamr/assemble/assemble.hpp"
+#include "solvers/dsmc/flow/flow.hpp"
 #include "solvers/dsmc/gas/kinetic_theory.hpp"
 #include "solvers/dsmc/kernel/boundary.hpp"
-#include "solvers/dsmc/kernel/flow.hpp"
 #include "support/meshes.hpp"
 #include "unit/dsmc/gases.hpp"
 
@@ -58,7 +58,7 @@ Plates between_plates(const BoundaryCondition& left, const BoundaryCondition& ri
     sum[1] += flow.surface.face[f].energy;
     sum[2] += flow.surface.face[f].hits;
   }
-  const double scale = setup.molecules / (n_steps * setup.dt);
+  const double scale = setup.fnum / (n_steps * setup.dt);
   Plates plates{{}, {}, static_cast<double>(comm.sum(sums[0][2] + sums[1][2]))};
   for (int side = 0; side < 2; ++side) {
     plates.shear[side] = static_cast<double>(comm.sum(sums[side][0])) * flow.surface.momentum_unit * scale;
@@ -98,7 +98,7 @@ TEST(Walls, ThatMoveDragTheGasAndAreHeatedAsTheClosedFormSays) {
     heat += face.energy;
     hits += face.hits;
   }
-  const double scale = setup.molecules / (n_steps * setup.dt), flux = molecular_flux(density, temperature, mass, 0);
+  const double scale = setup.fnum / (n_steps * setup.dt), flux = molecular_flux(density, temperature, mass, 0);
   const double error = 4 / std::sqrt(static_cast<double>(comm.sum(hits)));
   EXPECT_NEAR(flux * mass * speed, 1.89196e-3, 1e-7);
   EXPECT_NEAR(static_cast<double>(comm.sum(shear)) * flow.surface.momentum_unit * scale / -1.89196e-3, 1, 2 * error);

@@ -6,8 +6,8 @@
 
 #include "pamr/assemble/assemble.hpp"
 #include "pamr/base/error.hpp"
+#include "solvers/dsmc/flow/flow.hpp"
 #include "solvers/dsmc/kernel/collide.hpp"
-#include "solvers/dsmc/kernel/flow.hpp"
 #include "support/meshes.hpp"
 #include "unit/dsmc/gases.hpp"
 
@@ -29,7 +29,7 @@ Gas argon_with_nitrogen(double fraction, double weight) {
 /// Sums over a rank's particles times their weights; what the cells owe counts as energy.
 struct Sums {
   Vec3 momentum;
-  double energy = 0, owed = 0, trace_particles = 0, trace_energy = 0;
+  double energy = 0, energy_deficit = 0, trace_particles = 0, trace_energy = 0;
 };
 Sums sums_of(const Flow& flow) {
   Sums sums;
@@ -43,7 +43,7 @@ Sums sums_of(const Flow& flow) {
     sums.trace_particles += 1;
     sums.trace_energy += energy;
   }
-  for (const auto& cell : flow.collisions) sums.owed += cell.owed;
+  for (const auto& cell : flow.collisions) sums.energy_deficit += cell.energy_deficit;
   return sums;
 }
 
@@ -61,20 +61,20 @@ TEST(Weights, CollisionsKeepMomentumAndEnergyWithWhatIsOwed) {
   Collider collider(flow.setup().gas, {}, 5);
   const auto before = sums_of(flow);
 
-  double most_owed = 0;
+  double max_deficit = 0;
   std::int64_t of_pair[4] = {};
   for (std::uint64_t step = 0; step < 100; ++step) {
     collider.collide(flow.domain(), step, flow.particles, flow.collisions);
-    most_owed = std::max(most_owed, sums_of(flow).owed);
+    max_deficit = std::max(max_deficit, sums_of(flow).energy_deficit);
   }
   std::copy_n(collider.collisions_of_pairs().begin(), 4, of_pair);
 
   const auto after = sums_of(flow);
   const double thermal = std::sqrt(before.energy * 6.63e-26 * static_cast<double>(flow.particles.size()));
   EXPECT_LT(norm(after.momentum - before.momentum) / thermal, 1e-13);
-  EXPECT_NEAR((after.energy + after.owed) / before.energy, 1, 1e-13);
-  EXPECT_GT(most_owed, 0);
-  EXPECT_LT(most_owed, 0.01 * before.energy);  // it is given back and does not pile up
+  EXPECT_NEAR((after.energy + after.energy_deficit) / before.energy, 1, 1e-13);
+  EXPECT_GT(max_deficit, 0);
+  EXPECT_LT(max_deficit, 0.01 * before.energy);  // it is given back and does not pile up
   EXPECT_GT(of_pair[0], 100);
   EXPECT_GT(of_pair[1], 100);
   EXPECT_GT(of_pair[3], 10);
@@ -97,7 +97,7 @@ TEST(Weights, TraceMoleculesCollideAsOftenAsKineticTheorySays) {
   for (int step = 0; step < n_steps; ++step) flow.step();
 
   // Half of the volume's like pairs, all of the unlike ones; one collision stands for as many as the lighter particle.
-  const double volume = 8e-9, per = n_steps * setup.dt * setup.molecules / volume;
+  const double volume = 8e-9, per = n_steps * setup.dt * setup.fnum / volume;
   const double expected[] = {0.5 * argon * argon * meeting_rate(gas.pair(0, 0), 1, t) * per,
                              argon * trace * meeting_rate(gas.pair(0, 1), 1, t) * per, 0,
                              0.5 * trace * trace * 0.02 * meeting_rate(gas.pair(1, 1), 1, t) * per};
@@ -122,7 +122,7 @@ TEST(Weights, MixturesOfLikeWeightsCollideAsOftenAsKineticTheorySays) {
   constexpr int n_steps = 260;
   for (int step = 0; step < n_steps; ++step) flow.step();
 
-  const double per = n_steps * setup.dt * setup.molecules / 8e-9;
+  const double per = n_steps * setup.dt * setup.fnum / 8e-9;
   const double unlike = argon * nitrogen * meeting_rate(gas.pair(0, 1), 1, t) * per;
   const auto found = static_cast<double>(comm.sum(flow.collider().collisions_of_pairs()[1]));
   EXPECT_GT(unlike, 64e4);  // so that four standard errors are the bar of half a per cent

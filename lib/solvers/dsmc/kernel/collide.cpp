@@ -30,44 +30,44 @@ double beta(double a, double b, Random& random) {
 /// Translational temperature of the particles of a cell; 0 for fewer than two.
 double temperature_of(const Gas& gas, const Particles& p, std::uint32_t begin, std::uint32_t end) {
   if (end - begin < 2) return 0;
-  double molecules = 0, mass = 0, energy = 0;
+  double weights = 0, mass = 0, energy = 0;
   Vec3 momentum;
   for (auto i = begin; i < end; ++i) {
     const double w = gas.species[p.species[i]].weight, m = w * gas.species[p.species[i]].mass;
     const Vec3 v = p.velocity(i);
-    molecules += w;
+    weights += w;
     mass += m;
     momentum = momentum + m * v;
     energy += m * squared_norm(v);
   }
-  return (energy - squared_norm(momentum) / mass) / (3 * boltzmann * (molecules - molecules / (end - begin)));
+  return (energy - squared_norm(momentum) / mass) / (3 * boltzmann * (weights - weights / (end - begin)));
 }
 
-/// Chance that one of two colliding molecules exchanges rotational energy, and whether it had to be cut.
+/// Chance that one of two colliding molecules exchanges rotational energy, and whether it had to be limited.
 struct Exchange {
   double a = 0, b = 0;
   bool is_clamped = false;
 };
 Exchange exchange_chances(const Gas& gas, std::size_t sa, std::size_t sb, double temperature) {
-  constexpr double most = 0.5;
+  constexpr double limit = 0.5;
   const double omega = 1 - gas.pair(sa, sb).exponent;
   const double a = relaxation_probability(gas.rotation, gas.species[sa].rotational_degrees, omega, temperature);
   const double b = relaxation_probability(gas.rotation, gas.species[sb].rotational_degrees, omega, temperature);
-  return {std::min(a, most), std::min(b, most), a > most || b > most};
+  return {std::min(a, limit), std::min(b, limit), a > limit || b > limit};
 }
 
-/// The greatest chance of an exchange in a collision of any two molecules.
-double greatest_exchange(const Gas& gas, double temperature) {
-  double greatest = 0;
+/// The largest chance of an exchange in a collision of any two molecules.
+double max_exchange_chance(const Gas& gas, double temperature) {
+  double largest = 0;
   for (std::size_t a = 0; a < gas.species.size(); ++a)
     for (std::size_t b = a; b < gas.species.size(); ++b) {
       const auto chance = exchange_chances(gas, a, b, temperature);
-      greatest = std::max(greatest, chance.a + chance.b);
+      largest = std::max(largest, chance.a + chance.b);
     }
-  return greatest;
+  return largest;
 }
 
-/// The relative velocity turned at random: isotropically, or by the law of soft spheres. Keeps its length.
+/// The relative velocity after scattering, of length `speed`: isotropic (VHS) or by the law of soft spheres (VSS).
 Vec3 scatter(Vec3 g, double speed, double inverse_alpha, Random& random) {
   const double angle = 2 * std::numbers::pi * random.uniform();
   if (inverse_alpha == 1) {
@@ -93,63 +93,63 @@ void CollisionCounts::add(const CollisionCounts& other) {
 }
 
 std::vector<CellCollisions> start_collisions(const Gas& gas, double t, std::size_t n_cells) {
-  double greatest = 0;
+  double max_sigma_cr = 0;
   for (const auto& pair : gas.pairs) {
     const double speed = 4 * std::sqrt(2 * boltzmann * t / pair.reduced_mass);
-    greatest = std::max(greatest, pair.weight * section_times_speed(pair, speed * speed));
+    max_sigma_cr = std::max(max_sigma_cr, pair.weight * section_times_speed(pair, speed * speed));
   }
-  return std::vector<CellCollisions>(n_cells, CellCollisions{greatest, 0, 0, 0, 0, 0});
+  return std::vector<CellCollisions>(n_cells, CellCollisions{max_sigma_cr, 0, 0, 0, 0, 0});
 }
 
-CollisionCounts Collider::collide(const Domain& domain, std::uint64_t step, Particles& particles,
+CollisionCounts Collider::collide(const GasDomain& domain, std::uint64_t step, Particles& particles,
                                   std::vector<CellCollisions>& state) {
   counts_ = {};
   if (!options_.enabled) return counts_;
-  if (gas_->rotation.model != Rotation::Model::variable) exchanging_ = greatest_exchange(*gas_, 0);
+  if (gas_->rotation.model != Rotation::Model::variable) max_exchange_ = max_exchange_chance(*gas_, 0);
   for (std::size_t c = 0; c < state.size(); ++c)
     if (particles.begin()[c + 1] - particles.begin()[c] > 1) collide_cell(domain, c, step, particles, state[c]);
   return counts_;
 }
 
-void Collider::collide_cell(const Domain& domain, std::size_t c, std::uint64_t step, Particles& particles,
+void Collider::collide_cell(const GasDomain& domain, std::size_t c, std::uint64_t step, Particles& particles,
                             CellCollisions& state) {
   const auto begin = particles.begin()[c], end = particles.begin()[c + 1], n = end - begin;
-  const double pairs = 0.5 * n * (n - 1.0) * domain.molecules[c] * domain.dt[c] / domain.volume[c];
+  const double pairs = 0.5 * n * (n - 1.0) * domain.fnum[c] * domain.dt[c] / domain.volume[c];
   if (gas_->rotation.model == Rotation::Model::variable) {
     const double now = temperature_of(*gas_, particles, begin, end);
     state.temperature = state.temperature > 0 ? state.temperature + 0.02 * (now - state.temperature) : now;
   }
-  const double wanted = pairs * state.greatest + state.remainder;
+  const double wanted = pairs * state.max_sigma_cr + state.remainder;
   const auto candidates = static_cast<std::int64_t>(wanted);
   state.remainder = wanted - static_cast<double>(candidates);
   if (candidates == 0) return;
 
   counts_.candidates += candidates;
   Random random(seed_, Purpose::collision, static_cast<std::uint64_t>(domain.cell_global[c]), step);
-  const double bound = state.greatest;
+  const double bound = state.max_sigma_cr;
   double heaviest = 1;
   if (gas_->is_weighted) {
     heaviest = 0;
     for (auto i = begin; i < end; ++i) heaviest = std::max(heaviest, gas_->species[particles.species[i]].weight);
   }
   nearest_.start(particles, begin, n, candidates);
-  if (gas_->rotation.model == Rotation::Model::variable) exchanging_ = greatest_exchange(*gas_, state.temperature);
-  if (exchanging_ > 0) tried_.assign(n, 0);
+  if (gas_->rotation.model == Rotation::Model::variable) max_exchange_ = max_exchange_chance(*gas_, state.temperature);
+  if (max_exchange_ > 0) last_candidate_.assign(n, 0);
   for (std::int64_t k = 0; k < candidates; ++k) {
-    const double draw = exchanging_ > 0 ? random.uniform() : 1;
+    const double draw = max_exchange_ > 0 ? random.uniform() : 1;
     const auto first = random.below(n);
-    const bool may_exchange = draw < exchanging_;
-    const auto barred = may_exchange ? tried_[first] : particles.partner[begin + first];
-    const auto second = choose_partner(particles, begin, n, first, barred, random);
+    const bool may_exchange = draw < max_exchange_;
+    const auto excluded = may_exchange ? last_candidate_[first] : particles.partner[begin + first];
+    const auto second = choose_partner(particles, begin, n, first, excluded, random);
     const auto a = begin + first, b = begin + second;
     if (may_exchange) {
-      tried_[first] = tag_of(particles.id[b]);
-      tried_[second] = tag_of(particles.id[a]);
+      last_candidate_[first] = tag_of(particles.id[b]);
+      last_candidate_[second] = tag_of(particles.id[a]);
     }
     const auto& pair = gas_->pair(particles.species[a], particles.species[b]);
     const double speed_squared = squared_norm(particles.velocity(a) - particles.velocity(b));
     const double chance = pair.weight * section_times_speed(pair, speed_squared);
-    state.greatest = std::max(state.greatest, chance);
+    state.max_sigma_cr = std::max(state.max_sigma_cr, chance);
     if (random.uniform() * bound >= chance) continue;
     ++counts_.collisions;
     ++state.collisions;
@@ -173,7 +173,7 @@ void Collider::collide_weighted(Particles& p, Partners partners, double heaviest
   if (first.weight == second.weight) {
     if (first.weight == heaviest) {
       const auto& pair = gas_->pair(p.species[a], p.species[b]);
-      partners.speed_squared += 2 * std::exchange(state.owed, 0.0) / (heaviest * pair.reduced_mass);
+      partners.speed_squared += 2 * std::exchange(state.energy_deficit, 0.0) / (heaviest * pair.reduced_mass);
     }
     collide_pair(p, partners, state.temperature, random);
     return;
@@ -187,36 +187,36 @@ void Collider::collide_weighted(Particles& p, Partners partners, double heaviest
   collide_pair(p, partners, state.temperature, random);
   const Vec3 change = p.velocity(heavy) - old;
   // part v'^2 + (1 - part) v^2 - (v + part (v' - v))^2 = part (1 - part) (v' - v)^2
-  state.owed += 0.5 * kind.weight * kind.mass * part * (1 - part) * squared_norm(change);
+  state.energy_deficit += 0.5 * kind.weight * kind.mass * part * (1 - part) * squared_norm(change);
   const Vec3 mean = old + part * change;
   p.u[heavy] = mean.x, p.v[heavy] = mean.y, p.w[heavy] = mean.z;
   p.rotation[heavy] = old_rotation + part * (p.rotation[heavy] - old_rotation);
 }
 
 std::uint32_t Collider::choose_partner(const Particles& p, std::uint32_t begin, std::uint32_t n, std::uint32_t first,
-                                       std::uint32_t barred, Random& random) {
+                                       std::uint32_t excluded, Random& random) {
   if (options_.partner == CollisionOptions::Partner::any || n == 2) {
     const auto other = random.below(n - 1);
     return other < first ? other : other + 1;
   }
-  if (gas_->is_weighted) return choose_weighted_partner(p, begin, n, first, barred, random);
-  return nearest_.find(first, barred);
+  if (gas_->is_weighted) return choose_weighted_partner(p, begin, n, first, excluded, random);
+  return nearest_.find(first, excluded);
 }
 
 std::uint32_t Collider::choose_weighted_partner(const Particles& p, std::uint32_t begin, std::uint32_t n,
-                                                std::uint32_t first, std::uint32_t barred, Random& random) {
-  // Particles of a trace have nearly always collided with others last: to bar those alone would bend the rates, hence
-  // the kind of the partner is drawn before.
+                                                std::uint32_t first, std::uint32_t excluded, Random& random) {
+  // Trace particles have nearly always last collided with another species: excluding those alone would bias the rates,
+  // so the partner's species is drawn first.
   const auto drawn = random.below(n - 1);
   auto nearest = drawn < first ? drawn : drawn + 1;
   const auto kind = p.species[begin + nearest];
   const Vec3 here = p.position(begin + first);
-  double least = std::numeric_limits<double>::infinity();
+  double min_distance = std::numeric_limits<double>::infinity();
   for (std::uint32_t k = 0; k < n; ++k) {
-    if (k == first || p.species[begin + k] != kind || tag_of(p.id[begin + k]) == barred) continue;
+    if (k == first || p.species[begin + k] != kind || tag_of(p.id[begin + k]) == excluded) continue;
     const double distance = squared_norm(p.position(begin + k) - here);
-    if (distance >= least) continue;
-    least = distance;
+    if (distance >= min_distance) continue;
+    min_distance = distance;
     nearest = k;
   }
   return nearest;
@@ -227,7 +227,7 @@ void Collider::collide_pair(Particles& p, const Partners& partners, double tempe
   const auto sa = p.species[a], sb = p.species[b];
   const auto& pair = gas_->pair(sa, sb);
   double speed = std::sqrt(speed_squared);
-  if (exchanging_ > 0) {
+  if (max_exchange_ > 0) {
     const auto chance = exchange_chances(*gas_, sa, sb, temperature);
     if (chance.is_clamped) ++counts_.clamped;
     if (draw < chance.a + chance.b) {

@@ -15,52 +15,59 @@ namespace pamr::dsmc {
 
 struct CollisionOptions {
   enum class Partner : std::uint8_t {
-    nearest,  ///< the nearest particle of the cell; not the last partner where no rotational energy may be exchanged
+    nearest,  ///< the nearest particle of the cell with the exclusions that `Collider` describes
     any       ///< any other particle of the cell
   };
   bool enabled = true;
   Partner partner = Partner::nearest;
 };
 
-/// What the collisions of a cell carry from step to step.
+/// What a cell keeps between the collisions of one step and the next.
 struct CellCollisions {
-  double greatest = 0;     ///< (weight times cross section times speed)_max, m3/s: a bound that grows when exceeded
-  double remainder = 0;    ///< part of a candidate pair left over
-  double temperature = 0;  ///< smoothed translational temperature, for the variable relaxation number; 0: not yet
-  double separation = 0;   ///< sum over its collisions of the distance of the two particles, m
+  double max_sigma_cr = 0;  ///< (sigma c_r)_max times weight, m3/s: a bound that grows when exceeded
+  double remainder = 0;     ///< fraction of a candidate pair left over
+  double temperature = 0;   ///< K, smoothed translational temperature for the variable relaxation number; 0: unset
+  double separation = 0;    ///< m, summed over its collisions: distance of the two particles
   std::int64_t collisions = 0;
-  double owed = 0;  ///< energy that collisions of unlike weights have taken, to be given back: J times weight
+  double energy_deficit = 0;  ///< J times weight: lost by collisions of unlike weights, given back later
 };
 
 /// What happened in the collisions of a step on this rank.
 struct CollisionCounts {
   std::int64_t candidates = 0;
   std::int64_t collisions = 0;
-  std::int64_t clamped = 0;  ///< collisions whose relaxation probability was cut to 1/2
+  std::int64_t clamped = 0;  ///< collisions whose relaxation probability was limited to 1/2
   void add(const CollisionCounts& other);
 };
 
-/// Start values for cells in a gas of temperature `t`: the cross section times speed of a fast pair.
+/// Initial values for cells of a gas at temperature `t`: the bound is that of a fast pair.
 std::vector<CellCollisions> start_collisions(const Gas& gas, double t, std::size_t n_cells);
 
-/// Collides the particles of every cell for one time step. `particles` must be sorted by cell.
+/// Collides the particles of every cell during a time step by the no-time-counter method.
 ///
-/// No time counter: candidate pairs N (N - 1) F (sigma c)_max dt / (2 V) with the remainder carried, each accepted with
-/// sigma c / (sigma c)_max. Scattering by variable hard or soft spheres; Larsen-Borgnakke exchange of rotational energy
-/// with at most one partner a collision. Whether a candidate pair may exchange is drawn before its partners. Pairs that
-/// may are chosen by their places alone (of the nearest ones not the one just tried in this step), whatever came of
-/// earlier trials: so the equilibrium of rotation and translation stays exactly. Of the others, which keep their
-/// relative speed, the last partner is barred, since to meet again at once does nothing. To bar it for all would select
-/// pairs by their relative speed, because slow pairs stay together for longer. The numbers drawn belong to the global
-/// cell and the step, the particles of a cell are in the order of their ids: the result does not depend on the number
-/// of ranks. Momentum and energy of each pair are kept to rounding. Local. O(particles + candidates), with weights
-/// O(particles + candidates x particles a cell).
+/// - Candidates: N (N - 1) F_num (sigma c_r)_max dt / (2 V) pairs of a cell, the remainder kept for the next step; each
+///   is accepted with probability sigma c_r / (sigma c_r)_max.
+/// - Scattering: variable hard spheres (VHS) or variable soft spheres (VSS).
+/// - Rotation: Larsen-Borgnakke exchange, with at most one of the two molecules per collision. Whether a candidate may
+///   exchange is drawn before its partner is chosen.
+/// - Partners that may exchange: the nearest one by position, except the one just tried in this step, whatever came of
+///   the trial. This keeps the equilibrium of rotation and translation exact.
+/// - Partners that may not exchange: the nearest one, except the particle's last collision partner, because a second
+///   collision of the same pair changes nothing. Excluding it for all candidates would favor fast pairs, since slow
+///   pairs stay together longer.
+/// - Order: random numbers belong to the global cell and the step, and a cell's particles are ordered by id, so the
+///   result does not depend on the number of ranks.
+/// - Conservation: momentum and energy of each pair to rounding.
 ///
-/// Species of unlike weights: a pair collides with the chance of the greater weight, so that each collision stands for
-/// as many of real ones as the lighter particle has molecules. The lighter one takes the outcome; of the heavier one
-/// only the part of the weights' ratio does, and it then gets the mean velocity and mean rotational energy of its two
-/// parts. That keeps the momentum. The energy that the mean loses is owed by the cell and goes into the relative motion
-/// of its next collision of two particles of the greatest weight present: energy with what is owed is kept to rounding.
+/// Species of different weights (conservative weighting):
+/// - A pair collides with the probability of the larger weight; a collision stands for as many real ones as the lighter
+///   particle has molecules.
+/// - The lighter particle takes the outcome. The heavier one gets the mean velocity and rotational energy of its two
+///   parts, collided and not; this keeps the momentum.
+/// - The energy lost by taking the mean is the cell's `energy_deficit`. It is added to the relative motion of the
+///   cell's next collision between two particles of the largest weight present: energy plus deficit is kept to
+///   rounding.
+///
 /// Source: G. A. Bird, Molecular Gas Dynamics and the Direct Simulation of Gas Flows, 1994, chapters 11 and 5; I. D.
 /// Boyd, "Conservative species weighting scheme for the direct simulation Monte Carlo method", J. Thermophys. Heat
 /// Transfer 10 (1996).
@@ -69,19 +76,21 @@ class Collider {
   Collider(const Gas& gas, const CollisionOptions& options, std::uint64_t seed)
       : gas_(&gas), options_(options), seed_(seed), of_pair_(gas.pairs.size(), 0) {}
 
-  CollisionCounts collide(const Domain& domain, std::uint64_t step, Particles& particles,
+  /// One time step of all cells. `particles` must be sorted by cell. Local. O(particles + candidates), with weights
+  /// O(particles + candidates x particles a cell).
+  CollisionCounts collide(const GasDomain& domain, std::uint64_t step, Particles& particles,
                           std::vector<CellCollisions>& state);
-  /// Collisions of particles of species a and b since this was made, at a n_species + b with a <= b; of this rank.
+  /// Collisions between species a <= b since construction, on this rank, at index a * n_species + b.
   std::span<const std::int64_t> collisions_of_pairs() const { return of_pair_; }
 
  private:
-  void collide_cell(const Domain& domain, std::size_t c, std::uint64_t step, Particles& particles,
+  void collide_cell(const GasDomain& domain, std::size_t c, std::uint64_t step, Particles& particles,
                     CellCollisions& state);
   std::uint32_t choose_partner(const Particles& particles, std::uint32_t begin, std::uint32_t n, std::uint32_t first,
-                               std::uint32_t barred, Random& random);
-  /// The nearest of a species drawn with the chance of its particles.
+                               std::uint32_t excluded, Random& random);
+  /// The nearest particle of a species that is drawn in proportion to its particles.
   std::uint32_t choose_weighted_partner(const Particles& particles, std::uint32_t begin, std::uint32_t n,
-                                        std::uint32_t first, std::uint32_t barred, Random& random);
+                                        std::uint32_t first, std::uint32_t excluded, Random& random);
   struct Partners {
     std::uint32_t a = 0, b = 0;
     double speed_squared = 0;  ///< of their relative motion
@@ -96,8 +105,9 @@ class Collider {
   std::uint64_t seed_;
   CollisionCounts counts_;
   std::vector<std::int64_t> of_pair_;
-  std::vector<std::uint32_t> tried_;  ///< tag of the last partner in the cell and step in a pair that may exchange
-  double exchanging_ = 0;             ///< greatest chance of an exchange of rotational energy, in the cell at hand
+  /// Of each particle of the cell: tag of its partner in the last candidate pair of this step that might exchange.
+  std::vector<std::uint32_t> last_candidate_;
+  double max_exchange_ = 0;  ///< largest chance of an exchange of rotational energy in the current cell
   NearestInCell nearest_;
 };
 

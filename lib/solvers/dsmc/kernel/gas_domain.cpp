@@ -57,14 +57,14 @@ std::vector<GlobalId> cells_from_0(const mesh::DistMesh& mesh) {
   return numbers;
 }
 
-Domain make_domain(const mesh::DistMesh& mesh, double unit, double dt, double molecules) {
-  Domain domain;
+GasDomain make_gas_domain(const mesh::DistMesh& mesh, double unit, double dt, double fnum) {
+  GasDomain domain;
   const auto n = static_cast<std::size_t>(mesh.n_cells());
   domain.planes.resize(n);
   domain.link.assign(mesh.cell_to_cell.begin(), mesh.cell_to_cell.end());
   domain.volume.resize(n);
   domain.dt.assign(n, dt);
-  domain.molecules.assign(n, molecules);
+  domain.fnum.assign(n, fnum);
   domain.cell_global = cells_from_0(mesh);
   domain.border_rank = mesh.border_rank;
   domain.border_offset = mesh.border_offset;
@@ -93,7 +93,7 @@ Domain make_domain(const mesh::DistMesh& mesh, double unit, double dt, double mo
   return domain;
 }
 
-bool is_inside(const Domain& domain, LocalId cell, Vec3 position, double tolerance) {
+bool is_inside(const GasDomain& domain, LocalId cell, Vec3 position, double tolerance) {
   for (int slot = 0; slot < 4; ++slot)
     if (domain.planes[static_cast<std::size_t>(cell)].depth(slot, position) < -tolerance) return false;
   return true;

@@ -35,23 +35,24 @@ struct BoundaryFace {
   double area = 0;               ///< m2
   Vec3 normal;                   ///< unit, out of the gas
   std::array<Vec3, 3> corner{};  ///< m
-  LocalId across = -1;           ///< of a periodic patch: where the way goes on, as in `Domain::link`
+  LocalId across = -1;           ///< periodic patch: the cell behind the face, as in `GasDomain::link`
 };
 
-/// What particles need of a rank's part of a mesh, in meters: 148 bytes a cell besides the mesh. The planes of a face
-/// are the exact negatives of one another in its two cells, on all ranks, because they are computed from the nodes in
-/// the order of their global numbers: a particle that has passed a face cannot turn back through it by rounding.
-struct Domain {
+/// What particles need to know of a rank's part of a mesh, in meters; 148 bytes a cell beside the mesh.
+///
+/// The two cells of a face hold bitwise opposite planes for it, on all ranks, because planes are computed from the
+/// nodes in the order of their global numbers: rounding can never send a particle back through a face.
+struct GasDomain {
   std::vector<CellPlanes> planes;
   /// n_cells x 4: an own cell, a face ghost (n_cells + k: face k of the rank border), or -(b+1): boundary face b.
   std::vector<std::array<LocalId, 4>> link;
-  std::vector<double> volume;     ///< m3
-  std::vector<double> dt;         ///< s
-  std::vector<double> molecules;  ///< real molecules that one particle stands for; over dt the same in every cell
+  std::vector<double> volume;  ///< m3
+  std::vector<double> dt;      ///< s
+  std::vector<double> fnum;    ///< F_num: real molecules per particle; its ratio to dt is the same in every cell
   /// Global numbers of the cells, counted from the mesh's first (`MeshInfo::first_id`), so that they begin at 0.
   std::vector<GlobalId> cell_global;
   std::vector<BoundaryFace> boundary;
-  std::vector<Vec3> shift;  ///< of each patch, m: what goes on across a periodic one is shifted by it; empty: none is
+  std::vector<Vec3> shift;  ///< of each patch, m, added to what crosses it; empty: no patch is periodic
   bool uniform_dt = true;
 
   std::vector<Rank> border_rank;  ///< as in DistMesh; periodic faces whose partners lie elsewhere come after the mesh's
@@ -67,11 +68,11 @@ std::vector<GlobalId> cells_from_0(const mesh::DistMesh& mesh);
 /// Corners of a cell in meters.
 geometry::TetPoints corners(const mesh::DistMesh& mesh, double unit, LocalId cell);
 
-/// Builds the domain of a mesh whose length unit is `unit` meters, with the same time step and weight in all cells.
-/// Local. O(cells) time.
-Domain make_domain(const mesh::DistMesh& mesh, double unit, double dt, double molecules);
+/// The domain of a mesh whose length unit is `unit` meters, with the same time step and F_num in all cells. Local.
+/// O(cells) time.
+GasDomain make_gas_domain(const mesh::DistMesh& mesh, double unit, double dt, double fnum);
 
-/// Checks that `position` is in the cell to within `tolerance` meters.
-bool is_inside(const Domain& domain, LocalId cell, Vec3 position, double tolerance);
+/// True when `position` is in the cell, to within `tolerance` meters. Local.
+bool is_inside(const GasDomain& domain, LocalId cell, Vec3 position, double tolerance);
 
 }  // namespace pamr::dsmc

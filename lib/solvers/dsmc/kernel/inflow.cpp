@@ -103,7 +103,7 @@ Inflow::Inflow(const par::Comm& comm, const MoveRules& rules, std::span<const St
     for (std::size_t s = 0; s < rules.gas->species.size(); ++s)
       face.mean.push_back(molecular_flux(flow.density * flow.fraction[s], flow.temperature, rules.gas->species[s].mass,
                                          -dot(flow.velocity, boundary.normal)) *
-                          boundary.area * domain.dt[c] / (domain.molecules[c] * rules.gas->species[s].weight));
+                          boundary.area * domain.dt[c] / (domain.fnum[c] * rules.gas->species[s].weight));
   }
 }
 

@@ -14,8 +14,8 @@ using namespace geometry;
 
 namespace {
 
-constexpr std::uint32_t most_events = 100000;
-constexpr std::int64_t patience = 64;  ///< faces passed without a look at the progress, or without progress
+constexpr std::uint32_t max_events = 100000;
+constexpr std::int64_t stall_limit = 64;  ///< faces passed without a look at the progress, or without progress
 
 enum class End : std::uint8_t { rests, leaves_rank, leaves_domain };
 
@@ -46,7 +46,7 @@ class Mover {
   bool goes_across(Vec3& position, LocalId& link) const;
   bool meets_boundary(Flight& flight, std::size_t face, double time);
 
-  const Domain* domain_;
+  const GasDomain* domain_;
   const Gas* gas_;
   std::span<const BoundaryCondition> patch_;
   std::uint64_t seed_, step_;
@@ -102,7 +102,7 @@ bool Mover::meets_boundary(Flight& flight, std::size_t at, double time) {
   p.position = p.position + time * p.velocity;
   flight.time -= time;
   flight.passed = 0;
-  flight.barred = 1U << face.slot;
+  flight.excluded_face = 1U << face.slot;
   const auto& species = gas_->species[p.species];
   Random random(seed_, Purpose::wall, p.id, step_, 8 * flight.events);
   ++flight.events;
@@ -128,28 +128,28 @@ End Mover::fly(Flight& flight) {
     const auto c = static_cast<std::size_t>(p.cell);
     const auto& planes = domain_->planes[c];
     const Vec3 end = p.position + flight.time * p.velocity;
-    const unsigned out = outside(planes, end) & ~flight.barred;
+    const unsigned out = outside(planes, end) & ~flight.excluded_face;
     Exit exit;
     if (out != 0) exit = first_exit(planes, flight, out);
     if (exit.slot < 0) {
       p.position = end;
       break;
     }
-    if (passed_faces > patience) {
+    if (passed_faces > stall_limit) {
       without_progress = exit.time > flight.passed ? 0 : without_progress + 1;
-      if (without_progress > patience) exit = drawn_exit(planes, flight, out, without_progress);
+      if (without_progress > stall_limit) exit = drawn_exit(planes, flight, out, without_progress);
       flight.passed = std::max(flight.passed, exit.time);
     }
     auto link = domain_->link[c][static_cast<std::size_t>(exit.slot)];
     if (link < 0 && !goes_across(p.position, link)) {
       if (!meets_boundary(flight, static_cast<std::size_t>(-link - 1), exit.time)) return End::leaves_domain;
-      if (flight.events < most_events) continue;
-      ++counts.abandoned;
+      if (flight.events < max_events) continue;
+      ++counts.stuck;
       break;
     }
     ++passed_faces;
     ++counts.crossings;
-    flight.barred = 0;
+    flight.excluded_face = 0;
     if (!domain_->uniform_dt) flight.passed = std::clamp(exit.time, flight.passed, flight.time);
     if (link >= domain_->n_cells()) {
       flight.dt_from = domain_->dt[c];
@@ -168,7 +168,7 @@ End Mover::fly(Flight& flight) {
 /// Flights by the rank that they go to; `particle.cell` is then the number of the face among those shared with it.
 class Outbox {
  public:
-  explicit Outbox(const Domain& domain) : domain_(&domain), message_(domain.border_rank.size()) {
+  explicit Outbox(const GasDomain& domain) : domain_(&domain), message_(domain.border_rank.size()) {
     for (std::size_t i = 0; i < message_.size(); ++i) message_[i].to = domain.border_rank[i];
   }
   void add(Flight flight) {
@@ -206,7 +206,7 @@ class Outbox {
     flight.time = flight.passed + (flight.time - flight.passed) * ratio;
   }
 
-  const Domain* domain_;
+  const GasDomain* domain_;
   std::vector<par::Outgoing<Flight>> message_;
   std::size_t n_ = 0;
 };
@@ -226,7 +226,7 @@ void fly_all(Mover& mover, std::vector<Flight>& flights, Particles& particles, O
 }
 
 /// The particles that are here already; most stay in their cell.
-void fly_own(Mover& mover, const Domain& domain, Particles& particles, Outbox& outbox) {
+void fly_own(Mover& mover, const GasDomain& domain, Particles& particles, Outbox& outbox) {
   const auto n = particles.size();
   for (std::size_t i = 0; i < n; ++i) {
     const auto cell = particles.cell[i];
@@ -271,7 +271,7 @@ void MoveCounts::add(const MoveCounts& other) {
   wall_hits += other.wall_hits;
   left += other.left;
   sent += other.sent;
-  abandoned += other.abandoned;
+  stuck += other.stuck;
   compute_seconds += other.compute_seconds;
   longest = std::max(longest, other.longest);
 }

@@ -10,23 +10,23 @@
 #include "solvers/dsmc/kernel/boundary.hpp"
 #include "solvers/dsmc/kernel/gas_domain.hpp"
 #include "solvers/dsmc/kernel/particles.hpp"
-#include "solvers/dsmc/sampling/surface_tally.hpp"
+#include "solvers/dsmc/kernel/surface_tally.hpp"
 
 namespace pamr::dsmc {
 
 /// A particle with time left to fly from its position.
 struct Flight {
   Particle particle;
-  double time = 0;           ///< s, from `particle.position`
-  double passed = 0;         ///< part of it known to lie behind
-  double dt_from = 0;        ///< time step of the cell it comes from, between ranks
-  std::uint32_t events = 0;  ///< walls met in this step
-  std::uint32_t barred = 0;  ///< bit of the cell's face that it just left, a wall
+  double time = 0;                  ///< s, from `particle.position`
+  double passed = 0;                ///< part of it known to lie behind
+  double dt_from = 0;               ///< time step of the cell it comes from, between ranks
+  std::uint32_t events = 0;         ///< walls met in this step
+  std::uint32_t excluded_face = 0;  ///< bit of the cell's face that it just left, a wall
 };
 
 /// What decides how particles move.
 struct MoveRules {
-  const Domain* domain = nullptr;
+  const GasDomain* domain = nullptr;
   const Gas* gas = nullptr;
   std::span<const BoundaryCondition> patch;  ///< one for each patch of the mesh
   std::uint64_t seed = 0;
@@ -38,7 +38,7 @@ struct MoveCounts {
   std::int64_t wall_hits = 0;
   std::int64_t left = 0;       ///< through open boundaries
   std::int64_t sent = 0;       ///< to other ranks, each time counted
-  std::int64_t abandoned = 0;  ///< met more than 100,000 walls in one step: keep their place, lose their remaining time
+  std::int64_t stuck = 0;      ///< met more than 100,000 walls in one step: keep their place, lose their remaining time
   double compute_seconds = 0;  ///< processor time without communication
   std::int64_t longest = 0;    ///< most faces that one particle passed
 

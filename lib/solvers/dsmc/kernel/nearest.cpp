@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::uint32_t few = 48;      ///< particles that are looked at one by one in any case
 constexpr double price_of_a_grid = 4;  ///< of a particle, over that of looking at one
-constexpr int most_boxes = 64;         ///< along a side
+constexpr int max_boxes = 64;          ///< along a side
 
 }  // namespace
 
@@ -40,7 +40,7 @@ void NearestInCell::make_grid() {
     volume *= high[d] - low_[d];
     longest = std::max(longest, high[d] - low_[d]);
   }
-  side_ = std::max(std::cbrt(volume / n_), longest / most_boxes);
+  side_ = std::max(std::cbrt(volume / n_), longest / max_boxes);
   if (!(side_ > 0)) {  // all in one place
     has_grid_ = false;
     return;
@@ -80,7 +80,7 @@ std::size_t NearestInCell::number_of(int x, int y, int z) const {
 
 /// The boxes whose number along some side differs by more than `inner` and by at most `radius` from the middle's.
 void NearestInCell::look_at_shell(const Vec3& here, const std::array<int, 3>& middle, int inner, int radius,
-                                  std::uint32_t barred, Best& best) const {
+                                  std::uint32_t excluded, Best& best) const {
   const auto look_at_row = [&](int from, int to, int y, int z) {
     from = std::max(from, 0);
     to = std::min(to, boxes_[0] - 1);
@@ -90,7 +90,7 @@ void NearestInCell::look_at_shell(const Vec3& here, const std::array<int, 3>& mi
       const auto& other = member_[i];
       const double distance = squared_norm(other.position - here);
       if (distance > best.distance || (distance == best.distance && other.particle > best.particle)) continue;
-      if (distance > 0 && other.tag != barred) best = {distance, other.particle};
+      if (distance > 0 && other.tag != excluded) best = {distance, other.particle};
     }
   };
   for (int z = std::max(0, middle[2] - radius); z <= std::min(boxes_[2] - 1, middle[2] + radius); ++z)
@@ -104,20 +104,20 @@ void NearestInCell::look_at_shell(const Vec3& here, const std::array<int, 3>& mi
     }
 }
 
-std::uint32_t NearestInCell::find(std::uint32_t first, std::uint32_t barred) const {
+std::uint32_t NearestInCell::find(std::uint32_t first, std::uint32_t excluded) const {
   Best best{std::numeric_limits<double>::infinity(), n_};
   const Vec3 here = particles_->position(begin_ + first);
   if (!has_grid_) {
     for (std::uint32_t k = 0; k < n_; ++k) {
       const double distance = squared_norm(particles_->position(begin_ + k) - here);
-      if (distance < best.distance && distance > 0 && tag_of(particles_->id[begin_ + k]) != barred)
+      if (distance < best.distance && distance > 0 && tag_of(particles_->id[begin_ + k]) != excluded)
         best = {distance, k};
     }
   } else {
     const auto middle = box_of(here);
     const int last = *std::max_element(boxes_.begin(), boxes_.end());
     for (int inner = -1, radius = 1; inner < last; inner = radius++) {
-      look_at_shell(here, middle, inner, radius, barred, best);
+      look_at_shell(here, middle, inner, radius, excluded, best);
       // What lies further out is further away than so many sides of a box; a little less, for rounding.
       const double sure = 0.999 * radius * side_;
       if (best.distance < sure * sure) break;

@@ -17,11 +17,11 @@ class NearestInCell {
   /// number of searches, which decides whether a grid repays its making. O(n) with a grid, else O(1).
   void start(const Particles& particles, std::uint32_t begin, std::uint32_t n, std::int64_t n_searches);
 
-  /// The particle nearest to particle `first` of the cell, but not in the same place, and whose tag is not `barred`;
+  /// The particle nearest to particle `first` of the cell, but not in the same place, and whose tag is not `excluded`;
   /// among equally near ones the first. Only itself is in its place, or copies of it, which a carried flow may have:
   /// they fly along with it, and with them as partners neither would ever collide. The first other particle of the cell
   /// when there is no such one. Numbers count from `begin`.
-  std::uint32_t find(std::uint32_t first, std::uint32_t barred) const;
+  std::uint32_t find(std::uint32_t first, std::uint32_t excluded) const;
 
  private:
   struct Best {
@@ -33,7 +33,7 @@ class NearestInCell {
     std::uint32_t tag, particle;
   };
   void make_grid();
-  void look_at_shell(const Vec3& here, const std::array<int, 3>& middle, int inner, int radius, std::uint32_t barred,
+  void look_at_shell(const Vec3& here, const std::array<int, 3>& middle, int inner, int radius, std::uint32_t excluded,
                      Best& best) const;
   std::array<int, 3> box_of(const Vec3& position) const;
   std::size_t number_of(int x, int y, int z) const;

@@ -164,7 +164,7 @@ Plan make_plan(const mesh::DistMesh& mesh, std::span<const BoundaryCondition> pa
 }
 
 /// Puts the joints to other ranks behind the faces of the mesh's borders with them.
-void add_to_borders(const std::vector<Joint>& joints, Domain& domain) {
+void add_to_borders(const std::vector<Joint>& joints, GasDomain& domain) {
   std::map<Rank, std::vector<mesh::CellFace>> border;
   std::map<Rank, std::vector<std::int32_t>> joined;  // their boundary faces
   const auto n = domain.n_cells();
@@ -202,7 +202,7 @@ void add_to_borders(const std::vector<Joint>& joints, Domain& domain) {
 }  // namespace
 
 void join_periodic(const par::Comm& comm, const mesh::DistMesh& mesh, std::span<const BoundaryCondition> patch,
-                   Domain& domain) {
+                   GasDomain& domain) {
   using Kind = BoundaryCondition::Kind;
   if (std::none_of(patch.begin(), patch.end(), [](const auto& p) { return p.kind == Kind::periodic; })) return;
   for (std::size_t p = 0; p < patch.size(); ++p) {

@@ -16,6 +16,6 @@ namespace pamr::dsmc {
 /// seen from the other side, to a millionth of its size; else throws `Error` that names the first that is not.
 /// Collective: three sparse exchanges. O(periodic faces log) time and memory on rank 0.
 void join_periodic(const par::Comm& comm, const mesh::DistMesh& mesh, std::span<const BoundaryCondition> patch,
-                   Domain& domain);
+                   GasDomain& domain);
 
 }  // namespace pamr::dsmc

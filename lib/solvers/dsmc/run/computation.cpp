@@ -6,70 +6,68 @@
 
 #include "pamr/balance/rebalance.hpp"
 #include "pamr/base/timer.hpp"
+#include "solvers/dsmc/run/make_setup.hpp"
 
 namespace pamr::dsmc {
 
 namespace {
 
-constexpr int steps_of_a_look = 20;
-constexpr double weight_of_a_cell = 0.5;  ///< of a particle: what an empty cell costs in a step
+constexpr int steps_between_checks = 20;  ///< of the balance
+constexpr double cell_weight = 0.5;       ///< of a particle: what an empty cell costs in a step
 
 }  // namespace
 
-bool StopAtRise::add(double n_steps, double longest, double mean) {
-  lost_ += longest - mean;
-  steps_ += n_steps;
-  const double now = (lost_ + price_) / steps_;
-  const bool rises = last_ >= 0 && now > last_;
-  last_ = now;
-  return rises;
+Computation::Computation(const par::Comm& comm, Case the_case, Setup setup, mesh::DistMesh given)
+    : comm_(&comm), case_(std::move(the_case)), mesh_(std::move(given)), key_(key_of(comm, mesh_)) {
+  flow_.emplace(comm, mesh_, std::move(setup));
+  averaging_.emplace(case_, mesh_, *flow_);
 }
 
-void StopAtRise::moved(double price) {
-  *this = {};
-  price_ = price;
+void Computation::restart(const std::string& checkpoint) {
+  const auto snapshot = read_checkpoint(*comm_, checkpoint, case_.gas);
+  require_matching(snapshot, checkpoint, key_, *flow_);
+  averaging_->resume(restore(*comm_, snapshot, *flow_));
 }
 
-Computation::Computation(const par::Comm& comm, const Case& the_case, mesh::DistMesh given)
-    : mesh(std::move(given)), comm_(&comm), case_(&the_case), key_(key_of(comm, mesh)) {
-  make();
+Transferred Computation::transfer_from(const std::string& checkpoint) {
+  const auto transferred = transfer_particles(*comm_, checkpoint, mesh_, *flow_);
+  averaging_->begin_transferred(transferred.step);
+  return transferred;
 }
 
-void Computation::make() {
-  run.reset();
-  flow.reset();
-  flow = std::make_unique<Flow>(*comm_, mesh, make_setup(*comm_, *case_, mesh));
-  run = std::make_unique<Run>(*case_, mesh, *flow);
-}
-
-bool Computation::step() {
-  const bool complete = run->step();
-  computed_ += run->last_step().compute_seconds;
-  if (comm_->size() == 1 || ++steps_ < steps_of_a_look) return complete;
+StepResult Computation::step(bool wants_stop) {
+  averaging_->before_step(*flow_);
+  const auto counts = flow_->step(wants_stop);
+  averaging_->after_step(*flow_, counts.all);
+  const StepResult result{is_complete(), counts.all.stop};
+  computed_ += counts.compute_seconds;
+  if (comm_->size() == 1 || ++steps_ < steps_between_checks) return result;
   const double longest = comm_->max(computed_);
   double mean = 0;
   for (const double one : comm_->all_gather(computed_)) mean += one / comm_->size();
-  if (rule_.add(std::exchange(steps_, 0), longest, mean) && !complete) rebalance();
+  if (rule_.add(std::exchange(steps_, 0), longest, mean) && !result.is_complete) rebalance();
   computed_ = 0;
-  return complete;
+  return result;
 }
 
 bool Computation::rebalance() {
   if (comm_->size() == 1) return false;
   const double start = wall_seconds();
   std::vector<double> weight;
-  const auto begin = flow->particles.begin();
+  const auto begin = flow_->particles.begin();
   for (std::size_t c = 0; c + 1 < begin.size(); ++c)
-    weight.push_back(weight_of_a_cell + static_cast<double>(begin[c + 1] - begin[c]));
-  const auto kept = snapshot();
+    weight.push_back(cell_weight + static_cast<double>(begin[c + 1] - begin[c]));
+  const auto snapshot = this->snapshot();
   balance::Options options;
   options.keep_below = 1.03;
-  auto moved = balance::rebalance(*comm_, std::move(mesh), weight, options);
-  mesh = std::move(moved.mesh);
+  auto moved = balance::rebalance(*comm_, std::move(mesh_), weight, options);
+  mesh_ = std::move(moved.mesh);
   const bool any = moved.report.moved_cells > 0;
   if (any) {
-    make();
-    restore(*comm_, kept, "memory", key_, *run, *flow);
+    auto setup = flow_->setup();
+    setup.cell_dt = make_cell_dt(case_, mesh_, setup.unit);
+    flow_.emplace(*comm_, mesh_, std::move(setup));
+    averaging_->resume(restore(*comm_, snapshot, *flow_));
     ++n_moves_;
   }
   rule_.moved(comm_->max(wall_seconds() - start));

@@ -1,61 +1,73 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <memory>
+#include <cstdint>
+#include <optional>
+#include <string>
 
 #include "pamr/mesh/dist_mesh.hpp"
-#include "solvers/dsmc/kernel/flow.hpp"
+#include "solvers/dsmc/flow/flow.hpp"
+#include "solvers/dsmc/run/averaging.hpp"
 #include "solvers/dsmc/run/flow_case.hpp"
-#include "solvers/dsmc/run/run.hpp"
+#include "solvers/dsmc/run/stop_at_rise.hpp"
 #include "solvers/dsmc/state/checkpoint.hpp"
+#include "solvers/dsmc/state/transfer_particles.hpp"
 
 namespace pamr::dsmc {
 
-/// Decides when cells should move to other ranks: at the first rise of the mean cost of a step since the last move,
-/// (processor time lost to imbalance + price of the last move) / steps.
-/// Source: D. M. Nicol, J. H. Saltz, "Dynamic remapping of parallel computations with varying resource demands", IEEE
-/// Trans. Comput. 37 (1988): the stop-at-rise rule.
-class StopAtRise {
- public:
-  /// Some steps in which the busiest rank computed for `longest` seconds and the mean one for `mean`. True when it is
-  /// time to move.
-  bool add(double n_steps, double longest, double mean);
-  void moved(double price);
-
- private:
-  double lost_ = 0, price_ = 0, steps_ = 0, last_ = -1;
+/// What a step of a computation came to, the same on every rank.
+struct StepResult {
+  bool is_complete = false;  ///< the case asks for no more
+  bool stop = false;         ///< some rank asked for the end
 };
 
-/// A mesh, the gas on it and its run, which move to other ranks together.
+/// A mesh, the gas on it and its averages: owns them, advances them together and moves them to other ranks together.
 class Computation {
  public:
-  /// Collective. Throws `Error` when the case does not fit the mesh.
-  Computation(const par::Comm& comm, const Case& the_case, mesh::DistMesh mesh);
+  /// Without particles; `setup` from `make_setup` for this case and mesh. Collective. Throws `Error` when they do not
+  /// fit.
+  Computation(const par::Comm& comm, Case the_case, Setup setup, mesh::DistMesh mesh);
 
-  /// One step; every 20 steps on several ranks, cells move when that repays. The result does not depend on it, bit for
-  /// bit. Collective. True when the run is complete.
-  bool step();
+  /// The three ways to begin; each collective.
+  /// With the initial gases of the case.
+  void fill() { flow_->fill(mesh_); }
+  /// From a checkpoint on the same mesh. Throws the same `Error` on every rank for a file that does not fit.
+  void restart(const std::string& checkpoint);
+  /// With the flow of a checkpoint on the mesh that this one was refined from. Throws like `restart`.
+  Transferred transfer_from(const std::string& checkpoint);
+
+  /// One time step, and what is due after it: the end of an interval, and on several ranks every 20 steps a move of
+  /// cells if it pays off. The result does not depend on that, bit for bit. `wants_stop` of any rank is reported to
+  /// all. Collective.
+  StepResult step(bool wants_stop = false);
   /// Moves cells now so that every rank has the same number of particles and cells, if the ranks differ by more than
-  /// 3 %. Collective. True when cells moved.
+  /// 3 %. Collective. Returns true when cells moved.
   bool rebalance();
+  /// Ends averaging that has too few steps for a block. Collective.
+  void finish() { averaging_->finish(*flow_); }
 
-  Snapshot snapshot() const { return take_snapshot(*comm_, key_, *run, *flow); }
-  const MeshKey& key() const { return key_; }
-  std::int64_t n_moves() const { return n_moves_; }
+  /// Collective.
+  Snapshot snapshot() const { return take_snapshot(*comm_, key_, averaging_->state(), *flow_); }
+  bool is_complete() const { return averaging_->is_complete(flow_->steps_done); }
 
-  mesh::DistMesh mesh;
-  std::unique_ptr<Flow> flow;
-  std::unique_ptr<Run> run;
+  const par::Comm& comm() const { return *comm_; }
+  const Case& the_case() const { return case_; }
+  const Flow& flow() const { return *flow_; }
+  const Averaging& averaging() const { return *averaging_; }
+  mesh::DistMesh& mesh() { return mesh_; }
+  const mesh::DistMesh& mesh() const { return mesh_; }
+  std::int64_t n_moves() const { return n_moves_; }  ///< of cells to other ranks
 
  private:
-  void make();
-
   const par::Comm* comm_;
-  const Case* case_;
+  Case case_;
+  mesh::DistMesh mesh_;
   MeshKey key_;
+  std::optional<Flow> flow_;
+  std::optional<Averaging> averaging_;
   StopAtRise rule_;
-  double computed_ = 0;  ///< processor seconds of this rank since the last look
-  int steps_ = 0;
+  double computed_ = 0;  ///< processor seconds of this rank since the last check of the balance
+  int steps_ = 0;        ///< since then
   std::int64_t n_moves_ = 0;
 };
 

@@ -259,11 +259,11 @@ class Reader {
   void read_run(TomlTable& table) {
     constexpr std::int64_t most = std::int64_t{1} << 32U;
     case_.seed = static_cast<std::uint64_t>(table.integer_or("seed", 1, 0, std::numeric_limits<std::int64_t>::max()));
-    if (table.has("transient")) case_.transient = table.integer_or("transient", 0, 0, most);
-    case_.most_transient = table.integer_or("most_transient", case_.most_transient, 0, most);
-    case_.sampling = table.integer_or("sampling", case_.sampling, 1, most);
-    case_.block = table.integer_or("block", 0, 1, most);
-    case_.stop_error = table.number_or("stop_error", 0, 0, 1);
+    if (table.has("transient")) case_.schedule.transient = table.integer_or("transient", 0, 0, most);
+    case_.schedule.max_transient = table.integer_or("most_transient", case_.schedule.max_transient, 0, most);
+    case_.schedule.sampling = table.integer_or("sampling", case_.schedule.sampling, 1, most);
+    case_.schedule.block = table.integer_or("block", 0, 1, most);
+    case_.schedule.stop_error = table.number_or("stop_error", 0, 0, 1);
     table.done();
   }
 

@@ -8,39 +8,19 @@
 #include <string_view>
 #include <vector>
 
-#include "solvers/dsmc/kernel/flow.hpp"
+#include "solvers/dsmc/flow/setup.hpp"
+#include "solvers/dsmc/sampling/loads.hpp"
+#include "solvers/dsmc/sampling/probes.hpp"
 
 namespace pamr::dsmc {
 
-/// What forces, moments and heat are made dimensionless with. Drag points along the stream, lift along stream x pitch
-/// axis, the moment is that about the pitch axis.
-struct Reference {
-  double area = 1;    ///< m2
-  double length = 1;  ///< m
-  Vec3 point;         ///< m: moments are about it
-  Vec3 pitch_axis{0, 1, 0};
-  double multiplier = 1;             ///< of forces: 2 where the mesh is one half of a symmetric flow
-  std::vector<std::string> patches;  ///< whose forces count; empty: all walls
-};
-
-/// A band of the walls round the x axis: a thermocouple, say. Meters.
-struct Station {
-  std::string name;
-  double x = 0, r = 0, half_width = 0;
-};
-
-/// Points in the gas at equal distances, meters.
-struct ProbeLine {
-  std::string name;
-  Vec3 from, to;
-  std::int64_t n_points = 1;
-};
-
-/// A grid of points in the gas: `n_along` x `n_across` of them, from a corner to the ends of two edges, meters.
-struct ProbePlane {
-  std::string name;
-  Vec3 corner, along, across;
-  std::int64_t n_along = 2, n_across = 2;
+/// How long a computation runs, in steps.
+struct Schedule {
+  std::optional<std::int64_t> transient;  ///< before averaging; none: until the flow is steady
+  std::int64_t max_transient = 100000;    ///< averaging begins then at the latest
+  std::int64_t sampling = 1000;           ///< of the averages
+  std::int64_t block = 0;                 ///< of a block of the averages; 0: a twentieth of `sampling`
+  double stop_error = 0;                  ///< stop once the relative standard error of C_D is below; 0: never
 };
 
 /// A case file: what is to be computed, before the mesh is known.
@@ -61,11 +41,7 @@ struct Case {
   bool from_fields = false;       ///< speed, collision time and density of each cell from the mesh's fields
   std::optional<double> unit;     ///< meters in the mesh's length unit
   std::uint64_t seed = 1;
-  std::optional<std::int64_t> transient;  ///< steps before averaging; none: until steady
-  std::int64_t most_transient = 100000;   ///< steps: averaging begins then at the latest
-  std::int64_t sampling = 1000;           ///< steps
-  std::int64_t block = 0;                 ///< steps of a block of the averages; 0: a twentieth of `sampling`
-  double stop_error = 0;                  ///< stop when the relative standard error of C_D is below; 0: never
+  Schedule schedule;
   Reference reference;
   std::vector<Station> station;
   std::vector<ProbeLine> line;
@@ -75,9 +51,5 @@ struct Case {
 /// Reads a case file (docs/tools/pamr-dsmc.md). `where` is its name; species may come from a file beside it. Throws
 /// `Error` with file and line for TOML errors, unknown keys, wrong types and values out of range. Local.
 Case read_case(std::string_view text, const std::string& where);
-
-/// The case on a mesh. Throws `Error` for patches without a condition, conditions without a patch, and a length unit
-/// that is not known in meters. Collective.
-Setup make_setup(const par::Comm& comm, const Case& the_case, const mesh::DistMesh& mesh);
 
 }  // namespace pamr::dsmc

@@ -55,7 +55,7 @@ Plan make_plan(const par::Comm& comm, const Case& c, const Setup& setup, const m
   const double cells = static_cast<double>(mesh.info.n_global_cells);
   plan.particles_per_cell = plan.particles / cells;
   plan.bytes = plan.particles * particle_bytes + cells * cell_bytes;
-  plan.steps = static_cast<double>(c.sampling + c.transient.value_or(0));
+  plan.steps = static_cast<double>(c.schedule.sampling + c.schedule.transient.value_or(0));
   plan.cpu_seconds = plan.particles * plan.steps / typical_rate;
 
   const auto body = reference_patches(c.reference, mesh.info.patches, setup.patch);
@@ -64,7 +64,7 @@ Plan make_plan(const par::Comm& comm, const Case& c, const Setup& setup, const m
   double wall = 0;
   for (std::size_t p = 0; p < body.size(); ++p)
     if (body[p]) wall = std::max(wall, setup.patch[p].temperature);
-  const auto domain = make_domain(mesh, setup.unit, setup.dt, setup.molecules);
+  const auto domain = make_gas_domain(mesh, setup.unit, setup.dt, setup.fnum);
   const Scale scale(gas, free, c.reference);
   const auto bound = [&](const SurfaceLaw& law) {
     return scale.coefficients(sum_of(integrate_law(comm, domain, law, c.reference.point, body.size()), body));
@@ -72,6 +72,19 @@ Plan make_plan(const par::Comm& comm, const Case& c, const Setup& setup, const m
   plan.free_molecular = bound(free_molecular_law(gas, free, wall));
   plan.newtonian = bound(newtonian_law(gas, free));
   return plan;
+}
+
+std::vector<std::string> warnings_of(const Plan& plan) {
+  std::vector<std::string> warnings;
+  if (plan.longest_flight > 2)
+    warnings.push_back(
+        fmt::format("a fast molecule of the free stream passes {:.1f} cell sizes in one time step; the result "
+                    "stays sound but coarse: use a shorter step",
+                    plan.longest_flight));
+  if (plan.particles_per_cell < 5)
+    warnings.push_back(fmt::format("{:.2g} particles a cell in the free stream: below 5 collisions are poorly resolved",
+                                   plan.particles_per_cell));
+  return warnings;
 }
 
 std::vector<std::string> describe(const Case& c, const Setup& setup, const Plan& plan) {
@@ -98,8 +111,8 @@ std::vector<std::string> describe(const Case& c, const Setup& setup, const Plan&
   lines.push_back(
       fmt::format("time step {:g} s{}, weight {:g} molecules a particle; about {:.0f} particles ({:.1f} a "
                   "cell), {:.0f} MB, {:.3g} steps, {:.3g} CPU s",
-                  setup.dt, setup.cell_dt.empty() ? "" : " at most, varying with the cells", setup.molecules,
-                  plan.particles, plan.particles_per_cell, plan.bytes * 1e-6, plan.steps, plan.cpu_seconds));
+                  setup.dt, setup.cell_dt.empty() ? "" : " at most, varying with the cells", setup.fnum, plan.particles,
+                  plan.particles_per_cell, plan.bytes * 1e-6, plan.steps, plan.cpu_seconds));
   if (plan.has_body)
     lines.push_back(
         fmt::format("bounds for a convex body: free-molecular C_D {:.4f} C_L {:.4f} C_m {:.4f} C_H {:.4f}; "

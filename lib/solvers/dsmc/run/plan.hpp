@@ -5,6 +5,9 @@
 #include <string>
 #include <vector>
 
+#include "pamr/mesh/dist_mesh.hpp"
+#include "pamr/par/comm.hpp"
+#include "solvers/dsmc/flow/setup.hpp"
 #include "solvers/dsmc/run/flow_case.hpp"
 #include "solvers/dsmc/sampling/loads.hpp"
 
@@ -18,7 +21,8 @@ struct Plan {
   double particles_per_cell = 0;
   double bytes = 0;                   ///< of particles and cells, all ranks
   double steps = 0, cpu_seconds = 0;  ///< at 4 million particle-steps a second
-  double longest_flight = 0;  ///< cells that a fast molecule of the free stream passes in a step, in the smallest cell
+  double longest_flight =
+      0;  ///< cell sizes that a fast molecule of the free stream passes in a step, maximum over the cells
   Coefficients free_molecular, newtonian;  ///< bounds for a convex body without shadows
   bool has_body = false;
 };
@@ -26,7 +30,9 @@ struct Plan {
 /// Collective.
 Plan make_plan(const par::Comm& comm, const Case& the_case, const Setup& setup, const mesh::DistMesh& mesh);
 
-/// Lines for the reader. `species` lines come first.
+/// What a user should be warned about. Local.
+std::vector<std::string> warnings_of(const Plan& plan);
+/// Lines for the user: species, gas, free stream, numbers of the flow, effort, bounds. Local.
 std::vector<std::string> describe(const Case& the_case, const Setup& setup, const Plan& plan);
 nlohmann::json to_json(const Plan& plan);
 

@@ -1,39 +1,26 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "solvers/dsmc/sampling/cell_resolution.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <nlohmann/json.hpp>
-#include <string_view>
-
-#include "pamr/base/contract.hpp"
 
 namespace pamr::dsmc {
 
-namespace {
-
-const std::vector<double>& values_of(const std::vector<CellQuantity>& fields, std::string_view name) {
-  const auto found = std::find_if(fields.begin(), fields.end(), [&](const auto& field) { return field.name == name; });
-  PAMR_EXPECTS(found != fields.end());
-  return found->value;
-}
-
-}  // namespace
-
-CellQuality judge_cells(const par::Comm& comm, const std::vector<CellQuantity>& fields, double free_density) {
-  const auto &n = values_of(fields, "n"), &kn = values_of(fields, "Kn_cell"),
-             &probability = values_of(fields, "collision_probability"),
-             &separation = values_of(fields, "separation_over_lambda"), &particles = values_of(fields, "particles");
+CellResolution assess_resolution(const par::Comm& comm, const CellFlow& flow, double free_density) {
   std::array<std::int64_t, 8> count{};
-  for (std::size_t c = 0; c < n.size(); ++c) {
-    if (!(n[c] > 0)) continue;
-    const std::array<bool, 4> good{kn[c] >= 1, probability[c] < 1, separation[c] < 1, particles[c] >= 10};
+  for (std::size_t c = 0; c < flow.density.size(); ++c) {
+    if (!(flow.density[c] > 0)) continue;
+    const std::array<bool, 4> good{flow.knudsen[c] >= 1, flow.collision_probability[c] < 1, flow.separation[c] < 1,
+                                   flow.particles[c] >= 10};
     ++count[0];
     for (std::size_t k = 0; k < 4; ++k) count[1 + k] += good[k] ? 1 : 0;
     count[5] += std::all_of(good.begin(), good.end(), [](bool one) { return one; }) ? 1 : 0;
-    if (n[c] > free_density) {
+    if (flow.density[c] > free_density) {
       ++count[6];
-      count[7] += particles[c] < 5 ? 1 : 0;
+      count[7] += flow.particles[c] < 5 ? 1 : 0;
     }
   }
   comm.sum_in_place(count);
@@ -44,7 +31,7 @@ CellQuality judge_cells(const par::Comm& comm, const std::vector<CellQuantity>& 
           static_cast<double>(count[6]), part(7, 6)};
 }
 
-nlohmann::json to_json(const CellQuality& q) {
+nlohmann::json to_json(const CellResolution& q) {
   return {{"cells_with_gas", q.cells_with_gas},
           {"size_below_mean_free_path", q.size},
           {"collision_probability_below_1", q.probability},
@@ -53,6 +40,14 @@ nlohmann::json to_json(const CellQuality& q) {
           {"all_of_these", q.all},
           {"cells_of_dense_gas", q.cells_of_dense_gas},
           {"dense_gas_below_5_particles", q.few_in_dense_gas}};
+}
+
+std::vector<std::string> warnings_of(const CellResolution& resolution) {
+  if (!(resolution.few_in_dense_gas > 0.1)) return {};
+  return {
+      fmt::format("{:.0f} % of the {:.0f} cells denser than the free stream have fewer than 5 particles: use "
+                  "more particles or fewer cells",
+                  100 * resolution.few_in_dense_gas, resolution.cells_of_dense_gas)};
 }
 
 }  // namespace pamr::dsmc

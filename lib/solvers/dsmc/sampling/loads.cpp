@@ -20,7 +20,7 @@ Vec3 center(const BoundaryFace& face) { return (1.0 / 3) * (face.corner[0] + fac
 
 /// Adds up `part(face)` over all faces of each patch, without rounding.
 template <class Part>
-std::vector<Load> add_up(const par::Comm& comm, const Domain& domain, std::size_t n_patches, Vec3 point, Part part) {
+std::vector<Load> add_up(const par::Comm& comm, const GasDomain& domain, std::size_t n_patches, Vec3 point, Part part) {
   std::vector<par::ExactSum> sums(n_parts * n_patches);
   for (std::size_t b = 0; b < domain.boundary.size(); ++b) {
     const auto& face = domain.boundary[b];
@@ -47,18 +47,6 @@ double density_of(const Gas& gas, const Stream& stream) {
 
 }  // namespace
 
-Estimate estimate(const std::vector<double>& values) {
-  Estimate result;
-  const double n = static_cast<double>(values.size());
-  if (values.empty()) return result;
-  for (const double v : values) result.value += v / n;
-  if (values.size() < 2) return result;
-  double squares = 0;
-  for (const double v : values) squares += (v - result.value) * (v - result.value);
-  result.error = std::sqrt(squares / (n - 1) / n);
-  return result;
-}
-
 Load& Load::operator+=(const Load& other) {
   force = force + other.force;
   moment = moment + other.moment;
@@ -66,10 +54,10 @@ Load& Load::operator+=(const Load& other) {
   return *this;
 }
 
-std::vector<Load> patch_loads(const par::Comm& comm, const Domain& domain, const SurfaceTally& units,
-                              const std::vector<SurfaceTally::Sums>& face, double molecules_per_time,
-                              std::int64_t n_steps, Vec3 point, std::size_t n_patches) {
-  const double per_step = molecules_per_time / static_cast<double>(std::max<std::int64_t>(1, n_steps));
+std::vector<Load> patch_loads(const par::Comm& comm, const GasDomain& domain, const SurfaceTally& units,
+                              const std::vector<SurfaceTally::Sums>& face, double fnum_per_time, std::int64_t n_steps,
+                              Vec3 point, std::size_t n_patches) {
+  const double per_step = fnum_per_time / static_cast<double>(std::max<std::int64_t>(1, n_steps));
   const double momentum = units.momentum_unit * per_step, energy = units.energy_unit * per_step;
   return add_up(comm, domain, n_patches, point, [&](std::size_t b) {
     const auto& m = face[b].momentum;
@@ -78,7 +66,7 @@ std::vector<Load> patch_loads(const par::Comm& comm, const Domain& domain, const
   });
 }
 
-std::vector<Load> integrate_law(const par::Comm& comm, const Domain& domain, const SurfaceLaw& law, Vec3 point,
+std::vector<Load> integrate_law(const par::Comm& comm, const GasDomain& domain, const SurfaceLaw& law, Vec3 point,
                                 std::size_t n_patches) {
   return add_up(comm, domain, n_patches, point, [&](std::size_t b) {
     const auto& face = domain.boundary[b];

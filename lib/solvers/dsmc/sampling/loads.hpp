@@ -5,19 +5,25 @@
 #include <string>
 #include <vector>
 
+#include "pamr/mesh/dist_mesh.hpp"
 #include "pamr/par/comm.hpp"
+#include "solvers/dsmc/gas/gas.hpp"
+#include "solvers/dsmc/kernel/boundary.hpp"
 #include "solvers/dsmc/kernel/gas_domain.hpp"
-#include "solvers/dsmc/run/flow_case.hpp"
-#include "solvers/dsmc/sampling/surface_tally.hpp"
+#include "solvers/dsmc/kernel/surface_tally.hpp"
 
 namespace pamr::dsmc {
 
-/// A mean with its standard error.
-struct Estimate {
-  double value = 0, error = 0;
+/// What forces, moments and heat are made dimensionless with. Drag points along the stream, lift along stream x pitch
+/// axis, the moment is that about the pitch axis.
+struct Reference {
+  double area = 1;    ///< m2
+  double length = 1;  ///< m
+  Vec3 point;         ///< m, about which moments are taken
+  Vec3 pitch_axis{0, 1, 0};
+  double multiplier = 1;             ///< of loads: 2 if the mesh is one half of a symmetric flow
+  std::vector<std::string> patches;  ///< whose loads count; empty: all walls
 };
-/// Mean and standard error of independent numbers; the error is 0 for fewer than two.
-Estimate estimate(const std::vector<double>& values);
 
 /// What the gas does to a patch or a body: N, N m, W.
 struct Load {
@@ -28,14 +34,15 @@ struct Load {
 
 /// Loads of every patch from the sums of `n_steps` steps, without the reference's multiplier. The sums are exact or
 /// independent of the order of the faces: the same bits on any number of ranks. Collective.
-std::vector<Load> patch_loads(const par::Comm& comm, const Domain& domain, const SurfaceTally& units,
-                              const std::vector<SurfaceTally::Sums>& face, double molecules_per_time,
-                              std::int64_t n_steps, Vec3 point, std::size_t n_patches);
+/// `fnum_per_time`: real molecules per particle and second.
+std::vector<Load> patch_loads(const par::Comm& comm, const GasDomain& domain, const SurfaceTally& units,
+                              const std::vector<SurfaceTally::Sums>& face, double fnum_per_time, std::int64_t n_steps,
+                              Vec3 point, std::size_t n_patches);
 
 /// A stress and a heat flux on a face, as functions of its outward normal (out of the gas, into the body).
 using SurfaceLaw = std::function<std::pair<Vec3, double>(Vec3 normal)>;
 /// Loads of every patch under a law. Collective.
-std::vector<Load> integrate_law(const par::Comm& comm, const Domain& domain, const SurfaceLaw& law, Vec3 point,
+std::vector<Load> integrate_law(const par::Comm& comm, const GasDomain& domain, const SurfaceLaw& law, Vec3 point,
                                 std::size_t n_patches);
 
 /// Dimensionless loads: drag, lift and pitching moment on rho V^2/2 x area (x length), heat on rho V^3/2 x area.
@@ -51,7 +58,6 @@ class Scale {
   Coefficients coefficients(const Load& load) const;
   double dynamic_pressure() const { return pressure_; }
   double speed() const { return speed_; }
-  Vec3 drag_direction() const { return drag_; }
 
  private:
   Reference reference_;

@@ -10,6 +10,9 @@
 #include <tuple>
 #include <utility>
 
+#include "pamr/base/index.hpp"
+#include "solvers/dsmc/sampling/estimate.hpp"
+
 namespace pamr::dsmc {
 
 using namespace geometry;
@@ -54,13 +57,13 @@ std::string station_rows(const std::vector<Station>& stations, const std::vector
   for (const auto& station : stations) {
     std::vector<const FaceRow*> inside;
     const FaceRow* nearest = nullptr;
-    double least = std::numeric_limits<double>::infinity();
+    double min_distance = std::numeric_limits<double>::infinity();
     for (const auto& face : faces) {
       const Vec3 middle = (1.0 / 3) * (face.corner[0] + face.corner[1] + face.corner[2]);
       const double away = std::hypot(middle.x - station.x, std::hypot(middle.y, middle.z) - station.r);
       if (away <= station.half_width) inside.push_back(&face);
-      if (away < least) {
-        least = away;
+      if (away < min_distance) {
+        min_distance = away;
         nearest = &face;
       }
     }
@@ -99,7 +102,7 @@ std::vector<ProbePoint> points_of(const std::vector<ProbeLine>& lines, const std
 }
 
 std::string point_rows(const par::Comm& comm, const std::vector<ProbePoint>& points, const mesh::DistMesh& mesh,
-                       double unit, const Domain& domain, const std::vector<CellQuantity>& fields) {
+                       double unit, const GasDomain& domain, const std::vector<mesh::CellField>& fields) {
   if (points.empty()) return {};
   // Points by x, so that a cell looks at those near it only.
   std::vector<std::size_t> order(points.size());
@@ -118,7 +121,7 @@ std::string point_rows(const par::Comm& comm, const std::vector<ProbePoint>& poi
         for (int k = 0; k < fields[f].n_components; ++k)
           message[0].item.push_back({static_cast<std::int64_t>(*at), domain.cell_global[static_cast<std::size_t>(cell)],
                                      static_cast<std::int64_t>(f), k,
-                                     fields[f].value[static_cast<std::size_t>(cell * fields[f].n_components + k)]});
+                                     fields[f].real()[pamr::at(cell * fields[f].n_components + k)]});
     }
   }
   if (message[0].item.empty()) message.clear();

@@ -4,30 +4,53 @@
 #include <string>
 #include <vector>
 
-#include "solvers/dsmc/run/run.hpp"
-#include "solvers/dsmc/run/wall_file.hpp"
-#include "solvers/dsmc/sampling/sample.hpp"
+#include "pamr/mesh/dist_mesh.hpp"
+#include "pamr/par/comm.hpp"
+#include "solvers/dsmc/kernel/gas_domain.hpp"
+#include "solvers/dsmc/sampling/wall_averages.hpp"
 
 namespace pamr::dsmc {
 
-/// Means of p and q over the faces of the walls whose middle lies within `half_width` of the circle (x, r) about the x
-/// axis, weighted by their area; of the nearest face where there is none. Local, for the rank that has the faces.
+/// A band of the walls around the x axis, for instance a thermocouple. Meters.
+struct Station {
+  std::string name;
+  double x = 0, r = 0, half_width = 0;
+};
+
+/// Points in the gas at equal distances, meters.
+struct ProbeLine {
+  std::string name;
+  Vec3 from, to;
+  std::int64_t n_points = 1;
+};
+
+/// A grid of points in the gas: `n_along` x `n_across` of them, from a corner to the ends of two edges, meters.
+struct ProbePlane {
+  std::string name;
+  Vec3 corner, along, across;
+  std::int64_t n_along = 2, n_across = 2;
+};
+
+/// CSV rows of p and q at the stations: means, weighted by area, over the wall faces whose center lies within
+/// `half_width` of the circle (x, r) around the x axis; if there is none, of the nearest face. Local, for the rank that
+/// has the faces.
 std::string station_rows(const std::vector<Station>& stations, const std::vector<FaceRow>& faces);
 
-/// A place in the gas at which the flow is shown.
+/// A point in the gas at which the flow is written.
 struct ProbePoint {
   std::string name;
-  double s = 0;  ///< m: way from the beginning of the line, or along the first edge of the plane
+  double s = 0;  ///< m, distance from the start of the line, or along the first edge of the plane
   Vec3 at;       ///< m
 };
 
-/// The points of lines, then those of planes, the first edge running fastest.
+/// The points of the lines, then those of the planes, whose first edge varies fastest. Local.
 std::vector<ProbePoint> points_of(const std::vector<ProbeLine>& lines, const std::vector<ProbePlane>& planes);
 
-/// The flow at points: the values of the cell that holds each (the one of the smallest number where it lies on a face),
-/// nothing outside the domain. Text on rank 0. Collective. O(cells log points + points in the cells' extents along x).
+/// CSV rows of the fields at the points: the values of the cell that contains a point (on a face, of the cell with the
+/// smallest number), no rows for a point outside the domain. Text on rank 0, empty elsewhere. Collective: one sparse
+/// exchange. O(cells log points + points in the cells' extents along x).
 std::string point_rows(const par::Comm& comm, const std::vector<ProbePoint>& points, const mesh::DistMesh& mesh,
-                       double unit, const Domain& domain, const std::vector<CellQuantity>& fields);
+                       double unit, const GasDomain& domain, const std::vector<mesh::CellField>& fields);
 
 inline constexpr const char* probe_header = "name,s,x,y,z,quantity,value,stderr\n";
 

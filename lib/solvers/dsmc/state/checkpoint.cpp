@@ -14,7 +14,7 @@
 #include "pamr/par/exchange.hpp"
 #include "solvers/dsmc/kernel/numbering.hpp"
 #include "solvers/dsmc/state/checkpoint_rows.hpp"
-#include "solvers/dsmc/state/run_state_json.hpp"
+#include "solvers/dsmc/state/run_state.hpp"
 #include "solvers/dsmc/state/section_file.hpp"
 
 namespace pamr::dsmc {
@@ -30,7 +30,7 @@ struct FaceNumbers {
   std::vector<GlobalId> of;
   std::int64_t total = 0;
 };
-FaceNumbers number_faces(const par::Comm& comm, GlobalId n_cells, const Domain& domain) {
+FaceNumbers number_faces(const par::Comm& comm, GlobalId n_cells, const GasDomain& domain) {
   std::vector<GlobalId> cell;
   std::vector<std::int64_t> count;
   for (const auto& face : domain.boundary) {
@@ -78,21 +78,21 @@ Section cell_section(const par::Comm& comm, GlobalId n_cells, const Flow& flow) 
   for (std::size_t c = 0; c < count.size(); ++c) {
     const auto& k = flow.collisions[c];
     words.insert(words.end(),
-                 {word(count[c]), word(k.greatest), word(k.remainder), word(k.temperature), word(k.separation),
+                 {word(count[c]), word(k.max_sigma_cr), word(k.remainder), word(k.temperature), word(k.separation),
                   word(k.collisions), word(flow.cells.block[c]), word(flow.cells.square_of_blocks[c]),
-                  word(flow.domain().volume[c]), word(flow.domain().molecules[c])});
+                  word(flow.domain().volume[c]), word(flow.domain().fnum[c])});
     for (std::size_t s = 0; s < n_species; ++s) {
       const auto& sum = flow.cells.sums[c * n_species + s];
       words.insert(words.end(), {word(sum.n), word(sum.velocity.x), word(sum.velocity.y), word(sum.velocity.z),
                                  word(sum.square), word(sum.rotation)});
     }
-    if (gas.is_weighted) words.push_back(word(k.owed));
+    if (gas.is_weighted) words.push_back(word(k.energy_deficit));
   }
   return {"cells", n_cells, width,
           par::scatter_rows<std::uint64_t>(comm, n_cells, words, width, flow.domain().cell_global)};
 }
 
-Section face_section(const par::Comm& comm, GlobalId n_cells, const Run& run, const Flow& flow) {
+Section face_section(const par::Comm& comm, GlobalId n_cells, const RunState& run, const Flow& flow) {
   const auto numbers = number_faces(comm, n_cells, flow.domain());
   Words words;
   const auto add = [&](const SurfaceTally::Sums& s) {
@@ -101,9 +101,9 @@ Section face_section(const par::Comm& comm, GlobalId n_cells, const Run& run, co
   };
   for (std::size_t f = 0; f < numbers.of.size(); ++f) {
     add(flow.surface.face[f]);
-    add(run.state.face[f].sums);
-    words.push_back(word(run.state.face[f].heat_squares));
-    words.push_back(word(run.state.face[f].pressure_squares));
+    add(run.face[f].sums);
+    words.push_back(word(run.face[f].heat_squares));
+    words.push_back(word(run.face[f].pressure_squares));
   }
   return {"faces", numbers.total, face_words,
           par::scatter_rows<std::uint64_t>(comm, numbers.total, words, face_words, numbers.of)};
@@ -118,7 +118,7 @@ nlohmann::json species_of(const Flow& flow) {
 nlohmann::json setup_of(const Flow& flow) {
   const auto& setup = flow.setup();
   nlohmann::json shown{
-      {"species", species_of(flow)}, {"dt", setup.dt}, {"molecules", setup.molecules}, {"unit", setup.unit}};
+      {"species", species_of(flow)}, {"dt", setup.dt}, {"molecules", setup.fnum}, {"unit", setup.unit}};
   if (setup.gas.is_weighted)
     for (const auto& s : setup.gas.species) shown["weights"].push_back(s.weight);
   return shown;
@@ -166,7 +166,7 @@ void restore_particles(const par::Comm& comm, const Section& section, GlobalId n
   flow.particles.sort_by_cell(flow.domain().n_cells());
 }
 
-void restore_faces(const par::Comm& comm, const Section& section, GlobalId n_cells, Run& run, Flow& flow) {
+void restore_faces(const par::Comm& comm, const Section& section, GlobalId n_cells, RunState& run, Flow& flow) {
   const auto numbers = number_faces(comm, n_cells, flow.domain());
   if (section.rows != numbers.total)
     throw Error(fmt::format("checkpoint: expected {} boundary faces, found {}", numbers.total, section.rows));
@@ -177,7 +177,7 @@ void restore_faces(const par::Comm& comm, const Section& section, GlobalId n_cel
   for (std::size_t f = 0; f < numbers.of.size(); ++f) {
     const auto* w = words.data() + f * face_words;
     flow.surface.face[f] = sums(w);
-    run.state.face[f] = {sums(w + 5), real(w[10]), real(w[11])};
+    run.face[f] = {sums(w + 5), real(w[10]), real(w[11])};
   }
 }
 
@@ -194,7 +194,7 @@ MeshKey key_of(const par::Comm& comm, const mesh::DistMesh& mesh) {
           mesh.info.n_global_cells};
 }
 
-Snapshot take_snapshot(const par::Comm& comm, const MeshKey& mesh, const Run& run, const Flow& flow) {
+Snapshot take_snapshot(const par::Comm& comm, const MeshKey& mesh, const RunState& run, const Flow& flow) {
   nlohmann::json header{{"fingerprint", mesh.fingerprint},
                         {"numbering", mesh.numbering},
                         {"n_cells", mesh.n_cells},
@@ -204,35 +204,40 @@ Snapshot take_snapshot(const par::Comm& comm, const MeshKey& mesh, const Run& ru
                         {"steps_in_block", flow.cells.steps_in_block},
                         {"steps_in_blocks", flow.cells.steps_in_blocks},
                         {"setup", setup_of(flow)},
-                        {"run", to_json(run.state)}};
+                        {"run", to_json(run)}};
   return {std::move(header), cell_section(comm, mesh.n_cells, flow), face_section(comm, mesh.n_cells, run, flow),
           particle_section(comm, mesh.n_cells, flow)};
 }
 
-void restore(const par::Comm& comm, const Snapshot& snapshot, const std::string& name, const MeshKey& mesh, Run& run,
-             Flow& flow) {
+void require_matching(const Snapshot& snapshot, const std::string& file, const MeshKey& mesh, const Flow& flow) {
   const auto& header = snapshot.header;
   if (header.at("fingerprint") != mesh.fingerprint)
     throw Error(fmt::format(
         "file '{}': expected a checkpoint of this mesh (fingerprint {:x}), found one of another mesh "
         "({:x}, {} cells)",
-        name, mesh.fingerprint, header["fingerprint"].get<std::uint64_t>(), header["n_cells"].get<GlobalId>()));
+        file, mesh.fingerprint, header["fingerprint"].get<std::uint64_t>(), header["n_cells"].get<GlobalId>()));
   if (header.at("numbering") != mesh.numbering)
-    throw Error(fmt::format("file '{}': expected the cells in the order of this mesh, found another order", name));
+    throw Error(fmt::format("file '{}': expected the cells in the order of this mesh, found another order", file));
   if (header.at("setup") != setup_of(flow))
-    throw Error(fmt::format("file '{}': expected a checkpoint of this case, {}, found {}", name, setup_of(flow).dump(),
+    throw Error(fmt::format("file '{}': expected a checkpoint of this case, {}, found {}", file, setup_of(flow).dump(),
                             header["setup"].dump()));
-  run.state = run_state_from(header.at("run"), flow.domain().boundary.size());
-  flow.resume(run.state.sampling);
+}
+
+RunState restore(const par::Comm& comm, const Snapshot& snapshot, Flow& flow) {
+  const auto& header = snapshot.header;
+  const auto n_cells = snapshot.cells.rows;
+  auto run = run_state_from(header.at("run"), flow.domain().boundary.size());
+  flow.resume(run.sampling);
   flow.steps_done = header.at("steps_done");
   flow.cells.steps = header.at("sampled_steps");
   flow.cells.blocks = header.at("sampled_blocks");
   flow.cells.steps_in_block = header.at("steps_in_block");
   flow.cells.steps_in_blocks = header.at("steps_in_blocks");
   std::vector<std::int64_t> count;
-  restore_cells(comm, snapshot.cells, mesh.n_cells, flow, count);
-  restore_particles(comm, snapshot.particles, mesh.n_cells, flow, count);
-  restore_faces(comm, snapshot.faces, mesh.n_cells, run, flow);
+  restore_cells(comm, snapshot.cells, n_cells, flow, count);
+  restore_particles(comm, snapshot.particles, n_cells, flow, count);
+  restore_faces(comm, snapshot.faces, n_cells, run, flow);
+  return run;
 }
 
 void write_checkpoint(const par::Comm& comm, const std::string& file, const Snapshot& snapshot) {

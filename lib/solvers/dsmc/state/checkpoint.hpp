@@ -7,7 +7,8 @@
 
 #include "pamr/mesh/dist_mesh.hpp"
 #include "pamr/par/comm.hpp"
-#include "solvers/dsmc/run/run.hpp"
+#include "solvers/dsmc/flow/flow.hpp"
+#include "solvers/dsmc/state/run_state.hpp"
 #include "solvers/dsmc/state/section_file.hpp"
 
 namespace pamr::dsmc {
@@ -21,25 +22,28 @@ struct MeshKey {
 /// Collective.
 MeshKey key_of(const par::Comm& comm, const mesh::DistMesh& mesh);
 
-/// Everything that a computation needs to go on, in tables that no longer depend on ranks and partition: particles in
-/// the order of their global cells and ids, collisions and averages of the cells, sums on the walls, history.
+/// Everything that a computation needs to go on, in tables that do not depend on ranks and partition: particles in the
+/// order of their global cells and ids, collisions and averages of the cells, sums on the walls, history.
 struct Snapshot {
   nlohmann::json header;
   Section cells, faces, particles;
 };
 
-/// Collective. Memory: twice the particles for a while.
-Snapshot take_snapshot(const par::Comm& comm, const MeshKey& mesh, const Run& run, const Flow& flow);
+/// Collective. Memory: a copy of particles and cells, for a while two of the particles.
+Snapshot take_snapshot(const par::Comm& comm, const MeshKey& mesh, const RunState& run, const Flow& flow);
 
-/// Takes a computation up where it was, on any number of ranks and with any partition of the same mesh. `run` and
-/// `flow` are new and made from the same case. Collective. Throws the same `Error` on every rank for another mesh,
-/// species, time step or weight; `name` is the file's.
-void restore(const par::Comm& comm, const Snapshot& snapshot, const std::string& name, const MeshKey& mesh, Run& run,
-             Flow& flow);
+/// Puts a snapshot back into `flow`, which is new and made from the same case, on any number of ranks and with any
+/// partition of the same mesh. Returns the state of the run. Collective. Throws the same `Error` on every rank when the
+/// tables do not fit together.
+RunState restore(const par::Comm& comm, const Snapshot& snapshot, Flow& flow);
 
-/// A snapshot as a file: the same bytes on any number of ranks. Collective; throws `Error`.
+/// Throws `Error` for a snapshot from a file of another mesh, order of cells, species, time step or weight. Local; the
+/// same on every rank.
+void require_matching(const Snapshot& snapshot, const std::string& file, const MeshKey& mesh, const Flow& flow);
+
+/// Writes a snapshot as a file: the same bytes on any number of ranks. Collective; throws `Error`.
 void write_checkpoint(const par::Comm& comm, const std::string& file, const Snapshot& snapshot);
-/// Collective. Throws the same `Error` on every rank for a damaged file. `gas` of the case.
+/// Reads it back; `gas` of the case. Collective. Throws the same `Error` on every rank for a damaged file.
 Snapshot read_checkpoint(const par::Comm& comm, const std::string& file, const Gas& gas);
 
 }  // namespace pamr::dsmc

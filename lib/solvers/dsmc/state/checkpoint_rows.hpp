@@ -17,12 +17,12 @@ namespace pamr::dsmc {
 
 /// particles: id, species (low half) and last partner (high half), position, velocity, rotational energy.
 inline constexpr std::size_t particle_words = 9;
-/// cells: particles, greatest, remainder, temperature, separation, collisions, block, squares of blocks, volume and
-/// molecules a particle, then for each species n, velocity, square and rotation summed.
+/// cells: particles, (sigma c_r)_max, remainder, temperature, separation, collisions, block, squares of blocks, volume
+/// and F_num, then for each species the sums of n, velocity, square and rotation.
 inline constexpr std::size_t fixed_cell_words = 10, species_words = 6;
-inline constexpr std::size_t volume_word = 8, molecules_word = 9;
+inline constexpr std::size_t volume_word = 8, fnum_word = 9;
 
-/// Words of a row of cells. In a gas with species of unlike weights the energy that the cell owes comes last.
+/// Words of a row of cells. In a gas with species of different weights the energy deficit comes last.
 inline std::size_t cell_words(std::size_t n_species, bool is_weighted) {
   return fixed_cell_words + species_words * n_species + (is_weighted ? 1 : 0);
 }

@@ -20,19 +20,19 @@ using namespace geometry;
 
 namespace {
 
-/// A new cell that offers itself to the particles of its parent.
-struct Offer {
+/// A new cell that could take the particles of its parent.
+struct Candidate {
   GlobalId parent = 0, cell = 0;
   double volume = 0;
   Rank rank = 0;
 };
 
-/// A particle on its way to the rank of the cell from which it will be looked for.
+/// A particle on its way to the rank of the cell from which the search for its place starts.
 struct Passenger {
   GlobalId row = 0;   ///< of the old particles
   GlobalId host = 0;  ///< new cell
   Vec3 position;
-  double molecules = 0;  ///< that it stands for
+  double fnum = 0;  ///< real molecules that it stands for
 };
 
 /// The old cells of this rank's cells, both counted from the meshes' first.
@@ -56,11 +56,11 @@ std::vector<GlobalId> parents_of(const mesh::DistMesh& mesh, const std::string& 
   return parents;
 }
 
-/// The new cells that stand for each old cell of this rank's block: the one with the smallest number hosts.
-std::vector<Offer> hosts(const par::Comm& comm, const std::string& file, const mesh::DistMesh& mesh,
-                         const std::vector<GlobalId>& parent, const Section& old_cells, double unit) {
+/// The new cell that takes the particles of each old cell of this rank's block: the one with the smallest number.
+std::vector<Candidate> find_hosts(const par::Comm& comm, const std::string& file, const mesh::DistMesh& mesh,
+                                  const std::vector<GlobalId>& parent, const Section& old_cells, double unit) {
   const auto number = cells_from_0(mesh);
-  std::vector<par::Outgoing<Offer>> messages(static_cast<std::size_t>(comm.size()));
+  std::vector<par::Outgoing<Candidate>> messages(static_cast<std::size_t>(comm.size()));
   for (Rank r = 0; r < comm.size(); ++r) messages[static_cast<std::size_t>(r)].to = r;
   for (std::size_t c = 0; c < parent.size(); ++c) {
     const auto cell = static_cast<LocalId>(c);
@@ -72,15 +72,15 @@ std::vector<Offer> hosts(const par::Comm& comm, const std::string& file, const m
   std::erase_if(messages, [](const auto& m) { return m.item.empty(); });
   const auto first = par::block_range(old_cells.rows, comm.rank(), comm.size()).begin;
   const auto n = old_cells.block.size() / old_cells.width;
-  std::vector<Offer> host(n, Offer{-1, -1, 0, 0});
-  for (const auto& offer : comm.sparse_exchange(messages).item) {
-    auto& best = host[static_cast<std::size_t>(offer.parent - first)];
-    const double together = best.volume + offer.volume;
-    if (best.cell < 0 || offer.cell < best.cell) best = offer;
-    best.volume = together;
+  std::vector<Candidate> host(n, Candidate{-1, -1, 0, 0});
+  for (const auto& candidate : comm.sparse_exchange(messages).item) {
+    auto& best = host[static_cast<std::size_t>(candidate.parent - first)];
+    const double total = best.volume + candidate.volume;
+    if (best.cell < 0 || candidate.cell < best.cell) best = candidate;
+    best.volume = total;
   }
 
-  // A mesh that was not refined from that one has other volumes behind the same numbers.
+  // In a mesh that was not refined from the old one the same numbers belong to other volumes.
   constexpr double scale = 1e6;
   std::int64_t wrong[2] = {0, 0};
   for (std::size_t c = 0; c < n; ++c) {
@@ -95,7 +95,7 @@ std::vector<Offer> hosts(const par::Comm& comm, const std::string& file, const m
         fmt::format("file '{}': expected a checkpoint on the mesh that this one was refined from, found cells of "
                     "other volumes",
                     file));
-  // An old cell without a centroid in it takes the host of a neighbor in the order of the cells.
+  // An old cell that contains no centroid takes the host of the cell before or after it.
   for (std::size_t c = 1; c < n; ++c)
     if (host[c].cell < 0) host[c] = host[c - 1];
   for (std::size_t c = n; c-- > 1;)
@@ -103,9 +103,9 @@ std::vector<Offer> hosts(const par::Comm& comm, const std::string& file, const m
   return host;
 }
 
-/// Sends every old particle to the rank of its host. `word_of` are this rank's block of the old particles.
+/// Sends every old particle to the rank of its host. Collective.
 std::vector<Passenger> send_to_hosts(const par::Comm& comm, const Section& old_cells, const Section& old_particles,
-                                     const std::vector<double>& weights, const std::vector<Offer>& host) {
+                                     const std::vector<double>& weights, const std::vector<Candidate>& host) {
   std::vector<std::int64_t> count;
   std::int64_t here = 0;
   for (std::size_t c = 0; c < host.size(); ++c) {
@@ -133,17 +133,17 @@ std::vector<Passenger> send_to_hosts(const par::Comm& comm, const Section& old_c
           {rows[at],
            host[c].cell,
            {real(w[2]), real(w[3]), real(w[4])},
-           real(old_cells.block[c * old_cells.width + molecules_word]) * weight});
+           real(old_cells.block[c * old_cells.width + fnum_word]) * weight});
     }
   std::erase_if(messages, [](const auto& m) { return m.item.empty(); });
   return comm.sparse_exchange(messages).item;
 }
 
-/// Walks them to their places: particles whose id is the row of the old one, and whose rotation is its weight.
+/// Moves them to their places: particles whose id is the row of the old one, and whose rotation is its F_num.
 Particles locate(const par::Comm& comm, const mesh::DistMesh& mesh, const Flow& flow,
                  const std::vector<Passenger>& passengers) {
   const double unit = flow.setup().unit;
-  const auto domain = make_domain(mesh, unit, 1, 1);
+  const auto domain = make_gas_domain(mesh, unit, 1, 1);
   BoundaryCondition away;
   away.kind = BoundaryCondition::Kind::outflow;
   const std::vector<BoundaryCondition> patch(mesh.info.patches.size(), away);
@@ -157,7 +157,7 @@ Particles locate(const par::Comm& comm, const mesh::DistMesh& mesh, const Flow& 
     flight.particle.position = 0.25 * (corner[0] + corner[1] + corner[2] + corner[3]);
     flight.particle.velocity = passenger.position - flight.particle.position;
     flight.particle.id = static_cast<std::uint64_t>(passenger.row);
-    flight.particle.rotation = passenger.molecules;
+    flight.particle.rotation = passenger.fnum;
     flight.particle.cell = cell;
     flight.time = 1;
     flights.push_back(flight);
@@ -170,7 +170,7 @@ Particles locate(const par::Comm& comm, const mesh::DistMesh& mesh, const Flow& 
   return placed;
 }
 
-/// Makes whole particles of old ones that stand for more or fewer molecules, and numbers them.
+/// Makes whole particles from old ones of another F_num, and numbers them.
 void copy_particles(const par::Comm& comm, const mesh::DistMesh& mesh, const Particles& placed,
                     const std::vector<std::uint64_t>& words, Flow& flow) {
   const auto n_species = flow.setup().gas.species.size();
@@ -181,7 +181,7 @@ void copy_particles(const par::Comm& comm, const mesh::DistMesh& mesh, const Par
       const auto c = static_cast<std::size_t>(placed.cell[i]);
       Random random(flow.setup().seed, Purpose::thinning, placed.id[i], flow.steps_done);
       const auto copies =
-          static_cast<std::int64_t>(placed.rotation[i] / flow.molecules_of(c, p.species) + random.uniform_fine());
+          static_cast<std::int64_t>(placed.rotation[i] / flow.fnum_of(c, p.species) + random.uniform_fine());
       p.cell = placed.cell[i];
       p.partner = 0;  // the old numbers mean nothing any more
       for (std::int64_t k = 0; k < copies; ++k) flow.particles.append(p);
@@ -197,7 +197,7 @@ void copy_particles(const par::Comm& comm, const mesh::DistMesh& mesh, const Par
 
 }  // namespace
 
-Carried carry(const par::Comm& comm, const std::string& name, const mesh::DistMesh& mesh, Flow& flow) {
+Transferred transfer_particles(const par::Comm& comm, const std::string& name, const mesh::DistMesh& mesh, Flow& flow) {
   const SectionFile file(comm, name);
   nlohmann::json species = nlohmann::json::array();
   for (const auto& s : flow.setup().gas.species) species.push_back(s.name);
@@ -215,7 +215,7 @@ Carried carry(const par::Comm& comm, const std::string& name, const mesh::DistMe
   par::agree(comm, [&] { parent = parents_of(mesh, name, old_cells.rows); });
   flow.steps_done = file.header().at("steps_done");
 
-  const auto host = hosts(comm, name, mesh, parent, old_cells, flow.setup().unit);
+  const auto host = find_hosts(comm, name, mesh, parent, old_cells, flow.setup().unit);
   const auto placed = locate(comm, mesh, flow, send_to_hosts(comm, old_cells, old_particles, weights, host));
 
   std::vector<GlobalId> rows;
@@ -227,9 +227,10 @@ Carried carry(const par::Comm& comm, const std::string& name, const mesh::DistMe
   for (std::size_t c = 0; c < flow.collisions.size(); ++c) {
     const auto* w = old.data() + c * width;
     const auto& domain = flow.domain();
-    const double part = domain.volume[c] / real(w[volume_word]) * real(w[molecules_word]) / domain.molecules[c];
-    const double owed = setup.contains("weights") && flow.setup().gas.is_weighted ? part * real(w[width - 1]) : 0;
-    flow.collisions[c] = {real(w[1]), 0, real(w[3]), 0, 0, owed};
+    const double part = domain.volume[c] / real(w[volume_word]) * real(w[fnum_word]) / domain.fnum[c];
+    const double energy_deficit =
+        setup.contains("weights") && flow.setup().gas.is_weighted ? part * real(w[width - 1]) : 0;
+    flow.collisions[c] = {real(w[1]), 0, real(w[3]), 0, 0, energy_deficit};
   }
   const auto found = comm.sum(static_cast<std::int64_t>(placed.size()));
   return {old_particles.rows, flow.n_particles(), old_particles.rows - found, flow.steps_done};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "solvers/dsmc/sampling/steady.hpp"
+#include "solvers/dsmc/sampling/steadiness.hpp"
 
 #include <fmt/format.h>
 
@@ -44,7 +44,7 @@ Line fit(std::span<const double> y) {
 
 }  // namespace
 
-Verdict judge_steadiness(const std::vector<Series>& series, std::size_t window) {
+Verdict assess_steadiness(const std::vector<Series>& series, std::size_t window) {
   Verdict verdict{true, {}};
   const auto windows = fmt::format("the last two windows of {} intervals", window);
   for (const auto& s : series) {

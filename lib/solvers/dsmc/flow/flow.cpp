@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "solvers/dsmc/kernel/flow.hpp"
+#include "solvers/dsmc/flow/flow.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -32,7 +33,7 @@ double typical_speed(const Setup& setup) {
   return speed;
 }
 
-double hottest(const Setup& setup) {
+double max_temperature(const Setup& setup) {
   double t = 0;
   for (const auto& s : setup.stream) t = std::max(t, s.temperature);
   for (const auto& p : setup.patch) t = std::max(t, p.temperature);
@@ -61,29 +62,24 @@ Vec3 point_in(const TetPoints& corner, Random& random) {
 
 }  // namespace
 
-bool Region::holds(Vec3 p) const {
-  if (radius > 0) return norm(p - center) <= radius;
-  return p.x >= low.x && p.y >= low.y && p.z >= low.z && p.x <= high.x && p.y <= high.y && p.z <= high.z;
-}
-
 Flow::Flow(const par::Comm& comm, const mesh::DistMesh& mesh, Setup setup)
     : comm_(&comm),
       setup_(std::move(setup)),
-      domain_(make_domain(mesh, setup_.unit, setup_.dt, setup_.molecules)),
+      domain_(make_gas_domain(mesh, setup_.unit, setup_.dt, setup_.fnum)),
       collider_(setup_.gas, setup_.collisions, setup_.seed) {
   PAMR_EXPECTS(setup_.patch.size() == mesh.info.patches.size());
-  if (!(setup_.dt > 0) || !(setup_.molecules > 0))
+  if (!(setup_.dt > 0) || !(setup_.fnum > 0))
     throw Error(fmt::format("expected a positive time step and weight, found {} s and {} molecules a particle",
-                            setup_.dt, setup_.molecules));
+                            setup_.dt, setup_.fnum));
   join_periodic(comm, mesh, setup_.patch, domain_);
   const auto n = static_cast<std::size_t>(mesh.n_cells());
   if (!setup_.cell_dt.empty()) {
     PAMR_EXPECTS(setup_.cell_dt.size() == n);
     domain_.uniform_dt = false;
     domain_.dt = setup_.cell_dt;
-    for (std::size_t c = 0; c < n; ++c) domain_.molecules[c] = setup_.molecules * (domain_.dt[c] / setup_.dt);
+    for (std::size_t c = 0; c < n; ++c) domain_.fnum[c] = setup_.fnum * (domain_.dt[c] / setup_.dt);
   }
-  collisions = start_collisions(setup_.gas, hottest(setup_), n);
+  collisions = start_collisions(setup_.gas, max_temperature(setup_), n);
   surface.face.resize(domain_.boundary.size());
   surface.set_units(setup_.gas.species.front().mass, typical_speed(setup_));
   cells.clear(n, setup_.gas);
@@ -106,7 +102,7 @@ void Flow::fill(const mesh::DistMesh& mesh) {
     const auto& stream = setup_.stream[static_cast<std::size_t>(which)];
     Random random(setup_.seed, Purpose::seed, static_cast<std::uint64_t>(domain_.cell_global[c]), steps_done);
     for (std::uint32_t s = 0; s < n_species; ++s) {
-      const double mean = stream.density * stream.fraction[s] * domain_.volume[c] / molecules_of(c, s);
+      const double mean = stream.density * stream.fraction[s] * domain_.volume[c] / fnum_of(c, s);
       const auto n = static_cast<std::int64_t>(mean + random.uniform_fine());
       for (std::int64_t i = 0; i < n; ++i) {
         auto p = draw_particle(setup_.gas, stream, s, random);
@@ -125,26 +121,44 @@ void Flow::fill(const mesh::DistMesh& mesh) {
   particles.sort_by_cell(domain_.n_cells());
 }
 
-StepCounts Flow::step() {
+StepCounts Flow::step(bool wants_stop) {
   StepCounts counts;
   std::vector<Flight> entering;
-  par::agree(*comm_, [&] { inflow_->draw(steps_done, entering); });
+  std::optional<Error> trouble;  // of this rank: thrown once all ranks know of it
+  try {
+    inflow_->draw(steps_done, entering);
+  } catch (const Error& error) {
+    trouble = error;
+  }
   counts.entered = static_cast<std::int64_t>(entering.size());
   const auto before = static_cast<std::int64_t>(particles.size()) + counts.entered;
   counts.moved = move(*comm_, rules(), steps_done, particles, entering, surface);
-  double start = cpu_seconds();
+  const double start = cpu_seconds();
   particles.sort_by_cell(domain_.n_cells());
-  counts.compute_seconds = counts.moved.compute_seconds + cpu_seconds() - start;
   counts.particles = static_cast<std::int64_t>(particles.size());
-  const auto missing = comm_->sum(before - counts.moved.left - counts.particles);
-  lost_ += missing;
-  if (missing != 0) throw ContractViolation(fmt::format("{} particles were lost in step {}", missing, steps_done));
-  start = cpu_seconds();
   counts.collided = collider_.collide(domain_, steps_done, particles, collisions);
   if (sampling_) cells.add(particles, setup_.gas);
-  counts.compute_seconds += cpu_seconds() - start;
+  counts.compute_seconds = counts.moved.compute_seconds + cpu_seconds() - start;
+  counts.all = add_up(counts, before - counts.moved.left - counts.particles, wants_stop, trouble);
   ++steps_done;
   return counts;
+}
+
+/// All that the ranks have to tell each other after a step, in one reduction.
+StepTotals Flow::add_up(const StepCounts& here, std::int64_t missing, bool wants_stop,
+                        const std::optional<Error>& trouble) {
+  std::array<std::int64_t, 10> sums{
+      here.entered,     here.moved.left,       here.moved.wall_hits, here.collided.collisions, here.moved.crossings,
+      here.moved.stuck, here.collided.clamped, wants_stop ? 1 : 0,   trouble ? 1 : 0,          missing};
+  comm_->sum_in_place(sums);
+  const auto [entered, left, wall_hits, collisions, crossings, stuck, clamped, stops, troubled, lost] = sums;
+  if (troubled > 0)
+    par::agree(*comm_, [&] {
+      if (trouble) throw *trouble;
+    });
+  lost_ += lost;
+  if (lost != 0) throw ContractViolation(fmt::format("{} particles were lost in step {}", lost, steps_done));
+  return {entered, left, wall_hits, collisions, crossings, stuck, clamped, stops > 0};
 }
 
 void Flow::start_sampling() {

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "solvers/dsmc/run/make_setup.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -7,7 +9,6 @@
 #include "pamr/base/error.hpp"
 #include "pamr/par/reproducible_sum.hpp"
 #include "solvers/dsmc/gas/kinetic_theory.hpp"
-#include "solvers/dsmc/run/flow_case.hpp"
 
 namespace pamr::dsmc {
 
@@ -19,10 +20,10 @@ std::vector<BoundaryCondition> conditions_of(const Case& c, const mesh::DistMesh
   std::vector<BoundaryCondition> conditions;
   std::string names, missing;
   for (const auto& patch : mesh.info.patches) {
-    names += (names.empty() ? "" : ", ") + patch.name;
+    names += fmt::format("{}{}", names.empty() ? "" : ", ", patch.name);
     const auto found = c.boundary.find(patch.name);
     if (found == c.boundary.end())
-      missing += (missing.empty() ? "" : ", ") + patch.name;
+      missing += fmt::format("{}{}", missing.empty() ? "" : ", ", patch.name);
     else
       conditions.push_back(found->second);
   }
@@ -50,8 +51,8 @@ double unit_of(const Case& c, const mesh::DistMesh& mesh) {
                           c.where, mesh.info.length_unit));
 }
 
-/// The gas in each cell by which its time step goes: the free stream, or what an earlier run has found there.
-struct Local {
+/// The gas that decides a cell's time step: the free stream, or what an earlier run has found there.
+struct LocalGas {
   double density = 0;         ///< 1/m3
   double fast = 0;            ///< m/s, of a fast molecule
   double collision_time = 0;  ///< s
@@ -67,15 +68,15 @@ const std::vector<double>& field_of(const Case& c, const mesh::DistMesh& mesh, c
   return field->real();
 }
 
-std::vector<Local> local_gas(const Case& c, const mesh::DistMesh& mesh) {
+std::vector<LocalGas> local_gas(const Case& c, const mesh::DistMesh& mesh) {
   const auto& free = c.stream.front();
   double lightest = c.gas.species.front().mass;
   for (const auto& s : c.gas.species) lightest = std::min(lightest, s.mass);
   Gas gas = c.gas;
   gas.fraction = free.fraction;
-  Local far{free.density, norm(free.velocity) + most_probable_speed(free.temperature, lightest),
-            free.density > 0 ? 1 / collision_frequency(mean_species(gas), free.density, free.temperature) : 1e30};
-  std::vector<Local> cells(static_cast<std::size_t>(mesh.n_cells()), far);
+  LocalGas far{free.density, norm(free.velocity) + most_probable_speed(free.temperature, lightest),
+               free.density > 0 ? 1 / collision_frequency(mean_species(gas), free.density, free.temperature) : 1e30};
+  std::vector<LocalGas> cells(static_cast<std::size_t>(mesh.n_cells()), far);
   if (!c.from_fields) return cells;
   const auto &n = field_of(c, mesh, "n", 1), &u = field_of(c, mesh, "u", 3), &t = field_of(c, mesh, "T_tr", 1),
              &tau = field_of(c, mesh, "tau_c", 1);
@@ -89,9 +90,10 @@ std::vector<Local> local_gas(const Case& c, const mesh::DistMesh& mesh) {
   return cells;
 }
 
-/// Time step of each cell: the part `cell_fraction` of its size at the speed of a fast molecule and the part
-/// `collision_fraction` of the collision time, at most `dt`.
-std::vector<double> time_steps(const Case& c, const mesh::DistMesh& mesh, double unit, const std::vector<Local>& gas) {
+/// Time step of each cell: in it a fast molecule passes at most `cell_fraction` of the cell's size; it is at most
+/// `collision_fraction` of the collision time, and at most `dt`.
+std::vector<double> time_steps(const Case& c, const mesh::DistMesh& mesh, double unit,
+                               const std::vector<LocalGas>& gas) {
   std::vector<double> steps;
   if (c.cell_fraction == 0 && c.collision_fraction == 0) return steps;
   for (LocalId cell = 0; cell < mesh.n_cells(); ++cell) {
@@ -106,6 +108,10 @@ std::vector<double> time_steps(const Case& c, const mesh::DistMesh& mesh, double
 }
 
 }  // namespace
+
+std::vector<double> make_cell_dt(const Case& c, const mesh::DistMesh& mesh, double unit) {
+  return time_steps(c, mesh, unit, local_gas(c, mesh));
+}
 
 Setup make_setup(const par::Comm& comm, const Case& c, const mesh::DistMesh& mesh) {
   Setup setup;
@@ -131,21 +137,21 @@ Setup make_setup(const par::Comm& comm, const Case& c, const mesh::DistMesh& mes
     sums[2].add(steps);
   }
   const auto total = par::reproducible_sums(comm, sums);
-  setup.slowness = total[2] / total[1];
+  setup.mean_dt_ratio = total[2] / total[1];
   const auto& free = c.stream.front();
   const double molecules = (c.from_fields ? 1 : free.density) * total[0] * particles_per_molecule(c.gas, free.fraction);
   if (c.weight)
-    setup.molecules = *c.weight;
+    setup.fnum = *c.weight;
   else if (c.total)
-    setup.molecules = molecules / *c.total;
+    setup.fnum = molecules / *c.total;
   else
-    setup.molecules = molecules / (*c.per_cell * static_cast<double>(mesh.info.n_global_cells));
-  if (!(setup.molecules > 0))
+    setup.fnum = molecules / (*c.per_cell * static_cast<double>(mesh.info.n_global_cells));
+  if (!(setup.fnum > 0))
     throw Error(
         fmt::format("{}: expected a density above 0 in [stream.free], from which the weight follows, or weight "
                     "in [particles]",
                     c.where));
-  setup.expected_particles = molecules / setup.molecules;
+  setup.expected_particles = molecules / setup.fnum;
   return setup;
 }
 

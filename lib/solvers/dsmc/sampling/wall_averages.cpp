@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "solvers/dsmc/run/wall_file.hpp"
+#include "solvers/dsmc/sampling/wall_averages.hpp"
 
 #include <fmt/format.h>
 
@@ -7,6 +7,8 @@
 #include <cmath>
 #include <functional>
 #include <map>
+
+#include "pamr/base/index.hpp"
 
 namespace pamr::dsmc {
 
@@ -22,33 +24,42 @@ double error_of(double total, double squares, double blocks) {
 
 }  // namespace
 
-std::vector<FaceRow> wall_faces(const par::Comm& comm, const Run& run) {
-  const auto& flow = run.flow();
-  const auto& setup = flow.setup();
-  const double steps = static_cast<double>(std::max<std::int64_t>(1, flow.cells.steps_in_blocks));
-  const double per_step = setup.molecules / setup.dt / steps, blocks = static_cast<double>(run.state.blocks.size());
+void FaceTotals::add_block(const SurfaceTally::Sums& block, Vec3 normal) {
+  const auto& m = block.momentum;
+  const double push = normal.x * static_cast<double>(m[0]) + normal.y * static_cast<double>(m[1]) +
+                      normal.z * static_cast<double>(m[2]);
+  const double heat = static_cast<double>(block.energy);
+  sums.add(block);
+  heat_squares += heat * heat;
+  pressure_squares += push * push;
+}
+
+std::vector<FaceRow> wall_averages(const par::Comm& comm, const GasDomain& domain,
+                                   std::span<const BoundaryCondition> patch, std::span<const FaceTotals> totals,
+                                   const WallScale& scale) {
+  const double per_step = scale.fnum_per_time / scale.n_steps;
   std::vector<par::Outgoing<FaceRow>> messages{{0, {}}};
-  for (std::size_t b = 0; b < flow.domain().boundary.size(); ++b) {
-    const auto& face = flow.domain().boundary[b];
-    if (!setup.patch[static_cast<std::size_t>(face.patch)].is_wall()) continue;
-    const auto& total = run.state.face[b];
+  for (std::size_t b = 0; b < domain.boundary.size(); ++b) {
+    const auto& face = domain.boundary[b];
+    if (!patch[at(face.patch)].is_wall()) continue;
+    const auto& total = totals[b];
     const auto& m = total.sums.momentum;
-    const double momentum = flow.surface.momentum_unit * per_step / face.area;
-    const double energy = flow.surface.energy_unit * per_step / face.area;
+    const double momentum = scale.momentum_unit * per_step / face.area;
+    const double energy = scale.energy_unit * per_step / face.area;
     const Vec3 sum{static_cast<double>(m[0]), static_cast<double>(m[1]), static_cast<double>(m[2])};
     const double push = dot(sum, face.normal), heat = static_cast<double>(total.sums.energy);
     FaceRow row;
-    row.cell = flow.domain().cell_global[static_cast<std::size_t>(face.cell)];
+    row.cell = domain.cell_global[at(face.cell)];
     row.slot = face.slot;
     row.patch = face.patch;
     row.corner = face.corner;
     row.area = face.area;
     row.pressure = momentum * push;
-    row.pressure_error = momentum * error_of(push, total.pressure_squares, blocks);
+    row.pressure_error = momentum * error_of(push, total.pressure_squares, scale.n_blocks);
     row.shear = momentum * (sum - push * face.normal);
     row.heat = energy * heat;
-    row.heat_error = energy * error_of(heat, total.heat_squares, blocks);
-    row.hits = static_cast<double>(total.sums.hits) / steps;
+    row.heat_error = energy * error_of(heat, total.heat_squares, scale.n_blocks);
+    row.hits = static_cast<double>(total.sums.hits) / scale.n_steps;
     messages[0].item.push_back(row);
   }
   if (messages[0].item.empty()) messages.clear();
@@ -64,9 +75,9 @@ std::string to_vtu(const std::vector<FaceRow>& faces, double unit) {
   std::string points, connectivity, offsets, types;
   for (const auto& face : faces) {
     for (const auto& p : face.corner) {
-      const auto [at, is_new] = number.emplace(p, number.size());
+      const auto [found, is_new] = number.emplace(p, number.size());
       if (is_new) points += fmt::format("{:.17g} {:.17g} {:.17g}\n", p.x / unit, p.y / unit, p.z / unit);
-      connectivity += fmt::format("{} ", at->second);
+      connectivity += fmt::format("{} ", found->second);
     }
     connectivity += '\n';
   }

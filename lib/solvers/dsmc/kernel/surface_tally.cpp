@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "solvers/dsmc/sampling/surface_tally.hpp"
+#include "solvers/dsmc/kernel/surface_tally.hpp"
 
 namespace pamr::dsmc {
 

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "solvers/dsmc/state/run_state_json.hpp"
+#include "solvers/dsmc/state/run_state.hpp"
+
+#include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
 
@@ -41,13 +43,13 @@ json to_json(const RunState& s) {
   return {{"sampling", s.sampling},
           {"sampling_since", s.sampling_since},
           {"first_step", s.first_step},
-          {"carried", s.carried},
+          {"carried", s.transferred},
           {"steady_reason", s.steady_reason},
           {"in_interval", s.in_interval},
           {"interval", row_to_json(s.interval)},
           {"history", history},
           {"blocks", blocks},
-          {"abandoned", s.abandoned},
+          {"abandoned", s.stuck},
           {"clamped", s.clamped}};
 }
 
@@ -57,7 +59,7 @@ RunState run_state_from(const json& j, std::size_t n_faces) {
     s.sampling = j.at("sampling");
     s.sampling_since = j.at("sampling_since");
     s.first_step = j.at("first_step");
-    s.carried = j.at("carried");
+    s.transferred = j.at("carried");
     s.steady_reason = j.at("steady_reason");
     s.in_interval = j.at("in_interval");
     s.interval = row_from(j.at("interval"));
@@ -66,12 +68,12 @@ RunState run_state_from(const json& j, std::size_t n_faces) {
       s.blocks.emplace_back();
       for (const auto& load : block) s.blocks.back().push_back(load_from(load));
     }
-    s.abandoned = j.at("abandoned");
+    s.stuck = j.at("abandoned");
     s.clamped = j.at("clamped");
     s.face.resize(n_faces);
     return s;
   } catch (const json::exception& wrong) {
-    throw Error(std::string("checkpoint: expected the state of a run, found other data: ") + wrong.what());
+    throw Error(fmt::format("checkpoint: expected the state of a run, found other data: {}", wrong.what()));
   }
 }
 

@@ -22,6 +22,6 @@ struct Verdict {
 /// straight line through its values changes by less than max(3 standard errors, 0.5 % of the mean), and at most by 5 %
 /// of the mean, and the two means differ by no more than that either. A series whose mean is 0 counts as steady.
 /// Local; the same on all ranks if the series are.
-Verdict judge_steadiness(const std::vector<Series>& series, std::size_t window);
+Verdict assess_steadiness(const std::vector<Series>& series, std::size_t window);
 
 }  // namespace pamr::dsmc

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "solvers/dsmc/gas/gas.hpp"
+#include "solvers/dsmc/kernel/boundary.hpp"
+#include "solvers/dsmc/kernel/collide.hpp"
+
+namespace pamr::dsmc {
+
+/// A part of space that is filled with a stream's gas at the start: a sphere if `radius` is positive, otherwise a box.
+struct Region {
+  Vec3 low, high;  ///< m
+  Vec3 center;     ///< m
+  double radius = 0;
+  int stream = 0;
+
+  bool holds(Vec3 p) const {
+    if (radius > 0) return norm(p - center) <= radius;
+    return p.x >= low.x && p.y >= low.y && p.z >= low.z && p.x <= high.x && p.y <= high.y && p.z <= high.z;
+  }
+};
+
+/// Everything that a computation needs besides the mesh, in SI units.
+struct Setup {
+  Gas gas;
+  std::vector<Stream> stream;            ///< the first is the free stream
+  std::vector<BoundaryCondition> patch;  ///< one for each patch of the mesh
+  int initial = 0;                       ///< stream that fills the domain at the start; -1: vacuum
+  std::vector<Region> region;            ///< filled differently at the start; where they overlap the last one counts
+  CollisionOptions collisions;
+  double fnum = 1;              ///< F_num: real molecules per particle where the time step is `dt`
+  double dt = 0;                ///< s, the largest time step
+  std::vector<double> cell_dt;  ///< s, of each own cell; empty: `dt` in all. F_num varies with it
+  double mean_dt_ratio = 1;     ///< `dt` over the cell's time step, mean over the volume
+  double unit = 1;              ///< meters in the mesh's length unit
+  std::uint64_t seed = 1;
+  double expected_particles = 0;  ///< in a domain full of free stream (with `from_fields`: of the gas in the fields)
+};
+
+}  // namespace pamr::dsmc

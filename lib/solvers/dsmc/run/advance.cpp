@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "solvers/dsmc/run/advance.hpp"
+
+#include <algorithm>
+
+#include "pamr/base/timer.hpp"
+#include "solvers/dsmc/run/history.hpp"
+
+namespace pamr::dsmc {
+
+namespace {
+
+Phase phase_of(const Computation& computation) {
+  const auto& averaging = computation.averaging();
+  const auto done = static_cast<std::int64_t>(computation.flow().steps_done);
+  if (averaging.waits_for_steady_flow()) return {"waiting for a steady flow", done, -1};
+  return {"computing", done, static_cast<std::int64_t>(averaging.expected_steps())};
+}
+
+}  // namespace
+
+double Advance::rate() const { return particle_steps / std::max(cpu_seconds, 1e-9); }
+
+Advance advance(Computation& computation, const AdvanceOptions& options, const Observer& observer) {
+  const auto& comm = computation.comm();
+  const auto& state = computation.averaging().state();
+  const double start = cpu_seconds();
+  const auto steps_done = [&] { return computation.flow().steps_done; };
+  const auto write = [&] { write_checkpoint(comm, options.checkpoint, computation.snapshot()); };
+  observer.begin_phase(phase_of(computation));
+  double particle_steps = 0;
+  bool was_sampling = state.sampling;
+  StepResult last{computation.is_complete(), false};
+  while (!last.is_complete && !last.stop && !(options.steps && steps_done() >= *options.steps)) {
+    last = computation.step(observer.wants_stop());
+    particle_steps += static_cast<double>(computation.flow().particles.size());
+    if (!last.stop && !options.checkpoint.empty() && options.every > 0 && steps_done() % options.every == 0) write();
+    if (state.sampling && !was_sampling) {
+      was_sampling = true;
+      observer.report(state.steady_reason);
+      observer.begin_phase(phase_of(computation));
+    }
+    observer.after_step(static_cast<std::int64_t>(steps_done()), particles_and_drift(state.history));
+  }
+  if (!options.checkpoint.empty()) write();
+  Advance result{static_cast<double>(comm.sum(static_cast<std::int64_t>(particle_steps))), 0, last.stop};
+  for (const double one : comm.all_gather(cpu_seconds() - start)) result.cpu_seconds += one;
+  return result;
+}
+
+}  // namespace pamr::dsmc

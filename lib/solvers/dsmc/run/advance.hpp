@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "solvers/dsmc/run/computation.hpp"
+
+namespace pamr::dsmc {
+
+struct AdvanceOptions {
+  std::optional<std::uint64_t> steps;  ///< end after so many in all, transient included; none: as the case says
+  std::string checkpoint;              ///< file, written at the end; empty: none
+  std::uint64_t every = 0;             ///< steps from checkpoint to checkpoint; 0: at the end only
+};
+
+/// What a computation is doing, for a progress display.
+struct Phase {
+  std::string what;
+  std::int64_t done = 0;
+  std::int64_t total = -1;  ///< steps; below 0: not known
+};
+
+/// Who looks on, and may ask for the end. Each function is called on every rank and must not communicate.
+struct Observer {
+  std::function<bool()> wants_stop = [] { return false; };        ///< asked before each step
+  std::function<void(const std::string&)> report = [](auto&) {};  ///< what happened, one line
+  std::function<void(const Phase&)> begin_phase = [](auto&) {};   ///< a phase begins
+  std::function<void(std::int64_t steps_done, const std::string& note)> after_step = [](auto, auto&) {};
+};
+
+/// How far a computation was advanced.
+struct Advance {
+  double particle_steps = 0;  ///< of all ranks
+  double cpu_seconds = 0;     ///< of all ranks
+  bool was_stopped = false;   ///< because the observer of some rank asked for it
+
+  double rate() const;  ///< particle-steps per second of processor time
+};
+
+/// Advances the computation until the case or `options` is satisfied or an observer asks for the end; writes
+/// checkpoints on the way and at the end. Collective. Throws `Error` when a checkpoint cannot be written.
+Advance advance(Computation& computation, const AdvanceOptions& options, const Observer& observer);
+
+}  // namespace pamr::dsmc

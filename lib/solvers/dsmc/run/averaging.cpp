@@ -1,0 +1,223 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "solvers/dsmc/run/averaging.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "solvers/dsmc/gas/kinetic_theory.hpp"
+#include "solvers/dsmc/sampling/steadiness.hpp"
+
+namespace pamr::dsmc {
+
+using namespace geometry;
+
+namespace {
+
+constexpr std::size_t window = 10;  ///< intervals of a window of the steadiness test
+
+/// Steps in which the free stream passes the domain, on average over the volume where time steps vary.
+double flow_through_steps(const Flow& flow, const mesh::DistMesh& mesh) {
+  const auto& comm = flow.comm();
+  const auto& setup = flow.setup();
+  double low[3], high[3];
+  for (std::size_t k = 0; k < 3; ++k) {
+    low[k] = 1e300;
+    high[k] = -1e300;
+  }
+  for (const auto& p : mesh.node_position) {
+    const double x[3] = {p.x, p.y, p.z};
+    for (std::size_t k = 0; k < 3; ++k) {
+      low[k] = std::min(low[k], x[k]);
+      high[k] = std::max(high[k], x[k]);
+    }
+  }
+  double extent[3];
+  for (std::size_t k = 0; k < 3; ++k) extent[k] = setup.unit * (comm.max(high[k]) - comm.min(low[k]));
+  const auto& free = setup.stream.front();
+  const double c = most_probable_speed(free.temperature, setup.gas.mean_mass());
+  const double v[3] = {free.velocity.x, free.velocity.y, free.velocity.z};
+  double time = 1e300;
+  for (std::size_t k = 0; k < 3; ++k) time = std::min(time, extent[k] / std::max(std::fabs(v[k]), 0.5 * c));
+  return std::max(1.0, time / setup.dt * setup.mean_dt_ratio);
+}
+
+/// Temperatures of all particles together.
+struct Temperatures {
+  double translational = 0, rotational = 0;
+};
+/// Sums in fixed point, so that they do not depend on the ranks. Collective.
+Temperatures temperatures_of(const Flow& flow) {
+  const auto& p = flow.particles;
+  const auto& species = flow.setup().gas.species;
+  const auto& units = flow.surface;
+  std::vector<std::int64_t> sums(5 + species.size(), 0);  // momentum, energies, numbers of the species
+  const auto fixed = [](double value) { return std::llrint(value); };
+  for (std::size_t i = 0; i < p.size(); ++i) {
+    const double w = species[p.species[i]].weight, m = w * species[p.species[i]].mass;
+    const Vec3 v = p.velocity(i);
+    sums[0] += fixed(m * v.x / units.momentum_unit);
+    sums[1] += fixed(m * v.y / units.momentum_unit);
+    sums[2] += fixed(m * v.z / units.momentum_unit);
+    sums[3] += fixed(0.5 * m * squared_norm(v) / units.energy_unit);
+    sums[4] += fixed(w * p.rotation[i] / units.energy_unit);
+    ++sums[5 + p.species[i]];
+  }
+  flow.comm().sum_in_place(sums);
+  double mass = 0, n = 0, weights = 0, degrees = 0;
+  for (std::size_t s = 0; s < species.size(); ++s) {
+    n += static_cast<double>(sums[5 + s]);
+    const double count = species[s].weight * static_cast<double>(sums[5 + s]);
+    mass += species[s].mass * count;
+    weights += count;
+    degrees += species[s].rotational_degrees * count;
+  }
+  if (n < 2) return {};
+  const Vec3 momentum = units.momentum_unit *
+                        Vec3{static_cast<double>(sums[0]), static_cast<double>(sums[1]), static_cast<double>(sums[2])};
+  const double energy = units.energy_unit * static_cast<double>(sums[3]) - squared_norm(momentum) / (2 * mass);
+  return {energy / (1.5 * boltzmann * (weights - weights / n)),
+          degrees > 0 ? units.energy_unit * static_cast<double>(sums[4]) / (0.5 * degrees * boltzmann) : 0};
+}
+
+}  // namespace
+
+Averaging::Averaging(const Case& the_case, const mesh::DistMesh& mesh, const Flow& flow)
+    : schedule_(the_case.schedule),
+      point_(the_case.reference.point),
+      scale_(the_case.gas, the_case.stream.front(), the_case.reference),
+      body_(reference_patches(the_case.reference, mesh.info.patches, flow.setup().patch)) {
+  for (std::size_t p = 0; p < mesh.info.patches.size(); ++p)
+    if (flow.setup().patch[p].is_wall()) walls_.emplace_back(p, mesh.info.patches[p].name);
+  interval_ = std::max<std::int64_t>(1, std::llround(flow_through_steps(flow, mesh) / window));
+  block_ = schedule_.block > 0 ? schedule_.block : std::max<std::int64_t>(1, schedule_.sampling / 20);
+  state_.face.resize(flow.domain().boundary.size());
+}
+
+void Averaging::begin_transferred(std::uint64_t step) {
+  state_.first_step = step;
+  state_.transferred = true;
+}
+
+std::uint64_t Averaging::discarded() const {
+  return state_.transferred ? static_cast<std::uint64_t>(interval_) * window : 0;
+}
+
+std::uint64_t Averaging::first_sampled_step() const {
+  return state_.first_step + std::max(discarded(), static_cast<std::uint64_t>(schedule_.transient.value_or(0)));
+}
+
+std::uint64_t Averaging::expected_steps() const {
+  const auto sampled = static_cast<std::uint64_t>(schedule_.sampling);
+  if (state_.sampling) return state_.sampling_since + sampled;
+  return sampled +
+         static_cast<std::uint64_t>(schedule_.transient ? *schedule_.transient : 2 * interval_ * std::int64_t{window});
+}
+
+void Averaging::before_step(Flow& flow) {
+  if (!state_.sampling && schedule_.transient && flow.steps_done >= first_sampled_step())
+    begin_sampling(flow, fmt::format("averages begin after step {} as the case says", flow.steps_done));
+}
+
+void Averaging::after_step(Flow& flow, const StepTotals& counts) {
+  auto& row = state_.interval;
+  row.entered += counts.entered;
+  row.left += counts.left;
+  row.wall_hits += counts.wall_hits;
+  row.collisions += counts.collisions;
+  row.crossings += counts.crossings;
+  state_.stuck += counts.stuck;
+  state_.clamped += counts.clamped;
+  ++state_.in_interval;
+  if (state_.in_interval == (state_.sampling ? block_ : interval_)) end_interval(flow);
+}
+
+bool Averaging::is_complete(std::uint64_t steps_done) const {
+  if (!state_.sampling) return false;
+  const auto sampled = static_cast<std::int64_t>(steps_done - state_.sampling_since);
+  if (sampled >= schedule_.sampling) return true;
+  if (schedule_.stop_error == 0 || state_.blocks.size() < 20 || state_.in_interval != 0) return false;
+  const auto drag = results().body.drag;
+  return drag.value != 0 && drag.error <= schedule_.stop_error * std::fabs(drag.value);
+}
+
+void Averaging::begin_sampling(Flow& flow, const std::string& reason) {
+  if (state_.in_interval > 0) end_interval(flow);
+  state_.sampling = true;
+  state_.sampling_since = flow.steps_done;
+  state_.steady_reason = reason;
+  flow.start_sampling();
+}
+
+void Averaging::end_interval(Flow& flow) {
+  const auto faces = flow.end_block();
+  const auto& setup = flow.setup();
+  const auto loads = patch_loads(flow.comm(), flow.domain(), flow.surface, faces, setup.fnum / setup.dt,
+                                 state_.in_interval, point_, setup.patch.size());
+  auto row = std::exchange(state_.interval, {});
+  row.step = flow.steps_done;
+  row.sampled = state_.sampling;
+  row.n_steps = std::exchange(state_.in_interval, 0);
+  row.particles = flow.n_particles();
+  row.body = scale_.coefficients(sum_of(loads, body_));
+  const auto temperatures = temperatures_of(flow);
+  row.t_tr = temperatures.translational;
+  row.t_rot = temperatures.rotational;
+  state_.history.push_back(row);
+  if (state_.sampling) {
+    state_.blocks.push_back(loads);
+    for (std::size_t f = 0; f < faces.size(); ++f) state_.face[f].add_block(faces[f], flow.domain().boundary[f].normal);
+  } else if (!schedule_.transient && row.n_steps == interval_) {
+    assess_steadiness_of(flow);
+  }
+}
+
+/// Begins sampling if the history says that the flow is steady, or if the transient has lasted for too long.
+void Averaging::assess_steadiness_of(Flow& flow) {
+  std::vector<Series> series{{"the number of particles", {}}, {"the drag", {}}, {"the heat to the walls", {}}};
+  for (const auto& old : state_.history) {
+    if (old.sampled || old.step <= state_.first_step + discarded()) continue;
+    series[0].value.push_back(static_cast<double>(old.particles));
+    series[1].value.push_back(old.body.drag);
+    series[2].value.push_back(old.body.heat);
+  }
+  // Where the noise of few particles hides the slope, windows two, four, ... times as long are tried too.
+  auto verdict = assess_steadiness(series, window);
+  for (std::size_t longer = 2 * window; !verdict.is_steady && 2 * longer <= series[0].value.size(); longer *= 2)
+    if (auto other = assess_steadiness(series, longer); other.is_steady) verdict = std::move(other);
+  if (verdict.is_steady)
+    begin_sampling(flow, fmt::format("steady after step {}: {}", flow.steps_done, verdict.reason));
+  else if (flow.steps_done >= state_.first_step + static_cast<std::uint64_t>(schedule_.max_transient))
+    begin_sampling(flow, fmt::format("not steady after step {} (most_transient), averages begin all the same: {}",
+                                     flow.steps_done, verdict.reason));
+}
+
+void Averaging::finish(Flow& flow) {
+  if (state_.sampling && state_.blocks.empty() && state_.in_interval > 0) end_interval(flow);
+}
+
+Results::OfPatch Averaging::of(const std::string& name,
+                               const std::function<Load(const std::vector<Load>&)>& part) const {
+  std::vector<double> drag, lift, moment, heat;
+  for (const auto& block : state_.blocks) {
+    const auto c = scale_.coefficients(part(block));
+    drag.push_back(c.drag);
+    lift.push_back(c.lift);
+    moment.push_back(c.moment);
+    heat.push_back(c.heat);
+  }
+  return {name, estimate(drag), estimate(lift), estimate(moment), estimate(heat)};
+}
+
+Results Averaging::results() const {
+  Results results;
+  results.body = of("", [&](const std::vector<Load>& loads) { return sum_of(loads, body_); });
+  results.n_blocks = state_.blocks.size();
+  for (const auto& [p, name] : walls_)
+    results.walls.push_back(of(name, [p = p](const auto& loads) { return loads[p]; }));
+  return results;
+}
+
+}  // namespace pamr::dsmc

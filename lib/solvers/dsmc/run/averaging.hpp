@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "solvers/dsmc/flow/flow.hpp"
+#include "solvers/dsmc/run/flow_case.hpp"
+#include "solvers/dsmc/sampling/estimate.hpp"
+#include "solvers/dsmc/sampling/loads.hpp"
+#include "solvers/dsmc/state/run_state.hpp"
+
+namespace pamr::dsmc {
+
+/// Loads on the body and on each wall.
+struct Results {
+  struct OfPatch {
+    std::string patch;
+    Estimate drag, lift, moment, heat;
+  };
+  OfPatch body;                ///< of the reference patches together
+  std::vector<OfPatch> walls;  ///< of each patch that is a wall
+  std::size_t n_blocks = 0;
+};
+
+/// Decides when the averages of a flow begin and when they suffice, and keeps history, blocks and sums.
+///
+/// A run is divided into intervals: of the transient, each a tenth of the time in which the free stream (for a gas at
+/// rest: its fast molecules) passes the domain; and of the averages, the blocks of the schedule.
+class Averaging {
+ public:
+  /// Collective.
+  Averaging(const Case& the_case, const mesh::DistMesh& mesh, const Flow& flow);
+
+  /// Switches the flow's sampling on if the case says that averages begin now. Call before each step. Collective.
+  void before_step(Flow& flow);
+  /// Adds the counts of a step to the interval, and ends the interval when it is full. Collective.
+  void after_step(Flow& flow, const StepTotals& counts);
+  /// Ends averaging that has too few steps for a block, so that what there is counts. Collective.
+  void finish(Flow& flow);
+
+  /// The run goes on from this state.
+  void resume(RunState state) { state_ = std::move(state); }
+  /// The run begins with a flow transferred from another mesh, at this step.
+  void begin_transferred(std::uint64_t step);
+
+  bool is_complete(std::uint64_t steps_done) const;
+  /// Steps of a complete run as far as is known now.
+  std::uint64_t expected_steps() const;
+  /// True while nobody knows when averages begin.
+  bool waits_for_steady_flow() const { return !state_.sampling && !schedule_.transient; }
+  Results results() const;
+  const RunState& state() const { return state_; }
+  const Scale& scale() const { return scale_; }
+
+ private:
+  std::uint64_t discarded() const;  ///< steps of a transferred flow that do not count
+  std::uint64_t first_sampled_step() const;
+  void begin_sampling(Flow& flow, const std::string& reason);
+  void end_interval(Flow& flow);
+  void assess_steadiness_of(Flow& flow);
+  Results::OfPatch of(const std::string& name, const std::function<Load(const std::vector<Load>&)>& part) const;
+
+  Schedule schedule_;
+  Vec3 point_;  ///< m, about which moments are taken
+  Scale scale_;
+  std::vector<bool> body_;                                  ///< of each patch: belongs to the reference body
+  std::vector<std::pair<std::size_t, std::string>> walls_;  ///< number and name of each patch that is a wall
+  std::int64_t interval_ = 1, block_ = 1;
+  RunState state_;
+};
+
+}  // namespace pamr::dsmc

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "solvers/dsmc/run/flow_output.hpp"
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+#include "pamr/io/native/native_file.hpp"
+#include "solvers/dsmc/run/history.hpp"
+#include "solvers/dsmc/sampling/cell_flow.hpp"
+#include "solvers/dsmc/sampling/probes.hpp"
+#include "solvers/dsmc/sampling/wall_averages.hpp"
+
+namespace pamr::dsmc {
+
+namespace {
+
+void add_fields(mesh::DistMesh& mesh, std::vector<mesh::CellField> fields) {
+  for (auto& field : fields) {
+    if (auto* old = mesh.find_cell_field(field.name))
+      *old = std::move(field);
+    else
+      mesh.cell_fields.push_back(std::move(field));
+  }
+}
+
+std::vector<FaceRow> walls_of(const Computation& computation) {
+  const auto& flow = computation.flow();
+  const auto& state = computation.averaging().state();
+  const auto& setup = flow.setup();
+  const WallScale scale{flow.surface.momentum_unit, flow.surface.energy_unit, setup.fnum / setup.dt,
+                        static_cast<double>(std::max<std::int64_t>(1, flow.cells.steps_in_blocks)),
+                        static_cast<double>(state.blocks.size())};
+  return wall_averages(computation.comm(), flow.domain(), setup.patch, state.face, scale);
+}
+
+}  // namespace
+
+CellResolution write_output(Computation& computation, const OutputFiles& files, const WriteText& write_text) {
+  const auto& comm = computation.comm();
+  const auto& c = computation.the_case();
+  const auto& flow = computation.flow();
+  const auto& setup = flow.setup();
+  auto cells = average_cells(flow.domain(), setup.gas, flow.cells, flow.collisions, setup.unit);
+  const auto resolution = assess_resolution(comm, cells, c.stream.front().density);
+  auto fields = to_fields(std::move(cells), setup.gas);
+  const auto walls = walls_of(computation);
+  if (!files.lines.empty()) {
+    const auto points =
+        point_rows(comm, points_of(c.line, c.plane), computation.mesh(), setup.unit, flow.domain(), fields);
+    write_text(files.lines, probe_header + station_rows(c.station, walls) + points);
+  }
+  add_fields(computation.mesh(), std::move(fields));
+  if (!files.mesh.empty()) io::write_native(comm, files.mesh, computation.mesh());
+  if (!files.surface.empty()) write_text(files.surface, to_vtu(walls, setup.unit));
+  if (!files.history.empty()) write_text(files.history, to_csv(computation.averaging().state().history, c.dt));
+  return resolution;
+}
+
+}  // namespace pamr::dsmc

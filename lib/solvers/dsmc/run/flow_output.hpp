@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+
+#include "solvers/dsmc/run/computation.hpp"
+#include "solvers/dsmc/sampling/cell_resolution.hpp"
+
+namespace pamr::dsmc {
+
+/// Files of a computation; empty names are not written.
+struct OutputFiles {
+  std::string mesh;     ///< the mesh with the averaged flow as cell fields
+  std::string surface;  ///< averages on the walls, VTU
+  std::string lines;    ///< averages at stations, lines and planes, CSV
+  std::string history;  ///< CSV
+};
+
+/// Writes `text` of rank 0 to a file, as a whole or not at all. Collective.
+using WriteText = std::function<void(const std::string& file, const std::string& text)>;
+
+/// Averages the flow, puts the averages on the mesh as cell fields and writes what is asked for. Returns how well the
+/// cells resolve the flow. Collective. Throws `Error` when a file cannot be written.
+CellResolution write_output(Computation& computation, const OutputFiles& files, const WriteText& write_text);
+
+}  // namespace pamr::dsmc

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "solvers/dsmc/run/history.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace pamr::dsmc {
+
+std::string to_csv(const std::vector<HistoryRow>& history, double dt) {
+  std::string text =
+      "step,time,averaged,particles,entered_per_step,left_per_step,wall_hits_per_step,collisions_per_particle_step,"
+      "crossings_per_particle_step,C_D,C_L,C_m,C_H,T_tr,T_rot\n";
+  for (const auto& row : history) {
+    const double n = static_cast<double>(row.n_steps),
+                 all = n * static_cast<double>(std::max<std::int64_t>(1, row.particles));
+    text += fmt::format(
+        "{},{:.9g},{},{},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g}\n", row.step,
+        static_cast<double>(row.step) * dt, row.sampled ? 1 : 0, row.particles, static_cast<double>(row.entered) / n,
+        static_cast<double>(row.left) / n, static_cast<double>(row.wall_hits) / n,
+        static_cast<double>(row.collisions) / all, static_cast<double>(row.crossings) / all, row.body.drag,
+        row.body.lift, row.body.moment, row.body.heat, row.t_tr, row.t_rot);
+  }
+  return text;
+}
+
+std::string particles_and_drift(const std::vector<HistoryRow>& history) {
+  if (history.empty()) return "";
+  const double now = static_cast<double>(history.back().particles);
+  auto text = fmt::format("{} particles", history.back().particles);
+  if (history.size() <= 10) return text;
+  const double then = static_cast<double>(history[history.size() - 11].particles);
+  return text + fmt::format(", drift {:+.2f} %", 100 * (now - then) / std::max(1.0, then));
+}
+
+}  // namespace pamr::dsmc

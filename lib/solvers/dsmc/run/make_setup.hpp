@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <vector>
+
+#include "pamr/mesh/dist_mesh.hpp"
+#include "pamr/par/comm.hpp"
+#include "solvers/dsmc/flow/setup.hpp"
+#include "solvers/dsmc/run/flow_case.hpp"
+
+namespace pamr::dsmc {
+
+/// The case on a mesh. Throws `Error` for patches without a condition, conditions without a patch, and a length unit
+/// that is not known in meters. Collective: one reduction.
+Setup make_setup(const par::Comm& comm, const Case& the_case, const mesh::DistMesh& mesh);
+
+/// `Setup::cell_dt` alone: all that changes in a setup when cells move to other ranks. `unit`: meters in the mesh's
+/// length unit. Local.
+std::vector<double> make_cell_dt(const Case& the_case, const mesh::DistMesh& mesh, double unit);
+
+}  // namespace pamr::dsmc

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+#include "solvers/dsmc/sampling/loads.hpp"
+#include "solvers/dsmc/sampling/wall_averages.hpp"
+
+namespace pamr::dsmc {
+
+/// One interval of a run: a row of its history.
+struct HistoryRow {
+  std::uint64_t step = 0;  ///< last step of the interval
+  bool sampled = false;
+  std::int64_t n_steps = 0;
+  std::int64_t particles = 0;                                                        ///< at the end
+  std::int64_t entered = 0, left = 0, wall_hits = 0, collisions = 0, crossings = 0;  ///< in the interval
+  Coefficients body;                                                                 ///< of the reference patches
+  double t_tr = 0, t_rot = 0;  ///< K, of all particles at the end, about their mean velocity
+};
+
+/// Where a run stands between two steps, apart from the flow itself: everything that a checkpoint keeps.
+struct RunState {
+  bool sampling = false;
+  std::uint64_t sampling_since = 0;  ///< step
+  std::uint64_t first_step = 0;      ///< at which this run began: that of the flow it was transferred from
+  bool transferred = false;          ///< began with a flow from a coarser mesh: one flow-through time is discarded
+  std::string steady_reason;
+  std::int64_t in_interval = 0;  ///< steps of the current interval
+  HistoryRow interval;           ///< its counts so far, of all ranks
+  std::vector<HistoryRow> history;
+  std::vector<std::vector<Load>> blocks;  ///< by block, then patch
+  std::vector<FaceTotals> face;           ///< one for each boundary face of this rank
+  std::int64_t stuck = 0, clamped = 0;
+};
+
+/// The state of a run except the sums on faces, exact to the last bit. Local.
+nlohmann::json to_json(const RunState& state);
+/// The reverse; the sums on `n_faces` faces are 0. Throws `Error` when the JSON is not that of a state. Local.
+RunState run_state_from(const nlohmann::json& json, std::size_t n_faces);
+
+}  // namespace pamr::dsmc
