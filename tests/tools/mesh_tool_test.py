@@ -1,13 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """pamr-mesh from the command line: meshes against the geometry written down anew here, repeat runs, and bad input."""
-import functools
 import math
 import pathlib
 
 import h5py
 import numpy as np
 
-from tool_run import RANKS, refuses, run, run_tests, same_bytes
+from tool_run import RANKS, once, refuses, run, run_tests, same_bytes
 
 FACES = np.array([[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]])
 EDGES = [(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)]
@@ -54,8 +53,7 @@ class Mesh:
         return self.points[sorted({n for edge in shared for n in edge})]
 
 
-@functools.cache
-def make(*arguments):
+def make_anew(*arguments):
     report = run("pamr-mesh", *arguments, "-o", "made.hdf", "--force", "--json", "-").json
     mesh = Mesh("made.hdf")
     assert report["cells"] == len(mesh.cells) and report["nodes"] == len(mesh.points)
@@ -63,6 +61,9 @@ def make(*arguments):
     assert abs(report["min_mean_ratio"] - mesh.mean_ratios().min()) < 1e-12
     assert {n: p["faces"] for n, p in report["patches"].items()} == {n: len(mesh.faces_of(n)) for n in mesh.names}
     return mesh
+
+
+make = once(make_anew)
 
 
 # The meridian of the blunt cone in millimeters, from the numbers that define it: radii and the cone's angle.
@@ -193,8 +194,7 @@ def surfaces_case(region, bounds, sizes, *surfaces):
     for name, kind, keys in surfaces:
         text += f'[[surface]]\nname = "{name}"\nkind = "{kind}"\n{keys}\n'
     pathlib.Path("surfaces.toml").write_text(text)
-    make.cache_clear()
-    return make("surfaces.toml")
+    return make_anew("surfaces.toml")
 
 
 def sphere(name, radius):
@@ -300,7 +300,7 @@ def test_case_shapes_lie_on_their_surfaces():
     for shape, unit, geometry, sizes, names in shapes:
         pathlib.Path(f"{shape}.toml").write_text(f'[mesh]\nshape = "{shape}"\nlength_unit = "{unit}"\n'
                                                  f"[mesh.geometry]\n{geometry}\n[mesh.sizes]\n{sizes}\n")
-        mesh = make(f"{shape}.toml")
+        mesh = make_anew(f"{shape}.toml")
         assert mesh.names == mesh.surfaces == names
         radius = float(geometry.split()[2])
         distance = np.linalg.norm(mesh.points_of("sphere") - center.get(shape, [0, 0, 0]), axis=1)

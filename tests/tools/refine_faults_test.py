@@ -156,4 +156,4 @@ def test_too_little_memory():
 
 if __name__ == "__main__":
     print(f"{RANKS} ranks")
-    run_tests(globals())
+    run_tests(globals(), at_once=1)  # moments and memory are measured

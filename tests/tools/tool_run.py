@@ -3,15 +3,19 @@
 
 A test script is called as SCRIPT BIN_FOLDER RANKS LAUNCHER...: the folder of the tools, the number of processes, and
 the command that starts them (empty for one process without a launcher). It calls `run_tests(globals())`, which runs
-every function named test_... in a folder of its own.
+every function named test_... in a folder and a process of its own, several at a time.
 """
+import fcntl
+import hashlib
 import json
 import os
 import pathlib
+import pickle
 import shutil
 import subprocess
 import sys
 import tempfile
+import time
 import traceback
 
 import h5py
@@ -19,6 +23,7 @@ import h5py
 BIN = pathlib.Path(sys.argv[1])
 RANKS = int(sys.argv[2])
 LAUNCHER = sys.argv[3:] + [sys.argv[2]] if len(sys.argv) > 3 else []
+SHARED = tempfile.mkdtemp(prefix="pamr-tools-")  # of all the tests of this script
 
 
 class Result:
@@ -80,21 +85,57 @@ def same_bytes(a, b):
     return pathlib.Path(a).read_bytes() == pathlib.Path(b).read_bytes()
 
 
-def run_tests(names):
-    failed = 0
-    for name, test in list(names.items()):
-        if not name.startswith("test_"):
-            continue
+def once(function):
+    """A function of plain arguments that several tests call: the first one computes, the others get what it returned."""
+    def kept(*arguments):
+        name = os.path.join(SHARED, hashlib.sha1(repr((function.__name__, arguments)).encode()).hexdigest())
+        with open(name + ".lock", "w") as lock:
+            fcntl.flock(lock, fcntl.LOCK_EX)
+            if not os.path.exists(name):
+                result = function(*arguments)
+                with open(name, "wb") as file:
+                    pickle.dump(result, file)
+        with open(name, "rb") as file:
+            return pickle.load(file)
+    return kept
+
+
+def run_one(name, test, log):
+    """A test in a folder and a process of its own, which ends here; what it prints goes to the log."""
+    with open(log, "w", buffering=1) as out:
+        os.dup2(out.fileno(), 1)
+        os.dup2(out.fileno(), 2)
+        sys.stdout = sys.stderr = out
         folder = tempfile.mkdtemp(prefix="pamr tool ")  # with a blank, on purpose
         os.chdir(folder)
+        begin, failed = time.monotonic(), False
         try:
             test()
-            print(f"ok      {name}")
-        except Exception:
-            failed += 1
-            print(f"FAILED  {name}")
-            traceback.print_exc(file=sys.stdout)
-        finally:
-            os.chdir("/")
-            shutil.rmtree(folder)
-    sys.exit(1 if failed else 0)
+        except BaseException:
+            failed = True
+            traceback.print_exc(file=out)
+        print(f"{'FAILED' if failed else 'ok    '}  {name} ({time.monotonic() - begin:.1f} s)", file=out)
+        os.chdir("/")
+        shutil.rmtree(folder, ignore_errors=not failed)
+    os._exit(1 if failed else 0)
+
+
+def run_tests(names, at_once=3):
+    """Runs the tests, so many at a time: most of their time they wait for processes to start and to end."""
+    waiting = [(name, test) for name, test in names.items() if name.startswith("test_")]
+    running, n_failed = {}, 0
+    sys.stdout.flush()
+    while waiting or running:
+        while waiting and len(running) < at_once:
+            name, test = waiting.pop(0)
+            log = os.path.join(SHARED, name + ".log")
+            pid = os.fork()
+            if pid == 0:
+                run_one(name, test, log)
+            running[pid] = log
+        pid, status = os.wait()
+        if pid in running:
+            n_failed += status != 0
+            print(pathlib.Path(running.pop(pid)).read_text(), end="", flush=True)
+    shutil.rmtree(SHARED)
+    sys.exit(1 if n_failed else 0)
