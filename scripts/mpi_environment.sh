@@ -15,5 +15,3 @@ export OMPI_MCA_btl_vader_single_copy_mechanism="${OMPI_MCA_btl_vader_single_cop
 if [ -z "$(ls -A /sys/class/infiniband /sys/class/cxi 2>/dev/null)" ]; then
   export OMPI_MCA_mtl="${OMPI_MCA_mtl:-^psm,psm2,ofi}"
 fi
-# A process that was started without mpirun starts no daemon for itself.
-export OMPI_MCA_ess_singleton_isolated="${OMPI_MCA_ess_singleton_isolated:-1}"
