@@ -11,6 +11,8 @@
 
 #include "cli/run_tool.hpp"
 #include "pamr/adapt/adapt.hpp"
+#include "pamr/adapt/flags.hpp"
+#include "pamr/adapt/forecast.hpp"
 #include "pamr/adapt/refine_report.hpp"
 #include "pamr/assemble/assemble.hpp"
 #include "pamr/balance/weights.hpp"
@@ -73,12 +75,9 @@ auto naming(const std::string& file, Work&& work) {
   }
 }
 
-/// Holds the number of each cell in the file; no field in a file can have such a name.
-constexpr const char* origin_field = "/cell of the input";
-
 mesh::BlockMesh along_curve(const par::Comm& comm, mesh::BlockMesh block) {
   auto ordered = order::order_along_curve(comm, std::move(block));
-  ordered.block.cell_fields.push_back({origin_field, "", 1, mesh::StorageType::int64, std::move(ordered.cell_origin)});
+  ordered.block.cell_origin = std::move(ordered.cell_origin);
   return std::move(ordered.block);
 }
 
@@ -140,26 +139,29 @@ std::int64_t count_inverted(const par::Comm& comm, const mesh::DistMesh& mesh) {
   return comm.sum(n);
 }
 
-cli::ExitCode forecast(cli::Session& session, const mesh::DistMesh& mesh, std::span<const std::uint8_t> flags,
-                       const refine::Options& options) {
+cli::ExitCode tell_size(cli::Session& session, const mesh::DistMesh& mesh, std::span<const std::uint8_t> flags,
+                        const refine::Options& options) {
   const auto& comm = session.comm();
-  const auto size = adapt::dry_run(comm, mesh, flags, options);
+  const adapt::Forecaster forecaster(comm, mesh, options);
+  const auto forecast = forecaster.forecast(flags);
+  const auto nodes = forecaster.nodes(forecast);
+  const auto marked = forecast.closure.report.n_marked;
   // what is there now (the process, the old mesh) and, at the peak, the plan of the split and the new mesh: at rest 44
   // bytes a cell and 32 a node
-  const double nodes_per_cell = static_cast<double>(size.nodes) / static_cast<double>(size.cells);
+  const double nodes_per_cell = static_cast<double>(nodes) / static_cast<double>(forecast.cells);
   const double here = static_cast<double>(peak_resident_bytes()) + 40.0 * static_cast<double>(mesh.n_cells()) +
-                      static_cast<double>(size.cells_on_this_rank) * (44 + 32 * nodes_per_cell);
+                      static_cast<double>(forecast.cells_on_this_rank) * (44 + 32 * nodes_per_cell);
   const auto largest = comm.max(here);
   session.write_report({{"cells_in", mesh.info.n_global_cells},
                         {"nodes_in", mesh.info.n_global_nodes},
-                        {"marked", size.marked},
-                        {"cells_out", size.cells},
-                        {"nodes_out", size.nodes},
+                        {"marked", marked},
+                        {"cells_out", forecast.cells},
+                        {"nodes_out", nodes},
                         {"largest_rank_bytes", largest}});
   session.summary(
       fmt::format("{} of {} cells marked: {} cells, {} nodes after refinement, about {:.0f} MB on the "
                   "largest rank",
-                  size.marked, mesh.info.n_global_cells, size.cells, size.nodes, 1e-6 * largest));
+                  marked, mesh.info.n_global_cells, forecast.cells, nodes, 1e-6 * largest));
   return cli::ExitCode::done;
 }
 
@@ -177,9 +179,8 @@ cli::ExitCode work(cli::Session& session, const Options& options) {
   const refine::Options how{.quality_control = refine::quality_control_named(options.quality_control),
                             .project = !options.no_project,
                             .parent_field = true,
-                            .marks_field = options.marks,
-                            .origin_field = mesh.find_cell_field(origin_field) != nullptr ? origin_field : ""};
-  if (options.dry_run) return forecast(session, mesh, flags, how);
+                            .marks_field = options.marks};
+  if (options.dry_run) return tell_size(session, mesh, flags, how);
 
   timer.lap("preprocessing");
   const auto balancing = adapt::balancing_named(options.balance, options.weights);
@@ -202,8 +203,8 @@ cli::ExitCode work(cli::Session& session, const Options& options) {
   measured.steps = merge_steps(timer.steps(), result.report.steps);
   session.write_report(adapt::make_report(comm, result.report, measured));
   session.summary(fmt::format("{} cells ({} marked) -> {} cells, {} nodes, {} off their surface: {}",
-                              result.report.cells_in, result.report.marked, result.report.cells_out,
-                              result.report.nodes_out, result.report.off_surface_nodes, options.output));
+                              result.report.cells_in, result.report.closure.n_marked, result.report.cells_out,
+                              result.report.nodes_out, result.report.certificate.n_off_surface, options.output));
   return cli::ExitCode::done;
 }
 
