@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "pamr/adapt/adapt.hpp"
+#include "pamr/adapt/flags.hpp"
 #include "pamr/assemble/assemble.hpp"
 #include "pamr/balance/expected_work.hpp"
 #include "pamr/balance/weights.hpp"
@@ -58,7 +58,7 @@ BlockMesh read_block(const par::Comm& comm, const std::filesystem::path& path, c
 
 BlockMesh along_curve(const par::Comm& comm, BlockMesh block) {
   auto ordered = order::order_along_curve(comm, std::move(block));
-  ordered.block.cell_fields.push_back({origin_field, "", 1, mesh::StorageType::int64, std::move(ordered.cell_origin)});
+  ordered.block.cell_origin = std::move(ordered.cell_origin);
   return std::move(ordered.block);
 }
 

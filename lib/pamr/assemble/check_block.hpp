@@ -13,6 +13,7 @@ namespace pamr::assemble {
 struct Contents {
   bool has_neighbors = false;
   bool has_lineage = false;
+  bool has_origin = false;
   bool has_destinations = false;
 };
 

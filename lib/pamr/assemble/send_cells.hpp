@@ -16,6 +16,7 @@ struct GlobalCells {
   std::vector<std::array<GlobalId, 4>> node;
   std::vector<std::array<GlobalId, 4>> neighbor;  ///< empty: to be built
   std::vector<mesh::Lineage> lineage;
+  std::vector<GlobalId> origin;  ///< empty: none
   std::vector<mesh::CellField> field;
 };
 
