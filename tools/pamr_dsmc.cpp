@@ -283,7 +283,7 @@ cli::ExitCode run_case(cli::Session& session, const Options& options) {
   const auto& comm = session.comm();
   check_paths(session, options);
   const auto c = read_case(cli::read_text(comm, options.case_file), options.case_file);
-  auto mesh = assemble::assemble(comm, io::read_native(comm, options.mesh));
+  auto mesh = assemble::assemble(comm, io::read_native(comm, options.mesh, {.build_surfaces = false}));
   validate::require_valid(comm, mesh, options.mesh);
   const auto setup = make_setup(comm, c, mesh);
   const auto plan = make_plan(comm, c, setup, mesh);
