@@ -42,7 +42,7 @@ void require_within_bounds(const Solid& solid, const std::string& where) {
 /// What edges in a gap are bounded to: `factor` times the least sum of the distances from two surfaces whose normals
 /// there are within 45 degrees of each other in either sense; at least a sixteenth of `size`.
 double bounded_by_gaps(const geometry::SurfaceSet& surfaces, double factor, Vec3 p, double size) {
-  constexpr double least_cosine = 0.7071, least_part = 1.0 / 16;
+  constexpr double min_cosine = 0.7071, min_part = 1.0 / 16;
   std::vector<std::pair<double, Vec3>> near;
   for (const auto& surface : surfaces.surface)
     if (const double distance = surface->distance(p); factor * distance < size)
@@ -50,9 +50,9 @@ double bounded_by_gaps(const geometry::SurfaceSet& surfaces, double factor, Vec3
   double bound = size;
   for (std::size_t i = 0; i < near.size(); ++i)
     for (std::size_t j = 0; j < i; ++j)
-      if (std::abs(geometry::dot(near[i].second, near[j].second)) > least_cosine)
+      if (std::abs(geometry::dot(near[i].second, near[j].second)) > min_cosine)
         bound = std::min(bound, factor * (near[i].first + near[j].first));
-  return std::max(bound, least_part * size);
+  return std::max(bound, min_part * size);
 }
 
 std::function<double(Vec3)> size_field(const std::shared_ptr<const Solid>& solid, const Combination& c,
@@ -121,19 +121,17 @@ bool are_in_one_plane(const std::vector<FeatureCurve>& curves, double radius) {
 }  // namespace
 
 Domain combine(const Combination& c, const std::string& where) {
-  auto surfaces = std::make_shared<const geometry::SurfaceSet>(
-      geometry::surfaces_from_toml(c.surfaces_toml, where, c.triangulations));
-  const Region region(c.region, surfaces->name, where);
-  const auto solid = std::make_shared<const Solid>(Solid{std::move(surfaces), region, c.low, c.high});
+  const Region region(c.region, c.surfaces->name, where);
+  const auto solid = std::make_shared<const Solid>(Solid{c.surfaces, region, c.low, c.high});
   const auto samples = sample_surfaces(*solid);
-  const auto told = [&where](auto&& make) {
+  const auto with_place = [&where](auto&& make) {
     try {
       return make();
     } catch (const Error& error) {
       throw Error(where + ": " + error.what());
     }
   };
-  const auto pieces = told([&] { return std::make_shared<const Pieces>(solid, samples); });
+  const auto pieces = with_place([&] { return std::make_shared<const Pieces>(solid, samples); });
   require_within_bounds(*solid, where);
   Domain domain;
   domain.label = [solid, pieces](Vec3 p) {
@@ -144,9 +142,9 @@ Domain combine(const Combination& c, const std::string& where) {
   for (const auto& piece : pieces->all()) {
     const int number = static_cast<int>(domain.pieces.size());
     domain.pieces.push_back({number, [pieces, shape = piece.shape](Vec3 p) { return shape->project(p); }});
-    domain.patches.push_back({piece.name, "patch", solid->name(piece.surface)});
+    domain.patches.push_back({piece.name, "patch", piece.surface});
   }
-  domain.curves = told([&] { return trace_feature_curves(solid, pieces, samples); });
+  domain.curves = with_place([&] { return trace_feature_curves(solid, pieces, samples); });
   for (auto& crease : pieces->creases()) domain.curves.push_back(std::move(crease));
   domain.curves_in_one_plane = are_in_one_plane(domain.curves, solid->radius());
   for (std::size_t k = 0; k < domain.pieces.size(); ++k) {
@@ -159,8 +157,7 @@ Domain combine(const Combination& c, const std::string& where) {
           scattered_points(*solid, *pieces, static_cast<int>(k), samples[static_cast<std::size_t>(piece.surface)],
                            has_curve ? domain.curves : std::vector<FeatureCurve>{}, domain.size);
   }
-  domain.surfaces_toml = c.surfaces_toml;
-  domain.triangulations = c.triangulations;
+  domain.surfaces = c.surfaces;
   domain.length_unit = c.length_unit;
   domain.center = solid->center();
   domain.radius = 1.05 * solid->radius();

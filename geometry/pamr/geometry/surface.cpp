@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <vector>
 
 #include "pamr/geometry/parameters.hpp"
 
@@ -13,9 +14,9 @@ namespace {
 
 constexpr int iteration_limit = 50;
 constexpr double sine_of_5_degrees = 0.08715574274765817;
-constexpr double least_independence = 1e-3;  // sine between a normal and the span of those before it
-constexpr double move_limit = 32;            // times the largest distance; 2 surfaces at 5 degrees need 23
-constexpr double step_tolerance = 1e-15;     // this and the next: relative to the size of the numbers
+constexpr double min_independence = 1e-3;  // sine between a normal and the span of those before it
+constexpr double move_limit = 32;          // times the largest distance; 2 surfaces at 5 degrees need 23
+constexpr double step_tolerance = 1e-15;   // this and the next: relative to the size of the numbers
 constexpr double distance_tolerance = 1e-13;
 
 /// One surface seen from a point: its tangent plane at the nearest point.
@@ -31,7 +32,7 @@ TangentPlane tangent_plane(const Surface* surface, Vec3 point) {
   return {surface, normal, norm(from_foot), dot(from_foot, normal)};
 }
 
-/// The surfaces by growing distance from the point; those as near as rounding can tell keep their order.
+/// The surfaces by growing distance from the point; those equally near to within rounding keep their order.
 std::vector<const Surface*> by_nearness(std::span<const Surface* const> surfaces, Vec3 point, double tolerance) {
   std::vector<const Surface*> rest(surfaces.begin(), surfaces.end()), ordered;
   while (!rest.empty()) {
@@ -69,7 +70,7 @@ Vec3 shortest_step(const std::vector<TangentPlane>& planes) {
     for (int pass = 0; pass < 2; ++pass)  // twice is enough for orthogonality to rounding
       for (std::size_t i = 0; i < n_basis; ++i) rest = rest - dot(rest, basis[i]) * basis[i];
     const double length = norm(rest);
-    if (n_basis == 3 || !(length > least_independence)) continue;
+    if (n_basis == 3 || !(length > min_independence)) continue;
     const Vec3 direction = (1.0 / length) * rest;
     basis[n_basis++] = direction;
     step = step - ((plane.signed_distance + dot(step, plane.normal)) / dot(direction, plane.normal)) * direction;
@@ -84,11 +85,6 @@ double largest_distance(const std::vector<TangentPlane>& planes) {
 }
 
 }  // namespace
-
-const Surface* SurfaceSet::find(std::string_view wanted) const {
-  const auto place = std::find(name.begin(), name.end(), wanted);
-  return place == name.end() ? nullptr : surface[static_cast<std::size_t>(place - name.begin())].get();
-}
 
 Projected project_onto_all(std::span<const Surface* const> surfaces, Vec3 point) {
   if (surfaces.empty()) return {point, true};

@@ -1,17 +1,26 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <memory>
 #include <optional>
 #include <span>
-#include <string>
-#include <string_view>
-#include <vector>
 
-#include "pamr/geometry/triangulated/triangulation.hpp"
 #include "pamr/geometry/vec3.hpp"
 
 namespace pamr::geometry {
+
+/// The creases of a surface, sharp edges inside it, and the smooth pieces between them.
+class Creases {
+ public:
+  /// Number of the piece that is nearest to the point.
+  virtual int piece_at(Vec3 point) const = 0;
+  /// For an edge from a to b between the triangles (a, b, c) and (a, b, d): where the middle of its chord belongs when
+  /// the edge runs along a crease. Its ends must lie next to each other on the crease, and the triangles, where it
+  /// parts two pieces, on the two sides of it. Nothing elsewhere. The same for b and a, and for d and c.
+  virtual std::optional<Vec3> crease_between(Vec3 a, Vec3 b, Vec3 c, Vec3 d) const = 0;
+
+ protected:
+  ~Creases() = default;
+};
 
 /// A curved or flat boundary. It knows points only, no mesh. Every call is local, thread-safe and gives the same bits
 /// for the same point.
@@ -35,54 +44,21 @@ class Surface {
   virtual Vec3 project_to_seam(Vec3 point) const { return project(point); }
   /// Distance with a sign: negative on the side to which the normal does not point.
   virtual double signed_distance(Vec3 point) const { return dot(point - project(point), normal(point)); }
-  /// Whether it has sharp edges inside.
-  virtual bool has_creases() const { return false; }
-  /// Number of the smooth piece between sharp edges that is nearest to the point; 0 throughout where there is one.
-  virtual int piece_at(Vec3 point) const {
-    (void)point;
-    return 0;
-  }
-  /// For an edge from a to b of the mesh between the triangles (a, b, c) and (a, b, d) of one patch: where the middle
-  /// of its chord belongs when the edge runs along a sharp edge inside the surface. Its ends must lie next to each
-  /// other on that, and the triangles, where it parts two pieces, on the two sides of it. Nothing elsewhere, and for
-  /// surfaces without such edges. The same for b and a, and for d and c.
-  virtual std::optional<Vec3> crease_between(Vec3 a, Vec3 b, Vec3 c, Vec3 d) const {
-    (void)a, (void)b, (void)c, (void)d;
-    return std::nullopt;
-  }
+  /// Its sharp edges, null where it is smooth.
+  virtual const Creases* creases() const { return nullptr; }
   /// How far flat facets that the surface was made from lie off it near the point: 0 but for triangulated ones.
-  virtual double facet_deviation(Vec3 point) const {
-    (void)point;
-    return 0;
-  }
+  virtual double facet_deviation(Vec3 /*point*/) const { return 0; }
   /// True when moving along a straight segment between two of its points stays on it (a plane): nothing to project.
   virtual bool is_flat() const { return false; }
-  /// Size of the numbers that the surface is made of (a bound of its parameters' coordinates and radii): what the
-  /// rounding errors of `project` are relative to, besides the coordinates of the point.
+  /// Bound of the coordinates and radii that the surface is made of. Rounding errors of `project` are relative to it and
+  /// to the coordinates of the point.
   virtual double magnitude() const { return 0; }
 };
-
-/// Named surfaces of a mesh, in the order of their description.
-struct SurfaceSet {
-  std::vector<std::string> name;
-  std::vector<std::string> described_at;  ///< file:line:column of each in its description, to be named in errors
-  std::vector<std::unique_ptr<const Surface>> surface;
-
-  /// The surface of that name, or null.
-  const Surface* find(std::string_view wanted) const;
-};
-
-/// Reads the surfaces from TOML text: an array of tables `[[surface]]` with `name`, `kind` and the parameters of the
-/// kind (docs/surfaces.md). Surfaces of kind `triangulation` are made from the one of their name among
-/// `triangulations`: no file is read here (`triangulations_of_toml` does). Throws `Error` with line and column for an
-/// unknown kind, key, type or value out of range, and for a triangulation that is not there or not valid.
-SurfaceSet surfaces_from_toml(std::string_view text, std::string_view where,
-                              std::span<const Triangulation> triangulations = {});
 
 /// Nearest point that lies on all the given surfaces (1: the surface, 2: their common curve, 3: their corner), found by
 /// Newton steps of least length from `point`. Of two surfaces whose normals at `point` differ by under 5 degrees
 /// (either sense) the nearer one is taken alone, the first among equals. `converged` is false when the surfaces have no
-/// common point near by (to 1e-13 of the size of the coordinates, and within 32 times the largest distance from the
+/// common point nearby (to 1e-13 of the size of the coordinates, and within 32 times the largest distance from the
 /// start); `point` is then the best one found. More than three surfaces may meet in a corner; all of them count.
 /// Depends on the coordinates and the order of the surfaces only. Cost: about 5 steps of one `project` and one `normal`
 /// a surface.

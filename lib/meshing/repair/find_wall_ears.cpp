@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "meshing/repair/find_wall_ears.hpp"
+
 #include <algorithm>
 #include <optional>
+#include <utility>
 
-#include "meshing/repair/wall_ears.hpp"
+#include "pamr/base/index.hpp"
 #include "pamr/geometry/surface.hpp"
 #include "pamr/mesh/borders.hpp"
 #include "pamr/mesh/tet.hpp"
@@ -16,25 +19,20 @@ namespace {
 using geometry::Vec3;
 using Edge = std::array<GlobalId, 2>;
 using Face = std::array<GlobalId, 3>;
-constexpr std::size_t at(std::int64_t i) { return static_cast<std::size_t>(i); }
 
-constexpr double look_ahead = 0.01;    ///< where along an edge the wall's normal is asked for
-constexpr double least_cosine = 0.95;  ///< between the normals along two edges of one smooth wall
+constexpr double look_ahead = 0.01;  ///< where along an edge the wall's normal is asked for
+constexpr double min_cosine = 0.95;  ///< between the normals along two edges of one smooth wall
 
-/// The curved surfaces of a mesh, and which of them each patch is tied to.
+/// The curved surfaces of a mesh, and which of them each patch lies on.
 struct Walls {
-  geometry::SurfaceSet surfaces;
   std::vector<const geometry::Surface*> curved;
   std::vector<int> of_patch;  ///< entry of `curved`, -1: none
 };
 
-Walls curved_walls(const par::Comm& comm, const mesh::MeshInfo& info) {
+Walls curved_walls(const mesh::MeshInfo& info) {
   Walls walls;
-  par::agree(comm, [&] {
-    walls.surfaces = geometry::surfaces_from_toml(info.surfaces_toml, "surfaces of the mesh", info.triangulations);
-  });
   for (const auto& patch : info.patches) {
-    const auto* surface = walls.surfaces.find(patch.surface);
+    const auto* surface = info.surfaces->get(patch.surface);
     if (surface == nullptr || surface->is_flat()) {
       walls.of_patch.push_back(-1);
       continue;
@@ -64,7 +62,7 @@ void for_each_face(const mesh::DistMesh& mesh, bool in_boundary, Visit&& visit) 
     }
 }
 
-/// Of each node the walls it lies on, as bits (those beyond 64 share bits: a first sieve). Collective.
+/// The walls that each node lies on, as bits (walls beyond 64 share bits: this is a first filter). Collective.
 std::vector<std::uint64_t> walls_of_nodes(const par::Comm& comm, const mesh::DistMesh& mesh, const Walls& walls) {
   std::vector<std::uint64_t> bits(at(mesh.n_nodes()), 0), mine;
   for_each_face(mesh, true, [&](LocalId c, std::size_t slot) {
@@ -127,12 +125,11 @@ struct Found {
 
 /// True when the edges from `a` to `c` and to `d` run into one smooth part of the surface.
 bool is_smooth(const geometry::Surface& surface, Vec3 a, Vec3 c, Vec3 d) {
-  return geometry::dot(surface.normal(a + look_ahead * (c - a)), surface.normal(a + look_ahead * (d - a))) >
-         least_cosine;
+  return geometry::dot(surface.normal(a + look_ahead * (c - a)), surface.normal(a + look_ahead * (d - a))) > min_cosine;
 }
 
-std::optional<Found> judge(const mesh::DistMesh& mesh, const Walls& walls, const EdgeTable& table,
-                           const std::array<LocalId, 3>& node) {
+std::optional<Found> classify(const mesh::DistMesh& mesh, const Walls& walls, const EdgeTable& table,
+                              const std::array<LocalId, 3>& node) {
   Found found;
   for (std::size_t k = 0; k < 3; ++k) found.face[k] = mesh.node_global[at(node[k])];
   const auto id = found.face;
@@ -160,7 +157,7 @@ void sort_unique(std::vector<T>& items) {
 
 WallEars find_wall_ears(const par::Comm& comm, const mesh::DistMesh& mesh) {
   WallEars ears;
-  const auto walls = curved_walls(comm, mesh.info);
+  const auto walls = curved_walls(mesh.info);
   if (walls.curved.empty()) return ears;
 
   const auto bits = walls_of_nodes(comm, mesh, walls);
@@ -180,7 +177,7 @@ WallEars find_wall_ears(const par::Comm& comm, const mesh::DistMesh& mesh) {
 
   std::vector<Found> found;
   for (const auto& node : candidate)
-    if (const auto ear = judge(mesh, walls, table, node)) found.push_back(*ear);
+    if (const auto ear = classify(mesh, walls, table, node)) found.push_back(*ear);
   found = gather_few(comm, std::move(found));
   std::vector<Face> all;
   for (const auto& ear : found) {  // one on a rank border comes from both sides

@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "pamr/adapt/adapt.hpp"
 
-#include <fmt/format.h>
-
+#include <memory>
 #include <utility>
 
 #include "pamr/adapt/flags.hpp"
 #include "pamr/base/contract.hpp"
-#include "pamr/base/error.hpp"
 #include "pamr/geometry/surface.hpp"
 #include "pamr/mesh/borders.hpp"
 #include "pamr/refine/close.hpp"
@@ -23,21 +21,6 @@
 namespace pamr::adapt {
 
 namespace {
-
-geometry::SurfaceSet read_surfaces(const par::Comm& comm, const mesh::MeshInfo& info, const refine::Options& options) {
-  geometry::SurfaceSet surfaces;
-  par::agree(comm, [&] {
-    if (!options.project) return;
-    surfaces = geometry::surfaces_from_toml(info.surfaces_toml, "surfaces of the mesh", info.triangulations);
-    for (const auto& patch : info.patches)
-      if (!patch.surface.empty() && surfaces.find(patch.surface) == nullptr)
-        throw Error(
-            fmt::format("patch \"{}\" lies on surface \"{}\": expected a surface of that name in the mesh, "
-                        "found none",
-                        patch.name, patch.surface));
-  });
-  return surfaces;
-}
 
 mesh::DistMesh put_together(const refine::NumberedMesh& old, refine::FineNodes nodes, refine::Children children,
                             refine::Links links) {
@@ -61,7 +44,7 @@ mesh::DistMesh put_together(const refine::NumberedMesh& old, refine::FineNodes n
 
 /// A mesh that is marked and closed.
 struct Closed {
-  geometry::SurfaceSet surfaces;
+  std::shared_ptr<const geometry::SurfaceSet> surfaces;  ///< that nodes are put on
   mesh::Borders borders;
   refine::Closure closure;
   Report report;  ///< of what was done so far
@@ -70,7 +53,7 @@ struct Closed {
 Closed close(const par::Comm& comm, const mesh::DistMesh& mesh, std::span<const std::uint8_t> flags,
              const refine::Options& options, StepTimer& timer) {
   require_flags(comm, mesh, flags);
-  Closed closed{read_surfaces(comm, mesh.info, options), mesh::find_borders(comm, mesh), {}, {}};
+  Closed closed{options.project ? mesh.info.surfaces : geometry::no_surfaces(), mesh::find_borders(comm, mesh), {}, {}};
   timer.lap("preprocessing");
   closed.closure = refine::close(comm, mesh, closed.borders, flags, options.quality_control);
   closed.report.marked_not_split = comm.sum(refine::count_not_split(mesh, flags, closed.closure));
@@ -91,12 +74,12 @@ Split split(const par::Comm& comm, const mesh::DistMesh& mesh, const Closed& clo
   auto numbering = refine::number(comm, mesh, borders, closure);
   const refine::NumberedMesh old{mesh, closure, numbering};
   timer.lap("number");
-  auto movables = refine::project(comm, mesh, borders, numbering, surfaces);
+  auto movables = refine::project(comm, mesh, borders, numbering, *surfaces);
   auto nodes = refine::place_nodes(old, borders, movables);
   timer.lap("project");
   auto children = refine::subdivide(old, nodes.position);
   timer.lap("subdivide");
-  const refine::NewLevel level{mesh.info, surfaces, numbering, children, nodes.shared};
+  const refine::NewLevel level{mesh.info, *surfaces, numbering, children, nodes.shared};
   auto settled = refine::settle(comm, level, std::move(nodes.position), std::move(movables));
   nodes.position = std::move(settled.position);
   timer.lap("project");

@@ -5,7 +5,6 @@
 #include <numeric>
 
 #include "pamr/adapt/flags.hpp"
-#include "pamr/base/error.hpp"
 #include "pamr/base/index.hpp"
 #include "pamr/geometry/surface.hpp"
 #include "pamr/refine/close.hpp"
@@ -16,16 +15,12 @@ namespace pamr::adapt {
 
 namespace {
 
-/// For each patch whether new nodes on it will be moved: not if its surface is flat, missing or unknown.
+/// For each patch whether new nodes on it will be moved: not if it has no surface or a flat one.
 std::vector<bool> curved_patches(const mesh::DistMesh& mesh, const refine::Options& options) {
   std::vector<bool> is_curved(mesh.info.patches.size(), false);
   if (!options.project) return is_curved;
-  try {
-    const auto surfaces = geometry::surfaces_from_toml(mesh.info.surfaces_toml, "", mesh.info.triangulations);
-    for (std::size_t p = 0; p < is_curved.size(); ++p)
-      if (const auto* surface = surfaces.find(mesh.info.patches[p].surface)) is_curved[p] = !surface->is_flat();
-  } catch (const Error&) {  // a forecast needs no surfaces; the refinement itself will refuse these
-  }
+  for (std::size_t p = 0; p < is_curved.size(); ++p)
+    if (const auto* surface = mesh.info.surface_of(static_cast<int>(p))) is_curved[p] = !surface->is_flat();
   return is_curved;
 }
 

@@ -43,7 +43,7 @@ struct OppositeVertices {
 std::vector<bool> patches_with_creases(const mesh::MeshInfo& info, const geometry::SurfaceSet& surfaces) {
   std::vector<bool> has(info.patches.size(), false);
   for (std::size_t p = 0; p < has.size(); ++p)
-    if (const auto* surface = surfaces.find(info.patches[p].surface)) has[p] = surface->has_creases();
+    if (const auto* surface = surfaces.get(info.patches[p].surface)) has[p] = surface->creases() != nullptr;
   return has;
 }
 
@@ -90,7 +90,7 @@ std::vector<OppositeVertices> find_opposite_vertices(const par::Comm& comm, cons
 
 /// A node that is as far from a sharp edge of its surface as `off_surface` says belongs on that edge.
 bool is_of_crease(const SurfacesOfNode& on, const PatchList& patch, geometry::Vec3 point, double off) {
-  if (patch[1] >= 0 || !on.surface.front()->has_creases()) return false;
+  if (patch[1] >= 0 || on.surface.front()->creases() == nullptr) return false;
   return off >= (1 - 1e-9) * geometry::norm(point - on.surface.front()->project_to_seam(point));
 }
 
@@ -113,10 +113,11 @@ std::vector<Movable> project_new_nodes(const par::Comm& comm, const mesh::DistMe
     const auto [a, b] = numbering.ends[at(boundary.new_node)];
     const LocalId node = mesh.n_nodes() + boundary.new_node;
     const auto base = geometry::midpoint(mesh.point(a), mesh.point(b));
-    if (patch[1] < 0 && !opposite.empty() &&
-        opposite[i].count == 2)  // both faces at a sharp edge inside a surface are of one patch
-      if (const auto crease = known->second.surface.front()->crease_between(
-              mesh.point(a), mesh.point(b), opposite[i].corner[0], opposite[i].corner[1])) {
+    const auto* creases = known->second.surface.front()->creases();
+    // both faces at a sharp edge inside a surface are of one patch
+    if (patch[1] < 0 && creases != nullptr && opposite[i].count == 2)
+      if (const auto crease =
+              creases->crease_between(mesh.point(a), mesh.point(b), opposite[i].corner[0], opposite[i].corner[1])) {
         movables.push_back({node, base, *crease, patch, true, true});
         continue;
       }
@@ -175,7 +176,7 @@ SurfacesOfNode surfaces_of_node(const mesh::MeshInfo& info, const geometry::Surf
   on.all_have_surfaces = true;
   for (const auto p : patch) {
     if (p < 0) continue;
-    const auto* surface = surfaces.find(info.patches[at(p)].surface);
+    const auto* surface = surfaces.get(info.patches[at(p)].surface);
     if (surface == nullptr)
       on.all_have_surfaces = false;
     else if (std::find(on.surface.begin(), on.surface.end(), surface) == on.surface.end())

@@ -31,11 +31,10 @@ PatchList patches_of(const BoundaryNode& boundary);
 
 /// Where boundary nodes belong.
 /// - New nodes on edges that lie in the boundary: on the surface of their patch, on the common curve of two. Flat
-///   surfaces move nothing. Edges along sharp edges inside the surface of their patch (`Surface::crease_between`) get
+///   surfaces move nothing. Edges along sharp edges inside the surface of their patch (`Creases::crease_between`) get
 ///   their node there, held.
 /// - Old nodes that an earlier refinement had to leave off their surface (nodal field `off_surface` > 0): they are
-/// tried
-///   again, those as far from a sharp edge of their only surface as the field says on that edge.
+///   tried again, those as far from a sharp edge of their only surface as the field says on that edge.
 ///
 /// Every rank that holds a node computes the same bits. Order: old nodes, then new ones, ascending.
 /// Collective: one neighbor exchange of the patches of old nodes if the mesh has the field, and one over the border

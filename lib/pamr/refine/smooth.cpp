@@ -156,7 +156,7 @@ void sum_neighbors(const Region& region, const std::vector<Fixed>& value, std::v
 std::vector<std::pair<LocalId, const geometry::Surface*>> planes_of_nodes(const NewLevel& level) {
   std::vector<const geometry::Surface*> plane_of_patch;
   for (const auto& patch : level.info.patches) {
-    const auto* surface = level.surfaces.find(patch.surface);
+    const auto* surface = level.surfaces.get(patch.surface);
     plane_of_patch.push_back(surface != nullptr && surface->is_flat() ? surface : nullptr);
   }
   std::vector<std::pair<LocalId, const geometry::Surface*>> planes;

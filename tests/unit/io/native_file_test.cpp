@@ -33,7 +33,8 @@ void expect_same(const mesh::BlockMesh& a, const mesh::BlockMesh& b) {
   EXPECT_EQ(a.info.n_global_cells, b.info.n_global_cells);
   EXPECT_EQ(a.info.patches, b.info.patches);
   EXPECT_EQ(a.info.regions, b.info.regions);
-  EXPECT_EQ(a.info.surfaces_toml, b.info.surfaces_toml);
+  EXPECT_EQ(a.info.surfaces->toml, b.info.surfaces->toml);
+  EXPECT_EQ(a.info.surfaces->name, b.info.surfaces->name);
   EXPECT_EQ(a.info.length_unit, b.info.length_unit);
   EXPECT_EQ(a.node_position, b.node_position);
   EXPECT_EQ(a.cell_to_node, b.cell_to_node);
@@ -254,6 +255,19 @@ TEST(NativeFile, AcceptsFieldsAndTextsThatAScriptAdded) {
   EXPECT_THAT(whole.cell_fields[0].integer(), testing::ElementsAre(0, 1, 0, 1, 0, 1));
   EXPECT_EQ(block.info.patches[4].name, "größer");
   EXPECT_EQ(block.info.patches[4].kind, assemble::kuhn_cube(comm, 1).info.patches[4].kind);
+}
+
+TEST(NativeFile, KeepsSurfacesThatAreNotBuilt) {
+  const par::Comm comm(MPI_COMM_WORLD);
+  const Folder folder(comm);
+  io::write_native(comm, folder / "a.hdf", test::mesh_with_fields(comm, 2, 1));
+
+  auto block = io::read_native(comm, folder / "a.hdf", {.build_surfaces = false});
+
+  EXPECT_EQ(block.info.surface_name(block.info.patches[1]), "ball");
+  EXPECT_EQ(block.info.surface_of(1), nullptr);
+  io::write_native(comm, folder / "b.hdf", assemble::assemble(comm, std::move(block)));
+  EXPECT_EQ(test::bytes_of(folder / "a.hdf"), test::bytes_of(folder / "b.hdf"));
 }
 
 }  // namespace

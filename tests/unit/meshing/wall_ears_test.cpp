@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Balls known by five and six nodes: all edges on the sphere but the one inside.
-#include "meshing/repair/wall_ears.hpp"
+#include "meshing/repair/find_wall_ears.hpp"
+#include "meshing/repair/open_wall_ears.hpp"
 
 #include <gtest/gtest.h>
 
@@ -20,8 +21,8 @@ const std::string two_cones =
     "  { from = [-1, 0], to = [0, 1] }, { from = [0, 1], to = [1, 0] } ]\n";
 
 mesh::BlockMesh tied(mesh::BlockMesh block, const std::string& surfaces) {
-  block.info.surfaces_toml = surfaces;
-  block.info.patches = {{"wall", "wall", "wall"}};
+  block.info.surfaces = test::surfaces_of(surfaces);
+  block.info.patches = {{"wall", "wall", 0}};
   return block;
 }
 

@@ -6,13 +6,13 @@
 #include <utility>
 
 #include "pamr/base/error.hpp"
+#include "pamr/base/index.hpp"
 #include "pamr/geometry/parameters.hpp"
 
 namespace pamr::geometry {
 
 namespace {
 
-constexpr std::size_t at(int i) { return static_cast<std::size_t>(i); }
 constexpr double border = 1e-12;      // parameters this near to the border of a triangle lie on it
 constexpr double gain = 1 - 1e-12;    // a squared distance must fall below this part to count as nearer
 constexpr double rounding = 1e-14;    // of the largest coordinate
@@ -50,14 +50,14 @@ std::shared_ptr<Triangulated::Shape> Triangulated::make_shape(const Triangulatio
   return shape;
 }
 
-Triangulated::Triangulated(const Triangulation& surface, const Options& options) {
-  require_valid(surface, "triangulated surface", options.open_allowed);
+Triangulated::Triangulated(std::shared_ptr<const Triangulation> surface, const Options& options)
+    : flat_(std::move(surface)) {
+  require_valid(*flat_, "triangulated surface", options.open_allowed);
   if (!(options.crease.angle > 0 && options.crease.angle <= 180))
     throw Error("feature_angle: expected degrees over 0 and up to 180, found " + decimal(options.crease.angle));
   if (!(options.crease.shortest >= 0))
     throw Error("shortest_crease: expected a length of 0 or more, found " + decimal(options.crease.shortest));
-  shape_ = make_shape(surface, options.crease);
-  flat_ = std::make_shared<const Triangulation>(surface);
+  shape_ = make_shape(*flat_, options.crease);
   take_piece(-1);
   if (options.near) take_piece(shape_->features.patch[at(nearest(checked_point(*options.near, "near")).triangle)]);
 }
@@ -211,7 +211,7 @@ Vec3 Triangulated::unit_normal(int triangle, double u, double v) const {
   if (shape_->features.is_planar[patch] != 0) return shape_->features.plane_normal[patch];
   const Vec3 normal = shape_->curved[at(triangle)].normal(u, v);
   const double length = norm(normal);
-  return length > least_length ? (1 / length) * normal : shape_->features.normal[at(triangle)][0];
+  return length > min_length ? (1 / length) * normal : shape_->features.normal[at(triangle)][0];
 }
 
 Vec3 Triangulated::normal(Vec3 point) const {

@@ -4,7 +4,7 @@
 #include <memory>
 #include <optional>
 #include <span>
-#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "pamr/geometry/surface.hpp"
@@ -18,7 +18,7 @@ namespace pamr::geometry {
 /// A smooth surface through the points of a triangulation, sharp at its creases: cubic triangles from normals of fitted
 /// quadrics, continuous; planar pieces stay planar. The normal points to the side from which the triangles are seen
 /// counter-clockwise. The nearest point is found from the nearest flat triangle by going downhill over the curved ones.
-class Triangulated final : public Surface {
+class Triangulated final : public Surface, public Creases {
  public:
   struct Options {
     CreaseOptions crease{};
@@ -26,7 +26,9 @@ class Triangulated final : public Surface {
     std::optional<Vec3> near = {};  ///< take only the piece between creases that is nearest to this point
   };
   /// Throws `Error` unless the triangulation is valid (`require_valid`) and the options are in range. O(n log n).
-  Triangulated(const Triangulation& surface, const Options& options);
+  Triangulated(std::shared_ptr<const Triangulation> surface, const Options& options);
+  Triangulated(Triangulation surface, const Options& options)
+      : Triangulated(std::make_shared<const Triangulation>(std::move(surface)), options) {}
 
   Vec3 project(Vec3 point) const override;
   Vec3 normal(Vec3 point) const override;
@@ -35,9 +37,9 @@ class Triangulated final : public Surface {
   double signed_distance(Vec3 point) const override;
   /// Nearest point of the creases, and of the ends of an open surface; the nearest point where there are none.
   Vec3 project_to_seam(Vec3 point) const override;
-  bool has_creases() const override { return !creases_->is_empty(); }
+  const Creases* creases() const override { return creases_->is_empty() ? nullptr : this; }
   std::optional<Vec3> crease_between(Vec3 a, Vec3 b, Vec3 c, Vec3 d) const override;
-  /// Of the triangle nearest to the point, at its middle and those of its sides.
+  /// Measured on the triangle nearest to the point, at its middle and at the middles of its sides.
   double facet_deviation(Vec3 point) const override;
   /// True for a planar piece taken alone.
   bool is_flat() const override { return is_flat_; }
@@ -51,8 +53,8 @@ class Triangulated final : public Surface {
   }
   /// One piece taken alone; it shares the data of the whole.
   std::unique_ptr<const Triangulated> piece(int number) const;
-  /// The creases as curves: all of them, or, of a piece taken alone, those round it and in it.
-  const CreaseNet& creases() const { return *creases_; }
+  /// The creases as curves: all of them, or, of a piece taken alone, those around it and in it.
+  const CreaseNet& crease_net() const { return *creases_; }
   /// True for one piece taken alone, by `near` or by `piece`.
   bool is_one_piece() const { return stays_in_patch_; }
   /// Calls `use(piece, middle)` for every triangle, with the middle of the flat one.
@@ -91,7 +93,7 @@ class Triangulated final : public Surface {
   Vec3 onto_plane(int triangle, Vec3 point) const;
   Vec3 foot_of(const Place& here, Vec3 point) const;
   Vec3 unit_normal(int triangle, double u, double v) const;
-  /// The normal that tells the sides apart where the nearest point lies.
+  /// The normal by which the side of a point is decided where its nearest point lies.
   Vec3 outward(const Place& here) const;
 
   std::shared_ptr<const Shape> shape_;
@@ -101,9 +103,5 @@ class Triangulated final : public Surface {
   std::optional<CreaseNet> creases_;
   bool stays_in_patch_ = false, is_flat_ = false;
 };
-
-/// Reads the files of all surfaces of kind `triangulation` in TOML text (see `surfaces_from_toml`), each named as its
-/// surface; a relative `file` counts from the folder of `where`. Throws `Error` with the line. Local.
-std::vector<Triangulation> triangulations_of_toml(std::string_view text, std::string_view where);
 
 }  // namespace pamr::geometry

@@ -39,7 +39,7 @@ class Checker {
     if (catalog_->has_pamr_group)
       extension();
     else
-      layout_.info.patches = {{"boundary", "", ""}};
+      layout_.info.patches = {{"boundary", ""}};
     return std::move(layout_);
   }
 
@@ -137,7 +137,7 @@ class Checker {
       fail("/PAMR@format", fmt::format("{}", format_version), to_text(format->values));
     auto& info = layout_.info;
     info.length_unit = one_text("/PAMR@length_unit", "");
-    info.surfaces_toml = one_text(path::surfaces, "\t\r\n");
+    layout_.surfaces_toml = one_text(path::surfaces, "\t\r\n");
     info.provenance = one_text(path::provenance, "\t\r\n");
     if (const auto* first = catalog_->find_number("/PAMR@first_id"); first != nullptr) {
       if (first->values.size() != 1 || first->values[0] < 0 || first->values[0] > mesh::max_first_id)
@@ -153,7 +153,7 @@ class Checker {
     } else if (info.patches.size() > 1) {
       fail(path::cell_to_cell, fmt::format("this dataset, because there are {} patches", info.patches.size()), "none");
     } else if (info.patches.empty()) {
-      info.patches = {{"boundary", "", ""}};
+      info.patches = {{"boundary", ""}};
     }
     if (catalog_->find_array(path::lineage) != nullptr) {
       layout_.has_lineage = true;
@@ -201,8 +201,9 @@ class Checker {
       if (names[p].empty()) fail(path::patch_names, "a name", fmt::format("an empty one in row {}", p));
       if (!seen.insert(names[p]).second)
         fail(path::patch_names, "different names", fmt::format("'{}' twice, again in row {}", names[p], p));
-      layout_.info.patches.push_back({names[p], kinds[p], surfaces[p]});
+      layout_.info.patches.push_back({names[p], kinds[p]});
     }
+    layout_.surface_of_patch = std::move(surfaces);
   }
 
   /// The catalog has both datasets or none.
