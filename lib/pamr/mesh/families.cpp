@@ -19,10 +19,10 @@ bool is_well_formed(Lineage lineage) {
 }
 
 std::string describe(Lineage lineage) {
-  fmt::format("{}{}", if (!is_well_formed(lineage)) return "lineage word ", lineage.bits());
+  if (!is_well_formed(lineage)) return fmt::format("lineage word {}", lineage.bits());
   const auto level = fmt::format(", level {}", lineage.level());
   if (!lineage.is_closure()) return "regular cell" + level;
-  return fmt::format("{}{}{}, child {}{}", std::string(lineage.is_broken() ? "broken " : ""),
+  return fmt::format("{}{}{}, child {}{}", lineage.is_broken() ? "broken " : "",
                      lineage.kind() == FamilyKind::edge ? "1:2 closure cell of edge " : "1:4 closure cell of face ",
                      lineage.index(), lineage.child(), level);
 }

@@ -29,8 +29,11 @@ struct Field {
 };
 
 /// Names of fields that the refiner itself writes and looks for.
-inline constexpr const char* off_surface_field = "off_surface";  ///< on nodes: distance to the surface still to go
-inline constexpr const char* parent_field = "parent";            ///< of cells: number of the cell that was refined
+/// Nodal field of the distance of each boundary node from the surfaces that it could not be put onto without turning a
+/// cell over, 0 elsewhere; absent when there is no such node.
+inline constexpr const char* off_surface_field = "off_surface";
+/// Integer cell field of the cell of the input that each cell comes from.
+inline constexpr const char* parent_field = "parent";
 
 using NodeField = Field;
 using CellField = Field;

@@ -136,7 +136,7 @@ std::size_t size_of(mesh::StorageType type) {
 }
 
 std::string to_text(mesh::StorageType type) {
-  fmt::format("{}{}", if (!mesh::is_integer(type)) return "float", 8 * size_of(type));
+  if (!mesh::is_integer(type)) return fmt::format("float{}", 8 * size_of(type));
   const bool is_unsigned = type == mesh::StorageType::uint64 || type == mesh::StorageType::uint32 ||
                            type == mesh::StorageType::uint16 || type == mesh::StorageType::uint8;
   return fmt::format("{}{}", is_unsigned ? "uint" : "int", 8 * size_of(type));
