@@ -24,7 +24,7 @@ TOLERANCE = {"sector": 1e-3, "octant": 5e-3}
 
 
 def write_case(name, radius, potential, sides, goal):
-    text = f'[[sphere]]\npatch = "sphere"\ncentre = [0, 0, 0]\nradius = {radius}\n'
+    text = f'[[sphere]]\npatch = "sphere"\ncenter = [0, 0, 0]\nradius = {radius}\n'
     if goal:
         text += '[estimator]\ngoal = "charge"\ngoal_patch = "sphere"\n'
     text += f'[boundary.sphere]\ncondition = "potential"\nvalue = {potential}\n'

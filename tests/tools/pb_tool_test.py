@@ -37,7 +37,7 @@ def shell_mesh(name, radius, **options):
 
 
 def sphere_case(name, radius, potential, patches, head=""):
-    text = head + f'[[sphere]]\npatch = "sphere"\ncentre = [0, 0, 0]\nradius = {radius}\n'
+    text = head + f'[[sphere]]\npatch = "sphere"\ncenter = [0, 0, 0]\nradius = {radius}\n'
     text += condition("sphere", "potential", potential) + condition("outer", "far-field")
     pathlib.Path(name).write_text(text + "".join(condition(p, "symmetry") for p in patches[2:]))
     return name
@@ -205,9 +205,9 @@ def test_bad_input_is_refused():
     refused(condition("zmin", "potential", 1), "boundary.xmin")
     refused(good + condition("hull", "symmetry"), "hull")
     refused("[pair]\npatch = 'zmin'\nradius = 1\ndistance = 1.5\n" + good, "overlap")
-    refused('[plate]\npatch = "zmin"\n[[sphere]]\ncentre = [0, 0, 1]\nradius = 1.2\n' + good, "touch")
+    refused('[plate]\npatch = "zmin"\n[[sphere]]\ncenter = [0, 0, 1]\nradius = 1.2\n' + good, "touch")
     refused("[electrolyte]\ndebye_length = 1e-8\nconcentration = 1\n" + good, "Debye length")
-    refused('[[sphere]]\npatch = "zmin"\ncentre = [0, 0, 0]\nradius = 0.2\n' + good, "sphere of radius 0.2")
+    refused('[[sphere]]\npatch = "zmin"\ncenter = [0, 0, 0]\nradius = 0.2\n' + good, "sphere of radius 0.2")
     refused('[electrolyte]\nsalt = "CaCl2"\n' + good, "CaCl2")
     refused("[solver]\nsteps = 3\n" + good, "steps", ":2")
     refuses("pamr-pb", "missing.toml", *mesh, says=["missing.toml"], creates="out.hdf")

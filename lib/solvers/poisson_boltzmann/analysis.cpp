@@ -8,8 +8,10 @@
 #include <cmath>
 
 #include "pamr/base/error.hpp"
-#include "pamr/par/reproducible_sum.hpp"
+#include "pamr/base/index.hpp"
+#include "pamr/mesh/require_field.hpp"
 #include "solvers/poisson_boltzmann/quadrature.hpp"
+#include "solvers/poisson_boltzmann/volume_force.hpp"
 
 namespace pamr::poisson_boltzmann {
 
@@ -18,186 +20,177 @@ using geometry::Vec3;
 namespace {
 
 /// The sphere that has this patch; null where none has.
-const Sphere* sphere_of(const Case& problem, std::string_view patch) {
-  for (const auto& sphere : problem.spheres)
+const Sphere* sphere_of(const Case& input, std::string_view patch) {
+  for (const auto& sphere : input.spheres)
     if (!sphere.patch.empty() && sphere.patch == patch) return &sphere;
   return nullptr;
 }
 
-int axis_of(const std::string& goal) { return goal.back() - 'x'; }
+/// Potential and electric field at the nodes.
+void add_nodal_fields(const State& state, Analysis& result) {
+  const auto& problem = state.problem;
+  result.psi.resize(state.u.size());
+  result.field.resize(state.u.size());
+  for (std::size_t i = 0; i < result.psi.size(); ++i) {
+    result.psi[i] = problem.conditions.psi0[i] + state.u[i];
+    result.field[i] = -(state.recovered[i] + Vec3{0, 0, problem.split_slope(problem.domain.point[i].z)});
+  }
+}
+
+/// The volume form of the force on one patch.
+struct VolumeForm {
+  CutOff cut_off;  ///< `chi` is kept for the patch of the goal only
+  Vec3 force;      ///< on full bodies
+};
+
+/// Of each patch; nothing for those that are no body or have no room for a cut-off function. Collective.
+std::vector<std::optional<VolumeForm>> volume_forms(const par::Comm& comm, const State& state) {
+  const auto& input = state.problem.input;
+  const auto& patches = state.problem.domain.mesh->info.patches;
+  std::vector<std::optional<VolumeForm>> forms(patches.size());
+  for (std::size_t p = 0; p < patches.size(); ++p) {
+    const auto* sphere = sphere_of(input, patches[p].name);
+    std::optional<CutOff> cut_off;
+    if (sphere != nullptr) cut_off = make_cut_off(comm, state, *sphere, static_cast<int>(p));
+    if (input.plate && patches[p].name == input.plate->patch) cut_off = make_plate_cut_off(comm, state);
+    if (!cut_off) continue;
+    forms[p] = VolumeForm{std::move(*cut_off), {}};
+    auto& chi = forms[p]->cut_off.chi;
+    forms[p]->force = state.mirrors[p].complete(volume_force(comm, state, chi));
+    if (patches[p].name != input.estimator.goal_patch) chi = {};
+  }
+  return forms;
+}
+
+/// The force through the mirror between two spheres.
+struct MidplaneForm {
+  int patch = -1;
+  double factor = 1;  ///< of the symmetry
+  double force = 0;   ///< positive: what lies on this side is pushed away; with the factor
+  Vec3 direction;     ///< away from the mirror
+};
+
+/// Nothing if the case asks for none. Collective. Throws `Error` when the patch is not flat and normal to an axis.
+std::optional<MidplaneForm> midplane_form(const par::Comm& comm, const State& state, const Excess& excess) {
+  const auto& domain = state.problem.domain;
+  const auto& name = state.problem.input.force.midplane;
+  if (name.empty()) return std::nullopt;
+  MidplaneForm form;
+  form.patch = domain.patch_number(name);
+  const auto& shape = domain.patches[at(form.patch)];
+  if (shape.axis < 0) throw Error(fmt::format("expected a flat mid-plane normal to an axis, found patch \"{}\"", name));
+  form.factor = state.mirrors[at(form.patch)].factor;
+  form.force = form.factor * midplane_force(comm, state, excess, form.patch);
+  double outward = 0;
+  for (const auto& face : domain.faces)
+    if (face.patch == form.patch) outward = face.normal[at(shape.axis)];
+  form.direction[at(shape.axis)] = comm.max(outward) > 0 ? -1 : 1;
+  return form;
+}
+
+/// With one body on this side the force is that body's; with several it is that of all together.
+void add_midplane_form(const State& state, const MidplaneForm& form, std::vector<PatchResult>& patches) {
+  const auto& input = state.problem.input;
+  const auto is_body = [&](const PatchResult& patch) { return sphere_of(input, patch.name) != nullptr; };
+  const bool is_single = std::count_if(patches.begin(), patches.end(), is_body) == 1;
+  for (auto& patch : patches)
+    if (is_single ? is_body(patch) : patch.name == input.force.midplane) patch.midplane = form.force * form.direction;
+}
+
+/// Errors of u and its gradient against the manufactured solution. Collective.
+void compare_with_manufactured(const par::Comm& comm, const State& state, Analysis& result) {
+  const auto& domain = state.problem.domain;
+  const auto& cells = domain.mesh->cell_to_node;
+  std::array<par::ExactSum, 2> sums;
+  for (std::size_t c = 0; c < cells.size(); ++c) {
+    const auto p = domain.points(c);
+    const double volume = geometry::volume(p);
+    for (const auto& gauss : gauss_points) {
+      Vec3 point;
+      double value = 0;
+      for (std::size_t k = 0; k < 4; ++k) {
+        point += gauss.weight_of_corner[k] * p[k];
+        value += gauss.weight_of_corner[k] * state.u[at(cells[c][k])];
+      }
+      const double error = value - manufactured_potential(point);
+      sums[0].add(volume * gauss.weight * error * error);
+      sums[1].add(volume * gauss.weight * squared_norm(state.cell_gradient[c] - manufactured_gradient(point)));
+    }
+  }
+  const auto totals = par::reproducible_sums(comm, sums);
+  result.manufactured_l2 = std::sqrt(totals[0]);
+  result.manufactured_h1 = std::sqrt(totals[1]);
+}
 
 /// The functional of the goal: its value on full bodies, the factor of the symmetry, and what the dual system needs.
 struct Goal {
   double value = 0, factor = 1;
-  std::vector<double> load, fixed;
+  std::vector<double> load, fixed;  ///< n_nodes, or empty
 };
 
-class Analyst {
- public:
-  Analyst(const par::Comm& comm, const Domain& domain, const Case& problem, const Conditions& conditions,
-          System& system, const Solution& solution)
-      : comm_(comm),
-        domain_(domain),
-        problem_(problem),
-        conditions_(conditions),
-        system_(system),
-        solution_(solution),
-        term_(problem.linear),
-        gradient_(cell_gradients(domain, solution.u)),
-        recovered_(recover(comm, domain, gradient_, problem.estimator.recovery)),
-        mirrors_(find_mirrors(comm, domain, problem)),
-        state_{domain, problem, conditions, solution.u, solution.reaction, gradient_, recovered_, mirrors_} {}
+Goal charge_goal(const State& state, const Analysis& result, std::size_t patch) {
+  const auto& deciding = state.problem.conditions.deciding_patch;
+  Goal goal{result.patches[patch].charge, state.mirrors[patch].factor, {}, {}};
+  goal.load.assign(deciding.size(), 0);
+  goal.fixed.assign(deciding.size(), 0);
+  for (std::size_t i = 0; i < deciding.size(); ++i)
+    if (deciding[i] == static_cast<int>(patch)) goal.fixed[i] = 1;
+  return goal;
+}
 
-  Analysis run() {
-    Analysis result;
-    result.psi.resize(solution_.u.size());
-    result.field.resize(solution_.u.size());
-    const auto profile = problem_.profile();
-    for (std::size_t i = 0; i < result.psi.size(); ++i) {
-      result.psi[i] = conditions_.psi0[i] + solution_.u[i];
-      const double slope = problem_.split ? profile.slope(domain_.point[i].z) : 0;
-      result.field[i] = -(recovered_[i] + Vec3{0, 0, slope});
-    }
-    result.estimate = estimate_error(comm_, domain_, term_, solution_.u, conditions_.psi0, gradient_, recovered_);
-    result.patches = surface_results(comm_, state_);
-    add_volume_forms(result);
-    add_midplane_form(result);
-    result.energy = energy_of(comm_, state_);
-    if (problem_.manufactured) compare_with_manufactured(result);
-    if (problem_.estimator.goal != "none") add_goal(result);
-    return result;
+Goal volume_goal(const par::Comm& comm, const State& state, const std::optional<VolumeForm>& form, std::size_t patch) {
+  const auto& [recovery, name, patch_name] = state.problem.input.estimator;
+  if (sphere_of(state.problem.input, patch_name) == nullptr)
+    throw Error(
+        fmt::format("expected goal_patch to be the patch of a sphere for goal \"{}\", found \"{}\"", name, patch_name));
+  if (!form)
+    throw Error(fmt::format(
+        "expected room for a cut-off function around sphere \"{}\", found a boundary that touches it", patch_name));
+  const int axis = name.back() - 'x';
+  return {form->force[at(axis)],
+          state.mirrors[patch].factor,
+          volume_force_derivative(comm, state, form->cut_off.chi, axis),
+          {}};
+}
+
+/// Error of the goal by the solution of the dual system. Collective.
+void add_goal(const par::Comm& comm, const State& state, System& system, const Goal& goal, Analysis& result) {
+  const auto& domain = state.problem.domain;
+  const auto& input = state.problem.input;
+  const auto w = system.solve_linearised(goal.load, goal.fixed);
+  const auto gradient = cell_gradients(domain, w);
+  const auto recovered = recover(comm, domain, gradient, input.estimator.recovery);
+  auto error =
+      goal_error(comm, domain, state.problem.term,
+                 {state.u, state.problem.conditions.psi0, w, state.cell_gradient, state.recovered, gradient, recovered},
+                 input.solver.quadrature == Quadrature::nodal);
+  result.goal_correction = goal.factor * error.correction;
+  result.goal = std::move(error.share);
+  result.goal_value = goal.value;
+  result.goal_error = goal.factor * par::reproducible_sum(comm, result.goal);
+}
+
+/// All forms of the forces and the energy go into `result`; returns the goal, if the case has one. Collective.
+std::optional<Goal> add_functionals(const par::Comm& comm, const State& state, Analysis& result) {
+  const auto& estimator = state.problem.input.estimator;
+  const auto excess = excess_of(state);
+  result.patches = surface_results(comm, state);
+  const auto volume = volume_forms(comm, state);
+  for (std::size_t p = 0; p < volume.size(); ++p) {
+    if (!volume[p]) continue;
+    result.patches[p].volume = volume[p]->force;
+    result.patches[p].inner = volume[p]->cut_off.inner;
+    result.patches[p].outer = volume[p]->cut_off.outer;
   }
+  const auto midplane = midplane_form(comm, state, excess);
+  if (midplane) add_midplane_form(state, *midplane, result.patches);
+  result.energy = energy_of(comm, state, excess);
 
- private:
-  void add_volume_forms(Analysis& result) {
-    for (std::size_t p = 0; p < result.patches.size(); ++p) {
-      auto& patch = result.patches[p];
-      const auto* sphere = sphere_of(problem_, patch.name);
-      std::optional<CutOff> cut_off;
-      if (sphere != nullptr) cut_off = make_cut_off(comm_, state_, *sphere, static_cast<int>(p));
-      if (problem_.plate && patch.name == problem_.plate->patch) cut_off = make_plate_cut_off(comm_, state_);
-      if (!cut_off) continue;
-      patch.inner = cut_off->inner;
-      patch.outer = cut_off->outer;
-      patch.volume = mirrors_[p].complete(volume_force(comm_, state_, cut_off->chi));
-    }
-  }
-
-  /// Force per meshed part of the mirror, and the direction in which it pushes what lies on this side.
-  void add_midplane_form(Analysis& result) {
-    if (problem_.force.midplane.empty()) return;
-    const int mirror = domain_.patch_number(problem_.force.midplane);
-    const auto& shape = domain_.patches[static_cast<std::size_t>(mirror)];
-    if (shape.axis < 0)
-      throw Error(
-          fmt::format("expected a flat mid-plane normal to an axis, found patch \"{}\"", problem_.force.midplane));
-    const double force = midplane_factor() * midplane_force(comm_, state_, mirror);
-    double sign = 0;
-    for (const auto& face : domain_.faces)
-      if (face.patch == mirror)
-        sign = shape.axis == 0 ? face.normal.x : shape.axis == 1 ? face.normal.y : face.normal.z;
-    sign = comm_.max(sign) > 0 ? -1 : 1;
-    Vec3 direction{shape.axis == 0 ? sign : 0, shape.axis == 1 ? sign : 0, shape.axis == 2 ? sign : 0};
-    std::size_t n_bodies = 0;
-    for (const auto& patch : result.patches) n_bodies += sphere_of(problem_, patch.name) != nullptr ? 1 : 0;
-    // With one body on this side the force is that body's; with several it is that of all together.
-    for (auto& patch : result.patches)
-      if (n_bodies == 1 ? sphere_of(problem_, patch.name) != nullptr : patch.name == problem_.force.midplane)
-        patch.midplane = force * direction;
-  }
-
-  double midplane_factor() const {
-    return mirrors_[static_cast<std::size_t>(domain_.patch_number(problem_.force.midplane))].factor;
-  }
-
-  void compare_with_manufactured(Analysis& result) {
-    const auto& cells = domain_.mesh->cell_to_node;
-    std::array<par::ExactSum, 2> sums;
-    for (std::size_t c = 0; c < cells.size(); ++c) {
-      const auto p = domain_.points(c);
-      const double volume = geometry::volume(p);
-      for (const auto& at : gauss_points) {
-        Vec3 point;
-        double value = 0;
-        for (std::size_t k = 0; k < 4; ++k) {
-          point = point + at.weight_of_corner[k] * p[k];
-          value += at.weight_of_corner[k] * solution_.u[static_cast<std::size_t>(cells[c][k])];
-        }
-        const double error = value - manufactured_potential(point);
-        sums[0].add(volume * at.weight * error * error);
-        sums[1].add(volume * at.weight * squared_norm(gradient_[c] - manufactured_gradient(point)));
-      }
-    }
-    const auto totals = par::reproducible_sums(comm_, sums);
-    result.manufactured_l2 = std::sqrt(totals[0]);
-    result.manufactured_h1 = std::sqrt(totals[1]);
-  }
-
-  Goal make_goal(const Analysis& result) {
-    const auto& options = problem_.estimator;
-    Goal goal;
-    if (options.goal == "midplane") {
-      const int mirror = domain_.patch_number(problem_.force.midplane);
-      goal.factor = midplane_factor();
-      goal.value = goal.factor * midplane_force(comm_, state_, mirror);
-      goal.load = midplane_derivative(comm_, state_, mirror);
-      return goal;
-    }
-    const auto p = static_cast<std::size_t>(domain_.patch_number(options.goal_patch));
-    goal.factor = mirrors_[p].factor;
-    if (options.goal == "charge") {
-      goal.value = result.patches[p].charge;
-      goal.load.assign(domain_.point.size(), 0);
-      goal.fixed.assign(domain_.point.size(), 0);
-      for (std::size_t i = 0; i < goal.fixed.size(); ++i)
-        if (conditions_.deciding_patch[i] == static_cast<int>(p)) goal.fixed[i] = 1;
-      return goal;
-    }
-    const auto* sphere = sphere_of(problem_, options.goal_patch);
-    if (sphere == nullptr)
-      throw Error(fmt::format("expected goal_patch to be the patch of a sphere for goal \"{}\", found \"{}\"",
-                              options.goal, options.goal_patch));
-    const int axis = axis_of(options.goal);
-    const auto cut_off = make_cut_off(comm_, state_, *sphere, static_cast<int>(p));
-    if (!cut_off)
-      throw Error(
-          fmt::format("expected room for a cut-off function round sphere \"{}\", found a boundary that touches it",
-                      options.goal_patch));
-    const auto force = mirrors_[p].complete(volume_force(comm_, state_, cut_off->chi));
-    goal.value = axis == 0 ? force.x : axis == 1 ? force.y : force.z;
-    goal.load = volume_force_derivative(comm_, state_, cut_off->chi, axis);
-    return goal;
-  }
-
-  void add_goal(Analysis& result) {
-    const auto goal = make_goal(result);
-    const auto w = system_.solve_linearised(goal.load, goal.fixed);
-    const auto gradient = cell_gradients(domain_, w);
-    const auto recovered = recover(comm_, domain_, gradient, problem_.estimator.recovery);
-    auto error = goal_error(comm_, domain_, term_,
-                            {solution_.u, conditions_.psi0, w, gradient_, recovered_, gradient, recovered},
-                            problem_.solver.quadrature == Quadrature::nodal);
-    result.goal_correction = goal.factor * error.correction;
-    result.goal = std::move(error.share);
-    result.goal_value = goal.value;
-    result.goal_error = goal.factor * par::reproducible_sum(comm_, result.goal);
-  }
-
-  const par::Comm& comm_;
-  const Domain& domain_;
-  const Case& problem_;
-  const Conditions& conditions_;
-  System& system_;
-  const Solution& solution_;
-  SourceTerm term_;
-  std::vector<Vec3> gradient_, recovered_;
-  std::vector<Mirrors> mirrors_;
-  State state_;
-};
-
-void put(std::vector<mesh::Field>& fields, mesh::Field field) {
-  std::erase_if(fields, [&](const mesh::Field& old) { return old.name == field.name; });
-  fields.push_back(std::move(field));
+  if (estimator.goal == "none") return std::nullopt;
+  if (estimator.goal == "midplane")
+    return Goal{midplane->force, midplane->factor, midplane_derivative(comm, state, excess, midplane->patch), {}};
+  const auto p = at(state.problem.domain.patch_number(estimator.goal_patch));
+  return estimator.goal == "charge" ? charge_goal(state, result, p) : volume_goal(comm, state, volume[p], p);
 }
 
 mesh::Field scalar(const std::string& name, const std::string& unit, std::vector<double> value) {
@@ -210,24 +203,35 @@ mesh::Field scalar(const std::string& name, const std::string& unit, std::vector
 
 }  // namespace
 
-Analysis analyze(const par::Comm& comm, const Domain& domain, const Case& problem, const Conditions& conditions,
-                 System& system, const Solution& solution) {
-  return Analyst(comm, domain, problem, conditions, system, solution).run();
+Analysis analyze(const par::Comm& comm, const Problem& problem, System& system, const Solution& solution) {
+  const auto gradient = cell_gradients(problem.domain, solution.u);
+  const auto recovered = recover(comm, problem.domain, gradient, problem.input.estimator.recovery);
+  const auto mirrors = find_mirrors(comm, problem.domain, problem.input);
+  const State state{problem, solution.u, solution.reaction, gradient, recovered, mirrors};
+
+  Analysis result;
+  add_nodal_fields(state, result);
+  result.estimate =
+      estimate_error(comm, problem.domain, problem.term, solution.u, problem.conditions.psi0, gradient, recovered);
+  const auto goal = add_functionals(comm, state, result);
+  if (problem.input.manufactured) compare_with_manufactured(comm, state, result);
+  if (goal) add_goal(comm, state, system, *goal, result);
+  return result;
 }
 
-void set_fields(mesh::DistMesh& mesh, const Case& problem, const Solution& solution, const Analysis& analysis) {
+void set_fields(mesh::DistMesh& mesh, const Case& input, const Solution& solution, const Analysis& analysis) {
   for (const auto* name : {"potential", "excess_potential", "electric_field"})
-    std::erase_if(mesh.node_fields, [&](const mesh::Field& field) { return field.name == name; });
+    mesh::remove_field(mesh.node_fields, name);
   for (const auto* name : {"error_squared", "error_ratio", "residual_squared", "indicator", "goal_error"})
-    std::erase_if(mesh.cell_fields, [&](const mesh::Field& field) { return field.name == name; });
-  put(mesh.node_fields, scalar("potential", "kT/Ze", analysis.psi));
-  if (problem.split) put(mesh.node_fields, scalar("excess_potential", "kT/Ze", solution.u));
+    mesh::remove_field(mesh.cell_fields, name);
+  mesh::put_field(mesh.node_fields, scalar("potential", "kT/Ze", analysis.psi));
+  if (input.split) mesh::put_field(mesh.node_fields, scalar("excess_potential", "kT/Ze", solution.u));
   std::vector<double> field;
   field.reserve(3 * analysis.field.size());
   for (const auto& v : analysis.field) field.insert(field.end(), {v.x, v.y, v.z});
   auto vector = scalar("electric_field", "kT/Ze per Debye length", std::move(field));
   vector.n_components = 3;
-  put(mesh.node_fields, std::move(vector));
+  mesh::put_field(mesh.node_fields, std::move(vector));
 
   const auto& estimate = analysis.estimate;
   const double share = estimate.norm_squared / static_cast<double>(mesh.info.n_global_cells);
@@ -236,11 +240,11 @@ void set_fields(mesh::DistMesh& mesh, const Case& problem, const Solution& solut
     if (share > 0) ratio[c] = estimate.squared[c] / share;
     indicator[c] = estimate.squared[c] + estimate.residual_squared[c];
   }
-  put(mesh.cell_fields, scalar("error_squared", "", estimate.squared));
-  put(mesh.cell_fields, scalar("error_ratio", "", std::move(ratio)));
-  put(mesh.cell_fields, scalar("residual_squared", "", estimate.residual_squared));
-  put(mesh.cell_fields, scalar("indicator", "", std::move(indicator)));
-  if (!analysis.goal.empty()) put(mesh.cell_fields, scalar("goal_error", "", analysis.goal));
+  mesh::put_field(mesh.cell_fields, scalar("error_squared", "", estimate.squared));
+  mesh::put_field(mesh.cell_fields, scalar("error_ratio", "", std::move(ratio)));
+  mesh::put_field(mesh.cell_fields, scalar("residual_squared", "", estimate.residual_squared));
+  mesh::put_field(mesh.cell_fields, scalar("indicator", "", std::move(indicator)));
+  if (!analysis.goal.empty()) mesh::put_field(mesh.cell_fields, scalar("goal_error", "", analysis.goal));
 }
 
 }  // namespace pamr::poisson_boltzmann

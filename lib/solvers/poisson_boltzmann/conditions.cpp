@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "pamr/base/index.hpp"
 #include "solvers/poisson_boltzmann/quadrature.hpp"
 
 namespace pamr::poisson_boltzmann {
@@ -54,7 +55,7 @@ class Builder {
 
  private:
   double fixed_value(int patch, Vec3 point) const {
-    const auto& b = *boundary_[static_cast<std::size_t>(patch)];
+    const auto& b = *boundary_[at(patch)];
     const double psi0 = problem_.split ? profile_.potential(point.z) : 0;
     if (b.condition == Condition::potential) return b.value - psi0;
     if (b.condition == Condition::manufactured) return manufactured_potential(point);
@@ -90,20 +91,20 @@ class Builder {
   }
 
   void add_face(const BoundaryFace& face) {
-    const auto& b = *boundary_[static_cast<std::size_t>(face.patch)];
+    const auto& b = *boundary_[at(face.patch)];
     const double third = face.area / 3;
     if (claim_of(b, face.patch) != nobody) {
-      for (const auto node : face.node) result_.fixed_area[static_cast<std::size_t>(node)] += third;
+      for (const auto node : face.node) result_.fixed_area[at(node)] += third;
       return;
     }
     double alpha = 0;
     if (b.condition == Condition::far_field) {
       Vec3 middle;
-      for (const auto node : face.node) middle = middle + (1.0 / 3) * domain_.point[static_cast<std::size_t>(node)];
+      for (const auto node : face.node) middle += (1.0 / 3) * domain_.point[at(node)];
       alpha = far_field_coefficient(problem_.spheres, middle, face.normal);
     }
     for (const auto node : face.node) {
-      const auto i = static_cast<std::size_t>(node);
+      const auto i = at(node);
       const double z = domain_.point[i].z, slope = face.normal.z * profile_.slope(z);
       result_.robin[i] += alpha * third;
       if (b.condition == Condition::far_field) {
@@ -127,16 +128,14 @@ class Builder {
       const auto p = domain_.points(c);
       const double volume = geometry::volume(p);
       if (problem_.solver.quadrature == Quadrature::nodal) {
-        for (std::size_t k = 0; k < 4; ++k)
-          result_.load[static_cast<std::size_t>(cells[c][k])] -= volume / 4 * source(p[k]);
+        for (std::size_t k = 0; k < 4; ++k) result_.load[at(cells[c][k])] -= volume / 4 * source(p[k]);
         continue;
       }
-      for (const auto& at : gauss_points) {
+      for (const auto& gauss : gauss_points) {
         Vec3 point;
-        for (std::size_t k = 0; k < 4; ++k) point = point + at.weight_of_corner[k] * p[k];
-        const double amount = volume * at.weight * source(point);
-        for (std::size_t k = 0; k < 4; ++k)
-          result_.load[static_cast<std::size_t>(cells[c][k])] -= amount * at.weight_of_corner[k];
+        for (std::size_t k = 0; k < 4; ++k) point += gauss.weight_of_corner[k] * p[k];
+        const double amount = volume * gauss.weight * source(point);
+        for (std::size_t k = 0; k < 4; ++k) result_.load[at(cells[c][k])] -= amount * gauss.weight_of_corner[k];
       }
     }
   }

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "pamr/base/index.hpp"
 #include "pamr/mesh/tet.hpp"
 #include "pamr/par/reproducible_sum.hpp"
 
@@ -17,14 +18,13 @@ namespace {
 
 std::array<double, 4> corners(const mesh::CellNodes& nodes, std::span<const double> value) {
   std::array<double, 4> result{};
-  for (std::size_t k = 0; k < 4; ++k) result[k] = value[static_cast<std::size_t>(nodes[k])];
+  for (std::size_t k = 0; k < 4; ++k) result[k] = value[at(nodes[k])];
   return result;
 }
 
 double longest_edge(const geometry::TetPoints& p) {
   double longest = 0;
-  for (const auto& [a, b] : mesh::tet::edge_to_corner)
-    longest = std::max(longest, squared_norm(p[static_cast<std::size_t>(a)] - p[static_cast<std::size_t>(b)]));
+  for (const auto& [a, b] : mesh::tet::edge_to_corner) longest = std::max(longest, squared_norm(p[at(a)] - p[at(b)]));
   return std::sqrt(longest);
 }
 
@@ -35,8 +35,7 @@ std::vector<Vec3> cell_gradients(const Domain& domain, std::span<const double> v
   std::vector<Vec3> result(cells.size());
   for (std::size_t c = 0; c < cells.size(); ++c) {
     const auto shape = domain.shape(c);
-    for (std::size_t k = 0; k < 4; ++k)
-      result[c] = result[c] + value[static_cast<std::size_t>(cells[c][k])] * shape.gradient[k];
+    for (std::size_t k = 0; k < 4; ++k) result[c] += value[at(cells[c][k])] * shape.gradient[k];
   }
   return result;
 }
@@ -49,9 +48,8 @@ std::vector<Vec3> recover(const par::Comm& comm, const Domain& domain, std::span
   for (std::size_t c = 0; c < cells.size(); ++c) {
     const double w = recovery == Recovery::plain ? 1 : geometry::volume(domain.points(c));
     for (const auto node : cells[c]) {
-      auto& at = sum[static_cast<std::size_t>(node)];
-      at = at + w * cell_gradient[c];
-      weight[static_cast<std::size_t>(node)] += w;
+      sum[at(node)] += w * cell_gradient[c];
+      weight[at(node)] += w;
     }
   }
   domain.nodes.sum_copies(comm, sum);
@@ -69,8 +67,8 @@ std::vector<double> squared_errors(const Domain& domain, std::span<const Vec3> c
     Vec3 total;
     double squares = 0;
     for (const auto node : cells[c]) {
-      const auto difference = recovered[static_cast<std::size_t>(node)] - cell_gradient[c];
-      total = total + difference;
+      const auto difference = recovered[at(node)] - cell_gradient[c];
+      total += difference;
       squares += squared_norm(difference);
     }
     // Integral of the product of two corner functions: V/20, V/10 of one with itself.
@@ -92,7 +90,7 @@ Estimate estimate_error(const par::Comm& comm, const Domain& domain, const Sourc
     const double volume = geometry::volume(p), h = longest_edge(p) / std::numbers::pi;
     double source = 0;
     for (const auto node : cells[c]) {
-      const double value = term.value(u[static_cast<std::size_t>(node)], psi0[static_cast<std::size_t>(node)]);
+      const double value = term.value(u[at(node)], psi0[at(node)]);
       source += value * value / 4;
     }
     result.residual_squared[c] = h * h * volume * source;
@@ -118,10 +116,10 @@ GoalError goal_error(const par::Comm& comm, const Domain& domain, const SourceTe
     Vec3 total_u, total_w;
     double squares_u = 0, squares_w = 0, products = 0;
     for (const auto node : cells[c]) {
-      const auto i = static_cast<std::size_t>(node);
+      const auto i = at(node);
       const auto error_u = in.recovered_u[i] - in.gradient_u[c], error_w = in.recovered_w[i] - in.gradient_w[c];
-      total_u = total_u + error_u;
-      total_w = total_w + error_w;
+      total_u += error_u;
+      total_w += error_w;
       squares_u += squared_norm(error_u);
       squares_w += squared_norm(error_w);
       products += dot(error_u, error_w);

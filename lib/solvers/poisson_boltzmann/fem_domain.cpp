@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "pamr/base/error.hpp"
+#include "pamr/base/index.hpp"
 #include "pamr/mesh/tet.hpp"
 #include "pamr/par/reproducible_sum.hpp"
 
@@ -70,16 +71,15 @@ std::vector<BoundaryFace> find_faces(const mesh::DistMesh& mesh, const std::vect
   std::vector<BoundaryFace> faces;
   for (LocalId c = 0; c < mesh.n_cells(); ++c)
     for (std::size_t slot = 0; slot < 4; ++slot) {
-      const auto neighbor = mesh.cell_to_cell[static_cast<std::size_t>(c)][slot];
+      const auto neighbor = mesh.cell_to_cell[at(c)][slot];
       if (neighbor >= 0) continue;
       BoundaryFace face;
       face.cell = c;
       face.patch = mesh::slot_to_patch(neighbor);
       std::array<Vec3, 3> p;
       for (std::size_t k = 0; k < 3; ++k) {
-        face.node[k] = mesh.cell_to_node[static_cast<std::size_t>(c)]
-                                        [static_cast<std::size_t>(mesh::tet::face_to_corner[slot][k])];
-        p[k] = point[static_cast<std::size_t>(face.node[k])];
+        face.node[k] = mesh.cell_to_node[at(c)][at(mesh::tet::face_to_corner[slot][k])];
+        p[k] = point[at(face.node[k])];
       }
       const auto normal = cross(p[1] - p[0], p[2] - p[0]);
       face.area = 0.5 * norm(normal);
@@ -89,18 +89,15 @@ std::vector<BoundaryFace> find_faces(const mesh::DistMesh& mesh, const std::vect
   return faces;
 }
 
-double component(Vec3 v, int axis) { return axis == 0 ? v.x : axis == 1 ? v.y : v.z; }
-
 std::vector<PatchShape> measure(const par::Comm& comm, std::size_t n_patches, const std::vector<BoundaryFace>& faces) {
   std::vector<par::ExactSum> area(n_patches);
   std::vector<std::int64_t> count(n_patches, 0), off_axis(3 * n_patches, 0);
   for (const auto& face : faces) {
-    const auto p = static_cast<std::size_t>(face.patch);
+    const auto p = at(face.patch);
     area[p].add(face.area);
     ++count[p];
     for (int axis = 0; axis < 3; ++axis)
-      if (std::abs(std::abs(component(face.normal, axis)) - 1) > 1e-9)
-        ++off_axis[3 * p + static_cast<std::size_t>(axis)];
+      if (std::abs(std::abs(face.normal[at(axis)]) - 1) > 1e-9) ++off_axis[3 * p + at(axis)];
   }
   const auto areas = par::reproducible_sums(comm, area);
   comm.sum_in_place(count);
@@ -110,7 +107,7 @@ std::vector<PatchShape> measure(const par::Comm& comm, std::size_t n_patches, co
     patches[p].area = areas[p];
     patches[p].n_faces = count[p];
     for (int axis = 0; axis < 3; ++axis)
-      if (count[p] > 0 && off_axis[3 * p + static_cast<std::size_t>(axis)] == 0) patches[p].axis = axis;
+      if (count[p] > 0 && off_axis[3 * p + at(axis)] == 0) patches[p].axis = axis;
   }
   return patches;
 }
@@ -122,8 +119,7 @@ CellShape shape_of(const geometry::TetPoints& p) {
   shape.volume = geometry::volume(p);
   for (std::size_t i = 0; i < 4; ++i) {
     const auto& corner = mesh::tet::face_to_corner[i];  // its outward normal points away from corner i
-    const auto &a = p[static_cast<std::size_t>(corner[0])], &b = p[static_cast<std::size_t>(corner[1])],
-               &c = p[static_cast<std::size_t>(corner[2])];
+    const auto &a = p[at(corner[0])], &b = p[at(corner[1])], &c = p[at(corner[2])];
     shape.gradient[i] = (-1.0 / (6.0 * shape.volume)) * cross(b - a, c - a);
   }
   return shape;
@@ -131,8 +127,7 @@ CellShape shape_of(const geometry::TetPoints& p) {
 
 geometry::TetPoints Domain::points(std::size_t cell) const {
   const auto& n = mesh->cell_to_node[cell];
-  return {point[static_cast<std::size_t>(n[0])], point[static_cast<std::size_t>(n[1])],
-          point[static_cast<std::size_t>(n[2])], point[static_cast<std::size_t>(n[3])]};
+  return {point[at(n[0])], point[at(n[1])], point[at(n[2])], point[at(n[3])]};
 }
 
 CellShape Domain::shape(std::size_t cell) const { return shape_of(points(cell)); }
@@ -155,14 +150,14 @@ Domain make_domain(const par::Comm& comm, const mesh::DistMesh& mesh, const Case
   domain.node_volume.assign(domain.point.size(), 0);
   for (std::size_t c = 0; c < mesh.cell_to_node.size(); ++c) {
     const double quarter = geometry::volume(domain.points(c)) / 4;
-    for (const auto node : mesh.cell_to_node[c]) domain.node_volume[static_cast<std::size_t>(node)] += quarter;
+    for (const auto node : mesh.cell_to_node[c]) domain.node_volume[at(node)] += quarter;
   }
   domain.nodes.sum_copies(comm, domain.node_volume);
   domain.faces = find_faces(mesh, domain.point);
   domain.node_patches.assign(domain.point.size(), 0);
   for (const auto& face : domain.faces)
     for (const auto node : face.node)
-      domain.node_patches[static_cast<std::size_t>(node)] |= std::uint64_t{1} << static_cast<unsigned>(face.patch);
+      domain.node_patches[at(node)] |= std::uint64_t{1} << static_cast<unsigned>(face.patch);
   domain.nodes.join_copies(comm, domain.node_patches, [](std::uint64_t a, std::uint64_t b) { return a | b; });
   require_bodies(comm, domain, problem, where);
   domain.patches = measure(comm, mesh.info.patches.size(), domain.faces);

@@ -1,22 +1,23 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "solvers/poisson_boltzmann/node_map.hpp"
 
+#include <fmt/format.h>
+
 #include <limits>
-#include <string>
 
 #include "pamr/base/error.hpp"
+#include "pamr/base/index.hpp"
 #include "pamr/mesh/borders.hpp"
 
 namespace pamr::poisson_boltzmann {
 
 NodeMap::NodeMap(const par::Comm& comm, const mesh::DistMesh& mesh) : shared_(mesh::find_borders(comm, mesh).nodes) {
   if (mesh.info.n_global_nodes > std::numeric_limits<std::int32_t>::max())
-    throw Error("expected a mesh of at most 2147483647 nodes, found " + std::to_string(mesh.info.n_global_nodes));
+    throw Error(fmt::format("expected a mesh of at most 2147483647 nodes, found {}", mesh.info.n_global_nodes));
   const auto n_nodes = mesh.node_position.size();
   std::vector<std::uint8_t> is_elsewhere(n_nodes, 0);
   for (std::size_t i = 0; i < shared_.rank.size() && shared_.rank[i] < comm.rank(); ++i)
-    for (std::size_t k = shared_.offset[i]; k < shared_.offset[i + 1]; ++k)
-      is_elsewhere[static_cast<std::size_t>(shared_.item[k])] = 1;
+    for (std::size_t k = shared_.offset[i]; k < shared_.offset[i + 1]; ++k) is_elsewhere[at(shared_.item[k])] = 1;
   for (std::size_t node = 0; node < n_nodes; ++node)
     if (is_elsewhere[node] == 0) owned_.push_back(static_cast<LocalId>(node));
 
@@ -24,22 +25,21 @@ NodeMap::NodeMap(const par::Comm& comm, const mesh::DistMesh& mesh) : shared_(me
   first_ = static_cast<std::int32_t>(comm.exclusive_sum(n_owned));
   n_equations_ = static_cast<std::int32_t>(comm.sum(n_owned));
   equation_.assign(n_nodes, std::numeric_limits<std::int32_t>::max());
-  for (std::size_t k = 0; k < owned_.size(); ++k)
-    equation_[static_cast<std::size_t>(owned_[k])] = first_ + static_cast<std::int32_t>(k);
+  for (std::size_t k = 0; k < owned_.size(); ++k) equation_[at(owned_[k])] = first_ + static_cast<std::int32_t>(k);
   // Every copy learns the owner's number: the others hold the largest there is.
   join_copies(comm, equation_, [](std::int32_t a, std::int32_t b) { return a < b ? a : b; });
 }
 
 std::vector<double> NodeMap::spread(const par::Comm& comm, std::span<const double> owned) const {
   std::vector<double> local(n_nodes(), 0);
-  for (std::size_t k = 0; k < owned_.size(); ++k) local[static_cast<std::size_t>(owned_[k])] = owned[k];
+  for (std::size_t k = 0; k < owned_.size(); ++k) local[at(owned_[k])] = owned[k];
   sum_copies(comm, local);
   return local;
 }
 
 std::vector<double> NodeMap::owned_values(std::span<const double> local) const {
   std::vector<double> result(owned_.size());
-  for (std::size_t k = 0; k < owned_.size(); ++k) result[k] = local[static_cast<std::size_t>(owned_[k])];
+  for (std::size_t k = 0; k < owned_.size(); ++k) result[k] = local[at(owned_[k])];
   return result;
 }
 

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "pamr/base/index.hpp"
 #include "pamr/geometry/vec3.hpp"
 #include "pamr/mesh/dist_mesh.hpp"
 #include "pamr/par/exchange.hpp"
@@ -33,13 +34,15 @@ class NodeMap {
 
   /// Values of all local nodes from those of the owned ones. Collective: one exchange.
   std::vector<double> spread(const par::Comm& comm, std::span<const double> owned) const;
+  /// Values of the owned nodes in the order of `owned`. Local.
   std::vector<double> owned_values(std::span<const double> local) const;
   /// What the copies of a node hold on all ranks, joined with `join(a, b)` in the order of the ranks, so that every
   /// copy gets the same bits. Collective: one exchange.
   template <class T, class Join>
   void join_copies(const par::Comm& comm, std::vector<T>& local, Join&& join) const;
-  /// Sums of the copies.
+  /// Sums of the copies. Collective: one exchange.
   void sum_copies(const par::Comm& comm, std::vector<double>& local) const;
+  /// The same for vectors. Collective: one exchange.
   void sum_copies(const par::Comm& comm, std::vector<geometry::Vec3>& local) const;
 
  private:
@@ -53,14 +56,14 @@ template <class T, class Join>
 void NodeMap::join_copies(const par::Comm& comm, std::vector<T>& local, Join&& join) const {
   const par::Exchange exchange(comm, shared_);
   std::vector<T> mine(shared_.item.size());
-  for (std::size_t k = 0; k < mine.size(); ++k) mine[k] = local[static_cast<std::size_t>(shared_.item[k])];
+  for (std::size_t k = 0; k < mine.size(); ++k) mine[k] = local[at(shared_.item[k])];
   const auto theirs = exchange.template swap<T>(mine);
   std::vector<std::uint8_t> seen(local.size(), 0);
   std::vector<T> below(local.size());
   for (std::size_t i = 0; i < shared_.rank.size(); ++i) {
     const bool is_lower = shared_.rank[i] < comm.rank();
     for (std::size_t k = shared_.offset[i]; k < shared_.offset[i + 1]; ++k) {
-      const auto node = static_cast<std::size_t>(shared_.item[k]);
+      const auto node = at(shared_.item[k]);
       if (is_lower) {
         below[node] = seen[node] != 0 ? join(below[node], theirs[k]) : theirs[k];
         seen[node] = 1;
@@ -72,7 +75,7 @@ void NodeMap::join_copies(const par::Comm& comm, std::vector<T>& local, Join&& j
   for (std::size_t i = 0; i < shared_.rank.size(); ++i)
     if (shared_.rank[i] > comm.rank())
       for (std::size_t k = shared_.offset[i]; k < shared_.offset[i + 1]; ++k) {
-        const auto node = static_cast<std::size_t>(shared_.item[k]);
+        const auto node = at(shared_.item[k]);
         local[node] = join(local[node], theirs[k]);
       }
 }

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 namespace pamr::poisson_boltzmann {
 
@@ -18,7 +19,7 @@ json force_json(const std::optional<Vec3>& force, double unit) {
           {"newton", {unit * force->x, unit * force->y, unit * force->z}}};
 }
 
-/// The length of the greatest coordinate of a force, for the choice of what is worth a line.
+/// A line with one form of a force, dimensionless and in newtons; empty where the patch has no such form.
 std::string shown(const char* form, const std::optional<Vec3>& force, double unit) {
   if (!force) return "";
   return fmt::format("  {:<9} {:>13.6e} {:>13.6e} {:>13.6e}   {:>11.4e} {:>11.4e} {:>11.4e} N", form, force->x,
@@ -27,8 +28,8 @@ std::string shown(const char* form, const std::optional<Vec3>& force, double uni
 
 }  // namespace
 
-json report_of(const Domain& domain, const Case& problem, const Solution& solution, const Analysis& analysis) {
-  const auto units = units_of(problem.electrolyte);
+json report_of(const Domain& domain, const Case& input, const Solution& solution, const Analysis& analysis) {
+  const auto units = units_of(input.electrolyte);
   const auto& estimate = analysis.estimate;
   json report{{"nodes", domain.mesh->info.n_global_nodes},
               {"cells", domain.mesh->info.n_global_cells},
@@ -66,23 +67,23 @@ json report_of(const Domain& domain, const Case& problem, const Solution& soluti
                               {"residual", std::sqrt(estimate.residual_total_squared)},
                               {"norm", norm}};
   report["force_error"] = nullptr;
-  if (problem.estimator.goal != "none") {
-    report["goal"] = {{"name", problem.estimator.goal},
+  if (input.estimator.goal != "none") {
+    report["goal"] = {{"name", input.estimator.goal},
                       {"value", analysis.goal_value},
                       {"error_bound", analysis.goal_error},
                       {"correction", analysis.goal_correction}};
-    if (problem.estimator.goal != "charge") report["force_error"] = std::abs(analysis.goal_correction);
+    if (input.estimator.goal != "charge") report["force_error"] = std::abs(analysis.goal_correction);
   }
   if (analysis.manufactured_l2)
     report["manufactured"] = {{"l2_error", *analysis.manufactured_l2}, {"h1_error", *analysis.manufactured_h1}};
   return report;
 }
 
-std::vector<std::string> describe_results(const Case& problem, const Analysis& analysis) {
+std::vector<std::string> describe_results(const Case& input, const Analysis& analysis) {
   std::vector<std::string> lines;
-  const double unit = units_of(problem.electrolyte).force;
+  const double unit = units_of(input.electrolyte).force;
   for (const auto& patch : analysis.patches) {
-    const auto* boundary = problem.find_boundary(patch.name);
+    const auto* boundary = input.find_boundary(patch.name);
     if (boundary == nullptr || boundary->condition == Condition::symmetry) continue;
     lines.push_back(fmt::format("patch {}: charge {:.9g} (symmetry factor {:g}), mean density {:.9g} on area {:.6g}",
                                 patch.name, patch.charge, patch.symmetry_factor, patch.charge_density, patch.area));
@@ -102,14 +103,41 @@ std::vector<std::string> describe_results(const Case& problem, const Analysis& a
                                 std::sqrt(estimate.total_squared),
                                 std::sqrt(estimate.total_squared / estimate.norm_squared),
                                 estimate.total_squared / estimate.norm_squared));
-  if (problem.estimator.goal != "none")
+  if (input.estimator.goal != "none")
     lines.push_back(fmt::format("goal {} = {:.9g}, estimated error {:.3e}, sum of the cells' shares {:.3e}",
-                                problem.estimator.goal, analysis.goal_value, analysis.goal_correction,
+                                input.estimator.goal, analysis.goal_value, analysis.goal_correction,
                                 analysis.goal_error));
   if (analysis.manufactured_l2)
     lines.push_back(fmt::format("manufactured solution: error {:.6e} (L2), {:.6e} (H1)", *analysis.manufactured_l2,
                                 *analysis.manufactured_h1));
   return lines;
+}
+
+std::string describe_failure(const Solution& s) {
+  return fmt::format(
+      "not converged after {} Newton steps ({}): residual {:.3e} of {:.3e} at the start; largest, {:.3e}, at node {} "
+      "({:g}, {:g}, {:g}); nothing is written",
+      s.newton_iterations, s.reason, s.residual, s.first_residual, s.worst_residual, s.worst_node, s.worst_point.x,
+      s.worst_point.y, s.worst_point.z);
+}
+
+json failure_report(const Solution& solution) {
+  return {{"converged", false},
+          {"reason", solution.reason},
+          {"residual", solution.residual},
+          {"newton_iterations", solution.newton_iterations},
+          {"worst_node", solution.worst_node}};
+}
+
+json seconds_of(std::span<const StepTime> steps, double StepTime::*seconds) {
+  auto result = json::object();
+  double total = 0;
+  for (const auto& step : steps) {
+    result[step.step] = step.*seconds;
+    total += step.*seconds;
+  }
+  result["total"] = total;
+  return result;
 }
 
 std::string table_head() { return "  Newton      residual  largest change   CG iterations"; }

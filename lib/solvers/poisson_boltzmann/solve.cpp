@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 
+#include "pamr/base/index.hpp"
 #include "solvers/poisson_boltzmann/quadrature.hpp"
 #include "solvers/poisson_boltzmann/stiffness.hpp"
 
@@ -14,60 +15,63 @@ namespace {
 
 /// The values at the four corners of a cell.
 std::array<double, 4> at_corners(const mesh::CellNodes& nodes, const std::vector<double>& value) {
-  return {value[static_cast<std::size_t>(nodes[0])], value[static_cast<std::size_t>(nodes[1])],
-          value[static_cast<std::size_t>(nodes[2])], value[static_cast<std::size_t>(nodes[3])]};
+  return {value[at(nodes[0])], value[at(nodes[1])], value[at(nodes[2])], value[at(nodes[3])]};
 }
 
 double interpolate(const std::array<double, 4>& value, const std::array<double, 4>& weight) {
   return value[0] * weight[0] + value[1] * weight[1] + value[2] * weight[2] + value[3] * weight[3];
 }
 
-/// What the callbacks of one solve need besides the system.
-struct Watch {
+/// What PETSc hands to the monitor of one solve.
+struct MonitorContext {
   const std::function<void(const NewtonStep&)>* show;
   std::vector<NewtonStep>* steps;
   int linear_before = 0;
 };
 
-PetscErrorCode monitor(SNES snes, PetscInt step, PetscReal norm, void* context) {
-  auto& watch = *static_cast<Watch*>(context);
+/// Adds a line to the convergence table. An error goes back to PETSc, whose solve then fails with it.
+PetscErrorCode monitor(SNES snes, PetscInt step, PetscReal norm, void* pointer) {
+  auto& context = *static_cast<MonitorContext*>(pointer);
   PetscInt linear = 0;
-  SNESGetLinearSolveIterations(snes, &linear);
-  NewtonStep line{static_cast<int>(step), norm, 0, static_cast<int>(linear) - watch.linear_before};
-  watch.linear_before = static_cast<int>(linear);
-  if (step > 0) {
-    Vec update = nullptr;
-    SNESGetSolutionUpdate(snes, &update);
-    if (update != nullptr) VecNorm(update, NORM_INFINITY, &line.largest_change);
-  }
-  watch.steps->push_back(line);
-  if (*watch.show) (*watch.show)(line);
+  if (const auto code = SNESGetLinearSolveIterations(snes, &linear); code != 0) return code;
+  NewtonStep line{static_cast<int>(step), norm, 0, static_cast<int>(linear) - context.linear_before};
+  context.linear_before = static_cast<int>(linear);
+  Vec update = nullptr;
+  if (step > 0)
+    if (const auto code = SNESGetSolutionUpdate(snes, &update); code != 0) return code;
+  if (update != nullptr)
+    if (const auto code = VecNorm(update, NORM_INFINITY, &line.largest_change); code != 0) return code;
+  context.steps->push_back(line);
+  if (*context.show) (*context.show)(line);
   return 0;
 }
 
 }  // namespace
 
-System::System(const par::Comm& comm, const Domain& domain, const Case& problem, const Conditions& conditions,
-               const std::function<void()>& before_matrices)
-    : comm_(comm), domain_(domain), problem_(problem), conditions_(conditions), term_(problem.linear) {
+System::System(const par::Comm& comm, const Problem& problem, const std::function<void()>& before_matrices)
+    : comm_(comm), problem_(problem), domain_(problem.domain), conditions_(problem.conditions) {
   require(SNESCreate(comm.handle(), snes_.address()));
   configure(snes_);
   if (before_matrices) before_matrices();
-  stiffness_ = assemble_stiffness(comm, domain);
+  stiffness_ = assemble_stiffness(comm, domain_);
   require(MatCreateVecs(stiffness_, unknown_.address(), work_.address()));
   require(VecDuplicate(unknown_, diagonal_.address()));
   require(VecDuplicate(unknown_, updated_.address()));
   require(MatDuplicate(stiffness_, MAT_COPY_VALUES, jacobian_.address()));
   require(MatSetOption(jacobian_, MAT_SPD, PETSC_TRUE));
   require(MatSetOption(jacobian_, MAT_KEEP_NONZERO_PATTERN, PETSC_TRUE));
-  std::vector<PetscInt> fixed;
-  for (const auto node : domain.nodes.owned())
-    if (conditions.fixed[static_cast<std::size_t>(node)] != 0)
-      fixed.push_back(domain.nodes.equation()[static_cast<std::size_t>(node)]);
-  require(MatZeroRowsColumns(jacobian_, static_cast<PetscInt>(fixed.size()), fixed.data(), 1.0, nullptr, nullptr));
+  eliminate_fixed();
   require(MatGetDiagonal(jacobian_, diagonal_));
   require(SNESSetFunction(snes_, nullptr, residual_callback, this));
   require(SNESSetJacobian(snes_, jacobian_, jacobian_, jacobian_callback, this));
+}
+
+/// Rows and columns of the fixed nodes of the Jacobian become those of the unit matrix.
+void System::eliminate_fixed() {
+  std::vector<PetscInt> fixed;
+  for (const auto node : domain_.nodes.owned())
+    if (conditions_.fixed[at(node)] != 0) fixed.push_back(domain_.nodes.equation()[at(node)]);
+  require(MatZeroRowsColumns(jacobian_, static_cast<PetscInt>(fixed.size()), fixed.data(), 1.0, nullptr, nullptr));
 }
 
 void System::configure(SNES snes) {
@@ -76,7 +80,7 @@ void System::configure(SNES snes) {
   require(SNESGetKSP(snes, &ksp));
   require(KSPSetType(ksp, KSPCG));
   require(KSPGetPC(ksp, &pc));
-  if (problem_.solver.preconditioner == "boomeramg") {
+  if (problem_.input.solver.preconditioner == "boomeramg") {
     require(PCSetType(pc, PCHYPRE));
     require(PCHYPRESetType(pc, "boomeramg"));
   } else {
@@ -85,11 +89,11 @@ void System::configure(SNES snes) {
   require(KSPSetNormType(ksp, KSP_NORM_UNPRECONDITIONED));
   // Solving early Newton steps roughly halves the linear work (S. C. Eisenstat, H. F. Walker, SIAM J. Sci. Comput. 17
   // (1996), choice 2).
-  if (!problem_.linear) {
+  if (!problem_.input.linear) {
     require(SNESKSPSetUseEW(snes, PETSC_TRUE));
     require(SNESKSPSetParametersEW(snes, 2, 1e-2, 1e-2, 0.9, 1.618033988749895, 1.618033988749895, 0.1));
   } else {
-    require(KSPSetTolerances(ksp, 1e-2 * problem_.solver.tolerance, 0, PETSC_DEFAULT, 100000));
+    require(KSPSetTolerances(ksp, 1e-2 * problem_.input.solver.tolerance, 0, PETSC_DEFAULT, 100000));
   }
   SNESLineSearch search = nullptr;
   require(SNESGetLineSearch(snes, &search));
@@ -100,7 +104,7 @@ void System::configure(SNES snes) {
 void System::set_owned(Vec vector, std::span<const double> local) const {
   Entries entries(vector);
   const auto& owned = domain_.nodes.owned();
-  for (std::size_t k = 0; k < owned.size(); ++k) entries[k] = local[static_cast<std::size_t>(owned[k])];
+  for (std::size_t k = 0; k < owned.size(); ++k) entries[k] = local[at(owned[k])];
 }
 
 std::vector<double> System::local_values(Vec vector) const {
@@ -114,7 +118,7 @@ std::vector<double> System::local_values(Vec vector) const {
 
 void System::residual(Vec u, Vec f, bool with_fixed) const {
   require(MatMult(stiffness_, u, f));
-  const bool nodal = problem_.solver.quadrature == Quadrature::nodal;
+  const bool nodal = problem_.input.solver.quadrature == Quadrature::nodal;
   std::vector<double> gauss;
   if (!nodal) {
     gauss.assign(domain_.point.size(), 0);
@@ -125,51 +129,51 @@ void System::residual(Vec u, Vec f, bool with_fixed) const {
   Entries result(f);
   const auto& owned = domain_.nodes.owned();
   for (std::size_t k = 0; k < owned.size(); ++k) {
-    const auto i = static_cast<std::size_t>(owned[k]);
+    const auto i = at(owned[k]);
     if (conditions_.fixed[i] != 0 && !with_fixed) {
       result[k] = value[k] - conditions_.value[i];
       continue;
     }
-    const double source = nodal ? domain_.node_volume[i] * term_.value(value[k], conditions_.psi0[i]) : gauss[i];
+    const double source =
+        nodal ? domain_.node_volume[i] * problem_.term.value(value[k], conditions_.psi0[i]) : gauss[i];
     result[k] += source + conditions_.robin[i] * value[k] - conditions_.load[i];
+  }
+}
+
+/// Calls `use(weights of the corners, weight of the point, u, psi0)` for each Gauss point of a cell.
+template <class Use>
+void System::at_gauss_points(std::size_t cell, const std::vector<double>& u, const Use& use) const {
+  const auto values = at_corners(domain_.mesh->cell_to_node[cell], u);
+  const auto p = domain_.points(cell);
+  const double volume = geometry::volume(p);
+  for (const auto& point : gauss_points) {
+    const double z = interpolate({p[0].z, p[1].z, p[2].z, p[3].z}, point.weight_of_corner);
+    use(point.weight_of_corner, volume * point.weight, interpolate(values, point.weight_of_corner),
+        problem_.split_potential(z));
   }
 }
 
 void System::add_gauss(const std::vector<double>& u, std::vector<double>& to) const {
   const auto& cells = domain_.mesh->cell_to_node;
-  const auto profile = problem_.profile();
-  for (std::size_t c = 0; c < cells.size(); ++c) {
-    const auto values = at_corners(cells[c], u);
-    const auto p = domain_.points(c);
-    const double volume = geometry::volume(p);
-    for (const auto& at : gauss_points) {
-      const double z = interpolate({p[0].z, p[1].z, p[2].z, p[3].z}, at.weight_of_corner);
-      const double psi0 = problem_.split ? profile.potential(z) : 0;
-      const double amount = volume * at.weight * term_.value(interpolate(values, at.weight_of_corner), psi0);
-      for (std::size_t k = 0; k < 4; ++k) to[static_cast<std::size_t>(cells[c][k])] += amount * at.weight_of_corner[k];
-    }
-  }
+  for (std::size_t c = 0; c < cells.size(); ++c)
+    at_gauss_points(c, u, [&](const std::array<double, 4>& corner, double weight, double value, double psi0) {
+      const double amount = weight * problem_.term.value(value, psi0);
+      for (std::size_t k = 0; k < 4; ++k) to[at(cells[c][k])] += amount * corner[k];
+    });
 }
 
 void System::add_gauss_matrix(const std::vector<double>& u) {
   const auto& cells = domain_.mesh->cell_to_node;
-  const auto profile = problem_.profile();
   for (std::size_t c = 0; c < cells.size(); ++c) {
-    const auto values = at_corners(cells[c], u);
-    const auto p = domain_.points(c);
-    const double volume = geometry::volume(p);
     std::array<double, 16> block{};
-    std::array<PetscInt, 4> row{};
-    for (const auto& at : gauss_points) {
-      const double z = interpolate({p[0].z, p[1].z, p[2].z, p[3].z}, at.weight_of_corner);
-      const double psi0 = problem_.split ? profile.potential(z) : 0;
-      const double amount = volume * at.weight * term_.slope(interpolate(values, at.weight_of_corner), psi0);
+    at_gauss_points(c, u, [&](const std::array<double, 4>& corner, double weight, double value, double psi0) {
+      const double amount = weight * problem_.term.slope(value, psi0);
       for (std::size_t i = 0; i < 4; ++i)
-        for (std::size_t j = 0; j < 4; ++j)
-          block[4 * i + j] += amount * at.weight_of_corner[i] * at.weight_of_corner[j];
-    }
+        for (std::size_t j = 0; j < 4; ++j) block[4 * i + j] += amount * corner[i] * corner[j];
+    });
+    std::array<PetscInt, 4> row{};
     for (std::size_t k = 0; k < 4; ++k) {
-      const auto node = static_cast<std::size_t>(cells[c][k]);
+      const auto node = at(cells[c][k]);
       row[k] = conditions_.fixed[node] != 0 ? -1 : domain_.nodes.equation()[node];  // PETSc leaves negative rows out
     }
     require(MatSetValues(jacobian_, 4, row.data(), 4, row.data(), block.data(), ADD_VALUES));
@@ -179,14 +183,10 @@ void System::add_gauss_matrix(const std::vector<double>& u) {
 }
 
 void System::linearise(Vec u) {
-  const bool nodal = problem_.solver.quadrature == Quadrature::nodal;
+  const bool nodal = problem_.input.solver.quadrature == Quadrature::nodal;
   if (!nodal) {
     require(MatCopy(stiffness_, jacobian_, SAME_NONZERO_PATTERN));
-    std::vector<PetscInt> fixed;
-    for (const auto node : domain_.nodes.owned())
-      if (conditions_.fixed[static_cast<std::size_t>(node)] != 0)
-        fixed.push_back(domain_.nodes.equation()[static_cast<std::size_t>(node)]);
-    require(MatZeroRowsColumns(jacobian_, static_cast<PetscInt>(fixed.size()), fixed.data(), 1.0, nullptr, nullptr));
+    eliminate_fixed();
     add_gauss_matrix(local_values(u));
   }
   require(nodal ? VecCopy(diagonal_, updated_) : MatGetDiagonal(jacobian_, updated_));
@@ -195,10 +195,10 @@ void System::linearise(Vec u) {
     Entries diagonal(updated_);
     const auto& owned = domain_.nodes.owned();
     for (std::size_t k = 0; k < owned.size(); ++k) {
-      const auto i = static_cast<std::size_t>(owned[k]);
+      const auto i = at(owned[k]);
       if (conditions_.fixed[i] != 0) continue;
       diagonal[k] += conditions_.robin[i];
-      if (nodal) diagonal[k] += domain_.node_volume[i] * term_.slope(value[k], conditions_.psi0[i]);
+      if (nodal) diagonal[k] += domain_.node_volume[i] * problem_.term.slope(value[k], conditions_.psi0[i]);
     }
   }
   require(MatDiagonalSet(jacobian_, updated_, INSERT_VALUES));
@@ -215,17 +215,17 @@ PetscErrorCode System::jacobian_callback(SNES, Vec u, Mat, Mat, void* context) {
 }
 
 void System::find_worst(Vec f, Solution& solution) const {
-  PetscInt at = 0;
+  PetscInt worst = 0;
   Vector magnitude;
   require(VecDuplicate(f, magnitude.address()));
   require(VecCopy(f, magnitude));
   require(VecAbs(magnitude));
-  require(VecMax(magnitude, &at, &solution.worst_residual));
+  require(VecMax(magnitude, &worst, &solution.worst_residual));
   GlobalId node = -1;
   geometry::Vec3 point{-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
-  const auto here = static_cast<std::int64_t>(at) - domain_.nodes.first_equation();
+  const auto here = static_cast<std::int64_t>(worst) - domain_.nodes.first_equation();
   if (here >= 0 && here < static_cast<std::int64_t>(domain_.nodes.n_owned())) {
-    const auto i = static_cast<std::size_t>(domain_.nodes.owned()[static_cast<std::size_t>(here)]);
+    const auto i = at(domain_.nodes.owned()[static_cast<std::size_t>(here)]);
     node = domain_.mesh->node_global[i];
     point = domain_.mesh->node_position[i];
   }
@@ -233,7 +233,7 @@ void System::find_worst(Vec f, Solution& solution) const {
   solution.worst_point = {comm_.max(point.x), comm_.max(point.y), comm_.max(point.z)};
 }
 
-Solution System::solve(std::span<const double> start, const std::function<void(const NewtonStep&)>& watch) {
+Solution System::solve(std::span<const double> start, const std::function<void(const NewtonStep&)>& show) {
   Solution solution;
   std::vector<double> first(domain_.point.size(), 0);
   for (std::size_t i = 0; i < first.size(); ++i)
@@ -247,11 +247,11 @@ Solution System::solve(std::span<const double> start, const std::function<void(c
     set_owned(unknown_, first);
   }
 
-  Watch shown{&watch, &solution.steps, 0};
-  const auto& options = problem_.solver;
+  MonitorContext context{&show, &solution.steps, 0};
+  const auto& options = problem_.input.solver;
   require(SNESSetTolerances(snes_, std::max(options.tolerance * solution.first_residual, 1e-300), 0, 0,
                             options.max_newton, 1000000));
-  require(SNESMonitorSet(snes_, monitor, &shown, nullptr));
+  require(SNESMonitorSet(snes_, monitor, &context, nullptr));
   require(SNESSolve(snes_, nullptr, unknown_));
   require(SNESMonitorCancel(snes_));
 
@@ -292,7 +292,7 @@ std::vector<double> System::solve_linearised(std::span<const double> load, std::
     Entries entries(f);
     const auto& owned = domain_.nodes.owned();
     for (std::size_t k = 0; k < owned.size(); ++k) {
-      const auto i = static_cast<std::size_t>(owned[k]);
+      const auto i = at(owned[k]);
       entries[k] = conditions_.fixed[i] != 0 ? given[i] : right[i] - entries[k];
     }
   }

@@ -6,9 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "solvers/poisson_boltzmann/conditions.hpp"
 #include "solvers/poisson_boltzmann/petsc.hpp"
-#include "solvers/poisson_boltzmann/source_term.hpp"
+#include "solvers/poisson_boltzmann/problem.hpp"
 
 namespace pamr::poisson_boltzmann {
 
@@ -35,19 +34,19 @@ struct Solution {
   double worst_residual = 0;
 };
 
-/// P1 Galerkin system of one case: the stiffness matrix is assembled once; with nodal quadrature a Newton step rewrites
-/// only the diagonal of its copy, with Gauss points all of it.
+/// P1 Galerkin system of one problem. The stiffness matrix is assembled once; with nodal quadrature a Newton step
+/// rewrites only the diagonal of its copy, with Gauss points all of it.
 class System {
  public:
-  /// Collective. Keeps references to its arguments but the last. `before_matrices` is called when PETSc has taken its
-  /// options and nothing large is allocated yet. Throws `Error` when PETSc cannot use its options.
-  System(const par::Comm& comm, const Domain& domain, const Case& problem, const Conditions& conditions,
-         const std::function<void()>& before_matrices = {});
+  /// Refers to `comm` and `problem` for life. `before_matrices` is called when PETSc has taken its options and nothing
+  /// large is allocated yet. Collective. Throws `Error` when PETSc cannot use its options.
+  System(const par::Comm& comm, const Problem& problem, const std::function<void()>& before_matrices = {});
 
-  /// Newton's method with line search (SNES), linear systems by conjugate gradients. Starts from `start` (u at the
-  /// local nodes) or, when it is empty, from 0 off the boundary. `watch` sees each line of the table. Converged when
-  /// the residual is below `tolerance` times that of the potential that is 0 off the boundary. Collective.
-  Solution solve(std::span<const double> start, const std::function<void(const NewtonStep&)>& watch);
+  /// Newton's method with line search (SNES), linear systems by conjugate gradients. Collective.
+  /// - Starts from `start` (u at the local nodes) or, when it is empty, from 0 off the boundary.
+  /// - `show` is called with each line of the convergence table.
+  /// - Converged when the residual is below `tolerance` times that of the potential that is 0 off the boundary.
+  Solution solve(std::span<const double> start, const std::function<void(const NewtonStep&)>& show);
 
   /// Solution w of the linearised equation at the last solution, w = `value` where u is given (zeros when empty), with
   /// `load` at the free nodes. Collective.
@@ -61,6 +60,9 @@ class System {
   static PetscErrorCode jacobian_callback(SNES snes, Vec u, Mat j, Mat p, void* context);
   void residual(Vec u, Vec f, bool with_fixed) const;
   void linearise(Vec u);
+  void eliminate_fixed();
+  template <class Use>
+  void at_gauss_points(std::size_t cell, const std::vector<double>& u, const Use& use) const;
   void add_gauss(const std::vector<double>& u, std::vector<double>& to) const;
   void add_gauss_matrix(const std::vector<double>& u);
   void configure(SNES snes);
@@ -69,10 +71,9 @@ class System {
   void find_worst(Vec f, Solution& solution) const;
 
   const par::Comm& comm_;
-  const Domain& domain_;
-  const Case& problem_;
-  const Conditions& conditions_;
-  SourceTerm term_;
+  const Problem& problem_;
+  const Domain& domain_;          ///< of the problem
+  const Conditions& conditions_;  ///< of the problem
   Matrix stiffness_, jacobian_;
   Vector diagonal_;  ///< of the stiffness, 1 at fixed nodes
   Vector unknown_, work_, updated_;

@@ -2,6 +2,9 @@
 #include "solvers/poisson_boltzmann/stiffness.hpp"
 
 #include <algorithm>
+#include <limits>
+
+#include "pamr/base/index.hpp"
 
 namespace pamr::poisson_boltzmann {
 
@@ -24,13 +27,12 @@ NodeCells cells_of_nodes(const Domain& domain) {
   NodeCells result;
   result.offset.assign(domain.point.size() + 1, 0);
   for (const auto& nodes : cells)
-    for (const auto node : nodes) ++result.offset[static_cast<std::size_t>(node) + 1];
+    for (const auto node : nodes) ++result.offset[at(node) + 1];
   for (std::size_t i = 1; i < result.offset.size(); ++i) result.offset[i] += result.offset[i - 1];
   result.entry.resize(result.offset.back());
   auto next = result.offset;
   for (std::size_t c = 0; c < cells.size(); ++c)
-    for (std::size_t k = 0; k < 4; ++k)
-      result.entry[next[static_cast<std::size_t>(cells[c][k])]++] = static_cast<std::int32_t>(4 * c + k);
+    for (std::size_t k = 0; k < 4; ++k) result.entry[next[at(cells[c][k])]++] = static_cast<std::int32_t>(4 * c + k);
   return result;
 }
 
@@ -40,15 +42,15 @@ LocalRows local_rows(const Domain& domain) {
   LocalRows rows;
   rows.column.reserve(domain.point.size() * 15);
   rows.value.reserve(domain.point.size() * 15);
-  constexpr std::size_t nowhere = static_cast<std::size_t>(-1);
+  constexpr auto nowhere = std::numeric_limits<std::size_t>::max();
   std::vector<std::size_t> place(domain.point.size(), nowhere);
   for (std::size_t node = 0; node < domain.point.size(); ++node) {
     for (std::size_t k = around.offset[node]; k < around.offset[node + 1]; ++k) {
-      const auto cell = static_cast<std::size_t>(around.entry[k] / 4);
-      const auto corner = static_cast<std::size_t>(around.entry[k] % 4);
+      const auto cell = at(around.entry[k] / 4);
+      const auto corner = at(around.entry[k] % 4);
       const auto shape = domain.shape(cell);
       for (std::size_t j = 0; j < 4; ++j) {
-        const auto other = static_cast<std::size_t>(cells[cell][j]);
+        const auto other = at(cells[cell][j]);
         if (place[other] == nowhere) {
           place[other] = rows.column.size();
           rows.column.push_back(static_cast<LocalId>(other));
@@ -57,8 +59,7 @@ LocalRows local_rows(const Domain& domain) {
         rows.value[place[other]] += shape.volume * dot(shape.gradient[corner], shape.gradient[j]);
       }
     }
-    for (std::size_t k = rows.offset.back(); k < rows.column.size(); ++k)
-      place[static_cast<std::size_t>(rows.column[k])] = nowhere;
+    for (std::size_t k = rows.offset.back(); k < rows.column.size(); ++k) place[at(rows.column[k])] = nowhere;
     rows.offset.push_back(rows.column.size());
   }
   return rows;
@@ -77,18 +78,18 @@ RowLengths count_entries(const par::Comm& comm, const Domain& domain, const Loca
   const par::Exchange exchange(comm, shared);
   std::vector<std::int32_t> mine(shared.item.size());
   for (std::size_t k = 0; k < mine.size(); ++k) {
-    const auto node = static_cast<std::size_t>(shared.item[k]);
+    const auto node = at(shared.item[k]);
     mine[k] = static_cast<std::int32_t>(rows.offset[node + 1] - rows.offset[node]);
   }
   const auto theirs = exchange.swap<std::int32_t>(mine);
-  for (std::size_t k = 0; k < mine.size(); ++k) elsewhere[static_cast<std::size_t>(shared.item[k])] += theirs[k];
+  for (std::size_t k = 0; k < mine.size(); ++k) elsewhere[at(shared.item[k])] += theirs[k];
 
   RowLengths lengths;
   for (const auto owned : nodes.owned()) {
-    const auto node = static_cast<std::size_t>(owned);
+    const auto node = at(owned);
     PetscInt here = elsewhere[node], off = elsewhere[node];
     for (std::size_t k = rows.offset[node]; k < rows.offset[node + 1]; ++k)
-      ++(nodes.is_owned(static_cast<std::size_t>(rows.column[k])) ? here : off);
+      ++(nodes.is_owned(at(rows.column[k])) ? here : off);
     lengths.diagonal.push_back(std::min(here, n_owned));
     lengths.off_diagonal.push_back(std::min(off, nodes.n_equations() - n_owned));
   }
@@ -113,7 +114,7 @@ Matrix assemble_stiffness(const par::Comm& comm, const Domain& domain) {
   for (std::size_t node = 0; node < domain.point.size(); ++node) {
     columns.clear();
     for (std::size_t k = rows.offset[node]; k < rows.offset[node + 1]; ++k)
-      columns.push_back(nodes.equation()[static_cast<std::size_t>(rows.column[k])]);
+      columns.push_back(nodes.equation()[at(rows.column[k])]);
     const PetscInt row = nodes.equation()[node];
     require(MatSetValues(matrix, 1, &row, static_cast<PetscInt>(columns.size()), columns.data(),
                          rows.value.data() + rows.offset[node], ADD_VALUES));

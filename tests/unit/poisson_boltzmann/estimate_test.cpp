@@ -30,7 +30,7 @@ TEST(Estimate, AgreesWithTheMarkersOwn) {
   par::Comm comm(MPI_COMM_WORLD);
   Solved solved(comm, test::random_mesh(comm, 5, 3), manufactured);
   const auto analysis = solved.analysis(comm);
-  set_fields(solved.mesh, solved.problem, solved.solution, analysis);
+  set_fields(solved.mesh, solved.input, solved.solution, analysis);
 
   const auto error = mark::recovered_error(comm, solved.mesh, "potential");
 

@@ -14,11 +14,12 @@ namespace pamr::poisson_boltzmann {
 class Solved {
  public:
   Solved(const par::Comm& comm, mesh::BlockMesh block, const std::string& case_text)
-      : problem(read_case(case_text, "case")),
+      : input(read_case(case_text, "case")),
         mesh(assemble::assemble(comm, std::move(block))),
-        domain(make_domain(comm, mesh, problem, "case")),
-        conditions(make_conditions(comm, domain, problem)),
-        system(comm, domain, problem, conditions) {
+        domain(make_domain(comm, mesh, input, "case")),
+        conditions(make_conditions(comm, domain, input)),
+        problem(domain, input, conditions),
+        system(comm, problem) {
     solution = system.solve({}, [](const NewtonStep&) {});
   }
   Solved(const Solved&) = delete;
@@ -27,12 +28,13 @@ class Solved {
   Solved& operator=(Solved&&) = delete;
   ~Solved() = default;
 
-  Analysis analysis(const par::Comm& comm) { return analyze(comm, domain, problem, conditions, system, solution); }
+  Analysis analysis(const par::Comm& comm) { return analyze(comm, problem, system, solution); }
 
-  Case problem;
+  Case input;
   mesh::DistMesh mesh;
   Domain domain;
   Conditions conditions;
+  Problem problem;
   System system;
   Solution solution;
 };

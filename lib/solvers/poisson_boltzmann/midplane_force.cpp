@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "solvers/poisson_boltzmann/midplane_force.hpp"
+
+#include <array>
+
+#include "pamr/base/index.hpp"
+#include "solvers/poisson_boltzmann/quadrature.hpp"
+
+namespace pamr::poisson_boltzmann {
+
+using geometry::Vec3;
+
+Excess excess_of(const State& state) {
+  const auto& problem = state.problem;
+  Excess result{{state.u.begin(), state.u.end()}, problem.conditions.psi0};
+  if (problem.input.split || !problem.input.plate) return result;
+  for (std::size_t i = 0; i < result.u.size(); ++i) {
+    result.psi0[i] = problem.profile.potential(problem.domain.point[i].z);
+    result.u[i] -= result.psi0[i];
+  }
+  return result;
+}
+
+namespace {
+
+/// The triangle of a mirror: gradients of its three corner functions within it.
+std::array<Vec3, 3> triangle_gradients(const Domain& domain, const BoundaryFace& face) {
+  std::array<Vec3, 3> p, result;
+  for (std::size_t k = 0; k < 3; ++k) p[k] = domain.point[at(face.node[k])];
+  for (std::size_t k = 0; k < 3; ++k)
+    result[k] = (0.5 / face.area) * cross(face.normal, p[(k + 2) % 3] - p[(k + 1) % 3]);
+  return result;
+}
+
+/// The excess on a triangle of a mirror.
+class MirrorTriangle {
+ public:
+  MirrorTriangle(const Domain& domain, const BoundaryFace& face, const Excess& excess)
+      : face_(face), excess_(excess), gradients(triangle_gradients(domain, face)) {
+    for (std::size_t k = 0; k < 3; ++k) gradient += excess.u[at(face.node[k])] * gradients[k];
+  }
+
+  /// Calls `use(point, u, psi0)` for each point of the quadrature rule.
+  template <class Use>
+  void at_points(const Use& use) const {
+    for (const auto& point : triangle_points) {
+      double u = 0, psi0 = 0;
+      for (std::size_t k = 0; k < 3; ++k) {
+        u += point.weight_of_corner[k] * excess_.u[at(face_.node[k])];
+        psi0 += point.weight_of_corner[k] * excess_.psi0[at(face_.node[k])];
+      }
+      use(point, u, psi0);
+    }
+  }
+
+ private:
+  const BoundaryFace& face_;
+  const Excess& excess_;
+
+ public:
+  std::array<Vec3, 3> gradients;  ///< of the corner functions, within the triangle
+  Vec3 gradient;                  ///< of u, within the triangle
+};
+
+}  // namespace
+
+double midplane_force(const par::Comm& comm, const State& state, const Excess& excess, int patch) {
+  const auto& problem = state.problem;
+  std::array<par::ExactSum, 1> sum;
+  for (const auto& face : problem.domain.faces) {
+    if (face.patch != patch) continue;
+    const MirrorTriangle triangle(problem.domain, face, excess);
+    double rest = 0;
+    triangle.at_points([&](const TrianglePoint& point, double u, double psi0) {
+      rest += point.weight * problem.term.convex_rest(u, psi0);
+    });
+    sum[0].add(face.area * (0.5 * squared_norm(triangle.gradient) + rest));
+  }
+  return par::reproducible_sums(comm, sum)[0];
+}
+
+std::vector<double> midplane_derivative(const par::Comm& comm, const State& state, const Excess& excess, int patch) {
+  const auto& problem = state.problem;
+  std::vector<double> result(problem.domain.point.size(), 0);
+  for (const auto& face : problem.domain.faces) {
+    if (face.patch != patch) continue;
+    const MirrorTriangle triangle(problem.domain, face, excess);
+    for (std::size_t k = 0; k < 3; ++k)
+      result[at(face.node[k])] += face.area * dot(triangle.gradient, triangle.gradients[k]);
+    triangle.at_points([&](const TrianglePoint& point, double u, double psi0) {
+      const double value = face.area * point.weight * problem.term.value(u, psi0);
+      for (std::size_t k = 0; k < 3; ++k) result[at(face.node[k])] += value * point.weight_of_corner[k];
+    });
+  }
+  problem.domain.nodes.sum_copies(comm, result);
+  return result;
+}
+
+Energy energy_of(const par::Comm& comm, const State& state, const Excess& excess) {
+  const auto& domain = state.problem.domain;
+  const auto& term = state.problem.term;
+  const auto& profile = state.problem.profile;
+  const auto& cells = domain.mesh->cell_to_node;
+  std::array<par::ExactSum, 2> sums;
+  for (std::size_t c = 0; c < cells.size(); ++c) {
+    const auto shape = domain.shape(c);
+    Vec3 total, rest, base;
+    double pressure = 0, rest_pressure = 0;
+    for (std::size_t k = 0; k < 4; ++k) {
+      const auto i = at(cells[c][k]);
+      total += (excess.psi0[i] + excess.u[i]) * shape.gradient[k];
+      rest += excess.u[i] * shape.gradient[k];
+      base.z += profile.slope(domain.point[i].z) / 4;
+      pressure += term.pressure(excess.psi0[i] + excess.u[i], 0) / 4;
+      rest_pressure += term.pressure(excess.u[i], excess.psi0[i]) / 4;
+    }
+    sums[0].add(shape.volume * (0.5 * squared_norm(total) + pressure));
+    sums[1].add(shape.volume * (0.5 * squared_norm(rest) + dot(rest, base) + rest_pressure));
+  }
+  const auto totals = par::reproducible_sums(comm, sums);
+  return {totals[0], totals[1]};
+}
+
+}  // namespace pamr::poisson_boltzmann
