@@ -1,11 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "pamr/assemble/assemble.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <string>
 #include <utility>
 
-#include "pamr/assemble/assemble_steps.hpp"
+#include "pamr/assemble/build_neighbors.hpp"
+#include "pamr/assemble/check_block.hpp"
+#include "pamr/assemble/link_neighbors.hpp"
+#include "pamr/assemble/send_cells.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/base/memory.hpp"
 #include "pamr/mesh/families.hpp"
@@ -65,10 +70,10 @@ void check_templates(const mesh::DistMesh& mesh) {
     }
     const auto size = static_cast<std::size_t>(lineage.family_size());
     if (!mesh::fits_template(lineage, std::span<const mesh::CellNodes>(mesh.cell_to_node).subspan(c, size)))
-      throw Error("lineage: expected cells " + std::to_string(mesh.cell_global[c]) + " to " +
-                  std::to_string(mesh.cell_global[c + size - 1]) +
-                  " to share their nodes as one closure family, found other nodes (first cell: " +
-                  mesh::describe(lineage) + ")");
+      throw Error(
+          fmt::format("lineage: expected cells {} to {} to share their nodes as one closure family, found other nodes "
+                      "(first cell: {})",
+                      mesh.cell_global[c], mesh.cell_global[c + size - 1], mesh::describe(lineage)));
     c += size;
   }
 }

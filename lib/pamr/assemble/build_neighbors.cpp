@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "pamr/assemble/build_neighbors.hpp"
+
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <string>
 #include <utility>
 
-#include "pamr/assemble/assemble_steps.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/mesh/face_groups.hpp"
 #include "pamr/mesh/rank_border.hpp"
@@ -17,9 +20,9 @@ namespace {
   std::sort(key.begin(), key.end());
   std::sort(cells.begin(), cells.end());
   std::string text;
-  for (const auto cell : cells) text.append(" ").append(std::to_string(cell));
-  throw Error("cells: expected at most two cells at a face, found cells" + text + " at the face of nodes " +
-              std::to_string(key[0]) + " " + std::to_string(key[1]) + " " + std::to_string(key[2]));
+  for (const auto cell : cells) text.append(" ").append(fmt::format("{}", cell));
+  throw Error(fmt::format("cells: expected at most two cells at a face, found cells{} at the face of nodes {} {} {}",
+                          text, key[0], key[1], key[2]));
 }
 
 LocalId& slot_at(mesh::DistMesh& mesh, mesh::CellFace face) {

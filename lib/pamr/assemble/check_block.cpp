@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "pamr/assemble/check_block.hpp"
+
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <numeric>
 #include <string>
 
-#include "pamr/assemble/assemble_steps.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/base/hash.hpp"
 #include "pamr/mesh/families.hpp"
@@ -16,15 +19,14 @@ namespace {
 
 void require_size(std::size_t found, std::size_t expected, const std::string& what, Rank rank) {
   if (found != expected)
-    throw Error(what + ": expected " + std::to_string(expected) + " entries, found " + std::to_string(found) +
-                " (rank " + std::to_string(rank) + ")");
+    throw Error(fmt::format("{}: expected {} entries, found {} (rank {})", what, expected, found, rank));
 }
 
 void check_fields(const std::vector<mesh::Field>& fields, std::size_t n, const char* place, Rank rank) {
   for (const auto& field : fields) {
     if (field.n_components < 1)
-      throw Error(std::string(place) + " field `" + field.name + "`: expected at least 1 component, found " +
-                  std::to_string(field.n_components));
+      throw Error(fmt::format("{} field `{}`: expected at least 1 component, found {}", std::string(place), field.name,
+                              field.n_components));
     const auto size = std::visit([](const auto& values) { return values.size(); }, field.value);
     require_size(size, n * static_cast<std::size_t>(field.n_components),
                  std::string(place) + " field `" + field.name + "`", rank);
@@ -35,14 +37,14 @@ void check_sizes(const mesh::BlockMesh& block, std::span<const Rank> destination
                  GlobalId first_cell, GlobalId n_cells_found, const par::BlockRange& nodes, Rank rank) {
   const auto n = block.cell_to_node.size();
   if (n_cells_found != block.info.n_global_cells)
-    throw Error("mesh: expected " + std::to_string(block.info.n_global_cells) + " cells, found " +
-                std::to_string(n_cells_found) + " in all blocks together");
+    throw Error(fmt::format("mesh: expected {} cells, found {} in all blocks together", block.info.n_global_cells,
+                            n_cells_found));
   if (block.info.first_id < 0 || block.info.first_id > mesh::max_first_id)
-    throw Error("mesh: expected a first id from 0 to " + std::to_string(mesh::max_first_id) + ", found " +
-                std::to_string(block.info.first_id));
+    throw Error(
+        fmt::format("mesh: expected a first id from 0 to {}, found {}", mesh::max_first_id, block.info.first_id));
   if (n != 0 && block.first_cell != first_cell)
-    throw Error("mesh: expected the block of rank " + std::to_string(rank) + " to begin at cell " +
-                std::to_string(first_cell) + ", found " + std::to_string(block.first_cell));
+    throw Error(fmt::format("mesh: expected the block of rank {} to begin at cell {}, found {}", rank, first_cell,
+                            block.first_cell));
   if (contents.has_neighbors) require_size(block.cell_to_cell.size(), n, "cell_to_cell", rank);
   if (contents.has_lineage) require_size(block.lineage.size(), n, "lineage", rank);
   if (contents.has_destinations) require_size(destination.size(), n, "destinations", rank);
@@ -52,7 +54,7 @@ void check_sizes(const mesh::BlockMesh& block, std::span<const Rank> destination
 }
 
 std::string cell_at(const mesh::BlockMesh& block, std::size_t i) {
-  return "cell " + std::to_string(block.first_cell + static_cast<GlobalId>(i));
+  return fmt::format("cell {}", block.first_cell + static_cast<GlobalId>(i));
 }
 
 void check_nodes(const mesh::BlockMesh& block) {
@@ -61,12 +63,11 @@ void check_nodes(const mesh::BlockMesh& block) {
     const auto& n = block.cell_to_node[c];
     for (const auto id : n)
       if (!all.contains(id))
-        throw Error("cell_to_node, " + cell_at(block, c) + ": expected node numbers from " + std::to_string(all.first) +
-                    " to " + std::to_string(all.end() - 1) + ", found " + std::to_string(id));
+        throw Error(fmt::format("cell_to_node, {}: expected node numbers from {} to {}, found {}", cell_at(block, c),
+                                all.first, all.end() - 1, id));
     if (n[0] == n[1] || n[0] == n[2] || n[0] == n[3] || n[1] == n[2] || n[1] == n[3] || n[2] == n[3])
-      throw Error("cell_to_node, " + cell_at(block, c) + ": expected four different nodes, found " +
-                  std::to_string(n[0]) + " " + std::to_string(n[1]) + " " + std::to_string(n[2]) + " " +
-                  std::to_string(n[3]));
+      throw Error(fmt::format("cell_to_node, {}: expected four different nodes, found {} {} {} {}", cell_at(block, c),
+                              n[0], n[1], n[2], n[3]));
   }
 }
 
@@ -76,14 +77,14 @@ void check_neighbors(const mesh::BlockMesh& block) {
   for (std::size_t c = 0; c < block.cell_to_cell.size(); ++c)
     for (const auto id : block.cell_to_cell[c]) {
       if (id >= all.end())
-        throw Error("cell_to_cell, " + cell_at(block, c) + ": expected neighbors below " + std::to_string(all.end()) +
-                    ", found " + std::to_string(id));
+        throw Error(
+            fmt::format("cell_to_cell, {}: expected neighbors below {}, found {}", cell_at(block, c), all.end(), id));
       if (id >= 0 && id < all.first)
-        throw Error("cell_to_cell, " + cell_at(block, c) + ": expected neighbors from " + std::to_string(all.first) +
-                    " on, found " + std::to_string(id));
+        throw Error(
+            fmt::format("cell_to_cell, {}: expected neighbors from {} on, found {}", cell_at(block, c), all.first, id));
       if (id < -n_patches)
-        throw Error("cell_to_cell, " + cell_at(block, c) + ": expected one of " + std::to_string(n_patches) +
-                    " patches (-1 to " + std::to_string(-n_patches) + "), found " + std::to_string(id));
+        throw Error(fmt::format("cell_to_cell, {}: expected one of {} patches (-1 to {}), found {}", cell_at(block, c),
+                                n_patches, -n_patches, id));
       if (id == block.first_cell + static_cast<GlobalId>(c))
         throw Error("cell_to_cell, " + cell_at(block, c) + ": expected another cell, found the cell itself");
     }
@@ -92,9 +93,8 @@ void check_neighbors(const mesh::BlockMesh& block) {
 void check_lineage(const mesh::BlockMesh& block) {
   for (std::size_t c = 0; c < block.lineage.size(); ++c)
     if (!mesh::is_well_formed(block.lineage[c]))
-      throw Error("lineage, " + cell_at(block, c) +
-                  ": expected kind, template index, child number and level of a cell, found " +
-                  std::to_string(block.lineage[c].bits()));
+      throw Error(fmt::format("lineage, {}: expected kind, template index, child number and level of a cell, found {}",
+                              cell_at(block, c), block.lineage[c].bits()));
 }
 
 std::uint64_t fold(std::uint64_t seed, const std::vector<mesh::Field>& fields) {
@@ -133,7 +133,7 @@ struct FamilyContext {
 };
 
 [[noreturn]] void refuse_family(GlobalId cell, mesh::Lineage found, const std::string& expected) {
-  throw Error("lineage, cell " + std::to_string(cell) + ": found " + mesh::describe(found) + ", expected " + expected);
+  throw Error(fmt::format("lineage, cell {}: found {}, expected {}", cell, mesh::describe(found), expected));
 }
 
 /// Families that begin here and end on later ranks, for those ranks.
@@ -161,7 +161,7 @@ void check_families(const FamilyContext& here, std::span<const Announcement> ann
     const auto expected = mesh::sibling(of_first, static_cast<int>(id - first));
     if (here.is_here(id) && here.lineage_of(id) != expected)
       refuse_family(id, here.lineage_of(id),
-                    mesh::describe(expected) + ", of the family of cell " + std::to_string(first));
+                    fmt::format("{}, of the family of cell {}", mesh::describe(expected), first));
   };
   for (const auto& family : announced)
     for (int k = 1; k < mesh::Lineage(family.lineage).family_size(); ++k)
@@ -172,15 +172,15 @@ void check_families(const FamilyContext& here, std::span<const Announcement> ann
     const auto first = id - lineage.child();
     if (lineage.child() == 0) {
       if (id + lineage.family_size() > end_of_cells)
-        refuse_family(id, lineage, std::to_string(lineage.family_size()) + " cells of its family from there on");
+        refuse_family(id, lineage, fmt::format("{} cells of its family from there on", lineage.family_size()));
       for (int k = 1; k < lineage.family_size(); ++k) require_member(id + k, id, lineage);
     } else if (here.is_here(first)) {
       if (here.lineage_of(first) != mesh::sibling(lineage, 0))
         refuse_family(first, here.lineage_of(first),
-                      mesh::describe(mesh::sibling(lineage, 0)) + ", for the family of cell " + std::to_string(id));
+                      fmt::format("{}, for the family of cell {}", mesh::describe(mesh::sibling(lineage, 0)), id));
     } else if (std::none_of(announced.begin(), announced.end(),
                             [&](const Announcement& family) { return family.first == first; })) {
-      refuse_family(id, lineage, "the first member of its family at cell " + std::to_string(first));
+      refuse_family(id, lineage, fmt::format("the first member of its family at cell {}", first));
     }
   }
 }
@@ -210,8 +210,7 @@ Contents check_block(const par::Comm& comm, const mesh::BlockMesh& block, std::s
     check_lineage(block);
     for (const auto to : destination)
       if (to < 0 || to >= comm.size())
-        throw Error("destinations: expected ranks from 0 to " + std::to_string(comm.size() - 1) + ", found " +
-                    std::to_string(to));
+        throw Error(fmt::format("destinations: expected ranks from 0 to {}, found {}", comm.size() - 1, to));
   });
   return contents;
 }

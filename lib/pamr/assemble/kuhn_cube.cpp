@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "pamr/assemble/kuhn_cube.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cstddef>
 #include <utility>
@@ -74,8 +76,7 @@ void describe_boundary(mesh::MeshInfo& info) {
 }  // namespace
 
 mesh::BlockMesh kuhn_cube(const par::Comm& comm, int n) {
-  if (n < 1 || n > 100000)
-    throw Error(std::string("Kuhn cube: expected 1 to 100000 cubes along an edge, found ") + std::to_string(n));
+  if (n < 1 || n > 100000) throw Error(fmt::format("Kuhn cube: expected 1 to 100000 cubes along an edge, found {}", n));
   const Grid grid{n};
   mesh::BlockMesh block;
   describe_boundary(block.info);

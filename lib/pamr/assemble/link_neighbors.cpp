@@ -1,13 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "pamr/assemble/link_neighbors.hpp"
+
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <memory>
-#include <string>
 #include <utility>
 
-#include "pamr/assemble/assemble_steps.hpp"
 #include "pamr/base/contract.hpp"
 #include "pamr/base/error.hpp"
+#include "pamr/base/index.hpp"
 #include "pamr/base/memory.hpp"
+#include "pamr/mesh/border_agrees.hpp"
 #include "pamr/mesh/face_groups.hpp"
 #include "pamr/mesh/id_map.hpp"
 #include "pamr/mesh/rank_border.hpp"
@@ -17,12 +21,7 @@ namespace pamr::assemble {
 
 namespace {
 
-/// What both sides of a rank-border face say of it.
-struct FaceCard {
-  par::SharedKey key{};
-  GlobalId own = 0;
-  GlobalId other = 0;
-};
+using mesh::FaceRecord;
 
 /// Numbers of this rank's cells by their global numbers.
 class OwnCells {
@@ -34,8 +33,8 @@ class OwnCells {
   }
   LocalId find(GlobalId id) const {
     if (map_) return map_->find(id);
-    const auto at = static_cast<std::uint64_t>(id - first_);
-    return at < n_ ? static_cast<LocalId>(at) : invalid_local;
+    const auto place = static_cast<std::uint64_t>(id - first_);
+    return place < n_ ? static_cast<LocalId>(place) : invalid_local;
   }
 
  private:
@@ -75,10 +74,10 @@ std::vector<mesh::RemoteFace> translate(mesh::DistMesh& mesh, const std::vector<
 }
 
 [[noreturn]] void refuse(GlobalId cell, GlobalId neighbor, const par::SharedKey& key) {
-  throw Error("cell_to_cell: expected the neighbors of a face to name each other, found cell " + std::to_string(cell) +
-              " with neighbor " + std::to_string(neighbor) + " across the face of nodes " + std::to_string(key[0]) +
-              " " + std::to_string(key[1]) + " " + std::to_string(key[2]) + ", where cell " + std::to_string(neighbor) +
-              " does not name cell " + std::to_string(cell));
+  throw Error(fmt::format(
+      "cell_to_cell: expected the neighbors of a face to name each other, found cell {} with neighbor {} across the "
+      "face of nodes {} {} {}, where cell {} does not name cell {}",
+      cell, neighbor, key[0], key[1], key[2], neighbor, cell));
 }
 
 bool has_node(const mesh::CellNodes& nodes, LocalId node) {
@@ -122,8 +121,8 @@ void check_own(const mesh::DistMesh& mesh) {
 }
 
 /// Both lists are in the same order when they hold the same faces.
-void check_side(std::span<const FaceCard> mine, std::span<const FaceCard> theirs) {
-  const auto same = [](const FaceCard& a, const FaceCard& b) {
+void check_side(std::span<const FaceRecord> mine, std::span<const FaceRecord> theirs) {
+  const auto same = [](const FaceRecord& a, const FaceRecord& b) {
     return a.key == b.key && a.own == b.other && a.other == b.own;
   };
   const auto [here, there] = std::mismatch(mine.begin(), mine.end(), theirs.begin(), theirs.end(), same);
@@ -132,51 +131,29 @@ void check_side(std::span<const FaceCard> mine, std::span<const FaceCard> theirs
   if (there != theirs.end()) refuse(there->own, there->other, there->key);
 }
 
-/// True when both sides of every rank-border face name the same nodes and each other's cell. Collective: one sparse
-/// exchange of 8 bytes a face.
-bool border_is_returned(const par::Comm& comm, const mesh::DistMesh& mesh) {
-  std::vector<par::Outgoing<std::uint64_t>> messages;
-  for (std::size_t i = 0; i < mesh.border_rank.size(); ++i) {
-    messages.push_back({mesh.border_rank[i], {}});
-    messages.back().item.reserve(mesh.border_offset[i + 1] - mesh.border_offset[i]);
-    for (auto k = mesh.border_offset[i]; k < mesh.border_offset[i + 1]; ++k)
-      messages.back().item.push_back(mesh::border_word(mesh, k, comm.rank() < mesh.border_rank[i]));
-  }
-  const auto arrived = comm.sparse_exchange(messages);
-  bool is_returned = arrived.rank == mesh.border_rank;
-  for (std::size_t i = 0; is_returned && i < messages.size(); ++i) {
-    const auto theirs = arrived.from(i);
-    is_returned = std::equal(theirs.begin(), theirs.end(), messages[i].item.begin(), messages[i].item.end());
-  }
-  return is_returned;
-}
-
 /// Says which neighbors do not name each other. Collective: one sparse exchange.
 void refuse_neighbors(const par::Comm& comm, const mesh::DistMesh& mesh) {
-  std::vector<par::Outgoing<FaceCard>> messages;
-  for (std::size_t i = 0; i < mesh.border_rank.size(); ++i) {
-    auto& cards = messages.emplace_back(par::Outgoing<FaceCard>{mesh.border_rank[i], {}}).item;
-    for (auto k = mesh.border_offset[i]; k < mesh.border_offset[i + 1]; ++k) {
-      const auto face = mesh.border_face[k];
-      cards.push_back(
-          {mesh::face_key(mesh, face), mesh.cell_global[static_cast<std::size_t>(face.cell)], mesh.ghost_global[k]});
-    }
-    std::sort(cards.begin(), cards.end(), [](const FaceCard& a, const FaceCard& b) { return a.key < b.key; });
-  }
+  auto messages = mesh::for_each_border_face<FaceRecord>(mesh, [&](std::size_t k) {
+    const auto face = mesh.border_face[k];
+    return FaceRecord{mesh::face_key(mesh, face), mesh.cell_global[at(face.cell)], mesh.ghost_global[k]};
+  });
+  for (auto& message : messages)
+    std::sort(message.item.begin(), message.item.end(),
+              [](const FaceRecord& a, const FaceRecord& b) { return a.key < b.key; });
   const auto arrived = comm.sparse_exchange(messages);
   par::agree(comm, [&] {
     check_own(mesh);
     for (std::size_t r = 0; r < arrived.rank.size(); ++r) {
       const auto mine = std::find_if(messages.begin(), messages.end(),
                                      [&](const auto& message) { return message.to == arrived.rank[r]; });
-      check_side(mine == messages.end() ? std::span<const FaceCard>{} : std::span<const FaceCard>(mine->item),
+      check_side(mine == messages.end() ? std::span<const FaceRecord>{} : std::span<const FaceRecord>(mine->item),
                  arrived.from(r));
     }
     for (const auto& message : messages)
       if (std::find(arrived.rank.begin(), arrived.rank.end(), message.to) == arrived.rank.end())
         check_side(message.item, {});
   });
-  PAMR_ENSURES(false && "neighbors that are not returned are refused");
+  unreachable("neighbors that are not returned have been refused");
 }
 
 }  // namespace
@@ -204,7 +181,8 @@ void link_neighbors(const par::Comm& comm, mesh::DistMesh& mesh, std::vector<std
   neighbor = {};
   ask_owners(comm, mesh.info.cell_ids(), owners, remote);
   mesh::fill_border(comm.rank(), mesh, remote);
-  const bool on_border = border_is_returned(comm, mesh);
+  const bool on_border = mesh::border_agrees(
+      comm, mesh, [&](std::size_t k, bool is_lower) { return mesh::border_word(mesh, k, is_lower); });
   if (comm.any(!on_border || !all_returned(mesh))) refuse_neighbors(comm, mesh);
 }
 

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "pamr/assemble/send_cells.hpp"
+
 #include <algorithm>
 #include <numeric>
 #include <utility>
 
-#include "pamr/assemble/assemble_steps.hpp"
 #include "pamr/base/memory.hpp"
 #include "pamr/base/sorted_order.hpp"
 

@@ -170,7 +170,7 @@ std::vector<PatchReport> measure_patches(const par::Comm& comm, const mesh::Dist
   return reports;
 }
 
-Ledger read_ledger(const par::Comm& comm, const mesh::DistMesh& mesh) {
+OffSurface read_off_surface(const par::Comm& comm, const mesh::DistMesh& mesh) {
   const auto* field = mesh.find_node_field("off_surface");
   if (field == nullptr || field->holds_integers() || field->n_components != 1) return {};
   std::vector<GroupNode> off;

@@ -35,14 +35,14 @@ double bounding_box_diagonal(const par::Comm& comm, const mesh::DistMesh& mesh);
 std::vector<PatchReport> measure_patches(const par::Comm& comm, const mesh::DistMesh& mesh,
                                          const geometry::SurfaceSet& surfaces, double tolerance);
 
-/// Nodes that refinement could not bring onto their surface, as the nodal field `off_surface` tells (distance left,
-/// length unit; 0: on it).
-struct Ledger {
+/// Nodes that refinement could not bring onto their surface, from the nodal field `off_surface` (distance left, length
+/// unit; 0: on it).
+struct OffSurface {
   std::int64_t nodes = 0;
   double worst = 0;
 };
 
-/// Reads the ledger; zeros when the mesh has no such field. A node on several ranks counts once. Collective.
-Ledger read_ledger(const par::Comm& comm, const mesh::DistMesh& mesh);
+/// Counts them; zeros when the mesh has no such field. A node on several ranks counts once. Collective.
+OffSurface read_off_surface(const par::Comm& comm, const mesh::DistMesh& mesh);
 
 }  // namespace pamr::check

@@ -70,7 +70,7 @@ QualityReport report_quality(const par::Comm& comm, const mesh::DistMesh& mesh, 
   report.patches = measure_patches(comm, mesh, surfaces, options.off_surface_tolerance * report.bounding_box_diagonal);
   report.metrics = measure_cells(comm, mesh);
   count_levels(comm, mesh, report);
-  report.ledger = read_ledger(comm, mesh);
+  report.off_surface = read_off_surface(comm, mesh);
   report.fingerprint = mesh::fingerprint(comm, mesh);
   return report;
 }

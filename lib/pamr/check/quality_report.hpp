@@ -33,7 +33,7 @@ struct QualityReport {
   std::vector<MetricReport> metrics;
   std::vector<std::int64_t> cells_of_level;  ///< cells whose base cell has level 0, 1, ...
   std::int64_t closure_cells = 0;
-  Ledger ledger;
+  OffSurface off_surface;
   std::uint64_t fingerprint = 0;
 
   bool is_valid() const { return violations.empty() && inverted_cells == 0; }

@@ -69,7 +69,7 @@ nlohmann::json to_json(const check::QualityReport& report) {
                       {"valid", report.is_valid()},
                       {"cells_of_level", report.cells_of_level},
                       {"closure_cells", report.closure_cells},
-                      {"ledger", {{"nodes", report.ledger.nodes}, {"worst", report.ledger.worst}}},
+                      {"ledger", {{"nodes", report.off_surface.nodes}, {"worst", report.off_surface.worst}}},
                       {"fingerprint", fmt::format("{:016x}", report.fingerprint)}};
   json["patches"] = nlohmann::json::object();
   for (const auto& patch : report.patches)

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "pamr/mesh/families.hpp"
 
+#include <fmt/format.h>
+
 namespace pamr::mesh {
 
 bool is_well_formed(Lineage lineage) {
@@ -17,12 +19,12 @@ bool is_well_formed(Lineage lineage) {
 }
 
 std::string describe(Lineage lineage) {
-  if (!is_well_formed(lineage)) return "lineage word " + std::to_string(lineage.bits());
-  const auto level = ", level " + std::to_string(lineage.level());
+  if (!is_well_formed(lineage)) return fmt::format("lineage word {}", lineage.bits());
+  const auto level = fmt::format(", level {}", lineage.level());
   if (!lineage.is_closure()) return "regular cell" + level;
-  return std::string(lineage.is_broken() ? "broken " : "") +
-         (lineage.kind() == FamilyKind::edge ? "1:2 closure cell of edge " : "1:4 closure cell of face ") +
-         std::to_string(lineage.index()) + ", child " + std::to_string(lineage.child()) + level;
+  return fmt::format("{}{}{}, child {}{}", lineage.is_broken() ? "broken " : "",
+                     lineage.kind() == FamilyKind::edge ? "1:2 closure cell of edge " : "1:4 closure cell of face ",
+                     lineage.index(), lineage.child(), level);
 }
 
 }  // namespace pamr::mesh

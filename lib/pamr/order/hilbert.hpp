@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 
+#include "pamr/geometry/tet_shape.hpp"
 #include "pamr/geometry/vec3.hpp"
 
 namespace pamr::order {
@@ -25,5 +26,10 @@ class CurveGrid {
   geometry::Vec3 low_;
   double scale_ = 0;
 };
+
+/// Where the curve puts a cell.
+inline std::uint64_t key_of(const CurveGrid& grid, const geometry::TetPoints& p) {
+  return grid.key(0.25 * (p[0] + p[1] + p[2] + p[3]));
+}
 
 }  // namespace pamr::order

@@ -7,8 +7,10 @@
 #include <limits>
 #include <utility>
 
-#include "pamr/assemble/assemble_steps.hpp"
-#include "pamr/order/order_steps.hpp"
+#include "pamr/assemble/check_block.hpp"
+#include "pamr/order/hilbert.hpp"
+#include "pamr/order/order_here.hpp"
+#include "pamr/order/order_over_ranks.hpp"
 
 namespace pamr::order {
 

@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "pamr/order/order_here.hpp"
+
 #include <limits>
 #include <utility>
 
 #include "pamr/base/memory.hpp"
 #include "pamr/base/sorted_order.hpp"
-#include "pamr/order/order_steps.hpp"
 
 // On one rank ordering is a matter of memory traffic: every array is read once in the new order and written once from
 // front to back. Rows are asked for some rows ahead, what they point to half as far ahead.
+#include "pamr/order/order_nodes.hpp"
+
 namespace pamr::order {
 
 namespace {

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "pamr/order/order_nodes.hpp"
+
 #include <algorithm>
 #include <numeric>
 #include <utility>
 
 #include "pamr/mesh/id_map.hpp"
-#include "pamr/order/order_steps.hpp"
 #include "pamr/par/exchange.hpp"
 
 namespace pamr::order {

@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "pamr/order/order_over_ranks.hpp"
+
 #include <algorithm>
 #include <numeric>
 #include <utility>
 
-#include "pamr/assemble/assemble_steps.hpp"
+#include "pamr/assemble/check_block.hpp"
+#include "pamr/assemble/send_cells.hpp"
 #include "pamr/base/memory.hpp"
-#include "pamr/order/order_steps.hpp"
+#include "pamr/order/order_nodes.hpp"
+#include "pamr/order/order_places.hpp"
 #include "pamr/par/exchange.hpp"
 
 namespace pamr::order {

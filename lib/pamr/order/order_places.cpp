@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "pamr/order/order_places.hpp"
+
 #include <algorithm>
 #include <tuple>
 
 #include "pamr/base/contract.hpp"
 #include "pamr/base/sorted_order.hpp"
-#include "pamr/order/order_steps.hpp"
 
 // A sample sort: every rank sorts its cells, regular samples of all give the borders between the ranks' parts of the
 // curve, every part is sorted where it lies, and the places go back. What the samples are decides who works how much,

@@ -1,8 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "pamr/validate/validate.hpp"
 
+#include <fmt/format.h>
+
 #include "pamr/base/error.hpp"
-#include "pamr/validate/validate_steps.hpp"
+#include "pamr/validate/findings.hpp"
+#include "pamr/validate/validate_border.hpp"
+#include "pamr/validate/validate_cells.hpp"
+#include "pamr/validate/validate_shared.hpp"
 
 namespace pamr::validate {
 
@@ -57,8 +62,7 @@ void check_fields(const std::vector<mesh::Field>& fields, std::size_t n, Finding
   }
 }
 
-}  // namespace
-
+/// Lengths, numbers in range, distinct corners, ascending cells, fields: what the rest relies on. Local.
 void check_structure(const mesh::DistMesh& mesh, Rank rank, Rank size, Findings& findings) {
   const auto n_cells = mesh.cell_to_node.size(), n_nodes = mesh.node_position.size();
   check_fields(mesh.cell_fields, n_cells, findings);
@@ -69,6 +73,8 @@ void check_structure(const mesh::DistMesh& mesh, Rank rank, Rank size, Findings&
   else
     check_ids(mesh, findings);
 }
+
+}  // namespace
 
 std::vector<Violation> validate(const par::Comm& comm, const mesh::DistMesh& mesh) {
   Findings found;
@@ -95,12 +101,11 @@ void require_valid(const par::Comm& comm, const mesh::DistMesh& mesh, const std:
   const auto& first = violations.front();
   const bool at_node = first.invariant == "finite_coordinates" || first.invariant == "unique_nodes" ||
                        first.invariant == "shared_nodes_equal" || first.invariant == "nodes_referenced";
-  auto text = what + ": expected a valid mesh, found `" + first.invariant + "` broken " + std::to_string(first.count);
-  text.append(first.count == 1 ? " time" : " times");
-  if (first.where >= 0)
-    text.append(at_node ? ", first at node " : ", first at cell ").append(std::to_string(first.where));
-  if (violations.size() > 1)
-    text.append(", besides ").append(std::to_string(violations.size() - 1)).append(" other invariants");
+  auto text = fmt::format("{}: expected a valid mesh, found `{}` broken {}", what, first.invariant, first.count);
+  text += first.count == 1 ? " time" : " times";
+  if (first.where >= 0) text += fmt::format(", first at {} {}", at_node ? "node" : "cell", first.where);
+  const auto more = violations.size() - 1;
+  if (more > 0) text += fmt::format("; {} other invariant{} broken too", more, more == 1 ? " is" : "s are");
   throw Error(text);
 }
 

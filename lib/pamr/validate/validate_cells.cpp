@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "pamr/validate/validate_cells.hpp"
+
 #include <cmath>
 
 #include "pamr/geometry/orientation.hpp"
 #include "pamr/mesh/face_groups.hpp"
 #include "pamr/mesh/families.hpp"
-#include "pamr/validate/validate_steps.hpp"
+#include "pamr/validate/validate_faces.hpp"
 
 namespace pamr::validate {
 

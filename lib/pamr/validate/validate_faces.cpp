@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "pamr/validate/validate_faces.hpp"
+
 #include <algorithm>
 #include <span>
 #include <utility>
@@ -6,7 +8,6 @@
 
 #include "pamr/base/memory.hpp"
 #include "pamr/mesh/tet.hpp"
-#include "pamr/validate/validate_steps.hpp"
 
 namespace pamr::validate {
 

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "pamr/validate/validate_shared.hpp"
+
 #include <bit>
 #include <tuple>
 #include <utility>
@@ -7,7 +9,7 @@
 #include "pamr/mesh/face_groups.hpp"
 #include "pamr/par/exchange.hpp"
 #include "pamr/par/mailbox.hpp"
-#include "pamr/validate/validate_steps.hpp"
+#include "pamr/validate/validate_cells.hpp"
 
 namespace pamr::validate {
 

@@ -73,8 +73,8 @@ void expect_same_bits(const QualityReport& a, const QualityReport& b) {
     EXPECT_EQ(a.metrics[i].histogram, b.metrics[i].histogram);
   }
   EXPECT_EQ(a.cells_of_level, b.cells_of_level);
-  EXPECT_EQ(a.ledger.nodes, b.ledger.nodes);
-  EXPECT_EQ(bits(a.ledger.worst), bits(b.ledger.worst));
+  EXPECT_EQ(a.off_surface.nodes, b.off_surface.nodes);
+  EXPECT_EQ(bits(a.off_surface.worst), bits(b.off_surface.worst));
   EXPECT_EQ(a.fingerprint, b.fingerprint);
 }
 
@@ -160,18 +160,19 @@ TEST(QualityReport, SurvivesCoordinatesThatAreNotFinite) {
   EXPECT_EQ(report.metrics[1].min, 0.0);
 }
 
-TEST(QualityReport, ReadsTheLedgerCountingSharedNodesOnce) {
+TEST(QualityReport, ReadsTheNodesOffTheirSurfaceCountingSharedOnesOnce) {
   par::Comm comm(MPI_COMM_WORLD);
   auto mesh = shaken_cube(comm, 2, 0);
-  mesh::Field ledger;
-  ledger.name = "off_surface";
-  for (const auto p : mesh.node_position) ledger.real().push_back(p.x == 0.0 && p.y == 0.5 ? 0.25 * (1 + p.z) : 0.0);
-  mesh.node_fields.push_back(ledger);
+  mesh::Field off_surface;
+  off_surface.name = "off_surface";
+  for (const auto p : mesh.node_position)
+    off_surface.real().push_back(p.x == 0.0 && p.y == 0.5 ? 0.25 * (1 + p.z) : 0.0);
+  mesh.node_fields.push_back(off_surface);
 
   const auto report = report_of(comm, mesh);
 
-  EXPECT_EQ(report.ledger.nodes, 3);
-  EXPECT_EQ(report.ledger.worst, 0.5);
+  EXPECT_EQ(report.off_surface.nodes, 3);
+  EXPECT_EQ(report.off_surface.worst, 0.5);
 }
 
 TEST(QualityReport, CountsLevelsAndClosureCells) {

@@ -3,6 +3,8 @@
 // faces.
 #include "pamr/io/export/write_foam.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <charconv>
@@ -111,7 +113,7 @@ std::vector<std::string> words_of_regions(const mesh::MeshInfo& info, const std:
   std::vector<std::string> names;
   for (const auto number : numbers) {
     const auto name = name_of_region(info, number);
-    names.push_back(name.empty() ? "region_" + std::to_string(number) : name);
+    names.push_back(name.empty() ? fmt::format("region_{}", number) : name);
   }
   return words("region", names);
 }
@@ -171,14 +173,13 @@ class Writer {
   void write_list(const std::string& kind, const std::string& name, std::int64_t n,
                   const std::vector<std::string>& parts) {
     // OpenFOAM's tools take the sizes from this note before they read anything else.
-    const std::string note = name == "owner" || name == "neighbour"
-                                 ? "nPoints:" + std::to_string(mesh_.info.n_global_nodes) +
-                                       "  nCells:" + std::to_string(mesh_.info.n_global_cells) +
-                                       "  nFaces:" + std::to_string(n_all_) +
-                                       "  nInternalFaces:" + std::to_string(n_faces_[0])
-                                 : "";
+    const std::string note =
+        name == "owner" || name == "neighbour"
+            ? fmt::format("nPoints:{}  nCells:{}  nFaces:{}  nInternalFaces:{}", mesh_.info.n_global_nodes,
+                          mesh_.info.n_global_cells, n_all_, n_faces_[0])
+            : "";
     SharedOutput out(comm_, folder_ / name);
-    out.append_once(header(kind, name, note) + std::to_string(n) + "\n(\n");
+    out.append_once(fmt::format("{}{}\n(\n", header(kind, name, note), n));
     for (const auto& part : parts) out.append(part);
     out.append_once(")\n");
     out.commit();
@@ -187,14 +188,15 @@ class Writer {
   void write_boundary() {
     const auto& patches = mesh_.info.patches;
     const auto names = words_of_patches(mesh_.info);
-    std::string text = header("polyBoundaryMesh", "boundary") + std::to_string(patches.size()) + "\n(\n";
+    std::string text = fmt::format("{}{}\n(\n", header("polyBoundaryMesh", "boundary"), patches.size());
     auto start = n_faces_[0];
     for (std::size_t p = 0; p < patches.size(); ++p) {
       const auto& kind = patches[p].kind;
       const bool is_type = kind == "wall" || kind == "symmetry" || kind == "symmetryPlane";
-      text += "    " + names[p] + "\n    {\n        type            " + (is_type ? kind : "patch") +
-              ";\n        nFaces          " + std::to_string(n_faces_[1 + p]) + ";\n        startFace       " +
-              std::to_string(start) + ";\n    }\n";
+      text += fmt::format(
+          "    {}\n    {{\n        type            {};\n        nFaces          {};\n        startFace       {};\n    "
+          "}}\n",
+          names[p], is_type ? kind : "patch", n_faces_[1 + p], start);
       start += n_faces_[1 + p];
     }
     SharedOutput out(comm_, folder_ / "boundary");
@@ -209,7 +211,7 @@ class Writer {
     if (regions.all.empty()) return;
     const auto names = words_of_regions(mesh_.info, regions.all);
     SharedOutput out(comm_, folder_ / "cellZones");
-    out.append_once(header("regIOobject", "cellZones") + std::to_string(names.size()) + "\n(\n");
+    out.append_once(fmt::format("{}{}\n(\n", header("regIOobject", "cellZones"), names.size()));
     for (std::size_t r = 0; r < names.size(); ++r) {
       std::string cells;
       std::int64_t n = 0;
@@ -219,9 +221,9 @@ class Writer {
           cells += '\n';
           ++n;
         }
-      out.append_once("    " + names[r] +
-                      "\n    {\n        type            cellZone;\n        cellLabels      List<label>\n" +
-                      std::to_string(comm_.sum(n)) + "\n(\n");
+      out.append_once(
+          fmt::format("    {}\n    {{\n        type            cellZone;\n        cellLabels      List<label>\n{}\n(\n",
+                      names[r], comm_.sum(n)));
       out.append(cells);
       out.append_once(")\n;\n    }\n");
     }

@@ -2,6 +2,8 @@
 // Source of the format: VTK file formats, "XML file formats", appended raw data with 64-bit headers.
 #include "pamr/io/export/write_vtu.hpp"
 
+#include <fmt/format.h>
+
 #include <string>
 #include <vector>
 
@@ -16,10 +18,9 @@ namespace {
 class Header {
  public:
   void array(const std::string& type, const std::string& name, int n_components, std::int64_t bytes) {
-    const auto components =
-        n_components == 1 ? std::string() : " NumberOfComponents=\"" + std::to_string(n_components) + "\"";
-    text_ += "<DataArray type=\"" + type + "\" Name=\"" + escaped(name) + "\"" + components +
-             " format=\"appended\" offset=\"" + std::to_string(offset_) + "\"/>\n";
+    const auto components = n_components == 1 ? std::string() : fmt::format(" NumberOfComponents=\"{}\"", n_components);
+    text_ += fmt::format("<DataArray type=\"{}\" Name=\"{}\"{} format=\"appended\" offset=\"{}\"/>\n", type,
+                         escaped(name), components, offset_);
     offset_ += bytes + 8;
   }
   void line(const std::string& text) { text_ += text + "\n"; }
@@ -60,8 +61,7 @@ void write_vtu(const par::Comm& comm, const std::filesystem::path& file, const m
   Header header;
   header.line("<?xml version=\"1.0\"?>");
   header.line("<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">");
-  header.line("<UnstructuredGrid><Piece NumberOfPoints=\"" + std::to_string(n_nodes) + "\" NumberOfCells=\"" +
-              std::to_string(n_cells) + "\">");
+  header.line(fmt::format("<UnstructuredGrid><Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">", n_nodes, n_cells));
   header.line("<Points>");
   header.array("Float64", "Points", 3, 24 * n_nodes);
   header.line("</Points><Cells>");

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "pamr/io/gmsh/gmsh_parts.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 namespace pamr::io::gmsh {
@@ -35,7 +37,7 @@ std::string name_of_type(int type) {
     case 11:
       return "tetrahedra of second order";
     default:
-      return "elements of Gmsh's type " + std::to_string(type);
+      return fmt::format("elements of Gmsh's type {}", type);
   }
 }
 
@@ -60,7 +62,7 @@ void read_group_names(TextCursor& in, Parts& parts) {
       in.fail("a name in double quotes", "\"" + std::string(rest.substr(0, 40)) + "\"");
     const auto name = rest.substr(begin + 1, end - begin - 1);
     if (std::any_of(name.begin(), name.end(), [](char c) { return static_cast<unsigned char>(c) < ' '; }))
-      in.fail("a name without control characters", "one in physical group " + std::to_string(tag));
+      in.fail("a name without control characters", fmt::format("one in physical group {}", tag));
     parts.group_name[{static_cast<int>(dimension), tag}] = std::string(name);
   }
 }

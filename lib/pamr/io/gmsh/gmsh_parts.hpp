@@ -49,10 +49,6 @@ struct Share {
   par::BlockRange of(std::int64_t n) const { return par::block_range(n, rank, size); }
 };
 
-/// Reads what follows `$MeshFormat`. Version 2.2 and 4.1, text or binary. Local; throws `Error`.
-Parts read_parts_2(TextCursor& in, bool is_binary, Share share);
-Parts read_parts_4(TextCursor& in, bool is_binary, Share share);
-
 /// Nodes of an element of that type: 0 for a type that no Gmsh knows.
 int n_nodes_of_type(int type);
 /// The type in words.

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "pamr/io/gmsh/read_gmsh.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <limits>
 #include <optional>
@@ -12,8 +14,11 @@
 #include "pamr/assemble/assemble.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/base/hash.hpp"
+#include "pamr/base/index.hpp"
 #include "pamr/geometry/orientation.hpp"
 #include "pamr/io/gmsh/gmsh_parts.hpp"
+#include "pamr/io/gmsh/read_gmsh_2.hpp"
+#include "pamr/io/gmsh/read_gmsh_4.hpp"
 #include "pamr/mesh/tet.hpp"
 #include "pamr/order/order_along_curve.hpp"
 #include "pamr/par/exchange.hpp"
@@ -26,8 +31,6 @@ namespace {
 using gmsh::Parts;
 using Face = std::array<GlobalId, 3>;
 
-constexpr std::size_t at(std::int64_t i) { return static_cast<std::size_t>(i); }
-
 struct Header {
   double version = 0;
   bool is_binary = false;
@@ -37,9 +40,9 @@ Header read_header(TextCursor& in) {
   if (in.line() != "$MeshFormat") in.fail("a Gmsh file that begins with $MeshFormat", "another beginning");
   const double version = in.real("the version of the format");
   const auto kind = in.integer("0 for text or 1 for binary"), size = in.integer("the size of a real");
-  if (version != 2.2 && version != 4.1) in.fail("version 2.2 or 4.1 of the format", std::to_string(version));
-  if (kind != 0 && kind != 1) in.fail("0 for text or 1 for binary", std::to_string(kind));
-  if (size != 8) in.fail("reals of 8 bytes", std::to_string(size));
+  if (version != 2.2 && version != 4.1) in.fail("version 2.2 or 4.1 of the format", fmt::format("{}", version));
+  if (kind != 0 && kind != 1) in.fail("0 for text or 1 for binary", fmt::format("{}", kind));
+  if (size != 8) in.fail("reals of 8 bytes", fmt::format("{}", size));
   (void)in.line();
   if (kind == 1 && in.value<std::int32_t>("a one that shows the order of bytes") != 1)
     in.fail("binary numbers with the least byte first", "another order of bytes");
@@ -81,7 +84,7 @@ void refuse_what_does_not_fit(const par::Comm& comm, const Parts& parts, const s
     const auto here = parts.refused.find(type);
     const bool is_anywhere = gmsh::n_nodes_of_type(type) > 0;
     const auto n = is_anywhere ? comm.sum(here == parts.refused.end() ? 0 : here->second) : 0;
-    if (n > 0) found += (found.empty() ? "" : ", ") + std::to_string(n) + " " + gmsh::name_of_type(type);
+    if (n > 0) found += fmt::format("{}{} {}", found.empty() ? "" : ", ", n, gmsh::name_of_type(type));
   }
   if (!found.empty())
     throw Error("file '" + file +
@@ -89,7 +92,7 @@ void refuse_what_does_not_fit(const par::Comm& comm, const Parts& parts, const s
                 "found " +
                 found);
   if (parts.n_periodic_links > 0)
-    throw Error("file '" + file + "': expected no periodic links, found " + std::to_string(parts.n_periodic_links));
+    throw Error(fmt::format("file '{}': expected no periodic links, found {}", file, parts.n_periodic_links));
   if (comm.sum(static_cast<std::int64_t>(parts.tetrahedron.size())) == 0)
     throw Error("file '" + file + "': expected tetrahedra, found none");
 }
@@ -107,9 +110,9 @@ class NodeTable {
     greatest = comm.max(greatest);
     if (parts.n_nodes == 0) throw Error("file '" + file + "': expected nodes, found none");
     if (least < 0 || greatest - least >= 64 * parts.n_nodes + 1024)
-      throw Error("file '" + file + "': expected node numbers from 0 on without wide gaps, found numbers from " +
-                  std::to_string(least) + " to " + std::to_string(greatest) + " for " + std::to_string(parts.n_nodes) +
-                  " nodes");
+      throw Error(fmt::format(
+          "file '{}': expected node numbers from 0 on without wide gaps, found numbers from {} to {} for {} nodes",
+          file, least, greatest, parts.n_nodes));
     tags_ = {greatest - least + 1, least};
     std::vector<GlobalId> place(parts.node_tag.size());
     const auto own = par::block_range(parts.n_nodes, comm.rank(), comm.size());
@@ -119,8 +122,8 @@ class NodeTable {
     par::agree(comm, [&] {
       for (std::size_t i = 0; i < back.size(); ++i)
         if (back[i] != place[i])
-          throw Error("file '" + file_ + "': expected every node number once, found " +
-                      std::to_string(parts.node_tag[i]) + " twice");
+          throw Error(
+              fmt::format("file '{}': expected every node number once, found {} twice", file_, parts.node_tag[i]));
     });
   }
 
@@ -140,8 +143,7 @@ class NodeTable {
 
  private:
   [[noreturn]] void fail(GlobalId tag) const {
-    throw Error("file '" + file_ + "': expected elements of nodes that are there, found node number " +
-                std::to_string(tag));
+    throw Error(fmt::format("file '{}': expected elements of nodes that are there, found node number {}", file_, tag));
   }
 
   const par::Comm& comm_;
@@ -215,11 +217,11 @@ std::int64_t orient(const par::Comm& comm, Numbered& numbered, bool repair, cons
   }
   n_flat = comm.sum(n_flat);
   n_inverted = comm.sum(n_inverted);
-  if (n_flat > 0)
-    throw Error("file '" + file + "': expected cells with a volume, found " + std::to_string(n_flat) + " flat ones");
+  if (n_flat > 0) throw Error(fmt::format("file '{}': expected cells with a volume, found {} flat ones", file, n_flat));
   if (n_inverted > 0 && !repair)
-    throw Error("file '" + file + "': expected cells of positive volume, found " + std::to_string(n_inverted) +
-                " inverted ones (--repair turns them over)");
+    throw Error(
+        fmt::format("file '{}': expected cells of positive volume, found {} inverted ones (--repair turns them over)",
+                    file, n_inverted));
   return n_inverted;
 }
 
@@ -245,7 +247,7 @@ std::vector<mesh::Region> named_regions(const Parts& parts) {
 std::string name_of_group(const Parts& parts, std::int64_t group) {
   const auto named = parts.group_name.find({2, group});
   if (group > 0 && named != parts.group_name.end() && !named->second.empty()) return named->second;
-  return (group > 0 ? "physical_" : "surface_") + std::to_string(std::abs(group));
+  return fmt::format("{}{}", group > 0 ? "physical_" : "surface_", std::abs(group));
 }
 
 /// A boundary face or a triangle at the rank where the two meet.
@@ -321,11 +323,13 @@ std::int64_t tag_faces(const par::Comm& comm, mesh::DistMesh& mesh, const std::v
   n_inside = comm.sum(n_inside);
   n_twice = comm.sum(n_twice);
   if (n_inside > 0)
-    throw Error("file '" + file + "': expected tagged triangles on the boundary of the tetrahedra, found " +
-                std::to_string(n_inside) + " inside the domain or apart from it");
+    throw Error(
+        fmt::format("file '{}': expected tagged triangles on the boundary of the tetrahedra, found {} inside the "
+                    "domain or apart from it",
+                    file, n_inside));
   if (n_twice > 0)
-    throw Error("file '" + file + "': expected one tag for each boundary face, found " + std::to_string(n_twice) +
-                " faces in two surfaces");
+    throw Error(fmt::format("file '{}': expected one tag for each boundary face, found {} faces in two surfaces", file,
+                            n_twice));
   return comm.sum(n_untagged);
 }
 

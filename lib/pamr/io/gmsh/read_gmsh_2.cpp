@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Gmsh's format 2.2. Source: Gmsh reference manual, section "MSH file format version 2 (Legacy)".
-#include <algorithm>
+#include "pamr/io/gmsh/read_gmsh_2.hpp"
 
-#include "pamr/io/gmsh/gmsh_parts.hpp"
+#include <fmt/format.h>
+
+#include <algorithm>
 
 namespace pamr::io::gmsh {
 
@@ -10,7 +12,7 @@ namespace {
 
 int checked_type(const TextCursor& in, std::int64_t type) {
   if (type < 0 || type > 1000 || n_nodes_of_type(static_cast<int>(type)) == 0)
-    in.fail("an element type of Gmsh", std::to_string(type));
+    in.fail("an element type of Gmsh", fmt::format("{}", type));
   return static_cast<int>(type);
 }
 
@@ -49,7 +51,7 @@ void read_element_line(TextCursor& in, Parts& parts) {
   (void)in.integer("the number of an element");
   const int type = checked_type(in, in.integer("the type of an element"));
   const auto n_tags = in.integer("the number of tags");
-  if (n_tags < 0 || n_tags > 1000) in.fail("a number of tags up to 1000", std::to_string(n_tags));
+  if (n_tags < 0 || n_tags > 1000) in.fail("a number of tags up to 1000", fmt::format("{}", n_tags));
   std::array<std::int64_t, 2> tag{};
   for (std::int64_t t = 0; t < n_tags; ++t) {
     const auto value = in.integer("a tag");
@@ -69,8 +71,8 @@ void read_binary_elements(TextCursor& in, Share share, Parts& parts) {
   for (std::int64_t done = 0; done < parts.n_elements;) {
     const int type = checked_type(in, in.value<std::int32_t>("the type of elements"));
     const auto n = in.value<std::int32_t>("a number of elements"), n_tags = in.value<std::int32_t>("a number of tags");
-    if (n <= 0 || n > parts.n_elements - done) in.fail("a number of elements that is left", std::to_string(n));
-    if (n_tags < 0 || n_tags > 1000) in.fail("a number of tags up to 1000", std::to_string(n_tags));
+    if (n <= 0 || n > parts.n_elements - done) in.fail("a number of elements that is left", fmt::format("{}", n));
+    if (n_tags < 0 || n_tags > 1000) in.fail("a number of tags up to 1000", fmt::format("{}", n_tags));
     const int n_nodes = n_nodes_of_type(type);
     const auto row = sizeof(std::int32_t) * static_cast<std::size_t>(1 + n_tags + n_nodes);
     const auto begin = std::clamp<std::int64_t>(own.begin - done, 0, n);

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Gmsh's format 4.1. Source: Gmsh reference manual, section "MSH file format".
-#include <algorithm>
+#include "pamr/io/gmsh/read_gmsh_4.hpp"
 
-#include "pamr/io/gmsh/gmsh_parts.hpp"
+#include <fmt/format.h>
+
+#include <algorithm>
 
 namespace pamr::io::gmsh {
 
@@ -17,7 +19,7 @@ class Reader {
   std::int64_t large(std::string_view what) {
     if (!is_binary_) return in_->integer(what);
     const auto value = in_->value<std::uint64_t>(what);
-    if (value >> 62U != 0) in_->fail(std::string(what) + " below 2^62", std::to_string(value));
+    if (value >> 62U != 0) in_->fail(std::string(what) + " below 2^62", fmt::format("{}", value));
     return static_cast<std::int64_t>(value);
   }
   double real(std::string_view what) {
@@ -85,12 +87,12 @@ void read_nodes(Reader read, Share share, Parts& parts) {
   std::int64_t done = 0;
   for (std::int64_t b = 0; b < n_blocks; ++b) {
     const auto dimension = read.small("the dimension of an entity");
-    if (dimension < 0 || dimension > 3) read.in().fail("a dimension from 0 to 3", std::to_string(dimension));
+    if (dimension < 0 || dimension > 3) read.in().fail("a dimension from 0 to 3", fmt::format("{}", dimension));
     (void)read.small("the number of an entity");
     const bool is_parametric = read.small("whether nodes have parameters") != 0;
     const auto n = read.large("the number of nodes of a block");
     read.end_line();
-    if (n < 0 || n > parts.n_nodes - done) read.in().fail("a number of nodes that is left", std::to_string(n));
+    if (n < 0 || n > parts.n_nodes - done) read.in().fail("a number of nodes that is left", fmt::format("{}", n));
     const auto part = part_of_block(own, done, n);
     read.skip(part.begin, 1, "a node number");
     for (auto i = part.begin; i < part.end; ++i) {
@@ -110,7 +112,7 @@ void read_nodes(Reader read, Share share, Parts& parts) {
     done += n;
   }
   if (done != parts.n_nodes)
-    read.in().fail(std::to_string(parts.n_nodes) + " nodes in all blocks", std::to_string(done));
+    read.in().fail(fmt::format("{} nodes in all blocks", parts.n_nodes), fmt::format("{}", done));
 }
 
 void read_elements(Reader read, Share share, const Groups& groups, Parts& parts) {
@@ -128,8 +130,8 @@ void read_elements(Reader read, Share share, const Groups& groups, Parts& parts)
     const auto n = read.large("the number of elements of a block");
     read.end_line();
     const int n_nodes = type < 0 || type > 1000 ? 0 : n_nodes_of_type(static_cast<int>(type));
-    if (n_nodes == 0) read.in().fail("an element type of Gmsh", std::to_string(type));
-    if (n < 0 || n > parts.n_elements - done) read.in().fail("a number of elements that is left", std::to_string(n));
+    if (n_nodes == 0) read.in().fail("an element type of Gmsh", fmt::format("{}", type));
+    if (n < 0 || n > parts.n_elements - done) read.in().fail("a number of elements that is left", fmt::format("{}", n));
     const auto group = groups.find({static_cast<int>(dimension), entity});
     const auto part = part_of_block(own, done, n);
     const auto width = static_cast<std::size_t>(1 + n_nodes);
@@ -148,7 +150,7 @@ void read_elements(Reader read, Share share, const Groups& groups, Parts& parts)
     done += n;
   }
   if (done != parts.n_elements)
-    read.in().fail(std::to_string(parts.n_elements) + " elements in all blocks", std::to_string(done));
+    read.in().fail(fmt::format("{} elements in all blocks", parts.n_elements), fmt::format("{}", done));
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 #include "pamr/io/gmsh/text_cursor.hpp"
 
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -50,8 +51,8 @@ MappedFile::~MappedFile() {
 
 void TextCursor::fail(const std::string& expected, const std::string& found) const {
   const auto passed = bytes_.substr(0, std::min(at_, bytes_.size()));
-  const auto place = binary_ ? "byte " + std::to_string(at_)
-                             : "line " + std::to_string(1 + std::count(passed.begin(), passed.end(), '\n'));
+  const auto place = binary_ ? fmt::format("byte {}", at_)
+                             : fmt::format("line {}", 1 + std::count(passed.begin(), passed.end(), '\n'));
   throw Error("file '" + file_ + "', " + place + ": expected " + expected + ", found " + found);
 }
 
@@ -135,7 +136,7 @@ double TextCursor::real(std::string_view what) {
 
 std::int64_t TextCursor::checked_count(std::int64_t count, std::size_t least_bytes, std::string_view what) const {
   if (count < 0 || static_cast<std::uint64_t>(count) > remaining() / least_bytes)
-    fail("a number of " + std::string(what) + " that fits the file", std::to_string(count));
+    fail("a number of " + std::string(what) + " that fits the file", fmt::format("{}", count));
   return count;
 }
 

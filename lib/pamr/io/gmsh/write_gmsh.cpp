@@ -2,6 +2,8 @@
 // Source of the formats: Gmsh reference manual, "MSH file format" and "MSH file format version 2 (Legacy)".
 #include "pamr/io/gmsh/write_gmsh.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <charconv>
@@ -91,17 +93,16 @@ class Writer {
   void write_2() {
     const auto most = std::max(n_elements_, mesh_.info.n_global_nodes);
     if (binary_ && most > std::numeric_limits<std::int32_t>::max())
-      throw Error("Gmsh format 2.2, binary: expected at most 2^31 - 1 nodes and elements, found " +
-                  std::to_string(most));
+      throw Error(fmt::format("Gmsh format 2.2, binary: expected at most 2^31 - 1 nodes and elements, found {}", most));
     begin("2.2");
-    section("Nodes", std::to_string(mesh_.info.n_global_nodes) + "\n");
+    section("Nodes", fmt::format("{}\n", mesh_.info.n_global_nodes));
     Record nodes(binary_);
     for (std::size_t i = 0; i < rows_.position.size(); ++i) {
       nodes.small(rows_.first_node + static_cast<GlobalId>(i) + 1);
       put(nodes, rows_.position[i]);
     }
     end(nodes, "Nodes");
-    section("Elements", std::to_string(n_elements_) + "\n");
+    section("Elements", fmt::format("{}\n", n_elements_));
     std::int64_t done = 0;
     for (std::size_t p = 0; p < elements_.triangle.size(); ++p) {
       Record part(binary_);
@@ -139,10 +140,10 @@ class Writer {
     if (binary_) text.append(reinterpret_cast<const char*>(&one), sizeof(one)) += '\n';
     const auto regions = elements_.region.has_field ? mesh_.info.regions : std::vector<mesh::Region>();
     const auto n_names = mesh_.info.patches.size() + regions.size();
-    text += "$EndMeshFormat\n$PhysicalNames\n" + std::to_string(n_names) + "\n";
+    text += fmt::format("$EndMeshFormat\n$PhysicalNames\n{}\n", n_names);
     for (std::size_t p = 0; p < mesh_.info.patches.size(); ++p)
-      text += "2 " + std::to_string(p + 1) + " \"" + mesh_.info.patches[p].name + "\"\n";
-    for (const auto& [number, name] : regions) text += "3 " + std::to_string(number) + " \"" + name + "\"\n";
+      text += fmt::format("2 {} \"{}\"\n", p + 1, mesh_.info.patches[p].name);
+    for (const auto& [number, name] : regions) text += fmt::format("3 {} \"{}\"\n", number, name);
     out_.append_once(text + "$EndPhysicalNames\n");
   }
   void section(const std::string& name, const std::string& head) { out_.append_once("$" + name + "\n" + head); }

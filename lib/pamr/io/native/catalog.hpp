@@ -2,13 +2,11 @@
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "pamr/mesh/field.hpp"
-#include "pamr/par/comm.hpp"
 
 namespace pamr::io {
 
@@ -49,13 +47,5 @@ struct Catalog {
 std::string pack(const Catalog& catalog);
 /// Throws `Error` when the bytes are not those of a catalog.
 Catalog unpack(std::string_view bytes);
-
-/// Lists the contents of a file with HDF5. Throws `Error` for a file or an object of an unexpected kind. A damaged file
-/// may crash or stall HDF5 1.10 itself: call `catalog_of` instead. Local.
-Catalog inspect(const std::filesystem::path& file);
-
-/// `inspect` in a process of its own, forked from rank 0, with limits on processor time and memory: when it dies, the
-/// file is refused like any other bad file. Collective; the same catalog or `Error` on every rank.
-Catalog catalog_of(const par::Comm& comm, const std::filesystem::path& file);
 
 }  // namespace pamr::io

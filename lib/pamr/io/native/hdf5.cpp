@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "pamr/io/native/hdf5.hpp"
 
+#include <fmt/format.h>
+
 #include <array>
 
 #include "pamr/base/error.hpp"
@@ -134,10 +136,10 @@ std::size_t size_of(mesh::StorageType type) {
 }
 
 std::string to_text(mesh::StorageType type) {
-  if (!mesh::is_integer(type)) return "float" + std::to_string(8 * size_of(type));
+  if (!mesh::is_integer(type)) return fmt::format("float{}", 8 * size_of(type));
   const bool is_unsigned = type == mesh::StorageType::uint64 || type == mesh::StorageType::uint32 ||
                            type == mesh::StorageType::uint16 || type == mesh::StorageType::uint8;
-  return (is_unsigned ? "uint" : "int") + std::to_string(8 * size_of(type));
+  return fmt::format("{}{}", is_unsigned ? "uint" : "int", 8 * size_of(type));
 }
 
 Handle parallel_access(const par::Comm& comm) {

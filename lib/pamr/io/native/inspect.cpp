@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "pamr/io/native/inspect.hpp"
+
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cstring>
 #include <limits>
 
 #include "pamr/base/error.hpp"
-#include "pamr/io/native/catalog.hpp"
 #include "pamr/io/native/hdf5.hpp"
 #include "pamr/io/native/layout.hpp"
 
@@ -143,7 +146,7 @@ std::vector<std::string> Inspector::names_in(const std::string& group) const {
   hdf5::require(
       H5Literate_by_name(h5_.id(), group.c_str(), H5_INDEX_NAME, H5_ITER_INC, &start, add, &names, H5P_DEFAULT) >= 0,
       at(group, "cannot list it"));
-  if (names.size() > max_fields) fail(group, "expected at most " + std::to_string(max_fields) + " objects, found more");
+  if (names.size() > max_fields) fail(group, fmt::format("expected at most {} objects, found more", max_fields));
   return names;
 }
 
@@ -172,18 +175,18 @@ void Inspector::array(const std::string& path, hsize_t max_values) {
   ArrayEntry entry{path, number_type(type.id(), path), {}, {}, false};
   const int rank = H5Sget_simple_extent_ndims(space.id());
   if (H5Sget_simple_extent_type(space.id()) != H5S_SIMPLE || rank < 1 || rank > 2)
-    fail(path, "expected 1 or 2 dimensions, found " + std::to_string(std::max(rank, 0)));
+    fail(path, fmt::format("expected 1 or 2 dimensions, found {}", std::max(rank, 0)));
   std::array<hsize_t, 2> dims{1, 1};
   H5Sget_simple_extent_dims(space.id(), dims.data(), nullptr);
   constexpr hsize_t limit = hsize_t{1} << 56U;
   if (dims[0] > limit || dims[1] > limit || (dims[1] > 0 && dims[0] > limit / dims[1]))
-    fail(path, "expected a possible shape, found " + std::to_string(dims[0]) + " x " + std::to_string(dims[1]));
+    fail(path, fmt::format("expected a possible shape, found {} x {}", dims[0], dims[1]));
   for (int d = 0; d < rank; ++d) entry.shape.push_back(static_cast<std::int64_t>(dims[static_cast<std::size_t>(d)]));
   entry.is_chunked = check_layout(dataset.id(), dims[0] * dims[1] * hdf5::size_of(entry.type), path);
   if (max_values > 0) {
     if (!mesh::is_integer(entry.type) || dims[0] * dims[1] > max_values)
-      fail(path, "expected a few integers, found " + hdf5::to_text(entry.type) + " and " +
-                     std::to_string(dims[0] * dims[1]) + " values");
+      fail(path, fmt::format("expected a few integers, found {} and {} values", hdf5::to_text(entry.type),
+                             dims[0] * dims[1]));
     entry.values.resize(dims[0] * dims[1]);
     hdf5::require(H5Dread(dataset.id(), H5T_NATIVE_INT64, H5S_ALL, H5S_ALL, H5P_DEFAULT, entry.values.data()) >= 0,
                   at(path, "cannot read it"));
@@ -200,21 +203,18 @@ bool Inspector::check_layout(hid_t dataset, std::uint64_t bytes, const std::stri
     if (H5Pget_external_count(properties.id()) != 0) fail(path, "expected the data inside the file, found a reference");
     const auto offset = H5Dget_offset(dataset);
     if (bytes > 0 && (offset == HADDR_UNDEF || offset > file_bytes_ || bytes > file_bytes_ - offset))
-      fail(path, "expected " + std::to_string(bytes) + " bytes of data inside a file of " +
-                     std::to_string(file_bytes_) + " bytes, found less");
+      fail(path, fmt::format("expected {} bytes of data inside a file of {} bytes, found less", bytes, file_bytes_));
   } else if (layout == H5D_CHUNKED) {
     check_filters(properties.id(), path);
-    if (bytes / max_inflation > stored)
-      fail(path, "expected " + std::to_string(bytes) + " bytes of data, found " + std::to_string(stored));
+    if (bytes / max_inflation > stored) fail(path, fmt::format("expected {} bytes of data, found {}", bytes, stored));
   } else if (layout != H5D_COMPACT) {
     fail(path, "expected contiguous or chunked data, found a virtual dataset");
   }
   if (layout != H5D_CHUNKED && stored != bytes)
-    fail(path, "expected " + std::to_string(bytes) + " bytes of data, found " + std::to_string(stored));
+    fail(path, fmt::format("expected {} bytes of data, found {}", bytes, stored));
   claimed_bytes_ += std::min(stored, file_bytes_ + 1);
   if (claimed_bytes_ > file_bytes_)
-    fail(path, "expected datasets that fit the file of " + std::to_string(file_bytes_) +
-                   " bytes, found that they claim more");
+    fail(path, fmt::format("expected datasets that fit the file of {} bytes, found that they claim more", file_bytes_));
   return layout == H5D_CHUNKED;
 }
 
@@ -223,7 +223,7 @@ void Inspector::check_filters(hid_t properties, const std::string& path) const {
   const int rank = H5Pget_chunk(properties, 2, chunk.data());
   constexpr hsize_t limit = hsize_t{1} << 26U;
   if (rank < 1 || rank > 2 || chunk[0] > limit || chunk[1] > limit || chunk[0] * chunk[1] > limit)
-    fail(path, "expected chunks of at most " + std::to_string(limit) + " values, found larger ones");
+    fail(path, fmt::format("expected chunks of at most {} values, found larger ones", limit));
   const int n_filters = H5Pget_nfilters(properties);
   for (int i = 0; i < n_filters; ++i) {
     unsigned flags = 0, config = 0;
@@ -231,8 +231,8 @@ void Inspector::check_filters(hid_t properties, const std::string& path) const {
     const auto filter =
         H5Pget_filter2(properties, static_cast<unsigned>(i), &flags, &n_values, nullptr, 0, nullptr, &config);
     if (filter != H5Z_FILTER_DEFLATE && filter != H5Z_FILTER_SHUFFLE && filter != H5Z_FILTER_FLETCHER32)
-      fail(path, "expected the filters deflate, shuffle and fletcher32 at most, found filter number " +
-                     std::to_string(filter));
+      fail(path,
+           fmt::format("expected the filters deflate, shuffle and fletcher32 at most, found filter number {}", filter));
   }
 }
 

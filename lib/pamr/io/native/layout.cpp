@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "pamr/io/native/layout.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <bit>
 #include <limits>
@@ -17,7 +19,7 @@ namespace {
 
 std::string to_text(const std::vector<std::int64_t>& shape) {
   std::string text;
-  for (const auto extent : shape) text += (text.empty() ? "" : " x ") + std::to_string(extent);
+  for (const auto extent : shape) text += fmt::format("{}{}", text.empty() ? "" : " x ", extent);
   return text;
 }
 
@@ -59,17 +61,17 @@ class Checker {
 
   GlobalId count(const char* path) const {
     const auto& values = catalog_->find_array(path)->values;
-    if (values.size() != 1) fail(path, "1 piece", std::to_string(values.size()) + " pieces");
+    if (values.size() != 1) fail(path, "1 piece", fmt::format("{} pieces", values.size()));
     return values[0];
   }
 
   void counts() {
     const auto n_points = count(path::n_points), n_cells = count(path::n_cells), n_ids = count(path::n_connectivity);
     constexpr GlobalId limit = GlobalId{1} << 53U;
-    if (n_points < 4 || n_points > limit) fail(path::n_points, "4 points or more", std::to_string(n_points));
-    if (n_cells < 1 || n_cells > limit) fail(path::n_cells, "1 cell or more", std::to_string(n_cells));
+    if (n_points < 4 || n_points > limit) fail(path::n_points, "4 points or more", fmt::format("{}", n_points));
+    if (n_cells < 1 || n_cells > limit) fail(path::n_cells, "1 cell or more", fmt::format("{}", n_cells));
     if (n_ids != 4 * n_cells)
-      fail(path::n_connectivity, std::to_string(4 * n_cells) + " (4 for each cell)", std::to_string(n_ids));
+      fail(path::n_connectivity, fmt::format("{} (4 for each cell)", 4 * n_cells), fmt::format("{}", n_ids));
     layout_.info.n_global_nodes = n_points;
     layout_.info.n_global_cells = n_cells;
   }
@@ -89,11 +91,11 @@ class Checker {
       FieldEntry result{entry.path, entry.path.substr(group.size()), "", on_cells, entry.type, 1, true};
       if (!is_clean_text(result.name, "")) fail(group + "...", "field names in UTF-8", "another encoding");
       const auto rows = on_cells ? layout_.info.n_global_cells : layout_.info.n_global_nodes;
-      if (entry.shape[0] != rows) fail(entry.path, std::to_string(rows) + " rows", to_text(entry.shape));
+      if (entry.shape[0] != rows) fail(entry.path, fmt::format("{} rows", rows), to_text(entry.shape));
       result.is_flat = entry.shape.size() == 1;
       if (!result.is_flat) {
         if (entry.shape[1] < 1 || entry.shape[1] > 65536)
-          fail(entry.path, "1 to 65536 components", std::to_string(entry.shape[1]));
+          fail(entry.path, "1 to 65536 components", fmt::format("{}", entry.shape[1]));
         result.n_components = static_cast<int>(entry.shape[1]);
       }
       result.unit = one_text(entry.path + "@unit", "");
@@ -105,7 +107,7 @@ class Checker {
   std::string one_text(const std::string& path, std::string_view allowed_controls) const {
     const auto* entry = catalog_->find_text(path);
     if (entry == nullptr || entry->texts.empty()) return {};
-    if (entry->texts.size() != 1) fail(path, "one text", std::to_string(entry->texts.size()));
+    if (entry->texts.size() != 1) fail(path, "one text", fmt::format("{}", entry->texts.size()));
     if (!is_clean_text(entry->texts[0], allowed_controls)) fail(path, "text in UTF-8", "another encoding");
     verify(*entry);
     return entry->texts[0];
@@ -130,16 +132,16 @@ class Checker {
 
   void extension() {
     const auto* format = catalog_->find_number("/PAMR@format");
-    if (format == nullptr) fail("/PAMR@format", std::to_string(format_version), "no such attribute");
+    if (format == nullptr) fail("/PAMR@format", fmt::format("{}", format_version), "no such attribute");
     if (format->values != std::vector<std::int64_t>{format_version})
-      fail("/PAMR@format", std::to_string(format_version), to_text(format->values));
+      fail("/PAMR@format", fmt::format("{}", format_version), to_text(format->values));
     auto& info = layout_.info;
     info.length_unit = one_text("/PAMR@length_unit", "");
     info.surfaces_toml = one_text(path::surfaces, "\t\r\n");
     info.provenance = one_text(path::provenance, "\t\r\n");
     if (const auto* first = catalog_->find_number("/PAMR@first_id"); first != nullptr) {
       if (first->values.size() != 1 || first->values[0] < 0 || first->values[0] > mesh::max_first_id)
-        fail("/PAMR@first_id", "a number from 0 to " + std::to_string(mesh::max_first_id), to_text(first->values));
+        fail("/PAMR@first_id", fmt::format("a number from 0 to {}", mesh::max_first_id), to_text(first->values));
       info.first_id = first->values[0];
     }
     patches();
@@ -149,8 +151,7 @@ class Checker {
       layout_.has_neighbors = true;
       layout_.neighbors_type = array(path::cell_to_cell, {info.n_global_cells, 4}, true);
     } else if (info.patches.size() > 1) {
-      fail(path::cell_to_cell, "this dataset, because there are " + std::to_string(info.patches.size()) + " patches",
-           "none");
+      fail(path::cell_to_cell, fmt::format("this dataset, because there are {} patches", info.patches.size()), "none");
     } else if (info.patches.empty()) {
       info.patches = {{"boundary", "", ""}};
     }
@@ -173,7 +174,7 @@ class Checker {
       const auto& shape = catalog_->find_array(path)->shape;
       constexpr GlobalId most = std::numeric_limits<int>::max();
       if (shape.size() != 2 || shape[0] < least || shape[0] > most || shape[1] != 3)
-        fail(path, "shape n x 3, n from " + std::to_string(least) + " to " + std::to_string(most), to_text(shape));
+        fail(path, fmt::format("shape n x 3, n from {} to {}", least, most), to_text(shape));
       return shape[0];
     };
     const auto triangles = entry.path + "/triangles";
@@ -190,16 +191,16 @@ class Checker {
     if (kinds.empty()) kinds.resize(names.size());
     if (surfaces.empty()) surfaces.resize(names.size());
     if (kinds.size() != names.size())
-      fail(path::patch_kinds, std::to_string(names.size()) + " texts, one for each patch",
-           std::to_string(kinds.size()));
+      fail(path::patch_kinds, fmt::format("{} texts, one for each patch", names.size()),
+           fmt::format("{}", kinds.size()));
     if (surfaces.size() != names.size())
-      fail(path::patch_surfaces, std::to_string(names.size()) + " texts, one for each patch",
-           std::to_string(surfaces.size()));
+      fail(path::patch_surfaces, fmt::format("{} texts, one for each patch", names.size()),
+           fmt::format("{}", surfaces.size()));
     std::set<std::string> seen;
     for (std::size_t p = 0; p < names.size(); ++p) {
-      if (names[p].empty()) fail(path::patch_names, "a name", "an empty one in row " + std::to_string(p));
+      if (names[p].empty()) fail(path::patch_names, "a name", fmt::format("an empty one in row {}", p));
       if (!seen.insert(names[p]).second)
-        fail(path::patch_names, "different names", "'" + names[p] + "' twice, again in row " + std::to_string(p));
+        fail(path::patch_names, "different names", fmt::format("'{}' twice, again in row {}", names[p], p));
       layout_.info.patches.push_back({names[p], kinds[p], surfaces[p]});
     }
   }
@@ -211,13 +212,12 @@ class Checker {
     const auto& numbers = entry->values;
     const auto names = text_list(path::region_names);
     if (names.size() != numbers.size())
-      fail(path::region_names, std::to_string(numbers.size()) + " texts, one for each number",
-           std::to_string(names.size()));
+      fail(path::region_names, fmt::format("{} texts, one for each number", numbers.size()),
+           fmt::format("{}", names.size()));
     for (std::size_t r = 0; r < names.size(); ++r) {
-      if (names[r].empty()) fail(path::region_names, "a name", "an empty one in row " + std::to_string(r));
+      if (names[r].empty()) fail(path::region_names, "a name", fmt::format("an empty one in row {}", r));
       if (r > 0 && numbers[r] <= numbers[r - 1])
-        fail(path::region_numbers, "ascending numbers",
-             std::to_string(numbers[r]) + " after " + std::to_string(numbers[r - 1]));
+        fail(path::region_numbers, "ascending numbers", fmt::format("{} after {}", numbers[r], numbers[r - 1]));
       layout_.info.regions.push_back({numbers[r], names[r]});
     }
   }

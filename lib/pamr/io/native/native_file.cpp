@@ -12,6 +12,7 @@
 #include "pamr/io/native/catalog.hpp"
 #include "pamr/io/native/hdf5.hpp"
 #include "pamr/io/native/layout.hpp"
+#include "pamr/io/native/preflight.hpp"
 #include "pamr/io/native/read_cells.hpp"
 #include "pamr/io/native/read_values.hpp"
 #include "pamr/io/native/slab_reader.hpp"

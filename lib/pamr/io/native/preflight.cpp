@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "pamr/io/native/preflight.hpp"
+
+#include <fmt/format.h>
 #include <unistd.h>
 
 #include <array>
@@ -8,8 +11,8 @@
 #include <new>
 
 #include "pamr/base/error.hpp"
-#include "pamr/io/native/catalog.hpp"
-#include "pamr/io/native/isolated.hpp"
+#include "pamr/io/native/inspect.hpp"
+#include "pamr/io/native/subprocess.hpp"
 
 namespace pamr::io {
 
@@ -20,26 +23,29 @@ constexpr rlim_t spare_bytes = rlim_t{64} << 20U;
 /// Answers start with one of these.
 constexpr char good = 'G', bad = 'B';
 
-/// The catalog or the reason why there is none, in the forked process.
+/// The catalog or the reason why there is none: one of these letters, then what it stands for.
 std::string answer_for(const std::filesystem::path& file) {
   try {
     return good + pack(inspect(file));
   } catch (const Error& error) {
     return bad + std::string(error.what());
   } catch (const std::bad_alloc&) {
-    return bad + ("file '" + file.string() + "': expected contents in keeping with its size, found a claim of more");
+    return bad +
+           fmt::format("file '{}': expected contents in keeping with its size, found a claim of more", file.string());
   }
 }
 
 std::uintmax_t size_of_regular_file(const std::filesystem::path& file) {
   std::error_code code;
   const auto status = std::filesystem::status(file, code);
-  if (!std::filesystem::exists(status)) throw Error("file '" + file.string() + "': expected a file, found none");
+  if (!std::filesystem::exists(status))
+    throw Error(fmt::format("file '{}': expected a file, found none", file.string()));
   if (!std::filesystem::is_regular_file(status))
-    throw Error("file '" + file.string() + "': expected a file, found " +
-                (std::filesystem::is_directory(status) ? "a folder" : "something else"));
+    throw Error(fmt::format("file '{}': expected a file, found {}", file.string(),
+                            std::filesystem::is_directory(status) ? "a folder" : "something else"));
   if (access(file.c_str(), R_OK) != 0)
-    throw Error("file '" + file.string() + "': expected a file that may be read, found: " + std::strerror(errno));
+    throw Error(
+        fmt::format("file '{}': expected a file that may be read, found: {}", file.string(), std::strerror(errno)));
   return std::filesystem::file_size(file);
 }
 
@@ -52,23 +58,25 @@ void require_signature(const std::filesystem::path& file, std::uintmax_t bytes) 
     stream.seekg(static_cast<std::streamoff>(offset));
     if (stream.read(found.data(), found.size()) && found == signature) return;
   }
-  throw Error("file '" + file.string() + "': expected an HDF5 file, found no HDF5 signature");
+  throw Error(fmt::format("file '{}': expected an HDF5 file, found no HDF5 signature", file.string()));
 }
 
-std::string look_through(const std::filesystem::path& file) {
-  const auto bytes = size_of_regular_file(file);
-  require_signature(file, bytes);
-  Isolated process(
-      [&](const Isolated::Send& send) {
-        const auto answer = answer_for(file);
-        send(answer);
-      },
-      {.processor_seconds = 2, .memory_bytes = 16 * static_cast<rlim_t>(bytes) + spare_bytes});
+/// The answer from a process of its own.
+std::string answer_of_process(const std::filesystem::path& file, std::uintmax_t bytes) {
+  Subprocess process([&](const Subprocess::Send& send) { send(answer_for(file)); },
+                     {.processor_seconds = 2, .memory_bytes = 16 * static_cast<rlim_t>(bytes) + spare_bytes});
   auto answer = process.receive_all();
   const auto trouble = process.end();
   if (!trouble.empty() || answer.empty())
-    throw Error("file '" + file.string() + "': expected a sound HDF5 file, found one that HDF5 cannot cope with (" +
-                (trouble.empty() ? "no answer" : trouble) + ")");
+    throw Error(fmt::format("file '{}': expected a sound HDF5 file, found a damaged one: HDF5 failed on it ({})",
+                            file.string(), trouble.empty() ? "no answer" : trouble));
+  return answer;
+}
+
+std::string packed_catalog(const std::filesystem::path& file) {
+  const auto bytes = size_of_regular_file(file);
+  require_signature(file, bytes);
+  const auto answer = may_fork() ? answer_of_process(file, bytes) : answer_for(file);
   if (answer.front() == bad) throw Error(answer.substr(1));
   return answer.substr(1);
 }
@@ -80,7 +88,7 @@ Catalog catalog_of(const par::Comm& comm, const std::filesystem::path& file) {
   Catalog catalog;
   par::agree(comm, [&] {
     if (!comm.is_first()) return;
-    packed = look_through(file);
+    packed = packed_catalog(file);
     catalog = unpack(packed);
   });
   packed = comm.broadcast(std::move(packed));

@@ -19,7 +19,7 @@ std::size_t n_bytes(const hdf5::Shape& shape, mesh::StorageType type, GlobalId n
 
 /// In the process of its own: reads the rows with HDF5's serial driver and sends them.
 void read_alone(const std::filesystem::path& file, const ArrayEntry& entry, const hdf5::Shape& shape, GlobalId first,
-                GlobalId end, GlobalId slab, const Isolated::Send& send) {
+                GlobalId end, GlobalId slab, const Subprocess::Send& send) {
   const auto access = hdf5::take(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, "");
   H5Pset_file_locking(access.id(), true, true);
   const auto h5 = hdf5::take(H5Fopen(file.c_str(), H5F_ACC_RDONLY, access.id()), H5Fclose, "");
@@ -38,16 +38,16 @@ void read_alone(const std::filesystem::path& file, const ArrayEntry& entry, cons
 RowSource::RowSource(const std::filesystem::path& file, hid_t h5, const ArrayEntry& entry, const hdf5::Shape& shape,
                      GlobalId first, GlobalId end, GlobalId slab)
     : type_(entry.type), shape_(shape), next_(first) {
-  if (!entry.is_chunked) {
+  if (!entry.is_chunked || !may_fork()) {
     dataset_ = hdf5::take(H5Dopen2(h5, entry.path.c_str(), H5P_DEFAULT), H5Dclose, "cannot open it");
     transfer_ = hdf5::independent_transfer();
     return;
   }
   if (first >= end) return;
   process_.emplace(
-      [&](const Isolated::Send& send) { read_alone(file, entry, shape, first, end, slab, send); },
-      Isolated::Limits{.processor_seconds = 2 + n_bytes(shape, entry.type, end - first) / slowest,
-                       .memory_bytes = 16 * static_cast<rlim_t>(std::filesystem::file_size(file)) + spare_bytes});
+      [&](const Subprocess::Send& send) { read_alone(file, entry, shape, first, end, slab, send); },
+      Subprocess::Limits{.processor_seconds = 2 + n_bytes(shape, entry.type, end - first) / slowest,
+                         .memory_bytes = 16 * static_cast<rlim_t>(std::filesystem::file_size(file)) + spare_bytes});
 }
 
 bool RowSource::read(GlobalId n, std::span<std::byte> raw) {

@@ -10,13 +10,14 @@
 #include "pamr/base/types.hpp"
 #include "pamr/io/native/catalog.hpp"
 #include "pamr/io/native/hdf5.hpp"
-#include "pamr/io/native/isolated.hpp"
+#include "pamr/io/native/subprocess.hpp"
 
 namespace pamr::io {
 
 /// This rank's rows of a dataset, one slab after another. A contiguous dataset, whose place in the file is known to be
 /// sound, is read through the file that all ranks have open. The chunks of a chunked one are not verified, and
-/// HDF5 1.10 may crash on damaged ones, so each rank has its rows read by a process of its own.
+/// HDF5 1.10 may crash on damaged ones, so each rank has its rows read by a process of its own where
+/// that may be (`may_fork`).
 class RowSource {
  public:
   /// Rows `first .. end` in slabs of `slab` rows. Collective over the ranks that have `h5` open; throws `Error` without
@@ -34,7 +35,7 @@ class RowSource {
   hdf5::Shape shape_;
   GlobalId next_;
   hdf5::Handle dataset_, transfer_;
-  std::optional<Isolated> process_;
+  std::optional<Subprocess> process_;
 };
 
 }  // namespace pamr::io

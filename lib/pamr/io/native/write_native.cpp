@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "pamr/io/native/write_native.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -347,8 +349,9 @@ void Writer::evaluate(const ArrayPlan& plan, par::BlockRange range) {
 /// Writes the rows of the window and adds them to the checksum. Local.
 void Writer::write_window(const ArrayPlan& plan, hid_t dataset, Checksum& checksum) {
   if (window_.missing > 0)
-    throw Error(at(plan.path, "expected every row on some rank, found " + std::to_string(window_.missing) +
-                                  " rows from number " + std::to_string(window_.range.begin) + " on that no rank has"));
+    throw Error(
+        at(plan.path, fmt::format("expected every row on some rank, found {} rows from number {} on that no rank has",
+                                  window_.missing, window_.range.begin)));
   if (window_.words.empty()) return;
   const auto* values = store(plan.type, window_.words, raw_);
   if (values == nullptr)

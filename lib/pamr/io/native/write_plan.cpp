@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "pamr/io/native/write_plan.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -12,6 +14,7 @@
 
 #include "pamr/base/contract.hpp"
 #include "pamr/base/error.hpp"
+#include "pamr/base/index.hpp"
 #include "pamr/base/sorted_order.hpp"
 #include "pamr/io/native/layout.hpp"
 #include "pamr/io/text.hpp"
@@ -89,77 +92,42 @@ WritePlan::WritePlan(const par::Comm& comm, const mesh::DistMesh& mesh, const st
 void WritePlan::add_mesh() {
   const auto& m = *mesh_;
   const auto n_cells = m.info.n_global_cells, n_nodes = m.info.n_global_nodes;
-  const auto single = [&](const char* path, GlobalId value) {
-    arrays.push_back({path,
-                      StorageType::int64,
-                      {1, 1, true},
-                      {1, 1, {}, {}, {}},
-                      value_by_value([value](GlobalId) { return word_of(value); }),
-                      false,
-                      ""});
+  const auto add_formula = [&](const char* path, StorageType type, GlobalId n, auto value_of) {
+    arrays.push_back({.path = path,
+                      .type = type,
+                      .shape = {n, 1, true},
+                      .rows = {n, 1, {}, {}, {}},
+                      .formula = value_by_value(value_of),
+                      .has_checksum = false});
   };
-  single(path::n_points, n_nodes);
-  single(path::n_cells, n_cells);
-  single(path::n_connectivity, 4 * n_cells);
-  arrays.push_back({path::points,
-                    StorageType::float64,
-                    {n_nodes, 3, false},
-                    node_rows(3,
-                              [this](std::size_t i, std::uint64_t* to) {
-                                const auto p = mesh_->point(static_cast<LocalId>(node_order_[i]));
-                                to[0] = std::bit_cast<std::uint64_t>(p.x);
-                                to[1] = std::bit_cast<std::uint64_t>(p.y);
-                                to[2] = std::bit_cast<std::uint64_t>(p.z);
-                              }),
-                    {},
-                    true,
-                    ""});
-  arrays.push_back({path::connectivity,
-                    StorageType::int64,
-                    {4 * n_cells, 1, true},
-                    cell_rows(4,
-                              [&m](std::size_t i, std::uint64_t* to) {
-                                for (const auto node : m.cell_to_node[i])
-                                  *to++ = word_of(m.node_global[static_cast<std::size_t>(node)] - m.info.first_id);
-                              }),
-                    {},
-                    true,
-                    ""});
-  arrays.push_back({path::offsets,
-                    StorageType::int64,
-                    {n_cells + 1, 1, true},
-                    {n_cells + 1, 1, {}, {}, {}},
-                    value_by_value([](GlobalId row) { return word_of(4 * row); }),
-                    false,
-                    ""});
-  arrays.push_back({path::types,
-                    StorageType::uint8,
-                    {n_cells, 1, true},
-                    {n_cells, 1, {}, {}, {}},
-                    value_by_value([](GlobalId) { return word_of(tetrahedron); }),
-                    false,
-                    ""});
-  arrays.push_back({path::cell_to_cell,
-                    StorageType::int64,
-                    {n_cells, 4, false},
-                    cell_rows(4,
-                              [&m](std::size_t i, std::uint64_t* to) {
-                                for (const auto slot : m.cell_to_cell[i])
-                                  *to++ = word_of(m.is_own(slot) ? m.cell_global[static_cast<std::size_t>(slot)]
-                                                  : m.is_ghost(slot)
-                                                      ? m.ghost_global[static_cast<std::size_t>(slot - m.n_cells())]
-                                                      : slot);
-                              }),
-                    {},
-                    true,
-                    ""});
-  arrays.push_back({path::lineage,
-                    StorageType::uint64,
-                    {n_cells, 1, true},
-                    cell_rows(1, [&m](std::size_t i, std::uint64_t* to) { *to = m.lineage[i].bits(); }),
-                    {},
-                    true,
-                    ""});
+  const auto add_rows = [&](const char* path, StorageType type, hdf5::Shape shape, HeldRows rows) {
+    arrays.push_back({.path = path, .type = type, .shape = shape, .rows = std::move(rows)});
+  };
+  add_formula(path::n_points, StorageType::int64, 1, [n_nodes](GlobalId) { return word_of(n_nodes); });
+  add_formula(path::n_cells, StorageType::int64, 1, [n_cells](GlobalId) { return word_of(n_cells); });
+  add_formula(path::n_connectivity, StorageType::int64, 1, [n_cells](GlobalId) { return word_of(4 * n_cells); });
+  add_rows(path::points, StorageType::float64, {n_nodes, 3, false},
+           node_rows(3, [this](std::size_t i, std::uint64_t* to) {
+             const auto p = mesh_->point(static_cast<LocalId>(node_order_[i]));
+             to[0] = std::bit_cast<std::uint64_t>(p.x);
+             to[1] = std::bit_cast<std::uint64_t>(p.y);
+             to[2] = std::bit_cast<std::uint64_t>(p.z);
+           }));
+  add_rows(path::connectivity, StorageType::int64, {4 * n_cells, 1, true},
+           cell_rows(4, [&m](std::size_t i, std::uint64_t* to) {
+             for (const auto node : m.cell_to_node[i]) *to++ = word_of(m.node_global[at(node)] - m.info.first_id);
+           }));
+  add_formula(path::offsets, StorageType::int64, n_cells + 1, [](GlobalId row) { return word_of(4 * row); });
+  add_formula(path::types, StorageType::uint8, n_cells, [](GlobalId) { return word_of(tetrahedron); });
+  add_rows(path::cell_to_cell, StorageType::int64, {n_cells, 4, false},
+           cell_rows(4, [&m](std::size_t i, std::uint64_t* to) {
+             for (const auto slot : m.cell_to_cell[i])
+               *to++ = word_of(m.is_own(slot)     ? m.cell_global[at(slot)]
+                               : m.is_ghost(slot) ? m.ghost_global[at(slot - m.n_cells())]
+                                                  : slot);
+           }));
+  add_rows(path::lineage, StorageType::uint64, {n_cells, 1, true},
+           cell_rows(1, [&m](std::size_t i, std::uint64_t* to) { *to = m.lineage[i].bits(); }));
 }
 
 void WritePlan::add_field(const mesh::Field& field, bool on_cells) {
@@ -178,8 +146,8 @@ void WritePlan::add_field(const mesh::Field& field, bool on_cells) {
       },
       field.value);
   const auto path = std::string(on_cells ? path::cell_data : path::point_data) + "/" + field.name;
-  arrays.push_back(
-      {path, field.storage, {rows.all.n, field.n_components, width == 1}, std::move(rows), {}, true, field.unit});
+  const hdf5::Shape shape{rows.all.n, field.n_components, width == 1};
+  arrays.push_back({.path = path, .type = field.storage, .shape = shape, .rows = std::move(rows), .unit = field.unit});
 }
 
 void WritePlan::add_triangulation(const par::Comm& comm, const geometry::Triangulation& surface) {
@@ -195,7 +163,7 @@ void WritePlan::add_triangulation(const par::Comm& comm, const geometry::Triangu
                     const auto row = fill(static_cast<std::size_t>(ids[i]));
                     std::copy(row.begin(), row.end(), to);
                   })};
-    arrays.push_back({group + name, type, {all, 3, false}, std::move(rows), {}, true, ""});
+    arrays.push_back({.path = group + name, .type = type, .shape = {all, 3, false}, .rows = std::move(rows)});
   };
   add("/points", StorageType::float64, surface.points.size(), [&surface](std::size_t i) {
     const auto p = surface.points[i];
@@ -212,14 +180,11 @@ void WritePlan::add_regions() {
   const auto& regions = mesh_->info.regions;
   const auto n = std::ssize(regions);
   groups.emplace_back(path::regions);
-  arrays.push_back(
-      {path::region_numbers,
-       StorageType::int64,
-       {n, 1, true},
-       {n, 1, {}, {}, {}},
-       value_by_value([&regions](GlobalId row) { return word_of(regions[static_cast<std::size_t>(row)].number); }),
-       true,
-       ""});
+  arrays.push_back({.path = path::region_numbers,
+                    .type = StorageType::int64,
+                    .shape = {n, 1, true},
+                    .rows = {n, 1, {}, {}, {}},
+                    .formula = value_by_value([&regions](GlobalId row) { return word_of(regions[at(row)].number); })});
   TextPlan names{path::region_names, {}, true};
   for (const auto& region : regions) names.texts.push_back(region.name);
   texts.push_back(std::move(names));
@@ -254,16 +219,15 @@ void require_writable(const std::vector<geometry::Triangulation>& surfaces) {
     constexpr std::size_t most = std::numeric_limits<int>::max();
     const auto n = surface.points.size();
     if (n < 3 || n > most || surface.triangles.empty() || surface.triangles.size() > most)
-      throw Error(where + "expected 3 points and 1 triangle or more, found " + std::to_string(n) + " and " +
-                  std::to_string(surface.triangles.size()));
+      throw Error(fmt::format("{}expected 3 points and 1 triangle or more, found {} and {}", where, n,
+                              surface.triangles.size()));
     for (const auto p : surface.points)
       if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z))
         throw Error(where + "expected finite coordinates, found NaN or infinity");
     for (const auto& triangle : surface.triangles)
       for (const int point : triangle)
         if (point < 0 || static_cast<std::size_t>(point) >= n)
-          throw Error(where + "expected points from 0 to " + std::to_string(n - 1) + " in triangles, found " +
-                      std::to_string(point));
+          throw Error(fmt::format("{}expected points from 0 to {} in triangles, found {}", where, n - 1, point));
   }
 }
 
@@ -290,15 +254,15 @@ void require_writable(const mesh::DistMesh& mesh) {
       throw Error("patch '" + patch.name + "': expected different names, found it twice");
   }
   if (mesh.info.regions.size() > max_regions)
-    throw Error("regions: expected at most " + std::to_string(max_regions) + " with a name, found " +
-                std::to_string(mesh.info.regions.size()));
+    throw Error(
+        fmt::format("regions: expected at most {} with a name, found {}", max_regions, mesh.info.regions.size()));
   for (std::size_t r = 0; r < mesh.info.regions.size(); ++r) {
     const auto& [number, name] = mesh.info.regions[r];
-    const auto where = "region " + std::to_string(number) + ": ";
+    const auto where = fmt::format("region {}: ", number);
     if (name.empty() || !is_clean_text(name, "")) throw Error(where + "expected a name in UTF-8, found another");
     if (r > 0 && number <= mesh.info.regions[r - 1].number)
-      throw Error(where + "expected ascending numbers, found it after " +
-                  std::to_string(mesh.info.regions[r - 1].number));
+      throw Error(
+          fmt::format("{}expected ascending numbers, found it after {}", where, mesh.info.regions[r - 1].number));
   }
   for (const auto* text : {&mesh.info.surfaces_toml, &mesh.info.provenance})
     if (!is_clean_text(*text, "\t\r\n")) throw Error("surfaces or provenance: expected UTF-8, found another encoding");

@@ -19,13 +19,13 @@ namespace pamr::io {
 struct ArrayPlan {
   std::string path;
   mesh::StorageType type{};
-  hdf5::Shape shape;
+  hdf5::Shape shape{};
   /// Its rows on this rank; one of them may stand for several rows of a flat dataset.
   HeldRows rows;
   /// Set instead of `rows.fill` where a row's one value follows from its number: writes those from `first` on.
-  std::function<void(GlobalId first, std::span<std::uint64_t> values)> formula;
+  std::function<void(GlobalId first, std::span<std::uint64_t> values)> formula = {};
   bool has_checksum = true;
-  std::string unit;
+  std::string unit = {};
 };
 
 /// A dataset of text to be written, the same on every rank: one text, or a list.

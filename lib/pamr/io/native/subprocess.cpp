@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "pamr/io/native/isolated.hpp"
+#include "pamr/io/native/subprocess.hpp"
 
 #include <fcntl.h>
 #include <poll.h>
@@ -10,8 +10,10 @@
 #include <array>
 #include <cerrno>
 #include <csignal>
+#include <cstdlib>
 #include <cstring>
 #include <fstream>
+#include <string_view>
 
 #include "pamr/base/error.hpp"
 
@@ -19,7 +21,7 @@ namespace pamr::io {
 
 namespace {
 
-constexpr int patience_milliseconds = 120000;
+constexpr int stall_limit_milliseconds = 120000;
 
 template <class Resource>
 void set_limit(Resource resource, rlim_t limit) {
@@ -44,7 +46,7 @@ void send(int pipe_end, std::span<const char> bytes) {
   }
 }
 
-[[noreturn]] void run_child(const std::function<void(const Isolated::Send&)>& produce, Isolated::Limits limits,
+[[noreturn]] void run_child(const std::function<void(const Subprocess::Send&)>& produce, Subprocess::Limits limits,
                             int pipe_end) {
   for (const int signal : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGXCPU, SIGTERM, SIGINT, SIGPIPE})
     std::signal(signal, SIG_DFL);
@@ -63,7 +65,12 @@ void send(int pipe_end, std::span<const char> bytes) {
 
 }  // namespace
 
-Isolated::Isolated(const std::function<void(const Send&)>& produce, Limits limits) {
+bool may_fork() {
+  const char* setting = std::getenv("PAMR_NO_FORK");  // NOLINT(concurrency-mt-unsafe): nobody changes the environment
+  return setting == nullptr || std::string_view(setting).empty() || std::string_view(setting) == "0";
+}
+
+Subprocess::Subprocess(const std::function<void(const Send&)>& produce, Limits limits) {
   std::array<int, 2> ends{};
   if (pipe2(ends.data(), O_CLOEXEC) != 0) throw Error(std::string("cannot make a pipe: ") + std::strerror(errno));
   child_ = fork();
@@ -80,12 +87,12 @@ Isolated::Isolated(const std::function<void(const Send&)>& produce, Limits limit
   }
 }
 
-Isolated::~Isolated() { stop(); }
+Subprocess::~Subprocess() { stop(); }
 
-std::size_t Isolated::receive_some(std::span<char> to) {
+std::size_t Subprocess::receive_some(std::span<char> to) {
   for (;;) {
     pollfd waiting{pipe_end_, POLLIN, 0};
-    const int ready = poll(&waiting, 1, patience_milliseconds);
+    const int ready = poll(&waiting, 1, stall_limit_milliseconds);
     if (ready == 0) stood_still_ = true;
     if (ready < 0 && errno == EINTR) continue;
     if (ready <= 0) return 0;
@@ -95,7 +102,7 @@ std::size_t Isolated::receive_some(std::span<char> to) {
   }
 }
 
-bool Isolated::receive(std::span<char> to) {
+bool Subprocess::receive(std::span<char> to) {
   while (!to.empty()) {
     const auto n = receive_some(to);
     if (n == 0) return false;
@@ -104,14 +111,14 @@ bool Isolated::receive(std::span<char> to) {
   return true;
 }
 
-std::string Isolated::receive_all() {
+std::string Subprocess::receive_all() {
   std::string all;
   std::array<char, 1 << 16> buffer;
   while (const auto n = receive_some(buffer)) all.append(buffer.data(), n);
   return all;
 }
 
-void Isolated::stop() noexcept {
+void Subprocess::stop() noexcept {
   if (pipe_end_ >= 0) close(pipe_end_);
   pipe_end_ = -1;
   if (child_ <= 0) return;
@@ -122,7 +129,7 @@ void Isolated::stop() noexcept {
   child_ = -1;
 }
 
-std::string Isolated::end() {
+std::string Subprocess::end() {
   if (!stood_still_ && child_ > 0) {
     while (waitpid(child_, &status_, 0) < 0 && errno == EINTR) {
     }

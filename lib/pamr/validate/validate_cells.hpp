@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "pamr/validate/findings.hpp"
+
+namespace pamr::validate {
+
+/// Coordinates, orientation, shape. Local.
+void check_shapes(const mesh::DistMesh& mesh, Findings& findings);
+
+/// Patches, own neighbors, own faces. Local.
+void check_own_neighbors(const mesh::DistMesh& mesh, Findings& findings);
+
+/// Closure families. Local.
+void check_families(const mesh::DistMesh& mesh, Findings& findings);
+
+/// -1 or 1: whether the face's nodes, in the order whose normal points out of the cell, are an odd or even permutation
+/// of their ascending global numbers. Cells on the two sides of a face have opposite signs.
+int face_sign(const mesh::DistMesh& mesh, mesh::CellFace face);
+
+}  // namespace pamr::validate
