@@ -8,11 +8,13 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "cli/run_tool.hpp"
-#include "pamr/adapt/adapt.hpp"
+#include "pamr/adapt/forecast.hpp"
 #include "pamr/assemble/assemble.hpp"
 #include "pamr/balance/expected_work.hpp"
 #include "pamr/base/error.hpp"
@@ -119,22 +121,29 @@ cli::ExitCode run(cli::Session& session, const Options& options) {
   const auto applied = apply(session, mesh, request, options.input);
   auto marks = mark::marks_of(applied.indicator);
   const auto n_wanted = mark::count_marked(comm, marks);
+  const adapt::Forecaster forecaster(comm, mesh, refinement);
+  std::optional<adapt::Forecast> forecast;
   if (options.max_cells)
-    marks = mark::marks_within_budget(
-        comm, mesh, applied.indicator, *options.max_cells,
-        [&](std::span<const std::uint8_t> some) { return adapt::dry_run(comm, mesh, some, refinement).cells; });
+    marks = mark::marks_within_budget(comm, mesh, applied.indicator, *options.max_cells,
+                                      [&](std::span<const std::uint8_t> some) {
+                                        auto trial = forecaster.forecast(some);
+                                        const auto cells = trial.cells;
+                                        if (cells <= *options.max_cells) forecast = std::move(trial);
+                                        return cells;
+                                      });
+  if (!forecast) forecast = forecaster.forecast(marks);  // else the last trial that fits, which is that of the marks
   const auto n_marked = mark::count_marked(comm, marks);
-  const auto size = adapt::dry_run(comm, mesh, marks, refinement);
+  const auto nodes_after = forecaster.nodes(*forecast);
 
   mark::set_marks(mesh, marks, options.marks);
-  balance::set_work(mesh, options.marks, size.work);
+  balance::set_work(mesh, options.marks, forecaster.work(*forecast));
   io::write_native(comm, options.output, mesh);
   nlohmann::json report{{"cells", mesh.info.n_global_cells},
                         {"nodes", mesh.info.n_global_nodes},
                         {"wanted", n_wanted},
                         {"marked", n_marked},
-                        {"cells_after", size.cells},
-                        {"nodes_after", size.nodes},
+                        {"cells_after", forecast->cells},
+                        {"nodes_after", nodes_after},
                         {"marks", options.marks},
                         {"quality_control", options.quality_control}};
   report["criteria"] = nlohmann::json::array();
@@ -144,7 +153,7 @@ cli::ExitCode run(cli::Session& session, const Options& options) {
   session.summary(fmt::format("{} of {} cells marked{}; {} cells and {} nodes after refinement -> {}", n_marked,
                               mesh.info.n_global_cells,
                               n_wanted > n_marked ? fmt::format(" (of {} wanted)", n_wanted) : std::string(),
-                              size.cells, size.nodes, options.output));
+                              forecast->cells, nodes_after, options.output));
   return cli::ExitCode::done;
 }
 

@@ -10,7 +10,8 @@
 #include <vector>
 
 #include "cli/run_tool.hpp"
-#include "pamr/adapt/adapt.hpp"
+#include "pamr/adapt/flags.hpp"
+#include "pamr/adapt/forecast.hpp"
 #include "pamr/assemble/assemble.hpp"
 #include "pamr/balance/partition.hpp"
 #include "pamr/balance/weighted_blocks.hpp"
@@ -60,7 +61,9 @@ std::vector<std::int64_t> weigh(const par::Comm& comm, const mesh::DistMesh& mes
   if (options.weights == "refine" && mesh.find_cell_field(options.marks) != nullptr) {
     refine::Options refinement;
     refinement.quality_control = refine::quality_control_named(options.quality_control);
-    return adapt::predict_children(comm, mesh, adapt::flags_from_field(comm, mesh, options.marks), refinement);
+    const auto flags = adapt::flags_from_field(comm, mesh, options.marks);
+    const auto children = adapt::Forecaster(comm, mesh, refinement).forecast(flags).children;
+    return {children.begin(), children.end()};
   }
   if (options.weights == "8/1") {
     const auto flags = adapt::flags_from_field(comm, mesh, options.marks);

@@ -9,6 +9,8 @@
 
 #include "cli/run_tool.hpp"
 #include "pamr/adapt/adapt.hpp"
+#include "pamr/adapt/flags.hpp"
+#include "pamr/adapt/forecast.hpp"
 #include "pamr/adapt/read_for_refinement.hpp"
 #include "pamr/adapt/refine_report.hpp"
 #include "pamr/base/error.hpp"
@@ -75,26 +77,29 @@ std::int64_t count_inverted(const par::Comm& comm, const mesh::DistMesh& mesh) {
   return comm.sum(n);
 }
 
-cli::ExitCode forecast(cli::Session& session, const mesh::DistMesh& mesh, std::span<const std::uint8_t> flags,
-                       const refine::Options& options) {
+cli::ExitCode report_forecast(cli::Session& session, const mesh::DistMesh& mesh, std::span<const std::uint8_t> flags,
+                              const refine::Options& options) {
   const auto& comm = session.comm();
-  const auto size = adapt::dry_run(comm, mesh, flags, options);
+  const adapt::Forecaster forecaster(comm, mesh, options);
+  const auto forecast = forecaster.forecast(flags);
+  const auto nodes = forecaster.nodes(forecast);
+  const auto marked = forecast.closure.report.n_marked;
   // what is there now (the process, the old mesh) and, at the peak, the plan of the split and the new mesh: at rest 44
   // bytes a cell and 32 a node
-  const double nodes_per_cell = static_cast<double>(size.nodes) / static_cast<double>(size.cells);
+  const double nodes_per_cell = static_cast<double>(nodes) / static_cast<double>(forecast.cells);
   const double here = static_cast<double>(peak_resident_bytes()) + 40.0 * static_cast<double>(mesh.n_cells()) +
-                      static_cast<double>(size.cells_on_this_rank) * (44 + 32 * nodes_per_cell);
+                      static_cast<double>(forecast.cells_on_this_rank) * (44 + 32 * nodes_per_cell);
   const auto largest = comm.max(here);
   session.write_report({{"cells_in", mesh.info.n_global_cells},
                         {"nodes_in", mesh.info.n_global_nodes},
-                        {"marked", size.marked},
-                        {"cells_out", size.cells},
-                        {"nodes_out", size.nodes},
+                        {"marked", marked},
+                        {"cells_out", forecast.cells},
+                        {"nodes_out", nodes},
                         {"largest_rank_bytes", largest}});
   session.summary(
       fmt::format("{} of {} cells marked: {} cells, {} nodes after refinement, about {:.0f} MB on the "
                   "largest rank",
-                  size.marked, mesh.info.n_global_cells, size.cells, size.nodes, 1e-6 * largest));
+                  marked, mesh.info.n_global_cells, forecast.cells, nodes, 1e-6 * largest));
   return cli::ExitCode::done;
 }
 
@@ -112,13 +117,11 @@ cli::ExitCode work(cli::Session& session, const Options& options) {
   adapt::Measured measured;
   measured.bytes_read = adapt::bytes_read_so_far() - read_before;
   const auto flags = naming(options.input, [&] { return adapt::flags_from_field(comm, mesh, options.marks); });
-  const refine::Options how{
-      .quality_control = refine::quality_control_named(options.quality_control),
-      .project = !options.no_project,
-      .parent_field = true,
-      .marks_field = options.marks,
-      .origin_field = mesh.find_cell_field(adapt::origin_field) != nullptr ? adapt::origin_field : ""};
-  if (options.dry_run) return forecast(session, mesh, flags, how);
+  const refine::Options how{.quality_control = refine::quality_control_named(options.quality_control),
+                            .project = !options.no_project,
+                            .parent_field = true,
+                            .marks_field = options.marks};
+  if (options.dry_run) return report_forecast(session, mesh, flags, how);
 
   timer.lap("preprocessing");
   auto result = naming(options.input, [&] { return adapt::refine(comm, std::move(mesh), flags, {how, balancing}); });
@@ -140,8 +143,8 @@ cli::ExitCode work(cli::Session& session, const Options& options) {
   measured.steps = merge_steps(timer.steps(), result.report.steps);
   session.write_report(adapt::make_report(comm, result.report, measured));
   session.summary(fmt::format("{} cells ({} marked) -> {} cells, {} nodes, {} off their surface: {}",
-                              result.report.cells_in, result.report.marked, result.report.cells_out,
-                              result.report.nodes_out, result.report.off_surface_nodes, options.output));
+                              result.report.cells_in, result.report.closure.n_marked, result.report.cells_out,
+                              result.report.nodes_out, result.report.certificate.n_off_surface, options.output));
   return cli::ExitCode::done;
 }
 

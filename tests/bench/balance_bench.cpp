@@ -12,6 +12,7 @@
 
 #include "bench/workloads.hpp"
 #include "pamr/adapt/adapt.hpp"
+#include "pamr/adapt/flags.hpp"
 #include "pamr/assemble/assemble.hpp"
 #include "pamr/io/native/native_file.hpp"
 #include "pamr/par/equal_work.hpp"

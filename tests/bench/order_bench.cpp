@@ -11,6 +11,7 @@
 
 #include "bench/workloads.hpp"
 #include "pamr/adapt/adapt.hpp"
+#include "pamr/adapt/flags.hpp"
 #include "pamr/assemble/assemble.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/base/timer.hpp"

@@ -82,9 +82,9 @@ void run(const par::Comm& comm, const Workload& work) {
     for (int level = 0;; ++level) {
       const auto shape = measure(comm, mesh);
       if (comm.is_first())
-        std::printf("| %s | %d | %ld | %ld | %.4f | %.4f | %ld | %ld | %ld |\n", name, level, report.marked,
-                    report.cells_out, shape.worst, shape.mean, report.families_rebuilt, report.families_kept,
-                    report.off_surface_nodes);
+        std::printf("| %s | %d | %ld | %ld | %.4f | %.4f | %ld | %ld | %ld |\n", name, level, report.closure.n_marked,
+                    report.cells_out, shape.worst, shape.mean, report.closure.families_rebuilt,
+                    report.closure.families_kept, report.certificate.n_off_surface);
       std::fflush(stdout);
       if (level == work.levels) break;
       auto result = adapt::refine(comm, mesh, work.mark(mesh), {.quality_control = policy, .marks_field = ""});

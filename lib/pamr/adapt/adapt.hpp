@@ -8,6 +8,8 @@
 #include "pamr/base/timer.hpp"
 #include "pamr/mesh/dist_mesh.hpp"
 #include "pamr/par/comm.hpp"
+#include "pamr/refine/certify.hpp"
+#include "pamr/refine/closure.hpp"
 #include "pamr/refine/options.hpp"
 
 namespace pamr::adapt {
@@ -15,17 +17,10 @@ namespace pamr::adapt {
 /// What one refinement did; counts over all ranks.
 struct Report {
   std::int64_t cells_in = 0, cells_out = 0, nodes_in = 0, nodes_out = 0;
-  std::int64_t marked = 0;            ///< cells that were flagged
   std::int64_t marked_not_split = 0;  ///< flagged cells that the result holds unsplit; always 0
-  std::int64_t families_rebuilt = 0;  ///< closure families taken back to their parent
-  std::int64_t families_kept = 0;     ///< hit families whose parent could not be rebuilt
-  std::int64_t off_surface_nodes = 0;
-  std::int64_t moved_nodes = 0;    ///< put onto a surface, or moved because of others that were
-  std::int64_t cells_checked = 0;  ///< cells with such a node, and those next to flat: exactly positive
-  int rounds = 0;                  ///< of closing
-  int back_off_rounds = 0;         ///< of the projection's certificate
-  int untangling_rounds = 0;       ///< of moving this level's nodes out of the way, at walls too curved for their mesh
-  BalanceReport balance;           ///< of the overload that may move cells
+  refine::ClosureReport closure;
+  refine::Certificate certificate;  ///< of the nodes that were put onto surfaces
+  BalanceReport balance;            ///< of the overload that may move cells
   /// Ranks that this rank shares nodes with, while closing and after balancing.
   std::int64_t neighbors_closing = 0, neighbors = 0;
   std::vector<StepTime> steps;  ///< of this rank
@@ -39,14 +34,13 @@ struct RefineResult {
 
 /// Refines once: every cell with a nonzero flag is split into eight (under `removable`, a flagged closure cell's parent
 /// is), the cells around them are closed, new boundary nodes are put on their surfaces, fields and patches go to the
-/// children. `flags` has one entry for each cell of this rank.
+/// children. Cells stay on the ranks where their parents are; the overload below spreads them.
 ///
-/// Cells stay on the ranks where their parents are; the overload below spreads them.
-///
-/// Collective. Pre: `mesh` is valid (`validate::validate`). Post: so is the result, and it is the same mesh, cell for
-/// cell, node for node, bit for bit, on any number of ranks and for any distribution over them. Throws `Error` on every
-/// rank for flags of the wrong length, bad surfaces, and cells too flat to be split. Memory at the peak: the old mesh,
-/// the new one and about 40 bytes for each cell that is split.
+/// `flags`: one for each cell of this rank.
+/// Collective. Throws `Error` on every rank for flags of the wrong length, bad surfaces, and cells too flat to be
+/// split. Pre: `mesh` is valid (`validate::validate`). Post: so is the result, and it is the same mesh, cell for cell,
+/// node for node, bit for bit, on any number of ranks and for any distribution over them. Memory at the peak: the old
+/// mesh, the new one and about 40 bytes for each cell that is split.
 RefineResult refine(const par::Comm& comm, const mesh::DistMesh& mesh, std::span<const std::uint8_t> flags,
                     const refine::Options& options = {});
 
@@ -57,26 +51,11 @@ struct Options {
 };
 
 /// The same, and spreads the work: when the marks are closed and the size of the result is known cell by cell, the
-/// parents move to the ranks where their children shall be, so that each rank gets about the same number of cells of
-/// the refined mesh, and the splitting is balanced too. The refined mesh is the same one whatever the balancing; only
-/// its distribution differs. Takes the mesh apart as it goes. Throws `Error` on every rank for bad weights as well.
+/// parents move to the ranks where their children shall be. Each rank then gets about the same number of cells of the
+/// refined mesh, and the splitting is balanced too. The refined mesh is the same one whatever the balancing; only its
+/// distribution differs. Takes the mesh over and frees its arrays on the way. Throws `Error` on every rank for bad
+/// weights as well.
 RefineResult refine(const par::Comm& comm, mesh::DistMesh&& mesh, std::span<const std::uint8_t> flags,
                     const Options& options = {});
-
-/// The exact size that a refinement would give, without splitting anything. Collective.
-struct Forecast {
-  std::int64_t cells = 0;
-  std::int64_t nodes = 0;
-  std::int64_t marked = 0;
-  std::int64_t cells_on_this_rank = 0;
-  /// Of each cell of this rank what refining it costs, about, in cells that come of it: 1 to 255.
-  std::vector<std::uint8_t> work;
-};
-Forecast dry_run(const par::Comm& comm, const mesh::DistMesh& mesh, std::span<const std::uint8_t> flags,
-                 const refine::Options& options = {});
-
-/// Flags from an integer cell field: 0 keep, 1 split. Collective: throws `Error` on every rank when the field is
-/// missing, not an integer field of one component, or holds anything else.
-std::vector<std::uint8_t> flags_from_field(const par::Comm& comm, const mesh::DistMesh& mesh, const std::string& field);
 
 }  // namespace pamr::adapt

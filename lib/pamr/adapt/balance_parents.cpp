@@ -3,20 +3,20 @@
 
 #include <algorithm>
 #include <numeric>
+#include <utility>
 
 #include "pamr/adapt/closure_bytes.hpp"
 #include "pamr/balance/migrate.hpp"
 #include "pamr/balance/weights.hpp"
 #include "pamr/base/index.hpp"
 #include "pamr/base/timer.hpp"
-#include "pamr/refine/close.hpp"
 
 namespace pamr::adapt {
 
 namespace {
 
 std::vector<std::int64_t> exact_weights(const refine::Closure& closure) {
-  const auto counts = count_children(closure);
+  const auto counts = refine::count_children(closure);
   std::vector<std::int64_t> weight(counts.size());
   for (std::size_t c = 0; c < counts.size(); ++c) weight[c] = counts[c];
   return weight;
@@ -56,19 +56,20 @@ std::vector<std::int64_t> cell_weights(const par::Comm& comm, const mesh::DistMe
   }
 }
 
-BalanceReport balance_parents(const par::Comm& comm, mesh::DistMesh& mesh, mesh::Borders& borders,
-                              refine::Closure& closure, std::span<const std::uint8_t> flags, const Balancing& balancing,
-                              StepTimer& timer) {
-  BalanceReport report;
+Balanced balance_parents(const par::Comm& comm, Parents parents, std::span<const std::uint8_t> flags,
+                         const Balancing& balancing, StepTimer& timer) {
   const auto start = wall_seconds();
+  Balanced balanced{std::move(parents), {}};
+  auto& [mesh, borders, closure] = balanced.parents;
+  auto& report = balanced.report;
   report.is_measured = true;
-  const auto counts = count_children(closure);
+  const auto counts = refine::count_children(closure);
   report.before = balance::measure_ranks(comm, mesh, std::accumulate(counts.begin(), counts.end(), std::int64_t{0}));
   report.after = report.before;
   const bool is_exact = balancing.weights == Weights::exact;
-  if (is_exact && (report.before.imbalance <= balancing.how.keep_below || comm.size() == 1)) return report;
+  if (is_exact && (report.before.imbalance <= balancing.how.keep_below || comm.size() == 1)) return balanced;
   const auto weight = cell_weights(comm, mesh, flags, closure, balancing);
-  if (balancing.how.method == balance::Method::none || comm.size() == 1) return report;
+  if (balancing.how.method == balance::Method::none || comm.size() == 1) return balanced;
   const auto wanted = balance::partition(comm, mesh, weight, comm.size(), balancing.how);
   report.method = wanted.method;
   report.after =
@@ -78,19 +79,14 @@ BalanceReport balance_parents(const par::Comm& comm, mesh::DistMesh& mesh, mesh:
   timer.lap("balance");
   const auto middle = wall_seconds();
   report.partition_seconds = middle - start;
-  if (report.moved_cells == 0) return report;
+  if (report.moved_cells == 0) return balanced;
   auto bytes = closure_to_bytes(closure);
   mesh = balance::migrate(comm, std::move(mesh), wanted.part, &bytes);
-  closure = closure_from_bytes(mesh, bytes, closure);
+  closure = closure_from_bytes(mesh, bytes, closure.report);
   borders = mesh::find_borders(comm, mesh);
   report.migrate_seconds = wall_seconds() - middle;
   timer.lap("migrate");
-  return report;
-}
-
-std::vector<std::int64_t> predict_children(const par::Comm& comm, const mesh::DistMesh& mesh,
-                                           std::span<const std::uint8_t> flags, const refine::Options& options) {
-  return exact_weights(refine::close(comm, mesh, mesh::find_borders(comm, mesh), flags, options.quality_control));
+  return balanced;
 }
 
 }  // namespace pamr::adapt

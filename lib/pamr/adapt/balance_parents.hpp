@@ -15,7 +15,6 @@
 #include "pamr/mesh/dist_mesh.hpp"
 #include "pamr/par/comm.hpp"
 #include "pamr/refine/closure.hpp"
-#include "pamr/refine/options.hpp"
 
 namespace pamr::adapt {
 
@@ -48,16 +47,21 @@ std::vector<std::int64_t> cell_weights(const par::Comm& comm, const mesh::DistMe
                                        std::span<const std::uint8_t> flags, const refine::Closure& closure,
                                        const Balancing& balancing);
 
-/// Moves the parents to the ranks where their children shall be: `mesh` and `closure` become those of the cells that
-/// this rank has then, `borders` are found anew. Books its time as `balance` and `migrate`. Collective. Nothing moves
-/// on one rank and with `Method::none`.
-BalanceReport balance_parents(const par::Comm& comm, mesh::DistMesh& mesh, mesh::Borders& borders,
-                              refine::Closure& closure, std::span<const std::uint8_t> flags, const Balancing& balancing,
-                              StepTimer& timer);
+/// A mesh that is about to be split.
+struct Parents {
+  mesh::DistMesh mesh;
+  mesh::Borders borders;
+  refine::Closure closure;
+};
 
-/// The exact number of cells that each cell of this rank becomes, those of a family that is taken back at its first
-/// member: weights for `balance::partition`. Collective. Throws `Error` as `refine` does.
-std::vector<std::int64_t> predict_children(const par::Comm& comm, const mesh::DistMesh& mesh,
-                                           std::span<const std::uint8_t> flags, const refine::Options& options = {});
+struct Balanced {
+  Parents parents;  ///< those that this rank has now, with borders found anew
+  BalanceReport report;
+};
+
+/// Moves the parents to the ranks where their children shall be. Books its time as `balance` and `migrate`. Nothing
+/// moves on one rank and with `Method::none`. Collective.
+Balanced balance_parents(const par::Comm& comm, Parents parents, std::span<const std::uint8_t> flags,
+                         const Balancing& balancing, StepTimer& timer);
 
 }  // namespace pamr::adapt

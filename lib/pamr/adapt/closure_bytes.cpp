@@ -13,16 +13,6 @@ constexpr unsigned action_shift = 6;
 
 }  // namespace
 
-std::vector<std::uint8_t> count_children(const refine::Closure& closure) {
-  std::vector<std::uint8_t> counts(closure.marks.size());
-  for (std::size_t c = 0; c < counts.size(); ++c)
-    if (closure.action[c] == refine::Action::split)
-      counts[c] =
-          static_cast<std::uint8_t>(refine::split_pattern[at(refine::state_of_mask[closure.marks[c]])].n_children);
-  for (const auto& family : closure.rebuilt) counts[at(family.first)] = static_cast<std::uint8_t>(family.n_children);
-  return counts;
-}
-
 std::vector<std::uint8_t> closure_to_bytes(const refine::Closure& closure) {
   std::vector<std::uint8_t> bytes;
   bytes.reserve(closure.marks.size());
@@ -33,13 +23,10 @@ std::vector<std::uint8_t> closure_to_bytes(const refine::Closure& closure) {
 }
 
 refine::Closure closure_from_bytes(const mesh::DistMesh& mesh, std::span<const std::uint8_t> bytes,
-                                   const refine::Closure& before) {
+                                   const refine::ClosureReport& report) {
   PAMR_EXPECTS(bytes.size() == at(mesh.n_cells()));
   refine::Closure closure;
-  closure.rounds = before.rounds;
-  closure.n_marked = before.n_marked;
-  closure.families_kept = before.families_kept;
-  closure.families_rebuilt = before.families_rebuilt;
+  closure.report = report;
   closure.marks.reserve(bytes.size());
   closure.action.reserve(bytes.size());
   for (const auto byte : bytes) {

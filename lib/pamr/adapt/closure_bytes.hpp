@@ -11,16 +11,12 @@
 /// What lets a closed mesh change ranks before it is split.
 namespace pamr::adapt {
 
-/// The exact number of cells that each old cell becomes; those of a family that is taken back are all counted at its
-/// first member. `n_cells` values. Local.
-std::vector<std::uint8_t> count_children(const refine::Closure& closure);
-
 /// The closure as one byte a cell: its marks and its action. Local.
 std::vector<std::uint8_t> closure_to_bytes(const refine::Closure& closure);
 
 /// The closure of the cells that a rank has now, from the bytes that came along with them; the plans of the families
-/// that are taken back follow from the mesh and the marks. Counts and rounds are those of `before`. Local.
+/// that are taken back follow from the mesh and the marks. The report is passed on. Local.
 refine::Closure closure_from_bytes(const mesh::DistMesh& mesh, std::span<const std::uint8_t> bytes,
-                                   const refine::Closure& before);
+                                   const refine::ClosureReport& report);
 
 }  // namespace pamr::adapt

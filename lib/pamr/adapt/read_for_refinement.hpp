@@ -26,13 +26,10 @@ struct ReadingOptions {
   Balancing balancing = {};  ///< whose field of weights is checked
 };
 
-/// Cell field with the number of each cell in the file, where the mesh was put in order; no field in a file can have
-/// such a name.
-inline constexpr const char* origin_field = "/cell of the input";
-
 /// Reads a mesh to be refined, valid, its cells on the ranks in runs that become about the same number of cells:
 /// - by the field of the work that belongs to the marks (`balance::work_field`), which is not part of the result;
 /// - without it, by what marks and connectivity let expect (`balance::work_from_marks`).
+/// If it was put in order, `cell_origin` has the number of each cell in the file.
 /// Errors name cells and nodes by their numbers in the file: if something is wrong with a mesh that was put in order,
 /// it is read once more as it is. `timer` gets the steps read, preprocessing and balance. Collective; throws the same
 /// `Error` on every rank.

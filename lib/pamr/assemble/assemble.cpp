@@ -85,6 +85,7 @@ mesh::DistMesh assemble(const par::Comm& comm, mesh::BlockMesh block, std::span<
   mesh.info = std::move(block.info);
   mesh.cell_global = std::move(cells.id);
   mesh.lineage = std::move(cells.lineage);
+  mesh.cell_origin = std::move(cells.origin);
   mesh.cell_fields = std::move(cells.field);
   number_nodes(mesh, std::move(cells.node));
   par::agree(comm, [&] { check_templates(mesh); });

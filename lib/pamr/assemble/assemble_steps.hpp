@@ -16,6 +16,7 @@ namespace pamr::assemble {
 struct Contents {
   bool has_neighbors = false;
   bool has_lineage = false;
+  bool has_origin = false;
   bool has_destinations = false;
 };
 
@@ -33,6 +34,7 @@ struct GlobalCells {
   std::vector<std::array<GlobalId, 4>> node;
   std::vector<std::array<GlobalId, 4>> neighbor;  ///< empty: to be built
   std::vector<mesh::Lineage> lineage;
+  std::vector<GlobalId> origin;  ///< empty: none
   std::vector<mesh::CellField> field;
 };
 

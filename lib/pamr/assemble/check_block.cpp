@@ -45,6 +45,7 @@ void check_sizes(const mesh::BlockMesh& block, std::span<const Rank> destination
                 std::to_string(first_cell) + ", found " + std::to_string(block.first_cell));
   if (contents.has_neighbors) require_size(block.cell_to_cell.size(), n, "cell_to_cell", rank);
   if (contents.has_lineage) require_size(block.lineage.size(), n, "lineage", rank);
+  if (contents.has_origin) require_size(block.cell_origin.size(), n, "cell_origin", rank);
   if (contents.has_destinations) require_size(destination.size(), n, "destinations", rank);
   require_size(block.node_position.size(), static_cast<std::size_t>(nodes.count()), "node block", rank);
   check_fields(block.cell_fields, n, "cell", rank);
@@ -190,11 +191,17 @@ void check_families(const FamilyContext& here, std::span<const Announcement> ann
 Contents check_block(const par::Comm& comm, const mesh::BlockMesh& block, std::span<const Rank> destination) {
   const auto n = static_cast<GlobalId>(block.cell_to_node.size());
   const auto description = description_of(block);
-  std::array<std::int64_t, 5> most{block.cell_to_cell.empty() ? 0 : 1, block.lineage.empty() ? 0 : 1,
-                                   destination.empty() ? 0 : 1, description, -description};
+  std::array<std::int64_t, 6> most{block.cell_to_cell.empty() ? 0 : 1,
+                                   block.lineage.empty() ? 0 : 1,
+                                   destination.empty() ? 0 : 1,
+                                   description,
+                                   -description,
+                                   block.cell_origin.empty() ? 0 : 1};
   comm.max_in_place(most);
-  const auto contents =
-      Contents{.has_neighbors = most[0] != 0, .has_lineage = most[1] != 0, .has_destinations = most[2] != 0};
+  const Contents contents{.has_neighbors = most[0] != 0,
+                          .has_lineage = most[1] != 0,
+                          .has_origin = most[5] != 0,
+                          .has_destinations = most[2] != 0};
   const auto count = comm.all_gather(n);
   const auto first_cell =
       block.info.first_id + std::accumulate(count.begin(), count.begin() + comm.rank(), GlobalId{0});

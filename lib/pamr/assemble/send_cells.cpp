@@ -54,7 +54,8 @@ par::Received<T> send_groups(const par::Comm& comm, const std::vector<par::Outgo
 }
 
 void send_round(const par::Comm& comm, const GlobalCells& from, std::span<const std::size_t> cells,
-                const std::vector<Rank>& to, bool has_neighbors, GlobalCells& arrived) {
+                const std::vector<Rank>& to, const Contents& contents, GlobalCells& arrived) {
+  const bool has_neighbors = contents.has_neighbors;
   const auto groups = group_by_target(cells, to);
   const auto travellers = send_groups<Traveller>(comm, groups, 1, [&](std::size_t cell, std::vector<Traveller>& out) {
     out.push_back({from.id[cell], from.node[cell], has_neighbors ? from.neighbor[cell] : std::array<GlobalId, 4>{},
@@ -65,6 +66,11 @@ void send_round(const par::Comm& comm, const GlobalCells& from, std::span<const 
     arrived.node.push_back(cell.node);
     if (has_neighbors) arrived.neighbor.push_back(cell.neighbor);
     arrived.lineage.push_back(mesh::Lineage(static_cast<std::uint32_t>(cell.lineage)));
+  }
+  if (contents.has_origin) {
+    const auto rows = send_groups<GlobalId>(
+        comm, groups, 1, [&](std::size_t cell, std::vector<GlobalId>& out) { out.push_back(from.origin[cell]); });
+    arrived.origin.insert(arrived.origin.end(), rows.item.begin(), rows.item.end());
   }
   for (std::size_t f = 0; f < from.field.size(); ++f)
     std::visit(
@@ -82,11 +88,12 @@ void send_round(const par::Comm& comm, const GlobalCells& from, std::span<const 
 
 /// Calls `change(array, width)` for every array of the cells.
 template <class Change>
-void for_each_array(GlobalCells& cells, bool has_neighbors, Change change) {
+void for_each_array(GlobalCells& cells, const Contents& contents, Change change) {
   change(cells.id, 1);
   change(cells.node, 1);
-  if (has_neighbors) change(cells.neighbor, 1);
+  if (contents.has_neighbors) change(cells.neighbor, 1);
   change(cells.lineage, 1);
+  if (contents.has_origin) change(cells.origin, 1);
   for (auto& field : cells.field)
     std::visit([&](auto& values) { change(values, static_cast<std::size_t>(field.n_components)); }, field.value);
 }
@@ -121,7 +128,7 @@ std::vector<std::size_t> order_by_number(const std::vector<GlobalId>& old_id, co
 }
 
 /// Drops the departed cells, adds the arrived ones and puts all in ascending order.
-void merge(GlobalCells& cells, GlobalCells arrived, const std::vector<Rank>& to, Rank here, bool has_neighbors) {
+void merge(GlobalCells& cells, GlobalCells arrived, const std::vector<Rank>& to, Rank here, const Contents& contents) {
   const auto order = order_by_number(cells.id, arrived.id, to, here);
   const auto append = [&](auto& mine, auto& theirs) {
     mine.insert(mine.end(), theirs.begin(), theirs.end());
@@ -131,11 +138,12 @@ void merge(GlobalCells& cells, GlobalCells arrived, const std::vector<Rank>& to,
   append(cells.node, arrived.node);
   append(cells.neighbor, arrived.neighbor);
   append(cells.lineage, arrived.lineage);
+  append(cells.origin, arrived.origin);
   for (std::size_t f = 0; f < cells.field.size(); ++f)
     std::visit(
         [&]<class T>(std::vector<T>& values) { append(values, std::get<std::vector<T>>(arrived.field[f].value)); },
         cells.field[f].value);
-  for_each_array(cells, has_neighbors, [&](auto& rows, std::size_t width) { select_rows(rows, width, order); });
+  for_each_array(cells, contents, [&](auto& rows, std::size_t width) { select_rows(rows, width, order); });
 }
 
 }  // namespace
@@ -146,6 +154,7 @@ GlobalCells take_cells(mesh::BlockMesh& block, const Contents& contents) {
   cells.node = std::exchange(block.cell_to_node, {});
   cells.neighbor = std::exchange(block.cell_to_cell, {});
   cells.lineage = std::exchange(block.lineage, {});
+  cells.origin = std::exchange(block.cell_origin, {});
   if (!contents.has_lineage) cells.lineage.resize(n);
   cells.field = std::exchange(block.cell_fields, {});
   return cells;
@@ -166,10 +175,9 @@ void exchange_cells(const par::Comm& comm, GlobalCells& cells, const std::vector
   for (std::size_t round = 0; round < rounds; ++round) {
     const auto begin = std::min(round * cells_of_round, departing.size());
     const auto end = std::min(begin + cells_of_round, departing.size());
-    send_round(comm, cells, std::span<const std::size_t>(departing).subspan(begin, end - begin), to,
-               contents.has_neighbors, arrived);
+    send_round(comm, cells, std::span<const std::size_t>(departing).subspan(begin, end - begin), to, contents, arrived);
   }
-  merge(cells, std::move(arrived), to, comm.rank(), contents.has_neighbors);
+  merge(cells, std::move(arrived), to, comm.rank(), contents);
 }
 
 GlobalCells send_cells(const par::Comm& comm, mesh::BlockMesh& block, std::vector<Rank> to, const Contents& contents) {

@@ -176,6 +176,9 @@ mesh::DistMesh join_pieces(Rank here, std::vector<Piece> pieces, std::vector<std
       pieces, order, 1, [](Piece & p) -> auto& { return p.mesh.cell_global; });
   mesh.lineage = gather(
       pieces, order, 1, [](Piece & p) -> auto& { return p.mesh.lineage; });
+  if (std::any_of(pieces.begin(), pieces.end(), [](const Piece& p) { return !p.mesh.cell_origin.empty(); }))
+    mesh.cell_origin = gather(
+        pieces, order, 1, [](Piece & p) -> auto& { return p.mesh.cell_origin; });
   mesh.cell_fields = gather_fields(
       pieces, order, [](Piece & p) -> auto& { return p.mesh.cell_fields; });
   cell_byte.clear();

@@ -29,7 +29,7 @@ std::vector<mesh::Field> select(const std::vector<mesh::Field>& fields, std::spa
 }
 
 struct Header {
-  std::int64_t n_cells = 0, n_nodes = 0, n_ghosts = 0, n_cell_bytes = 0;
+  std::int64_t n_cells = 0, n_nodes = 0, n_ghosts = 0, n_cell_bytes = 0, n_origins = 0;
 };
 
 /// Calls `visit(array, n)` for every array of a piece and the number of values it has to have. The widest come first,
@@ -42,6 +42,7 @@ void for_each_array(P& piece, const Header& header, Visit visit) {
   visit(mesh.node_global, n_nodes);
   visit(mesh.node_position, n_nodes);
   visit(mesh.ghost_global, n_ghosts);
+  visit(mesh.cell_origin, at(header.n_origins));
   for (auto& field : mesh.cell_fields)
     std::visit([&](auto& values) { visit(values, n_cells * at(field.n_components)); }, field.value);
   for (auto& field : mesh.node_fields)
@@ -134,6 +135,7 @@ Piece PieceCutter::cut(std::span<const LocalId> cells) {
   for (const auto cell : cells) {
     out.cell_global.push_back(mesh_->cell_global[at(cell)]);
     out.lineage.push_back(mesh_->lineage[at(cell)]);
+    if (!mesh_->cell_origin.empty()) out.cell_origin.push_back(mesh_->cell_origin[at(cell)]);
     if (!cell_byte_.empty()) piece.cell_byte.push_back(cell_byte_[at(cell)]);
   }
   out.cell_fields = select(mesh_->cell_fields, cells);
@@ -141,8 +143,8 @@ Piece PieceCutter::cut(std::span<const LocalId> cells) {
 }
 
 std::vector<std::byte> pack(const Piece& piece) {
-  const Header header{piece.mesh.n_cells(), piece.mesh.n_nodes(), static_cast<std::int64_t>(piece.ghost_to.size()),
-                      static_cast<std::int64_t>(piece.cell_byte.size())};
+  const Header header{piece.mesh.n_cells(), piece.mesh.n_nodes(), std::ssize(piece.ghost_to),
+                      std::ssize(piece.cell_byte), std::ssize(piece.mesh.cell_origin)};
   std::size_t size = sizeof header;
   for_each_array(piece, header, [&]<class T>(const std::vector<T>& values, std::size_t n) {
     PAMR_EXPECTS(values.size() == n);

@@ -16,6 +16,7 @@ struct BlockMesh {
   std::vector<std::array<GlobalId, 4>> cell_to_node;  ///< n x 4, global
   std::vector<std::array<GlobalId, 4>> cell_to_cell;  ///< n x 4, global or -(patch+1); empty on every rank: to be built
   std::vector<Lineage> lineage;                       ///< n, or empty on every rank: all regular, level 0
+  std::vector<GlobalId> cell_origin;                  ///< n: numbers in the file; empty on every rank: as they lie here
   std::vector<geometry::Vec3> node_position;          ///< canonical block of n_global_nodes
   std::vector<CellField> cell_fields;                 ///< values of the n cells
   std::vector<NodeField> node_fields;                 ///< values of the node block

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "pamr/base/insertion_sort.hpp"
 #include "pamr/mesh/ring.hpp"
 
 namespace pamr::mesh {
@@ -49,17 +50,6 @@ Buckets<Item> deal(std::size_t n_buckets, ForEach&& for_each) {
   for_each([&](std::size_t n, const Item& item) { buckets.item[buckets.begin[n + 1]++] = item; });
   buckets.begin.pop_back();
   return buckets;
-}
-
-/// Puts a short list in order.
-template <class Item, class Less>
-void insertion_sort(std::span<Item> items, Less less) {
-  for (std::size_t i = 1; i < items.size(); ++i) {
-    const auto item = items[i];
-    auto k = i;
-    for (; k > 0 && less(item, items[k - 1]); --k) items[k] = items[k - 1];
-    items[k] = item;
-  }
 }
 
 /// An edge of a rank-border face: where an arc of cells round it ends. Kept by the smaller of its nodes.

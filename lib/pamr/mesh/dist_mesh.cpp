@@ -37,8 +37,9 @@ std::size_t bytes_at_rest(const DistMesh& m) {
     bytes += capacity_bytes(surface.points) + capacity_bytes(surface.triangles);
   return bytes + capacity_bytes(m.node_position) + capacity_bytes(m.node_global) + capacity_bytes(m.cell_to_node) +
          capacity_bytes(m.cell_to_cell) + capacity_bytes(m.cell_global) + capacity_bytes(m.lineage) +
-         capacity_bytes(m.border_rank) + capacity_bytes(m.border_offset) + capacity_bytes(m.border_face) +
-         capacity_bytes(m.ghost_global) + fields_bytes(m.node_fields) + fields_bytes(m.cell_fields);
+         capacity_bytes(m.cell_origin) + capacity_bytes(m.border_rank) + capacity_bytes(m.border_offset) +
+         capacity_bytes(m.border_face) + capacity_bytes(m.ghost_global) + fields_bytes(m.node_fields) +
+         fields_bytes(m.cell_fields);
 }
 
 }  // namespace pamr::mesh

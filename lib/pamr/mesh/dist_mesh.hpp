@@ -38,6 +38,13 @@ struct Region {
 /// Cell field of the parts of the domain, 0 for cells of none.
 inline constexpr const char* region_field = "region";
 
+/// Nodal field of the distance of each boundary node from the surfaces that it could not be put onto without turning a
+/// cell over, 0 elsewhere; absent when there is no such node.
+inline constexpr const char* off_surface_field = "off_surface";
+
+/// Integer cell field of the cell of the input that each cell comes from.
+inline constexpr const char* parent_field = "parent";
+
 /// What is said once for the whole mesh; the same on every rank.
 struct MeshInfo {
   GlobalId n_global_nodes = 0;
@@ -87,6 +94,7 @@ struct DistMesh {
   std::vector<CellNeighbors> cell_to_cell;  ///< n_cells x 4, see above
   std::vector<GlobalId> cell_global;        ///< n_cells, ascending
   std::vector<Lineage> lineage;             ///< n_cells
+  std::vector<GlobalId> cell_origin;        ///< n_cells: numbers in the file; empty on every rank: `cell_global`
 
   std::vector<Rank> border_rank;  ///< ranks that share a face with this one, ascending
   std::vector<std::size_t> border_offset{

@@ -14,26 +14,32 @@
 
 namespace pamr::mesh {
 
-/// Global numbers of a face's nodes, ascending: its name on every rank.
-inline par::SharedKey face_key(const DistMesh& mesh, CellFace face) {
-  const auto& nodes = mesh.cell_to_node[static_cast<std::size_t>(face.cell)];
+/// Global numbers of a face's nodes, ascending: its name on every rank. `nodes`: of the cell, by local id; `slot`: the
+/// corner opposite the face.
+inline par::SharedKey face_key(const CellNodes& nodes, int slot, const std::vector<GlobalId>& node_global) {
   par::SharedKey key{};
   for (std::size_t i = 0; i < 3; ++i) {
-    const auto corner = tet::face_to_corner[static_cast<std::size_t>(face.slot)][i];
-    key[i] = mesh.node_global[static_cast<std::size_t>(nodes[static_cast<std::size_t>(corner)])];
+    const auto corner = tet::face_to_corner[static_cast<std::size_t>(slot)][i];
+    key[i] = node_global[static_cast<std::size_t>(nodes[static_cast<std::size_t>(corner)])];
   }
   const auto least = std::min({key[0], key[1], key[2]}), most = std::max({key[0], key[1], key[2]});
   return {least, key[0] ^ key[1] ^ key[2] ^ least ^ most, most};
 }
 
+inline par::SharedKey face_key(const DistMesh& mesh, CellFace face) {
+  return face_key(mesh.cell_to_node[static_cast<std::size_t>(face.cell)], face.slot, mesh.node_global);
+}
+
 /// A hash of a face's nodes, whatever their order: the same on every rank.
-inline std::uint64_t face_name(const DistMesh& mesh, CellFace face) {
-  const auto& nodes = mesh.cell_to_node[static_cast<std::size_t>(face.cell)];
+inline std::uint64_t face_name(const CellNodes& nodes, int slot, const std::vector<GlobalId>& node_global) {
   std::uint64_t sum = 0;
-  for (const auto corner : tet::face_to_corner[static_cast<std::size_t>(face.slot)])
-    sum += mix(static_cast<std::uint64_t>(
-        mesh.node_global[static_cast<std::size_t>(nodes[static_cast<std::size_t>(corner)])]));
+  for (const auto corner : tet::face_to_corner[static_cast<std::size_t>(slot)])
+    sum +=
+        mix(static_cast<std::uint64_t>(node_global[static_cast<std::size_t>(nodes[static_cast<std::size_t>(corner)])]));
   return sum;
+}
+inline std::uint64_t face_name(const DistMesh& mesh, CellFace face) {
+  return face_name(mesh.cell_to_node[static_cast<std::size_t>(face.cell)], face.slot, mesh.node_global);
 }
 
 /// A hash of what both sides of rank-border face `k` know of it: its nodes, the cell on the lower of the two ranks and

@@ -1,20 +1,26 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "pamr/refine/certify.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <span>
 #include <string>
+#include <utility>
 
 #include "pamr/base/error.hpp"
 #include "pamr/base/index.hpp"
 #include "pamr/geometry/orientation.hpp"
+#include "pamr/par/exchange.hpp"
 #include "pamr/refine/project.hpp"
 
 namespace pamr::refine {
 
 namespace {
 
+using Positions = std::vector<geometry::Vec3>;
 constexpr std::uint8_t not_at_all = 10;  ///< backing-off step at which a node stays where it was
 
 geometry::Vec3 place(const Movable& m, std::uint8_t step) {
@@ -23,13 +29,8 @@ geometry::Vec3 place(const Movable& m, std::uint8_t step) {
   return m.base + std::ldexp(1.0, -static_cast<int>(step)) * (m.target - m.base);
 }
 
-bool is_positive(const mesh::DistMesh& mesh, LocalId cell) {
-  const auto p = mesh.points(cell);
-  return geometry::is_positive(p[0], p[1], p[2], p[3]);
-}
-
 /// Cells of both lists, each once; `moved` ascends.
-std::vector<LocalId> join(const std::vector<LocalId>& moved, std::span<const LocalId> suspects) {
+std::vector<LocalId> join(const std::vector<LocalId>& moved, const std::vector<LocalId>& suspects) {
   std::vector<LocalId> cells(moved);
   cells.insert(cells.end(), suspects.begin(), suspects.end());
   const auto middle = cells.begin() + static_cast<std::ptrdiff_t>(moved.size());
@@ -39,27 +40,35 @@ std::vector<LocalId> join(const std::vector<LocalId>& moved, std::span<const Loc
   return cells;
 }
 
-std::string describe(const mesh::DistMesh& mesh, LocalId cell) {
-  return "refine: expected children of positive volume, found one that rounding turns over in the new cell " +
-         std::to_string(mesh.cell_global[at(cell)]) + ": the cell it comes from is too flat to be split";
+std::string describe(const NewLevel& level, LocalId cell) {
+  return fmt::format(
+      "refine: expected children of positive volume, found one that rounding turns over in the new cell {}: the cell "
+      "it comes from is too flat to be split",
+      level.children.cell_global[at(cell)]);
 }
 
-/// Takes the movement of one set of nodes back step by step.
+/// Takes the movement of the nodes back step by step.
 class BackOff {
  public:
-  BackOff(const par::Comm& comm, mesh::DistMesh& fine, const par::Pattern& shared, const std::vector<Movable>& movables,
-          bool any_moves)
-      : comm_(comm), fine_(fine), exchange_(comm, shared), movables_(movables), step_(movables.size(), 0) {
-    if (!any_moves) return;
-    movable_of_.assign(at(fine.n_nodes()), -1);
-    for (std::size_t i = 0; i < movables.size(); ++i) {
-      movable_of_[at(movables[i].node)] = static_cast<LocalId>(i);
-      fine.node_position[at(movables[i].node)] = movables[i].target;
+  BackOff(const par::Comm& comm, const NewLevel& level, Positions position, const Movement& movement)
+      : comm_(comm),
+        exchange_(comm, level.shared),
+        level_(level),
+        movables_(movement.nodes),
+        position_(std::move(position)),
+        step_(movables_.size(), 0) {
+    if (!movement.is_on_any_rank) return;
+    movable_of_.assign(level.n_nodes(), -1);
+    for (std::size_t i = 0; i < movables_.size(); ++i) {
+      movable_of_[at(movables_[i].node)] = static_cast<LocalId>(i);
+      position_[at(movables_[i].node)] = movables_[i].target;
     }
   }
 
-  const std::vector<LocalId>& movable_of() const { return movable_of_; }
+  /// How often the way of a movable was halved.
   std::uint8_t step(std::size_t movable) const { return step_[movable]; }
+  Positions take_position() && { return std::move(position_); }
+  geometry::Vec3 point(LocalId node) const { return position_[at(node)]; }
 
   /// One round; true when every rank found its cells positive.
   bool settle(std::span<const LocalId> cells) {
@@ -67,33 +76,30 @@ class BackOff {
     bool all_positive = true;
     std::string trouble;
     for (const auto c : cells) {
-      if (is_positive(fine_, c)) continue;
+      const auto p = level_.points(c, position_);
+      if (geometry::is_positive(p[0], p[1], p[2], p[3])) continue;
       all_positive = false;
       bool can_yield = false;
       if (!movable_of_.empty())
-        for (const auto node : fine_.cell_to_node[at(c)]) {
+        for (const auto node : level_.children.cell_to_node[at(c)]) {
           const auto i = movable_of_[at(node)];
           if (i < 0 || step_[at(i)] >= not_at_all) continue;
           can_yield = true;
           wanted[at(i)] = static_cast<std::uint8_t>(step_[at(i)] + 1);
         }
-      if (!can_yield && trouble.empty()) trouble = describe(fine_, c);
+      if (!can_yield && trouble.empty()) trouble = describe(level_, c);
     }
     if (!comm_.any(!all_positive)) return true;
     par::agree(comm_, [&] {
       if (!trouble.empty()) throw Error(trouble);
     });
-    share(wanted);
-    for (std::size_t i = 0; i < step_.size(); ++i)
-      if (wanted[i] != step_[i]) {
-        step_[i] = wanted[i];
-        fine_.node_position[at(movables_[i].node)] = place(movables_[i], step_[i]);
-      }
+    take_back(max_over_ranks(std::move(wanted)));
     return false;
   }
 
  private:
-  void share(std::vector<std::uint8_t>& wanted) const {
+  /// For each movable the largest of the steps that the ranks want.
+  std::vector<std::uint8_t> max_over_ranks(std::vector<std::uint8_t> wanted) const {
     std::vector<std::uint8_t> mine;
     for (const auto node : exchange_.pattern().item)
       mine.push_back(movable_of_[at(node)] < 0 ? std::uint8_t{0} : wanted[at(movable_of_[at(node)])]);
@@ -102,61 +108,73 @@ class BackOff {
       const auto i = movable_of_[at(exchange_.pattern().item[k])];
       if (i >= 0) wanted[at(i)] = std::max(wanted[at(i)], theirs[k]);
     }
+    return wanted;
+  }
+
+  void take_back(const std::vector<std::uint8_t>& wanted) {
+    for (std::size_t i = 0; i < step_.size(); ++i)
+      if (wanted[i] != step_[i]) {
+        step_[i] = wanted[i];
+        position_[at(movables_[i].node)] = place(movables_[i], step_[i]);
+      }
   }
 
   const par::Comm& comm_;
-  mesh::DistMesh& fine_;
   par::Exchange exchange_;
+  const NewLevel& level_;
   const std::vector<Movable>& movables_;
-  std::vector<std::uint8_t> step_;
-  std::vector<LocalId> movable_of_;
+  Positions position_;
+  std::vector<std::uint8_t> step_;   ///< of each movable
+  std::vector<LocalId> movable_of_;  ///< of each node, -1: none; empty where nothing moves
 };
 
-}  // namespace
-
-std::vector<LocalId> cells_with_moved_nodes(const mesh::DistMesh& fine, const std::vector<Movable>& movables) {
-  std::vector<LocalId> cells;
-  if (movables.empty()) return cells;
-  std::vector<std::uint8_t> moves(at(fine.n_nodes()), 0);
-  for (const auto& m : movables) moves[at(m.node)] = 1;
-  for (LocalId c = 0; c < fine.n_cells(); ++c) {
-    const auto& nodes = fine.cell_to_node[at(c)];
-    if ((moves[at(nodes[0])] | moves[at(nodes[1])] | moves[at(nodes[2])] | moves[at(nodes[3])]) != 0)
-      cells.push_back(c);
-  }
-  return cells;
-}
-
-Certificate certify(const par::Comm& comm, mesh::DistMesh& fine, const par::Pattern& shared,
-                    const geometry::SurfaceSet& surfaces, const std::vector<Movable>& movables, bool any_moves,
-                    const std::vector<LocalId>& moved_cells, std::span<const LocalId> suspects) {
-  BackOff back_off(comm, fine, shared, movables, any_moves);
-  const auto cells = join(moved_cells, suspects);
-  Certificate certificate;
-  while (!back_off.settle(cells)) ++certificate.rounds;
-  if (!any_moves) return certificate;
-
-  std::vector<std::uint8_t> is_mine(at(fine.n_nodes()), 1);  // the lowest rank that holds a node counts it
+/// The lowest rank that holds a node counts it.
+std::vector<std::uint8_t> nodes_to_count(const NewLevel& level, Rank here) {
+  std::vector<std::uint8_t> is_mine(level.n_nodes(), 1);
+  const auto& shared = level.shared;
   for (std::size_t i = 0; i < shared.rank.size(); ++i)
     for (auto k = shared.offset[i]; k < shared.offset[i + 1]; ++k)
-      if (shared.rank[i] < comm.rank()) is_mine[at(shared.item[k])] = 0;
+      if (shared.rank[i] < here) is_mine[at(shared.item[k])] = 0;
+  return is_mine;
+}
+
+/// Collective: one reduction.
+Certificate make_certificate(const par::Comm& comm, const NewLevel& level, const Movement& movement,
+                             const BackOff& back_off, std::size_t n_cells) {
+  Certificate certificate;
+  const auto is_mine = nodes_to_count(level, comm.rank());
   std::int64_t n_off = 0, n_moved = 0;
-  for (std::size_t i = 0; i < movables.size(); ++i) {
-    const auto& m = movables[i];
-    if (!(fine.point(m.node) == m.base)) n_moved += is_mine[at(m.node)];
+  for (std::size_t i = 0; i < movement.nodes.size(); ++i) {
+    const auto& m = movement.nodes[i];
+    const auto point = back_off.point(m.node);
+    if (!(point == m.base)) n_moved += is_mine[at(m.node)];
     if (m.patch[0] < 0 || (back_off.step(i) == 0 && m.is_reachable)) continue;
-    const auto on = surfaces_of_node(fine.info, surfaces, m.patch);
-    certificate.ledger.push_back({m.node, geometry::distance_from_all(on.surface, fine.point(m.node))});
+    const auto on = surfaces_of_node(level.info, level.surfaces, m.patch);
+    certificate.off_surface.push_back({m.node, geometry::distance_from_all(on.surface, point)});
     n_off += is_mine[at(m.node)];
   }
-  std::sort(certificate.ledger.begin(), certificate.ledger.end(),
+  std::sort(certificate.off_surface.begin(), certificate.off_surface.end(),
             [](const OffSurface& a, const OffSurface& b) { return a.node < b.node; });
-  std::array<std::int64_t, 3> sum{n_off, n_moved, static_cast<std::int64_t>(cells.size())};
+  std::array<std::int64_t, 3> sum{n_off, n_moved, static_cast<std::int64_t>(n_cells)};
   comm.sum_in_place(sum);
   certificate.n_off_surface = sum[0];
   certificate.n_moved = sum[1];
   certificate.n_cells_checked = sum[2];
   return certificate;
+}
+
+}  // namespace
+
+Settled certify(const par::Comm& comm, const NewLevel& level, std::vector<geometry::Vec3> position,
+                const Movement& movement) {
+  BackOff back_off(comm, level, std::move(position), movement);
+  const auto cells = join(movement.cells, level.children.suspects);
+  int rounds = 0;
+  while (!back_off.settle(cells)) ++rounds;
+  Certificate certificate;
+  if (movement.is_on_any_rank) certificate = make_certificate(comm, level, movement, back_off, cells.size());
+  certificate.back_off_rounds = rounds;
+  return {std::move(back_off).take_position(), std::move(certificate)};
 }
 
 }  // namespace pamr::refine

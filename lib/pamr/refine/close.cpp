@@ -199,7 +199,7 @@ Closure close(const par::Comm& comm, const mesh::DistMesh& mesh, const mesh::Bor
   }
   for (;;) {
     Propagation propagation(mesh, flags, kept, policy);
-    closure.rounds += settle_all(comm, borders, propagation);
+    closure.report.rounds += settle_all(comm, borders, propagation);
     const auto hit = propagation.hit_families();
     closure.marks = std::move(propagation).take_marks();
     closure.rebuilt.clear();
@@ -213,9 +213,9 @@ Closure close(const par::Comm& comm, const mesh::DistMesh& mesh, const mesh::Bor
                                   count_kept_and_hit(mesh, kept, closure.marks),
                                   static_cast<std::int64_t>(closure.rebuilt.size())};
   comm.sum_in_place(sum);
-  closure.n_marked = sum[0];
-  closure.families_kept = sum[1];
-  closure.families_rebuilt = sum[2];
+  closure.report.n_marked = sum[0];
+  closure.report.families_kept = sum[1];
+  closure.report.families_rebuilt = sum[2];
   assign_array(closure.action, at(mesh.n_cells()), Action::split);
   for (const auto& family : closure.rebuilt) {
     closure.action[at(family.first)] = Action::rebuild;

@@ -3,9 +3,11 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "pamr/base/types.hpp"
+#include "pamr/mesh/dist_mesh.hpp"
 #include "pamr/refine/split_pattern.hpp"
 
 /// The values that flow from `close` to the steps after it.
@@ -28,16 +30,28 @@ struct RebuiltFamily {
   std::array<EdgeMask, max_children> child_marks{};
 };
 
+/// What closing a mesh took; counts over all ranks.
+struct ClosureReport {
+  std::int64_t n_marked = 0;          ///< cells that were flagged
+  std::int64_t families_rebuilt = 0;  ///< closure families taken back to their parent
+  std::int64_t families_kept = 0;     ///< those with marks whose parent cannot be rebuilt
+  int rounds = 0;                     ///< exchanges with the neighbors
+};
+
 /// Legal marks in every cell: the edges that get a new node.
 struct Closure {
   std::vector<EdgeMask> marks;         ///< n_cells: bits of the cell's edges
   std::vector<Action> action;          ///< n_cells
   std::vector<RebuiltFamily> rebuilt;  ///< ascending in `first`
   bool halves_are_paired = false;      ///< of the refined mesh, see `mesh::MeshInfo`
-  int rounds = 0;                      ///< exchanges with the neighbors
-  std::int64_t n_marked = 0;           ///< cells that were flagged, all ranks
-  std::int64_t families_kept = 0;      ///< hit families whose parent cannot be rebuilt, all ranks
-  std::int64_t families_rebuilt = 0;   ///< all ranks
+  ClosureReport report;
 };
+
+/// The number of cells that each old cell becomes; those of a family that is taken back are all counted at its first
+/// member. `n_cells` values. Local.
+std::vector<std::uint8_t> count_children(const Closure& closure);
+
+/// This rank's flagged cells of which the refined mesh holds a part that was not split into eight. Local.
+std::int64_t count_not_split(const mesh::DistMesh& mesh, std::span<const std::uint8_t> flags, const Closure& closure);
 
 }  // namespace pamr::refine

@@ -24,14 +24,11 @@ struct Movable {
   bool is_held = false;             ///< on a sharp edge inside its surface: it may not slide
 };
 
-/// A boundary node that does not lie on its surfaces, and how far it is from them.
-struct OffSurface {
-  LocalId node = invalid_local;
-  double distance = 0;
+/// The nodes of one level that move.
+struct Movement {
+  std::vector<Movable> nodes;
+  std::vector<LocalId> cells;   ///< this rank's cells with such a node, ascending
+  bool is_on_any_rank = false;  ///< some rank has such nodes
 };
-
-/// Name of the nodal field that holds the ledger: distance of each boundary node that could not be put on its surface
-/// without turning a cell over, 0 elsewhere. Absent when there is none.
-inline constexpr const char* ledger_field = "off_surface";
 
 }  // namespace pamr::refine

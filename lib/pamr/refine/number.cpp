@@ -203,15 +203,6 @@ LocalId find_cell(const mesh::DistMesh& mesh, GlobalId global) {
                                                              : invalid_local;
 }
 
-void count_children(const Closure& closure, Counts& counts) {
-  for (std::size_t c = 0; c < closure.marks.size(); ++c)
-    counts.cells[c] = closure.action[c] == Action::split
-                          ? static_cast<std::uint8_t>(split_pattern[at(state_of_mask[closure.marks[c]])].n_children)
-                          : std::uint8_t{0};
-  for (const auto& family : closure.rebuilt)
-    counts.cells[at(family.first)] = static_cast<std::uint8_t>(family.n_children);
-}
-
 /// `offset[i]`: `start` and the counts before entry i, those of lower ranks included. Collective.
 void accumulate(const par::Comm& comm, std::span<const std::uint8_t> counts, GlobalId start,
                 std::vector<GlobalId>& offset) {
@@ -274,8 +265,9 @@ void number_nodes(const par::Comm& comm, const mesh::DistMesh& mesh, const par::
 Numbering number(const par::Comm& comm, const mesh::DistMesh& mesh, const mesh::Borders& borders,
                  const Closure& closure) {
   Numbering numbering;
+  numbering.n_old_nodes = mesh.n_nodes();
   make_rows(closure, numbering);
-  Counts counts{std::vector<std::uint8_t>(closure.marks.size(), 0), std::vector<std::uint8_t>(closure.marks.size(), 0)};
+  Counts counts{std::vector<std::uint8_t>(closure.marks.size(), 0), {}};
 
   NodeMaker maker(mesh, closure, numbering);
   std::vector<LocalId> shared_node;
@@ -288,7 +280,7 @@ Numbering number(const par::Comm& comm, const mesh::DistMesh& mesh, const mesh::
   maker.make_inner(counts);
   std::sort(numbering.boundary.begin(), numbering.boundary.end(),
             [](const BoundaryNode& a, const BoundaryNode& b) { return a.new_node < b.new_node; });
-  count_children(closure, counts);
+  counts.cells = count_children(closure);
   mesh::require_local_size(comm, std::accumulate(counts.cells.begin(), counts.cells.end(), std::int64_t{0}),
                            "refined mesh");
 

@@ -18,8 +18,9 @@ struct BoundaryNode {
   std::array<int, 2> patch{};
 };
 
-/// New nodes and the global numbers of everything new. Local new node i has local id n_nodes + i in the refined mesh.
+/// New nodes and the global numbers of everything new. New node i has local id `n_old_nodes` + i in the refined mesh.
 struct Numbering {
+  LocalId n_old_nodes = 0;                           ///< on this rank
   std::vector<LocalId> row;                          ///< n_cells: row of `edge_to_node`, -1: no marks
   std::vector<std::array<LocalId, 6>> edge_to_node;  ///< local ids of the midpoints of a marked cell's edges
   std::vector<std::array<LocalId, 2>> ends;          ///< per new node: the nodes at the ends of its edge
@@ -32,6 +33,14 @@ struct Numbering {
 
   std::size_t n_new_nodes() const { return ends.size(); }
   LocalId midpoint(LocalId cell, int edge) const { return edge_to_node[at(row[at(cell)])][at(edge)]; }
+};
+
+/// A mesh whose marked edges have new nodes and whose children have numbers: what the steps read that make the refined
+/// mesh of it. Only references.
+struct NumberedMesh {
+  const mesh::DistMesh& mesh;
+  const Closure& closure;
+  const Numbering& numbering;
 };
 
 /// Makes one node on every marked edge and numbers nodes and children so that nothing depends on the partition: old

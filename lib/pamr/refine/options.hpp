@@ -37,9 +37,6 @@ struct Options {
   bool project = true;       ///< put new boundary nodes onto the surfaces of their patches
   bool parent_field = true;  ///< add the integer cell field `parent`: input cell that held the new cell's centroid
   std::string marks_field;   ///< cell field to drop from the result (it held the marks); empty: none
-  /// Integer cell field with the number that each cell had in the input, for `parent`; dropped from the result. Empty:
-  /// the global number.
-  std::string origin_field = {};
 };
 
 }  // namespace pamr::refine

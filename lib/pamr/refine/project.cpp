@@ -31,7 +31,7 @@ void add_patch(PatchList& list, int patch) {
 }
 
 /// Third corners of the two boundary faces at a new node.
-struct Wings {
+struct OppositeVertices {
   std::array<geometry::Vec3, 2> corner{};
   int count = 0;
   void add(geometry::Vec3 p) {
@@ -48,16 +48,17 @@ std::vector<bool> patches_with_creases(const mesh::MeshInfo& info, const geometr
 }
 
 /// For each entry of `numbering.boundary` the faces of the given patches at it, those of all ranks. Collective.
-std::vector<Wings> find_wings(const par::Comm& comm, const mesh::DistMesh& mesh, const mesh::Borders& borders,
-                              const Numbering& numbering, const std::vector<bool>& is_wanted) {
-  std::vector<Wings> wings(numbering.boundary.size());
-  const auto entry_of = [&](LocalId cell, int edge) -> Wings* {
+std::vector<OppositeVertices> find_opposite_vertices(const par::Comm& comm, const mesh::DistMesh& mesh,
+                                                     const mesh::Borders& borders, const Numbering& numbering,
+                                                     const std::vector<bool>& is_wanted) {
+  std::vector<OppositeVertices> opposite(numbering.boundary.size());
+  const auto entry_of = [&](LocalId cell, int edge) -> OppositeVertices* {
     if (numbering.row[at(cell)] < 0 || numbering.midpoint(cell, edge) == invalid_local) return nullptr;
     const LocalId node = numbering.midpoint(cell, edge) - mesh.n_nodes();
     const auto found = std::lower_bound(numbering.boundary.begin(), numbering.boundary.end(), node,
                                         [](const BoundaryNode& b, LocalId n) { return b.new_node < n; });
     if (found == numbering.boundary.end() || found->new_node != node) return nullptr;
-    return &wings[at(found - numbering.boundary.begin())];
+    return &opposite[at(found - numbering.boundary.begin())];
   };
   for (LocalId c = 0; c < mesh.n_cells(); ++c) {
     if (numbering.row[at(c)] < 0) continue;
@@ -71,57 +72,35 @@ std::vector<Wings> find_wings(const par::Comm& comm, const mesh::DistMesh& mesh,
       }
     }
   }
-  std::vector<Wings> mine;
+  std::vector<OppositeVertices> mine;
   const auto of_border = [&](LocalId item) {
     const auto arc = borders.arcs(at(item)).front();
     return entry_of(arc.cell, arc.edge);
   };
   for (const auto item : borders.edges.item) {
     const auto* entry = of_border(item);
-    mine.push_back(entry == nullptr ? Wings{} : *entry);
+    mine.push_back(entry == nullptr ? OppositeVertices{} : *entry);
   }
-  const auto theirs = par::Exchange(comm, borders.edges).swap<Wings>(mine);
+  const auto theirs = par::Exchange(comm, borders.edges).swap<OppositeVertices>(mine);
   for (std::size_t k = 0; k < theirs.size(); ++k)
     if (auto* entry = of_border(borders.edges.item[k]))
       for (int i = 0; i < theirs[k].count; ++i) entry->add(theirs[k].corner[at(i)]);
-  return wings;
+  return opposite;
 }
 
-/// A node of the ledger that is as far from a sharp edge of its surface as the ledger says belongs on that edge.
+/// A node that is as far from a sharp edge of its surface as `off_surface` says belongs on that edge.
 bool is_of_crease(const SurfacesOfNode& on, const PatchList& patch, geometry::Vec3 point, double off) {
   if (patch[1] >= 0 || !on.surface.front()->has_creases()) return false;
   return off >= (1 - 1e-9) * geometry::norm(point - on.surface.front()->project_to_seam(point));
 }
 
-}  // namespace
-
-SurfacesOfNode surfaces_of_node(const mesh::MeshInfo& info, const geometry::SurfaceSet& surfaces,
-                                const PatchList& patch) {
-  SurfacesOfNode on;
-  on.all_tied = true;
-  for (const auto p : patch) {
-    if (p < 0) continue;
-    const auto* surface = surfaces.find(info.patches[at(p)].surface);
-    if (surface == nullptr)
-      on.all_tied = false;
-    else if (std::find(on.surface.begin(), on.surface.end(), surface) == on.surface.end())
-      on.surface.push_back(surface);
-  }
-  on.is_on_seam = patch[1] >= 0 && patch[2] < 0 &&
-                  info.patches[at(patch[0])].surface == info.patches[at(patch[1])].surface && !on.surface.empty();
-  return on;
-}
-
-PatchList patches_of(const BoundaryNode& boundary) {
-  return {boundary.patch[0], boundary.patch[1] == boundary.patch[0] ? -1 : boundary.patch[1], -1, -1};
-}
-
+/// The new nodes, ascending.
 std::vector<Movable> project_new_nodes(const par::Comm& comm, const mesh::DistMesh& mesh, const mesh::Borders& borders,
                                        const Numbering& numbering, const geometry::SurfaceSet& surfaces) {
   const auto has_creases = patches_with_creases(mesh.info, surfaces);
-  std::vector<Wings> wings;
+  std::vector<OppositeVertices> opposite;
   if (std::find(has_creases.begin(), has_creases.end(), true) != has_creases.end())
-    wings = find_wings(comm, mesh, borders, numbering, has_creases);
+    opposite = find_opposite_vertices(comm, mesh, borders, numbering, has_creases);
   std::vector<Movable> movables;
   std::map<std::array<int, 2>, SurfacesOfNode> surfaces_of_pair;
   for (std::size_t i = 0; i < numbering.boundary.size(); ++i) {
@@ -134,9 +113,10 @@ std::vector<Movable> project_new_nodes(const par::Comm& comm, const mesh::DistMe
     const auto [a, b] = numbering.ends[at(boundary.new_node)];
     const LocalId node = mesh.n_nodes() + boundary.new_node;
     const auto base = geometry::midpoint(mesh.point(a), mesh.point(b));
-    if (patch[1] < 0 && !wings.empty() && wings[i].count == 2)  // a sharp edge inside a patch parts no patches
-      if (const auto crease = known->second.surface.front()->crease_between(mesh.point(a), mesh.point(b),
-                                                                            wings[i].corner[0], wings[i].corner[1])) {
+    if (patch[1] < 0 && !opposite.empty() &&
+        opposite[i].count == 2)  // both faces at a sharp edge inside a surface are of one patch
+      if (const auto crease = known->second.surface.front()->crease_between(
+              mesh.point(a), mesh.point(b), opposite[i].corner[0], opposite[i].corner[1])) {
         movables.push_back({node, base, *crease, patch, true, true});
         continue;
       }
@@ -145,11 +125,12 @@ std::vector<Movable> project_new_nodes(const par::Comm& comm, const mesh::DistMe
   return movables;
 }
 
-std::vector<Movable> project_ledger(const par::Comm& comm, const mesh::DistMesh& mesh, const mesh::Borders& borders,
-                                    const geometry::SurfaceSet& surfaces) {
-  const auto* ledger = mesh.find_node_field(ledger_field);
-  if (ledger == nullptr || ledger->holds_integers()) return {};
-  const auto& off = ledger->real();
+/// The old nodes that are off their surfaces, ascending.
+std::vector<Movable> project_off_surface(const par::Comm& comm, const mesh::DistMesh& mesh,
+                                         const mesh::Borders& borders, const geometry::SurfaceSet& surfaces) {
+  const auto* field = mesh.find_node_field(mesh::off_surface_field);
+  if (field == nullptr || field->holds_integers()) return {};
+  const auto& off = field->real();
   std::map<LocalId, PatchList> patches;
   for (LocalId node = 0; node < mesh.n_nodes(); ++node)
     if (off[at(node)] > 0) patches[node].fill(-1);
@@ -183,6 +164,37 @@ std::vector<Movable> project_ledger(const par::Comm& comm, const mesh::DistMesh&
     else
       movables.push_back(aim(node, here, patch, on));
   }
+  return movables;
+}
+
+}  // namespace
+
+SurfacesOfNode surfaces_of_node(const mesh::MeshInfo& info, const geometry::SurfaceSet& surfaces,
+                                const PatchList& patch) {
+  SurfacesOfNode on;
+  on.all_have_surfaces = true;
+  for (const auto p : patch) {
+    if (p < 0) continue;
+    const auto* surface = surfaces.find(info.patches[at(p)].surface);
+    if (surface == nullptr)
+      on.all_have_surfaces = false;
+    else if (std::find(on.surface.begin(), on.surface.end(), surface) == on.surface.end())
+      on.surface.push_back(surface);
+  }
+  on.is_on_seam = patch[1] >= 0 && patch[2] < 0 &&
+                  info.patches[at(patch[0])].surface == info.patches[at(patch[1])].surface && !on.surface.empty();
+  return on;
+}
+
+PatchList patches_of(const BoundaryNode& boundary) {
+  return {boundary.patch[0], boundary.patch[1] == boundary.patch[0] ? -1 : boundary.patch[1], -1, -1};
+}
+
+std::vector<Movable> project(const par::Comm& comm, const mesh::DistMesh& mesh, const mesh::Borders& borders,
+                             const Numbering& numbering, const geometry::SurfaceSet& surfaces) {
+  auto movables = project_off_surface(comm, mesh, borders, surfaces);
+  const auto new_nodes = project_new_nodes(comm, mesh, borders, numbering, surfaces);
+  movables.insert(movables.end(), new_nodes.begin(), new_nodes.end());
   return movables;
 }
 

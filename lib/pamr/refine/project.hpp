@@ -14,8 +14,8 @@ namespace pamr::refine {
 /// What a node on these patches lies on.
 struct SurfacesOfNode {
   std::vector<const geometry::Surface*> surface;  ///< without repeats, in patch order
-  bool is_on_seam = false;  ///< two patches of one surface: their border is a curve of that surface
-  bool all_tied = false;    ///< every one of the patches has a surface
+  bool is_on_seam = false;         ///< two patches of one surface: their border is a curve of that surface
+  bool all_have_surfaces = false;  ///< every one of the patches has a surface
 
   /// The place on them that a node at `point` belongs to. `converged` is false when there is none near by.
   geometry::Projected place(geometry::Vec3 point) const {
@@ -29,18 +29,19 @@ SurfacesOfNode surfaces_of_node(const mesh::MeshInfo& info, const geometry::Surf
 /// Patches at a new node on the boundary.
 PatchList patches_of(const BoundaryNode& boundary);
 
-/// Where the new boundary nodes belong: on the surface of their patch, on the common curve of two. Only edges that lie
-/// in the boundary get such a node; flat surfaces move nothing. Every rank that holds a node computes the same bits.
-/// Ascending in node. Edges along sharp edges inside the surface of their patch (`Surface::crease_between`) get
-/// their node there, held. Collective where a patch has such a surface: one exchange over the border edges, of the
-/// third corners of the boundary faces; else local. Source: the PAMR paper, section 2.1.4.
-std::vector<Movable> project_new_nodes(const par::Comm& comm, const mesh::DistMesh& mesh, const mesh::Borders& borders,
-                                       const Numbering& numbering, const geometry::SurfaceSet& surfaces);
-
-/// The same for old nodes that an earlier refinement had to leave off their surface (nodal field `off_surface` > 0):
-/// they are tried again, those as far from a sharp edge of their only surface as the field says on that edge.
-/// Collective where the mesh has that field: one neighbor exchange of their patches.
-std::vector<Movable> project_ledger(const par::Comm& comm, const mesh::DistMesh& mesh, const mesh::Borders& borders,
-                                    const geometry::SurfaceSet& surfaces);
+/// Where boundary nodes belong.
+/// - New nodes on edges that lie in the boundary: on the surface of their patch, on the common curve of two. Flat
+///   surfaces move nothing. Edges along sharp edges inside the surface of their patch (`Surface::crease_between`) get
+///   their node there, held.
+/// - Old nodes that an earlier refinement had to leave off their surface (nodal field `off_surface` > 0): they are
+/// tried
+///   again, those as far from a sharp edge of their only surface as the field says on that edge.
+///
+/// Every rank that holds a node computes the same bits. Order: old nodes, then new ones, ascending.
+/// Collective: one neighbor exchange of the patches of old nodes if the mesh has the field, and one over the border
+/// edges of the third corners of the boundary faces if a patch has a surface with sharp edges.
+/// Source: the PAMR paper, section 2.1.4.
+std::vector<Movable> project(const par::Comm& comm, const mesh::DistMesh& mesh, const mesh::Borders& borders,
+                             const Numbering& numbering, const geometry::SurfaceSet& surfaces);
 
 }  // namespace pamr::refine

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "pamr/refine/relink.hpp"
 
+#include <utility>
+
 #include "pamr/base/index.hpp"
 #include "pamr/base/memory.hpp"
 #include "pamr/mesh/ring.hpp"
@@ -13,15 +15,12 @@ namespace {
 
 class Linker {
  public:
-  Linker(const mesh::DistMesh& old, const Closure& closure, const Numbering& numbering, const Children& children,
-         mesh::DistMesh& fine)
-      : old_(old), closure_(closure), numbering_(numbering), children_(children), fine_(fine) {}
-
-  void link_all() {
+  Linker(const NumberedMesh& old, const Children& children)
+      : old_(old.mesh), closure_(old.closure), numbering_(old.numbering), children_(children) {
     constexpr mesh::CellNeighbors open{invalid_local, invalid_local, invalid_local, invalid_local};
-    assign_array(fine_.cell_to_cell, fine_.cell_to_node.size(), open);
+    assign_array(link_, children.cell_to_node.size(), open);
     border_.reserve(4 * old_.border_face.size());
-    FamilyLinker families(old_, closure_, numbering_, children_, fine_, border_);
+    FamilyLinker families(old, children, link_, border_);
     std::size_t family = 0;
     for (LocalId c = 0; c < old_.n_cells(); ++c) {
       if (closure_.action[at(c)] == Action::split) link_split(c);
@@ -29,11 +28,13 @@ class Linker {
     }
   }
 
+  /// The links of the children, those over the rank border still open.
+  std::vector<mesh::CellNeighbors> take_links() && { return std::move(link_); }
   /// New faces on the rank border.
   const std::vector<BorderFace>& border() const { return border_; }
 
  private:
-  void set(mesh::CellFace face, LocalId neighbor) { fine_.cell_to_cell[at(face.cell)][at(face.slot)] = neighbor; }
+  void set(mesh::CellFace face, LocalId neighbor) { link_[at(face.cell)][at(face.slot)] = neighbor; }
 
   /// Links the children of one cell: siblings by table, the rest face by face.
   void link_split(LocalId c) {
@@ -42,7 +43,7 @@ class Linker {
     for (int child = 0; child < pattern.n_children; ++child)
       for (int slot = 0; slot < 4; ++slot) {
         const int link = pattern.child_to_child[at(child)][at(slot)];
-        if (link >= 0) fine_.cell_to_cell[at(first + child)][at(slot)] = first + link;
+        if (link >= 0) link_[at(first + child)][at(slot)] = first + link;
       }
     for (int face = 0; face < 4; ++face) link_face(c, face, pattern, first);
   }
@@ -88,17 +89,22 @@ class Linker {
   const Closure& closure_;
   const Numbering& numbering_;
   const Children& children_;
-  mesh::DistMesh& fine_;
+  std::vector<mesh::CellNeighbors> link_;  ///< of each child
   std::vector<BorderFace> border_;
 };
 
 }  // namespace
 
-void relink(const par::Comm& comm, const mesh::DistMesh& old, const Closure& closure, const Numbering& numbering,
-            const Children& children, mesh::DistMesh& fine) {
-  Linker linker(old, closure, numbering, children, fine);
-  linker.link_all();
-  link_border(comm, old, linker.border(), fine);
+Links relink(const par::Comm& comm, const NumberedMesh& old, const Children& children,
+             const std::vector<GlobalId>& node_global) {
+  Linker linker(old, children);
+  Links links;
+  links.border = link_border(comm, old.mesh, linker.border(), children, node_global);
+  links.cell_to_cell = std::move(linker).take_links();
+  const auto n_cells = static_cast<LocalId>(children.cell_to_node.size());
+  for (LocalId k = 0; const auto face : links.border.border_face)
+    links.cell_to_cell[at(face.cell)][at(face.slot)] = n_cells + k++;
+  return links;
 }
 
 }  // namespace pamr::refine

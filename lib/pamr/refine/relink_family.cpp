@@ -73,14 +73,19 @@ constexpr auto face_split = make_face_splits();
 
 }  // namespace
 
-FamilyLinker::FamilyLinker(const mesh::DistMesh& old, const Closure& closure, const Numbering& numbering,
-                           const Children& children, mesh::DistMesh& fine, std::vector<BorderFace>& border)
-    : old_(old), closure_(closure), numbering_(numbering), children_(children), fine_(fine), border_(border) {
-  if (closure.rebuilt.empty()) return;
-  block_to_family_.reserve(at(old.n_cells() >> block_bits) + 1);
+FamilyLinker::FamilyLinker(const NumberedMesh& old, const Children& children, std::vector<mesh::CellNeighbors>& links,
+                           std::vector<BorderFace>& border)
+    : old_(old.mesh),
+      closure_(old.closure),
+      numbering_(old.numbering),
+      children_(children),
+      link_(links),
+      border_(border) {
+  if (closure_.rebuilt.empty()) return;
+  block_to_family_.reserve(at(old_.n_cells() >> block_bits) + 1);
   LocalId family = 0;
-  for (LocalId block = 0; block <= old.n_cells() >> block_bits; ++block) {
-    while (at(family) < closure.rebuilt.size() && closure.rebuilt[at(family)].first >> block_bits < block) ++family;
+  for (LocalId block = 0; block <= old_.n_cells() >> block_bits; ++block) {
+    while (at(family) < closure_.rebuilt.size() && closure_.rebuilt[at(family)].first >> block_bits < block) ++family;
     block_to_family_.push_back(family);
   }
 }
@@ -122,8 +127,8 @@ void FamilyLinker::prefetch_children_behind(LocalId first) const {
   for (auto member = first; member < end; ++member)
     for (const auto slot : old_.cell_to_cell[at(member)]) {
       const auto next = old_.is_own(slot) ? at(slot) : 0;
-      prefetch(fine_.cell_to_cell.data() + numbering_.first_child[next]);
-      prefetch(fine_.cell_to_cell.data() + numbering_.first_child[next + 1] - 1);
+      prefetch(link_.data() + numbering_.first_child[next]);
+      prefetch(link_.data() + numbering_.first_child[next + 1] - 1);
     }
 }
 
@@ -154,7 +159,7 @@ void FamilyLinker::link_siblings(const Parent& parent) {
   for (int c = 0; c < pattern.n_children; ++c) {
     all_are_whole = all_are_whole && parent.child[at(c)]->n_children == 1;
     const auto& sibling = pattern.child_to_child[at(c)];
-    auto& link = fine_.cell_to_cell[at(parent.start[at(c)])];
+    auto& link = link_[at(parent.start[at(c)])];
     for (std::size_t face = 0; face < 4; ++face)
       link[face] = if_inner(sibling[face], parent.start[at(sibling[face] & (max_children - 1))], link[face]);
   }
@@ -169,7 +174,7 @@ void FamilyLinker::link_split_child(const Parent& parent, int c) {
   const auto start = parent.start[at(c)];
   for (int grandchild = 0; grandchild < child.n_children; ++grandchild) {
     const auto& sibling = child.child_to_child[at(grandchild)];
-    auto& link = fine_.cell_to_cell[at(start + grandchild)];
+    auto& link = link_[at(start + grandchild)];
     for (std::size_t slot = 0; slot < 4; ++slot)
       link[slot] = if_inner(sibling[slot], start + sibling[slot], link[slot]);
   }

@@ -20,9 +20,9 @@ namespace pamr::refine {
 /// that are split by their own pattern. Local. Cost: constant for each child.
 class FamilyLinker {
  public:
-  /// `fine.cell_to_cell` has room for all children. Faces on the rank border are added to `border`.
-  FamilyLinker(const mesh::DistMesh& old, const Closure& closure, const Numbering& numbering, const Children& children,
-               mesh::DistMesh& fine, std::vector<BorderFace>& border);
+  /// `links` has room for all children. Faces on the rank border are added to `border`.
+  FamilyLinker(const NumberedMesh& old, const Children& children, std::vector<mesh::CellNeighbors>& links,
+               std::vector<BorderFace>& border);
 
   /// Links the family `closure.rebuilt[i]`; of two families side by side the later one links both. Call for all,
   /// ascending or not.
@@ -65,7 +65,7 @@ class FamilyLinker {
   template <class Visit>
   void for_each_part(const Parent& parent, int face, int place, Visit&& visit) const;
 
-  void set(mesh::CellFace face, LocalId neighbor) { fine_.cell_to_cell[at(face.cell)][at(face.slot)] = neighbor; }
+  void set(mesh::CellFace face, LocalId neighbor) { link_[at(face.cell)][at(face.slot)] = neighbor; }
   void set_both(mesh::CellFace a, mesh::CellFace b) {
     set(a, b.cell);
     set(b, a.cell);
@@ -75,7 +75,7 @@ class FamilyLinker {
   const Closure& closure_;
   const Numbering& numbering_;
   const Children& children_;
-  mesh::DistMesh& fine_;
+  std::vector<mesh::CellNeighbors>& link_;  ///< of each child
   std::vector<BorderFace>& border_;
   std::vector<LocalId> block_to_family_;  ///< of each block of old cells: its first family or one after it
 };

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "pamr/refine/settle.hpp"
 
-#include <algorithm>
+#include <utility>
 
 #include "pamr/base/index.hpp"
 #include "pamr/refine/smooth.hpp"
@@ -9,22 +9,32 @@
 
 namespace pamr::refine {
 
-Certificate settle(const par::Comm& comm, mesh::DistMesh& fine, const par::Pattern& shared,
-                   const geometry::SurfaceSet& surfaces, const Numbering& numbering, LocalId n_old_nodes,
-                   std::vector<Movable> movables, std::span<const LocalId> suspects) {
-  int rounds = 0;
-  std::vector<LocalId> cells;
-  const bool any_moves = comm.any(!movables.empty());
-  if (any_moves) {
-    const double ratio = smooth_displacement(comm, fine, shared, surfaces, numbering, n_old_nodes, movables);
-    for (const auto& m : movables) fine.node_position[at(m.node)] = m.target;
-    cells = cells_with_moved_nodes(fine, movables);
-    rounds = untangle(comm, fine, shared, surfaces, numbering, n_old_nodes, cells, ratio < gentle_ratio, movables);
-    if (rounds > 0) cells = cells_with_moved_nodes(fine, movables);
-  }
-  auto certificate = certify(comm, fine, shared, surfaces, movables, any_moves, cells, suspects);
-  certificate.untangling_rounds = rounds;
-  return certificate;
+namespace {
+
+void move_to_targets(const std::vector<Movable>& movables, std::vector<geometry::Vec3>& position) {
+  for (const auto& m : movables) position[at(m.node)] = m.target;
+}
+
+}  // namespace
+
+Settled settle(const par::Comm& comm, const NewLevel& level, std::vector<geometry::Vec3> position,
+               std::vector<Movable> movables) {
+  Movement movement;
+  movement.is_on_any_rank = comm.any(!movables.empty());
+  if (!movement.is_on_any_rank) return certify(comm, level, std::move(position), movement);
+
+  movement.nodes = std::move(movables);
+  const auto smoothed = smooth_displacement(comm, level, position, movement.nodes);
+  movement.nodes.insert(movement.nodes.end(), smoothed.followers.begin(), smoothed.followers.end());
+  move_to_targets(movement.nodes, position);
+  movement.cells = cells_with_moved_nodes(level, movement.nodes);
+
+  const bool is_gentle = smoothed.max_ratio < gentle_ratio;
+  auto untangled = untangle(comm, level, position, std::move(movement), is_gentle);
+  movement = std::move(untangled.movement);
+  auto settled = certify(comm, level, std::move(position), movement);
+  settled.certificate.untangling_rounds = untangled.rounds;
+  return settled;
 }
 
 }  // namespace pamr::refine

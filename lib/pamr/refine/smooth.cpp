@@ -22,16 +22,17 @@ struct Extent {
   std::vector<LocalId> seeds;  ///< this rank's nodes that neighbors should follow
 };
 
-Extent measure(const par::Comm& comm, const mesh::DistMesh& fine, const Numbering& numbering, LocalId n_old_nodes,
+Extent measure(const par::Comm& comm, const NewLevel& level, const std::vector<Vec3>& position,
                const std::vector<Movable>& movables) {
+  const auto& numbering = level.numbering;
   Extent here;
   for (const auto& m : movables) {
     const double d = geometry::norm(m.target - m.base);
     here.displacement = std::max(here.displacement, d);
-    double ratio = 1;  // nodes of the ledger are to be helped in any case
-    if (m.node >= n_old_nodes) {
-      const auto [a, b] = numbering.ends[at(m.node - n_old_nodes)];
-      ratio = d / geometry::norm(fine.point(a) - fine.point(b));
+    double ratio = 1;  // old nodes off their surface are to be helped in any case
+    if (m.node >= numbering.n_old_nodes) {
+      const auto [a, b] = numbering.ends[at(m.node - numbering.n_old_nodes)];
+      ratio = d / geometry::norm(position[at(a)] - position[at(b)]);
       here.ratio = std::max(here.ratio, ratio);
     }
     if (ratio >= gentle_ratio) here.seeds.push_back(m.node);
@@ -56,13 +57,13 @@ bool any_of(const std::vector<std::uint8_t>& flag, const mesh::CellNodes& nodes)
 }
 
 /// Nodes within `n_layers` cells of a seed.
-std::vector<std::uint8_t> reach(const mesh::DistMesh& fine, const par::Exchange& exchange,
+std::vector<std::uint8_t> reach(const NewLevel& level, const par::Exchange& exchange,
                                 const std::vector<LocalId>& seeds) {
-  std::vector<std::uint8_t> reached(at(fine.n_nodes()), 0);
+  std::vector<std::uint8_t> reached(level.n_nodes(), 0);
   for (const auto node : seeds) reached[at(node)] = 1;
   for (int layer = 0; layer < n_layers; ++layer) {
     auto next = reached;
-    for (const auto& nodes : fine.cell_to_node)
+    for (const auto& nodes : level.children.cell_to_node)
       if (any_of(reached, nodes))
         for (const auto n : nodes) next[at(n)] = 1;
     reached = std::move(next);
@@ -75,17 +76,25 @@ std::vector<std::uint8_t> reach(const mesh::DistMesh& fine, const par::Exchange&
 
 using Fixed = std::array<std::int64_t, 3>;  ///< displacement in fixed point
 
-/// The cells at free nodes, with their nodes numbered among themselves, so that the sweeps stay within little memory.
-struct Region {
-  std::vector<LocalId> number;  ///< of each node of the mesh; -1 outside
-  std::vector<LocalId> node;    ///< of each number
-  std::vector<mesh::CellNodes> cell_to_number;
+/// A node that stays in a plane: its number in the region, and the unit normal.
+struct InPlane {
+  std::size_t number = 0;
+  Vec3 normal;
 };
 
-Region gather(const mesh::DistMesh& fine, const std::vector<std::uint8_t>& is_free) {
+/// The cells at free nodes, with their nodes numbered among themselves, so that the sweeps stay within little memory.
+struct Region {
+  std::vector<LocalId> number;        ///< of each node of the mesh; -1 outside
+  std::vector<LocalId> node;          ///< of each number
+  std::vector<std::uint8_t> is_free;  ///< of each number
+  std::vector<mesh::CellNodes> cell_to_number;
+  std::vector<InPlane> in_plane;  ///< free nodes that stay in a plane
+};
+
+Region gather(const NewLevel& level, const std::vector<std::uint8_t>& is_free) {
   Region region;
-  region.number.assign(at(fine.n_nodes()), -1);
-  for (const auto& nodes : fine.cell_to_node) {
+  region.number.assign(level.n_nodes(), -1);
+  for (const auto& nodes : level.children.cell_to_node) {
     if (!any_of(is_free, nodes)) continue;
     auto& numbers = region.cell_to_number.emplace_back();
     for (std::size_t i = 0; i < 4; ++i) {
@@ -93,6 +102,7 @@ Region gather(const mesh::DistMesh& fine, const std::vector<std::uint8_t>& is_fr
       if (number < 0) {
         number = static_cast<LocalId>(region.node.size());
         region.node.push_back(nodes[i]);
+        region.is_free.push_back(is_free[at(nodes[i])]);
       }
       numbers[i] = number;
     }
@@ -107,12 +117,14 @@ struct SharedFree {
 };
 
 /// Collective: one exchange over all shared nodes.
-SharedFree share_free(const par::Exchange& exchange, const Region& region, const std::vector<std::uint8_t>& is_free,
-                      const std::vector<std::int32_t>& n_terms) {
+SharedFree share_free(const par::Exchange& exchange, const Region& region, const std::vector<std::int32_t>& n_terms) {
   const auto& all = exchange.pattern();
   std::vector<std::int32_t> mine;
   mine.reserve(all.n_slots());
-  for (const auto node : all.item) mine.push_back(is_free[at(node)] != 0 ? n_terms[at(region.number[at(node)])] : -1);
+  for (const auto node : all.item) {
+    const auto number = region.number[at(node)];
+    mine.push_back(number >= 0 && region.is_free[at(number)] != 0 ? n_terms[at(number)] : -1);
+  }
   const auto theirs = exchange.swap<std::int32_t>(mine);
   SharedFree shared;
   for (std::size_t i = 0; i < all.rank.size(); ++i) {
@@ -140,33 +152,18 @@ void sum_neighbors(const Region& region, const std::vector<Fixed>& value, std::v
   }
 }
 
-/// A node that stays in a plane: its number in the region, and the unit normal.
-struct InPlane {
-  std::size_t number = 0;
-  Vec3 normal;
-};
-
-/// New nodes within one patch on a plane may move in it: makes them free.
-std::vector<std::pair<LocalId, const geometry::Surface*>> free_in_planes(const mesh::MeshInfo& info,
-                                                                         const geometry::SurfaceSet& surfaces,
-                                                                         const Numbering& numbering,
-                                                                         LocalId n_old_nodes,
-                                                                         std::vector<std::uint8_t>& is_free) {
+/// The planes that new nodes lie in within one patch.
+std::vector<std::pair<LocalId, const geometry::Surface*>> planes_of_nodes(const NewLevel& level) {
   std::vector<const geometry::Surface*> plane_of_patch;
-  for (const auto& patch : info.patches) {
-    const auto* surface = surfaces.find(patch.surface);
+  for (const auto& patch : level.info.patches) {
+    const auto* surface = level.surfaces.find(patch.surface);
     plane_of_patch.push_back(surface != nullptr && surface->is_flat() ? surface : nullptr);
   }
-  std::vector<std::pair<LocalId, const geometry::Surface*>> in_plane;
-  for (const auto& boundary : numbering.boundary) {
-    const auto node = n_old_nodes + boundary.new_node;
-    const auto* plane = boundary.patch[0] == boundary.patch[1] ? plane_of_patch[at(boundary.patch[0])] : nullptr;
-    if (is_free[at(node)] != 0 && plane != nullptr)
-      in_plane.emplace_back(node, plane);
-    else
-      is_free[at(node)] = 0;
-  }
-  return in_plane;
+  std::vector<std::pair<LocalId, const geometry::Surface*>> planes;
+  for (const auto& boundary : level.numbering.boundary)
+    planes.emplace_back(level.numbering.n_old_nodes + boundary.new_node,
+                        boundary.patch[0] == boundary.patch[1] ? plane_of_patch[at(boundary.patch[0])] : nullptr);
+  return planes;
 }
 
 void stay_in_planes(const std::vector<InPlane>& in_plane, std::vector<Fixed>& value) {
@@ -181,14 +178,13 @@ void stay_in_planes(const std::vector<InPlane>& in_plane, std::vector<Fixed>& va
   }
 }
 
-/// Replaces the values at free nodes by the mean over their neighbors, `n_sweeps` times, all at once each time.
-void sweep(const par::Comm& comm, const par::Exchange& exchange, const Region& region,
-           const std::vector<std::uint8_t>& is_free, const std::vector<InPlane>& in_plane, int n_sweeps,
-           std::vector<Fixed>& value) {
+/// The values after `n_sweeps` times replacing those at free nodes by the mean over their neighbors, all at once.
+std::vector<Fixed> sweep(const par::Comm& comm, const par::Exchange& exchange, const Region& region, int n_sweeps,
+                         std::vector<Fixed> value) {
   std::vector<std::int32_t> n_terms(value.size(), 0);
   for (const auto& numbers : region.cell_to_number)
     for (const auto i : numbers) n_terms[at(i)] += 3;
-  const auto shared = share_free(exchange, region, is_free, n_terms);
+  const auto shared = share_free(exchange, region, n_terms);
   const auto& item = shared.pattern.item;
   for (std::size_t k = 0; k < item.size(); ++k) n_terms[at(item[k])] += shared.n_terms[k];
   std::vector<Fixed> sum(value.size()), mine(item.size());
@@ -199,31 +195,35 @@ void sweep(const par::Comm& comm, const par::Exchange& exchange, const Region& r
     for (std::size_t k = 0; k < item.size(); ++k)
       for (std::size_t d = 0; d < 3; ++d) sum[at(item[k])][d] += theirs[k][d];
     for (std::size_t n = 0; n < value.size(); ++n)
-      if (is_free[at(region.node[n])] != 0)
+      if (region.is_free[n] != 0)
         for (std::size_t k = 0; k < 3; ++k) value[n][k] = sum[n][k] / n_terms[n];
-    stay_in_planes(in_plane, value);
+    stay_in_planes(region.in_plane, value);
   }
+  return value;
 }
 
 }  // namespace
 
-double smooth_displacement(const par::Comm& comm, const mesh::DistMesh& fine, const par::Pattern& shared,
-                           const geometry::SurfaceSet& surfaces, const Numbering& numbering, LocalId n_old_nodes,
-                           std::vector<Movable>& movables) {
-  const auto extent = measure(comm, fine, numbering, n_old_nodes, movables);
+Smoothed smooth_displacement(const par::Comm& comm, const NewLevel& level, const std::vector<geometry::Vec3>& position,
+                             const std::vector<Movable>& movables) {
+  const auto extent = measure(comm, level, position, movables);
+  Smoothed smoothed;
+  smoothed.max_ratio = extent.ratio;
   const int n_sweeps = sweeps_for(extent.ratio);
-  if (n_sweeps == 0) return extent.ratio;
-  const par::Exchange exchange(comm, shared);
+  if (n_sweeps == 0) return smoothed;
+  const par::Exchange exchange(comm, level.shared);
 
-  auto is_free = reach(fine, exchange, extent.seeds);
-  std::fill_n(is_free.begin(), n_old_nodes, std::uint8_t{0});
-  const auto planes = free_in_planes(fine.info, surfaces, numbering, n_old_nodes, is_free);
-  const auto region = gather(fine, is_free);
-  std::vector<InPlane> in_plane;
+  auto is_free = reach(level, exchange, extent.seeds);
+  std::fill_n(is_free.begin(), level.numbering.n_old_nodes, std::uint8_t{0});
+  const auto planes = planes_of_nodes(level);
+  for (const auto& [node, plane] : planes)
+    if (plane == nullptr) is_free[at(node)] = 0;
+  auto region = gather(level, is_free);
   std::vector<const geometry::Surface*> plane_of(region.node.size(), nullptr);
   for (const auto& [node, plane] : planes) {
+    if (is_free[at(node)] == 0) continue;
     const auto number = at(region.number[at(node)]);
-    in_plane.push_back({number, plane->normal(fine.point(node))});
+    region.in_plane.push_back({number, plane->normal(position[at(node)])});
     plane_of[number] = plane;
   }
 
@@ -236,18 +236,18 @@ double smooth_displacement(const par::Comm& comm, const mesh::DistMesh& fine, co
     const Vec3 d = m.target - m.base;
     value[at(number)] = {std::llround(d.x * scale), std::llround(d.y * scale), std::llround(d.z * scale)};
   }
-  sweep(comm, exchange, region, is_free, in_plane, n_sweeps, value);
+  value = sweep(comm, exchange, region, n_sweeps, std::move(value));
   for (std::size_t number = 0; number < value.size(); ++number) {
     const auto node = region.node[number];
     const auto& v = value[number];
-    if (is_free[at(node)] == 0 || v == Fixed{}) continue;
-    const Vec3 base = fine.point(node);
+    if (region.is_free[number] == 0 || v == Fixed{}) continue;
+    const Vec3 base = position[at(node)];
     const Vec3 d{static_cast<double>(v[0]) / scale, static_cast<double>(v[1]) / scale,
                  static_cast<double>(v[2]) / scale};
     const auto target = plane_of[number] == nullptr ? base + d : plane_of[number]->project(base + d);
-    movables.push_back({node, base, target, {-1, -1, -1, -1}, true, false});
+    smoothed.followers.push_back({node, base, target, {-1, -1, -1, -1}, true, false});
   }
-  return extent.ratio;
+  return smoothed;
 }
 
 }  // namespace pamr::refine

@@ -19,14 +19,13 @@ constexpr int max_level = 255;
 
 class Splitter {
  public:
-  Splitter(const mesh::DistMesh& mesh, const Closure& closure, const Numbering& numbering,
-           const std::vector<Vec3>& position)
-      : mesh_(mesh), closure_(closure), numbering_(numbering), position_(position) {
-    const auto n = at(numbering.first_child.back());
+  Splitter(const NumberedMesh& old, const std::vector<Vec3>& position)
+      : mesh_(old.mesh), closure_(old.closure), numbering_(old.numbering), position_(position) {
+    const auto n = at(numbering_.first_child.back());
     reserve_array(children_.cell_to_node, n);
     reserve_array(children_.lineage, n);
     reserve_array(children_.cell_global, n);
-    assign_array(children_.state, at(mesh.n_cells()), std::uint8_t{0});
+    assign_array(children_.state, at(mesh_.n_cells()), std::uint8_t{0});
   }
 
   Children run() && {
@@ -167,10 +166,9 @@ class Splitter {
 
 }  // namespace
 
-Children subdivide(const mesh::DistMesh& mesh, const Closure& closure, const Numbering& numbering,
-                   const std::vector<geometry::Vec3>& node_position) {
-  PAMR_EXPECTS(node_position.size() == at(mesh.n_nodes()) + numbering.n_new_nodes());
-  return Splitter(mesh, closure, numbering, node_position).run();
+Children subdivide(const NumberedMesh& old, const std::vector<geometry::Vec3>& node_position) {
+  PAMR_EXPECTS(node_position.size() == at(old.mesh.n_nodes()) + old.numbering.n_new_nodes());
+  return Splitter(old, node_position).run();
 }
 
 }  // namespace pamr::refine

@@ -21,10 +21,9 @@ struct Children {
 };
 
 /// Splits every cell by its marks, from constant tables; the inner diagonal of 1:8 is chosen on `node_position`, which
-/// holds old and new nodes, the new ones where they are meant to lie. Local, silent. Pre: `numbering` and `closure` of
-/// the same mesh. Order: children of each old cell in template order, old cells ascending.
-Children subdivide(const mesh::DistMesh& mesh, const Closure& closure, const Numbering& numbering,
-                   const std::vector<geometry::Vec3>& node_position);
+/// holds old and new nodes, the new ones where they are meant to lie. Local, silent.
+/// Order: children of each old cell in template order, old cells ascending.
+Children subdivide(const NumberedMesh& old, const std::vector<geometry::Vec3>& node_position);
 
 /// Visits the cells of a rebuilt family in their order: `visit(child, child_state, grandchild)`, where `child` counts
 /// the children of the parent and `grandchild` those of that child's own pattern.

@@ -1,21 +1,33 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <vector>
+
 #include "pamr/mesh/dist_mesh.hpp"
+#include "pamr/mesh/field.hpp"
 #include "pamr/refine/certify.hpp"
-#include "pamr/refine/closure.hpp"
 #include "pamr/refine/number.hpp"
 #include "pamr/refine/options.hpp"
 
 namespace pamr::refine {
 
-/// Carries fields to the children. Nodal fields: old values stay, a new node gets the mean of the ends of its edge
-/// (P1); integers that of the end that comes first by coordinates. Cell fields: a child has its parent's value; the
-/// children of a family that was taken back have the volume-weighted mean of its members (integers: the value of
-/// `parent`). Adds the integer cell field `parent` if the options ask for it: the input cell that holds the new cell's
-/// centroid while new nodes still lie on their edges, the smallest number among equals. Replaces the ledger field.
-/// Drops the fields of marks and of origins. Local. Cost: O(children) for each field.
-void transfer(const mesh::DistMesh& old, const Closure& closure, const Numbering& numbering,
-              const Certificate& certificate, bool has_ledger, const Options& options, mesh::DistMesh& fine);
+/// The fields of the refined mesh.
+struct Fields {
+  std::vector<mesh::NodeField> of_nodes;
+  std::vector<mesh::CellField> of_cells;
+};
+
+/// Gives the fields of the old mesh to the children, whose nodes are `cell_to_node`.
+/// - Nodal fields: old values stay, a new node gets the mean of the ends of its edge (P1); integers that of the end
+///   that comes first by coordinates.
+/// - Cell fields: a child has its parent's value; the children of a family that was taken back have the volume-weighted
+///   mean of its members (integers: the value of `parent`).
+/// - `off_surface` is made anew from the certificate; the field of marks is dropped.
+/// - `parent` is added if the options ask for it: the input cell (`mesh::DistMesh::cell_origin`) that holds the new
+///   cell's centroid while new nodes still lie on their edges, the smallest number among equals.
+///
+/// Local. Cost: O(children) for each field.
+Fields transfer(const NumberedMesh& old, const std::vector<mesh::CellNodes>& cell_to_node,
+                const Certificate& certificate, const Options& options);
 
 }  // namespace pamr::refine

@@ -5,12 +5,14 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "pamr/base/hash.hpp"
 #include "pamr/base/index.hpp"
 #include "pamr/geometry/tet_shape.hpp"
 #include "pamr/mesh/tet.hpp"
 #include "pamr/refine/diagonal.hpp"
+#include "pamr/refine/untangle_region.hpp"
 
 namespace pamr::refine {
 
@@ -18,7 +20,7 @@ namespace {
 
 using geometry::Vec3;
 
-constexpr int n_tries = 8;  ///< places tried round a node in one round
+constexpr int n_tries = 8;  ///< places tried around a node in one round
 constexpr int max_rounds = 400;
 constexpr double first_step = 0.3;  ///< of the longest edge at a node
 constexpr double last_step = 0.01;
@@ -56,14 +58,15 @@ SplitPoints split_points(const std::array<LocalId, 10>& node, const auto& point)
   return p;
 }
 
-/// The rounds of `untangle` on a region. `worst` of a node is the least key of the cells and families at it.
+/// The rounds of `untangle` on a region. `worst` of a node is the smallest key of the cells and families at it.
 class Untangler {
  public:
-  Untangler(const par::Comm& comm, const mesh::DistMesh& fine, const Freedom& freedom, const UntangleRegion& region)
+  Untangler(const par::Comm& comm, const std::vector<Vec3>& position, const Freedom& freedom,
+            const UntangleRegion& region)
       : comm_(comm), exchange_(comm, region.shared), freedom_(freedom), region_(region) {
     const auto n = region.node.size();
     position_.reserve(n);
-    for (const auto node : region.node) position_.push_back(fine.point(node));
+    for (const auto node : region.node) position_.push_back(position[at(node)]);
     home_ = position_;
     for (std::size_t c = 0; c < region.cell.size(); ++c) cell_key_.push_back(key_of_cell(c));
     for (std::size_t f = 0; f < region.family.size(); ++f) family_key_.push_back(key_of_family(f));
@@ -75,10 +78,10 @@ class Untangler {
       minus_size[i] = -longest_edge(i);
       shortest[i] = shortest_edge(i);
     }
-    worst_ = least_over_ranks(worst_here_);
-    size_ = least_over_ranks(minus_size);
+    worst_ = min_over_ranks(worst_here_);
+    size_ = min_over_ranks(minus_size);
     for (auto& size : size_) size = -size;
-    shortest_ = least_over_ranks(std::move(shortest));
+    shortest_ = min_over_ranks(std::move(shortest));
     step_.assign(n, first_step);
     row_.assign(n, -1);
   }
@@ -126,8 +129,8 @@ class Untangler {
     return shortest;
   }
 
-  /// Of each node the least of the values that the ranks have.
-  std::vector<double> least_over_ranks(std::vector<double> value) const {
+  /// The smallest of the values that the ranks have for each node.
+  std::vector<double> min_over_ranks(std::vector<double> value) const {
     std::vector<double> mine;
     for (const auto i : region_.shared.item) mine.push_back(value[at(i)]);
     const auto theirs = exchange_.swap<double>(mine);
@@ -238,7 +241,7 @@ class Untangler {
       if (is_better) move(i, place[n][at(best - worst[n].begin())]);
       step_[i] = is_better ? std::min(first_step, 1.5 * step_[i]) : 0.6 * step_[i];
     }
-    auto now = least_over_ranks(worst_here_);
+    auto now = min_over_ranks(worst_here_);
     for (std::size_t i = 0; i < now.size(); ++i)
       if (row_[i] < 0 && now[i] != worst_[i]) step_[i] = std::max(step_[i], 0.1 * first_step);
     worst_ = std::move(now);
@@ -286,34 +289,41 @@ class Untangler {
   std::vector<LocalId> row_;  ///< per node: its place among those chosen in this round, -1: not chosen
 };
 
-/// Those of the cells that are very poor, and much better when nothing moves.
-std::vector<LocalId> find_spoilt(const mesh::DistMesh& fine, const std::vector<LocalId>& cells,
-                                 const std::vector<Movable>& movables) {
-  std::vector<LocalId> spoilt;
-  for (const auto c : cells)
-    if (untangle_key(fine.points(c)) < very_poor_key) spoilt.push_back(c);
-  if (spoilt.empty()) return spoilt;
-  std::vector<LocalId> movable_of(at(fine.n_nodes()), -1);
+/// For each node of the level its place in `movables`, -1: none.
+std::vector<LocalId> index_by_node(const NewLevel& level, const std::vector<Movable>& movables) {
+  std::vector<LocalId> movable_of(level.n_nodes(), -1);
   for (std::size_t i = 0; i < movables.size(); ++i) movable_of[at(movables[i].node)] = static_cast<LocalId>(i);
+  return movable_of;
+}
+
+/// Those of the moved cells that are very poor, and much better when nothing moves.
+std::vector<LocalId> find_spoilt(const NewLevel& level, const std::vector<Vec3>& position, const Movement& movement) {
+  std::vector<LocalId> spoilt;
+  for (const auto c : movement.cells)
+    if (untangle_key(level.points(c, position)) < very_poor_key) spoilt.push_back(c);
+  if (spoilt.empty()) return spoilt;
+  const auto movable_of = index_by_node(level, movement.nodes);
   std::erase_if(spoilt, [&](LocalId c) {
-    auto p = fine.points(c);
+    auto p = level.points(c, position);
     const double key = untangle_key(p);
     for (std::size_t k = 0; k < 4; ++k)
-      if (const auto i = movable_of[at(fine.cell_to_node[at(c)][k])]; i >= 0) p[k] = movables[at(i)].base;
+      if (const auto i = movable_of[at(level.children.cell_to_node[at(c)][k])]; i >= 0)
+        p[k] = movement.nodes[at(i)].base;
     return key > 0 && key >= 0.5 * untangle_key(p);
   });
   return spoilt;
 }
 
 /// Those of the cells that are poor, and members of families whose parent would be.
-std::vector<LocalId> find_poor(const mesh::DistMesh& fine, const std::vector<LocalId>& cells) {
+std::vector<LocalId> find_poor(const NewLevel& level, const std::vector<Vec3>& position,
+                               const std::vector<LocalId>& cells) {
   std::vector<LocalId> poor;
   for (const auto c : cells)
-    if (untangle_key(fine.points(c)) < poor_key) poor.push_back(c);
-  for (const auto first : families_of(fine, cells)) {
-    const auto parent = split_points(parent_nodes(fine, first), [&](LocalId n) { return fine.point(n); });
+    if (untangle_key(level.points(c, position)) < poor_key) poor.push_back(c);
+  for (const auto first : families_of(level.children, cells)) {
+    const auto parent = split_points(parent_nodes(level.children, first), [&](LocalId n) { return position[at(n)]; });
     if (family_scale * untangle_key(parent) >= poor_key) continue;
-    for (LocalId c = first; c < first + fine.lineage[at(first)].family_size(); ++c) poor.push_back(c);
+    for (LocalId c = first; c < first + level.children.lineage[at(first)].family_size(); ++c) poor.push_back(c);
   }
   return poor;
 }
@@ -338,29 +348,28 @@ double untangle_key(const SplitPoints& parent) {
   return std::min(corners, best);
 }
 
-int untangle(const par::Comm& comm, mesh::DistMesh& fine, const par::Pattern& shared,
-             const geometry::SurfaceSet& surfaces, const Numbering& numbering, LocalId n_old_nodes,
-             const std::vector<LocalId>& cells, bool is_gentle, std::vector<Movable>& movables) {
-  const auto poor = is_gentle ? find_spoilt(fine, cells, movables) : find_poor(fine, cells);
-  if (!comm.any(!poor.empty())) return 0;
-  const auto freedom = free_nodes(fine.info, surfaces, numbering, n_old_nodes, movables);
-  const auto region = gather_region(comm, fine, shared, freedom, poor, 2);
-  Untangler untangler(comm, fine, freedom, region);
+Untangled untangle(const par::Comm& comm, const NewLevel& level, const std::vector<Vec3>& position, Movement movement,
+                   bool is_gentle) {
+  const auto poor = is_gentle ? find_spoilt(level, position, movement) : find_poor(level, position, movement.cells);
+  if (!comm.any(!poor.empty())) return {std::move(movement), 0};
+  const auto freedom = free_nodes(level, movement.nodes);
+  const auto region = gather_region(comm, level, freedom, poor, 2);
+  Untangler untangler(comm, position, freedom, region);
   const int rounds = untangler.run();
+  if (rounds == 0) return {std::move(movement), 0};
 
-  std::vector<LocalId> movable_of(at(fine.n_nodes()), -1);
-  for (std::size_t i = 0; i < movables.size(); ++i) movable_of[at(movables[i].node)] = static_cast<LocalId>(i);
+  const auto movable_of = index_by_node(level, movement.nodes);
   for (std::size_t i = 0; i < region.node.size(); ++i) {
     const auto node = region.node[i];
-    const auto p = untangler.position(i);
-    if (region.may_move[i] == 0 || p == fine.point(node)) continue;
+    const auto before = position[at(node)], now = untangler.position(i);
+    if (region.may_move[i] == 0 || now == before) continue;
     if (movable_of[at(node)] >= 0)
-      movables[at(movable_of[at(node)])].target = p;
+      movement.nodes[at(movable_of[at(node)])].target = now;
     else
-      movables.push_back({node, fine.point(node), p, {-1, -1, -1, -1}, true, false});
-    fine.node_position[at(node)] = p;
+      movement.nodes.push_back({node, before, now, {-1, -1, -1, -1}, true, false});
   }
-  return rounds;
+  movement.cells = cells_with_moved_nodes(level, movement.nodes);
+  return {std::move(movement), rounds};
 }
 
 }  // namespace pamr::refine

@@ -12,12 +12,13 @@ namespace pamr::refine {
 namespace {
 
 /// Nodes that may move within `n_layers` cells of the given cells.
-std::vector<std::uint8_t> reach(const par::Comm& comm, const mesh::DistMesh& fine, const par::Pattern& shared,
-                                const std::vector<LocalId>& cells, int n_layers) {
+std::vector<std::uint8_t> reach(const par::Comm& comm, const NewLevel& level, const std::vector<LocalId>& cells,
+                                int n_layers) {
+  const auto& shared = level.shared;
   const par::Exchange exchange(comm, shared);
-  std::vector<std::uint8_t> reached(at(fine.n_nodes()), 0), mine(shared.n_slots());
+  std::vector<std::uint8_t> reached(level.n_nodes(), 0), mine(shared.n_slots());
   for (const auto c : cells)
-    for (const auto node : fine.cell_to_node[at(c)]) reached[at(node)] = 1;
+    for (const auto node : level.children.cell_to_node[at(c)]) reached[at(node)] = 1;
   for (int layer = 0; layer < n_layers; ++layer) {
     for (std::size_t k = 0; k < mine.size(); ++k) mine[k] = reached[at(shared.item[k])];
     const auto theirs = exchange.swap<std::uint8_t>(mine);
@@ -25,7 +26,7 @@ std::vector<std::uint8_t> reach(const par::Comm& comm, const mesh::DistMesh& fin
       reached[at(shared.item[k])] = static_cast<std::uint8_t>(reached[at(shared.item[k])] | theirs[k]);
     if (layer + 1 == n_layers) break;
     auto next = reached;
-    for (const auto& nodes : fine.cell_to_node)
+    for (const auto& nodes : level.children.cell_to_node)
       if (std::any_of(nodes.begin(), nodes.end(), [&](LocalId n) { return reached[at(n)] != 0; }))
         for (const auto n : nodes) next[at(n)] = 1;
     reached = std::move(next);
@@ -47,9 +48,9 @@ par::Pattern restrict(const par::Pattern& whole, const std::vector<LocalId>& num
   return part;
 }
 
-/// For each of `n` nodes the rows that it occurs in; negative entries are none.
+/// The rows in which each of `n` nodes occurs; negative entries are none.
 template <class Row>
-RowsOfNode turn_round(const std::vector<Row>& rows, std::size_t n) {
+RowsOfNode rows_of_nodes(const std::vector<Row>& rows, std::size_t n) {
   RowsOfNode result;
   result.begin.assign(n + 1, 0);
   for (const auto& row : rows)
@@ -66,35 +67,35 @@ RowsOfNode turn_round(const std::vector<Row>& rows, std::size_t n) {
 
 }  // namespace
 
-Freedom free_nodes(const mesh::MeshInfo& info, const geometry::SurfaceSet& surfaces, const Numbering& numbering,
-                   LocalId n_old_nodes, const std::vector<Movable>& movables) {
+Freedom free_nodes(const NewLevel& level, const std::vector<Movable>& movables) {
+  const auto n_old_nodes = level.numbering.n_old_nodes;
   Freedom freedom;
-  freedom.of_node.assign(at(n_old_nodes) + numbering.n_new_nodes(), Freedom::inner);
+  freedom.of_node.assign(level.n_nodes(), Freedom::inner);
   std::fill_n(freedom.of_node.begin(), n_old_nodes, Freedom::fixed);
   std::map<PatchList, std::int32_t> rows;
   const auto row_of = [&](const PatchList& patch) {
     const auto known = rows.find(patch);
     if (known != rows.end()) return known->second;
     std::int32_t row = Freedom::fixed;
-    auto on = surfaces_of_node(info, surfaces, patch);
-    if (on.all_tied && !on.is_on_seam) {
+    auto on = surfaces_of_node(level.info, level.surfaces, patch);
+    if (on.all_have_surfaces && !on.is_on_seam) {
       row = static_cast<std::int32_t>(freedom.on.size());
       freedom.on.push_back(std::move(on));
     }
     rows.emplace(patch, row);
     return row;
   };
-  for (const auto& boundary : numbering.boundary)
+  for (const auto& boundary : level.numbering.boundary)
     freedom.of_node[at(n_old_nodes + boundary.new_node)] = row_of(patches_of(boundary));
   for (const auto& m : movables)
     if (m.patch[0] >= 0) freedom.of_node[at(m.node)] = m.is_reachable && !m.is_held ? row_of(m.patch) : Freedom::fixed;
   return freedom;
 }
 
-std::vector<LocalId> families_of(const mesh::DistMesh& fine, const std::vector<LocalId>& cells) {
+std::vector<LocalId> families_of(const Children& children, const std::vector<LocalId>& cells) {
   std::vector<LocalId> families;
   for (const auto c : cells) {
-    const auto lineage = fine.lineage[at(c)];
+    const auto lineage = children.lineage[at(c)];
     if (!lineage.is_removable()) continue;
     const auto first = c - lineage.child();
     if (families.empty() || families.back() != first) families.push_back(first);
@@ -102,24 +103,24 @@ std::vector<LocalId> families_of(const mesh::DistMesh& fine, const std::vector<L
   return families;
 }
 
-std::array<LocalId, 10> parent_nodes(const mesh::DistMesh& fine, LocalId first) {
+std::array<LocalId, 10> parent_nodes(const Children& children, LocalId first) {
   std::array<LocalId, 10> nodes{};
   nodes.fill(-1);
-  const auto& pattern = split_pattern[at(state_of_family(fine.lineage[at(first)]))];
+  const auto& pattern = split_pattern[at(state_of_family(children.lineage[at(first)]))];
   for (int child = 0; child < pattern.n_children; ++child)
     for (std::size_t slot = 0; slot < 4; ++slot)
-      nodes[at(pattern.child_to_node[at(child)][slot])] = fine.cell_to_node[at(first + child)][slot];
+      nodes[at(pattern.child_to_node[at(child)][slot])] = children.cell_to_node[at(first + child)][slot];
   return nodes;
 }
 
-UntangleRegion gather_region(const par::Comm& comm, const mesh::DistMesh& fine, const par::Pattern& shared,
-                             const Freedom& freedom, const std::vector<LocalId>& cells, int n_layers) {
-  auto may_move = reach(comm, fine, shared, cells, n_layers);
+UntangleRegion gather_region(const par::Comm& comm, const NewLevel& level, const Freedom& freedom,
+                             const std::vector<LocalId>& cells, int n_layers) {
+  auto may_move = reach(comm, level, cells, n_layers);
   for (std::size_t n = 0; n < may_move.size(); ++n)
     if (freedom.of_node[n] == Freedom::fixed) may_move[n] = 0;
 
   UntangleRegion region;
-  std::vector<LocalId> number(at(fine.n_nodes()), -1);
+  std::vector<LocalId> number(level.n_nodes(), -1);
   const auto number_of = [&](LocalId node) {
     if (number[at(node)] < 0) {
       number[at(node)] = static_cast<LocalId>(region.node.size());
@@ -129,20 +130,20 @@ UntangleRegion gather_region(const par::Comm& comm, const mesh::DistMesh& fine, 
     return number[at(node)];
   };
   std::vector<LocalId> cells_here;
-  for (LocalId c = 0; c < fine.n_cells(); ++c) {
-    const auto& nodes = fine.cell_to_node[at(c)];
+  for (LocalId c = 0; c < level.n_cells(); ++c) {
+    const auto& nodes = level.children.cell_to_node[at(c)];
     if (std::none_of(nodes.begin(), nodes.end(), [&](LocalId n) { return may_move[at(n)] != 0; })) continue;
     cells_here.push_back(c);
     region.cell.push_back({number_of(nodes[0]), number_of(nodes[1]), number_of(nodes[2]), number_of(nodes[3])});
   }
-  for (const auto first : families_of(fine, cells_here)) {
-    region.family.push_back(parent_nodes(fine, first));
+  for (const auto first : families_of(level.children, cells_here)) {
+    region.family.push_back(parent_nodes(level.children, first));
     for (auto& node : region.family.back())
       if (node >= 0) node = number_of(node);
   }
-  region.cells_of_node = turn_round(region.cell, region.node.size());
-  region.families_of_node = turn_round(region.family, region.node.size());
-  region.shared = restrict(shared, number, may_move);
+  region.cells_of_node = rows_of_nodes(region.cell, region.node.size());
+  region.families_of_node = rows_of_nodes(region.family, region.node.size());
+  region.shared = restrict(level.shared, number, may_move);
   return region;
 }
 

@@ -6,12 +6,12 @@
 #include <span>
 #include <vector>
 
-#include "pamr/geometry/surface.hpp"
 #include "pamr/mesh/dist_mesh.hpp"
 #include "pamr/par/exchange.hpp"
 #include "pamr/refine/movable.hpp"
-#include "pamr/refine/number.hpp"
+#include "pamr/refine/new_level.hpp"
 #include "pamr/refine/project.hpp"
+#include "pamr/refine/subdivide.hpp"
 
 namespace pamr::refine {
 
@@ -19,16 +19,15 @@ namespace pamr::refine {
 struct Freedom {
   static constexpr std::int32_t fixed = -2, inner = -1;
 
-  /// Per node of the refined mesh: `fixed` (old nodes, nodes of patches without surface, on seams and on
-  /// sharp edges inside a surface), `inner` (anywhere), or the
-  /// row of `on` with the surfaces that the node stays on.
+  /// Per node of the refined mesh: `fixed` (old nodes, nodes of patches without surface, on seams and on sharp edges
+  /// inside a surface), `inner` (anywhere), or the row of `on` with the surfaces that the node stays on.
   std::vector<std::int32_t> of_node;
   std::vector<SurfacesOfNode> on;
 };
 
-/// New nodes are free: inside, or along the surfaces of their patches. So are old ones in `movables` (the ledger).
-Freedom free_nodes(const mesh::MeshInfo& info, const geometry::SurfaceSet& surfaces, const Numbering& numbering,
-                   LocalId n_old_nodes, const std::vector<Movable>& movables);
+/// New nodes are free: inside, or along the surfaces of their patches. So are the old ones in `movables`, which were
+/// off their surfaces.
+Freedom free_nodes(const NewLevel& level, const std::vector<Movable>& movables);
 
 /// Rows of a table in which each node finds the things it belongs to.
 struct RowsOfNode {
@@ -50,13 +49,13 @@ struct UntangleRegion {
 };
 
 /// First cells of the closure families of the given cells, which ascend.
-std::vector<LocalId> families_of(const mesh::DistMesh& fine, const std::vector<LocalId>& cells);
+std::vector<LocalId> families_of(const Children& children, const std::vector<LocalId>& cells);
 
 /// Nodes of the parent of a closure family of the refined mesh, by code; -1: not there.
-std::array<LocalId, 10> parent_nodes(const mesh::DistMesh& fine, LocalId first);
+std::array<LocalId, 10> parent_nodes(const Children& children, LocalId first);
 
 /// The region within `n_layers` cells of the given cells, over all ranks. Collective: one exchange a layer.
-UntangleRegion gather_region(const par::Comm& comm, const mesh::DistMesh& fine, const par::Pattern& shared,
-                             const Freedom& freedom, const std::vector<LocalId>& cells, int n_layers);
+UntangleRegion gather_region(const par::Comm& comm, const NewLevel& level, const Freedom& freedom,
+                             const std::vector<LocalId>& cells, int n_layers);
 
 }  // namespace pamr::refine

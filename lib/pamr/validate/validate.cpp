@@ -64,7 +64,8 @@ void check_structure(const mesh::DistMesh& mesh, Rank rank, Rank size, Findings&
   check_fields(mesh.cell_fields, n_cells, findings);
   check_fields(mesh.node_fields, n_nodes, findings);
   if (mesh.cell_to_cell.size() != n_cells || mesh.cell_global.size() != n_cells || mesh.lineage.size() != n_cells ||
-      mesh.node_global.size() != n_nodes || !border_fits(mesh, rank, size))
+      (!mesh.cell_origin.empty() && mesh.cell_origin.size() != n_cells) || mesh.node_global.size() != n_nodes ||
+      !border_fits(mesh, rank, size))
     findings.add(Invariant::ids_in_range, -1);
   else
     check_ids(mesh, findings);

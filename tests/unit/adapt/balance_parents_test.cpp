@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "pamr/adapt/adapt.hpp"
+#include "pamr/adapt/forecast.hpp"
 #include "pamr/assemble/kuhn_cube.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/base/hash.hpp"
@@ -84,7 +85,7 @@ TEST_P(EveryPolicy, PredictsEachCellsChildrenExactly) {
   for (std::uint64_t level = 0; level < 3; ++level) {
     const auto flags = random_flags(mesh, level);
     const refine::Options options{.quality_control = GetParam(), .marks_field = ""};
-    const auto children = adapt::predict_children(comm, mesh, flags, options);
+    const auto children = adapt::Forecaster(comm, mesh, options).forecast(flags).children;
     auto result = adapt::refine(comm, mesh, flags, options);
 
     std::int64_t here = 0;

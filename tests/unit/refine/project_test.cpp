@@ -59,7 +59,7 @@ void expect_conforming(const mesh::BlockMesh& whole) {
 /// ledger to be listed with a distance. A face may lie on another rank than the nodes it shares.
 void expect_honest_ledger(const mesh::DistMesh& mesh, GlobalId n_level_0) {
   const auto surfaces = geometry::surfaces_from_toml(mesh.info.surfaces_toml, "test");
-  const auto* ledger = mesh.find_node_field(refine::ledger_field);
+  const auto* ledger = mesh.find_node_field(mesh::off_surface_field);
   for (LocalId c = 0; c < mesh.n_cells(); ++c)
     for (int f = 0; f < 4; ++f) {
       const auto slot = mesh.cell_to_cell[static_cast<std::size_t>(c)][static_cast<std::size_t>(f)];
@@ -86,9 +86,9 @@ TEST(Projection, PutsEveryNewNodeOfAGentleDomeOnIt) {
       auto result = adapt::refine(comm, mesh, near_dome(mesh, 0.15), {.marks_field = ""});
       mesh = std::move(result.mesh);
       expect_all_positive(mesh);
-      EXPECT_EQ(result.report.off_surface_nodes, 0);
+      EXPECT_EQ(result.report.certificate.n_off_surface, 0);
       expect_honest_ledger(mesh, n_level_0);
-      EXPECT_EQ(mesh.find_node_field(refine::ledger_field), nullptr);
+      EXPECT_EQ(mesh.find_node_field(mesh::off_surface_field), nullptr);
     }
     expect_conforming(test::gather(comm, mesh));
   }
@@ -107,8 +107,9 @@ TEST(Projection, NeverTurnsACellOverAndListsWhatItLeavesOff) {
         expect_all_positive(mesh);
         expect_honest_ledger(mesh, n_level_0);
         EXPECT_EQ(result.report.marked_not_split, 0);
-        EXPECT_EQ(result.report.off_surface_nodes > 0, mesh.find_node_field(refine::ledger_field) != nullptr);
-        saw_ledger = saw_ledger || result.report.off_surface_nodes > 0;
+        EXPECT_EQ(result.report.certificate.n_off_surface > 0,
+                  mesh.find_node_field(mesh::off_surface_field) != nullptr);
+        saw_ledger = saw_ledger || result.report.certificate.n_off_surface > 0;
       }
       expect_conforming(test::gather(comm, mesh));
     }
@@ -126,8 +127,8 @@ TEST(Projection, GivesTheSameBitsForAnyDistribution) {
       for (int level = 0; level < 3; ++level) {
         auto a = adapt::refine(comm, spread, near_dome(spread, 0.25), {.marks_field = ""});
         auto b = adapt::refine(self, serial, near_dome(serial, 0.25), {.marks_field = ""});
-        kept += a.report.families_kept;
-        kept_serial += b.report.families_kept;
+        kept += a.report.closure.families_kept;
+        kept_serial += b.report.closure.families_kept;
         spread = std::move(a.mesh);
         serial = std::move(b.mesh);
       }
@@ -208,10 +209,10 @@ TEST(Families, AreKeptWhereTheirParentCannotBeRebuiltAndTheMeshStaysConforming) 
       };
       auto a = adapt::refine(comm, spread, flag(spread), {.marks_field = ""});
       auto b = adapt::refine(self, serial, flag(serial), {.marks_field = ""});
-      EXPECT_EQ(a.report.families_kept, b.report.families_kept);
+      EXPECT_EQ(a.report.closure.families_kept, b.report.closure.families_kept);
       EXPECT_EQ(a.report.marked_not_split, 0);
-      kept += a.report.families_kept;
-      rebuilt += a.report.families_rebuilt;
+      kept += a.report.closure.families_kept;
+      rebuilt += a.report.closure.families_rebuilt;
       spread = std::move(a.mesh);
       serial = std::move(b.mesh);
       expect_all_positive(spread);

@@ -256,7 +256,7 @@ void expect_on_sphere(const Level& level, const std::string& surface, Vec3 cente
     n_off += listed > 0 ? 1 : 0;
     ASSERT_NEAR(distance, listed, 1e-12 * 2 * radius) << "node " << node;
   }
-  ASSERT_EQ(level.report.off_surface_nodes, n_off);
+  ASSERT_EQ(level.report.certificate.n_off_surface, n_off);
   n_nodes += nodes.size();
 }
 

@@ -6,6 +6,7 @@
 #include <random>
 
 #include "pamr/adapt/adapt.hpp"
+#include "pamr/adapt/forecast.hpp"
 #include "pamr/assemble/kuhn_cube.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/base/hash.hpp"
@@ -157,10 +158,12 @@ TEST_P(EveryPolicy, PredictsItsSizeExactly) {
   auto mesh = assemble::assemble(comm, test::random_mesh(comm, 4, 3));
   for (int level = 0; level < 3; ++level) {
     const auto flags = mark(mesh, Law::random, 3);
-    const auto forecast = adapt::dry_run(comm, mesh, flags, {.quality_control = GetParam(), .marks_field = ""});
-    const auto result = adapt::refine(comm, mesh, flags, {.quality_control = GetParam(), .marks_field = ""});
+    const refine::Options options{.quality_control = GetParam(), .marks_field = ""};
+    const adapt::Forecaster forecaster(comm, mesh, options);
+    const auto forecast = forecaster.forecast(flags);
+    const auto result = adapt::refine(comm, mesh, flags, options);
     EXPECT_EQ(forecast.cells, result.report.cells_out);
-    EXPECT_EQ(forecast.nodes, result.report.nodes_out);
+    EXPECT_EQ(forecaster.nodes(forecast), result.report.nodes_out);
     EXPECT_EQ(forecast.cells_on_this_rank, result.mesh.n_cells());
     mesh = result.mesh;
   }
@@ -185,7 +188,7 @@ TEST(Removable, NeverSplitsAClosureCell) {
   const auto run = refine_levels(comm, assemble::assemble(comm, test::random_mesh(comm, 6, 3)), Law::random,
                                  QualityControl::removable, 4);
   for (const auto lineage : run.mesh.lineage) EXPECT_FALSE(lineage.is_broken());
-  EXPECT_GT(run.reports.back().families_rebuilt, 0);
+  EXPECT_GT(run.reports.back().closure.families_rebuilt, 0);
 }
 
 TEST(Removable, GivesTheSameWhetherHalvesAreKnownToBePairedOrNot) {

@@ -120,8 +120,8 @@ void expect_same(const mesh::BlockMesh& found, const test::ReferenceRefinement& 
 void expect_same_counts(const adapt::Report& report, const test::ReferenceRefinement& expected) {
   EXPECT_EQ(report.cells_out, expected.mesh.info.n_global_cells);
   EXPECT_EQ(report.nodes_out, expected.mesh.info.n_global_nodes);
-  EXPECT_EQ(report.families_rebuilt, expected.families_rebuilt);
-  EXPECT_EQ(report.families_kept, expected.families_kept);
+  EXPECT_EQ(report.closure.families_rebuilt, expected.families_rebuilt);
+  EXPECT_EQ(report.closure.families_kept, expected.families_kept);
 }
 
 /// Refines one level on `comm` and compares on rank `root`, the only one that needs `expected.result`.

@@ -67,10 +67,10 @@ TEST(Untangling, BringsEveryNodeOfABallKnownByEightCornersOntoItOnAnyRanks) {
   for (int level = 0; level < 3; ++level) {
     auto a = adapt::refine(comm, spread, at_ball(spread), {.marks_field = ""});
     auto b = adapt::refine(self, serial, at_ball(serial), {.marks_field = ""});
-    EXPECT_EQ(a.report.off_surface_nodes, 0);
+    EXPECT_EQ(a.report.certificate.n_off_surface, 0);
     EXPECT_EQ(a.report.marked_not_split, 0);
-    EXPECT_EQ(a.report.untangling_rounds, b.report.untangling_rounds);
-    rounds += a.report.untangling_rounds;
+    EXPECT_EQ(a.report.certificate.untangling_rounds, b.report.certificate.untangling_rounds);
+    rounds += a.report.certificate.untangling_rounds;
     spread = std::move(a.mesh);
     serial = std::move(b.mesh);
   }

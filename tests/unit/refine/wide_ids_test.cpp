@@ -114,9 +114,9 @@ TEST_P(WideIds, PassThroughThreeLevelsAndTheFileUnharmed) {
     n_moved += of_moved.report.balance.moved_cells;
     plain = std::move(of_plain.mesh);
     moved = std::move(of_moved.mesh);
-    EXPECT_EQ(of_moved.report.families_rebuilt, of_plain.report.families_rebuilt);
+    EXPECT_EQ(of_moved.report.closure.families_rebuilt, of_plain.report.closure.families_rebuilt);
     EXPECT_EQ(of_moved.report.marked_not_split, 0);
-    n_off_surface += of_moved.report.off_surface_nodes;
+    n_off_surface += of_moved.report.certificate.n_off_surface;
     EXPECT_EQ(moved.info.first_id, wide);
     EXPECT_EQ(comm.min(moved.cell_global.empty() ? 2 * wide : moved.cell_global.front()), wide);
     EXPECT_EQ(comm.max(moved.cell_global.empty() ? 0 : moved.cell_global.back()), wide + moved.info.n_global_cells - 1);

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "pamr/adapt/flags.hpp"
+
+#include <fmt/format.h>
+
+#include "pamr/base/error.hpp"
+#include "pamr/base/index.hpp"
+
+namespace pamr::adapt {
+
+std::vector<std::uint8_t> flags_from_field(const par::Comm& comm, const mesh::DistMesh& mesh, const std::string& name) {
+  std::vector<std::uint8_t> flags(at(mesh.n_cells()));
+  par::agree(comm, [&] {
+    const auto* field = mesh.find_cell_field(name);
+    if (field == nullptr) throw Error(fmt::format("marks: expected a cell field '{}', found none of that name", name));
+    if (!field->holds_integers() || field->n_components != 1)
+      throw Error(fmt::format("marks: expected an integer field of one component, found cell field '{}' of {}", name,
+                              field->holds_integers() ? fmt::format("{} components", field->n_components) : "reals"));
+    const auto& value = field->integer();
+    for (std::size_t c = 0; c < flags.size(); ++c) {
+      if (value[c] != 0 && value[c] != 1)
+        throw Error(fmt::format("marks: expected 0 (keep) or 1 (split), found {} in cell field '{}' at cell {}",
+                                value[c], name, mesh.cell_global[c]));
+      flags[c] = static_cast<std::uint8_t>(value[c]);
+    }
+  });
+  return flags;
+}
+
+void require_flags(const par::Comm& comm, const mesh::DistMesh& mesh, std::span<const std::uint8_t> flags) {
+  par::agree(comm, [&] {
+    if (flags.size() != at(mesh.n_cells()))
+      throw Error(fmt::format("refine: expected one flag for each of the {} cells of rank {}, found {}", mesh.n_cells(),
+                              comm.rank(), flags.size()));
+  });
+}
+
+}  // namespace pamr::adapt

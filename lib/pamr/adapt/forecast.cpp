@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "pamr/adapt/forecast.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+#include "pamr/adapt/flags.hpp"
+#include "pamr/base/error.hpp"
+#include "pamr/base/index.hpp"
+#include "pamr/geometry/surface.hpp"
+#include "pamr/refine/close.hpp"
+#include "pamr/refine/number.hpp"
+#include "pamr/refine/split_pattern.hpp"
+
+namespace pamr::adapt {
+
+namespace {
+
+/// For each patch whether new nodes on it will be moved: not if its surface is flat, missing or unknown.
+std::vector<bool> curved_patches(const mesh::DistMesh& mesh, const refine::Options& options) {
+  std::vector<bool> is_curved(mesh.info.patches.size(), false);
+  if (!options.project) return is_curved;
+  try {
+    const auto surfaces = geometry::surfaces_from_toml(mesh.info.surfaces_toml, "", mesh.info.triangulations);
+    for (std::size_t p = 0; p < is_curved.size(); ++p)
+      if (const auto* surface = surfaces.find(mesh.info.patches[p].surface)) is_curved[p] = !surface->is_flat();
+  } catch (const Error&) {  // a forecast needs no surfaces; the refinement itself will refuse these
+  }
+  return is_curved;
+}
+
+}  // namespace
+
+Forecaster::Forecaster(const par::Comm& comm, const mesh::DistMesh& mesh, const refine::Options& options)
+    : comm_(&comm),
+      mesh_(&mesh),
+      options_(options),
+      borders_(mesh::find_borders(comm, mesh)),
+      is_curved_(curved_patches(mesh, options)) {}
+
+Forecast Forecaster::forecast(std::span<const std::uint8_t> flags) const {
+  require_flags(*comm_, *mesh_, flags);
+  Forecast forecast;
+  forecast.closure = refine::close(*comm_, *mesh_, borders_, flags, options_.quality_control);
+  forecast.children = refine::count_children(forecast.closure);
+  forecast.cells_on_this_rank = std::accumulate(forecast.children.begin(), forecast.children.end(), std::int64_t{0});
+  forecast.cells = comm_->sum(forecast.cells_on_this_rank);
+  return forecast;
+}
+
+std::int64_t Forecaster::nodes(const Forecast& forecast) const {
+  return refine::number(*comm_, *mesh_, borders_, forecast.closure).n_global_nodes;
+}
+
+/// The number of children, two more where a cell is closed (its edges are walked for few children), and five quarters
+/// more at a curved wall, where nodes are moved and what moves with them is smoothed and checked.
+/// Source: processor times of 64 ranks of tests/bench/scaling.sh, fitted.
+std::vector<std::uint8_t> Forecaster::work(const Forecast& forecast) const {
+  std::vector<std::uint8_t> work(forecast.children.size());
+  for (std::size_t c = 0; c < work.size(); ++c) {
+    const int children = forecast.children[c];
+    const auto& slots = mesh_->cell_to_cell[c];
+    const bool at_wall = children > 1 && std::any_of(slots.begin(), slots.end(), [&](LocalId slot) {
+                           return slot < 0 && is_curved_[at(mesh::slot_to_patch(slot))];
+                         });
+    const bool is_closed = children > 1 && children < refine::max_children;
+    work[c] = static_cast<std::uint8_t>(
+        std::clamp(children + (is_closed ? 2 : 0) + (at_wall ? 5 * children / 4 : 0), 1, 255));
+  }
+  return work;
+}
+
+}  // namespace pamr::adapt

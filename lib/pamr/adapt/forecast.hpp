@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "pamr/mesh/borders.hpp"
+#include "pamr/mesh/dist_mesh.hpp"
+#include "pamr/par/comm.hpp"
+#include "pamr/refine/closure.hpp"
+#include "pamr/refine/options.hpp"
+
+namespace pamr::adapt {
+
+/// What refining with some flags would give, exactly.
+struct Forecast {
+  refine::Closure closure;
+  std::vector<std::uint8_t> children;  ///< `refine::count_children` of this rank's cells
+  std::int64_t cells = 0;              ///< of the refined mesh, all ranks
+  std::int64_t cells_on_this_rank = 0;
+};
+
+/// Tells what refinements of one mesh would give, without splitting anything. What does not depend on the flags is
+/// found once: make one of it for many trials. The mesh has to outlive it.
+class Forecaster {
+ public:
+  /// Collective: three sparse exchanges.
+  Forecaster(const par::Comm& comm, const mesh::DistMesh& mesh, const refine::Options& options = {});
+
+  /// `flags`: of each cell of this rank, nonzero: split. Collective. Throws `Error` on every rank for flags of the
+  /// wrong length. Cost: that of `refine::close`.
+  Forecast forecast(std::span<const std::uint8_t> flags) const;
+
+  /// Nodes of the refined mesh, all ranks. Collective. Cost: that of `refine::number`.
+  std::int64_t nodes(const Forecast& forecast) const;
+
+  /// The work of refining each cell of this rank, 1 to 255; in the unit of what one cell of the result costs. Local.
+  std::vector<std::uint8_t> work(const Forecast& forecast) const;
+
+ private:
+  const par::Comm* comm_;
+  const mesh::DistMesh* mesh_;
+  refine::Options options_;
+  mesh::Borders borders_;
+  std::vector<bool> is_curved_;  ///< of each patch
+};
+
+}  // namespace pamr::adapt
