@@ -38,13 +38,6 @@ struct Region {
 /// Cell field of the parts of the domain, 0 for cells of none.
 inline constexpr const char* region_field = "region";
 
-/// Nodal field of the distance of each boundary node from the surfaces that it could not be put onto without turning a
-/// cell over, 0 elsewhere; absent when there is no such node.
-inline constexpr const char* off_surface_field = "off_surface";
-
-/// Integer cell field of the cell of the input that each cell comes from.
-inline constexpr const char* parent_field = "parent";
-
 /// What is said once for the whole mesh; the same on every rank.
 struct MeshInfo {
   GlobalId n_global_nodes = 0;
