@@ -77,7 +77,7 @@ std::int64_t count_inverted(const par::Comm& comm, const mesh::DistMesh& mesh) {
   return comm.sum(n);
 }
 
-cli::ExitCode tell_size(cli::Session& session, const mesh::DistMesh& mesh, std::span<const std::uint8_t> flags,
+cli::ExitCode report_forecast(cli::Session& session, const mesh::DistMesh& mesh, std::span<const std::uint8_t> flags,
                         const refine::Options& options) {
   const auto& comm = session.comm();
   const adapt::Forecaster forecaster(comm, mesh, options);
@@ -124,7 +124,7 @@ cli::ExitCode work(cli::Session& session, const Options& options) {
                             .project = !options.no_project,
                             .parent_field = true,
                             .marks_field = options.marks};
-  if (options.dry_run) return tell_size(session, mesh, flags, how);
+  if (options.dry_run) return report_forecast(session, mesh, flags, how);
 
   timer.lap("preprocessing");
   auto result = naming(options.input, [&] { return adapt::refine(comm, std::move(mesh), flags, {how, balancing}); });

@@ -72,10 +72,30 @@ std::vector<Rank> destinations(const par::Comm& comm, const BlockMesh& block, co
   return par::runs_of_equal_work(comm, work, comm.size());
 }
 
-/// Fails for what the refinement would refuse, as long as the file can be read again for its numbers.
-void require_inputs(const par::Comm& comm, const mesh::DistMesh& mesh, const ReadingOptions& options) {
-  flags_from_field(comm, mesh, options.marks_field);
-  if (options.balancing.weights == Weights::field) balance::weights_from_field(comm, mesh, options.balancing.field);
+mesh::DistMesh assemble_valid(const par::Comm& comm, const std::filesystem::path& file, BlockMesh block,
+                              std::span<const Rank> destination) {
+  auto mesh = naming(file, [&] { return assemble::assemble(comm, std::move(block), destination); });
+  validate::require_valid(comm, mesh, file.string());
+  return mesh;
+}
+
+/// The mesh in order along a curve; nothing if anything is wrong that its own numbers should tell: the mesh, its marks
+/// or its weights.
+std::optional<mesh::DistMesh> assemble_in_order(const par::Comm& comm, const std::filesystem::path& file,
+                                                BlockMesh block, const ReadingOptions& options, StepTimer& timer) {
+  block = naming(file, [&] { return along_curve(comm, std::move(block)); });
+  timer.lap("preprocessing");
+  std::vector<Rank> destination;
+  if (comm.size() > 1) destination = destinations(comm, block, options.marks_field);
+  timer.lap("balance");
+  try {
+    auto mesh = assemble_valid(comm, file, std::move(block), destination);
+    flags_from_field(comm, mesh, options.marks_field);
+    if (options.balancing.weights == Weights::field) balance::weights_from_field(comm, mesh, options.balancing.field);
+    return mesh;
+  } catch (const Error&) {
+    return {};
+  }
 }
 
 }  // namespace
@@ -88,25 +108,17 @@ mesh::DistMesh read_for_refinement(const par::Comm& comm, const std::filesystem:
                                    const ReadingOptions& options, StepTimer& timer) {
   auto block = read_block(comm, file, options);
   timer.lap("read");
-  const bool reorder = options.ordering == Ordering::curve ||
-                       (options.ordering == Ordering::automatic && !order::is_ordered(comm, block));
-  if (reorder) block = naming(file, [&] { return along_curve(comm, std::move(block)); });
-  timer.lap("preprocessing");
-  std::vector<Rank> destination;
-  if (reorder && comm.size() > 1) destination = destinations(comm, block, options.marks_field);
-  timer.lap("balance");
-  try {
-    auto mesh = naming(file, [&] { return assemble::assemble(comm, std::move(block), destination); });
-    validate::require_valid(comm, mesh, file.string());
-    if (reorder) require_inputs(comm, mesh, options);
+  if (options.ordering == Ordering::curve ||
+      (options.ordering == Ordering::automatic && !order::is_ordered(comm, block))) {
+    auto in_order = assemble_in_order(comm, file, std::move(block), options, timer);
     timer.lap("preprocessing");
-    return mesh;
-  } catch (const Error&) {
-    if (!reorder) throw;
+    if (in_order) return *std::move(in_order);
+    block = read_block(comm, file, options.marks_field);
+    timer.lap("read");
   }
-  auto as_it_is = options;
-  as_it_is.ordering = Ordering::keep;
-  return read_for_refinement(comm, file, as_it_is, timer);
+  auto mesh = assemble_valid(comm, file, std::move(block), {});
+  timer.lap("preprocessing");
+  return mesh;
 }
 
 }  // namespace pamr::adapt
