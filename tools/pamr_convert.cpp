@@ -87,11 +87,17 @@ std::string extension(const std::string& file, std::initializer_list<std::string
   throw Error("file '" + file + "': expected a name that ends in " + list + ", found \"" + found + "\"");
 }
 
+/// Whether the surfaces of the mesh are looked at, not only handed on.
+bool asks_for_surfaces(const Options& options) {
+  return !options.surfaces.empty() || !options.surface_files.empty() || options.repair;
+}
+
 /// Reads either format; says what the reader had to change.
 mesh::DistMesh read(cli::Session& session, const Options& options, nlohmann::json& report) {
   const auto& comm = session.comm();
   if (extension(options.input, {".hdf", ".msh"}) == ".hdf")
-    return assemble::assemble(comm, io::read_native(comm, options.input));
+    return assemble::assemble(comm,
+                              io::read_native(comm, options.input, {.build_surfaces = asks_for_surfaces(options)}));
   auto read = io::read_gmsh(comm, options.input, {.repair = options.repair && !options.strict});
   report["turned_cells"] = read.n_turned;
   report["dropped_nodes"] = read.n_dropped_nodes;
@@ -169,7 +175,7 @@ void check_files(cli::Session& session, const Options& options, bool as_foam) {
 void tie(cli::Session& session, const Options& options, mesh::DistMesh& mesh, nlohmann::json& report) {
   if (options.surfaces.empty() && options.surface_files.empty()) return;
   const auto& comm = session.comm();
-  meshing::TieRequest request;
+  meshing::AssociationRequest request;
   request.file = "--surface";
   if (!options.surfaces.empty()) {
     request.toml = cli::read_text(comm, options.surfaces);
@@ -185,7 +191,7 @@ void tie(cli::Session& session, const Options& options, mesh::DistMesh& mesh, nl
   }
   for (std::size_t i = 0; i < options.patches.size(); ++i)
     request.files.emplace_back(options.patches[i], options.surface_files[i]);
-  for (const auto& tie : meshing::tie_patches(comm, mesh, request)) {
+  for (const auto& tie : meshing::associate_surfaces(comm, mesh, request)) {
     report["ties"][tie.patch] = {{"surface", tie.surface}, {"worst_distance", tie.worst_distance}};
     if (tie.creases) {
       report["ties"][tie.patch]["edges_along_creases"] = tie.creases->n_along;
@@ -203,8 +209,8 @@ void tie(cli::Session& session, const Options& options, mesh::DistMesh& mesh, nl
                       tie.patch, tie.worst_distance, tie.surface));
   }
   if (!comm.is_first()) return;
-  for (const auto& surface : mesh.info.triangulations)
-    if (const auto warning = geometry::self_intersection_warning(surface); !warning.empty()) session.warn(warning);
+  for (const auto& surface : mesh.info.surfaces->triangulations)
+    if (const auto warning = geometry::self_intersection_warning(*surface); !warning.empty()) session.warn(warning);
 }
 
 /// Takes away, or tells of, inner faces with two edges on one curved wall. Collective.

@@ -30,7 +30,7 @@ void declare(CLI::App& app, Options& options) {
 }
 
 mesh::DistMesh read_mesh(cli::Session& session, const std::string& file) {
-  auto result = assemble::assemble(session.comm(), io::read_native(session.comm(), file));
+  auto result = assemble::assemble(session.comm(), io::read_native(session.comm(), file, {.build_surfaces = false}));
   validate::require_valid(session.comm(), result, file);
   return result;
 }

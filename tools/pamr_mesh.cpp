@@ -119,8 +119,8 @@ mesh::BlockMesh make_with_cgal(const cli::Session& session, const meshing::MeshC
   par::agree(comm, [&] {
     domain = meshing::domain_of(mesh_case);
     if (!comm.is_first()) return;
-    for (const auto& surface : domain.triangulations)
-      if (const auto warning = geometry::self_intersection_warning(surface); !warning.empty()) session.warn(warning);
+    for (const auto& surface : domain.surfaces->triangulations)
+      if (const auto warning = geometry::self_intersection_warning(*surface); !warning.empty()) session.warn(warning);
   });
   meshing::RawMesh raw;
   par::agree(comm, [&] {

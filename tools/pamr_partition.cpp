@@ -85,7 +85,7 @@ cli::ExitCode run(cli::Session& session, const Options& options) {
   session.check_output(options.output, {options.input}, options.force);
 
   const auto& comm = session.comm();
-  auto mesh = assemble::assemble(comm, io::read_native(comm, options.input));
+  auto mesh = assemble::assemble(comm, io::read_native(comm, options.input, {.build_surfaces = false}));
   validate::require_valid(comm, mesh, options.input);
   const auto weight = [&] {
     try {

@@ -84,9 +84,7 @@ cli::ExitCode run(cli::Session& session, const Options& options) {
   std::vector<std::string> complaints;
   for (const auto& file : options.meshes) {
     const auto mesh = assemble::assemble(comm, io::read_native(comm, file));
-    const auto surfaces =
-        geometry::surfaces_from_toml(mesh.info.surfaces_toml, file + ", surfaces", mesh.info.triangulations);
-    reports.push_back({file, check::report_quality(comm, mesh, surfaces, {options.tolerance})});
+    reports.push_back({file, check::report_quality(comm, mesh, {options.tolerance})});
     const auto faults = check::faults_of(reports.back());
     complaints.insert(complaints.end(), faults.begin(), faults.end());
     const auto numbers = check::numbers_of(check::to_json(reports.back().report));

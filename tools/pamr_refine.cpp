@@ -106,9 +106,12 @@ cli::ExitCode work(cli::Session& session, const Options& options) {
   StepTimer timer([&] { return comm.traffic(); });
   const auto read_before = adapt::bytes_read_so_far();
   const auto balancing = adapt::balancing_named(options.balance, options.weights);
-  auto mesh = adapt::read_for_refinement(
-      comm, options.input,
-      {.marks_field = options.marks, .ordering = adapt::ordering_named(options.order), .balancing = balancing}, timer);
+  auto mesh = adapt::read_for_refinement(comm, options.input,
+                                         {.marks_field = options.marks,
+                                          .ordering = adapt::ordering_named(options.order),
+                                          .balancing = balancing,
+                                          .build_surfaces = !options.no_project},
+                                         timer);
   adapt::Measured measured;
   measured.bytes_read = adapt::bytes_read_so_far() - read_before;
   const auto flags = naming(options.input, [&] { return adapt::flags_from_field(comm, mesh, options.marks); });

@@ -12,21 +12,21 @@
 
 #include "meshing/meridian.hpp"
 #include "pamr/base/error.hpp"
-#include "pamr/geometry/surface.hpp"
+#include "pamr/geometry/described_surface.hpp"
 
 namespace pamr::meshing {
 namespace {
 
-using geometry::Vec3;
+using geometry::Meridian, geometry::Vec3;
 
 /// Pieces of the boundary and patches of the mesh, in this order.
 enum PieceNumber { forebody, base, sting, inflow, outflow, symmetry };
 
-MeridianPoint meridian_point(Vec3 p) { return {p.x, std::hypot(p.y, p.z)}; }
+Meridian meridian_point(Vec3 p) { return {p.x, std::hypot(p.y, p.z)}; }
 
 /// Behind which part of the wall a point in the body lies. The borders between the three meet the wall in the circles
 /// where the patches meet and nowhere else.
-int wall_piece(const BluntConeMeridian& m, MeridianPoint p) {
+int wall_piece(const BluntConeMeridian& m, Meridian p) {
   if (p.x > m.fillet_end.x) return sting;
   if (p.x > m.base_end.x) return p.r < m.sting_radius ? sting : base;
   const double middle = 0.5 * (m.shoulder_end.x + p.r / m.shoulder_end.r * m.shoulder_end.x);
@@ -41,7 +41,7 @@ int label(const BluntConeMeridian& m, Vec3 point) {
   return point.x > m.outflow_x ? outflow : Domain::inside;
 }
 
-double distance_to_segment(MeridianPoint p, MeridianPoint a, MeridianPoint b) {
+double distance_to_segment(Meridian p, Meridian a, Meridian b) {
   const double dx = b.x - a.x, dr = b.r - a.r;
   const double t = std::clamp(((p.x - a.x) * dx + (p.r - a.r) * dr) / (dx * dx + dr * dr), 0.0, 1.0);
   return std::hypot(p.x - a.x - t * dx, p.r - a.r - t * dr);
@@ -51,9 +51,9 @@ double distance_to_segment(MeridianPoint p, MeridianPoint a, MeridianPoint b) {
 /// its part, so that edges that leave an arc are as short as those on it.
 double size_at(const BluntConeMeridian& m, const BluntConeSizes& s, Vec3 point) {
   const auto p = meridian_point(point);
-  const MeridianPoint top{m.shoulder_center.x, m.max_radius};
+  const Meridian top{m.shoulder_center.x, m.max_radius};
   double size = s.far;
-  const auto grow = [&](double here, MeridianPoint a, MeridianPoint b) {
+  const auto grow = [&](double here, Meridian a, Meridian b) {
     size = std::min(size, here + s.growth * std::max(0.0, distance_to_segment(p, a, b) - here));
   };
   grow(s.forebody, {0, 0}, m.nose_end);
@@ -67,14 +67,14 @@ double size_at(const BluntConeMeridian& m, const BluntConeSizes& s, Vec3 point) 
 }
 
 /// A step of the meridian as a curve in the symmetry plane: `side` 1 or -1 for z > 0 or z < 0.
-std::vector<Vec3> in_plane(const Profile& profile, double side) {
+std::vector<Vec3> in_plane(const MeridianPath& profile, double side) {
   std::vector<Vec3> points;
   for (const auto& p : sample(profile, 100, 200)) points.push_back({p.x, 0, p.r == 0 ? 0 : side * p.r});
   return points;
 }
 
 /// A profile that starts on the axis, both its sides as one smooth curve.
-std::vector<Vec3> across_axis(const Profile& profile) {
+std::vector<Vec3> across_axis(const MeridianPath& profile) {
   auto points = in_plane(profile, -1);
   std::reverse(points.begin(), points.end());
   const auto other = in_plane(profile, 1);
@@ -83,7 +83,7 @@ std::vector<Vec3> across_axis(const Profile& profile) {
 }
 
 /// Half circle about the axis, from z < 0 over y > 0 to z > 0.
-FeatureCurve ring(MeridianPoint at) {
+FeatureCurve ring(Meridian at) {
   constexpr int n = 1000;
   FeatureCurve curve;
   curve.polyline.push_back({at.x, 0, -at.r});
@@ -100,7 +100,7 @@ FeatureCurve ring(MeridianPoint at) {
 }
 
 /// The same profile with its last step cut at `x`.
-Profile cut_at(Profile profile, double x) {
+MeridianPath cut_at(MeridianPath profile, double x) {
   profile.back().to.x = x;
   return profile;
 }
@@ -115,9 +115,9 @@ std::vector<FeatureCurve> feature_curves(const BluntConeMeridian& m, const Neare
   const auto body_curve = in_symmetry_plane(body);
   const auto wall = cut_at(m.body(), m.outflow_x);
   const auto part = [&wall](std::ptrdiff_t begin, std::ptrdiff_t end) {
-    return Profile(wall.begin() + begin, wall.begin() + end);
+    return MeridianPath(wall.begin() + begin, wall.begin() + end);
   };
-  const Profile end{{{m.outflow_x, m.sting_radius}, {m.outflow_x, m.outer_radius}}};
+  const MeridianPath end{{{m.outflow_x, m.sting_radius}, {m.outflow_x, m.outer_radius}, {}}};
   std::vector<FeatureCurve> curves;
   curves.push_back({across_axis(part(0, 3)), body_curve});
   for (const double side : {-1.0, 1.0}) {
@@ -165,11 +165,11 @@ Domain blunt_cone(const BluntConeSizes& sizes) {
                               limit.high, value));
   const BluntConeMeridian m;
   Domain domain;
-  domain.surfaces_toml = revolution_toml("body", m.body()) + "\n" + revolution_toml("outer", m.outer()) + "\n" +
-                         plane_toml("outflow", 0, m.outflow_x) + "\n" + plane_toml("symmetry", 1, 0.0);
-  const auto surfaces = std::make_shared<const geometry::SurfaceSet>(
-      geometry::surfaces_from_toml(domain.surfaces_toml, "surfaces of blunt-cone"));
-  const auto nearest = [&surfaces](const char* name) -> Nearest {
+  const std::array described{
+      geometry::described_revolution("body", m.body()), geometry::described_revolution("outer", m.outer()),
+      geometry::described_plane("outflow", 0, m.outflow_x), geometry::described_plane("symmetry", 1, 0.0)};
+  domain.surfaces = std::make_shared<const geometry::SurfaceSet>(geometry::set_of(described, "blunt-cone"));
+  const auto nearest = [surfaces = domain.surfaces](const char* name) -> Nearest {
     return [surfaces, surface = surfaces->find(name)](Vec3 p) { return surface->project(p); };
   };
   const Nearest body = nearest("body"), outer = nearest("outer");
@@ -187,8 +187,8 @@ Domain blunt_cone(const BluntConeSizes& sizes) {
                       return Vec3{p.x, 0, p.z};
                     }}};
   domain.curves = feature_curves(m, body, outer);
-  domain.patches = {{"forebody", "patch", "body"}, {"base", "patch", "body"},       {"sting", "patch", "body"},
-                    {"inflow", "patch", "outer"},  {"outflow", "patch", "outflow"}, {"symmetry", "patch", "symmetry"}};
+  domain.patches = {{"forebody", "patch", 0}, {"base", "patch", 0},    {"sting", "patch", 0},
+                    {"inflow", "patch", 1},   {"outflow", "patch", 2}, {"symmetry", "patch", 3}};
   domain.length_unit = std::string("m");
   domain.center = {0.5 * (m.inflow_x + m.outflow_x), 0, 0};
   domain.radius = 1.2 * std::hypot(m.outer_radius, domain.center.x - m.inflow_x);

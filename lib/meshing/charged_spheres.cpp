@@ -4,12 +4,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <memory>
+#include <vector>
 
-#include "meshing/meridian.hpp"
 #include "pamr/base/error.hpp"
+#include "pamr/geometry/described_surface.hpp"
 
 namespace pamr::meshing {
 namespace {
+
+using geometry::described_plane, geometry::described_sphere, geometry::digits, geometry::Vec3;
 
 constexpr double padding = 7.5;
 /// Longest edge on a sphere, in radii, that leaves every new node in its middle a safe way to the surface.
@@ -19,10 +23,8 @@ void require(bool holds, const std::string& expected) {
   if (!holds) throw Error("expected " + expected);
 }
 
-std::string sphere_toml(const std::string& name, geometry::Vec3 center, double radius) {
-  return fmt::format(
-      "[[surface]]\nname = \"{}\"\nkind = \"sphere\"\ncenter = [{:.17g}, {:.17g}, {:.17g}]\nradius = {:.17g}\n", name,
-      center.x, center.y, center.z, radius);
+geometry::SharedSurfaces shared(std::vector<geometry::DescribedSurface> surfaces, const char* shape) {
+  return std::make_shared<const geometry::SurfaceSet>(geometry::set_of(surfaces, shape));
 }
 
 void require_sizes(double on_sphere, double radius, double far, double growth) {
@@ -61,10 +63,11 @@ Combination charged_spheres(const ChargedSpheres& given) {
 
   const std::string floor = has_plate ? "plate" : "symmetry_z";
   Combination result;
-  result.surfaces_toml = sphere_toml("sphere", {p.distance / 2, 0, p.height}, p.radius) + "\n" +
-                         plane_toml(floor, 2, 0) + "\n" + plane_toml("symmetry_x", 0, 0) + "\n" +
-                         plane_toml("symmetry_y", 1, 0) + "\n" + plane_toml("end", 0, p.half_length) + "\n" +
-                         plane_toml("side", 1, p.width) + "\n" + plane_toml("lid", 2, p.top);
+  result.surfaces = shared(
+      {described_sphere("sphere", digits(Vec3{p.distance / 2, 0, p.height}), digits(p.radius)),
+       described_plane(floor, 2, 0), described_plane("symmetry_x", 0, 0), described_plane("symmetry_y", 1, 0),
+       described_plane("end", 0, p.half_length), described_plane("side", 1, p.width), described_plane("lid", 2, p.top)},
+      "charged-spheres");
   result.region = "+sphere & +" + floor + " & +symmetry_x & +symmetry_y & -end & -side & -lid";
   result.high = {p.half_length, p.width, p.top};
   result.length_unit = "1";
@@ -89,9 +92,11 @@ Combination charged_sphere(const ChargedSphere& given) {
           fmt::format("an edge length at the outer sphere between 0 and {:g} of its radius, found {:g}", most_on_sphere,
                       p.size_outer));
   Combination result;
-  result.surfaces_toml = sphere_toml("sphere", {}, p.radius) + "\n" + sphere_toml("outer", {}, p.outer_radius) + "\n" +
-                         plane_toml("symmetry_x", 0, 0) + "\n" + plane_toml("symmetry_y", 1, 0) + "\n" +
-                         plane_toml("symmetry_z", 2, 0);
+  result.surfaces =
+      shared({described_sphere("sphere", digits(Vec3{}), digits(p.radius)),
+              described_sphere("outer", digits(Vec3{}), digits(p.outer_radius)), described_plane("symmetry_x", 0, 0),
+              described_plane("symmetry_y", 1, 0), described_plane("symmetry_z", 2, 0)},
+             "charged-sphere");
   result.region = "+sphere & -outer & +symmetry_x & +symmetry_y & +symmetry_z";
   result.high = {p.outer_radius, p.outer_radius, p.outer_radius};
   result.length_unit = "1";

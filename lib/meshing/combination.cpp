@@ -121,10 +121,8 @@ bool are_in_one_plane(const std::vector<FeatureCurve>& curves, double radius) {
 }  // namespace
 
 Domain combine(const Combination& c, const std::string& where) {
-  auto surfaces = std::make_shared<const geometry::SurfaceSet>(
-      geometry::surfaces_from_toml(c.surfaces_toml, where, c.triangulations));
-  const Region region(c.region, surfaces->name, where);
-  const auto solid = std::make_shared<const Solid>(Solid{std::move(surfaces), region, c.low, c.high});
+  const Region region(c.region, c.surfaces->name, where);
+  const auto solid = std::make_shared<const Solid>(Solid{c.surfaces, region, c.low, c.high});
   const auto samples = sample_surfaces(*solid);
   const auto told = [&where](auto&& make) {
     try {
@@ -144,7 +142,7 @@ Domain combine(const Combination& c, const std::string& where) {
   for (const auto& piece : pieces->all()) {
     const int number = static_cast<int>(domain.pieces.size());
     domain.pieces.push_back({number, [pieces, shape = piece.shape](Vec3 p) { return shape->project(p); }});
-    domain.patches.push_back({piece.name, "patch", solid->name(piece.surface)});
+    domain.patches.push_back({piece.name, "patch", piece.surface});
   }
   domain.curves = told([&] { return trace_feature_curves(solid, pieces, samples); });
   for (auto& crease : pieces->creases()) domain.curves.push_back(std::move(crease));
@@ -159,8 +157,7 @@ Domain combine(const Combination& c, const std::string& where) {
           scattered_points(*solid, *pieces, static_cast<int>(k), samples[static_cast<std::size_t>(piece.surface)],
                            has_curve ? domain.curves : std::vector<FeatureCurve>{}, domain.size);
   }
-  domain.surfaces_toml = c.surfaces_toml;
-  domain.triangulations = c.triangulations;
+  domain.surfaces = c.surfaces;
   domain.length_unit = c.length_unit;
   domain.center = solid->center();
   domain.radius = 1.05 * solid->radius();

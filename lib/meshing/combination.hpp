@@ -6,16 +6,14 @@
 #include <vector>
 
 #include "meshing/meshing_domain.hpp"
-#include "pamr/geometry/triangulated/triangulation.hpp"
 
 namespace pamr::meshing {
 
 /// Surfaces and what is between them, as a case file says it.
 struct Combination {
-  std::string surfaces_toml;  ///< entries [[surface]]; each becomes a patch of its name, or several (see `Pieces`)
-  std::vector<geometry::Triangulation> triangulations{};  ///< data of those of kind `triangulation`
-  std::string region;                                     ///< see `Region`
-  geometry::Vec3 low, high;  ///< a box that holds the region, in units of the mesh as all lengths here
+  geometry::SharedSurfaces surfaces;  ///< each becomes a patch of its name, or several (see `Pieces`)
+  std::string region;                 ///< see `Region`
+  geometry::Vec3 low, high;           ///< a box that holds the region, in units of the mesh as all lengths here
   std::string length_unit;
   double far = 0;     ///< largest wanted edge length
   double growth = 0;  ///< of the wanted edge length per distance, no unit; under 1
@@ -26,8 +24,8 @@ struct Combination {
   std::vector<std::pair<std::string, double>> near;
 };
 
-/// The domain that it describes. Local, deterministic. Throws `Error` that begins with `where` for surfaces and regions
-/// that are none, a region that leaves its box, and edges as `trace_feature_curves` refuses them.
+/// The domain that it describes. Local, deterministic. Throws `Error` that begins with `where` for regions that are
+/// none, a region that leaves its box, and edges as `trace_feature_curves` refuses them.
 Domain combine(const Combination& combination, const std::string& where);
 
 }  // namespace pamr::meshing

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -17,8 +18,7 @@
 #include "meshing/sphere_in_box.hpp"
 #include "meshing/supersonic_sphere.hpp"
 #include "pamr/base/error.hpp"
-#include "pamr/geometry/surface.hpp"
-#include "pamr/geometry/triangulated/triangulated_surface.hpp"
+#include "pamr/geometry/surface_toml.hpp"
 
 namespace pamr::meshing {
 namespace {
@@ -204,13 +204,13 @@ class Reader {
   void read_surfaces(const toml::table& root, const toml::table& mesh) {
     auto& c = result_.combination;
     const auto surfaces = surfaces_of(root, text_);
-    c.triangulations = geometry::triangulations_of_toml(surfaces, where_);
-    const auto set = geometry::surfaces_from_toml(surfaces, where_, c.triangulations);
+    auto set = geometry::surfaces_with_files(surfaces, where_);
     if (set.name.empty()) throw Error(where_ + ": expected tables [[surface]] for shape \"surfaces\", found none");
-    c.surfaces_toml = surfaces.substr(surfaces.find_first_not_of('\n'));
+    set.toml = set.toml.substr(set.toml.find_first_not_of('\n'));
+    c.surfaces = std::make_shared<const geometry::SurfaceSet>(std::move(set));
     c.region = text(mesh, "region", "\"+NAME & -NAME ...\"");
     try {
-      const Region region(c.region, set.name, where_);
+      const Region region(c.region, c.surfaces->name, where_);
     } catch (const Error& error) {
       throw Error(with_place(error.what(), mesh.get("region")->source().begin));
     }
@@ -223,7 +223,7 @@ class Reader {
     if (near == nullptr) return;
     for (const auto& [key, value] : table(*near, "mesh.sizes.near")) {
       const std::string name(key.str());
-      if (set.find(name) == nullptr) refuse(where_, key.source(), "the name of a surface", quoted(name));
+      if (c.surfaces->find(name) == nullptr) refuse(where_, key.source(), "the name of a surface", quoted(name));
       c.near.emplace_back(name, number(value, name, least_length, c.far));
     }
   }

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "pamr/geometry/triangulated/triangulation.hpp"
+#include "pamr/geometry/surface_set.hpp"
 #include "pamr/geometry/vec3.hpp"
 #include "pamr/mesh/dist_mesh.hpp"
 
@@ -41,8 +41,7 @@ struct Domain {
   std::vector<FeatureCurve> curves;
   bool curves_in_one_plane = false;  ///< every piece then has points to start from
   std::vector<mesh::Patch> patches;
-  std::string surfaces_toml;                              ///< the surfaces that the patches name
-  std::vector<geometry::Triangulation> triangulations{};  ///< data of the triangulated ones
+  geometry::SharedSurfaces surfaces = geometry::no_surfaces();  ///< that the patches lie on
   std::string length_unit;
   geometry::Vec3 center;  ///< of a ball that holds the domain
   double radius = 0;      ///< of that ball

@@ -8,17 +8,18 @@
 
 #include "meshing/region.hpp"
 #include "pamr/geometry/surface.hpp"
+#include "pamr/geometry/surface_set.hpp"
 #include "pamr/geometry/vec3.hpp"
 
 namespace pamr::meshing {
 
 /// A part of space bounded by surfaces: those on whose sides the region says which are in it.
 struct Solid {
-  std::shared_ptr<const geometry::SurfaceSet> surfaces;
+  geometry::SharedSurfaces surfaces;
   Region region;
   geometry::Vec3 low, high;  ///< a box that holds it
 
-  int n_surfaces() const { return static_cast<int>(surfaces->surface.size()); }
+  int n_surfaces() const { return surfaces->size(); }
   const geometry::Surface& surface(int i) const { return *surfaces->surface[static_cast<std::size_t>(i)]; }
   const std::string& name(int i) const { return surfaces->name[static_cast<std::size_t>(i)]; }
 

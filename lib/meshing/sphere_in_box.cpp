@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "pamr/base/error.hpp"
+#include "pamr/geometry/described_surface.hpp"
 
 namespace pamr::meshing {
 namespace {
@@ -66,8 +67,9 @@ Domain sphere_in_box(double size) {
   for (std::size_t axis = 0; axis < 3; ++axis)
     for (const double first : {-half_side, half_side})
       for (const double second : {-half_side, half_side}) domain.curves.push_back(edge(axis, first, second));
-  domain.patches = {{"box", "patch", ""}, {"sphere", "patch", "sphere"}};
-  domain.surfaces_toml = "[[surface]]\nname = \"sphere\"\nkind = \"sphere\"\ncenter = [0.0, 0.0, 0.0]\nradius = 1.0\n";
+  domain.patches = {{"box", "patch"}, {"sphere", "patch", 0}};
+  const std::array sphere{geometry::described_sphere("sphere", geometry::whole(Vec3{}), geometry::whole(1))};
+  domain.surfaces = std::make_shared<const geometry::SurfaceSet>(geometry::set_of(sphere, "sphere-in-box"));
   domain.length_unit = std::string("1");
   domain.radius = 1.05 * std::sqrt(3.0) * half_side;
   return domain;

@@ -3,14 +3,19 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <memory>
 #include <numbers>
+#include <vector>
 
-#include "meshing/meridian.hpp"
 #include "pamr/base/error.hpp"
+#include "pamr/geometry/described_surface.hpp"
 
 namespace pamr::meshing {
 namespace {
+
+using geometry::described_plane, geometry::digits, geometry::Vec3, geometry::whole;
 
 void require(bool holds, const std::string& expected) {
   if (!holds) throw Error("expected " + expected);
@@ -41,25 +46,21 @@ Combination supersonic_sphere(const SupersonicSphere& given) {
   require(p.growth >= 0.05 && p.growth <= 0.8, fmt::format("growth between 0.05 and 0.8, found {:g}", p.growth));
 
   Combination result;
-  result.surfaces_toml =
-      fmt::format("[[surface]]\nname = \"sphere\"\nkind = \"sphere\"\ncenter = [0.0, 0.0, 0.0]\nradius = {:.17g}\n\n",
-                  p.radius) +
-      plane_toml("inflow", 0, -p.inflow) + "\n" + plane_toml("outflow", 0, p.outflow) + "\n" +
-      fmt::format(
-          "[[surface]]\nname = \"side\"\nkind = \"cylinder\"\npoint = [0.0, 0.0, 0.0]\naxis = [1.0, 0.0, "
-          "0.0]\nradius = {:.17g}\n\n",
-          p.side) +
-      plane_toml("symmetry_1", 2, 0);
+  std::vector<geometry::DescribedSurface> surfaces{
+      described_sphere("sphere", whole(Vec3{}), digits(p.radius)), described_plane("inflow", 0, -p.inflow),
+      described_plane("outflow", 0, p.outflow),
+      described_cylinder("side", whole(Vec3{}), whole(Vec3{1, 0, 0}), digits(p.side)),
+      described_plane("symmetry_1", 2, 0)};
   result.region = "+sphere & +inflow & -outflow & -side & +symmetry_1";
   const double angle = 2 * std::numbers::pi / p.parts;
   if (p.parts > 2) {
     const double across = p.parts == 4 ? 0 : -std::cos(angle);
-    result.surfaces_toml += fmt::format(
-        "\n[[surface]]\nname = \"symmetry_2\"\nkind = \"plane\"\npoint = [0.0, 0.0, 0.0]\nnormal = [0.0, {:.17g}, "
-        "{:.17g}]\n",
-        std::sin(angle), across);
+    const Vec3 normal{0, std::sin(angle), across};
+    surfaces.push_back(described_plane("symmetry_2", whole(Vec3{}),
+                                       {normal, fmt::format("[0.0, {:.17g}, {:.17g}]", normal.y, normal.z)}));
     result.region += " & +symmetry_2";
   }
+  result.surfaces = std::make_shared<const geometry::SurfaceSet>(geometry::set_of(surfaces, "supersonic-sphere"));
   // z = r sin(angle) where y = r cos(angle): the sector starts at y > 0
   const double least_y = p.parts == 2 || p.parts == 3 ? -p.side : 0;
   result.low = {-p.inflow, least_y, 0};

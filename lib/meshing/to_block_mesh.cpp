@@ -75,8 +75,7 @@ mesh::BlockMesh to_block_mesh(const par::Comm& comm, const Domain& domain, const
   block.info.n_global_nodes = comm.sum(comm.is_first() ? static_cast<GlobalId>(mesh.point.size()) : 0);
   block.info.n_global_cells = comm.sum(comm.is_first() ? static_cast<GlobalId>(mesh.cell.size()) : 0);
   block.info.patches = domain.patches;
-  block.info.surfaces_toml = domain.surfaces_toml;
-  block.info.triangulations = domain.triangulations;
+  block.info.surfaces = domain.surfaces;
   block.info.length_unit = domain.length_unit;
   par::agree(comm, [&] {
     if (!comm.is_first()) return;

@@ -28,7 +28,8 @@ void write_seed_files(const par::Comm& comm, const std::filesystem::path& folder
   test::write_attribute(chunked, "/PAMR", "format", std::vector<std::int64_t>{1});
   test::create_group(chunked, "/PAMR/patches");
   test::write_texts(chunked, "/PAMR/patches/names", {"wall"});
-  test::write_texts(chunked, "/PAMR/surfaces", {"[wall]\nkind = \"plane\"\n"});
+  test::write_texts(chunked, "/PAMR/surfaces",
+                    {"[[surface]]\nname = \"wall\"\nkind = \"plane\"\npoint = [0, 0, 0]\nnormal = [0, 0, 1]\n"});
   const auto bare = folder / seed_name(4);
   test::write_plain_vtkhdf(bare, false);
   test::create_group(bare, "/PAMR");

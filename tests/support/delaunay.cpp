@@ -14,6 +14,7 @@
 #include "pamr/base/hash.hpp"
 #include "pamr/geometry/orientation.hpp"
 #include "support/dice.hpp"
+#include "support/meshes.hpp"
 #include "support/reference.hpp"
 
 namespace pamr::test {
@@ -193,7 +194,7 @@ mesh::BlockMesh random_delaunay(std::uint64_t seed, bool whole_numbers) {
     if (cloud.cell.size() < 10 || touches_itself(cloud.cell)) continue;
     shuffle(cloud, dice);
     auto whole = to_block(cloud);
-    whole.info.patches = {{"wall", "patch", ""}, {"inlet", "patch", ""}, {"outlet", "patch", ""}};
+    whole.info.patches = {{"wall", "patch"}, {"inlet", "patch"}, {"outlet", "patch"}};
     for (auto& neighbors : whole.cell_to_cell)
       for (auto& neighbor : neighbors)
         if (neighbor < 0) neighbor = -1 - static_cast<GlobalId>(dice.below(3));
@@ -218,8 +219,9 @@ mesh::BlockMesh random_ball(std::uint64_t seed) {
     const bool is_good = std::all_of(cloud.cell.begin(), cloud.cell.end(),
                                      [&](const Quad& n) { return geometry::mean_ratio(cloud.points(n)) > 1e-3; });
     if (!is_good || !all_on_sphere || touches_itself(cloud.cell)) continue;
-    whole.info.patches = {{"ball", "patch", "ball"}};
-    whole.info.surfaces_toml = "[[surface]]\nname = \"ball\"\nkind = \"sphere\"\ncenter = [0, 0, 0]\nradius = 1\n";
+    whole.info.patches = {{"ball", "patch", 0}};
+    whole.info.surfaces =
+        surfaces_of("[[surface]]\nname = \"ball\"\nkind = \"sphere\"\ncenter = [0, 0, 0]\nradius = 1\n");
     return whole;
   }
 }
@@ -245,8 +247,9 @@ mesh::BlockMesh random_dome(std::uint64_t seed) {
     if (touches_itself(cloud.cell)) continue;
     shuffle(cloud, dice);
     auto whole = to_block(cloud);
-    whole.info.patches = {{"wall", "patch", ""}, {"dome", "patch", "dome"}};
-    whole.info.surfaces_toml = "[[surface]]\nname = \"dome\"\nkind = \"sphere\"\ncenter = [0, 0, -4]\nradius = 4\n";
+    whole.info.patches = {{"wall", "patch"}, {"dome", "patch", 0}};
+    whole.info.surfaces =
+        surfaces_of("[[surface]]\nname = \"dome\"\nkind = \"sphere\"\ncenter = [0, 0, -4]\nradius = 4\n");
     const auto lies_on_dome = [&](const Vec3& p) { return std::abs(p.z - height(p.x, p.y)) < 1e-14; };
     for (std::size_t c = 0; c < whole.cell_to_cell.size(); ++c)
       for (std::size_t f = 0; f < 4; ++f) {

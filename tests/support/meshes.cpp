@@ -10,6 +10,7 @@
 #include "pamr/assemble/kuhn_cube.hpp"
 #include "pamr/base/hash.hpp"
 #include "pamr/geometry/orientation.hpp"
+#include "pamr/geometry/surface_toml.hpp"
 #include "pamr/mesh/families.hpp"
 
 namespace pamr::test {
@@ -237,10 +238,14 @@ mesh::BlockMesh cut(const par::Comm& comm, const mesh::BlockMesh& whole) {
   return cut(comm, whole, begin);
 }
 
+geometry::SharedSurfaces surfaces_of(const std::string& toml) {
+  return std::make_shared<const geometry::SurfaceSet>(geometry::surfaces_from_toml(toml, "test"));
+}
+
 mesh::BlockMesh kuhn_cube(const par::Comm& comm, int n) {
   auto block = assemble::kuhn_cube(comm, n);
-  block.info.surfaces_toml.clear();
-  for (auto& patch : block.info.patches) patch.surface.clear();
+  block.info.surfaces = geometry::no_surfaces();
+  for (auto& patch : block.info.patches) patch.surface = -1;
   return block;
 }
 
@@ -305,7 +310,7 @@ mesh::BlockMesh small_mesh(const par::Comm& comm, std::vector<geometry::Vec3> no
   mesh::BlockMesh whole;
   whole.info.n_global_nodes = static_cast<GlobalId>(nodes.size());
   whole.info.n_global_cells = static_cast<GlobalId>(cells.size());
-  whole.info.patches = {{"wall", "patch", ""}};
+  whole.info.patches = {{"wall", "patch"}};
   whole.node_position = std::move(nodes);
   whole.cell_to_node = std::move(cells);
   return cut(comm, whole);
@@ -347,7 +352,7 @@ mesh::BlockMesh closure_family(mesh::FamilyKind kind, int index) {
   }
   whole.info.n_global_nodes = static_cast<GlobalId>(whole.node_position.size());
   whole.info.n_global_cells = static_cast<GlobalId>(whole.cell_to_node.size());
-  whole.info.patches = {{"wall", "patch", ""}};
+  whole.info.patches = {{"wall", "patch"}};
   return whole;
 }
 

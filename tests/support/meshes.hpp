@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "pamr/assemble/assemble.hpp"
@@ -9,6 +10,9 @@
 
 /// Meshes for tests. All small: some are made whole on every rank and cut into blocks.
 namespace pamr::test {
+
+/// The surfaces that a text describes.
+geometry::SharedSurfaces surfaces_of(const std::string& toml);
 
 /// The unit cube of `assemble::kuhn_cube`, its patches tied to no surface.
 mesh::BlockMesh kuhn_cube(const par::Comm& comm, int n);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <vector>
 
 #include "pamr/geometry/parameters.hpp"
 
@@ -84,11 +85,6 @@ double largest_distance(const std::vector<TangentPlane>& planes) {
 }
 
 }  // namespace
-
-const Surface* SurfaceSet::find(std::string_view wanted) const {
-  const auto place = std::find(name.begin(), name.end(), wanted);
-  return place == name.end() ? nullptr : surface[static_cast<std::size_t>(place - name.begin())].get();
-}
 
 Projected project_onto_all(std::span<const Surface* const> surfaces, Vec3 point) {
   if (surfaces.empty()) return {point, true};

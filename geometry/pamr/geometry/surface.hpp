@@ -1,14 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <memory>
 #include <optional>
 #include <span>
-#include <string>
-#include <string_view>
-#include <vector>
 
-#include "pamr/geometry/triangulated/triangulation.hpp"
 #include "pamr/geometry/vec3.hpp"
 
 namespace pamr::geometry {
@@ -61,23 +56,6 @@ class Surface {
   /// rounding errors of `project` are relative to, besides the coordinates of the point.
   virtual double magnitude() const { return 0; }
 };
-
-/// Named surfaces of a mesh, in the order of their description.
-struct SurfaceSet {
-  std::vector<std::string> name;
-  std::vector<std::string> described_at;  ///< file:line:column of each in its description, to be named in errors
-  std::vector<std::unique_ptr<const Surface>> surface;
-
-  /// The surface of that name, or null.
-  const Surface* find(std::string_view wanted) const;
-};
-
-/// Reads the surfaces from TOML text: an array of tables `[[surface]]` with `name`, `kind` and the parameters of the
-/// kind (docs/surfaces.md). Surfaces of kind `triangulation` are made from the one of their name among
-/// `triangulations`: no file is read here (`triangulations_of_toml` does). Throws `Error` with line and column for an
-/// unknown kind, key, type or value out of range, and for a triangulation that is not there or not valid.
-SurfaceSet surfaces_from_toml(std::string_view text, std::string_view where,
-                              std::span<const Triangulation> triangulations = {});
 
 /// Nearest point that lies on all the given surfaces (1: the surface, 2: their common curve, 3: their corner), found by
 /// Newton steps of least length from `point`. Of two surfaces whose normals at `point` differ by under 5 degrees

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "pamr/geometry/surface_toml.hpp"
+
 #include <toml++/toml.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <filesystem>
+#include <functional>
 #include <initializer_list>
 #include <string>
 #include <utility>
@@ -197,8 +200,11 @@ std::vector<PolynomialSegment> read_segments(const TableReader& surface, const s
   return segments;
 }
 
-/// The keys of a triangulation but for its data; the file must be named even when the data comes from elsewhere.
-Triangulated::Options triangulation_options(const TableReader& table) {
+/// The triangles of a surface of that name, asked for by its table.
+using FindTriangles = std::function<std::shared_ptr<const Triangulation>(const TableReader& table, bool open_allowed)>;
+
+/// The file must be named even when the triangles come from elsewhere.
+std::shared_ptr<const Surface> read_triangulated(const TableReader& table, const FindTriangles& find_triangles) {
   table.refuse_keys_but({"name", "kind", "file", "feature_angle", "creases", "shortest_crease", "open", "near"});
   table.text("file");
   Triangulated::Options options;
@@ -207,57 +213,47 @@ Triangulated::Options triangulation_options(const TableReader& table) {
   if (table.has("shortest_crease")) options.crease.shortest = table.number("shortest_crease");
   if (table.has("open")) options.open_allowed = table.truth("open");
   if (table.has("near")) options.near = table.vector("near");
-  return options;
+  return std::make_shared<Triangulated>(find_triangles(table, options.open_allowed), options);
 }
 
-std::unique_ptr<const Surface> read_triangulated(const TableReader& table,
-                                                 std::span<const Triangulation> triangulations) {
-  const auto options = triangulation_options(table);
-  const auto name = table.text("name");
-  const auto data = std::find_if(triangulations.begin(), triangulations.end(),
-                                 [&](const Triangulation& candidate) { return candidate.name == name; });
-  if (data == triangulations.end()) table.fail("expected its triangles beside the description, found none");
-  return std::make_unique<Triangulated>(*data, options);
-}
-
-std::unique_ptr<const Surface> read_surface(const TableReader& table, const std::string& where,
-                                            const std::string& context, std::span<const Triangulation> triangulations) {
+std::shared_ptr<const Surface> read_surface(const TableReader& table, const std::string& where,
+                                            const std::string& context, const FindTriangles& find_triangles) {
   const std::string kind = table.text("kind");
   if (kind == "plane") {
     table.refuse_keys_but({"name", "kind", "point", "normal"});
-    return std::make_unique<Plane>(table.vector("point"), table.vector("normal"));
+    return std::make_shared<Plane>(table.vector("point"), table.vector("normal"));
   }
   if (kind == "sphere") {
     table.refuse_keys_but({"name", "kind", "center", "radius"});
-    return std::make_unique<Sphere>(table.vector("center"), table.number("radius"));
+    return std::make_shared<Sphere>(table.vector("center"), table.number("radius"));
   }
   if (kind == "cylinder") {
     table.refuse_keys_but({"name", "kind", "point", "axis", "radius"});
-    return std::make_unique<Cylinder>(table.vector("point"), table.vector("axis"), table.number("radius"));
+    return std::make_shared<Cylinder>(table.vector("point"), table.vector("axis"), table.number("radius"));
   }
   if (kind == "cone") {
     table.refuse_keys_but({"name", "kind", "apex", "axis", "half_angle"});
-    return std::make_unique<Cone>(table.vector("apex"), table.vector("axis"), table.number("half_angle"));
+    return std::make_shared<Cone>(table.vector("apex"), table.vector("axis"), table.number("half_angle"));
   }
   if (kind == "torus") {
     table.refuse_keys_but({"name", "kind", "center", "axis", "major_radius", "minor_radius"});
-    return std::make_unique<Torus>(table.vector("center"), table.vector("axis"), table.number("major_radius"),
+    return std::make_shared<Torus>(table.vector("center"), table.vector("axis"), table.number("major_radius"),
                                    table.number("minor_radius"));
   }
   if (kind == "revolution") {
     table.refuse_keys_but({"name", "kind", "origin", "axis", "profile"});
-    return std::make_unique<Revolution>(table.vector("origin"), table.vector("axis"),
+    return std::make_shared<Revolution>(table.vector("origin"), table.vector("axis"),
                                         read_profile(table, where, context));
   }
   if (kind == "quadric") {
     table.refuse_keys_but({"name", "kind", "coefficients"});
-    return std::make_unique<Quadric>(table.numbers<10>("coefficients"));
+    return std::make_shared<Quadric>(table.numbers<10>("coefficients"));
   }
   if (kind == "polynomial") {
     table.refuse_keys_but({"name", "kind", "segments"});
-    return std::make_unique<Polynomial>(read_segments(table, where, context));
+    return std::make_shared<Polynomial>(read_segments(table, where, context));
   }
-  if (kind == "triangulation") return read_triangulated(table, triangulations);
+  if (kind == "triangulation") return read_triangulated(table, find_triangles);
   table.fail(table.required("kind").source(), "kind: expected " + std::string(kinds) + ", found \"" + kind + "\"");
 }
 
@@ -291,35 +287,43 @@ void for_each_surface(const toml::table& root, const std::string& file, const Us
   }
 }
 
-}  // namespace
-
-SurfaceSet surfaces_from_toml(std::string_view text, std::string_view where,
-                              std::span<const Triangulation> triangulations) {
-  const std::string file(where);
+SurfaceSet read_set(std::string_view text, const std::string& file, const FindTriangles& find_triangles) {
   const auto root = parse(text, file);
   SurfaceSet set;
+  set.toml = text;
   for_each_surface(root, file, [&](const TableReader& reader, const std::string& name, const std::string& context) {
-    if (set.find(name) != nullptr) reader.fail(reader.required("name").source(), "expected a new name, found it twice");
-    auto surface = read_surface(reader, file, context, triangulations);
-    set.name.push_back(name);
-    set.described_at.push_back(place_in(file, reader.required("name").source()));
-    set.surface.push_back(std::move(surface));
+    set.add(name, place_in(file, reader.required("name").source()),
+            read_surface(reader, file, context, find_triangles));
   });
   return set;
 }
 
-std::vector<Triangulation> triangulations_of_toml(std::string_view text, std::string_view where) {
-  const std::string file(where);
-  const auto root = parse(text, file);
-  std::vector<Triangulation> result;
-  for_each_surface(root, file, [&](const TableReader& reader, const std::string& name, const std::string&) {
-    if (reader.text("kind") != "triangulation") return;
-    const auto options = triangulation_options(reader);
-    const auto path = std::filesystem::path(file).parent_path() / reader.text("file");
-    result.push_back(read_triangulation(path, options.open_allowed));
-    result.back().name = name;
+}  // namespace
+
+SurfaceSet surfaces_from_toml(std::string_view text, std::string_view where,
+                              std::vector<std::shared_ptr<const Triangulation>> triangulations) {
+  auto set = read_set(text, std::string(where), [&](const TableReader& table, bool) {
+    const auto name = table.text("name");
+    const auto data = std::find_if(triangulations.begin(), triangulations.end(),
+                                   [&](const auto& candidate) { return candidate->name == name; });
+    if (data == triangulations.end()) table.fail("expected its triangles beside the description, found none");
+    return *data;
   });
-  return result;
+  set.triangulations = std::move(triangulations);
+  return set;
+}
+
+SurfaceSet surfaces_with_files(std::string_view text, std::string_view where) {
+  const std::string file(where);
+  std::vector<std::shared_ptr<const Triangulation>> read;
+  auto set = read_set(text, file, [&](const TableReader& table, bool open_allowed) {
+    const auto path = std::filesystem::path(file).parent_path() / table.text("file");
+    auto triangles = read_triangulation(path, open_allowed);
+    triangles.name = table.text("name");
+    return read.emplace_back(std::make_shared<const Triangulation>(std::move(triangles)));
+  });
+  set.triangulations = std::move(read);
+  return set;
 }
 
 }  // namespace pamr::geometry

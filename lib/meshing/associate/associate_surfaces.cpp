@@ -5,9 +5,11 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <memory>
 
 #include "pamr/base/error.hpp"
 #include "pamr/geometry/surface.hpp"
+#include "pamr/geometry/surface_toml.hpp"
 #include "pamr/geometry/triangulated/read_triangulation.hpp"
 #include "pamr/geometry/triangulated/triangulated_surface.hpp"
 #include "pamr/mesh/tet.hpp"
@@ -18,7 +20,7 @@ namespace pamr::meshing {
 
 namespace {
 
-constexpr const char* ledger_field = "off_surface";
+constexpr const char* off_surface_field = "off_surface";
 
 double size_of(const par::Comm& comm, const mesh::DistMesh& mesh) {
   geometry::Vec3 low{1e300, 1e300, 1e300}, high{-1e300, -1e300, -1e300};
@@ -30,32 +32,37 @@ double size_of(const par::Comm& comm, const mesh::DistMesh& mesh) {
                         geometry::Vec3{comm.min(low.x), comm.min(low.y), comm.min(low.z)});
 }
 
-mesh::Patch& patch_named(mesh::DistMesh& mesh, const std::string& name) {
-  auto& patches = mesh.info.patches;
+/// Index of the patch of that name.
+std::ptrdiff_t patch_named(const mesh::MeshInfo& info, const std::string& name) {
+  const auto& patches = info.patches;
   const auto found = std::find_if(patches.begin(), patches.end(), [&](const auto& p) { return p.name == name; });
-  if (found != patches.end()) return *found;
+  if (found != patches.end()) return found - patches.begin();
   std::string names;
   for (const auto& patch : patches) names += (names.empty() ? "" : ", ") + patch.name;
-  throw Error("patch '" + name + "': expected one of the mesh's patches " + names + ", found none of that name");
+  throw Error(fmt::format("patch '{}': expected one of the mesh's patches {}, found none of that name", name, names));
 }
 
-/// Puts the names of the surfaces into the patches.
-void name_surfaces(mesh::DistMesh& mesh, const geometry::SurfaceSet& surfaces, const std::vector<std::string>& pairs) {
-  for (auto& patch : mesh.info.patches)
-    if (surfaces.find(patch.name) != nullptr) patch.surface = patch.name;
+/// The surfaces that the patches are to lie on: index of the surface by patch, -1 where nothing is asked for.
+std::vector<int> assigned_surfaces(const mesh::MeshInfo& info, const geometry::SurfaceSet& surfaces,
+                                   const std::vector<std::string>& pairs) {
+  const auto& patches = info.patches;
+  std::vector<int> result;
+  for (const auto& patch : patches) result.push_back(surfaces.index_of(patch.name));
   for (const auto& pair : pairs) {
     const auto equals = pair.find('=');
-    if (equals == std::string::npos) throw Error("--tie: expected PATCH=SURFACE, found \"" + pair + "\"");
-    const auto surface = pair.substr(equals + 1);
-    if (surfaces.find(surface) == nullptr)
-      throw Error("--tie " + pair + ": expected the name of a surface, found \"" + surface + "\"");
-    patch_named(mesh, pair.substr(0, equals)).surface = surface;
+    if (equals == std::string::npos) throw Error(fmt::format("--tie: expected PATCH=SURFACE, found \"{}\"", pair));
+    const auto name = pair.substr(equals + 1);
+    const int surface = surfaces.index_of(name);
+    if (surface < 0) throw Error(fmt::format("--tie {}: expected the name of a surface, found \"{}\"", pair, name));
+    result[static_cast<std::size_t>(patch_named(info, pair.substr(0, equals)))] = surface;
   }
-  for (std::size_t i = 0; i < surfaces.name.size(); ++i)
-    if (std::none_of(mesh.info.patches.begin(), mesh.info.patches.end(),
-                     [&](const auto& patch) { return patch.surface == surfaces.name[i]; }))
-      throw Error(surfaces.described_at[i] + ": surface \"" + surfaces.name[i] +
-                  "\": expected a patch that lies on it (of the same name, or by --tie), found none");
+  for (int i = 0; i < surfaces.size(); ++i)
+    if (std::find(result.begin(), result.end(), i) == result.end())
+      throw Error(
+          fmt::format("{}: surface \"{}\": expected a patch that lies on it (of the same name, or by --tie), "
+                      "found none",
+                      surfaces.described_at[static_cast<std::size_t>(i)], surfaces.name[static_cast<std::size_t>(i)]));
+  return result;
 }
 
 std::string toml_text(const std::string& text) {
@@ -65,7 +72,7 @@ std::string toml_text(const std::string& text) {
 }
 
 /// What the command line says about the creases of its files.
-std::string crease_keys(const TieRequest& request) {
+std::string crease_keys(const AssociationRequest& request) {
   std::string text;
   if (request.feature_angle >= 0) text += fmt::format("feature_angle = {}\n", request.feature_angle);
   if (request.creases.empty()) return text;
@@ -79,24 +86,43 @@ std::string crease_keys(const TieRequest& request) {
   return text + "]\n";
 }
 
-/// The surfaces asked for as text and data.
-struct Described {
-  std::string toml;
-  std::vector<geometry::Triangulation> triangulations;
-};
-
-Described describe(const TieRequest& request) {
-  Described result{request.toml, geometry::triangulations_of_toml(request.toml, request.file)};
-  for (const auto& [patch, file] : request.files) {
-    auto surface = geometry::read_triangulation(file);
-    surface.name = patch;
-    result.triangulations.push_back(std::move(surface));
-    if (!result.toml.empty() && result.toml.back() != '\n') result.toml += '\n';
-    result.toml += "[[surface]]\nname = " + toml_text(patch) +
-                   "\nkind = \"triangulation\"\nfile = " + toml_text(std::filesystem::path(file).filename().string()) +
-                   "\n" + crease_keys(request);
+/// Adds the surface of one of the files of triangles, named as its patch.
+void add_file(const AssociationRequest& request, const std::string& patch, const std::string& file,
+              geometry::SurfaceSet& set) {
+  auto triangles = geometry::read_triangulation(file);
+  triangles.name = patch;
+  auto data = std::make_shared<const geometry::Triangulation>(std::move(triangles));
+  geometry::Triangulated::Options options;
+  if (request.feature_angle >= 0) options.crease.angle = request.feature_angle;
+  options.crease.given = request.creases;
+  try {
+    set.add(patch, "--surface " + file, std::make_shared<geometry::Triangulated>(data, options));
+  } catch (const Error& error) {
+    throw Error(fmt::format("--surface {}: {}", file, error.what()));
   }
-  return result;
+  set.triangulations.push_back(std::move(data));
+  if (!set.toml.empty() && set.toml.back() != '\n') set.toml += '\n';
+  set.toml += fmt::format("[[surface]]\nname = {}\nkind = \"triangulation\"\nfile = {}\n{}", toml_text(patch),
+                          toml_text(std::filesystem::path(file).filename().string()), crease_keys(request));
+}
+
+geometry::SurfaceSet read_surfaces(const AssociationRequest& request) {
+  auto set = geometry::surfaces_with_files(request.toml, request.file);
+  for (const auto& [patch, file] : request.files) add_file(request, patch, file, set);
+  return set;
+}
+
+/// Gives the patches their new surfaces. Those that the mesh has are kept where a patch still lies on one.
+void put_surfaces(const geometry::SurfaceSet& asked_for, const std::vector<int>& assigned, mesh::MeshInfo& info) {
+  bool keeps_old = false;
+  for (std::size_t p = 0; p < assigned.size(); ++p)
+    keeps_old = keeps_old || (assigned[p] < 0 && info.patches[p].surface >= 0);
+  auto set = keeps_old ? *info.surfaces : geometry::SurfaceSet{};
+  const int first_new = set.size();
+  set.append(asked_for);
+  info.surfaces = std::make_shared<const geometry::SurfaceSet>(std::move(set));
+  for (std::size_t p = 0; p < assigned.size(); ++p)
+    if (assigned[p] >= 0) info.patches[p].surface = first_new + assigned[p];
 }
 
 /// Local nodes of a patch.
@@ -112,9 +138,9 @@ std::vector<LocalId> nodes_of(const mesh::DistMesh& mesh, int patch) {
   return nodes;
 }
 
-/// Adds distances to the ledger: of each node the largest that any rank knows, because a rank sees only the patches
-/// round its own cells. Collective.
-void put_into_ledger(const par::Comm& comm, mesh::DistMesh& mesh, const std::vector<double>& off) {
+/// Writes the distances as the field `off_surface`: of each node the largest that any rank knows, because a rank sees
+/// only the patches round its own cells. Collective.
+void write_off_surface(const par::Comm& comm, mesh::DistMesh& mesh, const std::vector<double>& off) {
   if (!comm.any(std::any_of(off.begin(), off.end(), [](double d) { return d > 0; }))) return;
   struct Entry {
     GlobalId row;
@@ -132,79 +158,64 @@ void put_into_ledger(const par::Comm& comm, mesh::DistMesh& mesh, const std::vec
     here = std::max(here, entry.distance);
   }
   auto all = par::fetch_rows<double>(comm, mesh.info.node_ids(), rows, 1, mesh.node_global);
-  std::erase_if(mesh.node_fields, [](const auto& field) { return field.name == ledger_field; });
-  mesh.node_fields.push_back({ledger_field, mesh.info.length_unit, 1, mesh::StorageType::float64, std::move(all)});
+  std::erase_if(mesh.node_fields, [](const auto& field) { return field.name == off_surface_field; });
+  mesh.node_fields.push_back({off_surface_field, mesh.info.length_unit, 1, mesh::StorageType::float64, std::move(all)});
 }
 
 /// Measures one patch and notes its nodes that are off. Collective.
-Tie measure(const par::Comm& comm, const mesh::DistMesh& mesh, int patch, const geometry::Surface& surface,
-            double tolerance, double size, std::vector<double>& off) {
+Association measure(const par::Comm& comm, const mesh::DistMesh& mesh, int patch, double tolerance, double size,
+                    std::vector<double>& off) {
   const auto& info = mesh.info.patches[static_cast<std::size_t>(patch)];
-  Tie tie{info.name, info.surface, 0, -1, 0, {}};
+  const auto& surface = *mesh.info.surface_of(patch);
+  Association result{info.name, mesh.info.surface_name(info), 0, -1, 0, {}};
   for (const auto node : nodes_of(mesh, patch)) {
     const auto p = mesh.point(node);
     const double distance = surface.distance(p);
     const double limit = tolerance >= 0 ? tolerance : 1e-6 * size + 1.5 * surface.facet_deviation(p);
-    tie.worst_distance = std::max(tie.worst_distance, distance);
-    tie.worst_excess = std::max(tie.worst_excess, distance - limit);
+    result.worst_distance = std::max(result.worst_distance, distance);
+    result.worst_excess = std::max(result.worst_excess, distance - limit);
     if (!(distance > 1e-12 * size)) continue;
-    ++tie.n_off;
+    ++result.n_off;
     auto& here = off[static_cast<std::size_t>(node)];
     here = std::max(here, distance);
   }
   if (surface.has_creases()) {
     std::vector<double> off_crease(off.size(), 0.0);
-    tie.creases = fit_creases(comm, mesh, patch, surface, off_crease);
+    result.creases = fit_creases(comm, mesh, patch, surface, off_crease);
     for (std::size_t n = 0; n < off.size(); ++n)
       if (off_crease[n] > 1e-12 * size) off[n] = std::max(off[n], off_crease[n]);
   }
-  tie.worst_distance = comm.max(tie.worst_distance);
-  tie.worst_excess = comm.max(tie.worst_excess);
-  tie.n_off = comm.sum(tie.n_off);
-  return tie;
+  result.worst_distance = comm.max(result.worst_distance);
+  result.worst_excess = comm.max(result.worst_excess);
+  result.n_off = comm.sum(result.n_off);
+  return result;
 }
 
 }  // namespace
 
-std::vector<Tie> tie_patches(const par::Comm& comm, mesh::DistMesh& mesh, const TieRequest& request) {
-  geometry::SurfaceSet surfaces;
-  std::vector<std::string> asked_for;
-  const auto old_toml = mesh.info.surfaces_toml;
+std::vector<Association> associate_surfaces(const par::Comm& comm, mesh::DistMesh& mesh,
+                                            const AssociationRequest& request) {
+  std::vector<int> assigned;
   par::agree(comm, [&] {
-    auto described = describe(request);
-    surfaces = geometry::surfaces_from_toml(described.toml, request.file, described.triangulations);
+    const auto asked_for = read_surfaces(request);
     auto pairs = request.pairs;
     for (const auto& [patch, file] : request.files) pairs.push_back(patch + "=" + patch);
-    name_surfaces(mesh, surfaces, pairs);
-    asked_for = surfaces.name;
-    const bool keeps_old = std::any_of(mesh.info.patches.begin(), mesh.info.patches.end(), [&](const auto& patch) {
-      return !patch.surface.empty() && surfaces.find(patch.surface) == nullptr;
-    });
-    if (keeps_old) {
-      described.toml = old_toml + (old_toml.empty() || old_toml.back() == '\n' ? "" : "\n") + described.toml;
-      for (auto& data : mesh.info.triangulations) described.triangulations.push_back(std::move(data));
-      surfaces = geometry::surfaces_from_toml(described.toml, "surfaces of the mesh and " + request.file,
-                                              described.triangulations);
-    }
-    mesh.info.surfaces_toml = std::move(described.toml);
-    mesh.info.triangulations = std::move(described.triangulations);
+    assigned = assigned_surfaces(mesh.info, asked_for, pairs);
+    put_surfaces(asked_for, assigned, mesh.info);
   });
   const double size = size_of(comm, mesh);
   std::vector<double> off(mesh.node_position.size(), 0.0);
-  std::vector<Tie> ties;
-  for (std::size_t p = 0; p < mesh.info.patches.size(); ++p) {
-    const auto& name = mesh.info.patches[p].surface;
-    if (std::find(asked_for.begin(), asked_for.end(), name) != asked_for.end())
-      ties.push_back(measure(comm, mesh, static_cast<int>(p), *surfaces.find(name), request.tolerance, size, off));
-  }
-  for (const auto& tie : ties)
-    if (tie.worst_excess > 0)
+  std::vector<Association> result;
+  for (std::size_t p = 0; p < assigned.size(); ++p)
+    if (assigned[p] >= 0) result.push_back(measure(comm, mesh, static_cast<int>(p), request.tolerance, size, off));
+  for (const auto& one : result)
+    if (one.worst_excess > 0)
       throw Error(
           fmt::format("patch '{}': expected nodes within {:.6g} of surface \"{}\", found some as far as {:.6g} "
                       "from it (--tolerance sets the bound)",
-                      tie.patch, tie.worst_distance - tie.worst_excess, tie.surface, tie.worst_distance));
-  put_into_ledger(comm, mesh, off);
-  return ties;
+                      one.patch, one.worst_distance - one.worst_excess, one.surface, one.worst_distance));
+  write_off_surface(comm, mesh, off);
+  return result;
 }
 
 }  // namespace pamr::meshing

@@ -13,17 +13,17 @@
 
 namespace pamr::meshing {
 
-/// How far the nodes of a patch lie from its surface.
-struct Tie {
+/// How far the nodes of a patch lie from the surface that it was associated with.
+struct Association {
   std::string patch, surface;
   double worst_distance = 0;
   double worst_excess = -1;          ///< largest distance over the tolerance
-  std::int64_t n_off = 0;            ///< nodes off it that went into the ledger, counted on every rank that holds them
+  std::int64_t n_off = 0;            ///< nodes off it, counted on every rank that holds them
   std::optional<CreaseFit> creases;  ///< where the surface has sharp edges inside
 };
 
-/// Surfaces to tie patches to.
-struct TieRequest {
+/// Surfaces to associate patches with.
+struct AssociationRequest {
   std::string toml;                ///< describes surfaces (docs/surfaces.md); may be empty
   std::string file;                ///< where it comes from: begins errors, and file names in it count from its folder
   std::vector<std::string> pairs;  ///< PATCH=SURFACE
@@ -33,13 +33,18 @@ struct TieRequest {
   double tolerance = -1;                                   ///< length units; negative: the default
 };
 
-/// Gives patches their surfaces: a patch of the same name as a surface is tied without being named. Surfaces that the
-/// mesh has already are kept while a patch lies on one. Nodes on the patches that are not on their surfaces to 1e-12 of
-/// the mesh's size go into the ledger (nodal field `off_surface`), so that the next refinement brings them there, and
-/// so do nodes of edges along sharp edges inside a surface (`fit_creases`) that are off these.
+/// Gives patches their surfaces and says how far their nodes lie off them.
+///
+/// - A patch of the same name as a surface lies on it without being named in `pairs`.
+/// - Surfaces that the mesh has already are kept while a patch lies on one.
+/// - Nodes that are off their surface by more than 1e-12 of the mesh's size get their distance in the nodal field
+///   `off_surface`: the next refinement moves them there. So do nodes of edges along sharp edges inside a surface
+///   (`fit_creases`) that are off these.
+///
 /// Collective. Throws `Error` on every rank for bad text or files, names that are not there, surfaces that no patch
 /// uses, and when a node lies farther from its surface than the tolerance: 1e-6 of the mesh's size unless given, and
 /// for triangulated surfaces 1.5 times the distance between the facets and the smooth surface there on top.
-std::vector<Tie> tie_patches(const par::Comm& comm, mesh::DistMesh& mesh, const TieRequest& request);
+std::vector<Association> associate_surfaces(const par::Comm& comm, mesh::DistMesh& mesh,
+                                            const AssociationRequest& request);
 
 }  // namespace pamr::meshing

@@ -21,20 +21,16 @@ constexpr std::size_t at(std::int64_t i) { return static_cast<std::size_t>(i); }
 constexpr double look_ahead = 0.01;    ///< where along an edge the wall's normal is asked for
 constexpr double least_cosine = 0.95;  ///< between the normals along two edges of one smooth wall
 
-/// The curved surfaces of a mesh, and which of them each patch is tied to.
+/// The curved surfaces of a mesh, and which of them each patch lies on.
 struct Walls {
-  geometry::SurfaceSet surfaces;
   std::vector<const geometry::Surface*> curved;
   std::vector<int> of_patch;  ///< entry of `curved`, -1: none
 };
 
-Walls curved_walls(const par::Comm& comm, const mesh::MeshInfo& info) {
+Walls curved_walls(const mesh::MeshInfo& info) {
   Walls walls;
-  par::agree(comm, [&] {
-    walls.surfaces = geometry::surfaces_from_toml(info.surfaces_toml, "surfaces of the mesh", info.triangulations);
-  });
   for (const auto& patch : info.patches) {
-    const auto* surface = walls.surfaces.find(patch.surface);
+    const auto* surface = info.surfaces->get(patch.surface);
     if (surface == nullptr || surface->is_flat()) {
       walls.of_patch.push_back(-1);
       continue;
@@ -160,7 +156,7 @@ void sort_unique(std::vector<T>& items) {
 
 WallEars find_wall_ears(const par::Comm& comm, const mesh::DistMesh& mesh) {
   WallEars ears;
-  const auto walls = curved_walls(comm, mesh.info);
+  const auto walls = curved_walls(mesh.info);
   if (walls.curved.empty()) return ears;
 
   const auto bits = walls_of_nodes(comm, mesh, walls);

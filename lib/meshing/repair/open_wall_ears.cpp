@@ -194,8 +194,7 @@ struct Limit {
 /// Moves nodes inside to where the cells at them are best.
 class Improver {
  public:
-  Improver(const mesh::MeshInfo& info, const geometry::SurfaceSet& surfaces, std::vector<Mover>& movers,
-           std::vector<Piece> pieces)
+  Improver(const mesh::MeshInfo& info, std::vector<Mover>& movers, std::vector<Piece> pieces)
       : movers_(movers), pieces_(std::move(pieces)), pieces_of_(movers.size()), limits_of_(movers.size()) {
     std::map<GlobalId, std::size_t> mover_of;
     for (std::size_t n = 0; n < movers.size(); ++n) mover_of[movers[n].node] = n;
@@ -205,7 +204,7 @@ class Improver {
         if (mover == mover_of.end()) continue;
         pieces_of_[mover->second].push_back(i);
         if (pieces_[i].patch[slot] == inside) continue;
-        const auto* surface = surfaces.find(info.patches[at(pieces_[i].patch[slot])].surface);
+        const auto* surface = info.surface_of(pieces_[i].patch[slot]);
         if (surface != nullptr && !surface->is_flat()) add_limits(*surface, i, slot, limits_of_[mover->second]);
       }
   }
@@ -411,9 +410,7 @@ void improve(mesh::DistMesh& mesh, const std::map<GlobalId, std::vector<Piece>>&
   for (std::size_t s = 0; s < splits.size(); ++s)
     movers.push_back({first_new + static_cast<GlobalId>(s), splits[s].point, true});
   for (const auto node : inner) movers.push_back({node, point.at(node), false});
-  const auto surfaces =
-      geometry::surfaces_from_toml(mesh.info.surfaces_toml, "surfaces of the mesh", mesh.info.triangulations);
-  Improver(mesh.info, surfaces, movers, std::move(pieces)).run();
+  Improver(mesh.info, movers, std::move(pieces)).run();
 
   for (std::size_t s = 0; s < splits.size(); ++s) splits[s].point = movers[s].point;
   for (std::size_t n = 0; n < mesh.node_position.size(); ++n) {

@@ -31,19 +31,6 @@ void require_flags(const par::Comm& comm, const mesh::DistMesh& mesh, std::span<
   });
 }
 
-geometry::SurfaceSet read_surfaces(const par::Comm& comm, const mesh::DistMesh& mesh, const refine::Options& options) {
-  geometry::SurfaceSet surfaces;
-  par::agree(comm, [&] {
-    if (!options.project) return;
-    surfaces = geometry::surfaces_from_toml(mesh.info.surfaces_toml, "surfaces of the mesh", mesh.info.triangulations);
-    for (const auto& patch : mesh.info.patches)
-      if (!patch.surface.empty() && surfaces.find(patch.surface) == nullptr)
-        throw Error("patch \"" + patch.name + "\" lies on surface \"" + patch.surface +
-                    "\": expected a surface of that name in the mesh, found none");
-  });
-  return surfaces;
-}
-
 /// Old nodes where they are, new ones where they are meant to lie.
 std::vector<geometry::Vec3> place_nodes(const mesh::DistMesh& mesh, const refine::Numbering& numbering,
                                         const std::vector<refine::Movable>& movables) {
@@ -91,16 +78,12 @@ par::Pattern share_nodes(const mesh::Borders& borders, const refine::Closure& cl
   return shared;
 }
 
-/// Of each patch whether new nodes on it will be moved: not where its surface is flat, missing or unknown.
+/// Of each patch whether new nodes on it will be moved: not where it has no surface or a flat one.
 std::vector<bool> curved_patches(const mesh::DistMesh& mesh, const refine::Options& options) {
   std::vector<bool> is_curved(mesh.info.patches.size(), false);
   if (!options.project) return is_curved;
-  try {
-    const auto surfaces = geometry::surfaces_from_toml(mesh.info.surfaces_toml, "", mesh.info.triangulations);
-    for (std::size_t p = 0; p < is_curved.size(); ++p)
-      if (const auto* surface = surfaces.find(mesh.info.patches[p].surface)) is_curved[p] = !surface->is_flat();
-  } catch (const Error&) {  // told by the refinement, not by its forecast
-  }
+  for (std::size_t p = 0; p < is_curved.size(); ++p)
+    if (const auto* surface = mesh.info.surface_of(static_cast<int>(p))) is_curved[p] = !surface->is_flat();
   return is_curved;
 }
 
@@ -202,7 +185,7 @@ RefineResult run(const par::Comm& comm, const mesh::DistMesh& mesh, mesh::DistMe
   const auto traffic_before = comm.traffic();
   RefineResult result;
   require_flags(comm, mesh, flags);
-  const auto surfaces = read_surfaces(comm, mesh, options);
+  const auto surfaces = options.project ? mesh.info.surfaces : geometry::no_surfaces();
   auto borders = mesh::find_borders(comm, mesh);
   timer.lap("preprocessing");
 
@@ -213,7 +196,7 @@ RefineResult run(const par::Comm& comm, const mesh::DistMesh& mesh, mesh::DistMe
   if (consumed != nullptr)
     result.report.balance = balance_parents(comm, *consumed, borders, closure, flags, balancing, timer);
   timer.lap("balance");
-  split(comm, mesh, consumed, borders, closure, surfaces, options, timer, result);
+  split(comm, mesh, consumed, borders, closure, *surfaces, options, timer, result);
   result.report.steps = timer.steps();
   result.report.traffic = comm.traffic() - traffic_before;
   return result;

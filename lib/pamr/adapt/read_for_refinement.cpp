@@ -50,8 +50,9 @@ std::optional<GlobalId> first_cell_to_read(const par::Comm& comm, io::NativeFile
   return balance::first_cell_of_run(comm, balance::work_from_marks(cell_to_node, file.read_integers(marks, later)));
 }
 
-BlockMesh read_block(const par::Comm& comm, const std::filesystem::path& path, const std::string& marks) {
-  io::NativeFile file(comm, path);
+BlockMesh read_block(const par::Comm& comm, const std::filesystem::path& path, const ReadingOptions& options) {
+  const auto& marks = options.marks_field;
+  io::NativeFile file(comm, path, {.build_surfaces = options.build_surfaces});
   const auto work = balance::work_field(marks);
   return file.read(first_cell_to_read(comm, file, marks), file.has_integers(work) ? work : std::string());
 }
@@ -85,7 +86,7 @@ Ordering ordering_named(const std::string& name) {
 
 mesh::DistMesh read_for_refinement(const par::Comm& comm, const std::filesystem::path& file,
                                    const ReadingOptions& options, StepTimer& timer) {
-  auto block = read_block(comm, file, options.marks_field);
+  auto block = read_block(comm, file, options);
   timer.lap("read");
   const bool reorder = options.ordering == Ordering::curve ||
                        (options.ordering == Ordering::automatic && !order::is_ordered(comm, block));

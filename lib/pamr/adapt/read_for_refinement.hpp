@@ -23,7 +23,8 @@ Ordering ordering_named(const std::string& name);
 struct ReadingOptions {
   std::string marks_field = "refine";  ///< integer cell field, 1 for a cell to be refined; without it cells count alike
   Ordering ordering = Ordering::automatic;
-  Balancing balancing = {};  ///< whose field of weights is checked
+  Balancing balancing = {};    ///< whose field of weights is checked
+  bool build_surfaces = true;  ///< see `io::ReadOptions`
 };
 
 /// Cell field with the number of each cell in the file, where the mesh was put in order; no field in a file can have

@@ -92,7 +92,7 @@ mesh::DistMesh assemble(const par::Comm& comm, mesh::BlockMesh block, std::span<
     const auto owners = find_owners(comm, mesh.info.cell_ids(), mesh.cell_global, contents);
     link_neighbors(comm, mesh, std::move(cells.neighbor), owners);
   } else {
-    if (mesh.info.patches.empty()) mesh.info.patches.push_back({"boundary", "patch", ""});
+    if (mesh.info.patches.empty()) mesh.info.patches.push_back({"boundary", "patch"});
     build_neighbors(comm, mesh);
   }
   fetch_nodes(comm, mesh, block);

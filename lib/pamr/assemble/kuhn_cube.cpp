@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "pamr/base/error.hpp"
+#include "pamr/geometry/described_surface.hpp"
 
 namespace pamr::assemble {
 
@@ -59,16 +60,17 @@ std::array<GlobalId, 4> path_neighbors(const Grid& grid, const std::array<Global
 
 void describe_boundary(mesh::MeshInfo& info) {
   constexpr std::array<const char*, 6> name{"xmin", "xmax", "ymin", "ymax", "zmin", "zmax"};
-  constexpr std::array<const char*, 6> point{"[0.0, 0.0, 0.0]", "[1.0, 0.0, 0.0]", "[0.0, 0.0, 0.0]",
-                                             "[0.0, 1.0, 0.0]", "[0.0, 0.0, 0.0]", "[0.0, 0.0, 1.0]"};
-  constexpr std::array<const char*, 6> normal{"[-1.0, 0.0, 0.0]", "[1.0, 0.0, 0.0]",  "[0.0, -1.0, 0.0]",
-                                              "[0.0, 1.0, 0.0]",  "[0.0, 0.0, -1.0]", "[0.0, 0.0, 1.0]"};
+  std::vector<geometry::DescribedSurface> sides;
   for (std::size_t i = 0; i < name.size(); ++i) {
-    info.patches.push_back({name[i], "patch", name[i]});
-    for (const auto* text : {"[[surface]]\nname = \"", name[i], "\"\nkind = \"plane\"\npoint = ", point[i],
-                             "\nnormal = ", normal[i], "\n\n"})
-      info.surfaces_toml += text;
+    geometry::Vec3 point, outward;
+    (i < 2 ? outward.x : i < 4 ? outward.y : outward.z) = i % 2 == 0 ? -1 : 1;
+    if (i % 2 == 1) point = outward;
+    info.patches.push_back({name[i], "patch", static_cast<int>(i)});
+    sides.push_back(geometry::described_plane(name[i], geometry::whole(point), geometry::whole(outward)));
   }
+  auto surfaces = geometry::set_of(sides, "Kuhn cube");
+  surfaces.toml += '\n';
+  info.surfaces = std::make_shared<const geometry::SurfaceSet>(std::move(surfaces));
 }
 
 }  // namespace

@@ -65,17 +65,6 @@ double angle_between(geometry::Vec3 a, geometry::Vec3 b) {
   return std::atan2(across, along) * 180 / std::numbers::pi;
 }
 
-std::vector<const geometry::Surface*> surfaces_of(const mesh::DistMesh& mesh, const geometry::SurfaceSet& surfaces) {
-  std::vector<const geometry::Surface*> result;
-  for (const auto& patch : mesh.info.patches) {
-    result.push_back(patch.surface.empty() ? nullptr : surfaces.find(patch.surface));
-    if (!patch.surface.empty() && result.back() == nullptr)
-      throw Error("patch \"" + patch.name + "\" lies on surface \"" + patch.surface +
-                  "\": expected a surface of that name in the mesh, found none");
-  }
-  return result;
-}
-
 /// Patch of a face slot; -1 when the slot is no patch of the mesh.
 std::ptrdiff_t patch_of(const mesh::DistMesh& mesh, LocalId slot) {
   if (slot >= 0) return -1;
@@ -120,10 +109,10 @@ double bounding_box_diagonal(const par::Comm& comm, const mesh::DistMesh& mesh) 
   return geometry::norm({high[0] - low[0], high[1] - low[1], high[2] - low[2]});
 }
 
-std::vector<PatchReport> measure_patches(const par::Comm& comm, const mesh::DistMesh& mesh,
-                                         const geometry::SurfaceSet& surfaces, double tolerance) {
-  const auto surface = surfaces_of(mesh, surfaces);  // the same names on every rank: all throw or none
+std::vector<PatchReport> measure_patches(const par::Comm& comm, const mesh::DistMesh& mesh, double tolerance) {
   const std::size_t n_patches = mesh.info.patches.size();
+  std::vector<const geometry::Surface*> surface;
+  for (const auto& patch : mesh.info.patches) surface.push_back(mesh.info.surfaces->get(patch.surface));
   std::vector<par::ExactSum> area(n_patches), turned_area(n_patches);
   std::vector<double> worst_turn(n_patches, 0);
   std::vector<std::int64_t> faces(n_patches, 0);
@@ -164,8 +153,8 @@ std::vector<PatchReport> measure_patches(const par::Comm& comm, const mesh::Dist
     const auto& info = mesh.info.patches[patch];
     const double worst_of_all = comm.max(worst[patch]);
     const double mean_turn = total_area[patch] > 0 ? total_turn[patch] / total_area[patch] : 0;
-    reports.push_back({info.name, info.surface, faces[patch], total_area[patch], worst_of_all, off_nodes[patch],
-                       mean_turn, comm.max(worst_turn[patch])});
+    reports.push_back({info.name, mesh.info.surface_name(info), faces[patch], total_area[patch], worst_of_all,
+                       off_nodes[patch], mean_turn, comm.max(worst_turn[patch])});
   }
   return reports;
 }

@@ -27,13 +27,11 @@ struct PatchReport {
 /// Length of the diagonal of the box round all nodes; 0 for a mesh without nodes. Collective: six reductions.
 double bounding_box_diagonal(const par::Comm& comm, const mesh::DistMesh& mesh);
 
-/// Measures every patch, in the order of the mesh's patches. `surfaces` holds the surfaces that the patches name;
-/// `tolerance` (length unit) is the distance beyond which a node counts as off its surface. Areas are exact sums
-/// rounded once: the same bits for every number of ranks. Collective: a sparse exchange of the off-surface nodes and
-/// reductions. Throws `Error` on every rank when a patch names a surface that is not among `surfaces`.
+/// Measures every patch, in the order of the mesh's patches. `tolerance` (length unit) is the distance beyond which a
+/// node counts as off its surface. Areas are exact sums rounded once: the same bits for every number of ranks.
+/// Collective: a sparse exchange of the off-surface nodes and reductions.
 /// Cost: one distance per node and patch, and one normal per triangle, of this rank's boundary.
-std::vector<PatchReport> measure_patches(const par::Comm& comm, const mesh::DistMesh& mesh,
-                                         const geometry::SurfaceSet& surfaces, double tolerance);
+std::vector<PatchReport> measure_patches(const par::Comm& comm, const mesh::DistMesh& mesh, double tolerance);
 
 /// Nodes that refinement could not bring onto their surface, as the nodal field `off_surface` tells (distance left,
 /// length unit; 0: on it).

@@ -98,10 +98,17 @@ void compare_counts(const mesh::MeshInfo& a, const mesh::MeshInfo& b, Comparison
 void take_notes(const mesh::MeshInfo& a, const mesh::MeshInfo& b, Comparison& result) {
   if (a.length_unit != b.length_unit)
     result.notes.push_back(fmt::format("length unit \"{}\" and \"{}\"", a.length_unit, b.length_unit));
-  if (a.patches != b.patches) result.notes.emplace_back("another list of patches, or other kinds or surfaces of them");
+  const auto same_patch = [&](const mesh::Patch& p, const mesh::Patch& q) {
+    return p.name == q.name && p.kind == q.kind && a.surface_name(p) == b.surface_name(q);
+  };
+  if (!std::equal(a.patches.begin(), a.patches.end(), b.patches.begin(), b.patches.end(), same_patch))
+    result.notes.emplace_back("another list of patches, or other kinds or surfaces of them");
   if (a.regions != b.regions) result.notes.emplace_back("other names of regions");
-  if (a.triangulations != b.triangulations) result.notes.emplace_back("another list of triangulated surfaces");
-  if (a.surfaces_toml != b.surfaces_toml) result.notes.emplace_back("another description of the surfaces");
+  const auto same = [](const auto& x, const auto& y) { return *x == *y; };
+  const auto &data_a = a.surfaces->triangulations, &data_b = b.surfaces->triangulations;
+  if (!std::equal(data_a.begin(), data_a.end(), data_b.begin(), data_b.end(), same))
+    result.notes.emplace_back("another list of triangulated surfaces");
+  if (a.surfaces->toml != b.surfaces->toml) result.notes.emplace_back("another description of the surfaces");
 }
 
 /// Names of the patches of both meshes numbered together, from 1.

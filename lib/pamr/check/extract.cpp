@@ -90,7 +90,7 @@ mesh::DistMesh extract_cells(const par::Comm& comm, const mesh::DistMesh& mesh, 
   mesh::BlockMesh block;
   block.info.n_global_nodes = new_node.n;
   block.info.n_global_cells = new_cell.n;
-  block.info.patches = {{"cut", "", ""}};
+  block.info.patches = {{"cut", ""}};
   block.info.length_unit = mesh.info.length_unit;
   block.first_cell = par::block_range(new_cell.n, comm.rank(), comm.size()).begin;
   const auto corner = par::scatter_rows<GlobalId>(comm, new_cell.n, new_node.new_id, 4, new_cell.new_id);

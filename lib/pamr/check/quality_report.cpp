@@ -53,8 +53,7 @@ void count_levels(const par::Comm& comm, const mesh::DistMesh& mesh, QualityRepo
 
 }  // namespace
 
-QualityReport report_quality(const par::Comm& comm, const mesh::DistMesh& mesh, const geometry::SurfaceSet& surfaces,
-                             const QualityOptions& options) {
+QualityReport report_quality(const par::Comm& comm, const mesh::DistMesh& mesh, const QualityOptions& options) {
   constexpr std::array<std::string_view, 6> conformity{"ids_in_range", "unique_cells",   "distinct_corners",
                                                        "conforming",   "border_matches", "boundary_manifold"};
   constexpr std::array<std::string_view, 5> consistency{"ids_in_range", "patches_in_range", "neighbors_reciprocal",
@@ -67,7 +66,7 @@ QualityReport report_quality(const par::Comm& comm, const mesh::DistMesh& mesh, 
   report.neighbors_consistent = !is_broken(report.violations, consistency);
   measure_volume(comm, mesh, report);
   report.bounding_box_diagonal = bounding_box_diagonal(comm, mesh);
-  report.patches = measure_patches(comm, mesh, surfaces, options.off_surface_tolerance * report.bounding_box_diagonal);
+  report.patches = measure_patches(comm, mesh, options.off_surface_tolerance * report.bounding_box_diagonal);
   report.metrics = measure_cells(comm, mesh);
   count_levels(comm, mesh, report);
   report.ledger = read_ledger(comm, mesh);

@@ -39,11 +39,9 @@ struct QualityReport {
   bool is_valid() const { return violations.empty() && inverted_cells == 0; }
 };
 
-/// Measures a mesh; never throws because the mesh is bad. `surfaces` holds the surfaces that the patches name.
+/// Measures a mesh; never throws because the mesh is bad.
 /// Every number is the same for every number of ranks, partition and order of the cells, to the last bit.
-/// Collective. O(cells) and what `validate::validate` takes. Throws `Error` on every rank when a patch names a surface
-/// that is not there.
-QualityReport report_quality(const par::Comm& comm, const mesh::DistMesh& mesh, const geometry::SurfaceSet& surfaces,
-                             const QualityOptions& options = {});
+/// Collective. O(cells) and what `validate::validate` takes.
+QualityReport report_quality(const par::Comm& comm, const mesh::DistMesh& mesh, const QualityOptions& options = {});
 
 }  // namespace pamr::check

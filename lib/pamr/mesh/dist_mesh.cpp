@@ -27,14 +27,22 @@ std::size_t fields_bytes(const std::vector<Field>& fields) {
 
 }  // namespace
 
+const geometry::Surface* MeshInfo::surface_of(int patch) const {
+  return surfaces->get(patches[static_cast<std::size_t>(patch)].surface);
+}
+
+std::string MeshInfo::surface_name(const Patch& patch) const {
+  return patch.surface < 0 ? std::string() : surfaces->name[static_cast<std::size_t>(patch.surface)];
+}
+
 const CellField* DistMesh::find_cell_field(std::string_view name) const { return find_by_name(cell_fields, name); }
 CellField* DistMesh::find_cell_field(std::string_view name) { return find_by_name(cell_fields, name); }
 const NodeField* DistMesh::find_node_field(std::string_view name) const { return find_by_name(node_fields, name); }
 
 std::size_t bytes_at_rest(const DistMesh& m) {
   std::size_t bytes = 0;
-  for (const auto& surface : m.info.triangulations)
-    bytes += capacity_bytes(surface.points) + capacity_bytes(surface.triangles);
+  for (const auto& surface : m.info.surfaces->triangulations)
+    bytes += capacity_bytes(surface->points) + capacity_bytes(surface->triangles);
   return bytes + capacity_bytes(m.node_position) + capacity_bytes(m.node_global) + capacity_bytes(m.cell_to_node) +
          capacity_bytes(m.cell_to_cell) + capacity_bytes(m.cell_global) + capacity_bytes(m.lineage) +
          capacity_bytes(m.border_rank) + capacity_bytes(m.border_offset) + capacity_bytes(m.border_face) +

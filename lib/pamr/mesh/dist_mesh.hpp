@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "pamr/base/types.hpp"
+#include "pamr/geometry/surface_set.hpp"
 #include "pamr/geometry/tet_shape.hpp"
-#include "pamr/geometry/triangulated/triangulation.hpp"
 #include "pamr/geometry/vec3.hpp"
 #include "pamr/mesh/field.hpp"
 #include "pamr/mesh/lineage.hpp"
@@ -20,11 +20,11 @@ namespace pamr::mesh {
 using CellNodes = std::array<LocalId, 4>;
 using CellNeighbors = std::array<LocalId, 4>;
 
-/// A named part of the boundary. `surface` names an entry of the mesh's surfaces; empty: nothing to project onto.
+/// A named part of the boundary.
 struct Patch {
   std::string name;
   std::string kind;
-  std::string surface;
+  int surface = -1;  ///< that it lies on, an index into `MeshInfo::surfaces`; -1: none, nothing to project onto
   friend bool operator==(const Patch&, const Patch&) = default;
 };
 
@@ -43,8 +43,8 @@ struct MeshInfo {
   GlobalId n_global_nodes = 0;
   GlobalId n_global_cells = 0;
   std::vector<Patch> patches;
-  std::vector<Region> regions;  ///< those with a name, ascending by number
-  std::string surfaces_toml;
+  std::vector<Region> regions;                                  ///< those with a name, ascending by number
+  geometry::SharedSurfaces surfaces = geometry::no_surfaces();  ///< never null; shared, never changed
   std::string length_unit;
   std::string provenance;
   /// Number of the first cell and of the first node: the global numbers run from here on without gaps. 0 but for parts
@@ -53,9 +53,11 @@ struct MeshInfo {
   /// Known: every face that halves a face of the parent of a whole closure family is so on both of its sides. Set by
   /// refinements that keep it so, and not written to files; where it is not known, the next one looks.
   bool halves_are_paired = false;
-  /// Triangulated surfaces that `surfaces_toml` may refer to, whole on every rank: small beside the mesh.
-  std::vector<geometry::Triangulation> triangulations;
 
+  /// The surface that a patch lies on, or null.
+  const geometry::Surface* surface_of(int patch) const;
+  /// Its name, or an empty text.
+  std::string surface_name(const Patch& patch) const;
   IdRange cell_ids() const { return {n_global_cells, first_id}; }
   IdRange node_ids() const { return {n_global_nodes, first_id}; }
 };

@@ -43,7 +43,7 @@ struct Wings {
 std::vector<bool> patches_with_creases(const mesh::MeshInfo& info, const geometry::SurfaceSet& surfaces) {
   std::vector<bool> has(info.patches.size(), false);
   for (std::size_t p = 0; p < has.size(); ++p)
-    if (const auto* surface = surfaces.find(info.patches[p].surface)) has[p] = surface->has_creases();
+    if (const auto* surface = surfaces.get(info.patches[p].surface)) has[p] = surface->has_creases();
   return has;
 }
 
@@ -101,7 +101,7 @@ SurfacesOfNode surfaces_of_node(const mesh::MeshInfo& info, const geometry::Surf
   on.all_tied = true;
   for (const auto p : patch) {
     if (p < 0) continue;
-    const auto* surface = surfaces.find(info.patches[at(p)].surface);
+    const auto* surface = surfaces.get(info.patches[at(p)].surface);
     if (surface == nullptr)
       on.all_tied = false;
     else if (std::find(on.surface.begin(), on.surface.end(), surface) == on.surface.end())

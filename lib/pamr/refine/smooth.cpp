@@ -154,7 +154,7 @@ std::vector<std::pair<LocalId, const geometry::Surface*>> free_in_planes(const m
                                                                          std::vector<std::uint8_t>& is_free) {
   std::vector<const geometry::Surface*> plane_of_patch;
   for (const auto& patch : info.patches) {
-    const auto* surface = surfaces.find(patch.surface);
+    const auto* surface = surfaces.get(patch.surface);
     plane_of_patch.push_back(surface != nullptr && surface->is_flat() ? surface : nullptr);
   }
   std::vector<std::pair<LocalId, const geometry::Surface*>> in_plane;

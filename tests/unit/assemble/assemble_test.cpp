@@ -152,7 +152,7 @@ TEST(Assemble, BuildsTheNeighborsOfTheSerialTwin) {
     const auto block = test::without_neighbors(test::random_mesh(comm, seed, 3));
     auto expected = test::gather(comm, block);
     expected.cell_to_cell = test::reference_neighbors(expected.cell_to_node);
-    expected.info.patches = {{"boundary", "patch", ""}};
+    expected.info.patches = {{"boundary", "patch"}};
 
     const auto stayed = assemble(comm, block);
     const auto sent = assemble(comm, block, test::random_destinations(comm, block, seed));

@@ -50,8 +50,8 @@ TEST(KuhnCube, PutsEachPatchOnItsPlane) {
 
   for (std::size_t p = 0; p < 6; ++p) {
     EXPECT_EQ(whole.info.patches[p].name, name[p]);
-    EXPECT_EQ(whole.info.patches[p].surface, name[p]);
-    EXPECT_THAT(whole.info.surfaces_toml, testing::HasSubstr("name = \"" + std::string(name[p]) + "\""));
+    EXPECT_EQ(whole.info.surface_name(whole.info.patches[p]), name[p]);
+    EXPECT_THAT(whole.info.surfaces->toml, testing::HasSubstr("name = \"" + std::string(name[p]) + "\""));
   }
   for (std::size_t c = 0; c < whole.cell_to_node.size(); ++c)
     for (std::size_t f = 0; f < 4; ++f) {

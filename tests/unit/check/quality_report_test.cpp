@@ -41,9 +41,7 @@ mesh::DistMesh shaken_cube(const par::Comm& comm, int n, double size) {
   return assemble::assemble(comm, std::move(block), destination);
 }
 
-QualityReport report_of(const par::Comm& comm, const mesh::DistMesh& mesh) {
-  return report_quality(comm, mesh, geometry::surfaces_from_toml(mesh.info.surfaces_toml, "test"));
-}
+QualityReport report_of(const par::Comm& comm, const mesh::DistMesh& mesh) { return report_quality(comm, mesh); }
 
 std::uint64_t bits(double value) { return std::bit_cast<std::uint64_t>(value); }
 
@@ -201,14 +199,6 @@ TEST(QualityReport, SeesAHangingNode) {
   EXPECT_EQ(report_of(comm, hanging).inverted_cells, 0);
   EXPECT_TRUE(report_of(comm, closed).conforming);
   EXPECT_TRUE(report_of(comm, closed).is_valid());
-}
-
-TEST(QualityReport, RefusesAPatchWhoseSurfaceIsMissing) {
-  par::Comm comm(MPI_COMM_WORLD);
-  auto mesh = shaken_cube(comm, 1, 0);
-  mesh.info.patches[2].surface = "sphere of nowhere";
-
-  EXPECT_THROW(report_of(comm, mesh), Error);
 }
 
 TEST(CellMetrics, AreBestForTheRegularTetrahedron) {

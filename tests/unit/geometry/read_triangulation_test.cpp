@@ -12,6 +12,7 @@
 
 #include "pamr/base/error.hpp"
 #include "pamr/geometry/surface.hpp"
+#include "pamr/geometry/surface_toml.hpp"
 #include "pamr/geometry/triangulated/triangulated_surface.hpp"
 #include "support/triangulations.hpp"
 
@@ -156,16 +157,17 @@ TEST(SurfacesFromToml, TakesTrianglesFromFilesBesideTheTextOrFromTheMesh) {
   std::ofstream(folder / "ball.off") << ::pamr::testing::as_off(::pamr::testing::icosphere(2));
   const std::string text = "[[surface]]\nname = \"ball\"\nkind = \"triangulation\"\nfile = \"ball.off\"\n";
 
-  const auto data = triangulations_of_toml(text, (folder / "case.toml").string());
+  const auto read = surfaces_with_files(text, (folder / "case.toml").string());
   std::filesystem::remove_all(folder);
-  const auto set = surfaces_from_toml(text, "mesh", data);
+  const auto set = surfaces_from_toml(read.toml, "mesh", read.triangulations);
 
-  ASSERT_EQ(data.size(), 1U);
-  EXPECT_EQ(data[0].name, "ball");
+  ASSERT_EQ(set.triangulations.size(), 1U);
+  EXPECT_EQ(set.triangulations[0]->name, "ball");
   EXPECT_NEAR(norm(set.find("ball")->project({2, 1, 0.5})), 1, 3e-4);
+  EXPECT_EQ(set.find("ball")->project({2, 1, 0.5}), read.find("ball")->project({2, 1, 0.5}));
   const auto without = [&] { surfaces_from_toml(text, "mesh"); };
   EXPECT_THAT(without, ::testing::ThrowsMessage<Error>(AllOf(HasSubstr("mesh:1:1: "), HasSubstr("its triangles"))));
-  EXPECT_THAT([&] { triangulations_of_toml(text, "elsewhere/case.toml"); },
+  EXPECT_THAT([&] { surfaces_with_files(text, "elsewhere/case.toml"); },
               ::testing::ThrowsMessage<Error>(AllOf(HasSubstr("elsewhere/case.toml:1:1: "), HasSubstr("ball.off"))));
 }
 

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "pamr/geometry/surface_toml.hpp"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -101,6 +103,9 @@ TEST(SurfacesFromToml, ReadsEveryKindInOrder) {
   EXPECT_NEAR(set.find("egg")->distance({4, 0, 0}), 2, 1e-15);
   EXPECT_NEAR(set.find("dish")->distance({0, 0, 4}), 1, 1e-15);
   EXPECT_EQ(set.find("sky"), nullptr);
+  EXPECT_EQ(set.index_of("ball"), 1);
+  EXPECT_EQ(set.get(8), nullptr);
+  EXPECT_EQ(set.toml, every_kind);
 }
 
 TEST(SurfacesFromToml, AcceptsTextWithoutSurfaces) {

@@ -33,7 +33,7 @@ TEST(FileFormat, ManualHasExamplesThatTheReaderAccepts) {
   const auto whole = test::gather(comm, block);
   EXPECT_EQ(whole.info.n_global_cells, 6);
   EXPECT_EQ(whole.info.length_unit, "m");
-  EXPECT_THAT(whole.info.patches, testing::ElementsAre(mesh::Patch{"floor", "", ""}, mesh::Patch{"walls", "", ""}));
+  EXPECT_THAT(whole.info.patches, testing::ElementsAre(mesh::Patch{"floor", ""}, mesh::Patch{"walls", ""}));
   ASSERT_EQ(whole.cell_fields.size(), 1U);
   EXPECT_THAT(whole.cell_fields[0].integer(), testing::ElementsAre(1, 0, 0, 0, 0, 0));
   EXPECT_EQ(whole.node_fields.at(0).unit, "K");

@@ -38,7 +38,9 @@ mesh::DistMesh mesh_with_fields(const par::Comm& comm, int n, std::uint64_t seed
   auto block = random_mesh(comm, seed, n);
   block.info.length_unit = "m";
   block.info.regions = {{-3, "gaz"}, {7, "région solide"}};
-  block.info.surfaces_toml = "[sphere]\nkind = \"sphere\"\nradius = 1.0\n";
+  block.info.surfaces =
+      surfaces_of("[[surface]]\nname = \"ball\"\nkind = \"sphere\"\ncenter = [0, 0, 0]\nradius = 1.0\n");
+  block.info.patches[1].surface = 0;
   const auto n_cells = static_cast<std::int64_t>(block.cell_to_node.size());
   const auto first_node = par::block_range(block.info.n_global_nodes, comm.rank(), comm.size()).begin;
   const auto n_nodes = static_cast<std::int64_t>(block.node_position.size());

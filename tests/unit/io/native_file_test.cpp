@@ -33,7 +33,8 @@ void expect_same(const mesh::BlockMesh& a, const mesh::BlockMesh& b) {
   EXPECT_EQ(a.info.n_global_cells, b.info.n_global_cells);
   EXPECT_EQ(a.info.patches, b.info.patches);
   EXPECT_EQ(a.info.regions, b.info.regions);
-  EXPECT_EQ(a.info.surfaces_toml, b.info.surfaces_toml);
+  EXPECT_EQ(a.info.surfaces->toml, b.info.surfaces->toml);
+  EXPECT_EQ(a.info.surfaces->name, b.info.surfaces->name);
   EXPECT_EQ(a.info.length_unit, b.info.length_unit);
   EXPECT_EQ(a.node_position, b.node_position);
   EXPECT_EQ(a.cell_to_node, b.cell_to_node);

@@ -10,7 +10,7 @@
 #include "meshing/region.hpp"
 #include "meshing/sphere_in_box.hpp"
 #include "pamr/base/error.hpp"
-#include "pamr/geometry/surface.hpp"
+#include "pamr/geometry/described_surface.hpp"
 
 namespace pamr::meshing {
 namespace {
@@ -64,14 +64,13 @@ TEST(BluntCone, LabelsWhatLiesBehindEachPatch) {
 
 TEST(BluntCone, CurvesLieOnTheSurfacesOfThePatchesAndEndInCommonCorners) {
   const auto domain = blunt_cone({});
-  const auto surfaces = geometry::surfaces_from_toml(domain.surfaces_toml, "test");
 
   int n_ends = 0;
   for (const auto& curve : domain.curves) {
     for (const auto& p : curve.polyline) {
       EXPECT_LT(norm(curve.nearest(p) - p), 1e-16);
       int n_surfaces = 0;
-      for (const auto& surface : surfaces.surface) n_surfaces += surface->distance(p) < 1e-15 ? 1 : 0;
+      for (const auto& surface : domain.surfaces->surface) n_surfaces += surface->distance(p) < 1e-15 ? 1 : 0;
       EXPECT_GE(n_surfaces, 1);
     }
     for (const auto& end : {curve.polyline.front(), curve.polyline.back()}) {
@@ -154,11 +153,18 @@ TEST(Region, RefusesWhatItCannotRead) {
   EXPECT_THROW(Region(std::string(1000, '(') + "+a & +b", names, "where"), Error);
 }
 
+geometry::DescribedSurface unit_ball() {
+  return described_sphere("ball", geometry::whole(geometry::Vec3{}), geometry::whole(1));
+}
+
+geometry::SharedSurfaces shared(const std::vector<geometry::DescribedSurface>& surfaces) {
+  return std::make_shared<const geometry::SurfaceSet>(geometry::set_of(surfaces, "test"));
+}
+
 /// The unit ball without the sector x > 0, y > 0: two planes that make a reentrant edge along z.
 Combination notched_ball() {
   Combination c;
-  c.surfaces_toml = "[[surface]]\nname = \"ball\"\nkind = \"sphere\"\ncenter = [0, 0, 0]\nradius = 1\n" +
-                    plane_toml("x", 0, 0) + plane_toml("y", 1, 0);
+  c.surfaces = shared({unit_ball(), described_plane("x", 0, 0), described_plane("y", 1, 0)});
   c.region = "-ball & (-x | -y)";
   c.low = {-1, -1, -1};
   c.high = {1, 1, 1};
@@ -212,7 +218,7 @@ TEST(Combination, RefusesARegionThatTouchesItselfAlongACurve) {
 
 TEST(Combination, StartsFromPointsOnASurfaceThatNoEdgeTouches) {
   Combination c = notched_ball();
-  c.surfaces_toml = "[[surface]]\nname = \"ball\"\nkind = \"sphere\"\ncenter = [0, 0, 0]\nradius = 1\n";
+  c.surfaces = shared({unit_ball()});
   c.region = "-ball";
   c.far = 2;
   c.near.clear();

@@ -20,8 +20,8 @@ const std::string two_cones =
     "  { from = [-1, 0], to = [0, 1] }, { from = [0, 1], to = [1, 0] } ]\n";
 
 mesh::BlockMesh tied(mesh::BlockMesh block, const std::string& surfaces) {
-  block.info.surfaces_toml = surfaces;
-  block.info.patches = {{"wall", "wall", "wall"}};
+  block.info.surfaces = test::surfaces_of(surfaces);
+  block.info.patches = {{"wall", "wall", 0}};
   return block;
 }
 

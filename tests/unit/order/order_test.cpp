@@ -36,7 +36,7 @@ mesh::BlockMesh with_fields(const par::Comm& comm, mesh::BlockMesh block) {
 mesh::BlockMesh row_of_families(const par::Comm& comm, int n) {
   const par::Comm self(MPI_COMM_SELF);
   mesh::BlockMesh whole;
-  whole.info.patches = {{"wall", "patch", ""}};
+  whole.info.patches = {{"wall", "patch"}};
   const auto cube = assemble::kuhn_cube(self, 1);
   for (int k = 0; k < n; ++k) {
     const auto first_node = static_cast<GlobalId>(whole.node_position.size());

@@ -22,13 +22,13 @@ namespace {
 mesh::BlockMesh bulging_cube(const par::Comm& comm, std::uint64_t seed, double bulge) {
   auto block = test::random_mesh(comm, seed, 3);
   const double radius = (0.5 + bulge * bulge) / (2 * bulge);  // through the corners of the face, highest in its middle
-  block.info.surfaces_toml = "[[surface]]\nname = \"dome\"\nkind = \"sphere\"\ncenter = [0.5, 0.5, " +
-                             std::to_string(bulge - radius) + "]\nradius = " + std::to_string(radius) +
-                             "\n[[surface]]\nname = \"side\"\nkind = \"plane\"\npoint = [0.0, 0.0, 0.0]\n"
-                             "normal = [1.0, 0.0, 0.0]\n";
+  block.info.surfaces = test::surfaces_of("[[surface]]\nname = \"dome\"\nkind = \"sphere\"\ncenter = [0.5, 0.5, " +
+                                          std::to_string(bulge - radius) + "]\nradius = " + std::to_string(radius) +
+                                          "\n[[surface]]\nname = \"side\"\nkind = \"plane\"\npoint = [0.0, 0.0, 0.0]\n"
+                                          "normal = [1.0, 0.0, 0.0]\n");
   for (auto& patch : block.info.patches) {
-    if (patch.name == "zmin") patch.surface = "dome";
-    if (patch.name == "xmin") patch.surface = "side";
+    if (patch.name == "zmin") patch.surface = 0;
+    if (patch.name == "xmin") patch.surface = 1;
   }
   return block;
 }
@@ -58,14 +58,12 @@ void expect_conforming(const mesh::BlockMesh& whole) {
 /// Expects every new node of a boundary face to be on the surface of its patch or in the ledger, and every node in the
 /// ledger to be listed with a distance. A face may lie on another rank than the nodes it shares.
 void expect_honest_ledger(const mesh::DistMesh& mesh, GlobalId n_level_0) {
-  const auto surfaces = geometry::surfaces_from_toml(mesh.info.surfaces_toml, "test");
   const auto* ledger = mesh.find_node_field(refine::ledger_field);
   for (LocalId c = 0; c < mesh.n_cells(); ++c)
     for (int f = 0; f < 4; ++f) {
       const auto slot = mesh.cell_to_cell[static_cast<std::size_t>(c)][static_cast<std::size_t>(f)];
       if (slot >= 0) continue;
-      const auto* surface =
-          surfaces.find(mesh.info.patches[static_cast<std::size_t>(mesh::slot_to_patch(slot))].surface);
+      const auto* surface = mesh.info.surface_of(mesh::slot_to_patch(slot));
       if (surface == nullptr) continue;
       for (const auto corner : mesh::tet::face_to_corner[static_cast<std::size_t>(f)]) {
         const auto node = mesh.cell_to_node[static_cast<std::size_t>(c)][static_cast<std::size_t>(corner)];

@@ -245,7 +245,9 @@ void expect_on_sphere(const Level& level, const std::string& surface, Vec3 cente
   for (LocalId c = 0; c < level.fine.n_cells(); ++c)
     for (std::size_t f = 0; f < 4; ++f) {
       const auto slot = level.fine.cell_to_cell[at(c)][f];
-      if (slot >= 0 || level.fine.info.patches[at(mesh::slot_to_patch(slot))].surface != surface) continue;
+      if (slot >= 0) continue;
+      const auto& info = level.fine.info;
+      if (info.surface_name(info.patches[at(mesh::slot_to_patch(slot))]) != surface) continue;
       for (std::size_t i = 0; i < 4; ++i)
         if (i != f) nodes.insert(level.fine.cell_to_node[at(c)][i]);
     }

@@ -194,7 +194,7 @@ Tally compare_together(std::uint64_t n_cases, MakePlan&& make_plan) {
         expected.input = test::broadcast(world, expected.input, root);
         const auto start = start_of(plan);
         expected.input.info.patches = start.info.patches;
-        expected.input.info.surfaces_toml = start.info.surfaces_toml;
+        expected.input.info.surfaces = start.info.surfaces;
         expected.law = test::law_of(plan.seed / 6 + level);
         expected.seed = combine(plan.seed, level);
         expected.policy = plan.policy[level];

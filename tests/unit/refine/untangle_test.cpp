@@ -43,9 +43,10 @@ mesh::BlockMesh hollow_cube(const par::Comm& self, int n) {
       for (std::size_t k = 0; k < 4; ++k)
         if (k != f && !on_box(cells[c][k])) hollow.cell_to_cell[c][f] = -2;
     }
-  hollow.info.patches = {{"box", "wall", ""}, {"ball", "wall", "ball"}};
-  hollow.info.surfaces_toml = "[[surface]]\nname = \"ball\"\nkind = \"sphere\"\ncenter = [0.5, 0.5, 0.5]\nradius = " +
-                              std::to_string(std::sqrt(3.0) / 2 / n) + "\n";
+  hollow.info.patches = {{"box", "wall"}, {"ball", "wall", 0}};
+  hollow.info.surfaces =
+      test::surfaces_of("[[surface]]\nname = \"ball\"\nkind = \"sphere\"\ncenter = [0.5, 0.5, 0.5]\nradius = " +
+                        std::to_string(std::sqrt(3.0) / 2 / n) + "\n");
   return hollow;
 }
 

@@ -27,10 +27,11 @@ constexpr GlobalId wide = GlobalId{1} << 33U;
 mesh::BlockMesh dome(const par::Comm& comm, std::uint64_t seed) {
   constexpr double bulge = 0.4, radius = (0.5 + bulge * bulge) / (2 * bulge);
   auto block = test::random_mesh(comm, seed, 2);
-  block.info.surfaces_toml = "[[surface]]\nname = \"dome\"\nkind = \"sphere\"\ncenter = [0.5, 0.5, " +
-                             std::to_string(bulge - radius) + "]\nradius = " + std::to_string(radius) + "\n";
+  block.info.surfaces =
+      test::surfaces_of("[[surface]]\nname = \"dome\"\nkind = \"sphere\"\ncenter = [0.5, 0.5, " +
+                        std::to_string(bulge - radius) + "]\nradius = " + std::to_string(radius) + "\n");
   for (auto& patch : block.info.patches)
-    if (patch.name == "zmin") patch.surface = "dome";
+    if (patch.name == "zmin") patch.surface = 0;
   std::vector<double> height, volume;
   for (const auto p : block.node_position) height.push_back(p.z);
   for (const auto& nodes : block.cell_to_node) volume.push_back(static_cast<double>(nodes[0] % 7));
@@ -157,9 +158,8 @@ TEST(WideIds, AreReportedAndExtractedLikeAnyOthers) {
   EXPECT_EQ(cut_out.info.n_global_cells, 12);
   for (const auto id : cut_out.find_cell_field("cell")->integer())
     EXPECT_TRUE(moved.info.cell_ids().contains(id)) << id;
-  const auto surfaces = geometry::surfaces_from_toml(block.info.surfaces_toml, "test");
-  const auto report = check::report_quality(comm, moved, surfaces);
-  const auto same = check::report_quality(comm, plain, surfaces);
+  const auto report = check::report_quality(comm, moved);
+  const auto same = check::report_quality(comm, plain);
   EXPECT_EQ(report.fingerprint, same.fingerprint);
   EXPECT_EQ(report.volume, same.volume);
   EXPECT_TRUE(report.conforming && report.neighbors_consistent);

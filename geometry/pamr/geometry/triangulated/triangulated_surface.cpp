@@ -50,14 +50,14 @@ std::shared_ptr<Triangulated::Shape> Triangulated::make_shape(const Triangulatio
   return shape;
 }
 
-Triangulated::Triangulated(const Triangulation& surface, const Options& options) {
-  require_valid(surface, "triangulated surface", options.open_allowed);
+Triangulated::Triangulated(std::shared_ptr<const Triangulation> surface, const Options& options)
+    : flat_(std::move(surface)) {
+  require_valid(*flat_, "triangulated surface", options.open_allowed);
   if (!(options.crease.angle > 0 && options.crease.angle <= 180))
     throw Error("feature_angle: expected degrees over 0 and up to 180, found " + decimal(options.crease.angle));
   if (!(options.crease.shortest >= 0))
     throw Error("shortest_crease: expected a length of 0 or more, found " + decimal(options.crease.shortest));
-  shape_ = make_shape(surface, options.crease);
-  flat_ = std::make_shared<const Triangulation>(surface);
+  shape_ = make_shape(*flat_, options.crease);
   take_piece(-1);
   if (options.near) take_piece(shape_->features.patch[at(nearest(checked_point(*options.near, "near")).triangle)]);
 }

@@ -4,7 +4,7 @@
 #include <memory>
 #include <optional>
 #include <span>
-#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "pamr/geometry/surface.hpp"
@@ -26,7 +26,9 @@ class Triangulated final : public Surface {
     std::optional<Vec3> near = {};  ///< take only the piece between creases that is nearest to this point
   };
   /// Throws `Error` unless the triangulation is valid (`require_valid`) and the options are in range. O(n log n).
-  Triangulated(const Triangulation& surface, const Options& options);
+  Triangulated(std::shared_ptr<const Triangulation> surface, const Options& options);
+  Triangulated(Triangulation surface, const Options& options)
+      : Triangulated(std::make_shared<const Triangulation>(std::move(surface)), options) {}
 
   Vec3 project(Vec3 point) const override;
   Vec3 normal(Vec3 point) const override;
@@ -101,9 +103,5 @@ class Triangulated final : public Surface {
   std::optional<CreaseNet> creases_;
   bool stays_in_patch_ = false, is_flat_ = false;
 };
-
-/// Reads the files of all surfaces of kind `triangulation` in TOML text (see `surfaces_from_toml`), each named as its
-/// surface; a relative `file` counts from the folder of `where`. Throws `Error` with the line. Local.
-std::vector<Triangulation> triangulations_of_toml(std::string_view text, std::string_view where);
 
 }  // namespace pamr::geometry

@@ -385,11 +385,11 @@ GmshMesh read_gmsh(const par::Comm& comm, const std::filesystem::path& file, con
   }
   auto& patches = result.mesh.info.patches;
   patches.clear();
-  for (const auto group : groups) patches.push_back({name_of_group(parts, group), "", ""});
+  for (const auto group : groups) patches.push_back({name_of_group(parts, group), ""});
   result.mesh.info.regions = named_regions(parts);
   result.n_untagged_faces = tag_faces(comm, result.mesh, numbered.triangle, patch_of_triangle,
                                       static_cast<int>(patches.size()), file.string());
-  if (result.n_untagged_faces > 0) patches.push_back({"boundary", "", ""});
+  if (result.n_untagged_faces > 0) patches.push_back({"boundary", ""});
   return result;
 }
 

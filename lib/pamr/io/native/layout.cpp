@@ -37,7 +37,7 @@ class Checker {
     if (catalog_->has_pamr_group)
       extension();
     else
-      layout_.info.patches = {{"boundary", "", ""}};
+      layout_.info.patches = {{"boundary", ""}};
     return std::move(layout_);
   }
 
@@ -135,7 +135,7 @@ class Checker {
       fail("/PAMR@format", std::to_string(format_version), to_text(format->values));
     auto& info = layout_.info;
     info.length_unit = one_text("/PAMR@length_unit", "");
-    info.surfaces_toml = one_text(path::surfaces, "\t\r\n");
+    layout_.surfaces_toml = one_text(path::surfaces, "\t\r\n");
     info.provenance = one_text(path::provenance, "\t\r\n");
     if (const auto* first = catalog_->find_number("/PAMR@first_id"); first != nullptr) {
       if (first->values.size() != 1 || first->values[0] < 0 || first->values[0] > mesh::max_first_id)
@@ -152,7 +152,7 @@ class Checker {
       fail(path::cell_to_cell, "this dataset, because there are " + std::to_string(info.patches.size()) + " patches",
            "none");
     } else if (info.patches.empty()) {
-      info.patches = {{"boundary", "", ""}};
+      info.patches = {{"boundary", ""}};
     }
     if (catalog_->find_array(path::lineage) != nullptr) {
       layout_.has_lineage = true;
@@ -200,8 +200,9 @@ class Checker {
       if (names[p].empty()) fail(path::patch_names, "a name", "an empty one in row " + std::to_string(p));
       if (!seen.insert(names[p]).second)
         fail(path::patch_names, "different names", "'" + names[p] + "' twice, again in row " + std::to_string(p));
-      layout_.info.patches.push_back({names[p], kinds[p], surfaces[p]});
+      layout_.info.patches.push_back({names[p], kinds[p]});
     }
+    layout_.surface_of_patch = std::move(surfaces);
   }
 
   /// The catalog has both datasets or none.

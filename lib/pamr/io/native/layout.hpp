@@ -56,13 +56,15 @@ struct TriangulationEntry {
   mesh::StorageType points_type{}, triangles_type{};
 };
 
-/// What a file contains, after every claim of its catalog was compared with the others.
+/// What a file contains, after every claim of its catalog was compared with the others. `info` has no surfaces yet.
 struct Layout {
   mesh::MeshInfo info;
   mesh::StorageType points_type{}, connectivity_type{}, offsets_type{}, types_type{}, neighbors_type{}, lineage_type{};
   bool has_neighbors = false, has_lineage = false;
   std::vector<FieldEntry> fields;
   std::vector<TriangulationEntry> triangulations;
+  std::string surfaces_toml;
+  std::vector<std::string> surface_of_patch;  ///< names, in the order of `info.patches`; empty: none
 };
 
 /// Throws `Error` with file, dataset, what was expected and what was found. Local; the same on every rank, because the

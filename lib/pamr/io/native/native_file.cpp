@@ -4,7 +4,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <memory>
 #include <utility>
+#include <vector>
 
 #include "pamr/base/contract.hpp"
 #include "pamr/base/error.hpp"
@@ -12,6 +14,7 @@
 #include "pamr/io/native/catalog.hpp"
 #include "pamr/io/native/hdf5.hpp"
 #include "pamr/io/native/layout.hpp"
+#include "pamr/io/native/patch_surfaces.hpp"
 #include "pamr/io/native/read_cells.hpp"
 #include "pamr/io/native/read_values.hpp"
 #include "pamr/io/native/slab_reader.hpp"
@@ -23,12 +26,14 @@ struct NativeFile::Open {
   Open(const par::Comm& comm, const std::filesystem::path& file, const ReadOptions& options)
       : catalog(catalog_of(comm, file)),
         layout(check_catalog(catalog, file, options.verify_checksums)),
-        reader(comm, file, catalog, {options.verify_checksums, options.slab_bytes}) {}
+        reader(comm, file, catalog, {options.verify_checksums, options.slab_bytes}),
+        build_surfaces(options.build_surfaces) {}
 
   hdf5::Silence silence;
   Catalog catalog;
   Layout layout;
   SlabReader reader;
+  bool build_surfaces;
 };
 
 namespace {
@@ -114,8 +119,12 @@ mesh::BlockMesh NativeFile::read(std::optional<GlobalId> first_cell, std::string
       block.node_fields.push_back(read_field(reader, layout, entry, nodes, true));
     else if (entry.name != without_cell_field)
       block.cell_fields.push_back(read_field(reader, layout, entry, cells, true));
+  std::vector<std::shared_ptr<const geometry::Triangulation>> triangulations;
   for (const auto& entry : layout.triangulations)
-    block.info.triangulations.push_back(read_triangulation(reader, entry));
+    triangulations.push_back(std::make_shared<const geometry::Triangulation>(read_triangulation(reader, entry)));
+  par::agree(*comm_, [&] {
+    put_surfaces(layout, file_.string(), std::move(triangulations), open_->build_surfaces, block.info);
+  });
   return block;
 }
 

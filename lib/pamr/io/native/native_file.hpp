@@ -21,6 +21,9 @@ struct ReadOptions {
   bool verify_checksums = true;
   /// Largest piece that a rank reads at once, bytes; 2^30 at most.
   std::size_t slab_bytes = std::size_t{1} << 20U;
+  /// Make the surfaces of the mesh. Without, their description and data are kept for writing, and nothing can be moved
+  /// onto them: for callers that do not ask where a boundary lies, because triangulated surfaces take time and memory.
+  bool build_surfaces = true;
 };
 
 /// A mesh in the native format (docs/file-format.md), open for reading. Opening looks through the structure of the file

@@ -77,7 +77,10 @@ WritePlan::WritePlan(const par::Comm& comm, const mesh::DistMesh& mesh, const st
   add_mesh();
   for (const auto* field : by_name(mesh.node_fields)) add_field(*field, false);
   for (const auto* field : by_name(mesh.cell_fields)) add_field(*field, true);
-  for (const auto* surface : by_name(mesh.info.triangulations)) add_triangulation(comm, *surface);
+  auto triangulations = mesh.info.surfaces->triangulations;
+  std::sort(triangulations.begin(), triangulations.end(),
+            [](const auto& a, const auto& b) { return a->name < b->name; });
+  for (const auto& surface : triangulations) add_triangulation(comm, *surface);
   if (!mesh.info.regions.empty()) add_regions();
   add_texts(provenance);
   for (const auto& array : arrays)
@@ -230,12 +233,12 @@ void WritePlan::add_texts(const std::string& provenance) {
   for (const auto& patch : mesh_->info.patches) {
     names.texts.push_back(patch.name);
     kinds.texts.push_back(patch.kind);
-    ties.texts.push_back(patch.surface);
+    ties.texts.push_back(mesh_->info.surface_name(patch));
   }
   texts.push_back(std::move(names));
   texts.push_back(std::move(kinds));
   texts.push_back(std::move(ties));
-  texts.push_back({path::surfaces, {mesh_->info.surfaces_toml}, false});
+  texts.push_back({path::surfaces, {mesh_->info.surfaces->toml}, false});
   texts.push_back({path::provenance, {provenance.empty() ? mesh_->info.provenance : provenance}, false});
 }
 
@@ -245,9 +248,10 @@ bool is_name(const std::string& name) {
   return !name.empty() && name != "." && name.find('/') == std::string::npos && is_clean_text(name, "");
 }
 
-void require_writable(const std::vector<geometry::Triangulation>& surfaces) {
+void require_writable(const std::vector<std::shared_ptr<const geometry::Triangulation>>& surfaces) {
   std::set<std::string> seen;
-  for (const auto& surface : surfaces) {
+  for (const auto& entry : surfaces) {
+    const auto& surface = *entry;
     const auto where = "triangulated surface '" + surface.name + "': ";
     if (!is_name(surface.name)) throw Error(where + "expected a name in UTF-8 without '/', found another");
     if (!seen.insert(surface.name).second) throw Error(where + "expected different names, found it twice");
@@ -270,7 +274,7 @@ void require_writable(const std::vector<geometry::Triangulation>& surfaces) {
 }  // namespace
 
 void require_writable(const mesh::DistMesh& mesh) {
-  require_writable(mesh.info.triangulations);
+  require_writable(mesh.info.surfaces->triangulations);
   for (const auto* fields : {&mesh.node_fields, &mesh.cell_fields}) {
     const std::string where = fields == &mesh.cell_fields ? "cell field '" : "node field '";
     std::set<std::string> seen;
@@ -284,7 +288,7 @@ void require_writable(const mesh::DistMesh& mesh) {
   std::set<std::string> seen;
   for (const auto& patch : mesh.info.patches) {
     if (patch.name.empty() || !is_clean_text(patch.name, "") || !is_clean_text(patch.kind, "") ||
-        !is_clean_text(patch.surface, ""))
+        !is_clean_text(mesh.info.surface_name(patch), ""))
       throw Error("patch '" + patch.name + "': expected name, kind and surface in UTF-8, found another encoding");
     if (!seen.insert(patch.name).second)
       throw Error("patch '" + patch.name + "': expected different names, found it twice");
@@ -300,7 +304,7 @@ void require_writable(const mesh::DistMesh& mesh) {
       throw Error(where + "expected ascending numbers, found it after " +
                   std::to_string(mesh.info.regions[r - 1].number));
   }
-  for (const auto* text : {&mesh.info.surfaces_toml, &mesh.info.provenance})
+  for (const auto* text : {&mesh.info.surfaces->toml, &mesh.info.provenance})
     if (!is_clean_text(*text, "\t\r\n")) throw Error("surfaces or provenance: expected UTF-8, found another encoding");
   if (!is_clean_text(mesh.info.length_unit, "")) throw Error("length unit: expected UTF-8, found another encoding");
 }

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <memory>
+#include <string_view>
+#include <vector>
+
+#include "pamr/geometry/surface_set.hpp"
+
+namespace pamr::geometry {
+
+/// Reads the surfaces of a mesh from TOML text: an array of tables `[[surface]]` with `name`, `kind` and the parameters
+/// of the kind (docs/surfaces.md). Surfaces of kind `triangulation` are made from the one of their name among
+/// `triangulations`: no file is read. The set keeps the text and all of `triangulations`. `where` begins errors. Local.
+/// Throws `Error` with line and column for an unknown kind, key, type or value out of range, and for a triangulation
+/// that is not there or not valid. O(n log n) in the number of triangles.
+SurfaceSet surfaces_from_toml(std::string_view text, std::string_view where,
+                              std::vector<std::shared_ptr<const Triangulation>> triangulations = {});
+
+/// The same for text that a user wrote: triangles come from the files that it names; a relative `file` counts from the
+/// folder of `where`.
+SurfaceSet surfaces_with_files(std::string_view text, std::string_view where);
+
+}  // namespace pamr::geometry
