@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "meshing/repair/find_wall_ears.hpp"
+
 #include <algorithm>
 #include <optional>
+#include <utility>
 
-#include "meshing/repair/wall_ears.hpp"
+#include "pamr/base/index.hpp"
 #include "pamr/geometry/surface.hpp"
 #include "pamr/mesh/borders.hpp"
 #include "pamr/mesh/tet.hpp"
@@ -16,10 +19,9 @@ namespace {
 using geometry::Vec3;
 using Edge = std::array<GlobalId, 2>;
 using Face = std::array<GlobalId, 3>;
-constexpr std::size_t at(std::int64_t i) { return static_cast<std::size_t>(i); }
 
-constexpr double look_ahead = 0.01;    ///< where along an edge the wall's normal is asked for
-constexpr double least_cosine = 0.95;  ///< between the normals along two edges of one smooth wall
+constexpr double look_ahead = 0.01;  ///< where along an edge the wall's normal is asked for
+constexpr double min_cosine = 0.95;  ///< between the normals along two edges of one smooth wall
 
 /// The curved surfaces of a mesh, and which of them each patch lies on.
 struct Walls {
@@ -123,12 +125,11 @@ struct Found {
 
 /// True when the edges from `a` to `c` and to `d` run into one smooth part of the surface.
 bool is_smooth(const geometry::Surface& surface, Vec3 a, Vec3 c, Vec3 d) {
-  return geometry::dot(surface.normal(a + look_ahead * (c - a)), surface.normal(a + look_ahead * (d - a))) >
-         least_cosine;
+  return geometry::dot(surface.normal(a + look_ahead * (c - a)), surface.normal(a + look_ahead * (d - a))) > min_cosine;
 }
 
-std::optional<Found> judge(const mesh::DistMesh& mesh, const Walls& walls, const EdgeTable& table,
-                           const std::array<LocalId, 3>& node) {
+std::optional<Found> classify(const mesh::DistMesh& mesh, const Walls& walls, const EdgeTable& table,
+                              const std::array<LocalId, 3>& node) {
   Found found;
   for (std::size_t k = 0; k < 3; ++k) found.face[k] = mesh.node_global[at(node[k])];
   const auto id = found.face;
@@ -176,7 +177,7 @@ WallEars find_wall_ears(const par::Comm& comm, const mesh::DistMesh& mesh) {
 
   std::vector<Found> found;
   for (const auto& node : candidate)
-    if (const auto ear = judge(mesh, walls, table, node)) found.push_back(*ear);
+    if (const auto ear = classify(mesh, walls, table, node)) found.push_back(*ear);
   found = gather_few(comm, std::move(found));
   std::vector<Face> all;
   for (const auto& ear : found) {  // one on a rank border comes from both sides

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Balls known by five and six nodes: all edges on the sphere but the one inside.
-#include "meshing/repair/wall_ears.hpp"
+#include "meshing/repair/find_wall_ears.hpp"
+#include "meshing/repair/open_wall_ears.hpp"
 
 #include <gtest/gtest.h>
 
