@@ -13,6 +13,7 @@
 #include "meshing/mesh_case.hpp"
 #include "meshing/order_raw_mesh.hpp"
 #include "meshing/peel.hpp"
+#include "meshing/read_mesh_case.hpp"
 #include "meshing/repair/find_wall_ears.hpp"
 #include "meshing/repair/open_wall_ears.hpp"
 #include "meshing/snap.hpp"
@@ -168,7 +169,7 @@ cli::ExitCode make_mesh(cli::Session& session, const Options& options) {
     meshing::MeshCase mesh_case;
     const auto text = options.case_file.empty() ? std::string() : cli::read_text(comm, options.case_file);
     par::agree(comm, [&] {  // it may read surface files
-      mesh_case = options.shape.empty() ? meshing::read_case(text, options.case_file)
+      mesh_case = options.shape.empty() ? meshing::read_mesh_case(text, options.case_file)
                                         : meshing::case_of_shape(options.shape, options.size);
     });
     block = make_with_cgal(session, mesh_case);

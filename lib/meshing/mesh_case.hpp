@@ -3,7 +3,6 @@
 
 #include <cstdint>
 #include <string>
-#include <string_view>
 
 #include "meshing/blunt_cone.hpp"
 #include "meshing/combination.hpp"
@@ -24,10 +23,6 @@ struct MeshCase {
 
 /// The case that `--shape` and, unless 0, `--size` ask for. Throws `Error` for an unknown shape.
 MeshCase case_of_shape(const std::string& shape, double size);
-
-/// Reads table `mesh` of a case file (docs/tools/pamr-mesh.md); the other tables belong to other tools. `where` is the
-/// file's name. Throws `Error` with the line for TOML errors, unknown keys, wrong types and values out of range. Local.
-MeshCase read_case(std::string_view text, const std::string& where);
 
 /// The domain of a case. Throws `Error`.
 Domain domain_of(const MeshCase& mesh_case);

@@ -360,14 +360,14 @@ def test_bad_case_files_are_refused_with_their_line():
     cases = (("[mesh", ["TOML", ":1"]), ("", ["[mesh]"]), ("mesh = 3\n", ["table", ":1"]),
              ("[mesh]\nlength_unit = 'm'\n", ["shape"]), ('[mesh]\nshape = "cone"\n', [":2:9", '"cone"']),
              (head, ["length_unit", "none"]), (head + 'length_unit = "mm"\n', [":3", '"mm"']),
-             (head + 'length_unit = "m"\nsede = 1\n', [":4", '"sede"']),
+             (head + 'length_unit = "m"\nsede = 1\n', [":4", "'sede'"]),
              (head + 'length_unit = "m"\nseed = -1\n', [":4", "-1"]),
              (head + 'length_unit = "m"\nsizes = 1\n', [":4", "table"]),
-             (head + 'length_unit = "m"\n[mesh.sizes]\nshoulde = 1e-3\n', [":5", '"shoulde"', "shoulder"]),
+             (head + 'length_unit = "m"\n[mesh.sizes]\nshoulde = 1e-3\n', [":5", "'shoulde'", "shoulder"]),
              (head + 'length_unit = "m"\n[mesh.sizes]\nshoulder = 2e-3\n', [":5", "0.002"]),
              (head + 'length_unit = "m"\n[mesh.sizes]\nfar = nan\n', [":5", "nan"]),
              (head + 'length_unit = "m"\n[mesh.sizes]\nfar = "1"\n', [":5", '"1"']),
-             (head + 'length_unit = "m"\nregion = "+a"\n', [":4", '"region"']))
+             (head + 'length_unit = "m"\nregion = "+a"\n', [":4", "'region'"]))
     ball = '[[surface]]\nname = "ball"\nkind = "sphere"\ncenter = [0, 0, 0]\nradius = 1\n'
     head = '[mesh]\nshape = "surfaces"\nlength_unit = "1"\n'
     good = 'region = "-ball"\nbounds = [[-1, -1, -1], [1, 1, 1]]\n[mesh.sizes]\nfar = 0.5\n'
@@ -384,7 +384,7 @@ def test_bad_case_files_are_refused_with_their_line():
               (head + good.replace("-ball", "-ball & -idle") + ball +
                ball.replace('"ball"', '"idle"').replace("radius = 1", "radius = 2"), ["no face", '"idle"']),
               ('[mesh]\nshape = "sphere-pair"\nlength_unit = "1"\n[mesh.geometry]\nradius = 3\n', ["distance", "4.5"]),
-              ('[mesh]\nshape = "sphere-pair"\nlength_unit = "1"\n[mesh.geometry]\nheight = 3\n', [":5", '"height"']),
+              ('[mesh]\nshape = "sphere-pair"\nlength_unit = "1"\n[mesh.geometry]\nheight = 3\n', [":5", "'height'"]),
               ('[mesh]\nshape = "supersonic-sphere"\nlength_unit = "m"\n[mesh.geometry]\nparts = 4.5\n', ["4.5"]))
     for text, words in cases:
         pathlib.Path("bad.toml").write_text(text)

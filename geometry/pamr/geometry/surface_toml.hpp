@@ -2,9 +2,11 @@
 #pragma once
 
 #include <memory>
+#include <string>
 #include <string_view>
 #include <vector>
 
+#include "pamr/base/toml_table.hpp"
 #include "pamr/geometry/surface_set.hpp"
 
 namespace pamr::geometry {
@@ -17,8 +19,9 @@ namespace pamr::geometry {
 SurfaceSet surfaces_from_toml(std::string_view text, std::string_view where,
                               std::vector<std::shared_ptr<const Triangulation>> triangulations = {});
 
-/// The same for text that a user wrote: triangles come from the files that it names; a relative `file` counts from the
-/// folder of `where`.
-SurfaceSet surfaces_with_files(std::string_view text, std::string_view where);
+/// The surfaces of a case file: its tables `[[surface]]`, which become the description, each from its line on.
+/// Triangles come from the files that they name; a relative `file` counts from the folder of `where`. Unknown keys are
+/// left to `finish` of the file.
+SurfaceSet surfaces_of_case(const TomlTable& file, const std::string& where);
 
 }  // namespace pamr::geometry

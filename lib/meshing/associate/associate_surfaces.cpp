@@ -7,9 +7,9 @@
 #include <filesystem>
 #include <memory>
 
+#include "meshing/read_mesh_case.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/geometry/surface.hpp"
-#include "pamr/geometry/surface_toml.hpp"
 #include "pamr/geometry/triangulated/read_triangulation.hpp"
 #include "pamr/geometry/triangulated/triangulated_surface.hpp"
 #include "pamr/mesh/tet.hpp"
@@ -106,8 +106,8 @@ void add_file(const AssociationRequest& request, const std::string& patch, const
                           toml_text(std::filesystem::path(file).filename().string()), crease_keys(request));
 }
 
-geometry::SurfaceSet read_surfaces(const AssociationRequest& request) {
-  auto set = geometry::surfaces_with_files(request.toml, request.file);
+geometry::SurfaceSet requested_surfaces(const AssociationRequest& request) {
+  auto set = read_surfaces(request.toml, request.file);
   for (const auto& [patch, file] : request.files) add_file(request, patch, file, set);
   return set;
 }
@@ -197,7 +197,7 @@ std::vector<Association> associate_surfaces(const par::Comm& comm, mesh::DistMes
                                             const AssociationRequest& request) {
   std::vector<int> assigned;
   par::agree(comm, [&] {
-    const auto asked_for = read_surfaces(request);
+    const auto asked_for = requested_surfaces(request);
     auto pairs = request.pairs;
     for (const auto& [patch, file] : request.files) pairs.push_back(patch + "=" + patch);
     assigned = assigned_surfaces(mesh.info, asked_for, pairs);

@@ -157,17 +157,19 @@ TEST(SurfacesFromToml, TakesTrianglesFromFilesBesideTheTextOrFromTheMesh) {
   std::ofstream(folder / "ball.off") << ::pamr::testing::as_off(::pamr::testing::icosphere(2));
   const std::string text = "[[surface]]\nname = \"ball\"\nkind = \"triangulation\"\nfile = \"ball.off\"\n";
 
-  const auto read = surfaces_with_files(text, (folder / "case.toml").string());
+  const auto read = [&](const std::string& where) { return surfaces_of_case(parse_toml(text, where), where); };
+
+  const auto from_files = read((folder / "case.toml").string());
   std::filesystem::remove_all(folder);
-  const auto set = surfaces_from_toml(read.toml, "mesh", read.triangulations);
+  const auto set = surfaces_from_toml(from_files.toml, "mesh", from_files.triangulations);
 
   ASSERT_EQ(set.triangulations.size(), 1U);
   EXPECT_EQ(set.triangulations[0]->name, "ball");
   EXPECT_NEAR(norm(set.find("ball")->project({2, 1, 0.5})), 1, 3e-4);
-  EXPECT_EQ(set.find("ball")->project({2, 1, 0.5}), read.find("ball")->project({2, 1, 0.5}));
+  EXPECT_EQ(set.find("ball")->project({2, 1, 0.5}), from_files.find("ball")->project({2, 1, 0.5}));
   const auto without = [&] { surfaces_from_toml(text, "mesh"); };
   EXPECT_THAT(without, ::testing::ThrowsMessage<Error>(AllOf(HasSubstr("mesh:1:1: "), HasSubstr("its triangles"))));
-  EXPECT_THAT([&] { surfaces_with_files(text, "elsewhere/case.toml"); },
+  EXPECT_THAT([&] { read("elsewhere/case.toml"); },
               ::testing::ThrowsMessage<Error>(AllOf(HasSubstr("elsewhere/case.toml:1:1: "), HasSubstr("ball.off"))));
 }
 
