@@ -9,22 +9,11 @@
 
 #include "cli/run_tool.hpp"
 #include "cli/text_file.hpp"
-#include "meshing/mesh3.hpp"
+#include "meshing/make_mesh.hpp"
 #include "meshing/mesh_case.hpp"
-#include "meshing/order_raw_mesh.hpp"
-#include "meshing/peel.hpp"
 #include "meshing/read_mesh_case.hpp"
-#include "meshing/repair/find_wall_ears.hpp"
-#include "meshing/repair/open_wall_ears.hpp"
-#include "meshing/snap.hpp"
-#include "meshing/to_block_mesh.hpp"
-#include "pamr/assemble/assemble.hpp"
-#include "pamr/assemble/kuhn_cube.hpp"
 #include "pamr/base/error.hpp"
-#include "pamr/geometry/tet_shape.hpp"
-#include "pamr/geometry/triangulated/self_intersection.hpp"
 #include "pamr/io/native/native_file.hpp"
-#include "pamr/validate/validate.hpp"
 
 namespace {
 
@@ -61,94 +50,20 @@ void require_consistent(const Options& o) {
     throw Error("expected --size with --shape only, and not with kuhn-cube");
 }
 
-meshing::RawMesh level_zero(const cli::Session& session, const meshing::Domain& domain, unsigned seed) {
-  auto progress = session.progress("meshing", 3, "steps");
-  auto raw = meshing::run_mesh3(domain, seed);
-  progress.update(1, "boundary");
-  meshing::place_boundary(domain, raw);
-  meshing::peel(domain, raw);
-  progress.update(2, "quality");
-  meshing::improve(domain, raw);
-  raw = meshing::ordered(raw);
-  progress.update(3);
-  return raw;
-}
-
-/// Whether two domains that differ by their sizes differ in these anywhere inside: on a grid.
-bool differ_in_sizes(const meshing::Domain& a, const meshing::Domain& b) {
-  constexpr int n = 32;
-  const double step = 2 * a.radius / n;
-  for (int i = 0; i < n * n * n; ++i) {
-    const geometry::Vec3 grid{i % n + 0.5 - n / 2, i / n % n + 0.5 - n / 2, i / n / n + 0.5 - n / 2};
-    const auto p = a.center + step * grid;
-    if (a.label(p) == meshing::Domain::inside && a.size(p) != b.size(p)) return true;
-  }
-  return false;
-}
-
-/// Where edges as long as wanted cannot tell the two sides of a gap apart, the mesh is made again with shorter ones in
-/// the gaps; the first error where that does not help either.
-meshing::RawMesh make_here(const cli::Session& session, const meshing::MeshCase& mesh_case,
-                           const meshing::Domain& domain) {
-  try {
-    return level_zero(session, domain, mesh_case.seed);
-  } catch (const Error& first) {
-    if (mesh_case.combination.region.empty()) throw Error(mesh_case.where + ": " + first.what());
-    for (const double factor : {3.0, 1.5}) {
-      auto finer_case = mesh_case;
-      finer_case.combination.gap_factor = factor;
-      try {
-        const auto finer = meshing::domain_of(finer_case);
-        if (!differ_in_sizes(domain, finer)) continue;
-        auto raw = level_zero(session, finer, mesh_case.seed);
-        session.warn(
-            fmt::format("{}: two surfaces are nearer to each other than edges of the wanted sizes can follow: "
-                        "edges in the gaps are at most {:g} times as long as these are wide",
-                        mesh_case.where, factor));
-        return raw;
-      } catch (const Error&) {
-        continue;
-      }
-    }
-    throw Error(mesh_case.where + ": " + first.what());
-  }
-}
-
-/// Rank 0 makes the mesh while the others wait. Collective.
-mesh::BlockMesh make_with_cgal(const cli::Session& session, const meshing::MeshCase& mesh_case) {
+/// Collective.
+meshing::LevelZero make(const cli::Session& session, const Options& options) {
   const auto& comm = session.comm();
-  meshing::Domain domain;
-  par::agree(comm, [&] {
-    domain = meshing::domain_of(mesh_case);
-    if (!comm.is_first()) return;
-    for (const auto& surface : domain.surfaces->triangulations)
-      if (const auto warning = geometry::self_intersection_warning(*surface); !warning.empty()) session.warn(warning);
+  if (options.shape == "kuhn-cube") return meshing::make_kuhn_cube(comm, options.n);
+  meshing::MeshCase mesh_case;
+  const auto text = options.case_file.empty() ? std::string() : cli::read_text(comm, options.case_file);
+  par::agree(comm, [&] {  // it may read surface files
+    mesh_case = options.shape.empty() ? meshing::read_mesh_case(text, options.case_file)
+                                      : meshing::case_of_shape(options.shape, options.size);
   });
-  meshing::RawMesh raw;
-  par::agree(comm, [&] {
-    if (comm.is_first()) raw = make_here(session, mesh_case, domain);
-  });
-  auto block = meshing::to_block_mesh(comm, domain, raw);
-  block.info.provenance = meshing::describe(mesh_case);
-  return block;
-}
-
-/// What the mesh is like. Collective.
-nlohmann::json report_on(const par::Comm& comm, const mesh::DistMesh& mesh) {
-  std::vector<std::int64_t> n_faces(mesh.info.patches.size(), 0);
-  double worst = 1;
-  for (LocalId c = 0; c < mesh.n_cells(); ++c) {
-    worst = std::min(worst, geometry::mean_ratio(mesh.points(c)));
-    for (const auto slot : mesh.cell_to_cell[static_cast<std::size_t>(c)])
-      if (slot < 0) ++n_faces[static_cast<std::size_t>(mesh::slot_to_patch(slot))];
-  }
-  comm.sum_in_place(n_faces);
-  nlohmann::json patches;
-  for (std::size_t p = 0; p < n_faces.size(); ++p) patches[mesh.info.patches[p].name] = {{"faces", n_faces[p]}};
-  return {{"cells", mesh.info.n_global_cells},
-          {"nodes", mesh.info.n_global_nodes},
-          {"min_mean_ratio", comm.min(worst)},
-          {"patches", patches}};
+  auto progress = session.progress("meshing", meshing::Listener::n_steps, "steps");
+  return meshing::make_mesh(comm, mesh_case,
+                            {[&](int done, const char* next) { progress.update(done, next); },
+                             [&](const std::string& warning) { session.warn(warning); }});
 }
 
 cli::ExitCode make_mesh(cli::Session& session, const Options& options) {
@@ -161,32 +76,21 @@ cli::ExitCode make_mesh(cli::Session& session, const Options& options) {
   }
   session.check_output(options.output, inputs, options.force);
 
-  mesh::BlockMesh block;
-  if (options.shape == "kuhn-cube") {
-    block = assemble::kuhn_cube(comm, options.n);
-    block.info.provenance = fmt::format("pamr-mesh: shape kuhn-cube, n {}", options.n);
-  } else {
-    meshing::MeshCase mesh_case;
-    const auto text = options.case_file.empty() ? std::string() : cli::read_text(comm, options.case_file);
-    par::agree(comm, [&] {  // it may read surface files
-      mesh_case = options.shape.empty() ? meshing::read_mesh_case(text, options.case_file)
-                                        : meshing::case_of_shape(options.shape, options.size);
-    });
-    block = make_with_cgal(session, mesh_case);
-  }
-  const auto destination = meshing::block_destinations(comm, block);
-  auto mesh = assemble::assemble(comm, std::move(block), destination);
-  const auto ears = meshing::find_wall_ears(comm, mesh);
-  mesh = meshing::open_wall_ears(comm, std::move(mesh), ears);
-  validate::require_valid(comm, mesh, "the new mesh");
-  io::write_native(comm, options.output, mesh);
+  const auto made = make(session, options);
+  const auto& info = made.mesh.info;
+  io::write_native(comm, options.output, made.mesh);
 
-  auto report = report_on(comm, mesh);
-  report["split_edges"] = ears.edge.size();
-  report["split_faces"] = ears.face.size();
-  session.write_report(report);
-  session.summary(fmt::format("{} cells, {} nodes, smallest mean ratio {:.3f} -> {}", mesh.info.n_global_cells,
-                              mesh.info.n_global_nodes, report["min_mean_ratio"].get<double>(), options.output));
+  const auto summary = meshing::summary_of(comm, made.mesh);
+  nlohmann::json patches;
+  for (std::size_t p = 0; p < info.patches.size(); ++p) patches[info.patches[p].name] = {{"faces", summary.faces[p]}};
+  session.write_report({{"cells", info.n_global_cells},
+                        {"nodes", info.n_global_nodes},
+                        {"min_mean_ratio", summary.min_mean_ratio},
+                        {"patches", patches},
+                        {"split_edges", made.split_edges},
+                        {"split_faces", made.split_faces}});
+  session.summary(fmt::format("{} cells, {} nodes, smallest mean ratio {:.3f} -> {}", info.n_global_cells,
+                              info.n_global_nodes, summary.min_mean_ratio, options.output));
   return cli::ExitCode::done;
 }
 

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "meshing/make_mesh.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+
+#include "meshing/mesh3.hpp"
+#include "meshing/order_raw_mesh.hpp"
+#include "meshing/peel.hpp"
+#include "meshing/repair/find_wall_ears.hpp"
+#include "meshing/repair/open_wall_ears.hpp"
+#include "meshing/snap.hpp"
+#include "meshing/to_block_mesh.hpp"
+#include "pamr/assemble/assemble.hpp"
+#include "pamr/assemble/kuhn_cube.hpp"
+#include "pamr/base/error.hpp"
+#include "pamr/base/index.hpp"
+#include "pamr/geometry/tet_shape.hpp"
+#include "pamr/geometry/triangulated/self_intersection.hpp"
+#include "pamr/validate/validate.hpp"
+
+namespace pamr::meshing {
+namespace {
+
+RawMesh mesh_domain(const Domain& domain, unsigned seed, const Listener& listener) {
+  auto raw = run_mesh3(domain, seed);
+  listener.progress(1, "boundary");
+  place_boundary(domain, raw);
+  peel(domain, raw);
+  listener.progress(2, "quality");
+  improve(domain, raw);
+  raw = ordered(raw);
+  listener.progress(Listener::n_steps, "");
+  return raw;
+}
+
+/// Whether two domains that differ by their sizes differ in these anywhere inside: on a grid.
+bool differ_in_sizes(const Domain& a, const Domain& b) {
+  constexpr int n = 32;
+  const double step = 2 * a.radius / n;
+  for (int i = 0; i < n * n * n; ++i) {
+    const geometry::Vec3 grid{i % n + 0.5 - n / 2, i / n % n + 0.5 - n / 2, i / n / n + 0.5 - n / 2};
+    const auto p = a.center + step * grid;
+    if (a.label(p) == Domain::inside && a.size(p) != b.size(p)) return true;
+  }
+  return false;
+}
+
+/// With edges in gaps of at most `factor` times the width of the gap; nothing where that changes no size or does not
+/// help.
+std::optional<RawMesh> mesh_with_gaps(const MeshCase& mesh_case, const Domain& domain, double factor,
+                                      const Listener& listener) {
+  auto finer_case = mesh_case;
+  finer_case.combination.gap_factor = factor;
+  try {
+    const auto finer = domain_of(finer_case);
+    if (!differ_in_sizes(domain, finer)) return std::nullopt;
+    return mesh_domain(finer, mesh_case.seed, listener);
+  } catch (const Error&) {  // the first error says more
+    return std::nullopt;
+  }
+}
+
+RawMesh mesh_here(const MeshCase& mesh_case, const Domain& domain, const Listener& listener) {
+  try {
+    return mesh_domain(domain, mesh_case.seed, listener);
+  } catch (const Error& first) {
+    if (!mesh_case.combination.region.empty())
+      for (const double factor : {3.0, 1.5}) {
+        auto raw = mesh_with_gaps(mesh_case, domain, factor, listener);
+        if (!raw) continue;
+        listener.warn(
+            fmt::format("{}: two surfaces are nearer to each other than edges of the wanted sizes can follow: "
+                        "edges in the gaps are at most {:g} times as long as these are wide",
+                        mesh_case.where, factor));
+        return *std::move(raw);
+      }
+    throw Error(mesh_case.where + ": " + first.what());
+  }
+}
+
+/// The mesh in canonical blocks, without wall ears, valid.
+LevelZero finished(const par::Comm& comm, mesh::BlockMesh block) {
+  const auto destination = block_destinations(comm, block);
+  auto mesh = assemble::assemble(comm, std::move(block), destination);
+  const auto ears = find_wall_ears(comm, mesh);
+  mesh = open_wall_ears(comm, std::move(mesh), ears);
+  validate::require_valid(comm, mesh, "the new mesh");
+  return {std::move(mesh), std::ssize(ears.edge), std::ssize(ears.face)};
+}
+
+}  // namespace
+
+LevelZero make_mesh(const par::Comm& comm, const MeshCase& mesh_case, const Listener& listener) {
+  Domain domain;
+  par::agree(comm, [&] {
+    domain = domain_of(mesh_case);
+    if (!comm.is_first()) return;
+    for (const auto& surface : domain.surfaces->triangulations)
+      if (const auto warning = geometry::self_intersection_warning(*surface); !warning.empty()) listener.warn(warning);
+  });
+  RawMesh raw;
+  par::agree(comm, [&] {
+    if (comm.is_first()) raw = mesh_here(mesh_case, domain, listener);
+  });
+  auto block = to_block_mesh(comm, domain, raw);
+  block.info.provenance = describe(mesh_case);
+  return finished(comm, std::move(block));
+}
+
+LevelZero make_kuhn_cube(const par::Comm& comm, int n) {
+  auto block = assemble::kuhn_cube(comm, n);
+  block.info.provenance = fmt::format("pamr-mesh: shape kuhn-cube, n {}", n);
+  return finished(comm, std::move(block));
+}
+
+MeshSummary summary_of(const par::Comm& comm, const mesh::DistMesh& mesh) {
+  MeshSummary result;
+  result.faces.resize(mesh.info.patches.size());
+  for (LocalId c = 0; c < mesh.n_cells(); ++c) {
+    result.min_mean_ratio = std::min(result.min_mean_ratio, geometry::mean_ratio(mesh.points(c)));
+    for (const auto slot : mesh.cell_to_cell[at(c)])
+      if (slot < 0) ++result.faces[at(mesh::slot_to_patch(slot))];
+  }
+  comm.sum_in_place(result.faces);
+  result.min_mean_ratio = comm.min(result.min_mean_ratio);
+  return result;
+}
+
+}  // namespace pamr::meshing

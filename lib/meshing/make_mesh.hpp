@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "meshing/mesh_case.hpp"
+#include "pamr/mesh/dist_mesh.hpp"
+#include "pamr/par/comm.hpp"
+
+namespace pamr::meshing {
+
+/// Who wants to hear of the work; called on rank 0 only.
+struct Listener {
+  static constexpr int n_steps = 3;
+  std::function<void(int steps_done, const char* next_step)> progress = [](int, const char*) {};
+  std::function<void(const std::string&)> warn = [](const std::string&) {};
+};
+
+/// A mesh of level 0 without wall ears.
+struct LevelZero {
+  mesh::DistMesh mesh;
+  std::int64_t split_edges = 0, split_faces = 0;  ///< to open wall ears
+};
+
+/// Meshes a case. Rank 0 works while the others wait; where edges as long as wanted cannot tell the two sides of a gap
+/// apart, it works again with shorter ones in the gaps, and warns. Collective; the same mesh for any number of ranks.
+/// Throws `Error` on every rank where the case cannot be meshed.
+LevelZero make_mesh(const par::Comm& comm, const MeshCase& mesh_case, const Listener& listener = {});
+
+/// The unit cube in n x n x n cubes of six cells. Collective.
+LevelZero make_kuhn_cube(const par::Comm& comm, int n);
+
+/// What a mesh is like; the same on every rank.
+struct MeshSummary {
+  double min_mean_ratio = 1;
+  std::vector<std::int64_t> faces;  ///< of each patch
+};
+/// Collective: two reductions.
+MeshSummary summary_of(const par::Comm& comm, const mesh::DistMesh& mesh);
+
+}  // namespace pamr::meshing
