@@ -7,50 +7,17 @@
 
 #include "pamr/base/error.hpp"
 #include "pamr/geometry/parameters.hpp"
+#include "pamr/geometry/symmetric_eigen.hpp"
 
 namespace pamr::geometry {
 
 namespace {
 
 using Row = std::array<double, 3>;
-using Matrix = std::array<Row, 3>;
+using Matrix = SquareMatrix<3>;
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double vanishing = 1e-13;  ///< relative to the largest eigenvalue: no square in that direction
-
-/// Turns a symmetric matrix until it is diagonal; the columns of `axis` are its eigenvectors. A diagonal matrix is left
-/// as it is, so that surfaces along the coordinate axes stay exact. Source: C. G. J. Jacobi, 1846.
-void diagonalise(Matrix& a, Matrix& axis) {
-  axis = {Row{1, 0, 0}, Row{0, 1, 0}, Row{0, 0, 1}};
-  for (int sweep = 0; sweep < 50; ++sweep) {
-    bool is_diagonal = true;
-    for (std::size_t p = 0; p < 3; ++p)
-      for (std::size_t q = p + 1; q < 3; ++q) {
-        if (std::abs(a[p][q]) <= 1e-300 || std::abs(a[p][q]) < 1e-18 * (std::abs(a[p][p]) + std::abs(a[q][q]))) {
-          a[p][q] = a[q][p] = 0;
-          continue;
-        }
-        is_diagonal = false;
-        const double theta = (a[q][q] - a[p][p]) / (2 * a[p][q]);
-        const double tangent = std::copysign(1.0, theta) / (std::abs(theta) + std::hypot(1.0, theta));
-        const double cosine = 1 / std::hypot(1.0, tangent), sine = tangent * cosine;
-        for (std::size_t k = 0; k < 3; ++k) {
-          const double kp = a[k][p], kq = a[k][q];
-          a[k][p] = cosine * kp - sine * kq;
-          a[k][q] = sine * kp + cosine * kq;
-        }
-        for (std::size_t k = 0; k < 3; ++k) {
-          const double pk = a[p][k], qk = a[q][k];
-          a[p][k] = cosine * pk - sine * qk;
-          a[q][k] = sine * pk + cosine * qk;
-          const double kp = axis[k][p], kq = axis[k][q];
-          axis[k][p] = cosine * kp - sine * kq;
-          axis[k][q] = sine * kp + cosine * kq;
-        }
-      }
-    if (is_diagonal) return;
-  }
-}
 
 /// The polynomial along the critical points y_i = from_i / (1 + t square_i), y_j = from_j - t linear_j / 2, with the
 /// multiplier written as t = base + sign s, s >= 0, so that denominators near their pole are exact.
@@ -114,7 +81,7 @@ Quadric::Quadric(const std::array<double, 10>& coefficient) {
     if (!std::isfinite(c)) throw Error("coefficients: expected finite numbers, found " + decimal(c));
   const auto& [xx, yy, zz, xy, yz, zx, x, y, z, one] = coefficient;
   Matrix a{Row{xx, 0.5 * xy, 0.5 * zx}, Row{0.5 * xy, yy, 0.5 * yz}, Row{0.5 * zx, 0.5 * yz, zz}};
-  diagonalise(a, axis_);
+  axis_ = diagonalize<3>(a);
   const double largest = std::max({std::abs(a[0][0]), std::abs(a[1][1]), std::abs(a[2][2])});
   if (largest == 0) throw Error("coefficients: expected a square or a product of coordinates, found none");
 

@@ -5,46 +5,20 @@
 #include <array>
 #include <cmath>
 
+#include "pamr/geometry/symmetric_eigen.hpp"
+
 namespace pamr::geometry {
 
 namespace {
 
 constexpr std::size_t n = 5;  // d, e, a, b, c
 using Vector = std::array<double, n>;
-using Matrix = std::array<Vector, n>;
-
-/// Turns the symmetric matrix into a diagonal one; the columns of the result are its eigenvectors (Jacobi).
-Matrix diagonalise(Matrix& m) {
-  Matrix v{};
-  for (std::size_t i = 0; i < n; ++i) v[i][i] = 1;
-  for (int sweep = 0; sweep < 12; ++sweep)
-    for (std::size_t p = 0; p < n; ++p)
-      for (std::size_t q = p + 1; q < n; ++q) {
-        if (m[p][q] == 0) continue;
-        const double theta = (m[q][q] - m[p][p]) / (2 * m[p][q]);
-        const double t = std::copysign(1.0, theta) / (std::abs(theta) + std::sqrt(theta * theta + 1));
-        const double c = 1 / std::sqrt(t * t + 1), s = t * c;
-        for (std::size_t i = 0; i < n; ++i) {
-          const double ip = m[i][p], iq = m[i][q];
-          m[i][p] = c * ip - s * iq;
-          m[i][q] = s * ip + c * iq;
-        }
-        for (std::size_t i = 0; i < n; ++i) {
-          const double pi = m[p][i], qi = m[q][i];
-          m[p][i] = c * pi - s * qi;
-          m[q][i] = s * pi + c * qi;
-          const double vp = v[i][p], vq = v[i][q];
-          v[i][p] = c * vp - s * vq;
-          v[i][q] = s * vp + c * vq;
-        }
-      }
-  return v;
-}
+using Matrix = SquareMatrix<n>;
 
 /// Solution of least length of the normal equations.
 Vector solve(Matrix m, const Vector& right) {
   constexpr double cut = 1e-9;
-  const Matrix v = diagonalise(m);
+  const Matrix v = diagonalize<n>(m, {12, 0, 0}, PlainRoot{});
   double largest = 0;
   for (std::size_t i = 0; i < n; ++i) largest = std::max(largest, m[i][i]);
   Vector x{};
