@@ -25,7 +25,7 @@ class Cutter {
     for (surface_ = 0; surface_ < solid_.n_surfaces(); ++surface_) {
       const auto* whole = dynamic_cast<const geometry::Triangulated*>(&solid_.surface(surface_));
       if (whole == nullptr) continue;
-      creases_ = &whole->creases();
+      creases_ = &whole->crease_net();
       for (line_ = 0; line_ < creases_->lines().size(); ++line_) cut_line(creases_->lines()[line_].polyline);
     }
     return std::move(result_);

@@ -50,7 +50,7 @@ void Pieces::add_pieces(int i, const Triangulated& whole, const std::vector<Vec3
   for (const Vec3 p : samples) look(whole.piece_at(p), p);
   for (const auto& part : creases_.parts)
     if (part.surface == i)
-      for (const int piece : whole.creases().lines()[part.line].piece)
+      for (const int piece : whole.crease_net().lines()[part.line].piece)
         if (piece >= 0) is_used[index(piece)] = true;
   if (std::find(is_used.begin(), is_used.end(), true) == is_used.end())
     throw Error(
@@ -75,7 +75,7 @@ std::vector<FeatureCurve> Pieces::creases() const {
   std::vector<FeatureCurve> result;
   for (const auto& part : creases_.parts)
     result.push_back({part.polyline, [solid = solid_, whole = whole_[index(part.surface)], line = part.line](Vec3 p) {
-                        return whole->creases().nearest_on_line(line, p);
+                        return whole->crease_net().nearest_on_line(line, p);
                       }});
   return result;
 }

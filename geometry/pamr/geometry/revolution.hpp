@@ -13,7 +13,7 @@ namespace pamr::geometry {
 /// The normal points to the left of the direction in which the profile is travelled (x to the right, r upwards): away
 /// from the axis where x grows. It is continuous over tangent joints. In a corner it is that of the first of the
 /// pieces that meet there.
-class Revolution final : public Surface {
+class Revolution final : public Surface, public Creases {
  public:
   /// x is counted from the origin along the axis. Throws `Error` as `Profile` does, and when a number is not finite or
   /// the axis is zero.
@@ -22,7 +22,7 @@ class Revolution final : public Surface {
   Vec3 project(Vec3 point) const override;
   Vec3 normal(Vec3 point) const override;
   Vec3 project_to_seam(Vec3 point) const override;
-  bool has_creases() const override { return profile_.has_corners(); }
+  const Creases* creases() const override { return profile_.has_corners() ? this : nullptr; }
   int piece_at(Vec3 point) const override { return profile_.run_at(axis_.place(point).at); }
   std::optional<Vec3> crease_between(Vec3 a, Vec3 b, Vec3 c, Vec3 d) const override;
   double distance(Vec3 point) const override;

@@ -8,6 +8,20 @@
 
 namespace pamr::geometry {
 
+/// The creases of a surface, sharp edges inside it, and the smooth pieces between them.
+class Creases {
+ public:
+  /// Number of the piece that is nearest to the point.
+  virtual int piece_at(Vec3 point) const = 0;
+  /// For an edge from a to b between the triangles (a, b, c) and (a, b, d): where the middle of its chord belongs when
+  /// the edge runs along a crease. Its ends must lie next to each other on the crease, and the triangles, where it
+  /// parts two pieces, on the two sides of it. Nothing elsewhere. The same for b and a, and for d and c.
+  virtual std::optional<Vec3> crease_between(Vec3 a, Vec3 b, Vec3 c, Vec3 d) const = 0;
+
+ protected:
+  ~Creases() = default;
+};
+
 /// A curved or flat boundary. It knows points only, no mesh. Every call is local, thread-safe and gives the same bits
 /// for the same point.
 class Surface {
@@ -30,26 +44,10 @@ class Surface {
   virtual Vec3 project_to_seam(Vec3 point) const { return project(point); }
   /// Distance with a sign: negative on the side to which the normal does not point.
   virtual double signed_distance(Vec3 point) const { return dot(point - project(point), normal(point)); }
-  /// Whether it has sharp edges inside.
-  virtual bool has_creases() const { return false; }
-  /// Number of the smooth piece between sharp edges that is nearest to the point; 0 throughout where there is one.
-  virtual int piece_at(Vec3 point) const {
-    (void)point;
-    return 0;
-  }
-  /// For an edge from a to b of the mesh between the triangles (a, b, c) and (a, b, d) of one patch: where the middle
-  /// of its chord belongs when the edge runs along a sharp edge inside the surface. Its ends must lie next to each
-  /// other on that, and the triangles, where it parts two pieces, on the two sides of it. Nothing elsewhere, and for
-  /// surfaces without such edges. The same for b and a, and for d and c.
-  virtual std::optional<Vec3> crease_between(Vec3 a, Vec3 b, Vec3 c, Vec3 d) const {
-    (void)a, (void)b, (void)c, (void)d;
-    return std::nullopt;
-  }
+  /// Its sharp edges, null where it is smooth.
+  virtual const Creases* creases() const { return nullptr; }
   /// How far flat facets that the surface was made from lie off it near the point: 0 but for triangulated ones.
-  virtual double facet_deviation(Vec3 point) const {
-    (void)point;
-    return 0;
-  }
+  virtual double facet_deviation(Vec3 /*point*/) const { return 0; }
   /// True when moving along a straight segment between two of its points stays on it (a plane): nothing to project.
   virtual bool is_flat() const { return false; }
   /// Size of the numbers that the surface is made of (a bound of its parameters' coordinates and radii): what the

@@ -179,7 +179,7 @@ Association measure(const par::Comm& comm, const mesh::DistMesh& mesh, int patch
     auto& here = off[static_cast<std::size_t>(node)];
     here = std::max(here, distance);
   }
-  if (surface.has_creases()) {
+  if (surface.creases() != nullptr) {
     std::vector<double> off_crease(off.size(), 0.0);
     result.creases = fit_creases(comm, mesh, patch, surface, off_crease);
     for (std::size_t n = 0; n < off.size(); ++n)

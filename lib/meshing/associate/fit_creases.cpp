@@ -63,6 +63,7 @@ CreaseFit fit_creases(const par::Comm& comm, const mesh::DistMesh& mesh, int pat
     for (const auto& item : received.from(r)) side.push_back({item, received.rank[r]});
   std::sort(side.begin(), side.end(), [](const auto& a, const auto& b) { return a.first.end < b.first.end; });
 
+  const auto& creases = *surface.creases();
   CreaseFit fit;
   par::Mailbox<Off> answers(comm);
   for (std::size_t i = 0; i + 1 < side.size(); ++i) {
@@ -71,11 +72,11 @@ CreaseFit fit_creases(const par::Comm& comm, const mesh::DistMesh& mesh, int pat
     if (one.end != other.end) continue;
     const auto [a, b] = one.point;
     const auto distance = [&](geometry::Vec3 p) { return norm(p - surface.project_to_seam(p)); };
-    if (surface.crease_between(a, b, one.third, other.third)) {
+    if (creases.crease_between(a, b, one.third, other.third)) {
       ++fit.n_along;
       for (std::size_t k = 0; k < 2; ++k) answers.add(rank, {one.local[k], distance(one.point[k])});
     } else if (const double third = 1.0 / 3;
-               surface.piece_at(third * (a + b + one.third)) != surface.piece_at(third * (a + b + other.third))) {
+               creases.piece_at(third * (a + b + one.third)) != creases.piece_at(third * (a + b + other.third))) {
       ++fit.n_across;
       fit.worst_across = std::max({fit.worst_across, distance(a), distance(b)});
     }

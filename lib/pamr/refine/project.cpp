@@ -43,7 +43,7 @@ struct Wings {
 std::vector<bool> patches_with_creases(const mesh::MeshInfo& info, const geometry::SurfaceSet& surfaces) {
   std::vector<bool> has(info.patches.size(), false);
   for (std::size_t p = 0; p < has.size(); ++p)
-    if (const auto* surface = surfaces.get(info.patches[p].surface)) has[p] = surface->has_creases();
+    if (const auto* surface = surfaces.get(info.patches[p].surface)) has[p] = surface->creases() != nullptr;
   return has;
 }
 
@@ -89,7 +89,7 @@ std::vector<Wings> find_wings(const par::Comm& comm, const mesh::DistMesh& mesh,
 
 /// A node of the ledger that is as far from a sharp edge of its surface as the ledger says belongs on that edge.
 bool is_of_crease(const SurfacesOfNode& on, const PatchList& patch, geometry::Vec3 point, double off) {
-  if (patch[1] >= 0 || !on.surface.front()->has_creases()) return false;
+  if (patch[1] >= 0 || on.surface.front()->creases() == nullptr) return false;
   return off >= (1 - 1e-9) * geometry::norm(point - on.surface.front()->project_to_seam(point));
 }
 
@@ -134,9 +134,10 @@ std::vector<Movable> project_new_nodes(const par::Comm& comm, const mesh::DistMe
     const auto [a, b] = numbering.ends[at(boundary.new_node)];
     const LocalId node = mesh.n_nodes() + boundary.new_node;
     const auto base = geometry::midpoint(mesh.point(a), mesh.point(b));
-    if (patch[1] < 0 && !wings.empty() && wings[i].count == 2)  // a sharp edge inside a patch parts no patches
-      if (const auto crease = known->second.surface.front()->crease_between(mesh.point(a), mesh.point(b),
-                                                                            wings[i].corner[0], wings[i].corner[1])) {
+    const auto* creases = known->second.surface.front()->creases();
+    if (patch[1] < 0 && creases != nullptr && wings[i].count == 2)  // a crease inside a patch parts no patches
+      if (const auto crease =
+              creases->crease_between(mesh.point(a), mesh.point(b), wings[i].corner[0], wings[i].corner[1])) {
         movables.push_back({node, base, *crease, patch, true, true});
         continue;
       }

@@ -31,7 +31,7 @@ PatchList patches_of(const BoundaryNode& boundary);
 
 /// Where the new boundary nodes belong: on the surface of their patch, on the common curve of two. Only edges that lie
 /// in the boundary get such a node; flat surfaces move nothing. Every rank that holds a node computes the same bits.
-/// Ascending in node. Edges along sharp edges inside the surface of their patch (`Surface::crease_between`) get
+/// Ascending in node. Edges along sharp edges inside the surface of their patch (`Creases::crease_between`) get
 /// their node there, held. Collective where a patch has such a surface: one exchange over the border edges, of the
 /// third corners of the boundary faces; else local. Source: the PAMR paper, section 2.1.4.
 std::vector<Movable> project_new_nodes(const par::Comm& comm, const mesh::DistMesh& mesh, const mesh::Borders& borders,

@@ -55,7 +55,8 @@ TEST(Revolution, KeepsNodesOnTheCornersOfItsProfile) {
   EXPECT_FALSE(can.crease_between(a, b, {0.4, 2, 0.4}, on_side).has_value()) << "both triangles on the side";
   EXPECT_FALSE(can.crease_between(a, {0.9, 2, 0}, on_side, on_end).has_value()) << "an end beside the corner";
   const Revolution smooth(origin, x_axis, {line({-1, 1}, {0, 1}), arc({0, 1}, {1, 0}, {0, 0})});
-  EXPECT_FALSE(smooth.has_creases());
+  EXPECT_EQ(smooth.creases(), nullptr);
+  EXPECT_EQ(can.creases(), &can);
   const Revolution ring(origin, x_axis,
                         {line({0, 1}, {0, 2}), line({0, 2}, {1, 2}), line({1, 2}, {1, 1}), line({1, 1}, {0, 1})});
   EXPECT_TRUE(

@@ -159,8 +159,8 @@ TEST(Triangulated, TakesPiecesAloneAndCreasesAsLines) {
   const Triangulated surface(testing::bored_cube(24), {});
 
   std::size_t n_closed = 0;
-  for (const auto& line : surface.creases().lines()) n_closed += line.is_closed() ? 1 : 0;
-  EXPECT_EQ(surface.creases().lines().size(), 14U);  // 12 edges of the cube, 2 rims
+  for (const auto& line : surface.crease_net().lines()) n_closed += line.is_closed() ? 1 : 0;
+  EXPECT_EQ(surface.crease_net().lines().size(), 14U);  // 12 edges of the cube, 2 rims
   EXPECT_EQ(n_closed, 2U);
   for (const Vec3 p : {Vec3{0.9, 0.9, 1.2}, {0.4, 0, 0.3}, {-1.2, 0.3, 0.3}}) {
     const auto alone = surface.piece(surface.piece_at(p));
@@ -212,7 +212,7 @@ TEST(Triangulated, KeepsNodesOnACreaseThatEndsInside) {
   const Vec3 c = surface.project({0.3, -0.2, 1}), d = surface.project({-0.2, 0.1, 1});
   const auto middle = surface.crease_between(a, b, c, d);
   ASSERT_TRUE(middle.has_value());
-  EXPECT_EQ(*middle, surface.creases().nearest(midpoint(a, b)));
+  EXPECT_EQ(*middle, surface.crease_net().nearest(midpoint(a, b)));
   EXPECT_EQ(middle, surface.crease_between(b, a, d, c));
   EXPECT_FALSE(surface.crease_between(a, c, b, d).has_value());
 }

@@ -18,7 +18,7 @@ namespace pamr::geometry {
 /// A smooth surface through the points of a triangulation, sharp at its creases: cubic triangles from normals of fitted
 /// quadrics, continuous; planar pieces stay planar. The normal points to the side from which the triangles are seen
 /// counter-clockwise. The nearest point is found from the nearest flat triangle by going downhill over the curved ones.
-class Triangulated final : public Surface {
+class Triangulated final : public Surface, public Creases {
  public:
   struct Options {
     CreaseOptions crease{};
@@ -37,7 +37,7 @@ class Triangulated final : public Surface {
   double signed_distance(Vec3 point) const override;
   /// Nearest point of the creases, and of the ends of an open surface; the nearest point where there are none.
   Vec3 project_to_seam(Vec3 point) const override;
-  bool has_creases() const override { return !creases_->is_empty(); }
+  const Creases* creases() const override { return creases_->is_empty() ? nullptr : this; }
   std::optional<Vec3> crease_between(Vec3 a, Vec3 b, Vec3 c, Vec3 d) const override;
   /// Of the triangle nearest to the point, at its middle and those of its sides.
   double facet_deviation(Vec3 point) const override;
@@ -54,7 +54,7 @@ class Triangulated final : public Surface {
   /// One piece taken alone; it shares the data of the whole.
   std::unique_ptr<const Triangulated> piece(int number) const;
   /// The creases as curves: all of them, or, of a piece taken alone, those round it and in it.
-  const CreaseNet& creases() const { return *creases_; }
+  const CreaseNet& crease_net() const { return *creases_; }
   /// True for one piece taken alone, by `near` or by `piece`.
   bool is_one_piece() const { return stays_in_patch_; }
   /// Calls `use(piece, middle)` for every triangle, with the middle of the flat one.
