@@ -17,7 +17,7 @@ using geometry::described_plane, geometry::described_sphere, geometry::digits, g
 
 constexpr double padding = 7.5;
 /// Longest edge on a sphere, in radii, that leaves every new node in its middle a safe way to the surface.
-constexpr double most_on_sphere = 0.6;
+constexpr double max_on_sphere = 0.6;
 
 void require(bool holds, const std::string& expected) {
   if (!holds) throw Error("expected " + expected);
@@ -28,9 +28,9 @@ geometry::SharedSurfaces shared(std::vector<geometry::DescribedSurface> surfaces
 }
 
 void require_sizes(double on_sphere, double radius, double far, double growth) {
-  require(on_sphere > 0 && on_sphere <= most_on_sphere * radius,
-          fmt::format("an edge length at the sphere between 0 and {:g} radii, found {:g} at radius {:g}",
-                      most_on_sphere, on_sphere, radius));
+  require(on_sphere > 0 && on_sphere <= max_on_sphere * radius,
+          fmt::format("an edge length at the sphere between 0 and {:g} radii, found {:g} at radius {:g}", max_on_sphere,
+                      on_sphere, radius));
   require(far >= on_sphere,
           fmt::format("a largest edge length of at least that at the sphere, {:g}, found {:g}", on_sphere, far));
   require(growth >= 0.05 && growth <= 0.8, fmt::format("growth between 0.05 and 0.8, found {:g}", growth));
@@ -47,7 +47,7 @@ Combination charged_spheres(const ChargedSpheres& given) {
   fill(p.half_length, p.distance / 2 + padding);
   fill(p.width, padding);
   fill(p.top, p.height + padding);
-  fill(p.size_sphere, std::min(0.15 * p.far, most_on_sphere * p.radius));
+  fill(p.size_sphere, std::min(0.15 * p.far, max_on_sphere * p.radius));
   fill(p.size_plate, 0.5 * p.far);
   fill(p.size_walls, p.far);
   require(p.radius > 0, fmt::format("a radius > 0, found {:g}", p.radius));
@@ -88,8 +88,8 @@ Combination charged_sphere(const ChargedSphere& given) {
   require(p.outer_radius > p.radius,
           fmt::format("an outer radius over the radius, {:g}, found {:g}", p.radius, p.outer_radius));
   require_sizes(p.size_sphere, p.radius, p.far, p.growth);
-  require(p.size_outer > 0 && p.size_outer <= most_on_sphere * p.outer_radius,
-          fmt::format("an edge length at the outer sphere between 0 and {:g} of its radius, found {:g}", most_on_sphere,
+  require(p.size_outer > 0 && p.size_outer <= max_on_sphere * p.outer_radius,
+          fmt::format("an edge length at the outer sphere between 0 and {:g} of its radius, found {:g}", max_on_sphere,
                       p.size_outer));
   Combination result;
   result.surfaces =

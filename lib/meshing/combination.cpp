@@ -42,7 +42,7 @@ void require_within_bounds(const Solid& solid, const std::string& where) {
 /// What edges in a gap are bounded to: `factor` times the least sum of the distances from two surfaces whose normals
 /// there are within 45 degrees of each other in either sense; at least a sixteenth of `size`.
 double bounded_by_gaps(const geometry::SurfaceSet& surfaces, double factor, Vec3 p, double size) {
-  constexpr double least_cosine = 0.7071, least_part = 1.0 / 16;
+  constexpr double min_cosine = 0.7071, min_part = 1.0 / 16;
   std::vector<std::pair<double, Vec3>> near;
   for (const auto& surface : surfaces.surface)
     if (const double distance = surface->distance(p); factor * distance < size)
@@ -50,9 +50,9 @@ double bounded_by_gaps(const geometry::SurfaceSet& surfaces, double factor, Vec3
   double bound = size;
   for (std::size_t i = 0; i < near.size(); ++i)
     for (std::size_t j = 0; j < i; ++j)
-      if (std::abs(geometry::dot(near[i].second, near[j].second)) > least_cosine)
+      if (std::abs(geometry::dot(near[i].second, near[j].second)) > min_cosine)
         bound = std::min(bound, factor * (near[i].first + near[j].first));
-  return std::max(bound, least_part * size);
+  return std::max(bound, min_part * size);
 }
 
 std::function<double(Vec3)> size_field(const std::shared_ptr<const Solid>& solid, const Combination& c,

@@ -13,11 +13,11 @@ namespace {
 
 using geometry::Vec3;
 
-constexpr double least_sine = 0.0872;  // 5 degrees: below, `project_onto_all` takes one of the surfaces alone
-constexpr double most_turn = 0.01;     // radians from point to point
-constexpr double most_kink = 0.3;   // radians where triangles of one smooth piece join: their curves have kinks there
-constexpr double on_curve = 1e-10;  // of the solid's radius
-constexpr std::size_t most_points = 1000000;
+constexpr double min_sine = 0.0872;  // 5 degrees: below, `project_onto_all` takes one of the surfaces alone
+constexpr double max_turn = 0.01;    // radians from point to point
+constexpr double max_kink = 0.3;     // radians where triangles of one smooth piece join: their curves have kinks there
+constexpr double on_curve = 1e-10;   // of the solid's radius
+constexpr std::size_t max_points = 1000000;
 
 double distance_to_segment(Vec3 p, Vec3 a, Vec3 b) {
   const Vec3 ab = b - a;
@@ -58,18 +58,18 @@ bool CommonCurve::is_triangulated(Vec3 p) const {
 bool CommonCurve::follow(std::vector<Vec3>& points, double sense) const {
   const double longest = solid_->radius() / 100, shortest = 1e-7 * solid_->radius();
   double step = 0.1 * longest;
-  while (points.size() < most_points) {
+  while (points.size() < max_points) {
     const Vec3 here = points.back(), t = tangent(here);
     const double sine = geometry::norm(t);
-    if (sine < least_sine) return false;
+    if (sine < min_sine) return false;
     const Vec3 along = sense / sine * t;
     const auto next = project(here + step * along);
     const Vec3 then = tangent(next.point);
-    const double turn = geometry::norm(geometry::cross(along, then)) / std::max(geometry::norm(then), least_sine);
+    const double turn = geometry::norm(geometry::cross(along, then)) / std::max(geometry::norm(then), min_sine);
     const bool goes_on = next.is_on_curve && sense * geometry::dot(along, then) > 0 &&
                          geometry::dot(next.point - here, along) > 0.5 * step;
-    const bool is_kink = step < shortest && turn < most_kink && is_triangulated(here);
-    if (!goes_on || (turn > most_turn && !is_kink)) {
+    const bool is_kink = step < shortest && turn < max_kink && is_triangulated(here);
+    if (!goes_on || (turn > max_turn && !is_kink)) {
       if (step < shortest) return false;
       step *= 0.5;
       continue;
@@ -82,7 +82,7 @@ bool CommonCurve::follow(std::vector<Vec3>& points, double sense) const {
     }
     points.push_back(next.point);
     if (is_beyond(next.point)) return false;
-    if (turn < 0.5 * most_turn) step = std::min(2 * step, longest);
+    if (turn < 0.5 * max_turn) step = std::min(2 * step, longest);
   }
   throw Error(fmt::format("expected surfaces {} and {} to meet in a curve, found one without an end", solid_->name(a_),
                           solid_->name(b_)));

@@ -14,6 +14,7 @@
 #include <CGAL/make_mesh_3.h>
 #include <CGAL/perturb_mesh_3.h>
 #include <CGAL/version.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
@@ -123,7 +124,7 @@ Complex start(const Domain& domain, const MeshDomain& mesh_domain, const Criteri
 
 /// Throws `Work::TooMuch` when perturbation finds no end; `with_perturbation` false: without it.
 Complex make_complex(const Domain& domain, const MeshDomain& mesh_domain, bool with_perturbation, Work& work) {
-  constexpr std::int64_t most_labels = 50'000;  // for each node
+  constexpr std::int64_t max_labels = 50'000;  // for each node
   namespace p = CGAL::parameters;
   const Criteria criteria(
       p::edge_size = SizeField{&domain, edge_factor}, p::facet_angle = min_face_angle,
@@ -133,7 +134,7 @@ Complex make_complex(const Domain& domain, const MeshDomain& mesh_domain, bool w
   CGAL::refine_mesh_3(complex, mesh_domain, criteria, p::no_reset_c3t3(), p::no_perturb(), p::no_exude());
   if (with_perturbation) {
     const auto n_nodes = static_cast<std::int64_t>(complex.triangulation().number_of_vertices());
-    work.most = work.n_labels + most_labels * n_nodes;
+    work.most = work.n_labels + max_labels * n_nodes;
     CGAL::perturb_mesh_3(complex, mesh_domain, p::sliver_bound = sliver_bound);
     work.most = std::numeric_limits<std::int64_t>::max();
   }
@@ -159,9 +160,7 @@ double predicted_cells(const Domain& domain) {
               ": the sizes are too coarse for the domain");
 }
 
-std::string text_of(geometry::Vec3 p) {
-  return "(" + std::to_string(p.x) + ", " + std::to_string(p.y) + ", " + std::to_string(p.z) + ")";
-}
+std::string text_of(geometry::Vec3 p) { return fmt::format("({:f}, {:f}, {:f})", p.x, p.y, p.z); }
 
 /// Nodes are numbered in the order in which the cells name them; CGAL's handles are compared by the time when they
 /// were made, so no order depends on addresses.
@@ -287,10 +286,12 @@ Complex make_complex(const Domain& domain, unsigned seed) {
 }  // namespace
 
 RawMesh run_mesh3(const Domain& domain, unsigned seed) {
-  constexpr double most_cells = 4e6;  // one process makes the mesh, with about a kilobyte a cell
-  if (const double n = predicted_cells(domain); n > most_cells)
-    throw Error("expected sizes that give at most 4 million cells at level 0, found " +
-                std::to_string(std::llround(n)) + " cells: choose coarser sizes and refine with pamr-refine");
+  constexpr double max_cells = 4e6;  // one process makes the mesh, with about a kilobyte a cell
+  if (const double n = predicted_cells(domain); n > max_cells)
+    throw Error(
+        fmt::format("expected sizes that give at most 4 million cells at level 0, found {} cells: choose coarser "
+                    "sizes and refine with pamr-refine",
+                    std::llround(n)));
   const Silence silence;
   try {
     const auto complex = make_complex(domain, seed);

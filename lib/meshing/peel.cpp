@@ -7,6 +7,7 @@
 #include <set>
 #include <utility>
 
+#include "pamr/base/index.hpp"
 #include "pamr/mesh/tet.hpp"
 
 namespace pamr::meshing {
@@ -16,7 +17,6 @@ namespace {
 using geometry::Vec3;
 using Edge = std::pair<std::int32_t, std::int32_t>;
 using Face = std::array<std::int32_t, 3>;
-constexpr std::size_t at(std::int64_t i) { return static_cast<std::size_t>(i); }
 
 Edge edge_of(std::int32_t a, std::int32_t b) { return {std::min(a, b), std::max(a, b)}; }
 

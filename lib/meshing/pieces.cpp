@@ -6,14 +6,13 @@
 #include <algorithm>
 
 #include "pamr/base/error.hpp"
+#include "pamr/base/index.hpp"
 
 namespace pamr::meshing {
 namespace {
 
 using geometry::Triangulated;
 using geometry::Vec3;
-
-constexpr std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
 }  // namespace
 
@@ -30,9 +29,9 @@ Pieces::Pieces(const std::shared_ptr<const Solid>& solid, const SurfaceSamples& 
   for (int i = 0; i < solid->n_surfaces(); ++i) {
     first_.push_back(static_cast<int>(piece_.size()));
     number_.emplace_back();
-    const auto* whole = whole_[index(i)];
+    const auto* whole = whole_[pamr::at(i)];
     if (whole != nullptr && whole->n_patches() > 1) {
-      add_pieces(i, *whole, samples[index(i)]);
+      add_pieces(i, *whole, samples[pamr::at(i)]);
     } else {
       piece_.push_back({i, &solid->surface(i), -1, solid->name(i)});
     }
@@ -43,7 +42,7 @@ Pieces::Pieces(const std::shared_ptr<const Solid>& solid, const SurfaceSamples& 
 void Pieces::add_pieces(int i, const Triangulated& whole, const std::vector<Vec3>& samples) {
   std::vector<bool> is_used(whole.n_patches(), false);
   const auto look = [&](int piece, Vec3 p) {
-    if (!is_used[index(piece)]) is_used[index(piece)] = solid_->divides(i, solid_->sides(p));
+    if (!is_used[pamr::at(piece)]) is_used[pamr::at(piece)] = solid_->divides(i, solid_->sides(p));
   };
   whole.for_each_triangle([&](int piece, Vec3 middle) { look(piece, whole.project(middle)); });
   // where other surfaces leave little of large triangles
@@ -51,32 +50,31 @@ void Pieces::add_pieces(int i, const Triangulated& whole, const std::vector<Vec3
   for (const auto& part : creases_.parts)
     if (part.surface == i)
       for (const int piece : whole.crease_net().lines()[part.line].piece)
-        if (piece >= 0) is_used[index(piece)] = true;
+        if (piece >= 0) is_used[pamr::at(piece)] = true;
   if (std::find(is_used.begin(), is_used.end(), true) == is_used.end())
     throw Error(
         fmt::format("expected surfaces that bound the region, found no place where \"{}\" does", solid_->name(i)));
-  number_[index(i)].assign(whole.n_patches(), -1);
+  number_[pamr::at(i)].assign(whole.n_patches(), -1);
   for (std::size_t p = 0; p < is_used.size(); ++p) {
     if (!is_used[p]) continue;
     const auto number = static_cast<int>(p);
-    number_[index(i)][p] = static_cast<int>(piece_.size());
+    number_[pamr::at(i)][p] = static_cast<int>(piece_.size());
     alone_.push_back(whole.piece(number));
     piece_.push_back({i, alone_.back().get(), number, fmt::format("{}_{}", solid_->name(i), number + 1)});
   }
 }
 
 int Pieces::nearest(int i, Vec3 p) const {
-  if (number_[index(i)].empty()) return first_[index(i)];
-  const int number = number_[index(i)][index(whole_[index(i)]->piece_at(p))];
-  return number >= 0 ? number : first_[index(i)];
+  if (number_[pamr::at(i)].empty()) return first_[pamr::at(i)];
+  const int number = number_[pamr::at(i)][pamr::at(whole_[pamr::at(i)]->piece_at(p))];
+  return number >= 0 ? number : first_[pamr::at(i)];
 }
 
 std::vector<FeatureCurve> Pieces::creases() const {
   std::vector<FeatureCurve> result;
   for (const auto& part : creases_.parts)
-    result.push_back({part.polyline, [solid = solid_, whole = whole_[index(part.surface)], line = part.line](Vec3 p) {
-                        return whole->crease_net().nearest_on_line(line, p);
-                      }});
+    result.push_back({part.polyline, [solid = solid_, whole = whole_[pamr::at(part.surface)], line = part.line](
+                                         Vec3 p) { return whole->crease_net().nearest_on_line(line, p); }});
   return result;
 }
 

@@ -103,8 +103,8 @@ class RegionParser {
 };
 
 Region::Region(std::string_view text, std::span<const std::string> names, const std::string& where) {
-  if (names.size() > most_surfaces)
-    throw Error(fmt::format("{}: expected at most {} surfaces, found {}", where, most_surfaces, names.size()));
+  if (names.size() > max_surfaces)
+    throw Error(fmt::format("{}: expected at most {} surfaces, found {}", where, max_surfaces, names.size()));
   RegionParser(text, names, where, program_).read();
 }
 

@@ -18,7 +18,7 @@ using Sides = std::uint32_t;
 ///     "-box & +ball"      in the box, not in the ball
 class Region {
  public:
-  static constexpr std::size_t most_surfaces = 32;
+  static constexpr std::size_t max_surfaces = 32;
 
   /// Throws `Error` that begins with `where` for text that is no region, a name that is not among `names`, or a name
   /// that the text does not use.

@@ -26,7 +26,7 @@ Vec3 bound(const Domain& domain, Binding binding, Vec3 p) {
 }
 
 /// Edges between boundary nodes may get as long as this times the wanted length; longer ones must not get longer.
-constexpr double most_stretch = 1.15;
+constexpr double max_stretch = 1.15;
 
 /// The cells at each node: those of node i are `cell[offset[i] .. offset[i+1])`, ascending.
 struct NodeToCell {
@@ -110,7 +110,7 @@ class Optimizer {
     const Vec3 start = mesh_.point[node];
     const double length = length_at(node);
     const bool is_on_boundary = mesh_.binding[node].freedom != Freedom::space;
-    const double longest = is_on_boundary ? std::max(most_stretch, stretch_at(node)) : 0;
+    const double longest = is_on_boundary ? std::max(max_stretch, stretch_at(node)) : 0;
     double best = worst_at(node);
     Vec3 best_point = start;
     for (double step = 0.2; step > 0.01; step *= 0.5) {

@@ -30,7 +30,7 @@ Sides Solid::sides(Vec3 p) const {
 }
 
 int Solid::label(Vec3 p) const {
-  std::array<double, Region::most_surfaces> distance{};
+  std::array<double, Region::max_surfaces> distance{};
   Sides here = 0;
   const int n = n_surfaces();
   for (int i = 0; i < n; ++i) {
@@ -39,7 +39,7 @@ int Solid::label(Vec3 p) const {
     distance[static_cast<std::size_t>(i)] = std::abs(d);
   }
   if (region.contains(here)) return -1;
-  std::array<int, Region::most_surfaces> order{};
+  std::array<int, Region::max_surfaces> order{};
   const auto end = order.begin() + n;
   std::iota(order.begin(), end, 0);
   std::sort(order.begin(), end, [&](int a, int b) {

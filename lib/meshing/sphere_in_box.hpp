@@ -11,7 +11,7 @@ struct BoxSizeLimits {
 inline constexpr BoxSizeLimits box_size_limits{0.02, 0.6};
 
 /// The cube |x|, |y|, |z| <= 2 with the unit ball cut out, edges of length `size` everywhere. Patches `box` (its six
-/// flat sides, tied to no surface) and `sphere`. Local. Throws `Error` for a size out of range.
+/// flat sides, which lie on no surface) and `sphere`. Local. Throws `Error` for a size out of range.
 Domain sphere_in_box(double size);
 
 }  // namespace pamr::meshing

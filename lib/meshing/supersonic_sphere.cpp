@@ -62,8 +62,8 @@ Combination supersonic_sphere(const SupersonicSphere& given) {
   }
   result.surfaces = std::make_shared<const geometry::SurfaceSet>(geometry::set_of(surfaces, "supersonic-sphere"));
   // z = r sin(angle) where y = r cos(angle): the sector starts at y > 0
-  const double least_y = p.parts == 2 || p.parts == 3 ? -p.side : 0;
-  result.low = {-p.inflow, least_y, 0};
+  const double min_y = p.parts == 2 || p.parts == 3 ? -p.side : 0;
+  result.low = {-p.inflow, min_y, 0};
   result.high = {p.outflow, p.side, p.parts > 4 ? p.side * std::sin(angle) : p.side};
   result.length_unit = "m";
   result.far = p.far;

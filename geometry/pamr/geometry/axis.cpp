@@ -27,7 +27,7 @@ Axis::Place Axis::place(Vec3 point) const {
   Vec3 away = from_origin - x * direction_;
   away = away - dot(away, direction_) * direction_;  // once more: the first difference may cancel near the axis
   const double r = norm(away);
-  if (!(r > least_length)) return {{x, 0}, side_};
+  if (!(r > min_length)) return {{x, 0}, side_};
   return {{x, r}, {away.x / r, away.y / r, away.z / r}};
 }
 

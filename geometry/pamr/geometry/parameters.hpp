@@ -27,6 +27,6 @@ std::string decimal(Vec3 value);
 inline double largest_coordinate(Vec3 v) { return std::fmax(std::fmax(std::abs(v.x), std::abs(v.y)), std::abs(v.z)); }
 
 /// Below this length a vector has no usable direction: its square underflows.
-inline constexpr double least_length = 1e-140;
+inline constexpr double min_length = 1e-140;
 
 }  // namespace pamr::geometry

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "pamr/geometry/polynomial.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -128,7 +130,7 @@ void for_each_start(const PolynomialSegment& s, Vec3 target, Visit&& visit) {
 }
 
 void check(const PolynomialSegment& s, std::size_t number) {
-  const std::string where = "segment " + std::to_string(number + 1) + ": ";
+  const std::string where = fmt::format("segment {}: ", number + 1);
   for (const auto c : s.coefficient)
     if (!std::isfinite(c.x) || !std::isfinite(c.y) || !std::isfinite(c.z))
       throw Error(where + "expected finite coefficients, found " + decimal(c));

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "pamr/geometry/profile.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <limits>
 #include <numbers>
@@ -54,7 +56,7 @@ void for_piece(std::size_t index, Check check) {
   try {
     check();
   } catch (const Error& error) {
-    throw Error("profile piece " + std::to_string(index + 1) + ": " + error.what());
+    throw Error(fmt::format("profile piece {}: {}", index + 1, error.what()));
   }
 }
 
@@ -84,7 +86,7 @@ Profile::Profile(const std::vector<ProfilePiece>& pieces) {
 }
 
 void Profile::find_corners() {
-  constexpr double least_sine = 0.0871557427476582;  // of 5 degrees
+  constexpr double min_sine = 0.0871557427476582;  // of 5 degrees
   const auto leaves = [](const Piece& piece, bool at_start) -> Meridian {
     if (!piece.is_arc) return piece.tangent;
     const Meridian out = at_start ? piece.from_center : piece.to_center;
@@ -93,7 +95,7 @@ void Profile::find_corners() {
   const auto is_corner = [&](const Piece& before, const Piece& after) {
     if (!(before.to == after.from) || !(before.to.r > 0)) return false;
     const Meridian t = leaves(before, false), u = leaves(after, true);
-    return std::abs(cross(t, u)) > least_sine || dot(t, u) < 0;
+    return std::abs(cross(t, u)) > min_sine || dot(t, u) < 0;
   };
   run_.push_back(0);
   for (std::size_t i = 1; i < pieces_.size(); ++i) {
@@ -166,7 +168,7 @@ Profile::Nearest Profile::nearest_on(const Piece& piece, Meridian at) {
   }
   const Meridian out = at - piece.center;
   const double distance = norm(out);
-  if (!(distance > least_length)) return {piece.from, -piece.sense * piece.from_center, piece.length};
+  if (!(distance > min_length)) return {piece.from, -piece.sense * piece.from_center, piece.length};
   if (spans(piece, out)) {
     const Meridian unit{out.x / distance, out.r / distance};
     return {piece.center + piece.length * unit, -piece.sense * unit, std::abs(distance - piece.length)};

@@ -190,10 +190,10 @@ Vec3 Quadric::normal(Vec3 point) const {
   const Row from = to_principal(point), place = polished(nearest(from));
   Row g = gradient(place);
   double length = std::hypot(g[0], g[1], g[2]);
-  if (!(length > least_length)) {  // a tip: away from it
+  if (!(length > min_length)) {  // a tip: away from it
     for (std::size_t i = 0; i < 3; ++i) g[i] = from[i] - place[i];
     length = std::hypot(g[0], g[1], g[2]);
-    if (!(length > least_length)) g = {0, 0, length = 1};
+    if (!(length > min_length)) g = {0, 0, length = 1};
     if (value(from) < 0) length = -length;
   }
   const auto along = [&](std::size_t k) {

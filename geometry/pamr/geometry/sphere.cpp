@@ -13,7 +13,7 @@ Vec3 Sphere::project(Vec3 point) const { return center_ + radius_ * normal(point
 Vec3 Sphere::normal(Vec3 point) const {
   const Vec3 out = point - center_;
   const double length = norm(out);
-  if (!(length > least_length)) return {1, 0, 0};
+  if (!(length > min_length)) return {1, 0, 0};
   return {out.x / length, out.y / length, out.z / length};
 }
 

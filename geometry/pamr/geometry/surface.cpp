@@ -14,9 +14,9 @@ namespace {
 
 constexpr int iteration_limit = 50;
 constexpr double sine_of_5_degrees = 0.08715574274765817;
-constexpr double least_independence = 1e-3;  // sine between a normal and the span of those before it
-constexpr double move_limit = 32;            // times the largest distance; 2 surfaces at 5 degrees need 23
-constexpr double step_tolerance = 1e-15;     // this and the next: relative to the size of the numbers
+constexpr double min_independence = 1e-3;  // sine between a normal and the span of those before it
+constexpr double move_limit = 32;          // times the largest distance; 2 surfaces at 5 degrees need 23
+constexpr double step_tolerance = 1e-15;   // this and the next: relative to the size of the numbers
 constexpr double distance_tolerance = 1e-13;
 
 /// One surface seen from a point: its tangent plane at the nearest point.
@@ -70,7 +70,7 @@ Vec3 shortest_step(const std::vector<TangentPlane>& planes) {
     for (int pass = 0; pass < 2; ++pass)  // twice is enough for orthogonality to rounding
       for (std::size_t i = 0; i < n_basis; ++i) rest = rest - dot(rest, basis[i]) * basis[i];
     const double length = norm(rest);
-    if (n_basis == 3 || !(length > least_independence)) continue;
+    if (n_basis == 3 || !(length > min_independence)) continue;
     const Vec3 direction = (1.0 / length) * rest;
     basis[n_basis++] = direction;
     step = step - ((plane.signed_distance + dot(step, plane.normal)) / dot(direction, plane.normal)) * direction;

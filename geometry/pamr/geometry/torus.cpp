@@ -18,7 +18,7 @@ Torus::Torus(Vec3 center, Vec3 axis, double major_radius, double minor_radius)
 Meridian Torus::outward(Meridian at) const {
   const Meridian out = at - Meridian{0, major_radius_};
   const double length = norm(out);
-  if (!(length > least_length)) return {0, 1};
+  if (!(length > min_length)) return {0, 1};
   return {out.x / length, out.r / length};
 }
 

@@ -7,14 +7,13 @@
 #include <utility>
 
 #include "pamr/base/hash.hpp"
+#include "pamr/base/index.hpp"
 #include "pamr/mesh/tet.hpp"
 #include "pamr/par/mailbox.hpp"
 
 namespace pamr::meshing {
 
 namespace {
-
-constexpr std::size_t at(std::int64_t i) { return static_cast<std::size_t>(i); }
 
 /// An edge of a boundary face on its way to the rank where its two faces meet: its ends by global number, the third
 /// corner of the face.

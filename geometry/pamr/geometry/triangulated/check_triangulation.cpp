@@ -1,18 +1,20 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "pamr/geometry/triangulated/check_triangulation.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
 #include "pamr/base/error.hpp"
+#include "pamr/base/index.hpp"
 #include "pamr/geometry/parameters.hpp"
 
 namespace pamr::geometry {
 
 namespace {
 
-constexpr std::size_t at(int i) { return static_cast<std::size_t>(i); }
-constexpr double largest_size = 1e100, least_height = 1e-10;
+constexpr double largest_size = 1e100, min_height = 1e-10;
 
 struct Side {
   int low = 0, high = 0;  // numbers of the end points
@@ -36,7 +38,7 @@ std::vector<Side> sides_of(const Triangulation& surface) {
 }
 
 [[noreturn]] void fail(const std::string& where, int triangle, const std::string& message) {
-  throw Error(where + ": triangle " + std::to_string(triangle + 1) + ": " + message);
+  throw Error(fmt::format("{}: triangle {}: {}", where, triangle + 1, message));
 }
 
 void require_shapes(const Triangulation& surface, const std::string& where) {
@@ -46,14 +48,13 @@ void require_shapes(const Triangulation& surface, const std::string& where) {
     const auto number = static_cast<int>(t);
     for (const int p : corner) {
       if (p < 0 || p >= n_points)
-        fail(where, number,
-             "expected points from 1 to " + std::to_string(n_points) + ", found " + std::to_string(p + 1));
+        fail(where, number, fmt::format("expected points from 1 to {}, found {}", n_points, p + 1));
       if (!(largest_coordinate(surface.points[at(p)]) < largest_size))
         fail(where, number, "expected finite coordinates below 1e100, found " + decimal(surface.points[at(p)]));
     }
     const Vec3 a = surface.points[at(corner[0])], b = surface.points[at(corner[1])], c = surface.points[at(corner[2])];
     const double longest = std::sqrt(std::max({squared_norm(b - a), squared_norm(c - b), squared_norm(a - c)}));
-    if (!(longest > least_length) || !(norm(cross((1 / longest) * (b - a), (1 / longest) * (c - a))) > least_height))
+    if (!(longest > min_length) || !(norm(cross((1 / longest) * (b - a), (1 / longest) * (c - a))) > min_height))
       fail(where, number, "expected three corners that span an area, found none at " + decimal(a));
   }
 }
@@ -67,13 +68,13 @@ void require_edges(const Triangulation& surface, const std::vector<Side>& sides,
                       decimal(surface.points[at(sides[i].high)]);
     if (end - i > 2)
       fail(where, sides[i + 2].triangle,
-           "expected at most two triangles at " + text + ", found " + std::to_string(end - i) + " (non-manifold)");
+           fmt::format("expected at most two triangles at {}, found {} (non-manifold)", text, end - i));
     if (end - i == 1 && !open_allowed)
       fail(where, sides[i].triangle, "expected a closed surface, found nothing beyond " + text + " (open)");
     if (end - i == 2 && sides[i].upwards == sides[i + 1].upwards)
       fail(where, sides[i + 1].triangle,
-           "expected the opposite sense of triangle " + std::to_string(sides[i].triangle + 1) + " at " + text +
-               ", found the same (orientation)");
+           fmt::format("expected the opposite sense of triangle {} at {}, found the same (orientation)",
+                       sides[i].triangle + 1, text));
     i = end;
   }
 }
@@ -114,8 +115,8 @@ void require_fans(const Triangulation& surface, const std::vector<std::array<Bey
     }
     if (n != n_around[p])
       fail(where, first[p],
-           "expected the triangles at point " + decimal(surface.points[p]) + " joined to one fan, found " +
-               std::to_string(n_around[p] - n) + " of " + std::to_string(n_around[p]) + " apart (non-manifold)");
+           fmt::format("expected the triangles at point {} joined to one fan, found {} of {} apart (non-manifold)",
+                       decimal(surface.points[p]), n_around[p] - n, n_around[p]));
   }
 }
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "pamr/geometry/triangulated/crease.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -8,13 +10,13 @@
 #include <string>
 
 #include "pamr/base/error.hpp"
+#include "pamr/base/index.hpp"
 #include "pamr/geometry/triangulated/jet.hpp"
 
 namespace pamr::geometry {
 
 namespace {
 
-constexpr std::size_t at(int i) { return static_cast<std::size_t>(i); }
 constexpr double cosine_of_75_degrees = 0.25881904510252074;
 constexpr double flatness = 1e-9;
 
@@ -61,8 +63,10 @@ class Finder {
     for (std::size_t line = 0; line < options_.given.size(); ++line)
       for (std::size_t i = 0; i + 1 < options_.given[line].size(); ++i)
         if (!mark_segment(options_.given[line][i], options_.given[line][i + 1], near))
-          throw Error("creases: expected polylines along edges of the triangles, found none on segment " +
-                      std::to_string(i + 1) + " of polyline " + std::to_string(line + 1));
+          throw Error(
+              fmt::format("creases: expected polylines along edges of the triangles, found none on segment {} of "
+                          "polyline {}",
+                          i + 1, line + 1));
   }
 
   bool mark_segment(Vec3 a, Vec3 b, double near) {

@@ -6,18 +6,19 @@
 #include <map>
 #include <utility>
 
+#include "pamr/base/index.hpp"
+
 namespace pamr::geometry {
 
 namespace {
 
-constexpr std::size_t at(int i) { return static_cast<std::size_t>(i); }
-constexpr double gain = 1 - 1e-12;         // a squared distance must fall below this part to count as nearer
-constexpr double least_cosine = 1 - 1e-6;  // of the tangents of two creases that go on smoothly
-constexpr int n_samples = 8;               // of each crease
-constexpr double most_detour = 1.3;        // of the way along a line between two nodes next to each other
-constexpr double piece_detour = 2;         // the same where the triangles beside the chord confirm it
-constexpr double on_line = 1e-6;           // distance from a line, of the chord
-constexpr double of_bulge = 1.5;           // more of it where nodes may lie on chords
+constexpr double gain = 1 - 1e-12;       // a squared distance must fall below this part to count as nearer
+constexpr double min_cosine = 1 - 1e-6;  // of the tangents of two creases that go on smoothly
+constexpr int n_samples = 8;             // of each crease
+constexpr double max_detour = 1.3;       // of the way along a line between two nodes next to each other
+constexpr double piece_detour = 2;       // the same where the triangles beside the chord confirm it
+constexpr double on_line = 1e-6;         // distance from a line, of the chord
+constexpr double of_bulge = 1.5;         // more of it where nodes may lie on chords
 
 }  // namespace
 
@@ -52,7 +53,7 @@ CreaseNet::CreaseNet(const Triangulation& surface, const Features& features, int
 
 bool CreaseNet::is_smooth_at(int end, int one, int other) const {
   const auto tangent = [&](int edge) { return edges_[at(edge)].tangent[edges_[at(edge)].end[0] == end ? 0 : 1]; };
-  return std::abs(dot(tangent(one), tangent(other))) > least_cosine;
+  return std::abs(dot(tangent(one), tangent(other))) > min_cosine;
 }
 
 void CreaseNet::chain() {
@@ -160,7 +161,7 @@ std::optional<Vec3> CreaseNet::between_on(std::size_t number, Vec3 a, Vec3 b, st
   if (!(norm(to.point - b) <= on_line * chord + more * to.bulge)) return std::nullopt;
   double way = std::abs(to.way - from.way);
   if (lines_[number].is_closed()) way = std::min(way, line.length - way);
-  if (!(way <= (is_inner ? most_detour : piece_detour) * chord)) return std::nullopt;
+  if (!(way <= (is_inner ? max_detour : piece_detour) * chord)) return std::nullopt;
   return place_on(line, midpoint(a, b)).point;
 }
 

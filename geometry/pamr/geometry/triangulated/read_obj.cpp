@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "pamr/geometry/triangulated/read_obj.hpp"
+
 #include <array>
 #include <limits>
 
 #include "pamr/base/error.hpp"
-#include "pamr/geometry/triangulated/read_triangulation.hpp"
 #include "pamr/geometry/triangulated/triangulation_text.hpp"
 
 namespace pamr::geometry {

@@ -1,4 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "pamr/geometry/triangulated/read_ply.hpp"
+
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -8,7 +12,6 @@
 #include <vector>
 
 #include "pamr/base/error.hpp"
-#include "pamr/geometry/triangulated/read_triangulation.hpp"
 #include "pamr/geometry/triangulated/triangulation_text.hpp"
 
 namespace pamr::geometry {
@@ -190,7 +193,7 @@ void require_shape(const Element& element, const std::string& where) {
 void read_element(Body& body, const Element& element, std::int64_t n_points, Triangulation& surface) {
   const bool is_vertex = element.name == "vertex", is_face = element.name == "face";
   for (std::int64_t i = 0; i < element.count; ++i) {
-    const auto what = element.name + " " + std::to_string(i);
+    const auto what = fmt::format("{} {}", element.name, i);
     Vec3 point;
     std::array<int, 3> corner{};
     for (const auto& property : element.properties) {
@@ -209,7 +212,7 @@ void read_element(Body& body, const Element& element, std::int64_t n_points, Tri
         const double value = body.next(property.type, what);
         if (!is_triangle) continue;
         if (!(value >= 0 && value < static_cast<double>(n_points)) || value != std::floor(value))
-          body.fail(what + ": expected points from 0 to " + std::to_string(n_points - 1) + ", found another number");
+          body.fail(fmt::format("{}: expected points from 0 to {}, found another number", what, n_points - 1));
         corner[static_cast<std::size_t>(k)] = static_cast<int>(value);
       }
     }

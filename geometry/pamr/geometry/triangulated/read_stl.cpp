@@ -1,4 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "pamr/geometry/triangulated/read_stl.hpp"
+
+#include <fmt/format.h>
+
 #include <bit>
 #include <cmath>
 #include <cstdint>
@@ -7,7 +11,6 @@
 
 #include "pamr/base/error.hpp"
 #include "pamr/base/hash.hpp"
-#include "pamr/geometry/triangulated/read_triangulation.hpp"
 #include "pamr/geometry/triangulated/triangulation_text.hpp"
 
 namespace pamr::geometry {
@@ -53,8 +56,7 @@ Triangulation parse_binary(std::string_view bytes, std::int64_t n, const std::st
     std::memcpy(value, bytes.data() + head_bytes + facet_bytes * static_cast<std::size_t>(f), sizeof value);
     for (int i = 3; i < 12; ++i)
       if (!std::isfinite(value[i]))
-        throw Error(where + ": triangle " + std::to_string(f + 1) +
-                    ": expected finite coordinates, found NaN or infinity");
+        throw Error(fmt::format("{}: triangle {}: expected finite coordinates, found NaN or infinity", where, f + 1));
     std::array<int, 3> corner{};
     for (std::size_t k = 0; k < 3; ++k) corner[k] = welder.add({value[3 + 3 * k], value[4 + 3 * k], value[5 + 3 * k]});
     welder.result.triangles.push_back(corner);
@@ -99,8 +101,9 @@ Triangulation parse_stl(std::string_view bytes, const std::string& where) {
   if (bytes.substr(0, bytes.find_first_of("\r\n")).find('\0') == std::string_view::npos &&
       is_same_word(bytes.substr(0, 5), "solid"))
     return parse_ascii(bytes, where);
-  throw Error(where + ": expected STL, \"solid\" or 84 bytes and 50 for each triangle that they announce, found " +
-              std::to_string(bytes.size()) + " bytes");
+  throw Error(
+      fmt::format("{}: expected STL, \"solid\" or 84 bytes and 50 for each triangle that they announce, found {} bytes",
+                  where, bytes.size()));
 }
 
 }  // namespace pamr::geometry

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "pamr/geometry/triangulated/read_triangulation.hpp"
 
+#include <fmt/format.h>
+
 #include <cerrno>
 #include <cstring>
 #include <fstream>
@@ -9,6 +11,9 @@
 
 #include "pamr/base/error.hpp"
 #include "pamr/geometry/triangulated/check_triangulation.hpp"
+#include "pamr/geometry/triangulated/read_obj.hpp"
+#include "pamr/geometry/triangulated/read_ply.hpp"
+#include "pamr/geometry/triangulated/read_stl.hpp"
 #include "pamr/geometry/triangulated/triangulation_text.hpp"
 
 namespace pamr::geometry {
@@ -28,7 +33,7 @@ Triangulation read_triangulation(const std::filesystem::path& file, bool open_al
 Triangulation parse_triangulation(std::string_view bytes, const std::string& where, bool open_allowed) {
   const auto ending = std::filesystem::path(where).extension().string();
   if (bytes.size() > static_cast<std::size_t>(std::numeric_limits<int>::max()))
-    throw Error(where + ": expected a surface file below 2 GiB, found " + std::to_string(bytes.size()) + " bytes");
+    throw Error(fmt::format("{}: expected a surface file below 2 GiB, found {} bytes", where, bytes.size()));
   Triangulation surface;
   if (is_same_word(ending, ".stl"))
     surface = parse_stl(bytes, where);

@@ -19,10 +19,4 @@ Triangulation read_triangulation(const std::filesystem::path& file, bool open_al
 /// The same for the bytes of a file; `where` names it in errors and its ending tells the format.
 Triangulation parse_triangulation(std::string_view bytes, const std::string& where, bool open_allowed = false);
 
-/// Parsers of one format each, without the checks of `require_valid`; `where` begins the errors.
-Triangulation parse_stl(std::string_view bytes, const std::string& where);
-Triangulation parse_ply(std::string_view bytes, const std::string& where);
-Triangulation parse_obj(std::string_view bytes, const std::string& where);
-Triangulation parse_off(std::string_view bytes, const std::string& where);
-
 }  // namespace pamr::geometry

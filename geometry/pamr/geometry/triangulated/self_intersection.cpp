@@ -4,6 +4,7 @@
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Polygon_mesh_processing/self_intersections.h>
 #include <CGAL/Surface_mesh.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <iterator>
@@ -40,9 +41,9 @@ SelfIntersections find_self_intersections(const Triangulation& surface, std::int
 std::string self_intersection_warning(const Triangulation& surface) {
   const auto found = find_self_intersections(surface);
   if (found.n_pairs == 0) return {};
-  return "surface \"" + surface.name + "\" cuts through itself: " + std::to_string(found.n_pairs) +
-         (found.has_more ? " or more" : "") + (found.n_pairs == 1 ? " pair" : " pairs") +
-         " of triangles, the first near " + decimal(found.where);
+  return fmt::format("surface \"{}\" cuts through itself: {}{} {} of triangles, the first near {}", surface.name,
+                     found.n_pairs, found.has_more ? " or more" : "", found.n_pairs == 1 ? "pair" : "pairs",
+                     decimal(found.where));
 }
 
 }  // namespace pamr::geometry

@@ -4,12 +4,13 @@
 #include <algorithm>
 #include <limits>
 
+#include "pamr/base/index.hpp"
+
 namespace pamr::geometry {
 
 namespace {
 
 constexpr std::size_t leaf_size = 3;
-constexpr std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 /// Parameters of the nearest point of a triangle with sides ab and ac, seen from a; `ap` leads to the point.
 /// Source: C. Ericson, Real-Time Collision Detection, 2005, section 5.1.5.

@@ -6,13 +6,13 @@
 #include <utility>
 
 #include "pamr/base/error.hpp"
+#include "pamr/base/index.hpp"
 #include "pamr/geometry/parameters.hpp"
 
 namespace pamr::geometry {
 
 namespace {
 
-constexpr std::size_t at(int i) { return static_cast<std::size_t>(i); }
 constexpr double border = 1e-12;      // parameters this near to the border of a triangle lie on it
 constexpr double gain = 1 - 1e-12;    // a squared distance must fall below this part to count as nearer
 constexpr double rounding = 1e-14;    // of the largest coordinate
@@ -211,7 +211,7 @@ Vec3 Triangulated::unit_normal(int triangle, double u, double v) const {
   if (shape_->features.is_planar[patch] != 0) return shape_->features.plane_normal[patch];
   const Vec3 normal = shape_->curved[at(triangle)].normal(u, v);
   const double length = norm(normal);
-  return length > least_length ? (1 / length) * normal : shape_->features.normal[at(triangle)][0];
+  return length > min_length ? (1 / length) * normal : shape_->features.normal[at(triangle)][0];
 }
 
 Vec3 Triangulated::normal(Vec3 point) const {

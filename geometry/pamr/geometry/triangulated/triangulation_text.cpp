@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "pamr/geometry/triangulated/triangulation_text.hpp"
 
+#include <fmt/format.h>
+
 #include <charconv>
 #include <cmath>
 
@@ -32,7 +34,7 @@ bool is_same_word(std::string_view a, std::string_view b) {
 }
 
 void SurfaceText::fail(const std::string& message) const {
-  throw Error(where_ + ":" + std::to_string(line_) + ": " + message);
+  throw Error(fmt::format("{}:{}: {}", where_, line_, message));
 }
 
 void SurfaceText::skip_blanks(bool over_lines) {
@@ -85,8 +87,7 @@ std::int64_t SurfaceText::whole_of(std::string_view word, std::string_view what,
   std::int64_t value = 0;
   const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
   if (error != std::errc() || end != word.data() + word.size() || value < low || value > high)
-    fail("expected a whole number from " + std::to_string(low) + " to " + std::to_string(high) + " (" +
-         std::string(what) + "), found " + shown(word));
+    fail(fmt::format("expected a whole number from {} to {} ({}), found {}", low, high, what, shown(word)));
   return value;
 }
 

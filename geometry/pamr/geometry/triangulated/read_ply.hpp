@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "pamr/geometry/triangulated/triangulation.hpp"
+
+namespace pamr::geometry {
+
+/// The triangles of a PLY file, ASCII or binary of either byte order. `where` begins errors. Throws `Error`
+/// for bytes that are not a whole file of that format; `require_valid` is left to the caller. Local, linear.
+Triangulation parse_ply(std::string_view bytes, const std::string& where);
+
+}  // namespace pamr::geometry
