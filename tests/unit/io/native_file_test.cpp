@@ -257,5 +257,18 @@ TEST(NativeFile, AcceptsFieldsAndTextsThatAScriptAdded) {
   EXPECT_EQ(block.info.patches[4].kind, assemble::kuhn_cube(comm, 1).info.patches[4].kind);
 }
 
+TEST(NativeFile, KeepsSurfacesThatAreNotBuilt) {
+  const par::Comm comm(MPI_COMM_WORLD);
+  const Folder folder(comm);
+  io::write_native(comm, folder / "a.hdf", test::mesh_with_fields(comm, 2, 1));
+
+  auto block = io::read_native(comm, folder / "a.hdf", {.build_surfaces = false});
+
+  EXPECT_EQ(block.info.surface_name(block.info.patches[1]), "ball");
+  EXPECT_EQ(block.info.surface_of(1), nullptr);
+  io::write_native(comm, folder / "b.hdf", assemble::assemble(comm, std::move(block)));
+  EXPECT_EQ(test::bytes_of(folder / "a.hdf"), test::bytes_of(folder / "b.hdf"));
+}
+
 }  // namespace
 }  // namespace pamr
