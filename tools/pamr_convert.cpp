@@ -41,16 +41,16 @@ void declare(CLI::App& app, Options& options) {
   app.add_option("IN", options.input, "mesh to read: .hdf (native) or .msh (Gmsh 2.2 or 4.1, text or binary)")
       ->required();
   app.add_option("OUT", options.output,
-                 "mesh to write: .hdf, .msh, .vtu, or a folder (no ending, or there already): an OpenFOAM case")
+                 "mesh to write: .hdf, .msh or .vtu; without an extension, or an existing folder: an OpenFOAM case")
       ->required();
   app.add_flag(
       "--repair", options.repair,
-      "turn inverted cells of a .msh over instead of refusing them, and split inner edges and faces so that no "
-      "inner face has two edges on one curved wall (cells there get flat when they are refined)");
+      "correct the orientation of inverted cells of a .msh, and split inner edges and faces so that no inner face has "
+      "two edges on one curved wall (cells there would get flat when they are refined)");
   app.add_flag("--strict", options.strict,
                "refuse what would only be reported: inverted cells, nodes of no cell, "
                "boundary faces without tag");
-  app.add_option("--surfaces", options.surfaces, "TOML file of surfaces to tie patches to (docs/surfaces.md)");
+  app.add_option("--surfaces", options.surfaces, "TOML file of surfaces that patches lie on (docs/surfaces.md)");
   app.add_option("--surface", options.surface_files,
                  "STL, OBJ, PLY or OFF file of the body that the patch after it (--patch) lies on; may be repeated")
       ->type_name("FILE")
@@ -93,7 +93,7 @@ bool asks_for_surfaces(const Options& options) {
   return !options.surfaces.empty() || !options.surface_files.empty() || options.repair;
 }
 
-/// Reads either format; says what the reader had to change.
+/// Reads either format and reports what the reader had to change.
 mesh::DistMesh read(cli::Session& session, const Options& options, nlohmann::json& report) {
   const auto& comm = session.comm();
   if (extension(options.input, {".hdf", ".msh"}) == ".hdf")
@@ -172,8 +172,8 @@ void check_files(cli::Session& session, const Options& options, bool as_foam) {
   }
 }
 
-/// Ties patches to surfaces where that is asked for. Collective.
-void tie(cli::Session& session, const Options& options, mesh::DistMesh& mesh, nlohmann::json& report) {
+/// Associates patches with surfaces where that is asked for. Collective.
+void associate(cli::Session& session, const Options& options, mesh::DistMesh& mesh, nlohmann::json& report) {
   if (options.surfaces.empty() && options.surface_files.empty()) return;
   const auto& comm = session.comm();
   meshing::AssociationRequest request;
@@ -192,29 +192,29 @@ void tie(cli::Session& session, const Options& options, mesh::DistMesh& mesh, nl
   }
   for (std::size_t i = 0; i < options.patches.size(); ++i)
     request.files.emplace_back(options.patches[i], options.surface_files[i]);
-  for (const auto& tie : meshing::associate_surfaces(comm, mesh, request)) {
-    report["ties"][tie.patch] = {{"surface", tie.surface}, {"worst_distance", tie.worst_distance}};
-    if (tie.creases) {
-      report["ties"][tie.patch]["edges_along_creases"] = tie.creases->n_along;
-      report["ties"][tie.patch]["edges_across_creases"] = tie.creases->n_across;
-      if (tie.creases->n_across > 0)
+  for (const auto& found : meshing::associate_surfaces(comm, mesh, request)) {
+    report["ties"][found.patch] = {{"surface", found.surface}, {"worst_distance", found.worst_distance}};
+    if (found.creases) {
+      report["ties"][found.patch]["edges_along_creases"] = found.creases->n_along;
+      report["ties"][found.patch]["edges_across_creases"] = found.creases->n_across;
+      if (found.creases->n_across > 0)
         session.warn(
             fmt::format("patch '{}': {} edges of the mesh run across sharp edges of surface \"{}\" (up to {:.3g} from "
                         "them), not along them: the sharp edges are rounded there",
-                        tie.patch, tie.creases->n_across, tie.surface, tie.creases->worst_across));
+                        found.patch, found.creases->n_across, found.surface, found.creases->worst_across));
     }
-    if (tie.n_off > 0)
+    if (found.n_off > 0)
       session.warn(
           fmt::format("patch '{}': nodes up to {:.3g} off surface \"{}\": the next refinement at them brings "
                       "them there",
-                      tie.patch, tie.worst_distance, tie.surface));
+                      found.patch, found.worst_distance, found.surface));
   }
   if (!comm.is_first()) return;
   for (const auto& surface : mesh.info.surfaces->triangulations)
     if (const auto warning = geometry::self_intersection_warning(*surface); !warning.empty()) session.warn(warning);
 }
 
-/// Takes away, or tells of, inner faces with two edges on one curved wall. Collective.
+/// Opens inner faces with two edges on one curved wall, or warns of them. Collective.
 void treat_ears(cli::Session& session, const Options& options, mesh::DistMesh& mesh, nlohmann::json& report) {
   const auto& comm = session.comm();
   const bool is_refined =
@@ -250,7 +250,7 @@ cli::ExitCode convert(cli::Session& session, const Options& options) {
   nlohmann::json report;
   auto mesh = read(session, options, report);
   validate::require_valid(comm, mesh, options.input);
-  tie(session, options, mesh, report);
+  associate(session, options, mesh, report);
   treat_ears(session, options, mesh, report);
   write(comm, options, as_foam, mesh);
   report["cells"] = mesh.info.n_global_cells;

@@ -32,7 +32,7 @@ struct SizeLimit {
 };
 std::span<const SizeLimit> blunt_cone_size_limits();
 
-/// Half of the gas round the 70-degree blunt cone with its sting, meters: x along the axis, nose tip in the origin,
+/// Half of the gas around the 70-degree blunt cone with its sting, meters: x along the axis, nose tip in the origin,
 /// y >= 0. Patches forebody, base, sting, inflow, outflow, symmetry. Local. Throws `Error` for sizes out of range.
 Domain blunt_cone(const BluntConeSizes& sizes);
 

@@ -124,14 +124,14 @@ Domain combine(const Combination& c, const std::string& where) {
   const Region region(c.region, c.surfaces->name, where);
   const auto solid = std::make_shared<const Solid>(Solid{c.surfaces, region, c.low, c.high});
   const auto samples = sample_surfaces(*solid);
-  const auto told = [&where](auto&& make) {
+  const auto with_place = [&where](auto&& make) {
     try {
       return make();
     } catch (const Error& error) {
       throw Error(where + ": " + error.what());
     }
   };
-  const auto pieces = told([&] { return std::make_shared<const Pieces>(solid, samples); });
+  const auto pieces = with_place([&] { return std::make_shared<const Pieces>(solid, samples); });
   require_within_bounds(*solid, where);
   Domain domain;
   domain.label = [solid, pieces](Vec3 p) {
@@ -144,7 +144,7 @@ Domain combine(const Combination& c, const std::string& where) {
     domain.pieces.push_back({number, [pieces, shape = piece.shape](Vec3 p) { return shape->project(p); }});
     domain.patches.push_back({piece.name, "patch", piece.surface});
   }
-  domain.curves = told([&] { return trace_feature_curves(solid, pieces, samples); });
+  domain.curves = with_place([&] { return trace_feature_curves(solid, pieces, samples); });
   for (auto& crease : pieces->creases()) domain.curves.push_back(std::move(crease));
   domain.curves_in_one_plane = are_in_one_plane(domain.curves, solid->radius());
   for (std::size_t k = 0; k < domain.pieces.size(); ++k) {

@@ -9,7 +9,7 @@
 
 namespace pamr::meshing {
 
-/// Surfaces and what is between them, as a case file says it.
+/// A region bounded by surfaces, as a case file describes it.
 struct Combination {
   geometry::SharedSurfaces surfaces;  ///< each becomes a patch of its name, or several (see `Pieces`)
   std::string region;                 ///< see `Region`

@@ -18,7 +18,7 @@ class CommonCurve {
         b_(pieces.at(piece[1]).surface),
         shape_{pieces.at(piece[0]).shape, pieces.at(piece[1]).shape} {}
 
-  /// Nearest point of the curve, by Newton steps; the point itself where there is none near by.
+  /// Nearest point of the curve, by Newton steps; the point itself where there is none nearby.
   struct Found {
     geometry::Vec3 point;
     bool is_on_curve = true;

@@ -169,7 +169,7 @@ class Tracer {
       if (part.size() > 1) keep_if_edge(curve, std::move(part));
   }
 
-  /// Leaves out what is the last point already, to rounding; corners stay.
+  /// Leaves out a point that is equal to the last one to within rounding; corners stay.
   void append(Polyline& to, Vec3 p) {
     if (norm(to.back() - p) > 10 * tolerance_) {
       to.push_back(p);

@@ -12,21 +12,21 @@
 
 namespace pamr::meshing {
 
-/// Who wants to hear of the work; called on rank 0 only.
+/// Gets progress and warnings; called on rank 0 only.
 struct Listener {
   static constexpr int n_steps = 3;
   std::function<void(int steps_done, const char* next_step)> progress = [](int, const char*) {};
   std::function<void(const std::string&)> warn = [](const std::string&) {};
 };
 
-/// A mesh of level 0 without wall ears.
+/// A mesh of level 0; its wall ears are opened.
 struct LevelZero {
   mesh::DistMesh mesh;
-  std::int64_t split_edges = 0, split_faces = 0;  ///< to open wall ears
+  std::int64_t split_edges = 0, split_faces = 0;  ///< by `open_wall_ears`
 };
 
-/// Meshes a case. Rank 0 works while the others wait; where edges as long as wanted cannot tell the two sides of a gap
-/// apart, it works again with shorter ones in the gaps, and warns. Collective; the same mesh for any number of ranks.
+/// Meshes a case. Rank 0 works while the others wait. If edges of the wanted length cannot resolve a narrow gap, it
+/// meshes again with shorter ones in the gaps, and warns. Collective; the same mesh for any number of ranks.
 /// Throws `Error` on every rank where the case cannot be meshed.
 LevelZero make_mesh(const par::Comm& comm, const MeshCase& mesh_case, const Listener& listener = {});
 

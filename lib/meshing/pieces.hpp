@@ -12,12 +12,12 @@
 
 namespace pamr::meshing {
 
-/// The smooth pieces of which the boundary of a solid is made, and its patches: one for each surface, and for a
-/// triangulated one that creases part into several, one for each of these that bounds the solid.
+/// The smooth pieces that make up the boundary of a solid; each becomes a patch. A surface is one piece, but a
+/// triangulated one that creases divide is several: those that bound the solid.
 class Pieces {
  public:
-  /// `samples` are those of `sample_surfaces`. Throws `Error` for one piece of a triangulated surface taken alone (it
-  /// has no sides), one in pieces of which none bounds the solid, and as `cut_creases` does.
+  /// `samples` are those of `sample_surfaces`. Throws `Error` for a triangulated surface that is one piece taken
+  /// alone (it has no sides), or of which no piece bounds the solid, and as `cut_creases` does.
   Pieces(const std::shared_ptr<const Solid>& solid, const SurfaceSamples& samples);
 
   struct Piece {

@@ -6,7 +6,7 @@
 
 namespace pamr::meshing {
 
-/// Puts every boundary node on its exact piece or curve. Local. Yields the longest way a node went.
+/// Puts every boundary node on its exact piece or curve. Returns the longest distance that a node moved. Local.
 double place_boundary(const Domain& domain, RawMesh& mesh);
 
 /// What `improve` aims at, and what it found and left.
@@ -20,10 +20,10 @@ struct Improvement {
   int moves = 0;
 };
 
-/// Raises the smallest mean ratios by moving the nodes of bad cells, one by one in their order, to the best of a fixed
-/// set of places near by; boundary nodes stay exactly on their piece or curve, corners stay. A move is made only when
-/// the worst cell at the node gets better, so no cell ever gets worse than the worst of its neighbors was, and, on the
-/// boundary, when no edge to another boundary node gets too long. Inner nodes first. Local, deterministic.
+/// Raises the smallest mean ratios by moving the nodes of bad cells, one by one, to the best of a fixed set of nearby
+/// places. Inner nodes come first; boundary nodes stay exactly on their piece or curve, corners do not move.
+/// A node moves only if the worst cell at it gets better (so no cell gets worse than the worst at its nodes was) and,
+/// on the boundary, if no edge to another boundary node gets too long. Local, deterministic.
 /// Throws `Error` when a cell is not positive (exactly) or below the required mean ratio at the end.
 Improvement improve(const Domain& domain, RawMesh& mesh, const QualityGoal& goal = {});
 

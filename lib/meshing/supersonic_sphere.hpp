@@ -5,7 +5,7 @@
 
 namespace pamr::meshing {
 
-/// A sector of the gas round a sphere about the origin, meters: x along the flow, between two planes through the x
+/// A sector of the gas around a sphere about the origin, meters: x along the flow, between two planes through the x
 /// axis, from z = 0 towards y, 1 / `parts` of a full turn.
 struct SupersonicSphere {
   double radius = 5e-3;

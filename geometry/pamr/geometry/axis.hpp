@@ -27,7 +27,7 @@ class Axis {
   Axis(Vec3 origin, Vec3 direction);
 
   /// The half plane through a point and the place of the point in it. On the axis itself `radial` is a fixed unit
-  /// vector square to the axis.
+  /// vector perpendicular to the axis.
   struct Place {
     Meridian at;
     Vec3 radial;

@@ -22,7 +22,7 @@ bool is_finite(Meridian m) { return std::isfinite(m.x) && std::isfinite(m.r); }
 
 std::string text(Meridian m) { return "[" + decimal(m.x) + ", " + decimal(m.r) + "]"; }
 
-/// Diagonal of the box round the ends of the pieces and the axis below them.
+/// Diagonal of the box around the ends of the pieces and the axis below them.
 double size_of(const std::vector<ProfilePiece>& pieces) {
   double least = std::numeric_limits<double>::infinity(), greatest = -least, highest = 0;
   for (const ProfilePiece& piece : pieces) {

@@ -32,7 +32,7 @@ TangentPlane tangent_plane(const Surface* surface, Vec3 point) {
   return {surface, normal, norm(from_foot), dot(from_foot, normal)};
 }
 
-/// The surfaces by growing distance from the point; those as near as rounding can tell keep their order.
+/// The surfaces by growing distance from the point; those equally near to within rounding keep their order.
 std::vector<const Surface*> by_nearness(std::span<const Surface* const> surfaces, Vec3 point, double tolerance) {
   std::vector<const Surface*> rest(surfaces.begin(), surfaces.end()), ordered;
   while (!rest.empty()) {

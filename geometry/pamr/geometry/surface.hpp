@@ -50,15 +50,15 @@ class Surface {
   virtual double facet_deviation(Vec3 /*point*/) const { return 0; }
   /// True when moving along a straight segment between two of its points stays on it (a plane): nothing to project.
   virtual bool is_flat() const { return false; }
-  /// Size of the numbers that the surface is made of (a bound of its parameters' coordinates and radii): what the
-  /// rounding errors of `project` are relative to, besides the coordinates of the point.
+  /// Bound of the coordinates and radii that the surface is made of. Rounding errors of `project` are relative to it and
+  /// to the coordinates of the point.
   virtual double magnitude() const { return 0; }
 };
 
 /// Nearest point that lies on all the given surfaces (1: the surface, 2: their common curve, 3: their corner), found by
 /// Newton steps of least length from `point`. Of two surfaces whose normals at `point` differ by under 5 degrees
 /// (either sense) the nearer one is taken alone, the first among equals. `converged` is false when the surfaces have no
-/// common point near by (to 1e-13 of the size of the coordinates, and within 32 times the largest distance from the
+/// common point nearby (to 1e-13 of the size of the coordinates, and within 32 times the largest distance from the
 /// start); `point` is then the best one found. More than three surfaces may meet in a corner; all of them count.
 /// Depends on the coordinates and the order of the surfaces only. Cost: about 5 steps of one `project` and one `normal`
 /// a surface.

@@ -103,7 +103,7 @@ std::string place_of(const TomlTable& surface, std::string_view message) {
   return surface.at();
 }
 
-/// Adds the surface of a table. What its values do not allow is told with their place in the file.
+/// Adds the surface of a table. Errors of its values name their place in the file.
 void add_surface(TomlTable table, const std::string& file, const FindTriangles& find_triangles, SurfaceSet& set) {
   table.set_title(fmt::format("surface {}", set.size() + 1));
   const auto name = table.text("name");

@@ -139,7 +139,7 @@ std::vector<LocalId> nodes_of(const mesh::DistMesh& mesh, int patch) {
 }
 
 /// Writes the distances as the field `off_surface`: of each node the largest that any rank knows, because a rank sees
-/// only the patches round its own cells. Collective.
+/// only the patches around its own cells. Collective.
 void write_off_surface(const par::Comm& comm, mesh::DistMesh& mesh, const std::vector<double>& off) {
   if (!comm.any(std::any_of(off.begin(), off.end(), [](double d) { return d > 0; }))) return;
   struct Entry {

@@ -62,7 +62,7 @@ void for_each_face(const mesh::DistMesh& mesh, bool in_boundary, Visit&& visit) 
     }
 }
 
-/// Of each node the walls it lies on, as bits (those beyond 64 share bits: a first sieve). Collective.
+/// The walls that each node lies on, as bits (walls beyond 64 share bits: this is a first filter). Collective.
 std::vector<std::uint64_t> walls_of_nodes(const par::Comm& comm, const mesh::DistMesh& mesh, const Walls& walls) {
   std::vector<std::uint64_t> bits(at(mesh.n_nodes()), 0), mine;
   for_each_face(mesh, true, [&](LocalId c, std::size_t slot) {

@@ -10,7 +10,7 @@
 
 namespace pamr::meshing {
 
-/// The ears of a mesh: inner faces of which two edges lie in one smooth curved wall. The same on every rank.
+/// The ears of a mesh: inner faces with two edges in one smooth curved wall. The same on every rank.
 ///
 /// With corners a, b, c, d on the wall and faces abc and abd in it, the face acd inside is an ear. When it is refined
 /// the edges from a along the wall lie more and more in one plane, and so does all that is between the ear and the

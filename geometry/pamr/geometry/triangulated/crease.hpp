@@ -30,7 +30,7 @@ struct Features {
 /// What makes an edge a crease.
 struct CreaseOptions {
   double angle = 40;  ///< degrees between the normals of two triangles, more is a crease; 180: none by angle
-  /// Creases given as polylines: every edge both ends of which lie on one of their segments.
+  /// Creases given as polylines: every edge with both ends on one of their segments.
   std::vector<std::vector<Vec3>> given{};
   /// Creases that end inside a piece and are shorter than this, all that hang together, are none: noise. Length unit.
   double shortest = 0;

@@ -12,7 +12,7 @@
 
 namespace pamr::geometry {
 
-/// Creases one after another between two corners, or round a closed curve: smooth in itself.
+/// Creases one after another between two corners, or around a closed curve: smooth in itself.
 struct CreaseLine {
   std::vector<Vec3> polyline;  ///< points of the curve, finely; the first one again at the end when it is closed
   std::array<int, 2> piece{};  ///< of the triangles on its two sides, equal where it ends inside a piece; -1: none

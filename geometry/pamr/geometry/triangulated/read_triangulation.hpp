@@ -10,13 +10,13 @@
 namespace pamr::geometry {
 
 /// Reads a triangulated surface from STL (ASCII, binary), OBJ, PLY (ASCII, binary of either byte order) or OFF; the
-/// ending of the name says which, in either case. Points of STL that are equal in all coordinates become one; points
+/// extension of the name says which, in either case. Points of STL that are equal in all coordinates become one; points
 /// that no triangle uses are dropped. `name` is left empty. Only whole files are taken: what a file announces is there
 /// and nothing else, numbers are finite, and the surface passes `require_valid`. Throws `Error` with the file and the
 /// line or triangle otherwise. Local; memory in proportion to the file, whatever it announces.
 Triangulation read_triangulation(const std::filesystem::path& file, bool open_allowed = false);
 
-/// The same for the bytes of a file; `where` names it in errors and its ending tells the format.
+/// The same for the bytes of a file; `where` names it in errors, and its extension is the format.
 Triangulation parse_triangulation(std::string_view bytes, const std::string& where, bool open_allowed = false);
 
 }  // namespace pamr::geometry

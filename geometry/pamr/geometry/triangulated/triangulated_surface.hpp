@@ -39,7 +39,7 @@ class Triangulated final : public Surface, public Creases {
   Vec3 project_to_seam(Vec3 point) const override;
   const Creases* creases() const override { return creases_->is_empty() ? nullptr : this; }
   std::optional<Vec3> crease_between(Vec3 a, Vec3 b, Vec3 c, Vec3 d) const override;
-  /// Of the triangle nearest to the point, at its middle and those of its sides.
+  /// Measured on the triangle nearest to the point, at its middle and at the middles of its sides.
   double facet_deviation(Vec3 point) const override;
   /// True for a planar piece taken alone.
   bool is_flat() const override { return is_flat_; }
@@ -53,7 +53,7 @@ class Triangulated final : public Surface, public Creases {
   }
   /// One piece taken alone; it shares the data of the whole.
   std::unique_ptr<const Triangulated> piece(int number) const;
-  /// The creases as curves: all of them, or, of a piece taken alone, those round it and in it.
+  /// The creases as curves: all of them, or, of a piece taken alone, those around it and in it.
   const CreaseNet& crease_net() const { return *creases_; }
   /// True for one piece taken alone, by `near` or by `piece`.
   bool is_one_piece() const { return stays_in_patch_; }
@@ -93,7 +93,7 @@ class Triangulated final : public Surface, public Creases {
   Vec3 onto_plane(int triangle, Vec3 point) const;
   Vec3 foot_of(const Place& here, Vec3 point) const;
   Vec3 unit_normal(int triangle, double u, double v) const;
-  /// The normal that tells the sides apart where the nearest point lies.
+  /// The normal by which the side of a point is decided where its nearest point lies.
   Vec3 outward(const Place& here) const;
 
   std::shared_ptr<const Shape> shape_;
