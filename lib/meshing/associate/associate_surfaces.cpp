@@ -20,8 +20,6 @@ namespace pamr::meshing {
 
 namespace {
 
-constexpr const char* off_surface_field = "off_surface";
-
 double size_of(const par::Comm& comm, const mesh::DistMesh& mesh) {
   geometry::Vec3 low{1e300, 1e300, 1e300}, high{-1e300, -1e300, -1e300};
   for (const auto p : mesh.node_position) {
@@ -158,8 +156,9 @@ void write_off_surface(const par::Comm& comm, mesh::DistMesh& mesh, const std::v
     here = std::max(here, entry.distance);
   }
   auto all = par::fetch_rows<double>(comm, mesh.info.node_ids(), rows, 1, mesh.node_global);
-  std::erase_if(mesh.node_fields, [](const auto& field) { return field.name == off_surface_field; });
-  mesh.node_fields.push_back({off_surface_field, mesh.info.length_unit, 1, mesh::StorageType::float64, std::move(all)});
+  std::erase_if(mesh.node_fields, [](const auto& field) { return field.name == mesh::off_surface_field; });
+  mesh.node_fields.push_back(
+      {mesh::off_surface_field, mesh.info.length_unit, 1, mesh::StorageType::float64, std::move(all)});
 }
 
 /// Measures one patch and notes its nodes that are off. Collective.

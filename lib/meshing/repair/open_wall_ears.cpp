@@ -17,7 +17,6 @@ namespace pamr::meshing {
 namespace {
 
 using geometry::Vec3;
-constexpr const char* off_surface_field = "off_surface";
 
 /// The blocks of the mesh with `splits` applied; `children` of the old cells in their order. `patch`: of the faces of
 /// this rank's new cells, in their order. Collective.
@@ -97,7 +96,7 @@ void scatter_nodes(const par::Comm& comm, const mesh::DistMesh& mesh, const std:
               for (std::size_t i = 0; i < split.n_nodes(); ++i)
                 sum += values[at(local.at(split.node[i])) * width + k] / static_cast<T>(split.n_nodes());
               if (field.holds_integers()) sum = values[at(local.at(split.node[0])) * width + k];
-              if (field.name == off_surface_field) sum = T{};  // not a node of the wall
+              if (field.name == mesh::off_surface_field) sum = T{};  // not a node of the wall
               values.push_back(sum);
             }
           }
@@ -121,7 +120,7 @@ void name_patches(const std::vector<std::array<int, 4>>& patch, mesh::DistMesh& 
 /// True when no field would have to follow nodes that move.
 bool has_no_values(const mesh::DistMesh& mesh) {
   return std::all_of(mesh.node_fields.begin(), mesh.node_fields.end(),
-                     [](const auto& field) { return field.name == off_surface_field; });
+                     [](const auto& field) { return field.name == mesh::off_surface_field; });
 }
 
 /// Where the new nodes are best, and those of `inner` (ascending) near poor cells: put into `splits` and the mesh.

@@ -28,6 +28,10 @@ struct Field {
   const std::vector<std::int64_t>& integer() const { return std::get<1>(value); }
 };
 
+/// Names of fields that the refiner itself writes and looks for.
+inline constexpr const char* off_surface_field = "off_surface";  ///< on nodes: distance to the surface still to go
+inline constexpr const char* parent_field = "parent";            ///< of cells: number of the cell that was refined
+
 using NodeField = Field;
 using CellField = Field;
 
