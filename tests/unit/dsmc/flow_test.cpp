@@ -392,4 +392,21 @@ TEST(Flow, RefusesATimeStepOrAWeightThatIsNotPositive) {
   EXPECT_THROW(Flow(comm, mesh, setup), Error);
 }
 
+TEST(Flow, TellsEveryRankWhenTooManyParticlesEnterThroughAFaceOfOne) {
+  const par::Comm comm(MPI_COMM_WORLD);
+  const auto mesh = assemble::assemble(comm, test::kuhn_cube(comm, 1));
+  auto setup = open_cube(mesh, {"wind", 1e20, 300, 300, {500, 0, 0}, {1}}, 1, 1e-4);
+  for (auto& patch : setup.patch) patch = {Kind::outflow, 0, {}, 1, 1, 1, 1, -1};
+  setup.patch[static_cast<std::size_t>(patch_named(mesh, "xmin"))] = {Kind::inflow, 0, {}, 1, 1, 1, 1, 0};
+  setup.fnum = 1e20 * 500 * 1e-4 / 40000;  // 20,000 particles through each half of the side
+  Flow flow(comm, mesh, setup);
+
+  try {
+    flow.step();
+    ADD_FAILURE() << "the step was done";
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("through each inflow face"), std::string::npos) << error.what();
+  }
+}
+
 }  // namespace

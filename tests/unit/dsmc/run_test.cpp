@@ -2,20 +2,17 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <memory>
 
 #include "pamr/assemble/assemble.hpp"
 #include "pamr/base/error.hpp"
 #include "solvers/dsmc/kernel/random.hpp"
-#include "solvers/dsmc/run/computation.hpp"
-#include "solvers/dsmc/run/history.hpp"
-#include "solvers/dsmc/run/make_setup.hpp"
 #include "solvers/dsmc/run/stop_at_rise.hpp"
 #include "solvers/dsmc/sampling/estimate.hpp"
 #include "solvers/dsmc/sampling/loads.hpp"
 #include "solvers/dsmc/sampling/steadiness.hpp"
 #include "support/meshes.hpp"
 #include "unit/dsmc/gases.hpp"
+#include "unit/dsmc/stream_case.hpp"
 
 namespace {
 
@@ -88,66 +85,12 @@ TEST(Loads, OfANewtonianStreamOnAPlateAreThoseOfTheClosedForm) {
   EXPECT_NEAR(k.moment, 0.5 * cp / 2, 1e-12);  // z F_x
 }
 
-const char* const stream_case = R"(
-[species.N2]
-mass = 4.65e-26
-diameter = 4.17e-10
-omega = 0.74
-t_ref = 273.0
-rotational_degrees = 2
-[gas]
-fractions = { N2 = 1.0 }
-[stream.free]
-density = 1e20
-temperature = 300.0
-speed = 600.0
-angle = 20.0
-[stream.puff]
-density = 1e21
-temperature = 300.0
-[boundary]
-xmin = { kind = "inflow" }
-xmax = { kind = "inflow" }
-ymin = { kind = "symmetry" }
-ymax = { kind = "diffuse", temperature = 400.0 }
-zmin = { kind = "diffuse", temperature = 500.0 }
-zmax = { kind = "outflow" }
-[initial]
-[[initial.region]]
-sphere = [0.2, 0.2, 0.2, 0.3]
-stream = "puff"
-[particles]
-per_cell = 8.0
-[domain]
-unit = 1.0
-[time]
-step = 5e-5
-cell_fraction = 0.4
-[run]
-transient = 30
-sampling = 60
-block = 5
-[reference]
-area = 1.0
-)";
-
-std::unique_ptr<Computation> filled(const par::Comm& comm, const Case& c, mesh::DistMesh mesh) {
-  auto setup = make_setup(comm, c, mesh);
-  auto computation = std::make_unique<Computation>(comm, c, std::move(setup), std::move(mesh));
-  computation->fill();
-  return computation;
-}
-
-std::string history_of(const Computation& computation) {
-  return to_csv(computation.averaging().state().history, computation.the_case().dt);
-}
-
 TEST(Computation, IsTheSameWhetherCellsMoveToOtherRanksOrNot) {
   const par::Comm comm(MPI_COMM_WORLD), alone(MPI_COMM_SELF);
-  const auto c = read_case(stream_case, "case.toml");
+  const auto c = read_case(test::stream_case, "case.toml");
   const auto block = test::random_mesh(comm, 8, 4);
-  auto computation = filled(comm, c, assemble::assemble(comm, block));
-  auto serial = filled(alone, c, assemble::assemble(alone, test::gather(comm, block)));
+  auto computation = test::filled(comm, c, assemble::assemble(comm, block));
+  auto serial = test::filled(alone, c, assemble::assemble(alone, test::gather(comm, block)));
 
   bool moved = false, complete = false;
   for (int step = 1; !complete; ++step) {
@@ -163,13 +106,13 @@ TEST(Computation, IsTheSameWhetherCellsMoveToOtherRanksOrNot) {
   EXPECT_EQ(a.body.heat.value, b.body.heat.value);
   EXPECT_GT(b.body.drag.error, 0);
   EXPECT_EQ(b.n_blocks, 12U);
-  EXPECT_EQ(history_of(*computation), history_of(*serial));
+  EXPECT_EQ(test::history_of(*computation), test::history_of(*serial));
   EXPECT_EQ(computation->flow().lost(), 0);
 }
 
 TEST(CaseFile, ThatIsRefusedNamesTheLine) {
   const auto refused = [](const std::string& old, const std::string& with, const std::string& says) {
-    std::string text = stream_case;
+    std::string text = test::stream_case;
     text.replace(text.find(old), old.size(), with);
     try {
       read_case(text, "case.toml");

@@ -10,6 +10,7 @@
 
 #include "pamr/base/contract.hpp"
 #include "pamr/base/error.hpp"
+#include "pamr/base/index.hpp"
 #include "pamr/base/timer.hpp"
 #include "solvers/dsmc/gas/kinetic_theory.hpp"
 #include "solvers/dsmc/kernel/numbering.hpp"
@@ -72,7 +73,7 @@ Flow::Flow(const par::Comm& comm, const mesh::DistMesh& mesh, Setup setup)
     throw Error(fmt::format("expected a positive time step and weight, found {} s and {} molecules a particle",
                             setup_.dt, setup_.fnum));
   join_periodic(comm, mesh, setup_.patch, domain_);
-  const auto n = static_cast<std::size_t>(mesh.n_cells());
+  const auto n = at(mesh.n_cells());
   if (!setup_.cell_dt.empty()) {
     PAMR_EXPECTS(setup_.cell_dt.size() == n);
     domain_.uniform_dt = false;
@@ -92,14 +93,14 @@ void Flow::fill(const mesh::DistMesh& mesh) {
   const auto n_species = static_cast<std::uint32_t>(setup_.gas.species.size());
   std::vector<std::int64_t> count(static_cast<std::size_t>(mesh.n_cells()), 0);
   for (LocalId cell = 0; cell < mesh.n_cells(); ++cell) {
-    const auto c = static_cast<std::size_t>(cell);
+    const auto c = at(cell);
     const auto corner = corners(mesh, setup_.unit, cell);
     const Vec3 middle = 0.25 * (corner[0] + corner[1] + corner[2] + corner[3]);
     int which = setup_.initial;
     for (const auto& region : setup_.region)
       if (region.holds(middle)) which = region.stream;
     if (which < 0) continue;
-    const auto& stream = setup_.stream[static_cast<std::size_t>(which)];
+    const auto& stream = setup_.stream[at(which)];
     Random random(setup_.seed, Purpose::seed, static_cast<std::uint64_t>(domain_.cell_global[c]), steps_done);
     for (std::uint32_t s = 0; s < n_species; ++s) {
       const double mean = stream.density * stream.fraction[s] * domain_.volume[c] / fnum_of(c, s);
@@ -115,9 +116,9 @@ void Flow::fill(const mesh::DistMesh& mesh) {
   }
   const auto n_global = comm_->sum(static_cast<std::int64_t>(mesh.n_cells()));
   const auto first = number_along_cells(*comm_, n_global, domain_.cell_global, count).first;
-  std::size_t at = 0;
+  std::size_t next = 0;
   for (std::size_t c = 0; c < count.size(); ++c)
-    for (std::int64_t i = 0; i < count[c]; ++i) particles.id[at++] = static_cast<std::uint64_t>(first[c] + i);
+    for (std::int64_t i = 0; i < count[c]; ++i) particles.id[next++] = static_cast<std::uint64_t>(first[c] + i);
   particles.sort_by_cell(domain_.n_cells());
 }
 

@@ -37,16 +37,16 @@ void prepare(Gas& gas) {
           "or 3 rotational degrees, found mass {} diameter {} omega {} t_ref {} alpha {} rotational degrees {}",
           s.name, s.mass, s.diameter, s.omega, s.t_ref, s.alpha, s.rotational_degrees));
   }
-  double greatest = 0;
+  double max_weight = 0;
   gas.is_weighted = false;
   for (const auto& s : gas.species) {
     if (!(s.weight > 0))
       throw Error(fmt::format("species {}: expected a weight above 0, found {:g}", s.name, s.weight));
-    greatest = std::max(greatest, s.weight);
+    max_weight = std::max(max_weight, s.weight);
     gas.is_weighted = gas.is_weighted || s.weight != 1;
   }
-  if (greatest != 1)
-    throw Error(fmt::format("expected species' weights of which the greatest is 1, found {:g}", greatest));
+  if (max_weight != 1)
+    throw Error(fmt::format("expected species' weights of which the greatest is 1, found {:g}", max_weight));
   gas.pairs.clear();
   for (const auto& a : gas.species)
     for (const auto& b : gas.species) {

@@ -11,7 +11,7 @@ namespace pamr::dsmc {
 
 inline constexpr double boltzmann = 1.380649e-23;  ///< J/K
 
-/// A kind of molecule and its reference values for variable spheres (hard, VHS where `alpha` is 1, VSS elsewhere).
+/// A kind of molecule and its reference values as variable hard spheres (`alpha` = 1) or variable soft spheres.
 struct Species {
   std::string name;
   double mass = 0;      ///< kg
@@ -20,15 +20,14 @@ struct Species {
   double t_ref = 273;   ///< K
   double alpha = 1;     ///< exponent of the scattering law
   int rotational_degrees = 0;
-  /// Molecules that a particle of this species stands for, over those of a particle of weight 1 in the same cell: below
-  /// 1 for a trace species, which then has more particles.
+  /// F_num of this species divided by F_num of the cell. Below 1 for a trace species, which then has more particles.
   double weight = 1;
 };
 
-/// How often a molecule's rotation takes part in a collision.
+/// How often a collision exchanges energy with a molecule's rotation.
 struct Rotation {
   enum class Model : std::uint8_t {
-    probability,  ///< of one molecule in one collision
+    probability,  ///< per molecule and collision
     z_continuum,  ///< from the relaxation number of the Jeans equation
     variable      ///< Parker's relaxation number of the Jeans equation, from the cell's temperature
   };
@@ -38,7 +37,7 @@ struct Rotation {
   double t_star = 91.5;  ///< K
 };
 
-/// What the collision of two kinds of molecules needs, precomputed.
+/// Precomputed values for collisions of two kinds of molecules.
 struct PairData {
   double coefficient = 0;  ///< cross section times speed = coefficient * (c^2)^exponent
   double exponent = 0;     ///< 1 - omega
@@ -47,7 +46,7 @@ struct PairData {
   double mass_part_b = 0;
   double inverse_alpha = 1;
   double translational_exponent = 0;  ///< 5/2 - omega: half the degrees of freedom of relative motion
-  double weight = 1;                  ///< the greater of the two species' weights
+  double weight = 1;                  ///< the larger of the two species' weights
 };
 
 /// A gas of one or more species; `fraction[i]` of its molecules are of species i (sum 1).
@@ -65,11 +64,11 @@ struct Gas {
   double heat_ratio() const;    ///< gamma = (degrees + 2) / degrees
 };
 
-/// Fills the table of pairs: diameters, exponents and reference temperatures of unlike molecules are the means.
-/// Throws `Error` for values without sense.
+/// Fills the table of pairs; diameters, exponents and reference temperatures of a pair are the means of its molecules.
+/// Throws `Error` for values that make no sense.
 void prepare(Gas& gas);
 
-/// Particles of each molecule of weight 1 in a gas of these parts: the sum of the parts over the weights.
+/// Particles per molecule, in units of 1 / F_num, in a gas with these fractions: the sum of fraction over weight.
 double particles_per_molecule(const Gas& gas, const std::vector<double>& fraction);
 
 /// Cross section times relative speed, m3/s, from the squared relative speed.
@@ -77,9 +76,9 @@ inline double section_times_speed(const PairData& pair, double speed_squared) {
   return pair.coefficient * std::pow(speed_squared, pair.exponent);
 }
 
-/// Chance that a molecule of this kind exchanges rotational energy in a collision within a gas of temperature `t`
-/// (needed by the variable model), before any clamp. `omega` of the pair. A continuum number Z gives
-/// (zeta_r + 5 - 2 omega) / (Z (5 - 2 omega)) when at most one partner relaxes in a collision.
+/// Probability that a molecule exchanges rotational energy in a collision, before it is limited to 1/2. `omega`: of the
+/// pair; `t`: temperature of the gas, K, used by the variable model. A continuum relaxation number Z gives
+/// (zeta_r + 5 - 2 omega) / (Z (5 - 2 omega)), since at most one molecule relaxes per collision.
 double relaxation_probability(const Rotation& rotation, int rotational_degrees, double omega, double t);
 
 }  // namespace pamr::dsmc

@@ -62,33 +62,4 @@ PlateCoefficients free_molecular_plate(double s, double theta, double t_ratio, d
   return c;
 }
 
-double free_molecular_sphere_drag(double s, double t_ratio) {
-  const double s2 = s * s;
-  return (2 * s2 + 1) * std::exp(-s2) / (sqrt_pi * s2 * s) + (4 * s2 * s2 + 4 * s2 - 1) * std::erf(s) / (2 * s2 * s2) +
-         2 * sqrt_pi / (3 * s) * std::sqrt(t_ratio);
-}
-
-double free_molecular_sphere_heat(double s, double t_ratio, double rotational_degrees) {
-  // Mean of the plate's coefficient over the sphere: integral over the polar angle by Simpson's rule, 2 pi R^2 sin over
-  // pi R^2.
-  constexpr int n = 2000;
-  double sum = 0;
-  for (int i = 0; i <= n; ++i) {
-    const double polar = pi * i / n;
-    const double value =
-        free_molecular_plate(s, pi / 2 - polar, t_ratio, rotational_degrees).heat * 2 * std::sin(polar);
-    sum += value * (i == 0 || i == n ? 1 : i % 2 == 1 ? 4 : 2);
-  }
-  return sum * pi / n / 3;
-}
-
-ShockRatios normal_shock(double m, double gamma) {
-  const double m2 = m * m;
-  ShockRatios r;
-  r.density = (gamma + 1) * m2 / ((gamma - 1) * m2 + 2);
-  r.pressure = 1 + 2 * gamma / (gamma + 1) * (m2 - 1);
-  r.temperature = r.pressure / r.density;
-  return r;
-}
-
 }  // namespace pamr::dsmc

@@ -13,7 +13,7 @@ namespace pamr::dsmc {
 
 using geometry::Vec3;
 
-/// A gas far away or at the start: uniform, its rotation at a temperature of its own.
+/// A uniform gas in equilibrium, far away or at the start; its rotation may have a temperature of its own.
 struct Stream {
   std::string name;
   double density = 0;      ///< molecules per m3
@@ -23,26 +23,26 @@ struct Stream {
   std::vector<double> fraction;  ///< of the species; sum 1
 };
 
-/// What a patch of the boundary does to particles that reach it.
+/// What happens to particles that reach a patch of the boundary.
 struct BoundaryCondition {
   enum class Kind : std::uint8_t {
-    diffuse,   ///< leaves with the wall's temperature (parts `accommodation` of the molecules; the rest is mirrored)
-    specular,  ///< mirrored
-    cll,       ///< Cercignani, Lampis and Lord
-    symmetry,  ///< mirrored; not a wall: no force is counted
-    inflow,    ///< a stream comes in; what reaches it leaves
-    outflow,   ///< vacuum beyond: what reaches it leaves
-    periodic   ///< what reaches it goes on from the partner patch
+    diffuse,   ///< re-emitted at the wall's temperature (Maxwell: the fraction `accommodation`, the rest specular)
+    specular,  ///< reflected as by a mirror
+    cll,       ///< Cercignani-Lampis-Lord reflection
+    symmetry,  ///< reflected as by a mirror; not a wall: no load is counted
+    inflow,    ///< removed; a stream's particles enter here
+    outflow,   ///< removed: vacuum beyond
+    periodic   ///< continues from the partner patch
   };
   Kind kind = Kind::specular;
   double temperature = 0;  ///< K
-  Vec3 velocity;           ///< of the wall, in its plane
+  Vec3 velocity;           ///< m/s, of the wall, in its plane
   double accommodation = 1;
   double normal_accommodation = 1;      ///< cll: of the normal energy
   double tangential_accommodation = 1;  ///< cll: of the tangential momentum
   double rotational_accommodation = 1;  ///< cll: of the rotational energy
-  int stream = -1;                      ///< inflow: which
-  int partner = -1;                     ///< periodic: the other patch
+  int stream = -1;                      ///< inflow: index of the stream
+  int partner = -1;                     ///< periodic: index of the other patch
 
   bool is_wall() const { return kind == Kind::diffuse || kind == Kind::specular || kind == Kind::cll; }
   bool is_open() const { return kind == Kind::inflow || kind == Kind::outflow; }
@@ -54,15 +54,15 @@ struct Motion {
   double rotation = 0;
 };
 
-/// How a molecule leaves a wall, a specular plane included. `normal`: unit, out of the gas.
+/// Velocity and rotational energy of a molecule after its reflection. `normal`: unit, out of the gas. Local.
 Motion reflect(const BoundaryCondition& wall, const Species& species, Vec3 normal, const Motion& incident,
                Random& random);
 
-/// Two unit vectors that make a right-handed orthonormal system with unit vector `n`.
-/// Source: T. Duff et al., "Building an orthonormal basis, revisited", JCGT 6 (2017).
+/// Two unit vectors that form a right-handed orthonormal basis with a unit vector.
 struct Tangents {
   Vec3 a, b;
 };
+/// Source: T. Duff et al., "Building an orthonormal basis, revisited", JCGT 6 (2017).
 Tangents tangents(Vec3 n);
 
 }  // namespace pamr::dsmc

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "pamr/base/contract.hpp"
+#include "pamr/base/index.hpp"
 #include "pamr/mesh/tet.hpp"
 
 namespace pamr::dsmc {
@@ -18,14 +19,13 @@ struct Plane {
   double offset = 0;
 };
 Plane plane_of_face(const mesh::DistMesh& mesh, double unit, LocalId cell, int slot) {
-  const auto& nodes = mesh.cell_to_node[static_cast<std::size_t>(cell)];
-  const auto& face = mesh::tet::face_to_corner[static_cast<std::size_t>(slot)];
+  const auto& nodes = mesh.cell_to_node[at(cell)];
+  const auto& face = mesh::tet::face_to_corner[at(slot)];
   std::array<LocalId, 3> node{};
-  for (std::size_t k = 0; k < 3; ++k) node[k] = nodes[static_cast<std::size_t>(face[k])];
+  for (std::size_t k = 0; k < 3; ++k) node[k] = nodes[at(face[k])];
   bool odd = false;
   const auto order = [&](std::size_t i, std::size_t j) {
-    if (mesh.node_global[static_cast<std::size_t>(node[i])] <= mesh.node_global[static_cast<std::size_t>(node[j])])
-      return;
+    if (mesh.node_global[at(node[i])] <= mesh.node_global[at(node[j])]) return;
     std::swap(node[i], node[j]);
     odd = !odd;
   };
@@ -59,7 +59,7 @@ std::vector<GlobalId> cells_from_0(const mesh::DistMesh& mesh) {
 
 GasDomain make_gas_domain(const mesh::DistMesh& mesh, double unit, double dt, double fnum) {
   GasDomain domain;
-  const auto n = static_cast<std::size_t>(mesh.n_cells());
+  const auto n = at(mesh.n_cells());
   domain.planes.resize(n);
   domain.link.assign(mesh.cell_to_cell.begin(), mesh.cell_to_cell.end());
   domain.volume.resize(n);
@@ -70,11 +70,11 @@ GasDomain make_gas_domain(const mesh::DistMesh& mesh, double unit, double dt, do
   domain.border_offset = mesh.border_offset;
   domain.border_face = mesh.border_face;
   for (LocalId cell = 0; cell < mesh.n_cells(); ++cell) {
-    const auto c = static_cast<std::size_t>(cell);
+    const auto c = at(cell);
     const auto points = corners(mesh, unit, cell);
     domain.volume[c] = geometry::volume(points);
     for (int slot = 0; slot < 4; ++slot) {
-      const auto f = static_cast<std::size_t>(slot);
+      const auto f = at(slot);
       const auto plane = plane_of_face(mesh, unit, cell, slot);
       domain.planes[c].nx[f] = plane.normal.x;
       domain.planes[c].ny[f] = plane.normal.y;
@@ -84,7 +84,7 @@ GasDomain make_gas_domain(const mesh::DistMesh& mesh, double unit, double dt, do
       if (link >= 0) continue;
       const auto& corner = mesh::tet::face_to_corner[f];
       BoundaryFace face{cell, slot, mesh::slot_to_patch(link), 0, plane.normal, {}, -1};
-      for (std::size_t k = 0; k < 3; ++k) face.corner[k] = points[static_cast<std::size_t>(corner[k])];
+      for (std::size_t k = 0; k < 3; ++k) face.corner[k] = points[at(corner[k])];
       face.area = 0.5 * norm(cross(face.corner[1] - face.corner[0], face.corner[2] - face.corner[0]));
       domain.boundary.push_back(face);
       link = -static_cast<LocalId>(domain.boundary.size());
@@ -95,7 +95,7 @@ GasDomain make_gas_domain(const mesh::DistMesh& mesh, double unit, double dt, do
 
 bool is_inside(const GasDomain& domain, LocalId cell, Vec3 position, double tolerance) {
   for (int slot = 0; slot < 4; ++slot)
-    if (domain.planes[static_cast<std::size_t>(cell)].depth(slot, position) < -tolerance) return false;
+    if (domain.planes[at(cell)].depth(slot, position) < -tolerance) return false;
   return true;
 }
 

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "pamr/base/error.hpp"
+#include "pamr/base/index.hpp"
 #include "solvers/dsmc/gas/kinetic_theory.hpp"
 #include "solvers/dsmc/kernel/numbering.hpp"
 
@@ -75,8 +76,8 @@ Inflow::Inflow(const par::Comm& comm, const MoveRules& rules, std::span<const St
   std::vector<GlobalId> cell;
   for (std::size_t b = 0; b < domain.boundary.size(); ++b) {
     const auto& face = domain.boundary[b];
-    if (rules.patch[static_cast<std::size_t>(face.patch)].kind != BoundaryCondition::Kind::inflow) continue;
-    const auto global = domain.cell_global[static_cast<std::size_t>(face.cell)];
+    if (rules.patch[at(face.patch)].kind != BoundaryCondition::Kind::inflow) continue;
+    const auto global = domain.cell_global[at(face.cell)];
     if (cell.empty() || cell.back() != global) {
       cell.push_back(global);
       count.push_back(0);
@@ -89,17 +90,17 @@ Inflow::Inflow(const par::Comm& comm, const MoveRules& rules, std::span<const St
     throw Error(fmt::format("expected fewer than {} inflow faces, found {}", std::int64_t{1} << face_bits, total));
 
   std::size_t k = 0;
-  GlobalId at = -1;
+  GlobalId current = -1;
   std::uint64_t number = 0;
   for (auto& face : face_) {
     const auto& boundary = domain.boundary[face.boundary];
-    const auto c = static_cast<std::size_t>(boundary.cell);
-    if (domain.cell_global[c] != at) {
-      at = domain.cell_global[c];
+    const auto c = at(boundary.cell);
+    if (domain.cell_global[c] != current) {
+      current = domain.cell_global[c];
       number = static_cast<std::uint64_t>(first[k++]);
     }
     face.number = number++;
-    const auto& flow = stream_[static_cast<std::size_t>(rules.patch[static_cast<std::size_t>(boundary.patch)].stream)];
+    const auto& flow = stream_[at(rules.patch[at(boundary.patch)].stream)];
     for (std::size_t s = 0; s < rules.gas->species.size(); ++s)
       face.mean.push_back(molecular_flux(flow.density * flow.fraction[s], flow.temperature, rules.gas->species[s].mass,
                                          -dot(flow.velocity, boundary.normal)) *
@@ -117,8 +118,8 @@ double Inflow::expected() const {
 void Inflow::draw(std::uint64_t step, std::vector<Flight>& entering) const {
   for (const auto& face : face_) {
     const auto& boundary = rules_.domain->boundary[face.boundary];
-    const auto c = static_cast<std::size_t>(boundary.cell);
-    const auto& flow = stream_[static_cast<std::size_t>(rules_.patch[static_cast<std::size_t>(boundary.patch)].stream)];
+    const auto c = at(boundary.cell);
+    const auto& flow = stream_[at(rules_.patch[at(boundary.patch)].stream)];
     Random counting(rules_.seed, Purpose::inflow, face.number, step);
     std::uint64_t index = 0;
     for (std::uint32_t s = 0; s < face.mean.size(); ++s) {

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "pamr/base/hash.hpp"
+#include "pamr/base/index.hpp"
 #include "pamr/base/timer.hpp"
 
 namespace pamr::dsmc {
@@ -20,10 +21,10 @@ constexpr std::int64_t stall_limit = 64;  ///< faces passed without a look at th
 enum class End : std::uint8_t { rests, leaves_rank, leaves_domain };
 
 /// Bits of the faces outside of which the point lies.
-inline unsigned outside(const CellPlanes& p, Vec3 at) {
+inline unsigned outside(const CellPlanes& p, Vec3 point) {
   unsigned bits = 0;
   for (std::size_t f = 0; f < 4; ++f)
-    bits |= static_cast<unsigned>(p.nx[f] * at.x + p.ny[f] * at.y + p.nz[f] * at.z > p.d[f]) << f;
+    bits |= static_cast<unsigned>(p.nx[f] * point.x + p.ny[f] * point.y + p.nz[f] * point.z > p.d[f]) << f;
   return bits;
 }
 
@@ -85,17 +86,17 @@ Mover::Exit Mover::drawn_exit(const CellPlanes& planes, const Flight& flight, un
 /// where it goes on; else false.
 bool Mover::goes_across(Vec3& position, LocalId& link) const {
   if (domain_->shift.empty()) return false;
-  const auto& face = domain_->boundary[static_cast<std::size_t>(-link - 1)];
+  const auto& face = domain_->boundary[at(-link - 1)];
   if (face.across < 0) return false;
-  position = position + domain_->shift[static_cast<std::size_t>(face.patch)];
+  position = position + domain_->shift[at(face.patch)];
   link = face.across;
   return true;
 }
 
 /// The particle reaches a boundary face after `time`; false when it leaves the domain.
-bool Mover::meets_boundary(Flight& flight, std::size_t at, double time) {
-  const auto& face = domain_->boundary[at];
-  const auto& condition = patch_[static_cast<std::size_t>(face.patch)];
+bool Mover::meets_boundary(Flight& flight, std::size_t number, double time) {
+  const auto& face = domain_->boundary[number];
+  const auto& condition = patch_[at(face.patch)];
   if (condition.is_open()) return false;
   auto& p = flight.particle;
   time = std::clamp(time, 0.0, flight.time);
@@ -113,7 +114,7 @@ bool Mover::meets_boundary(Flight& flight, std::size_t at, double time) {
     const double energy =
         0.5 * species.mass *
         (squared_norm(p.velocity - condition.velocity) - squared_norm(out.velocity - condition.velocity));
-    tally_->add(at, (species.weight * species.mass) * (p.velocity - out.velocity),
+    tally_->add(number, (species.weight * species.mass) * (p.velocity - out.velocity),
                 species.weight * (energy + (p.rotation - out.rotation)));
   }
   p.velocity = out.velocity;
@@ -125,7 +126,7 @@ End Mover::fly(Flight& flight) {
   auto& p = flight.particle;
   std::int64_t passed_faces = 0, without_progress = 0;
   for (;;) {
-    const auto c = static_cast<std::size_t>(p.cell);
+    const auto c = at(p.cell);
     const auto& planes = domain_->planes[c];
     const Vec3 end = p.position + flight.time * p.velocity;
     const unsigned out = outside(planes, end) & ~flight.excluded_face;
@@ -140,7 +141,7 @@ End Mover::fly(Flight& flight) {
       if (without_progress > stall_limit) exit = drawn_exit(planes, flight, out, without_progress);
       flight.passed = std::max(flight.passed, exit.time);
     }
-    auto link = domain_->link[c][static_cast<std::size_t>(exit.slot)];
+    auto link = domain_->link[c][at(exit.slot)];
     if (link < 0 && !goes_across(p.position, link)) {
       if (!meets_boundary(flight, static_cast<std::size_t>(-link - 1), exit.time)) return End::leaves_domain;
       if (flight.events < max_events) continue;
@@ -157,8 +158,7 @@ End Mover::fly(Flight& flight) {
       return End::leaves_rank;
     }
     if (!domain_->uniform_dt)
-      flight.time = flight.passed +
-                    (flight.time - flight.passed) * (domain_->dt[static_cast<std::size_t>(link)] / domain_->dt[c]);
+      flight.time = flight.passed + (flight.time - flight.passed) * (domain_->dt[at(link)] / domain_->dt[c]);
     p.cell = link;
   }
   counts.longest = std::max(counts.longest, passed_faces);
@@ -172,7 +172,7 @@ class Outbox {
     for (std::size_t i = 0; i < message_.size(); ++i) message_[i].to = domain.border_rank[i];
   }
   void add(Flight flight) {
-    const auto face = static_cast<std::size_t>(flight.particle.cell);
+    const auto face = at(flight.particle.cell);
     const auto& offset = domain_->border_offset;
     const auto i = static_cast<std::size_t>(std::upper_bound(offset.begin(), offset.end(), face) - offset.begin()) - 1;
     flight.particle.cell = static_cast<LocalId>(face - offset[i]);
@@ -190,9 +190,10 @@ class Outbox {
     std::vector<Flight> arrived(received.item);
     for (std::size_t i = 0; i < received.rank.size(); ++i) {
       const auto& ranks = domain_->border_rank;
-      const auto at =
+      const auto border =
           static_cast<std::size_t>(std::lower_bound(ranks.begin(), ranks.end(), received.rank[i]) - ranks.begin());
-      for (auto k = received.offset[i]; k < received.offset[i + 1]; ++k) enter(arrived[k], domain_->border_offset[at]);
+      for (auto k = received.offset[i]; k < received.offset[i + 1]; ++k)
+        enter(arrived[k], domain_->border_offset[border]);
     }
     return arrived;
   }
@@ -202,7 +203,7 @@ class Outbox {
     const auto face = first_face + static_cast<std::size_t>(flight.particle.cell);
     flight.particle.cell = domain_->border_face[face].cell;
     if (domain_->uniform_dt) return;
-    const double ratio = domain_->dt[static_cast<std::size_t>(flight.particle.cell)] / flight.dt_from;
+    const double ratio = domain_->dt[at(flight.particle.cell)] / flight.dt_from;
     flight.time = flight.passed + (flight.time - flight.passed) * ratio;
   }
 
@@ -230,7 +231,7 @@ void fly_own(Mover& mover, const GasDomain& domain, Particles& particles, Outbox
   const auto n = particles.size();
   for (std::size_t i = 0; i < n; ++i) {
     const auto cell = particles.cell[i];
-    const auto c = static_cast<std::size_t>(cell);
+    const auto c = at(cell);
     const double dt = domain.dt[c];
     const Vec3 end = particles.position(i) + dt * particles.velocity(i);
     if (outside(domain.planes[c], end) == 0) {

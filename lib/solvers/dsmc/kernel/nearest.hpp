@@ -9,18 +9,18 @@
 
 namespace pamr::dsmc {
 
-/// Finds nearest neighbors among the particles of one cell. Many particles are put into a grid of boxes with about one
-/// each, so that a search looks at a few of them only; few are looked at one by one. The answer is the same. Local.
+/// Finds nearest neighbors among the particles of one cell. Many particles are sorted into a grid of boxes with about
+/// one each, so that a search visits only a few; few are compared one by one. The answer is the same. Local.
 class NearestInCell {
  public:
-  /// Takes the `n` particles from `begin` on; they must stay where they are until the next call. `n_searches`: expected
-  /// number of searches, which decides whether a grid repays its making. O(n) with a grid, else O(1).
+  /// Takes the `n` particles starting at `begin`, which must not move until the next call. `n_searches`: expected
+  /// number of searches, which decides whether a grid is worth its cost. O(n) with a grid, otherwise O(1).
   void start(const Particles& particles, std::uint32_t begin, std::uint32_t n, std::int64_t n_searches);
 
-  /// The particle nearest to particle `first` of the cell, but not in the same place, and whose tag is not `excluded`;
-  /// among equally near ones the first. Only itself is in its place, or copies of it, which a carried flow may have:
-  /// they fly along with it, and with them as partners neither would ever collide. The first other particle of the cell
-  /// when there is no such one. Numbers count from `begin`.
+  /// The particle nearest to particle `first`, except those at the same position and the one with the tag `excluded`;
+  /// of equally near ones the first; if there is none, the first other particle of the cell. Indices count from
+  /// `begin`. Only copies of a particle share its position: a transferred flow may have them. They fly together, and as
+  /// partners they would never collide.
   std::uint32_t find(std::uint32_t first, std::uint32_t excluded) const;
 
  private:

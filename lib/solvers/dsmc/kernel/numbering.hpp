@@ -9,14 +9,15 @@
 
 namespace pamr::dsmc {
 
-/// Numbers of things that belong to cells, along the global order of the cells and so the same for any partition.
+/// Global numbers of items that belong to cells (particles, faces), in the global order of the cells and so independent
+/// of the partition.
 struct Numbering {
-  std::vector<std::int64_t> first;  ///< number of the first thing of each given cell
-  std::int64_t total = 0;           ///< things of all cells on all ranks
+  std::vector<std::int64_t> first;  ///< number of the first item of each given cell
+  std::int64_t total = 0;           ///< items of all cells on all ranks
 };
 
-/// `cell`: global numbers, ascending, of cells of this rank; `count`: things of each; cells not named by any rank have
-/// none. `n_cells` of the whole mesh. Collective: four sparse exchanges and a scan; memory O(cells / ranks).
+/// `cell`: global numbers of cells of this rank, ascending; `count`: items of each. Cells that no rank names have none.
+/// `n_cells`: of the whole mesh. Collective: four sparse exchanges and a scan. Memory O(cells / ranks).
 Numbering number_along_cells(const par::Comm& comm, GlobalId n_cells, std::span<const GlobalId> cell,
                              std::span<const std::int64_t> count);
 

@@ -13,7 +13,7 @@ namespace pamr::dsmc {
 
 using geometry::Vec3;
 
-/// One particle, on its way between places.
+/// One particle, outside of `Particles`.
 struct Particle {
   Vec3 position;        ///< m
   Vec3 velocity;        ///< m/s
@@ -21,14 +21,14 @@ struct Particle {
   std::uint64_t id = 0;
   LocalId cell = 0;
   std::uint32_t species = 0;
-  std::uint32_t partner = 0;  ///< tag of the particle that it has last collided with; 0: none
+  std::uint32_t partner = 0;  ///< tag of its last collision partner; 0: none
 };
 
-/// What `Particle::partner` remembers of a particle: its number as far as 32 bits go.
+/// The value by which `Particle::partner` refers to a particle: the low 32 bits of its id, plus 1.
 inline std::uint32_t tag_of(std::uint64_t id) { return static_cast<std::uint32_t>(id) + 1; }
 
-/// A rank's particles as structures of arrays, 76 bytes each, and 12 for sorting. `cell` is `gone` for particles that
-/// have left and wait to be dropped by `sort_by_cell`.
+/// A rank's particles as a structure of arrays: 76 bytes each, plus 12 for sorting. `cell` is `gone` for particles that
+/// have left; `sort_by_cell` removes them.
 class Particles {
  public:
   static constexpr LocalId gone = -1;
@@ -48,12 +48,12 @@ class Particles {
   void append(const Particle& particle);
   void clear();
 
-  /// Drops those gone and orders the rest by cell and, within a cell, by id; afterwards the particles of cell c are
-  /// `begin()[c] .. begin()[c+1]`. Counting sort, O(particles + cells). Local.
+  /// Removes particles that are gone and sorts the rest by cell and, within a cell, by id. Afterwards the particles of
+  /// cell c are `begin()[c] .. begin()[c+1]`. Counting sort, O(particles + cells). Local.
   void sort_by_cell(LocalId n_cells);
   std::span<const std::uint32_t> begin() const { return begin_; }
 
-  /// Capacities of all arrays, bytes.
+  /// Memory reserved by all arrays, bytes.
   std::size_t bytes() const;
 
  private:

@@ -14,6 +14,7 @@
 #include "pamr/base/contract.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/base/hash.hpp"
+#include "pamr/base/index.hpp"
 
 namespace pamr::dsmc {
 
@@ -23,7 +24,7 @@ namespace {
 
 constexpr double tolerance = 1e-6;  ///< of the size of a face
 
-/// A periodic face on its way to rank 0, which joins them.
+/// A periodic face as it is sent to rank 0, which finds the pairs.
 struct Face {
   GlobalId cell = 0;
   int slot = 0, patch = 0;
@@ -36,7 +37,7 @@ struct Face {
   double area() const { return 0.5 * norm(cross(corner[1] - corner[0], corner[2] - corner[0])); }
 };
 
-/// What a rank hears of one of its faces.
+/// The answer of rank 0 for a face.
 struct Joint {
   std::int64_t order = 0;  ///< of the pair among all pairs
   std::int32_t boundary = 0, partner = 0;
@@ -53,14 +54,14 @@ class Places {
     for (std::size_t i = 0; i < faces.size(); ++i) box_[key_of(faces[i].middle())].push_back(i);
   }
   /// The face whose middle is within `reach` of the point; the number of faces when there is none.
-  std::size_t find(Vec3 at, double reach) const {
-    for (const double x : {at.x - reach, at.x + reach})
-      for (const double y : {at.y - reach, at.y + reach})
-        for (const double z : {at.z - reach, at.z + reach}) {
+  std::size_t find(Vec3 point, double reach) const {
+    for (const double x : {point.x - reach, point.x + reach})
+      for (const double y : {point.y - reach, point.y + reach})
+        for (const double z : {point.z - reach, point.z + reach}) {
           const auto found = box_.find(key_of({x, y, z}));
           if (found == box_.end()) continue;
           for (const auto i : found->second)
-            if (norm((*faces_)[i].middle() - at) <= reach) return i;
+            if (norm((*faces_)[i].middle() - point) <= reach) return i;
         }
     return faces_->size();
   }
@@ -106,8 +107,8 @@ struct Matched {
   Vec3 shift;
 };
 Matched match(const mesh::DistMesh& mesh, const std::vector<Face>& a, const std::vector<Face>& b) {
-  const auto &name_a = mesh.info.patches[static_cast<std::size_t>(a.front().patch)].name,
-             &name_b = mesh.info.patches[static_cast<std::size_t>(b.front().patch)].name;
+  const auto &name_a = mesh.info.patches[at(a.front().patch)].name,
+             &name_b = mesh.info.patches[at(b.front().patch)].name;
   Matched matched;
   matched.shift = middle_of(b) - middle_of(a);
   const Places places(b);
@@ -120,10 +121,10 @@ Matched match(const mesh::DistMesh& mesh, const std::vector<Face>& a, const std:
         text_of(face.middle())));
   };
   for (const auto& face : a) {
-    const auto at = places.find(face.middle() + matched.shift, tolerance * std::sqrt(face.area()));
-    if (at == b.size() || is_taken[at] || !is_the_same(face, b[at], matched.shift)) refuse(face);
-    is_taken[at] = true;
-    matched.pair.push_back({&face, &b[at]});
+    const auto found = places.find(face.middle() + matched.shift, tolerance * std::sqrt(face.area()));
+    if (found == b.size() || is_taken[found] || !is_the_same(face, b[found], matched.shift)) refuse(face);
+    is_taken[found] = true;
+    matched.pair.push_back({&face, &b[found]});
   }
   for (std::size_t i = 0; i < b.size(); ++i)
     if (!is_taken[i]) refuse(b[i]);
@@ -132,38 +133,38 @@ Matched match(const mesh::DistMesh& mesh, const std::vector<Face>& a, const std:
   return matched;
 }
 
-/// On rank 0: the joints for each rank, and the shift of every patch.
-struct Plan {
+/// On rank 0: the answers to each rank, and the shift of every patch.
+struct Pairing {
   std::vector<std::vector<Joint>> joint;
   std::vector<Vec3> shift;
 };
-Plan make_plan(const mesh::DistMesh& mesh, std::span<const BoundaryCondition> patch, Rank n_ranks,
-               std::vector<Face> faces) {
+Pairing pair_faces(const mesh::DistMesh& mesh, std::span<const BoundaryCondition> patch, Rank n_ranks,
+                   std::vector<Face> faces) {
   std::sort(faces.begin(), faces.end(),
             [](const Face& x, const Face& y) { return std::tie(x.cell, x.slot) < std::tie(y.cell, y.slot); });
   std::vector<std::vector<Face>> of(patch.size());
-  for (const auto& face : faces) of[static_cast<std::size_t>(face.patch)].push_back(face);
-  Plan plan{std::vector<std::vector<Joint>>(static_cast<std::size_t>(n_ranks)), std::vector<Vec3>(patch.size())};
+  for (const auto& face : faces) of[at(face.patch)].push_back(face);
+  Pairing pairing{std::vector<std::vector<Joint>>(static_cast<std::size_t>(n_ranks)), std::vector<Vec3>(patch.size())};
   std::int64_t order = 0;
   for (std::size_t p = 0; p < patch.size(); ++p) {
-    const auto q = static_cast<std::size_t>(patch[p].partner);
+    const auto q = at(patch[p].partner);
     if (patch[p].kind != BoundaryCondition::Kind::periodic || q < p || (of[p].empty() && of[q].empty())) continue;
     if (of[p].empty() || of[q].empty())
       throw Error(fmt::format("expected faces on both periodic patches \"{}\" and \"{}\", found none on one",
                               mesh.info.patches[p].name, mesh.info.patches[q].name));
     const auto matched = match(mesh, of[p], of[q]);
-    plan.shift[p] = matched.shift;
-    plan.shift[q] = -matched.shift;
+    pairing.shift[p] = matched.shift;
+    pairing.shift[q] = -matched.shift;
     for (const auto& [x, y] : matched.pair) {
-      plan.joint[static_cast<std::size_t>(x->rank)].push_back({order, x->boundary, y->boundary, y->rank});
-      plan.joint[static_cast<std::size_t>(y->rank)].push_back({order, y->boundary, x->boundary, x->rank});
+      pairing.joint[at(x->rank)].push_back({order, x->boundary, y->boundary, y->rank});
+      pairing.joint[at(y->rank)].push_back({order, y->boundary, x->boundary, x->rank});
       ++order;
     }
   }
-  return plan;
+  return pairing;
 }
 
-/// Puts the joints to other ranks behind the faces of the mesh's borders with them.
+/// Appends the faces whose partners are on other ranks to the borders with those ranks.
 void add_to_borders(const std::vector<Joint>& joints, GasDomain& domain) {
   std::map<Rank, std::vector<mesh::CellFace>> border;
   std::map<Rank, std::vector<std::int32_t>> joined;  // their boundary faces
@@ -174,7 +175,7 @@ void add_to_borders(const std::vector<Joint>& joints, GasDomain& domain) {
     for (auto k = domain.border_offset[i]; k < domain.border_offset[i + 1]; ++k) faces.push_back(domain.border_face[k]);
   }
   for (const auto& joint : joints) {
-    const auto& face = domain.boundary[static_cast<std::size_t>(joint.boundary)];
+    const auto& face = domain.boundary[at(joint.boundary)];
     border[joint.partner_rank].push_back({face.cell, face.slot});
     joined[joint.partner_rank].push_back(joint.boundary);
   }
@@ -189,14 +190,14 @@ void add_to_borders(const std::vector<Joint>& joints, GasDomain& domain) {
       if (old_rank[i] == rank)
         for (std::size_t k = 0; k < n_old; ++k) moved[old_offset[i] + k] = static_cast<LocalId>(first + k);
     for (std::size_t k = 0; k < n_new; ++k)
-      domain.boundary[static_cast<std::size_t>(joined[rank][k])].across = n + static_cast<LocalId>(first + n_old + k);
+      domain.boundary[at(joined[rank][k])].across = n + static_cast<LocalId>(first + n_old + k);
     domain.border_rank.push_back(rank);
     domain.border_face.insert(domain.border_face.end(), faces.begin(), faces.end());
     domain.border_offset.push_back(domain.border_face.size());
   }
   for (auto& links : domain.link)
     for (auto& link : links)
-      if (link >= n) link = n + moved[static_cast<std::size_t>(link - n)];
+      if (link >= n) link = n + moved[at(link - n)];
 }
 
 }  // namespace
@@ -207,30 +208,29 @@ void join_periodic(const par::Comm& comm, const mesh::DistMesh& mesh, std::span<
   if (std::none_of(patch.begin(), patch.end(), [](const auto& p) { return p.kind == Kind::periodic; })) return;
   for (std::size_t p = 0; p < patch.size(); ++p) {
     if (patch[p].kind != Kind::periodic) continue;
-    const auto q = static_cast<std::size_t>(patch[p].partner);
+    const auto q = at(patch[p].partner);
     PAMR_EXPECTS(q < patch.size() && q != p && patch[q].partner == static_cast<int>(p));
   }
   std::vector<par::Outgoing<Face>> to_root(1);
   for (std::size_t b = 0; b < domain.boundary.size(); ++b) {
     const auto& face = domain.boundary[b];
-    if (patch[static_cast<std::size_t>(face.patch)].kind != Kind::periodic) continue;
-    to_root[0].item.push_back({mesh.cell_global[static_cast<std::size_t>(face.cell)], face.slot, face.patch,
-                               comm.rank(), static_cast<std::int32_t>(b), face.corner, face.normal});
+    if (patch[at(face.patch)].kind != Kind::periodic) continue;
+    to_root[0].item.push_back({mesh.cell_global[at(face.cell)], face.slot, face.patch, comm.rank(),
+                               static_cast<std::int32_t>(b), face.corner, face.normal});
   }
   const auto faces = comm.sparse_exchange(to_root);
-  Plan plan;
+  Pairing pairing;
   par::agree(comm, [&] {
-    if (comm.rank() == 0) plan = make_plan(mesh, patch, comm.size(), faces.item);
+    if (comm.rank() == 0) pairing = pair_faces(mesh, patch, comm.size(), faces.item);
   });
-  domain.shift = comm.broadcast(plan.shift);
+  domain.shift = comm.broadcast(pairing.shift);
   std::vector<par::Outgoing<Joint>> answers;
-  for (std::size_t r = 0; r < plan.joint.size(); ++r) answers.push_back({static_cast<Rank>(r), plan.joint[r]});
+  for (std::size_t r = 0; r < pairing.joint.size(); ++r) answers.push_back({static_cast<Rank>(r), pairing.joint[r]});
   auto joints = comm.sparse_exchange(answers).item;
   std::vector<Joint> abroad;
   for (const auto& joint : joints) {
     if (joint.partner_rank == comm.rank())
-      domain.boundary[static_cast<std::size_t>(joint.boundary)].across =
-          domain.boundary[static_cast<std::size_t>(joint.partner)].cell;
+      domain.boundary[at(joint.boundary)].across = domain.boundary[at(joint.partner)].cell;
     else
       abroad.push_back(joint);
   }

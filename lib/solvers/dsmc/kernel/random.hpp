@@ -9,12 +9,12 @@
 
 namespace pamr::dsmc {
 
-/// What random numbers are drawn for: streams of different purposes never meet.
+/// What random numbers are drawn for; streams of different purposes are independent.
 enum class Purpose : std::uint32_t { seed = 1, inflow, inflow_particle, wall, collision, thinning, partition_check };
 
-/// A stream of random numbers that is a pure function of (seed, purpose, subject, step): the subject is a particle, a
+/// A stream of random numbers that is a pure function of (seed, purpose, subject, step). The subject is a particle, a
 /// global cell or a boundary face, so the numbers depend neither on the number of ranks nor on the order of the work.
-/// 4 billion steps, 2^24 blocks of four 32-bit words a stream.
+/// Capacity: 2^32 steps, 2^24 blocks of four 32-bit words per stream.
 /// Source: J. Salmon et al., "Parallel random numbers: as easy as 1, 2, 3", SC 2011 (Philox 4x32-10, Random123).
 class Random {
  public:

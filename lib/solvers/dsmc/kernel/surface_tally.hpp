@@ -12,8 +12,9 @@ namespace pamr::dsmc {
 
 using geometry::Vec3;
 
-/// What particles have given to each boundary face, in fixed point, so that the sums depend neither on the order of the
-/// hits nor on the number of ranks. One unit is 2^-30 of a typical hit; a face overflows after 10^9 typical hits.
+/// Momentum and energy that particles have given to each boundary face, in fixed point, so that the sums depend neither
+/// on the order of the hits nor on the number of ranks. One unit is 2^-30 of a typical hit; a face overflows after 10^9
+/// typical hits.
 struct SurfaceTally {
   struct Sums {
     std::int64_t hits = 0;
@@ -27,7 +28,7 @@ struct SurfaceTally {
   double energy_unit = 1;    ///< J
   std::vector<Sums> face;    ///< one for each boundary face
 
-  /// Units for molecules of this mass at this speed.
+  /// Sets the units for molecules of this mass at this speed.
   void set_units(double mass, double speed);
   void add(std::size_t at, Vec3 momentum, double energy) {
     auto& sums = face[at];

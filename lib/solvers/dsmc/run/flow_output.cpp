@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "pamr/io/native/native_file.hpp"
+#include "pamr/mesh/require_field.hpp"
 #include "solvers/dsmc/run/history.hpp"
 #include "solvers/dsmc/sampling/cell_flow.hpp"
 #include "solvers/dsmc/sampling/probes.hpp"
@@ -15,15 +16,6 @@ namespace pamr::dsmc {
 
 namespace {
 
-void add_fields(mesh::DistMesh& mesh, std::vector<mesh::CellField> fields) {
-  for (auto& field : fields) {
-    if (auto* old = mesh.find_cell_field(field.name))
-      *old = std::move(field);
-    else
-      mesh.cell_fields.push_back(std::move(field));
-  }
-}
-
 std::vector<FaceRow> walls_of(const Computation& computation) {
   const auto& flow = computation.flow();
   const auto& state = computation.averaging().state();
@@ -31,7 +23,7 @@ std::vector<FaceRow> walls_of(const Computation& computation) {
   const WallScale scale{flow.surface.momentum_unit, flow.surface.energy_unit, setup.fnum / setup.dt,
                         static_cast<double>(std::max<std::int64_t>(1, flow.cells.steps_in_blocks)),
                         static_cast<double>(state.blocks.size())};
-  return wall_averages(computation.comm(), flow.domain(), setup.patch, state.face, scale);
+  return wall_averages(flow.domain(), setup.patch, state.face, scale);
 }
 
 }  // namespace
@@ -48,11 +40,12 @@ CellResolution write_output(Computation& computation, const OutputFiles& files, 
   if (!files.lines.empty()) {
     const auto points =
         point_rows(comm, points_of(c.line, c.plane), computation.mesh(), setup.unit, flow.domain(), fields);
-    write_text(files.lines, probe_header + station_rows(c.station, walls) + points);
+    write_text(files.lines, probe_header + station_rows(comm, c.station, walls) + points);
   }
-  add_fields(computation.mesh(), std::move(fields));
-  if (!files.mesh.empty()) io::write_native(comm, files.mesh, computation.mesh());
-  if (!files.surface.empty()) write_text(files.surface, to_vtu(walls, setup.unit));
+  auto& mesh = computation.mesh();
+  for (auto& field : fields) mesh::put_field(mesh.cell_fields, std::move(field));
+  if (!files.mesh.empty()) io::write_native(comm, files.mesh, mesh);
+  if (!files.surface.empty()) write_walls(comm, files.surface, walls, setup.unit, mesh.info.n_global_cells);
   if (!files.history.empty()) write_text(files.history, to_csv(computation.averaging().state().history, c.dt));
   return resolution;
 }

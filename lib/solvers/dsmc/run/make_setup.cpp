@@ -7,6 +7,8 @@
 #include <cmath>
 
 #include "pamr/base/error.hpp"
+#include "pamr/base/index.hpp"
+#include "pamr/mesh/require_field.hpp"
 #include "pamr/par/reproducible_sum.hpp"
 #include "solvers/dsmc/gas/kinetic_theory.hpp"
 
@@ -36,11 +38,10 @@ std::vector<BoundaryCondition> conditions_of(const Case& c, const mesh::DistMesh
                               c.boundary_at.at(name), names, name));
   const auto number = [&](const std::string& name) {
     const auto& patches = mesh.info.patches;
-    const auto at = std::find_if(patches.begin(), patches.end(), [&](const auto& p) { return p.name == name; });
-    return static_cast<int>(at - patches.begin());
+    const auto found = std::find_if(patches.begin(), patches.end(), [&](const auto& p) { return p.name == name; });
+    return static_cast<int>(found - patches.begin());
   };
-  for (const auto& [name, partner] : c.partner)
-    conditions[static_cast<std::size_t>(number(name))].partner = number(partner);
+  for (const auto& [name, partner] : c.partner) conditions[at(number(name))].partner = number(partner);
   return conditions;
 }
 
@@ -58,14 +59,10 @@ struct LocalGas {
   double collision_time = 0;  ///< s
 };
 
+/// A cell field that an earlier run has left.
 const std::vector<double>& field_of(const Case& c, const mesh::DistMesh& mesh, const char* name, int n_components) {
-  const auto* field = mesh.find_cell_field(name);
-  if (field == nullptr || field->holds_integers() || field->n_components != n_components)
-    throw Error(
-        fmt::format("{}: expected a mesh with the cell field {} of an earlier run, as from_fields in [time] says, "
-                    "found none",
-                    c.where, name));
-  return field->real();
+  const auto used_for = fmt::format("{}: from_fields in [time]", c.where);
+  return mesh::require_cell_field(mesh, {name, mesh::FieldValues::real, n_components, used_for}).real();
 }
 
 std::vector<LocalGas> local_gas(const Case& c, const mesh::DistMesh& mesh) {
@@ -97,7 +94,7 @@ std::vector<double> time_steps(const Case& c, const mesh::DistMesh& mesh, double
   std::vector<double> steps;
   if (c.cell_fraction == 0 && c.collision_fraction == 0) return steps;
   for (LocalId cell = 0; cell < mesh.n_cells(); ++cell) {
-    const auto& here = gas[static_cast<std::size_t>(cell)];
+    const auto& here = gas[at(cell)];
     double step = c.dt;
     if (c.cell_fraction > 0)
       step = std::min(step, c.cell_fraction * std::cbrt(volume(corners(mesh, unit, cell))) / here.fast);
@@ -130,7 +127,7 @@ Setup make_setup(const par::Comm& comm, const Case& c, const mesh::DistMesh& mes
   par::ExactSum sums[3];  // of n V dt_0 / dt over the cells: molecules of particles whose weight is 1; V; V dt_0 / dt
   for (LocalId cell = 0; cell < mesh.n_cells(); ++cell) {
     const double v = volume(corners(mesh, setup.unit, cell));
-    const auto i = static_cast<std::size_t>(cell);
+    const auto i = at(cell);
     const double steps = setup.cell_dt.empty() ? v : v * (c.dt / setup.cell_dt[i]);
     sums[0].add(c.from_fields ? steps * gas[i].density : steps);
     sums[1].add(v);

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "pamr/base/index.hpp"
 #include "solvers/dsmc/gas/kinetic_theory.hpp"
 #include "solvers/dsmc/kernel/particles.hpp"
 
@@ -47,7 +48,7 @@ Plan make_plan(const par::Comm& comm, const Case& c, const Setup& setup, const m
   double longest = 0;
   for (LocalId cell = 0; cell < mesh.n_cells(); ++cell) {
     const double v = volume(corners(mesh, setup.unit, cell));
-    const double dt = setup.cell_dt.empty() ? setup.dt : setup.cell_dt[static_cast<std::size_t>(cell)];
+    const double dt = setup.cell_dt.empty() ? setup.dt : setup.cell_dt[at(cell)];
     longest = std::max(longest, fast * dt / std::cbrt(v));
   }
   plan.longest_flight = comm.max(longest);

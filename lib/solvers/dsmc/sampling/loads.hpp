@@ -25,15 +25,15 @@ struct Reference {
   std::vector<std::string> patches;  ///< whose loads count; empty: all walls
 };
 
-/// What the gas does to a patch or a body: N, N m, W.
+/// Force, moment and heat that the gas gives to a patch or a body: N, N m, W.
 struct Load {
   Vec3 force, moment;
   double heat = 0;
   Load& operator+=(const Load& other);
 };
 
-/// Loads of every patch from the sums of `n_steps` steps, without the reference's multiplier. The sums are exact or
-/// independent of the order of the faces: the same bits on any number of ranks. Collective.
+/// Loads of every patch from the sums of `n_steps` steps, without the reference's multiplier. Sums are exact, so the
+/// result has the same bits on any number of ranks. Collective: one reduction.
 /// `fnum_per_time`: real molecules per particle and second.
 std::vector<Load> patch_loads(const par::Comm& comm, const GasDomain& domain, const SurfaceTally& units,
                               const std::vector<SurfaceTally::Sums>& face, double fnum_per_time, std::int64_t n_steps,
@@ -41,7 +41,7 @@ std::vector<Load> patch_loads(const par::Comm& comm, const GasDomain& domain, co
 
 /// A stress and a heat flux on a face, as functions of its outward normal (out of the gas, into the body).
 using SurfaceLaw = std::function<std::pair<Vec3, double>(Vec3 normal)>;
-/// Loads of every patch under a law. Collective.
+/// Loads of every patch under a law. Collective: one reduction.
 std::vector<Load> integrate_law(const par::Comm& comm, const GasDomain& domain, const SurfaceLaw& law, Vec3 point,
                                 std::size_t n_patches);
 
@@ -50,7 +50,7 @@ struct Coefficients {
   double drag = 0, lift = 0, moment = 0, heat = 0;
 };
 
-/// Scales loads for a free stream at rest or in motion; a gas at rest counts with its most probable speed.
+/// Makes loads dimensionless; for a free stream at rest with its most probable speed.
 class Scale {
  public:
   Scale(const Gas& gas, const Stream& stream, const Reference& reference);
@@ -65,13 +65,13 @@ class Scale {
   double pressure_ = 0, speed_ = 0;
 };
 
-/// Whether the forces on each patch belong to the reference body.
+/// Whether each patch belongs to the reference body. Local.
 std::vector<bool> reference_patches(const Reference& reference, const std::vector<mesh::Patch>& patches,
                                     const std::vector<BoundaryCondition>& conditions);
 Load sum_of(const std::vector<Load>& patch, const std::vector<bool>& wanted);
 
-/// Free-molecular flow with full diffuse accommodation at the walls' temperature, and the Newtonian limit: bounds for a
-/// convex body without shadows.
+/// Bounds for a convex body: free-molecular flow with full diffuse accommodation at the walls' temperature, and the
+/// Newtonian limit.
 SurfaceLaw free_molecular_law(const Gas& gas, const Stream& stream, double wall_temperature);
 SurfaceLaw newtonian_law(const Gas& gas, const Stream& stream);
 

@@ -50,15 +50,28 @@ struct Found {
   double value = 0;
 };
 
+/// The faces of all ranks on rank 0, in the order of cells and slots. Collective.
+std::vector<FaceRow> gather_faces(const par::Comm& comm, const std::vector<FaceRow>& faces) {
+  std::vector<par::Outgoing<FaceRow>> messages;
+  if (!faces.empty()) messages.push_back({0, faces});
+  auto all = comm.sparse_exchange(messages).item;
+  std::sort(all.begin(), all.end(),
+            [](const auto& a, const auto& b) { return a.cell != b.cell ? a.cell < b.cell : a.slot < b.slot; });
+  return all;
+}
+
 }  // namespace
 
-std::string station_rows(const std::vector<Station>& stations, const std::vector<FaceRow>& faces) {
+std::string station_rows(const par::Comm& comm, const std::vector<Station>& stations,
+                         const std::vector<FaceRow>& faces) {
+  if (stations.empty()) return {};
+  const auto all = gather_faces(comm, faces);
   std::string text;
   for (const auto& station : stations) {
     std::vector<const FaceRow*> inside;
     const FaceRow* nearest = nullptr;
     double min_distance = std::numeric_limits<double>::infinity();
-    for (const auto& face : faces) {
+    for (const auto& face : all) {
       const Vec3 middle = (1.0 / 3) * (face.corner[0] + face.corner[1] + face.corner[2]);
       const double away = std::hypot(middle.x - station.x, std::hypot(middle.y, middle.z) - station.r);
       if (away <= station.half_width) inside.push_back(&face);
@@ -113,15 +126,15 @@ std::string point_rows(const par::Comm& comm, const std::vector<ProbePoint>& poi
   std::vector<par::Outgoing<Found>> message{{0, {}}};
   for (LocalId cell = 0; cell < domain.n_cells(); ++cell) {
     const auto [low, high] = extent_in_x(corners(mesh, unit, cell));
-    auto at = std::lower_bound(order.begin(), order.end(), low, [&](auto i, double x) { return points[i].at.x < x; });
-    for (; at != order.end() && points[*at].at.x <= high; ++at) {
-      if (is_found[*at] || !is_inside(domain, cell, points[*at].at, 0)) continue;
-      is_found[*at] = true;  // cells ascend: the one of the smallest number on this rank
+    auto near = std::lower_bound(order.begin(), order.end(), low, [&](auto i, double x) { return points[i].at.x < x; });
+    for (; near != order.end() && points[*near].at.x <= high; ++near) {
+      if (is_found[*near] || !is_inside(domain, cell, points[*near].at, 0)) continue;
+      is_found[*near] = true;  // cells ascend: the one of the smallest number on this rank
       for (std::size_t f = 0; f < fields.size(); ++f)
         for (int k = 0; k < fields[f].n_components; ++k)
-          message[0].item.push_back({static_cast<std::int64_t>(*at), domain.cell_global[static_cast<std::size_t>(cell)],
+          message[0].item.push_back({static_cast<std::int64_t>(*near), domain.cell_global[at(cell)],
                                      static_cast<std::int64_t>(f), k,
-                                     fields[f].real()[pamr::at(cell * fields[f].n_components + k)]});
+                                     fields[f].real()[at(cell * fields[f].n_components + k)]});
     }
   }
   if (message[0].item.empty()) message.clear();
@@ -135,8 +148,8 @@ std::string point_rows(const par::Comm& comm, const std::vector<ProbePoint>& poi
     if (i > 0 && std::tie(found[i - 1].point, found[i - 1].field, found[i - 1].component) ==
                      std::tie(one.point, one.field, one.component))
       continue;
-    const auto& field = fields[static_cast<std::size_t>(one.field)];
-    const auto& point = points[static_cast<std::size_t>(one.point)];
+    const auto& field = fields[at(one.field)];
+    const auto& point = points[at(one.point)];
     const std::string component = field.n_components == 1 ? "" : std::string("_") + "xyz"[one.component];
     text += fmt::format("{},{:.9g},{:.9g},{:.9g},{:.9g},{}{},{:.9g},\n", point.name, point.s, point.at.x, point.at.y,
                         point.at.z, field.name, component, one.value);

@@ -32,9 +32,10 @@ struct ProbePlane {
 };
 
 /// CSV rows of p and q at the stations: means, weighted by area, over the wall faces whose center lies within
-/// `half_width` of the circle (x, r) around the x axis; if there is none, of the nearest face. Local, for the rank that
-/// has the faces.
-std::string station_rows(const std::vector<Station>& stations, const std::vector<FaceRow>& faces);
+/// `half_width` of the circle (x, r) around the x axis; if there is none, of the nearest face. `faces`: of this rank.
+/// Text on rank 0, empty elsewhere. Collective: one sparse exchange. Memory on rank 0: the wall faces of all ranks.
+std::string station_rows(const par::Comm& comm, const std::vector<Station>& stations,
+                         const std::vector<FaceRow>& faces);
 
 /// A point in the gas at which the flow is written.
 struct ProbePoint {

@@ -12,15 +12,18 @@ struct Series {
   std::vector<double> value;
 };
 
-/// Whether a flow has come to rest, and why it is thought so.
+/// Whether a flow is steady, and the reason in words.
 struct Verdict {
   bool is_steady = false;
   std::string reason;
 };
 
-/// Looks at the last two windows of `window` intervals of every series. A series is steady when in each of the two the
-/// straight line through its values changes by less than max(3 standard errors, 0.5 % of the mean), and at most by 5 %
-/// of the mean, and the two means differ by no more than that either. A series whose mean is 0 counts as steady.
+/// Compares the last two windows of `window` intervals of every series. A flow is steady when all series are. A series
+/// is steady when
+/// - in both windows the fitted straight line changes by at most max(3 standard errors, 0.5 % of the mean) and at most
+///   5 % of the mean,
+/// - and the means of the two windows differ by no more than that,
+/// - or its mean is 0.
 /// Local; the same on all ranks if the series are.
 Verdict assess_steadiness(const std::vector<Series>& series, std::size_t window);
 

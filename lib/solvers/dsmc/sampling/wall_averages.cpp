@@ -1,14 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "solvers/dsmc/sampling/wall_averages.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
-#include <functional>
-#include <map>
 
 #include "pamr/base/index.hpp"
+#include "pamr/io/export/write_surface_vtu.hpp"
 
 namespace pamr::dsmc {
 
@@ -34,11 +31,10 @@ void FaceTotals::add_block(const SurfaceTally::Sums& block, Vec3 normal) {
   pressure_squares += push * push;
 }
 
-std::vector<FaceRow> wall_averages(const par::Comm& comm, const GasDomain& domain,
-                                   std::span<const BoundaryCondition> patch, std::span<const FaceTotals> totals,
-                                   const WallScale& scale) {
+std::vector<FaceRow> wall_averages(const GasDomain& domain, std::span<const BoundaryCondition> patch,
+                                   std::span<const FaceTotals> totals, const WallScale& scale) {
   const double per_step = scale.fnum_per_time / scale.n_steps;
-  std::vector<par::Outgoing<FaceRow>> messages{{0, {}}};
+  std::vector<FaceRow> rows;
   for (std::size_t b = 0; b < domain.boundary.size(); ++b) {
     const auto& face = domain.boundary[b];
     if (!patch[at(face.patch)].is_wall()) continue;
@@ -60,58 +56,32 @@ std::vector<FaceRow> wall_averages(const par::Comm& comm, const GasDomain& domai
     row.heat = energy * heat;
     row.heat_error = energy * error_of(heat, total.heat_squares, scale.n_blocks);
     row.hits = static_cast<double>(total.sums.hits) / scale.n_steps;
-    messages[0].item.push_back(row);
+    rows.push_back(row);
   }
-  if (messages[0].item.empty()) messages.clear();
-  auto faces = comm.sparse_exchange(messages).item;
-  std::sort(faces.begin(), faces.end(),
-            [](const auto& a, const auto& b) { return a.cell != b.cell ? a.cell < b.cell : a.slot < b.slot; });
-  return faces;
+  return rows;
 }
 
-std::string to_vtu(const std::vector<FaceRow>& faces, double unit) {
-  const auto less = [](Vec3 a, Vec3 b) { return lexicographically_less(a, b); };
-  std::map<Vec3, std::size_t, decltype(less)> number(less);
-  std::string points, connectivity, offsets, types;
+void write_walls(const par::Comm& comm, const std::string& file, const std::vector<FaceRow>& faces, double unit,
+                 GlobalId n_global_cells) {
+  io::SurfaceTriangles triangles{.all_cells = n_global_cells};
+  io::SurfaceField p{"p"}, p_error{"p_stderr"}, tau{"tau", 3}, q{"q"}, q_error{"q_stderr"}, hits{"hits"},
+      patch{"patch", 1, true}, area{"area"};
   for (const auto& face : faces) {
-    for (const auto& p : face.corner) {
-      const auto [found, is_new] = number.emplace(p, number.size());
-      if (is_new) points += fmt::format("{:.17g} {:.17g} {:.17g}\n", p.x / unit, p.y / unit, p.z / unit);
-      connectivity += fmt::format("{} ", found->second);
-    }
-    connectivity += '\n';
+    triangles.cell.push_back(face.cell);
+    auto& corner = triangles.corner.emplace_back();
+    for (std::size_t k = 0; k < 3; ++k)
+      corner[k] = {face.corner[k].x / unit, face.corner[k].y / unit, face.corner[k].z / unit};
+    p.value.push_back(face.pressure);
+    p_error.value.push_back(face.pressure_error);
+    tau.value.insert(tau.value.end(), {face.shear.x, face.shear.y, face.shear.z});
+    q.value.push_back(face.heat);
+    q_error.value.push_back(face.heat_error);
+    hits.value.push_back(face.hits);
+    patch.value.push_back(static_cast<double>(face.patch));
+    area.value.push_back(face.area);
   }
-  for (std::size_t i = 1; i <= faces.size(); ++i) {
-    offsets += fmt::format("{}\n", 3 * i);
-    types += "5\n";
-  }
-  const auto array = [](const std::string& type, const std::string& name, int width, const std::string& values) {
-    return fmt::format(
-        "<DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" format=\"ascii\">\n{}</DataArray>\n", type, name,
-        width, values);
-  };
-  const auto field = [&](const std::string& name, int width, const std::function<std::string(const FaceRow&)>& show) {
-    std::string values;
-    for (const auto& face : faces) values += show(face) + '\n';
-    return array("Float64", name, width, values);
-  };
-  const auto number_of = [](double value) { return fmt::format("{:.9g}", value); };
-  std::string text =
-      "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"0.1\">\n<UnstructuredGrid>\n";
-  text += fmt::format("<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n", number.size(), faces.size());
-  text += "<Points>\n" + array("Float64", "Points", 3, points) + "</Points>\n<Cells>\n";
-  text += array("Int64", "connectivity", 1, connectivity) + array("Int64", "offsets", 1, offsets);
-  text += array("UInt8", "types", 1, types) + "</Cells>\n<CellData>\n";
-  text += field("p", 1, [&](const FaceRow& f) { return number_of(f.pressure); });
-  text += field("p_stderr", 1, [&](const FaceRow& f) { return number_of(f.pressure_error); });
-  text += field("tau", 3,
-                [&](const FaceRow& f) { return fmt::format("{:.9g} {:.9g} {:.9g}", f.shear.x, f.shear.y, f.shear.z); });
-  text += field("q", 1, [&](const FaceRow& f) { return number_of(f.heat); });
-  text += field("q_stderr", 1, [&](const FaceRow& f) { return number_of(f.heat_error); });
-  text += field("hits", 1, [&](const FaceRow& f) { return number_of(f.hits); });
-  text += field("patch", 1, [&](const FaceRow& f) { return fmt::format("{}", f.patch); });
-  text += field("area", 1, [&](const FaceRow& f) { return number_of(f.area); });
-  return text + "</CellData>\n</Piece>\n</UnstructuredGrid>\n</VTKFile>\n";
+  triangles.fields = {p, p_error, tau, q, q_error, hits, patch, area};
+  io::write_surface_vtu(comm, file, triangles);
 }
 
 }  // namespace pamr::dsmc

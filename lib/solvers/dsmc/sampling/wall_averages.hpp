@@ -43,15 +43,15 @@ struct WallScale {
   double n_steps = 1, n_blocks = 0;
 };
 
-/// Averages on the wall faces, on rank 0 in the order of cells and slots; empty on the other ranks. Errors are standard
-/// errors from the blocks. `patch`: of the mesh; `totals`: one for each boundary face of this rank. Collective: one
-/// sparse exchange. Memory on rank 0: all wall faces.
-std::vector<FaceRow> wall_averages(const par::Comm& comm, const GasDomain& domain,
-                                   std::span<const BoundaryCondition> patch, std::span<const FaceTotals> totals,
-                                   const WallScale& scale);
+/// Averages on the wall faces of this rank, in the order of cells and slots. Errors are standard errors from the
+/// blocks. `patch`: of the mesh; `totals`: one for each boundary face. Local.
+std::vector<FaceRow> wall_averages(const GasDomain& domain, std::span<const BoundaryCondition> patch,
+                                   std::span<const FaceTotals> totals, const WallScale& scale);
 
-/// The faces as a VTK XML file of triangles (`.vtu`) with the cell fields p, p_stderr, tau, q, q_stderr, hits, patch
-/// and area. `unit`: meters in the mesh's length unit, in which the points are written. Local.
-std::string to_vtu(const std::vector<FaceRow>& faces, double unit);
+/// Writes the faces of all ranks as a VTK XML file of triangles (`.vtu`) with the cell fields p, p_stderr, tau, q,
+/// q_stderr, hits, patch and area. `unit`: meters in the mesh's length unit, in which the points are written;
+/// `n_global_cells` of the mesh. Collective. Throws `Error` when the file cannot be written.
+void write_walls(const par::Comm& comm, const std::string& file, const std::vector<FaceRow>& faces, double unit,
+                 GlobalId n_global_cells);
 
 }  // namespace pamr::dsmc

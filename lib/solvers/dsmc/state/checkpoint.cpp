@@ -10,6 +10,7 @@
 #include "pamr/base/contract.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/base/hash.hpp"
+#include "pamr/base/index.hpp"
 #include "pamr/mesh/fingerprint.hpp"
 #include "pamr/par/exchange.hpp"
 #include "solvers/dsmc/kernel/numbering.hpp"
@@ -34,7 +35,7 @@ FaceNumbers number_faces(const par::Comm& comm, GlobalId n_cells, const GasDomai
   std::vector<GlobalId> cell;
   std::vector<std::int64_t> count;
   for (const auto& face : domain.boundary) {
-    const auto global = domain.cell_global[static_cast<std::size_t>(face.cell)];
+    const auto global = domain.cell_global[at(face.cell)];
     if (cell.empty() || cell.back() != global) {
       cell.push_back(global);
       count.push_back(0);
@@ -154,10 +155,10 @@ void restore_particles(const par::Comm& comm, const Section& section, GlobalId n
   const auto words = par::fetch_rows<std::uint64_t>(comm, section.rows, section.block, particle_words, rows);
   const auto n_species = flow.setup().gas.species.size();
   par::agree(comm, [&] {
-    std::size_t at = 0;
+    std::size_t next = 0;
     for (std::size_t c = 0; c < count.size(); ++c)
-      for (std::int64_t i = 0; i < count[c]; ++i, ++at) {
-        const auto* w = words.data() + at * particle_words;
+      for (std::int64_t i = 0; i < count[c]; ++i, ++next) {
+        const auto* w = words.data() + next * particle_words;
         auto p = particle_from(w, n_species);
         p.cell = static_cast<LocalId>(c);
         flow.particles.append(p);
@@ -186,7 +187,7 @@ void restore_faces(const par::Comm& comm, const Section& section, GlobalId n_cel
 MeshKey key_of(const par::Comm& comm, const mesh::DistMesh& mesh) {
   std::uint64_t sum = 0;
   for (LocalId cell = 0; cell < mesh.n_cells(); ++cell) {
-    auto h = static_cast<std::uint64_t>(mesh.cell_global[static_cast<std::size_t>(cell)] - mesh.info.first_id);
+    auto h = static_cast<std::uint64_t>(mesh.cell_global[at(cell)] - mesh.info.first_id);
     for (const auto& p : mesh.points(cell)) h = combine(combine(combine(h, bits_of(p.x)), bits_of(p.y)), bits_of(p.z));
     sum += h;
   }

@@ -10,8 +10,8 @@
 #include "pamr/par/comm.hpp"
 
 /// A flat file of tables that any number of ranks writes and reads (docs/tools/pamr-dsmc.md). All words have 64 bits,
-/// little endian: "PAMRDSMC", format (1), length of a JSON text in bytes, hash of the text, the text padded to whole
-/// words, and the tables, row by row, where the text says.
+/// little endian: "PAMRDSMC", format (1), length of a JSON header in bytes, hash of the header, the header padded to
+/// whole words, and the tables, row by row, at the offsets given in the header.
 namespace pamr::dsmc {
 
 /// A table of words. `block`: this rank's rows in the canonical distribution (`par::block_range`) of `rows`.

@@ -8,6 +8,8 @@
 #include <nlohmann/json.hpp>
 
 #include "pamr/base/error.hpp"
+#include "pamr/base/index.hpp"
+#include "pamr/mesh/require_field.hpp"
 #include "pamr/par/exchange.hpp"
 #include "solvers/dsmc/kernel/move.hpp"
 #include "solvers/dsmc/kernel/numbering.hpp"
@@ -37,15 +39,11 @@ struct Passenger {
 
 /// The old cells of this rank's cells, both counted from the meshes' first.
 std::vector<GlobalId> parents_of(const mesh::DistMesh& mesh, const std::string& file, GlobalId n_old) {
-  const auto* field = mesh.find_cell_field("parent");
-  if (field == nullptr || !field->holds_integers() || field->n_components != 1)
-    throw Error(
-        fmt::format("file '{}': expected a mesh with the integer cell field parent, as pamr-refine writes it, to "
-                    "carry this flow to, found none",
-                    file));
+  const auto used_for = fmt::format("file '{}': particles go to the cells refined from theirs", file);
+  const auto& field = mesh::require_cell_field(mesh, {mesh::parent_field, mesh::FieldValues::integer, 1, used_for});
   const IdRange old{n_old, mesh.info.first_id};
   std::vector<GlobalId> parents;
-  for (const auto parent : field->integer()) {
+  for (const auto parent : field.integer()) {
     if (!old.contains(parent))
       throw Error(
           fmt::format("file '{}': expected a checkpoint on the mesh that this one was refined from, found one of "
@@ -61,20 +59,20 @@ std::vector<Candidate> find_hosts(const par::Comm& comm, const std::string& file
                                   const std::vector<GlobalId>& parent, const Section& old_cells, double unit) {
   const auto number = cells_from_0(mesh);
   std::vector<par::Outgoing<Candidate>> messages(static_cast<std::size_t>(comm.size()));
-  for (Rank r = 0; r < comm.size(); ++r) messages[static_cast<std::size_t>(r)].to = r;
+  for (Rank r = 0; r < comm.size(); ++r) messages[at(r)].to = r;
   for (std::size_t c = 0; c < parent.size(); ++c) {
     const auto cell = static_cast<LocalId>(c);
     auto points = mesh.points(cell);
     for (auto& p : points) p = unit * p;
     const auto to = par::block_of(parent[c], old_cells.rows, comm.size());
-    messages[static_cast<std::size_t>(to)].item.push_back({parent[c], number[c], volume(points), comm.rank()});
+    messages[at(to)].item.push_back({parent[c], number[c], volume(points), comm.rank()});
   }
   std::erase_if(messages, [](const auto& m) { return m.item.empty(); });
   const auto first = par::block_range(old_cells.rows, comm.rank(), comm.size()).begin;
   const auto n = old_cells.block.size() / old_cells.width;
   std::vector<Candidate> host(n, Candidate{-1, -1, 0, 0});
   for (const auto& candidate : comm.sparse_exchange(messages).item) {
-    auto& best = host[static_cast<std::size_t>(candidate.parent - first)];
+    auto& best = host[at(candidate.parent - first)];
     const double total = best.volume + candidate.volume;
     if (best.cell < 0 || candidate.cell < best.cell) best = candidate;
     best.volume = total;
@@ -122,18 +120,17 @@ std::vector<Passenger> send_to_hosts(const par::Comm& comm, const Section& old_c
   const auto words =
       par::fetch_rows<std::uint64_t>(comm, old_particles.rows, old_particles.block, particle_words, rows);
   std::vector<par::Outgoing<Passenger>> messages(static_cast<std::size_t>(comm.size()));
-  for (Rank r = 0; r < comm.size(); ++r) messages[static_cast<std::size_t>(r)].to = r;
-  std::size_t at = 0;
+  for (Rank r = 0; r < comm.size(); ++r) messages[at(r)].to = r;
+  std::size_t next = 0;
   for (std::size_t c = 0; c < host.size(); ++c)
-    for (std::int64_t i = 0; i < count[c]; ++i, ++at) {
-      const auto* w = words.data() + at * particle_words;
+    for (std::int64_t i = 0; i < count[c]; ++i, ++next) {
+      const auto* w = words.data() + next * particle_words;
       const auto species = static_cast<std::uint32_t>(w[1]);
       const double weight = species < weights.size() ? weights[species] : 1;  // refused later
-      messages[static_cast<std::size_t>(host[c].rank)].item.push_back(
-          {rows[at],
-           host[c].cell,
-           {real(w[2]), real(w[3]), real(w[4])},
-           real(old_cells.block[c * old_cells.width + fnum_word]) * weight});
+      messages[at(host[c].rank)].item.push_back({rows[next],
+                                                 host[c].cell,
+                                                 {real(w[2]), real(w[3]), real(w[4])},
+                                                 real(old_cells.block[c * old_cells.width + fnum_word]) * weight});
     }
   std::erase_if(messages, [](const auto& m) { return m.item.empty(); });
   return comm.sparse_exchange(messages).item;
@@ -178,7 +175,7 @@ void copy_particles(const par::Comm& comm, const mesh::DistMesh& mesh, const Par
   par::agree(comm, [&] {
     for (std::size_t i = 0; i < placed.size(); ++i) {
       auto p = particle_from(words.data() + i * particle_words, n_species);
-      const auto c = static_cast<std::size_t>(placed.cell[i]);
+      const auto c = at(placed.cell[i]);
       Random random(flow.setup().seed, Purpose::thinning, placed.id[i], flow.steps_done);
       const auto copies =
           static_cast<std::int64_t>(placed.rotation[i] / flow.fnum_of(c, p.species) + random.uniform_fine());
@@ -189,9 +186,9 @@ void copy_particles(const par::Comm& comm, const mesh::DistMesh& mesh, const Par
     }
   });
   const auto first = number_along_cells(comm, mesh.info.n_global_cells, flow.domain().cell_global, count).first;
-  std::size_t at = 0;
+  std::size_t next = 0;
   for (std::size_t c = 0; c < count.size(); ++c)
-    for (std::int64_t k = 0; k < count[c]; ++k) flow.particles.id[at++] = static_cast<std::uint64_t>(first[c] + k);
+    for (std::int64_t k = 0; k < count[c]; ++k) flow.particles.id[next++] = static_cast<std::uint64_t>(first[c] + k);
   flow.particles.sort_by_cell(flow.domain().n_cells());
 }
 

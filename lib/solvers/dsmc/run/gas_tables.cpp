@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "solvers/dsmc/run/gas_tables.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <map>
+#include <numbers>
+
+#include "pamr/base/error.hpp"
+
+namespace pamr::dsmc {
+
+namespace {
+
+using SpeciesByName = std::map<std::string, Species>;
+
+void read_species(const TomlTable& tables, SpeciesByName& known) {
+  for (const auto& table : tables.all_tables()) {
+    Species s;
+    s.name = table.name();
+    s.mass = table.number("mass", {0, 1e-20, true});
+    s.diameter = table.number("diameter", {0, 1e-6, true});
+    s.omega = table.number("omega", {0.5, 1});
+    s.t_ref = table.number("t_ref", NumberRange::above(0));
+    s.alpha = table.number_or("alpha", 1, {1, 2});
+    s.rotational_degrees = static_cast<int>(table.integer_or("rotational_degrees", 0, 0, 3));
+    known[s.name] = s;
+  }
+}
+
+/// The file stands beside the case.
+void read_species_file(const TomlTable& gas, const std::string& where, SpeciesByName& known) {
+  const auto name = gas.text("species_file", "the name of a file");
+  const auto path = (std::filesystem::path(where).parent_path() / name).string();
+  std::ifstream in(path, std::ios::binary);
+  const std::string text(std::istreambuf_iterator<char>(in), {});
+  if (!in) gas.refuse("species_file", "the name of a file of species that can be read", fmt::format("\"{}\"", path));
+  const auto file = parse_toml(text, path);
+  read_species(file.table("species"), known);
+  file.finish();
+}
+
+/// Fractions of the gas's species, in their order.
+std::vector<double> read_fractions(const TomlTable& table, const Gas& gas) {
+  std::vector<double> fraction;
+  double sum = 0;
+  for (const auto& s : gas.species) {
+    fraction.push_back(table.number_or(s.name, 0, {0, 1}));
+    sum += fraction.back();
+  }
+  table.finish();
+  if (std::fabs(sum - 1) > 1e-9)
+    table.fail(fmt::format("expected fractions that add up to 1, found a sum of {:g}", sum));
+  for (auto& f : fraction) f /= sum;
+  return fraction;
+}
+
+Rotation read_rotation(const TomlTable& table) {
+  Rotation rotation;
+  const int given = table.has("probability") + table.has("z_continuum") + table.has("z_infinity");
+  if (given != 1)
+    table.fail(fmt::format(
+        "expected one of probability, z_continuum and z_infinity in [gas.rotation], found {} of them", given));
+  if (table.has("probability")) {
+    rotation.model = Rotation::Model::probability;
+    rotation.value = table.number("probability", {0, 0.5});
+  } else if (table.has("z_continuum")) {
+    rotation.model = Rotation::Model::z_continuum;
+    rotation.value = table.number("z_continuum", NumberRange::at_least(1));
+  } else {
+    rotation.model = Rotation::Model::variable;
+    rotation.z_infinity = table.number("z_infinity", NumberRange::above(0));
+    rotation.t_star = table.number("t_star", NumberRange::above(0));
+  }
+  return rotation;
+}
+
+Stream read_stream(const TomlTable& table, const Gas& gas) {
+  Stream s;
+  s.name = table.name();
+  s.density = table.number("density", {0, 1e30});
+  s.temperature = table.number("temperature", {0, 1e6, true});
+  s.rotational_temperature = table.number_or("rotational_temperature", s.temperature, {0, 1e6});
+  if (table.has("speed")) {
+    const double speed = table.number("speed", {0, 1e6});
+    const double angle = table.number_or("angle", 0, {-180, 180}) * std::numbers::pi / 180;
+    s.velocity = {speed * std::cos(angle), 0, speed * std::sin(angle)};
+  } else if (table.has("velocity")) {
+    s.velocity = table.point<Vec3>("velocity");
+  }
+  const auto fractions = table.find_table("fractions");
+  s.fraction = fractions ? read_fractions(*fractions, gas) : gas.fraction;
+  return s;
+}
+
+}  // namespace
+
+Gas read_gas(const TomlTable& file, const std::string& where) {
+  Gas gas;
+  SpeciesByName known;
+  const auto table = file.table("gas");
+  if (table.has("species_file")) read_species_file(table, where, known);
+  if (const auto species = file.find_table("species")) read_species(*species, known);
+  const auto fractions = table.table("fractions");
+  for (const auto& [name, s] : known)
+    if (fractions.has(name)) gas.species.push_back(s);
+  gas.fraction = read_fractions(fractions, gas);
+  if (const auto rotation = table.find_table("rotation")) gas.rotation = read_rotation(*rotation);
+  prepare(gas);
+  return gas;
+}
+
+std::vector<Stream> read_streams(const TomlTable& streams, const Gas& gas) {
+  std::vector<Stream> all;
+  for (const auto& table : streams.all_tables()) {
+    const auto stream = read_stream(table, gas);
+    all.insert(stream.name == "free" ? all.begin() : all.end(), stream);
+  }
+  if (all.empty() || all.front().name != "free") streams.fail("expected a table [stream.free], found none");
+  return all;
+}
+
+void read_species_weights(const TomlTable& weights, Gas& gas) {
+  for (auto& s : gas.species) s.weight = weights.number_or(s.name, 1, {0, 1, true});
+  try {
+    prepare(gas);
+  } catch (const Error& error) {
+    weights.fail(error.what());
+  }
+}
+
+}  // namespace pamr::dsmc

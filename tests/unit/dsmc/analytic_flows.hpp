@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cmath>
+#include <numbers>
+
+#include "solvers/dsmc/gas/kinetic_theory.hpp"
+
+/// Analytic solutions that flows are compared with.
+/// Source: G. A. Bird, Molecular Gas Dynamics and the Direct Simulation of Gas Flows, 1994, chapter 7.
+namespace pamr::test {
+
+inline const double root_pi = std::sqrt(std::numbers::pi);
+
+/// Drag of a sphere in free-molecular flow, diffuse, on its frontal area.
+inline double free_molecular_sphere_drag(double s, double t_ratio) {
+  const double s2 = s * s;
+  return (2 * s2 + 1) * std::exp(-s2) / (root_pi * s2 * s) + (4 * s2 * s2 + 4 * s2 - 1) * std::erf(s) / (2 * s2 * s2) +
+         2 * root_pi / (3 * s) * std::sqrt(t_ratio);
+}
+
+/// Mean heat transfer of a sphere, on its frontal area and rho V^3/2.
+inline double free_molecular_sphere_heat(double s, double t_ratio, double rotational_degrees) {
+  // Mean of the plate's coefficient over the sphere: integral over the polar angle by Simpson's rule, 2 pi R^2 sin over
+  // pi R^2.
+  constexpr int n = 2000;
+  double sum = 0;
+  for (int i = 0; i <= n; ++i) {
+    const double polar = std::numbers::pi * i / n;
+    const double value = dsmc::free_molecular_plate(s, std::numbers::pi / 2 - polar, t_ratio, rotational_degrees).heat *
+                         2 * std::sin(polar);
+    sum += value * (i == 0 || i == n ? 1 : i % 2 == 1 ? 4 : 2);
+  }
+  return sum * std::numbers::pi / n / 3;
+}
+
+/// Ratios across a normal shock at Mach number m.
+struct ShockRatios {
+  double density = 1, temperature = 1, pressure = 1;
+};
+inline ShockRatios normal_shock(double m, double gamma) {
+  const double m2 = m * m;
+  ShockRatios r;
+  r.density = (gamma + 1) * m2 / ((gamma - 1) * m2 + 2);
+  r.pressure = 1 + 2 * gamma / (gamma + 1) * (m2 - 1);
+  r.temperature = r.pressure / r.density;
+  return r;
+}
+
+}  // namespace pamr::test
