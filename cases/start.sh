@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Sourced at the start of a case's script: reads its options, sets PAMR up unless told where its tools are, and leaves
+# Sourced at the start of a case's script: reads its options, sets PAMR up unless --tools says where its tools are, and leaves
 #
 #   case_folder   folder of the script             ranks      number of MPI processes (--ranks)
 #   out           folder for results, made         on_ranks   runs a tool on that many
@@ -9,7 +9,7 @@
 #
 #   declare -A values=([--levels]=levels)   options with a value, and the variables that take it
 #   declare -A flags=([--full]=full)        options without: the variable becomes yes
-#   arguments=()                            takes what is no option
+#   arguments=()                            takes what is not an option
 #   check_options() { ... }                 called when they are read; may set `subfolder` of out/
 #
 # With a flag `picture` the packages for pictures are installed too. --help prints the comment at the head of the script.

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
-# The blunt cone without collisions: the fore-body is refined twice, the closed form is integrated over the facets of each
+# The blunt cone without collisions: the fore-body is refined twice, kinetic theory is integrated over the facets of each
 # level, and the last level is run. Fails when a coefficient is not that of the exact surface.
 #
 #   cases/blunt-cone/free-molecular.sh [--ranks N] [--seed N] [--out FOLDER] [--tools FOLDER]

@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""free_molecular.py OUT: the cone without collisions against the closed forms; exit code 1 when they do not agree."""
+"""free_molecular.py OUT: the cone without collisions against kinetic theory; exit code 1 if they do not agree."""
 import json
 import math
 import pathlib
 import sys
 
-# Fore-body with the whole shoulder, speed ratio 16.714, wall 300 K, 10 degrees: the closed forms of a flat plate
+# Fore-body with the whole shoulder, speed ratio 16.714, wall 300 K, 10 degrees: kinetic theory of a flat plate
 # integrated over the exact surface. Gate, and largest standard error, relative for C_D and C_H.
 EXACT = {"C_D": (2.4226, 0.005, 0.001), "C_L": (-0.0711, 0.002, 0.0005), "C_m": (-0.0693, 0.002, 0.0005),
          "C_H": (0.7645, 0.005, 0.001)}

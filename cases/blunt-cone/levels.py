@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Prints one table of the levels of the flow about the blunt cone from their reports, beside the paper's, and checks it.
+"""Prints one table of the levels of the flow about the blunt cone from their reports, compared with the paper's, and checks it.
 
 Usage: levels.py FOLDER LEVELS smoke|small|full    reads flow<i>.json and quality<i>.json in FOLDER.
 Exit code 1 when a particle was lost, (small, full) a number is not as in expected.csv or the drag grows from one level

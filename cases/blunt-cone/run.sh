@@ -10,9 +10,9 @@
 #   --ranks N       MPI processes (default 2)
 #   --levels N      refinements, at most 3 (default 1; with --full 2; the third makes 1.1 million cells)
 #   --full          the particles and steps of docs/results/blunt-cone.md
-#   --smoke         few particles and steps: shows in seconds that the loop works, and nothing of the flow
+#   --smoke         few particles and steps: shows in seconds that the loop works; its flow means nothing
 #   --heat-flux     Set 1 of the wind tunnel at no incidence instead, and its heat flux at the thermocouples
-#   --resume        keeps what an interrupted run has finished, and goes on from its last checkpoint
+#   --resume        keeps what an interrupted run has finished, and continues from its last checkpoint
 #   --picture       renders docs/images/blunt-cone.png from the result
 #   --out FOLDER    where meshes and reports go (default out/ beside this script)
 #   --tools FOLDER  takes the tools from there and sets nothing up

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""check.py OUT: collision rate and relaxation beside expected.csv; exit code 1 when they differ by more than four
-standard errors and the bar. Both are compared at the temperatures and the density that the particles drawn have."""
+"""check.py OUT: collision rate and relaxation compared with expected.csv; exit code 1 if they differ by more than four
+standard errors and the bound. Both are compared at the temperatures and the density that the particles drawn have."""
 import csv
 import math
 import pathlib

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
-# A closed box of gas: the collision rate of argon and the rotational relaxation of nitrogen, beside kinetic theory.
+# A closed box of gas: the collision rate of argon and the rotational relaxation of nitrogen, compared with kinetic theory.
 #
 #   cases/box/run.sh [--ranks N] [--full] [--out FOLDER] [--tools FOLDER]
 #

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Charges of one sphere of constant potential, by nodal reactions, beside the table of expected.csv.
+"""Charges of one sphere of constant potential, by nodal reactions, compared with the table of expected.csv.
 
 Usage: run.py sector|octant [--tools FOLDER] [--out FOLDER] [--ranks N] [--layers M] [--max-cells N] [--radius A]...
 

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
 # The coupled loop of the Poisson-Boltzmann cases, by the stage tools: solve, mark, refine with new nodes on the spheres,
-# and start the next solution from the potential that refinement carried over. Stops when nothing is marked.
+# and start the next solution from the potential that refinement transferred. Stops when nothing is marked.
 #
 #   loop.sh CASE.toml LEVEL0.hdf FOLDER RANKS LEVELS MAX_CELLS CRITERION...
 #

@@ -6,7 +6,7 @@
 #   cases/charged-spheres/run.sh [--reading a|b] [--ranks N] [--levels N] [--max-cells N] [--out FOLDER] [--tools FOLDER]
 #                                [--picture]
 #
-#   --reading a|b  the paper's lengths in micrometres (a) or in Debye lengths (b, default)
+#   --reading a|b  the paper's lengths in micrometers (a) or in Debye lengths (b, default)
 #   --levels N     refinements at most (default 5)
 #   --max-cells N  cells at most (default 700000)
 #   --picture      renders docs/images/charged-spheres.png from level 0 and the last level
@@ -25,7 +25,7 @@ check_options() {
 . "$(dirname -- "${BASH_SOURCE[0]}")/../start.sh"
 case_file=$case_folder/reading-$reading.toml
 
-# The error of the mid-plane force decides in reading A; in reading B the whole error has a part in it, so that the
+# The error of the mid-plane force decides in reading A; in reading B the entire error has a part in it, so that the
 # volume form, the vertical force and the charges converge too.
 criteria=(--bulk-of goal_error:0.5)
 if [ "$reading" = b ]; then criteria=(--bulk-of goal_error:0.4 --bulk-of indicator:0.3); fi

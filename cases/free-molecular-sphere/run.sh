@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Drag and heat of a sphere in free-molecular flow, on a mesh and its refinements at the wall, beside the closed forms.
+# Drag and heat of a sphere in free-molecular flow, on a mesh and its refinements at the wall, compared with kinetic theory.
 #
 #   cases/free-molecular-sphere/run.sh [--ranks N] [--full] [--out FOLDER] [--tools FOLDER]
 #

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""check.py OUT LEVELS: the wall of each level beside the body without noise that the scan was made from; exit code 1 when a
+"""check.py OUT LEVELS: the wall of each level compared with the body without noise that the scan was made from; exit code 1 if a
 level misses a bound of expected.csv."""
 import csv
 import json

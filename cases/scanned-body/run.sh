@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
-# A scanned body from the STL file to the refined mesh: makes the scan, meshes the space round it, refines at the wall.
+# A scanned body from the STL file to the refined mesh: makes the scan, meshes the space around it, refines at the wall.
 #
 #   cases/scanned-body/run.sh [--ranks N] [--levels N] [--out FOLDER] [--tools FOLDER]
 #

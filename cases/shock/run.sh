@@ -22,7 +22,7 @@ every=300
 "$python" "$case_folder/box_mesh.py" "$out/box.msh" 205 2 2 -0.56 0.26
 pamr-convert "$out/box.msh" "$out/box.hdf" --force --quiet
 
-# A window of the averages is what a run stopped by --steps has gained since the one before, which it goes on from.
+# A window of the averages is what a run stopped by --steps has added since the previous one, from which it continues.
 status=0
 number_of_run=0  # no two runs have the same random numbers
 for name in $cases; do

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
-# The force between two isolated spheres by the mid-plane form, refined with that force as goal, beside tabulated values.
+# The force between two isolated spheres by the mid-plane form, refined with that force as goal, compared with tabulated values.
 #
 #   cases/sphere-pair/run.sh [--ranks N] [--levels N] [--max-cells N] [--out FOLDER] [--tools FOLDER] [CASE...]
 #
