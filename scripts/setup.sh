@@ -27,10 +27,13 @@ packages=(
   librandom123-dev                        # random numbers of pamr-dsmc
   python3                                 # tables of the cases
 )
-test_packages=(libgtest-dev libgmock-dev libbenchmark-dev libopenmesh-dev python3-h5py python3-numpy python3-meshio)
+test_packages=(libgtest-dev libgmock-dev libbenchmark-dev libopenmesh-dev python3-h5py python3-numpy python3-meshio
+  clang-format clang-tidy codespell) # the gates of .ci/run
 picture_packages=(python3-vtk9 python3-h5py python3-numpy xvfb xauth)
 
 with_tests=OFF
+precompile=ON
+[ -z "${CI:-}" ] || precompile=OFF # each source is seen to include what it needs
 packages_only=no
 for option in "$@"; do
   case $option in
@@ -80,7 +83,9 @@ is_configured() {
   local cache=$build/CMakeCache.txt
   [ -f "$build/build.ninja" ] && grep -qxF "CMAKE_HOME_DIRECTORY:INTERNAL=$root" "$cache" || return 1
   [ $with_tests = OFF ] || grep -qx 'PAMR_TESTS:BOOL=ON' "$cache" || return 1
-  [ -z "${CI:-}" ] || grep -q '^CMAKE_VERIFY_INTERFACE_HEADER_SETS:.*=ON$' "$cache"
+  grep -qx "PAMR_PRECOMPILE:BOOL=$precompile" "$cache" || return 1
+  [ -z "${CI:-}" ] || { grep -q '^CMAKE_VERIFY_INTERFACE_HEADER_SETS:.*=ON$' "$cache" &&
+    [ -f "$build/compile_commands.json" ]; }
 }
 
 # Later changes of the build files are noticed by ninja itself.
@@ -91,7 +96,8 @@ configure() {
     fresh=(--fresh) # made for another checkout
   fi
   (cd -- "$root" && cmake --preset release "${fresh[@]}" -B "$build" -DPAMR_TESTS=$with_tests \
-    -DPAMR_BENCH=$with_tests -DPAMR_STRICT="${CI:+ON}" -DCMAKE_VERIFY_INTERFACE_HEADER_SETS="${CI:+ON}")
+    -DPAMR_BENCH=$with_tests -DPAMR_PRECOMPILE=$precompile -DPAMR_STRICT="${CI:+ON}" \
+    -DCMAKE_VERIFY_INTERFACE_HEADER_SETS="${CI:+ON}")
 }
 
 install_packages "${packages[@]}"

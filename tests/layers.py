@@ -44,6 +44,7 @@ CORNERS = (
      "PETSc is included in lib/solvers/poisson_boltzmann only"),
 )
 MAX_LINES = 500
+MAX_FUNCTION = 80
 SOURCE = (".cpp", ".hpp", ".ipp", ".c", ".h")
 WITH_LICENSE = SOURCE + (".py", ".sh", ".cmake", ".in")
 FORBIDDEN_NAMES = {"utils", "util", "common", "misc", "helpers", "helper", "manager"}
@@ -131,6 +132,19 @@ def form_violations(name, text):
                 yield number, "no globs and no CMAKE_SOURCE_DIR: targets and listed files only"
 
 
+def function_violations(lines):
+    """Functions that are too long, by the layout of clang-format: a body ends where a brace stands alone in the column in
+    which the signature began. Tables and types end with a brace and a semicolon, namespaces with a comment."""
+    for indent in ("", "  "):
+        start = 0
+        for number, line in enumerate(lines, 1):
+            if line.rstrip() == indent + "}":
+                if number - start + 1 > MAX_FUNCTION:
+                    yield start, f"a function has at most {MAX_FUNCTION} lines, this one has {number - start + 1}"
+            elif re.match(indent + r"[^\s#}/]", line):
+                start = number
+
+
 def link_violations(path):
     for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1):
         for target in MARKDOWN_LINK.findall(line):
@@ -151,6 +165,7 @@ def violations(root):
         if path.suffix in SOURCE:
             lines = without_comments(text).splitlines()
             found += list(include_violations(name, lines)) + list(corner_violations(name, lines))
+            found += list(function_violations(text.splitlines())) if module_of(name) else []
         for number, rule in sorted(found):
             yield f"{name}:{number}: {rule}"
 

@@ -99,6 +99,17 @@ class Layers(unittest.TestCase):
         self.assert_clean("lib/pamr/par/a.cpp", SPDX + "\n" * 499)
         self.assert_caught("lib/pamr/par/a.cpp", SPDX + "\n" * 500, "500 lines")
 
+    def test_functions_have_at_most_80_lines(self):
+        for indent, end in (("", "\n"), ("  ", "\n};\n")):
+            head = SPDX + ("struct S {\n" if indent else "") + "/// One.\n"
+            body = [f"{indent}int f(int a,", f"{indent}      int b) {{"] + [f"{indent}  a += b;"] * 76
+            self.assert_clean("lib/pamr/par/a.cpp", head + "\n".join(body + [indent + "  return a;", indent + "}"]) + end)
+            body.append(f"{indent}  a += b;")
+            self.assert_caught("lib/pamr/par/a.cpp",
+                               head + "\n".join(body + [indent + "  return a;", indent + "}"]) + end, "80 lines")
+        table = "constexpr int a[] = {\n" + "  1,\n" * 90 + "};\n"
+        self.assert_clean("lib/pamr/par/a.cpp", SPDX + "namespace pamr::par {\n" + table + "}  // namespace pamr::par\n")
+
     def test_the_license_is_named_in_every_kind_of_file(self):
         for name in ("lib/pamr/par/a.cpp", "tests/a.py", "cases/x/run.sh", "tests/CMakeLists.txt", "cmake/a.cmake"):
             self.assert_caught(name, "\n", "license")

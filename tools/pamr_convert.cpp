@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -37,45 +36,43 @@ struct Options {
   bool repair = false, strict = false, text = false, force = false;
 };
 
-void declare(CLI::App& app, Options& options) {
-  app.add_option("IN", options.input, "mesh to read: .hdf (native) or .msh (Gmsh 2.2 or 4.1, text or binary)")
-      ->required();
-  app.add_option("OUT", options.output,
-                 "mesh to write: .hdf, .msh or .vtu; without an extension, or an existing folder: an OpenFOAM case")
-      ->required();
-  app.add_flag(
-      "--repair", options.repair,
-      "correct the orientation of inverted cells of a .msh, and split inner edges and faces so that no inner face has "
-      "two edges on one curved wall (cells there would get flat when they are refined)");
-  app.add_flag("--strict", options.strict,
-               "refuse what would only be reported: inverted cells, nodes of no cell, "
-               "boundary faces without tag");
-  app.add_option("--surfaces", options.surfaces, "TOML file of surfaces that patches lie on (docs/surfaces.md)");
-  app.add_option("--surface", options.surface_files,
-                 "STL, OBJ, PLY or OFF file of the body that the patch after it (--patch) lies on; may be repeated")
-      ->type_name("FILE")
-      ->allow_extra_args(false);
-  app.add_option("--patch", options.patches, "patch that lies on the --surface of the same place")
-      ->type_name("NAME")
-      ->allow_extra_args(false);
-  app.add_option("--feature-angle", options.feature_angle,
-                 "degrees between two triangles of a --surface, more is a sharp edge (default: 40)")
-      ->check(CLI::Range(0.0, 180.0));
-  app.add_option("--crease", options.creases,
-                 "X,Y,Z,X,Y,Z,...: polyline along edges of the --surface that are sharp as well; may be repeated")
-      ->delimiter(',')
-      ->type_name("POINTS")
-      ->allow_extra_args(false);
-  app.add_option("--tie", options.ties, "PATCH=SURFACE, where the two have different names");
-  app.add_option("--tolerance", options.tolerance,
-                 "largest distance of a node from its surface, length units (default: 1e-6 of the mesh's size, and "
-                 "for triangulated surfaces 1.5 times how far their facets lie off there)")
-      ->check(CLI::NonNegativeNumber);
-  app.add_option("--gmsh-version", options.gmsh_version, "format of a .msh to write")
-      ->check(CLI::IsMember({"2.2", "4.1"}))
-      ->capture_default_str();
-  app.add_flag("--text", options.text, "write a .msh as text instead of binary");
-  app.add_flag("--force", options.force, cli::force_help);
+void declare(cli::CommandLine& line, Options& options) {
+  line.option("IN", options.input, "mesh to read: .hdf (native) or .msh (Gmsh 2.2 or 4.1, text or binary)").required();
+  line.option("OUT", options.output,
+              "mesh to write: .hdf, .msh or .vtu; without an extension, or an existing folder: an OpenFOAM case")
+      .required();
+  line.flag("--repair", options.repair,
+            "turn inverted cells of a .msh over instead of refusing them, and split inner edges and faces so that no "
+            "inner face has two edges on one curved wall (cells there get flat when they are refined)");
+  line.flag("--strict", options.strict,
+            "refuse what would only be reported: inverted cells, nodes of no cell, "
+            "boundary faces without tag");
+  line.option("--surfaces", options.surfaces, "TOML file of surfaces that patches lie on (docs/surfaces.md)");
+  line.option("--surface", options.surface_files,
+              "STL, OBJ, PLY or OFF file of the body that the patch after it (--patch) lies on; may be repeated")
+      .type_name("FILE")
+      .one_at_a_time();
+  line.option("--patch", options.patches, "patch that lies on the --surface of the same place")
+      .type_name("NAME")
+      .one_at_a_time();
+  line.option("--feature-angle", options.feature_angle,
+              "degrees between two triangles of a --surface, more is a sharp edge (default: 40)")
+      .range(0.0, 180.0);
+  line.option("--crease", options.creases,
+              "X,Y,Z,X,Y,Z,...: polyline along edges of the --surface that are sharp as well; may be repeated")
+      .delimiter(',')
+      .type_name("POINTS")
+      .one_at_a_time();
+  line.option("--tie", options.ties, "PATCH=SURFACE, where the two have different names");
+  line.option("--tolerance", options.tolerance,
+              "largest distance of a node from its surface, length units (default: 1e-6 of the mesh's size, and "
+              "for triangulated surfaces 1.5 times how far their facets lie off there)")
+      .not_negative();
+  line.option("--gmsh-version", options.gmsh_version, "format of a .msh to write")
+      .one_of({"2.2", "4.1"})
+      .show_default();
+  line.flag("--text", options.text, "write a .msh as text instead of binary");
+  line.flag("--force", options.force, cli::force_help);
 }
 
 std::string extension(const std::string& file, std::initializer_list<std::string_view> known) {
@@ -273,5 +270,6 @@ int main(int argc, char** argv) {
       {"pamr-convert", "Converts meshes from and to Gmsh's format, and to VTK's and OpenFOAM's.",
        "pamr-convert part.msh part.hdf --surfaces part.toml\n  pamr-convert level3.hdf level3.vtu\n  pamr-convert "
        "level3.hdf foam_case"},
-      [&](CLI::App& app) { declare(app, options); }, [&](cli::Session& session) { return convert(session, options); });
+      [&](cli::CommandLine& line) { declare(line, options); },
+      [&](cli::Session& session) { return convert(session, options); });
 }

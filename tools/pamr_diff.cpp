@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 #include <string>
 
@@ -20,13 +19,13 @@ struct Options {
   double tolerance = 0;
 };
 
-void declare(CLI::App& app, Options& options) {
-  app.add_option("A", options.first, "a mesh")->required();
-  app.add_option("B", options.second, "another mesh")->required();
-  app.add_option("--tolerance", options.tolerance,
-                 "by how much coordinates may differ (length unit), and field values, these times max(1, |value|); "
-                 "default 0: not at all")
-      ->check(CLI::NonNegativeNumber);
+void declare(cli::CommandLine& line, Options& options) {
+  line.option("A", options.first, "a mesh").required();
+  line.option("B", options.second, "another mesh").required();
+  line.option("--tolerance", options.tolerance,
+              "by how much coordinates may differ (length unit), and field values, these times max(1, |value|); "
+              "default 0: not at all")
+      .not_negative();
 }
 
 mesh::DistMesh read_mesh(cli::Session& session, const std::string& file) {
@@ -75,5 +74,6 @@ int main(int argc, char** argv) {
       argc, argv,
       {"pamr-diff", "Tells whether two files hold the same mesh and fields, whatever the order of nodes and cells.",
        "pamr-mesh --shape kuhn-cube --n 4 -o a.hdf && pamr-diff a.hdf a.hdf --tolerance 1e-12"},
-      [&](CLI::App& app) { declare(app, options); }, [&](cli::Session& session) { return run(session, options); });
+      [&](cli::CommandLine& line) { declare(line, options); },
+      [&](cli::Session& session) { return run(session, options); });
 }

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -31,34 +30,29 @@ struct Options {
   bool plan = false, force = false;
 };
 
-void declare(CLI::App& app, Options& o) {
-  app.add_option("CASE", o.case_file, "case file (TOML)")->required();
-  app.add_option("--mesh", o.mesh, "mesh to compute on")->required()->type_name("MESH");
-  app.add_option("-o,--output", o.out.mesh, "mesh to write: the same with the averaged flow as cell fields");
-  app.add_option("--steps", o.advance.steps,
-                 "end after N steps in total, transient included (default: as the case says)")
-      ->type_name("N")
-      ->check(CLI::PositiveNumber);
-  auto* checkpoint = app.add_option("--checkpoint", o.advance.checkpoint,
-                                    "file to restart from, written at the end, on SIGTERM, SIGINT and SIGUSR1, and as "
-                                    "--every says");
-  checkpoint->type_name("FILE");
-  app.add_option("--every", o.advance.every, "steps between checkpoints")
-      ->type_name("N")
-      ->check(CLI::PositiveNumber)
-      ->needs(checkpoint);
-  auto* restart = app.add_option("--restart", o.restart, "continue from this checkpoint, on the same mesh");
-  restart->type_name("FILE");
-  app.add_option("--carry", o.carry, "start with the flow of this checkpoint, on the mesh that MESH was refined from")
-      ->type_name("FILE")
-      ->excludes(restart);
-  app.add_option("--surface", o.out.surface, "averages on the walls: triangles in VTK's XML format")
-      ->type_name("FILE.vtu");
-  app.add_option("--lines", o.out.lines, "averages at the case's stations on walls, lines and planes in the gas")
-      ->type_name("FILE.csv");
-  app.add_option("--history", o.out.history, "particles and loads over time")->type_name("FILE.csv");
-  app.add_flag("--plan", o.plan, "print what is known before the first step, and exit");
-  app.add_flag("--force", o.force, cli::force_help);
+void declare(cli::CommandLine& line, Options& o) {
+  line.option("CASE", o.case_file, "case file (TOML)").required();
+  line.option("--mesh", o.mesh, "mesh to compute on").required().type_name("MESH");
+  line.option("-o,--output", o.out.mesh, "mesh to write: the same with the averaged flow as cell fields");
+  line.option("--steps", o.advance.steps, "end after N steps in total, transient included (default: as the case says)")
+      .type_name("N")
+      .positive();
+  auto checkpoint = line.option("--checkpoint", o.advance.checkpoint,
+                                "file to restart from, written at the end, on SIGTERM, SIGINT and SIGUSR1, and as "
+                                "--every says");
+  checkpoint.type_name("FILE");
+  line.option("--every", o.advance.every, "steps between checkpoints").type_name("N").positive().needs(checkpoint);
+  auto restart = line.option("--restart", o.restart, "continue from this checkpoint, on the same mesh");
+  restart.type_name("FILE");
+  line.option("--carry", o.carry, "start with the flow of this checkpoint, on the mesh that MESH was refined from")
+      .type_name("FILE")
+      .excludes(restart);
+  line.option("--surface", o.out.surface, "averages on the walls: triangles in VTK's XML format").type_name("FILE.vtu");
+  line.option("--lines", o.out.lines, "averages at the case's stations on walls, lines and planes in the gas")
+      .type_name("FILE.csv");
+  line.option("--history", o.out.history, "particles and loads over time").type_name("FILE.csv");
+  line.flag("--plan", o.plan, "print what is known before the first step, and exit");
+  line.flag("--force", o.force, cli::force_help);
 }
 
 void check_paths(cli::Session& session, const Options& o) {
@@ -143,5 +137,6 @@ int main(int argc, char** argv) {
       {"pamr-dsmc", "Computes the flow of a rarefied gas by direct simulation Monte Carlo.",
        "pamr-mesh --shape sphere-in-box -o sphere.hdf && pamr-dsmc cases/free-molecular-sphere/case.toml --mesh "
        "sphere.hdf -o flow.hdf"},
-      [&](CLI::App& app) { declare(app, options); }, [&](cli::Session& session) { return run_case(session, options); });
+      [&](cli::CommandLine& line) { declare(line, options); },
+      [&](cli::Session& session) { return run_case(session, options); });
 }

@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
-#include <algorithm>
 #include <array>
 #include <cstdint>
-#include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <span>
@@ -64,37 +61,22 @@ constexpr std::array<OptionHelp, 19> criteria_help{{
      "of --only-where: by more than TIMES (3) times this field, the standard error of the other"},
 }};
 
-void declare(CLI::App& app, Options& options) {
-  app.add_option("MESH", options.input, "mesh to read")->required();
-  app.add_option("-o,--output", options.output, "mesh to write: the same with the cell field of marks")->required();
-  const auto* all = app.add_flag("--all", options.all, "every cell");
-  std::vector<const CLI::Option*> listed{all};
-  for (const auto& help : criteria_help) {
-    auto* option = app.add_option(help.name, help.text);
-    option->type_name(help.type)->take_all()->expected(1, 1000)->allow_extra_args(false);
-    listed.push_back(option);
-  }
-  app.add_option("--max-cells", options.max_cells,
-                 "limit: cells in falling order of the criterion while the refined mesh has at most N cells")
-      ->type_name("N")
-      ->check(CLI::PositiveNumber);
-  app.add_option("--quality-control", options.quality_control, "of the refinement whose size is predicted")
-      ->check(CLI::IsMember(refine::quality_control_list()))
-      ->capture_default_str();
-  app.add_option("--marks", options.marks, "name of the cell field to write")->capture_default_str();
-  app.add_flag("--force", options.force, cli::force_help);
-  app.parse_complete_callback([&app, &options, listed] {
-    std::map<const CLI::Option*, std::size_t> n_seen;
-    for (const CLI::Option* option : app.parse_order()) {
-      if (std::find(listed.begin(), listed.end(), option) == listed.end()) continue;
-      const auto& results = option->results();
-      const auto at = n_seen[option]++;
-      if (option == listed.front()) {
-        if (at == 0) options.given.push_back({"--all", ""});
-      } else {
-        options.given.push_back({option->get_name(), results.at(at)});
-      }
-    }
+void declare(cli::CommandLine& line, Options& options) {
+  line.option("MESH", options.input, "mesh to read").required();
+  line.option("-o,--output", options.output, "mesh to write: the same with the cell field of marks").required();
+  line.listed_flag("--all", options.all, "every cell");
+  for (const auto& help : criteria_help) line.listed_option(help.name, help.text).type_name(help.type);
+  line.option("--max-cells", options.max_cells,
+              "limit: cells in falling order of the criterion while the refined mesh has at most N cells")
+      .type_name("N")
+      .positive();
+  line.option("--quality-control", options.quality_control, "of the refinement whose size is predicted")
+      .one_of(refine::quality_control_list())
+      .show_default();
+  line.option("--marks", options.marks, "name of the cell field to write").show_default();
+  line.flag("--force", options.force, cli::force_help);
+  line.after_reading([&line, &options] {
+    for (auto& [name, value] : line.listed()) options.given.push_back({name, value});
   });
 }
 
@@ -166,5 +148,6 @@ int main(int argc, char** argv) {
       {"pamr-mark", "Marks cells to be refined: those that meet any criterion and every limit.",
        "pamr-mesh --shape kuhn-cube --n 4 -o a.hdf && pamr-mark a.hdf -o b.hdf --crossing-sphere 0,0,0,0.6 --patch "
        "xmin"},
-      [&](CLI::App& app) { declare(app, options); }, [&](cli::Session& session) { return run(session, options); });
+      [&](cli::CommandLine& line) { declare(line, options); },
+      [&](cli::Session& session) { return run(session, options); });
 }

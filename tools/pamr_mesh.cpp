@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <utility>
@@ -26,18 +25,18 @@ struct Options {
   bool force = false;
 };
 
-void declare(CLI::App& app, Options& options) {
-  app.add_option("CASE", options.case_file, "case file (TOML) whose table [mesh] says what to mesh");
-  app.add_option("--shape", options.shape,
-                 "kuhn-cube, blunt-cone, sphere-in-box, charged-spheres or supersonic-sphere, instead of a case file");
-  app.add_option("--n", options.n, "kuhn-cube: cubes a side, 6 cells each")->check(CLI::PositiveNumber);
-  app.add_option(
-         "--size", options.size,
-         "sphere-in-box: edge length (default 0.28); largest edge length of the others: blunt-cone in meters "
-         "(default 0.01), charged-spheres in Debye lengths (default 0.5), supersonic-sphere in meters (default 0.004)")
-      ->check(CLI::PositiveNumber);
-  app.add_option("-o,--output", options.output, "mesh to write (.hdf)")->required();
-  app.add_flag("--force", options.force, cli::force_help);
+void declare(cli::CommandLine& line, Options& options) {
+  line.option("CASE", options.case_file, "case file (TOML) whose table [mesh] says what to mesh");
+  line.option("--shape", options.shape,
+              "kuhn-cube, blunt-cone, sphere-in-box, charged-spheres or supersonic-sphere, instead of a case file");
+  line.option("--n", options.n, "kuhn-cube: cubes a side, 6 cells each").positive();
+  line.option(
+          "--size", options.size,
+          "sphere-in-box: edge length (default 0.28); largest edge length of the others: blunt-cone in meters "
+          "(default 0.01), charged-spheres in Debye lengths (default 0.5), supersonic-sphere in meters (default 0.004)")
+      .positive();
+  line.option("-o,--output", options.output, "mesh to write (.hdf)").required();
+  line.flag("--force", options.force, cli::force_help);
 }
 
 void require_consistent(const Options& o) {
@@ -102,6 +101,6 @@ int main(int argc, char** argv) {
       argc, argv,
       {"pamr-mesh", "Makes a level-0 mesh of tetrahedra.",
        "pamr-mesh --shape kuhn-cube --n 8 -o cube.hdf\n  pamr-mesh --shape sphere-in-box --size 0.28 -o sphere.hdf"},
-      [&](CLI::App& app) { declare(app, options); },
+      [&](cli::CommandLine& line) { declare(line, options); },
       [&](cli::Session& session) { return make_mesh(session, options); });
 }

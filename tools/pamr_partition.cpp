@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdint>
 #include <nlohmann/json.hpp>
@@ -33,28 +32,27 @@ struct Options {
   bool force = false;
 };
 
-void declare(CLI::App& app, Options& options) {
-  app.add_option("MESH", options.input, "mesh to read")->required();
-  app.add_option("-o,--output", options.output, "mesh to write: the same with the integer cell field 'rank'")
-      ->required();
-  app.add_option("-p,--parts", options.n_parts, "number of parts; need not be that of the processes")
-      ->required()
-      ->check(CLI::Range(1, 1 << 20));
-  app.add_option("--weights", options.weights,
-                 "what a cell weighs: the exact number of cells that it becomes when the marked cells are refined (1 "
-                 "each where the mesh has no marks), 8 where it is marked and else 1, 1 each, or the values of a cell "
-                 "field")
-      ->type_name("refine|8/1|uniform|FIELD")
-      ->capture_default_str();
-  app.add_option("--method", options.method, "few faces between parts (scotch) or runs of cells in file order (blocks)")
-      ->check(CLI::IsMember({"scotch", "blocks"}))
-      ->capture_default_str();
-  app.add_option("--marks", options.marks, "of --weights refine and 8/1: integer cell field of marks, 0 keep, 1 split")
-      ->capture_default_str();
-  app.add_option("--quality-control", options.quality_control, "of --weights refine: the refinement that is predicted")
-      ->check(CLI::IsMember(refine::quality_control_list()))
-      ->capture_default_str();
-  app.add_flag("--force", options.force, cli::force_help);
+void declare(cli::CommandLine& line, Options& options) {
+  line.option("MESH", options.input, "mesh to read").required();
+  line.option("-o,--output", options.output, "mesh to write: the same with the integer cell field 'rank'").required();
+  line.option("-p,--parts", options.n_parts, "number of parts; need not be that of the processes")
+      .required()
+      .range(1, 1 << 20);
+  line.option("--weights", options.weights,
+              "what a cell weighs: the exact number of cells that it becomes when the marked cells are refined (1 "
+              "each where the mesh has no marks), 8 where it is marked and else 1, 1 each, or the values of a cell "
+              "field")
+      .type_name("refine|8/1|uniform|FIELD")
+      .show_default();
+  line.option("--method", options.method, "few faces between parts (scotch) or runs of cells in file order (blocks)")
+      .one_of({"scotch", "blocks"})
+      .show_default();
+  line.option("--marks", options.marks, "of --weights refine and 8/1: integer cell field of marks, 0 keep, 1 split")
+      .show_default();
+  line.option("--quality-control", options.quality_control, "of --weights refine: the refinement that is predicted")
+      .one_of(refine::quality_control_list())
+      .show_default();
+  line.flag("--force", options.force, cli::force_help);
 }
 
 std::vector<std::int64_t> weigh(const par::Comm& comm, const mesh::DistMesh& mesh, const Options& options) {
@@ -138,5 +136,6 @@ int main(int argc, char** argv) {
       argc, argv,
       {"pamr-partition", "Divides a mesh into parts of equal weight with few faces between them.",
        "pamr-mesh --shape kuhn-cube --n 8 -o a.hdf && pamr-partition a.hdf -o b.hdf -p 4"},
-      [&](CLI::App& app) { declare(app, options); }, [&](cli::Session& session) { return run(session, options); });
+      [&](cli::CommandLine& line) { declare(line, options); },
+      [&](cli::Session& session) { return run(session, options); });
 }

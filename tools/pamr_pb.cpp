@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -26,17 +25,17 @@ struct Options {
   bool force = false;
 };
 
-void declare(CLI::App& app, Options& o) {
-  app.add_option("CASE", o.case_file, "case file (TOML)")->required();
-  app.add_option("--mesh", o.mesh, "mesh to solve on")->required();
-  app.add_option("-o,--output", o.output, "mesh to write: the same with the fields of the solution")->required();
-  app.add_option("--start", o.start, "nodal field of the mesh to start from: a potential, as a coarser level left it")
-      ->type_name("FIELD");
-  app.add_option("--surface", o.surface, "write the boundary with potential, charge density and stress, for ParaView")
-      ->type_name("FILE.vtu");
-  app.add_option("--petsc", o.petsc, "options for PETSc, after those of the case: \"-pc_type hypre -ksp_monitor\"")
-      ->type_name("OPTIONS");
-  app.add_flag("--force", o.force, cli::force_help);
+void declare(cli::CommandLine& line, Options& o) {
+  line.option("CASE", o.case_file, "case file (TOML)").required();
+  line.option("--mesh", o.mesh, "mesh to solve on").required();
+  line.option("-o,--output", o.output, "mesh to write: the same with the fields of the solution").required();
+  line.option("--start", o.start, "nodal field of the mesh to start from: a potential, as a coarser level left it")
+      .type_name("FIELD");
+  line.option("--surface", o.surface, "write the boundary with potential, charge density and stress, for ParaView")
+      .type_name("FILE.vtu");
+  line.option("--petsc", o.petsc, "options for PETSc, after those of the case: \"-pc_type hypre -ksp_monitor\"")
+      .type_name("OPTIONS");
+  line.flag("--force", o.force, cli::force_help);
 }
 
 /// Prints what is solved and the memory that it will take; returns the latter for the report. Collective.
@@ -114,5 +113,6 @@ int main(int argc, char** argv) {
       argc, argv,
       {"pamr-pb", "Solves the Poisson-Boltzmann equation around charged bodies.",
        "pamr-mesh --shape kuhn-cube --n 16 -o cube.hdf && pamr-pb cases/plate/cube.toml --mesh cube.hdf -o psi.hdf"},
-      [&](CLI::App& app) { declare(app, options); }, [&](cli::Session& session) { return run(session, options); });
+      [&](cli::CommandLine& line) { declare(line, options); },
+      [&](cli::Session& session) { return run(session, options); });
 }

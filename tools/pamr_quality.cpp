@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <cstdint>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -30,21 +29,20 @@ struct Options {
   bool force = false;
 };
 
-void declare(CLI::App& app, Options& options) {
-  app.add_option("MESH", options.meshes, "meshes to measure; several are compared in a table")->required();
-  app.add_option("--gate", options.gates,
-                 "NAME:min:V or NAME:max:V, exit 1 unless the number keeps the bound; NAME is a path in the report, "
-                 "such as mean_ratio.min, inverted_cells, patches.sphere.worst_distance")
-      ->allow_extra_args(false);
-  app.add_option("--csv", options.csv, "write the numbers here, a line a mesh")->type_name("FILE");
-  app.add_option("--worst", options.worst, "write the N cells of lowest mean ratio as a mesh")
-      ->check(CLI::PositiveNumber);
-  app.add_option("--worst-out", options.worst_out, "that mesh (.hdf)")->type_name("FILE");
-  app.add_option("--off-surface", options.tolerance,
-                 "distance beyond which a boundary node is off its surface, as a part of the bounding box's diagonal")
-      ->check(CLI::NonNegativeNumber)
-      ->capture_default_str();
-  app.add_flag("--force", options.force, cli::force_help);
+void declare(cli::CommandLine& line, Options& options) {
+  line.option("MESH", options.meshes, "meshes to measure; several are compared in a table").required();
+  line.option("--gate", options.gates,
+              "NAME:min:V or NAME:max:V, exit 1 unless the number keeps the bound; NAME is a path in the report, "
+              "such as mean_ratio.min, inverted_cells, patches.sphere.worst_distance")
+      .one_at_a_time();
+  line.option("--csv", options.csv, "write the numbers here, a line a mesh").type_name("FILE");
+  line.option("--worst", options.worst, "write the N cells of lowest mean ratio as a mesh").positive();
+  line.option("--worst-out", options.worst_out, "that mesh (.hdf)").type_name("FILE");
+  line.option("--off-surface", options.tolerance,
+              "distance beyond which a boundary node is off its surface, as a part of the bounding box's diagonal")
+      .not_negative()
+      .show_default();
+  line.flag("--force", options.force, cli::force_help);
 }
 
 void check_files(cli::Session& session, const Options& options) {
@@ -115,5 +113,6 @@ int main(int argc, char** argv) {
       {"pamr-quality",
        "Measures meshes: invariants, cell shapes, patches, fingerprint; exit 1 when an invariant or a gate fails.",
        "pamr-mesh --shape kuhn-cube --n 4 -o a.hdf && pamr-quality a.hdf --gate mean_ratio:min:0.2 --json -"},
-      [&](CLI::App& app) { declare(app, options); }, [&](cli::Session& session) { return run(session, options); });
+      [&](cli::CommandLine& line) { declare(line, options); },
+      [&](cli::Session& session) { return run(session, options); });
 }

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <cstdint>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -28,32 +27,29 @@ struct Options {
   bool no_project = false, dry_run = false, force = false, each_rank = false;
 };
 
-void declare(CLI::App& app, Options& options) {
-  app.add_option("MESH", options.input, "mesh to read, with a cell field of marks")->required();
-  auto* output = app.add_option("-o,--output", options.output, "refined mesh to write");
-  app.add_option("--marks", options.marks, "integer cell field: 0 keep, 1 split; not in the result")
-      ->capture_default_str();
-  app.add_option("--quality-control", options.quality_control, "what happens to a closure cell that is hit again")
-      ->check(CLI::IsMember(refine::quality_control_list()))
-      ->capture_default_str();
-  app.add_option("--balance", options.balance, "how cells are spread over the ranks before they are split")
-      ->check(CLI::IsMember({"auto", "scotch", "blocks", "none"}))
-      ->capture_default_str();
-  app.add_option(
-         "--weights", options.weights,
-         "what a cell weighs then: the exact number of cells that it becomes, 8 where marked, 1, or a cell field")
-      ->type_name("exact|8/1|uniform|FIELD")
-      ->capture_default_str();
-  app.add_option("--order", options.order,
-                 "put cells and nodes along a space-filling curve first (auto: where it pays)")
-      ->check(CLI::IsMember({"auto", "keep", "curve"}))
-      ->capture_default_str();
-  app.add_flag("--no-project", options.no_project, "leave new boundary nodes in the middle of their edges");
-  auto* dry_run = app.add_flag("--dry-run", options.dry_run, "print the exact size of the result, split nothing");
-  app.add_flag("--force", options.force, cli::force_help);
-  app.add_flag("--each-rank", options.each_rank, "the report lists every rank's share of each step too");
-  app.parse_complete_callback([output, dry_run] {
-    if (output->empty() && dry_run->empty()) throw CLI::RequiredError("--output (or --dry-run)");
+void declare(cli::CommandLine& line, Options& options) {
+  line.option("MESH", options.input, "mesh to read, with a cell field of marks").required();
+  auto output = line.option("-o,--output", options.output, "refined mesh to write");
+  line.option("--marks", options.marks, "integer cell field: 0 keep, 1 split; not in the result").show_default();
+  line.option("--quality-control", options.quality_control, "what happens to a closure cell that is hit again")
+      .one_of(refine::quality_control_list())
+      .show_default();
+  line.option("--balance", options.balance, "how cells are spread over the ranks before they are split")
+      .one_of({"auto", "scotch", "blocks", "none"})
+      .show_default();
+  line.option("--weights", options.weights,
+              "what a cell weighs then: the exact number of cells that it becomes, 8 where marked, 1, or a cell field")
+      .type_name("exact|8/1|uniform|FIELD")
+      .show_default();
+  line.option("--order", options.order, "put cells and nodes along a space-filling curve first (auto: where it pays)")
+      .one_of({"auto", "keep", "curve"})
+      .show_default();
+  line.flag("--no-project", options.no_project, "leave new boundary nodes in the middle of their edges");
+  auto dry_run = line.flag("--dry-run", options.dry_run, "print the exact size of the result, split nothing");
+  line.flag("--force", options.force, cli::force_help);
+  line.flag("--each-rank", options.each_rank, "the report lists every rank's share of each step too");
+  line.after_reading([output, dry_run] {
+    if (!output.is_given() && !dry_run.is_given()) cli::CommandLine::refuse_without("--output (or --dry-run)");
   });
 }
 
@@ -159,5 +155,6 @@ int main(int argc, char** argv) {
       argc, argv,
       {"pamr-refine", "Refines a mesh once where its cells are marked.",
        "mpirun -n 4 pamr-refine level0.hdf -o level1.hdf --json level1.json"},
-      [&](CLI::App& app) { declare(app, options); }, [&](cli::Session& session) { return work(session, options); });
+      [&](cli::CommandLine& line) { declare(line, options); },
+      [&](cli::Session& session) { return work(session, options); });
 }

@@ -40,7 +40,7 @@ struct Parsed {
 };
 
 /// Reads the command line into `options` and what `declare` names; prints --help and --version if it `speaks`.
-Parsed parse(int argc, char** argv, const ToolInfo& info, const std::function<void(CLI::App&)>& declare,
+Parsed parse(int argc, char** argv, const ToolInfo& info, const std::function<void(CommandLine&)>& declare,
              CommonOptions& options, bool speaks) {
   CLI::App app(info.purpose, info.name);
   app.set_help_flag("-h,--help", "print this text and end");
@@ -49,7 +49,8 @@ Parsed parse(int argc, char** argv, const ToolInfo& info, const std::function<vo
       ->type_name("FILE");
   app.add_flag("--quiet", options.quiet, "neither progress nor summary");
   app.footer("Example:\n  " + info.example + "\n\n" + exit_codes_help);
-  declare(app);
+  CommandLine line(app);
+  declare(line);
   try {
     app.parse(argc, argv);
     return {};
@@ -130,7 +131,7 @@ void set_up_allocation() {
 
 }  // namespace
 
-int run_tool(int argc, char** argv, const ToolInfo& info, const std::function<void(CLI::App&)>& declare,
+int run_tool(int argc, char** argv, const ToolInfo& info, const std::function<void(CommandLine&)>& declare,
              const std::function<ExitCode(Session&)>& work) {
   set_up_allocation();
   const par::Runtime runtime(argc, argv);

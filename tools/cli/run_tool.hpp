@@ -4,11 +4,8 @@
 #include <functional>
 #include <string>
 
+#include "cli/command_line.hpp"
 #include "cli/session.hpp"
-
-namespace CLI {
-class App;
-}
 
 namespace pamr::cli {
 
@@ -22,9 +19,9 @@ struct ToolInfo {
 /// The whole life of a tool: starts MPI, reads the command line, runs `work`, and turns what happened into the exit
 /// code, the same on every rank. To be the only statement of `main` besides the options' declaration.
 ///
-/// `declare` adds the tool's own options and arguments to the CLI11 application; --help, --version, --json and --quiet
-/// are there already. It runs on every rank and must not communicate. `work` runs on every rank after the command line
-/// was read and returns `ExitCode::done` or `ExitCode::failed` (a gate).
+/// `declare` adds the tool's own options and arguments; --help, --version, --json and --quiet are there already. It
+/// runs on every rank and must not communicate. `work` runs on every rank after the command line was read and returns
+/// `ExitCode::done` or `ExitCode::failed` (a gate).
 ///
 /// Exit codes: what `work` returned; 2 for bad usage and for `pamr::Error`; 3 for any other exception. An error is
 /// printed once, by one rank, on standard error as `<name>: error: <text>`. Nothing hangs: when the other ranks do not
@@ -32,7 +29,7 @@ struct ToolInfo {
 /// SIGINT, SIGTERM and SIGHUP remove the temporary files of `Session::check_output` and end the process by that signal.
 /// So `work` lets exceptions pass; they are the way to end early.
 ///
-/// A whole tool (`#include <CLI/CLI.hpp>` and `"cli/run_tool.hpp"`; link `pamr_cli`):
+/// A whole tool (`#include "cli/run_tool.hpp"`; link `pamr_cli`):
 ///
 ///     int main(int argc, char** argv) {
 ///       std::string input, output;
@@ -40,11 +37,11 @@ struct ToolInfo {
 ///       bool force = false;
 ///       return pamr::cli::run_tool(
 ///           argc, argv, {"pamr-peel", "Removes layers of cells.", "pamr-peel box.hdf -o core.hdf --layers 2"},
-///           [&](CLI::App& app) {
-///             app.add_option("MESH", input, "mesh to read")->required();
-///             app.add_option("-o,--output", output, "mesh to write")->required();
-///             app.add_option("--layers", layers, "layers to remove")->check(CLI::PositiveNumber);
-///             app.add_flag("--force", force, pamr::cli::force_help);
+///           [&](pamr::cli::CommandLine& line) {
+///             line.option("MESH", input, "mesh to read").required();
+///             line.option("-o,--output", output, "mesh to write").required();
+///             line.option("--layers", layers, "layers to remove").positive();
+///             line.flag("--force", force, pamr::cli::force_help);
 ///           },
 ///           [&](pamr::cli::Session& session) {
 ///             session.check_input(input);
@@ -61,7 +58,7 @@ struct ToolInfo {
 ///             return pamr::cli::ExitCode::done;
 ///           });
 ///     }
-int run_tool(int argc, char** argv, const ToolInfo& info, const std::function<void(CLI::App&)>& declare,
+int run_tool(int argc, char** argv, const ToolInfo& info, const std::function<void(CommandLine&)>& declare,
              const std::function<ExitCode(Session&)>& work);
 
 /// Help text of the flag that every tool with an output file has.

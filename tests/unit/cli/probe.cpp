@@ -2,7 +2,6 @@
 /// A tool that behaves or misbehaves as it is told, for the test of the life of a tool.
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <chrono>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -55,11 +54,11 @@ int main(int argc, char** argv) {
   bool force = false;
   return pamr::cli::run_tool(
       argc, argv, {"pamr-probe", "Behaves as told.", "pamr-probe --how gate"},
-      [&](CLI::App& app) {
-        app.add_option("INPUT", input, "file to read");
-        app.add_option("-o,--output", output, "file to write");
-        app.add_option("--how", how, "kind of trouble");
-        app.add_flag("--force", force, pamr::cli::force_help);
+      [&](pamr::cli::CommandLine& line) {
+        line.option("INPUT", input, "file to read");
+        line.option("-o,--output", output, "file to write");
+        line.option("--how", how, "kind of trouble");
+        line.flag("--force", force, pamr::cli::force_help);
       },
       [&](Session& session) { return work(session, input, output, force, how); });
 }

@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "cli/command_line.hpp"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdint>
+#include <map>
+#include <optional>
+
+namespace pamr::cli {
+
+Option& Option::required() {
+  option_->required();
+  return *this;
+}
+
+Option& Option::type_name(const std::string& name) {
+  option_->type_name(name);
+  return *this;
+}
+
+Option& Option::show_default() {
+  option_->capture_default_str();
+  return *this;
+}
+
+Option& Option::positive() {
+  option_->check(CLI::PositiveNumber);
+  return *this;
+}
+
+Option& Option::not_negative() {
+  option_->check(CLI::NonNegativeNumber);
+  return *this;
+}
+
+Option& Option::range(int low, int high) {
+  option_->check(CLI::Range(low, high));
+  return *this;
+}
+
+Option& Option::range(double low, double high) {
+  option_->check(CLI::Range(low, high));
+  return *this;
+}
+
+Option& Option::one_of(const std::vector<std::string>& words) {
+  option_->check(CLI::IsMember(words));
+  return *this;
+}
+
+Option& Option::one_at_a_time() {
+  option_->allow_extra_args(false);
+  return *this;
+}
+
+Option& Option::delimiter(char between) {
+  option_->delimiter(between);
+  return *this;
+}
+
+Option& Option::needs(const Option& other) {
+  option_->needs(other.option_);
+  return *this;
+}
+
+Option& Option::excludes(const Option& other) {
+  option_->excludes(other.option_);
+  return *this;
+}
+
+bool Option::is_given() const { return !option_->empty(); }
+
+template <class T>
+Option CommandLine::option(const std::string& name, T& value, const std::string& help) {
+  return Option(app_->add_option(name, value, help));
+}
+template Option CommandLine::option(const std::string&, std::string&, const std::string&);
+template Option CommandLine::option(const std::string&, int&, const std::string&);
+template Option CommandLine::option(const std::string&, std::int64_t&, const std::string&);
+template Option CommandLine::option(const std::string&, double&, const std::string&);
+template Option CommandLine::option(const std::string&, std::optional<std::int64_t>&, const std::string&);
+template Option CommandLine::option(const std::string&, std::vector<std::string>&, const std::string&);
+template Option CommandLine::option(const std::string&, std::vector<std::vector<double>>&, const std::string&);
+
+Option CommandLine::flag(const std::string& name, bool& value, const std::string& help) {
+  return Option(app_->add_flag(name, value, help));
+}
+
+Option CommandLine::listed_option(const std::string& name, const std::string& help) {
+  auto* option = app_->add_option(name, help);
+  constexpr int most = 1000;
+  option->take_all()->expected(1, most)->allow_extra_args(false);
+  listed_.push_back(option);
+  return Option(option);
+}
+
+Option CommandLine::listed_flag(const std::string& name, bool& value, const std::string& help) {
+  const auto result = flag(name, value, help);
+  listed_.push_back(result.option_);
+  return result;
+}
+
+std::vector<std::pair<std::string, std::string>> CommandLine::listed() const {
+  std::vector<std::pair<std::string, std::string>> result;
+  std::map<const CLI::Option*, std::size_t> n_seen;
+  for (const CLI::Option* option : app_->parse_order()) {
+    if (std::find(listed_.begin(), listed_.end(), option) == listed_.end()) continue;
+    const auto number = n_seen[option]++;
+    const bool is_flag = option->get_items_expected_max() == 0;
+    if (is_flag && number > 0) continue;
+    result.emplace_back(option->get_name(), is_flag ? "" : option->results().at(number));
+  }
+  return result;
+}
+
+void CommandLine::after_reading(std::function<void()> check) { app_->parse_complete_callback(std::move(check)); }
+
+void CommandLine::refuse_without(const std::string& what) { throw CLI::RequiredError(what); }
+
+}  // namespace pamr::cli

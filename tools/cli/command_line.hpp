@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <functional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace CLI {
+class App;
+class Option;
+}  // namespace CLI
+
+namespace pamr::cli {
+
+/// One option or argument, to say more about: `line.option(...).required().type_name("FILE")`. A handle.
+class Option {
+ public:
+  Option& required();
+  /// What stands for the value in --help.
+  Option& type_name(const std::string& name);
+  /// --help shows the value that the variable has now.
+  Option& show_default();
+
+  Option& positive();
+  Option& not_negative();
+  Option& range(int low, int high);
+  Option& range(double low, double high);
+  Option& one_of(const std::vector<std::string>& words);
+
+  /// May be repeated, with one value each time.
+  Option& one_at_a_time();
+  /// Splits a value: "1,2,3".
+  Option& delimiter(char between);
+  Option& needs(const Option& other);
+  Option& excludes(const Option& other);
+
+  /// Whether the command line has it; after it was read.
+  bool is_given() const;
+
+ private:
+  friend class CommandLine;
+  explicit Option(CLI::Option* option) : option_(option) {}
+
+  CLI::Option* option_;
+};
+
+/// The options and arguments that a tool declares. It keeps CLI11, which takes seconds to compile, out of the tools.
+class CommandLine {
+ public:
+  explicit CommandLine(CLI::App& app) : app_(&app) {}
+
+  /// An option ("-o,--output") or an argument ("MESH") that is read into `value`. T is std::string, int, std::int64_t,
+  /// double, std::optional<std::int64_t>, std::vector<std::string> or std::vector<std::vector<double>>.
+  template <class T>
+  Option option(const std::string& name, T& value, const std::string& help);
+  Option flag(const std::string& name, bool& value, const std::string& help);
+
+  /// Options whose order matters: `listed` tells which were given, name and value, in the order of the command line.
+  Option listed_option(const std::string& name, const std::string& help);
+  Option listed_flag(const std::string& name, bool& value, const std::string& help);
+  std::vector<std::pair<std::string, std::string>> listed() const;
+
+  /// Calls `check` after the command line was read without an error.
+  void after_reading(std::function<void()> check);
+  /// For `check`: ends with the usage error that `what` is required.
+  [[noreturn]] static void refuse_without(const std::string& what);
+
+ private:
+  CLI::App* app_;
+  std::vector<const CLI::Option*> listed_;
+};
+
+}  // namespace pamr::cli
