@@ -1,0 +1,10 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <cstdio>
+#include <meshing/mesh_case.hpp>
+#include <solvers/dsmc/gas/kinetic_theory.hpp>
+
+int main() {
+  const auto mesh_case = pamr::meshing::case_of_shape("sphere-in-box", 0.5);
+  std::printf("%s: drag in free flow %.3f\n", pamr::meshing::describe(mesh_case).c_str(),
+              pamr::dsmc::free_molecular_sphere_drag(5, 1));
+}
