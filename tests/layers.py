@@ -145,6 +145,19 @@ def function_violations(lines):
                 start = number
 
 
+def name_violations(names):
+    """Of the product's files: each name stands once, and each source has the header of its name beside it."""
+    first = {}
+    product = [pathlib.PurePosixPath(n) for n in names if module_of(n) and pathlib.PurePosixPath(n).suffix in SOURCE]
+    for path in product:
+        if path.name in first:
+            yield f"{path}:1: a file name stands once: there is {first[path.name]} too"
+        first.setdefault(path.name, path)
+        is_main = path.parts[0] == "tools" and len(path.parts) == 2
+        if path.suffix == ".cpp" and not is_main and path.with_suffix(".hpp") not in product:
+            yield f"{path}:1: a source has the header of its name beside it"
+
+
 def link_violations(path):
     for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1):
         for target in MARKDOWN_LINK.findall(line):
@@ -153,6 +166,7 @@ def link_violations(path):
 
 
 def violations(root):
+    yield from name_violations([path.relative_to(root).as_posix() for path in files_of(root)])
     for path in files_of(root):
         name = path.relative_to(root).as_posix()
         if path.suffix == ".md":

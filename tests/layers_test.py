@@ -22,6 +22,10 @@ class Layers(unittest.TestCase):
             path = pathlib.Path(folder, name)
             path.parent.mkdir(parents=True)
             path.write_text(text)
+            module = layers.module_of(name)
+            if path.suffix == ".cpp" and module not in (None, "tools"):  # the header of its name
+                space = "pamr" if module == "base" else f"pamr::{module}"
+                path.with_suffix(".hpp").write_text(SPDX + f"#pragma once\nnamespace {space} {{}}\n")
             return list(layers.violations(pathlib.Path(folder)))
 
     def assert_caught(self, name, text, *words):
@@ -99,6 +103,12 @@ class Layers(unittest.TestCase):
         self.assert_clean("lib/pamr/par/a.cpp", SPDX + "\n" * 499)
         self.assert_caught("lib/pamr/par/a.cpp", SPDX + "\n" * 500, "500 lines")
 
+    def test_names_stand_once_and_sources_have_their_header(self):
+        found = list(layers.name_violations(["lib/pamr/io/a.hpp", "lib/pamr/io/a.cpp", "lib/pamr/mark/a.hpp",
+                                             "tools/pamr_b.cpp", "tests/a.hpp", "tests/b.cpp", "lib/pamr/io/c.cpp"]))
+        self.assertEqual(found, ["lib/pamr/mark/a.hpp:1: a file name stands once: there is lib/pamr/io/a.hpp too",
+                                 "lib/pamr/io/c.cpp:1: a source has the header of its name beside it"])
+
     def test_functions_have_at_most_80_lines(self):
         for indent, end in (("", "\n"), ("  ", "\n};\n")):
             head = SPDX + ("struct S {\n" if indent else "") + "/// One.\n"
@@ -119,8 +129,8 @@ class Layers(unittest.TestCase):
         self.assert_caught("lib/pamr/par/a.hpp", SPDX + "#pragma once\nnamespace pamr {}\n", "namespace pamr::par")
 
     def test_names_that_say_nothing_are_caught(self):
-        self.assert_caught("lib/pamr/refine/utils/a.cpp", SPDX, "'utils'")
-        self.assert_caught("lib/pamr/refine/helpers.cpp", SPDX, "'helpers'")
+        self.assert_caught("lib/pamr/refine/utils/a.hpp", REFINE_HEADER, "'utils'")
+        self.assert_caught("lib/pamr/refine/helpers.hpp", REFINE_HEADER, "'helpers'")
 
     def test_globs_are_caught(self):
         self.assert_caught("lib/CMakeLists.txt", "# " + SPDX + "file(GLOB x *.cpp)\n", "globs")
