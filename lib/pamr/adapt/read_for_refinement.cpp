@@ -113,7 +113,7 @@ mesh::DistMesh read_for_refinement(const par::Comm& comm, const std::filesystem:
     auto in_order = assemble_in_order(comm, file, std::move(block), options, timer);
     timer.lap("preprocessing");
     if (in_order) return *std::move(in_order);
-    block = read_block(comm, file, options.marks_field);
+    block = read_block(comm, file, options);
     timer.lap("read");
   }
   auto mesh = assemble_valid(comm, file, std::move(block), {});

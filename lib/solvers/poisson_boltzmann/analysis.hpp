@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "solvers/poisson_boltzmann/estimate.hpp"
+#include "solvers/poisson_boltzmann/error_estimate.hpp"
 #include "solvers/poisson_boltzmann/midplane_force.hpp"
 #include "solvers/poisson_boltzmann/solve.hpp"
 #include "solvers/poisson_boltzmann/surface_force.hpp"

@@ -10,6 +10,7 @@
 #include "pamr/assemble/kuhn_cube.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/io/native/native_file.hpp"
+#include "support/meshes.hpp"
 
 namespace pamr {
 namespace {

@@ -164,7 +164,7 @@ geometry::SharedSurfaces shared(const std::vector<geometry::DescribedSurface>& s
 /// The unit ball without the sector x > 0, y > 0: two planes that make a reentrant edge along z.
 Combination notched_ball() {
   Combination c;
-  c.surfaces = shared({unit_ball(), described_plane("x", 0, 0), described_plane("y", 1, 0)});
+  c.surfaces = shared({unit_ball(), geometry::described_plane("x", 0, 0), geometry::described_plane("y", 1, 0)});
   c.region = "-ball & (-x | -y)";
   c.low = {-1, -1, -1};
   c.high = {1, 1, 1};

@@ -5,7 +5,7 @@
 
 #include "pamr/par/reproducible_sum.hpp"
 #include "solved.hpp"
-#include "solvers/poisson_boltzmann/estimate.hpp"
+#include "solvers/poisson_boltzmann/error_estimate.hpp"
 #include "solvers/poisson_boltzmann/midplane_force.hpp"
 #include "solvers/poisson_boltzmann/surface_force.hpp"
 #include "solvers/poisson_boltzmann/volume_force.hpp"

@@ -121,13 +121,13 @@ std::vector<Passenger> send_to_hosts(const par::Comm& comm, const Section& old_c
       par::fetch_rows<std::uint64_t>(comm, old_particles.rows, old_particles.block, particle_words, rows);
   std::vector<par::Outgoing<Passenger>> messages(static_cast<std::size_t>(comm.size()));
   for (Rank r = 0; r < comm.size(); ++r) messages[at(r)].to = r;
-  std::size_t next = 0;
+  std::size_t row = 0;
   for (std::size_t c = 0; c < host.size(); ++c)
-    for (std::int64_t i = 0; i < count[c]; ++i, ++next) {
-      const auto* w = words.data() + next * particle_words;
+    for (std::int64_t i = 0; i < count[c]; ++i, ++row) {
+      const auto* w = words.data() + row * particle_words;
       const auto species = static_cast<std::uint32_t>(w[1]);
       const double weight = species < weights.size() ? weights[species] : 1;  // refused later
-      messages[at(host[c].rank)].item.push_back({rows[next],
+      messages[at(host[c].rank)].item.push_back({rows[row],
                                                  host[c].cell,
                                                  {real(w[2]), real(w[3]), real(w[4])},
                                                  real(old_cells.block[c * old_cells.width + fnum_word]) * weight});
