@@ -78,8 +78,10 @@ Option CommandLine::option(const std::string& name, T& value, const std::string&
 template Option CommandLine::option(const std::string&, std::string&, const std::string&);
 template Option CommandLine::option(const std::string&, int&, const std::string&);
 template Option CommandLine::option(const std::string&, std::int64_t&, const std::string&);
+template Option CommandLine::option(const std::string&, std::uint64_t&, const std::string&);
 template Option CommandLine::option(const std::string&, double&, const std::string&);
 template Option CommandLine::option(const std::string&, std::optional<std::int64_t>&, const std::string&);
+template Option CommandLine::option(const std::string&, std::optional<std::uint64_t>&, const std::string&);
 template Option CommandLine::option(const std::string&, std::vector<std::string>&, const std::string&);
 template Option CommandLine::option(const std::string&, std::vector<std::vector<double>>&, const std::string&);
 
