@@ -50,8 +50,9 @@ class CommandLine {
  public:
   explicit CommandLine(CLI::App& app) : app_(&app) {}
 
-  /// An option ("-o,--output") or an argument ("MESH") that is read into `value`. T is std::string, int, std::int64_t,
-  /// double, std::optional<std::int64_t>, std::vector<std::string> or std::vector<std::vector<double>>.
+  /// An option ("-o,--output") or an argument ("MESH") that is read into `value`. T is std::string, int, double,
+  /// std::int64_t or std::uint64_t, a std::optional of these two, std::vector<std::string> or
+  /// std::vector<std::vector<double>>.
   template <class T>
   Option option(const std::string& name, T& value, const std::string& help);
   Option flag(const std::string& name, bool& value, const std::string& help);
