@@ -121,7 +121,8 @@ TEST(CaseFile, ThatIsRefusedNamesTheLine) {
       EXPECT_NE(std::string(error.what()).find(says), std::string::npos) << error.what();
     }
   };
-  refused("[time]", "[times]", "[time]");
+  refused("[time]", "[times]", "case.toml:33");
+  refused("[time]", "[times]", "unknown key 'times'; did you mean 'time'?");
   refused("sphere = [0.2, 0.2, 0.2, 0.3]", "sphere = [0.2, 0.2, 0.3]", "case.toml:27");
   refused("stream = \"puff\"", "stream = \"pouf\"", "\"pouf\"");
   refused("area = 1.0", "area = 1.0\npatches = [\"zmax\"]", "zmax");

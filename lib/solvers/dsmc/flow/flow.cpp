@@ -152,14 +152,14 @@ StepTotals Flow::add_up(const StepCounts& here, std::int64_t missing, bool wants
       here.entered,     here.moved.left,       here.moved.wall_hits, here.collided.collisions, here.moved.crossings,
       here.moved.stuck, here.collided.clamped, wants_stop ? 1 : 0,   trouble ? 1 : 0,          missing};
   comm_->sum_in_place(sums);
-  const auto [entered, left, wall_hits, collisions, crossings, stuck, clamped, stops, troubled, lost] = sums;
+  const auto [entered, left, wall_hits, collided, crossings, stuck, clamped, stops, troubled, lost] = sums;
   if (troubled > 0)
     par::agree(*comm_, [&] {
       if (trouble) throw *trouble;
     });
   lost_ += lost;
   if (lost != 0) throw ContractViolation(fmt::format("{} particles were lost in step {}", lost, steps_done));
-  return {entered, left, wall_hits, collisions, crossings, stuck, clamped, stops > 0};
+  return {entered, left, wall_hits, collided, crossings, stuck, clamped, stops > 0};
 }
 
 void Flow::start_sampling() {

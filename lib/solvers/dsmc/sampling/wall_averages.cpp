@@ -65,7 +65,7 @@ void write_walls(const par::Comm& comm, const std::string& file, const std::vect
                  GlobalId n_global_cells) {
   io::SurfaceTriangles triangles{.all_cells = n_global_cells};
   io::SurfaceField p{"p"}, p_error{"p_stderr"}, tau{"tau", 3}, q{"q"}, q_error{"q_stderr"}, hits{"hits"},
-      patch{"patch", 1, true}, area{"area"};
+      patch{"patch"}, area{"area"};
   for (const auto& face : faces) {
     triangles.cell.push_back(face.cell);
     auto& corner = triangles.corner.emplace_back();
