@@ -160,7 +160,7 @@ std::vector<PatchReport> measure_patches(const par::Comm& comm, const mesh::Dist
 }
 
 OffSurface read_off_surface(const par::Comm& comm, const mesh::DistMesh& mesh) {
-  const auto* field = mesh.find_node_field("off_surface");
+  const auto* field = mesh.find_node_field(mesh::off_surface_field);
   if (field == nullptr || field->holds_integers() || field->n_components != 1) return {};
   std::vector<GroupNode> off;
   double worst = 0;
