@@ -15,7 +15,7 @@ STAGES = ("io", "mark", "refine", "check", "balance")
 REFINER = MESH_AT_REST + STAGES + ("adapt",)
 SOLVERS = ("dsmc", "poisson_boltzmann")
 
-# Module of a file -> modules whose headers it may include besides its own.
+# Module of a file -> modules whose headers it may include as well as its own.
 MAY_INCLUDE = {
     "base": (),
     "geometry": ("base",),

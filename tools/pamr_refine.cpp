@@ -74,7 +74,7 @@ std::int64_t count_inverted(const par::Comm& comm, const mesh::DistMesh& mesh) {
 }
 
 cli::ExitCode report_forecast(cli::Session& session, const mesh::DistMesh& mesh, std::span<const std::uint8_t> flags,
-                        const refine::Options& options) {
+                              const refine::Options& options) {
   const auto& comm = session.comm();
   const adapt::Forecaster forecaster(comm, mesh, options);
   const auto forecast = forecaster.forecast(flags);

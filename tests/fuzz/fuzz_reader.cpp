@@ -39,7 +39,7 @@ namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 /// On a busy machine the clock says little, so it only tells a standstill.
 constexpr double processor_seconds = 5;
-constexpr auto patience = std::chrono::milliseconds(60000);
+constexpr auto stall_limit = std::chrono::milliseconds(60000);
 constexpr std::size_t spare_bytes = std::size_t{64} << 20U;
 
 std::string contents_of(const fs::path& file) {
@@ -148,7 +148,7 @@ Tally supervise(const char* program, const fs::path& folder, std::uint64_t first
     bool stalled = false;
     while (first < last) {
       pollfd waiting{ends[0], POLLIN, 0};
-      if (poll(&waiting, 1, static_cast<int>(patience.count())) == 0) {
+      if (poll(&waiting, 1, static_cast<int>(stall_limit.count())) == 0) {
         stalled = true;
         break;
       }

@@ -48,7 +48,7 @@ bool is_closed_surface(const geometry::Triangulation& surface) {
 }
 
 /// What was wrong with reading one file, or null.
-const char* judge(const std::string& bytes, const std::string& file, bool& accepted) {
+const char* assess(const std::string& bytes, const std::string& file, bool& accepted) {
   const auto start = std::clock();
   accepted = false;
   const char* fault = nullptr;
@@ -77,13 +77,13 @@ int run(unsigned long long n, unsigned long long first) {
   for (const auto& format : formats) {
     unsigned long long n_accepted = 0;
     bool accepted = false;
-    if (judge(format.good, format.file, accepted) != nullptr || !accepted) {
+    if (assess(format.good, format.file, accepted) != nullptr || !accepted) {
       std::printf("%s: the good file was refused\n", format.name);
       ++n_failed;
     }
     for (auto seed = first; seed < first + n; ++seed) {
       std::printf("%s, seed %llu\r", format.name, seed);
-      const char* fault = judge(mutate(format.good, seed), format.file, accepted);
+      const char* fault = assess(mutate(format.good, seed), format.file, accepted);
       if (accepted) ++n_accepted;
       if (fault == nullptr) continue;
       std::printf("%s, seed %llu: %s\n", format.name, seed, fault);

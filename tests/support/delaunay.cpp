@@ -126,10 +126,10 @@ bool touches_itself(const std::vector<Quad>& cells) {
   return std::any_of(faces_at_edge.begin(), faces_at_edge.end(), [](const auto& entry) { return entry.second != 2; });
 }
 
-void remove_flat(Cloud& cloud, double least_mean_ratio) {
+void remove_flat(Cloud& cloud, double min_mean_ratio) {
   std::erase_if(cloud.cell, [&](const Quad& n) {
     const auto p = cloud.points(n);
-    return !geometry::is_positive(p[0], p[1], p[2], p[3]) || geometry::mean_ratio(p) < least_mean_ratio;
+    return !geometry::is_positive(p[0], p[1], p[2], p[3]) || geometry::mean_ratio(p) < min_mean_ratio;
   });
 }
 

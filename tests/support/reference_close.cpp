@@ -12,7 +12,7 @@ using mesh::tet::edge_to_corner;
 using refine::QualityControl;
 
 constexpr double rounding = 1 + 0x1p-40;
-constexpr double poorest_closure = 0.3;
+constexpr double worst_closure = 0.3;
 
 std::size_t at(std::int64_t i) { return static_cast<std::size_t>(i); }
 
@@ -30,7 +30,7 @@ std::set<int> make_legal(const std::set<int>& edges) {
 bool closes_badly(const geometry::TetPoints& corner, const std::set<int>& legal) {
   double worst = legal.size() == 3 ? worst_child_if_halved(corner, legal) : 1;
   for (const int e : legal) worst = std::min(worst, worst_child_if_halved(corner, {e}));
-  return worst < poorest_closure && worst_child_if_halved(corner, all_six) > worst;
+  return worst < worst_closure && worst_child_if_halved(corner, all_six) > worst;
 }
 
 /// Half of an edge of the parent: joins the corner that the child keeps with the middle of an edge there.

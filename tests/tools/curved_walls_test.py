@@ -40,7 +40,7 @@ def expect_wall_followed(name, size, levels, orders):
 
 
 def octahedron_of_gmsh():
-    """A ball as four cells round the line between its poles: all edges on the sphere but that line."""
+    """A ball as four cells around the line between its poles: all edges on the sphere but that line."""
     nodes = ["1 0 0", "0 1 0", "-1 0 0", "0 -1 0", "0 0 1", "0 0 -1"]
     triangles = [(a, a % 4 + 1, pole) for a in (1, 2, 3, 4) for pole in (5, 6)]
     cells = [(a, a % 4 + 1, 6, 5) for a in (1, 2, 3, 4)]

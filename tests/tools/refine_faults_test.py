@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""pamr-refine when processes die, are told to end, or get too little memory: it ends, says so, leaves no broken file."""
+"""pamr-refine when processes die, are asked to end, or get too little memory: it ends, says so, leaves no broken file."""
 import os
 import pathlib
 import signal

@@ -68,19 +68,19 @@ def check_parents(source, refined):
         centroid = corners(new).mean(axis=1)
         old_corners = corners(old)
 
-        def least_part(cells):
+        def min_part(cells):
             parts = []
             for i in range(4):
                 replaced = old_corners[cells].copy()
                 replaced[:, i] = centroid
                 parts.append(volume(replaced))
             return np.min(parts, axis=0)
-        assert (least_part(parent) >= -1e-15).all(), "a centroid outside its parent"
+        assert (min_part(parent) >= -1e-15).all(), "a centroid outside its parent"
         lineage = old["PAMR/lineage"][:][parent].astype(np.int64)
         child = np.where(((lineage & 3) != 0) & ((lineage & 0x80) == 0), lineage >> 5 & 3, 0)
         for back in range(1, 4):
             has = child >= back
-            assert not (least_part(np.where(has, parent - back, parent))[has] >= 1e-12).any(), "not the smallest"
+            assert not (min_part(np.where(has, parent - back, parent))[has] >= 1e-12).any(), "not the smallest"
 
 
 def mean_jump(name):

@@ -267,7 +267,7 @@ def transition():
     continuum = 15 / 4 * r * viscosity(ARGON, t) * 100
     value, error = conduction("transition", n, t, 8, 16.0, 0.06 / fast(t, ARGON["mass"]), 300, 1600)
     model = heat_between_plates(n * BOLTZMANN * t / (viscosity(ARGON, t) * math.sqrt(2 * r * t)))
-    for name, reference in (("beside the linearised Shakhov model", model), ("beside Sherman's interpolation", 1 / (1 + molecular / continuum))):
+    for name, reference in (("beside the linearized Shakhov model", model), ("beside Sherman's interpolation", 1 / (1 + molecular / continuum))):
         check("12", f"conduction at Kn {kn} over its free-molecular limit, {name}", reference, value / molecular, error / molecular, gated=False)
 
 

@@ -74,7 +74,7 @@ def walls(kind="symmetry", **given):
 
 
 def compute(name, tables, on, seed, plan=False):
-    """One run; its report, with `history` and `fields` besides."""
+    """One run; its report, with also its `history` and `fields`."""
     tables = {**tables, "run": {**tables.get("run", {}), "seed": seed}}
     tables.setdefault("domain", {"unit": 1.0})
     (OUT / f"{name}.toml").write_text(case_text(tables))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Heat between two diffuse plates at any rarefaction, from the linearised model equation of Shakhov: within 2 % of the Boltzmann
+"""Heat between two diffuse plates at any rarefaction, from the linearized model equation of Shakhov: within 2 % of the Boltzmann
 equation. Source: E. M. Shakhov, "Generalization of the Krook kinetic relaxation equation", Fluid Dynamics 3 (1968)."""
 import numpy as np
 

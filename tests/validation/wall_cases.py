@@ -29,7 +29,7 @@ def sphere(name, radius):
 
 
 def planes(half):
-    """Six planes of a box round the origin, normals outwards; `half` may differ by axis."""
+    """Six planes of a box around the origin, normals outwards; `half` may differ by axis."""
     text = ""
     for axis, letter in enumerate("xyz"):
         for sign, end in ((-1, "min"), (1, "max")):

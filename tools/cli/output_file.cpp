@@ -71,12 +71,12 @@ void write_through(const std::string& name, const std::string& text, bool to_dis
 
 // What the signal handler may touch: fixed storage, and a count that is raised after a path is in place.
 constexpr std::size_t max_paths = 16;
-std::array<std::array<char, PATH_MAX>, max_paths> doomed_path;
+std::array<std::array<char, PATH_MAX>, max_paths> path_to_remove;
 std::atomic<std::size_t> n_doomed{0};
 static_assert(std::atomic<std::size_t>::is_always_lock_free);
 
 extern "C" void remove_files_and_die(int signal) {
-  for (std::size_t i = 0; i < n_doomed.load(); ++i) ::unlink(doomed_path[i].data());
+  for (std::size_t i = 0; i < n_doomed.load(); ++i) ::unlink(path_to_remove[i].data());
   // The handler was installed for one shot, so this ends the process as the sender of the signal expects.
   ::raise(signal);
 }
@@ -146,7 +146,7 @@ void remove_on_interrupt(const std::string& path) {
   const auto slot = n_doomed.load();
   PAMR_EXPECTS(slot < max_paths);
   if (name.size() >= PATH_MAX) throw Error(path + ": the name is longer than this system allows");
-  std::memcpy(doomed_path[slot].data(), name.c_str(), name.size() + 1);
+  std::memcpy(path_to_remove[slot].data(), name.c_str(), name.size() + 1);
   n_doomed.store(slot + 1);
   if (slot > 0) return;
   struct sigaction action {};
@@ -158,7 +158,7 @@ void remove_on_interrupt(const std::string& path) {
 }
 
 void remove_partial_files() {
-  for (std::size_t i = 0; i < n_doomed.load(); ++i) ::unlink(doomed_path[i].data());
+  for (std::size_t i = 0; i < n_doomed.load(); ++i) ::unlink(path_to_remove[i].data());
 }
 
 }  // namespace pamr::cli

@@ -71,11 +71,11 @@ void print_error(const ToolInfo& info, const std::string& error, const std::stri
 const par::Runtime* running = nullptr;
 const ToolInfo* running_tool = nullptr;
 
-/// Ends this rank's part: prints the error once if all ranks end within `patience` seconds, here otherwise, in which
-/// case all are ended. Returns the common exit code.
-int end(const Ending& ending, double patience) {
+/// Ends this rank's part: prints the error once if all ranks end within `grace_period` seconds, here otherwise, in
+/// which case all are ended. Returns the common exit code.
+int end(const Ending& ending, double grace_period) {
   if (!ending.error.empty()) remove_partial_files();
-  const auto outcome = running->settle(static_cast<int>(ending.code), patience);
+  const auto outcome = running->settle(static_cast<int>(ending.code), grace_period);
   if (!outcome) {
     print_error(*running_tool, ending.error, " (on rank " + std::to_string(running->rank()) + ")");
     running->abort(static_cast<int>(ending.code));
@@ -86,7 +86,7 @@ int end(const Ending& ending, double patience) {
 
 /// An exception nobody expects is not caught, because destructors on its way could wait for ranks that never come.
 [[noreturn]] void end_after_failure() {
-  constexpr double patience = 3;
+  constexpr double grace_period = 3;
   Ending ending{ExitCode::internal, "ended without an exception"};
   try {
     if (const auto failure = std::current_exception()) std::rethrow_exception(failure);
@@ -97,7 +97,7 @@ int end(const Ending& ending, double patience) {
   } catch (...) {
     ending.error = "internal: exception of an unknown type";
   }
-  const int code = end(ending, patience);
+  const int code = end(ending, grace_period);
   (void)running->settle(code, 1);  // whoever aborts first takes the others with it: not before one has reported
   running->abort(code);
 }

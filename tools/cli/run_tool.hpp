@@ -17,7 +17,7 @@ struct ToolInfo {
 };
 
 /// The whole life of a tool: starts MPI, reads the command line, runs `work`, and turns what happened into the exit
-/// code, the same on every rank. To be the only statement of `main` besides the options' declaration.
+/// code, the same on every rank. To be the only statement of `main` other than the options' declaration.
 ///
 /// `declare` adds the tool's own options and arguments; --help, --version, --json and --quiet are there already. It
 /// runs on every rank and must not communicate. `work` runs on every rank after the command line was read and returns

@@ -7,7 +7,8 @@ namespace pamr::geometry {
 
 namespace {
 
-/// Unit vector perpendicular to the direction, made from the coordinate axis that is farthest from it (the first among equals).
+/// Unit vector perpendicular to the direction, made from the coordinate axis that is farthest from it (the first among
+/// equals).
 Vec3 side_of(Vec3 direction) {
   const double x = std::abs(direction.x), y = std::abs(direction.y), z = std::abs(direction.z);
   const Vec3 least = x <= y && x <= z ? Vec3{1, 0, 0} : (y <= z ? Vec3{0, 1, 0} : Vec3{0, 0, 1});

@@ -50,8 +50,8 @@ class Surface {
   virtual double facet_deviation(Vec3 /*point*/) const { return 0; }
   /// True when moving along a straight segment between two of its points stays on it (a plane): nothing to project.
   virtual bool is_flat() const { return false; }
-  /// Bound of the coordinates and radii that the surface is made of. Rounding errors of `project` are relative to it and
-  /// to the coordinates of the point.
+  /// Bound of the coordinates and radii that the surface is made of. Rounding errors of `project` are relative to it
+  /// and to the coordinates of the point.
   virtual double magnitude() const { return 0; }
 };
 

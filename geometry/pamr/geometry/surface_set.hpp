@@ -17,7 +17,7 @@ class Surface;
 struct SurfaceSet {
   std::vector<std::string> name;
   std::vector<std::string> described_at;  ///< where each is described (file:line:column), to be named in errors
-  std::vector<std::shared_ptr<const Surface>> surface;  ///< null where the description was not read
+  std::vector<std::shared_ptr<const Surface>> surface;               ///< null where the description was not read
   std::string toml;                                                  ///< the description: entries `[[surface]]`
   std::vector<std::shared_ptr<const Triangulation>> triangulations;  ///< data that the description refers to
 

@@ -28,7 +28,7 @@ nlohmann::json over_ranks(const std::vector<double>& all) {
 
 nlohmann::json over_ranks(const par::Comm& comm, double here) { return over_ranks(comm.all_gather(here)); }
 
-/// What a step took besides its time; one entry for each key of the report.
+/// What a step took in addition to its time; one entry for each key of the report.
 std::vector<std::pair<const char*, double>> quantities(const StepTime& step) {
   const auto& traffic = step.traffic;
   return {{"compute", step.compute()},

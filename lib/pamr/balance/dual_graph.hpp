@@ -46,7 +46,7 @@ struct DualGraph {
 };
 
 /// Builds it. Collective: one exclusive sum, one sum, one neighbor exchange of 8 bytes a rank-border face. Order of
-/// the arcs: as the faces are met. Cost: O(cells) time, 8 bytes a cell besides the result.
+/// the arcs: as the faces are met. Cost: O(cells) time, 8 bytes a cell in addition to the result.
 DualGraph build_dual_graph(const par::Comm& comm, const mesh::DistMesh& mesh, const Groups& groups,
                            std::span<const std::int64_t> cell_weight);
 

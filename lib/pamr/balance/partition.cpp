@@ -19,7 +19,7 @@ namespace pamr::balance {
 namespace {
 
 /// Scotch wants something to choose from: below so many vertices a part, runs of cells do as well.
-constexpr std::int64_t least_vertices_per_part = 8;
+constexpr std::int64_t min_vertices_per_part = 8;
 
 struct PartPair {
   Rank of = 0;
@@ -134,7 +134,7 @@ std::vector<Rank> part_by_scotch(const par::Comm& comm, const mesh::DistMesh& me
   const auto groups =
       is_fine ? group_families(mesh) : group_by_weight(mesh, weight, std::max<std::int64_t>(1, total / n_wanted));
   const auto graph = build_dual_graph(comm, mesh, groups, weight);
-  is_done = graph.n_global_vertices >= least_vertices_per_part * n_parts;
+  is_done = graph.n_global_vertices >= min_vertices_per_part * n_parts;
   if (!is_done) return {};
   const auto of_vertex = scotch_partition(comm, graph, n_parts, options.tolerance);
   std::vector<Rank> part(weight.size());

@@ -16,7 +16,7 @@ struct CellEdge {
   int edge = 0;
 };
 
-/// What the ranks of a distributed mesh share besides faces. Built once for each mesh.
+/// What the ranks of a distributed mesh share in addition to faces. Built once for each mesh.
 struct Borders {
   /// Border edges: `edges.item` counts them from 0. A rank may hold several arcs of the ring of one edge;
   /// `arc[arc_offset[i] .. arc_offset[i+1])` names one cell of each.

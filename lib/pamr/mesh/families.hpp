@@ -24,7 +24,7 @@
 /// All are positively oriented when the parent is.
 namespace pamr::mesh {
 
-/// True when the bits describe a cell that can be: a kind, template index, child number and no bits besides.
+/// True when the bits describe a cell that can be: a kind, template index, child number and no other bits.
 bool is_well_formed(Lineage lineage);
 
 /// The same family's cell number `child`.

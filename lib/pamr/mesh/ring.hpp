@@ -46,7 +46,7 @@ LocalId walk_one_way(const DistMesh& mesh, LocalId start, LocalId a, LocalId b, 
 
 }  // namespace detail
 
-/// Calls `visit(cell, edge)` for every own cell round the edge `edge` of `start`, `start` first, each with the edge's
+/// Calls `visit(cell, edge)` for every own cell around the edge `edge` of `start`, `start` first, each with the edge's
 /// number in that cell: the cells of an edge found through the cell neighbors, without edge arrays. Local. Where the
 /// ring is cut by the boundary or a rank border, the cells joined to `start` by own faces at the edge are visited.
 /// Cost: about five cells an edge. Source: the method of DSMC-driven parallel adaptive mesh refinement (PAMR),

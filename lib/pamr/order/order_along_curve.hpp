@@ -29,8 +29,8 @@ struct Disorder {
   bool is_small() const { return 4 * far_links <= links && 2 * lonely_corners <= corners; }
 };
 
-/// Collective: one reduction (without neighbors four gathers of one number a rank besides). Numbers out of range count
-/// as far. Cost: one pass over the cells.
+/// Collective: one reduction (without neighbors four gathers of one number a rank in addition). Numbers out of range
+/// count as far. Cost: one pass over the cells.
 Disorder measure_disorder(const par::Comm& comm, const mesh::BlockMesh& block);
 
 /// True where ordering would gain little. Collective.

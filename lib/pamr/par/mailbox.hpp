@@ -11,7 +11,7 @@
 namespace pamr::par {
 
 /// Sorts items by the rank that they are for, to be sent together: at most one message to each rank. 24 bytes a rank
-/// besides the items.
+/// in addition to the items.
 template <class T>
 class Mailbox {
  public:

@@ -107,12 +107,12 @@ bool all_close_well(const geometry::TetPoints& corner, EdgeMask marks, double li
 
 bool closes_badly(const geometry::TetPoints& corner, EdgeMask marks) {
   if (marks == 0 || marks == all_edges) return false;
-  if (all_close_well(corner, marks, cubed(poorest_closure) * (1 + 1e-9))) return false;
+  if (all_close_well(corner, marks, cubed(worst_closure) * (1 + 1e-9))) return false;
   const auto points = straight_points(corner);
   double worst = std::popcount(marks) == 3 ? worst_shape(points, state_of_mask[marks]) : 1;
   for (int e = 0; e < 6; ++e)
     if ((marks >> e & 1) != 0) worst = std::min(worst, worst_shape(points, 1 + e));
-  return worst < cubed(poorest_closure) && worst_shape(points, 11 + choose_diagonal(points, true)) > worst;
+  return worst < cubed(worst_closure) && worst_shape(points, 11 + choose_diagonal(points, true)) > worst;
 }
 
 EdgeMask required_marks(const mesh::DistMesh& mesh, LocalId cell, EdgeMask marks, QualityControl policy) {

@@ -15,11 +15,11 @@ namespace pamr::refine {
 EdgeMask required_marks(const mesh::DistMesh& mesh, LocalId cell, EdgeMask marks, QualityControl policy);
 
 /// True when a cell should rather become eight than be closed with these legal marks (1:2 or 1:4): when closing one of
-/// the marked edges, or the marked face, would make a cell of mean ratio under `poorest_closure`, and 1:8 would not
+/// the marked edges, or the marked face, would make a cell of mean ratio under `worst_closure`, and 1:8 would not
 /// make one as poor. New nodes are taken in the middle of their edges. Because one bad edge is enough, whatever else is
 /// marked, the rule is monotone. Used by `removable`, on regular cells and rebuilt parents.
 bool closes_badly(const geometry::TetPoints& corner, EdgeMask marks);
-inline constexpr double poorest_closure = 0.3;
+inline constexpr double worst_closure = 0.3;
 
 /// Marks of the better of the two faces that hold a short edge of a closure cell: the one whose four children have the
 /// larger smallest mean ratio, ties by the coordinates of the face's third corner. 0 when the edge is not short, that

@@ -89,7 +89,7 @@ constexpr void split_closure(SplitPattern& p, mesh::FamilyKind kind, int index) 
   for (int child = 0; child < family.n_children; ++child) add_child(p, family.child_to_node[at(child)]);
 }
 
-/// Corner children 0..3, then the four cells round the diagonal: each holds its two ends and one edge of the ring of
+/// Corner children 0..3, then the four cells around the diagonal: each holds its two ends and one edge of the ring of
 /// the other four midpoints.
 constexpr void split_all(SplitPattern& p, int diagonal) {
   for (int kept = 0; kept < 4; ++kept) {

@@ -43,7 +43,7 @@ struct Untangled {
 /// is not enough, nodes of the wall along their surfaces too, which spoils the shape of the wall's faces.
 ///
 /// `position`: of every node of the level, those of `movement` at their targets. The result has the targets that are
-/// best, and the inner nodes that moved besides.
+/// best, and the other inner nodes that moved.
 /// A round takes nodes that have no cell in common (by a hash of their coordinates), tries places around each and keeps
 /// the one whose worst cell is best, if better than before: the worst cell at any node never gets worse.
 /// There is nothing to do unless a cell of `movement` is poor (`is_gentle`: inverted, or very poor because of the

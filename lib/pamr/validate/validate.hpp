@@ -42,8 +42,8 @@ struct Violation {
 ///
 /// Where `ids_in_range` or `distinct_corners` is broken the checks that follow numbers are left out. Cells round one
 /// edge are found by walks through the neighbors elsewhere; meshes that pass here cannot lead such a walk astray.
-/// Collective. Cost: O(cells log(faces at a node)) time, 16 bytes a cell of memory besides the mesh; exchanges of 16
-/// bytes a node, and proportional to the rank border and to the boundary.
+/// Collective. Cost: O(cells log(faces at a node)) time, 16 bytes a cell of memory in addition to the mesh; exchanges
+/// of 16 bytes a node, and proportional to the rank border and to the boundary.
 std::vector<Violation> validate(const par::Comm& comm, const mesh::DistMesh& mesh);
 
 /// Throws `Error` naming the first violation, where it is, and `what`, the same on every rank. Collective.

@@ -12,7 +12,7 @@ namespace pamr::validate {
 
 namespace {
 
-constexpr double least_mean_ratio = 1e-8;
+constexpr double min_mean_ratio = 1e-8;
 
 bool is_finite(geometry::Vec3 p) { return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z); }
 
@@ -57,7 +57,7 @@ void check_shapes(const mesh::DistMesh& mesh, Findings& findings) {
     if (!std::all_of(p.begin(), p.end(), is_finite)) continue;
     if (!geometry::is_positive(p[0], p[1], p[2], p[3]))
       findings.add(Invariant::orientation_positive, number_of(mesh, c));
-    if (!(std::abs(geometry::mean_ratio(p)) >= least_mean_ratio)) findings.add(Invariant::not_flat, number_of(mesh, c));
+    if (!(std::abs(geometry::mean_ratio(p)) >= min_mean_ratio)) findings.add(Invariant::not_flat, number_of(mesh, c));
   }
 }
 

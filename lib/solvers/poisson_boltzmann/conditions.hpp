@@ -17,7 +17,7 @@ struct Conditions {
   std::vector<int> deciding_patch;  ///< patch that gives u there, -1 elsewhere
   std::vector<double> robin;        ///< alpha times the lumped area
   std::vector<double> load;         ///< lumped: given charges, what belongs to psi0, sources
-  std::vector<double> fixed_area;   ///< a third of the faces of fixed patches round the node
+  std::vector<double> fixed_area;   ///< a third of the faces of fixed patches around the node
   /// Nodes where patches meet whose given potentials differ; the first such pair of patches by number.
   std::int64_t n_contradictions = 0;
 };

@@ -42,7 +42,7 @@ struct Domain {
   NodeMap nodes;
   double scale = 1;                         ///< Debye lengths in one length unit of the mesh
   std::vector<geometry::Vec3> point;        ///< n_nodes, Debye lengths
-  std::vector<double> node_volume;          ///< n_nodes: a quarter of the cells round the node, summed over the ranks
+  std::vector<double> node_volume;          ///< n_nodes: a quarter of the cells around the node, summed over the ranks
   std::vector<std::uint64_t> node_patches;  ///< n_nodes: bit p is set where the node lies on patch p, on any rank
   std::vector<BoundaryFace> faces;          ///< of this rank
   std::vector<PatchShape> patches;          ///< one for each patch of the mesh

@@ -182,7 +182,7 @@ void System::add_gauss_matrix(const std::vector<double>& u) {
   require(MatAssemblyEnd(jacobian_, MAT_FINAL_ASSEMBLY));
 }
 
-void System::linearise(Vec u) {
+void System::linearize(Vec u) {
   const bool nodal = problem_.input.solver.quadrature == Quadrature::nodal;
   if (!nodal) {
     require(MatCopy(stiffness_, jacobian_, SAME_NONZERO_PATTERN));
@@ -210,7 +210,7 @@ PetscErrorCode System::residual_callback(SNES, Vec u, Vec f, void* context) {
 }
 
 PetscErrorCode System::jacobian_callback(SNES, Vec u, Mat, Mat, void* context) {
-  static_cast<System*>(context)->linearise(u);
+  static_cast<System*>(context)->linearize(u);
   return 0;
 }
 
@@ -277,7 +277,7 @@ Solution System::solve(std::span<const double> start, const std::function<void(c
 }
 
 std::vector<double> System::solve_linearised(std::span<const double> load, std::span<const double> value) {
-  linearise(unknown_);
+  linearize(unknown_);
   std::vector<double> given(domain_.point.size(), 0), right(load.begin(), load.end());
   if (!value.empty())
     for (std::size_t i = 0; i < given.size(); ++i)

@@ -48,7 +48,7 @@ class System {
   /// - Converged when the residual is below `tolerance` times that of the potential that is 0 off the boundary.
   Solution solve(std::span<const double> start, const std::function<void(const NewtonStep&)>& show);
 
-  /// Solution w of the linearised equation at the last solution, w = `value` where u is given (zeros when empty), with
+  /// Solution w of the linearized equation at the last solution, w = `value` where u is given (zeros when empty), with
   /// `load` at the free nodes. Collective.
   std::vector<double> solve_linearised(std::span<const double> load, std::span<const double> value);
 
@@ -59,7 +59,7 @@ class System {
   static PetscErrorCode residual_callback(SNES snes, Vec u, Vec f, void* context);
   static PetscErrorCode jacobian_callback(SNES snes, Vec u, Mat j, Mat p, void* context);
   void residual(Vec u, Vec f, bool with_fixed) const;
-  void linearise(Vec u);
+  void linearize(Vec u);
   void eliminate_fixed();
   template <class Use>
   void at_gauss_points(std::size_t cell, const std::vector<double>& u, const Use& use) const;

@@ -266,7 +266,7 @@ TEST(Assemble, SendsWholeFamiliesToTheDestinationOfTheirFirstMember) {
   const par::Comm comm(MPI_COMM_WORLD);
   const auto whole = families_mesh();
   const auto block = test::cut(comm, whole);
-  std::vector<Rank> to;  // neighboring cells are told to go to different ranks
+  std::vector<Rank> to;  // neighboring cells are sent to different ranks
   for (std::size_t c = 0; c < block.cell_to_node.size(); ++c)
     to.push_back(static_cast<Rank>((block.first_cell + static_cast<GlobalId>(c)) % comm.size()));
 

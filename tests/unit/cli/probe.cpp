@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-/// A tool that behaves or misbehaves as it is told, for the test of the life of a tool.
+/// A tool that behaves or misbehaves on request, for the test of the life of a tool.
 #include <unistd.h>
 
 #include <chrono>

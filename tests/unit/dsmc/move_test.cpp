@@ -112,7 +112,7 @@ TEST(Move, AMillionFlightsInAMirroredBoxEndWhereTheStraightLineDoesAndLoseNoPart
   double worst = 0;
 
   for (int step = 0; step < 10; ++step) {
-    // Every particle's place is told to all ranks' owners by its id: gather what this rank holds before the step.
+    // Every particle's place is sent to all ranks' owners by its id: gather what this rank holds before the step.
     std::vector<double> before(static_cast<std::size_t>(6 * n), 0);
     for (std::size_t i = 0; i < box.particles.size(); ++i) {
       const auto at = 6 * box.particles.id[i];

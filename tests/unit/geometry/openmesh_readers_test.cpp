@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// OpenMesh as an independent judge: it reads what our files hold, and our readers read what it writes.
+// OpenMesh as an independent reference: it reads what our files hold, and our readers read what it writes.
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -97,11 +97,11 @@ TEST(SurfaceFileJudge, OpenMeshReadsTheSameTrianglesFromOurFiles) {
     for (const auto& [file, bytes] : files) {
       const auto path = folder / (name + file);
       std::ofstream(path, std::ios::binary) << bytes;
-      Judge judge;
+      Judge oracle;
 
-      ASSERT_TRUE(OpenMesh::IO::read_mesh(judge, path.string())) << path;
+      ASSERT_TRUE(OpenMesh::IO::read_mesh(oracle, path.string())) << path;
 
-      expect_same(corners_of(parse_triangulation(bytes, path.string())), corners_of(judge), name + file);
+      expect_same(corners_of(parse_triangulation(bytes, path.string())), corners_of(oracle), name + file);
     }
   }
 }
@@ -117,22 +117,22 @@ TEST(SurfaceFileJudge, OurReadersFindTheTrianglesThatOpenMeshWrites) {
                                                           {"big.ply", Option(Option::Binary) + Option(Option::MSB)}};
   const Folder folder;
   for (const auto& [name, surface] : bodies()) {
-    Judge judge;
+    Judge oracle;
     std::vector<Judge::VertexHandle> vertex;
-    for (const Vec3 p : surface.points) vertex.push_back(judge.add_vertex({p.x, p.y, p.z}));
+    for (const Vec3 p : surface.points) vertex.push_back(oracle.add_vertex({p.x, p.y, p.z}));
     for (const auto& [a, b, c] : surface.triangles)
-      ASSERT_TRUE(judge
+      ASSERT_TRUE(oracle
                       .add_face(vertex[static_cast<std::size_t>(a)], vertex[static_cast<std::size_t>(b)],
                                 vertex[static_cast<std::size_t>(c)])
                       .is_valid());
     for (const auto& [file, option] : kinds) {
       const auto path = folder / (name + file);
-      ASSERT_TRUE(OpenMesh::IO::write_mesh(judge, path.string(), option, 17)) << path;
+      ASSERT_TRUE(OpenMesh::IO::write_mesh(oracle, path.string(), option, 17)) << path;
 
       const auto read = read_triangulation(path.string());
 
       EXPECT_EQ(read.points.size(), surface.points.size()) << path;
-      expect_same(corners_of(read), corners_of(judge), name + file);
+      expect_same(corners_of(read), corners_of(oracle), name + file);
     }
   }
 }

@@ -39,7 +39,7 @@ TEST(Windows, CoverTheRowsOnceAndInOrderWhateverTheFirstId) {
 
 TEST(Windows, AreFilledFromRowsWithNumbersBeyond32Bits) {
   const par::Comm comm(MPI_COMM_WORLD);
-  std::vector<GlobalId> ids;  // dealt round the ranks
+  std::vector<GlobalId> ids;  // dealt around the ranks
   for (GlobalId row = comm.rank(); row < 50; row += comm.size()) ids.push_back(two_to_33 + row);
   const io::HeldRows rows{{50, two_to_33}, 2, ids, {}, [&](std::size_t first, std::size_t n, std::uint64_t* to) {
                             for (auto i = first; i < first + n; ++i, to += 2) {

@@ -76,7 +76,7 @@ TEST(AllCells, MarksEveryCell) {
 }
 
 TEST(CrossingSphere, MarksCellsWithCornersOnBothSides) {
-  // The sphere round the origin through no node: only the six cells at the corner have a node nearer than 0.2.
+  // The sphere around the origin through no node: only the six cells at the corner have a node nearer than 0.2.
   const auto count = expect_same_on_one_rank([](const auto&, const auto& mesh) {
     return crossing_sphere(mesh, {{0, 0, 0}, 0.2});
   });

@@ -136,11 +136,11 @@ TEST(MarksWithinBudget, TakesAsManyAsFit) {
   EXPECT_LT(n_predictions, 6 * 8);
 
   const auto ten = marks_within_budget(comm, mesh, indicator, 48 + 70, prediction);
-  double least_marked = 4, greatest_left = 0;
+  double min_marked = 4, max_left = 0;
   for (std::size_t i = 0; i < ten.size(); ++i)
-    (ten[i] != 0 ? least_marked : greatest_left) =
-        ten[i] != 0 ? std::min(least_marked, indicator[i]) : std::max(greatest_left, indicator[i]);
-  EXPECT_GE(comm.min(least_marked), comm.max(greatest_left));
+    (ten[i] != 0 ? min_marked : max_left) =
+        ten[i] != 0 ? std::min(min_marked, indicator[i]) : std::max(max_left, indicator[i]);
+  EXPECT_GE(comm.min(min_marked), comm.max(max_left));
 }
 
 }  // namespace

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Balls known by five and six nodes: all edges on the sphere but the one inside.
-#include "meshing/repair/find_wall_ears.hpp"
-#include "meshing/repair/open_wall_ears.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <string>
 
+#include "meshing/repair/find_wall_ears.hpp"
+#include "meshing/repair/open_wall_ears.hpp"
 #include "pamr/geometry/tet_shape.hpp"
 #include "pamr/validate/validate.hpp"
 #include "support/meshes.hpp"
@@ -26,7 +25,7 @@ mesh::BlockMesh tied(mesh::BlockMesh block, const std::string& surfaces) {
   return block;
 }
 
-/// Four cells round the axis between nodes 4 and 5.
+/// Four cells around the axis between nodes 4 and 5.
 mesh::BlockMesh octahedron(const par::Comm& comm) {
   return test::small_mesh(comm, {{1, 0, 0}, {0, 1, 0}, {-1, 0, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}},
                           {{0, 1, 5, 4}, {1, 2, 5, 4}, {2, 3, 5, 4}, {3, 0, 5, 4}});

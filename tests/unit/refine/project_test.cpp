@@ -159,7 +159,7 @@ TEST(Projection, LetsNewNodesOfAPlaneFollowTheWallWithinThePlane) {
   EXPECT_GT(n_followed, 0);
 }
 
-double least_volume_at(const mesh::BlockMesh& whole, GlobalId node) {
+double min_volume_at(const mesh::BlockMesh& whole, GlobalId node) {
   double least = 1;
   for (const auto& nodes : whole.cell_to_node)
     if (std::find(nodes.begin(), nodes.end(), node) != nodes.end()) {
@@ -185,7 +185,7 @@ mesh::BlockMesh strained_mesh(const par::Comm& self, std::uint64_t seed) {
       auto& at = whole.node_position[static_cast<std::size_t>(node)];
       const auto before = at;
       at = at + geometry::Vec3{component(random), component(random), component(random)};
-      if (least_volume_at(whole, node) < 1e-6) at = before;
+      if (min_volume_at(whole, node) < 1e-6) at = before;
     }
   return whole;
 }

@@ -34,7 +34,8 @@ struct SurfaceVtuOptions {
   bool shares_points = true;   ///< equal corners become one point; corner fields need false: points of its own for each
   int coordinate_digits = 17;  ///< 17 keep every bit; values of fields are printed with 9
   bool names_scalars = false;  ///< the first field on points and the first on cells are what a viewer shows at first
-  std::string attributes = {};  ///< of the element VTKFile, besides type and version: " byte_order=\"LittleEndian\""
+  std::string attributes =
+      {};  ///< of the element VTKFile, in addition to type and version: " byte_order=\"LittleEndian\""
 };
 
 /// Writes triangles with fields as one `.vtu` file (VTK XML unstructured grid, text): for surfaces that people look at

@@ -36,8 +36,8 @@ class Reader {
   void skip(std::int64_t n, std::size_t n_large, std::string_view what) {
     is_binary_ ? in_->skip_rows(n, 8 * n_large, what) : in_->skip_lines(n, what);
   }
-  std::int64_t count(std::size_t least_bytes, std::string_view what) {
-    return in_->checked_count(large("the number of " + std::string(what)), least_bytes, what);
+  std::int64_t count(std::size_t min_bytes, std::string_view what) {
+    return in_->checked_count(large("the number of " + std::string(what)), min_bytes, what);
   }
   TextCursor& in() { return *in_; }
 

@@ -134,8 +134,8 @@ double TextCursor::real(std::string_view what) {
   return value;
 }
 
-std::int64_t TextCursor::checked_count(std::int64_t count, std::size_t least_bytes, std::string_view what) const {
-  if (count < 0 || static_cast<std::uint64_t>(count) > remaining() / least_bytes)
+std::int64_t TextCursor::checked_count(std::int64_t count, std::size_t min_bytes, std::string_view what) const {
+  if (count < 0 || static_cast<std::uint64_t>(count) > remaining() / min_bytes)
     fail("a number of " + std::string(what) + " that fits the file", fmt::format("{}", count));
   return count;
 }

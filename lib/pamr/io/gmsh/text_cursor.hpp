@@ -69,8 +69,8 @@ class TextCursor {
     return read;
   }
 
-  /// A count that leaves at least `least_bytes` for each item in the rest of the file: no array grows beyond the file.
-  std::int64_t checked_count(std::int64_t count, std::size_t least_bytes, std::string_view what) const;
+  /// A count that leaves at least `min_bytes` for each item in the rest of the file: no array grows beyond the file.
+  std::int64_t checked_count(std::int64_t count, std::size_t min_bytes, std::string_view what) const;
 
   [[noreturn]] void fail(const std::string& expected, const std::string& found) const;
 

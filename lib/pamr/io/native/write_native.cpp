@@ -259,7 +259,7 @@ void Writer::write_attributes() const {
 /// Makes sure of the space before HDF5 opens the file, so that a full disk is noticed here, in a system call: HDF5 1.10
 /// cannot close a file that it cannot complete.
 void Writer::make_room() const {
-  // Room for the structure of the file besides its data: generous, since it is given back.
+  // Room for the structure of the file in addition to its data: generous, since it is given back.
   const auto bytes = plan_.data_bytes + 65536 + 4096 * (plan_.arrays.size() + plan_.texts.size());
   bool has_room = true;
   par::agree(*comm_, [&] {
@@ -329,10 +329,10 @@ void Writer::write_local(const ArrayPlan& plan, hid_t dataset, Checksum& checksu
 /// Writes rows that travel, slab by slab. Collective.
 void Writer::write_travelling(const ArrayPlan& plan, hid_t dataset, Checksum& checksum) {
   const auto slab = rows_in(options_.slab_bytes, plan);
-  GlobalId most_rows = 0;
+  GlobalId max_rows = 0;
   for (Rank rank = 0; rank < comm_->size(); ++rank)
-    most_rows = std::max(most_rows, rows_written(plan.rows, rank, comm_->size()).count());
-  const auto n_steps = (most_rows + slab - 1) / slab;
+    max_rows = std::max(max_rows, rows_written(plan.rows, rank, comm_->size()).count());
+  const auto n_steps = (max_rows + slab - 1) / slab;
   for (GlobalId step = 0; step < n_steps; ++step) {
     collect(*comm_, plan.rows, step, slab, window_);
     par::agree(*comm_, [&] { write_window(plan, dataset, checksum); });

@@ -23,7 +23,7 @@ struct Region {
   }
 };
 
-/// Everything that a computation needs besides the mesh, in SI units.
+/// Everything that a computation needs in addition to the mesh, in SI units.
 struct Setup {
   Gas gas;
   std::vector<Stream> stream;            ///< the first is the free stream

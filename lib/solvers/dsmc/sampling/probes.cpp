@@ -42,7 +42,7 @@ std::pair<double, double> extent_in_x(const TetPoints& corner) {
   return {low - room, high + room};
 }
 
-/// The value that rank 0 is told of a point.
+/// The value that rank 0 receives for a point.
 struct Found {
   std::int64_t point = 0;
   GlobalId cell = 0;
