@@ -5,6 +5,6 @@
 
 int main() {
   const auto mesh_case = pamr::meshing::case_of_shape("sphere-in-box", 0.5);
-  std::printf("%s: drag in free flow %.3f\n", pamr::meshing::describe(mesh_case).c_str(),
-              pamr::dsmc::free_molecular_sphere_drag(5, 1));
+  std::printf("%s: flux factor at speed ratio 5: %.3f\n", pamr::meshing::describe(mesh_case).c_str(),
+              pamr::dsmc::flux_factor(5));
 }
