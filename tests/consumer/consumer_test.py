@@ -58,7 +58,7 @@ class Consumer(unittest.TestCase):
         self.run_ok(CMAKE, "--build", build)
         self.run_ok(*MPIEXEC, "2", os.path.join(build, "refine_ball"))
         if os.path.exists(os.path.join(build, "clients")):
-            self.assertIn("drag", self.run_ok(os.path.join(build, "clients")))
+            self.assertIn("flux factor", self.run_ok(os.path.join(build, "clients")))
         self.tool("pamr-quality", "fine.hdf", "--gate", "inverted_cells:max:0")
 
         self.run_ok(sys.executable, os.path.join(CONSUMER, "mark_ball.py"))
