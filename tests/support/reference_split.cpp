@@ -24,7 +24,7 @@ mesh::Lineage child_lineage(const Piece& parent, mesh::FamilyKind kind, int inde
   return {kind, index, child, kind == mesh::FamilyKind::regular ? level + 1 : level};
 }
 
-/// The four cells round an inner diagonal: each holds both its ends and two neighboring nodes of the ring of the other
+/// The four cells at an inner diagonal: each holds both its ends and two neighboring nodes of the ring of the other
 /// four middles. `m[e]` is the middle of edge e. Two middles of that ring are neighbors unless their edges are
 /// opposite ones. Orientation is looked up in a cell with simple numbers.
 std::vector<Quad> cells_round_diagonal(const std::array<GlobalId, 6>& m, int diagonal) {

@@ -9,7 +9,7 @@
 
 namespace pamr::mesh {
 
-/// Where a walk round an edge ended: nowhere (`is_closed`), or at two neighbor slots that are no own cells (patches or
+/// Where a walk around an edge ended: nowhere (`is_closed`), or at two neighbor slots that are no own cells (patches or
 /// face ghosts).
 struct RingEnds {
   bool is_closed = true;

@@ -105,7 +105,7 @@ void FamilyLinker::link(std::size_t i) {
   for (int face = 0; face < 4; ++face) link_face(parent, face);
 }
 
-/// Has what stands round a family fetched while earlier ones are linked: its neighbors are scattered in memory. To
+/// Has what surrounds a family fetched while earlier ones are linked: its neighbors are scattered in memory. To
 /// fetch siblings, too, and the first cell where there is none costs less than to tell them apart.
 void FamilyLinker::prefetch_neighbors(LocalId first) const {
   const auto end = first + old_.lineage[at(first)].family_size();
