@@ -32,8 +32,8 @@ test_packages=(libgtest-dev libgmock-dev libbenchmark-dev libopenmesh-dev python
 picture_packages=(python3-vtk9 python3-h5py python3-numpy xvfb xauth)
 
 with_tests=OFF
-precompile=ON
-[ -z "${CI:-}" ] || precompile=OFF # each source is seen to include what it needs
+batches=ON
+[ -z "${CI:-}" ] || batches=OFF # each source is seen to include what it needs
 packages_only=no
 for option in "$@"; do
   case $option in
@@ -83,7 +83,7 @@ is_configured() {
   local cache=$build/CMakeCache.txt
   [ -f "$build/build.ninja" ] && grep -qxF "CMAKE_HOME_DIRECTORY:INTERNAL=$root" "$cache" || return 1
   [ $with_tests = OFF ] || grep -qx 'PAMR_TESTS:BOOL=ON' "$cache" || return 1
-  grep -qx "PAMR_PRECOMPILE:BOOL=$precompile" "$cache" || return 1
+  grep -qx "PAMR_BATCHES:BOOL=$batches" "$cache" || return 1
   [ -z "${CI:-}" ] || { grep -q '^CMAKE_VERIFY_INTERFACE_HEADER_SETS:.*=ON$' "$cache" &&
     [ -f "$build/compile_commands.json" ]; }
 }
@@ -96,7 +96,7 @@ configure() {
     fresh=(--fresh) # made for another checkout
   fi
   (cd -- "$root" && cmake --preset release "${fresh[@]}" -B "$build" -DPAMR_TESTS=$with_tests \
-    -DPAMR_BENCH=$with_tests -DPAMR_PRECOMPILE=$precompile -DPAMR_STRICT="${CI:+ON}" \
+    -DPAMR_BENCH=$with_tests -DPAMR_BATCHES=$batches -DPAMR_STRICT="${CI:+ON}" \
     -DCMAKE_VERIFY_INTERFACE_HEADER_SETS="${CI:+ON}")
 }
 
