@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "pamr/balance/migrate.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <string>
 #include <utility>
@@ -23,21 +25,21 @@ void check_destinations(const par::Comm& comm, const mesh::DistMesh& mesh, std::
   par::agree(comm, [&] {
     const auto require_length = [&](std::size_t n, const char* what) {
       if (n != at(mesh.n_cells()))
-        throw Error("migrate: expected one " + std::string(what) + " for each of the " +
-                    std::to_string(mesh.n_cells()) + " cells of rank " + std::to_string(comm.rank()) + ", found " +
-                    std::to_string(n));
+        throw Error(fmt::format("migrate: expected one {} for each of the {} cells of rank {}, found {}", what,
+                                mesh.n_cells(), comm.rank(), n));
     };
     require_length(destination.size(), "destination");
     if (cell_byte != nullptr) require_length(cell_byte->size(), "byte");
     for (std::size_t c = 0; c < destination.size(); ++c) {
       if (destination[c] < 0 || destination[c] >= comm.size())
-        throw Error("migrate: expected a rank below " + std::to_string(comm.size()) + ", found " +
-                    std::to_string(destination[c]) + " for cell " + std::to_string(mesh.cell_global[c]));
+        throw Error(fmt::format("migrate: expected a rank below {}, found {} for cell {}", comm.size(), destination[c],
+                                mesh.cell_global[c]));
       const auto lineage = mesh.lineage[c];
       if (lineage.is_removable() && destination[c] != destination[c - at(lineage.child())])
-        throw Error("migrate: expected the cells of a closure family to go to one rank, found ranks " +
-                    std::to_string(destination[c - at(lineage.child())]) + " and " + std::to_string(destination[c]) +
-                    " for the family of cell " + std::to_string(mesh.cell_global[c]));
+        throw Error(fmt::format(
+            "migrate: expected the cells of a closure family to go to one rank, found ranks {} and {} for the family "
+            "of cell {}",
+            destination[c - at(lineage.child())], destination[c], mesh.cell_global[c]));
     }
   });
 }

@@ -37,7 +37,7 @@ Rebalanced rebalance(const par::Comm& comm, mesh::DistMesh mesh, std::span<const
                      const Options& options = {});
 
 /// The same with integer weights as `partition` takes them, and with one byte a cell that travels along (see
-/// `migrate`).
+/// `migrate`). Collective.
 Rebalanced rebalance(const par::Comm& comm, mesh::DistMesh mesh, std::span<const std::int64_t> weight,
                      const Options& options, std::vector<std::uint8_t>* cell_byte = nullptr);
 

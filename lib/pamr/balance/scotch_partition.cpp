@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "pamr/balance/scotch_partition.hpp"
 
+#include <fmt/format.h>
 #include <ptscotch.h>
 
 #include <array>
@@ -46,9 +47,8 @@ namespace {
 void require_success(const par::Comm& comm, int code, const char* call) {
   par::agree(comm, [&] {
     if (code == 0) return;
-    throw Error(std::string("partition: expected ") + call + " to succeed, found that it failed" +
-                (last_complaint().empty() ? "" : ": " + last_complaint()) + " (rank " + std::to_string(comm.rank()) +
-                ")");
+    throw Error(fmt::format("partition: expected {} to succeed, found that it failed{}{} (rank {})", call,
+                            last_complaint().empty() ? "" : ": ", last_complaint(), comm.rank()));
   });
 }
 
@@ -153,8 +153,7 @@ std::vector<Rank> scotch_partition(const par::Comm& comm, const DualGraph& graph
   par::agree(comm, [&] {
     for (const auto p : part) {
       if (p < 0 || p >= n_parts)
-        throw Error("partition: expected parts 0 to " + std::to_string(n_parts - 1) + " from Scotch, found " +
-                    std::to_string(p));
+        throw Error(fmt::format("partition: expected parts 0 to {} from Scotch, found {}", n_parts - 1, p));
       result.push_back(static_cast<Rank>(p));
     }
   });

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "pamr/balance/weights.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -15,12 +17,12 @@ void check_each(const par::Comm& comm, const mesh::DistMesh& mesh, std::span<con
                 const std::string& what) {
   par::agree(comm, [&] {
     if (weight.size() != mesh.cell_global.size())
-      throw Error(what + ": expected one for each of the " + std::to_string(mesh.n_cells()) + " cells of rank " +
-                  std::to_string(comm.rank()) + ", found " + std::to_string(weight.size()));
+      throw Error(fmt::format("{}: expected one for each of the {} cells of rank {}, found {}", what, mesh.n_cells(),
+                              comm.rank(), weight.size()));
     for (std::size_t c = 0; c < weight.size(); ++c)
       if (!std::isfinite(weight[c]) || weight[c] < 0)
-        throw Error(what + ": expected finite numbers of at least 0, found " + std::to_string(weight[c]) + " at cell " +
-                    std::to_string(mesh.cell_global[c]));
+        throw Error(fmt::format("{}: expected finite numbers of at least 0, found {} at cell {}", what, weight[c],
+                                mesh.cell_global[c]));
   });
 }
 
@@ -38,8 +40,8 @@ std::vector<std::int64_t> integer_weights(const par::Comm& comm, const mesh::Dis
   greatest = comm.max(greatest);
   is_plain = comm.all(is_plain);
   if (!(greatest > 0))
-    throw Error(what + ": expected at least one above 0, found 0 in all the " +
-                std::to_string(mesh.info.n_global_cells) + " cells");
+    throw Error(
+        fmt::format("{}: expected at least one above 0, found 0 in all the {} cells", what, mesh.info.n_global_cells));
   int exponent = 0;
   std::frexp(greatest, &exponent);
   par::ExactSum here;
@@ -64,10 +66,11 @@ std::vector<std::int64_t> weights_from_field(const par::Comm& comm, const mesh::
   std::vector<double> weight;
   par::agree(comm, [&] {
     const auto* field = mesh.find_cell_field(name);
-    if (field == nullptr) throw Error("weights: expected a cell field '" + name + "', found none of that name");
+    if (field == nullptr)
+      throw Error(fmt::format("weights: expected a cell field '{}', found none of that name", name));
     if (field->n_components != 1)
-      throw Error("weights: expected a cell field of one component, found '" + name + "' of " +
-                  std::to_string(field->n_components));
+      throw Error(
+          fmt::format("weights: expected a cell field of one component, found '{}' of {}", name, field->n_components));
     if (field->holds_integers())
       weight.assign(field->integer().begin(), field->integer().end());
     else

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "pamr/mark/field_criteria.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -24,7 +26,7 @@ double value_at(const mesh::Field& field, std::size_t i) {
 
 const mesh::Field& require_scalar(const mesh::Field& field) {
   if (field.n_components != 1)
-    throw Error("field \"" + field.name + "\": expected one component, found " + std::to_string(field.n_components));
+    throw Error(fmt::format("field \"{}\": expected one component, found {}", field.name, field.n_components));
   return field;
 }
 
@@ -42,7 +44,7 @@ void refuse_first(const par::Comm& comm, const mesh::DistMesh& mesh, const std::
   constexpr GlobalId none = std::numeric_limits<GlobalId>::max();
   const auto bad = std::find_if(values.begin(), values.end(), is_bad);
   const GlobalId first = comm.min(bad == values.end() ? none : mesh.cell_global[at(bad - values.begin())]);
-  if (first != none) throw Error(complaint + " in cell " + std::to_string(first));
+  if (first != none) throw Error(fmt::format("{} in cell {}", complaint, first));
 }
 
 Indicator beyond(std::vector<double> values, Side side, double threshold) {
@@ -94,7 +96,7 @@ double cell_size(const mesh::DistMesh& mesh, LocalId cell, CellSize measure) {
 Indicator larger_than_length(const par::Comm& comm, const mesh::DistMesh& mesh, std::string_view field, double ratio,
                              CellSize measure) {
   if (!(ratio > 0) || !std::isfinite(ratio))
-    throw Error("expected a positive ratio of cell size to length, found " + std::to_string(ratio));
+    throw Error(fmt::format("expected a positive ratio of cell size to length, found {}", ratio));
   auto length = scalar_on_cells(comm, mesh, field);
   refuse_first(
       comm, mesh, length, [](double v) { return !(v > 0); },

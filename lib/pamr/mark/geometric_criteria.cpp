@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "pamr/mark/geometric_criteria.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -78,7 +80,7 @@ Indicator centroid_in_box(const mesh::DistMesh& mesh, geometry::Vec3 low, geomet
 
 Indicator near_patch(const par::Comm& comm, const mesh::DistMesh& mesh, std::string_view patch, int layers) {
   const LocalId slot = mesh::patch_to_slot(find_patch(mesh, patch));
-  if (layers < 1) throw Error("expected at least 1 layer of cells, found " + std::to_string(layers));
+  if (layers < 1) throw Error(fmt::format("expected at least 1 layer of cells, found {}", layers));
   auto indicator = cells_where(mesh, [&](LocalId cell) {
     const auto& neighbors = mesh.cell_to_cell[at(cell)];
     return std::find(neighbors.begin(), neighbors.end(), slot) != neighbors.end();

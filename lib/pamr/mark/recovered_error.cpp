@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "pamr/mark/recovered_error.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -32,18 +34,18 @@ constexpr int no_exponent = std::numeric_limits<int>::min() / 2;
 
 const std::vector<double>& require_nodal(const par::Comm& comm, const mesh::DistMesh& mesh, std::string_view name) {
   const auto* field = mesh.find_node_field(name);
-  if (field == nullptr) throw Error("expected the name of a field on nodes, found \"" + std::string(name) + "\"");
+  if (field == nullptr) throw Error(fmt::format("expected the name of a field on nodes, found \"{}\"", name));
   if (field->n_components != 1 || field->holds_integers())
-    throw Error("field \"" + field->name + "\": expected one real component on nodes, found " +
-                (field->holds_integers() ? "integers" : std::to_string(field->n_components)));
+    throw Error(fmt::format("field \"{}\": expected one real component on nodes, found {}", field->name,
+                            field->holds_integers() ? "integers" : fmt::format("{}", field->n_components)));
   const auto& value = field->real();
   GlobalId bad = std::numeric_limits<GlobalId>::max();
   for (std::size_t i = 0; i < value.size(); ++i)
     if (!std::isfinite(value[i])) bad = std::min(bad, mesh.node_global[i]);
   bad = comm.min(bad);
   if (bad != std::numeric_limits<GlobalId>::max())
-    throw Error("field \"" + field->name + "\": expected finite values, found one that is not on node " +
-                std::to_string(bad));
+    throw Error(
+        fmt::format("field \"{}\": expected finite values, found one that is not on node {}", field->name, bad));
   return value;
 }
 
@@ -171,7 +173,7 @@ RecoveredError recovered_error(const par::Comm& comm, const mesh::DistMesh& mesh
 
 Indicator above_mean_share(const RecoveredError& error, GlobalId n_global_cells, double theta) {
   if (!(theta > 0) || !std::isfinite(theta))
-    throw Error("expected a positive share of the mean square, found " + std::to_string(theta));
+    throw Error(fmt::format("expected a positive share of the mean square, found {}", theta));
   const double bar = round_to_20_bits(theta * error.norm_squared / static_cast<double>(n_global_cells));
   Indicator indicator(error.squared.size(), 0);
   for (std::size_t i = 0; i < indicator.size(); ++i) {
@@ -184,7 +186,7 @@ Indicator above_mean_share(const RecoveredError& error, GlobalId n_global_cells,
 Indicator bulk_of_error(const par::Comm& comm, const mesh::DistMesh& mesh, const RecoveredError& error,
                         double fraction) {
   if (!(fraction >= 0 && fraction <= 1))
-    throw Error("expected a fraction of the error between 0 and 1, found " + std::to_string(fraction));
+    throw Error(fmt::format("expected a fraction of the error between 0 and 1, found {}", fraction));
   Indicator rounded(error.squared.size());
   std::transform(error.squared.begin(), error.squared.end(), rounded.begin(), round_to_20_bits);
   const double wanted = fraction * par::reproducible_sum(comm, rounded);
