@@ -13,7 +13,7 @@ namespace pamr::meshing {
 /// Collective. Throws `Error` on every rank for a face in three cells or a boundary face in no patch.
 mesh::BlockMesh to_block_mesh(const par::Comm& comm, const Domain& domain, const RawMesh& mesh);
 
-/// The rank that gets each cell of this rank's block: canonical blocks of all cells.
+/// The rank that gets each cell of this rank's block: canonical blocks of all cells. Collective.
 std::vector<Rank> block_destinations(const par::Comm& comm, const mesh::BlockMesh& block);
 
 }  // namespace pamr::meshing

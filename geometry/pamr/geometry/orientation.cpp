@@ -7,10 +7,6 @@
 
 namespace pamr::geometry {
 
-namespace {
-bool is_finite(Vec3 p) { return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z); }
-}  // namespace
-
 int exact_orientation(Vec3 a, Vec3 b, Vec3 c, Vec3 d) {
   PAMR_EXPECTS(is_finite(a) && is_finite(b) && is_finite(c) && is_finite(d));
   using Point = CGAL::Exact_predicates_inexact_constructions_kernel::Point_3;

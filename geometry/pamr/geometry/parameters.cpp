@@ -10,8 +10,6 @@ namespace pamr::geometry {
 
 namespace {
 
-bool is_finite(Vec3 v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
-
 [[noreturn]] void refuse(std::string_view what, std::string_view expected, const std::string& found) {
   throw Error(std::string(what) + ": expected " + std::string(expected) + ", found " + found);
 }

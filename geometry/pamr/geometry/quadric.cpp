@@ -16,7 +16,6 @@ namespace {
 using Row = std::array<double, 3>;
 using Matrix = SquareMatrix<3>;
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double vanishing = 1e-13;  ///< relative to the largest eigenvalue: no square in that direction
 
 /// The polynomial along the critical points y_i = from_i / (1 + t square_i), y_j = from_j - t linear_j / 2, with the
@@ -203,7 +202,7 @@ Vec3 Quadric::normal(Vec3 point) const {
 }
 
 double Quadric::magnitude() const {
-  double least = infinity, linear = 0;
+  double least = std::numeric_limits<double>::infinity(), linear = 0;
   for (std::size_t i = 0; i < 3; ++i) {
     if (square_[i] != 0) least = std::min(least, std::abs(square_[i]));
     linear = std::max(linear, std::abs(linear_[i]));

@@ -43,8 +43,8 @@ void send_sides(const par::Comm& comm, const mesh::DistMesh& mesh, int patch, pa
                         {a, b},
                         {mesh.point(a), mesh.point(b)},
                         mesh.point(node[(k + 2) % 3])};
-        const auto hash =
-            combine(combine(0, static_cast<std::uint64_t>(side.end[0])), static_cast<std::uint64_t>(side.end[1]));
+        const auto hash = pamr::combine(pamr::combine(0, static_cast<std::uint64_t>(side.end[0])),
+                                        static_cast<std::uint64_t>(side.end[1]));
         box.add(static_cast<Rank>(hash % static_cast<std::uint64_t>(comm.size())), side);
       }
     }

@@ -54,7 +54,7 @@ struct Options {
 /// parents move to the ranks where their children shall be. Each rank then gets about the same number of cells of the
 /// refined mesh, and the splitting is balanced too. The refined mesh is the same one whatever the balancing; only its
 /// distribution differs. Takes the mesh over and frees its arrays on the way. Throws `Error` on every rank for bad
-/// weights as well.
+/// weights as well. Collective.
 RefineResult refine(const par::Comm& comm, mesh::DistMesh&& mesh, std::span<const std::uint8_t> flags,
                     const Options& options = {});
 

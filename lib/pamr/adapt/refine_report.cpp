@@ -144,10 +144,10 @@ std::int64_t shared_resident_bytes() {
 std::int64_t bytes_read_so_far() {
   // no stream: this is asked within the time that the report tells
   std::array<char, 128> text{};
-  const int io = open("/proc/self/io", O_RDONLY | O_CLOEXEC);
+  const int io = ::open("/proc/self/io", O_RDONLY | O_CLOEXEC);
   if (io < 0) return 0;
-  const auto n = read(io, text.data(), text.size());
-  close(io);
+  const auto n = ::read(io, text.data(), text.size());
+  ::close(io);
   const std::string_view all(text.data(), n < 0 ? 0 : static_cast<std::size_t>(n)), key = "rchar: ";
   std::int64_t bytes = 0;
   if (const auto at = all.find(key); at != all.npos)

@@ -45,8 +45,6 @@ std::vector<std::int64_t> count_distinct(const par::Comm& comm, const std::vecto
   return counts;
 }
 
-bool is_finite(geometry::Vec3 p) { return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z); }
-
 /// A face of a cell: its middle, and its normal as long as twice its area.
 struct Facet {
   geometry::Vec3 middle, normal;

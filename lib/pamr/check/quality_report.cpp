@@ -15,9 +15,8 @@ namespace pamr::check {
 
 namespace {
 
-bool is_finite(const geometry::TetPoints& points) {
-  return std::all_of(points.begin(), points.end(),
-                     [](geometry::Vec3 p) { return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z); });
+bool is_all_finite(const geometry::TetPoints& points) {
+  return std::all_of(points.begin(), points.end(), geometry::is_finite);
 }
 
 bool is_broken(const std::vector<validate::Violation>& violations, std::span<const std::string_view> invariants) {
@@ -32,7 +31,7 @@ void measure_volume(const par::Comm& comm, const mesh::DistMesh& mesh, QualityRe
   for (LocalId cell = 0; cell < mesh.n_cells(); ++cell) {
     const auto p = mesh.points(cell);
     volume.add(geometry::volume(p));
-    if (!is_finite(p) || geometry::orientation(p[0], p[1], p[2], p[3]) <= 0) ++inverted;
+    if (!is_all_finite(p) || geometry::orientation(p[0], p[1], p[2], p[3]) <= 0) ++inverted;
   }
   report.volume = par::reproducible_sums(comm, std::span<par::ExactSum>(&volume, 1)).front();
   report.inverted_cells = comm.sum(inverted);

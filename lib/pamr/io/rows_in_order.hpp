@@ -23,7 +23,7 @@ struct RowsInOrder {
 /// Collective: sparse exchanges, O(cells / ranks) bytes a rank.
 RowsInOrder rows_in_order(const par::Comm& comm, const mesh::DistMesh& mesh);
 
-/// The values of a field in that order.
+/// The values of a field in that order. Collective.
 mesh::CellField cells_in_order(const par::Comm& comm, const mesh::DistMesh& mesh, const mesh::CellField& field);
 mesh::NodeField nodes_in_order(const par::Comm& comm, const mesh::DistMesh& mesh, const mesh::NodeField& field);
 
@@ -33,6 +33,7 @@ struct RegionsInOrder {
   std::vector<std::int64_t> of_cell;  ///< of this rank's canonical block
   std::vector<std::int64_t> all;      ///< ascending, the same on every rank
 };
+/// Collective.
 RegionsInOrder regions_in_order(const par::Comm& comm, const mesh::DistMesh& mesh);
 
 /// The name of a region, empty where it has none.

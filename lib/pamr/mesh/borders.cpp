@@ -4,14 +4,13 @@
 #include <algorithm>
 #include <utility>
 
+#include "pamr/base/index.hpp"
 #include "pamr/base/insertion_sort.hpp"
 #include "pamr/mesh/ring.hpp"
 
 namespace pamr::mesh {
 
 namespace {
-
-constexpr std::size_t at(std::int64_t i) { return static_cast<std::size_t>(i); }
 
 constexpr std::uint8_t outer = 1, boundary = 2;
 

@@ -14,7 +14,7 @@ namespace pamr::par {
 /// items following one another, of sum at most 2^61. Does not depend on how the items are spread over the ranks.
 /// Collective: one gather of a number a rank.
 std::vector<Rank> runs_of_equal_work(const Comm& comm, std::span<const std::int64_t> weight, Rank n_runs);
-/// The same for weights below 256.
+/// The same for weights below 256. Collective.
 std::vector<Rank> runs_of_equal_work(const Comm& comm, std::span<const std::uint8_t> weight, Rank n_runs);
 
 }  // namespace pamr::par

@@ -14,8 +14,6 @@ namespace {
 
 constexpr double min_mean_ratio = 1e-8;
 
-bool is_finite(geometry::Vec3 p) { return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z); }
-
 /// True when the own neighbor `d` of a face names its cell across the same nodes, from the other side.
 bool is_returned(const mesh::DistMesh& mesh, mesh::CellFace face, LocalId d) {
   for (int g = 0; g < 4; ++g) {
@@ -54,7 +52,7 @@ void check_shapes(const mesh::DistMesh& mesh, Findings& findings) {
     if (!is_finite(mesh.node_position[n])) findings.add(Invariant::finite_coordinates, mesh.node_global[n]);
   for (LocalId c = 0; c < mesh.n_cells(); ++c) {
     const auto p = mesh.points(c);
-    if (!std::all_of(p.begin(), p.end(), is_finite)) continue;
+    if (!std::all_of(p.begin(), p.end(), geometry::is_finite)) continue;
     if (!geometry::is_positive(p[0], p[1], p[2], p[3]))
       findings.add(Invariant::orientation_positive, number_of(mesh, c));
     if (!(std::abs(geometry::mean_ratio(p)) >= min_mean_ratio)) findings.add(Invariant::not_flat, number_of(mesh, c));

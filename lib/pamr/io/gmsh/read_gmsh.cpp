@@ -29,14 +29,14 @@ namespace pamr::io {
 namespace {
 
 using gmsh::Parts;
-using Face = std::array<GlobalId, 3>;
+using Triangle = std::array<GlobalId, 3>;
 
-struct Header {
+struct Format {
   double version = 0;
   bool is_binary = false;
 };
 
-Header read_header(TextCursor& in) {
+Format read_format(TextCursor& in) {
   if (in.line() != "$MeshFormat") in.fail("a Gmsh file that begins with $MeshFormat", "another beginning");
   const double version = in.real("the version of the format");
   const auto kind = in.integer("0 for text or 1 for binary"), size = in.integer("the size of a real");
@@ -56,23 +56,23 @@ Header read_header(TextCursor& in) {
 Parts read_parts(const par::Comm& comm, const std::filesystem::path& file) {
   std::optional<MappedFile> mapped;
   std::optional<TextCursor> in;
-  Header header;
+  Format format;
   par::agree(comm, [&] {
     mapped.emplace(file);
     in.emplace(mapped->bytes(), file.string());
-    header = read_header(*in);
+    format = read_format(*in);
   });
   const auto size = static_cast<std::int64_t>(mapped->bytes().size());
   if (comm.min(size) != comm.max(size))
     throw Error("file '" + file.string() + "': expected a file that stays as it is, found one of several sizes");
   std::optional<LineIndex> lines;
-  if (comm.any(!header.is_binary) && comm.size() > 1) lines.emplace(comm, mapped->bytes());
+  if (comm.any(!format.is_binary) && comm.size() > 1) lines.emplace(comm, mapped->bytes());
   Parts parts;
   par::agree(comm, [&] {
     if (lines) in->use_index(&*lines);
     const gmsh::Share share{comm.rank(), comm.size()};
-    parts = header.version == 2.2 ? gmsh::read_parts_2(*in, header.is_binary, share)
-                                  : gmsh::read_parts_4(*in, header.is_binary, share);
+    parts = format.version == 2.2 ? gmsh::read_parts_2(*in, format.is_binary, share)
+                                  : gmsh::read_parts_4(*in, format.is_binary, share);
   });
   return parts;
 }
@@ -155,7 +155,7 @@ class NodeTable {
 /// Cells and boundary triangles by the places of their nodes.
 struct Numbered {
   std::vector<std::array<GlobalId, 4>> cell;
-  std::vector<Face> triangle;
+  std::vector<Triangle> triangle;
   GlobalId n_nodes = 0;
   std::vector<geometry::Vec3> position;  ///< canonical block
   std::int64_t n_dropped = 0;
@@ -252,7 +252,7 @@ std::string name_of_group(const Parts& parts, std::int64_t group) {
 
 /// A boundary face or a triangle at the rank where the two meet.
 struct Meeting {
-  Face face;           ///< ascending
+  Triangle face;       ///< ascending
   std::int64_t group;  ///< index of the triangle's patch, -1 for a face of a cell
   LocalId cell;        ///< of a face of a cell, on the rank that sent it
   int slot;
@@ -264,12 +264,12 @@ struct Answer {
   std::int64_t patch;
 };
 
-Face sorted(Face face) {
+Triangle sorted(Triangle face) {
   std::sort(face.begin(), face.end());
   return face;
 }
 
-Rank meeting_rank(const par::Comm& comm, const Face& face) {
+Rank meeting_rank(const par::Comm& comm, const Triangle& face) {
   std::uint64_t h = 0;
   for (const auto node : face) h = combine(h, static_cast<std::uint64_t>(node));
   return static_cast<Rank>(h % static_cast<std::uint64_t>(comm.size()));
@@ -277,14 +277,14 @@ Rank meeting_rank(const par::Comm& comm, const Face& face) {
 
 /// Gives boundary faces the patches of the triangles on them; faces without triangle keep `untagged`. Returns how many
 /// these are. Collective.
-std::int64_t tag_faces(const par::Comm& comm, mesh::DistMesh& mesh, const std::vector<Face>& triangle,
+std::int64_t tag_faces(const par::Comm& comm, mesh::DistMesh& mesh, const std::vector<Triangle>& triangle,
                        const std::vector<std::int64_t>& patch_of_triangle, int untagged, const std::string& file) {
   par::Mailbox<Meeting> box(comm);
   for (LocalId c = 0; c < mesh.n_cells(); ++c)
     for (int slot = 0; slot < 4; ++slot) {
       if (mesh.cell_to_cell[at(c)][at(slot)] >= 0) continue;
       mesh.cell_to_cell[at(c)][at(slot)] = mesh::patch_to_slot(untagged);
-      Face face{};
+      Triangle face{};
       for (std::size_t i = 0; i < 3; ++i)
         face[i] = mesh.node_global[at(mesh.cell_to_node[at(c)][at(mesh::tet::face_to_corner[at(slot)][i])])];
       face = sorted(face);
@@ -334,7 +334,7 @@ std::int64_t tag_faces(const par::Comm& comm, mesh::DistMesh& mesh, const std::v
 }
 
 /// Where the ordered mesh has put the nodes: triangles in its numbers. Collective.
-void renumber(const par::Comm& comm, const order::Ordered& ordered, GlobalId n_nodes, std::vector<Face>& triangle) {
+void renumber(const par::Comm& comm, const order::Ordered& ordered, GlobalId n_nodes, std::vector<Triangle>& triangle) {
   const auto own = par::block_range(n_nodes, comm.rank(), comm.size());
   std::vector<GlobalId> now(ordered.node_origin.size());
   for (std::size_t i = 0; i < now.size(); ++i) now[i] = own.begin + static_cast<GlobalId>(i);

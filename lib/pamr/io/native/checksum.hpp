@@ -27,7 +27,7 @@ class Checksum {
   /// The dataset's checksum, after every row was added on exactly one rank. Collective: one reduction of 8 bytes a
   /// block.
   std::uint64_t result(const par::Comm& comm) const;
-  /// The same for several datasets, in one reduction for all of them.
+  /// The same for several datasets, in one reduction for all of them. Collective.
   static std::vector<std::uint64_t> results(const par::Comm& comm, std::span<const Checksum> checksums);
 
  private:

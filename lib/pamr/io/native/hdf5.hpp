@@ -74,6 +74,9 @@ std::string to_text(mesh::StorageType type);
 
 /// The most that is read or written at once: more would not fit MPI's counts.
 inline constexpr std::size_t max_transfer_bytes = std::size_t{1} << 30U;
+/// What is read or written at once of a dataset that HDF5 need not inflate, and is then looked at in one go: such
+/// pieces stay in the processor's caches, and take little memory of their own.
+inline constexpr std::size_t cached_piece_bytes = std::size_t{256} << 10U;
 
 /// Extents of a dataset of one or two dimensions: `width` is 1 for one dimension.
 struct Shape {

@@ -18,8 +18,6 @@ namespace pamr::io {
 
 namespace {
 
-constexpr rlim_t spare_bytes = rlim_t{64} << 20U;
-
 /// Answers start with one of these.
 constexpr char good = 'G', bad = 'B';
 
@@ -64,7 +62,7 @@ void require_signature(const std::filesystem::path& file, std::uintmax_t bytes) 
 /// The answer from a process of its own.
 std::string answer_of_process(const std::filesystem::path& file, std::uintmax_t bytes) {
   Subprocess process([&](const Subprocess::Send& send) { send(answer_for(file)); },
-                     {.processor_seconds = 2, .memory_bytes = 16 * static_cast<rlim_t>(bytes) + spare_bytes});
+                     {.processor_seconds = 2, .memory_bytes = Subprocess::memory_for(bytes)});
   auto answer = process.receive_all();
   const auto trouble = process.end();
   if (!trouble.empty() || answer.empty())

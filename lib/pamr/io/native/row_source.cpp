@@ -9,7 +9,6 @@ namespace pamr::io {
 
 namespace {
 
-constexpr rlim_t spare_bytes = rlim_t{64} << 20U;
 /// A processor inflates and sends at least so many bytes a second.
 constexpr rlim_t slowest = rlim_t{4} << 20U;
 
@@ -44,10 +43,9 @@ RowSource::RowSource(const std::filesystem::path& file, hid_t h5, const ArrayEnt
     return;
   }
   if (first >= end) return;
-  process_.emplace(
-      [&](const Subprocess::Send& send) { read_alone(file, entry, shape, first, end, slab, send); },
-      Subprocess::Limits{.processor_seconds = 2 + n_bytes(shape, entry.type, end - first) / slowest,
-                         .memory_bytes = 16 * static_cast<rlim_t>(std::filesystem::file_size(file)) + spare_bytes});
+  process_.emplace([&](const Subprocess::Send& send) { read_alone(file, entry, shape, first, end, slab, send); },
+                   Subprocess::Limits{.processor_seconds = 2 + n_bytes(shape, entry.type, end - first) / slowest,
+                                      .memory_bytes = Subprocess::memory_for(std::filesystem::file_size(file))});
 }
 
 bool RowSource::read(GlobalId n, std::span<std::byte> raw) {

@@ -47,9 +47,7 @@ void with_type(StorageType type, Run run) {
   }
 }
 
-/// What HDF5 reads at once of a dataset that it need not inflate, and what is then looked at in one go: these pieces
-/// stay in the processor's caches, and take little memory of their own.
-constexpr std::size_t piece_bytes = std::size_t{256} << 10U;
+/// What is looked at in one go.
 constexpr std::size_t values_at_once = std::size_t{2} << 10U;
 
 }  // namespace
@@ -100,7 +98,8 @@ void SlabReader::each_slab(const Dataset& dataset, Rows rows, bool verify, const
     return std::max<GlobalId>(4, static_cast<GlobalId>(values / width / 4 * 4));
   };
   const bool is_chunked = catalog_->find_array(path)->is_chunked;
-  const auto slab = rows_in((is_chunked ? options_.slab_bytes : std::min(options_.slab_bytes, piece_bytes)) / 8);
+  const auto slab =
+      rows_in((is_chunked ? options_.slab_bytes : std::min(options_.slab_bytes, hdf5::cached_piece_bytes)) / 8);
   const auto step = rows_in(values_at_once);
   par::agree(*comm_, [&] {
     auto source = open_rows(dataset, rows, slab);

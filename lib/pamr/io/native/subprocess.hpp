@@ -4,6 +4,7 @@
 #include <sys/resource.h>
 #include <sys/types.h>
 
+#include <cstdint>
 #include <functional>
 #include <span>
 #include <string>
@@ -41,6 +42,10 @@ class Subprocess {
     rlim_t processor_seconds = 2;
     rlim_t memory_bytes = 0;  ///< beyond what this process has
   };
+  /// What HDF5 may take to read a file of so many bytes: 16 times as much, and 64 MiB.
+  static constexpr rlim_t memory_for(std::uintmax_t file_bytes) {
+    return 16 * rlim_t{file_bytes} + (rlim_t{64} << 20U);
+  }
 
   /// Forks. Throws `Error` when the system has no process or pipe left. Local.
   Subprocess(const std::function<void(const Send&)>& produce, Limits limits);

@@ -24,8 +24,6 @@ namespace {
 using hdf5::Handle;
 using mesh::StorageType;
 
-constexpr std::size_t piece_bytes = std::size_t{256} << 10U;
-
 /// Stores the words as values of type T; false when one does not fit. Reals are rounded, and their words with them.
 template <class T>
 bool store(std::span<std::uint64_t> words, std::vector<std::byte>& raw) {
@@ -314,7 +312,7 @@ GlobalId Writer::rows_in(std::size_t bytes, const ArrayPlan& plan) const {
 
 /// Writes rows that stay, in short pieces, which never leave the processor's cache. Local.
 void Writer::write_local(const ArrayPlan& plan, hid_t dataset, Checksum& checksum) {
-  const auto piece = rows_in(std::min(options_.slab_bytes, piece_bytes), plan);
+  const auto piece = rows_in(std::min(options_.slab_bytes, hdf5::cached_piece_bytes), plan);
   const auto own = rows_written(plan.rows, comm_->rank(), comm_->size());
   for (auto begin = own.begin; begin < own.end; begin += piece) {
     const par::BlockRange range{begin, std::min(begin + piece, own.end)};
