@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <source_location>
-
 #include "pamr/base/error.hpp"
 
 namespace pamr {
@@ -10,8 +8,10 @@ namespace pamr {
 [[noreturn]] void contract_violated(const char* kind, const char* condition, const char* file, int line);
 
 /// Where the program cannot come: throws `ContractViolation` with what should have kept it away.
-[[noreturn]] inline void unreachable(const char* because, std::source_location here = std::source_location::current()) {
-  contract_violated("unreachable", because, here.file_name(), static_cast<int>(here.line()));
+/// `file` and `line`: of the call (built-ins, since clang 14 has no `std::source_location`).
+[[noreturn]] inline void unreachable(const char* because, const char* file = __builtin_FILE(),
+                                     int line = __builtin_LINE()) {
+  contract_violated("unreachable", because, file, line);
 }
 
 /// Narrows an integer after checking that the value fits; throws `ContractViolation` otherwise.
