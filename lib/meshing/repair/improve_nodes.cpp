@@ -130,7 +130,8 @@ bool move(Cavity& cavity, std::size_t n, bool is_new) {
     const Vec3 center = best_place;
     for (int direction = 0; direction < 27; ++direction) {
       if (direction == 13) continue;  // the center
-      const Vec3 d{direction % 3 - 1.0, direction / 3 % 3 - 1.0, direction / 9 - 1.0};
+      const int x = direction % 3, y = direction / 3 % 3, z = direction / 9;
+      const Vec3 d{x - 1.0, y - 1.0, z - 1.0};
       p = center + (step * length / geometry::norm(d)) * d;
       const double parts = worst_part(cavity, n), value = std::min(parts, worst_limit(cavity, n));
       if (parts < bound || !(value > best) || !all_positive(cavity, n)) continue;
