@@ -42,7 +42,8 @@ bool differ_in_sizes(const Domain& a, const Domain& b) {
   constexpr int n = 32;
   const double step = 2 * a.radius / n;
   for (int i = 0; i < n * n * n; ++i) {
-    const geometry::Vec3 grid{i % n + 0.5 - n / 2, i / n % n + 0.5 - n / 2, i / n / n + 0.5 - n / 2};
+    const int x = i % n - n / 2, y = i / n % n - n / 2, z = i / n / n - n / 2;
+    const geometry::Vec3 grid{x + 0.5, y + 0.5, z + 0.5};
     const auto p = a.center + step * grid;
     if (a.label(p) == Domain::inside && a.size(p) != b.size(p)) return true;
   }
