@@ -116,7 +116,8 @@ class Optimizer {
     for (double step = 0.2; step > 0.01; step *= 0.5) {
       const Vec3 center = best_point;
       for (int direction = 0; direction < 27; ++direction) {
-        const Vec3 d{direction % 3 - 1.0, direction / 3 % 3 - 1.0, direction / 9 - 1.0};
+        const int x = direction % 3, y = direction / 3 % 3, z = direction / 9;
+        const Vec3 d{x - 1.0, y - 1.0, z - 1.0};
         if (direction == 13) continue;
         mesh_.point[node] = bound(domain_, mesh_.binding[node], center + step * length / norm(d) * d);
         const double quality = worst_at(node);

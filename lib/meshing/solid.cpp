@@ -65,8 +65,8 @@ SurfaceSamples sample_surfaces(const Solid& solid) {
   const Vec3 side = solid.high - solid.low;
   for (int k = 0; k < n * n * n; ++k) {
     // off the middle, because symmetric places have no unique nearest points
-    const Vec3 p = solid.low + Vec3{(k % n + 0.47) / n * side.x, (k / n % n + 0.52) / n * side.y,
-                                    (k / (n * n) + 0.49) / n * side.z};
+    const int x = k % n, y = k / n % n, z = k / n / n;
+    const Vec3 p = solid.low + Vec3{(x + 0.47) / n * side.x, (y + 0.52) / n * side.y, (z + 0.49) / n * side.z};
     for (int i = 0; i < solid.n_surfaces(); ++i)
       result[static_cast<std::size_t>(i)].push_back(solid.surface(i).project(p));
   }

@@ -150,7 +150,7 @@ std::int64_t bytes_read_so_far() {
   ::close(io);
   const std::string_view all(text.data(), n < 0 ? 0 : static_cast<std::size_t>(n)), key = "rchar: ";
   std::int64_t bytes = 0;
-  if (const auto at = all.find(key); at != all.npos)
+  if (const auto at = all.find(key); at != std::string_view::npos)
     std::from_chars(all.data() + at + key.size(), all.data() + all.size(), bytes);
   return bytes;
 }
