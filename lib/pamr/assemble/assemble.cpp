@@ -82,8 +82,7 @@ void check_templates(const mesh::DistMesh& mesh) {
 
 mesh::DistMesh assemble(const par::Comm& comm, mesh::BlockMesh block, std::span<const Rank> destination) {
   const auto contents = check_block(comm, block, destination);
-  auto to = family_destinations(comm, block, destination, contents);
-  auto cells = send_cells(comm, block, std::move(to), contents);
+  auto cells = send_cells(comm, block, family_destinations(comm, block, destination, contents), contents);
   mesh::require_local_size(comm, std::ssize(cells.id), "mesh");
 
   mesh::DistMesh mesh;

@@ -181,7 +181,8 @@ void exchange_cells(const par::Comm& comm, GlobalCells& cells, const std::vector
   merge(cells, std::move(arrived), to, comm.rank(), contents);
 }
 
-GlobalCells send_cells(const par::Comm& comm, mesh::BlockMesh& block, std::vector<Rank> to, const Contents& contents) {
+GlobalCells send_cells(const par::Comm& comm, mesh::BlockMesh& block, const std::vector<Rank>& to,
+                       const Contents& contents) {
   auto cells = take_cells(block, contents);
   reserve_array(cells.id, cells.node.size());
   cells.id.resize(cells.node.size());

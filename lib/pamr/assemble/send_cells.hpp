@@ -29,6 +29,7 @@ void exchange_cells(const par::Comm& comm, GlobalCells& cells, const std::vector
 
 /// Sends the cells to their ranks, in rounds of at most 2^17 cells a rank. Takes the cells out of the block.
 /// Collective.
-GlobalCells send_cells(const par::Comm& comm, mesh::BlockMesh& block, std::vector<Rank> to, const Contents& contents);
+GlobalCells send_cells(const par::Comm& comm, mesh::BlockMesh& block, const std::vector<Rank>& to,
+                       const Contents& contents);
 
 }  // namespace pamr::assemble
