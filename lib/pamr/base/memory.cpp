@@ -22,9 +22,10 @@ void advise_large_pages(void* memory, std::size_t bytes) {
   const auto begin = reinterpret_cast<std::uintptr_t>(memory) & ~(small_page - 1);
   const auto end = (reinterpret_cast<std::uintptr_t>(memory) + bytes + small_page - 1) & ~(small_page - 1);
   // advice only: where it is refused, small pages serve
-  (void)madvise(reinterpret_cast<void*>(begin), end - begin, MADV_HUGEPAGE);
+  auto* const pages = static_cast<char*>(memory) - (reinterpret_cast<std::uintptr_t>(memory) - begin);
+  (void)madvise(pages, end - begin, MADV_HUGEPAGE);
   // the allocator has written to the first page already, so that its large page does not come by itself
-  if (begin % large_page == 0) (void)madvise(reinterpret_cast<void*>(begin), large_page, collapse);
+  if (begin % large_page == 0) (void)madvise(pages, large_page, collapse);
 #else
   (void)memory;
   (void)bytes;

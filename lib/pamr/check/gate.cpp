@@ -35,18 +35,21 @@ bool read_number(std::string_view text, double& value) {
   return error == std::errc() && end == text.data() + text.size() && std::isfinite(value);
 }
 
+[[noreturn]] void refuse(const std::string& text) {
+  throw Error("--gate: expected NAME:min:V or NAME:max:V with a number V, found \"" + text + "\"");
+}
+
 }  // namespace
 
 Gate parse_gate(const std::string& text) {
-  const Error malformed("--gate: expected NAME:min:V or NAME:max:V with a number V, found \"" + text + "\"");
   const auto second = text.rfind(':');
-  if (second == std::string::npos || second == 0) throw malformed;
+  if (second == std::string::npos || second == 0) refuse(text);
   const auto first = text.rfind(':', second - 1);
-  if (first == std::string::npos || first == 0) throw malformed;
+  if (first == std::string::npos || first == 0) refuse(text);
   const auto kind = text.substr(first + 1, second - first - 1);
   Gate gate{text, text.substr(0, first), kind == "min" ? Gate::Kind::min : Gate::Kind::max, 0};
   if ((kind != "min" && kind != "max") || !read_number(std::string_view(text).substr(second + 1), gate.bound))
-    throw malformed;
+    refuse(text);
   return gate;
 }
 

@@ -89,7 +89,9 @@ std::optional<RowSource> SlabReader::open_rows(const Dataset& dataset, Rows rows
 }
 
 void SlabReader::each_slab(const Dataset& dataset, Rows rows, bool verify, const Consume& consume) {
-  const auto& [path, type, shape] = dataset;
+  const auto& path = dataset.path;  // no structured binding: clang 14 lets no lambda capture one
+  const auto type = dataset.type;
+  const auto& shape = dataset.shape;
   const auto* stored = catalog_->find_number(std::string(path::checksums) + "@" + checksum_path(path));
   verify = verify && options_.verify_checksums && stored != nullptr;
   Checksum checksum(verify ? shape.rows : 0);
