@@ -155,7 +155,7 @@ StepTotals Flow::add_up(const StepCounts& here, std::int64_t missing, bool wants
   const auto [entered, left, wall_hits, collided, crossings, stuck, clamped, stops, troubled, lost] = sums;
   if (troubled > 0)
     par::agree(*comm_, [&] {
-      if (trouble) throw *trouble;
+      if (trouble) throw Error(*trouble);
     });
   lost_ += lost;
   if (lost != 0) throw ContractViolation(fmt::format("{} particles were lost in step {}", lost, steps_done));

@@ -33,7 +33,8 @@ std::vector<BoundaryCondition> conditions_of(const Case& c, const mesh::DistMesh
     throw Error(fmt::format("{}: expected a table [boundary.PATCH] for every patch of the mesh, found none for {}",
                             c.where, missing));
   for (const auto& [name, condition] : c.boundary)
-    if (std::none_of(mesh.info.patches.begin(), mesh.info.patches.end(), [&](const auto& p) { return p.name == name; }))
+    if (std::none_of(mesh.info.patches.begin(), mesh.info.patches.end(),
+                     [&wanted = name](const auto& patch) { return patch.name == wanted; }))
       throw Error(fmt::format("{}: expected a patch of the mesh ({}) in [boundary.PATCH], found \"{}\"",
                               c.boundary_at.at(name), names, name));
   const auto number = [&](const std::string& name) {
