@@ -16,6 +16,7 @@
 #include "pamr/geometry/orientation.hpp"
 #include "pamr/io/native/native_file.hpp"
 #include "pamr/mesh/fingerprint.hpp"
+#include "pamr/mesh/undescribed_patches.hpp"
 
 namespace {
 
@@ -99,6 +100,13 @@ cli::ExitCode report_forecast(cli::Session& session, const mesh::DistMesh& mesh,
   return cli::ExitCode::done;
 }
 
+/// Gives flat patches that meet others their planes, and says which other patches will be bent. Collective.
+void keep_flat_patches(cli::Session& session, mesh::DistMesh& mesh) {
+  const auto undescribed = mesh::find_undescribed_patches(session.comm(), mesh);
+  mesh.info = mesh::with_planes(std::move(mesh.info), undescribed);
+  for (const auto& warning : mesh::warnings_of(mesh.info, undescribed)) session.warn(warning);
+}
+
 cli::ExitCode work(cli::Session& session, const Options& options) {
   const auto& comm = session.comm();
   session.check_input(options.input);
@@ -121,6 +129,7 @@ cli::ExitCode work(cli::Session& session, const Options& options) {
                             .parent_field = true,
                             .marks_field = options.marks};
   if (options.dry_run) return report_forecast(session, mesh, flags, how);
+  if (!options.no_project) keep_flat_patches(session, mesh);
 
   timer.lap("preprocessing");
   auto result = naming(options.input, [&] { return adapt::refine(comm, std::move(mesh), flags, {how, balancing}); });

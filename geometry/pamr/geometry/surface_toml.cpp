@@ -13,6 +13,7 @@
 #include "pamr/base/toml_table.hpp"
 #include "pamr/geometry/cone.hpp"
 #include "pamr/geometry/cylinder.hpp"
+#include "pamr/geometry/parameters.hpp"
 #include "pamr/geometry/plane.hpp"
 #include "pamr/geometry/polynomial.hpp"
 #include "pamr/geometry/quadric.hpp"
@@ -156,6 +157,21 @@ SurfaceSet surfaces_of_case(const TomlTable& root, const std::string& where) {
   set.toml.erase(0, std::min(set.toml.find_first_not_of('\n'), set.toml.size()));
   set.triangulations = std::move(read);
   return set;
+}
+
+std::string toml_text(std::string_view text) {
+  std::string result = "\"";
+  for (const char c : text) result += c == '"' || c == '\\' ? std::string("\\") + c : std::string(1, c);
+  return result + "\"";
+}
+
+std::string plane_keys(const std::string& name, Vec3 point, Vec3 normal, std::string_view separator) {
+  return fmt::format("name = {1}{0}kind = \"plane\"{0}point = {2}{0}normal = {3}", separator, toml_text(name),
+                     decimal(point), decimal(normal));
+}
+
+SurfaceSet plane_surface(const std::string& name, Vec3 point, Vec3 normal) {
+  return surfaces_from_toml("[[surface]]\n" + plane_keys(name, point, normal, "\n") + "\n", name);
 }
 
 }  // namespace pamr::geometry

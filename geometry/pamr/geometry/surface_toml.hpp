@@ -8,6 +8,7 @@
 
 #include "pamr/base/toml_table.hpp"
 #include "pamr/geometry/surface_set.hpp"
+#include "pamr/geometry/vec3.hpp"
 
 namespace pamr::geometry {
 
@@ -23,5 +24,14 @@ SurfaceSet surfaces_from_toml(std::string_view text, std::string_view where,
 /// Triangles come from the files that they name; a relative `file` counts from the folder of `where`. Unknown keys are
 /// left to `finish` of the file.
 SurfaceSet surfaces_of_case(const TomlTable& file, const std::string& where);
+
+/// The keys that describe a plane, `separator` between them.
+std::string plane_keys(const std::string& name, Vec3 point, Vec3 normal, std::string_view separator);
+
+/// A set of that plane alone, with its description.
+SurfaceSet plane_surface(const std::string& name, Vec3 point, Vec3 normal);
+
+/// Text as a string of TOML. Pre: no control characters.
+std::string toml_text(std::string_view text);
 
 }  // namespace pamr::geometry

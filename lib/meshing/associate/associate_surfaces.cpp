@@ -10,6 +10,7 @@
 #include "meshing/read_mesh_case.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/geometry/surface.hpp"
+#include "pamr/geometry/surface_toml.hpp"
 #include "pamr/geometry/triangulated/read_triangulation.hpp"
 #include "pamr/geometry/triangulated/triangulated_surface.hpp"
 #include "pamr/mesh/tet.hpp"
@@ -63,12 +64,6 @@ std::vector<int> assigned_surfaces(const mesh::MeshInfo& info, const geometry::S
   return result;
 }
 
-std::string toml_text(const std::string& text) {
-  std::string result = "\"";
-  for (const char c : text) result += c == '"' || c == '\\' ? std::string("\\") + c : std::string(1, c);
-  return result + "\"";
-}
-
 /// What the command line says about the creases of its files.
 std::string crease_keys(const AssociationRequest& request) {
   std::string text;
@@ -100,8 +95,8 @@ void add_file(const AssociationRequest& request, const std::string& patch, const
   }
   set.triangulations.push_back(std::move(data));
   if (!set.toml.empty() && set.toml.back() != '\n') set.toml += '\n';
-  set.toml += fmt::format("[[surface]]\nname = {}\nkind = \"triangulation\"\nfile = {}\n{}", toml_text(patch),
-                          toml_text(std::filesystem::path(file).filename().string()), crease_keys(request));
+  set.toml += fmt::format("[[surface]]\nname = {}\nkind = \"triangulation\"\nfile = {}\n{}", geometry::toml_text(patch),
+                          geometry::toml_text(std::filesystem::path(file).filename().string()), crease_keys(request));
 }
 
 geometry::SurfaceSet requested_surfaces(const AssociationRequest& request) {

@@ -8,6 +8,7 @@
 #include "pamr/base/contract.hpp"
 #include "pamr/geometry/surface.hpp"
 #include "pamr/mesh/borders.hpp"
+#include "pamr/mesh/undescribed_patches.hpp"
 #include "pamr/refine/close.hpp"
 #include "pamr/refine/fine_nodes.hpp"
 #include "pamr/refine/number.hpp"
@@ -22,10 +23,10 @@ namespace pamr::adapt {
 
 namespace {
 
-mesh::DistMesh put_together(const refine::NumberedMesh& old, refine::FineNodes nodes, refine::Children children,
-                            refine::Links links) {
+mesh::DistMesh put_together(const refine::NumberedMesh& old, const mesh::MeshInfo& info, refine::FineNodes nodes,
+                            refine::Children children, refine::Links links) {
   mesh::DistMesh fine;
-  fine.info = old.mesh.info;
+  fine.info = info;
   fine.info.n_global_nodes = old.numbering.n_global_nodes;
   fine.info.n_global_cells = old.numbering.n_global_cells;
   fine.info.halves_are_paired = old.closure.halves_are_paired;
@@ -44,6 +45,7 @@ mesh::DistMesh put_together(const refine::NumberedMesh& old, refine::FineNodes n
 
 /// A mesh that is marked and closed.
 struct Closed {
+  mesh::MeshInfo info;                                   ///< of the mesh; flat patches that meet others have planes
   std::shared_ptr<const geometry::SurfaceSet> surfaces;  ///< that nodes are put on
   mesh::Borders borders;
   refine::Closure closure;
@@ -53,7 +55,11 @@ struct Closed {
 Closed close(const par::Comm& comm, const mesh::DistMesh& mesh, std::span<const std::uint8_t> flags,
              const refine::Options& options, StepTimer& timer) {
   require_flags(comm, mesh, flags);
-  Closed closed{options.project ? mesh.info.surfaces : geometry::no_surfaces(), mesh::find_borders(comm, mesh), {}, {}};
+  Closed closed{mesh.info, geometry::no_surfaces(), mesh::find_borders(comm, mesh), {}, {}};
+  if (options.project) {
+    closed.info = mesh::with_planes(mesh.info, mesh::find_undescribed_patches(comm, mesh, closed.borders));
+    closed.surfaces = closed.info.surfaces;
+  }
   timer.lap("preprocessing");
   closed.closure = refine::close(comm, mesh, closed.borders, flags, options.quality_control);
   closed.report.marked_not_split = comm.sum(refine::count_not_split(mesh, flags, closed.closure));
@@ -70,21 +76,21 @@ struct Split {
 };
 
 Split split(const par::Comm& comm, const mesh::DistMesh& mesh, const Closed& closed, StepTimer& timer) {
-  const auto& [surfaces, borders, closure, report] = closed;
+  const auto& [info, surfaces, borders, closure, report] = closed;
   auto numbering = refine::number(comm, mesh, borders, closure);
   const refine::NumberedMesh old{mesh, closure, numbering};
   timer.lap("number");
-  auto movables = refine::project(comm, mesh, borders, numbering, *surfaces);
+  auto movables = refine::project(comm, mesh, info, borders, numbering, *surfaces);
   auto nodes = refine::place_nodes(old, borders, movables);
   timer.lap("project");
   auto children = refine::subdivide(old, nodes.position);
   timer.lap("subdivide");
-  const refine::NewLevel level{mesh.info, *surfaces, numbering, children, nodes.shared};
+  const refine::NewLevel level{info, *surfaces, numbering, children, nodes.shared};
   auto settled = refine::settle(comm, level, std::move(nodes.position), std::move(movables));
   nodes.position = std::move(settled.position);
   timer.lap("project");
   auto links = refine::relink(comm, old, children, nodes.global);
-  auto fine = put_together(old, std::move(nodes), std::move(children), std::move(links));
+  auto fine = put_together(old, info, std::move(nodes), std::move(children), std::move(links));
   timer.lap("relink");
   return {std::move(fine), std::move(numbering), std::move(settled.certificate)};
 }

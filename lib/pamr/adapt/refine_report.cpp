@@ -109,6 +109,7 @@ nlohmann::json make_report(const par::Comm& comm, const adapt::Report& report, c
       {"families_kept", report.closure.families_kept},
       {"inverted_cells", measured.inverted_cells},
       {"off_surface_nodes", report.certificate.n_off_surface},
+      {"off_facets_nodes", report.certificate.n_off_facets},
       {"fingerprint", fmt::format("{:016x}", measured.fingerprint)},
       {"ranks", comm.size()},
       {"peak_rss_bytes", comm.max(peak)},

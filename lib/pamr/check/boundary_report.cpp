@@ -11,7 +11,9 @@
 
 #include "pamr/base/error.hpp"
 #include "pamr/base/hash.hpp"
+#include "pamr/mesh/plane_fit.hpp"
 #include "pamr/mesh/tet.hpp"
+#include "pamr/mesh/undescribed_patches.hpp"
 #include "pamr/par/mailbox.hpp"
 #include "pamr/par/reproducible_sum.hpp"
 
@@ -88,6 +90,37 @@ std::vector<std::vector<LocalId>> nodes_of_patches(const mesh::DistMesh& mesh) {
   return nodes;
 }
 
+/// Says of each patch without a surface how flat it is, and how far refinements moved its nodes off its faces.
+/// Collective.
+void measure_undescribed(const par::Comm& comm, const mesh::DistMesh& mesh,
+                         const std::vector<std::vector<LocalId>>& nodes, std::vector<PatchReport>& reports) {
+  std::vector<bool> is_wanted;
+  for (const auto& patch : mesh.info.patches) is_wanted.push_back(patch.surface < 0);
+  const auto planes = mesh::fit_planes(comm, mesh, is_wanted);
+  const auto* field = mesh.find_node_field(mesh::off_facets_field);
+  if (field != nullptr && (field->holds_integers() || field->n_components != 1)) field = nullptr;
+  std::vector<GroupNode> moved;
+  std::vector<double> worst(reports.size(), 0);
+  for (std::size_t p = 0; p < reports.size(); ++p) {
+    if (!is_wanted[p]) continue;
+    reports[p].is_flat = planes[p].is_flat;
+    reports[p].worst_plane_distance = planes[p].distance;
+    if (field == nullptr) continue;
+    for (const auto node : nodes[p]) {
+      const double off = field->real()[static_cast<std::size_t>(node)];
+      if (!(off > 0)) continue;
+      moved.push_back({mesh.node_global[static_cast<std::size_t>(node)], static_cast<std::int64_t>(p)});
+      worst[p] = std::max(worst[p], off);
+    }
+  }
+  if (field == nullptr) return;
+  const auto counts = count_distinct(comm, moved, reports.size());
+  for (std::size_t p = 0; p < reports.size(); ++p) {
+    reports[p].off_facets_nodes = counts[p];
+    reports[p].worst_off_facets = comm.max(worst[p]);
+  }
+}
+
 }  // namespace
 
 double bounding_box_diagonal(const par::Comm& comm, const mesh::DistMesh& mesh) {
@@ -151,9 +184,17 @@ std::vector<PatchReport> measure_patches(const par::Comm& comm, const mesh::Dist
     const auto& info = mesh.info.patches[patch];
     const double worst_of_all = comm.max(worst[patch]);
     const double mean_turn = total_area[patch] > 0 ? total_turn[patch] / total_area[patch] : 0;
-    reports.push_back({info.name, mesh.info.surface_name(info), faces[patch], total_area[patch], worst_of_all,
-                       off_nodes[patch], mean_turn, comm.max(worst_turn[patch])});
+    auto& report = reports.emplace_back();
+    report.name = info.name;
+    report.surface = mesh.info.surface_name(info);
+    report.faces = faces[patch];
+    report.area = total_area[patch];
+    report.worst_distance = worst_of_all;
+    report.off_surface_nodes = off_nodes[patch];
+    report.mean_normal_deviation = mean_turn;
+    report.worst_normal_deviation = comm.max(worst_turn[patch]);
   }
+  measure_undescribed(comm, mesh, nodes, reports);
   return reports;
 }
 

@@ -22,6 +22,13 @@ struct PatchReport {
   /// Angle between a triangle and the surface at its middle, degrees from 0 to 90: mean by area, and largest. 0 without
   /// a surface.
   double mean_normal_deviation = 0, worst_normal_deviation = 0;
+  /// Of a patch without a surface: whether it lies in a plane, the largest distance of a node from its plane
+  /// (`mesh::fit_planes`), how many of its nodes refinements moved off its faces (nodal field `off_facets`), and how
+  /// far at most.
+  bool is_flat = false;
+  double worst_plane_distance = 0;
+  std::int64_t off_facets_nodes = 0;
+  double worst_off_facets = 0;
 };
 
 /// Length of the diagonal of the box round all nodes; 0 for a mesh without nodes. Collective: six reductions.
@@ -29,7 +36,7 @@ double bounding_box_diagonal(const par::Comm& comm, const mesh::DistMesh& mesh);
 
 /// Measures every patch, in the order of the mesh's patches. `tolerance` (length unit) is the distance beyond which a
 /// node counts as off its surface. Areas are exact sums rounded once: the same bits for every number of ranks.
-/// Collective: a sparse exchange of the off-surface nodes and reductions.
+/// Collective: sparse exchanges of the off-surface nodes and reductions.
 /// Cost: one distance per node and patch, and one normal per triangle, of this rank's boundary.
 std::vector<PatchReport> measure_patches(const par::Comm& comm, const mesh::DistMesh& mesh, double tolerance);
 

@@ -72,14 +72,20 @@ nlohmann::json to_json(const check::QualityReport& report) {
                       {"ledger", {{"nodes", report.off_surface.nodes}, {"worst", report.off_surface.worst}}},
                       {"fingerprint", fmt::format("{:016x}", report.fingerprint)}};
   json["patches"] = nlohmann::json::object();
-  for (const auto& patch : report.patches)
-    json["patches"][patch.name] = {{"faces", patch.faces},
-                                   {"area", patch.area},
-                                   {"worst_distance", patch.worst_distance},
-                                   {"off_surface_nodes", patch.off_surface_nodes},
-                                   {"mean_normal_deviation", patch.mean_normal_deviation},
-                                   {"worst_normal_deviation", patch.worst_normal_deviation},
-                                   {"surface", patch.surface}};
+  for (const auto& patch : report.patches) {
+    auto& entry = json["patches"][patch.name] = {{"faces", patch.faces},
+                                                 {"area", patch.area},
+                                                 {"worst_distance", patch.worst_distance},
+                                                 {"off_surface_nodes", patch.off_surface_nodes},
+                                                 {"mean_normal_deviation", patch.mean_normal_deviation},
+                                                 {"worst_normal_deviation", patch.worst_normal_deviation},
+                                                 {"surface", patch.surface}};
+    if (!patch.surface.empty()) continue;
+    entry["flat"] = patch.is_flat;
+    entry["worst_plane_distance"] = patch.worst_plane_distance;
+    entry["off_facets_nodes"] = patch.off_facets_nodes;
+    entry["worst_off_facets"] = patch.worst_off_facets;
+  }
   json["violations"] = nlohmann::json::array();
   for (const auto& violation : report.violations)
     json["violations"].push_back(
@@ -112,11 +118,14 @@ std::string to_csv(const std::vector<NamedReport>& reports) {
 
 std::string summary_of(const NamedReport& named) {
   const auto& r = named.report;
+  std::int64_t off_facets = 0;
+  for (const auto& patch : r.patches) off_facets += patch.off_facets_nodes;
+  const auto bent = off_facets == 0 ? "" : fmt::format(", {} off the faces of a patch without a surface", off_facets);
   return fmt::format(
       "{}: {} cells, {} nodes, volume {:.10g}, mean ratio min {:.4f} mean {:.4f}, dihedral angles {:.2f} to {:.2f} "
-      "degrees, {} inverted, {} nodes off their surface, {}, fingerprint {:016x}",
+      "degrees, {} inverted, {} nodes off their surface{}, {}, fingerprint {:016x}",
       named.file, r.cells, r.nodes, r.volume, metric(r, "mean_ratio").min, metric(r, "mean_ratio").mean,
-      metric(r, "min_dihedral").min, metric(r, "max_dihedral").max, r.inverted_cells, off_surface_nodes(r),
+      metric(r, "min_dihedral").min, metric(r, "max_dihedral").max, r.inverted_cells, off_surface_nodes(r), bent,
       r.is_valid() ? "valid" : "NOT VALID", r.fingerprint);
 }
 

@@ -143,23 +143,29 @@ Certificate make_certificate(const par::Comm& comm, const NewLevel& level, const
                              const BackOff& back_off, std::size_t n_cells) {
   Certificate certificate;
   const auto is_mine = nodes_to_count(level, comm.rank());
-  std::int64_t n_off = 0, n_moved = 0;
+  std::int64_t n_off = 0, n_moved = 0, n_off_facets = 0;
   for (std::size_t i = 0; i < movement.nodes.size(); ++i) {
     const auto& m = movement.nodes[i];
     const auto point = back_off.point(m.node);
     if (!(point == m.base)) n_moved += is_mine[at(m.node)];
+    if (m.off_facets > 0 && !(point == m.base)) {
+      certificate.off_facets.push_back({m.node, std::ldexp(m.off_facets, -static_cast<int>(back_off.step(i)))});
+      n_off_facets += is_mine[at(m.node)];
+    }
     if (m.patch[0] < 0 || (back_off.step(i) == 0 && m.is_reachable)) continue;
     const auto on = surfaces_of_node(level.info, level.surfaces, m.patch);
     certificate.off_surface.push_back({m.node, geometry::distance_from_all(on.surface, point)});
     n_off += is_mine[at(m.node)];
   }
-  std::sort(certificate.off_surface.begin(), certificate.off_surface.end(),
-            [](const OffSurface& a, const OffSurface& b) { return a.node < b.node; });
-  std::array<std::int64_t, 3> sum{n_off, n_moved, static_cast<std::int64_t>(n_cells)};
+  const auto by_node = [](const OffSurface& a, const OffSurface& b) { return a.node < b.node; };
+  std::sort(certificate.off_surface.begin(), certificate.off_surface.end(), by_node);
+  std::sort(certificate.off_facets.begin(), certificate.off_facets.end(), by_node);
+  std::array<std::int64_t, 4> sum{n_off, n_moved, static_cast<std::int64_t>(n_cells), n_off_facets};
   comm.sum_in_place(sum);
   certificate.n_off_surface = sum[0];
   certificate.n_moved = sum[1];
   certificate.n_cells_checked = sum[2];
+  certificate.n_off_facets = sum[3];
   return certificate;
 }
 

@@ -12,7 +12,7 @@
 
 namespace pamr::refine {
 
-/// A boundary node that does not lie on its surfaces, and how far it is from them.
+/// A boundary node that does not lie where it belongs, and how far it is from there.
 struct OffSurface {
   LocalId node = invalid_local;
   double distance = 0;
@@ -22,8 +22,11 @@ struct OffSurface {
 struct Certificate {
   std::vector<OffSurface> off_surface;  ///< this rank's nodes that are off their surfaces, ascending
   std::int64_t n_off_surface = 0;       ///< each node once
-  std::int64_t n_moved = 0;             ///< nodes that do not lie where they would without surfaces, each once
-  std::int64_t n_cells_checked = 0;     ///< found exactly positive; not counted where nothing moves
+  /// This rank's nodes that left the faces of a patch without a surface, ascending, and how far.
+  std::vector<OffSurface> off_facets;
+  std::int64_t n_off_facets = 0;     ///< each node once
+  std::int64_t n_moved = 0;          ///< nodes that do not lie where they would without surfaces, each once
+  std::int64_t n_cells_checked = 0;  ///< found exactly positive; not counted where nothing moves
   int back_off_rounds = 0;
   int untangling_rounds = 0;  ///< of moving this level's nodes out of the way, at walls too curved for their mesh
 };

@@ -1,18 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <array>
 #include <vector>
 
 #include "pamr/base/types.hpp"
 #include "pamr/geometry/vec3.hpp"
+#include "pamr/mesh/patch_list.hpp"
 
 namespace pamr::refine {
 
-inline constexpr int max_node_patches = 4;
-
-/// Patches at a node, ascending, -1 where there are no more.
-using PatchList = std::array<int, max_node_patches>;
+using mesh::PatchList;
 
 /// A node that may leave the middle of its edge: where it lies when nothing moves and where it wants to go.
 struct Movable {
@@ -22,6 +19,7 @@ struct Movable {
   PatchList patch{-1, -1, -1, -1};  ///< patches whose surfaces it belongs to; none: an inner node
   bool is_reachable = true;         ///< false: no common point of its surfaces was found near by, `target` is `base`
   bool is_held = false;             ///< on a sharp edge inside its surface: it may not slide
+  double off_facets = 0;            ///< how far the target leaves the faces of a patch without a surface
 };
 
 /// The nodes of one level that move.

@@ -2,15 +2,20 @@
 #include "pamr/refine/project.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <cstdint>
 #include <map>
-#include <optional>
 
 #include "pamr/base/index.hpp"
+#include "pamr/geometry/plane.hpp"
 #include "pamr/mesh/tet.hpp"
+#include "pamr/mesh/undescribed_patches.hpp"
 
 namespace pamr::refine {
 
 namespace {
+
+constexpr double rounding = 1e-10;  ///< of its edge, what a node may seem to be off a face that it lies in
 
 bool all_flat(const std::vector<const geometry::Surface*>& surfaces) {
   return std::all_of(surfaces.begin(), surfaces.end(), [](const auto* s) { return s->is_flat(); });
@@ -21,30 +26,46 @@ Movable aim(LocalId node, geometry::Vec3 base, const PatchList& patch, const Sur
   return {node, base, projected.converged ? projected.point : base, patch, projected.converged};
 }
 
-/// Adds a patch to an ascending list without repeats; a fifth patch at one node is dropped.
-void add_patch(PatchList& list, int patch) {
-  if (patch < 0 || std::find(list.begin(), list.end(), patch) != list.end()) return;
-  const auto free = std::find(list.begin(), list.end(), -1);
-  if (free == list.end()) return;
-  *free = patch;
-  std::sort(list.begin(), free + 1);
-}
-
-/// Third corners of the two boundary faces at a new node.
+/// Third corners of the two boundary faces at a new node, and the patches of the faces.
 struct OppositeVertices {
   std::array<geometry::Vec3, 2> corner{};
+  std::array<int, 2> patch{-1, -1};
   int count = 0;
-  void add(geometry::Vec3 p) {
-    if (count < 2) corner[at(count++)] = p;
+  void add(geometry::Vec3 p, int of_patch) {
+    if (count == 2) return;
+    corner[at(count)] = p;
+    patch[at(count++)] = of_patch;
+  }
+  const geometry::Vec3* find(int of_patch) const {
+    const auto found = std::find(patch.begin(), patch.end(), of_patch);
+    return found == patch.end() ? nullptr : &corner[at(found - patch.begin())];
   }
 };
 
-/// The patches whose surfaces have sharp edges inside.
-std::vector<bool> patches_with_creases(const mesh::MeshInfo& info, const geometry::SurfaceSet& surfaces) {
-  std::vector<bool> has(info.patches.size(), false);
-  for (std::size_t p = 0; p < has.size(); ++p)
-    if (const auto* surface = surfaces.get(info.patches[p].surface)) has[p] = surface->creases() != nullptr;
-  return has;
+/// The patches whose faces decide where a new node belongs: those with sharp edges inside their surface, and those
+/// without a surface that meet others with one that is curved. Collective.
+std::vector<bool> patches_to_look_at(const par::Comm& comm, const mesh::MeshInfo& info, const Numbering& numbering,
+                                     const geometry::SurfaceSet& surfaces) {
+  std::vector<const geometry::Surface*> surface;
+  for (const auto& patch : info.patches) surface.push_back(surfaces.get(patch.surface));
+  std::vector<std::int64_t> is_wanted(surface.size(), 0);
+  bool any_without = false, any_curved = false;
+  for (std::size_t p = 0; p < surface.size(); ++p) {
+    is_wanted[p] = surface[p] != nullptr && surface[p]->creases() != nullptr ? 1 : 0;
+    any_without = any_without || surface[p] == nullptr;
+    any_curved = any_curved || (surface[p] != nullptr && !surface[p]->is_flat());
+  }
+  if (any_without && any_curved) {
+    for (const auto& [new_node, patch] : numbering.boundary)
+      for (std::size_t k = 0; k < 2; ++k) {
+        const auto* other = surface[at(patch[1 - k])];
+        if (surface[at(patch[k])] == nullptr && other != nullptr && !other->is_flat()) is_wanted[at(patch[k])] = 1;
+      }
+    comm.max_in_place(is_wanted);
+  }
+  std::vector<bool> result;
+  for (const auto value : is_wanted) result.push_back(value != 0);
+  return result;
 }
 
 /// For each entry of `numbering.boundary` the faces of the given patches at it, those of all ranks. Collective.
@@ -68,7 +89,8 @@ std::vector<OppositeVertices> find_opposite_vertices(const par::Comm& comm, cons
       const auto& corner = mesh::tet::face_to_corner[at(f)];
       for (std::size_t k = 0; k < 3; ++k) {
         const auto edge = mesh::tet::edge_of[at(corner[(k + 1) % 3])][at(corner[(k + 2) % 3])];
-        if (auto* entry = entry_of(c, edge)) entry->add(mesh.point(mesh.cell_to_node[at(c)][at(corner[k])]));
+        if (auto* entry = entry_of(c, edge))
+          entry->add(mesh.point(mesh.cell_to_node[at(c)][at(corner[k])]), mesh::slot_to_patch(next));
       }
     }
   }
@@ -84,7 +106,7 @@ std::vector<OppositeVertices> find_opposite_vertices(const par::Comm& comm, cons
   const auto theirs = par::Exchange(comm, borders.edges).swap<OppositeVertices>(mine);
   for (std::size_t k = 0; k < theirs.size(); ++k)
     if (auto* entry = of_border(borders.edges.item[k]))
-      for (int i = 0; i < theirs[k].count; ++i) entry->add(theirs[k].corner[at(i)]);
+      for (int i = 0; i < theirs[k].count; ++i) entry->add(theirs[k].corner[at(i)], theirs[k].patch[at(i)]);
   return opposite;
 }
 
@@ -94,13 +116,46 @@ bool is_of_crease(const SurfacesOfNode& on, const PatchList& patch, geometry::Ve
   return off >= (1 - 1e-9) * geometry::norm(point - on.surface.front()->project_to_seam(point));
 }
 
+/// Where a patch without a surface meets another: on the other's surface and in the plane of the face a b c of the
+/// patch without. Where the face continues the surface smoothly, that plane is no shape to keep.
+Movable aim_beside_face(LocalId node, std::array<geometry::Vec3, 2> end, geometry::Vec3 third, const PatchList& patch,
+                        const SurfacesOfNode& on) {
+  const auto base = geometry::midpoint(end[0], end[1]);
+  const auto normal = cross(end[1] - end[0], third - end[0]);
+  if (mesh::is_sharp_edge(end[0], end[1], third, *on.surface.front())) {
+    const geometry::Plane of_face(base, normal);
+    const std::array<const geometry::Surface*, 2> both{&of_face, on.surface.front()};
+    const auto projected = geometry::project_onto_all(both, base);
+    return {node, base, projected.converged ? projected.point : base, patch, projected.converged};
+  }
+  auto movable = aim(node, base, patch, on);
+  const double off = std::abs(dot(movable.target - base, normal)) / norm(normal);
+  if (off > rounding * norm(end[1] - end[0])) movable.off_facets = off;
+  return movable;
+}
+
+/// Where a new node between these ends wants to go.
+Movable aim_new_node(LocalId node, std::array<geometry::Vec3, 2> end, const PatchList& patch, const SurfacesOfNode& on,
+                     const OppositeVertices& opposite) {
+  const auto base = geometry::midpoint(end[0], end[1]);
+  const auto* creases = on.surface.front()->creases();
+  // both faces at a sharp edge inside a surface are of one patch
+  if (patch[1] < 0 && creases != nullptr && opposite.count == 2)
+    if (const auto crease = creases->crease_between(end[0], end[1], opposite.corner[0], opposite.corner[1]))
+      return {node, base, *crease, patch, true, true};
+  if (on.without_surface >= 0)
+    if (const auto* third = opposite.find(on.without_surface)) return aim_beside_face(node, end, *third, patch, on);
+  return aim(node, base, patch, on);
+}
+
 /// The new nodes, ascending.
-std::vector<Movable> project_new_nodes(const par::Comm& comm, const mesh::DistMesh& mesh, const mesh::Borders& borders,
-                                       const Numbering& numbering, const geometry::SurfaceSet& surfaces) {
-  const auto has_creases = patches_with_creases(mesh.info, surfaces);
+std::vector<Movable> project_new_nodes(const par::Comm& comm, const mesh::DistMesh& mesh, const mesh::MeshInfo& info,
+                                       const mesh::Borders& borders, const Numbering& numbering,
+                                       const geometry::SurfaceSet& surfaces) {
+  const auto is_wanted = patches_to_look_at(comm, info, numbering, surfaces);
   std::vector<OppositeVertices> opposite;
-  if (std::find(has_creases.begin(), has_creases.end(), true) != has_creases.end())
-    opposite = find_opposite_vertices(comm, mesh, borders, numbering, has_creases);
+  if (std::find(is_wanted.begin(), is_wanted.end(), true) != is_wanted.end())
+    opposite = find_opposite_vertices(comm, mesh, borders, numbering, is_wanted);
   std::vector<Movable> movables;
   std::map<std::array<int, 2>, SurfacesOfNode> surfaces_of_pair;
   for (std::size_t i = 0; i < numbering.boundary.size(); ++i) {
@@ -108,26 +163,17 @@ std::vector<Movable> project_new_nodes(const par::Comm& comm, const mesh::DistMe
     const auto patch = patches_of(boundary);
     auto known = surfaces_of_pair.find(boundary.patch);
     if (known == surfaces_of_pair.end())
-      known = surfaces_of_pair.emplace(boundary.patch, surfaces_of_node(mesh.info, surfaces, patch)).first;
+      known = surfaces_of_pair.emplace(boundary.patch, surfaces_of_node(info, surfaces, patch)).first;
     if (all_flat(known->second.surface)) continue;
     const auto [a, b] = numbering.ends[at(boundary.new_node)];
-    const LocalId node = mesh.n_nodes() + boundary.new_node;
-    const auto base = geometry::midpoint(mesh.point(a), mesh.point(b));
-    const auto* creases = known->second.surface.front()->creases();
-    // both faces at a sharp edge inside a surface are of one patch
-    if (patch[1] < 0 && creases != nullptr && opposite[i].count == 2)
-      if (const auto crease =
-              creases->crease_between(mesh.point(a), mesh.point(b), opposite[i].corner[0], opposite[i].corner[1])) {
-        movables.push_back({node, base, *crease, patch, true, true});
-        continue;
-      }
-    movables.push_back(aim(node, base, patch, known->second));
+    movables.push_back(aim_new_node(mesh.n_nodes() + boundary.new_node, {mesh.point(a), mesh.point(b)}, patch,
+                                    known->second, opposite.empty() ? OppositeVertices{} : opposite[i]));
   }
   return movables;
 }
 
 /// The old nodes that are off their surfaces, ascending.
-std::vector<Movable> project_off_surface(const par::Comm& comm, const mesh::DistMesh& mesh,
+std::vector<Movable> project_off_surface(const par::Comm& comm, const mesh::DistMesh& mesh, const mesh::MeshInfo& info,
                                          const mesh::Borders& borders, const geometry::SurfaceSet& surfaces) {
   const auto* field = mesh.find_node_field(mesh::off_surface_field);
   if (field == nullptr || field->holds_integers()) return {};
@@ -135,35 +181,17 @@ std::vector<Movable> project_off_surface(const par::Comm& comm, const mesh::Dist
   std::map<LocalId, PatchList> patches;
   for (LocalId node = 0; node < mesh.n_nodes(); ++node)
     if (off[at(node)] > 0) patches[node].fill(-1);
-  for (LocalId c = 0; c < mesh.n_cells(); ++c)
-    for (int f = 0; f < 4; ++f) {
-      const auto next = mesh.cell_to_cell[at(c)][at(f)];
-      if (next >= 0) continue;
-      for (const auto corner : mesh::tet::face_to_corner[at(f)]) {
-        const auto entry = patches.find(mesh.cell_to_node[at(c)][at(corner)]);
-        if (entry != patches.end()) add_patch(entry->second, mesh::slot_to_patch(next));
-      }
-    }
-  std::vector<PatchList> mine;
-  for (const auto node : borders.nodes.item) {
-    const auto entry = patches.find(node);
-    mine.push_back(entry == patches.end() ? PatchList{-1, -1, -1, -1} : entry->second);
-  }
-  const auto theirs = par::Exchange(comm, borders.nodes).swap<PatchList>(mine);
-  for (std::size_t k = 0; k < theirs.size(); ++k) {
-    const auto entry = patches.find(borders.nodes.item[k]);
-    if (entry == patches.end()) continue;
-    for (const auto patch : theirs[k]) add_patch(entry->second, patch);
-  }
+  mesh::add_patches_of_nodes(comm, mesh, borders, patches);
   std::vector<Movable> movables;
   for (const auto& [node, patch] : patches) {
-    const auto on = surfaces_of_node(mesh.info, surfaces, patch);
+    const auto on = surfaces_of_node(info, surfaces, patch);
     if (on.surface.empty()) continue;
     const auto here = mesh.point(node);
     if (is_of_crease(on, patch, here, off[at(node)]))
       movables.push_back({node, here, on.surface.front()->project_to_seam(here), patch, true, true});
     else
       movables.push_back(aim(node, here, patch, on));
+    if (on.without_surface >= 0) movables.back().off_facets = geometry::norm(movables.back().target - here);
   }
   return movables;
 }
@@ -173,12 +201,11 @@ std::vector<Movable> project_off_surface(const par::Comm& comm, const mesh::Dist
 SurfacesOfNode surfaces_of_node(const mesh::MeshInfo& info, const geometry::SurfaceSet& surfaces,
                                 const PatchList& patch) {
   SurfacesOfNode on;
-  on.all_have_surfaces = true;
   for (const auto p : patch) {
     if (p < 0) continue;
     const auto* surface = surfaces.get(info.patches[at(p)].surface);
     if (surface == nullptr)
-      on.all_have_surfaces = false;
+      on.without_surface = p;
     else if (std::find(on.surface.begin(), on.surface.end(), surface) == on.surface.end())
       on.surface.push_back(surface);
   }
@@ -191,10 +218,11 @@ PatchList patches_of(const BoundaryNode& boundary) {
   return {boundary.patch[0], boundary.patch[1] == boundary.patch[0] ? -1 : boundary.patch[1], -1, -1};
 }
 
-std::vector<Movable> project(const par::Comm& comm, const mesh::DistMesh& mesh, const mesh::Borders& borders,
-                             const Numbering& numbering, const geometry::SurfaceSet& surfaces) {
-  auto movables = project_off_surface(comm, mesh, borders, surfaces);
-  const auto new_nodes = project_new_nodes(comm, mesh, borders, numbering, surfaces);
+std::vector<Movable> project(const par::Comm& comm, const mesh::DistMesh& mesh, const mesh::MeshInfo& info,
+                             const mesh::Borders& borders, const Numbering& numbering,
+                             const geometry::SurfaceSet& surfaces) {
+  auto movables = project_off_surface(comm, mesh, info, borders, surfaces);
+  const auto new_nodes = project_new_nodes(comm, mesh, info, borders, numbering, surfaces);
   movables.insert(movables.end(), new_nodes.begin(), new_nodes.end());
   return movables;
 }

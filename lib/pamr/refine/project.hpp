@@ -14,8 +14,8 @@ namespace pamr::refine {
 /// What a node on these patches lies on.
 struct SurfacesOfNode {
   std::vector<const geometry::Surface*> surface;  ///< without repeats, in patch order
-  bool is_on_seam = false;         ///< two patches of one surface: their border is a curve of that surface
-  bool all_have_surfaces = false;  ///< every one of the patches has a surface
+  bool is_on_seam = false;   ///< two patches of one surface: their border is a curve of that surface
+  int without_surface = -1;  ///< one of the patches that has no surface, -1: every one has
 
   /// The place on them that a node at `point` belongs to. `converged` is false when there is none near by.
   geometry::Projected place(geometry::Vec3 point) const {
@@ -33,14 +33,20 @@ PatchList patches_of(const BoundaryNode& boundary);
 /// - New nodes on edges that lie in the boundary: on the surface of their patch, on the common curve of two. Flat
 ///   surfaces move nothing. Edges along sharp edges inside the surface of their patch (`Creases::crease_between`) get
 ///   their node there, held.
+/// - Where a patch without a surface meets one with a surface in a sharp edge (`mesh::is_sharp_edge`): on the surface,
+///   in the plane of the face of the other patch, which so keeps its shape. Where it continues the surface smoothly: on
+///   the surface; `Movable::off_facets` says how far that is from the face.
 /// - Old nodes that an earlier refinement had to leave off their surface (nodal field `off_surface` > 0): they are
 ///   tried again, those as far from a sharp edge of their only surface as the field says on that edge.
 ///
 /// Every rank that holds a node computes the same bits. Order: old nodes, then new ones, ascending.
+/// `info`: the patches; those that lie in a plane have it (`mesh::with_planes`).
 /// Collective: one neighbor exchange of the patches of old nodes if the mesh has the field, and one over the border
-/// edges of the third corners of the boundary faces if a patch has a surface with sharp edges.
+/// edges of the third corners of the boundary faces if a patch has a surface with sharp edges, or if patches with and
+/// without a surface meet.
 /// Source: the PAMR paper, section 2.1.4.
-std::vector<Movable> project(const par::Comm& comm, const mesh::DistMesh& mesh, const mesh::Borders& borders,
-                             const Numbering& numbering, const geometry::SurfaceSet& surfaces);
+std::vector<Movable> project(const par::Comm& comm, const mesh::DistMesh& mesh, const mesh::MeshInfo& info,
+                             const mesh::Borders& borders, const Numbering& numbering,
+                             const geometry::SurfaceSet& surfaces);
 
 }  // namespace pamr::refine

@@ -7,6 +7,7 @@
 
 #include "pamr/base/index.hpp"
 #include "pamr/geometry/tet_shape.hpp"
+#include "pamr/mesh/undescribed_patches.hpp"
 
 namespace pamr::refine {
 
@@ -116,10 +117,18 @@ mesh::CellField to_cells(const NumberedMesh& old, const std::vector<LocalId>& pa
   return result;
 }
 
-mesh::NodeField off_surface_of(const NumberedMesh& old, const std::vector<OffSurface>& nodes) {
-  std::vector<double> distance(at(old.mesh.n_nodes()) + old.numbering.n_new_nodes(), 0.0);
+mesh::NodeField distances(const NumberedMesh& old, const char* name, std::vector<double> distance,
+                          const std::vector<OffSurface>& nodes) {
+  distance.resize(at(old.mesh.n_nodes()) + old.numbering.n_new_nodes(), 0.0);
   for (const auto& entry : nodes) distance[at(entry.node)] = entry.distance;
-  return {mesh::off_surface_field, old.mesh.info.length_unit, 1, mesh::StorageType::float64, std::move(distance)};
+  return {name, old.mesh.info.length_unit, 1, mesh::StorageType::float64, std::move(distance)};
+}
+
+/// The distances that old nodes have, and those of the nodes that left the faces of their patch now.
+mesh::NodeField off_facets_of(const NumberedMesh& old, const mesh::NodeField* before,
+                              const std::vector<OffSurface>& nodes) {
+  return distances(old, mesh::off_facets_field,
+                   before == nullptr ? std::vector<double>(at(old.mesh.n_nodes()), 0.0) : before->real(), nodes);
 }
 
 mesh::CellField numbers_of(const std::vector<LocalId>& parent, const mesh::DistMesh& old) {
@@ -134,9 +143,16 @@ mesh::CellField numbers_of(const std::vector<LocalId>& parent, const mesh::DistM
 Fields transfer(const NumberedMesh& old, const std::vector<mesh::CellNodes>& cell_to_node,
                 const Certificate& certificate, const Options& options) {
   Fields fields;
+  const mesh::NodeField* off_facets = nullptr;
   for (const auto& field : old.mesh.node_fields)
-    if (field.name != mesh::off_surface_field) fields.of_nodes.push_back(to_nodes(old, field));
-  if (certificate.n_off_surface > 0) fields.of_nodes.push_back(off_surface_of(old, certificate.off_surface));
+    if (field.name == mesh::off_facets_field && !field.holds_integers() && field.n_components == 1)
+      off_facets = &field;
+    else if (field.name != mesh::off_surface_field)
+      fields.of_nodes.push_back(to_nodes(old, field));
+  if (certificate.n_off_surface > 0)
+    fields.of_nodes.push_back(distances(old, mesh::off_surface_field, {}, certificate.off_surface));
+  if (off_facets != nullptr || certificate.n_off_facets > 0)
+    fields.of_nodes.push_back(off_facets_of(old, off_facets, certificate.off_facets));
   if (!options.parent_field && old.mesh.cell_fields.empty()) return fields;
 
   const auto parent = parents_of(old, cell_to_node);

@@ -22,7 +22,8 @@ struct Fields {
 ///   that comes first by coordinates.
 /// - Cell fields: a child has its parent's value; the children of a family that was taken back have the volume-weighted
 ///   mean of its members (integers: the value of `parent`).
-/// - `off_surface` is made anew from the certificate; the field of marks is dropped.
+/// - `off_surface` is made anew from the certificate; in `off_facets` old nodes keep their values, and new ones have
+///   those of the certificate. The field of marks is dropped.
 /// - `parent` is added if the options ask for it: the input cell (`mesh::DistMesh::cell_origin`) that holds the new
 ///   cell's centroid while new nodes still lie on their edges, the smallest number among equals.
 ///

@@ -78,7 +78,7 @@ Freedom free_nodes(const NewLevel& level, const std::vector<Movable>& movables) 
     if (known != rows.end()) return known->second;
     std::int32_t row = Freedom::fixed;
     auto on = surfaces_of_node(level.info, level.surfaces, patch);
-    if (on.all_have_surfaces && !on.is_on_seam) {
+    if (on.without_surface < 0 && !on.is_on_seam) {
       row = static_cast<std::int32_t>(freedom.on.size());
       freedom.on.push_back(std::move(on));
     }

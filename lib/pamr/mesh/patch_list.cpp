@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "pamr/mesh/patch_list.hpp"
+
+#include <algorithm>
+#include <vector>
+
+#include "pamr/base/index.hpp"
+#include "pamr/mesh/tet.hpp"
+
+namespace pamr::mesh {
+
+void add_patch(PatchList& list, int patch) {
+  if (patch < 0 || std::find(list.begin(), list.end(), patch) != list.end()) return;
+  const auto free = std::find(list.begin(), list.end(), -1);
+  if (free == list.end()) return;
+  *free = patch;
+  std::sort(list.begin(), free + 1);
+}
+
+void add_patches_of_nodes(const par::Comm& comm, const DistMesh& mesh, const Borders& borders,
+                          std::map<LocalId, PatchList>& patches) {
+  for (LocalId c = 0; c < mesh.n_cells(); ++c)
+    for (int f = 0; f < 4; ++f) {
+      const auto next = mesh.cell_to_cell[at(c)][at(f)];
+      if (next >= 0) continue;
+      for (const auto corner : tet::face_to_corner[at(f)]) {
+        const auto entry = patches.find(mesh.cell_to_node[at(c)][at(corner)]);
+        if (entry != patches.end()) add_patch(entry->second, slot_to_patch(next));
+      }
+    }
+  std::vector<PatchList> mine;
+  for (const auto node : borders.nodes.item) {
+    const auto entry = patches.find(node);
+    mine.push_back(entry == patches.end() ? PatchList{-1, -1, -1, -1} : entry->second);
+  }
+  const auto theirs = par::Exchange(comm, borders.nodes).swap<PatchList>(mine);
+  for (std::size_t k = 0; k < theirs.size(); ++k) {
+    const auto entry = patches.find(borders.nodes.item[k]);
+    if (entry == patches.end()) continue;
+    for (const auto patch : theirs[k]) add_patch(entry->second, patch);
+  }
+}
+
+}  // namespace pamr::mesh

@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "pamr/mesh/undescribed_patches.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <numbers>
+#include <utility>
+
+#include "pamr/base/index.hpp"
+#include "pamr/geometry/surface.hpp"
+#include "pamr/geometry/surface_toml.hpp"
+#include "pamr/mesh/patch_list.hpp"
+#include "pamr/mesh/tet.hpp"
+
+namespace pamr::mesh {
+
+namespace {
+
+using geometry::Vec3;
+
+bool is_described(const MeshInfo& info, int patch) { return info.patches[at(patch)].surface >= 0; }
+
+bool has_both_kinds(const MeshInfo& info) {
+  const auto described = [](const Patch& patch) { return patch.surface >= 0; };
+  return std::any_of(info.patches.begin(), info.patches.end(), described) &&
+         !std::all_of(info.patches.begin(), info.patches.end(), described);
+}
+
+/// Calls `visit(cell, face, patch)` for each boundary face of this rank.
+template <class Visit>
+void for_each_boundary_face(const DistMesh& mesh, Visit&& visit) {
+  for (LocalId c = 0; c < mesh.n_cells(); ++c)
+    for (int f = 0; f < 4; ++f)
+      if (const auto next = mesh.cell_to_cell[at(c)][at(f)]; next < 0) visit(c, f, slot_to_patch(next));
+}
+
+void add_kind(std::uint8_t& kinds, std::uint8_t kind) { kinds = static_cast<std::uint8_t>(kinds | kind); }
+
+/// This rank's nodes that lie on patches of both kinds, with all their patches. Collective.
+std::map<LocalId, PatchList> find_common_nodes(const par::Comm& comm, const DistMesh& mesh, const Borders& borders) {
+  std::vector<std::uint8_t> kinds(mesh.node_position.size(), 0);
+  for_each_boundary_face(mesh, [&](LocalId c, int f, int patch) {
+    for (const auto corner : tet::face_to_corner[at(f)])
+      add_kind(kinds[at(mesh.cell_to_node[at(c)][at(corner)])], is_described(mesh.info, patch) ? 1 : 2);
+  });
+  std::vector<std::uint8_t> mine;
+  for (const auto node : borders.nodes.item) mine.push_back(kinds[at(node)]);
+  const auto theirs = par::Exchange(comm, borders.nodes).swap<std::uint8_t>(mine);
+  for (std::size_t k = 0; k < theirs.size(); ++k) add_kind(kinds[at(borders.nodes.item[k])], theirs[k]);
+  std::map<LocalId, PatchList> common;
+  for (LocalId node = 0; node < mesh.n_nodes(); ++node)
+    if (kinds[at(node)] == 3) common.emplace(node, PatchList{-1, -1, -1, -1});
+  if (comm.any(!common.empty())) add_patches_of_nodes(comm, mesh, borders, common);
+  return common;
+}
+
+/// The first patch on a curved surface at both nodes; -1: none.
+int common_curved_patch(const MeshInfo& info, const PatchList& a, const PatchList& b) {
+  for (const auto patch : a) {
+    if (patch < 0 || std::find(b.begin(), b.end(), patch) == b.end()) continue;
+    const auto* surface = info.surface_of(patch);
+    if (surface != nullptr && !surface->is_flat()) return patch;
+  }
+  return -1;
+}
+
+/// The patch on a curved surface that a boundary face continues smoothly across one of its edges; -1: none.
+int patch_continued(const DistMesh& mesh, const std::map<LocalId, PatchList>& common, LocalId cell, int face) {
+  const auto& corner = tet::face_to_corner[at(face)];
+  std::array<LocalId, 3> node{};
+  for (std::size_t k = 0; k < 3; ++k) node[k] = mesh.cell_to_node[at(cell)][at(corner[k])];
+  for (std::size_t k = 0; k < 3; ++k) {
+    const auto a = node[k], b = node[(k + 1) % 3], c = node[(k + 2) % 3];
+    const auto at_a = common.find(a), at_b = common.find(b);
+    if (at_a == common.end() || at_b == common.end()) continue;
+    const int patch = common_curved_patch(mesh.info, at_a->second, at_b->second);
+    if (patch < 0) continue;
+    if (!is_sharp_edge(mesh.point(a), mesh.point(b), mesh.point(c), *mesh.info.surface_of(patch))) return patch;
+  }
+  return -1;
+}
+
+/// Counts the faces of patches that are not flat and continue a curved surface. Collective: two reductions.
+void count_smooth_faces(const par::Comm& comm, const DistMesh& mesh, const std::map<LocalId, PatchList>& common,
+                        std::vector<UndescribedPatch>& undescribed) {
+  std::vector<int> row(mesh.info.patches.size(), -1);
+  for (std::size_t i = 0; i < undescribed.size(); ++i)
+    if (!undescribed[i].plane.is_flat) row[at(undescribed[i].patch)] = static_cast<int>(i);
+  std::vector<std::int64_t> count(undescribed.size(), 0), last(undescribed.size(), -1);
+  for_each_boundary_face(mesh, [&](LocalId c, int f, int patch) {
+    if (row[at(patch)] < 0) return;
+    const int continued = patch_continued(mesh, common, c, f);
+    if (continued < 0) return;
+    ++count[at(row[at(patch)])];
+    last[at(row[at(patch)])] = std::max<std::int64_t>(last[at(row[at(patch)])], continued);
+  });
+  comm.sum_in_place(count);
+  comm.max_in_place(last);
+  for (std::size_t i = 0; i < undescribed.size(); ++i) {
+    undescribed[i].n_smooth_faces = count[i];
+    undescribed[i].continues = static_cast<int>(last[i]);
+  }
+}
+
+/// A name that no surface has.
+std::string new_name(const geometry::SurfaceSet& set, const std::string& patch) {
+  const auto wanted = "plane of " + patch;
+  auto name = wanted;
+  for (int i = 2; set.index_of(name) >= 0; ++i) name = fmt::format("{} ({})", wanted, i);
+  return name;
+}
+
+}  // namespace
+
+bool is_sharp_edge(Vec3 a, Vec3 b, Vec3 c, const geometry::Surface& surface) {
+  const Vec3 of_face = cross(b - a, c - a), of_surface = surface.normal(midpoint(a, b));
+  const double sine = std::sin(sharp_edge_angle * std::numbers::pi / 180);
+  return norm(cross(of_face, of_surface)) >= sine * norm(of_face);
+}
+
+std::vector<UndescribedPatch> find_undescribed_patches(const par::Comm& comm, const DistMesh& mesh,
+                                                       const Borders& borders) {
+  if (!has_both_kinds(mesh.info)) return {};
+  const auto common = find_common_nodes(comm, mesh, borders);
+  std::vector<std::int64_t> meets(mesh.info.patches.size(), 0);
+  for (const auto& [node, patches] : common)
+    for (const auto patch : patches)
+      if (patch >= 0 && !is_described(mesh.info, patch)) meets[at(patch)] = 1;
+  comm.max_in_place(meets);
+  std::vector<bool> is_wanted;
+  for (const auto value : meets) is_wanted.push_back(value != 0);
+  const auto planes = fit_planes(comm, mesh, is_wanted);
+  std::vector<UndescribedPatch> undescribed;
+  for (std::size_t p = 0; p < planes.size(); ++p)
+    if (is_wanted[p]) undescribed.push_back({static_cast<int>(p), planes[p], 0, -1});
+  if (!undescribed.empty()) count_smooth_faces(comm, mesh, common, undescribed);
+  return undescribed;
+}
+
+std::vector<UndescribedPatch> find_undescribed_patches(const par::Comm& comm, const DistMesh& mesh) {
+  if (!has_both_kinds(mesh.info)) return {};
+  return find_undescribed_patches(comm, mesh, find_borders(comm, mesh));
+}
+
+MeshInfo with_planes(MeshInfo info, const std::vector<UndescribedPatch>& undescribed) {
+  if (std::none_of(undescribed.begin(), undescribed.end(), [](const auto& u) { return u.plane.is_flat; })) return info;
+  auto set = *info.surfaces;
+  for (const auto& [patch, plane, n_smooth, continues] : undescribed) {
+    if (!plane.is_flat) continue;
+    auto& of_patch = info.patches[at(patch)];
+    of_patch.surface = set.size();
+    set.append(geometry::plane_surface(new_name(set, of_patch.name), plane.point, plane.normal));
+  }
+  info.surfaces = std::make_shared<const geometry::SurfaceSet>(std::move(set));
+  return info;
+}
+
+std::vector<std::string> warnings_of(const MeshInfo& info, const std::vector<UndescribedPatch>& undescribed) {
+  constexpr double nearly_flat = 1e-3;  // of its size: a plane that was written with few digits
+  std::vector<std::string> lines;
+  for (const auto& [patch, plane, n_smooth, continues] : undescribed) {
+    const auto& name = info.patches[at(patch)].name;
+    if (plane.is_flat) continue;
+    if (plane.distance <= nearly_flat * plane.size)
+      lines.push_back(fmt::format(
+          "patch '{}' has no surface and lies within {:.2g} of a plane, but not in it; to put it there write "
+          "[[surface]] with {}, and --tolerance {:.2g}",
+          name, plane.distance, geometry::plane_keys(name, plane.point, plane.normal, ", "), 2 * plane.distance));
+    else if (n_smooth > 0)
+      lines.push_back(fmt::format(
+          "patch '{0}' has no surface: {1} faces of it continue patch '{2}' smoothly and are bent where new "
+          "nodes go onto surface \"{3}\"; to give it its shape write [[surface]] with name = \"{0}\" and "
+          "its kind, or --surface FILE.stl --patch {0}",
+          name, n_smooth, info.patches[at(continues)].name, info.surface_name(info.patches[at(continues)])));
+  }
+  return lines;
+}
+
+}  // namespace pamr::mesh
