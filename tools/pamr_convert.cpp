@@ -22,6 +22,7 @@
 #include "pamr/io/gmsh/read_gmsh.hpp"
 #include "pamr/io/gmsh/write_gmsh.hpp"
 #include "pamr/io/native/native_file.hpp"
+#include "pamr/mesh/undescribed_patches.hpp"
 #include "pamr/validate/validate.hpp"
 
 namespace {
@@ -211,6 +212,20 @@ void associate(cli::Session& session, const Options& options, mesh::DistMesh& me
     if (const auto warning = geometry::self_intersection_warning(*surface); !warning.empty()) session.warn(warning);
 }
 
+/// Gives flat patches that meet patches with a surface their planes, and says which others refinements will bend.
+/// Collective.
+void keep_flat_patches(cli::Session& session, const Options& options, mesh::DistMesh& mesh, nlohmann::json& report) {
+  if (!asks_for_surfaces(options)) return;
+  const auto undescribed = mesh::find_undescribed_patches(session.comm(), mesh);
+  mesh.info = mesh::with_planes(std::move(mesh.info), undescribed);
+  for (const auto& [patch, plane, n_smooth_faces, continues] : undescribed) {
+    const auto& info = mesh.info.patches[static_cast<std::size_t>(patch)];
+    if (plane.is_flat)
+      report["planes"][info.name] = {{"surface", mesh.info.surface_name(info)}, {"worst_distance", plane.distance}};
+  }
+  for (const auto& warning : mesh::warnings_of(mesh.info, undescribed)) session.warn(warning);
+}
+
 /// Opens inner faces with two edges on one curved wall, or warns of them. Collective.
 void treat_ears(cli::Session& session, const Options& options, mesh::DistMesh& mesh, nlohmann::json& report) {
   const auto& comm = session.comm();
@@ -248,6 +263,7 @@ cli::ExitCode convert(cli::Session& session, const Options& options) {
   auto mesh = read(session, options, report);
   validate::require_valid(comm, mesh, options.input);
   associate(session, options, mesh, report);
+  keep_flat_patches(session, options, mesh, report);
   treat_ears(session, options, mesh, report);
   write(comm, options, as_foam, mesh);
   report["cells"] = mesh.info.n_global_cells;

@@ -39,22 +39,41 @@ void for_each_boundary_face(const DistMesh& mesh, Visit&& visit) {
       if (const auto next = mesh.cell_to_cell[at(c)][at(f)]; next < 0) visit(c, f, slot_to_patch(next));
 }
 
-void add_kind(std::uint8_t& kinds, std::uint8_t kind) { kinds = static_cast<std::uint8_t>(kinds | kind); }
+/// What patches there are at a node, as bits.
+enum Kind : std::uint8_t { without_surface = 1, on_plane = 2, on_curved_surface = 4, is_to_move = 8 };
 
-/// This rank's nodes that lie on patches of both kinds, with all their patches. Collective.
+Kind kind_of(const MeshInfo& info, int patch) {
+  if (!is_described(info, patch)) return without_surface;
+  const auto* surface = info.surface_of(patch);
+  return surface == nullptr || surface->is_flat() ? on_plane : on_curved_surface;
+}
+
+/// This rank's nodes at patches without a surface that others may take with them, with all their patches: those at
+/// curved patches too, and those that are off the plane of another patch. Collective.
 std::map<LocalId, PatchList> find_common_nodes(const par::Comm& comm, const DistMesh& mesh, const Borders& borders) {
   std::vector<std::uint8_t> kinds(mesh.node_position.size(), 0);
+  const auto add = [&](LocalId node, std::uint8_t kind) {
+    kinds[at(node)] = static_cast<std::uint8_t>(kinds[at(node)] | kind);
+  };
   for_each_boundary_face(mesh, [&](LocalId c, int f, int patch) {
     for (const auto corner : tet::face_to_corner[at(f)])
-      add_kind(kinds[at(mesh.cell_to_node[at(c)][at(corner)])], is_described(mesh.info, patch) ? 1 : 2);
+      add(mesh.cell_to_node[at(c)][at(corner)], kind_of(mesh.info, patch));
   });
+  const auto* off = mesh.find_node_field(off_surface_field);
+  if (off != nullptr && !off->holds_integers())
+    for (LocalId node = 0; node < mesh.n_nodes(); ++node)
+      if (off->real()[at(node)] > 0) add(node, is_to_move);
   std::vector<std::uint8_t> mine;
   for (const auto node : borders.nodes.item) mine.push_back(kinds[at(node)]);
   const auto theirs = par::Exchange(comm, borders.nodes).swap<std::uint8_t>(mine);
-  for (std::size_t k = 0; k < theirs.size(); ++k) add_kind(kinds[at(borders.nodes.item[k])], theirs[k]);
+  for (std::size_t k = 0; k < theirs.size(); ++k) add(borders.nodes.item[k], theirs[k]);
+  const auto is_common = [](unsigned kind) {
+    return (kind & without_surface) != 0 &&
+           ((kind & on_curved_surface) != 0 || (kind & (on_plane | is_to_move)) == (on_plane | is_to_move));
+  };
   std::map<LocalId, PatchList> common;
   for (LocalId node = 0; node < mesh.n_nodes(); ++node)
-    if (kinds[at(node)] == 3) common.emplace(node, PatchList{-1, -1, -1, -1});
+    if (is_common(kinds[at(node)])) common.emplace(node, PatchList{-1, -1, -1, -1});
   if (comm.any(!common.empty())) add_patches_of_nodes(comm, mesh, borders, common);
   return common;
 }

@@ -23,7 +23,8 @@ inline constexpr const char* off_facets_field = "off_facets";
 /// Whether the boundary face a b c meets the surface in a sharp edge at its edge from a to b.
 bool is_sharp_edge(geometry::Vec3 a, geometry::Vec3 b, geometry::Vec3 c, const geometry::Surface& surface);
 
-/// A patch without a surface that has nodes in common with patches with one.
+/// A patch without a surface whose nodes others may take with them: it has some in common with a patch on a curved
+/// surface, or with one on a plane that they are off (nodal field `off_surface`).
 struct UndescribedPatch {
   int patch = 0;
   PlaneFit plane;
