@@ -34,7 +34,7 @@ struct Options {
   std::vector<std::string> ties, surface_files, patches;
   std::vector<std::vector<double>> creases;
   double tolerance = -1, feature_angle = -1;
-  bool repair = false, strict = false, text = false, force = false;
+  bool repair = false, no_repair = false, strict = false, text = false, force = false;
 };
 
 void declare(cli::CommandLine& line, Options& options) {
@@ -44,7 +44,9 @@ void declare(cli::CommandLine& line, Options& options) {
       .required();
   line.flag("--repair", options.repair,
             "turn inverted cells of a .msh over instead of refusing them, and split inner edges and faces so that no "
-            "inner face has two edges on one curved wall (cells there get flat when they are refined)");
+            "inner face has two edges on one curved wall (cells there get flat when they are refined); the latter is "
+            "done anyway for a .msh with surfaces");
+  line.flag("--no-repair", options.no_repair, "split nothing");
   line.flag("--strict", options.strict,
             "refuse what would only be reported: inverted cells, nodes of no cell, "
             "boundary faces without tag");
@@ -109,7 +111,7 @@ mesh::DistMesh read(cli::Session& session, const Options& options, nlohmann::jso
                             options.input, read.n_untagged_faces));
   if (read.n_turned > 0) session.warn(fmt::format("{} inverted cells were turned over", read.n_turned));
   if (read.n_dropped_nodes > 0) session.warn(fmt::format("{} nodes of no cell were left out", read.n_dropped_nodes));
-  if (read.n_untagged_faces > 0 && read.mesh.info.patches.size() > 1)
+  if (read.n_untagged_faces > 0)
     session.warn(fmt::format("{} boundary faces without tag are in the patch 'boundary'", read.n_untagged_faces));
   read.mesh.info.provenance = "pamr-convert from Gmsh";
   return std::move(read.mesh);
@@ -134,6 +136,7 @@ void write(const par::Comm& comm, const Options& options, bool as_foam, const me
 void check_files(cli::Session& session, const Options& options, bool as_foam) {
   (void)extension(options.input, {".hdf", ".msh"});
   if (!as_foam) (void)extension(options.output, {".hdf", ".msh", ".vtu"});
+  if (options.repair && options.no_repair) throw Error("expected --repair or --no-repair, found both");
   if (options.surfaces.empty() && !options.ties.empty())
     throw Error("--tie: expected --surfaces beside it, found none");
   if (options.surface_files.size() != options.patches.size())
@@ -231,17 +234,20 @@ void treat_ears(cli::Session& session, const Options& options, mesh::DistMesh& m
   const auto& comm = session.comm();
   const bool is_refined =
       comm.any(std::any_of(mesh.lineage.begin(), mesh.lineage.end(), [](auto l) { return l != mesh::Lineage{}; }));
-  const bool repair = options.repair && !options.strict;
+  const bool has_new_surfaces = !options.surfaces.empty() || !options.surface_files.empty();
+  const bool repair = !options.strict && !options.no_repair &&
+                      (options.repair || (has_new_surfaces && options.input.ends_with(".msh")));
   if (repair && is_refined) throw Error("--repair: expected a mesh of level 0, found cells that were refined");
-  if (is_refined || (options.surfaces.empty() && options.surface_files.empty() && !repair)) return;
+  if (is_refined || (!has_new_surfaces && !repair)) return;
   const auto ears = meshing::find_wall_ears(comm, mesh);
   report["wall_ears"] = ears.count;
   if (!repair) {
     if (ears.count > 0)
       session.warn(
-          fmt::format("{} inner faces have two edges on one curved wall: cells behind them get flatter at every "
-                      "refinement (--repair splits them)",
-                      ears.count));
+          fmt::format("{} inner faces have two edges on one curved wall: cells behind them lose a third of their mean "
+                      "ratio at every refinement; --repair splits {} inner edges and {} inner faces and keeps the "
+                      "boundary",
+                      ears.count, ears.edge.size(), ears.face.size()));
     return;
   }
   report["split_edges"] = ears.edge.size();
@@ -249,9 +255,10 @@ void treat_ears(cli::Session& session, const Options& options, mesh::DistMesh& m
   if (ears.count == 0) return;
   mesh = meshing::open_wall_ears(comm, std::move(mesh), ears);
   mesh.info.provenance += "; repaired at curved walls";
-  session.warn(
-      fmt::format("{} inner faces had two edges on one curved wall: {} inner edges and {} inner faces were split",
-                  ears.count, ears.edge.size(), ears.face.size()));
+  session.warn(fmt::format(
+      "{} inner faces had two edges on one curved wall, where cells lose a third of their mean ratio at "
+      "every refinement: {} inner edges and {} inner faces were split, the boundary is as it was{}",
+      ears.count, ears.edge.size(), ears.face.size(), options.repair ? "" : " (--no-repair splits nothing)"));
 }
 
 cli::ExitCode convert(cli::Session& session, const Options& options) {

@@ -212,6 +212,13 @@ def test_strict_refuses_what_is_otherwise_told():
     refuses("pamr-convert", "untagged.msh", "strict.hdf", "--strict", says=["1 faces without"], creates="strict.hdf")
 
 
+def test_a_mesh_without_any_triangle_gets_one_patch_and_a_warning():
+    elements = ["1 4 2 7 1 10 20 30 40", "2 4 2 7 1 20 30 40 50"]
+    told = run("pamr-convert", write("bare.msh", two_cells(elements=elements)), "bare.hdf", "--json", "-")
+    assert told.json["patches"] == ["boundary"] and told.json["untagged_faces"] == 6
+    assert "6 boundary faces without tag are in the patch 'boundary'" in told.err
+
+
 SURFACES = '[[surface]]\nname = "near"\nkind = "plane"\npoint = [0, 0, 0]\nnormal = [0, 0, 1]\n'
 
 

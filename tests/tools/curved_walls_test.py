@@ -64,18 +64,27 @@ def refine_at_ball(mesh, levels):
     return mesh
 
 
-def test_repair_splits_what_would_flatten_cells_at_a_curved_wall():
+def test_an_import_splits_what_would_flatten_cells_at_a_curved_wall():
     octahedron_of_gmsh()
-    told = run("pamr-convert", "ball.msh", "as_is.hdf", "--surfaces", "ball.toml", "--json", "-")
-    assert told.json["wall_ears"] == 4 and "split_edges" not in told.json and "--repair" in told.err
-    reports = [run("pamr-convert", "ball.msh", f"on{n}.hdf", "--surfaces", "ball.toml", "--repair", "--json", "-", ranks=n).json
-               for n in (1, 3)]
+    arguments = ["pamr-convert", "ball.msh", "--surfaces", "ball.toml", "--json", "-"]
+    told = run(*arguments, "as_is.hdf", "--no-repair")
+    assert told.json["wall_ears"] == 4 and "split_edges" not in told.json
+    assert "--repair splits 1 inner edges and 0 inner faces and keeps the boundary" in told.err
+    reports = [run(*arguments, f"on{n}.hdf", ranks=n) for n in (1, 3)]
 
-    assert all((r["wall_ears"], r["split_edges"], r["split_faces"], r["cells"]) == (4, 1, 0, 8) for r in reports)
+    for report in reports:
+        counts = tuple(report.json[key] for key in ("wall_ears", "split_edges", "split_faces", "cells"))
+        assert counts == (4, 1, 0, 8) and "--no-repair" in report.err
     assert same_bytes("on1.hdf", "on3.hdf")
+    run(*arguments, "asked.hdf", "--repair")
+    run("pamr-convert", "as_is.hdf", "later.hdf", "--repair", "--quiet")
+    assert same_bytes("on1.hdf", "asked.hdf") and same_bytes("on1.hdf", "later.hdf")
     assert smallest_mean_ratio(refine_at_ball("as_is.hdf", 4)) < 0.15
     assert smallest_mean_ratio(refine_at_ball("on1.hdf", 4)) > 0.19
     run("pamr-convert", "on1_1.hdf", "again.hdf", "--repair", code=2, serial=True)
+    run("pamr-convert", "ball.msh", "both.hdf", "--repair", "--no-repair", code=2, serial=True)
+    strict = run(*arguments, "strict.hdf", "--strict")
+    assert strict.json["wall_ears"] == 4 and "split_edges" not in strict.json
 
 
 def test_pamr_mesh_splits_it_by_itself():

@@ -70,7 +70,7 @@ def make_level_0(call, name, size, mesher, folder, repair=False):
         if not (folder / "body.msh").exists():
             raise RuntimeError(f"gmsh: {done.stdout} {done.stderr}")
         call("pamr-convert", folder / "body.msh", mesh, "--surfaces", folder / "body.toml", "--force", "--quiet",
-             *(["--repair"] if repair else []))
+             "--repair" if repair else "--no-repair")
     else:
         (folder / "case.toml").write_text(case.case_file)
         call("pamr-mesh", folder / "case.toml", "-o", mesh, "--force", "--quiet")
