@@ -100,35 +100,31 @@ void write_sections(const par::Comm& comm, const std::string& file, const nlohma
   const std::array<std::uint64_t, n_fixed> fixed{magic, format, text.size(), hash_of(text)};
   const auto data = sizeof(fixed) + text.size();
 
-  const io::PartialFile partial(file);
-  try {
-    par::agree(comm, [&] {
-      if (!comm.is_first()) return;
-      if (!partial.make(data + at)) partial.occupy(0, data + at);
-    });
-    par::agree(comm, [&] {
-      const Descriptor out(partial.path().string(), O_WRONLY);
-      if (comm.is_first()) {
-        put(out.number(), file, 0, fixed.data(), sizeof(fixed));
-        put(out.number(), file, sizeof(fixed), text.data(), text.size());
-      }
-      std::uint64_t offset = data;
-      for (const auto* section : sections) {
-        const auto range = par::block_range(section->rows, comm.rank(), comm.size());
-        put(out.number(), file, offset + 8 * static_cast<std::uint64_t>(range.begin) * section->width,
-            section->block.data(), 8 * section->block.size());
-        offset += bytes_of(*section);
-      }
-      if (::fsync(out.number()) != 0)
-        throw Error(fmt::format("file '{}': cannot be written: {}", file, std::strerror(errno)));
-    });
-    par::agree(comm, [&] {
-      if (comm.is_first()) partial.commit();
-    });
-  } catch (const Error&) {  // thrown by `agree`, thus on every rank
-    if (comm.is_first()) partial.discard();
-    throw;
-  }
+  io::PartialFile partial(file);
+  par::agree(comm, [&] {
+    if (!comm.is_first()) return;
+    if (!partial.make(data + at)) partial.occupy(0, data + at);
+  });
+  partial.share(comm);
+  par::agree(comm, [&] {
+    const Descriptor out(partial.path().string(), O_WRONLY | O_NOFOLLOW);
+    if (comm.is_first()) {
+      put(out.number(), file, 0, fixed.data(), sizeof(fixed));
+      put(out.number(), file, sizeof(fixed), text.data(), text.size());
+    }
+    std::uint64_t offset = data;
+    for (const auto* section : sections) {
+      const auto range = par::block_range(section->rows, comm.rank(), comm.size());
+      put(out.number(), file, offset + 8 * static_cast<std::uint64_t>(range.begin) * section->width,
+          section->block.data(), 8 * section->block.size());
+      offset += bytes_of(*section);
+    }
+    if (::fsync(out.number()) != 0)
+      throw Error(fmt::format("file '{}': cannot be written: {}", file, std::strerror(errno)));
+  });
+  par::agree(comm, [&] {
+    if (comm.is_first()) partial.commit();
+  });
 }
 
 SectionFile::SectionFile(const par::Comm& comm, std::string file) : comm_(&comm), file_(std::move(file)), header_() {
