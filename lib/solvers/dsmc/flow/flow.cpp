@@ -96,9 +96,7 @@ void Flow::fill(const mesh::DistMesh& mesh) {
     const auto c = at(cell);
     const auto corner = corners(mesh, setup_.unit, cell);
     const Vec3 middle = 0.25 * (corner[0] + corner[1] + corner[2] + corner[3]);
-    int which = setup_.initial;
-    for (const auto& region : setup_.region)
-      if (region.holds(middle)) which = region.stream;
+    const int which = setup_.stream_at_start(middle);
     if (which < 0) continue;
     const auto& stream = setup_.stream[at(which)];
     Random random(setup_.seed, Purpose::seed, static_cast<std::uint64_t>(domain_.cell_global[c]), steps_done);
@@ -134,6 +132,11 @@ StepCounts Flow::step(bool wants_stop) {
   counts.entered = static_cast<std::int64_t>(entering.size());
   const auto before = static_cast<std::int64_t>(particles.size()) + counts.entered;
   counts.moved = move(*comm_, rules(), steps_done, particles, entering, surface);
+  if (counts.moved.wall_hits > 0 && !trouble && surface.is_nearly_full())
+    trouble = Error(fmt::format(
+        "step {}: expected fewer molecules on each face of a wall between two blocks of the averages, found "
+        "more than can be added up: use shorter blocks, or a greater weight",
+        steps_done));
   const double start = cpu_seconds();
   particles.sort_by_cell(domain_.n_cells());
   counts.particles = static_cast<std::int64_t>(particles.size());
