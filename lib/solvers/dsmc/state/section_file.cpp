@@ -13,6 +13,7 @@
 #include "pamr/base/error.hpp"
 #include "pamr/base/hash.hpp"
 #include "pamr/io/partial_file.hpp"
+#include "solvers/dsmc/state/header_values.hpp"
 
 namespace pamr::dsmc {
 
@@ -80,6 +81,31 @@ std::uint64_t hash_of(const std::string& text) {
 
 std::uint64_t bytes_of(const Section& section) { return 8 * static_cast<std::uint64_t>(section.rows) * section.width; }
 
+/// Bytes of the tables that a header lists, one behind the other, none larger than the file. Throws `Error`.
+std::uint64_t bytes_of_tables(const std::string& file, const std::string& text, std::uint64_t bytes_of_file) {
+  try {
+    const auto header = nlohmann::json::parse(text);
+    std::uint64_t data = 0;
+    for (const auto& section : array_of(member(header, "sections"), "sections")) {
+      (void)string_of(member(section, "name"), "name");
+      (void)word_of(member(section, "checksum"), "checksum");
+      const auto most = static_cast<std::int64_t>(bytes_of_file / 8);
+      const auto rows = count_of(member(section, "rows"), "rows", most),
+                 width = count_of(member(section, "width"), "width", most);
+      if (count_of(member(section, "offset"), "offset") != static_cast<std::int64_t>(data) ||
+          (width > 0 && rows > most / width))
+        throw Error("checkpoint: expected tables one behind the other, found others");
+      data += 8 * static_cast<std::uint64_t>(rows) * static_cast<std::uint64_t>(width);
+      if (data > bytes_of_file) break;
+    }
+    return data;
+  } catch (const nlohmann::json::exception& wrong) {
+    throw Error(fmt::format("file '{}': expected a header in JSON, found: {}", file, wrong.what()));
+  } catch (const Error& error) {
+    throw Error(fmt::format("file '{}': {}", file, error.what()));
+  }
+}
+
 }  // namespace
 
 void write_sections(const par::Comm& comm, const std::string& file, const nlohmann::json& header,
@@ -145,12 +171,9 @@ SectionFile::SectionFile(const par::Comm& comm, std::string file) : comm_(&comm)
     get(in.number(), file_, sizeof(fixed), text.data(), text.size());
     if (hash_of(text) != fixed[3])
       throw Error(fmt::format("file '{}': expected a header with hash {:x}, found a damaged one", file_, fixed[3]));
-    std::uint64_t data = 0;
-    const auto parsed = nlohmann::json::parse(text);
-    for (const auto& section : parsed.at("sections"))
-      data += 8 * section["rows"].get<std::uint64_t>() * section["width"].get<std::uint64_t>();
+    const auto data = bytes_of_tables(file_, text, bytes);
     const auto whole = sizeof(fixed) + text.size() + data;
-    if (whole != bytes)
+    if (data > bytes || whole != bytes)
       throw Error(
           fmt::format("file '{}': expected {} bytes, found {}: the file is cut off or damaged", file_, whole, bytes));
   });
@@ -163,7 +186,7 @@ Section SectionFile::read(const std::string& name, std::size_t width) const {
   Section section{name, 0, width, {}};
   std::uint64_t offset = 0, expected = 0;
   bool found = false;
-  for (const auto& entry : header()["sections"]) {
+  for (const auto& entry : header()["sections"]) {  // verified when the file was opened
     if (entry["name"] != name) continue;
     found = entry["width"] == width;
     section.rows = entry["rows"];
