@@ -411,7 +411,7 @@ TEST(Flow, TellsEveryRankBeforeItBeginsThatTooManyParticlesWouldEnterThroughAFac
 TEST(Flow, TellsEveryRankWhenTheSumsOnAFaceOfOneAreNearlyFull) {
   const par::Comm comm(MPI_COMM_WORLD);
   const auto mesh = assemble::assemble(comm, test::kuhn_cube(comm, 2));
-  auto setup = open_cube(mesh, {"wind", 1e20, 300, 300, {500, 0, 0}, {1}}, 20, 1e-4);
+  auto setup = open_cube(mesh, {"wind", 1e20, 300, 300, {500, 0, 0}, {1}}, 400, 1e-4);
   for (auto& patch : setup.patch) patch = {Kind::diffuse, 300, {}, 1, 1, 1, 1, -1};
   Flow flow(comm, mesh, setup);
   flow.fill(mesh);
@@ -421,7 +421,7 @@ TEST(Flow, TellsEveryRankWhenTheSumsOnAFaceOfOneAreNearlyFull) {
   if (!comm.any(has_it)) FAIL() << "the last rank has no face";
 
   try {
-    for (int step = 0; step < 20; ++step) flow.step();  // until somebody hits a wall of that rank
+    for (int step = 0; step < 100; ++step) flow.step();  // until there have been many hits on walls of that rank
     ADD_FAILURE() << "the steps were done";
   } catch (const Error& error) {
     EXPECT_NE(std::string(error.what()).find("more than can be added up"), std::string::npos) << error.what();

@@ -22,7 +22,7 @@ struct SurfaceTally {
     std::int64_t energy = 0;
 
     void add(const Sums& other);
-    /// Whether a number is beyond a quarter of what fits: no step adds so much. Local.
+    /// Whether a number is beyond a quarter of what fits. Local.
     bool is_nearly_full() const;
   };
 
