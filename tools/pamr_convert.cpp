@@ -8,7 +8,6 @@
 #include <utility>
 #include <vector>
 
-#include "cli/output_file.hpp"
 #include "cli/run_tool.hpp"
 #include "cli/text_file.hpp"
 #include "meshing/associate/associate_surfaces.hpp"
@@ -132,6 +131,23 @@ void write(const par::Comm& comm, const Options& options, bool as_foam, const me
                    {options.gmsh_version == "2.2" ? io::GmshVersion::v2_2 : io::GmshVersion::v4_1, !options.text});
 }
 
+void check_foam_case(const cli::Session& session, const Options& options) {
+  par::agree(session.comm(), [&] {
+    if (!session.comm().is_first()) return;
+    namespace fs = std::filesystem;
+    std::error_code none;  // what cannot be looked at is not there; writing will say why
+    auto folder = fs::path(options.output);
+    while (!folder.has_filename() && folder.has_relative_path()) folder = folder.parent_path();
+    const auto parent = folder.has_parent_path() ? folder.parent_path() : fs::path(".");
+    if (fs::exists(folder, none) && !fs::is_directory(folder, none))
+      throw Error(options.output + ": expected a folder for an OpenFOAM case, found a file of that name");
+    if (!fs::is_directory(parent, none))
+      throw Error(options.output + ": expected an existing folder to write into, found none named " + parent.string());
+    if (fs::exists(io::foam_folder(folder), none) && !options.force)
+      throw Error(options.output + ": constant/polyMesh exists already (--force replaces it)");
+  });
+}
+
 /// Checks what can be checked before anything is read. Collective.
 void check_files(cli::Session& session, const Options& options, bool as_foam) {
   (void)extension(options.input, {".hdf", ".msh"});
@@ -155,22 +171,8 @@ void check_files(cli::Session& session, const Options& options, bool as_foam) {
   inputs.insert(inputs.end(), options.surface_files.begin(), options.surface_files.end());
   for (const auto& input : inputs) session.check_input(input);
   if (!as_foam) return session.check_output(options.output, inputs, options.force);
-  par::agree(session.comm(), [&] {
-    if (!session.comm().is_first()) return;
-    const auto folder = std::filesystem::absolute(options.output).lexically_normal();
-    const auto parent = folder.has_filename() ? folder.parent_path() : folder.parent_path().parent_path();
-    if (std::filesystem::exists(folder) && !std::filesystem::is_directory(folder))
-      throw Error(options.output + ": expected a folder for an OpenFOAM case, found a file of that name");
-    if (!std::filesystem::is_directory(parent))
-      throw Error(options.output + ": expected an existing folder to write into, found none named " + parent.string());
-    if (std::filesystem::exists(folder / "constant" / "polyMesh") && !options.force)
-      throw Error(options.output + ": constant/polyMesh exists already (--force replaces it)");
-  });
-  for (const char* name : {"points", "faces", "owner", "neighbour", "boundary"}) {
-    const auto file = (io::partial_foam_folder(options.output) / name).string();
-    cli::remove_on_interrupt(file);
-    cli::remove_on_interrupt(cli::partial_name(file));
-  }
+  check_foam_case(session, options);
+  session.prepare_output(io::foam_folder(options.output).string(), inputs);
 }
 
 /// Associates patches with surfaces where that is asked for. Collective.

@@ -17,6 +17,7 @@
 #include "solvers/dsmc/run/flow_report.hpp"
 #include "solvers/dsmc/run/make_setup.hpp"
 #include "solvers/dsmc/run/plan.hpp"
+#include "solvers/dsmc/run/require_feasible.hpp"
 #include "solvers/dsmc/run/stop_signals.hpp"
 
 namespace {
@@ -100,6 +101,12 @@ cli::ExitCode run_case(cli::Session& session, const Options& o) {
   validate::require_valid(comm, mesh, o.mesh);
   auto setup = dsmc::make_setup(comm, c, mesh);
   dsmc::Outcome outcome{dsmc::make_plan(comm, c, setup, mesh), {}, {}, 0};
+  try {
+    dsmc::require_feasible(comm, c, setup, mesh, outcome.plan);
+  } catch (const Error& error) {  // reaches every rank
+    if (!o.plan) throw;
+    session.warn(std::string("no run of this is possible here: ") + error.what());
+  }
   std::optional<dsmc::Computation> computation;
   const auto lines = describe(c, setup, outcome.plan);
   if (!o.plan) begin(session, o, computation.emplace(comm, c, std::move(setup), std::move(mesh)));
@@ -125,7 +132,9 @@ cli::ExitCode run_case(cli::Session& session, const Options& o) {
   for (const auto& warning : warnings_of(outcome.resolution)) session.warn(warning);
   session.write_report(report_of(*computation, outcome));
   session.summary(fmt::format("{} -> {}", summary_of(*computation, outcome), o.out.mesh));
-  return cli::ExitCode::done;
+  if (dsmc::is_finite(computation->averaging().results())) return cli::ExitCode::done;
+  session.warn("expected coefficients that are numbers, found one that is not finite");
+  return cli::ExitCode::failed;
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "cli/run_tool.hpp"
+#include "pamr/adapt/depth.hpp"
 #include "pamr/adapt/forecast.hpp"
 #include "pamr/assemble/assemble.hpp"
 #include "pamr/balance/expected_work.hpp"
@@ -100,7 +101,9 @@ cli::ExitCode run(cli::Session& session, const Options& options) {
   validate::require_valid(comm, mesh, options.input);
   refine::Options refinement;
   refinement.quality_control = refine::quality_control_named(options.quality_control);
-  const auto applied = apply(session, mesh, request, options.input);
+  auto applied = apply(session, mesh, request, options.input);
+  const auto too_deep = comm.sum(adapt::limit_depth(mesh, mark::marks_of(applied.indicator)).n_left_out);
+  mark::keep_below_level(mesh, adapt::max_level, applied.indicator);
   auto marks = mark::marks_of(applied.indicator);
   const auto n_wanted = mark::count_marked(comm, marks);
   const adapt::Forecaster forecaster(comm, mesh, refinement);
@@ -124,6 +127,7 @@ cli::ExitCode run(cli::Session& session, const Options& options) {
                         {"nodes", mesh.info.n_global_nodes},
                         {"wanted", n_wanted},
                         {"marked", n_marked},
+                        {"marked_too_deep", too_deep},
                         {"cells_after", forecast->cells},
                         {"nodes_after", nodes_after},
                         {"marks", options.marks},
@@ -132,6 +136,7 @@ cli::ExitCode run(cli::Session& session, const Options& options) {
   for (std::size_t i = 0; i < request.criteria.size(); ++i)
     report["criteria"].push_back({{"criterion", request.criteria[i].text}, {"cells", applied.cells_of_criterion[i]}});
   session.write_report(report);
+  if (too_deep > 0) session.warn(adapt::too_deep_text(too_deep));
   session.summary(fmt::format("{} of {} cells marked{}; {} cells and {} nodes after refinement -> {}", n_marked,
                               mesh.info.n_global_cells,
                               n_wanted > n_marked ? fmt::format(" (of {} wanted)", n_wanted) : std::string(),

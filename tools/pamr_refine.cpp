@@ -8,6 +8,7 @@
 
 #include "cli/run_tool.hpp"
 #include "pamr/adapt/adapt.hpp"
+#include "pamr/adapt/depth.hpp"
 #include "pamr/adapt/flags.hpp"
 #include "pamr/adapt/forecast.hpp"
 #include "pamr/adapt/read_for_refinement.hpp"
@@ -74,6 +75,10 @@ std::int64_t count_inverted(const par::Comm& comm, const mesh::DistMesh& mesh) {
   return comm.sum(n);
 }
 
+void warn_too_deep(const cli::Session& session, std::int64_t n) {
+  if (n > 0) session.warn(adapt::too_deep_text(n));
+}
+
 cli::ExitCode report_forecast(cli::Session& session, const mesh::DistMesh& mesh, std::span<const std::uint8_t> flags,
                               const refine::Options& options) {
   const auto& comm = session.comm();
@@ -81,6 +86,8 @@ cli::ExitCode report_forecast(cli::Session& session, const mesh::DistMesh& mesh,
   const auto forecast = forecaster.forecast(flags);
   const auto nodes = forecaster.nodes(forecast);
   const auto marked = forecast.closure.report.n_marked;
+  const auto too_deep = comm.sum(adapt::limit_depth(mesh, flags).n_left_out);
+  warn_too_deep(session, too_deep);
   // what is there now (the process, the old mesh) and, at the peak, the plan of the split and the new mesh: at rest 44
   // bytes a cell and 32 a node
   const double nodes_per_cell = static_cast<double>(nodes) / static_cast<double>(forecast.cells);
@@ -90,6 +97,7 @@ cli::ExitCode report_forecast(cli::Session& session, const mesh::DistMesh& mesh,
   session.write_report({{"cells_in", mesh.info.n_global_cells},
                         {"nodes_in", mesh.info.n_global_nodes},
                         {"marked", marked},
+                        {"marked_too_deep", too_deep},
                         {"cells_out", forecast.cells},
                         {"nodes_out", nodes},
                         {"largest_rank_bytes", largest}});
@@ -148,6 +156,7 @@ cli::ExitCode work(cli::Session& session, const Options& options) {
   io::write_native(comm, options.output, result.mesh, {.fingerprint = measured.fingerprint});
   timer.lap("write");
 
+  warn_too_deep(session, result.report.marked_too_deep);
   measured.steps = merge_steps(timer.steps(), result.report.steps);
   session.write_report(adapt::make_report(comm, result.report, measured));
   session.summary(fmt::format("{} cells ({} marked) -> {} cells, {} nodes, {} off their surface: {}",

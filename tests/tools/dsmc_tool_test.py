@@ -376,9 +376,128 @@ def test_bad_cases_are_refused_with_their_line():
     refused("z_infinity = 18.1", "probability = 0.2\nz_infinity = 18.1", "one of probability")
     refused("fractions = { N2 = 1.0 }", "fractions = { N2 = 0.9 }", line_of("fractions"), "0.9")
     refused("unit = 1.0", "unit = -1.0", line_of("unit"))
+    refused("speed = 400.0", "velocity = [1e200, 0.0, 0.0]", line_of("speed"), "1e+200", "m/s")
+    refused("velocity = [10.0, 0.0, 0.0]", "velocity = [1e200, 0.0, 0.0]", line_of("zmin"), "1e+200")
+    refused("temperature = 300.0\nspeed", "temperature = 1e-300\nspeed", "temperature", "1e-300")
+    refused("speed = 400.0", "speed = 1e-200", line_of("speed"), "0 or a number between")
+    refused("density = 1e20", "density = 1e-20", line_of("density"), "0 or a number between")
+    refused("mass = 4.65e-26", "mass = 4.65e-200", line_of("mass"), "mass")
+    refused("diameter = 4.17e-10", "diameter = 4.17e-100", line_of("diameter"), "diameter")
+    refused("z_infinity = 18.1", "z_infinity = 1e-300", line_of("z_infinity"), "z_infinity")
+    refused("unit = 1.0", "unit = 1e100", line_of("unit"), "1e+100")
+    refused("unit = 1.0", "unit = 1e15", "coordinates of at most", "1e+15 m")
+    refused("area = 1.0", "area = 1e-300", line_of("area"), "area")
+    refused("area = 1.0", "area = 1.0\npoint = [1e300, 0.0, 0.0]", "point", "1e+12 m each")
+    refused("step = 5e-5", "step = 1e-300", line_of("step"), "step")
+    refused("step = 5e-5", "step = 5e-5\ncell_fraction = 1e-300", "cell_fraction")
     refused("[run]", "[runs]", "unknown key 'runs'", "did you mean 'run'?")
     refused("[gas]\n", "[gas]\nfrac tions\n", "expected TOML")
     refuses("pamr-dsmc", "absent.toml", "--mesh", mesh, "-o", "x.hdf", says=("absent.toml",))
+
+
+def test_what_the_machine_cannot_compute_is_refused_before_it_begins():
+    mesh = kuhn_cube("cube.hdf", 4)
+
+    def refused(old, new, *says):
+        assert old in CUBE
+        case = write("bad.toml", CUBE.replace(old, new))
+        begin = time.monotonic()
+        refuses("pamr-dsmc", case, "--mesh", mesh, "-o", "x.hdf", says=("bad.toml: ",) + says, creates="x.hdf")
+        assert time.monotonic() - begin < 30
+        shown = run("pamr-dsmc", case, "--mesh", mesh, "--plan", "--quiet")
+        assert "warning: no run of this is possible here: " in shown.err, shown.err
+
+    refused("per_cell = 15.0", "weight = 1e-6", "particles a rank", "1e+26" if RANKS == 1 else "e+25")
+    refused("per_cell = 15.0", "weight = 1e3", "particles a rank")
+    refused("per_cell = 15.0", "total = 2e9", "of memory a rank", "2e+09 particles in all")
+    refused("per_cell = 15.0", "weight = 1e3\n[initial]\nstream = \"vacuum\"", "particles a rank")
+    refused("per_cell = 15.0", "weight = 1e58", "a particle at least")
+    refused("step = 5e-5", "step = 1.0", "passes at most 1000 cells")
+    refused("step = 5e-5", "step = 5e-2", "collides at most 1000 times")
+
+
+def test_more_particles_than_an_inflow_face_can_number_are_refused_before_it_begins():
+    case = write("case.toml", CUBE.replace("density = 1e20", "density = 1e26").replace("per_cell = 15.0", "weight = 1e20").replace(
+        "step = 5e-5", "step = 1e-3").replace("[particles]", "[collisions]\nenabled = false\n[particles]"))
+    refuses("pamr-dsmc", case, "--mesh", kuhn_cube("cube.hdf", 2), "-o", "x.hdf", says=("each inflow face",), creates="x.hdf")
+
+
+def damaged(source, target, edit):
+    """A copy of a checkpoint whose header (JSON) and tables (NumPy arrays) were edited, with right checksums."""
+    words = np.fromfile(source, dtype="<u8")
+    size = int(words[2])
+    header = json.loads(words[4:4 + size // 8].tobytes())
+    body, tables = words[4 + size // 8:], {}
+    for entry in header["sections"]:
+        begin = entry["offset"] // 8
+        tables[entry["name"]] = body[begin:begin + entry["rows"] * entry["width"]].reshape(entry["rows"], entry["width"]).copy()
+    names = [entry["name"] for entry in header["sections"]]
+    edit(header, tables)
+    with np.errstate(over="ignore"):
+        for entry, name in zip(header["sections"], names):
+            entry["checksum"] = int(table_sum(tables[name].ravel()))
+        text = json.dumps(header).encode()
+        text += b" " * (-len(text) % 8)
+        hashed = np.uint64(0)
+        for byte in text:
+            hashed = combine(hashed, np.uint64(byte))
+    fixed = np.array([words[0], words[1], len(text), hashed], dtype="<u8")
+    pathlib.Path(target).write_bytes(fixed.tobytes() + text + b"".join(tables[name].tobytes() for name in names))
+    return target
+
+
+def mix(x):
+    x = x + np.uint64(0x9e3779b97f4a7c15)
+    x = (x ^ (x >> np.uint64(30))) * np.uint64(0xbf58476d1ce4e5b9)
+    x = (x ^ (x >> np.uint64(27))) * np.uint64(0x94d049bb133111eb)
+    return x ^ (x >> np.uint64(31))
+
+
+def combine(seed, word):
+    return mix(seed ^ mix(word))
+
+
+def table_sum(words):
+    return combine(np.arange(len(words), dtype=np.uint64), words).sum(dtype=np.uint64)
+
+
+def test_a_checkpoint_with_right_checksums_and_wrong_contents_is_refused():
+    case, mesh = write("case.toml", CUBE), kuhn_cube("cube.hdf", 2)
+    compute(case, mesh, "a.hdf", "--checkpoint", "a.ck", "--steps", "20", "--quiet")
+    run("pamr-mark", mesh, "-o", "m.hdf", "--box", "0,0,0,1,1,0.3", "--quiet")
+    run("pamr-refine", "m.hdf", "-o", "fine.hdf", "--quiet")
+    restart = ("pamr-dsmc", case, "--mesh", mesh, "-o", "x.hdf", "--force", "--restart")
+    carry = ("pamr-dsmc", case, "--mesh", "fine.hdf", "-o", "x.hdf", "--force", "--carry")
+    damaged("a.ck", "same.ck", lambda header, tables: None)
+    run(*restart, "same.ck", "--quiet")  # the edit by itself does no harm
+    os.remove("x.hdf")
+
+    def refused(edit, *says, how=(restart, carry)):
+        damaged("a.ck", "b.ck", edit)
+        for command in how:
+            refuses(*command, "b.ck", says=("b.ck",) + says, creates="x.hdf")
+
+    def put(table, row, word, value):
+        def edit(header, tables):
+            kind = np.int64 if isinstance(value, int) else np.float64
+            tables[table].view(kind)[row, word] = value
+        return edit
+
+    refused(put("particles", 5, 5, math.inf), "particles, row 5", "a velocity")
+    refused(put("particles", 5, 2, 1e300), "particles, row 5", "a position")
+    refused(put("particles", 0, 2, 0.9), "outside of the cell", how=(restart,))
+    refused(put("particles", 7, 1, 99), "particles, row 7", "a species")
+    refused(put("cells", 3, 0, -1), "cells, row 3", "particles")
+    refused(put("cells", 3, 0, 0), "particles, as its cells have")
+    refused(put("cells", 3, 1, 1e300), "cells, row 3", "(sigma c_r)_max")
+    refused(put("cells", 3, 9, 1e60), "memory for them", how=(carry,))
+    refused(put("faces", 3, 1, 2**62), "faces, row 3", how=(restart,))
+    refused(lambda header, tables: header.update(steps_done=-1), "steps_done")
+    refused(lambda header, tables: header["run"].update(in_interval=1e300), "in_interval", how=(restart,))
+    refused(lambda header, tables: header["run"]["blocks"].append([]), "a block of loads", how=(restart,))
+    refused(lambda header, tables: header["sections"][0].update(offset=8), "one behind the other")
+    refused(lambda header, tables: header["sections"][0].update(name=3), "expected name = a text")
+    refused(lambda header, tables: header.pop("setup"), "setup")
 
 
 def test_a_checkpoint_that_does_not_fit_is_refused():

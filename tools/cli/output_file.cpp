@@ -4,18 +4,15 @@
 #include <fcntl.h>
 #include <unistd.h>
 
-#include <array>
-#include <atomic>
 #include <cerrno>
-#include <climits>
 #include <csignal>
 #include <cstddef>
-#include <cstring>
 #include <filesystem>
 #include <system_error>
 
-#include "pamr/base/contract.hpp"
 #include "pamr/base/error.hpp"
+#include "pamr/io/partial_file.hpp"
+#include "pamr/io/remove_on_interrupt.hpp"
 
 namespace pamr::cli {
 
@@ -57,8 +54,8 @@ class Descriptor {
   int value_;
 };
 
-void write_through(const std::string& name, const std::string& text, bool to_disk) {
-  const Descriptor file(::open(name.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666));
+void write_to_device(const std::string& name, const std::string& text) {
+  const Descriptor file(::open(name.c_str(), O_WRONLY | O_CLOEXEC));
   if (file.get() < 0) throw Error(name + ": cannot be opened for writing: " + because());
   for (std::size_t at = 0; at < text.size();) {
     const auto written = ::write(file.get(), text.data() + at, text.size() - at);
@@ -66,24 +63,15 @@ void write_through(const std::string& name, const std::string& text, bool to_dis
     if (written < 0) throw Error(name + ": cannot be written: " + because());
     at += static_cast<std::size_t>(written);
   }
-  if (to_disk && ::fsync(file.get()) != 0) throw Error(name + ": cannot be written: " + because());
 }
 
-// What the signal handler may touch: fixed storage, and a count that is raised after a path is in place.
-constexpr std::size_t max_paths = 16;
-std::array<std::array<char, PATH_MAX>, max_paths> path_to_remove;
-std::atomic<std::size_t> n_doomed{0};
-static_assert(std::atomic<std::size_t>::is_always_lock_free);
-
 extern "C" void remove_files_and_die(int signal) {
-  for (std::size_t i = 0; i < n_doomed.load(); ++i) ::unlink(path_to_remove[i].data());
+  io::remove_unfinished();
   // The handler was installed for one shot, so this ends the process as the sender of the signal expects.
   ::raise(signal);
 }
 
 }  // namespace
-
-std::string partial_name(const std::string& path) { return path + ".partial"; }
 
 void require_readable(const std::string& path) {
   std::error_code failed;
@@ -125,40 +113,18 @@ void require_writable(const std::string& path, const std::vector<std::string>& o
 void write_whole(const std::string& path, const std::string& text) {
   std::error_code failed;
   const auto status = fs::status(path, failed);
-  if (is_device(status)) {
-    write_through(path, text, false);
-    return;
-  }
-  const auto name = partial_name(path);
-  try {
-    write_through(name, text, true);
-    if (::rename(name.c_str(), path.c_str()) != 0)
-      throw Error(path + ": the finished file cannot be put in place: " + because());
-  } catch (const Error&) {
-    ::unlink(name.c_str());
-    throw;
-  }
+  if (is_device(status)) return write_to_device(path, text);
+  io::PartialFile file(path);
+  (void)file.make(0);
+  file.write(text);
+  file.commit();
 }
 
-void remove_on_interrupt(const std::string& path) {
-  // Absolute, in case the process changes its folder.
-  const auto name = fs::absolute(path).string();
-  const auto slot = n_doomed.load();
-  PAMR_EXPECTS(slot < max_paths);
-  if (name.size() >= PATH_MAX) throw Error(path + ": the name is longer than this system allows");
-  std::memcpy(path_to_remove[slot].data(), name.c_str(), name.size() + 1);
-  n_doomed.store(slot + 1);
-  if (slot > 0) return;
+void remove_unfinished_on_interrupt() {
   struct sigaction action {};
   action.sa_handler = remove_files_and_die;
   action.sa_flags = static_cast<int>(SA_RESETHAND | SA_NODEFER);
-  ::sigaction(SIGINT, &action, nullptr);
-  ::sigaction(SIGTERM, &action, nullptr);
-  ::sigaction(SIGHUP, &action, nullptr);
-}
-
-void remove_partial_files() {
-  for (std::size_t i = 0; i < n_doomed.load(); ++i) ::unlink(path_to_remove[i].data());
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) ::sigaction(signal, &action, nullptr);
 }
 
 }  // namespace pamr::cli

@@ -6,9 +6,6 @@
 
 namespace pamr::cli {
 
-/// The name under which an output is written until it is complete: in the same folder, so that it can be renamed.
-std::string partial_name(const std::string& path);
-
 /// Throws `Error` unless `path` is an existing regular file or folder that can be read. Local.
 void require_readable(const std::string& path);
 /// Throws `Error` when `path` and one of `others` are the same file. Local.
@@ -22,9 +19,8 @@ void require_writable(const std::string& path, const std::vector<std::string>& o
 /// file is replaced in one step. A path that is a device or pipe is written directly. Throws `Error`. Local.
 void write_whole(const std::string& path, const std::string& text);
 
-/// Has SIGINT, SIGTERM and SIGHUP remove `path` before they end this process (at most 16 paths). Local.
-void remove_on_interrupt(const std::string& path);
-/// Removes those files now.
-void remove_partial_files();
+/// Has SIGINT, SIGTERM and SIGHUP remove what is unfinished (`io::RemoveOnInterrupt`) before they end this process.
+/// Local.
+void remove_unfinished_on_interrupt();
 
 }  // namespace pamr::cli

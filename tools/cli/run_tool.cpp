@@ -14,9 +14,10 @@
 #include <new>
 #include <string>
 
-#include "cli/output_file.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/base/memory.hpp"
+#include "pamr/base/one_line.hpp"
+#include "pamr/io/remove_on_interrupt.hpp"
 #include "pamr/par/runtime.hpp"
 
 namespace pamr::cli {
@@ -63,7 +64,7 @@ Parsed parse(int argc, char** argv, const ToolInfo& info, const std::function<vo
 }
 
 void print_error(const ToolInfo& info, const std::string& error, const std::string& where) {
-  std::fputs((info.name + ": error: " + error + where + "\n").c_str(), stderr);
+  std::fputs((info.name + ": error: " + one_line(error) + where + "\n").c_str(), stderr);
   std::fflush(nullptr);
 }
 
@@ -74,7 +75,7 @@ const ToolInfo* running_tool = nullptr;
 /// Ends this rank's part: prints the error once if all ranks end within `grace_period` seconds, here otherwise, in
 /// which case all are ended. Returns the common exit code.
 int end(const Ending& ending, double grace_period) {
-  if (!ending.error.empty()) remove_partial_files();
+  if (!ending.error.empty()) io::remove_unfinished();
   const auto outcome = running->settle(static_cast<int>(ending.code), grace_period);
   if (!outcome) {
     print_error(*running_tool, ending.error, " (on rank " + std::to_string(running->rank()) + ")");

@@ -26,7 +26,7 @@ struct ToolInfo {
 /// Exit codes: what `work` returned; 2 for bad usage and for `pamr::Error`; 3 for any other exception. An error is
 /// printed once, by one rank, on standard error as `<name>: error: <text>`. Nothing hangs: when the other ranks do not
 /// end too (30 s after an `Error`, 3 s after another exception), this rank prints its error and ends them all.
-/// SIGINT, SIGTERM and SIGHUP remove the temporary files of `Session::check_output` and end the process by that signal.
+/// SIGINT, SIGTERM and SIGHUP remove what is unfinished (`Session::check_output`) and end the process by that signal.
 /// So `work` lets exceptions pass; they are the way to end early.
 ///
 /// A whole tool (`#include "cli/run_tool.hpp"`; link `pamr_cli`):
@@ -45,7 +45,7 @@ struct ToolInfo {
 ///           },
 ///           [&](pamr::cli::Session& session) {
 ///             session.check_input(input);
-///             session.check_output(output, {input}, force);  // before any work; removes output.partial on SIGTERM
+///             session.check_output(output, {input}, force);  // before any work; removes what is unfinished on SIGTERM
 ///             auto mesh = pamr::io::read_mesh(session.comm(), input);
 ///             pamr::cli::Progress progress = session.progress("peeling", layers, "layers");
 ///             for (int i = 0; i < layers; ++i) {

@@ -7,6 +7,8 @@
 
 #include "cli/output_file.hpp"
 #include "pamr/base/error.hpp"
+#include "pamr/base/one_line.hpp"
+#include "pamr/io/unfinished_name.hpp"
 
 namespace pamr::cli {
 
@@ -38,19 +40,24 @@ void Session::check_output(const std::string& path, const std::vector<std::strin
   auto others = inputs;
   if (writes_report_file()) others.push_back(options_.json);
   on_first(*comm_, [&] { require_writable(path, others, force); });
-  remove_on_interrupt(partial_name(path));
+  prepare_output(path, others);
+}
+
+void Session::prepare_output(const std::string& path, const std::vector<std::string>& others) const {
+  if (comm_->is_first()) io::remove_leftovers(path, others);
+  remove_unfinished_on_interrupt();
 }
 
 void Session::summary(const std::string& line) const {
   if (options_.quiet || !comm_->is_first()) return;
   auto* stream = options_.json == "-" ? stderr : stdout;
-  std::fputs((line + "\n").c_str(), stream);
+  std::fputs((one_line(line) + "\n").c_str(), stream);
   std::fflush(stream);
 }
 
 void Session::warn(const std::string& line) const {
   if (!comm_->is_first()) return;
-  std::fputs((tool_ + ": warning: " + line + "\n").c_str(), stderr);
+  std::fputs((tool_ + ": warning: " + one_line(line) + "\n").c_str(), stderr);
   std::fflush(stderr);
 }
 

@@ -39,9 +39,12 @@ class Session {
   /// Collective; rank 0 decides.
   void check_input(const std::string& path);
   /// Throws `Error` when `path` cannot become the output: it exists and `force` is not given, is one of `inputs` or
-  /// the report, is no regular file, or its folder is missing or cannot be written. From here on SIGINT, SIGTERM and an
-  /// error remove `<path>.partial`. Call before work starts, once per output. Collective; rank 0 decides.
+  /// the report, is no regular file, or its folder is missing or cannot be written; then does what `prepare_output`
+  /// does. Call before work starts, once per output. Collective; rank 0 decides.
   void check_output(const std::string& path, const std::vector<std::string>& inputs, bool force);
+  /// Removes what killed runs have left of an output, but none of `others`. From here on SIGINT, SIGTERM, SIGHUP and an
+  /// error remove what is unfinished. Local; rank 0 removes.
+  void prepare_output(const std::string& path, const std::vector<std::string>& others) const;
 
   /// One line on standard output (standard error where the report goes to standard output), by rank 0. Local.
   void summary(const std::string& line) const;

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "pamr/adapt/adapt.hpp"
 
+#include <array>
 #include <memory>
 #include <utility>
 
+#include "pamr/adapt/depth.hpp"
 #include "pamr/adapt/flags.hpp"
 #include "pamr/base/contract.hpp"
 #include "pamr/geometry/surface.hpp"
@@ -52,9 +54,9 @@ struct Closed {
   Report report;  ///< of what was done so far
 };
 
-Closed close(const par::Comm& comm, const mesh::DistMesh& mesh, std::span<const std::uint8_t> flags,
+Closed close(const par::Comm& comm, const mesh::DistMesh& mesh, const DepthLimited& limited,
              const refine::Options& options, StepTimer& timer) {
-  require_flags(comm, mesh, flags);
+  const auto& flags = limited.flags;
   Closed closed{mesh.info, geometry::no_surfaces(), mesh::find_borders(comm, mesh), {}, {}};
   if (options.project) {
     closed.info = mesh::with_planes(mesh.info, mesh::find_undescribed_patches(comm, mesh, closed.borders));
@@ -62,7 +64,11 @@ Closed close(const par::Comm& comm, const mesh::DistMesh& mesh, std::span<const 
   }
   timer.lap("preprocessing");
   closed.closure = refine::close(comm, mesh, closed.borders, flags, options.quality_control);
-  closed.report.marked_not_split = comm.sum(refine::count_not_split(mesh, flags, closed.closure));
+  require_depth(comm, mesh, closed.closure);
+  std::array<std::int64_t, 2> sums{refine::count_not_split(mesh, flags, closed.closure), limited.n_left_out};
+  comm.sum_in_place(sums);
+  closed.report.marked_not_split = sums[0];
+  closed.report.marked_too_deep = sums[1];
   closed.report.neighbors_closing = std::ssize(closed.borders.nodes.rank);
   timer.lap("close");
   return closed;
@@ -96,7 +102,7 @@ Split split(const par::Comm& comm, const mesh::DistMesh& mesh, const Closed& clo
 }
 
 /// Gives the refined mesh its fields and completes the report but for times.
-RefineResult transfer(const mesh::DistMesh& mesh, Closed closed, Split split, const refine::Options& options) {
+RefineResult transfer(const mesh::DistMesh& mesh, Closed closed, Split&& split, const refine::Options& options) {
   auto& [fine, numbering, certificate] = split;
   auto fields = refine::transfer({mesh, closed.closure, numbering}, fine.cell_to_node, certificate, options);
   fine.node_fields = std::move(fields.of_nodes);
@@ -126,7 +132,8 @@ RefineResult refine(const par::Comm& comm, const mesh::DistMesh& mesh, std::span
                     const refine::Options& options) {
   const auto before = comm.traffic();
   StepTimer timer([&] { return comm.traffic(); });
-  auto closed = close(comm, mesh, flags, options, timer);
+  require_flags(comm, mesh, flags);
+  auto closed = close(comm, mesh, limit_depth(mesh, flags), options, timer);
   auto made = split(comm, mesh, closed, timer);
   auto result = transfer(mesh, std::move(closed), std::move(made), options);
   timer.lap("transfer");
@@ -137,9 +144,12 @@ RefineResult refine(const par::Comm& comm, mesh::DistMesh&& mesh, std::span<cons
                     const Options& options) {
   const auto before = comm.traffic();
   StepTimer timer([&] { return comm.traffic(); });
-  auto closed = close(comm, mesh, flags, options.refinement, timer);
-  auto [parents, balance] = balance_parents(
-      comm, {std::move(mesh), std::move(closed.borders), std::move(closed.closure)}, flags, options.balancing, timer);
+  require_flags(comm, mesh, flags);
+  const auto limited = limit_depth(mesh, flags);
+  auto closed = close(comm, mesh, limited, options.refinement, timer);
+  auto [parents, balance] =
+      balance_parents(comm, {std::move(mesh), std::move(closed.borders), std::move(closed.closure)}, limited.flags,
+                      options.balancing, timer);
   timer.lap("balance");
   closed.borders = std::move(parents.borders);
   closed.closure = std::move(parents.closure);

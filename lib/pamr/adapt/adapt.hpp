@@ -17,7 +17,8 @@ namespace pamr::adapt {
 /// What one refinement did; counts over all ranks.
 struct Report {
   std::int64_t cells_in = 0, cells_out = 0, nodes_in = 0, nodes_out = 0;
-  std::int64_t marked_not_split = 0;  ///< flagged cells that the result holds unsplit; always 0
+  std::int64_t marked_not_split = 0;  ///< cells flagged and not too deep that the result holds unsplit; always 0
+  std::int64_t marked_too_deep = 0;   ///< flagged cells that stay, because they have the deepest level (`max_level`)
   refine::ClosureReport closure;
   refine::Certificate certificate;  ///< of the nodes that were put onto surfaces
   BalanceReport balance;            ///< of the overload that may move cells
@@ -36,11 +37,12 @@ struct RefineResult {
 /// is), the cells around them are closed, new boundary nodes are put on their surfaces, fields and patches go to the
 /// children. Cells stay on the ranks where their parents are; the overload below spreads them.
 ///
-/// `flags`: one for each cell of this rank.
-/// Collective. Throws `Error` on every rank for flags of the wrong length, bad surfaces, and cells too flat to be
-/// split. Pre: `mesh` is valid (`validate::validate`). Post: so is the result, and it is the same mesh, cell for cell,
-/// node for node, bit for bit, on any number of ranks and for any distribution over them. Memory at the peak: the old
-/// mesh, the new one and about 40 bytes for each cell that is split.
+/// `flags`: one for each cell of this rank; those of cells of the deepest level do not count (`limit_depth`).
+/// Collective. Throws `Error` on every rank for flags of the wrong length, bad surfaces, cells too flat to be split,
+/// and cells of the deepest level that closing the mesh would split. Pre: `mesh` is valid (`validate::validate`). Post:
+/// so is the result, and it is the same mesh, cell for cell, node for node, bit for bit, on any number of ranks and for
+/// any distribution over them. Memory at the peak: the old mesh, the new one and about 40 bytes for each cell that is
+/// split.
 RefineResult refine(const par::Comm& comm, const mesh::DistMesh& mesh, std::span<const std::uint8_t> flags,
                     const refine::Options& options = {});
 

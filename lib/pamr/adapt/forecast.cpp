@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "pamr/adapt/depth.hpp"
 #include "pamr/adapt/flags.hpp"
 #include "pamr/base/index.hpp"
 #include "pamr/geometry/surface.hpp"
@@ -35,8 +36,10 @@ Forecaster::Forecaster(const par::Comm& comm, const mesh::DistMesh& mesh, const 
 
 Forecast Forecaster::forecast(std::span<const std::uint8_t> flags) const {
   require_flags(*comm_, *mesh_, flags);
+  const auto limited = limit_depth(*mesh_, flags);
   Forecast forecast;
-  forecast.closure = refine::close(*comm_, *mesh_, borders_, flags, options_.quality_control);
+  forecast.closure = refine::close(*comm_, *mesh_, borders_, limited.flags, options_.quality_control);
+  require_depth(*comm_, *mesh_, forecast.closure);
   forecast.children = refine::count_children(forecast.closure);
   forecast.cells_on_this_rank = std::accumulate(forecast.children.begin(), forecast.children.end(), std::int64_t{0});
   forecast.cells = comm_->sum(forecast.cells_on_this_rank);

@@ -28,8 +28,9 @@ class Forecaster {
   /// Collective: three sparse exchanges.
   Forecaster(const par::Comm& comm, const mesh::DistMesh& mesh, const refine::Options& options = {});
 
-  /// `flags`: of each cell of this rank, nonzero: split. Collective. Throws `Error` on every rank for flags of the
-  /// wrong length. Cost: that of `refine::close`.
+  /// `flags`: of each cell of this rank, nonzero: split; those of cells of the deepest level do not count. Collective.
+  /// Throws `Error` on every rank for flags of the wrong length, and as `require_depth` does. Cost: that of
+  /// `refine::close`.
   Forecast forecast(std::span<const std::uint8_t> flags) const;
 
   /// Nodes of the refined mesh, all ranks. Collective. Cost: that of `refine::number`.

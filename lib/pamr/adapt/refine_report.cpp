@@ -100,6 +100,7 @@ nlohmann::json make_report(const par::Comm& comm, const adapt::Report& report, c
       {"nodes_out", report.nodes_out},
       {"marked", report.closure.n_marked},
       {"marked_not_split", report.marked_not_split},
+      {"marked_too_deep", report.marked_too_deep},
       {"rounds", report.closure.rounds},
       {"back_off_rounds", report.certificate.back_off_rounds},
       {"moved_nodes", report.certificate.n_moved},

@@ -2,23 +2,27 @@
 #include "pamr/io/partial_file.hpp"
 
 #include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <utility>
 #include <vector>
 
 #include "pamr/base/error.hpp"
+#include "pamr/io/unfinished_name.hpp"
 
 namespace pamr::io {
 
 namespace {
 
-/// Closes a file descriptor at the end of the scope.
+/// Opens a temporary file, never through a symbolic link, or a folder; closes it at the end of the scope.
 class Descriptor {
  public:
-  Descriptor(const std::filesystem::path& path, int flags) : number_(open(path.c_str(), flags | O_CLOEXEC, 0666)) {}
+  Descriptor(const std::filesystem::path& path, int flags)
+      : number_(open(path.c_str(), flags | O_CLOEXEC | (is_folder(flags) ? 0 : O_NOFOLLOW), 0666)) {}
   ~Descriptor() {
     if (number_ >= 0) close(number_);
   }
@@ -31,6 +35,8 @@ class Descriptor {
   bool is_open() const { return number_ >= 0; }
 
  private:
+  static bool is_folder(int flags) { return (flags & O_DIRECTORY) != 0; }
+
   int number_;
 };
 
@@ -57,21 +63,28 @@ bool write_zeros(int descriptor, std::uint64_t begin, std::uint64_t end) {
 
 }  // namespace
 
-PartialFile::PartialFile(std::filesystem::path file) : file_(std::move(file)), partial_(file_) {
-  partial_ += ".partial";
-}
+PartialFile::PartialFile(std::filesystem::path file) : file_(std::move(file)) {}
+
+PartialFile::~PartialFile() { discard(); }
 
 void PartialFile::fail(const char* what) const {
   throw Error("file '" + file_.string() + "': " + what + ": " + std::strerror(errno));
 }
 
-bool PartialFile::make(std::uint64_t bytes) const {
+bool PartialFile::make(std::uint64_t bytes) {
   std::error_code code;
   if (std::filesystem::is_directory(file_, code))
     throw Error("file '" + file_.string() + "': expected a name for a file, found a folder of that name");
-  const Descriptor descriptor(partial_, O_RDWR | O_CREAT | O_TRUNC);
-  if (!descriptor.is_open()) fail("cannot create it");
-  const auto space = allocate(descriptor.number(), bytes);
+  partial_ = unfinished_name(file_);
+  remove_on_interrupt_ = std::make_unique<RemoveOnInterrupt>(partial_);
+  descriptor_ = open(partial_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
+  if (descriptor_ < 0) {
+    const auto reason = errno;
+    remove_on_interrupt_.reset();
+    errno = reason;
+    fail("cannot create it");
+  }
+  const auto space = allocate(descriptor_, bytes);
   if (space == Space::missing) {
     const auto reason = errno;
     discard();
@@ -79,6 +92,11 @@ bool PartialFile::make(std::uint64_t bytes) const {
     fail("cannot write it");
   }
   return space == Space::set_aside;
+}
+
+void PartialFile::share(const par::Comm& comm) {
+  partial_ = comm.broadcast(partial_.string());
+  if (!comm.is_first()) remove_on_interrupt_ = std::make_unique<RemoveOnInterrupt>(partial_);
 }
 
 void PartialFile::occupy(std::uint64_t begin, std::uint64_t end) const {
@@ -91,16 +109,39 @@ void PartialFile::reserve(std::uint64_t bytes) const {
   if (!descriptor.is_open() || allocate(descriptor.number(), bytes) == Space::missing) fail("cannot write it");
 }
 
-void PartialFile::commit() const {
-  const Descriptor descriptor(partial_, O_RDWR);
-  if (!descriptor.is_open() || fsync(descriptor.number()) != 0) fail("cannot flush it to the disk");
+void PartialFile::write(std::string_view text) const {
+  const Descriptor descriptor(partial_, O_WRONLY);
+  if (!descriptor.is_open()) fail("cannot write it");
+  for (std::size_t at = 0; at < text.size();) {
+    const auto n = pwrite(descriptor.number(), text.data() + at, text.size() - at, static_cast<off_t>(at));
+    if (n < 0 && errno != EINTR) fail("cannot write it");
+    if (n > 0) at += static_cast<std::size_t>(n);
+  }
+}
+
+void PartialFile::commit() {
+  struct stat made {
+  }, found{};
+  if (fstat(descriptor_, &made) != 0 || lstat(partial_.c_str(), &found) != 0) fail("cannot flush it to the disk");
+  if (made.st_dev != found.st_dev || made.st_ino != found.st_ino)
+    throw Error("file '" + file_.string() + "': expected its temporary file " + partial_.string() +
+                ", found another one in its place");
+  if (fsync(descriptor_) != 0) fail("cannot flush it to the disk");
   if (rename(partial_.c_str(), file_.c_str()) != 0) fail("cannot rename it when complete");
+  close(std::exchange(descriptor_, -1));
+  remove_on_interrupt_.reset();
   // The new name is safe once the folder is flushed; some file systems cannot and need not.
   const auto folder = file_.has_parent_path() ? file_.parent_path() : std::filesystem::path(".");
   const Descriptor directory(folder, O_RDONLY | O_DIRECTORY);
   if (directory.is_open() && fsync(directory.number()) != 0 && errno == EIO) fail("cannot flush its folder");
 }
 
-void PartialFile::discard() const noexcept { unlink(partial_.c_str()); }
+void PartialFile::discard() noexcept {
+  if (descriptor_ >= 0) {
+    unlink(partial_.c_str());
+    close(std::exchange(descriptor_, -1));
+  }
+  remove_on_interrupt_.reset();
+}
 
 }  // namespace pamr::io

@@ -3,32 +3,57 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <memory>
+#include <string_view>
+
+#include "pamr/io/remove_on_interrupt.hpp"
+#include "pamr/par/comm.hpp"
 
 namespace pamr::io {
 
-/// The file under its temporary name `<file>.partial`, in the same folder. All functions are local and meant for one
-/// rank; they throw `Error` with the name of the file and the system's reason.
+/// A file under a temporary name of its own (`unfinished_name`) until it is complete: every writer's way to the disk.
+///
+/// - The temporary file is made exclusively: no file that exists, whatever its name, is written to, and no symbolic
+/// link
+///   is followed. Two writers of one file do not meet; the last one to commit gives the file its contents.
+/// - Without `commit` it is removed: by the destructor, and by `remove_unfinished` when the process is interrupted.
+/// - One rank makes and commits it. All functions but `share` are local; they throw `Error` with the name of the file
+///   and the system's reason.
 class PartialFile {
  public:
   explicit PartialFile(std::filesystem::path file);
+  ~PartialFile();
+  PartialFile(const PartialFile&) = delete;
+  PartialFile& operator=(const PartialFile&) = delete;
+  PartialFile(PartialFile&&) = delete;
+  PartialFile& operator=(PartialFile&&) = delete;
 
+  /// The name that it is to get.
+  const std::filesystem::path& file() const { return file_; }
+  /// The temporary name; empty before `make` or `share`.
   const std::filesystem::path& path() const { return partial_; }
   /// Makes the file, `bytes` long, to see that the disk has room for it. False where the file system cannot tell
   /// without writing; then `occupy` finds out.
-  bool make(std::uint64_t bytes) const;
+  bool make(std::uint64_t bytes);
+  /// Tells all ranks the temporary name that the first one has made. Collective.
+  void share(const par::Comm& comm);
   /// Writes zeros over bytes `begin .. end`, as far as the disk: several ranks may do their parts at once.
   void occupy(std::uint64_t begin, std::uint64_t end) const;
   /// Makes the disk set `bytes` aside, where the file system can: a later write then cannot run out of space.
   void reserve(std::uint64_t bytes) const;
-  /// Flushes it to the disk and gives it its name, replacing a file of that name in one step.
-  void commit() const;
-  /// Removes it; does not throw.
-  void discard() const noexcept;
+  /// Writes a text from the beginning on.
+  void write(std::string_view text) const;
+  /// Flushes it to the disk and gives it its name, replacing a file of that name in one step. On the rank that made it.
+  void commit();
+  /// Removes it, on the rank that made it; does not throw.
+  void discard() noexcept;
 
  private:
   [[noreturn]] void fail(const char* what) const;
 
   std::filesystem::path file_, partial_;
+  int descriptor_ = -1;  ///< of the file that was made here and not yet committed: it keeps others from its number
+  std::unique_ptr<RemoveOnInterrupt> remove_on_interrupt_;
 };
 
 }  // namespace pamr::io

@@ -16,21 +16,20 @@ SharedOutput::SharedOutput(const par::Comm& comm, const std::filesystem::path& f
   par::agree(comm, [&] {
     if (comm.is_first()) (void)file_.make(0);
   });
+  file_.share(comm);
   try {
     par::agree(comm, [&] {
-      descriptor_ = open(file_.path().c_str(), O_WRONLY | O_CLOEXEC);
+      descriptor_ = open(file_.path().c_str(), O_WRONLY | O_NOFOLLOW | O_CLOEXEC);
       if (descriptor_ < 0) throw Error("file '" + file.string() + "': cannot open it: " + std::strerror(errno));
     });
   } catch (const Error&) {
     if (descriptor_ >= 0) close(descriptor_);
-    if (comm.is_first()) file_.discard();
     throw;
   }
 }
 
 SharedOutput::~SharedOutput() {
   if (descriptor_ >= 0) close(descriptor_);
-  if (!is_complete_ && comm_.is_first()) file_.discard();
 }
 
 void SharedOutput::append(std::span<const std::byte> part) {
@@ -41,7 +40,7 @@ void SharedOutput::append(std::span<const std::byte> part) {
     while (!part.empty()) {
       const auto n = pwrite(descriptor_, part.data(), part.size(), static_cast<off_t>(at));
       if (n < 0 && errno == EINTR) continue;
-      if (n <= 0) throw Error("file '" + file_.path().string() + "': cannot write it: " + std::strerror(errno));
+      if (n <= 0) throw Error("file '" + file_.file().string() + "': cannot write it: " + std::strerror(errno));
       part = part.subspan(static_cast<std::size_t>(n));
       at += n;
     }
@@ -51,10 +50,9 @@ void SharedOutput::append(std::span<const std::byte> part) {
 void SharedOutput::commit() {
   par::agree(comm_, [&] {
     if (fsync(descriptor_) != 0)
-      throw Error("file '" + file_.path().string() + "': cannot write it: " + std::strerror(errno));
+      throw Error("file '" + file_.file().string() + "': cannot write it: " + std::strerror(errno));
     if (comm_.is_first()) file_.commit();
   });
-  is_complete_ = true;
 }
 
 }  // namespace pamr::io

@@ -35,7 +35,6 @@ class SharedOutput {
   PartialFile file_;
   int descriptor_ = -1;
   std::int64_t end_ = 0;
-  bool is_complete_ = false;
 };
 
 }  // namespace pamr::io

@@ -69,6 +69,8 @@ std::vector<double> scalar_on_cells(const par::Comm& comm, const mesh::DistMesh&
       for (std::size_t k = 0; k < 4; ++k) corner[k] = value_at(field, at(mesh.cell_to_node[i][k]));
       std::sort(corner.begin(), corner.end());  // the mean must not depend on how the corners are numbered
       values[i] = 0.25 * (((corner[0] + corner[1]) + corner[2]) + corner[3]);
+      if (!std::isfinite(values[i]))  // as it is where the sum is too large, though the mean is not
+        values[i] = ((0.25 * corner[0] + 0.25 * corner[1]) + 0.25 * corner[2]) + 0.25 * corner[3];
     }
   } else {
     throw Error("expected the name of a field (the mesh has: " + names_of(mesh) + "), found \"" + std::string(name) +

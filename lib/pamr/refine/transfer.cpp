@@ -2,6 +2,7 @@
 #include "pamr/refine/transfer.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <utility>
 
@@ -62,6 +63,12 @@ std::vector<LocalId> parents_of(const NumberedMesh& old, const std::vector<mesh:
   return parent;
 }
 
+/// The mean of two finite values, finite also where their sum is not.
+double mean_of(double a, double b) {
+  const double mean = 0.5 * (a + b);
+  return std::isfinite(mean) ? mean : 0.5 * a + 0.5 * b;
+}
+
 mesh::NodeField to_nodes(const NumberedMesh& old, const mesh::NodeField& field) {
   const auto& [mesh, closure, numbering] = old;
   mesh::NodeField result{field.name, field.unit, field.n_components, field.storage, {}};
@@ -79,10 +86,29 @@ mesh::NodeField to_nodes(const NumberedMesh& old, const mesh::NodeField& field) 
     values.reserve(values.size() + n * numbering.n_new_nodes());
     for (const auto [a, b] : numbering.ends)
       for (std::size_t k = 0; k < n; ++k)
-        values.push_back(0.5 * (field.real()[at(a) * n + k] + field.real()[at(b) * n + k]));
+        values.push_back(mean_of(field.real()[at(a) * n + k], field.real()[at(b) * n + k]));
     result.value = std::move(values);
   }
   return result;
+}
+
+/// The mean of a value over the members of a family, by volume; finite where the values are.
+template <class Value>
+double family_mean(const mesh::DistMesh& mesh, LocalId first, const Value& value) {
+  const auto last = first + mesh.lineage[at(first)].family_size();
+  double weighted = 0, total = 0;
+  for (LocalId m = first; m < last; ++m) {
+    const double v = geometry::volume(mesh.points(m));
+    weighted += v * value(m);
+    total += v;
+  }
+  if (std::isfinite(weighted)) return weighted / total;
+  double mean = 0, largest = 0;
+  for (LocalId m = first; m < last; ++m) {
+    mean += geometry::volume(mesh.points(m)) / total * value(m);
+    largest = std::max(largest, std::abs(value(m)));
+  }
+  return std::clamp(mean, -largest, largest);  // a mean is no larger than its values, whatever rounding says
 }
 
 mesh::CellField to_cells(const NumberedMesh& old, const std::vector<LocalId>& parent, const mesh::CellField& field) {
@@ -103,15 +129,10 @@ mesh::CellField to_cells(const NumberedMesh& old, const std::vector<LocalId>& pa
   auto values = inherit(field.real());
   for (const auto& family : closure.rebuilt)
     for (std::size_t k = 0; k < n; ++k) {
-      double weighted = 0, total = 0;
-      for (LocalId m = family.first; m < family.first + mesh.lineage[at(family.first)].family_size(); ++m) {
-        const double v = geometry::volume(mesh.points(m));
-        weighted += v * field.real()[at(m) * n + k];
-        total += v;
-      }
+      const double mean = family_mean(mesh, family.first, [&](LocalId m) { return field.real()[at(m) * n + k]; });
       for (auto child = numbering.first_child[at(family.first)]; child < numbering.first_child[at(family.first) + 1];
            ++child)
-        values[at(child) * n + k] = weighted / total;
+        values[at(child) * n + k] = mean;
     }
   result.value = std::move(values);
   return result;

@@ -4,6 +4,7 @@
 
 Usage: life_of_a_tool_test.py PROBE VERSION MPIEXEC...
 """
+import glob
 import json
 import os
 import signal
@@ -144,22 +145,80 @@ class LifeOfATool(unittest.TestCase):
         self.assertEqual(result.returncode, 0, result.stderr)
         self.assertIn("caf\ufffd", json.loads(result.stdout.decode())["input"])
 
+    def unfinished(self):
+        return glob.glob(glob.escape(self.path("out.")) + "*.partial")
+
+    def wait_until(self, condition, seconds=30):
+        until = time.monotonic() + seconds
+        while not condition() and time.monotonic() < until:
+            time.sleep(0.05)
+        self.assertTrue(condition())
+
+    def asleep_over_its_output(self, ranks):
+        before = self.unfinished()
+        process = subprocess.Popen(command(ranks, ["-o", self.path("out"), "--how", "sleep"]),
+                                   stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        self.wait_until(lambda: set(self.unfinished()) - set(before))
+        return process
+
     def test_an_interrupt_removes_the_temporary_output(self):
-        output = self.path("out")
         for ranks in (1, 3):
             for number in (signal.SIGINT, signal.SIGTERM):
-                process = subprocess.Popen(command(ranks, ["-o", output, "--how", "sleep"]),
-                                           stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-                until = time.monotonic() + 30
-                while not os.path.exists(output + ".partial") and time.monotonic() < until:
-                    time.sleep(0.05)
-                self.assertTrue(os.path.exists(output + ".partial"))
+                process = self.asleep_over_its_output(ranks)
                 process.send_signal(number)
                 self.assertNotEqual(process.wait(timeout=30), 0)
-                until = time.monotonic() + 10
-                while os.path.exists(output + ".partial") and time.monotonic() < until:
-                    time.sleep(0.05)
+                self.wait_until(lambda: not self.unfinished(), 10)
                 self.assertEqual(os.listdir(self.folder), ["in put.txt"])
+
+    def test_what_killed_runs_left_goes_and_what_others_write_stays(self):
+        killed = self.asleep_over_its_output(1)
+        killed.kill()
+        killed.wait()
+        left, = self.unfinished()
+        alive = self.asleep_over_its_output(1)  # removes what the killed one has left
+        writing, = self.unfinished()
+        self.assertNotEqual(left, writing)
+        mine = self.path("out.partial")  # no such name, whatever it looks like
+        with open(mine, "w") as file:
+            file.write("precious")
+        for ranks in (1, 3):
+            self.assertEqual(run(ranks, self.input, "-o", self.path("out"), "--force").returncode, 0)
+            self.assertEqual(self.unfinished(), [writing])
+        with open(mine) as file:
+            self.assertEqual(file.read(), "precious")
+        alive.kill()
+        alive.wait()
+        os.rename(writing, writing.replace("out.", "other."))  # left of another output
+        self.assertEqual(run(1, self.input, "-o", self.path("out"), "--force").returncode, 0)
+        self.assertEqual(len(os.listdir(self.folder)), 4)
+
+    def test_a_leftover_that_is_an_input_stays(self):
+        killed = self.asleep_over_its_output(1)
+        killed.kill()
+        killed.wait()
+        left, = self.unfinished()
+        for ranks in (1, 3):
+            self.assertEqual(run(ranks, left, "-o", self.path("out"), "--force").returncode, 0)
+            self.assertTrue(os.path.exists(left))
+
+    def test_messages_have_no_control_characters(self):
+        for ranks in (1, 3):
+            self.assert_error_once(run(ranks, "--how", "wild-error"), 2, r"found \x1b[31m red \x0d\n and \x7f \x9b 2J, café")
+            self.assertEqual(run(ranks, "--how", "warn").stderr, "pamr-probe: warning: a file named a\\nb\\x1b\n")
+
+    def test_the_working_folder_may_be_gone(self):
+        # of the processes of the tool: what starts them needs one
+        gone = 'here=$(mktemp -d) && cd "$here" && rmdir "$here" && exec "$@"'
+        for ranks in (1, 3):
+            def run_there(*arguments):
+                return subprocess.run(MPIEXEC + [str(ranks), "sh", "-c", gone, "sh", PROBE] + list(arguments),
+                                      capture_output=True, text=True, timeout=60)
+            result = run_there(self.input, "-o", self.path("out"), "--force", "--json", self.path("report.json"))
+            self.assertEqual(result.returncode, 0, result.stderr)
+            result = run_there("-o", "out")
+            self.assertEqual(result.returncode, 2, result.stderr)
+            self.assertIn("pamr-probe: error: ", result.stderr)
+            self.assertIn("No such file or directory", result.stderr)
 
 
 if __name__ == "__main__":

@@ -3,7 +3,6 @@
 #include <unistd.h>
 
 #include <chrono>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <string>
@@ -13,6 +12,7 @@
 #include "cli/run_tool.hpp"
 #include "pamr/base/contract.hpp"
 #include "pamr/base/error.hpp"
+#include "pamr/io/partial_file.hpp"
 
 namespace {
 
@@ -21,6 +21,8 @@ using pamr::cli::Session;
 
 void misbehave(const std::string& how, const pamr::par::Comm& comm) {
   const bool is_last = comm.rank() == comm.size() - 1;
+  if (how == "wild-error")
+    throw pamr::Error("expected a word, found \x1b[31m red \r\n and \x7f \xc2\x9b 2J, caf\xc3\xa9");
   if (how == "agreed-error")
     pamr::par::agree(comm, [&] {
       if (is_last) throw pamr::Error("cell 7: expected a positive volume, found -1");
@@ -38,11 +40,14 @@ ExitCode work(Session& session, const std::string& input, const std::string& out
   if (!output.empty()) session.check_output(output, {input}, force);
   misbehave(how, session.comm());
   if (how == "sleep") {
-    if (session.comm().is_first()) std::ofstream(pamr::cli::partial_name(output)) << "half";
+    pamr::io::PartialFile file(output);
+    if (session.comm().is_first()) (void)file.make(100);
+    file.share(session.comm());
     std::this_thread::sleep_for(std::chrono::seconds(60));
   }
   if (!output.empty() && session.comm().is_first()) pamr::cli::write_whole(output, "all of it\n");
   session.write_report({{"ranks", session.comm().size()}, {"input", input}});
+  if (how == "warn") session.warn("a file named a\nb\x1b");
   session.summary("done on " + std::to_string(session.comm().size()) + " ranks");
   return how == "gate" ? ExitCode::failed : ExitCode::done;
 }

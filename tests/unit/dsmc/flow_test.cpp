@@ -392,21 +392,52 @@ TEST(Flow, RefusesATimeStepOrAWeightThatIsNotPositive) {
   EXPECT_THROW(Flow(comm, mesh, setup), Error);
 }
 
-TEST(Flow, TellsEveryRankWhenTooManyParticlesEnterThroughAFaceOfOne) {
+TEST(Flow, TellsEveryRankBeforeItBeginsThatTooManyParticlesWouldEnterThroughAFaceOfOne) {
   const par::Comm comm(MPI_COMM_WORLD);
   const auto mesh = assemble::assemble(comm, test::kuhn_cube(comm, 1));
   auto setup = open_cube(mesh, {"wind", 1e20, 300, 300, {500, 0, 0}, {1}}, 1, 1e-4);
   for (auto& patch : setup.patch) patch = {Kind::outflow, 0, {}, 1, 1, 1, 1, -1};
   setup.patch[static_cast<std::size_t>(patch_named(mesh, "xmin"))] = {Kind::inflow, 0, {}, 1, 1, 1, 1, 0};
   setup.fnum = 1e20 * 500 * 1e-4 / 40000;  // 20,000 particles through each half of the side
-  Flow flow(comm, mesh, setup);
 
   try {
-    flow.step();
-    ADD_FAILURE() << "the step was done";
+    const Flow flow(comm, mesh, setup);
+    ADD_FAILURE() << "it was accepted";
   } catch (const Error& error) {
     EXPECT_NE(std::string(error.what()).find("through each inflow face"), std::string::npos) << error.what();
   }
+}
+
+TEST(Flow, TellsEveryRankWhenTheSumsOnAFaceOfOneAreNearlyFull) {
+  const par::Comm comm(MPI_COMM_WORLD);
+  const auto mesh = assemble::assemble(comm, test::kuhn_cube(comm, 2));
+  auto setup = open_cube(mesh, {"wind", 1e20, 300, 300, {500, 0, 0}, {1}}, 400, 1e-4);
+  for (auto& patch : setup.patch) patch = {Kind::diffuse, 300, {}, 1, 1, 1, 1, -1};
+  Flow flow(comm, mesh, setup);
+  flow.fill(mesh);
+  flow.step();
+  const bool has_it = comm.rank() == comm.size() - 1 && !flow.surface.face.empty();
+  if (has_it) flow.surface.face.front().energy = (std::int64_t{1} << 61U) + (std::int64_t{1} << 60U);
+  if (!comm.any(has_it)) FAIL() << "the last rank has no face";
+
+  try {
+    for (int step = 0; step < 100; ++step) flow.step();  // until there have been many hits on walls of that rank
+    ADD_FAILURE() << "the steps were done";
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("more than can be added up"), std::string::npos) << error.what();
+  }
+}
+
+TEST(Tally, IsNearlyFullBeforeASumOverflows) {
+  SurfaceTally tally;
+  tally.face.resize(3);
+  tally.set_units(1, 1);
+
+  tally.add(1, {0x1p30, 0, 0}, 0);  // 2^60 units
+  EXPECT_FALSE(tally.is_nearly_full());
+  tally.add(1, {0x1p30, 0, 0}, 0);
+  tally.add(1, {0x1p30, 0, 0}, 0);
+  EXPECT_TRUE(tally.is_nearly_full());
 }
 
 }  // namespace

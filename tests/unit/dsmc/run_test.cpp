@@ -2,10 +2,12 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 
 #include "pamr/assemble/assemble.hpp"
 #include "pamr/base/error.hpp"
 #include "solvers/dsmc/kernel/random.hpp"
+#include "solvers/dsmc/run/averaging.hpp"
 #include "solvers/dsmc/run/stop_at_rise.hpp"
 #include "solvers/dsmc/sampling/estimate.hpp"
 #include "solvers/dsmc/sampling/loads.hpp"
@@ -50,6 +52,18 @@ TEST(Estimate, IsTheMeanWithItsStandardError) {
   EXPECT_DOUBLE_EQ(e.value, 2.5);
   EXPECT_DOUBLE_EQ(e.error, std::sqrt(5.0 / 3 / 4));
   EXPECT_EQ(estimate({7}).error, 0);
+}
+
+TEST(Results, AreFiniteOnlyIfAllCoefficientsAndTheirErrorsAre) {
+  Results results;
+  results.walls.resize(2);
+  EXPECT_TRUE(is_finite(results));
+
+  results.body.drag.value = std::nan("");
+  EXPECT_FALSE(is_finite(results));
+  results.body.drag.value = 0;
+  results.walls[1].heat.error = std::numeric_limits<double>::infinity();
+  EXPECT_FALSE(is_finite(results));
 }
 
 TEST(StopAtRise, MovesWhenTheMeanCostOfAStepBeginsToRise) {

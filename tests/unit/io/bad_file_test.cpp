@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <gmock/gmock.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
 #include <fstream>
 #include <limits>
@@ -308,6 +310,31 @@ INSTANTIATE_TEST_SUITE_P(File, BadFile, testing::ValuesIn(damages_of_the_file())
 INSTANTIATE_TEST_SUITE_P(Structure, BadFile, testing::ValuesIn(damages_of_the_structure()), name_of);
 INSTANTIATE_TEST_SUITE_P(Mesh, BadFile, testing::ValuesIn(damages_of_the_mesh()), name_of);
 INSTANTIATE_TEST_SUITE_P(Extension, BadFile, testing::ValuesIn(damages_of_the_extension()), name_of);
+
+TEST(BadFile, SaysInOneLineThatNoFileCanBeOpened) {
+  const par::Comm comm(MPI_COMM_WORLD);
+  const Folder folder(comm);
+  io::write_native(comm, folder / "a.hdf", test::mesh_with_fields(comm, 1, 1));
+  const int next = dup(0);  // the number that the next file gets
+  close(next);
+  int n_refused = 0;
+  for (int n_left = 0; n_left < 8; ++n_left) {
+    rlimit before{};
+    getrlimit(RLIMIT_NOFILE, &before);
+    const rlimit few{static_cast<rlim_t>(next + n_left), before.rlim_max};
+    setrlimit(RLIMIT_NOFILE, &few);
+    const auto error = test::error_of_reading(comm, folder / "a.hdf");
+    setrlimit(RLIMIT_NOFILE, &before);
+    comm.barrier();
+
+    if (error == "no error") continue;
+    ++n_refused;
+    EXPECT_THAT(error, testing::HasSubstr("Too many open files")) << n_left;
+    EXPECT_THAT(error, testing::Not(testing::HasSubstr("\n"))) << n_left;
+  }
+  EXPECT_GT(n_refused, 0);
+  EXPECT_EQ(test::error_of_reading(comm, folder / "a.hdf"), "no error");
+}
 
 }  // namespace
 }  // namespace pamr

@@ -1,42 +1,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <gmock/gmock.h>
-#include <sys/resource.h>
-
-#include <csignal>
 
 #include "files.hpp"
 #include "hdf5_edit.hpp"
 #include "pamr/assemble/kuhn_cube.hpp"
 #include "pamr/base/error.hpp"
+#include "pamr/io/export/write_foam.hpp"
 #include "pamr/io/native/native_file.hpp"
-#include "pamr/io/partial_file.hpp"
+#include "size_limit.hpp"
 
 namespace pamr {
 namespace {
 
 using test::Folder;
-
-/// No file of this process may grow beyond `bytes` while it lives: what a full disk looks like.
-class SizeLimit {
- public:
-  explicit SizeLimit(rlim_t bytes) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {
-    getrlimit(RLIMIT_FSIZE, &old_);
-    const rlimit limit{bytes, old_.rlim_max};
-    setrlimit(RLIMIT_FSIZE, &limit);
-  }
-  ~SizeLimit() {
-    setrlimit(RLIMIT_FSIZE, &old_);
-    std::signal(SIGXFSZ, handler_);
-  }
-  SizeLimit(const SizeLimit&) = delete;
-  SizeLimit& operator=(const SizeLimit&) = delete;
-  SizeLimit(SizeLimit&&) = delete;
-  SizeLimit& operator=(SizeLimit&&) = delete;
-
- private:
-  void (*handler_)(int);
-  rlimit old_{};
-};
+using test::SizeLimit;
 
 std::string error_of_writing(const par::Comm& comm, const std::filesystem::path& file, const mesh::DistMesh& mesh) {
   try {
@@ -64,6 +41,33 @@ TEST(FailedWrite, LeavesNoFileWhenTheDiskIsFull) {
     comm.barrier();
   }
   EXPECT_EQ(error_of_writing(comm, folder / "a.hdf", mesh), "no error");
+}
+
+TEST(FailedWrite, LeavesNoNewFolderOfAnOpenFoamCaseWhenTheDiskIsFull) {
+  const par::Comm comm(MPI_COMM_WORLD);
+  const Folder folder(comm);
+  const auto mesh = test::mesh_with_fields(comm, 4, 1);
+  test::on_first_rank(comm, [&] { std::filesystem::create_directory(folder / "mine"); });
+  for (const auto* name : {"new", "mine"}) {
+    std::string error;
+    {
+      const SizeLimit limit(2000);
+      try {
+        io::write_foam(comm, folder / name, mesh);
+      } catch (const Error& failure) {
+        error = failure.what();
+      }
+    }
+
+    EXPECT_THAT(error, testing::AllOf(testing::HasSubstr((folder / name / "constant" / "polyMesh" / "").string()),
+                                      testing::HasSubstr("cannot write it")));
+    EXPECT_EQ(error, comm.broadcast(error));
+    EXPECT_EQ(folder.n_entries(), 1U);
+    EXPECT_TRUE(std::filesystem::is_empty(folder / "mine"));
+    comm.barrier();
+  }
+  io::write_foam(comm, folder / "new", mesh);
+  EXPECT_TRUE(std::filesystem::exists(folder / "new" / "constant" / "polyMesh" / "points"));
 }
 
 TEST(FailedWrite, LeavesAnExistingFileAsItWas) {
@@ -123,19 +127,6 @@ TEST(FailedWrite, RefusesNamesThatCouldNotBeReadBack) {
     EXPECT_THAT(error_of_writing(comm, folder / "a.hdf", mesh), testing::HasSubstr("cell field '" + name + "'"));
   }
   EXPECT_EQ(folder.n_entries(), 0U);
-}
-
-TEST(PartialFile, FindsTheDiskFullByWritingWhereTheFileSystemCannotTell) {
-  const par::Comm comm(MPI_COMM_WORLD);
-  const Folder folder(comm);
-  const io::PartialFile file(folder / ("a" + std::to_string(comm.rank())));
-  file.make(100);
-
-  const SizeLimit limit(5000000);
-
-  EXPECT_NO_THROW(file.occupy(0, 5000000));
-  EXPECT_THROW(file.occupy(0, 5000001), Error);
-  EXPECT_EQ(std::filesystem::file_size(file.path()), 5000000U);
 }
 
 }  // namespace

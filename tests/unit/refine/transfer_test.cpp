@@ -5,6 +5,7 @@
 
 #include "pamr/adapt/adapt.hpp"
 #include "pamr/assemble/kuhn_cube.hpp"
+#include "pamr/base/index.hpp"
 #include "support/meshes.hpp"
 
 namespace pamr {
@@ -55,6 +56,29 @@ TEST(Transfer, KeepsLinearNodalFieldsAndTheIntegralsOfCellFields) {
     EXPECT_EQ(fine.find_cell_field("mass")->storage, mesh::StorageType::float32);
     mesh = std::move(fine);
   }
+}
+
+TEST(Transfer, LargestValuesStayFinite) {
+  const par::Comm comm(MPI_COMM_WORLD);
+  constexpr double huge = 1.7e308;
+  auto mesh = assemble::assemble(comm, test::random_mesh(comm, 12, 3));
+  for (auto& p : mesh.node_position) p = 100.0 * p;  // volumes above 1, so that values times volumes are too large
+  mesh.node_fields.push_back(
+      {"nodal", "", 1, mesh::StorageType::float64, std::vector<double>(at(mesh.n_nodes()), huge)});
+  mesh.cell_fields.push_back(
+      {"cell", "", 1, mesh::StorageType::float64, std::vector<double>(at(mesh.n_cells()), -huge)});
+  std::int64_t rebuilt = 0;
+  for (int level = 0; level < 3; ++level) {
+    std::vector<std::uint8_t> flags;
+    for (LocalId c = 0; c < mesh.n_cells(); ++c) flags.push_back(geometry::norm(mesh.points(c)[0]) < 60 ? 1 : 0);
+    auto result = adapt::refine(comm, mesh, flags);
+    mesh = std::move(result.mesh);
+    rebuilt += result.report.closure.families_rebuilt;
+
+    for (const double value : mesh.find_node_field("nodal")->real()) EXPECT_EQ(value, huge);
+    for (const double value : mesh.find_cell_field("cell")->real()) EXPECT_NEAR(value / huge, -1, 1e-15);
+  }
+  EXPECT_GT(rebuilt, 0);
 }
 
 TEST(Transfer, NamesTheInputCellThatHoldsEachNewCellsCentroid) {

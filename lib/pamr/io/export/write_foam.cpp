@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "pamr/base/error.hpp"
+#include "pamr/io/partial_folder.hpp"
 #include "pamr/io/rows_in_order.hpp"
 #include "pamr/io/shared_output.hpp"
 #include "pamr/mesh/tet.hpp"
@@ -240,44 +241,29 @@ class Writer {
   std::int64_t n_all_ = 0;
 };
 
-/// Does something with the disk on one rank; the system's errors become `Error` on every rank.
-template <class Do>
-void on_disk(const par::Comm& comm, const fs::path& folder, const Do& act) {
-  par::agree(comm, [&] {
-    if (!comm.is_first()) return;
-    try {
-      act();
-    } catch (const fs::filesystem_error& error) {
-      throw Error("folder '" + folder.string() + "': cannot write it: " + error.code().message());
-    }
-  });
-}
-
 }  // namespace
 
-fs::path partial_foam_folder(const fs::path& case_folder) { return case_folder / "constant" / "polyMesh.partial"; }
+fs::path foam_folder(const fs::path& case_folder) { return case_folder / "constant" / "polyMesh"; }
 
 void write_foam(const par::Comm& comm, const fs::path& case_folder, const mesh::DistMesh& mesh) {
   (void)words_of_patches(mesh.info);
-  const auto partial = partial_foam_folder(case_folder), whole = case_folder / "constant" / "polyMesh";
-  const auto old = case_folder / "constant" / "polyMesh.old";
-  on_disk(comm, whole, [&] {
-    fs::remove_all(partial);
-    fs::create_directories(partial);
+  PartialFolder folder(foam_folder(case_folder));
+  par::agree(comm, [&] {
+    if (comm.is_first()) folder.make();
   });
+  folder.share(comm);
   try {
-    Writer(comm, partial, mesh).write();
-    on_disk(comm, whole, [&] {
-      fs::remove_all(old);
-      if (fs::exists(whole)) fs::rename(whole, old);
-      fs::rename(partial, whole);
-      fs::remove_all(old);
-    });
-  } catch (const Error&) {  // reaches every rank
-    std::error_code ignored;
-    if (comm.is_first()) fs::remove_all(partial, ignored);
-    throw;
+    Writer(comm, folder.path(), mesh).write();
+  } catch (const Error& error) {  // reaches every rank
+    auto text = std::string(error.what());
+    const auto partial = folder.path().string();
+    if (const auto place = text.find(partial); place != std::string::npos)
+      text.replace(place, partial.size(), foam_folder(case_folder).string());
+    throw Error(text);
   }
+  par::agree(comm, [&] {
+    if (comm.is_first()) folder.commit();
+  });
 }
 
 }  // namespace pamr::io

@@ -21,7 +21,7 @@ namespace pamr::io {
 /// also for two patches that would have the same name.
 void write_foam(const par::Comm& comm, const std::filesystem::path& case_folder, const mesh::DistMesh& mesh);
 
-/// Where the files are written before the folder gets its name.
-std::filesystem::path partial_foam_folder(const std::filesystem::path& case_folder);
+/// The folder that it writes: `constant/polyMesh` of the case.
+std::filesystem::path foam_folder(const std::filesystem::path& case_folder);
 
 }  // namespace pamr::io

@@ -15,7 +15,8 @@ herr_t append_description(unsigned /*depth*/, const H5E_error2_t* error, void* t
   auto& result = *static_cast<std::string*>(text);
   if (error->desc == nullptr || result.size() > 300) return 0;
   if (!result.empty()) result += "; ";
-  result += error->desc;
+  for (const char* c = error->desc; *c != '\0'; ++c)
+    result += *c < ' ' && *c >= '\0' ? ' ' : *c;  // it has times in lines
   return 0;
 }
 

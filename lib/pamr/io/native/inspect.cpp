@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "pamr/io/native/inspect.hpp"
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <cstring>
 #include <limits>
 
@@ -64,6 +67,10 @@ class Inspector {
 
 Inspector::Inspector(const std::filesystem::path& file) : file_(file) {
   file_bytes_ = std::filesystem::file_size(file);
+  const int probe = open(file.c_str(), O_RDONLY | O_CLOEXEC);  // HDF5 would say why in its own words
+  if (probe < 0)
+    throw Error("file '" + file.string() + "': expected a file that can be opened, found: " + std::strerror(errno));
+  close(probe);
   auto access = hdf5::take(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, "cannot make a property list");
   H5Pset_file_locking(access.id(), true, true);
   h5_ = Handle(H5Fopen(file.c_str(), H5F_ACC_RDONLY, access.id()), H5Fclose);

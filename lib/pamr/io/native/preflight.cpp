@@ -51,6 +51,9 @@ std::uintmax_t size_of_regular_file(const std::filesystem::path& file) {
 void require_signature(const std::filesystem::path& file, std::uintmax_t bytes) {
   constexpr std::array<char, 8> signature{'\x89', 'H', 'D', 'F', '\r', '\n', '\x1a', '\n'};
   std::ifstream stream(file, std::ios::binary);
+  if (!stream)
+    throw Error(
+        fmt::format("file '{}': expected a file that can be opened, found: {}", file.string(), std::strerror(errno)));
   for (std::uintmax_t offset = 0; offset + 8 <= bytes; offset = offset == 0 ? 512 : 2 * offset) {
     std::array<char, 8> found{};
     stream.seekg(static_cast<std::streamoff>(offset));

@@ -91,7 +91,7 @@ class Writer {
     return "file '" + file_.string() + "', " + path + ": " + trouble;
   }
 
-  void make_room() const;
+  void make_room();
   void create();
   void create_groups();
   Handle create_array(const ArrayPlan& plan) const;
@@ -256,7 +256,7 @@ void Writer::write_attributes() const {
 
 /// Makes sure of the space before HDF5 opens the file, so that a full disk is noticed here, in a system call: HDF5 1.10
 /// cannot close a file that it cannot complete.
-void Writer::make_room() const {
+void Writer::make_room() {
   // Room for the structure of the file in addition to its data: generous, since it is given back.
   const auto bytes = plan_.data_bytes + 65536 + 4096 * (plan_.arrays.size() + plan_.texts.size());
   bool has_room = true;
@@ -264,6 +264,7 @@ void Writer::make_room() const {
     require_writable(*mesh_);
     if (comm_->is_first()) has_room = partial_.make(bytes);
   });
+  partial_.share(*comm_);
   if (comm_->all(has_room)) return;
   par::agree(*comm_, [&] {
     const auto share = par::block_range(static_cast<GlobalId>(bytes), comm_->rank(), comm_->size());

@@ -26,7 +26,7 @@ struct WriteOptions {
 /// - The bytes of the file depend on the mesh alone, not on the number of ranks nor on which rank holds what; fields
 /// are
 ///   written in the order of their names.
-/// - The file appears complete or not at all: it is written as `<file>.partial`, flushed to the disk and renamed.
+/// - The file appears complete or not at all: it is written under a temporary name, flushed to the disk and renamed.
 /// - Collective. Throws the same `Error` on every rank when it cannot be written (folder missing, no permission, disk
 ///   full, a value that does not fit the type of its field); nothing is left behind then and an existing file stays as
 ///   it was.

@@ -22,6 +22,10 @@ using namespace geometry;
 
 namespace {
 
+/// Hits on walls after which the sums on faces are looked at: of typical ones of the heaviest molecules they add up to
+/// less than what `SurfaceTally::is_nearly_full` leaves.
+constexpr std::int64_t hits_between_checks = std::int64_t{1} << 14U;
+
 /// Speed that hits on walls are measured by: the fastest stream or wall and some thermal speed.
 double typical_speed(const Setup& setup) {
   double speed = 1;
@@ -96,9 +100,7 @@ void Flow::fill(const mesh::DistMesh& mesh) {
     const auto c = at(cell);
     const auto corner = corners(mesh, setup_.unit, cell);
     const Vec3 middle = 0.25 * (corner[0] + corner[1] + corner[2] + corner[3]);
-    int which = setup_.initial;
-    for (const auto& region : setup_.region)
-      if (region.holds(middle)) which = region.stream;
+    const int which = setup_.stream_at_start(middle);
     if (which < 0) continue;
     const auto& stream = setup_.stream[at(which)];
     Random random(setup_.seed, Purpose::seed, static_cast<std::uint64_t>(domain_.cell_global[c]), steps_done);
@@ -134,6 +136,15 @@ StepCounts Flow::step(bool wants_stop) {
   counts.entered = static_cast<std::int64_t>(entering.size());
   const auto before = static_cast<std::int64_t>(particles.size()) + counts.entered;
   counts.moved = move(*comm_, rules(), steps_done, particles, entering, surface);
+  hits_unchecked_ += counts.moved.wall_hits;
+  if (hits_unchecked_ >= hits_between_checks && !trouble) {
+    hits_unchecked_ = 0;
+    if (surface.is_nearly_full())
+      trouble =
+          Error(fmt::format("step {}: expected fewer molecules on each face of a wall between two blocks of the "
+                            "averages, found more than can be added up: use shorter blocks, or a greater weight",
+                            steps_done));
+  }
   const double start = cpu_seconds();
   particles.sort_by_cell(domain_.n_cells());
   counts.particles = static_cast<std::int64_t>(particles.size());

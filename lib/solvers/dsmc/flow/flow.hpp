@@ -91,6 +91,7 @@ class Flow {
   std::optional<Inflow> inflow_;
   bool sampling_ = false;
   std::int64_t lost_ = 0;
+  std::int64_t hits_unchecked_ = 0;  ///< on walls of this rank since their sums were looked at
 };
 
 }  // namespace pamr::dsmc

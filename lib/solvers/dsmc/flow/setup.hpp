@@ -38,6 +38,14 @@ struct Setup {
   double unit = 1;              ///< meters in the mesh's length unit
   std::uint64_t seed = 1;
   double expected_particles = 0;  ///< in a domain full of free stream (with `from_fields`: of the gas in the fields)
+
+  /// The stream that fills a cell with this center at the start; -1: vacuum.
+  int stream_at_start(Vec3 center) const {
+    int which = initial;
+    for (const auto& part : region)
+      if (part.holds(center)) which = part.stream;
+    return which;
+  }
 };
 
 }  // namespace pamr::dsmc

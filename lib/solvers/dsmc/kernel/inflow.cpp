@@ -5,9 +5,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "pamr/base/error.hpp"
 #include "pamr/base/index.hpp"
+#include "pamr/base/machine.hpp"
 #include "solvers/dsmc/gas/kinetic_theory.hpp"
 #include "solvers/dsmc/kernel/numbering.hpp"
 
@@ -18,6 +20,7 @@ using namespace geometry;
 namespace {
 
 constexpr std::uint64_t step_bits = 25, face_bits = 24, index_bits = 14;
+constexpr std::uint64_t max_entering = std::uint64_t{1} << index_bits;
 
 std::uint64_t id_of(std::uint64_t step, std::uint64_t face, std::uint64_t index) {
   return (std::uint64_t{1} << 63U) | (step & ((1U << step_bits) - 1)) << (face_bits + index_bits) | face << index_bits |
@@ -106,6 +109,29 @@ Inflow::Inflow(const par::Comm& comm, const MoveRules& rules, std::span<const St
                                          -dot(flow.velocity, boundary.normal)) *
                           boundary.area * domain.dt[c] / (domain.fnum[c] * rules.gas->species[s].weight));
   }
+  require_feasible(comm);
+}
+
+/// Throws `Error` on every rank when the particles of a step cannot be numbered or do not fit into memory.
+void Inflow::require_feasible(const par::Comm& comm) const {
+  par::agree(comm, [&] {
+    for (const auto& face : face_)
+      if (!(std::accumulate(face.mean.begin(), face.mean.end(), 0.0) < max_entering + 1.0)) refuse(face);
+    const double bytes = expected() * static_cast<double>(sizeof(Flight));
+    const auto memory = static_cast<double>(std::min(memory_of_machine(), memory_of_process()));
+    if (!(bytes < memory))
+      throw Error(
+          fmt::format("expected particles that fit into {:.4g} GB of memory, found {:.4g} GB of them in a step "
+                      "through the inflow faces of rank {}: use a shorter time step or a greater weight",
+                      1e-9 * memory, 1e-9 * bytes, comm.rank()));
+  });
+}
+
+void Inflow::refuse(const Face& face) const {
+  throw Error(
+      fmt::format("expected at most {} particles a step through each inflow face, found more on a face "
+                  "of the cell {} places after the first: use a shorter time step or a greater weight",
+                  max_entering, rules_.domain->cell_global[at(rules_.domain->boundary[face.boundary].cell)]));
 }
 
 double Inflow::expected() const {
@@ -127,11 +153,7 @@ void Inflow::draw(std::uint64_t step, std::vector<Flight>& entering) const {
       const double c_m = most_probable_speed(flow.temperature, rules_.gas->species[s].mass);
       const double ratio = -dot(flow.velocity, boundary.normal) / c_m;
       for (std::uint64_t i = 0; i < n; ++i, ++index) {
-        if (index >> index_bits != 0)
-          throw Error(
-              fmt::format("expected at most {} particles a step through each inflow face, found more on a face "
-                          "of the cell {} places after the first: use a shorter time step or a greater weight",
-                          1U << index_bits, rules_.domain->cell_global[c]));
+        if (index >> index_bits != 0) refuse(face);
         const auto id = id_of(step, face.number, index);
         Random random(rules_.seed, Purpose::inflow_particle, id, step);
         Flight flight;

@@ -20,7 +20,8 @@ Particle draw_particle(const Gas& gas, const Stream& stream, std::uint32_t speci
 /// - Ids are unique: bit 63, step (25 bits), global number of the inflow face (24 bits), number on the face (14 bits).
 class Inflow {
  public:
-  /// Collective: one exclusive sum in the order of the global cells. Throws `Error` when there are too many faces.
+  /// Collective: one exclusive sum in the order of the global cells. Throws `Error` on every rank when there are too
+  /// many faces, or more particles a step than can be numbered or held.
   Inflow(const par::Comm& comm, const MoveRules& rules, std::span<const Stream> stream);
 
   /// Appends the particles of a step to `entering`, each with the time that it has left. Local. Throws `Error` when
@@ -36,6 +37,9 @@ class Inflow {
     std::uint64_t number = 0;
     std::vector<double> mean;  ///< particles per step, of each species
   };
+  void require_feasible(const par::Comm& comm) const;
+  [[noreturn]] void refuse(const Face& face) const;
+
   MoveRules rules_;
   std::vector<Stream> stream_;
   std::vector<Face> face_;

@@ -14,7 +14,7 @@ using geometry::Vec3;
 
 /// Momentum and energy that particles have given to each boundary face, in fixed point, so that the sums depend neither
 /// on the order of the hits nor on the number of ranks. One unit is 2^-30 of a typical hit; a face overflows after 10^9
-/// typical hits.
+/// typical hits, which `is_nearly_full` tells long before.
 struct SurfaceTally {
   struct Sums {
     std::int64_t hits = 0;
@@ -22,6 +22,8 @@ struct SurfaceTally {
     std::int64_t energy = 0;
 
     void add(const Sums& other);
+    /// Whether a number is beyond a quarter of what fits. Local.
+    bool is_nearly_full() const;
   };
 
   double momentum_unit = 1;  ///< kg m/s
@@ -30,6 +32,8 @@ struct SurfaceTally {
 
   /// Sets the units for molecules of this mass at this speed.
   void set_units(double mass, double speed);
+  /// Whether the sums of any face are.
+  bool is_nearly_full() const;
   void add(std::size_t at, Vec3 momentum, double energy) {
     auto& sums = face[at];
     ++sums.hits;

@@ -4,9 +4,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
+#include "pamr/base/error.hpp"
 #include "solvers/dsmc/gas/kinetic_theory.hpp"
 #include "solvers/dsmc/sampling/steadiness.hpp"
 
@@ -17,6 +19,7 @@ using namespace geometry;
 namespace {
 
 constexpr std::size_t window = 10;  ///< intervals of a window of the steadiness test
+constexpr double max_steps = 1e15;  ///< that are worth counting: no computer does as many
 
 /// Steps in which the free stream passes the domain, on average over the volume where time steps vary.
 double flow_through_steps(const Flow& flow, const mesh::DistMesh& mesh) {
@@ -41,45 +44,69 @@ double flow_through_steps(const Flow& flow, const mesh::DistMesh& mesh) {
   const double v[3] = {free.velocity.x, free.velocity.y, free.velocity.z};
   double time = 1e300;
   for (std::size_t k = 0; k < 3; ++k) time = std::min(time, extent[k] / std::max(std::fabs(v[k]), 0.5 * c));
-  return std::max(1.0, time / setup.dt * setup.mean_dt_ratio);
+  return std::clamp(time / setup.dt * setup.mean_dt_ratio, 1.0, max_steps);
 }
 
 /// Temperatures of all particles together.
 struct Temperatures {
   double translational = 0, rotational = 0;
 };
+/// A sum of integers, of whichever size, over any number of particles: in two words, neither of which overflows.
+class WideSum {
+ public:
+  void add(std::int64_t value) {
+    low_ += value & low_bits;
+    high_ += value >> n_low;
+  }
+  std::array<std::int64_t, 2> words() const { return {low_, high_}; }
+  static double value(std::int64_t low, std::int64_t high) {
+    return static_cast<double>(static_cast<long double>(high) * (low_bits + 1) + static_cast<long double>(low));
+  }
+
+ private:
+  static constexpr int n_low = 24;
+  static constexpr std::int64_t low_bits = (std::int64_t{1} << n_low) - 1;
+  std::int64_t low_ = 0, high_ = 0;
+};
+
 /// Sums in fixed point, so that they do not depend on the ranks. Collective.
 Temperatures temperatures_of(const Flow& flow) {
   const auto& p = flow.particles;
   const auto& species = flow.setup().gas.species;
   const auto& units = flow.surface;
-  std::vector<std::int64_t> sums(5 + species.size(), 0);  // momentum, energies, numbers of the species
+  std::array<WideSum, 5> wide;                             // momentum, energies
+  std::vector<std::int64_t> sums(10 + species.size(), 0);  // words of these, and numbers of the species
   const auto fixed = [](double value) { return std::llrint(value); };
   for (std::size_t i = 0; i < p.size(); ++i) {
     const double w = species[p.species[i]].weight, m = w * species[p.species[i]].mass;
     const Vec3 v = p.velocity(i);
-    sums[0] += fixed(m * v.x / units.momentum_unit);
-    sums[1] += fixed(m * v.y / units.momentum_unit);
-    sums[2] += fixed(m * v.z / units.momentum_unit);
-    sums[3] += fixed(0.5 * m * squared_norm(v) / units.energy_unit);
-    sums[4] += fixed(w * p.rotation[i] / units.energy_unit);
-    ++sums[5 + p.species[i]];
+    wide[0].add(fixed(m * v.x / units.momentum_unit));
+    wide[1].add(fixed(m * v.y / units.momentum_unit));
+    wide[2].add(fixed(m * v.z / units.momentum_unit));
+    wide[3].add(fixed(0.5 * m * squared_norm(v) / units.energy_unit));
+    wide[4].add(fixed(w * p.rotation[i] / units.energy_unit));
+    ++sums[10 + p.species[i]];
+  }
+  for (std::size_t k = 0; k < wide.size(); ++k) {
+    sums[2 * k] = wide[k].words()[0];
+    sums[2 * k + 1] = wide[k].words()[1];
   }
   flow.comm().sum_in_place(sums);
+  const auto total = [&](std::size_t k) { return WideSum::value(sums[2 * k], sums[2 * k + 1]); };
   double mass = 0, n = 0, weights = 0, degrees = 0;
   for (std::size_t s = 0; s < species.size(); ++s) {
-    n += static_cast<double>(sums[5 + s]);
-    const double count = species[s].weight * static_cast<double>(sums[5 + s]);
+    const auto n_here = static_cast<double>(sums[10 + s]);
+    n += n_here;
+    const double count = species[s].weight * n_here;
     mass += species[s].mass * count;
     weights += count;
     degrees += species[s].rotational_degrees * count;
   }
   if (n < 2) return {};
-  const Vec3 momentum = units.momentum_unit *
-                        Vec3{static_cast<double>(sums[0]), static_cast<double>(sums[1]), static_cast<double>(sums[2])};
-  const double energy = units.energy_unit * static_cast<double>(sums[3]) - squared_norm(momentum) / (2 * mass);
+  const Vec3 momentum = units.momentum_unit * Vec3{total(0), total(1), total(2)};
+  const double energy = units.energy_unit * total(3) - squared_norm(momentum) / (2 * mass);
   return {energy / (1.5 * boltzmann * (weights - weights / n)),
-          degrees > 0 ? units.energy_unit * static_cast<double>(sums[4]) / (0.5 * degrees * boltzmann) : 0};
+          degrees > 0 ? units.energy_unit * total(4) / (0.5 * degrees * boltzmann) : 0};
 }
 
 }  // namespace
@@ -131,7 +158,7 @@ void Averaging::after_step(Flow& flow, const StepTotals& counts) {
   state_.stuck += counts.stuck;
   state_.clamped += counts.clamped;
   ++state_.in_interval;
-  if (state_.in_interval == (state_.sampling ? block_ : interval_)) end_interval(flow);
+  if (state_.in_interval >= (state_.sampling ? block_ : interval_)) end_interval(flow);
 }
 
 bool Averaging::is_complete(std::uint64_t steps_done) const {
@@ -169,6 +196,13 @@ void Averaging::end_interval(Flow& flow) {
   if (state_.sampling) {
     state_.blocks.push_back(loads);
     for (std::size_t f = 0; f < faces.size(); ++f) state_.face[f].add_block(faces[f], flow.domain().boundary[f].normal);
+    const bool is_full = std::any_of(state_.face.begin(), state_.face.end(),
+                                     [](const auto& face) { return face.sums.is_nearly_full(); });
+    if (flow.comm().any(is_full))
+      throw Error(fmt::format(
+          "step {}: expected fewer molecules on each face of a wall in all averages, found more than can be "
+          "added up: average over fewer steps",
+          flow.steps_done));
   } else if (!schedule_.transient && row.n_steps == interval_) {
     assess_steadiness_of(flow);
   }
@@ -218,6 +252,15 @@ Results Averaging::results() const {
   for (const auto& [p, name] : walls_)
     results.walls.push_back(of(name, [p = p](const auto& loads) { return loads[p]; }));
   return results;
+}
+
+bool is_finite(const Results& results) {
+  const auto is_sound = [](const Results::OfPatch& part) {
+    for (const auto& e : {part.drag, part.lift, part.moment, part.heat})
+      if (!std::isfinite(e.value) || !std::isfinite(e.error)) return false;
+    return true;
+  };
+  return is_sound(results.body) && std::all_of(results.walls.begin(), results.walls.end(), is_sound);
 }
 
 }  // namespace pamr::dsmc

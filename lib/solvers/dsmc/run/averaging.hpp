@@ -26,6 +26,9 @@ struct Results {
   std::size_t n_blocks = 0;
 };
 
+/// Whether all coefficients and their errors are numbers. Local.
+bool is_finite(const Results& results);
+
 /// Decides when the averages of a flow begin and when they suffice, and keeps history, blocks and sums.
 ///
 /// A run is divided into intervals: of the transient, each a tenth of the time in which the free stream (for a gas at

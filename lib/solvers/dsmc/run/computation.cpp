@@ -5,8 +5,10 @@
 #include <vector>
 
 #include "pamr/balance/rebalance.hpp"
+#include "pamr/base/error.hpp"
 #include "pamr/base/timer.hpp"
 #include "solvers/dsmc/run/make_setup.hpp"
+#include "solvers/dsmc/state/require_sound.hpp"
 
 namespace pamr::dsmc {
 
@@ -24,9 +26,18 @@ Computation::Computation(const par::Comm& comm, Case the_case, Setup setup, mesh
 }
 
 void Computation::restart(const std::string& checkpoint) {
+  const auto naming = [&](const auto& work) {
+    try {
+      work();
+    } catch (const Error& error) {  // reaches every rank
+      throw Error("file '" + checkpoint + "': " + error.what());
+    }
+  };
   const auto snapshot = read_checkpoint(*comm_, checkpoint, case_.gas);
-  require_matching(snapshot, checkpoint, key_, *flow_);
-  averaging_->resume(restore(*comm_, snapshot, *flow_));
+  naming([&] { require_matching(snapshot, key_, *flow_); });
+  require_sound(*comm_, checkpoint, snapshot, sound_range(*flow_));
+  naming([&] { averaging_->resume(restore(*comm_, snapshot, *flow_)); });
+  require_places(*comm_, checkpoint, *flow_);
 }
 
 Transferred Computation::transfer_from(const std::string& checkpoint) {

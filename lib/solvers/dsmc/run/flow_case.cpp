@@ -26,8 +26,8 @@ int stream_named(const Case& c, const TomlTable& table, std::string_view key) {
 BoundaryCondition read_wall(const TomlTable& table, const std::string& kind) {
   BoundaryCondition b;
   b.kind = kind == "cll" ? Kind::cll : Kind::diffuse;
-  b.temperature = table.number("temperature", {0, 1e6, true});
-  if (table.has("velocity")) b.velocity = table.point<Vec3>("velocity");
+  b.temperature = table.number("temperature", temperatures);
+  if (table.has("velocity")) b.velocity = read_velocity(table, "velocity");
   if (kind == "maxwell") b.accommodation = table.number("accommodation", {0, 1});
   if (kind != "cll") return b;
   b.normal_accommodation = table.number("normal_accommodation", {0, 1});
@@ -95,9 +95,9 @@ CollisionOptions read_collisions(const TomlTable& table) {
 }
 
 void read_particles(const TomlTable& table, Case& c) {
-  c.weight = table.find_number("weight", NumberRange::above(0));
-  c.per_cell = table.find_number("per_cell", {0, 1e6, true});
-  c.total = table.find_number("total", {0, 1e12, true});
+  c.weight = table.find_number("weight", {0, 1e60, true});
+  c.per_cell = table.find_number("per_cell", {1e-9, 1e6});
+  c.total = table.find_number("total", {1, 1e12});
   const int given = c.weight.has_value() + c.per_cell.has_value() + c.total.has_value();
   if (given != 1)
     table.fail(fmt::format("expected one of weight, per_cell and total in [particles], found {} of them", given));
@@ -105,9 +105,9 @@ void read_particles(const TomlTable& table, Case& c) {
 }
 
 void read_time(const TomlTable& table, Case& c) {
-  c.dt = table.number("step", NumberRange::above(0));
-  c.cell_fraction = table.number_or("cell_fraction", 0, {0, 10});
-  c.collision_fraction = table.number_or("collision_fraction", 0, {0, 10});
+  c.dt = table.number("step", {1e-20, 1e6});
+  if (table.has("cell_fraction")) c.cell_fraction = number_or_none(table, "cell_fraction", {1e-6, 10});
+  if (table.has("collision_fraction")) c.collision_fraction = number_or_none(table, "collision_fraction", {1e-6, 10});
   c.from_fields = table.flag_or("from_fields", false);
   if (c.from_fields && c.cell_fraction == 0 && c.collision_fraction == 0)
     table.refuse("from_fields", "cell_fraction or collision_fraction beside it");
@@ -126,14 +126,14 @@ void read_run(const TomlTable& table, Case& c) {
 
 void read_reference(const TomlTable& table, Case& c) {
   auto& r = c.reference;
-  r.area = table.number("area", NumberRange::above(0));
-  r.length = table.number_or("length", 1, NumberRange::above(0));
-  if (table.has("point")) r.point = table.point<Vec3>("point");
+  r.area = table.number("area", {1e-24, 1e24});
+  r.length = table.number_or("length", 1, {1e-12, 1e12});
+  if (table.has("point")) r.point = read_place(table, "point");
   if (table.has("pitch_axis")) r.pitch_axis = table.point<Vec3>("pitch_axis");
   const double length = norm(r.pitch_axis);
-  if (!(length > 0)) table.refuse("pitch_axis", "a direction");
+  if (!(length > 0 && std::isfinite(length))) table.refuse("pitch_axis", "a direction");
   r.pitch_axis = (1 / length) * r.pitch_axis;
-  r.multiplier = table.number_or("multiplier", 1, NumberRange::above(0));
+  r.multiplier = table.number_or("multiplier", 1, {1e-6, 1e6});
   if (table.has("patches")) r.patches = table.texts("patches");
   for (const auto& patch : r.patches)
     if (!c.boundary.contains(patch) || !c.boundary[patch].is_wall())
@@ -143,17 +143,17 @@ void read_reference(const TomlTable& table, Case& c) {
 Station read_station(const TomlTable& table) {
   Station s;
   s.name = table.text("name", "a name");
-  s.x = table.number("x");
-  s.r = table.number("r", NumberRange::at_least(0));
-  s.half_width = table.number("half_width", NumberRange::above(0));
+  s.x = table.number("x", {-max_place, max_place});
+  s.r = table.number("r", {0, max_place});
+  s.half_width = table.number("half_width", {0, max_place, true});
   return s;
 }
 
 ProbeLine read_line(const TomlTable& table) {
   ProbeLine l;
   l.name = table.text("name", "a name");
-  l.from = table.point<Vec3>("from");
-  l.to = table.has("to") ? table.point<Vec3>("to") : l.from;
+  l.from = read_place(table, "from");
+  l.to = table.has("to") ? read_place(table, "to") : l.from;
   l.n_points = table.integer_or("points", 1, 1, 100000);
   return l;
 }
@@ -161,9 +161,9 @@ ProbeLine read_line(const TomlTable& table) {
 ProbePlane read_plane(const TomlTable& table) {
   ProbePlane p;
   p.name = table.text("name", "a name");
-  p.corner = table.point<Vec3>("corner");
-  p.along = table.point<Vec3>("along");
-  p.across = table.point<Vec3>("across");
+  p.corner = read_place(table, "corner");
+  p.along = read_place(table, "along");
+  p.across = read_place(table, "across");
   const auto points = table.numbers<2>("points");
   for (const double n : points)
     if (!(n >= 2 && n <= 10000 && n == std::floor(n))) table.refuse("points", "two integers between 2 and 10000");
@@ -190,7 +190,7 @@ Case read_case(std::string_view text, const std::string& where) {
   for (const auto& table : file.list("station")) c.station.push_back(read_station(table));
   for (const auto& table : file.list("line")) c.line.push_back(read_line(table));
   for (const auto& table : file.list("plane")) c.plane.push_back(read_plane(table));
-  if (const auto table = file.find_table("domain")) c.unit = table->number("unit", NumberRange::above(0));
+  if (const auto table = file.find_table("domain")) c.unit = table->number("unit", {1e-15, 1e15});
   file.finish();
   return c;
 }

@@ -22,10 +22,10 @@ void read_species(const TomlTable& tables, SpeciesByName& known) {
   for (const auto& table : tables.all_tables()) {
     Species s;
     s.name = table.name();
-    s.mass = table.number("mass", {0, 1e-20, true});
-    s.diameter = table.number("diameter", {0, 1e-6, true});
+    s.mass = table.number("mass", {1e-30, 1e-20});
+    s.diameter = table.number("diameter", {1e-12, 1e-6});
     s.omega = table.number("omega", {0.5, 1});
-    s.t_ref = table.number("t_ref", NumberRange::above(0));
+    s.t_ref = table.number("t_ref", temperatures);
     s.alpha = table.number_or("alpha", 1, {1, 2});
     s.rotational_degrees = static_cast<int>(table.integer_or("rotational_degrees", 0, 0, 3));
     known[s.name] = s;
@@ -59,6 +59,18 @@ std::vector<double> read_fractions(const TomlTable& table, const Gas& gas) {
   return fraction;
 }
 
+/// Loads on walls are added up in units of the first species' momentum.
+void require_masses(const TomlTable& fractions, const Gas& gas) {
+  constexpr double max_ratio = 1e4;
+  for (const auto& a : gas.species)
+    for (const auto& b : gas.species)
+      if (a.mass > max_ratio * b.mass)
+        fractions.fail(
+            fmt::format("expected molecules whose masses differ by a factor of at most {:g}, found {} of {:g} "
+                        "kg and {} of {:g} kg",
+                        max_ratio, a.name, a.mass, b.name, b.mass));
+}
+
 Rotation read_rotation(const TomlTable& table) {
   Rotation rotation;
   const int given = table.has("probability") + table.has("z_continuum") + table.has("z_infinity");
@@ -70,11 +82,11 @@ Rotation read_rotation(const TomlTable& table) {
     rotation.value = table.number("probability", {0, 0.5});
   } else if (table.has("z_continuum")) {
     rotation.model = Rotation::Model::z_continuum;
-    rotation.value = table.number("z_continuum", NumberRange::at_least(1));
+    rotation.value = table.number("z_continuum", {1, 1e12});
   } else {
     rotation.model = Rotation::Model::variable;
-    rotation.z_infinity = table.number("z_infinity", NumberRange::above(0));
-    rotation.t_star = table.number("t_star", NumberRange::above(0));
+    rotation.z_infinity = table.number("z_infinity", {1e-6, 1e12});
+    rotation.t_star = table.number("t_star", temperatures);
   }
   return rotation;
 }
@@ -82,15 +94,15 @@ Rotation read_rotation(const TomlTable& table) {
 Stream read_stream(const TomlTable& table, const Gas& gas) {
   Stream s;
   s.name = table.name();
-  s.density = table.number("density", {0, 1e30});
-  s.temperature = table.number("temperature", {0, 1e6, true});
+  s.density = number_or_none(table, "density", {1, 1e30});
+  s.temperature = table.number("temperature", temperatures);
   s.rotational_temperature = table.number_or("rotational_temperature", s.temperature, {0, 1e6});
   if (table.has("speed")) {
-    const double speed = table.number("speed", {0, 1e6});
+    const double speed = number_or_none(table, "speed", speeds);
     const double angle = table.number_or("angle", 0, {-180, 180}) * std::numbers::pi / 180;
     s.velocity = {speed * std::cos(angle), 0, speed * std::sin(angle)};
   } else if (table.has("velocity")) {
-    s.velocity = table.point<Vec3>("velocity");
+    s.velocity = read_velocity(table, "velocity");
   }
   const auto fractions = table.find_table("fractions");
   s.fraction = fractions ? read_fractions(*fractions, gas) : gas.fraction;
@@ -98,6 +110,30 @@ Stream read_stream(const TomlTable& table, const Gas& gas) {
 }
 
 }  // namespace
+
+double number_or_none(const TomlTable& table, std::string_view key, NumberRange range) {
+  const double value = table.number(key);
+  if (value != 0 && !(value >= range.low && value <= range.high))
+    table.refuse(key, fmt::format("0 or a number between {:g} and {:g}", range.low, range.high));
+  return value;
+}
+
+Vec3 read_velocity(const TomlTable& table, std::string_view key) {
+  const auto velocity = table.point<Vec3>(key);
+  const double speed = norm(velocity);
+  if (speed != 0 && !(speed >= speeds.low && speed <= speeds.high))
+    table.refuse(key, fmt::format("[x, y, z], of a length of 0 or between {:g} and {:g} m/s", speeds.low, speeds.high),
+                 fmt::format("[{:g}, {:g}, {:g}]", velocity.x, velocity.y, velocity.z));
+  return velocity;
+}
+
+Vec3 read_place(const TomlTable& table, std::string_view key) {
+  const auto place = table.point<Vec3>(key);
+  if (!(std::fabs(place.x) <= max_place && std::fabs(place.y) <= max_place && std::fabs(place.z) <= max_place))
+    table.refuse(key, fmt::format("[x, y, z] of at most {:g} m each", max_place),
+                 fmt::format("[{:g}, {:g}, {:g}]", place.x, place.y, place.z));
+  return place;
+}
 
 Gas read_gas(const TomlTable& file, const std::string& where) {
   Gas gas;
@@ -110,6 +146,7 @@ Gas read_gas(const TomlTable& file, const std::string& where) {
     if (fractions.has(name)) gas.species.push_back(s);
   gas.fraction = read_fractions(fractions, gas);
   if (const auto rotation = table.find_table("rotation")) gas.rotation = read_rotation(*rotation);
+  require_masses(fractions, gas);
   prepare(gas);
   return gas;
 }
@@ -125,7 +162,7 @@ std::vector<Stream> read_streams(const TomlTable& streams, const Gas& gas) {
 }
 
 void read_species_weights(const TomlTable& weights, Gas& gas) {
-  for (auto& s : gas.species) s.weight = weights.number_or(s.name, 1, {0, 1, true});
+  for (auto& s : gas.species) s.weight = weights.number_or(s.name, 1, {1e-9, 1});
   try {
     prepare(gas);
   } catch (const Error& error) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "pamr/base/toml_table.hpp"
@@ -9,6 +10,18 @@
 #include "solvers/dsmc/kernel/boundary.hpp"
 
 namespace pamr::dsmc {
+
+/// What physical values a case may have: everything that is computed from them stays finite.
+inline constexpr NumberRange temperatures{1e-3, 1e6};  ///< K
+inline constexpr NumberRange speeds{1e-3, 1e6};        ///< m/s, of what is not at rest
+inline constexpr double max_place = 1e12;              ///< m, of a coordinate
+
+/// A number that is 0 or in the range. Throws `Error` with file and line. Local.
+double number_or_none(const TomlTable& table, std::string_view key, NumberRange range);
+/// A velocity that is 0 or in the range of `speeds`. Throws `Error` with file and line. Local.
+Vec3 read_velocity(const TomlTable& table, std::string_view key);
+/// A point of space. Throws `Error` with file and line. Local.
+Vec3 read_place(const TomlTable& table, std::string_view key);
 
 /// The gas of [gas] and [species] in a case file; more species may come from a file beside the case, which `where`
 /// names. Throws `Error` with file and line. Local.

@@ -5,12 +5,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "pamr/base/error.hpp"
 #include "pamr/base/index.hpp"
 #include "pamr/mesh/require_field.hpp"
 #include "pamr/par/reproducible_sum.hpp"
 #include "solvers/dsmc/gas/kinetic_theory.hpp"
+#include "solvers/dsmc/run/gas_tables.hpp"
 
 namespace pamr::dsmc {
 
@@ -53,6 +55,23 @@ double unit_of(const Case& c, const mesh::DistMesh& mesh) {
                           c.where, mesh.info.length_unit));
 }
 
+/// Throws `Error` on every rank for a domain of a size with which nothing can be computed.
+void require_size(const par::Comm& comm, const Case& c, const mesh::DistMesh& mesh, double unit) {
+  constexpr double smallest_volume = 1e-60;
+  double farthest = 0, smallest = std::numeric_limits<double>::infinity();
+  for (const auto& p : mesh.node_position)
+    farthest = std::max({farthest, std::fabs(p.x), std::fabs(p.y), std::fabs(p.z)});
+  for (LocalId cell = 0; cell < mesh.n_cells(); ++cell)
+    smallest = std::min(smallest, volume(corners(mesh, unit, cell)));
+  farthest = unit * comm.max(farthest);
+  smallest = comm.min(smallest);
+  if (!(farthest <= max_place) || !(smallest >= smallest_volume))
+    throw Error(fmt::format(
+        "{}: expected a domain with coordinates of at most {:g} m and cells of at least {:g} m3, found {:g} "
+        "m and {:g} m3 (a unit of length of the mesh is {:g} m)",
+        c.where, max_place, smallest_volume, farthest, smallest, unit));
+}
+
 /// The gas that decides a cell's time step: the free stream, or what an earlier run has found there.
 struct LocalGas {
   double density = 0;         ///< 1/m3
@@ -66,7 +85,9 @@ const std::vector<double>& field_of(const Case& c, const mesh::DistMesh& mesh, c
   return mesh::require_cell_field(mesh, {name, mesh::FieldValues::real, n_components, used_for}).real();
 }
 
+/// Throws `Error`, maybe on this rank only.
 std::vector<LocalGas> local_gas(const Case& c, const mesh::DistMesh& mesh) {
+  constexpr double max_density = 1e31, max_speed = 1e8;  // beyond what any case may have
   const auto& free = c.stream.front();
   double lightest = c.gas.species.front().mass;
   for (const auto& s : c.gas.species) lightest = std::min(lightest, s.mass);
@@ -84,6 +105,11 @@ std::vector<LocalGas> local_gas(const Case& c, const mesh::DistMesh& mesh) {
     cells[i].density = std::max(0.0, n[i]);
     if (speed + thermal > 0) cells[i].fast = speed + thermal;
     if (tau[i] > 0) cells[i].collision_time = tau[i];
+    if (!(cells[i].density <= max_density && cells[i].fast <= max_speed))
+      throw Error(
+          fmt::format("{}: from_fields in [time]: expected at most {:g} 1/m3 and {:g} m/s, found {:g} 1/m3 and "
+                      "{:g} m/s in cell {}",
+                      c.where, max_density, max_speed, cells[i].density, cells[i].fast, mesh.cell_global[i]));
   }
   return cells;
 }
@@ -121,7 +147,9 @@ Setup make_setup(const par::Comm& comm, const Case& c, const mesh::DistMesh& mes
   setup.collisions = c.collisions;
   setup.dt = c.dt;
   setup.unit = unit_of(c, mesh);
-  const auto gas = local_gas(c, mesh);
+  require_size(comm, c, mesh, setup.unit);
+  std::vector<LocalGas> gas;
+  par::agree(comm, [&] { gas = local_gas(c, mesh); });
   setup.cell_dt = time_steps(c, mesh, setup.unit, gas);
   setup.seed = c.seed;
 
@@ -149,6 +177,10 @@ Setup make_setup(const par::Comm& comm, const Case& c, const mesh::DistMesh& mes
         fmt::format("{}: expected a density above 0 in [stream.free], from which the weight follows, or weight "
                     "in [particles]",
                     c.where));
+  constexpr double min_weight = 1e-60, max_weight = 1e60;
+  if (!(setup.fnum >= min_weight && setup.fnum <= max_weight))
+    throw Error(fmt::format("{}: expected particles of {:g} to {:g} molecules, found a weight of {:g}", c.where,
+                            min_weight, max_weight, setup.fnum));
   setup.expected_particles = molecules / setup.fnum;
   return setup;
 }

@@ -17,7 +17,6 @@ using namespace geometry;
 
 namespace {
 
-constexpr double particle_bytes = 96;
 constexpr double cell_bytes = 148 + 44 + 40 + 72 + 48;  ///< planes, mesh, collisions, samples, fields
 constexpr double typical_rate = 4e6;
 

@@ -13,6 +13,8 @@
 
 namespace pamr::dsmc {
 
+inline constexpr double particle_bytes = 96;  ///< that a particle takes, all arrays together
+
 /// What is known of a computation before its first step.
 struct Plan {
   double mach = 0, speed_ratio = 0, knudsen = 0, reynolds = 0;  ///< on the reference length, of the free stream

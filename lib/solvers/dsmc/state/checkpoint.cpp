@@ -15,6 +15,7 @@
 #include "pamr/par/exchange.hpp"
 #include "solvers/dsmc/kernel/numbering.hpp"
 #include "solvers/dsmc/state/checkpoint_rows.hpp"
+#include "solvers/dsmc/state/header_values.hpp"
 #include "solvers/dsmc/state/run_state.hpp"
 #include "solvers/dsmc/state/section_file.hpp"
 
@@ -153,17 +154,13 @@ void restore_particles(const par::Comm& comm, const Section& section, GlobalId n
         fmt::format("checkpoint: expected {} particles, as its cells have, found {}", numbering.total, section.rows));
   const auto rows = consecutive(numbering.first, count);
   const auto words = par::fetch_rows<std::uint64_t>(comm, section.rows, section.block, particle_words, rows);
-  const auto n_species = flow.setup().gas.species.size();
-  par::agree(comm, [&] {
-    std::size_t next = 0;
-    for (std::size_t c = 0; c < count.size(); ++c)
-      for (std::int64_t i = 0; i < count[c]; ++i, ++next) {
-        const auto* w = words.data() + next * particle_words;
-        auto p = particle_from(w, n_species);
-        p.cell = static_cast<LocalId>(c);
-        flow.particles.append(p);
-      }
-  });
+  std::size_t next = 0;
+  for (std::size_t c = 0; c < count.size(); ++c)
+    for (std::int64_t i = 0; i < count[c]; ++i, ++next) {
+      auto p = particle_from(words.data() + next * particle_words);
+      p.cell = static_cast<LocalId>(c);
+      flow.particles.append(p);
+    }
   flow.particles.sort_by_cell(flow.domain().n_cells());
 }
 
@@ -210,30 +207,38 @@ Snapshot take_snapshot(const par::Comm& comm, const MeshKey& mesh, const RunStat
           particle_section(comm, mesh.n_cells, flow)};
 }
 
-void require_matching(const Snapshot& snapshot, const std::string& file, const MeshKey& mesh, const Flow& flow) {
+void require_matching(const Snapshot& snapshot, const MeshKey& mesh, const Flow& flow) {
   const auto& header = snapshot.header;
-  if (header.at("fingerprint") != mesh.fingerprint)
+  const auto fingerprint = word_of(member(header, "fingerprint"), "fingerprint");
+  const auto n_cells = count_of(member(header, "n_cells"), "n_cells");
+  if (fingerprint != mesh.fingerprint || n_cells != mesh.n_cells || snapshot.cells.rows != mesh.n_cells)
     throw Error(fmt::format(
-        "file '{}': expected a checkpoint of this mesh (fingerprint {:x}), found one of another mesh "
-        "({:x}, {} cells)",
-        file, mesh.fingerprint, header["fingerprint"].get<std::uint64_t>(), header["n_cells"].get<GlobalId>()));
-  if (header.at("numbering") != mesh.numbering)
-    throw Error(fmt::format("file '{}': expected the cells in the order of this mesh, found another order", file));
-  if (header.at("setup") != setup_of(flow))
-    throw Error(fmt::format("file '{}': expected a checkpoint of this case, {}, found {}", file, setup_of(flow).dump(),
-                            header["setup"].dump()));
+        "expected a checkpoint of this mesh (fingerprint {:x}, {} cells), found one of another mesh ({:x}, {} cells)",
+        mesh.fingerprint, mesh.n_cells, fingerprint, snapshot.cells.rows));
+  if (word_of(member(header, "numbering"), "numbering") != mesh.numbering)
+    throw Error("expected the cells in the order of this mesh, found another order");
+  if (const auto& setup = member(header, "setup"); setup != setup_of(flow))
+    throw Error(fmt::format("expected a checkpoint of this case, {}, found {}", setup_of(flow).dump(),
+                            setup.dump(-1, ' ', true, nlohmann::json::error_handler_t::replace)));
 }
 
 RunState restore(const par::Comm& comm, const Snapshot& snapshot, Flow& flow) {
   const auto& header = snapshot.header;
   const auto n_cells = snapshot.cells.rows;
-  auto run = run_state_from(header.at("run"), flow.domain().boundary.size());
+  constexpr std::int64_t max_steps = std::int64_t{1} << 40U;
+  const auto steps_done = count_of(member(header, "steps_done"), "steps_done", max_steps);
+  const auto steps = [&](const char* key) { return count_of(member(header, key), key, steps_done); };
+  flow.steps_done = static_cast<std::uint64_t>(steps_done);
+  auto run = run_state_from(member(header, "run"),
+                            {flow.steps_done, flow.setup().patch.size(), flow.domain().boundary.size()});
   flow.resume(run.sampling);
-  flow.steps_done = header.at("steps_done");
-  flow.cells.steps = header.at("sampled_steps");
-  flow.cells.blocks = header.at("sampled_blocks");
-  flow.cells.steps_in_block = header.at("steps_in_block");
-  flow.cells.steps_in_blocks = header.at("steps_in_blocks");
+  flow.cells.steps = steps("sampled_steps");
+  flow.cells.blocks = steps("sampled_blocks");
+  flow.cells.steps_in_block = steps("steps_in_block");
+  flow.cells.steps_in_blocks = steps("steps_in_blocks");
+  if (flow.cells.steps != flow.cells.steps_in_block + flow.cells.steps_in_blocks)
+    throw Error(fmt::format("checkpoint: expected steps of blocks that add up to {}, found {} and {}", flow.cells.steps,
+                            flow.cells.steps_in_block, flow.cells.steps_in_blocks));
   std::vector<std::int64_t> count;
   restore_cells(comm, snapshot.cells, n_cells, flow, count);
   restore_particles(comm, snapshot.particles, n_cells, flow, count);

@@ -37,9 +37,9 @@ Snapshot take_snapshot(const par::Comm& comm, const MeshKey& mesh, const RunStat
 /// tables do not fit together.
 RunState restore(const par::Comm& comm, const Snapshot& snapshot, Flow& flow);
 
-/// Throws `Error` for a snapshot from a file of another mesh, order of cells, species, time step or weight. Local; the
+/// Throws `Error` for a snapshot of another mesh, order of cells, species, time step or weight. Local; the
 /// same on every rank.
-void require_matching(const Snapshot& snapshot, const std::string& file, const MeshKey& mesh, const Flow& flow);
+void require_matching(const Snapshot& snapshot, const MeshKey& mesh, const Flow& flow);
 
 /// Writes a snapshot as a file: the same bytes on any number of ranks. Collective; throws `Error`.
 void write_checkpoint(const par::Comm& comm, const std::string& file, const Snapshot& snapshot);

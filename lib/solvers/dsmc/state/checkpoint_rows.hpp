@@ -1,14 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <fmt/format.h>
-
 #include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
 
-#include "pamr/base/error.hpp"
 #include "solvers/dsmc/gas/gas.hpp"
 #include "solvers/dsmc/kernel/particles.hpp"
 
@@ -33,14 +30,13 @@ inline std::uint64_t word(std::int64_t value) { return std::bit_cast<std::uint64
 inline double real(std::uint64_t bits) { return std::bit_cast<double>(bits); }
 inline std::int64_t integer(std::uint64_t bits) { return std::bit_cast<std::int64_t>(bits); }
 
-/// A particle from its row, its cell not set. Throws `Error` for a species that does not exist.
-inline Particle particle_from(const std::uint64_t* row, std::size_t n_species) {
-  const auto species = static_cast<std::uint32_t>(row[1]);
-  if (species >= n_species)
-    throw Error(fmt::format("checkpoint: expected {} species, found number {}", n_species, species));
+inline std::uint32_t species_of(const std::uint64_t* row) { return static_cast<std::uint32_t>(row[1]); }
+
+/// A particle from its row, its cell not set.
+inline Particle particle_from(const std::uint64_t* row) {
   Particle p;
   p.id = row[0];
-  p.species = species;
+  p.species = species_of(row);
   p.partner = static_cast<std::uint32_t>(row[1] >> 32U);
   p.position = {real(row[2]), real(row[3]), real(row[4])};
   p.velocity = {real(row[5]), real(row[6]), real(row[7])};

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "pamr/base/error.hpp"
+#include "solvers/dsmc/state/header_values.hpp"
 
 namespace pamr::dsmc {
 
@@ -18,17 +19,33 @@ json row_to_json(const HistoryRow& r) {
                       r.crossings, r.body.drag, r.body.lift, r.body.moment, r.body.heat, r.t_tr, r.t_rot});
 }
 
-HistoryRow row_from(const json& j) {
-  return {j.at(0),  j.at(1), j.at(2), j.at(3), j.at(4),
-          j.at(5),  j.at(6), j.at(7), j.at(8), {j.at(9), j.at(10), j.at(11), j.at(12)},
-          j.at(13), j.at(14)};
+HistoryRow row_from(const json& value, std::uint64_t steps_done) {
+  const auto& j = array_of(value, "a row of the history", 15);
+  const auto count = [&](std::size_t i) { return count_of(j[i], fmt::format("number {} of the history", i)); };
+  const auto number = [&](std::size_t i) { return number_of(j[i], fmt::format("number {} of the history", i)); };
+  return {static_cast<std::uint64_t>(count_of(j[0], "step of the history", static_cast<std::int64_t>(steps_done))),
+          truth_of(j[1], "number 1 of the history"),
+          count(2),
+          count(3),
+          count(4),
+          count(5),
+          count(6),
+          count(7),
+          count(8),
+          {number(9), number(10), number(11), number(12)},
+          number(13),
+          number(14)};
 }
 
 json load_to_json(const Load& l) {
   return json::array({l.force.x, l.force.y, l.force.z, l.moment.x, l.moment.y, l.moment.z, l.heat});
 }
 
-Load load_from(const json& j) { return {{j.at(0), j.at(1), j.at(2)}, {j.at(3), j.at(4), j.at(5)}, j.at(6)}; }
+Load load_from(const json& value) {
+  const auto& j = array_of(value, "the load of a patch", 7);
+  const auto number = [&](std::size_t i) { return number_of(j[i], fmt::format("number {} of a load", i)); };
+  return {{number(0), number(1), number(2)}, {number(3), number(4), number(5)}, number(6)};
+}
 
 }  // namespace
 
@@ -53,28 +70,37 @@ json to_json(const RunState& s) {
           {"clamped", s.clamped}};
 }
 
-RunState run_state_from(const json& j, std::size_t n_faces) {
-  try {
-    RunState s;
-    s.sampling = j.at("sampling");
-    s.sampling_since = j.at("sampling_since");
-    s.first_step = j.at("first_step");
-    s.transferred = j.at("carried");
-    s.steady_reason = j.at("steady_reason");
-    s.in_interval = j.at("in_interval");
-    s.interval = row_from(j.at("interval"));
-    for (const auto& row : j.at("history")) s.history.push_back(row_from(row));
-    for (const auto& block : j.at("blocks")) {
-      s.blocks.emplace_back();
-      for (const auto& load : block) s.blocks.back().push_back(load_from(load));
-    }
-    s.stuck = j.at("abandoned");
-    s.clamped = j.at("clamped");
-    s.face.resize(n_faces);
-    return s;
-  } catch (const json::exception& wrong) {
-    throw Error(fmt::format("checkpoint: expected the state of a run, found other data: {}", wrong.what()));
+RunState run_state_from(const json& j, const RunExtent& extent) {
+  const auto steps_done = static_cast<std::int64_t>(extent.steps_done);
+  const auto step = [&](const char* key) {
+    return static_cast<std::uint64_t>(count_of(member(j, key), key, steps_done));
+  };
+  RunState s;
+  s.sampling = truth_of(member(j, "sampling"), "sampling");
+  s.sampling_since = step("sampling_since");
+  s.first_step = step("first_step");
+  s.transferred = truth_of(member(j, "carried"), "carried");
+  s.steady_reason = string_of(member(j, "steady_reason"), "steady_reason");
+  s.in_interval = count_of(member(j, "in_interval"), "in_interval", steps_done);
+  s.interval = row_from(member(j, "interval"), extent.steps_done);
+  std::uint64_t last = 0;
+  for (const auto& row : array_of(member(j, "history"), "history")) {
+    s.history.push_back(row_from(row, extent.steps_done));
+    if (s.history.back().step < last || s.history.back().n_steps == 0)
+      throw Error(
+          fmt::format("checkpoint: expected a history of intervals one after another, found {} steps to step {}",
+                      s.history.back().n_steps, s.history.back().step));
+    last = s.history.back().step;
   }
+  for (const auto& block : array_of(member(j, "blocks"), "blocks")) {
+    s.blocks.emplace_back();
+    for (const auto& load : array_of(block, "a block of loads", extent.n_patches))
+      s.blocks.back().push_back(load_from(load));
+  }
+  s.stuck = count_of(member(j, "abandoned"), "abandoned");
+  s.clamped = count_of(member(j, "clamped"), "clamped");
+  s.face.resize(extent.n_faces);
+  return s;
 }
 
 }  // namespace pamr::dsmc

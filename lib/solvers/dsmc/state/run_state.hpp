@@ -40,7 +40,14 @@ struct RunState {
 
 /// The state of a run except the sums on faces, exact to the last bit. Local.
 nlohmann::json to_json(const RunState& state);
-/// The reverse; the sums on `n_faces` faces are 0. Throws `Error` when the JSON is not that of a state. Local.
-RunState run_state_from(const nlohmann::json& json, std::size_t n_faces);
+/// What the state of a run must agree with.
+struct RunExtent {
+  std::uint64_t steps_done = 0;
+  std::size_t n_patches = 0;
+  std::size_t n_faces = 0;  ///< boundary faces of this rank
+};
+/// The reverse; the sums on faces are 0. Throws `Error` when the JSON is not the state of such a run: a value that is
+/// missing, of another type, not finite or beyond what has been computed. Local.
+RunState run_state_from(const nlohmann::json& json, const RunExtent& extent);
 
 }  // namespace pamr::dsmc

@@ -13,6 +13,7 @@
 #include "pamr/base/error.hpp"
 #include "pamr/base/hash.hpp"
 #include "pamr/io/partial_file.hpp"
+#include "solvers/dsmc/state/header_values.hpp"
 
 namespace pamr::dsmc {
 
@@ -80,6 +81,31 @@ std::uint64_t hash_of(const std::string& text) {
 
 std::uint64_t bytes_of(const Section& section) { return 8 * static_cast<std::uint64_t>(section.rows) * section.width; }
 
+/// Bytes of the tables that a header lists, one behind the other, none larger than the file. Throws `Error`.
+std::uint64_t bytes_of_tables(const std::string& file, const std::string& text, std::uint64_t bytes_of_file) {
+  try {
+    const auto header = nlohmann::json::parse(text);
+    std::uint64_t data = 0;
+    for (const auto& section : array_of(member(header, "sections"), "sections")) {
+      (void)string_of(member(section, "name"), "name");
+      (void)word_of(member(section, "checksum"), "checksum");
+      const auto most = static_cast<std::int64_t>(bytes_of_file / 8);
+      const auto rows = count_of(member(section, "rows"), "rows", most),
+                 width = count_of(member(section, "width"), "width", most);
+      if (count_of(member(section, "offset"), "offset") != static_cast<std::int64_t>(data) ||
+          (width > 0 && rows > most / width))
+        throw Error("checkpoint: expected tables one behind the other, found others");
+      data += 8 * static_cast<std::uint64_t>(rows) * static_cast<std::uint64_t>(width);
+      if (data > bytes_of_file) break;
+    }
+    return data;
+  } catch (const nlohmann::json::exception& wrong) {
+    throw Error(fmt::format("file '{}': expected a header in JSON, found: {}", file, wrong.what()));
+  } catch (const Error& error) {
+    throw Error(fmt::format("file '{}': {}", file, error.what()));
+  }
+}
+
 }  // namespace
 
 void write_sections(const par::Comm& comm, const std::string& file, const nlohmann::json& header,
@@ -100,35 +126,31 @@ void write_sections(const par::Comm& comm, const std::string& file, const nlohma
   const std::array<std::uint64_t, n_fixed> fixed{magic, format, text.size(), hash_of(text)};
   const auto data = sizeof(fixed) + text.size();
 
-  const io::PartialFile partial(file);
-  try {
-    par::agree(comm, [&] {
-      if (!comm.is_first()) return;
-      if (!partial.make(data + at)) partial.occupy(0, data + at);
-    });
-    par::agree(comm, [&] {
-      const Descriptor out(partial.path().string(), O_WRONLY);
-      if (comm.is_first()) {
-        put(out.number(), file, 0, fixed.data(), sizeof(fixed));
-        put(out.number(), file, sizeof(fixed), text.data(), text.size());
-      }
-      std::uint64_t offset = data;
-      for (const auto* section : sections) {
-        const auto range = par::block_range(section->rows, comm.rank(), comm.size());
-        put(out.number(), file, offset + 8 * static_cast<std::uint64_t>(range.begin) * section->width,
-            section->block.data(), 8 * section->block.size());
-        offset += bytes_of(*section);
-      }
-      if (::fsync(out.number()) != 0)
-        throw Error(fmt::format("file '{}': cannot be written: {}", file, std::strerror(errno)));
-    });
-    par::agree(comm, [&] {
-      if (comm.is_first()) partial.commit();
-    });
-  } catch (const Error&) {  // thrown by `agree`, thus on every rank
-    if (comm.is_first()) partial.discard();
-    throw;
-  }
+  io::PartialFile partial(file);
+  par::agree(comm, [&] {
+    if (!comm.is_first()) return;
+    if (!partial.make(data + at)) partial.occupy(0, data + at);
+  });
+  partial.share(comm);
+  par::agree(comm, [&] {
+    const Descriptor out(partial.path().string(), O_WRONLY | O_NOFOLLOW);
+    if (comm.is_first()) {
+      put(out.number(), file, 0, fixed.data(), sizeof(fixed));
+      put(out.number(), file, sizeof(fixed), text.data(), text.size());
+    }
+    std::uint64_t offset = data;
+    for (const auto* section : sections) {
+      const auto range = par::block_range(section->rows, comm.rank(), comm.size());
+      put(out.number(), file, offset + 8 * static_cast<std::uint64_t>(range.begin) * section->width,
+          section->block.data(), 8 * section->block.size());
+      offset += bytes_of(*section);
+    }
+    if (::fsync(out.number()) != 0)
+      throw Error(fmt::format("file '{}': cannot be written: {}", file, std::strerror(errno)));
+  });
+  par::agree(comm, [&] {
+    if (comm.is_first()) partial.commit();
+  });
 }
 
 SectionFile::SectionFile(const par::Comm& comm, std::string file) : comm_(&comm), file_(std::move(file)), header_() {
@@ -149,12 +171,9 @@ SectionFile::SectionFile(const par::Comm& comm, std::string file) : comm_(&comm)
     get(in.number(), file_, sizeof(fixed), text.data(), text.size());
     if (hash_of(text) != fixed[3])
       throw Error(fmt::format("file '{}': expected a header with hash {:x}, found a damaged one", file_, fixed[3]));
-    std::uint64_t data = 0;
-    const auto parsed = nlohmann::json::parse(text);
-    for (const auto& section : parsed.at("sections"))
-      data += 8 * section["rows"].get<std::uint64_t>() * section["width"].get<std::uint64_t>();
+    const auto data = bytes_of_tables(file_, text, bytes);
     const auto whole = sizeof(fixed) + text.size() + data;
-    if (whole != bytes)
+    if (data > bytes || whole != bytes)
       throw Error(
           fmt::format("file '{}': expected {} bytes, found {}: the file is cut off or damaged", file_, whole, bytes));
   });
@@ -167,7 +186,7 @@ Section SectionFile::read(const std::string& name, std::size_t width) const {
   Section section{name, 0, width, {}};
   std::uint64_t offset = 0, expected = 0;
   bool found = false;
-  for (const auto& entry : header()["sections"]) {
+  for (const auto& entry : header()["sections"]) {  // verified when the file was opened
     if (entry["name"] != name) continue;
     found = entry["width"] == width;
     section.rows = entry["rows"];

@@ -9,11 +9,14 @@
 
 #include "pamr/base/error.hpp"
 #include "pamr/base/index.hpp"
+#include "pamr/base/machine.hpp"
 #include "pamr/mesh/require_field.hpp"
 #include "pamr/par/exchange.hpp"
 #include "solvers/dsmc/kernel/move.hpp"
 #include "solvers/dsmc/kernel/numbering.hpp"
 #include "solvers/dsmc/state/checkpoint_rows.hpp"
+#include "solvers/dsmc/state/header_values.hpp"
+#include "solvers/dsmc/state/require_sound.hpp"
 #include "solvers/dsmc/state/section_file.hpp"
 
 namespace pamr::dsmc {
@@ -125,12 +128,11 @@ std::vector<Passenger> send_to_hosts(const par::Comm& comm, const Section& old_c
   for (std::size_t c = 0; c < host.size(); ++c)
     for (std::int64_t i = 0; i < count[c]; ++i, ++row) {
       const auto* w = words.data() + row * particle_words;
-      const auto species = static_cast<std::uint32_t>(w[1]);
-      const double weight = species < weights.size() ? weights[species] : 1;  // refused later
-      messages[at(host[c].rank)].item.push_back({rows[row],
-                                                 host[c].cell,
-                                                 {real(w[2]), real(w[3]), real(w[4])},
-                                                 real(old_cells.block[c * old_cells.width + fnum_word]) * weight});
+      messages[at(host[c].rank)].item.push_back(
+          {rows[row],
+           host[c].cell,
+           {real(w[2]), real(w[3]), real(w[4])},
+           real(old_cells.block[c * old_cells.width + fnum_word]) * weights[species_of(w)]});
     }
   std::erase_if(messages, [](const auto& m) { return m.item.empty(); });
   return comm.sparse_exchange(messages).item;
@@ -168,23 +170,33 @@ Particles locate(const par::Comm& comm, const mesh::DistMesh& mesh, const Flow& 
 }
 
 /// Makes whole particles from old ones of another F_num, and numbers them.
-void copy_particles(const par::Comm& comm, const mesh::DistMesh& mesh, const Particles& placed,
+void copy_particles(const par::Comm& comm, const std::string& file, const mesh::DistMesh& mesh, const Particles& placed,
                     const std::vector<std::uint64_t>& words, Flow& flow) {
-  const auto n_species = flow.setup().gas.species.size();
   std::vector<std::int64_t> count(static_cast<std::size_t>(mesh.n_cells()), 0);
+  const auto copies_of = [&](std::size_t i, const Particle& p) {
+    return placed.rotation[i] / flow.fnum_of(at(placed.cell[i]), p.species);
+  };
   par::agree(comm, [&] {
-    for (std::size_t i = 0; i < placed.size(); ++i) {
-      auto p = particle_from(words.data() + i * particle_words, n_species);
-      const auto c = at(placed.cell[i]);
-      Random random(flow.setup().seed, Purpose::thinning, placed.id[i], flow.steps_done);
-      const auto copies =
-          static_cast<std::int64_t>(placed.rotation[i] / flow.fnum_of(c, p.species) + random.uniform_fine());
-      p.cell = placed.cell[i];
-      p.partner = 0;  // the old numbers mean nothing any more
-      for (std::int64_t k = 0; k < copies; ++k) flow.particles.append(p);
-      count[c] += copies;
-    }
+    double expected = 0;
+    for (std::size_t i = 0; i < placed.size(); ++i)
+      expected += copies_of(i, particle_from(words.data() + i * particle_words));
+    constexpr double most = 0x1p31, bytes = sizeof(Particle);
+    if (!(expected <= most && expected * bytes <= static_cast<double>(memory_of_machine())))
+      throw Error(fmt::format(
+          "file '{}': expected at most {:.4g} particles on a rank, and memory for them, found {:.4g} of the new "
+          "weight on rank {}: use a greater weight",
+          file, most, expected, comm.rank()));
   });
+  for (std::size_t i = 0; i < placed.size(); ++i) {
+    auto p = particle_from(words.data() + i * particle_words);
+    const auto c = at(placed.cell[i]);
+    Random random(flow.setup().seed, Purpose::thinning, placed.id[i], flow.steps_done);
+    const auto copies = static_cast<std::int64_t>(copies_of(i, p) + random.uniform_fine());
+    p.cell = placed.cell[i];
+    p.partner = 0;  // the old numbers mean nothing any more
+    for (std::int64_t k = 0; k < copies; ++k) flow.particles.append(p);
+    count[c] += copies;
+  }
   const auto first = number_along_cells(comm, mesh.info.n_global_cells, flow.domain().cell_global, count).first;
   std::size_t next = 0;
   for (std::size_t c = 0; c < count.size(); ++c)
@@ -192,41 +204,71 @@ void copy_particles(const par::Comm& comm, const mesh::DistMesh& mesh, const Par
   flow.particles.sort_by_cell(flow.domain().n_cells());
 }
 
+/// What the computation that wrote the file was like.
+struct OldSetup {
+  std::uint64_t steps_done = 0;
+  std::vector<double> weights;  ///< of the species
+  bool is_weighted = false;
+};
+
+/// Throws `Error` unless it had the same species and the same unit of length.
+OldSetup setup_in(const SectionFile& file, const std::string& name, const Flow& flow) {
+  constexpr std::int64_t max_steps = std::int64_t{1} << 40U;
+  const auto shown = [](const nlohmann::json& json) {
+    return json.dump(-1, ' ', true, nlohmann::json::error_handler_t::replace);
+  };
+  try {
+    OldSetup old;
+    old.steps_done = static_cast<std::uint64_t>(count_of(member(file.header(), "steps_done"), "steps_done", max_steps));
+    nlohmann::json species = nlohmann::json::array();
+    for (const auto& s : flow.setup().gas.species) species.push_back(s.name);
+    const auto& setup = member(file.header(), "setup");
+    if (member(setup, "species") != species || member(setup, "unit") != flow.setup().unit)
+      throw Error(fmt::format("expected a flow of the species {}, found {}", species.dump(), shown(setup)));
+    old.is_weighted = setup.contains("weights");
+    old.weights.assign(species.size(), 1);
+    if (!old.is_weighted) return old;
+    const auto& weights = array_of(setup["weights"], "weights", species.size());
+    for (std::size_t s = 0; s < species.size(); ++s) {
+      old.weights[s] = number_of(weights[s], "the weight of a species");
+      if (!(old.weights[s] > 0 && old.weights[s] <= 1))
+        throw Error(fmt::format("expected weights above 0 and at most 1, found {}", shown(weights)));
+    }
+    return old;
+  } catch (const Error& error) {
+    throw Error(fmt::format("file '{}': {}", name, error.what()));
+  }
+}
+
 }  // namespace
 
 Transferred transfer_particles(const par::Comm& comm, const std::string& name, const mesh::DistMesh& mesh, Flow& flow) {
   const SectionFile file(comm, name);
-  nlohmann::json species = nlohmann::json::array();
-  for (const auto& s : flow.setup().gas.species) species.push_back(s.name);
-  const auto& setup = file.header().at("setup");
-  if (setup.at("species") != species || setup.at("unit") != flow.setup().unit)
-    throw Error(
-        fmt::format("file '{}': expected a flow of the species {}, found {}", name, species.dump(), setup.dump()));
-  const std::vector<double> weights = setup.contains("weights") ? setup.at("weights").get<std::vector<double>>()
-                                                                : std::vector<double>(species.size(), 1);
-  if (weights.size() != species.size())
-    throw Error(fmt::format("file '{}': expected a weight for each species, found {}", name, setup.dump()));
-  const auto width = cell_words(species.size(), setup.contains("weights"));
+  const auto old = setup_in(file, name, flow);
+  const auto width = cell_words(old.weights.size(), old.is_weighted);
   const auto old_cells = file.read("cells", width), old_particles = file.read("particles", particle_words);
+  auto range = sound_range(flow);
+  range.is_weighted = old.is_weighted;
+  require_sound_cells(comm, name, old_cells, old_particles.rows, range);
+  require_sound_particles(comm, name, old_particles, range);
   std::vector<GlobalId> parent;
   par::agree(comm, [&] { parent = parents_of(mesh, name, old_cells.rows); });
-  flow.steps_done = file.header().at("steps_done");
+  flow.steps_done = old.steps_done;
 
   const auto host = find_hosts(comm, name, mesh, parent, old_cells, flow.setup().unit);
-  const auto placed = locate(comm, mesh, flow, send_to_hosts(comm, old_cells, old_particles, weights, host));
+  const auto placed = locate(comm, mesh, flow, send_to_hosts(comm, old_cells, old_particles, old.weights, host));
 
   std::vector<GlobalId> rows;
   for (const auto id : placed.id) rows.push_back(static_cast<GlobalId>(id));
   const auto words =
       par::fetch_rows<std::uint64_t>(comm, old_particles.rows, old_particles.block, particle_words, rows);
-  const auto old = par::fetch_rows<std::uint64_t>(comm, old_cells.rows, old_cells.block, width, parent);
-  copy_particles(comm, mesh, placed, words, flow);
+  const auto cells = par::fetch_rows<std::uint64_t>(comm, old_cells.rows, old_cells.block, width, parent);
+  copy_particles(comm, name, mesh, placed, words, flow);
   for (std::size_t c = 0; c < flow.collisions.size(); ++c) {
-    const auto* w = old.data() + c * width;
+    const auto* w = cells.data() + c * width;
     const auto& domain = flow.domain();
     const double part = domain.volume[c] / real(w[volume_word]) * real(w[fnum_word]) / domain.fnum[c];
-    const double energy_deficit =
-        setup.contains("weights") && flow.setup().gas.is_weighted ? part * real(w[width - 1]) : 0;
+    const double energy_deficit = old.is_weighted && flow.setup().gas.is_weighted ? part * real(w[width - 1]) : 0;
     flow.collisions[c] = {real(w[1]), 0, real(w[3]), 0, 0, energy_deficit};
   }
   const auto found = comm.sum(static_cast<std::int64_t>(placed.size()));

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "pamr/adapt/depth.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+
+#include "pamr/base/error.hpp"
+#include "pamr/base/index.hpp"
+
+namespace pamr::adapt {
+
+namespace {
+
+/// Levels that the deepest cells made from this family lie below its base cell.
+int levels_below(const refine::RebuiltFamily& family) {
+  if (refine::split_pattern[at(family.state)].mask != refine::all_edges) return 0;
+  const bool again = std::any_of(family.child_marks.begin(), family.child_marks.end(),
+                                 [](refine::EdgeMask marks) { return marks == refine::all_edges; });
+  return again ? 2 : 1;
+}
+
+}  // namespace
+
+DepthLimited limit_depth(const mesh::DistMesh& mesh, std::span<const std::uint8_t> flags) {
+  DepthLimited limited{{flags.begin(), flags.end()}, 0};
+  for (std::size_t c = 0; c < limited.flags.size(); ++c) {
+    if (limited.flags[c] == 0 || mesh.lineage[c].level() < max_level) continue;
+    limited.flags[c] = 0;
+    ++limited.n_left_out;
+  }
+  return limited;
+}
+
+std::string too_deep_text(std::int64_t n) {
+  return fmt::format("{} marked cell{} left out: level {} is the deepest there is", n, n == 1 ? " was" : "s were",
+                     max_level);
+}
+
+void require_depth(const par::Comm& comm, const mesh::DistMesh& mesh, const refine::Closure& closure) {
+  constexpr GlobalId none = std::numeric_limits<GlobalId>::max();
+  GlobalId first = none;
+  const auto refuse = [&](LocalId cell) { first = std::min(first, mesh.cell_global[at(cell)]); };
+  for (LocalId c = 0; c < mesh.n_cells(); ++c)
+    if (mesh.lineage[at(c)].level() >= max_level && closure.action[at(c)] == refine::Action::split &&
+        closure.marks[at(c)] == refine::all_edges)
+      refuse(c);
+  for (const auto& family : closure.rebuilt)
+    if (mesh.lineage[at(family.first)].level() + levels_below(family) > max_level) refuse(family.first);
+  first = comm.min(first);
+  if (first != none)
+    throw Error(
+        fmt::format("expected cells that can be split at the marked ones, found cell {} of level {}, the deepest there "
+                    "is, beside them: mark no cells at it",
+                    first, max_level));
+}
+
+}  // namespace pamr::adapt
