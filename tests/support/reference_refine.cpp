@@ -2,10 +2,15 @@
 #include "support/reference_refine.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
+#include <numbers>
+#include <optional>
 #include <set>
 #include <stdexcept>
+#include <utility>
 
+#include "pamr/geometry/plane.hpp"
 #include "support/reference.hpp"
 #include "support/reference_close.hpp"
 #include "support/reference_split.hpp"
@@ -94,26 +99,57 @@ std::vector<GlobalId> number_nodes(const std::vector<Piece>& cell, std::size_t n
   return to_final;
 }
 
+/// A boundary face at an edge: its patch and its third corner.
+struct FaceAtEdge {
+  int patch = 0;
+  GlobalId third = 0;
+};
+
+/// Where the middle of an edge goes that a face of a patch without a surface shares with one of `surface`: if they meet
+/// at 40 degrees or more, onto the surface within the plane of that face.
+geometry::Vec3 target_beside_face(geometry::Vec3 a, geometry::Vec3 b, geometry::Vec3 third,
+                                  const geometry::Surface& surface) {
+  if (geometry::lexicographically_less(b, a)) std::swap(a, b);
+  const auto middle = midpoint(a, b), of_face = cross(b - a, third - a);
+  const double cosine = std::abs(dot(of_face, surface.normal(middle))) / norm(of_face);
+  const geometry::Plane plane(middle, of_face);
+  std::vector<const geometry::Surface*> surfaces{&plane, &surface};
+  if (cosine > std::cos(40 * std::numbers::pi / 180)) surfaces.erase(surfaces.begin());
+  return geometry::project_onto_all(surfaces, middle).point;
+}
+
 /// Puts new nodes on edges in the boundary onto their surfaces. Returns the largest move over its edge's length.
 double project(const std::vector<Piece>& cell, const std::vector<const geometry::Surface*>& surface_of_patch,
                const ReferenceClosing& closing, Points& point) {
-  std::map<Edge, std::set<int>> patches;
+  std::map<Edge, std::vector<FaceAtEdge>> faces;
   for (const auto& piece : cell)
     for (int f = 0; f < 4; ++f)
       if (piece.patch[at(f)] >= 0)
-        for (const int e : edges_of_face(f)) patches[piece.edge(e)].insert(piece.patch[at(f)]);
+        for (const int e : edges_of_face(f)) {
+          const auto edge = piece.edge(e);
+          for (int i = 0; i < 4; ++i)
+            if (i != f && piece.corner[at(i)] != edge.first && piece.corner[at(i)] != edge.second)
+              faces[edge].push_back({piece.patch[at(f)], piece.corner[at(i)]});
+        }
   double largest = 0;
   for (const auto& edge : closing.marked) {
     std::vector<const geometry::Surface*> surfaces;
-    for (const int patch : patches[edge]) {
-      const auto* surface = surface_of_patch[at(patch)];
-      if (surface != nullptr && std::find(surfaces.begin(), surfaces.end(), surface) == surfaces.end())
+    std::optional<GlobalId> third;  // of a face without surface
+    auto at_edge = faces[edge];
+    std::sort(at_edge.begin(), at_edge.end(), [](const auto& a, const auto& b) { return a.patch < b.patch; });
+    for (const auto& face : at_edge) {
+      const auto* surface = surface_of_patch[at(face.patch)];
+      if (surface == nullptr)
+        third = face.third;
+      else if (std::find(surfaces.begin(), surfaces.end(), surface) == surfaces.end())
         surfaces.push_back(surface);
     }
     if (surfaces.empty()) continue;
     auto& p = point[at(closing.middle.at(edge))];
-    const auto target = geometry::project_onto_all(surfaces, p).point;
-    const double length = norm(point[at(edge.first)] - point[at(edge.second)]);
+    const auto a = point[at(edge.first)], b = point[at(edge.second)];
+    const auto target = third ? target_beside_face(a, b, point[at(*third)], *surfaces.front())
+                              : geometry::project_onto_all(surfaces, p).point;
+    const double length = norm(a - b);
     largest = std::max(largest, norm(target - p) / length);
     p = target;
   }

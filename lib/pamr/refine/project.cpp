@@ -120,6 +120,8 @@ bool is_of_crease(const SurfacesOfNode& on, const PatchList& patch, geometry::Ve
 /// patch without. Where the face continues the surface smoothly, that plane is no shape to keep.
 Movable aim_beside_face(LocalId node, std::array<geometry::Vec3, 2> end, geometry::Vec3 third, const PatchList& patch,
                         const SurfacesOfNode& on) {
+  // the same bits on every rank that has the edge
+  if (geometry::lexicographically_less(end[1], end[0])) std::swap(end[0], end[1]);
   const auto base = geometry::midpoint(end[0], end[1]);
   const auto normal = cross(end[1] - end[0], third - end[0]);
   if (mesh::is_sharp_edge(end[0], end[1], third, *on.surface.front())) {
