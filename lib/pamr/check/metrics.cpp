@@ -14,8 +14,8 @@ namespace pamr::check {
 namespace {
 
 constexpr std::size_t n_metrics = 6;
-constexpr double infinity = std::numeric_limits<double>::infinity();
-constexpr std::array<double, n_metrics> worst_value{0, 0, infinity, 0, 180, infinity};
+constexpr double unbounded = std::numeric_limits<double>::infinity();
+constexpr std::array<double, n_metrics> worst_value{0, 0, unbounded, 0, 180, unbounded};
 
 using Edges = std::array<double, n_bins + 1>;
 
@@ -67,8 +67,8 @@ std::array<double, 6> cell_metrics(const geometry::TetPoints& points) {
 std::vector<MetricReport> measure_cells(const par::Comm& comm, const mesh::DistMesh& mesh) {
   const auto& edges = histogram_edges();
   std::array<double, 2 * n_metrics> extreme{};  // minima, then maxima
-  std::fill_n(extreme.begin(), n_metrics, infinity);
-  std::fill_n(extreme.begin() + n_metrics, n_metrics, -infinity);
+  std::fill_n(extreme.begin(), n_metrics, unbounded);
+  std::fill_n(extreme.begin() + n_metrics, n_metrics, -unbounded);
   std::vector<par::ExactSum> sums(n_metrics);
   std::vector<std::int64_t> counts(n_metrics * n_bins, 0);
   for (LocalId cell = 0; cell < mesh.n_cells(); ++cell) {

@@ -15,7 +15,7 @@ namespace pamr::refine {
 
 namespace {
 
-constexpr double rounding = 1e-10;  ///< of its edge, what a node may seem to be off a face that it lies in
+constexpr double max_off_face = 1e-10;  ///< of its edge, what a node may seem to be off a face that it lies in
 
 bool all_flat(const std::vector<const geometry::Surface*>& surfaces) {
   return std::all_of(surfaces.begin(), surfaces.end(), [](const auto* s) { return s->is_flat(); });
@@ -132,7 +132,7 @@ Movable aim_beside_face(LocalId node, std::array<geometry::Vec3, 2> end, geometr
   }
   auto movable = aim(node, base, patch, on);
   const double off = std::abs(dot(movable.target - base, normal)) / norm(normal);
-  if (off > rounding * norm(end[1] - end[0])) movable.off_facets = off;
+  if (off > max_off_face * norm(end[1] - end[0])) movable.off_facets = off;
   return movable;
 }
 

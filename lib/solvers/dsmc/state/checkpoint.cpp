@@ -111,7 +111,7 @@ Section face_section(const par::Comm& comm, GlobalId n_cells, const RunState& ru
           par::scatter_rows<std::uint64_t>(comm, numbers.total, words, face_words, numbers.of)};
 }
 
-nlohmann::json species_of(const Flow& flow) {
+nlohmann::json species_list(const Flow& flow) {
   nlohmann::json names = nlohmann::json::array();
   for (const auto& s : flow.setup().gas.species) names.push_back(s.name);
   return names;
@@ -120,7 +120,7 @@ nlohmann::json species_of(const Flow& flow) {
 nlohmann::json setup_of(const Flow& flow) {
   const auto& setup = flow.setup();
   nlohmann::json shown{
-      {"species", species_of(flow)}, {"dt", setup.dt}, {"molecules", setup.fnum}, {"unit", setup.unit}};
+      {"species", species_list(flow)}, {"dt", setup.dt}, {"molecules", setup.fnum}, {"unit", setup.unit}};
   if (setup.gas.is_weighted)
     for (const auto& s : setup.gas.species) shown["weights"].push_back(s.weight);
   return shown;
