@@ -14,8 +14,7 @@ namespace pamr::io {
 /// A file under a temporary name of its own (`unfinished_name`) until it is complete: every writer's way to the disk.
 ///
 /// - The temporary file is made exclusively: no file that exists, whatever its name, is written to, and no symbolic
-/// link
-///   is followed. Two writers of one file do not meet; the last one to commit gives the file its contents.
+///   link is followed. Two writers of one file do not meet; the last one to commit gives the file its contents.
 /// - Without `commit` it is removed: by the destructor, and by `remove_unfinished` when the process is interrupted.
 /// - One rank makes and commits it. All functions but `share` are local; they throw `Error` with the name of the file
 ///   and the system's reason.
