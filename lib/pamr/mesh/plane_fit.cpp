@@ -3,9 +3,7 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
-#include <cstdint>
 #include <limits>
 #include <utility>
 
@@ -55,25 +53,12 @@ PatchNodes nodes_of(const DistMesh& mesh, const std::vector<bool>& is_wanted) {
   return nodes;
 }
 
-/// A number that is ordered as the double is; -0 counts as 0.
-std::int64_t ordered(double value) {
-  const auto bits = std::bit_cast<std::int64_t>(value + 0.0);
-  return bits >= 0 ? bits : std::numeric_limits<std::int64_t>::min() - bits;
-}
-double unordered(std::int64_t key) {
-  return std::bit_cast<double>(key >= 0 ? key : std::numeric_limits<std::int64_t>::min() - key);
-}
-
-/// For each row the largest of the values that the ranks have. Collective.
-std::vector<double> max_over_ranks(const par::Comm& comm, const std::vector<double>& here) {
-  std::vector<std::int64_t> keys;
-  keys.reserve(here.size());
-  for (const auto value : here) keys.push_back(ordered(value));
-  comm.max_in_place(keys);
-  std::vector<double> result;
-  result.reserve(keys.size());
-  for (const auto key : keys) result.push_back(unordered(key));
-  return result;
+/// For each row the largest of the values that the ranks have; -0 counts as 0, so that the bits do not depend on the
+/// ranks. Collective.
+std::vector<double> max_over_ranks(const par::Comm& comm, std::vector<double> values) {
+  for (auto& value : values) value += 0.0;
+  comm.max_in_place(values);
+  return values;
 }
 
 /// For each row the node of the largest value, the last by coordinates among equals, over all ranks. `value` takes a

@@ -87,16 +87,17 @@ std::int64_t Comm::max(std::int64_t here) const { return reduced(here, MPI_INT64
 double Comm::min(double here) const { return reduced(here, MPI_DOUBLE, MPI_MIN); }
 double Comm::max(double here) const { return reduced(here, MPI_DOUBLE, MPI_MAX); }
 
-void Comm::sum_in_place(std::span<std::int64_t> values) const { reduce_in_place(values, MPI_SUM); }
-void Comm::max_in_place(std::span<std::int64_t> values) const { reduce_in_place(values, MPI_MAX); }
-
-void Comm::reduce_in_place(std::span<std::int64_t> values, MPI_Op op) const {
-  const std::vector<std::int64_t> here(values.begin(), values.end());
-  in_pieces(values.size(), std::max<std::size_t>(1, piece_bytes_ / sizeof(std::int64_t)), [&](std::size_t at, int n) {
-    together("MPI_Allreduce",
-             [&] { return MPI_Allreduce(here.data() + at, values.data() + at, n, MPI_INT64_T, op, comm_); });
+template <class T>
+void Comm::reduce_in_place(std::span<T> values, MPI_Datatype type, MPI_Op op) const {
+  const std::vector<T> here(values.begin(), values.end());
+  in_pieces(values.size(), std::max<std::size_t>(1, piece_bytes_ / sizeof(T)), [&](std::size_t at, int n) {
+    together("MPI_Allreduce", [&] { return MPI_Allreduce(here.data() + at, values.data() + at, n, type, op, comm_); });
   });
 }
+
+void Comm::sum_in_place(std::span<std::int64_t> values) const { reduce_in_place(values, MPI_INT64_T, MPI_SUM); }
+void Comm::max_in_place(std::span<std::int64_t> values) const { reduce_in_place(values, MPI_INT64_T, MPI_MAX); }
+void Comm::max_in_place(std::span<double> values) const { reduce_in_place(values, MPI_DOUBLE, MPI_MAX); }
 
 std::int64_t Comm::exclusive_sum(std::int64_t here) const {
   std::int64_t before = 0;

@@ -100,6 +100,7 @@ class Comm {
   /// Element by element; the spans have the same length on every rank.
   void sum_in_place(std::span<std::int64_t> values) const;
   void max_in_place(std::span<std::int64_t> values) const;
+  void max_in_place(std::span<double> values) const;
   /// Sum over the ranks before this one; 0 on rank 0.
   std::int64_t exclusive_sum(std::int64_t here) const;
   std::vector<std::int64_t> all_gather(std::int64_t here) const;
@@ -140,7 +141,8 @@ class Comm {
   void together(const char* name, Operation operation) const;
   template <class T>
   T reduced(T here, MPI_Datatype type, MPI_Op op) const;
-  void reduce_in_place(std::span<std::int64_t> values, MPI_Op op) const;
+  template <class T>
+  void reduce_in_place(std::span<T> values, MPI_Datatype type, MPI_Op op) const;
 
   MPI_Comm comm_ = MPI_COMM_NULL;
   Rank rank_ = 0;
