@@ -15,7 +15,7 @@
 #include "pamr/adapt/forecast.hpp"
 #include "pamr/assemble/assemble.hpp"
 #include "pamr/balance/expected_work.hpp"
-#include "pamr/base/error.hpp"
+#include "pamr/base/with_file_name.hpp"
 #include "pamr/io/native/native_file.hpp"
 #include "pamr/mark/apply_criteria.hpp"
 #include "pamr/mark/budget.hpp"
@@ -81,16 +81,6 @@ void declare(cli::CommandLine& line, Options& options) {
   });
 }
 
-/// Errors then say which file has no such patch or field; they are the same on every rank.
-mark::Applied apply(cli::Session& session, const mesh::DistMesh& mesh, const mark::Request& request,
-                    const std::string& file) {
-  try {
-    return mark::apply(session.comm(), mesh, request);
-  } catch (const Error& error) {
-    throw Error(file + ": " + error.what());
-  }
-}
-
 cli::ExitCode run(cli::Session& session, const Options& options) {
   const auto request = mark::read_request(options.given);
   session.check_input(options.input);
@@ -101,9 +91,8 @@ cli::ExitCode run(cli::Session& session, const Options& options) {
   validate::require_valid(comm, mesh, options.input);
   refine::Options refinement;
   refinement.quality_control = refine::quality_control_named(options.quality_control);
-  auto applied = apply(session, mesh, request, options.input);
-  const auto too_deep = comm.sum(adapt::limit_depth(mesh, mark::marks_of(applied.indicator)).n_left_out);
-  mark::keep_below_level(mesh, adapt::max_level, applied.indicator);
+  auto applied = with_file_name(options.input, [&] { return mark::apply(comm, mesh, request); });
+  const auto too_deep = comm.sum(mark::keep_below_level(mesh, adapt::max_level, applied.indicator));
   auto marks = mark::marks_of(applied.indicator);
   const auto n_wanted = mark::count_marked(comm, marks);
   const adapt::Forecaster forecaster(comm, mesh, refinement);

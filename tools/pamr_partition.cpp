@@ -15,8 +15,8 @@
 #include "pamr/balance/partition.hpp"
 #include "pamr/balance/weighted_blocks.hpp"
 #include "pamr/balance/weights.hpp"
-#include "pamr/base/error.hpp"
 #include "pamr/base/index.hpp"
+#include "pamr/base/with_file_name.hpp"
 #include "pamr/io/native/native_file.hpp"
 #include "pamr/validate/validate.hpp"
 
@@ -88,13 +88,7 @@ cli::ExitCode run(cli::Session& session, const Options& options) {
   const auto& comm = session.comm();
   auto mesh = assemble::assemble(comm, io::read_native(comm, options.input, {.build_surfaces = false}));
   validate::require_valid(comm, mesh, options.input);
-  const auto weight = [&] {
-    try {
-      return weigh(comm, mesh, options);
-    } catch (const Error& error) {  // the same on every rank
-      throw Error("file '" + options.input + "': " + error.what());
-    }
-  }();
+  const auto weight = with_file_name(options.input, [&] { return weigh(comm, mesh, options); });
   const std::vector<std::int64_t> ones(weight.size(), 1);
   const auto runs = balance::weighted_blocks(comm, mesh, ones, options.n_parts);
   const auto before = balance::measure(comm, mesh, weight, runs, options.n_parts);

@@ -13,7 +13,7 @@
 #include "pamr/adapt/forecast.hpp"
 #include "pamr/adapt/read_for_refinement.hpp"
 #include "pamr/adapt/refine_report.hpp"
-#include "pamr/base/error.hpp"
+#include "pamr/base/with_file_name.hpp"
 #include "pamr/geometry/orientation.hpp"
 #include "pamr/io/native/native_file.hpp"
 #include "pamr/mesh/fingerprint.hpp"
@@ -55,17 +55,6 @@ void declare(cli::CommandLine& line, Options& options) {
   });
 }
 
-/// Puts the name of the file in front of what is wrong with the mesh in it. `work` may communicate, because an `Error`
-/// reaches every rank.
-template <class Work>
-auto naming(const std::string& file, Work&& work) {
-  try {
-    return work();
-  } catch (const Error& error) {
-    throw Error("file '" + file + "': " + error.what());
-  }
-}
-
 std::int64_t count_inverted(const par::Comm& comm, const mesh::DistMesh& mesh) {
   std::int64_t n = 0;
   for (LocalId c = 0; c < mesh.n_cells(); ++c) {
@@ -86,8 +75,7 @@ cli::ExitCode report_forecast(cli::Session& session, const mesh::DistMesh& mesh,
   const auto forecast = forecaster.forecast(flags);
   const auto nodes = forecaster.nodes(forecast);
   const auto marked = forecast.closure.report.n_marked;
-  const auto too_deep = comm.sum(adapt::limit_depth(mesh, flags).n_left_out);
-  warn_too_deep(session, too_deep);
+  warn_too_deep(session, forecast.marked_too_deep);
   // what is there now (the process, the old mesh) and, at the peak, the plan of the split and the new mesh: at rest 44
   // bytes a cell and 32 a node
   const double nodes_per_cell = static_cast<double>(nodes) / static_cast<double>(forecast.cells);
@@ -97,7 +85,7 @@ cli::ExitCode report_forecast(cli::Session& session, const mesh::DistMesh& mesh,
   session.write_report({{"cells_in", mesh.info.n_global_cells},
                         {"nodes_in", mesh.info.n_global_nodes},
                         {"marked", marked},
-                        {"marked_too_deep", too_deep},
+                        {"marked_too_deep", forecast.marked_too_deep},
                         {"cells_out", forecast.cells},
                         {"nodes_out", nodes},
                         {"largest_rank_bytes", largest}});
@@ -131,7 +119,7 @@ cli::ExitCode work(cli::Session& session, const Options& options) {
                                          timer);
   adapt::Measured measured;
   measured.bytes_read = adapt::bytes_read_so_far() - read_before;
-  const auto flags = naming(options.input, [&] { return adapt::flags_from_field(comm, mesh, options.marks); });
+  const auto flags = with_file_name(options.input, [&] { return adapt::flags_from_field(comm, mesh, options.marks); });
   const refine::Options how{.quality_control = refine::quality_control_named(options.quality_control),
                             .project = !options.no_project,
                             .parent_field = true,
@@ -140,7 +128,9 @@ cli::ExitCode work(cli::Session& session, const Options& options) {
   if (!options.no_project) keep_flat_patches(session, mesh);
 
   timer.lap("preprocessing");
-  auto result = naming(options.input, [&] { return adapt::refine(comm, std::move(mesh), flags, {how, balancing}); });
+  auto result = with_file_name(options.input, [&] {
+    return adapt::refine(comm, std::move(mesh), flags, {how, balancing});
+  });
   timer.skip();
   mesh = {};
   measured.inverted_cells = count_inverted(comm, result.mesh);

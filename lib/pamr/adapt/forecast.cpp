@@ -2,6 +2,7 @@
 #include "pamr/adapt/forecast.hpp"
 
 #include <algorithm>
+#include <array>
 #include <numeric>
 
 #include "pamr/adapt/depth.hpp"
@@ -42,7 +43,10 @@ Forecast Forecaster::forecast(std::span<const std::uint8_t> flags) const {
   require_depth(*comm_, *mesh_, forecast.closure);
   forecast.children = refine::count_children(forecast.closure);
   forecast.cells_on_this_rank = std::accumulate(forecast.children.begin(), forecast.children.end(), std::int64_t{0});
-  forecast.cells = comm_->sum(forecast.cells_on_this_rank);
+  std::array<std::int64_t, 2> sums{forecast.cells_on_this_rank, limited.n_left_out};
+  comm_->sum_in_place(sums);
+  forecast.cells = sums[0];
+  forecast.marked_too_deep = sums[1];
   return forecast;
 }
 

@@ -19,6 +19,7 @@ struct Forecast {
   std::vector<std::uint8_t> children;  ///< `refine::count_children` of this rank's cells
   std::int64_t cells = 0;              ///< of the refined mesh, all ranks
   std::int64_t cells_on_this_rank = 0;
+  std::int64_t marked_too_deep = 0;  ///< flagged cells that would stay (`limit_depth`), all ranks
 };
 
 /// Tells what refinements of one mesh would give, without splitting anything. What does not depend on the flags is

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "pamr/adapt/read_for_refinement.hpp"
 
-#include <fmt/format.h>
-
 #include <array>
 #include <cstdint>
 #include <optional>
@@ -15,6 +13,7 @@
 #include "pamr/balance/expected_work.hpp"
 #include "pamr/balance/weights.hpp"
 #include "pamr/base/error.hpp"
+#include "pamr/base/with_file_name.hpp"
 #include "pamr/io/native/native_file.hpp"
 #include "pamr/order/order_along_curve.hpp"
 #include "pamr/par/equal_work.hpp"
@@ -25,17 +24,6 @@ namespace pamr::adapt {
 namespace {
 
 using mesh::BlockMesh;
-
-/// Puts the name of the file in front of what is wrong with the mesh in it. `work` may communicate, because an `Error`
-/// reaches every rank.
-template <class Work>
-auto naming(const std::filesystem::path& file, Work&& work) {
-  try {
-    return work();
-  } catch (const Error& error) {
-    throw Error(fmt::format("file '{}': {}", file.string(), error.what()));
-  }
-}
 
 /// The row at which this rank begins to read; none: at its canonical block.
 std::optional<GlobalId> first_cell_to_read(const par::Comm& comm, io::NativeFile& file, const std::string& marks) {
@@ -74,7 +62,7 @@ std::vector<Rank> destinations(const par::Comm& comm, const BlockMesh& block, co
 
 mesh::DistMesh assemble_valid(const par::Comm& comm, const std::filesystem::path& file, BlockMesh block,
                               std::span<const Rank> destination) {
-  auto mesh = naming(file, [&] { return assemble::assemble(comm, std::move(block), destination); });
+  auto mesh = with_file_name(file, [&] { return assemble::assemble(comm, std::move(block), destination); });
   validate::require_valid(comm, mesh, file.string());
   return mesh;
 }
@@ -83,7 +71,7 @@ mesh::DistMesh assemble_valid(const par::Comm& comm, const std::filesystem::path
 /// or its weights.
 std::optional<mesh::DistMesh> assemble_in_order(const par::Comm& comm, const std::filesystem::path& file,
                                                 BlockMesh block, const ReadingOptions& options, StepTimer& timer) {
-  block = naming(file, [&] { return along_curve(comm, std::move(block)); });
+  block = with_file_name(file, [&] { return along_curve(comm, std::move(block)); });
   timer.lap("preprocessing");
   std::vector<Rank> destination;
   if (comm.size() > 1) destination = destinations(comm, block, options.marks_field);

@@ -29,10 +29,15 @@ geometry::Vec3 centroid(const mesh::DistMesh& mesh, LocalId cell) {
   return 0.25 * (((p[0] + p[1]) + p[2]) + p[3]);
 }
 
-void keep_below_level(const mesh::DistMesh& mesh, int max_level, Indicator& indicator) {
+std::int64_t keep_below_level(const mesh::DistMesh& mesh, int max_level, Indicator& indicator) {
   PAMR_EXPECTS(indicator.size() == mesh.lineage.size());
-  for (std::size_t i = 0; i < indicator.size(); ++i)
-    if (mesh.lineage[i].level() >= max_level) indicator[i] = 0;
+  std::int64_t n_taken = 0;
+  for (std::size_t i = 0; i < indicator.size(); ++i) {
+    if (mesh.lineage[i].level() < max_level) continue;
+    if (indicator[i] > 0) ++n_taken;
+    indicator[i] = 0;
+  }
+  return n_taken;
 }
 
 std::vector<std::uint8_t> marks_of(std::span<const double> indicator) {

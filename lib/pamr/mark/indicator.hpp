@@ -28,8 +28,9 @@ void unite(Indicator& indicator, std::span<const double> other);
 geometry::Vec3 centroid(const mesh::DistMesh& mesh, LocalId cell);
 
 /// Takes the wish from cells whose base cell already has level `max_level` or more, so that no cell of the refined mesh
-/// is finer than that by its own mark (closure counts the level of the cell it closes). Local.
-void keep_below_level(const mesh::DistMesh& mesh, int max_level, Indicator& indicator);
+/// is finer than that by its own mark (closure counts the level of the cell it closes). Returns how many wishes of this
+/// rank's cells it took. Local.
+std::int64_t keep_below_level(const mesh::DistMesh& mesh, int max_level, Indicator& indicator);
 
 /// Marks (0 or 1) of all cells that are wanted. Local.
 std::vector<std::uint8_t> marks_of(std::span<const double> indicator);

@@ -15,6 +15,7 @@
 #include "pamr/base/error.hpp"
 #include "pamr/base/hash.hpp"
 #include "pamr/base/index.hpp"
+#include "pamr/base/with_file_name.hpp"
 #include "pamr/geometry/orientation.hpp"
 #include "pamr/io/gmsh/gmsh_parts.hpp"
 #include "pamr/io/gmsh/read_gmsh_2.hpp"
@@ -380,13 +381,11 @@ GmshMesh read_gmsh(const par::Comm& comm, const std::filesystem::path& file, con
   block.cell_fields.push_back({mesh::region_field, "", 1, mesh::StorageType::int32, std::move(region)});
   parts.tetrahedron = {};
 
-  try {
+  with_file_name(file, [&] {
     auto ordered = order::order_along_curve(comm, std::move(block));
     renumber(comm, ordered, numbered.n_nodes, numbered.triangle);
     result.mesh = assemble::assemble(comm, std::move(ordered.block));
-  } catch (const Error& error) {  // reaches every rank
-    throw Error("file '" + file.string() + "': " + error.what());
-  }
+  });
   auto& patches = result.mesh.info.patches;
   patches.clear();
   for (const auto group : groups) patches.push_back({name_of_group(parts, group), ""});

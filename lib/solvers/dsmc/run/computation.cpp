@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "pamr/balance/rebalance.hpp"
-#include "pamr/base/error.hpp"
 #include "pamr/base/timer.hpp"
+#include "pamr/base/with_file_name.hpp"
 #include "solvers/dsmc/run/make_setup.hpp"
 #include "solvers/dsmc/state/require_sound.hpp"
 
@@ -26,17 +26,10 @@ Computation::Computation(const par::Comm& comm, Case the_case, Setup setup, mesh
 }
 
 void Computation::restart(const std::string& checkpoint) {
-  const auto naming = [&](const auto& work) {
-    try {
-      work();
-    } catch (const Error& error) {  // reaches every rank
-      throw Error("file '" + checkpoint + "': " + error.what());
-    }
-  };
   const auto snapshot = read_checkpoint(*comm_, checkpoint, case_.gas);
-  naming([&] { require_matching(snapshot, key_, *flow_); });
+  with_file_name(checkpoint, [&] { require_matching(snapshot, key_, *flow_); });
   require_sound(*comm_, checkpoint, snapshot, sound_range(*flow_));
-  naming([&] { averaging_->resume(restore(*comm_, snapshot, *flow_)); });
+  with_file_name(checkpoint, [&] { averaging_->resume(restore(*comm_, snapshot, *flow_)); });
   require_places(*comm_, checkpoint, *flow_);
 }
 

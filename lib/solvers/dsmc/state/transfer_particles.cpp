@@ -10,6 +10,7 @@
 #include "pamr/base/error.hpp"
 #include "pamr/base/index.hpp"
 #include "pamr/base/machine.hpp"
+#include "pamr/base/with_file_name.hpp"
 #include "pamr/mesh/require_field.hpp"
 #include "pamr/par/exchange.hpp"
 #include "solvers/dsmc/kernel/move.hpp"
@@ -217,7 +218,7 @@ OldSetup setup_in(const SectionFile& file, const std::string& name, const Flow& 
   const auto shown = [](const nlohmann::json& json) {
     return json.dump(-1, ' ', true, nlohmann::json::error_handler_t::replace);
   };
-  try {
+  return with_file_name(name, [&] {
     OldSetup old;
     old.steps_done = static_cast<std::uint64_t>(count_of(member(file.header(), "steps_done"), "steps_done", max_steps));
     nlohmann::json species = nlohmann::json::array();
@@ -235,9 +236,7 @@ OldSetup setup_in(const SectionFile& file, const std::string& name, const Flow& 
         throw Error(fmt::format("expected weights above 0 and at most 1, found {}", shown(weights)));
     }
     return old;
-  } catch (const Error& error) {
-    throw Error(fmt::format("file '{}': {}", name, error.what()));
-  }
+  });
 }
 
 }  // namespace
