@@ -18,12 +18,6 @@ namespace pamr {
 
 namespace {
 
-struct Position {
-  std::uint32_t line = 0, column = 0;
-
-  explicit Position(const toml::source_region& source) : line(source.begin.line), column(source.begin.column) {}
-};
-
 /// The line of a text, without blanks around it.
 std::string_view line_of(std::string_view text, std::uint32_t line) {
   for (; line > 1 && !text.empty(); --line) text.remove_prefix(std::min(text.find('\n'), text.size() - 1) + 1);
@@ -34,14 +28,13 @@ std::string_view line_of(std::string_view text, std::uint32_t line) {
 }
 
 std::string parse_message(std::string_view text, const std::string& where, const toml::parse_error& error) {
-  const Position position(error.source());
+  const auto begin = error.source().begin;
   const std::string_view description = error.description();
   const bool is_string = description.find("string") != std::string_view::npos;
   const bool is_open = description.find("control characters") != std::string_view::npos ||
                        description.find("end-of-file") != std::string_view::npos;
   const auto what = is_string && is_open ? std::string("missing quote") : fmt::format("expected TOML: {}", description);
-  return fmt::format("{}:{}:{}: {} in the line: {}", where, position.line, position.column, what,
-                     line_of(text, position.line));
+  return fmt::format("{}:{}:{}: {} in the line: {}", where, begin.line, begin.column, what, line_of(text, begin.line));
 }
 
 std::string joined(const std::vector<std::string>& words, std::string_view last) {
@@ -61,6 +54,12 @@ std::string described(NumberRange range) {
 }
 
 }  // namespace
+
+struct TomlTable::Position {
+  std::uint32_t line = 0, column = 0;
+
+  explicit Position(const toml::source_region& source) : line(source.begin.line), column(source.begin.column) {}
+};
 
 /// A copy of toml++'s tree, so that its header stays in this file, with what was asked for beside each table.
 struct TomlTable::Node {

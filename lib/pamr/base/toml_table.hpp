@@ -147,6 +147,7 @@ class TomlTable {
   std::string source_of(std::string_view key) const;
 
  private:
+  struct Position;
   struct Node;
   struct Document;
   friend TomlTable parse_toml(std::string_view text, const std::string& where);
