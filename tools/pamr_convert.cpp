@@ -33,6 +33,7 @@ struct Options {
   std::vector<std::string> ties, surface_files, patches;
   std::vector<std::vector<double>> creases;
   double tolerance = -1, feature_angle = -1;
+  int format = io::newest_format;
   bool repair = false, no_repair = false, strict = false, text = false, force = false;
 };
 
@@ -74,6 +75,7 @@ void declare(cli::CommandLine& line, Options& options) {
       .one_of({"2.2", "4.1"})
       .show_default();
   line.flag("--text", options.text, "write a .msh as text instead of binary");
+  line.option("--format", options.format, cli::format_help).range(io::oldest_format, io::newest_format).show_default();
   line.flag("--force", options.force, cli::force_help);
 }
 
@@ -124,7 +126,7 @@ bool is_foam_case(const std::string& output) {
 void write(const par::Comm& comm, const Options& options, bool as_foam, const mesh::DistMesh& mesh) {
   if (as_foam) return io::write_foam(comm, options.output, mesh);
   const auto ending = extension(options.output, {".hdf", ".msh", ".vtu"});
-  if (ending == ".hdf") io::write_native(comm, options.output, mesh);
+  if (ending == ".hdf") io::write_native(comm, options.output, mesh, {.format = options.format});
   if (ending == ".vtu") io::write_vtu(comm, options.output, mesh);
   if (ending == ".msh")
     io::write_gmsh(comm, options.output, mesh,
@@ -166,6 +168,9 @@ void check_files(cli::Session& session, const Options& options, bool as_foam) {
     if (polyline.size() < 6 || polyline.size() % 3 != 0)
       throw Error(fmt::format("--crease: expected two points or more of three coordinates each, found {} numbers",
                               polyline.size()));
+  if (options.format != io::newest_format && (as_foam || extension(options.output, {".hdf", ".msh", ".vtu"}) != ".hdf"))
+    throw Error(
+        fmt::format("--format {}: expected an output that ends in .hdf, found '{}'", options.format, options.output));
   std::vector<std::string> inputs{options.input};
   if (!options.surfaces.empty()) inputs.push_back(options.surfaces);
   inputs.insert(inputs.end(), options.surface_files.begin(), options.surface_files.end());

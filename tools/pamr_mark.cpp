@@ -30,7 +30,9 @@ struct Options {
   std::string input, output, marks = "refine", quality_control = "removable";
   std::optional<std::int64_t> max_cells;
   std::vector<mark::Given> given;  ///< criteria and limits, in the order of the command line
+  int format = io::newest_format;
   bool all = false, force = false;
+  double shape_floor = refine::default_shape_floor;
 };
 
 struct OptionHelp {
@@ -74,7 +76,12 @@ void declare(cli::CommandLine& line, Options& options) {
   line.option("--quality-control", options.quality_control, "of the refinement whose size is predicted")
       .one_of(refine::quality_control_list())
       .show_default();
+  line.option("--shape-floor", options.shape_floor, "the same option of that refinement")
+      .type_name("TAU")
+      .range(0.0, 1.0)
+      .show_default();
   line.option("--marks", options.marks, "name of the cell field to write").show_default();
+  line.option("--format", options.format, cli::format_help).range(io::oldest_format, io::newest_format).show_default();
   line.flag("--force", options.force, cli::force_help);
   line.after_reading([&line, &options] {
     for (auto& [name, value] : line.listed()) options.given.push_back({name, value});
@@ -91,8 +98,9 @@ cli::ExitCode run(cli::Session& session, const Options& options) {
   validate::require_valid(comm, mesh, options.input);
   refine::Options refinement;
   refinement.quality_control = refine::quality_control_named(options.quality_control);
+  refinement.shape_floor = options.shape_floor;
   auto applied = with_file_name(options.input, [&] { return mark::apply(comm, mesh, request); });
-  const auto too_deep = comm.sum(mark::keep_below_level(mesh, adapt::max_level, applied.indicator));
+  const auto too_deep = comm.sum(mark::keep_below_level(mesh, mesh::max_level, applied.indicator));
   auto marks = mark::marks_of(applied.indicator);
   const auto n_wanted = mark::count_marked(comm, marks);
   const adapt::Forecaster forecaster(comm, mesh, refinement);
@@ -111,7 +119,7 @@ cli::ExitCode run(cli::Session& session, const Options& options) {
 
   mark::set_marks(mesh, marks, options.marks);
   balance::set_work(mesh, options.marks, forecaster.work(*forecast));
-  io::write_native(comm, options.output, mesh);
+  io::write_native(comm, options.output, mesh, {.format = options.format});
   nlohmann::json report{{"cells", mesh.info.n_global_cells},
                         {"nodes", mesh.info.n_global_nodes},
                         {"wanted", n_wanted},
@@ -120,7 +128,8 @@ cli::ExitCode run(cli::Session& session, const Options& options) {
                         {"cells_after", forecast->cells},
                         {"nodes_after", nodes_after},
                         {"marks", options.marks},
-                        {"quality_control", options.quality_control}};
+                        {"quality_control", options.quality_control},
+                        {"shape_floor", options.shape_floor}};
   report["criteria"] = nlohmann::json::array();
   for (std::size_t i = 0; i < request.criteria.size(); ++i)
     report["criteria"].push_back({{"criterion", request.criteria[i].text}, {"cells", applied.cells_of_criterion[i]}});

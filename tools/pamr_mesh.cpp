@@ -22,6 +22,7 @@ struct Options {
   std::string case_file, shape, output;
   int n = 0;
   double size = 0;
+  int format = io::newest_format;
   bool force = false;
 };
 
@@ -36,6 +37,7 @@ void declare(cli::CommandLine& line, Options& options) {
           "(default 0.01), charged-spheres in Debye lengths (default 0.5), supersonic-sphere in meters (default 0.004)")
       .positive();
   line.option("-o,--output", options.output, "mesh to write (.hdf)").required();
+  line.option("--format", options.format, cli::format_help).range(io::oldest_format, io::newest_format).show_default();
   line.flag("--force", options.force, cli::force_help);
 }
 
@@ -77,7 +79,7 @@ cli::ExitCode make_mesh(cli::Session& session, const Options& options) {
 
   const auto made = make(session, options);
   const auto& info = made.mesh.info;
-  io::write_native(comm, options.output, made.mesh);
+  io::write_native(comm, options.output, made.mesh, {.format = options.format});
 
   const auto summary = meshing::summary_of(comm, made.mesh);
   nlohmann::json patches;

@@ -29,7 +29,9 @@ constexpr const char* rank_field = "rank";
 struct Options {
   std::string input, output, weights = "refine", marks = "refine", method = "scotch", quality_control = "removable";
   Rank n_parts = 0;
+  int format = io::newest_format;
   bool force = false;
+  double shape_floor = refine::default_shape_floor;
 };
 
 void declare(cli::CommandLine& line, Options& options) {
@@ -52,6 +54,11 @@ void declare(cli::CommandLine& line, Options& options) {
   line.option("--quality-control", options.quality_control, "of --weights refine: the refinement that is predicted")
       .one_of(refine::quality_control_list())
       .show_default();
+  line.option("--shape-floor", options.shape_floor, "the same option of that refinement")
+      .type_name("TAU")
+      .range(0.0, 1.0)
+      .show_default();
+  line.option("--format", options.format, cli::format_help).range(io::oldest_format, io::newest_format).show_default();
   line.flag("--force", options.force, cli::force_help);
 }
 
@@ -59,6 +66,7 @@ std::vector<std::int64_t> weigh(const par::Comm& comm, const mesh::DistMesh& mes
   if (options.weights == "refine" && mesh.find_cell_field(options.marks) != nullptr) {
     refine::Options refinement;
     refinement.quality_control = refine::quality_control_named(options.quality_control);
+    refinement.shape_floor = options.shape_floor;
     const auto flags = adapt::flags_from_field(comm, mesh, options.marks);
     const auto children = adapt::Forecaster(comm, mesh, refinement).forecast(flags).children;
     return {children.begin(), children.end()};
@@ -99,7 +107,7 @@ cli::ExitCode run(cli::Session& session, const Options& options) {
   const auto& after = partition.quality;
 
   set_ranks(mesh, partition.part);
-  io::write_native(comm, options.output, mesh);
+  io::write_native(comm, options.output, mesh, {.format = options.format});
   session.write_report({{"cells", mesh.info.n_global_cells},
                         {"parts", options.n_parts},
                         {"method", balance::name_of(options.n_parts == 1 ? balance::Method::none : partition.method)},

@@ -22,6 +22,7 @@ namespace pb = poisson_boltzmann;
 
 struct Options {
   std::string case_file, mesh, output, start, surface, petsc;
+  int format = io::newest_format;
   bool force = false;
 };
 
@@ -35,6 +36,7 @@ void declare(cli::CommandLine& line, Options& o) {
       .type_name("FILE.vtu");
   line.option("--petsc", o.petsc, "options for PETSc, after those of the case: \"-pc_type hypre -ksp_monitor\"")
       .type_name("OPTIONS");
+  line.option("--format", o.format, cli::format_help).range(io::oldest_format, io::newest_format).show_default();
   line.flag("--force", o.force, cli::force_help);
 }
 
@@ -91,7 +93,7 @@ cli::ExitCode run(cli::Session& session, const Options& o) {
   if (!o.surface.empty()) pb::write_electrodes(comm, o.surface, problem, solution, analysis);
   auto report = pb::report_of(domain, input, solution, analysis);
   pb::set_fields(mesh, input, solution, analysis);
-  io::write_native(comm, o.output, mesh);
+  io::write_native(comm, o.output, mesh, {.format = o.format});
   timer.lap("write");
   report["needs"] = needs;
   report["seconds"] = pb::seconds_of(timer.steps(), &StepTime::wall);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
 
+#include <array>
 #include <cstdint>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -14,7 +15,9 @@
 #include "pamr/adapt/read_for_refinement.hpp"
 #include "pamr/adapt/refine_report.hpp"
 #include "pamr/base/with_file_name.hpp"
+#include "pamr/check/shape_bound.hpp"
 #include "pamr/geometry/orientation.hpp"
+#include "pamr/geometry/tet_shape.hpp"
 #include "pamr/io/native/native_file.hpp"
 #include "pamr/mesh/fingerprint.hpp"
 #include "pamr/mesh/undescribed_patches.hpp"
@@ -26,6 +29,8 @@ using namespace pamr;
 struct Options {
   std::string input, output, marks = "refine", quality_control = "removable", balance = "auto", weights = "exact",
                              order = "auto";
+  double shape_floor = refine::default_shape_floor;
+  int format = io::newest_format;
   bool no_project = false, dry_run = false, force = false, each_rank = false;
 };
 
@@ -33,8 +38,13 @@ void declare(cli::CommandLine& line, Options& options) {
   line.option("MESH", options.input, "mesh to read, with a cell field of marks").required();
   auto output = line.option("-o,--output", options.output, "refined mesh to write");
   line.option("--marks", options.marks, "integer cell field: 0 keep, 1 split; not in the result").show_default();
-  line.option("--quality-control", options.quality_control, "what happens to a closure cell that is hit again")
+  line.option("--quality-control", options.quality_control, "what happens to a closure cell that has to be refined")
       .one_of(refine::quality_control_list())
+      .show_default();
+  line.option("--shape-floor", options.shape_floor,
+              "of removable: smallest mean ratio of closure cells, as far as 1:8 reaches it; 0: none")
+      .type_name("TAU")
+      .range(0.0, 1.0)
       .show_default();
   line.option("--balance", options.balance, "how cells are spread over the ranks before they are split")
       .one_of({"auto", "scotch", "blocks", "none"})
@@ -48,6 +58,7 @@ void declare(cli::CommandLine& line, Options& options) {
       .show_default();
   line.flag("--no-project", options.no_project, "leave new boundary nodes in the middle of their edges");
   auto dry_run = line.flag("--dry-run", options.dry_run, "print the exact size of the result, split nothing");
+  line.option("--format", options.format, cli::format_help).range(io::oldest_format, io::newest_format).show_default();
   line.flag("--force", options.force, cli::force_help);
   line.flag("--each-rank", options.each_rank, "the report lists every rank's share of each step too");
   line.after_reading([output, dry_run] {
@@ -55,13 +66,17 @@ void declare(cli::CommandLine& line, Options& options) {
   });
 }
 
-std::int64_t count_inverted(const par::Comm& comm, const mesh::DistMesh& mesh) {
-  std::int64_t n = 0;
+/// Fills what is counted cell by cell.
+void assess_cells(const par::Comm& comm, const mesh::DistMesh& mesh, double shape_floor, adapt::Measured& measured) {
+  std::array<std::int64_t, 2> n{};
   for (LocalId c = 0; c < mesh.n_cells(); ++c) {
     const auto p = mesh.points(c);
-    n += geometry::is_positive(p[0], p[1], p[2], p[3]) ? 0 : 1;
+    n[0] += geometry::is_positive(p[0], p[1], p[2], p[3]) ? 0 : 1;
+    n[1] += geometry::mean_ratio(p) < (1 - 0x1p-40) * shape_floor ? 1 : 0;
   }
-  return comm.sum(n);
+  comm.sum_in_place(n);
+  measured.inverted_cells = n[0];
+  measured.cells_below_floor = n[1];
 }
 
 void warn_too_deep(const cli::Session& session, std::int64_t n) {
@@ -74,25 +89,33 @@ cli::ExitCode report_forecast(cli::Session& session, const mesh::DistMesh& mesh,
   const adapt::Forecaster forecaster(comm, mesh, options);
   const auto forecast = forecaster.forecast(flags);
   const auto nodes = forecaster.nodes(forecast);
-  const auto marked = forecast.closure.report.n_marked;
+  const auto marked = forecast.report.n_marked;
   warn_too_deep(session, forecast.marked_too_deep);
-  // what is there now (the process, the old mesh) and, at the peak, the plan of the split and the new mesh: at rest 44
+  const auto bound = check::shape_bound(comm, mesh, options.shape_floor);
+  // what is there now (the process, the old mesh) and, at the peak, the plan of the split and the new mesh: at rest 48
   // bytes a cell and 32 a node
   const double nodes_per_cell = static_cast<double>(nodes) / static_cast<double>(forecast.cells);
   const double here = static_cast<double>(peak_resident_bytes()) + 40.0 * static_cast<double>(mesh.n_cells()) +
-                      static_cast<double>(forecast.cells_on_this_rank) * (44 + 32 * nodes_per_cell);
+                      static_cast<double>(forecast.cells_on_this_rank) * (48 + 32 * nodes_per_cell);
   const auto largest = comm.max(here);
-  session.write_report({{"cells_in", mesh.info.n_global_cells},
+  nlohmann::json report{{"cells_in", mesh.info.n_global_cells},
                         {"nodes_in", mesh.info.n_global_nodes},
                         {"marked", marked},
                         {"marked_too_deep", forecast.marked_too_deep},
                         {"cells_out", forecast.cells},
                         {"nodes_out", nodes},
-                        {"largest_rank_bytes", largest}});
+                        {"uniform_shape_bound", bound.of_uniform_levels},
+                        {"largest_rank_bytes", largest}};
+  std::string shapes;
+  if (options.quality_control == refine::QualityControl::removable) {
+    report["shape_bound"] = bound.of_all_levels;
+    shapes = fmt::format("; mean ratio at least {:.4f} at every level, where cells are straight", bound.of_all_levels);
+  }
+  session.write_report(report);
   session.summary(
       fmt::format("{} of {} cells marked: {} cells, {} nodes after refinement, about {:.0f} MB on the "
-                  "largest rank",
-                  marked, mesh.info.n_global_cells, forecast.cells, nodes, 1e-6 * largest));
+                  "largest rank{}",
+                  marked, mesh.info.n_global_cells, forecast.cells, nodes, 1e-6 * largest, shapes));
   return cli::ExitCode::done;
 }
 
@@ -121,6 +144,7 @@ cli::ExitCode work(cli::Session& session, const Options& options) {
   measured.bytes_read = adapt::bytes_read_so_far() - read_before;
   const auto flags = with_file_name(options.input, [&] { return adapt::flags_from_field(comm, mesh, options.marks); });
   const refine::Options how{.quality_control = refine::quality_control_named(options.quality_control),
+                            .shape_floor = options.shape_floor,
                             .project = !options.no_project,
                             .parent_field = true,
                             .marks_field = options.marks};
@@ -133,17 +157,20 @@ cli::ExitCode work(cli::Session& session, const Options& options) {
   });
   timer.skip();
   mesh = {};
-  measured.inverted_cells = count_inverted(comm, result.mesh);
+  assess_cells(comm, result.mesh, options.shape_floor, measured);
   measured.fingerprint = mesh::fingerprint(comm, result.mesh);
   measured.cells_here = result.mesh.n_cells();
   measured.lists_ranks = options.each_rank;
   measured.bytes_at_rest = mesh::bytes_at_rest(result.mesh);
   timer.lap(adapt::Measured::check_step);
   auto& provenance = result.mesh.info.provenance;
-  provenance += fmt::format("{}pamr-refine {} --quality-control {}{}{}", provenance.empty() ? "" : "\n", PAMR_VERSION,
-                            options.quality_control, options.no_project ? " --no-project" : "",
+  const auto floor = options.quality_control == "removable" && options.shape_floor != refine::default_shape_floor
+                         ? fmt::format(" --shape-floor {}", options.shape_floor)
+                         : std::string();
+  provenance += fmt::format("{}pamr-refine {} --quality-control {}{}{}{}", provenance.empty() ? "" : "\n", PAMR_VERSION,
+                            options.quality_control, floor, options.no_project ? " --no-project" : "",
                             options.order == "auto" ? "" : " --order " + options.order);
-  io::write_native(comm, options.output, result.mesh, {.fingerprint = measured.fingerprint});
+  io::write_native(comm, options.output, result.mesh, {.fingerprint = measured.fingerprint, .format = options.format});
   timer.lap("write");
 
   warn_too_deep(session, result.report.marked_too_deep);

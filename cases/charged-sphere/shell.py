@@ -106,7 +106,7 @@ def write(name, points, cells, cell_to_cell, patches, surfaces, toml):
         vtk["Offsets"] = np.arange(0, cells.size + 1, 4)
         vtk["Types"] = np.full(len(cells), 10, dtype=np.uint8)
         pamr = file.create_group("PAMR")
-        pamr.attrs["format"] = 1
+        pamr.attrs["format"] = 2
         pamr.attrs["length_unit"] = "1"
         pamr["cell_to_cell"] = cell_to_cell
         pamr["patches/names"] = patches

@@ -30,7 +30,8 @@ class Mesh:
             self.points = grid["Points"][:]
             cells = grid["Connectivity"][:].reshape(-1, 4)
             neighbors = own["cell_to_cell"][:]
-            levels = (own["lineage"][:] >> 8 & 0xFF).astype(int) if "lineage" in own else np.zeros(len(cells), int)
+            level_bit = 8 if own.attrs["format"] == 1 else 12
+            levels = (own["lineage"][:] >> level_bit & 0xFF).astype(int) if "lineage" in own else np.zeros(len(cells), int)
             patches = [text.decode() for text in own["patches/names"][:]]
         self.n_cells = len(cells)
         self.deepest = int(levels.max())

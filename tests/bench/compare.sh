@@ -9,7 +9,7 @@
 #   --levels N       levels of W3 (default 5)
 #   --budget S       CPU seconds for each peer and workload, after which it gets no further run (default 30, at most 5
 #                    runs); the first run always ends
-#   --peers "A B"    some of: netgen dolfinx dmplex gmsh (default all)
+#   --peers "A B"    some of: netgen dolfinx ug dmplex gmsh (default all)
 #   --install        first install the peers' packages with apt
 #
 # Peers that are not installed are named in the table. Environment: PAMR_PEER_PYTHON (default /usr/bin/python3, Debian's
@@ -18,18 +18,11 @@ set -euo pipefail
 
 root=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")/../.." && pwd)
 here=$root/tests/bench/compare
-python=${PAMR_PEER_PYTHON:-/usr/bin/python3}
-compiler=${PAMR_PEER_CXX:-mpicxx}
+. "$here/build_peers.sh"
 
-declare -A packages=(
-  [netgen]="libnglib-dev netgen-headers libopenmpi-dev"
-  [dolfinx]="python3-dolfinx python3-numpy"
-  [dmplex]="python3-petsc4py python3-numpy"
-  [gmsh]="python3-gmsh python3-numpy"
-)
-declare -A workloads=([netgen]="W1 W2 W3" [dolfinx]="W1 W2 W3" [dmplex]="W1" [gmsh]="W1")
+declare -A workloads=([netgen]="W1 W2 W3" [dolfinx]="W1 W2 W3" [ug]="W2 W3" [dmplex]="W1" [gmsh]="W1")
 
-n_uniform=55 n_shell=56 n_levels=14 levels=5 budget=30 repeats=5 peers="netgen dolfinx dmplex gmsh" install=no build=
+n_uniform=55 n_shell=56 n_levels=14 levels=5 budget=30 repeats=5 peers="netgen dolfinx ug dmplex gmsh" install=no build=
 arguments="$*"
 while [ $# -gt 0 ]; do
   case $1 in
@@ -59,33 +52,12 @@ done
 
 results=$(mktemp -d)
 trap 'rm -rf -- "$results"' EXIT
-export OMP_NUM_THREADS=1 PYTHONDONTWRITEBYTECODE=1
-export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 OMPI_MCA_btl_vader_single_copy_mechanism=none
 
 install_peers() {
   local wanted=() peer as_root=()
   for peer in $peers; do read -ra wanted <<<"${wanted[*]} ${packages[$peer]}"; done
   [ "$(id -u)" = 0 ] || as_root=(sudo)
   "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -q install -y --no-install-recommends "${wanted[@]}" >&2
-}
-
-is_installed() {
-  case $1 in
-    netgen) command -v "$compiler" >/dev/null && [ -e /usr/include/netgen/meshing/meshclass.hpp ] ;;
-    dolfinx) "$python" -c 'import dolfinx, mpi4py, numpy' ;;
-    dmplex) "$python" -c 'import petsc4py.PETSc, numpy' ;;
-    gmsh) "$python" -c 'import gmsh, numpy' ;;
-  esac 2>/dev/null
-}
-
-# netgen's library is built with MPI, which shows in the layout of its mesh class.
-build_netgen() {
-  local folder version
-  folder=/usr/lib/$("$compiler" -print-multiarch)/netgen
-  version=$(basename -- "$(readlink -f "$folder/libmesh.so")")
-  "$compiler" -std=c++17 -O2 -w -DPARALLEL "-DNETGEN_VERSION_NAME=\"${version#libmesh.so.}\"" \
-    -I/usr/include/netgen -I/usr/include/netgen/include "$here/netgen_peer.cpp" -o "$results/netgen_peer" \
-    "-L$folder" "-Wl,-rpath,$folder" -lmesh -linterface -lngcore
 }
 
 size_of() {
@@ -103,9 +75,9 @@ run_peer() {
     echo "not installed (${packages[$peer]})" >"$results/$peer.note"
     return
   fi
-  if [ "$peer" = netgen ]; then
-    program=("$results/netgen_peer")
-    if ! build_netgen; then
+  if [ -e "$here/${peer}_peer.cpp" ]; then
+    program=("$results/${peer}_peer")
+    if ! "build_$peer"; then
       echo "could not be built" >"$results/$peer.note"
       return
     fi
@@ -127,7 +99,7 @@ run_ours() {
     "$bench" "--benchmark_filter=^$name/" --benchmark_format=json 2>/dev/null >"$results/pamr.$count.json"
     count=$((count + 1))
   done
-  "$quality" cube "$n_levels" "$levels" >"$results/pamr.quality"
+  "$quality" "kuhn:$n_levels" sphere:0.5,0.5,0.5,0.35 "$levels" >"$results/pamr.quality"
 }
 
 [ $install = no ] || install_peers

@@ -11,8 +11,8 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
 echo "Kuhn cube K(7), cells cut by the sphere r = 0.35"
-"$build/tests/bench/bench_quality_control" cube 7 "$levels"
+"$build/tests/bench/bench_quality_control" kuhn:7 sphere:0.5,0.5,0.5,0.35 "$levels"
 echo
 echo "Blunt cone, cells in a box of 1 mm at the shoulder, at the symmetry plane"
 "$build/bin/pamr-mesh" "$root/cases/blunt-cone/case.toml" -o "$work/cone.hdf" --quiet
-"$build/tests/bench/bench_quality_control" box "$work/cone.hdf" 8.672e-3,-1,24.5e-3,9.672e-3,0.5e-3,25.5e-3 "$levels"
+"$build/tests/bench/bench_quality_control" "$work/cone.hdf" box:8.672e-3,-1,24.5e-3,9.672e-3,0.5e-3,25.5e-3 "$levels"

@@ -105,7 +105,7 @@ void limit(benchmark::State& state, bool in_large_pages) {
       nodes[c] = {id, id + 1, id + 2, id + 3};
       neighbors[c] = {id - 1, id + 1, id - 2, id + 2};
       global[c] = id;
-      lineage[c] = mesh::Lineage(static_cast<std::uint32_t>(c));
+      lineage[c] = mesh::Lineage(static_cast<std::uint64_t>(c));
     }
     for (std::size_t i = 0; i < n / 6; ++i) {
       position[i] = {1.0 * static_cast<double>(i), 0.5, 0.25};

@@ -44,11 +44,15 @@ std::vector<std::uint8_t> mark_shell(const mesh::DistMesh& mesh, double radius, 
 }
 
 std::vector<std::uint8_t> mark_crossing(const mesh::DistMesh& mesh, double radius) {
+  return mark_crossing(mesh, middle, radius);
+}
+
+std::vector<std::uint8_t> mark_crossing(const mesh::DistMesh& mesh, geometry::Vec3 center, double radius) {
   std::vector<std::uint8_t> flags(static_cast<std::size_t>(mesh.n_cells()));
   for (LocalId c = 0; c < mesh.n_cells(); ++c) {
     double least = 1e300, greatest = 0;
     for (const auto p : mesh.points(c)) {
-      const double d = geometry::norm(p - middle);
+      const double d = geometry::norm(p - center);
       least = std::min(least, d);
       greatest = std::max(greatest, d);
     }

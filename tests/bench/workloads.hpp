@@ -17,6 +17,8 @@ std::vector<std::uint8_t> mark_shell(const mesh::DistMesh& mesh, double radius, 
 
 /// Cells cut by the sphere of that radius about the middle: least corner distance < radius < greatest. Local.
 std::vector<std::uint8_t> mark_crossing(const mesh::DistMesh& mesh, double radius);
+/// The same of any sphere. Local.
+std::vector<std::uint8_t> mark_crossing(const mesh::DistMesh& mesh, geometry::Vec3 center, double radius);
 
 /// Cells whose centroid lies in a box. Local.
 std::vector<std::uint8_t> mark_box(const mesh::DistMesh& mesh, geometry::Vec3 low, geometry::Vec3 high);

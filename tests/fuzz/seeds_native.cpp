@@ -9,8 +9,8 @@
 namespace pamr::fuzz {
 
 // 0 a Kuhn cube with fields and patches as the library writes it; 1 a closure family; 2 the `/VTKHDF` part alone in
-// HDF5's oldest layout; 3 the same chunked and compressed, with texts of variable length; 4 all parts in the oldest
-// layout and without checksums, so that damage reaches the values.
+// HDF5's oldest layout; 3 the same chunked and compressed, with texts of variable length and families of format 1; 4
+// all parts in the oldest layout and without checksums, so that damage reaches the values.
 int n_seed_files() { return 5; }
 
 void read_file(const par::Comm& comm, const std::filesystem::path& file) { io::read_native(comm, file); }
@@ -30,10 +30,12 @@ void write_seed_files(const par::Comm& comm, const std::filesystem::path& folder
   test::write_texts(chunked, "/PAMR/patches/names", {"wall"});
   test::write_texts(chunked, "/PAMR/surfaces",
                     {"[[surface]]\nname = \"wall\"\nkind = \"plane\"\npoint = [0, 0, 0]\nnormal = [0, 0, 1]\n"});
+  // 1:2 on edge 3 and 1:4 on face 2
+  test::write_dataset<std::uint64_t>(chunked, "/PAMR/lineage", {6}, {0x10d, 0x12d, 0x00a, 0x02a, 0x04a, 0x06a});
   const auto bare = folder / seed_name(4);
   test::write_plain_vtkhdf(bare, false);
   test::create_group(bare, "/PAMR");
-  test::write_attribute(bare, "/PAMR", "format", std::vector<std::int64_t>{1});
+  test::write_attribute(bare, "/PAMR", "format", std::vector<std::int64_t>{2});
   test::create_group(bare, "/PAMR/patches");
   test::write_texts(bare, "/PAMR/patches/names", {"inflow", "wall"});
   test::create_group(bare, "/PAMR/regions");
@@ -41,11 +43,11 @@ void write_seed_files(const par::Comm& comm, const std::filesystem::path& folder
   test::write_texts(bare, "/PAMR/regions/names", {"gas", "solid"});
   test::write_dataset<std::int64_t>(bare, "/PAMR/cell_to_cell", {6, 4}, {1, -1, 2, -2, 0, -1, 4, -2, 3, -1, 0, -2,
                                                                          2, -1, 5, -2, 5, -1, 1, -2, 4, -1, 3, -2});
-  using enum mesh::FamilyKind;
-  test::write_dataset<std::uint64_t>(
-      bare, "/PAMR/lineage", {6},
-      {mesh::Lineage(edge, 3, 0, 1).bits(), mesh::Lineage(edge, 3, 1, 1).bits(), mesh::Lineage(face, 2, 0, 0).bits(),
-       mesh::Lineage(face, 2, 1, 0).bits(), mesh::Lineage(face, 2, 2, 0).bits(), mesh::Lineage(face, 2, 3, 0).bits()});
+  const auto base = mesh::Lineage::regular(0).red_child(6).red_child(1);
+  std::vector<std::uint64_t> words;
+  for (int child = 0; child < 2; ++child) words.push_back(base.closed(4, child).bits());
+  for (int child = 0; child < 4; ++child) words.push_back(base.red_parent().closed(9, child).bits());
+  test::write_dataset<std::uint64_t>(bare, "/PAMR/lineage", {6}, words);
 }
 
 }  // namespace pamr::fuzz

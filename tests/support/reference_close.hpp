@@ -7,37 +7,37 @@
 #include <vector>
 
 #include "pamr/refine/options.hpp"
-#include "support/reference_split.hpp"
+#include "support/reference_family.hpp"
 
 /// The marking part of `reference_refine`: every rule of docs/refinement.md applied to every cell, again and again,
 /// until nothing changes.
 namespace pamr::test {
 
-/// A closure family read from its members: which corners they share tells the parent.
-struct ReferenceFamily {
-  GlobalId first = 0;
-  std::vector<Piece> member;
-  Piece parent;
-  Middles middle;  ///< of the parent's split edges
-
-  bool is_hit(const std::set<Edge>& marked) const;
-};
-
-/// Throws `std::logic_error` when the cells do not form a family.
-ReferenceFamily read_family(GlobalId first, const std::vector<Piece>& member);
-
 struct ReferenceClosing {
-  std::set<Edge> marked;                            ///< existing edges that get a node
-  Middles middle;                                   ///< their nodes, and those of the families that are taken back
-  Points point;                                     ///< old nodes, then new ones in no particular order
-  std::map<GlobalId, ReferenceFamily> family;       ///< those that are taken back, by first member
-  std::map<GlobalId, std::vector<Piece>> children;  ///< of their parents
-  std::int64_t families_kept = 0;                   ///< hit, but their parent cannot be rebuilt
+  std::set<Edge> marked;                       ///< existing edges that get a node
+  Middles middle;                              ///< their nodes, and those of the families that are taken back
+  Points point;                                ///< old nodes, then new ones in no particular order
+  std::map<GlobalId, ReferenceFamily> family;  ///< those that are taken back, by first member
+  /// What becomes of cells and of families that are taken back, by (first) cell; of cells with six marks it is decided
+  /// when nodes lie on their surfaces, and nothing is here.
+  std::map<GlobalId, std::vector<Piece>> children;
+  std::int64_t families_kept = 0;  ///< those of them that have marks
+  /// Parents that become eight, of whose children one has marks that the floor enlarges: to be split first.
+  std::set<CornerSet> early;
 };
 
-/// `cell`: all cells with patches and lineage; `point`: all nodes. Throws `std::logic_error` where a rule would mark an
-/// edge that does not exist yet: docs/refinement.md says that none does.
-ReferenceClosing reference_close(const std::vector<Piece>& cell, const Points& point,
-                                 const std::vector<std::uint8_t>& flags, refine::QualityControl policy);
+/// What is asked of a closing.
+struct ReferenceRequest {
+  std::vector<std::uint8_t> flags;  ///< of each cell: it is to be split
+  std::set<CornerSet> assess;       ///< parents of families to which the floor applies although no mark is new
+};
+
+/// `cell`: all cells with patches and lineage; `point`: all nodes. Only for the policy `removable`.
+ReferenceClosing close_removable(const std::vector<Piece>& cell, const Points& point, const ReferenceRequest& request,
+                                 double shape_floor);
+
+/// The other policies: no family is taken back, and only the templates 1:2, 1:4 and 1:8 are used.
+ReferenceClosing close_by_templates(const std::vector<Piece>& cell, const Points& point,
+                                    const std::vector<std::uint8_t>& flags, refine::QualityControl policy);
 
 }  // namespace pamr::test

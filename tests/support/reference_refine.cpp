@@ -21,19 +21,6 @@ namespace {
 
 std::size_t at(std::int64_t i) { return static_cast<std::size_t>(i); }
 
-std::vector<Piece> pieces_of(const mesh::BlockMesh& whole) {
-  std::vector<Piece> pieces(whole.cell_to_node.size());
-  for (std::size_t c = 0; c < pieces.size(); ++c) {
-    pieces[c].corner = whole.cell_to_node[c];
-    if (!whole.lineage.empty()) pieces[c].lineage = whole.lineage[c];
-    for (std::size_t f = 0; f < 4; ++f) {
-      const auto neighbor = whole.cell_to_cell[c][f];
-      if (neighbor < 0) pieces[c].patch[f] = static_cast<int>(-neighbor - 1);
-    }
-  }
-  return pieces;
-}
-
 /// First members of the families of which a member is split while the family stays: its other members are broken.
 std::set<GlobalId> broken_families(const std::vector<Piece>& cell, const ReferenceClosing& closing) {
   std::set<GlobalId> broken;
@@ -44,6 +31,15 @@ std::set<GlobalId> broken_families(const std::vector<Piece>& cell, const Referen
       broken.insert(first);
   }
   return broken;
+}
+
+/// A middle of the cell's edges that does not lie where the straight edge has it.
+bool has_moved(const Piece& piece, const Middles& middle, const Points& point) {
+  for (const int e : edges_within(piece, middle)) {
+    const auto [a, b] = piece.edge(e);
+    if (!(point[at(middle.at({a, b}))] == geometry::midpoint(point[at(a)], point[at(b)]))) return true;
+  }
+  return false;
 }
 
 /// Children of all old cells, in the old order; those of a family that is taken back in the place of its first member.
@@ -57,29 +53,23 @@ Offspring split_all(const std::vector<Piece>& cell, const ReferenceClosing& clos
   Middles middle;  // of marked edges
   for (const auto& edge : closing.marked) middle[edge] = closing.middle.at(edge);
   Offspring offspring;
-  const auto add = [&](const std::vector<Piece>& pieces, GlobalId from) {
-    for (const auto& piece : pieces) {
-      offspring.piece.push_back(piece);
-      offspring.from.push_back(from);
-    }
-  };
   for (std::size_t c = 0; c < cell.size(); ++c) {
     const auto id = static_cast<GlobalId>(c), first = id - cell[c].lineage.child();
-    if (cell[c].lineage.is_removable() && closing.family.count(first) != 0) {
-      if (id == first)
-        for (const auto& child : closing.children.at(first)) add(split(child, middle, point, true), first);
-      continue;
-    }
-    bool moved = false;
-    for (const int e : edges_within(cell[c], middle)) {
-      const auto edge = cell[c].edge(e);
-      moved =
-          moved || !(point[at(middle.at(edge))] == geometry::midpoint(point[at(edge.first)], point[at(edge.second)]));
-    }
-    auto children = split(cell[c], middle, point, moved);
+    const bool is_undone = cell[c].lineage.is_removable() && closing.family.count(first) != 0;
+    if (is_undone && id != first) continue;
+    std::vector<Piece> children{cell[c]};
+    if (is_undone)
+      children = closing.children.at(first);
+    else if (const auto edges = edges_within(cell[c], middle); edges == all_six)
+      children = split_in_eight(cell[c], middle, point, has_moved(cell[c], middle, point));
+    else if (!edges.empty())
+      children = closing.children.at(id);
     if (children.size() == 1 && cell[c].lineage.is_removable() && broken.count(first) != 0)
       children.front().lineage = cell[c].lineage.broken();
-    add(children, id);
+    for (const auto& piece : children) {
+      offspring.piece.push_back(piece);
+      offspring.from.push_back(id);
+    }
   }
   return offspring;
 }
@@ -167,24 +157,16 @@ double depth_in(const geometry::TetPoints& p, geometry::Vec3 x) {
   return least;
 }
 
-/// The old cell that holds the centroid of each new one: to rounding, and the first of several.
-std::vector<GlobalId> find_parents(const Offspring& offspring, const ReferenceClosing& closing) {
-  std::vector<GlobalId> parents;
-  for (std::size_t c = 0; c < offspring.piece.size(); ++c) {
-    GlobalId parent = offspring.from[c];
-    if (const auto found = closing.family.find(parent); found != closing.family.end()) {
-      const auto p = points_of(offspring.piece[c], closing.point);
-      const auto centroid = 0.25 * (p[0] + p[1] + p[2] + p[3]);
-      const auto& members = found->second.member;
-      std::vector<double> depth;
-      for (const auto& member : members) depth.push_back(depth_in(points_of(member, closing.point), centroid));
-      auto holds = std::find_if(depth.begin(), depth.end(), [](double d) { return d >= -0x1p-40; });
-      if (holds == depth.end()) holds = std::max_element(depth.begin(), depth.end());
-      parent += holds - depth.begin();
-    }
-    parents.push_back(parent);
-  }
-  return parents;
+/// The old cell that holds a point of cell `from`, or of the family that began with it and is taken back: to rounding,
+/// and the first of several.
+GlobalId cell_with(const ReferenceClosing& closing, GlobalId from, geometry::Vec3 x) {
+  const auto found = closing.family.find(from);
+  if (found == closing.family.end()) return from;
+  std::vector<double> depth;
+  for (const auto& member : found->second.member) depth.push_back(depth_in(points_of(member, closing.point), x));
+  auto holds = std::find_if(depth.begin(), depth.end(), [](double d) { return d >= -0x1p-40; });
+  if (holds == depth.end()) holds = std::max_element(depth.begin(), depth.end());
+  return from + (holds - depth.begin());
 }
 
 /// Neighbors by a map of faces; a face of one cell has the patch that it inherited, and no other face has one.
@@ -198,13 +180,10 @@ void link(const std::vector<Piece>& piece, mesh::BlockMesh& mesh) {
     }
 }
 
-}  // namespace
-
-ReferenceRefinement reference_refine(const mesh::BlockMesh& whole, const std::vector<std::uint8_t>& flags,
-                                     refine::QualityControl policy,
-                                     const std::vector<const geometry::Surface*>& surface_of_patch) {
-  const auto cell = pieces_of(whole);
-  const auto closing = reference_close(cell, whole.node_position, flags, policy);
+/// One pass: what a closing asks for.
+ReferenceRefinement carry_out(const mesh::BlockMesh& whole, const std::vector<Piece>& cell,
+                              const ReferenceClosing& closing,
+                              const std::vector<const geometry::Surface*>& surface_of_patch) {
   auto point = closing.point;
   ReferenceRefinement result;
   if (!surface_of_patch.empty()) result.largest_move = project(cell, surface_of_patch, closing, point);
@@ -212,7 +191,12 @@ ReferenceRefinement reference_refine(const mesh::BlockMesh& whole, const std::ve
   result.is_positive = all_positive(offspring.piece, point);
   result.families_rebuilt = static_cast<std::int64_t>(closing.family.size());
   result.families_kept = closing.families_kept;
-  result.parent = find_parents(offspring, closing);
+  result.from = offspring.from;
+  for (std::size_t c = 0; c < offspring.piece.size(); ++c) {
+    const auto p = points_of(offspring.piece[c], closing.point);
+    result.centroid.push_back(0.25 * (p[0] + p[1] + p[2] + p[3]));
+    result.parent.push_back(cell_with(closing, result.from[c], result.centroid[c]));
+  }
 
   const auto to_final = number_nodes(cell, whole.node_position.size(), closing);
   auto& mesh = result.mesh;
@@ -228,6 +212,87 @@ ReferenceRefinement reference_refine(const mesh::BlockMesh& whole, const std::ve
   mesh.info.n_global_cells = static_cast<GlobalId>(mesh.cell_to_node.size());
   link(offspring.piece, mesh);
   return result;
+}
+
+/// Flags of the cells that are, or belong to, a flagged base cell.
+std::vector<std::uint8_t> flag(const std::vector<Piece>& cell, const std::set<CornerSet>& flagged) {
+  std::vector<std::uint8_t> flags;
+  const auto base = base_cells_of(cell);
+  for (std::size_t c = 0; c < cell.size(); ++c)
+    flags.push_back(flagged.count(base[c]) + flagged.count(corners_of(cell[c])) != 0 ? 1 : 0);
+  return flags;
+}
+
+/// After a pass: what was flagged and has not become eight is flagged again. A cell that is still there has its flag;
+/// of a cell or family that has been closed, all closure cells.
+std::vector<std::uint8_t> flag_again(const std::vector<Piece>& cell, const std::vector<std::uint8_t>& flags,
+                                     const ReferenceClosing& closing, const std::vector<Piece>& fine,
+                                     const std::vector<GlobalId>& from) {
+  std::vector<std::uint8_t> again;
+  for (std::size_t c = 0; c < fine.size(); ++c) {
+    const auto& old = cell[at(from[c])];
+    const auto n_old = closing.family.count(from[c]) != 0 ? old.lineage.family_size() : 1;
+    const auto begin = flags.begin() + from[c];
+    const bool was_flagged = std::any_of(begin, begin + n_old, [](auto flag) { return flag != 0; });
+    again.push_back(was_flagged && fine[c].lineage.level() == old.lineage.level() ? 1 : 0);
+  }
+  return again;
+}
+
+/// Parents of the closure families that came of the given cells. `from`: the old (first) cell of each new one.
+std::set<CornerSet> families_within(const std::vector<Piece>& fine, const std::vector<GlobalId>& from,
+                                    const std::set<GlobalId>& cells) {
+  std::set<CornerSet> parents;
+  const auto base = base_cells_of(fine);
+  for (std::size_t c = 0; c < fine.size(); ++c)
+    if (fine[c].lineage.is_removable() && cells.count(from[c]) != 0) parents.insert(base[c]);
+  return parents;
+}
+
+/// The second pass after the first.
+ReferenceRefinement joined(const ReferenceRefinement& first, const ReferenceClosing& first_closing,
+                           ReferenceRefinement second) {
+  for (std::size_t c = 0; c < second.parent.size(); ++c)
+    second.parent[c] = cell_with(first_closing, first.from[at(second.parent[c])], second.centroid[c]);
+  second.families_rebuilt += first.families_rebuilt;
+  second.families_kept += first.families_kept;
+  second.early_passes += first.early_passes;
+  second.largest_move = std::max(first.largest_move, second.largest_move);
+  second.is_positive = first.is_positive && second.is_positive;
+  return second;
+}
+
+/// Passes of `removable` until nothing is to be split early.
+ReferenceRefinement refine_removable(const mesh::BlockMesh& whole, const ReferenceRequest& request, double shape_floor,
+                                     const std::vector<const geometry::Surface*>& surface_of_patch) {
+  const auto cell = pieces_of(whole);
+  const auto closing = close_removable(cell, whole.node_position, request, shape_floor);
+  if (closing.early.empty()) return carry_out(whole, cell, closing, surface_of_patch);
+
+  // those alone are split first, and all that follows from them; what is early then is assessed afterwards
+  const ReferenceRequest early{flag(cell, closing.early), request.assess};
+  const auto early_closing = close_removable(cell, whole.node_position, early, shape_floor);
+  if (early_closing.families_kept > 0) return carry_out(whole, cell, closing, surface_of_patch);
+  auto first = carry_out(whole, cell, early_closing, surface_of_patch);
+  ++first.early_passes;
+  const auto fine = pieces_of(first.mesh);
+  std::set<GlobalId> unsettled;
+  for (const auto& [id, family] : early_closing.family)
+    if (early_closing.early.count(corners_of(family.parent)) != 0) unsettled.insert(id);
+  const ReferenceRequest left{flag_again(cell, request.flags, early_closing, fine, first.from),
+                              families_within(fine, first.from, unsettled)};
+  return joined(first, early_closing, refine_removable(first.mesh, left, shape_floor, surface_of_patch));
+}
+
+}  // namespace
+
+ReferenceRefinement reference_refine(const mesh::BlockMesh& whole, const std::vector<std::uint8_t>& flags,
+                                     refine::QualityControl policy, double shape_floor,
+                                     const std::vector<const geometry::Surface*>& surface_of_patch) {
+  if (policy == refine::QualityControl::removable)
+    return refine_removable(whole, {flags, {}}, shape_floor, surface_of_patch);
+  const auto cell = pieces_of(whole);
+  return carry_out(whole, cell, close_by_templates(cell, whole.node_position, flags, policy), surface_of_patch);
 }
 
 }  // namespace pamr::test

@@ -14,15 +14,7 @@ namespace {
 using mesh::tet::edge_to_corner;
 using Quad = std::array<GlobalId, 4>;
 
-/// Two numbers within this factor are equal to rounding.
-constexpr double rounding = 1 + 0x1p-40;
-
 std::size_t at(std::int64_t i) { return static_cast<std::size_t>(i); }
-
-mesh::Lineage child_lineage(const Piece& parent, mesh::FamilyKind kind, int index, int child) {
-  const int level = parent.lineage.level();
-  return {kind, index, child, kind == mesh::FamilyKind::regular ? level + 1 : level};
-}
 
 /// The four cells at an inner diagonal: each holds both its ends and two neighboring nodes of the ring of the other
 /// four middles. `m[e]` is the middle of edge e. Two middles of that ring are neighbors unless their edges are
@@ -86,62 +78,6 @@ int choose_diagonal(const std::array<GlobalId, 6>& m, const Points& point, bool 
   });
 }
 
-std::vector<Piece> split_in_two(const Piece& parent, const Middles& middle, int edge) {
-  const auto m = middle.at(parent.edge(edge));
-  const auto [i, j] = edge_to_corner[at(edge)];
-  std::vector<Piece> children(2);
-  children[0].corner = parent.with(at(j), m);
-  children[1].corner = parent.with(at(i), m);
-  for (int child = 0; child < 2; ++child)
-    children[at(child)].lineage = child_lineage(parent, mesh::FamilyKind::edge, edge, child);
-  return children;
-}
-
-/// The three corners of the face in turn keep theirs, the two others give way to the middles towards it; the last cell
-/// stands on the triangle of the middles, each in the place of the corner it is opposite to.
-std::vector<Piece> split_in_four(const Piece& parent, const Middles& middle, int face) {
-  const auto between = [&](int a, int b) {
-    return middle.at(edge_between(parent.corner[at(a)], parent.corner[at(b)]));
-  };
-  std::vector<Piece> children;
-  Piece central;
-  central.corner[at(face)] = parent.corner[at(face)];
-  for (int kept = 0; kept < 4; ++kept) {
-    if (kept == face) continue;
-    Piece child;
-    std::vector<int> others;
-    for (int slot = 0; slot < 4; ++slot) {
-      const bool gives_way = slot != kept && slot != face;
-      if (gives_way) others.push_back(slot);
-      child.corner[at(slot)] = gives_way ? between(kept, slot) : parent.corner[at(slot)];
-    }
-    central.corner[at(kept)] = between(others[0], others[1]);
-    children.push_back(child);
-  }
-  children.push_back(central);
-  for (int child = 0; child < 4; ++child)
-    children[at(child)].lineage = child_lineage(parent, mesh::FamilyKind::face, face, child);
-  return children;
-}
-
-std::vector<Piece> split_in_eight(const Piece& parent, const Middles& middle, const Points& point, bool only_positive) {
-  std::array<GlobalId, 6> m{};
-  for (int e = 0; e < 6; ++e) m[at(e)] = middle.at(parent.edge(e));
-  std::vector<Piece> children;
-  const auto add = [&](const Quad& corner) {
-    children.push_back({corner, {-1, -1, -1, -1}, child_lineage(parent, mesh::FamilyKind::regular, 0, 0)});
-  };
-  for (std::size_t kept = 0; kept < 4; ++kept) {
-    Quad corner{};
-    for (std::size_t slot = 0; slot < 4; ++slot)
-      corner[slot] =
-          slot == kept ? parent.corner[kept] : middle.at(edge_between(parent.corner[kept], parent.corner[slot]));
-    add(corner);
-  }
-  for (const auto& corner : cells_round_diagonal(m, choose_diagonal(m, point, only_positive))) add(corner);
-  return children;
-}
-
 /// A child's face has the patch of the parent's face in which all its nodes lie.
 void inherit_patches(const Piece& parent, const Middles& middle, std::vector<Piece>& children) {
   for (auto& child : children)
@@ -188,30 +124,64 @@ std::set<GlobalId> nodes_on_face(const Piece& piece, const Middles& middle, std:
   return nodes;
 }
 
-std::vector<Piece> split(const Piece& parent, const Middles& middle, const Points& point, bool only_positive) {
-  const auto edges = edges_within(parent, middle);
-  if (edges.empty()) return {parent};
+std::vector<Piece> split_as(const Piece& parent, const Middles& middle, const ReferencePattern& pattern) {
+  if (pattern.marks.empty()) return {parent};
   std::vector<Piece> children;
-  if (edges.size() == 1) children = split_in_two(parent, middle, *edges.begin());
-  for (int face = 0; face < 4; ++face)
-    if (edges == edges_of_face(face)) children = split_in_four(parent, middle, face);
-  if (edges == all_six) children = split_in_eight(parent, middle, point, only_positive);
-  if (children.empty()) throw std::logic_error("split: the split edges of a cell are not a legal set");
+  for (const auto& codes : pattern.child) {
+    Piece child;
+    for (std::size_t slot = 0; slot < 4; ++slot)
+      child.corner[slot] = codes[slot] < 4 ? parent.corner[at(codes[slot])] : middle.at(parent.edge(codes[slot] - 4));
+    // a cell of a family that is split by itself is a root: it knows no ancestors
+    child.lineage = parent.lineage.base_for_split().closed(state_of(pattern), static_cast<int>(children.size()));
+    children.push_back(child);
+  }
   inherit_patches(parent, middle, children);
   return children;
 }
 
-double worst_child_if_halved(const geometry::TetPoints& corner, const std::set<int>& edges) {
-  Points point(corner.begin(), corner.end());
-  Middles middle;
+std::vector<Piece> split_in_eight(const Piece& parent, const Middles& middle, const Points& point, bool only_positive) {
+  std::array<GlobalId, 6> m{};
+  for (int e = 0; e < 6; ++e) m[at(e)] = middle.at(parent.edge(e));
+  std::vector<Piece> children;
+  const auto add = [&](const Quad& corner) {
+    const auto number = static_cast<int>(children.size());
+    children.push_back({corner, {-1, -1, -1, -1}, parent.lineage.base_for_split().red_child(number)});
+  };
+  for (std::size_t kept = 0; kept < 4; ++kept) {
+    Quad corner{};
+    for (std::size_t slot = 0; slot < 4; ++slot)
+      corner[slot] =
+          slot == kept ? parent.corner[kept] : middle.at(edge_between(parent.corner[kept], parent.corner[slot]));
+    add(corner);
+  }
+  for (const auto& corner : cells_round_diagonal(m, choose_diagonal(m, point, only_positive))) add(corner);
+  inherit_patches(parent, middle, children);
+  return children;
+}
+
+std::vector<Piece> split_by_templates(const Piece& parent, const Middles& middle, const Points& point,
+                                      bool only_positive) {
+  const auto edges = edges_within(parent, middle);
+  if (edges == all_six) return split_in_eight(parent, middle, point, only_positive);
+  for (int state = 0; state <= 10; ++state)
+    if (family_patterns()[at(state)].marks == edges) return split_as(parent, middle, family_patterns()[at(state)]);
+  throw std::logic_error("split: the split edges of a cell are not a legal set");
+}
+
+LoneCell halve(const geometry::TetPoints& corner, const std::set<int>& edges) {
+  LoneCell cell;
+  cell.point.assign(corner.begin(), corner.end());
   for (const int e : edges) {
     const auto [a, b] = edge_to_corner[at(e)];
-    middle[edge_between(a, b)] = static_cast<GlobalId>(point.size());
-    point.push_back(geometry::midpoint(corner[at(a)], corner[at(b)]));
+    cell.middle[edge_between(a, b)] = static_cast<GlobalId>(cell.point.size());
+    cell.point.push_back(geometry::midpoint(corner[at(a)], corner[at(b)]));
   }
+  return cell;
+}
+
+double worst_mean_ratio(const std::vector<Piece>& pieces, const Points& point) {
   double worst = 1;
-  for (const auto& child : split({{0, 1, 2, 3}, {-1, -1, -1, -1}, {}}, middle, point, false))
-    worst = std::min(worst, geometry::mean_ratio(points_of(child, point)));
+  for (const auto& piece : pieces) worst = std::min(worst, geometry::mean_ratio(points_of(piece, point)));
   return worst;
 }
 

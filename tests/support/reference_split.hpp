@@ -9,6 +9,7 @@
 
 #include "pamr/assemble/assemble.hpp"
 #include "pamr/mesh/tet.hpp"
+#include "support/reference_patterns.hpp"
 
 /// Cells and their children by the names of their nodes: the splitting part of `reference_refine`. Nothing of the
 /// library's tables is used but the numbering of a cell's edges and the layout of the lineage word.
@@ -52,13 +53,32 @@ std::set<int> edges_within(const Piece& piece, const Edges& edges) {
 std::set<int> edges_of_face(int face);
 inline const std::set<int> all_six{0, 1, 2, 3, 4, 5};
 
-/// The children of a cell of which the edges in `middle` are split: 1, 2, 4 or 8, in template order; a cell with an
-/// illegal set of split edges throws `std::logic_error`. `only_positive`: an inner diagonal that would invert a cell is
-/// taken only where all three would. Lineage and patches are those of children.
-std::vector<Piece> split(const Piece& parent, const Middles& middle, const Points& point, bool only_positive);
+/// The children of a cell by a pattern of 0 to 5 marks (without marks: the cell itself). Lineage and patches are those
+/// of children.
+std::vector<Piece> split_as(const Piece& parent, const Middles& middle, const ReferencePattern& pattern);
 
-/// Children of a cell as if the given edges were halved in their middle: their worst mean ratio.
-double worst_child_if_halved(const geometry::TetPoints& corner, const std::set<int>& edges);
+/// The eight children of a cell. `only_positive`: an inner diagonal that would invert a cell is taken only where all
+/// three would.
+std::vector<Piece> split_in_eight(const Piece& parent, const Middles& middle, const Points& point, bool only_positive);
+
+/// The children by the templates 1:2, 1:4 and 1:8 alone: 1, 2, 4 or 8; a cell with another set of split edges throws
+/// `std::logic_error`.
+std::vector<Piece> split_by_templates(const Piece& parent, const Middles& middle, const Points& point,
+                                      bool only_positive);
+
+/// A cell alone: its corners are points 0 to 3, then come the middles of the given edges, where straight edges have
+/// them.
+struct LoneCell {
+  Piece piece{{0, 1, 2, 3}, {-1, -1, -1, -1}, {}};
+  Points point;
+  Middles middle;
+};
+LoneCell halve(const geometry::TetPoints& corner, const std::set<int>& edges);
+
+double worst_mean_ratio(const std::vector<Piece>& pieces, const Points& point);
+
+/// Two numbers within this factor are equal to rounding.
+inline constexpr double rounding = 1 + 0x1p-40;
 
 /// True when all are positive by exact arithmetic.
 bool all_positive(const std::vector<Piece>& pieces, const Points& point);

@@ -59,6 +59,12 @@ def test_everything_marked_makes_eight_of_each():
         if n_cells == 2:
             report = run("pamr-refine", "marked.hdf", "--dry-run", "--json", "-", "--quiet").json
             assert report["cells_out"] == 8 * n_cells, report
+            bound = report["uniform_shape_bound"]
+            for floor in (0, 0.1, 1):
+                report = run("pamr-refine", "marked.hdf", "--dry-run", "--shape-floor", floor, "--json", "-", "--quiet").json
+                assert report["shape_bound"] == min(floor, bound) and report["uniform_shape_bound"] == bound, report
+            assert "shape_bound" not in run("pamr-refine", "marked.hdf", "--dry-run", "--quality-control", "none", "--json",
+                                            "-", "--quiet").json
         report = run("pamr-refine", "marked.hdf", "-o", "out.hdf", "--force", "--json", "-", "--quiet").json
         assert report["cells_out"] == 8 * n_cells and report["inverted_cells"] == 0, report
 

@@ -157,7 +157,7 @@ def work_and_children(*criterion):
 def test_work_is_the_cells_to_come_and_more_where_they_cost_more():
     kuhn_cube("a.hdf", 5)
     work, children = work_and_children("--crossing-sphere", "0.1,0.2,0.3,0.47")
-    assert (work == children + 2 * ((children > 1) & (children < 8))).all() and len(set(children)) == 4
+    assert (work == children + 2 * ((children > 1) & (children < 8))).all() and {1, 2, 3, 4, 7, 8} == set(children)
 
     run("pamr-mesh", "--shape", "sphere-in-box", "--size", "0.5", "-o", "a.hdf", "--quiet", "--force")
     work, children = work_and_children("--patch", "sphere")

@@ -72,8 +72,8 @@ def test_control_characters_of_a_file_do_not_reach_the_terminal():
     refuses("pamr-quality", "no\nsuch\x1b file.hdf", says=(r"no\nsuch\x1b file.hdf",))
 
 
-# Lineage of a regular cell of a level, as /PAMR/lineage has it.
-LEVEL_SHIFT, MAX_LEVEL = 8, 255
+# Lineage of a regular cell of a level whose ancestors are not known, as /PAMR/lineage of format 2 has it.
+LEVEL_SHIFT, MAX_LEVEL = 12, 255
 
 
 def at_levels(source, target, level_of):

@@ -5,6 +5,7 @@ import os
 import h5py
 import numpy as np
 
+from lineage_words import Lineage
 from tool_run import RANKS, add_cell_field, kuhn_cube, refuses, run, run_tests, same_bytes
 
 
@@ -38,9 +39,8 @@ def partition(mesh, parts, *options):
         assert np.isclose(report["neighbors_mean_before"], np.mean(of_run))
     assert report["empty_parts"] == parts - len(set(rank))
     if lineage is not None:
-        kind, child, broken = lineage & 3, lineage >> 5 & 3, lineage >> 7 & 1
-        member = np.flatnonzero((kind != 0) & (broken == 0))
-        assert (rank[member] == rank[member - child[member].astype(int)]).all(), "a family is torn"
+        first = np.arange(len(rank)) - Lineage(lineage).child_in_whole
+        assert (rank == rank[first]).all(), "a family is torn"
     return rank, report
 
 

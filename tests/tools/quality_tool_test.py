@@ -40,6 +40,8 @@ def test_report_has_its_keys_and_does_not_depend_on_ranks():
         counts, edges = metric["histogram"]["counts"], metric["histogram"]["edges"]
         assert len(counts) == 50 and len(edges) == 51 and sum(counts) == 750 and sorted(edges) == edges
     assert len(report["fingerprint"]) == 16
+    assert 0.75 * report["mean_ratio"]["min"] < report["uniform_shape_bound"] <= report["mean_ratio"]["min"]
+    assert f"{report['uniform_shape_bound']:.4f}" in run("pamr-quality", "a.hdf").out
 
 
 def test_values_agree_with_numpy():

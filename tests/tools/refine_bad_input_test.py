@@ -9,6 +9,7 @@ import time
 import h5py
 import numpy as np
 
+from lineage_words import Lineage
 from tool_run import BIN, LAUNCHER, RANKS, bare_copy, kuhn_cube, refuses, run, run_tests, same_bytes
 
 SECONDS = 60
@@ -191,19 +192,29 @@ def test_lineage_that_describes_no_families():
     good_mesh()
     with h5py.File("good.hdf") as file:
         lineage = file["PAMR/lineage"][:]
-    kind, child = lineage & 3, lineage >> 5 & 3
-    edge = np.flatnonzero((kind == 1) & (child == 0))[0]
-    face = np.flatnonzero((kind == 2) & (child == 0))[0]
+    word = Lineage(lineage)
+    edge = np.flatnonzero((word.state >= 1) & (word.state <= 6) & (word.child == 0))[0]
+    face = np.flatnonzero((word.state >= 7) & (word.state <= 10) & (word.child == 0))[0]
+    known = np.flatnonzero(word.path != 0)[0]
     exchanged = lineage.copy()
     exchanged[face:face + 2] = exchanged[face:face + 2][::-1]
 
     def turned(first, end, bit):
         return with_entry(slice(first, end), lineage[first:end] ^ np.uint64(1 << bit))
+
+    def of_other_state(first, end):
+        """As many cells in the family, another edge or face."""
+        size = 2 if word.state[first] <= 6 else 4
+        step = size if word.state[first] in (1, 7) else -size
+        return with_entry(slice(first, end), (lineage[first:end].astype(np.int64) + step).astype(np.uint64))
     for change in (with_entry(edge + 1, 0), with_entry(edge, 0), with_entry(face + 2, 0), lambda v: exchanged,
-                   turned(edge, edge + 1, 2), turned(face, face + 1, 3), turned(edge, edge + 1, 9),
-                   turned(edge, edge + 1, 16), with_entry(0, 3), with_entry(0, np.uint64(2**64 - 1)),
+                   of_other_state(edge, edge + 1), of_other_state(face, face + 1), turned(edge, edge + 1, 11),
+                   turned(edge, edge + 1, 13), turned(edge, edge + 1, 23), with_entry(0, 3), with_entry(0, 0x7FF),
+                   # paths that cannot be: without an end, with the end in no place, longer than the level
+                   with_entry(known, 1 << 20), with_entry(known, 7 << 12 | 16 << 20), with_entry(known, 64 << 20),
+                   with_entry(0, np.uint64(2**63)), with_entry(0, np.uint64(2**64 - 1)),
                    # whole families of another template: the cells are not what it says
-                   turned(edge, edge + 2, 3), turned(face, face + 4, 3)):
+                   of_other_state(edge, edge + 2), of_other_state(face, face + 4)):
         no_mesh_from(edit("good.hdf", "bad.hdf", "PAMR/lineage", change), "bad.hdf", "lineage")
 
 

@@ -6,6 +6,7 @@ import shutil
 import h5py
 import numpy as np
 
+from lineage_words import Lineage
 from tool_run import add_cell_field, bare_copy, kuhn_cube, refuses, run, run_tests, same_bytes
 
 
@@ -24,9 +25,7 @@ def shuffled_copy(source, target, seed):
     shutil.copy(source, target)
     with h5py.File(target, "r+") as file:
         vtk, ours = file["VTKHDF"], file["PAMR"]
-        lineage = ours["lineage"][:].astype(np.int64)
-        whole = ((lineage & 3) != 0) & ((lineage & 0x80) == 0)
-        family = np.cumsum(~whole | ((lineage >> 5 & 3) == 0)) - 1
+        family = np.cumsum(Lineage(ours["lineage"][:]).child_in_whole == 0) - 1
         place = random.permutation(family[-1] + 1)
         order = np.argsort(place[family], kind="stable")
         new_cell = np.argsort(order)
@@ -76,9 +75,8 @@ def check_parents(source, refined):
                 parts.append(volume(replaced))
             return np.min(parts, axis=0)
         assert (min_part(parent) >= -1e-15).all(), "a centroid outside its parent"
-        lineage = old["PAMR/lineage"][:][parent].astype(np.int64)
-        child = np.where(((lineage & 3) != 0) & ((lineage & 0x80) == 0), lineage >> 5 & 3, 0)
-        for back in range(1, 4):
+        child = Lineage(old["PAMR/lineage"][:][parent]).child_in_whole
+        for back in range(1, 7):
             has = child >= back
             assert not (min_part(np.where(has, parent - back, parent))[has] >= 1e-12).any(), "not the smallest"
 
@@ -157,8 +155,7 @@ def test_errors_name_cells_by_their_numbers_in_the_file():
         file["VTKHDF/CellData/refine"][417] = 7
 
     def turned(file):
-        with_lineage = file["PAMR/lineage"][:].astype(np.int64) & 3
-        cell = int(np.flatnonzero(with_lineage == 0)[100])
+        cell = int(np.flatnonzero(Lineage(file["PAMR/lineage"][:]).is_regular)[100])
         turned.cell = cell
         for dataset, row in (("VTKHDF/Connectivity", slice(4 * cell, 4 * cell + 4)), ("PAMR/cell_to_cell", cell)):
             values = file[dataset][row]

@@ -10,6 +10,7 @@
 #include "pamr/balance/weights.hpp"
 #include "pamr/base/index.hpp"
 #include "pamr/base/timer.hpp"
+#include "pamr/refine/requests.hpp"
 
 namespace pamr::adapt {
 
@@ -41,7 +42,7 @@ Balancing balancing_named(std::string_view method, std::string_view weights) {
 }
 
 std::vector<std::int64_t> cell_weights(const par::Comm& comm, const mesh::DistMesh& mesh,
-                                       std::span<const std::uint8_t> flags, const refine::Closure& closure,
+                                       std::span<const std::uint8_t> requests, const refine::Closure& closure,
                                        const Balancing& balancing) {
   switch (balancing.weights) {
     case Weights::exact:
@@ -51,13 +52,14 @@ std::vector<std::int64_t> cell_weights(const par::Comm& comm, const mesh::DistMe
     default:
       std::vector<std::int64_t> weight(at(mesh.n_cells()), 1);
       if (balancing.weights == Weights::eight_to_one)
-        for (std::size_t c = 0; c < weight.size(); ++c) weight[c] = flags[c] != 0 ? 8 : 1;
+        for (std::size_t c = 0; c < weight.size(); ++c)
+          weight[c] = refine::asks_for(requests[c], refine::Request::split) ? 8 : 1;
       return weight;
   }
 }
 
-Balanced balance_parents(const par::Comm& comm, Parents parents, std::span<const std::uint8_t> flags,
-                         const Balancing& balancing, StepTimer& timer) {
+Balanced balance_parents(const par::Comm& comm, Parents parents, std::span<const std::uint8_t> requests,
+                         const Balancing& balancing, const refine::Options& refinement, StepTimer& timer) {
   const auto start = wall_seconds();
   Balanced balanced{std::move(parents), {}};
   auto& [mesh, borders, closure] = balanced.parents;
@@ -68,7 +70,7 @@ Balanced balance_parents(const par::Comm& comm, Parents parents, std::span<const
   report.after = report.before;
   const bool is_exact = balancing.weights == Weights::exact;
   if (is_exact && (report.before.imbalance <= balancing.how.keep_below || comm.size() == 1)) return balanced;
-  const auto weight = cell_weights(comm, mesh, flags, closure, balancing);
+  const auto weight = cell_weights(comm, mesh, requests, closure, balancing);
   if (balancing.how.method == balance::Method::none || comm.size() == 1) return balanced;
   const auto wanted = balance::partition(comm, mesh, weight, comm.size(), balancing.how);
   report.method = wanted.method;
@@ -82,7 +84,9 @@ Balanced balance_parents(const par::Comm& comm, Parents parents, std::span<const
   if (report.moved_cells == 0) return balanced;
   auto bytes = closure_to_bytes(closure);
   mesh = balance::migrate(comm, std::move(mesh), wanted.part, &bytes);
-  closure = closure_from_bytes(mesh, bytes, closure.report);
+  const bool cut_faces_conform = closure.cut_faces_conform;
+  closure = closure_from_bytes(mesh, bytes, refinement, closure.report);
+  closure.cut_faces_conform = cut_faces_conform;
   borders = mesh::find_borders(comm, mesh);
   report.migrate_seconds = wall_seconds() - middle;
   timer.lap("migrate");

@@ -15,6 +15,7 @@
 #include "pamr/mesh/dist_mesh.hpp"
 #include "pamr/par/comm.hpp"
 #include "pamr/refine/closure.hpp"
+#include "pamr/refine/options.hpp"
 
 namespace pamr::adapt {
 
@@ -44,7 +45,7 @@ struct BalanceReport : balance::Report {
 
 /// Integer weights of the cells as `balancing` says. Collective. Throws `Error` as `balance::weights_from_field` does.
 std::vector<std::int64_t> cell_weights(const par::Comm& comm, const mesh::DistMesh& mesh,
-                                       std::span<const std::uint8_t> flags, const refine::Closure& closure,
+                                       std::span<const std::uint8_t> requests, const refine::Closure& closure,
                                        const Balancing& balancing);
 
 /// A mesh that is about to be split.
@@ -61,7 +62,7 @@ struct Balanced {
 
 /// Moves the parents to the ranks where their children shall be. Books its time as `balance` and `migrate`. Nothing
 /// moves on one rank and with `Method::none`. Collective.
-Balanced balance_parents(const par::Comm& comm, Parents parents, std::span<const std::uint8_t> flags,
-                         const Balancing& balancing, StepTimer& timer);
+Balanced balance_parents(const par::Comm& comm, Parents parents, std::span<const std::uint8_t> requests,
+                         const Balancing& balancing, const refine::Options& refinement, StepTimer& timer);
 
 }  // namespace pamr::adapt

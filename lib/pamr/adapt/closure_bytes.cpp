@@ -23,7 +23,7 @@ std::vector<std::uint8_t> closure_to_bytes(const refine::Closure& closure) {
 }
 
 refine::Closure closure_from_bytes(const mesh::DistMesh& mesh, std::span<const std::uint8_t> bytes,
-                                   const refine::ClosureReport& report) {
+                                   const refine::Options& options, const refine::ClosureReport& report) {
   PAMR_EXPECTS(bytes.size() == at(mesh.n_cells()));
   refine::Closure closure;
   closure.report = report;
@@ -36,9 +36,10 @@ refine::Closure closure_from_bytes(const mesh::DistMesh& mesh, std::span<const s
   for (std::size_t c = 0; c < bytes.size(); ++c)
     if (closure.action[c] == refine::Action::rebuild) {
       closure.rebuilt.push_back(
-          refine::plan_family(mesh, refine::view_family(mesh, closure.marks, static_cast<LocalId>(c))));
-      PAMR_ENSURES(closure.rebuilt.back().state >= 0);
+          refine::plan_family(mesh, refine::view_family(mesh, closure.marks, static_cast<LocalId>(c)), 0).family);
+      PAMR_ENSURES(closure.rebuilt.back().state != 0);
     }
+  refine::find_states(mesh, options, closure);
   return closure;
 }
 

@@ -15,8 +15,8 @@ namespace pamr::adapt {
 std::vector<std::uint8_t> closure_to_bytes(const refine::Closure& closure);
 
 /// The closure of the cells that a rank has now, from the bytes that came along with them; the plans of the families
-/// that are taken back follow from the mesh and the marks. The report is passed on. Local.
+/// that are taken back and the states of the others follow from the mesh and the marks. The report is passed on. Local.
 refine::Closure closure_from_bytes(const mesh::DistMesh& mesh, std::span<const std::uint8_t> bytes,
-                                   const refine::ClosureReport& report);
+                                   const refine::Options& options, const refine::ClosureReport& report);
 
 }  // namespace pamr::adapt

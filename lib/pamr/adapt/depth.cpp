@@ -8,6 +8,7 @@
 
 #include "pamr/base/error.hpp"
 #include "pamr/base/index.hpp"
+#include "pamr/refine/split_pattern.hpp"
 
 namespace pamr::adapt {
 
@@ -15,9 +16,8 @@ namespace {
 
 /// Levels that the deepest cells made from this family lie below its base cell.
 int levels_below(const refine::RebuiltFamily& family) {
-  if (refine::split_pattern[at(family.state)].mask != refine::all_edges) return 0;
-  const bool again = std::any_of(family.child_marks.begin(), family.child_marks.end(),
-                                 [](refine::EdgeMask marks) { return marks == refine::all_edges; });
+  if (!refine::is_regular_split(family.state)) return 0;
+  const bool again = std::any_of(family.child_state.begin(), family.child_state.end(), refine::is_regular_split);
   return again ? 2 : 1;
 }
 
@@ -26,7 +26,7 @@ int levels_below(const refine::RebuiltFamily& family) {
 DepthLimited limit_depth(const mesh::DistMesh& mesh, std::span<const std::uint8_t> flags) {
   DepthLimited limited{{flags.begin(), flags.end()}, 0};
   for (std::size_t c = 0; c < limited.flags.size(); ++c) {
-    if (limited.flags[c] == 0 || mesh.lineage[c].level() < max_level) continue;
+    if (limited.flags[c] == 0 || mesh.lineage[c].level() < mesh::max_level) continue;
     limited.flags[c] = 0;
     ++limited.n_left_out;
   }
@@ -35,7 +35,7 @@ DepthLimited limit_depth(const mesh::DistMesh& mesh, std::span<const std::uint8_
 
 std::string too_deep_text(std::int64_t n) {
   return fmt::format("{} marked cell{} left out: level {} is the deepest there is", n, n == 1 ? " was" : "s were",
-                     max_level);
+                     mesh::max_level);
 }
 
 void require_depth(const par::Comm& comm, const mesh::DistMesh& mesh, const refine::Closure& closure) {
@@ -43,17 +43,17 @@ void require_depth(const par::Comm& comm, const mesh::DistMesh& mesh, const refi
   GlobalId first = none;
   const auto refuse = [&](LocalId cell) { first = std::min(first, mesh.cell_global[at(cell)]); };
   for (LocalId c = 0; c < mesh.n_cells(); ++c)
-    if (mesh.lineage[at(c)].level() >= max_level && closure.action[at(c)] == refine::Action::split &&
+    if (mesh.lineage[at(c)].level() >= mesh::max_level && closure.action[at(c)] == refine::Action::split &&
         closure.marks[at(c)] == refine::all_edges)
       refuse(c);
   for (const auto& family : closure.rebuilt)
-    if (mesh.lineage[at(family.first)].level() + levels_below(family) > max_level) refuse(family.first);
+    if (mesh.lineage[at(family.first)].level() + levels_below(family) > mesh::max_level) refuse(family.first);
   first = comm.min(first);
   if (first != none)
     throw Error(
         fmt::format("expected cells that can be split at the marked ones, found cell {} of level {}, the deepest there "
                     "is, beside them: mark no cells at it",
-                    first, max_level));
+                    first, mesh::max_level));
 }
 
 }  // namespace pamr::adapt

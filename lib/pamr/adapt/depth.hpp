@@ -13,9 +13,6 @@
 /// How deep a mesh can be refined: a lineage counts no further.
 namespace pamr::adapt {
 
-/// The deepest level there is.
-inline constexpr int max_level = 255;
-
 /// Flags of which none asks for more than the deepest level.
 struct DepthLimited {
   std::vector<std::uint8_t> flags;

@@ -4,13 +4,16 @@
 #include <algorithm>
 #include <array>
 #include <numeric>
+#include <utility>
 
 #include "pamr/adapt/depth.hpp"
 #include "pamr/adapt/flags.hpp"
+#include "pamr/adapt/pass.hpp"
 #include "pamr/base/index.hpp"
 #include "pamr/geometry/surface.hpp"
 #include "pamr/refine/close.hpp"
 #include "pamr/refine/number.hpp"
+#include "pamr/refine/requests.hpp"
 #include "pamr/refine/split_pattern.hpp"
 
 namespace pamr::adapt {
@@ -26,6 +29,16 @@ std::vector<bool> curved_patches(const mesh::DistMesh& mesh, const refine::Optio
   return is_curved;
 }
 
+std::vector<std::uint8_t> sum_of_origins(const std::vector<std::uint8_t>& counts, const std::vector<LocalId>& from,
+                                         std::size_t n_origins) {
+  std::vector<std::uint8_t> sum(n_origins, 0);
+  for (std::size_t c = 0; c < counts.size(); ++c) {
+    auto& cells = sum[at(from[c])];
+    cells = static_cast<std::uint8_t>(std::min(cells + counts[c], 255));
+  }
+  return sum;
+}
+
 }  // namespace
 
 Forecaster::Forecaster(const par::Comm& comm, const mesh::DistMesh& mesh, const refine::Options& options)
@@ -37,12 +50,33 @@ Forecaster::Forecaster(const par::Comm& comm, const mesh::DistMesh& mesh, const 
 
 Forecast Forecaster::forecast(std::span<const std::uint8_t> flags) const {
   require_flags(*comm_, *mesh_, flags);
+  refine::require_sound(options_);
+  StepTimer timer;
   const auto limited = limit_depth(*mesh_, flags);
+  auto requests = refine::requests_of_flags(limited.flags);
   Forecast forecast;
-  forecast.closure = refine::close(*comm_, *mesh_, borders_, limited.flags, options_.quality_control);
-  require_depth(*comm_, *mesh_, forecast.closure);
-  forecast.children = refine::count_children(forecast.closure);
-  forecast.cells_on_this_rank = std::accumulate(forecast.children.begin(), forecast.children.end(), std::int64_t{0});
+  forecast.closure = refine::close(*comm_, *mesh_, borders_, requests, options_);
+  if (!forecast.closure.has_early) refine::find_states(*mesh_, options_, forecast.closure);
+  forecast.report = forecast.closure.report;
+  std::vector<LocalId> from;  // this rank's cell that each cell of `forecast.mesh` came from
+  if (forecast.closure.has_early) {
+    auto closed = open_pass(*comm_, *mesh_, borders_, options_);
+    closed.closure = std::move(forecast.closure);
+    while (closed.closure.has_early) {
+      const auto& mesh = forecast.mesh ? *forecast.mesh : *mesh_;
+      auto unfinished = split_early(*comm_, mesh, requests, from, closed, options_, timer);
+      if (!unfinished) break;
+      from = std::move(unfinished->input_cell);
+      forecast.mesh = std::make_shared<const mesh::DistMesh>(std::move(unfinished->mesh));
+      requests = std::move(unfinished->requests);
+      closed = close_pass(*comm_, *forecast.mesh, requests, unfinished->carried, options_, timer);
+    }
+    forecast.closure = std::move(closed.closure);
+  }
+  require_depth(*comm_, forecast.mesh ? *forecast.mesh : *mesh_, forecast.closure);
+  const auto counts = refine::count_children(forecast.closure);
+  forecast.cells_on_this_rank = std::accumulate(counts.begin(), counts.end(), std::int64_t{0});
+  forecast.children = forecast.mesh ? sum_of_origins(counts, from, at(mesh_->n_cells())) : counts;
   std::array<std::int64_t, 2> sums{forecast.cells_on_this_rank, limited.n_left_out};
   comm_->sum_in_place(sums);
   forecast.cells = sums[0];
@@ -51,7 +85,9 @@ Forecast Forecaster::forecast(std::span<const std::uint8_t> flags) const {
 }
 
 std::int64_t Forecaster::nodes(const Forecast& forecast) const {
-  return refine::number(*comm_, *mesh_, borders_, forecast.closure).n_global_nodes;
+  if (forecast.mesh == nullptr) return refine::number(*comm_, *mesh_, borders_, forecast.closure).n_global_nodes;
+  const auto borders = mesh::find_borders(*comm_, *forecast.mesh);
+  return refine::number(*comm_, *forecast.mesh, borders, forecast.closure).n_global_nodes;
 }
 
 /// The number of children, two more where a cell is closed (its edges are walked for few children), and five quarters

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -16,8 +17,12 @@ namespace pamr::adapt {
 /// What refining with some flags would give, exactly.
 struct Forecast {
   refine::Closure closure;
-  std::vector<std::uint8_t> children;  ///< `refine::count_children` of this rank's cells
-  std::int64_t cells = 0;              ///< of the refined mesh, all ranks
+  /// The mesh that the closure is of, where early families have to be split first; empty: that of the forecaster.
+  std::shared_ptr<const mesh::DistMesh> mesh;
+  refine::ClosureReport report;  ///< of all passes
+  std::vector<std::uint8_t>
+      children;            ///< cells that come of each of this rank's cells (at the first of a family), to 255
+  std::int64_t cells = 0;  ///< of the refined mesh, all ranks
   std::int64_t cells_on_this_rank = 0;
   std::int64_t marked_too_deep = 0;  ///< flagged cells that would stay (`limit_depth`), all ranks
 };
@@ -31,7 +36,7 @@ class Forecaster {
 
   /// `flags`: of each cell of this rank, nonzero: split; those of cells of the deepest level do not count. Collective.
   /// Throws `Error` on every rank for flags of the wrong length, and as `require_depth` does. Cost: that of
-  /// `refine::close`.
+  /// `refine::close`, and of a pass over the mesh each time that families have to be split before the rest.
   Forecast forecast(std::span<const std::uint8_t> flags) const;
 
   /// Nodes of the refined mesh, all ranks. Collective. Cost: that of `refine::number`.

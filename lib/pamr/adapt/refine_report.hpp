@@ -14,13 +14,14 @@ struct Measured {
   /// The step that looks at the result for the report: reported apart, because it is no part of a refinement.
   static constexpr const char* check_step = "check";
 
-  std::vector<StepTime> steps;      ///< of the whole run, in order, without gaps
-  std::int64_t inverted_cells = 0;  ///< of the result, by exact arithmetic, all ranks
-  std::uint64_t fingerprint = 0;    ///< of the result
-  std::size_t bytes_at_rest = 0;    ///< of the result
-  std::int64_t bytes_read = 0;      ///< from files
-  std::int64_t cells_here = 0;      ///< of the result, on this rank
-  bool lists_ranks = false;         ///< the report also gives each rank's share of every step
+  std::vector<StepTime> steps;         ///< of the whole run, in order, without gaps
+  std::int64_t inverted_cells = 0;     ///< of the result, by exact arithmetic, all ranks
+  std::int64_t cells_below_floor = 0;  ///< of the result: mean ratio under the shape floor, all ranks
+  std::uint64_t fingerprint = 0;       ///< of the result
+  std::size_t bytes_at_rest = 0;       ///< of the result
+  std::int64_t bytes_read = 0;         ///< from files
+  std::int64_t cells_here = 0;         ///< of the result, on this rank
+  bool lists_ranks = false;            ///< the report also gives each rank's share of every step
 };
 
 /// The JSON report of docs/tools/pamr-refine.md, complete on every rank. Collective.

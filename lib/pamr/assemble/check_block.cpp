@@ -94,7 +94,7 @@ void check_neighbors(const mesh::BlockMesh& block) {
 void check_lineage(const mesh::BlockMesh& block) {
   for (std::size_t c = 0; c < block.lineage.size(); ++c)
     if (!mesh::is_well_formed(block.lineage[c]))
-      throw Error(fmt::format("lineage, {}: expected kind, template index, child number and level of a cell, found {}",
+      throw Error(fmt::format("lineage, {}: expected state, child, level and path of a cell, found {}",
                               cell_at(block, c), block.lineage[c].bits()));
 }
 
@@ -120,7 +120,7 @@ std::int64_t description_of(const mesh::BlockMesh& block) {
 /// What the rank that holds the first member of a closure family tells those that hold the rest of it.
 struct Announcement {
   GlobalId first = 0;
-  std::uint32_t lineage = 0;
+  std::uint64_t lineage = 0;
   Rank to = 0;
 };
 
@@ -141,7 +141,7 @@ struct FamilyContext {
 std::vector<par::Outgoing<Announcement>> announce(const FamilyContext& here, const std::vector<GlobalId>& starts,
                                                   std::span<const Rank> to, GlobalId end_of_cells) {
   std::vector<par::Outgoing<Announcement>> messages;
-  for (auto id = std::max(here.begin, here.end - 3); id < here.end; ++id) {
+  for (auto id = std::max(here.begin, here.end - (mesh::max_family_size - 1)); id < here.end; ++id) {
     const auto lineage = here.lineage_of(id);
     if (!lineage.is_removable() || lineage.child() != 0) continue;
     const auto last = std::min(id + lineage.family_size(), end_of_cells);

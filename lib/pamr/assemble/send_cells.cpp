@@ -66,7 +66,7 @@ void send_round(const par::Comm& comm, const GlobalCells& from, std::span<const 
     arrived.id.push_back(cell.id);
     arrived.node.push_back(cell.node);
     if (has_neighbors) arrived.neighbor.push_back(cell.neighbor);
-    arrived.lineage.push_back(mesh::Lineage(static_cast<std::uint32_t>(cell.lineage)));
+    arrived.lineage.push_back(mesh::Lineage(cell.lineage));
   }
   if (contents.has_origin) {
     const auto rows = send_groups<GlobalId>(

@@ -7,6 +7,7 @@
 #include <span>
 #include <string_view>
 
+#include "pamr/check/shape_bound.hpp"
 #include "pamr/geometry/orientation.hpp"
 #include "pamr/mesh/fingerprint.hpp"
 #include "pamr/par/reproducible_sum.hpp"
@@ -68,6 +69,7 @@ QualityReport report_quality(const par::Comm& comm, const mesh::DistMesh& mesh, 
   report.patches = measure_patches(comm, mesh, options.off_surface_tolerance * report.bounding_box_diagonal);
   report.metrics = measure_cells(comm, mesh);
   count_levels(comm, mesh, report);
+  report.uniform_shape_bound = worst_uniform_shape(comm, mesh);
   report.off_surface = read_off_surface(comm, mesh);
   report.fingerprint = mesh::fingerprint(comm, mesh);
   return report;

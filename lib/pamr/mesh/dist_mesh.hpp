@@ -50,9 +50,9 @@ struct MeshInfo {
   /// Number of the first cell and of the first node: the global numbers run from here on without gaps. 0 but for parts
   /// of larger meshes and for tests of large numbers; below `max_first_id`.
   GlobalId first_id = 0;
-  /// Known: every face that halves a face of the parent of a whole closure family is so on both of its sides. Set by
-  /// refinements that keep it so, and not written to files; where it is not known, the next one looks.
-  bool halves_are_paired = false;
+  /// Known: cut faces of the families (`refine/cut_faces.hpp`) are faces of whole families on both sides. Set by
+  /// refinements that leave it so, and not written to files; where it is not known, the next one looks.
+  bool cut_faces_conform = false;
 
   /// The surface that a patch lies on, or null.
   const geometry::Surface* surface_of(int patch) const;
@@ -78,7 +78,7 @@ struct CellFace {
 /// owned cell (0 .. n_cells-1), a face ghost (n_cells + k: rank-border face k, whose other cell is `ghost_global[k]` on
 /// another rank) or a boundary patch (-(patch+1)). Rank-border faces are grouped by rank, ranks ascending, and listed
 /// in the same order on both sides. Nodes on a rank border are held by every rank that has a cell at them, with equal
-/// coordinates. At rest: 44 bytes a cell and 32 bytes a node.
+/// coordinates. At rest: 48 bytes a cell and 32 bytes a node.
 struct DistMesh {
   MeshInfo info;
 

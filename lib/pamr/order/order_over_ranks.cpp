@@ -44,7 +44,7 @@ void share_family_keys(const par::Comm& comm, const mesh::BlockMesh& block, std:
   const auto begin = block.info.first_id + comm.exclusive_sum(n), end = begin + n;
   const auto starts = comm.all_gather(begin);
   std::vector<par::Outgoing<FamilyKey>> messages;
-  for (auto id = std::max(begin, end - 3); id < end; ++id) {
+  for (auto id = std::max(begin, end - (mesh::max_family_size - 1)); id < end; ++id) {
     const auto lineage = block.lineage[static_cast<std::size_t>(id - begin)];
     if (!lineage.is_removable() || lineage.child() != 0) continue;
     for (auto member = end; member < id + lineage.family_size(); ++member) {

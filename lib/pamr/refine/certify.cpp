@@ -42,7 +42,7 @@ std::vector<LocalId> join(const std::vector<LocalId>& moved, const std::vector<L
 
 std::string describe(const NewLevel& level, LocalId cell) {
   return fmt::format(
-      "refine: expected children of positive volume, found one that rounding turns over in the new cell {}: the cell "
+      "refine: expected children of positive volume, found one that rounding inverts in the new cell {}: the cell "
       "it comes from is too flat to be split",
       level.children.cell_global[at(cell)]);
 }

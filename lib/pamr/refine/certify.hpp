@@ -37,7 +37,7 @@ struct Settled {
   Certificate certificate;
 };
 
-/// Moves nodes as far towards their targets as no cell turns over: starts with all of the way, and where a cell is not
+/// Moves nodes as far towards their targets as no cell is inverted: starts with all of the way, and where a cell is not
 /// positive by exact arithmetic takes back half of what its nodes moved, again and again, at last all of it.
 ///
 /// `position`: of every node of the level, taken over. Afterwards every cell of `movement` and every suspect of

@@ -17,14 +17,15 @@ using geometry::Vec3;
 constexpr double rounding = 1.0 + 0x1p-40;
 
 double worst_inner_shape(const SplitPoints& points, int diagonal) {
-  double worst = shape(child_points(points, 11 + diagonal, 4));
-  for (int child = 5; child < 8; ++child) worst = std::min(worst, shape(child_points(points, 11 + diagonal, child)));
+  double worst = shape(child_points(points, regular_state + diagonal, 4));
+  for (int child = 5; child < 8; ++child)
+    worst = std::min(worst, shape(child_points(points, regular_state + diagonal, child)));
   return worst;
 }
 
 bool inner_children_positive(const SplitPoints& points, int diagonal) {
   for (int child = 4; child < 8; ++child) {
-    const auto p = child_points(points, 11 + diagonal, child);
+    const auto p = child_points(points, regular_state + diagonal, child);
     if (!geometry::is_positive(p[0], p[1], p[2], p[3])) return false;
   }
   return true;
@@ -74,6 +75,16 @@ void keep_best_shaped(const SplitPoints& points, bool is_straight, std::array<bo
 
 }  // namespace
 
+SplitPoints straight_points(const geometry::TetPoints& corner) {
+  SplitPoints points;
+  std::copy(corner.begin(), corner.end(), points.begin());
+  for (int e = 0; e < 6; ++e) {
+    const auto [a, b] = mesh::tet::edge_to_corner[at(e)];
+    points[at(4 + e)] = geometry::midpoint(corner[at(a)], corner[at(b)]);
+  }
+  return points;
+}
+
 double shape(const geometry::TetPoints& p) {
   const double v = geometry::volume(p);
   double squares = 0;
@@ -97,6 +108,13 @@ bool is_far_from_flat(const SplitPoints& points) {
   for (std::size_t i = 0; i < 4; ++i)
     largest = std::max({largest, std::abs(points[i].x), std::abs(points[i].y), std::abs(points[i].z)});
   return geometry::dot(geometry::cross(a, b), c) > 0x1p-41 * (largest + std::sqrt(span)) * span;
+}
+
+double worst_child_shape(const SplitPoints& points, int state) {
+  double worst = shape(child_points(points, state, 0));
+  for (int child = 1; child < split_pattern[at(state)].n_children; ++child)
+    worst = std::min(worst, shape(child_points(points, state, child)));
+  return worst;
 }
 
 bool all_children_positive(const SplitPoints& points, int state) {

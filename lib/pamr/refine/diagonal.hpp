@@ -19,9 +19,15 @@ inline geometry::TetPoints child_points(const SplitPoints& points, int state, in
   return {points[at(code[0])], points[at(code[1])], points[at(code[2])], points[at(code[3])]};
 }
 
+/// Of a cell with these corners, the midpoints in the middle of their edges.
+SplitPoints straight_points(const geometry::TetPoints& corner);
+
 /// Grows with the mean ratio, without its roots: V^2 / (sum of squared edges)^3 with the sign of V; the mean ratio is
 /// cbrt(15552 shape).
 double shape(const geometry::TetPoints& p);
+
+/// Shape of the worst child of that state.
+double worst_child_shape(const SplitPoints& points, int state);
 
 /// True when every child of that state has positive volume by exact arithmetic.
 bool all_children_positive(const SplitPoints& points, int state);
@@ -29,7 +35,7 @@ bool all_children_positive(const SplitPoints& points, int state);
 /// True when every midpoint lies in the middle of its edge. `mask`: edges to look at.
 bool is_straight(const SplitPoints& points, EdgeMask mask = all_edges);
 
-/// True when halving the edges of this cell, and once more those of its children, cannot turn a child over: its volume
+/// True when halving the edges of this cell, and once more those of its children, cannot invert a child: its volume
 /// is far above what the rounding of midpoints (half a unit in the last place of the largest coordinate) can change.
 bool is_far_from_flat(const SplitPoints& points);
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "pamr/refine/options.hpp"
 
+#include <fmt/format.h>
+
 #include "pamr/base/error.hpp"
 
 namespace pamr::refine {
@@ -15,6 +17,11 @@ std::vector<std::string> quality_control_list() {
   std::vector<std::string> names;
   for (const auto& [name, policy] : quality_control_names) names.emplace_back(name);
   return names;
+}
+
+void require_sound(const Options& options) {
+  if (!(options.shape_floor >= 0 && options.shape_floor <= 1))
+    throw Error(fmt::format("shape floor: expected a mean ratio from 0 (none) to 1, found {}", options.shape_floor));
 }
 
 }  // namespace pamr::refine

@@ -10,7 +10,7 @@
 
 namespace pamr::refine {
 
-/// What happens to a closure cell (a child of 1:2 or 1:4) that has to be split again.
+/// What happens to a closure cell that has to be split again. All but `removable` use 1:2, 1:4 and 1:8 only.
 /// Source of `isotropic` and `short_edge`: the PAMR paper, section 2.1.3 and its reference [18].
 enum class QualityControl : std::uint8_t {
   none,        ///< split like any other cell; quality falls at every level
@@ -31,12 +31,19 @@ QualityControl quality_control_named(std::string_view name);
 /// All the names, for help texts and checks of command lines.
 std::vector<std::string> quality_control_list();
 
+inline constexpr double default_shape_floor = 0.35;
+
 /// How to refine once.
 struct Options {
   QualityControl quality_control = QualityControl::removable;
-  bool project = true;       ///< put new boundary nodes onto the surfaces of their patches
-  bool parent_field = true;  ///< add the integer cell field `parent`: input cell that held the new cell's centroid
-  std::string marks_field;   ///< cell field to drop from the result (it held the marks); empty: none
+  /// Of `removable`: smallest mean ratio of closure cells, as far as 1:8 would reach it; 0: none. At most 1.
+  double shape_floor = default_shape_floor;
+  bool project = true;        ///< put new boundary nodes onto the surfaces of their patches
+  bool parent_field = true;   ///< add the integer cell field `parent`: input cell that held the new cell's centroid
+  std::string marks_field{};  ///< cell field to drop from the result (it held the marks); empty: none
 };
+
+/// Throws `Error` unless the options are such as can be obeyed.
+void require_sound(const Options& options);
 
 }  // namespace pamr::refine

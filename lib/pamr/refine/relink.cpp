@@ -69,9 +69,13 @@ class Linker {
 
   void link_by_table(LocalId c, LocalId next, const std::array<std::int8_t, n_places>& child_at,
                      const std::array<std::int8_t, n_places>& slot_at, LocalId first) {
+    const auto first_there = numbering_.first_child[at(next)];
+    if (child_at[whole] >= 0 && children_.state[at(next)] == 0) {  // most faces of a cell that is not split
+      set({first + child_at[whole], slot_at[whole]}, first_there);
+      return;
+    }
     const int there = mesh::slot_of(old_.cell_to_cell[at(next)], c);
     const auto& child_there = split_pattern[children_.state[at(next)]].face_to_child[at(there)];
-    const auto first_there = numbering_.first_child[at(next)];
     if (child_at[whole] >= 0) {
       set({first + child_at[whole], slot_at[whole]}, first_there + child_there[whole]);
       return;

@@ -15,50 +15,8 @@ namespace {
 /// Old cells in a block of the index of families.
 constexpr int block_bits = 3;
 
-/// How a face between two siblings looks from the other one: its slot there, and the slots of its corners.
-struct Facing {
-  std::int8_t face = 0;
-  std::array<std::int8_t, 4> corner{};
-};
-
-using FacingTable = std::array<std::array<std::array<Facing, 4>, max_children>, n_states>;
-
-constexpr FacingTable make_facings() {
-  FacingTable table{};
-  for (int s = 1; s < n_states; ++s) {
-    const auto& pattern = split_pattern[at(s)];
-    for (int c = 0; c < pattern.n_children; ++c)
-      for (int f = 0; f < 4; ++f) {
-        const int sibling = pattern.child_to_child[at(c)][at(f)];
-        if (sibling < 0) continue;
-        auto& facing = table[at(s)][at(c)][at(f)];
-        for (int there = 0; there < 4; ++there) {
-          if (pattern.child_to_child[at(sibling)][at(there)] == c) facing.face = static_cast<std::int8_t>(there);
-          for (int here = 0; here < 4; ++here)
-            if (pattern.child_to_node[at(c)][at(here)] == pattern.child_to_node[at(sibling)][at(there)])
-              facing.corner[at(here)] = static_cast<std::int8_t>(there);
-        }
-      }
-  }
-  return table;
-}
-
-constexpr FacingTable facings = make_facings();
-
-/// One of three: a face without marks, with one, with three.
-enum class FaceSplit : std::uint8_t { none, halves, quarters };
-
-constexpr auto make_face_splits() {
-  std::array<std::array<FaceSplit, 4>, n_states> table{};
-  for (int s = 0; s < n_states; ++s)
-    for (int face = 0; face < 4; ++face) {
-      const auto& child = split_pattern[at(s)].face_to_child[at(face)];
-      table[at(s)][at(face)] = child[whole] >= 0    ? FaceSplit::none
-                               : child[center] >= 0 ? FaceSplit::quarters
-                                                    : FaceSplit::halves;
-    }
-  return table;
-}
+/// Number of marks on a face of a cell that is split by a state.
+int marks_on(int state, int face) { return n_face_marks[split_pattern[at(state)].mask][at(face)]; }
 
 constexpr std::array<std::array<int, 3>, 4> corners_of_face{{{1, 2, 3}, {0, 2, 3}, {0, 1, 3}, {0, 1, 2}}};
 
@@ -67,9 +25,6 @@ constexpr LocalId if_inner(std::int8_t link, LocalId inner, LocalId outer) {
   const int is_outer = link >> 7;  // all bits or none
   return (outer & is_outer) | (inner & ~is_outer);
 }
-
-/// How a state splits a face: `face_split[state][face]`.
-constexpr auto face_split = make_face_splits();
 
 }  // namespace
 
@@ -135,16 +90,16 @@ void FamilyLinker::prefetch_children_behind(LocalId first) const {
 FamilyLinker::Parent FamilyLinker::gather(const RebuiltFamily& family) const {
   Parent parent;
   parent.first_member = family.first;
-  parent.before = state_of_family(old_.lineage[at(family.first)]);
+  parent.before = old_.lineage[at(family.first)].state();
   parent.now = family.state;
   auto next = numbering_.first_child[at(family.first)];
   for (int child = 0; child < max_children; ++child) {  // those beyond the last are nobody's
-    parent.child[at(child)] = &split_pattern[at(state_of_mask[family.child_marks[at(child)]])];
+    parent.child[at(child)] = &split_pattern[family.child_state[at(child)]];
     parent.start[at(child)] = next;
     next += parent.child[at(child)]->n_children;
   }
   for (int code = 0; code < 10; ++code) {
-    const auto [member, slot] = node_places[at(parent.before)][at(code)];
+    const auto [member, slot] = family_table[at(parent.before)].node[at(code)];
     const auto node = old_.cell_to_node[at(family.first + std::max<int>(member, 0))][at(slot)];
     parent.node[at(code)] = member < 0 ? invalid_local : node;
   }
@@ -181,16 +136,16 @@ void FamilyLinker::link_split_child(const Parent& parent, int c) {
   for (int face = 0; face < 4; ++face) {
     const int sibling = split_pattern[at(parent.now)].child_to_child[at(c)][at(face)];
     if (sibling < 0) continue;
-    const auto& facing = facings[at(parent.now)][at(c)][at(face)];
+    const auto& seen = sibling_face[at(parent.now)][at(c)][at(face)];
     const auto& there = *parent.child[at(sibling)];
     const auto start_there = parent.start[at(sibling)];
     for (int place = 0; place < n_places; ++place) {
       const int part = child.face_to_child[at(face)][at(place)];
       if (part < 0) continue;
-      const auto place_there = at(place < 4 ? facing.corner[at(place)] : place);
+      const auto place_there = at(place < 4 ? seen.corner[at(place)] : place);
       set_both({start + part, child.face_to_slot[at(face)][at(place)]},
-               {start_there + there.face_to_child[at(facing.face)][place_there],
-                there.face_to_slot[at(facing.face)][place_there]});
+               {start_there + there.face_to_child[at(seen.face)][place_there],
+                there.face_to_slot[at(seen.face)][place_there]});
     }
   }
 }
@@ -199,7 +154,7 @@ void FamilyLinker::link_split_child(const Parent& parent, int c) {
 /// or cell holds all of its other side, or a family that was taken back too.
 void FamilyLinker::link_face(const Parent& parent, int face) {
   const auto& before = split_pattern[at(parent.before)];
-  const bool keeps_parts = face_split[at(parent.before)][at(face)] == face_split[at(parent.now)][at(face)];
+  const bool keeps_parts = marks_on(parent.before, face) == marks_on(parent.now, face);
   for (int place = 0; place < n_places; ++place) {
     const int member = before.face_to_child[at(face)][at(place)];
     if (member < 0) continue;
@@ -266,9 +221,9 @@ bool FamilyLinker::link_region(const Parent& parent, int face, int place, mesh::
 bool FamilyLinker::link_to_family(const Parent& parent, int face, int place, LocalId next, int face_there) {
   const auto lineage = old_.lineage[at(next)];
   const auto first = next - lineage.child();
-  const int before = state_of_family(lineage);
+  const int before = lineage.state();
   const int link = split_pattern[at(before)].child_to_child[at(lineage.child())][at(face_there)];
-  const bool is_common = face_split[at(parent.before)][at(face)] == face_split[at(before)][at(outer_face(link))];
+  const bool is_common = marks_on(parent.before, face) == marks_on(before, outer_face(link));
   if (first > parent.first_member) return is_common;  // which links both
   const auto other = gather(family_of(first));
   if (Quarters mine, theirs;

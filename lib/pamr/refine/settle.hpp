@@ -14,7 +14,7 @@ namespace pamr::refine {
 /// Brings nodes to their targets with every cell exactly positive:
 /// 1. the displacement is spread into this level's inner nodes (`smooth_displacement`);
 /// 2. this level's nodes near bad cells move to better places (`untangle`);
-/// 3. where a cell would still turn over, its nodes go back (`certify`).
+/// 3. where a cell would still be inverted, its nodes go back (`certify`).
 ///
 /// `position`: of every node of the level, those of `movables` at their targets; taken over. Collective.
 Settled settle(const par::Comm& comm, const NewLevel& level, std::vector<geometry::Vec3> position,

@@ -15,7 +15,6 @@ namespace pamr::refine {
 namespace {
 
 using geometry::Vec3;
-constexpr int max_level = 255;
 
 class Splitter {
  public:
@@ -25,7 +24,7 @@ class Splitter {
     reserve_array(children_.cell_to_node, n);
     reserve_array(children_.lineage, n);
     reserve_array(children_.cell_global, n);
-    assign_array(children_.state, at(mesh_.n_cells()), std::uint8_t{0});
+    assign_array(children_.state, at(mesh_.n_cells()), SplitState{0});
   }
 
   Children run() && {
@@ -38,7 +37,7 @@ class Splitter {
       if (lineage.is_removable() && lineage.child() == 0)
         family_is_broken = any_member_splits(c, lineage.family_size());
       if (closure_.marks[at(c)] == 0)
-        keep(c, lineage.is_removable() && family_is_broken ? lineage.broken() : lineage);
+        append_unsplit(c, lineage.is_removable() && family_is_broken ? lineage.broken() : lineage);
       else
         split(c);
     }
@@ -58,17 +57,15 @@ class Splitter {
     children_.cell_global.push_back(global);
   }
 
-  void keep(LocalId c, mesh::Lineage lineage) {
+  void append_unsplit(LocalId c, mesh::Lineage lineage) {
     append(numbering_.first_child_global[at(c)], mesh_.cell_to_node[at(c)], lineage);
   }
 
-  static mesh::Lineage lineage_of(int state, int child, int base_level) {
-    const auto& pattern = split_pattern[at(state)];
-    if (pattern.kind == mesh::FamilyKind::regular) {
-      PAMR_EXPECTS(base_level < max_level);
-      return {mesh::FamilyKind::regular, 0, 0, base_level + (state >= 11 ? 1 : 0)};
-    }
-    return {pattern.kind, pattern.index, child, base_level};
+  /// Of a child of a base cell that is split by that state.
+  static mesh::Lineage lineage_of(int state, int child, mesh::Lineage base) {
+    if (!is_regular_split(state)) return base.closed(state, child);
+    PAMR_EXPECTS(base.level() < mesh::max_level);
+    return base.red_child(child);
   }
 
   void split(LocalId c) {
@@ -86,18 +83,18 @@ class Splitter {
       node[at(4 + e)] = midpoints[at(e)];
       points[at(4 + e)] = position_[at(midpoints[at(e)])];
     }
-    int state = state_of_mask[marks];
-    if (state == 11) state += choose_diagonal(points, is_straight(points));
-    children_.state[at(c)] = static_cast<std::uint8_t>(state);
+    int state = closure_.state[at(c)];
+    if (is_regular_split(state)) state += choose_diagonal(points, is_straight(points));
+    children_.state[at(c)] = static_cast<SplitState>(state);
 
     const auto& pattern = split_pattern[at(state)];
     const auto first = numbering_.first_child[at(c)];
     const auto global = numbering_.first_child_global[at(c)];
-    const int level = mesh_.lineage[at(c)].level();
+    const auto base = mesh_.lineage[at(c)].base_for_split();
     for (int child = 0; child < pattern.n_children; ++child) {
       const auto& code = pattern.child_to_node[at(child)];
       append(global + child, {node[at(code[0])], node[at(code[1])], node[at(code[2])], node[at(code[3])]},
-             lineage_of(state, child, level));
+             lineage_of(state, child, base));
     }
     if (!is_far_from_flat(points))
       for (int child = 0; child < pattern.n_children; ++child) children_.suspects.push_back(first + child);
@@ -118,7 +115,7 @@ class Splitter {
     for (int member = 0; member < pattern.n_children; ++member)
       for (unsigned marks = closure_.marks[at(family.first + member)]; marks != 0; marks &= marks - 1) {
         const int e = std::countr_zero(marks);
-        const auto edge = family_edge(view.state, member, e);
+        const auto edge = family_table[at(view.state)].edge[at(member)][at(e)];
         const auto node = numbering_.midpoint(family.first + member, e);
         const auto& code = pattern.child_to_node[at(member)];
         const auto [p, q] = mesh::tet::edge_to_corner[at(e)];
@@ -132,12 +129,12 @@ class Splitter {
 
   void split_family(const RebuiltFamily& family) {
     const auto nodes = gather(family);
-    const int level = mesh_.lineage[at(family.first)].level();
+    const auto base = mesh_.lineage[at(family.first)].base();
     const auto first = numbering_.first_child[at(family.first)];
     const auto global = numbering_.first_child_global[at(family.first)];
     int n = 0;
     for_each_grandchild(family, [&](int child, int state, int grandchild) {
-      const auto& parent_code = split_pattern[at(family.state)].child_to_node[at(child)];
+      const auto& parent_code = split_pattern[family.state].child_to_node[at(child)];
       const auto& code = split_pattern[at(state)].child_to_node[at(grandchild)];
       mesh::CellNodes cell{};
       for (int slot = 0; slot < 4; ++slot) {
@@ -149,8 +146,8 @@ class Splitter {
           cell[at(slot)] = nodes.part[at(parent_code[at(p)])][at(parent_code[at(q)])];
         }
       }
-      const auto made = lineage_of(family.state, child, level);
-      append(global + n, cell, state == 0 ? made : lineage_of(state, grandchild, made.level()));
+      const auto made = lineage_of(family.state, child, base);
+      append(global + n, cell, state == 0 ? made : lineage_of(state, grandchild, made));
       if (!family.is_safe) children_.suspects.push_back(first + n);
       ++n;
     });

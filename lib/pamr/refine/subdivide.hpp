@@ -16,8 +16,8 @@ struct Children {
   std::vector<mesh::CellNodes> cell_to_node;
   std::vector<mesh::Lineage> lineage;
   std::vector<GlobalId> cell_global;
-  std::vector<std::uint8_t> state;  ///< n_old cells: the pattern used; 0 for members of rebuilt families
-  std::vector<LocalId> suspects;    ///< children so flat that their sign has to be checked exactly
+  std::vector<SplitState> state;  ///< n_old cells: the pattern used; 0 for members of rebuilt families
+  std::vector<LocalId> suspects;  ///< children so flat that their sign has to be checked exactly
 };
 
 /// Splits every cell by its marks, from constant tables; the inner diagonal of 1:8 is chosen on `node_position`, which
@@ -29,8 +29,8 @@ Children subdivide(const NumberedMesh& old, const std::vector<geometry::Vec3>& n
 /// the children of the parent and `grandchild` those of that child's own pattern.
 template <class Visit>
 void for_each_grandchild(const RebuiltFamily& family, Visit&& visit) {
-  for (int child = 0; child < split_pattern[at(family.state)].n_children; ++child) {
-    const int state = state_of_mask[family.child_marks[at(child)]];
+  for (int child = 0; child < split_pattern[family.state].n_children; ++child) {
+    const int state = family.child_state[at(child)];
     for (int grandchild = 0; grandchild < split_pattern[at(state)].n_children; ++grandchild)
       visit(child, state, grandchild);
   }

@@ -35,34 +35,6 @@ double depth_in(const geometry::TetPoints& p, Vec3 x) {
   return smallest;
 }
 
-/// For each child of a rebuilt family, the member that holds its centroid. "Among equals" allows for rounding: the
-/// first member in which the centroid lies no deeper outside than 2^-40.
-LocalId member_of(const NumberedMesh& old, LocalId first, const mesh::CellNodes& child) {
-  Vec3 centroid;
-  for (const auto node : child) centroid = centroid + 0.25 * straight_point(old, node);
-  LocalId best = first;
-  double deepest = -std::numeric_limits<double>::infinity();
-  for (LocalId member = first; member < first + old.mesh.lineage[at(first)].family_size(); ++member) {
-    const double depth = depth_in(old.mesh.points(member), centroid);
-    if (depth >= -0x1p-40) return member;
-    if (depth > deepest) {
-      deepest = depth;
-      best = member;
-    }
-  }
-  return best;
-}
-
-/// Old local cell of every child.
-std::vector<LocalId> parents_of(const NumberedMesh& old, const std::vector<mesh::CellNodes>& cell_to_node) {
-  const auto& first_child = old.numbering.first_child;
-  std::vector<LocalId> parent(cell_to_node.size());
-  for (LocalId c = 0; c < old.mesh.n_cells(); ++c)
-    for (auto child = first_child[at(c)]; child < first_child[at(c) + 1]; ++child)
-      parent[at(child)] = old.closure.action[at(c)] == Action::split ? c : member_of(old, c, cell_to_node[at(child)]);
-  return parent;
-}
-
 /// The mean of two finite values, finite also where their sum is not.
 double mean_of(double a, double b) {
   const double mean = 0.5 * (a + b);
@@ -160,6 +132,37 @@ mesh::CellField numbers_of(const std::vector<LocalId>& parent, const mesh::DistM
 }
 
 }  // namespace
+
+Vec3 straight_centroid(const NumberedMesh& old, const mesh::CellNodes& child) {
+  Vec3 centroid;
+  for (const auto node : child) centroid = centroid + 0.25 * straight_point(old, node);
+  return centroid;
+}
+
+LocalId member_that_holds(const mesh::DistMesh& mesh, LocalId first, Vec3 point) {
+  LocalId best = first;
+  double deepest = -std::numeric_limits<double>::infinity();
+  for (LocalId member = first; member < first + mesh.lineage[at(first)].family_size(); ++member) {
+    const double depth = depth_in(mesh.points(member), point);
+    if (depth >= -0x1p-40) return member;
+    if (depth > deepest) {
+      deepest = depth;
+      best = member;
+    }
+  }
+  return best;
+}
+
+std::vector<LocalId> parents_of(const NumberedMesh& old, const std::vector<mesh::CellNodes>& cell_to_node) {
+  const auto& first_child = old.numbering.first_child;
+  std::vector<LocalId> parent(cell_to_node.size());
+  for (LocalId c = 0; c < old.mesh.n_cells(); ++c)
+    for (auto child = first_child[at(c)]; child < first_child[at(c) + 1]; ++child)
+      parent[at(child)] = old.closure.action[at(c)] == Action::split
+                              ? c
+                              : member_that_holds(old.mesh, c, straight_centroid(old, cell_to_node[at(child)]));
+  return parent;
+}
 
 Fields transfer(const NumberedMesh& old, const std::vector<mesh::CellNodes>& cell_to_node,
                 const Certificate& certificate, const Options& options) {

@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "pamr/geometry/vec3.hpp"
 #include "pamr/mesh/dist_mesh.hpp"
 #include "pamr/mesh/field.hpp"
 #include "pamr/refine/certify.hpp"
@@ -30,5 +31,15 @@ struct Fields {
 /// Local. Cost: O(children) for each field.
 Fields transfer(const NumberedMesh& old, const std::vector<mesh::CellNodes>& cell_to_node,
                 const Certificate& certificate, const Options& options);
+
+/// The centroid of a child while new nodes still lie on their edges. Local.
+geometry::Vec3 straight_centroid(const NumberedMesh& old, const mesh::CellNodes& child);
+
+/// The member of the family beginning at `first` that holds a point of the family's parent. To rounding: the first in
+/// which the point lies no deeper outside than 2^-40 of its height, else the one in which it lies least outside. Local.
+LocalId member_that_holds(const mesh::DistMesh& mesh, LocalId first, geometry::Vec3 point);
+
+/// For each child the old cell that holds its centroid. Local.
+std::vector<LocalId> parents_of(const NumberedMesh& old, const std::vector<mesh::CellNodes>& cell_to_node);
 
 }  // namespace pamr::refine

@@ -87,7 +87,7 @@ class Untangler {
   }
 
   /// Inner nodes move first. Wall nodes slide where that is not enough, because it spoils the shape of the wall's
-  /// faces; little, and farther where a cell is still turned over when nothing else helps.
+  /// faces; little, and farther where a cell is still inverted when nothing else helps.
   int run() {
     int round = improve_all(Slide::none, 0);
     if (is_any_below(sliding_key)) round = improve_all(Slide::little, round);

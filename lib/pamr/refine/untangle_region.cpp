@@ -106,7 +106,7 @@ std::vector<LocalId> families_of(const Children& children, const std::vector<Loc
 std::array<LocalId, 10> parent_nodes(const Children& children, LocalId first) {
   std::array<LocalId, 10> nodes{};
   nodes.fill(-1);
-  const auto& pattern = split_pattern[at(state_of_family(children.lineage[at(first)]))];
+  const auto& pattern = split_pattern[at(children.lineage[at(first)].state())];
   for (int child = 0; child < pattern.n_children; ++child)
     for (std::size_t slot = 0; slot < 4; ++slot)
       nodes[at(pattern.child_to_node[at(child)][slot])] = children.cell_to_node[at(first + child)][slot];

@@ -10,7 +10,7 @@ import unittest
 
 COMPARE, BUILD = map(pathlib.Path, sys.argv[1:3])
 NO_PEERS = {**os.environ, "PAMR_PEER_PYTHON": "/nowhere/python3", "PAMR_PEER_CXX": "/nowhere/mpicxx"}
-PEERS = ("netgen", "dolfinx", "dmplex", "gmsh")
+PEERS = ("netgen", "dolfinx", "ug", "dmplex", "gmsh")
 
 
 def rows_of(output):
@@ -57,15 +57,21 @@ class Compare(unittest.TestCase):
             runs = [{"peer": "netgen 1", "workload": "W1", "level": 1, "run": i + 1, "cells": 8000000, "cpu": cpu,
                      "peak": 800000000, "relate_cpu": 3.0} for i, cpu in enumerate((1.0, 5.0, 2.0))]
             (results / "netgen.json").write_text("".join(json.dumps(run) + "\n" for run in runs))
+            coarsening = [{"peer": "UG 2", "coarsening": "W3", "level": 2, "run": i + 1, "cells": 4000000,
+                           "cells_left": 1000, "calls": 2, "cpu": cpu} for i, cpu in enumerate((20.0, 60.0, 40.0))]
+            (results / "ug.json").write_text("".join(json.dumps(run) + "\n" for run in coarsening))
             (results / "gmsh.note").write_text("not installed (python3-gmsh)\n")
-            table = subprocess.run([sys.executable, "-B", COMPARE.parent / "compare/table.py", results, "netgen", "gmsh"],
+            table = subprocess.run([sys.executable, "-B", COMPARE.parent / "compare/table.py", results, "netgen", "ug",
+                                    "gmsh"],
                                    capture_output=True, text=True, check=True).stdout
 
         self.assertEqual(rows_of(table)[1:], [
             ["W1", "PAMR", "8,000,000", "0.5", "16", "1", "16", "1", "60", "-", "3"],
             ["W1", "netgen 1", "8,000,000", "2", "4", "4", "1.6", "10", "100", "-", "3"],
             ["W3 level 2", "PAMR", "4,000,000", "0.5", "8", "1", "8", "1", "70", "0.4", "1"],
-            ["-", "gmsh: not installed (python3-gmsh)"] + ["-"] * 9])
+            ["-", "gmsh: not installed (python3-gmsh)"] + ["-"] * 9,
+            ["back to level 0 from", "code", "cells", "cells left", "calls", "CPU s", "us a cell", "runs"],
+            ["W3 level 2", "UG 2", "4,000,000", "1,000", "2", "40", "10", "3"]])
 
 
 unittest.main(argv=sys.argv[:1])

@@ -2,6 +2,7 @@
 """dolfinx: `mesh.refine`, Plaza and Carey's bisection of longest edges, of the marked edges or of all."""
 import dolfinx
 import numpy as np
+import ufl
 from dolfinx import mesh as dolfinx_mesh
 from mpi4py import MPI
 
@@ -20,6 +21,12 @@ class Dolfinx:
         mesh = dolfinx_mesh.create_box(MPI.COMM_SELF, [np.zeros(3), np.ones(3)], [n] * 3,
                                        dolfinx_mesh.CellType.tetrahedron)
         assert workload.is_kuhn_cube(self.corners(mesh), n), f"expected dolfinx to make the Kuhn cube K({n})"
+        mesh.topology.create_entities(1)
+        return mesh
+
+    def load(self, cells, nodes):
+        element = ufl.VectorElement("Lagrange", ufl.tetrahedron, 1)
+        mesh = dolfinx_mesh.create_mesh(MPI.COMM_SELF, cells, nodes, ufl.Mesh(element))
         mesh.topology.create_entities(1)
         return mesh
 

@@ -10,11 +10,13 @@ import re
 import statistics
 import sys
 
+COARSENING_HEAD = ["back to level 0 from", "code", "cells", "cells left", "calls", "CPU s", "us a cell", "runs"]
 HEAD = ["workload", "code", "cells out", "CPU s", "M cells / CPU s", "ours / theirs", "with neighbors: M cells / CPU s",
         "ours / theirs", "peak bytes / cell out", "worst mean ratio", "runs"]
 NEIGHBORS = {
     "netgen": "faces of the cells: part of bisection, by `UpdateTopology` after uniform refinement",
     "dolfinx": "by `create_entities(2)` and `create_connectivity`; the edges that `refine` needs are made untimed",
+    "ug": "part of the call; all levels are kept",
     "dmplex": "part of the call; uniform only: the adaptive transform `refine_sbr` takes no tetrahedra",
     "gmsh": "none; uniform only",
 }
@@ -49,7 +51,8 @@ def peer_rows(folder, peer):
     path = folder / f"{peer}.json"
     for line in path.read_text().splitlines() if path.exists() else []:
         run = json.loads(line)
-        runs.setdefault((run["workload"], run["level"]), []).append(run)
+        if "workload" in run:
+            runs.setdefault((run["workload"], run["level"]), []).append(run)
     rows = {}
     for key, group in runs.items():
         first = group[0]
@@ -59,6 +62,22 @@ def peer_rows(folder, peer):
                      "all_cpu": None if peer == "gmsh" else all_cpu, "peak": first["peak"] / first["cells"],
                      "worst": first.get("worst"), "runs": len(group)}
     return rows
+
+
+def coarsening_rows(folder, peer):
+    """Of going all the way back, one level a call: medians."""
+    runs = {}
+    path = folder / f"{peer}.json"
+    for line in path.read_text().splitlines() if path.exists() else []:
+        run = json.loads(line)
+        if "coarsening" in run:
+            runs.setdefault((run["coarsening"], run["level"]), []).append(run)
+    for (workload, level), group in sorted(runs.items()):
+        cpu = statistics.median(run["cpu"] for run in group)
+        cells = group[0]["cells"]
+        yield [f"W3 level {level}" if workload == "W3" else workload, group[0]["peer"], f"{cells:,.0f}",
+               f"{group[0]['cells_left']:,.0f}", str(group[0]["calls"]), number(cpu), number(1e6 * cpu / cells),
+               str(len(group))]
 
 
 def rate(row, key):
@@ -80,20 +99,34 @@ def format_row(name, row, ours):
     return values + [number(row["peak"]), number(row["worst"]), str(row["runs"])]
 
 
+def print_row(values):
+    print("| " + " | ".join(values) + " |")
+
+
+def print_head(names):
+    print_row(names)
+    print("|" + "---|" * len(names))
+
+
 def main():
     folder, peers = pathlib.Path(sys.argv[1]), sys.argv[2:]
     ours = our_rows(folder)
     theirs = {peer: peer_rows(folder, peer) for peer in peers}
-    print("| " + " | ".join(HEAD) + " |")
-    print("|" + "---|" * len(HEAD))
+    print_head(HEAD)
     for key in sorted(ours):
         name = f"W3 level {key[1]}" if key[0] == "W3" else key[0]
         for row in [ours[key]] + [theirs[peer][key] for peer in peers if key in theirs[peer]]:
-            print("| " + " | ".join(format_row(name, row, ours[key])) + " |")
+            print_row(format_row(name, row, ours[key]))
     for peer in peers:
         note = folder / f"{peer}.note"
         for line in note.read_text().splitlines() if note.exists() else []:
-            print("| " + " | ".join(["-", f"{peer}: {line}"] + ["-"] * (len(HEAD) - 2)) + " |")
+            print_row(["-", f"{peer}: {line}"] + ["-"] * (len(HEAD) - 2))
+    coarsening = [row for peer in peers for row in coarsening_rows(folder, peer)]
+    if coarsening:
+        print()
+        print_head(COARSENING_HEAD)
+        for row in coarsening:
+            print_row(row)
     print("\nPAMR: neighbors, global ids and lineage are part of the call; W2 and W3 with the default quality control.")
     last = max(level for workload, level in ours if workload == "W3")
     for peer in peers:

@@ -4,6 +4,7 @@
 A peer defines a class with
     name            name and version
     start(n)        makes the Kuhn cube K(n) in the peer's own data structure, returns the mesh
+    load(cells, nodes)   the same of any mesh, for `shapes`; only of peers that have `mark`
     mark(m, flags)  hands the peer a boolean for each cell; not timed. Peers that refine uniformly have none
     refine(m)       the timed call: returns the refined mesh, all of it refined where `mark` was not called
     relate(m)       the peer's way to the cells on both sides of each face; timed apart; None where `refine` includes it
@@ -13,11 +14,15 @@ A peer defines a class with
 and calls `main`. Command line: PEER.py WORKLOAD N LEVELS REPEATS BUDGET, with WORKLOAD one of W1, W2, W3. At most
 REPEATS runs, no further one when BUDGET, in CPU seconds of the whole process, would be passed; no further level of W3
 that might not fit into the memory that is free. Prints one line of JSON for each level of each run; keys as in `report`.
+Or PEER.py shapes MESH LAW LEVELS: a line for each level with its cells, smallest, 0.1 % and mean of the mean ratio.
+MESH is kuhn:N or a Gmsh file of format 2.2, text; LAW is sphere:X,Y,Z,R for the cells cut by a
+sphere or box:X0,Y0,Z0,X1,Y1,Z1 for those with their centroid in a box.
 """
 import ctypes
 import gc
 import itertools
 import json
+import pathlib
 import sys
 import time
 
@@ -28,6 +33,7 @@ GROWTH = 4.5  # of a level of W3 over the one before, in memory
 MIDDLE = 0.5
 RADIUS = 0.35
 SHELL_WIDTH = 0.06
+TETRAHEDRON = 4  # Gmsh's type of element
 
 
 def kuhn_cube(n):
@@ -56,20 +62,44 @@ def cells_in_shell(corners):
     return np.abs(np.linalg.norm(corners.mean(axis=1) - MIDDLE, axis=1) - RADIUS) < SHELL_WIDTH
 
 
-def cells_cut_by_sphere(corners):
-    distance = np.linalg.norm(corners - MIDDLE, axis=2)
-    return (distance.min(axis=1) < RADIUS) & (distance.max(axis=1) > RADIUS)
+def cells_cut_by_sphere(corners, center=MIDDLE, radius=RADIUS):
+    distance = np.linalg.norm(corners - center, axis=2)
+    return (distance.min(axis=1) < radius) & (distance.max(axis=1) > radius)
 
 
-def worst_mean_ratio(corners):
-    """Least of 12 (3V)^(2/3) / sum of squared edges, 1 for a regular tetrahedron; in slabs, to bound the memory."""
-    worst = 1.0
+def mean_ratios(corners):
+    """12 (3V)^(2/3) / sum of squared edges, 1 for a regular tetrahedron; in slabs, to bound the memory."""
+    ratios = []
     for begin in range(0, len(corners), 1 << 18):
         p = corners[begin:begin + (1 << 18)]
         volume = np.abs(np.einsum("ij,ij->i", np.cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0]), p[:, 3] - p[:, 0])) / 6
         squares = sum(((p[:, b] - p[:, a]) ** 2).sum(axis=1) for a, b in itertools.combinations(range(4), 2))
-        worst = min(worst, float((12 * (3 * volume) ** (2 / 3) / squares).min()))
-    return worst
+        ratios.append(12 * (3 * volume) ** (2 / 3) / squares)
+    return np.concatenate(ratios)
+
+
+def read_mesh(name):
+    """Cells and nodes of `kuhn:N` or of a Gmsh file of format 2.2, text."""
+    if name.startswith("kuhn:"):
+        return kuhn_cube(int(name[5:]))
+    lines = pathlib.Path(name).read_text(encoding="ascii").splitlines()
+    begin = lines.index("$Nodes") + 2
+    rows = [line.split() for line in lines[begin:begin + int(lines[begin - 1])]]
+    number = {row[0]: i for i, row in enumerate(rows)}
+    begin = lines.index("$Elements") + 2
+    elements = (line.split() for line in lines[begin:begin + int(lines[begin - 1])])
+    cells = [[number[tag] for tag in row[-4:]] for row in elements if row[1] == str(TETRAHEDRON)]
+    return np.array(cells), np.array([row[1:] for row in rows], dtype=float)
+
+
+def law_named(name):
+    kind, numbers = name.split(":")
+    numbers = np.array(numbers.split(","), dtype=float)
+    if kind == "sphere" and len(numbers) == 4:
+        return lambda corners: cells_cut_by_sphere(corners, numbers[:3], numbers[3])
+    if kind == "box" and len(numbers) == 6:
+        return lambda corners: np.all((numbers[:3] <= corners.mean(axis=1)) & (corners.mean(axis=1) <= numbers[3:]), axis=1)
+    raise ValueError(f"expected sphere:X,Y,Z,R or box:X0,Y0,Z0,X1,Y1,Z1, found {name}")
 
 
 def status_bytes(key, file="/proc/self/status"):
@@ -111,13 +141,30 @@ def one_run(peer, workload, n, levels, run):
         if peer.relate:
             _, values["relate_cpu"] = measured(peer.relate, mesh)
         if workload == "W3" and run == 1:
-            values["worst"] = worst_mean_ratio(peer.corners(mesh))
+            values["worst"] = float(mean_ratios(peer.corners(mesh)).min())
         report(peer, workload, level, run, {"cells": peer.count(mesh), **values})
         if GROWTH * values["peak"] > status_bytes("MemAvailable", "/proc/meminfo"):
             break
 
 
+def follow_shapes(peer, mesh_name, law_name, levels):
+    mesh = peer.load(*read_mesh(mesh_name))
+    law = law_named(law_name)
+    for level in range(levels + 1):
+        if level > 0:
+            peer.mark(mesh, law(peer.corners(mesh)))
+            mesh = peer.refine(mesh)
+        ratios = np.sort(mean_ratios(peer.corners(mesh)))
+        print(json.dumps({"peer": peer.name, "level": level, "cells": len(ratios), "worst": ratios[0],
+                          "low": ratios[len(ratios) // 1000], "mean": ratios.mean()}), flush=True)
+        if GROWTH * status_bytes("VmHWM") > status_bytes("MemAvailable", "/proc/meminfo"):
+            break
+
+
 def main(peer):
+    if sys.argv[1] == "shapes":
+        follow_shapes(peer, sys.argv[2], sys.argv[3], int(sys.argv[4]))
+        return
     workload, (n, levels, repeats), budget = sys.argv[1], map(int, sys.argv[2:5]), float(sys.argv[5])
     one_run(peer, workload, n, levels, 1)
     duration = time.process_time()

@@ -34,13 +34,13 @@ std::vector<std::uint8_t> everywhere(const mesh::DistMesh& mesh) {
 
 std::int64_t count_deepest(const par::Comm& comm, const mesh::DistMesh& mesh) {
   std::int64_t n = 0;
-  for (const auto lineage : mesh.lineage) n += lineage.level() == adapt::max_level ? 1 : 0;
+  for (const auto lineage : mesh.lineage) n += lineage.level() == mesh::max_level ? 1 : 0;
   return comm.sum(n);
 }
 
 TEST(Depth, CellsOfTheDeepestLevelStayAndAreCounted) {
   const par::Comm comm(MPI_COMM_WORLD);
-  const auto mesh = deep_mesh(comm, [](Vec3) { return adapt::max_level; });
+  const auto mesh = deep_mesh(comm, [](Vec3) { return mesh::max_level; });
 
   const auto forecast = adapt::Forecaster(comm, mesh).forecast(everywhere(mesh));
   const auto result = adapt::refine(comm, mesh, everywhere(mesh));
@@ -54,7 +54,7 @@ TEST(Depth, CellsOfTheDeepestLevelStayAndAreCounted) {
 
 TEST(Depth, OneLevelAboveTheDeepestCanBeSplit) {
   const par::Comm comm(MPI_COMM_WORLD);
-  const auto mesh = deep_mesh(comm, [](Vec3) { return adapt::max_level - 1; });
+  const auto mesh = deep_mesh(comm, [](Vec3) { return mesh::max_level - 1; });
 
   const auto result = adapt::refine(comm, mesh, everywhere(mesh));
 
@@ -65,7 +65,7 @@ TEST(Depth, OneLevelAboveTheDeepestCanBeSplit) {
 
 TEST(Depth, ForecastAndRefinementAgreeWhereOnlyAPartIsTooDeep) {
   const par::Comm comm(MPI_COMM_WORLD);
-  const auto mesh = deep_mesh(comm, [](Vec3 p) { return p.x < 0.3 ? adapt::max_level : 0; });
+  const auto mesh = deep_mesh(comm, [](Vec3 p) { return p.x < 0.3 ? mesh::max_level : 0; });
   std::vector<std::uint8_t> flags;  // a corner far from the deep cells, and all of these
   for (LocalId c = 0; c < mesh.n_cells(); ++c) {
     const auto p = mesh.points(c);
@@ -99,7 +99,7 @@ std::string error_of(const std::function<void()>& work) {
 TEST(Depth, ACellThatClosingWouldSplitIsNamedByForecastAndRefinement) {
   const par::Comm comm(MPI_COMM_WORLD);
   const auto is_marked = [](Vec3 p) { return p.x < 0.45 || p.x > 0.55; };
-  const auto mesh = deep_mesh(comm, [&](Vec3 p) { return is_marked(p) ? 0 : adapt::max_level; });
+  const auto mesh = deep_mesh(comm, [&](Vec3 p) { return is_marked(p) ? 0 : mesh::max_level; });
   std::vector<std::uint8_t> flags;
   for (LocalId c = 0; c < mesh.n_cells(); ++c)
     flags.push_back(mesh.lineage[static_cast<std::size_t>(c)].level() == 0 ? 1 : 0);

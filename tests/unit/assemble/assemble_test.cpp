@@ -368,8 +368,8 @@ TEST_F(AssembleRefuses, FamiliesThatAreNotWhole) {
   EXPECT_THAT(change(4, mesh::Lineage(mesh::FamilyKind::edge, 0, 1, 0)), HasSubstr("lineage, cell"));
   EXPECT_THAT(change(11, mesh::Lineage(mesh::FamilyKind::face, 1, 0, 0)), HasSubstr("lineage, cell"));
   EXPECT_THAT(change(11, families.lineage[11].broken()), HasSubstr("lineage, cell"));
-  EXPECT_THAT(change(5, mesh::Lineage(0x10000U)), HasSubstr("cell 5"));
-  EXPECT_THAT(change(5, mesh::Lineage(3U)), HasSubstr("cell 5"));
+  EXPECT_THAT(change(5, mesh::Lineage(std::uint64_t{1} << 63U)), HasSubstr("cell 5"));
+  EXPECT_THAT(change(5, mesh::Lineage(mesh::n_family_codes)), HasSubstr("cell 5"));
 }
 
 TEST_F(AssembleRefuses, FamiliesThatDoNotFitTheirTemplate) {

@@ -104,7 +104,8 @@ TEST(DualGraph, GroupsCellsOfAboutTheSameWeight) {
   const auto groups = balance::group_by_weight(mesh, ones(mesh), 10);
 
   expect_whole_families(mesh, groups);
-  for (std::size_t g = 0; g < groups.size(); ++g) EXPECT_LT(groups.cells(g).size(), 10 + 4U);
+  for (std::size_t g = 0; g < groups.size(); ++g)
+    EXPECT_LT(groups.cells(g).size(), std::size_t{10 + mesh::max_family_size});
   EXPECT_LT(groups.size(), mesh.cell_global.size() / 5 + 1);
   expect_sound(comm, mesh, groups);
 }

@@ -232,6 +232,15 @@ std::vector<Damage> damages_of_the_extension() {
   const auto lineage = [](std::size_t cell, mesh::Lineage value) {
     return [cell, value](const path& f) { set_value<std::uint64_t>(f, "/PAMR/lineage", cell, value.bits()); };
   };
+  const auto word = [](std::size_t cell, std::uint64_t value) {
+    return [cell, value](const path& f) { set_value<std::uint64_t>(f, "/PAMR/lineage", cell, value); };
+  };
+  const auto word_of_format_1 = [word](std::size_t cell, std::uint64_t value) {
+    return [change = word(cell, value)](const path& f) {
+      write_attribute(f, "/PAMR", "format", std::vector<std::int64_t>{1});
+      change(f);
+    };
+  };
   using enum mesh::FamilyKind;
   const auto regions = [](std::vector<std::int64_t> numbers, std::vector<std::string> names) {
     return [numbers, names](const path& f) {
@@ -255,27 +264,40 @@ std::vector<Damage> damages_of_the_extension() {
       {"TooManyRegions",
        regions(std::vector<std::int64_t>(4097), std::vector<std::string>(4097)),
        {"/PAMR/regions/numbers", "4097 values"}},
-      {"UnknownKindOfFamily",
-       [](const path& f) { set_value<std::uint64_t>(f, "/PAMR/lineage", 7, 3); },
-       {"/PAMR/lineage, row 7", "found 3"}},
-      {"HighBitsOfLineage",
-       [](const path& f) { set_value<std::uint64_t>(f, "/PAMR/lineage", 7, std::uint64_t{1} << 40U); },
-       {"/PAMR/lineage, row 7"}},
-      {"TopBitOfLineage",
-       [](const path& f) { set_value<std::uint64_t>(f, "/PAMR/lineage", 7, std::uint64_t{1} << 63U); },
-       {"/PAMR/lineage, row 7"}},
+      {"UnknownStateOfFamily", word(7, 2047), {"/PAMR/lineage, row 7", "format 2", "found 2047"}},
+      {"FirstCodeWithoutState", word(7, mesh::n_family_codes), {"/PAMR/lineage, row 7"}},
+      {"TopBitOfLineage", word(7, std::uint64_t{1} << 63U), {"/PAMR/lineage, row 7"}},
+      {"PathOfNoNumber", word(7, 5U << 12U | std::uint64_t{1} << 20U), {"/PAMR/lineage, row 7"}},
+      {"PathEndsBetweenNumbers", word(7, 5U << 12U | std::uint64_t{16} << 20U), {"/PAMR/lineage, row 7"}},
+      {"PathLongerThanTheLevel", word(7, 1U << 12U | std::uint64_t{64} << 20U), {"/PAMR/lineage, row 7"}},
+      {"BrokenFamilyWithPath", word(7, 3U | 1U << 11U | 1U << 12U | std::uint64_t{8} << 20U), {"/PAMR/lineage, row 7"}},
+      {"MemberWithAnotherPath",
+       [=](const path& f) {
+         lineage(7, mesh::Lineage::regular(0).red_child(2).closed(1, 0))(f);
+         lineage(8, mesh::Lineage::regular(0).red_child(3).closed(1, 1))(f);
+       },
+       {"/PAMR/lineage, row 8", "child numbers 2", "found", "child numbers 3"}},
       {"LoneFirstChild",
        lineage(7, mesh::Lineage(edge, 2, 0, 0)),
        {"/PAMR/lineage, row 8", "child 1 of a family of 2"}},
       {"LoneLastChild", lineage(7, mesh::Lineage(face, 2, 3, 0)), {"/PAMR/lineage, row 7", "child 0 of a family of 4"}},
       {"FamilyCutOffByTheEnd", lineage(47, mesh::Lineage(edge, 2, 0, 0)), {"/PAMR/lineage, row 48", "the end"}},
       {"LastChildAtTheStart", lineage(0, mesh::Lineage(edge, 2, 1, 0)), {"/PAMR/lineage, row 0"}},
-      {"EdgeSixOfSix", lineage(7, mesh::Lineage(edge, 6, 0, 0)), {"/PAMR/lineage, row 7"}},
-      {"ChildTwoOfTwo", lineage(7, mesh::Lineage(edge, 1, 2, 0)), {"/PAMR/lineage, row 7"}},
-      {"BrokenRegularCell", lineage(7, mesh::Lineage(regular, 0, 0, 1).broken()), {"/PAMR/lineage, row 7"}},
+      {"BrokenRegularCell", lineage(7, mesh::Lineage::regular(1).broken()), {"/PAMR/lineage, row 7"}},
+      {"UnknownKindOfFormat1", word_of_format_1(7, 3), {"/PAMR/lineage, row 7", "format 1", "found 3"}},
+      {"HighBitOfFormat1", word_of_format_1(7, 1U << 16U), {"/PAMR/lineage, row 7"}},
+      {"TopBitOfFormat1", word_of_format_1(7, std::uint64_t{1} << 63U), {"/PAMR/lineage, row 7"}},
+      {"EdgeSixOfSixOfFormat1", word_of_format_1(7, 1U | 6U << 2U), {"/PAMR/lineage, row 7"}},
+      {"ChildTwoOfTwoOfFormat1", word_of_format_1(7, 1U | 1U << 2U | 2U << 5U), {"/PAMR/lineage, row 7"}},
+      {"FaceFourOfFourOfFormat1", word_of_format_1(7, 2U | 4U << 2U), {"/PAMR/lineage, row 7"}},
+      {"BrokenRegularCellOfFormat1", word_of_format_1(7, 0x80), {"/PAMR/lineage, row 7"}},
+      {"LoneChildOfFormat1", word_of_format_1(7, 2U | 1U << 5U), {"/PAMR/lineage, row 7", "child 0 of a family of 4"}},
       {"LaterFormat",
-       [](const path& f) { write_attribute(f, "/PAMR", "format", std::vector<std::int64_t>{2}); },
-       {"/PAMR@format", "expected 1, found 2"}},
+       [](const path& f) { write_attribute(f, "/PAMR", "format", std::vector<std::int64_t>{3}); },
+       {"/PAMR@format", "expected a number from 1 to 2, found 3"}},
+      {"FormatZero",
+       [](const path& f) { write_attribute(f, "/PAMR", "format", std::vector<std::int64_t>{0}); },
+       {"/PAMR@format", "expected a number from 1 to 2, found 0"}},
       {"NoFormat", [](const path& f) { remove_attribute(f, "/PAMR", "format"); }, {"/PAMR@format"}},
       {"PatchNamedTwice",
        [](const path& f) {

@@ -73,11 +73,78 @@ TEST(Families, AreNotTakenForAnotherTemplate) {
 
 TEST(Lineage, IsWellFormedOnlyWithinItsTables) {
   int n_well_formed = 0;
-  for (std::uint32_t bits = 0; bits < 0x80; ++bits) n_well_formed += is_well_formed(Lineage(bits)) ? 1 : 0;
+  for (std::uint64_t bits = 0; bits < 0x800; ++bits) n_well_formed += is_well_formed(Lineage(bits)) ? 1 : 0;
 
-  EXPECT_EQ(n_well_formed, 1 + 6 * 2 + 4 * 4);
+  EXPECT_EQ(n_well_formed, n_family_codes);
   EXPECT_TRUE(is_well_formed(Lineage(FamilyKind::face, 3, 3, 255).broken()));
-  EXPECT_FALSE(is_well_formed(Lineage(0x10000U)));
+  EXPECT_FALSE(is_well_formed(Lineage::regular(1).broken()));
+  EXPECT_FALSE(is_well_formed(Lineage(Lineage::regular(1).red_child(0).closed(1, 0).bits() | 1U << 11U)));
+}
+
+TEST(Lineage, HasAPathOfWholeNumbersNoLongerThanTheLevel) {
+  const auto with = [](int level, std::uint64_t path) { return Lineage(Lineage::regular(level).bits() | path << 20U); };
+  for (int level = 0; level <= 20; ++level)
+    for (unsigned top = 0; top < 44; ++top) {
+      const bool can_be = top % 3 == 0 && top > 0 && top <= 42 && static_cast<int>(top) / 3 <= level;
+      EXPECT_EQ(is_well_formed(with(level, std::uint64_t{1} << top)), can_be) << level << " " << top;
+      EXPECT_EQ(is_well_formed(with(level, (std::uint64_t{2} << top) - 1)), can_be) << level << " " << top;
+    }
+  EXPECT_TRUE(is_well_formed(with(0, 0)));
+}
+
+TEST(Lineage, LevelZeroIsTheWordZero) {
+  EXPECT_EQ(Lineage{}.bits(), 0U);
+  EXPECT_EQ(Lineage{}, Lineage::regular(0));
+  EXPECT_EQ(Lineage{}, Lineage(FamilyKind::regular, 0, 0, 0));
+  EXPECT_EQ(Lineage{}.depth(), 0);
+}
+
+TEST(Lineage, KeepsStateAndChildApartFromEverythingElse) {
+  for (int state = 1; state < n_family_states; ++state)
+    for (int child = 0; child < family_size_of_state[static_cast<std::size_t>(state)]; ++child) {
+      const auto base = Lineage::regular(8).red_child(5).red_child(7);
+      const auto cell = base.closed(state, child);
+      EXPECT_EQ(cell.state(), state);
+      EXPECT_EQ(cell.child(), child);
+      EXPECT_EQ(cell.family_size(), family_size_of_state[static_cast<std::size_t>(state)]);
+      EXPECT_EQ(cell.base(), base);
+      EXPECT_TRUE(is_well_formed(cell) && is_well_formed(cell.broken()) && cell.is_removable());
+      EXPECT_EQ(cell.broken().state(), state);
+      EXPECT_EQ(cell.broken().child(), child);
+      EXPECT_EQ(cell.broken().level(), 10);
+      EXPECT_EQ(cell.broken().depth(), 0);
+      EXPECT_EQ(cell.base_for_split(), Lineage::regular(10));
+      EXPECT_EQ(cell.broken().base_for_split(), Lineage::regular(10));
+      EXPECT_EQ(base.base_for_split(), base);
+      if (state <= 10) {
+        EXPECT_EQ(Lineage(cell.kind(), cell.index(), child, 3), Lineage::regular(3).closed(state, child));
+      }
+    }
+}
+
+TEST(Lineage, RemembersTheLastFourteenChildNumbersAndAllLevels) {
+  const auto number = [](int level) { return (3 * level + 1) % 8; };
+  auto cell = Lineage{};
+  std::vector<Lineage> ancestor{cell};
+  while (cell.level() < max_level) {
+    cell = cell.red_child(number(cell.level()));
+    ancestor.push_back(cell);
+    EXPECT_TRUE(is_well_formed(cell));
+    EXPECT_EQ(cell.level(), static_cast<int>(ancestor.size()) - 1);
+    EXPECT_EQ(cell.depth(), std::min(cell.level(), max_known_depth));
+    EXPECT_EQ(cell.bits() >> 63U, 0U);
+  }
+  for (int back = 1; back <= max_known_depth; ++back) {
+    EXPECT_EQ(cell.child_number(), number(cell.level() - 1));
+    cell = cell.red_parent();
+    EXPECT_TRUE(is_well_formed(cell));
+    EXPECT_EQ(cell.level(), max_level - back);
+    EXPECT_EQ(cell.depth(), max_known_depth - back);
+  }
+  EXPECT_EQ(cell, Lineage::regular(max_level - max_known_depth));
+
+  EXPECT_EQ(ancestor[9].red_parent(), ancestor[8]);
+  EXPECT_EQ(ancestor[1].red_parent(), Lineage{});
 }
 
 TEST(Lineage, NamesItsSiblings) {
@@ -86,6 +153,7 @@ TEST(Lineage, NamesItsSiblings) {
   EXPECT_EQ(sibling(first, 3), Lineage(FamilyKind::face, 2, 3, 7));
   EXPECT_EQ(sibling(sibling(first, 3), 0), first);
   EXPECT_EQ(describe(sibling(first, 3)), "1:4 closure cell of face 2, child 3, level 7");
+  EXPECT_EQ(describe(Lineage{}.red_child(4).red_child(1).red_child(7)), "regular cell, level 3, child numbers 4 1 7");
 }
 
 }  // namespace

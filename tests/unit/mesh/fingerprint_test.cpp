@@ -24,7 +24,7 @@ TEST(Fingerprint, AgreesWithItsFormulaWrittenOutAgain) {
   const par::Comm comm(MPI_COMM_WORLD);
   const auto cube = test::random_mesh(comm, 1, 3);
   auto family = test::closure_family(FamilyKind::face, 0);
-  for (auto& lineage : family.lineage) lineage = Lineage(lineage.bits() | 0x300U).broken();
+  for (auto& lineage : family.lineage) lineage = Lineage(FamilyKind::face, 0, lineage.child(), 3).broken();
 
   EXPECT_EQ(fingerprint(comm, assemble::assemble(comm, cube)), test::reference_fingerprint(test::gather(comm, cube)));
   const auto mesh = assemble::assemble(comm, test::cut(comm, family));

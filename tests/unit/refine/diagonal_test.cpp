@@ -25,7 +25,8 @@ double squared_length(const SplitPoints& points, int diagonal) {
 
 double worst_inner(const SplitPoints& points, int diagonal) {
   double worst = 1;
-  for (int child = 4; child < 8; ++child) worst = std::min(worst, shape(child_points(points, 11 + diagonal, child)));
+  for (int child = 4; child < 8; ++child)
+    worst = std::min(worst, shape(child_points(points, regular_state + diagonal, child)));
   return worst;
 }
 

@@ -5,10 +5,10 @@
 
 #include <random>
 
+#include "pamr/refine/cell_shape.hpp"
+
 namespace pamr::refine {
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 /// One closure cell of each kind, from a parent with random corners.
 mesh::DistMesh one_child(int state, int child, std::mt19937& random) {
@@ -24,7 +24,8 @@ mesh::DistMesh one_child(int state, int child, std::mt19937& random) {
   for (const auto code : pattern.child_to_node[at(child)]) mesh.node_position.push_back(p[at(code)]);
   mesh.cell_to_node = {{0, 1, 2, 3}};
   mesh.cell_to_cell = {{-1, -1, -1, -1}};
-  mesh.lineage = {mesh::Lineage(pattern.kind, pattern.index, child, 0)};
+  const auto base = mesh::Lineage::regular(0);
+  mesh.lineage = {state == 0 ? base : base.closed(state, child)};
   return mesh;
 }
 
@@ -40,10 +41,12 @@ TEST(RequiredMarks, AreLegalAndMonotoneForEveryPolicyMaskAndClosureCell) {
   for_every_closure_cell([](const mesh::DistMesh& mesh) {
     for (const auto policy : {QualityControl::none, QualityControl::isotropic, QualityControl::short_edge}) {
       std::array<EdgeMask, 64> result{};
-      for (int m = 0; m < 64; ++m) result[at(m)] = required_marks(mesh, 0, static_cast<EdgeMask>(m), policy);
+      for (int m = 0; m < 64; ++m)
+        result[at(m)] =
+            required_marks(mesh, 0, static_cast<EdgeMask>(m), {.quality_control = policy, .marks_field = {}});
       for (int a = 0; a < 64; ++a) {
         EXPECT_EQ(result[at(a)] & a, a);
-        EXPECT_GE(state_of_mask[result[at(a)]], 0);
+        EXPECT_GE(state_of_template[result[at(a)]], 0);
         EXPECT_EQ(result[result[at(a)]], result[at(a)]);
         for (int b = 0; b < 64; ++b)
           if ((a & b) == a) {
@@ -54,36 +57,33 @@ TEST(RequiredMarks, AreLegalAndMonotoneForEveryPolicyMaskAndClosureCell) {
   });
 }
 
-TEST(ClosesBadly, IsMonotoneAndTurnsPoorClosuresOnly) {
+TEST(RequiredMarks, OfRegularCellsUnderRemovableFollowTheShapeFloor) {
   std::mt19937 random(11);
-  int n_bad = 0;
-  for (int sample = 0; sample < 500; ++sample) {
-    auto mesh = one_child(0, 0, random);
-    mesh.node_position[0] = mesh.node_position[0] + geometry::Vec3{0.004 * (sample % 100), 0, 0};
-    if (geometry::volume(mesh.points(0)) <= 0) continue;
-    std::array<EdgeMask, 64> result{};
-    for (int m = 0; m < 64; ++m)
-      result[at(m)] = required_marks(mesh, 0, static_cast<EdgeMask>(m), QualityControl::removable);
-    for (int a = 0; a < 64; ++a) {
-      const bool turned = result[at(a)] != legal_mask[at(a)];
-      n_bad += turned ? 1 : 0;
-      EXPECT_TRUE(!turned || result[at(a)] == all_edges);
-      EXPECT_TRUE(!turned || geometry::mean_ratio(mesh.points(0)) < 0.78);
-      for (int b = 0; b < 64; ++b) {
-        if ((a & b) == a) {
-          EXPECT_EQ(result[at(a)] & result[at(b)], result[at(a)]);
-        }
+  for (int sample = 0; sample < 20; ++sample) {
+    const auto mesh = one_child(0, 0, random);
+    for (const double floor : {0.0, 0.35, 0.5})
+      for (int m = 0; m < 64; ++m) {
+        const auto marks = static_cast<EdgeMask>(m);
+        EXPECT_EQ(required_marks(mesh, 0, marks, {.shape_floor = floor, .marks_field = {}}),
+                  CellShape(mesh.points(0)).closed_marks(marks, floor));
       }
-    }
   }
-  EXPECT_GT(n_bad, 100);
 }
 
-TEST(RequiredMarks, SplitAHitClosureCellIntoEightWhenIsotropic) {
+TEST(RequiredMarks, OfClosureCellsWithoutFamilyUnderRemovableAreTheMarksAlone) {
+  for_every_closure_cell([](const mesh::DistMesh& mesh) {
+    for (int m = 0; m < 64; ++m)
+      EXPECT_EQ(required_marks(mesh, 0, static_cast<EdgeMask>(m), {.shape_floor = 0.5, .marks_field = {}}), m);
+  });
+}
+
+TEST(RequiredMarks, SplitAMarkedClosureCellIntoEightWhenIsotropic) {
   for_every_closure_cell([](const mesh::DistMesh& mesh) {
     for (int m = 1; m < 64; ++m)
-      EXPECT_EQ(required_marks(mesh, 0, static_cast<EdgeMask>(m), QualityControl::isotropic), all_edges);
-    EXPECT_EQ(required_marks(mesh, 0, 0, QualityControl::isotropic), 0);
+      EXPECT_EQ(required_marks(mesh, 0, static_cast<EdgeMask>(m),
+                               {.quality_control = QualityControl::isotropic, .marks_field = {}}),
+                all_edges);
+    EXPECT_EQ(required_marks(mesh, 0, 0, {.quality_control = QualityControl::isotropic, .marks_field = {}}), 0);
   });
 }
 
@@ -92,7 +92,8 @@ TEST(RequiredMarks, TakeAFaceWithAMarkOnAShortEdge) {
     int n_short = 0;
     for (int e = 0; e < 6; ++e) {
       const auto face = face_implied_by_short_edge(mesh, 0, e);
-      const auto marks = required_marks(mesh, 0, static_cast<EdgeMask>(1 << e), QualityControl::short_edge);
+      const auto marks = required_marks(mesh, 0, static_cast<EdgeMask>(1 << e),
+                                        {.quality_control = QualityControl::short_edge, .marks_field = {}});
       if (face == 0) {
         EXPECT_EQ(marks, 1 << e);
         continue;

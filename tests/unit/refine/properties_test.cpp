@@ -14,6 +14,7 @@
 #include "exact_mesh.hpp"
 #include "pamr/adapt/adapt.hpp"
 #include "pamr/base/hash.hpp"
+#include "pamr/check/shape_bound.hpp"
 #include "pamr/geometry/orientation.hpp"
 #include "pamr/geometry/tet_shape.hpp"
 #include "pamr/mesh/fingerprint.hpp"
@@ -358,54 +359,28 @@ std::vector<std::uint8_t> mark_near(const mesh::DistMesh& mesh, Vec3 target) {
   return flags;
 }
 
-/// The smallest mean ratio among the cells that this level has made, but for those that close a child of a parent which
-/// was rebuilt: the edges of that child were new, so nobody could mark them and have it become eight. Such closures go
-/// no further, for they are taken back in their turn.
-double worst_of_judged(const mesh::DistMesh& before, const mesh::DistMesh& after) {
-  const auto& parent = after.find_cell_field("parent")->integer();
-  double worst = 1;
-  for (LocalId c = 0; c < after.n_cells(); ++c) {
-    const auto old = static_cast<LocalId>(parent[at(c)]);
-    const auto lineage = after.lineage[at(c)];
-    const bool closes_new_cell = lineage.is_closure() && lineage.level() > before.lineage[at(old)].level();
-    if (closes_new_cell || after.points(c) == before.points(old)) continue;
-    worst = std::min(worst, geometry::mean_ratio(after.points(c)));
-  }
-  return worst;
-}
-
-/// No mean ratio falls under the first part of the smallest one at first. What a level makes, closures of cells that it
-/// has made itself left out, stays above the second part of that, or of the poorest cell that closing makes on purpose.
-/// The least over the seeds of 1, 2, 3, 4, 7, 8 and 16 ranks, 7,000 cases: 0.445 and 0.758; about half of the cases
-/// reach the sixth level, the others grow too large before.
-constexpr double kept_of_first = 0.4, kept_of_poorest = 0.75, worst_closure = 0.3;
-
-TEST(P11Quality, StaysBoundedOverSixLevelsOfRemovableFamilies) {
+TEST(P11Quality, StaysAboveTheBoundOverSixLevelsOfRemovableFamilies) {
   const par::Comm world(MPI_COMM_WORLD), self(MPI_COMM_SELF);
   std::int64_t n_deep = 0;
-  double least = 9, min_assessed = 9;
+  double min_relative = 9;
   for (const auto i : test::seeds_alone(world)) {
     auto mesh = test::scatter(self, test::random_delaunay(i), 0);
     const auto target = mesh.point(0);
-    const double at_first = worst_mean_ratio(mesh);
+    const double bound = std::min(refine::default_shape_floor, check::worst_uniform_shape(self, mesh));
     for (int level = 1; level <= 6 && mesh.n_cells() < 10000; ++level) {
       auto fine = adapt::refine(self, mesh, mark_near(mesh, target),
                                 {.quality_control = QualityControl::removable, .marks_field = ""})
                       .mesh;
-      const double kept = worst_mean_ratio(fine) / at_first;
-      const double relative = worst_of_judged(mesh, fine) / std::min(at_first, worst_closure);
-      EXPECT_GE(kept, kept_of_first) << "mesh " << i << ", level " << level;
-      EXPECT_GE(relative, kept_of_poorest) << "mesh " << i << ", level " << level;
-      least = std::min(least, kept);
-      min_assessed = std::min(min_assessed, relative);
+      const double relative = worst_mean_ratio(fine) / bound;
+      EXPECT_GE(relative, 1 - 1e-7) << "mesh " << i << ", level " << level;
+      min_relative = std::min(min_relative, relative);
       n_deep += level == 6 ? 1 : 0;
       mesh = std::move(fine);
     }
   }
   EXPECT_GT(world.sum(n_deep), 0);
-  least = world.min(least);
-  min_assessed = world.min(min_assessed);
-  if (world.is_first()) std::printf("mean ratio kept: %.3f, of what was relative %.3f\n", least, min_assessed);
+  min_relative = world.min(min_relative);
+  if (world.is_first()) std::printf("smallest mean ratio over the bound: %.6f\n", min_relative);
 }
 
 TEST(P12Idempotence, NothingMarkedChangesNothing) {
@@ -431,7 +406,7 @@ TEST(P12Idempotence, AllMarkedMakesEightOfEachAgainAndAgain) {
       mesh = adapt::refine(self, mesh, all, {.quality_control = policy_of(i), .marks_field = ""}).mesh;
       ASSERT_EQ(mesh.info.n_global_cells, expected);
       for (const auto lineage : mesh.lineage)
-        ASSERT_EQ(lineage.bits(), mesh::Lineage(mesh::FamilyKind::regular, 0, 0, level + 1).bits());
+        ASSERT_TRUE(!lineage.is_closure() && lineage.level() == level + 1 && lineage.depth() == level + 1);
     }
   }
 }
@@ -449,7 +424,12 @@ TEST(P13Counts, AreThoseOfTheSplitEdgesAndCellsAndKeepTheEulerCharacteristic) {
     std::int64_t split_edges = 0;
     for (const auto& edge : edges_of(level.before))
       split_edges += static_cast<std::int64_t>(nodes.count(middle_of(level.before, edge)));
-    ASSERT_EQ(level.report.nodes_out, level.report.nodes_in + split_edges);
+    // early passes make edges, and may halve them
+    const bool is_one_pass = level.report.closure.early_passes == 0;
+    if (is_one_pass)
+      ASSERT_EQ(level.report.nodes_out, level.report.nodes_in + split_edges);
+    else
+      ASSERT_GE(level.report.nodes_out, level.report.nodes_in + split_edges);
 
     std::map<GlobalId, std::int64_t> became, members;  // by group
     std::set<GlobalId> flagged;
@@ -459,8 +439,10 @@ TEST(P13Counts, AreThoseOfTheSplitEdgesAndCellsAndKeepTheEulerCharacteristic) {
     }
     for (const auto parent : level.after.cell_fields.front().integer()) ++became[group_of(level, parent)];
     for (const auto& [group, n] : became) {
-      const auto allowed = std::set<std::int64_t>{1, 2, 4, 8};
-      ASSERT_TRUE(members[group] > 1 ? n >= members[group] : allowed.count(n) != 0) << group << " became " << n;
+      const bool is_allowed = level.policy == QualityControl::removable
+                                  ? (n <= 8 || members[group] > 1 || !is_one_pass) && (n > 1 || members[group] == 1)
+                                  : std::set<std::int64_t>{1, 2, 4, 8}.count(n) != 0;
+      ASSERT_TRUE(is_allowed) << group << " became " << n;
       ASSERT_TRUE(flagged.count(group) == 0 || n >= 8) << group << " was marked and became " << n;
     }
     ASSERT_EQ(became.size(), members.size()) << "a cell is gone without children";

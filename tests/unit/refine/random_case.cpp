@@ -86,7 +86,7 @@ mesh::BlockMesh gather_on(const par::Comm& comm, const mesh::DistMesh& mesh, Ran
   struct CellRow {
     GlobalId id;
     std::array<GlobalId, 4> node, neighbor;
-    std::uint32_t lineage;
+    std::uint64_t lineage;
     std::int64_t parent;
   };
   struct NodeRow {

@@ -191,24 +191,95 @@ TEST(Removable, NeverSplitsAClosureCell) {
   EXPECT_GT(run.reports.back().closure.families_rebuilt, 0);
 }
 
-TEST(Removable, GivesTheSameWhetherHalvesAreKnownToBePairedOrNot) {
+TEST(Removable, GivesTheSameWhetherCutFacesAreKnownToConformOrNot) {
   const par::Comm comm(MPI_COMM_WORLD);
-  const auto refine = [&comm](const mesh::DistMesh& before, QualityControl policy) {
+  const auto refine = [&comm](const mesh::DistMesh& before, QualityControl policy, GlobalId step = 11) {
     std::vector<std::uint8_t> flags;
-    for (const auto cell : before.cell_global) flags.push_back(cell % 11 == 0 ? 1 : 0);
+    for (const auto cell : before.cell_global) flags.push_back(cell % step == 0 ? 1 : 0);
     return adapt::refine(comm, before, flags, {.quality_control = policy, .marks_field = ""}).mesh;
   };
   const auto known = refine(assemble::assemble(comm, test::random_mesh(comm, 4, 3)), QualityControl::removable);
-  ASSERT_TRUE(known.info.halves_are_paired);
+  ASSERT_TRUE(known.info.cut_faces_conform);
   auto unknown = known;
-  unknown.info.halves_are_paired = false;
+  unknown.info.cut_faces_conform = false;
 
   const auto fine = refine(known, QualityControl::removable);
-  EXPECT_TRUE(fine.info.halves_are_paired);
+  EXPECT_TRUE(fine.info.cut_faces_conform);
   EXPECT_EQ(mesh::fingerprint(comm, fine), mesh::fingerprint(comm, refine(unknown, QualityControl::removable)));
-  const auto mixed = refine(known, QualityControl::none);
-  EXPECT_FALSE(mixed.info.halves_are_paired);
-  EXPECT_FALSE(refine(mixed, QualityControl::removable).info.halves_are_paired) << "families were kept";
+  const auto mixed = refine(known, QualityControl::none, 101);
+  EXPECT_FALSE(mixed.info.cut_faces_conform);
+  EXPECT_FALSE(refine(mixed, QualityControl::removable).info.cut_faces_conform) << "families were kept";
+}
+
+/// Three levels of a Kuhn cube with a high floor: marks in children of red families imply others on edges that are new.
+struct EarlyCase {
+  mesh::DistMesh before;
+  std::vector<std::uint8_t> flags;
+  refine::Options options{.shape_floor = 0.68, .marks_field = ""};
+};
+
+EarlyCase make_early_case(const par::Comm& comm) {
+  EarlyCase early{assemble::assemble(comm, assemble::kuhn_cube(comm, 4)), {}};
+  for (int level = 0; level < 2; ++level)
+    early.before = adapt::refine(comm, early.before, mark(early.before, Law::sphere, 0), early.options).mesh;
+  early.flags = mark(early.before, Law::sphere, 0);
+  return early;
+}
+
+TEST(EarlySplits, AreForecastAndLeaveAClosedMeshOverTheFloor) {
+  const par::Comm comm(MPI_COMM_WORLD);
+  const auto early = make_early_case(comm);
+  const adapt::Forecaster forecaster(comm, early.before, early.options);
+  const auto forecast = forecaster.forecast(early.flags);
+
+  const auto result = adapt::refine(comm, early.before, early.flags, early.options);
+
+  EXPECT_GT(result.report.closure.early_passes, 0);
+  EXPECT_EQ(result.report.marked_not_split, 0);
+  EXPECT_EQ(result.report.cells_in, early.before.info.n_global_cells);
+  EXPECT_EQ(forecast.cells, result.report.cells_out);
+  EXPECT_EQ(forecaster.nodes(forecast), result.report.nodes_out);
+  std::int64_t children = 0;
+  for (const auto n : forecast.children) children += n;
+  EXPECT_EQ(children, result.mesh.n_cells());
+  for (LocalId c = 0; c < result.mesh.n_cells(); ++c)
+    ASSERT_GE(geometry::mean_ratio(result.mesh.points(c)), 0.68 * (1 - 1e-12));
+  const auto whole = test::gather(comm, result.mesh);
+  expect_sound(whole, 1.0);
+  for (const auto& field : whole.cell_fields)
+    for (const auto parent : field.integer()) {
+      ASSERT_EQ(field.name, mesh::parent_field);
+      ASSERT_TRUE(parent >= 0 && parent < early.before.info.n_global_cells);
+    }
+  const std::vector<std::uint8_t> nothing(static_cast<std::size_t>(result.mesh.n_cells()), 0);
+  const auto again = adapt::refine(comm, result.mesh, nothing, early.options);
+  EXPECT_EQ(mesh::fingerprint(comm, again.mesh), mesh::fingerprint(comm, result.mesh));
+}
+
+TEST(EarlySplits, AreTheSameWithCellsThatMoveAndOnOneRank) {
+  const par::Comm comm(MPI_COMM_WORLD), self(MPI_COMM_SELF);
+  const auto early = make_early_case(comm), alone = make_early_case(self);
+  const auto here = adapt::refine(comm, early.before, early.flags, early.options);
+  const auto serial = adapt::refine(self, alone.before, alone.flags, alone.options);
+
+  auto moving = early.before;
+  const auto moved = adapt::refine(comm, std::move(moving), early.flags,
+                                   adapt::Options{early.options, adapt::balancing_named("blocks", "exact")});
+
+  expect_equal(test::gather(comm, here.mesh), test::gather(comm, moved.mesh));
+  EXPECT_EQ(mesh::fingerprint(comm, here.mesh), mesh::fingerprint(self, serial.mesh));
+  EXPECT_EQ(here.report.closure.early_passes, serial.report.closure.early_passes);
+  EXPECT_EQ(here.report.closure.families_rebuilt, serial.report.closure.families_rebuilt);
+}
+
+TEST(Refine, RefusesAShapeFloorThatIsNoMeanRatio) {
+  const par::Comm comm(MPI_COMM_WORLD);
+  const auto mesh = assemble::assemble(comm, assemble::kuhn_cube(comm, 2));
+  const std::vector<std::uint8_t> flags(static_cast<std::size_t>(mesh.n_cells()), 0);
+  for (const double floor : {-0.1, 1.1, std::nan("")}) {
+    EXPECT_THROW(adapt::refine(comm, mesh, flags, {.shape_floor = floor, .marks_field = {}}), Error);
+    EXPECT_THROW(adapt::Forecaster(comm, mesh, {.shape_floor = floor, .marks_field = {}}).forecast(flags), Error);
+  }
 }
 
 TEST(Refine, RefusesFlagsOfTheWrongLengthOnEveryRank) {

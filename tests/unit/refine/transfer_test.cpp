@@ -106,5 +106,32 @@ TEST(Transfer, NamesTheInputCellThatHoldsEachNewCellsCentroid) {
   }
 }
 
+/// A field of integers of the whole mesh, by cell number.
+std::vector<std::int64_t> whole_field(const par::Comm& comm, const mesh::DistMesh& mesh, const char* name) {
+  std::vector<std::int64_t> whole(static_cast<std::size_t>(mesh.info.n_global_cells), 0);
+  const auto& here = mesh.find_cell_field(name)->integer();
+  for (std::size_t c = 0; c < here.size(); ++c)
+    whole[static_cast<std::size_t>(mesh.cell_global[c] - mesh.info.first_id)] = here[c];
+  comm.sum_in_place(whole);
+  return whole;
+}
+
+TEST(Transfer, NamesTheSameInputCellsWhenCellsChangeRanksAfterAnEarlyPass) {
+  const par::Comm comm(MPI_COMM_WORLD);
+  auto mesh = mesh_with_fields(comm);
+  int early_passes = 0;
+  for (int level = 0; level < 3; ++level) {
+    const auto flags = near_corner(mesh);
+    auto stayed = adapt::refine(comm, mesh, flags);
+    const auto moved = adapt::refine(comm, std::move(mesh), flags, adapt::Options{});
+
+    for (const auto* name : {"parent", "region"})
+      EXPECT_EQ(whole_field(comm, moved.mesh, name), whole_field(comm, stayed.mesh, name));
+    early_passes += stayed.report.closure.early_passes;
+    mesh = std::move(stayed.mesh);
+  }
+  EXPECT_GT(early_passes, 0);
+}
+
 }  // namespace
 }  // namespace pamr

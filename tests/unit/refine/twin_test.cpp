@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cstdio>
 #include <stdexcept>
 #include <string>
@@ -22,7 +23,7 @@ namespace {
 using refine::QualityControl;
 using test::Law;
 
-constexpr GlobalId enough_cells = 1000;  ///< no further level on larger meshes: the twin is slow
+constexpr GlobalId enough_cells = 600;  ///< no further level on larger meshes: the twin is slow
 
 /// One random refinement over several levels, planned by its seed.
 struct Plan {
@@ -30,6 +31,13 @@ struct Plan {
   std::vector<QualityControl> policy;  ///< of each level
   bool shaken = false;                 ///< nodes are moved between levels
   bool curved = false;                 ///< new nodes go to a dome
+
+  /// Of all levels but one in eight, which draws another: then closures of another floor are met.
+  double shape_floor(std::size_t level) const {
+    constexpr std::array<double, 5> floors{0.35, 0, 0.5, 0.68, 1};
+    const auto drawn = combine(seed, level) % 8 == 0 ? combine(seed, 100 + level) : mix(seed);
+    return floors[static_cast<std::size_t>(drawn % floors.size())];
+  }
 };
 
 mesh::BlockMesh start_of(const Plan& plan) {
@@ -50,7 +58,10 @@ struct Expected {
   Law law = Law::random;
   std::uint64_t seed = 0;
   QualityControl policy{};
+  double shape_floor = 0;
   test::ReferenceRefinement result;
+
+  refine::Options options() const { return {.quality_control = policy, .shape_floor = shape_floor, .marks_field = ""}; }
 };
 
 /// All levels of a plan by the twin alone.
@@ -63,10 +74,10 @@ std::vector<Expected> run_twin(const Plan& plan) {
   for (std::size_t level = 0; level < plan.policy.size() && mesh.info.n_global_cells < enough_cells; ++level) {
     const auto seed = combine(plan.seed, level);
     if (plan.shaken && level > 0) test::shake(mesh, seed);
-    Expected expected{mesh, test::law_of(plan.seed / 6 + level), seed, plan.policy[level], {}};
+    Expected expected{mesh, test::law_of(plan.seed / 6 + level), seed, plan.policy[level], plan.shape_floor(level), {}};
     try {
       const auto flags = test::mark(mesh, expected.law, seed);
-      expected.result = test::reference_refine(mesh, flags, expected.policy, surface_of_patch);
+      expected.result = test::reference_refine(mesh, flags, expected.policy, expected.shape_floor, surface_of_patch);
     } catch (const std::logic_error& error) {
       throw std::logic_error(describe(plan, level) + ": " + error.what());
     }
@@ -82,22 +93,25 @@ std::vector<Expected> run_twin(const Plan& plan) {
 
 /// What has been compared; a comparison of nothing proves nothing.
 struct Tally {
-  std::int64_t cases = 0, levels = 0, cells = 0, rebuilt = 0, kept = 0, refused = 0;
+  std::int64_t cases = 0, levels = 0, cells = 0, rebuilt = 0, kept = 0, early = 0, refused = 0;
 
   void add(const Expected& expected) {
     ++levels;
     cells += expected.result.mesh.info.n_global_cells;
     rebuilt += expected.result.families_rebuilt;
     kept += expected.result.families_kept;
+    early += expected.result.early_passes;
     refused += expected.result.is_positive ? 0 : 1;
   }
 
   /// Collective: sums over the ranks, and tells them once.
   void finish(const par::Comm& comm) {
-    for (auto* count : {&cases, &levels, &cells, &rebuilt, &kept, &refused}) *count = comm.sum(*count);
+    for (auto* count : {&cases, &levels, &cells, &rebuilt, &kept, &early, &refused}) *count = comm.sum(*count);
     if (comm.is_first())
-      std::printf("compared %ld meshes, %ld refinements, %ld cells; families: %ld rebuilt, %ld kept; refused: %ld\n",
-                  cases, levels, cells, rebuilt, kept, refused);
+      std::printf(
+          "compared %ld meshes, %ld refinements, %ld cells; families: %ld rebuilt, %ld kept; "
+          "early passes: %ld; refused: %ld\n",
+          cases, levels, cells, rebuilt, kept, early, refused);
   }
 };
 
@@ -130,10 +144,10 @@ void compare_level(const par::Comm& comm, const Expected& expected, Rank root) {
   const auto flags = test::mark(mesh, expected.law, expected.seed);
   const bool is_root = comm.rank() == root;
   if (comm.any(is_root && !expected.result.is_positive)) {
-    EXPECT_THROW(adapt::refine(comm, mesh, flags, {.quality_control = expected.policy, .marks_field = ""}), Error);
+    EXPECT_THROW(adapt::refine(comm, mesh, flags, expected.options()), Error);
     return;
   }
-  const auto fine = adapt::refine(comm, mesh, flags, {.quality_control = expected.policy, .marks_field = ""});
+  const auto fine = adapt::refine(comm, mesh, flags, expected.options());
   const auto found = test::gather_on(comm, fine.mesh, root);
   if (!is_root) return;
   expect_same(found, expected.result);
@@ -198,6 +212,7 @@ Tally compare_together(std::uint64_t n_cases, MakePlan&& make_plan) {
         expected.law = test::law_of(plan.seed / 6 + level);
         expected.seed = combine(plan.seed, level);
         expected.policy = plan.policy[level];
+        expected.shape_floor = plan.shape_floor(level);
         compare_level(world, expected, root);
         if (world.any(testing::Test::HasFailure())) return tally;
       }

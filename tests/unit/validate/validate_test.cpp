@@ -313,8 +313,10 @@ TEST_F(Validate, FindsFamiliesThatAreNotWhole) {
   expect_families_broken(four, [](mesh::DistMesh& m) { m.lineage[2] = mesh::Lineage{}; });
   expect_families_broken(four, [](mesh::DistMesh& m) { m.lineage[0] = m.lineage[1]; });
   expect_families_broken(four, [](mesh::DistMesh& m) { m.lineage[3] = m.lineage[3].broken(); });
-  expect_families_broken(four, [](mesh::DistMesh& m) { m.lineage[3] = mesh::Lineage(m.lineage[3].bits() | 0x100U); });
-  expect_families_broken(four, [](mesh::DistMesh& m) { m.lineage[0] = mesh::Lineage(1U << 20U); });
+  expect_families_broken(four, [](mesh::DistMesh& m) {
+    m.lineage[3] = mesh::Lineage(mesh::FamilyKind::face, m.lineage[3].index(), 3, 1);
+  });
+  expect_families_broken(four, [](mesh::DistMesh& m) { m.lineage[0] = mesh::Lineage(std::uint64_t{1} << 63U); });
   expect_families_broken(two, [](mesh::DistMesh& m) { std::swap(m.lineage[0], m.lineage[1]); });
   expect_families_broken(two, [](mesh::DistMesh& m) { std::swap(m.cell_to_node[0], m.cell_to_node[1]); });
   expect_families_broken(two, [](mesh::DistMesh& m) {

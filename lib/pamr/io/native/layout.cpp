@@ -132,9 +132,11 @@ class Checker {
 
   void extension() {
     const auto* format = catalog_->find_number("/PAMR@format");
-    if (format == nullptr) fail("/PAMR@format", fmt::format("{}", format_version), "no such attribute");
-    if (format->values != std::vector<std::int64_t>{format_version})
-      fail("/PAMR@format", fmt::format("{}", format_version), to_text(format->values));
+    const auto known = fmt::format("a number from {} to {}", oldest_format, newest_format);
+    if (format == nullptr) fail("/PAMR@format", known, "no such attribute");
+    if (format->values.size() != 1 || format->values[0] < oldest_format || format->values[0] > newest_format)
+      fail("/PAMR@format", known, to_text(format->values));
+    layout_.format = static_cast<int>(format->values[0]);
     auto& info = layout_.info;
     info.length_unit = one_text("/PAMR@length_unit", "");
     layout_.surfaces_toml = one_text(path::surfaces, "\t\r\n");

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "pamr/io/native/catalog.hpp"
+#include "pamr/io/native/format.hpp"
 #include "pamr/mesh/dist_mesh.hpp"
 
 namespace pamr::io {
@@ -37,8 +38,7 @@ inline constexpr const char* provenance = "/PAMR/provenance";
 inline constexpr const char* checksums = "/PAMR/checksums";
 }  // namespace path
 
-inline constexpr int tetrahedron = 10;  ///< VTK's number of the cell type
-inline constexpr int format_version = 1;
+inline constexpr int tetrahedron = 10;            ///< VTK's number of the cell type
 inline constexpr std::size_t max_regions = 4096;  ///< with a name
 
 struct FieldEntry {
@@ -59,6 +59,7 @@ struct TriangulationEntry {
 /// What a file contains, after every claim of its catalog was compared with the others. `info` has no surfaces yet.
 struct Layout {
   mesh::MeshInfo info;
+  int format = newest_format;
   mesh::StorageType points_type{}, connectivity_type{}, offsets_type{}, types_type{}, neighbors_type{}, lineage_type{};
   bool has_neighbors = false, has_lineage = false;
   std::vector<FieldEntry> fields;

@@ -7,6 +7,7 @@
 #include <span>
 
 #include "pamr/base/index.hpp"
+#include "pamr/io/native/lineage_word.hpp"
 #include "pamr/mesh/families.hpp"
 
 namespace pamr::io {
@@ -22,11 +23,11 @@ void check_families(const SlabReader& reader, const std::vector<mesh::Lineage>& 
     const auto first = lineage[c];
     const auto size = first.is_removable() ? at(first.family_size()) : std::size_t{1};
     for (std::size_t k = 0; size > 1 && k < size; ++k) {
-      const mesh::Lineage expected(first.kind(), first.index(), static_cast<int>(k), first.level());
+      const auto expected = mesh::sibling(first, static_cast<int>(k));
       if (c + k >= n || lineage[c + k] != expected)
         reader.fail(path::lineage, first_cell + static_cast<GlobalId>(c + k),
-                    fmt::format("child {} of a family of {}", k, size),
-                    c + k >= n ? "the end of the dataset" : fmt::format("word {}", lineage[c + k].bits()));
+                    fmt::format("child {} of a family of {}, {}", k, size, mesh::describe(expected)),
+                    c + k >= n ? "the end of the dataset" : mesh::describe(lineage[c + k]));
     }
     c += size;
   }
@@ -40,9 +41,9 @@ GlobalId family_border(SlabReader& reader, const Layout& layout, GlobalId cell) 
   reader.each_slab({path::lineage, layout.lineage_type, {n, 1, true}}, {cell, std::min(cell + 1, n)}, false,
                    [&](GlobalId, std::span<const std::uint64_t> words) {
                      if (words.empty()) return;
-                     const mesh::Lineage lineage(static_cast<std::uint32_t>(words[0]));
-                     if (lineage.is_removable() && lineage.child() != 0)
-                       border = cell + std::max(0, lineage.family_size() - lineage.child());
+                     const auto lineage = lineage_of_word(layout.format, words[0]);
+                     if (lineage && lineage->is_removable() && lineage->child() != 0)
+                       border = cell + lineage->family_size() - lineage->child();
                    });
   return std::min(border, n);
 }
@@ -54,12 +55,12 @@ std::vector<mesh::Lineage> read_lineage(SlabReader& reader, const Layout& layout
   reader.each_slab({path::lineage, layout.lineage_type, {layout.info.n_global_cells, 1, true}}, cells, true,
                    [&](GlobalId first, std::span<const std::uint64_t> words) {
                      for (std::size_t i = 0; i < words.size(); ++i) {
-                       const mesh::Lineage lineage(static_cast<std::uint32_t>(words[i] & 0xffffU));
-                       const bool is_regular = lineage.kind() == mesh::FamilyKind::regular;
-                       if (words[i] > 0xffffU || !mesh::is_well_formed(lineage) || (is_regular && lineage.is_broken()))
+                       const auto lineage = lineage_of_word(layout.format, words[i]);
+                       if (!lineage)
                          reader.fail(path::lineage, first + static_cast<GlobalId>(i),
-                                     "a lineage word as the format specifies", fmt::format("{}", words[i]));
-                       result.push_back(lineage);
+                                     fmt::format("a lineage word as format {} specifies", layout.format),
+                                     fmt::format("{}", words[i]));
+                       result.push_back(*lineage);
                      }
                    });
   par::agree(reader.comm(), [&] { check_families(reader, result, cells.begin); });

@@ -80,7 +80,7 @@ class Writer {
         partial_(file),
         mesh_(&mesh),
         options_(options),
-        plan_(comm, mesh, options.provenance) {
+        plan_(comm, mesh, options.format, options.provenance) {
     options_.slab_bytes = std::min(options_.slab_bytes, hdf5::max_transfer_bytes);
   }
 
@@ -240,7 +240,7 @@ void Writer::write_attributes() const {
   const auto vtk = group("/VTKHDF"), pamr = group("/PAMR"), checksums = group(path::checksums);
   write_number_attribute(vtk.id(), "Version", std::array<std::int64_t, 2>{1, 0}, H5T_STD_I64LE);
   write_text_attribute(vtk.id(), "Type", "UnstructuredGrid", H5T_CSET_ASCII);
-  write_number_attribute(pamr.id(), "format", std::array<std::int64_t, 1>{format_version}, H5T_STD_I64LE);
+  write_number_attribute(pamr.id(), "format", std::array<std::int64_t, 1>{options_.format}, H5T_STD_I64LE);
   write_number_attribute(pamr.id(), "fingerprint", std::array<std::int64_t, 1>{fingerprint_}, H5T_STD_U64LE);
   if (mesh_->info.first_id != 0)
     write_number_attribute(pamr.id(), "first_id", std::array<std::int64_t, 1>{mesh_->info.first_id}, H5T_STD_I64LE);
@@ -261,7 +261,7 @@ void Writer::make_room() {
   const auto bytes = plan_.data_bytes + 65536 + 4096 * (plan_.arrays.size() + plan_.texts.size());
   bool has_room = true;
   par::agree(*comm_, [&] {
-    require_writable(*mesh_);
+    require_writable(*mesh_, options_.format);
     if (comm_->is_first()) has_room = partial_.make(bytes);
   });
   partial_.share(*comm_);

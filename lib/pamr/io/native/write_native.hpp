@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 
+#include "pamr/io/native/format.hpp"
 #include "pamr/mesh/dist_mesh.hpp"
 #include "pamr/par/comm.hpp"
 
@@ -18,6 +19,9 @@ struct WriteOptions {
   std::string provenance = {};
   /// `mesh::fingerprint` of the mesh where the caller has it already.
   std::optional<std::uint64_t> fingerprint = {};
+  /// Number of the format. The older one has no place for closure families other than 1:2 and 1:4, which are refused
+  /// then, nor for the ancestors that cells know, which are dropped.
+  int format = newest_format;
   /// Largest piece that a rank writes at once, bytes; 2^30 at most.
   std::size_t slab_bytes = std::size_t{1} << 20U;
 };

@@ -17,8 +17,10 @@
 #include "pamr/base/index.hpp"
 #include "pamr/base/sorted_order.hpp"
 #include "pamr/io/native/layout.hpp"
+#include "pamr/io/native/lineage_word.hpp"
 #include "pamr/io/text.hpp"
 #include "pamr/mesh/cell_runs.hpp"
+#include "pamr/mesh/families.hpp"
 
 namespace pamr::io {
 
@@ -68,7 +70,7 @@ HeldRows WritePlan::node_rows(std::size_t width, FillRow fill_row) const {
   return {mesh_->info.node_ids(), width, node_id_, {}, row_by_row(width, fill_row)};
 }
 
-WritePlan::WritePlan(const par::Comm& comm, const mesh::DistMesh& mesh, const std::string& provenance)
+WritePlan::WritePlan(const par::Comm& comm, const mesh::DistMesh& mesh, int format, const std::string& provenance)
     : mesh_(&mesh), cell_run_(mesh::cell_runs(comm, mesh)) {
   std::vector<std::uint64_t> number;  // from the least on
   number.reserve(mesh.node_global.size());
@@ -77,7 +79,7 @@ WritePlan::WritePlan(const par::Comm& comm, const mesh::DistMesh& mesh, const st
   number = {};
   node_id_.reserve(node_order_.size());
   for (const auto node : node_order_) node_id_.push_back(mesh.node_global[node]);
-  add_mesh();
+  add_mesh(format);
   for (const auto* field : by_name(mesh.node_fields)) add_field(*field, false);
   for (const auto* field : by_name(mesh.cell_fields)) add_field(*field, true);
   auto triangulations = mesh.info.surfaces->triangulations;
@@ -92,7 +94,7 @@ WritePlan::WritePlan(const par::Comm& comm, const mesh::DistMesh& mesh, const st
     for (const auto& line : text.texts) data_bytes += line.size();
 }
 
-void WritePlan::add_mesh() {
+void WritePlan::add_mesh(int format) {
   const auto& m = *mesh_;
   const auto n_cells = m.info.n_global_cells, n_nodes = m.info.n_global_nodes;
   const auto add_formula = [&](const char* path, StorageType type, GlobalId n, auto value_of) {
@@ -129,8 +131,9 @@ void WritePlan::add_mesh() {
                                : m.is_ghost(slot) ? m.ghost_global[at(slot - m.n_cells())]
                                                   : slot);
            }));
-  add_rows(path::lineage, StorageType::uint64, {n_cells, 1, true},
-           cell_rows(1, [&m](std::size_t i, std::uint64_t* to) { *to = m.lineage[i].bits(); }));
+  add_rows(
+      path::lineage, StorageType::uint64, {n_cells, 1, true},
+      cell_rows(1, [&m, format](std::size_t i, std::uint64_t* to) { *to = word_of_lineage(format, m.lineage[i]); }));
 }
 
 void WritePlan::add_field(const mesh::Field& field, bool on_cells) {
@@ -235,9 +238,20 @@ void require_writable(const std::vector<std::shared_ptr<const geometry::Triangul
   }
 }
 
+void require_lineage(const mesh::DistMesh& mesh, int format) {
+  if (format < oldest_format || format > newest_format)
+    throw Error(fmt::format("format: expected a number from {} to {}, found {}", oldest_format, newest_format, format));
+  for (std::size_t c = 0; c < mesh.lineage.size(); ++c)
+    if (!has_word(format, mesh.lineage[c]))
+      throw Error(
+          fmt::format("lineage, cell {}: expected cells that format {} can describe (regular, 1:2 or 1:4), found {}",
+                      mesh.cell_global[c], format, mesh::describe(mesh.lineage[c])));
+}
+
 }  // namespace
 
-void require_writable(const mesh::DistMesh& mesh) {
+void require_writable(const mesh::DistMesh& mesh, int format) {
+  require_lineage(mesh, format);
   require_writable(mesh.info.surfaces->triangulations);
   for (const auto* fields : {&mesh.node_fields, &mesh.cell_fields}) {
     const std::string where = fields == &mesh.cell_fields ? "cell field '" : "node field '";

@@ -39,7 +39,7 @@ struct TextPlan {
 struct WritePlan {
   /// Cells are written by the ranks that hold them where these hold runs, by canonical blocks elsewhere. Of the
   /// triangulated surfaces, which every rank has whole, each gives its part. Collective.
-  WritePlan(const par::Comm& comm, const mesh::DistMesh& mesh, const std::string& provenance);
+  WritePlan(const par::Comm& comm, const mesh::DistMesh& mesh, int format, const std::string& provenance);
   WritePlan(const WritePlan&) = delete;
   WritePlan& operator=(const WritePlan&) = delete;
   WritePlan(WritePlan&&) = delete;
@@ -52,7 +52,7 @@ struct WritePlan {
   std::uint64_t data_bytes = 0;  ///< of all datasets together
 
  private:
-  void add_mesh();
+  void add_mesh(int format);
   void add_field(const mesh::Field& field, bool on_cells);
   void add_regions();
   void add_texts(const std::string& provenance);
@@ -69,7 +69,8 @@ struct WritePlan {
   std::deque<std::vector<GlobalId>> row_id_;  ///< rows given of each dataset of a triangulated surface
 };
 
-/// Throws `Error` when names of fields or patches could not be read back. Local, the same on every rank.
-void require_writable(const mesh::DistMesh& mesh);
+/// Throws `Error` when names of fields or patches could not be read back, and when the format has no place for a cell's
+/// lineage. Local.
+void require_writable(const mesh::DistMesh& mesh, int format);
 
 }  // namespace pamr::io

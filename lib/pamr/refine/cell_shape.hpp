@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+
+#include "pamr/geometry/tet_shape.hpp"
+#include "pamr/refine/split_pattern.hpp"
+
+namespace pamr::refine {
+
+/// Cuts of faces with two marks that are there already: they stay while their face has the same two marks.
+struct OldCuts {
+  EdgeMask mask = 0;  ///< marks that the cell has had
+  unsigned cuts = 0;  ///< bits as in `mesh::ClosureState`
+};
+
+/// Mean ratios are compared by their third powers, which need no roots; two are equal within a factor 1 - 2^-40.
+constexpr double cubed(double mean_ratio) { return mean_ratio * mean_ratio * mean_ratio; }
+inline constexpr double equal_cubes = 1 - 3 * 0x1p-40;
+
+/// A cell with straight edges, and how well it can be split: from its six squared edges alone, because the squared
+/// distances of its corners and midpoints are sums of them. Depends on neither ranks nor, but for rounding, the order
+/// of the corners. Local. Cost: some ten operations for each child that is looked at.
+class CellShape {
+ public:
+  explicit CellShape(const geometry::TetPoints& corner, OldCuts old = {});
+
+  double volume() const { return volume_; }
+  /// Third power of the smallest mean ratio of the children of a closure state.
+  double of_state(int state) const;
+  /// The same of 1:8 with the diagonal that `choose_diagonal` takes.
+  double of_regular_split() const;
+  /// The same of the best state with these marks and their cuts; below all others when there is none. Pre: one to five
+  /// marks.
+  double of_marks(EdgeMask marks) const;
+
+  /// Cuts of the faces that have two of these marks: the old one, or from the longer edge.
+  unsigned cuts(EdgeMask marks) const;
+  /// The better of the at most two states with these marks and their cuts; of equal ones that without inner edge, then
+  /// the one whose inner edge is first by coordinates. 0: there is none. Pre: one to five marks.
+  int best_state(EdgeMask marks) const;
+  /// The smallest set that holds these marks and with each of its subsets one that reaches `floor`, a mean ratio, or
+  /// what 1:8 reaches: rule 4 of docs/refinement.md. Cells that are not positive have no such rule.
+  EdgeMask closed_marks(EdgeMask marks, double floor) const;
+
+ private:
+  double of_child(int shape) const;
+  bool state_reaches(int state, double limit) const;
+  bool marks_reach(EdgeMask marks, double limit) const;
+  bool is_longer(int edge, int other) const;
+  bool is_higher_longer(int face, int pair) const;
+  bool is_before(int edge, int other) const;
+  EdgeMask smallest_good(EdgeMask marks, double limit) const;
+  bool adds_earlier_edges(EdgeMask added, EdgeMask other) const;
+
+  geometry::TetPoints corner_;
+  OldCuts old_;
+  std::array<double, 6> squared_{};
+  mutable unsigned longer_ =
+      0;  ///< bit 3 f + i: of pair i of the edges of face f the one of the larger number is longer
+  mutable unsigned known_ = 0;  ///< the bits of `longer_` that are known already
+  double volume_ = 0;
+  double scale_ = 0;
+};
+
+/// The state with these marks where there is but one, whatever the shape of the cell; else 0. Pre: one to five marks.
+int only_state(EdgeMask marks);
+
+/// True when the inner edge of the first of two ways to split comes first by coordinates, from the ends of both.
+bool is_earlier_edge(std::array<geometry::Vec3, 2> a, std::array<geometry::Vec3, 2> b);
+
+}  // namespace pamr::refine

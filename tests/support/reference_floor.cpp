@@ -1,0 +1,192 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "support/reference_floor.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <iterator>
+#include <vector>
+
+namespace pamr::test {
+
+namespace {
+
+using geometry::Vec3;
+using mesh::tet::edge_to_corner;
+
+std::size_t at(std::int64_t i) { return static_cast<std::size_t>(i); }
+
+using Ends = std::array<Vec3, 2>;
+
+Ends sorted(Vec3 a, Vec3 b) { return geometry::lexicographically_less(b, a) ? Ends{b, a} : Ends{a, b}; }
+Ends ends_of(const geometry::TetPoints& corner, int e) {
+  return sorted(corner[at(edge_to_corner[at(e)][0])], corner[at(edge_to_corner[at(e)][1])]);
+}
+bool comes_first(const Ends& p, const Ends& q) {
+  return std::lexicographical_compare(p.begin(), p.end(), q.begin(), q.end(), geometry::lexicographically_less);
+}
+
+/// To 40 significant binary digits, halves up.
+double rounded(double x) {
+  int exponent = 0;
+  const double fraction = std::frexp(x, &exponent);
+  return std::ldexp(std::floor(std::ldexp(fraction, 40) + 0.5), exponent - 40);
+}
+
+double rounded_length(const geometry::TetPoints& corner, int e) {
+  const auto d = corner[at(edge_to_corner[at(e)][1])] - corner[at(edge_to_corner[at(e)][0])];
+  return rounded((d.x * d.x + d.y * d.y) + d.z * d.z);
+}
+
+std::set<int> common(const std::set<int>& a, const std::set<int>& b) {
+  std::set<int> result;
+  std::set_intersection(a.begin(), a.end(), b.begin(), b.end(), std::inserter(result, result.end()));
+  return result;
+}
+
+bool holds(const std::set<int>& large, const std::set<int>& small) {
+  return std::includes(large.begin(), large.end(), small.begin(), small.end());
+}
+
+std::vector<std::set<int>> subsets_of(const std::set<int>& marks) {
+  std::vector<std::set<int>> subsets{{}};
+  for (const int e : marks)
+    for (std::size_t i = 0, n = subsets.size(); i < n; ++i) {
+      subsets.push_back(subsets[i]);
+      subsets.back().insert(e);
+    }
+  return subsets;
+}
+
+}  // namespace
+
+bool is_longer(const geometry::TetPoints& corner, int e, int f) {
+  const double of_e = rounded_length(corner, e), of_f = rounded_length(corner, f);
+  return of_e != of_f ? of_e > of_f : comes_first(ends_of(corner, e), ends_of(corner, f));
+}
+
+ReferenceFloor::ReferenceFloor(const geometry::TetPoints& corner, double floor, const ReferenceFamily* family)
+    : corner_(corner), floor_(floor) {
+  if (family == nullptr) return;
+  family_marks_ = family->pattern.marks;
+  family_cuts_ = family->pattern.cut;
+}
+
+Cuts ReferenceFloor::cuts_of(const std::set<int>& marks) const {
+  Cuts cuts;
+  for (int face = 0; face < 4; ++face) {
+    const auto two = common(marks, edges_of_face(face));
+    if (two.size() != 2) continue;
+    const bool stays = common(family_marks_, edges_of_face(face)) == two;
+    const int first = *two.begin(), second = *two.rbegin();
+    cuts[face] = stays ? family_cuts_.at(face) : is_longer(corner_, first, second) ? first : second;
+  }
+  return cuts;
+}
+
+double ReferenceFloor::quality(const std::set<int>& marks) {
+  const auto [known, is_new] = quality_.emplace(marks, -1);
+  if (!is_new) return known->second;
+  if (marks == all_six) {
+    const auto cell = halve(corner_, marks);
+    return known->second = worst_mean_ratio(split_in_eight(cell.piece, cell.middle, cell.point, false), cell.point);
+  }
+  for (const auto& pattern : patterns_of(marks, cuts_of(marks))) {
+    double worst = 1;
+    for (const auto& child : pattern.child) worst = std::min(worst, geometry::mean_ratio(points_of_codes(child)));
+    known->second = std::max(known->second, worst);
+  }
+  return known->second;
+}
+
+geometry::TetPoints ReferenceFloor::points_of_codes(const std::array<Code, 4>& codes) const {
+  geometry::TetPoints p{};
+  for (std::size_t i = 0; i < 4; ++i) {
+    if (codes[i] < 4) {
+      p[i] = corner_[at(codes[i])];
+      continue;
+    }
+    const auto [a, b] = edge_to_corner[at(codes[i] - 4)];
+    p[i] = geometry::midpoint(corner_[at(a)], corner_[at(b)]);
+  }
+  return p;
+}
+
+bool ReferenceFloor::is_good(const std::set<int>& marks) {
+  if (marks.empty() || marks == all_six) return true;
+  const double q = quality(marks);
+  return q >= 0 && q >= std::min(floor_, quality(all_six)) * (1 - 0x1p-40);
+}
+
+/// The edges that a has more than the marks come before those that b has more.
+bool ReferenceFloor::added_comes_first(const std::set<int>& a, const std::set<int>& b,
+                                       const std::set<int>& marks) const {
+  const auto added = [&](const std::set<int>& set) {
+    std::vector<Ends> edges;
+    for (const int e : set)
+      if (marks.count(e) == 0) edges.push_back(ends_of(corner_, e));
+    std::sort(edges.begin(), edges.end(), comes_first);
+    return edges;
+  };
+  const auto of_a = added(a), of_b = added(b);
+  return std::lexicographical_compare(of_a.begin(), of_a.end(), of_b.begin(), of_b.end(), comes_first);
+}
+
+std::set<int> ReferenceFloor::implied(const std::set<int>& marks) {
+  if (is_good(marks)) return marks;
+  const auto known = implied_.find(marks);
+  if (known != implied_.end()) return known->second;
+  static const auto all_sets = subsets_of(all_six);
+  std::vector<std::set<int>> good;
+  std::size_t fewest = 6;
+  for (const auto& set : all_sets)
+    if (holds(set, marks) && is_good(set)) {
+      good.push_back(set);
+      fewest = std::min(fewest, set.size());
+    }
+  std::erase_if(good, [&](const auto& set) { return set.size() != fewest; });
+  double best = 0;
+  for (const auto& set : good) best = std::max(best, quality(set));
+  std::erase_if(good, [&](const auto& set) { return quality(set) < best * (1 - 0x1p-40); });
+  return implied_[marks] = *std::min_element(
+             good.begin(), good.end(), [&](const auto& a, const auto& b) { return added_comes_first(a, b, marks); });
+}
+
+std::set<int> ReferenceFloor::enlarge(std::set<int> marks) {
+  if (!(geometry::volume(corner_) > 0)) return marks;
+  for (std::size_t before = marks.size() + 1; before != marks.size();) {
+    before = marks.size();
+    for (const auto& subset : subsets_of(marks)) marks.merge(std::set<int>(implied(subset)));
+  }
+  return marks;
+}
+
+std::optional<ReferencePattern> best_pattern(const Piece& piece, const Middles& middle, const Cuts& cut,
+                                             const Points& point, bool only_positive) {
+  struct Candidate {
+    ReferencePattern pattern;
+    double worst = 0;
+    Ends inner{};
+  };
+  std::vector<Candidate> candidates;
+  for (const auto& pattern : patterns_of(edges_within(piece, middle), cut)) {
+    const auto children = split_as(piece, middle, pattern);
+    if (only_positive && !all_positive(children, point)) continue;
+    Candidate candidate{pattern, worst_mean_ratio(children, point), {}};
+    if (const int e = pattern.inner_edge; e >= 0)
+      candidate.inner = sorted(point[at(middle.at(piece.edge(e)))], point[at(middle.at(piece.edge(5 - e)))]);
+    candidates.push_back(candidate);
+  }
+  if (candidates.empty()) return std::nullopt;
+  double best = -1;  // inverted cells have negative mean ratios
+  for (const auto& candidate : candidates) best = std::max(best, candidate.worst);
+  std::erase_if(candidates, [&](const Candidate& c) { return c.worst < best - std::abs(best) * 0x1p-40; });
+  return std::min_element(candidates.begin(), candidates.end(),
+                          [](const Candidate& a, const Candidate& b) {
+                            const bool a_has = a.pattern.inner_edge >= 0, b_has = b.pattern.inner_edge >= 0;
+                            return a_has != b_has ? b_has : comes_first(a.inner, b.inner);
+                          })
+      ->pattern;
+}
+
+}  // namespace pamr::test

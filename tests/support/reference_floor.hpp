@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <map>
+#include <optional>
+#include <set>
+
+#include "support/reference_family.hpp"
+
+/// The shape floor of `reference_refine`: how good a set of marks can be closed, and which sets it implies.
+namespace pamr::test {
+
+/// A base cell as the rules see it: its corners, and the marks and cuts that its family has, if it is the parent of
+/// one.
+class ReferenceFloor {
+ public:
+  /// `floor`: the smallest mean ratio that is good enough. `family`: null for a cell that is no parent.
+  ReferenceFloor(const geometry::TetPoints& corner, double floor, const ReferenceFamily* family);
+
+  /// The smallest set that holds the marks and, for each of its subsets M, all of P(M). The marks themselves where the
+  /// cell is not positive.
+  std::set<int> enlarge(std::set<int> marks);
+
+  /// How the faces with two marks are cut: as now where they have the same two, else from the midpoint of the longer
+  /// edge.
+  Cuts cuts_of(const std::set<int>& marks) const;
+
+ private:
+  double quality(const std::set<int>& marks);
+  geometry::TetPoints points_of_codes(const std::array<Code, 4>& codes) const;
+  bool is_good(const std::set<int>& marks);
+  std::set<int> implied(const std::set<int>& marks);
+  bool added_comes_first(const std::set<int>& a, const std::set<int>& b, const std::set<int>& marks) const;
+
+  geometry::TetPoints corner_;
+  double floor_;
+  std::set<int> family_marks_;
+  Cuts family_cuts_;
+  std::map<std::set<int>, double> quality_;         // known ones; -1 where there is no triangulation
+  std::map<std::set<int>, std::set<int>> implied_;  // known ones
+};
+
+/// Edge `e` of the cell is longer than `f`, or as long to 40 binary digits and first by coordinates.
+bool is_longer(const geometry::TetPoints& corner, int e, int f);
+
+/// The best triangulation of a cell whose split edges have a middle, with the given cuts: the largest smallest mean
+/// ratio; of equal ones that without inner edge, else the one whose inner edge comes first by coordinates.
+/// `only_positive`: of those whose cells are all positive by exact arithmetic; there may be none.
+std::optional<ReferencePattern> best_pattern(const Piece& piece, const Middles& middle, const Cuts& cut,
+                                             const Points& point, bool only_positive);
+
+}  // namespace pamr::test
