@@ -110,6 +110,10 @@ void Inspector::pamr() {
   if (has_group("/PAMR/patches"))
     for (const auto* name : {"names", "kinds", "surfaces"})
       if (has_link(std::string("/PAMR/patches/") + name)) text(std::string("/PAMR/patches/") + name);
+  if (has_group(path::boundary)) {
+    array(path::boundary_triangles, 0);
+    array(path::boundary_patch, 0);
+  }
   if (has_group("/PAMR/regions")) {
     array("/PAMR/regions/numbers", max_regions);
     text("/PAMR/regions/names");

@@ -146,12 +146,15 @@ class Checker {
     }
     patches();
     regions();
+    boundary();
     for (const auto& entry : catalog_->arrays) triangulation(entry);
     if (catalog_->find_array(path::cell_to_cell) != nullptr) {
       layout_.has_neighbors = true;
       layout_.neighbors_type = array(path::cell_to_cell, {info.n_global_cells, 4}, true);
-    } else if (info.patches.size() > 1) {
-      fail(path::cell_to_cell, fmt::format("this dataset, because there are {} patches", info.patches.size()), "none");
+    } else if (info.patches.size() > 1 && layout_.n_triangles == 0) {
+      fail(path::cell_to_cell,
+           fmt::format("this dataset or {}, because there are {} patches", path::boundary, info.patches.size()),
+           "none");
     } else if (info.patches.empty()) {
       info.patches = {{"boundary", ""}};
     }
@@ -204,6 +207,18 @@ class Checker {
       layout_.info.patches.push_back({names[p], kinds[p]});
     }
     layout_.surface_of_patch = std::move(surfaces);
+  }
+
+  /// The catalog has both datasets or none.
+  void boundary() {
+    const auto* triangles = catalog_->find_array(path::boundary_triangles);
+    if (triangles == nullptr) return;
+    const auto n = triangles->shape[0];
+    if (n < 1) fail(path::boundary_triangles, "1 triangle or more", "none");
+    if (layout_.info.patches.empty()) fail(path::patch_names, "names, because there are boundary triangles", "none");
+    layout_.triangles_type = array(path::boundary_triangles, {n, 3}, true);
+    layout_.triangle_patch_type = array(path::boundary_patch, {n}, true);
+    layout_.n_triangles = n;
   }
 
   /// The catalog has both datasets or none.

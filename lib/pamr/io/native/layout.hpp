@@ -24,6 +24,9 @@ inline constexpr const char* point_data = "/VTKHDF/PointData";
 inline constexpr const char* cell_data = "/VTKHDF/CellData";
 inline constexpr const char* cell_to_cell = "/PAMR/cell_to_cell";
 inline constexpr const char* lineage = "/PAMR/lineage";
+inline constexpr const char* boundary = "/PAMR/boundary";
+inline constexpr const char* boundary_triangles = "/PAMR/boundary/triangles";
+inline constexpr const char* boundary_patch = "/PAMR/boundary/patch";
 inline constexpr const char* patches = "/PAMR/patches";
 inline constexpr const char* patch_names = "/PAMR/patches/names";
 inline constexpr const char* patch_kinds = "/PAMR/patches/kinds";
@@ -61,6 +64,8 @@ struct Layout {
   mesh::MeshInfo info;
   mesh::StorageType points_type{}, connectivity_type{}, offsets_type{}, types_type{}, neighbors_type{}, lineage_type{};
   bool has_neighbors = false, has_lineage = false;
+  GlobalId n_triangles = 0;  ///< of the boundary, with their patches; 0: the file has none
+  mesh::StorageType triangles_type{}, triangle_patch_type{};
   std::vector<FieldEntry> fields;
   std::vector<TriangulationEntry> triangulations;
   std::string surfaces_toml;

@@ -113,6 +113,7 @@ mesh::BlockMesh NativeFile::read(std::optional<GlobalId> first_cell, std::string
   block.cell_to_node = read_connectivity(reader, layout, cells, true);
   check_corners(reader, layout, cells, block.cell_to_node);
   block.cell_to_cell = read_neighbors(reader, layout, cells);
+  block.boundary = read_boundary(reader, layout);
   block.node_position =
       read_points(reader, {path::points, layout.points_type, {layout.info.n_global_nodes, 3, false}}, nodes);
   for (const auto& entry : layout.fields)

@@ -65,6 +65,7 @@ class NativeFile {
   ///   none on every rank: canonical blocks. The run begins at the first border of a family at or after it, and ends
   ///   where that of the next rank begins.
   /// - `without_cell_field`: a field to leave out; empty: none.
+  /// - The triangles of the boundary, where the file has them, in a block of their own for each rank.
   /// - A file without `/PAMR` gives no `cell_to_cell` and no `lineage`, and one patch, `boundary`.
   /// Memory: the result and one slab.
   mesh::BlockMesh read(std::optional<GlobalId> first_cell = {}, std::string_view without_cell_field = {});
