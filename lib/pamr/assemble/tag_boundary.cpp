@@ -29,7 +29,7 @@ struct Meeting {
   Rank from = 0;         ///< that rank
 };
 
-/// What a boundary face is told.
+/// The patch of a boundary face, on its way back.
 struct Answer {
   std::int64_t row;
   int patch;
