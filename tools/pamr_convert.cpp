@@ -2,8 +2,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
+#include <functional>
 #include <nlohmann/json.hpp>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -37,9 +40,13 @@ struct Options {
 };
 
 void declare(cli::CommandLine& line, Options& options) {
-  line.option("IN", options.input, "mesh to read: .hdf (native) or .msh (Gmsh 2.2 or 4.1, text or binary)").required();
+  line.option("IN", options.input,
+              "mesh to read: .hdf or .vtkhdf (native, or VTKHDF of another program) or .msh (Gmsh 2.2 or 4.1, text or "
+              "binary)")
+      .required();
   line.option("OUT", options.output,
-              "mesh to write: .hdf, .msh or .vtu; without an extension, or an existing folder: an OpenFOAM case")
+              "mesh to write: .hdf or .vtkhdf (native), .msh or .vtu; without an extension, or an existing folder: an "
+              "OpenFOAM case")
       .required();
   line.flag("--repair", options.repair,
             "turn inverted cells of a .msh over instead of refusing them, and split inner edges and faces so that no "
@@ -77,7 +84,10 @@ void declare(cli::CommandLine& line, Options& options) {
   line.flag("--force", options.force, cli::force_help);
 }
 
-std::string extension(const std::string& file, std::initializer_list<std::string_view> known) {
+constexpr std::array<std::string_view, 3> known_inputs{".hdf", ".vtkhdf", ".msh"};
+constexpr std::array<std::string_view, 4> known_outputs{".hdf", ".vtkhdf", ".msh", ".vtu"};
+
+std::string extension(const std::string& file, std::span<const std::string_view> known) {
   const auto found = std::filesystem::path(file).extension().string();
   std::string list;
   for (const auto ending : known) {
@@ -95,9 +105,12 @@ bool asks_for_surfaces(const Options& options) {
 /// Reads either format and reports what the reader had to change.
 mesh::DistMesh read(cli::Session& session, const Options& options, nlohmann::json& report) {
   const auto& comm = session.comm();
-  if (extension(options.input, {".hdf", ".msh"}) == ".hdf")
-    return assemble::assemble(comm,
-                              io::read_native(comm, options.input, {.build_surfaces = asks_for_surfaces(options)}));
+  if (extension(options.input, known_inputs) != ".msh") {
+    const std::function<void(const std::string&)> refuse = [](const auto& remark) { throw Error(remark); };
+    return assemble::assemble(comm, io::read_native(comm, options.input,
+                                                    {.build_surfaces = asks_for_surfaces(options),
+                                                     .remark = options.strict ? refuse : session.remarks()}));
+  }
   auto read = io::read_gmsh(comm, options.input, {.repair = options.repair && !options.strict});
   report["turned_cells"] = read.n_turned;
   report["dropped_nodes"] = read.n_dropped_nodes;
@@ -123,8 +136,8 @@ bool is_foam_case(const std::string& output) {
 
 void write(const par::Comm& comm, const Options& options, bool as_foam, const mesh::DistMesh& mesh) {
   if (as_foam) return io::write_foam(comm, options.output, mesh);
-  const auto ending = extension(options.output, {".hdf", ".msh", ".vtu"});
-  if (ending == ".hdf") io::write_native(comm, options.output, mesh);
+  const auto ending = extension(options.output, known_outputs);
+  if (ending == ".hdf" || ending == ".vtkhdf") io::write_native(comm, options.output, mesh);
   if (ending == ".vtu") io::write_vtu(comm, options.output, mesh);
   if (ending == ".msh")
     io::write_gmsh(comm, options.output, mesh,
@@ -150,8 +163,8 @@ void check_foam_case(const cli::Session& session, const Options& options) {
 
 /// Checks what can be checked before anything is read. Collective.
 void check_files(cli::Session& session, const Options& options, bool as_foam) {
-  (void)extension(options.input, {".hdf", ".msh"});
-  if (!as_foam) (void)extension(options.output, {".hdf", ".msh", ".vtu"});
+  (void)extension(options.input, known_inputs);
+  if (!as_foam) (void)extension(options.output, known_outputs);
   if (options.repair && options.no_repair) throw Error("expected --repair or --no-repair, found both");
   if (options.surfaces.empty() && !options.ties.empty())
     throw Error("--tie: expected --surfaces beside it, found none");

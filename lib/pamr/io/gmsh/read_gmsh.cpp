@@ -13,10 +13,10 @@
 
 #include "pamr/assemble/assemble.hpp"
 #include "pamr/assemble/tag_boundary.hpp"
+#include "pamr/assemble/turn_inverted.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/base/index.hpp"
 #include "pamr/base/with_file_name.hpp"
-#include "pamr/geometry/orientation.hpp"
 #include "pamr/io/gmsh/gmsh_parts.hpp"
 #include "pamr/io/gmsh/read_gmsh_2.hpp"
 #include "pamr/io/gmsh/read_gmsh_4.hpp"
@@ -203,26 +203,14 @@ Numbered number(const par::Comm& comm, const Parts& parts, const std::string& fi
 }
 
 /// Turns inverted cells over, or refuses them; refuses flat ones. Returns how many were turned. Collective.
-std::int64_t orient(const par::Comm& comm, Numbered& numbered, bool repair, const std::string& file) {
-  std::vector<GlobalId> corners;
-  corners.reserve(4 * numbered.cell.size());
-  for (const auto& cell : numbered.cell) corners.insert(corners.end(), cell.begin(), cell.end());
-  const auto p = par::fetch_rows<geometry::Vec3>(comm, numbered.n_nodes, numbered.position, 1, corners);
-  std::int64_t n_flat = 0, n_inverted = 0;
-  for (std::size_t c = 0; c < numbered.cell.size(); ++c) {
-    const int sign = geometry::orientation(p[4 * c], p[4 * c + 1], p[4 * c + 2], p[4 * c + 3]);
-    n_flat += sign == 0 ? 1 : 0;
-    n_inverted += sign < 0 ? 1 : 0;
-    if (sign < 0) std::swap(numbered.cell[c][2], numbered.cell[c][3]);
-  }
-  n_flat = comm.sum(n_flat);
-  n_inverted = comm.sum(n_inverted);
+std::int64_t orient(const par::Comm& comm, mesh::BlockMesh& block, bool repair, const std::string& file) {
+  const auto [n_turned, n_flat] = assemble::turn_inverted(comm, block);
   if (n_flat > 0) throw Error(fmt::format("file '{}': expected cells with a volume, found {} flat ones", file, n_flat));
-  if (n_inverted > 0 && !repair)
+  if (n_turned > 0 && !repair)
     throw Error(
         fmt::format("file '{}': expected cells of positive volume, found {} inverted ones (--repair turns them over)",
-                    file, n_inverted));
-  return n_inverted;
+                    file, n_turned));
+  return n_turned;
 }
 
 /// All groups that triangles of any rank belong to, ascending. Collective.
@@ -296,7 +284,6 @@ GmshMesh read_gmsh(const par::Comm& comm, const std::filesystem::path& file, con
 
   GmshMesh result;
   result.n_dropped_nodes = numbered.n_dropped;
-  result.n_turned = orient(comm, numbered, options.repair, file.string());
   const auto groups = all_groups(comm, parts);
   mesh::BoundaryTriangles boundary;
   for (const auto& triangle : parts.triangle)
@@ -309,6 +296,7 @@ GmshMesh read_gmsh(const par::Comm& comm, const std::filesystem::path& file, con
   block.first_cell = comm.exclusive_sum(static_cast<std::int64_t>(numbered.cell.size()));
   block.node_position = std::move(numbered.position);
   block.cell_to_node = std::move(numbered.cell);
+  result.n_turned = orient(comm, block, options.repair, file.string());
   std::vector<std::int64_t> region;
   for (const auto& cell : parts.tetrahedron) region.push_back(std::max<std::int64_t>(cell.group, 0));
   block.cell_fields.push_back({mesh::region_field, "", 1, mesh::StorageType::int32, std::move(region)});

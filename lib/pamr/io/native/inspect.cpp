@@ -93,6 +93,7 @@ Catalog Inspector::run() {
       text_attribute(path, "unit");
     }
   }
+  if (has_group("/VTKHDF/Steps")) number_attribute("/VTKHDF/Steps", "NSteps");
   if (has_group("/PAMR")) pamr();
   return std::move(catalog_);
 }

@@ -49,7 +49,8 @@ struct FieldEntry {
   bool on_cells = true;
   mesh::StorageType type = mesh::StorageType::float64;
   int n_components = 1;
-  bool is_flat = true;  ///< one dimension
+  bool is_flat = true;     ///< one dimension
+  GlobalId first_row = 0;  ///< of the values that count: those of the last time step
 };
 
 /// A triangulated surface; datasets `points` and `triangles` in the group `path`.
