@@ -27,7 +27,8 @@ packages=(
   librandom123-dev                        # random numbers of pamr-dsmc
   python3                                 # tables of the cases
 )
-test_packages=(libgtest-dev libgmock-dev libbenchmark-dev libopenmesh-dev python3-h5py python3-numpy python3-meshio
+test_packages=(libgtest-dev libgmock-dev libbenchmark-dev libopenmesh-dev python3-h5py python3-numpy python3-meshio python3-mpi4py
+  python3-pybind11 pybind11-dev python3-dev
   clang-format clang-tidy codespell) # the gates of .ci/run
 picture_packages=(python3-vtk9 python3-h5py python3-numpy xvfb xauth)
 
