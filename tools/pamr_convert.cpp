@@ -24,6 +24,7 @@
 #include "pamr/io/gmsh/read_gmsh.hpp"
 #include "pamr/io/gmsh/write_gmsh.hpp"
 #include "pamr/io/native/native_file.hpp"
+#include "pamr/io/vtk/read_vtu.hpp"
 #include "pamr/mesh/undescribed_patches.hpp"
 #include "pamr/validate/validate.hpp"
 
@@ -84,7 +85,7 @@ void declare(cli::CommandLine& line, Options& options) {
   line.flag("--force", options.force, cli::force_help);
 }
 
-constexpr std::array<std::string_view, 3> known_inputs{".hdf", ".vtkhdf", ".msh"};
+constexpr std::array<std::string_view, 4> known_inputs{".hdf", ".vtkhdf", ".msh", ".vtu"};
 constexpr std::array<std::string_view, 4> known_outputs{".hdf", ".vtkhdf", ".msh", ".vtu"};
 
 std::string extension(const std::string& file, std::span<const std::string_view> known) {
@@ -102,10 +103,26 @@ bool asks_for_surfaces(const Options& options) {
   return !options.surfaces.empty() || !options.surface_files.empty() || options.repair;
 }
 
-/// Reads either format and reports what the reader had to change.
+/// Collective.
+mesh::DistMesh read_vtu(cli::Session& session, const Options& options, nlohmann::json& report) {
+  auto read = io::read_vtu(session.comm(), options.input);
+  report["turned_cells"] = read.n_turned;
+  report["dropped_nodes"] = read.n_dropped_nodes;
+  if (options.strict && read.n_turned + read.n_dropped_nodes > 0)
+    throw Error(fmt::format("file '{}': expected no inverted cells and no nodes of no cell, found {} and {}",
+                            options.input, read.n_turned, read.n_dropped_nodes));
+  if (read.n_turned > 0) session.warn(fmt::format("{} inverted cells were turned over", read.n_turned));
+  if (read.n_dropped_nodes > 0) session.warn(fmt::format("{} nodes of no cell were left out", read.n_dropped_nodes));
+  read.mesh.info.provenance = "pamr-convert from VTK";
+  return std::move(read.mesh);
+}
+
+/// Reads any format and reports what the reader had to change.
 mesh::DistMesh read(cli::Session& session, const Options& options, nlohmann::json& report) {
   const auto& comm = session.comm();
-  if (extension(options.input, known_inputs) != ".msh") {
+  const auto ending = extension(options.input, known_inputs);
+  if (ending == ".vtu") return read_vtu(session, options, report);
+  if (ending != ".msh") {
     const std::function<void(const std::string&)> refuse = [](const auto& remark) { throw Error(remark); };
     return assemble::assemble(comm, io::read_native(comm, options.input,
                                                     {.build_surfaces = asks_for_surfaces(options),

@@ -27,6 +27,7 @@
 #include "pamr/io/gmsh/read_gmsh.hpp"
 #include "pamr/io/gmsh/write_gmsh.hpp"
 #include "pamr/io/native/native_file.hpp"
+#include "pamr/io/vtk/read_vtu.hpp"
 #include "pamr/locate/locate_points.hpp"
 #include "pamr/mark/apply_criteria.hpp"
 #include "pamr/mark/budget.hpp"

@@ -19,6 +19,7 @@
 #include "pamr/io/gmsh/read_gmsh.hpp"
 #include "pamr/io/gmsh/write_gmsh.hpp"
 #include "pamr/io/native/native_file.hpp"
+#include "pamr/io/vtk/read_vtu.hpp"
 #include "pamr/mesh/fingerprint.hpp"
 #include "pamr/mesh/tet.hpp"
 #include "pamr/validate/validate.hpp"
@@ -74,11 +75,18 @@ std::pair<SharedMesh, std::vector<std::string>> read(std::uintptr_t address, con
   result->comm = comm_at(address);
   const auto& comm = *result->comm;
   std::vector<std::string> remarks;
-  if (file.extension() == ".msh") {
-    auto read = io::read_gmsh(comm, file, {.repair = true});
-    if (read.n_turned > 0)
-      remarks.push_back("file '" + file.string() + "': " + std::to_string(read.n_turned) +
+  const auto turned = [&](std::int64_t n) {
+    if (n > 0)
+      remarks.push_back("file '" + file.string() + "': " + std::to_string(n) +
                         " cells were inverted and are turned over");
+  };
+  if (file.extension() == ".vtu") {
+    auto read = io::read_vtu(comm, file);
+    turned(read.n_turned);
+    result->mesh = std::move(read.mesh);
+  } else if (file.extension() == ".msh") {
+    auto read = io::read_gmsh(comm, file, {.repair = true});
+    turned(read.n_turned);
     result->mesh = std::move(read.mesh);
   } else {
     const io::ReadOptions options{.remark = [&](const std::string& remark) { remarks.push_back(remark); }};

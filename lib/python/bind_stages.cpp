@@ -64,7 +64,9 @@ py::tuple refine(const PythonMesh& old, const Array<std::uint8_t>& flags, bool p
   const auto values = rows_of<std::uint8_t>(flags);
   auto refined = [&] {
     const Released released;
-    const refine::Options how{.quality_control = refine::quality_control_named(quality_control), .project = project};
+    refine::Options how;
+    how.quality_control = refine::quality_control_named(quality_control);
+    how.project = project;
     const auto balancing = adapt::balancing_named(method, weights);
     if (old.comm->size() == 1 || balancing.how.method == balance::Method::none)
       return adapt::refine(*old.comm, old.mesh, values, how);

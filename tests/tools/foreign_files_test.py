@@ -5,9 +5,10 @@ import subprocess
 import sys
 
 import h5py
+import meshio
 import numpy as np
 
-from tool_run import BIN, LAUNCHER, RANKS, kuhn_cube, refuses, run, run_tests
+from tool_run import BIN, LAUNCHER, RANKS, kuhn_cube, refuses, run, run_tests, same_bytes
 
 FOURTH_OF_THE_CUBES = 12
 
@@ -82,6 +83,75 @@ def test_a_field_rewritten_in_place_is_no_damage():
     with h5py.File("marked.hdf", "r+") as file:
         file["VTKHDF/Points"][5] += 1e-3
     refuses("pamr-refine", "marked.hdf", "-o", "more.hdf", says=["/VTKHDF/Points", "damaged"], creates="more.hdf")
+
+
+def vtu_of_meshio(name, **options):
+    """Six tetrahedra of the unit cube, some inverted, the face z = 0 tagged 4, a node and a line of nobody."""
+    points = np.array([(x, y, z) for z in (0, 1) for y in (0, 1) for x in (0, 1)] + [(9, 9, 9)], float)
+    cells = np.array([[0, 1, 3, 7], [0, 5, 1, 7], [0, 3, 2, 7], [2, 0, 6, 7], [0, 4, 5, 7], [0, 6, 4, 7]])
+    mesh = meshio.Mesh(points, [("line", [[0, 8]]), ("triangle", [[3, 0, 1], [0, 3, 2]]), ("tetra", cells)],
+                       point_data={"T": np.arange(9.0), "v": np.arange(27, dtype="f4").reshape(9, 3)},
+                       cell_data={"gmsh:physical": [[1], [4, 4], [7] * 6], "u": [[0], [0, 0], np.arange(6, dtype="i4")]})
+    mesh.write(name, **options)
+    return name
+
+
+def test_vtu_files_become_meshes_with_fields_and_patches():
+    vtu_of_meshio("packed.vtu")
+    vtu_of_meshio("plain.vtu", compression=None)
+    vtu_of_meshio("text.vtu", binary=False)
+    for name in ("packed", "plain", "text"):
+        done = run("pamr-convert", name + ".vtu", name + ".hdf", "--json", "-")
+        assert done.json["turned_cells"] == 1 and done.json["dropped_nodes"] == 1 and "turned over" in done.err
+        assert done.json["patches"] == ["patch_4", "boundary"]
+    assert same_bytes("packed.hdf", "plain.hdf") and same_bytes("packed.hdf", "text.hdf")
+    quality = run("pamr-quality", "text.hdf", "--json", "-", "--quiet").json
+    assert abs(quality["volume"] - 1) < 1e-14 and abs(quality["patches"]["patch_4"]["area"] - 1) < 1e-14
+    with h5py.File("packed.hdf") as file:
+        points, data = file["VTKHDF/Points"][:], file["VTKHDF/PointData"]
+        number = points @ (1, 2, 4)
+        assert np.array_equal(data["T"], number) and np.array_equal(data["v"][:, 1], 3 * number + 1)
+        assert sorted(file["VTKHDF/CellData/u"][:]) == list(range(6))
+    refuses("pamr-convert", "packed.vtu", "strict.hdf", "--strict", says=["inverted"], creates="strict.hdf")
+
+
+def test_our_own_vtu_comes_back():
+    kuhn_cube("cube.hdf", 3)
+    run("pamr-mark", "cube.hdf", "-o", "marked.hdf", "--box", "0,0,0,0.5,0.5,0.5")
+    run("pamr-refine", "marked.hdf", "-o", "fine.hdf")
+    run("pamr-convert", "fine.hdf", "fine.vtu")
+    run("pamr-convert", "fine.vtu", "back.hdf")
+    ours, back = (run("pamr-quality", f"{m}.hdf", "--json", "-", "--quiet").json for m in ("fine", "back"))
+    assert ours["cells"] == back["cells"] and ours["volume"] == back["volume"] and ours["nodes"] == back["nodes"]
+
+
+def test_vtu_files_that_lie_are_refused():
+    good = open(vtu_of_meshio("text.vtu", binary=False)).read()
+    packed = open(vtu_of_meshio("packed.vtu"), "rb").read()
+    wedge = good.replace("\n10\n", "\n13\n", 1)
+    cases = {
+        "short": (good[:len(good) // 2], []),
+        "cells": (good.replace('NumberOfCells="9"', 'NumberOfCells="10"'), ["expected 10 values"]),
+        "many": (good.replace('NumberOfPoints="9"', 'NumberOfPoints="99999999999999"'), ["99999999999999 points"]),
+        "wedge": (wedge, ["1 cells of VTK's type 13"]),
+        "word": (good.replace("\n10\n", "\nten\n", 1), ["expected numbers"]),
+        "kind": (good.replace("UnstructuredGrid", "PolyData"), ["expected UnstructuredGrid"]),
+        "html": ("<html><body></body></html>", ["expected a file of VTK"]),
+        "empty": ("", ["found 0"]),
+    }
+    for name, (text, words) in cases.items():
+        with open(name + ".vtu", "w") as file:
+            file.write(text)
+        refuses("pamr-convert", name + ".vtu", "out.hdf", says=[f"{name}.vtu'"] + words, creates="out.hdf")
+    dice = np.random.default_rng(1)
+    for trial in range(12 if RANKS == 1 else 3):  # whatever is damaged is an error or another valid mesh, never a crash
+        bad = bytearray(packed)
+        for place in dice.integers(0, len(bad), 3):
+            bad[place] = dice.integers(0, 256)
+        with open("bad.vtu", "wb") as file:
+            file.write(bad)
+        done = subprocess.run([str(BIN / "pamr-convert"), "bad.vtu", "bad.hdf", "--force"], capture_output=True, text=True)
+        assert done.returncode in (0, 2), done
 
 
 def test_a_tool_that_a_rank_of_another_job_starts_runs_alone():

@@ -35,7 +35,7 @@ constexpr std::array<std::string_view, 15> bonds{"PMIX_",
                                                  "OMPI_FIRST_",
                                                  "OMPI_NUM_APP_",
                                                  "OMPI_MCA_initial_wdir"};
-constexpr std::array<const char*, 4> ranks{"OMPI_COMM_WORLD_RANK", "PMIX_RANK", "PMI_RANK", "PMI_ID"};
+constexpr std::array<const char*, 4> rank_variables{"OMPI_COMM_WORLD_RANK", "PMIX_RANK", "PMI_RANK", "PMI_ID"};
 
 std::string file_of(int process, const char* name) { return "/proc/" + std::to_string(process) + "/" + name; }
 
@@ -73,8 +73,8 @@ bool is_child_of_a_rank() {
 }  // namespace
 
 bool leave_parent_job() {
-  const bool is_rank =
-      std::any_of(ranks.begin(), ranks.end(), [](const char* name) { return std::getenv(name) != nullptr; });
+  const bool is_rank = std::any_of(rank_variables.begin(), rank_variables.end(),
+                                   [](const char* name) { return std::getenv(name) != nullptr; });
   if (!is_rank || !is_child_of_a_rank()) return false;
   std::vector<std::string> names;
   for (char** entry = environ; *entry != nullptr; ++entry) {

@@ -155,7 +155,7 @@ class Mesh:
 
     @staticmethod
     def read(comm: Any, file: Union[str, os.PathLike]) -> "Mesh":
-        """A mesh from a file: .hdf or .vtkhdf (of any number of ranks, of PAMR or another program), or .msh (Gmsh). What is odd
+        """A mesh from a file: .hdf or .vtkhdf (of any number of ranks, of PAMR or another program), or .msh (Gmsh) or .vtu. What is odd
         and does no harm is a Python warning on rank 0. Collective."""
         require_comm(comm)
         path = agree(comm, lambda: (os.fspath(file), os.fspath(file)))

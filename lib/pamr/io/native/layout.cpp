@@ -2,7 +2,6 @@
 #include "pamr/io/native/layout.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <bit>
@@ -18,9 +17,9 @@ namespace pamr::io {
 
 namespace {
 
-std::string to_text(const std::vector<std::int64_t>& shape) {
+std::string to_text(const std::vector<std::int64_t>& shape, const char* between = " x ") {
   std::string text;
-  for (const auto extent : shape) text += fmt::format("{}{}", text.empty() ? "" : " x ", extent);
+  for (const auto extent : shape) text += fmt::format("{}{}", text.empty() ? "" : between, extent);
   return text;
 }
 
@@ -53,7 +52,7 @@ class Checker {
     const auto* version = catalog_->find_number("/VTKHDF@Version");
     if (version == nullptr) fail("/VTKHDF@Version", "1.x or 2.x", "no such attribute");
     if (version->values.size() != 2 || version->values[0] < 1 || version->values[0] > 2)
-      fail("/VTKHDF@Version", "1.x or 2.x", fmt::format("{}", fmt::join(version->values, ".")));
+      fail("/VTKHDF@Version", "1.x or 2.x", to_text(version->values, "."));
     const auto* type = catalog_->find_text("/VTKHDF@Type");
     if (type == nullptr) fail("/VTKHDF@Type", "\"UnstructuredGrid\"", "no such attribute");
     if (type->texts.size() != 1 || type->texts[0] != "UnstructuredGrid")
