@@ -40,6 +40,7 @@ def test_a_mesh_goes_from_dolfinx_and_back_with_tags_and_maps():
     back = pamr.to_dolfinx(fine)
     mesh = back.mesh
     assert mesh.topology.index_map(3).size_global == fine.n_cells
+    assert mesh.topology.index_map(0).size_global == mesh.geometry.index_map().size_global == fine.n_nodes  # ranks share nodes
     own = mesh.topology.index_map(3).size_local
     dofs = mesh.geometry.dofmap.array.reshape(-1, 4)[:own]
     assert np.allclose(mesh.geometry.x[dofs].mean(axis=1), fine.points[fine.cells[back.cell_rows]].mean(axis=1))
@@ -52,6 +53,13 @@ def test_a_mesh_goes_from_dolfinx_and_back_with_tags_and_maps():
     for patch, area in enumerate((1, 1, 4)):
         found = COMM.allreduce(fem.assemble_scalar(fem.form(one * measure(patch))), MPI.SUM)
         assert abs(found - area) < 1e-12
+    # Faces between cells, those on the border of ranks too.
+    faces = ufl.Measure("dS", mesh)
+    found = COMM.allreduce(fem.assemble_scalar(fem.form(one("+") * faces)), MPI.SUM)
+    corners = fine.points[fine.cells]
+    edges = [corners[:, j] - corners[:, i] for i, j in ((0, 1), (0, 2), (0, 3), (1, 2), (1, 3))]
+    areas = sum(np.linalg.norm(np.cross(edges[i], edges[j]), axis=1).sum() / 2 for i, j in ((0, 1), (0, 2), (1, 2), (3, 4)))
+    assert abs(found - (COMM.allreduce(areas, MPI.SUM) - 6) / 2) < 1e-10
 
 
 run_tests(globals())

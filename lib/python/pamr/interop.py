@@ -6,6 +6,7 @@ from typing import Any, Mapping, NamedTuple, Optional
 
 import numpy as np
 
+from . import _core
 from ._core import Error
 from .mesh import Mesh
 from .together import agree
@@ -107,22 +108,18 @@ class DolfinxMesh(NamedTuple):
 
 
 def to_dolfinx(mesh: Mesh) -> DolfinxMesh:
-    """A ``dolfinx.mesh.Mesh`` of the same cells on the same ranks, without ghost cells, with its patches as facet tags.
-    Collective."""
+    """A ``dolfinx.mesh.Mesh`` of the same cells on the same ranks, with the cells behind the faces of the rank border as ghosts, and
+    with its patches as facet tags. Collective."""
     import dolfinx
     import ufl
     comm = mesh.comm
-    here = np.int32(comm.rank)
+    rows, offset = _ranks_at_cells(mesh)
 
-    def stay(*arguments: Any) -> Any:
-        cells = arguments[3]
-        cells = cells[0] if isinstance(cells, (list, tuple)) else cells
-        n = cells.num_nodes if hasattr(cells, "num_nodes") else len(cells) // 4
-        destination = np.full((n, 1), here, dtype=np.int32)
+    def stay(*_: Any) -> Any:
         try:
-            return dolfinx.cpp.graph.AdjacencyList_int32(destination)
+            return dolfinx.cpp.graph.AdjacencyList_int32(rows, offset)
         except AttributeError:
-            return dolfinx.graph.adjacencylist(destination)._cpp_object
+            return dolfinx.graph.adjacencylist(rows, offset)._cpp_object
     element = ufl.VectorElement("Lagrange", ufl.tetrahedron, 1) if hasattr(ufl, "VectorElement") else None
     if element is None:
         import basix.ufl
@@ -134,7 +131,7 @@ def to_dolfinx(mesh: Mesh) -> DolfinxMesh:
     rows = np.asarray(theirs.topology.original_cell_index)[:n_cells] - first
     nodes = np.asarray(theirs.geometry.input_global_indices)
 
-    # Facets of one cell of this rank; without ghosts those on the border of ranks are among them.
+    # Facets of one cell; those of ghost cells are among them, which are no faces of ours.
     theirs.topology.create_connectivity(2, 0)
     theirs.topology.create_connectivity(2, 3)
     to_cells = theirs.topology.connectivity(2, 3)
@@ -146,6 +143,24 @@ def to_dolfinx(mesh: Mesh) -> DolfinxMesh:
     values = np.array([patch.get(face, -1) for face in map(tuple, of_facets.tolist())], dtype=np.int32)
     facets, values = facets[values >= 0], values[values >= 0]
     return DolfinxMesh(theirs, dolfinx.mesh.meshtags(theirs, 2, np.asarray(facets, dtype=np.int32), values), rows, nodes)
+
+
+def _ranks_at_cells(mesh: Mesh) -> tuple[np.ndarray, np.ndarray]:
+    """Of each cell of this rank the rank itself, then the other ranks that have a neighbor of it, and where each cell's begin.
+    dolfinx finds the nodes that ranks share by the ghost cells."""
+    comm, n = mesh.comm, len(mesh.cells)
+    own = np.full(n, comm.rank, np.int32).view(np.uint8)
+    _, found = _core.fetch_rows(mesh._core, mesh.n_cells, mesh.cell_numbers, 4 * np.arange(n + 1), own, mesh.ghost_numbers)
+    cell, slot = np.nonzero(mesh.cell_to_cell >= n)
+    other = found.view(np.int32)[mesh.cell_to_cell[cell, slot] - n]
+    pairs = np.unique(np.stack([cell, other], axis=1).astype(np.int64), axis=0)
+    counts = 1 + np.bincount(pairs[:, 0], minlength=n)
+    offset = np.concatenate(([0], np.cumsum(counts))).astype(np.int32)
+    rows = np.full(offset[-1], comm.rank, np.int32)
+    rest = np.ones(len(rows), bool)
+    rest[offset[:-1]] = False
+    rows[rest] = pairs[:, 1]
+    return rows, offset
 
 
 def _dofmap(geometry: Any) -> np.ndarray:

@@ -28,7 +28,7 @@ struct ReadOptions {
   bool build_surfaces = true;
   /// Told what is odd about the file and does no harm, on every rank alike, while it is read: a field whose checksum is
   /// older than its values, cells of other programs that had to be turned over. May throw `Error`. None: silence.
-  std::function<void(const std::string& remark)> remark;
+  std::function<void(const std::string& remark)> remark = {};
 };
 
 /// A mesh in the native format (docs/file-format.md), open for reading. Opening looks through the structure of the file
