@@ -30,13 +30,14 @@ struct NativeFile::Open {
         layout(check_catalog(catalog, file, options.verify_checksums)),
         reader(comm, file, catalog, {options.verify_checksums, options.slab_bytes, options.remark}),
         build_surfaces(options.build_surfaces),
+        turn_inverted(options.turn_inverted),
         remark(options.remark) {}
 
   hdf5::Silence silence;
   Catalog catalog;
   Layout layout;
   SlabReader reader;
-  bool build_surfaces;
+  bool build_surfaces, turn_inverted;
   std::function<void(const std::string&)> remark;
 };
 
@@ -119,7 +120,7 @@ mesh::BlockMesh NativeFile::read(std::optional<GlobalId> first_cell, std::string
   block.boundary = read_boundary(reader, layout);
   block.node_position =
       read_points(reader, {path::points, layout.points_type, {layout.info.n_global_nodes, 3, false}}, nodes);
-  if (!open_->catalog.has_pamr_group) {
+  if (open_->turn_inverted && !open_->catalog.has_pamr_group) {
     const auto turned = assemble::turn_inverted(*comm_, block);
     if (turned.n_turned > 0 && open_->remark)
       open_->remark(fmt::format("file '{}': {} of {} cells were inverted and are turned over", file_.string(),

@@ -26,6 +26,8 @@ struct ReadOptions {
   /// Make the surfaces of the mesh. Without, their description and data are kept for writing, and nothing can be moved
   /// onto them: for callers that do not ask where a boundary lies, because triangulated surfaces take time and memory.
   bool build_surfaces = true;
+  /// Turn the inverted cells of a file without `/PAMR` over: other programs give corners in any order.
+  bool turn_inverted = true;
   /// Told what is odd about the file and does no harm, on every rank alike, while it is read: a field whose checksum is
   /// older than its values, cells of other programs that had to be turned over. May throw `Error`. None: silence.
   std::function<void(const std::string& remark)> remark = {};
@@ -72,7 +74,7 @@ class NativeFile {
   ///   where that of the next rank begins.
   /// - `without_cell_field`: a field to leave out; empty: none.
   /// - The triangles of the boundary, where the file has them, in a block of their own for each rank.
-  /// - Cells of a file without `/PAMR` may be inverted: they are turned over.
+  /// - Cells of a file without `/PAMR` may be inverted: they are turned over, unless the options say otherwise.
   /// - A file without `/PAMR` gives no `cell_to_cell` and no `lineage`, and one patch, `boundary`.
   /// Memory: the result and one slab.
   mesh::BlockMesh read(std::optional<GlobalId> first_cell = {}, std::string_view without_cell_field = {});
