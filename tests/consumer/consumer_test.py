@@ -101,7 +101,7 @@ class Consumer(unittest.TestCase):
     def test_the_programs_of_the_page_on_coupling_run(self):
         page = text_of(SOURCE, "docs", "coupling.md")
         (script,) = re.findall(r"^```sh\n(.*?)^```$", page, re.M | re.S)
-        (program,) = re.findall(r"^```python\n(.*?)^```$", page, re.M | re.S)
+        program, openfoam = re.findall(r"^```python\n(.*?)^```$", page, re.M | re.S)
         os.mkdir(os.path.join(self.folder, "page"))
         self.run_ok("sh", "-e", "-c", "cd page\n" + script, environment=self.environment())
         self.tool("pamr-quality", "page/level3.hdf", "--gate", "inverted_cells:max:0")
@@ -114,6 +114,21 @@ class Consumer(unittest.TestCase):
             with open(os.path.join(self.folder, "ball.hdf"), "rb") as file:
                 files.append(file.read())
         self.assertEqual(files[0], files[1])
+        self.run_with_openfoam(openfoam)
+
+    def run_with_openfoam(self, program):
+        """The page's program with a solver that finds 360 everywhere."""
+        shutil.copy(os.path.join(self.folder, "cube.hdf"), os.path.join(self.folder, "level0.hdf"))
+        os.makedirs(os.path.join(self.folder, "case0", "1"))
+        with open(os.path.join(self.folder, "case0", "1", "T"), "w", encoding="ascii") as file:
+            file.write("FoamFile { version 2.0; format ascii; class volScalarField; object T; }\ndimensions [0 0 0 1 0 0 0];\n"
+                       'internalField uniform 360;\nboundaryField { ".*" { type zeroGradient; } }\n')
+        for ranks in ("1", "3"):
+            self.run_ok(*MPIEXEC, ranks, sys.executable, "-c", program, environment=self.environment())
+            case = os.path.join(self.folder, "case1")
+            self.assertEqual(text_of(case, "0", "T"), text_of(self.folder, "case0", "1", "T"))
+            self.assertIn(f"nCells:{8 * 6 * 8 ** 3} ", text_of(case, "constant", "polyMesh", "owner"))
+            self.assertEqual(len(glob.glob(os.path.join(case, "processor*"))), int(ranks))
 
     def test_the_installed_example_gives_the_same_bytes_on_any_ranks(self):
         build = self.build(os.path.join(self.prefix, "share", "pamr", "examples"), "example")

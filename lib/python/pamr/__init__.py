@@ -22,7 +22,7 @@ Numbers
 Collective
     Functions that say so are called by every rank. What is wrong on one rank raises the same ``pamr.Error`` on all.
 """
-from . import mark
+from . import mark, openfoam
 from ._core import Error
 from .interop import from_dolfinx, from_meshio, to_dolfinx
 from .mesh import BoundaryFaces, Fields, Mesh
@@ -30,5 +30,5 @@ from .stages import RefineResult, balance, forecast, locate, quality, refine
 from .surfaces import Cone, Cylinder, File, Plane, Sphere, Surface, Toml, Torus
 
 __all__ = ["BoundaryFaces", "Cone", "Cylinder", "Error", "Fields", "File", "Mesh", "Plane", "RefineResult", "Sphere",
-           "Surface", "Toml", "Torus", "balance", "forecast", "from_dolfinx", "from_meshio", "locate", "mark", "quality",
-           "refine", "to_dolfinx"]
+           "Surface", "Toml", "Torus", "balance", "forecast", "from_dolfinx", "from_meshio", "locate", "mark", "openfoam",
+           "quality", "refine", "to_dolfinx"]
