@@ -4,6 +4,8 @@
 #include <pybind11/stl.h>
 
 #include <algorithm>
+#include <cstddef>
+#include <cstring>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <utility>
@@ -15,6 +17,7 @@
 #include "pamr/adapt/adapt.hpp"
 #include "pamr/adapt/forecast.hpp"
 #include "pamr/adapt/parent_data.hpp"
+#include "pamr/adapt/saved_rows.hpp"
 #include "pamr/balance/rebalance.hpp"
 #include "pamr/check/quality_report.hpp"
 #include "pamr/check/report_text.hpp"
@@ -153,6 +156,26 @@ py::tuple fetch_rows(const PythonMesh& mesh, GlobalId n_cells, const Array<std::
   return py::make_tuple(copy_out(begins), copy_out(fetched.value));
 }
 
+void write_rows(const PythonMesh& mesh, const std::string& file, const Array<std::int64_t>& offset,
+                const Array<std::uint8_t>& bytes, std::size_t item_bytes, const std::string& description) {
+  adapt::CellRows<std::byte> rows{{}, rows_of<std::byte>(bytes)};
+  for (const auto begin : rows_of<std::int64_t>(offset)) rows.offset.push_back(static_cast<std::size_t>(begin));
+  const Released released;
+  adapt::detail::write_cell_rows(*mesh.comm, file, mesh.mesh, rows, item_bytes, description);
+}
+
+/// Description, offsets in items, bytes. `item_bytes` 0: of any size.
+py::tuple read_rows(const PythonMesh& mesh, const std::string& file, std::size_t item_bytes) {
+  const auto [rows, description] = [&] {
+    const Released released;
+    return adapt::detail::read_cell_rows(*mesh.comm, file, mesh.mesh, item_bytes);
+  }();
+  const std::vector<std::int64_t> begins(rows.offset.begin(), rows.offset.end());
+  std::vector<std::uint8_t> bytes(rows.value.size());
+  if (!bytes.empty()) std::memcpy(bytes.data(), rows.value.data(), bytes.size());
+  return py::make_tuple(description, copy_out(begins), copy_out(bytes));
+}
+
 #ifdef PAMR_WITH_MESHING
 /// Patch, surface and largest distance of each association.
 std::vector<std::tuple<std::string, std::string, double>> associate(
@@ -184,6 +207,8 @@ void bind_stages(py::module_& module) {
   module.def("quality", quality, py::call_guard<py::gil_scoped_release>());
   module.def("locate", locate_points);
   module.def("fetch_rows", fetch_rows);
+  module.def("write_rows", write_rows);
+  module.def("read_rows", read_rows);
 #ifdef PAMR_WITH_MESHING
   module.def("associate", associate);
 #endif

@@ -9,6 +9,7 @@ from typing import Any, Iterator, Mapping, MutableMapping, NamedTuple, Optional,
 import numpy as np
 
 from . import _core
+from .rows import described, pack, unpack
 from .surfaces import File, Surface, Toml
 from .together import agree, description, field as field_in, integers, reals, require_comm
 
@@ -176,6 +177,26 @@ class Mesh:
         ending. The bytes do not depend on the number of ranks. Collective."""
         path = agree(self._comm, lambda: (os.fspath(file), (os.fspath(file), provenance)))
         self._core.write(path, provenance)
+
+    def write_rows(self, file: Union[str, os.PathLike], values: Any) -> None:
+        """Writes data that belong to cells and are no fields, to go on from with ``read_rows`` and a mesh file: n rows, one for each
+        cell of this rank, of any numbers and shape; or a list of n arrays of one type and of different lengths (particles,
+        say). The bytes do not depend on the number of ranks. Collective."""
+        path = agree(self._comm, lambda: (os.fspath(file), os.fspath(file)))
+        rows = pack(self._comm, values, len(self.cells))
+        if rows.dtype.fields is not None or rows.item == 0:
+            raise Error("values: expected numbers, found a type with fields or without bytes")
+        _core.write_rows(self._core, path, rows.begins, rows.raw, rows.item, rows.description())
+
+    def read_rows(self, file: Union[str, os.PathLike], dtype: Any = None) -> Any:
+        """The rows that ``write_rows`` wrote with this mesh, on any number of ranks, in the same form, for the cells of this rank.
+
+        dtype: of the items of a file that C++ wrote (``adapt::write_cell_rows``); the result is a list of arrays then.
+        Collective. Raises pamr.Error for damaged files and other meshes.
+        """
+        path = agree(self._comm, lambda: (os.fspath(file), (os.fspath(file), str(dtype))))
+        item = 0 if dtype is None else np.dtype(dtype).itemsize
+        return unpack(described(*_core.read_rows(self._core, path, item), dtype))
 
     # --- arrays of this rank
 

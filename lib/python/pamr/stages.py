@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Optional
 
 import numpy as np
 
 from . import _core
 from .mesh import Mesh
+from .rows import pack, unpack
 from .together import agree, integers, reals
 
 Error = _core.Error
@@ -45,31 +46,11 @@ class RefineResult:
             list of n arrays of one type and of different lengths (particles, say). The result has the same form, m rows.
         Fields of the mesh need none of this: the new mesh has them. Collective.
         """
-        n = len(self._old.cells)
-
-        def prepare() -> tuple[Any, Any]:
-            if len(values) != n:
-                raise Error(f"values: expected a row for each of {n} cells, found {len(values)}")
-            is_list = isinstance(values, (list, tuple))
-            rows = [np.asarray(row) for row in values] if is_list else None
-            flat = np.asarray(values) if rows is None else (np.concatenate(rows) if rows else np.empty(0))
-            if flat.dtype.hasobject:
-                raise Error("values: expected numbers, found Python objects")
-            return (is_list, rows, np.ascontiguousarray(flat)), is_list
-        is_list, rows, flat = agree(self.mesh.comm, prepare)
-        types = [t for t in self.mesh.comm.allgather((flat.dtype, flat.shape[1:]) if len(flat) else None) if t]
-        if any(t != types[0] for t in types):
-            raise Error(f"values: expected the same type on every rank, found {', '.join(str(t[0]) for t in types)}")
-        dtype, tail = types[0] if types else (flat.dtype, flat.shape[1:])
-        item = dtype.itemsize * int(np.prod(tail, dtype=int))
-        lengths = np.ones(n, dtype=np.int64) if rows is None else np.array([len(row) for row in rows], dtype=np.int64)
-        begins = np.concatenate(([0], np.cumsum(lengths) * item)).astype(np.int64)
-        raw = flat.astype(dtype, copy=False).view(np.uint8).ravel() if len(flat) else np.empty(0, np.uint8)
-        offset, out = _core.fetch_rows(self.mesh._core, self._old.n_cells, self._old.cell_numbers, begins, raw, self.parent)
-        found = out.view(dtype).reshape(-1, *tail)
-        if not is_list:
-            return found
-        return np.split(found, offset[1:-1] // item) if len(offset) > 1 else []
+        old = self._old
+        rows = pack(self.mesh.comm, values, len(old.cells))
+        offset, raw = _core.fetch_rows(self.mesh._core, old.n_cells, old.cell_numbers, rows.begins * rows.item, rows.raw,
+                                       self.parent)
+        return unpack(replace(rows, begins=offset // max(rows.item, 1), raw=raw))
 
 
 def refine(mesh: Mesh, flags: Any, *, project: bool = True, quality_control: str = "removable", balance: str = "auto",
