@@ -51,6 +51,26 @@ def test_a_file_of_dolfinx_is_read_and_refined():
         assert file["VTKHDF/NumberOfCells"][0] > 48
 
 
+def test_our_file_has_what_dolfinx_reads():
+    """The datasets, types and pieces that `read_mesh` of dolfinx 0.10 asks for, on two ranks."""
+    kuhn_cube("cube.hdf", 2)
+    run("pamr-convert", "cube.hdf", "cube.vtkhdf")
+    with h5py.File("cube.vtkhdf") as file:
+        grid = file["VTKHDF"]
+        kinds = {"Types": "u1", "Offsets": "<i8", "Connectivity": "<i8", "NumberOfPoints": "<i8", "Points": "<f8"}
+        assert {name: grid[name].dtype.str.lstrip("|") for name in kinds} == kinds
+        n_cells, n_points = grid["Types"].shape[0], int(grid["NumberOfPoints"][0])
+        assert grid["Points"].shape == (n_points, 3)
+        volume = 0
+        for first, last in ((0, n_cells // 2), (n_cells // 2, n_cells)):
+            assert (grid["Types"][first:last] == 10).all()
+            offsets = grid["Offsets"][first:last + 1]
+            assert (np.diff(offsets) == 4).all()
+            corners = grid["Points"][:][grid["Connectivity"][offsets[0]:offsets[-1]].reshape(-1, 4)]
+            volume += np.linalg.det(corners[:, 1:] - corners[:, :1]).sum() / 6
+        assert abs(volume - 1) < 1e-12
+
+
 def test_strict_conversion_refuses_what_it_would_remark_on():
     kuhn_cube("cube.hdf", 2)
     as_dolfinx("cube.hdf", "theirs.vtkhdf")

@@ -16,11 +16,14 @@ are marked and refined; curved boundaries stay curved; the arrays of the new mes
         mesh = pamr.refine(mesh, flags).mesh
     mesh.write("fine.hdf")
 
+``pamr.mark`` has the criteria, ``pamr.openfoam`` the cases and fields of OpenFOAM.
+
 Numbers
     Rows of arrays are those of this rank: ``mesh.cells[c]`` holds rows of ``mesh.points``. ``mesh.cell_numbers`` and
     ``mesh.node_numbers`` give their numbers in the whole mesh, which do not depend on the number of ranks.
 Collective
-    Functions that say so are called by every rank. What is wrong on one rank raises the same ``pamr.Error`` on all.
+    Functions that say so are called by every rank. What is wrong on one rank raises the same ``pamr.Error`` on all. Errors of
+    your own on one rank leave the others waiting, unless the script is started with ``python3 -m mpi4py``.
 """
 from . import mark, openfoam
 from ._core import Error
