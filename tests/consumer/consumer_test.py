@@ -119,16 +119,18 @@ class Consumer(unittest.TestCase):
     def run_with_openfoam(self, program):
         """The page's program with a solver that finds 360 everywhere."""
         shutil.copy(os.path.join(self.folder, "cube.hdf"), os.path.join(self.folder, "level0.hdf"))
-        os.makedirs(os.path.join(self.folder, "case0", "1"))
-        with open(os.path.join(self.folder, "case0", "1", "T"), "w", encoding="ascii") as file:
-            file.write("FoamFile { version 2.0; format ascii; class volScalarField; object T; }\ndimensions [0 0 0 1 0 0 0];\n"
-                       'internalField uniform 360;\nboundaryField { ".*" { type zeroGradient; } }\n')
+        cases = [os.path.join(self.folder, name) for name in ("case0", "case1")]
         for ranks in ("1", "3"):
+            for case in cases:
+                shutil.rmtree(case, ignore_errors=True)
+            os.makedirs(os.path.join(cases[0], "1"))
+            with open(os.path.join(cases[0], "1", "T"), "w", encoding="ascii") as file:
+                file.write("FoamFile { version 2.0; format ascii; class volScalarField; object T; }\ndimensions [0 0 0 1 0 0 0];\n"
+                           'internalField uniform 360;\nboundaryField { ".*" { type zeroGradient; } }\n')
             self.run_ok(*MPIEXEC, ranks, sys.executable, "-c", program, environment=self.environment())
-            case = os.path.join(self.folder, "case1")
-            self.assertEqual(text_of(case, "0", "T"), text_of(self.folder, "case0", "1", "T"))
-            self.assertIn(f"nCells:{8 * 6 * 8 ** 3} ", text_of(case, "constant", "polyMesh", "owner"))
-            self.assertEqual(len(glob.glob(os.path.join(case, "processor*"))), int(ranks))
+            self.assertEqual(text_of(cases[1], "0", "T"), text_of(cases[0], "1", "T"))
+            self.assertIn(f"nCells:{8 * 6 * 8 ** 3} ", text_of(cases[1], "constant", "polyMesh", "owner"))
+            self.assertEqual(len(glob.glob(os.path.join(cases[1], "processor*"))), int(ranks))
 
     def test_the_installed_example_gives_the_same_bytes_on_any_ranks(self):
         build = self.build(os.path.join(self.prefix, "share", "pamr", "examples"), "example")

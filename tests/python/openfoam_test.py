@@ -90,9 +90,9 @@ def holds(triangle, point):
 @in_folder
 def test_refined_fields_keep_integrals_and_boundary_entries():
     mesh = cube()
-    openfoam.write_mesh(mesh, "level0")
-    put_fields(mesh, "level0", True)
-    fields = openfoam.read_fields(mesh, "level0", "3")
+    openfoam.write_mesh(mesh, "level.0")
+    put_fields(mesh, "level.0", True)
+    fields = openfoam.read_fields(mesh, "level.0", "3")
     first = faces_of(mesh, "xmin")
     integral = [COMM.allreduce((mesh.volumes() * mesh.cell_fields["T"]).sum())]
     for turn, limit in enumerate((0.4, 0.3, 0.25)):  # transition cells of a turn are undone in the next
@@ -103,7 +103,7 @@ def test_refined_fields_keep_integrals_and_boundary_entries():
         integral.append(COMM.allreduce((mesh.volumes() * mesh.cell_fields["T"]).sum()))
     assert max(abs(i / integral[0] - 1) for i in integral) < 1e-13
     if COMM.rank == 0:
-        old = pathlib.Path("level0/3/U").read_bytes()
+        old = pathlib.Path("level.0/3/U").read_bytes()
         new = pathlib.Path("level3/0/U").read_bytes()
         end = old.index(b"nonuniform List")
         assert old[:end] == new[:end] and old[old.index(b"    xmax"):] == new[new.index(b"    xmax"):]
@@ -137,7 +137,10 @@ def test_decomposed_cases_hold_the_same_mesh_and_fields():
             old, new = (foam_file.read_field(f"{path}/{name}").values() for path in ("case/3", "whole/0"))
             assert old.keys() == new.keys() and all(np.array_equal(old[k].rows, new[k].rows) for k in old)
     COMM.barrier()
-    openfoam.write_mesh(mesh, "case", ranks="own")
+    for ranks in (None, "own"):
+        message = error_of(lambda ranks=ranks: openfoam.write_mesh(mesh, "case", ranks=ranks))
+        assert "expected no folders of processors, found" in message, message
+    openfoam.write_mesh(mesh, "case", ranks="own", force=True)
     assert len(foam_case.processors("case")) == COMM.size
     assert f"numberOfSubdomains {COMM.size};" in pathlib.Path("case/system/decomposeParDict").read_text()
 

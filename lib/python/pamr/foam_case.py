@@ -30,6 +30,12 @@ def processors(case: str) -> list[str]:
     return found
 
 
+def remove(folders: list[str]) -> None:
+    """Removes folders of processors, the last one first, so that what is left has no gap."""
+    for folder in reversed(folders):
+        shutil.rmtree(folder)
+
+
 @dataclass
 class _Patch:
     name: str
@@ -92,10 +98,6 @@ def decompose_mesh(case: str, of_cell: np.ndarray) -> None:
     counts = np.bincount(of_cell, minlength=n_parts)
     if (counts == 0).any():
         raise Error(f"ranks: expected cells on each of {n_parts} processors, found none on {int(np.argmin(counts))}")
-    for part in processors(case):
-        shutil.rmtree(os.path.join(part, "constant"), ignore_errors=True)
-    for number in range(n_parts, len(processors(case))):
-        shutil.rmtree(os.path.join(case, f"processor{number}"))
     for number in range(n_parts):
         _write_part(case, whole, of_cell, number)
     _write_number(case, n_parts)

@@ -136,17 +136,16 @@ def _words(mesh: Mesh) -> list[str]:
     return [re.sub(r"[^!-~]|[\"'/;{}()\[\]$#\\]", "_", name) for name in mesh.patches]
 
 
-def write_mesh(mesh: Mesh, case: Union[str, os.PathLike], ranks: Any = None) -> None:
+def write_mesh(mesh: Mesh, case: Union[str, os.PathLike], ranks: Any = None, force: bool = False) -> None:
     """Writes ``constant/polyMesh`` of a case, and with ``ranks`` the decomposed mesh as well: folders ``processorN`` with their
     ``*ProcAddressing``, as decomposePar makes them. Collective.
 
     ranks: one number from 0 for each cell of this rank (the cell field "rank" of pamr-partition, say), or "own": cells stay
-    together as they lie on the ranks of this job. Meshes of processors that are there already are replaced, and
-    ``system/decomposeParDict`` gets their number.
+    together as they lie on the ranks of this job. ``system/decomposeParDict`` gets the number of processors.
+    force: remove folders ``processorN`` that are there already, which belong to another mesh, with all that is in them; without it
+    they are an error. A mesh in ``constant/polyMesh`` is replaced in any case.
     """
     comm = mesh.comm
-    folder = agree(comm, lambda: (os.fspath(case), os.fspath(case)))
-    os.makedirs(folder, exist_ok=True)
 
     def prepare() -> tuple[Any, Any]:
         if ranks is None or isinstance(ranks, str):
@@ -158,7 +157,18 @@ def write_mesh(mesh: Mesh, case: Union[str, os.PathLike], ranks: Any = None) -> 
             raise Error(f"ranks: expected numbers from 0, found {values.min()} for cell {int(np.argmin(values))}")
         return values, False
     of_cell = agree(comm, prepare)
-    mesh.write(folder)
+
+    def prepare_folder() -> tuple[Any, Any]:
+        folder = os.fspath(case)
+        if comm.rank == 0:
+            os.makedirs(folder, exist_ok=True)
+            old = foam_case.processors(folder)
+            if old and not force:
+                raise Error(f"case '{folder}': expected no folders of processors, found {len(old)} (force=True removes them)")
+            foam_case.remove(old)
+        return folder, (folder, force)
+    folder = agree(comm, prepare_folder)
+    mesh.write(os.path.join(folder, ""))  # a folder, whatever its name ends in
     if comm.allreduce(0 if of_cell is None else 1) == 0:
         return
     of_all = _to_zero(mesh, of_cell)
