@@ -12,7 +12,8 @@
 #   arguments=()                            takes what is not an option
 #   check_options() { ... }                 called when they are read; may set `subfolder` of out/
 #
-# With a flag `picture` the packages for pictures are installed too. --help prints the comment at the head of the script.
+# With a flag `picture` the packages for pictures are installed too, with `python=yes` the Python package is built too. --help
+# prints the comment at the head of the script.
 script=${BASH_SOURCE[1]}
 name=$(basename -- "$script")
 case_folder=$(cd -- "$(dirname -- "$script")" && pwd)
@@ -50,6 +51,7 @@ out=${out:-$case_folder/out${subfolder:+/$subfolder}}
 if [ -z "$tools" ]; then
   setup=()
   if [ "${picture:-no}" = yes ]; then setup=(--picture); fi
+  if [ "${python:-no}" = yes ]; then setup+=(--python); fi
   "$root/scripts/setup.sh" "${setup[@]}"
   tools=${PAMR_BUILD:-$root/build/release}/bin
 fi

@@ -29,7 +29,7 @@ if(PTScotch_FOUND AND NOT TARGET PTScotch::ptscotch)
   add_library(PTScotch::ptscotch INTERFACE IMPORTED)
   set_target_properties(PTScotch::ptscotch PROPERTIES
     INTERFACE_INCLUDE_DIRECTORIES "${PTScotch_INCLUDE_DIR}"
-    INTERFACE_LINK_LIBRARIES "${PTScotch_LIBRARY};${PTScotch_SCOTCH_LIBRARY};${PTScotch_Z_LIBRARY};${PTScotch_BZ2_LIBRARY};${PTScotch_LZMA_LIBRARY};m;Threads::Threads;MPI::MPI_C"
+    INTERFACE_LINK_LIBRARIES "${PTScotch_LIBRARY};${PTScotch_SCOTCH_LIBRARY};${PTScotch_Z_LIBRARY};${PTScotch_BZ2_LIBRARY};${PTScotch_LZMA_LIBRARY};m;Threads::Threads;MPI::MPI_CXX"
     # Programs may also load a shared 32-bit Scotch (PETSc does): it must not find these symbols.
     INTERFACE_LINK_OPTIONS "LINKER:--exclude-libs,libptscotch.a:libscotch.a")
 endif()

@@ -8,6 +8,7 @@ foreach(client IN ITEMS meshing dsmc)
     install(TARGETS pamr_${client} EXPORT pamr FILE_SET HEADERS DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/pamr)
   endif()
 endforeach()
+install(DIRECTORY docs/examples/ DESTINATION ${CMAKE_INSTALL_DATADIR}/pamr/examples)
 install(EXPORT pamr NAMESPACE pamr:: DESTINATION ${config_dir} FILE pamrTargets.cmake)
 configure_package_config_file(cmake/pamrConfig.cmake.in ${CMAKE_CURRENT_BINARY_DIR}/pamrConfig.cmake
   INSTALL_DESTINATION ${config_dir})

@@ -3,9 +3,10 @@
 # Everything between a fresh Debian 12 and a built PAMR: packages, configuration, build. What is there already costs
 # nothing: a second run starts neither apt nor a configuration.
 #
-#   scripts/setup.sh [--tests] [--picture] [--packages-only]
+#   scripts/setup.sh [--tests] [--python] [--picture] [--packages-only]
 #
 #   --tests          build the tests and benchmarks too (default: library and tools)
+#   --python         also install what the Python package needs, and build it (--tests does so too)
 #   --picture        also install what rendering pictures needs
 #   --packages-only  install, then stop
 #
@@ -27,20 +28,23 @@ packages=(
   librandom123-dev                        # random numbers of pamr-dsmc
   python3                                 # tables of the cases
 )
-test_packages=(libgtest-dev libgmock-dev libbenchmark-dev libopenmesh-dev python3-h5py python3-numpy python3-meshio
+python_packages=(python3-dev python3-numpy python3-mpi4py pybind11-dev)
+test_packages=(libgtest-dev libgmock-dev libbenchmark-dev libopenmesh-dev python3-h5py python3-meshio "${python_packages[@]}"
   clang-format clang-tidy codespell) # the gates of .ci/run
 picture_packages=(python3-vtk9 python3-h5py python3-numpy xvfb xauth)
 
 with_tests=OFF
+with_python=no
 batches=ON
 [ -z "${CI:-}" ] || batches=OFF # each source is seen to include what it needs
 packages_only=no
 for option in "$@"; do
   case $option in
     --tests) with_tests=ON packages+=("${test_packages[@]}") ;;
+    --python) with_python=yes packages+=("${python_packages[@]}") ;;
     --picture) packages+=("${picture_packages[@]}") ;;
     --packages-only) packages_only=yes ;;
-    -h | --help) sed -n '3,14s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
+    -h | --help) sed -n '3,15s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
     *) echo "setup.sh: unknown option $option (see setup.sh --help)" >&2; exit 2 ;;
   esac
 done
@@ -83,6 +87,7 @@ is_configured() {
   local cache=$build/CMakeCache.txt
   [ -f "$build/build.ninja" ] && grep -qxF "CMAKE_HOME_DIRECTORY:INTERNAL=$root" "$cache" || return 1
   [ $with_tests = OFF ] || grep -qx 'PAMR_TESTS:BOOL=ON' "$cache" || return 1
+  [ $with_python = no ] || grep -q pamr_python "$build/build.ninja" || return 1
   grep -qx "PAMR_BATCHES:BOOL=$batches" "$cache" || return 1
   [ -z "${CI:-}" ] || { grep -q '^CMAKE_VERIFY_INTERFACE_HEADER_SETS:.*=ON$' "$cache" &&
     [ -f "$build/compile_commands.json" ]; }

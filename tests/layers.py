@@ -11,7 +11,7 @@ import sys
 
 VALUES = ("base", "par", "geometry", "mesh")
 MESH_AT_REST = VALUES + ("assemble", "order", "validate")
-STAGES = ("io", "mark", "refine", "check", "balance")
+STAGES = ("locate", "io", "mark", "refine", "check", "balance")
 REFINER = MESH_AT_REST + STAGES + ("adapt",)
 SOLVERS = ("dsmc", "poisson_boltzmann")
 
@@ -23,11 +23,13 @@ MAY_INCLUDE = {
     "mesh": ("base", "par", "geometry"),
     **{module: VALUES for module in ("assemble", "validate")},
     "order": VALUES + ("assemble",),
+    "pamr": MESH_AT_REST + ("locate", "io", "mark", "refine", "check", "balance", "adapt"),  # pamr.hpp
     **{stage: MESH_AT_REST for stage in STAGES},
     "adapt": REFINER,
     "meshing": MESH_AT_REST + ("io", "check"),
     **{solver: MESH_AT_REST + ("io", "mark", "check", "balance", "adapt/adapt.hpp") for solver in SOLVERS},
     "cli": ("base", "par", "io"),
+    "python": REFINER + ("meshing",),
     "tools": REFINER + SOLVERS + ("meshing", "cli"),
 }
 
@@ -123,6 +125,8 @@ def form_violations(name, text):
             yield 1, f"'{part}' says nothing; name the file or folder after what it holds"
     module = module_of(name)
     if module and path.suffix == ".hpp" and module != "tools":
+        if module == "pamr":  # the header that includes the others
+            return
         space = "pamr" if module == "base" else f"pamr::{module}"
         if not re.search(rf"\bnamespace {space}\b", text):
             yield 1, f"folder and namespace agree: namespace {space}"
@@ -153,7 +157,7 @@ def name_violations(names):
         if path.name in first:
             yield f"{path}:1: a file name stands once: there is {first[path.name]} too"
         first.setdefault(path.name, path)
-        is_main = path.parts[0] == "tools" and len(path.parts) == 2
+        is_main = (path.parts[0] == "tools" and len(path.parts) == 2) or str(path) == "lib/python/module.cpp"
         if path.suffix == ".cpp" and not is_main and path.with_suffix(".hpp") not in product:
             yield f"{path}:1: a source has the header of its name beside it"
 

@@ -2,8 +2,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
+#include <functional>
 #include <nlohmann/json.hpp>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -21,6 +24,7 @@
 #include "pamr/io/gmsh/read_gmsh.hpp"
 #include "pamr/io/gmsh/write_gmsh.hpp"
 #include "pamr/io/native/native_file.hpp"
+#include "pamr/io/vtk/read_vtu.hpp"
 #include "pamr/mesh/undescribed_patches.hpp"
 #include "pamr/validate/validate.hpp"
 
@@ -38,9 +42,13 @@ struct Options {
 };
 
 void declare(cli::CommandLine& line, Options& options) {
-  line.option("IN", options.input, "mesh to read: .hdf (native) or .msh (Gmsh 2.2 or 4.1, text or binary)").required();
+  line.option("IN", options.input,
+              "mesh to read: .hdf or .vtkhdf (native, or VTKHDF of another program) or .msh (Gmsh 2.2 or 4.1, text or "
+              "binary)")
+      .required();
   line.option("OUT", options.output,
-              "mesh to write: .hdf, .msh or .vtu; without an extension, or an existing folder: an OpenFOAM case")
+              "mesh to write: .hdf or .vtkhdf (native), .msh or .vtu; without an extension, or an existing folder: an "
+              "OpenFOAM case")
       .required();
   line.flag("--repair", options.repair,
             "turn inverted cells of a .msh over instead of refusing them, and split inner edges and faces so that no "
@@ -79,7 +87,10 @@ void declare(cli::CommandLine& line, Options& options) {
   line.flag("--force", options.force, cli::force_help);
 }
 
-std::string extension(const std::string& file, std::initializer_list<std::string_view> known) {
+constexpr std::array<std::string_view, 4> known_inputs{".hdf", ".vtkhdf", ".msh", ".vtu"};
+constexpr std::array<std::string_view, 4> known_outputs{".hdf", ".vtkhdf", ".msh", ".vtu"};
+
+std::string extension(const std::string& file, std::span<const std::string_view> known) {
   const auto found = std::filesystem::path(file).extension().string();
   std::string list;
   for (const auto ending : known) {
@@ -94,12 +105,31 @@ bool asks_for_surfaces(const Options& options) {
   return !options.surfaces.empty() || !options.surface_files.empty() || options.repair;
 }
 
-/// Reads either format and reports what the reader had to change.
+/// Collective.
+mesh::DistMesh read_vtu(cli::Session& session, const Options& options, nlohmann::json& report) {
+  auto read = io::read_vtu(session.comm(), options.input);
+  report["turned_cells"] = read.n_turned;
+  report["dropped_nodes"] = read.n_dropped_nodes;
+  if (options.strict && read.n_turned + read.n_dropped_nodes > 0)
+    throw Error(fmt::format("file '{}': expected no inverted cells and no nodes of no cell, found {} and {}",
+                            options.input, read.n_turned, read.n_dropped_nodes));
+  if (read.n_turned > 0) session.warn(fmt::format("{} inverted cells were turned over", read.n_turned));
+  if (read.n_dropped_nodes > 0) session.warn(fmt::format("{} nodes of no cell were left out", read.n_dropped_nodes));
+  read.mesh.info.provenance = "pamr-convert from VTK";
+  return std::move(read.mesh);
+}
+
+/// Reads any format and reports what the reader had to change.
 mesh::DistMesh read(cli::Session& session, const Options& options, nlohmann::json& report) {
   const auto& comm = session.comm();
-  if (extension(options.input, {".hdf", ".msh"}) == ".hdf")
-    return assemble::assemble(comm,
-                              io::read_native(comm, options.input, {.build_surfaces = asks_for_surfaces(options)}));
+  const auto ending = extension(options.input, known_inputs);
+  if (ending == ".vtu") return read_vtu(session, options, report);
+  if (ending != ".msh") {
+    const std::function<void(const std::string&)> refuse = [](const auto& remark) { throw Error(remark); };
+    return assemble::assemble(comm, io::read_native(comm, options.input,
+                                                    {.build_surfaces = asks_for_surfaces(options),
+                                                     .remark = options.strict ? refuse : session.remarks()}));
+  }
   auto read = io::read_gmsh(comm, options.input, {.repair = options.repair && !options.strict});
   report["turned_cells"] = read.n_turned;
   report["dropped_nodes"] = read.n_dropped_nodes;
@@ -123,10 +153,15 @@ bool is_foam_case(const std::string& output) {
   return std::filesystem::path(output).extension().empty() || std::filesystem::is_directory(output, none);
 }
 
+bool is_native(const std::string& output, bool as_foam) {
+  const auto ending = as_foam ? "" : extension(output, known_outputs);
+  return ending == ".hdf" || ending == ".vtkhdf";
+}
+
 void write(const par::Comm& comm, const Options& options, bool as_foam, const mesh::DistMesh& mesh) {
   if (as_foam) return io::write_foam(comm, options.output, mesh);
-  const auto ending = extension(options.output, {".hdf", ".msh", ".vtu"});
-  if (ending == ".hdf") io::write_native(comm, options.output, mesh, {.format = options.format});
+  const auto ending = extension(options.output, known_outputs);
+  if (is_native(options.output, as_foam)) io::write_native(comm, options.output, mesh, {.format = options.format});
   if (ending == ".vtu") io::write_vtu(comm, options.output, mesh);
   if (ending == ".msh")
     io::write_gmsh(comm, options.output, mesh,
@@ -152,8 +187,8 @@ void check_foam_case(const cli::Session& session, const Options& options) {
 
 /// Checks what can be checked before anything is read. Collective.
 void check_files(cli::Session& session, const Options& options, bool as_foam) {
-  (void)extension(options.input, {".hdf", ".msh"});
-  if (!as_foam) (void)extension(options.output, {".hdf", ".msh", ".vtu"});
+  (void)extension(options.input, known_inputs);
+  if (!as_foam) (void)extension(options.output, known_outputs);
   if (options.repair && options.no_repair) throw Error("expected --repair or --no-repair, found both");
   if (options.surfaces.empty() && !options.ties.empty())
     throw Error("--tie: expected --surfaces beside it, found none");
@@ -168,7 +203,7 @@ void check_files(cli::Session& session, const Options& options, bool as_foam) {
     if (polyline.size() < 6 || polyline.size() % 3 != 0)
       throw Error(fmt::format("--crease: expected two points or more of three coordinates each, found {} numbers",
                               polyline.size()));
-  if (options.format != io::newest_format && (as_foam || extension(options.output, {".hdf", ".msh", ".vtu"}) != ".hdf"))
+  if (options.format != io::newest_format && !is_native(options.output, as_foam))
     throw Error(
         fmt::format("--format {}: expected an output that ends in .hdf, found '{}'", options.format, options.output));
   std::vector<std::string> inputs{options.input};

@@ -29,7 +29,8 @@ void declare(cli::CommandLine& line, Options& options) {
 }
 
 mesh::DistMesh read_mesh(cli::Session& session, const std::string& file) {
-  auto result = assemble::assemble(session.comm(), io::read_native(session.comm(), file, {.build_surfaces = false}));
+  auto result = assemble::assemble(
+      session.comm(), io::read_native(session.comm(), file, {.build_surfaces = false, .remark = session.remarks()}));
   validate::require_valid(session.comm(), result, file);
   return result;
 }

@@ -97,7 +97,8 @@ cli::ExitCode run_case(cli::Session& session, const Options& o) {
   std::optional<dsmc::StopSignals> signals;
   if (!o.plan && !o.advance.checkpoint.empty()) signals.emplace();
   const auto c = dsmc::read_case(cli::read_text(comm, o.case_file), o.case_file);
-  auto mesh = assemble::assemble(comm, io::read_native(comm, o.mesh, {.build_surfaces = false}));
+  auto mesh =
+      assemble::assemble(comm, io::read_native(comm, o.mesh, {.build_surfaces = false, .remark = session.remarks()}));
   validate::require_valid(comm, mesh, o.mesh);
   auto setup = dsmc::make_setup(comm, c, mesh);
   dsmc::Outcome outcome{dsmc::make_plan(comm, c, setup, mesh), {}, {}, 0};

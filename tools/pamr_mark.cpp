@@ -94,7 +94,7 @@ cli::ExitCode run(cli::Session& session, const Options& options) {
   session.check_output(options.output, {options.input}, options.force);
 
   const auto& comm = session.comm();
-  auto mesh = assemble::assemble(comm, io::read_native(comm, options.input));
+  auto mesh = assemble::assemble(comm, io::read_native(comm, options.input, {.remark = session.remarks()}));
   validate::require_valid(comm, mesh, options.input);
   refine::Options refinement;
   refinement.quality_control = refine::quality_control_named(options.quality_control);

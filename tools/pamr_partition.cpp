@@ -94,7 +94,8 @@ cli::ExitCode run(cli::Session& session, const Options& options) {
   session.check_output(options.output, {options.input}, options.force);
 
   const auto& comm = session.comm();
-  auto mesh = assemble::assemble(comm, io::read_native(comm, options.input, {.build_surfaces = false}));
+  auto mesh = assemble::assemble(
+      comm, io::read_native(comm, options.input, {.build_surfaces = false, .remark = session.remarks()}));
   validate::require_valid(comm, mesh, options.input);
   const auto weight = with_file_name(options.input, [&] { return weigh(comm, mesh, options); });
   const std::vector<std::int64_t> ones(weight.size(), 1);

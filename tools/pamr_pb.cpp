@@ -66,7 +66,8 @@ cli::ExitCode run(cli::Session& session, const Options& o) {
   StepTimer timer;
   const auto input = pb::read_case(cli::read_text(comm, o.case_file), o.case_file);
   const pb::PetscRuntime petsc(comm, input.solver.petsc + " " + o.petsc);
-  auto mesh = assemble::assemble(comm, io::read_native(comm, o.mesh, {.build_surfaces = false}));
+  auto mesh =
+      assemble::assemble(comm, io::read_native(comm, o.mesh, {.build_surfaces = false, .remark = session.remarks()}));
   validate::require_valid(comm, mesh, o.mesh);
   timer.lap("read");
 

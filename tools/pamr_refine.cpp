@@ -138,7 +138,8 @@ cli::ExitCode work(cli::Session& session, const Options& options) {
                                          {.marks_field = options.marks,
                                           .ordering = adapt::ordering_named(options.order),
                                           .balancing = balancing,
-                                          .build_surfaces = !options.no_project},
+                                          .build_surfaces = !options.no_project,
+                                          .remark = session.remarks()},
                                          timer);
   adapt::Measured measured;
   measured.bytes_read = adapt::bytes_read_so_far() - read_before;

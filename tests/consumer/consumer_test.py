@@ -4,8 +4,11 @@
 
 Usage: consumer_test.py SOURCE BUILD CMAKE COMPILER MPIEXEC...
 """
+import glob
+import json
 import os
 import re
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -35,8 +38,8 @@ class Consumer(unittest.TestCase):
         cls.tool("pamr-mesh", "--shape", "kuhn-cube", "--n", "8", "-o", "cube.hdf")
 
     @classmethod
-    def run_ok(cls, *command, cwd=None):
-        result = subprocess.run(command, cwd=cwd or cls.folder, capture_output=True, text=True)
+    def run_ok(cls, *command, environment=None):
+        result = subprocess.run(command, cwd=cls.folder, capture_output=True, text=True, env=environment)
         if result.returncode != 0:
             raise AssertionError(f"{command} ended with {result.returncode}\n{result.stdout}\n{result.stderr}")
         return result.stdout
@@ -45,26 +48,101 @@ class Consumer(unittest.TestCase):
     def tool(cls, name, *arguments):
         return cls.run_ok(*MPIEXEC, "2", os.path.join(cls.prefix, "bin", name), *arguments)
 
+    def has_package(self):
+        return bool(glob.glob(os.path.join(self.prefix, "lib", "python3*", "dist-packages", "pamr", "_core*")))
+
+    def environment(self):
+        """Of a user who has put the tools and the Python package into the paths."""
+        package = glob.glob(os.path.join(self.prefix, "lib", "python3*", "dist-packages"))
+        launcher = os.path.dirname(shutil.which(MPIEXEC[0]) or MPIEXEC[0])
+        return os.environ | {"PATH": os.pathsep.join((os.path.join(self.prefix, "bin"), launcher, os.environ["PATH"])),
+                             "PYTHONPATH": os.pathsep.join(package)}
+
+    def build(self, source, name):
+        build = os.path.join(self.folder, name)
+        self.run_ok(CMAKE, "-G", "Ninja", "-S", source, "-B", build, f"-DCMAKE_PREFIX_PATH={self.prefix}",
+                    f"-DCMAKE_CXX_COMPILER={COMPILER}", "-DCMAKE_BUILD_TYPE=Release")
+        self.run_ok(CMAKE, "--build", build)
+        return build
+
     def test_the_readme_shows_these_programs(self):
         readme = text_of(SOURCE, "README.md")
-        for language, name in (("cpp", "refine_ball.cpp"), ("python", "mark_ball.py")):
+        for language, name in (("cpp", "refine_ball.cpp"), ("python", "mark_ball.py"), ("python", "refine_loop.py")):
             program = without_license(text_of(CONSUMER, name))
             self.assertIn(f"```{language}\n{program}```\n", readme, f"README.md must show {name} as it is")
 
-    def test_both_programs_of_the_readme_give_the_same_mesh(self):
-        build = os.path.join(self.folder, "build")
-        self.run_ok(CMAKE, "-G", "Ninja", "-S", CONSUMER, "-B", build, f"-DCMAKE_PREFIX_PATH={self.prefix}",
-                    f"-DCMAKE_CXX_COMPILER={COMPILER}", "-DCMAKE_BUILD_TYPE=Release")
-        self.run_ok(CMAKE, "--build", build)
+    def test_programs_in_cpp_and_with_files_give_the_same_mesh(self):
+        build = self.build(CONSUMER, "build")
         self.run_ok(*MPIEXEC, "2", os.path.join(build, "refine_ball"))
         if os.path.exists(os.path.join(build, "clients")):
             self.assertIn("flux factor", self.run_ok(os.path.join(build, "clients")))
         self.tool("pamr-quality", "fine.hdf", "--gate", "inverted_cells:max:0")
 
-        self.run_ok(sys.executable, os.path.join(CONSUMER, "mark_ball.py"))
-        self.tool("pamr-refine", "cube.hdf", "-o", "fine-from-python.hdf")
+        shutil.copy(os.path.join(self.folder, "cube.hdf"), os.path.join(self.folder, "level0.hdf"))
+        for _ in range(2):  # once more over the files of the first time
+            self.run_ok(sys.executable, os.path.join(CONSUMER, "mark_ball.py"), environment=self.environment())
 
-        self.tool("pamr-diff", "fine.hdf", "fine-from-python.hdf")
+        first, second = (json.loads(self.tool("pamr-quality", name, "--json", "-", "--quiet"))["fingerprint"]
+                         for name in ("fine.hdf", "level1.hdf"))  # which has marks now
+        self.assertEqual(first, second)
+        self.tool("pamr-quality", "level3.hdf", "--gate", "inverted_cells:max:0")
+
+    def test_the_python_package_gives_the_same_bytes_on_any_ranks(self):
+        if not self.has_package():
+            return  # not built: configuration says so
+        files = []
+        for ranks in ("1", "3"):
+            self.run_ok(*MPIEXEC, ranks, sys.executable, os.path.join(CONSUMER, "refine_loop.py"),
+                        environment=self.environment())
+            with open(os.path.join(self.folder, "loop.hdf"), "rb") as file:
+                files.append(file.read())
+        self.assertEqual(files[0], files[1])
+
+    def test_the_programs_of_the_page_on_coupling_run(self):
+        page = text_of(SOURCE, "docs", "coupling.md")
+        (script,) = re.findall(r"^```sh\n(.*?)^```$", page, re.M | re.S)
+        program, openfoam = re.findall(r"^```python\n(.*?)^```$", page, re.M | re.S)
+        os.mkdir(os.path.join(self.folder, "page"))
+        self.run_ok("sh", "-e", "-c", "cd page\n" + script, environment=self.environment())
+        self.tool("pamr-quality", "page/level3.hdf", "--gate", "inverted_cells:max:0")
+        if not self.has_package():
+            return
+        files = []
+        for ranks in ("1", "3"):
+            out = self.run_ok(*MPIEXEC, ranks, sys.executable, "-c", program, environment=self.environment())
+            self.assertIn("32768 cells, volume 4.164 of 4.189", out)
+            with open(os.path.join(self.folder, "ball.hdf"), "rb") as file:
+                files.append(file.read())
+        self.assertEqual(files[0], files[1])
+        self.run_with_openfoam(openfoam)
+
+    def run_with_openfoam(self, program):
+        """The page's program with a solver that finds 360 everywhere."""
+        shutil.copy(os.path.join(self.folder, "cube.hdf"), os.path.join(self.folder, "level0.hdf"))
+        cases = [os.path.join(self.folder, name) for name in ("case0", "case1")]
+        for ranks in ("1", "3"):
+            for case in cases:
+                shutil.rmtree(case, ignore_errors=True)
+            os.makedirs(os.path.join(cases[0], "1"))
+            with open(os.path.join(cases[0], "1", "T"), "w", encoding="ascii") as file:
+                file.write("FoamFile { version 2.0; format ascii; class volScalarField; object T; }\ndimensions [0 0 0 1 0 0 0];\n"
+                           'internalField uniform 360;\nboundaryField { ".*" { type zeroGradient; } }\n')
+            self.run_ok(*MPIEXEC, ranks, sys.executable, "-c", program, environment=self.environment())
+            self.assertEqual(text_of(cases[1], "0", "T"), text_of(cases[0], "1", "T"))
+            self.assertIn(f"nCells:{8 * 6 * 8 ** 3} ", text_of(cases[1], "constant", "polyMesh", "owner"))
+            self.assertEqual(len(glob.glob(os.path.join(cases[1], "processor*"))), int(ranks))
+
+    def test_the_installed_example_gives_the_same_bytes_on_any_ranks(self):
+        build = self.build(os.path.join(self.prefix, "share", "pamr", "examples"), "example")
+        files = []
+        for ranks in ("1", "3"):
+            out = self.run_ok(*MPIEXEC, ranks, os.path.join(build, "refine_loop"), "example.hdf")
+            self.assertIn("1296 -> ", out)
+            self.assertEqual(out.count("the probe is in cell"), 1)
+            with open(os.path.join(self.folder, "example.hdf"), "rb") as file:
+                files.append(file.read())
+        self.assertEqual(files[0], files[1])
+        self.tool("pamr-quality", "example.hdf", "--gate", "inverted_cells:max:0")
 
 
 if __name__ == "__main__":

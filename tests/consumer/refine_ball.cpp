@@ -1,8 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <pamr/adapt/adapt.hpp>
-#include <pamr/assemble/assemble.hpp>
-#include <pamr/io/native/native_file.hpp>
-#include <pamr/par/runtime.hpp>
+#include <pamr/pamr.hpp>
 
 int main(int argc, char** argv) {
   const pamr::par::Runtime mpi(argc, argv);

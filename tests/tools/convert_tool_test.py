@@ -435,7 +435,7 @@ def test_an_openfoam_case_is_replaced_only_when_asked():
 
 def test_endings_are_checked_before_anything_is_read():
     kuhn_cube("cube.hdf", 1)
-    refuses("pamr-convert", "cube.hdf", "cube.stl", says=[".hdf, .msh, .vtu"], creates="cube.stl")
+    refuses("pamr-convert", "cube.hdf", "cube.stl", says=[".hdf, .vtkhdf, .msh, .vtu"], creates="cube.stl")
     refuses("pamr-convert", "cube.hdf", "cube.hdf", says=["cube.hdf"])
 
 

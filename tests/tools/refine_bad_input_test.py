@@ -108,6 +108,11 @@ def test_a_flipped_byte_in_any_dataset():
         damaged = bytearray(contents)
         damaged[place] ^= 0x10
         pathlib.Path("flipped.hdf").write_bytes(damaged)
+        if name.startswith(("VTKHDF/CellData/", "VTKHDF/PointData/")):  # as if a solver had rewritten it: a remark
+            done = subprocess.run([str(BIN / "pamr-refine"), "flipped.hdf", "-o", "flipped-fine.hdf", "--force"],
+                                  capture_output=True, text=True, timeout=100)
+            assert done.returncode in (0, 2) and name in done.stderr and "checksum" in done.stderr, done
+            continue
         # a wrong count shows at the datasets that ought to have it
         no_mesh_from("flipped.hdf", "flipped.hdf", name if "NumberOf" not in name else "expected")
 
@@ -156,8 +161,10 @@ def inverted(index):
 
 def test_bad_cells():
     bare_copy(good_mesh(), "bare.hdf")
+    no_mesh_from(edit("good.hdf", "bad.hdf", "VTKHDF/Connectivity", inverted(20)), "bad.hdf", "20")
+    turned = run("pamr-refine", edit("bare.hdf", "turned.hdf", "VTKHDF/Connectivity", inverted(20)), "-o", "fine.hdf")
+    assert "turned.hdf': 1 of" in turned.err, turned.err  # of other programs, which do not care
     for source in ("good.hdf", "bare.hdf"):
-        no_mesh_from(edit(source, "bad.hdf", "VTKHDF/Connectivity", inverted(20)), "bad.hdf", "20")
         no_mesh_from(edit(source, "bad.hdf", "VTKHDF/Connectivity", twice(20)), "bad.hdf")
 
     def same_node(values):
@@ -165,7 +172,7 @@ def test_bad_cells():
         return values
     no_mesh_from(edit("good.hdf", "bad.hdf", "VTKHDF/Connectivity", same_node), "Connectivity", "80", "twice")
     corner = [[0, 0, 0], [1, 0, 0], [0, 1, 0]]
-    for height in (1e-13, 0, -1):  # too flat to be split, flat, turned inside out
+    for height in (1e-13, 0):  # too flat to be split, flat
         no_mesh_from(write_bare("flat.hdf", corner + [[0.3, 0.3, height]], [[0, 1, 2, 3]]), "flat.hdf", "cell 0")
 
 

@@ -61,6 +61,10 @@ void Session::warn(const std::string& line) const {
   std::fflush(stderr);
 }
 
+std::function<void(const std::string&)> Session::remarks() const {
+  return [this](const std::string& remark) { warn(remark); };
+}
+
 Progress Session::progress(const std::string& what, std::int64_t total, const std::string& unit,
                            std::int64_t before) const {
   return {what, total, unit, comm_->is_first() && !options_.quiet, before};

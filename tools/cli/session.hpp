@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
@@ -50,6 +51,8 @@ class Session {
   void summary(const std::string& line) const;
   /// A remark that the user should see even with --quiet: one line on standard error, by rank 0. Local.
   void warn(const std::string& line) const;
+  /// `warn` for `io::ReadOptions::remark`, to be used no longer than this session.
+  std::function<void(const std::string&)> remarks() const;
   /// Progress of `total` units of work (below zero: not known), of which `before` are done; silent with --quiet and on
   /// ranks other than 0. Local.
   Progress progress(const std::string& what, std::int64_t total, const std::string& unit,

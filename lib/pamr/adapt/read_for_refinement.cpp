@@ -40,7 +40,7 @@ std::optional<GlobalId> first_cell_to_read(const par::Comm& comm, io::NativeFile
 
 BlockMesh read_block(const par::Comm& comm, const std::filesystem::path& path, const ReadingOptions& options) {
   const auto& marks = options.marks_field;
-  io::NativeFile file(comm, path, {.build_surfaces = options.build_surfaces});
+  io::NativeFile file(comm, path, {.build_surfaces = options.build_surfaces, .remark = options.remark});
   const auto work = balance::work_field(marks);
   return file.read(first_cell_to_read(comm, file, marks), file.has_integers(work) ? work : std::string());
 }

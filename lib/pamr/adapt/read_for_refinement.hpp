@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <string>
 
 #include "pamr/adapt/balance_parents.hpp"
@@ -23,8 +24,9 @@ Ordering ordering_named(const std::string& name);
 struct ReadingOptions {
   std::string marks_field = "refine";  ///< integer cell field, 1 for a cell to be refined; without it cells count alike
   Ordering ordering = Ordering::automatic;
-  Balancing balancing = {};    ///< whose field of weights is checked
-  bool build_surfaces = true;  ///< see `io::ReadOptions`
+  Balancing balancing = {};                                    ///< whose field of weights is checked
+  bool build_surfaces = true;                                  ///< see `io::ReadOptions`
+  std::function<void(const std::string& remark)> remark = {};  ///< see `io::ReadOptions`
 };
 
 /// Reads a mesh to be refined, valid, its cells on the ranks in runs that become about the same number of cells:

@@ -11,6 +11,7 @@
 #include "pamr/assemble/check_block.hpp"
 #include "pamr/assemble/link_neighbors.hpp"
 #include "pamr/assemble/send_cells.hpp"
+#include "pamr/assemble/tag_boundary.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/base/memory.hpp"
 #include "pamr/mesh/families.hpp"
@@ -96,9 +97,11 @@ mesh::DistMesh assemble(const par::Comm& comm, mesh::BlockMesh block, std::span<
   if (contents.has_neighbors) {
     const auto owners = find_owners(comm, mesh.info.cell_ids(), mesh.cell_global, contents);
     link_neighbors(comm, mesh, std::move(cells.neighbor), owners);
+    if (contents.has_boundary) compare_boundary(comm, mesh, block.boundary);
   } else {
     if (mesh.info.patches.empty()) mesh.info.patches.push_back({"boundary", "patch"});
     build_neighbors(comm, mesh);
+    if (contents.has_boundary) tag_boundary(comm, mesh, block.boundary);
   }
   fetch_nodes(comm, mesh, block);
   return mesh;

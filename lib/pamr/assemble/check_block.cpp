@@ -91,6 +91,25 @@ void check_neighbors(const mesh::BlockMesh& block) {
     }
 }
 
+void check_boundary(const mesh::BlockMesh& block, Rank rank) {
+  const auto all = block.info.node_ids();
+  const auto& [nodes, patches] = block.boundary;
+  require_size(patches.size(), nodes.size(), "patches of the boundary triangles", rank);
+  for (std::size_t t = 0; t < nodes.size(); ++t) {
+    const auto where = fmt::format("boundary triangle {} of rank {}", t, rank);
+    for (const auto id : nodes[t])
+      if (!all.contains(id))
+        throw Error(
+            fmt::format("{}: expected node numbers from {} to {}, found {}", where, all.first, all.end() - 1, id));
+    const auto [a, b, c] = nodes[t];
+    if (a == b || a == c || b == c)
+      throw Error(fmt::format("{}: expected three different nodes, found {} {} {}", where, a, b, c));
+    if (patches[t] < 0 || patches[t] >= std::ssize(block.info.patches))
+      throw Error(fmt::format("{}: expected one of {} patches, from 0 on, found {}", where, block.info.patches.size(),
+                              patches[t]));
+  }
+}
+
 void check_lineage(const mesh::BlockMesh& block) {
   for (std::size_t c = 0; c < block.lineage.size(); ++c)
     if (!mesh::is_well_formed(block.lineage[c]))
@@ -191,14 +210,16 @@ void check_families(const FamilyContext& here, std::span<const Announcement> ann
 Contents check_block(const par::Comm& comm, const mesh::BlockMesh& block, std::span<const Rank> destination) {
   const auto n = static_cast<GlobalId>(block.cell_to_node.size());
   const auto description = description_of(block);
-  std::array<std::int64_t, 6> most{block.cell_to_cell.empty() ? 0 : 1,
+  std::array<std::int64_t, 7> most{block.cell_to_cell.empty() ? 0 : 1,
                                    block.lineage.empty() ? 0 : 1,
                                    destination.empty() ? 0 : 1,
                                    description,
                                    -description,
-                                   block.cell_origin.empty() ? 0 : 1};
+                                   block.cell_origin.empty() ? 0 : 1,
+                                   block.boundary.node.empty() && block.boundary.patch.empty() ? 0 : 1};
   comm.max_in_place(most);
   const Contents contents{.has_neighbors = most[0] != 0,
+                          .has_boundary = most[6] != 0,
                           .has_lineage = most[1] != 0,
                           .has_origin = most[5] != 0,
                           .has_destinations = most[2] != 0};
@@ -214,6 +235,7 @@ Contents check_block(const par::Comm& comm, const mesh::BlockMesh& block, std::s
     check_sizes(block, destination, contents, first_cell, n_cells, nodes, comm.rank());
     check_nodes(block);
     check_neighbors(block);
+    check_boundary(block, comm.rank());
     check_lineage(block);
     for (const auto to : destination)
       if (to < 0 || to >= comm.size())

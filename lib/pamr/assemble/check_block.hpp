@@ -12,6 +12,7 @@ namespace pamr::assemble {
 /// What the blocks hold, the same on every rank.
 struct Contents {
   bool has_neighbors = false;
+  bool has_boundary = false;
   bool has_lineage = false;
   bool has_origin = false;
   bool has_destinations = false;

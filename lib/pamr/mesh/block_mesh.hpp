@@ -8,6 +8,13 @@
 
 namespace pamr::mesh {
 
+/// Triangles of the boundary with the patch of each, as many solvers hold it: any number on each rank, in any order,
+/// the corners of each in any order.
+struct BoundaryTriangles {
+  std::vector<std::array<GlobalId, 3>> node;  ///< t x 3, global
+  std::vector<int> patch;                     ///< t, indices into `MeshInfo::patches`
+};
+
 /// One rank's share of a mesh as it lies in a file: cells `first_cell ..` in global order with global numbers (the
 /// first of all is `info.first_id`), and the canonical block (`par::block_range`) of the nodes.
 struct BlockMesh {
@@ -15,11 +22,15 @@ struct BlockMesh {
   GlobalId first_cell = 0;
   std::vector<std::array<GlobalId, 4>> cell_to_node;  ///< n x 4, global
   std::vector<std::array<GlobalId, 4>> cell_to_cell;  ///< n x 4, global or -(patch+1); empty on every rank: to be built
-  std::vector<Lineage> lineage;                       ///< n, or empty on every rank: all regular, level 0
-  std::vector<GlobalId> cell_origin;                  ///< n: numbers in the file; empty on every rank: as they lie here
-  std::vector<geometry::Vec3> node_position;          ///< canonical block of n_global_nodes
-  std::vector<CellField> cell_fields;                 ///< values of the n cells
-  std::vector<NodeField> node_fields;                 ///< values of the node block
+  /// Which patches the faces of the boundary belong to, where neighbors are to be built; faces without a triangle then
+  /// get the patch `boundary`. Beside neighbors it has to agree with them. Empty on every rank: see
+  /// `assemble::assemble`.
+  BoundaryTriangles boundary;
+  std::vector<Lineage> lineage;               ///< n, or empty on every rank: all regular, level 0
+  std::vector<GlobalId> cell_origin;          ///< n: numbers in the file; empty on every rank: as they lie here
+  std::vector<geometry::Vec3> node_position;  ///< canonical block of n_global_nodes
+  std::vector<CellField> cell_fields;         ///< values of the n cells
+  std::vector<NodeField> node_fields;         ///< values of the node block
 };
 
 }  // namespace pamr::mesh

@@ -47,7 +47,8 @@ struct Ordered {
 
 /// The same mesh with its cells along Hilbert's curve through their centroids, over the smallest cube that holds all
 /// nodes, and its nodes in the order in which the cells name them first: what lies close in space lies close in memory,
-/// in the file, and in a block of it. Corners, neighbors, patches, lineage and fields go along. A closure family stays
+/// in the file, and in a block of it. Corners, neighbors, boundary triangles, patches, lineage and
+/// fields go along. A closure family stays
 /// together in template order, where its first member lies; cells of equal place keep their order; nodes that no cell
 /// names come last.
 ///

@@ -121,6 +121,13 @@ void reorder_neighbors(mesh::BlockMesh& block, const std::vector<std::uint32_t>&
   block.cell_to_cell = std::move(result);
 }
 
+void reorder_triangles(mesh::BlockMesh& block, const std::vector<std::uint32_t>& node_to_old) {
+  const auto old_to_new = inverse(node_to_old);
+  const auto first = block.info.first_id;
+  for (auto& corners : block.boundary.node)
+    for (auto& node : corners) node = first + static_cast<GlobalId>(old_to_new[static_cast<std::size_t>(node - first)]);
+}
+
 std::vector<GlobalId> origins(const std::vector<std::uint32_t>& new_to_old, GlobalId first) {
   std::vector<GlobalId> origin;
   reserve_array(origin, new_to_old.size());
@@ -134,6 +141,7 @@ Ordered order_here(mesh::BlockMesh block, const CurveGrid& grid) {
   auto new_to_old = sorted_order(find_keys(block, grid));
   const auto node_to_old = reorder_corners(block, new_to_old);
   if (!block.cell_to_cell.empty()) reorder_neighbors(block, new_to_old);
+  if (!block.boundary.node.empty()) reorder_triangles(block, node_to_old);
   if (!block.lineage.empty()) reorder(block.lineage, 1, new_to_old);
   reorder(block.cell_fields, new_to_old);
   reorder(block.node_position, 1, node_to_old);

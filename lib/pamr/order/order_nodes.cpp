@@ -98,6 +98,14 @@ std::vector<GlobalId> renumber_nodes(const par::Comm& comm, mesh::BlockMesh& blo
   for (auto& corners : block.cell_to_node)
     for (auto& node : corners) node = new_of_named[static_cast<std::size_t>(*corner++)];
 
+  std::vector<GlobalId> of_triangles;
+  for (const auto& corners : block.boundary.node)
+    of_triangles.insert(of_triangles.end(), corners.begin(), corners.end());
+  const auto new_of_triangles = par::fetch_rows<GlobalId>(comm, nodes, new_of_block, 1, of_triangles);
+  auto next_corner = new_of_triangles.begin();
+  for (auto& corners : block.boundary.node)
+    for (auto& node : corners) node = *next_corner++;
+
   move_rows(comm, nodes, block.node_position, 1, new_of_block);
   for (auto& field : block.node_fields)
     std::visit(

@@ -7,9 +7,12 @@
 #include <cstdlib>
 #include <thread>
 
+#include "pamr/par/parent_job.hpp"
+
 namespace pamr::par {
 
 Runtime::Runtime(int& argc, char**& argv) {
+  leave_parent_job();
   // Errors of these calls end the program: MPI's own error handler is in force until a `Comm` replaces it.
   MPI_Init(&argc, &argv);
   MPI_Comm_dup(MPI_COMM_WORLD, &end_);

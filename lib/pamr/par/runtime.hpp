@@ -13,7 +13,8 @@ namespace pamr::par {
 /// has initialized MPI itself makes a `Comm` from its communicator and needs no `Runtime`.
 class Runtime {
  public:
-  /// Initializes MPI. Collective over all processes.
+  /// Initializes MPI. Collective over all processes. A program that a rank of another MPI job has started (a solver
+  /// that calls a tool) runs alone (`leave_parent_job`).
   Runtime(int& argc, char**& argv);
   /// Finalizes MPI. Collective.
   ~Runtime();

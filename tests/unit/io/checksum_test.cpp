@@ -107,5 +107,24 @@ TEST(NativeFile, ReadsDamagedValuesWhenToldNotToVerify) {
   EXPECT_EQ(io::read_native(comm, folder / "a.hdf", {.verify_checksums = false}).cell_fields.size(), 3U);
 }
 
+TEST(NativeFile, RemarksOnFieldsThatSomebodyRewroteAndReadsThem) {
+  const par::Comm comm(MPI_COMM_WORLD);
+  const Folder folder(comm);
+  io::write_native(comm, folder / "a.hdf", test::mesh_with_fields(comm, 2, 7));
+  test::on_first_rank(comm, [&] {
+    for (const auto* path : {"/VTKHDF/CellData/refine", "/VTKHDF/PointData/potential"})
+      test::flip_byte(folder / "a.hdf", test::extent_of(folder / "a.hdf", path).offset);
+  });
+
+  std::vector<std::string> remarks;
+  const auto block = io::read_native(comm, folder / "a.hdf",
+                                     {.remark = [&](const std::string& remark) { remarks.push_back(remark); }});
+
+  EXPECT_EQ(block.cell_fields.size(), 3U);
+  ASSERT_EQ(remarks.size(), 2U);  // on every rank
+  EXPECT_THAT(remarks[0], testing::HasSubstr("a.hdf', /VTKHDF/PointData/potential: the values do not agree"));
+  EXPECT_THAT(remarks[1], testing::HasSubstr("/VTKHDF/CellData/refine"));
+}
+
 }  // namespace
 }  // namespace pamr

@@ -76,7 +76,7 @@ void on_first_rank(const par::Comm& comm, const std::function<void()>& edit) {
 
 std::string error_of_reading(const par::Comm& comm, const std::filesystem::path& file) {
   try {
-    io::read_native(comm, file);
+    io::read_native(comm, file, {.remark = [](const std::string& remark) { throw Error(remark); }});
   } catch (const Error& error) {
     return error.what();
   }

@@ -36,7 +36,8 @@ mesh::DistMesh mesh_with_fields(const par::Comm& comm, int n, std::uint64_t seed
 /// Runs `edit` on the first rank between two barriers.
 void on_first_rank(const par::Comm& comm, const std::function<void()>& edit);
 
-/// The message of the `Error` that reading throws, on every rank; "no error" when there is none. Collective.
+/// The message of the `Error` that reading throws, or its first remark, on every rank; "no error" when there is none.
+/// Collective.
 std::string error_of_reading(const par::Comm& comm, const std::filesystem::path& file);
 
 /// A mesh of the unit cube's Kuhn tetrahedra with nothing but `/VTKHDF`, written without the library: 8 nodes, 6 cells.

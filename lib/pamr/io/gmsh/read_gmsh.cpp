@@ -12,15 +12,14 @@
 #include <vector>
 
 #include "pamr/assemble/assemble.hpp"
+#include "pamr/assemble/tag_boundary.hpp"
+#include "pamr/assemble/turn_inverted.hpp"
 #include "pamr/base/error.hpp"
-#include "pamr/base/hash.hpp"
 #include "pamr/base/index.hpp"
 #include "pamr/base/with_file_name.hpp"
-#include "pamr/geometry/orientation.hpp"
 #include "pamr/io/gmsh/gmsh_parts.hpp"
 #include "pamr/io/gmsh/read_gmsh_2.hpp"
 #include "pamr/io/gmsh/read_gmsh_4.hpp"
-#include "pamr/mesh/tet.hpp"
 #include "pamr/order/order_along_curve.hpp"
 #include "pamr/par/exchange.hpp"
 #include "pamr/par/mailbox.hpp"
@@ -204,26 +203,14 @@ Numbered number(const par::Comm& comm, const Parts& parts, const std::string& fi
 }
 
 /// Turns inverted cells over, or refuses them; refuses flat ones. Returns how many were turned. Collective.
-std::int64_t orient(const par::Comm& comm, Numbered& numbered, bool repair, const std::string& file) {
-  std::vector<GlobalId> corners;
-  corners.reserve(4 * numbered.cell.size());
-  for (const auto& cell : numbered.cell) corners.insert(corners.end(), cell.begin(), cell.end());
-  const auto p = par::fetch_rows<geometry::Vec3>(comm, numbered.n_nodes, numbered.position, 1, corners);
-  std::int64_t n_flat = 0, n_inverted = 0;
-  for (std::size_t c = 0; c < numbered.cell.size(); ++c) {
-    const int sign = geometry::orientation(p[4 * c], p[4 * c + 1], p[4 * c + 2], p[4 * c + 3]);
-    n_flat += sign == 0 ? 1 : 0;
-    n_inverted += sign < 0 ? 1 : 0;
-    if (sign < 0) std::swap(numbered.cell[c][2], numbered.cell[c][3]);
-  }
-  n_flat = comm.sum(n_flat);
-  n_inverted = comm.sum(n_inverted);
+std::int64_t orient(const par::Comm& comm, mesh::BlockMesh& block, bool repair, const std::string& file) {
+  const auto [n_turned, n_flat] = assemble::turn_inverted(comm, block);
   if (n_flat > 0) throw Error(fmt::format("file '{}': expected cells with a volume, found {} flat ones", file, n_flat));
-  if (n_inverted > 0 && !repair)
+  if (n_turned > 0 && !repair)
     throw Error(
         fmt::format("file '{}': expected cells of positive volume, found {} inverted ones (--repair turns them over)",
-                    file, n_inverted));
-  return n_inverted;
+                    file, n_turned));
+  return n_turned;
 }
 
 /// All groups that triangles of any rank belong to, ascending. Collective.
@@ -251,87 +238,20 @@ std::string name_of_group(const Parts& parts, std::int64_t group) {
   return fmt::format("{}{}", group > 0 ? "physical_" : "surface_", std::abs(group));
 }
 
-/// A boundary face or a triangle at the rank where the two meet.
-struct Meeting {
-  Triangle face;       ///< ascending
-  std::int64_t group;  ///< index of the triangle's patch, -1 for a face of a cell
-  LocalId cell;        ///< of a face of a cell, on the rank that sent it
-  int slot;
-};
-
-struct Answer {
-  LocalId cell;
-  int slot;
-  std::int64_t patch;
-};
-
-Triangle sorted(Triangle face) {
-  std::sort(face.begin(), face.end());
-  return face;
-}
-
-Rank meeting_rank(const par::Comm& comm, const Triangle& face) {
-  std::uint64_t h = 0;
-  for (const auto node : face) h = combine(h, static_cast<std::uint64_t>(node));
-  return static_cast<Rank>(h % static_cast<std::uint64_t>(comm.size()));
-}
-
 /// Gives boundary faces the patches of the triangles on them; faces without triangle keep `untagged`. Returns how many
 /// these are. Collective.
-std::int64_t tag_faces(const par::Comm& comm, mesh::DistMesh& mesh, const std::vector<Triangle>& triangle,
-                       const std::vector<std::int64_t>& patch_of_triangle, int untagged, const std::string& file) {
-  par::Mailbox<Meeting> box(comm);
-  for (LocalId c = 0; c < mesh.n_cells(); ++c)
-    for (int slot = 0; slot < 4; ++slot) {
-      if (mesh.cell_to_cell[at(c)][at(slot)] >= 0) continue;
-      mesh.cell_to_cell[at(c)][at(slot)] = mesh::patch_to_slot(untagged);
-      Triangle face{};
-      for (std::size_t i = 0; i < 3; ++i)
-        face[i] = mesh.node_global[at(mesh.cell_to_node[at(c)][at(mesh::tet::face_to_corner[at(slot)][i])])];
-      face = sorted(face);
-      box.add(meeting_rank(comm, face), {face, -1, c, slot});
-    }
-  for (std::size_t t = 0; t < triangle.size(); ++t) {
-    const auto face = sorted(triangle[t]);
-    box.add(meeting_rank(comm, face), {face, patch_of_triangle[t], 0, 0});
-  }
-  const auto received = box.send();
-  std::vector<std::pair<Meeting, Rank>> meeting;
-  for (std::size_t r = 0; r < received.rank.size(); ++r)
-    for (const auto& item : received.from(r)) meeting.push_back({item, received.rank[r]});
-  std::sort(meeting.begin(), meeting.end(), [](const auto& a, const auto& b) {
-    return a.first.face != b.first.face ? a.first.face < b.first.face : a.first.group < b.first.group;
-  });
-  std::int64_t n_inside = 0, n_twice = 0, n_untagged = 0;
-  par::Mailbox<Answer> answers(comm);
-  for (std::size_t i = 0; i < meeting.size();) {
-    std::size_t end = i;
-    while (end < meeting.size() && meeting[end].first.face == meeting[i].first.face) ++end;
-    const bool has_face = meeting[i].first.group < 0;
-    const std::size_t first_triangle = i + (has_face ? 1 : 0);
-    if (!has_face) n_inside += static_cast<std::int64_t>(end - i);
-    if (has_face && first_triangle == end) ++n_untagged;
-    if (has_face && first_triangle < end) {
-      if (meeting[first_triangle].first.group != meeting[end - 1].first.group) ++n_twice;
-      const auto& face = meeting[i];
-      answers.add(face.second, {face.first.cell, face.first.slot, meeting[first_triangle].first.group});
-    }
-    i = end;
-  }
-  const auto answered = answers.send();
-  for (const auto& answer : answered.item)
-    mesh.cell_to_cell[at(answer.cell)][at(answer.slot)] = mesh::patch_to_slot(static_cast<int>(answer.patch));
-  n_inside = comm.sum(n_inside);
-  n_twice = comm.sum(n_twice);
-  if (n_inside > 0)
+std::int64_t tag_faces(const par::Comm& comm, mesh::DistMesh& mesh, const mesh::BoundaryTriangles& boundary,
+                       int untagged, const std::string& file) {
+  const auto match = assemble::match_boundary(comm, mesh, boundary, untagged);
+  if (match.n_not_on_boundary > 0)
     throw Error(
         fmt::format("file '{}': expected tagged triangles on the boundary of the tetrahedra, found {} inside the "
                     "domain or apart from it",
-                    file, n_inside));
-  if (n_twice > 0)
+                    file, match.n_not_on_boundary));
+  if (match.n_contradictions > 0)
     throw Error(fmt::format("file '{}': expected one tag for each boundary face, found {} faces in two surfaces", file,
-                            n_twice));
-  return comm.sum(n_untagged);
+                            match.n_contradictions));
+  return match.n_untagged;
 }
 
 /// Where the ordered mesh has put the nodes: triangles in its numbers. Collective.
@@ -364,11 +284,11 @@ GmshMesh read_gmsh(const par::Comm& comm, const std::filesystem::path& file, con
 
   GmshMesh result;
   result.n_dropped_nodes = numbered.n_dropped;
-  result.n_turned = orient(comm, numbered, options.repair, file.string());
   const auto groups = all_groups(comm, parts);
-  std::vector<std::int64_t> patch_of_triangle;
+  mesh::BoundaryTriangles boundary;
   for (const auto& triangle : parts.triangle)
-    patch_of_triangle.push_back(std::lower_bound(groups.begin(), groups.end(), triangle.group) - groups.begin());
+    boundary.patch.push_back(
+        static_cast<int>(std::lower_bound(groups.begin(), groups.end(), triangle.group) - groups.begin()));
 
   mesh::BlockMesh block;
   block.info.n_global_nodes = numbered.n_nodes;
@@ -376,6 +296,7 @@ GmshMesh read_gmsh(const par::Comm& comm, const std::filesystem::path& file, con
   block.first_cell = comm.exclusive_sum(static_cast<std::int64_t>(numbered.cell.size()));
   block.node_position = std::move(numbered.position);
   block.cell_to_node = std::move(numbered.cell);
+  result.n_turned = orient(comm, block, options.repair, file.string());
   std::vector<std::int64_t> region;
   for (const auto& cell : parts.tetrahedron) region.push_back(std::max<std::int64_t>(cell.group, 0));
   block.cell_fields.push_back({mesh::region_field, "", 1, mesh::StorageType::int32, std::move(region)});
@@ -390,8 +311,8 @@ GmshMesh read_gmsh(const par::Comm& comm, const std::filesystem::path& file, con
   patches.clear();
   for (const auto group : groups) patches.push_back({name_of_group(parts, group), ""});
   result.mesh.info.regions = named_regions(parts);
-  result.n_untagged_faces = tag_faces(comm, result.mesh, numbered.triangle, patch_of_triangle,
-                                      static_cast<int>(patches.size()), file.string());
+  boundary.node = std::move(numbered.triangle);
+  result.n_untagged_faces = tag_faces(comm, result.mesh, boundary, static_cast<int>(patches.size()), file.string());
   if (result.n_untagged_faces > 0) patches.push_back({"boundary", ""});
   return result;
 }

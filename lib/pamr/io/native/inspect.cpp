@@ -93,6 +93,7 @@ Catalog Inspector::run() {
       text_attribute(path, "unit");
     }
   }
+  if (has_group("/VTKHDF/Steps")) number_attribute("/VTKHDF/Steps", "NSteps");
   if (has_group("/PAMR")) pamr();
   return std::move(catalog_);
 }
@@ -110,6 +111,10 @@ void Inspector::pamr() {
   if (has_group("/PAMR/patches"))
     for (const auto* name : {"names", "kinds", "surfaces"})
       if (has_link(std::string("/PAMR/patches/") + name)) text(std::string("/PAMR/patches/") + name);
+  if (has_group(path::boundary)) {
+    array(path::boundary_triangles, 0);
+    array(path::boundary_patch, 0);
+  }
   if (has_group("/PAMR/regions")) {
     array("/PAMR/regions/numbers", max_regions);
     text("/PAMR/regions/names");

@@ -17,9 +17,9 @@ namespace pamr::io {
 
 namespace {
 
-std::string to_text(const std::vector<std::int64_t>& shape) {
+std::string to_text(const std::vector<std::int64_t>& shape, const char* between = " x ") {
   std::string text;
-  for (const auto extent : shape) text += fmt::format("{}{}", text.empty() ? "" : " x ", extent);
+  for (const auto extent : shape) text += fmt::format("{}{}", text.empty() ? "" : between, extent);
   return text;
 }
 
@@ -50,9 +50,9 @@ class Checker {
 
   void header() const {
     const auto* version = catalog_->find_number("/VTKHDF@Version");
-    if (version == nullptr) fail("/VTKHDF@Version", "1.x", "no such attribute");
-    if (version->values.size() != 2 || version->values[0] != 1)
-      fail("/VTKHDF@Version", "1.x", to_text(version->values));
+    if (version == nullptr) fail("/VTKHDF@Version", "1.x or 2.x", "no such attribute");
+    if (version->values.size() != 2 || version->values[0] < 1 || version->values[0] > 2)
+      fail("/VTKHDF@Version", "1.x or 2.x", to_text(version->values, "."));
     const auto* type = catalog_->find_text("/VTKHDF@Type");
     if (type == nullptr) fail("/VTKHDF@Type", "\"UnstructuredGrid\"", "no such attribute");
     if (type->texts.size() != 1 || type->texts[0] != "UnstructuredGrid")
@@ -84,6 +84,16 @@ class Checker {
     return entry.type;
   }
 
+  /// Time steps of a file of a mesh that stays as it is: the fields have the rows of all of them, one after another.
+  std::int64_t steps() const {
+    const auto* n = catalog_->find_number("/VTKHDF/Steps@NSteps");
+    if (n == nullptr) return 1;
+    constexpr std::int64_t most = std::numeric_limits<std::int32_t>::max();
+    if (n->values.size() != 1 || n->values[0] < 1 || n->values[0] > most)
+      fail("/VTKHDF/Steps@NSteps", fmt::format("a number from 1 to {}", most), to_text(n->values));
+    return n->values[0];
+  }
+
   void field(const ArrayEntry& entry) {
     for (const bool on_cells : {false, true}) {
       const auto group = std::string(on_cells ? path::cell_data : path::point_data) + "/";
@@ -91,7 +101,12 @@ class Checker {
       FieldEntry result{entry.path, entry.path.substr(group.size()), "", on_cells, entry.type, 1, true};
       if (!is_clean_text(result.name, "")) fail(group + "...", "field names in UTF-8", "another encoding");
       const auto rows = on_cells ? layout_.info.n_global_cells : layout_.info.n_global_nodes;
-      if (entry.shape[0] != rows) fail(entry.path, fmt::format("{} rows", rows), to_text(entry.shape));
+      const auto n_steps = steps();
+      if (entry.shape[0] != n_steps * rows)
+        fail(entry.path,
+             n_steps == 1 ? fmt::format("{} rows", rows) : fmt::format("{} rows for each of {} steps", rows, n_steps),
+             to_text(entry.shape));
+      result.first_row = (n_steps - 1) * rows;
       result.is_flat = entry.shape.size() == 1;
       if (!result.is_flat) {
         if (entry.shape[1] < 1 || entry.shape[1] > 65536)
@@ -148,12 +163,15 @@ class Checker {
     }
     patches();
     regions();
+    boundary();
     for (const auto& entry : catalog_->arrays) triangulation(entry);
     if (catalog_->find_array(path::cell_to_cell) != nullptr) {
       layout_.has_neighbors = true;
       layout_.neighbors_type = array(path::cell_to_cell, {info.n_global_cells, 4}, true);
-    } else if (info.patches.size() > 1) {
-      fail(path::cell_to_cell, fmt::format("this dataset, because there are {} patches", info.patches.size()), "none");
+    } else if (info.patches.size() > 1 && layout_.n_triangles == 0) {
+      fail(path::cell_to_cell,
+           fmt::format("this dataset or {}, because there are {} patches", path::boundary, info.patches.size()),
+           "none");
     } else if (info.patches.empty()) {
       info.patches = {{"boundary", ""}};
     }
@@ -206,6 +224,18 @@ class Checker {
       layout_.info.patches.push_back({names[p], kinds[p]});
     }
     layout_.surface_of_patch = std::move(surfaces);
+  }
+
+  /// The catalog has both datasets or none.
+  void boundary() {
+    const auto* triangles = catalog_->find_array(path::boundary_triangles);
+    if (triangles == nullptr) return;
+    const auto n = triangles->shape[0];
+    if (n < 1) fail(path::boundary_triangles, "1 triangle or more", "none");
+    if (layout_.info.patches.empty()) fail(path::patch_names, "names, because there are boundary triangles", "none");
+    layout_.triangles_type = array(path::boundary_triangles, {n, 3}, true);
+    layout_.triangle_patch_type = array(path::boundary_patch, {n}, true);
+    layout_.n_triangles = n;
   }
 
   /// The catalog has both datasets or none.

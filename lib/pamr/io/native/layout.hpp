@@ -25,6 +25,9 @@ inline constexpr const char* point_data = "/VTKHDF/PointData";
 inline constexpr const char* cell_data = "/VTKHDF/CellData";
 inline constexpr const char* cell_to_cell = "/PAMR/cell_to_cell";
 inline constexpr const char* lineage = "/PAMR/lineage";
+inline constexpr const char* boundary = "/PAMR/boundary";
+inline constexpr const char* boundary_triangles = "/PAMR/boundary/triangles";
+inline constexpr const char* boundary_patch = "/PAMR/boundary/patch";
 inline constexpr const char* patches = "/PAMR/patches";
 inline constexpr const char* patch_names = "/PAMR/patches/names";
 inline constexpr const char* patch_kinds = "/PAMR/patches/kinds";
@@ -46,7 +49,8 @@ struct FieldEntry {
   bool on_cells = true;
   mesh::StorageType type = mesh::StorageType::float64;
   int n_components = 1;
-  bool is_flat = true;  ///< one dimension
+  bool is_flat = true;     ///< one dimension
+  GlobalId first_row = 0;  ///< of the values that count: those of the last time step
 };
 
 /// A triangulated surface; datasets `points` and `triangles` in the group `path`.
@@ -62,6 +66,8 @@ struct Layout {
   int format = newest_format;
   mesh::StorageType points_type{}, connectivity_type{}, offsets_type{}, types_type{}, neighbors_type{}, lineage_type{};
   bool has_neighbors = false, has_lineage = false;
+  GlobalId n_triangles = 0;  ///< of the boundary, with their patches; 0: the file has none
+  mesh::StorageType triangles_type{}, triangle_patch_type{};
   std::vector<FieldEntry> fields;
   std::vector<TriangulationEntry> triangulations;
   std::string surfaces_toml;

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "pamr/assemble/turn_inverted.hpp"
 #include "pamr/base/contract.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/base/index.hpp"
@@ -27,14 +28,17 @@ struct NativeFile::Open {
   Open(const par::Comm& comm, const std::filesystem::path& file, const ReadOptions& options)
       : catalog(catalog_of(comm, file)),
         layout(check_catalog(catalog, file, options.verify_checksums)),
-        reader(comm, file, catalog, {options.verify_checksums, options.slab_bytes}),
-        build_surfaces(options.build_surfaces) {}
+        reader(comm, file, catalog, {options.verify_checksums, options.slab_bytes, options.remark}),
+        build_surfaces(options.build_surfaces),
+        turn_inverted(options.turn_inverted),
+        remark(options.remark) {}
 
   hdf5::Silence silence;
   Catalog catalog;
   Layout layout;
   SlabReader reader;
-  bool build_surfaces;
+  bool build_surfaces, turn_inverted;
+  std::function<void(const std::string&)> remark;
 };
 
 namespace {
@@ -113,8 +117,15 @@ mesh::BlockMesh NativeFile::read(std::optional<GlobalId> first_cell, std::string
   block.cell_to_node = read_connectivity(reader, layout, cells, true);
   check_corners(reader, layout, cells, block.cell_to_node);
   block.cell_to_cell = read_neighbors(reader, layout, cells);
+  block.boundary = read_boundary(reader, layout);
   block.node_position =
       read_points(reader, {path::points, layout.points_type, {layout.info.n_global_nodes, 3, false}}, nodes);
+  if (open_->turn_inverted && !open_->catalog.has_pamr_group) {
+    const auto turned = assemble::turn_inverted(*comm_, block);
+    if (turned.n_turned > 0 && open_->remark)
+      open_->remark(fmt::format("file '{}': {} of {} cells were inverted and are turned over", file_.string(),
+                                turned.n_turned, info().n_global_cells));
+  }
   for (const auto& entry : layout.fields)
     if (!entry.on_cells)
       block.node_fields.push_back(read_field(reader, layout, entry, nodes, true));

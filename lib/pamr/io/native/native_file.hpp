@@ -5,8 +5,10 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -24,6 +26,11 @@ struct ReadOptions {
   /// Make the surfaces of the mesh. Without, their description and data are kept for writing, and nothing can be moved
   /// onto them: for callers that do not ask where a boundary lies, because triangulated surfaces take time and memory.
   bool build_surfaces = true;
+  /// Turn the inverted cells of a file without `/PAMR` over: other programs give corners in any order.
+  bool turn_inverted = true;
+  /// Told what is odd about the file and does no harm, on every rank alike, while it is read: a field whose checksum is
+  /// older than its values, cells of other programs that had to be turned over. May throw `Error`. None: silence.
+  std::function<void(const std::string& remark)> remark = {};
 };
 
 /// A mesh in the native format (docs/file-format.md), open for reading. Opening looks through the structure of the file
@@ -31,7 +38,8 @@ struct ReadOptions {
 ///
 /// Nothing in the file is trusted:
 /// - rank 0 looks through its structure in a process of its own, which may die of it (`subprocess.hpp`);
-/// - shapes, types, counts, ranges and checksums are verified before the values are used;
+/// - shapes, types, counts, ranges and checksums are verified before the values are used (a checksum of a field that
+///   does not fit is a remark: solvers rewrite fields);
 /// - no array is larger than the size of the file allows.
 /// The geometry is not looked at (`validate::validate` does), nor are neighbors matched (`assemble::assemble` does).
 ///
@@ -65,6 +73,8 @@ class NativeFile {
   ///   none on every rank: canonical blocks. The run begins at the first border of a family at or after it, and ends
   ///   where that of the next rank begins.
   /// - `without_cell_field`: a field to leave out; empty: none.
+  /// - The triangles of the boundary, where the file has them, in a block of their own for each rank.
+  /// - Cells of a file without `/PAMR` may be inverted: they are turned over, unless the options say otherwise.
   /// - A file without `/PAMR` gives no `cell_to_cell` and no `lineage`, and one patch, `boundary`.
   /// Memory: the result and one slab.
   mesh::BlockMesh read(std::optional<GlobalId> first_cell = {}, std::string_view without_cell_field = {});

@@ -149,4 +149,35 @@ std::vector<std::array<GlobalId, 4>> read_neighbors(SlabReader& reader, const La
   return result;
 }
 
+mesh::BoundaryTriangles read_boundary(SlabReader& reader, const Layout& layout) {
+  mesh::BoundaryTriangles result;
+  const auto n = layout.n_triangles;
+  if (n == 0) return result;
+  const auto range = par::block_range(n, reader.comm().rank(), reader.comm().size());
+  const Rows rows{range.begin, range.end};
+  result.node.resize(at(rows.count()));
+  const auto word_in = [&](const char* path, GlobalId row, std::uint64_t word, GlobalId n_values, const char* what) {
+    if (word >= static_cast<std::uint64_t>(n_values))
+      reader.fail(path, row, fmt::format("a {} from 0 to {}", what, n_values - 1), text_of(word));
+    return static_cast<GlobalId>(word);
+  };
+  reader.each_slab({path::boundary_triangles, layout.triangles_type, {n, 3, false}}, rows, true,
+                   [&](GlobalId first, std::span<const std::uint64_t> words) {
+                     for (std::size_t i = 0; i < words.size(); ++i) {
+                       const auto row = first + static_cast<GlobalId>(i / 3);
+                       const auto node =
+                           word_in(path::boundary_triangles, row, words[i], layout.info.n_global_nodes, "node");
+                       result.node[at(row - rows.begin)][i % 3] = layout.info.first_id + node;
+                     }
+                   });
+  reader.each_slab({path::boundary_patch, layout.triangle_patch_type, {n, 1, true}}, rows, true,
+                   [&](GlobalId first, std::span<const std::uint64_t> words) {
+                     for (std::size_t i = 0; i < words.size(); ++i)
+                       result.patch.push_back(
+                           static_cast<int>(word_in(path::boundary_patch, first + static_cast<GlobalId>(i), words[i],
+                                                    static_cast<GlobalId>(layout.info.patches.size()), "patch")));
+                   });
+  return result;
+}
+
 }  // namespace pamr::io

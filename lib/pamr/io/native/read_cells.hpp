@@ -31,4 +31,7 @@ void check_corners(SlabReader& reader, const Layout& layout, Rows cells,
 /// Neighbors of the cells (n x 4, global ids or -(patch+1), in range); empty when the file has none.
 std::vector<std::array<GlobalId, 4>> read_neighbors(SlabReader& reader, const Layout& layout, Rows cells);
 
+/// The triangles of the boundary, this rank's block of them. Collective.
+mesh::BoundaryTriangles read_boundary(SlabReader& reader, const Layout& layout);
+
 }  // namespace pamr::io

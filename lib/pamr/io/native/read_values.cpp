@@ -30,15 +30,16 @@ std::vector<geometry::Vec3> read_points(SlabReader& reader, const Dataset& datas
 }
 
 mesh::Field read_field(SlabReader& reader, const Layout& layout, const FieldEntry& entry, Rows rows, bool verify) {
-  const auto n_rows = entry.on_cells ? layout.info.n_global_cells : layout.info.n_global_nodes;
+  const auto n_rows = entry.first_row + (entry.on_cells ? layout.info.n_global_cells : layout.info.n_global_nodes);
+  const Rows in_dataset{entry.first_row + rows.begin, entry.first_row + rows.end};
   mesh::Field field{entry.name, entry.unit, entry.n_components, entry.type, {}};
   if (mesh::is_integer(entry.type)) field.value = std::vector<std::int64_t>();
   std::visit(
       [&](auto& values) {
         values.resize(at(rows.count()) * at(entry.n_components));
         auto* to = values.data();
-        reader.each_slab({entry.path, entry.type, {n_rows, entry.n_components, entry.is_flat}}, rows, verify,
-                         [&](GlobalId, std::span<const std::uint64_t> words) {
+        reader.each_slab({entry.path, entry.type, {n_rows, entry.n_components, entry.is_flat}}, in_dataset,
+                         verify && entry.first_row == 0, [&](GlobalId, std::span<const std::uint64_t> words) {
                            std::memcpy(to, words.data(), words.size_bytes());
                            to += words.size();
                          });

@@ -35,7 +35,8 @@ class SlabReader {
  public:
   struct Options {
     bool verify_checksums = true;
-    std::size_t slab_bytes = 0;  ///< largest piece that is read at once
+    std::size_t slab_bytes = 0;                      ///< largest piece that is read at once
+    std::function<void(const std::string&)> remark;  ///< see `ReadOptions`
   };
 
   /// Opens the file on all ranks. `catalog`: of the file, outlives the reader. Collective; throws `Error`.
@@ -53,7 +54,8 @@ class SlabReader {
 
   /// Reads this rank's rows and hands them on as 64-bit words (integers sign-extended, reals as doubles), whole groups
   /// of four rows where there are so many. With `verify` the rows of all ranks together are the whole dataset, once,
-  /// and are compared with its checksum. Collective; throws the same `Error` on every rank.
+  /// and are compared with its checksum; one that does not fit is an error, of a field a remark. Collective; throws the
+  /// same `Error` on every rank.
   void each_slab(const Dataset& dataset, Rows rows, bool verify, const Consume& consume);
 
   /// Throws `Error`: what was expected in a row of a dataset, and what was found.

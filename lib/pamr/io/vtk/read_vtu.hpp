@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+
+#include "pamr/mesh/dist_mesh.hpp"
+#include "pamr/par/comm.hpp"
+
+namespace pamr::io {
+
+struct VtuMesh {
+  mesh::DistMesh mesh;
+  std::int64_t n_turned = 0;         ///< cells that were inverted, and are turned over
+  std::int64_t n_dropped_nodes = 0;  ///< nodes of no tetrahedron
+};
+
+/// Reads an unstructured grid of VTK in XML (.vtu) of one piece: its tetrahedra, with point and cell data as fields.
+/// Data may be text, base64 or raw, compressed by zlib or not. Triangles on the boundary become patches `patch_N` by
+/// the first integer cell array of one component named `patch`, `gmsh:physical`, `CellEntityIds` or `medit:ref`, which
+/// is no field then; without such an array, and vertices and lines always, they are left out. Cells are put in order
+/// along Hilbert's curve.
+///
+/// Rank 0 reads the file as a whole, as befits a format of text. Collective. Throws the same `Error` on every rank for
+/// what is no such file, other cells, and what `assemble::assemble` refuses.
+VtuMesh read_vtu(const par::Comm& comm, const std::filesystem::path& file);
+
+}  // namespace pamr::io

@@ -1,0 +1,239 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "python/bind_mesh.hpp"
+
+#include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "pamr/assemble/assemble.hpp"
+#include "pamr/assemble/kuhn_cube.hpp"
+#include "pamr/base/error.hpp"
+#include "pamr/base/index.hpp"
+#include "pamr/io/export/write_foam.hpp"
+#include "pamr/io/export/write_vtu.hpp"
+#include "pamr/io/gmsh/read_gmsh.hpp"
+#include "pamr/io/gmsh/write_gmsh.hpp"
+#include "pamr/io/native/native_file.hpp"
+#include "pamr/io/vtk/read_vtu.hpp"
+#include "pamr/mesh/fingerprint.hpp"
+#include "pamr/mesh/tet.hpp"
+#include "pamr/validate/validate.hpp"
+#include "python/numpy_arrays.hpp"
+#include "python/python_mesh.hpp"
+
+namespace py = pybind11;
+
+namespace pamr::python {
+
+namespace {
+
+using SharedMesh = std::shared_ptr<PythonMesh>;
+/// Name, unit, values, storage type.
+using FieldIn = std::tuple<std::string, std::string, py::array, int>;
+
+/// From the address of a communicator's handle, which mpi4py tells. Collective.
+std::shared_ptr<const par::Comm> comm_at(std::uintptr_t address) {
+  MPI_Comm handle = MPI_COMM_NULL;
+  std::memcpy(&handle, reinterpret_cast<const void*>(address), sizeof handle);
+  return std::make_shared<const par::Comm>(handle);
+}
+
+std::vector<mesh::Field> fields_of(const std::vector<FieldIn>& all) {
+  std::vector<mesh::Field> fields;
+  for (const auto& [name, unit, values, storage] : all)
+    fields.push_back(field_of(name, unit, values, static_cast<mesh::StorageType>(storage)));
+  return fields;
+}
+
+std::pair<SharedMesh, std::int64_t> from_arrays(std::uintptr_t comm, const Array<double>& points,
+                                                const Array<std::int64_t>& cells, const Array<std::int64_t>& triangles,
+                                                const Array<std::int32_t>& patch_of_triangle,
+                                                const std::vector<std::pair<std::string, std::string>>& patches,
+                                                const std::vector<FieldIn>& cell_fields,
+                                                const std::vector<FieldIn>& node_fields, const std::string& length_unit,
+                                                int order) {
+  MeshArrays arrays;
+  arrays.points = rows_of<geometry::Vec3>(points);
+  arrays.cells = rows_of<std::array<GlobalId, 4>>(cells);
+  arrays.boundary.node = rows_of<std::array<GlobalId, 3>>(triangles);
+  arrays.boundary.patch = rows_of<int>(patch_of_triangle);
+  for (const auto& [name, kind] : patches) arrays.patches.push_back({name, kind});
+  arrays.cell_fields = fields_of(cell_fields);
+  arrays.node_fields = fields_of(node_fields);
+  arrays.length_unit = length_unit;
+  const py::gil_scoped_release released;
+  return mesh_from_arrays(comm_at(comm), std::move(arrays), static_cast<Order>(order));
+}
+
+std::pair<SharedMesh, std::vector<std::string>> read(std::uintptr_t address, const std::filesystem::path& file) {
+  auto result = std::make_shared<PythonMesh>();
+  result->comm = comm_at(address);
+  const auto& comm = *result->comm;
+  std::vector<std::string> remarks;
+  const auto turned = [&](std::int64_t n) {
+    if (n > 0)
+      remarks.push_back("file '" + file.string() + "': " + std::to_string(n) +
+                        " cells were inverted and are turned over");
+  };
+  if (file.extension() == ".vtu") {
+    auto read = io::read_vtu(comm, file);
+    turned(read.n_turned);
+    result->mesh = std::move(read.mesh);
+  } else if (file.extension() == ".msh") {
+    auto read = io::read_gmsh(comm, file, {.repair = true});
+    turned(read.n_turned);
+    result->mesh = std::move(read.mesh);
+  } else {
+    const io::ReadOptions options{.remark = [&](const std::string& remark) { remarks.push_back(remark); }};
+    result->mesh = assemble::assemble(comm, io::read_native(comm, file, options));
+  }
+  validate::require_valid(comm, result->mesh, file.string());
+  return {result, remarks};
+}
+
+void write(const PythonMesh& mesh, const std::filesystem::path& file, const std::string& provenance) {
+  const auto ending = file.extension();
+  if (ending == ".hdf" || ending == ".vtkhdf")
+    io::write_native(*mesh.comm, file, mesh.mesh, {.provenance = provenance});
+  else if (ending == ".vtu")
+    io::write_vtu(*mesh.comm, file, mesh.mesh);
+  else if (ending == ".msh")
+    io::write_gmsh(*mesh.comm, file, mesh.mesh);
+  else if (ending.empty())
+    io::write_foam(*mesh.comm, file, mesh.mesh);
+  else
+    throw Error("file '" + file.string() +
+                "': expected a name that ends in .hdf, .vtkhdf, .msh or .vtu, or a folder for OpenFOAM, found \"" +
+                ending.string() + "\"");
+}
+
+SharedMesh kuhn_cube(std::uintptr_t address, int n) {
+  auto result = std::make_shared<PythonMesh>();
+  result->comm = comm_at(address);
+  result->mesh = assemble::assemble(*result->comm, assemble::kuhn_cube(*result->comm, n));
+  return result;
+}
+
+/// A property that shows an array of the mesh, n rows of `width` numbers (0: one dimension).
+template <class T, class Get>
+auto shown(Get get, py::ssize_t width) {
+  return [get, width](py::object self) {
+    const auto& values = get(self.cast<PythonMesh&>().mesh);
+    using Row = typename std::remove_cvref_t<decltype(values)>::value_type;
+    static_assert(sizeof(Row) % sizeof(T) == 0);
+    std::vector<py::ssize_t> shape{static_cast<py::ssize_t>(values.size())};
+    if (width > 0) shape.push_back(width);
+    return show<T>(self, reinterpret_cast<const T*>(values.data()), shape, false);
+  };
+}
+
+py::object get_field(const py::object& self, bool on_cells, const std::string& name) {
+  auto& mesh = self.cast<PythonMesh&>().mesh;
+  for (auto& field : on_cells ? mesh.cell_fields : mesh.node_fields) {
+    if (field.name != name) continue;
+    std::vector<py::ssize_t> shape{on_cells ? mesh.n_cells() : mesh.n_nodes()};
+    if (field.n_components > 1) shape.push_back(field.n_components);
+    return std::visit([&](const auto& values) -> py::object { return show(self, values.data(), shape, true); },
+                      field.value);
+  }
+  return py::none();
+}
+
+std::vector<std::pair<std::string, std::string>> field_names(const PythonMesh& mesh, bool on_cells) {
+  std::vector<std::pair<std::string, std::string>> names;
+  for (const auto& field : on_cells ? mesh.mesh.cell_fields : mesh.mesh.node_fields)
+    names.emplace_back(field.name, field.unit);
+  return names;
+}
+
+/// Faces of the boundary: cell, face, patch, and the three nodes with the normal outwards.
+py::tuple boundary_faces(const PythonMesh& mesh) {
+  std::vector<std::int32_t> cell, slot, patch, nodes;
+  for (LocalId c = 0; c < mesh.mesh.n_cells(); ++c)
+    for (int f = 0; f < 4; ++f) {
+      const auto neighbor = mesh.mesh.cell_to_cell[at(c)][at(f)];
+      if (neighbor >= 0) continue;
+      cell.push_back(c);
+      slot.push_back(f);
+      patch.push_back(mesh::slot_to_patch(neighbor));
+      for (const auto corner : mesh::tet::face_to_corner[at(f)])
+        nodes.push_back(mesh.mesh.cell_to_node[at(c)][at(corner)]);
+    }
+  const auto n = static_cast<py::ssize_t>(cell.size());
+  return py::make_tuple(copy_out(cell), copy_out(slot), copy_out(patch), copy_out(nodes).reshape({n, py::ssize_t{3}}));
+}
+
+Array<std::uint8_t> levels(const PythonMesh& mesh) {
+  std::vector<std::uint8_t> result;
+  for (const auto lineage : mesh.mesh.lineage) result.push_back(static_cast<std::uint8_t>(lineage.level()));
+  return copy_out(result);
+}
+
+void bind_arrays(py::class_<PythonMesh, SharedMesh>& type) {
+  type.def_property_readonly("points", shown<double>(
+                                           [](const auto& m) -> auto& { return m.node_position; }, 3));
+  type.def_property_readonly("cells", shown<LocalId>(
+                                          [](const auto& m) -> auto& { return m.cell_to_node; }, 4));
+  type.def_property_readonly("cell_to_cell", shown<LocalId>(
+                                                 [](const auto& m) -> auto& { return m.cell_to_cell; }, 4));
+  type.def_property_readonly("node_numbers", shown<GlobalId>(
+                                                 [](const auto& m) -> auto& { return m.node_global; }, 0));
+  type.def_property_readonly("cell_numbers", shown<GlobalId>(
+                                                 [](const auto& m) -> auto& { return m.cell_global; }, 0));
+  type.def_property_readonly("ghost_numbers", shown<GlobalId>(
+                                                  [](const auto& m) -> auto& { return m.ghost_global; }, 0));
+  type.def_property_readonly("cell_origin", [](const py::object& self) {
+    const auto& mesh = self.cast<PythonMesh&>().mesh;
+    const auto& origin = mesh.cell_origin.empty() ? mesh.cell_global : mesh.cell_origin;
+    return show(self, origin.data(), {static_cast<py::ssize_t>(origin.size())}, false);
+  });
+  type.def_property_readonly("node_origin", [](const py::object& self) {
+    const auto& mesh = self.cast<PythonMesh&>();
+    const auto& origin = mesh.node_origin.empty() ? mesh.mesh.node_global : mesh.node_origin;
+    return show(self, origin.data(), {static_cast<py::ssize_t>(origin.size())}, false);
+  });
+  type.def_property_readonly("levels", levels);
+  type.def("boundary_faces", boundary_faces);
+  type.def("node_block", [](const PythonMesh& mesh) {
+    const auto block = node_block(mesh);
+    return Array<double>({static_cast<py::ssize_t>(block.size()), py::ssize_t{3}},
+                         reinterpret_cast<const double*>(block.data()));
+  });
+}
+
+}  // namespace
+
+void bind_mesh(py::module_& module) {
+  py::class_<PythonMesh, SharedMesh> type(module, "Mesh");
+  bind_arrays(type);
+  type.def_property_readonly("patches", [](const PythonMesh& mesh) {
+    std::vector<std::tuple<std::string, std::string, std::string>> patches;
+    for (const auto& patch : mesh.mesh.info.patches)
+      patches.emplace_back(patch.name, patch.kind, mesh.mesh.info.surface_name(patch));
+    return patches;
+  });
+  type.def_property_readonly("n_cells", [](const PythonMesh& mesh) { return mesh.mesh.info.n_global_cells; });
+  type.def_property_readonly("n_nodes", [](const PythonMesh& mesh) { return mesh.mesh.info.n_global_nodes; });
+  type.def_property_readonly("length_unit", [](const PythonMesh& mesh) { return mesh.mesh.info.length_unit; });
+  type.def("field_names", field_names);
+  type.def("get_field", [](const py::object& self, bool on_cells, const std::string& name) {
+    return get_field(self, on_cells, name);
+  });
+  type.def("put_field", [](PythonMesh& mesh, bool on_cells, const FieldIn& field) {
+    const auto& [name, unit, values, storage] = field;
+    put_field(mesh, on_cells, field_of(name, unit, values, static_cast<mesh::StorageType>(storage)));
+  });
+  type.def("remove_field", remove_field);
+  type.def("write", write, py::call_guard<py::gil_scoped_release>());
+  type.def("fingerprint", [](const PythonMesh& mesh) { return mesh::fingerprint(*mesh.comm, mesh.mesh); });
+  module.def("from_arrays", from_arrays);
+  module.def("read", read, py::call_guard<py::gil_scoped_release>());
+  module.def("kuhn_cube", kuhn_cube, py::call_guard<py::gil_scoped_release>());
+}
+
+}  // namespace pamr::python

@@ -1,0 +1,217 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "python/bind_stages.hpp"
+
+#include <pybind11/stl.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <cstring>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <utility>
+#include <vector>
+
+#ifdef PAMR_WITH_MESHING
+#include "meshing/associate/associate_surfaces.hpp"
+#endif
+#include "pamr/adapt/adapt.hpp"
+#include "pamr/adapt/forecast.hpp"
+#include "pamr/adapt/parent_data.hpp"
+#include "pamr/adapt/saved_rows.hpp"
+#include "pamr/balance/rebalance.hpp"
+#include "pamr/check/quality_report.hpp"
+#include "pamr/check/report_text.hpp"
+#include "pamr/locate/locate_points.hpp"
+#include "pamr/mark/apply_criteria.hpp"
+#include "pamr/mark/budget.hpp"
+#include "python/numpy_arrays.hpp"
+#include "python/python_mesh.hpp"
+
+namespace py = pybind11;
+
+namespace pamr::python {
+
+namespace {
+
+using SharedMesh = std::shared_ptr<PythonMesh>;
+using Released = py::gil_scoped_release;
+
+SharedMesh same_ranks(const PythonMesh& old, mesh::DistMesh mesh) {
+  auto result = std::make_shared<PythonMesh>();
+  result->comm = old.comm;
+  result->mesh = std::move(mesh);
+  return result;
+}
+
+py::dict to_dict(const adapt::Report& report) {
+  py::dict result, seconds;
+  for (const auto& step : report.steps) seconds[step.step.c_str()] = step.wall;
+  result["cells_in"] = report.cells_in;
+  result["cells_out"] = report.cells_out;
+  result["nodes_in"] = report.nodes_in;
+  result["nodes_out"] = report.nodes_out;
+  result["marked"] = report.closure.n_marked;
+  result["marked_not_split"] = report.marked_not_split;
+  result["closure_rounds"] = report.closure.rounds;
+  result["families_rebuilt"] = report.closure.families_rebuilt;
+  result["nodes_moved"] = report.certificate.n_moved;
+  result["nodes_off_surface"] = report.certificate.n_off_surface;
+  result["cells_moved"] = report.balance.moved_cells;
+  result["imbalance"] = report.balance.after.imbalance;
+  result["seconds"] = seconds;
+  return result;
+}
+
+py::tuple refine(const PythonMesh& old, const Array<std::uint8_t>& flags, bool project,
+                 const std::string& quality_control, const std::string& method, const std::string& weights) {
+  const auto values = rows_of<std::uint8_t>(flags);
+  auto refined = [&] {
+    const Released released;
+    refine::Options how;
+    how.quality_control = refine::quality_control_named(quality_control);
+    how.project = project;
+    const auto balancing = adapt::balancing_named(method, weights);
+    if (old.comm->size() == 1 || balancing.how.method == balance::Method::none)
+      return adapt::refine(*old.comm, old.mesh, values, how);
+    return adapt::refine(*old.comm, mesh::DistMesh(old.mesh), values, adapt::Options{how, balancing});
+  }();
+  return py::make_tuple(same_ranks(old, std::move(refined.mesh)), to_dict(refined.report));
+}
+
+SharedMesh balanced(const PythonMesh& old, const Array<double>& weights, const std::string& method) {
+  const auto values = rows_of<double>(weights);
+  const Released released;
+  auto result = balance::rebalance(*old.comm, mesh::DistMesh(old.mesh), std::span<const double>(values),
+                                   {.method = balance::method_named(method)});
+  return same_ranks(old, std::move(result.mesh));
+}
+
+Array<double> indicator(const PythonMesh& mesh, const std::vector<std::pair<std::string, std::string>>& options) {
+  const auto applied = [&] {
+    const Released released;
+    std::vector<mark::Given> given;
+    for (const auto& [option, text] : options) given.push_back({option, text});
+    return mark::apply(*mesh.comm, mesh.mesh, mark::read_request(given));
+  }();
+  return copy_out(applied.indicator);
+}
+
+/// The most wanted cells within a number of cells after refinement; below 0: all of them.
+Array<std::uint8_t> flags_of(const PythonMesh& mesh, const Array<double>& indicator, int max_level,
+                             std::int64_t max_cells, const std::string& quality_control) {
+  auto wish = rows_of<double>(indicator);
+  const auto marks = [&] {
+    const Released released;
+    if (max_level >= 0) mark::keep_below_level(mesh.mesh, max_level, wish);
+    if (max_cells < 0) return mark::marks_of(wish);
+    refine::Options how;
+    how.quality_control = refine::quality_control_named(quality_control);
+    const adapt::Forecaster forecaster(*mesh.comm, mesh.mesh, how);
+    return mark::marks_within_budget(*mesh.comm, mesh.mesh, wish, max_cells, [&](std::span<const std::uint8_t> some) {
+      return forecaster.forecast(some).cells;
+    });
+  }();
+  return copy_out(marks);
+}
+
+py::tuple forecast(const PythonMesh& mesh, const Array<std::uint8_t>& flags, const std::string& quality_control) {
+  const auto values = rows_of<std::uint8_t>(flags);
+  const Released released;
+  refine::Options how;
+  how.quality_control = refine::quality_control_named(quality_control);
+  const adapt::Forecaster forecaster(*mesh.comm, mesh.mesh, how);
+  const auto result = forecaster.forecast(values);
+  const auto nodes = forecaster.nodes(result);
+  const py::gil_scoped_acquire held;
+  return py::make_tuple(result.cells, nodes);
+}
+
+std::string quality(const PythonMesh& mesh) {
+  return check::to_json(check::report_quality(*mesh.comm, mesh.mesh)).dump();
+}
+
+py::tuple locate_points(PythonMesh& mesh, const Array<double>& points, const Array<std::int32_t>& near) {
+  const auto where = rows_of<geometry::Vec3>(points);
+  const auto from = rows_of<LocalId>(near);
+  const auto found = [&] {
+    const Released released;
+    if (!mesh.locator) mesh.locator = std::make_unique<locate::Locator>(mesh.mesh);
+    return locate::locate_points(*mesh.comm, mesh.mesh, *mesh.locator, where, from);
+  }();
+  return py::make_tuple(copy_out(found.cell), copy_out(found.rank));
+}
+
+/// Rows of bytes, `offset` in bytes, for the cells `wanted`.
+py::tuple fetch_rows(const PythonMesh& mesh, GlobalId n_cells, const Array<std::int64_t>& held,
+                     const Array<std::int64_t>& offset, const Array<std::uint8_t>& bytes,
+                     const Array<std::int64_t>& wanted) {
+  const auto ids = rows_of<GlobalId>(held), ask = rows_of<GlobalId>(wanted);
+  adapt::CellRows<std::uint8_t> rows{{}, rows_of<std::uint8_t>(bytes)};
+  for (const auto begin : rows_of<std::int64_t>(offset)) rows.offset.push_back(static_cast<std::size_t>(begin));
+  const auto fetched = [&] {
+    const Released released;
+    return adapt::fetch_cell_rows<std::uint8_t>(*mesh.comm, {n_cells, mesh.mesh.info.first_id}, ids, rows, ask);
+  }();
+  const std::vector<std::int64_t> begins(fetched.offset.begin(), fetched.offset.end());
+  return py::make_tuple(copy_out(begins), copy_out(fetched.value));
+}
+
+void write_rows(const PythonMesh& mesh, const std::string& file, const Array<std::int64_t>& offset,
+                const Array<std::uint8_t>& bytes, std::size_t item_bytes, const std::string& description) {
+  adapt::CellRows<std::byte> rows{{}, rows_of<std::byte>(bytes)};
+  for (const auto begin : rows_of<std::int64_t>(offset)) rows.offset.push_back(static_cast<std::size_t>(begin));
+  const Released released;
+  adapt::detail::write_cell_rows(*mesh.comm, file, mesh.mesh, rows, item_bytes, description);
+}
+
+/// Description, offsets in items, bytes. `item_bytes` 0: of any size.
+py::tuple read_rows(const PythonMesh& mesh, const std::string& file, std::size_t item_bytes) {
+  const auto [rows, description] = [&] {
+    const Released released;
+    return adapt::detail::read_cell_rows(*mesh.comm, file, mesh.mesh, item_bytes);
+  }();
+  const std::vector<std::int64_t> begins(rows.offset.begin(), rows.offset.end());
+  std::vector<std::uint8_t> bytes(rows.value.size());
+  if (!bytes.empty()) std::memcpy(bytes.data(), rows.value.data(), bytes.size());
+  return py::make_tuple(description, copy_out(begins), copy_out(bytes));
+}
+
+#ifdef PAMR_WITH_MESHING
+/// Patch, surface and largest distance of each association.
+std::vector<std::tuple<std::string, std::string, double>> associate(
+    PythonMesh& mesh, const std::string& toml, const std::vector<std::string>& pairs,
+    const std::vector<std::pair<std::string, std::string>>& files, double feature_angle, double tolerance) {
+  const Released released;
+  meshing::AssociationRequest request;
+  request.toml = toml;
+  request.file = "surfaces";
+  request.pairs = pairs;
+  request.files = files;
+  request.feature_angle = feature_angle;
+  request.tolerance = tolerance;
+  std::vector<std::tuple<std::string, std::string, double>> result;
+  for (const auto& found : meshing::associate_surfaces(*mesh.comm, mesh.mesh, request))
+    result.emplace_back(found.patch, found.surface, found.worst_distance);
+  return result;
+}
+#endif
+
+}  // namespace
+
+void bind_stages(py::module_& module) {
+  module.def("refine", refine);
+  module.def("balance", balanced);
+  module.def("indicator", indicator);
+  module.def("flags", flags_of);
+  module.def("forecast", forecast);
+  module.def("quality", quality, py::call_guard<py::gil_scoped_release>());
+  module.def("locate", locate_points);
+  module.def("fetch_rows", fetch_rows);
+  module.def("write_rows", write_rows);
+  module.def("read_rows", read_rows);
+#ifdef PAMR_WITH_MESHING
+  module.def("associate", associate);
+#endif
+}
+
+}  // namespace pamr::python

@@ -1,0 +1,179 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""From and to other packages; each is imported when it is needed."""
+from __future__ import annotations
+
+from typing import Any, Mapping, NamedTuple, Optional
+
+import numpy as np
+
+from . import _core
+from ._core import Error
+from .mesh import Mesh
+from .together import agree
+
+
+def from_meshio(comm: Any, mesh: Any, tags: str = "gmsh:physical", names: Optional[Mapping[int, str]] = None) -> Mesh:
+    """A mesh from a ``meshio.Mesh`` on rank 0 (None on the others): its tetrahedra, its triangles with the integer cell data
+    ``tags`` as patches, and its point and cell data as fields. Points of no tetrahedron are left out. Collective.
+
+    names: of the tags; default: those of the file's physical surfaces (``field_data``).
+    """
+    def prepare() -> tuple[Any, Any]:
+        if comm.rank != 0:
+            if mesh is not None:
+                raise Error("from_meshio: expected the mesh on rank 0 alone, found one on another")
+            return None, None
+        return _of_meshio(mesh, tags, names), None
+    parts = agree(comm, prepare)
+    shape = comm.bcast(None if parts is None else (parts["names"], _outline(parts["cell_fields"]),
+                                                   _outline(parts["node_fields"])))
+    if parts is None:
+        empty = {kind: {k: np.empty((0,) + tail, dtype) for k, (dtype, tail) in fields.items()}
+                 for kind, fields in zip(("cell_fields", "node_fields"), shape[1:])}
+        parts = {"points": np.empty((0, 3)), "cells": np.empty((0, 4), int),
+                 "boundary": (np.empty((0, 3), int), np.empty(0, int)), **empty}
+    # Along the curve, and so in runs over the ranks: all cells are on rank 0.
+    return Mesh.from_arrays(comm, parts["points"], parts["cells"], parts["boundary"], shape[0],
+                            cell_fields=parts["cell_fields"], node_fields=parts["node_fields"], order="curve")
+
+
+def _outline(fields: Mapping[str, np.ndarray]) -> dict:
+    return {name: (values.dtype, values.shape[1:]) for name, values in fields.items()}
+
+
+def _of_meshio(mesh: Any, tags: str, names: Optional[Mapping[int, str]]) -> dict:
+    blocks = [b.type for b in mesh.cells]
+    if "tetra" not in blocks:
+        raise Error(f"from_meshio: expected tetrahedra, found {', '.join(sorted(set(blocks))) or 'no cells'}")
+
+    def joined(kind: str, arrays: Any) -> np.ndarray:
+        return np.concatenate([np.asarray(a) for b, a in zip(blocks, arrays) if b == kind])
+    cells = joined("tetra", [b.data for b in mesh.cells]).astype(np.int64)
+    triangles, numbers = np.empty((0, 3), np.int64), np.empty(0, np.int64)
+    if "triangle" in blocks and tags in mesh.cell_data:
+        triangles = joined("triangle", [b.data for b in mesh.cells]).astype(np.int64)
+        numbers = joined("triangle", mesh.cell_data[tags]).astype(np.int64)
+    used, corner = np.unique(cells, return_inverse=True)
+    new = np.full(len(mesh.points), -1, np.int64)
+    new[used] = np.arange(len(used))
+    if names is None:
+        names = {int(v[0]): k for k, v in mesh.field_data.items() if len(v) > 1 and v[1] == 2}
+    of_cells = {k: joined("tetra", v) for k, v in mesh.cell_data.items() if not k.startswith("gmsh:")}
+    points = np.zeros((len(used), 3))
+    points[:, :np.shape(mesh.points)[1]] = np.asarray(mesh.points)[used]
+    return {"points": points, "cells": corner.reshape(cells.shape), "boundary": (new[triangles], numbers),
+            "names": dict(names), "cell_fields": of_cells,
+            "node_fields": {k: np.asarray(v)[used] for k, v in mesh.point_data.items()}}
+
+
+def from_dolfinx(mesh: Any, facet_tags: Any = None, names: Optional[Mapping[int, str]] = None, cell_tags: Any = None) -> Mesh:
+    """A mesh from a ``dolfinx.mesh.Mesh`` of tetrahedra of first order, with facet tags (``MeshTags`` of dimension 2 on the
+    boundary) as patches and cell tags as the cell field "region". Collective.
+
+    Row c of ``cells`` is dolfinx's cell c of this rank, and ``node_numbers`` are the numbers of dolfinx's geometry, so that
+    values go over by ``values[c]`` and by number; ghosts are left out.
+    """
+    geometry, topology = mesh.geometry, mesh.topology
+    topology.create_connectivity(2, 0)
+    topology.create_connectivity(2, 3)
+
+    def prepare() -> tuple[Any, Any]:
+        if topology.dim != 3 or _dofmap(geometry).shape[1] != 4:
+            raise Error("from_dolfinx: expected tetrahedra of first order, found other cells")
+        index_map = geometry.index_map()
+        n_cells = topology.index_map(3).size_local
+        corners = index_map.local_to_global(_dofmap(geometry)[:n_cells].ravel().astype(np.int32)).reshape(-1, 4)
+        triangles, tags = np.empty((0, 3), np.int64), np.empty(0, np.int64)
+        if facet_tags is not None:
+            nodes = _facet_nodes(mesh, np.asarray(facet_tags.indices, dtype=np.int32))
+            triangles = index_map.local_to_global(nodes.ravel().astype(np.int32)).reshape(-1, 3)
+            tags = np.asarray(facet_tags.values, dtype=np.int64)
+        fields = {}
+        if cell_tags is not None:
+            region = np.zeros(n_cells, dtype=np.int32)
+            own = np.asarray(cell_tags.indices) < n_cells
+            region[np.asarray(cell_tags.indices)[own]] = np.asarray(cell_tags.values)[own]
+            fields["region"] = region
+        return (np.asarray(geometry.x)[:index_map.size_local], corners, (triangles, tags), fields), sorted(fields)
+    points, cells, boundary, fields = agree(mesh.comm, prepare)
+    return Mesh.from_arrays(mesh.comm, points, cells, boundary, names, cell_fields=fields, order="keep")
+
+
+class DolfinxMesh(NamedTuple):
+    """What ``to_dolfinx`` gives; arrays are of this rank."""
+    mesh: Any                #: dolfinx.mesh.Mesh
+    facet_tags: Any          #: MeshTags of dimension 2: of each face of the boundary the index of its patch
+    cell_rows: np.ndarray    #: row of ``pamr.Mesh.cells`` of each of dolfinx's own cells
+    node_numbers: np.ndarray  #: number in the pamr mesh of each node of dolfinx's geometry, ghosts too
+
+
+def to_dolfinx(mesh: Mesh) -> DolfinxMesh:
+    """A ``dolfinx.mesh.Mesh`` of the same cells on the same ranks, with the cells behind the faces of the rank border as ghosts, and
+    with its patches as facet tags. Collective."""
+    import dolfinx
+    import ufl
+    comm = mesh.comm
+    rows, offset = _ranks_at_cells(mesh)
+
+    def stay(*_: Any) -> Any:
+        try:
+            return dolfinx.cpp.graph.AdjacencyList_int32(rows, offset)
+        except AttributeError:
+            return dolfinx.graph.adjacencylist(rows, offset)._cpp_object
+    element = ufl.VectorElement("Lagrange", ufl.tetrahedron, 1) if hasattr(ufl, "VectorElement") else None
+    if element is None:
+        import basix.ufl
+        element = basix.ufl.element("Lagrange", "tetrahedron", 1, shape=(3,))
+    numbers = np.ascontiguousarray(mesh.node_numbers[mesh.cells])
+    theirs = dolfinx.mesh.create_mesh(comm, numbers, mesh._core.node_block(), ufl.Mesh(element), partitioner=stay)
+    n_cells = theirs.topology.index_map(3).size_local
+    first = comm.exscan(len(mesh.cells)) or 0
+    rows = np.asarray(theirs.topology.original_cell_index)[:n_cells] - first
+    nodes = np.asarray(theirs.geometry.input_global_indices)
+
+    # Facets of one cell; those of ghost cells are among them, which are no faces of ours.
+    theirs.topology.create_connectivity(2, 0)
+    theirs.topology.create_connectivity(2, 3)
+    to_cells = theirs.topology.connectivity(2, 3)
+    facets = np.flatnonzero(np.diff(to_cells.offsets) == 1)
+    of_facets = np.sort(nodes[_facet_nodes(theirs, np.asarray(facets, dtype=np.int32))], axis=1)
+    faces = mesh.boundary_faces()
+    ours = np.sort(mesh.node_numbers[faces.nodes], axis=1)
+    patch = dict(zip(map(tuple, ours.tolist()), faces.patches.tolist()))
+    values = np.array([patch.get(face, -1) for face in map(tuple, of_facets.tolist())], dtype=np.int32)
+    facets, values = facets[values >= 0], values[values >= 0]
+    return DolfinxMesh(theirs, dolfinx.mesh.meshtags(theirs, 2, np.asarray(facets, dtype=np.int32), values), rows, nodes)
+
+
+def _ranks_at_cells(mesh: Mesh) -> tuple[np.ndarray, np.ndarray]:
+    """Of each cell of this rank the rank itself, then the other ranks that have a neighbor of it, and where each cell's begin.
+    dolfinx finds the nodes that ranks share by the ghost cells."""
+    comm, n = mesh.comm, len(mesh.cells)
+    own = np.full(n, comm.rank, np.int32).view(np.uint8)
+    _, found = _core.fetch_rows(mesh._core, mesh.n_cells, mesh.cell_numbers, 4 * np.arange(n + 1), own, mesh.ghost_numbers)
+    cell, slot = np.nonzero(mesh.cell_to_cell >= n)
+    other = found.view(np.int32)[mesh.cell_to_cell[cell, slot] - n]
+    pairs = np.unique(np.stack([cell, other], axis=1).astype(np.int64), axis=0)
+    counts = 1 + np.bincount(pairs[:, 0], minlength=n)
+    offset = np.concatenate(([0], np.cumsum(counts))).astype(np.int32)
+    rows = np.full(offset[-1], comm.rank, np.int32)
+    rest = np.ones(len(rows), bool)
+    rest[offset[:-1]] = False
+    rows[rest] = pairs[:, 1]
+    return rows, offset
+
+
+def _dofmap(geometry: Any) -> np.ndarray:
+    dofmap = geometry.dofmap
+    return dofmap.array.reshape(dofmap.num_nodes, -1) if hasattr(dofmap, "num_nodes") else np.asarray(dofmap)
+
+
+def _facet_nodes(mesh: Any, facets: np.ndarray) -> np.ndarray:
+    """Nodes of the geometry at facets, n x 3."""
+    import dolfinx
+    if len(facets) == 0:
+        return np.empty((0, 3), np.int32)
+    if hasattr(dolfinx.mesh, "entities_to_geometry"):
+        return np.asarray(dolfinx.mesh.entities_to_geometry(mesh, 2, facets))
+    cpp = getattr(mesh, "_cpp_object", getattr(mesh, "_mesh", mesh))
+    return np.asarray(dolfinx.cpp.mesh.entities_to_geometry(cpp, 2, facets, False))

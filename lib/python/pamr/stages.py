@@ -1,0 +1,122 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What is done with a mesh."""
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass, replace
+from typing import Any, Optional
+
+import numpy as np
+
+from . import _core
+from .mesh import Mesh
+from .rows import pack, unpack
+from .together import agree, integers, reals
+
+Error = _core.Error
+POLICIES = ("none", "isotropic", "short-edge", "removable")
+BALANCES = ("auto", "scotch", "blocks", "none")
+
+
+def _flags(mesh: Mesh, values: Any) -> np.ndarray:
+    array = integers("flags", values, (len(mesh.cells),))
+    bad = np.argwhere((array < 0) | (array > 1))
+    if len(bad):
+        raise Error(f"flags: expected 0 or 1, found {array[bad[0][0]]} for cell {int(bad[0][0])}")
+    return array.astype(np.uint8)
+
+
+def _one_of(name: str, value: Any, known: tuple[str, ...]) -> None:
+    if value not in known:
+        raise Error(f"{name}: expected one of {', '.join(known)}, found {value!r}")
+
+
+@dataclass
+class RefineResult:
+    """What a refinement gives."""
+    mesh: Mesh      #: the refined mesh
+    report: dict    #: counts over all ranks, seconds of this one
+    parent: np.ndarray  #: m int64: number in the old mesh of the cell that each new cell comes from
+    _old: Mesh
+
+    def from_parents(self, values: Any) -> Any:
+        """The data of each new cell's parent, wherever it is kept.
+
+        values: n rows, one for each cell of the old mesh on this rank, of any type and shape without Python objects; or a
+            list of n arrays of one type and of different lengths (particles, say). The result has the same form, m rows.
+        Fields of the mesh need none of this: the new mesh has them. Collective.
+        """
+        old = self._old
+        rows = pack(self.mesh.comm, values, len(old.cells))
+        offset, raw = _core.fetch_rows(self.mesh._core, old.n_cells, old.cell_numbers, rows.begins * rows.item, rows.raw,
+                                       self.parent)
+        return unpack(replace(rows, begins=offset // max(rows.item, 1), raw=raw))
+
+
+def refine(mesh: Mesh, flags: Any, *, project: bool = True, quality_control: str = "removable", balance: str = "auto",
+           weights: str = "exact") -> RefineResult:
+    """Splits the flagged cells into eight and closes the mesh around them. Collective.
+
+    flags: one for each cell of this rank, 0 or 1 (or truth values).
+    project: put new nodes of the boundary onto the surfaces of their patches.
+    quality_control: what happens to transition cells that are to be split again (docs/refinement.md).
+    balance: how cells are spread over the ranks first: "auto", "scotch", "blocks", "none" (children stay with parents).
+    weights: "exact", "8/1", "uniform", or the name of a cell field.
+    The old mesh stays as it is. The new one is the same on any number of ranks, bit for bit, whatever the balance.
+    """
+    def prepare() -> tuple[Any, Any]:
+        _one_of("quality_control", quality_control, POLICIES)
+        _one_of("balance", balance, BALANCES)
+        return _flags(mesh, flags), (bool(project), quality_control, balance, weights)
+    values = agree(mesh.comm, prepare)
+    core, report = _core.refine(mesh._core, values, bool(project), quality_control, balance, weights)
+    fine = Mesh(core, mesh.comm)
+    return RefineResult(fine, report, fine.cell_fields["parent"], mesh)
+
+
+def forecast(mesh: Mesh, flags: Any, quality_control: str = "removable") -> tuple[int, int]:
+    """Cells and nodes that refining with these flags would give, exactly. Collective."""
+    def prepare() -> tuple[Any, Any]:
+        _one_of("quality_control", quality_control, POLICIES)
+        return _flags(mesh, flags), quality_control
+    return _core.forecast(mesh._core, agree(mesh.comm, prepare), quality_control)
+
+
+def balance(mesh: Mesh, weights: Any = None, method: str = "scotch") -> Mesh:
+    """The same mesh, its cells moved so that every rank bears about the same weight; fields move along. Collective.
+
+    weights: one number of at least 0 for each cell of this rank, in any unit (default: 1).
+    method: "scotch" (few faces between ranks), "blocks" (runs of cells), "auto", "none".
+    """
+    def prepare() -> tuple[Any, Any]:
+        _one_of("method", method, BALANCES)
+        n = len(mesh.cells)
+        array = np.ones(n) if weights is None else reals("weights", weights, (n,))
+        if (array < 0).any():
+            raise Error(f"weights: expected numbers of at least 0, found {array.min()}")
+        return array, (method, weights is None)
+    return Mesh(_core.balance(mesh._core, agree(mesh.comm, prepare), method), mesh.comm)
+
+
+def quality(mesh: Mesh) -> dict:
+    """Everything that pamr-quality reports of a mesh: volume, shapes, patches, faults (docs/tools/pamr-quality.md).
+    The same for any number of ranks. Collective."""
+    return json.loads(_core.quality(mesh._core))
+
+
+def locate(mesh: Mesh, points: Any, near: Optional[Any] = None) -> tuple[np.ndarray, np.ndarray]:
+    """Which cell holds each point, inside or on its surface, by exact predicates. Collective.
+
+    points: n x 3, others on each rank. near: n rows of ``mesh.cells`` to walk from (-1: none), such as the cells in which the
+    points were before; it saves time and changes nothing else.
+    Returns the cells' numbers in the whole mesh and their ranks, n each, -1 where no cell holds the point. Where several do,
+    the smallest number.
+    """
+    def prepare() -> tuple[Any, Any]:
+        where = reals("points", points, (None, 3), finite=False)
+        cells = np.empty(0, np.int32) if near is None else integers("near", near, (len(where),), np.int32)
+        return (where, cells), None
+    where, cells = agree(mesh.comm, prepare)
+    number, rank = _core.locate(mesh._core, where, cells)
+    number[rank < 0] = -1
+    return number, rank

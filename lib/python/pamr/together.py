@@ -1,0 +1,106 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Checks of arguments that end alike on every rank."""
+from __future__ import annotations
+
+from typing import Any, Callable, Optional, Sequence, TypeVar
+
+import numpy as np
+
+from ._core import Error
+
+T = TypeVar("T")
+
+# Of pamr::mesh::StorageType.
+STORAGE = {"float64": 0, "float32": 1, "int64": 2, "int32": 3, "uint64": 4, "uint32": 5, "uint8": 6, "int8": 7,
+           "int16": 8, "uint16": 9}
+
+
+def agree(comm: Any, prepare: Callable[[], tuple[T, Any]]) -> T:
+    """What ``prepare`` makes of this rank's arguments. It returns that and what has to be the same on every rank, and
+    raises for what is wrong; the lowest rank's error is then raised on every rank. Collective."""
+    error, result, same = None, None, None
+    try:
+        result, same = prepare()
+    except Exception as trouble:  # whatever it is, the other ranks have to hear of it
+        error = str(trouble) if isinstance(trouble, Error) else f"{type(trouble).__name__}: {trouble}"
+    told = comm.allgather((error, repr(same)))
+    for rank, (text, _) in enumerate(told):
+        if text is not None:
+            raise Error(f"{text} (rank {rank})")
+    for rank, (_, other) in enumerate(told):
+        if other != told[0][1]:
+            raise Error(f"arguments: expected the same on every rank, found {told[0][1]} on rank 0 and {other} on rank "
+                        f"{rank}")
+    return result  # type: ignore[return-value]
+
+
+def require_comm(comm: Any) -> None:
+    """Raises TypeError for what is no communicator of mpi4py."""
+    from mpi4py import MPI
+    if not isinstance(comm, MPI.Intracomm):
+        raise TypeError(f"expected a communicator of mpi4py, found {type(comm).__name__}")
+    if comm == MPI.COMM_NULL:
+        raise TypeError("expected a communicator, found COMM_NULL")
+
+
+def integers(name: str, values: Any, shape: Sequence[Optional[int]], dtype: Any = np.int64) -> np.ndarray:
+    """An array of integers of that shape (None: any length)."""
+    array = np.asarray(values)
+    if array.size == 0 and None in shape:
+        return np.empty([n or 0 for n in shape], dtype)
+    require_shape(name, array, shape)
+    if array.size == 0:
+        return np.empty(array.shape, dtype)
+    if array.dtype.kind not in "iub":
+        raise Error(f"{name}: expected integers, found {array.dtype}")
+    result = np.ascontiguousarray(array, dtype=dtype)
+    if array.dtype.kind == "u" and array.size and array.max() > np.iinfo(dtype).max or not np.array_equal(result, array):
+        raise Error(f"{name}: expected integers that fit {np.dtype(dtype)}, found larger ones")
+    return result
+
+
+def reals(name: str, values: Any, shape: Sequence[Optional[int]], finite: bool = True) -> np.ndarray:
+    """An array of float64 of that shape (None: any length), finite unless told."""
+    array = np.asarray(values)
+    if array.size == 0 and None in shape:
+        return np.empty([n or 0 for n in shape])
+    require_shape(name, array, shape)
+    if array.dtype.kind not in "fiub":
+        raise Error(f"{name}: expected real numbers, found {array.dtype}")
+    result = np.ascontiguousarray(array, dtype=np.float64)
+    if finite and not np.isfinite(result).all():
+        where = tuple(int(i) for i in np.argwhere(~np.isfinite(result))[0])
+        raise Error(f"{name}: expected finite numbers, found {result[where]} in row {where[0]}")
+    return result
+
+
+def require_shape(name: str, array: np.ndarray, shape: Sequence[Optional[int]]) -> None:
+    if array.ndim != len(shape) or any(n is not None and n != m for n, m in zip(shape, array.shape)):
+        wanted = " x ".join("n" if n is None else str(n) for n in shape)
+        found = " x ".join(str(n) for n in array.shape) or "a single value"
+        raise Error(f"{name}: expected shape {wanted}, found {found}")
+
+
+def field(name: Any, values: Any, n_rows: int, unit: str = "") -> tuple[str, str, np.ndarray, int]:
+    """A field as the compiled part takes it: float64 or int64, n or n x k."""
+    if not isinstance(name, str) or not name or "/" in name:
+        raise Error(f"field: expected a name without '/', found {name!r}")
+    array = np.asarray(values)
+    if array.ndim not in (1, 2) or len(array) != n_rows or (array.ndim == 2 and array.shape[1] < 1):
+        found = " x ".join(str(n) for n in array.shape) or "a single value"
+        raise Error(f"field '{name}': expected {n_rows} rows, one for each, or {n_rows} x k values, found {found}")
+    if array.dtype.kind == "b":
+        array = array.astype(np.uint8)
+    storage = STORAGE.get(array.dtype.name)
+    if storage is None:
+        raise Error(f"field '{name}': expected real numbers or integers, found {array.dtype}")
+    if array.dtype == np.uint64 and array.size and array.max() > np.iinfo(np.int64).max:
+        raise Error(f"field '{name}': expected integers below 2^63, found larger ones")
+    dtype = np.float64 if array.dtype.kind == "f" else np.int64
+    return name, unit, np.ascontiguousarray(array, dtype=dtype), storage
+
+
+def description(item: tuple[str, str, np.ndarray, int]) -> tuple:
+    """What has to be the same on every rank."""
+    name, unit, values, storage = item
+    return name, unit, 1 if values.ndim == 1 else values.shape[1], storage

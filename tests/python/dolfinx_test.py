@@ -1,0 +1,65 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A mesh of dolfinx refined, and given back to it."""
+import dolfinx
+import numpy as np
+from dolfinx import fem
+from mpi4py import MPI
+
+import pamr
+from collective import COMM, run_tests
+
+
+def tagged_cube(n):
+    """dolfinx's unit cube with 1 for x = 0, 2 for x = 1, and cells with 5 where x <= 1/2."""
+    mesh = dolfinx.mesh.create_unit_cube(COMM, n, n, n)
+    facets, values = [], []
+    for tag, x in ((1, 0), (2, 1)):
+        found = dolfinx.mesh.locate_entities_boundary(mesh, 2, lambda p, x=x: np.isclose(p[0], x))
+        facets.append(found)
+        values.append(np.full(len(found), tag, np.int32))
+    facets, values = np.concatenate(facets), np.concatenate(values)
+    order = np.argsort(facets)
+    facet_tags = dolfinx.mesh.meshtags(mesh, 2, facets[order], values[order])
+    cells = dolfinx.mesh.locate_entities(mesh, 3, lambda p: p[0] <= 0.5)
+    return mesh, facet_tags, dolfinx.mesh.meshtags(mesh, 3, cells, np.full(len(cells), 5, np.int32))
+
+
+def test_a_mesh_goes_from_dolfinx_and_back_with_tags_and_maps():
+    theirs, facet_tags, cell_tags = tagged_cube(3)
+    ours = pamr.from_dolfinx(theirs, facet_tags, {1: "in", 2: "out"}, cell_tags)
+
+    n = theirs.topology.index_map(3).size_local
+    assert ours.n_cells == 162 and len(ours.cells) == n and ours.patches == ["in", "out", "boundary"]
+    assert abs(COMM.allreduce(ours.volumes().sum()) - 1) < 1e-12
+    x = theirs.geometry.x[theirs.geometry.dofmap.array.reshape(-1, 4)[:n]].mean(axis=1)
+    assert np.allclose(ours.points[ours.cells].mean(axis=1), x)
+    region = ours.cell_fields["region"]
+    assert set(region.tolist()) <= {0, 5} and np.array_equal(region == 5, x[:, 0] < 1 / 3)
+
+    fine = pamr.refine(ours, ours.points[ours.cells].mean(axis=1)[:, 0] < 0.5).mesh
+    back = pamr.to_dolfinx(fine)
+    mesh = back.mesh
+    assert mesh.topology.index_map(3).size_global == fine.n_cells
+    assert mesh.topology.index_map(0).size_global == mesh.geometry.index_map().size_global == fine.n_nodes  # ranks share nodes
+    own = mesh.topology.index_map(3).size_local
+    dofs = mesh.geometry.dofmap.array.reshape(-1, 4)[:own]
+    assert np.allclose(mesh.geometry.x[dofs].mean(axis=1), fine.points[fine.cells[back.cell_rows]].mean(axis=1))
+    place = dict(zip(fine.node_numbers.tolist(), fine.points.tolist()))
+    for x, number in zip(mesh.geometry.x, back.node_numbers):
+        assert number not in place or np.allclose(x, place[number])
+    import ufl
+    measure = ufl.Measure("ds", mesh, subdomain_data=back.facet_tags)
+    one = fem.Constant(mesh, 1.0)
+    for patch, area in enumerate((1, 1, 4)):
+        found = COMM.allreduce(fem.assemble_scalar(fem.form(one * measure(patch))), MPI.SUM)
+        assert abs(found - area) < 1e-12
+    # Faces between cells, those on the border of ranks too.
+    faces = ufl.Measure("dS", mesh)
+    found = COMM.allreduce(fem.assemble_scalar(fem.form(one("+") * faces)), MPI.SUM)
+    corners = fine.points[fine.cells]
+    edges = [corners[:, j] - corners[:, i] for i, j in ((0, 1), (0, 2), (0, 3), (1, 2), (1, 3))]
+    areas = sum(np.linalg.norm(np.cross(edges[i], edges[j]), axis=1).sum() / 2 for i, j in ((0, 1), (0, 2), (1, 2), (3, 4)))
+    assert abs(found - (COMM.allreduce(areas, MPI.SUM) - 6) / 2) < 1e-10
+
+
+run_tests(globals())

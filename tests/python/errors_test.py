@@ -1,0 +1,129 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Wrong arrays, on one rank or on all: one exception that says which entry, the same on every rank, and nothing hangs."""
+import numpy as np
+
+import pamr
+from collective import CELLS, COMM, FLOOR, POINTS, error_of, in_folder, run_tests
+
+LAST = COMM.size - 1
+
+
+def on_last(array):
+    return array if COMM.rank == LAST else array[:0]
+
+
+def make(points=POINTS, cells=CELLS, triangles=FLOOR, tags=(1, 1), names=None, **options):
+    """All on the last rank, where what is wrong is wrong."""
+    return pamr.Mesh.from_arrays(COMM, on_last(np.asarray(points)), on_last(np.asarray(cells)),
+                                 (on_last(np.asarray(triangles)), on_last(np.asarray(tags))), names, **options)
+
+
+def changed(array, place, value):
+    array = np.array(array)
+    array[place] = value
+    return array
+
+
+def expect(words, call):
+    message = error_of(call)
+    for word in words if isinstance(words, (list, tuple)) else [words]:
+        assert word in message, message
+
+
+def test_arrays_of_the_wrong_shape_or_type():
+    assert make().n_cells == 6
+    expect(["points: expected shape n x 3, found 8 x 2", f"(rank {LAST})"], lambda: make(points=POINTS[:, :2]))
+    expect("cells: expected shape n x 4, found 6 x 3", lambda: make(cells=CELLS[:, :3]))
+    expect("cells: expected shape n x 4, found 24", lambda: make(cells=CELLS.ravel()))
+    expect("cells: expected integers, found float64", lambda: make(cells=CELLS.astype(float)))
+    expect("points: expected real numbers, found complex128", lambda: make(points=POINTS.astype(complex)))
+    expect("points: expected finite numbers, found nan in row 5", lambda: make(points=changed(POINTS, (5, 1), np.nan)))
+    expect("boundary triangles: expected shape n x 3, found 2 x 2", lambda: make(triangles=FLOOR[:, :2]))
+    expect("expected a tag for each of 2 triangles, found 1", lambda: make(tags=[1]))
+    expect("TypeError", lambda: pamr.Mesh.from_arrays(COMM, POINTS[:0], CELLS[:0], 5 if COMM.rank == LAST else None))
+
+
+def test_numbers_out_of_range():
+    expect("cells: expected numbers of points from 0 to 7, found 8 in row 2", lambda: make(cells=changed(CELLS, (2, 1), 8)))
+    expect("cells: expected numbers of points from 0 to 7, found -1", lambda: make(cells=changed(CELLS, (2, 1), -1)))
+    expect("boundary triangles: expected numbers of points from 0 to 7, found 9 in row 1",
+           lambda: make(triangles=changed(FLOOR, (1, 0), 9)))
+    expect("four different nodes", lambda: make(cells=changed(CELLS, (2, 1), 0)))
+    expect("integers that fit int64", lambda: make(cells=np.full((6, 4), 2**63 + 5, np.uint64)))
+
+
+def test_triangles_that_are_not_on_the_boundary():
+    inside = changed(FLOOR, 1, (0, 1, 7))
+    expect([f"boundary triangle 1 of rank {LAST}, nodes 0 1 7", "found one inside, between cells 0 and 1"],
+           lambda: make(triangles=inside))
+    expect("found no cell with these nodes", lambda: make(triangles=changed(FLOOR, 1, (1, 2, 4))))
+    expect("expected one patch for each face, found 'roof' beside 'floor'",
+           lambda: make(triangles=[[0, 1, 3], [3, 0, 1]], tags=[1, 2], names={1: "floor", 2: "roof"}))
+    expect("expected different names", lambda: make(tags=[1, 2], names={1: "a", 2: "a"}))
+
+
+def test_meshes_that_are_none():
+    expect("expected one cell or more, found none", lambda: make(points=POINTS[:0], cells=CELLS[:0], triangles=FLOOR[:0], tags=[]))
+    flat = changed(POINTS, 0, POINTS[7])
+    assert error_of(lambda: make(points=flat)) != "no error"
+    expect("arrays", lambda: make(points=np.concatenate([POINTS, POINTS[:1] + 5])))  # a node of no cell
+    twice = np.concatenate([CELLS, CELLS[:1]])
+    expect("at most two cells at a face", lambda: make(cells=twice))
+
+
+def test_ranks_that_disagree():
+    if COMM.size == 1:
+        return
+    expect("expected the same on every rank", lambda: make(order="keep" if COMM.rank else "curve"))
+    expect("expected the same on every rank", lambda: make(names={1: f"name{COMM.rank}"}))
+    mesh = make()
+
+    def set_different():
+        mesh.cell_fields["a" if COMM.rank else "b"] = np.zeros(len(mesh.cells))
+    expect("expected the same on every rank", set_different)
+
+    def set_types():
+        mesh.cell_fields["a"] = np.zeros(len(mesh.cells), int if COMM.rank else float)
+    expect("expected the same on every rank", set_types)
+    assert len(mesh.cell_fields) == 0
+
+
+def test_fields_flags_and_the_rest():
+    mesh = pamr.Mesh.kuhn_cube(COMM, 2)
+    n = len(mesh.cells)
+
+    def wrong_here(good, bad):
+        return bad if COMM.rank == LAST else good
+
+    def set_field(values):
+        mesh.cell_fields["u"] = values
+    expect(f"field 'u': expected {n} rows", lambda: set_field(wrong_here(np.zeros(n), np.zeros(n + 1))))
+    expect("field 'u': expected real numbers or integers", lambda: set_field(np.zeros(n, complex)))
+    expect("flags: expected shape", lambda: pamr.refine(mesh, wrong_here(np.zeros(n, int), np.zeros(n + 1, int))))
+    two = changed(np.zeros(n, int), 3, 2)
+    expect("flags: expected 0 or 1, found 2 for cell 3", lambda: pamr.refine(mesh, wrong_here(np.zeros(n, int), two)))
+    expect("flags: expected integers, found float64", lambda: pamr.refine(mesh, np.zeros(n)))
+    expect("quality_control: expected one of", lambda: pamr.refine(mesh, np.zeros(n, int), quality_control="good"))
+    expect("balance: expected one of", lambda: pamr.refine(mesh, np.zeros(n, int), balance="fair"))
+    expect("nowhere", lambda: pamr.mark.patch(mesh, "nowhere"))
+    expect("no_such", lambda: pamr.mark.field(mesh, "no_such", above=1))
+    expect("either above or below", lambda: pamr.mark.field(mesh, "no_such"))
+    expect("criterion: expected numbers, found NaN for cell 1",
+           lambda: pamr.mark.flags(mesh, wrong_here(np.zeros(n), changed(np.zeros(n), 1, np.nan))))
+    expect("weights: expected", lambda: pamr.balance(mesh, wrong_here(np.ones(n), -np.ones(n))))
+    expect("points: expected shape n x 3", lambda: pamr.locate(mesh, np.zeros((2, 2))))
+    expect("near: expected shape", lambda: pamr.locate(mesh, np.zeros((2, 3)), np.zeros(3, int)))
+    expect("expected one of pamr's surfaces", lambda: mesh.associate({"xmin": "sphere"}))
+    expect("no_patch", lambda: mesh.associate({"no_patch": pamr.Plane((0, 0, 0), (1, 0, 0))}))
+    result = pamr.refine(mesh, np.zeros(n, int))
+    expect("expected a row for each", lambda: result.from_parents(wrong_here(np.zeros(n), np.zeros(n + 2))))
+
+
+@in_folder
+def test_files_that_are_not_there_or_have_no_known_name():
+    expect("expected a file, found none", lambda: pamr.Mesh.read(COMM, "none.hdf"))
+    expect("expected a name that ends in .hdf", lambda: pamr.Mesh.kuhn_cube(COMM, 1).write("mesh.xyz"))
+    expect("TypeError", lambda: pamr.Mesh.read(COMM, 5 if COMM.rank == LAST else "none.hdf"))
+
+
+run_tests(globals())
