@@ -90,7 +90,7 @@ def test_sections_at_the_side_of_the_domain_and_fields_on_nodes_are_drawn():
     lines = np.nonzero(dark > 200)[0]
     assert len(lines) and np.ptp(lines) <= 2, lines
     inside = image[lines[0] - 60:lines[0] - 10, 150:400]
-    assert (inside.sum(axis=2) > 700).any(), "no streamline"
+    assert (inside.sum(axis=2) > 640).any(), "no streamline"
 
 
 def test_every_kind_of_file_is_drawn_and_patches_keep_their_names():
@@ -125,7 +125,7 @@ def test_whole_cells_log_scales_views_and_mirrors_work_together():
     # u is 1 everywhere: the middle of a logarithmic scale from 0.1 to 10. The second panel is full of it.
     assert image.shape[:2] == (700, 500)
     middle = np.median(image[420:600, 120:300].reshape(-1, 3), axis=0)
-    assert np.abs(middle - np.array([183, 55, 121])).max() < 45, middle
+    assert np.abs(middle - np.array([183, 55, 121])).max() < 60, middle
 
 
 def test_one_process_of_an_mpi_job_draws():

@@ -38,12 +38,16 @@ def in_plane(data, name, view, width):
         return lines
     bent = vtk_to_numpy(lines.GetPoints().GetData()).astype(float)
     back = bent[:, :1] * view.right + bent[:, 1:2] * view.up + height * view.toward
-    moved = vtk.vtkPoints()
-    moved.SetData(numpy_to_vtk(back, deep=True))
-    result = vtk.vtkPolyData()
-    result.SetPoints(moved)
-    result.SetLines(lines.GetLines())
-    return result
+    begins = vtk_to_numpy(lines.GetLines().GetOffsetsArray())
+    corners = vtk_to_numpy(lines.GetLines().GetConnectivityArray())
+    segments = [pairs(corners[a:b]) for a, b in zip(begins[:-1], begins[1:]) if b - a > 1]
+    return poly_data(back, np.concatenate(segments), True)
+
+
+def pairs(line, step=4):
+    """Segments over several steps of integration: shorter ones than a pixel would leave holes in the line."""
+    kept = line[np.unique(np.append(np.arange(0, len(line), step), len(line) - 1))]
+    return np.column_stack([kept[:-1], kept[1:]])
 
 
 def in_volume(mesh, name, vectors, n_across=6):

@@ -17,9 +17,9 @@ class Scene:
         self.renderer.SetBackground(1, 1, 1)
         self.pixel = (extent[1] - extent[0]) / width
 
-    def add_faces(self, data, colors, is_lit):
-        """`colors`: of each polygon (rows of 3 bytes), or the name of an array on nodes and its lookup table. What is flat is
-        hardly lit: its color is then what the legend shows."""
+    def add_faces(self, data, colors, light):
+        """`colors`: of each polygon (rows of 3 bytes), or the name of an array on nodes and its lookup table. `light`: the
+        part of the color that depends on how a face lies to the lamps."""
         mapper = vtk.vtkPolyDataMapper()
         if isinstance(colors, tuple):
             data.GetPointData().SetActiveScalars(colors[0])
@@ -37,8 +37,8 @@ class Scene:
         actor.SetMapper(mapper)
         look = actor.GetProperty()
         look.SetInterpolationToFlat()
-        look.SetAmbient(0.45 if is_lit else 0.85)
-        look.SetDiffuse(0.52 if is_lit else 0.13)
+        look.SetAmbient(0.98 - light)
+        look.SetDiffuse(light)
         self.renderer.AddActor(actor)
 
     def add_lines(self, data, color, width, opacity=1.0):
