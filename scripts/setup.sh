@@ -6,7 +6,7 @@
 #   scripts/setup.sh [--tests] [--picture] [--packages-only]
 #
 #   --tests          build the tests and benchmarks too (default: library and tools)
-#   --picture        also install what rendering pictures needs
+#   --picture        also install what pamr-picture needs
 #   --packages-only  install, then stop
 #
 # Environment: PAMR_BUILD (build folder, default build/release), PAMR_JOBS (compilers at once), CI (when set, compiler
@@ -29,7 +29,7 @@ packages=(
 )
 test_packages=(libgtest-dev libgmock-dev libbenchmark-dev libopenmesh-dev python3-h5py python3-numpy python3-meshio
   clang-format clang-tidy codespell) # the gates of .ci/run
-picture_packages=(python3-vtk9 python3-h5py python3-numpy xvfb xauth)
+picture_packages=(python3-vtk9 python3-matplotlib python3-h5py python3-numpy python3-meshio xvfb) # pamr-picture
 
 with_tests=OFF
 batches=ON
@@ -37,7 +37,7 @@ batches=ON
 packages_only=no
 for option in "$@"; do
   case $option in
-    --tests) with_tests=ON packages+=("${test_packages[@]}") ;;
+    --tests) with_tests=ON packages+=("${test_packages[@]}" "${picture_packages[@]}") ;;
     --picture) packages+=("${picture_packages[@]}") ;;
     --packages-only) packages_only=yes ;;
     -h | --help) sed -n '3,14s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;

@@ -14,7 +14,7 @@ from refused import Refused
 from scene import Scene, lookup_table
 
 # How much of a color is light and shade: little where a number is read off it.
-FLAT, NUMBERS, BODY = 0.13, 0.35, 0.53
+FLAT, NUMBERS, BODY = 0.05, 0.35, 0.53
 
 
 @dataclasses.dataclass

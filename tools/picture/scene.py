@@ -37,7 +37,7 @@ class Scene:
         actor.SetMapper(mapper)
         look = actor.GetProperty()
         look.SetInterpolationToFlat()
-        look.SetAmbient(0.98 - light)
+        look.SetAmbient(1 - light)
         look.SetDiffuse(light)
         self.renderer.AddActor(actor)
 
