@@ -12,8 +12,11 @@
 #   arguments=()                            takes what is not an option
 #   check_options() { ... }                 called when they are read; may set `subfolder` of out/
 #
-# With a flag `picture` the packages for pictures are installed too, with `python=yes` the Python package is built too. --help
-# prints the comment at the head of the script.
+#   draw NAME TOOL...   a picture of that name in the folder for results, by a tool or script that has -o; says where it is.
+#                       Nothing where the packages for pictures are missing
+#
+# With a flag `picture` these packages are installed, with `python=yes` the Python package is built too. --help prints the
+# comment at the head of the script.
 script=${BASH_SOURCE[1]}
 name=$(basename -- "$script")
 case_folder=$(cd -- "$(dirname -- "$script")" && pwd)
@@ -59,3 +62,20 @@ fi
 PATH=$tools:$PATH
 mkdir -p "$out"
 on_ranks() { mpirun -q -n "$ranks" "$@"; }
+can_draw() {
+  command -v Xvfb >/dev/null && command -v pamr-picture >/dev/null && /usr/bin/python3 - 2>/dev/null <<'PYTHON'
+import importlib.util
+import sys
+
+sys.exit(any(importlib.util.find_spec(name) is None for name in ("vtk", "matplotlib", "h5py")))
+PYTHON
+}
+# A picture that fails says why, and the case goes on: its numbers are there.
+draw() { # NAME TOOL ARGUMENT...
+  local picture=$out/$1
+  shift
+  if can_draw; then
+    rm -f "$picture"
+    if "$@" -o "$picture" >/dev/null; then echo "picture: $picture"; fi
+  fi
+}

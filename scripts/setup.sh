@@ -7,7 +7,7 @@
 #
 #   --tests          build the tests and benchmarks too (default: library and tools)
 #   --python         also install what the Python package needs, and build it (--tests does so too)
-#   --picture        also install what rendering pictures needs
+#   --picture        also install what pamr-picture needs
 #   --packages-only  install, then stop
 #
 # Environment: PAMR_BUILD (build folder, default build/release), PAMR_JOBS (compilers at once), CI (when set, compiler
@@ -31,7 +31,7 @@ packages=(
 python_packages=(python3-dev python3-numpy python3-mpi4py pybind11-dev)
 test_packages=(libgtest-dev libgmock-dev libbenchmark-dev libopenmesh-dev python3-h5py python3-meshio "${python_packages[@]}"
   clang-format clang-tidy codespell) # the gates of .ci/run
-picture_packages=(python3-vtk9 python3-h5py python3-numpy xvfb xauth)
+picture_packages=(python3-vtk9 python3-matplotlib python3-h5py python3-numpy python3-meshio xvfb) # pamr-picture
 
 with_tests=OFF
 with_python=no
@@ -40,7 +40,7 @@ batches=ON
 packages_only=no
 for option in "$@"; do
   case $option in
-    --tests) with_tests=ON packages+=("${test_packages[@]}") ;;
+    --tests) with_tests=ON packages+=("${test_packages[@]}" "${picture_packages[@]}") ;;
     --python) with_python=yes packages+=("${python_packages[@]}") ;;
     --picture) packages+=("${picture_packages[@]}") ;;
     --packages-only) packages_only=yes ;;

@@ -6,10 +6,11 @@ import json
 import pathlib
 import sys
 
-# kW/m2 by S/Rn: the experiment (Allegre, Bisch, Lengrand 1997, set 1, no incidence) with the bound on the finest level,
-# and two other codes: PICLas' own curve for this case, and SPARTA.
-STATIONS = {"S/Rn 0": (10.23, 0.05, 9.83, 10.11), "S/Rn 0.52": (8.39, 0.12, 7.82, 7.80),
-            "S/Rn 1.04": (6.33, 0.12, 6.53, 7.01), "S/Rn 1.56": (5.12, None, 6.09, 6.58)}
+# kW/m2 by S/Rn: the experiment with the bound on the finest level, and two other codes.
+with open(pathlib.Path(__file__).parent / "heat-flux.csv", encoding="utf-8") as table:
+    STATIONS = {f"S/Rn {row['s_over_rn']}": (float(row["experiment"]), float(row["bound"]) if row["bound"] else None,
+                                             float(row["PICLas"]), float(row["SPARTA"]))
+                for row in csv.DictReader(line for line in table if not line.startswith("#"))}
 DRAG = (1.640, 0.05)  # SPARTA, axisymmetric, fore-body with shoulder
 
 folder, finest = pathlib.Path(sys.argv[1]), int(sys.argv[2])

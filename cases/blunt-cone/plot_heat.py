@@ -1,21 +1,27 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Draws the heat flux along the meridian in the symmetry plane, level by level, as SVG (the paper's Fig. 14).
+"""Draws the heat flux along the meridian in the symmetry plane, level by level, with standard errors (the paper's Fig. 14).
 
-Usage: plot_heat.py -o FILE.svg LABEL=WALL.vtu...    the walls that run.sh writes, out/wall<level>.vtu
-S is the way along the wall from the nose tip: negative on the side that the stream comes from (z < 0).
+Usage: plot_heat.py -o FILE.svg|FILE.png [--measured heat-flux.csv] LABEL=WALL.vtu...
+
+The walls are those that run.sh writes, out/wall<level>.vtu. S is the way along the wall from the nose tip: negative on the
+side that the stream comes from (z < 0). The lines of --measured are s_over_rn and a column of kW/m2 for each source.
 """
 import argparse
+import csv
 import math
+import pathlib
 import re
+import sys
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent))
+import plots
 
 # The meridian, m: nose and cone touch at NOSE, cone and shoulder at CONE, then the arcs' centers and radii.
 RADIUS, ANGLE = 12.5e-3, math.radians(70)
 NOSE, CONE = (0.753842e-3, 4.275252e-3), (7.997677e-3, 24.177525e-3)
 SHOULDER, FILLET = (9.172293e-3, 23.75e-3, 1.25e-3), (12.502293e-3, 8.33e-3, 2.08e-3)
 END = 6.0  # S/Rn at which the drawing ends
-COLORS = ("#1f77b4", "#2ca02c", "#d62728", "#9467bd")
-WIDTH, HEIGHT, LEFT, RIGHT, TOP, BOTTOM = 860, 460, 70, 20, 20, 55
 N_BINS = 120
 
 
@@ -39,7 +45,7 @@ def arc_length(x, r):
 
 
 def read(name):
-    """Middle, area and heat flux of every face."""
+    """Middle, area, heat flux and its standard error of every face."""
     with open(name, encoding="utf-8") as file:
         text = file.read()
 
@@ -47,70 +53,62 @@ def read(name):
         body = re.search(f'Name="{title}"[^>]*>([^<]*)<', text).group(1).split()
         return [float(v) for v in body]
 
-    points, corner, q, area = array("Points"), array("connectivity"), array("q"), array("area")
+    points, corner, area = array("Points"), array("connectivity"), array("area")
+    q, error = array("q"), array("q_stderr")
     for face, value in enumerate(q):
         at = [3 * int(corner[3 * face + k]) for k in range(3)]
-        yield tuple(sum(points[a + d] for a in at) / 3 for d in range(3)), area[face], value
+        yield tuple(sum(points[a + d] for a in at) / 3 for d in range(3)), area[face], value, error[face]
 
 
 def curve(name):
-    """Means over bins of S of the faces nearer than 20 degrees to the symmetry plane, with their signs."""
+    """Means over bins of S of the faces nearer than 20 degrees to the symmetry plane, with their signs: S over the nose
+    radius, heat flux and its standard error, kW/m2; faces count as independent."""
     sums = {}
-    for (x, y, z), area, q in read(name):
+    for (x, y, z), area, q, error in read(name):
         r = math.hypot(y, z)
         if y > math.sin(math.radians(20)) * r and r > 2e-3:
             continue
         s = math.copysign(arc_length(x, r) / RADIUS, z)
         if abs(s) > END:
             continue
-        b = math.floor((s + END) / (2 * END) * N_BINS)
-        total = sums.setdefault(b, [0.0, 0.0, 0.0])
-        total[0] += area
-        total[1] += area * q
-        total[2] += area * s
-    return [(total[2] / total[0], total[1] / total[0] / 1e3) for _, total in sorted(sums.items())]
+        total = sums.setdefault(math.floor((s + END) / (2 * END) * N_BINS), [0.0, 0.0, 0.0, 0.0])
+        for i, part in enumerate((area, area * q, area * s, (area * error) ** 2)):
+            total[i] += part
+    return [(t[2] / t[0], t[1] / t[0] / 1e3, math.sqrt(t[3]) / t[0] / 1e3) for _, t in sorted(sums.items())]
 
 
-def draw(curves):
-    top = 5 * math.ceil(max(q for _, points in curves for _, q in points) / 5)
-
-    def at(s, q):
-        return (LEFT + (s + END) / (2 * END) * (WIDTH - LEFT - RIGHT),
-                HEIGHT - BOTTOM - q / top * (HEIGHT - BOTTOM - TOP))
-
-    lines = [f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {HEIGHT}" font-family="sans-serif" '
-             'font-size="13">', f'<rect width="{WIDTH}" height="{HEIGHT}" fill="white"/>']
-    for q in range(0, top + 1, 5):
-        x, y = at(-END, q)
-        lines.append(f'<path d="M{x:.1f} {y:.1f}H{WIDTH - RIGHT}" stroke="#ddd"/>'
-                     f'<text x="{x - 8:.1f}" y="{y + 4:.1f}" text-anchor="end">{q}</text>')
-    for s in range(-int(END), int(END) + 1):
-        x, y = at(s, 0)
-        lines.append(f'<path d="M{x:.1f} {TOP}V{y:.1f}" stroke="#eee"/>'
-                     f'<text x="{x:.1f}" y="{y + 18:.1f}" text-anchor="middle">{s}</text>')
-    for text, s in (("cone", -1.2), ("cone", 1.2), ("base", -2.95), ("base", 2.95), ("sting", -4.8), ("sting", 4.8)):
-        lines.append(f'<text x="{at(s, 0)[0]:.1f}" y="{TOP + 14}" text-anchor="middle" fill="#888">{text}</text>')
-    lines.append(f'<text x="{WIDTH / 2}" y="{HEIGHT - 12}" text-anchor="middle">S / R_n, negative: the side towards the '
-                 'stream</text>')
-    lines.append(f'<text transform="translate(20 {HEIGHT / 2}) rotate(-90)" text-anchor="middle">heat flux, kW/m2</text>')
+def draw(curves, measured):
+    figure, axes = plots.new_plot("$S / R_n$, negative: the side towards the stream", "heat flux, kW/m$^2$")
     for i, (label, points) in enumerate(curves):
-        color = COLORS[i % len(COLORS)]
-        path = " ".join(f"{x:.1f},{y:.1f}" for x, y in (at(s, q) for s, q in points))
-        lines.append(f'<polyline points="{path}" fill="none" stroke="{color}" stroke-width="1.6"/>')
-        y = TOP + 40 + 20 * i
-        lines.append(f'<path d="M{WIDTH - 150} {y}h24" stroke="{color}" stroke-width="2.5"/>'
-                     f'<text x="{WIDTH - 120}" y="{y + 4}">{label}</text>')
-    return "\n".join(lines + ["</svg>", ""])
+        s, q, error = zip(*points)
+        axes.errorbar(s, q, yerr=error, color=plots.COLORS[i % len(plots.COLORS)], lw=1.2, elinewidth=0.7, capsize=0,
+                      label=label)
+    for i, (source, values) in enumerate(measured.items()):
+        s, q = zip(*values)
+        axes.plot(s, q, plots.MARKS[i % len(plots.MARKS)], color=plots.INK, mfc="white" if i else plots.INK, label=source)
+    for text, s in (("cone", 1.2), ("base", 2.95), ("sting", 4.8)):
+        for side in (-s, s):
+            axes.annotate(text, (side, 0.97), xycoords=("data", "axes fraction"), ha="center", va="top", color="#888888")
+    axes.set_xlim(-END, END)
+    axes.set_ylim(bottom=min(0, axes.get_ylim()[0]))
+    axes.legend(loc="center right")
+    return figure
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("-o", required=True)
+    parser.add_argument("--measured")
     parser.add_argument("walls", nargs="+", metavar="LABEL=WALL.vtu")
     options = parser.parse_args()
-    text = draw([(label, curve(name)) for label, name in (wall.split("=", 1) for wall in options.walls)])
-    with open(options.o, "w", encoding="utf-8") as file:
-        file.write(text)
+    measured = {}
+    if options.measured:
+        with open(options.measured, encoding="utf-8") as file:
+            for row in csv.DictReader(line for line in file if not line.startswith("#")):
+                for source in (key for key in row if key not in ("s_over_rn", "bound")):
+                    measured.setdefault(source, []).append((float(row["s_over_rn"]), float(row[source])))
+    plots.save(draw([(label, curve(name)) for label, name in (wall.split("=", 1) for wall in options.walls)], measured),
+               options.o)
 
 
 if __name__ == "__main__":

@@ -13,7 +13,7 @@
 #   --smoke         few particles and steps: shows in seconds that the loop works; its flow means nothing
 #   --heat-flux     Set 1 of the wind tunnel at no incidence instead, and its heat flux at the thermocouples
 #   --resume        keeps what an interrupted run has finished, and continues from its last checkpoint
-#   --picture       renders docs/images/blunt-cone.png from the result
+#   --picture       installs what pictures need; where it is there, pictures are made and named in any case
 #   --out FOLDER    where meshes and reports go (default out/ beside this script)
 #   --tools FOLDER  takes the tools from there and sets nothing up
 set -euo pipefail
@@ -115,9 +115,26 @@ if [ $size = heat-flux ]; then
 else
   python3 -B "$case_folder/levels.py" "$out" "$levels" $size || status=$?
 fi
-if [ $picture = yes ]; then
-  "$root/docs/images/render.sh" "$out/level0.hdf" "$out/level$levels.hdf" "$root/docs/images/blunt-cone.png"
-fi
 echo
+last=$out/flow$levels.hdf
+draw levels.png pamr-picture "$out/level0.hdf" "$out/level$levels.hdf" --patch forebody --patch base --patch sting \
+  --patch symmetry --camera -0.16,0.29,-0.1 --up -z --focus 0.0085,0.006,0.0005 --zoom 1.8
+if [ $size != smoke ]; then
+  plane=(--cut y=0 --smooth 0)
+  free=$(sed -n 's/^density = \([0-9.e+]*\).*/\1/p' "$case_file" | head -n 1)
+  cold=$(sed -n 's/^temperature = \([0-9.e+]*\).*/\1/p' "$case_file" | head -n 1)
+  draw density.png pamr-picture "$last" "${plane[@]}" --field n --scale "$(awk "BEGIN { print 1 / $free }")" \
+    --title "n / n_inf" --log --range 0.05,20 --isolines 0.1,0.5,1.05,2,4,8,16 --streamlines u
+  draw temperature.png pamr-picture "$last" "${plane[@]}" --field T --scale "$(awk "BEGIN { print 1 / $cold }")" \
+    --title "T / T_inf" --range 0,80 --isolines 5,20,40,60 --map inferno
+  draw mach.png pamr-picture "$last" "${plane[@]}" --field Ma --title "Ma" --range 0,20 --isolines 1,2,5,10
+  walls=()
+  for ((level = 0; level <= levels; ++level)); do walls+=("level $level=$out/wall$level.vtu"); done
+  measured=()
+  if [ $heat_flux = yes ]; then measured=(--measured "$case_folder/heat-flux.csv"); fi
+  draw heat.png /usr/bin/python3 -B "$case_folder/plot_heat.py" "${measured[@]}" "${walls[@]}"
+  if [ $heat_flux = no ]; then draw drag.png /usr/bin/python3 -B "$case_folder/plot_drag.py" "$out" "$levels"; fi
+fi
+if ! can_draw; then echo "No pictures: --picture installs what they need."; fi
 echo "To open in ParaView: $out/flow0.hdf ... flow$levels.hdf and $out/wall0.vtu ..."
 exit $status

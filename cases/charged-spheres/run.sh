@@ -9,7 +9,7 @@
 #   --reading a|b  the paper's lengths in micrometers (a) or in Debye lengths (b, default)
 #   --levels N     refinements at most (default 5)
 #   --max-cells N  cells at most (default 700000)
-#   --picture      renders docs/images/charged-spheres.png from level 0 and the last level
+#   --picture      installs what pictures need; where it is there, pictures are made and named in any case
 set -euo pipefail
 
 declare -A values=([--reading]=reading [--levels]=levels [--max-cells]=max_cells)
@@ -56,8 +56,16 @@ force = [r["forces"]["sphere"]["midplane"]["dimensionless"][0] for r in (with_pl
 print(f"force with plate {force[0]:.6g}, without {force[1]:.6g}: the plate changes it by {force[0] - force[1]:.3e} "
       f"({100 * (force[0] / force[1] - 1):.2f} %)")
 PYTHON
-if [ $picture = yes ]; then
-  "$root/docs/images/render.sh" --spheres "$out/level0.hdf" "$last" "$root/docs/images/charged-spheres.png"
-fi
+sphere=$(python3 - "$case_file" <<'PYTHON'
+import sys
+import tomllib
+
+shape = tomllib.load(open(sys.argv[1], "rb"))["mesh"]["geometry"]
+print(f"{shape['distance'] / 2},0,{shape['height']}")
+PYTHON
+)
+draw levels.png pamr-picture "$out/level0.hdf" "$last" --patch sphere --patch plate --mirror xy --size 1480x1100 \
+  --label Before --label After --camera -6,-8,3 --focus "$sphere" --zoom 18 --camera 1,-9,4.2 --focus 0,0,0 --zoom 2
+draw potential.png pamr-picture "$last" --cut y=0 --mirror x --field potential --isolines 0.1,0.2,0.5,1,2,3,4
 echo "For ParaView: $last"
 exit $status

@@ -23,4 +23,8 @@ for level in $(seq 1 "$levels"); do
   on_ranks pamr-refine "$out/marked.hdf" -o "$out/level$level.hdf" --force
 done
 rm -f "$out/marked.hdf"
-/usr/bin/python3 "$case_folder/check.py" "$out" "$levels"
+status=0
+/usr/bin/python3 "$case_folder/check.py" "$out" "$levels" || status=$?
+draw levels.png pamr-picture "$out/scan.stl" "$out/level0.hdf" "$out/level1.hdf" --label Scan --label "Level 0" \
+  --label "Level 1" --patch body_1 --patch body_2 --patch body_3 --camera -4,-1.6,2.6 --camera 4,-2.5,3.2 --size 1500x1050
+exit $status

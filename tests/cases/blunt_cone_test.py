@@ -72,6 +72,8 @@ class Loop(unittest.TestCase):
             self.assertEqual([row[0] for row in rows], ["0", "1"])
             self.assertIn("carried", printed)
             self.assertGreater(int(rows[1][1]), 2 * int(rows[0][1]))
+            self.assertIn("picture: " + os.path.join(out, "levels.png"), printed)
+            self.assertGreater(os.path.getsize(os.path.join(out, "levels.png")), 20000)
 
             os.remove(os.path.join(out, "flow1.json"))
             again = run("run.sh", "--smoke", "--ranks", "1", "--resume", "--out", out)

@@ -1,0 +1,188 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""pamr-picture: the pictures have their size and show what they should, and wrong input is one clear message."""
+import os
+import signal
+import subprocess
+import time
+
+import h5py
+import matplotlib.image
+import numpy as np
+
+from tool_run import BIN, kuhn_cube, once, refuses, run, run_tests
+
+import pathlib
+
+
+@once
+def cubes():
+    """A cube with a field `x` on cells, one `height` on nodes and a vector `u`, and the cube with one corner refined."""
+    folder = pathlib.Path(os.environ["PAMR_PICTURE_SHARED"])
+    coarse, fine = str(folder / "coarse.hdf"), str(folder / "fine.hdf")
+    kuhn_cube(coarse, 6)
+    with h5py.File(coarse, "r+") as file:
+        grid = file["VTKHDF"]
+        points = grid["Points"][:]
+        centers = points[grid["Connectivity"][:].reshape(-1, 4)].mean(axis=1)
+        for group in ("CellData", "PointData"):
+            grid.require_group(group)
+        grid["CellData/x"] = centers[:, 0]
+        grid["CellData/x"].attrs["unit"] = "K"
+        grid["CellData/u"] = np.column_stack([np.ones(len(centers)), np.zeros(len(centers)), np.zeros(len(centers))])
+        grid["CellData/u"].attrs["unit"] = "m/s"
+        grid["PointData/height"] = points[:, 2]
+        grid["CellData/refine"] = (np.linalg.norm(centers, axis=1) < 0.5).astype("i4")
+    run("pamr-refine", coarse, "-o", fine, "--quiet", serial=True)
+    return coarse, fine
+
+
+def pixels(name):
+    """Rows of red, green and blue, 0 to 255."""
+    return (matplotlib.image.imread(name)[:, :, :3] * 255).round().astype(int)
+
+
+def picture(*arguments):
+    run("pamr-picture", *arguments, "-o", "p.png", "--force")
+    return pixels("p.png")
+
+
+def near(image, color, within=12):
+    """How many pixels have about this color."""
+    return int((np.abs(image - np.array(color)).max(axis=2) <= within).sum())
+
+
+def test_pictures_have_the_size_asked_for_and_show_the_mesh():
+    coarse, fine = cubes()
+
+    report = run("pamr-picture", coarse, fine, "-o", "p.png", "--size", "700x400", "--json", "-").json
+    image = pixels("p.png")
+
+    assert image.shape[:2] == (400, 700), image.shape
+    assert report["width"] == 700 and report["meshes"][0]["cells"] == 6 * 6**3, report
+    assert report["meshes"][1]["cells"] > report["meshes"][0]["cells"], report
+    assert len(np.unique(image.reshape(-1, 3), axis=0)) > 100, "one color"
+    # The left half has level 0 only, the right half also level 1 in its color.
+    level_1 = (20, 121, 143)
+    assert near(image[:360, :350], level_1, 40) == 0 and near(image[:360, 350:], level_1, 40) > 20
+
+
+def test_a_cut_shows_the_field_where_it_is():
+    coarse, _ = cubes()
+
+    image = picture(coarse, "--cut", "y=0.5", "--field", "x", "--size", "600x600")
+
+    # Viridis from violet at x = 0 on the left to yellow on the right; nothing else is inside.
+    middle = image[300]
+    row = middle[(middle.sum(axis=1) < 740).nonzero()[0]]
+    assert row[5, 2] > row[5, 1], f"violet expected on the left: {row[5]}"
+    yellow = near(image[:, 250:500], (230, 228, 25), 40)
+    assert yellow > 500 and near(image[:, :200], (230, 228, 25), 40) == 0, yellow
+
+
+def test_sections_at_the_side_of_the_domain_and_fields_on_nodes_are_drawn():
+    coarse, _ = cubes()
+
+    image = picture(coarse, "--cut", "y=0", "--field", "height", "--size", "600x600", "--isolines", "0.5",
+                    "--streamlines", "u")
+
+    # The isoline of height 0.5 is one dark horizontal line in the middle of the square, streamlines are white ones.
+    dark = (image.sum(axis=2) < 140)[:, 150:400].sum(axis=1)
+    lines = np.nonzero(dark > 200)[0]
+    assert len(lines) and np.ptp(lines) <= 2, lines
+    inside = image[lines[0] - 60:lines[0] - 10, 150:400]
+    assert (inside.sum(axis=2) > 640).any(), "no streamline"
+
+
+def test_every_kind_of_file_is_drawn_and_patches_keep_their_names():
+    coarse, _ = cubes()
+    run("pamr-convert", coarse, "cube.msh", "--quiet", serial=True)
+    run("pamr-convert", coarse, "cube.vtu", "--quiet", serial=True)
+    tetrahedron = [[(0, 0, 0), (0, 1, 0), (1, 0, 0)], [(0, 0, 0), (1, 0, 0), (0, 0, 1)],
+                   [(0, 0, 0), (0, 0, 1), (0, 1, 0)], [(1, 0, 0), (0, 1, 0), (0, 0, 1)]]
+    facets = "".join("facet normal 0 0 0\nouter loop\n" + "".join("vertex %g %g %g\n" % p for p in t) + "endloop\nendfacet\n"
+                     for t in tetrahedron)
+    pathlib.Path("body.stl").write_text(f"solid body\n{facets}endsolid body\n")
+    names = ["xmax", "xmin", "ymax", "ymin", "zmax", "zmin"]
+
+    report = run("pamr-picture", coarse, "cube.msh", "cube.vtu", "body.stl", "-o", "p.png", "--field", "patch", "--json",
+                 "-").json
+    image = pixels("p.png")
+
+    assert sorted(report["meshes"][0]["patches"]) == sorted(report["meshes"][1]["patches"]) == names, report
+    assert all(mesh["boundary_triangles"] == 6 * 72 for mesh in report["meshes"][:3]), report
+    assert report["meshes"][3]["boundary_triangles"] == 4 and report["meshes"][3]["cells"] == 0, report
+    panels = np.array_split(image[80:-50], 4, axis=1)
+    assert all(len(np.unique(panel.reshape(-1, 3), axis=0)) > 20 for panel in panels)
+
+
+def test_whole_cells_log_scales_views_and_mirrors_work_together():
+    coarse, _ = cubes()
+
+    image = picture(coarse, "--cut", "z=0.4", "--whole-cells", "--mirror", "xy", "--field", "u:0", "--range", "0.1,10",
+                    "--log", "--edges", "--camera", "-1,-1,1", "--camera", "z", "--zoom", "1", "--zoom", "2", "--title",
+                    "speed", "--label", "a cube", "--map", "magma", "--smooth", "1", "--size", "500x700")
+
+    # u is 1 everywhere: the middle of a logarithmic scale from 0.1 to 10. The second panel is full of it.
+    assert image.shape[:2] == (700, 500)
+    middle = np.median(image[420:600, 120:300].reshape(-1, 3), axis=0)
+    assert np.abs(middle - np.array([183, 55, 121])).max() < 60, middle
+
+
+def test_one_process_of_an_mpi_job_draws():
+    coarse, _ = cubes()
+
+    done = subprocess.run(["mpirun", "-q", "--oversubscribe", "-n", "2", str(BIN / "pamr-picture"), coarse, "-o", "p.png"],
+                          capture_output=True, text=True, timeout=100)
+
+    assert done.returncode == 0 and done.stdout.count("p.png") == 1, done
+
+
+def test_wrong_words_and_names_are_one_clear_message():
+    coarse, _ = cubes()
+    pathlib.Path("bad.hdf").write_text("no mesh")
+    pathlib.Path("bad.vtu").write_text("no mesh")
+    pathlib.Path("there.png").write_text("mine")
+
+    for arguments, says in (
+            (["--feild", "x"], "unknown option --feild; did you mean --field?"),
+            (["--cut", "w=3"], "expected x, y, z or three numbers"),
+            (["--size", "big"], "expected WIDTHxHEIGHT"),
+            (["--range", "2,1", "--field", "x"], "expected two rising numbers"),
+            (["--whole-cells"], "expected --cut"),
+            (["--mirror", "q"], "expected some of the letters x, y, z"),
+            (["--zoom", "1", "--zoom", "2"], "one for each of the 1")):
+        refuses("pamr-picture", coarse, "-o", "p.png", *arguments, says=[says], creates="p.png")
+    refuses("pamr-picture", coarse, "-o", "p.pdf", says=["p.pdf", ".png"], creates="p.pdf")
+    refuses("pamr-picture", coarse, "-o", "there.png", says=["--force"])
+    refuses("pamr-picture", coarse, "-o", coarse + ".png/p.png", says=["existing folder"])
+    assert pathlib.Path("there.png").read_text() == "mine"
+    for arguments, says in (
+            ([coarse, "--field", "temprature"], "unknown field 'temprature'; there are height, level, mean_ratio"),
+            ([coarse, "--field", "u:3"], "expected a component from 0 to 2"),
+            ([coarse, "--patch", "wall"], "unknown patch 'wall'; there are xmax, xmin"),
+            ([coarse, "--cut", "y=7"], "the mesh has y from 0 to 1"),
+            ([coarse, "--streamlines", "x"], "expected a field with 3 components"),
+            ([coarse, "--isolines", "3"], "expected a field with numbers"),
+            (["missing.hdf"], "found nothing of that name"),
+            (["bad.hdf"], "expected a native mesh"),
+            (["bad.vtu"], "bad.vtu: expected a mesh")):
+        refuses("pamr-picture", *arguments, "-o", "p.png", says=[says], creates="p.png")
+
+
+def test_an_interrupt_says_so_and_leaves_nothing():
+    coarse, _ = cubes()
+    process = subprocess.Popen([str(BIN / "pamr-picture"), coarse, "-o", "p.png"], stderr=subprocess.PIPE, text=True)
+    time.sleep(0.6)
+
+    process.send_signal(signal.SIGINT)
+    _, error = process.communicate(timeout=60)
+
+    assert process.returncode == 6 and error == "pamr-picture: interrupted; nothing was written\n", (process.returncode, error)
+    assert os.listdir(".") == [], os.listdir(".")
+
+
+if __name__ == "__main__":
+    import tempfile
+    os.environ.setdefault("PAMR_PICTURE_SHARED", tempfile.mkdtemp(prefix="pamr-picture-"))
+    cubes()
+    run_tests(globals(), at_once=2)

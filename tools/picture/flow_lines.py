@@ -1,0 +1,70 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Lines along a vector field: evenly spaced ones in a plane, and some through a volume."""
+import numpy as np
+import vtk
+from vtk.util.numpy_support import numpy_to_vtk, vtk_to_numpy
+
+from shapes import add_array, array, grid_of, poly_data
+
+SPACES = 34  # between lines across the picture
+
+
+def in_plane(data, name, view, width):
+    """Evenly spaced lines of the field's part in the picture's plane. `data`: polygons that lie in one plane."""
+    points = vtk_to_numpy(data.GetPoints().GetData())
+    flat = np.column_stack([view.flat(points), np.zeros(len(points))])
+    height = float(np.median(points @ view.toward))
+    plane = vtk.vtkPolyData()
+    nodes = vtk.vtkPoints()
+    nodes.SetData(numpy_to_vtk(flat, deep=True))
+    plane.SetPoints(nodes)
+    plane.SetPolys(data.GetPolys())
+    add_array(plane.GetPointData(), name, np.column_stack([view.flat(array(data.GetPointData(), name)),
+                                                           np.zeros(len(points))]))
+    plane.GetPointData().SetActiveVectors(name)
+    tracer = vtk.vtkEvenlySpacedStreamlines2D()
+    tracer.SetInputData(plane)
+    tracer.SetIntegratorTypeToRungeKutta4()
+    tracer.SetIntegrationStepUnit(1)  # lengths
+    tracer.SetInitialIntegrationStep(width / 1000)
+    tracer.SetMaximumNumberOfSteps(4000)
+    tracer.SetSeparatingDistance(width / SPACES)
+    tracer.SetSeparatingDistanceRatio(0.45)
+    tracer.SetClosedLoopMaximumDistance(width / 500)
+    tracer.SetStartPosition(*flat[len(flat) // 2])
+    tracer.Update()
+    lines = tracer.GetOutput()
+    if lines.GetNumberOfPoints() == 0:
+        return lines
+    bent = vtk_to_numpy(lines.GetPoints().GetData()).astype(float)
+    back = bent[:, :1] * view.right + bent[:, 1:2] * view.up + height * view.toward
+    begins = vtk_to_numpy(lines.GetLines().GetOffsetsArray())
+    corners = vtk_to_numpy(lines.GetLines().GetConnectivityArray())
+    segments = [pairs(corners[a:b]) for a, b in zip(begins[:-1], begins[1:]) if b - a > 1]
+    return poly_data(back, np.concatenate(segments), True)
+
+
+def pairs(line, step=4):
+    """Segments over several steps of integration: shorter ones than a pixel would leave holes in the line."""
+    kept = line[np.unique(np.append(np.arange(0, len(line), step), len(line) - 1))]
+    return np.column_stack([kept[:-1], kept[1:]])
+
+
+def in_volume(mesh, name, vectors, n_across=6):
+    """Lines through points spread evenly over the mesh."""
+    grid = grid_of(mesh.points, mesh.cells)
+    add_array(grid.GetPointData(), name, vectors)
+    grid.GetPointData().SetActiveVectors(name)
+    centers = mesh.points[mesh.cells].mean(axis=1)
+    low, span = centers.min(axis=0), np.ptp(centers, axis=0).max()
+    box = np.floor((centers - low) / span * n_across * 0.999).astype(int)
+    _, first = np.unique(box, axis=0, return_index=True)
+    tracer = vtk.vtkStreamTracer()
+    tracer.SetInputData(grid)
+    tracer.SetSourceData(poly_data(centers[first], np.arange(len(first))[:, None]))
+    tracer.SetIntegrationDirectionToBoth()
+    tracer.SetMaximumPropagation(3 * span)
+    tracer.SetMaximumNumberOfSteps(4000)
+    tracer.SetIntegratorTypeToRungeKutta45()
+    tracer.Update()
+    return tracer.GetOutput()
