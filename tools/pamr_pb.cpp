@@ -23,6 +23,7 @@ namespace pb = poisson_boltzmann;
 struct Options {
   std::string case_file, mesh, output, start, surface, petsc;
   int format = io::newest_format;
+  std::int64_t max_cells = 100'000'000;
   bool force = false;
 };
 
@@ -37,6 +38,9 @@ void declare(cli::CommandLine& line, Options& o) {
   line.option("--petsc", o.petsc, "options for PETSc, after those of the case: \"-pc_type hypre -ksp_monitor\"")
       .type_name("OPTIONS");
   line.option("--format", o.format, cli::format_help).range(io::oldest_format, io::newest_format).show_default();
+  line.option("--max-cells", o.max_cells,
+              "cells of the largest mesh that you would make; no charge is given where its layer would take more")
+      .positive();
   line.flag("--force", o.force, cli::force_help);
 }
 
@@ -66,14 +70,16 @@ cli::ExitCode run(cli::Session& session, const Options& o) {
   StepTimer timer;
   const auto input = pb::read_case(cli::read_text(comm, o.case_file), o.case_file);
   const pb::PetscRuntime petsc(comm, input.solver.petsc + " " + o.petsc);
-  auto mesh =
-      assemble::assemble(comm, io::read_native(comm, o.mesh, {.build_surfaces = false, .remark = session.remarks()}));
+  auto mesh = assemble::assemble(
+      comm,
+      io::read_native(comm, o.mesh, {.build_surfaces = !input.estimator.goals.empty(), .remark = session.remarks()}));
   validate::require_valid(comm, mesh, o.mesh);
   timer.lap("read");
 
   const auto domain = pb::make_domain(comm, mesh, input, o.case_file);
   const auto conditions = pb::make_conditions(comm, domain, input);
   const pb::Problem problem(domain, input, conditions);
+  pb::require_goals(comm, problem);
   std::vector<double> start;
   if (!o.start.empty()) start = pb::initial_guess(comm, mesh, conditions, o.start, o.mesh);
   nlohmann::json needs;
@@ -89,8 +95,13 @@ cli::ExitCode run(cli::Session& session, const Options& o) {
     return cli::ExitCode::failed;
   }
 
-  const auto analysis = pb::analyze(comm, problem, system, solution);
+  const auto analysis = pb::analyze(comm, problem, system, solution, static_cast<double>(o.max_cells));
   timer.lap("analyze");
+  if (!analysis.is_finite()) {
+    session.warn("a force, a charge or an estimate is beyond floating point; nothing is written");
+    session.write_report({{"converged", true}, {"reason", "a result is no number"}});
+    return cli::ExitCode::failed;
+  }
   if (!o.surface.empty()) pb::write_electrodes(comm, o.surface, problem, solution, analysis);
   auto report = pb::report_of(domain, input, solution, analysis);
   pb::set_fields(mesh, input, solution, analysis);
@@ -100,6 +111,7 @@ cli::ExitCode run(cli::Session& session, const Options& o) {
   report["seconds"] = pb::seconds_of(timer.steps(), &StepTime::wall);
   report["cpu_seconds"] = pb::seconds_of(timer.steps(), &StepTime::cpu);
   report["peak_rss_bytes"] = comm.max(static_cast<std::int64_t>(peak_resident_bytes()));
+  for (const auto& line : pb::describe_layers(analysis)) session.warn(line);
   for (const auto& line : pb::describe_results(input, analysis)) session.summary(line);
   session.write_report(report);
   session.summary(fmt::format("{} cells, {} Newton steps, {} CG iterations, {:.2f} s -> {}", mesh.info.n_global_cells,

@@ -33,7 +33,9 @@ if [ "$reading" = b ]; then criteria=(--bulk-of goal_error:0.4 --bulk-of indicat
 pamr-mesh "$case_file" -o "$out/mesh.hdf" --force
 "$case_folder/loop.sh" "$case_file" "$out/mesh.hdf" "$out" "$ranks" "$levels" "$max_cells" "${criteria[@]}"
 status=0
-python3 "$case_folder/levels.py" "$out" "midplane=forces.sphere.midplane.dimensionless.0" "correction=goal.correction" \
+python3 "$case_folder/levels.py" "$out" "f_x=best.sphere.force-x.value" "+-=best.sphere.force-x.error" \
+  "f_z=best.sphere.force-z.value" "+-=best.sphere.force-z.error" \
+  "midplane=forces.sphere.midplane.dimensionless.0" "correction=goal.correction" \
   "newton=forces.sphere.midplane.newton.0" "volume_x=forces.sphere.volume.dimensionless.0" \
   "surface_x=forces.sphere.surface.dimensionless.0" "volume_z=forces.sphere.volume.dimensionless.2" \
   "plate_z=forces.plate.volume.dimensionless.2" "estimate=error_estimate.relative" \

@@ -190,6 +190,93 @@ def test_the_boundary_can_be_written():
     assert 'NumberOfPoints="324" NumberOfCells="108"' in text and 'Name="charge_density"' in text
 
 
+CASES = pathlib.Path(__file__).resolve().parents[2] / "cases"
+
+
+def test_a_layer_that_the_mesh_does_not_resolve_is_reported_and_its_charge_not_given():
+    kuhn_cube("a.hdf", 4)
+    coarse = solve(cube_case(zmin=5), "a.hdf")
+    assert "layer is not resolved" in coarse.err and "too large" in coarse.err
+    assert coarse.json["charges"]["zmin"] > 12 and coarse.json["best"]["zmin"]["force-z"]["value"] < 0
+    for potential in (12, 50):
+        lost = solve(cube_case("lost.toml", zmin=potential), "a.hdf")
+        assert "are not given" in lost.err and "pamr-mark --field layer_ratio --above 1" in lost.err
+        assert lost.json["charges"]["zmin"] is None and lost.json["energy"] is None
+        forms = ("surface", "surface_recovered", "surface_reaction", "volume")
+        assert all(lost.json["forces"]["zmin"][form] is None for form in forms)
+        assert lost.json["layers"]["zmin"]["cells_needed"] > 1e5 and "best" not in lost.json
+    bounded = solve(cube_case(zmin=5), "a.hdf", "--max-cells", "300")
+    assert bounded.json["charges"]["zmin"] is None
+    assert "layer is not resolved" not in solve(cube_case(zmin=1), "a.hdf").err
+    # The marks that mend it.
+    solve(cube_case(zmin=5), "a.hdf")
+    marked = run("pamr-mark", "psi.hdf", "-o", "marked.hdf", "--field", "layer_ratio", "--above", "1", "--json", "-").json
+    assert marked["marked"] == 32  # the cells with a face on the wall
+
+
+def test_forces_near_a_plate_tend_to_a_limit_with_its_potential():
+    kuhn_cube("a.hdf", 8)
+    head = '[equation]\nsplit = true\n[plate]\npatch = "zmin"\n'
+    reports = [solve(cube_case(head=head, zmin=potential, zmax=1), "a.hdf").json for potential in (30, 40, 50)]
+    for patch in ("zmin", "zmax"):
+        low, middle, high = (r["best"][patch]["force-z"]["value"] for r in reports)
+        assert abs(middle / low - 1) < 1e-4 and abs(high / middle - 1) < 1e-6, (low, middle, high)
+    assert reports[2]["forces"]["zmin"]["surface"] is None
+    assert abs(reports[0]["charges"]["zmin"] / (2 * np.sinh(15)) - 1) < 1e-6
+
+
+def test_a_rod_in_a_tube_has_the_charge_force_and_energy_of_bessel_functions():
+    exact = {"case": {"charge": 10.802651052, "energy": 8.192240260},
+             "eccentric": {"charge": 11.381732821, "energy": 8.692401366, "force-x": 2.882481964}}
+    for name, values in exact.items():
+        case = CASES / "charged-rod" / f"{name}.toml"
+        run("pamr-mesh", case, "-o", "rod.hdf", "--force", "--quiet", serial=True)
+        goals = {goal["name"]: goal for goal in solve(case, "rod.hdf").json["goals"]}
+        for goal, value in values.items():
+            found = goals[goal]
+            error = abs(found["corrected"] - value)
+            assert error < found["error_bar"] < 0.1 * value, (name, goal, found)
+            assert goal == "force-x" or error < 0.5 * abs(found["value"] - value), (name, goal, found)
+
+
+def test_an_ellipsoid_from_an_stl_over_a_plate_has_a_force_and_a_torque():
+    subprocess.run([sys.executable, CASES / "ellipsoid-plate" / "make_body.py", "ellipsoid.stl"], check=True)
+    text = (CASES / "ellipsoid-plate" / "case.toml").read_text()
+    pathlib.Path("ellipsoid.toml").write_text(text)
+    run("pamr-mesh", "ellipsoid.toml", "-o", "mesh.hdf", "--quiet", serial=True)
+    result = solve("ellipsoid.toml", "mesh.hdf")
+    best = result.json["best"]["ellipsoid"]
+    # reference.py: cubic elements on curved cells of another mesh.
+    for quantity, value in {"force-z": 10.2005, "force-x": 0.0, "torque-y": 0.2607, "charge": 15.159}.items():
+        assert abs(best[quantity]["value"] - value) < best[quantity]["error"], (quantity, best[quantity])
+    assert abs(best["force-z"]["value"] / 10.2005 - 1) < 0.07 and "force-y" not in best and "torque-x" not in best
+    shown = run("pamr-pb", "ellipsoid.toml", "--mesh", "mesh.hdf", "-o", "psi.hdf", "--force").out
+    assert "best force-z" in shown and "+-" in shown
+    plate = result.json["best"]["plate"]["force-z"]["value"]
+    assert abs(plate / -10.2005 - 1) < 0.15
+
+
+def test_a_form_that_means_nothing_says_so():
+    kuhn_cube("a.hdf", 3)
+    case = cube_case(zmin=1, xmin=1)
+    report = solve(case, "a.hdf").json
+    assert report["forces"]["zmin"]["volume"] is None and 'meets patch "xmin"' in report["forces"]["zmin"]["no_volume"]
+    shown = run("pamr-pb", case, "--mesh", "a.hdf", "-o", "psi.hdf", "--force").out
+    assert 'no volume form: it meets patch "xmin"' in shown
+    body = '[[body]]\nname = "corner"\npatches = ["zmin", "xmin"]\n'
+    whole = solve(cube_case(head=body, zmin=1, xmin=1), "a.hdf").json
+    # Each of the two walls ends at one mirror, both together at two, behind which they become a closed tube.
+    meshed = [whole["charges"][p] / whole["forces"][p]["symmetry_factor"] for p in ("corner", "zmin", "xmin")]
+    assert [whole["forces"][p]["symmetry_factor"] for p in ("corner", "zmin", "xmin")] == [4, 2, 2]
+    assert abs(meshed[0] - meshed[1] - meshed[2]) < 1e-12
+    assert "no boundary lies apart" in whole["forces"]["corner"]["no_volume"]
+    case = cube_case(head='[force]\nmidplane = "xmin"\n', zmin=1, zmax=2, xmax=1)
+    assert solve(case, "a.hdf").json["forces"]["xmax"]["midplane"] is not None
+    head = '[estimator]\ngoal = "force-x"\ngoal_patch = "zmin"\n'
+    refuses("pamr-pb", cube_case(head=head, zmin=1), "--mesh", "a.hdf", "-o", "out.hdf", says=["zero by symmetry"],
+            creates="out.hdf")
+
+
 def test_bad_input_is_refused():
     kuhn_cube("a.hdf", 2)
     mesh = ("--mesh", "a.hdf", "-o", "out.hdf")
@@ -200,7 +287,7 @@ def test_bad_input_is_refused():
 
     good = pathlib.Path(cube_case(zmin=1)).read_text()
     refused("".join(condition(p, "symmetry") for p in SIDES), "potential or charge")
-    refused(good.replace("value = 1", "value = 1e4"), "sinh overflows")
+    refused(good.replace("value = 1", "value = 1e4"), "at most 50 kT/Ze")
     refused(good.replace("[boundary.xmin]", "[boundary.hull]"), "hull")
     refused(condition("zmin", "potential", 1), "boundary.xmin")
     refused(good + condition("hull", "symmetry"), "hull")

@@ -1,30 +1,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "solvers/poisson_boltzmann/analysis.hpp"
 
-#include <fmt/format.h>
-
-#include <algorithm>
 #include <array>
 #include <cmath>
 
-#include "pamr/base/error.hpp"
 #include "pamr/base/index.hpp"
 #include "pamr/mesh/require_field.hpp"
 #include "solvers/poisson_boltzmann/quadrature.hpp"
-#include "solvers/poisson_boltzmann/volume_force.hpp"
+#include "solvers/poisson_boltzmann/shape_error.hpp"
 
 namespace pamr::poisson_boltzmann {
 
 using geometry::Vec3;
 
 namespace {
-
-/// The sphere that has this patch; null where none has.
-const Sphere* sphere_of(const Case& input, std::string_view patch) {
-  for (const auto& sphere : input.spheres)
-    if (!sphere.patch.empty() && sphere.patch == patch) return &sphere;
-  return nullptr;
-}
 
 /// Potential and electric field at the nodes.
 void add_nodal_fields(const State& state, Analysis& result) {
@@ -35,66 +24,6 @@ void add_nodal_fields(const State& state, Analysis& result) {
     result.psi[i] = problem.conditions.psi0[i] + state.u[i];
     result.field[i] = -(state.recovered[i] + Vec3{0, 0, problem.split_slope(problem.domain.point[i].z)});
   }
-}
-
-/// The volume form of the force on one patch.
-struct VolumeForm {
-  CutOff cut_off;  ///< `chi` is kept for the patch of the goal only
-  Vec3 force;      ///< on full bodies
-};
-
-/// Of each patch; nothing for those that are no body or have no room for a cut-off function. Collective.
-std::vector<std::optional<VolumeForm>> volume_forms(const par::Comm& comm, const State& state) {
-  const auto& input = state.problem.input;
-  const auto& patches = state.problem.domain.mesh->info.patches;
-  std::vector<std::optional<VolumeForm>> forms(patches.size());
-  for (std::size_t p = 0; p < patches.size(); ++p) {
-    const auto* sphere = sphere_of(input, patches[p].name);
-    std::optional<CutOff> cut_off;
-    if (sphere != nullptr) cut_off = make_cut_off(comm, state, *sphere, static_cast<int>(p));
-    if (input.plate && patches[p].name == input.plate->patch) cut_off = make_plate_cut_off(comm, state);
-    if (!cut_off) continue;
-    forms[p] = VolumeForm{std::move(*cut_off), {}};
-    auto& chi = forms[p]->cut_off.chi;
-    forms[p]->force = state.mirrors[p].complete(volume_force(comm, state, chi));
-    if (patches[p].name != input.estimator.goal_patch) chi = {};
-  }
-  return forms;
-}
-
-/// The force through the mirror between two spheres.
-struct MidplaneForm {
-  int patch = -1;
-  double factor = 1;  ///< of the symmetry
-  double force = 0;   ///< positive: what lies on this side is pushed away; with the factor
-  Vec3 direction;     ///< away from the mirror
-};
-
-/// Nothing if the case asks for none. Collective. Throws `Error` when the patch is not flat and normal to an axis.
-std::optional<MidplaneForm> midplane_form(const par::Comm& comm, const State& state, const Excess& excess) {
-  const auto& domain = state.problem.domain;
-  const auto& name = state.problem.input.force.midplane;
-  if (name.empty()) return std::nullopt;
-  MidplaneForm form;
-  form.patch = domain.patch_number(name);
-  const auto& shape = domain.patches[at(form.patch)];
-  if (shape.axis < 0) throw Error(fmt::format("expected a flat mid-plane normal to an axis, found patch \"{}\"", name));
-  form.factor = state.mirrors[at(form.patch)].factor;
-  form.force = form.factor * midplane_force(comm, state, excess, form.patch);
-  double outward = 0;
-  for (const auto& face : domain.faces)
-    if (face.patch == form.patch) outward = face.normal[at(shape.axis)];
-  form.direction[at(shape.axis)] = comm.max(outward) > 0 ? -1 : 1;
-  return form;
-}
-
-/// With one body on this side the force is that body's; with several it is that of all together.
-void add_midplane_form(const State& state, const MidplaneForm& form, std::vector<PatchResult>& patches) {
-  const auto& input = state.problem.input;
-  const auto is_body = [&](const PatchResult& patch) { return sphere_of(input, patch.name) != nullptr; };
-  const bool is_single = std::count_if(patches.begin(), patches.end(), is_body) == 1;
-  for (auto& patch : patches)
-    if (is_single ? is_body(patch) : patch.name == input.force.midplane) patch.midplane = form.force * form.direction;
 }
 
 /// Errors of u and its gradient against the manufactured solution. Collective.
@@ -122,75 +51,46 @@ void compare_with_manufactured(const par::Comm& comm, const State& state, Analys
   result.manufactured_h1 = std::sqrt(totals[1]);
 }
 
-/// The functional of the goal: its value on full bodies, the factor of the symmetry, and what the dual system needs.
-struct Goal {
-  double value = 0, factor = 1;
-  std::vector<double> load, fixed;  ///< n_nodes, or empty
-};
+/// Error bar of a corrected value over the sum of the cells' shares, and over what passes through walls that meet a
+/// body. The first is measured: of 40 corrected forces and torques of known value on meshes of 3,000 to 700,000 cells,
+/// 39 are within a third of the sum (the other within 0.45, on the coarsest mesh), half of them within 0.08.
+constexpr double bar_over_shares = 1.0 / 3, bar_over_walls = 0.2;
 
-Goal charge_goal(const State& state, const Analysis& result, std::size_t patch) {
-  const auto& deciding = state.problem.conditions.deciding_patch;
-  Goal goal{result.patches[patch].charge, state.mirrors[patch].factor, {}, {}};
-  goal.load.assign(deciding.size(), 0);
-  goal.fixed.assign(deciding.size(), 0);
-  for (std::size_t i = 0; i < deciding.size(); ++i)
-    if (deciding[i] == static_cast<int>(patch)) goal.fixed[i] = 1;
-  return goal;
-}
-
-Goal volume_goal(const par::Comm& comm, const State& state, const std::optional<VolumeForm>& form, std::size_t patch) {
-  const auto& [recovery, name, patch_name] = state.problem.input.estimator;
-  if (sphere_of(state.problem.input, patch_name) == nullptr)
-    throw Error(
-        fmt::format("expected goal_patch to be the patch of a sphere for goal \"{}\", found \"{}\"", name, patch_name));
-  if (!form)
-    throw Error(fmt::format(
-        "expected room for a cut-off function around sphere \"{}\", found a boundary that touches it", patch_name));
-  const int axis = name.back() - 'x';
-  return {form->force[at(axis)],
-          state.mirrors[patch].factor,
-          volume_force_derivative(comm, state, form->cut_off.chi, axis),
-          {}};
-}
-
-/// Error of the goal by the solution of the dual system. Collective.
-void add_goal(const par::Comm& comm, const State& state, System& system, const Goal& goal, Analysis& result) {
+/// Error of the goals by the solutions of their dual systems. Collective.
+void add_goals(const par::Comm& comm, const State& state, System& system, std::vector<GoalFunctional> functionals,
+               Analysis& result) {
   const auto& domain = state.problem.domain;
   const auto& input = state.problem.input;
-  const auto w = system.solve_linearised(goal.load, goal.fixed);
-  const auto gradient = cell_gradients(domain, w);
-  const auto recovered = recover(comm, domain, gradient, input.estimator.recovery);
-  auto error =
-      goal_error(comm, domain, state.problem.term,
-                 {state.u, state.problem.conditions.psi0, w, state.cell_gradient, state.recovered, gradient, recovered},
-                 input.solver.quadrature == Quadrature::nodal);
-  result.goal_correction = goal.factor * error.correction;
-  result.goal = std::move(error.share);
-  result.goal_value = goal.value;
-  result.goal_error = goal.factor * par::reproducible_sum(comm, result.goal);
-}
-
-/// All forms of the forces and the energy go into `result`; returns the goal, if the case has one. Collective.
-std::optional<Goal> add_functionals(const par::Comm& comm, const State& state, Analysis& result) {
-  const auto& estimator = state.problem.input.estimator;
-  const auto excess = excess_of(state);
-  result.patches = surface_results(comm, state);
-  const auto volume = volume_forms(comm, state);
-  for (std::size_t p = 0; p < volume.size(); ++p) {
-    if (!volume[p]) continue;
-    result.patches[p].volume = volume[p]->force;
-    result.patches[p].inner = volume[p]->cut_off.inner;
-    result.patches[p].outer = volume[p]->cut_off.outer;
+  for (auto& functional : functionals) {
+    const auto w = system.solve_linearised(functional.load, functional.fixed);
+    const auto gradient = cell_gradients(domain, w);
+    const auto recovered = recover(comm, domain, gradient, input.estimator.recovery);
+    auto error = goal_error(
+        comm, domain, state.problem.term,
+        {state.u, state.problem.conditions.psi0, w, state.cell_gradient, state.recovered, gradient, recovered},
+        input.solver.quadrature == Quadrature::nodal);
+    if (functional.goal.kind == Goal::Kind::charge) error.correction = -error.correction;
+    if (functional.goal.kind == Goal::Kind::energy) {
+      const auto of_energy = energy_error(comm, domain, state.problem.term, state.u, state.problem.conditions.psi0,
+                                          result.estimate.squared);
+      error.correction += of_energy.correction;
+      for (std::size_t c = 0; c < error.share.size(); ++c) error.share[c] += of_energy.share[c];
+    }
+    GoalResult goal;
+    goal.goal = functional.goal;
+    goal.value = functional.value;
+    const double shape = shape_error(comm, state, functional, gradient);
+    goal.correction = functional.factor * (error.correction + functional.remainder + shape);
+    goal.error_bound = functional.factor * par::reproducible_sum(comm, error.share);
+    goal.error_bar = bar_over_shares * goal.error_bound + bar_over_walls * std::abs(functional.through_walls);
+    if (result.goals.empty()) {
+      result.goal = std::move(error.share);
+    } else if (goal.error_bound > 0) {
+      const double scale = result.goals[0].error_bound * functional.factor / (functionals[0].factor * goal.error_bound);
+      for (std::size_t c = 0; c < result.goal.size(); ++c) result.goal[c] += scale * error.share[c];
+    }
+    result.goals.push_back(std::move(goal));
   }
-  const auto midplane = midplane_form(comm, state, excess);
-  if (midplane) add_midplane_form(state, *midplane, result.patches);
-  result.energy = energy_of(comm, state, excess);
-
-  if (estimator.goal == "none") return std::nullopt;
-  if (estimator.goal == "midplane")
-    return Goal{midplane->force, midplane->factor, midplane_derivative(comm, state, excess, midplane->patch), {}};
-  const auto p = at(state.problem.domain.patch_number(estimator.goal_patch));
-  return estimator.goal == "charge" ? charge_goal(state, result, p) : volume_goal(comm, state, volume[p], p);
 }
 
 mesh::Field scalar(const std::string& name, const std::string& unit, std::vector<double> value) {
@@ -203,7 +103,8 @@ mesh::Field scalar(const std::string& name, const std::string& unit, std::vector
 
 }  // namespace
 
-Analysis analyze(const par::Comm& comm, const Problem& problem, System& system, const Solution& solution) {
+Analysis analyze(const par::Comm& comm, const Problem& problem, System& system, const Solution& solution,
+                 double max_cells) {
   const auto gradient = cell_gradients(problem.domain, solution.u);
   const auto recovered = recover(comm, problem.domain, gradient, problem.input.estimator.recovery);
   const auto mirrors = find_mirrors(comm, problem.domain, problem.input);
@@ -213,16 +114,46 @@ Analysis analyze(const par::Comm& comm, const Problem& problem, System& system, 
   add_nodal_fields(state, result);
   result.estimate =
       estimate_error(comm, problem.domain, problem.term, solution.u, problem.conditions.psi0, gradient, recovered);
-  const auto goal = add_functionals(comm, state, result);
+  result.electrodes = find_electrodes(comm, problem.domain, problem.input);
+  result.layers = find_layers(comm, state, max_cells);
+  auto functionals = find_functionals(comm, state, system, result.electrodes, result.layers);
+  result.patches = std::move(functionals.patches);
+  result.no_midplane = std::move(functionals.no_midplane);
+  result.energy = functionals.energy;
+  for (const auto& patch : result.patches)
+    if (patch.layer.is_lost) result.energy.reset();
   if (problem.input.manufactured) compare_with_manufactured(comm, state, result);
-  if (goal) add_goal(comm, state, system, *goal, result);
+  add_goals(comm, state, system, std::move(functionals.goals), result);
   return result;
+}
+
+bool Analysis::is_finite() const {
+  bool good = std::isfinite(estimate.total_squared) && std::isfinite(estimate.residual_total_squared);
+  const auto take = [&](double value) { good = good && std::isfinite(value); };
+  const auto take_all = [&](const std::optional<Vec3>& v) {
+    if (v) take(v->x + v->y + v->z);
+  };
+  for (const auto& patch : patches) {
+    if (patch.charge) take(*patch.charge);
+    take(patch.mean_potential);
+    for (const auto* force : {&patch.surface, &patch.surface_recovered, &patch.surface_reaction, &patch.volume,
+                              &patch.torque, &patch.midplane})
+      take_all(*force);
+  }
+  for (const auto& result : goals) {
+    take(result.value.value_or(0));
+    take(result.correction);
+    take(result.error_bound);
+  }
+  if (energy) take(energy->total + energy->excess);
+  return good;
 }
 
 void set_fields(mesh::DistMesh& mesh, const Case& input, const Solution& solution, const Analysis& analysis) {
   for (const auto* name : {"potential", "excess_potential", "electric_field"})
     mesh::remove_field(mesh.node_fields, name);
-  for (const auto* name : {"error_squared", "error_ratio", "residual_squared", "indicator", "goal_error"})
+  for (const auto* name :
+       {"error_squared", "error_ratio", "residual_squared", "indicator", "goal_error", "layer_ratio"})
     mesh::remove_field(mesh.cell_fields, name);
   mesh::put_field(mesh.node_fields, scalar("potential", "kT/Ze", analysis.psi));
   if (input.split) mesh::put_field(mesh.node_fields, scalar("excess_potential", "kT/Ze", solution.u));
@@ -244,6 +175,7 @@ void set_fields(mesh::DistMesh& mesh, const Case& input, const Solution& solutio
   mesh::put_field(mesh.cell_fields, scalar("error_ratio", "", std::move(ratio)));
   mesh::put_field(mesh.cell_fields, scalar("residual_squared", "", estimate.residual_squared));
   mesh::put_field(mesh.cell_fields, scalar("indicator", "", std::move(indicator)));
+  mesh::put_field(mesh.cell_fields, scalar("layer_ratio", "", analysis.layers.cell_ratio));
   if (!analysis.goal.empty()) mesh::put_field(mesh.cell_fields, scalar("goal_error", "", analysis.goal));
 }
 

@@ -2,32 +2,48 @@
 #pragma once
 
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "solvers/poisson_boltzmann/error_estimate.hpp"
-#include "solvers/poisson_boltzmann/midplane_force.hpp"
-#include "solvers/poisson_boltzmann/solve.hpp"
-#include "solvers/poisson_boltzmann/surface_force.hpp"
+#include "solvers/poisson_boltzmann/functionals.hpp"
 
 namespace pamr::poisson_boltzmann {
+
+/// A goal with the error that its dual solution estimates; on full bodies, the energy on the meshed part.
+struct GoalResult {
+  Goal goal;
+  std::optional<double> value;  ///< of the functional; nothing where it means nothing
+  double correction = 0;        ///< estimated error with its sign: the best value is `value` + `correction`
+  double error_bound = 0;       ///< sum of the cells' shares
+  double error_bar = 0;         ///< of the best value
+};
 
 /// All that is computed from a solution.
 struct Analysis {
   std::vector<double> psi;            ///< n_nodes
   std::vector<geometry::Vec3> field;  ///< n_nodes: -grad psi, recovered
   Estimate estimate;
-  std::vector<PatchResult> patches;
-  std::vector<double> goal;    ///< n_cells, empty without a goal
-  double goal_value = 0;       ///< the functional, on full bodies
-  double goal_error = 0;       ///< sum of `goal`, on full bodies
-  double goal_correction = 0;  ///< estimated error of the functional with its sign, on full bodies
-  Energy energy;
+  std::vector<Electrode> electrodes;
+  Layers layers;
+  std::vector<PatchResult> patches;  ///< of the mesh, then bodies of several patches; refers to `electrodes`
+  std::string no_midplane;           ///< why no single body has the mid-plane force; empty where one has
+  std::vector<GoalResult> goals;
+  /// n_cells: share of each cell in the error of the goals, empty without one. Those of several goals count alike: each
+  /// is scaled to the sum of the first.
+  std::vector<double> goal;
+  std::optional<Energy> energy;                            ///< nothing where a layer is not resolved at all
   std::optional<double> manufactured_l2, manufactured_h1;  ///< errors against the manufactured solution
+
+  /// False when a number of the results is infinite or none.
+  bool is_finite() const;
 };
 
-/// Computes it. `system` is that of the problem and holds the solution; for a goal it solves one more linear system.
-/// Collective. Throws `Error` when the case asks for a form that the mesh has no room or no flat mirror for.
-Analysis analyze(const par::Comm& comm, const Problem& problem, System& system, const Solution& solution);
+/// Computes it. `system` is that of the problem and holds the solution; for each electrode and each goal it solves one
+/// more linear system. `max_cells` is the largest mesh that the user would make (`find_layers`). Collective. Throws
+/// `Error` when the case asks for a form that the mesh has no room or no flat mirror for.
+Analysis analyze(const par::Comm& comm, const Problem& problem, System& system, const Solution& solution,
+                 double max_cells);
 
 /// Puts the results into the mesh as fields (docs/tools/pamr-pb.md), in place of fields of the same names. Local.
 void set_fields(mesh::DistMesh& mesh, const Case& input, const Solution& solution, const Analysis& analysis);

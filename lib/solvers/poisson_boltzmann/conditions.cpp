@@ -39,8 +39,7 @@ class Builder {
   Conditions build(const par::Comm& comm) {
     const auto n = domain_.point.size();
     result_.psi0.assign(n, 0);
-    if (problem_.split)
-      for (std::size_t i = 0; i < n; ++i) result_.psi0[i] = profile_.potential(domain_.point[i].z);
+    if (problem_.split) split_off_profile();
     result_.robin.assign(n, 0);
     result_.load.assign(n, 0);
     result_.fixed_area.assign(n, 0);
@@ -54,12 +53,22 @@ class Builder {
   }
 
  private:
-  double fixed_value(int patch, Vec3 point) const {
+  /// Nodes of the plate have its potential to the last bit: a high potential falls by many digits over a distance that
+  /// rounding of their heights is worth.
+  void split_off_profile() {
+    const int plate = domain_.patch_number(problem_.plate->patch);
+    for (std::size_t i = 0; i < result_.psi0.size(); ++i)
+      result_.psi0[i] = (domain_.node_patches[i] >> static_cast<unsigned>(plate) & 1U) != 0
+                            ? problem_.plate->potential
+                            : profile_.potential(domain_.point[i].z);
+  }
+
+  double fixed_value(int patch, std::size_t node) const {
     const auto& b = *boundary_[at(patch)];
-    const double psi0 = problem_.split ? profile_.potential(point.z) : 0;
-    if (b.condition == Condition::potential) return b.value - psi0;
+    const auto point = domain_.point[node];
+    if (b.condition == Condition::potential) return b.value - result_.psi0[node];
     if (b.condition == Condition::manufactured) return manufactured_potential(point);
-    return profile_.potential(point.z) - psi0;
+    return problem_.split ? 0 : profile_.potential(point.z);
   }
 
   void fix_nodes(const par::Comm& comm) {
@@ -76,14 +85,14 @@ class Builder {
         const int claim = claim_of(*boundary_[p], static_cast<int>(p));
         best = std::min(best, claim);
         if (claim == nobody) continue;
-        const double value = fixed_value(static_cast<int>(p), domain_.point[i]);
+        const double value = fixed_value(static_cast<int>(p), i);
         low = std::min(low, value);
         high = std::max(high, value);
       }
       if (best == nobody) continue;
       result_.fixed[i] = 1;
       result_.deciding_patch[i] = best % 1000;
-      result_.value[i] = fixed_value(best % 1000, domain_.point[i]);
+      result_.value[i] = fixed_value(best % 1000, i);
       if (high - low > 1e-9 * std::max({1.0, std::abs(low), std::abs(high)}) && domain_.nodes.is_owned(i))
         ++n_contradictions;
     }

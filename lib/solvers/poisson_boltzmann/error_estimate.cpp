@@ -9,6 +9,7 @@
 #include "pamr/base/index.hpp"
 #include "pamr/mesh/tet.hpp"
 #include "pamr/par/reproducible_sum.hpp"
+#include "solvers/poisson_boltzmann/quadrature.hpp"
 
 namespace pamr::poisson_boltzmann {
 
@@ -142,6 +143,32 @@ GoalError goal_error(const par::Comm& comm, const Domain& domain, const SourceTe
       result.share[c] += std::abs(excess);
     }
     sum[0].add(correction);
+  }
+  result.correction = par::reproducible_sums(comm, sum)[0];
+  return result;
+}
+
+GoalError energy_error(const par::Comm& comm, const Domain& domain, const SourceTerm& term, std::span<const double> u,
+                       std::span<const double> psi0, std::span<const double> squared) {
+  const auto& cells = domain.mesh->cell_to_node;
+  GoalError result;
+  result.share.resize(cells.size());
+  std::array<par::ExactSum, 1> sum;
+  for (std::size_t c = 0; c < cells.size(); ++c) {
+    const auto values = corners(cells[c], u), base = corners(cells[c], psi0);
+    double nodal = 0, integral = 0;
+    for (std::size_t k = 0; k < 4; ++k) nodal += term.pressure(values[k], base[k]) / 4;
+    for (const auto& point : gauss_points) {
+      double here = 0, under = 0;
+      for (std::size_t k = 0; k < 4; ++k) {
+        here += point.weight_of_corner[k] * values[k];
+        under += point.weight_of_corner[k] * base[k];
+      }
+      integral += point.weight * term.pressure(here, under);
+    }
+    const double excess = geometry::volume(domain.points(c)) * (nodal - integral);
+    result.share[c] = squared[c] / 2 + std::abs(excess);
+    sum[0].add(-squared[c] / 2 - excess);
   }
   result.correction = par::reproducible_sums(comm, sum)[0];
   return result;

@@ -41,7 +41,8 @@ struct GoalError {
   /// weighted with w. For marking; their sum is far above the error.
   std::vector<double> share;
   /// Estimate of J(u) - J(u_h) with its sign, to first order: the integral of (G* - grad u_h) . (W* - grad w_h) and
-  /// what nodal quadrature adds, on the meshed part.
+  /// what nodal quadrature adds, on the meshed part. For a charge by nodal reactions, whose w is 1 on the patch and
+  /// which is the residual with w, it is that with the other sign.
   double correction = 0;
 };
 struct GoalInput {
@@ -51,5 +52,11 @@ struct GoalInput {
 /// Collective: one reduction. Source: R. Becker, R. Rannacher, Acta Numerica 10 (2001), with recovered gradients.
 GoalError goal_error(const par::Comm& comm, const Domain& domain, const SourceTerm& term, const GoalInput& input,
                      bool nodal);
+
+/// The same for the energy, the integral of |grad u|^2/2 + `term.pressure` with its nodal values: the energy of u_h is
+/// above that of u by half of the squared error of the gradient, and nodal values of the convex pressure are too large.
+/// `share` is not negative. Collective: one reduction.
+GoalError energy_error(const par::Comm& comm, const Domain& domain, const SourceTerm& term, std::span<const double> u,
+                       std::span<const double> psi0, std::span<const double> squared_errors);
 
 }  // namespace pamr::poisson_boltzmann

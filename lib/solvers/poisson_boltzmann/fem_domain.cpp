@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "pamr/base/error.hpp"
 #include "pamr/base/index.hpp"
@@ -35,9 +36,16 @@ void require_patches(const mesh::DistMesh& mesh, const Case& problem, const std:
     if (!exists(b.patch))
       throw Error(fmt::format("{}: expected [boundary.X] for a patch of the mesh ({}), found \"{}\"", where,
                               listed(patches), b.patch));
-  for (const auto& name : {problem.force.midplane, problem.estimator.goal_patch})
-    if (!name.empty() && !exists(name))
-      throw Error(fmt::format("{}: expected a patch of the mesh ({}), found \"{}\"", where, listed(patches), name));
+  const auto& midplane = problem.force.midplane;
+  if (!midplane.empty() && !exists(midplane))
+    throw Error(fmt::format("{}: expected a patch of the mesh ({}), found \"{}\"", where, listed(patches), midplane));
+  for (const auto& goal : problem.estimator.goals) {
+    bool is_known = goal.body.empty() || exists(goal.body);
+    for (const auto& body : problem.bodies) is_known = is_known || body.name == goal.body;
+    if (!is_known)
+      throw Error(fmt::format("{}: expected goal_patch to be a patch of the mesh ({}) or a [[body]], found \"{}\"",
+                              where, listed(patches), goal.body));
+  }
 }
 
 /// The nodes of a body's patch must lie on the body that the case states. Collective.
@@ -62,9 +70,13 @@ void require_bodies(const par::Comm& comm, const Domain& domain, const Case& pro
                    fmt::format("the sphere of radius {:g} about ({:g}, {:g}, {:g})", s.radius, s.center.x, s.center.y,
                                s.center.z),
                    [&](Vec3 p) { return norm(p - s.center) - s.radius; });
-  if (problem.plate)
-    require_near(problem.plate->patch, 1, fmt::format("the plate z = {:g}", problem.plate->position),
+  if (problem.plate) {
+    // Within its layer, or where split puts the plate's potential at its nodes, within what rounding may do.
+    const double layer = layer_thickness(problem.plate->potential, problem.linear);
+    require_near(problem.plate->patch, std::max(layer, 1e-6),
+                 fmt::format("the plate z = {:g}", problem.plate->position),
                  [&](Vec3 p) { return p.z - problem.plate->position; });
+  }
 }
 
 std::vector<BoundaryFace> find_faces(const mesh::DistMesh& mesh, const std::vector<Vec3>& point) {
@@ -89,15 +101,19 @@ std::vector<BoundaryFace> find_faces(const mesh::DistMesh& mesh, const std::vect
   return faces;
 }
 
-std::vector<PatchShape> measure(const par::Comm& comm, std::size_t n_patches, const std::vector<BoundaryFace>& faces) {
+std::vector<PatchShape> measure(const par::Comm& comm, std::size_t n_patches, const std::vector<Vec3>& point,
+                                const std::vector<BoundaryFace>& faces) {
   std::vector<par::ExactSum> area(n_patches);
   std::vector<std::int64_t> count(n_patches, 0), off_axis(3 * n_patches, 0);
+  std::vector<double> highest(3 * n_patches, -std::numeric_limits<double>::infinity());
   for (const auto& face : faces) {
     const auto p = at(face.patch);
     area[p].add(face.area);
     ++count[p];
     for (int axis = 0; axis < 3; ++axis)
       if (std::abs(std::abs(face.normal[at(axis)]) - 1) > 1e-9) ++off_axis[3 * p + at(axis)];
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      highest[3 * p + axis] = std::max(highest[3 * p + axis], point[at(face.node[0])][axis]);
   }
   const auto areas = par::reproducible_sums(comm, area);
   comm.sum_in_place(count);
@@ -108,6 +124,7 @@ std::vector<PatchShape> measure(const par::Comm& comm, std::size_t n_patches, co
     patches[p].n_faces = count[p];
     for (int axis = 0; axis < 3; ++axis)
       if (count[p] > 0 && off_axis[3 * p + at(axis)] == 0) patches[p].axis = axis;
+    if (patches[p].axis >= 0) patches[p].level = comm.max(highest[3 * p + at(patches[p].axis)]);
   }
   return patches;
 }
@@ -160,7 +177,7 @@ Domain make_domain(const par::Comm& comm, const mesh::DistMesh& mesh, const Case
       domain.node_patches[at(node)] |= std::uint64_t{1} << static_cast<unsigned>(face.patch);
   domain.nodes.join_copies(comm, domain.node_patches, [](std::uint64_t a, std::uint64_t b) { return a | b; });
   require_bodies(comm, domain, problem, where);
-  domain.patches = measure(comm, mesh.info.patches.size(), domain.faces);
+  domain.patches = measure(comm, mesh.info.patches.size(), domain.point, domain.faces);
   for (std::size_t p = 0; p < domain.patches.size(); ++p)
     if (domain.patches[p].n_faces > 0 && problem.find_boundary(mesh.info.patches[p].name) == nullptr)
       throw Error(fmt::format("{}: expected a table [boundary.{}] for that patch of the mesh, found none", where,
@@ -179,12 +196,12 @@ Memory memory_needed(const mesh::DistMesh& mesh, const Case& problem) {
   Memory memory;
   memory.n_entries = n_nodes + 2 * n_edges;
   memory.mesh = static_cast<std::int64_t>(mesh::bytes_at_rest(mesh));
-  // Two matrices of 8 + 4 bytes an entry, or one and the rows that it is assembled from. Some 45 numbers a node:
-  // conditions, vectors of the solvers, gradients, fields of the answer. 9 a cell: gradients and error estimates.
+  // Two matrices of 8 + 4 bytes an entry, or one and the rows that it is assembled from. Some 55 numbers a node:
+  // conditions, vectors of the solvers, gradients, fields of the answer. 11 a cell: gradients and error estimates.
   memory.program = 50'000'000;
-  memory.solve = 24 * memory.n_entries + 360 * n_nodes + 72 * n_cells + 56 * n_outer_faces;
+  memory.solve = 24 * memory.n_entries + 440 * n_nodes + 88 * n_cells + 56 * n_outer_faces;
   // The multigrid hierarchy: hypre's copy of the matrix, its coarser ones and what moves between them.
-  if (problem.solver.preconditioner == "boomeramg") memory.solve += 60 * memory.n_entries;
+  if (problem.solver.preconditioner == "boomeramg") memory.solve += 95 * memory.n_entries;
   return memory;
 }
 

@@ -34,6 +34,7 @@ struct PatchShape {
   std::int64_t n_faces = 0;
   /// Axis (0, 1, 2) of the normal where the patch is flat and normal to an axis; -1 elsewhere.
   int axis = -1;
+  double level = 0;  ///< its coordinate on that axis
 };
 
 /// A mesh in Debye lengths with what the finite elements need: who owns which node, lumped volumes, boundary faces.

@@ -7,6 +7,7 @@
 
 #include "pamr/base/error.hpp"
 #include "pamr/mesh/require_field.hpp"
+#include "solvers/poisson_boltzmann/source_term.hpp"
 
 namespace pamr::poisson_boltzmann {
 
@@ -17,12 +18,12 @@ std::vector<double> initial_guess(const par::Comm& comm, const mesh::DistMesh& m
   std::vector<double> u(potential.begin(), potential.end());
   bool is_bad = false;
   for (std::size_t i = 0; i < u.size(); ++i) {
-    is_bad = is_bad || !std::isfinite(u[i]) || std::abs(u[i]) > largest_potential;
+    is_bad = is_bad || !std::isfinite(u[i]) || std::abs(u[i]) > largest_argument;
     u[i] -= conditions.psi0[i];
   }
   if (comm.any(is_bad))
     throw Error(fmt::format("{}: field \"{}\": expected potentials within {:g} kT/Ze, found others", where, field,
-                            largest_potential));
+                            largest_argument));
   return u;
 }
 

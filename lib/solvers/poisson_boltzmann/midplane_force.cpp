@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "solvers/poisson_boltzmann/midplane_force.hpp"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "pamr/base/index.hpp"
 #include "solvers/poisson_boltzmann/quadrature.hpp"
@@ -35,25 +37,27 @@ std::array<Vec3, 3> triangle_gradients(const Domain& domain, const BoundaryFace&
 /// The excess on a triangle of a mirror.
 class MirrorTriangle {
  public:
-  MirrorTriangle(const Domain& domain, const BoundaryFace& face, const Excess& excess)
-      : face_(face), excess_(excess), gradients(triangle_gradients(domain, face)) {
+  MirrorTriangle(const Problem& problem, const BoundaryFace& face, const Excess& excess)
+      : problem_(problem), face_(face), excess_(excess), gradients(triangle_gradients(problem.domain, face)) {
     for (std::size_t k = 0; k < 3; ++k) gradient += excess.u[at(face.node[k])] * gradients[k];
   }
 
-  /// Calls `use(point, u, psi0)` for each point of the quadrature rule.
+  /// Calls `use(point, u, psi0)` for each point of the quadrature rule. psi0 is the profile at the point: between its
+  /// values at the nodes a straight line is far above it near a plate of high potential.
   template <class Use>
   void at_points(const Use& use) const {
     for (const auto& point : triangle_points) {
-      double u = 0, psi0 = 0;
+      double u = 0, z = 0;
       for (std::size_t k = 0; k < 3; ++k) {
         u += point.weight_of_corner[k] * excess_.u[at(face_.node[k])];
-        psi0 += point.weight_of_corner[k] * excess_.psi0[at(face_.node[k])];
+        z += point.weight_of_corner[k] * problem_.domain.point[at(face_.node[k])].z;
       }
-      use(point, u, psi0);
+      use(point, u, problem_.profile.potential(z));
     }
   }
 
  private:
+  const Problem& problem_;
   const BoundaryFace& face_;
   const Excess& excess_;
 
@@ -69,7 +73,7 @@ double midplane_force(const par::Comm& comm, const State& state, const Excess& e
   std::array<par::ExactSum, 1> sum;
   for (const auto& face : problem.domain.faces) {
     if (face.patch != patch) continue;
-    const MirrorTriangle triangle(problem.domain, face, excess);
+    const MirrorTriangle triangle(problem, face, excess);
     double rest = 0;
     triangle.at_points([&](const TrianglePoint& point, double u, double psi0) {
       rest += point.weight * problem.term.convex_rest(u, psi0);
@@ -84,7 +88,7 @@ std::vector<double> midplane_derivative(const par::Comm& comm, const State& stat
   std::vector<double> result(problem.domain.point.size(), 0);
   for (const auto& face : problem.domain.faces) {
     if (face.patch != patch) continue;
-    const MirrorTriangle triangle(problem.domain, face, excess);
+    const MirrorTriangle triangle(problem, face, excess);
     for (std::size_t k = 0; k < 3; ++k)
       result[at(face.node[k])] += face.area * dot(triangle.gradient, triangle.gradients[k]);
     triangle.at_points([&](const TrianglePoint& point, double u, double psi0) {
@@ -96,24 +100,45 @@ std::vector<double> midplane_derivative(const par::Comm& comm, const State& stat
   return result;
 }
 
-Energy energy_of(const par::Comm& comm, const State& state, const Excess& excess) {
+double midplane_remainder(const par::Comm& comm, const State& state, int patch) {
   const auto& domain = state.problem.domain;
-  const auto& term = state.problem.term;
-  const auto& profile = state.problem.profile;
+  std::array<par::ExactSum, 1> sum;
+  for (const auto& face : domain.faces) {
+    if (face.patch != patch) continue;
+    const auto gradients = triangle_gradients(domain, face);
+    Vec3 gradient, total;
+    double squares = 0;
+    for (std::size_t k = 0; k < 3; ++k) gradient += state.u[at(face.node[k])] * gradients[k];
+    for (const auto node : face.node) {
+      const auto& recovered = state.recovered[at(node)];
+      const auto error = recovered - dot(recovered, face.normal) * face.normal - gradient;
+      total += error;
+      squares += squared_norm(error);
+    }
+    sum[0].add(0.5 * face.area / 12 * (squares + squared_norm(total)));
+  }
+  return par::reproducible_sums(comm, sum)[0];
+}
+
+Energy energy_of(const par::Comm& comm, const State& state, const Excess& excess) {
+  const auto& problem = state.problem;
+  const auto& domain = problem.domain;
   const auto& cells = domain.mesh->cell_to_node;
   std::array<par::ExactSum, 2> sums;
   for (std::size_t c = 0; c < cells.size(); ++c) {
     const auto shape = domain.shape(c);
     Vec3 total, rest, base;
-    double pressure = 0, rest_pressure = 0;
+    double pressure = 0, rest_pressure = 0, low = HUGE_VAL, high = -HUGE_VAL;
     for (std::size_t k = 0; k < 4; ++k) {
       const auto i = at(cells[c][k]);
       total += (excess.psi0[i] + excess.u[i]) * shape.gradient[k];
       rest += excess.u[i] * shape.gradient[k];
-      base.z += profile.slope(domain.point[i].z) / 4;
-      pressure += term.pressure(excess.psi0[i] + excess.u[i], 0) / 4;
-      rest_pressure += term.pressure(excess.u[i], excess.psi0[i]) / 4;
+      low = std::min(low, domain.point[i].z);
+      high = std::max(high, domain.point[i].z);
+      pressure += problem.term.pressure(excess.psi0[i] + excess.u[i], 0) / 4;
+      rest_pressure += problem.term.pressure(excess.u[i], excess.psi0[i]) / 4;
     }
+    base.z = problem.profile.mean_slope(low, high);
     sums[0].add(shape.volume * (0.5 * squared_norm(total) + pressure));
     sums[1].add(shape.volume * (0.5 * squared_norm(rest) + dot(rest, base) + rest_pressure));
   }

@@ -21,6 +21,10 @@ double midplane_force(const par::Comm& comm, const State& state, const Excess& e
 /// Its derivative by u at the nodes. Collective: one exchange.
 std::vector<double> midplane_derivative(const par::Comm& comm, const State& state, const Excess& excess, int patch);
 
+/// What the error of the gradient adds to it in second order: half of the integral of its square within the mirror, by
+/// recovered gradients. Collective: an exact sum.
+double midplane_remainder(const par::Comm& comm, const State& state, int patch);
+
 /// Integral of |grad psi|^2/2 + cosh psi - 1 over the mesh; `excess` less that of psi0 alone.
 struct Energy {
   double total = 0, excess = 0;

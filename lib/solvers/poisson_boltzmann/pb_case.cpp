@@ -68,13 +68,64 @@ SolverOptions read_solver(const TomlTable& table) {
   return solver;
 }
 
+constexpr std::array<std::pair<Goal::Kind, const char*>, 5> goal_kinds{{{Goal::Kind::midplane, "midplane"},
+                                                                        {Goal::Kind::force, "force"},
+                                                                        {Goal::Kind::torque, "torque"},
+                                                                        {Goal::Kind::charge, "charge"},
+                                                                        {Goal::Kind::energy, "energy"}}};
+
+/// "force-x", "charge"; `volume-x` is an older name of `force-x`. Nothing if it is no goal.
+std::optional<Goal> goal_named(const std::string& name) {
+  const auto dash = name.find('-');
+  auto word = name.substr(0, dash);
+  if (word == "volume") word = "force";
+  Goal goal;
+  goal.name = dash == std::string::npos ? word : word + name.substr(dash);
+  const auto axis = dash == std::string::npos ? std::string() : name.substr(dash + 1);
+  for (const auto& [kind, known] : goal_kinds) {
+    if (word != known) continue;
+    const bool has_axis = kind == Goal::Kind::force || kind == Goal::Kind::torque;
+    if (has_axis != (dash != std::string::npos) || (has_axis && axis != "x" && axis != "y" && axis != "z"))
+      return std::nullopt;
+    goal.kind = kind;
+    if (has_axis) goal.axis = axis[0] - 'x';
+    return goal;
+  }
+  return std::nullopt;
+}
+
+/// `goal = "force-x"`, or `goals = ["force-x", "force-z"]`, of `goal_patch`.
+std::vector<Goal> read_goals(const TomlTable& table) {
+  std::vector<std::string> names;
+  if (table.has("goals")) names = table.texts("goals");
+  const auto one = table.find_text("goal");
+  if (one && !names.empty()) table.refuse("goal", "either goal or goals", "both");
+  const std::string key = one ? "goal" : "goals";
+  if (one && *one != "none") names.push_back(*one);
+  const auto body = table.text_or("goal_patch", "");
+  std::vector<Goal> goals;
+  for (const auto& name : names) {
+    auto goal = goal_named(name);
+    if (!goal)
+      table.refuse(key,
+                   R"("none", "midplane", "force-x", "force-y", "force-z", "torque-x", "torque-y", "torque-z", )"
+                   R"("charge" or "energy")",
+                   "\"" + name + "\"");
+    if (goal->kind != Goal::Kind::midplane && goal->kind != Goal::Kind::energy) {
+      if (body.empty())
+        table.refuse(key, "goal_patch = \"PATCH OR BODY\" in [estimator] for goal \"" + name + "\"", "none");
+      goal->body = body;
+    }
+    goals.push_back(std::move(*goal));
+  }
+  return goals;
+}
+
 EstimatorOptions read_estimator(const TomlTable& table) {
   EstimatorOptions estimator;
   if (table.word_or("recovery", "volume-weighted", {"volume-weighted", "plain"}) == "plain")
     estimator.recovery = Recovery::plain;
-  estimator.goal =
-      table.word_or("goal", estimator.goal, {"none", "midplane", "volume-x", "volume-y", "volume-z", "charge"});
-  estimator.goal_patch = table.text_or("goal_patch", "");
+  estimator.goals = read_goals(table);
   return estimator;
 }
 
@@ -97,6 +148,7 @@ class Reader {
     if (const auto table = file_.find_table("pair")) read_pair(*table);
     if (const auto table = file_.find_table("plate"))
       result_.plate = Plate{table->text_or("patch", "plate"), unit_ * table->number_or("position", 0), 0};
+    for (const auto& table : file_.list("body")) read_body(table);
     if (const auto table = file_.find_table("boundary"))
       for (const auto& patch : table->all_tables()) result_.boundary.push_back(read_boundary(patch));
     if (const auto table = file_.find_table("solver")) result_.solver = read_solver(*table);
@@ -125,6 +177,15 @@ class Reader {
     result_.spheres.push_back({table.text_or("other_patch", ""), {-distance / 2, 0, height}, radius});
   }
 
+  void read_body(const TomlTable& table) {
+    Body body{table.text("name"), table.texts("patches"), {}};
+    if (body.patches.empty()) table.refuse("patches", "names of patches of the mesh");
+    if (table.has("center")) body.center = unit_ * table.point<geometry::Vec3>("center");
+    for (const auto& other : result_.bodies)
+      if (other.name == body.name) table.refuse("name", "another name for each [[body]]");
+    result_.bodies.push_back(std::move(body));
+  }
+
   Boundary read_boundary(const TomlTable& table) const {
     Boundary boundary;
     boundary.patch = table.name();
@@ -136,9 +197,12 @@ class Reader {
     if (boundary.condition == Condition::potential) {
       const auto unit = table.word_or("unit", "kT/Ze", {"kT/Ze", "V", "mV"});
       const double scale = unit == "V" ? 1 / units.potential : unit == "mV" ? 1e-3 / units.potential : 1;
-      boundary.value = scale * table.number("value");
-      if (!(std::abs(boundary.value) <= largest_potential))
-        table.refuse("value", fmt::format("a potential of at most {:g} kT/Ze (sinh overflows)", largest_potential),
+      boundary.value = scale * table.number("value", {-1e100, 1e100});
+      if (!result_.linear && !(std::abs(boundary.value) <= largest_potential))
+        table.refuse("value",
+                     fmt::format("a potential of at most {:g} kT/Ze (its layer is {:.1e} Debye lengths thick, which no "
+                                 "mesh can hold)",
+                                 largest_potential, layer_thickness(largest_potential, false)),
                      fmt::format("{:g} kT/Ze", boundary.value));
     } else if (boundary.condition == Condition::charge) {
       const auto unit = table.word_or("unit", "dimensionless", {"dimensionless", "C/m2"});
@@ -147,6 +211,10 @@ class Reader {
             fmt::format("{}: expected debye_length or concentration in [electrolyte] for a charge in C/m2, found none",
                         table.at("unit")));
       boundary.value = table.number("value", {-1e100, 1e100}) / (unit == "C/m2" ? *units.charge_density : 1);
+      const double potential = potential_of_charge(boundary.value, result_.linear);
+      if (!result_.linear && !(std::abs(potential) <= largest_potential))
+        table.refuse("value", fmt::format("a charge that makes a potential of at most {:g} kT/Ze", largest_potential),
+                     fmt::format("{:g}, which makes {:.4g} kT/Ze on a flat wall", boundary.value, potential));
     }
     return boundary;
   }
@@ -181,6 +249,23 @@ class Reader {
     }
   }
 
+  void check_bodies() const {
+    for (const auto& body : result_.bodies) {
+      for (const auto& patch : body.patches)
+        if (!result_.is_electrode(patch))
+          refuse(fmt::format("patches with condition \"potential\" or \"charge\" in [[body]] \"{}\"", body.name),
+                 "\"" + patch + "\"");
+      const bool is_alone = body.patches.size() == 1 && body.patches[0] == body.name;
+      if (!is_alone && result_.find_boundary(body.name) != nullptr)
+        refuse("names of [[body]] that are no patch's", "\"" + body.name + "\"");
+    }
+    bool has_sphere = false;
+    for (const auto& sphere : result_.spheres) has_sphere = has_sphere || !sphere.patch.empty();
+    if ((result_.force.inner || result_.force.outer) && !has_sphere)
+      refuse("a [[sphere]] with a patch for inner and outer in [force]",
+             "none: the cut-off functions of other bodies come from the mesh");
+  }
+
   void check() {
     if (result_.boundary.empty()) refuse("a table [boundary.PATCH] for every patch of the mesh", "none");
     if (result_.plate) {
@@ -202,11 +287,10 @@ class Reader {
     }
     if (!driven && !result_.manufactured)
       refuse("a patch with a given potential or charge", "none: the potential would be zero everywhere");
-    if (result_.estimator.goal == "midplane" && result_.force.midplane.empty())
-      refuse("midplane = \"PATCH\" in [force] for goal = \"midplane\"", "none");
-    const bool by_volume = result_.estimator.goal.rfind("volume", 0) == 0;
-    if ((by_volume || result_.estimator.goal == "charge") && result_.estimator.goal_patch.empty())
-      refuse("goal_patch = \"PATCH\" in [estimator] with goal = \"" + result_.estimator.goal + "\"", "none");
+    for (const auto& goal : result_.estimator.goals)
+      if (goal.kind == Goal::Kind::midplane && result_.force.midplane.empty())
+        refuse("midplane = \"PATCH\" in [force] for goal = \"midplane\"", "none");
+    check_bodies();
   }
 
   const TomlTable& file_;
@@ -231,6 +315,15 @@ const Boundary* Case::find_boundary(std::string_view patch) const {
     if (b.patch == patch) return &b;
   return nullptr;
 }
+
+bool Case::is_electrode(std::string_view patch) const {
+  const auto* b = find_boundary(patch);
+  return b != nullptr && (b->condition == Condition::potential || b->condition == Condition::charge);
+}
+
+double layer_thickness(double potential, bool linear) { return linear ? 1 : 1 / std::cosh(potential / 2); }
+
+double potential_of_charge(double density, bool linear) { return linear ? density : 2 * std::asinh(density / 2); }
 
 PlateProfile Case::profile() const {
   return plate ? PlateProfile(plate->potential, plate->position, linear) : PlateProfile();

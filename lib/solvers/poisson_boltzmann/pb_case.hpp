@@ -43,6 +43,22 @@ struct Plate {
   double potential = 0;  ///< kT/Ze
 };
 
+/// Patches of the mesh that are one body: forces, torques and charges are given for all of them together.
+struct Body {
+  std::string name;
+  std::vector<std::string> patches;
+  std::optional<geometry::Vec3> center;  ///< of the torque, Debye lengths; nothing: the centroid of the surface
+};
+
+/// A quantity whose error the dual solution estimates.
+struct Goal {
+  enum class Kind { midplane, force, torque, charge, energy };
+  Kind kind = Kind::force;
+  int axis = 0;      ///< of a force or a torque
+  std::string body;  ///< patch or body whose quantity it is; empty for `midplane` and `energy`
+  std::string name;  ///< "force-x"
+};
+
 enum class Quadrature { nodal, gauss };
 enum class Recovery { volume_weighted, plain };
 
@@ -56,14 +72,13 @@ struct SolverOptions {
 
 struct ForceOptions {
   std::string midplane;         ///< patch of the mirror between two spheres; empty: no mid-plane form
-  std::optional<double> inner;  ///< the cut-off function is 1 nearer to a sphere's surface, Debye lengths
+  std::optional<double> inner;  ///< the cut-off function of spheres is 1 nearer to the surface, Debye lengths
   std::optional<double> outer;  ///< and 0 farther away
 };
 
 struct EstimatorOptions {
   Recovery recovery = Recovery::volume_weighted;
-  std::string goal = "none";  ///< "midplane", "volume-x", "volume-y", "volume-z", "charge" (of patch `goal_patch`)
-  std::string goal_patch;
+  std::vector<Goal> goals;  ///< the first decides the report's `goal`
 };
 
 /// One problem as a case file states it, dimensionless.
@@ -76,17 +91,28 @@ struct Case {
   std::vector<Boundary> boundary;
   std::vector<Sphere> spheres;
   std::optional<Plate> plate;
+  std::vector<Body> bodies;  ///< as `[[body]]` states them
   SolverOptions solver;
   ForceOptions force;
   EstimatorOptions estimator;
 
   const Boundary* find_boundary(std::string_view patch) const;
+  /// True where that patch holds a charge or a potential: forces on it and its charge have a meaning.
+  bool is_electrode(std::string_view patch) const;
   /// psi0(z); 0 without a plate.
   PlateProfile profile() const;
 };
 
-/// Largest potential that is accepted, kT/Ze: beyond it the squares of sinh overflow.
-inline constexpr double largest_potential = 300;
+/// Largest potential that is accepted where the equation is not linear, kT/Ze: there the layer at a wall is 3e-11 Debye
+/// lengths thick, which neither a mesh nor the coordinates of one can hold, and its profile is the same as that of any
+/// larger potential but for that layer.
+inline constexpr double largest_potential = 50;
+
+/// Thickness of the layer of a wall of that potential, Debye lengths: 1/cosh(psi/2), the Gouy-Chapman length
+/// 2 exp(-psi/2) for large potentials and 1 for small ones. It is psi'/psi'' in front of a flat wall.
+double layer_thickness(double potential, bool linear);
+/// Potential of a flat wall with that charge density: 2 asinh(sigma/2).
+double potential_of_charge(double density, bool linear);
 
 /// Debye lengths in one `unit` ("debye", "m", "um", "nm"), or nothing when the unit is unknown. Throws `Error` when the
 /// unit is a length and the electrolyte has no Debye length.
@@ -96,6 +122,7 @@ std::optional<double> debye_lengths_in(std::string_view unit, const Electrolyte&
 /// Throws `Error`
 /// - with file, line and column for TOML errors, unknown keys, wrong types and values out of range;
 /// - for salts that are not Z:Z, spheres that overlap or touch the plate, and lengths that contradict each other;
+/// - for potentials beyond `largest_potential`, or charges that make such;
 /// - when no patch has a given potential or charge.
 Case read_case(std::string_view text, const std::string& where);
 

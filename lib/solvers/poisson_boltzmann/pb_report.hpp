@@ -20,6 +20,9 @@ nlohmann::json seconds_of(std::span<const StepTime> steps, double StepTime::*sec
 
 /// Forces, charges and error in lines for the user. Local.
 std::vector<std::string> describe_results(const Case& input, const Analysis& analysis);
+/// A line for each patch whose layer of counterions the mesh does not resolve: what that costs and what mends it.
+/// Local.
+std::vector<std::string> describe_layers(const Analysis& analysis);
 /// How far a solve came that has not converged, in one line. Local.
 std::string describe_failure(const Solution& solution);
 

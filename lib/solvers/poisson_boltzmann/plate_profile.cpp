@@ -1,18 +1,40 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "solvers/poisson_boltzmann/plate_profile.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace pamr::poisson_boltzmann {
 
 PlateProfile::PlateProfile(double potential, double position, bool linear)
-    : amplitude_(linear ? potential : std::tanh(potential / 4)), position_(position), linear_(linear) {}
+    : potential_(potential), small_(std::exp(-std::abs(potential) / 2)), position_(position), linear_(linear) {}
 
-double PlateProfile::potential(double z) const {
-  const double decayed = amplitude_ * std::exp(position_ - z);
-  return linear_ ? decayed : 4 * std::atanh(decayed);
+PlateProfile::Terms PlateProfile::terms(double z) const {
+  const double height = std::max(0.0, z - position_);
+  const double t = std::exp(-height), rest = -std::expm1(-height);  // 1 - t without cancellation
+  return {t, (1 + t) + small_ * rest, rest + small_ * (1 + t)};
 }
 
-double PlateProfile::slope(double z) const { return linear_ ? -potential(z) : -2 * std::sinh(potential(z) / 2); }
+double PlateProfile::potential(double z) const {
+  if (linear_) return potential_ * std::exp(-std::max(0.0, z - position_));
+  const auto [t, numerator, denominator] = terms(z);
+  const double difference = -2 * t * std::expm1(-std::abs(potential_) / 2);  // N - D
+  return std::copysign(2 * std::log1p(difference / denominator), potential_);
+}
+
+double PlateProfile::slope(double z) const {
+  if (linear_) return -potential(z);
+  const auto [t, numerator, denominator] = terms(z);
+  const double product = -2 * t * std::expm1(-std::abs(potential_));  // (N - D)(N + D) / 2
+  return -std::copysign(2 * product / (numerator * denominator), potential_);
+}
+
+double PlateProfile::mean_slope(double z, double other) const {
+  const double difference = other - z;
+  // Over a thousandth of a Debye length the slope at the middle is as good, and nothing cancels.
+  const double thin = std::abs(difference);
+  if (thin <= 1e-3 * std::min(1.0, std::max(0.0, std::min(z, other) - position_))) return slope(z + difference / 2);
+  return (potential(other) - potential(z)) / difference;
+}
 
 }  // namespace pamr::poisson_boltzmann

@@ -74,10 +74,14 @@ void System::eliminate_fixed() {
   require(MatZeroRowsColumns(jacobian_, static_cast<PetscInt>(fixed.size()), fixed.data(), 1.0, nullptr, nullptr));
 }
 
-void System::configure(SNES snes) {
-  KSP ksp = nullptr;
+void System::restore_jacobian() {
+  require(MatCopy(stiffness_, jacobian_, SAME_NONZERO_PATTERN));
+  eliminate_fixed();
+  has_jacobian_ = true;
+}
+
+void System::configure(KSP ksp) const {
   PC pc = nullptr;
-  require(SNESGetKSP(snes, &ksp));
   require(KSPSetType(ksp, KSPCG));
   require(KSPGetPC(ksp, &pc));
   if (problem_.input.solver.preconditioner == "boomeramg") {
@@ -87,6 +91,12 @@ void System::configure(SNES snes) {
     require(PCSetType(pc, PCJACOBI));
   }
   require(KSPSetNormType(ksp, KSP_NORM_UNPRECONDITIONED));
+}
+
+void System::configure(SNES snes) {
+  KSP ksp = nullptr;
+  require(SNESGetKSP(snes, &ksp));
+  configure(ksp);
   // Solving early Newton steps roughly halves the linear work (S. C. Eisenstat, H. F. Walker, SIAM J. Sci. Comput. 17
   // (1996), choice 2).
   if (!problem_.input.linear) {
@@ -184,11 +194,8 @@ void System::add_gauss_matrix(const std::vector<double>& u) {
 
 void System::linearize(Vec u) {
   const bool nodal = problem_.input.solver.quadrature == Quadrature::nodal;
-  if (!nodal) {
-    require(MatCopy(stiffness_, jacobian_, SAME_NONZERO_PATTERN));
-    eliminate_fixed();
-    add_gauss_matrix(local_values(u));
-  }
+  if (!nodal || !has_jacobian_) restore_jacobian();
+  if (!nodal) add_gauss_matrix(local_values(u));
   require(nodal ? VecCopy(diagonal_, updated_) : MatGetDiagonal(jacobian_, updated_));
   {
     const ConstEntries value(u);
@@ -241,6 +248,10 @@ Solution System::solve(std::span<const double> start, const std::function<void(c
   set_owned(unknown_, first);
   residual(unknown_, work_, false);
   require(VecNorm(work_, NORM_2, &solution.first_residual));
+  if (!std::isfinite(solution.first_residual)) {
+    solution.reason = "the residual of the potential that is 0 off the boundary is no number";
+    return solution;
+  }
   if (!start.empty()) {
     for (std::size_t i = 0; i < first.size(); ++i)
       if (conditions_.fixed[i] == 0) first[i] = start[i];
@@ -252,15 +263,16 @@ Solution System::solve(std::span<const double> start, const std::function<void(c
   require(SNESSetTolerances(snes_, std::max(options.tolerance * solution.first_residual, 1e-300), 0, 0,
                             options.max_newton, 1000000));
   require(SNESMonitorSet(snes_, monitor, &context, nullptr));
-  require(SNESSolve(snes_, nullptr, unknown_));
+  const auto code = SNESSolve(snes_, nullptr, unknown_);
+  if (code != PETSC_ERR_FP) require(code);  // that one says that a number was beyond floating point
   require(SNESMonitorCancel(snes_));
 
   SNESConvergedReason reason = SNES_CONVERGED_ITERATING;
   require(SNESGetConvergedReason(snes_, &reason));
-  solution.converged = reason > 0;
+  solution.converged = code == 0 && reason > 0;
   const char* text = nullptr;
   require(SNESGetConvergedReasonString(snes_, &text));
-  solution.reason = text == nullptr ? "" : text;
+  solution.reason = code != 0 ? "a number beyond floating point" : text == nullptr ? "" : text;
   PetscInt newton = 0, linear = 0;
   require(SNESGetIterationNumber(snes_, &newton));
   require(SNESGetLinearSolveIterations(snes_, &linear));
@@ -273,6 +285,10 @@ Solution System::solve(std::span<const double> start, const std::function<void(c
   residual(unknown_, work_, true);
   solution.reaction = local_values(work_);
   solution.u = local_values(unknown_);
+  if (!std::isfinite(solution.residual)) {
+    solution.converged = false;
+    solution.reason = "the residual is no number";
+  }
   return solution;
 }
 
@@ -296,13 +312,57 @@ std::vector<double> System::solve_linearised(std::span<const double> load, std::
       entries[k] = conditions_.fixed[i] != 0 ? given[i] : right[i] - entries[k];
     }
   }
-  KSP ksp = nullptr;
-  require(SNESGetKSP(snes_, &ksp));
-  require(KSPSetTolerances(ksp, 1e-8, 0, PETSC_DEFAULT, 100000));
-  require(KSPSetInitialGuessNonzero(ksp, PETSC_FALSE));
-  require(KSPSetOperators(ksp, jacobian_, jacobian_));
-  require(KSPSolve(ksp, f, w));
+  solve_linear(f, w, 1e-6);
   return local_values(w);
+}
+
+void System::solve_linear(Vec right, Vec result, double tolerance) {
+  // Not that of Newton's method, which sets its own tolerance before every solve; the memory of its preconditioner
+  // goes.
+  if (linear_ == nullptr) {
+    KSP of_newton = nullptr;
+    require(SNESGetKSP(snes_, &of_newton));
+    require(KSPReset(of_newton));
+    require(KSPCreate(comm_.handle(), linear_.address()));
+    configure(linear_);
+    require_options(KSPSetFromOptions(linear_));
+    require(KSPSetInitialGuessNonzero(linear_, PETSC_FALSE));
+  }
+  require(KSPSetTolerances(linear_, tolerance, 0, PETSC_DEFAULT, 100000));
+  require(KSPSetOperators(linear_, jacobian_, jacobian_));
+  require(KSPSolve(linear_, right, result));
+}
+
+std::vector<double> System::harmonic(std::uint64_t one, std::uint64_t zero) {
+  if (has_jacobian_) require(MatCopy(stiffness_, jacobian_, SAME_NONZERO_PATTERN));
+  has_jacobian_ = false;
+  const auto& patches = domain_.node_patches;
+  std::vector<double> given(domain_.point.size(), 0);
+  for (std::size_t i = 0; i < given.size(); ++i)
+    if ((patches[i] & one) != 0) given[i] = 1;
+  // Solved for what is missing from the given values: 0 where they hold, which a large diagonal entry sees to.
+  Vector w, f;
+  require(VecDuplicate(unknown_, w.address()));
+  require(VecDuplicate(unknown_, f.address()));
+  set_owned(w, given);
+  require(MatMult(stiffness_, w, f));
+  require(VecScale(f, -1));
+  require(MatGetDiagonal(stiffness_, updated_));
+  {
+    Entries right(f), diagonal(updated_);
+    const auto& owned = domain_.nodes.owned();
+    for (std::size_t k = 0; k < owned.size(); ++k) {
+      if ((patches[at(owned[k])] & (one | zero)) == 0) continue;
+      right[k] = 0;
+      diagonal[k] *= 1e12;
+    }
+  }
+  require(MatDiagonalSet(jacobian_, updated_, INSERT_VALUES));
+  solve_linear(f, w, 1e-3);
+  auto result = local_values(w);
+  for (std::size_t i = 0; i < result.size(); ++i)
+    result[i] = (patches[i] & (one | zero)) != 0 ? given[i] : result[i] + given[i];
+  return result;
 }
 
 double System::gradient_energy(std::span<const double> local) const {

@@ -52,6 +52,10 @@ class System {
   /// `load` at the free nodes. Collective.
   std::vector<double> solve_linearised(std::span<const double> load, std::span<const double> value);
 
+  /// The discrete harmonic function that is 1 on the patches of `one`, 0 on those of `zero` (bit p for patch p; `one`
+  /// decides where they meet) and free elsewhere, to 1e-3: a linear system with the stiffness matrix. Collective.
+  std::vector<double> harmonic(std::uint64_t one, std::uint64_t zero);
+
   /// u . K u, the energy of the gradient. Collective.
   double gradient_energy(std::span<const double> local) const;
 
@@ -61,11 +65,14 @@ class System {
   void residual(Vec u, Vec f, bool with_fixed) const;
   void linearize(Vec u);
   void eliminate_fixed();
+  void restore_jacobian();
+  void solve_linear(Vec right, Vec result, double tolerance);
   template <class Use>
   void at_gauss_points(std::size_t cell, const std::vector<double>& u, const Use& use) const;
   void add_gauss(const std::vector<double>& u, std::vector<double>& to) const;
   void add_gauss_matrix(const std::vector<double>& u);
   void configure(SNES snes);
+  void configure(KSP ksp) const;
   void set_owned(Vec vector, std::span<const double> local) const;
   std::vector<double> local_values(Vec vector) const;
   void find_worst(Vec f, Solution& solution) const;
@@ -75,9 +82,11 @@ class System {
   const Domain& domain_;          ///< of the problem
   const Conditions& conditions_;  ///< of the problem
   Matrix stiffness_, jacobian_;
-  Vector diagonal_;  ///< of the stiffness, 1 at fixed nodes
+  bool has_jacobian_ = true;  ///< off its diagonal; false after `harmonic`
+  Vector diagonal_;           ///< of the stiffness, 1 at fixed nodes
   Vector unknown_, work_, updated_;
   NonlinearSolver snes_;
+  LinearSolver linear_;  ///< of dual and harmonic functions; made when the first is asked for
 };
 
 }  // namespace pamr::poisson_boltzmann

@@ -8,8 +8,8 @@ namespace pamr::poisson_boltzmann {
 double SourceTerm::value(double u, double psi0) const {
   if (linear_) return u;
   const double psi = psi0 + u;
-  if (std::abs(psi) > largest_potential) {
-    const double end = std::copysign(largest_potential, psi);
+  if (std::abs(psi) > largest_argument) {
+    const double end = std::copysign(largest_argument, psi);
     return std::sinh(end) + (psi - end) * std::cosh(end) - std::sinh(psi0);
   }
   return 2 * std::cosh(psi0 + u / 2) * std::sinh(u / 2);
@@ -17,13 +17,15 @@ double SourceTerm::value(double u, double psi0) const {
 
 double SourceTerm::slope(double u, double psi0) const {
   if (linear_) return 1;
-  return std::cosh(std::min(std::abs(psi0 + u), largest_potential));
+  return std::cosh(std::min(std::abs(psi0 + u), largest_argument));
 }
 
 double SourceTerm::pressure(double u, double psi0) const {
   if (linear_) return u * (psi0 + u / 2);
   return 2 * std::sinh(psi0 + u / 2) * std::sinh(u / 2);
 }
+
+double SourceTerm::pressure_slope(double u, double psi0) const { return linear_ ? psi0 + u : std::sinh(psi0 + u); }
 
 double SourceTerm::convex_rest(double u, double psi0) const {
   if (linear_) return u * u / 2;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "solvers/poisson_boltzmann/surface_force.hpp"
 
+#include <array>
+
 #include "pamr/base/index.hpp"
 #include "solvers/poisson_boltzmann/wall_stress.hpp"
 
@@ -13,7 +15,32 @@ namespace {
 /// The sums of one patch.
 struct FaceSums {
   VectorSum raw, recovered, reaction;
-  par::ExactSum charge;
+  std::array<par::ExactSum, 2> charge_and_potential;
+};
+
+/// The same when they are added up, of a patch or of several.
+struct FaceTotals {
+  Vec3 raw, recovered, reaction;
+  double charge = 0, potential = 0, area = 0;
+  bool is_fixed = true;  ///< the potential of all is given
+  Layer layer{.is_known = true};
+
+  void add(const FaceTotals& other) {
+    raw += other.raw;
+    recovered += other.recovered;
+    reaction += other.reaction;
+    charge += other.charge;
+    potential += other.potential;
+    area += other.area;
+    is_fixed = is_fixed && other.is_fixed;
+    const bool is_known = layer.is_known && other.layer.is_known;
+    const bool is_lost = layer.is_lost || other.layer.is_lost;
+    const double n_cells = layer.n_cells + other.layer.n_cells;
+    if (other.layer.ratio >= layer.ratio) layer = other.layer;
+    layer.is_known = is_known;
+    layer.is_lost = is_lost;
+    layer.n_cells = n_cells;
+  }
 };
 
 /// What one boundary face adds to its patch.
@@ -28,28 +55,28 @@ class FaceTerms {
     const auto& b = *boundary_[at(face.patch)];
     const Vec3 n = -face.normal;  // from the body into the liquid
     const double third = face.area / 3;
-    double mean_slope = 0, mean_pressure = 0, charge = 0;
+    double mean_pressure = 0, charge = 0, potential = 0;
     Vec3 recovered, reaction;
     for (const auto node : face.node) {
       const auto i = at(node);
       const double slope = problem_.split_slope(problem_.domain.point[i].z);
       const double pressure = problem_.term.pressure(state_.u[i], problem_.conditions.psi0[i]);
-      mean_slope += slope / 3;
       mean_pressure += pressure / 3;
       const Vec3 base{0, 0, slope};
-      recovered += third * (stress(state_.recovered[i] + base, n) - stress(base, n) - pressure * n);
+      recovered += third * (added_stress(state_.recovered[i], base, n) - pressure * n);
       const auto by_reaction =
           is_fixed(b) ? reaction_charge(problem_, state_.reaction, face.normal, i) : std::optional<double>();
       const double density = by_reaction ? *by_reaction : outward_slope(b, face, i);
       charge += third * density;
-      reaction += third * (stress(density * n, n) - stress(base, n) - pressure * n);
+      potential += third * (problem_.conditions.psi0[i] + state_.u[i]);
+      reaction += third * (added_stress(-density * n - base, base, n) - pressure * n);
     }
-    const Vec3 base{0, 0, mean_slope};
-    const Vec3 raw = state_.cell_gradient[at(face.cell)] + base;
-    sums.raw.add(face.area * (stress(raw, n) - stress(base, n) - mean_pressure * n));
+    const Vec3 base{0, 0, problem_.split_slope(face.node)};
+    sums.raw.add(face.area * (added_stress(state_.cell_gradient[at(face.cell)], base, n) - mean_pressure * n));
     sums.recovered.add(recovered);
     sums.reaction.add(reaction);
-    sums.charge.add(charge);
+    sums.charge_and_potential[0].add(charge);
+    sums.charge_and_potential[1].add(potential);
   }
 
   static bool is_fixed(const Boundary& b) {
@@ -75,30 +102,70 @@ class FaceTerms {
   std::vector<const Boundary*> boundary_;
 };
 
-}  // namespace
-
-std::vector<PatchResult> surface_results(const par::Comm& comm, const State& state) {
+/// Totals of each patch of the mesh. Collective: exact sums.
+std::vector<FaceTotals> totals_of_patches(const par::Comm& comm, const State& state, const Layers& layers) {
   const auto& domain = state.problem.domain;
   const auto& patches = domain.mesh->info.patches;
   std::vector<FaceSums> sums(patches.size());
   const FaceTerms terms(state);
   for (const auto& face : domain.faces) terms.add(face, sums[at(face.patch)]);
+  std::vector<FaceTotals> result(patches.size());
+  for (std::size_t p = 0; p < patches.size(); ++p) {
+    auto& totals = result[p];
+    const auto scalars = par::reproducible_sums(comm, sums[p].charge_and_potential);
+    totals.charge = scalars[0];
+    totals.potential = scalars[1];
+    totals.area = domain.patches[p].area;
+    totals.raw = sums[p].raw.total(comm);
+    totals.recovered = sums[p].recovered.total(comm);
+    totals.reaction = sums[p].reaction.total(comm);
+    totals.layer = layers.patches[p];
+    const auto* b = state.problem.input.find_boundary(patches[p].name);
+    totals.is_fixed = b != nullptr && b->condition == Condition::potential;
+  }
+  return result;
+}
+
+PatchResult result_of(const std::string& name, const FaceTotals& totals, const Mirrors& mirrors,
+                      const Electrode* electrode) {
+  PatchResult result;
+  result.name = name;
+  result.electrode = electrode;
+  result.symmetry_factor = mirrors.factor;
+  result.area = totals.area;
+  result.layer = totals.layer;
+  result.mean_potential = totals.area > 0 ? totals.potential / totals.area : 0;
+  // The charge of a plate whose profile is split off is exact but for a small part.
+  if (!totals.layer.is_lost || totals.layer.is_known) {
+    result.charge = mirrors.factor * totals.charge;
+    result.charge_density = totals.area > 0 ? totals.charge / totals.area : 0;
+  }
+  if (electrode == nullptr || totals.layer.is_lost) return result;
+  result.surface = mirrors.complete(totals.raw);
+  result.surface_recovered = mirrors.complete(totals.recovered);
+  if (totals.is_fixed) result.surface_reaction = mirrors.complete(totals.reaction);
+  return result;
+}
+
+}  // namespace
+
+std::vector<PatchResult> surface_results(const par::Comm& comm, const State& state,
+                                         std::span<const Electrode> electrodes, const Layers& layers) {
+  const auto& patches = state.problem.domain.mesh->info.patches;
+  const auto totals = totals_of_patches(comm, state, layers);
   std::vector<PatchResult> results;
   for (std::size_t p = 0; p < patches.size(); ++p) {
-    const auto& mirrors = state.mirrors[p];
-    PatchResult result;
-    result.name = patches[p].name;
-    result.symmetry_factor = mirrors.factor;
-    result.area = domain.patches[p].area;
-    const double charge = par::reproducible_sums(comm, std::span(&sums[p].charge, 1))[0];
-    result.charge = mirrors.factor * charge;
-    result.charge_density = result.area > 0 ? charge / result.area : 0;
-    result.surface = mirrors.complete(sums[p].raw.total(comm));
-    result.surface_recovered = mirrors.complete(sums[p].recovered.total(comm));
-    const auto reaction = mirrors.complete(sums[p].reaction.total(comm));
-    const auto* b = state.problem.input.find_boundary(patches[p].name);
-    if (b != nullptr && b->condition == Condition::potential) result.surface_reaction = reaction;
-    results.push_back(result);
+    const Electrode* electrode = nullptr;
+    for (const auto& candidate : electrodes)
+      if (candidate.name == patches[p].name) electrode = &candidate;
+    results.push_back(result_of(patches[p].name, totals[p], state.mirrors[p], electrode));
+  }
+  for (const auto& electrode : electrodes) {
+    if (state.problem.domain.patch_number(electrode.name) >= 0) continue;
+    FaceTotals sum;
+    for (std::size_t p = 0; p < patches.size(); ++p)
+      if (electrode.has(static_cast<int>(p))) sum.add(totals[p]);
+    results.push_back(result_of(electrode.name, sum, electrode.mirrors, &electrode));
   }
   return results;
 }

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <optional>
 #include <span>
 #include <vector>
 
@@ -9,28 +8,34 @@
 
 namespace pamr::poisson_boltzmann {
 
-/// Cut-off function around a body at the nodes: 1 nearer than `inner` to its surface, 0 beyond `outer`, smooth between.
-struct CutOff {
-  std::vector<double> chi;  ///< n_nodes
-  double inner = 0, outer = 0;
+/// One component of a force, or of a torque about a point, as the direction that the stress is weighted with.
+struct Component {
+  int axis = 0;
+  bool is_torque = false;
+  geometry::Vec3 center;  ///< of a torque
+
+  geometry::Vec3 at(geometry::Vec3 point) const;
 };
 
-/// The cut-off function around a sphere with that patch.
-/// - `outer` is at most 0.95 of the distance to the nearest other boundary and 4 Debye lengths, `inner` half of it.
-///   Mirrors that cut the sphere are no other boundary.
-/// - Nothing if another boundary touches the sphere.
-/// - Collective: a reduction. Throws `Error` when the case asks for more room than there is.
-std::optional<CutOff> make_cut_off(const par::Comm& comm, const State& state, const Sphere& sphere, int patch);
+/// Force and torque on what a cut-off function belongs to, on the meshed part.
+struct VolumeForm {
+  geometry::Vec3 force, torque;
+  geometry::Vec3 through_walls;  ///< part of `force` that comes from the open walls
+};
 
-/// The same for the plate, by the height over it: it ends below the spheres. Holds where the side walls are mirrors or
-/// so far away that the potential there is that of the profile. Pre: the case has a plate. Collective: a reduction.
-CutOff make_plate_cut_off(const par::Comm& comm, const State& state);
+/// f = - integral of T grad chi + integral of chi T n over the open walls, n out of the liquid, and the torque about
+/// `center`, in which (x - center) x (T grad chi) takes the place of T grad chi: it has the same value for every chi,
+/// because T is symmetric and free of divergence. T = grad psi grad psi - (|grad psi|^2/2 + cosh psi - 1) 1 less that
+/// of psi0. `chi` is that of the nodes, bit p of `open_walls` stands for patch p. Collective: exact sums.
+VolumeForm volume_form(const par::Comm& comm, const State& state, std::span<const double> chi,
+                       std::uint64_t open_walls = 0, geometry::Vec3 center = {});
+/// Derivative of one component by u at the nodes, but for what open walls give. Collective: one exchange.
+std::vector<double> volume_form_derivative(const par::Comm& comm, const State& state, std::span<const double> chi,
+                                           const Component& component);
 
-/// f_i = - integral of T_ij d_j chi, on the meshed part. T = grad psi grad psi - (|grad psi|^2/2 + cosh psi - 1) 1 less
-/// that of psi0. Collective: exact sums.
-geometry::Vec3 volume_force(const par::Comm& comm, const State& state, std::span<const double> chi);
-/// d f_axis / du at the nodes. Collective: one exchange.
-std::vector<double> volume_force_derivative(const par::Comm& comm, const State& state, std::span<const double> chi,
-                                            int axis);
+/// What the error of the gradient adds to one component in second order, by recovered gradients: as large as what the
+/// dual solution gives, because the stress is quadratic in the gradient. Collective: an exact sum.
+double volume_form_remainder(const par::Comm& comm, const State& state, std::span<const double> chi,
+                             const Component& component);
 
 }  // namespace pamr::poisson_boltzmann

@@ -14,6 +14,11 @@ inline geometry::Vec3 stress(geometry::Vec3 g, geometry::Vec3 n, double pressure
   return dot(g, n) * g - (0.5 * squared_norm(g) + pressure) * n;
 }
 
+/// `stress(base + g, n)` less `stress(base, n)` without cancellation, however large `base` is. Local.
+inline geometry::Vec3 added_stress(geometry::Vec3 g, geometry::Vec3 base, geometry::Vec3 n) {
+  return dot(g + base, n) * g + dot(g, n) * base - (0.5 * squared_norm(g) + dot(g, base)) * n;
+}
+
 /// Charge density -dpsi/dn of a wall at one of its nodes by the nodal reaction, the charge that holds the given
 /// potential there, with that of the split-off profile; nothing where no potential is given. `normal` points out of the
 /// liquid. Local.

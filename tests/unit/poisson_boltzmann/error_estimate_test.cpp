@@ -68,12 +68,37 @@ TEST(Goal, PointsToTheMirrorWhoseForceIsAsked) {
   const auto analysis = solved.analysis(comm);
 
   ASSERT_EQ(analysis.goal.size(), solved.mesh.cell_to_node.size());
-  EXPECT_GT(analysis.goal_value, 0);
-  EXPECT_GT(analysis.goal_error, 0);
+  ASSERT_EQ(analysis.goals.size(), 1U);
+  const auto& goal = analysis.goals[0];
+  EXPECT_GT(goal.value.value(), 0);
+  EXPECT_GT(goal.error_bound, 0);
   // The exact force per area is cosh(psi) - 1 at the mirror; the estimate is no smaller than the true error.
   Solved fine(comm, test::kuhn_cube(comm, 18),
               "[force]\nmidplane = \"xmin\"\n[estimator]\ngoal = \"midplane\"\n" + text);
-  EXPECT_LT(std::abs(fine.analysis(comm).goal_value - analysis.goal_value), analysis.goal_error);
+  EXPECT_LT(std::abs(fine.analysis(comm).goals[0].value.value() - goal.value.value()), goal.error_bound);
+}
+
+TEST(Goal, CorrectsEveryQuantityOfASlabAndItsBarHoldsTheTruth) {
+  par::Comm comm(MPI_COMM_WORLD);
+  // A wall at 2 and its image: the limit is extrapolated from two meshes by the order 2, which is tested.
+  const auto walls = cube_boundary("condition = \"symmetry\"", "xmax", "condition = \"potential\"\nvalue = 2") +
+                     "[estimator]\ngoals = [\"charge\", \"force-x\", \"energy\"]\ngoal_patch = \"xmax\"\n";
+  for (const std::string quadrature : {"nodal", "gauss"}) {
+    const auto goals = [&](int n) {
+      Solved solved(comm, test::kuhn_cube(comm, n), "[solver]\nquadrature = \"" + quadrature + "\"\n" + walls);
+      return solved.analysis(comm).goals;
+    };
+    const auto coarse = goals(5), fine = goals(10), finest = goals(20);
+
+    ASSERT_EQ(coarse.size(), 3U);
+    for (std::size_t g = 0; g < 3; ++g) {
+      const double a = coarse[g].value.value(), b = fine[g].value.value(), c = finest[g].value.value();
+      EXPECT_NEAR(std::log2((a - b) / (b - c)), 2, 0.25) << quadrature << coarse[g].goal.name;
+      const double limit = c + (c - b) / 3;
+      EXPECT_LT(std::abs(b + fine[g].correction - limit), 0.5 * std::abs(b - limit)) << quadrature << fine[g].goal.name;
+      EXPECT_LT(std::abs(b + fine[g].correction - limit), fine[g].error_bar) << quadrature << fine[g].goal.name;
+    }
+  }
 }
 
 }  // namespace

@@ -93,10 +93,6 @@ TEST(ReadCase, RefusesContradictoryLengths) {
   EXPECT_THAT(error_of("[force]\ninner = 2\nouter = 1\n" + wall), testing::HasSubstr("inner"));
 }
 
-TEST(ReadCase, RefusesAPotentialThatSinhCannotTake) {
-  EXPECT_THAT(error_of("[boundary.wall]\ncondition = \"potential\"\nvalue = 1000\n"), testing::HasSubstr("sinh"));
-}
-
 TEST(ReadCase, RefusesWhatDrivesNothing) {
   EXPECT_THAT(error_of("[boundary.wall]\ncondition = \"symmetry\"\n"), testing::HasSubstr("given potential or charge"));
   EXPECT_THAT(error_of("[boundary.wall]\ncondition = \"charge\"\nvalue = 0\n"),
@@ -131,6 +127,44 @@ TEST(DescribeCase, PrintsBothScales) {
   EXPECT_THAT(lines, testing::Contains(testing::HasSubstr("4.58811e-13 N")));
   EXPECT_THAT(lines, testing::Contains(testing::HasSubstr("1.181818 (3.25e-07 m)")));
   EXPECT_THAT(lines, testing::Contains(testing::HasSubstr("patch ball: potential 3 (0.0770777 V)")));
+}
+
+TEST(ReadCase, RefusesPotentialsWhoseLayerNoMeshCanHold) {
+  const std::string high = "[boundary.wall]\ncondition = \"potential\"\nvalue = 51\n";
+  EXPECT_THAT(error_of(high), testing::AllOf(testing::HasSubstr("at most 50 kT/Ze"), testing::HasSubstr("51 kT/Ze")));
+  EXPECT_EQ(error_of("[equation]\nlinear = true\n" + high), "no error");
+  EXPECT_EQ(error_of("[boundary.wall]\ncondition = \"potential\"\nvalue = -50\n"), "no error");
+  EXPECT_THAT(error_of("[boundary.wall]\ncondition = \"charge\"\nvalue = 1e12\n"),
+              testing::HasSubstr("a charge that makes a potential of at most 50"));
+}
+
+TEST(ReadCase, ReadsBodiesAndGoals) {
+  const auto problem = read_case(
+      "[[body]]\nname = \"scan\"\npatches = [\"ball\"]\ncenter = [1, 2, 3]\n[estimator]\n"
+      "goals = [\"volume-x\", \"torque-y\", \"energy\"]\ngoal_patch = \"scan\"\n" +
+          wall + sphere_boundary,
+      "case.toml");
+
+  ASSERT_EQ(problem.bodies.size(), 1U);
+  EXPECT_EQ(problem.bodies[0].center->z, 3);
+  ASSERT_EQ(problem.estimator.goals.size(), 3U);
+  EXPECT_EQ(problem.estimator.goals[0].name, "force-x");
+  EXPECT_EQ(problem.estimator.goals[1].kind, Goal::Kind::torque);
+  EXPECT_EQ(problem.estimator.goals[1].axis, 1);
+  EXPECT_EQ(problem.estimator.goals[2].body, "");
+}
+
+TEST(ReadCase, RefusesBodiesAndGoalsThatAreNone) {
+  const std::string body = "[[body]]\nname = \"scan\"\npatches = [\"ball\"]\n";
+  EXPECT_THAT(error_of("[[body]]\nname = \"wall\"\npatches = [\"ball\"]\n" + wall + sphere_boundary),
+              testing::HasSubstr("no patch's"));
+  EXPECT_THAT(error_of(body + wall), testing::HasSubstr("\"ball\""));
+  EXPECT_THAT(error_of(body + body + wall + sphere_boundary), testing::HasSubstr("another name"));
+  for (const std::string goal : {"force", "force-w", "charge-x", "drag"})
+    EXPECT_THAT(error_of("[estimator]\ngoal = \"" + goal + "\"\ngoal_patch = \"wall\"\n" + wall),
+                testing::HasSubstr("\"torque-z\""));
+  EXPECT_THAT(error_of("[estimator]\ngoal = \"force-x\"\n" + wall), testing::HasSubstr("goal_patch"));
+  EXPECT_THAT(error_of("[force]\nouter = 1\n" + wall), testing::HasSubstr("[[sphere]]"));
 }
 
 }  // namespace

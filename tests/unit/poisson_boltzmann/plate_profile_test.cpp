@@ -39,5 +39,29 @@ TEST(PlateProfile, IsZeroWithoutAPlate) {
   EXPECT_EQ(PlateProfile().slope(0.3), 0);
 }
 
+TEST(PlateProfile, LosesNoDigitsAtHighPotentials) {
+  for (const double potential : {20.0, 40.0, 50.0, 100.0, 600.0}) {
+    const PlateProfile profile(potential, 0, false);
+    EXPECT_DOUBLE_EQ(profile.potential(0), potential);
+    EXPECT_NEAR(profile.slope(0) / (-2 * std::sinh(potential / 2)), 1, 1e-12);
+    // Beyond its layer the profile is that of an infinite potential, 2 log coth(z/2).
+    for (const double z : {0.1, 1.0, 5.0, 40.0}) {
+      const double limit = 2 * std::log1p(2 * std::exp(-z) / -std::expm1(-z));
+      EXPECT_NEAR(profile.potential(z) / limit, 1, 1e-14 + 4 * std::exp(-potential / 2) * (1 + 1 / z))
+          << potential << " " << z;
+      EXPECT_NEAR(profile.slope(z) / (-2 * std::sinh(profile.potential(z) / 2)), 1, 1e-13);
+    }
+  }
+}
+
+TEST(PlateProfile, HasTheMeanSlopeOfItsDifferences) {
+  const PlateProfile profile(-4, 0.5, false), linear(2, 0, true);
+  EXPECT_NEAR(profile.mean_slope(0.5, 2), (profile.potential(2) + 4) / 1.5, 1e-14);
+  EXPECT_NEAR(profile.mean_slope(2, 0.5), profile.mean_slope(0.5, 2), 1e-14);
+  EXPECT_NEAR(profile.mean_slope(1, 1 + 1e-9), profile.slope(1), 1e-8);
+  EXPECT_NEAR(linear.mean_slope(1, 1), linear.slope(1), 1e-14);
+  EXPECT_LT(std::abs(PlateProfile(50, 0, false).mean_slope(0, 0.5)), 101);
+}
+
 }  // namespace
 }  // namespace pamr::poisson_boltzmann

@@ -50,8 +50,8 @@ TEST(Solve, GivesTheSameChargeAndEnergyOnAnyNumberOfRanks) {
   const auto analysis = solved.analysis(comm);
 
   // What one rank gives.
-  EXPECT_NEAR(analysis.patches[4].charge, 13.9503076365, 1e-7);
-  EXPECT_NEAR(analysis.energy.total, 20.6144970620, 1e-7);
+  EXPECT_NEAR(analysis.patches[4].charge.value(), 13.9503076365, 1e-7);
+  EXPECT_NEAR(analysis.energy.value().total, 20.6144970620, 1e-7);
   EXPECT_EQ(solved.solution.newton_iterations, 6);
 }
 
@@ -88,8 +88,8 @@ TEST(Solve, FindsNothingBesideThePlateProfileWhenItIsSplitOff) {
   const auto analysis = solved.analysis(comm);
 
   for (const double u : solved.solution.u) ASSERT_NEAR(u, 0, 1e-12);
-  EXPECT_NEAR(analysis.patches[4].charge, 12.100408962, 1e-9);
-  EXPECT_NEAR(analysis.energy.excess, 0, 1e-12);
+  EXPECT_NEAR(analysis.patches[4].charge.value(), 12.100408962, 1e-9);
+  EXPECT_NEAR(analysis.energy.value().excess, 0, 1e-12);
 }
 
 TEST(Solve, TakesAGivenChargeAndGivesItsPotential) {
@@ -104,7 +104,7 @@ TEST(Solve, TakesAGivenChargeAndGivesItsPotential) {
   for (std::size_t i = 0; i < solved.domain.point.size(); ++i)
     if (solved.domain.point[i].x == 0) at_wall = std::max(at_wall, solved.solution.u[i]);
   EXPECT_NEAR(comm.max(at_wall), 1.5 * std::cosh(1.0) / std::sinh(1.0), 5e-3);
-  EXPECT_NEAR(analysis.patches[0].charge, 1.5, 1e-12);
+  EXPECT_NEAR(analysis.patches[0].charge.value(), 1.5, 1e-12);
 }
 
 TEST(Solve, DecaysThroughAFarFieldWall) {
@@ -186,6 +186,38 @@ TEST(MakeConditions, CountsNodesWhereGivenPotentialsContradictEachOther) {
   Solved solved(comm, test::kuhn_cube(comm, 2), cube_boundary(potential(1), "zmin", potential(2)));
 
   EXPECT_EQ(solved.conditions.n_contradictions, 8);  // the rim of the bottom, 3 x 3 nodes without its middle
+}
+
+TEST(Harmonic, IsLinearBetweenFlatWallsAndLeavesTheSystemAsItWas) {
+  par::Comm comm(MPI_COMM_WORLD);
+  for (const std::string quadrature : {"nodal", "gauss"}) {
+    Solved solved(comm, test::random_mesh(comm, 6, 2),
+                  "[solver]\nquadrature = \"" + quadrature + "\"\n" + cube_boundary(mirrors, "zmin", potential(2)));
+    const auto bit = [&](const char* patch) {
+      return std::uint64_t{1} << static_cast<unsigned>(solved.domain.patch_number(patch));
+    };
+    const std::vector<double> load(solved.domain.point.size(), 1);
+    const auto before = solved.system.solve_linearised(load, {});
+
+    const auto harmonic = solved.system.harmonic(bit("zmin"), bit("zmax"));
+    const auto after = solved.system.solve_linearised(load, {});
+
+    for (std::size_t i = 0; i < harmonic.size(); ++i) {
+      ASSERT_NEAR(harmonic[i], 1 - solved.domain.point[i].z, 5e-3);
+      ASSERT_NEAR(before[i], after[i], 1e-4);
+    }
+  }
+}
+
+TEST(Solve, StopsWhereTheResidualIsNoNumber) {
+  par::Comm comm(MPI_COMM_WORLD);
+  Solved solved(comm, test::kuhn_cube(comm, 3), cube_boundary(mirrors, "zmin", potential(2)));
+  std::vector<double> start(solved.domain.point.size(), std::nan(""));
+
+  const auto solution = solved.system.solve(start, [](const NewtonStep&) {});
+
+  EXPECT_FALSE(solution.converged);
+  EXPECT_NE(solution.reason, "");
 }
 
 }  // namespace

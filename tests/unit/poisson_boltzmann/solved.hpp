@@ -28,7 +28,7 @@ class Solved {
   Solved& operator=(Solved&&) = delete;
   ~Solved() = default;
 
-  Analysis analysis(const par::Comm& comm) { return analyze(comm, problem, system, solution); }
+  Analysis analysis(const par::Comm& comm) { return analyze(comm, problem, system, solution, 1e8); }
 
   Case input;
   mesh::DistMesh mesh;

@@ -33,7 +33,7 @@ TEST(SourceTerm, StaysFiniteFarBeyondWhatSinhCanTake) {
 
   EXPECT_TRUE(std::isfinite(term.value(1e6, 0)) && std::isfinite(term.value(-1e6, 0)));
   EXPECT_GT(term.value(400, 0), term.value(300, 0));
-  EXPECT_DOUBLE_EQ(term.slope(1e6, 0), std::cosh(largest_potential));
+  EXPECT_DOUBLE_EQ(term.slope(1e6, 0), std::cosh(largest_argument));
 }
 
 TEST(SourceTerm, IsLinearOnRequest) {

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "solvers/poisson_boltzmann/analysis.hpp"
+
+namespace pamr::poisson_boltzmann {
+
+/// The most trustworthy value of one quantity of a patch or body, on the full body.
+struct BestValue {
+  std::string quantity;         ///< "charge", "force-x", "torque-z"
+  double value = 0;             ///< corrected by the estimated error where the quantity is a goal
+  std::optional<double> error;  ///< error bar, nothing where the quantity is no goal
+  std::string from;             ///< "volume", "midplane", "reaction": the form
+};
+
+/// Those of one patch or body: its charge, the components of its force that its mirrors leave, and of its torque where
+/// the case lists it as a body. A force through the mid-plane goes before one of the volume form. Local.
+std::vector<BestValue> best_values(const Case& input, const Analysis& analysis, const PatchResult& patch);
+
+}  // namespace pamr::poisson_boltzmann

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <vector>
+
+#include "solvers/poisson_boltzmann/midplane_force.hpp"
+#include "solvers/poisson_boltzmann/solve.hpp"
+#include "solvers/poisson_boltzmann/surface_force.hpp"
+
+namespace pamr::poisson_boltzmann {
+
+/// The functional of a goal and what its dual system needs.
+struct GoalFunctional {
+  Goal goal;
+  std::optional<double> value;  ///< on full bodies; nothing where the layer at the patch is not resolved at all
+  double factor = 1;            ///< of the symmetry: what full bodies have over the meshed part
+  double remainder = 0;         ///< what the error of the gradient adds in second order, on the meshed part
+  double through_walls = 0;     ///< part of a force that comes through walls that meet the body
+  std::vector<double> load;     ///< n_nodes: the derivative
+  std::vector<double> fixed;    ///< n_nodes, or empty: the dual solution where u is given
+};
+
+/// Charges, forces, torques and energy of a solution.
+struct Functionals {
+  std::vector<PatchResult> patches;  ///< of the mesh, then bodies of several patches
+  Energy energy;
+  std::string no_midplane;            ///< why no single body has the mid-plane force
+  std::vector<GoalFunctional> goals;  ///< in the order of the case
+};
+
+/// Throws `Error` when the case has a goal that its bodies and mirrors do not have, or a mid-plane that is not flat: to
+/// be called before the solution is computed. Collective: a few reductions.
+void require_goals(const par::Comm& comm, const Problem& problem);
+
+/// Refers to `electrodes`. Collective. Throws `Error` when a stated cut-off function has no room. Pre: `require_goals`.
+Functionals find_functionals(const par::Comm& comm, const State& state, System& system,
+                             const std::vector<Electrode>& electrodes, const Layers& layers);
+
+}  // namespace pamr::poisson_boltzmann
