@@ -62,13 +62,23 @@ py::dict to_dict(const adapt::Report& report) {
   return result;
 }
 
-py::tuple refine(const PythonMesh& old, const Array<std::uint8_t>& flags, bool project,
-                 const std::string& quality_control, const std::string& method, const std::string& weights) {
+/// Policy and shape floor.
+using Closing = std::pair<std::string, double>;
+
+refine::Options options_of(const Closing& closing) {
+  refine::Options how;
+  how.quality_control = refine::quality_control_named(closing.first);
+  how.shape_floor = closing.second;
+  refine::require_sound(how);
+  return how;
+}
+
+py::tuple refine(const PythonMesh& old, const Array<std::uint8_t>& flags, bool project, const Closing& closing,
+                 const std::string& method, const std::string& weights) {
   const auto values = rows_of<std::uint8_t>(flags);
   auto refined = [&] {
     const Released released;
-    refine::Options how;
-    how.quality_control = refine::quality_control_named(quality_control);
+    auto how = options_of(closing);
     how.project = project;
     const auto balancing = adapt::balancing_named(method, weights);
     if (old.comm->size() == 1 || balancing.how.method == balance::Method::none)
@@ -98,15 +108,13 @@ Array<double> indicator(const PythonMesh& mesh, const std::vector<std::pair<std:
 
 /// The most wanted cells within a number of cells after refinement; below 0: all of them.
 Array<std::uint8_t> flags_of(const PythonMesh& mesh, const Array<double>& indicator, int max_level,
-                             std::int64_t max_cells, const std::string& quality_control) {
+                             std::int64_t max_cells, const Closing& closing) {
   auto wish = rows_of<double>(indicator);
   const auto marks = [&] {
     const Released released;
     if (max_level >= 0) mark::keep_below_level(mesh.mesh, max_level, wish);
     if (max_cells < 0) return mark::marks_of(wish);
-    refine::Options how;
-    how.quality_control = refine::quality_control_named(quality_control);
-    const adapt::Forecaster forecaster(*mesh.comm, mesh.mesh, how);
+    const adapt::Forecaster forecaster(*mesh.comm, mesh.mesh, options_of(closing));
     return mark::marks_within_budget(*mesh.comm, mesh.mesh, wish, max_cells, [&](std::span<const std::uint8_t> some) {
       return forecaster.forecast(some).cells;
     });
@@ -114,12 +122,10 @@ Array<std::uint8_t> flags_of(const PythonMesh& mesh, const Array<double>& indica
   return copy_out(marks);
 }
 
-py::tuple forecast(const PythonMesh& mesh, const Array<std::uint8_t>& flags, const std::string& quality_control) {
+py::tuple forecast(const PythonMesh& mesh, const Array<std::uint8_t>& flags, const Closing& closing) {
   const auto values = rows_of<std::uint8_t>(flags);
   const Released released;
-  refine::Options how;
-  how.quality_control = refine::quality_control_named(quality_control);
-  const adapt::Forecaster forecaster(*mesh.comm, mesh.mesh, how);
+  const adapt::Forecaster forecaster(*mesh.comm, mesh.mesh, options_of(closing));
   const auto result = forecaster.forecast(values);
   const auto nodes = forecaster.nodes(result);
   const py::gil_scoped_acquire held;

@@ -104,6 +104,7 @@ def test_fields_flags_and_the_rest():
     expect("flags: expected 0 or 1, found 2 for cell 3", lambda: pamr.refine(mesh, wrong_here(np.zeros(n, int), two)))
     expect("flags: expected integers, found float64", lambda: pamr.refine(mesh, np.zeros(n)))
     expect("quality_control: expected one of", lambda: pamr.refine(mesh, np.zeros(n, int), quality_control="good"))
+    expect("shape_floor: expected a number from 0 to 1", lambda: pamr.refine(mesh, np.zeros(n, int), shape_floor=1.5))
     expect("balance: expected one of", lambda: pamr.refine(mesh, np.zeros(n, int), balance="fair"))
     expect("nowhere", lambda: pamr.mark.patch(mesh, "nowhere"))
     expect("no_such", lambda: pamr.mark.field(mesh, "no_such", above=1))

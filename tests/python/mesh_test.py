@@ -124,6 +124,20 @@ def test_a_loop_of_three_turns_gives_the_bytes_of_one_rank():
         assert open("together.hdf", "rb").read() == open("alone.hdf", "rb").read()
 
 
+def test_no_cell_of_a_cube_falls_below_the_shape_floor():
+    smallest = []
+    for floor in (0, 0.5):
+        mesh = pamr.Mesh.kuhn_cube(COMM, 4)
+        for _ in range(2):
+            centroids = mesh.points[mesh.cells].mean(axis=1)
+            flags = np.linalg.norm(centroids, axis=1) < 0.6
+            expected = pamr.forecast(mesh, flags, shape_floor=floor)
+            mesh = pamr.refine(mesh, flags, shape_floor=floor).mesh
+            assert (mesh.n_cells, mesh.n_nodes) == expected
+        smallest.append(pamr.quality(mesh)["mean_ratio"]["min"])
+    assert smallest[0] < 0.5 <= smallest[1] * (1 + 1e-12)
+
+
 def test_marks_are_those_of_arrays_and_criteria_together():
     mesh = pamr.Mesh.kuhn_cube(COMM, 4)
     centroids = mesh.points[mesh.cells].mean(axis=1)

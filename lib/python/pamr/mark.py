@@ -18,6 +18,7 @@ from typing import Any, Optional, Sequence
 import numpy as np
 
 from . import _core
+from .stages import closing
 from .together import agree, description, field as field_in, reals
 
 __all__ = ["all_cells", "box", "bulk", "centroid_shell", "crossing_sphere", "field", "flags", "patch", "recovered_error",
@@ -106,11 +107,12 @@ def bulk(mesh: Any, values: Any, fraction: float = 0.3) -> np.ndarray:
 
 
 def flags(mesh: Any, *criteria: Any, max_level: Optional[int] = None, max_cells: Optional[int] = None,
-          quality_control: str = "removable") -> np.ndarray:
+          quality_control: str = "removable", shape_floor: float = 0.35) -> np.ndarray:
     """Flags for ``pamr.refine``: n values of uint8, 1 for cells that any of the criteria wants.
 
     criteria: indicators, or arrays of numbers or truth values, n each. max_level: only cells of a level below it.
-    max_cells: the most wanted cells first, as many as keep the refined mesh within so many cells, closure included.
+    max_cells: the most wanted cells first, as many as keep the refined mesh within so many cells, closure included, with that
+        quality control and shape floor.
     """
     def prepare() -> tuple[Any, Any]:
         n = len(mesh.cells)
@@ -128,5 +130,5 @@ def flags(mesh: Any, *criteria: Any, max_level: Optional[int] = None, max_cells:
         level, cells = -1 if max_level is None else int(max_level), -1 if max_cells is None else int(max_cells)
         if (max_level is not None and level < 0) or (max_cells is not None and cells < 1):
             raise _core.Error("flags: expected limits that are not negative")
-        return (total, level, cells), (len(criteria), level, cells, quality_control)
-    return _core.flags(mesh._core, *agree(mesh.comm, prepare), quality_control)
+        return (total, level, cells), (len(criteria), level, cells, closing(quality_control, shape_floor))
+    return _core.flags(mesh._core, *agree(mesh.comm, prepare), closing(quality_control, shape_floor))

@@ -31,6 +31,14 @@ def _one_of(name: str, value: Any, known: tuple[str, ...]) -> None:
         raise Error(f"{name}: expected one of {', '.join(known)}, found {value!r}")
 
 
+def closing(quality_control: Any, shape_floor: Any) -> tuple[str, float]:
+    """What the core takes for them."""
+    _one_of("quality_control", quality_control, POLICIES)
+    if not 0 <= float(shape_floor) <= 1:
+        raise Error(f"shape_floor: expected a number from 0 to 1, found {shape_floor!r}")
+    return quality_control, float(shape_floor)
+
+
 @dataclass
 class RefineResult:
     """What a refinement gives."""
@@ -53,33 +61,33 @@ class RefineResult:
         return unpack(replace(rows, begins=offset // max(rows.item, 1), raw=raw))
 
 
-def refine(mesh: Mesh, flags: Any, *, project: bool = True, quality_control: str = "removable", balance: str = "auto",
-           weights: str = "exact") -> RefineResult:
+def refine(mesh: Mesh, flags: Any, *, project: bool = True, quality_control: str = "removable",
+           shape_floor: float = 0.35, balance: str = "auto", weights: str = "exact") -> RefineResult:
     """Splits the flagged cells into eight and closes the mesh around them. Collective.
 
     flags: one for each cell of this rank, 0 or 1 (or truth values).
     project: put new nodes of the boundary onto the surfaces of their patches.
     quality_control: what happens to transition cells that are to be split again (docs/refinement.md).
+    shape_floor: smallest mean ratio of transition cells under "removable"; more edges are marked where they would fall below
+        it. 0: none.
     balance: how cells are spread over the ranks first: "auto", "scotch", "blocks", "none" (children stay with parents).
     weights: "exact", "8/1", "uniform", or the name of a cell field.
     The old mesh stays as it is. The new one is the same on any number of ranks, bit for bit, whatever the balance.
     """
     def prepare() -> tuple[Any, Any]:
-        _one_of("quality_control", quality_control, POLICIES)
         _one_of("balance", balance, BALANCES)
-        return _flags(mesh, flags), (bool(project), quality_control, balance, weights)
+        return _flags(mesh, flags), (bool(project), closing(quality_control, shape_floor), balance, weights)
     values = agree(mesh.comm, prepare)
-    core, report = _core.refine(mesh._core, values, bool(project), quality_control, balance, weights)
+    core, report = _core.refine(mesh._core, values, bool(project), closing(quality_control, shape_floor), balance, weights)
     fine = Mesh(core, mesh.comm)
     return RefineResult(fine, report, fine.cell_fields["parent"], mesh)
 
 
-def forecast(mesh: Mesh, flags: Any, quality_control: str = "removable") -> tuple[int, int]:
+def forecast(mesh: Mesh, flags: Any, quality_control: str = "removable", shape_floor: float = 0.35) -> tuple[int, int]:
     """Cells and nodes that refining with these flags would give, exactly. Collective."""
     def prepare() -> tuple[Any, Any]:
-        _one_of("quality_control", quality_control, POLICIES)
-        return _flags(mesh, flags), quality_control
-    return _core.forecast(mesh._core, agree(mesh.comm, prepare), quality_control)
+        return _flags(mesh, flags), closing(quality_control, shape_floor)
+    return _core.forecast(mesh._core, agree(mesh.comm, prepare), closing(quality_control, shape_floor))
 
 
 def balance(mesh: Mesh, weights: Any = None, method: str = "scotch") -> Mesh:
