@@ -31,7 +31,7 @@ QualityControl quality_control_named(std::string_view name);
 /// All the names, for help texts and checks of command lines.
 std::vector<std::string> quality_control_list();
 
-inline constexpr double default_shape_floor = 0.35;
+inline constexpr double default_shape_floor = 0.3;
 
 /// How to refine once.
 struct Options {

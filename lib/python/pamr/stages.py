@@ -62,7 +62,7 @@ class RefineResult:
 
 
 def refine(mesh: Mesh, flags: Any, *, project: bool = True, quality_control: str = "removable",
-           shape_floor: float = 0.35, balance: str = "auto", weights: str = "exact") -> RefineResult:
+           shape_floor: float = 0.3, balance: str = "auto", weights: str = "exact") -> RefineResult:
     """Splits the flagged cells into eight and closes the mesh around them. Collective.
 
     flags: one for each cell of this rank, 0 or 1 (or truth values).
@@ -83,7 +83,7 @@ def refine(mesh: Mesh, flags: Any, *, project: bool = True, quality_control: str
     return RefineResult(fine, report, fine.cell_fields["parent"], mesh)
 
 
-def forecast(mesh: Mesh, flags: Any, quality_control: str = "removable", shape_floor: float = 0.35) -> tuple[int, int]:
+def forecast(mesh: Mesh, flags: Any, quality_control: str = "removable", shape_floor: float = 0.3) -> tuple[int, int]:
     """Cells and nodes that refining with these flags would give, exactly. Collective."""
     def prepare() -> tuple[Any, Any]:
         return _flags(mesh, flags), closing(quality_control, shape_floor)
