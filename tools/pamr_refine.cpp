@@ -83,6 +83,15 @@ void warn_too_deep(const cli::Session& session, std::int64_t n) {
   if (n > 0) session.warn(adapt::too_deep_text(n));
 }
 
+/// Families that could not be taken back make bad cells; a lower floor asks for fewer closures that never were.
+void warn_kept(const cli::Session& session, std::int64_t n, const refine::Options& options) {
+  if (n == 0 || options.quality_control != refine::QualityControl::removable || options.shape_floor == 0) return;
+  session.warn(
+      fmt::format("{} families of closure cells could not be taken back and were split as they are, which makes bad "
+                  "cells: try a --shape-floor below {}, or a finer mesh at curved walls",
+                  n, options.shape_floor));
+}
+
 cli::ExitCode report_forecast(cli::Session& session, const mesh::DistMesh& mesh, std::span<const std::uint8_t> flags,
                               const refine::Options& options) {
   const auto& comm = session.comm();
@@ -98,14 +107,10 @@ cli::ExitCode report_forecast(cli::Session& session, const mesh::DistMesh& mesh,
   const double here = static_cast<double>(peak_resident_bytes()) + 40.0 * static_cast<double>(mesh.n_cells()) +
                       static_cast<double>(forecast.cells_on_this_rank) * (48 + 32 * nodes_per_cell);
   const auto largest = comm.max(here);
-  nlohmann::json report{{"cells_in", mesh.info.n_global_cells},
-                        {"nodes_in", mesh.info.n_global_nodes},
-                        {"marked", marked},
-                        {"marked_too_deep", forecast.marked_too_deep},
-                        {"cells_out", forecast.cells},
-                        {"nodes_out", nodes},
-                        {"uniform_shape_bound", bound.of_uniform_levels},
-                        {"largest_rank_bytes", largest}};
+  nlohmann::json report{
+      {"cells_in", mesh.info.n_global_cells},           {"nodes_in", mesh.info.n_global_nodes}, {"marked", marked},
+      {"marked_too_deep", forecast.marked_too_deep},    {"cells_out", forecast.cells},          {"nodes_out", nodes},
+      {"uniform_shape_bound", bound.of_uniform_levels}, {"largest_rank_bytes", largest}};
   std::string shapes;
   if (options.quality_control == refine::QualityControl::removable) {
     report["shape_bound"] = bound.of_all_levels;
@@ -175,6 +180,7 @@ cli::ExitCode work(cli::Session& session, const Options& options) {
   timer.lap("write");
 
   warn_too_deep(session, result.report.marked_too_deep);
+  warn_kept(session, result.report.closure.families_kept, how);
   measured.steps = merge_steps(timer.steps(), result.report.steps);
   session.write_report(adapt::make_report(comm, result.report, measured));
   session.summary(fmt::format("{} cells ({} marked) -> {} cells, {} nodes, {} off their surface: {}",
