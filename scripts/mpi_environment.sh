@@ -15,3 +15,5 @@ export OMPI_MCA_btl_vader_single_copy_mechanism="${OMPI_MCA_btl_vader_single_cop
 if [ -z "$(ls -A /sys/class/infiniband /sys/class/cxi 2>/dev/null)" ]; then
   export OMPI_MCA_mtl="${OMPI_MCA_mtl:-^psm,psm2,ofi}"
 fi
+# No question to an X server for graphics cards: one that ends meanwhile takes the job with it.
+export HWLOC_COMPONENTS="${HWLOC_COMPONENTS:--gl}"

@@ -13,6 +13,9 @@ namespace pamr::par {
 
 Runtime::Runtime(int& argc, char**& argv) {
   leave_parent_job();
+  // hwloc, which Open MPI asks for the machine's cores, asks an X server for graphics cards; an X server that ends then
+  // ends the process.
+  setenv("HWLOC_COMPONENTS", "-gl", 0);
   // Errors of these calls end the program: MPI's own error handler is in force until a `Comm` replaces it.
   MPI_Init(&argc, &argv);
   MPI_Comm_dup(MPI_COMM_WORLD, &end_);
