@@ -26,7 +26,7 @@ TEST(Rebalance, EvensOutTheParticlesOfASolver) {
   const auto weight = particles(mesh);
   const auto result = balance::rebalance(comm, std::move(mesh), weight);
 
-  EXPECT_LE(result.report.after.imbalance, 1.05);
+  EXPECT_LE(result.report.after.imbalance, 1.06);  // families of up to seven cells stay together
   double here = 0;
   for (const auto n : particles(result.mesh)) here += n;
   const auto all = comm.all_gather(here);
