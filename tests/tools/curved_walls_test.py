@@ -109,7 +109,8 @@ def test_a_ball_known_by_seven_nodes_is_followed_by_untangling():
 def test_area_and_volume_converge_at_second_order_and_normals_at_first():
     for name, size in (("ball", 1.2), ("bored-box", 1.6), ("torus-in-box", 2.0), ("ellipsoid", 1.0), ("dish", 0.8),
                        ("thin-shell", 0.2)):
-        levels = 1 if name == "thin-shell" else 2
+        # the torus of 40 nodes gets its order after level 2
+        levels = {"thin-shell": 1, "torus-in-box": 3}.get(name, 2)
         expect_wall_followed(name, size, levels, SECOND | {"normals off by": 0.7})
     expect_wall_followed("cone-in-box", 2.0, 2, SECOND | {"normals off by": 0.7})
 
