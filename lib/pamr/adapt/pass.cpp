@@ -120,7 +120,7 @@ Split split_pass(const par::Comm& comm, const mesh::DistMesh& mesh, const Closed
   return {std::move(fine), std::move(numbering), std::move(settled.certificate)};
 }
 
-RefineResult transfer_pass(const mesh::DistMesh& mesh, Closed closed, Split split, const refine::Options& options) {
+RefineResult transfer_pass(const mesh::DistMesh& mesh, Closed closed, Split&& split, const refine::Options& options) {
   auto& [fine, numbering, certificate] = split;
   auto fields = refine::transfer({mesh, closed.closure, numbering}, fine.cell_to_node, certificate, options);
   fine.node_fields = std::move(fields.of_nodes);

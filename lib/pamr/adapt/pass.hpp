@@ -50,7 +50,7 @@ struct Split {
 Split split_pass(const par::Comm& comm, const mesh::DistMesh& mesh, const Closed& closed, StepTimer& timer);
 
 /// Gives the refined mesh its fields and completes the report but for times.
-RefineResult transfer_pass(const mesh::DistMesh& mesh, Closed closed, Split split, const refine::Options& options);
+RefineResult transfer_pass(const mesh::DistMesh& mesh, Closed closed, Split&& split, const refine::Options& options);
 
 /// A mesh on its way through early passes, and what is still asked of its cells.
 struct Unfinished {
