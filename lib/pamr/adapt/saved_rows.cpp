@@ -14,6 +14,7 @@
 #include "pamr/base/hash.hpp"
 #include "pamr/base/index.hpp"
 #include "pamr/io/shared_output.hpp"
+#include "pamr/par/sum_modulo.hpp"
 
 namespace pamr::adapt::detail {
 
@@ -29,14 +30,6 @@ struct RowsHeader {
 };
 static_assert(sizeof(RowsHeader) == 120);
 
-/// Sum over the ranks modulo 2^64.
-std::uint64_t sum_of_hashes(const par::Comm& comm, std::uint64_t here) {
-  std::array<std::int64_t, 2> half{static_cast<std::int64_t>(here & 0xffffffffU),
-                                   static_cast<std::int64_t>(here >> 32U)};
-  comm.sum_in_place(half);
-  return static_cast<std::uint64_t>(half[0]) + (static_cast<std::uint64_t>(half[1]) << 32U);
-}
-
 /// Tells meshes and their numberings apart: of each cell its number and its corners.
 std::uint64_t hash_of_cells(const par::Comm& comm, const mesh::DistMesh& mesh) {
   std::uint64_t sum = 0;
@@ -46,7 +39,7 @@ std::uint64_t hash_of_cells(const par::Comm& comm, const mesh::DistMesh& mesh) {
       h = combine(combine(combine(h, bits_of(p.x)), bits_of(p.y)), bits_of(p.z));
     sum += h;
   }
-  return sum_of_hashes(comm, sum);
+  return par::sum_modulo(comm, sum);
 }
 
 /// Of each row its place, its length and its bytes.
@@ -63,7 +56,7 @@ std::uint64_t hash_of_rows(const par::Comm& comm, GlobalId first_row, std::span<
     }
     sum += h;
   }
-  return sum_of_hashes(comm, sum);
+  return par::sum_modulo(comm, sum);
 }
 
 std::vector<GlobalId> block_of(const par::Comm& comm, IdRange cells) {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "pamr/mesh/fingerprint.hpp"
 
-#include <array>
 #include <vector>
 
 #include "pamr/base/hash.hpp"
+#include "pamr/par/sum_modulo.hpp"
 
 namespace pamr::mesh {
 
@@ -23,14 +23,6 @@ std::uint64_t hash_of(const std::string& name) {
 std::uint64_t state_of(Lineage lineage) {
   return static_cast<std::uint64_t>(lineage.kind()) + (lineage.is_broken() ? 4U : 0U) +
          8U * static_cast<std::uint64_t>(lineage.level());
-}
-
-/// Sum over the ranks modulo 2^64, in halves, so that no signed sum overflows.
-std::uint64_t sum_modulo(const par::Comm& comm, std::uint64_t here) {
-  std::array<std::int64_t, 2> half{static_cast<std::int64_t>(here & 0xffffffffU),
-                                   static_cast<std::int64_t>(here >> 32U)};
-  comm.sum_in_place(half);
-  return static_cast<std::uint64_t>(half[0]) + (static_cast<std::uint64_t>(half[1]) << 32U);
 }
 
 }  // namespace
@@ -53,7 +45,7 @@ std::uint64_t fingerprint(const par::Comm& comm, const DistMesh& mesh) {
     }
     sum += combine(combine(combine(0, corners), boundary), state_of(mesh.lineage[c]));
   }
-  return sum_modulo(comm, sum);
+  return par::sum_modulo(comm, sum);
 }
 
 }  // namespace pamr::mesh
