@@ -18,34 +18,16 @@ namespace pamr::adapt {
 
 namespace {
 
-/// The mesh that is closed so that nothing has to be split before the rest, and what is asked of its cells.
-struct Ready {
-  std::optional<mesh::DistMesh> mesh;  ///< empty: the input mesh
-  std::vector<std::uint8_t> requests;
-  Closed closed;
-};
-
 /// Closes the mesh, after splitting early families until there are none.
 Ready make_ready(const par::Comm& comm, const mesh::DistMesh& input, std::span<const std::uint8_t> flags,
                  const refine::Options& options, StepTimer& timer) {
   require_flags(comm, input, flags);
   refine::require_sound(options);
   const auto limited = limit_depth(input, flags);
-  Ready ready{{}, refine::requests_of_flags(limited.flags), {}};
+  Ready ready{{}, refine::requests_of_flags(limited.flags), {}, {}};
   ready.closed = close_pass(comm, input, ready.requests, {}, options, timer);
   const auto n_marked = ready.closed.report.closure.n_marked;
-  std::vector<LocalId> input_cell;
-  while (ready.closed.closure.has_early) {
-    const auto& mesh = ready.mesh ? *ready.mesh : input;
-    auto unfinished = split_early(comm, mesh, ready.requests, input_cell, ready.closed, options, timer);
-    if (!unfinished) break;
-    ready.mesh = std::move(unfinished->mesh);
-    ready.requests = std::move(unfinished->requests);
-    input_cell = std::move(unfinished->input_cell);
-    const auto before = std::move(ready.closed.report);
-    ready.closed = close_pass(comm, *ready.mesh, ready.requests, unfinished->carried, options, timer);
-    add_to_report(before, ready.closed.report);
-  }
+  ready = split_all_early(comm, input, std::move(ready), options, timer);
   auto& report = ready.closed.report;
   const auto& mesh = ready.mesh ? *ready.mesh : input;
   report.closure.n_marked = n_marked;

@@ -56,24 +56,19 @@ Forecast Forecaster::forecast(std::span<const std::uint8_t> flags) const {
   auto requests = refine::requests_of_flags(limited.flags);
   Forecast forecast;
   forecast.closure = refine::close(*comm_, *mesh_, borders_, requests, options_);
-  if (!forecast.closure.has_early) refine::find_states(*mesh_, options_, forecast.closure);
   forecast.report = forecast.closure.report;
   std::vector<LocalId> from;  // this rank's cell that each cell of `forecast.mesh` came from
   if (forecast.closure.has_early) {
-    auto closed = open_pass(*comm_, *mesh_, borders_, options_);
-    closed.closure = std::move(forecast.closure);
-    while (closed.closure.has_early) {
-      const auto& mesh = forecast.mesh ? *forecast.mesh : *mesh_;
-      auto unfinished = split_early(*comm_, mesh, requests, from, closed, options_, timer);
-      if (!unfinished) break;
-      from = std::move(unfinished->input_cell);
-      forecast.mesh = std::make_shared<const mesh::DistMesh>(std::move(unfinished->mesh));
-      requests = std::move(unfinished->requests);
-      closed = close_pass(*comm_, *forecast.mesh, requests, unfinished->carried, options_, timer);
-    }
-    forecast.closure = std::move(closed.closure);
+    Ready ready{{}, std::move(requests), {}, open_pass(*comm_, *mesh_, borders_, options_)};
+    ready.closed.closure = std::move(forecast.closure);
+    ready = split_all_early(*comm_, *mesh_, std::move(ready), options_, timer);
+    forecast.closure = std::move(ready.closed.closure);
+    from = std::move(ready.input_cell);
+    if (ready.mesh) forecast.mesh = std::make_shared<const mesh::DistMesh>(*std::move(ready.mesh));
+  } else {
+    refine::find_states(*mesh_, options_, forecast.closure);
+    require_depth(*comm_, *mesh_, forecast.closure);
   }
-  require_depth(*comm_, forecast.mesh ? *forecast.mesh : *mesh_, forecast.closure);
   const auto counts = refine::count_children(forecast.closure);
   forecast.cells_on_this_rank = std::accumulate(counts.begin(), counts.end(), std::int64_t{0});
   forecast.children = forecast.mesh ? sum_of_origins(counts, from, at(mesh_->n_cells())) : counts;

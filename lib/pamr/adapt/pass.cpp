@@ -61,8 +61,7 @@ void go_without_early(const mesh::DistMesh& mesh, Closed& early, const refine::O
   closed.report.closure.sweeps += early.closure.report.sweeps;
 }
 
-}  // namespace
-
+/// Adds what one pass did to what is known of those before it.
 void add_to_report(const Report& pass, Report& sum) {
   sum.closure.rounds += pass.closure.rounds;
   sum.closure.sweeps += pass.closure.sweeps;
@@ -74,6 +73,8 @@ void add_to_report(const Report& pass, Report& sum) {
   sum.certificate.back_off_rounds += pass.certificate.back_off_rounds;
   sum.certificate.untangling_rounds += pass.certificate.untangling_rounds;
 }
+
+}  // namespace
 
 Closed open_pass(const par::Comm& comm, const mesh::DistMesh& mesh, mesh::Borders borders,
                  const refine::Options& options) {
@@ -138,6 +139,23 @@ RefineResult transfer_pass(const mesh::DistMesh& mesh, Closed closed, Split&& sp
   return {std::move(fine), std::move(report)};
 }
 
+namespace {
+
+/// A mesh on its way through early passes, and what is still asked of its cells.
+struct Unfinished {
+  mesh::DistMesh mesh;
+  std::vector<std::uint8_t> requests;
+  refine::Carried carried;
+  std::vector<LocalId> input_cell;  ///< this rank's input cell that each cell came from, or its family's first member
+};
+
+/// The splits that have to go before: those of the early families of `closed`. The cells stay on their ranks.
+/// `input_cell`: this rank's input cell of each cell of `mesh`; empty: `mesh` is the input. The new mesh knows the
+/// input cells by `cell_origin`, see `origins_of_pass`. Adds to the report of `closed`.
+///
+/// Nothing if a family would have to be kept and broken for it: then `closed` has no early families any more, but its
+/// states, and children are closed as they are, under the floor or not. So each early pass splits all its early
+/// families, and there is an end to them. Collective.
 std::optional<Unfinished> split_early(const par::Comm& comm, const mesh::DistMesh& mesh,
                                       std::span<const std::uint8_t> requests, std::span<const LocalId> input_cell,
                                       Closed& closed, const refine::Options& options, StepTimer& timer) {
@@ -176,6 +194,24 @@ std::optional<Unfinished> split_early(const par::Comm& comm, const mesh::DistMes
   result.report.closure = report;
   add_to_report(result.report, closed.report);
   return unfinished;
+}
+
+}  // namespace
+
+Ready split_all_early(const par::Comm& comm, const mesh::DistMesh& input, Ready ready, const refine::Options& options,
+                      StepTimer& timer) {
+  while (ready.closed.closure.has_early) {
+    const auto& mesh = ready.mesh ? *ready.mesh : input;
+    auto unfinished = split_early(comm, mesh, ready.requests, ready.input_cell, ready.closed, options, timer);
+    if (!unfinished) break;
+    ready.mesh = std::move(unfinished->mesh);
+    ready.requests = std::move(unfinished->requests);
+    ready.input_cell = std::move(unfinished->input_cell);
+    const auto before = std::move(ready.closed.report);
+    ready.closed = close_pass(comm, *ready.mesh, ready.requests, unfinished->carried, options, timer);
+    add_to_report(before, ready.closed.report);
+  }
+  return ready;
 }
 
 }  // namespace pamr::adapt

@@ -52,26 +52,18 @@ Split split_pass(const par::Comm& comm, const mesh::DistMesh& mesh, const Closed
 /// Gives the refined mesh its fields and completes the report but for times.
 RefineResult transfer_pass(const mesh::DistMesh& mesh, Closed closed, Split&& split, const refine::Options& options);
 
-/// A mesh on its way through early passes, and what is still asked of its cells.
-struct Unfinished {
-  mesh::DistMesh mesh;
+/// A mesh, what is asked of its cells, and its closure.
+struct Ready {
+  std::optional<mesh::DistMesh> mesh;  ///< empty: the input mesh
   std::vector<std::uint8_t> requests;
-  refine::Carried carried;
-  std::vector<LocalId> input_cell;  ///< this rank's input cell that each cell came from, or its family's first member
+  /// This rank's input cell that each cell came from, or its family's first member; empty without a mesh.
+  std::vector<LocalId> input_cell;
+  Closed closed;
 };
 
-/// The splits that have to go before: those of the early families of `closed`. The cells stay on their ranks.
-/// `input_cell`: this rank's input cell of each cell of `mesh`; empty: `mesh` is the input. The new mesh knows the
-/// input cells by `cell_origin`, see `origins_of_pass`. Adds to the report of `closed`.
-///
-/// Nothing if a family would have to be kept and broken for it: then `closed` has no early families any more, but its
-/// states, and children are closed as they are, under the floor or not. So each early pass splits all its early
-/// families, and there is an end to them. Collective.
-std::optional<Unfinished> split_early(const par::Comm& comm, const mesh::DistMesh& mesh,
-                                      std::span<const std::uint8_t> requests, std::span<const LocalId> input_cell,
-                                      Closed& closed, const refine::Options& options, StepTimer& timer);
-
-/// Adds what one pass did to what is known of those before it.
-void add_to_report(const Report& pass, Report& sum);
+/// Splits early families, pass by pass, until there are none: the closure then has its states, and its depth is
+/// checked. Without early families nothing changes. Collective.
+Ready split_all_early(const par::Comm& comm, const mesh::DistMesh& input, Ready ready, const refine::Options& options,
+                      StepTimer& timer);
 
 }  // namespace pamr::adapt
