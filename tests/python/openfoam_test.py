@@ -154,7 +154,7 @@ def check_parts(case, parts):
     def read(folder, name, dtype=int):
         return foam_case._numbers(os.path.join(folder, "constant/polyMesh", name), dtype)
     points, faces = read(case, "points", float).reshape(-1, 3), read(case, "faces").reshape(-1, 4)[:, 1:]
-    owner, neighbour = read(case, "owner"), read(case, "neighbour")
+    owner, neighbor = read(case, "owner"), read(case, "neighbour")
     cells, border = [], {}
     for number, part in enumerate(parts):
         cell, face, point, patch = (read(part, name) for name in foam_case.NAMES)
@@ -165,8 +165,8 @@ def check_parts(case, parts):
         inside, beyond = read(part, "owner"), read(part, "neighbour")
         turned = face < 0
         assert np.array_equal(cell[inside[~turned]], owner[face[~turned] - 1])
-        assert np.array_equal(cell[inside[turned]], neighbour[-face[turned] - 1])
-        assert np.array_equal(cell[beyond], neighbour[face[:len(beyond)] - 1]) and (inside[:len(beyond)] < beyond).all()
+        assert np.array_equal(cell[inside[turned]], neighbor[-face[turned] - 1])
+        assert np.array_equal(cell[beyond], neighbor[face[:len(beyond)] - 1]) and (inside[:len(beyond)] < beyond).all()
         order = np.lexsort((beyond, inside[:len(beyond)]))
         assert np.array_equal(order, np.arange(len(beyond)))
         patches = foam_case._patches(part)

@@ -75,7 +75,7 @@ class _Whole:
     points: np.ndarray
     faces: np.ndarray
     owner: np.ndarray
-    neighbour: np.ndarray
+    neighbor: np.ndarray
     patches: list[_Patch]
 
 
@@ -119,12 +119,12 @@ def _write_number(case: str, n_parts: int) -> None:
 
 
 def _write_part(case: str, whole: _Whole, of_cell: np.ndarray, number: int) -> None:
-    n_inner = len(whole.neighbour)
+    n_inner = len(whole.neighbor)
     cells = np.flatnonzero(of_cell == number)
     new_cell = np.full(len(of_cell), -1)
     new_cell[cells] = np.arange(len(cells))
     here_owner = of_cell[whole.owner] == number
-    here_other = of_cell[whole.neighbour] == number
+    here_other = of_cell[whole.neighbor] == number
     inner = np.flatnonzero(here_owner[:n_inner] & here_other)
     faces, patches, of_patch = [inner], [], []
     n = len(inner)
@@ -135,7 +135,7 @@ def _write_part(case: str, whole: _Whole, of_cell: np.ndarray, number: int) -> N
         of_patch.append(i)
         n += len(own)
     border = np.flatnonzero(here_owner[:n_inner] != here_other)
-    beyond = np.where(here_owner[border], of_cell[whole.neighbour[border]], of_cell[whole.owner[border]])
+    beyond = np.where(here_owner[border], of_cell[whole.neighbor[border]], of_cell[whole.owner[border]])
     for other in np.unique(beyond):
         own = border[beyond == other]
         patches.append(f"    procBoundary{number}to{other}\n    {{ type processor; inGroups 1(processor); nFaces {len(own)}; "
@@ -150,8 +150,8 @@ def _write_part(case: str, whole: _Whole, of_cell: np.ndarray, number: int) -> N
     points, corner = np.unique(corners, return_inverse=True)
     corner = corner.reshape(-1, 3)
     inside = whole.owner[face]
-    inside[turned] = whole.neighbour[face[turned]]
-    owner, neighbour = new_cell[inside], new_cell[whole.neighbour[inner]]
+    inside[turned] = whole.neighbor[face[turned]]
+    owner, neighbor = new_cell[inside], new_cell[whole.neighbor[inner]]
 
     location = f"processor{number}/constant/polyMesh"
     folder = os.path.join(case, f"processor{number}", MESH)
@@ -163,7 +163,7 @@ def _write_part(case: str, whole: _Whole, of_cell: np.ndarray, number: int) -> N
     _write_list(folder, location, "vectorField", "points", [f"({x!r} {y!r} {z!r})" for x, y, z in whole.points[points].tolist()])
     _write_list(folder, location, "faceList", "faces", [f"3({a} {b} {c})" for a, b, c in corner.tolist()])
     labels("labelList", "owner", owner, note)
-    labels("labelList", "neighbour", neighbour, note)
+    labels("labelList", "neighbour", neighbor, note)
     _write_list(folder, location, "polyBoundaryMesh", "boundary", patches)
     for name, values in zip(NAMES, (cells, np.where(turned, -(face + 1), face + 1), points, np.array(of_patch))):
         labels("labelList", name, values)
@@ -188,7 +188,7 @@ def split_field(case: str, parts: list[str], time: str, file: FieldFile, rows: n
     if not parts:
         return
     starts = {patch.name: patch.start for patch in _patches(case)}
-    owner, neighbour = (_numbers(os.path.join(case, MESH, name), int) for name in ("owner", "neighbour"))
+    owner, neighbor = (_numbers(os.path.join(case, MESH, name), int) for name in ("owner", "neighbour"))
     for folder in parts:
         part = _read_part(folder)
         faces = {patch.name: part.faces[patch.start:patch.start + patch.n] for patch in part.patches}
@@ -206,7 +206,7 @@ def split_field(case: str, parts: list[str], time: str, file: FieldFile, rows: n
         data = replace(file, parts=[own(item) for item in file.parts]).to_bytes()
         entries = b""
         for name in (name for name in faces if name.startswith("procBoundary")):
-            beyond = np.where(inside[owner[faces[name]]], neighbour[faces[name]], owner[faces[name]])
+            beyond = np.where(inside[owner[faces[name]]], neighbor[faces[name]], owner[faces[name]])
             entries += (f"    {name}\n    {{\n        type            processor;\n        value           ".encode()
                         + list_bytes(file.kind, rows[beyond], file.is_binary) + b";\n    }\n")
         write_bytes(os.path.join(folder, time, file.name), _with_entries(data, file.name, entries))

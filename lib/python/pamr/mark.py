@@ -130,5 +130,6 @@ def flags(mesh: Any, *criteria: Any, max_level: Optional[int] = None, max_cells:
         level, cells = -1 if max_level is None else int(max_level), -1 if max_cells is None else int(max_cells)
         if (max_level is not None and level < 0) or (max_cells is not None and cells < 1):
             raise _core.Error("flags: expected limits that are not negative")
-        return (total, level, cells), (len(criteria), level, cells, closing(quality_control, shape_floor))
-    return _core.flags(mesh._core, *agree(mesh.comm, prepare), closing(quality_control, shape_floor))
+        how = level, cells, closing(quality_control, shape_floor)
+        return (total, *how), (len(criteria), *how)
+    return _core.flags(mesh._core, *agree(mesh.comm, prepare))

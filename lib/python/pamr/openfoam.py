@@ -44,15 +44,15 @@ class _Faces:
     normal: np.ndarray  #: n x 3, unit vectors
 
 
-def _numbers(mesh: Mesh) -> np.ndarray:
-    """Numbers of this rank's cells from 0."""
-    first = mesh.comm.allreduce(int(mesh.cell_numbers.min(initial=np.iinfo(np.int64).max)), min_of())
-    return mesh.cell_numbers - first
-
-
-def min_of() -> Any:
+def _first_cell(mesh: Mesh) -> int:
+    """The lowest number of a cell. Collective."""
     from mpi4py import MPI
-    return MPI.MIN
+    return mesh.comm.allreduce(int(mesh.cell_numbers.min(initial=np.iinfo(np.int64).max)), MPI.MIN)
+
+
+def _numbers(mesh: Mesh) -> np.ndarray:
+    """Numbers of this rank's cells from 0. Collective."""
+    return mesh.cell_numbers - _first_cell(mesh)
 
 
 def _faces(mesh: Mesh, parent: Optional[np.ndarray] = None, first_parent: int = 0) -> Optional[_Faces]:
@@ -105,8 +105,7 @@ class FoamFields:
         """The same fields on the refined mesh: lists of boundary values go to the faces that the old ones were split into.
         Collective."""
         comm = self.mesh.comm
-        first = int(comm.allreduce(int(self.mesh.cell_numbers.min(initial=np.iinfo(np.int64).max)), min_of()))
-        faces = _faces(result.mesh, result.parent, first)
+        faces = _faces(result.mesh, result.parent, _first_cell(self.mesh))
 
         def prepare() -> tuple[Any, Any]:
             missing = [name for name in self.names if name not in result.mesh.cell_fields]

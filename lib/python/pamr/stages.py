@@ -76,9 +76,9 @@ def refine(mesh: Mesh, flags: Any, *, project: bool = True, quality_control: str
     """
     def prepare() -> tuple[Any, Any]:
         _one_of("balance", balance, BALANCES)
-        return _flags(mesh, flags), (bool(project), closing(quality_control, shape_floor), balance, weights)
-    values = agree(mesh.comm, prepare)
-    core, report = _core.refine(mesh._core, values, bool(project), closing(quality_control, shape_floor), balance, weights)
+        how = bool(project), closing(quality_control, shape_floor), balance, weights
+        return (_flags(mesh, flags), *how), how
+    core, report = _core.refine(mesh._core, *agree(mesh.comm, prepare))
     fine = Mesh(core, mesh.comm)
     return RefineResult(fine, report, fine.cell_fields["parent"], mesh)
 
@@ -86,8 +86,9 @@ def refine(mesh: Mesh, flags: Any, *, project: bool = True, quality_control: str
 def forecast(mesh: Mesh, flags: Any, quality_control: str = "removable", shape_floor: float = 0.3) -> tuple[int, int]:
     """Cells and nodes that refining with these flags would give, exactly. Collective."""
     def prepare() -> tuple[Any, Any]:
-        return _flags(mesh, flags), closing(quality_control, shape_floor)
-    return _core.forecast(mesh._core, agree(mesh.comm, prepare), closing(quality_control, shape_floor))
+        how = closing(quality_control, shape_floor)
+        return (_flags(mesh, flags), how), how
+    return _core.forecast(mesh._core, *agree(mesh.comm, prepare))
 
 
 def balance(mesh: Mesh, weights: Any = None, method: str = "scotch") -> Mesh:
