@@ -17,8 +17,9 @@ struct BestValue {
   std::string from;             ///< "volume", "midplane", "reaction": the form
 };
 
-/// Those of one patch or body: its charge, the components of its force that its mirrors leave, and of its torque where
-/// the case lists it as a body. A force through the mid-plane goes before one of the volume form. Local.
+/// The best values of one patch or body: its charge, the components of its force that are not zero by symmetry, and
+/// those of its torque if the case lists it as a body. A component that is not a goal is taken from the mid-plane if
+/// that gives one, otherwise from the volume form. Local.
 std::vector<BestValue> best_values(const Case& input, const Analysis& analysis, const PatchResult& patch);
 
 }  // namespace pamr::poisson_boltzmann

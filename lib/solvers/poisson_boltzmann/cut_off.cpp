@@ -69,10 +69,8 @@ CutOff shell_around(const par::Comm& comm, const Problem& problem, const Electro
   return result;
 }
 
-}  // namespace
-
-std::string no_cut_off(const Problem& problem, const Electrode& electrode) {
-  const auto around = surroundings_of(problem, electrode);
+/// Why there is no cut-off function; empty where there is one.
+std::string reason_against(const Problem& problem, const Surroundings& around) {
   if (around.other_electrode >= 0)
     return fmt::format(
         "it meets patch \"{}\", which holds a charge or a potential, too (if they are one body, list them in a "
@@ -81,12 +79,18 @@ std::string no_cut_off(const Problem& problem, const Electrode& electrode) {
   return around.apart == 0 ? "no boundary lies apart from it" : "";
 }
 
+}  // namespace
+
+std::string no_cut_off(const Problem& problem, const Electrode& electrode) {
+  return reason_against(problem, surroundings_of(problem, electrode));
+}
+
 CutOff make_cut_off(const par::Comm& comm, const Problem& problem, System& system, const Electrode& electrode) {
   const auto& force = problem.input.force;
   CutOff result;
-  result.reason = no_cut_off(problem, electrode);
-  if (!result.reason.empty()) return result;
   const auto around = surroundings_of(problem, electrode);
+  result.reason = reason_against(problem, around);
+  if (!result.reason.empty()) return result;
   if (electrode.sphere != nullptr && around.open == 0 && (force.inner || force.outer))
     return shell_around(comm, problem, electrode, around.apart);
   result.open_walls = around.open;
