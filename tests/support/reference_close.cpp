@@ -19,7 +19,7 @@ struct Base {
   const ReferenceFamily* family = nullptr;
   bool is_flagged = false, is_assessed = false;
   ReferenceFloor floor;
-  std::set<int> done;  ///< marks for which the floor has been seen to
+  EdgeSet done;  ///< marks for which the floor has been seen to
 };
 
 class FixedPoint {
@@ -50,9 +50,7 @@ class FixedPoint {
     closing_.marked.insert(edge);
   }
 
-  std::set<int> old_marks(const Base& b) const {
-    return b.family == nullptr ? std::set<int>{} : b.family->pattern.marks;
-  }
+  EdgeSet old_marks(const Base& b) const { return b.family == nullptr ? EdgeSet{} : b.family->pattern.marks; }
 
   void apply_rules(Base& b) {
     auto marks = edges_within(b.piece, closing_.middle);
@@ -74,9 +72,15 @@ class FixedPoint {
         if (exists(b.piece, child.edge(e))) mark(child.edge(e));
   }
 
-  std::set<int> added_to(const Piece& child) const {
+  /// Of a child of a parent; remembered by its corners in their order.
+  ReferenceFloor& floor_of(const Piece& child) {
+    return floor_of_child_.try_emplace(child.corner, points_of(child, closing_.point), shape_floor_, nullptr)
+        .first->second;
+  }
+
+  EdgeSet added_to(const Piece& child) {
     const auto marks = edges_within(child, closing_.middle);
-    auto added = ReferenceFloor(points_of(child, closing_.point), shape_floor_, nullptr).enlarge(marks);
+    auto added = floor_of(child).enlarge(marks);
     for (const int e : marks) added.erase(e);
     return added;
   }
@@ -133,10 +137,9 @@ class FixedPoint {
     std::vector<Piece> pieces;
     for (const auto& child : split_in_eight(b.piece, closing_.middle, closing_.point, true)) {
       const auto marks = edges_within(child, closing_.middle);
-      const ReferenceFloor floor(points_of(child, closing_.point), shape_floor_, nullptr);
       if (!added_to(child).empty()) closing_.early.insert(corners_of(b.piece));
-      const auto parts =
-          marks == all_six ? split_in_eight(child, closing_.middle, closing_.point, true) : closed(child, floor, false);
+      const auto parts = marks == all_six ? split_in_eight(child, closing_.middle, closing_.point, true)
+                                          : closed(child, floor_of(child), false);
       pieces.insert(pieces.end(), parts.begin(), parts.end());
     }
     return pieces;
@@ -146,6 +149,7 @@ class FixedPoint {
   double shape_floor_;
   GlobalId n_old_;
   ReferenceClosing closing_;
+  std::map<std::array<GlobalId, 4>, ReferenceFloor> floor_of_child_;
 };
 
 /// Of the families in `kept` each member is a base cell of its own.

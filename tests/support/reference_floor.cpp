@@ -38,18 +38,10 @@ double rounded_length(const geometry::TetPoints& corner, int e) {
   return rounded((d.x * d.x + d.y * d.y) + d.z * d.z);
 }
 
-std::set<int> common(const std::set<int>& a, const std::set<int>& b) {
-  std::set<int> result;
-  std::set_intersection(a.begin(), a.end(), b.begin(), b.end(), std::inserter(result, result.end()));
-  return result;
-}
+bool holds(EdgeSet large, EdgeSet small) { return common(large, small) == small; }
 
-bool holds(const std::set<int>& large, const std::set<int>& small) {
-  return std::includes(large.begin(), large.end(), small.begin(), small.end());
-}
-
-std::vector<std::set<int>> subsets_of(const std::set<int>& marks) {
-  std::vector<std::set<int>> subsets{{}};
+std::vector<EdgeSet> subsets_of(EdgeSet marks) {
+  std::vector<EdgeSet> subsets{{}};
   for (const int e : marks)
     for (std::size_t i = 0, n = subsets.size(); i < n; ++i) {
       subsets.push_back(subsets[i]);
@@ -72,19 +64,19 @@ ReferenceFloor::ReferenceFloor(const geometry::TetPoints& corner, double floor, 
   family_cuts_ = family->pattern.cut;
 }
 
-Cuts ReferenceFloor::cuts_of(const std::set<int>& marks) const {
+Cuts ReferenceFloor::cuts_of(EdgeSet marks) const {
   Cuts cuts;
   for (int face = 0; face < 4; ++face) {
     const auto two = common(marks, edges_of_face(face));
     if (two.size() != 2) continue;
     const bool stays = common(family_marks_, edges_of_face(face)) == two;
-    const int first = *two.begin(), second = *two.rbegin();
+    const int first = *two.begin(), second = *std::next(two.begin());
     cuts[face] = stays ? family_cuts_.at(face) : is_longer(corner_, first, second) ? first : second;
   }
   return cuts;
 }
 
-double ReferenceFloor::quality(const std::set<int>& marks) {
+double ReferenceFloor::quality(EdgeSet marks) {
   const auto [known, is_new] = quality_.emplace(marks, -1);
   if (!is_new) return known->second;
   if (marks == all_six) {
@@ -112,16 +104,15 @@ geometry::TetPoints ReferenceFloor::points_of_codes(const std::array<Code, 4>& c
   return p;
 }
 
-bool ReferenceFloor::is_good(const std::set<int>& marks) {
+bool ReferenceFloor::is_good(EdgeSet marks) {
   if (marks.empty() || marks == all_six) return true;
   const double q = quality(marks);
   return q >= 0 && q >= std::min(floor_, quality(all_six)) * (1 - 0x1p-40);
 }
 
 /// The edges that a has more than the marks come before those that b has more.
-bool ReferenceFloor::added_comes_first(const std::set<int>& a, const std::set<int>& b,
-                                       const std::set<int>& marks) const {
-  const auto added = [&](const std::set<int>& set) {
+bool ReferenceFloor::added_comes_first(EdgeSet a, EdgeSet b, EdgeSet marks) const {
+  const auto added = [&](EdgeSet set) {
     std::vector<Ends> edges;
     for (const int e : set)
       if (marks.count(e) == 0) edges.push_back(ends_of(corner_, e));
@@ -132,12 +123,12 @@ bool ReferenceFloor::added_comes_first(const std::set<int>& a, const std::set<in
   return std::lexicographical_compare(of_a.begin(), of_a.end(), of_b.begin(), of_b.end(), comes_first);
 }
 
-std::set<int> ReferenceFloor::implied(const std::set<int>& marks) {
+EdgeSet ReferenceFloor::implied(EdgeSet marks) {
   if (is_good(marks)) return marks;
   const auto known = implied_.find(marks);
   if (known != implied_.end()) return known->second;
   static const auto all_sets = subsets_of(all_six);
-  std::vector<std::set<int>> good;
+  std::vector<EdgeSet> good;
   std::size_t fewest = 6;
   for (const auto& set : all_sets)
     if (holds(set, marks) && is_good(set)) {
@@ -152,13 +143,16 @@ std::set<int> ReferenceFloor::implied(const std::set<int>& marks) {
              good.begin(), good.end(), [&](const auto& a, const auto& b) { return added_comes_first(a, b, marks); });
 }
 
-std::set<int> ReferenceFloor::enlarge(std::set<int> marks) {
+EdgeSet ReferenceFloor::enlarge(EdgeSet marks) {
   if (!(geometry::volume(corner_) > 0)) return marks;
-  for (std::size_t before = marks.size() + 1; before != marks.size();) {
-    before = marks.size();
-    for (const auto& subset : subsets_of(marks)) marks.merge(std::set<int>(implied(subset)));
+  const auto known = enlarged_.find(marks);
+  if (known != enlarged_.end()) return known->second;
+  auto larger = marks;
+  for (std::size_t before = larger.size() + 1; before != larger.size();) {
+    before = larger.size();
+    for (const auto& subset : subsets_of(larger)) larger.merge(implied(subset));
   }
-  return marks;
+  return enlarged_[marks] = larger;
 }
 
 std::optional<ReferencePattern> best_pattern(const Piece& piece, const Middles& middle, const Cuts& cut,

@@ -4,7 +4,6 @@
 #include <array>
 #include <map>
 #include <optional>
-#include <set>
 
 #include "support/reference_family.hpp"
 
@@ -20,25 +19,26 @@ class ReferenceFloor {
 
   /// The smallest set that holds the marks and, for each of its subsets M, all of P(M). The marks themselves where the
   /// cell is not positive.
-  std::set<int> enlarge(std::set<int> marks);
+  EdgeSet enlarge(EdgeSet marks);
 
   /// How the faces with two marks are cut: as now where they have the same two, else from the midpoint of the longer
   /// edge.
-  Cuts cuts_of(const std::set<int>& marks) const;
+  Cuts cuts_of(EdgeSet marks) const;
 
  private:
-  double quality(const std::set<int>& marks);
+  double quality(EdgeSet marks);
   geometry::TetPoints points_of_codes(const std::array<Code, 4>& codes) const;
-  bool is_good(const std::set<int>& marks);
-  std::set<int> implied(const std::set<int>& marks);
-  bool added_comes_first(const std::set<int>& a, const std::set<int>& b, const std::set<int>& marks) const;
+  bool is_good(EdgeSet marks);
+  EdgeSet implied(EdgeSet marks);
+  bool added_comes_first(EdgeSet a, EdgeSet b, EdgeSet marks) const;
 
   geometry::TetPoints corner_;
   double floor_;
-  std::set<int> family_marks_;
+  EdgeSet family_marks_;
   Cuts family_cuts_;
-  std::map<std::set<int>, double> quality_;         // known ones; -1 where there is no triangulation
-  std::map<std::set<int>, std::set<int>> implied_;  // known ones
+  std::map<EdgeSet, double> quality_;    // known ones; -1 where there is no triangulation
+  std::map<EdgeSet, EdgeSet> implied_;   // known ones
+  std::map<EdgeSet, EdgeSet> enlarged_;  // known ones
 };
 
 /// Edge `e` of the cell is longer than `f`, or as long to 40 binary digits and first by coordinates.

@@ -85,7 +85,7 @@ bool are_apart(const Cell& p, const Cell& q) {
 }
 
 /// Triangles of a face of the cell, seen from outside.
-std::vector<Triangle> cut_face(int face, const std::set<int>& marks, const Cuts& cut) {
+std::vector<Triangle> cut_face(int face, EdgeSet marks, const Cuts& cut) {
   auto corner = mesh::tet::face_to_corner[at(face)];
   const auto edge = [&](std::size_t i) { return mesh::tet::edge_of[at(corner[i])][at(corner[(i + 1) % 3])]; };
   const auto is_marked = [&](std::size_t i) { return marks.count(edge(i)) != 0; };
@@ -102,7 +102,7 @@ std::vector<Triangle> cut_face(int face, const std::set<int>& marks, const Cuts&
   return {{a, ab, ca}, {ab, b, ca}, {b, c, ca}};
 }
 
-std::set<Triangle> cut_boundary(const std::set<int>& marks, const Cuts& cut) {
+std::set<Triangle> cut_boundary(EdgeSet marks, const Cuts& cut) {
   std::set<Triangle> triangles;
   for (int face = 0; face < 4; ++face)
     for (const auto& t : cut_face(face, marks, cut)) triangles.insert(turned(t));
@@ -145,7 +145,7 @@ void fill(const std::set<Triangle>& front, std::vector<Cell>& chosen, const std:
   }
 }
 
-std::vector<Cuts> all_cuts(const std::set<int>& marks) {
+std::vector<Cuts> all_cuts(EdgeSet marks) {
   std::vector<Cuts> cuts{{}};
   for (int face = 0; face < 4; ++face) {
     std::vector<int> marked;
@@ -173,7 +173,7 @@ int inner_edge_of(const std::vector<Cell>& children) {
 std::vector<ReferencePattern> search() {
   std::vector<ReferencePattern> patterns;
   for (int mask = 0; mask < 64; ++mask) {
-    std::set<int> marks;
+    EdgeSet marks;
     std::vector<Code> node{0, 1, 2, 3};
     for (int e = 0; e < 6; ++e)
       if ((mask >> e & 1) != 0) {
@@ -197,8 +197,8 @@ std::vector<ReferencePattern> search() {
   return patterns;
 }
 
-std::set<int> edges_of(int face) {
-  std::set<int> edges;
+EdgeSet edges_of(int face) {
+  EdgeSet edges;
   for (int e = 0; e < 6; ++e)
     if (edge_to_corner[at(e)][0] != face && edge_to_corner[at(e)][1] != face) edges.insert(e);
   return edges;
@@ -249,9 +249,9 @@ const std::vector<ReferencePattern>& all_patterns() {
   return patterns;
 }
 
-const std::vector<ReferencePattern>& patterns_of(const std::set<int>& marks, const Cuts& cut) {
+const std::vector<ReferencePattern>& patterns_of(EdgeSet marks, const Cuts& cut) {
   static const auto by_marks_and_cuts = [] {
-    std::map<std::pair<std::set<int>, Cuts>, std::vector<ReferencePattern>> index;
+    std::map<std::pair<EdgeSet, Cuts>, std::vector<ReferencePattern>> index;
     for (const auto& pattern : family_patterns()) index[{pattern.marks, pattern.cut}].push_back(pattern);
     return index;
   }();
@@ -267,7 +267,7 @@ const std::vector<ReferencePattern>& family_patterns() {
 
 int state_of(const ReferencePattern& pattern) {
   static const auto by_content = [] {
-    std::map<std::tuple<std::set<int>, Cuts, int>, int> index;
+    std::map<std::tuple<EdgeSet, Cuts, int>, int> index;
     for (const auto& known : family_patterns())
       index.emplace(std::tuple(known.marks, known.cut, known.inner_edge), static_cast<int>(index.size()));
     return index;

@@ -6,6 +6,8 @@
 #include <set>
 #include <vector>
 
+#include "support/edge_set.hpp"
+
 /// Every way to split a cell, found by search: nothing of the library's tables is used but the numbering of edges.
 namespace pamr::test {
 
@@ -18,7 +20,7 @@ using Cuts = std::map<int, int>;
 /// Triangulation of a cell by its corners and the midpoints of its marked edges, conforming and without other nodes. A
 /// face with three marks is cut as 1:8 cuts it.
 struct ReferencePattern {
-  std::set<int> marks;  ///< edges
+  EdgeSet marks;  ///< edges
   Cuts cut;
   int inner_edge = -1;                     ///< 0..2: an edge joins the midpoints of this edge and its opposite one
   std::vector<std::array<Code, 4>> child;  ///< positive: codes ascending but for the last two where needed; ascending
@@ -34,7 +36,7 @@ const std::vector<ReferencePattern>& family_patterns();
 int state_of(const ReferencePattern& pattern);
 
 /// Those of zero to five marks with the given cuts of its two-mark faces; none where three cuts run around a corner.
-const std::vector<ReferencePattern>& patterns_of(const std::set<int>& marks, const Cuts& cut);
+const std::vector<ReferencePattern>& patterns_of(EdgeSet marks, const Cuts& cut);
 
 /// Whether it fills the cell: every child positive, volumes that add up, and every face of a child is that of one other
 /// child, or part of a face of the cell cut as the marks and cuts say. By whole numbers, exactly.

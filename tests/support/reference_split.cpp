@@ -27,7 +27,7 @@ std::vector<Quad> cells_round_diagonal(const std::array<GlobalId, 6>& m, int dia
   std::vector<Quad> cells;
   for (int e = 0; e < 6; ++e)
     for (int g = e + 1; g < 6; ++g) {
-      if (std::set<int>{e, g, diagonal, 5 - diagonal}.size() != 4 || e + g == 5) continue;
+      if (EdgeSet{e, g, diagonal, 5 - diagonal}.size() != 4 || e + g == 5) continue;
       const bool is_positive = geometry::volume({middle(diagonal), middle(5 - diagonal), middle(e), middle(g)}) > 0;
       cells.push_back({m[at(diagonal)], m[at(5 - diagonal)], m[at(is_positive ? e : g)], m[at(is_positive ? g : e)]});
     }
@@ -80,10 +80,12 @@ int choose_diagonal(const std::array<GlobalId, 6>& m, const Points& point, bool 
 
 /// A child's face has the patch of the parent's face in which all its nodes lie.
 void inherit_patches(const Piece& parent, const Middles& middle, std::vector<Piece>& children) {
+  std::array<std::set<GlobalId>, 4> nodes_on;
+  for (std::size_t face = 0; face < 4; ++face) nodes_on[face] = nodes_on_face(parent, middle, face);
   for (auto& child : children)
     for (std::size_t slot = 0; slot < 4; ++slot)
       for (std::size_t face = 0; face < 4; ++face) {
-        const auto on_face = nodes_on_face(parent, middle, face);
+        const auto& on_face = nodes_on[face];
         bool lies_on_it = true;
         for (std::size_t i = 0; i < 4; ++i)
           lies_on_it = lies_on_it && (i == slot || on_face.count(child.corner[i]) != 0);
@@ -108,8 +110,8 @@ geometry::TetPoints points_of(const Quad& corner, const Points& point) {
   return {point[at(corner[0])], point[at(corner[1])], point[at(corner[2])], point[at(corner[3])]};
 }
 
-std::set<int> edges_of_face(int face) {
-  std::set<int> edges;
+EdgeSet edges_of_face(int face) {
+  EdgeSet edges;
   for (int e = 0; e < 6; ++e)
     if (edge_to_corner[at(e)][0] != face && edge_to_corner[at(e)][1] != face) edges.insert(e);
   return edges;
@@ -168,7 +170,7 @@ std::vector<Piece> split_by_templates(const Piece& parent, const Middles& middle
   throw std::logic_error("split: the split edges of a cell are not a legal set");
 }
 
-LoneCell halve(const geometry::TetPoints& corner, const std::set<int>& edges) {
+LoneCell halve(const geometry::TetPoints& corner, EdgeSet edges) {
   LoneCell cell;
   cell.point.assign(corner.begin(), corner.end());
   for (const int e : edges) {

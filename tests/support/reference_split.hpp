@@ -42,16 +42,16 @@ std::set<GlobalId> nodes_on_face(const Piece& piece, const Middles& middle, std:
 
 /// The numbers (0..5) of the cell's edges that are in a set or have a middle.
 template <class Edges>
-std::set<int> edges_within(const Piece& piece, const Edges& edges) {
-  std::set<int> found;
+EdgeSet edges_within(const Piece& piece, const Edges& edges) {
+  EdgeSet found;
   for (int e = 0; e < 6; ++e)
     if (edges.count(piece.edge(e)) != 0) found.insert(e);
   return found;
 }
 
 /// The edges of the face opposite corner `face`, and all edges.
-std::set<int> edges_of_face(int face);
-inline const std::set<int> all_six{0, 1, 2, 3, 4, 5};
+EdgeSet edges_of_face(int face);
+inline const EdgeSet all_six{0, 1, 2, 3, 4, 5};
 
 /// The children of a cell by a pattern of 0 to 5 marks (without marks: the cell itself). Lineage and patches are those
 /// of children.
@@ -73,7 +73,7 @@ struct LoneCell {
   Points point;
   Middles middle;
 };
-LoneCell halve(const geometry::TetPoints& corner, const std::set<int>& edges);
+LoneCell halve(const geometry::TetPoints& corner, EdgeSet edges);
 
 double worst_mean_ratio(const std::vector<Piece>& pieces, const Points& point);
 

@@ -14,7 +14,7 @@ using refine::QualityControl;
 std::size_t at(std::int64_t i) { return static_cast<std::size_t>(i); }
 
 /// The smallest legal set that holds the given edges: two on a face become three, anything else six.
-std::set<int> make_legal(const std::set<int>& edges) {
+EdgeSet make_legal(EdgeSet edges) {
   if (edges.size() <= 1) return edges;
   for (int face = 0; face < 4; ++face) {
     const auto whole = edges_of_face(face);
@@ -35,14 +35,14 @@ bool is_short(mesh::Lineage lineage, int edge) {
   return joins(a, b) || joins(b, a);
 }
 
-double worst_child_if_halved(const geometry::TetPoints& corner, const std::set<int>& edges) {
+double worst_child_if_halved(const geometry::TetPoints& corner, EdgeSet edges) {
   const auto cell = halve(corner, edges);
   return worst_mean_ratio(split_by_templates(cell.piece, cell.middle, cell.point, false), cell.point);
 }
 
 /// Of the two faces at an edge the one whose four children have the larger smallest mean ratio; among equals the one
 /// whose third corner comes first.
-std::set<int> better_face(const geometry::TetPoints& corner, int edge) {
+EdgeSet better_face(const geometry::TetPoints& corner, int edge) {
   const auto [p, q] = edge_to_corner[at(5 - edge)];
   const double p_worst = worst_child_if_halved(corner, edges_of_face(p));
   const double q_worst = worst_child_if_halved(corner, edges_of_face(q));
@@ -52,11 +52,11 @@ std::set<int> better_face(const geometry::TetPoints& corner, int edge) {
   return edges_of_face(take_p ? p : q);
 }
 
-std::set<int> required(const Piece& piece, std::set<int> edges, const Points& point, QualityControl policy) {
+EdgeSet required(const Piece& piece, EdgeSet edges, const Points& point, QualityControl policy) {
   if (edges.empty()) return edges;
   if (piece.lineage.is_closure() && policy == QualityControl::isotropic) return all_six;
   if (piece.lineage.is_closure() && policy == QualityControl::short_edge)
-    for (const int e : std::set<int>(edges))
+    for (const int e : EdgeSet(edges))
       if (is_short(piece.lineage, e)) edges.merge(better_face(points_of(piece, point), e));
   return make_legal(edges);
 }

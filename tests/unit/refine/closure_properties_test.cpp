@@ -35,14 +35,14 @@ std::size_t at(std::int64_t i) { return static_cast<std::size_t>(i); }
 constexpr std::array<double, 5> floors{0.35, 0, 0.5, 0.68, 1};
 double floor_of(std::uint64_t seed) { return floors[static_cast<std::size_t>(mix(seed) % floors.size())]; }
 
-std::set<int> set_of(unsigned mask) {
-  std::set<int> edges;
+test::EdgeSet set_of(unsigned mask) {
+  test::EdgeSet edges;
   for (int e = 0; e < 6; ++e)
     if ((mask >> e & 1U) != 0) edges.insert(e);
   return edges;
 }
 
-unsigned mask_of(const std::set<int>& edges) {
+unsigned mask_of(test::EdgeSet edges) {
   unsigned mask = 0;
   for (const int e : edges) mask |= 1U << e;
   return mask;
