@@ -2,12 +2,16 @@
 set(config_dir ${CMAKE_INSTALL_LIBDIR}/cmake/pamr)
 install(TARGETS pamr pamr_base pamr_geometry EXPORT pamr FILE_SET HEADERS)
 # Headers of the refiner's clients begin with their folder ("meshing/..."), which stands beside the refiner's modules.
-foreach(client IN ITEMS meshing dsmc)
+foreach(client IN ITEMS meshing dsmc poisson_boltzmann)
   if(TARGET pamr_${client})
     set_target_properties(pamr_${client} PROPERTIES EXPORT_NAME ${client})
     install(TARGETS pamr_${client} EXPORT pamr FILE_SET HEADERS DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/pamr)
   endif()
 endforeach()
+if(TARGET pamr_petsc_headers)
+  set_target_properties(pamr_petsc_headers PROPERTIES EXPORT_NAME petsc_headers)
+  install(TARGETS pamr_petsc_headers EXPORT pamr)
+endif()
 install(DIRECTORY docs/examples/ DESTINATION ${CMAKE_INSTALL_DATADIR}/pamr/examples)
 install(EXPORT pamr NAMESPACE pamr:: DESTINATION ${config_dir} FILE pamrTargets.cmake)
 configure_package_config_file(cmake/pamrConfig.cmake.in ${CMAKE_CURRENT_BINARY_DIR}/pamrConfig.cmake

@@ -76,6 +76,8 @@ class Consumer(unittest.TestCase):
         self.run_ok(*MPIEXEC, "2", os.path.join(build, "refine_ball"))
         if os.path.exists(os.path.join(build, "clients")):
             self.assertIn("flux factor", self.run_ok(os.path.join(build, "clients")))
+        if os.path.exists(os.path.join(build, "potential")):
+            self.assertIn("PETSc has started", self.run_ok(os.path.join(build, "potential")))
         self.tool("pamr-quality", "fine.hdf", "--gate", "inverted_cells:max:0")
 
         shutil.copy(os.path.join(self.folder, "cube.hdf"), os.path.join(self.folder, "level0.hdf"))
