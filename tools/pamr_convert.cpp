@@ -38,7 +38,7 @@ struct Options {
   std::vector<std::vector<double>> creases;
   double tolerance = -1, feature_angle = -1;
   int format = io::newest_format;
-  bool repair = false, no_repair = false, strict = false, text = false, force = false;
+  bool asks_version = false, repair = false, no_repair = false, strict = false, text = false, force = false;
 };
 
 void declare(cli::CommandLine& line, Options& options) {
@@ -79,9 +79,10 @@ void declare(cli::CommandLine& line, Options& options) {
               "largest distance of a node from its surface, length units (default: 1e-6 of the mesh's size, and "
               "for triangulated surfaces 1.5 times how far their facets lie off there)")
       .not_negative();
-  line.option("--gmsh-version", options.gmsh_version, "format of a .msh to write")
-      .one_of({"2.2", "4.1"})
-      .show_default();
+  const auto version = line.option("--gmsh-version", options.gmsh_version, "format of a .msh to write")
+                           .one_of({"2.2", "4.1"})
+                           .show_default();
+  line.after_reading([&options, version] { options.asks_version = version.is_given(); });
   line.flag("--text", options.text, "write a .msh as text instead of binary");
   line.option("--format", options.format, cli::format_help).range(io::oldest_format, io::newest_format).show_default();
   line.flag("--force", options.force, cli::force_help);
@@ -97,6 +98,12 @@ std::string extension(const std::string& file, std::span<const std::string_view>
     if (found == ending) return found;
     list += (list.empty() ? "" : ", ") + std::string(ending);
   }
+  for (const auto* of_surface : {".stl", ".obj", ".ply", ".off"})
+    if (found == of_surface)
+      throw Error(
+          "file '" + file + "': expected a mesh of tetrahedra (" + list +
+          "), found a surface: pamr-mesh meshes the space in or around it (shape = \"surfaces\"), --surface lets "
+          "a patch of a mesh lie on it");
   throw Error("file '" + file + "': expected a name that ends in " + list + ", found \"" + found + "\"");
 }
 
@@ -189,6 +196,11 @@ void check_foam_case(const cli::Session& session, const Options& options) {
 void check_files(cli::Session& session, const Options& options, bool as_foam) {
   (void)extension(options.input, known_inputs);
   if (!as_foam) (void)extension(options.output, known_outputs);
+  const bool to_gmsh = !as_foam && options.output.ends_with(".msh");
+  for (const auto& [is_given, name] :
+       {std::pair(options.text, "--text"), std::pair(options.asks_version, "--gmsh-version")})
+    if (is_given && !to_gmsh)
+      throw Error(fmt::format("{}: expected an output that ends in .msh beside it, found '{}'", name, options.output));
   if (options.repair && options.no_repair) throw Error("expected --repair or --no-repair, found both");
   if (options.surfaces.empty() && !options.ties.empty())
     throw Error("--tie: expected --surfaces beside it, found none");
@@ -305,6 +317,7 @@ void treat_ears(cli::Session& session, const Options& options, mesh::DistMesh& m
 
 cli::ExitCode convert(cli::Session& session, const Options& options) {
   const auto& comm = session.comm();
+  if (options.output.empty()) throw Error("OUT: expected the name of a mesh to write, found an empty name");
   const bool as_foam = comm.any(is_foam_case(options.output));
   check_files(session, options, as_foam);
 

@@ -61,7 +61,8 @@ void check_paths(cli::Session& session, const Options& o) {
     if (!file.empty()) session.check_input(file);
   if (o.plan) return;
   if (o.out.mesh.empty()) throw Error("expected -o OUT or --plan, found neither");
-  for (const auto& file : {o.out.mesh, o.out.surface, o.out.lines, o.out.history})
+  session.check_native_output(o.out.mesh, {o.case_file, o.mesh, o.restart, o.carry}, o.force);
+  for (const auto& file : {o.out.surface, o.out.lines, o.out.history})
     if (!file.empty()) session.check_output(file, {o.case_file, o.mesh, o.restart, o.carry}, o.force);
   const auto& checkpoint = o.advance.checkpoint;  // a run may replace the one that it continues from
   if (!checkpoint.empty())

@@ -91,7 +91,7 @@ void declare(cli::CommandLine& line, Options& options) {
 cli::ExitCode run(cli::Session& session, const Options& options) {
   const auto request = mark::read_request(options.given);
   session.check_input(options.input);
-  session.check_output(options.output, {options.input}, options.force);
+  session.check_native_output(options.output, {options.input}, options.force);
 
   const auto& comm = session.comm();
   auto mesh = assemble::assemble(comm, io::read_native(comm, options.input, {.remark = session.remarks()}));
@@ -135,6 +135,12 @@ cli::ExitCode run(cli::Session& session, const Options& options) {
     report["criteria"].push_back({{"criterion", request.criteria[i].text}, {"cells", applied.cells_of_criterion[i]}});
   session.write_report(report);
   if (too_deep > 0) session.warn(adapt::too_deep_text(too_deep));
+  if (options.max_cells && mesh.info.n_global_cells > *options.max_cells)
+    session.warn(fmt::format("nothing is marked: the mesh has {} cells already, more than --max-cells {}",
+                             mesh.info.n_global_cells, *options.max_cells));
+  else if (n_marked == 0)
+    session.warn(n_wanted > 0 ? "nothing is marked: not one of the cells that are wanted fits into --max-cells"
+                              : "nothing is marked: no cell meets a criterion and every limit");
   session.summary(fmt::format("{} of {} cells marked{}; {} cells and {} nodes after refinement -> {}", n_marked,
                               mesh.info.n_global_cells,
                               n_wanted > n_marked ? fmt::format(" (of {} wanted)", n_wanted) : std::string(),

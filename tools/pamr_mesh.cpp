@@ -75,7 +75,7 @@ cli::ExitCode make_mesh(cli::Session& session, const Options& options) {
     session.check_input(options.case_file);
     inputs.push_back(options.case_file);
   }
-  session.check_output(options.output, inputs, options.force);
+  session.check_native_output(options.output, inputs, options.force);
 
   const auto made = make(session, options);
   const auto& info = made.mesh.info;

@@ -64,7 +64,7 @@ nlohmann::json print_case(const cli::Session& session, const pb::Problem& proble
 cli::ExitCode run(cli::Session& session, const Options& o) {
   session.check_input(o.case_file);
   session.check_input(o.mesh);
-  session.check_output(o.output, {o.case_file, o.mesh}, o.force);
+  session.check_native_output(o.output, {o.case_file, o.mesh}, o.force);
   if (!o.surface.empty()) session.check_output(o.surface, {o.case_file, o.mesh, o.output}, o.force);
   const auto& comm = session.comm();
   StepTimer timer;

@@ -53,7 +53,7 @@ void check_files(cli::Session& session, const Options& options) {
     throw Error(fmt::format("expected one mesh with --worst, found {}", options.meshes.size()));
   for (const auto& file : options.meshes) session.check_input(file);
   if (!options.csv.empty()) session.check_output(options.csv, options.meshes, options.force);
-  if (!options.worst_out.empty()) session.check_output(options.worst_out, options.meshes, options.force);
+  if (!options.worst_out.empty()) session.check_native_output(options.worst_out, options.meshes, options.force);
 }
 
 void write_csv(const par::Comm& comm, const std::string& file, const std::string& text) {
@@ -101,7 +101,7 @@ cli::ExitCode run(cli::Session& session, const Options& options) {
     session.summary(check::summary_of(reports.front()));
   else
     for (const auto& line : check::table_of(reports)) session.summary(line);
-  for (const auto& complaint : complaints) session.warn(complaint);
+  for (const auto& complaint : complaints) session.complain(complaint);
   return complaints.empty() ? cli::ExitCode::done : cli::ExitCode::failed;
 }
 

@@ -134,7 +134,7 @@ void keep_flat_patches(cli::Session& session, mesh::DistMesh& mesh) {
 cli::ExitCode work(cli::Session& session, const Options& options) {
   const auto& comm = session.comm();
   session.check_input(options.input);
-  if (!options.dry_run) session.check_output(options.output, {options.input}, options.force);
+  if (!options.dry_run) session.check_native_output(options.output, {options.input}, options.force);
 
   StepTimer timer([&] { return comm.traffic(); });
   const auto read_before = adapt::bytes_read_so_far();
@@ -181,6 +181,8 @@ cli::ExitCode work(cli::Session& session, const Options& options) {
 
   warn_too_deep(session, result.report.marked_too_deep);
   warn_kept(session, result.report.closure.families_kept, how);
+  if (result.report.closure.n_marked == 0)
+    session.warn(fmt::format("nothing is marked in the field '{}': the output is the input mesh", options.marks));
   measured.steps = merge_steps(timer.steps(), result.report.steps);
   session.write_report(adapt::make_report(comm, result.report, measured));
   session.summary(fmt::format("{} cells ({} marked) -> {} cells, {} nodes, {} off their surface: {}",

@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <csignal>
 #include <cstddef>
 #include <cstdio>
@@ -13,9 +14,11 @@
 #include <limits>
 #include <new>
 #include <string>
+#include <vector>
 
 #include "pamr/base/error.hpp"
 #include "pamr/base/memory.hpp"
+#include "pamr/base/nearest_word.hpp"
 #include "pamr/base/one_line.hpp"
 #include "pamr/io/remove_on_interrupt.hpp"
 #include "pamr/par/runtime.hpp"
@@ -40,6 +43,25 @@ struct Parsed {
   Ending ending;
 };
 
+/// An argument that nothing takes, and the option that may have been meant: the most alike, or the one that has its
+/// name as a part (--sphere: --crossing-sphere). Empty if every argument was taken.
+std::string unknown_argument(const CLI::App& app) {
+  const auto extras = app.remaining();
+  const auto is_option = [](const std::string& word) { return word.size() > 1 && word[0] == '-'; };
+  auto word = std::find_if(extras.begin(), extras.end(), is_option);
+  if (word == extras.end()) return extras.empty() ? "" : "unexpected argument '" + extras.back() + "'";
+  const auto name = word->substr(0, word->find('='));
+  std::vector<std::string> known;
+  for (const auto* option : app.get_options())
+    for (const auto& of_it : option->get_lnames()) known.push_back("--" + of_it);
+  auto near = nearest_word(name, known);
+  constexpr std::size_t shortest_part = 5;
+  if (const auto part = name.substr(name.find_first_not_of('-')); !near && part.size() >= shortest_part)
+    for (const auto& candidate : known)
+      if (candidate.find(part) != std::string::npos) near = candidate;
+  return "unknown option " + name + (near ? "; did you mean " + *near + "?" : "");
+}
+
 /// Reads the command line into `options` and what `declare` names; prints --help and --version if it `speaks`.
 Parsed parse(int argc, char** argv, const ToolInfo& info, const std::function<void(CommandLine&)>& declare,
              CommonOptions& options, bool speaks) {
@@ -59,7 +81,9 @@ Parsed parse(int argc, char** argv, const ToolInfo& info, const std::function<vo
     if (speaks) app.exit(wanted);
     return {false, {}};
   } catch (const CLI::ParseError& wrong) {
-    return {false, {ExitCode::bad_input, std::string(wrong.what()) + " (see " + info.name + " --help)"}};
+    const auto unknown = unknown_argument(app);  // said first: a misspelt option may be the one that is missed
+    return {false,
+            {ExitCode::bad_input, (unknown.empty() ? wrong.what() : unknown) + (" (see " + info.name + " --help)")}};
   }
 }
 

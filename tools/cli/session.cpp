@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cli/session.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cstdio>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <utility>
 
@@ -43,6 +46,16 @@ void Session::check_output(const std::string& path, const std::vector<std::strin
   prepare_output(path, others);
 }
 
+void Session::check_native_output(const std::string& path, const std::vector<std::string>& inputs, bool force) {
+  constexpr std::array foreign{".vtu", ".vtp", ".vtk", ".pvtu", ".msh", ".mesh", ".meshb", ".cgns", ".su2",  ".ugrid",
+                               ".stl", ".obj", ".ply", ".off",  ".csv", ".json", ".png",   ".html", ".toml", ".xdmf"};
+  const auto extension = std::filesystem::path(path).extension().string();
+  if (std::find(foreign.begin(), foreign.end(), extension) != foreign.end())
+    throw Error(path + ": this output is a native mesh: expected a name that ends in .hdf, found " + extension +
+                " (pamr-convert writes other formats)");
+  check_output(path, inputs, force);
+}
+
 void Session::prepare_output(const std::string& path, const std::vector<std::string>& others) const {
   if (comm_->is_first()) io::remove_leftovers(path, others);
   remove_unfinished_on_interrupt();
@@ -55,9 +68,13 @@ void Session::summary(const std::string& line) const {
   std::fflush(stream);
 }
 
-void Session::warn(const std::string& line) const {
+void Session::warn(const std::string& line) const { say("warning", line); }
+
+void Session::complain(const std::string& line) const { say("error", line); }
+
+void Session::say(const char* what, const std::string& line) const {
   if (!comm_->is_first()) return;
-  std::fputs((tool_ + ": warning: " + one_line(line) + "\n").c_str(), stderr);
+  std::fputs((tool_ + ": " + what + ": " + one_line(line) + "\n").c_str(), stderr);
   std::fflush(stderr);
 }
 

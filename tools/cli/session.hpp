@@ -43,6 +43,8 @@ class Session {
   /// the report, is no regular file, or its folder is missing or cannot be written; then does what `prepare_output`
   /// does. Call before work starts, once per output. Collective; rank 0 decides.
   void check_output(const std::string& path, const std::vector<std::string>& inputs, bool force);
+  /// The same for an output in the native format; refuses a name that ends as those of other formats do.
+  void check_native_output(const std::string& path, const std::vector<std::string>& inputs, bool force);
   /// Removes what killed runs have left of an output, but none of `others`. From here on SIGINT, SIGTERM, SIGHUP and an
   /// error remove what is unfinished. Local; rank 0 removes.
   void prepare_output(const std::string& path, const std::vector<std::string>& others) const;
@@ -53,6 +55,8 @@ class Session {
   void warn(const std::string& line) const;
   /// `warn` for `io::ReadOptions::remark`, to be used no longer than this session.
   std::function<void(const std::string&)> remarks() const;
+  /// The same for what makes the exit code 1: a check or gate that fails. Local.
+  void complain(const std::string& line) const;
   /// Progress of `total` units of work (below zero: not known), of which `before` are done; silent with --quiet and on
   /// ranks other than 0. Local.
   Progress progress(const std::string& what, std::int64_t total, const std::string& unit,
@@ -62,6 +66,7 @@ class Session {
   void write_report(const nlohmann::json& report) const;
 
  private:
+  void say(const char* what, const std::string& line) const;
   bool writes_report_file() const { return !options_.json.empty() && options_.json != "-"; }
 
   const par::Comm* comm_;

@@ -21,14 +21,25 @@ namespace pamr::meshing {
 
 namespace {
 
-double size_of(const par::Comm& comm, const mesh::DistMesh& mesh) {
+struct Box {
   geometry::Vec3 low{1e300, 1e300, 1e300}, high{-1e300, -1e300, -1e300};
-  for (const auto p : mesh.node_position) {
+
+  void add(const geometry::Vec3& p) {
     low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
     high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
   }
-  return geometry::norm(geometry::Vec3{comm.max(high.x), comm.max(high.y), comm.max(high.z)} -
-                        geometry::Vec3{comm.min(low.x), comm.min(low.y), comm.min(low.z)});
+  double diagonal() const { return geometry::norm(high - low); }
+  /// Of all ranks. Collective.
+  Box over(const par::Comm& comm) const {
+    return {{comm.min(low.x), comm.min(low.y), comm.min(low.z)},
+            {comm.max(high.x), comm.max(high.y), comm.max(high.z)}};
+  }
+};
+
+double size_of(const par::Comm& comm, const mesh::DistMesh& mesh) {
+  Box box;
+  for (const auto p : mesh.node_position) box.add(p);
+  return box.over(comm).diagonal();
 }
 
 /// Index of the patch of that name.
@@ -185,6 +196,23 @@ Association measure(const par::Comm& comm, const mesh::DistMesh& mesh, int patch
   return result;
 }
 
+/// Lengths of the diagonals of the boxes about the nodes of a patch and about a surface of triangles that differ by
+/// more than a factor of ten are a matter of units, most often; empty otherwise. Collective.
+std::string hint_at_units(const par::Comm& comm, const mesh::DistMesh& mesh, const Association& found) {
+  const auto& triangulations = mesh.info.surfaces->triangulations;
+  const auto surface = std::find_if(triangulations.begin(), triangulations.end(),
+                                    [&](const auto& data) { return data->name == found.surface; });
+  if (surface == triangulations.end()) return {};
+  Box of_surface, of_patch;
+  for (const auto& p : (*surface)->points) of_surface.add(p);
+  for (const auto node : nodes_of(mesh, static_cast<int>(patch_named(mesh.info, found.patch))))
+    of_patch.add(mesh.point(node));
+  const double ratio = of_surface.diagonal() / of_patch.over(comm).diagonal();
+  if (ratio > 0.1 && ratio < 10) return {};
+  return fmt::format("; the surface is about {:.3g} times {} than the patch: other units?",
+                     ratio < 1 ? 1 / ratio : ratio, ratio < 1 ? "smaller" : "larger");
+}
+
 }  // namespace
 
 std::vector<Association> associate_surfaces(const par::Comm& comm, mesh::DistMesh& mesh,
@@ -206,8 +234,9 @@ std::vector<Association> associate_surfaces(const par::Comm& comm, mesh::DistMes
     if (one.worst_excess > 0)
       throw Error(
           fmt::format("patch '{}': expected nodes within {:.6g} of surface \"{}\", found some as far as {:.6g} "
-                      "from it (--tolerance sets the bound)",
-                      one.patch, one.worst_distance - one.worst_excess, one.surface, one.worst_distance));
+                      "from it{} (--tolerance sets the bound)",
+                      one.patch, one.worst_distance - one.worst_excess, one.surface, one.worst_distance,
+                      hint_at_units(comm, mesh, one)));
   write_off_surface(comm, mesh, off);
   return result;
 }

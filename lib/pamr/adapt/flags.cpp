@@ -12,7 +12,11 @@ std::vector<std::uint8_t> flags_from_field(const par::Comm& comm, const mesh::Di
   std::vector<std::uint8_t> flags(at(mesh.n_cells()));
   par::agree(comm, [&] {
     const auto* field = mesh.find_cell_field(name);
-    if (field == nullptr) throw Error(fmt::format("marks: expected a cell field '{}', found none of that name", name));
+    if (field == nullptr)
+      throw Error(
+          fmt::format("marks: expected a cell field '{}', found none of that name (pamr-mark writes it; --marks FIELD "
+                      "names another)",
+                      name));
     if (!field->holds_integers() || field->n_components != 1)
       throw Error(fmt::format("marks: expected an integer field of one component, found cell field '{}' of {}", name,
                               field->holds_integers() ? fmt::format("{} components", field->n_components) : "reals"));

@@ -11,6 +11,7 @@
 #include <string_view>
 
 #include "pamr/base/error.hpp"
+#include "pamr/base/nearest_word.hpp"
 
 namespace pamr::check {
 
@@ -67,14 +68,21 @@ std::string why_failed(const Gate& gate, const std::vector<std::pair<std::string
   auto at = find(gate.name);
   if (at == numbers.end()) at = find(gate.name + (is_min ? ".min" : ".max"));
   if (at == numbers.end()) {
-    std::string names;
-    for (const auto& [name, value] : numbers) names += (names.empty() ? "" : " ") + name;
-    throw Error("--gate " + gate.text + ": expected the name of a number of the report (" + names + "), found \"" +
-                gate.name + "\"");
+    std::vector<std::string> names;
+    for (const auto& [name, value] : numbers) names.push_back(name);
+    auto near = nearest_word(gate.name, names);
+    if (!near) {  // the metric of mean_ratio.min may be what is misspelt
+      std::vector<std::string> metrics;
+      for (const auto& name : names) metrics.push_back(name.substr(0, name.find('.')));
+      near = nearest_word(gate.name, metrics);
+    }
+    throw Error(
+        fmt::format("--gate {}: unknown number '{}'; {}", gate.text, gate.name,
+                    near ? "did you mean '" + *near + "'?" : fmt::format("the report has: {}", fmt::join(names, " "))));
   }
   const auto& [name, value] = *at;
   if (is_min ? value >= gate.bound : value <= gate.bound) return {};
-  return fmt::format("gate failed: {} is {:.17g}, expected at {} {:.17g}", name, value, is_min ? "least" : "most",
+  return fmt::format("gate failed: {} is {:.6g}, expected at {} {:.6g}", name, value, is_min ? "least" : "most",
                      gate.bound);
 }
 

@@ -78,7 +78,7 @@ std::vector<double> scalar_on_cells(const par::Comm& comm, const mesh::DistMesh&
   }
   refuse_first(
       comm, mesh, values, [](double v) { return !std::isfinite(v); },
-      "field \"" + std::string(name) + "\": expected finite values, found one that is not");
+      "field \"" + std::string(name) + "\": expected finite values, found another");
   return values;
 }
 
@@ -102,7 +102,7 @@ Indicator larger_than_length(const par::Comm& comm, const mesh::DistMesh& mesh, 
   auto length = scalar_on_cells(comm, mesh, field);
   refuse_first(
       comm, mesh, length, [](double v) { return !(v > 0); },
-      "field \"" + std::string(field) + "\": expected positive lengths, found one that is not");
+      "field \"" + std::string(field) + "\": expected positive lengths, found another");
   const double limit = round_to_20_bits(ratio);
   Indicator indicator(length.size());
   for (std::size_t i = 0; i < length.size(); ++i) {

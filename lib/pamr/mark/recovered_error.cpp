@@ -44,8 +44,7 @@ const std::vector<double>& require_nodal(const par::Comm& comm, const mesh::Dist
     if (!std::isfinite(value[i])) bad = std::min(bad, mesh.node_global[i]);
   bad = comm.min(bad);
   if (bad != std::numeric_limits<GlobalId>::max())
-    throw Error(
-        fmt::format("field \"{}\": expected finite values, found one that is not on node {}", field->name, bad));
+    throw Error(fmt::format("field \"{}\": expected finite values, found another on node {}", field->name, bad));
   return value;
 }
 

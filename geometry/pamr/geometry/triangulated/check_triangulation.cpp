@@ -59,6 +59,16 @@ void require_shapes(const Triangulation& surface, const std::string& where) {
   }
 }
 
+/// Edges with one triangle only.
+std::size_t count_open(const std::vector<Side>& sides) {
+  std::size_t n = 0;
+  for (std::size_t i = 0; i < sides.size(); ++i) {
+    const auto is_same = [&](std::size_t j) { return sides[j].low == sides[i].low && sides[j].high == sides[i].high; };
+    if (!(i > 0 && is_same(i - 1)) && !(i + 1 < sides.size() && is_same(i + 1))) ++n;
+  }
+  return n;
+}
+
 void require_edges(const Triangulation& surface, const std::vector<Side>& sides, const std::string& where,
                    bool open_allowed) {
   for (std::size_t i = 0; i < sides.size();) {
@@ -70,7 +80,11 @@ void require_edges(const Triangulation& surface, const std::vector<Side>& sides,
       fail(where, sides[i + 2].triangle,
            fmt::format("expected at most two triangles at {}, found {} (non-manifold)", text, end - i));
     if (end - i == 1 && !open_allowed)
-      fail(where, sides[i].triangle, "expected a closed surface, found nothing beyond " + text + " (open)");
+      fail(where, sides[i].triangle,
+           fmt::format(
+               "expected a closed surface, found {} edges with one triangle, the first {} (open); if that is meant, "
+               "describe the surface in TOML with open = true",
+               count_open(sides), text.substr(std::string("the edge ").size())));
     if (end - i == 2 && sides[i].upwards == sides[i + 1].upwards)
       fail(where, sides[i + 1].triangle,
            fmt::format("expected the opposite sense of triangle {} at {}, found the same (orientation)",

@@ -40,7 +40,9 @@ Format read_format(TextCursor& in) {
   if (in.line() != "$MeshFormat") in.fail("a Gmsh file that begins with $MeshFormat", "another beginning");
   const double version = in.real("the version of the format");
   const auto kind = in.integer("0 for text or 1 for binary"), size = in.integer("the size of a real");
-  if (version != 2.2 && version != 4.1) in.fail("version 2.2 or 4.1 of the format", fmt::format("{}", version));
+  if (version != 2.2 && version != 4.1)
+    in.fail("version 2.2 or 4.1 of the format",
+            fmt::format("{} (gmsh OLD.msh -save -format msh41 -o NEW.msh)", version));
   if (kind != 0 && kind != 1) in.fail("0 for text or 1 for binary", fmt::format("{}", kind));
   if (size != 8) in.fail("reals of 8 bytes", fmt::format("{}", size));
   (void)in.line();
@@ -90,7 +92,8 @@ void refuse_what_does_not_fit(const par::Comm& comm, const Parts& parts, const s
     throw Error("file '" + file +
                 "': expected tetrahedra and triangles of first order (points and lines are left out), "
                 "found " +
-                found);
+                found +
+                (found.find("order") != std::string::npos ? " (gmsh -order 1 makes a mesh of first order)" : ""));
   if (parts.n_periodic_links > 0)
     throw Error(fmt::format("file '{}': expected no periodic links, found {}", file, parts.n_periodic_links));
   if (comm.sum(static_cast<std::int64_t>(parts.tetrahedron.size())) == 0)

@@ -142,7 +142,7 @@ class Checker {
     const auto* stored = catalog_->find_number(std::string(path::checksums) + "@" + checksum_path(entry.path));
     if (stored == nullptr) return;
     if (stored->values.size() != 1 || std::bit_cast<std::uint64_t>(stored->values[0]) != checksum_of(entry.texts))
-      fail(entry.path, "contents that agree with its checksum", "that they do not: the file is damaged");
+      fail(entry.path, "contents that agree with its checksum", "that they do not: " + damaged_or_changed(entry.path));
   }
 
   void extension() {
@@ -268,5 +268,10 @@ Layout check_catalog(const Catalog& catalog, const std::filesystem::path& file, 
 }
 
 std::string checksum_path(const std::string& dataset) { return dataset.substr(1); }
+
+std::string damaged_or_changed(const std::string& dataset) {
+  return fmt::format("the file is damaged, or a script that changed the dataset has left the attribute '{}' of {}",
+                     checksum_path(dataset), path::checksums);
+}
 
 }  // namespace pamr::io

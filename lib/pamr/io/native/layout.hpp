@@ -81,4 +81,7 @@ Layout check_catalog(const Catalog& catalog, const std::filesystem::path& file, 
 /// The name of a dataset's entry in `/PAMR/checksums`: its path without the first slash.
 std::string checksum_path(const std::string& dataset);
 
+/// What a checksum that does not agree means, for the error.
+std::string damaged_or_changed(const std::string& dataset);
+
 }  // namespace pamr::io

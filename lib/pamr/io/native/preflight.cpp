@@ -59,6 +59,14 @@ void require_signature(const std::filesystem::path& file, std::uintmax_t bytes) 
     stream.seekg(static_cast<std::streamoff>(offset));
     if (stream.read(found.data(), found.size()) && found == signature) return;
   }
+  const std::string gmsh = "$MeshFormat";
+  std::string begin(gmsh.size(), '\0');
+  stream.clear();
+  stream.seekg(0);
+  stream.read(begin.data(), static_cast<std::streamsize>(begin.size()));
+  if (begin == gmsh || file.extension() == ".msh")
+    throw Error(fmt::format("file '{0}': expected an HDF5 file, found one of Gmsh: pamr-convert {0} {1}", file.string(),
+                            std::filesystem::path(file).replace_extension(".hdf").string()));
   throw Error(fmt::format("file '{}': expected an HDF5 file, found no HDF5 signature", file.string()));
 }
 

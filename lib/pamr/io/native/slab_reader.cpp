@@ -132,9 +132,8 @@ void SlabReader::each_slab(const Dataset& dataset, Rows rows, bool verify, const
   if (!verify) return;
   if (stored->values.size() == 1 && std::bit_cast<std::uint64_t>(stored->values[0]) == checksum.result(*comm_)) return;
   if (!is_field(path))
-    throw Error(
-        fmt::format("{}: expected contents that agree with its checksum, found that they do not: the file is damaged",
-                    place(path)));
+    throw Error(fmt::format("{}: expected contents that agree with its checksum, found that they do not: {}",
+                            place(path), damaged_or_changed(path)));
   if (options_.remark)
     options_.remark(fmt::format("{}: the values do not agree with their checksum: they were changed after it was made",
                                 place(path)));
