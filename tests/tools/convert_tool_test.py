@@ -81,6 +81,54 @@ def test_vtu_holds_the_mesh_and_its_fields():
     assert np.array_equal(read.point_data["flow"], 2 * read.points)
 
 
+def test_vtu_has_the_boundary_with_patches_level_and_shape():
+    kuhn_cube("cube.hdf", 2)
+    run("pamr-mark", "cube.hdf", "-o", "marked.hdf", "--box", "0,0,0,0.5,0.5,0.5", "--quiet")
+    run("pamr-refine", "marked.hdf", "-o", "fine.hdf", "--quiet")
+    run("pamr-convert", "fine.hdf", "fine.vtu", "--quiet")
+    run("pamr-convert", "fine.hdf", "again.vtu", "--quiet", serial=True)
+    assert same_bytes("fine.vtu", "again.vtu")
+    read = meshio.read("fine.vtu")
+    with h5py.File("fine.hdf") as file:
+        names = [name.decode() for name in file["PAMR/patches/names"][:]]
+        neighbors, level = file["PAMR/cell_to_cell"][:], file["PAMR/lineage"][:] >> 8 & 0xFF
+        shown = file["VTKHDF/CellData/level"]
+        assert shown.dtype == np.uint8 and np.array_equal(shown[:], level) and level.max() == 1
+    numbers = {key[6:]: int(value[0]) for key, value in read.field_data.items()}
+    assert numbers == {name: i for i, name in enumerate(names)}, numbers
+    triangles, patch = read.cells_dict["triangle"], read.cell_data_dict["patch"]["triangle"]
+    assert len(triangles) == (neighbors < 0).sum() and (read.cell_data_dict["patch"]["tetra"] == -1).all()
+    corners = read.points[triangles]
+    areas = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]) / 2
+    for name, number in numbers.items():  # one side of the unit cube each, seen from outside
+        axis, sign = "xyz".index(name[0]), 1 if name.endswith("max") else -1
+        total = areas[patch == number].sum(axis=0)
+        assert np.allclose(total, sign * np.eye(3)[axis]), (name, total)
+    assert np.array_equal(read.cell_data_dict["level"]["tetra"], level)
+    owner = np.nonzero(neighbors < 0)[0]
+    assert np.array_equal(read.cell_data_dict["level"]["triangle"], level[owner])
+    quality = run("pamr-quality", "fine.hdf", "--json", "-", serial=True).json["mean_ratio"]
+    ratio = read.cell_data_dict["mean_ratio"]["tetra"]
+    assert ratio.min() == quality["min"] and ratio.max() == quality["max"]
+
+
+def test_the_level_for_viewers_follows_the_lineage_and_fields_of_that_name_stay():
+    kuhn_cube("cube.hdf", 2)
+    with h5py.File("cube.hdf", "r+") as file:
+        file["VTKHDF/CellData/level"][:] = 7  # not what the lineage says: not read
+    run("pamr-mark", "cube.hdf", "-o", "marked.hdf", "--all", "--quiet")
+    run("pamr-refine", "marked.hdf", "-o", "fine.hdf", "--quiet")
+    with h5py.File("fine.hdf", "r+") as file:
+        assert (file["VTKHDF/CellData/level"][:] == 1).all()
+        del file["VTKHDF/CellData/level"]
+        file["VTKHDF/CellData/level"] = np.full(8 * 48, 2.5)  # somebody's own field
+    run("pamr-convert", "fine.hdf", "own.hdf", "--quiet")
+    run("pamr-convert", "own.hdf", "own.vtu", "--quiet")
+    with h5py.File("own.hdf") as file:
+        assert (file["VTKHDF/CellData/level"][:] == 2.5).all()
+    assert (meshio.read("own.vtu").cell_data_dict["level"]["tetra"] == 2.5).all()
+
+
 def two_cells(version="2.2", nodes=None, elements=None):
     """Two tetrahedra with a common face, all outer faces tagged."""
     nodes = nodes or ["10 0 0 0", "20 1 0 0", "30 0 1 0", "40 0 0 1", "50 1 1 1"]

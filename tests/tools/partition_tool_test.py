@@ -151,7 +151,7 @@ def test_the_rest_of_the_file_stays_as_it_is():
     with h5py.File("a.hdf") as old, h5py.File("parts.hdf") as new:
         assert (old["VTKHDF/Connectivity"][:] == new["VTKHDF/Connectivity"][:]).all()
         assert (old["VTKHDF/Points"][:] == new["VTKHDF/Points"][:]).all()
-        assert set(new["VTKHDF/CellData"]) == {"rank"}
+        assert set(new["VTKHDF/CellData"]) == {"rank", "level"}
     # made again it replaces the field, and is the same
     run("pamr-partition", "parts.hdf", "-o", "again.hdf", "-p", 3, "--quiet")
     assert same_bytes("parts.hdf", "again.hdf")

@@ -108,7 +108,7 @@ def test_every_kind_of_file_is_drawn_and_patches_keep_their_names():
                  "-").json
     image = pixels("p.png")
 
-    assert sorted(report["meshes"][0]["patches"]) == sorted(report["meshes"][1]["patches"]) == names, report
+    assert all(sorted(mesh["patches"]) == names for mesh in report["meshes"][:3]), report
     assert all(mesh["boundary_triangles"] == 6 * 72 for mesh in report["meshes"][:3]), report
     assert report["meshes"][3]["boundary_triangles"] == 4 and report["meshes"][3]["cells"] == 0, report
     panels = np.array_split(image[80:-50], 4, axis=1)

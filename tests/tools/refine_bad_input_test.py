@@ -108,6 +108,11 @@ def test_a_flipped_byte_in_any_dataset():
         damaged = bytearray(contents)
         damaged[place] ^= 0x10
         pathlib.Path("flipped.hdf").write_bytes(damaged)
+        if name == "VTKHDF/CellData/level":  # for viewers: not read, and written anew
+            for mesh in ("good", "flipped"):
+                run("pamr-refine", f"{mesh}.hdf", "-o", f"from_{mesh}.hdf", "--quiet")
+            assert same_bytes("from_good.hdf", "from_flipped.hdf")
+            continue
         if name.startswith(("VTKHDF/CellData/", "VTKHDF/PointData/")):  # as if a solver had rewritten it: a remark
             done = subprocess.run([str(BIN / "pamr-refine"), "flipped.hdf", "-o", "flipped-fine.hdf", "--force"],
                                   capture_output=True, text=True, timeout=100)

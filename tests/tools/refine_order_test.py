@@ -104,7 +104,7 @@ def test_parents_are_cells_of_the_input():
         refine(shuffled, "out.hdf", "--order", order)
         check_parents("shuffled.hdf", "out.hdf")
         with h5py.File("out.hdf") as file:
-            assert sorted(file["VTKHDF/CellData"]) == ["parent"], "marks and origins do not belong into the result"
+            assert sorted(file["VTKHDF/CellData"]) == ["level", "parent"], "marks and origins do not belong into the result"
 
 
 def test_the_order_is_along_the_curve_when_asked():

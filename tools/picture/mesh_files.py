@@ -142,8 +142,9 @@ def arrays_of(data):
 
 
 def patch_names(grid):
-    names = grid.GetFieldData().GetAbstractArray("patch_names")
-    return {i: names.GetValue(i) for i in range(names.GetNumberOfValues())} if names else {}
+    """By number, as pamr-convert writes them: an array `patch NAME` with the number for each patch."""
+    return {int(values[0]): name[len("patch "):] for name, values in arrays_of(grid.GetFieldData()).items()
+            if name.startswith("patch ")}
 
 
 def mesh_of_vtk(file, grid):

@@ -76,9 +76,10 @@ std::string why_failed(const Gate& gate, const std::vector<std::pair<std::string
       for (const auto& name : names) metrics.push_back(name.substr(0, name.find('.')));
       near = nearest_word(gate.name, metrics);
     }
-    throw Error(
-        fmt::format("--gate {}: unknown number '{}'; {}", gate.text, gate.name,
-                    near ? "did you mean '" + *near + "'?" : fmt::format("the report has: {}", fmt::join(names, " "))));
+    std::string hint = "the report has:";
+    for (const auto& known : names) hint += " " + known;
+    if (near) hint = "did you mean '" + *near + "'?";
+    throw Error("--gate " + gate.text + ": unknown number '" + gate.name + "'; " + hint);
   }
   const auto& [name, value] = *at;
   if (is_min ? value >= gate.bound : value <= gate.bound) return {};

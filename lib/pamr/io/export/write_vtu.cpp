@@ -4,15 +4,27 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "pamr/base/index.hpp"
+#include "pamr/geometry/tet_shape.hpp"
 #include "pamr/io/rows_in_order.hpp"
 #include "pamr/io/shared_output.hpp"
+#include "pamr/mesh/tet.hpp"
 
 namespace pamr::io {
 
 namespace {
+
+std::string escaped(const std::string& name) {
+  std::string result;
+  for (const char c : name) result += c == '<' ? "&lt;" : c == '&' ? "&amp;" : c == '"' ? "&quot;" : std::string(1, c);
+  return result;
+}
 
 /// The description of the arrays, with the place of each in the data that follow.
 class Header {
@@ -27,13 +39,6 @@ class Header {
   const std::string& text() const { return text_; }
 
  private:
-  static std::string escaped(const std::string& name) {
-    std::string result;
-    for (const char c : name)
-      result += c == '<' ? "&lt;" : c == '&' ? "&amp;" : c == '"' ? "&quot;" : std::string(1, c);
-    return result;
-  }
-
   std::string text_;
   std::int64_t offset_ = 0;
 };
@@ -43,50 +48,141 @@ void describe(Header& header, const mesh::Field& field, std::int64_t n) {
                8 * n * field.n_components);
 }
 
-template <class T>
-void append_array(SharedOutput& out, const std::vector<T>& part, std::int64_t n_bytes) {
+/// The triangles of this rank's block of cells on the boundary, outward, with the row of their cell in the block.
+struct Boundary {
+  std::vector<std::array<GlobalId, 3>> corner;
+  std::vector<std::size_t> owner;
+  std::vector<std::int32_t> patch;
+};
+
+Boundary boundary_of(const RowsInOrder& rows) {
+  Boundary result;
+  for (std::size_t c = 0; c < rows.patch.size(); ++c)
+    for (std::size_t face = 0; face < 4; ++face) {
+      if (rows.patch[c][face] < 0) continue;
+      auto& corner = result.corner.emplace_back();
+      for (std::size_t k = 0; k < 3; ++k) corner[k] = rows.cell_to_node[c][at(mesh::tet::face_to_corner[face][k])];
+      result.owner.push_back(c);
+      result.patch.push_back(rows.patch[c][face]);
+    }
+  return result;
+}
+
+bool has_field(const mesh::DistMesh& mesh, const std::string& name) { return mesh.find_cell_field(name) != nullptr; }
+
+/// The fields of the cells, and what the mesh has no fields for: the level of the base cell and the mean ratio, where
+/// no field has the name.
+std::vector<mesh::CellField> fields_of_cells(const mesh::DistMesh& mesh) {
+  auto fields = mesh.cell_fields;
+  if (!has_field(mesh, "level")) {
+    mesh::CellField level{"level", "", 1, mesh::StorageType::int64, std::vector<std::int64_t>()};
+    for (const auto lineage : mesh.lineage) level.integer().push_back(lineage.level());
+    fields.push_back(std::move(level));
+  }
+  if (!has_field(mesh, "mean_ratio")) {
+    mesh::CellField ratio{"mean_ratio", "", 1, mesh::StorageType::float64, std::vector<double>()};
+    for (LocalId c = 0; c < mesh.n_cells(); ++c) ratio.real().push_back(geometry::mean_ratio(mesh.points(c)));
+    fields.push_back(std::move(ratio));
+  }
+  return fields;
+}
+
+void append_size(SharedOutput& out, std::int64_t n_bytes) {
   const auto size = static_cast<std::uint64_t>(n_bytes);
   out.append_once({reinterpret_cast<const char*>(&size), sizeof(size)});
+}
+
+template <class T>
+void append_array(SharedOutput& out, const std::vector<T>& part, std::int64_t n_bytes) {
+  append_size(out, n_bytes);
   out.append(std::as_bytes(std::span<const T>(part)));
 }
 
-void append_field(SharedOutput& out, const mesh::Field& part, std::int64_t n) {
+void append_node_field(SharedOutput& out, const mesh::Field& part, std::int64_t n) {
   std::visit([&](const auto& values) { append_array(out, values, 8 * n * part.n_components); }, part.value);
+}
+
+/// The values of the cells, then for each triangle those of its cell.
+void append_cell_field(SharedOutput& out, const mesh::Field& part, const Boundary& boundary, std::int64_t n) {
+  append_size(out, 8 * n * part.n_components);
+  std::visit(
+      [&](const auto& values) {
+        out.append(std::as_bytes(std::span(values)));
+        auto of_triangles = values;
+        of_triangles.clear();
+        for (const auto owner : boundary.owner)
+          for (std::size_t k = 0; k < at(part.n_components); ++k)
+            of_triangles.push_back(values[owner * at(part.n_components) + k]);
+        out.append(std::as_bytes(std::span(std::as_const(of_triangles))));
+      },
+      part.value);
+}
+
+/// Connectivity, offsets and types of the cells, then of the triangles.
+void append_cells(SharedOutput& out, const RowsInOrder& rows, const Boundary& boundary, std::int64_t first_triangle,
+                  std::int64_t n_cells, std::int64_t n_triangles) {
+  append_size(out, 8 * (4 * n_cells + 3 * n_triangles));
+  out.append(std::as_bytes(std::span(rows.cell_to_node)));
+  out.append(std::as_bytes(std::span(boundary.corner)));
+  std::vector<std::int64_t> of_cells, of_triangles;
+  for (std::size_t c = 0; c < rows.cell_to_node.size(); ++c)
+    of_cells.push_back(4 * (rows.first_cell + static_cast<std::int64_t>(c) + 1));
+  for (std::size_t t = 0; t < boundary.corner.size(); ++t)
+    of_triangles.push_back(4 * n_cells + 3 * (first_triangle + static_cast<std::int64_t>(t) + 1));
+  append_size(out, 8 * (n_cells + n_triangles));
+  out.append(std::as_bytes(std::span(of_cells)));
+  out.append(std::as_bytes(std::span(of_triangles)));
+  constexpr std::uint8_t tetrahedron_type = 10, triangle_type = 5;
+  append_size(out, n_cells + n_triangles);
+  out.append(std::as_bytes(std::span(std::vector(of_cells.size(), tetrahedron_type))));
+  out.append(std::as_bytes(std::span(std::vector(of_triangles.size(), triangle_type))));
 }
 
 }  // namespace
 
 void write_vtu(const par::Comm& comm, const std::filesystem::path& file, const mesh::DistMesh& mesh) {
-  const auto n_nodes = mesh.info.n_global_nodes, n_cells = mesh.info.n_global_cells;
+  const auto rows = rows_in_order(comm, mesh);
+  const auto boundary = boundary_of(rows);
+  const auto n_triangles_here = std::ssize(boundary.corner);
+  const auto n_triangles = comm.sum(n_triangles_here), first_triangle = comm.exclusive_sum(n_triangles_here);
+  const auto n_nodes = mesh.info.n_global_nodes, n_cells = mesh.info.n_global_cells, n_all = n_cells + n_triangles;
+  const auto cell_fields = fields_of_cells(mesh);
+  const std::string patch = has_field(mesh, "patch") ? "boundary_patch" : "patch";
+
   Header header;
   header.line("<?xml version=\"1.0\"?>");
   header.line("<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">");
-  header.line(fmt::format("<UnstructuredGrid><Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">", n_nodes, n_cells));
+  header.line("<UnstructuredGrid>");
+  header.line("<FieldData>");  // names as names: readers other than VTK's stumble over arrays of text
+  for (std::size_t p = 0; p < mesh.info.patches.size(); ++p)
+    header.line(
+        fmt::format("<DataArray type=\"Int32\" Name=\"patch {}\" NumberOfTuples=\"1\" format=\"ascii\">{}</DataArray>",
+                    escaped(mesh.info.patches[p].name), p));
+  header.line("</FieldData>");
+  header.line(fmt::format("<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">", n_nodes, n_all));
   header.line("<Points>");
   header.array("Float64", "Points", 3, 24 * n_nodes);
   header.line("</Points><Cells>");
-  header.array("Int64", "connectivity", 1, 32 * n_cells);
-  header.array("Int64", "offsets", 1, 8 * n_cells);
-  header.array("UInt8", "types", 1, n_cells);
+  header.array("Int64", "connectivity", 1, 8 * (4 * n_cells + 3 * n_triangles));
+  header.array("Int64", "offsets", 1, 8 * n_all);
+  header.array("UInt8", "types", 1, n_all);
   header.line("</Cells><PointData>");
   for (const auto& field : mesh.node_fields) describe(header, field, n_nodes);
   header.line("</PointData><CellData>");
-  for (const auto& field : mesh.cell_fields) describe(header, field, n_cells);
+  for (const auto& field : cell_fields) describe(header, field, n_all);
+  header.array("Int32", patch, 1, 4 * n_all);
   header.line("</CellData>");
   header.line("</Piece></UnstructuredGrid>");
 
   SharedOutput out(comm, file);
   out.append_once(header.text() + "<AppendedData encoding=\"raw\">\n_");
-  const auto rows = rows_in_order(comm, mesh);
-  std::vector<std::int64_t> offsets;
-  for (std::size_t c = 0; c < rows.cell_to_node.size(); ++c)
-    offsets.push_back(4 * (rows.first_cell + static_cast<std::int64_t>(c) + 1));
   append_array(out, rows.position, 24 * n_nodes);
-  append_array(out, rows.cell_to_node, 32 * n_cells);
-  append_array(out, offsets, 8 * n_cells);
-  append_array(out, std::vector<std::uint8_t>(offsets.size(), 10), n_cells);
-  for (const auto& field : mesh.node_fields) append_field(out, nodes_in_order(comm, mesh, field), n_nodes);
-  for (const auto& field : mesh.cell_fields) append_field(out, cells_in_order(comm, mesh, field), n_cells);
+  append_cells(out, rows, boundary, first_triangle, n_cells, n_triangles);
+  for (const auto& field : mesh.node_fields) append_node_field(out, nodes_in_order(comm, mesh, field), n_nodes);
+  for (const auto& field : cell_fields) append_cell_field(out, cells_in_order(comm, mesh, field), boundary, n_all);
+  append_size(out, 4 * n_all);
+  out.append(std::as_bytes(std::span(std::vector<std::int32_t>(rows.cell_to_node.size(), -1))));
+  out.append(std::as_bytes(std::span(boundary.patch)));
   out.append_once("\n</AppendedData></VTKFile>\n");
   out.commit();
 }

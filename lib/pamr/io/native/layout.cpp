@@ -113,6 +113,7 @@ class Checker {
           fail(entry.path, "1 to 65536 components", fmt::format("{}", entry.shape[1]));
         result.n_components = static_cast<int>(entry.shape[1]);
       }
+      if (entry.path == path::level && result.is_flat && entry.type == mesh::StorageType::uint8) return;
       result.unit = one_text(entry.path + "@unit", "");
       layout_.fields.push_back(std::move(result));
     }

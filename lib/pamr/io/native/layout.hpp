@@ -23,6 +23,8 @@ inline constexpr const char* offsets = "/VTKHDF/Offsets";
 inline constexpr const char* types = "/VTKHDF/Types";
 inline constexpr const char* point_data = "/VTKHDF/PointData";
 inline constexpr const char* cell_data = "/VTKHDF/CellData";
+/// Of the base cell of each cell, for viewers: written from the lineage, and never read.
+inline constexpr const char* level = "/VTKHDF/CellData/level";
 inline constexpr const char* cell_to_cell = "/PAMR/cell_to_cell";
 inline constexpr const char* lineage = "/PAMR/lineage";
 inline constexpr const char* boundary = "/PAMR/boundary";

@@ -82,6 +82,7 @@ WritePlan::WritePlan(const par::Comm& comm, const mesh::DistMesh& mesh, int form
   add_mesh(format);
   for (const auto* field : by_name(mesh.node_fields)) add_field(*field, false);
   for (const auto* field : by_name(mesh.cell_fields)) add_field(*field, true);
+  if (mesh.find_cell_field("level") == nullptr) add_level();
   auto triangulations = mesh.info.surfaces->triangulations;
   std::sort(triangulations.begin(), triangulations.end(),
             [](const auto& a, const auto& b) { return a->name < b->name; });
@@ -154,6 +155,16 @@ void WritePlan::add_field(const mesh::Field& field, bool on_cells) {
   const auto path = std::string(on_cells ? path::cell_data : path::point_data) + "/" + field.name;
   const hdf5::Shape shape{rows.all.n, field.n_components, width == 1};
   arrays.push_back({.path = path, .type = field.storage, .shape = shape, .rows = std::move(rows), .unit = field.unit});
+}
+
+void WritePlan::add_level() {
+  const auto n = mesh_->info.n_global_cells;
+  auto rows = cell_rows(1, [this](std::size_t i, std::uint64_t* to) { *to = word_of(mesh_->lineage[i].level()); });
+  arrays.push_back({.path = path::level,
+                    .type = StorageType::uint8,
+                    .shape = {n, 1, true},
+                    .rows = std::move(rows),
+                    .has_checksum = false});
 }
 
 void WritePlan::add_triangulation(const par::Comm& comm, const geometry::Triangulation& surface) {

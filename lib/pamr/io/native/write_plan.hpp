@@ -54,6 +54,7 @@ struct WritePlan {
  private:
   void add_mesh(int format);
   void add_field(const mesh::Field& field, bool on_cells);
+  void add_level();
   void add_regions();
   void add_texts(const std::string& provenance);
   void add_triangulation(const par::Comm& comm, const geometry::Triangulation& surface);
