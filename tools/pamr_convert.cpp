@@ -322,11 +322,14 @@ cli::ExitCode convert(cli::Session& session, const Options& options) {
   check_files(session, options, as_foam);
 
   nlohmann::json report;
+  session.step("reading " + options.input);
   auto mesh = read(session, options, report);
   validate::require_valid(comm, mesh, options.input);
+  session.step(fmt::format("looking at {} cells", mesh.info.n_global_cells));
   associate(session, options, mesh, report);
   keep_flat_patches(session, options, mesh, report);
   treat_ears(session, options, mesh, report);
+  session.step(fmt::format("writing {} cells to {}", mesh.info.n_global_cells, options.output));
   write(comm, options, as_foam, mesh);
   report["cells"] = mesh.info.n_global_cells;
   report["nodes"] = mesh.info.n_global_nodes;
@@ -334,8 +337,9 @@ cli::ExitCode convert(cli::Session& session, const Options& options) {
   for (const auto& patch : mesh.info.patches) report["patches"].push_back(patch.name);
   for (const auto& region : mesh.info.regions) report["regions"][std::to_string(region.number)] = region.name;
   session.write_report(report);
-  session.summary(fmt::format("{} cells, {} nodes, {} patches -> {}", mesh.info.n_global_cells,
-                              mesh.info.n_global_nodes, mesh.info.patches.size(), options.output));
+  const auto n_patches = mesh.info.patches.size();
+  session.summary(fmt::format("{} cells, {} nodes, {} {} -> {}", mesh.info.n_global_cells, mesh.info.n_global_nodes,
+                              n_patches, n_patches == 1 ? "patch" : "patches", options.output));
   return cli::ExitCode::done;
 }
 

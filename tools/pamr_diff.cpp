@@ -29,6 +29,7 @@ void declare(cli::CommandLine& line, Options& options) {
 }
 
 mesh::DistMesh read_mesh(cli::Session& session, const std::string& file) {
+  session.step("reading " + file);
   auto result = assemble::assemble(
       session.comm(), io::read_native(session.comm(), file, {.build_surfaces = false, .remark = session.remarks()}));
   validate::require_valid(session.comm(), result, file);
@@ -52,6 +53,7 @@ cli::ExitCode run(cli::Session& session, const Options& options) {
   session.check_input(options.first);
   session.check_input(options.second);
   const auto first = read_mesh(session, options.first), second = read_mesh(session, options.second);
+  session.step(fmt::format("comparing {} cells", first.info.n_global_cells));
   const auto comparison = check::compare_meshes(session.comm(), first, second, options.tolerance);
   session.write_report(report_of(comparison));
   if (!comparison.differences.empty()) {

@@ -98,9 +98,11 @@ cli::ExitCode run_case(cli::Session& session, const Options& o) {
   std::optional<dsmc::StopSignals> signals;
   if (!o.plan && !o.advance.checkpoint.empty()) signals.emplace();
   const auto c = dsmc::read_case(cli::read_text(comm, o.case_file), o.case_file);
+  session.step("reading " + o.mesh);
   auto mesh =
       assemble::assemble(comm, io::read_native(comm, o.mesh, {.build_surfaces = false, .remark = session.remarks()}));
   validate::require_valid(comm, mesh, o.mesh);
+  session.step(fmt::format("setting up {} cells", mesh.info.n_global_cells));
   auto setup = dsmc::make_setup(comm, c, mesh);
   dsmc::Outcome outcome{dsmc::make_plan(comm, c, setup, mesh), {}, {}, 0};
   try {
@@ -124,6 +126,7 @@ cli::ExitCode run_case(cli::Session& session, const Options& o) {
         fmt::format("interrupted after step {} -> {}", computation->flow().steps_done, o.advance.checkpoint));
     return cli::ExitCode::interrupted;
   }
+  session.step("writing " + o.out.mesh);
   computation->finish();
   outcome.resolution = write_output(*computation, o.out, [&](const std::string& file, const std::string& text) {
     par::agree(comm, [&] {

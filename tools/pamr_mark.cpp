@@ -94,8 +94,10 @@ cli::ExitCode run(cli::Session& session, const Options& options) {
   session.check_native_output(options.output, {options.input}, options.force);
 
   const auto& comm = session.comm();
+  session.step("reading " + options.input);
   auto mesh = assemble::assemble(comm, io::read_native(comm, options.input, {.remark = session.remarks()}));
   validate::require_valid(comm, mesh, options.input);
+  session.step(fmt::format("marking {} cells", mesh.info.n_global_cells));
   refine::Options refinement;
   refinement.quality_control = refine::quality_control_named(options.quality_control);
   refinement.shape_floor = options.shape_floor;
@@ -117,6 +119,7 @@ cli::ExitCode run(cli::Session& session, const Options& options) {
   const auto n_marked = mark::count_marked(comm, marks);
   const auto nodes_after = forecaster.nodes(*forecast);
 
+  session.step("writing " + options.output);
   mark::set_marks(mesh, marks, options.marks);
   balance::set_work(mesh, options.marks, forecaster.work(*forecast));
   io::write_native(comm, options.output, mesh, {.format = options.format});

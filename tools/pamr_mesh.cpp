@@ -79,6 +79,7 @@ cli::ExitCode make_mesh(cli::Session& session, const Options& options) {
 
   const auto made = make(session, options);
   const auto& info = made.mesh.info;
+  session.step(fmt::format("writing {} cells to {}", info.n_global_cells, options.output));
   io::write_native(comm, options.output, made.mesh, {.format = options.format});
 
   const auto summary = meshing::summary_of(comm, made.mesh);

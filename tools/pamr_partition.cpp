@@ -94,10 +94,12 @@ cli::ExitCode run(cli::Session& session, const Options& options) {
   session.check_native_output(options.output, {options.input}, options.force);
 
   const auto& comm = session.comm();
+  session.step("reading " + options.input);
   auto mesh = assemble::assemble(
       comm, io::read_native(comm, options.input, {.build_surfaces = false, .remark = session.remarks()}));
   validate::require_valid(comm, mesh, options.input);
   const auto weight = with_file_name(options.input, [&] { return weigh(comm, mesh, options); });
+  session.step(fmt::format("dividing {} cells into {} parts", mesh.info.n_global_cells, options.n_parts));
   const std::vector<std::int64_t> ones(weight.size(), 1);
   const auto runs = balance::weighted_blocks(comm, mesh, ones, options.n_parts);
   const auto before = balance::measure(comm, mesh, weight, runs, options.n_parts);
@@ -107,6 +109,7 @@ cli::ExitCode run(cli::Session& session, const Options& options) {
                          {.method = balance::method_named(options.method), .keep_below = 0, .vertices_per_part = 0});
   const auto& after = partition.quality;
 
+  session.step("writing " + options.output);
   set_ranks(mesh, partition.part);
   io::write_native(comm, options.output, mesh, {.format = options.format});
   session.write_report({{"cells", mesh.info.n_global_cells},

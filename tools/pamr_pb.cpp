@@ -70,12 +70,14 @@ cli::ExitCode run(cli::Session& session, const Options& o) {
   StepTimer timer;
   const auto input = pb::read_case(cli::read_text(comm, o.case_file), o.case_file);
   const pb::PetscRuntime petsc(comm, input.solver.petsc + " " + o.petsc);
+  session.step("reading " + o.mesh);
   auto mesh = assemble::assemble(
       comm,
       io::read_native(comm, o.mesh, {.build_surfaces = !input.estimator.goals.empty(), .remark = session.remarks()}));
   validate::require_valid(comm, mesh, o.mesh);
   timer.lap("read");
 
+  session.step(fmt::format("assembling {} cells", mesh.info.n_global_cells));
   const auto domain = pb::make_domain(comm, mesh, input, o.case_file);
   const auto conditions = pb::make_conditions(comm, domain, input);
   const pb::Problem problem(domain, input, conditions);
@@ -86,7 +88,11 @@ cli::ExitCode run(cli::Session& session, const Options& o) {
   pb::System system(comm, problem, [&] { needs = print_case(session, problem); });
   timer.lap("assemble");
   session.summary(pb::table_head());
-  const auto solution = system.solve(start, [&](const pb::NewtonStep& step) { session.summary(pb::table_line(step)); });
+  session.step("solving: Newton step 1");
+  const auto solution = system.solve(start, [&, n = 1](const pb::NewtonStep& step) mutable {
+    session.summary(pb::table_line(step));
+    session.step(fmt::format("solving: Newton step {}", ++n));
+  });
   timer.lap("solve");
   for (const auto& name : petsc.unused_options()) session.warn("no part of PETSc asked for the option " + name);
   if (!solution.converged) {
@@ -95,6 +101,7 @@ cli::ExitCode run(cli::Session& session, const Options& o) {
     return cli::ExitCode::failed;
   }
 
+  session.step("estimating errors and forces");
   const auto analysis = pb::analyze(comm, problem, system, solution, static_cast<double>(o.max_cells));
   timer.lap("analyze");
   if (!analysis.is_finite()) {
@@ -105,6 +112,7 @@ cli::ExitCode run(cli::Session& session, const Options& o) {
   if (!o.surface.empty()) pb::write_electrodes(comm, o.surface, problem, solution, analysis);
   auto report = pb::report_of(domain, input, solution, analysis);
   pb::set_fields(mesh, input, solution, analysis);
+  session.step("writing " + o.output);
   io::write_native(comm, o.output, mesh, {.format = o.format});
   timer.lap("write");
   report["needs"] = needs;

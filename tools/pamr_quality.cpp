@@ -81,8 +81,10 @@ cli::ExitCode run(cli::Session& session, const Options& options) {
   std::vector<check::NamedReport> reports;
   std::vector<std::string> complaints;
   for (const auto& file : options.meshes) {
+    session.step("reading " + file);
     const auto mesh =
         assemble::assemble(comm, io::read_native(comm, file, {.turn_inverted = false, .remark = session.remarks()}));
+    session.step(fmt::format("measuring {}, {} cells", file, mesh.info.n_global_cells));
     reports.push_back({file, check::report_quality(comm, mesh, {options.tolerance})});
     const auto faults = check::faults_of(reports.back());
     complaints.insert(complaints.end(), faults.begin(), faults.end());

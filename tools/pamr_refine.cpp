@@ -139,6 +139,7 @@ cli::ExitCode work(cli::Session& session, const Options& options) {
   StepTimer timer([&] { return comm.traffic(); });
   const auto read_before = adapt::bytes_read_so_far();
   const auto balancing = adapt::balancing_named(options.balance, options.weights);
+  session.step("reading " + options.input);
   auto mesh = adapt::read_for_refinement(comm, options.input,
                                          {.marks_field = options.marks,
                                           .ordering = adapt::ordering_named(options.order),
@@ -154,6 +155,7 @@ cli::ExitCode work(cli::Session& session, const Options& options) {
                             .project = !options.no_project,
                             .parent_field = true,
                             .marks_field = options.marks};
+  session.step(fmt::format("refining {} cells", mesh.info.n_global_cells));
   if (options.dry_run) return report_forecast(session, mesh, flags, how);
   if (!options.no_project) keep_flat_patches(session, mesh);
 
@@ -163,6 +165,7 @@ cli::ExitCode work(cli::Session& session, const Options& options) {
   });
   timer.skip();
   mesh = {};
+  session.step(fmt::format("checking {} cells", result.mesh.info.n_global_cells));
   assess_cells(comm, result.mesh, options.shape_floor, measured);
   measured.fingerprint = mesh::fingerprint(comm, result.mesh);
   measured.cells_here = result.mesh.n_cells();
@@ -176,6 +179,7 @@ cli::ExitCode work(cli::Session& session, const Options& options) {
   provenance += fmt::format("{}pamr-refine {} --quality-control {}{}{}{}", provenance.empty() ? "" : "\n", PAMR_VERSION,
                             options.quality_control, floor, options.no_project ? " --no-project" : "",
                             options.order == "auto" ? "" : " --order " + options.order);
+  session.step(fmt::format("writing {} cells to {}", result.mesh.info.n_global_cells, options.output));
   io::write_native(comm, options.output, result.mesh, {.fingerprint = measured.fingerprint, .format = options.format});
   timer.lap("write");
 

@@ -5,14 +5,12 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <csignal>
 #include <cstddef>
 #include <filesystem>
 #include <system_error>
 
 #include "pamr/base/error.hpp"
 #include "pamr/io/partial_file.hpp"
-#include "pamr/io/remove_on_interrupt.hpp"
 
 namespace pamr::cli {
 
@@ -65,12 +63,6 @@ void write_to_device(const std::string& name, const std::string& text) {
   }
 }
 
-extern "C" void remove_files_and_die(int signal) {
-  io::remove_unfinished();
-  // The handler was installed for one shot, so this ends the process as the sender of the signal expects.
-  ::raise(signal);
-}
-
 }  // namespace
 
 void require_readable(const std::string& path) {
@@ -118,13 +110,6 @@ void write_whole(const std::string& path, const std::string& text) {
   (void)file.make(0);
   file.write(text);
   file.commit();
-}
-
-void remove_unfinished_on_interrupt() {
-  struct sigaction action {};
-  action.sa_handler = remove_files_and_die;
-  action.sa_flags = static_cast<int>(SA_RESETHAND | SA_NODEFER);
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) ::sigaction(signal, &action, nullptr);
 }
 
 }  // namespace pamr::cli

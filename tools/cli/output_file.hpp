@@ -19,8 +19,4 @@ void require_writable(const std::string& path, const std::vector<std::string>& o
 /// file is replaced in one step. A path that is a device or pipe is written directly. Throws `Error`. Local.
 void write_whole(const std::string& path, const std::string& text);
 
-/// Has SIGINT, SIGTERM and SIGHUP remove what is unfinished (`io::RemoveOnInterrupt`) before they end this process.
-/// Local.
-void remove_unfinished_on_interrupt();
-
 }  // namespace pamr::cli

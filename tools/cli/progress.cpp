@@ -2,12 +2,13 @@
 #include "cli/progress.hpp"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <utility>
+
+#include "cli/step_clock.hpp"
 
 namespace pamr::cli {
 
@@ -59,9 +60,11 @@ Progress::Progress(std::string what, std::int64_t total, std::string unit, bool 
       before_(before),
       unit_(std::move(unit)),
       shown_(shown),
-      on_terminal_(shown && isatty(STDERR_FILENO) == 1),
+      on_terminal_(shown && error_is_on_terminal()),
       start_(Clock::now()),
-      last_(on_terminal_ ? start_ - terminal_interval : start_) {}
+      last_(on_terminal_ ? start_ - terminal_interval : start_) {
+  if (shown_) hide_step();
+}
 
 Progress::~Progress() {
   if (drawn_) {

@@ -16,6 +16,8 @@
 #include <string>
 #include <vector>
 
+#include "cli/interrupt.hpp"
+#include "cli/step_clock.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/base/memory.hpp"
 #include "pamr/base/nearest_word.hpp"
@@ -29,7 +31,7 @@ namespace {
 
 constexpr const char* exit_codes_help =
     "Exit codes: 0 done; 1 a check or gate failed; 2 bad usage or bad input; 3 internal failure; 6 interrupted.\n"
-    "Runs alone or as `mpirun -q -n P ...`; the result does not depend on P.";
+    "Runs alone or as `mpirun -n P ...`; the result does not depend on P.";
 
 /// How this rank's part ended.
 struct Ending {
@@ -88,6 +90,7 @@ Parsed parse(int argc, char** argv, const ToolInfo& info, const std::function<vo
 }
 
 void print_error(const ToolInfo& info, const std::string& error, const std::string& where) {
+  hide_step();
   std::fputs((info.name + ": error: " + one_line(error) + where + "\n").c_str(), stderr);
   std::fflush(nullptr);
 }
@@ -99,10 +102,12 @@ const ToolInfo* running_tool = nullptr;
 /// Ends this rank's part: prints the error once if all ranks end within `grace_period` seconds, here otherwise, in
 /// which case all are ended. Returns the common exit code.
 int end(const Ending& ending, double grace_period) {
+  be_silent_on_interrupt();  // mpirun ends the ranks that are not the first to leave with an error
   if (!ending.error.empty()) io::remove_unfinished();
   const auto outcome = running->settle(static_cast<int>(ending.code), grace_period);
   if (!outcome) {
     print_error(*running_tool, ending.error, " (on rank " + std::to_string(running->rank()) + ")");
+    announce_abort();
     running->abort(static_cast<int>(ending.code));
   }
   if (outcome->reporter == running->rank() && !ending.error.empty()) print_error(*running_tool, ending.error, "");
@@ -123,6 +128,7 @@ int end(const Ending& ending, double grace_period) {
     ending.error = "internal: exception of an unknown type";
   }
   const int code = end(ending, grace_period);
+  announce_abort();
   (void)running->settle(code, 1);  // whoever aborts first takes the others with it: not before one has reported
   running->abort(code);
 }
@@ -163,6 +169,7 @@ int run_tool(int argc, char** argv, const ToolInfo& info, const std::function<vo
   running = &runtime;
   running_tool = &info;
   std::set_terminate(end_after_failure);
+  end_well_on_interrupt(info.name, runtime.rank() == 0);
   std::signal(SIGXFSZ, SIG_IGN);  // a file beyond `ulimit -f` is an error of the write, which names it
 
   CommonOptions options;

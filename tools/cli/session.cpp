@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "cli/output_file.hpp"
+#include "cli/step_clock.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/base/one_line.hpp"
 #include "pamr/io/unfinished_name.hpp"
@@ -25,11 +26,30 @@ void on_first(const par::Comm& comm, Check&& check) {
   });
 }
 
+/// Broken after commas and semicolons so that no line is longer than a wide terminal, as far as there are any.
+std::string wrapped(std::string line) {
+  constexpr std::size_t longest = 160;
+  const std::string indent = "  ";
+  for (std::size_t begin = 0; line.size() - begin > longest;) {
+    auto end = std::max(line.rfind(", ", begin + longest - 1) + 1, line.rfind("; ", begin + longest - 1) + 1);
+    if (end <= begin + indent.size())
+      end = std::min(line.find(", ", begin + longest), line.find("; ", begin + longest)) + 1;
+    if (end == 0 || end >= line.size()) break;
+    line.replace(end, 1, "\n" + indent);
+    begin = end + 1;
+  }
+  return line;
+}
+
 }  // namespace
 
 Session::Session(const par::Comm& comm, std::string tool, CommonOptions options)
     : comm_(&comm), tool_(std::move(tool)), options_(std::move(options)) {
   if (writes_report_file()) on_first(*comm_, [&] { require_replaceable(options_.json); });
+}
+
+Session::~Session() {
+  if (comm_->is_first()) hide_step();
 }
 
 void Session::check_input(const std::string& path) {
@@ -58,13 +78,13 @@ void Session::check_native_output(const std::string& path, const std::vector<std
 
 void Session::prepare_output(const std::string& path, const std::vector<std::string>& others) const {
   if (comm_->is_first()) io::remove_leftovers(path, others);
-  remove_unfinished_on_interrupt();
 }
 
 void Session::summary(const std::string& line) const {
   if (options_.quiet || !comm_->is_first()) return;
+  hide_step();
   auto* stream = options_.json == "-" ? stderr : stdout;
-  std::fputs((one_line(line) + "\n").c_str(), stream);
+  std::fputs((wrapped(one_line(line)) + "\n").c_str(), stream);
   std::fflush(stream);
 }
 
@@ -74,12 +94,17 @@ void Session::complain(const std::string& line) const { say("error", line); }
 
 void Session::say(const char* what, const std::string& line) const {
   if (!comm_->is_first()) return;
+  hide_step();
   std::fputs((tool_ + ": " + what + ": " + one_line(line) + "\n").c_str(), stderr);
   std::fflush(stderr);
 }
 
 std::function<void(const std::string&)> Session::remarks() const {
   return [this](const std::string& remark) { warn(remark); };
+}
+
+void Session::step(const std::string& what) const {
+  if (comm_->is_first() && !options_.quiet) show_step(what);
 }
 
 Progress Session::progress(const std::string& what, std::int64_t total, const std::string& unit,

@@ -32,6 +32,11 @@ class Session {
  public:
   /// Throws `Error` when the report could not be written. Collective.
   Session(const par::Comm& comm, std::string tool, CommonOptions options);
+  ~Session();
+  Session(const Session&) = delete;
+  Session& operator=(const Session&) = delete;
+  Session(Session&&) = delete;
+  Session& operator=(Session&&) = delete;
 
   const par::Comm& comm() const { return *comm_; }
   const CommonOptions& options() const { return options_; }
@@ -45,11 +50,11 @@ class Session {
   void check_output(const std::string& path, const std::vector<std::string>& inputs, bool force);
   /// The same for an output in the native format; refuses a name that ends as those of other formats do.
   void check_native_output(const std::string& path, const std::vector<std::string>& inputs, bool force);
-  /// Removes what killed runs have left of an output, but none of `others`. From here on SIGINT, SIGTERM, SIGHUP and an
-  /// error remove what is unfinished. Local; rank 0 removes.
+  /// Removes what killed runs have left of an output, but none of `others`. Local; rank 0 removes.
   void prepare_output(const std::string& path, const std::vector<std::string>& others) const;
 
-  /// One line on standard output (standard error where the report goes to standard output), by rank 0. Local.
+  /// One line on standard output (standard error where the report goes to standard output), by rank 0. Where it is
+  /// longer than 160 characters it goes on in the next line, after a comma or semicolon, indented. Local.
   void summary(const std::string& line) const;
   /// A remark that the user should see even with --quiet: one line on standard error, by rank 0. Local.
   void warn(const std::string& line) const;
@@ -57,6 +62,9 @@ class Session {
   std::function<void(const std::string&)> remarks() const;
   /// The same for what makes the exit code 1: a check or gate that fails. Local.
   void complain(const std::string& line) const;
+  /// Names the work that begins now: "refining 59971 cells". If it takes long, rank 0 says so on standard error
+  /// (`show_step`), unless --quiet is given. Local.
+  void step(const std::string& what) const;
   /// Progress of `total` units of work (below zero: not known), of which `before` are done; silent with --quiet and on
   /// ranks other than 0. Local.
   Progress progress(const std::string& what, std::int64_t total, const std::string& unit,

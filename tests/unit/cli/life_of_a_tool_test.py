@@ -170,6 +170,61 @@ class LifeOfATool(unittest.TestCase):
                 self.wait_until(lambda: not self.unfinished(), 10)
                 self.assertEqual(os.listdir(self.folder), ["in put.txt"])
 
+    def test_an_interrupt_gives_one_message_and_code_6(self):
+        """mpirun hands SIGUSR1 on, with the exit code; after Ctrl-C its own exit code is 1 whatever the ranks say."""
+        said = "pamr-probe: interrupted: outputs that were not complete are removed\n"
+        for ranks, number, code in ((1, signal.SIGINT, 6), (1, signal.SIGTERM, 6), (3, signal.SIGUSR1, 6), (3, signal.SIGINT, 1)):
+            process = subprocess.Popen(command(ranks, ["-o", self.path("out"), "--how", "sleep"]), stdout=subprocess.PIPE,
+                                       stderr=subprocess.PIPE, text=True)
+            self.wait_until(self.unfinished)
+            process.send_signal(number)
+            out, err = process.communicate(timeout=30)
+            self.assertEqual((process.returncode, out, err.count(said)), (code, "", 1), (ranks, number, err))
+            self.wait_until(lambda: not self.unfinished(), 10)
+
+    def on_terminal(self, ranks, how):
+        """What a terminal gets of standard error."""
+        main, end = os.openpty()
+        process = subprocess.Popen(command(ranks, ["--how", how]), stdout=subprocess.DEVNULL, stderr=end)
+        os.close(end)
+        text = b""
+        while True:
+            try:
+                part = os.read(main, 4096)
+            except OSError:  # the other end is closed
+                break
+            if not part:
+                break
+            text += part
+            if how == "step" and b"0:02" in text:
+                process.send_signal(signal.SIGTERM)
+                how = "ended"
+        os.close(main)
+        process.wait(timeout=60)
+        return text
+
+    def test_progress_is_a_bar_on_a_terminal_also_under_mpirun(self):
+        for ranks in (1, 3):
+            text = self.on_terminal(ranks, "progress")
+            self.assertRegex(text, rb"\r\x1b\[K\[#+\.+\] walking: \d+ of 40 steps \(\d+ %\), [0-9.]+ steps/s, 0:0\d left, uphill")
+            self.assertGreater(text.count(b"walking"), 5)
+            text = self.on_terminal(ranks, "step")
+            self.assertIn(b"\r\x1b[Kresting 7 cells, 0:01\r\x1b[Kresting 7 cells, 0:02", text)
+
+    def test_long_steps_are_lines_elsewhere(self):
+        for ranks in (1, 3):
+            result = run(ranks, "--how", "step")
+            self.assertEqual(result.returncode, 0, result.stderr)
+            self.assertEqual(result.stderr, "resting 7 cells, 0:10\n")
+            self.assertEqual(run(ranks, "--how", "step", "--quiet").stderr, "")
+
+    def test_long_summaries_go_on_in_the_next_line(self):
+        lines = run(1, "--how", "long").stdout.splitlines()[:-1]
+        self.assertGreater(len(lines), 3)
+        self.assertTrue(all(len(line) <= 160 for line in lines), lines)
+        self.assertTrue(all(line.startswith("  part ") for line in lines[1:]), lines)
+        self.assertEqual(" ".join(line.strip() for line in lines), "done, " + ", ".join(f"part {i}" for i in range(60)) + "; end")
+
     def test_what_killed_runs_left_goes_and_what_others_write_stays(self):
         killed = self.asleep_over_its_output(1)
         killed.kill()

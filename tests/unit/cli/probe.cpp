@@ -47,6 +47,23 @@ ExitCode work(Session& session, const std::string& input, const std::string& out
   }
   if (!output.empty() && session.comm().is_first()) pamr::cli::write_whole(output, "all of it\n");
   session.write_report({{"ranks", session.comm().size()}, {"input", input}});
+  if (how == "step") {
+    session.step("resting 7 cells");
+    for (int i = 0; i < 100 && !(i > 15 && session.options().quiet); ++i)
+      std::this_thread::sleep_for(std::chrono::milliseconds(110));
+  }
+  if (how == "progress") {
+    auto progress = session.progress("walking", 40, "steps");
+    for (int i = 0; i < 40; ++i) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(40));
+      progress.update(i + 1, "uphill");
+    }
+  }
+  if (how == "long") {
+    std::string line = "done";
+    for (int i = 0; i < 60; ++i) line += ", part " + std::to_string(i);
+    session.summary(line + "; end");
+  }
   if (how == "warn") session.warn("a file named a\nb\x1b");
   session.summary("done on " + std::to_string(session.comm().size()) + " ranks");
   return how == "gate" ? ExitCode::failed : ExitCode::done;

@@ -93,9 +93,14 @@ void append_size(SharedOutput& out, std::int64_t n_bytes) {
 }
 
 template <class T>
+void append_values(SharedOutput& out, const std::vector<T>& part) {
+  out.append(std::as_bytes(std::span<const T>(part)));
+}
+
+template <class T>
 void append_array(SharedOutput& out, const std::vector<T>& part, std::int64_t n_bytes) {
   append_size(out, n_bytes);
-  out.append(std::as_bytes(std::span<const T>(part)));
+  append_values(out, part);
 }
 
 void append_node_field(SharedOutput& out, const mesh::Field& part, std::int64_t n) {
@@ -107,13 +112,13 @@ void append_cell_field(SharedOutput& out, const mesh::Field& part, const Boundar
   append_size(out, 8 * n * part.n_components);
   std::visit(
       [&](const auto& values) {
-        out.append(std::as_bytes(std::span(values)));
+        append_values(out, values);
         auto of_triangles = values;
         of_triangles.clear();
         for (const auto owner : boundary.owner)
           for (std::size_t k = 0; k < at(part.n_components); ++k)
             of_triangles.push_back(values[owner * at(part.n_components) + k]);
-        out.append(std::as_bytes(std::span(std::as_const(of_triangles))));
+        append_values(out, of_triangles);
       },
       part.value);
 }
@@ -122,20 +127,20 @@ void append_cell_field(SharedOutput& out, const mesh::Field& part, const Boundar
 void append_cells(SharedOutput& out, const RowsInOrder& rows, const Boundary& boundary, std::int64_t first_triangle,
                   std::int64_t n_cells, std::int64_t n_triangles) {
   append_size(out, 8 * (4 * n_cells + 3 * n_triangles));
-  out.append(std::as_bytes(std::span(rows.cell_to_node)));
-  out.append(std::as_bytes(std::span(boundary.corner)));
+  append_values(out, rows.cell_to_node);
+  append_values(out, boundary.corner);
   std::vector<std::int64_t> of_cells, of_triangles;
   for (std::size_t c = 0; c < rows.cell_to_node.size(); ++c)
     of_cells.push_back(4 * (rows.first_cell + static_cast<std::int64_t>(c) + 1));
   for (std::size_t t = 0; t < boundary.corner.size(); ++t)
     of_triangles.push_back(4 * n_cells + 3 * (first_triangle + static_cast<std::int64_t>(t) + 1));
   append_size(out, 8 * (n_cells + n_triangles));
-  out.append(std::as_bytes(std::span(of_cells)));
-  out.append(std::as_bytes(std::span(of_triangles)));
+  append_values(out, of_cells);
+  append_values(out, of_triangles);
   constexpr std::uint8_t tetrahedron_type = 10, triangle_type = 5;
   append_size(out, n_cells + n_triangles);
-  out.append(std::as_bytes(std::span(std::vector(of_cells.size(), tetrahedron_type))));
-  out.append(std::as_bytes(std::span(std::vector(of_triangles.size(), triangle_type))));
+  append_values(out, std::vector(of_cells.size(), tetrahedron_type));
+  append_values(out, std::vector(of_triangles.size(), triangle_type));
 }
 
 }  // namespace
@@ -181,8 +186,8 @@ void write_vtu(const par::Comm& comm, const std::filesystem::path& file, const m
   for (const auto& field : mesh.node_fields) append_node_field(out, nodes_in_order(comm, mesh, field), n_nodes);
   for (const auto& field : cell_fields) append_cell_field(out, cells_in_order(comm, mesh, field), boundary, n_all);
   append_size(out, 4 * n_all);
-  out.append(std::as_bytes(std::span(std::vector<std::int32_t>(rows.cell_to_node.size(), -1))));
-  out.append(std::as_bytes(std::span(boundary.patch)));
+  append_values(out, std::vector<std::int32_t>(rows.cell_to_node.size(), -1));
+  append_values(out, boundary.patch);
   out.append_once("\n</AppendedData></VTKFile>\n");
   out.commit();
 }

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "cli/interrupt.hpp"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <climits>
+#include <csignal>
+#include <cstdlib>
+
+#include "cli/step_clock.hpp"
+#include "pamr/io/remove_on_interrupt.hpp"
+
+namespace pamr::cli {
+
+namespace {
+
+// What the handler needs: fixed storage.
+std::array<char, 160> interrupt_text{};
+std::size_t interrupt_length = 0;
+std::array<char, PATH_MAX> abort_mark{};  ///< a file that is there once a process of the job aborts it
+
+/// In the folder that mpirun makes for a job on each machine, and removes; nothing elsewhere.
+std::string name_of_mark() {
+  const char* folder = std::getenv("PMIX_SERVER_TMPDIR");
+  return folder == nullptr ? std::string() : std::string(folder) + "/pamr-aborts";
+}
+
+extern "C" void remove_files_and_end(int) {
+  io::remove_unfinished();
+  hide_step();
+  constexpr int interrupted = 6;
+  const bool is_told = abort_mark[0] != '\0' && ::access(abort_mark.data(), F_OK) == 0;
+  if (is_told || ::write(STDERR_FILENO, interrupt_text.data(), interrupt_length) < 0) ::_exit(interrupted);
+  ::_exit(interrupted);
+}
+
+}  // namespace
+
+void end_well_on_interrupt(const std::string& tool, bool speaks) {
+  const auto line = tool + ": interrupted: outputs that were not complete are removed\n";
+  interrupt_length = speaks ? std::min(line.size(), interrupt_text.size()) : 0;
+  std::copy_n(line.begin(), interrupt_length, interrupt_text.begin());
+  if (const auto mark = name_of_mark(); mark.size() < abort_mark.size())
+    std::copy(mark.begin(), mark.end(), abort_mark.begin());
+  struct sigaction action {};
+  action.sa_handler = remove_files_and_end;
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGUSR1}) ::sigaction(signal, &action, nullptr);
+}
+
+void be_silent_on_interrupt() { interrupt_length = 0; }
+
+void announce_abort() {
+  if (abort_mark[0] == '\0') return;
+  const int file = ::open(abort_mark.data(), O_CREAT | O_WRONLY | O_CLOEXEC, 0600);
+  if (file >= 0) ::close(file);
+}
+
+}  // namespace pamr::cli

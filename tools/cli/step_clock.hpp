@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <string>
+
+namespace pamr::cli {
+
+/// Whether standard error ends at a terminal: that of this process or, under mpirun, which takes it through a pipe,
+/// that of the process that started it. Local.
+bool error_is_on_terminal();
+
+/// Says on standard error that this work is under way, and for how long: on a terminal every second in one line,
+/// elsewhere every ten seconds in a line of its own, also while a single call works. Work that is over sooner says
+/// nothing. One step at a time: the next one takes the place of the one before. Local.
+///
+/// By a timer and its signal (SIGALRM), not by a thread: a thread would take address space and be there when the
+/// readers of damaged files fork.
+void show_step(const std::string& what);
+/// Ends that, and takes the line off the terminal. Local.
+void hide_step();
+
+}  // namespace pamr::cli
