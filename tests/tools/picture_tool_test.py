@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """pamr-picture: the pictures have their size and show what they should, and wrong input is one clear message."""
 import os
+import pathlib
 import signal
 import subprocess
 import time
@@ -9,15 +10,13 @@ import h5py
 import matplotlib.image
 import numpy as np
 
-from tool_run import BIN, kuhn_cube, once, refuses, run, run_tests
-
-import pathlib
+from tool_run import BIN, SHARED, kuhn_cube, once, refuses, run, run_tests
 
 
 @once
 def cubes():
     """A cube with a field `x` on cells, one `height` on nodes and a vector `u`, and the cube with one corner refined."""
-    folder = pathlib.Path(os.environ["PAMR_PICTURE_SHARED"])
+    folder = pathlib.Path(SHARED)
     coarse, fine = str(folder / "coarse.hdf"), str(folder / "fine.hdf")
     kuhn_cube(coarse, 6)
     with h5py.File(coarse, "r+") as file:
@@ -169,20 +168,25 @@ def test_wrong_words_and_names_are_one_clear_message():
         refuses("pamr-picture", *arguments, "-o", "p.png", says=[says], creates="p.png")
 
 
+def children_of(pid):
+    with open(f"/proc/{pid}/task/{pid}/children") as file:
+        return file.read().split()
+
+
 def test_an_interrupt_says_so_and_leaves_nothing():
     coarse, _ = cubes()
     process = subprocess.Popen([str(BIN / "pamr-picture"), coarse, "-o", "p.png"], stderr=subprocess.PIPE, text=True)
-    time.sleep(0.6)
+    until = time.monotonic() + 60
+    while not children_of(process.pid) and time.monotonic() < until:  # it draws when it has started its screen
+        time.sleep(0.01)
 
     process.send_signal(signal.SIGINT)
     _, error = process.communicate(timeout=60)
 
-    assert process.returncode == 6 and error == "pamr-picture: interrupted; nothing was written\n", (process.returncode, error)
+    assert process.returncode == 6 and error == "pamr-picture: interrupted: outputs that were not complete are removed\n", (process.returncode, error)
     assert os.listdir(".") == [], os.listdir(".")
 
 
 if __name__ == "__main__":
-    import tempfile
-    os.environ.setdefault("PAMR_PICTURE_SHARED", tempfile.mkdtemp(prefix="pamr-picture-"))
     cubes()
     run_tests(globals(), at_once=2)

@@ -8,8 +8,7 @@ import numpy as np
 
 import palettes
 from refused import Refused
-from shapes import Plane
-from view import CUT_VIEWS, NAMED, unit, view_of
+from view import CUT_VIEWS, NAMED, Plane, unit, view_of
 
 PURPOSE = "Makes a picture (PNG) of meshes and of fields on them, without a screen."
 EXAMPLES = """examples:

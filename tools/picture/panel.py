@@ -20,7 +20,7 @@ FLAT, NUMBERS, BODY = 0.05, 0.35, 0.53
 @dataclasses.dataclass
 class Wish:
     """What the user asked for, the same for all panels."""
-    cut: object = None            # shapes.Plane
+    cut: object = None            # view.Plane
     whole_cells: bool = False
     patches: list = None          # names; None: not given
     field: str = None             # None: levels

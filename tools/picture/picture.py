@@ -11,12 +11,16 @@ from refused import Refused
 TOOL = "pamr-picture"
 
 
-class Interrupted(Exception):
-    """By SIGINT or SIGTERM."""
+unfinished = []  # files that an interrupt removes
 
 
 def interrupt(_number, _frame):
-    raise Interrupted
+    """Ends the process here: an exception could be lost in a destructor. The screen ends with its parent."""
+    os.write(2, f"{TOOL}: interrupted: outputs that were not complete are removed\n".encode())
+    for file in unfinished:
+        if os.path.exists(file):
+            os.unlink(file)
+    os._exit(6)
 
 
 def check_output(path, inputs, force):
@@ -37,6 +41,7 @@ def check_output(path, inputs, force):
 def write_whole(path, content):
     """All of it or nothing arrives under the name."""
     partial = f"{path}.{os.getpid()}.partial"
+    unfinished.append(partial)
     try:
         with open(partial, "xb") as file:
             file.write(content)
@@ -113,6 +118,7 @@ def make(o):
     import mesh_files
     import page as pages
     from panel import Subject, Wish, draw
+    from x_server import screen
     wish = Wish(o.plane, o.whole_cells, o.patch, o.field, o.scale, o.smooth, o.isolines, o.streamlines, o.edges, o.mirror)
     meshes = [mesh_files.read(file) for file in o.meshes]
     require_patches(o.patch or [], meshes)
@@ -127,12 +133,13 @@ def make(o):
                                                       bool(legend[0]), (right - left) / (top - bottom))
     page = pages.Page(*o.size, len(o.views), len(subjects), coloring.norm is not None, bool(legend[0]), has_axes)
     boxes = {}
-    for row, (view, focus, zoom) in enumerate(zip(o.views, o.focus, o.zoom)):
-        extent = extent_of(subjects, view, focus, zoom)
-        for column, subject in enumerate(subjects):
-            box = boxes[column] = page.box(row, column, (extent[1] - extent[0]) / (extent[3] - extent[2]) if has_axes else None)
-            seen = fitted(extent, *box[2:])
-            page.add_panel(box, draw(subject, view, seen, *box[2:], coloring), seen, view, subject.mesh.length_unit)
+    with screen():
+        for row, (view, focus, zoom) in enumerate(zip(o.views, o.focus, o.zoom)):
+            extent = extent_of(subjects, view, focus, zoom)
+            for column, subject in enumerate(subjects):
+                box = boxes[column] = page.box(row, column, (extent[1] - extent[0]) / (extent[3] - extent[2]) if has_axes else None)
+                seen = fitted(extent, *box[2:])
+                page.add_panel(box, draw(subject, view, seen, *box[2:], coloring), seen, view, subject.mesh.length_unit)
     for column, subject in enumerate(subjects):
         page.add_title(column, boxes[column][0], o.label[column] if o.label else subject.mesh.name, counts(subject))
     if coloring.norm is not None:
@@ -158,9 +165,7 @@ def run(arguments, version):
     except ImportError as missing:
         raise Refused(f"expected the Debian packages python3-vtk9, python3-matplotlib and python3-h5py, "
                       f"found no module {missing.name}") from None
-    from x_server import screen
-    with screen():
-        picture, report = make(o)
+    picture, report = make(o)
     write_whole(o.output, picture)
     if o.json == "-":
         print(json.dumps(report, indent=2))
@@ -174,8 +179,7 @@ def run(arguments, version):
 
 def main(arguments, version):
     """The exit code, as of all tools. One process draws: of an MPI job the first."""
-    ranks = ("OMPI_COMM_WORLD_RANK", "PMI_RANK", "PMIX_RANK", "SLURM_PROCID")
-    if any(os.environ.get(name, "0") != "0" for name in ranks[:3]):
+    if any(os.environ.get(name, "0") != "0" for name in ("OMPI_COMM_WORLD_RANK", "PMI_RANK", "PMIX_RANK")):
         return 0
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         signal.signal(number, interrupt)
@@ -185,9 +189,6 @@ def main(arguments, version):
     except Refused as wrong:
         print(f"{TOOL}: error: {' '.join(str(wrong).split())}", file=sys.stderr)
         return 2
-    except Interrupted:
-        print(f"{TOOL}: interrupted; nothing was written", file=sys.stderr)
-        return 6
     except MemoryError:
         print(f"{TOOL}: error: out of memory", file=sys.stderr)
         return 3

@@ -1,23 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What is drawn of a mesh: triangles of its boundary, its section with a plane, complete cells behind the plane; and the
 lines on them."""
-import dataclasses
-
 import numpy as np
 import vtk
 from vtk.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray, vtk_to_numpy
 
 from mesh_files import outer_faces
 from refused import Refused
-
-
-@dataclasses.dataclass
-class Plane:
-    normal: np.ndarray  # of length 1
-    offset: float
-
-    def height(self, points):
-        return points @ self.normal - self.offset
+from view import Plane
 
 
 def poly_data(points, rows, are_lines=False):

@@ -23,6 +23,15 @@ class View:
         return points @ np.column_stack([self.right, self.up])
 
 
+@dataclasses.dataclass
+class Plane:
+    normal: np.ndarray  # of length 1
+    offset: float
+
+    def height(self, points):
+        return points @ self.normal - self.offset
+
+
 def unit(vector, what):
     length = np.linalg.norm(vector)
     if not np.isfinite(length) or length == 0:
