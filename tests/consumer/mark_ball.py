@@ -12,5 +12,5 @@ for turn in range(3):
         marks = numpy.linalg.norm(centroids, axis=1) < 0.5
         data = grid.require_group("CellData")
         data.require_dataset("refine", marks.shape, "i4")[:] = marks  # 0 keep, 1 split
-    subprocess.run(["mpirun", "-q", "-n", "2", "pamr-refine", "--force",
+    subprocess.run(["mpirun", "-n", "2", "pamr-refine", "--force",
                     f"level{turn}.hdf", "-o", f"level{turn + 1}.hdf"], check=True)

@@ -3,7 +3,7 @@
 import numpy as np
 
 import pamr
-from collective import CELLS, COMM, FLOOR, POINTS, error_of, run_tests
+from collective import CELLS, COMM, FLOOR, POINTS, error_of, in_folder, run_tests
 
 
 def tagged():
@@ -36,6 +36,18 @@ def test_what_is_no_tetrahedral_mesh_is_refused_everywhere():
         lambda: pamr.from_meshio(COMM, flat if COMM.rank == 0 else None))
     if COMM.size > 1:
         assert "on rank 0 alone" in error_of(lambda: pamr.from_meshio(COMM, tagged()))
+
+
+@in_folder
+def test_the_level_that_files_show_is_no_field():
+    import meshio
+    pamr.from_meshio(COMM, tagged() if COMM.rank == 0 else None).write("mesh.vtu")
+    mesh = pamr.from_meshio(COMM, meshio.read("mesh.vtu") if COMM.rank == 0 else None, tags="patch")
+    assert set(mesh.cell_fields) == {"mark", "mean_ratio", "patch"} and mesh.patches == ["patch_0", "patch_1"]
+    mesh.write("mesh.hdf")
+    assert set(pamr.Mesh.read(COMM, "mesh.hdf").cell_fields) == set(mesh.cell_fields)
+    mesh.cell_fields["level"] = np.zeros(len(mesh.cells), np.uint8)
+    assert "'level': expected another name or type than uint8" in error_of(lambda: mesh.write("other.hdf"))
 
 
 run_tests(globals())

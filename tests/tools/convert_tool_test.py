@@ -91,7 +91,7 @@ def test_vtu_has_the_boundary_with_patches_level_and_shape():
     read = meshio.read("fine.vtu")
     with h5py.File("fine.hdf") as file:
         names = [name.decode() for name in file["PAMR/patches/names"][:]]
-        neighbors, level = file["PAMR/cell_to_cell"][:], file["PAMR/lineage"][:] >> 8 & 0xFF
+        neighbors, level = file["PAMR/cell_to_cell"][:], file["PAMR/lineage"][:] >> 12 & 0xFF
         shown = file["VTKHDF/CellData/level"]
         assert shown.dtype == np.uint8 and np.array_equal(shown[:], level) and level.max() == 1
     numbers = {key[6:]: int(value[0]) for key, value in read.field_data.items()}
@@ -109,7 +109,8 @@ def test_vtu_has_the_boundary_with_patches_level_and_shape():
     assert np.array_equal(read.cell_data_dict["level"]["triangle"], level[owner])
     quality = run("pamr-quality", "fine.hdf", "--json", "-", serial=True).json["mean_ratio"]
     ratio = read.cell_data_dict["mean_ratio"]["tetra"]
-    assert ratio.min() == quality["min"] and ratio.max() == quality["max"]
+    assert ratio.min() == np.float32(quality["min"]) and ratio.max() == np.float32(quality["max"])
+    assert ratio.dtype == np.float32 and read.cell_data_dict["level"]["tetra"].dtype == np.uint8
 
 
 def test_the_level_for_viewers_follows_the_lineage_and_fields_of_that_name_stay():

@@ -137,12 +137,33 @@ def test_vtu_files_become_meshes_with_fields_and_patches():
 
 def test_our_own_vtu_comes_back():
     kuhn_cube("cube.hdf", 3)
+    names = ["xmin", "a < b & \"c\" > d", "ymin", "ymax", "patch", "zmax"]
+    with h5py.File("cube.hdf", "r+") as file:
+        del file["PAMR/patches/names"]
+        file.create_dataset("PAMR/patches/names", data=names, dtype=h5py.string_dtype())
+        del file["PAMR/checksums"].attrs["PAMR/patches/names"]
     run("pamr-mark", "cube.hdf", "-o", "marked.hdf", "--box", "0,0,0,0.5,0.5,0.5")
     run("pamr-refine", "marked.hdf", "-o", "fine.hdf")
+    with h5py.File("fine.hdf", "r+") as file:
+        n = len(file["VTKHDF/Types"])
+        file["VTKHDF/CellData/a > b"] = np.arange(n)
+        file["VTKHDF/CellData/patch"] = np.full(n, 7)
     run("pamr-convert", "fine.hdf", "fine.vtu")
     run("pamr-convert", "fine.vtu", "back.hdf")
     ours, back = (run("pamr-quality", f"{m}.hdf", "--json", "-", "--quiet").json for m in ("fine", "back"))
     assert ours["cells"] == back["cells"] and ours["volume"] == back["volume"] and ours["nodes"] == back["nodes"]
+    assert {name: patch["area"] for name, patch in ours["patches"].items()} == {
+        name: patch["area"] for name, patch in back["patches"].items()}
+    with h5py.File("back.hdf") as file, h5py.File("fine.hdf") as fine:
+        assert list(file["PAMR/patches/names"].asstr()) == names
+        fields = file["VTKHDF/CellData"]
+        assert set(fields) == set(fine["VTKHDF/CellData"]) == {"a > b", "level", "parent", "patch"}
+        assert (fields["patch"][:] == 7).all() and sorted(fields["a > b"]) == list(range(n))
+        assert fields["level"].dtype == np.uint8 and not fields["level"][:].any(), "what a mesh comes from is not in a .vtu"
+    run("pamr-convert", "back.hdf", "back.vtu")
+    run("pamr-convert", "back.vtu", "again.hdf")
+    run("pamr-convert", "again.hdf", "again.vtu")
+    assert same_bytes("again.vtu", "back.vtu") and same_bytes("again.hdf", "back.hdf")
 
 
 def test_vtu_files_that_lie_are_refused():

@@ -59,6 +59,8 @@ def _of_meshio(mesh: Any, tags: str, names: Optional[Mapping[int, str]]) -> dict
     if names is None:
         names = {int(v[0]): k for k, v in mesh.field_data.items() if len(v) > 1 and v[1] == 2}
     of_cells = {k: joined("tetra", v) for k, v in mesh.cell_data.items() if not k.startswith("gmsh:")}
+    if "level" in of_cells and of_cells["level"].dtype == np.uint8:  # what our files show to viewers
+        del of_cells["level"]
     points = np.zeros((len(used), 3))
     points[:, :np.shape(mesh.points)[1]] = np.asarray(mesh.points)[used]
     return {"points": points, "cells": corner.reshape(cells.shape), "boundary": (new[triangles], numbers),

@@ -20,9 +20,24 @@ namespace pamr::io {
 
 namespace {
 
+std::string escape_of(char c) {
+  switch (c) {
+    case '<':
+      return "&lt;";
+    case '>':
+      return "&gt;";
+    case '&':
+      return "&amp;";
+    case '"':
+      return "&quot;";
+    default:
+      return std::string(1, c);
+  }
+}
+
 std::string escaped(const std::string& name) {
   std::string result;
-  for (const char c : name) result += c == '<' ? "&lt;" : c == '&' ? "&amp;" : c == '"' ? "&quot;" : std::string(1, c);
+  for (const char c : name) result += escape_of(c);
   return result;
 }
 
@@ -70,21 +85,21 @@ Boundary boundary_of(const RowsInOrder& rows) {
 
 bool has_field(const mesh::DistMesh& mesh, const std::string& name) { return mesh.find_cell_field(name) != nullptr; }
 
-/// The fields of the cells, and what the mesh has no fields for: the level of the base cell and the mean ratio, where
-/// no field has the name.
-std::vector<mesh::CellField> fields_of_cells(const mesh::DistMesh& mesh) {
-  auto fields = mesh.cell_fields;
-  if (!has_field(mesh, "level")) {
-    mesh::CellField level{"level", "", 1, mesh::StorageType::int64, std::vector<std::int64_t>()};
-    for (const auto lineage : mesh.lineage) level.integer().push_back(lineage.level());
-    fields.push_back(std::move(level));
-  }
-  if (!has_field(mesh, "mean_ratio")) {
-    mesh::CellField ratio{"mean_ratio", "", 1, mesh::StorageType::float64, std::vector<double>()};
-    for (LocalId c = 0; c < mesh.n_cells(); ++c) ratio.real().push_back(geometry::mean_ratio(mesh.points(c)));
-    fields.push_back(std::move(ratio));
-  }
-  return fields;
+/// What viewers see and the mesh has no fields for, where no field has the name. The types tell these arrays from
+/// fields when the file is read: `read_vtu` leaves them out.
+struct Extra {
+  bool has_level = false, has_ratio = false;
+  mesh::CellField level{"level", "", 1, mesh::StorageType::uint8, std::vector<std::int64_t>()};
+  mesh::CellField ratio{"mean_ratio", "", 1, mesh::StorageType::float32, std::vector<double>()};
+};
+
+Extra extra_of(const mesh::DistMesh& mesh) {
+  Extra extra;
+  extra.has_level = !has_field(mesh, extra.level.name);
+  extra.has_ratio = !has_field(mesh, extra.ratio.name);
+  for (const auto lineage : mesh.lineage) extra.level.integer().push_back(lineage.level());
+  for (LocalId c = 0; c < mesh.n_cells(); ++c) extra.ratio.real().push_back(geometry::mean_ratio(mesh.points(c)));
+  return extra;
 }
 
 void append_size(SharedOutput& out, std::int64_t n_bytes) {
@@ -108,19 +123,28 @@ void append_node_field(SharedOutput& out, const mesh::Field& part, std::int64_t 
 }
 
 /// The values of the cells, then for each triangle those of its cell.
+template <class T>
+void append_of_cells(SharedOutput& out, const std::vector<T>& values, std::size_t width, const Boundary& boundary,
+                     std::int64_t n) {
+  append_size(out, static_cast<std::int64_t>(sizeof(T) * width) * n);
+  append_values(out, values);
+  std::vector<T> of_triangles;
+  of_triangles.reserve(boundary.owner.size() * width);
+  for (const auto owner : boundary.owner)
+    for (std::size_t k = 0; k < width; ++k) of_triangles.push_back(values[owner * width + k]);
+  append_values(out, of_triangles);
+}
+
 void append_cell_field(SharedOutput& out, const mesh::Field& part, const Boundary& boundary, std::int64_t n) {
-  append_size(out, 8 * n * part.n_components);
-  std::visit(
-      [&](const auto& values) {
-        append_values(out, values);
-        auto of_triangles = values;
-        of_triangles.clear();
-        for (const auto owner : boundary.owner)
-          for (std::size_t k = 0; k < at(part.n_components); ++k)
-            of_triangles.push_back(values[owner * at(part.n_components) + k]);
-        append_values(out, of_triangles);
-      },
-      part.value);
+  std::visit([&](const auto& values) { append_of_cells(out, values, at(part.n_components), boundary, n); }, part.value);
+}
+
+template <class T, class Wide>
+std::vector<T> narrowed(const std::vector<Wide>& values) {
+  std::vector<T> result;
+  result.reserve(values.size());
+  for (const auto value : values) result.push_back(static_cast<T>(value));
+  return result;
 }
 
 /// Connectivity, offsets and types of the cells, then of the triangles.
@@ -151,7 +175,7 @@ void write_vtu(const par::Comm& comm, const std::filesystem::path& file, const m
   const auto n_triangles_here = std::ssize(boundary.corner);
   const auto n_triangles = comm.sum(n_triangles_here), first_triangle = comm.exclusive_sum(n_triangles_here);
   const auto n_nodes = mesh.info.n_global_nodes, n_cells = mesh.info.n_global_cells, n_all = n_cells + n_triangles;
-  const auto cell_fields = fields_of_cells(mesh);
+  const auto extra = extra_of(mesh);
   const std::string patch = has_field(mesh, "patch") ? "boundary_patch" : "patch";
 
   Header header;
@@ -174,7 +198,9 @@ void write_vtu(const par::Comm& comm, const std::filesystem::path& file, const m
   header.line("</Cells><PointData>");
   for (const auto& field : mesh.node_fields) describe(header, field, n_nodes);
   header.line("</PointData><CellData>");
-  for (const auto& field : cell_fields) describe(header, field, n_all);
+  for (const auto& field : mesh.cell_fields) describe(header, field, n_all);
+  if (extra.has_level) header.array("UInt8", extra.level.name, 1, n_all);
+  if (extra.has_ratio) header.array("Float32", extra.ratio.name, 1, 4 * n_all);
   header.array("Int32", patch, 1, 4 * n_all);
   header.line("</CellData>");
   header.line("</Piece></UnstructuredGrid>");
@@ -184,7 +210,11 @@ void write_vtu(const par::Comm& comm, const std::filesystem::path& file, const m
   append_array(out, rows.position, 24 * n_nodes);
   append_cells(out, rows, boundary, first_triangle, n_cells, n_triangles);
   for (const auto& field : mesh.node_fields) append_node_field(out, nodes_in_order(comm, mesh, field), n_nodes);
-  for (const auto& field : cell_fields) append_cell_field(out, cells_in_order(comm, mesh, field), boundary, n_all);
+  const auto in_order = [&](const mesh::CellField& field) { return cells_in_order(comm, mesh, field); };
+  for (const auto& field : mesh.cell_fields) append_cell_field(out, in_order(field), boundary, n_all);
+  if (extra.has_level)
+    append_of_cells(out, narrowed<std::uint8_t>(in_order(extra.level).integer()), 1, boundary, n_all);
+  if (extra.has_ratio) append_of_cells(out, narrowed<float>(in_order(extra.ratio).real()), 1, boundary, n_all);
   append_size(out, 4 * n_all);
   append_values(out, std::vector<std::int32_t>(rows.cell_to_node.size(), -1));
   append_values(out, boundary.patch);

@@ -261,6 +261,11 @@ void require_lineage(const mesh::DistMesh& mesh, int format) {
 
 }  // namespace
 
+/// It would not be read.
+bool is_level_for_viewers(const mesh::Field& field) {
+  return field.name == "level" && field.n_components == 1 && field.storage == StorageType::uint8;
+}
+
 void require_writable(const mesh::DistMesh& mesh, int format) {
   require_lineage(mesh, format);
   require_writable(mesh.info.surfaces->triangulations);
@@ -272,6 +277,10 @@ void require_writable(const mesh::DistMesh& mesh, int format) {
         throw Error(where + field.name + "': expected a name and a unit in UTF-8, the name without '/', found another");
       if (!seen.insert(field.name).second)
         throw Error(where + field.name + "': expected different names, found it twice");
+      if (fields == &mesh.cell_fields && is_level_for_viewers(field))
+        throw Error(where +
+                    "level': expected another name or type than uint8, in which files show the levels of the "
+                    "cells, found it");
     }
   }
   std::set<std::string> seen;

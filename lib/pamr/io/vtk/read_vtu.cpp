@@ -10,6 +10,7 @@
 #include <iterator>
 #include <map>
 #include <numeric>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -28,7 +29,9 @@ namespace pamr::io::vtk {
 namespace {
 
 constexpr std::int64_t vertex = 1, poly_vertex = 2, line = 3, poly_line = 4, triangle = 5, tetrahedron = 10;
-constexpr std::array<std::string_view, 4> tag_names{"patch", "gmsh:physical", "CellEntityIds", "medit:ref"};
+/// Of the patches; the first is what `write_vtu` calls them where a field is called `patch`.
+constexpr std::array<std::string_view, 5> tag_names{"boundary_patch", "patch", "gmsh:physical", "CellEntityIds",
+                                                    "medit:ref"};
 
 /// The whole mesh, on rank 0.
 struct Grid {
@@ -36,6 +39,7 @@ struct Grid {
   std::vector<std::array<GlobalId, 4>> cell;
   std::vector<std::array<GlobalId, 3>> triangle;
   std::vector<std::int64_t> tag;  ///< of the triangles; empty: none
+  std::map<std::int64_t, std::string> name_of_tag;
   std::vector<mesh::Field> cell_fields, node_fields;
   std::int64_t n_dropped = 0;
 };
@@ -120,6 +124,35 @@ bool is_field(const XmlArray& array, std::string_view place) {
          array.name.find('/') == std::string::npos && is_clean_text(array.name, "");
 }
 
+/// Names of the patches where the file says them, as those of `write_vtu` do: field data `patch NAME` with the number.
+std::map<std::int64_t, std::string> read_names(const XmlGrid& xml) {
+  constexpr std::string_view before = "patch ";
+  std::map<std::int64_t, std::string> names;
+  for (const auto& array : xml.arrays) {
+    if (array.place != "FieldData" || !array.name.starts_with(before) || array.name == before) continue;
+    const auto number = integers_of(xml, array, 1).front();
+    if (!names.emplace(number, array.name.substr(before.size())).second)
+      throw Error(fmt::format("field data: expected one name of patch {}, found two", number));
+  }
+  return names;
+}
+
+/// Gives the other patches their numbers as names; leaves none where no triangle has a patch.
+void complete_names(const std::vector<std::int64_t>& tags, std::map<std::int64_t, std::string>& names) {
+  if (tags.empty()) return names.clear();
+  for (const auto tag : tags) names.emplace(tag, fmt::format("patch_{}", tag));
+  std::set<std::string> seen;
+  for (const auto& [tag, name] : names)
+    if (!seen.insert(name).second)
+      throw Error(fmt::format("expected different names of patches, found '{}' twice", name));
+}
+
+/// Whether an array is no field but what `write_vtu` has worked out; the level of native files is none either.
+bool is_extra(const XmlArray& array, bool is_ours) {
+  return (array.name == "level" && array.type == "UInt8") ||
+         (is_ours && array.name == "mean_ratio" && array.type == "Float32");
+}
+
 const XmlArray* find_tags(const XmlGrid& xml) {
   for (const auto name : tag_names)
     if (const auto* array = xml.find("CellData", name); array != nullptr && array->n_components == 1 &&
@@ -163,6 +196,9 @@ Grid read_grid(const std::filesystem::path& file) {
   const auto rows = read_cells(xml, grid);
   const auto* tags = rows.of_triangles.empty() ? nullptr : find_tags(xml);
   if (tags != nullptr) grid.tag = std::move(read_field(xml, *tags, xml.n_cells, rows.of_triangles).integer());
+  grid.name_of_tag = read_names(xml);
+  const bool is_ours = !grid.name_of_tag.empty();
+  complete_names(grid.tag, grid.name_of_tag);
   const auto kept = drop_nodes(grid, at(xml.n_points));
   auto points = read_field(xml, require(xml, "Points", ""), xml.n_points, kept);
   if (points.holds_integers() || points.n_components != 3)
@@ -175,7 +211,7 @@ Grid read_grid(const std::filesystem::path& file) {
   }
   for (const auto& array : xml.arrays) {
     if (is_field(array, "PointData")) grid.node_fields.push_back(read_field(xml, array, xml.n_points, kept));
-    if (is_field(array, "CellData") && &array != tags)
+    if (is_field(array, "CellData") && &array != tags && !is_extra(array, is_ours))
       grid.cell_fields.push_back(read_field(xml, array, xml.n_cells, rows.of_cells));
   }
   return grid;
@@ -202,6 +238,17 @@ std::vector<mesh::Field> share_outline(const par::Comm& comm, std::vector<mesh::
   return fields;
 }
 
+/// The patches of rank 0, by number, on all ranks. Collective.
+std::vector<mesh::Patch> share_patches(const par::Comm& comm, const std::map<std::int64_t, std::string>& name_of_tag) {
+  std::string names;
+  for (const auto& [tag, name] : name_of_tag) names += name + '\n';
+  names = comm.broadcast(names);
+  std::vector<mesh::Patch> patches;
+  for (std::size_t at = 0; at < names.size(); at = names.find('\n', at) + 1)
+    patches.push_back({names.substr(at, names.find('\n', at) - at), ""});
+  return patches;
+}
+
 /// Rank 0 has all cells; nodes go to their canonical blocks. Collective.
 mesh::BlockMesh to_block(const par::Comm& comm, Grid grid) {
   mesh::BlockMesh block;
@@ -222,12 +269,10 @@ mesh::BlockMesh to_block(const par::Comm& comm, Grid grid) {
   for (auto& field : block.node_fields)
     std::visit([&](auto& values) { scatter(values, at(field.n_components)); }, field.value);
 
-  auto tags = grid.tag;
-  std::sort(tags.begin(), tags.end());
-  tags.erase(std::unique(tags.begin(), tags.end()), tags.end());
-  tags = comm.broadcast(std::move(tags));
-  for (const auto tag : tags) block.info.patches.push_back({fmt::format("patch_{}", tag), ""});
+  block.info.patches = share_patches(comm, grid.name_of_tag);
   if (!grid.tag.empty()) block.boundary.node = std::move(grid.triangle);
+  std::vector<std::int64_t> tags;
+  for (const auto& [tag, name] : grid.name_of_tag) tags.push_back(tag);
   for (const auto tag : grid.tag)
     block.boundary.patch.push_back(static_cast<int>(std::lower_bound(tags.begin(), tags.end(), tag) - tags.begin()));
   return block;

@@ -71,6 +71,21 @@ Tag read_tag(std::string_view inside) {
   return tag;
 }
 
+/// Text with the five characters for which XML has names.
+std::string unescaped(std::string text) {
+  constexpr std::array<std::pair<std::string_view, char>, 5> names{
+      {{"&lt;", '<'}, {"&gt;", '>'}, {"&quot;", '"'}, {"&apos;", '\''}, {"&amp;", '&'}}};
+  std::string result;
+  for (std::size_t i = 0; i < text.size();) {
+    const auto rest = std::string_view(text).substr(i);
+    const auto named =
+        std::find_if(names.begin(), names.end(), [&](const auto& name) { return rest.starts_with(name.first); });
+    result += named == names.end() ? text[i] : named->second;
+    i += named == names.end() ? 1 : named->first.size();
+  }
+  return result;
+}
+
 std::string value_of(const Tag& tag, std::string_view name, std::string_view otherwise = "") {
   const auto found = tag.attributes.find(name);
   return found == tag.attributes.end() ? std::string(otherwise) : found->second;
@@ -150,8 +165,13 @@ class GridParser {
   }
 
   void array(const Tag& tag) {
-    XmlArray result{
-        stack_.back(), value_of(tag, "Name"), value_of(tag, "type"), value_of(tag, "format", "ascii"), 1, 0, {}};
+    XmlArray result{stack_.back(),
+                    unescaped(value_of(tag, "Name")),
+                    value_of(tag, "type"),
+                    value_of(tag, "format", "ascii"),
+                    1,
+                    0,
+                    {}};
     result.n_components = std::max<std::int64_t>(1, number_in(tag, "NumberOfComponents", 1));
     result.offset = static_cast<std::size_t>(number_in(tag, "offset", 0));
     if (!tag.is_closed) {
