@@ -61,10 +61,12 @@ meshing::LevelZero make(const cli::Session& session, const Options& options) {
     mesh_case = options.shape.empty() ? meshing::read_mesh_case(text, options.case_file)
                                       : meshing::case_of_shape(options.shape, options.size);
   });
-  auto progress = session.progress("meshing", meshing::Listener::n_steps, "steps");
-  return meshing::make_mesh(comm, mesh_case,
-                            {[&](int done, const char* next) { progress.update(done, next); },
-                             [&](const std::string& warning) { session.warn(warning); }});
+  const auto show = [&](int done, const char* next) {
+    constexpr int n = meshing::Listener::n_steps;
+    session.step(done < n ? fmt::format("meshing, step {} of {}: {}", done + 1, n, next) : "meshing: order and check");
+  };
+  show(0, "interior");
+  return meshing::make_mesh(comm, mesh_case, {show, [&](const std::string& warning) { session.warn(warning); }});
 }
 
 cli::ExitCode make_mesh(cli::Session& session, const Options& options) {

@@ -6,9 +6,11 @@
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <climits>
 #include <csignal>
 #include <cstdlib>
+#include <ctime>
 
 #include "cli/step_clock.hpp"
 #include "pamr/io/remove_on_interrupt.hpp"
@@ -28,18 +30,32 @@ std::string name_of_mark() {
   return folder == nullptr ? std::string() : std::string(folder) + "/pamr-aborts";
 }
 
+bool has_others = false;
+
+/// Open MPI's mpirun sends SIGTERM to all ranks and means to wait a second before it kills them; but the first that
+/// ends ends its wait (`sleep` returns at SIGCHLD), and it kills those that had no time yet. Nobody ends at once,
+/// therefore. Source: open-mpi/ompi v4.1, orte/mca/odls/base/odls_base_default_fns.c,
+/// orte_odls_base_default_kill_local_procs.
+void wait_for_others() {
+  timespec left{0, 500'000'000};
+  while (::nanosleep(&left, &left) != 0 && errno == EINTR) {
+  }
+}
+
 extern "C" void remove_files_and_end(int) {
   io::remove_unfinished();
   hide_step();
   constexpr int interrupted = 6;
   const bool is_told = abort_mark[0] != '\0' && ::access(abort_mark.data(), F_OK) == 0;
-  if (is_told || ::write(STDERR_FILENO, interrupt_text.data(), interrupt_length) < 0) ::_exit(interrupted);
+  const bool is_heard = is_told || ::write(STDERR_FILENO, interrupt_text.data(), interrupt_length) >= 0;
+  if (has_others && is_heard) wait_for_others();
   ::_exit(interrupted);
 }
 
 }  // namespace
 
-void end_well_on_interrupt(const std::string& tool, bool speaks) {
+void end_well_on_interrupt(const std::string& tool, bool speaks, bool in_company) {
+  has_others = in_company;
   const auto line = tool + ": interrupted: outputs that were not complete are removed\n";
   interrupt_length = speaks ? std::min(line.size(), interrupt_text.size()) : 0;
   std::copy_n(line.begin(), interrupt_length, interrupt_text.begin());

@@ -67,10 +67,7 @@ Progress::Progress(std::string what, std::int64_t total, std::string unit, bool 
 }
 
 Progress::~Progress() {
-  if (drawn_) {
-    std::fputs(clear_line, stderr);
-    std::fflush(stderr);
-  }
+  if (drawn_) hide_step();
 }
 
 void Progress::update(std::int64_t done, const std::string& step) {
@@ -84,6 +81,7 @@ void Progress::update(std::int64_t done, const std::string& step) {
   if (on_terminal_) {
     std::fputs((clear_line + bar(done, total_) + text).c_str(), stderr);
     drawn_ = true;
+    mark_line(true);
   } else {
     std::fputs((text + "\n").c_str(), stderr);
   }

@@ -169,7 +169,7 @@ int run_tool(int argc, char** argv, const ToolInfo& info, const std::function<vo
   running = &runtime;
   running_tool = &info;
   std::set_terminate(end_after_failure);
-  end_well_on_interrupt(info.name, runtime.rank() == 0);
+  end_well_on_interrupt(info.name, runtime.rank() == 0, runtime.size() > 1);
   std::signal(SIGXFSZ, SIG_IGN);  // a file beyond `ulimit -f` is an error of the write, which names it
 
   CommonOptions options;

@@ -134,12 +134,13 @@ void show_step(const std::string& what) {
 }
 
 void hide_step() {
-  if (!shown.is_running) return;
-  set_timer(0);
+  if (shown.is_running) set_timer(0);
   shown.is_running = false;
   if (shown.is_drawn == 0) return;
   shown.is_drawn = 0;
   if (::write(STDERR_FILENO, to_empty_line.data(), to_empty_line.size()) < 0) return;  // nobody to tell
 }
+
+void mark_line(bool is_drawn) { shown.is_drawn = is_drawn ? 1 : 0; }
 
 }  // namespace pamr::cli

@@ -16,7 +16,9 @@ bool error_is_on_terminal();
 /// By a timer and its signal (SIGALRM), not by a thread: a thread would take address space and be there when the
 /// readers of damaged files fork.
 void show_step(const std::string& what);
-/// Ends that, and takes the line off the terminal. Local.
+/// Ends that, and takes the line off the terminal, also one that `mark_line` told of. Local.
 void hide_step();
+/// Tells whether a line that others have written to the terminal, without an end, stands there. Local.
+void mark_line(bool is_drawn);
 
 }  // namespace pamr::cli

@@ -173,13 +173,14 @@ class LifeOfATool(unittest.TestCase):
     def test_an_interrupt_gives_one_message_and_code_6(self):
         """mpirun hands SIGUSR1 on, with the exit code; after Ctrl-C its own exit code is 1 whatever the ranks say."""
         said = "pamr-probe: interrupted: outputs that were not complete are removed\n"
-        for ranks, number, code in ((1, signal.SIGINT, 6), (1, signal.SIGTERM, 6), (3, signal.SIGUSR1, 6), (3, signal.SIGINT, 1)):
-            process = subprocess.Popen(command(ranks, ["-o", self.path("out"), "--how", "sleep"]), stdout=subprocess.PIPE,
+        for how, ranks, number, code in (("sleep", 1, signal.SIGINT, 6), ("sleep", 1, signal.SIGTERM, 6), ("sleep", 3, signal.SIGUSR1, 6),
+                                         ("sleep", 3, signal.SIGINT, 1), ("sleep-deeply", 3, signal.SIGINT, 1)):
+            process = subprocess.Popen(command(ranks, ["-o", self.path("out"), "--how", how]), stdout=subprocess.PIPE,
                                        stderr=subprocess.PIPE, text=True)
             self.wait_until(self.unfinished)
             process.send_signal(number)
             out, err = process.communicate(timeout=30)
-            self.assertEqual((process.returncode, out, err.count(said)), (code, "", 1), (ranks, number, err))
+            self.assertEqual((process.returncode, out, err.count(said)), (code, "", 1), (how, ranks, number, err))
             self.wait_until(lambda: not self.unfinished(), 10)
 
     def on_terminal(self, ranks, how):
@@ -196,7 +197,7 @@ class LifeOfATool(unittest.TestCase):
             if not part:
                 break
             text += part
-            if how == "step" and b"0:02" in text:
+            if how == "step" and b"0:02" in text or how == "progress-cut" and b"walking: 1 of" in text:
                 process.send_signal(signal.SIGTERM)
                 how = "ended"
         os.close(main)
@@ -210,6 +211,8 @@ class LifeOfATool(unittest.TestCase):
             self.assertGreater(text.count(b"walking"), 5)
             text = self.on_terminal(ranks, "step")
             self.assertIn(b"\r\x1b[Kresting 7 cells, 0:01\r\x1b[Kresting 7 cells, 0:02", text)
+            text = self.on_terminal(ranks, "progress-cut")
+            self.assertRegex(text, rb"uphill\r\x1b\[Kpamr-probe: interrupted")
 
     def test_long_steps_are_lines_elsewhere(self):
         for ranks in (1, 3):

@@ -3,6 +3,8 @@
 #include <unistd.h>
 
 #include <chrono>
+#include <csignal>
+#include <ctime>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <string>
@@ -34,12 +36,28 @@ void misbehave(const std::string& how, const pamr::par::Comm& comm) {
   if (how == "memory-on-one") comm.barrier();
 }
 
+struct sigaction heard_at_once {};
+
+extern "C" void hear(int signal) {
+  const timespec while_others_work{0, 100'000'000};
+  (void)::nanosleep(&while_others_work, nullptr);
+  heard_at_once.sa_handler(signal);
+}
+
+/// As on a machine that has no time for this rank.
+void hear_late() {
+  struct sigaction late {};
+  late.sa_handler = hear;
+  ::sigaction(SIGTERM, &late, &heard_at_once);
+}
+
 ExitCode work(Session& session, const std::string& input, const std::string& output, bool force,
               const std::string& how) {
   if (!input.empty()) session.check_input(input);
   if (!output.empty()) session.check_output(output, {input}, force);
   misbehave(how, session.comm());
-  if (how == "sleep") {
+  if (how == "sleep" || how == "sleep-deeply") {
+    if (how == "sleep-deeply" && session.comm().is_first()) hear_late();
     pamr::io::PartialFile file(output);
     if (session.comm().is_first()) (void)file.make(100);
     file.share(session.comm());
@@ -52,7 +70,7 @@ ExitCode work(Session& session, const std::string& input, const std::string& out
     for (int i = 0; i < 100 && !(i > 15 && session.options().quiet); ++i)
       std::this_thread::sleep_for(std::chrono::milliseconds(110));
   }
-  if (how == "progress") {
+  if (how.starts_with("progress")) {
     auto progress = session.progress("walking", 40, "steps");
     for (int i = 0; i < 40; ++i) {
       std::this_thread::sleep_for(std::chrono::milliseconds(40));

@@ -11,10 +11,10 @@ namespace pamr::io {
 /// Writes a mesh and its fields as one `.vtu` file (VTK XML unstructured grid, binary data appended), in global order:
 /// the same bytes on any number of ranks. Real fields are written as 64-bit reals, integers as 64-bit integers.
 /// The triangles of the boundary follow the cells, outward, in the order of their cells, with the values of these.
-/// Besides the fields of the mesh, cells and triangles have `level` (8 bits) and `mean_ratio` (32 bits) where no field has
-/// the name, and `patch`: that of a triangle, -1 for a cell (`boundary_patch` where a field has that name). The field data have an array `patch NAME` with the number of each patch.
-/// Neighbors and what closure cells come from have no place in the format. Collective; throws the same `Error` on every
-/// rank, and leaves nothing behind then.
+/// Besides the fields of the mesh, cells and triangles have `level` (8 bits) and `mean_ratio` (32 bits) where no field
+/// has the name, and `patch`: that of a triangle, -1 for a cell (`boundary_patch` where a field has that name). The
+/// field data have an array `patch NAME` with the number of each patch. Neighbors and what closure cells come from have
+/// no place in the format. Collective; throws the same `Error` on every rank, and leaves nothing behind then.
 void write_vtu(const par::Comm& comm, const std::filesystem::path& file, const mesh::DistMesh& mesh);
 
 }  // namespace pamr::io
