@@ -19,4 +19,12 @@ Triangulation read_triangulation(const std::filesystem::path& file, bool open_al
 /// The same for the bytes of a file; `where` names it in errors, and its extension is the format.
 Triangulation parse_triangulation(std::string_view bytes, const std::string& where, bool open_allowed = false);
 
+/// The triangles and points of such a file as they stand there: whole files, finite coordinates below 1e100, points
+/// that exist, but any surface, empty ones too. For tools that say what is wrong with a surface; the others take
+/// `read_triangulation`. Throws `Error` otherwise. Local.
+Triangulation read_soup(const std::filesystem::path& file);
+
+/// The same for the bytes of a file; `where` names it in errors, and its extension is the format.
+Triangulation parse_soup(std::string_view bytes, const std::string& where);
+
 }  // namespace pamr::geometry

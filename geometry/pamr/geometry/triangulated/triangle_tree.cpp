@@ -12,8 +12,8 @@ namespace {
 
 constexpr std::size_t leaf_size = 3;
 
-/// Parameters of the nearest point of a triangle with sides ab and ac, seen from a; `ap` leads to the point.
-/// Source: C. Ericson, Real-Time Collision Detection, 2005, section 5.1.5.
+}  // namespace
+
 std::array<double, 2> nearest_parameters(Vec3 ab, Vec3 ac, Vec3 ap) {
   const double d1 = dot(ab, ap), d2 = dot(ac, ap);
   if (d1 <= 0 && d2 <= 0) return {0, 0};
@@ -35,8 +35,6 @@ std::array<double, 2> nearest_parameters(Vec3 ab, Vec3 ac, Vec3 ap) {
   const double scale = 1 / (va + vb + vc);
   return {vb * scale, vc * scale};
 }
-
-}  // namespace
 
 TriangleTree::Box TriangleTree::box_of(std::span<const Item> items) {
   constexpr double all = std::numeric_limits<double>::infinity();

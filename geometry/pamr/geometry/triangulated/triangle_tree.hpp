@@ -9,6 +9,10 @@
 
 namespace pamr::geometry {
 
+/// Parameters of the nearest point of a triangle with sides ab and ac, seen from a; `ap` leads to the point.
+/// Source: C. Ericson, Real-Time Collision Detection, 2005, section 5.1.5.
+std::array<double, 2> nearest_parameters(Vec3 ab, Vec3 ac, Vec3 ap);
+
 /// A tree of boxes about flat triangles that answers which one is nearest. Local, thread-safe; the answer depends on
 /// the triangles and their order only. 150 bytes a triangle; a query takes O(log n) near the surface.
 class TriangleTree {

@@ -162,4 +162,15 @@ Foot CurvedTriangle::nearest(Vec3 to, double u, double v) const {
   return best;
 }
 
+std::array<Vec3, 2> smooth_edge(Vec3 a, Vec3 b, Vec3 normal_a, Vec3 normal_b) {
+  const auto leave = [](Vec3 from, Vec3 to, Vec3 normal) {
+    const Vec3 chord = to - from, along = chord - dot(chord, normal) * normal;
+    const double length = norm(along);
+    // A normal that nearly follows the chord says nothing about the curve.
+    if (!(length > 0.5 * norm(chord))) return from + (1.0 / 3) * chord;
+    return inner_point(from, to, (1 / length) * along);
+  };
+  return {leave(a, b, normal_a), leave(b, a, normal_b)};
+}
+
 }  // namespace pamr::geometry

@@ -52,4 +52,7 @@ class CurvedTriangle {
 /// order for an arc.
 Vec3 inner_point(Vec3 from, Vec3 to, Vec3 tangent);
 
+/// Inner Bezier points of the curve between two points of a smooth piece with these unit normals there.
+std::array<Vec3, 2> smooth_edge(Vec3 a, Vec3 b, Vec3 normal_a, Vec3 normal_b);
+
 }  // namespace pamr::geometry

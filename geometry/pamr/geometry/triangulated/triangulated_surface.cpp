@@ -25,18 +25,6 @@ std::array<double, 2> on_edge(int k, double s) {
   return k == 1 ? std::array{1 - s, s} : std::array{0.0, 1 - s};
 }
 
-/// Inner points of the curve between two points of a smooth piece with normals there.
-std::array<Vec3, 2> smooth_edge(Vec3 a, Vec3 b, Vec3 normal_a, Vec3 normal_b) {
-  const auto leave = [](Vec3 from, Vec3 to, Vec3 normal) {
-    const Vec3 chord = to - from, along = chord - dot(chord, normal) * normal;
-    const double length = norm(along);
-    // A normal that nearly follows the chord says nothing about the curve.
-    if (!(length > 0.5 * norm(chord))) return from + (1.0 / 3) * chord;
-    return inner_point(from, to, (1 / length) * along);
-  };
-  return {leave(a, b, normal_a), leave(b, a, normal_b)};
-}
-
 }  // namespace
 
 std::shared_ptr<Triangulated::Shape> Triangulated::make_shape(const Triangulation& surface,

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "surface_mesh/decimate.hpp"
+
+#include <OpenMesh/Tools/Decimater/DecimaterT.hh>
+#include <OpenMesh/Tools/Decimater/ModHausdorffT.hh>
+#include <algorithm>
+#include <stdexcept>
+#include <vector>
+
+#include "pamr/base/index.hpp"
+#include "surface_mesh/collapse_guard.hpp"
+#include "surface_mesh/half_edges.hpp"
+
+namespace pamr::surface_mesh {
+
+namespace {
+
+using geometry::Triangulation;
+using geometry::Vec3;
+using Decimater = OpenMesh::Decimater::DecimaterT<HalfEdges>;
+
+/// How coordinates are brought to a box of size 1, so that OpenMesh's single precision and fixed bounds fit all units.
+struct Frame {
+  Vec3 origin;
+  double size = 1;
+};
+
+Frame frame_of(const Triangulation& surface) {
+  Vec3 low = surface.points.front(), high = low;
+  for (const auto& corner : surface.triangles)
+    for (const int n : corner) {
+      const Vec3 p = surface.points[at(n)];
+      low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
+      high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+    }
+  return {low, norm(high - low)};
+}
+
+struct Collapsed {
+  Triangulation surface;
+  std::int64_t n_sharp_edges = 0;
+};
+
+/// One decimation; `tolerance` is in the unit of the surface, 0 for none.
+Collapsed collapse(const Triangulation& surface, const DecimateOptions& options, double tolerance) {
+  const auto frame = frame_of(surface);
+  auto mesh = to_half_edges(surface);
+  for (const auto v : mesh.vertices()) {
+    const Vec3 p = (1 / frame.size) * (surface.points[at(v.idx())] - frame.origin);
+    mesh.set_point(v, {p.x, p.y, p.z});
+  }
+  mesh.request_vertex_status();
+  mesh.request_edge_status();
+  mesh.request_face_status();
+  mesh.request_face_normals();
+  mesh.update_face_normals();
+  Collapsed result;
+  result.n_sharp_edges = static_cast<std::int64_t>(mark_features(mesh, options.feature_angle));
+  {
+    Decimater decimater(mesh);
+    QuadricOrderT<HalfEdges>::Handle order;
+    CollapseGuardT<HalfEdges>::Handle guard;
+    OpenMesh::Decimater::ModHausdorffT<HalfEdges>::Handle distance;
+    decimater.add(order);
+    decimater.add(guard);
+    if (tolerance > 0) {
+      decimater.add(distance);
+      decimater.module(distance).set_tolerance(tolerance / frame.size);
+      decimater.module(guard).set_line_tolerance(tolerance / frame.size);
+    }
+    if (!decimater.initialize()) throw std::logic_error("OpenMesh could not set up the decimation");
+    decimater.decimate_to_faces(0, static_cast<std::size_t>(options.n_triangles));
+  }
+  // Points have their numbers still: deleted ones are not taken away by OpenMesh.
+  std::vector<int> new_number(surface.points.size(), -1);
+  for (int n = 0; n < std::ssize(surface.points); ++n) {
+    const auto v = mesh.vertex_handle(static_cast<unsigned>(n));
+    if (mesh.status(v).deleted() || mesh.is_isolated(v)) continue;
+    new_number[at(n)] = static_cast<int>(result.surface.points.size());
+    result.surface.points.push_back(surface.points[at(n)]);
+  }
+  for (const auto f : mesh.faces()) {
+    std::array<int, 3> corner{};
+    auto v = mesh.cfv_iter(f);
+    for (int& n : corner) n = new_number[at((v++)->idx())];
+    result.surface.triangles.push_back(corner);
+  }
+  return result;
+}
+
+}  // namespace
+
+Decimated decimate(const Triangulation& surface, const DecimateOptions& options) {
+  constexpr int most_rounds = 4;
+  constexpr double first_tolerance = 0.8, next_tolerance = 0.6;
+  Decimated result;
+  double tolerance = first_tolerance * options.error;
+  for (result.n_rounds = 1;; ++result.n_rounds) {
+    auto collapsed = collapse(surface, options, tolerance);
+    result.surface = std::move(collapsed.surface);
+    result.n_sharp_edges = collapsed.n_sharp_edges;
+    const DistanceOptions how{.enough = options.error};
+    result.from_old = distance_from_to(surface, result.surface, how);
+    result.to_old = distance_from_to(result.surface, surface, how);
+    result.is_within = options.error <= 0 || std::max(result.from_old.at_most, result.to_old.at_most) <= options.error;
+    if (result.is_within || result.n_rounds == most_rounds) return result;
+    tolerance *= next_tolerance;
+  }
+}
+
+}  // namespace pamr::surface_mesh

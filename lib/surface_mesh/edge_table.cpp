@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "surface_mesh/edge_table.hpp"
+
+#include <algorithm>
+#include <array>
+#include <numeric>
+
+#include "pamr/base/index.hpp"
+
+namespace pamr::surface_mesh {
+
+EdgeTable::EdgeTable(const geometry::Triangulation& surface) {
+  sides_.reserve(3 * surface.triangles.size());
+  for (std::size_t t = 0; t < surface.triangles.size(); ++t)
+    for (int k = 0; k < 3; ++k) {
+      const int a = surface.triangles[t][at(k)], b = surface.triangles[t][at((k + 1) % 3)];
+      sides_.push_back({std::min(a, b), std::max(a, b), static_cast<int>(t), k, a < b});
+    }
+  std::sort(sides_.begin(), sides_.end(), [](const Side& a, const Side& b) {
+    return std::array{a.low, a.high, a.triangle, a.edge} < std::array{b.low, b.high, b.triangle, b.edge};
+  });
+}
+
+Groups::Groups(std::size_t n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), 0); }
+
+int Groups::of(int i) {
+  while (parent_[at(i)] != i) {
+    parent_[at(i)] = parent_[at(parent_[at(i)])];
+    i = parent_[at(i)];
+  }
+  return i;
+}
+
+void Groups::join(int a, int b) {
+  a = of(a);
+  b = of(b);
+  parent_[at(std::max(a, b))] = std::min(a, b);
+}
+
+}  // namespace pamr::surface_mesh

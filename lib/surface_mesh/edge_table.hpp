@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "pamr/geometry/triangulated/triangulation.hpp"
+
+namespace pamr::surface_mesh {
+
+/// One side of one triangle, from its corner `edge` to the next.
+struct Side {
+  int low = 0, high = 0;  ///< numbers of its points
+  int triangle = 0, edge = 0;
+  bool upwards = false;  ///< runs from `low` to `high`
+};
+
+/// All edges of triangles that need not be a surface: any number of triangles may meet at one. Edges in the order of
+/// their points, the sides of an edge in the order of their triangles. Triangles with a point twice must not be there.
+/// Local; O(n log n), 20 bytes a side.
+class EdgeTable {
+ public:
+  explicit EdgeTable(const geometry::Triangulation& surface);
+
+  /// Calls `use(sides)` with the sides of each edge.
+  template <class Use>
+  void for_each_edge(Use&& use) const {
+    for (std::size_t i = 0; i < sides_.size();) {
+      auto end = i + 1;
+      while (end < sides_.size() && sides_[end].low == sides_[i].low && sides_[end].high == sides_[i].high) ++end;
+      use(std::span<const Side>(sides_).subspan(i, end - i));
+      i = end;
+    }
+  }
+
+ private:
+  std::vector<Side> sides_;
+};
+
+/// Sets of numbers that grow together.
+class Groups {
+ public:
+  explicit Groups(std::size_t n);
+  /// The number that stands for the set of `i`.
+  int of(int i);
+  void join(int a, int b);
+
+ private:
+  std::vector<int> parent_;
+};
+
+}  // namespace pamr::surface_mesh

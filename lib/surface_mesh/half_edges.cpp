@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "surface_mesh/half_edges.hpp"
+
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+
+#include "pamr/base/index.hpp"
+
+namespace pamr::surface_mesh {
+
+using geometry::Triangulation;
+
+HalfEdges to_half_edges(const Triangulation& surface) {
+  omerr().disable();  // failures are found below
+  HalfEdges mesh;
+  mesh.reserve(surface.points.size(), surface.points.size() + surface.triangles.size(), surface.triangles.size());
+  for (const auto p : surface.points) mesh.add_vertex({p.x, p.y, p.z});
+  for (const auto& [a, b, c] : surface.triangles)
+    if (!mesh.add_face(mesh.vertex_handle(static_cast<unsigned>(a)), mesh.vertex_handle(static_cast<unsigned>(b)),
+                       mesh.vertex_handle(static_cast<unsigned>(c)))
+             .is_valid())
+      throw std::logic_error("OpenMesh refused a triangle of a valid surface");
+  return mesh;
+}
+
+Triangulation to_triangulation(const HalfEdges& mesh) {
+  Triangulation surface;
+  surface.points.reserve(mesh.n_vertices());
+  surface.triangles.reserve(mesh.n_faces());
+  for (const auto v : mesh.vertices()) {
+    const auto& p = mesh.point(v);
+    surface.points.push_back({p[0], p[1], p[2]});
+  }
+  for (const auto f : mesh.faces()) {
+    auto corner = mesh.cfv_iter(f);
+    std::array<int, 3> n{};
+    for (int& number : n) number = (corner++)->idx();
+    surface.triangles.push_back(n);
+  }
+  return surface;
+}
+
+std::size_t mark_features(HalfEdges& mesh, double feature_angle) {
+  const double cosine = feature_angle < 180 ? std::cos(feature_angle * std::numbers::pi / 180) : -2;
+  std::size_t n = 0;
+  for (const auto e : mesh.edges()) {
+    if (mesh.is_boundary(e)) continue;
+    const auto one = mesh.face_handle(mesh.halfedge_handle(e, 0)), other = mesh.face_handle(mesh.halfedge_handle(e, 1));
+    if (!((mesh.normal(one) | mesh.normal(other)) < cosine)) continue;
+    mesh.status(e).set_feature(true);
+    mesh.status(mesh.to_vertex_handle(mesh.halfedge_handle(e, 0))).set_feature(true);
+    mesh.status(mesh.to_vertex_handle(mesh.halfedge_handle(e, 1))).set_feature(true);
+    ++n;
+  }
+  return n;
+}
+
+}  // namespace pamr::surface_mesh
