@@ -27,10 +27,11 @@ MAY_INCLUDE = {
     **{stage: MESH_AT_REST for stage in STAGES},
     "adapt": REFINER,
     "meshing": MESH_AT_REST + ("io", "check"),
+    "surface_mesh": ("base", "geometry"),
     **{solver: MESH_AT_REST + ("io", "mark", "check", "balance", "adapt/adapt.hpp") for solver in SOLVERS},
     "cli": ("base", "par", "io"),
     "python": REFINER + ("meshing",),
-    "tools": REFINER + SOLVERS + ("meshing", "cli"),
+    "tools": REFINER + SOLVERS + ("meshing", "surface_mesh", "cli"),
 }
 
 # What only some places may hold: pattern of the line, pattern of the places, rule. Tests are free to use an oracle.
@@ -38,8 +39,10 @@ CORNERS = (
     (re.compile(r"\bMPI_[A-Z][a-z]\w*\s*\("), re.compile(r"lib/pamr/par/"), "MPI is called in lib/pamr/par only"),
     (re.compile(r"#\s*include\s*[<\"](pt)?scotch"), re.compile(r"lib/pamr/balance/scotch_partition\.cpp$"),
      "Scotch is included in balance/scotch_partition.cpp only"),
-    (re.compile(r"#\s*include\s*[<\"](CGAL|OpenMesh)/"), re.compile(r"geometry/.*\.cpp$|lib/meshing/.*\.cpp$"),
-     "CGAL and OpenMesh are included in geometry/**/*.cpp and lib/meshing/**/*.cpp only"),
+    (re.compile(r"#\s*include\s*[<\"]CGAL/"), re.compile(r"geometry/.*\.cpp$|lib/meshing/.*\.cpp$|lib/surface_mesh/"),
+     "CGAL is included in geometry/**/*.cpp, lib/meshing/**/*.cpp and lib/surface_mesh only"),
+    (re.compile(r"#\s*include\s*[<\"]OpenMesh/"), re.compile(r"lib/surface_mesh/"),
+     "OpenMesh is included in lib/surface_mesh only"),
     (re.compile(r"#\s*include\s*[<\"]CGAL/(Mesh|make_mesh|exude_mesh|Labeled_mesh)_"), re.compile(r"lib/meshing/.*\.cpp$"),
      "CGAL's Mesh_3 is included in lib/meshing only"),
     (re.compile(r"#\s*include\s*[<\"]petsc"), re.compile(r"lib/solvers/poisson_boltzmann/"),

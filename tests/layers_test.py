@@ -91,13 +91,20 @@ class Layers(unittest.TestCase):
         self.assert_caught("lib/pamr/balance/graph.cpp", text, "Scotch")
         self.assert_clean("lib/pamr/balance/scotch_partition.cpp", text)
 
-    def test_cgal_and_openmesh_stay_in_geometry_sources_and_the_mesher(self):
-        for include in ("#include <CGAL/Kernel.h>\n", "#include <OpenMesh/Core/IO/MeshIO.hh>\n"):
-            self.assert_caught("lib/pamr/check/a.cpp", SPDX + include, "CGAL and OpenMesh")
-            self.assert_caught("geometry/pamr/geometry/a.hpp",
-                               SPDX + "#pragma once\n" + include + "namespace pamr::geometry {}\n", "CGAL and OpenMesh")
-            self.assert_clean("geometry/pamr/geometry/a.cpp", SPDX + include)
-            self.assert_clean("lib/meshing/a.cpp", SPDX + include)
+    def test_cgal_stays_in_geometry_sources_the_mesher_and_surface_meshes(self):
+        include = "#include <CGAL/Kernel.h>\n"
+        self.assert_caught("lib/pamr/check/a.cpp", SPDX + include, "CGAL")
+        self.assert_caught("geometry/pamr/geometry/a.hpp",
+                           SPDX + "#pragma once\n" + include + "namespace pamr::geometry {}\n", "CGAL")
+        self.assert_clean("geometry/pamr/geometry/a.cpp", SPDX + include)
+        self.assert_clean("lib/meshing/a.cpp", SPDX + include)
+        self.assert_clean("lib/surface_mesh/a.cpp", SPDX + include)
+
+    def test_openmesh_stays_with_the_surface_meshes(self):
+        include = "#include <OpenMesh/Core/IO/MeshIO.hh>\n"
+        for place in ("lib/pamr/check/a.cpp", "geometry/pamr/geometry/a.cpp", "lib/meshing/a.cpp"):
+            self.assert_caught(place, SPDX + include, "OpenMesh")
+        self.assert_clean("lib/surface_mesh/a.cpp", SPDX + include)
 
     def test_files_have_at_most_500_lines(self):
         self.assert_clean("lib/pamr/par/a.cpp", SPDX + "\n" * 499)

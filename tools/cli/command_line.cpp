@@ -116,6 +116,13 @@ std::vector<std::pair<std::string, std::string>> CommandLine::listed() const {
   return result;
 }
 
+CommandLine CommandLine::subcommand(const std::string& name, const std::string& help) {
+  auto* const command = app_->add_subcommand(name, help);
+  command->fallthrough();
+  app_->require_subcommand(1);
+  return CommandLine(*command);
+}
+
 void CommandLine::after_reading(std::function<void()> check) { app_->parse_complete_callback(std::move(check)); }
 
 void CommandLine::refuse_without(const std::string& what) { throw CLI::RequiredError(what); }

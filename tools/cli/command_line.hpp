@@ -62,6 +62,10 @@ class CommandLine {
   Option listed_flag(const std::string& name, bool& value, const std::string& help);
   std::vector<std::pair<std::string, std::string>> listed() const;
 
+  /// A command of its own with options of its own ("pamr-surface info ..."); exactly one has to be given. The options
+  /// of all tools may come after it too. `after_reading` of what is returned is called if it was given.
+  CommandLine subcommand(const std::string& name, const std::string& help);
+
   /// Calls `check` after the command line was read without an error.
   void after_reading(std::function<void()> check);
   /// For `check`: ends with the usage error that `what` is required.

@@ -1,0 +1,249 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "surface_mesh/clean.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <numeric>
+#include <vector>
+
+#include "pamr/base/index.hpp"
+#include "pamr/geometry/triangulated/check_triangulation.hpp"
+#include "surface_mesh/edge_table.hpp"
+#include "surface_mesh/half_edges.hpp"
+#include "surface_mesh/triangle_shape.hpp"
+
+namespace pamr::surface_mesh {
+
+namespace {
+
+using geometry::Triangulation;
+using geometry::Vec3;
+
+/// Triangles that hang together over edges.
+struct Pieces {
+  std::vector<int> piece;  ///< of each triangle
+  std::vector<double> area, volume;
+  std::vector<char> is_closed;
+  std::vector<Vec3> low, high;
+};
+
+std::array<Vec3, 3> corners_of(const Triangulation& surface, std::size_t t) {
+  const auto& [a, b, c] = surface.triangles[t];
+  return {surface.points[at(a)], surface.points[at(b)], surface.points[at(c)]};
+}
+
+Pieces pieces_of(const Triangulation& surface) {
+  Pieces result;
+  const auto n = surface.triangles.size();
+  Groups groups(n);
+  std::vector<char> has_open_edge(n, 0);
+  EdgeTable(surface).for_each_edge([&](std::span<const Side> sides) {
+    if (sides.size() == 1) has_open_edge[at(sides[0].triangle)] = 1;
+    for (std::size_t i = 1; i < sides.size(); ++i) groups.join(sides[0].triangle, sides[i].triangle);
+  });
+  std::vector<int> number(n, -1);
+  for (std::size_t t = 0; t < n; ++t) {
+    auto& piece = number[at(groups.of(static_cast<int>(t)))];
+    const auto p = corners_of(surface, t);
+    if (piece < 0) {
+      piece = static_cast<int>(result.area.size());
+      result.area.push_back(0);
+      result.volume.push_back(0);
+      result.is_closed.push_back(1);
+      result.low.push_back(p[0]);
+      result.high.push_back(p[0]);
+    }
+    result.piece.push_back(piece);
+    const auto i = at(piece);
+    const Vec3 twice = cross(p[1] - p[0], p[2] - p[0]);
+    result.area[i] += 0.5 * norm(twice);
+    result.volume[i] += dot(p[0] - surface.points.front(), twice) / 6;
+    if (has_open_edge[t] != 0) result.is_closed[i] = 0;
+    for (const Vec3 x : p)
+      for (std::size_t d = 0; d < 3; ++d) {
+        result.low[i][d] = std::min(result.low[i][d], x[d]);
+        result.high[i][d] = std::max(result.high[i][d], x[d]);
+      }
+  }
+  return result;
+}
+
+/// The angle in space under which a triangle is seen, positive from its back.
+/// Source: A. van Oosterom, J. Strackee, The solid angle of a plane triangle, 1983.
+double solid_angle(const std::array<Vec3, 3>& p, Vec3 from) {
+  const Vec3 a = p[0] - from, b = p[1] - from, c = p[2] - from;
+  const double la = norm(a), lb = norm(b), lc = norm(c);
+  return 2 * std::atan2(dot(a, cross(b, c)), la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb);
+}
+
+bool is_in_box(Vec3 p, Vec3 low, Vec3 high) {
+  return p.x >= low.x && p.y >= low.y && p.z >= low.z && p.x <= high.x && p.y <= high.y && p.z <= high.z;
+}
+
+/// In how many other closed pieces each piece lies.
+std::vector<int> depths_of(const Triangulation& surface, const Pieces& pieces) {
+  const auto n = pieces.area.size();
+  std::vector<int> depth(n, 0);
+  if (n == 1) return depth;
+  std::vector<std::vector<std::size_t>> triangles(n);
+  for (std::size_t t = 0; t < surface.triangles.size(); ++t) triangles[at(pieces.piece[t])].push_back(t);
+  for (std::size_t i = 0; i < n; ++i) {
+    if (pieces.is_closed[i] == 0) continue;
+    const auto p = corners_of(surface, triangles[i].front());
+    const Vec3 seen_from = (1.0 / 3) * (p[0] + p[1] + p[2]);
+    for (std::size_t j = 0; j < n; ++j) {
+      if (j == i || pieces.is_closed[j] == 0 || !is_in_box(seen_from, pieces.low[j], pieces.high[j])) continue;
+      double angle = 0;
+      for (const auto t : triangles[j]) angle += solid_angle(corners_of(surface, t), seen_from);
+      if (std::abs(angle) > 2 * std::numbers::pi) ++depth[i];
+    }
+  }
+  return depth;
+}
+
+/// Collapses or flips one flat triangle away; false if neither is possible.
+bool mend_one(HalfEdges& mesh, HalfEdges::FaceHandle f, MendedFlat& done) {
+  std::array<HalfEdges::HalfedgeHandle, 3> side;
+  auto around = mesh.fh_iter(f);
+  for (auto& h : side) h = *around++;
+  std::sort(side.begin(), side.end(),
+            [&](auto a, auto b) { return mesh.calc_edge_sqr_length(a) < mesh.calc_edge_sqr_length(b); });
+  constexpr double needle = 1e-5;  // of the longest edge
+  const bool is_needle = !(mesh.calc_edge_sqr_length(side[0]) > needle * needle * mesh.calc_edge_sqr_length(side[2]));
+  if (!is_needle && !mesh.is_boundary(mesh.edge_handle(side[2])) && mesh.is_flip_ok(mesh.edge_handle(side[2]))) {
+    mesh.flip(mesh.edge_handle(side[2]));
+    ++done.n_flipped;
+    return true;
+  }
+  for (const auto h : {side[0], mesh.opposite_halfedge_handle(side[0])})
+    if (is_needle && mesh.is_collapse_ok(h)) {
+      mesh.collapse(h);
+      ++done.n_collapsed;
+      return true;
+    }
+  return false;
+}
+
+}  // namespace
+
+std::int64_t drop_unused(Triangulation& surface) {
+  const auto n = std::ssize(surface.points);
+  geometry::drop_unused_points(surface);
+  return n - std::ssize(surface.points);
+}
+
+std::int64_t weld(Triangulation& surface, double distance) {
+  std::vector<int> order(surface.points.size());
+  std::iota(order.begin(), order.end(), 0);
+  const auto point = [&](int n) { return surface.points[at(n)]; };
+  std::sort(order.begin(), order.end(), [&](int a, int b) {
+    return point(a) == point(b) ? a < b : geometry::lexicographically_less(point(a), point(b));
+  });
+  Groups groups(order.size());
+  for (std::size_t i = 0; i < order.size(); ++i)
+    for (auto j = i + 1; j < order.size() && point(order[j]).x - point(order[i]).x <= distance; ++j)
+      if (norm(point(order[j]) - point(order[i])) <= distance) groups.join(order[i], order[j]);
+  std::int64_t n = 0;
+  for (int i = 0; i < std::ssize(order); ++i)
+    if (groups.of(i) != i) ++n;
+  if (n == 0) return 0;
+  for (auto& corner : surface.triangles)
+    for (int& p : corner) p = groups.of(p);
+  geometry::drop_unused_points(surface);
+  return n;
+}
+
+std::int64_t drop_collapsed(Triangulation& surface) {
+  return static_cast<std::int64_t>(
+      std::erase_if(surface.triangles, [](const auto& n) { return n[0] == n[1] || n[1] == n[2] || n[2] == n[0]; }));
+}
+
+std::int64_t drop_duplicates(Triangulation& surface) {
+  std::vector<std::array<int, 4>> rows;  // sorted corners, triangle
+  for (int t = 0; t < std::ssize(surface.triangles); ++t) {
+    auto n = surface.triangles[at(t)];
+    std::sort(n.begin(), n.end());
+    rows.push_back({n[0], n[1], n[2], t});
+  }
+  std::sort(rows.begin(), rows.end());
+  std::vector<char> is_again(rows.size(), 0);
+  for (std::size_t i = 1; i < rows.size(); ++i)
+    if (std::equal(rows[i].begin(), rows[i].begin() + 3, rows[i - 1].begin())) is_again[at(rows[i][3])] = 1;
+  std::size_t t = 0;
+  return static_cast<std::int64_t>(std::erase_if(surface.triangles, [&](const auto&) { return is_again[t++] != 0; }));
+}
+
+DroppedShells drop_small_shells(Triangulation& surface, double min_area) {
+  constexpr double small_open_part = 0.01;
+  if (surface.triangles.empty()) return {};
+  const auto pieces = pieces_of(surface);
+  const double total = std::accumulate(pieces.area.begin(), pieces.area.end(), 0.0);
+  std::vector<char> goes;
+  DroppedShells done;
+  for (std::size_t i = 0; i < pieces.area.size(); ++i) {
+    const bool is_small =
+        pieces.area[i] < min_area || (pieces.is_closed[i] == 0 && pieces.area[i] < small_open_part * total);
+    goes.push_back(is_small ? 1 : 0);
+    if (is_small) ++done.n_shells;
+  }
+  std::size_t t = 0;
+  done.n_triangles = static_cast<std::int64_t>(
+      std::erase_if(surface.triangles, [&](const auto&) { return goes[at(pieces.piece[t++])] != 0; }));
+  if (done.n_triangles > 0) geometry::drop_unused_points(surface);
+  return done;
+}
+
+std::int64_t turn_outwards(Triangulation& surface) {
+  if (surface.triangles.empty()) return 0;
+  const auto pieces = pieces_of(surface);
+  const auto depth = depths_of(surface, pieces);
+  std::vector<char> turns;
+  for (std::size_t i = 0; i < pieces.area.size(); ++i) {
+    const bool is_cavity = depth[i] % 2 == 1;
+    turns.push_back(pieces.is_closed[i] != 0 && (is_cavity ? pieces.volume[i] > 0 : pieces.volume[i] < 0) ? 1 : 0);
+  }
+  for (std::size_t t = 0; t < surface.triangles.size(); ++t)
+    if (turns[at(pieces.piece[t])] != 0) std::swap(surface.triangles[t][1], surface.triangles[t][2]);
+  return std::count(turns.begin(), turns.end(), char{1});
+}
+
+MendedFlat mend_flat(Triangulation& surface) {
+  constexpr int most_rounds = 20;
+  MendedFlat done;
+  const auto count = [&] {
+    std::int64_t n = 0;
+    for (std::size_t t = 0; t < surface.triangles.size(); ++t) n += is_flat(corners_of(surface, t)) ? 1 : 0;
+    return n;
+  };
+  done.n_left = count();
+  if (done.n_left == 0) return done;
+  auto mesh = to_half_edges(surface);
+  mesh.request_vertex_status();
+  mesh.request_edge_status();
+  mesh.request_face_status();
+  for (int round = 0; round < most_rounds; ++round) {
+    bool has_changed = false;
+    for (unsigned i = 0; i < mesh.n_faces(); ++i) {
+      const auto f = mesh.face_handle(i);
+      if (mesh.status(f).deleted()) continue;
+      std::array<Vec3, 3> p;
+      auto v = mesh.cfv_iter(f);
+      for (Vec3& x : p) {
+        const auto& point = mesh.point(*v++);
+        x = {point[0], point[1], point[2]};
+      }
+      if (is_flat(p)) has_changed = mend_one(mesh, f, done) || has_changed;
+    }
+    if (!has_changed) break;
+  }
+  mesh.garbage_collection();
+  surface = to_triangulation(mesh);
+  geometry::drop_unused_points(surface);
+  done.n_left = count();
+  return done;
+}
+
+}  // namespace pamr::surface_mesh

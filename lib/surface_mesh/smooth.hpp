@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+
+#include "pamr/geometry/triangulated/triangulation.hpp"
+
+namespace pamr::surface_mesh {
+
+struct SmoothOptions {
+  int n_steps = 5;
+  double max_move = 0;        ///< a point moves no farther along its normal, length unit; 0: no bound
+  double feature_angle = 40;  ///< degrees between two triangles, more is a sharp edge, whose points stay
+};
+
+struct Smoothed {
+  geometry::Triangulation surface;
+  std::int64_t n_fixed = 0;  ///< points on sharp edges and at the ends of open surfaces and next to those
+  double worst_move = 0, mean_move = 0;
+};
+
+/// Moves points to even out what the normals do (OpenMesh's C1 smoother, which minimizes the change of curvature and so
+/// shrinks little). Local, serial; O(n) a step. Pre: the surface is valid, closed or not.
+Smoothed smooth(const geometry::Triangulation& surface, const SmoothOptions& options);
+
+}  // namespace pamr::surface_mesh
