@@ -25,11 +25,12 @@ packages=(
   libcgal-dev                             # geometry (brings Boost, GMP and MPFR)
   libcli11-dev libfmt-dev libtomlplusplus-dev nlohmann-json3-dev  # command line, case files, reports
   petsc-dev pkg-config                    # Poisson-Boltzmann solver (PETSc with real numbers, brings hypre)
+  libopenmesh-dev libeigen3-dev           # surface meshes of pamr-surface
   librandom123-dev                        # random numbers of pamr-dsmc
   python3                                 # tables of the cases
 )
 python_packages=(python3-dev python3-numpy python3-mpi4py pybind11-dev)
-test_packages=(libgtest-dev libgmock-dev libbenchmark-dev libopenmesh-dev python3-h5py python3-meshio "${python_packages[@]}"
+test_packages=(libgtest-dev libgmock-dev libbenchmark-dev python3-h5py python3-meshio "${python_packages[@]}"
   clang-format clang-tidy codespell) # the gates of .ci/run
 picture_packages=(python3-vtk9 python3-matplotlib python3-h5py python3-numpy python3-meshio xvfb) # pamr-picture
 
@@ -73,11 +74,11 @@ install_packages() {
   "${apt[@]}" install -y --no-install-recommends "${missing[@]}"
 }
 
-# One compiler per core, as far as memory goes: the geometry sources (CGAL) need about 1.2 GB each.
+# One compiler per core, as far as memory goes: the geometry sources (CGAL) need up to 1.4 GB each.
 parallel_jobs() {
   local cores fitting
   cores=$(nproc)
-  fitting=$(awk '/^MemAvailable:/ { print int($2 / 1200000) }' /proc/meminfo)
+  fitting=$(awk '/^MemAvailable:/ { print int($2 / 1400000) }' /proc/meminfo)
   [ "$fitting" -ge 1 ] || fitting=1
   echo $((cores < fitting ? cores : fitting))
 }

@@ -19,6 +19,7 @@
 #include "pamr/assemble/assemble.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/geometry/triangulated/self_intersection.hpp"
+#include "pamr/io/export/write_boundary.hpp"
 #include "pamr/io/export/write_foam.hpp"
 #include "pamr/io/export/write_vtu.hpp"
 #include "pamr/io/gmsh/read_gmsh.hpp"
@@ -47,8 +48,8 @@ void declare(cli::CommandLine& line, Options& options) {
               "binary)")
       .required();
   line.option("OUT", options.output,
-              "mesh to write: .hdf or .vtkhdf (native), .msh or .vtu; without an extension, or an existing folder: an "
-              "OpenFOAM case")
+              "mesh to write: .hdf or .vtkhdf (native), .msh or .vtu; its boundary: .stl, .obj, .ply, .off or .vtp; "
+              "without an extension, or an existing folder: an OpenFOAM case")
       .required();
   line.flag("--repair", options.repair,
             "turn inverted cells of a .msh over instead of refusing them, and split inner edges and faces so that no "
@@ -63,7 +64,8 @@ void declare(cli::CommandLine& line, Options& options) {
               "STL, OBJ, PLY or OFF file of the body that the patch after it (--patch) lies on; may be repeated")
       .type_name("FILE")
       .one_at_a_time();
-  line.option("--patch", options.patches, "patch that lies on the --surface of the same place")
+  line.option("--patch", options.patches,
+              "patch that lies on the --surface of the same place; for a boundary to write: a patch of it (all)")
       .type_name("NAME")
       .one_at_a_time();
   line.option("--feature-angle", options.feature_angle,
@@ -89,7 +91,8 @@ void declare(cli::CommandLine& line, Options& options) {
 }
 
 constexpr std::array<std::string_view, 4> known_inputs{".hdf", ".vtkhdf", ".msh", ".vtu"};
-constexpr std::array<std::string_view, 4> known_outputs{".hdf", ".vtkhdf", ".msh", ".vtu"};
+constexpr std::array<std::string_view, 9> known_outputs{".hdf", ".vtkhdf", ".msh", ".vtu", ".stl",
+                                                        ".obj", ".ply",    ".off", ".vtp"};
 
 std::string extension(const std::string& file, std::span<const std::string_view> known) {
   const auto found = std::filesystem::path(file).extension().string();
@@ -167,6 +170,7 @@ bool is_native(const std::string& output, bool as_foam) {
 
 void write(const par::Comm& comm, const Options& options, bool as_foam, const mesh::DistMesh& mesh) {
   if (as_foam) return io::write_foam(comm, options.output, mesh);
+  if (io::is_surface_file(options.output)) return io::write_boundary(comm, options.output, mesh, options.patches);
   const auto ending = extension(options.output, known_outputs);
   if (is_native(options.output, as_foam)) io::write_native(comm, options.output, mesh, {.format = options.format});
   if (ending == ".vtu") io::write_vtu(comm, options.output, mesh);
@@ -195,16 +199,19 @@ void check_foam_case(const cli::Session& session, const Options& options) {
 /// Checks what can be checked before anything is read. Collective.
 void check_files(cli::Session& session, const Options& options, bool as_foam) {
   (void)extension(options.input, known_inputs);
+  const bool as_boundary = io::is_surface_file(options.output) && !as_foam;
   if (!as_foam) (void)extension(options.output, known_outputs);
   const bool to_gmsh = !as_foam && options.output.ends_with(".msh");
   for (const auto& [is_given, name] :
        {std::pair(options.text, "--text"), std::pair(options.asks_version, "--gmsh-version")})
     if (is_given && !to_gmsh)
       throw Error(fmt::format("{}: expected an output that ends in .msh beside it, found '{}'", name, options.output));
+  if (as_boundary && !options.surface_files.empty())
+    throw Error("--surface: expected a mesh to write, found a boundary: " + options.output);
   if (options.repair && options.no_repair) throw Error("expected --repair or --no-repair, found both");
   if (options.surfaces.empty() && !options.ties.empty())
     throw Error("--tie: expected --surfaces beside it, found none");
-  if (options.surface_files.size() != options.patches.size())
+  if (!as_boundary && options.surface_files.size() != options.patches.size())
     throw Error(fmt::format("expected a --patch NAME for each --surface FILE, found {} and {}", options.patches.size(),
                             options.surface_files.size()));
   if (options.surface_files.empty() && options.feature_angle >= 0)

@@ -16,13 +16,13 @@
 #include "pamr/geometry/triangulated/check_triangulation.hpp"
 #include "pamr/geometry/triangulated/read_triangulation.hpp"
 #include "pamr/geometry/triangulated/write_triangulation.hpp"
+#include "surface_mesh/change_scale.hpp"
 #include "surface_mesh/decimate.hpp"
 #include "surface_mesh/describe.hpp"
-#include "surface_mesh/move.hpp"
 #include "surface_mesh/remesh.hpp"
 #include "surface_mesh/repair.hpp"
-#include "surface_mesh/smooth.hpp"
-#include "surface_mesh/subdivide.hpp"
+#include "surface_mesh/smooth_surface.hpp"
+#include "surface_mesh/subdivide_surface.hpp"
 #include "surface_mesh/surface_report.hpp"
 
 namespace {
@@ -171,7 +171,7 @@ Outcome decimate(const Options& options) {
                   one.at_least, one.at_most, other.at_least, other.at_most));
   if (!done.is_within)
     outcome.faults.push_back(fmt::format("expected both distances within {}, found {:.4g} after {} rounds", how.error,
-                                         std::max(one.at_most, other.at_most), done.n_rounds));
+                                         std::max(one.at_least, other.at_least), done.n_rounds));
   if (how.n_triangles > 0 && how.error <= 0 && std::ssize(done.surface.triangles) > how.n_triangles)
     outcome.faults.push_back(
         fmt::format("expected {} triangles, found {}: the others keep sharp edges, ends and shapes", how.n_triangles,

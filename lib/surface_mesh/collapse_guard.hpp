@@ -7,8 +7,6 @@
 #include <array>
 #include <vector>
 
-#include "surface_mesh/triangle_shape.hpp"
-
 namespace pamr::surface_mesh {
 
 /// The quadric error as the order of collapses. OpenMesh takes an error below zero, which rounding makes on planes, for
@@ -148,26 +146,40 @@ class CollapseGuardT : public OpenMesh::Decimater::ModBaseT<MeshT> {
     return (ap - ab * along).norm();
   }
 
+  /// The hottest function of a decimation: squares, and what was there before only where it matters.
   bool keeps_shapes(const CollapseInfo& info) {
     constexpr double min_height = 0.05, min_cosine = 0.5;
     auto& mesh = this->mesh();
-    double worst_before = 1, worst_after = 1;
+    double worst_after = 1;
     for (auto h = mesh.voh_iter(info.v0); h.is_valid(); ++h) {
-      if (mesh.is_boundary(*h)) continue;
       const auto f = mesh.face_handle(*h);
-      const auto& b = mesh.point(mesh.to_vertex_handle(*h));
-      const auto& c = mesh.point(mesh.to_vertex_handle(mesh.next_halfedge_handle(*h)));
-      worst_before = std::min(worst_before, height_of(info.p0, b, c));
-      if (f == info.fl || f == info.fr) continue;
-      worst_after = std::min(worst_after, height_of(info.p1, b, c));
-      const auto normal = (b - info.p1) % (c - info.p1);
-      if (!((normal | mesh.normal(f)) > min_cosine * normal.norm())) return false;
+      if (!f.is_valid() || f == info.fl || f == info.fr) continue;
+      const auto b = mesh.point(mesh.to_vertex_handle(*h)) - info.p1;
+      const auto c = mesh.point(mesh.to_vertex_handle(mesh.next_halfedge_handle(*h))) - info.p1;
+      const auto normal = b % c;
+      const double along = normal | mesh.normal(f), size = normal.sqrnorm();
+      if (!(along > 0 && along * along > min_cosine * min_cosine * size)) return false;
+      worst_after = std::min(worst_after, squared_height(size, b, c));
     }
-    return worst_after > min_height || worst_after > worst_before;
+    return worst_after > min_height * min_height || worst_after > worst_before(info);
   }
 
-  static double height_of(const Point& a, const Point& b, const Point& c) {
-    return height_ratio({{{a[0], a[1], a[2]}, {b[0], b[1], b[2]}, {c[0], c[1], c[2]}}});
+  double worst_before(const CollapseInfo& info) {
+    auto& mesh = this->mesh();
+    double worst = 1;
+    for (auto h = mesh.voh_iter(info.v0); h.is_valid(); ++h) {
+      if (!mesh.face_handle(*h).is_valid()) continue;
+      const auto b = mesh.point(mesh.to_vertex_handle(*h)) - info.p0;
+      const auto c = mesh.point(mesh.to_vertex_handle(mesh.next_halfedge_handle(*h))) - info.p0;
+      worst = std::min(worst, squared_height((b % c).sqrnorm(), b, c));
+    }
+    return worst;
+  }
+
+  /// Of the triangle 0, b, c: height over the longest side, as a part of it, squared.
+  static double squared_height(double squared_normal, const Point& b, const Point& c) {
+    const double longest = std::max({b.sqrnorm(), c.sqrnorm(), (c - b).sqrnorm()});
+    return longest > 0 ? squared_normal / (longest * longest) : 0;
   }
 
   OpenMesh::EPropHandleT<std::vector<Point>> lost_;

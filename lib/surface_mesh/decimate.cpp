@@ -41,8 +41,11 @@ struct Collapsed {
   std::int64_t n_sharp_edges = 0;
 };
 
-/// One decimation; `tolerance` is in the unit of the surface, 0 for none.
-Collapsed collapse(const Triangulation& surface, const DecimateOptions& options, double tolerance) {
+/// One decimation; `is_fixed` says which points stay in any case.
+Collapsed collapse(const Triangulation& surface, const DecimateOptions& options, const std::vector<char>& is_fixed) {
+  // Removed points are held to less than the error, which what lies between them should keep.
+  constexpr double tolerance_part = 0.8;
+  const double tolerance = tolerance_part * options.error;
   const auto frame = frame_of(surface);
   auto mesh = to_half_edges(surface);
   for (const auto v : mesh.vertices()) {
@@ -54,6 +57,7 @@ Collapsed collapse(const Triangulation& surface, const DecimateOptions& options,
   mesh.request_face_status();
   mesh.request_face_normals();
   mesh.update_face_normals();
+  for (const auto v : mesh.vertices()) mesh.status(v).set_locked(is_fixed[at(v.idx())] != 0);
   Collapsed result;
   result.n_sharp_edges = static_cast<std::int64_t>(mark_features(mesh, options.feature_angle));
   {
@@ -91,20 +95,23 @@ Collapsed collapse(const Triangulation& surface, const DecimateOptions& options,
 }  // namespace
 
 Decimated decimate(const Triangulation& surface, const DecimateOptions& options) {
-  constexpr int most_rounds = 4;
-  constexpr double first_tolerance = 0.8, next_tolerance = 0.6;
+  constexpr int most_rounds = 10;
+  constexpr std::int64_t few_queries = 100'000;  // where nothing depends on the answer
+  DistanceOptions how{.enough = options.error};
+  if (options.error <= 0) how.most_queries = few_queries;
   Decimated result;
-  double tolerance = first_tolerance * options.error;
+  std::vector<char> is_fixed(surface.points.size(), 0);
   for (result.n_rounds = 1;; ++result.n_rounds) {
-    auto collapsed = collapse(surface, options, tolerance);
+    auto collapsed = collapse(surface, options, is_fixed);
     result.surface = std::move(collapsed.surface);
     result.n_sharp_edges = collapsed.n_sharp_edges;
-    const DistanceOptions how{.enough = options.error};
     result.from_old = distance_from_to(surface, result.surface, how);
     result.to_old = distance_from_to(result.surface, surface, how);
-    result.is_within = options.error <= 0 || std::max(result.from_old.at_most, result.to_old.at_most) <= options.error;
+    result.is_within = result.from_old.far_from.empty() && result.to_old.far_to.empty();
     if (result.is_within || result.n_rounds == most_rounds) return result;
-    tolerance *= next_tolerance;
+    for (const auto* triangles : {&result.from_old.far_from, &result.to_old.far_to})
+      for (const int t : *triangles)
+        for (const int n : surface.triangles[at(t)]) is_fixed[at(n)] = 1;
   }
 }
 

@@ -75,6 +75,9 @@ Hole measure(const CgalMesh& mesh, Halfedge start) {
   return hole;
 }
 
+/// Keeps CGAL from printing what it throws.
+void silence(const char*, const char*, const char*, int, const char*) {}
+
 /// Fills one hole; false if CGAL could not, then nothing is changed.
 bool fill(CgalMesh& mesh, Halfedge hole, std::vector<Face>& faces, std::vector<Vertex>& points) {
   const auto n_faces = faces.size();
@@ -159,44 +162,59 @@ std::int64_t stitch(Triangulation& surface) {
 
 ClosedHoles close_holes(Triangulation& surface, double max_size) {
   constexpr std::size_t most_edges = 500;  // time grows with the cube
-  ClosedHoles done;
-  auto mesh = to_cgal(surface);
-  std::vector<Halfedge> holes;
-  PMP::extract_boundary_cycles(mesh, std::back_inserter(holes));
-  std::vector<Face> faces;
-  std::vector<Vertex> points;
-  for (const auto hole : holes) {
-    const auto [n_edges, size] = measure(mesh, hole);
-    if (!(size <= max_size) || n_edges > most_edges)
-      ++done.n_large;
-    else
-      ++(fill(mesh, hole, faces, points) ? done.n_holes : done.n_failed);
+  CGAL::set_error_handler(silence);
+  std::set<std::size_t> without;  // holes at which CGAL gave up half-way
+  for (;;) {
+    ClosedHoles done;
+    auto mesh = to_cgal(surface);
+    std::vector<Halfedge> holes;
+    PMP::extract_boundary_cycles(mesh, std::back_inserter(holes));
+    std::vector<Face> faces;
+    std::vector<Vertex> points;
+    std::size_t i = 0;
+    try {
+      for (; i < holes.size(); ++i) {
+        const auto [n_edges, size] = measure(mesh, holes[i]);
+        if (!(size <= max_size) || n_edges > most_edges)
+          ++done.n_large;
+        else
+          ++(without.count(i) == 0 && fill(mesh, holes[i], faces, points) ? done.n_holes : done.n_failed);
+      }
+    } catch (const CGAL::Failure_exception&) {
+      without.insert(i);
+      continue;
+    }
+    done.n_triangles = std::ssize(faces);
+    done.n_points = std::ssize(points);
+    if (done.n_holes > 0) surface = from_cgal(mesh);
+    return done;
   }
-  done.n_triangles = std::ssize(faces);
-  done.n_points = std::ssize(points);
-  if (done.n_holes > 0) surface = from_cgal(mesh);
-  return done;
 }
 
 Resolved resolve_intersections(Triangulation& surface) {
   constexpr std::size_t most_part = 10;
   constexpr unsigned most_rings = 6;
+  CGAL::set_error_handler(silence);
   Resolved done;
   auto best = to_cgal(surface);
   auto pairs = cutting_pairs(best);
   done.n_pairs = done.n_pairs_left = std::ssize(pairs);
   if (n_concerned(pairs) * most_part > surface.triangles.size()) return done;
   for (unsigned n_rings = 1; n_rings <= most_rings && !pairs.empty(); ++n_rings) {
-    auto mesh = best;
-    const auto replaced = replace(mesh, pairs, n_rings);
-    if (!replaced.all_filled) continue;
-    auto left = cutting_pairs(mesh);
-    if (left.size() >= pairs.size()) continue;
-    best = std::move(mesh);
-    pairs = std::move(left);
-    done.n_removed += replaced.n_removed;
-    done.n_added += replaced.n_added;
-    n_rings = 0;  // other places may need no more than a few neighbors
+    try {
+      auto mesh = best;
+      const auto replaced = replace(mesh, pairs, n_rings);
+      if (!replaced.all_filled) continue;
+      auto left = cutting_pairs(mesh);
+      if (left.size() >= pairs.size()) continue;
+      best = std::move(mesh);
+      pairs = std::move(left);
+      done.n_removed += replaced.n_removed;
+      done.n_added += replaced.n_added;
+      n_rings = 0;  // other places may need no more than a few neighbors
+    } catch (const CGAL::Failure_exception&) {
+      continue;  // `best` is as it was
+    }
   }
   if (done.n_removed == 0) return done;
   done.n_pairs_left = std::ssize(pairs);

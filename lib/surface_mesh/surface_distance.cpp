@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <queue>
+#include <utility>
 #include <vector>
 
 #include "pamr/base/index.hpp"
@@ -33,6 +34,7 @@ struct Probe {
 struct Piece {
   double bound = 0;
   std::array<Probe, 3> corner;
+  int triangle = -1;  // of the surface
   friend bool operator<(const Piece& a, const Piece& b) { return a.bound < b.bound; }
 };
 
@@ -46,23 +48,19 @@ class Measurement {
     probes.reserve(from_.points.size());
     for (const Vec3 p : from_.points) probes.push_back(probe(p));
     note_used(probes);
-    std::priority_queue<Piece> waiting;
-    for (const auto& [a, b, c] : from_.triangles) push(waiting, {probes[at(a)], probes[at(b)], probes[at(c)]});
-    while (!waiting.empty() && waiting.top().bound > good_enough() && n_queries_ < options_.most_queries) {
-      const auto [p, q, r] = waiting.top().corner;
-      waiting.pop();
-      const auto pq = probe(midpoint(p.point, q.point)), qr = probe(midpoint(q.point, r.point)),
-                 rp = probe(midpoint(r.point, p.point));
-      n_queries_ += 3;
-      for (const auto& found : {pq, qr, rp}) note(found);
-      push(waiting, {p, pq, rp});
-      push(waiting, {pq, q, qr});
-      push(waiting, {rp, qr, r});
-      push(waiting, {pq, qr, rp});
+    for (int t = 0; t < std::ssize(from_.triangles); ++t) {
+      const auto& [a, b, c] = from_.triangles[at(t)];
+      push({probes[at(a)], probes[at(b)], probes[at(c)]}, t);
     }
-    result_.at_most =
-        std::max(waiting.empty() ? dropped_bound_ : std::max(waiting.top().bound, dropped_bound_), result_.at_least);
-    return result_;
+    while (!waiting_.empty() && waiting_.top().bound > good_enough() && n_queries_ < options_.most_queries)
+      split_worst();
+    result_.at_most = std::max(dropped_bound_, result_.at_least);
+    if (!waiting_.empty()) result_.at_most = std::max(result_.at_most, waiting_.top().bound);
+    for (auto* list : {&result_.far_from, &result_.far_to}) {
+      std::sort(list->begin(), list->end());
+      list->erase(std::unique(list->begin(), list->end()), list->end());
+    }
+    return std::move(result_);
   }
 
  private:
@@ -71,6 +69,19 @@ class Measurement {
     corners.reserve(surface.triangles.size());
     for (int t = 0; t < std::ssize(surface.triangles); ++t) corners.push_back(corners_of(surface, t));
     return corners;
+  }
+
+  void split_worst() {
+    const auto [bound, corner, triangle] = waiting_.top();
+    waiting_.pop();
+    const auto& [p, q, r] = corner;
+    const auto pq = probe(midpoint(p.point, q.point)), qr = probe(midpoint(q.point, r.point)),
+               rp = probe(midpoint(r.point, p.point));
+    n_queries_ += 3;
+    for (const auto& found : {pq, qr, rp}) note(found);
+    for (const auto& part :
+         {std::array{p, pq, rp}, std::array{pq, q, qr}, std::array{rp, qr, r}, std::array{pq, qr, rp}})
+      push(part, triangle);
   }
 
   Probe probe(Vec3 point) const {
@@ -96,13 +107,23 @@ class Measurement {
       for (const int n : corner) note(probes[at(n)]);
   }
 
-  double good_enough() const { return std::max(options_.enough, (1 + options_.precision) * result_.at_least); }
+  double good_enough() const {
+    return options_.enough > 0 ? options_.enough : (1 + options_.precision) * result_.at_least;
+  }
 
-  /// What is near enough by its bound is done with.
-  void push(std::priority_queue<Piece>& waiting, const std::array<Probe, 3>& corner) {
+  /// What is near enough by its bound is done with, and so is what is known to be too far.
+  void push(const std::array<Probe, 3>& corner, int triangle) {
     const double bound = bound_of(corner);
-    if (bound > good_enough())
-      waiting.push({bound, corner});
+    const bool is_far = options_.enough > 0 && std::any_of(corner.begin(), corner.end(), [&](const Probe& p) {
+                          return p.distance > options_.enough;
+                        });
+    if (is_far) {
+      result_.far_from.push_back(triangle);
+      for (const auto& p : corner)
+        if (p.distance > options_.enough) result_.far_to.push_back(p.nearest);
+    }
+    if (!is_far && bound > good_enough())
+      waiting_.push({bound, corner, triangle});
     else
       dropped_bound_ = std::max(dropped_bound_, bound);
   }
@@ -132,6 +153,7 @@ class Measurement {
   DistanceOptions options_;
   geometry::TriangleTree tree_;
   SurfaceDistance result_;
+  std::priority_queue<Piece> waiting_;
   double dropped_bound_ = 0;
   std::int64_t n_queries_ = 0;
 };

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "pamr/geometry/triangulated/triangulation.hpp"
 
@@ -12,6 +13,9 @@ struct SurfaceDistance {
   double at_least = 0;   ///< the distance of `where`
   double at_most = 0;    ///< no point of any triangle is farther
   geometry::Vec3 where;  ///< the farthest point that was found
+  /// If `enough` was given: triangles of `from` with a point farther than that, and those of `to` nearest to these
+  /// points.
+  std::vector<int> far_from, far_to;
 };
 
 struct DistanceOptions {

@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <span>
+#include <numeric>
+#include <utility>
 
 #include "pamr/geometry/tet_shape.hpp"
-#include "pamr/par/reproducible_sum.hpp"
 
 namespace pamr::check {
 
@@ -32,10 +32,9 @@ Edges evenly_spaced_powers() {
   return edge;
 }
 
-const std::array<Edges, n_metrics>& histogram_edges() {
-  static const std::array<Edges, n_metrics> edges{evenly_spaced(0, 1),   evenly_spaced(0, 1),   evenly_spaced_powers(),
-                                                  evenly_spaced(0, 180), evenly_spaced(0, 180), evenly_spaced_powers()};
-  return edges;
+const Edges& edges_of(MetricTally::Scale scale) {
+  static const std::array<Edges, 3> edges{evenly_spaced(0, 1), evenly_spaced(0, 180), evenly_spaced_powers()};
+  return edges[static_cast<std::size_t>(scale)];
 }
 
 std::size_t bin_of(const Edges& edge, double value) {
@@ -64,40 +63,54 @@ std::array<double, 6> cell_metrics(const geometry::TetPoints& points) {
   return value;
 }
 
-std::vector<MetricReport> measure_cells(const par::Comm& comm, const mesh::DistMesh& mesh) {
-  const auto& edges = histogram_edges();
-  std::array<double, 2 * n_metrics> extreme{};  // minima, then maxima
-  std::fill_n(extreme.begin(), n_metrics, unbounded);
-  std::fill_n(extreme.begin() + n_metrics, n_metrics, -unbounded);
-  std::vector<par::ExactSum> sums(n_metrics);
-  std::vector<std::int64_t> counts(n_metrics * n_bins, 0);
-  for (LocalId cell = 0; cell < mesh.n_cells(); ++cell) {
-    const auto value = cell_metrics(mesh.points(cell));
-    for (std::size_t m = 0; m < n_metrics; ++m) {
-      extreme[m] = std::min(extreme[m], value[m]);
-      extreme[n_metrics + m] = std::max(extreme[n_metrics + m], value[m]);
-      sums[m].add(value[m]);
-      ++counts[m * n_bins + bin_of(edges[m], value[m])];
-    }
-  }
+MetricTally::MetricTally(std::vector<Kind> kinds)
+    : kinds_(std::move(kinds)),
+      min_(kinds_.size(), unbounded),
+      max_(kinds_.size(), -unbounded),
+      sum_(kinds_.size()),
+      count_(kinds_.size() * n_bins, 0) {}
 
+void MetricTally::add(std::size_t m, double value) {
+  min_[m] = std::min(min_[m], value);
+  max_[m] = std::max(max_[m], value);
+  sum_[m].add(value);
+  ++count_[m * n_bins + bin_of(edges_of(kinds_[m].scale), value)];
+}
+
+std::vector<MetricReport> MetricTally::report(const par::Comm& comm) const {
+  auto sums = sum_;
   const auto total = par::reproducible_sums(comm, sums);
+  auto counts = count_;
   comm.sum_in_place(counts);
-  const auto n_cells = static_cast<double>(comm.sum(std::int64_t{mesh.n_cells()}));
-  std::vector<MetricReport> reports(n_metrics);
-  for (std::size_t m = 0; m < n_metrics; ++m) {
+  std::vector<MetricReport> reports(kinds_.size());
+  for (std::size_t m = 0; m < kinds_.size(); ++m) {
     auto& report = reports[m];
-    report.name = metric_names()[m];
-    report.edge = edges[m];
-    const double min = comm.min(extreme[m]), max = comm.max(extreme[n_metrics + m]);
-    if (n_cells > 0) {
-      report.min = min;
-      report.max = max;
-      report.mean = total[m] / n_cells;
-    }
-    std::copy_n(counts.begin() + static_cast<std::ptrdiff_t>(m * n_bins), n_bins, report.histogram.begin());
+    report.name = kinds_[m].name;
+    report.edge = edges_of(kinds_[m].scale);
+    const auto first = counts.begin() + static_cast<std::ptrdiff_t>(m * n_bins);
+    std::copy_n(first, n_bins, report.histogram.begin());
+    const auto n = std::accumulate(first, first + n_bins, std::int64_t{0});
+    const double min = comm.min(min_[m]), max = comm.max(max_[m]);
+    if (n == 0) continue;
+    report.min = min;
+    report.max = max;
+    report.mean = total[m] / static_cast<double>(n);
   }
   return reports;
+}
+
+std::vector<MetricReport> measure_cells(const par::Comm& comm, const mesh::DistMesh& mesh) {
+  using Scale = MetricTally::Scale;
+  constexpr std::array<Scale, n_metrics> scale{Scale::to_one,  Scale::to_one,  Scale::powers,
+                                               Scale::degrees, Scale::degrees, Scale::powers};
+  std::vector<MetricTally::Kind> kinds;
+  for (std::size_t m = 0; m < n_metrics; ++m) kinds.push_back({metric_names()[m], scale[m]});
+  MetricTally tally(std::move(kinds));
+  for (LocalId cell = 0; cell < mesh.n_cells(); ++cell) {
+    const auto value = cell_metrics(mesh.points(cell));
+    for (std::size_t m = 0; m < n_metrics; ++m) tally.add(m, value[m]);
+  }
+  return tally.report(comm);
 }
 
 }  // namespace pamr::check

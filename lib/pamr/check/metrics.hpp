@@ -8,6 +8,7 @@
 
 #include "pamr/mesh/dist_mesh.hpp"
 #include "pamr/par/comm.hpp"
+#include "pamr/par/reproducible_sum.hpp"
 
 namespace pamr::check {
 
@@ -25,6 +26,30 @@ struct MetricReport {
   std::array<std::int64_t, n_bins> histogram{};
 };
 
+/// Gathers the distributions of several metrics, value by value. The means are exact sums rounded once: the same bits
+/// for every number of ranks and every order.
+class MetricTally {
+ public:
+  enum class Scale { to_one, degrees, powers };  ///< edges of the histogram: 0 to 1, 0 to 180, 1 to 100 by powers
+  struct Kind {
+    std::string name;
+    Scale scale = Scale::to_one;
+  };
+  explicit MetricTally(std::vector<Kind> kinds);
+
+  /// One value of metric `m`; not NaN.
+  void add(std::size_t m, double value);
+  /// What all ranks have gathered, in the order of the kinds; all zero where there are no values. Collective: four
+  /// reductions, and two for each metric.
+  std::vector<MetricReport> report(const par::Comm& comm) const;
+
+ private:
+  std::vector<Kind> kinds_;
+  std::vector<double> min_, max_;
+  std::vector<par::ExactSum> sum_;
+  std::vector<std::int64_t> count_;
+};
+
 /// Names of the metrics, in the order of the report: `radius_ratio mean_ratio aspect_ratio min_dihedral max_dihedral
 /// edge_ratio` (geometry/quality.hpp defines them; the angles are the cell's smallest and largest, in degrees).
 const std::vector<std::string>& metric_names();
@@ -35,7 +60,7 @@ const std::vector<std::string>& metric_names();
 std::array<double, 6> cell_metrics(const geometry::TetPoints& points);
 
 /// All metrics over all cells; empty mesh: all zero. The means are exact sums rounded once, so every number has the
-/// same bits for every number of ranks and every order of the cells. Collective: five reductions. O(cells).
+/// same bits for every number of ranks and every order of the cells. Collective: 16 reductions. O(cells).
 std::vector<MetricReport> measure_cells(const par::Comm& comm, const mesh::DistMesh& mesh);
 
 }  // namespace pamr::check

@@ -6,6 +6,7 @@
 
 #include "pamr/check/boundary_report.hpp"
 #include "pamr/check/metrics.hpp"
+#include "pamr/check/triangle_metrics.hpp"
 #include "pamr/geometry/surface.hpp"
 #include "pamr/mesh/dist_mesh.hpp"
 #include "pamr/par/comm.hpp"
@@ -25,8 +26,9 @@ struct QualityReport {
   double volume = 0;                 ///< sum of the cells' signed volumes, cubic length unit
   double bounding_box_diagonal = 0;  ///< length unit
   std::vector<PatchReport> patches;
-  std::int64_t inverted_cells = 0;  ///< volume not positive by exact arithmetic, or corners that are not finite
-  bool conforming = false;          ///< every inner face in exactly two cells, the boundary closed and manifold
+  std::vector<TriangleReport> triangles;  ///< of each patch
+  std::int64_t inverted_cells = 0;        ///< volume not positive by exact arithmetic, or corners that are not finite
+  bool conforming = false;                ///< every inner face in exactly two cells, the boundary closed and manifold
   bool neighbors_consistent =
       false;  ///< neighbors name each other across the same nodes, from opposite sides; other faces in a patch
   std::vector<validate::Violation> violations;  ///< of all invariants; empty: the mesh is valid

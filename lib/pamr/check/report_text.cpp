@@ -56,6 +56,17 @@ std::string quoted(const std::string& text) {
   return result + "\"";
 }
 
+nlohmann::json to_json(const check::MetricReport& m) {
+  return {
+      {"min", m.min}, {"mean", m.mean}, {"max", m.max}, {"histogram", {{"edges", m.edge}, {"counts", m.histogram}}}};
+}
+
+nlohmann::json to_json(const check::TriangleReport& report) {
+  nlohmann::json json{{"mean_distance", report.mean_distance}, {"worst_distance", report.worst_distance}};
+  for (const auto& m : report.metrics) json[m.name] = to_json(m);
+  return json;
+}
+
 }  // namespace
 
 nlohmann::json to_json(const check::QualityReport& report) {
@@ -73,7 +84,8 @@ nlohmann::json to_json(const check::QualityReport& report) {
                       {"ledger", {{"nodes", report.off_surface.nodes}, {"worst", report.off_surface.worst}}},
                       {"fingerprint", fmt::format("{:016x}", report.fingerprint)}};
   json["patches"] = nlohmann::json::object();
-  for (const auto& patch : report.patches) {
+  for (std::size_t p = 0; p < report.patches.size(); ++p) {
+    const auto& patch = report.patches[p];
     auto& entry = json["patches"][patch.name] = {{"faces", patch.faces},
                                                  {"area", patch.area},
                                                  {"worst_distance", patch.worst_distance},
@@ -81,6 +93,7 @@ nlohmann::json to_json(const check::QualityReport& report) {
                                                  {"mean_normal_deviation", patch.mean_normal_deviation},
                                                  {"worst_normal_deviation", patch.worst_normal_deviation},
                                                  {"surface", patch.surface}};
+    if (p < report.triangles.size()) entry["triangles"] = to_json(report.triangles[p]);
     if (!patch.surface.empty()) continue;
     entry["flat"] = patch.is_flat;
     entry["worst_plane_distance"] = patch.worst_plane_distance;
@@ -91,9 +104,7 @@ nlohmann::json to_json(const check::QualityReport& report) {
   for (const auto& violation : report.violations)
     json["violations"].push_back(
         {{"invariant", violation.invariant}, {"count", violation.count}, {"where", violation.where}});
-  for (const auto& m : report.metrics)
-    json[m.name] = {
-        {"min", m.min}, {"mean", m.mean}, {"max", m.max}, {"histogram", {{"edges", m.edge}, {"counts", m.histogram}}}};
+  for (const auto& m : report.metrics) json[m.name] = to_json(m);
   return json;
 }
 

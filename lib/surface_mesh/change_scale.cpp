@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "surface_mesh/move.hpp"
+#include "surface_mesh/change_scale.hpp"
 
 #include <array>
 

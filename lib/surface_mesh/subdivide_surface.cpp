@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "surface_mesh/subdivide.hpp"
+#include "surface_mesh/subdivide_surface.hpp"
 
 #include <OpenMesh/Tools/Subdivider/Uniform/LoopT.hh>
 #include <OpenMesh/Tools/Subdivider/Uniform/MidpointT.hh>

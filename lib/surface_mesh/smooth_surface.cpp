@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "surface_mesh/smooth.hpp"
+#include "surface_mesh/smooth_surface.hpp"
 
 #include <OpenMesh/Tools/Smoother/JacobiLaplaceSmootherT.hh>
 #include <algorithm>

@@ -1,0 +1,52 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""check.py OUT LEVELS: each level compared with the ring that was scanned and with expected.csv; exit code 1 if a level misses a
+bound."""
+import csv
+import json
+import pathlib
+import subprocess
+import sys
+
+import h5py
+import numpy as np
+
+import make_scan
+
+out, levels = pathlib.Path(sys.argv[1]), int(sys.argv[2])
+bound = {r["quantity"]: float(r["at_most"]) for r in csv.DictReader(open(pathlib.Path(__file__).parent / "expected.csv"))}
+failed = False
+
+
+def compare(where, measured):
+    global failed
+    for quantity, value in measured.items():
+        if not value <= bound[quantity]:
+            failed = True
+            print(f"  NOT AS EXPECTED: {where}: {quantity} {value:.3g}, at most {bound[quantity]:g}")
+
+
+repair, decimate = (json.loads((out / f"{name}.json").read_text()) for name in ("repair", "decimate"))
+print("repair: " + "; ".join(repair["steps"]))
+compare("repair", {"faults_left": len(repair["left"]["faults"])})
+compare("decimation", {"distance": max(decimate["distance"][side]["at_least"] for side in ("from_old", "to_old"))})
+FACES = np.array([[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]])
+errors = []
+for level in range(levels + 1):
+    name = out / f"level{level}.hdf"
+    report = json.loads(subprocess.run(["pamr-quality", name, "--json", "-", "--quiet"], check=True, capture_output=True).stdout)
+    patch = report["patches"]["body"]
+    with h5py.File(name) as file:
+        points, cells = file["VTKHDF/Points"][:], file["VTKHDF/Connectivity"][:].reshape(-1, 4)
+        cell, slot = np.nonzero(file["PAMR/cell_to_cell"][:] < 0)
+    off = make_scan.off_ring(points[np.unique(cells[cell[:, None], FACES[slot]])])
+    volume, area = report["volume"] / make_scan.VOLUME - 1, patch["area"] / make_scan.AREA - 1
+    errors.append((abs(volume), abs(area)))
+    print(f"level {level}: {report['cells']} cells, smallest mean ratio {report['mean_ratio']['min']:.3f}, wall nodes off the "
+          f"ring: mean {np.abs(off).mean():.2e}, largest {np.abs(off).max():.2e}; volume {volume:+.2e}, area {area:+.2e}, "
+          f"middles of triangles off the surface: mean {patch['triangles']['mean_distance']:.2e}")
+    compare(f"level {level}", {"inverted_cells": report["inverted_cells"], "off_surface_nodes": patch["off_surface_nodes"],
+                               "ledger_nodes": report["ledger"]["nodes"], "mean_off_ring": np.abs(off).mean(),
+                               "worst_off_ring": np.abs(off).max()})
+compare("last level", {"volume_error": errors[-1][0], "area_error": errors[-1][1]})
+sys.exit(1 if failed else 0)
