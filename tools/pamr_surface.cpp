@@ -198,9 +198,9 @@ Outcome subdivide(const Options& options) {
                       : options.scheme == "butterfly" ? Scheme::butterfly
                                                       : Scheme::midpoint;
   const auto surface = read_surface(options.input);
-  constexpr double most_triangles = 1e8;
-  if (static_cast<double>(surface.triangles.size()) * std::pow(4.0, options.subdivisions) > most_triangles)
-    throw Error(fmt::format("subdivide: expected at most {:.0g} triangles, found {} to split {} times", most_triangles,
+  constexpr double max_triangles = 1e8;
+  if (static_cast<double>(surface.triangles.size()) * std::pow(4.0, options.subdivisions) > max_triangles)
+    throw Error(fmt::format("subdivide: expected at most {:.0g} triangles, found {} to split {} times", max_triangles,
                             surface.triangles.size(), options.subdivisions));
   Outcome outcome{.surface = surface_mesh::subdivide(surface, scheme, options.subdivisions)};
   const auto before = surface_mesh::describe(surface, {.find_self_intersections = false, .find_deviation = false});

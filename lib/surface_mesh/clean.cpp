@@ -211,7 +211,7 @@ std::int64_t turn_outwards(Triangulation& surface) {
 }
 
 MendedFlat mend_flat(Triangulation& surface) {
-  constexpr int most_rounds = 20;
+  constexpr int max_rounds = 20;
   MendedFlat done;
   const auto count = [&] {
     std::int64_t n = 0;
@@ -224,7 +224,7 @@ MendedFlat mend_flat(Triangulation& surface) {
   mesh.request_vertex_status();
   mesh.request_edge_status();
   mesh.request_face_status();
-  for (int round = 0; round < most_rounds; ++round) {
+  for (int round = 0; round < max_rounds; ++round) {
     bool has_changed = false;
     for (unsigned i = 0; i < mesh.n_faces(); ++i) {
       const auto f = mesh.face_handle(i);

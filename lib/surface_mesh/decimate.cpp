@@ -95,10 +95,10 @@ Collapsed collapse(const Triangulation& surface, const DecimateOptions& options,
 }  // namespace
 
 Decimated decimate(const Triangulation& surface, const DecimateOptions& options) {
-  constexpr int most_rounds = 10;
+  constexpr int max_rounds = 10;
   constexpr std::int64_t few_queries = 100'000;  // where nothing depends on the answer
   DistanceOptions how{.enough = options.error};
-  if (options.error <= 0) how.most_queries = few_queries;
+  if (options.error <= 0) how.max_queries = few_queries;
   Decimated result;
   std::vector<char> is_fixed(surface.points.size(), 0);
   for (result.n_rounds = 1;; ++result.n_rounds) {
@@ -108,7 +108,7 @@ Decimated decimate(const Triangulation& surface, const DecimateOptions& options)
     result.from_old = distance_from_to(surface, result.surface, how);
     result.to_old = distance_from_to(result.surface, surface, how);
     result.is_within = result.from_old.far_from.empty() && result.to_old.far_to.empty();
-    if (result.is_within || result.n_rounds == most_rounds) return result;
+    if (result.is_within || result.n_rounds == max_rounds) return result;
     for (const auto* triangles : {&result.from_old.far_from, &result.to_old.far_to})
       for (const int t : *triangles)
         for (const int n : surface.triangles[at(t)]) is_fixed[at(n)] = 1;

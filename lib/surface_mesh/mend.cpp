@@ -33,8 +33,10 @@ using Vertex = CgalMesh::Vertex_index;
 struct Listener : PMP::Default_orientation_visitor {
   Oriented* done = nullptr;
   std::vector<char>* is_turned = nullptr;
+  std::set<std::pair<std::size_t, std::size_t>>* cut_edges = nullptr;
 
-  void non_manifold_edge(std::size_t, std::size_t, std::size_t) { ++done->n_cut_edges; }
+  /// Called for each triangle there.
+  void non_manifold_edge(std::size_t a, std::size_t b, std::size_t) { cut_edges->insert(std::minmax(a, b)); }
   void duplicated_vertex(std::size_t, std::size_t) { ++done->n_new_points; }
   void polygon_orientation_reversed(std::size_t t) { (*is_turned)[t] ^= 1; }
 };
@@ -147,8 +149,11 @@ Oriented orient_and_part(Triangulation& surface) {
   Listener listener;
   listener.done = &done;
   listener.is_turned = &is_turned;
+  std::set<std::pair<std::size_t, std::size_t>> cut_edges;
+  listener.cut_edges = &cut_edges;
   PMP::orient_polygon_soup(surface.points, surface.triangles, CGAL::parameters::visitor(listener));
   keep_larger_part(surface, is_turned);
+  done.n_cut_edges = std::ssize(cut_edges);
   done.n_turned = std::count(is_turned.begin(), is_turned.end(), char{1});
   return done;
 }
@@ -161,7 +166,7 @@ std::int64_t stitch(Triangulation& surface) {
 }
 
 ClosedHoles close_holes(Triangulation& surface, double max_size) {
-  constexpr std::size_t most_edges = 500;  // time grows with the cube
+  constexpr std::size_t max_edges = 500;  // time grows with the cube
   CGAL::set_error_handler(silence);
   std::set<std::size_t> without;  // holes at which CGAL gave up half-way
   for (;;) {
@@ -175,7 +180,7 @@ ClosedHoles close_holes(Triangulation& surface, double max_size) {
     try {
       for (; i < holes.size(); ++i) {
         const auto [n_edges, size] = measure(mesh, holes[i]);
-        if (!(size <= max_size) || n_edges > most_edges)
+        if (!(size <= max_size) || n_edges > max_edges)
           ++done.n_large;
         else
           ++(without.count(i) == 0 && fill(mesh, holes[i], faces, points) ? done.n_holes : done.n_failed);
@@ -192,15 +197,15 @@ ClosedHoles close_holes(Triangulation& surface, double max_size) {
 }
 
 Resolved resolve_intersections(Triangulation& surface) {
-  constexpr std::size_t most_part = 10;
-  constexpr unsigned most_rings = 6;
+  constexpr std::size_t max_share = 10;
+  constexpr unsigned max_rings = 6;
   CGAL::set_error_handler(silence);
   Resolved done;
   auto best = to_cgal(surface);
   auto pairs = cutting_pairs(best);
   done.n_pairs = done.n_pairs_left = std::ssize(pairs);
-  if (n_concerned(pairs) * most_part > surface.triangles.size()) return done;
-  for (unsigned n_rings = 1; n_rings <= most_rings && !pairs.empty(); ++n_rings) {
+  if (n_concerned(pairs) * max_share > surface.triangles.size()) return done;
+  for (unsigned n_rings = 1; n_rings <= max_rings && !pairs.empty(); ++n_rings) {
     try {
       auto mesh = best;
       const auto replaced = replace(mesh, pairs, n_rings);

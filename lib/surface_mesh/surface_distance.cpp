@@ -52,7 +52,7 @@ class Measurement {
       const auto& [a, b, c] = from_.triangles[at(t)];
       push({probes[at(a)], probes[at(b)], probes[at(c)]}, t);
     }
-    while (!waiting_.empty() && waiting_.top().bound > good_enough() && n_queries_ < options_.most_queries)
+    while (!waiting_.empty() && waiting_.top().bound > good_enough() && n_queries_ < options_.max_queries)
       split_worst();
     result_.at_most = std::max(dropped_bound_, result_.at_least);
     if (!waiting_.empty()) result_.at_most = std::max(result_.at_most, waiting_.top().bound);

@@ -14,7 +14,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr std::size_t most_listed = 100;
+constexpr std::size_t max_listed = 100;
 
 json to_json(geometry::Vec3 p) { return json::array({p.x, p.y, p.z}); }
 
@@ -49,13 +49,13 @@ json to_json(const Description& d) {
               {"min_angle", d.min_angle},
               {"sharp_edges", d.sharp_edges}};
   auto& loops = result["loops"] = json::array();
-  for (std::size_t i = 0; i < std::min(d.loops.size(), most_listed); ++i)
+  for (std::size_t i = 0; i < std::min(d.loops.size(), max_listed); ++i)
     loops.push_back({{"edges", d.loops[i].n_edges},
                      {"length", d.loops[i].length},
                      {"size", d.loops[i].size},
                      {"where", to_json(d.loops[i].where)}});
   auto& shells = result["shells"] = json::array();
-  for (std::size_t i = 0; i < std::min(d.shells.size(), most_listed); ++i)
+  for (std::size_t i = 0; i < std::min(d.shells.size(), max_listed); ++i)
     shells.push_back({{"triangles", d.shells[i].n_triangles},
                       {"area", d.shells[i].area},
                       {"volume", d.shells[i].volume},
