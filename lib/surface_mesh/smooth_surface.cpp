@@ -18,7 +18,7 @@ Smoothed smooth(const geometry::Triangulation& surface, const SmoothOptions& opt
   mesh.update_face_normals();
   mark_features(mesh, options.feature_angle);
   Smoother smoother(mesh);
-  smoother.initialize(Smoother::Tangential_and_Normal, Smoother::C1);
+  smoother.initialize(Smoother::Tangential_and_Normal, Smoother::C0);
   smoother.skip_features(true);
   if (options.max_move > 0) smoother.set_absolute_local_error(options.max_move);
   smoother.smooth(static_cast<unsigned>(options.n_steps));

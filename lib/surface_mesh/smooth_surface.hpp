@@ -19,8 +19,9 @@ struct Smoothed {
   double worst_move = 0, mean_move = 0;
 };
 
-/// Moves points to even out what the normals do (OpenMesh's C1 smoother, which minimizes the change of curvature and so
-/// shrinks little). Local, serial; O(n) a step. Pre: the surface is valid, closed or not.
+/// Moves points to even out what the normals do (OpenMesh's C0 smoother: towards the mean of the neighbors, so planes
+/// stay planes and round bodies shrink a little at every step). Local, serial; O(n) a step. Pre: the surface is valid,
+/// closed or not.
 Smoothed smooth(const geometry::Triangulation& surface, const SmoothOptions& options);
 
 }  // namespace pamr::surface_mesh

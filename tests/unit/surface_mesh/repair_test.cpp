@@ -85,7 +85,7 @@ TEST(Repair, ClosesSmallHolesSmoothlyAndLeavesLargeOnes) {
     return is_near(t[0], {1, 0, 0}, 0.09) || is_near(t[0], {0, 0, -1}, 0.6);
   });
 
-  const auto done = repair(ball);
+  const auto done = repair(ball, {.max_hole = 0.6});
 
   EXPECT_EQ(done.holes.n_holes, 1);
   EXPECT_EQ(done.holes.n_large, 1);
