@@ -15,6 +15,7 @@
 #include "pamr/geometry/parameters.hpp"
 #include "pamr/geometry/triangulated/check_triangulation.hpp"
 #include "pamr/geometry/triangulated/read_triangulation.hpp"
+#include "pamr/geometry/triangulated/self_intersection.hpp"
 #include "pamr/geometry/triangulated/write_triangulation.hpp"
 #include "surface_mesh/change_scale.hpp"
 #include "surface_mesh/decimate.hpp"
@@ -162,6 +163,7 @@ Outcome decimate(const Options& options) {
   outcome.report = {
       {"sharp_edges", done.n_sharp_edges},
       {"rounds", done.n_rounds},
+      {"fixed_points", done.n_fixed},
       {"distance",
        {{"from_old", surface_mesh::to_json(done.from_old)}, {"to_old", surface_mesh::to_json(done.to_old)}}}};
   const auto& [one, other] = std::pair(done.from_old, done.to_old);
@@ -169,9 +171,12 @@ Outcome decimate(const Options& options) {
       fmt::format("largest distance of the old surface from the new one {:.4g} (at most {:.4g}), of the "
                   "new one from the old one {:.4g} (at most {:.4g})",
                   one.at_least, one.at_most, other.at_least, other.at_most));
-  if (!done.is_within)
-    outcome.faults.push_back(fmt::format("expected both distances within {}, found {:.4g} after {} rounds", how.error,
-                                         std::max(one.at_least, other.at_least), done.n_rounds));
+  if (done.n_fixed > 0)
+    outcome.lines.push_back(
+        fmt::format("{} points were fixed in {} rounds, where the error was exceeded or triangles "
+                    "would cut each other",
+                    done.n_fixed, done.n_rounds - 1));
+  if (done.cuts_itself) outcome.lines.push_back("the surface cuts itself, as it did before");
   if (how.n_triangles > 0 && how.error <= 0 && std::ssize(done.surface.triangles) > how.n_triangles)
     outcome.faults.push_back(
         fmt::format("expected {} triangles, found {}: the others keep sharp edges, ends and shapes", how.n_triangles,
@@ -180,15 +185,30 @@ Outcome decimate(const Options& options) {
   return outcome;
 }
 
+/// Makes it a fault of the outcome if the edit made of a surface what is none, or made it cut itself.
+void check_edit(const Triangulation& before, Outcome& outcome) {
+  const auto after = surface_mesh::describe(outcome.surface, {.find_deviation = false});
+  if (after.is_surface() && after.self_intersections->count == 0) return;
+  auto left = after;
+  left.open_edges = {};  // the input may end
+  if (after.is_surface() && geometry::find_self_intersections(before, 1).n_pairs > 0) {
+    outcome.lines.push_back("the surface cuts itself, as it did before");
+    left.self_intersections = surface_mesh::Found{};
+  }
+  outcome.faults = surface_mesh::faults_of(left);
+}
+
 Outcome smooth(const Options& options) {
   auto how = options.smooth;
   how.feature_angle = options.feature_angle;
-  auto done = surface_mesh::smooth(read_surface(options.input), how);
+  const auto surface = read_surface(options.input);
+  auto done = surface_mesh::smooth(surface, how);
   Outcome outcome{
       .report = {{"fixed_points", done.n_fixed}, {"worst_move", done.worst_move}, {"mean_move", done.mean_move}}};
   outcome.lines.push_back(
       fmt::format("points moved by {:.4g} (mean) to {:.4g}, {} stayed", done.mean_move, done.worst_move, done.n_fixed));
   outcome.surface = std::move(done.surface);
+  check_edit(surface, outcome);
   return outcome;
 }
 
@@ -208,6 +228,7 @@ Outcome subdivide(const Options& options) {
   if (scheme != Scheme::midpoint && before.sharp_edges > 0)
     outcome.lines.push_back(
         fmt::format("{} sharp edges were rounded (--scheme midpoint keeps them)", before.sharp_edges));
+  if (scheme != Scheme::midpoint) check_edit(surface, outcome);
   return outcome;
 }
 
@@ -226,6 +247,7 @@ Outcome remesh(const Options& options) {
                   "old one {:.4g}; {} sharp edges kept",
                   one.at_least, other.at_least, done.n_sharp_edges));
   outcome.surface = std::move(done.surface);
+  check_edit(surface, outcome);
   return outcome;
 }
 

@@ -30,11 +30,6 @@ struct Pieces {
   std::vector<Vec3> low, high;
 };
 
-std::array<Vec3, 3> corners_of(const Triangulation& surface, std::size_t t) {
-  const auto& [a, b, c] = surface.triangles[t];
-  return {surface.points[at(a)], surface.points[at(b)], surface.points[at(c)]};
-}
-
 Pieces pieces_of(const Triangulation& surface) {
   Pieces result;
   const auto n = surface.triangles.size();

@@ -8,8 +8,12 @@
 #include <vector>
 
 #include "pamr/base/index.hpp"
+#include "pamr/geometry/triangulated/self_intersection.hpp"
+#include "pamr/geometry/triangulated/triangle_tree.hpp"
 #include "surface_mesh/collapse_guard.hpp"
 #include "surface_mesh/half_edges.hpp"
+#include "surface_mesh/mend.hpp"
+#include "surface_mesh/triangle_shape.hpp"
 
 namespace pamr::surface_mesh {
 
@@ -92,26 +96,60 @@ Collapsed collapse(const Triangulation& surface, const DecimateOptions& options,
   return result;
 }
 
+/// Old points where the result is not as it must be, marked. None: all is well. Sets what is measured.
+std::vector<char> find_faults(const Triangulation& surface, const DecimateOptions& options, Decimated& result) {
+  constexpr std::int64_t few_queries = 100'000;  // where nothing depends on the answer
+  constexpr std::int64_t least_queries = 2'000'000, queries_of_triangle = 8;
+  DistanceOptions how{.enough = options.error, .max_queries = few_queries};
+  if (options.error > 0)
+    how.max_queries = least_queries + queries_of_triangle * static_cast<std::int64_t>(surface.triangles.size());
+  result.from_old = distance_from_to(surface, result.surface, how);
+  result.to_old = distance_from_to(result.surface, surface, how);
+  std::vector<char> is_wrong(surface.points.size(), 0);
+  for (const auto* triangles : {&result.from_old.far_from, &result.to_old.far_to})
+    for (const int t : *triangles)
+      for (const int n : surface.triangles[at(t)]) is_wrong[at(n)] = 1;
+  const bool has_cuts = geometry::find_self_intersections(result.surface, 1).n_pairs > 0;
+  result.cuts_itself = has_cuts && geometry::find_self_intersections(surface, 1).n_pairs > 0;
+  if (!has_cuts || result.cuts_itself) return is_wrong;
+  std::vector<char> cuts(result.surface.triangles.size(), 0);
+  for (const int t : cutting_triangles(result.surface)) cuts[at(t)] = 1;
+  const geometry::TriangleTree tree(all_corners(result.surface));
+  for (std::size_t n = 0; n < surface.points.size(); ++n)
+    if (cuts[at(tree.nearest(surface.points[n]).triangle)] != 0) is_wrong[n] = 1;
+  return is_wrong;
+}
+
+/// Marks the neighbors of marked points, and theirs, `n_rings` times.
+void grow(std::vector<char>& is_marked, const Triangulation& surface, int n_rings) {
+  for (int ring = 0; ring < n_rings; ++ring) {
+    const auto before = is_marked;
+    for (const auto& corner : surface.triangles)
+      if (std::any_of(corner.begin(), corner.end(), [&](int n) { return before[at(n)] != 0; }))
+        for (const int n : corner) is_marked[at(n)] = 1;
+  }
+}
+
 }  // namespace
 
 Decimated decimate(const Triangulation& surface, const DecimateOptions& options) {
-  constexpr int max_rounds = 10;
-  constexpr std::int64_t few_queries = 100'000;  // where nothing depends on the answer
-  DistanceOptions how{.enough = options.error};
-  if (options.error <= 0) how.max_queries = few_queries;
+  constexpr int max_rounds = 8;
   Decimated result;
   std::vector<char> is_fixed(surface.points.size(), 0);
+  int n_rings = 0;
   for (result.n_rounds = 1;; ++result.n_rounds) {
     auto collapsed = collapse(surface, options, is_fixed);
     result.surface = std::move(collapsed.surface);
     result.n_sharp_edges = collapsed.n_sharp_edges;
-    result.from_old = distance_from_to(surface, result.surface, how);
-    result.to_old = distance_from_to(result.surface, surface, how);
-    result.is_within = result.from_old.far_from.empty() && result.to_old.far_to.empty();
-    if (result.is_within || result.n_rounds == max_rounds) return result;
-    for (const auto* triangles : {&result.from_old.far_from, &result.to_old.far_to})
-      for (const int t : *triangles)
-        for (const int n : surface.triangles[at(t)]) is_fixed[at(n)] = 1;
+    result.n_fixed = std::count(is_fixed.begin(), is_fixed.end(), char{1});
+    result.from_old = result.to_old = {};
+    if (result.n_fixed == std::ssize(is_fixed)) return result;  // the input itself
+    auto is_wrong = find_faults(surface, options, result);
+    if (std::none_of(is_wrong.begin(), is_wrong.end(), [](char wrong) { return wrong != 0; })) return result;
+    grow(is_wrong, surface, n_rings);
+    for (std::size_t n = 0; n < is_fixed.size(); ++n)
+      if (is_wrong[n] != 0 || result.n_rounds >= max_rounds) is_fixed[n] = 1;
+    n_rings = 2 * n_rings + 1;
   }
 }
 

@@ -18,8 +18,9 @@ struct Decimated {
   geometry::Triangulation surface;
   std::int64_t n_sharp_edges = 0;    ///< of the input
   SurfaceDistance from_old, to_old;  ///< of the old surface from the new one, of the new one from the old one
-  bool is_within = true;             ///< no point was found farther than the error, if one was asked for
+  bool cuts_itself = false;          ///< the input did, and so does the result
   int n_rounds = 1;                  ///< how often it was done, with more points fixed each time
+  std::int64_t n_fixed = 0;          ///< points that were fixed in the end, to undo what was wrong
 };
 
 /// Removes points by collapsing edges in the order of the quadric error, with OpenMesh; points that stay keep their
@@ -30,10 +31,12 @@ struct Decimated {
 /// - No triangle turns by more than 60 degrees in a step or gets a height below a twentieth of its longest side, unless
 /// a
 ///   worse one goes.
-/// - With an error, no removed point is farther than that from the triangles that took its place; afterwards both
-///   one-sided Hausdorff distances are measured (`at_most` tells how surely). Where one is too large, the points of the
-///   old triangles are fixed, and it is done again.
-/// Local, serial; 20 s and 0.5 GB for a million triangles without an error. Pre: the surface is valid, closed or not.
+/// - With an error, no point of either surface is farther than that from the other one: `at_most` of both distances is
+/// a
+///   proved bound and never larger. Where it is not proved of a triangle, the old points there are fixed and it is done
+///   again, with twice the neighbors each time, and with all points in the end.
+/// - The result does not cut itself unless the input does; triangles that would are undone in the same way.
+/// Local, serial; 13 s and 0.4 GB for a million triangles without an error. Pre: the surface is valid, closed or not.
 /// Source: M. Garland, P. Heckbert, Surface simplification using quadric error metrics, 1997; R. Klein, G. Liebich,
 /// W. Strasser, Mesh reduction with error control, 1996.
 Decimated decimate(const geometry::Triangulation& surface, const DecimateOptions& options);

@@ -11,6 +11,39 @@ namespace pamr::surface_mesh {
 
 using geometry::Triangulation;
 
+namespace {
+
+/// The third point of the triangle of a half-edge, if it has one.
+HalfEdges::VertexHandle opposite_point(const HalfEdges& mesh, HalfEdges::HalfedgeHandle h) {
+  return mesh.is_boundary(h) ? HalfEdges::VertexHandle() : mesh.to_vertex_handle(mesh.next_halfedge_handle(h));
+}
+
+/// Whether the triangle of a half-edge is joined to others by that edge only.
+bool hangs_alone(const HalfEdges& mesh, HalfEdges::HalfedgeHandle h) {
+  if (mesh.is_boundary(h)) return false;
+  const auto next = mesh.next_halfedge_handle(h), last = mesh.next_halfedge_handle(next);
+  return mesh.is_boundary(mesh.opposite_halfedge_handle(next)) && mesh.is_boundary(mesh.opposite_halfedge_handle(last));
+}
+
+}  // namespace
+
+bool HalfEdges::is_collapse_ok(HalfedgeHandle h) const {
+  const auto back = opposite_halfedge_handle(h);
+  const auto from = to_vertex_handle(back), to = to_vertex_handle(h);
+  if (status(edge_handle(h)).deleted() || status(from).deleted() || status(to).deleted()) return false;
+  if (hangs_alone(*this, h) || hangs_alone(*this, back)) return false;
+  const auto left = opposite_point(*this, h), right = opposite_point(*this, back);
+  if (left == right) return false;
+  if (is_boundary(from) && is_boundary(to) && !is_boundary(h) && !is_boundary(back)) return false;
+  // Only the two opposite points may be neighbors of both ends.
+  for (auto a = cvv_iter(from); a.is_valid(); ++a) {
+    if (*a == left || *a == right || *a == to) continue;
+    for (auto b = cvv_iter(to); b.is_valid(); ++b)
+      if (*a == *b) return false;
+  }
+  return true;
+}
+
 HalfEdges to_half_edges(const Triangulation& surface) {
   omerr().disable();  // failures are found below
   HalfEdges mesh;

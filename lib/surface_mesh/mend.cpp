@@ -196,6 +196,13 @@ ClosedHoles close_holes(Triangulation& surface, double max_size) {
   }
 }
 
+std::vector<int> cutting_triangles(const Triangulation& surface) {
+  std::set<int> triangles;
+  for (const auto& [a, b] : cutting_pairs(to_cgal(surface)))
+    for (const auto f : {a, b}) triangles.insert(static_cast<int>(f.idx()));
+  return {triangles.begin(), triangles.end()};
+}
+
 Resolved resolve_intersections(Triangulation& surface) {
   constexpr std::size_t max_share = 10;
   constexpr unsigned max_rings = 6;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "pamr/geometry/triangulated/triangulation.hpp"
 
@@ -33,6 +34,9 @@ struct ClosedHoles {
 /// Fills holes whose box has a diagonal up to `max_size`: triangulated, refined to the size of the triangles around,
 /// and smooth with them.
 ClosedHoles close_holes(geometry::Triangulation& surface, double max_size);
+
+/// Triangles that cut others, in order. Pre: a manifold of one orientation.
+std::vector<int> cutting_triangles(const geometry::Triangulation& surface);
 
 /// What resolving self-intersections did.
 struct Resolved {

@@ -19,9 +19,10 @@ struct Smoothed {
   double worst_move = 0, mean_move = 0;
 };
 
-/// Moves points to even out what the normals do (OpenMesh's C0 smoother: towards the mean of the neighbors, so planes
-/// stay planes and round bodies shrink a little at every step). Local, serial; O(n) a step. Pre: the surface is valid,
-/// closed or not.
+/// Moves points to even out noise: at each step towards the mean of their neighbors and then back by a little more, so
+/// that planes stay planes and round bodies keep their size. With OpenMesh's smoothers. Local, serial; O(n) a step.
+/// Pre: the surface is valid, closed or not. Source: G. Taubin, A signal processing approach to fair surface design,
+/// 1995.
 Smoothed smooth(const geometry::Triangulation& surface, const SmoothOptions& options);
 
 }  // namespace pamr::surface_mesh

@@ -10,6 +10,7 @@
 
 #include "pamr/base/index.hpp"
 #include "pamr/geometry/triangulated/triangle_tree.hpp"
+#include "surface_mesh/triangle_shape.hpp"
 
 namespace pamr::surface_mesh {
 
@@ -18,11 +19,6 @@ namespace {
 using geometry::Triangulation;
 using geometry::Vec3;
 
-std::array<Vec3, 3> corners_of(const Triangulation& surface, int triangle) {
-  const auto& [a, b, c] = surface.triangles[at(triangle)];
-  return {surface.points[at(a)], surface.points[at(b)], surface.points[at(c)]};
-}
-
 /// A point with the nearest triangle of the other surface.
 struct Probe {
   Vec3 point;
@@ -30,10 +26,57 @@ struct Probe {
   double distance = 0;
 };
 
+using Polygon = std::vector<Vec3>;  // convex, plane
+
+Vec3 center_of(const Polygon& polygon) {
+  Vec3 sum;
+  for (const Vec3 p : polygon) sum = sum + p;
+  return (1.0 / static_cast<double>(polygon.size())) * sum;
+}
+
+/// The parts of a convex polygon on either side of a plane, `side` positive and not.
+struct Halves {
+  Polygon positive, other;
+};
+
+template <class Side>
+Halves cut(const Polygon& polygon, Side&& side) {
+  Halves parts;
+  for (std::size_t i = 0; i < polygon.size(); ++i) {
+    const Vec3 p = polygon[i], q = polygon[(i + 1) % polygon.size()];
+    const double a = side(p), b = side(q);
+    (a > 0 ? parts.positive : parts.other).push_back(p);
+    if ((a > 0) == (b > 0)) continue;
+    const Vec3 between = p + (a / (a - b)) * (q - p);
+    parts.positive.push_back(between);
+    parts.other.push_back(between);
+  }
+  return parts;
+}
+
+/// From one corner to another, the longest of these.
+struct Line {
+  Vec3 from, to;
+  double length() const { return norm(to - from); }
+};
+
+Line longest_line(const Polygon& polygon) {
+  Line longest;
+  for (const Vec3 p : polygon)
+    for (const Vec3 q : polygon)
+      if (const Line line{p, q}; line.length() > longest.length()) longest = line;
+  return longest;
+}
+
+Halves halve(const Polygon& polygon, const Line& longest) {
+  const auto& [from, to] = longest;
+  return cut(polygon, [&](Vec3 p) { return dot(p - midpoint(from, to), to - from); });
+}
+
 /// A triangle or a part of one that may hold a point farther than the largest distance found so far.
 struct Piece {
   double bound = 0;
-  std::array<Probe, 3> corner;
+  Polygon polygon;
   int triangle = -1;  // of the surface
   friend bool operator<(const Piece& a, const Piece& b) { return a.bound < b.bound; }
 };
@@ -41,7 +84,7 @@ struct Piece {
 class Measurement {
  public:
   Measurement(const Triangulation& from, const Triangulation& to, const DistanceOptions& options)
-      : from_(from), to_(to), options_(options), tree_(all_corners(to)) {}
+      : from_(from), to_(to), options_(options), tree_(all_corners(to)), is_known_far_(from.triangles.size(), 0) {}
 
   SurfaceDistance run() {
     std::vector<Probe> probes;
@@ -56,6 +99,8 @@ class Measurement {
       split_worst();
     result_.at_most = std::max(dropped_bound_, result_.at_least);
     if (!waiting_.empty()) result_.at_most = std::max(result_.at_most, waiting_.top().bound);
+    for (; options_.enough > 0 && !waiting_.empty() && waiting_.top().bound > options_.enough; waiting_.pop())
+      note_far(waiting_.top().triangle, probe(center_of(waiting_.top().polygon)));
     for (auto* list : {&result_.far_from, &result_.far_to}) {
       std::sort(list->begin(), list->end());
       list->erase(std::unique(list->begin(), list->end()), list->end());
@@ -64,25 +109,52 @@ class Measurement {
   }
 
  private:
-  static std::vector<std::array<Vec3, 3>> all_corners(const Triangulation& surface) {
-    std::vector<std::array<Vec3, 3>> corners;
-    corners.reserve(surface.triangles.size());
-    for (int t = 0; t < std::ssize(surface.triangles); ++t) corners.push_back(corners_of(surface, t));
-    return corners;
+  /// What lies above the triangle next to the middle is cut off, since the distance from that one is all that counts
+  /// there.
+  void split_worst() {
+    auto [bound, polygon, triangle] = waiting_.top();
+    waiting_.pop();
+    if (is_known_far_[at(triangle)] != 0) return drop(bound);  // pieces at the end of the far part never get small
+    const auto middle = probe(center_of(polygon));
+    ++n_queries_;
+    note(middle);
+    double radius = 0;
+    for (const Vec3 p : polygon) radius = std::max(radius, norm(p - middle.point));
+    bound = std::min({bound, worst_from(polygon, middle.nearest), middle.distance + radius});
+    if (is_far(middle)) note_far(triangle, middle);
+    if (is_far(middle) || bound <= good_enough()) return drop(bound);
+    const auto corner = corners_of(to_, at(middle.nearest));
+    const Vec3 normal = cross(corner[1] - corner[0], corner[2] - corner[0]);
+    const double length = longest_line(polygon).length();
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Vec3 inwards = cross(normal, corner[(k + 1) % 3] - corner[k]);
+      auto parts = cut(polygon, [&](Vec3 p) { return dot(p - corner[k], inwards); });
+      if (parts.positive.empty()) break;
+      wait(parts.other, length, {bound, triangle, middle.nearest});
+      polygon = std::move(parts.positive);
+    }
+    wait(polygon, length, {bound, triangle, middle.nearest});
   }
 
-  void split_worst() {
-    const auto [bound, corner, triangle] = waiting_.top();
-    waiting_.pop();
-    const auto& [p, q, r] = corner;
-    const auto pq = probe(midpoint(p.point, q.point)), qr = probe(midpoint(q.point, r.point)),
-               rp = probe(midpoint(r.point, p.point));
-    n_queries_ += 3;
-    for (const auto& found : {pq, qr, rp}) note(found);
-    for (const auto& part :
-         {std::array{p, pq, rp}, std::array{pq, q, qr}, std::array{rp, qr, r}, std::array{pq, qr, rp}})
-      push(part, triangle);
+  struct Known {
+    double bound = 0;
+    int triangle = -1, nearest = -1;
+  };
+
+  /// What is not much shorter than the whole was, is halved: cutting may have taken next to nothing off.
+  void wait(const Polygon& polygon, double length_before, const Known& known) {
+    constexpr double much = 0.75;
+    if (polygon.empty()) return;
+    const double bound = std::min(known.bound, worst_from(polygon, known.nearest));
+    if (bound <= good_enough()) return drop(bound);
+    const auto longest = longest_line(polygon);
+    if (longest.length() <= much * length_before) return waiting_.push({bound, polygon, known.triangle});
+    const auto parts = halve(polygon, longest);
+    for (const auto* part : {&parts.positive, &parts.other})
+      if (!part->empty()) waiting_.push({bound, *part, known.triangle});
   }
+
+  void drop(double bound) { dropped_bound_ = std::max(dropped_bound_, bound); }
 
   Probe probe(Vec3 point) const {
     const auto hit = tree_.nearest(point);
@@ -90,7 +162,7 @@ class Measurement {
   }
 
   double distance(Vec3 point, int triangle) const {
-    const auto p = corners_of(to_, triangle);
+    const auto p = corners_of(to_, at(triangle));
     const Vec3 ab = p[1] - p[0], ac = p[2] - p[0], ap = point - p[0];
     const auto [u, v] = geometry::nearest_parameters(ab, ac, ap);
     return norm(ap - u * ab - v * ac);
@@ -114,30 +186,35 @@ class Measurement {
   /// What is near enough by its bound is done with, and so is what is known to be too far.
   void push(const std::array<Probe, 3>& corner, int triangle) {
     const double bound = bound_of(corner);
-    const bool is_far = options_.enough > 0 && std::any_of(corner.begin(), corner.end(), [&](const Probe& p) {
-                          return p.distance > options_.enough;
-                        });
-    if (is_far) {
-      result_.far_from.push_back(triangle);
-      for (const auto& p : corner)
-        if (p.distance > options_.enough) result_.far_to.push_back(p.nearest);
-    }
-    if (!is_far && bound > good_enough())
-      waiting_.push({bound, corner, triangle});
-    else
-      dropped_bound_ = std::max(dropped_bound_, bound);
+    bool has_far = false;
+    for (const auto& p : corner)
+      if (is_far(p)) {
+        has_far = true;
+        note_far(triangle, p);
+      }
+    if (has_far || bound <= good_enough()) return drop(bound);
+    waiting_.push({bound, {corner[0].point, corner[1].point, corner[2].point}, triangle});
   }
 
-  /// The distance from one flat triangle is convex, so over a piece it is largest in a corner.
+  bool is_far(const Probe& p) const { return options_.enough > 0 && p.distance > options_.enough; }
+  void note_far(int triangle, const Probe& p) {
+    is_known_far_[at(triangle)] = 1;
+    result_.far_from.push_back(triangle);
+    result_.far_to.push_back(p.nearest);
+  }
+
   double bound_of(const std::array<Probe, 3>& corner) const {
     double least = lipschitz_bound(corner);
-    for (const auto& candidate : corner) {
-      double worst = 0;
-      for (const auto& c : corner)
-        worst = std::max(worst, c.nearest == candidate.nearest ? c.distance : distance(c.point, candidate.nearest));
-      least = std::min(least, worst);
-    }
+    const Polygon polygon{corner[0].point, corner[1].point, corner[2].point};
+    for (const auto& candidate : corner) least = std::min(least, worst_from(polygon, candidate.nearest));
     return least;
+  }
+
+  /// The distance from one flat triangle is convex, so over a convex polygon it is largest in a corner.
+  double worst_from(const Polygon& polygon, int triangle) const {
+    double worst = 0;
+    for (const Vec3 p : polygon) worst = std::max(worst, distance(p, triangle));
+    return worst;
   }
 
   /// No point of a piece is farther from its nearest corner than this part of the longest side: the radius of the
@@ -154,6 +231,7 @@ class Measurement {
   geometry::TriangleTree tree_;
   SurfaceDistance result_;
   std::priority_queue<Piece> waiting_;
+  std::vector<char> is_known_far_;  // triangles of `from`
   double dropped_bound_ = 0;
   std::int64_t n_queries_ = 0;
 };

@@ -13,8 +13,8 @@ struct SurfaceDistance {
   double at_least = 0;   ///< the distance of `where`
   double at_most = 0;    ///< no point of any triangle is farther
   geometry::Vec3 where;  ///< the farthest point that was found
-  /// If `enough` was given: triangles of `from` with a point farther than that, and those of `to` nearest to these
-  /// points.
+  /// If `enough` was given: triangles of `from` with a point farther than that or not proved to have none, and those of
+  /// `to` nearest to these points. None if and only if `at_most` is no more than `enough`.
   std::vector<int> far_from, far_to;
 };
 
@@ -25,10 +25,9 @@ struct DistanceOptions {
 };
 
 /// One-sided Hausdorff distance from the triangles of `from` to those of `to`. Triangles with an upper bound that is
-/// too large are split, the worst first. Local, serial; one nearest point a microsecond, 350 bytes a triangle of `to`.
-/// Pre: both have triangles.
-/// Source of the bound: M. Tang, M. Lee, Y. J. Kim, Interactive Hausdorff distance computation for general polygonal
-/// models, 2009.
+/// too large are split where the nearest triangle changes, the worst first. Local, serial; one nearest point a
+/// microsecond, 350 bytes a triangle of `to`. Pre: both have triangles. Source of the bound: M. Tang, M. Lee, Y. J.
+/// Kim, Interactive Hausdorff distance computation for general polygonal models, 2009.
 SurfaceDistance distance_from_to(const geometry::Triangulation& from, const geometry::Triangulation& to,
                                  const DistanceOptions& options = {});
 

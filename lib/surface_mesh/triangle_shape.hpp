@@ -4,10 +4,26 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <vector>
 
-#include "pamr/geometry/vec3.hpp"
+#include "pamr/base/index.hpp"
+#include "pamr/geometry/triangulated/triangulation.hpp"
 
 namespace pamr::surface_mesh {
+
+/// Corners of triangle `t`.
+inline std::array<geometry::Vec3, 3> corners_of(const geometry::Triangulation& surface, std::size_t t) {
+  const auto& [a, b, c] = surface.triangles[t];
+  return {surface.points[at(a)], surface.points[at(b)], surface.points[at(c)]};
+}
+
+/// Those of all triangles, in order.
+inline std::vector<std::array<geometry::Vec3, 3>> all_corners(const geometry::Triangulation& surface) {
+  std::vector<std::array<geometry::Vec3, 3>> corners;
+  corners.reserve(surface.triangles.size());
+  for (std::size_t t = 0; t < surface.triangles.size(); ++t) corners.push_back(corners_of(surface, t));
+  return corners;
+}
 
 /// Smallest height of a triangle as a part of its longest edge, 0 where that has no length; 0.866 for an even one.
 inline double height_ratio(const std::array<geometry::Vec3, 3>& p) {

@@ -31,6 +31,7 @@ TEST(Smooth, TakesNoiseOffABall) {
   const auto done = smooth(ball, {.n_steps = 5});
 
   EXPECT_LT(roughness(done.surface), 0.5 * roughness(ball));
+  EXPECT_NEAR(describe(done.surface).volume, describe(ball).volume, 3e-3);
   EXPECT_TRUE(describe(done.surface).is_body());
   EXPECT_EQ(done.surface.triangles, ball.triangles);
 }

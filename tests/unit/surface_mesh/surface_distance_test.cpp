@@ -22,7 +22,8 @@ TEST(SurfaceDistance, IsZeroFromASurfaceToItself) {
   const auto d = distance_from_to(ball, ball, {.enough = 1e-6});
 
   EXPECT_LT(d.at_least, 1e-15);
-  EXPECT_LT(d.at_most, 0.5);
+  EXPECT_LT(d.at_most, 1e-6);
+  EXPECT_TRUE(d.far_from.empty() && d.far_to.empty());
 }
 
 TEST(SurfaceDistance, KnowsThatTheMiddleOfATriangleIsFarthest) {
@@ -41,6 +42,19 @@ TEST(SurfaceDistance, KnowsThatTheMiddleOfATriangleIsFarthest) {
   EXPECT_NEAR(down.at_least, std::sqrt(0.5), 0.02);
   EXPECT_GE(down.at_most, std::sqrt(0.5));
   EXPECT_LE(down.at_most, 1.02 * std::sqrt(0.5) + 1e-12);
+}
+
+TEST(SurfaceDistance, NamesTrianglesOfWhichNothingIsProved) {
+  auto ball = testing::icosphere(3), other = ball;
+  translate(other, {0.002, 0, 0});
+
+  const auto cut_short = distance_from_to(ball, other, {.enough = 0.00195, .max_queries = 0});
+  const auto whole = distance_from_to(ball, other, {.enough = 0.0021});
+
+  EXPECT_GT(cut_short.at_most, 0.00195);
+  EXPECT_FALSE(cut_short.far_from.empty());
+  EXPECT_LE(whole.at_most, 0.0021);
+  EXPECT_TRUE(whole.far_from.empty() && whole.far_to.empty());
 }
 
 TEST(SurfaceDistance, BoundsWhatDenseSamplesFind) {
