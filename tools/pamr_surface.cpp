@@ -172,10 +172,8 @@ Outcome decimate(const Options& options) {
                   "new one from the old one {:.4g} (at most {:.4g})",
                   one.at_least, one.at_most, other.at_least, other.at_most));
   if (done.n_fixed > 0)
-    outcome.lines.push_back(
-        fmt::format("{} points were fixed in {} rounds, where the error was exceeded or triangles "
-                    "would cut each other",
-                    done.n_fixed, done.n_rounds - 1));
+    outcome.lines.push_back(fmt::format(
+        "{} points were fixed where the error was exceeded or triangles would cut each other", done.n_fixed));
   if (done.cuts_itself) outcome.lines.push_back("the surface cuts itself, as it did before");
   if (how.n_triangles > 0 && how.error <= 0 && std::ssize(done.surface.triangles) > how.n_triangles)
     outcome.faults.push_back(

@@ -4,12 +4,14 @@
 #include <OpenMesh/Tools/Decimater/DecimaterT.hh>
 #include <OpenMesh/Tools/Decimater/ModHausdorffT.hh>
 #include <algorithm>
+#include <array>
+#include <iterator>
+#include <numeric>
 #include <stdexcept>
 #include <vector>
 
 #include "pamr/base/index.hpp"
 #include "pamr/geometry/triangulated/self_intersection.hpp"
-#include "pamr/geometry/triangulated/triangle_tree.hpp"
 #include "surface_mesh/collapse_guard.hpp"
 #include "surface_mesh/half_edges.hpp"
 #include "surface_mesh/mend.hpp"
@@ -42,6 +44,8 @@ Frame frame_of(const Triangulation& surface) {
 
 struct Collapsed {
   Triangulation surface;
+  std::vector<int> new_to_old;   // points
+  std::vector<char> is_removed;  // old points
   std::int64_t n_sharp_edges = 0;
 };
 
@@ -81,10 +85,13 @@ Collapsed collapse(const Triangulation& surface, const DecimateOptions& options,
   }
   // Points have their numbers still: deleted ones are not taken away by OpenMesh.
   std::vector<int> new_number(surface.points.size(), -1);
+  result.is_removed.assign(surface.points.size(), 1);
   for (int n = 0; n < std::ssize(surface.points); ++n) {
     const auto v = mesh.vertex_handle(static_cast<unsigned>(n));
     if (mesh.status(v).deleted() || mesh.is_isolated(v)) continue;
     new_number[at(n)] = static_cast<int>(result.surface.points.size());
+    result.is_removed[at(n)] = 0;
+    result.new_to_old.push_back(n);
     result.surface.points.push_back(surface.points[at(n)]);
   }
   for (const auto f : mesh.faces()) {
@@ -96,60 +103,116 @@ Collapsed collapse(const Triangulation& surface, const DecimateOptions& options,
   return result;
 }
 
-/// Old points where the result is not as it must be, marked. None: all is well. Sets what is measured.
-std::vector<char> find_faults(const Triangulation& surface, const DecimateOptions& options, Decimated& result) {
+/// Where something is wrong: a point and the old triangle or the corners there.
+struct Place {
+  Vec3 point;
+  std::array<int, 3> corner{};  // old points
+};
+
+/// Where the result is not as it must be. Sets what is measured.
+std::vector<Place> find_faults(const Triangulation& surface, const DecimateOptions& options, const Collapsed& collapsed,
+                               Decimated& result) {
   constexpr std::int64_t few_queries = 100'000;  // where nothing depends on the answer
   constexpr std::int64_t least_queries = 2'000'000, queries_of_triangle = 8;
+  const auto& after = collapsed.surface;
   DistanceOptions how{.enough = options.error, .max_queries = few_queries};
   if (options.error > 0)
     how.max_queries = least_queries + queries_of_triangle * static_cast<std::int64_t>(surface.triangles.size());
-  result.from_old = distance_from_to(surface, result.surface, how);
-  result.to_old = distance_from_to(result.surface, surface, how);
-  std::vector<char> is_wrong(surface.points.size(), 0);
-  for (const auto* triangles : {&result.from_old.far_from, &result.to_old.far_to})
-    for (const int t : *triangles)
-      for (const int n : surface.triangles[at(t)]) is_wrong[at(n)] = 1;
-  const bool has_cuts = geometry::find_self_intersections(result.surface, 1).n_pairs > 0;
+  result.from_old = distance_from_to(surface, after, how);
+  result.to_old = distance_from_to(after, surface, how);
+  std::vector<Place> places;
+  for (const auto& far : result.from_old.far) places.push_back({far.point, surface.triangles[at(far.from)]});
+  for (const auto& far : result.to_old.far) places.push_back({far.point, surface.triangles[at(far.to)]});
+  const bool has_cuts = geometry::find_self_intersections(after, 1).n_pairs > 0;
   result.cuts_itself = has_cuts && geometry::find_self_intersections(surface, 1).n_pairs > 0;
-  if (!has_cuts || result.cuts_itself) return is_wrong;
-  std::vector<char> cuts(result.surface.triangles.size(), 0);
-  for (const int t : cutting_triangles(result.surface)) cuts[at(t)] = 1;
-  const geometry::TriangleTree tree(all_corners(result.surface));
-  for (std::size_t n = 0; n < surface.points.size(); ++n)
-    if (cuts[at(tree.nearest(surface.points[n]).triangle)] != 0) is_wrong[n] = 1;
-  return is_wrong;
+  if (!has_cuts || result.cuts_itself) return places;
+  for (const int t : cutting_triangles(after)) {
+    const auto p = corners_of(after, at(t));
+    auto corner = after.triangles[at(t)];
+    for (int& n : corner) n = collapsed.new_to_old[at(n)];
+    places.push_back({(1.0 / 3) * (p[0] + p[1] + p[2]), corner});
+  }
+  return places;
 }
 
-/// Marks the neighbors of marked points, and theirs, `n_rings` times.
-void grow(std::vector<char>& is_marked, const Triangulation& surface, int n_rings) {
-  for (int ring = 0; ring < n_rings; ++ring) {
-    const auto before = is_marked;
+/// Finds removed points to fix, over the triangles of the old surface.
+class Fixer {
+ public:
+  explicit Fixer(const Triangulation& surface) : surface_(surface), first_(surface.points.size() + 1, 0) {
     for (const auto& corner : surface.triangles)
-      if (std::any_of(corner.begin(), corner.end(), [&](int n) { return before[at(n)] != 0; }))
-        for (const int n : corner) is_marked[at(n)] = 1;
+      for (const int n : corner) ++first_[at(n) + 1];
+    std::partial_sum(first_.begin(), first_.end(), first_.begin());
+    triangles_.resize(at(first_.back()));
+    auto next = first_;
+    for (int t = 0; t < std::ssize(surface.triangles); ++t)
+      for (const int n : surface.triangles[at(t)]) triangles_[at(next[at(n)]++)] = t;
+    is_seen_.assign(surface.points.size(), 0);
   }
-}
+
+  /// Fixes the removed point next to a place, or all that are no more than `n_rings` rings farther.
+  void fix(const Place& place, const std::vector<char>& is_removed, int n_rings, std::vector<char>& is_fixed) {
+    std::vector<int> ring(place.corner.begin(), place.corner.end()), seen = ring;
+    for (const int n : ring) is_seen_[at(n)] = 1;
+    for (int left = -1; left != 0 && !ring.empty();) {
+      std::vector<int> removed;
+      std::copy_if(ring.begin(), ring.end(), std::back_inserter(removed),
+                   [&](int n) { return is_removed[at(n)] != 0; });
+      if (left < 0 && !removed.empty()) {
+        left = n_rings + 1;
+        const auto distance = [&](int n) { return norm(surface_.points[at(n)] - place.point); };
+        is_fixed[at(*std::min_element(removed.begin(), removed.end(),
+                                      [&](int a, int b) { return distance(a) < distance(b); }))] = 1;
+      }
+      if (left > 0 && n_rings > 0)
+        for (const int n : removed) is_fixed[at(n)] = 1;
+      if (left > 0) --left;
+      ring = next_ring(ring);
+      seen.insert(seen.end(), ring.begin(), ring.end());
+    }
+    for (const int n : seen) is_seen_[at(n)] = 0;
+  }
+
+ private:
+  std::vector<int> next_ring(const std::vector<int>& ring) {
+    std::vector<int> next;
+    for (const int n : ring)
+      for (int i = first_[at(n)]; i < first_[at(n) + 1]; ++i)
+        for (const int other : surface_.triangles[at(triangles_[at(i)])]) {
+          if (is_seen_[at(other)] != 0) continue;
+          is_seen_[at(other)] = 1;
+          next.push_back(other);
+        }
+    return next;
+  }
+
+  const Triangulation& surface_;
+  std::vector<int> first_, triangles_;  // of each point
+  std::vector<char> is_seen_;
+};
 
 }  // namespace
 
 Decimated decimate(const Triangulation& surface, const DecimateOptions& options) {
-  constexpr int max_rounds = 8;
+  // As few points as possible are fixed in the first rounds: they leave triangles as small as they were.
+  constexpr int single_rounds = 12, max_rounds = 20;
   Decimated result;
   std::vector<char> is_fixed(surface.points.size(), 0);
   int n_rings = 0;
   for (result.n_rounds = 1;; ++result.n_rounds) {
     auto collapsed = collapse(surface, options, is_fixed);
-    result.surface = std::move(collapsed.surface);
     result.n_sharp_edges = collapsed.n_sharp_edges;
     result.n_fixed = std::count(is_fixed.begin(), is_fixed.end(), char{1});
     result.from_old = result.to_old = {};
-    if (result.n_fixed == std::ssize(is_fixed)) return result;  // the input itself
-    auto is_wrong = find_faults(surface, options, result);
-    if (std::none_of(is_wrong.begin(), is_wrong.end(), [](char wrong) { return wrong != 0; })) return result;
-    grow(is_wrong, surface, n_rings);
-    for (std::size_t n = 0; n < is_fixed.size(); ++n)
-      if (is_wrong[n] != 0 || result.n_rounds >= max_rounds) is_fixed[n] = 1;
-    n_rings = 2 * n_rings + 1;
+    const bool is_input = result.n_fixed == std::ssize(is_fixed);
+    const auto places = is_input ? std::vector<Place>() : find_faults(surface, options, collapsed, result);
+    if (places.empty()) {
+      result.surface = std::move(collapsed.surface);
+      return result;
+    }
+    if (result.n_rounds > single_rounds) n_rings = 2 * n_rings + 1;
+    Fixer fixer(surface);
+    for (const auto& place : places) fixer.fix(place, collapsed.is_removed, n_rings, is_fixed);
+    if (result.n_rounds == max_rounds) std::fill(is_fixed.begin(), is_fixed.end(), char{1});
   }
 }
 

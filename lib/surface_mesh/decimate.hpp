@@ -19,7 +19,7 @@ struct Decimated {
   std::int64_t n_sharp_edges = 0;    ///< of the input
   SurfaceDistance from_old, to_old;  ///< of the old surface from the new one, of the new one from the old one
   bool cuts_itself = false;          ///< the input did, and so does the result
-  int n_rounds = 1;                  ///< how often it was done, with more points fixed each time
+  int n_rounds = 1;                  ///< how often it was done: with a smaller tolerance or more points fixed each time
   std::int64_t n_fixed = 0;          ///< points that were fixed in the end, to undo what was wrong
 };
 
@@ -33,8 +33,8 @@ struct Decimated {
 ///   worse one goes.
 /// - With an error, no point of either surface is farther than that from the other one: `at_most` of both distances is
 /// a
-///   proved bound and never larger. Where it is not proved of a triangle, the old points there are fixed and it is done
-///   again, with twice the neighbors each time, and with all points in the end.
+///   proved bound and never larger. Where it is not proved, an old point is fixed and it is done again; after some
+///   rounds with more and more neighbors, in the end with all points.
 /// - The result does not cut itself unless the input does; triangles that would are undone in the same way.
 /// Local, serial; 13 s and 0.4 GB for a million triangles without an error. Pre: the surface is valid, closed or not.
 /// Source: M. Garland, P. Heckbert, Surface simplification using quadric error metrics, 1997; R. Klein, G. Liebich,

@@ -101,10 +101,6 @@ class Measurement {
     if (!waiting_.empty()) result_.at_most = std::max(result_.at_most, waiting_.top().bound);
     for (; options_.enough > 0 && !waiting_.empty() && waiting_.top().bound > options_.enough; waiting_.pop())
       note_far(waiting_.top().triangle, probe(center_of(waiting_.top().polygon)));
-    for (auto* list : {&result_.far_from, &result_.far_to}) {
-      std::sort(list->begin(), list->end());
-      list->erase(std::unique(list->begin(), list->end()), list->end());
-    }
     return std::move(result_);
   }
 
@@ -199,8 +195,7 @@ class Measurement {
   bool is_far(const Probe& p) const { return options_.enough > 0 && p.distance > options_.enough; }
   void note_far(int triangle, const Probe& p) {
     is_known_far_[at(triangle)] = 1;
-    result_.far_from.push_back(triangle);
-    result_.far_to.push_back(p.nearest);
+    result_.far.push_back({p.point, triangle, p.nearest});
   }
 
   double bound_of(const std::array<Probe, 3>& corner) const {

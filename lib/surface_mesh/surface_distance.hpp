@@ -8,14 +8,20 @@
 
 namespace pamr::surface_mesh {
 
+/// A point that is too far, or in a part of a triangle of which nothing is proved.
+struct FarPoint {
+  geometry::Vec3 point;
+  int from = -1, to = -1;  ///< its triangle, and the nearest one of the other surface
+};
+
 /// Largest distance of the points of a surface, triangles included, from another one: between two bounds.
 struct SurfaceDistance {
   double at_least = 0;   ///< the distance of `where`
   double at_most = 0;    ///< no point of any triangle is farther
   geometry::Vec3 where;  ///< the farthest point that was found
-  /// If `enough` was given: triangles of `from` with a point farther than that or not proved to have none, and those of
-  /// `to` nearest to these points. None if and only if `at_most` is no more than `enough`.
-  std::vector<int> far_from, far_to;
+  /// If `enough` was given: points farther than that or not proved to be nearer, at least one of each triangle that has
+  /// such points. None if and only if `at_most` is no more than `enough`.
+  std::vector<FarPoint> far;
 };
 
 struct DistanceOptions {
