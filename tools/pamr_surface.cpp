@@ -143,8 +143,8 @@ Outcome mend(const Options& options) {
   Outcome outcome{.report = surface_mesh::to_json(repaired), .lines = surface_mesh::steps_of(repaired)};
   if (outcome.lines.empty()) outcome.lines.push_back("nothing to repair");
   if (repaired.holes.n_large > 0)
-    outcome.lines.push_back(fmt::format("{} holes larger than {:.3g}, or of more than 500 edges, left open",
-                                        repaired.holes.n_large, repaired.max_hole));
+    outcome.lines.push_back(fmt::format("holes larger than {:.3g}, or of more than 500 edges, left open: {}",
+                                        repaired.max_hole, repaired.holes.n_large));
   auto left = repaired.left;
   if (options.is_open && left.is_surface()) left.open_edges = {};
   outcome.faults = surface_mesh::faults_of(left);
@@ -168,8 +168,8 @@ Outcome decimate(const Options& options) {
        {{"from_old", surface_mesh::to_json(done.from_old)}, {"to_old", surface_mesh::to_json(done.to_old)}}}};
   const auto& [one, other] = std::pair(done.from_old, done.to_old);
   outcome.lines.push_back(
-      fmt::format("largest distance of the old surface from the new one {:.4g} (at most {:.4g}), of the "
-                  "new one from the old one {:.4g} (at most {:.4g})",
+      fmt::format("largest distance of the old surface from the new one: {:.4g} to {:.4g}, of the new one from the old "
+                  "one: {:.4g} to {:.4g}",
                   one.at_least, one.at_most, other.at_least, other.at_most));
   if (done.n_fixed > 0)
     outcome.lines.push_back(fmt::format(
@@ -241,9 +241,9 @@ Outcome remesh(const Options& options) {
       .report = {{"sharp_edges", done.n_sharp_edges},
                  {"distance", {{"from_old", surface_mesh::to_json(one)}, {"to_old", surface_mesh::to_json(other)}}}}};
   outcome.lines.push_back(
-      fmt::format("largest distance of the old surface from the new one {:.4g}, of the new one from the "
-                  "old one {:.4g}; {} sharp edges kept",
-                  one.at_least, other.at_least, done.n_sharp_edges));
+      fmt::format("largest distance of the old surface from the new one: {:.4g} to {:.4g}, of the new one from the old "
+                  "one: {:.4g} to {:.4g}; {} sharp edges kept",
+                  one.at_least, one.at_most, other.at_least, other.at_most, done.n_sharp_edges));
   outcome.surface = std::move(done.surface);
   check_edit(surface, outcome);
   return outcome;

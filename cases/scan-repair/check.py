@@ -29,7 +29,7 @@ def compare(where, measured):
 repair, decimate = (json.loads((out / f"{name}.json").read_text()) for name in ("repair", "decimate"))
 print("repair: " + "; ".join(repair["steps"]))
 compare("repair", {"faults_left": len(repair["left"]["faults"])})
-compare("decimation", {"distance": max(decimate["distance"][side]["at_least"] for side in ("from_old", "to_old"))})
+compare("decimation", {"distance": max(decimate["distance"][side]["at_most"] for side in ("from_old", "to_old"))})
 FACES = np.array([[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]])
 errors = []
 for level in range(levels + 1):

@@ -113,11 +113,11 @@ struct Place {
 std::vector<Place> find_faults(const Triangulation& surface, const DecimateOptions& options, const Collapsed& collapsed,
                                Decimated& result) {
   constexpr std::int64_t few_queries = 100'000;  // where nothing depends on the answer
-  constexpr std::int64_t least_queries = 2'000'000, queries_of_triangle = 8;
+  constexpr std::int64_t min_queries = 2'000'000, queries_of_triangle = 8;
   const auto& after = collapsed.surface;
   DistanceOptions how{.enough = options.error, .max_queries = few_queries};
   if (options.error > 0)
-    how.max_queries = least_queries + queries_of_triangle * static_cast<std::int64_t>(surface.triangles.size());
+    how.max_queries = min_queries + queries_of_triangle * static_cast<std::int64_t>(surface.triangles.size());
   result.from_old = distance_from_to(surface, after, how);
   result.to_old = distance_from_to(after, surface, how);
   std::vector<Place> places;

@@ -37,24 +37,25 @@ std::vector<std::string> steps_of(const Repaired& r) {
   const auto add = [&](std::int64_t n, const std::string& text) {
     if (n > 0) steps.push_back(text);
   };
-  add(r.n_unused_points, fmt::format("{} unused points dropped", r.n_unused_points));
-  add(r.n_welded_points, fmt::format("{} points welded to others within {:.3g}", r.n_welded_points, r.weld));
-  add(r.n_collapsed, fmt::format("{} triangles with a point twice dropped", r.n_collapsed));
-  add(r.n_duplicates, fmt::format("{} duplicate triangles dropped", r.n_duplicates));
-  add(r.oriented.n_cut_edges, fmt::format("{} edges with more than two triangles cut", r.oriented.n_cut_edges));
-  add(r.oriented.n_new_points, fmt::format("{} points copied to part triangles", r.oriented.n_new_points));
-  add(r.oriented.n_turned, fmt::format("{} triangles turned over", r.oriented.n_turned));
+  add(r.n_unused_points, fmt::format("unused points dropped: {}", r.n_unused_points));
+  add(r.n_welded_points, fmt::format("points welded to others within {:.3g}: {}", r.weld, r.n_welded_points));
+  add(r.n_collapsed, fmt::format("triangles with a point twice dropped: {}", r.n_collapsed));
+  add(r.n_duplicates, fmt::format("duplicate triangles dropped: {}", r.n_duplicates));
+  add(r.oriented.n_cut_edges, fmt::format("edges with more than two triangles cut: {}", r.oriented.n_cut_edges));
+  add(r.oriented.n_new_points, fmt::format("points copied to part triangles: {}", r.oriented.n_new_points));
+  add(r.oriented.n_turned, fmt::format("triangles turned over: {}", r.oriented.n_turned));
   add(r.shells.n_shells,
-      fmt::format("{} small shells of {} triangles dropped", r.shells.n_shells, r.shells.n_triangles));
-  add(r.n_stitched, fmt::format("{} pairs of open edges stitched", r.n_stitched));
-  add(r.flat.n_collapsed + r.flat.n_flipped, fmt::format("{} edges collapsed and {} flipped for triangles without area",
-                                                         r.flat.n_collapsed, r.flat.n_flipped));
-  add(r.holes.n_holes, fmt::format("{} holes up to {:.3g} closed with {} triangles and {} new points", r.holes.n_holes,
-                                   r.max_hole, r.holes.n_triangles, r.holes.n_points));
+      fmt::format("small shells dropped: {} (triangles: {})", r.shells.n_shells, r.shells.n_triangles));
+  add(r.n_stitched, fmt::format("pairs of open edges stitched: {}", r.n_stitched));
+  add(r.flat.n_collapsed + r.flat.n_flipped,
+      fmt::format("edges of triangles without area collapsed: {}, flipped: {}", r.flat.n_collapsed, r.flat.n_flipped));
+  add(r.holes.n_holes, fmt::format("holes up to {:.3g} closed: {} (new triangles: {}, points: {})", r.max_hole,
+                                   r.holes.n_holes, r.holes.n_triangles, r.holes.n_points));
   add(r.intersections.n_removed,
-      fmt::format("{} triangles replaced by {} where {} pairs cut each other, {} pairs left", r.intersections.n_removed,
-                  r.intersections.n_added, r.intersections.n_pairs, r.intersections.n_pairs_left));
-  add(r.n_turned_shells, fmt::format("{} shells turned outwards", r.n_turned_shells));
+      fmt::format("triangles replaced where some cut each other: {} by {} (pairs before: {}, left: {})",
+                  r.intersections.n_removed, r.intersections.n_added, r.intersections.n_pairs,
+                  r.intersections.n_pairs_left));
+  add(r.n_turned_shells, fmt::format("shells turned outwards: {}", r.n_turned_shells));
   return steps;
 }
 

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /// Describes and repairs damaged surfaces, each a file of a good one that was mutated from a fixed seed and that the
-/// reader of any triangles takes, and fails when that throws, takes longer than 20 seconds, or calls something the
-/// closed surface of a body that the strict reader refuses. A crash or a standstill fails the test, too: the last line
+/// reader of any triangles takes, and decimates what became a surface. Fails when that throws, takes longer than 20
+/// seconds, calls something the closed surface of a body that the strict reader refuses, or when the decimation exceeds
+/// its error or damages the body. A crash or a standstill fails the test, too: the last line
 /// says which seed was on.
 ///
 ///     fuzz_surface_mesh [N] [FIRST_SEED]        N damaged files of each format (300)
@@ -16,12 +17,14 @@
 #include "pamr/geometry/triangulated/check_triangulation.hpp"
 #include "pamr/geometry/triangulated/read_triangulation.hpp"
 #include "support/triangulations.hpp"
+#include "surface_mesh/decimate.hpp"
 #include "surface_mesh/repair.hpp"
 
 namespace pamr::fuzz {
 namespace {
 
 constexpr double processor_seconds = 20;
+constexpr double error_part = 0.02;  // of the diagonal
 
 struct Format {
   const char* name;
@@ -30,7 +33,7 @@ struct Format {
 };
 
 struct Counts {
-  unsigned long long n_read = 0, n_bodies = 0;
+  unsigned long long n_read = 0, n_bodies = 0, n_decimated = 0;
 };
 
 /// What was wrong with one file, or empty.
@@ -49,6 +52,15 @@ std::string assess(const std::string& bytes, const std::string& file, Counts& co
     if (done.left.is_body()) ++counts.n_bodies;
     if (before.is_body()) geometry::require_valid(soup, "called a body", false);
     if (done.left.is_body()) geometry::require_valid(done.surface, "made a body", false);
+    if (done.left.is_surface()) {
+      ++counts.n_decimated;
+      const double error = error_part * done.left.diagonal();
+      const auto fewer = surface_mesh::decimate(done.surface, {.error = error});
+      if (!(fewer.from_old.at_most <= error && fewer.to_old.at_most <= error)) return "decimation exceeds its error";
+      const auto after = surface_mesh::describe(fewer.surface, {.find_deviation = false});
+      if (!after.is_surface()) return "decimation leaves no surface";
+      if (done.left.is_body() && !after.is_body()) return "decimation damages a body";
+    }
   } catch (const std::exception& fault) {
     return fault.what();
   }
@@ -74,8 +86,8 @@ int run(unsigned long long n, unsigned long long first) {
       std::printf("%s, seed %llu: %s\n", format.name, seed, fault.c_str());
       ++n_failed;
     }
-    std::printf("%s: %llu damaged files, %llu read, %llu made bodies\n", format.name, n, counts.n_read,
-                counts.n_bodies);
+    std::printf("%s: %llu damaged files, %llu read, %llu made bodies, %llu decimated\n", format.name, n, counts.n_read,
+                counts.n_bodies, counts.n_decimated);
   }
   return n_failed == 0 ? 0 : 1;
 }

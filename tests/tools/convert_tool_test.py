@@ -66,6 +66,31 @@ def test_files_do_not_depend_on_the_number_of_ranks():
     assert same_bytes("one.vtu", "many.vtu")
 
 
+def test_the_boundary_is_a_surface_in_every_format():
+    kuhn_cube("cube.hdf", 2)
+    with h5py.File("cube.hdf") as file:
+        nodes = set(map(tuple, file["VTKHDF/Points"][:]))
+    for ending in ("stl", "obj", "ply", "off", "vtp"):
+        run("pamr-convert", "cube.hdf", f"all.{ending}", "--quiet")
+        run("pamr-convert", "cube.hdf", f"one.{ending}", "--quiet", serial=True)
+        assert same_bytes(f"all.{ending}", f"one.{ending}"), ending
+        run("pamr-convert", "cube.hdf", f"part.{ending}", "--quiet", "--patch", "xmin", "--patch", "zmax")
+        if ending == "vtp":  # meshio does not read it
+            text = pathlib.Path("part.vtp").read_text()
+            assert 'NumberOfPolys="16"' in text and 'Name="patch"' in text and 'Name="cell"' in text
+            continue
+        for name, n_triangles, area, volume in ((f"all.{ending}", 48, 6, 1), (f"part.{ending}", 16, 2, None)):
+            read = meshio.read(name)
+            triangles, points = read.cells_dict["triangle"], read.points
+            a, b, c = (points[triangles[:, k]] for k in range(3))
+            assert len(triangles) == n_triangles and set(map(tuple, points)) <= nodes
+            assert np.isclose(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2, area, rtol=1e-14)
+            assert volume is None or np.isclose(np.einsum("ij,ij->", a, np.cross(b, c)) / 6, volume, rtol=1e-14)
+    refuses("pamr-convert", "cube.hdf", "x.stl", "--patch", "nose", says=["nose", "xmin"], creates="x.stl")
+    refuses("pamr-convert", "cube.hdf", "x.stl", "--surface", "all.stl", says=["--surface", "x.stl"], creates="x.stl")
+    refuses("pamr-convert", "cube.hdf", "all.stl", says=["--force"])
+
+
 def test_vtu_holds_the_mesh_and_its_fields():
     kuhn_cube("cube.hdf", 2)
     with h5py.File("cube.hdf", "r+") as file:
@@ -484,7 +509,7 @@ def test_an_openfoam_case_is_replaced_only_when_asked():
 
 def test_endings_are_checked_before_anything_is_read():
     kuhn_cube("cube.hdf", 1)
-    refuses("pamr-convert", "cube.hdf", "cube.stl", says=[".hdf, .vtkhdf, .msh, .vtu"], creates="cube.stl")
+    refuses("pamr-convert", "cube.hdf", "cube.step", says=[".hdf, .vtkhdf, .msh, .vtu, .stl"], creates="cube.step")
     refuses("pamr-convert", "cube.hdf", "cube.hdf", says=["cube.hdf"])
 
 

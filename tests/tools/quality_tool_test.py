@@ -44,6 +44,20 @@ def test_report_has_its_keys_and_does_not_depend_on_ranks():
     assert f"{report['uniform_shape_bound']:.4f}" in run("pamr-quality", "a.hdf").out
 
 
+def test_boundary_triangles_have_shapes():
+    report = run("pamr-quality", shaken("a.hdf", 4), "--json", "-", "--quiet").json
+    assert sum(patch["faces"] for patch in report["patches"].values()) == 6 * 32
+    for name, patch in report["patches"].items():
+        triangles = patch["triangles"]
+        # All are halves of squares.
+        for metric, value in (("mean_ratio", math.sqrt(3) / 2), ("min_angle", 45), ("max_angle", 90),
+                              ("aspect_ratio", (1 + math.sqrt(2)) / math.sqrt(3))):
+            for which in ("min", "mean", "max"):
+                assert math.isclose(triangles[metric][which], value, rel_tol=1e-12), (name, metric, triangles[metric], value)
+            assert sum(triangles[metric]["histogram"]["counts"]) == patch["faces"]
+        assert triangles["worst_distance"] <= 1e-15
+
+
 def test_values_agree_with_numpy():
     shaken("a.hdf", 4)
     report = run("pamr-quality", "a.hdf", "--json", "-").json

@@ -8,7 +8,13 @@ import meshio
 import numpy as np
 
 from surface_models import can, icosphere, write_off, write_stl
-from tool_run import refuses, run, run_tests, same_bytes
+import tool_run
+from tool_run import RANKS, refuses, run_tests, same_bytes
+
+
+def run(tool, *arguments, **options):
+    """One process does the work of pamr-surface whatever their number, which one test shows."""
+    return tool_run.run(tool, *arguments, **{"ranks": 1} | options)
 
 
 def ball(name="ball.stl", levels=3):
@@ -59,6 +65,9 @@ def test_repair_makes_a_body_and_counts_its_steps():
     report = run("pamr-surface", "repair", damaged("bad.off"), "-o", "good.ply", "--close-holes", 0.8, "--json", "-").json
     assert report["turned_triangles"] == 2 and report["duplicate_triangles"] == 2 and report["dropped_shells"] == 1
     assert report["holes"]["closed"] == 2 and report["left"]["body"]
+    run("pamr-surface", "repair", "bad.off", "-o", "ranks.ply", "--close-holes", 0.8, ranks=RANKS)
+    assert same_bytes("good.ply", "ranks.ply")
+    run("pamr-surface", "info", "bad.off", "--json", "ranks.json", code=1, ranks=RANKS)
     again = run("pamr-surface", "repair", "good.ply", "-o", "same.ply", "--json", "-").json
     assert again["steps"] == [] and same_bytes("good.ply", "same.ply")
     assert abs(run("pamr-surface", "info", "good.ply", "--json", "-").json["volume"] - 4 * math.pi / 3) < 0.03
@@ -84,7 +93,7 @@ def test_decimate_keeps_error_number_and_edges():
     write_off("can.off", points, triangles)
     run("pamr-surface", "subdivide", "can.off", "-o", "fine.off", "--steps", 2)
     report = run("pamr-surface", "decimate", "fine.off", "-o", "few.off", "--error", 0.01, "--json", "-").json
-    assert max(report["distance"][side]["at_least"] for side in ("from_old", "to_old")) <= 0.01
+    assert max(report["distance"][side]["at_most"] for side in ("from_old", "to_old")) <= 0.01
     assert report["triangles"] < 400
     after = run("pamr-surface", "info", "few.off", "--json", "-").json
     assert after["body"] and after["box"]["high"][2] == 1
