@@ -102,6 +102,40 @@ Triangulation bored_cube(int n) {
   return s;
 }
 
+Triangulation lens(int n, int n_rings, double height) {
+  Triangulation s;
+  const double radius = (1 + height * height) / (2 * height);  // of the spheres
+  const auto point = [&](double r, double turns, double side) {
+    const double angle = 2 * std::numbers::pi * turns / n;
+    return Vec3{r * std::cos(angle), r * std::sin(angle),
+                side * (std::sqrt(radius * radius - r * r) - (radius - height))};
+  };
+  for (int i = 0; i < n; ++i) s.points.push_back(point(1, i, 0));
+  for (const int side : {-1, 1}) {
+    const auto add = [&](int a, int b, int c) {
+      s.triangles.push_back(side > 0 ? std::array{a, b, c} : std::array{a, c, b});
+    };
+    std::vector<int> ring;
+    for (int i = 0; i < n; ++i) ring.push_back(i);
+    for (int k = 1; k < n_rings; ++k) {
+      const auto outer = ring;
+      for (int i = 0; i < n; ++i) {
+        ring[at(i)] = static_cast<int>(s.points.size());
+        s.points.push_back(point(1 - static_cast<double>(k) / n_rings, i + 0.5 * k, side));
+      }
+      for (int i = 0; i < n; ++i) {
+        const int next = (i + 1) % n;
+        add(outer[at(i)], outer[at(next)], ring[at(i)]);
+        add(outer[at(next)], ring[at(next)], ring[at(i)]);
+      }
+    }
+    const auto top = static_cast<int>(s.points.size());
+    s.points.push_back(point(0, 0, side));
+    for (int i = 0; i < n; ++i) add(ring[at(i)], ring[at((i + 1) % n)], top);
+  }
+  return s;
+}
+
 std::string as_stl_text(const Triangulation& s) {
   std::string text = "solid made for a test\n";
   for (const auto& triangle : s.triangles) {

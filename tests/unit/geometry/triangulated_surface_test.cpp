@@ -72,6 +72,18 @@ TEST(Triangulated, GivesThePointThatIsNearestAmongManyPointsOfTheSurface) {
   }
 }
 
+/// Beside a sharp edge the nearest flat triangle may be one from which no way leads to the edge.
+TEST(Triangulated, HasItsSharpEdgesAtNoDistance) {
+  for (const int n : {8, 16}) {
+    const Triangulated surface(testing::lens(n, 12, 0.9), {});
+    for (int i = 0; i < 1000; ++i) {
+      const double angle = 2 * M_PI * i / 1000;
+      const Vec3 on_edge = surface.project_to_seam({std::cos(angle), std::sin(angle), 0});
+      ASSERT_LT(surface.distance(on_edge), 1e-14) << n << ", point " << i;
+    }
+  }
+}
+
 TEST(Triangulated, KeepsPlanesOfABoredCubePlanarAndItsEdgesSharp) {
   const auto triangles = testing::bored_cube(24);
   const Triangulated surface(triangles, {});

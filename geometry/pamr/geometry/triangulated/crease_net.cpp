@@ -41,8 +41,9 @@ CreaseNet::CreaseNet(const Triangulation& surface, const Features& features, int
       edges_at_end_[at(end[k])].push_back(static_cast<int>(edges_.size()));
     }
     const CurvedEdge curve({a, inner_point(a, b, crease.tangent[0]), inner_point(b, a, -crease.tangent[1]), b});
-    edges_.push_back(
-        {curve, end, crease.tangent, piece[c], 0, 0, norm(b - a), true, norm(curve.point(0.5) - midpoint(a, b))});
+    edges_.push_back({curve, end, crease.tangent, piece[c], 0, 0, norm(b - a), true,
+                      norm(curve.point(0.5) - midpoint(a, b)), static_cast<int>(c)});
+    largest_bulge_ = std::max(largest_bulge_, edges_.back().bulge);
     chord_.push_back({a, b});
     flat.push_back({a, b, b});
   }
@@ -107,16 +108,26 @@ void CreaseNet::sample(Line& line) {
   lines_.push_back(std::move(result));
 }
 
-Vec3 CreaseNet::nearest(Vec3 point) const {
-  const auto hit = tree_->nearest(point);
-  Foot best = edges_[at(hit.triangle)].curve.nearest(point, std::clamp(hit.u + hit.v, 0.0, 1.0));
-  for (const int end : edges_[at(hit.triangle)].end)
+std::pair<int, Foot> CreaseNet::nearest_edge(Vec3 point, const TriangleTree::Hit& chord) const {
+  std::pair best(chord.triangle,
+                 edges_[at(chord.triangle)].curve.nearest(point, std::clamp(chord.u + chord.v, 0.0, 1.0)));
+  for (const int end : edges_[at(chord.triangle)].end)
     for (const int other : edges_at_end_[at(end)]) {
-      if (other == hit.triangle) continue;
+      if (other == chord.triangle) continue;
       const Foot foot = edges_[at(other)].curve.nearest(point, edges_[at(other)].end[0] == end ? 0 : 1);
-      if (foot.squared_distance < gain * best.squared_distance) best = foot;
+      if (foot.squared_distance < gain * best.second.squared_distance) best = {other, foot};
     }
-  return best.point;
+  return best;
+}
+
+Vec3 CreaseNet::nearest(Vec3 point) const { return nearest_edge(point, tree_->nearest(point)).second.point; }
+
+std::optional<CreaseNet::Hit> CreaseNet::nearest_within(Vec3 point, double distance) const {
+  if (is_empty()) return std::nullopt;
+  const auto chord = tree_->nearest(point, distance + largest_bulge_);
+  if (chord.triangle < 0) return std::nullopt;
+  const auto [edge, foot] = nearest_edge(point, chord);
+  return Hit{edges_[at(edge)].number, foot.u};
 }
 
 CreaseNet::Place CreaseNet::place_on(const Line& line, Vec3 point) const {

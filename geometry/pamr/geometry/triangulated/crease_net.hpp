@@ -3,6 +3,7 @@
 
 #include <array>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "pamr/geometry/triangulated/crease.hpp"
@@ -31,6 +32,13 @@ class CreaseNet {
 
   /// Nearest point of all creases; there must be some.
   Vec3 nearest(Vec3 point) const;
+  /// The crease (by its number in the features) with the nearest point, and the parameter there; nothing where none is
+  /// within `distance`, and there may be one that is little farther.
+  struct Hit {
+    int crease = -1;
+    double u = 0;
+  };
+  std::optional<Hit> nearest_within(Vec3 point, double distance) const;
   /// Nearest point of one line.
   Vec3 nearest_on_line(std::size_t line, Vec3 point) const;
   /// Whether both ends of the chord lie on a crease, to 1e-6 of the chord and 1.5 times what the crease bulges from its
@@ -52,6 +60,7 @@ class CreaseNet {
     double start = 0, length = 0;  // along the line, chords
     bool runs_along = true;        // from its first point to its second
     double bulge = 0;              // distance of the curve from its chord
+    int number = 0;                // in the features
   };
   struct Line {
     std::vector<int> edges;  // in order
@@ -64,6 +73,7 @@ class CreaseNet {
     double bulge = 0;
   };
   std::optional<Vec3> between_on(std::size_t line, Vec3 a, Vec3 b, std::array<int, 2> sides) const;
+  std::pair<int, Foot> nearest_edge(Vec3 point, const TriangleTree::Hit& chord) const;
   bool is_smooth_at(int end, int one, int other) const;
   void chain();
   void sample(Line& line);
@@ -73,6 +83,7 @@ class CreaseNet {
   std::vector<std::array<Vec3, 2>> chord_;
   std::vector<std::vector<int>> edges_at_end_;  // by renumbered point
   std::optional<TriangleTree> tree_;
+  double largest_bulge_ = 0;
   std::vector<Line> line_;
   std::vector<CreaseLine> lines_;
 };

@@ -94,7 +94,7 @@ int TriangleTree::build(std::span<Item> items, std::size_t first) {
   return number;
 }
 
-TriangleTree::Hit TriangleTree::nearest(Vec3 point) const {
+TriangleTree::Hit TriangleTree::nearest(Vec3 point, double distance_limit) const {
   struct Waiting {
     int child, count;
     double distance;
@@ -102,7 +102,7 @@ TriangleTree::Hit TriangleTree::nearest(Vec3 point) const {
   std::array<Waiting, 96> stack;  // the tree is balanced: 2 for each of at most 32 levels
   std::size_t n_waiting = 0;
   Hit best;
-  double least = std::numeric_limits<double>::infinity();
+  double least = distance_limit * distance_limit;
   if (!nodes_.empty()) stack[n_waiting++] = {0, 0, 0};
   while (n_waiting > 0) {
     const Waiting next = stack[--n_waiting];
@@ -121,7 +121,7 @@ TriangleTree::Hit TriangleTree::nearest(Vec3 point) const {
       const Vec3 ap = point - entry.a;
       const auto [u, v] = nearest_parameters(entry.ab, entry.ac, ap);
       const double distance = squared_norm(ap - u * entry.ab - v * entry.ac);
-      if (distance < least || (distance == least && entry.triangle < best.triangle)) {
+      if (distance < least || (distance == least && (best.triangle < 0 || entry.triangle < best.triangle))) {
         least = distance;
         best = {entry.triangle, u, v};
       }

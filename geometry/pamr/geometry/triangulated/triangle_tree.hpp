@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -24,7 +25,8 @@ class TriangleTree {
     int triangle = -1;
     double u = 0, v = 0;  ///< nearest point = (1 - u - v) a + u b + v c
   };
-  Hit nearest(Vec3 point) const;
+  /// Triangle -1 where none is within `distance_limit`.
+  Hit nearest(Vec3 point, double distance_limit = std::numeric_limits<double>::infinity()) const;
 
  private:
   struct Box {

@@ -71,6 +71,14 @@ void Triangulated::take_piece(int only_piece) {
   }
   tree_.emplace(flat);
   creases_.emplace(*flat_, shape_->features, only_piece);
+  side_of_crease_.assign(shape_->features.creases.size(), {});
+  for (const int t : triangle_of_tree_)
+    for (std::size_t k = 0; k < 3; ++k) {
+      const int crease = shape_->features.crease_at[at(t)][k];
+      if (crease < 0 || side_of_crease_[at(crease)].triangle >= 0) continue;
+      const bool runs_along = shape_->corner[at(t)][k] == shape_->features.creases[at(crease)].point[0];
+      side_of_crease_[at(crease)] = {t, static_cast<int>(k), runs_along};
+    }
   stays_in_patch_ = only_piece >= 0;
   is_flat_ = stays_in_patch_ && shape_->features.is_planar[at(only_piece)] != 0;
 }
@@ -171,9 +179,23 @@ Triangulated::Place Triangulated::nearest(Vec3 point) const {
   const auto hit = tree_->nearest(point);
   const int triangle = triangle_of_tree_[at(hit.triangle)];
   Place here{shape_->curved[at(triangle)].nearest(point, hit.u, hit.v), triangle};
-  for (int i = 0; i < walk_limit && go_on(point, here); ++i) {
-  }
+  const auto walk = [&] {
+    for (int i = 0; i < walk_limit && go_on(point, here); ++i) {
+    }
+  };
+  walk();
+  if (go_to_crease(point, here)) walk();
   return here;
+}
+
+bool Triangulated::go_to_crease(Vec3 point, Place& here) const {
+  const double distance = std::sqrt(here.foot.squared_distance);
+  if (!(distance > rounding * shape_->magnitude)) return false;
+  const auto hit = creases_->nearest_within(point, distance);
+  if (!hit) return false;
+  const auto& side = side_of_crease_[at(hit->crease)];
+  const auto [u, v] = on_edge(side.edge, side.runs_along ? hit->u : 1 - hit->u);
+  return try_triangle(point, side.triangle, u, v, here);
 }
 
 Vec3 Triangulated::onto_plane(int triangle, Vec3 point) const {

@@ -75,6 +75,10 @@ class Triangulated final : public Surface, public Creases {
     std::vector<Vec3> pseudonormal;          // by point, not of unit length
     double magnitude = 0;
   };
+  struct CreaseSide {
+    int triangle = -1, edge = 0;
+    bool runs_along = true;  // the edge of the triangle, in the sense of the crease
+  };
   struct Place {
     Foot foot;
     int triangle = -1;
@@ -87,6 +91,8 @@ class Triangulated final : public Surface, public Creases {
   void take_piece(int only_piece);
 
   Place nearest(Vec3 point) const;
+  /// A nearer point at a crease: beside one the nearest flat triangle may lie in another piece, and no walk leads over.
+  bool go_to_crease(Vec3 point, Place& here) const;
   /// A nearer point in a triangle next to where `here` touches the border of its own; false when there is none.
   bool go_on(Vec3 point, Place& here) const;
   bool try_triangle(Vec3 point, int triangle, double u, double v, Place& best) const;
@@ -101,6 +107,7 @@ class Triangulated final : public Surface, public Creases {
   std::vector<int> triangle_of_tree_;
   std::optional<TriangleTree> tree_;
   std::optional<CreaseNet> creases_;
+  std::vector<CreaseSide> side_of_crease_;  // one of its triangles, of this piece
   bool stays_in_patch_ = false, is_flat_ = false;
 };
 
