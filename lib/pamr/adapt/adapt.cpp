@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "pamr/adapt/depth.hpp"
+#include "pamr/adapt/early_passes.hpp"
 #include "pamr/adapt/flags.hpp"
 #include "pamr/adapt/open_parents.hpp"
 #include "pamr/adapt/pass.hpp"

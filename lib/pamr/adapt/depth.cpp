@@ -14,11 +14,26 @@ namespace pamr::adapt {
 
 namespace {
 
+constexpr GlobalId none = std::numeric_limits<GlobalId>::max();
+
 /// Levels that the deepest cells made from this family lie below its base cell.
 int levels_below(const refine::RebuiltFamily& family) {
   if (!refine::is_regular_split(family.state)) return 0;
   const bool again = std::any_of(family.child_state.begin(), family.child_state.end(), refine::is_regular_split);
   return again ? 2 : 1;
+}
+
+/// The number of the first cell of the deepest level that would be split into eight.
+GlobalId first_too_deep(const mesh::DistMesh& mesh, const refine::Closure& closure) {
+  GlobalId first = none;
+  const auto refuse = [&](LocalId cell) { first = std::min(first, mesh.cell_global[at(cell)]); };
+  for (LocalId c = 0; c < mesh.n_cells(); ++c)
+    if (mesh.lineage[at(c)].level() >= mesh::max_level && closure.action[at(c)] == refine::Action::split &&
+        closure.marks[at(c)] == refine::all_edges)
+      refuse(c);
+  for (const auto& family : closure.rebuilt)
+    if (mesh.lineage[at(family.first)].level() + levels_below(family) > mesh::max_level) refuse(family.first);
+  return first;
 }
 
 }  // namespace
@@ -38,17 +53,12 @@ std::string too_deep_text(std::int64_t n) {
                      mesh::max_level);
 }
 
+bool is_too_deep(const mesh::DistMesh& mesh, const refine::Closure& closure) {
+  return first_too_deep(mesh, closure) != none;
+}
+
 void require_depth(const par::Comm& comm, const mesh::DistMesh& mesh, const refine::Closure& closure) {
-  constexpr GlobalId none = std::numeric_limits<GlobalId>::max();
-  GlobalId first = none;
-  const auto refuse = [&](LocalId cell) { first = std::min(first, mesh.cell_global[at(cell)]); };
-  for (LocalId c = 0; c < mesh.n_cells(); ++c)
-    if (mesh.lineage[at(c)].level() >= mesh::max_level && closure.action[at(c)] == refine::Action::split &&
-        closure.marks[at(c)] == refine::all_edges)
-      refuse(c);
-  for (const auto& family : closure.rebuilt)
-    if (mesh.lineage[at(family.first)].level() + levels_below(family) > mesh::max_level) refuse(family.first);
-  first = comm.min(first);
+  const auto first = comm.min(first_too_deep(mesh, closure));
   if (first != none)
     throw Error(
         fmt::format("expected cells that can be split at the marked ones, found cell {} of level {}, the deepest there "

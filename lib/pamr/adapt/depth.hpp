@@ -25,6 +25,9 @@ DepthLimited limit_depth(const mesh::DistMesh& mesh, std::span<const std::uint8_
 /// What to tell a user when `n` flagged cells stay.
 std::string too_deep_text(std::int64_t n);
 
+/// Whether closing the mesh would split a cell of the deepest level into eight on this rank. Local.
+bool is_too_deep(const mesh::DistMesh& mesh, const refine::Closure& closure);
+
 /// Throws `Error` on every rank when closing the mesh would split a cell of the deepest level into eight, though it was
 /// not flagged itself. Collective: one reduction.
 void require_depth(const par::Comm& comm, const mesh::DistMesh& mesh, const refine::Closure& closure);

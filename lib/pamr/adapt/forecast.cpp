@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "pamr/adapt/depth.hpp"
+#include "pamr/adapt/early_passes.hpp"
 #include "pamr/adapt/flags.hpp"
 #include "pamr/adapt/pass.hpp"
 #include "pamr/base/index.hpp"

@@ -3,7 +3,6 @@
 
 #include <cstdint>
 #include <memory>
-#include <optional>
 #include <span>
 #include <vector>
 
@@ -45,25 +44,14 @@ struct Split {
   mesh::DistMesh fine;
   refine::Numbering numbering;
   refine::Certificate certificate;
+  bool reaches_open = false;  ///< of a part of a mesh: nodes may have settled otherwise than in the whole one
 };
 
-Split split_pass(const par::Comm& comm, const mesh::DistMesh& mesh, const Closed& closed, StepTimer& timer);
+/// `open_nodes`: of a part of a mesh, see `refine::NewLevel`. Collective.
+Split split_pass(const par::Comm& comm, const mesh::DistMesh& mesh, const Closed& closed, StepTimer& timer,
+                 std::span<const LocalId> open_nodes = {});
 
 /// Gives the refined mesh its fields and completes the report but for times.
 RefineResult transfer_pass(const mesh::DistMesh& mesh, Closed closed, Split&& split, const refine::Options& options);
-
-/// A mesh, what is asked of its cells, and its closure.
-struct Ready {
-  std::optional<mesh::DistMesh> mesh;  ///< empty: the input mesh
-  std::vector<std::uint8_t> requests;
-  /// This rank's input cell that each cell came from, or its family's first member; empty without a mesh.
-  std::vector<LocalId> input_cell;
-  Closed closed;
-};
-
-/// Splits early families, pass by pass, until there are none: the closure then has its states, and its depth is
-/// checked. Without early families nothing changes. Collective.
-Ready split_all_early(const par::Comm& comm, const mesh::DistMesh& input, Ready ready, const refine::Options& options,
-                      StepTimer& timer);
 
 }  // namespace pamr::adapt

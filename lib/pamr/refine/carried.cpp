@@ -8,17 +8,16 @@
 
 namespace pamr::refine {
 
-Carried carry_over(const NumberedMesh& pass, const Closure& full, bool has_moved) {
+Carried carry_over(const NumberedMesh& pass, const Carried& full, bool has_moved) {
   const auto& [mesh, closure, numbering] = pass;
   Carried carried;
-  if (!full.cut_faces_conform || !closure.cut_faces_conform) return carried;
   assign_array(carried.marks, at(numbering.first_child.back()), Carried::not_carried);
   for (LocalId c = 0; c < mesh.n_cells(); ++c)
     if (closure.action[at(c)] == Action::split && closure.state[at(c)] == 0)
       carried.marks[at(numbering.first_child[at(c)])] = full.marks[at(c)];
   if (has_moved) return carried;
-  reserve_array(carried.plans, full.rebuilt.size());
-  for (const auto& family : full.rebuilt) {
+  reserve_array(carried.plans, full.plans.size());
+  for (const auto& family : full.plans) {
     if (closure.action[at(family.first)] != Action::split) continue;
     carried.plans.push_back(family);
     carried.plans.back().first = numbering.first_child[at(family.first)];

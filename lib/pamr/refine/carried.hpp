@@ -18,9 +18,9 @@ struct Carried {
   bool is_new(LocalId cell) const { return marks[at(cell)] == not_carried; }
 };
 
-/// `pass`: the old mesh and what the early pass did to it; `full`: its closure with all requests. Nothing is carried
-/// where families had to be retained. `has_moved`: the pass moved nodes that were there before, so plans are made anew.
-/// Local.
-Carried carry_over(const NumberedMesh& pass, const Closure& full, bool has_moved);
+/// `pass`: the old mesh and what the early pass did to it; `full`: marks and plans of its closure with all requests.
+/// Nothing can be carried where families had to be retained. `has_moved`: the pass moved nodes that were there before,
+/// so plans are made anew. Local.
+Carried carry_over(const NumberedMesh& pass, const Carried& full, bool has_moved);
 
 }  // namespace pamr::refine

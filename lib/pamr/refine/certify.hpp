@@ -35,6 +35,7 @@ struct Certificate {
 struct Settled {
   std::vector<geometry::Vec3> position;
   Certificate certificate;
+  bool reaches_open = false;  ///< of a part of a mesh: the whole one may have settled otherwise
 };
 
 /// Moves nodes as far towards their targets as no cell is inverted: starts with all of the way, and where a cell is not

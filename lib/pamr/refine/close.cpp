@@ -120,16 +120,6 @@ std::int64_t count_retained_and_marked(const mesh::DistMesh& mesh, const std::ve
   return n;
 }
 
-/// What becomes of each cell, once marks and families are settled.
-void decide_cells(const mesh::DistMesh& mesh, Closure& closure) {
-  assign_array(closure.action, at(mesh.n_cells()), Action::split);
-  for (const auto& family : closure.rebuilt) {
-    closure.action[at(family.first)] = Action::rebuild;
-    for (int child = 1; child < mesh.lineage[at(family.first)].family_size(); ++child)
-      closure.action[at(family.first + child)] = Action::absorbed;
-  }
-}
-
 }  // namespace
 
 Closure close(const par::Comm& comm, const mesh::DistMesh& mesh, const mesh::Borders& borders,
@@ -171,7 +161,7 @@ Closure close(const par::Comm& comm, const mesh::DistMesh& mesh, const mesh::Bor
   closure.report.families_kept = sum[1];
   closure.report.families_rebuilt = sum[2];
   closure.report.sweeps = static_cast<int>(comm.max(std::int64_t{closure.report.sweeps}));
-  decide_cells(mesh, closure);
+  decide_actions(mesh, closure);
   return closure;
 }
 

@@ -20,6 +20,15 @@ void find_states(const mesh::DistMesh& mesh, const Options& options, Closure& cl
   }
 }
 
+void decide_actions(const mesh::DistMesh& mesh, Closure& closure) {
+  assign_array(closure.action, at(mesh.n_cells()), Action::split);
+  for (const auto& family : closure.rebuilt) {
+    closure.action[at(family.first)] = Action::rebuild;
+    for (int child = 1; child < mesh.lineage[at(family.first)].family_size(); ++child)
+      closure.action[at(family.first + child)] = Action::absorbed;
+  }
+}
+
 std::vector<std::uint8_t> count_children(const Closure& closure) {
   std::vector<std::uint8_t> counts(closure.marks.size(), 0);
   for (std::size_t c = 0; c < counts.size(); ++c)

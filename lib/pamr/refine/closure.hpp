@@ -53,6 +53,9 @@ struct Closure {
   ClosureReport report;
 };
 
+/// Fills `action`, which follows from the marks and the rebuilt families. Local.
+void decide_actions(const mesh::DistMesh& mesh, Closure& closure);
+
 /// The number of cells that each old cell becomes; those of a family that is taken back are all counted at its first
 /// member. `n_cells` values. Local.
 std::vector<std::uint8_t> count_children(const Closure& closure);

@@ -15,11 +15,12 @@ std::vector<std::uint8_t> requests_of_flags(std::span<const std::uint8_t> flags)
   return requests;
 }
 
-std::vector<std::uint8_t> requests_of_early(std::span<const std::uint8_t> requests, const Closure& closure) {
+std::vector<std::uint8_t> requests_of_early(std::span<const std::uint8_t> requests,
+                                            std::span<const RebuiltFamily> plans) {
   std::vector<std::uint8_t> early(requests.size(), 0);
   for (std::size_t c = 0; c < early.size(); ++c)
     if (asks_for(requests[c], Request::assess)) early[c] = requests[c];
-  for (const auto& family : closure.rebuilt)
+  for (const auto& family : plans)
     if (family.is_early) early[at(family.first)] = static_cast<std::uint8_t>(Request::split);
   return early;
 }

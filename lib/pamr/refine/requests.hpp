@@ -23,8 +23,9 @@ constexpr bool asks_for(std::uint8_t request, Request what) { return static_cast
 /// `split` for each flag that is not 0.
 std::vector<std::uint8_t> requests_of_flags(std::span<const std::uint8_t> flags);
 
-/// The requests of a pass that splits only the early families of a closure; `assess` stays. Local.
-std::vector<std::uint8_t> requests_of_early(std::span<const std::uint8_t> requests, const Closure& closure);
+/// The requests of a pass that splits only those of the plans that are early; `assess` stays. Local.
+std::vector<std::uint8_t> requests_of_early(std::span<const std::uint8_t> requests,
+                                            std::span<const RebuiltFamily> plans);
 
 /// What is still asked of the cells that a pass makes: `requests` of the old mesh that it did not fulfill, and `assess`
 /// for the closures inside early families. Local.

@@ -34,6 +34,7 @@ Settled settle(const par::Comm& comm, const NewLevel& level, std::vector<geometr
   movement = std::move(untangled.movement);
   auto settled = certify(comm, level, std::move(position), movement);
   settled.certificate.untangling_rounds = untangled.rounds;
+  settled.reaches_open = smoothed.reaches_open || untangled.reaches_open;
   return settled;
 }
 

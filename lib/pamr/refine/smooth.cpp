@@ -214,6 +214,7 @@ Smoothed smooth_displacement(const par::Comm& comm, const NewLevel& level, const
   const par::Exchange exchange(comm, level.shared);
 
   auto is_free = reach(level, exchange, extent.seeds);
+  smoothed.reaches_open = any_open(level, is_free);
   std::fill_n(is_free.begin(), level.numbering.n_old_nodes, std::uint8_t{0});
   const auto planes = planes_of_nodes(level);
   for (const auto& [node, plane] : planes)

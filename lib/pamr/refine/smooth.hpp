@@ -16,7 +16,8 @@ inline constexpr double gentle_ratio = 0.02;
 /// The nodes that follow the boundary.
 struct Smoothed {
   std::vector<Movable> followers;
-  double max_ratio = 0;  ///< largest displacement of a new boundary node relative to its edge, over all ranks
+  double max_ratio = 0;       ///< largest displacement of a new boundary node relative to its edge, over all ranks
+  bool reaches_open = false;  ///< nodes beyond the level's open nodes would follow, or hand it on
 };
 
 /// Spreads the displacement of the boundary nodes into this level's inner nodes near them (within three cells of one

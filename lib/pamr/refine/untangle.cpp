@@ -356,7 +356,7 @@ Untangled untangle(const par::Comm& comm, const NewLevel& level, const std::vect
   const auto region = gather_region(comm, level, freedom, poor, 2);
   Untangler untangler(comm, position, freedom, region);
   const int rounds = untangler.run();
-  if (rounds == 0) return {std::move(movement), 0};
+  if (rounds == 0) return {std::move(movement), 0, region.reaches_open};
 
   const auto movable_of = index_by_node(level, movement.nodes);
   for (std::size_t i = 0; i < region.node.size(); ++i) {
@@ -369,7 +369,7 @@ Untangled untangle(const par::Comm& comm, const NewLevel& level, const std::vect
       movement.nodes.push_back({node, before, now, {-1, -1, -1, -1}, true, false});
   }
   movement.cells = cells_with_moved_nodes(level, movement.nodes);
-  return {std::move(movement), rounds};
+  return {std::move(movement), rounds, region.reaches_open};
 }
 
 }  // namespace pamr::refine

@@ -37,6 +37,7 @@ inline constexpr double longest_slide = 0.2;
 struct Untangled {
   Movement movement;
   int rounds = 0;
+  bool reaches_open = false;  ///< nodes beyond the level's open nodes would move too
 };
 
 /// Moves new nodes near bad cells to where the worst cell at each of them is better: inner nodes anywhere; where that

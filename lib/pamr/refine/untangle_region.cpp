@@ -116,10 +116,12 @@ std::array<LocalId, 10> parent_nodes(const Children& children, LocalId first) {
 UntangleRegion gather_region(const par::Comm& comm, const NewLevel& level, const Freedom& freedom,
                              const std::vector<LocalId>& cells, int n_layers) {
   auto may_move = reach(comm, level, cells, n_layers);
+  const bool reaches_open = any_open(level, may_move);
   for (std::size_t n = 0; n < may_move.size(); ++n)
     if (freedom.of_node[n] == Freedom::fixed) may_move[n] = 0;
 
   UntangleRegion region;
+  region.reaches_open = reaches_open;
   std::vector<LocalId> number(level.n_nodes(), -1);
   const auto number_of = [&](LocalId node) {
     if (number[at(node)] < 0) {

@@ -46,6 +46,7 @@ struct UntangleRegion {
   std::vector<std::array<LocalId, 10>> family;  ///< the parent's nodes by code as entries of `node`, -1: not there
   RowsOfNode cells_of_node, families_of_node;   ///< entries of `cell` and of `family`
   par::Pattern shared;                          ///< entries of `node` that may move and other ranks hold too
+  bool reaches_open = false;                    ///< it would go on beyond the level's open nodes
 };
 
 /// First cells of the closure families of the given cells, which ascend.
