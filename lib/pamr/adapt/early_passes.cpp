@@ -9,6 +9,7 @@
 #include "pamr/adapt/depth.hpp"
 #include "pamr/adapt/mesh_part.hpp"
 #include "pamr/adapt/open_parents.hpp"
+#include "pamr/adapt/put_back.hpp"
 #include "pamr/base/contract.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/base/index.hpp"
@@ -53,13 +54,14 @@ bool has_nodes_off_surface(const mesh::DistMesh& mesh) {
 class EarlyPasses {
  public:
   EarlyPasses(const par::Comm& comm, const mesh::DistMesh& input, Ready ready, const refine::Options& options,
-              StepTimer& timer)
+              StepTimer& timer, mesh::DistMesh* own)
       : comm_(comm),
         input_(input),
         start_(std::move(ready)),
         whole_{input, start_.closed.borders, start_.requests, start_.closed.closure},
         options_(options),
         timer_(timer),
+        own_(own),
         report_(start_.closed.report),
         cut_faces_conform_(start_.closed.closure.cut_faces_conform) {
     report_.closure = start_.closed.closure.report;
@@ -71,12 +73,13 @@ class EarlyPasses {
     begin();
     bool has_early = true;
     while (has_early && make_pass()) has_early = close_part();
-    if (!is_whole_) take_whole();
+    if (!is_whole_) put_back_at_last();
     return std::move(*this).finish();
   }
 
  private:
   void begin() {
+    coverage_.of_cell.assign(at(input_.n_cells()), Coverage::outside);
     if (!cut_faces_conform_ || comm_.any(has_nodes_off_surface(input_))) {
       take_whole();
       return;
@@ -84,9 +87,8 @@ class EarlyPasses {
     std::vector<LocalId> seeds;
     for (const auto& family : start_.closed.closure.rebuilt)
       if (family.is_early) seeds.push_back(family.first);
-    std::vector<std::uint8_t> holds(at(input_.n_cells()), 0);
-    spread(comm_, whole_, seeds, n_layers, holds);
-    use(widen(comm_, whole_, part_, std::move(holds)));
+    spread(comm_, whole_, seeds, n_layers, coverage_);
+    use(widen(comm_, whole_, part_, coverage_));
   }
 
   void use(MeshPart part) {
@@ -96,8 +98,31 @@ class EarlyPasses {
 
   /// From here on the part is the whole mesh.
   void take_whole() {
-    use(widen(comm_, whole_, part_, std::vector<std::uint8_t>(at(input_.n_cells()), 1)));
+    const auto n_more = part_.mesh.node_position.size() - part_.whole_node.size();
+    auto mesh = copy_with_room(input_, at(input_.n_cells()) + part_.whole_cell.size(), at(input_.n_nodes()) + n_more);
+    put_back_into(std::move(mesh));
+    borders_ = mesh::find_borders(comm_, part_.mesh);
     is_whole_ = true;
+  }
+
+  void put_back_into(mesh::DistMesh mesh) {
+    auto joined = put_back(comm_, whole_, part_, coverage_, mesh);
+    part_ = {};
+    part_.mesh = std::move(mesh);
+    part_.whole_cell = std::move(joined.whole_cell);
+    part_.requests = std::move(joined.requests);
+    part_.known = std::move(joined.known);
+  }
+
+  /// Keeps the cells that passes may have taken away, for what has to be asked of them at the end.
+  void put_back_at_last() {
+    auto held = held_of(coverage_);
+    members_ = widen(comm_, whole_, {}, held);
+    const auto n_more = part_.mesh.node_position.size() - part_.whole_node.size();
+    put_back_into(own_ != nullptr ? std::move(*own_)
+                                  : copy_with_room(input_, at(input_.n_cells()) + part_.whole_cell.size(),
+                                                   at(input_.n_nodes()) + n_more));
+    borders_ = mesh::find_borders(comm_, part_.mesh);
   }
 
   /// Widens the part around these of its cells, which have open faces. False: there were none on any rank.
@@ -105,9 +130,8 @@ class EarlyPasses {
     if (!comm_.any(!cells.empty())) return false;
     std::vector<LocalId> seeds;
     for (const auto c : cells) seeds.push_back(part_.whole_cell[at(c)]);
-    auto holds = part_.holds;
-    spread(comm_, whole_, seeds, n_layers, holds);
-    use(widen(comm_, whole_, part_, std::move(holds)));
+    spread(comm_, whole_, seeds, n_layers, coverage_);
+    use(widen(comm_, whole_, part_, coverage_));
     return true;
   }
 
@@ -206,7 +230,7 @@ class EarlyPasses {
     part.mesh = std::move(result.mesh);
     part.mesh.cell_origin = std::move(origin);
     part.whole_node = std::move(part_.whole_node);
-    part.holds = std::move(part_.holds);
+    part.is_cut = part_.is_cut;
     part.has_face = std::move(part_.has_face);
     add_to_report(result.report, report_);
     timer_.lap("transfer");
@@ -242,7 +266,8 @@ class EarlyPasses {
   }
 
   Ready finish() && {
-    Ready ready{{}, std::move(part_.requests), std::move(part_.whole_cell), open()};
+    Ready ready{{}, std::move(part_.requests), std::move(part_.whole_cell), open(), {}};
+    if (!is_whole_) ready.members = InputCells{std::move(members_.mesh), std::move(members_.whole_cell)};
     auto& closure = ready.closed.closure;
     closure.marks = std::move(part_.known.marks);
     closure.rebuilt = std::move(part_.known.plans);
@@ -266,10 +291,12 @@ class EarlyPasses {
   WholeMesh whole_;
   const refine::Options& options_;
   StepTimer& timer_;
+  mesh::DistMesh* own_;     ///< the input, if it may be changed
   Report report_;           ///< of the first closing and the passes
   bool cut_faces_conform_;  ///< of the closure that is known
   std::int64_t n_kept_ = 0;
-  MeshPart part_;
+  Coverage coverage_;
+  MeshPart part_, members_;
   mesh::Borders borders_;
   bool is_whole_ = false;
 };
@@ -277,9 +304,9 @@ class EarlyPasses {
 }  // namespace
 
 Ready split_all_early(const par::Comm& comm, const mesh::DistMesh& input, Ready ready, const refine::Options& options,
-                      StepTimer& timer) {
+                      StepTimer& timer, mesh::DistMesh* own) {
   if (!ready.closed.closure.has_early) return ready;
-  return EarlyPasses(comm, input, std::move(ready), options, timer).run();
+  return EarlyPasses(comm, input, std::move(ready), options, timer, own).run();
 }
 
 }  // namespace pamr::adapt

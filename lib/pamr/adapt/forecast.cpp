@@ -60,7 +60,7 @@ Forecast Forecaster::forecast(std::span<const std::uint8_t> flags) const {
   forecast.report = forecast.closure.report;
   std::vector<LocalId> from;  // this rank's cell that each cell of `forecast.mesh` came from
   if (forecast.closure.has_early) {
-    Ready ready{{}, std::move(requests), {}, open_pass(*comm_, *mesh_, borders_, options_)};
+    Ready ready{{}, std::move(requests), {}, open_pass(*comm_, *mesh_, borders_, options_), {}};
     ready.closed.closure = std::move(forecast.closure);
     ready = split_all_early(*comm_, *mesh_, std::move(ready), options_, timer);
     forecast.closure = std::move(ready.closed.closure);

@@ -23,33 +23,49 @@ struct WholeMesh {
   const refine::Closure& closure;
 };
 
+/// Cells that follow each other.
+struct CellRange {
+  LocalId first = 0, count = 0;
+};
+
+/// Which cells of a whole mesh a part has, and which it gets when it is widened next.
+struct Coverage {
+  enum State : std::uint8_t { outside, held, added };
+  std::vector<State> of_cell;
+  std::vector<CellRange> ranges;  ///< those that are added, ascending
+};
+
 /// Some cells of a whole mesh, or what has become of them. A face behind which the whole mesh has a cell, but the part
 /// has not, is *open*: its slot is that of a patch beyond the last. Cells with open faces are those of the whole mesh.
 struct MeshPart {
   mesh::DistMesh mesh;
+  bool is_cut = false;                 ///< false: it was never widened
   std::vector<LocalId> whole_cell;     ///< of each cell: the cell that it came from, or its family's first; ascending
   std::vector<LocalId> whole_node;     ///< of the first nodes, ascending; the nodes after them are new
   std::vector<std::uint8_t> requests;  ///< of each cell
   refine::Carried known;               ///< marks and plans of the closure
-  std::vector<std::uint8_t> holds;     ///< for each cell of the whole mesh whether the part holds it
-  std::vector<std::uint8_t> has_face;  ///< the same of each rank-border face: the cells on both sides
-
-  LocalId open_slot() const { return mesh::patch_to_slot(static_cast<int>(mesh.info.patches.size())); }
+  std::vector<std::uint8_t> has_face;  ///< of each rank-border face of the whole mesh: the cells on both sides are held
 };
 
-/// Cells with an open face, ascending; local.
+/// What stands in the place of a neighbor behind an open face.
+LocalId open_slot(const mesh::MeshInfo& info);
+/// Cells with an open face, ascending. Local.
 std::vector<LocalId> open_cells(const MeshPart& part);
-/// The nodes of open faces, with repeats; local.
+/// The nodes of open faces, with repeats. Local.
 std::vector<LocalId> open_nodes(const MeshPart& part);
 
-/// Adds to `holds` the cells within `n_layers` faces of the seeds (cells of the whole mesh), families as a whole,
-/// across one rank border at most. Collective: one exchange.
+/// Adds the cells within `n_layers` faces of the seeds (cells of the whole mesh), families as a whole, across one rank
+/// border at most. Collective: one exchange.
 void spread(const par::Comm& comm, const WholeMesh& whole, const std::vector<LocalId>& seeds, int n_layers,
-            std::vector<std::uint8_t>& holds);
+            Coverage& coverage);
+/// Adds all cells that are not held. Local.
+void cover_all(Coverage& coverage);
+/// Only the cells that are held. Local.
+Coverage held_of(const Coverage& coverage);
 
-/// The part, none at first, with the cells that `holds` names beyond those that it has already: in the order of the
-/// whole mesh, and with numbers without gaps in that order. With all cells it is the whole mesh, as it has become.
-/// Collective: a scan and two exchanges, and four sparse exchanges where ranks hold no runs of cell numbers.
-MeshPart widen(const par::Comm& comm, const WholeMesh& whole, const MeshPart& part, std::vector<std::uint8_t> holds);
+/// The part with the cells that were added: in the order of the whole mesh, and with numbers without gaps in that
+/// order. The part may be empty at first.
+/// Collective: a scan, a gather and two exchanges, and four sparse ones where ranks hold no runs of cell numbers.
+MeshPart widen(const par::Comm& comm, const WholeMesh& whole, const MeshPart& part, Coverage& coverage);
 
 }  // namespace pamr::adapt

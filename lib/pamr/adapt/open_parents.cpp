@@ -26,6 +26,12 @@ const std::vector<GlobalId>& numbers_of_cells(const mesh::DistMesh& mesh) {
   return mesh.cell_origin.empty() ? mesh.cell_global : mesh.cell_origin;
 }
 
+/// Where a cell is in a list of some, or of all if it is null.
+LocalId place_in(const std::vector<LocalId>* cells, LocalId cell) {
+  if (cells == nullptr) return cell;
+  return static_cast<LocalId>(std::lower_bound(cells->begin(), cells->end(), cell) - cells->begin());
+}
+
 bool depends_on_parent(const mesh::CellField& field, const refine::Options& options) {
   return field.holds_integers() && field.name != options.marks_field &&
          !(field.name == mesh::parent_field && options.parent_field);
@@ -92,8 +98,8 @@ std::vector<OpenParent> find_open_parents(const refine::NumberedMesh& last,
   return open;
 }
 
-void settle_open_parents(const par::Comm& comm, const mesh::DistMesh& input, const std::vector<OpenParent>& open,
-                         const refine::Options& options, mesh::DistMesh& fine) {
+void settle_open_parents(const par::Comm& comm, const mesh::DistMesh& input, const std::vector<LocalId>* cells_here,
+                         const std::vector<OpenParent>& open, const refine::Options& options, mesh::DistMesh& fine) {
   if (!comm.any(!open.empty())) return;
   std::map<Rank, std::vector<Question>> asked;
   std::map<Rank, std::vector<LocalId>> cells;
@@ -108,7 +114,8 @@ void settle_open_parents(const par::Comm& comm, const mesh::DistMesh& input, con
   for (std::size_t i = 0; i < arrived.rank.size(); ++i) {
     answers.push_back({arrived.rank[i], {}});
     for (const auto& [first, centroid] : arrived.from(i))
-      append_answer(input, refine::member_that_holds(input, first, centroid), options, answers.back().item);
+      append_answer(input, refine::member_that_holds(input, place_in(cells_here, first), centroid), options,
+                    answers.back().item);
   }
   const auto answered = comm.sparse_exchange(answers);
   const auto* answer = answered.item.data();  // in ascending order of ranks, as `cells`

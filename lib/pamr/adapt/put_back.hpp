@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "pamr/adapt/mesh_part.hpp"
+#include "pamr/mesh/dist_mesh.hpp"
+#include "pamr/par/comm.hpp"
+#include "pamr/refine/carried.hpp"
+
+namespace pamr::adapt {
+
+/// The whole mesh with the part put back, and what is known of it.
+struct PutBack {
+  std::vector<std::uint8_t> requests;
+  refine::Carried known;
+  std::vector<LocalId> whole_cell;  ///< of each cell, as of a part
+};
+
+/// Makes `mesh`, which is that of `whole` or a copy of it, what it has become, in place: in the order of the whole
+/// mesh, cells numbered without gaps. It gets `cell_origin`. Cost: arrays of cells are moved by the few places that the
+/// part needs more or less; memory only where an array has no room for that. Collective, as `widen`.
+PutBack put_back(const par::Comm& comm, const WholeMesh& whole, const MeshPart& part, Coverage& coverage,
+                 mesh::DistMesh& mesh);
+
+/// A copy with room for so many cells and nodes. Local.
+mesh::DistMesh copy_with_room(const mesh::DistMesh& mesh, std::size_t n_cells, std::size_t n_nodes);
+
+}  // namespace pamr::adapt
