@@ -24,7 +24,7 @@ namespace pamr::adapt {
 namespace {
 
 /// Faces from the early families to the end of the part, and by how many it grows. Most passes stay within three.
-constexpr int n_layers = 4;
+constexpr int n_layers = 6;
 
 /// Adds what one pass did to what is known of those before it.
 void add_to_report(const Report& pass, Report& sum) {
@@ -100,13 +100,13 @@ class EarlyPasses {
   void take_whole() {
     const auto n_more = part_.mesh.node_position.size() - part_.whole_node.size();
     auto mesh = copy_with_room(input_, at(input_.n_cells()) + part_.whole_cell.size(), at(input_.n_nodes()) + n_more);
-    put_back_into(std::move(mesh));
+    put_back_into(std::move(mesh), true);
     borders_ = mesh::find_borders(comm_, part_.mesh);
     is_whole_ = true;
   }
 
-  void put_back_into(mesh::DistMesh mesh) {
-    auto joined = put_back(comm_, whole_, part_, coverage_, mesh);
+  void put_back_into(mesh::DistMesh mesh, bool with_whole_cells) {
+    auto joined = put_back(comm_, whole_, part_, coverage_, with_whole_cells, mesh);
     part_ = {};
     part_.mesh = std::move(mesh);
     part_.whole_cell = std::move(joined.whole_cell);
@@ -119,9 +119,10 @@ class EarlyPasses {
     auto held = held_of(coverage_);
     members_ = widen(comm_, whole_, {}, held);
     const auto n_more = part_.mesh.node_position.size() - part_.whole_node.size();
-    put_back_into(own_ != nullptr ? std::move(*own_)
-                                  : copy_with_room(input_, at(input_.n_cells()) + part_.whole_cell.size(),
-                                                   at(input_.n_nodes()) + n_more));
+    auto mesh = own_ != nullptr ? std::move(*own_)
+                                : copy_with_room(input_, at(input_.n_cells()) + part_.whole_cell.size(),
+                                                 at(input_.n_nodes()) + n_more);
+    put_back_into(std::move(mesh), own_ == nullptr);
     borders_ = mesh::find_borders(comm_, part_.mesh);
   }
 

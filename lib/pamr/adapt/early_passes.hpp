@@ -24,7 +24,8 @@ struct InputCells {
 struct Ready {
   std::optional<mesh::DistMesh> mesh;  ///< empty: the input mesh
   std::vector<std::uint8_t> requests;
-  /// This rank's input cell that each cell came from, or its family's first member; empty without a mesh.
+  /// This rank's input cell that each cell came from, or its family's first member; empty without a mesh, and
+  /// where the input was taken over.
   std::vector<LocalId> input_cell;
   Closed closed;
   /// The input's cells that early passes worked on; empty: ask the input itself.

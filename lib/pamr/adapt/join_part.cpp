@@ -37,6 +37,15 @@ std::vector<GlobalId> first_numbers(const par::Comm& comm, const PartRuns& runs,
 
 }  // namespace
 
+std::vector<LocalId> cells_of_whole(const PartRuns& runs, const MeshPart& before) {
+  std::vector<LocalId> cells;
+  reserve_array(cells, at(runs.n_cells()));
+  for (const auto& run : runs.all())
+    for (auto c = run.from; c < run.from + run.count; ++c)
+      cells.push_back(run.is_of_whole ? c : before.whole_cell[at(c)]);
+  return cells;
+}
+
 std::vector<refine::RebuiltFamily> join_plans(const PartRuns& runs, const WholeMesh& whole, const MeshPart& before) {
   std::vector<refine::RebuiltFamily> plans;
   for (auto plan : whole.closure.rebuilt) {

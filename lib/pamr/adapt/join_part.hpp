@@ -13,6 +13,9 @@
 /// Pieces of widening a part and of putting it back.
 namespace pamr::adapt {
 
+/// `MeshPart::whole_cell` of the cells in their new order. Local.
+std::vector<LocalId> cells_of_whole(const PartRuns& runs, const MeshPart& before);
+
 /// The plans of both, ascending. Local.
 std::vector<refine::RebuiltFamily> join_plans(const PartRuns& runs, const WholeMesh& whole, const MeshPart& before);
 

@@ -26,7 +26,7 @@ class Widener {
     const auto& [mesh, borders, requests, closure] = whole_;
     after_.mesh.info = was_empty() ? mesh.info : before_.mesh.info;
     after_.mesh.info.cut_faces_conform = closure.cut_faces_conform;
-    after_.whole_cell = cells_of_whole();
+    after_.whole_cell = cells_of_whole(runs_, before_);
     after_.requests = runs_.join<std::uint8_t>(requests, before_.requests);
     after_.mesh.lineage = runs_.join<mesh::Lineage>(mesh.lineage, before_.mesh.lineage);
     after_.mesh.cell_origin =
@@ -45,15 +45,6 @@ class Widener {
 
  private:
   bool was_empty() const { return !before_.is_cut; }
-
-  std::vector<LocalId> cells_of_whole() const {
-    std::vector<LocalId> cells;
-    reserve_array(cells, at(runs_.n_cells()));
-    for (const auto& run : runs_.all())
-      for (auto c = run.from; c < run.from + run.count; ++c)
-        cells.push_back(run.is_of_whole ? c : before_.whole_cell[at(c)]);
-    return cells;
-  }
 
   /// The nodes of the whole mesh that are needed, and where they were and are.
   void find_nodes() {

@@ -91,10 +91,16 @@ std::vector<OpenParent> find_open_parents(const refine::NumberedMesh& last,
   const auto& origin = last.mesh.cell_origin;
   std::vector<OpenParent> open;
   if (std::none_of(origin.begin(), origin.end(), [](GlobalId number) { return number < 0; })) return open;
-  const auto parent = refine::parents_of(last, cell_to_node);
-  for (std::size_t c = 0; c < parent.size(); ++c)
-    if (const auto number = origin[at(parent[c])]; number < 0)
-      open.push_back({static_cast<LocalId>(c), number, refine::straight_centroid(last, cell_to_node[c])});
+  const auto& first_child = last.numbering.first_child;
+  for (LocalId c = 0; c < last.mesh.n_cells(); ++c) {
+    const bool is_split = last.closure.action[at(c)] == refine::Action::split;
+    if (first_child[at(c)] == first_child[at(c) + 1] || (is_split && origin[at(c)] >= 0)) continue;
+    for (auto child = first_child[at(c)]; child < first_child[at(c) + 1]; ++child) {
+      const auto centroid = refine::straight_centroid(last, cell_to_node[at(child)]);
+      const auto parent = is_split ? c : refine::member_that_holds(last.mesh, c, centroid);
+      if (origin[at(parent)] < 0) open.push_back({child, origin[at(parent)], centroid});
+    }
+  }
   return open;
 }
 

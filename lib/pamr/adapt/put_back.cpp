@@ -128,16 +128,13 @@ std::vector<mesh::CellNodes> nodes_of_part(const MeshPart& part, LocalId n_nodes
 }  // namespace
 
 PutBack put_back(const par::Comm& comm, const WholeMesh& whole, const MeshPart& part, Coverage& coverage,
-                 mesh::DistMesh& mesh) {
+                 bool with_whole_cells, mesh::DistMesh& mesh) {
   cover_all(coverage);
   const PartRuns runs(part, coverage);
   PutBack result;
   result.requests = runs.join<std::uint8_t>(whole.requests, part.requests);
   result.known = {runs.join<refine::EdgeMask>(whole.closure.marks, part.known.marks), join_plans(runs, whole, part)};
-  reserve_array(result.whole_cell, at(runs.n_cells()));
-  for (const auto& run : runs.all())
-    for (auto c = run.from; c < run.from + run.count; ++c)
-      result.whole_cell.push_back(run.is_of_whole ? c : part.whole_cell[at(c)]);
+  if (with_whole_cells) result.whole_cell = cells_of_whole(runs, part);
 
   // what is read of the whole mesh, before it is changed
   const auto n_nodes_before = mesh.n_nodes();

@@ -16,14 +16,14 @@ namespace pamr::adapt {
 struct PutBack {
   std::vector<std::uint8_t> requests;
   refine::Carried known;
-  std::vector<LocalId> whole_cell;  ///< of each cell, as of a part
+  std::vector<LocalId> whole_cell;  ///< of each cell, as of a part; empty if nobody wants it
 };
 
 /// Makes `mesh`, which is that of `whole` or a copy of it, what it has become, in place: in the order of the whole
 /// mesh, cells numbered without gaps. It gets `cell_origin`. Cost: arrays of cells are moved by the few places that the
 /// part needs more or less; memory only where an array has no room for that. Collective, as `widen`.
 PutBack put_back(const par::Comm& comm, const WholeMesh& whole, const MeshPart& part, Coverage& coverage,
-                 mesh::DistMesh& mesh);
+                 bool with_whole_cells, mesh::DistMesh& mesh);
 
 /// A copy with room for so many cells and nodes. Local.
 mesh::DistMesh copy_with_room(const mesh::DistMesh& mesh, std::size_t n_cells, std::size_t n_nodes);
