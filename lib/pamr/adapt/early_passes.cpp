@@ -23,7 +23,7 @@ namespace pamr::adapt {
 
 namespace {
 
-/// Faces from the early families to the end of the part, and by how many it grows. Most passes stay within three.
+/// Faces from the early families to the end of the part, and by how many it grows: few passes go farther.
 constexpr int n_layers = 6;
 
 /// Adds what one pass did to what is known of those before it.
@@ -229,6 +229,8 @@ class EarlyPasses {
     without_parent.parent_field = false;
     auto result = transfer_pass(part_.mesh, std::move(pass), std::move(made), without_parent);
     part.mesh = std::move(result.mesh);
+    if (options_.parent_field)  // made anew at the end
+      std::erase_if(part.mesh.cell_fields, [](const auto& field) { return field.name == mesh::parent_field; });
     part.mesh.cell_origin = std::move(origin);
     part.whole_node = std::move(part_.whole_node);
     part.is_cut = part_.is_cut;
