@@ -89,18 +89,6 @@ int best_positive_state(const SplitPoints& points, const StateChoice& choice) {
   return best;
 }
 
-int choose_state(const SplitPoints& points, const FamilyView& family, bool is_safe) {
-  if (family.parent_marks == all_edges) {
-    const int state = regular_state + choose_diagonal(points, is_safe);
-    return is_safe || all_children_positive(points, state) ? state : 0;
-  }
-  if (const int only = is_safe ? only_state(family.parent_marks) : 0; only != 0) return only;
-  const auto& before = mesh::closure_states[at(family.state)];
-  const CellShape shape({points[0], points[1], points[2], points[3]}, {before.mask, before.cuts});
-  if (is_safe) return shape.best_state(family.parent_marks);
-  return best_positive_state(points, states_of_marks[family.parent_marks][shape.cuts(family.parent_marks)]);
-}
-
 /// How a child is split that has these marks. At a corner with three marked edges all six edges of the child exist.
 int state_of_child(const geometry::TetPoints& corner, const CellShape& shape, EdgeMask marks) {
   if (marks != all_edges) return shape.best_state(marks);
@@ -188,13 +176,25 @@ SplitPoints family_points(const mesh::DistMesh& mesh, const FamilyView& family) 
   return points;
 }
 
+int choose_state(const SplitPoints& points, EdgeMask marks, int before, bool is_safe) {
+  if (marks == all_edges) {
+    const int state = regular_state + choose_diagonal(points, is_safe);
+    return is_safe || all_children_positive(points, state) ? state : 0;
+  }
+  if (const int only = is_safe ? only_state(marks) : 0; only != 0) return only;
+  const auto& known = mesh::closure_states[at(before)];
+  const CellShape shape({points[0], points[1], points[2], points[3]}, {known.mask, known.cuts});
+  if (is_safe) return shape.best_state(marks);
+  return best_positive_state(points, states_of_marks[marks][shape.cuts(marks)]);
+}
+
 FamilyPlan plan_family(const mesh::DistMesh& mesh, const FamilyView& family, double shape_floor) {
   FamilyPlan result;
   auto& plan = result.family;
   plan.first = family.first;
   const auto points = family_points(mesh, family);
   plan.is_safe = is_straight(points, split_pattern[at(family.state)].mask) && is_far_from_flat(points);
-  plan.state = static_cast<SplitState>(choose_state(points, family, plan.is_safe));
+  plan.state = static_cast<SplitState>(choose_state(points, family.parent_marks, family.state, plan.is_safe));
   if (plan.state == 0) return result;
   const auto& pattern = split_pattern[plan.state];
   plan.n_children = static_cast<std::uint8_t>(pattern.n_children);

@@ -67,6 +67,11 @@ FamilyView view_family(const mesh::DistMesh& mesh, const std::vector<EdgeMask>& 
 /// the middle of their edge.
 SplitPoints family_points(const mesh::DistMesh& mesh, const FamilyView& family);
 
+/// How a parent with these marks is split. `before`: state of the family that replaces it, whose cuts stay where a face
+/// keeps its two marks; 0: there is none. `is_safe`: the midpoints lie in the middle of their edges, and the cell is
+/// far from flat; otherwise only states count whose cells are positive where the nodes lie. 0: there is none.
+int choose_state(const SplitPoints& points, EdgeMask marks, int before, bool is_safe);
+
 struct FamilyPlan {
   RebuiltFamily family;
   /// Edges of members that the marks of the children of a red parent imply, beyond those that they have.

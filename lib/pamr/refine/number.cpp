@@ -14,6 +14,7 @@
 #include "pamr/base/prefetch.hpp"
 #include "pamr/mesh/cell_runs.hpp"
 #include "pamr/mesh/local_size.hpp"
+#include "pamr/mesh/offsets.hpp"
 #include "pamr/mesh/ring.hpp"
 
 namespace pamr::refine {
@@ -203,31 +204,6 @@ LocalId find_cell(const mesh::DistMesh& mesh, GlobalId global) {
                                                              : invalid_local;
 }
 
-/// `offset[i]`: `start` and the counts before entry i, those of lower ranks included. Collective.
-void accumulate(const par::Comm& comm, std::span<const std::uint8_t> counts, GlobalId start,
-                std::vector<GlobalId>& offset) {
-  const auto sum = std::accumulate(counts.begin(), counts.end(), GlobalId{0});
-  auto next = start + comm.exclusive_sum(sum);
-  reserve_array(offset, counts.size());
-  for (const auto count : counts) {
-    offset.push_back(next);
-    next += count;
-  }
-}
-
-std::vector<GlobalId> offsets_of(const par::Comm& comm, const mesh::DistMesh& mesh, bool in_runs,
-                                 std::span<const std::uint8_t> counts, GlobalId start) {
-  std::vector<GlobalId> offset;
-  if (in_runs) {
-    accumulate(comm, counts, start, offset);
-    return offset;
-  }
-  const auto all = mesh.info.cell_ids();
-  const auto block = par::scatter_rows<std::uint8_t>(comm, all, counts, 1, mesh.cell_global);
-  accumulate(comm, block, start, offset);
-  return par::fetch_rows<GlobalId>(comm, all, offset, 1, mesh.cell_global);
-}
-
 void number_nodes(const par::Comm& comm, const mesh::DistMesh& mesh, const par::Pattern& marked, const Closure& closure,
                   const std::vector<SharedEdge>& shared, const std::vector<LocalId>& shared_node,
                   const std::vector<GlobalId>& offset, Numbering& numbering) {
@@ -285,9 +261,9 @@ Numbering number(const par::Comm& comm, const mesh::DistMesh& mesh, const mesh::
                            "refined mesh");
 
   const bool in_runs = !mesh::cell_runs(comm, mesh).empty();  // then one exclusive sum does
-  const auto node_offset = offsets_of(comm, mesh, in_runs, counts.nodes, mesh.info.node_ids().end());
+  const auto node_offset = mesh::cell_offsets(comm, mesh, in_runs, counts.nodes, mesh.info.node_ids().end());
   number_nodes(comm, mesh, marked, closure, shared, shared_node, node_offset, numbering);
-  numbering.first_child_global = offsets_of(comm, mesh, in_runs, counts.cells, mesh.info.first_id);
+  numbering.first_child_global = mesh::cell_offsets(comm, mesh, in_runs, counts.cells, mesh.info.first_id);
 
   std::int64_t n_nodes = 0, n_cells = 0;
   reserve_array(numbering.first_child, counts.cells.size() + 1);

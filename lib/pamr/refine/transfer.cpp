@@ -139,18 +139,22 @@ Vec3 straight_centroid(const NumberedMesh& old, const mesh::CellNodes& child) {
   return centroid;
 }
 
-LocalId member_that_holds(const mesh::DistMesh& mesh, LocalId first, Vec3 point) {
+LocalId cell_that_holds(const mesh::DistMesh& mesh, LocalId first, LocalId end, Vec3 point) {
   LocalId best = first;
   double deepest = -std::numeric_limits<double>::infinity();
-  for (LocalId member = first; member < first + mesh.lineage[at(first)].family_size(); ++member) {
-    const double depth = depth_in(mesh.points(member), point);
-    if (depth >= -0x1p-40) return member;
+  for (LocalId cell = first; cell < end; ++cell) {
+    const double depth = depth_in(mesh.points(cell), point);
+    if (depth >= -0x1p-40) return cell;
     if (depth > deepest) {
       deepest = depth;
-      best = member;
+      best = cell;
     }
   }
   return best;
+}
+
+LocalId member_that_holds(const mesh::DistMesh& mesh, LocalId first, Vec3 point) {
+  return cell_that_holds(mesh, first, first + mesh.lineage[at(first)].family_size(), point);
 }
 
 std::vector<LocalId> parents_of(const NumberedMesh& old, const std::vector<mesh::CellNodes>& cell_to_node) {

@@ -35,8 +35,11 @@ Fields transfer(const NumberedMesh& old, const std::vector<mesh::CellNodes>& cel
 /// The centroid of a child while new nodes still lie on their edges. Local.
 geometry::Vec3 straight_centroid(const NumberedMesh& old, const mesh::CellNodes& child);
 
-/// The member of the family beginning at `first` that holds a point of the family's parent. To rounding: the first in
-/// which the point lies no deeper outside than 2^-40 of its height, else the one in which it lies least outside. Local.
+/// The one of the cells from `first` to before `end` that holds a point. To rounding: the first in which the point lies
+/// no deeper outside than 2^-40 of its height, else the one in which it lies least outside. Local.
+LocalId cell_that_holds(const mesh::DistMesh& mesh, LocalId first, LocalId end, geometry::Vec3 point);
+
+/// The same among the members of the family beginning at `first`, for a point of the family's parent. Local.
 LocalId member_that_holds(const mesh::DistMesh& mesh, LocalId first, geometry::Vec3 point);
 
 /// For each child the old cell that holds its centroid. Local.

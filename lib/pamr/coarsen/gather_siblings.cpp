@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "pamr/coarsen/gather_siblings.hpp"
+
+#include <algorithm>
+
+#include "pamr/base/index.hpp"
+#include "pamr/coarsen/octets.hpp"
+#include "pamr/par/exchange.hpp"
+
+namespace pamr::coarsen {
+
+namespace {
+
+constexpr GlobalId max_octet_size = 8 * mesh::max_family_size;
+
+/// A base cell that may go, without all of its siblings.
+struct Lone {
+  GlobalId number = 0;  ///< of its first cell
+  std::uint64_t parent = 0;
+  std::int32_t size = 0;
+  std::int32_t child = 0;
+  Rank rank = 0;
+  LocalId first = invalid_local;  ///< on its rank
+};
+
+struct Answer {
+  LocalId first = invalid_local;
+  Rank destination = 0;
+};
+
+/// Those of this rank that are in no octet here.
+std::vector<Lone> find_lone(const mesh::DistMesh& mesh, std::span<const std::int8_t> flags, Rank here) {
+  const auto octets = find_octets(mesh, flags).octets;
+  auto next = octets.begin();
+  std::vector<Lone> lone;
+  LocalId end = 0;
+  for (LocalId c = 0; c < mesh.n_cells(); c = end) {
+    if (next != octets.end() && next->first == c) {
+      end = next++->end;
+      continue;
+    }
+    end = end_of_base_cell(mesh, c);
+    const auto base = mesh.lineage[at(c)].base();
+    if (base.depth() == 0 || !base_cell_may_go(mesh, flags, c)) continue;
+    lone.push_back({mesh.cell_global[at(c)], base.red_parent().bits(), end - c, base.child_number(), here, c});
+  }
+  return lone;
+}
+
+/// Asks the blocks in which an octet with each of these cells may begin.
+std::vector<par::Outgoing<Lone>> questions_about(const par::Comm& comm, IdRange cells, const std::vector<Lone>& lone) {
+  std::vector<par::Outgoing<Lone>> by_rank(at(comm.size()));
+  for (const auto& cell : lone) {
+    const auto from = par::block_of(std::max(cells.first, cell.number - max_octet_size), cells, comm.size());
+    for (auto r = from; r <= par::block_of(cell.number, cells, comm.size()); ++r) by_rank[at(r)].item.push_back(cell);
+  }
+  std::vector<par::Outgoing<Lone>> questions;
+  for (Rank r = 0; r < comm.size(); ++r)
+    if (!by_rank[at(r)].item.empty()) questions.push_back({r, std::move(by_rank[at(r)].item)});
+  return questions;
+}
+
+bool are_siblings(std::span<const Lone> cells) {
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    if (cells[i].child != static_cast<std::int32_t>(i) || cells[i].parent != cells[0].parent) return false;
+    if (i > 0 && cells[i].number != cells[i - 1].number + cells[i - 1].size) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+std::vector<Rank> gather_siblings(const par::Comm& comm, const mesh::DistMesh& mesh,
+                                  std::span<const std::int8_t> flags) {
+  if (comm.size() == 1) return {};
+  const auto lone = find_lone(mesh, flags, comm.rank());
+  if (!comm.any(!lone.empty())) return {};
+  const auto cells = mesh.info.cell_ids();
+  auto asked = comm.sparse_exchange(questions_about(comm, cells, lone)).item;
+  std::sort(asked.begin(), asked.end(), [](const Lone& a, const Lone& b) { return a.number < b.number; });
+
+  const auto block = par::block_range(cells, comm.rank(), comm.size());
+  std::vector<par::Outgoing<Answer>> by_rank(at(comm.size()));
+  for (std::size_t i = 0; i + 8 <= asked.size(); ++i) {
+    const auto octet = std::span<const Lone>(asked).subspan(i, 8);
+    if (octet[0].number < block.begin || octet[0].number >= block.end || !are_siblings(octet)) continue;
+    for (const auto& cell : octet)
+      if (cell.rank != octet[0].rank) by_rank[at(cell.rank)].item.push_back({cell.first, octet[0].rank});
+  }
+  std::vector<par::Outgoing<Answer>> answers;
+  for (Rank r = 0; r < comm.size(); ++r)
+    if (!by_rank[at(r)].item.empty()) answers.push_back({r, std::move(by_rank[at(r)].item)});
+  const auto answered = comm.sparse_exchange(answers).item;
+  if (!comm.any(!answered.empty())) return {};
+  std::vector<Rank> destination(at(mesh.n_cells()), comm.rank());
+  for (const auto& [first, rank] : answered)
+    std::fill(destination.begin() + first, destination.begin() + end_of_base_cell(mesh, first), rank);
+  return destination;
+}
+
+}  // namespace pamr::coarsen
