@@ -13,6 +13,7 @@
 #include "pamr/base/contract.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/base/index.hpp"
+#include "pamr/coarsen/coarse_fields.hpp"
 #include "pamr/coarsen/coarsen.hpp"
 #include "pamr/coarsen/gather_siblings.hpp"
 #include "pamr/refine/close.hpp"
@@ -91,33 +92,53 @@ coarsen::FieldRules rules_of(const AdaptOptions& options) {
   return rules;
 }
 
-/// What was taken back; no mesh if that is nothing.
+/// What was taken back.
 struct TakenBack {
-  std::optional<coarsen::Coarsened> coarse;
+  std::optional<mesh::DistMesh> mesh;  ///< nothing if that is nothing
+  std::vector<std::uint8_t> flags;     ///< of its cells: 1 to split
+  std::vector<coarsen::Merged> merged;
   CoarseningReport report;
 };
 
+/// Takes back what neither the closure of the remaining splits nor refining needs. What refining needs shows when the
+/// coarse mesh is closed: nodes of the old mesh that are marked there stay, and it is settled again with them, until
+/// there is none. Each of them is needed by what remains for certain, so the result is the same as if all had been
+/// settled at once.
 TakenBack take_back(const par::Comm& comm, const mesh::DistMesh& mesh, const Flags& flags, const AdaptOptions& options,
                     CoarseningReport report, StepTimer& timer) {
   const auto borders = mesh::find_borders(comm, mesh);
   auto [octets, asked] = coarsen::find_octets(mesh, flags);
   timer.lap("preprocessing");
-  std::vector<refine::EdgeMask> marks;
-  if (comm.any(!octets.empty()) && comm.any(has_flag(flags, 1))) {
-    const auto limited = limit_depth(mesh, to_split(flags));
-    marks = refine::close(comm, mesh, borders, refine::requests_of_flags(limited.flags), options.refinement).marks;
+  const bool any_split = comm.any(has_flag(flags, 1));
+  std::vector<LocalId> needed;
+  for (;;) {
+    const auto settled =
+        coarsen::settle_octets(comm, mesh, borders, octets, flags, needed, options.refinement.shape_floor);
+    TakenBack taken{{}, {}, {}, make_report(comm, asked, settled.outcome, report)};
+    taken.report.cells_between = mesh.info.n_global_cells;
+    timer.lap("coarsen");
+    if (!comm.any(!settled.groups.empty())) return taken;
+    auto coarse = coarsen::take_back(comm, mesh, settled, flags);
+    timer.lap("coarsen");
+    if (any_split) {
+      const auto requests = refine::requests_of_flags(limit_depth(coarse.mesh, coarse.flags).flags);
+      const auto closure =
+          refine::close(comm, coarse.mesh, mesh::find_borders(comm, coarse.mesh), requests, options.refinement);
+      const auto more = coarsen::find_needed_nodes(settled, coarse, closure.marks);
+      timer.lap("close");
+      if (comm.any(!more.empty())) {
+        needed.insert(needed.end(), more.begin(), more.end());
+        continue;
+      }
+    }
+    coarsen::carry_fields(comm, mesh, settled.groups, coarse.places, coarse.old_node, rules_of(options), coarse.mesh);
+    taken.merged = coarsen::find_merged(mesh, settled.groups, coarse.places, coarse.mesh);
+    taken.report.cells_between = coarse.mesh.info.n_global_cells;
+    taken.mesh = std::move(coarse.mesh);
+    taken.flags = std::move(coarse.flags);
+    timer.lap("coarsen");
+    return taken;
   }
-  timer.lap("close");
-  const auto settled =
-      coarsen::settle_octets(comm, mesh, borders, std::move(octets), marks, options.refinement.shape_floor);
-  TakenBack taken{{}, make_report(comm, asked, settled.outcome, report)};
-  taken.report.cells_between = mesh.info.n_global_cells;
-  if (comm.any(!settled.groups.empty())) {
-    taken.coarse = coarsen::take_back(comm, mesh, settled, flags, rules_of(options));
-    taken.report.cells_between = taken.coarse->mesh.info.n_global_cells;
-  }
-  timer.lap("coarsen");
-  return taken;
 }
 
 /// The mesh is complete as it is: nothing is to be split or put onto a surface.
@@ -161,14 +182,14 @@ AdaptResult adapt(const par::Comm& comm, const mesh::DistMesh& mesh, std::span<c
   CoarseningReport report;
   const auto gathered = gather(comm, mesh, signs, report);
   timer.lap("balance");
-  auto [coarse, coarsening] = take_back(comm, gathered ? *gathered : mesh, signs, options, report, timer);
-  if (!coarse)
-    return as_one(refined(gathered ? *gathered : mesh, to_split(signs)), coarsening, {}, sizes, timer,
+  auto taken = take_back(comm, gathered ? *gathered : mesh, signs, options, report, timer);
+  if (!taken.mesh)
+    return as_one(refined(gathered ? *gathered : mesh, to_split(signs)), taken.report, {}, sizes, timer,
                   comm.traffic() - before);
-  PAMR_ENSURES_AUDIT(validate::validate(comm, coarse->mesh).empty());
-  const bool has_more = comm.any(has_flag(signs, 1) || is_off_surface(coarse->mesh));
-  auto result = has_more ? refined(coarse->mesh, coarse->flags) : complete(std::move(coarse->mesh), options.refinement);
-  return as_one(std::move(result), coarsening, std::move(coarse->merged), sizes, timer, comm.traffic() - before);
+  PAMR_ENSURES_AUDIT(validate::validate(comm, *taken.mesh).empty());
+  const bool has_more = comm.any(has_flag(signs, 1) || is_off_surface(*taken.mesh));
+  auto result = has_more ? refined(*taken.mesh, taken.flags) : complete(*std::move(taken.mesh), options.refinement);
+  return as_one(std::move(result), taken.report, std::move(taken.merged), sizes, timer, comm.traffic() - before);
 }
 
 AdaptResult adapt(const par::Comm& comm, mesh::DistMesh&& mesh, std::span<const std::int8_t> flags,
@@ -185,15 +206,15 @@ AdaptResult adapt(const par::Comm& comm, mesh::DistMesh&& mesh, std::span<const 
   CoarseningReport report;
   if (auto gathered = gather(comm, mesh, signs, report)) mesh = *std::move(gathered);
   timer.lap("balance");
-  auto [coarse, coarsening] = take_back(comm, mesh, signs, options, report, timer);
-  if (!coarse)
-    return as_one(refined(std::move(mesh), to_split(signs)), coarsening, {}, sizes, timer, comm.traffic() - before);
-  PAMR_ENSURES_AUDIT(validate::validate(comm, coarse->mesh).empty());
+  auto taken = take_back(comm, mesh, signs, options, report, timer);
+  if (!taken.mesh)
+    return as_one(refined(std::move(mesh), to_split(signs)), taken.report, {}, sizes, timer, comm.traffic() - before);
+  PAMR_ENSURES_AUDIT(validate::validate(comm, *taken.mesh).empty());
   mesh = {};
-  const bool has_more = comm.size() > 1 || has_flag(signs, 1) || is_off_surface(coarse->mesh);
-  auto result = has_more ? refined(std::move(coarse->mesh), coarse->flags)
-                         : complete(std::move(coarse->mesh), options.refinement);
-  return as_one(std::move(result), coarsening, std::move(coarse->merged), sizes, timer, comm.traffic() - before);
+  const bool has_more = comm.size() > 1 || has_flag(signs, 1) || is_off_surface(*taken.mesh);
+  auto result =
+      has_more ? refined(*std::move(taken.mesh), taken.flags) : complete(*std::move(taken.mesh), options.refinement);
+  return as_one(std::move(result), taken.report, std::move(taken.merged), sizes, timer, comm.traffic() - before);
 }
 
 }  // namespace pamr::adapt

@@ -2,13 +2,14 @@
 #include "pamr/coarsen/coarsen.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <utility>
 
 #include "pamr/base/contract.hpp"
 #include "pamr/base/memory.hpp"
-#include "pamr/coarsen/coarse_links.hpp"
 #include "pamr/mesh/cell_runs.hpp"
 #include "pamr/mesh/offsets.hpp"
+#include "pamr/refine/family.hpp"
 
 namespace pamr::coarsen {
 
@@ -120,16 +121,17 @@ void make_cells(const mesh::DistMesh& old, std::span<const Group> groups, const 
 }  // namespace
 
 Coarsened take_back(const par::Comm& comm, const mesh::DistMesh& mesh, const Settled& settled,
-                    std::span<const std::int8_t> flags, const FieldRules& rules) {
+                    std::span<const std::int8_t> flags) {
   Coarsened result;
   auto& coarse = result.mesh;
   coarse.info = mesh.info;
   const auto& groups = settled.groups;
   std::vector<std::uint8_t> counts;
-  const auto places = find_places(mesh, groups, counts);
+  result.places = find_places(mesh, groups, counts);
+  const auto& places = result.places;
   std::vector<LocalId> new_node;
-  const auto old_node = find_nodes(settled.node_stays, new_node);
-  place_nodes(mesh, old_node, mesh::node_offsets(comm, mesh, settled.node_stays, mesh.info.first_id), coarse);
+  result.old_node = find_nodes(settled.node_stays, new_node);
+  place_nodes(mesh, result.old_node, mesh::node_offsets(comm, mesh, settled.node_stays, mesh.info.first_id), coarse);
   const bool in_runs = !mesh::cell_runs(comm, mesh).empty();
   make_cells(mesh, groups, places, new_node, mesh::cell_offsets(comm, mesh, in_runs, counts, mesh.info.first_id),
              coarse);
@@ -138,12 +140,28 @@ Coarsened take_back(const par::Comm& comm, const mesh::DistMesh& mesh, const Set
   for (const auto number : coarse.node_global) last = std::max(last, number);
   coarse.info.n_global_nodes = comm.max(last) + 1 - mesh.info.first_id;
   link_coarse(comm, mesh, groups, places, coarse);
-  carry_fields(comm, mesh, groups, places, old_node, rules, coarse);
-  result.merged = find_merged(mesh, groups, places, coarse);
   assign_array(result.flags, coarse.cell_to_node.size(), std::uint8_t{0});
   for (LocalId c = 0; c < mesh.n_cells(); ++c)
     if (flags[at(c)] > 0 && !places.is_in_group(c)) result.flags[at(places.cell[at(c)])] = 1;
   return result;
+}
+
+std::vector<LocalId> find_needed_nodes(const Settled& settled, const Coarsened& coarse,
+                                       std::span<const refine::EdgeMask> marks) {
+  std::vector<LocalId> needed;
+  for (std::size_t g = 0; g < settled.groups.size(); ++g) {
+    const auto& group = settled.groups[g];
+    const auto& table = refine::family_table[group.now];
+    for (int child = 0; child < refine::split_pattern[group.now].n_children; ++child)
+      for (unsigned rest = marks[at(coarse.places.first_of_group[g] + child)]; rest != 0; rest &= rest - 1) {
+        const int e = std::countr_zero(rest);
+        const auto edge = group.now == 0 ? refine::FamilyEdge{refine::EdgeRole::parent, static_cast<std::int8_t>(e)}
+                                         : table.edge[at(child)][at(e)];
+        if (edge.role != refine::EdgeRole::parent) continue;
+        if (const auto node = group.node[at(4 + edge.parent_edge)]; node != invalid_local) needed.push_back(node);
+      }
+  }
+  return needed;
 }
 
 }  // namespace pamr::coarsen

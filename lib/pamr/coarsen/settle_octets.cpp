@@ -30,10 +30,12 @@ struct Open {
 
 class Settling {
  public:
-  Settling(const mesh::DistMesh& mesh, std::vector<Group> octets, std::span<const EdgeMask> marks, double shape_floor)
-      : mesh_(mesh), marks_(marks), shape_floor_(shape_floor) {
+  Settling(const mesh::DistMesh& mesh, const std::vector<Group>& octets, std::span<const std::int8_t> flags,
+           const std::vector<LocalId>& needed, double shape_floor)
+      : mesh_(mesh), flags_(flags), shape_floor_(shape_floor) {
     assign_array(stays_, at(mesh.n_nodes()), std::uint8_t{0});
-    start(std::move(octets));
+    for (const auto node : needed) stay(node);
+    start(octets);
   }
 
   /// Applies the rules until nothing changes on this rank.
@@ -95,24 +97,16 @@ class Settling {
     return std::exchange(stays, std::uint8_t{1}) == 0;
   }
 
-  bool any_is_marked(LocalId first, LocalId end) const {
-    if (marks_.empty()) return false;
-    return std::any_of(marks_.begin() + first, marks_.begin() + end, [](EdgeMask m) { return m != 0; });
-  }
-
-  void start(std::vector<Group> octets) {
+  void start(const std::vector<Group>& octets) {
     auto octet = octets.begin();
     LocalId end = 0;
     for (LocalId c = 0; c < mesh_.n_cells(); c = end) {
       if (octet != octets.end() && octet->first == c) {
-        const auto& group = *octet++;
-        if (!any_is_marked(group.first, group.end)) {
-          end = group.end;
-          for (int corner = 0; corner < 4; ++corner) stay(group.node[at(corner)]);
-          open_.push_back({group, 0, false, group.end - group.first > 8});
-          continue;
-        }
-        ++n_needed_;
+        end = octet->end;
+        for (int corner = 0; corner < 4; ++corner) stay(octet->node[at(corner)]);
+        open_.push_back({*octet, 0, false, octet->end - octet->first > 8});
+        ++octet;
+        continue;
       }
       end = end_of_base_cell(mesh_, c);
       start_base_cell(c, end);
@@ -120,7 +114,9 @@ class Settling {
   }
 
   void start_base_cell(LocalId first, LocalId end) {
-    if (mesh_.lineage[at(first)].is_removable() && !any_is_marked(first, end)) {
+    const bool becomes_eight =
+        std::any_of(flags_.begin() + first, flags_.begin() + end, [](std::int8_t flag) { return flag > 0; });
+    if (mesh_.lineage[at(first)].is_removable() && !becomes_eight) {
       const auto family = family_group(mesh_, first);
       for (int corner = 0; corner < 4; ++corner) stay(family.node[at(corner)]);
       open_.push_back({family, 0, false, false});
@@ -230,7 +226,7 @@ class Settling {
   }
 
   const mesh::DistMesh& mesh_;
-  std::span<const EdgeMask> marks_;
+  std::span<const std::int8_t> flags_;
   double shape_floor_;
   std::vector<std::uint8_t> stays_;
   std::vector<Open> open_;
@@ -240,8 +236,9 @@ class Settling {
 }  // namespace
 
 Settled settle_octets(const par::Comm& comm, const mesh::DistMesh& mesh, const mesh::Borders& borders,
-                      std::vector<Group> octets, std::span<const EdgeMask> marks, double shape_floor) {
-  Settling settling(mesh, std::move(octets), marks, shape_floor);
+                      const std::vector<Group>& octets, std::span<const std::int8_t> flags,
+                      const std::vector<LocalId>& needed, double shape_floor) {
+  Settling settling(mesh, octets, flags, needed, shape_floor);
   const par::Exchange exchange(comm, borders.nodes);
   const auto& shared = borders.nodes.item;
   int rounds = 0;

@@ -16,7 +16,7 @@ namespace pamr::coarsen {
 /// Counts over all ranks of what came of the octets all of whose cells may go.
 struct Outcome {
   std::int64_t octets_gone = 0;
-  std::int64_t octets_needed = 0;    ///< stay because the closure of what remains, or refining, needs them
+  std::int64_t octets_needed = 0;    ///< stay because the closure of what remains needs them
   std::int64_t octets_kept = 0;      ///< stay because their parent, closed as it would have to be, had an inverted cell
   std::int64_t families_closed = 0;  ///< closure families that are closed anew, with fewer marks
   std::int64_t families_kept = 0;    ///< those that stay because a cell would be inverted
@@ -38,10 +38,11 @@ struct Settled {
 /// Then each parent and each family that is to be closed anew is looked at: if it would have an inverted cell where the
 /// nodes lie, it stays as it is (all of them together), and marks are settled again, until there is none.
 ///
-/// `marks`: of closing the mesh with all that is to be refined; octets and families with marks stay; empty: nothing is
-/// refined. Collective: k rounds of an exchange of a byte for each shared node and a reduction. Cost: one pass over the
-/// cells, and per sweep one over the octets and the families beside them.
+/// `flags`: of each cell; a family with a flag above 0 keeps its nodes, because its parent becomes eight. `needed`:
+/// nodes that stay in any case. Collective: k rounds of an exchange of a byte for each shared node and a reduction.
+/// Cost: one pass over the cells, and per sweep one over the octets and the families beside them.
 Settled settle_octets(const par::Comm& comm, const mesh::DistMesh& mesh, const mesh::Borders& borders,
-                      std::vector<Group> octets, std::span<const refine::EdgeMask> marks, double shape_floor);
+                      const std::vector<Group>& octets, std::span<const std::int8_t> flags,
+                      const std::vector<LocalId>& needed, double shape_floor);
 
 }  // namespace pamr::coarsen

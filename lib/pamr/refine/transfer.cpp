@@ -68,6 +68,10 @@ mesh::NodeField to_nodes(const NumberedMesh& old, const mesh::NodeField& field) 
 template <class Value>
 double family_mean(const mesh::DistMesh& mesh, LocalId first, const Value& value) {
   const auto last = first + mesh.lineage[at(first)].family_size();
+  const double of_first = value(first);  // one value of all stays what it is, whatever rounding says
+  bool is_one = true;
+  for (LocalId m = first + 1; m < last; ++m) is_one = is_one && value(m) == of_first;
+  if (is_one) return of_first;
   double weighted = 0, total = 0;
   for (LocalId m = first; m < last; ++m) {
     const double v = geometry::volume(mesh.points(m));

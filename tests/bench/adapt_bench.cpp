@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What it costs to follow a front: a sphere wanders through a Kuhn cube, cells that it cuts are refined down to a
+// level, and those that it has left may go.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <fstream>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "pamr/adapt/adapt_both_ways.hpp"
+#include "pamr/assemble/assemble.hpp"
+#include "pamr/assemble/kuhn_cube.hpp"
+#include "pamr/base/index.hpp"
+#include "pamr/base/timer.hpp"
+#include "pamr/par/runtime.hpp"
+#include "pamr/validate/validate.hpp"
+
+namespace {
+
+using namespace pamr;
+
+constexpr double radius = 0.3;
+
+/// Cells cut by the sphere about (x, 0.5, 0.5) are split down to `levels`; what lies a cell's width from it may go.
+std::vector<std::int8_t> flags_of(const mesh::DistMesh& mesh, double x, int levels) {
+  std::vector<std::int8_t> flags;
+  flags.reserve(at(mesh.n_cells()));
+  for (LocalId c = 0; c < mesh.n_cells(); ++c) {
+    double nearest = 1e9, farthest = 0, size = 0;
+    const auto points = mesh.points(c);
+    for (const auto p : points) {
+      const double r = norm(p - geometry::Vec3{x, 0.5, 0.5});
+      nearest = std::min(nearest, r);
+      farthest = std::max(farthest, r);
+      size = std::max(size, norm(p - points[0]));
+    }
+    const bool is_cut = nearest < radius && farthest > radius;
+    const bool is_near = nearest < radius + size && farthest > radius - size;
+    flags.push_back(static_cast<std::int8_t>(is_cut && mesh.lineage[at(c)].level() < levels ? 1 : is_near ? 0 : -1));
+  }
+  return flags;
+}
+
+std::size_t status_bytes(const std::string& key) {
+  std::ifstream status("/proc/self/status");
+  for (std::string line; std::getline(status, line);)
+    if (line.rfind(key + ":", 0) == 0) return 1024 * std::strtoull(line.c_str() + key.size() + 1, nullptr, 10);
+  return 0;
+}
+
+/// Forgets the largest memory that this process has held so far.
+void reset_peak() { std::ofstream("/proc/self/clear_refs") << "5"; }
+
+std::string steps_text(const std::vector<StepTime>& steps, double cells) {
+  std::string text;
+  for (const auto& step : steps) text += fmt::format(" {} {:.3f}", step.step, 1e6 * step.compute() / cells);
+  return text;
+}
+
+int run(int n, int levels, int n_steps, double shift) {
+  const par::Comm comm(MPI_COMM_WORLD);
+  auto mesh = assemble::assemble(comm, assemble::kuhn_cube(comm, n));
+  const adapt::AdaptOptions options{{.parent_field = false}, {}, {}};
+  double x = 0.4;
+  for (int level = 0; level < levels; ++level)
+    mesh = adapt::adapt(comm, std::move(mesh), flags_of(mesh, x, levels), options).mesh;
+  for (int step = 0; step < n_steps; ++step) {
+    x += shift;
+    const auto flags = flags_of(mesh, x, levels);
+    comm.barrier();
+    reset_peak();
+    const double cpu = cpu_seconds(), wall = wall_seconds();
+    auto result = adapt::adapt(comm, std::move(mesh), flags, options);
+    const double seconds = cpu_seconds() - cpu, elapsed = wall_seconds() - wall;
+    const auto& [cells_in, cells_out] = std::pair(result.report.cells_in, result.report.cells_out);
+    const auto cells = static_cast<double>(std::max(cells_in, cells_out));
+    const auto peak = static_cast<double>(comm.sum(static_cast<std::int64_t>(status_bytes("VmHWM"))));
+    double compute = 0;
+    for (const auto& s : result.report.steps) compute += s.compute();
+    compute = 1e-6 * static_cast<double>(comm.sum(static_cast<std::int64_t>(1e6 * compute)));
+    mesh = std::move(result.mesh);
+    if (!comm.is_first()) continue;
+    const auto& c = result.coarsening;
+    fmt::print(
+        "{} -> {} -> {} cells, {} marked, {} octets gone, {} needed, {} closed: {:.3f} us a cell ({:.3f} on all "
+        "ranks), {:.2f} s, {:.0f} bytes a cell;{}\n",
+        cells_in, c.cells_between, cells_out, result.report.closure.n_marked, c.octets_gone, c.octets_needed,
+        c.families_closed, 1e6 * seconds / cells, 1e6 * compute / cells, elapsed, peak / cells,
+        steps_text(result.report.steps, cells));
+  }
+  const auto broken = validate::validate(comm, mesh);
+  if (comm.is_first())
+    for (const auto& violation : broken) fmt::print("broken: {}\n", violation.invariant);
+  return broken.empty() ? 0 : 1;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const par::Runtime runtime(argc, argv);
+  if (argc != 5) {
+    fmt::print("Usage: bench_adapt N LEVELS STEPS SHIFT\n");
+    return 2;
+  }
+  return run(std::atoi(argv[1]), std::atoi(argv[2]), std::atoi(argv[3]), std::atof(argv[4]));
+}

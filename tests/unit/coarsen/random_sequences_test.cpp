@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Random sequences of refining and coarsening: what every mesh of them obeys, and that it depends on the splits that
+// remain alone.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <set>
+
+#include "coarsen_case.hpp"
+#include "pamr/geometry/orientation.hpp"
+#include "pamr/geometry/tet_shape.hpp"
+#include "pamr/validate/validate.hpp"
+#include "support/delaunay.hpp"
+#include "support/dice.hpp"
+#include "support/reference.hpp"
+#include "support/reference_family.hpp"
+
+namespace pamr {
+namespace {
+
+using geometry::Vec3;
+
+struct BeforeInSpace {
+  bool operator()(const Vec3& a, const Vec3& b) const { return geometry::lexicographically_less(a, b); }
+};
+/// A cell by where its corners are.
+using Place = std::set<Vec3, BeforeInSpace>;
+struct BeforeByCorners {
+  bool operator()(const Place& a, const Place& b) const {
+    return std::lexicographical_compare(a.begin(), a.end(), b.begin(), b.end(), BeforeInSpace());
+  }
+};
+
+std::vector<Place> places_of_base_cells(const mesh::BlockMesh& whole) {
+  std::vector<Place> places;
+  for (const auto& corners : test::base_cells_of(test::pieces_of(whole))) {
+    places.emplace_back();
+    for (const auto node : corners) places.back().insert(whole.node_position[at(node)]);
+  }
+  return places;
+}
+
+/// By coordinates only: cells of a ball may go, cells cut by another are split.
+std::vector<std::int8_t> random_flags(const mesh::DistMesh& mesh, std::uint64_t seed) {
+  test::Dice dice(mix(seed));
+  const Vec3 center{dice.unit(), dice.unit(), dice.unit()};
+  const double radius = 0.2 + 0.8 * dice.unit();
+  const bool all_go = dice.below(4) == 0;
+  const auto split = test::mark(mesh, test::law_of(seed), combine(seed, 1));
+  const bool some_split = mesh.info.n_global_cells < 2000 && dice.below(3) != 0;
+  std::vector<std::int8_t> flags;
+  for (LocalId c = 0; c < mesh.n_cells(); ++c) {
+    const auto p = mesh.points(c);
+    const auto centroid = 0.25 * (p[0] + p[1] + p[2] + p[3]);
+    const bool goes = all_go || norm(centroid - center) < radius;
+    flags.push_back(static_cast<std::int8_t>(some_split && split[at(c)] != 0 ? 1 : goes ? -1 : 0));
+  }
+  return flags;
+}
+
+/// The mesh of level 0 with the regular splits of another mesh, asked for until all are there.
+mesh::DistMesh with_splits_of(const par::Comm& self, const mesh::BlockMesh& start, const mesh::BlockMesh& other,
+                              const refine::Options& options) {
+  const auto base = places_of_base_cells(other);
+  const std::set<Place, BeforeByCorners> reached(base.begin(), base.end());
+  auto mesh = test::scatter(self, start, 0);
+  for (;;) {
+    std::vector<std::uint8_t> flags;
+    for (const auto& place : places_of_base_cells(test::gather_on(self, mesh, 0)))
+      flags.push_back(reached.count(place) == 0 ? 1 : 0);
+    if (std::count(flags.begin(), flags.end(), 1) == 0) return mesh;
+    mesh = adapt::refine(self, mesh, flags, options).mesh;
+    EXPECT_LE(mesh.n_cells(), std::ssize(other.cell_to_node)) << "more is split than remained";
+    if (mesh.n_cells() > std::ssize(other.cell_to_node)) return mesh;
+  }
+}
+
+constexpr std::array<double, 4> floors{0.3, 0, 0.5, 0.35};
+
+TEST(RandomSequences, LeaveTheClosureOfTheSplitsThatRemain) {
+  const par::Comm world(MPI_COMM_WORLD), self(MPI_COMM_SELF);
+  std::int64_t n_gone = 0, n_needed = 0, n_closed = 0;
+  for (const auto i : test::seeds_alone(world)) {
+    const auto start = test::random_delaunay(i);
+    const double volume = test::reference_volume(start);
+    const adapt::AdaptOptions options{{.shape_floor = floors[i % 4], .parent_field = false}, {}, {}};
+    auto mesh = test::scatter(self, start, 0);
+    for (std::uint64_t step = 0; step < 12; ++step) {
+      SCOPED_TRACE("mesh " + std::to_string(i) + ", step " + std::to_string(step));
+      const auto flags = random_flags(mesh, combine(i, step));
+      auto result = adapt::adapt(self, mesh, flags, options);
+      mesh = std::move(result.mesh);
+      const auto whole = test::gather_on(self, mesh, 0);
+      for (const auto& violation : validate::validate(self, mesh)) FAIL() << violation.invariant;
+      ASSERT_NEAR(test::reference_volume(whole), volume, 1e-12 * volume);
+      ASSERT_EQ(result.coarsening.octets_kept, 0);
+      n_gone += result.coarsening.octets_gone;
+      n_needed += result.coarsening.octets_needed;
+      n_closed += result.coarsening.families_closed;
+      if (step % 4 != 3 && !test::is_full_level()) continue;
+      const auto expected = with_splits_of(self, start, whole, options.refinement);
+      ASSERT_EQ(test::reference_fingerprint(whole), test::reference_fingerprint(test::gather_on(self, expected, 0)));
+    }
+  }
+  EXPECT_GT(world.sum(n_gone), 100);
+  EXPECT_GT(world.sum(n_needed), 0);
+  EXPECT_GT(world.sum(n_closed), 10);
+}
+
+TEST(RandomSequences, GiveTheSameBytesOnAnyRanks) {
+  const par::Comm world(MPI_COMM_WORLD), self(MPI_COMM_SELF);
+  const auto n = test::n_cases_together(world) / 5;
+  std::int64_t n_moved = 0;
+  for (std::uint64_t i = 0; i < n; ++i) {
+    const auto start =
+        i % 2 == 0 ? test::random_delaunay(1000 + i) : test::gather(self, test::bulging_cube(self, i, 0.1));
+    const adapt::AdaptOptions options{{.shape_floor = floors[i % 4], .parent_field = true}, {}, {}};
+    auto serial = test::scatter(self, start, 0);
+    for (std::uint64_t step = 0; step < 5; ++step) {
+      SCOPED_TRACE("mesh " + std::to_string(i) + ", step " + std::to_string(step));
+      const auto spread = test::scatter(world, test::gather(self, serial), combine(i, step));
+      const auto a = adapt::adapt(world, spread, random_flags(spread, combine(i, step)), options);
+      auto b = adapt::adapt(self, serial, random_flags(serial, combine(i, step)), options);
+
+      ASSERT_TRUE(validate::validate(world, a.mesh).empty());
+      const auto all = test::gather(world, a.mesh), here = test::gather(self, b.mesh);
+      ASSERT_TRUE(test::bytes_of(all) == test::bytes_of(here));
+      ASSERT_EQ(all.cell_fields.front().integer(), here.cell_fields.front().integer()) << "parent";
+      EXPECT_EQ(a.coarsening.octets_gone, b.coarsening.octets_gone);
+      EXPECT_EQ(a.coarsening.octets_needed, b.coarsening.octets_needed);
+      EXPECT_EQ(a.coarsening.cells_without_siblings, b.coarsening.cells_without_siblings);
+      n_moved += a.coarsening.cells_moved;
+      serial = std::move(b.mesh);
+    }
+  }
+  if (world.size() > 1) {
+    EXPECT_GT(n_moved, 0);
+  }
+}
+
+}  // namespace
+}  // namespace pamr
