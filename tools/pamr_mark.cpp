@@ -31,7 +31,7 @@ struct Options {
   std::optional<std::int64_t> max_cells;
   std::vector<mark::Given> given;  ///< criteria and limits, in the order of the command line
   int format = io::newest_format;
-  bool all = false, force = false;
+  bool all = false, coarsen_rest = false, force = false;
   double shape_floor = refine::default_shape_floor;
 };
 
@@ -40,7 +40,7 @@ struct OptionHelp {
   const char* type;
   const char* text;
 };
-constexpr std::array<OptionHelp, 19> criteria_help{{
+constexpr std::array<OptionHelp, 21> criteria_help{{
     {"--crossing-sphere", "X,Y,Z,R", "cells whose least corner distance from (X,Y,Z) is below R and greatest above"},
     {"--centroid-shell", "X,Y,Z,R,W", "cells whose centroid is nearer than W to the sphere of radius R"},
     {"--box", "X0,Y0,Z0,X1,Y1,Z1", "cells whose centroid lies in the closed box"},
@@ -57,6 +57,9 @@ constexpr std::array<OptionHelp, 19> criteria_help{{
     {"--bulk", "FRACTION", "of --recovered-error: the fewest cells that carry this part of the squared error"},
     {"--bulk-of", "FIELD[:FRACTION]",
      "the fewest cells that carry this part (0.3) of the sum of a field (an error estimate)"},
+    {"--coarsen-below", "V",
+     "of a criterion with a value: cells that would not meet it with V in its place may go, if no other needs them"},
+    {"--min-level", "L", "cells of level L and below do not go (default 0)"},
     {"--size", "cbrt|longest-edge", "size of a cell: cube root of its volume (default) or longest edge"},
     {"--max-level", "L", "limit: only cells whose base cell has a level below L, so that none becomes finer than L"},
     {"--only-where", "FIELD:above:V", "limit: only cells where this field is above (or below) V"},
@@ -68,6 +71,7 @@ void declare(cli::CommandLine& line, Options& options) {
   line.option("MESH", options.input, "mesh to read").required();
   line.option("-o,--output", options.output, "mesh to write: the same with the cell field of marks").required();
   line.listed_flag("--all", options.all, "every cell");
+  line.listed_flag("--coarsen-rest", options.coarsen_rest, "cells that meet no criterion may go");
   for (const auto& help : criteria_help) line.listed_option(help.name, help.text).type_name(help.type);
   line.option("--max-cells", options.max_cells,
               "limit: cells in falling order of the criterion while the refined mesh has at most N cells")
@@ -120,7 +124,10 @@ cli::ExitCode run(cli::Session& session, const Options& options) {
   const auto nodes_after = forecaster.nodes(*forecast);
 
   session.step("writing " + options.output);
-  mark::set_marks(mesh, marks, options.marks);
+  std::int64_t n_may_go = 0;
+  for (std::size_t c = 0; c < marks.size(); ++c) n_may_go += marks[c] == 0 && applied.may_go[c] != 0 ? 1 : 0;
+  n_may_go = comm.sum(n_may_go);
+  mark::set_marks(mesh, marks, options.marks, applied.may_go);
   balance::set_work(mesh, options.marks, forecaster.work(*forecast));
   io::write_native(comm, options.output, mesh, {.format = options.format});
   nlohmann::json report{{"cells", mesh.info.n_global_cells},
@@ -128,6 +135,7 @@ cli::ExitCode run(cli::Session& session, const Options& options) {
                         {"wanted", n_wanted},
                         {"marked", n_marked},
                         {"marked_too_deep", too_deep},
+                        {"may_go", n_may_go},
                         {"cells_after", forecast->cells},
                         {"nodes_after", nodes_after},
                         {"marks", options.marks},
@@ -141,13 +149,14 @@ cli::ExitCode run(cli::Session& session, const Options& options) {
   if (options.max_cells && mesh.info.n_global_cells > *options.max_cells)
     session.warn(fmt::format("nothing is marked: the mesh has {} cells already, more than --max-cells {}",
                              mesh.info.n_global_cells, *options.max_cells));
-  else if (n_marked == 0)
+  else if (n_marked == 0 && n_may_go == 0)
     session.warn(n_wanted > 0 ? "nothing is marked: not one of the cells that are wanted fits into --max-cells"
                               : "nothing is marked: no cell meets a criterion and every limit");
-  session.summary(fmt::format("{} of {} cells marked{}; {} cells and {} nodes after refinement -> {}", n_marked,
+  session.summary(fmt::format("{} of {} cells marked{}{}; {} cells and {} nodes after refinement{} -> {}", n_marked,
                               mesh.info.n_global_cells,
                               n_wanted > n_marked ? fmt::format(" (of {} wanted)", n_wanted) : std::string(),
-                              forecast->cells, nodes_after, options.output));
+                              request.coarsens() ? fmt::format(", {} may go", n_may_go) : std::string(),
+                              forecast->cells, nodes_after, n_may_go > 0 ? " if none went" : "", options.output));
   return cli::ExitCode::done;
 }
 
@@ -157,7 +166,7 @@ int main(int argc, char** argv) {
   Options options;
   return pamr::cli::run_tool(
       argc, argv,
-      {"pamr-mark", "Marks cells to be refined: those that meet any criterion and every limit.",
+      {"pamr-mark", "Marks cells to be refined: those that meet any criterion and every limit; and cells that may go.",
        "pamr-mesh --shape kuhn-cube --n 4 -o a.hdf && pamr-mark a.hdf -o b.hdf --crossing-sphere 0,0,0,0.6 --patch "
        "xmin"},
       [&](cli::CommandLine& line) { declare(line, options); },

@@ -49,7 +49,8 @@ void declare(cli::CommandLine& line, Options& options) {
   line.option("--method", options.method, "few faces between parts (scotch) or runs of cells in file order (blocks)")
       .one_of({"scotch", "blocks"})
       .show_default();
-  line.option("--marks", options.marks, "of --weights refine and 8/1: integer cell field of marks, 0 keep, 1 split")
+  line.option("--marks", options.marks,
+              "of --weights refine and 8/1: integer cell field of marks, -1 may go, 0 keep, 1 split")
       .show_default();
   line.option("--quality-control", options.quality_control, "of --weights refine: the refinement that is predicted")
       .one_of(refine::quality_control_list())
@@ -67,12 +68,12 @@ std::vector<std::int64_t> weigh(const par::Comm& comm, const mesh::DistMesh& mes
     refine::Options refinement;
     refinement.quality_control = refine::quality_control_named(options.quality_control);
     refinement.shape_floor = options.shape_floor;
-    const auto flags = adapt::flags_from_field(comm, mesh, options.marks);
+    const auto flags = adapt::splits_of(adapt::signed_flags_from_field(comm, mesh, options.marks));
     const auto children = adapt::Forecaster(comm, mesh, refinement).forecast(flags).children;
     return {children.begin(), children.end()};
   }
   if (options.weights == "8/1") {
-    const auto flags = adapt::flags_from_field(comm, mesh, options.marks);
+    const auto flags = adapt::splits_of(adapt::signed_flags_from_field(comm, mesh, options.marks));
     std::vector<std::int64_t> weight(flags.size());
     std::transform(flags.begin(), flags.end(), weight.begin(), [](std::uint8_t flag) { return flag != 0 ? 8 : 1; });
     return weight;

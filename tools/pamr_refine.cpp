@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "cli/run_tool.hpp"
-#include "pamr/adapt/adapt.hpp"
+#include "pamr/adapt/adapt_both_ways.hpp"
 #include "pamr/adapt/depth.hpp"
 #include "pamr/adapt/flags.hpp"
 #include "pamr/adapt/forecast.hpp"
@@ -31,13 +33,15 @@ struct Options {
                              order = "auto";
   double shape_floor = refine::default_shape_floor;
   int format = io::newest_format;
+  std::vector<std::string> integrals;
   bool no_project = false, dry_run = false, force = false, each_rank = false;
 };
 
 void declare(cli::CommandLine& line, Options& options) {
   line.option("MESH", options.input, "mesh to read, with a cell field of marks").required();
   auto output = line.option("-o,--output", options.output, "refined mesh to write");
-  line.option("--marks", options.marks, "integer cell field: 0 keep, 1 split; not in the result").show_default();
+  line.option("--marks", options.marks, "integer cell field: -1 may go, 0 keep, 1 split; not in the result")
+      .show_default();
   line.option("--quality-control", options.quality_control, "what happens to a closure cell that has to be refined")
       .one_of(refine::quality_control_list())
       .show_default();
@@ -57,6 +61,9 @@ void declare(cli::CommandLine& line, Options& options) {
       .one_of({"auto", "keep", "curve"})
       .show_default();
   line.flag("--no-project", options.no_project, "leave new boundary nodes in the middle of their edges");
+  line.option("--integral", options.integrals,
+              "cell field whose sum of value times volume coarsening keeps, at curved walls too; may be repeated")
+      .type_name("FIELD");
   auto dry_run = line.flag("--dry-run", options.dry_run, "print the exact size of the result, split nothing");
   line.option("--format", options.format, cli::format_help).range(io::oldest_format, io::newest_format).show_default();
   line.flag("--force", options.force, cli::force_help);
@@ -92,9 +99,64 @@ void warn_kept(const cli::Session& session, std::int64_t n, const refine::Option
                   n, options.shape_floor));
 }
 
-cli::ExitCode report_forecast(cli::Session& session, const mesh::DistMesh& mesh, std::span<const std::uint8_t> flags,
+nlohmann::json to_json(const adapt::CoarseningReport& report) {
+  return {{"cells_flagged", report.cells_flagged},
+          {"cells_without_parent", report.cells_without_parent},
+          {"cells_without_siblings", report.cells_without_siblings},
+          {"octets_gone", report.octets_gone},
+          {"octets_needed", report.octets_needed},
+          {"octets_kept", report.octets_kept},
+          {"families_closed", report.families_closed},
+          {"families_kept", report.families_kept},
+          {"cells_moved", report.cells_moved},
+          {"cells_between", report.cells_between},
+          {"rounds", report.rounds}};
+}
+
+/// What was marked, and what went.
+std::string marked_text(std::int64_t marked, const adapt::CoarseningReport& coarsening) {
+  if (coarsening.cells_flagged == 0) return fmt::format("{} marked", marked);
+  return fmt::format("{} marked, {} may go: {} octets taken back", marked, coarsening.cells_flagged,
+                     coarsening.octets_gone);
+}
+
+/// A mesh that came without lineage cannot be coarsened; that is no error.
+void warn_nothing_goes(const cli::Session& session, const adapt::CoarseningReport& report) {
+  if (report.octets_gone == 0 && report.cells_without_parent > 0)
+    session.warn(
+        fmt::format("nothing was taken back: of {} cells that may go {} know no parent (they are of level 0, of "
+                    "broken families or of files without their history)",
+                    report.cells_flagged, report.cells_without_parent));
+}
+
+/// A dry run with cells that may go: it is done in memory and thrown away.
+cli::ExitCode report_trial(cli::Session& session, const mesh::DistMesh& mesh, std::span<const std::int8_t> signs,
+                           const refine::Options& options) {
+  const auto& comm = session.comm();
+  const auto trial = adapt::adapt(comm, mesh, signs, {options, {}, {}});
+  const auto largest = comm.max(static_cast<std::int64_t>(peak_resident_bytes()));
+  session.write_report({{"cells_in", trial.report.cells_in},
+                        {"nodes_in", trial.report.nodes_in},
+                        {"marked", trial.report.closure.n_marked},
+                        {"marked_too_deep", trial.report.marked_too_deep},
+                        {"cells_out", trial.report.cells_out},
+                        {"nodes_out", trial.report.nodes_out},
+                        {"largest_rank_bytes", largest},
+                        {"coarsening", to_json(trial.coarsening)}});
+  warn_too_deep(session, trial.report.marked_too_deep);
+  warn_nothing_goes(session, trial.coarsening);
+  session.summary(fmt::format("{} cells ({}): {} cells, {} nodes after refinement, about {:.0f} MB on the largest rank",
+                              trial.report.cells_in, marked_text(trial.report.closure.n_marked, trial.coarsening),
+                              trial.report.cells_out, trial.report.nodes_out, 1e-6 * static_cast<double>(largest)));
+  return cli::ExitCode::done;
+}
+
+cli::ExitCode report_forecast(cli::Session& session, const mesh::DistMesh& mesh, std::span<const std::int8_t> signs,
                               const refine::Options& options) {
   const auto& comm = session.comm();
+  if (comm.any(std::any_of(signs.begin(), signs.end(), [](std::int8_t flag) { return flag < 0; })))
+    return report_trial(session, mesh, signs, options);
+  const auto flags = adapt::splits_of(signs);
   const adapt::Forecaster forecaster(comm, mesh, options);
   const auto forecast = forecaster.forecast(flags);
   const auto nodes = forecaster.nodes(forecast);
@@ -149,7 +211,8 @@ cli::ExitCode work(cli::Session& session, const Options& options) {
                                          timer);
   adapt::Measured measured;
   measured.bytes_read = adapt::bytes_read_so_far() - read_before;
-  const auto flags = with_file_name(options.input, [&] { return adapt::flags_from_field(comm, mesh, options.marks); });
+  const auto flags =
+      with_file_name(options.input, [&] { return adapt::signed_flags_from_field(comm, mesh, options.marks); });
   const refine::Options how{.quality_control = refine::quality_control_named(options.quality_control),
                             .shape_floor = options.shape_floor,
                             .project = !options.no_project,
@@ -161,7 +224,7 @@ cli::ExitCode work(cli::Session& session, const Options& options) {
 
   timer.lap("preprocessing");
   auto result = with_file_name(options.input, [&] {
-    return adapt::refine(comm, std::move(mesh), flags, {how, balancing});
+    return adapt::adapt(comm, std::move(mesh), flags, {how, balancing, options.integrals});
   });
   timer.skip();
   mesh = {};
@@ -188,9 +251,12 @@ cli::ExitCode work(cli::Session& session, const Options& options) {
   if (result.report.closure.n_marked == 0)
     session.warn(fmt::format("nothing is marked in the field '{}': the output is the input mesh", options.marks));
   measured.steps = merge_steps(timer.steps(), result.report.steps);
-  session.write_report(adapt::make_report(comm, result.report, measured));
-  session.summary(fmt::format("{} cells ({} marked) -> {} cells, {} nodes, {} off their surface: {}",
-                              result.report.cells_in, result.report.closure.n_marked, result.report.cells_out,
+  warn_nothing_goes(session, result.coarsening);
+  auto report = adapt::make_report(comm, result.report, measured);
+  report["coarsening"] = to_json(result.coarsening);
+  session.write_report(report);
+  session.summary(fmt::format("{} cells ({}) -> {} cells, {} nodes, {} off their surface: {}", result.report.cells_in,
+                              marked_text(result.report.closure.n_marked, result.coarsening), result.report.cells_out,
                               result.report.nodes_out, result.report.certificate.n_off_surface, options.output));
   return cli::ExitCode::done;
 }
@@ -201,7 +267,7 @@ int main(int argc, char** argv) {
   Options options;
   return cli::run_tool(
       argc, argv,
-      {"pamr-refine", "Refines a mesh once where its cells are marked.",
+      {"pamr-refine", "Refines a mesh once where its cells are marked, and coarsens it where cells may go.",
        "mpirun -n 4 pamr-refine level0.hdf -o level1.hdf --json level1.json"},
       [&](cli::CommandLine& line) { declare(line, options); },
       [&](cli::Session& session) { return work(session, options); });

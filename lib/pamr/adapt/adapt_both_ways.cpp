@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "pamr/adapt/depth.hpp"
+#include "pamr/adapt/flags.hpp"
 #include "pamr/balance/migrate.hpp"
 #include "pamr/base/contract.hpp"
 #include "pamr/base/error.hpp"
@@ -30,16 +31,9 @@ bool has_flag(std::span<const std::int8_t> flags, int sign) {
   return std::any_of(flags.begin(), flags.end(), [sign](std::int8_t flag) { return sign * flag > 0; });
 }
 
-std::vector<std::uint8_t> to_split(std::span<const std::int8_t> flags) {
-  std::vector<std::uint8_t> split;
-  split.reserve(flags.size());
-  for (const auto flag : flags) split.push_back(flag > 0 ? 1 : 0);
-  return split;
-}
-
 /// Flags of -1, 0 and 1.
 Flags checked(const par::Comm& comm, const mesh::DistMesh& mesh, std::span<const std::int8_t> flags,
-              const refine::Options& options) {
+              const refine::Options& options, const std::vector<std::string>& integrals) {
   refine::require_sound(options);
   par::agree(comm, [&] {
     if (flags.size() != at(mesh.n_cells()))
@@ -47,6 +41,12 @@ Flags checked(const par::Comm& comm, const mesh::DistMesh& mesh, std::span<const
                               comm.rank(), flags.size()));
     if (has_flag(flags, -1) && options.quality_control != refine::QualityControl::removable)
       throw Error("adapt: expected the quality control 'removable' for coarsening (flags below 0), found another one");
+    for (const auto& name : integrals) {
+      const auto* field = mesh.find_cell_field(name);
+      if (field == nullptr || field->holds_integers())
+        throw Error(fmt::format("adapt: expected a cell field of reals to keep the integral of, found {} '{}'",
+                                field == nullptr ? "no cell field" : "the field of integers", name));
+    }
   });
   Flags signs(flags.begin(), flags.end());
   for (auto& flag : signs) flag = static_cast<std::int8_t>(flag > 0 ? 1 : flag < 0 ? coarsen::may_go : 0);
@@ -172,19 +172,19 @@ AdaptResult adapt(const par::Comm& comm, const mesh::DistMesh& mesh, std::span<c
                   const AdaptOptions& options) {
   const auto before = comm.traffic();
   StepTimer timer([&] { return comm.traffic(); });
-  auto signs = checked(comm, mesh, flags, options.refinement);
+  auto signs = checked(comm, mesh, flags, options.refinement, options.integrals);
   const std::array<GlobalId, 2> sizes{mesh.info.n_global_cells, mesh.info.n_global_nodes};
   const auto refined = [&](const mesh::DistMesh& from, std::span<const std::uint8_t> split) {
     return refine(comm, from, split, options.refinement);
   };
   if (!comm.any(has_flag(signs, -1)))
-    return as_one(refined(mesh, to_split(signs)), {}, {}, sizes, timer, comm.traffic() - before);
+    return as_one(refined(mesh, splits_of(signs)), {}, {}, sizes, timer, comm.traffic() - before);
   CoarseningReport report;
   const auto gathered = gather(comm, mesh, signs, report);
   timer.lap("balance");
   auto taken = take_back(comm, gathered ? *gathered : mesh, signs, options, report, timer);
   if (!taken.mesh)
-    return as_one(refined(gathered ? *gathered : mesh, to_split(signs)), taken.report, {}, sizes, timer,
+    return as_one(refined(gathered ? *gathered : mesh, splits_of(signs)), taken.report, {}, sizes, timer,
                   comm.traffic() - before);
   PAMR_ENSURES_AUDIT(validate::validate(comm, *taken.mesh).empty());
   const bool has_more = comm.any(has_flag(signs, 1) || is_off_surface(*taken.mesh));
@@ -196,19 +196,19 @@ AdaptResult adapt(const par::Comm& comm, mesh::DistMesh&& mesh, std::span<const 
                   const AdaptOptions& options) {
   const auto before = comm.traffic();
   StepTimer timer([&] { return comm.traffic(); });
-  auto signs = checked(comm, mesh, flags, options.refinement);
+  auto signs = checked(comm, mesh, flags, options.refinement, options.integrals);
   const std::array<GlobalId, 2> sizes{mesh.info.n_global_cells, mesh.info.n_global_nodes};
   const auto refined = [&](mesh::DistMesh&& from, std::span<const std::uint8_t> split) {
     return refine(comm, std::move(from), split, Options{options.refinement, options.balancing});
   };
   if (!comm.any(has_flag(signs, -1)))
-    return as_one(refined(std::move(mesh), to_split(signs)), {}, {}, sizes, timer, comm.traffic() - before);
+    return as_one(refined(std::move(mesh), splits_of(signs)), {}, {}, sizes, timer, comm.traffic() - before);
   CoarseningReport report;
   if (auto gathered = gather(comm, mesh, signs, report)) mesh = *std::move(gathered);
   timer.lap("balance");
   auto taken = take_back(comm, mesh, signs, options, report, timer);
   if (!taken.mesh)
-    return as_one(refined(std::move(mesh), to_split(signs)), taken.report, {}, sizes, timer, comm.traffic() - before);
+    return as_one(refined(std::move(mesh), splits_of(signs)), taken.report, {}, sizes, timer, comm.traffic() - before);
   PAMR_ENSURES_AUDIT(validate::validate(comm, *taken.mesh).empty());
   mesh = {};
   const bool has_more = comm.size() > 1 || has_flag(signs, 1) || is_off_surface(*taken.mesh);

@@ -8,8 +8,13 @@
 
 namespace pamr::adapt {
 
-std::vector<std::uint8_t> flags_from_field(const par::Comm& comm, const mesh::DistMesh& mesh, const std::string& name) {
-  std::vector<std::uint8_t> flags(at(mesh.n_cells()));
+namespace {
+
+/// The field's values, which are at least `min` and at most 1. `words`: what they mean. Collective.
+template <class Flag>
+std::vector<Flag> read_flags(const par::Comm& comm, const mesh::DistMesh& mesh, const std::string& name,
+                             std::int64_t min, const char* words) {
+  std::vector<Flag> flags(at(mesh.n_cells()));
   par::agree(comm, [&] {
     const auto* field = mesh.find_cell_field(name);
     if (field == nullptr)
@@ -22,13 +27,31 @@ std::vector<std::uint8_t> flags_from_field(const par::Comm& comm, const mesh::Di
                               field->holds_integers() ? fmt::format("{} components", field->n_components) : "reals"));
     const auto& value = field->integer();
     for (std::size_t c = 0; c < flags.size(); ++c) {
-      if (value[c] != 0 && value[c] != 1)
-        throw Error(fmt::format("marks: expected 0 (keep) or 1 (split), found {} in cell field '{}' at cell {}",
-                                value[c], name, mesh.cell_global[c]));
-      flags[c] = static_cast<std::uint8_t>(value[c]);
+      if (value[c] < min || value[c] > 1)
+        throw Error(fmt::format("marks: expected {}, found {} in cell field '{}' at cell {}", words, value[c], name,
+                                mesh.cell_global[c]));
+      flags[c] = static_cast<Flag>(value[c]);
     }
   });
   return flags;
+}
+
+}  // namespace
+
+std::vector<std::uint8_t> flags_from_field(const par::Comm& comm, const mesh::DistMesh& mesh, const std::string& name) {
+  return read_flags<std::uint8_t>(comm, mesh, name, 0, "0 (keep) or 1 (split)");
+}
+
+std::vector<std::int8_t> signed_flags_from_field(const par::Comm& comm, const mesh::DistMesh& mesh,
+                                                 const std::string& name) {
+  return read_flags<std::int8_t>(comm, mesh, name, -1, "-1 (may go), 0 (keep) or 1 (split)");
+}
+
+std::vector<std::uint8_t> splits_of(std::span<const std::int8_t> flags) {
+  std::vector<std::uint8_t> split;
+  split.reserve(flags.size());
+  for (const auto flag : flags) split.push_back(flag > 0 ? 1 : 0);
+  return split;
 }
 
 void require_flags(const par::Comm& comm, const mesh::DistMesh& mesh, std::span<const std::uint8_t> flags) {

@@ -78,7 +78,7 @@ std::optional<mesh::DistMesh> assemble_in_order(const par::Comm& comm, const std
   timer.lap("balance");
   try {
     auto mesh = assemble_valid(comm, file, std::move(block), destination);
-    flags_from_field(comm, mesh, options.marks_field);
+    signed_flags_from_field(comm, mesh, options.marks_field);
     if (options.balancing.weights == Weights::field) balance::weights_from_field(comm, mesh, options.balancing.field);
     return mesh;
   } catch (const Error&) {

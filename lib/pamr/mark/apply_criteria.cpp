@@ -44,19 +44,33 @@ struct Evaluate {
   }
 };
 
+/// Cells that are wanted do not go.
+void keep_where(const Indicator& wish, std::vector<std::uint8_t>& may_go) {
+  for (std::size_t c = 0; c < wish.size(); ++c)
+    if (wish[c] > 0) may_go[c] = 0;
+}
+
 }  // namespace
 
 Applied apply(const par::Comm& comm, const mesh::DistMesh& mesh, const Request& request) {
   Applied result;
   result.indicator.assign(mesh.cell_to_node.size(), 0);
+  result.may_go.assign(mesh.cell_to_node.size(), request.coarsens() ? 1 : 0);
+  const Evaluate evaluate{&comm, &mesh, request.size};
   for (const auto& criterion : request.criteria) {
-    const auto wish = std::visit(Evaluate{&comm, &mesh, request.size}, criterion.rule);
+    const auto wish = std::visit(evaluate, criterion.rule);
+    if (request.coarsens())
+      keep_where(
+          criterion.coarsen_below ? std::visit(evaluate, with_value(criterion, *criterion.coarsen_below).rule) : wish,
+          result.may_go);
     result.cells_of_criterion.push_back(mark::count_marked(comm, mark::marks_of(wish)));
     mark::unite(result.indicator, wish);
   }
   for (const auto& limit : request.only_where)
     mark::keep_only_where(comm, mesh, limit.threshold.field, limit.threshold.side, limit.threshold.value,
                           result.indicator, limit.certainty);
+  for (std::size_t c = 0; c < result.may_go.size(); ++c)
+    if (mesh.lineage[c].level() <= request.min_level) result.may_go[c] = 0;
   if (request.max_level) mark::keep_below_level(mesh, *request.max_level, result.indicator);
   return result;
 }

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <string_view>
@@ -103,24 +104,94 @@ const char* first_of(std::string_view second) {
   return nullptr;
 }
 
+/// Gives `second` to the nearest option before it that `fits` and has none yet, else to the first after it. `what`: for
+/// the message that there is none.
+template <class Fits>
+void pair_one(const std::vector<Given>& given, std::size_t i, const char* what, const Fits& fits,
+              std::vector<const Given*>& second) {
+  std::optional<std::size_t> found;
+  const auto try_it = [&](std::size_t j) {
+    if (!found && fits(given[j].option) && second[j] == nullptr) found = j;
+  };
+  for (std::size_t j = i; j-- > 0;) try_it(j);
+  for (std::size_t j = i + 1; j < given.size(); ++j) try_it(j);
+  if (!found)
+    throw Error(fmt::format("{} {}: expected a {} that it belongs to, found none without its own", given[i].option,
+                            given[i].text, what));
+  second[*found] = &given[i];
+}
+
 /// For each option, the second one that belongs to it, or null.
 std::vector<const Given*> pair_up(const std::vector<Given>& given) {
   std::vector<const Given*> second(given.size(), nullptr);
-  for (std::size_t i = 0; i < given.size(); ++i) {
-    const char* first = first_of(given[i].option);
-    if (first == nullptr) continue;
-    std::optional<std::size_t> found;
-    const auto try_it = [&](std::size_t j) {
-      if (!found && given[j].option == first && second[j] == nullptr) found = j;
-    };
-    for (std::size_t j = i; j-- > 0;) try_it(j);
-    for (std::size_t j = i + 1; j < given.size(); ++j) try_it(j);
-    if (!found)
-      throw Error(fmt::format("{} {}: expected a {} that it belongs to, found none without its own", given[i].option,
-                              given[i].text, first));
-    second[*found] = &given[i];
-  }
+  for (std::size_t i = 0; i < given.size(); ++i)
+    if (const char* first = first_of(given[i].option); first != nullptr)
+      pair_one(
+          given, i, first, [first](const std::string& option) { return option == first; }, second);
   return second;
+}
+
+/// For each criterion with a value, the `--coarsen-below` that belongs to it, or null.
+std::vector<const Given*> pair_coarsening(const std::vector<Given>& given) {
+  std::vector<const Given*> coarsening(given.size(), nullptr);
+  const auto has_value = [](const std::string& option) {
+    return option == "--field" || option == "--size-over" || option == "--recovered-error" || option == "--bulk-of";
+  };
+  for (std::size_t i = 0; i < given.size(); ++i)
+    if (given[i].option == "--coarsen-below")
+      pair_one(given, i, "criterion with a value (--field, --size-over, --recovered-error, --bulk-of)", has_value,
+               coarsening);
+  return coarsening;
+}
+
+/// The same criterion with another value.
+struct WithValue {
+  double value;
+  template <class Rule>
+  void operator()(Rule&) const {}
+  void operator()(Threshold& rule) const { rule.value = value; }
+  void operator()(SizeOver& rule) const { rule.ratio = value; }
+  void operator()(ErrorOver& rule) const { rule.value = value; }
+  void operator()(BulkOf& rule) const { rule.fraction = value; }
+};
+
+struct ValueOf {
+  template <class Rule>
+  double operator()(const Rule&) const {
+    return 0;
+  }
+  double operator()(const Threshold& rule) const { return rule.value; }
+  double operator()(const SizeOver& rule) const { return rule.ratio; }
+  double operator()(const ErrorOver& rule) const { return rule.value; }
+  double operator()(const BulkOf& rule) const { return rule.fraction; }
+};
+
+/// Whether a larger value marks more cells.
+struct MarksMoreAbove {
+  template <class Rule>
+  bool operator()(const Rule&) const {
+    return false;
+  }
+  bool operator()(const Threshold& rule) const { return rule.side == Side::below; }
+  bool operator()(const ErrorOver& rule) const { return rule.bar == ErrorOver::Bar::bulk; }
+  bool operator()(const BulkOf&) const { return true; }
+};
+
+/// Cells between the two values stay: the second one marks at least the cells that the first one marks.
+void set_coarsening(const Given& given, Criterion& criterion) {
+  const double mark = std::visit(ValueOf(), criterion.rule), coarsen = number_of(given);
+  const bool is_more = std::visit(MarksMoreAbove(), criterion.rule);
+  const bool is_fraction =
+      std::holds_alternative<BulkOf>(criterion.rule) || (std::holds_alternative<ErrorOver>(criterion.rule) && is_more);
+  if (is_more ? coarsen < mark : coarsen > mark)
+    throw Error(fmt::format("{} {}: expected at {} the {:g} from which on cells are marked (\"{}\")", given.option,
+                            given.text, is_more ? "least" : "most", mark, criterion.text));
+  if (is_fraction && coarsen > 1)
+    throw Error(fmt::format("{}: expected a fraction of at most 1, found {:g}", given.option, coarsen));
+  if (!std::holds_alternative<Threshold>(criterion.rule) && !(coarsen > 0))
+    throw Error(fmt::format("{}: expected a positive number, found \"{}\"", given.option, given.text));
+  criterion.coarsen_below = coarsen;
+  criterion.text += fmt::format(" {} {}", given.option, given.text);
 }
 
 ErrorOver recovered_error_of(const Given& given, const Given& second) {
@@ -178,12 +249,27 @@ std::optional<Criterion> criterion_of(const Given& given, const Given* second) {
 
 }  // namespace
 
+bool Request::coarsens() const {
+  return coarsen_rest ||
+         std::any_of(criteria.begin(), criteria.end(), [](const auto& c) { return c.coarsen_below.has_value(); });
+}
+
+Criterion with_value(Criterion criterion, double value) {
+  std::visit(WithValue{value}, criterion.rule);
+  return criterion;
+}
+
 Request read_request(const std::vector<Given>& given) {
   Request request;
-  const auto seconds = pair_up(given);
+  const auto seconds = pair_up(given), coarsening = pair_coarsening(given);
   for (std::size_t i = 0; i < given.size(); ++i) {
     if (auto criterion = criterion_of(given[i], seconds[i])) {
+      if (coarsening[i] != nullptr) set_coarsening(*coarsening[i], *criterion);
       request.criteria.push_back(std::move(*criterion));
+    } else if (given[i].option == "--coarsen-rest") {
+      request.coarsen_rest = true;
+    } else if (given[i].option == "--min-level") {
+      request.min_level = count_of(given[i], 0);
     } else if (given[i].option == "--size") {
       if (given[i].text != "cbrt" && given[i].text != "longest-edge")
         throw Error(fmt::format("--size: expected cbrt or longest-edge, found \"{}\"", given[i].text));

@@ -58,6 +58,8 @@ struct BulkOf {
 struct Criterion {
   std::string text;  ///< for reports
   std::variant<AllCells, CrossingSphere, CentroidShell, Box, NearPatch, Threshold, SizeOver, ErrorOver, BulkOf> rule;
+  /// Cells that would not meet the criterion with this value in place of its own may go.
+  std::optional<double> coarsen_below{};
 };
 
 /// What to mark: cells that meet any criterion and every limit.
@@ -66,6 +68,11 @@ struct Request {
   CellSize size = CellSize::cbrt_volume;
   std::optional<int> max_level;
   std::vector<Cutoff> only_where;
+  bool coarsen_rest = false;  ///< cells that meet no criterion may go
+  int min_level = 0;          ///< cells of this level and below stay
+
+  /// Whether cells may go at all.
+  bool coarsens() const;
 };
 
 /// An option and its argument, as given.
@@ -74,9 +81,13 @@ struct Given {
   std::string text;    ///< empty for a flag
 };
 
+/// The same criterion with another value in place of its own (threshold, ratio, error or fraction).
+Criterion with_value(Criterion criterion, double value);
+
 /// Reads the options, in the order in which they were given: `--layers`, `--above`, `--below`, `--ratio`,
 /// `--theta`, `--target`, `--bulk` and `--error` belong to the nearest option of their kind (`--patch`, `--field`, ...)
-/// before them that has none yet, else to the first after them. Throws `Error` for what cannot be read, for halves
+/// before them that has none yet, else to the first after them; so does `--coarsen-below`, to any criterion with a
+/// value. Throws `Error` for what cannot be read, for halves
 /// without their other half, and when there is no criterion.
 Request read_request(const std::vector<Given>& given);
 

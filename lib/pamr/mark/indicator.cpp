@@ -69,10 +69,13 @@ std::int64_t count_marked(const par::Comm& comm, std::span<const std::uint8_t> m
   return comm.sum(static_cast<std::int64_t>(std::count(marks.begin(), marks.end(), std::uint8_t{1})));
 }
 
-void set_marks(mesh::DistMesh& mesh, std::span<const std::uint8_t> marks, const std::string& name) {
+void set_marks(mesh::DistMesh& mesh, std::span<const std::uint8_t> marks, const std::string& name,
+               std::span<const std::uint8_t> may_go) {
   PAMR_EXPECTS(marks.size() == mesh.cell_to_node.size());
-  mesh::put_field(mesh.cell_fields,
-                  {name, "", 1, mesh::StorageType::int32, std::vector<std::int64_t>(marks.begin(), marks.end())});
+  std::vector<std::int64_t> values(marks.begin(), marks.end());
+  for (std::size_t c = 0; c < may_go.size(); ++c)
+    if (may_go[c] != 0 && marks[c] == 0) values[c] = -1;
+  mesh::put_field(mesh.cell_fields, {name, "", 1, mesh::StorageType::int32, std::move(values)});
 }
 
 }  // namespace pamr::mark

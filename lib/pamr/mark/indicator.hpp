@@ -43,8 +43,9 @@ std::vector<std::uint8_t> strongest(const par::Comm& comm, const mesh::DistMesh&
 /// Number of marked cells over all ranks. Collective: one reduction.
 std::int64_t count_marked(const par::Comm& comm, std::span<const std::uint8_t> marks);
 
-/// Puts marks into the mesh as integer cell field `name` (0 keep, 1 split), in place of any field of that name.
-/// Local.
-void set_marks(mesh::DistMesh& mesh, std::span<const std::uint8_t> marks, const std::string& name = "refine");
+/// Puts marks into the mesh as integer cell field `name` (0 keep, 1 split), in place of any field of that name. Those
+/// of cells without a mark that `may_go` (n_cells, 0 or 1, or empty: none) are -1. Local.
+void set_marks(mesh::DistMesh& mesh, std::span<const std::uint8_t> marks, const std::string& name = "refine",
+               std::span<const std::uint8_t> may_go = {});
 
 }  // namespace pamr::mark
