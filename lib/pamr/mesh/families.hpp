@@ -35,6 +35,11 @@ constexpr Lineage sibling(Lineage lineage, int child) {
   return Lineage(other);
 }
 
+/// True when a cell can be the next one of the same tree, where the cells of a tree (a root and all that was split of
+/// it) follow each other as refining numbers them: members of a family, then the next child of the nearest ancestor
+/// that has one. Looks at what both know of their ancestors only.
+bool follows_in_tree(Lineage before, Lineage cell);
+
 /// "1:4 closure cell of face 2, child 3, level 1": for messages.
 std::string describe(Lineage lineage);
 

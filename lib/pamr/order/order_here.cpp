@@ -6,6 +6,7 @@
 
 #include "pamr/base/memory.hpp"
 #include "pamr/base/sorted_order.hpp"
+#include "pamr/mesh/families.hpp"
 
 // On one rank ordering is a matter of memory traffic: every array is read once in the new order and written once from
 // front to back. Rows are asked for some rows ahead, what they point to half as far ahead.
@@ -30,9 +31,8 @@ std::vector<std::uint64_t> find_keys(const mesh::BlockMesh& block, const CurveGr
   for (std::size_t c = 0; c < n; ++c) {
     if (c + rows_ahead < n)
       for (const auto node : block.cell_to_node[c + rows_ahead]) prefetch(&point(node));
-    const auto child = block.lineage.empty() || !block.lineage[c].is_removable() ? 0 : block.lineage[c].child();
-    if (child != 0) {
-      key.push_back(key[c - static_cast<std::size_t>(child)]);
+    if (c > 0 && !block.lineage.empty() && mesh::follows_in_tree(block.lineage[c - 1], block.lineage[c])) {
+      key.push_back(key.back());
       continue;
     }
     const auto& nodes = block.cell_to_node[c];

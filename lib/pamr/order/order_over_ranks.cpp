@@ -8,6 +8,7 @@
 #include "pamr/assemble/check_block.hpp"
 #include "pamr/assemble/send_cells.hpp"
 #include "pamr/base/memory.hpp"
+#include "pamr/mesh/families.hpp"
 #include "pamr/order/order_nodes.hpp"
 #include "pamr/order/order_places.hpp"
 #include "pamr/par/exchange.hpp"
@@ -32,37 +33,34 @@ void in_rounds(const par::Comm& comm, std::size_t n, Work&& work) {
   }
 }
 
-/// The key of a closure family that begins on an earlier rank.
-struct FamilyKey {
-  GlobalId first = 0;
-  std::uint64_t key = 0;
-};
-
-/// Gives the members of a family that lie on later ranks the key of its first one. Collective.
-void share_family_keys(const par::Comm& comm, const mesh::BlockMesh& block, std::vector<std::uint64_t>& key) {
-  const auto n = static_cast<GlobalId>(block.lineage.size());
-  const auto begin = block.info.first_id + comm.exclusive_sum(n), end = begin + n;
-  const auto starts = comm.all_gather(begin);
-  std::vector<par::Outgoing<FamilyKey>> messages;
-  for (auto id = std::max(begin, end - (mesh::max_family_size - 1)); id < end; ++id) {
-    const auto lineage = block.lineage[static_cast<std::size_t>(id - begin)];
-    if (!lineage.is_removable() || lineage.child() != 0) continue;
-    for (auto member = end; member < id + lineage.family_size(); ++member) {
-      const auto holder =
-          static_cast<Rank>(std::upper_bound(starts.begin(), starts.end(), member) - starts.begin() - 1);
-      if (messages.empty() || messages.back().to != holder)
-        messages.push_back({holder, {{id, key[static_cast<std::size_t>(id - begin)]}}});
-    }
-  }
-  const auto arrived = comm.sparse_exchange(messages);
-  for (auto id = begin; id < end; ++id) {
-    const auto lineage = block.lineage[static_cast<std::size_t>(id - begin)];
-    if (!lineage.is_removable() || lineage.child() == 0) continue;
-    const auto first = id - lineage.child();
-    auto& own = key[static_cast<std::size_t>(id - begin)];
-    if (first >= begin) own = key[static_cast<std::size_t>(first - begin)];
-    for (const auto& family : arrived.item)
-      if (family.first == first) own = family.key;
+/// Gives all cells of a tree the key of its first one, whatever rank that is on. Collective: four gathers of a number a
+/// rank.
+void share_tree_keys(const par::Comm& comm, const mesh::BlockMesh& block, std::vector<std::uint64_t>& key) {
+  const auto& lineage = block.lineage;
+  std::size_t n_leading = lineage.empty() ? 0 : 1;  // cells that may follow one of an earlier rank
+  for (; n_leading < lineage.size(); ++n_leading)
+    if (!mesh::follows_in_tree(lineage[n_leading - 1], lineage[n_leading])) break;
+  for (std::size_t c = 1; c < key.size(); ++c)
+    if (mesh::follows_in_tree(lineage[c - 1], lineage[c])) key[c] = key[c - 1];
+  // of each rank its first and last cell, the last one's key so far, and whether one tree holds all of its cells
+  const auto first =
+      comm.all_gather(lineage.empty() ? std::int64_t{-1} : static_cast<std::int64_t>(lineage.front().bits()));
+  const auto last =
+      comm.all_gather(lineage.empty() ? std::int64_t{-1} : static_cast<std::int64_t>(lineage.back().bits()));
+  const auto last_key = comm.all_gather(key.empty() ? std::int64_t{0} : static_cast<std::int64_t>(key.back()));
+  const auto is_one = comm.all_gather(std::int64_t{n_leading == lineage.size() ? 1 : 0});
+  Rank before = -1;
+  std::int64_t key_before = 0;
+  for (Rank r = 0; r <= comm.rank(); ++r) {
+    const auto i = static_cast<std::size_t>(r);
+    if (first[i] < 0) continue;
+    const bool follows =
+        before >= 0 &&
+        mesh::follows_in_tree(mesh::Lineage(static_cast<std::uint64_t>(last[static_cast<std::size_t>(before)])),
+                              mesh::Lineage(static_cast<std::uint64_t>(first[i])));
+    if (r == comm.rank() && follows) std::fill_n(key.begin(), n_leading, static_cast<std::uint64_t>(key_before));
+    if (!follows || is_one[i] == 0) key_before = last_key[i];
+    before = r;
   }
 }
 
@@ -81,7 +79,7 @@ std::vector<std::uint64_t> find_keys(const par::Comm& comm, const mesh::BlockMes
       __builtin_prefetch(&at(ahead));
     key.push_back(key_of(grid, {at(i), at(i + 1), at(i + 2), at(i + 3)}));
   }
-  if (has_lineage) share_family_keys(comm, block, key);
+  if (has_lineage) share_tree_keys(comm, block, key);
   return key;
 }
 

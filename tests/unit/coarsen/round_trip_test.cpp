@@ -8,7 +8,9 @@
 
 #include "coarsen_case.hpp"
 #include "pamr/io/native/native_file.hpp"
+#include "pamr/mesh/fingerprint.hpp"
 #include "pamr/mesh/undescribed_patches.hpp"
+#include "pamr/order/order_along_curve.hpp"
 #include "pamr/validate/validate.hpp"
 #include "support/delaunay.hpp"
 #include "support/dice.hpp"
@@ -120,6 +122,23 @@ TEST(RoundTrip, OfAMeshAtACurvedWallGivesTheFileOnAnyRanks) {
     }
     EXPECT_TRUE(written(comm, mesh, "round_trip_after") == before);
   }
+}
+
+TEST(RoundTrip, IsPossibleAfterOrderingAlongTheCurve) {
+  const par::Comm comm(MPI_COMM_WORLD), self(MPI_COMM_SELF);
+  const auto block = test::random_mesh(comm, 21, 3);
+  auto mesh = assemble::assemble(comm, block);
+  const auto before = mesh::fingerprint(comm, mesh);
+  for (int level = 0; level < 3; ++level)
+    mesh = adapt::refine(comm, mesh, test::mark(mesh, test::Law::sphere, 4), plain.refinement).mesh;
+  const auto n_levels = max_level(comm, mesh);
+
+  auto ordered = order::order_along_curve(comm, test::cut(comm, test::gather(comm, mesh)));
+  mesh = assemble::assemble(comm, std::move(ordered.block));
+  for (int level = 0; level < n_levels; ++level) mesh = adapt::adapt(comm, mesh, test::all_may_go(mesh), plain).mesh;
+
+  EXPECT_EQ(max_level(comm, mesh), 0);
+  EXPECT_EQ(mesh::fingerprint(comm, mesh), before);
 }
 
 TEST(Coarsening, OfLevelZeroChangesNothing) {
