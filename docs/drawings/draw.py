@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The drawings of docs/refinement.md. Usage: draw.py [FOLDER]   (default: the folder of this script)"""
+"""The drawings of docs/refinement.md and docs/coarsening.md. Usage: draw.py [FOLDER]   (default: the folder of this script)"""
 import math
 import pathlib
 import sys
 
+import coarsening
 from canvas import CLOSURE, FAINT, INK, MARK, PARTS, REGULAR, Canvas, View, exploded, from_behind, seen
 from policies import CELL, POLICIES, Mesh, row_of
 from splits import EDGES, mean_ratio, midpoint, split
@@ -97,6 +98,43 @@ def draw_policies(path):
     canvas.save(path, "A closure family that has to be refined again, under each policy")
 
 
+def draw_coarsening(path):
+    """A front moves to the right: what goes, what is split, and what comes of it."""
+    step = coarsening.step()
+    width, height = coarsening.UNIT * coarsening.COLUMNS, coarsening.UNIT * coarsening.ROWS
+    canvas = Canvas(3 * 22 + 2 * width, height + 132)
+    panels = (("before, with what is asked for", step.before), ("after", step.after))
+    for i, (name, cells) in enumerate(panels):
+        move = lambda p, left=22 + i * (22 + width): (p[0] + left, p[1] + 46)
+        canvas.text(move((width / 2, -16)), name, 17, weight="bold")
+        for corners, is_closure, base in cells:
+            back = i == 1 and base in step.gone
+            color = PARTS[2] if back else CLOSURE if is_closure else REGULAR
+            canvas.polygon([move(p) for p in corners], color, INK, 1.1)
+            if i == 1:
+                continue
+            middle = tuple(sum(p[k] for p in corners) / 3 for k in range(2))
+            if base in step.split:
+                canvas.dot(move(middle), radius=3.6)
+            elif base in step.go:
+                x, y = move(middle)
+                canvas.line((x - 3, y), (x + 3, y), INK if base not in step.kept else MARK, 2)
+    legend = ((REGULAR, "regular cell", 22), (CLOSURE, "closure cell", 172), (PARTS[2], "parent that is back", 318))
+    y = height + 84
+    for color, words, x in legend:
+        canvas.polygon([(x, y + 6), (x + 18, y + 6), (x + 18, y - 8), (x, y - 8)], color)
+        canvas.text((x + 26, y + 4), words, 14, "start")
+    canvas.dot((530, y - 1), radius=3.6)
+    canvas.text((542, y + 4), "is to be split", 14, "start")
+    canvas.line((657, y - 1), (665, y - 1), INK, 2)
+    canvas.text((674, y + 4), "may go, and goes", 14, "start")
+    canvas.line((817, y - 1), (825, y - 1), MARK, 2)
+    canvas.text((834, y + 4), "may go, but stays", 14, "start")
+    canvas.text((22, y + 34), "Triangles stand for tetrahedra: four children in place of eight. A closure cell speaks for its "
+                "parent.", 14, "start", FAINT)
+    canvas.save(path, "A mesh before and after a call that refines and coarsens")
+
+
 OLD_SETS = (("one edge: 1:2", "two children", [4]), ("one face: 1:4", "four children", [0, 2, 4]),
             ("all edges: 1:8", "eight children, four at a diagonal", list(range(6))))
 NEW_SETS = (("two edges of a face", "three children", [0, 4]), ("two opposite edges", "four children", [0, 5]),
@@ -110,6 +148,7 @@ def main():
     draw_splits(folder / "splits.svg", "Cells split 1:2, 1:4 and 1:8", OLD_SETS)
     draw_splits(folder / "more-splits.svg", "Cells with two marks on a face, two opposite marks and five marks", NEW_SETS)
     draw_policies(folder / "quality-control.svg")
+    draw_coarsening(folder / "coarsening.svg")
 
 
 main()

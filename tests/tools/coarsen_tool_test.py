@@ -1,0 +1,134 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Coarsening from the command line: marks against NumPy, back to the mesh that there was, and bad input."""
+import h5py
+import numpy as np
+
+from tool_run import RANKS, add_cell_field, kuhn_cube, refuses, run, run_tests, same_bytes
+
+MESH = ("VTKHDF/Points", "VTKHDF/Connectivity", "PAMR/cell_to_cell", "PAMR/lineage", "PAMR/patches/names")
+NOWHERE = ("--box", "9,9,9,9,9,9")
+
+
+def parts(name):
+    with h5py.File(name) as file:
+        return [file[part][...] for part in MESH]
+
+
+def marks(name):
+    with h5py.File(name) as file:
+        return file["VTKHDF/CellData/refine"][:]
+
+
+def levels(name):
+    with h5py.File(name) as file:
+        return file["PAMR/lineage"][:].astype(np.uint64) >> np.uint64(12) & np.uint64(0xFF)
+
+
+def mark(mesh, out, *criteria):
+    return run("pamr-mark", mesh, "-o", out, "--force", "--json", "-", *criteria).json
+
+
+def refine(mesh, out, *options):
+    result = run("pamr-refine", mesh, "-o", out, "--force", "--json", "-", *options)
+    if RANKS > 1:
+        run("pamr-refine", mesh, "-o", "serial.hdf", "--force", "--quiet", *options, serial=True)
+        assert same_bytes(out, "serial.hdf"), "the file depends on the number of ranks"
+    return result
+
+
+def test_refining_and_taking_all_back_gives_the_mesh_that_there_was():
+    kuhn_cube("level0.hdf", 4)
+    run("pamr-convert", "level0.hdf", "back.hdf")
+    run("pamr-convert", "back.hdf", "now.hdf")
+    for _ in range(3):
+        mark("now.hdf", "marked.hdf", "--crossing-sphere", "0.1,0.2,0.3,0.5")
+        refine("marked.hdf", "now.hdf")
+    assert levels("now.hdf").max() == 3
+
+    for level in (2, 1, 0):
+        n_below = np.count_nonzero(levels("now.hdf") > 0)
+        assert mark("now.hdf", "marked.hdf", *NOWHERE, "--coarsen-rest")["may_go"] == n_below
+        dry = run("pamr-refine", "marked.hdf", "--dry-run", "--json", "-").json
+        report = refine("marked.hdf", "now.hdf").json
+        assert report["coarsening"]["octets_gone"] > 0 and report["coarsening"]["cells_flagged"] == n_below
+        assert dry["cells_out"] == report["cells_out"] and dry["coarsening"]["octets_gone"] > 0
+        assert levels("now.hdf").max() == level
+
+    for before, after in zip(parts("level0.hdf"), parts("now.hdf")):
+        assert before.dtype == after.dtype and np.array_equal(before, after)
+
+
+def test_a_front_that_moves_leaves_no_fine_cells_behind():
+    kuhn_cube("now.hdf", 4)
+    sizes = []
+    for x in (0.2, 0.2, 0.35, 0.5, 0.65, 0.8):
+        mark("now.hdf", "marked.hdf", "--crossing-sphere", f"{x},0.5,0.5,0.25", "--coarsen-rest", "--max-level", 2)
+        refine("marked.hdf", "now.hdf")
+        sizes.append(run("pamr-quality", "now.hdf", "--json", "-").json["cells"])
+    assert max(sizes[1:]) < 2 * min(sizes[1:]), sizes
+
+
+def test_thresholds_agree_with_numpy():
+    kuhn_cube("a.hdf", 3)
+    mark("a.hdf", "b.hdf", "--all")
+    refine("b.hdf", "a.hdf")
+    with h5py.File("a.hdf") as file:
+        value = np.random.default_rng(3).random(file["PAMR/lineage"].shape[0])
+    add_cell_field("a.hdf", "f", value)
+    add_cell_field("a.hdf", "g", 1 - value)
+
+    report = mark("a.hdf", "b.hdf", "--field", "f", "--above", 0.8, "--coarsen-below", 0.3)
+    assert np.array_equal(marks("b.hdf"), np.where(value > 0.8, 1, np.where(value > 0.3, 0, -1)))
+    assert report["may_go"] == np.count_nonzero(value <= 0.3)
+    mark("a.hdf", "b.hdf", "--field", "f", "--below", 0.2, "--coarsen-below", 0.6)
+    assert np.array_equal(marks("b.hdf"), np.where(value < 0.2, 1, np.where(value < 0.6, 0, -1)))
+    # a cell stays that any criterion wants, and one without hysteresis of its own marks or lets go
+    mark("a.hdf", "b.hdf", "--field", "f", "--above", 0.8, "--coarsen-below", 0.3, "--field", "g", "--above", 0.9)
+    assert np.array_equal(marks("b.hdf"), np.where((value > 0.8) | (value < 0.1), 1, np.where(value > 0.3, 0, -1)))
+    # a limit takes marks, but what it takes them from stays
+    mark("a.hdf", "b.hdf", "--field", "f", "--above", 0.8, "--coarsen-rest", "--max-level", 1)
+    assert np.array_equal(marks("b.hdf"), np.where(value > 0.8, 0, -1))
+    mark("a.hdf", "b.hdf", "--field", "f", "--above", 0.8, "--coarsen-rest", "--min-level", 1)
+    assert np.array_equal(marks("b.hdf"), np.where(value > 0.8, 1, 0))
+    mark("a.hdf", "b.hdf", "--bulk-of", "f:0.3", "--coarsen-below", 0.9)
+    found = marks("b.hdf")
+    assert value[found == 1].min() > value[found == 0].max() and value[found == 0].min() > value[found == -1].max()
+    assert value[found >= 0].sum() >= 0.9 * value.sum() > value[found >= 0].sum() - 1
+
+
+def test_cells_that_know_no_parent_stay_and_nothing_is_lost():
+    kuhn_cube("a.hdf", 3)
+    add_cell_field("a.hdf", "f", np.arange(162.0))
+    add_cell_field("a.hdf", "refine", np.full(162, -1, np.int8))
+    result = run("pamr-refine", "a.hdf", "-o", "b.hdf", "--json", "-")
+    assert result.json["coarsening"]["cells_without_parent"] == 162
+    assert "nothing was taken back: of 162 cells that may go 162 know no parent" in result.err
+    for before, after in zip(parts("a.hdf"), parts("b.hdf")):
+        assert np.array_equal(before, after)
+    with h5py.File("b.hdf") as file:
+        assert np.array_equal(file["VTKHDF/CellData/f"][:], np.arange(162.0))
+
+
+def test_bad_marks_and_options_are_refused():
+    kuhn_cube("a.hdf", 2)
+    run("pamr-convert", "a.hdf", "m.hdf")
+    add_cell_field("m.hdf", "refine", np.full(48, -2, np.int8))
+    add_cell_field("m.hdf", "real", np.full(48, np.nan))
+    refuses("pamr-refine", "m.hdf", "-o", "no.hdf", says=["-1 (may go), 0 (keep) or 1 (split)", "found -2"],
+            creates="no.hdf")
+    refuses("pamr-refine", "m.hdf", "-o", "no.hdf", "--marks", "real", says=["integer field of one component", "reals"],
+            creates="no.hdf")
+    add_cell_field("a.hdf", "refine", np.full(48, -1, np.int8))
+    refuses("pamr-refine", "a.hdf", "-o", "no.hdf", "--quality-control", "none", says=["removable", "coarsening"],
+            creates="no.hdf")
+    refuses("pamr-refine", "a.hdf", "-o", "no.hdf", "--integral", "energy", says=["energy", "no cell field"],
+            creates="no.hdf")
+    refuses("pamr-mark", "a.hdf", "-o", "no.hdf", "--all", "--coarsen-below", 1,
+            says=["--coarsen-below 1", "criterion with a value"], creates="no.hdf")
+    refuses("pamr-mark", "m.hdf", "-o", "no.hdf", "--field", "refine", "--above", 0.5, "--coarsen-below", 0.6,
+            says=["--coarsen-below 0.6", "at most", "0.5"], creates="no.hdf")
+    refuses("pamr-mark", "m.hdf", "-o", "no.hdf", "--bulk-of", "f:0.5", "--coarsen-below", 0.2,
+            says=["at least", "0.5"], creates="no.hdf")
+
+
+run_tests(globals())
