@@ -5,12 +5,13 @@
 ///
 /// A mesh comes from arrays (`mesh::BlockMesh`), a file (`io::read_native`, `io::read_gmsh`) or a shape
 /// (`assemble::kuhn_cube`), and is put together by `assemble::assemble`. Cells are chosen by flags of your own or by
-/// `mark`, `adapt::refine` splits them, `balance::rebalance` spreads them by the work they cause, `locate` finds the
-/// cells of points, `adapt::data_of_parents` what belonged to the parents, and `io::write_native` writes the mesh,
-/// `adapt::write_cell_rows` what else belongs to its cells.
-/// The example in share/pamr/examples does all of this.
+/// `mark`, `adapt::refine` splits them, `adapt::adapt` also takes splits back, `balance::rebalance` spreads them by the
+/// work they cause, `locate` finds the cells of points, `adapt::data_of_parents` what belonged to the parents, and
+/// `io::write_native` writes the mesh, `adapt::write_cell_rows` what else belongs to its cells. The example in
+/// share/pamr/examples does all of this.
 
 #include "pamr/adapt/adapt.hpp"
+#include "pamr/adapt/adapt_both_ways.hpp"
 #include "pamr/adapt/flags.hpp"
 #include "pamr/adapt/forecast.hpp"
 #include "pamr/adapt/parent_data.hpp"

@@ -64,7 +64,9 @@ std::string steps_text(const std::vector<StepTime>& steps, double cells) {
 int run(int n, int levels, int n_steps, double shift) {
   const par::Comm comm(MPI_COMM_WORLD);
   auto mesh = assemble::assemble(comm, assemble::kuhn_cube(comm, n));
-  const adapt::AdaptOptions options{{.parent_field = false}, adapt::balancing_named("auto", "exact"), {}};
+  adapt::AdaptOptions options;
+  options.refinement.parent_field = false;
+  options.balancing = adapt::balancing_named("auto", "exact");
   double x = 0.4;
   for (int level = 0; level < levels; ++level)
     mesh = adapt::adapt(comm, std::move(mesh), flags_of(mesh, x, levels), options).mesh;

@@ -243,7 +243,7 @@ def test_bad_marks():
     no_mesh_from(edit("good.hdf", "bad.hdf", field, lambda v: v, float), "refine", "integer")
     no_mesh_from(edit("good.hdf", "bad.hdf", field, lambda v: v[:-1]), "refine")
     no_mesh_from(edit("good.hdf", "bad.hdf", field, lambda v: np.stack([v, v], axis=1)), "refine", "component")
-    for value in (2, -1, 2**31 - 1):
+    for value in (2, -2, 2**31 - 1):
         no_mesh_from(edit("good.hdf", "bad.hdf", field, with_entry(17, value)), "refine", str(value), "17")
     no_mesh_from(edit("good.hdf", "bad.hdf", field, with_entry(17, 2**32), np.int64), "refine")
     no_mesh_from("good.hdf", "other", options=["--marks", "other"])

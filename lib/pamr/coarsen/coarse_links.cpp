@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "pamr/coarsen/coarse_links.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <bit>
 #include <optional>
 #include <utility>
 
-#include "pamr/base/contract.hpp"
+#include "pamr/base/error.hpp"
 #include "pamr/base/hash.hpp"
 #include "pamr/base/memory.hpp"
 #include "pamr/mesh/face_groups.hpp"
@@ -212,8 +214,15 @@ void link_coarse(const par::Comm& comm, const mesh::DistMesh& old, std::span<con
     maybe = linker.remote();
   }
   mesh::fill_border(comm.rank(), coarse, find_remote(comm, coarse, std::move(maybe)));
-  for (const auto& slots : coarse.cell_to_cell)
-    for (const auto slot : slots) PAMR_ENSURES(slot != invalid_local);
+  par::agree(comm, [&] {
+    for (std::size_t c = 0; c < coarse.cell_to_cell.size(); ++c)
+      for (const auto slot : coarse.cell_to_cell[c])
+        if (slot == invalid_local)
+          throw Error(
+              fmt::format("lineage: expected cells whose history is that of their neighbors, found cell {} of the "
+                          "coarse mesh with a face that has no other side",
+                          coarse.cell_global[c]));
+  });
 }
 
 }  // namespace pamr::coarsen

@@ -21,7 +21,8 @@ struct NewPlaces {
 
 /// Fills the neighbors and the rank border of `coarse`, whose cells, nodes and numbers are there. Links between cells
 /// that stay are handed on; faces at groups are matched by their nodes, those on the rank border by the global numbers
-/// of theirs. `groups`: ascending, those of `places`. Collective: one sparse exchange of 32 bytes a border face. Cost:
+/// of theirs. `groups`: ascending, those of `places`. Throws `Error` on every rank where a face finds no other side, as
+/// in meshes whose lineage was not made by refining. Collective: one sparse exchange of 32 bytes a border face. Cost:
 /// O(cells), and one look-up in a hash table for each face at a group.
 void link_coarse(const par::Comm& comm, const mesh::DistMesh& old, std::span<const Group> groups,
                  const NewPlaces& places, mesh::DistMesh& coarse);

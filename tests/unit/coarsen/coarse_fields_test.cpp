@@ -79,7 +79,9 @@ TEST(CoarseFields, KeepTheIntegralAtCurvedWallsWhereThatIsAskedFor) {
   const par::Comm comm(MPI_COMM_WORLD);
   const auto before = with_fields(refined(comm, test::bulging_cube(comm, 5, 0.1)));
 
-  const auto result = adapt::adapt(comm, before, test::all_may_go(before), {{}, {}, {"density"}});
+  adapt::AdaptOptions options;
+  options.integrals = {"density"};
+  const auto result = adapt::adapt(comm, before, test::all_may_go(before), options);
 
   ASSERT_GT(result.coarsening.octets_gone, 10);
   const double mass = integral(comm, before, "density"), one = integral(comm, before, "one");
@@ -92,7 +94,9 @@ TEST(CoarseFields, NameEveryOldCellAsParentOrAsMergedIntoOne) {
   const par::Comm comm(MPI_COMM_WORLD);
   const auto before = refined(comm, test::random_mesh(comm, 6, 3));
 
-  const auto result = adapt::adapt(comm, before, both_ways(before));
+  auto flags = both_ways(before);
+  std::replace(flags.begin(), flags.end(), std::int8_t{1}, std::int8_t{0});
+  const auto result = adapt::adapt(comm, before, flags);
 
   std::vector<par::Outgoing<std::int64_t>> message{{0, result.mesh.find_cell_field("parent")->integer()}};
   const auto parents = comm.sparse_exchange(message).item;
