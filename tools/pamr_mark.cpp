@@ -40,7 +40,7 @@ struct OptionHelp {
   const char* type;
   const char* text;
 };
-constexpr std::array<OptionHelp, 21> criteria_help{{
+constexpr std::array<OptionHelp, 22> criteria_help{{
     {"--crossing-sphere", "X,Y,Z,R", "cells whose least corner distance from (X,Y,Z) is below R and greatest above"},
     {"--centroid-shell", "X,Y,Z,R,W", "cells whose centroid is nearer than W to the sphere of radius R"},
     {"--box", "X0,Y0,Z0,X1,Y1,Z1", "cells whose centroid lies in the closed box"},
@@ -60,6 +60,7 @@ constexpr std::array<OptionHelp, 21> criteria_help{{
     {"--coarsen-below", "V",
      "of a criterion with a value: cells that would not meet it with V in its place may go, if no other needs them"},
     {"--min-level", "L", "cells of level L and below do not go (default 0)"},
+    {"--keep-for", "N", "cells that may go stay the first N times in a row that they are marked so (default 0)"},
     {"--size", "cbrt|longest-edge", "size of a cell: cube root of its volume (default) or longest edge"},
     {"--max-level", "L", "limit: only cells whose base cell has a level below L, so that none becomes finer than L"},
     {"--only-where", "FIELD:above:V", "limit: only cells where this field is above (or below) V"},
@@ -124,6 +125,7 @@ cli::ExitCode run(cli::Session& session, const Options& options) {
   const auto nodes_after = forecaster.nodes(*forecast);
 
   session.step("writing " + options.output);
+  if (request.keep_for > 0) mark::keep_for_a_while(comm, mesh, options.marks, request.keep_for, applied.may_go);
   std::int64_t n_may_go = 0;
   for (std::size_t c = 0; c < marks.size(); ++c) n_may_go += marks[c] == 0 && applied.may_go[c] != 0 ? 1 : 0;
   n_may_go = comm.sum(n_may_go);

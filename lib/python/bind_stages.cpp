@@ -15,6 +15,7 @@
 #include "meshing/associate/associate_surfaces.hpp"
 #endif
 #include "pamr/adapt/adapt.hpp"
+#include "pamr/adapt/adapt_both_ways.hpp"
 #include "pamr/adapt/forecast.hpp"
 #include "pamr/adapt/parent_data.hpp"
 #include "pamr/adapt/saved_rows.hpp"
@@ -86,6 +87,40 @@ py::tuple refine(const PythonMesh& old, const Array<std::uint8_t>& flags, bool p
     return adapt::refine(*old.comm, mesh::DistMesh(old.mesh), values, adapt::Options{how, balancing});
   }();
   return py::make_tuple(same_ranks(old, std::move(refined.mesh)), to_dict(refined.report));
+}
+
+py::dict to_dict(const adapt::CoarseningReport& report) {
+  py::dict result;
+  result["cells_flagged"] = report.cells_flagged;
+  result["cells_without_parent"] = report.cells_without_parent;
+  result["cells_without_siblings"] = report.cells_without_siblings;
+  result["octets_gone"] = report.octets_gone;
+  result["octets_needed"] = report.octets_needed;
+  result["octets_kept"] = report.octets_kept;
+  result["families_closed"] = report.families_closed;
+  result["families_kept"] = report.families_kept;
+  result["cells_between"] = report.cells_between;
+  return result;
+}
+
+py::tuple adapt_both_ways(const PythonMesh& old, const Array<std::int8_t>& flags, bool project, const Closing& closing,
+                          const std::string& method, const std::string& weights,
+                          const std::vector<std::string>& integrals) {
+  const auto values = rows_of<std::int8_t>(flags);
+  auto adapted = [&] {
+    const Released released;
+    adapt::AdaptOptions how;
+    how.refinement = options_of(closing);
+    how.refinement.project = project;
+    how.balancing = adapt::balancing_named(method, weights);
+    how.integrals = integrals;
+    if (old.comm->size() == 1 || how.balancing.how.method == balance::Method::none)
+      return adapt::adapt(*old.comm, old.mesh, values, how);
+    return adapt::adapt(*old.comm, mesh::DistMesh(old.mesh), values, how);
+  }();
+  auto report = to_dict(adapted.report);
+  report["coarsening"] = to_dict(adapted.coarsening);
+  return py::make_tuple(same_ranks(old, std::move(adapted.mesh)), report);
 }
 
 SharedMesh balanced(const PythonMesh& old, const Array<double>& weights, const std::string& method) {
@@ -206,6 +241,7 @@ std::vector<std::tuple<std::string, std::string, double>> associate(
 
 void bind_stages(py::module_& module) {
   module.def("refine", refine);
+  module.def("adapt", adapt_both_ways);
   module.def("balance", balanced);
   module.def("indicator", indicator);
   module.def("flags", flags_of);

@@ -215,6 +215,24 @@ def test_data_of_any_length_follows_the_cells():
     assert abs(total(fine.volumes() * fine.cell_fields["density"]) - before) < 1e-12
 
 
+def test_refining_and_taking_all_back_gives_the_mesh_that_there_was():
+    mesh = make_mesh(3, 5)
+    mesh.cell_fields["a"] = 1.0 + np.arange(len(mesh.cells)) + mesh.cell_numbers
+    before, mass = mesh.fingerprint(), total(mesh.cell_fields["a"] * mesh.volumes())
+    for _ in range(2):
+        mesh = pamr.refine(mesh, np.linalg.norm(mesh.points, axis=1)[mesh.cells].min(axis=1) < 0.4).mesh
+    fine = mesh
+    x = mesh.points[mesh.cells].mean(axis=1)[:, 0]
+    both = pamr.adapt(mesh, np.where(x > 0.7, 1, np.where(x < 0.3, -1, 0)))
+    assert both.report["coarsening"]["octets_gone"] > 0 and both.report["marked"] > 0
+    assert abs(total(both.mesh.cell_fields["a"] * both.mesh.volumes()) - mass) < 1e-12 * mass
+    for level in (1, 0):
+        mesh = pamr.adapt(mesh, -np.ones(len(mesh.cells), int), integrals=["a"]).mesh
+        assert max(COMM.allgather(int(mesh.levels.max(initial=0)))) == level
+    assert mesh.fingerprint() == before != fine.fingerprint()
+    assert abs(total(mesh.cell_fields["a"] * mesh.volumes()) - mass) < 1e-12 * mass
+
+
 def test_balance_spreads_the_weights():
     mesh = make_mesh(4, 17)
     weights = 1 + 50.0 * (mesh.points[mesh.cells].mean(axis=1)[:, 0] < 0.25)

@@ -96,6 +96,23 @@ def test_thresholds_agree_with_numpy():
     assert value[found >= 0].sum() >= 0.9 * value.sum() > value[found >= 0].sum() - 1
 
 
+def test_cells_wait_before_they_go():
+    kuhn_cube("now.hdf", 2)
+    mark("now.hdf", "marked.hdf", "--all")
+    refine("marked.hdf", "now.hdf")
+    for turn in range(3):
+        report = mark("now.hdf", "marked.hdf", *NOWHERE, "--coarsen-rest", "--keep-for", 2)
+        assert report["may_go"] == (384 if turn == 2 else 0)
+        with h5py.File("marked.hdf") as file:
+            assert (file["VTKHDF/CellData/refine_idle"][:] == turn + 1).all()
+        refine("marked.hdf", "now.hdf")
+    assert len(levels("now.hdf")) == 48
+    # a turn in which a cell is wanted begins the count anew
+    mark("now.hdf", "marked.hdf", "--all", "--coarsen-rest", "--keep-for", 2)
+    with h5py.File("marked.hdf") as file:
+        assert (file["VTKHDF/CellData/refine_idle"][:] == 0).all()
+
+
 def test_cells_that_know_no_parent_stay_and_nothing_is_lost():
     kuhn_cube("a.hdf", 3)
     add_cell_field("a.hdf", "f", np.arange(162.0))

@@ -270,6 +270,10 @@ Request read_request(const std::vector<Given>& given) {
       request.coarsen_rest = true;
     } else if (given[i].option == "--min-level") {
       request.min_level = count_of(given[i], 0);
+    } else if (given[i].option == "--keep-for") {
+      request.keep_for = count_of(given[i], 0);
+      if (request.keep_for > max_keep_for)
+        throw Error(fmt::format("--keep-for: expected at most {}, found {}", max_keep_for, given[i].text));
     } else if (given[i].option == "--size") {
       if (given[i].text != "cbrt" && given[i].text != "longest-edge")
         throw Error(fmt::format("--size: expected cbrt or longest-edge, found \"{}\"", given[i].text));

@@ -70,6 +70,7 @@ struct Request {
   std::vector<Cutoff> only_where;
   bool coarsen_rest = false;  ///< cells that meet no criterion may go
   int min_level = 0;          ///< cells of this level and below stay
+  int keep_for = 0;           ///< so many times a cell that may go stays, see `keep_for_a_while`
 
   /// Whether cells may go at all.
   bool coarsens() const;

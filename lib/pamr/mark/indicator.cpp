@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "pamr/mark/indicator.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
 #include "pamr/base/contract.hpp"
+#include "pamr/base/error.hpp"
 #include "pamr/mesh/require_field.hpp"
 #include "pamr/par/select_smallest.hpp"
 
@@ -67,6 +70,28 @@ std::vector<std::uint8_t> strongest(const par::Comm& comm, const mesh::DistMesh&
 
 std::int64_t count_marked(const par::Comm& comm, std::span<const std::uint8_t> marks) {
   return comm.sum(static_cast<std::int64_t>(std::count(marks.begin(), marks.end(), std::uint8_t{1})));
+}
+
+void keep_for_a_while(const par::Comm& comm, mesh::DistMesh& mesh, const std::string& name, int n_times,
+                      std::span<std::uint8_t> may_go) {
+  PAMR_EXPECTS(may_go.size() == mesh.cell_to_node.size());
+  const auto field_name = name + "_idle";
+  std::vector<std::int64_t> idle(may_go.size(), 0);
+  const auto* before = mesh.find_cell_field(field_name);
+  par::agree(comm, [&] {
+    if (before != nullptr && (!before->holds_integers() || before->n_components != 1))
+      throw Error(
+          fmt::format("expected integers of one component in cell field '{}', which counts how often cells could "
+                      "have gone, found another kind",
+                      field_name));
+  });
+  for (std::size_t c = 0; c < idle.size(); ++c) {
+    if (may_go[c] == 0) continue;
+    const auto so_far = before == nullptr ? 0 : std::clamp<std::int64_t>(before->integer()[c], 0, max_keep_for);
+    idle[c] = so_far + 1;
+    if (idle[c] <= n_times) may_go[c] = 0;
+  }
+  mesh::put_field(mesh.cell_fields, {field_name, "", 1, mesh::StorageType::uint8, std::move(idle)});
 }
 
 void set_marks(mesh::DistMesh& mesh, std::span<const std::uint8_t> marks, const std::string& name,

@@ -43,6 +43,15 @@ std::vector<std::uint8_t> strongest(const par::Comm& comm, const mesh::DistMesh&
 /// Number of marked cells over all ranks. Collective: one reduction.
 std::int64_t count_marked(const par::Comm& comm, std::span<const std::uint8_t> marks);
 
+/// Largest number of times that a cell can be made to wait before it goes.
+inline constexpr int max_keep_for = 250;
+
+/// Takes it from cells that they may go, as long as they could have gone for at most `n_times` marks in a row. How
+/// often that was so is counted in the cell field `NAME_idle` of the mesh, which refining and coarsening hand on; it is
+/// made or replaced. Throws `Error` on every rank where the mesh has such a field of another kind. Collective.
+void keep_for_a_while(const par::Comm& comm, mesh::DistMesh& mesh, const std::string& name, int n_times,
+                      std::span<std::uint8_t> may_go);
+
 /// Puts marks into the mesh as integer cell field `name` (0 keep, 1 split), in place of any field of that name. Those
 /// of cells without a mark that `may_go` (n_cells, 0 or 1, or empty: none) are -1. Local.
 void set_marks(mesh::DistMesh& mesh, std::span<const std::uint8_t> marks, const std::string& name = "refine",

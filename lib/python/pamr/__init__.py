@@ -2,7 +2,8 @@
 """Parallel adaptive refinement of tetrahedral meshes, in memory.
 
 A mesh lies on the ranks of an mpi4py communicator. It comes from arrays, from a file, from meshio or from dolfinx; cells
-are marked and refined; curved boundaries stay curved; the arrays of the new mesh are at hand at once::
+are marked and refined, or taken back (``pamr.adapt``); curved boundaries stay curved; the arrays of the new mesh are at hand
+at once::
 
     import numpy as np
     import pamr
@@ -29,9 +30,9 @@ from . import mark, openfoam
 from ._core import Error
 from .interop import from_dolfinx, from_meshio, to_dolfinx
 from .mesh import BoundaryFaces, Fields, Mesh
-from .stages import RefineResult, balance, forecast, locate, quality, refine
+from .stages import RefineResult, adapt, balance, forecast, locate, quality, refine
 from .surfaces import Cone, Cylinder, File, Plane, Sphere, Surface, Toml, Torus
 
 __all__ = ["BoundaryFaces", "Cone", "Cylinder", "Error", "Fields", "File", "Mesh", "Plane", "RefineResult", "Sphere",
-           "Surface", "Toml", "Torus", "balance", "forecast", "from_dolfinx", "from_meshio", "locate", "mark", "openfoam",
+           "Surface", "Toml", "Torus", "adapt", "balance", "forecast", "from_dolfinx", "from_meshio", "locate", "mark", "openfoam",
            "quality", "refine", "to_dolfinx"]

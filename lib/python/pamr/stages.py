@@ -18,12 +18,12 @@ POLICIES = ("none", "isotropic", "short-edge", "removable")
 BALANCES = ("auto", "scotch", "blocks", "none")
 
 
-def _flags(mesh: Mesh, values: Any) -> np.ndarray:
+def _flags(mesh: Mesh, values: Any, known: str = "0 or 1", lowest: int = 0) -> np.ndarray:
     array = integers("flags", values, (len(mesh.cells),))
-    bad = np.argwhere((array < 0) | (array > 1))
+    bad = np.argwhere((array < lowest) | (array > 1))
     if len(bad):
-        raise Error(f"flags: expected 0 or 1, found {array[bad[0][0]]} for cell {int(bad[0][0])}")
-    return array.astype(np.uint8)
+        raise Error(f"flags: expected {known}, found {array[bad[0][0]]} for cell {int(bad[0][0])}")
+    return array.astype(np.uint8 if lowest == 0 else np.int8)
 
 
 def _one_of(name: str, value: Any, known: tuple[str, ...]) -> None:
@@ -79,6 +79,29 @@ def refine(mesh: Mesh, flags: Any, *, project: bool = True, quality_control: str
         how = bool(project), closing(quality_control, shape_floor), balance, weights
         return (_flags(mesh, flags), *how), how
     core, report = _core.refine(mesh._core, *agree(mesh.comm, prepare))
+    fine = Mesh(core, mesh.comm)
+    return RefineResult(fine, report, fine.cell_fields["parent"], mesh)
+
+
+def adapt(mesh: Mesh, flags: Any, *, project: bool = True, shape_floor: float = 0.3, balance: str = "auto",
+          weights: str = "exact", integrals: tuple[str, ...] = ()) -> RefineResult:
+    """Refines and coarsens in one call (docs/coarsening.md). Collective.
+
+    flags: one for each cell of this rank: 1 is split into eight; -1 may go: with its siblings, all flagged, it becomes their
+        parent again if nothing that remains needs them; 0 stays.
+    integrals: names of cell fields of which coarsening keeps the sum of value times volume, at curved walls too. All others keep
+        values.
+    The other arguments are those of ``refine``; the policy is "removable". ``report["coarsening"]`` says what went and why the
+    rest stayed. ``parent`` names for each new cell the old one that holds its centroid.
+    """
+    def prepare() -> tuple[Any, Any]:
+        _one_of("balance", balance, BALANCES)
+        if isinstance(integrals, str):
+            raise Error(f"integrals: expected a list of names, found the text {integrals!r}")
+        names = [str(name) for name in integrals]
+        how = bool(project), closing("removable", shape_floor), balance, weights, names
+        return (_flags(mesh, flags, "-1, 0 or 1", -1), *how), how
+    core, report = _core.adapt(mesh._core, *agree(mesh.comm, prepare))
     fine = Mesh(core, mesh.comm)
     return RefineResult(fine, report, fine.cell_fields["parent"], mesh)
 

@@ -107,13 +107,39 @@ TEST(RandomSequences, LeaveTheClosureOfTheSplitsThatRemain) {
   EXPECT_GT(world.sum(n_closed), 10);
 }
 
+/// Nodes were moved far, families had to be kept and were split: what is taken back there is tested cell by cell.
+TEST(RandomSequences, LeaveValidMeshesAtWallsThatAreFarTooCoarse) {
+  const par::Comm world(MPI_COMM_WORLD), self(MPI_COMM_SELF);
+  if (world.size() != 1 && !test::is_full_level()) return;  // the next test has such meshes on all ranks
+  std::int64_t n_gone = 0, n_kept = 0, n_broken = 0;
+  for (std::uint64_t i = 0; i < test::n_cases(3, 60); ++i) {
+    adapt::AdaptOptions options;
+    options.refinement.parent_field = false;
+    auto mesh = assemble::assemble(self, test::bulging_cube(self, i, 0.15 + 0.05 * static_cast<double>(i % 4)));
+    for (std::uint64_t step = 0; step < 12; ++step) {
+      SCOPED_TRACE("mesh " + std::to_string(i) + ", step " + std::to_string(step));
+      auto flags = random_flags(mesh, combine(i, step));
+      if (step < 2) flags = test::with_sign(test::near_dome(mesh, 0.3));
+      auto result = adapt::adapt(self, mesh, flags, options);
+      mesh = std::move(result.mesh);
+      for (const auto& violation : validate::validate(self, mesh)) FAIL() << violation.invariant;
+      n_gone += result.coarsening.octets_gone;
+      n_kept += result.coarsening.octets_kept + result.coarsening.families_kept;
+      n_broken += result.report.closure.families_kept;
+    }
+  }
+  EXPECT_GT(n_gone, 100);
+  EXPECT_GT(n_kept, 0);
+  EXPECT_GT(n_broken, 0);
+}
+
 TEST(RandomSequences, GiveTheSameBytesOnAnyRanks) {
   const par::Comm world(MPI_COMM_WORLD), self(MPI_COMM_SELF);
   const auto n = test::n_cases_together(world) / 5;
   std::int64_t n_moved = 0;
   for (std::uint64_t i = 0; i < n; ++i) {
-    const auto start =
-        i % 2 == 0 ? test::random_delaunay(1000 + i) : test::gather(self, test::bulging_cube(self, i, 0.1));
+    const auto start = i % 2 == 0 ? test::random_delaunay(1000 + i)
+                                  : test::gather(self, test::bulging_cube(self, i, i % 4 == 1 ? 0.1 : 0.2));
     const adapt::AdaptOptions options{{.shape_floor = floors[i % 4], .parent_field = true}, {}, {}};
     auto serial = test::scatter(self, start, 0);
     for (std::uint64_t step = 0; step < 5; ++step) {
