@@ -69,7 +69,7 @@ std::optional<mesh::DistMesh> gather(const par::Comm& comm, const mesh::DistMesh
   return gathered;
 }
 
-CoarseningReport make_report(const par::Comm& comm, const coarsen::Asked& asked, const coarsen::Outcome& outcome,
+CoarseningReport count_all(const par::Comm& comm, const coarsen::Asked& asked, const coarsen::Outcome& outcome,
                              CoarseningReport report) {
   std::array<std::int64_t, 3> sums{asked.n_flagged, asked.n_without_parent, asked.n_in_octets};
   comm.sum_in_place(sums);
@@ -114,7 +114,7 @@ TakenBack take_back(const par::Comm& comm, const mesh::DistMesh& mesh, const Fla
   for (;;) {
     const auto settled =
         coarsen::settle_octets(comm, mesh, borders, octets, flags, needed, options.refinement.shape_floor);
-    TakenBack taken{{}, {}, {}, make_report(comm, asked, settled.outcome, report)};
+    TakenBack taken{{}, {}, {}, count_all(comm, asked, settled.outcome, report)};
     taken.report.cells_between = mesh.info.n_global_cells;
     timer.lap("coarsen");
     if (!comm.any(!settled.groups.empty())) return taken;
@@ -142,7 +142,7 @@ TakenBack take_back(const par::Comm& comm, const mesh::DistMesh& mesh, const Fla
 }
 
 /// The mesh is complete as it is: nothing is to be split or put onto a surface.
-RefineResult complete(mesh::DistMesh mesh, const refine::Options& options) {
+RefineResult as_it_is(mesh::DistMesh mesh, const refine::Options& options) {
   RefineResult result{std::move(mesh), {}};
   auto& origin = result.mesh.cell_origin;
   if (options.parent_field)
@@ -188,7 +188,7 @@ AdaptResult adapt(const par::Comm& comm, const mesh::DistMesh& mesh, std::span<c
                   comm.traffic() - before);
   PAMR_ENSURES_AUDIT(validate::validate(comm, *taken.mesh).empty());
   const bool has_more = comm.any(has_flag(signs, 1) || is_off_surface(*taken.mesh));
-  auto result = has_more ? refined(*taken.mesh, taken.flags) : complete(*std::move(taken.mesh), options.refinement);
+  auto result = has_more ? refined(*taken.mesh, taken.flags) : as_it_is(*std::move(taken.mesh), options.refinement);
   return as_one(std::move(result), taken.report, std::move(taken.merged), sizes, timer, comm.traffic() - before);
 }
 
@@ -213,7 +213,7 @@ AdaptResult adapt(const par::Comm& comm, mesh::DistMesh&& mesh, std::span<const 
   mesh = {};
   const bool has_more = comm.size() > 1 || has_flag(signs, 1) || is_off_surface(*taken.mesh);
   auto result =
-      has_more ? refined(*std::move(taken.mesh), taken.flags) : complete(*std::move(taken.mesh), options.refinement);
+      has_more ? refined(*std::move(taken.mesh), taken.flags) : as_it_is(*std::move(taken.mesh), options.refinement);
   return as_one(std::move(result), taken.report, std::move(taken.merged), sizes, timer, comm.traffic() - before);
 }
 
