@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdint>
+
 #include "pamr/geometry/tet_shape.hpp"
 #include "support/meshes.hpp"
 #include "support/reference.hpp"
@@ -154,6 +156,37 @@ TEST(Lineage, NamesItsSiblings) {
   EXPECT_EQ(sibling(sibling(first, 3), 0), first);
   EXPECT_EQ(describe(sibling(first, 3)), "1:4 closure cell of face 2, child 3, level 7");
   EXPECT_EQ(describe(Lineage{}.red_child(4).red_child(1).red_child(7)), "regular cell, level 3, child numbers 4 1 7");
+}
+
+/// The cells of a tree in the order of their numbers: each is split or not by lot, down to a level.
+void append_tree(Lineage cell, int levels, std::uint64_t& dice, std::vector<Lineage>& cells) {
+  dice = dice * 6364136223846793005U + 1442695040888963407U;
+  if (levels > 0 && dice >> 62U != 0) {
+    for (int child = 0; child < 8; ++child) append_tree(cell.red_child(child), levels - 1, dice, cells);
+  } else if (dice >> 60U & 1U) {
+    for (int child = 0; child < 3; ++child) cells.push_back(cell.closed(11, child));
+  } else {
+    cells.push_back(cell);
+  }
+}
+
+TEST(Lineage, TellsWhichCellsFollowInATree) {
+  std::uint64_t dice = 1;
+  for (int i = 0; i < 20; ++i) {
+    std::vector<Lineage> cells;
+    append_tree(Lineage::regular(i / 2), 1 + i % 4, dice, cells);
+    for (std::size_t c = 1; c < cells.size(); ++c) ASSERT_TRUE(follows_in_tree(cells[c - 1], cells[c]));
+    for (std::size_t c = 2; c < cells.size(); ++c) {  // not what comes after, nor what came before
+      ASSERT_FALSE(follows_in_tree(cells[c], cells[0])) << c;
+      if (!cells[c].is_closure()) ASSERT_FALSE(follows_in_tree(cells[c - 2], cells[c])) << c;
+    }
+  }
+  const auto root = Lineage::regular(0);
+  EXPECT_FALSE(follows_in_tree(root, root));
+  EXPECT_FALSE(follows_in_tree(root.red_child(7), root.red_child(0))) << "the next tree";
+  EXPECT_FALSE(follows_in_tree(root.red_child(3), Lineage::regular(1).red_child(4))) << "another level";
+  EXPECT_TRUE(follows_in_tree(root.red_child(2).red_child(7), root.red_child(3)));
+  EXPECT_TRUE(follows_in_tree(root.red_child(2), root.red_child(3).red_child(0).red_child(0)));
 }
 
 }  // namespace
