@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <nlohmann/json.hpp>
@@ -11,6 +12,7 @@
 #include <vector>
 
 #include "cli/run_tool.hpp"
+#include "pamr/adapt/adapt_both_ways.hpp"
 #include "pamr/adapt/depth.hpp"
 #include "pamr/adapt/forecast.hpp"
 #include "pamr/assemble/assemble.hpp"
@@ -74,8 +76,9 @@ void declare(cli::CommandLine& line, Options& options) {
   line.listed_flag("--all", options.all, "every cell");
   line.listed_flag("--coarsen-rest", options.coarsen_rest, "cells that meet no criterion may go");
   for (const auto& help : criteria_help) line.listed_option(help.name, help.text).type_name(help.type);
-  line.option("--max-cells", options.max_cells,
-              "limit: cells in falling order of the criterion while the refined mesh has at most N cells")
+  line.option(
+          "--max-cells", options.max_cells,
+          "limit: cells in falling order of the criterion while the refined (and coarsened) mesh has at most N cells")
       .type_name("N")
       .positive();
   line.option("--quality-control", options.quality_control, "of the refinement whose size is predicted")
@@ -93,6 +96,60 @@ void declare(cli::CommandLine& line, Options& options) {
   });
 }
 
+struct Size {
+  std::int64_t cells = 0, nodes = 0;
+};
+
+/// Size of the mesh after refining and coarsening with these marks: it is done in memory, without fields, and thrown
+/// away. Collective.
+Size size_of_trial(const par::Comm& comm, mesh::DistMesh& mesh, std::span<const std::uint8_t> marks,
+                   std::span<const std::uint8_t> may_go, const refine::Options& refinement) {
+  std::vector<std::int8_t> flags;
+  flags.reserve(marks.size());
+  for (std::size_t c = 0; c < marks.size(); ++c)
+    flags.push_back(static_cast<std::int8_t>(marks[c] != 0 ? 1 : may_go[c] != 0 ? -1 : 0));
+  adapt::AdaptOptions options;
+  options.refinement = refinement;
+  options.refinement.project = false;  // where nodes go has no part in it
+  options.refinement.parent_field = false;
+  const auto of_nodes = std::exchange(mesh.node_fields, {});
+  const auto of_cells = std::exchange(mesh.cell_fields, {});
+  const auto report = adapt::adapt(comm, std::as_const(mesh), flags, options).report;
+  mesh.node_fields = of_nodes;
+  mesh.cell_fields = of_cells;
+  return {report.cells_out, report.nodes_out};
+}
+
+/// What is marked in the end, and what it gives.
+struct Marked {
+  std::vector<std::uint8_t> marks;
+  std::vector<std::uint8_t> work;  ///< of the refinement
+  Size after;                      ///< of the mesh after it
+};
+
+/// The wanted cells, or as many of them as `max_cells` allows for. Collective.
+Marked choose_marks(const par::Comm& comm, mesh::DistMesh& mesh, const mark::Applied& applied, const Options& options,
+                    const refine::Options& refinement) {
+  const bool any_may_go = comm.any(std::find(applied.may_go.begin(), applied.may_go.end(), 1) != applied.may_go.end());
+  Marked marked{mark::marks_of(applied.indicator), {}, {}};
+  const adapt::Forecaster forecaster(comm, mesh, refinement);
+  std::optional<adapt::Forecast> forecast;
+  if (options.max_cells)
+    marked.marks = mark::marks_within_budget(
+        comm, mesh, applied.indicator, *options.max_cells, [&](std::span<const std::uint8_t> some) {
+          if (any_may_go) return size_of_trial(comm, mesh, some, applied.may_go, refinement).cells;
+          auto trial = forecaster.forecast(some);
+          const auto cells = trial.cells;
+          if (cells <= *options.max_cells) forecast = std::move(trial);
+          return cells;
+        });
+  if (!forecast) forecast = forecaster.forecast(marked.marks);  // else the last trial that fits: that of the marks
+  marked.work = forecaster.work(*forecast);
+  marked.after = any_may_go ? size_of_trial(comm, mesh, marked.marks, applied.may_go, refinement)
+                            : Size{forecast->cells, forecaster.nodes(*forecast)};
+  return marked;
+}
+
 cli::ExitCode run(cli::Session& session, const Options& options) {
   const auto request = mark::read_request(options.given);
   session.check_input(options.input);
@@ -108,29 +165,17 @@ cli::ExitCode run(cli::Session& session, const Options& options) {
   refinement.shape_floor = options.shape_floor;
   auto applied = with_file_name(options.input, [&] { return mark::apply(comm, mesh, request); });
   const auto too_deep = comm.sum(mark::keep_below_level(mesh, mesh::max_level, applied.indicator));
-  auto marks = mark::marks_of(applied.indicator);
-  const auto n_wanted = mark::count_marked(comm, marks);
-  const adapt::Forecaster forecaster(comm, mesh, refinement);
-  std::optional<adapt::Forecast> forecast;
-  if (options.max_cells)
-    marks = mark::marks_within_budget(comm, mesh, applied.indicator, *options.max_cells,
-                                      [&](std::span<const std::uint8_t> some) {
-                                        auto trial = forecaster.forecast(some);
-                                        const auto cells = trial.cells;
-                                        if (cells <= *options.max_cells) forecast = std::move(trial);
-                                        return cells;
-                                      });
-  if (!forecast) forecast = forecaster.forecast(marks);  // else the last trial that fits, which is that of the marks
+  const auto n_wanted = mark::count_marked(comm, mark::marks_of(applied.indicator));
+  if (request.keep_for > 0) mark::keep_for_a_while(comm, mesh, options.marks, request.keep_for, applied.may_go);
+  const auto [marks, work, after] = choose_marks(comm, mesh, applied, options, refinement);
   const auto n_marked = mark::count_marked(comm, marks);
-  const auto nodes_after = forecaster.nodes(*forecast);
 
   session.step("writing " + options.output);
-  if (request.keep_for > 0) mark::keep_for_a_while(comm, mesh, options.marks, request.keep_for, applied.may_go);
   std::int64_t n_may_go = 0;
   for (std::size_t c = 0; c < marks.size(); ++c) n_may_go += marks[c] == 0 && applied.may_go[c] != 0 ? 1 : 0;
   n_may_go = comm.sum(n_may_go);
   mark::set_marks(mesh, marks, options.marks, applied.may_go);
-  balance::set_work(mesh, options.marks, forecaster.work(*forecast));
+  balance::set_work(mesh, options.marks, work);
   io::write_native(comm, options.output, mesh, {.format = options.format});
   nlohmann::json report{{"cells", mesh.info.n_global_cells},
                         {"nodes", mesh.info.n_global_nodes},
@@ -138,8 +183,8 @@ cli::ExitCode run(cli::Session& session, const Options& options) {
                         {"marked", n_marked},
                         {"marked_too_deep", too_deep},
                         {"may_go", n_may_go},
-                        {"cells_after", forecast->cells},
-                        {"nodes_after", nodes_after},
+                        {"cells_after", after.cells},
+                        {"nodes_after", after.nodes},
                         {"marks", options.marks},
                         {"quality_control", options.quality_control},
                         {"shape_floor", options.shape_floor}};
@@ -148,17 +193,17 @@ cli::ExitCode run(cli::Session& session, const Options& options) {
     report["criteria"].push_back({{"criterion", request.criteria[i].text}, {"cells", applied.cells_of_criterion[i]}});
   session.write_report(report);
   if (too_deep > 0) session.warn(adapt::too_deep_text(too_deep));
-  if (options.max_cells && mesh.info.n_global_cells > *options.max_cells)
+  if (options.max_cells && mesh.info.n_global_cells > *options.max_cells && n_may_go == 0)
     session.warn(fmt::format("nothing is marked: the mesh has {} cells already, more than --max-cells {}",
                              mesh.info.n_global_cells, *options.max_cells));
   else if (n_marked == 0 && n_may_go == 0)
     session.warn(n_wanted > 0 ? "nothing is marked: not one of the cells that are wanted fits into --max-cells"
                               : "nothing is marked: no cell meets a criterion and every limit");
-  session.summary(fmt::format("{} of {} cells marked{}{}; {} cells and {} nodes after refinement{} -> {}", n_marked,
+  session.summary(fmt::format("{} of {} cells marked{}{}; {} cells and {} nodes after refinement -> {}", n_marked,
                               mesh.info.n_global_cells,
                               n_wanted > n_marked ? fmt::format(" (of {} wanted)", n_wanted) : std::string(),
-                              request.coarsens() ? fmt::format(", {} may go", n_may_go) : std::string(),
-                              forecast->cells, nodes_after, n_may_go > 0 ? " if none went" : "", options.output));
+                              request.coarsens() ? fmt::format(", {} may go", n_may_go) : std::string(), after.cells,
+                              after.nodes, options.output));
   return cli::ExitCode::done;
 }
 
