@@ -248,7 +248,7 @@ cli::ExitCode work(cli::Session& session, const Options& options) {
 
   warn_too_deep(session, result.report.marked_too_deep);
   warn_kept(session, result.report.closure.families_kept, how);
-  if (result.report.closure.n_marked == 0)
+  if (result.report.closure.n_marked == 0 && result.coarsening.cells_flagged == 0)
     session.warn(fmt::format("nothing is marked in the field '{}': the output is the input mesh", options.marks));
   measured.steps = merge_steps(timer.steps(), result.report.steps);
   warn_nothing_goes(session, result.coarsening);

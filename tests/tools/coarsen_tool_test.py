@@ -49,7 +49,9 @@ def test_refining_and_taking_all_back_gives_the_mesh_that_there_was():
         n_below = np.count_nonzero(levels("now.hdf") > 0)
         assert mark("now.hdf", "marked.hdf", *NOWHERE, "--coarsen-rest")["may_go"] == n_below
         dry = run("pamr-refine", "marked.hdf", "--dry-run", "--json", "-").json
-        report = refine("marked.hdf", "now.hdf").json
+        result = refine("marked.hdf", "now.hdf")
+        report = result.json
+        assert "warning" not in result.err, result.err
         assert report["coarsening"]["octets_gone"] > 0 and report["coarsening"]["cells_flagged"] == n_below
         assert dry["cells_out"] == report["cells_out"] and dry["coarsening"]["octets_gone"] > 0
         assert levels("now.hdf").max() == level
