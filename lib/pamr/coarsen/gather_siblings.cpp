@@ -28,7 +28,15 @@ struct Answer {
   Rank destination = 0;
 };
 
-/// Those of this rank that are in no octet here.
+/// Whether all cells that may be siblings of this one are on this rank: their numbers are near.
+bool has_all_siblings(const mesh::DistMesh& mesh, LocalId cell) {
+  constexpr auto reach = static_cast<LocalId>(max_octet_size);
+  const auto& number = mesh.cell_global;
+  return cell >= reach && cell < mesh.n_cells() - reach && number[at(cell - reach)] == number[at(cell)] - reach &&
+         number[at(cell + reach)] == number[at(cell)] + reach;
+}
+
+/// Those of this rank that are in no octet here, though one may lie on several ranks.
 std::vector<Lone> find_lone(const mesh::DistMesh& mesh, std::span<const std::int8_t> flags, Rank here) {
   const auto octets = find_octets(mesh, flags).octets;
   auto next = octets.begin();
@@ -41,7 +49,7 @@ std::vector<Lone> find_lone(const mesh::DistMesh& mesh, std::span<const std::int
     }
     end = end_of_base_cell(mesh, c);
     const auto base = mesh.lineage[at(c)].base();
-    if (base.depth() == 0 || !base_cell_may_go(mesh, flags, c)) continue;
+    if (base.depth() == 0 || !base_cell_may_go(mesh, flags, c) || has_all_siblings(mesh, c)) continue;
     lone.push_back({mesh.cell_global[at(c)], base.red_parent().bits(), end - c, base.child_number(), here, c});
   }
   return lone;
