@@ -22,8 +22,7 @@ mesh::DistMesh mesh_with_families(const par::Comm& comm, bool in_runs) {
   std::vector<std::uint8_t> flags(at(mesh.n_cells()), 0);
   for (LocalId c = 0; c < mesh.n_cells(); ++c) flags[at(c)] = mesh.cell_global[at(c)] % 17 == 0 ? 1 : 0;
   if (in_runs) return adapt::refine(comm, mesh, flags).mesh;
-  return adapt::refine(comm, std::move(mesh), flags, adapt::Options{{}, adapt::balancing_named("scotch", "exact")})
-      .mesh;
+  return adapt::refine(comm, std::move(mesh), flags).mesh;
 }
 
 /// A closure that says nothing.
