@@ -33,8 +33,8 @@ struct AdaptResult {
   mesh::DistMesh mesh;
   Report report;
   CoarseningReport coarsening;
-  /// Cells of the input (by number) that were taken back, each with a cell of the input that has its place: the `parent`
-  /// of a cell there, as long as nothing was split. Any rank may hold any of them.
+  /// Cells of the input (by number) that were taken back, each with a cell of the input that has its place: the
+  /// `parent` of a cell there, as long as nothing was split. Any rank may hold any of them.
   std::vector<coarsen::Merged> merged;
 };
 
