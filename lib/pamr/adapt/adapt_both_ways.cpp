@@ -70,7 +70,7 @@ std::optional<mesh::DistMesh> gather(const par::Comm& comm, const mesh::DistMesh
 }
 
 CoarseningReport count_all(const par::Comm& comm, const coarsen::Asked& asked, const coarsen::Outcome& outcome,
-                             CoarseningReport report) {
+                           CoarseningReport report) {
   std::array<std::int64_t, 3> sums{asked.n_flagged, asked.n_without_parent, asked.n_in_octets};
   comm.sum_in_place(sums);
   report.cells_flagged = sums[0];
