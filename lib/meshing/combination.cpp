@@ -12,6 +12,7 @@
 #include "meshing/pieces.hpp"
 #include "meshing/solid.hpp"
 #include "pamr/base/error.hpp"
+#include "pamr/base/index.hpp"
 #include "pamr/geometry/surface.hpp"
 
 namespace pamr::meshing {
@@ -37,6 +38,28 @@ void require_within_bounds(const Solid& solid, const std::string& where) {
         require_outside({between(low.x, high.x, i), side.y, between(low.z, high.z, j)});
         require_outside({between(low.x, high.x, i), between(low.y, high.y, j), side.z});
       }
+}
+
+/// Looks at a grid of points in the box, and beside points of the surfaces, where thin parts of a region are.
+void require_some_within_bounds(const Solid& solid, const SurfaceSamples& samples, const std::string& where) {
+  constexpr int n = 24;
+  const Vec3 size = solid.high - solid.low;
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j < n; ++j)
+      for (int k = 0; k < n; ++k)
+        if (solid.contains(solid.low + Vec3{size.x * (i + 0.5) / n, size.y * (j + 0.5) / n, size.z * (k + 0.5) / n}))
+          return;
+  const auto is_in_box = [&](Vec3 p) {
+    return p.x >= solid.low.x && p.y >= solid.low.y && p.z >= solid.low.z && p.x <= solid.high.x &&
+           p.y <= solid.high.y && p.z <= solid.high.z;
+  };
+  for (int s = 0; s < solid.n_surfaces(); ++s)
+    for (const Vec3 p : samples[at(s)]) {
+      const Vec3 step = 1e-4 * solid.radius() * solid.surface(s).normal(p);
+      for (const Vec3 q : {p + step, p - step})
+        if (is_in_box(q) && solid.contains(q)) return;
+    }
+  throw Error(fmt::format("{}: expected bounds around a part of the region, found none of it in them", where));
 }
 
 /// What edges in a gap are bounded to: `factor` times the least sum of the distances from two surfaces whose normals
@@ -133,6 +156,7 @@ Domain combine(const Combination& c, const std::string& where) {
   };
   const auto pieces = with_place([&] { return std::make_shared<const Pieces>(solid, samples); });
   require_within_bounds(*solid, where);
+  require_some_within_bounds(*solid, samples, where);
   Domain domain;
   domain.label = [solid, pieces](Vec3 p) {
     const int surface = solid->label(p);

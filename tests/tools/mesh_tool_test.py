@@ -377,6 +377,7 @@ def test_bad_case_files_are_refused_with_their_line():
               (head + good.replace("-ball", "-bell") + ball, [":4:10", '"bell"']),
               (head + good.replace("-ball", "-ball &") + ball, [":4", "its end"]),
               (head + good.replace("-ball", "+ball") + ball, ["bounds", "in it"]),
+              (head + good.replace("[[-1, -1, -1], [1, 1, 1]]", "[[10, 10, 10], [12, 12, 12]]") + ball, ["bounds", "found none of it"]),
               (head + good.replace("[1, 1, 1]", "[1, 1, -1]") + ball, [":5", "-1"]),
               (head + good.replace("far = 0.5", "near = { ball = 1 }") + ball, ["far"]),
               (head + good + "near = { bell = 0.5 }\n" + ball, [":8", '"bell"']),
