@@ -79,9 +79,9 @@ void Progress::update(std::int64_t done, const std::string& step) {
   const auto text =
       progress_text(what_, done, total_, unit_, std::chrono::duration<double>(now - start_).count(), step, before_);
   if (on_terminal_) {
-    std::fputs((clear_line + bar(done, total_) + text).c_str(), stderr);
     drawn_ = true;
-    mark_line(true);
+    mark_line(true);  // before it is: an interrupt may come in between
+    std::fputs((clear_line + bar(done, total_) + text).c_str(), stderr);
   } else {
     std::fputs((text + "\n").c_str(), stderr);
   }

@@ -72,8 +72,8 @@ extern "C" void tell_step(int) {
   line.add(":");
   line.add(seconds % 60, 2);
   if (!shown.on_terminal) line.add("\n");
+  shown.is_drawn = shown.on_terminal ? 1 : 0;  // before it is: an interrupt may come in between
   line.write();
-  shown.is_drawn = shown.on_terminal ? 1 : 0;
   errno = before;
 }
 
