@@ -69,8 +69,8 @@ Line longest_line(const Polygon& polygon) {
 }
 
 Halves halve(const Polygon& polygon, const Line& longest) {
-  const auto& [from, to] = longest;
-  return cut(polygon, [&](Vec3 p) { return dot(p - midpoint(from, to), to - from); });
+  const Vec3 middle = midpoint(longest.from, longest.to), along = longest.to - longest.from;
+  return cut(polygon, [&](Vec3 p) { return dot(p - middle, along); });
 }
 
 /// A triangle or a part of one that may hold a point farther than the largest distance found so far.

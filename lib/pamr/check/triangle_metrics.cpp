@@ -14,7 +14,7 @@ namespace pamr::check {
 
 namespace {
 
-constexpr double unbounded = std::numeric_limits<double>::infinity();
+constexpr double endless = std::numeric_limits<double>::infinity();
 using Scale = MetricTally::Scale;
 
 /// What is gathered of a patch.
@@ -33,7 +33,7 @@ std::array<double, 4> triangle_metrics(const std::array<geometry::Vec3, 3>& p) {
   const auto ab = p[1] - p[0], bc = p[2] - p[1], ca = p[0] - p[2];
   const double twice_area = norm(cross(ab, ca)), a = norm(ab), b = norm(bc), c = norm(ca);
   const double squares = a * a + b * b + c * c;
-  if (!(twice_area > 0) || !std::isfinite(squares)) return {0, unbounded, 0, 180};
+  if (!(twice_area > 0) || !std::isfinite(squares)) return {0, endless, 0, 180};
   const double root_3 = std::numbers::sqrt3, longest = std::max({a, b, c}), inner_radius = twice_area / (a + b + c);
   const auto angle = [](geometry::Vec3 u, geometry::Vec3 v) {
     return std::atan2(norm(cross(u, v)), dot(u, v)) * 180 / std::numbers::pi;
@@ -59,7 +59,7 @@ std::vector<TriangleReport> measure_triangles(const par::Comm& comm, const mesh:
       const auto* surface = mesh.info.surface_of(patch);
       if (surface == nullptr) continue;
       const auto middle = (1.0 / 3) * (p[0] + p[1] + p[2]);
-      const double distance = is_finite(middle) ? surface->distance(middle) : unbounded;
+      const double distance = is_finite(middle) ? surface->distance(middle) : endless;
       const double area = 0.5 * norm(cross(p[1] - p[0], p[2] - p[0]));
       here.worst = std::max(here.worst, distance);
       here.area.add(area);

@@ -11,7 +11,7 @@ namespace pamr::coarsen {
 
 namespace {
 
-constexpr GlobalId max_octet_size = 8 * mesh::max_family_size;
+constexpr GlobalId max_octet_size = GlobalId{8} * mesh::max_family_size;
 
 /// A base cell that may go, without all of its siblings.
 struct Lone {
