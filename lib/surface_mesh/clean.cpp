@@ -11,7 +11,8 @@
 
 #include "pamr/base/index.hpp"
 #include "pamr/geometry/triangulated/check_triangulation.hpp"
-#include "surface_mesh/edge_table.hpp"
+#include "pamr/geometry/triangulated/edge_table.hpp"
+#include "surface_mesh/groups.hpp"
 #include "surface_mesh/half_edges.hpp"
 #include "surface_mesh/triangle_shape.hpp"
 
@@ -35,7 +36,7 @@ Pieces pieces_of(const Triangulation& surface) {
   const auto n = surface.triangles.size();
   Groups groups(n);
   std::vector<char> has_open_edge(n, 0);
-  EdgeTable(surface).for_each_edge([&](std::span<const Side> sides) {
+  geometry::EdgeTable(surface).for_each_edge([&](std::span<const geometry::Side> sides) {
     if (sides.size() == 1) has_open_edge[at(sides[0].triangle)] = 1;
     for (std::size_t i = 1; i < sides.size(); ++i) groups.join(sides[0].triangle, sides[i].triangle);
   });

@@ -13,9 +13,10 @@
 #include "pamr/base/index.hpp"
 #include "pamr/geometry/parameters.hpp"
 #include "pamr/geometry/triangulated/crease.hpp"
+#include "pamr/geometry/triangulated/edge_table.hpp"
 #include "pamr/geometry/triangulated/self_intersection.hpp"
 #include "pamr/geometry/triangulated/triangulated_curve.hpp"
-#include "surface_mesh/edge_table.hpp"
+#include "surface_mesh/groups.hpp"
 #include "surface_mesh/triangle_shape.hpp"
 
 namespace pamr::surface_mesh {
@@ -137,17 +138,17 @@ class Describer {
     auto whole = surface_;  // without what has no three edges
     std::erase_if(whole.triangles, [](const auto& n) { return has_point_twice(n); });
     if (whole.triangles.empty()) return;
-    const EdgeTable edges(whole);
+    const geometry::EdgeTable edges(whole);
     const auto n = whole.triangles.size();
     Groups shells(n), fans(3 * n);
-    const auto corner = [](const Side& side, bool at_low) {
+    const auto corner = [](const geometry::Side& side, bool at_low) {
       return 3 * side.triangle + (side.upwards == at_low ? side.edge : (side.edge + 1) % 3);
     };
-    std::vector<Side> open;
+    std::vector<geometry::Side> open;
     double sum = 0, least = std::numeric_limits<double>::infinity(), longest = 0;
     std::int64_t n_edges = 0;
     const double cosine = std::cos(options_.feature_angle * std::numbers::pi / 180);
-    edges.for_each_edge([&](std::span<const Side> sides) {
+    edges.for_each_edge([&](std::span<const geometry::Side> sides) {
       const Vec3 a = point(sides[0].low), b = point(sides[0].high);
       const double length = norm(b - a);
       sum += length;
@@ -194,7 +195,7 @@ class Describer {
   }
 
   /// Open edges hang together where they meet in one fan of triangles: two holes that touch in a point are two.
-  void join_loops(const Triangulation& whole, const std::vector<Side>& open, Groups& fans) {
+  void join_loops(const Triangulation& whole, const std::vector<geometry::Side>& open, Groups& fans) {
     std::vector<std::array<int, 2>> ends;
     std::vector<int> used;
     for (const auto& side : open) {
@@ -237,7 +238,7 @@ class Describer {
     (void)whole;
   }
 
-  void list_shells(const Triangulation& whole, const std::vector<Side>& open, Groups& shells) {
+  void list_shells(const Triangulation& whole, const std::vector<geometry::Side>& open, Groups& shells) {
     std::vector<int> number(whole.triangles.size(), -1);
     const Vec3 origin = 0.5 * (result_.low + result_.high);
     for (int t = 0; t < std::ssize(whole.triangles); ++t) {

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "pamr/base/index.hpp"
-#include "surface_mesh/edge_table.hpp"
+#include "pamr/geometry/triangulated/edge_table.hpp"
 #include "surface_mesh/half_edges.hpp"
 
 namespace pamr::surface_mesh {
@@ -28,7 +28,7 @@ void run(HalfEdges& mesh, int n_steps) {
 geometry::Triangulation split_at_midpoints(const geometry::Triangulation& surface) {
   geometry::Triangulation result{.name = surface.name, .points = surface.points, .triangles = {}};
   std::vector<std::array<int, 3>> middle(surface.triangles.size());  // of the side from corner k to the next
-  EdgeTable(surface).for_each_edge([&](std::span<const Side> sides) {
+  geometry::EdgeTable(surface).for_each_edge([&](std::span<const geometry::Side> sides) {
     for (const auto& side : sides) middle[at(side.triangle)][at(side.edge)] = static_cast<int>(result.points.size());
     result.points.push_back(midpoint(surface.points[at(sides[0].low)], surface.points[at(sides[0].high)]));
   });

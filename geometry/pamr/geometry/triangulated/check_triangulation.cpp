@@ -5,37 +5,18 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "pamr/base/error.hpp"
 #include "pamr/base/index.hpp"
 #include "pamr/geometry/parameters.hpp"
+#include "pamr/geometry/triangulated/edge_table.hpp"
 
 namespace pamr::geometry {
 
 namespace {
 
 constexpr double largest_size = 1e100, min_height = 1e-10;
-
-struct Side {
-  int low = 0, high = 0;  // numbers of the end points
-  int triangle = 0, edge = 0;
-  bool upwards = false;  // runs from low to high
-};
-
-/// All sides of all triangles; those of one edge are neighbors, in the order of their triangles.
-std::vector<Side> sides_of(const Triangulation& surface) {
-  std::vector<Side> sides;
-  sides.reserve(3 * surface.triangles.size());
-  for (std::size_t t = 0; t < surface.triangles.size(); ++t)
-    for (int k = 0; k < 3; ++k) {
-      const int a = surface.triangles[t][at(k)], b = surface.triangles[t][at((k + 1) % 3)];
-      sides.push_back({std::min(a, b), std::max(a, b), static_cast<int>(t), k, a < b});
-    }
-  std::sort(sides.begin(), sides.end(), [](const Side& a, const Side& b) {
-    return std::array{a.low, a.high, a.triangle, a.edge} < std::array{b.low, b.high, b.triangle, b.edge};
-  });
-  return sides;
-}
 
 [[noreturn]] void fail(const std::string& where, int triangle, const std::string& message) {
   throw Error(fmt::format("{}: triangle {}: {}", where, triangle + 1, message));
@@ -60,37 +41,30 @@ void require_shapes(const Triangulation& surface, const std::string& where) {
 }
 
 /// Edges with one triangle only.
-std::size_t count_open(const std::vector<Side>& sides) {
+std::size_t count_open(const EdgeTable& edges) {
   std::size_t n = 0;
-  for (std::size_t i = 0; i < sides.size(); ++i) {
-    const auto is_same = [&](std::size_t j) { return sides[j].low == sides[i].low && sides[j].high == sides[i].high; };
-    if (!(i > 0 && is_same(i - 1)) && !(i + 1 < sides.size() && is_same(i + 1))) ++n;
-  }
+  edges.for_each_edge([&](std::span<const Side> sides) { n += sides.size() == 1 ? 1 : 0; });
   return n;
 }
 
-void require_edges(const Triangulation& surface, const std::vector<Side>& sides, const std::string& where,
-                   bool open_allowed) {
-  for (std::size_t i = 0; i < sides.size();) {
-    std::size_t end = i + 1;
-    while (end < sides.size() && sides[end].low == sides[i].low && sides[end].high == sides[i].high) ++end;
-    const auto text = "the edge from " + decimal(surface.points[at(sides[i].low)]) + " to " +
-                      decimal(surface.points[at(sides[i].high)]);
-    if (end - i > 2)
-      fail(where, sides[i + 2].triangle,
-           fmt::format("expected at most two triangles at {}, found {} (non-manifold)", text, end - i));
-    if (end - i == 1 && !open_allowed)
-      fail(where, sides[i].triangle,
+void require_edges(const Triangulation& surface, const EdgeTable& edges, const std::string& where, bool open_allowed) {
+  edges.for_each_edge([&](std::span<const Side> sides) {
+    const auto text = "the edge from " + decimal(surface.points[at(sides[0].low)]) + " to " +
+                      decimal(surface.points[at(sides[0].high)]);
+    if (sides.size() > 2)
+      fail(where, sides[2].triangle,
+           fmt::format("expected at most two triangles at {}, found {} (non-manifold)", text, sides.size()));
+    if (sides.size() == 1 && !open_allowed)
+      fail(where, sides[0].triangle,
            fmt::format(
                "expected a closed surface, found {} edges with one triangle, the first {} (open); if that is meant, "
                "describe the surface in TOML with open = true",
-               count_open(sides), text.substr(std::string("the edge ").size())));
-    if (end - i == 2 && sides[i].upwards == sides[i + 1].upwards)
-      fail(where, sides[i + 1].triangle,
+               count_open(edges), text.substr(std::string("the edge ").size())));
+    if (sides.size() == 2 && sides[0].upwards == sides[1].upwards)
+      fail(where, sides[1].triangle,
            fmt::format("expected the opposite sense of triangle {} at {}, found the same (orientation)",
-                       sides[i].triangle + 1, text));
-    i = end;
-  }
+                       sides[0].triangle + 1, text));
+  });
 }
 
 /// Follows the triangles around each point; those that the first fan does not reach make it non-manifold.
@@ -154,19 +128,19 @@ void drop_unused_points(Triangulation& surface) {
 void require_valid(const Triangulation& surface, const std::string& where, bool open_allowed) {
   if (surface.triangles.empty()) throw Error(where + ": expected triangles, found none (empty)");
   require_shapes(surface, where);
-  require_edges(surface, sides_of(surface), where, open_allowed);
+  require_edges(surface, EdgeTable(surface), where, open_allowed);
   require_fans(surface, triangle_neighbors(surface), where);
 }
 
 std::vector<std::array<Beyond, 3>> triangle_neighbors(const Triangulation& surface) {
   std::vector<std::array<Beyond, 3>> neighbors(surface.triangles.size());
-  const auto sides = sides_of(surface);
-  for (std::size_t i = 0; i + 1 < sides.size(); ++i) {
-    const Side &a = sides[i], &b = sides[i + 1];
-    if (a.low != b.low || a.high != b.high) continue;
-    neighbors[at(a.triangle)][at(a.edge)] = {b.triangle, b.edge};
-    neighbors[at(b.triangle)][at(b.edge)] = {a.triangle, a.edge};
-  }
+  EdgeTable(surface).for_each_edge([&](std::span<const Side> sides) {
+    for (std::size_t i = 0; i + 1 < sides.size(); ++i) {
+      const Side &a = sides[i], &b = sides[i + 1];
+      neighbors[at(a.triangle)][at(a.edge)] = {b.triangle, b.edge};
+      neighbors[at(b.triangle)][at(b.edge)] = {a.triangle, a.edge};
+    }
+  });
   return neighbors;
 }
 

@@ -6,7 +6,7 @@
 
 #include "pamr/geometry/triangulated/triangulation.hpp"
 
-namespace pamr::surface_mesh {
+namespace pamr::geometry {
 
 /// One side of one triangle, from its corner `edge` to the next.
 struct Side {
@@ -20,7 +20,7 @@ struct Side {
 /// Local; O(n log n), 20 bytes a side.
 class EdgeTable {
  public:
-  explicit EdgeTable(const geometry::Triangulation& surface);
+  explicit EdgeTable(const Triangulation& surface);
 
   /// Calls `use(sides)` with the sides of each edge.
   template <class Use>
@@ -37,16 +37,4 @@ class EdgeTable {
   std::vector<Side> sides_;
 };
 
-/// Sets of numbers that grow together.
-class Groups {
- public:
-  explicit Groups(std::size_t n);
-  /// The number that stands for the set of `i`.
-  int of(int i);
-  void join(int a, int b);
-
- private:
-  std::vector<int> parent_;
-};
-
-}  // namespace pamr::surface_mesh
+}  // namespace pamr::geometry

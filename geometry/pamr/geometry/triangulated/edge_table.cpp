@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "surface_mesh/edge_table.hpp"
+#include "pamr/geometry/triangulated/edge_table.hpp"
 
 #include <algorithm>
 #include <array>
-#include <numeric>
 
 #include "pamr/base/index.hpp"
 
-namespace pamr::surface_mesh {
+namespace pamr::geometry {
 
-EdgeTable::EdgeTable(const geometry::Triangulation& surface) {
+EdgeTable::EdgeTable(const Triangulation& surface) {
   sides_.reserve(3 * surface.triangles.size());
   for (std::size_t t = 0; t < surface.triangles.size(); ++t)
     for (int k = 0; k < 3; ++k) {
@@ -21,20 +20,4 @@ EdgeTable::EdgeTable(const geometry::Triangulation& surface) {
   });
 }
 
-Groups::Groups(std::size_t n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), 0); }
-
-int Groups::of(int i) {
-  while (parent_[at(i)] != i) {
-    parent_[at(i)] = parent_[at(parent_[at(i)])];
-    i = parent_[at(i)];
-  }
-  return i;
-}
-
-void Groups::join(int a, int b) {
-  a = of(a);
-  b = of(b);
-  parent_[at(std::max(a, b))] = std::min(a, b);
-}
-
-}  // namespace pamr::surface_mesh
+}  // namespace pamr::geometry
