@@ -76,12 +76,7 @@ CoarseningReport count_all(const par::Comm& comm, const coarsen::Asked& asked, c
   report.cells_flagged = sums[0];
   report.cells_without_parent = sums[1];
   report.cells_without_siblings = sums[0] - sums[1] - sums[2];
-  report.octets_gone = outcome.octets_gone;
-  report.octets_needed = outcome.octets_needed;
-  report.octets_kept = outcome.octets_kept;
-  report.families_closed = outcome.families_closed;
-  report.families_kept = outcome.families_kept;
-  report.rounds = outcome.rounds;
+  static_cast<coarsen::Outcome&>(report) = outcome;
   return report;
 }
 

@@ -8,6 +8,7 @@
 
 #include "pamr/adapt/adapt.hpp"
 #include "pamr/coarsen/coarse_fields.hpp"
+#include "pamr/coarsen/settle_octets.hpp"
 #include "pamr/mesh/dist_mesh.hpp"
 #include "pamr/par/comm.hpp"
 
@@ -15,18 +16,12 @@ namespace pamr::adapt {
 
 /// What was taken back, and why the rest stayed; counts over all ranks. An octet is eight cells of one regular split,
 /// each of which may be replaced by a closure family.
-struct CoarseningReport {
+struct CoarseningReport : coarsen::Outcome {
   std::int64_t cells_flagged = 0;           ///< cells with a flag below 0
   std::int64_t cells_without_parent = 0;    ///< of them: level 0, broken families, cells of files of format 1
   std::int64_t cells_without_siblings = 0;  ///< of them: of an octet of which some cell is not flagged, or was split
-  std::int64_t octets_gone = 0;             ///< taken back to their parent
-  std::int64_t octets_needed = 0;           ///< all flagged, but needed by the closure of what remains or is refined
-  std::int64_t octets_kept = 0;             ///< all flagged, but their parent would have, or would be, an inverted cell
-  std::int64_t families_closed = 0;         ///< closure families that were closed anew with fewer marks
-  std::int64_t families_kept = 0;           ///< that keep their marks, because a cell would be inverted with fewer
   std::int64_t cells_moved = 0;             ///< to the rank of their siblings
   std::int64_t cells_between = 0;           ///< cells when all was taken back, before anything was split
-  int rounds = 0;                           ///< exchanges with the neighbors to settle this
 };
 
 struct AdaptResult {

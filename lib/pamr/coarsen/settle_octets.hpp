@@ -15,12 +15,13 @@ namespace pamr::coarsen {
 
 /// Counts over all ranks of what came of the octets all of whose cells may go.
 struct Outcome {
-  std::int64_t octets_gone = 0;
-  std::int64_t octets_needed = 0;    ///< stay because the closure of what remains needs them
-  std::int64_t octets_kept = 0;      ///< stay because their parent, closed as it would have to be, had an inverted cell
+  std::int64_t octets_gone = 0;    ///< taken back to their parent
+  std::int64_t octets_needed = 0;  ///< stay because the closure of what remains or is refined needs them
+  std::int64_t octets_kept =
+      0;  ///< stay because their parent, closed as it would have to be, had (or were) an inverted cell
   std::int64_t families_closed = 0;  ///< closure families that are closed anew, with fewer marks
   std::int64_t families_kept = 0;    ///< those that stay because a cell would be inverted
-  int rounds = 0;                    ///< exchanges with the neighbors
+  int rounds = 0;                    ///< exchanges with the neighbors to settle this
 };
 
 /// What is taken back, and which nodes remain.
