@@ -26,6 +26,7 @@
 #include <thread>
 #include <vector>
 
+#include "arguments.hpp"
 #include "mutate.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/base/hash.hpp"
@@ -214,9 +215,7 @@ int run(const char* program, std::uint64_t n, std::uint64_t first) {
 int main(int argc, char** argv) {
   using namespace pamr::fuzz;
   const std::string mode = argc > 1 ? argv[1] : "";
-  const auto number = [&](int i, std::uint64_t otherwise) {
-    return argc > i ? std::strtoull(argv[i], nullptr, 10) : otherwise;
-  };
+  const auto number = [&](int i, std::uint64_t otherwise) { return number_in(argc, argv, i, otherwise); };
   if (mode == "--seeds" || mode == "--one") {
     MPI_Init(nullptr, nullptr);
     const std::filesystem::path folder = mode == "--seeds" ? argv[2] : std::filesystem::temp_directory_path();

@@ -13,6 +13,7 @@
 #include <map>
 #include <utility>
 
+#include "arguments.hpp"
 #include "mutate.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/geometry/triangulated/read_triangulation.hpp"
@@ -98,8 +99,6 @@ int run(unsigned long long n, unsigned long long first) {
 }  // namespace pamr::fuzz
 
 int main(int argc, char** argv) {
-  const auto number = [&](int i, unsigned long long otherwise) {
-    return argc > i ? std::strtoull(argv[i], nullptr, 10) : otherwise;
-  };
-  return pamr::fuzz::run(number(1, 2000), number(2, 1));
+  using pamr::fuzz::number_in;
+  return pamr::fuzz::run(number_in(argc, argv, 1, 2000), number_in(argc, argv, 2, 1));
 }

@@ -12,6 +12,7 @@
 #include <exception>
 #include <string>
 
+#include "arguments.hpp"
 #include "mutate.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/geometry/triangulated/check_triangulation.hpp"
@@ -96,8 +97,6 @@ int run(unsigned long long n, unsigned long long first) {
 }  // namespace pamr::fuzz
 
 int main(int argc, char** argv) {
-  const auto number = [&](int i, unsigned long long otherwise) {
-    return argc > i ? std::strtoull(argv[i], nullptr, 10) : otherwise;
-  };
-  return pamr::fuzz::run(number(1, 300), number(2, 1));
+  using pamr::fuzz::number_in;
+  return pamr::fuzz::run(number_in(argc, argv, 1, 300), number_in(argc, argv, 2, 1));
 }

@@ -24,20 +24,6 @@ inline std::vector<std::int8_t> with_sign(const std::vector<std::uint8_t>& split
   return {split.begin(), split.end()};
 }
 
-/// All that a mesh is, byte after byte, but for its cell fields.
-inline std::string bytes_of(const mesh::BlockMesh& whole) {
-  std::string bytes;
-  const auto add = [&bytes](const auto& values) {
-    bytes += std::to_string(values.size()) + ":";
-    bytes.append(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(values[0]));
-  };
-  add(whole.node_position);
-  add(whole.cell_to_node);
-  add(whole.cell_to_cell);
-  add(whole.lineage);
-  return bytes;
-}
-
 /// The unit cube of random cells whose patch zmin is tied to a sphere that bulges into it by `bulge`.
 inline mesh::BlockMesh bulging_cube(const par::Comm& comm, std::uint64_t seed, double bulge) {
   auto block = random_mesh(comm, seed, 3);

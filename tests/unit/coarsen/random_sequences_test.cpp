@@ -12,6 +12,7 @@
 #include "pamr/validate/validate.hpp"
 #include "support/delaunay.hpp"
 #include "support/dice.hpp"
+#include "support/places.hpp"
 #include "support/reference.hpp"
 #include "support/reference_family.hpp"
 
@@ -19,26 +20,6 @@ namespace pamr {
 namespace {
 
 using geometry::Vec3;
-
-struct BeforeInSpace {
-  bool operator()(const Vec3& a, const Vec3& b) const { return geometry::lexicographically_less(a, b); }
-};
-/// A cell by where its corners are.
-using Place = std::set<Vec3, BeforeInSpace>;
-struct BeforeByCorners {
-  bool operator()(const Place& a, const Place& b) const {
-    return std::lexicographical_compare(a.begin(), a.end(), b.begin(), b.end(), BeforeInSpace());
-  }
-};
-
-std::vector<Place> places_of_base_cells(const mesh::BlockMesh& whole) {
-  std::vector<Place> places;
-  for (const auto& corners : test::base_cells_of(test::pieces_of(whole))) {
-    places.emplace_back();
-    for (const auto node : corners) places.back().insert(whole.node_position[at(node)]);
-  }
-  return places;
-}
 
 /// By coordinates only: cells of a ball may go, cells cut by another are split.
 std::vector<std::int8_t> random_flags(const mesh::DistMesh& mesh, std::uint64_t seed) {
@@ -61,12 +42,12 @@ std::vector<std::int8_t> random_flags(const mesh::DistMesh& mesh, std::uint64_t 
 /// The mesh of level 0 with the regular splits of another mesh, asked for until all are there.
 mesh::DistMesh with_splits_of(const par::Comm& self, const mesh::BlockMesh& start, const mesh::BlockMesh& other,
                               const refine::Options& options) {
-  const auto base = places_of_base_cells(other);
-  const std::set<Place, BeforeByCorners> reached(base.begin(), base.end());
+  const auto base = test::places_of_base_cells(other);
+  const test::Places reached(base.begin(), base.end());
   auto mesh = test::scatter(self, start, 0);
   for (;;) {
     std::vector<std::uint8_t> flags;
-    for (const auto& place : places_of_base_cells(test::gather_on(self, mesh, 0)))
+    for (const auto& place : test::places_of_base_cells(test::gather_on(self, mesh, 0)))
       flags.push_back(reached.count(place) == 0 ? 1 : 0);
     if (std::count(flags.begin(), flags.end(), 1) == 0) return mesh;
     mesh = adapt::refine(self, mesh, flags, options).mesh;

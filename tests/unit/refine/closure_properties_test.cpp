@@ -21,6 +21,7 @@
 #include "support/delaunay.hpp"
 #include "support/dice.hpp"
 #include "support/meshes.hpp"
+#include "support/places.hpp"
 #include "support/reference.hpp"
 #include "support/reference_floor.hpp"
 
@@ -96,27 +97,6 @@ TEST(FloorOfOneCell, IsThatOfTheReferenceAndMonotoneForAllSetsAndAllFamilies) {
   EXPECT_GT(n_enlarged, 1000);
 }
 
-struct BeforeInSpace {
-  bool operator()(const Vec3& a, const Vec3& b) const { return geometry::lexicographically_less(a, b); }
-};
-/// A cell by where its corners are: the same in meshes that number their nodes differently.
-using Place = std::set<Vec3, BeforeInSpace>;
-struct BeforeByCorners {
-  bool operator()(const Place& a, const Place& b) const {
-    return std::lexicographical_compare(a.begin(), a.end(), b.begin(), b.end(), BeforeInSpace());
-  }
-};
-using Places = std::set<Place, BeforeByCorners>;
-
-std::vector<Place> places_of_base_cells(const mesh::BlockMesh& whole) {
-  std::vector<Place> places;
-  for (const auto& corners : test::base_cells_of(test::pieces_of(whole))) {
-    places.emplace_back();
-    for (const auto node : corners) places.back().insert(whole.node_position[at(node)]);
-  }
-  return places;
-}
-
 mesh::BlockMesh gmsh_mesh(const par::Comm& comm, const std::string& name, double scale, Vec3 origin) {
   const auto read = io::read_gmsh(comm, std::filesystem::path(PAMR_TEST_MESHES) / name);
   auto whole = test::gather_on(comm, read.mesh, 0);
@@ -140,10 +120,10 @@ mesh::DistMesh refine_once(const par::Comm& comm, const mesh::DistMesh& mesh, co
 }
 
 /// Some of the cells whose base cell is not among those to be reached; all of the first of them, so that it goes on.
-std::vector<std::uint8_t> flag_some(const mesh::BlockMesh& whole, const Places& reached, Dice& dice) {
+std::vector<std::uint8_t> flag_some(const mesh::BlockMesh& whole, const test::Places& reached, Dice& dice) {
   std::vector<std::uint8_t> flags;
   bool any = false;
-  for (const auto& place : places_of_base_cells(whole)) {
+  for (const auto& place : test::places_of_base_cells(whole)) {
     const bool is_open = reached.count(place) == 0;
     flags.push_back(is_open && (!any || dice.below(3) == 0) ? 1 : 0);
     any = any || is_open;
@@ -163,8 +143,8 @@ TEST(ClosureHistory, DoesNotShowInTheResult) {
       mesh = refine_once(self, mesh, test::mark(mesh, test::law_of(i / 6 + at(level)), combine(i, at(level))),
                          shape_floor);
     const auto expected = test::reference_fingerprint(test::gather_on(self, mesh, 0));
-    const auto base = places_of_base_cells(test::gather_on(self, mesh, 0));
-    const Places reached(base.begin(), base.end());
+    const auto base = test::places_of_base_cells(test::gather_on(self, mesh, 0));
+    const test::Places reached(base.begin(), base.end());
 
     // the same splits, asked for a few at a time and in another order
     Dice dice(mix(i));

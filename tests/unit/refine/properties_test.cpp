@@ -21,6 +21,7 @@
 #include "random_case.hpp"
 #include "support/delaunay.hpp"
 #include "support/meshes.hpp"
+#include "support/places.hpp"
 #include "support/reference.hpp"
 
 namespace pamr {
@@ -90,10 +91,6 @@ geometry::TetPoints points_of(const mesh::BlockMesh& whole, std::size_t cell) {
   return {p[at(n[0])], p[at(n[1])], p[at(n[2])], p[at(n[3])]};
 }
 
-struct BeforeInSpace {
-  bool operator()(const Vec3& a, const Vec3& b) const { return geometry::lexicographically_less(a, b); }
-};
-
 std::set<std::set<GlobalId>> edges_of(const mesh::BlockMesh& whole) {
   std::set<std::set<GlobalId>> edges;
   for (const auto& n : whole.cell_to_node)
@@ -119,16 +116,8 @@ std::map<std::set<GlobalId>, std::vector<std::pair<GlobalId, std::size_t>>> face
 
 /// All that a mesh is, byte after byte.
 std::string bytes_of(const mesh::BlockMesh& whole) {
-  std::string bytes;
-  const auto add = [&bytes](const auto& values) {
-    bytes += std::to_string(values.size()) + ":";
-    bytes.append(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(values[0]));
-  };
-  add(whole.node_position);
-  add(whole.cell_to_node);
-  add(whole.cell_to_cell);
-  add(whole.lineage);
-  for (const auto& field : whole.cell_fields) add(field.integer());
+  auto bytes = test::bytes_of(whole);
+  for (const auto& field : whole.cell_fields) test::append_bytes(field.integer(), bytes);
   return bytes;
 }
 
@@ -139,7 +128,7 @@ TEST(P1Conformity, EveryFaceBelongsToTwoCellsOrToThePatchesAndNoNodeHangsOnAnEdg
       for (const auto& [cell, slot] : cells)
         ASSERT_EQ(level.after.cell_to_cell[at(cell)][slot] < 0, cells.size() == 1) << "cell " << cell;
     }
-    std::set<Vec3, BeforeInSpace> nodes(level.after.node_position.begin(), level.after.node_position.end());
+    std::set<Vec3, test::BeforeInSpace> nodes(level.after.node_position.begin(), level.after.node_position.end());
     ASSERT_EQ(nodes.size(), level.after.node_position.size()) << "two nodes in one place";
     for (const auto& edge : edges_of(level.after)) ASSERT_EQ(nodes.count(middle_of(level.after, edge)), 0U);
   });
@@ -420,7 +409,7 @@ std::int64_t euler_characteristic(const mesh::BlockMesh& whole) {
 TEST(P13Counts, AreThoseOfTheSplitEdgesAndCellsAndKeepTheEulerCharacteristic) {
   on_random_levels(any_mesh, [](const Level& level) {
     ASSERT_EQ(euler_characteristic(level.after), euler_characteristic(level.start));
-    std::set<Vec3, BeforeInSpace> nodes(level.after.node_position.begin(), level.after.node_position.end());
+    std::set<Vec3, test::BeforeInSpace> nodes(level.after.node_position.begin(), level.after.node_position.end());
     std::int64_t split_edges = 0;
     for (const auto& edge : edges_of(level.before))
       split_edges += static_cast<std::int64_t>(nodes.count(middle_of(level.before, edge)));

@@ -130,6 +130,15 @@ mesh::BlockMesh gather_on(const par::Comm& comm, const mesh::DistMesh& mesh, Ran
   return whole;
 }
 
+std::string bytes_of(const mesh::BlockMesh& whole) {
+  std::string bytes;
+  append_bytes(whole.node_position, bytes);
+  append_bytes(whole.cell_to_node, bytes);
+  append_bytes(whole.cell_to_cell, bytes);
+  append_bytes(whole.lineage, bytes);
+  return bytes;
+}
+
 void shake(mesh::BlockMesh& whole, std::uint64_t seed) {
   const auto original = whole.node_position;
   std::vector<double> shortest(original.size(), 1e300);  // edge at each node

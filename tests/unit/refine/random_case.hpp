@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "pamr/assemble/assemble.hpp"
@@ -33,6 +34,16 @@ std::vector<std::uint8_t> mark(const mesh::BlockMesh& whole, Law law, std::uint6
 
 /// The whole mesh and its field `parent` on one rank, cells and nodes by number; nothing on the others. Collective.
 mesh::BlockMesh gather_on(const par::Comm& comm, const mesh::DistMesh& mesh, Rank root);
+
+/// An array, byte after byte, behind its length.
+template <class T>
+void append_bytes(const std::vector<T>& values, std::string& bytes) {
+  bytes += std::to_string(values.size()) + ":";
+  bytes.append(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T));
+}
+
+/// All that a mesh is, byte after byte, but for its cell fields.
+std::string bytes_of(const mesh::BlockMesh& whole);
 
 /// Moves a third of the nodes at random as far as all cells stay positive. Parents of families may turn over by that.
 void shake(mesh::BlockMesh& whole, std::uint64_t seed);
