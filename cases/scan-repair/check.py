@@ -39,14 +39,14 @@ for level in range(levels + 1):
     with h5py.File(name) as file:
         points, cells = file["VTKHDF/Points"][:], file["VTKHDF/Connectivity"][:].reshape(-1, 4)
         cell, slot = np.nonzero(file["PAMR/cell_to_cell"][:] < 0)
-    off = make_scan.off_ring(points[np.unique(cells[cell[:, None], FACES[slot]])])
+    off = make_scan.distance_from_ring(points[np.unique(cells[cell[:, None], FACES[slot]])])
     volume, area = report["volume"] / make_scan.VOLUME - 1, patch["area"] / make_scan.AREA - 1
     errors.append((abs(volume), abs(area)))
     print(f"level {level}: {report['cells']} cells, smallest mean ratio {report['mean_ratio']['min']:.3f}, wall nodes off the "
           f"ring: mean {np.abs(off).mean():.2e}, largest {np.abs(off).max():.2e}; volume {volume:+.2e}, area {area:+.2e}, "
           f"middles of triangles off the surface: mean {patch['triangles']['mean_distance']:.2e}")
     compare(f"level {level}", {"inverted_cells": report["inverted_cells"], "off_surface_nodes": patch["off_surface_nodes"],
-                               "ledger_nodes": report["ledger"]["nodes"], "mean_off_ring": np.abs(off).mean(),
-                               "worst_off_ring": np.abs(off).max()})
+                               "nodes_left_off_surface": report["ledger"]["nodes"], "mean_distance_from_ring": np.abs(off).mean(),
+                               "largest_distance_from_ring": np.abs(off).max()})
 compare("last level", {"volume_error": errors[-1][0], "area_error": errors[-1][1]})
 sys.exit(1 if failed else 0)

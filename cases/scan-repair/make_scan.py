@@ -23,7 +23,7 @@ def on_ring(u, v, r=MINOR):
     return np.stack([(MAJOR + r * np.cos(v)) * np.cos(u), (MAJOR + r * np.cos(v)) * np.sin(u), r * np.sin(v)], axis=-1)
 
 
-def off_ring(points):
+def distance_from_ring(points):
     """Signed distance from the ring, positive outside."""
     return np.hypot(np.hypot(points[:, 0], points[:, 1]) - MAJOR, points[:, 2]) - MINOR
 
