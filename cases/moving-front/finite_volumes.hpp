@@ -32,6 +32,7 @@ class FiniteVolumes {
   LocalId n_cells() const { return mesh_.n_cells(); }
   double volume(LocalId cell) const { return volume_[at(cell)]; }
   Vec3 centroid(LocalId cell) const { return centroid_[at(cell)]; }
+  const std::vector<Vec3>& centroids() const { return centroid_; }
 
   /// The largest stable time step, times `courant`. Collective.
   double time_step(double courant) const;

@@ -16,6 +16,7 @@
 #include <cmath>
 #include <cstdio>
 #include <numbers>
+#include <optional>
 #include <string>
 
 #include "finite_volumes.hpp"
@@ -81,41 +82,34 @@ std::vector<double> exact_values(const FiniteVolumes& volumes, double time) {
   return value;
 }
 
-/// Field `name` of a cell, made anew.
-void put(pamr::mesh::DistMesh& mesh, const std::string& name, std::vector<double> value) {
-  std::erase_if(mesh.cell_fields, [&](const auto& field) { return field.name == name; });
-  mesh.cell_fields.push_back({name, "", 1, pamr::mesh::StorageType::float64, std::move(value)});
+void put(pamr::mesh::DistMesh& mesh, const std::string& name, int n_components, std::vector<double> value) {
+  mesh.cell_fields.push_back({name, "", n_components, pamr::mesh::StorageType::float64, std::move(value)});
+}
+
+std::vector<double> flat(const std::vector<Vec3>& vectors) {
+  std::vector<double> numbers;
+  for (const auto& v : vectors) numbers.insert(numbers.end(), {v.x, v.y, v.z});
+  return numbers;
+}
+
+Vec3 vector_in(const pamr::mesh::DistMesh& mesh, const std::string& name, LocalId cell) {
+  const auto* of_cell = &mesh.find_cell_field(name)->real()[3 * at(cell)];
+  return {of_cell[0], of_cell[1], of_cell[2]};
 }
 
 /// What a cell must know to give linear values to the cells that come of it: it travels as fields, so that it is
 /// averaged by volume where cells become one.
 void pack(const FiniteVolumes& volumes, const std::vector<double>& value, pamr::mesh::DistMesh& mesh) {
-  const auto slope = volumes.slopes(value);
-  mesh.cell_fields.clear();
-  put(mesh, "c", value);
-  for (std::size_t k = 0; k < 3; ++k) {
-    std::vector<double> s, x;
-    for (LocalId c = 0; c < mesh.n_cells(); ++c) {
-      const auto p = volumes.centroid(c), g = slope[at(c)];
-      s.push_back(k == 0 ? g.x : k == 1 ? g.y : g.z);
-      x.push_back(k == 0 ? p.x : k == 1 ? p.y : p.z);
-    }
-    put(mesh, "slope" + std::to_string(k), std::move(s));
-    put(mesh, "center" + std::to_string(k), std::move(x));
-  }
+  put(mesh, "c", 1, value);
+  put(mesh, "slope", 3, flat(volumes.slopes(value)));
+  put(mesh, "center", 3, flat(volumes.centroids()));
 }
 
 /// Values at the new cells' centroids. The children of a cell have its value on average, so that the sum is kept.
 std::vector<double> unpack(const FiniteVolumes& volumes, pamr::mesh::DistMesh& mesh) {
   auto value = mesh.find_cell_field("c")->real();
-  for (std::size_t k = 0; k < 3; ++k) {
-    const auto& slope = mesh.find_cell_field("slope" + std::to_string(k))->real();
-    const auto& center = mesh.find_cell_field("center" + std::to_string(k))->real();
-    for (LocalId c = 0; c < mesh.n_cells(); ++c) {
-      const auto p = volumes.centroid(c);
-      value[at(c)] += slope[at(c)] * ((k == 0 ? p.x : k == 1 ? p.y : p.z) - center[at(c)]);
-    }
-  }
+  for (LocalId c = 0; c < mesh.n_cells(); ++c)
+    value[at(c)] += dot(vector_in(mesh, "slope", c), volumes.centroid(c) - vector_in(mesh, "center", c));
   mesh.cell_fields.clear();
   return value;
 }
@@ -143,50 +137,42 @@ class Run {
   Run(const pamr::par::Comm& comm, const Options& options)
       : comm_(comm),
         options_(options),
-        mesh_(pamr::assemble::assemble(comm, pamr::assemble::kuhn_cube(comm, options.n))) {
-    level0_ = pamr::mesh::fingerprint(comm, mesh_);
+        mesh_(pamr::assemble::assemble(comm, pamr::assemble::kuhn_cube(comm, options.n))),
+        level0_(pamr::mesh::fingerprint(comm, mesh_)) {
+    volumes_.emplace(comm_, mesh_, wind);
     for (int level = 0; level < options.levels; ++level) {
-      const FiniteVolumes volumes(comm_, mesh_, wind);
-      auto flags = flags_of(volumes, mesh_, exact_values(volumes, 0), options_.levels);
+      auto flags = flags_of(*volumes_, mesh_, exact_values(*volumes_, 0), options_.levels);
       if (options_.is_uniform) std::fill(flags.begin(), flags.end(), std::int8_t{1});
       adapt(flags);
     }
-    const FiniteVolumes volumes(comm_, mesh_, wind);
-    value_ = exact_values(volumes, 0);
-    mass_at_start_ = mass(volumes);
+    value_ = exact_values(*volumes_, 0);
+    mass_at_start_ = mass();
   }
 
   void go() {
     if (comm_.is_first()) history_ = std::fopen((options_.out + "/history.csv").c_str(), "w");
     say("step,time,cells,error,mass_defect,largest,smallest_mean_ratio");
+    seconds_adapting_ = 0;  // the first mesh does not count
     const auto begin = Clock::now();
     for (double next_frame = 0; time_ < end_time;) {
-      const FiniteVolumes volumes(comm_, mesh_, wind);
-      const double dt = std::min(volumes.time_step(courant), end_time - time_);
-      const bool tells = options_.frames > 0 && time_ >= next_frame;
-      if (tells || steps_ % 50 == 0) tell(volumes);
-      if (tells) {
+      const bool writes = options_.frames > 0 && time_ >= next_frame;
+      if (writes || steps_ % 50 == 0) tell();
+      if (writes) {
         next_frame += end_time / options_.frames;
         write();
       }
-      for (int i = 0; i < options_.every && time_ < end_time; ++i) {
-        const double step = std::min(dt, end_time - time_);
-        left_ += pamr::par::reproducible_sum(comm_, std::array{volumes.advance(step, value_)});
-        time_ += step;
-        ++steps_;
-      }
-      if (!options_.is_uniform) follow(volumes);
+      advance(volumes_->time_step(courant));
+      if (!options_.is_uniform) follow();
     }
-    for (int level = 0; level < options_.levels && !options_.is_uniform; ++level)
-      follow(FiniteVolumes(comm_, mesh_, wind));
-    tell(FiniteVolumes(comm_, mesh_, wind));
+    for (int level = 0; level < options_.levels && !options_.is_uniform; ++level) follow();
+    tell();
     const double all = seconds_since(begin);
     const bool is_level0 = pamr::mesh::fingerprint(comm_, mesh_) == level0_;
     if (comm_.is_first())
-      std::printf("%d steps, mean %.0f cells, largest error %.4f, %s; %.1f s, of which adapting %.1f %%\n", steps_,
-                  cell_steps_ / std::max(n_told_, 1), worst_error_,
-                  is_level0 ? "the last mesh is level 0" : "the last mesh is not level 0", all,
-                  100 * seconds_adapting_ / all);
+      std::printf(
+          "%d steps, mean %.0f cells, largest error %.4f, the last mesh is %slevel 0; %.1f s, of which adapting %.1f "
+          "%%\n",
+          steps_, cell_steps_ / n_told_, worst_error_, is_level0 ? "" : "not ", all, 100 * seconds_adapting_ / all);
     if (history_ != nullptr) std::fclose(history_);
   }
 
@@ -197,33 +183,44 @@ class Run {
     mesh_ = std::move(result.mesh);
     std::erase_if(mesh_.cell_fields, [](const auto& field) { return field.name == pamr::mesh::parent_field; });
     seconds_adapting_ += seconds_since(begin);
+    volumes_.emplace(comm_, mesh_, wind);
+  }
+
+  /// The steps until the mesh is adapted next.
+  void advance(double dt) {
+    for (int i = 0; i < options_.every && time_ < end_time; ++i) {
+      const double step = std::min(dt, end_time - time_);
+      left_ += pamr::par::reproducible_sum(comm_, std::array{volumes_->advance(step, value_)});
+      time_ += step;
+      ++steps_;
+    }
   }
 
   /// Adapts the mesh to the solution and carries it over.
-  void follow(const FiniteVolumes& volumes) {
-    const auto flags = flags_of(volumes, mesh_, value_, options_.levels);
-    pack(volumes, value_, mesh_);
+  void follow() {
+    const auto flags = flags_of(*volumes_, mesh_, value_, options_.levels);
+    pack(*volumes_, value_, mesh_);
     adapt(flags);
-    value_ = unpack(FiniteVolumes(comm_, mesh_, wind), mesh_);
+    value_ = unpack(*volumes_, mesh_);
   }
 
-  double mass(const FiniteVolumes& volumes) const {
+  double mass() const {
     std::vector<double> parts;
-    for (LocalId c = 0; c < volumes.n_cells(); ++c) parts.push_back(volumes.volume(c) * value_[at(c)]);
+    for (LocalId c = 0; c < mesh_.n_cells(); ++c) parts.push_back(volumes_->volume(c) * value_[at(c)]);
     return pamr::par::reproducible_sum(comm_, parts);
   }
 
-  void tell(const FiniteVolumes& volumes) {
-    const auto truth = exact_values(volumes, time_);
+  void tell() {
+    const auto truth = exact_values(*volumes_, time_);
     double largest = 0, worst_shape = 1;
     std::vector<double> parts;
-    for (LocalId c = 0; c < volumes.n_cells(); ++c) {
-      parts.push_back(volumes.volume(c) * std::abs(value_[at(c)] - truth[at(c)]));
+    for (LocalId c = 0; c < mesh_.n_cells(); ++c) {
+      parts.push_back(volumes_->volume(c) * std::abs(value_[at(c)] - truth[at(c)]));
       largest = std::max(largest, value_[at(c)]);
       worst_shape = std::min(worst_shape, pamr::geometry::mean_ratio(mesh_.points(c)));
     }
     const double error = pamr::par::reproducible_sum(comm_, parts) / mass_at_start_;
-    const double defect = (mass(volumes) + left_ - mass_at_start_) / mass_at_start_;
+    const double defect = (mass() + left_ - mass_at_start_) / mass_at_start_;
     worst_error_ = std::max(worst_error_, error);
     cell_steps_ += static_cast<double>(mesh_.info.n_global_cells);
     ++n_told_;
@@ -243,7 +240,7 @@ class Run {
   void write() {
     char name[40];
     std::snprintf(name, sizeof name, "/front_%03d.hdf", n_frames_++);
-    put(mesh_, "c", value_);
+    put(mesh_, "c", 1, value_);
     pamr::io::write_native(comm_, options_.out + name, mesh_);
     mesh_.cell_fields.clear();
   }
@@ -251,8 +248,9 @@ class Run {
   const pamr::par::Comm& comm_;
   Options options_;
   pamr::mesh::DistMesh mesh_;
+  std::uint64_t level0_;                  ///< fingerprint of the first mesh
+  std::optional<FiniteVolumes> volumes_;  ///< of the mesh as it is
   std::vector<double> value_;
-  std::uint64_t level0_ = 0;
   double time_ = 0, mass_at_start_ = 0, left_ = 0, worst_error_ = 0, cell_steps_ = 0, seconds_adapting_ = 0;
   int steps_ = 0, n_frames_ = 0, n_told_ = 0;
   std::FILE* history_ = nullptr;
