@@ -5,13 +5,16 @@
 #
 #   loop.sh CASE.toml LEVEL0.hdf FOLDER RANKS LEVELS MAX_CELLS CRITERION...
 #
-# LEVELS refinements at most; CRITERION are options of pamr-mark; refined meshes stay within MAX_CELLS. Leaves
+# LEVELS refinements at most; CRITERION are options of pamr-mark; refined meshes stay within MAX_CELLS, which may be several
+# numbers with commas between, one for each refinement (the last serves all further ones). Leaves
 # FOLDER/level<i>.hdf (the mesh with its solution) and the reports solve<i>.json, mark<i>.json, refine<i>.json.
 set -euo pipefail
 
-case_file=$1 mesh=$2 out=$3 ranks=$4 levels=$5 max_cells=$6
+case_file=$1 mesh=$2 out=$3 ranks=$4 levels=$5
+IFS=, read -ra max_cells <<<"$6"
 shift 6
 mkdir -p "$out"
+. "$(dirname -- "${BASH_SOURCE[0]}")/../../scripts/mpi_environment.sh"
 
 on_ranks() { # REPORT TOOL ARGUMENT...
   local report=$out/$1.json
@@ -25,7 +28,8 @@ for ((level = 0; ; ++level)); do
   on_ranks "solve$level" pamr-pb "$case_file" --mesh "$mesh" -o "$out/level$level.hdf" --force "${start[@]}"
   if ((level > 0)); then rm -f "$mesh"; fi
   if ((level == levels)); then break; fi
-  on_ranks "mark$level" pamr-mark "$out/level$level.hdf" -o "$out/marked.hdf" --force "$@" --max-cells "$max_cells"
+  on_ranks "mark$level" pamr-mark "$out/level$level.hdf" -o "$out/marked.hdf" --force "$@" \
+    --max-cells "${max_cells[level]:-${max_cells[-1]}}"
   if grep -q '"marked": *0,' "$out/mark$level.json" || grep -q '"marked":0,' "$out/mark$level.json"; then break; fi
   mesh=$out/refined.hdf
   on_ranks "refine$((level + 1))" pamr-refine "$out/marked.hdf" -o "$mesh" --force

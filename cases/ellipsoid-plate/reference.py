@@ -3,11 +3,12 @@
 """Force, torque and charge of this case by other means: quadratic or cubic elements on curved cells of a Gmsh mesh of the
 true ellipsoid, in dolfinx (Debian packages python3-dolfinx-real and python3-gmsh; dolfinx 0.5).
 
-Usage: reference.py [--size H] [--degree 2|3] [--spheres]
+Usage: reference.py [--size H] [--degree 2|3] [--spheres [RADIUS DISTANCE HEIGHT SPHERE PLATE]]
 
 H is the wanted edge length at the body. Same box, same conditions on its walls as case.toml. Forces by the volume
-form with a harmonic cut-off function of the same degree; charge by the reaction. With --spheres the same for reading B
-of cases/charged-spheres, whose force along x is also found through the mid-plane.
+form with a harmonic cut-off function of the same degree; charge by the reaction. With --spheres the same for two spheres
+over a plate (default: reading B of cases/charged-spheres; SPHERE and PLATE are potentials), whose force along x is also
+found through the mid-plane.
 """
 import argparse
 import math
@@ -19,7 +20,6 @@ from dolfinx import fem
 from dolfinx.io import gmshio
 from mpi4py import MPI
 from petsc4py import PETSc
-
 
 
 class Ellipsoid:
@@ -36,17 +36,19 @@ class Ellipsoid:
 
 
 class Spheres:
-    axes, turn, center = (0.325, 0.325, 0.325), 0.0, (2.25, 0.0, 2.5)
-    low, high = (0.0, 0.0, 0.0), (9.75, 7.5, 10.0)
-    body, plate = 3.0, 5.0
+    turn, low, far = 0.0, (0.0, 0.0, 0.0), 7.5
     mirror_x = True
     largest = 1.5
 
-    @classmethod
-    def decay(cls, x, n):
+    def __init__(self, radius=0.325, distance=4.5, height=2.5, body=3.0, plate=5.0):
+        self.axes, self.center = (radius,) * 3, (distance / 2, 0.0, height)
+        self.high = tuple(c + self.far for c in self.center)
+        self.body, self.plate = body, plate
+
+    def decay(self, x, n):
         total = slope = 0
         for side in (1, -1):
-            away = x - ufl.as_vector((side * cls.center[0], cls.center[1], cls.center[2]))
+            away = x - ufl.as_vector((side * self.center[0], self.center[1], self.center[2]))
             d = ufl.sqrt(ufl.dot(away, away))
             share = ufl.exp(-d) / d
             total += share
@@ -116,9 +118,9 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--size", type=float, default=0.15)
     parser.add_argument("--degree", type=int, default=2)
-    parser.add_argument("--spheres", action="store_true")
+    parser.add_argument("--spheres", type=float, nargs="*")
     o = parser.parse_args()
-    shape = Spheres if o.spheres else Ellipsoid
+    shape = Ellipsoid if o.spheres is None else Spheres(*o.spheres)
     mesh, facets = make_mesh(shape, o.size)
     space = fem.FunctionSpace(mesh, ("Lagrange", o.degree))
     x = ufl.SpatialCoordinate(mesh)
