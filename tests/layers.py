@@ -12,7 +12,7 @@ import sys
 VALUES = ("base", "par", "geometry", "mesh")
 MESH_AT_REST = VALUES + ("assemble", "order", "validate")
 STAGES = ("locate", "io", "mark", "refine", "check", "balance")
-REFINER = MESH_AT_REST + STAGES + ("coarsen", "adapt")
+REFINER = MESH_AT_REST + STAGES + ("coarsen", "curved", "adapt")
 SOLVERS = ("dsmc", "poisson_boltzmann")
 
 # Module of a file -> modules whose headers it may include as well as its own.
@@ -23,9 +23,9 @@ MAY_INCLUDE = {
     "mesh": ("base", "par", "geometry"),
     **{module: VALUES for module in ("assemble", "validate")},
     "order": VALUES + ("assemble",),
-    "pamr": MESH_AT_REST + ("locate", "io", "mark", "refine", "check", "balance", "coarsen", "adapt"),  # pamr.hpp
+    "pamr": MESH_AT_REST + ("locate", "io", "mark", "refine", "check", "balance", "coarsen", "curved", "adapt"),  # pamr.hpp
     **{stage: MESH_AT_REST for stage in STAGES},
-    "coarsen": MESH_AT_REST + ("refine",),
+    **{user: MESH_AT_REST + ("refine",) for user in ("coarsen", "curved")},
     "adapt": REFINER,
     "meshing": MESH_AT_REST + ("io", "check"),
     "surface_mesh": ("base", "geometry"),

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <functional>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -18,6 +19,7 @@
 #include "meshing/repair/open_wall_ears.hpp"
 #include "pamr/assemble/assemble.hpp"
 #include "pamr/base/error.hpp"
+#include "pamr/curved/curve_cells.hpp"
 #include "pamr/geometry/triangulated/self_intersection.hpp"
 #include "pamr/io/export/write_boundary.hpp"
 #include "pamr/io/export/write_foam.hpp"
@@ -38,7 +40,7 @@ struct Options {
   std::vector<std::string> ties, surface_files, patches;
   std::vector<std::vector<double>> creases;
   double tolerance = -1, feature_angle = -1;
-  int format = io::newest_format;
+  int format = io::newest_format, order = 1;
   bool asks_version = false, repair = false, no_repair = false, strict = false, text = false, force = false;
 };
 
@@ -86,6 +88,10 @@ void declare(cli::CommandLine& line, Options& options) {
                            .show_default();
   line.after_reading([&options, version] { options.asks_version = version.is_given(); });
   line.flag("--text", options.text, "write a .msh as text instead of binary");
+  line.option("--order", options.order,
+              "of the cells of a .msh or .vtu to write: 2 gives each edge a node, on the surface in curved boundaries")
+      .range(1, 2)
+      .show_default();
   line.option("--format", options.format, cli::format_help).range(io::oldest_format, io::newest_format).show_default();
   line.flag("--force", options.force, cli::force_help);
 }
@@ -112,7 +118,7 @@ std::string extension(const std::string& file, std::span<const std::string_view>
 
 /// Whether the surfaces of the mesh are looked at, not only handed on.
 bool asks_for_surfaces(const Options& options) {
-  return !options.surfaces.empty() || !options.surface_files.empty() || options.repair;
+  return !options.surfaces.empty() || !options.surface_files.empty() || options.repair || options.order == 2;
 }
 
 /// Collective.
@@ -168,15 +174,18 @@ bool is_native(const std::string& output, bool as_foam) {
   return ending == ".hdf" || ending == ".vtkhdf";
 }
 
-void write(const par::Comm& comm, const Options& options, bool as_foam, const mesh::DistMesh& mesh) {
+/// `second_order`: null for linear cells. Collective.
+void write(const par::Comm& comm, const Options& options, bool as_foam, const mesh::DistMesh& mesh,
+           const mesh::SecondOrder* second_order) {
   if (as_foam) return io::write_foam(comm, options.output, mesh);
   if (io::is_surface_file(options.output)) return io::write_boundary(comm, options.output, mesh, options.patches);
   const auto ending = extension(options.output, known_outputs);
   if (is_native(options.output, as_foam)) io::write_native(comm, options.output, mesh, {.format = options.format});
-  if (ending == ".vtu") io::write_vtu(comm, options.output, mesh);
+  if (ending == ".vtu") io::write_vtu(comm, options.output, mesh, second_order);
   if (ending == ".msh")
     io::write_gmsh(comm, options.output, mesh,
-                   {options.gmsh_version == "2.2" ? io::GmshVersion::v2_2 : io::GmshVersion::v4_1, !options.text});
+                   {options.gmsh_version == "2.2" ? io::GmshVersion::v2_2 : io::GmshVersion::v4_1, !options.text},
+                   second_order);
 }
 
 void check_foam_case(const cli::Session& session, const Options& options) {
@@ -206,6 +215,8 @@ void check_files(cli::Session& session, const Options& options, bool as_foam) {
        {std::pair(options.text, "--text"), std::pair(options.asks_version, "--gmsh-version")})
     if (is_given && !to_gmsh)
       throw Error(fmt::format("{}: expected an output that ends in .msh beside it, found '{}'", name, options.output));
+  if (options.order == 2 && (as_foam || !(options.output.ends_with(".msh") || options.output.ends_with(".vtu"))))
+    throw Error(fmt::format("--order 2: expected an output that ends in .msh or .vtu, found '{}'", options.output));
   if (as_boundary && !options.surface_files.empty())
     throw Error("--surface: expected a mesh to write, found a boundary: " + options.output);
   if (options.repair && options.no_repair) throw Error("expected --repair or --no-repair, found both");
@@ -322,6 +333,39 @@ void treat_ears(cli::Session& session, const Options& options, mesh::DistMesh& m
       ears.count, ears.edge.size(), ears.face.size(), options.repair ? "" : " (--no-repair splits nothing)"));
 }
 
+/// Gives the cells mid-edge nodes and says which edges could not follow their surface. Collective.
+mesh::SecondOrder curve(cli::Session& session, const mesh::DistMesh& mesh, nlohmann::json& report) {
+  session.step(fmt::format("giving {} cells nodes on their edges", mesh.info.n_global_cells));
+  auto [nodes, curved] = curved::curve_cells(session.comm(), mesh);
+  const auto& straightening = curved.straightening;
+  report["order"] = 2;
+  report["edges"] = curved.n_edges;
+  report["curved_edges"] = curved.n_curved_edges;
+  report["curved_cells"] = curved.n_curved_cells;
+  report["straightened_edges"] = straightening.n_edges;
+  report["straightened_cells"] = straightening.n_cells;
+  report["straightening_rounds"] = straightening.rounds;
+  report["min_jacobian"] = straightening.min_jacobian;
+  report["off_surface_mid_nodes"] = curved.n_off_surface;
+  report["max_off_surface"] = curved.max_off_surface;
+  if (straightening.n_edges > 0)
+    session.warn(fmt::format(
+        "{} cells would fold or nearly so with curved edges: {} of {} curved edges are straighter than their surfaces, "
+        "by up to {:.3g}; refine the mesh there",
+        straightening.n_cells, straightening.n_edges, curved.n_curved_edges, curved.max_off_surface));
+  else if (curved.n_off_surface > 0)
+    session.warn(
+        fmt::format("{} mid-edge nodes are off their surfaces, by up to {:.3g}: no common point of the surfaces "
+                    "of their patches was found near by",
+                    curved.n_off_surface, curved.max_off_surface));
+  return std::move(nodes);
+}
+
+std::string summary_of_order(const nlohmann::json& report) {
+  return fmt::format(" of second order ({} edges curved, {} straightened)", report["curved_edges"].get<std::int64_t>(),
+                     report["straightened_edges"].get<std::int64_t>());
+}
+
 cli::ExitCode convert(cli::Session& session, const Options& options) {
   const auto& comm = session.comm();
   if (options.output.empty()) throw Error("OUT: expected the name of a mesh to write, found an empty name");
@@ -336,17 +380,21 @@ cli::ExitCode convert(cli::Session& session, const Options& options) {
   associate(session, options, mesh, report);
   keep_flat_patches(session, options, mesh, report);
   treat_ears(session, options, mesh, report);
+  std::optional<mesh::SecondOrder> second_order;
+  if (options.order == 2) second_order = curve(session, mesh, report);
   session.step(fmt::format("writing {} cells to {}", mesh.info.n_global_cells, options.output));
-  write(comm, options, as_foam, mesh);
+  write(comm, options, as_foam, mesh, second_order ? &*second_order : nullptr);
+  const auto n_nodes = second_order ? second_order->n_global_nodes : mesh.info.n_global_nodes;
   report["cells"] = mesh.info.n_global_cells;
-  report["nodes"] = mesh.info.n_global_nodes;
+  report["nodes"] = n_nodes;
   report["patches"] = nlohmann::json::array();
   for (const auto& patch : mesh.info.patches) report["patches"].push_back(patch.name);
   for (const auto& region : mesh.info.regions) report["regions"][std::to_string(region.number)] = region.name;
   session.write_report(report);
   const auto n_patches = mesh.info.patches.size();
-  session.summary(fmt::format("{} cells, {} nodes, {} {} -> {}", mesh.info.n_global_cells, mesh.info.n_global_nodes,
-                              n_patches, n_patches == 1 ? "patch" : "patches", options.output));
+  session.summary(fmt::format("{} cells{}, {} nodes, {} {} -> {}", mesh.info.n_global_cells,
+                              second_order ? summary_of_order(report) : "", n_nodes, n_patches,
+                              n_patches == 1 ? "patch" : "patches", options.output));
   return cli::ExitCode::done;
 }
 
@@ -358,7 +406,7 @@ int main(int argc, char** argv) {
       argc, argv,
       {"pamr-convert", "Converts meshes from and to Gmsh's format, and to VTK's and OpenFOAM's.",
        "pamr-convert part.msh part.hdf --surfaces part.toml\n  pamr-convert level3.hdf level3.vtu\n  pamr-convert "
-       "level3.hdf foam_case"},
+       "level3.hdf curved.msh --order 2\n  pamr-convert level3.hdf foam_case"},
       [&](cli::CommandLine& line) { declare(line, options); },
       [&](cli::Session& session) { return convert(session, options); });
 }

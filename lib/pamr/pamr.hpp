@@ -23,6 +23,7 @@
 #include "pamr/balance/rebalance.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/check/quality_report.hpp"
+#include "pamr/curved/curve_cells.hpp"
 #include "pamr/geometry/described_surface.hpp"
 #include "pamr/geometry/surface_toml.hpp"
 #include "pamr/io/export/write_foam.hpp"

@@ -24,13 +24,16 @@ mesh::Field in_order(const par::Comm& comm, IdRange all, std::span<const GlobalI
 
 }  // namespace
 
-RowsInOrder rows_in_order(const par::Comm& comm, const mesh::DistMesh& mesh) {
+RowsInOrder rows_in_order(const par::Comm& comm, const mesh::DistMesh& mesh, const mesh::SecondOrder* second_order) {
   RowsInOrder rows;
   const auto first = mesh.info.first_id;
-  rows.first_node = par::block_range(mesh.info.n_global_nodes, comm.rank(), comm.size()).begin;
+  const auto& ids = second_order == nullptr ? mesh.node_global : second_order->node_global;
+  const auto& position = second_order == nullptr ? mesh.node_position : second_order->node_position;
+  const auto all_nodes = second_order == nullptr ? mesh.info.node_ids() : second_order->node_ids(mesh.info);
+  rows.n_nodes = all_nodes.n;
+  rows.first_node = par::block_range(rows.n_nodes, comm.rank(), comm.size()).begin;
   rows.first_cell = par::block_range(mesh.info.n_global_cells, comm.rank(), comm.size()).begin;
-  rows.position =
-      par::scatter_rows<geometry::Vec3>(comm, mesh.info.node_ids(), mesh.node_position, 1, mesh.node_global);
+  rows.position = par::scatter_rows<geometry::Vec3>(comm, all_nodes, position, 1, ids);
   std::vector<std::array<GlobalId, 4>> nodes(mesh.cell_to_node.size());
   std::vector<std::array<std::int32_t, 4>> patch(mesh.cell_to_node.size());
   for (std::size_t c = 0; c < nodes.size(); ++c)
@@ -41,6 +44,12 @@ RowsInOrder rows_in_order(const par::Comm& comm, const mesh::DistMesh& mesh) {
   rows.cell_to_node =
       par::scatter_rows<std::array<GlobalId, 4>>(comm, mesh.info.cell_ids(), nodes, 1, mesh.cell_global);
   rows.patch = par::scatter_rows<std::array<std::int32_t, 4>>(comm, mesh.info.cell_ids(), patch, 1, mesh.cell_global);
+  if (second_order == nullptr) return rows;
+  std::vector<std::array<GlobalId, 6>> mid(mesh.cell_to_node.size());
+  for (std::size_t c = 0; c < mid.size(); ++c)
+    for (std::size_t e = 0; e < 6; ++e)
+      mid[c][e] = ids[static_cast<std::size_t>(second_order->cell_to_mid[c][e])] - first;
+  rows.cell_to_mid = par::scatter_rows<std::array<GlobalId, 6>>(comm, mesh.info.cell_ids(), mid, 1, mesh.cell_global);
   return rows;
 }
 
@@ -50,6 +59,11 @@ mesh::CellField cells_in_order(const par::Comm& comm, const mesh::DistMesh& mesh
 
 mesh::NodeField nodes_in_order(const par::Comm& comm, const mesh::DistMesh& mesh, const mesh::NodeField& field) {
   return in_order(comm, mesh.info.node_ids(), mesh.node_global, field);
+}
+
+mesh::NodeField nodes_in_order(const par::Comm& comm, const mesh::DistMesh& mesh, const mesh::SecondOrder& second_order,
+                               const mesh::NodeField& field) {
+  return in_order(comm, second_order.node_ids(mesh.info), second_order.node_global, field);
 }
 
 RegionsInOrder regions_in_order(const par::Comm& comm, const mesh::DistMesh& mesh) {

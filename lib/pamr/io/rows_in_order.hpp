@@ -7,6 +7,8 @@
 #include <vector>
 
 #include "pamr/mesh/dist_mesh.hpp"
+#include "pamr/mesh/second_order.hpp"
+#include "pamr/mesh/tet.hpp"
 #include "pamr/par/comm.hpp"
 
 namespace pamr::io {
@@ -14,18 +16,31 @@ namespace pamr::io {
 /// One rank's canonical blocks of the nodes and cells of a mesh, as formats that number by place want them: node and
 /// cell numbers from 0 on.
 struct RowsInOrder {
+  GlobalId n_nodes = 0;  ///< of all ranks, mid-edge nodes included
   GlobalId first_node = 0, first_cell = 0;
   std::vector<geometry::Vec3> position;
   std::vector<std::array<GlobalId, 4>> cell_to_node;
+  std::vector<std::array<GlobalId, 6>>
+      cell_to_mid;                                 ///< mid-edge nodes, edges as in `mesh/tet.hpp`; of second order only
   std::vector<std::array<std::int32_t, 4>> patch;  ///< of each face, -1 inside
+
+  /// The mid-edge node between two corners of a cell.
+  GlobalId mid(std::size_t cell, int corner_a, int corner_b) const {
+    return cell_to_mid[cell][static_cast<std::size_t>(
+        mesh::tet::edge_of[static_cast<std::size_t>(corner_a)][static_cast<std::size_t>(corner_b)])];
+  }
 };
 
-/// Collective: sparse exchanges, O(cells / ranks) bytes a rank.
-RowsInOrder rows_in_order(const par::Comm& comm, const mesh::DistMesh& mesh);
+/// `second_order`: null for linear cells. Collective: sparse exchanges, O(cells / ranks) bytes a rank.
+RowsInOrder rows_in_order(const par::Comm& comm, const mesh::DistMesh& mesh,
+                          const mesh::SecondOrder* second_order = nullptr);
 
 /// The values of a field in that order. Collective.
 mesh::CellField cells_in_order(const par::Comm& comm, const mesh::DistMesh& mesh, const mesh::CellField& field);
 mesh::NodeField nodes_in_order(const par::Comm& comm, const mesh::DistMesh& mesh, const mesh::NodeField& field);
+/// The same of a field on all nodes of second order. Collective.
+mesh::NodeField nodes_in_order(const par::Comm& comm, const mesh::DistMesh& mesh, const mesh::SecondOrder& second_order,
+                               const mesh::NodeField& field);
 
 /// The values of the cell field `region` in that order, and all that there are.
 struct RegionsInOrder {

@@ -172,19 +172,25 @@ std::vector<LocalId> parents_of(const NumberedMesh& old, const std::vector<mesh:
   return parent;
 }
 
-Fields transfer(const NumberedMesh& old, const std::vector<mesh::CellNodes>& cell_to_node,
-                const Certificate& certificate, const Options& options) {
-  Fields fields;
+std::vector<mesh::NodeField> transfer_to_nodes(const NumberedMesh& old, const Certificate& certificate) {
+  std::vector<mesh::NodeField> fields;
   const mesh::NodeField* off_facets = nullptr;
   for (const auto& field : old.mesh.node_fields)
     if (field.name == mesh::off_facets_field && !field.holds_integers() && field.n_components == 1)
       off_facets = &field;
     else if (field.name != mesh::off_surface_field)
-      fields.of_nodes.push_back(to_nodes(old, field));
+      fields.push_back(to_nodes(old, field));
   if (certificate.n_off_surface > 0)
-    fields.of_nodes.push_back(distances(old, mesh::off_surface_field, {}, certificate.off_surface));
+    fields.push_back(distances(old, mesh::off_surface_field, {}, certificate.off_surface));
   if (off_facets != nullptr || certificate.n_off_facets > 0)
-    fields.of_nodes.push_back(off_facets_of(old, off_facets, certificate.off_facets));
+    fields.push_back(off_facets_of(old, off_facets, certificate.off_facets));
+  return fields;
+}
+
+Fields transfer(const NumberedMesh& old, const std::vector<mesh::CellNodes>& cell_to_node,
+                const Certificate& certificate, const Options& options) {
+  Fields fields;
+  fields.of_nodes = transfer_to_nodes(old, certificate);
   if (!options.parent_field && old.mesh.cell_fields.empty()) return fields;
 
   const auto parent = parents_of(old, cell_to_node);

@@ -32,6 +32,9 @@ struct Fields {
 Fields transfer(const NumberedMesh& old, const std::vector<mesh::CellNodes>& cell_to_node,
                 const Certificate& certificate, const Options& options);
 
+/// The node fields alone. Local.
+std::vector<mesh::NodeField> transfer_to_nodes(const NumberedMesh& old, const Certificate& certificate);
+
 /// The centroid of a child while new nodes still lie on their edges. Local.
 geometry::Vec3 straight_centroid(const NumberedMesh& old, const mesh::CellNodes& child);
 

@@ -66,6 +66,7 @@ void describe(Header& header, const mesh::Field& field, std::int64_t n) {
 /// The triangles of this rank's block of cells on the boundary, outward, with the row of their cell in the block.
 struct Boundary {
   std::vector<std::array<GlobalId, 3>> corner;
+  std::vector<std::array<GlobalId, 3>> mid;  ///< of edges 0-1, 1-2 and 2-0; of second order only
   std::vector<std::size_t> owner;
   std::vector<std::int32_t> patch;
 };
@@ -76,7 +77,11 @@ Boundary boundary_of(const RowsInOrder& rows) {
     for (std::size_t face = 0; face < 4; ++face) {
       if (rows.patch[c][face] < 0) continue;
       auto& corner = result.corner.emplace_back();
-      for (std::size_t k = 0; k < 3; ++k) corner[k] = rows.cell_to_node[c][at(mesh::tet::face_to_corner[face][k])];
+      const auto& slot = mesh::tet::face_to_corner[face];
+      for (std::size_t k = 0; k < 3; ++k) corner[k] = rows.cell_to_node[c][at(slot[k])];
+      if (!rows.cell_to_mid.empty())
+        result.mid.push_back(
+            {rows.mid(c, slot[0], slot[1]), rows.mid(c, slot[1], slot[2]), rows.mid(c, slot[2], slot[0])});
       result.owner.push_back(c);
       result.patch.push_back(rows.patch[c][face]);
     }
@@ -147,34 +152,72 @@ std::vector<T> narrowed(const std::vector<Wide>& values) {
   return result;
 }
 
+/// What VTK calls cells and triangles of an order, and how many nodes they have.
+struct Shapes {
+  std::int64_t cell_nodes, triangle_nodes;
+  std::uint8_t cell_type, triangle_type;
+};
+constexpr Shapes first_order{4, 3, 10, 5};
+constexpr Shapes second_order_shapes{10, 6, 24, 22};
+
+/// Corners, then mid-edge nodes; VTK lists those of a tetrahedron by its edges 0-1, 1-2, 2-0, 0-3, 1-3, 2-3.
+std::vector<std::array<GlobalId, 10>> quadratic_cells(const RowsInOrder& rows) {
+  std::vector<std::array<GlobalId, 10>> cells;
+  cells.reserve(rows.cell_to_node.size());
+  for (std::size_t c = 0; c < rows.cell_to_node.size(); ++c) {
+    const auto& n = rows.cell_to_node[c];
+    cells.push_back({n[0], n[1], n[2], n[3], rows.mid(c, 0, 1), rows.mid(c, 1, 2), rows.mid(c, 2, 0), rows.mid(c, 0, 3),
+                     rows.mid(c, 1, 3), rows.mid(c, 2, 3)});
+  }
+  return cells;
+}
+
+std::vector<std::array<GlobalId, 6>> quadratic_triangles(const Boundary& boundary) {
+  std::vector<std::array<GlobalId, 6>> triangles;
+  triangles.reserve(boundary.corner.size());
+  for (std::size_t t = 0; t < boundary.corner.size(); ++t) {
+    const auto &n = boundary.corner[t], &m = boundary.mid[t];
+    triangles.push_back({n[0], n[1], n[2], m[0], m[1], m[2]});
+  }
+  return triangles;
+}
+
 /// Connectivity, offsets and types of the cells, then of the triangles.
-void append_cells(SharedOutput& out, const RowsInOrder& rows, const Boundary& boundary, std::int64_t first_triangle,
-                  std::int64_t n_cells, std::int64_t n_triangles) {
-  append_size(out, 8 * (4 * n_cells + 3 * n_triangles));
-  append_values(out, rows.cell_to_node);
-  append_values(out, boundary.corner);
+void append_cells(SharedOutput& out, const RowsInOrder& rows, const Boundary& boundary, const Shapes& shapes,
+                  std::int64_t first_triangle, std::int64_t n_cells, std::int64_t n_triangles) {
+  const auto [cell_nodes, triangle_nodes, cell_type, triangle_type] = shapes;
+  append_size(out, 8 * (cell_nodes * n_cells + triangle_nodes * n_triangles));
+  if (cell_nodes == first_order.cell_nodes) {
+    append_values(out, rows.cell_to_node);
+    append_values(out, boundary.corner);
+  } else {
+    append_values(out, quadratic_cells(rows));
+    append_values(out, quadratic_triangles(boundary));
+  }
   std::vector<std::int64_t> of_cells, of_triangles;
   for (std::size_t c = 0; c < rows.cell_to_node.size(); ++c)
-    of_cells.push_back(4 * (rows.first_cell + static_cast<std::int64_t>(c) + 1));
+    of_cells.push_back(cell_nodes * (rows.first_cell + static_cast<std::int64_t>(c) + 1));
   for (std::size_t t = 0; t < boundary.corner.size(); ++t)
-    of_triangles.push_back(4 * n_cells + 3 * (first_triangle + static_cast<std::int64_t>(t) + 1));
+    of_triangles.push_back(cell_nodes * n_cells + triangle_nodes * (first_triangle + static_cast<std::int64_t>(t) + 1));
   append_size(out, 8 * (n_cells + n_triangles));
   append_values(out, of_cells);
   append_values(out, of_triangles);
-  constexpr std::uint8_t tetrahedron_type = 10, triangle_type = 5;
   append_size(out, n_cells + n_triangles);
-  append_values(out, std::vector(of_cells.size(), tetrahedron_type));
+  append_values(out, std::vector(of_cells.size(), cell_type));
   append_values(out, std::vector(of_triangles.size(), triangle_type));
 }
 
 }  // namespace
 
-void write_vtu(const par::Comm& comm, const std::filesystem::path& file, const mesh::DistMesh& mesh) {
-  const auto rows = rows_in_order(comm, mesh);
+void write_vtu(const par::Comm& comm, const std::filesystem::path& file, const mesh::DistMesh& mesh,
+               const mesh::SecondOrder* second_order) {
+  const auto rows = rows_in_order(comm, mesh, second_order);
+  const auto& shapes = second_order == nullptr ? first_order : second_order_shapes;
+  const auto& node_fields = second_order == nullptr ? mesh.node_fields : second_order->node_fields;
   const auto boundary = boundary_of(rows);
   const auto n_triangles_here = std::ssize(boundary.corner);
   const auto n_triangles = comm.sum(n_triangles_here), first_triangle = comm.exclusive_sum(n_triangles_here);
-  const auto n_nodes = mesh.info.n_global_nodes, n_cells = mesh.info.n_global_cells, n_all = n_cells + n_triangles;
+  const auto n_nodes = rows.n_nodes, n_cells = mesh.info.n_global_cells, n_all = n_cells + n_triangles;
   const auto extra = extra_of(mesh);
   const std::string patch = has_field(mesh, "patch") ? "boundary_patch" : "patch";
 
@@ -192,11 +235,11 @@ void write_vtu(const par::Comm& comm, const std::filesystem::path& file, const m
   header.line("<Points>");
   header.array("Float64", "Points", 3, 24 * n_nodes);
   header.line("</Points><Cells>");
-  header.array("Int64", "connectivity", 1, 8 * (4 * n_cells + 3 * n_triangles));
+  header.array("Int64", "connectivity", 1, 8 * (shapes.cell_nodes * n_cells + shapes.triangle_nodes * n_triangles));
   header.array("Int64", "offsets", 1, 8 * n_all);
   header.array("UInt8", "types", 1, n_all);
   header.line("</Cells><PointData>");
-  for (const auto& field : mesh.node_fields) describe(header, field, n_nodes);
+  for (const auto& field : node_fields) describe(header, field, n_nodes);
   header.line("</PointData><CellData>");
   for (const auto& field : mesh.cell_fields) describe(header, field, n_all);
   if (extra.has_level) header.array("UInt8", extra.level.name, 1, n_all);
@@ -208,8 +251,12 @@ void write_vtu(const par::Comm& comm, const std::filesystem::path& file, const m
   SharedOutput out(comm, file);
   out.append_once(header.text() + "<AppendedData encoding=\"raw\">\n_");
   append_array(out, rows.position, 24 * n_nodes);
-  append_cells(out, rows, boundary, first_triangle, n_cells, n_triangles);
-  for (const auto& field : mesh.node_fields) append_node_field(out, nodes_in_order(comm, mesh, field), n_nodes);
+  append_cells(out, rows, boundary, shapes, first_triangle, n_cells, n_triangles);
+  for (const auto& field : node_fields)
+    append_node_field(
+        out,
+        second_order == nullptr ? nodes_in_order(comm, mesh, field) : nodes_in_order(comm, mesh, *second_order, field),
+        n_nodes);
   const auto in_order = [&](const mesh::CellField& field) { return cells_in_order(comm, mesh, field); };
   for (const auto& field : mesh.cell_fields) append_cell_field(out, in_order(field), boundary, n_all);
   if (extra.has_level)

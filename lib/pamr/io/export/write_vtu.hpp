@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "pamr/mesh/dist_mesh.hpp"
+#include "pamr/mesh/second_order.hpp"
 #include "pamr/par/comm.hpp"
 
 namespace pamr::io {
@@ -14,7 +15,10 @@ namespace pamr::io {
 /// Besides the fields of the mesh, cells and triangles have `level` (8 bits) and `mean_ratio` (32 bits) where no field
 /// has the name, and `patch`: that of a triangle, -1 for a cell (`boundary_patch` where a field has that name). The
 /// field data have an array `patch NAME` with the number of each patch. Neighbors and what closure cells come from have
-/// no place in the format. Collective; throws the same `Error` on every rank, and leaves nothing behind then.
-void write_vtu(const par::Comm& comm, const std::filesystem::path& file, const mesh::DistMesh& mesh);
+/// no place in the format. With `second_order` cells and triangles are of second order (VTK's types 24 and 22), and the
+/// node fields are those that it has.
+/// Collective; throws the same `Error` on every rank, and leaves nothing behind then.
+void write_vtu(const par::Comm& comm, const std::filesystem::path& file, const mesh::DistMesh& mesh,
+               const mesh::SecondOrder* second_order = nullptr);
 
 }  // namespace pamr::io

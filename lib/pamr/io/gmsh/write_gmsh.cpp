@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "pamr/base/error.hpp"
+#include "pamr/base/index.hpp"
 #include "pamr/io/rows_in_order.hpp"
 #include "pamr/io/shared_output.hpp"
 #include "pamr/mesh/tet.hpp"
@@ -50,22 +51,62 @@ class Record {
   std::string data_;
 };
 
-/// Elements of one rank in the order of the file.
-struct Elements {
-  std::vector<std::vector<std::array<GlobalId, 3>>> triangle;  ///< by patch
-  RegionsInOrder region;                                       ///< 1 everywhere without the field
+/// The elements of an order: how many nodes they have, what Gmsh calls them, and their nodes in its order.
+struct FirstOrder {
+  using Triangle = std::array<GlobalId, 3>;
+  using Cell = std::array<GlobalId, 4>;
+  static constexpr int triangle_type = 2, cell_type = 4;
+  static Cell cell(const RowsInOrder& rows, std::size_t c) { return rows.cell_to_node[c]; }
+  static Triangle triangle(const RowsInOrder& rows, std::size_t c, const std::array<int, 3>& slot) {
+    const auto& n = rows.cell_to_node[c];
+    return {n[at(slot[0])], n[at(slot[1])], n[at(slot[2])]};
+  }
 };
 
-Elements collect(const par::Comm& comm, const mesh::DistMesh& mesh, const RowsInOrder& rows) {
-  Elements elements;
+/// Corners, then mid-edge nodes: those of a tetrahedron by its edges 0-1, 1-2, 2-0, 3-0, 2-3, 1-3.
+struct OfSecondOrder {
+  using Triangle = std::array<GlobalId, 6>;
+  using Cell = std::array<GlobalId, 10>;
+  static constexpr int triangle_type = 9, cell_type = 11;
+  static Cell cell(const RowsInOrder& rows, std::size_t c) {
+    const auto& n = rows.cell_to_node[c];
+    return {n[0],
+            n[1],
+            n[2],
+            n[3],
+            rows.mid(c, 0, 1),
+            rows.mid(c, 1, 2),
+            rows.mid(c, 2, 0),
+            rows.mid(c, 3, 0),
+            rows.mid(c, 2, 3),
+            rows.mid(c, 1, 3)};
+  }
+  static Triangle triangle(const RowsInOrder& rows, std::size_t c, const std::array<int, 3>& slot) {
+    const auto& n = rows.cell_to_node[c];
+    return {n[at(slot[0])],
+            n[at(slot[1])],
+            n[at(slot[2])],
+            rows.mid(c, slot[0], slot[1]),
+            rows.mid(c, slot[1], slot[2]),
+            rows.mid(c, slot[2], slot[0])};
+  }
+};
+
+/// Elements of one rank in the order of the file.
+template <class Order>
+struct Elements {
+  std::vector<std::vector<typename Order::Triangle>> triangle;  ///< by patch
+  RegionsInOrder region;                                        ///< 1 everywhere without the field
+};
+
+template <class Order>
+Elements<Order> collect(const par::Comm& comm, const mesh::DistMesh& mesh, const RowsInOrder& rows) {
+  Elements<Order> elements;
   elements.triangle.resize(mesh.info.patches.size());
   for (std::size_t c = 0; c < rows.patch.size(); ++c)
     for (std::size_t slot = 0; slot < 4; ++slot) {
       if (rows.patch[c][slot] < 0) continue;
-      std::array<GlobalId, 3> face{};
-      for (std::size_t i = 0; i < 3; ++i)
-        face[i] = rows.cell_to_node[c][static_cast<std::size_t>(mesh::tet::face_to_corner[slot][i])];
-      elements.triangle[static_cast<std::size_t>(rows.patch[c][slot])].push_back(face);
+      elements.triangle[at(rows.patch[c][slot])].push_back(Order::triangle(rows, c, mesh::tet::face_to_corner[slot]));
     }
   elements.region = regions_in_order(comm, mesh);
   if (!elements.region.has_field) {
@@ -75,15 +116,17 @@ Elements collect(const par::Comm& comm, const mesh::DistMesh& mesh, const RowsIn
   return elements;
 }
 
+template <class Order>
 class Writer {
  public:
-  Writer(const par::Comm& comm, const std::filesystem::path& file, const mesh::DistMesh& mesh, bool binary)
+  Writer(const par::Comm& comm, const std::filesystem::path& file, const mesh::DistMesh& mesh,
+         const mesh::SecondOrder* second_order, bool binary)
       : comm_(comm),
         mesh_(mesh),
         binary_(binary),
         out_(comm, file),
-        rows_(rows_in_order(comm, mesh)),
-        elements_(collect(comm, mesh, rows_)) {
+        rows_(rows_in_order(comm, mesh, second_order)),
+        elements_(collect<Order>(comm, mesh, rows_)) {
     for (const auto& patch : elements_.triangle)
       n_triangles_.push_back(comm.sum(static_cast<std::int64_t>(patch.size())));
     n_elements_ = mesh.info.n_global_cells;
@@ -91,11 +134,11 @@ class Writer {
   }
 
   void write_2() {
-    const auto most = std::max(n_elements_, mesh_.info.n_global_nodes);
+    const auto most = std::max(n_elements_, rows_.n_nodes);
     if (binary_ && most > std::numeric_limits<std::int32_t>::max())
       throw Error(fmt::format("Gmsh format 2.2, binary: expected at most 2^31 - 1 nodes and elements, found {}", most));
     begin("2.2");
-    section("Nodes", fmt::format("{}\n", mesh_.info.n_global_nodes));
+    section("Nodes", fmt::format("{}\n", rows_.n_nodes));
     Record nodes(binary_);
     for (std::size_t i = 0; i < rows_.position.size(); ++i) {
       nodes.small(rows_.first_node + static_cast<GlobalId>(i) + 1);
@@ -109,15 +152,15 @@ class Writer {
       const auto& triangles = elements_.triangle[p];
       auto number = done + comm_.exclusive_sum(static_cast<std::int64_t>(triangles.size()));
       const auto patch = static_cast<std::int64_t>(p) + 1;
-      for (const auto& face : triangles) element_2(part, ++number, 2, patch, patch, face);
-      if (n_triangles_[p] > 0) block_2(part, 2, n_triangles_[p]);
+      for (const auto& face : triangles) element_2(part, ++number, Order::triangle_type, patch, patch, face);
+      if (n_triangles_[p] > 0) block_2(part, Order::triangle_type, n_triangles_[p]);
       done += n_triangles_[p];
     }
     Record cells(binary_);
     for (std::size_t c = 0; c < rows_.cell_to_node.size(); ++c)
-      element_2(cells, done + rows_.first_cell + static_cast<GlobalId>(c) + 1, 4, elements_.region.of_cell[c], 1,
-                rows_.cell_to_node[c]);
-    if (mesh_.info.n_global_cells > 0) block_2(cells, 4, mesh_.info.n_global_cells);
+      element_2(cells, done + rows_.first_cell + static_cast<GlobalId>(c) + 1, Order::cell_type,
+                elements_.region.of_cell[c], 1, Order::cell(rows_, c));
+    if (mesh_.info.n_global_cells > 0) block_2(cells, Order::cell_type, mesh_.info.n_global_cells);
     end(Record(binary_), "Elements");
     out_.commit();
   }
@@ -217,7 +260,7 @@ class Writer {
   }
 
   void write_nodes_4() {
-    const auto n = mesh_.info.n_global_nodes;
+    const auto n = rows_.n_nodes;
     head_4(n > 0 ? 1 : 0, n);
     Record head(binary_), tags(binary_), points(binary_);
     for (const int value : {3, 1, 0}) head.small(value);
@@ -260,12 +303,13 @@ class Writer {
         std::count_if(n_triangles_.begin(), n_triangles_.end(), [](std::int64_t n) { return n > 0; });
     head_4(n_surfaces + static_cast<std::int64_t>(elements_.region.all.size()), n_elements_);
     std::int64_t number = 0;
-    for (std::size_t p = 0; p < elements_.triangle.size(); ++p) block_4(2, p, 2, elements_.triangle[p], number);
+    for (std::size_t p = 0; p < elements_.triangle.size(); ++p)
+      block_4(2, p, Order::triangle_type, elements_.triangle[p], number);
     for (std::size_t r = 0; r < elements_.region.all.size(); ++r) {
-      std::vector<std::array<GlobalId, 4>> cells;
+      std::vector<typename Order::Cell> cells;
       for (std::size_t c = 0; c < rows_.cell_to_node.size(); ++c)
-        if (elements_.region.of_cell[c] == elements_.region.all[r]) cells.push_back(rows_.cell_to_node[c]);
-      block_4(3, r, 4, cells, number);
+        if (elements_.region.of_cell[c] == elements_.region.all[r]) cells.push_back(Order::cell(rows_, c));
+      block_4(3, r, Order::cell_type, cells, number);
     }
     end(Record(binary_), "Elements");
   }
@@ -275,17 +319,26 @@ class Writer {
   bool binary_;
   SharedOutput out_;
   RowsInOrder rows_;
-  Elements elements_;
+  Elements<Order> elements_;
   std::vector<std::int64_t> n_triangles_;  ///< of each patch, all ranks
   std::int64_t n_elements_ = 0;
 };
 
+template <class Order>
+void write(const par::Comm& comm, const std::filesystem::path& file, const mesh::DistMesh& mesh,
+           const GmshWriteOptions& options, const mesh::SecondOrder* second_order) {
+  Writer<Order> writer(comm, file, mesh, second_order, options.binary);
+  options.version == GmshVersion::v2_2 ? writer.write_2() : writer.write_4();
+}
+
 }  // namespace
 
 void write_gmsh(const par::Comm& comm, const std::filesystem::path& file, const mesh::DistMesh& mesh,
-                const GmshWriteOptions& options) {
-  Writer writer(comm, file, mesh, options.binary);
-  options.version == GmshVersion::v2_2 ? writer.write_2() : writer.write_4();
+                const GmshWriteOptions& options, const mesh::SecondOrder* second_order) {
+  if (second_order == nullptr)
+    write<FirstOrder>(comm, file, mesh, options, nullptr);
+  else
+    write<OfSecondOrder>(comm, file, mesh, options, second_order);
 }
 
 }  // namespace pamr::io
