@@ -1,4 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
+# The library and its headers; tools and the Python package install themselves. Components are the packages of
+# cmake/packages.cmake.
+set(CMAKE_INSTALL_DEFAULT_COMPONENT_NAME dev)
 set(config_dir ${CMAKE_INSTALL_LIBDIR}/cmake/pamr)
 install(TARGETS pamr pamr_base pamr_geometry EXPORT pamr FILE_SET HEADERS)
 # Headers of the refiner's clients begin with their folder ("meshing/..."), which stands beside the refiner's modules.

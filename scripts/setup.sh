@@ -3,11 +3,13 @@
 # Everything between a fresh Debian 12 and a built PAMR: packages, configuration, build. What is there already costs
 # nothing: a second run starts neither apt nor a configuration.
 #
-#   scripts/setup.sh [--tests] [--python] [--picture] [--packages-only]
+#   scripts/setup.sh [--tests] [--python] [--picture] [--manual] [--packages] [--packages-only]
 #
 #   --tests          build the tests and benchmarks too (default: library and tools)
 #   --python         also install what the Python package needs, and build it (--tests does so too)
 #   --picture        also install what pamr-picture needs
+#   --manual         also install what docs/build.sh needs
+#   --packages       also install what scripts/package.sh needs
 #   --packages-only  install, then stop
 #
 # Environment: PAMR_BUILD (build folder, default build/release), PAMR_JOBS (compilers at once), CI (when set, compiler
@@ -30,9 +32,11 @@ packages=(
   python3                                 # tables of the cases
 )
 python_packages=(python3-dev python3-numpy python3-mpi4py pybind11-dev)
-test_packages=(libgtest-dev libgmock-dev libbenchmark-dev python3-h5py python3-meshio "${python_packages[@]}"
+test_packages=(libgtest-dev libgmock-dev libbenchmark-dev python3-h5py python3-meshio python3-petsc4py help2man "${python_packages[@]}"
   clang-format clang-tidy codespell) # the gates of .ci/run
 picture_packages=(python3-vtk9 python3-matplotlib python3-h5py python3-numpy python3-meshio xvfb) # pamr-picture
+manual_packages=(doxygen furo python3-breathe python3-myst-parser python3-sphinx)          # docs/build.sh
+packaging_packages=(debootstrap dpkg-dev file git help2man xz-utils)                        # scripts/package.sh
 
 with_tests=OFF
 with_python=no
@@ -41,11 +45,13 @@ batches=ON
 packages_only=no
 for option in "$@"; do
   case $option in
-    --tests) with_tests=ON packages+=("${test_packages[@]}" "${picture_packages[@]}") ;;
+    --tests) with_tests=ON packages+=("${test_packages[@]}" "${picture_packages[@]}" "${manual_packages[@]}") ;;
     --python) with_python=yes packages+=("${python_packages[@]}") ;;
     --picture) packages+=("${picture_packages[@]}") ;;
+    --manual) packages+=("${manual_packages[@]}") ;;
+    --packages) packages+=("${packaging_packages[@]}") ;;
     --packages-only) packages_only=yes ;;
-    -h | --help) sed -n '3,15s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
+    -h | --help) sed -n '3,17s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
     *) echo "setup.sh: unknown option $option (see setup.sh --help)" >&2; exit 2 ;;
   esac
 done

@@ -18,6 +18,7 @@
 
 #include "cli/interrupt.hpp"
 #include "cli/step_clock.hpp"
+#include "cli/version.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/base/memory.hpp"
 #include "pamr/base/nearest_word.hpp"
@@ -69,7 +70,8 @@ Parsed parse(int argc, char** argv, const ToolInfo& info, const std::function<vo
              CommonOptions& options, bool speaks) {
   CLI::App app(info.purpose, info.name);
   app.set_help_flag("-h,--help", "print this text and end");
-  app.set_version_flag("--version", info.name + " " + PAMR_VERSION, "print the version and end");
+  app.set_version_flag(
+      "--version", [&] { return version_text(info.name); }, "print the versions of tool and libraries and end");
   app.add_option("--json", options.json, "write a report in JSON to this file, - for standard output")
       ->type_name("FILE");
   app.add_flag("--quiet", options.quiet, "neither progress nor summary");

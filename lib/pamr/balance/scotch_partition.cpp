@@ -52,6 +52,16 @@ void require_success(const par::Comm& comm, int code, const char* call) {
   });
 }
 
+/// Scotch's builds with integers of 32 and 64 bits have the same names: that the right one was linked shows only here.
+void require_integer_size(const par::Comm& comm) {
+  par::agree(comm, [&] {
+    const auto size = SCOTCH_numSizeof();
+    if (size != static_cast<int>(sizeof(SCOTCH_Num)))
+      throw Error(fmt::format("partition: expected a Scotch with integers of {} bytes, found one with {} (rank {})",
+                              sizeof(SCOTCH_Num), size, comm.rank()));
+  });
+}
+
 /// Scotch's objects, freed in the reverse order.
 class Context {
  public:
@@ -128,6 +138,7 @@ class Pointers {
 std::vector<Rank> scotch_partition(const par::Comm& comm, const DualGraph& graph, Rank n_parts, double tolerance) {
   PAMR_EXPECTS(n_parts >= 1 && graph.n_global_vertices >= n_parts && graph.arc_begin.size() == graph.n_vertices() + 1);
   last_complaint().clear();
+  require_integer_size(comm);
   Context context;
   Graph plain(comm), bound(comm);
   require_success(comm, plain.code() + bound.code(), "SCOTCH_dgraphInit");

@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <thread>
 
+#include "pamr/par/lone_start.hpp"
 #include "pamr/par/parent_job.hpp"
 
 namespace pamr::par {
@@ -17,7 +18,10 @@ Runtime::Runtime(int& argc, char**& argv) {
   // ends the process.
   setenv("HWLOC_COMPONENTS", "-gl", 0);
   // Errors of these calls end the program: MPI's own error handler is in force until a `Comm` replaces it.
-  MPI_Init(&argc, &argv);
+  {
+    const LoneStart alone;
+    MPI_Init(&argc, &argv);
+  }
   MPI_Comm_dup(MPI_COMM_WORLD, &end_);
   MPI_Comm_rank(end_, &rank_);
   MPI_Comm_size(end_, &size_);

@@ -7,6 +7,7 @@ Usage: life_of_a_tool_test.py PROBE VERSION MPIEXEC...
 import glob
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -59,7 +60,16 @@ class LifeOfATool(unittest.TestCase):
     def test_help_has_the_example_and_version_the_version(self):
         for ranks in (1, 3):
             self.assertEqual(run(ranks, "--help").stdout.count("pamr-probe --how gate"), 1)
-            self.assertEqual(run(ranks, "--version").stdout, f"pamr-probe {VERSION}\n")
+            first, second = run(ranks, "--version").stdout.splitlines()
+            self.assertRegex(first, rf"^pamr-probe {re.escape(VERSION)}( \(commit [0-9a-f]{{7,}}( with changes)?\))?$")
+            self.assertRegex(second, r"^\S.* \d+\.[\d.]+, HDF5 1\.\d+\.\d+, CGAL \d[\d.]+, Scotch \d[\d.]+ \(64-bit integers\)$")
+
+    def test_version_has_a_commit_of_the_repository(self):
+        git = ["git", "-c", "safe.directory=*", "-C", os.path.dirname(os.path.abspath(__file__))]
+        if subprocess.run(git + ["ls-files", "--error-unmatch", os.path.basename(__file__)], capture_output=True).returncode != 0:
+            return  # an archive
+        commit = re.search(r"commit ([0-9a-f]+)", run(1, "--version").stdout).group(1)
+        self.assertEqual(subprocess.run(git + ["cat-file", "-e", commit + "^{commit}"]).returncode, 0, commit)
 
     def test_a_gate_gives_code_1(self):
         for ranks in (1, 3):
@@ -147,6 +157,14 @@ class LifeOfATool(unittest.TestCase):
 
     def unfinished(self):
         return glob.glob(glob.escape(self.path("out.")) + "*.partial")
+
+    def test_alone_it_starts_no_daemon(self):
+        process = self.asleep_over_its_output(1)
+        with open(f"/proc/{process.pid}/task/{process.pid}/children", encoding="ascii") as file:
+            children = file.read().split()
+        process.send_signal(signal.SIGTERM)
+        process.communicate(timeout=30)
+        self.assertEqual(children, [])
 
     def wait_until(self, condition, seconds=30):
         until = time.monotonic() + seconds

@@ -1,0 +1,18 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: GPL-3.0-or-later
+# Force and charge of a charged body of one's own over a plate, with error bars: run.sh [FOLDER]
+set -euo pipefail
+. "$(dirname -- "${BASH_SOURCE[0]}")/../start.sh"
+
+if [ ! -e body.stl ]; then awk -f "$here/make_body.awk" >body.stl; fi
+cp "$here/case.toml" .
+step pamr-mesh case.toml -o mesh.hdf --force
+step mpirun -n 2 pamr-pb case.toml --mesh mesh.hdf -o level0.hdf --force
+for level in 1 2; do
+  step mpirun -n 2 pamr-mark "level$((level - 1)).hdf" -o marked.hdf --bulk-of goal_error:0.5 --max-cells 80000 --force
+  step mpirun -n 2 pamr-refine marked.hdf -o mesh.hdf --force
+  step mpirun -n 2 pamr-pb case.toml --mesh mesh.hdf -o "level$level.hdf" --start potential --force
+done
+step pamr-quality level2.hdf --gate inverted_cells:max:0
+picture potential.png level0.hdf level2.hdf --label "First mesh" --label "Refined for the force" --cut y=0.1 --field potential \
+  --isolines 8 --edges --size 1500x720

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "cli/version.hpp"
+
+#include <fmt/format.h>
+
+#include <string_view>
+
+#include "pamr/io/native/hdf5_version.hpp"
+#include "pamr/par/mpi_version.hpp"
+#include "pamr_commit.hpp"
+
+namespace pamr::cli {
+
+std::string version_text(const std::string& tool) {
+  constexpr std::string_view commit = PAMR_COMMIT;
+  return fmt::format("{} {}{}\n{}, HDF5 {}, CGAL {}, Scotch {} (64-bit integers)", tool, PAMR_VERSION,
+                     commit.empty() ? "" : fmt::format(" (commit {})", commit), par::mpi_version(), io::hdf5_version(),
+                     PAMR_CGAL_VERSION, PAMR_SCOTCH_VERSION);
+}
+
+}  // namespace pamr::cli

@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <string>
+
+namespace pamr::cli {
+
+/// What --version prints for a tool of this name: a line with the version and the commit of the sources, and a line
+/// with the versions of the libraries that decide about results and files. MPI and HDF5 are those that were loaded now,
+/// CGAL and Scotch are part of the program. Local.
+std::string version_text(const std::string& tool);
+
+}  // namespace pamr::cli
