@@ -15,6 +15,17 @@ def command(tool, *arguments):
     return LAUNCHER + [str(BIN / tool)] + [str(a) for a in arguments]
 
 
+def test_runs_at_the_same_time_do_not_disturb_each_other():
+    kuhn_cube("crowd.hdf", 2)
+    for _ in range(4):
+        jobs = [subprocess.Popen(command("pamr-mark", "crowd.hdf", "-o", f"crowd{i}.hdf", "--all", "--force", "--quiet"),
+                                 stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) for i in range(8 // RANKS + 1)]
+        for job in jobs:
+            out, err = job.communicate(timeout=100)
+            assert job.returncode == 0 and not err, (job.returncode, err)
+    assert all(same_bytes("crowd0.hdf", f"crowd{i}.hdf") for i in range(1, 8 // RANKS + 1))
+
+
 def test_two_writers_of_one_output_leave_the_output_of_one_of_them():
     kuhn_cube("a.hdf", 6)
     kuhn_cube("b.hdf", 9)

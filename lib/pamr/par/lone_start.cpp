@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "pamr/par/lone_start.hpp"
 
+#include <fmt/format.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <cstdlib>
+#include <string>
 #include <string_view>
 #include <utility>
 
@@ -25,6 +28,18 @@ constexpr std::array<std::pair<const char*, const char*>, 4> settings{{{"OMPI_MC
                                                                        {"OMPI_MCA_btl", "self"},
                                                                        {"OMPI_MCA_osc", "^ucx"}}};
 
+constexpr const char* folder_setting = "OMPI_MCA_orte_jobfam_session_dir";
+
+/// A folder of this process for what MPI keeps in files while it runs; MPI makes and removes it. Without a name of its
+/// own all processes without a daemon share one, and the first that ends removes it from under the others.
+std::string own_folder() {
+  std::string base = "/tmp";
+  for (const auto* name : {"TMP", "TEMP", "TMPDIR"})
+    if (const char* value = std::getenv(name); value != nullptr && value[0] == '/') base = value;
+  const auto now = std::chrono::system_clock::now().time_since_epoch().count();
+  return fmt::format("{}/ompi.alone.{}.{}.{:x}", base, getuid(), getpid(), now);
+}
+
 bool is_launched() {
   for (char** entry = environ; entry != nullptr && *entry != nullptr; ++entry) {
     const std::string_view text(*entry);
@@ -38,11 +53,14 @@ bool is_launched() {
 
 LoneStart::LoneStart() {
   if (is_launched()) return;
-  for (const auto& [name, value] : settings) {
-    if (std::getenv(name) != nullptr) continue;
-    setenv(name, value, 0);
-    set_here_.push_back(name);
-  }
+  for (const auto& [name, value] : settings) set(name, value);
+  set(folder_setting, own_folder().c_str());
+}
+
+void LoneStart::set(const char* name, const char* value) {
+  if (std::getenv(name) != nullptr) return;
+  setenv(name, value, 0);
+  set_here_.push_back(name);
 }
 
 LoneStart::~LoneStart() {

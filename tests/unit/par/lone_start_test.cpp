@@ -42,8 +42,25 @@ TEST_F(LoneStartTest, AsksForNoDaemonAndNoNetworkWhileItLives) {
     EXPECT_EQ(value("OMPI_MCA_pml"), "ob1");
   }
 
-  for (const auto* name : {"OMPI_MCA_ess_singleton_isolated", "OMPI_MCA_btl", "OMPI_MCA_pml", "OMPI_MCA_osc"})
+  for (const auto* name : {"OMPI_MCA_ess_singleton_isolated", "OMPI_MCA_btl", "OMPI_MCA_pml", "OMPI_MCA_osc",
+                           "OMPI_MCA_orte_jobfam_session_dir"})
     EXPECT_EQ(std::getenv(name), nullptr) << "a program started later inherits " << name;
+}
+
+TEST_F(LoneStartTest, EachHasAFolderOfItsOwn) {
+  setenv("TMPDIR", "/var/tmp", 1);
+  std::string first, second;
+  {
+    const LoneStart alone;
+    first = value("OMPI_MCA_orte_jobfam_session_dir");
+  }
+  {
+    const LoneStart alone;
+    second = value("OMPI_MCA_orte_jobfam_session_dir");
+  }
+
+  EXPECT_NE(first, second);
+  for (const auto& folder : {first, second}) EXPECT_TRUE(folder.starts_with("/var/tmp/ompi.alone.")) << folder;
 }
 
 TEST_F(LoneStartTest, KeepsWhatTheUserHasSet) {
