@@ -10,6 +10,7 @@
 
 #include "pamr/adapt/depth.hpp"
 #include "pamr/adapt/flags.hpp"
+#include "pamr/adapt/refine_closed.hpp"
 #include "pamr/balance/migrate.hpp"
 #include "pamr/base/contract.hpp"
 #include "pamr/base/error.hpp"
@@ -93,6 +94,7 @@ struct TakenBack {
   std::vector<std::uint8_t> flags;     ///< of its cells: 1 to split
   std::vector<coarsen::Merged> merged;
   CoarseningReport report;
+  std::optional<KnownClosure> closure;  ///< of that mesh with these flags, if anything is to be split
 };
 
 /// Takes back what neither the closure of the remaining splits nor refining needs. What refining needs shows when the
@@ -109,7 +111,7 @@ TakenBack take_back(const par::Comm& comm, const mesh::DistMesh& mesh, const Fla
   for (;;) {
     const auto settled =
         coarsen::settle_octets(comm, mesh, borders, octets, flags, needed, options.refinement.shape_floor);
-    TakenBack taken{{}, {}, {}, count_all(comm, asked, settled.outcome, report)};
+    TakenBack taken{{}, {}, {}, count_all(comm, asked, settled.outcome, report), {}};
     taken.report.cells_between = mesh.info.n_global_cells;
     timer.lap("coarsen");
     if (!comm.any(!settled.groups.empty())) return taken;
@@ -117,14 +119,15 @@ TakenBack take_back(const par::Comm& comm, const mesh::DistMesh& mesh, const Fla
     timer.lap("coarsen");
     if (any_split) {
       const auto requests = refine::requests_of_flags(limit_depth(coarse.mesh, coarse.flags).flags);
-      const auto closure =
-          refine::close(comm, coarse.mesh, mesh::find_borders(comm, coarse.mesh), requests, options.refinement);
+      auto coarse_borders = mesh::find_borders(comm, coarse.mesh);
+      auto closure = refine::close(comm, coarse.mesh, coarse_borders, requests, options.refinement);
       const auto more = coarsen::find_needed_nodes(settled, coarse, closure.marks);
       timer.lap("close");
       if (comm.any(!more.empty())) {
         needed.insert(needed.end(), more.begin(), more.end());
         continue;
       }
+      taken.closure = KnownClosure{std::move(coarse_borders), std::move(closure)};
     }
     coarsen::carry_fields(comm, mesh, settled.groups, coarse.places, coarse.old_node, rules_of(options), coarse.mesh);
     taken.merged = coarsen::find_merged(mesh, settled.groups, coarse.places, coarse.mesh);
@@ -207,8 +210,9 @@ AdaptResult adapt(const par::Comm& comm, mesh::DistMesh&& mesh, std::span<const 
   PAMR_ENSURES_AUDIT(validate::validate(comm, *taken.mesh).empty());
   mesh = {};
   const bool has_more = comm.size() > 1 || has_flag(signs, 1) || is_off_surface(*taken.mesh);
-  auto result =
-      has_more ? refined(*std::move(taken.mesh), taken.flags) : as_it_is(*std::move(taken.mesh), options.refinement);
+  auto result = has_more ? refine_closed(comm, *std::move(taken.mesh), taken.flags, std::move(taken.closure),
+                                         {options.refinement, options.balancing})
+                         : as_it_is(*std::move(taken.mesh), options.refinement);
   return as_one(std::move(result), taken.report, std::move(taken.merged), sizes, timer, comm.traffic() - before);
 }
 

@@ -50,10 +50,12 @@ Closed open_pass(const par::Comm& comm, const mesh::DistMesh& mesh, mesh::Border
 }
 
 Closed close_pass(const par::Comm& comm, const mesh::DistMesh& mesh, std::span<const std::uint8_t> requests,
-                  const refine::Carried& carried, const refine::Options& options, StepTimer& timer) {
-  auto closed = open_pass(comm, mesh, mesh::find_borders(comm, mesh), options);
+                  const refine::Carried& carried, const refine::Options& options, StepTimer& timer,
+                  std::optional<KnownClosure> known) {
+  auto closed = open_pass(comm, mesh, known ? std::move(known->borders) : mesh::find_borders(comm, mesh), options);
   timer.lap("preprocessing");
-  closed.closure = refine::close(comm, mesh, closed.borders, requests, options, carried);
+  closed.closure =
+      known ? std::move(known->closure) : refine::close(comm, mesh, closed.borders, requests, options, carried);
   if (!closed.closure.has_early) {
     refine::find_states(mesh, options, closed.closure);
     require_depth(comm, mesh, closed.closure);

@@ -71,22 +71,25 @@ void exchange_pieces(const par::Comm& comm, const mesh::DistMesh& mesh, std::spa
 mesh::DistMesh migrate(const par::Comm& comm, mesh::DistMesh mesh, std::span<const Rank> destination,
                        std::vector<std::uint8_t>* cell_byte) {
   check_destinations(comm, mesh, destination, cell_byte);
-  std::vector<LocalId> staying, departing;
-  for (LocalId c = 0; c < mesh.n_cells(); ++c) (destination[at(c)] == comm.rank() ? staying : departing).push_back(c);
+  std::vector<LocalId> departing;
+  for (LocalId c = 0; c < mesh.n_cells(); ++c)
+    if (destination[at(c)] != comm.rank()) departing.push_back(c);
   if (!comm.any(!departing.empty())) return mesh;
 
   std::vector<Piece> pieces(1);
+  auto ghost_to = swap_over_faces<Rank>(comm, mesh, destination);
   {
-    const auto ghost_to = swap_over_faces<Rank>(comm, mesh, destination);
     PieceCutter cutter(
         mesh, destination, ghost_to,
         cell_byte != nullptr ? std::span<const std::uint8_t>(*cell_byte) : std::span<const std::uint8_t>());
     exchange_pieces(comm, mesh, destination, cutter, std::move(departing), pieces);
-    pieces.front() = cutter.cut(staying);
-    staying = {};
   }
   auto info = std::move(mesh.info);
-  mesh = {};
+  auto& own = pieces.front();
+  own.mesh = std::move(mesh);
+  own.ghost_to = std::move(ghost_to);
+  own.destination = destination;
+  if (cell_byte != nullptr) own.cell_byte = std::move(*cell_byte);
   std::vector<std::uint8_t> bytes;
   mesh = join_pieces(comm.rank(), std::move(pieces), bytes);
   mesh.info = std::move(info);
