@@ -13,6 +13,7 @@
 #include "pamr/adapt/pass.hpp"
 #include "pamr/adapt/refine_closed.hpp"
 #include "pamr/base/contract.hpp"
+#include "pamr/refine/integrals.hpp"
 #include "pamr/refine/requests.hpp"
 #include "pamr/validate/validate.hpp"
 
@@ -26,6 +27,7 @@ Ready make_ready(const par::Comm& comm, const mesh::DistMesh& input, std::span<c
                  std::optional<KnownClosure> known = {}) {
   require_flags(comm, input, flags);
   refine::require_sound(options);
+  refine::require_integrals(comm, input, options.integrals);
   const auto limited = limit_depth(input, flags);
   Ready ready{{}, refine::requests_of_flags(limited.flags), {}, {}, {}};
   ready.closed = close_pass(comm, input, ready.requests, {}, options, timer, std::move(known));

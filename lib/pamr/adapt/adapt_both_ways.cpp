@@ -19,6 +19,7 @@
 #include "pamr/coarsen/coarsen.hpp"
 #include "pamr/coarsen/gather_siblings.hpp"
 #include "pamr/refine/close.hpp"
+#include "pamr/refine/integrals.hpp"
 #include "pamr/refine/requests.hpp"
 #include "pamr/validate/validate.hpp"
 
@@ -34,7 +35,7 @@ bool has_flag(std::span<const std::int8_t> flags, int sign) {
 
 /// Flags of -1, 0 and 1.
 Flags checked(const par::Comm& comm, const mesh::DistMesh& mesh, std::span<const std::int8_t> flags,
-              const refine::Options& options, const std::vector<std::string>& integrals) {
+              const refine::Options& options) {
   refine::require_sound(options);
   par::agree(comm, [&] {
     if (flags.size() != at(mesh.n_cells()))
@@ -42,13 +43,8 @@ Flags checked(const par::Comm& comm, const mesh::DistMesh& mesh, std::span<const
                               comm.rank(), flags.size()));
     if (has_flag(flags, -1) && options.quality_control != refine::QualityControl::removable)
       throw Error("adapt: expected the quality control 'removable' for coarsening (flags below 0), found another one");
-    for (const auto& name : integrals) {
-      const auto* field = mesh.find_cell_field(name);
-      if (field == nullptr || field->holds_integers())
-        throw Error(fmt::format("adapt: expected a cell field of reals to keep the integral of, found {} '{}'",
-                                field == nullptr ? "no cell field" : "the field of integers", name));
-    }
   });
+  refine::require_integrals(comm, mesh, options.integrals);
   Flags signs(flags.begin(), flags.end());
   for (auto& flag : signs) flag = static_cast<std::int8_t>(flag > 0 ? 1 : flag < 0 ? coarsen::may_go : 0);
   return signs;
@@ -82,7 +78,7 @@ CoarseningReport count_all(const par::Comm& comm, const coarsen::Asked& asked, c
 }
 
 coarsen::FieldRules rules_of(const AdaptOptions& options) {
-  coarsen::FieldRules rules{{}, options.integrals};
+  coarsen::FieldRules rules{{}, options.refinement.integrals};
   if (!options.refinement.marks_field.empty()) rules.left_out.push_back(options.refinement.marks_field);
   if (options.refinement.parent_field) rules.left_out.emplace_back(mesh::parent_field);
   return rules;
@@ -139,6 +135,13 @@ TakenBack take_back(const par::Comm& comm, const mesh::DistMesh& mesh, const Fla
   }
 }
 
+/// The options with all that is said of integrals in one place.
+AdaptOptions with_integrals(AdaptOptions options) {
+  auto& all = options.refinement.integrals;
+  all.insert(all.end(), options.integrals.begin(), options.integrals.end());
+  return options;
+}
+
 /// The mesh is complete as it is: nothing is to be split or put onto a surface.
 RefineResult as_it_is(mesh::DistMesh mesh, const refine::Options& options) {
   RefineResult result{std::move(mesh), {}};
@@ -167,10 +170,11 @@ AdaptResult as_one(RefineResult refined, CoarseningReport coarsening, std::vecto
 }  // namespace
 
 AdaptResult adapt(const par::Comm& comm, const mesh::DistMesh& mesh, std::span<const std::int8_t> flags,
-                  const AdaptOptions& options) {
+                  const AdaptOptions& given) {
+  const auto options = with_integrals(given);
   const auto before = comm.traffic();
   StepTimer timer([&] { return comm.traffic(); });
-  auto signs = checked(comm, mesh, flags, options.refinement, options.integrals);
+  auto signs = checked(comm, mesh, flags, options.refinement);
   const std::array<GlobalId, 2> sizes{mesh.info.n_global_cells, mesh.info.n_global_nodes};
   const auto refined = [&](const mesh::DistMesh& from, std::span<const std::uint8_t> split) {
     return refine(comm, from, split, options.refinement);
@@ -191,10 +195,11 @@ AdaptResult adapt(const par::Comm& comm, const mesh::DistMesh& mesh, std::span<c
 }
 
 AdaptResult adapt(const par::Comm& comm, mesh::DistMesh&& mesh, std::span<const std::int8_t> flags,
-                  const AdaptOptions& options) {
+                  const AdaptOptions& given) {
+  const auto options = with_integrals(given);
   const auto before = comm.traffic();
   StepTimer timer([&] { return comm.traffic(); });
-  auto signs = checked(comm, mesh, flags, options.refinement, options.integrals);
+  auto signs = checked(comm, mesh, flags, options.refinement);
   const std::array<GlobalId, 2> sizes{mesh.info.n_global_cells, mesh.info.n_global_nodes};
   const auto refined = [&](mesh::DistMesh&& from, std::span<const std::uint8_t> split) {
     return refine(comm, std::move(from), split, Options{options.refinement, options.balancing});

@@ -7,6 +7,7 @@
 #include "pamr/mesh/undescribed_patches.hpp"
 #include "pamr/refine/close.hpp"
 #include "pamr/refine/fine_nodes.hpp"
+#include "pamr/refine/integrals.hpp"
 #include "pamr/refine/project.hpp"
 #include "pamr/refine/relink.hpp"
 #include "pamr/refine/settle.hpp"
@@ -90,6 +91,7 @@ Split split_pass(const par::Comm& comm, const mesh::DistMesh& mesh, const Closed
 RefineResult transfer_pass(const mesh::DistMesh& mesh, Closed closed, Split&& split, const refine::Options& options) {
   auto& [fine, numbering, certificate, reaches_open] = split;
   auto fields = refine::transfer({mesh, closed.closure, numbering}, fine.cell_to_node, certificate, options);
+  refine::keep_integrals({mesh, closed.closure, numbering}, fine, options.integrals, fields.of_cells);
   fine.node_fields = std::move(fields.of_nodes);
   fine.cell_fields = std::move(fields.of_cells);
 

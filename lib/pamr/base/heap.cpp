@@ -1,18 +1,20 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "pamr/base/heap.hpp"
 
-#include <malloc.h>
-#include <unistd.h>
-
 #include <cstddef>
 #include <cstdlib>
+
+#ifdef __GLIBC__
+#include <malloc.h>
+#include <unistd.h>
+#endif
 
 #include "pamr/base/memory.hpp"
 
 namespace pamr {
 
 void set_up_heap() {
-#if defined(M_MMAP_THRESHOLD) && defined(M_TRIM_THRESHOLD) && defined(M_TOP_PAD)
+#ifdef __GLIBC__
   constexpr int megabyte = 1 << 20;
   mallopt(M_MMAP_THRESHOLD, megabyte);
   mallopt(M_TRIM_THRESHOLD, 256 * megabyte);
