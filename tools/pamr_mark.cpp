@@ -125,13 +125,14 @@ struct Marked {
   std::vector<std::uint8_t> marks;
   std::vector<std::uint8_t> work;  ///< of the refinement
   Size after;                      ///< of the mesh after it
+  std::int64_t too_fine = 0;       ///< cells of `--max-level` and deeper that closing the marks splits all the same
 };
 
 /// The wanted cells, or as many of them as `max_cells` allows for. Collective.
 Marked choose_marks(const par::Comm& comm, mesh::DistMesh& mesh, const mark::Applied& applied, const Options& options,
-                    const refine::Options& refinement) {
+                    const refine::Options& refinement, std::optional<int> max_level) {
   const bool any_may_go = comm.any(std::find(applied.may_go.begin(), applied.may_go.end(), 1) != applied.may_go.end());
-  Marked marked{mark::marks_of(applied.indicator), {}, {}};
+  Marked marked{mark::marks_of(applied.indicator), {}, {}, 0};
   const adapt::Forecaster forecaster(comm, mesh, refinement);
   std::optional<adapt::Forecast> forecast;
   if (options.max_cells)
@@ -145,6 +146,9 @@ Marked choose_marks(const par::Comm& comm, mesh::DistMesh& mesh, const mark::App
         });
   if (!forecast) forecast = forecaster.forecast(marked.marks);  // else the last trial that fits: that of the marks
   marked.work = forecaster.work(*forecast);
+  if (max_level)
+    marked.too_fine = comm.sum(
+        adapt::count_splits_from_level(forecast->mesh ? *forecast->mesh : mesh, forecast->closure, *max_level));
   marked.after = any_may_go ? size_of_trial(comm, mesh, marked.marks, applied.may_go, refinement)
                             : Size{forecast->cells, forecaster.nodes(*forecast)};
   return marked;
@@ -167,7 +171,7 @@ cli::ExitCode run(cli::Session& session, const Options& options) {
   const auto too_deep = comm.sum(mark::keep_below_level(mesh, mesh::max_level, applied.indicator));
   const auto n_wanted = mark::count_marked(comm, mark::marks_of(applied.indicator));
   if (request.keep_for > 0) mark::keep_for_a_while(comm, mesh, options.marks, request.keep_for, applied.may_go);
-  const auto [marks, work, after] = choose_marks(comm, mesh, applied, options, refinement);
+  const auto [marks, work, after, too_fine] = choose_marks(comm, mesh, applied, options, refinement, request.max_level);
   const auto n_marked = mark::count_marked(comm, marks);
 
   session.step("writing " + options.output);
@@ -182,6 +186,7 @@ cli::ExitCode run(cli::Session& session, const Options& options) {
                         {"wanted", n_wanted},
                         {"marked", n_marked},
                         {"marked_too_deep", too_deep},
+                        {"split_beyond_max_level", too_fine},
                         {"may_go", n_may_go},
                         {"cells_after", after.cells},
                         {"nodes_after", after.nodes},
@@ -193,6 +198,11 @@ cli::ExitCode run(cli::Session& session, const Options& options) {
     report["criteria"].push_back({{"criterion", request.criteria[i].text}, {"cells", applied.cells_of_criterion[i]}});
   session.write_report(report);
   if (too_deep > 0) session.warn(adapt::too_deep_text(too_deep));
+  if (too_fine > 0)
+    session.warn(
+        fmt::format("closing the marks splits {} cells of level {} or deeper: families of closure cells that "
+                    "cannot be taken back stand beside them",
+                    too_fine, *request.max_level));
   if (options.max_cells && mesh.info.n_global_cells > *options.max_cells && n_may_go == 0)
     session.warn(fmt::format("nothing is marked: the mesh has {} cells already, more than --max-cells {}",
                              mesh.info.n_global_cells, *options.max_cells));

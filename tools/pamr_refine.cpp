@@ -62,7 +62,7 @@ void declare(cli::CommandLine& line, Options& options) {
       .show_default();
   line.flag("--no-project", options.no_project, "leave new boundary nodes in the middle of their edges");
   line.option("--integral", options.integrals,
-              "cell field whose sum of value times volume coarsening keeps, at curved walls too; may be repeated")
+              "cell field whose sum of value times volume is kept at curved walls too; may be repeated")
       .type_name("FIELD");
   auto dry_run = line.flag("--dry-run", options.dry_run, "print the exact size of the result, split nothing");
   line.option("--format", options.format, cli::format_help).range(io::oldest_format, io::newest_format).show_default();

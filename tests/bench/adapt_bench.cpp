@@ -14,6 +14,7 @@
 #include "pamr/adapt/adapt_both_ways.hpp"
 #include "pamr/assemble/assemble.hpp"
 #include "pamr/assemble/kuhn_cube.hpp"
+#include "pamr/base/heap.hpp"
 #include "pamr/base/index.hpp"
 #include "pamr/base/timer.hpp"
 #include "pamr/par/runtime.hpp"
@@ -55,18 +56,22 @@ std::size_t status_bytes(const std::string& key) {
 /// Forgets the largest memory that this process has held so far.
 void reset_peak() { std::ofstream("/proc/self/clear_refs") << "5"; }
 
-std::string steps_text(const std::vector<StepTime>& steps, double cells) {
+/// Compute of each step for each cell, all ranks together. Collective.
+std::string steps_text(const par::Comm& comm, const std::vector<StepTime>& steps, double cells) {
   std::string text;
-  for (const auto& step : steps) text += fmt::format(" {} {:.3f}", step.step, 1e6 * step.compute() / cells);
+  for (const auto& step : steps) {
+    const auto nanoseconds = comm.sum(static_cast<std::int64_t>(1e9 * step.compute()));
+    text += fmt::format(" {} {:.3f}", step.step, 1e-3 * static_cast<double>(nanoseconds) / cells);
+  }
   return text;
 }
 
-int run(int n, int levels, int n_steps, double shift) {
+int run(int n, int levels, int n_steps, double shift, const char* balance) {
   const par::Comm comm(MPI_COMM_WORLD);
   auto mesh = assemble::assemble(comm, assemble::kuhn_cube(comm, n));
   adapt::AdaptOptions options;
   options.refinement.parent_field = false;
-  options.balancing = adapt::balancing_named("auto", "exact");
+  options.balancing = adapt::balancing_named(balance, "exact");
   double x = 0.4;
   for (int level = 0; level < levels; ++level)
     mesh = adapt::adapt(comm, std::move(mesh), flags_of(mesh, x, levels), options).mesh;
@@ -85,14 +90,16 @@ int run(int n, int levels, int n_steps, double shift) {
     for (const auto& s : result.report.steps) compute += s.compute();
     compute = 1e-6 * static_cast<double>(comm.sum(static_cast<std::int64_t>(1e6 * compute)));
     mesh = std::move(result.mesh);
+    const auto of_steps = steps_text(comm, result.report.steps, cells);
     if (!comm.is_first()) continue;
     const auto& c = result.coarsening;
     fmt::print(
-        "{} -> {} -> {} cells, {} marked, {} octets gone, {} needed, {} closed: {:.3f} us a cell ({:.3f} on all "
-        "ranks), {:.2f} s, {:.0f} bytes a cell;{}\n",
+        "{} -> {} -> {} cells, {} marked, {} octets gone, {} needed, {} closed, {} moved: {:.3f} us a cell here, "
+        "{:.3f} "
+        "outside of communication on all ranks, {:.2f} s, {:.0f} bytes a cell;{}\n",
         cells_in, c.cells_between, cells_out, result.report.closure.n_marked, c.octets_gone, c.octets_needed,
-        c.families_closed, 1e6 * seconds / cells, 1e6 * compute / cells, elapsed, peak / cells,
-        steps_text(result.report.steps, cells));
+        c.families_closed, c.cells_moved, 1e6 * seconds / cells, 1e6 * compute / cells, elapsed, peak / cells,
+        of_steps);
   }
   const auto broken = validate::validate(comm, mesh);
   if (comm.is_first())
@@ -103,10 +110,12 @@ int run(int n, int levels, int n_steps, double shift) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  set_up_heap();
   const par::Runtime runtime(argc, argv);
-  if (argc != 5) {
-    fmt::print("Usage: bench_adapt N LEVELS STEPS SHIFT\n");
+  if (argc != 5 && argc != 6) {
+    fmt::print("Usage: bench_adapt N LEVELS STEPS SHIFT [auto|scotch|blocks|none]\n");
     return 2;
   }
-  return run(std::atoi(argv[1]), std::atoi(argv[2]), std::atoi(argv[3]), std::atof(argv[4]));
+  return run(std::atoi(argv[1]), std::atoi(argv[2]), std::atoi(argv[3]), std::atof(argv[4]),
+             argc == 6 ? argv[5] : "auto");
 }

@@ -3,13 +3,16 @@
 // the shape floors given:
 //   bench_quality_control MESH LAW LEVELS [FLOOR,...]
 // MESH: kuhn:N, the Kuhn cube K(N), or a mesh file, PAMR's or (*.msh) Gmsh's. LAW: which cells are marked at every
-// level: sphere:X,Y,Z,R those cut by a sphere, box:X0,Y0,Z0,X1,Y1,Z1 those with their centroid in a box. Prints one
-// Markdown table; "0.1 %": one cell of a thousand is below. Run alone or under mpirun.
+// level: sphere:X,Y,Z,R those cut by a sphere, box:X0,Y0,Z0,X1,Y1,Z1 those with their centroid in a box,
+// wall-and-shell:PATCH,X,Y,Z,R,W1,W2,... those with a face on the patch, and at level n those with their centroid
+// nearer than Wn to the sphere. Prints one Markdown table; "0.1 %": one cell of a thousand is below; "below": cells
+// under the floor. Run alone or under mpirun.
 #include <algorithm>
 #include <cstdio>
 #include <iostream>
 #include <sstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "bench/workloads.hpp"
@@ -18,6 +21,7 @@
 #include "pamr/base/error.hpp"
 #include "pamr/io/gmsh/read_gmsh.hpp"
 #include "pamr/io/native/native_file.hpp"
+#include "pamr/mark/geometric_criteria.hpp"
 #include "pamr/par/reproducible_sum.hpp"
 #include "pamr/par/runtime.hpp"
 
@@ -27,6 +31,7 @@ using namespace pamr;
 
 struct Shape {
   double worst = 1, low = 1, mean = 0;
+  std::int64_t n_below = 0;
 };
 
 /// The value that stands in place n of the ascending ratios of all ranks: by bisection, since all are in (-1, 1].
@@ -40,13 +45,16 @@ double value_in_place(const par::Comm& comm, const std::vector<double>& ratios, 
   return above;
 }
 
-Shape measure(const par::Comm& comm, const mesh::DistMesh& mesh) {
+Shape measure(const par::Comm& comm, const mesh::DistMesh& mesh, double floor) {
   Shape shape;
   std::vector<double> ratios;
+  ratios.reserve(static_cast<std::size_t>(mesh.n_cells()));
   for (LocalId c = 0; c < mesh.n_cells(); ++c) {
     ratios.push_back(geometry::mean_ratio(mesh.points(c)));
     shape.worst = std::min(shape.worst, ratios.back());
+    shape.n_below += ratios.back() < (1 - 0x1p-40) * floor ? 1 : 0;
   }
+  shape.n_below = comm.sum(shape.n_below);
   shape.worst = comm.min(shape.worst);
   shape.low = value_in_place(comm, ratios, mesh.info.n_global_cells / 1000);
   shape.mean = par::reproducible_sum(comm, ratios) / static_cast<double>(mesh.info.n_global_cells);
@@ -61,7 +69,7 @@ std::vector<double> numbers_in(const std::string& list) {
 }
 
 struct Workload {
-  std::string mesh, law;
+  std::string mesh, law, patch;
   std::vector<double> numbers;
   int levels = 0;
   std::vector<double> floors;
@@ -71,8 +79,14 @@ struct Workload {
     if (mesh.ends_with(".msh")) return io::read_gmsh(comm, mesh).mesh;
     return assemble::assemble(comm, io::read_native(comm, mesh));
   }
-  std::vector<std::uint8_t> mark(const mesh::DistMesh& coarse) const {
+  std::vector<std::uint8_t> mark(const par::Comm& comm, const mesh::DistMesh& coarse, std::size_t level) const {
     const auto& n = numbers;
+    if (law == "wall-and-shell") {
+      auto wanted = mark::near_patch(comm, coarse, patch);
+      const auto in_shell = mark::centroid_in_shell(coarse, {{n[0], n[1], n[2]}, n[3]}, n.at(4 + level));
+      for (std::size_t c = 0; c < wanted.size(); ++c) wanted[c] = std::max(wanted[c], in_shell[c]);
+      return mark::marks_of(wanted);
+    }
     if (law == "sphere") return bench::mark_crossing(coarse, {n[0], n[1], n[2]}, n[3]);
     return bench::mark_box(coarse, {n[0], n[1], n[2]}, {n[3], n[4], n[5]});
   }
@@ -85,10 +99,20 @@ Workload parse(int argc, char** argv) {
   const std::string law = argv[2];
   const auto colon = law.find(':');
   work.law = law.substr(0, colon);
-  if (colon != std::string::npos) work.numbers = numbers_in(law.substr(colon + 1));
-  if (!(work.law == "sphere" && work.numbers.size() == 4) && !(work.law == "box" && work.numbers.size() == 6))
-    throw Error("expected sphere:X,Y,Z,R or box:X0,Y0,Z0,X1,Y1,Z1, found " + law);
+  auto rest = colon == std::string::npos ? std::string() : law.substr(colon + 1);
+  if (work.law == "wall-and-shell") {
+    work.patch = rest.substr(0, rest.find(','));
+    rest.erase(0, work.patch.size() + 1);
+  }
+  work.numbers = numbers_in(rest);
   work.levels = std::stoi(argv[3]);
+  const auto n = work.numbers.size();
+  if (!(work.law == "sphere" && n == 4) && !(work.law == "box" && n == 6) &&
+      !(work.law == "wall-and-shell" && n >= 4 + static_cast<std::size_t>(work.levels)))
+    throw Error(
+        "expected sphere:X,Y,Z,R or box:X0,Y0,Z0,X1,Y1,Z1 or wall-and-shell:PATCH,X,Y,Z,R,W1,W2,... with a width for "
+        "each level, found " +
+        law);
   if (argc == 5) work.floors = numbers_in(argv[4]);
   return work;
 }
@@ -98,15 +122,16 @@ void follow(const par::Comm& comm, const Workload& work, const std::string& name
   adapt::Report report;
   report.cells_out = mesh.info.n_global_cells;
   for (int level = 0;; ++level) {
-    const auto shape = measure(comm, mesh);
+    const auto shape = measure(comm, mesh, options.shape_floor);
     if (comm.is_first())
-      std::printf("| %s | %d | %ld | %ld | %.4f | %.4f | %.4f | %ld | %ld | %ld | %d |\n", name.c_str(), level,
-                  report.closure.n_marked, report.cells_out, shape.worst, shape.low, shape.mean,
+      std::printf("| %s | %d | %ld | %ld | %.4f | %.4f | %.4f | %ld | %ld | %ld | %ld | %d |\n", name.c_str(), level,
+                  report.closure.n_marked, report.cells_out, shape.worst, shape.low, shape.mean, shape.n_below,
                   report.closure.families_rebuilt, report.closure.families_kept, report.certificate.n_off_surface,
                   report.closure.early_passes);
     std::fflush(stdout);
     if (level == work.levels) break;
-    auto result = adapt::refine(comm, mesh, work.mark(mesh), options);
+    const auto flags = work.mark(comm, mesh, static_cast<std::size_t>(level));
+    auto result = adapt::refine(comm, std::move(mesh), flags, adapt::Options{options, {}});
     mesh = std::move(result.mesh);
     report = result.report;
   }
@@ -115,8 +140,8 @@ void follow(const par::Comm& comm, const Workload& work, const std::string& name
 void run(const par::Comm& comm, const Workload& work) {
   if (comm.is_first())
     std::printf(
-        "| policy | level | marked | cells | worst mean ratio | 0.1 %% | mean of mean ratio | rebuilt | kept | off | "
-        "early |\n|---|---|---|---|---|---|---|---|---|---|---|\n");
+        "| policy | level | marked | cells | worst mean ratio | 0.1 %% | mean of mean ratio | below | rebuilt | kept | "
+        "off | early |\n|---|---|---|---|---|---|---|---|---|---|---|---|\n");
   if (work.floors.empty())
     for (const auto& [name, policy] : refine::quality_control_names)
       follow(comm, work, name, {.quality_control = policy, .marks_field = ""});

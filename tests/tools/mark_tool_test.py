@@ -130,6 +130,7 @@ def test_levels_limit_the_marks():
     run("pamr-refine", "marked.hdf", "-o", "finer.hdf", "--quiet")
     assert mark("finer.hdf", "--all", "--max-level", "0")[1]["marked"] == 0
     once = mark("finer.hdf", "--all", "--max-level", "1")[1]
+    assert once["split_beyond_max_level"] == 0
     assert 0 < once["marked"] < once["cells"]
     assert mark("finer.hdf", "--all", "--max-level", "2")[1]["marked"] == once["cells"]
 

@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cli/run_tool.hpp"
 
-#include <malloc.h>
-#include <unistd.h>
-
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <csignal>
@@ -20,7 +17,7 @@
 #include "cli/step_clock.hpp"
 #include "cli/version.hpp"
 #include "pamr/base/error.hpp"
-#include "pamr/base/memory.hpp"
+#include "pamr/base/heap.hpp"
 #include "pamr/base/nearest_word.hpp"
 #include "pamr/base/one_line.hpp"
 #include "pamr/io/remove_on_interrupt.hpp"
@@ -145,28 +142,11 @@ Ending run(const CommonOptions& options, const std::function<ExitCode(Session&)>
   }
 }
 
-/// Large arrays go back to the system when they are freed: otherwise glibc learns from the first ones to keep them, and
-/// the stages of a tool add up their peaks. Small memory stays with the process and comes in one large step, in large
-/// pages: in small ones, given back and taken anew at every step as glibc does, it costs more page faults than the work
-/// on it on a rank with few cells.
-void set_up_allocation() {
-#if defined(M_MMAP_THRESHOLD) && defined(M_TRIM_THRESHOLD) && defined(M_TOP_PAD)
-  constexpr int megabyte = 1 << 20;
-  mallopt(M_MMAP_THRESHOLD, megabyte);
-  mallopt(M_TRIM_THRESHOLD, 256 * megabyte);
-  mallopt(M_TOP_PAD, 64 * megabyte);
-  auto* const begin = static_cast<std::byte*>(sbrk(0));
-  void* volatile more_than_is_there = std::malloc(megabyte - 4096);
-  std::free(more_than_is_there);
-  advise_large_pages(begin, static_cast<std::size_t>(static_cast<std::byte*>(sbrk(0)) - begin));
-#endif
-}
-
 }  // namespace
 
 int run_tool(int argc, char** argv, const ToolInfo& info, const std::function<void(CommandLine&)>& declare,
              const std::function<ExitCode(Session&)>& work) {
-  set_up_allocation();
+  set_up_heap();
   const par::Runtime runtime(argc, argv);
   running = &runtime;
   running_tool = &info;

@@ -11,7 +11,9 @@
 #include "pamr/adapt/flags.hpp"
 #include "pamr/adapt/open_parents.hpp"
 #include "pamr/adapt/pass.hpp"
+#include "pamr/adapt/refine_closed.hpp"
 #include "pamr/base/contract.hpp"
+#include "pamr/refine/integrals.hpp"
 #include "pamr/refine/requests.hpp"
 #include "pamr/validate/validate.hpp"
 
@@ -21,12 +23,14 @@ namespace {
 
 /// Closes the mesh, after splitting early families until there are none. `own`: the input, if it may be changed.
 Ready make_ready(const par::Comm& comm, const mesh::DistMesh& input, std::span<const std::uint8_t> flags,
-                 const refine::Options& options, StepTimer& timer, mesh::DistMesh* own = nullptr) {
+                 const refine::Options& options, StepTimer& timer, mesh::DistMesh* own = nullptr,
+                 std::optional<KnownClosure> known = {}) {
   require_flags(comm, input, flags);
   refine::require_sound(options);
+  refine::require_integrals(comm, input, options.integrals);
   const auto limited = limit_depth(input, flags);
   Ready ready{{}, refine::requests_of_flags(limited.flags), {}, {}, {}};
-  ready.closed = close_pass(comm, input, ready.requests, {}, options, timer);
+  ready.closed = close_pass(comm, input, ready.requests, {}, options, timer, std::move(known));
   const auto n_marked = ready.closed.report.closure.n_marked;
   const auto n_cells = input.info.n_global_cells, n_nodes = input.info.n_global_nodes;
   ready = split_all_early(comm, input, std::move(ready), options, timer, own);
@@ -88,9 +92,14 @@ RefineResult refine(const par::Comm& comm, const mesh::DistMesh& mesh, std::span
 
 RefineResult refine(const par::Comm& comm, mesh::DistMesh&& mesh, std::span<const std::uint8_t> flags,
                     const Options& options) {
+  return refine_closed(comm, std::move(mesh), flags, {}, options);
+}
+
+RefineResult refine_closed(const par::Comm& comm, mesh::DistMesh&& mesh, std::span<const std::uint8_t> flags,
+                           std::optional<KnownClosure> known, const Options& options) {
   const auto before = comm.traffic();
   StepTimer timer([&] { return comm.traffic(); });
-  auto ready = make_ready(comm, mesh, flags, options.refinement, timer, &mesh);
+  auto ready = make_ready(comm, mesh, flags, options.refinement, timer, &mesh, std::move(known));
   std::optional<mesh::DistMesh> input;
   if (ready.mesh) {
     auto now = *std::exchange(ready.mesh, {});

@@ -10,6 +10,7 @@
 
 #include "pamr/adapt/depth.hpp"
 #include "pamr/adapt/flags.hpp"
+#include "pamr/adapt/refine_closed.hpp"
 #include "pamr/balance/migrate.hpp"
 #include "pamr/base/contract.hpp"
 #include "pamr/base/error.hpp"
@@ -18,6 +19,7 @@
 #include "pamr/coarsen/coarsen.hpp"
 #include "pamr/coarsen/gather_siblings.hpp"
 #include "pamr/refine/close.hpp"
+#include "pamr/refine/integrals.hpp"
 #include "pamr/refine/requests.hpp"
 #include "pamr/validate/validate.hpp"
 
@@ -33,7 +35,7 @@ bool has_flag(std::span<const std::int8_t> flags, int sign) {
 
 /// Flags of -1, 0 and 1.
 Flags checked(const par::Comm& comm, const mesh::DistMesh& mesh, std::span<const std::int8_t> flags,
-              const refine::Options& options, const std::vector<std::string>& integrals) {
+              const refine::Options& options) {
   refine::require_sound(options);
   par::agree(comm, [&] {
     if (flags.size() != at(mesh.n_cells()))
@@ -41,13 +43,8 @@ Flags checked(const par::Comm& comm, const mesh::DistMesh& mesh, std::span<const
                               comm.rank(), flags.size()));
     if (has_flag(flags, -1) && options.quality_control != refine::QualityControl::removable)
       throw Error("adapt: expected the quality control 'removable' for coarsening (flags below 0), found another one");
-    for (const auto& name : integrals) {
-      const auto* field = mesh.find_cell_field(name);
-      if (field == nullptr || field->holds_integers())
-        throw Error(fmt::format("adapt: expected a cell field of reals to keep the integral of, found {} '{}'",
-                                field == nullptr ? "no cell field" : "the field of integers", name));
-    }
   });
+  refine::require_integrals(comm, mesh, options.integrals);
   Flags signs(flags.begin(), flags.end());
   for (auto& flag : signs) flag = static_cast<std::int8_t>(flag > 0 ? 1 : flag < 0 ? coarsen::may_go : 0);
   return signs;
@@ -81,7 +78,7 @@ CoarseningReport count_all(const par::Comm& comm, const coarsen::Asked& asked, c
 }
 
 coarsen::FieldRules rules_of(const AdaptOptions& options) {
-  coarsen::FieldRules rules{{}, options.integrals};
+  coarsen::FieldRules rules{{}, options.refinement.integrals};
   if (!options.refinement.marks_field.empty()) rules.left_out.push_back(options.refinement.marks_field);
   if (options.refinement.parent_field) rules.left_out.emplace_back(mesh::parent_field);
   return rules;
@@ -93,6 +90,7 @@ struct TakenBack {
   std::vector<std::uint8_t> flags;     ///< of its cells: 1 to split
   std::vector<coarsen::Merged> merged;
   CoarseningReport report;
+  std::optional<KnownClosure> closure;  ///< of that mesh with these flags, if anything is to be split
 };
 
 /// Takes back what neither the closure of the remaining splits nor refining needs. What refining needs shows when the
@@ -109,7 +107,7 @@ TakenBack take_back(const par::Comm& comm, const mesh::DistMesh& mesh, const Fla
   for (;;) {
     const auto settled =
         coarsen::settle_octets(comm, mesh, borders, octets, flags, needed, options.refinement.shape_floor);
-    TakenBack taken{{}, {}, {}, count_all(comm, asked, settled.outcome, report)};
+    TakenBack taken{{}, {}, {}, count_all(comm, asked, settled.outcome, report), {}};
     taken.report.cells_between = mesh.info.n_global_cells;
     timer.lap("coarsen");
     if (!comm.any(!settled.groups.empty())) return taken;
@@ -117,14 +115,15 @@ TakenBack take_back(const par::Comm& comm, const mesh::DistMesh& mesh, const Fla
     timer.lap("coarsen");
     if (any_split) {
       const auto requests = refine::requests_of_flags(limit_depth(coarse.mesh, coarse.flags).flags);
-      const auto closure =
-          refine::close(comm, coarse.mesh, mesh::find_borders(comm, coarse.mesh), requests, options.refinement);
+      auto coarse_borders = mesh::find_borders(comm, coarse.mesh);
+      auto closure = refine::close(comm, coarse.mesh, coarse_borders, requests, options.refinement);
       const auto more = coarsen::find_needed_nodes(settled, coarse, closure.marks);
       timer.lap("close");
       if (comm.any(!more.empty())) {
         needed.insert(needed.end(), more.begin(), more.end());
         continue;
       }
+      taken.closure = KnownClosure{std::move(coarse_borders), std::move(closure)};
     }
     coarsen::carry_fields(comm, mesh, settled.groups, coarse.places, coarse.old_node, rules_of(options), coarse.mesh);
     taken.merged = coarsen::find_merged(mesh, settled.groups, coarse.places, coarse.mesh);
@@ -134,6 +133,13 @@ TakenBack take_back(const par::Comm& comm, const mesh::DistMesh& mesh, const Fla
     timer.lap("coarsen");
     return taken;
   }
+}
+
+/// The options with all that is said of integrals in one place.
+AdaptOptions with_integrals(AdaptOptions options) {
+  auto& all = options.refinement.integrals;
+  all.insert(all.end(), options.integrals.begin(), options.integrals.end());
+  return options;
 }
 
 /// The mesh is complete as it is: nothing is to be split or put onto a surface.
@@ -164,10 +170,11 @@ AdaptResult as_one(RefineResult refined, CoarseningReport coarsening, std::vecto
 }  // namespace
 
 AdaptResult adapt(const par::Comm& comm, const mesh::DistMesh& mesh, std::span<const std::int8_t> flags,
-                  const AdaptOptions& options) {
+                  const AdaptOptions& given) {
+  const auto options = with_integrals(given);
   const auto before = comm.traffic();
   StepTimer timer([&] { return comm.traffic(); });
-  auto signs = checked(comm, mesh, flags, options.refinement, options.integrals);
+  auto signs = checked(comm, mesh, flags, options.refinement);
   const std::array<GlobalId, 2> sizes{mesh.info.n_global_cells, mesh.info.n_global_nodes};
   const auto refined = [&](const mesh::DistMesh& from, std::span<const std::uint8_t> split) {
     return refine(comm, from, split, options.refinement);
@@ -188,10 +195,11 @@ AdaptResult adapt(const par::Comm& comm, const mesh::DistMesh& mesh, std::span<c
 }
 
 AdaptResult adapt(const par::Comm& comm, mesh::DistMesh&& mesh, std::span<const std::int8_t> flags,
-                  const AdaptOptions& options) {
+                  const AdaptOptions& given) {
+  const auto options = with_integrals(given);
   const auto before = comm.traffic();
   StepTimer timer([&] { return comm.traffic(); });
-  auto signs = checked(comm, mesh, flags, options.refinement, options.integrals);
+  auto signs = checked(comm, mesh, flags, options.refinement);
   const std::array<GlobalId, 2> sizes{mesh.info.n_global_cells, mesh.info.n_global_nodes};
   const auto refined = [&](mesh::DistMesh&& from, std::span<const std::uint8_t> split) {
     return refine(comm, std::move(from), split, Options{options.refinement, options.balancing});
@@ -207,8 +215,9 @@ AdaptResult adapt(const par::Comm& comm, mesh::DistMesh&& mesh, std::span<const 
   PAMR_ENSURES_AUDIT(validate::validate(comm, *taken.mesh).empty());
   mesh = {};
   const bool has_more = comm.size() > 1 || has_flag(signs, 1) || is_off_surface(*taken.mesh);
-  auto result =
-      has_more ? refined(*std::move(taken.mesh), taken.flags) : as_it_is(*std::move(taken.mesh), options.refinement);
+  auto result = has_more ? refine_closed(comm, *std::move(taken.mesh), taken.flags, std::move(taken.closure),
+                                         {options.refinement, options.balancing})
+                         : as_it_is(*std::move(taken.mesh), options.refinement);
   return as_one(std::move(result), taken.report, std::move(taken.merged), sizes, timer, comm.traffic() - before);
 }
 

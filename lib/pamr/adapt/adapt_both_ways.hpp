@@ -29,15 +29,17 @@ struct AdaptResult {
   Report report;
   CoarseningReport coarsening;
   /// Cells of the input (by number) that were taken back, each with a cell of the input that has its place: the
-  /// `parent` of a cell there, as long as nothing was split. Any rank may hold any of them.
+  /// `parent` of a cell there, as long as nothing was split. Any rank may hold any of them. What splitting undoes is
+  /// not in it: members of a closure family whose parent is split may be nobody's `parent`, as after any refinement.
   std::vector<coarsen::Merged> merged;
 };
 
 struct AdaptOptions {
   refine::Options refinement;
   Balancing balancing;  ///< as for `refine`; not looked at where the mesh is not handed over
-  /// Cell fields of reals of which coarsening keeps the sum of value times volume, also where walls are curved. All
-  /// others keep values: cells that have one value have it afterwards. Both are the same where walls are flat.
+  /// Cell fields of reals of which splitting and coarsening keep the sum of value times volume, also where walls are
+  /// curved; with those of `refinement.integrals`. All others keep values: cells that have one value have it
+  /// afterwards. Both are the same where walls are flat.
   std::vector<std::string> integrals{};
 };
 

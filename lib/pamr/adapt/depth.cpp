@@ -23,16 +23,23 @@ int levels_below(const refine::RebuiltFamily& family) {
   return again ? 2 : 1;
 }
 
+/// Calls `visit(cell)` for each cell of that level or a deeper one that would be split into eight; of a family for the
+/// first member.
+template <class Visit>
+void for_each_split_from_level(const mesh::DistMesh& mesh, const refine::Closure& closure, int level, Visit&& visit) {
+  for (LocalId c = 0; c < mesh.n_cells(); ++c)
+    if (mesh.lineage[at(c)].level() >= level && closure.action[at(c)] == refine::Action::split &&
+        closure.marks[at(c)] == refine::all_edges)
+      visit(c);
+  for (const auto& family : closure.rebuilt)
+    if (mesh.lineage[at(family.first)].level() + levels_below(family) > level) visit(family.first);
+}
+
 /// The number of the first cell of the deepest level that would be split into eight.
 GlobalId first_too_deep(const mesh::DistMesh& mesh, const refine::Closure& closure) {
   GlobalId first = none;
-  const auto refuse = [&](LocalId cell) { first = std::min(first, mesh.cell_global[at(cell)]); };
-  for (LocalId c = 0; c < mesh.n_cells(); ++c)
-    if (mesh.lineage[at(c)].level() >= mesh::max_level && closure.action[at(c)] == refine::Action::split &&
-        closure.marks[at(c)] == refine::all_edges)
-      refuse(c);
-  for (const auto& family : closure.rebuilt)
-    if (mesh.lineage[at(family.first)].level() + levels_below(family) > mesh::max_level) refuse(family.first);
+  for_each_split_from_level(mesh, closure, mesh::max_level,
+                            [&](LocalId cell) { first = std::min(first, mesh.cell_global[at(cell)]); });
   return first;
 }
 
@@ -55,6 +62,12 @@ std::string too_deep_text(std::int64_t n) {
 
 bool is_too_deep(const mesh::DistMesh& mesh, const refine::Closure& closure) {
   return first_too_deep(mesh, closure) != none;
+}
+
+std::int64_t count_splits_from_level(const mesh::DistMesh& mesh, const refine::Closure& closure, int level) {
+  std::int64_t n = 0;
+  for_each_split_from_level(mesh, closure, level, [&n](LocalId) { ++n; });
+  return n;
 }
 
 void require_depth(const par::Comm& comm, const mesh::DistMesh& mesh, const refine::Closure& closure) {

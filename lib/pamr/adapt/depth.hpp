@@ -28,6 +28,12 @@ std::string too_deep_text(std::int64_t n);
 /// Whether closing the mesh would split a cell of the deepest level into eight on this rank. Local.
 bool is_too_deep(const mesh::DistMesh& mesh, const refine::Closure& closure);
 
+/// Base cells of this level or a deeper one that closing the mesh would split into eight on this rank. Where the marks
+/// spare them it is none in meshes that were refined under `removable` alone: marks on edges of one level follow from
+/// splits of cells of that level only. Cells of families that were kept or made by another policy have edges of other
+/// levels than theirs. Local.
+std::int64_t count_splits_from_level(const mesh::DistMesh& mesh, const refine::Closure& closure, int level);
+
 /// Throws `Error` on every rank when closing the mesh would split a cell of the deepest level into eight, though it was
 /// not flagged itself. Collective: one reduction.
 void require_depth(const par::Comm& comm, const mesh::DistMesh& mesh, const refine::Closure& closure);

@@ -7,6 +7,7 @@
 #include "pamr/mesh/undescribed_patches.hpp"
 #include "pamr/refine/close.hpp"
 #include "pamr/refine/fine_nodes.hpp"
+#include "pamr/refine/integrals.hpp"
 #include "pamr/refine/project.hpp"
 #include "pamr/refine/relink.hpp"
 #include "pamr/refine/settle.hpp"
@@ -50,10 +51,12 @@ Closed open_pass(const par::Comm& comm, const mesh::DistMesh& mesh, mesh::Border
 }
 
 Closed close_pass(const par::Comm& comm, const mesh::DistMesh& mesh, std::span<const std::uint8_t> requests,
-                  const refine::Carried& carried, const refine::Options& options, StepTimer& timer) {
-  auto closed = open_pass(comm, mesh, mesh::find_borders(comm, mesh), options);
+                  const refine::Carried& carried, const refine::Options& options, StepTimer& timer,
+                  std::optional<KnownClosure> known) {
+  auto closed = open_pass(comm, mesh, known ? std::move(known->borders) : mesh::find_borders(comm, mesh), options);
   timer.lap("preprocessing");
-  closed.closure = refine::close(comm, mesh, closed.borders, requests, options, carried);
+  closed.closure =
+      known ? std::move(known->closure) : refine::close(comm, mesh, closed.borders, requests, options, carried);
   if (!closed.closure.has_early) {
     refine::find_states(mesh, options, closed.closure);
     require_depth(comm, mesh, closed.closure);
@@ -88,6 +91,7 @@ Split split_pass(const par::Comm& comm, const mesh::DistMesh& mesh, const Closed
 RefineResult transfer_pass(const mesh::DistMesh& mesh, Closed closed, Split&& split, const refine::Options& options) {
   auto& [fine, numbering, certificate, reaches_open] = split;
   auto fields = refine::transfer({mesh, closed.closure, numbering}, fine.cell_to_node, certificate, options);
+  refine::keep_integrals({mesh, closed.closure, numbering}, fine, options.integrals, fields.of_cells);
   fine.node_fields = std::move(fields.of_nodes);
   fine.cell_fields = std::move(fields.of_cells);
 

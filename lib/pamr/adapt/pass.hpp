@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -35,9 +36,17 @@ struct Closed {
 Closed open_pass(const par::Comm& comm, const mesh::DistMesh& mesh, mesh::Borders borders,
                  const refine::Options& options);
 
-/// `requests`: a `refine::Request` for each cell. The closure has its states where nothing `has_early`. Collective.
+/// The borders of a mesh, and its closure for the requests at hand.
+struct KnownClosure {
+  mesh::Borders borders;
+  refine::Closure closure;
+};
+
+/// `requests`: a `refine::Request` for each cell. `known`: if they were closed before. The closure has its states where
+/// nothing `has_early`. Collective.
 Closed close_pass(const par::Comm& comm, const mesh::DistMesh& mesh, std::span<const std::uint8_t> requests,
-                  const refine::Carried& carried, const refine::Options& options, StepTimer& timer);
+                  const refine::Carried& carried, const refine::Options& options, StepTimer& timer,
+                  std::optional<KnownClosure> known = {});
 
 /// The refined mesh without fields, and what `transfer_pass` needs to give it its fields.
 struct Split {

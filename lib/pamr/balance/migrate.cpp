@@ -12,6 +12,7 @@
 #include "pamr/balance/piece.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/base/index.hpp"
+#include "pamr/mesh/rank_border.hpp"
 
 namespace pamr::balance {
 
@@ -66,27 +67,49 @@ void exchange_pieces(const par::Comm& comm, const mesh::DistMesh& mesh, std::spa
   }
 }
 
+/// Cells beyond the border are on other ranks now; the rank's own are what they were. The border gets the order in
+/// which ranks with other cells have it.
+void renew_border(Rank here, std::span<const Rank> ghost_to, mesh::DistMesh& mesh) {
+  std::vector<mesh::RemoteFace> border;
+  border.reserve(ghost_to.size());
+  for (std::size_t k = 0; k < ghost_to.size(); ++k)
+    border.push_back({mesh.border_face[k], ghost_to[k], mesh.ghost_global[k]});
+  mesh.border_rank.clear();
+  mesh.border_offset = {0};
+  mesh.border_face.clear();
+  mesh.ghost_global.clear();
+  mesh::fill_border(here, mesh, border);
+}
+
 }  // namespace
 
 mesh::DistMesh migrate(const par::Comm& comm, mesh::DistMesh mesh, std::span<const Rank> destination,
                        std::vector<std::uint8_t>* cell_byte) {
   check_destinations(comm, mesh, destination, cell_byte);
-  std::vector<LocalId> staying, departing;
-  for (LocalId c = 0; c < mesh.n_cells(); ++c) (destination[at(c)] == comm.rank() ? staying : departing).push_back(c);
-  if (!comm.any(!departing.empty())) return mesh;
+  std::vector<LocalId> departing;
+  for (LocalId c = 0; c < mesh.n_cells(); ++c)
+    if (destination[at(c)] != comm.rank()) departing.push_back(c);
+  const bool none_departs = departing.empty();
+  if (!comm.any(!none_departs)) return mesh;
 
   std::vector<Piece> pieces(1);
+  auto ghost_to = swap_over_faces<Rank>(comm, mesh, destination);
   {
-    const auto ghost_to = swap_over_faces<Rank>(comm, mesh, destination);
     PieceCutter cutter(
         mesh, destination, ghost_to,
         cell_byte != nullptr ? std::span<const std::uint8_t>(*cell_byte) : std::span<const std::uint8_t>());
     exchange_pieces(comm, mesh, destination, cutter, std::move(departing), pieces);
-    pieces.front() = cutter.cut(staying);
-    staying = {};
+  }
+  if (none_departs && pieces.size() == 1 && std::is_sorted(mesh.cell_global.begin(), mesh.cell_global.end())) {
+    renew_border(comm.rank(), ghost_to, mesh);
+    return mesh;
   }
   auto info = std::move(mesh.info);
-  mesh = {};
+  auto& own = pieces.front();
+  own.mesh = std::move(mesh);
+  own.ghost_to = std::move(ghost_to);
+  own.destination = destination;
+  if (cell_byte != nullptr) own.cell_byte = std::move(*cell_byte);
   std::vector<std::uint8_t> bytes;
   mesh = join_pieces(comm.rank(), std::move(pieces), bytes);
   mesh.info = std::move(info);

@@ -18,6 +18,14 @@ struct Piece {
   mesh::DistMesh mesh;
   std::vector<Rank> ghost_to;
   std::vector<std::uint8_t> cell_byte;  ///< n_cells, or empty
+  /// n_cells, or empty. A rank's whole mesh as a piece, of which the cells that go elsewhere are no part: where each
+  /// cell goes.
+  std::span<const Rank> destination;
+
+  /// Whether a cell of the piece's mesh is on rank `here` from now on.
+  bool is_on(Rank here, LocalId cell) const {
+    return destination.empty() || destination[static_cast<std::size_t>(cell)] == here;
+  }
 };
 
 /// Cuts pieces out of a mesh, whose arrays have to outlive it. `destination`: of each cell; `ghost_to`: of the cell

@@ -41,6 +41,9 @@ struct Options {
   bool project = true;        ///< put new boundary nodes onto the surfaces of their patches
   bool parent_field = true;   ///< add the integer cell field `parent`: input cell that held the new cell's centroid
   std::string marks_field{};  ///< cell field to drop from the result (it held the marks); empty: none
+  /// Cell fields of reals of which the sum of value times volume is kept, also where nodes go onto curved walls. All
+  /// others keep values: children have that of their parent. Both are the same where walls are flat.
+  std::vector<std::string> integrals{};
 };
 
 /// Throws `Error` unless the options are such as can be obeyed.

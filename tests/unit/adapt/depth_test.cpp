@@ -63,6 +63,25 @@ TEST(Depth, OneLevelAboveTheDeepestCanBeSplit) {
   EXPECT_EQ(count_deepest(comm, result.mesh), result.report.cells_out);
 }
 
+/// Cells of a level that does not fit their size, as in files of other programs: their neighbors' splits reach them.
+TEST(Depth, SplitsThatClosingMakesBeyondALevelAreCounted) {
+  const par::Comm comm(MPI_COMM_WORLD);
+  const auto mesh = deep_mesh(comm, [](Vec3 p) { return p.x < 0.3 ? 3 : 0; });
+  std::vector<std::uint8_t> flags;
+  for (const auto lineage : mesh.lineage) flags.push_back(lineage.level() < 3 ? 1 : 0);
+
+  const auto forecast = adapt::Forecaster(comm, mesh, {.shape_floor = 1}).forecast(flags);
+  const auto fine = adapt::refine(comm, mesh, flags, {.shape_floor = 1}).mesh;
+
+  ASSERT_EQ(forecast.mesh, nullptr);
+  std::int64_t n_base_cells = 0;
+  for (const auto lineage : fine.lineage) n_base_cells += lineage.level() > 3 && lineage.child() == 0 ? 1 : 0;
+  const auto n = comm.sum(adapt::count_splits_from_level(mesh, forecast.closure, 3));
+  EXPECT_GT(n, 0);
+  EXPECT_EQ(comm.sum(n_base_cells), 8 * n);
+  EXPECT_EQ(comm.sum(adapt::count_splits_from_level(mesh, forecast.closure, 4)), 0);
+}
+
 TEST(Depth, ForecastAndRefinementAgreeWhereOnlyAPartIsTooDeep) {
   const par::Comm comm(MPI_COMM_WORLD);
   const auto mesh = deep_mesh(comm, [](Vec3 p) { return p.x < 0.3 ? mesh::max_level : 0; });

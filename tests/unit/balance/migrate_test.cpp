@@ -112,6 +112,32 @@ TEST(Migrate, SendsOnlyTheCellsThatMove) {
   EXPECT_TRUE(validate::validate(comm, mesh).empty());
 }
 
+TEST(Migrate, LeavesCellsAndNodesOfARankAloneThatNoCellLeavesOrComesTo) {
+  const par::Comm comm(MPI_COMM_WORLD);
+  if (comm.size() < 3) return;
+  const auto before = test::refined_mesh(comm, 5);
+  auto destination = std::vector<Rank>(before.cell_global.size(), comm.rank());
+  if (comm.is_first())
+    for (LocalId c = 0; c < (before.lineage[0].is_removable() ? before.lineage[0].family_size() : 1); ++c)
+      destination[static_cast<std::size_t>(c)] = 1;
+
+  const auto after = balance::migrate(comm, before, destination);
+
+  if (comm.rank() > 1) {
+    EXPECT_EQ(after.node_global, before.node_global);
+    EXPECT_EQ(after.cell_to_node, before.cell_to_node);
+    expect_equal_fields(after.cell_fields, before.cell_fields);
+    expect_equal_fields(after.node_fields, before.node_fields);
+  }
+  EXPECT_TRUE(validate::validate(comm, after).empty());
+  const auto refine = [&comm](const mesh::DistMesh& mesh) {
+    return test::gather(comm, adapt::refine(comm, mesh, std::vector<std::uint8_t>(mesh.cell_global.size(), 1)).mesh);
+  };
+  const auto a = refine(before), b = refine(after);
+  EXPECT_EQ(a.cell_to_node, b.cell_to_node);
+  EXPECT_EQ(a.cell_to_cell, b.cell_to_cell);
+}
+
 TEST(Migrate, RefusesBadDestinationsOnEveryRank) {
   const par::Comm comm(MPI_COMM_WORLD);
   const auto mesh = test::refined_mesh(comm, 5);

@@ -8,6 +8,7 @@
 #include <set>
 
 #include "coarsen_case.hpp"
+#include "pamr/base/error.hpp"
 #include "pamr/geometry/tet_shape.hpp"
 
 namespace pamr {
@@ -88,6 +89,25 @@ TEST(CoarseFields, KeepTheIntegralAtCurvedWallsWhereThatIsAskedFor) {
   EXPECT_NEAR(integral(comm, result.mesh, "density"), mass, 1e-13 * mass);
   EXPECT_GT(std::abs(integral(comm, result.mesh, "one") - one), 1e-6 * one) << "the wall has to move";
   for (const double value : result.mesh.find_cell_field("one")->real()) ASSERT_EQ(value, 0.1);
+}
+
+TEST(CoarseFields, KeepTheIntegralWhereCellsAreSplitAtCurvedWalls) {
+  const par::Comm comm(MPI_COMM_WORLD);
+  const auto before = with_fields(refined(comm, test::bulging_cube(comm, 5, 0.1)));
+  const double mass = integral(comm, before, "density"), one = integral(comm, before, "one");
+
+  const auto split = adapt::refine(comm, before, test::near_dome(before, 0.3), {.integrals = {"density"}}).mesh;
+  auto flags = test::with_sign(test::near_dome(before, 0.2));
+  std::replace(flags.begin(), flags.end(), std::int8_t{0}, test::go);
+  adapt::AdaptOptions options;
+  options.integrals = {"density"};
+  const auto adapted = adapt::adapt(comm, before, flags, options);
+
+  EXPECT_GT(std::abs(integral(comm, split, "one") - one), 1e-6 * one) << "the wall has to move";
+  EXPECT_NEAR(integral(comm, split, "density"), mass, 1e-13 * mass);
+  ASSERT_GT(adapted.coarsening.octets_gone, 10);
+  EXPECT_NEAR(integral(comm, adapted.mesh, "density"), mass, 1e-13 * mass);
+  EXPECT_THROW(adapt::refine(comm, before, test::near_dome(before, 0.3), {.integrals = {"region"}}), Error);
 }
 
 TEST(CoarseFields, NameEveryOldCellAsParentOrAsMergedIntoOne) {

@@ -39,6 +39,14 @@ std::vector<std::int8_t> random_flags(const mesh::DistMesh& mesh, std::uint64_t 
   return flags;
 }
 
+/// The deepest level that there is, and that flags ask for.
+int deepest_level(const mesh::DistMesh& mesh, const std::vector<std::int8_t>& flags) {
+  int deepest = 0;
+  for (LocalId c = 0; c < mesh.n_cells(); ++c)
+    deepest = std::max(deepest, mesh.lineage[at(c)].level() + (flags[at(c)] > 0 ? 1 : 0));
+  return deepest;
+}
+
 /// The mesh of level 0 with the regular splits of another mesh, asked for until all are there.
 mesh::DistMesh with_splits_of(const par::Comm& self, const mesh::BlockMesh& start, const mesh::BlockMesh& other,
                               const refine::Options& options) {
@@ -69,8 +77,11 @@ TEST(RandomSequences, LeaveTheClosureOfTheSplitsThatRemain) {
     for (std::uint64_t step = 0; step < 12; ++step) {
       SCOPED_TRACE("mesh " + std::to_string(i) + ", step " + std::to_string(step));
       const auto flags = random_flags(mesh, combine(i, step));
+      const int deepest_asked = deepest_level(mesh, flags);
       auto result = adapt::adapt(self, mesh, flags, options);
       mesh = std::move(result.mesh);
+      ASSERT_LE(deepest_level(mesh, std::vector<std::int8_t>(at(mesh.n_cells()), 0)), deepest_asked)
+          << "closing adds no deeper cells";
       const auto whole = test::gather_on(self, mesh, 0);
       for (const auto& violation : validate::validate(self, mesh)) FAIL() << violation.invariant;
       ASSERT_NEAR(test::reference_volume(whole), volume, 1e-12 * volume);
