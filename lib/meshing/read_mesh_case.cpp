@@ -14,6 +14,7 @@
 #include "meshing/supersonic_sphere.hpp"
 #include "pamr/base/case_file.hpp"
 #include "pamr/base/error.hpp"
+#include "pamr/geometry/cad/cad_surface.hpp"
 #include "pamr/geometry/surface_toml.hpp"
 
 namespace pamr::meshing {
@@ -185,7 +186,11 @@ geometry::SurfaceSet read_surfaces(std::string_view text, const std::string& whe
   auto surfaces = geometry::surfaces_of_case(file, where);
   file.finish();
   const auto tables = file.keys();
-  if (tables.empty() || (tables.size() == 1 && tables[0] == "surface")) surfaces.toml = text;
+  const bool brings_text = std::any_of(surfaces.surface.begin(), surfaces.surface.end(), [](const auto& surface) {
+    return dynamic_cast<const geometry::CadSurface*>(surface.get()) != nullptr;
+  });
+  const bool has_surfaces_only = tables.empty() || (tables.size() == 1 && tables[0] == "surface");
+  if (has_surfaces_only && !brings_text) surfaces.toml = text;
   return surfaces;
 }
 

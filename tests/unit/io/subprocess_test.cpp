@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "pamr/io/native/subprocess.hpp"
+#include "pamr/base/subprocess.hpp"
 
 #include <gmock/gmock.h>
 #include <pthread.h>
@@ -16,7 +16,7 @@
 namespace pamr {
 namespace {
 
-using io::Subprocess;
+using pamr::Subprocess;
 constexpr Subprocess::Limits limits{.processor_seconds = 1, .memory_bytes = rlim_t{64} << 20U};
 
 TEST(Subprocess, SendsWhatItsProcessMakes) {

@@ -12,7 +12,7 @@
 
 #include "pamr/base/error.hpp"
 #include "pamr/io/native/inspect.hpp"
-#include "pamr/io/native/subprocess.hpp"
+#include "pamr/base/subprocess.hpp"
 
 namespace pamr::io {
 
