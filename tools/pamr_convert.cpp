@@ -303,6 +303,12 @@ geometry::SurfaceSet cad_surfaces(cli::Session& session, const Options& options,
           {"unit_of_file", model->unit_of_file()},
           {"largest_edge_tolerance", model->largest_tolerance()},
           {"open_edges", model->n_open_edges()}};
+  geometry::CadMeasures measures;
+  par::agree(comm, [&] {
+    if (comm.is_first()) measures = geometry::measure_cad_source(source, options.unit);
+  });
+  json["area_of_faces"] = measures.area;
+  if (model->n_open_edges() == 0) json["volume"] = measures.volume;
   for (const auto& patch : found.patches) {
     json["patches"][patch.patch] = {{"faces", patch.faces}, {"on", patch.n_on}, {"off", patch.n_off}};
     warn_of_untied(session, options, patch);

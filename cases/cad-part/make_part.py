@@ -3,11 +3,11 @@
 """Makes a CAD part with OpenCASCADE through Gmsh and meshes it: a plate with a wavy side (a spline face), a boss with a fillet
 (cylinder, torus), a through hole and a spike (a cone with its apex). Lengths in millimeters.
 
-    make_part.py FOLDER    writes part.step, part.msh and part.json (OpenCASCADE's area and volume)
+    make_part.py FOLDER    writes part.step and part.msh
 """
-import json
 import math
 import os
+import re
 import sys
 
 import gmsh
@@ -43,7 +43,7 @@ def make_part():
 
 
 def name_faces():
-    """Two named groups of faces; the others are left to what pamr-convert finds."""
+    """Patches of the mesh: some of one face, some of several."""
     boss, wave, spike, others = [], [], [], []
     for _, tag in gmsh.model.getEntities(2):
         kind = gmsh.model.getType(2, tag)
@@ -60,7 +60,6 @@ def name_faces():
         gmsh.model.addPhysicalGroup(2, tags)
         gmsh.model.setPhysicalName(2, gmsh.model.getPhysicalGroups(2)[-1][1], name)
     gmsh.model.addPhysicalGroup(3, [tag for _, tag in gmsh.model.getEntities(3)])
-    return {"boss": boss, "wave": wave, "spike": spike, "plate": others}
 
 
 def main(folder):
@@ -69,6 +68,10 @@ def main(folder):
     make_part()
     step = os.path.join(folder, "part.step")
     gmsh.write(step)
+    with open(step, encoding="ascii") as file:
+        text = file.read()
+    with open(step, "w", encoding="ascii") as file:  # the same bytes at any time
+        file.write(re.sub(r"'\d{4}-\d\d-\d\dT[\d:]+'", "'2026-01-01T00:00:00'", text))
     gmsh.clear()
     gmsh.model.occ.importShapes(step)  # the mesh is that of the file, as anyone would make it
     gmsh.model.occ.synchronize()
@@ -76,15 +79,8 @@ def main(folder):
     gmsh.option.setNumber("Mesh.MeshSizeMax", 4.0)
     gmsh.option.setNumber("Mesh.MeshSizeFromCurvature", 18)
     gmsh.model.mesh.generate(3)
-    groups = name_faces()
+    name_faces()
     gmsh.write(os.path.join(folder, "part.msh"))
-    occ = gmsh.model.occ
-    values = {
-        "volume": sum(occ.getMass(3, tag) for _, tag in gmsh.model.getEntities(3)),
-        "area": {name: sum(occ.getMass(2, tag) for tag in tags) for name, tags in groups.items()},
-    }
-    with open(os.path.join(folder, "part.json"), "w", encoding="utf-8") as file:
-        json.dump(values, file, indent=1)
     gmsh.finalize()
 
 

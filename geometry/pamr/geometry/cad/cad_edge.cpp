@@ -15,7 +15,7 @@ constexpr double box_margin = 2;  // times how far the curve may leave its chord
 constexpr int newton_limit = 60;
 constexpr double at_rest = 1e-15;      // of the size: a step of rounding
 constexpr double rounding = 1e-12;     // of the size: steps of this length that do not shrink are rounding
-constexpr double sure_to_fall = 1e-7;  // of the size: shorter steps are not judged by distances, which are rounded
+constexpr double sure_to_fall = 1e-7;  // of the size: of shorter steps the distances are rounding
 constexpr double vanishing = 1e-12;    // of the size, per whole parameter: a derivative that gives no direction
 
 }  // namespace

@@ -17,6 +17,7 @@ constexpr double at_rest = 1e-15;      // of the size
 constexpr double rounding = 1e-12;     // of the size: steps of this length that do not shrink are rounding
 constexpr double sure_to_fall = 1e-7;  // of the size
 constexpr double beyond_box = 0.05;    // of the parameters' range: how far a search may leave the face
+constexpr double at_pole = 1e-9;       // of the size
 constexpr double box_slack = 1e-6;     // of the parameters' range
 constexpr double safely_inside = 0.8;  // of the clearance
 constexpr double degenerate = 1e-9;    // sine and relative length below which u x v has no direction
@@ -187,9 +188,10 @@ CadFoot CadFace::project(Vec3 point) const {
   const auto at_border = nearest_border(point);
   const double off = std::sqrt(at_border.foot.squared_distance);
   if (is_inside(uv, q, nearest_border(q))) {
-    // a node of the border lies on its curve, which may be off the surface
-    const bool is_of_border = at_border.border >= 0 && off < result.distance &&
-                              off <= edges_[at(data_.border[at(at_border.border)].edge)].tolerance();
+    // a node of the border lies on its curve, which may be off the surface; so may a pole by rounding
+    const double reach =
+        at_border.border < 0 ? at_pole * size_ : edges_[at(data_.border[at(at_border.border)].edge)].tolerance();
+    const bool is_of_border = off < result.distance && off <= reach;
     return is_of_border ? CadFoot{at_border.foot.point, uv, off} : result;
   }
   return {at_border.foot.point, foot(at_border.foot.point, uv), off};

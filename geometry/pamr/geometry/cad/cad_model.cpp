@@ -36,6 +36,14 @@ CadModel::CadModel(CadData data) : unit_of_file_(std::move(data.unit_of_file)) {
   if (!(size_ > 0 && size_ < far)) throw Error(fmt::format("expected a shape of finite size, found {}", size_));
   edges_.reserve(data.edges.size());
   for (auto& edge : data.edges) edges_.emplace_back(std::move(edge), edge_sagitta * size_, size_);
+  for (const auto& edge : edges_)
+    for (std::size_t k = 0; k < 2; ++k) {
+      if (edge.data().vertex[k] < 0) continue;
+      const double gap =
+          norm((k == 0 ? edge.points().front() : edge.points().back()) - data.vertices[at(edge.data().vertex[k])]);
+      if (!(gap <= max_gap * size_))
+        throw Error(fmt::format("expected edges that end at their vertices, found one that is {:.3g} off", gap));
+    }
   faces_of_edge_.resize(edges_.size());
   faces_.reserve(data.faces.size());
   for (std::size_t f = 0; f < data.faces.size(); ++f) {

@@ -12,7 +12,6 @@
 
 #include "pamr/base/error.hpp"
 #include "pamr/base/subprocess.hpp"
-#include "pamr/geometry/cad/read_cad.hpp"
 
 namespace pamr::geometry {
 
@@ -111,6 +110,14 @@ std::shared_ptr<const CadModel> make_cad_model(const CadSource& source, std::str
   const double length = millimeters(unit);
   try {
     return std::make_shared<const CadModel>(read_cad(source.text, 1 / length));
+  } catch (const Error& error) {
+    throw Error(fmt::format("file '{}': {}", source.file, error.what()));
+  }
+}
+
+CadMeasures measure_cad_source(const CadSource& source, std::string_view unit) {
+  try {
+    return measure_cad(source.text, 1 / millimeters(unit));
   } catch (const Error& error) {
     throw Error(fmt::format("file '{}': {}", source.file, error.what()));
   }

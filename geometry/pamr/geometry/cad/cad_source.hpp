@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "pamr/geometry/cad/cad_model.hpp"
+#include "pamr/geometry/cad/read_cad.hpp"
 
 namespace pamr::geometry {
 
@@ -26,6 +27,9 @@ void require_readable_cad(const CadSource& source);
 
 /// The shape, coordinates in `unit`: mm, cm, m, um, in or ft. Throws `Error`.
 std::shared_ptr<const CadModel> make_cad_model(const CadSource& source, std::string_view unit);
+
+/// Areas of its faces and its volume, in that unit. Throws `Error`.
+CadMeasures measure_cad_source(const CadSource& source, std::string_view unit);
 
 /// The unit in which OpenCASCADE and Gmsh give coordinates if nobody asks for another one.
 inline constexpr const char* usual_cad_unit = "mm";

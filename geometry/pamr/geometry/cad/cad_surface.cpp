@@ -91,7 +91,7 @@ double CadSurface::off_face(int face, Vec3 a, Vec3 b, Vec3 c) const {
   return model_->faces()[at(face)].project((1.0 / 3) * (a + b + c)).distance;
 }
 
-/// The faces of an edge are told apart by the triangles: one lies on either.
+/// The two triangles say which edge it is: one of them lies on each of its faces.
 std::optional<Vec3> CadSurface::crease_between(Vec3 a, Vec3 b, Vec3 c, Vec3 d) const {
   const double slack = on_edge * model_->size();
   std::optional<Vec3> best;

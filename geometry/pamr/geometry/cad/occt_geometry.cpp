@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "pamr/geometry/cad/occt_geometry.hpp"
 
+#include <BRepTools.hxx>
 #include <BRep_Tool.hxx>
 #include <ElSLib.hxx>
 #include <Geom_ConicalSurface.hxx>
@@ -11,6 +12,8 @@
 #include <Geom_SphericalSurface.hxx>
 #include <Geom_ToroidalSurface.hxx>
 #include <Geom_TrimmedCurve.hxx>
+#include <cmath>
+#include <numbers>
 #include <utility>
 
 namespace pamr::geometry {
@@ -76,6 +79,28 @@ class OcctQuadric final : public OcctParametricSurface {
   Shape shape_;
 };
 
+/// One nappe of a cone: OpenCASCADE's own closed form takes the other one for points beside and above the apex.
+class OcctCone final : public OcctParametricSurface {
+ public:
+  OcctCone(const Handle(Geom_Surface) & surface, const gp_Cone& cone, double some_v, double scale)
+      : OcctParametricSurface(surface, scale),
+        cone_(cone),
+        side_(cone.RefRadius() + some_v * std::sin(cone.SemiAngle()) < 0 ? -1 : 1) {}
+  std::optional<Uv> foot(Vec3 point) const override {
+    const gp_Ax3& frame = cone_.Position();
+    const gp_Vec p(frame.Location(), unscaled(point));
+    const double x = p.Dot(frame.XDirection()), y = p.Dot(frame.YDirection()), z = p.Dot(frame.Direction());
+    const double angle = cone_.SemiAngle(), radial = side_ * std::hypot(x, y);
+    double u = std::atan2(side_ * y, side_ * x);
+    if (u < 0) u += 2 * std::numbers::pi;
+    return Uv{u, (radial - cone_.RefRadius()) * std::sin(angle) + z * std::cos(angle)};
+  }
+
+ private:
+  gp_Cone cone_;
+  double side_;
+};
+
 Handle(Geom_Surface) untrimmed_surface(const TopoDS_Face& face) {
   Handle(Geom_Surface) surface = BRep_Tool::Surface(face);
   while (!surface.IsNull() && surface->IsKind(STANDARD_TYPE(Geom_RectangularTrimmedSurface)))
@@ -100,8 +125,11 @@ std::shared_ptr<const ParametricSurface> occt_surface(const TopoDS_Face& face, d
     return quadric(surface, plane->Pln(), scale);
   if (const auto cylinder = Handle(Geom_CylindricalSurface)::DownCast(surface); !cylinder.IsNull())
     return quadric(surface, cylinder->Cylinder(), scale);
-  if (const auto cone = Handle(Geom_ConicalSurface)::DownCast(surface); !cone.IsNull())
-    return quadric(surface, cone->Cone(), scale);
+  if (const auto cone = Handle(Geom_ConicalSurface)::DownCast(surface); !cone.IsNull()) {
+    double u0 = 0, u1 = 0, v0 = 0, v1 = 0;
+    BRepTools::UVBounds(face, u0, u1, v0, v1);
+    return std::make_shared<OcctCone>(surface, cone->Cone(), 0.5 * (v0 + v1), scale);
+  }
   if (const auto sphere = Handle(Geom_SphericalSurface)::DownCast(surface); !sphere.IsNull())
     return quadric(surface, sphere->Sphere(), scale);
   if (const auto torus = Handle(Geom_ToroidalSurface)::DownCast(surface);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string_view>
+#include <vector>
 
 #include "pamr/geometry/cad/cad_data.hpp"
 
@@ -15,5 +16,13 @@ bool can_read_cad();
 /// `Error` with what is wrong. A damaged text may crash OpenCASCADE: see `require_readable_cad` (cad_source.hpp).
 /// Deterministic: the same bits in every process.
 CadData read_cad(std::string_view text, double scale);
+
+/// Area of each face and volume inside of a shape, integrated by OpenCASCADE to 1e-8 (its usual rules are good to some
+/// 1e-4). The volume of an open shape means nothing.
+struct CadMeasures {
+  std::vector<double> area;
+  double volume = 0;
+};
+CadMeasures measure_cad(std::string_view text, double scale);
 
 }  // namespace pamr::geometry
