@@ -13,7 +13,7 @@ import gmsh
 import h5py
 import numpy as np
 
-MAX_NODES = 3000  # of each patch, to be judged by Gmsh
+MAX_NODES = 3000  # of each patch, to be measured by Gmsh
 FACES = np.array([[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]])
 out, levels = pathlib.Path(sys.argv[1]), int(sys.argv[2])
 bounds = {r["quantity"]: r for r in csv.DictReader(open(pathlib.Path(__file__).parent / "expected.csv"))}

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
-# From a STEP file to a mesh refined three times at all its walls, judged by Gmsh and OpenCASCADE.
+# From a STEP file to a mesh refined three times at all its walls, measured by Gmsh and OpenCASCADE.
 #
 #   cases/cad-part/run.sh [--ranks N] [--levels N] [--out FOLDER] [--tools FOLDER]
 #

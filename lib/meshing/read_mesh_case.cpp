@@ -132,6 +132,12 @@ Combination read_combination(const TomlTable& file, const TomlTable& mesh, const
   Combination c;
   c.surfaces = std::make_shared<const geometry::SurfaceSet>(geometry::surfaces_of_case(file, where));
   if (c.surfaces->size() == 0) throw Error(where + ": expected tables [[surface]] for shape \"surfaces\", found none");
+  for (int i = 0; i < c.surfaces->size(); ++i)
+    if (dynamic_cast<const geometry::CadSurface*>(c.surfaces->get(i)) != nullptr)
+      throw Error(fmt::format(
+          "{}: surface \"{}\": expected a kind that pamr-mesh can mesh, found \"cad\": mesh the shape "
+          "with Gmsh, then pamr-convert part.msh part.hdf --cad part.step",
+          c.surfaces->described_at[static_cast<std::size_t>(i)], c.surfaces->name[static_cast<std::size_t>(i)]));
   c.region = mesh.text("region", "\"+NAME & -NAME ...\"");
   require_region(mesh, c, where);
   read_bounds(mesh, c);
