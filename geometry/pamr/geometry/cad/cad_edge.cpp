@@ -6,17 +6,15 @@
 #include <limits>
 #include <utility>
 
+#include "pamr/geometry/cad/newton_limits.hpp"
+
 namespace pamr::geometry {
 
 namespace {
 
 constexpr int first_pieces = 8, deepest_piece = 10;
-constexpr double box_margin = 2;  // times how far the curve may leave its chords
-constexpr int newton_limit = 60;
-constexpr double at_rest = 1e-15;      // of the size: a step of rounding
-constexpr double rounding = 1e-12;     // of the size: steps of this length that do not shrink are rounding
-constexpr double sure_to_fall = 1e-7;  // of the size: of shorter steps the distances are rounding
-constexpr double vanishing = 1e-12;    // of the size, per whole parameter: a derivative that gives no direction
+constexpr double box_margin = 2;           // times how far the curve may leave its chords
+constexpr double vanishing_speed = 1e-12;  // of the size, per whole parameter: a derivative that gives no direction
 
 }  // namespace
 
@@ -63,7 +61,7 @@ void CadEdge::add_samples(double from, Vec3 a, double to, Vec3 b, double sagitta
 Vec3 CadEdge::tangent(double t) const {
   const double width = data_.end - data_.begin;
   const Vec3 first = data_.curve->at(t).first;
-  if (norm(first) * width > vanishing * size_) return (1.0 / norm(first)) * first;
+  if (norm(first) * width > vanishing_speed * size_) return (1.0 / norm(first)) * first;
   const double small = 1e-4 * width;
   const Vec3 chord = t + small <= data_.end ? point(t + small) - point(t) : point(t) - point(t - small);
   return norm(chord) > 0 ? (1.0 / norm(chord)) * chord : Vec3{1, 0, 0};
@@ -74,7 +72,7 @@ CadEdgeFoot CadEdge::nearest(Vec3 to, double t) const {
   auto jet = data_.curve->at(t);
   CadEdgeFoot best{jet.point, t, dot(jet.point - to, jet.point - to)};
   double last = std::numeric_limits<double>::infinity();
-  for (int i = 0; i < newton_limit; ++i) {
+  for (int i = 0; i < newton::max_steps; ++i) {
     const Vec3 r = jet.point - to;
     const double slope = dot(r, jet.first), speed = dot(jet.first, jet.first);
     double bend = speed + dot(r, jet.second);
@@ -84,7 +82,8 @@ CadEdgeFoot CadEdge::nearest(Vec3 to, double t) const {
     auto there = data_.curve->at(next);
     double squared = dot(there.point - to, there.point - to);
     double step = norm(there.point - best.point);
-    for (int k = 0; k < newton_limit && squared > best.squared_distance && step > sure_to_fall * size_; ++k) {
+    for (int k = 0; k < newton::max_steps && squared > best.squared_distance && step > newton::sure_to_fall * size_;
+         ++k) {
       next = 0.5 * (next + best.t);
       there = data_.curve->at(next);
       squared = dot(there.point - to, there.point - to);
@@ -93,7 +92,7 @@ CadEdgeFoot CadEdge::nearest(Vec3 to, double t) const {
     if (next == best.t) break;
     best = {there.point, next, squared};
     jet = there;
-    if (step <= at_rest * size_ || (step <= rounding * size_ && !(step < 0.5 * last))) break;
+    if (step <= newton::at_rest * size_ || (step <= newton::rounding * size_ && !(step < 0.5 * last))) break;
     last = step;
   }
   return best;

@@ -7,15 +7,12 @@
 
 #include "pamr/base/error.hpp"
 #include "pamr/base/index.hpp"
+#include "pamr/geometry/cad/newton_limits.hpp"
 
 namespace pamr::geometry {
 
 namespace {
 
-constexpr int newton_limit = 60;
-constexpr double at_rest = 1e-15;      // of the size
-constexpr double rounding = 1e-12;     // of the size: steps of this length that do not shrink are rounding
-constexpr double sure_to_fall = 1e-7;  // of the size
 constexpr double beyond_box = 0.05;    // of the parameters' range: how far a search may leave the face
 constexpr double at_pole = 1e-9;       // of the size
 constexpr double box_slack = 1e-6;     // of the parameters' range
@@ -100,12 +97,12 @@ Uv CadFace::foot(Vec3 point, Uv start) const {
   Uv here = start;
   auto jet = data_.surface->at(here);
   double least = dot(jet.point - point, jet.point - point), last = std::numeric_limits<double>::infinity();
-  for (int i = 0; i < newton_limit; ++i) {
+  for (int i = 0; i < newton::max_steps; ++i) {
     const Uv step = newton_step(jet, point);
     Uv next = limited({here.u + step.u, here.v + step.v});
     auto there = data_.surface->at(next);
     double squared = dot(there.point - point, there.point - point), length = norm(there.point - jet.point);
-    for (int k = 0; k < newton_limit && squared > least && length > sure_to_fall * size_; ++k) {
+    for (int k = 0; k < newton::max_steps && squared > least && length > newton::sure_to_fall * size_; ++k) {
       next = {0.5 * (next.u + here.u), 0.5 * (next.v + here.v)};
       there = data_.surface->at(next);
       squared = dot(there.point - point, there.point - point);
@@ -115,7 +112,7 @@ Uv CadFace::foot(Vec3 point, Uv start) const {
     here = next;
     jet = there;
     least = squared;
-    if (length <= at_rest * size_ || (length <= rounding * size_ && !(length < 0.5 * last))) break;
+    if (length <= newton::at_rest * size_ || (length <= newton::rounding * size_ && !(length < 0.5 * last))) break;
     last = length;
   }
   return here;

@@ -15,8 +15,8 @@ namespace pamr::geometry {
 
 namespace {
 
-constexpr double on_edge = 1e-6;  // of the size, what nodes of an edge may be off it, as associating allows
-constexpr double tie = 1e-14;     // of the size: distances that are equal but for rounding
+constexpr double near_edge = 1e-6;        // of the size, what nodes of an edge may be off it, as associating allows
+constexpr double equal_distance = 1e-14;  // of the size: distances that are equal but for rounding
 
 }  // namespace
 
@@ -56,7 +56,7 @@ CadSurface::Place CadSurface::nearest(Vec3 point) const {
     const auto& face = model_->faces()[at(f)];
     if (f == first || !(face.distance_at_least(point, best.foot.distance) <= best.foot.distance)) continue;
     const Place other{face.project(point), f};
-    const double difference = other.foot.distance - best.foot.distance, rounding = tie * model_->magnitude();
+    const double difference = other.foot.distance - best.foot.distance, rounding = equal_distance * model_->magnitude();
     if (difference < -rounding || (difference <= rounding && other.face < best.face)) best = other;
   }
   return best;
@@ -74,7 +74,7 @@ std::optional<Vec3> CadSurface::nearest_of(const std::vector<int>& edges, Vec3 p
     const auto& edge = model_->edges()[at(e)];
     if (const double bound = edge.distance_at_least(point); bound * bound > least) continue;
     const auto foot = edge.nearest(point);
-    const double reach = 0.5 * edge.length() + edge.tolerance() + on_edge * model_->size();
+    const double reach = 0.5 * edge.length() + edge.tolerance() + near_edge * model_->size();
     if (foot.squared_distance >= least || (reachable_only && foot.squared_distance > reach * reach)) continue;
     least = foot.squared_distance;
     best = foot.point;
@@ -93,7 +93,7 @@ double CadSurface::off_face(int face, Vec3 a, Vec3 b, Vec3 c) const {
 
 /// The two triangles say which edge it is: one of them lies on each of its faces.
 std::optional<Vec3> CadSurface::crease_between(Vec3 a, Vec3 b, Vec3 c, Vec3 d) const {
-  const double slack = on_edge * model_->size();
+  const double slack = near_edge * model_->size();
   std::optional<Vec3> best;
   double least = std::numeric_limits<double>::infinity();
   const Vec3 middle = midpoint(a, b);

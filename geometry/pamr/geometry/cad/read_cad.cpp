@@ -19,7 +19,7 @@ CadMeasures measure_cad(std::string_view text, double scale) { return occt_measu
 
 namespace {
 
-[[noreturn]] void refuse() {
+[[noreturn]] void refuse_cad() {
   throw Error(
       "expected a build of PAMR with OpenCASCADE for a surface of kind \"cad\", found one without: install "
       "libocct-data-exchange-dev and build with -DPAMR_CAD=ON (docs/building.md)");
@@ -28,8 +28,8 @@ namespace {
 }  // namespace
 
 bool can_read_cad() { return false; }
-CadData read_cad(std::string_view /*text*/, double /*scale*/) { refuse(); }
-CadMeasures measure_cad(std::string_view /*text*/, double /*scale*/) { refuse(); }
+CadData read_cad(std::string_view /*text*/, double /*scale*/) { refuse_cad(); }
+CadMeasures measure_cad(std::string_view /*text*/, double /*scale*/) { refuse_cad(); }
 
 #endif
 
