@@ -88,7 +88,7 @@ TEST(NativeFile, IsReadWithoutForkWhereThatIsForbidden) {
 
   EXPECT_GT(comm.sum(forks), 0);
   EXPECT_EQ(n_forks - before, forks);
-  EXPECT_FALSE(io::may_fork());
+  EXPECT_FALSE(pamr::may_fork());
   EXPECT_EQ(without.cell_to_node, usual.cell_to_node);
   EXPECT_EQ(without.node_position, usual.node_position);
 }
