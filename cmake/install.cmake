@@ -21,4 +21,4 @@ configure_package_config_file(cmake/pamrConfig.cmake.in ${CMAKE_CURRENT_BINARY_D
   INSTALL_DESTINATION ${config_dir})
 write_basic_package_version_file(${CMAKE_CURRENT_BINARY_DIR}/pamrConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${CMAKE_CURRENT_BINARY_DIR}/pamrConfig.cmake ${CMAKE_CURRENT_BINARY_DIR}/pamrConfigVersion.cmake
-  cmake/FindParallelHDF5.cmake cmake/FindPTScotch.cmake DESTINATION ${config_dir})
+  cmake/FindOCCT.cmake cmake/FindParallelHDF5.cmake cmake/FindPTScotch.cmake DESTINATION ${config_dir})

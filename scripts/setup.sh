@@ -28,11 +28,13 @@ packages=(
   libcli11-dev libfmt-dev libtomlplusplus-dev nlohmann-json3-dev  # command line, case files, reports
   petsc-dev pkg-config                    # Poisson-Boltzmann solver (PETSc with real numbers, brings hypre)
   libopenmesh-dev libeigen3-dev           # surface meshes of pamr-surface
+  libocct-data-exchange-dev libocct-modeling-algorithms-dev libocct-modeling-data-dev libocct-foundation-dev  # STEP files
   librandom123-dev                        # random numbers of pamr-dsmc
   python3                                 # tables of the cases
 )
 python_packages=(python3-dev python3-numpy python3-mpi4py pybind11-dev)
-test_packages=(libgtest-dev libgmock-dev libbenchmark-dev python3-h5py python3-meshio python3-petsc4py help2man "${python_packages[@]}"
+test_packages=(libgtest-dev libgmock-dev libbenchmark-dev python3-gmsh python3-h5py python3-meshio python3-petsc4py help2man
+  "${python_packages[@]}"
   clang-format clang-tidy codespell) # the gates of .ci/run
 picture_packages=(python3-vtk9 python3-matplotlib python3-h5py python3-numpy python3-meshio xvfb) # pamr-picture
 manual_packages=(doxygen furo python3-breathe python3-myst-parser python3-sphinx)          # docs/build.sh

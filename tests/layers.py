@@ -46,6 +46,8 @@ CORNERS = (
      "OpenMesh is included in lib/surface_mesh only"),
     (re.compile(r"#\s*include\s*[<\"]CGAL/(Mesh|make_mesh|exude_mesh|Labeled_mesh)_"), re.compile(r"lib/meshing/.*\.cpp$"),
      "CGAL's Mesh_3 is included in lib/meshing only"),
+    (re.compile(r"#\s*include\s*<\w+\.hxx>"), re.compile(r"geometry/pamr/geometry/cad/"),
+     "OpenCASCADE is included in geometry/cad only"),
     (re.compile(r"#\s*include\s*[<\"]petsc"), re.compile(r"lib/solvers/poisson_boltzmann/"),
      "PETSc is included in lib/solvers/poisson_boltzmann only"),
 )

@@ -106,6 +106,12 @@ class Layers(unittest.TestCase):
             self.assert_caught(place, SPDX + include, "OpenMesh")
         self.assert_clean("lib/surface_mesh/a.cpp", SPDX + include)
 
+    def test_opencascade_stays_with_cad(self):
+        include = "#include <TopoDS_Face.hxx>\n"
+        for place in ("lib/meshing/a.cpp", "geometry/pamr/geometry/a.cpp", "tools/a.cpp"):
+            self.assert_caught(place, SPDX + include, "OpenCASCADE")
+        self.assert_clean("geometry/pamr/geometry/cad/a.cpp", SPDX + include)
+
     def test_files_have_at_most_500_lines(self):
         self.assert_clean("lib/pamr/par/a.cpp", SPDX + "\n" * 499)
         self.assert_caught("lib/pamr/par/a.cpp", SPDX + "\n" * 500, "500 lines")

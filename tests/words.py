@@ -50,6 +50,7 @@ EXCEPTIONS = (
     (r"CHANGELOG\.md$|docs/glossary\.md$", r".*"),  # what things were called before
     (r".*(foam|convert|compare-dsmc)[^/]*$", r"neighbour"),  # the name of a file of OpenFOAM
     (r"lib/meshing/mesh3\.cpp$", r"behaviour\w*"),  # a header of CGAL
+    (r"tests/.*cad[^/]*$", r"(milli)?metre"),  # a unit in STEP files
     (r".*", r"most_transient"),  # a key of case files
     (r"lib/pamr/check/|tests/|cases/|docs/tools/pamr-quality", r"ledger\w*"),  # a key of reports
     (r"tests/unit/.*(toml|word|case)[^/]*$", r"centre|colour"),  # keys that are refused

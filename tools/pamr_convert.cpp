@@ -5,6 +5,7 @@
 #include <array>
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <span>
@@ -15,11 +16,15 @@
 #include "cli/run_tool.hpp"
 #include "cli/text_file.hpp"
 #include "meshing/associate/associate_surfaces.hpp"
+#include "meshing/associate/find_cad_faces.hpp"
 #include "meshing/repair/find_wall_ears.hpp"
 #include "meshing/repair/open_wall_ears.hpp"
 #include "pamr/assemble/assemble.hpp"
 #include "pamr/base/error.hpp"
+#include "pamr/base/toml_table.hpp"
 #include "pamr/curved/curve_cells.hpp"
+#include "pamr/geometry/cad/cad_source.hpp"
+#include "pamr/geometry/surface_toml.hpp"
 #include "pamr/geometry/triangulated/self_intersection.hpp"
 #include "pamr/io/export/write_boundary.hpp"
 #include "pamr/io/export/write_foam.hpp"
@@ -36,7 +41,7 @@ namespace {
 using namespace pamr;
 
 struct Options {
-  std::string input, output, surfaces, gmsh_version = "4.1";
+  std::string input, output, surfaces, cad, unit = geometry::usual_cad_unit, gmsh_version = "4.1";
   std::vector<std::string> ties, surface_files, patches;
   std::vector<std::vector<double>> creases;
   double tolerance = -1, feature_angle = -1;
@@ -70,6 +75,13 @@ void declare(cli::CommandLine& line, Options& options) {
               "patch that lies on the --surface of the same place; for a boundary to write: a patch of it (all)")
       .type_name("NAME")
       .one_at_a_time();
+  line.option(
+          "--cad", options.cad,
+          "STEP (or BREP) file of the body that the mesh was made from: finds by geometry on which of its faces each "
+          "patch lies")
+      .type_name("FILE");
+  line.option("--unit", options.unit, "unit of the mesh's coordinates beside --cad: mm, cm, m, um, in, ft")
+      .show_default();
   line.option("--feature-angle", options.feature_angle,
               "degrees between two triangles of a --surface, more is a sharp edge (default: 40)")
       .range(0.0, 180.0);
@@ -116,9 +128,13 @@ std::string extension(const std::string& file, std::span<const std::string_view>
   throw Error("file '" + file + "': expected a name that ends in " + list + ", found \"" + found + "\"");
 }
 
+bool brings_surfaces(const Options& options) {
+  return !options.surfaces.empty() || !options.surface_files.empty() || !options.cad.empty();
+}
+
 /// Whether the surfaces of the mesh are looked at, not only handed on.
 bool asks_for_surfaces(const Options& options) {
-  return !options.surfaces.empty() || !options.surface_files.empty() || options.repair || options.order == 2;
+  return brings_surfaces(options) || options.repair || options.order == 2;
 }
 
 /// Collective.
@@ -225,6 +241,10 @@ void check_files(cli::Session& session, const Options& options, bool as_foam) {
   if (!as_boundary && options.surface_files.size() != options.patches.size())
     throw Error(fmt::format("expected a --patch NAME for each --surface FILE, found {} and {}", options.patches.size(),
                             options.surface_files.size()));
+  if (!geometry::is_cad_unit(options.unit))
+    throw Error(fmt::format("--unit: expected mm, cm, m, um, in or ft, found \"{}\"", options.unit));
+  if (as_boundary && !options.cad.empty())
+    throw Error("--cad: expected a mesh to write, found a boundary: " + options.output);
   if (options.surface_files.empty() && options.feature_angle >= 0)
     throw Error("--feature-angle: expected --surface beside it, found none");
   if (!options.creases.empty() && options.surface_files.size() != 1)
@@ -238,6 +258,7 @@ void check_files(cli::Session& session, const Options& options, bool as_foam) {
         fmt::format("--format {}: expected an output that ends in .hdf, found '{}'", options.format, options.output));
   std::vector<std::string> inputs{options.input};
   if (!options.surfaces.empty()) inputs.push_back(options.surfaces);
+  if (!options.cad.empty()) inputs.push_back(options.cad);
   inputs.insert(inputs.end(), options.surface_files.begin(), options.surface_files.end());
   for (const auto& input : inputs) session.check_input(input);
   if (!as_foam) return session.check_output(options.output, inputs, options.force);
@@ -245,9 +266,79 @@ void check_files(cli::Session& session, const Options& options, bool as_foam) {
   session.prepare_output(io::foam_folder(options.output).string(), inputs);
 }
 
+/// Patches that get a surface by name.
+std::vector<std::string> named_patches(const Options& options, const std::string& toml) {
+  auto named = options.patches;
+  for (const auto& pair : options.ties) named.push_back(pair.substr(0, pair.find('=')));
+  if (toml.empty()) return named;
+  for (const auto& table : parse_toml(toml, options.surfaces).list("surface"))
+    if (const auto name = table.find_text("name")) named.push_back(*name);
+  return named;
+}
+
+/// Says what of a patch does not lie on the shape.
+void warn_of_untied(cli::Session& session, const Options& options, const meshing::CadPatch& patch) {
+  if (patch.is_tied()) return;
+  if (patch.n_on == 0)
+    return session.warn(
+        fmt::format("patch '{}': none of its {} faces lies on a face of {} (corners up to {:.3g} off): "
+                    "it gets no surface",
+                    patch.patch, patch.n_off, options.cad, patch.worst_distance));
+  const auto remark =
+      fmt::format("patch '{}': {} of its {} faces lie on no face of {} (corners up to {:.3g} off)", patch.patch,
+                  patch.n_off, patch.n_on + patch.n_off, options.cad, patch.worst_distance);
+  if (options.strict) throw Error(remark);
+  session.warn(remark + ": it gets no surface; --tolerance allows more, or make a patch of its own of them");
+}
+
+/// Finds the faces of the CAD shape under the patches. Collective.
+geometry::SurfaceSet cad_surfaces(cli::Session& session, const Options& options, mesh::DistMesh& mesh,
+                                  nlohmann::json& report) {
+  const auto& comm = session.comm();
+  geometry::CadSource source;
+  std::vector<std::string> named;
+  const auto toml = options.surfaces.empty() ? std::string() : cli::read_text(comm, options.surfaces);
+  par::agree(comm, [&] {
+    named = named_patches(options, toml);
+    if (!comm.is_first()) return;
+    source = geometry::read_cad_source(options.cad);
+    geometry::require_readable_cad(source);
+  });
+  source.file = comm.broadcast(std::move(source.file));
+  source.text = comm.broadcast(std::move(source.text));
+  std::shared_ptr<const geometry::CadModel> model;
+  par::agree(comm, [&] { model = geometry::make_cad_model(source, options.unit); });
+  const auto found = meshing::find_cad_faces(comm, mesh, *model, source, options.unit, options.tolerance, named);
+  auto& json = report["cad"];
+  json = {{"file", source.file},
+          {"faces", model->faces().size()},
+          {"size", model->size()},
+          {"unit_of_file", model->unit_of_file()},
+          {"largest_edge_tolerance", model->largest_tolerance()},
+          {"open_edges", model->n_open_edges()}};
+  geometry::CadMeasures measures;
+  par::agree(comm, [&] {
+    if (comm.is_first()) measures = geometry::measure_cad_source(source, options.unit);
+  });
+  json["area_of_faces"] = measures.area;
+  if (model->n_open_edges() == 0) json["volume"] = measures.volume;
+  for (const auto& patch : found.patches) {
+    json["patches"][patch.patch] = {{"faces", patch.faces}, {"on", patch.n_on}, {"off", patch.n_off}};
+    warn_of_untied(session, options, patch);
+  }
+  if (const int n = model->n_open_edges(); n > 0)
+    session.warn(
+        fmt::format("{}: {} edges belong to one face only (the shape is open, or its faces are not sewn): "
+                    "nodes there keep to their faces alone",
+                    options.cad, n));
+  geometry::SurfaceSet set;
+  par::agree(comm, [&] { set = geometry::surfaces_from_toml(found.toml, "--cad " + options.cad); });
+  return set;
+}
+
 /// Associates patches with surfaces where that is asked for. Collective.
 void associate(cli::Session& session, const Options& options, mesh::DistMesh& mesh, nlohmann::json& report) {
-  if (options.surfaces.empty() && options.surface_files.empty()) return;
+  if (!brings_surfaces(options)) return;
   const auto& comm = session.comm();
   meshing::AssociationRequest request;
   request.file = "--surface";
@@ -265,6 +356,7 @@ void associate(cli::Session& session, const Options& options, mesh::DistMesh& me
   }
   for (std::size_t i = 0; i < options.patches.size(); ++i)
     request.files.emplace_back(options.patches[i], options.surface_files[i]);
+  if (!options.cad.empty()) request.made = cad_surfaces(session, options, mesh, report);
   for (const auto& found : meshing::associate_surfaces(comm, mesh, request)) {
     report["ties"][found.patch] = {{"surface", found.surface}, {"worst_distance", found.worst_distance}};
     if (found.creases) {
@@ -306,7 +398,7 @@ void treat_ears(cli::Session& session, const Options& options, mesh::DistMesh& m
   const auto& comm = session.comm();
   const bool is_refined =
       comm.any(std::any_of(mesh.lineage.begin(), mesh.lineage.end(), [](auto l) { return l != mesh::Lineage{}; }));
-  const bool has_new_surfaces = !options.surfaces.empty() || !options.surface_files.empty();
+  const bool has_new_surfaces = brings_surfaces(options);
   const bool repair = !options.strict && !options.no_repair &&
                       (options.repair || (has_new_surfaces && options.input.ends_with(".msh")));
   if (repair && is_refined) throw Error("--repair: expected a mesh of level 0, found cells that were refined");

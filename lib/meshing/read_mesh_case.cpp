@@ -14,6 +14,7 @@
 #include "meshing/supersonic_sphere.hpp"
 #include "pamr/base/case_file.hpp"
 #include "pamr/base/error.hpp"
+#include "pamr/geometry/cad/cad_surface.hpp"
 #include "pamr/geometry/surface_toml.hpp"
 
 namespace pamr::meshing {
@@ -131,6 +132,12 @@ Combination read_combination(const TomlTable& file, const TomlTable& mesh, const
   Combination c;
   c.surfaces = std::make_shared<const geometry::SurfaceSet>(geometry::surfaces_of_case(file, where));
   if (c.surfaces->size() == 0) throw Error(where + ": expected tables [[surface]] for shape \"surfaces\", found none");
+  for (int i = 0; i < c.surfaces->size(); ++i)
+    if (dynamic_cast<const geometry::CadSurface*>(c.surfaces->get(i)) != nullptr)
+      throw Error(fmt::format(
+          "{}: surface \"{}\": expected a kind that pamr-mesh can mesh, found \"cad\": mesh the shape "
+          "with Gmsh, then pamr-convert part.msh part.hdf --cad part.step",
+          c.surfaces->described_at[static_cast<std::size_t>(i)], c.surfaces->name[static_cast<std::size_t>(i)]));
   c.region = mesh.text("region", "\"+NAME & -NAME ...\"");
   require_region(mesh, c, where);
   read_bounds(mesh, c);
@@ -185,7 +192,11 @@ geometry::SurfaceSet read_surfaces(std::string_view text, const std::string& whe
   auto surfaces = geometry::surfaces_of_case(file, where);
   file.finish();
   const auto tables = file.keys();
-  if (tables.empty() || (tables.size() == 1 && tables[0] == "surface")) surfaces.toml = text;
+  const bool brings_text = std::any_of(surfaces.surface.begin(), surfaces.surface.end(), [](const auto& surface) {
+    return dynamic_cast<const geometry::CadSurface*>(surface.get()) != nullptr;
+  });
+  const bool has_surfaces_only = tables.empty() || (tables.size() == 1 && tables[0] == "surface");
+  if (has_surfaces_only && !brings_text) surfaces.toml = text;
   return surfaces;
 }
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "pamr/geometry/parameters.hpp"
+#include "pamr/geometry/shared_edges.hpp"
 
 namespace pamr::geometry {
 
@@ -89,6 +90,8 @@ double largest_distance(const std::vector<TangentPlane>& planes) {
 Projected project_onto_all(std::span<const Surface* const> surfaces, Vec3 point) {
   if (surfaces.empty()) return {point, true};
   if (surfaces.size() == 1) return {surfaces[0]->project(point), true};
+  if (const auto* known = dynamic_cast<const SharedEdges*>(surfaces[0]))
+    if (const auto common = known->project_to_common(surfaces, point)) return {*common, true};
   double scale = largest_coordinate(point);
   for (const Surface* surface : surfaces) scale = std::max(scale, surface->magnitude());
 

@@ -6,11 +6,14 @@
 #include <algorithm>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <string>
 #include <utility>
 
 #include "pamr/base/error.hpp"
 #include "pamr/base/toml_table.hpp"
+#include "pamr/geometry/cad/cad_source.hpp"
+#include "pamr/geometry/cad/cad_surface.hpp"
 #include "pamr/geometry/cone.hpp"
 #include "pamr/geometry/cylinder.hpp"
 #include "pamr/geometry/parameters.hpp"
@@ -67,6 +70,66 @@ std::vector<PolynomialSegment> read_segments(const TomlTable& surface, const std
 /// The triangles of the surface that a table describes.
 using FindTriangles = std::function<std::shared_ptr<const Triangulation>(const TomlTable& surface, bool open_allowed)>;
 
+/// The texts of CAD files, and the shapes made of them so far.
+class CadShelf {
+ public:
+  /// Adds a text; false where there is another one of that name.
+  bool add(CadSource source) {
+    const auto* known = find(source.file);
+    if (known != nullptr) return known->text == source.text;
+    sources_.push_back(std::move(source));
+    return true;
+  }
+  const CadSource* find(const std::string& file) const {
+    const auto found = std::find_if(sources_.begin(), sources_.end(), [&](const auto& s) { return s.file == file; });
+    return found == sources_.end() ? nullptr : &*found;
+  }
+  std::shared_ptr<const CadModel> model(const CadSource& source, const std::string& unit) {
+    auto& made = models_[{source.file, unit}];
+    if (!made) made = make_cad_model(source, unit);
+    return made;
+  }
+  const std::vector<CadSource>& sources() const { return sources_; }
+
+ private:
+  std::vector<CadSource> sources_;
+  std::map<std::pair<std::string, std::string>, std::shared_ptr<const CadModel>> models_;
+};
+
+/// Where the data of surfaces come from: files beside a case, or what travels with a mesh.
+struct Sources {
+  FindTriangles triangles;
+  std::function<const CadSource&(const TomlTable& surface)> cad;
+  CadShelf* shelf = nullptr;
+};
+
+/// Numbers from 1 on, or names; all faces where the key is missing.
+std::vector<int> read_faces(const TomlTable& surface, const CadModel& model) {
+  std::vector<int> faces;
+  if (surface.has("face_names")) {
+    for (const auto& name : surface.texts("face_names")) {
+      const auto before = faces.size();
+      for (std::size_t f = 0; f < model.faces().size(); ++f)
+        if (model.faces()[f].data().name == name) faces.push_back(static_cast<int>(f));
+      if (faces.size() == before) surface.refuse("face_names", "names of faces of the shape", "\"" + name + "\"");
+    }
+  }
+  if (surface.has("faces"))
+    for (const auto number : surface.integers("faces", 1, static_cast<std::int64_t>(model.faces().size())))
+      faces.push_back(static_cast<int>(number - 1));
+  if (!surface.has("faces") && !surface.has("face_names"))
+    for (std::size_t f = 0; f < model.faces().size(); ++f) faces.push_back(static_cast<int>(f));
+  return faces;
+}
+
+std::shared_ptr<const Surface> read_cad_surface(const TomlTable& surface, const Sources& sources) {
+  const auto& source = sources.cad(surface);
+  const auto unit = surface.text_or("unit", usual_cad_unit, "mm, cm, m, um, in or ft");
+  if (!is_cad_unit(unit)) surface.refuse("unit", "mm, cm, m, um, in or ft");
+  const auto model = sources.shelf->model(source, unit);
+  return std::make_shared<CadSurface>(model, read_faces(surface, *model));
+}
+
 /// The file must be named even when the triangles come from elsewhere.
 std::shared_ptr<const Surface> read_triangulated(const TomlTable& surface, const FindTriangles& find_triangles) {
   surface.text("file", "the name of a file of triangles");
@@ -79,10 +142,9 @@ std::shared_ptr<const Surface> read_triangulated(const TomlTable& surface, const
   return std::make_shared<Triangulated>(find_triangles(surface, options.open_allowed), options);
 }
 
-std::shared_ptr<const Surface> read_surface(const TomlTable& t, const std::string& title,
-                                            const FindTriangles& find_triangles) {
-  const auto kind = t.word(
-      "kind", {"plane", "sphere", "cylinder", "cone", "torus", "quadric", "revolution", "polynomial", "triangulation"});
+std::shared_ptr<const Surface> read_surface(const TomlTable& t, const std::string& title, const Sources& sources) {
+  const auto kind = t.word("kind", {"plane", "sphere", "cylinder", "cone", "torus", "quadric", "revolution",
+                                    "polynomial", "triangulation", "cad"});
   const auto point = [&t](std::string_view key) { return t.point<Vec3>(key); };
   if (kind == "plane") return std::make_shared<Plane>(point("point"), point("normal"));
   if (kind == "sphere") return std::make_shared<Sphere>(point("center"), t.number("radius"));
@@ -93,7 +155,8 @@ std::shared_ptr<const Surface> read_surface(const TomlTable& t, const std::strin
   if (kind == "revolution") return std::make_shared<Revolution>(point("origin"), point("axis"), read_profile(t, title));
   if (kind == "quadric") return std::make_shared<Quadric>(t.numbers<10>("coefficients"));
   if (kind == "polynomial") return std::make_shared<Polynomial>(read_segments(t, title));
-  return read_triangulated(t, find_triangles);
+  if (kind == "cad") return read_cad_surface(t, sources);
+  return read_triangulated(t, sources.triangles);
 }
 
 /// Where the key stands with which a message of a surface begins ("radius: expected", "profile piece 2").
@@ -105,13 +168,13 @@ std::string place_of(const TomlTable& surface, std::string_view message) {
 }
 
 /// Adds the surface of a table. Errors of its values name their place in the file.
-void add_surface(TomlTable table, const std::string& file, const FindTriangles& find_triangles, SurfaceSet& set) {
+void add_surface(TomlTable table, const std::string& file, const Sources& sources, SurfaceSet& set) {
   table.set_title(fmt::format("surface {}", set.size() + 1));
   const auto name = table.text("name");
   const auto title = fmt::format("surface \"{}\"", name);
   table.set_title(title);
   try {
-    auto surface = read_surface(table, title, find_triangles);
+    auto surface = read_surface(table, title, sources);
     set.add(name, table.at("name"), std::move(surface));
   } catch (const Error& error) {
     const std::string_view message = error.what();
@@ -120,9 +183,9 @@ void add_surface(TomlTable table, const std::string& file, const FindTriangles& 
   }
 }
 
-SurfaceSet read_set(const TomlTable& root, const std::string& file, const FindTriangles& find_triangles) {
+SurfaceSet read_set(const TomlTable& root, const std::string& file, const Sources& sources) {
   SurfaceSet set;
-  for (const auto& table : root.list("surface")) add_surface(table, file, find_triangles, set);
+  for (const auto& table : root.list("surface")) add_surface(table, file, sources, set);
   return set;
 }
 
@@ -132,13 +195,25 @@ SurfaceSet surfaces_from_toml(std::string_view text, std::string_view where,
                               std::vector<std::shared_ptr<const Triangulation>> triangulations) {
   const std::string file(where);
   const auto root = parse_toml(text, file);
-  auto set = read_set(root, file, [&](const TomlTable& surface, bool) {
+  Sources sources;
+  sources.triangles = [&](const TomlTable& surface, bool) {
     const auto name = surface.text("name");
     const auto data = std::find_if(triangulations.begin(), triangulations.end(),
                                    [&](const auto& candidate) { return candidate->name == name; });
     if (data == triangulations.end()) surface.fail("expected its triangles beside the description, found none");
     return *data;
-  });
+  };
+  CadShelf shelf;
+  for (const auto& table : root.list("cad"))
+    if (!shelf.add({table.text("file"), table.text("text")}))
+      table.fail(fmt::format("expected one text of \"{}\", found two that differ", table.text("file")));
+  sources.shelf = &shelf;
+  sources.cad = [&shelf](const TomlTable& surface) -> const CadSource& {
+    const auto* source = shelf.find(surface.text("file"));
+    if (source == nullptr) surface.fail("expected the text of its CAD file beside the description, found none");
+    return *source;
+  };
+  auto set = read_set(root, file, sources);
   root.finish();
   set.toml = text;
   set.triangulations = std::move(triangulations);
@@ -147,14 +222,31 @@ SurfaceSet surfaces_from_toml(std::string_view text, std::string_view where,
 
 SurfaceSet surfaces_of_case(const TomlTable& root, const std::string& where) {
   std::vector<std::shared_ptr<const Triangulation>> read;
-  auto set = read_set(root, where, [&](const TomlTable& surface, bool open_allowed) {
-    const auto path = std::filesystem::path(where).parent_path() / surface.text("file");
-    auto triangles = read_triangulation(path, open_allowed);
+  const auto path_of = [&where](const TomlTable& surface) {
+    return std::filesystem::path(where).parent_path() / surface.text("file");
+  };
+  Sources sources;
+  sources.triangles = [&](const TomlTable& surface, bool open_allowed) {
+    auto triangles = read_triangulation(path_of(surface), open_allowed);
     triangles.name = surface.text("name");
     return read.emplace_back(std::make_shared<const Triangulation>(std::move(triangles)));
-  });
+  };
+  CadShelf shelf;
+  sources.shelf = &shelf;
+  sources.cad = [&](const TomlTable& surface) -> const CadSource& {
+    const auto name = surface.text("file");
+    if (const auto* known = shelf.find(name)) return *known;
+    auto source = read_cad_source(path_of(surface));
+    require_readable_cad(source);
+    source.file = name;
+    shelf.add(std::move(source));
+    return *shelf.find(name);
+  };
+  auto set = read_set(root, where, sources);
   set.toml = root.source_of("surface");
   set.toml.erase(0, std::min(set.toml.find_first_not_of('\n'), set.toml.size()));
+  if (!shelf.sources().empty() && !set.toml.empty() && set.toml.back() != '\n') set.toml += '\n';
+  for (const auto& source : shelf.sources()) set.toml += "\n" + cad_table(source);
   set.triangulations = std::move(read);
   return set;
 }

@@ -113,6 +113,7 @@ void add_file(const AssociationRequest& request, const std::string& patch, const
 geometry::SurfaceSet requested_surfaces(const AssociationRequest& request) {
   auto set = read_surfaces(request.toml, request.file);
   for (const auto& [patch, file] : request.files) add_file(request, patch, file, set);
+  set.append(request.made);
   return set;
 }
 
@@ -124,6 +125,8 @@ void put_surfaces(const geometry::SurfaceSet& asked_for, const std::vector<int>&
   auto set = keeps_old ? *info.surfaces : geometry::SurfaceSet{};
   const int first_new = set.size();
   set.append(asked_for);
+  if (keeps_old)  // texts of CAD files may differ under one name
+    (void)geometry::surfaces_from_toml(set.toml, "surfaces of the mesh with the new ones", set.triangulations);
   info.surfaces = std::make_shared<const geometry::SurfaceSet>(std::move(set));
   for (std::size_t p = 0; p < assigned.size(); ++p)
     if (assigned[p] >= 0) info.patches[p].surface = first_new + assigned[p];

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "meshing/associate/fit_creases.hpp"
+#include "pamr/geometry/surface_set.hpp"
 #include "pamr/mesh/dist_mesh.hpp"
 #include "pamr/par/comm.hpp"
 
@@ -26,6 +27,7 @@ struct Association {
 struct AssociationRequest {
   std::string toml;                ///< describes surfaces (docs/surfaces.md); may be empty
   std::string file;                ///< where it comes from: begins errors, and file names in it count from its folder
+  geometry::SurfaceSet made;       ///< more surfaces
   std::vector<std::string> pairs;  ///< PATCH=SURFACE
   std::vector<std::pair<std::string, std::string>> files;  ///< a patch and the file of its triangulated surface
   double feature_angle = -1;                               ///< of these files, degrees; negative: the default

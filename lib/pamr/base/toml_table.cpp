@@ -273,6 +273,21 @@ std::int64_t TomlTable::integer(std::string_view key, std::int64_t low, std::int
   return *value;
 }
 
+std::vector<std::int64_t> TomlTable::integers(std::string_view key, std::int64_t low, std::int64_t high) const {
+  const auto expected = fmt::format("an array of integers between {} and {}", low, high);
+  const auto* node = find(key);
+  if (node == nullptr) refuse_missing(key, expected);
+  const auto* array = node->as<Node::Array>();
+  if (array == nullptr) refuse_value(key, *node, expected);
+  std::vector<std::int64_t> result;
+  for (const auto* item : *array) {
+    const auto* value = item->as<std::int64_t>();
+    if (value == nullptr || *value < low || *value > high) refuse_value(key, *item, expected);
+    result.push_back(*value);
+  }
+  return result;
+}
+
 bool TomlTable::flag(std::string_view key) const {
   const auto* node = find(key);
   if (node == nullptr) refuse_missing(key, "true or false");

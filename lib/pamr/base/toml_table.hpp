@@ -72,6 +72,9 @@ class TomlTable {
     return find_integer(key, low, high).value_or(fallback);
   }
 
+  /// An array of integers, maybe empty.
+  std::vector<std::int64_t> integers(std::string_view key, std::int64_t low, std::int64_t high) const;
+
   bool flag(std::string_view key) const;
   bool flag_or(std::string_view key, bool fallback) const { return has(key) ? flag(key) : fallback; }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "pamr/io/native/subprocess.hpp"
+#include "pamr/base/subprocess.hpp"
 
 #include <gmock/gmock.h>
 #include <pthread.h>
@@ -16,7 +16,7 @@
 namespace pamr {
 namespace {
 
-using io::Subprocess;
+using pamr::Subprocess;
 constexpr Subprocess::Limits limits{.processor_seconds = 1, .memory_bytes = rlim_t{64} << 20U};
 
 TEST(Subprocess, SendsWhatItsProcessMakes) {
@@ -88,7 +88,7 @@ TEST(NativeFile, IsReadWithoutForkWhereThatIsForbidden) {
 
   EXPECT_GT(comm.sum(forks), 0);
   EXPECT_EQ(n_forks - before, forks);
-  EXPECT_FALSE(io::may_fork());
+  EXPECT_FALSE(pamr::may_fork());
   EXPECT_EQ(without.cell_to_node, usual.cell_to_node);
   EXPECT_EQ(without.node_position, usual.node_position);
 }

@@ -11,8 +11,8 @@
 #include <new>
 
 #include "pamr/base/error.hpp"
+#include "pamr/base/subprocess.hpp"
 #include "pamr/io/native/inspect.hpp"
-#include "pamr/io/native/subprocess.hpp"
 
 namespace pamr::io {
 

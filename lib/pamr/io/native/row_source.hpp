@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
+#include "pamr/base/subprocess.hpp"
 #include "pamr/base/types.hpp"
 #include "pamr/io/native/catalog.hpp"
 #include "pamr/io/native/hdf5.hpp"
-#include "pamr/io/native/subprocess.hpp"
 
 namespace pamr::io {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "pamr/io/native/subprocess.hpp"
+#include "pamr/base/subprocess.hpp"
 
 #include <fcntl.h>
 #include <poll.h>
@@ -17,7 +17,7 @@
 
 #include "pamr/base/error.hpp"
 
-namespace pamr::io {
+namespace pamr {
 
 namespace {
 
@@ -141,4 +141,4 @@ std::string Subprocess::end() {
   return WIFEXITED(status_) && WEXITSTATUS(status_) == 0 ? "" : "failure";
 }
 
-}  // namespace pamr::io
+}  // namespace pamr

@@ -9,7 +9,7 @@
 #include <span>
 #include <string>
 
-namespace pamr::io {
+namespace pamr {
 
 // Why there is a process of its own for files
 //
@@ -17,8 +17,10 @@ namespace pamr::io {
 // the memory of the machine, in the library itself, before any check of ours sees a value. On 1,000 ranks that is a
 // dead job without a message; with a process of its own it is an error that names the file, the same on every rank.
 //
-// What runs in it: reading the structure of a file (once, on rank 0), and reading compressed or chunked datasets (on
-// each rank that reads rows of one; files that this library writes have none). Everything else is read by the ranks
+// CAD files are the same case: OpenCASCADE may crash on a damaged STEP text (geometry/cad/cad_source.hpp).
+//
+// What else runs in it: reading the structure of a file (once, on rank 0), and reading compressed or chunked datasets
+// (on each rank that reads rows of one; files that this library writes have none). Everything else is read by the ranks
 // themselves, from places in the file that were verified.
 //
 // Limits: this is a guard against damage, not against attack: the process has the rights of its parent.
@@ -74,4 +76,4 @@ class Subprocess {
   bool stood_still_ = false;
 };
 
-}  // namespace pamr::io
+}  // namespace pamr

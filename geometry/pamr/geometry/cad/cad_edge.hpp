@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <vector>
+
+#include "pamr/geometry/cad/cad_data.hpp"
+
+namespace pamr::geometry {
+
+/// The nearest point of an edge.
+struct CadEdgeFoot {
+  Vec3 point;
+  double t = 0, squared_distance = 0;
+};
+
+/// An edge of a CAD shape: its curve between its ends, and samples on it from which searches start. Immutable.
+class CadEdge {
+ public:
+  /// `sagitta`: how far the chords between samples may lie off the curve; `size`: of the shape, to which rounding is
+  /// relative.
+  CadEdge(CadEdgeData data, double sagitta, double size);
+
+  const CadEdgeData& data() const { return data_; }
+  /// Ascending parameters, from one end to the other.
+  const std::vector<double>& samples() const { return samples_; }
+  const std::vector<Vec3>& points() const { return points_; }
+  double length() const { return length_; }
+  double tolerance() const { return data_.tolerance; }
+  /// Enlarges the tolerance to what was measured.
+  void widen(double tolerance) { data_.tolerance = tolerance > data_.tolerance ? tolerance : data_.tolerance; }
+
+  /// Lower bound of the distance: that of the box about the edge.
+  double distance_at_least(Vec3 point) const;
+  Vec3 point(double t) const { return data_.curve->at(t).point; }
+  /// Direction of the curve, of unit length; that of a chord where the derivative vanishes.
+  Vec3 tangent(double t) const;
+  /// Nearest point by Newton's method from parameter t, never farther than the start.
+  CadEdgeFoot nearest(Vec3 to, double t) const;
+  /// The same from the nearest sample.
+  CadEdgeFoot nearest(Vec3 to) const;
+
+ private:
+  void add_samples(double from, Vec3 a, double to, Vec3 b, double sagitta, int depth);
+
+  CadEdgeData data_;
+  std::vector<double> samples_;
+  std::vector<Vec3> points_;
+  Vec3 low_, high_;
+  double length_ = 0, size_ = 0;
+};
+
+}  // namespace pamr::geometry

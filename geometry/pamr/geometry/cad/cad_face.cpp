@@ -1,0 +1,241 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "pamr/geometry/cad/cad_face.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "pamr/base/error.hpp"
+#include "pamr/base/index.hpp"
+#include "pamr/geometry/cad/newton_limits.hpp"
+
+namespace pamr::geometry {
+
+namespace {
+
+constexpr double beyond_box = 0.05;    // of the parameters' range: how far a search may leave the face
+constexpr double at_pole = 1e-9;       // of the size
+constexpr double box_slack = 1e-6;     // of the parameters' range
+constexpr double safely_inside = 0.8;  // of the clearance
+constexpr double degenerate = 1e-9;    // sine and relative length below which u x v has no direction
+constexpr double deflection_factor = 1.5;
+constexpr int gap_points = 9;
+
+double shifted(double value, double low, double high, double period) {
+  if (period <= 0) return value;
+  const double middle = 0.5 * (low + high);
+  return value - period * std::round((value - middle) / period);
+}
+
+/// A step downhill to the nearest point: Newton's where the distance is convex, else Gauss-Newton's.
+Uv newton_step(const SurfaceJet& jet, Vec3 to) {
+  const Vec3 r = jet.point - to;
+  const double gu = dot(r, jet.u), gv = dot(r, jet.v);
+  const double uu = dot(jet.u, jet.u), uv = dot(jet.u, jet.v), vv = dot(jet.v, jet.v);
+  double a = uu + dot(r, jet.uu), b = uv + dot(r, jet.uv), c = vv + dot(r, jet.vv);
+  double det = a * c - b * b;
+  if (!(a > 0.02 * uu && c > 0.02 * vv && det > 1e-3 * uu * vv)) {
+    a = uu;
+    b = uv;
+    c = vv;
+    det = a * c - b * b;
+  }
+  if (det > 1e-14 * a * c) return {(b * gv - c * gu) / det, (b * gu - a * gv) / det};
+  return {a > 0 ? -gu / a : 0, c > 0 ? -gv / c : 0};  // at a pole one of the derivatives vanishes
+}
+
+}  // namespace
+
+CadFace::CadFace(CadFaceData data, std::span<const CadEdge> edges, double size)
+    : data_(std::move(data)), edges_(edges), size_(size) {
+  if (data_.triangle.empty()) throw Error("expected a face that can be sampled, found one without area");
+  for (const auto uv : data_.sample) points_.push_back(data_.surface->point(uv));
+  std::vector<std::array<Vec3, 3>> corners;
+  for (const auto& t : data_.triangle) {
+    corners.push_back({points_[at(t[0])], points_[at(t[1])], points_[at(t[2])]});
+    const auto uv = [&](std::size_t k) { return data_.sample[at(t[k])]; };
+    const auto off = [&](std::array<double, 3> w) {
+      const auto flat = w[0] * corners.back()[0] + w[1] * corners.back()[1] + w[2] * corners.back()[2];
+      return norm(flat - data_.surface->point({w[0] * uv(0).u + w[1] * uv(1).u + w[2] * uv(2).u,
+                                               w[0] * uv(0).v + w[1] * uv(1).v + w[2] * uv(2).v}));
+    };
+    deflection_ = std::max(
+        {deflection_, off({1 / 3.0, 1 / 3.0, 1 / 3.0}), off({0.5, 0.5, 0}), off({0, 0.5, 0.5}), off({0.5, 0, 0.5})});
+  }
+  triangles_.emplace(corners);
+  std::vector<std::array<Vec3, 3>> segments;
+  for (std::size_t b = 0; b < data_.border.size(); ++b) {
+    const auto& edge = edges_[at(data_.border[b].edge)];
+    for (std::size_t i = 0; i + 1 < edge.points().size(); ++i) {
+      segments.push_back({edge.points()[i], edge.points()[i + 1], edge.points()[i + 1]});
+      chords_.push_back({static_cast<int>(b), edge.samples()[i], edge.samples()[i + 1]});
+    }
+  }
+  for (const auto& chord : chords_) {  // between the triangles and a curved border there is more of the face
+    const Vec3 p = edges_[at(data_.border[at(chord.border)].edge)].point(0.5 * (chord.begin + chord.end));
+    deflection_ = std::max(deflection_, norm(p - flat_point(triangles_->nearest(p))));
+  }
+  deflection_ *= deflection_factor;
+  if (segments.empty()) return;
+  borders_.emplace(segments);
+  for (const auto& [p, q, r] : corners)
+    clearance_.push_back(std::sqrt(nearest_border((1.0 / 3) * (p + q + r)).foot.squared_distance));
+}
+
+Uv CadFace::in_period(Uv uv) const {
+  return {shifted(uv.u, data_.low.u, data_.high.u, data_.period.u),
+          shifted(uv.v, data_.low.v, data_.high.v, data_.period.v)};
+}
+
+Uv CadFace::foot(Vec3 point, Uv start) const {
+  if (const auto closed = data_.surface->foot(point)) return in_period(*closed);
+  const double width_u = data_.high.u - data_.low.u, width_v = data_.high.v - data_.low.v;
+  const auto limited = [&](Uv uv) {
+    return Uv{std::clamp(uv.u, data_.low.u - beyond_box * width_u, data_.high.u + beyond_box * width_u),
+              std::clamp(uv.v, data_.low.v - beyond_box * width_v, data_.high.v + beyond_box * width_v)};
+  };
+  Uv here = start;
+  auto jet = data_.surface->at(here);
+  double least = dot(jet.point - point, jet.point - point), last = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < newton::max_steps; ++i) {
+    const Uv step = newton_step(jet, point);
+    Uv next = limited({here.u + step.u, here.v + step.v});
+    auto there = data_.surface->at(next);
+    double squared = dot(there.point - point, there.point - point), length = norm(there.point - jet.point);
+    for (int k = 0; k < newton::max_steps && squared > least && length > newton::sure_to_fall * size_; ++k) {
+      next = {0.5 * (next.u + here.u), 0.5 * (next.v + here.v)};
+      there = data_.surface->at(next);
+      squared = dot(there.point - point, there.point - point);
+      length = norm(there.point - jet.point);
+    }
+    if (next.u == here.u && next.v == here.v) break;
+    here = next;
+    jet = there;
+    least = squared;
+    if (length <= newton::at_rest * size_ || (length <= newton::rounding * size_ && !(length < 0.5 * last))) break;
+    last = length;
+  }
+  return here;
+}
+
+CadFace::BorderFoot CadFace::nearest_border(Vec3 point) const {
+  BorderFoot best;
+  if (borders_) {
+    const auto hit = borders_->nearest(point);
+    const auto& chord = chords_[at(hit.triangle)];
+    const auto edge_of = [&](int border) -> const CadEdge& { return edges_[at(data_.border[at(border)].edge)]; };
+    const double along = hit.u + hit.v;  // both far corners are the far end of the chord
+    best = {chord.border, edge_of(chord.border).nearest(point, chord.begin + along * (chord.end - chord.begin))};
+    const auto& nearest = edge_of(best.border).data();
+    int vertex = -1;
+    if (best.foot.t == nearest.begin) vertex = nearest.vertex[0];
+    if (best.foot.t == nearest.end) vertex = nearest.vertex[1];
+    for (std::size_t b = 0; vertex >= 0 && b < data_.border.size(); ++b) {  // another edge may lead on from here
+      const auto& edge = edge_of(static_cast<int>(b));
+      for (std::size_t k = 0; k < 2; ++k) {
+        if (edge.data().vertex[k] != vertex) continue;
+        const auto foot = edge.nearest(point, k == 0 ? edge.data().begin : edge.data().end);
+        if (foot.squared_distance < best.foot.squared_distance) best = {static_cast<int>(b), foot};
+      }
+    }
+  }
+  for (const auto pole : data_.pole) {
+    const double squared = dot(point - pole, point - pole);
+    if (squared < best.foot.squared_distance) best = {-1, {pole, 0, squared}};
+  }
+  return best;
+}
+
+Vec3 CadFace::inward(const CadBorder& border, double t, Vec3 surface_normal) const {
+  const Vec3 left = cross(surface_normal, edges_[at(border.edge)].tangent(t));
+  return border.material_left ? left : -1.0 * left;
+}
+
+bool CadFace::is_inside(Uv uv, Vec3 on_surface, const BorderFoot& nearest) const {
+  const double slack_u = box_slack * (data_.high.u - data_.low.u), slack_v = box_slack * (data_.high.v - data_.low.v);
+  if (uv.u < data_.low.u - slack_u || uv.u > data_.high.u + slack_u || uv.v < data_.low.v - slack_v ||
+      uv.v > data_.high.v + slack_v)
+    return false;
+  if (nearest.border < 0) return true;  // there is no border, or a pole is nearer
+  const auto& border = data_.border[at(nearest.border)];
+  const auto& edge = edges_[at(border.edge)].data();
+  const Vec3 normal = cross_normal(uv);
+  int vertex = -1;
+  if (nearest.foot.t == edge.begin) vertex = edge.vertex[0];
+  if (nearest.foot.t == edge.end) vertex = edge.vertex[1];
+  if (vertex < 0) return dot(on_surface - nearest.foot.point, inward(border, nearest.foot.t, normal)) >= 0;
+  Vec3 sum;  // at a corner the mean direction decides, as it does for polygons
+  for (const auto& other : data_.border)
+    for (std::size_t k = 0; k < 2; ++k)
+      if (const auto& of_other = edges_[at(other.edge)].data(); of_other.vertex[k] == vertex)
+        sum = sum + inward(other, k == 0 ? of_other.begin : of_other.end, normal);
+  return dot(on_surface - nearest.foot.point, sum) >= 0;
+}
+
+CadFoot CadFace::project(Vec3 point) const {
+  const auto hit = triangles_->nearest(point);
+  const Uv uv = foot(point, seed(hit));
+  const Vec3 q = data_.surface->point(uv);
+  const CadFoot result{q, uv, norm(point - q)};
+  if (!borders_) return result;
+  const auto& t = data_.triangle[at(hit.triangle)];
+  const Vec3 middle = (1.0 / 3) * (points_[at(t[0])] + points_[at(t[1])] + points_[at(t[2])]);
+  if (norm(q - middle) < safely_inside * clearance_[at(hit.triangle)] - deflection_) return result;
+
+  const auto at_border = nearest_border(point);
+  const double off = std::sqrt(at_border.foot.squared_distance);
+  if (is_inside(uv, q, nearest_border(q))) {
+    // a node of the border lies on its curve, which may be off the surface; so may a pole by rounding
+    const double reach =
+        at_border.border < 0 ? at_pole * size_ : edges_[at(data_.border[at(at_border.border)].edge)].tolerance();
+    const bool is_of_border = off < result.distance && off <= reach;
+    return is_of_border ? CadFoot{at_border.foot.point, uv, off} : result;
+  }
+  return {at_border.foot.point, foot(at_border.foot.point, uv), off};
+}
+
+Vec3 CadFace::cross_normal(Uv uv) const {
+  const Uv middle{0.5 * (data_.low.u + data_.high.u), 0.5 * (data_.low.v + data_.high.v)};
+  for (double towards = 0; towards<0.5; towards = towards> 0 ? 10 * towards : 1e-6) {
+    const auto jet = data_.surface->at({uv.u + towards * (middle.u - uv.u), uv.v + towards * (middle.v - uv.v)});
+    const Vec3 n = cross(jet.u, jet.v);
+    const double u = norm(jet.u) * (data_.high.u - data_.low.u), v = norm(jet.v) * (data_.high.v - data_.low.v);
+    if (norm(n) > degenerate * norm(jet.u) * norm(jet.v) && std::min(u, v) > degenerate * size_)
+      return (1.0 / norm(n)) * n;
+  }
+  return {0, 0, 1};
+}
+
+Vec3 CadFace::normal(Uv uv) const { return data_.is_reversed ? -1.0 * cross_normal(uv) : cross_normal(uv); }
+
+double CadFace::distance_at_least(Vec3 point, double limit) const {
+  const auto hit = triangles_->nearest(point, limit + deflection_);
+  if (hit.triangle < 0) return std::numeric_limits<double>::infinity();
+  return std::max(0.0, norm(point - flat_point(hit)) - deflection_);
+}
+
+Vec3 CadFace::flat_point(const TriangleTree::Hit& hit) const {
+  const auto& t = data_.triangle[at(hit.triangle)];
+  const Vec3 a = points_[at(t[0])], b = points_[at(t[1])], c = points_[at(t[2])];
+  return a + hit.u * (b - a) + hit.v * (c - a);
+}
+
+Uv CadFace::seed(const TriangleTree::Hit& hit) const {
+  const auto& t = data_.triangle[at(hit.triangle)];
+  const Uv a = data_.sample[at(t[0])], b = data_.sample[at(t[1])], c = data_.sample[at(t[2])];
+  return {a.u + hit.u * (b.u - a.u) + hit.v * (c.u - a.u), a.v + hit.u * (b.v - a.v) + hit.v * (c.v - a.v)};
+}
+
+double CadFace::gap(int border) const {
+  const auto& edge = edges_[at(data_.border[at(border)].edge)];
+  double worst = 0;
+  for (int i = 0; i < gap_points; ++i) {
+    const double t = edge.data().begin + (edge.data().end - edge.data().begin) * i / (gap_points - 1);
+    const Vec3 p = edge.point(t);
+    const Uv uv = foot(p, seed(triangles_->nearest(p)));
+    worst = std::max(worst, norm(p - data_.surface->point(uv)));
+  }
+  return worst;
+}
+
+}  // namespace pamr::geometry

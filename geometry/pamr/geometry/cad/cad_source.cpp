@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "pamr/geometry/cad/cad_source.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <fstream>
+#include <iterator>
+#include <utility>
+
+#include "pamr/base/error.hpp"
+#include "pamr/base/subprocess.hpp"
+
+namespace pamr::geometry {
+
+namespace {
+
+constexpr std::array<std::pair<std::string_view, double>, 6> units_in_mm{
+    {{"mm", 1.0}, {"cm", 10.0}, {"m", 1000.0}, {"um", 1e-3}, {"in", 25.4}, {"ft", 304.8}}};
+
+/// Answers of the process start with one of these.
+constexpr char good = 'G', bad = 'B';
+
+bool is_utf8(std::string_view text) {
+  for (std::size_t i = 0; i < text.size();) {
+    const auto lead = static_cast<unsigned char>(text[i++]);
+    const int more = lead < 0x80 ? 0 : lead >= 0xc2 && lead < 0xe0 ? 1 : lead >= 0xe0 && lead < 0xf0 ? 2 : -1;
+    if (more < 0 || (lead == 0xe0 && i < text.size() && static_cast<unsigned char>(text[i]) < 0xa0)) return false;
+    for (int k = 0; k < more; ++k, ++i)
+      if (i >= text.size() || (static_cast<unsigned char>(text[i]) & 0xc0U) != 0x80U) return false;
+  }
+  return true;
+}
+
+std::string from_latin_1(std::string_view text) {
+  std::string result;
+  for (const char c : text) {
+    const auto code = static_cast<unsigned char>(c);
+    if (code < 0x80) {
+      result += c;
+    } else if (code < 0xa0) {
+      result += '?';  // a control character
+    } else {
+      result += static_cast<char>(0xc0U | (code >> 6U));
+      result += static_cast<char>(0x80U | (code & 0x3fU));
+    }
+  }
+  return result;
+}
+
+double millimeters(std::string_view unit) {
+  for (const auto& [name, length] : units_in_mm)
+    if (name == unit) return length;
+  throw Error(fmt::format("unit: expected mm, cm, m, um, in or ft, found \"{}\"", unit));
+}
+
+}  // namespace
+
+bool is_cad_unit(std::string_view unit) {
+  return std::any_of(units_in_mm.begin(), units_in_mm.end(), [&](const auto& known) { return known.first == unit; });
+}
+
+CadSource read_cad_source(const std::filesystem::path& file) {
+  auto extension = file.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  if (extension != ".step" && extension != ".stp" && extension != ".brep")
+    throw Error(fmt::format("file '{}': expected a name that ends in .step, .stp or .brep, found \"{}\"", file.string(),
+                            file.extension().string()));
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream) throw Error(fmt::format("file '{}': expected a file that may be read, found none", file.string()));
+  CadSource source{file.filename().string(), {std::istreambuf_iterator<char>(stream), {}}};
+  if (!is_utf8(source.text)) source.text = from_latin_1(source.text);
+  const auto is_strange = [](char c) {
+    const auto code = static_cast<unsigned char>(c);
+    return (code < 0x20 && c != '\t' && c != '\r' && c != '\n') || code == 0x7f;
+  };
+  if (source.text.empty() || std::any_of(source.text.begin(), source.text.end(), is_strange))
+    throw Error(fmt::format("file '{}': expected text, found {}", file.string(),
+                            source.text.empty() ? "nothing" : "control characters"));
+  return source;
+}
+
+void require_readable_cad(const CadSource& source) {
+  if (!can_read_cad()) (void)read_cad({}, 1);  // throws
+  if (!may_fork()) return;
+  const auto megabytes = source.text.size() >> 20U;
+  Subprocess process(
+      [&](const Subprocess::Send& send) {
+        std::string answer(1, good);
+        try {
+          (void)CadModel(read_cad(source.text, 1));
+        } catch (const std::exception& error) {
+          answer = bad + std::string(error.what());
+        }
+        send(answer);
+      },
+      {.processor_seconds = 60 + 20 * megabytes, .memory_bytes = (1 + megabytes / 8) << 30U});
+  const auto answer = process.receive_all();
+  const auto trouble = process.end();
+  if (answer.empty() || (!trouble.empty() && answer.front() == good))
+    throw Error(fmt::format("file '{}': expected a sound shape, found a damaged one: OpenCASCADE failed on it ({})",
+                            source.file, trouble.empty() ? "no answer" : trouble));
+  if (answer.front() == bad) throw Error(fmt::format("file '{}': {}", source.file, answer.substr(1)));
+}
+
+std::shared_ptr<const CadModel> make_cad_model(const CadSource& source, std::string_view unit) {
+  const double length = millimeters(unit);
+  try {
+    return std::make_shared<const CadModel>(read_cad(source.text, 1 / length));
+  } catch (const Error& error) {
+    throw Error(fmt::format("file '{}': {}", source.file, error.what()));
+  }
+}
+
+CadMeasures measure_cad_source(const CadSource& source, std::string_view unit) {
+  try {
+    return measure_cad(source.text, 1 / millimeters(unit));
+  } catch (const Error& error) {
+    throw Error(fmt::format("file '{}': {}", source.file, error.what()));
+  }
+}
+
+std::string cad_table(const CadSource& source) {
+  const auto escaped = [](std::string_view text) {
+    std::string result;
+    for (const char c : text) {
+      if (c == '\\' || c == '"') result += '\\';
+      if (c == '\r')
+        result += "\\r";
+      else
+        result += c;
+    }
+    return result;
+  };
+  return fmt::format("[[cad]]\nfile = \"{}\"\ntext = \"\"\"\n{}\"\"\"\n", escaped(source.file), escaped(source.text));
+}
+
+}  // namespace pamr::geometry

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "pamr/geometry/cad/cad_model.hpp"
+#include "pamr/geometry/cad/read_cad.hpp"
+
+namespace pamr::geometry {
+
+/// A CAD file as it travels with a mesh: its name without folder and its text.
+struct CadSource {
+  std::string file;
+  std::string text;  ///< UTF-8
+};
+
+/// Reads a STEP or BREP file as text. What is not UTF-8 is taken for Latin-1. Throws `Error` for a file that is not
+/// there, has another extension (.step, .stp, .brep) or holds control characters.
+CadSource read_cad_source(const std::filesystem::path& file);
+
+/// Has the text read in a process of its own, which may die of it, and throws `Error` if it is not sound. To be called
+/// once, where a text comes from outside; texts in mesh files have checksums. Nothing where `PAMR_NO_FORK` forbids it.
+void require_readable_cad(const CadSource& source);
+
+/// The shape, coordinates in `unit`: mm, cm, m, um, in or ft. Throws `Error`.
+std::shared_ptr<const CadModel> make_cad_model(const CadSource& source, std::string_view unit);
+
+/// Areas of its faces and its volume, in that unit. Throws `Error`.
+CadMeasures measure_cad_source(const CadSource& source, std::string_view unit);
+
+/// The unit in which OpenCASCADE and Gmsh give coordinates if nobody asks for another one.
+inline constexpr const char* usual_cad_unit = "mm";
+bool is_cad_unit(std::string_view unit);
+
+/// The table `[[cad]]` that holds the text in a description of surfaces.
+std::string cad_table(const CadSource& source);
+
+}  // namespace pamr::geometry

@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <string_view>
+
+#include "pamr/geometry/cad/read_cad.hpp"
+
+namespace pamr::geometry {
+
+/// `read_cad` and `measure_cad` by OpenCASCADE.
+CadData occt_read(std::string_view text, double scale);
+CadMeasures occt_measure(std::string_view text, double scale);
+
+}  // namespace pamr::geometry

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <string_view>
+#include <vector>
+
+#include "pamr/geometry/cad/cad_data.hpp"
+
+namespace pamr::geometry {
+
+/// False in a build without OpenCASCADE, in which `read_cad` throws.
+bool can_read_cad();
+
+/// Reads the text of a STEP or BREP file with OpenCASCADE, samples its faces and finds its edges. `scale`: length
+/// units of the result in a millimeter (STEP says its own unit; BREP has none and counts as millimeters). Throws
+/// `Error` with what is wrong. A damaged text may crash OpenCASCADE: see `require_readable_cad` (cad_source.hpp).
+/// Deterministic: the same bits in every process.
+CadData read_cad(std::string_view text, double scale);
+
+/// Area of each face and volume inside of a shape, integrated by OpenCASCADE to 1e-8 (its usual rules are good to some
+/// 1e-4). The volume of an open shape means nothing.
+struct CadMeasures {
+  std::vector<double> area;
+  double volume = 0;
+};
+CadMeasures measure_cad(std::string_view text, double scale);
+
+}  // namespace pamr::geometry

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "pamr/geometry/cad/cad_model.hpp"
+#include "pamr/geometry/cad/cad_source.hpp"
+#include "pamr/mesh/dist_mesh.hpp"
+#include "pamr/par/comm.hpp"
+
+namespace pamr::meshing {
+
+/// The patch that readers make of boundary faces without a tag: it is split by the faces of the shape.
+inline constexpr const char* untagged_patch = "boundary";
+
+/// Where a patch lies on a CAD shape.
+struct CadPatch {
+  std::string patch;
+  std::vector<int> faces;     ///< numbers from 1 on, ascending
+  std::int64_t n_on = 0;      ///< boundary faces of the mesh on them
+  std::int64_t n_off = 0;     ///< boundary faces on no face of the shape
+  double worst_distance = 0;  ///< of a corner of the latter from the shape
+  bool is_tied() const { return n_on > 0 && n_off == 0; }
+};
+
+/// What was found for a mesh and a shape.
+struct CadFaces {
+  std::vector<CadPatch> patches;  ///< of the mesh, without those that lie on a surface that is asked for by name
+  std::string toml;               ///< the description of a surface for each patch that is on the shape
+};
+
+/// Finds by geometry on which face of a shape each boundary face of the mesh lies: one from which none of its corners
+/// is farther than `tolerance` (negative: 1e-6 of the mesh's size, or the largest tolerance of the shape's edges if
+/// that is more), and of several the one that is nearest to its middle. A patch of which all faces lie on the shape is
+/// described as a surface of the faces found. The patch `untagged_patch` is split into one for each face, named as the
+/// face, or face_N. Patches in `named` are left alone. Collective. Throws `Error` if nothing of the mesh is on the
+/// shape. The same on any number of ranks. Cost: some projections for each boundary node and face.
+CadFaces find_cad_faces(const par::Comm& comm, mesh::DistMesh& mesh, const geometry::CadModel& model,
+                        const geometry::CadSource& source, const std::string& unit, double tolerance,
+                        const std::vector<std::string>& named);
+
+}  // namespace pamr::meshing
