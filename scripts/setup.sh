@@ -31,6 +31,7 @@ packages=(
 )
 python_packages=(python3-dev python3-numpy python3-mpi4py pybind11-dev)
 test_packages=(libgtest-dev libgmock-dev libbenchmark-dev python3-h5py python3-meshio "${python_packages[@]}"
+  chromium                           # the page of pamr-quality --html, looked at
   clang-format clang-tidy codespell) # the gates of .ci/run
 picture_packages=(python3-vtk9 python3-matplotlib python3-h5py python3-numpy python3-meshio xvfb) # pamr-picture
 

@@ -1,0 +1,92 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""pamr-quality --html without a browser: the same bytes on any number of ranks, tables, what is refused."""
+import pathlib
+import re
+
+import h5py
+import numpy as np
+
+from report_page import Page
+from tool_run import kuhn_cube, refuses, run, run_tests, same_bytes
+
+
+def levels():
+    """A body in a box, and the same refined at its wall; a field on cells and one on nodes."""
+    run("pamr-mesh", "--shape", "sphere-in-box", "--size", "0.6", "-o", "level0.hdf", "--quiet", serial=True)
+    run("pamr-mark", "level0.hdf", "-o", "marked.hdf", "--patch", "sphere", "--quiet", serial=True)
+    run("pamr-refine", "marked.hdf", "-o", "level1.hdf", "--quiet", serial=True)
+    with h5py.File("level1.hdf", "r+") as file:
+        grid = file["VTKHDF"]
+        grid.require_group("CellData")["pressure"] = np.arange(grid["NumberOfCells"][0], dtype=float)
+        grid.require_group("PointData")["potential"] = np.log(1 + np.arange(grid["NumberOfPoints"][0], dtype=float))
+    return "level0.hdf", "level1.hdf"
+
+
+def test_the_bytes_do_not_depend_on_ranks():
+    names = levels()
+    run("pamr-quality", *names, "--html", "many.html", "--quiet")
+    run("pamr-quality", *names, "--html", "one.html", "--quiet", serial=True)
+    assert same_bytes("one.html", "many.html")
+    assert pathlib.Path("one.html").stat().st_size < 4e6
+
+
+def test_tables_are_readable_without_scripts():
+    names = levels()
+    report = run("pamr-quality", *names, "--html", "report.html", "--json", "-", "--quiet").json["meshes"]
+    text = pathlib.Path("report.html").read_text()
+    page = Page(text)
+    outside = re.findall(r"""(?:src|href)=["'](?!#)[^"']*""", re.sub(r"<script[ >].*?</script>", "", text, flags=re.S))
+    assert not outside, outside
+    meshes = page.tables["Meshes"]
+    assert [row[0] for row in meshes[1:]] == list(names)
+    assert [int(row[1].replace(",", "")) for row in meshes[1:]] == [mesh["cells"] for mesh in report]
+    assert [row[-1] for row in meshes[1:]] == [mesh["fingerprint"] for mesh in report]
+    level_rows = page.tables["Cells by the level of their base cell"]
+    for column, mesh in enumerate(report, 1):
+        counts = [int(row[column].replace(",", "")) for row in level_rows[1:]]
+        n_levels = len(mesh["cells_of_level"])
+        assert counts[:n_levels] == mesh["cells_of_level"]
+        assert counts[-2:] == [mesh["closure_cells"], mesh["cells"]]
+        patches = {row[0]: row for row in page.tables[f"Patches, {names[column - 1]}"][1:]}
+        assert set(patches) == set(mesh["patches"])
+        for name, patch in mesh["patches"].items():
+            assert int(patches[name][3].replace(",", "")) == patch["faces"]
+            assert np.isclose(float(patches[name][4]), patch["area"], rtol=1e-5)
+        worst = page.tables[f"Cells of lowest mean ratio, {names[column - 1]}"]
+        place = worst[0].index("mean ratio")
+        ratios = [float(row[place]) for row in worst[1:]]
+        assert len(ratios) == 20 and ratios == sorted(ratios)
+        assert np.isclose(ratios[0], mesh["mean_ratio"]["min"], rtol=1e-5)
+        histogram = page.tables["Cells by mean ratio"]
+        assert [int(row[1 + column].replace(",", "")) for row in histogram[1:]] == mesh["mean_ratio"]["histogram"]["counts"]
+
+
+def test_names_are_text_not_markup():
+    kuhn_cube("a<b>&\"{{c}}.hdf", 2)
+    run("pamr-quality", "a<b>&\"{{c}}.hdf", "--html", "report.html", "--quiet")
+    text = pathlib.Path("report.html").read_text()
+    assert Page(text).tables["Meshes"][1][0] == "a<b>&\"{{c}}.hdf"
+    assert "a<b>" not in text
+
+
+def test_invalid_meshes_are_shown():
+    kuhn_cube("bad.hdf", 2)
+    with h5py.File("bad.hdf", "r+") as file:
+        del file["PAMR"]
+        cell = file["VTKHDF/Connectivity"][20:24]
+        file["VTKHDF/Connectivity"][20:24] = cell[[1, 0, 2, 3]]
+    run("pamr-quality", "bad.hdf", "--html", "report.html", "--quiet", code=1)
+    text = pathlib.Path("report.html").read_text()
+    assert "orientation_positive" in text
+
+
+def test_bad_requests_are_refused():
+    kuhn_cube("a.hdf", 2)
+    refuses("pamr-quality", "a.hdf", "--html", "no folder/a.html", says=["no folder"])
+    refuses("pamr-quality", "a.hdf", "--html", "a.hdf", says=["a.hdf"])
+    pathlib.Path("old.html").write_text("mine")
+    refuses("pamr-quality", "a.hdf", "--html", "old.html", says=["--force"])
+    assert pathlib.Path("old.html").read_text() == "mine"
+
+
+run_tests(globals())
