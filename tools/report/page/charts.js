@@ -33,14 +33,18 @@ function drawChart(parent, meshes, metric, isLog) {
     const percent = (u, y) => y === null || y === undefined ? "" : `${shortNumber(Number(y.toPrecision(4)))} %`;
     series.push({label: mesh.file, stroke, fill: meshes.length === 1 ? stroke + "33" : undefined, width: 1.5,
       paths: uPlot.paths.stepped({align: 1}), points: {show: false}, value: percent});
-    series.push({label: "cumulative", scale: "sum", stroke, dash: [5, 4], width: 1, points: {show: false}, value: percent});
+    series.push({label: "cumulative", scale: "sum", stroke, dash: [5, 4], width: 1, points: {show: false},
+      value: percent});
   });
   const box = addText(parent, "div", "", "chart");
   return new uPlot({
     title: `${metric.replace("_", " ")}: cells and cumulative, percent`,
     width: Math.max(box.clientWidth - 14, 320), height: 230, series,
-    scales: {x: {time: false, distr: isRatio ? 3 : 1, range: (u, min, max) => [min, max]}, y: isLog ? {distr: 3} : {range: (u, min, max) => [0, max * 1.05 || 1]},
-      sum: {range: [0, 100]}},
+    scales: {
+      x: {time: false, distr: isRatio ? 3 : 1, range: (u, min, max) => [min, max]},
+      y: isLog ? {distr: 3} : {range: (u, min, max) => [0, max * 1.05 || 1]},
+      sum: {range: [0, 100]},
+    },
     axes: [axis({size: 30}), axis({size: 48}), axis({scale: "sum", side: 1, size: 40, grid: {show: false}})],
   }, curvesOf(meshes, metric, isLog), box);
 }

@@ -4,6 +4,7 @@
 
 const $ = (id) => document.getElementById(id);
 const AXES = {x: 0, y: 1, z: 2};
+const MANY_FACES = 300000;
 const THEMES = ["auto", "light", "dark"];
 
 const page = {
@@ -29,7 +30,8 @@ function diagonal([low, high]) { return norm(vectorOf(low, high)) || 1; }
 async function sceneOf(mesh) {
   if (!mesh.scene) {
     mesh.data = await MeshData.read(mesh.view, mesh.numbers);
-    mesh.scene = new MeshScene(mesh.data, Math.max(...page.meshes.map((m) => diagonal(m.view.box))), page.picture.shared);
+    const size = Math.max(...page.meshes.map(({view}) => diagonal(view.box)));
+    mesh.scene = new MeshScene(mesh.data, size, page.picture.shared);
   }
   return mesh.scene;
 }
@@ -212,7 +214,8 @@ async function flyToNode(mesh, number, position) {
 }
 
 function nextWorst(step) {
-  const mesh = page.around && page.shown.includes(page.around.mesh) ? page.around.mesh : page.shown[page.shown.length - 1];
+  const isShown = page.around && page.shown.includes(page.around.mesh);
+  const mesh = isShown ? page.around.mesh : page.shown[page.shown.length - 1];
   const {worst} = page.meshes[mesh].view;
   if (!worst.length) return;
   const now = page.around && page.around.mesh === mesh ? worst.indexOf(page.around.number) : step > 0 ? -1 : 0;
@@ -223,7 +226,7 @@ function nextWorst(step) {
 function addRowButtons() {
   for (const row of document.querySelectorAll("tr[data-mesh]")) {
     const {mesh, cell, node, position} = row.dataset;
-    const button = addText(row.lastElementChild.parentElement.appendChild(document.createElement("td")), "button", "Show");
+    const button = addText(addText(row, "td", ""), "button", "Show");
     button.type = "button";
     button.addEventListener("click", () => {
       $("view").scrollIntoView();
@@ -317,8 +320,8 @@ function onKey(event) {
   actions[event.key]();
 }
 
-// #meshes=0,1;color=level;show=x;place=0.3;hide=PATCH,PATCH;look=y;theme=dark;worst=2;pick=0.5,0.5 (a place of the picture);
-// links to sections of the page have no "=".
+// #meshes=0,1;color=level;show=x;place=0.3;hide=PATCH,PATCH;look=y;zoom=2;theme=dark;worst=2;pick=0.5,0.5 (a place of
+// the picture); links to sections of the page have no "=".
 async function followLink() {
   const wanted = new Map(location.hash.slice(1).split(";").filter((part) => part.includes("=")).map(
     (part) => part.split("=")));
@@ -329,6 +332,7 @@ async function followLink() {
   if (wanted.has("color")) $("color").value = decodeURIComponent(wanted.get("color"));
   if (wanted.has("hide")) await hidePatches(decodeURIComponent(wanted.get("hide")).split(","), true);
   if (wanted.has("look")) page.picture.look(wanted.get("look"));
+  if (wanted.has("zoom")) page.picture.zoom(1 / numbers("zoom")[0]);
   if (wanted.has("meshes")) await showMeshes(numbers("meshes").filter((i) => i in page.meshes));
   else if (wanted.has("show") || wanted.has("place") || wanted.has("color")) {
     arrange();
@@ -349,22 +353,23 @@ async function start() {
     THEMES[(THEMES.indexOf($("theme").dataset.theme || "auto") + 1) % THEMES.length]));
   $("log-counts").addEventListener("change", applyTheme);
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", applyTheme);
+  const nFaces = page.meshes.reduce((sum, {view}) => sum + view.n_faces, 0);
   try {
-    page.picture = new Picture($("canvas"), (picked) => change(() => pick(picked)));
+    page.picture = new Picture($("canvas"), nFaces < MANY_FACES, (picked) => change(() => pick(picked)));
   } catch (error) {
-    addText($("panels"), "p", `No picture, because WebGL does not work here (${error.message}). The tables are below.`, "note");
+    const reason = `No picture, because WebGL does not work here (${error.message}). The tables are below.`;
+    addText($("panels"), "p", reason, "note");
     applyTheme();
     return;
   }
   connectControls();
   addRowButtons();
   $("canvas").addEventListener("keydown", onKey);
+  page.picture.shared.ink.value = glColor(styleValue("--ink"));
   const last = page.meshes.length - 1;
   await change(() => showMeshes(last === 0 ? [0] : [0, last]));
-  page.picture.shared.ink.value = glColor(styleValue("--ink"));
-  $("panels").style.background = styleValue("--stage");
-  page.picture.draw();
-  page.picture.renderer.getContext().finish();
+  page.picture.drawNow();
+  page.picture.wait();
   document.documentElement.dataset.firstFrame = String(Math.round(performance.now()));
   applyTheme();
   await change(followLink);

@@ -4,7 +4,9 @@
 
 const VERTEX = `
 in float place;
+#ifdef HAS_INNER
 in float inner;
+#endif
 uniform vec4 plane;
 out vec3 seen;
 out vec3 corner;
@@ -16,7 +18,9 @@ void main() {
   shade = place;
   int k = gl_VertexID % 3;
   corner = vec3(k == 0, k == 1, k == 2);
+#ifdef HAS_INNER
   if (inner > 0.5) corner[int(inner + 0.5) - 1] = 1.0;
+#endif
   beyond = dot(plane.xyz, position) - plane.w;
   gl_Position = projectionMatrix * point;
 }`;
@@ -154,10 +158,10 @@ class MeshScene {
   }
 
   addTriangles(position, lit, inner = null, plane = this.plane) {
-    const n = position.length / 3;
-    const geometry = geometryOf(position, {place: new Float32Array(n), inner: inner || new Float32Array(n)});
+    const geometry = geometryOf(position, {place: new Float32Array(position.length / 3), ...(inner && {inner})});
     const mesh = new THREE.Mesh(geometry, new THREE.ShaderMaterial({
       glslVersion: THREE.GLSL3, vertexShader: VERTEX, fragmentShader: FRAGMENT, side: 2,
+      defines: inner ? {HAS_INNER: 1} : {},
       uniforms: {...this.uniforms(lit), plane},
     }));
     mesh.frustumCulled = false;
@@ -265,9 +269,10 @@ class MeshScene {
 }
 
 class Picture {
-  constructor(canvas, onPick) {
+  // `isSmooth`: with antialiasing, which costs too much for very many triangles.
+  constructor(canvas, isSmooth, onPick) {
     this.canvas = canvas;
-    this.renderer = new THREE.WebGLRenderer({canvas, antialias: true, alpha: true, preserveDrawingBuffer: true});
+    this.renderer = new THREE.WebGLRenderer({canvas, antialias: isSmooth, alpha: true, preserveDrawingBuffer: true});
     this.renderer.autoClear = false;
     this.camera = new THREE.PerspectiveCamera(FIELD_OF_VIEW, 1, 0.01, 100);
     this.camera.up.set(0, 0, 1);
@@ -291,7 +296,7 @@ class Picture {
       const box = canvas.getBoundingClientRect();
       onPick(this.pick((event.clientX - box.left) / box.width, (event.clientY - box.top) / box.height));
     });
-    new ResizeObserver(() => this.draw()).observe(canvas);
+    new ResizeObserver(() => this.drawNow()).observe(canvas);
   }
 
   // Panels in rows of at most three: place and size in parts of the canvas, from its upper left corner.
@@ -344,7 +349,15 @@ class Picture {
     this.camera.updateProjectionMatrix();
   }
 
+  // Before the next frame of the browser, however often it is asked for.
   draw() {
+    if (this.request) return;
+    this.request = requestAnimationFrame(() => this.drawNow());
+  }
+
+  drawNow() {
+    cancelAnimationFrame(this.request);
+    this.request = 0;
     const width = this.canvas.clientWidth, height = this.canvas.clientHeight;
     if (!width || !height) return;
     this.renderer.setPixelRatio(window.devicePixelRatio);
@@ -360,6 +373,12 @@ class Picture {
       panel.scene.openTowards(this.camera);
       this.renderer.render(panel.scene.scene, this.camera);
     }
+  }
+
+  // Until what was drawn is there.
+  wait() {
+    const gl = this.renderer.getContext();
+    gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));
   }
 
   // What is seen at a place of the canvas, in parts of it: {scene, kind, index} or null. Draws the numbers of the
