@@ -57,7 +57,9 @@ void check_files(cli::Session& session, const Options& options) {
     throw Error(fmt::format("expected one mesh with --worst, found {}", options.meshes.size()));
   for (const auto& file : options.meshes) session.check_input(file);
   if (!options.csv.empty()) session.check_output(options.csv, options.meshes, options.force);
-  if (!options.html.empty()) session.check_output(options.html, options.meshes, options.force);
+  auto taken = options.meshes;
+  if (!options.csv.empty()) taken.push_back(options.csv);
+  if (!options.html.empty()) session.check_output(options.html, taken, options.force);
   if (!options.worst_out.empty()) session.check_native_output(options.worst_out, options.meshes, options.force);
 }
 

@@ -130,6 +130,46 @@ def test_hidden_patches_are_neither_drawn_nor_picked():
     assert title == "Boundary triangle" and said["patch"].startswith("xmax"), said
 
 
+def with_script(page, name, script):
+    """A copy of the page in which a user does something once it is ready."""
+    after = "<script>(async () => { while (!document.documentElement.dataset.ready) await new Promise(requestAnimationFrame);" \
+            f" {script}; await page.busy; document.documentElement.dataset.done = 'yes'; }})();</script></body>"
+    pathlib.Path(name).write_text(pathlib.Path(page).read_text().replace("</body>", after))
+    return name
+
+
+def test_mouse_and_keys_do_what_they_say():
+    coarse, _, page = report()
+    click = """
+      const canvas = document.getElementById("canvas"), box = canvas.getBoundingClientRect();
+      const at = {pointerId: 1, pointerType: "mouse", button: 0, bubbles: true,
+        clientX: box.left + 0.503 * box.width, clientY: box.top + 0.51 * box.height};
+      canvas.dispatchEvent(new KeyboardEvent("keydown", {key: "x"}));
+      canvas.dispatchEvent(new PointerEvent("pointerdown", {...at, buttons: 1}));
+      canvas.dispatchEvent(new PointerEvent("pointerup", at))"""
+    seen = opened(with_script(page, "clicked.html", click), "#meshes=0")
+    assert seen.root.get("data-done") == "yes"
+    by_click = seen.picked()
+    assert by_click == opened(page, "#meshes=0;look=x;pick=0.503,0.51").picked()
+    assert by_click[1]["patch"].startswith("xmin")
+    keys = """for (const key of ["e", "s", "+", "ArrowLeft", "n"])
+        document.getElementById("canvas").dispatchEvent(new KeyboardEvent("keydown", {key}))"""
+    seen = opened(with_script(page, "keys.html", keys), "#meshes=0")
+    assert seen.picked()[0] == "Cell " + seen.tables[f"Cells of lowest mean ratio, {coarse}"][1][0]
+    shows = """document.querySelectorAll("tr[data-mesh='1'] button")[2].click()"""
+    seen = opened(with_script(page, "shows.html", shows))
+    row = [rows for caption, rows in seen.tables.items() if caption.startswith("Cells of lowest") and "fine" in caption][0][3]
+    assert seen.picked()[0] == f"Cell {row[0]}"
+
+
+def test_without_webgl_the_tables_remain():
+    _, _, page = report()
+    text, _ = browse(page, "", "--disable-3d-apis", "--dump-dom")
+    seen = report_page.Page(text)
+    assert seen.root.get("data-ready") == "yes" and "WebGL does not work here" in " ".join(seen.by_id["view"])
+    assert "Meshes" in seen.tables and seen.by_id["charts"]
+
+
 def test_charts_are_drawn():
     _, _, page = report()
     seen = opened(page)

@@ -84,6 +84,7 @@ def test_bad_requests_are_refused():
     kuhn_cube("a.hdf", 2)
     refuses("pamr-quality", "a.hdf", "--html", "no folder/a.html", says=["no folder"])
     refuses("pamr-quality", "a.hdf", "--html", "a.hdf", says=["a.hdf"])
+    refuses("pamr-quality", "a.hdf", "--html", "b.csv", "--csv", "b.csv", says=["b.csv"], creates="b.csv")
     pathlib.Path("old.html").write_text("mine")
     refuses("pamr-quality", "a.hdf", "--html", "old.html", says=["--force"])
     assert pathlib.Path("old.html").read_text() == "mine"

@@ -53,3 +53,26 @@ function drawCharts(parent, meshes, isLog) {
   parent.replaceChildren();
   for (const metric of METRICS) drawChart(parent, meshes, metric, isLog);
 }
+
+// Cells and the worst cell from mesh to mesh.
+function drawHistory(parent, meshes) {
+  parent.replaceChildren();
+  if (meshes.length < 2) return;
+  const colors = styleValue("--series").split(",").map((color) => color.trim());
+  const box = addText(parent, "div", "", "chart");
+  const label = (u, i) => meshes[i] ? meshes[i].file : "";
+  return new uPlot({
+    title: "Cells (left) and worst mean ratio (right), mesh by mesh",
+    width: Math.max(box.clientWidth - 14, 320), height: 230,
+    series: [
+      {label: "mesh", value: label},
+      {label: "cells", stroke: colors[0], width: 1.5},
+      {label: "worst mean ratio", scale: "ratio", stroke: colors[1], width: 1.5, dash: [5, 4]},
+    ],
+    scales: {x: {time: false, range: [-0.2, meshes.length - 0.8]}, y: {distr: 3}, ratio: {range: [0, 1]}},
+    axes: [
+      axis({size: 30, splits: () => meshes.map((_, i) => i), values: (u, places) => places.map((i) => label(u, i))}),
+      axis({size: 70}), axis({scale: "ratio", side: 1, size: 40, grid: {show: false}}),
+    ],
+  }, [meshes.map((_, i) => i), meshes.map((mesh) => mesh.cells), meshes.map((mesh) => mesh.mean_ratio.min)], box);
+}

@@ -245,7 +245,9 @@ function setTheme(theme) {
 }
 
 function applyTheme() {
-  drawCharts($("charts"), page.meshes.map((mesh) => mesh.numbers), $("log-counts").checked);
+  const numbers = page.meshes.map((mesh) => mesh.numbers);
+  drawCharts($("charts"), numbers, $("log-counts").checked);
+  drawHistory($("history"), numbers);
   if (!page.picture) return;
   page.picture.shared.ink.value = glColor(styleValue("--ink"));
   $("panels").style.background = styleValue("--stage");
@@ -358,8 +360,10 @@ async function start() {
     page.picture = new Picture($("canvas"), nFaces < MANY_FACES, (picked) => change(() => pick(picked)));
   } catch (error) {
     const reason = `No picture, because WebGL does not work here (${error.message}). The tables are below.`;
-    addText($("panels"), "p", reason, "note");
+    $("view").replaceChildren();
+    addText($("view"), "p", reason, "note");
     applyTheme();
+    document.documentElement.dataset.ready = "yes";
     return;
   }
   connectControls();
