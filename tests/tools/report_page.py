@@ -72,7 +72,7 @@ def browse(page, link="", *options):
                    "--proxy-server=127.0.0.1:9", f"--user-data-dir={profile}", "--enable-logging=stderr",
                    "--window-size=1200,800", "--virtual-time-budget=20000", *options,
                    pathlib.Path(page).resolve().as_uri() + link]
-        done = subprocess.run(command, capture_output=True, text=True, timeout=90,
+        done = subprocess.run(command, capture_output=True, text=True, timeout=150,
                               env=os.environ | {"HOME": profile, "XDG_RUNTIME_DIR": profile})
     said = [line for line in done.stderr.splitlines() if re.search(r"\bCONSOLE\b", line)]
     return done.stdout, said

@@ -1,7 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """pamr-quality --html without a browser: the same bytes on any number of ranks, tables, what is refused."""
+import base64
+import json
 import pathlib
 import re
+import zlib
 
 import h5py
 import numpy as np
@@ -20,6 +23,47 @@ def levels():
         grid.require_group("CellData")["pressure"] = np.arange(grid["NumberOfCells"][0], dtype=float)
         grid.require_group("PointData")["potential"] = np.log(1 + np.arange(grid["NumberOfPoints"][0], dtype=float))
     return "level0.hdf", "level1.hdf"
+
+
+def codes(packed):
+    """The numbers of pack.hpp before signs and differences are undone."""
+    plain = np.frombuffer(zlib.decompress(base64.b64decode(packed)), dtype=np.uint8)
+    planes = plain[1:].reshape(int(plain[0]), -1).astype(np.uint64)
+    return sum(plane << np.uint64(8 * i) for i, plane in enumerate(planes))
+
+
+def integers(packed):
+    code = codes(packed)
+    return np.cumsum((code >> np.uint64(1)).astype(np.int64) ^ -(code & np.uint64(1)).astype(np.int64))
+
+
+def reals(packed):
+    return (codes(packed) << np.uint64(8)).astype(np.uint32).view(np.float32)
+
+
+def test_the_data_are_those_of_the_mesh():
+    _, name = levels()
+    run("pamr-quality", name, "--html", "report.html", "--quiet")
+    element = re.search(r'<script type="application/json" class="view">(.*?)</script>', pathlib.Path("report.html").read_text())
+    view = json.loads(element.group(1))
+    with h5py.File(name) as file:
+        points, cells = file["VTKHDF/Points"][:], file["VTKHDF/Connectivity"][:].reshape(-1, 4)
+        links = file["PAMR/cell_to_cell"][:]
+        potential = file["VTKHDF/PointData/potential"][:]
+    low, high = np.array(view["box"])
+    assert view["all_cells"] and not view["merged"] and view["left_out"] == []
+    assert (integers(view["nodes"]["number"]) == np.arange(len(points))).all()
+    parts = np.column_stack([integers(axis) for axis in view["nodes"]["position"]]) / 0xffffff
+    assert np.abs(low + parts * (high - low) - points).max() < 4e-8 * (high - low).max()
+    assert (integers(view["cells"]["node"]).reshape(-1, 4) == cells).all()
+    cell, slot = np.nonzero(links < 0)
+    faces = view["faces"]
+    assert (integers(faces["cell"]) == cell).all() and (integers(faces["patch"]) == -1 - links[cell, slot]).all()
+    corners = np.array([[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]])[slot]
+    assert (integers(faces["node"]).reshape(-1, 3) == cells[cell[:, None], corners]).all()
+    columns = {column["name"]: column for column in faces["columns"]}
+    assert np.allclose(reals(columns["pressure"]["data"]), cell, rtol=1.6e-5)
+    assert np.allclose(reals(view["nodes"]["columns"][-1]["data"]), potential, rtol=1.6e-5)
 
 
 def test_the_bytes_do_not_depend_on_ranks():
