@@ -35,6 +35,7 @@ packages=(
 python_packages=(python3-dev python3-numpy python3-mpi4py pybind11-dev)
 test_packages=(libgtest-dev libgmock-dev libbenchmark-dev python3-gmsh python3-h5py python3-meshio python3-petsc4py help2man
   "${python_packages[@]}"
+  chromium                           # the page of pamr-quality --html, looked at
   clang-format clang-tidy codespell) # the gates of .ci/run
 picture_packages=(python3-vtk9 python3-matplotlib python3-h5py python3-numpy python3-meshio xvfb) # pamr-picture
 manual_packages=(doxygen furo python3-breathe python3-myst-parser python3-sphinx)          # docs/build.sh

@@ -13,9 +13,11 @@
 #include "pamr/base/error.hpp"
 #include "pamr/check/extract.hpp"
 #include "pamr/check/gate.hpp"
+#include "pamr/check/mesh_view.hpp"
 #include "pamr/check/quality_report.hpp"
 #include "pamr/check/report_text.hpp"
 #include "pamr/io/native/native_file.hpp"
+#include "report/html_report.hpp"
 
 namespace {
 
@@ -23,7 +25,7 @@ using namespace pamr;
 
 struct Options {
   std::vector<std::string> meshes, gates;
-  std::string csv, worst_out;
+  std::string csv, html, worst_out;
   std::int64_t worst = 0;
   double tolerance = check::QualityOptions{}.off_surface_tolerance;
   bool force = false;
@@ -36,6 +38,8 @@ void declare(cli::CommandLine& line, Options& options) {
               "such as mean_ratio.min, inverted_cells, patches.sphere.worst_distance")
       .one_at_a_time();
   line.option("--csv", options.csv, "write the numbers here, a line a mesh").type_name("FILE");
+  line.option("--html", options.html, "write a page here that shows the meshes; any browser opens it without network")
+      .type_name("FILE");
   line.option("--worst", options.worst, "write the N cells of lowest mean ratio as a mesh").positive();
   line.option("--worst-out", options.worst_out, "that mesh (.hdf)").type_name("FILE");
   line.option("--off-surface", options.tolerance,
@@ -53,12 +57,21 @@ void check_files(cli::Session& session, const Options& options) {
     throw Error(fmt::format("expected one mesh with --worst, found {}", options.meshes.size()));
   for (const auto& file : options.meshes) session.check_input(file);
   if (!options.csv.empty()) session.check_output(options.csv, options.meshes, options.force);
+  auto taken = options.meshes;
+  if (!options.csv.empty()) taken.push_back(options.csv);
+  if (!options.html.empty()) session.check_output(options.html, taken, options.force);
   if (!options.worst_out.empty()) session.check_native_output(options.worst_out, options.meshes, options.force);
 }
 
 void write_csv(const par::Comm& comm, const std::string& file, const std::string& text) {
   par::agree(comm, [&] {
     if (comm.is_first()) cli::write_whole(file, text);
+  });
+}
+
+void write_html(const par::Comm& comm, const std::string& file, const std::vector<report::ReportedMesh>& meshes) {
+  par::agree(comm, [&] {
+    if (comm.is_first()) cli::write_whole(file, report::html_report(meshes));
   });
 }
 
@@ -79,6 +92,7 @@ cli::ExitCode run(cli::Session& session, const Options& options) {
 
   const auto& comm = session.comm();
   std::vector<check::NamedReport> reports;
+  std::vector<report::ReportedMesh> pictured;
   std::vector<std::string> complaints;
   for (const auto& file : options.meshes) {
     session.step("reading " + file);
@@ -86,6 +100,11 @@ cli::ExitCode run(cli::Session& session, const Options& options) {
         assemble::assemble(comm, io::read_native(comm, file, {.turn_inverted = false, .remark = session.remarks()}));
     session.step(fmt::format("measuring {}, {} cells", file, mesh.info.n_global_cells));
     reports.push_back({file, check::report_quality(comm, mesh, {options.tolerance})});
+    if (!options.html.empty()) {
+      const double distance = options.tolerance * reports.back().report.bounding_box_diagonal;
+      const auto limits = report::limits_of_one(options.meshes.size());
+      pictured.push_back({reports.back(), check::view_mesh(comm, mesh, distance, limits)});
+    }
     const auto faults = check::faults_of(reports.back());
     complaints.insert(complaints.end(), faults.begin(), faults.end());
     const auto numbers = check::numbers_of(check::to_json(reports.back().report));
@@ -98,6 +117,10 @@ cli::ExitCode run(cli::Session& session, const Options& options) {
   }
 
   if (!options.csv.empty()) write_csv(comm, options.csv, check::to_csv(reports));
+  if (!options.html.empty()) {
+    session.step("writing " + options.html);
+    write_html(comm, options.html, pictured);
+  }
   session.write_report(whole_report(reports));
   if (reports.size() == 1)
     session.summary(check::summary_of(reports.front()));

@@ -1,0 +1,180 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The page of pamr-quality --html in headless Chromium: nothing on the console, pixels, picking. Exit code 77 (skipped)
+where there is no Chromium."""
+import pathlib
+import sys
+
+import h5py
+import matplotlib.image
+import numpy as np
+
+import report_page
+from report_page import browse, opened, screenshot
+from tool_run import SHARED, kuhn_cube, once, run, run_tests
+
+if report_page.BROWSER is None:
+    print("skipped: there is no Chromium (Debian: chromium)")
+    sys.exit(77)
+
+FACES = np.array([[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]])
+
+
+@once
+def report():
+    """The page of a cube, a field on cells and one on nodes, and of the same refined at a corner."""
+    folder = pathlib.Path(SHARED)
+    coarse, fine, page = (str(folder / name) for name in ("coarse.hdf", "fine.hdf", "report.html"))
+    kuhn_cube(coarse, 5)
+    with h5py.File(coarse, "r+") as file:
+        grid = file["VTKHDF"]
+        points = grid["Points"][:]
+        centers = points[grid["Connectivity"][:].reshape(-1, 4)].mean(axis=1)
+        grid.require_group("CellData")["heat"] = 300 + centers[:, 0]
+        grid["CellData/heat"].attrs["unit"] = "K"
+        grid.require_group("PointData")["height"] = points[:, 2]
+        grid["CellData/refine"] = (np.linalg.norm(centers, axis=1) < 0.5).astype("i4")
+    run("pamr-refine", coarse, "-o", fine, "--quiet")
+    run("pamr-quality", coarse, fine, "--html", page, "--quiet")
+    return coarse, fine, page
+
+
+def mesh_of(name):
+    with h5py.File(name) as file:
+        return (file["VTKHDF/Points"][:], file["VTKHDF/Connectivity"][:].reshape(-1, 4), file["PAMR/cell_to_cell"][:],
+                [text.decode() for text in file["PAMR/patches/names"][:]], file["VTKHDF/CellData/heat"][:])
+
+
+def pixels(name):
+    return (matplotlib.image.imread(name)[:, :, :3] * 255).round().astype(int)
+
+
+def near(image, color, within=14):
+    return int((np.abs(image - np.array(color)).max(axis=2) <= within).sum())
+
+
+def numbers(text):
+    return [float(word) for word in text.split() if word.replace(".", "").replace("-", "").replace("e", "").isdigit()]
+
+
+def test_complaints_of_a_page_are_seen():
+    pathlib.Path("bad.html").write_text("<script>nothing.here()</script>")
+    _, said = browse("bad.html", "", "--dump-dom")
+    assert said and "nothing is not defined" in said[0], said
+
+
+def test_a_picked_triangle_is_the_one_that_lies_there():
+    coarse, _, page = report()
+    points, cells, neighbors, patches, heat = mesh_of(coarse)
+    for look, patch, middle in (("x", "xmin", (0, 0.5, 0.5)), ("y", "ymin", (0.5, 0, 0.5)), ("z", "zmax", (0.5, 0.5, 1))):
+        title, said = opened(page, f"#meshes=0;look={look};color=heat;pick=0.503,0.51").picked()
+        assert title == "Boundary triangle" and said["patch"].startswith(patch), said
+        cell = int(said["cell behind"])
+        slot = list(neighbors[cell]).index(-1 - patches.index(patch))
+        corners = cells[cell][FACES[slot]]
+        at = {int(name.split()[1]): numbers(text) for name, text in said.items() if name.startswith("node ")}
+        assert set(at) == set(corners), (at, corners)
+        for node, position in at.items():
+            assert np.allclose(position, points[node], atol=1e-5)
+        # the place that was picked is the middle of the face, about
+        assert np.abs(points[corners].mean(axis=0) - middle).max() < 0.15
+        assert np.isclose(numbers(said["area"])[0], 0.02, rtol=1e-5)
+        assert np.isclose(numbers(said["heat"])[0], heat[cell], rtol=2e-5) and said["heat"].endswith(" K")
+        assert np.isclose(numbers(said["height, mean of nodes"])[0], points[corners, 2].mean(), rtol=1e-4)
+
+
+def test_a_picked_cell_of_a_section_is_cut_there():
+    _, fine, page = report()
+    points, cells, _, _, heat = mesh_of(fine)
+    title, said = opened(page, "#meshes=1;show=z;place=0.3;look=z;color=level;pick=0.45,0.52").picked()
+    cell = int(title.split()[1])
+    corners = points[cells[cell]]
+    assert corners[:, 2].min() < 0.3 < corners[:, 2].max(), corners
+    volume = np.dot(np.cross(corners[1] - corners[0], corners[2] - corners[0]), corners[3] - corners[0]) / 6
+    assert np.isclose(numbers(said["volume"])[0], volume, rtol=1e-4)
+    assert np.isclose(numbers(said["heat"])[0], heat[cell], rtol=2e-5)
+
+
+def test_worst_cells_are_flown_to():
+    _, fine, page = report()
+    seen = opened(page, "#worst=0;color=mean_ratio")
+    title, said = seen.picked()
+    first = seen.tables[f"Cells of lowest mean ratio, {fine}"][1]
+    assert title == f"Cell {first[0]}" and np.isclose(float(said["mean ratio"]), float(first[6]), rtol=1e-4)
+
+
+def test_meshes_are_drawn_side_by_side():
+    _, _, page = report()
+    image = pixels(screenshot(page, "#color=level;theme=light", "light.png"))
+    left, right = image[150:600, 30:430], image[150:600, 470:860]
+    first, second = (195, 204, 216), (88, 170, 187)  # of levels 0 and 1
+    lit = lambda part, color: sum(near(part, np.array(color) * shade / 100, 10) for shade in range(70, 101, 6))
+    assert lit(left, first) > 5000 and lit(right, first) > 5000
+    assert lit(left, second) < 200 and lit(right, second) > 1000, (lit(left, second), lit(right, second))
+    assert tuple(image[5, 5]) == (255, 255, 255)
+
+
+def test_sections_have_the_colors_of_their_values():
+    _, _, page = report()
+    image = pixels(screenshot(page, "#meshes=0;show=y;look=y;color=heat;theme=dark", "dark.png"))
+    assert max(image[5, 5]) < 40, "dark"
+    stage = image[150:600, 30:860]
+    # heat grows with x from the lower to the upper end of the color map, from left to right
+    low, high = (np.abs(stage - np.array(color)).max(axis=2) < 40 for color in ((68, 1, 84), (253, 231, 37)))
+    assert low.sum() > 500 and high.sum() > 500
+    assert np.nonzero(low)[1].mean() + 200 < np.nonzero(high)[1].mean()
+
+
+def test_hidden_patches_are_neither_drawn_nor_picked():
+    _, _, page = report()
+    title, said = opened(page, "#meshes=0;look=x;hide=xmin;pick=0.503,0.51").picked()
+    assert title == "Boundary triangle" and said["patch"].startswith("xmax"), said
+
+
+def with_script(page, name, script):
+    """A copy of the page in which a user does something once it is ready."""
+    after = "<script>(async () => { while (!document.documentElement.dataset.ready) await new Promise(requestAnimationFrame);" \
+            f" {script}; await page.busy; document.documentElement.dataset.done = 'yes'; }})();</script></body>"
+    pathlib.Path(name).write_text(pathlib.Path(page).read_text().replace("</body>", after))
+    return name
+
+
+def test_mouse_and_keys_do_what_they_say():
+    coarse, _, page = report()
+    click = """
+      const canvas = document.getElementById("canvas"), box = canvas.getBoundingClientRect();
+      const at = {pointerId: 1, pointerType: "mouse", button: 0, bubbles: true,
+        clientX: box.left + 0.503 * box.width, clientY: box.top + 0.51 * box.height};
+      canvas.dispatchEvent(new KeyboardEvent("keydown", {key: "x"}));
+      canvas.dispatchEvent(new PointerEvent("pointerdown", {...at, buttons: 1}));
+      canvas.dispatchEvent(new PointerEvent("pointerup", at))"""
+    seen = opened(with_script(page, "clicked.html", click), "#meshes=0")
+    assert seen.root.get("data-done") == "yes"
+    by_click = seen.picked()
+    assert by_click == opened(page, "#meshes=0;look=x;pick=0.503,0.51").picked()
+    assert by_click[1]["patch"].startswith("xmin")
+    keys = """for (const key of ["e", "s", "+", "ArrowLeft", "n"])
+        document.getElementById("canvas").dispatchEvent(new KeyboardEvent("keydown", {key}))"""
+    seen = opened(with_script(page, "keys.html", keys), "#meshes=0")
+    assert seen.picked()[0] == "Cell " + seen.tables[f"Cells of lowest mean ratio, {coarse}"][1][0]
+    shows = """document.querySelectorAll("tr[data-mesh='1'] button")[2].click()"""
+    seen = opened(with_script(page, "shows.html", shows))
+    row = [rows for caption, rows in seen.tables.items() if caption.startswith("Cells of lowest") and "fine" in caption][0][3]
+    assert seen.picked()[0] == f"Cell {row[0]}"
+
+
+def test_without_webgl_the_tables_remain():
+    _, _, page = report()
+    text, _ = browse(page, "", "--disable-3d-apis", "--dump-dom")
+    seen = report_page.Page(text)
+    assert seen.root.get("data-ready") == "yes" and "WebGL does not work here" in " ".join(seen.by_id["view"])
+    assert "Meshes" in seen.tables and seen.by_id["charts"]
+
+
+def test_charts_are_drawn():
+    _, _, page = report()
+    seen = opened(page)
+    assert sum("cumulative" in text for text in seen.by_id["charts"]) >= 6, seen.by_id["charts"][:20]
+    assert int(seen.root["data-first-frame"]) > 0
+
+
+run_tests(globals(), at_once=2)

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace pamr::report {
+
+/// Integers for a script in a page (page/unpack.js reads them): differences of neighbors with the sign in the lowest
+/// bit, all first bytes, all second bytes, ..., as many as the largest difference needs; before them that number; all
+/// of it deflated, in base 64.
+std::string pack_integers(std::span<const std::int64_t> values);
+
+/// Reals likewise, rounded to 16 significant bits (4 digits) in the range of 32-bit floats: the upper 3 bytes of each.
+std::string pack_reals(std::span<const double> values);
+
+}  // namespace pamr::report
