@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Speed of the DSMC solver in a box of nitrogen with rotation at rest in equilibrium, mirrors all round, on Kuhn's
-// tetrahedra: 12 particles a cell, most probable speed times time step 0.3 cube roots of a cell's volume, 0.07 pair
+// tetrahedra: most probable speed times time step 0.3 cube roots of a cell's volume, 0.07 pair
 // collisions a particle and step, nearest partners, sampling every step.
 //
-//   bench_dsmc [N [STEPS]]     cubes along an edge (default 11: 95,832 particles; 24: 995,328) and timed steps (50)
+//   bench_dsmc [N [STEPS [PER_CELL]]]     cubes along an edge (default 11: 95,832 particles; 24: 995,328), timed steps
+//                                         (50) and particles a cell (12; in dense gas before a body several hundred)
 //
 // Prints particle-steps per second of processor time (user and system, of all ranks), crossings and collisions per
 // particle-step, bytes a particle, and the processor time of each rank, with and without communication and waiting.
@@ -26,8 +27,8 @@ namespace {
 using namespace pamr;
 using namespace pamr::dsmc;
 
-Setup box(const mesh::DistMesh& mesh) {
-  constexpr double per_cell = 12, temperature = 300;
+Setup box(const mesh::DistMesh& mesh, double per_cell) {
+  constexpr double temperature = 300;
   Setup setup;
   setup.gas.species = {{"N2", 4.65e-26, 4.17e-10, 0.74, 273, 1, 2}};
   setup.gas.fraction = {1};
@@ -48,8 +49,9 @@ int main(int argc, char** argv) {
   const par::Runtime runtime(argc, argv);
   const par::Comm comm(runtime.world());
   const int n = argc > 1 ? std::atoi(argv[1]) : 11, n_steps = argc > 2 ? std::atoi(argv[2]) : 50;
+  const double per_cell = argc > 3 ? std::atof(argv[3]) : 12;
   const auto mesh = assemble::assemble(comm, assemble::kuhn_cube(comm, n));
-  Flow flow(comm, mesh, box(mesh));
+  Flow flow(comm, mesh, box(mesh, per_cell));
   flow.fill(mesh);
   for (int step = 0; step < 5; ++step) flow.step();
   flow.start_sampling();

@@ -10,6 +10,7 @@
 #include "solvers/dsmc/kernel/nearest.hpp"
 #include "solvers/dsmc/kernel/particles.hpp"
 #include "solvers/dsmc/kernel/random.hpp"
+#include "solvers/dsmc/kernel/section_bounds.hpp"
 
 namespace pamr::dsmc {
 
@@ -73,8 +74,7 @@ std::vector<CellCollisions> start_collisions(const Gas& gas, double t, std::size
 /// Transfer 10 (1996).
 class Collider {
  public:
-  Collider(const Gas& gas, const CollisionOptions& options, std::uint64_t seed)
-      : gas_(&gas), options_(options), seed_(seed), of_pair_(gas.pairs.size(), 0) {}
+  Collider(const Gas& gas, const CollisionOptions& options, std::uint64_t seed);
 
   /// One time step of all cells. `particles` must be sorted by cell. Local. O(particles + candidates), with weights
   /// O(particles + candidates x particles a cell).
@@ -86,6 +86,7 @@ class Collider {
  private:
   void collide_cell(const GasDomain& domain, std::size_t c, std::uint64_t step, Particles& particles,
                     CellCollisions& state);
+  bool is_accepted(std::size_t pair, double speed_squared, double threshold, double& max_sigma_cr) const;
   std::uint32_t choose_partner(const Particles& particles, std::uint32_t begin, std::uint32_t n, std::uint32_t first,
                                std::uint32_t excluded, Random& random);
   /// The nearest particle of a species that is drawn in proportion to its particles.
@@ -105,6 +106,7 @@ class Collider {
   std::uint64_t seed_;
   CollisionCounts counts_;
   std::vector<std::int64_t> of_pair_;
+  std::vector<SectionBounds> bounds_;  ///< of the gas's pairs
   /// Of each particle of the cell: tag of its partner in the last candidate pair of this step that might exchange.
   std::vector<std::uint32_t> last_candidate_;
   double max_exchange_ = 0;  ///< largest chance of an exchange of rotational energy in the current cell

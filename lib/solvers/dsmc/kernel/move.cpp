@@ -34,7 +34,9 @@ class Mover {
   Mover(const MoveRules& rules, std::uint64_t step, SurfaceTally& tally)
       : domain_(rules.domain), gas_(rules.gas), patch_(rules.patch), seed_(rules.seed), step_(step), tally_(&tally) {}
 
-  End fly(Flight& flight);
+  End fly(Flight& flight) { return fly(flight, outside_at_end(flight)); }
+  /// `out`: faces of the particle's cell outside of which the flight ends.
+  End fly(Flight& flight, unsigned out);
   MoveCounts counts;
 
  private:
@@ -42,6 +44,10 @@ class Mover {
     int slot = -1;
     double time = 0;
   };
+  unsigned outside_at_end(const Flight& flight) const {
+    const auto& p = flight.particle;
+    return outside(domain_->planes[at(p.cell)], p.position + flight.time * p.velocity);
+  }
   Exit first_exit(const CellPlanes& planes, const Flight& flight, unsigned out) const;
   Exit drawn_exit(const CellPlanes& planes, const Flight& flight, unsigned out, std::int64_t turn) const;
   bool goes_across(Vec3& position, LocalId& link) const;
@@ -122,18 +128,17 @@ bool Mover::meets_boundary(Flight& flight, std::size_t number, double time) {
   return true;
 }
 
-End Mover::fly(Flight& flight) {
+End Mover::fly(Flight& flight, unsigned out) {
   auto& p = flight.particle;
   std::int64_t passed_faces = 0, without_progress = 0;
-  for (;;) {
+  for (;; out = outside_at_end(flight)) {
     const auto c = at(p.cell);
     const auto& planes = domain_->planes[c];
-    const Vec3 end = p.position + flight.time * p.velocity;
-    const unsigned out = outside(planes, end) & ~flight.excluded_face;
+    out &= ~flight.excluded_face;
     Exit exit;
     if (out != 0) exit = first_exit(planes, flight, out);
     if (exit.slot < 0) {
-      p.position = end;
+      p.position = p.position + flight.time * p.velocity;
       break;
     }
     if (passed_faces > stall_limit) {
@@ -234,7 +239,8 @@ void fly_own(Mover& mover, const GasDomain& domain, Particles& particles, Outbox
     const auto c = at(cell);
     const double dt = domain.dt[c];
     const Vec3 end = particles.position(i) + dt * particles.velocity(i);
-    if (outside(domain.planes[c], end) == 0) {
+    const unsigned out = outside(domain.planes[c], end);
+    if (out == 0) {
       particles.x[i] = end.x;
       particles.y[i] = end.y;
       particles.z[i] = end.z;
@@ -243,7 +249,7 @@ void fly_own(Mover& mover, const GasDomain& domain, Particles& particles, Outbox
     Flight flight;
     flight.particle = particles.get(i);
     flight.time = dt;
-    const auto how = mover.fly(flight);
+    const auto how = mover.fly(flight, out);
     const auto& p = flight.particle;
     if (how == End::rests) {
       particles.x[i] = p.position.x;
