@@ -121,12 +121,11 @@ CollisionCounts Collider::collide(const GasDomain& domain, std::uint64_t step, P
 void Collider::collide_cell(const GasDomain& domain, std::size_t c, std::uint64_t step, Particles& particles,
                             CellCollisions& state) {
   const auto begin = particles.begin()[c], end = particles.begin()[c + 1], n = end - begin;
-  const double pairs = 0.5 * n * (n - 1.0) * domain.fnum[c] * domain.dt[c] / domain.volume[c];
   if (gas_->rotation.model == Rotation::Model::variable) {
     const double now = temperature_of(*gas_, particles, begin, end);
     state.temperature = state.temperature > 0 ? state.temperature + 0.02 * (now - state.temperature) : now;
   }
-  const double wanted = pairs * state.max_sigma_cr + state.remainder;
+  const double wanted = mean_candidates(domain, c, n, state) + state.remainder;
   const auto candidates = static_cast<std::int64_t>(wanted);
   state.remainder = wanted - static_cast<double>(candidates);
   if (candidates == 0) return;

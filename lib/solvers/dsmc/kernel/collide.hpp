@@ -41,6 +41,11 @@ struct CollisionCounts {
   void add(const CollisionCounts& other);
 };
 
+/// Candidate pairs of a cell with `n` particles in a step, remainders apart, on average.
+inline double mean_candidates(const GasDomain& domain, std::size_t cell, std::uint32_t n, const CellCollisions& state) {
+  return 0.5 * n * (n - 1.0) * domain.fnum[cell] * domain.dt[cell] / domain.volume[cell] * state.max_sigma_cr;
+}
+
 /// Initial values for cells of a gas at temperature `t`: the bound is that of a fast pair.
 std::vector<CellCollisions> start_collisions(const Gas& gas, double t, std::size_t n_cells);
 
