@@ -28,7 +28,7 @@ struct Options {
   std::string case_file, mesh, restart, carry;
   dsmc::OutputFiles out;
   dsmc::AdvanceOptions advance;
-  bool plan = false, force = false;
+  bool plan = false, force = false, keep_cells = false;
 };
 
 void declare(cli::CommandLine& line, Options& o) {
@@ -53,6 +53,8 @@ void declare(cli::CommandLine& line, Options& o) {
       .type_name("FILE.csv");
   line.option("--history", o.out.history, "particles and loads over time").type_name("FILE.csv");
   line.flag("--plan", o.plan, "print what is known before the first step, and exit");
+  line.flag("--keep-cells", o.keep_cells,
+            "leave every cell on its rank for the whole run; without it cells move when that saves time");
   line.flag("--force", o.force, cli::force_help);
 }
 
@@ -77,6 +79,7 @@ void begin(cli::Session& session, const Options& o, dsmc::Computation& computati
   else
     computation.fill();
   computation.rebalance();
+  if (o.keep_cells) computation.keep_cells();
 }
 
 dsmc::Advance advance(cli::Session& session, const Options& o, dsmc::Computation& computation) {

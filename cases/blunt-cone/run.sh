@@ -8,7 +8,8 @@
 #                           [--out FOLDER] [--tools FOLDER]
 #
 #   --ranks N       MPI processes (default 2)
-#   --levels N      refinements, at most 3 (default 1; with --full 2; the third makes 1.1 million cells)
+#   --levels N      refinements, at most 4 (default 1; with --full 2; the third makes 1.1 million cells, the fourth
+#                   up to 2.8 million: hours)
 #   --full          the particles and steps of docs/results/blunt-cone.md
 #   --smoke         few particles and steps: shows in seconds that the loop works; its flow means nothing
 #   --heat-flux     Set 1 of the wind tunnel at no incidence instead, and its heat flux at the thermocouples
@@ -27,7 +28,7 @@ check_options() {
   if [ $smoke = yes ]; then size=smoke; fi
   if [ $heat_flux = yes ]; then size=heat-flux; fi
   levels=${levels:-$([ $size = full ] && echo 2 || echo 1)}
-  local most=3
+  local most=4
   if [ $size = heat-flux ]; then most=1; fi
   if ! [[ $levels =~ ^[0-9]$ ]] || [ "$levels" -gt $most ]; then
     echo "run.sh: --levels: expected 0 to $most, found $levels" >&2
@@ -37,7 +38,7 @@ check_options() {
 . "$(dirname -- "${BASH_SOURCE[0]}")/../start.sh"
 
 # By level: molecules a particle where the time step is the longest, averaged steps, and at most so many cells.
-cells=(0 60000 165000 1200000)
+cells=(0 60000 165000 1200000 2800000)
 transient=
 case_file=$case_folder/case.toml
 limit=1.1718e21  # 1.05 times the free stream's density
@@ -47,9 +48,9 @@ case $size in
     case_file=$case_folder/heat-flux.toml
     limit=3.9008e20
     ;;
-  full) weight=(4.0e11 8.2e11 6.2e11 4.0e11) sampling=(500 400 400 400) ;;
-  small) weight=(2.0e12 3.0e12 3.0e12 3.0e12) sampling=(500 500 500 500) ;;
-  smoke) weight=(3.0e13 4.0e13 4.0e13 4.0e13) sampling=(40 40 40 40) transient="transient = 40" ;;
+  full) weight=(4.0e11 8.2e11 6.2e11 4.0e11 4.0e11) sampling=(500 400 400 400 400) ;;
+  small) weight=(2.0e12 3.0e12 3.0e12 3.0e12 3.0e12) sampling=(500 500 500 500 500) ;;
+  smoke) weight=(3.0e13 4.0e13 4.0e13 4.0e13 4.0e13) sampling=(40 40 40 40 40) transient="transient = 40" ;;
 esac
 [ $resume = yes ] || rm -f "$out"/*.hdf "$out"/*.json "$out"/*.checkpoint "$out"/*.csv
 

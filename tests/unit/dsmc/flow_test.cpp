@@ -59,6 +59,24 @@ int patch_named(const mesh::DistMesh& mesh, const std::string& name) {
   return -1;
 }
 
+TEST(Flow, NeedsNoMoreReductionsThanExchangesBetweenNeighbors) {
+  const par::Comm comm(MPI_COMM_WORLD);
+  const auto mesh = assemble::assemble(comm, test::kuhn_cube(comm, 4));
+  Flow flow(comm, mesh, test::box_of(test::nitrogen(), mesh, 1, 10, 1e20, 300, 300, 1e-4));
+  flow.fill(mesh);
+
+  Traffic traffic;
+  for (int step = 0; step < 20; ++step) traffic += flow.step().traffic;
+
+  if (comm.size() == 1) {
+    EXPECT_EQ(traffic.rounds, 0);
+    EXPECT_EQ(traffic.messages, 0);
+  } else {
+    EXPECT_GE(traffic.rounds, 2 * 20);
+    EXPECT_LE(traffic.reductions, traffic.rounds);
+  }
+}
+
 TEST(Flow, RunsWithCollisionsInflowAndDiffuseWallsAreBitEqualOnAnyNumberOfRanks) {
   const par::Comm comm(MPI_COMM_WORLD), alone(MPI_COMM_SELF);
   const auto block = test::random_mesh(comm, 5, 4);

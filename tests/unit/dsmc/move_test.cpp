@@ -34,7 +34,7 @@ struct Box {
   }
   MoveCounts step() {
     const MoveRules rules{&domain, &gas, patch, 7};
-    const auto counts = move(*comm, rules, n_steps++, particles, entering, tally);
+    const auto counts = move(*comm, rules, n_steps++, particles, entering, border, tally);
     particles.sort_by_cell(domain.n_cells());
     return counts;
   }
@@ -60,6 +60,7 @@ struct Box {
   const par::Comm* comm;
   mesh::DistMesh mesh;
   GasDomain domain;
+  BorderExchange border{domain};
   Gas gas;
   std::vector<BoundaryCondition> patch;
   Particles particles;

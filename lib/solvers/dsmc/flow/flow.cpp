@@ -88,6 +88,7 @@ Flow::Flow(const par::Comm& comm, const mesh::DistMesh& mesh, Setup setup)
   surface.face.resize(domain_.boundary.size());
   surface.set_units(setup_.gas.species.front().mass, typical_speed(setup_));
   cells.clear(n, setup_.gas);
+  border_.emplace(domain_);
   inflow_.emplace(comm, rules(), setup_.stream);
   particles.sort_by_cell(domain_.n_cells());
 }
@@ -126,6 +127,7 @@ void Flow::fill(const mesh::DistMesh& mesh) {
 
 StepCounts Flow::step(bool wants_stop) {
   StepCounts counts;
+  const auto traffic = comm_->traffic();
   std::vector<Flight> entering;
   std::optional<Error> trouble;  // of this rank: thrown once all ranks know of it
   try {
@@ -135,7 +137,7 @@ StepCounts Flow::step(bool wants_stop) {
   }
   counts.entered = static_cast<std::int64_t>(entering.size());
   const auto before = static_cast<std::int64_t>(particles.size()) + counts.entered;
-  counts.moved = move(*comm_, rules(), steps_done, particles, entering, surface);
+  counts.moved = move(*comm_, rules(), steps_done, particles, entering, *border_, surface);
   hits_unchecked_ += counts.moved.wall_hits;
   if (hits_unchecked_ >= hits_between_checks && !trouble) {
     hits_unchecked_ = 0;
@@ -152,6 +154,7 @@ StepCounts Flow::step(bool wants_stop) {
   if (sampling_) cells.add(particles, setup_.gas);
   counts.compute_seconds = counts.moved.compute_seconds + cpu_seconds() - start;
   counts.all = add_up(counts, before - counts.moved.left - counts.particles, wants_stop, trouble);
+  counts.traffic = comm_->traffic() - traffic;
   ++steps_done;
   return counts;
 }

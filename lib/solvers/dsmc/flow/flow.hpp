@@ -32,6 +32,7 @@ struct StepCounts {
   std::int64_t entered = 0;
   std::int64_t particles = 0;  ///< after the step
   double compute_seconds = 0;  ///< processor time without communication
+  Traffic traffic;             ///< what this rank has sent
   StepTotals all;
 };
 
@@ -51,7 +52,7 @@ class Flow {
 
   /// One time step: inflow, movement, sorting, collisions, and sampling if it is switched on. `wants_stop` of any rank
   /// is reported to all (`StepTotals::stop`).
-  /// Collective: the rounds of `move` and one reduction.
+  /// Collective: the exchanges and reductions of `move` and one reduction.
   /// Throws the same `Error` on every rank when too many particles enter through a face, and `ContractViolation` when a
   /// particle was lost.
   StepCounts step(bool wants_stop = false);
@@ -89,6 +90,7 @@ class Flow {
   GasDomain domain_;
   Collider collider_;
   std::optional<Inflow> inflow_;
+  std::optional<BorderExchange> border_;
   bool sampling_ = false;
   std::int64_t lost_ = 0;
   std::int64_t hits_unchecked_ = 0;  ///< on walls of this rank since their sums were looked at

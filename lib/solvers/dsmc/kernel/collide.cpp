@@ -101,6 +101,13 @@ std::vector<CellCollisions> start_collisions(const Gas& gas, double t, std::size
   return std::vector<CellCollisions>(n_cells, CellCollisions{max_sigma_cr, 0, 0, 0, 0, 0});
 }
 
+Collider::Collider(const Gas& gas, const CollisionOptions& options, std::uint64_t seed)
+    : gas_(&gas),
+      options_(options),
+      seed_(seed),
+      of_pair_(gas.pairs.size(), 0),
+      bounds_(gas.pairs.begin(), gas.pairs.end()) {}
+
 CollisionCounts Collider::collide(const GasDomain& domain, std::uint64_t step, Particles& particles,
                                   std::vector<CellCollisions>& state) {
   counts_ = {};
@@ -114,12 +121,11 @@ CollisionCounts Collider::collide(const GasDomain& domain, std::uint64_t step, P
 void Collider::collide_cell(const GasDomain& domain, std::size_t c, std::uint64_t step, Particles& particles,
                             CellCollisions& state) {
   const auto begin = particles.begin()[c], end = particles.begin()[c + 1], n = end - begin;
-  const double pairs = 0.5 * n * (n - 1.0) * domain.fnum[c] * domain.dt[c] / domain.volume[c];
   if (gas_->rotation.model == Rotation::Model::variable) {
     const double now = temperature_of(*gas_, particles, begin, end);
     state.temperature = state.temperature > 0 ? state.temperature + 0.02 * (now - state.temperature) : now;
   }
-  const double wanted = pairs * state.max_sigma_cr + state.remainder;
+  const double wanted = mean_candidates(domain, c, n, state) + state.remainder;
   const auto candidates = static_cast<std::int64_t>(wanted);
   state.remainder = wanted - static_cast<double>(candidates);
   if (candidates == 0) return;
@@ -146,11 +152,11 @@ void Collider::collide_cell(const GasDomain& domain, std::size_t c, std::uint64_
       last_candidate_[first] = tag_of(particles.id[b]);
       last_candidate_[second] = tag_of(particles.id[a]);
     }
-    const auto& pair = gas_->pair(particles.species[a], particles.species[b]);
     const double speed_squared = squared_norm(particles.velocity(a) - particles.velocity(b));
-    const double chance = pair.weight * section_times_speed(pair, speed_squared);
-    state.max_sigma_cr = std::max(state.max_sigma_cr, chance);
-    if (random.uniform() * bound >= chance) continue;
+    const double threshold = random.uniform() * bound;
+    if (!is_accepted(particles.species[a] * gas_->species.size() + particles.species[b], speed_squared, threshold,
+                     state.max_sigma_cr))
+      continue;
     ++counts_.collisions;
     ++state.collisions;
     state.separation += norm(particles.position(a) - particles.position(b));
@@ -163,6 +169,19 @@ void Collider::collide_cell(const GasDomain& domain, std::size_t c, std::uint64_
     else
       collide_pair(particles, {a, b, speed_squared, draw}, state.temperature, random);
   }
+}
+
+/// Whether the chance of a pair is greater than the threshold. Raises the maximum to it. The bounds decide when they
+/// can, which leaves one pair in hundreds.
+bool Collider::is_accepted(std::size_t pair, double speed_squared, double threshold, double& max_sigma_cr) const {
+  const auto range = bounds_[pair].of(speed_squared);
+  if (range.high <= max_sigma_cr) {
+    if (range.high <= threshold) return false;
+    if (range.low > threshold) return true;
+  }
+  const double chance = gas_->pairs[pair].weight * section_times_speed(gas_->pairs[pair], speed_squared);
+  max_sigma_cr = std::max(max_sigma_cr, chance);
+  return threshold < chance;
 }
 
 void Collider::collide_weighted(Particles& p, Partners partners, double heaviest, CellCollisions& state,

@@ -10,6 +10,7 @@
 #include "solvers/dsmc/kernel/nearest.hpp"
 #include "solvers/dsmc/kernel/particles.hpp"
 #include "solvers/dsmc/kernel/random.hpp"
+#include "solvers/dsmc/kernel/section_bounds.hpp"
 
 namespace pamr::dsmc {
 
@@ -39,6 +40,11 @@ struct CollisionCounts {
   std::int64_t clamped = 0;  ///< collisions whose relaxation probability was limited to 1/2
   void add(const CollisionCounts& other);
 };
+
+/// Candidate pairs of a cell with `n` particles in a step, remainders apart, on average.
+inline double mean_candidates(const GasDomain& domain, std::size_t cell, std::uint32_t n, const CellCollisions& state) {
+  return 0.5 * n * (n - 1.0) * domain.fnum[cell] * domain.dt[cell] / domain.volume[cell] * state.max_sigma_cr;
+}
 
 /// Initial values for cells of a gas at temperature `t`: the bound is that of a fast pair.
 std::vector<CellCollisions> start_collisions(const Gas& gas, double t, std::size_t n_cells);
@@ -73,8 +79,7 @@ std::vector<CellCollisions> start_collisions(const Gas& gas, double t, std::size
 /// Transfer 10 (1996).
 class Collider {
  public:
-  Collider(const Gas& gas, const CollisionOptions& options, std::uint64_t seed)
-      : gas_(&gas), options_(options), seed_(seed), of_pair_(gas.pairs.size(), 0) {}
+  Collider(const Gas& gas, const CollisionOptions& options, std::uint64_t seed);
 
   /// One time step of all cells. `particles` must be sorted by cell. Local. O(particles + candidates), with weights
   /// O(particles + candidates x particles a cell).
@@ -86,6 +91,7 @@ class Collider {
  private:
   void collide_cell(const GasDomain& domain, std::size_t c, std::uint64_t step, Particles& particles,
                     CellCollisions& state);
+  bool is_accepted(std::size_t pair, double speed_squared, double threshold, double& max_sigma_cr) const;
   std::uint32_t choose_partner(const Particles& particles, std::uint32_t begin, std::uint32_t n, std::uint32_t first,
                                std::uint32_t excluded, Random& random);
   /// The nearest particle of a species that is drawn in proportion to its particles.
@@ -105,6 +111,7 @@ class Collider {
   std::uint64_t seed_;
   CollisionCounts counts_;
   std::vector<std::int64_t> of_pair_;
+  std::vector<SectionBounds> bounds_;  ///< of the gas's pairs
   /// Of each particle of the cell: tag of its partner in the last candidate pair of this step that might exchange.
   std::vector<std::uint32_t> last_candidate_;
   double max_exchange_ = 0;  ///< largest chance of an exchange of rotational energy in the current cell

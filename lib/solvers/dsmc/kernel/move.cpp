@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <utility>
 
 #include "pamr/base/hash.hpp"
 #include "pamr/base/index.hpp"
@@ -34,7 +33,9 @@ class Mover {
   Mover(const MoveRules& rules, std::uint64_t step, SurfaceTally& tally)
       : domain_(rules.domain), gas_(rules.gas), patch_(rules.patch), seed_(rules.seed), step_(step), tally_(&tally) {}
 
-  End fly(Flight& flight);
+  End fly(Flight& flight) { return fly(flight, outside_at_end(flight)); }
+  /// `out`: faces of the particle's cell outside of which the flight ends.
+  End fly(Flight& flight, unsigned out);
   MoveCounts counts;
 
  private:
@@ -42,6 +43,10 @@ class Mover {
     int slot = -1;
     double time = 0;
   };
+  unsigned outside_at_end(const Flight& flight) const {
+    const auto& p = flight.particle;
+    return outside(domain_->planes[at(p.cell)], p.position + flight.time * p.velocity);
+  }
   Exit first_exit(const CellPlanes& planes, const Flight& flight, unsigned out) const;
   Exit drawn_exit(const CellPlanes& planes, const Flight& flight, unsigned out, std::int64_t turn) const;
   bool goes_across(Vec3& position, LocalId& link) const;
@@ -122,18 +127,17 @@ bool Mover::meets_boundary(Flight& flight, std::size_t number, double time) {
   return true;
 }
 
-End Mover::fly(Flight& flight) {
+End Mover::fly(Flight& flight, unsigned out) {
   auto& p = flight.particle;
   std::int64_t passed_faces = 0, without_progress = 0;
-  for (;;) {
+  for (;; out = outside_at_end(flight)) {
     const auto c = at(p.cell);
     const auto& planes = domain_->planes[c];
-    const Vec3 end = p.position + flight.time * p.velocity;
-    const unsigned out = outside(planes, end) & ~flight.excluded_face;
+    out &= ~flight.excluded_face;
     Exit exit;
     if (out != 0) exit = first_exit(planes, flight, out);
     if (exit.slot < 0) {
-      p.position = end;
+      p.position = p.position + flight.time * p.velocity;
       break;
     }
     if (passed_faces > stall_limit) {
@@ -165,60 +169,13 @@ End Mover::fly(Flight& flight) {
   return End::rests;
 }
 
-/// Flights by the rank that they go to; `particle.cell` is then the number of the face among those shared with it.
-class Outbox {
- public:
-  explicit Outbox(const GasDomain& domain) : domain_(&domain), message_(domain.border_rank.size()) {
-    for (std::size_t i = 0; i < message_.size(); ++i) message_[i].to = domain.border_rank[i];
-  }
-  void add(Flight flight) {
-    const auto face = at(flight.particle.cell);
-    const auto& offset = domain_->border_offset;
-    const auto i = static_cast<std::size_t>(std::upper_bound(offset.begin(), offset.end(), face) - offset.begin()) - 1;
-    flight.particle.cell = static_cast<LocalId>(face - offset[i]);
-    message_[i].item.push_back(flight);
-    ++n_;
-  }
-  bool is_empty() const { return n_ == 0; }
-  /// Collective.
-  std::vector<Flight> deliver(const par::Comm& comm) {
-    std::vector<par::Outgoing<Flight>> full;
-    for (auto& message : message_)
-      if (!message.item.empty()) full.push_back({message.to, std::exchange(message.item, {})});
-    n_ = 0;
-    const auto received = comm.sparse_exchange(full);
-    std::vector<Flight> arrived(received.item);
-    for (std::size_t i = 0; i < received.rank.size(); ++i) {
-      const auto& ranks = domain_->border_rank;
-      const auto border =
-          static_cast<std::size_t>(std::lower_bound(ranks.begin(), ranks.end(), received.rank[i]) - ranks.begin());
-      for (auto k = received.offset[i]; k < received.offset[i + 1]; ++k)
-        enter(arrived[k], domain_->border_offset[border]);
-    }
-    return arrived;
-  }
-
- private:
-  void enter(Flight& flight, std::size_t first_face) const {
-    const auto face = first_face + static_cast<std::size_t>(flight.particle.cell);
-    flight.particle.cell = domain_->border_face[face].cell;
-    if (domain_->uniform_dt) return;
-    const double ratio = domain_->dt[at(flight.particle.cell)] / flight.dt_from;
-    flight.time = flight.passed + (flight.time - flight.passed) * ratio;
-  }
-
-  const GasDomain* domain_;
-  std::vector<par::Outgoing<Flight>> message_;
-  std::size_t n_ = 0;
-};
-
-void fly_all(Mover& mover, std::vector<Flight>& flights, Particles& particles, Outbox& outbox) {
+void fly_all(Mover& mover, std::vector<Flight>& flights, Particles& particles, BorderExchange& border) {
   for (auto& flight : flights) switch (mover.fly(flight)) {
       case End::rests:
         particles.append(flight.particle);
         break;
       case End::leaves_rank:
-        outbox.add(flight);
+        border.add(flight);
         break;
       case End::leaves_domain:
         ++mover.counts.left;
@@ -227,14 +184,15 @@ void fly_all(Mover& mover, std::vector<Flight>& flights, Particles& particles, O
 }
 
 /// The particles that are here already; most stay in their cell.
-void fly_own(Mover& mover, const GasDomain& domain, Particles& particles, Outbox& outbox) {
+void fly_own(Mover& mover, const GasDomain& domain, Particles& particles, BorderExchange& border) {
   const auto n = particles.size();
   for (std::size_t i = 0; i < n; ++i) {
     const auto cell = particles.cell[i];
     const auto c = at(cell);
     const double dt = domain.dt[c];
     const Vec3 end = particles.position(i) + dt * particles.velocity(i);
-    if (outside(domain.planes[c], end) == 0) {
+    const unsigned out = outside(domain.planes[c], end);
+    if (out == 0) {
       particles.x[i] = end.x;
       particles.y[i] = end.y;
       particles.z[i] = end.z;
@@ -243,7 +201,7 @@ void fly_own(Mover& mover, const GasDomain& domain, Particles& particles, Outbox
     Flight flight;
     flight.particle = particles.get(i);
     flight.time = dt;
-    const auto how = mover.fly(flight);
+    const auto how = mover.fly(flight, out);
     const auto& p = flight.particle;
     if (how == End::rests) {
       particles.x[i] = p.position.x;
@@ -258,7 +216,7 @@ void fly_own(Mover& mover, const GasDomain& domain, Particles& particles, Outbox
     } else {
       particles.cell[i] = Particles::gone;
       if (how == End::leaves_rank)
-        outbox.add(flight);
+        border.add(flight);
       else
         ++mover.counts.left;
     }
@@ -278,19 +236,20 @@ void MoveCounts::add(const MoveCounts& other) {
 }
 
 MoveCounts move(const par::Comm& comm, const MoveRules& rules, std::uint64_t step, Particles& particles,
-                std::vector<Flight>& entering, SurfaceTally& tally) {
+                std::vector<Flight>& entering, BorderExchange& border, SurfaceTally& tally) {
   Mover mover(rules, step, tally);
-  Outbox outbox(*rules.domain);
   double start = cpu_seconds();
-  fly_own(mover, *rules.domain, particles, outbox);
-  fly_all(mover, entering, particles, outbox);
+  fly_own(mover, *rules.domain, particles, border);
+  fly_all(mover, entering, particles, border);
   mover.counts.compute_seconds = cpu_seconds() - start;
   if (comm.size() == 1) return mover.counts;
-  while (comm.any(!outbox.is_empty())) {
-    auto arrived = outbox.deliver(comm);
+  // Some particle passes two borders in almost every step: to ask beforehand costs more than to deliver.
+  constexpr int unasked = 2;
+  for (int round = 0; round < unasked || comm.any(!border.is_empty()); ++round) {
+    auto arrived = border.deliver(comm, round);
     mover.counts.sent += static_cast<std::int64_t>(arrived.size());
     start = cpu_seconds();
-    fly_all(mover, arrived, particles, outbox);
+    fly_all(mover, arrived, particles, border);
     mover.counts.compute_seconds += cpu_seconds() - start;
   }
   return mover.counts;

@@ -7,22 +7,14 @@
 
 #include "pamr/par/comm.hpp"
 #include "solvers/dsmc/gas/gas.hpp"
+#include "solvers/dsmc/kernel/border_exchange.hpp"
 #include "solvers/dsmc/kernel/boundary.hpp"
+#include "solvers/dsmc/kernel/flight.hpp"
 #include "solvers/dsmc/kernel/gas_domain.hpp"
 #include "solvers/dsmc/kernel/particles.hpp"
 #include "solvers/dsmc/kernel/surface_tally.hpp"
 
 namespace pamr::dsmc {
-
-/// A particle with time left to fly from its position.
-struct Flight {
-  Particle particle;
-  double time = 0;                  ///< s, from `particle.position`
-  double passed = 0;                ///< s, part of `time` that is known to be used up
-  double dt_from = 0;               ///< s, time step of the cell that it left, while between ranks
-  std::uint32_t events = 0;         ///< wall reflections in this step
-  std::uint32_t excluded_face = 0;  ///< bit of the wall face of the cell that it just left
-};
 
 /// What decides how particles move.
 struct MoveRules {
@@ -60,9 +52,10 @@ struct MoveCounts {
 ///
 /// Afterwards the particles are unsorted; those that left have cell `Particles::gone`. `tally` receives what they give
 /// to the walls.
-/// Collective: a sparse exchange and a reduction per round; rounds: one more than the largest number of rank borders
-/// that a particle passes; none on one rank.
+/// `border`: of the rules' domain, without flights.
+/// Collective: two exchanges between neighbors and a reduction, and one more of each for every further border that a
+/// particle passes in the step; nothing on one rank.
 MoveCounts move(const par::Comm& comm, const MoveRules& rules, std::uint64_t step, Particles& particles,
-                std::vector<Flight>& entering, SurfaceTally& tally);
+                std::vector<Flight>& entering, BorderExchange& border, SurfaceTally& tally);
 
 }  // namespace pamr::dsmc

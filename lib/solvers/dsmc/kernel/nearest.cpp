@@ -9,9 +9,11 @@ namespace pamr::dsmc {
 
 namespace {
 
-constexpr std::uint32_t few = 48;      ///< particles that are looked at one by one in any case
-constexpr double price_of_a_grid = 4;  ///< of a particle, over that of looking at one
-constexpr int max_boxes = 64;          ///< along a side
+constexpr std::uint32_t few = 12;    ///< particles that are looked at one by one in any case
+constexpr std::uint32_t many = 512;  ///< from which on a search by boxes is faster than one through the filter
+static_assert(many <= NearFilter::max_points);
+constexpr std::int64_t worth_filter = 2, worth_grid = 16;  ///< searches that pay for the preparation
+constexpr int max_boxes = 64;                              ///< along a side
 
 }  // namespace
 
@@ -19,11 +21,19 @@ void NearestInCell::start(const Particles& particles, std::uint32_t begin, std::
   particles_ = &particles;
   begin_ = begin;
   n_ = n;
-  has_grid_ = n > few && static_cast<double>(n_searches) > price_of_a_grid;
-  if (has_grid_) make_grid();
+  way_ = Way::one_by_one;
+  if (n <= few || n_searches < worth_filter) return;
+  const auto of_cell = [&](const std::vector<double>& rows) { return std::span(rows).subspan(begin, n); };
+  if (n > many && n_searches >= worth_grid) {
+    if (make_grid()) way_ = Way::grid;
+  } else if (n <= NearFilter::max_points &&
+             filter_.start(of_cell(particles.x), of_cell(particles.y), of_cell(particles.z))) {
+    way_ = Way::filter;
+  }
 }
 
-void NearestInCell::make_grid() {
+/// False when all particles are in one place.
+bool NearestInCell::make_grid() {
   constexpr double infinity = std::numeric_limits<double>::infinity();
   std::array<double, 3> high{-infinity, -infinity, -infinity};
   low_ = {infinity, infinity, infinity};
@@ -41,10 +51,7 @@ void NearestInCell::make_grid() {
     longest = std::max(longest, high[d] - low_[d]);
   }
   side_ = std::max(std::cbrt(volume / n_), longest / max_boxes);
-  if (!(side_ > 0)) {  // all in one place
-    has_grid_ = false;
-    return;
-  }
+  if (!(side_ > 0)) return false;
   std::size_t n_boxes = 1;
   for (std::size_t d = 0; d < 3; ++d) {
     boxes_[d] = std::max(1, static_cast<int>(std::ceil((high[d] - low_[d]) / side_)));
@@ -63,6 +70,7 @@ void NearestInCell::make_grid() {
   // Filling from behind has moved every beginning one box on.
   std::rotate(first_.begin(), first_.begin() + 1, first_.end());
   first_.back() = n_;
+  return true;
 }
 
 std::array<int, 3> NearestInCell::box_of(const Vec3& position) const {
@@ -104,24 +112,54 @@ void NearestInCell::look_at_shell(const Vec3& here, const std::array<int, 3>& mi
     }
 }
 
-std::uint32_t NearestInCell::find(std::uint32_t first, std::uint32_t excluded) const {
+/// Takes particle `k` if it is nearer than the best so far; the caller goes through the particles in ascending order.
+void NearestInCell::look_at(std::uint32_t k, const Vec3& here, std::uint32_t excluded, Best& best) const {
+  const double distance = squared_norm(particles_->position(begin_ + k) - here);
+  if (distance < best.distance && distance > 0 && tag_of(particles_->id[begin_ + k]) != excluded) best = {distance, k};
+}
+
+void NearestInCell::look_through_filter(std::uint32_t first, const Vec3& here, std::uint32_t excluded, Best& best) {
+  filter_.look_from(first);
+  for (;;) {
+    const auto answer = filter_.nearest();
+    if (!answer.is_sure) {
+      look_at_all(here, excluded, best);
+      break;
+    }
+    look_at(answer.point, here, excluded, best);
+    if (best.particle < n_) break;
+    filter_.hide(answer.point);  // the excluded one or a copy: the next nearest
+  }
+  filter_.show_all();
+}
+
+void NearestInCell::look_at_all(const Vec3& here, std::uint32_t excluded, Best& best) const {
+  for (std::uint32_t k = 0; k < n_; ++k) look_at(k, here, excluded, best);
+}
+
+void NearestInCell::look_around(const Vec3& here, std::uint32_t excluded, Best& best) const {
+  const auto middle = box_of(here);
+  const int last = *std::max_element(boxes_.begin(), boxes_.end());
+  for (int inner = -1, radius = 1; inner < last; inner = radius++) {
+    look_at_shell(here, middle, inner, radius, excluded, best);
+    // What lies further out is further away than so many sides of a box; a little less, for rounding.
+    const double sure = 0.999 * radius * side_;
+    if (best.distance < sure * sure) break;
+  }
+}
+
+std::uint32_t NearestInCell::find(std::uint32_t first, std::uint32_t excluded) {
   Best best{std::numeric_limits<double>::infinity(), n_};
   const Vec3 here = particles_->position(begin_ + first);
-  if (!has_grid_) {
-    for (std::uint32_t k = 0; k < n_; ++k) {
-      const double distance = squared_norm(particles_->position(begin_ + k) - here);
-      if (distance < best.distance && distance > 0 && tag_of(particles_->id[begin_ + k]) != excluded)
-        best = {distance, k};
-    }
-  } else {
-    const auto middle = box_of(here);
-    const int last = *std::max_element(boxes_.begin(), boxes_.end());
-    for (int inner = -1, radius = 1; inner < last; inner = radius++) {
-      look_at_shell(here, middle, inner, radius, excluded, best);
-      // What lies further out is further away than so many sides of a box; a little less, for rounding.
-      const double sure = 0.999 * radius * side_;
-      if (best.distance < sure * sure) break;
-    }
+  switch (way_) {
+    case Way::one_by_one:
+      look_at_all(here, excluded, best);
+      break;
+    case Way::filter:
+      look_through_filter(first, here, excluded, best);
+      break;
+    case Way::grid:
+      look_around(here, excluded, best);
   }
   if (best.particle < n_) return best.particle;
   return first == 0 ? 1 : 0;

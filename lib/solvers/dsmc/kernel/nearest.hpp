@@ -5,25 +5,28 @@
 #include <cstdint>
 #include <vector>
 
+#include "solvers/dsmc/kernel/near_filter.hpp"
 #include "solvers/dsmc/kernel/particles.hpp"
 
 namespace pamr::dsmc {
 
-/// Finds nearest neighbors among the particles of one cell. Many particles are sorted into a grid of boxes with about
-/// one each, so that a search visits only a few; few are compared one by one. The answer is the same. Local.
+/// Finds nearest neighbors among the particles of one cell. A few hundred are compared several at a time in single
+/// precision, and the nearest of these in double precision. More are sorted into a grid of boxes with about one each,
+/// so that a search visits only a few. The answer is the same. Local.
 class NearestInCell {
  public:
   /// Takes the `n` particles starting at `begin`, which must not move until the next call. `n_searches`: expected
-  /// number of searches, which decides whether a grid is worth its cost. O(n) with a grid, otherwise O(1).
+  /// number of searches, which decides what preparation is worth its cost. O(n), for few searches O(1).
   void start(const Particles& particles, std::uint32_t begin, std::uint32_t n, std::int64_t n_searches);
 
   /// The particle nearest to particle `first`, except those at the same position and the one with the tag `excluded`;
   /// of equally near ones the first; if there is none, the first other particle of the cell. Indices count from
   /// `begin`. Only copies of a particle share its position: a transferred flow may have them. They fly together, and as
   /// partners they would never collide.
-  std::uint32_t find(std::uint32_t first, std::uint32_t excluded) const;
+  std::uint32_t find(std::uint32_t first, std::uint32_t excluded);
 
  private:
+  enum class Way : std::uint8_t { one_by_one, filter, grid };
   struct Best {
     double distance;  ///< squared
     std::uint32_t particle;
@@ -32,7 +35,11 @@ class NearestInCell {
     Vec3 position;
     std::uint32_t tag, particle;
   };
-  void make_grid();
+  void look_at(std::uint32_t k, const Vec3& here, std::uint32_t excluded, Best& best) const;
+  void look_at_all(const Vec3& here, std::uint32_t excluded, Best& best) const;
+  void look_through_filter(std::uint32_t first, const Vec3& here, std::uint32_t excluded, Best& best);
+  void look_around(const Vec3& here, std::uint32_t excluded, Best& best) const;
+  bool make_grid();
   void look_at_shell(const Vec3& here, const std::array<int, 3>& middle, int inner, int radius, std::uint32_t excluded,
                      Best& best) const;
   std::array<int, 3> box_of(const Vec3& position) const;
@@ -40,7 +47,8 @@ class NearestInCell {
 
   const Particles* particles_ = nullptr;
   std::uint32_t begin_ = 0, n_ = 0;
-  bool has_grid_ = false;
+  Way way_ = Way::one_by_one;
+  NearFilter filter_;
   std::array<double, 3> low_{};
   double side_ = 1;  ///< of a box, m
   std::array<int, 3> boxes_{1, 1, 1};

@@ -58,9 +58,10 @@ class Particles {
 
  private:
   void reserve_one_more();
+  void order_by_id(std::span<std::uint32_t> rows);
 
   std::vector<std::uint32_t> begin_;
-  std::vector<std::uint32_t> order_;
+  std::vector<std::uint32_t> order_, new_;
   std::vector<double> spare_;
 };
 

@@ -17,6 +17,22 @@ Phase phase_of(const Computation& computation) {
   return {"computing", done, static_cast<std::int64_t>(averaging.expected_steps())};
 }
 
+/// Collective. `n_steps`: done by this computation.
+RankWork rank_work(const Computation& computation, std::int64_t n_steps) {
+  const auto& comm = computation.comm();
+  const auto& here = computation.traffic();
+  const auto per_step = [&](std::int64_t count) {
+    return static_cast<double>(count) / static_cast<double>(std::max<std::int64_t>(1, n_steps));
+  };
+  double longest = 0, sum = 0;
+  for (const double one : comm.all_gather(computation.computed())) {
+    longest = std::max(longest, one);
+    sum += one;
+  }
+  return {sum > 0 ? longest * comm.size() / sum : 1, per_step(comm.sum(here.messages)), per_step(comm.sum(here.bytes)),
+          per_step(comm.max(here.rounds)), per_step(comm.max(here.reductions))};
+}
+
 }  // namespace
 
 double Advance::rate() const { return particle_steps / std::max(cpu_seconds, 1e-9); }
@@ -29,6 +45,7 @@ Advance advance(Computation& computation, const AdvanceOptions& options, const O
   const auto write = [&] { write_checkpoint(comm, options.checkpoint, computation.snapshot()); };
   observer.begin_phase(phase_of(computation));
   double particle_steps = 0;
+  const auto first_step = steps_done();
   bool was_sampling = state.sampling;
   StepResult last{computation.is_complete(), false};
   while (!last.is_complete && !last.stop && !(options.steps && steps_done() >= *options.steps)) {
@@ -43,7 +60,8 @@ Advance advance(Computation& computation, const AdvanceOptions& options, const O
     observer.after_step(static_cast<std::int64_t>(steps_done()), particles_and_drift(state.history));
   }
   if (!options.checkpoint.empty()) write();
-  Advance result{static_cast<double>(comm.sum(static_cast<std::int64_t>(particle_steps))), 0, last.stop};
+  Advance result{static_cast<double>(comm.sum(static_cast<std::int64_t>(particle_steps))), 0,
+                 rank_work(computation, static_cast<std::int64_t>(steps_done() - first_step)), last.stop};
   for (const double one : comm.all_gather(cpu_seconds() - start)) result.cpu_seconds += one;
   return result;
 }

@@ -31,11 +31,21 @@ struct Observer {
   std::function<void(std::int64_t steps_done, const std::string& note)> after_step = [](auto, auto&) {};
 };
 
+/// What the ranks had to do with one another in a step, mean over the steps.
+struct RankWork {
+  double imbalance = 1;   ///< processor time of the slowest rank over the mean, communication apart
+  double messages = 0;    ///< of all ranks
+  double bytes = 0;       ///< in them
+  double exchanges = 0;   ///< between neighbors, of the rank with the most
+  double reductions = 0;  ///< operations of all ranks together
+};
+
 /// How far a computation was advanced.
 struct Advance {
   double particle_steps = 0;  ///< of all ranks
   double cpu_seconds = 0;     ///< of all ranks
-  bool was_stopped = false;   ///< because the observer of some rank asked for it
+  RankWork ranks;
+  bool was_stopped = false;  ///< because the observer of some rank asked for it
 
   double rate() const;  ///< particle-steps per second of processor time
 };

@@ -37,12 +37,14 @@ class Computation {
   Transferred transfer_from(const std::string& checkpoint);
 
   /// One time step, and what is due after it: the end of an interval, and on several ranks every 20 steps a move of
-  /// cells if it pays off. The result does not depend on that, bit for bit. `wants_stop` of any rank is reported to
-  /// all. Collective.
+  /// cells if it pays off, unless `keep_cells` was called. The result does not depend on that, bit for bit.
+  /// `wants_stop` of any rank is reported to all. Collective.
   StepResult step(bool wants_stop = false);
-  /// Moves cells now so that every rank has the same number of particles and cells, if the ranks differ by more than
-  /// 3 %. Collective. Returns true when cells moved.
+  /// Moves cells now so that every rank has the same work (particles, candidate pairs and cells), if the ranks differ
+  /// by more than 3 %. Collective. Returns true when cells moved.
   bool rebalance();
+  /// From now on `step` leaves cells on their ranks.
+  void keep_cells() { is_dynamic_ = false; }
   /// Ends averaging that has too few steps for a block. Collective.
   void finish() { averaging_->finish(*flow_); }
 
@@ -56,7 +58,11 @@ class Computation {
   const Averaging& averaging() const { return *averaging_; }
   mesh::DistMesh& mesh() { return mesh_; }
   const mesh::DistMesh& mesh() const { return mesh_; }
+  bool is_dynamic() const { return is_dynamic_; }
   std::int64_t n_moves() const { return n_moves_; }  ///< of cells to other ranks
+  /// Of this rank in all steps: processor seconds without communication, and what it has sent.
+  double computed() const { return computed_; }
+  const Traffic& traffic() const { return traffic_; }
 
  private:
   const par::Comm* comm_;
@@ -66,8 +72,11 @@ class Computation {
   std::optional<Flow> flow_;
   std::optional<Averaging> averaging_;
   StopAtRise rule_;
-  double computed_ = 0;  ///< processor seconds of this rank since the last check of the balance
-  int steps_ = 0;        ///< since then
+  bool is_dynamic_ = true;
+  double computed_ = 0;  ///< processor seconds of this rank
+  Traffic traffic_;
+  double checked_ = 0;  ///< `computed_` at the last check of the balance
+  int steps_ = 0;       ///< since then
   std::int64_t n_moves_ = 0;
 };
 

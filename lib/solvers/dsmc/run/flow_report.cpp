@@ -57,6 +57,11 @@ json report_of(const Computation& computation, const Outcome& outcome) {
               {"abandoned_particles", state.stuck},
               {"clamped_relaxations", state.clamped},
               {"rebalanced", computation.n_moves()}};
+  const auto& ranks = outcome.advance.ranks;
+  report["decomposition"] = {{"ranks", computation.comm().size()},    {"dynamic", computation.is_dynamic()},
+                             {"moves", computation.n_moves()},        {"imbalance", ranks.imbalance},
+                             {"messages_per_step", ranks.messages},   {"bytes_per_step", ranks.bytes},
+                             {"exchanges_per_step", ranks.exchanges}, {"reductions_per_step", ranks.reductions}};
   report.update(shown(results.body));
   report["reference"] = shown(c.reference, averaging.scale());
   for (const auto& species : c.gas.species) report["species"].push_back(shown(species));

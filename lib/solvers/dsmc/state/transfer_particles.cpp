@@ -165,7 +165,8 @@ Particles locate(const par::Comm& comm, const mesh::DistMesh& mesh, const Flow& 
   Particles placed;
   SurfaceTally tally;
   tally.face.resize(domain.boundary.size());
-  move(comm, {&domain, &flow.setup().gas, patch, 0}, 0, placed, flights, tally);
+  BorderExchange border(domain);
+  move(comm, {&domain, &flow.setup().gas, patch, 0}, 0, placed, flights, border, tally);
   placed.sort_by_cell(domain.n_cells());
   return placed;
 }
