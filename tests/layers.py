@@ -29,7 +29,7 @@ MAY_INCLUDE = {
     "adapt": REFINER,
     "meshing": MESH_AT_REST + ("io", "check"),
     "surface_mesh": ("base", "geometry"),
-    **{solver: MESH_AT_REST + ("io", "mark", "check", "balance", "adapt/adapt.hpp") for solver in SOLVERS},
+    **{solver: MESH_AT_REST + ("io", "mark", "check", "balance", "curved", "adapt/adapt.hpp") for solver in SOLVERS},
     "cli": ("base", "par", "io"),
     "python": REFINER + ("meshing",),
     "tools": REFINER + SOLVERS + ("meshing", "surface_mesh", "cli"),

@@ -55,6 +55,16 @@ nlohmann::json print_case(const cli::Session& session, const pb::Problem& proble
       "{} nodes, {} cells, {} matrix entries on {} ranks: needs about {:.0f} MB a rank, {:.0f} of them for the mesh",
       mesh.info.n_global_nodes, mesh.info.n_global_cells, n_entries, comm.size(), 1e-6 * static_cast<double>(bytes),
       1e-6 * static_cast<double>(comm.max(memory.mesh))));
+  if (const auto* elements = problem.domain.quadratic.get()) {
+    const auto& report = elements->report;
+    session.summary(fmt::format("second order: {} unknowns, {} of {} edges curved", elements->n_global_nodes,
+                                report.n_curved_edges, report.n_edges));
+    if (report.straightening.n_edges > 0)
+      session.warn(fmt::format(
+          "{} cells would fold or nearly so with curved edges: {} edges are straighter than their surfaces, by up to "
+          "{:.3g} length units; refine the mesh there",
+          report.straightening.n_cells, report.straightening.n_edges, report.max_off_surface));
+  }
   if (problem.conditions.n_contradictions > 0)
     session.warn(fmt::format("{} nodes lie on patches with different potentials; the first of them in the mesh decides",
                              problem.conditions.n_contradictions));
@@ -72,8 +82,9 @@ cli::ExitCode run(cli::Session& session, const Options& o) {
   const pb::PetscRuntime petsc(comm, input.solver.petsc + " " + o.petsc);
   session.step("reading " + o.mesh);
   auto mesh = assemble::assemble(
-      comm,
-      io::read_native(comm, o.mesh, {.build_surfaces = !input.estimator.goals.empty(), .remark = session.remarks()}));
+      comm, io::read_native(comm, o.mesh,
+                            {.build_surfaces = !input.estimator.goals.empty() || input.solver.order == 2,
+                             .remark = session.remarks()}));
   validate::require_valid(comm, mesh, o.mesh);
   timer.lap("read");
 
@@ -84,6 +95,7 @@ cli::ExitCode run(cli::Session& session, const Options& o) {
   pb::require_goals(comm, problem);
   std::vector<double> start;
   if (!o.start.empty()) start = pb::initial_guess(comm, mesh, conditions, o.start, o.mesh);
+  if (!start.empty() && domain.quadratic) start = pb::on_all_nodes(domain, start);
   nlohmann::json needs;
   pb::System system(comm, problem, [&] { needs = print_case(session, problem); });
   timer.lap("assemble");

@@ -57,6 +57,27 @@ def test_charges_of_spheres_are_those_of_the_table():
         assert abs(found / charge - 1) < 1e-3, (radius, potential, found)
 
 
+def test_elements_of_second_order_reach_the_table_on_a_third_of_the_layers():
+    patches = shell_mesh("shell.hdf", 1, layers=50, width=0.05)
+    charge = {}
+    for order in (1, 2):
+        case = sphere_case("case.toml", 1, 5, patches, head=f"[solver]\norder = {order}\n")
+        result = solve(case, "shell.hdf")
+        report = result.json
+        assert report["order"] == order and (report["unknowns"] > report["nodes"]) == (order == 2)
+        charge[order] = report["charge_densities"]["sphere"]
+    assert report["straightened_edges"] == 0 and report["curved_edges"] > 0 and report["min_jacobian"] > 0.1
+    assert abs(charge[1] / 15.785936194 - 1) < 5e-3 and abs(charge[2] / 15.785936194 - 1) < 5e-6
+    with h5py.File("psi.hdf") as file:
+        assert file["VTKHDF/PointData/potential"].shape == file["VTKHDF/Points"].shape[:1]
+    pathlib.Path("psi.hdf").rename("before.hdf")
+    again = solve(case, "before.hdf", "--start", "potential", "--surface", "walls.vtu").json
+    assert again["newton_iterations"] < report["newton_iterations"] and pathlib.Path("walls.vtu").exists()
+    assert abs(again["charge_densities"]["sphere"] / charge[2] - 1) < 1e-8
+    pathlib.Path("goal.toml").write_text(pathlib.Path("case.toml").read_text() + '[estimator]\ngoal = "energy"\n')
+    refuses("pamr-pb", "goal.toml", "--mesh", "shell.hdf", "-o", "no.hdf", says=["order = 1", "goal"], creates="no.hdf")
+
+
 def test_a_sphere_obeys_the_linear_solution():
     patches = shell_mesh("shell.hdf", 1, layers=100, width=0.05)
     case = sphere_case("case.toml", 1, 2, patches, "[equation]\nlinear = true\n")

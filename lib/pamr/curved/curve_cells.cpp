@@ -132,6 +132,7 @@ CurvedCells curve_cells(const par::Comm& comm, const mesh::DistMesh& mesh, const
   count_curved(comm, mesh, movables, nodes, is_mine, report);
   const auto certificate = certificate_of(comm, mesh, info, movables, straightened.step, is_mine, report);
   nodes.node_fields = refine::transfer_to_nodes(numbered, certificate);
+  nodes.shared = std::move(placed.shared);
   return result;
 }
 

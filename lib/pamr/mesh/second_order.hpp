@@ -9,6 +9,7 @@
 #include "pamr/geometry/vec3.hpp"
 #include "pamr/mesh/dist_mesh.hpp"
 #include "pamr/mesh/field.hpp"
+#include "pamr/par/exchange.hpp"
 
 namespace pamr::mesh {
 
@@ -21,6 +22,7 @@ struct SecondOrder {
   std::vector<std::array<LocalId, 6>> cell_to_mid;  ///< n_cells x 6: mid-edge nodes, edges as in `mesh/tet.hpp`
   /// The node fields of the mesh on all nodes; with `off_surface` (`mesh/field.hpp`) where a node is off its surface.
   std::vector<NodeField> node_fields;
+  par::Pattern shared;  ///< all nodes that other ranks hold too
   GlobalId n_global_nodes = 0;
 
   IdRange node_ids(const MeshInfo& info) const { return {n_global_nodes, info.first_id}; }

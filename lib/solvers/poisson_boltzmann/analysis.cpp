@@ -6,6 +6,7 @@
 
 #include "pamr/base/index.hpp"
 #include "pamr/mesh/require_field.hpp"
+#include "solvers/poisson_boltzmann/quadratic_analysis.hpp"
 #include "solvers/poisson_boltzmann/quadrature.hpp"
 #include "solvers/poisson_boltzmann/shape_error.hpp"
 
@@ -18,8 +19,9 @@ namespace {
 /// Potential and electric field at the nodes.
 void add_nodal_fields(const State& state, Analysis& result) {
   const auto& problem = state.problem;
-  result.psi.resize(state.u.size());
-  result.field.resize(state.u.size());
+  const auto n_corners = problem.domain.mesh->node_position.size();
+  result.psi.resize(n_corners);
+  result.field.resize(n_corners);
   for (std::size_t i = 0; i < result.psi.size(); ++i) {
     result.psi[i] = problem.conditions.psi0[i] + state.u[i];
     result.field[i] = -(state.recovered[i] + Vec3{0, 0, problem.split_slope(problem.domain.point[i].z)});
@@ -29,6 +31,12 @@ void add_nodal_fields(const State& state, Analysis& result) {
 /// Errors of u and its gradient against the manufactured solution. Collective.
 void compare_with_manufactured(const par::Comm& comm, const State& state, Analysis& result) {
   const auto& domain = state.problem.domain;
+  if (domain.quadratic) {
+    const auto errors = quadratic_manufactured_errors(comm, domain, state.u);
+    result.manufactured_l2 = errors.l2;
+    result.manufactured_h1 = errors.h1;
+    return;
+  }
   const auto& cells = domain.mesh->cell_to_node;
   std::array<par::ExactSum, 2> sums;
   for (std::size_t c = 0; c < cells.size(); ++c) {
@@ -106,14 +114,18 @@ mesh::Field scalar(const std::string& name, const std::string& unit, std::vector
 Analysis analyze(const par::Comm& comm, const Problem& problem, System& system, const Solution& solution,
                  double max_cells) {
   const auto gradient = cell_gradients(problem.domain, solution.u);
-  const auto recovered = recover(comm, problem.domain, gradient, problem.input.estimator.recovery);
+  const bool is_linear = !problem.domain.quadratic;
+  const auto recovery = problem.input.estimator.recovery;
+  const auto recovered = is_linear ? recover(comm, problem.domain, gradient, recovery)
+                                   : recover_quadratic(comm, problem.domain, solution.u, recovery);
   const auto mirrors = find_mirrors(comm, problem.domain, problem.input);
   const State state{problem, solution.u, solution.reaction, gradient, recovered, mirrors};
 
   Analysis result;
   add_nodal_fields(state, result);
-  result.estimate =
-      estimate_error(comm, problem.domain, problem.term, solution.u, problem.conditions.psi0, gradient, recovered);
+  result.estimate = is_linear ? estimate_error(comm, problem.domain, problem.term, solution.u, problem.conditions.psi0,
+                                               gradient, recovered)
+                              : estimate_quadratic(comm, problem.domain, solution.u, recovered);
   result.electrodes = find_electrodes(comm, problem.domain, problem.input);
   result.layers = find_layers(comm, state, max_cells);
   auto functionals = find_functionals(comm, state, system, result.electrodes, result.layers);
@@ -156,7 +168,8 @@ void set_fields(mesh::DistMesh& mesh, const Case& input, const Solution& solutio
        {"error_squared", "error_ratio", "residual_squared", "indicator", "goal_error", "layer_ratio"})
     mesh::remove_field(mesh.cell_fields, name);
   mesh::put_field(mesh.node_fields, scalar("potential", "kT/Ze", analysis.psi));
-  if (input.split) mesh::put_field(mesh.node_fields, scalar("excess_potential", "kT/Ze", solution.u));
+  std::vector<double> excess(solution.u.begin(), solution.u.begin() + mesh.n_nodes());
+  if (input.split) mesh::put_field(mesh.node_fields, scalar("excess_potential", "kT/Ze", std::move(excess)));
   std::vector<double> field;
   field.reserve(3 * analysis.field.size());
   for (const auto& v : analysis.field) field.insert(field.end(), {v.x, v.y, v.z});

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "pamr/base/index.hpp"
+#include "solvers/poisson_boltzmann/quadratic_stiffness.hpp"
 #include "solvers/poisson_boltzmann/quadrature.hpp"
 
 namespace pamr::poisson_boltzmann {
@@ -44,8 +45,12 @@ class Builder {
     result_.load.assign(n, 0);
     result_.fixed_area.assign(n, 0);
     fix_nodes(comm);
-    for (const auto& face : domain_.faces) add_face(face);
-    if (problem_.manufactured) add_manufactured_source();
+    if (domain_.quadratic) {
+      result_.load = quadratic_load(domain_, problem_);
+    } else {
+      for (const auto& face : domain_.faces) add_face(face);
+      if (problem_.manufactured) add_manufactured_source();
+    }
     domain_.nodes.sum_copies(comm, result_.robin);
     domain_.nodes.sum_copies(comm, result_.load);
     domain_.nodes.sum_copies(comm, result_.fixed_area);

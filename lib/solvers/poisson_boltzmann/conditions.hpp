@@ -15,9 +15,9 @@ struct Conditions {
   std::vector<std::uint8_t> fixed;  ///< 1 where u is given
   std::vector<double> value;        ///< u there
   std::vector<int> deciding_patch;  ///< patch that gives u there, -1 elsewhere
-  std::vector<double> robin;        ///< alpha times the lumped area
-  std::vector<double> load;         ///< lumped: given charges, what belongs to psi0, sources
-  std::vector<double> fixed_area;   ///< a third of the faces of fixed patches around the node
+  std::vector<double> robin;        ///< alpha times the lumped area; 0 of second order, where the matrix has it
+  std::vector<double> load;         ///< given charges, what belongs to psi0, sources; lumped, of second order integrals
+  std::vector<double> fixed_area;   ///< a third of the faces of fixed patches around the node; 0 of second order
   /// Nodes where patches meet whose given potentials differ; the first such pair of patches by number.
   std::int64_t n_contradictions = 0;
 };

@@ -79,7 +79,9 @@ void require_bodies(const par::Comm& comm, const Domain& domain, const Case& pro
   }
 }
 
-std::vector<BoundaryFace> find_faces(const mesh::DistMesh& mesh, const std::vector<Vec3>& point) {
+/// `slot_of_face` gets the corner of its cell that lies opposite each face.
+std::vector<BoundaryFace> find_faces(const mesh::DistMesh& mesh, const std::vector<Vec3>& point,
+                                     std::vector<int>& slot_of_face) {
   std::vector<BoundaryFace> faces;
   for (LocalId c = 0; c < mesh.n_cells(); ++c)
     for (std::size_t slot = 0; slot < 4; ++slot) {
@@ -97,6 +99,7 @@ std::vector<BoundaryFace> find_faces(const mesh::DistMesh& mesh, const std::vect
       face.area = 0.5 * norm(normal);
       face.normal = face.area > 0 ? (0.5 / face.area) * normal : Vec3{};
       faces.push_back(face);
+      slot_of_face.push_back(static_cast<int>(slot));
     }
   return faces;
 }
@@ -127,6 +130,17 @@ std::vector<PatchShape> measure(const par::Comm& comm, std::size_t n_patches, co
     if (patches[p].axis >= 0) patches[p].level = comm.max(highest[3 * p + at(patches[p].axis)]);
   }
   return patches;
+}
+
+/// Areas of the patches with curved faces. Collective.
+void measure_curved(const par::Comm& comm, Domain& domain) {
+  std::vector<par::ExactSum> area(domain.patches.size());
+  for (std::size_t f = 0; f < domain.faces.size(); ++f) {
+    const auto node = domain.quadratic->face_points(domain, f);
+    for (const auto& point : face_points()) area[at(domain.faces[f].patch)].add(place(node, point).area);
+  }
+  const auto areas = par::reproducible_sums(comm, area);
+  for (std::size_t p = 0; p < areas.size(); ++p) domain.patches[p].area = areas[p];
 }
 
 }  // namespace
@@ -170,14 +184,21 @@ Domain make_domain(const par::Comm& comm, const mesh::DistMesh& mesh, const Case
     for (const auto node : mesh.cell_to_node[c]) domain.node_volume[at(node)] += quarter;
   }
   domain.nodes.sum_copies(comm, domain.node_volume);
-  domain.faces = find_faces(mesh, domain.point);
+  std::vector<int> slot_of_face;
+  domain.faces = find_faces(mesh, domain.point, slot_of_face);
+  if (problem.solver.order == 2) make_quadratic(comm, slot_of_face, domain);
+  domain.node_volume.resize(domain.point.size(), 0);
   domain.node_patches.assign(domain.point.size(), 0);
-  for (const auto& face : domain.faces)
-    for (const auto node : face.node)
-      domain.node_patches[at(node)] |= std::uint64_t{1} << static_cast<unsigned>(face.patch);
+  for (std::size_t f = 0; f < domain.faces.size(); ++f) {
+    const auto bit = std::uint64_t{1} << static_cast<unsigned>(domain.faces[f].patch);
+    for (const auto node : domain.faces[f].node) domain.node_patches[at(node)] |= bit;
+    if (domain.quadratic)
+      for (const auto node : domain.quadratic->face_to_node[f]) domain.node_patches[at(node)] |= bit;
+  }
   domain.nodes.join_copies(comm, domain.node_patches, [](std::uint64_t a, std::uint64_t b) { return a | b; });
   require_bodies(comm, domain, problem, where);
   domain.patches = measure(comm, mesh.info.patches.size(), domain.point, domain.faces);
+  if (domain.quadratic) measure_curved(comm, domain);
   for (std::size_t p = 0; p < domain.patches.size(); ++p)
     if (domain.patches[p].n_faces > 0 && problem.find_boundary(mesh.info.patches[p].name) == nullptr)
       throw Error(fmt::format("{}: expected a table [boundary.{}] for that patch of the mesh, found none", where,
@@ -193,13 +214,16 @@ Memory memory_needed(const mesh::DistMesh& mesh, const Case& problem) {
     for (const auto slot : slots) n_outer_faces += mesh.is_own(slot) ? 0 : 1;
   // Euler's formula, nodes - edges + faces - cells = 1 for a ball, with 2 faces = 4 cells + outer faces.
   const auto n_edges = n_cells == 0 ? 0 : n_nodes + n_cells + n_outer_faces / 2 - 1;
+  const bool is_linear = problem.solver.order == 1;
   Memory memory;
-  memory.n_entries = n_nodes + 2 * n_edges;
+  // Of second order a corner meets all nodes of the cells around it, some 65, a mid-edge node some 25.
+  memory.n_entries = is_linear ? n_nodes + 2 * n_edges : 65 * n_nodes + 25 * n_edges;
   memory.mesh = static_cast<std::int64_t>(mesh::bytes_at_rest(mesh));
   // Two matrices of 8 + 4 bytes an entry, or one and the rows that it is assembled from. Some 55 numbers a node:
   // conditions, vectors of the solvers, gradients, fields of the answer. 11 a cell: gradients and error estimates.
   memory.program = 50'000'000;
-  memory.solve = 24 * memory.n_entries + 440 * n_nodes + 88 * n_cells + 56 * n_outer_faces;
+  memory.solve = 24 * memory.n_entries + 440 * (is_linear ? n_nodes : n_nodes + n_edges) +
+                 (is_linear ? 88 : 240) * n_cells + 56 * n_outer_faces;
   // The multigrid hierarchy: hypre's copy of the matrix, its coarser ones and what moves between them.
   if (problem.solver.preconditioner == "boomeramg") memory.solve += 95 * memory.n_entries;
   return memory;

@@ -3,12 +3,14 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "pamr/geometry/tet_shape.hpp"
 #include "pamr/mesh/dist_mesh.hpp"
 #include "solvers/poisson_boltzmann/node_map.hpp"
 #include "solvers/poisson_boltzmann/pb_case.hpp"
+#include "solvers/poisson_boltzmann/quadratic_elements.hpp"
 
 namespace pamr::poisson_boltzmann {
 
@@ -47,6 +49,9 @@ struct Domain {
   std::vector<std::uint64_t> node_patches;  ///< n_nodes: bit p is set where the node lies on patch p, on any rank
   std::vector<BoundaryFace> faces;          ///< of this rank
   std::vector<PatchShape> patches;          ///< one for each patch of the mesh
+  /// Cells of second order; null: linear. All arrays of nodes then have entries for the mid-edge nodes too, whose
+  /// lumped volumes are 0; areas of patches are those of the curved faces.
+  std::shared_ptr<const QuadraticElements> quadratic = nullptr;
 
   CellShape shape(std::size_t cell) const;
   geometry::TetPoints points(std::size_t cell) const;

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "pamr/base/index.hpp"
+#include "solvers/poisson_boltzmann/quadratic_analysis.hpp"
 #include "solvers/poisson_boltzmann/quadrature.hpp"
 
 namespace pamr::poisson_boltzmann {
@@ -70,6 +71,7 @@ class MirrorTriangle {
 
 double midplane_force(const par::Comm& comm, const State& state, const Excess& excess, int patch) {
   const auto& problem = state.problem;
+  if (problem.domain.quadratic) return quadratic_midplane_force(comm, state, patch);
   std::array<par::ExactSum, 1> sum;
   for (const auto& face : problem.domain.faces) {
     if (face.patch != patch) continue;
@@ -122,6 +124,7 @@ double midplane_remainder(const par::Comm& comm, const State& state, int patch) 
 
 Energy energy_of(const par::Comm& comm, const State& state, const Excess& excess) {
   const auto& problem = state.problem;
+  if (problem.domain.quadratic) return quadratic_energy(comm, state);
   const auto& domain = problem.domain;
   const auto& cells = domain.mesh->cell_to_node;
   std::array<par::ExactSum, 2> sums;

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <limits>
+#include <utility>
 
 #include "pamr/base/error.hpp"
 #include "pamr/base/index.hpp"
@@ -11,10 +12,13 @@
 
 namespace pamr::poisson_boltzmann {
 
-NodeMap::NodeMap(const par::Comm& comm, const mesh::DistMesh& mesh) : shared_(mesh::find_borders(comm, mesh).nodes) {
-  if (mesh.info.n_global_nodes > std::numeric_limits<std::int32_t>::max())
-    throw Error(fmt::format("expected a mesh of at most 2147483647 nodes, found {}", mesh.info.n_global_nodes));
-  const auto n_nodes = mesh.node_position.size();
+NodeMap::NodeMap(const par::Comm& comm, const mesh::DistMesh& mesh)
+    : NodeMap(comm, mesh::find_borders(comm, mesh).nodes, mesh.node_position.size(), mesh.info.n_global_nodes) {}
+
+NodeMap::NodeMap(const par::Comm& comm, par::Pattern shared, std::size_t n_nodes, GlobalId n_global_nodes)
+    : shared_(std::move(shared)) {
+  if (n_global_nodes > std::numeric_limits<std::int32_t>::max())
+    throw Error(fmt::format("expected a mesh of at most 2147483647 nodes, found {}", n_global_nodes));
   std::vector<std::uint8_t> is_elsewhere(n_nodes, 0);
   for (std::size_t i = 0; i < shared_.rank.size() && shared_.rank[i] < comm.rank(); ++i)
     for (std::size_t k = shared_.offset[i]; k < shared_.offset[i + 1]; ++k) is_elsewhere[at(shared_.item[k])] = 1;

@@ -18,6 +18,9 @@ class NodeMap {
  public:
   /// Collective: finds the shared nodes, one exchange. Throws `Error` when the mesh has more nodes than 31 bits count.
   NodeMap(const par::Comm& comm, const mesh::DistMesh& mesh);
+  /// The same for nodes of which the shared ones are known: `n_nodes` here, `n_global_nodes` in all. Collective: one
+  /// exchange.
+  NodeMap(const par::Comm& comm, par::Pattern shared, std::size_t n_nodes, GlobalId n_global_nodes);
 
   std::size_t n_nodes() const { return equation_.size(); }
   std::size_t n_owned() const { return owned_.size(); }

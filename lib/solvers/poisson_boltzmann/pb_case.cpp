@@ -60,6 +60,9 @@ Electrolyte read_electrolyte(const TomlTable& table) {
 
 SolverOptions read_solver(const TomlTable& table) {
   SolverOptions solver;
+  solver.order = static_cast<int>(table.integer_or("order", solver.order, 1, 2));
+  if (solver.order == 2 && table.has("quadrature"))
+    table.refuse("quadrature", "order = 1 with it (of second order all integrals are taken by points)", "order = 2");
   if (table.word_or("quadrature", "nodal", {"nodal", "gauss"}) == "gauss") solver.quadrature = Quadrature::gauss;
   solver.tolerance = table.number_or("tolerance", solver.tolerance, {1e-15, 0.1});
   solver.max_newton = static_cast<int>(table.integer_or("max_newton", solver.max_newton, 1, 10000));
@@ -287,9 +290,12 @@ class Reader {
     }
     if (!driven && !result_.manufactured)
       refuse("a patch with a given potential or charge", "none: the potential would be zero everywhere");
-    for (const auto& goal : result_.estimator.goals)
+    for (const auto& goal : result_.estimator.goals) {
+      if (result_.solver.order == 2)
+        refuse("order = 1 in [solver] for a goal (of second order there are none yet)", "order = 2");
       if (goal.kind == Goal::Kind::midplane && result_.force.midplane.empty())
         refuse("midplane = \"PATCH\" in [force] for goal = \"midplane\"", "none");
+    }
     check_bodies();
   }
 

@@ -63,7 +63,8 @@ enum class Quadrature { nodal, gauss };
 enum class Recovery { volume_weighted, plain };
 
 struct SolverOptions {
-  Quadrature quadrature = Quadrature::nodal;
+  int order = 1;                              ///< of the elements: 2 isoparametric, with mid-edge nodes on the surfaces
+  Quadrature quadrature = Quadrature::nodal;  ///< of first order
   double tolerance = 1e-10;  ///< of the residual, over that of the potential that is 0 off the boundary
   int max_newton = 60;
   std::string preconditioner = "jacobi";  ///< or "boomeramg"

@@ -96,6 +96,14 @@ json report_of(const Domain& domain, const Case& input, const Solution& solution
               {"linear_iterations", solution.linear_iterations},
               {"residual", solution.residual},
               {"first_residual", solution.first_residual}};
+  report["order"] = input.solver.order;
+  report["unknowns"] = domain.quadratic ? domain.quadratic->n_global_nodes : domain.mesh->info.n_global_nodes;
+  if (domain.quadratic) {
+    const auto& curving = domain.quadratic->report;
+    report["curved_edges"] = curving.n_curved_edges;
+    report["straightened_edges"] = curving.straightening.n_edges;
+    report["min_jacobian"] = curving.straightening.min_jacobian;
+  }
   report["energy"] = analysis.energy ? json(analysis.energy->total) : json(nullptr);
   report["excess_energy"] = analysis.energy ? json(analysis.energy->excess) : json(nullptr);
   report["units"] = {{"force_newton", units.force}, {"potential_volt", units.potential}};

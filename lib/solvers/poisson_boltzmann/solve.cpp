@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "pamr/base/index.hpp"
+#include "solvers/poisson_boltzmann/quadratic_stiffness.hpp"
 #include "solvers/poisson_boltzmann/quadrature.hpp"
 #include "solvers/poisson_boltzmann/stiffness.hpp"
 
@@ -53,7 +54,7 @@ System::System(const par::Comm& comm, const Problem& problem, const std::functio
   require(SNESCreate(comm.handle(), snes_.address()));
   configure(snes_);
   if (before_matrices) before_matrices();
-  stiffness_ = assemble_stiffness(comm, domain_);
+  stiffness_ = domain_.quadratic ? assemble_quadratic_stiffness(comm, problem) : assemble_stiffness(comm, domain_);
   require(MatCreateVecs(stiffness_, unknown_.address(), work_.address()));
   require(VecDuplicate(unknown_, diagonal_.address()));
   require(VecDuplicate(unknown_, updated_.address()));
@@ -128,7 +129,7 @@ std::vector<double> System::local_values(Vec vector) const {
 
 void System::residual(Vec u, Vec f, bool with_fixed) const {
   require(MatMult(stiffness_, u, f));
-  const bool nodal = problem_.input.solver.quadrature == Quadrature::nodal;
+  const bool nodal = is_nodal();
   std::vector<double> gauss;
   if (!nodal) {
     gauss.assign(domain_.point.size(), 0);
@@ -164,6 +165,7 @@ void System::at_gauss_points(std::size_t cell, const std::vector<double>& u, con
 }
 
 void System::add_gauss(const std::vector<double>& u, std::vector<double>& to) const {
+  if (domain_.quadratic) return add_quadratic_source(problem_, u, to);
   const auto& cells = domain_.mesh->cell_to_node;
   for (std::size_t c = 0; c < cells.size(); ++c)
     at_gauss_points(c, u, [&](const std::array<double, 4>& corner, double weight, double value, double psi0) {
@@ -173,6 +175,7 @@ void System::add_gauss(const std::vector<double>& u, std::vector<double>& to) co
 }
 
 void System::add_gauss_matrix(const std::vector<double>& u) {
+  if (domain_.quadratic) return add_quadratic_source_matrix(problem_, u, jacobian_);
   const auto& cells = domain_.mesh->cell_to_node;
   for (std::size_t c = 0; c < cells.size(); ++c) {
     std::array<double, 16> block{};
@@ -193,7 +196,7 @@ void System::add_gauss_matrix(const std::vector<double>& u) {
 }
 
 void System::linearize(Vec u) {
-  const bool nodal = problem_.input.solver.quadrature == Quadrature::nodal;
+  const bool nodal = is_nodal();
   if (!nodal || !has_jacobian_) restore_jacobian();
   if (!nodal) add_gauss_matrix(local_values(u));
   require(nodal ? VecCopy(diagonal_, updated_) : MatGetDiagonal(jacobian_, updated_));
@@ -233,8 +236,8 @@ void System::find_worst(Vec f, Solution& solution) const {
   const auto here = static_cast<std::int64_t>(worst) - domain_.nodes.first_equation();
   if (here >= 0 && here < static_cast<std::int64_t>(domain_.nodes.n_owned())) {
     const auto i = at(domain_.nodes.owned()[static_cast<std::size_t>(here)]);
-    node = domain_.mesh->node_global[i];
-    point = domain_.mesh->node_position[i];
+    node = (domain_.quadratic ? domain_.quadratic->node_global : domain_.mesh->node_global)[i];
+    point = (1 / domain_.scale) * domain_.point[i];
   }
   solution.worst_node = comm_.max(node);
   solution.worst_point = {comm_.max(point.x), comm_.max(point.y), comm_.max(point.z)};

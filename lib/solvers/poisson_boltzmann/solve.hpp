@@ -34,8 +34,8 @@ struct Solution {
   double worst_residual = 0;
 };
 
-/// P1 Galerkin system of one problem. The stiffness matrix is assembled once; with nodal quadrature a Newton step
-/// rewrites only the diagonal of its copy, with Gauss points all of it.
+/// Galerkin system of one problem, of first or second order. The stiffness matrix is assembled once; with nodal
+/// quadrature a Newton step rewrites only the diagonal of its copy, with Gauss points all of it.
 class System {
  public:
   /// Refers to `comm` and `problem` for life. `before_matrices` is called when PETSc has taken its options and nothing
@@ -71,6 +71,8 @@ class System {
   void at_gauss_points(std::size_t cell, const std::vector<double>& u, const Use& use) const;
   void add_gauss(const std::vector<double>& u, std::vector<double>& to) const;
   void add_gauss_matrix(const std::vector<double>& u);
+  /// The source term is lumped at the nodes.
+  bool is_nodal() const { return !domain_.quadratic && problem_.input.solver.quadrature == Quadrature::nodal; }
   void configure(SNES snes);
   void configure(KSP ksp) const;
   void set_owned(Vec vector, std::span<const double> local) const;

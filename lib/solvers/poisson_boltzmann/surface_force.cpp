@@ -4,6 +4,7 @@
 #include <array>
 
 #include "pamr/base/index.hpp"
+#include "solvers/poisson_boltzmann/quadratic_analysis.hpp"
 #include "solvers/poisson_boltzmann/wall_stress.hpp"
 
 namespace pamr::poisson_boltzmann {
@@ -102,10 +103,27 @@ class FaceTerms {
   std::vector<const Boundary*> boundary_;
 };
 
+/// The same of second order, where nodal charges have no density at a node: the form by reactions is left out.
+std::vector<FaceTotals> quadratic_totals(const par::Comm& comm, const State& state, const Layers& layers) {
+  std::vector<FaceTotals> result;
+  for (const auto& surface : quadratic_surfaces(comm, state)) {
+    auto& totals = result.emplace_back();
+    totals.area = surface.area;
+    totals.charge = surface.charge;
+    totals.potential = surface.potential;
+    totals.raw = surface.raw;
+    totals.recovered = surface.recovered;
+    totals.layer = layers.patches[result.size() - 1];
+    totals.is_fixed = false;
+  }
+  return result;
+}
+
 /// Totals of each patch of the mesh. Collective: exact sums.
 std::vector<FaceTotals> totals_of_patches(const par::Comm& comm, const State& state, const Layers& layers) {
   const auto& domain = state.problem.domain;
   const auto& patches = domain.mesh->info.patches;
+  if (domain.quadratic) return quadratic_totals(comm, state, layers);
   std::vector<FaceSums> sums(patches.size());
   const FaceTerms terms(state);
   for (const auto& face : domain.faces) terms.add(face, sums[at(face.patch)]);

@@ -4,6 +4,7 @@
 #include <array>
 
 #include "pamr/base/index.hpp"
+#include "solvers/poisson_boltzmann/quadratic_analysis.hpp"
 #include "solvers/poisson_boltzmann/quadrature.hpp"
 #include "solvers/poisson_boltzmann/wall_stress.hpp"
 
@@ -83,6 +84,7 @@ void add_walls(const State& state, std::span<const double> chi, std::uint64_t op
 VolumeForm volume_form(const par::Comm& comm, const State& state, std::span<const double> chi, std::uint64_t open_walls,
                        Vec3 center) {
   const auto& problem = state.problem;
+  if (problem.domain.quadratic) return quadratic_volume_form(comm, state, chi, open_walls, center);
   const auto& cells = problem.domain.mesh->cell_to_node;
   VectorSum force, torque, walls;
   for (std::size_t c = 0; c < cells.size(); ++c) {

@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "solvers/poisson_boltzmann/quadratic_element.hpp"
+
+#include "pamr/base/index.hpp"
+#include "pamr/mesh/tet.hpp"
+
+namespace pamr::poisson_boltzmann {
+
+using geometry::Vec3;
+
+namespace {
+
+std::array<CellPoint, 14> make_cell_points() {
+  constexpr double a = 0.31088591926330060980, weight_a = 0.11268792571801585080;
+  constexpr double b = 0.092735250310891226402, weight_b = 0.073493043116361949544;
+  constexpr double c = 0.045503704125649649492, weight_c = 0.042546020777081466438;
+  std::array<CellPoint, 14> points{};
+  std::size_t n = 0;
+  for (std::size_t i = 0; i < 4; ++i) {
+    std::array<double, 4> near_face{a, a, a, a}, near_corner{b, b, b, b};
+    near_face[i] = 1 - 3 * a;
+    near_corner[i] = 1 - 3 * b;
+    points[n++] = cell_point(near_face, weight_a);
+    points[n++] = cell_point(near_corner, weight_b);
+  }
+  for (const auto& [i, j] : mesh::tet::edge_to_corner) {
+    std::array<double, 4> near_edge{0.5 - c, 0.5 - c, 0.5 - c, 0.5 - c};
+    near_edge[at(i)] = near_edge[at(j)] = c;
+    points[n++] = cell_point(near_edge, weight_c);
+  }
+  return points;
+}
+
+std::array<CellPoint, 10> make_nodes_as_points() {
+  std::array<CellPoint, 10> points{};
+  for (std::size_t k = 0; k < 4; ++k) {
+    std::array<double, 4> corner{};
+    corner[k] = 1;
+    points[k] = cell_point(corner);
+  }
+  for (std::size_t e = 0; e < 6; ++e) {
+    const auto [i, j] = mesh::tet::edge_to_corner[e];
+    std::array<double, 4> middle{};
+    middle[at(i)] = middle[at(j)] = 0.5;
+    points[4 + e] = cell_point(middle);
+  }
+  return points;
+}
+
+FacePoint face_point(const std::array<double, 3>& l, double weight) {
+  FacePoint point{l, {}, {}, {}, weight};
+  constexpr std::array<std::array<std::size_t, 2>, 3> edges{{{0, 1}, {1, 2}, {2, 0}}};
+  constexpr std::array<std::array<double, 3>, 2> step{{{-1, 1, 0}, {-1, 0, 1}}};
+  for (std::size_t k = 0; k < 3; ++k) {
+    const auto [i, j] = edges[k];
+    point.value[k] = l[k] * (2 * l[k] - 1);
+    point.value[3 + k] = 4 * l[i] * l[j];
+    point.along_1[k] = (4 * l[k] - 1) * step[0][k];
+    point.along_2[k] = (4 * l[k] - 1) * step[1][k];
+    point.along_1[3 + k] = 4 * (step[0][i] * l[j] + l[i] * step[0][j]);
+    point.along_2[3 + k] = 4 * (step[1][i] * l[j] + l[i] * step[1][j]);
+  }
+  return point;
+}
+
+std::array<FacePoint, 12> make_face_points() {
+  std::array<FacePoint, 12> points{};
+  std::size_t n = 0;
+  const auto add_three = [&](double a, double weight) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      std::array<double, 3> l{a, a, a};
+      l[i] = 1 - 2 * a;
+      points[n++] = face_point(l, weight);
+    }
+  };
+  add_three(0.249286745170910, 0.116786275726379);
+  add_three(0.063089014491502, 0.050844906370207);
+  constexpr double a = 0.053145049844817, b = 0.310352451033784, c = 1 - a - b, weight = 0.082851075618374;
+  for (const auto& l :
+       std::array<std::array<double, 3>, 6>{{{a, b, c}, {b, c, a}, {c, a, b}, {a, c, b}, {c, b, a}, {b, a, c}}})
+    points[n++] = face_point(l, weight);
+  return points;
+}
+
+}  // namespace
+
+CellPoint cell_point(const std::array<double, 4>& l, double weight) {
+  constexpr std::array<Vec3, 4> step{{{-1, -1, -1}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+  CellPoint point{{}, {}, weight};
+  for (std::size_t k = 0; k < 4; ++k) {
+    point.value[k] = l[k] * (2 * l[k] - 1);
+    point.derivative[k] = (4 * l[k] - 1) * step[k];
+  }
+  for (std::size_t e = 0; e < 6; ++e) {
+    const auto [i, j] = mesh::tet::edge_to_corner[e];
+    point.value[4 + e] = 4 * l[at(i)] * l[at(j)];
+    point.derivative[4 + e] = 4 * (l[at(j)] * step[at(i)] + l[at(i)] * step[at(j)]);
+  }
+  return point;
+}
+
+const std::array<CellPoint, 14>& cell_points() {
+  static const auto points = make_cell_points();
+  return points;
+}
+
+const std::array<CellPoint, 10>& cell_nodes_as_points() {
+  static const auto points = make_nodes_as_points();
+  return points;
+}
+
+const std::array<FacePoint, 12>& face_points() {
+  static const auto points = make_face_points();
+  return points;
+}
+
+PlacedPoint place(const OfCellNodes<Vec3>& node, const CellPoint& point) {
+  PlacedPoint placed;
+  std::array<Vec3, 3> along{};
+  for (std::size_t k = 0; k < 10; ++k) {
+    placed.position += point.value[k] * node[k];
+    for (std::size_t axis = 0; axis < 3; ++axis) along[axis] += point.derivative[k][axis] * node[k];
+  }
+  const auto normal = cross(along[1], along[2]);
+  placed.jacobian = dot(along[0], normal);
+  const double inverse = 1 / placed.jacobian;
+  const std::array<Vec3, 3> dual{inverse * normal, inverse * cross(along[2], along[0]),
+                                 inverse * cross(along[0], along[1])};
+  for (std::size_t k = 0; k < 10; ++k)
+    placed.gradient[k] =
+        point.derivative[k].x * dual[0] + point.derivative[k].y * dual[1] + point.derivative[k].z * dual[2];
+  return placed;
+}
+
+PlacedFacePoint place(const OfFaceNodes<Vec3>& node, const FacePoint& point) {
+  PlacedFacePoint placed;
+  Vec3 along_1, along_2;
+  for (std::size_t k = 0; k < 6; ++k) {
+    placed.position += point.value[k] * node[k];
+    along_1 += point.along_1[k] * node[k];
+    along_2 += point.along_2[k] * node[k];
+  }
+  const auto normal = cross(along_1, along_2);
+  const double size = norm(normal);
+  placed.normal = (1 / size) * normal;
+  placed.area = 0.5 * size * point.weight;
+  return placed;
+}
+
+}  // namespace pamr::poisson_boltzmann

@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Elements of second order: orders of convergence, on flat and curved boundaries, and forces.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+
+#include "pamr/adapt/adapt.hpp"
+#include "pamr/base/error.hpp"
+#include "pamr/base/index.hpp"
+#include "solved.hpp"
+#include "solvers/poisson_boltzmann/quadratic_element.hpp"
+#include "solvers/poisson_boltzmann/quadratic_elements.hpp"
+
+namespace pamr::poisson_boltzmann {
+namespace {
+
+const std::string second_order = "[solver]\norder = 2\n";
+
+Analysis manufactured(const par::Comm& comm, mesh::BlockMesh block) {
+  Solved solved(comm, std::move(block),
+                "[equation]\nmanufactured = true\n" + second_order + cube_boundary("condition = \"manufactured\""));
+  EXPECT_TRUE(solved.solution.converged);
+  return solved.analysis(comm);
+}
+
+TEST(QuadraticElement, IntegratesPolynomialsOfDegreeFive) {
+  for (int a = 0; a <= 5; ++a)
+    for (int b = 0; a + b <= 5; ++b)
+      for (int c = 0; a + b + c <= 5; ++c) {
+        double sum = 0;
+        const OfCellNodes<geometry::Vec3> node{{{0, 0, 0},
+                                                {1, 0, 0},
+                                                {0, 1, 0},
+                                                {0, 0, 1},
+                                                {0.5, 0, 0},
+                                                {0, 0.5, 0},
+                                                {0, 0, 0.5},
+                                                {0.5, 0.5, 0},
+                                                {0.5, 0, 0.5},
+                                                {0, 0.5, 0.5}}};
+        for (const auto& point : cell_points()) {
+          const auto x = place(node, point).position;
+          sum += point.weight * std::pow(x.x, a) * std::pow(x.y, b) * std::pow(x.z, c);
+        }
+        const auto factorial = [](int n) { return std::tgamma(n + 1.0); };
+        const double exact = 6 * factorial(a) * factorial(b) * factorial(c) / factorial(a + b + c + 3);
+        EXPECT_NEAR(sum, exact, 1e-14) << a << b << c;
+      }
+  for (int a = 0; a <= 6; ++a)
+    for (int b = 0; a + b <= 6; ++b) {
+      double sum = 0;
+      for (const auto& point : face_points())
+        sum += point.weight * std::pow(point.barycentric[0], a) * std::pow(point.barycentric[1], b);
+      EXPECT_NEAR(sum, 2 * std::tgamma(a + 1.0) * std::tgamma(b + 1.0) / std::tgamma(a + b + 3.0), 1e-13) << a << b;
+    }
+}
+
+TEST(SecondOrder, ConvergesWithOrdersThreeAndTwoOnTheManufacturedSolution) {
+  const par::Comm comm(MPI_COMM_WORLD);
+  const auto coarse = manufactured(comm, test::kuhn_cube(comm, 3)), fine = manufactured(comm, test::kuhn_cube(comm, 6));
+  EXPECT_NEAR(std::log2(*coarse.manufactured_l2 / *fine.manufactured_l2), 3, 0.15) << *fine.manufactured_l2;
+  EXPECT_NEAR(std::log2(*coarse.manufactured_h1 / *fine.manufactured_h1), 2, 0.1) << *fine.manufactured_h1;
+  // the error estimate is that of the gradient, to a factor
+  const double effectivity = std::sqrt(fine.estimate.total_squared) / *fine.manufactured_h1;
+  EXPECT_GT(effectivity, 0.5);
+  EXPECT_LT(effectivity, 2);
+}
+
+/// The unit sphere by 80 triangles, their corners ascending.
+struct Triangles {
+  std::vector<geometry::Vec3> point;
+  std::vector<std::array<GlobalId, 3>> corner;
+};
+Triangles icosphere() {
+  const double g = std::numbers::phi, r = std::sqrt(1 + g * g);
+  Triangles coarse, fine;
+  for (const double a : {-1.0, 1.0})
+    for (const double b : {-g, g})
+      for (const auto& p : std::array<geometry::Vec3, 3>{{{0, a / r, b / r}, {a / r, b / r, 0}, {b / r, 0, a / r}}})
+        coarse.point.push_back(p);
+  const auto are_near = [&](std::size_t i, std::size_t j) { return norm(coarse.point[i] - coarse.point[j]) < 2.2 / r; };
+  fine.point = coarse.point;
+  std::map<std::array<std::size_t, 2>, GlobalId> middle;
+  for (std::size_t i = 0; i < 12; ++i)
+    for (std::size_t j = i + 1; j < 12; ++j)
+      if (are_near(i, j)) {
+        middle[{i, j}] = std::ssize(fine.point);
+        const auto p = fine.point[i] + fine.point[j];
+        fine.point.push_back((1 / norm(p)) * p);
+      }
+  for (std::size_t i = 0; i < 12; ++i)
+    for (std::size_t j = i + 1; j < 12; ++j)
+      for (std::size_t k = j + 1; k < 12; ++k) {
+        if (!are_near(i, j) || !are_near(j, k) || !are_near(i, k)) continue;
+        const auto ij = middle[{i, j}], jk = middle[{j, k}], ik = middle[{i, k}];
+        const auto a = static_cast<GlobalId>(i), b = static_cast<GlobalId>(j), c = static_cast<GlobalId>(k);
+        for (auto triangle :
+             std::array<std::array<GlobalId, 3>, 4>{{{a, ij, ik}, {b, ij, jk}, {c, ik, jk}, {ij, jk, ik}}}) {
+          std::sort(triangle.begin(), triangle.end());
+          fine.corner.push_back(triangle);
+        }
+      }
+  return fine;
+}
+
+/// A shell of 1 < r < 1.5: a prism of three cells on each triangle of the sphere.
+mesh::BlockMesh shell(const par::Comm& comm) {
+  const auto sphere = icosphere();
+  const auto n = std::ssize(sphere.point);
+  auto nodes = sphere.point;
+  for (const auto p : sphere.point) nodes.push_back(1.5 * p);
+  std::vector<std::array<GlobalId, 4>> cells;
+  mesh::BoundaryTriangles boundary;
+  for (const auto& [a, b, c] : sphere.corner) {
+    cells.push_back({a, b, c, c + n});
+    cells.push_back({a, b, b + n, c + n});
+    cells.push_back({a, a + n, b + n, c + n});
+    boundary.node.push_back({a, b, c});
+    boundary.patch.push_back(0);
+    boundary.node.push_back({a + n, b + n, c + n});
+    boundary.patch.push_back(1);
+  }
+  for (auto& cell : cells) {
+    geometry::TetPoints p{};
+    for (std::size_t i = 0; i < 4; ++i) p[i] = nodes[at(cell[i])];
+    if (geometry::volume(p) < 0) std::swap(cell[2], cell[3]);
+  }
+  auto block = test::small_mesh(comm, nodes, cells);
+  block.info.length_unit = "debye";
+  block.info.patches = {{"inner", "patch", 0}, {"outer", "patch", 1}};
+  block.info.surfaces = test::surfaces_of(
+      "[[surface]]\nname = \"inner\"\nkind = \"sphere\"\ncenter = [0, 0, 0]\nradius = 1\n"
+      "[[surface]]\nname = \"outer\"\nkind = \"sphere\"\ncenter = [0, 0, 0]\nradius = 1.5\n");
+  if (comm.is_first()) block.boundary = boundary;
+  return block;
+}
+
+/// The case on a shell that was refined uniformly so often.
+Analysis on_shell(const par::Comm& comm, int n_levels, const std::string& text) {
+  auto mesh = assemble::assemble(comm, shell(comm));
+  for (int level = 0; level < n_levels; ++level)
+    mesh = adapt::refine(comm, mesh, std::vector<std::uint8_t>(at(mesh.n_cells()), 1), {.parent_field = false}).mesh;
+  const auto input = read_case(text, "case");
+  const auto domain = make_domain(comm, mesh, input, "case");
+  const auto conditions = make_conditions(comm, domain, input);
+  const Problem problem(domain, input, conditions);
+  System system(comm, problem);
+  const auto solution = system.solve({}, [](const NewtonStep&) {});
+  EXPECT_TRUE(solution.converged);
+  auto analysis = analyze(comm, problem, system, solution, 1e8);
+  for (auto& patch : analysis.patches) patch.electrode = nullptr;  // it goes with this function
+  return analysis;
+}
+
+TEST(SecondOrder, GivesTheChargeOfASphereWithOrderFourOnCurvedCells) {
+  const par::Comm comm(MPI_COMM_WORLD);
+  const std::string text = "[equation]\nlinear = true\n" + second_order +
+                           "[boundary.inner]\ncondition = \"potential\"\nvalue = 1\n"
+                           "[boundary.outer]\ncondition = \"potential\"\nvalue = 0\n";
+  // psi = sinh(1.5 - r) / (r sinh 0.5); the charge is 4 pi times -psi'(1)
+  const double exact = 4 * std::numbers::pi * (1 + 1 / std::tanh(0.5));
+  std::vector<double> error;
+  for (int level = 0; level <= 2; ++level) {
+    const auto analysis = on_shell(comm, level, text);
+    error.push_back(std::abs(*analysis.patches[0].charge / exact - 1));
+    EXPECT_NEAR(analysis.patches[0].mean_potential, 1, 1e-12);
+    EXPECT_LT(norm(*analysis.patches[0].volume), 1e-2 * exact);
+  }
+  EXPECT_GT(std::log2(error[1] / error[2]), 3.3) << error[0] << " " << error[1] << " " << error[2];
+  EXPECT_LT(error[2], 1e-3);
+}
+
+TEST(SecondOrder, AgreesOnAnyNumberOfRanks) {
+  const par::Comm world(MPI_COMM_WORLD), self(MPI_COMM_SELF);
+  const std::string text = second_order +
+                           "[boundary.inner]\ncondition = \"charge\"\nvalue = 3\n"
+                           "[boundary.outer]\ncondition = \"far-field\"\n";
+  const auto here = on_shell(world, 0, text), alone = on_shell(self, 0, text);
+  EXPECT_NEAR(*here.patches[1].charge / *alone.patches[1].charge, 1, 1e-9);
+  EXPECT_NEAR(here.energy->total / alone.energy->total, 1, 1e-9);
+  EXPECT_NEAR(here.patches[0].mean_potential / alone.patches[0].mean_potential, 1, 1e-9);
+  EXPECT_NEAR(*alone.patches[0].charge, 3 * alone.patches[0].area, 1e-9);
+}
+
+TEST(SecondOrder, GivesTheForceBetweenFlatWalls) {
+  const par::Comm comm(MPI_COMM_WORLD);
+  const std::string walls = "[equation]\nlinear = true\n" + second_order +
+                            "[boundary.xmin]\ncondition = \"potential\"\nvalue = 2\n"
+                            "[boundary.xmax]\ncondition = \"symmetry\"\n[force]\nmidplane = \"xmax\"\n";
+  std::string sides;
+  for (const std::string patch : {"ymin", "ymax", "zmin", "zmax"})
+    sides += "[boundary." + patch + "]\ncondition = \"symmetry\"\n";
+  Solved solved(comm, test::kuhn_cube(comm, 4), walls + sides);
+  const auto analysis = solved.analysis(comm);
+  // psi = 2 cosh(1 - x) / cosh 1: the pressure on the mirror is psi(1)^2/2, the charge 2 tanh 1
+  const double pressure = 0.5 * 4 / (std::cosh(1.0) * std::cosh(1.0));
+  bool found = false;
+  for (const auto& patch : analysis.patches) {
+    if (patch.name != "xmin") continue;
+    found = true;
+    EXPECT_NEAR(*patch.charge, 2 * std::tanh(1.0), 1e-5);
+    ASSERT_TRUE(patch.volume);
+    EXPECT_NEAR(std::abs(patch.volume->x), patch.symmetry_factor * pressure, 1e-4);
+    ASSERT_TRUE(patch.midplane);
+    EXPECT_NEAR(std::abs(patch.midplane->x), patch.symmetry_factor * pressure, 1e-4);
+  }
+  EXPECT_TRUE(found);
+}
+
+TEST(SecondOrder, RefusesWhatItDoesNotHave) {
+  const auto boundary = cube_boundary("condition = \"potential\"\nvalue = 1");
+  EXPECT_THROW(read_case("[solver]\norder = 3\n" + boundary, "case"), Error);
+  EXPECT_THROW(read_case("[solver]\norder = 2\nquadrature = \"gauss\"\n" + boundary, "case"), Error);
+  EXPECT_THROW(read_case(second_order + "[estimator]\ngoal = \"energy\"\n" + boundary, "case"), Error);
+}
+
+}  // namespace
+}  // namespace pamr::poisson_boltzmann
