@@ -5,7 +5,6 @@
 #include <array>
 #include <filesystem>
 #include <functional>
-#include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <span>
@@ -15,8 +14,8 @@
 
 #include "cli/run_tool.hpp"
 #include "cli/text_file.hpp"
+#include "convert/cad_surfaces.hpp"
 #include "meshing/associate/associate_surfaces.hpp"
-#include "meshing/associate/find_cad_faces.hpp"
 #include "meshing/repair/find_wall_ears.hpp"
 #include "meshing/repair/open_wall_ears.hpp"
 #include "pamr/assemble/assemble.hpp"
@@ -24,7 +23,6 @@
 #include "pamr/base/toml_table.hpp"
 #include "pamr/curved/curve_cells.hpp"
 #include "pamr/geometry/cad/cad_source.hpp"
-#include "pamr/geometry/surface_toml.hpp"
 #include "pamr/geometry/triangulated/self_intersection.hpp"
 #include "pamr/io/export/write_boundary.hpp"
 #include "pamr/io/export/write_foam.hpp"
@@ -276,66 +274,6 @@ std::vector<std::string> named_patches(const Options& options, const std::string
   return named;
 }
 
-/// Says what of a patch does not lie on the shape.
-void warn_of_untied(cli::Session& session, const Options& options, const meshing::CadPatch& patch) {
-  if (patch.is_tied()) return;
-  if (patch.n_on == 0)
-    return session.warn(
-        fmt::format("patch '{}': none of its {} faces lies on a face of {} (corners up to {:.3g} off): "
-                    "it gets no surface",
-                    patch.patch, patch.n_off, options.cad, patch.worst_distance));
-  const auto remark =
-      fmt::format("patch '{}': {} of its {} faces lie on no face of {} (corners up to {:.3g} off)", patch.patch,
-                  patch.n_off, patch.n_on + patch.n_off, options.cad, patch.worst_distance);
-  if (options.strict) throw Error(remark);
-  session.warn(remark + ": it gets no surface; --tolerance allows more, or make a patch of its own of them");
-}
-
-/// Finds the faces of the CAD shape under the patches. Collective.
-geometry::SurfaceSet cad_surfaces(cli::Session& session, const Options& options, mesh::DistMesh& mesh,
-                                  nlohmann::json& report) {
-  const auto& comm = session.comm();
-  geometry::CadSource source;
-  std::vector<std::string> named;
-  const auto toml = options.surfaces.empty() ? std::string() : cli::read_text(comm, options.surfaces);
-  par::agree(comm, [&] {
-    named = named_patches(options, toml);
-    if (!comm.is_first()) return;
-    source = geometry::read_cad_source(options.cad);
-    geometry::require_readable_cad(source);
-  });
-  source.file = comm.broadcast(std::move(source.file));
-  source.text = comm.broadcast(std::move(source.text));
-  std::shared_ptr<const geometry::CadModel> model;
-  par::agree(comm, [&] { model = geometry::make_cad_model(source, options.unit); });
-  const auto found = meshing::find_cad_faces(comm, mesh, *model, source, options.unit, options.tolerance, named);
-  auto& json = report["cad"];
-  json = {{"file", source.file},
-          {"faces", model->faces().size()},
-          {"size", model->size()},
-          {"unit_of_file", model->unit_of_file()},
-          {"largest_edge_tolerance", model->largest_tolerance()},
-          {"open_edges", model->n_open_edges()}};
-  geometry::CadMeasures measures;
-  par::agree(comm, [&] {
-    if (comm.is_first()) measures = geometry::measure_cad_source(source, options.unit);
-  });
-  json["area_of_faces"] = measures.area;
-  if (model->n_open_edges() == 0) json["volume"] = measures.volume;
-  for (const auto& patch : found.patches) {
-    json["patches"][patch.patch] = {{"faces", patch.faces}, {"on", patch.n_on}, {"off", patch.n_off}};
-    warn_of_untied(session, options, patch);
-  }
-  if (const int n = model->n_open_edges(); n > 0)
-    session.warn(
-        fmt::format("{}: {} edges belong to one face only (the shape is open, or its faces are not sewn): "
-                    "nodes there keep to their faces alone",
-                    options.cad, n));
-  geometry::SurfaceSet set;
-  par::agree(comm, [&] { set = geometry::surfaces_from_toml(found.toml, "--cad " + options.cad); });
-  return set;
-}
-
 /// Associates patches with surfaces where that is asked for. Collective.
 void associate(cli::Session& session, const Options& options, mesh::DistMesh& mesh, nlohmann::json& report) {
   if (!brings_surfaces(options)) return;
@@ -356,7 +294,12 @@ void associate(cli::Session& session, const Options& options, mesh::DistMesh& me
   }
   for (std::size_t i = 0; i < options.patches.size(); ++i)
     request.files.emplace_back(options.patches[i], options.surface_files[i]);
-  if (!options.cad.empty()) request.made = cad_surfaces(session, options, mesh, report);
+  if (!options.cad.empty()) {
+    std::vector<std::string> named;
+    par::agree(comm, [&] { named = named_patches(options, request.toml); });
+    request.made = convert::find_cad_surfaces(
+        session, {options.cad, options.unit, options.tolerance, options.strict, std::move(named)}, mesh, report);
+  }
   for (const auto& found : meshing::associate_surfaces(comm, mesh, request)) {
     report["ties"][found.patch] = {{"surface", found.surface}, {"worst_distance", found.worst_distance}};
     if (found.creases) {

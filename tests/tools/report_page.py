@@ -1,10 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Opens a page of pamr-quality --html in headless Chromium, from the disk, and says what is seen there."""
+import contextlib
 import html.parser
 import os
 import pathlib
 import re
 import shutil
+import signal
 import subprocess
 import tempfile
 
@@ -72,10 +74,14 @@ def browse(page, link="", *options):
                    "--proxy-server=127.0.0.1:9", f"--user-data-dir={profile}", "--enable-logging=stderr",
                    "--window-size=1200,800", "--virtual-time-budget=20000", *options,
                    pathlib.Path(page).resolve().as_uri() + link]
-        done = subprocess.run(command, capture_output=True, text=True, timeout=150,
-                              env=os.environ | {"HOME": profile, "XDG_RUNTIME_DIR": profile})
-    said = [line for line in done.stderr.splitlines() if re.search(r"\bCONSOLE\b", line)]
-    return done.stdout, said
+        browser = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True,
+                                   env=os.environ | {"HOME": profile, "XDG_RUNTIME_DIR": profile})
+        try:
+            out, err = browser.communicate(timeout=150)
+        finally:  # it has processes of its own, which would go on without it
+            with contextlib.suppress(ProcessLookupError):
+                os.killpg(browser.pid, signal.SIGKILL)
+    return out, [line for line in err.splitlines() if re.search(r"\bCONSOLE\b", line)]
 
 
 def opened(page, link=""):
