@@ -401,7 +401,7 @@ std::string summary_of_order(const nlohmann::json& report) {
                      report["straightened_edges"].get<std::int64_t>());
 }
 
-cli::ExitCode convert(cli::Session& session, const Options& options) {
+cli::ExitCode convert_file(cli::Session& session, const Options& options) {
   const auto& comm = session.comm();
   if (options.output.empty()) throw Error("OUT: expected the name of a mesh to write, found an empty name");
   const bool as_foam = comm.any(is_foam_case(options.output));
@@ -443,5 +443,5 @@ int main(int argc, char** argv) {
        "pamr-convert part.msh part.hdf --surfaces part.toml\n  pamr-convert level3.hdf level3.vtu\n  pamr-convert "
        "level3.hdf curved.msh --order 2\n  pamr-convert level3.hdf foam_case"},
       [&](cli::CommandLine& line) { declare(line, options); },
-      [&](cli::Session& session) { return convert(session, options); });
+      [&](cli::Session& session) { return convert_file(session, options); });
 }
