@@ -11,7 +11,7 @@ namespace pamr::dsmc {
 
 namespace {
 
-constexpr std::size_t few = 24;  ///< particles of a cell, which are sorted by insertion
+constexpr std::size_t few_rows = 24;  ///< particles of a cell, which are sorted by insertion
 
 constexpr std::size_t with_room(std::size_t n) { return n + std::max<std::size_t>(1024, n / 16); }
 
@@ -78,7 +78,7 @@ void Particles::clear() {
 /// Sorts the particles `rows` of a cell by id. Those that were there before are in order and follow one another; the
 /// others are sorted and merged with them.
 void Particles::order_by_id(std::span<std::uint32_t> rows) {
-  if (rows.size() <= few) {
+  if (rows.size() <= few_rows) {
     for (std::size_t k = 1; k < rows.size(); ++k) {
       const auto row = rows[k];
       const auto key = id[row];
