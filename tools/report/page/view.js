@@ -388,6 +388,7 @@ class Picture {
     if (!panel) return null;
     const width = this.canvas.clientWidth, height = this.canvas.clientHeight;
     this.aim(panel, width, height);
+    panel.scene.openTowards(this.camera); // the last frame may have been drawn before the camera or the section moved
     this.camera.setViewOffset(panel.width * width, panel.height * height, (x - panel.x) * width, (y - panel.y) * height,
       1, 1);
     this.renderer.setScissorTest(false);
