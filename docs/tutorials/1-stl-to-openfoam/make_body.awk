@@ -1,24 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# awk -f make_body.awk > body.stl: a pebble with three lobes, bent, 0.1 m long, as a text STL. It stands for a file of yours.
+# awk -f make_body.awk -f ../closed_body.awk > body.stl: a pebble with three lobes, bent, 0.1 m long, as a text STL. It stands for a file of yours.
 function point(i, j, p,    u, v, r, s) {
   u = pi * i / rows; v = 2 * pi * j / columns; s = sin(u)
   if (i == 0 || i == rows) { s = 0; v = 0 }
   r = 1 + 0.22 * cos(3 * v) * s * s * s
   p[1] = 0.05 * cos(u); p[2] = 0.025 * r * s * cos(v) + 4 * p[1] * p[1]; p[3] = 0.02 * r * s * sin(v)
 }
-function triangle(a, b, c, d, e, f,    p, q, r) {
-  point(a, b, p); point(c, d, q); point(e, f, r)
-  printf "facet normal 0 0 0\nouter loop\nvertex %.9g %.9g %.9g\nvertex %.9g %.9g %.9g\nvertex %.9g %.9g %.9g\nendloop\nendfacet\n", \
-    p[1], p[2], p[3], q[1], q[2], q[3], r[1], r[2], r[3]
-}
-BEGIN {
-  pi = 3.14159265358979; rows = 48; columns = 48
-  print "solid body"
-  for (i = 0; i < rows; ++i)
-    for (j = 0; j < columns; ++j) {
-      k = (j + 1) % columns
-      if (i > 0) triangle(i, j, i + 1, j, i, k)
-      if (i < rows - 1) triangle(i, k, i + 1, j, i + 1, k)
-    }
-  print "endsolid body"
-}
+BEGIN { rows = 48; columns = 48 }

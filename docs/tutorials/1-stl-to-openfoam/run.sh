@@ -4,7 +4,7 @@
 set -euo pipefail
 . "$(dirname -- "${BASH_SOURCE[0]}")/../start.sh"
 
-if [ ! -e body.stl ]; then awk -f "$here/make_body.awk" >body.stl; fi
+if [ ! -e body.stl ]; then awk -f "$here/make_body.awk" -f "$here/../closed_body.awk" >body.stl; fi
 cp "$here/case.toml" .
 if command -v pamr-surface >/dev/null; then step pamr-surface info body.stl; fi
 step pamr-mesh case.toml -o level0.hdf --force

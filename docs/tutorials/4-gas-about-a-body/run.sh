@@ -4,7 +4,7 @@
 set -euo pipefail
 . "$(dirname -- "${BASH_SOURCE[0]}")/../start.sh"
 
-if [ ! -e body.stl ]; then awk -f "$here/make_body.awk" >body.stl; fi
+if [ ! -e body.stl ]; then awk -f "$here/make_body.awk" -f "$here/../closed_body.awk" >body.stl; fi
 cp "$here/case.toml" "$here/species.toml" .
 step pamr-mesh case.toml -o level0.hdf --force
 step pamr-dsmc case.toml --mesh level0.hdf -o flow0.hdf --plan

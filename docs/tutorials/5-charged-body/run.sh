@@ -4,7 +4,7 @@
 set -euo pipefail
 . "$(dirname -- "${BASH_SOURCE[0]}")/../start.sh"
 
-if [ ! -e body.stl ]; then awk -f "$here/make_body.awk" >body.stl; fi
+if [ ! -e body.stl ]; then awk -f "$here/make_body.awk" -f "$here/../closed_body.awk" >body.stl; fi
 cp "$here/case.toml" .
 step pamr-mesh case.toml -o mesh.hdf --force
 step mpirun -n 2 pamr-pb case.toml --mesh mesh.hdf -o level0.hdf --force
