@@ -91,7 +91,8 @@ class Pages(unittest.TestCase):
     def test_the_first_ten_minutes(self):
         with tempfile.TemporaryDirectory(prefix="pamr start ") as folder:
             folder = pathlib.Path(folder)
-            stl = subprocess.run(["awk", "-f", TUTORIAL / "make_body.awk"], capture_output=True, text=True, check=True).stdout
+            make = ["awk", "-f", TUTORIAL / "make_body.awk", "-f", TUTORIAL.parent / "closed_body.awk"]
+            stl = subprocess.run(make, capture_output=True, text=True, check=True).stdout
             (folder / "body.stl").write_text(stl)
             case = (TUTORIAL / "case.toml").read_text().replace("body = 0.008", "wall = 0.015").replace("far = 0.04", "far = 0.06")
             (folder / "case.toml").write_text(case.replace("+body", "+wall").replace('"body"', '"wall"'))
