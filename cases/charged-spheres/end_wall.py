@@ -15,15 +15,18 @@ at x > 0 is S(0) - S(between sphere and wall), twice that of the meshed half. Wi
 the force by two planes (means over two stretches between sphere and wall), whose difference tells the error of the mesh.
 """
 import argparse
+import pathlib
+import sys
 import time
 
 import gmsh
 import numpy as np
 import ufl
 from dolfinx import fem
-from dolfinx.io import gmshio
-from mpi4py import MPI
 from petsc4py import PETSc
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+from dolfinx_steps import make_curved_mesh, solve  # noqa: E402
 
 RADIUS, DISTANCE, HEIGHT = 0.325 / 0.275, 4.5 / 0.275, 2.5 / 0.275
 PLACE = DISTANCE / 2  # x of the center of the sphere
@@ -108,30 +111,7 @@ def make_mesh(o, half_length):
     smallest = field.add("Min")
     field.setNumbers(smallest, "FieldsList", parts)
     field.setAsBackgroundMesh(smallest)
-    for name in ("FromPoints", "FromCurvature", "ExtendFromBoundary"):
-        gmsh.option.setNumber("Mesh.MeshSize" + name, 0)
-    gmsh.model.mesh.generate(3)
-    gmsh.model.mesh.setOrder(2)
-    gmsh.model.mesh.optimize("HighOrder")
-    mesh, _, facets = gmshio.model_to_mesh(gmsh.model, MPI.COMM_SELF, 0)
-    gmsh.finalize()
-    return mesh, facets
-
-
-def solve(form, right, conditions, space):
-    matrix = fem.petsc.assemble_matrix(fem.form(form), conditions)
-    matrix.assemble()
-    vector = fem.petsc.assemble_vector(fem.form(right))
-    fem.petsc.apply_lifting(vector, [fem.form(form)], [conditions])
-    fem.petsc.set_bc(vector, conditions)
-    solver = PETSc.KSP().create(MPI.COMM_SELF)
-    solver.setOperators(matrix)
-    solver.setType("cg")
-    solver.getPC().setType("icc")
-    solver.setTolerances(rtol=1e-10, max_it=5000)
-    result = fem.Function(space)
-    solver.solve(vector, result.vector)
-    return result
+    return make_curved_mesh()
 
 
 def force(o, half_length, section):

@@ -12,14 +12,17 @@ found through the mid-plane.
 """
 import argparse
 import math
+import pathlib
+import sys
 
 import gmsh
 import numpy as np
 import ufl
 from dolfinx import fem
-from dolfinx.io import gmshio
-from mpi4py import MPI
 from petsc4py import PETSc
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+from dolfinx_steps import make_curved_mesh, solve  # noqa: E402
 
 
 class Ellipsoid:
@@ -87,31 +90,8 @@ def make_mesh(shape, size):
     field.setString(plate, "F", f"{2.5 * size} + 0.4*z + 0.15*sqrt({x}^2 + y^2)")
     field.setNumbers(least, "FieldsList", [grow, plate])
     field.setAsBackgroundMesh(least)
-    for name in ("FromPoints", "FromCurvature", "ExtendFromBoundary"):
-        gmsh.option.setNumber("Mesh.MeshSize" + name, 0)
     gmsh.option.setNumber("Mesh.MeshSizeMax", shape.largest)
-    gmsh.model.mesh.generate(3)
-    gmsh.model.mesh.setOrder(2)
-    gmsh.model.mesh.optimize("HighOrder")
-    mesh, _, facets = gmshio.model_to_mesh(gmsh.model, MPI.COMM_SELF, 0)
-    gmsh.finalize()
-    return mesh, facets
-
-
-def solve(form, right, conditions, space):
-    matrix = fem.petsc.assemble_matrix(fem.form(form), conditions)
-    matrix.assemble()
-    vector = fem.petsc.assemble_vector(fem.form(right))
-    fem.petsc.apply_lifting(vector, [fem.form(form)], [conditions])
-    fem.petsc.set_bc(vector, conditions)
-    solver = PETSc.KSP().create(MPI.COMM_SELF)
-    solver.setOperators(matrix)
-    solver.setType("cg")
-    solver.getPC().setType("icc")
-    solver.setTolerances(rtol=1e-11, max_it=5000)
-    result = fem.Function(space)
-    solver.solve(vector, result.vector)
-    return result
+    return make_curved_mesh()
 
 
 def main():
