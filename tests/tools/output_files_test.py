@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What becomes of outputs when several runs write one, when names look like temporary ones, and what messages say of strange files."""
+import ctypes
 import glob
 import os
 import pathlib
@@ -53,6 +54,25 @@ def test_two_writers_of_one_output_leave_the_output_of_one_of_them():
                                for file in files["out"]) for name in ("a1", "b1"))
                 assert os.listdir("out/constant") == ["polyMesh"]
             assert not glob.glob("**/*.partial", recursive=True)
+
+
+def test_what_a_killed_run_left_of_its_files_does_not_stop_later_ones():
+    # The semaphore that Open MPI 4.1 makes for a file and names after it alone, locked by a process that is no more.
+    kuhn_cube("killed.hdf", 2)
+    system = ctypes.CDLL(None, use_errno=True)
+    system.sem_open.restype = ctypes.c_void_p
+    assert system.sem_open(b"/OMPIO_killed.hdf", os.O_CREAT, 0o600, 0), os.strerror(ctypes.get_errno())
+    try:
+        run("pamr-mark", "killed.hdf", "-o", "marked.hdf", "--all")
+    finally:
+        system.sem_unlink(b"/OMPIO_killed.hdf")
+
+
+def test_paths_may_be_long():
+    folder = os.path.join(*["x" * 200] * 3)
+    os.makedirs(folder)
+    kuhn_cube(os.path.join(folder, "cube.hdf"), 2)
+    run("pamr-mark", os.path.join(folder, "cube.hdf"), "-o", os.path.join(folder, "marked.hdf"), "--all")
 
 
 def test_names_that_look_like_temporary_ones_are_as_good_as_any():

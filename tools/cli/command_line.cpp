@@ -1,13 +1,37 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cli/command_line.hpp"
 
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <utility>
 
 namespace pamr::cli {
+namespace {
+
+/// Refuses words that are no finite number for which `holds`. CLI11's own checks spell its limits out with 300 digits.
+template <class Holds>
+CLI::Validator number(const std::string& expected, const std::string& shown_in_help, Holds holds) {
+  return {[expected, holds](const std::string& word) -> std::string {
+            double value = 0;
+            if (CLI::detail::lexical_cast(word, value) && std::isfinite(value) && holds(value)) return {};
+            return fmt::format("expected {}, found {}", expected, word);
+          },
+          shown_in_help};
+}
+
+template <class T>
+CLI::Validator between(T low, T high) {
+  return number(fmt::format("a number from {} to {}", low, high), fmt::format("{} to {}", low, high),
+                [low, high](double value) { return low <= value && value <= high; });
+}
+
+}  // namespace
 
 Option& Option::required() {
   option_->required();
@@ -25,22 +49,22 @@ Option& Option::show_default() {
 }
 
 Option& Option::positive() {
-  option_->check(CLI::PositiveNumber);
+  option_->check(number("a number above 0", "POSITIVE", [](double value) { return value > 0; }));
   return *this;
 }
 
 Option& Option::not_negative() {
-  option_->check(CLI::NonNegativeNumber);
+  option_->check(number("0 or a number above it", "NONNEGATIVE", [](double value) { return value >= 0; }));
   return *this;
 }
 
 Option& Option::range(int low, int high) {
-  option_->check(CLI::Range(low, high));
+  option_->check(between(low, high));
   return *this;
 }
 
 Option& Option::range(double low, double high) {
-  option_->check(CLI::Range(low, high));
+  option_->check(between(low, high));
   return *this;
 }
 

@@ -2,6 +2,7 @@
 #include "pamr/io/partial_file.hpp"
 
 #include <fcntl.h>
+#include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -117,6 +118,20 @@ void PartialFile::write(std::string_view text) const {
     if (n < 0 && errno != EINTR) fail("cannot write it");
     if (n > 0) at += static_cast<std::size_t>(n);
   }
+}
+
+void PartialFile::divert() const noexcept {
+  struct stat lost {
+  }, open{};
+  if (stat(partial_.c_str(), &lost) != 0) return;
+  const int memory = memfd_create("pamr", MFD_CLOEXEC);
+  if (memory < 0) return;
+  const int n = static_cast<int>(sysconf(_SC_OPEN_MAX));
+  for (int number = 3; number < std::min(n, 65536); ++number)
+    if (number != descriptor_ && number != memory && fstat(number, &open) == 0 && open.st_dev == lost.st_dev &&
+        open.st_ino == lost.st_ino)
+      dup3(memory, number, O_CLOEXEC);
+  close(memory);
 }
 
 void PartialFile::commit() {

@@ -40,6 +40,9 @@ class PartialFile {
   void occupy(std::uint64_t begin, std::uint64_t end) const;
   /// Makes the disk set `bytes` aside, where the file system can: a later write then cannot run out of space.
   void reserve(std::uint64_t bytes) const;
+  /// Has what this process still writes to it go to memory, and be lost: for a library that must be able to complete
+  /// the file in order to let go of it. Does not throw.
+  void divert() const noexcept;
   /// Writes a text from the beginning on.
   void write(std::string_view text) const;
   /// Flushes it to the disk and gives it its name, replacing a file of that name in one step. On the rank that made it.

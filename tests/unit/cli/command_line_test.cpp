@@ -65,6 +65,14 @@ TEST_F(CommandLineTest, RefusesValuesOutsideTheirRange) {
   EXPECT_THROW(read({"--length", "0"}), CLI::ValidationError);
   EXPECT_THROW(read({"--how", "badly"}), CLI::ValidationError);
   EXPECT_THROW(read({"--layers", "two"}), CLI::ParseError);
+  EXPECT_THROW(read({"--length", "inf"}), CLI::ValidationError);
+  EXPECT_THROW(read({"--length", "nan"}), CLI::ValidationError);
+  try {
+    read({"--length", "-2"});
+    FAIL() << "expected a length of -2 to be refused";
+  } catch (const CLI::ValidationError& error) {
+    EXPECT_STREQ(error.what(), "--length: expected a number above 0, found -2");
+  }
 }
 
 TEST_F(CommandLineTest, KnowsWhichOptionsWereGiven) {

@@ -2,8 +2,10 @@
 #include "pamr/io/native/hdf5.hpp"
 
 #include <fmt/format.h>
+#include <semaphore.h>
 
 #include <array>
+#include <cstdlib>
 
 #include "pamr/base/error.hpp"
 
@@ -37,6 +39,19 @@ Selection select(hid_t dataset, const Shape& shape, std::int64_t first, std::int
     H5Sselect_hyperslab(result.file.id(), H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr);
   }
   return result;
+}
+
+/// For the shared file pointer of each file, which HDF5 never uses, Open MPI 4.1 makes a semaphore that is named after
+/// the file alone. A process that is killed at the wrong moment leaves it locked, and whoever opens a file of that name
+/// later, in any folder, would wait for ever. Without a name it harms nobody.
+void forget_semaphore_of(const std::filesystem::path& file) {
+  sem_unlink(("/OMPIO_" + file.filename().string()).c_str());
+}
+
+/// The component that stands in where there is no shared memory overruns a buffer when it is asked about a path of more
+/// than 250 characters. Open MPI looks at this when the first file is opened.
+void leave_out_locked_files() {
+  setenv("OMPI_MCA_sharedfp", "^lockedfile", 0);  // NOLINT(concurrency-mt-unsafe): as MPI, called by one thread
 }
 
 }  // namespace
@@ -143,7 +158,9 @@ std::string to_text(mesh::StorageType type) {
   return fmt::format("{}{}", is_unsigned ? "uint" : "int", 8 * size_of(type));
 }
 
-Handle parallel_access(const par::Comm& comm) {
+Handle parallel_access(const par::Comm& comm, const std::filesystem::path& file) {
+  leave_out_locked_files();
+  forget_semaphore_of(file);
   auto access = take(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, "cannot make a property list");
   require(H5Pset_fapl_mpio(access.id(), comm.handle(), MPI_INFO_NULL) >= 0 &&
               H5Pset_all_coll_metadata_ops(access.id(), true) >= 0 &&

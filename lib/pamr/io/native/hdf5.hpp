@@ -5,6 +5,7 @@
 #include <hdf5.h>
 
 #include <cstdint>
+#include <filesystem>
 #include <span>
 #include <string>
 #include <utility>
@@ -85,10 +86,10 @@ struct Shape {
   bool is_flat = true;  ///< one dimension
 };
 
-/// Property lists of the parallel driver, for access to files and for transfers of rows. Each rank writes by itself:
+/// Property lists of the parallel driver, for access to a file and for transfers of rows. Each rank writes by itself:
 /// its rows are one large piece of the file, and a collective transfer of Open MPI 4.1 takes 32 MiB more and waits for
 /// ever when one rank runs out of memory in it.
-Handle parallel_access(const par::Comm& comm);
+Handle parallel_access(const par::Comm& comm, const std::filesystem::path& file);
 Handle independent_transfer();
 
 /// Reads rows `first .. first + n` into memory of the given type; `n` may be 0. Collective unless `transfer` is

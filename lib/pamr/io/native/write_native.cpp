@@ -140,6 +140,7 @@ void Writer::run() {
     });
   } catch (const Error&) {
     // Thrown by `agree`, thus on every rank.
+    partial_.divert();
     close();
     comm_->barrier();
     if (comm_->is_first()) partial_.discard();
@@ -151,7 +152,7 @@ void Writer::run() {
 void Writer::create() {
   par::agree(*comm_, [&] {
     const par::Comm::Waiting waiting(*comm_, par::Comm::Waiting::In::library);
-    const auto access = hdf5::parallel_access(*comm_);
+    const auto access = hdf5::parallel_access(*comm_, partial_.path());
     const auto creation = hdf5::take(H5Pcreate(H5P_FILE_CREATE), H5Pclose, "cannot make a property list");
     H5Pset_obj_track_times(creation.id(), false);
     h5_ = hdf5::take(H5Fcreate(partial_.path().c_str(), H5F_ACC_TRUNC, creation.id(), access.id()), H5Fclose,
@@ -379,14 +380,17 @@ void Writer::write_text(const TextPlan& plan, hid_t dataset) const {
       at(plan.path, "cannot write it"));
 }
 
-/// Closes everything; false when HDF5 could not write the rest. Collective.
+/// Closes everything; false when HDF5 could not write the rest. HDF5 1.10 keeps the identifier of a file that it could
+/// not complete, and falls over it when the program ends: what it cannot write is diverted. Collective.
 bool Writer::close() {
   const par::Comm::Waiting waiting(*comm_, par::Comm::Waiting::In::library);
+  const bool complete = !h5_.is_open() || H5Fflush(h5_.id(), H5F_SCOPE_LOCAL) >= 0;
+  if (!complete) partial_.divert();
   arrays_.clear();
   texts_.clear();
   dataset_properties_.reset();
   transfer_.reset();
-  return h5_.reset();
+  return h5_.reset() && complete;
 }
 
 }  // namespace
