@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cli/text_file.hpp"
 
-#include <fstream>
-#include <iterator>
+#include <utility>
 
 #include "pamr/base/error.hpp"
+#include "pamr/base/read_file.hpp"
 
 namespace pamr::cli {
 
@@ -12,9 +12,9 @@ std::string read_text(const par::Comm& comm, const std::string& path) {
   std::string text;
   par::agree(comm, [&] {
     if (!comm.is_first()) return;
-    std::ifstream file(path, std::ios::binary);
-    text.assign(std::istreambuf_iterator<char>(file), {});
-    if (!file) throw Error(path + ": expected a file that can be read");
+    auto found = read_file(path);
+    if (!found) throw Error(path + ": expected a file that can be read");
+    text = std::move(*found);
   });
   return comm.broadcast(text);
 }

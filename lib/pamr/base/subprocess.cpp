@@ -63,11 +63,23 @@ void send(int pipe_end, std::span<const char> bytes) {
   _exit(0);
 }
 
+/// Whether the system lets this process start another one.
+bool fork_works() {
+  const auto child = fork();
+  if (child == 0) _exit(0);
+  if (child < 0) return false;
+  while (waitpid(child, nullptr, 0) < 0 && errno == EINTR) {
+  }
+  return true;
+}
+
 }  // namespace
 
 bool may_fork() {
   const char* setting = std::getenv("PAMR_NO_FORK");  // NOLINT(concurrency-mt-unsafe): nobody changes the environment
-  return setting == nullptr || std::string_view(setting).empty() || std::string_view(setting) == "0";
+  const bool is_allowed = setting == nullptr || std::string_view(setting).empty() || std::string_view(setting) == "0";
+  static const bool works = is_allowed && fork_works();
+  return is_allowed && works;
 }
 
 Subprocess::Subprocess(const std::function<void(const Send&)>& produce, Limits limits) {

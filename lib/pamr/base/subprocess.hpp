@@ -26,10 +26,12 @@ namespace pamr {
 // Limits: this is a guard against damage, not against attack: the process has the rights of its parent.
 //
 // Where it is forbidden: some sites and some MPI transports do not allow a process to fork after MPI_Init. The
-// environment variable PAMR_NO_FORK=1 (on all ranks) has everything read without processes of their own. Sound files
-// give the same meshes, and nearly all damaged ones are refused as before; one that HDF5 cannot survive ends the job.
+// environment variable PAMR_NO_FORK=1 (on all ranks) has everything read without processes of their own, as it is where
+// the system refuses to start one (a sandbox). Sound files give the same meshes, and nearly all damaged ones are
+// refused as before; one that HDF5 cannot survive ends the job.
 
-/// False where the environment variable PAMR_NO_FORK is set to anything but 0 or nothing. Local.
+/// False where the environment variable PAMR_NO_FORK is set to anything but 0 or nothing, and where the system refuses
+/// to start a process (tried once). Local.
 bool may_fork();
 
 /// A forked process that does something which may kill it and sends bytes back.

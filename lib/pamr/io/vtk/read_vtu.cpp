@@ -6,8 +6,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <fstream>
-#include <iterator>
 #include <map>
 #include <numeric>
 #include <set>
@@ -19,6 +17,7 @@
 #include "pamr/assemble/turn_inverted.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/base/index.hpp"
+#include "pamr/base/read_file.hpp"
 #include "pamr/io/text.hpp"
 #include "pamr/io/vtk/vtk_xml.hpp"
 #include "pamr/order/order_along_curve.hpp"
@@ -46,10 +45,9 @@ struct Grid {
 
 std::string text_of(const std::filesystem::path& file) {
   if (!std::filesystem::is_regular_file(file)) throw Error("expected a file, found none");
-  std::ifstream in(file, std::ios::binary);
-  std::string text{std::istreambuf_iterator<char>(in), {}};
-  if (!in.is_open() || in.bad()) throw Error("expected a file that can be read, found another");
-  return text;
+  auto text = read_file(file);
+  if (!text) throw Error("expected a file that can be read, found another");
+  return std::move(*text);
 }
 
 const XmlArray& require(const XmlGrid& grid, std::string_view place, std::string_view name) {

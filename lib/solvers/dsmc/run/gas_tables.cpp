@@ -5,12 +5,11 @@
 
 #include <cmath>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <map>
 #include <numbers>
 
 #include "pamr/base/error.hpp"
+#include "pamr/base/read_file.hpp"
 
 namespace pamr::dsmc {
 
@@ -36,10 +35,9 @@ void read_species(const TomlTable& tables, SpeciesByName& known) {
 void read_species_file(const TomlTable& gas, const std::string& where, SpeciesByName& known) {
   const auto name = gas.text("species_file", "the name of a file");
   const auto path = (std::filesystem::path(where).parent_path() / name).string();
-  std::ifstream in(path, std::ios::binary);
-  const std::string text(std::istreambuf_iterator<char>(in), {});
-  if (!in) gas.refuse("species_file", "the name of a file of species that can be read", fmt::format("\"{}\"", path));
-  const auto file = parse_toml(text, path);
+  const auto text = read_file(path);
+  if (!text) gas.refuse("species_file", "the name of a file of species that can be read", fmt::format("\"{}\"", path));
+  const auto file = parse_toml(*text, path);
   read_species(file.table("species"), known);
   file.finish();
 }
