@@ -248,20 +248,35 @@ def jumping_clock(stage, whole, seconds):
     return tally
 
 
-def starts_within(stage, kib):
-    words = ["sh", "-c", f'ulimit -v {kib}; exec "$@"', "sh", str(BIN / stage.words[0]), "--version"]
-    return subprocess.run(words, capture_output=True).returncode == 0
+def largest_size(words, tool):
+    """Address space of the largest process of a run that has all it wants, KiB."""
+    job, largest = start(words), 0
+    while job.poll() is None:
+        for pid in processes_of(job, tool):
+            try:
+                lines = pathlib.Path(f"/proc/{pid}/status").read_text().splitlines()
+            except OSError:
+                continue  # it has ended meanwhile
+            largest = max([largest] + [int(line.split()[1]) for line in lines if line.startswith("VmPeak:")])
+        time.sleep(0.002)
+    job.communicate()
+    return largest
 
 
 def memory_of_one_rank(stage, whole, seconds):
-    """Address space of one rank from what the loader takes up to what the job takes."""
+    """Address space of one rank from what MPI and HDF5 take for themselves, below which they may wait for ever, to all it takes."""
     tally = collections.Counter()
     script = ('if [ "${OMPI_COMM_WORLD_RANK:-0}" = "$1" ]; then ulimit -v "$2"; fi; shift 2; exec "$@"')
-    least = next(kib for kib in range(20_000, 2_000_000, 5_000) if starts_within(stage, kib))
-    for kib in [*range(least, least + 100_000, 5_000), *range(least + 100_000, least + 400_000, 20_000)]:
+    least = largest_size(LAUNCHER + [str(BIN / "pamr-mark"), "tiny.hdf", "--all", "-o", "tiny.out", "--force"], "pamr-mark")
+    most = largest_size(command(stage), stage.words[0])
+    for i in range(24):
         clean(stage)
+        kib = least + (most - least) * i // 24 if most > least else least
         job = start(command(stage, ["sh", "-c", script, "sh", str(DICE.randrange(RANKS)), str(kib)]))
-        tally[end(job, stage, whole)] += 1
+        try:
+            tally[end(job, stage, whole)] += 1
+        except Broken as promise:
+            raise Broken(f"{kib} of {most} KiB: {promise}") from None
     return tally
 
 
@@ -361,6 +376,7 @@ def make_inputs():
     def run(*words):
         subprocess.run([str(BIN / words[0]), *words[1:], "--quiet"], check=True, capture_output=True)
     run("pamr-mesh", "--shape", "kuhn-cube", "--n", "14", "-o", "cube.hdf")
+    run("pamr-mesh", "--shape", "kuhn-cube", "--n", "1", "-o", "tiny.hdf")
     run("pamr-mark", "cube.hdf", "-o", "marked.hdf", "--all")
     run("pamr-refine", "marked.hdf", "-o", "fine.hdf")
     run("pamr-convert", "fine.hdf", "fine.msh")
