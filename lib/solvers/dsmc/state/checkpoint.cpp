@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <bit>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <numeric>
 
@@ -11,6 +12,7 @@
 #include "pamr/base/error.hpp"
 #include "pamr/base/hash.hpp"
 #include "pamr/base/index.hpp"
+#include "pamr/base/with_file_name.hpp"
 #include "pamr/mesh/fingerprint.hpp"
 #include "pamr/par/exchange.hpp"
 #include "solvers/dsmc/kernel/numbering.hpp"
@@ -248,6 +250,19 @@ RunState restore(const par::Comm& comm, const Snapshot& snapshot, Flow& flow) {
 
 void write_checkpoint(const par::Comm& comm, const std::string& file, const Snapshot& snapshot) {
   write_sections(comm, file, snapshot.header, {&snapshot.cells, &snapshot.faces, &snapshot.particles});
+}
+
+std::optional<AdaptedMesh> adapted_mesh_of(const par::Comm& comm, const std::string& checkpoint) {
+  const SectionFile file(comm, checkpoint);
+  return with_file_name(checkpoint, [&]() -> std::optional<AdaptedMesh> {
+    const auto& header = file.header();
+    if (!header.contains("mesh_file")) return {};
+    const std::filesystem::path name = string_of(header["mesh_file"], "mesh_file");
+    if (name != name.filename())
+      throw Error(fmt::format("expected the name of a file beside it, found \"{}\"", name.string()));
+    return AdaptedMesh{(std::filesystem::path(checkpoint).parent_path() / name).string(),
+                       number_of(member(member(header, "setup"), "molecules"), "molecules")};
+  });
 }
 
 Snapshot read_checkpoint(const par::Comm& comm, const std::string& name, const Gas& gas) {
