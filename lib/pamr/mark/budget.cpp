@@ -89,8 +89,8 @@ Choice choose_within_budget(const par::Comm& comm, const mesh::DistMesh& mesh, c
     }
     if (fits.cells > max_cells) return chosen(std::move(fits));
   }
-  constexpr int most_halvings = 24;
-  for (int i = 0; i < most_halvings && !is_enough(fits); ++i) {
+  constexpr int max_halvings = 24;
+  for (int i = 0; i < max_halvings && !is_enough(fits); ++i) {
     auto middle = trials.at(0.5 * (fits.exponent + too_many.exponent));
     (middle.cells <= max_cells ? fits : too_many) = std::move(middle);
   }

@@ -32,6 +32,14 @@ mark::Choice choose(const par::Comm& comm, mesh::DistMesh& mesh, const Adaptatio
 
 }  // namespace
 
+void require_criteria(const par::Comm& comm, mesh::DistMesh& mesh, const Adaptation& how,
+                      std::vector<mesh::CellField> averages, const std::string& where) {
+  auto own_fields = mesh.cell_fields;
+  for (auto& field : averages) mesh::put_field(mesh.cell_fields, std::move(field));
+  with_file_name(where, [&] { return mark::apply(comm, mesh, how.request); });
+  mesh.cell_fields = std::move(own_fields);
+}
+
 Adapted adapt_mesh(const par::Comm& comm, mesh::DistMesh mesh, const Adaptation& how,
                    std::vector<mesh::CellField> averages, const std::string& where) {
   const auto idle_name = marks_name + "_idle";

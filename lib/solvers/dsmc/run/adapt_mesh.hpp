@@ -27,4 +27,9 @@ struct Adapted {
 Adapted adapt_mesh(const par::Comm& comm, mesh::DistMesh mesh, const Adaptation& how,
                    std::vector<mesh::CellField> averages, const std::string& where);
 
+/// Throws the same `Error` on every rank unless the mesh and `averages` have the fields and patches that the criteria
+/// need. The mesh is the same afterwards. Collective.
+void require_criteria(const par::Comm& comm, mesh::DistMesh& mesh, const Adaptation& how,
+                      std::vector<mesh::CellField> averages, const std::string& where);
+
 }  // namespace pamr::dsmc

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <system_error>
+#include <utility>
 
 #include "pamr/base/timer.hpp"
 #include "pamr/io/native/native_file.hpp"
@@ -42,19 +43,27 @@ RankWork rank_work(const Computation& computation, std::int64_t n_steps) {
 
 double Advance::rate() const { return particle_steps / std::max(cpu_seconds, 1e-9); }
 
+CheckpointFile::CheckpointFile(std::string name, const Computation& computation) : name_(std::move(name)) {
+  if (const auto step = computation.restarted_mesh()) before_ = mesh_of(*step);
+}
+
+std::string CheckpointFile::mesh_of(std::uint64_t step) const { return fmt::format("{}-{}.hdf", name_, step); }
+
 void CheckpointFile::write(Computation& computation) {
   const auto& comm = computation.comm();
   auto snapshot = computation.snapshot();
-  const auto before = mesh_;
-  if (computation.the_case().adaptation.every > 0) {
-    mesh_ = fmt::format("{}-{}.hdf", name_, computation.mesh_step());
-    if (mesh_ != before) io::write_native(comm, mesh_, computation.mesh());
-    snapshot.header["mesh_step"] = computation.mesh_step();
-    snapshot.header["mesh_file"] = std::filesystem::path(mesh_).filename().string();
+  if (computation.the_case().adaptation.every == 0) {
+    write_checkpoint(comm, name_, snapshot);
+    return;
   }
+  const auto mesh = mesh_of(computation.mesh_step());
+  if (mesh != written_) io::write_native(comm, mesh, computation.mesh());
+  snapshot.header["mesh_step"] = computation.mesh_step();
+  snapshot.header["mesh_file"] = std::filesystem::path(mesh).filename().string();
   write_checkpoint(comm, name_, snapshot);
   std::error_code ignored;  // a mesh too many does no harm
-  if (!before.empty() && before != mesh_ && comm.is_first()) std::filesystem::remove(before, ignored);
+  if (!before_.empty() && before_ != mesh && comm.is_first()) std::filesystem::remove(before_, ignored);
+  written_ = before_ = mesh;
 }
 
 Advance advance(Computation& computation, const AdvanceOptions& options, const Observer& observer) {
@@ -62,7 +71,7 @@ Advance advance(Computation& computation, const AdvanceOptions& options, const O
   const auto& state = computation.averaging().state();
   const double start = cpu_seconds();
   const auto steps_done = [&] { return computation.flow().steps_done; };
-  CheckpointFile file(options.checkpoint);
+  CheckpointFile file(options.checkpoint, computation);
   const auto write = [&] { file.write(computation); };
   observer.begin_phase(phase_of(computation));
   double particle_steps = 0;

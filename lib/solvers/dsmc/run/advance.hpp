@@ -21,12 +21,16 @@ struct AdvanceOptions {
 /// as NAME-STEP.hdf; meshes of checkpoints that were replaced are removed.
 class CheckpointFile {
  public:
-  explicit CheckpointFile(std::string name) : name_(std::move(name)) {}
+  CheckpointFile(std::string name, const Computation& computation);
   /// Collective; throws `Error`. A file is replaced only when the new one is complete, and its mesh goes after that.
   void write(Computation& computation);
 
  private:
-  std::string name_, mesh_;
+  std::string mesh_of(std::uint64_t step) const;
+
+  std::string name_;
+  std::string written_;  ///< the mesh of this run's last checkpoint
+  std::string before_;   ///< that of the checkpoint that is there
 };
 
 /// What a computation is doing, for a progress display.

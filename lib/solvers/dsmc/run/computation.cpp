@@ -35,6 +35,7 @@ Computation::Computation(const par::Comm& comm, Case the_case, Setup setup, mesh
     : comm_(&comm), case_(std::move(the_case)), mesh_(std::move(given)), key_(key_of(comm, mesh_)) {
   flow_.emplace(comm, mesh_, std::move(setup));
   averaging_.emplace(case_, mesh_, *flow_);
+  if (case_.adaptation.every > 0) require_criteria(comm, mesh_, case_.adaptation, averages_as_fields(), case_.where);
 }
 
 void Computation::restart(const std::string& checkpoint) {
@@ -44,7 +45,7 @@ void Computation::restart(const std::string& checkpoint) {
   with_file_name(checkpoint, [&] { averaging_->resume(restore(*comm_, snapshot, *flow_)); });
   require_places(*comm_, checkpoint, *flow_);
   if (snapshot.header.contains("mesh_step"))
-    mesh_step_ = static_cast<std::uint64_t>(with_file_name(checkpoint, [&] {
+    restarted_mesh_ = mesh_step_ = static_cast<std::uint64_t>(with_file_name(checkpoint, [&] {
       return count_of(snapshot.header["mesh_step"], "mesh_step", static_cast<std::int64_t>(flow_->steps_done));
     }));
 }
@@ -77,11 +78,17 @@ StepResult Computation::step(bool wants_stop) {
   return result;
 }
 
+std::vector<mesh::CellField> Computation::averages_as_fields() const {
+  const auto& setup = flow_->setup();
+  auto cells = average_cells(flow_->domain(), setup.gas, flow_->cells, flow_->collisions, setup.unit);
+  cells.scale = density_scale(*comm_, mesh_, cells.density);
+  return to_fields(std::move(cells), setup.gas);
+}
+
 void Computation::adapt() {
   const double start = cpu_seconds();
   const auto& setup_now = flow_->setup();
-  auto averages = average_cells(flow_->domain(), setup_now.gas, flow_->cells, flow_->collisions, setup_now.unit);
-  averages.scale = density_scale(*comm_, mesh_, averages.density);
+  auto averages = averages_as_fields();
   auto snapshot = this->snapshot();
   OldFlow old;
   old.name = case_.where + ": [adapt]";
@@ -91,8 +98,7 @@ void Computation::adapt() {
   old.is_weighted = setup_now.gas.is_weighted;
   old.steps_done = flow_->steps_done;
   const auto n_before = mesh_.info.n_global_cells;
-  auto adapted = adapt_mesh(*comm_, std::move(mesh_), case_.adaptation, to_fields(std::move(averages), setup_now.gas),
-                            case_.where);
+  auto adapted = adapt_mesh(*comm_, std::move(mesh_), case_.adaptation, std::move(averages), case_.where);
   mesh_step_ = flow_->steps_done;
   mesh_ = std::move(adapted.mesh);
   key_ = key_of(*comm_, mesh_);

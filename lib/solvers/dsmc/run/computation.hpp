@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "pamr/mesh/dist_mesh.hpp"
 #include "solvers/dsmc/flow/flow.hpp"
@@ -68,6 +69,8 @@ class Computation {
   const AdaptationReport& adaptation() const { return adaptation_; }
   /// The step after which the mesh was adapted last; 0: it is the mesh that was given.
   std::uint64_t mesh_step() const { return mesh_step_; }
+  /// The same when the run went on from a checkpoint; nothing for other runs.
+  std::optional<std::uint64_t> restarted_mesh() const { return restarted_mesh_; }
   const Case& the_case() const { return case_; }
   const Flow& flow() const { return *flow_; }
   const Averaging& averaging() const { return *averaging_; }
@@ -89,11 +92,14 @@ class Computation {
   StopAtRise rule_;
   /// Refines and coarsens the mesh by the averages; particles keep their places. Collective.
   void adapt();
+  /// The averages under their names in files. Collective.
+  std::vector<mesh::CellField> averages_as_fields() const;
 
   bool is_dynamic_ = true;
   AdaptationReport adaptation_;
   std::uint64_t mesh_step_ = 0;  ///< after which the mesh was adapted
-  double computed_ = 0;          ///< processor seconds of this rank
+  std::optional<std::uint64_t> restarted_mesh_;
+  double computed_ = 0;  ///< processor seconds of this rank
   Traffic traffic_;
   double checked_ = 0;  ///< `computed_` at the last check of the balance
   int steps_ = 0;       ///< since then
