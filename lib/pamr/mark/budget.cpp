@@ -89,8 +89,11 @@ Choice choose_within_budget(const par::Comm& comm, const mesh::DistMesh& mesh, c
     }
     if (fits.cells > max_cells) return chosen(std::move(fits));
   }
+  // The loosest of those that fit: where the worst cells are split for the best ones, not only where nothing happens.
+  constexpr double fine_enough = 0.01;
   constexpr int max_halvings = 24;
-  for (int i = 0; i < max_halvings && !is_enough(fits); ++i) {
+  for (int i = 0; i < max_halvings; ++i) {
+    if (is_enough(fits) && std::fabs(too_many.exponent - fits.exponent) < fine_enough) break;
     auto middle = trials.at(0.5 * (fits.exponent + too_many.exponent));
     (middle.cells <= max_cells ? fits : too_many) = std::move(middle);
   }
