@@ -54,8 +54,7 @@ done
 if [ $smoke = no ]; then
   frames=()
   for step in 0000200 0000500 0000800; do frames+=("$out/adapted-1/window-$step.hdf"); done
-  draw shock.png pamr-picture "${frames[@]}" --cut 0,0,1=0.02 --size 2000x620 --field n
-  draw meshes.png pamr-picture "${frames[@]}" --cut 0,0,1=0.02 --size 2000x620
+  draw shock.png pamr-picture "${frames[@]}" --cut 0,0,1=0.02 --up x --size 1000x1500 --field n --edges
 fi
 # shellcheck disable=SC2086
 "$python" -B "$case_folder/measure.py" "$out" $first $runs

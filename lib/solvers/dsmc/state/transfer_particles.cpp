@@ -84,7 +84,7 @@ std::vector<Passenger> passengers_of(const par::Comm& comm, const OldFlow& old, 
 }
 
 /// Sends each to the rank of its host. Collective.
-std::vector<Passenger> send(const par::Comm& comm, std::span<const Passenger> passengers) {
+std::vector<Passenger> send_to_hosts(const par::Comm& comm, std::span<const Passenger> passengers) {
   std::vector<par::Outgoing<Passenger>> messages(static_cast<std::size_t>(comm.size()));
   for (Rank r = 0; r < comm.size(); ++r) messages[at(r)].to = r;
   for (const auto& passenger : passengers) messages[at(passenger.rank)].item.push_back(passenger);
@@ -93,8 +93,8 @@ std::vector<Passenger> send(const par::Comm& comm, std::span<const Passenger> pa
 }
 
 /// Moves them to their places: particles whose id is the row of the old one, and whose rotation is its F_num.
-Particles fly(const par::Comm& comm, const mesh::DistMesh& mesh, const Flow& flow,
-              const std::vector<Passenger>& passengers) {
+Particles fly_to_places(const par::Comm& comm, const mesh::DistMesh& mesh, const Flow& flow,
+                        const std::vector<Passenger>& passengers) {
   const double unit = flow.setup().unit;
   const auto domain = make_gas_domain(mesh, unit, 1, 1);
   BoundaryCondition away;
@@ -149,7 +149,7 @@ void find_missing(const par::Comm& comm, const mesh::DistMesh& mesh, const Flow&
   }
   std::erase_if(missing, [](const auto& passenger) { return passenger.rank < 0; });
   const auto& global = flow.domain().cell_global;
-  for (const auto& passenger : send(comm, missing)) {
+  for (const auto& passenger : send_to_hosts(comm, missing)) {
     Particle particle;
     particle.position = passenger.position;
     particle.id = static_cast<std::uint64_t>(passenger.row);
@@ -243,7 +243,7 @@ Transferred settle(const par::Comm& comm, const OldFlow& old, const std::vector<
   fill_gaps(comm, hosts);
   flow.steps_done = old.steps_done;
   const auto passengers = passengers_of(comm, old, hosts);
-  auto placed = fly(comm, mesh, flow, send(comm, passengers));
+  auto placed = fly_to_places(comm, mesh, flow, send_to_hosts(comm, passengers));
   find_missing(comm, mesh, flow, passengers, old.particles.rows, placed);
   std::vector<GlobalId> rows;
   for (const auto id : placed.id) rows.push_back(static_cast<GlobalId>(id));
