@@ -15,8 +15,8 @@ inline constexpr std::array<std::string_view, 27> case_tables{
     // surfaces (pamr-mesh, pamr-convert) and level-0 meshes (pamr-mesh)
     "surface", "mesh",
     // rarefied gas (pamr-dsmc); [boundary] is also read by pamr-pb
-    "adapt", "boundary", "collisions", "domain", "gas", "initial", "line", "particles", "plane", "reference", "run", "species",
-    "station", "stream", "time",
+    "adapt", "boundary", "collisions", "domain", "gas", "initial", "line", "particles", "plane", "reference", "run",
+    "species", "station", "stream", "time",
     // Poisson-Boltzmann equation (pamr-pb)
     "body", "electrolyte", "equation", "estimator", "force", "lengths", "pair", "plate", "solver", "sphere"};
 
