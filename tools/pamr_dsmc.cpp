@@ -76,26 +76,25 @@ void check_paths(cli::Session& session, const Options& o) {
 
 std::string window_file(const Options& o, std::uint64_t step) { return fmt::format("{}-{:07}.hdf", o.series, step); }
 
-/// Refuses to replace files of the series.
-void check_series(cli::Session& session, const Options& o, const dsmc::Case& c) {
+/// Refuses to replace files of the series that the run will write after `steps_done` steps.
+void check_series(cli::Session& session, const Options& o, const dsmc::Case& c, std::uint64_t steps_done) {
   if (o.series.empty()) return;
   const auto& schedule = c.schedule;
   if (schedule.window == 0) throw Error("--series: expected window in [run], found none");
   const auto begin = schedule.transient.value_or(0);
   for (auto step = begin + schedule.window; step <= begin + schedule.sampling; step += schedule.window)
-    session.check_native_output(window_file(o, static_cast<std::uint64_t>(step)), {o.case_file, o.mesh}, o.force);
+    if (const auto after = static_cast<std::uint64_t>(step); after > steps_done)
+      session.check_native_output(window_file(o, after), {o.case_file, o.mesh}, o.force);
 }
 
 /// The mesh that the run goes on with: of a restart of a run that adapts its mesh that of the checkpoint, and particles
 /// of its weight.
-std::string continue_adapted(const par::Comm& comm, const Options& o, dsmc::Case& c) {
-  if (o.restart.empty() || c.adaptation.every == 0) return o.mesh;
-  const auto adapted = dsmc::adapted_mesh_of(comm, o.restart);
-  if (!adapted) return o.mesh;
-  c.weight = adapted->fnum;
+std::string mesh_to_read(const Options& o, const dsmc::CheckpointHead& head, dsmc::Case& c) {
+  if (head.mesh_file.empty() || c.adaptation.every == 0) return o.mesh;
+  c.weight = head.fnum;
   c.per_cell.reset();
   c.total.reset();
-  return adapted->file;
+  return head.mesh_file;
 }
 
 void begin(cli::Session& session, const Options& o, dsmc::Computation& computation) {
@@ -132,8 +131,9 @@ cli::ExitCode run_case(cli::Session& session, const Options& o) {
   std::optional<dsmc::StopSignals> signals;
   if (!o.plan && !o.advance.checkpoint.empty()) signals.emplace();
   auto c = dsmc::read_case(cli::read_text(comm, o.case_file), o.case_file);
-  if (!o.plan) check_series(session, o, c);
-  const auto mesh_file = continue_adapted(comm, o, c);
+  const auto head = o.restart.empty() ? dsmc::CheckpointHead{} : dsmc::head_of(comm, o.restart);
+  if (!o.plan) check_series(session, o, c, head.steps_done);
+  const auto mesh_file = mesh_to_read(o, head, c);
   const bool adapts = c.adaptation.every > 0;
   session.step("reading " + mesh_file);
   auto mesh = assemble::assemble(

@@ -90,6 +90,14 @@ def test_a_restart_goes_on_with_the_mesh_of_the_checkpoint():
         assert same_bytes("whole_-50.hdf", "whole-50.hdf")
         # of the meshes on the way none is left but that of the last checkpoint
         assert [path.name for path in pathlib.Path().glob("whole_-*")] == ["whole_-50.hdf"]
+    # The windows before the checkpoint are there already, and stay.
+    compute(case, "cube.hdf", "part.hdf", "--steps", 25, "--checkpoint", "again", "--series", "w")
+    before = pathlib.Path("w-0000020.hdf").read_bytes()
+    run("pamr-dsmc", case, "--mesh", "cube.hdf", "-o", "rest.hdf", "--restart", "again", "--series", "w")
+    assert same_bytes("rest.hdf", "whole.hdf") and pathlib.Path("w-0000020.hdf").read_bytes() == before
+    assert len(list(pathlib.Path().glob("w-*"))) == 6
+    refuses("pamr-dsmc", case, "--mesh", "cube.hdf", "-o", "no.hdf", "--series", "w", says=["w-0000010.hdf"],
+            creates="no.hdf")
     write("still.toml", CASE)
     refuses("pamr-dsmc", "still.toml", "--mesh", "cube.hdf", "-o", "no.hdf", "--restart", "whole_",
             says=["expected a checkpoint of this mesh"], creates="no.hdf")

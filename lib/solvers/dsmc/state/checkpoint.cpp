@@ -252,16 +252,19 @@ void write_checkpoint(const par::Comm& comm, const std::string& file, const Snap
   write_sections(comm, file, snapshot.header, {&snapshot.cells, &snapshot.faces, &snapshot.particles});
 }
 
-std::optional<AdaptedMesh> adapted_mesh_of(const par::Comm& comm, const std::string& checkpoint) {
+CheckpointHead head_of(const par::Comm& comm, const std::string& checkpoint) {
   const SectionFile file(comm, checkpoint);
-  return with_file_name(checkpoint, [&]() -> std::optional<AdaptedMesh> {
+  return with_file_name(checkpoint, [&] {
     const auto& header = file.header();
-    if (!header.contains("mesh_file")) return {};
+    CheckpointHead head;
+    head.steps_done = static_cast<std::uint64_t>(count_of(member(header, "steps_done"), "steps_done"));
+    head.fnum = number_of(member(member(header, "setup"), "molecules"), "molecules");
+    if (!header.contains("mesh_file")) return head;
     const std::filesystem::path name = string_of(header["mesh_file"], "mesh_file");
-    if (name != name.filename())
+    if (name.empty() || name != name.filename())
       throw Error(fmt::format("expected the name of a file beside it, found \"{}\"", name.string()));
-    return AdaptedMesh{(std::filesystem::path(checkpoint).parent_path() / name).string(),
-                       number_of(member(member(header, "setup"), "molecules"), "molecules")};
+    head.mesh_file = (std::filesystem::path(checkpoint).parent_path() / name).string();
+    return head;
   });
 }
 

@@ -3,7 +3,6 @@
 
 #include <cstdint>
 #include <nlohmann/json.hpp>
-#include <optional>
 #include <string>
 
 #include "pamr/mesh/dist_mesh.hpp"
@@ -42,13 +41,14 @@ RunState restore(const par::Comm& comm, const Snapshot& snapshot, Flow& flow);
 /// same on every rank.
 void require_matching(const Snapshot& snapshot, const MeshKey& mesh, const Flow& flow);
 
-/// Of a checkpoint of a run that adapts its mesh: the mesh as it was then, and the weight of its particles.
-struct AdaptedMesh {
-  std::string file;  ///< beside the checkpoint
-  double fnum = 0;   ///< molecules that a particle stands for where the time step is the largest
+/// What a checkpoint says of the run that goes on from it.
+struct CheckpointHead {
+  std::uint64_t steps_done = 0;
+  std::string mesh_file;  ///< of a run that adapts its mesh: the mesh as it was then; else empty
+  double fnum = 0;        ///< molecules that a particle stands for where the time step is the largest
 };
-/// Nothing for other checkpoints. Collective. Throws the same `Error` on every rank for a damaged file.
-std::optional<AdaptedMesh> adapted_mesh_of(const par::Comm& comm, const std::string& checkpoint);
+/// Collective. Throws the same `Error` on every rank for a damaged file.
+CheckpointHead head_of(const par::Comm& comm, const std::string& checkpoint);
 
 /// Writes a snapshot as a file: the same bytes on any number of ranks. Collective; throws `Error`.
 void write_checkpoint(const par::Comm& comm, const std::string& file, const Snapshot& snapshot);
