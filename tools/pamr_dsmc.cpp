@@ -25,7 +25,7 @@ namespace {
 using namespace pamr;
 
 struct Options {
-  std::string case_file, mesh, restart, carry;
+  std::string case_file, mesh, restart, carry, series;
   dsmc::OutputFiles out;
   dsmc::AdvanceOptions advance;
   bool plan = false, force = false, keep_cells = false;
@@ -52,6 +52,9 @@ void declare(cli::CommandLine& line, Options& o) {
   line.option("--lines", o.out.lines, "averages at the case's stations on walls, lines and planes in the gas")
       .type_name("FILE.csv");
   line.option("--history", o.out.history, "particles and loads over time").type_name("FILE.csv");
+  line.option("--series", o.series,
+              "the flow of each window of the averages ([run] window), with the mesh as it was then: NAME-STEP.hdf")
+      .type_name("NAME");
   line.flag("--plan", o.plan, "print what is known before the first step, and exit");
   line.flag("--keep-cells", o.keep_cells,
             "leave every cell on its rank for the whole run; without it cells move when that saves time");
@@ -71,6 +74,29 @@ void check_paths(cli::Session& session, const Options& o) {
     session.check_output(checkpoint, {o.case_file, o.mesh, o.carry}, o.force || checkpoint == o.restart);
 }
 
+std::string window_file(const Options& o, std::uint64_t step) { return fmt::format("{}-{:07}.hdf", o.series, step); }
+
+/// Refuses to replace files of the series that the run will write after `steps_done` steps.
+void check_series(cli::Session& session, const Options& o, const dsmc::Case& c, std::uint64_t steps_done) {
+  if (o.series.empty()) return;
+  const auto& schedule = c.schedule;
+  if (schedule.window == 0) throw Error("--series: expected window in [run], found none");
+  const auto begin = schedule.transient.value_or(0);
+  for (auto step = begin + schedule.window; step <= begin + schedule.sampling; step += schedule.window)
+    if (const auto after = static_cast<std::uint64_t>(step); after > steps_done)
+      session.check_native_output(window_file(o, after), {o.case_file, o.mesh}, o.force);
+}
+
+/// The mesh that the run goes on with: of a restart of a run that adapts its mesh that of the checkpoint, and particles
+/// of its weight.
+std::string mesh_to_read(const Options& o, const dsmc::CheckpointHead& head, dsmc::Case& c) {
+  if (head.mesh_file.empty() || c.adaptation.every == 0) return o.mesh;
+  c.weight = head.fnum;
+  c.per_cell.reset();
+  c.total.reset();
+  return head.mesh_file;
+}
+
 void begin(cli::Session& session, const Options& o, dsmc::Computation& computation) {
   if (!o.restart.empty())
     computation.restart(o.restart);
@@ -87,6 +113,10 @@ dsmc::Advance advance(cli::Session& session, const Options& o, dsmc::Computation
   dsmc::Observer observer;
   observer.wants_stop = dsmc::StopSignals::have_come;
   observer.report = [&](const std::string& line) { session.summary(line); };
+  if (!o.series.empty())
+    observer.window_full = [&](dsmc::Computation& now) {
+      dsmc::write_window(now, window_file(o, now.flow().steps_done));
+    };
   observer.begin_phase = [&](const dsmc::Phase& phase) {
     progress.reset();  // takes the old bar off the terminal first
     progress.reset(new cli::Progress(session.progress(phase.what, phase.total, "steps", phase.done)));
@@ -100,11 +130,15 @@ cli::ExitCode run_case(cli::Session& session, const Options& o) {
   check_paths(session, o);
   std::optional<dsmc::StopSignals> signals;
   if (!o.plan && !o.advance.checkpoint.empty()) signals.emplace();
-  const auto c = dsmc::read_case(cli::read_text(comm, o.case_file), o.case_file);
-  session.step("reading " + o.mesh);
-  auto mesh =
-      assemble::assemble(comm, io::read_native(comm, o.mesh, {.build_surfaces = false, .remark = session.remarks()}));
-  validate::require_valid(comm, mesh, o.mesh);
+  auto c = dsmc::read_case(cli::read_text(comm, o.case_file), o.case_file);
+  const auto head = o.restart.empty() ? dsmc::CheckpointHead{} : dsmc::head_of(comm, o.restart);
+  if (!o.plan) check_series(session, o, c, head.steps_done);
+  const auto mesh_file = mesh_to_read(o, head, c);
+  const bool adapts = c.adaptation.every > 0;
+  session.step("reading " + mesh_file);
+  auto mesh = assemble::assemble(
+      comm, io::read_native(comm, mesh_file, {.build_surfaces = adapts, .remark = session.remarks()}));
+  validate::require_valid(comm, mesh, mesh_file);
   session.step(fmt::format("setting up {} cells", mesh.info.n_global_cells));
   auto setup = dsmc::make_setup(comm, c, mesh);
   dsmc::Outcome outcome{dsmc::make_plan(comm, c, setup, mesh), {}, {}, 0};

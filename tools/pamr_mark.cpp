@@ -33,7 +33,7 @@ struct Options {
   std::optional<std::int64_t> max_cells;
   std::vector<mark::Given> given;  ///< criteria and limits, in the order of the command line
   int format = io::newest_format;
-  bool all = false, coarsen_rest = false, force = false;
+  bool all = false, coarsen_rest = false, fill = false, force = false;
   double shape_floor = refine::default_shape_floor;
 };
 
@@ -81,6 +81,8 @@ void declare(cli::CommandLine& line, Options& options) {
           "limit: cells in falling order of the criterion while the refined (and coarsened) mesh has at most N cells")
       .type_name("N")
       .positive();
+  line.flag("--fill", options.fill,
+            "with --max-cells and --coarsen-below: loosen the criteria too, until the mesh has N cells");
   line.option("--quality-control", options.quality_control, "of the refinement whose size is predicted")
       .one_of(refine::quality_control_list())
       .show_default();
@@ -96,49 +98,49 @@ void declare(cli::CommandLine& line, Options& options) {
   });
 }
 
-struct Size {
-  std::int64_t cells = 0, nodes = 0;
-};
-
-/// Size of the mesh after refining and coarsening with these marks: it is done in memory, without fields, and thrown
-/// away. Collective.
-Size size_of_trial(const par::Comm& comm, mesh::DistMesh& mesh, std::span<const std::uint8_t> marks,
-                   std::span<const std::uint8_t> may_go, const refine::Options& refinement) {
-  std::vector<std::int8_t> flags;
-  flags.reserve(marks.size());
-  for (std::size_t c = 0; c < marks.size(); ++c)
-    flags.push_back(static_cast<std::int8_t>(marks[c] != 0 ? 1 : may_go[c] != 0 ? -1 : 0));
-  adapt::AdaptOptions options;
-  options.refinement = refinement;
-  options.refinement.project = false;  // where nodes go has no part in it
-  options.refinement.parent_field = false;
-  const auto of_nodes = std::exchange(mesh.node_fields, {});
-  const auto of_cells = std::exchange(mesh.cell_fields, {});
-  const auto report = adapt::adapt(comm, std::as_const(mesh), flags, options).report;
-  mesh.node_fields = of_nodes;
-  mesh.cell_fields = of_cells;
-  return {report.cells_out, report.nodes_out};
-}
-
 /// What is marked in the end, and what it gives.
 struct Marked {
-  std::vector<std::uint8_t> marks;
+  std::vector<std::uint8_t> marks, may_go;
   std::vector<std::uint8_t> work;  ///< of the refinement
-  Size after;                      ///< of the mesh after it
+  adapt::MeshSize after;           ///< of the mesh after it
   std::int64_t too_fine = 0;       ///< cells of `--max-level` and deeper that closing the marks splits all the same
+  double factor = 1;               ///< by which `--max-cells` has made values stricter
 };
 
+/// Whether `--max-cells` refines the worst and coarsens the best.
+bool moves_thresholds(const mark::Request& request) {
+  return std::any_of(request.criteria.begin(), request.criteria.end(),
+                     [](const auto& criterion) { return criterion.coarsen_below.has_value(); });
+}
+
+/// The wanted cells and those that may go, within `max_cells`. Collective.
+Marked choose_both_ways(const par::Comm& comm, mesh::DistMesh& mesh, const mark::Request& request,
+                        const mark::Applied& applied, const Options& options, const refine::Options& refinement) {
+  const auto size = [&](std::span<const std::uint8_t> marks, std::span<const std::uint8_t> may_go) {
+    std::vector<std::uint8_t> goes(may_go.begin(), may_go.end());
+    std::vector<std::int64_t> idle;
+    if (request.keep_for > 0)
+      mark::keep_for_a_while(comm, std::as_const(mesh), options.marks, request.keep_for, goes, idle);
+    return adapt::size_after(comm, mesh, marks, goes, refinement).cells;
+  };
+  auto choice = mark::choose_within_budget(comm, mesh, request, applied, *options.max_cells, options.fill, size);
+  return {std::move(choice.marks), std::move(choice.may_go), {}, {}, 0, choice.factor};
+}
+
 /// The wanted cells, or as many of them as `max_cells` allows for. Collective.
-Marked choose_marks(const par::Comm& comm, mesh::DistMesh& mesh, const mark::Applied& applied, const Options& options,
-                    const refine::Options& refinement, std::optional<int> max_level) {
-  const bool any_may_go = comm.any(std::find(applied.may_go.begin(), applied.may_go.end(), 1) != applied.may_go.end());
-  Marked marked{mark::marks_of(applied.indicator), {}, {}, 0};
+Marked choose_marks(const par::Comm& comm, mesh::DistMesh& mesh, const mark::Request& request,
+                    const mark::Applied& applied, const Options& options, const refine::Options& refinement) {
+  Marked marked{mark::marks_of(applied.indicator), applied.may_go, {}, {}, 0, 1};
+  const bool both_ways = options.max_cells && moves_thresholds(request);
+  if (both_ways) marked = choose_both_ways(comm, mesh, request, applied, options, refinement);
+  if (request.keep_for > 0) mark::keep_for_a_while(comm, mesh, options.marks, request.keep_for, marked.may_go);
+  const bool any_may_go = comm.any(std::find(marked.may_go.begin(), marked.may_go.end(), 1) != marked.may_go.end());
   const adapt::Forecaster forecaster(comm, mesh, refinement);
   std::optional<adapt::Forecast> forecast;
-  if (options.max_cells)
+  if (options.max_cells && !both_ways)
     marked.marks = mark::marks_within_budget(
         comm, mesh, applied.indicator, *options.max_cells, [&](std::span<const std::uint8_t> some) {
-          if (any_may_go) return size_of_trial(comm, mesh, some, applied.may_go, refinement).cells;
+          if (any_may_go) return adapt::size_after(comm, mesh, some, marked.may_go, refinement).cells;
           auto trial = forecaster.forecast(some);
           const auto cells = trial.cells;
           if (cells <= *options.max_cells) forecast = std::move(trial);
@@ -146,11 +148,11 @@ Marked choose_marks(const par::Comm& comm, mesh::DistMesh& mesh, const mark::App
         });
   if (!forecast) forecast = forecaster.forecast(marked.marks);  // else the last trial that fits: that of the marks
   marked.work = forecaster.work(*forecast);
-  if (max_level)
+  if (request.max_level)
     marked.too_fine = comm.sum(
-        adapt::count_splits_from_level(forecast->mesh ? *forecast->mesh : mesh, forecast->closure, *max_level));
-  marked.after = any_may_go ? size_of_trial(comm, mesh, marked.marks, applied.may_go, refinement)
-                            : Size{forecast->cells, forecaster.nodes(*forecast)};
+        adapt::count_splits_from_level(forecast->mesh ? *forecast->mesh : mesh, forecast->closure, *request.max_level));
+  marked.after = any_may_go ? adapt::size_after(comm, mesh, marked.marks, marked.may_go, refinement)
+                            : adapt::MeshSize{forecast->cells, forecaster.nodes(*forecast)};
   return marked;
 }
 
@@ -170,15 +172,17 @@ cli::ExitCode run(cli::Session& session, const Options& options) {
   auto applied = with_file_name(options.input, [&] { return mark::apply(comm, mesh, request); });
   const auto too_deep = comm.sum(mark::keep_below_level(mesh, mesh::max_level, applied.indicator));
   const auto n_wanted = mark::count_marked(comm, mark::marks_of(applied.indicator));
-  if (request.keep_for > 0) mark::keep_for_a_while(comm, mesh, options.marks, request.keep_for, applied.may_go);
-  const auto [marks, work, after, too_fine] = choose_marks(comm, mesh, applied, options, refinement, request.max_level);
+  if (options.fill && !(options.max_cells && moves_thresholds(request)))
+    throw Error("--fill: expected --max-cells and a criterion with --coarsen-below, found none");
+  const auto [marks, may_go, work, after, too_fine, factor] =
+      choose_marks(comm, mesh, request, applied, options, refinement);
   const auto n_marked = mark::count_marked(comm, marks);
 
   session.step("writing " + options.output);
   std::int64_t n_may_go = 0;
-  for (std::size_t c = 0; c < marks.size(); ++c) n_may_go += marks[c] == 0 && applied.may_go[c] != 0 ? 1 : 0;
+  for (std::size_t c = 0; c < marks.size(); ++c) n_may_go += marks[c] == 0 && may_go[c] != 0 ? 1 : 0;
   n_may_go = comm.sum(n_may_go);
-  mark::set_marks(mesh, marks, options.marks, applied.may_go);
+  mark::set_marks(mesh, marks, options.marks, may_go);
   balance::set_work(mesh, options.marks, work);
   io::write_native(comm, options.output, mesh, {.format = options.format});
   nlohmann::json report{{"cells", mesh.info.n_global_cells},
@@ -188,6 +192,7 @@ cli::ExitCode run(cli::Session& session, const Options& options) {
                         {"marked_too_deep", too_deep},
                         {"split_beyond_max_level", too_fine},
                         {"may_go", n_may_go},
+                        {"values_times", factor},
                         {"cells_after", after.cells},
                         {"nodes_after", after.nodes},
                         {"marks", options.marks},

@@ -78,6 +78,44 @@ def test_the_size_is_told_beforehand_and_can_be_held():
     assert max(held) <= 6000 and min(held[2:]) > 0.98 * 6000, held
 
 
+def test_a_budget_refines_the_worst_and_coarsens_the_best():
+    """The shell that is wanted has many more cells than there may be, also among those that no call lets go by itself."""
+    kuhn_cube("now.hdf", 5)
+    criteria = ("--field", "f", "--above", 0.02, "--coarsen-below", 0.01, "--max-level", 4, "--max-cells", 5000)
+    sizes = []
+    for x in (0.2, 0.2, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7):
+        with h5py.File("now.hdf", "a") as file:
+            points, cells = file["VTKHDF/Points"][:], file["VTKHDF/Connectivity"][:].reshape(-1, 4)
+        middle = points[cells].mean(axis=1)
+        value = np.exp(-(((np.linalg.norm(middle - [x, 0.5, 0.5], axis=1) - 0.25) / 0.1) ** 2))
+        with h5py.File("now.hdf", "a") as file:
+            file["VTKHDF"].require_group("CellData").pop("f", None)
+            file["PAMR/checksums"].attrs.pop("VTKHDF/CellData/f", None)
+        add_cell_field("now.hdf", "f", value)
+        report = mark("now.hdf", "marked.hdf", *criteria)
+        found, times = marks("marked.hdf"), report["values_times"]
+        # one factor for both thresholds: what is split is worse than what stays, what goes is better, and by as much
+        assert times >= 1 and value[found == 1].min(initial=np.inf) > 0.0199 * times, times
+        assert np.all(value[found == -1] < 0.0101 * times)
+        result = refine("marked.hdf", "now.hdf").json
+        assert report["cells_after"] == result["cells_out"]
+        sizes.append((result["cells_out"], times, report["marked"], result["coarsening"]["octets_gone"]))
+    assert all(0.98 * 5000 <= n <= 5000 for n, *_ in sizes[2:]), sizes
+    # where the shell moves, cells are split in front for others that go behind, although all of them are wanted
+    assert all(times > 1 and n_marked > 0 and n_gone > 0 for _, times, n_marked, n_gone in sizes[4:]), sizes
+
+    # Where fewer cells are wanted, only --fill looks for more; cells still wait as long as --keep-for says.
+    few = ("--field", "f", "--above", 2, "--coarsen-below", 0.2, "--max-level", 4)
+    report = mark("now.hdf", "marked.hdf", *few, "--max-cells", 6000)
+    assert report["values_times"] == 1 and report["marked"] == 0, report
+    filled = mark("now.hdf", "marked.hdf", *few, "--max-cells", 6000, "--fill")
+    assert filled["values_times"] < 1 and 0.98 * 6000 <= filled["cells_after"] <= 6000, filled
+    waits = mark("now.hdf", "marked.hdf", *few, "--max-cells", 6000, "--fill", "--keep-for", 1)
+    assert waits["may_go"] == 0 and 0.98 * 6000 <= waits["cells_after"] <= 6000, waits
+    refuses("pamr-mark", "now.hdf", "-o", "no.hdf", "--all", "--max-cells", 10, "--fill", says=["--coarsen-below"],
+            creates="no.hdf")
+
+
 def test_thresholds_agree_with_numpy():
     kuhn_cube("a.hdf", 3)
     mark("a.hdf", "b.hdf", "--all")

@@ -221,4 +221,26 @@ AdaptResult adapt(const par::Comm& comm, mesh::DistMesh&& mesh, std::span<const 
   return as_one(std::move(result), taken.report, std::move(taken.merged), sizes, timer, comm.traffic() - before);
 }
 
+std::vector<std::int8_t> signed_flags(std::span<const std::uint8_t> marks, std::span<const std::uint8_t> may_go) {
+  std::vector<std::int8_t> flags;
+  flags.reserve(marks.size());
+  for (std::size_t c = 0; c < marks.size(); ++c)
+    flags.push_back(static_cast<std::int8_t>(marks[c] != 0 ? 1 : may_go[c] != 0 ? -1 : 0));
+  return flags;
+}
+
+MeshSize size_after(const par::Comm& comm, mesh::DistMesh& mesh, std::span<const std::uint8_t> marks,
+                    std::span<const std::uint8_t> may_go, const refine::Options& refinement) {
+  AdaptOptions options;
+  options.refinement = refinement;
+  options.refinement.project = false;  // where nodes go has no part in it
+  options.refinement.parent_field = false;
+  auto of_nodes = std::exchange(mesh.node_fields, {});
+  auto of_cells = std::exchange(mesh.cell_fields, {});
+  const auto report = adapt(comm, std::as_const(mesh), signed_flags(marks, may_go), options).report;
+  mesh.node_fields = std::move(of_nodes);
+  mesh.cell_fields = std::move(of_cells);
+  return {report.cells_out, report.nodes_out};
+}
+
 }  // namespace pamr::adapt

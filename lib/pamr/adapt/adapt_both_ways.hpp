@@ -63,4 +63,16 @@ AdaptResult adapt(const par::Comm& comm, const mesh::DistMesh& mesh, std::span<c
 AdaptResult adapt(const par::Comm& comm, mesh::DistMesh&& mesh, std::span<const std::int8_t> flags,
                   const AdaptOptions& options = {});
 
+struct MeshSize {
+  std::int64_t cells = 0, nodes = 0;
+};
+
+/// Size of the mesh after `adapt` with 1 for the marked cells and -1 for others that may go: it is done in memory,
+/// without fields and surfaces, and thrown away. `mesh` is the same afterwards. Collective.
+MeshSize size_after(const par::Comm& comm, mesh::DistMesh& mesh, std::span<const std::uint8_t> marks,
+                    std::span<const std::uint8_t> may_go, const refine::Options& refinement = {});
+
+/// Flags for `adapt`: 1 for the marked cells, -1 for others that may go. Local.
+std::vector<std::int8_t> signed_flags(std::span<const std::uint8_t> marks, std::span<const std::uint8_t> may_go);
+
 }  // namespace pamr::adapt

@@ -11,12 +11,12 @@ namespace pamr {
 
 /// One case file serves every tool. These are the top-level tables that the tools know; each tool reads its own,
 /// ignores those of the others, and refuses tables that are not listed here. A tool that learns a new table adds it.
-inline constexpr std::array<std::string_view, 26> case_tables{
+inline constexpr std::array<std::string_view, 27> case_tables{
     // surfaces (pamr-mesh, pamr-convert) and level-0 meshes (pamr-mesh)
     "surface", "mesh",
     // rarefied gas (pamr-dsmc); [boundary] is also read by pamr-pb
-    "boundary", "collisions", "domain", "gas", "initial", "line", "particles", "plane", "reference", "run", "species",
-    "station", "stream", "time",
+    "adapt", "boundary", "collisions", "domain", "gas", "initial", "line", "particles", "plane", "reference", "run",
+    "species", "station", "stream", "time",
     // Poisson-Boltzmann equation (pamr-pb)
     "body", "electrolyte", "equation", "estimator", "force", "lengths", "pair", "plate", "solver", "sphere"};
 

@@ -1,7 +1,45 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "pamr/mark/budget.hpp"
 
+#include <cmath>
+#include <utility>
+
 namespace pamr::mark {
+
+namespace {
+
+/// What a request gives when it is made stricter by 2 to the power of `exponent`.
+struct Trial {
+  double exponent = 0;
+  Applied applied;
+  std::int64_t cells = 0;
+};
+
+/// Makes trials, collectively.
+class Trials {
+ public:
+  Trials(const par::Comm& comm, const mesh::DistMesh& mesh, const Request& request, const PredictionBothWays& predicted)
+      : comm_(&comm), mesh_(&mesh), request_(&request), predicted_(&predicted) {}
+
+  Trial at(double exponent) const {
+    return measured(exponent, apply(*comm_, *mesh_, scaled(*request_, std::exp2(exponent))));
+  }
+  Trial measured(double exponent, Applied applied) const {
+    keep_below_level(*mesh_, mesh::max_level, applied.indicator);
+    const auto cells = (*predicted_)(marks_of(applied.indicator), applied.may_go);
+    return {exponent, std::move(applied), cells};
+  }
+
+ private:
+  const par::Comm* comm_;
+  const mesh::DistMesh* mesh_;
+  const Request* request_;
+  const PredictionBothWays* predicted_;
+};
+
+constexpr double smallest_part = 0.98;  ///< of the cells that are wanted
+
+}  // namespace
 
 std::vector<std::uint8_t> marks_within_budget(const par::Comm& comm, const mesh::DistMesh& mesh,
                                               std::span<const double> indicator, std::int64_t max_cells,
@@ -21,6 +59,51 @@ std::vector<std::uint8_t> marks_within_budget(const par::Comm& comm, const mesh:
     }
   }
   return best;
+}
+
+Choice choose_within_budget(const par::Comm& comm, const mesh::DistMesh& mesh, const Request& request,
+                            const Applied& applied, std::int64_t max_cells, bool fill,
+                            const PredictionBothWays& predicted_cells) {
+  constexpr double last_exponent = 64;
+  const Trials trials(comm, mesh, request, predicted_cells);
+  const auto is_enough = [&](const Trial& trial) {
+    return trial.cells <= max_cells &&
+           static_cast<double>(trial.cells) >= smallest_part * static_cast<double>(max_cells);
+  };
+  const auto chosen = [](Trial trial) {
+    return Choice{marks_of(trial.applied.indicator), std::move(trial.applied.may_go), std::exp2(trial.exponent)};
+  };
+  auto fits = trials.measured(0, applied);
+  if (is_enough(fits) || (fits.cells <= max_cells && !fill)) return chosen(std::move(fits));
+  Trial too_many = fits;
+  if (fits.cells <= max_cells) {
+    for (double e = -1; too_many.cells <= max_cells && e >= -last_exponent; e *= 2) {
+      too_many = trials.at(e);
+      if (too_many.cells <= max_cells) fits = too_many;
+    }
+    if (too_many.cells <= max_cells) return chosen(std::move(fits));
+  } else {
+    for (double e = 1; fits.cells > max_cells && e <= last_exponent; e *= 2) {
+      if (e > 1) too_many = fits;
+      fits = trials.at(e);
+    }
+    if (fits.cells > max_cells) return chosen(std::move(fits));
+  }
+  // The loosest of those that fit: where the worst cells are split for the best ones, not only where nothing happens.
+  constexpr double fine_enough = 0.01;
+  constexpr int max_halvings = 24;
+  for (int i = 0; i < max_halvings; ++i) {
+    if (is_enough(fits) && std::fabs(too_many.exponent - fits.exponent) < fine_enough) break;
+    auto middle = trials.at(0.5 * (fits.exponent + too_many.exponent));
+    (middle.cells <= max_cells ? fits : too_many) = std::move(middle);
+  }
+  auto choice = chosen(fits);
+  // Many cells of one value: as many of them as fit, beside what goes.
+  if (!is_enough(fits))
+    choice.marks =
+        marks_within_budget(comm, mesh, too_many.applied.indicator, max_cells,
+                            [&](std::span<const std::uint8_t> marks) { return predicted_cells(marks, choice.may_go); });
+  return choice;
 }
 
 }  // namespace pamr::mark

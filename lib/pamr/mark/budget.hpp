@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "pamr/mark/apply_criteria.hpp"
 #include "pamr/mark/indicator.hpp"
 #include "pamr/mesh/dist_mesh.hpp"
 #include "pamr/par/comm.hpp"
@@ -21,5 +22,26 @@ using Prediction = std::function<std::int64_t(std::span<const std::uint8_t> mark
 std::vector<std::uint8_t> marks_within_budget(const par::Comm& comm, const mesh::DistMesh& mesh,
                                               std::span<const double> indicator, std::int64_t max_cells,
                                               const Prediction& predicted_cells);
+
+/// Size of the mesh after splitting the marked cells and taking back those that may go (and are not marked);
+/// collective.
+using PredictionBothWays =
+    std::function<std::int64_t(std::span<const std::uint8_t> marks, std::span<const std::uint8_t> may_go)>;
+
+/// What `choose_within_budget` chose.
+struct Choice {
+  std::vector<std::uint8_t> marks, may_go;
+  double factor = 1;  ///< by which values were made stricter
+};
+
+/// Splits the worst cells and lets the best go, so that the mesh has at most `max_cells` cells, and no fewer than 98 %
+/// of them if the request would have more: all values of the request are made stricter by one factor (`scaled`), so
+/// that the hysteresis between splitting and coarsening is kept. With `fill` a request that has fewer is made looser.
+///
+/// Fewer cells result if one level of splitting does not give as many, more if one level of coarsening does not take as
+/// many. `applied`: `apply` of the request itself. Collective: about 30 predictions. Pre: some criterion has a value.
+Choice choose_within_budget(const par::Comm& comm, const mesh::DistMesh& mesh, const Request& request,
+                            const Applied& applied, std::int64_t max_cells, bool fill,
+                            const PredictionBothWays& predicted_cells);
 
 }  // namespace pamr::mark

@@ -4,8 +4,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
+#include <sstream>
 #include <string_view>
 
 #include "pamr/base/error.hpp"
@@ -166,6 +168,25 @@ struct ValueOf {
   double operator()(const BulkOf& rule) const { return rule.fraction; }
 };
 
+/// A value that marks fewer cells, see `scaled`.
+struct Stricter {
+  double value, factor;
+  template <class Rule>
+  double operator()(const Rule&) const {
+    return value;
+  }
+  double operator()(const Threshold& rule) const {
+    const double by = (factor - 1) * (value == 0 ? 1 : std::fabs(value));
+    return rule.side == Side::above ? value + by : value - by;
+  }
+  double operator()(const SizeOver&) const { return factor * value; }
+  double operator()(const ErrorOver& rule) const {
+    if (rule.bar == ErrorOver::Bar::bulk) return std::min(1.0, value / factor);
+    return value * (rule.bar == ErrorOver::Bar::target ? std::sqrt(factor) : factor);
+  }
+  double operator()(const BulkOf&) const { return std::min(1.0, value / factor); }
+};
+
 /// Whether a larger value marks more cells.
 struct MarksMoreAbove {
   template <class Rule>
@@ -254,9 +275,43 @@ bool Request::coarsens() const {
          std::any_of(criteria.begin(), criteria.end(), [](const auto& c) { return c.coarsen_below.has_value(); });
 }
 
+std::vector<Given> split_options(const std::string& text) {
+  constexpr std::array<std::string_view, 2> flags{"--all", "--coarsen-rest"};
+  constexpr std::array<std::string_view, 22> options{
+      "--crossing-sphere", "--centroid-shell", "--box",     "--patch",
+      "--layers",          "--field",          "--above",   "--below",
+      "--size-over",       "--ratio",          "--theta",   "--recovered-error",
+      "--target",          "--bulk",           "--bulk-of", "--min-level",
+      "--coarsen-below",   "--keep-for",       "--size",    "--max-level",
+      "--only-where",      "--error"};
+  const auto is_one_of = [](const auto& names, const std::string& word) {
+    return std::find(names.begin(), names.end(), word) != names.end();
+  };
+  std::vector<Given> given;
+  std::istringstream words(text);
+  for (std::string word; words >> word;) {
+    Given one{word, {}};
+    if (!is_one_of(flags, word) && !is_one_of(options, word))
+      throw Error(fmt::format("expected an option for criteria or limits, found \"{}\"", word));
+    if (is_one_of(options, word) && !(words >> one.text))
+      throw Error(fmt::format("{}: expected an argument, found none", word));
+    given.push_back(std::move(one));
+  }
+  return given;
+}
+
 Criterion with_value(Criterion criterion, double value) {
   std::visit(WithValue{value}, criterion.rule);
   return criterion;
+}
+
+Request scaled(Request request, double factor) {
+  for (auto& criterion : request.criteria) {
+    const auto stricter = [&](double value) { return std::visit(Stricter{value, factor}, criterion.rule); };
+    if (criterion.coarsen_below) criterion.coarsen_below = stricter(*criterion.coarsen_below);
+    criterion = with_value(criterion, stricter(std::visit(ValueOf(), criterion.rule)));
+  }
+  return request;
 }
 
 Request read_request(const std::vector<Given>& given) {

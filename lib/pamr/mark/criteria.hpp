@@ -82,8 +82,18 @@ struct Given {
   std::string text;    ///< empty for a flag
 };
 
+/// The options of a text as on a command line, "--size-over lambda --ratio 1 --max-level 2": those that `read_request`
+/// knows; no name or argument may hold blanks. Throws `Error` for others, and for arguments that are missing or too
+/// many.
+std::vector<Given> split_options(const std::string& text);
+
 /// The same criterion with another value in place of its own (threshold, ratio, error or fraction).
 Criterion with_value(Criterion criterion, double value);
+
+/// The request with every value by which cells are marked, and those by which they may go, made stricter by this factor
+/// (above 1; looser below 1): a threshold is moved by factor - 1 times its size (1 if it is 0), a ratio or a share of
+/// the mean error grows by it, a fraction of a bulk falls. Criteria without a value and limits stay.
+Request scaled(Request request, double factor);
 
 /// Reads the options, in the order in which they were given: `--layers`, `--above`, `--below`, `--ratio`,
 /// `--theta`, `--target`, `--bulk` and `--error` belong to the nearest option of their kind (`--patch`, `--field`, ...)

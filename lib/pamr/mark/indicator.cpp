@@ -72,11 +72,11 @@ std::int64_t count_marked(const par::Comm& comm, std::span<const std::uint8_t> m
   return comm.sum(static_cast<std::int64_t>(std::count(marks.begin(), marks.end(), std::uint8_t{1})));
 }
 
-void keep_for_a_while(const par::Comm& comm, mesh::DistMesh& mesh, const std::string& name, int n_times,
-                      std::span<std::uint8_t> may_go) {
+void keep_for_a_while(const par::Comm& comm, const mesh::DistMesh& mesh, const std::string& name, int n_times,
+                      std::span<std::uint8_t> may_go, std::vector<std::int64_t>& idle) {
   PAMR_EXPECTS(may_go.size() == mesh.cell_to_node.size());
   const auto field_name = name + "_idle";
-  std::vector<std::int64_t> idle(may_go.size(), 0);
+  idle.assign(may_go.size(), 0);
   const auto* before = mesh.find_cell_field(field_name);
   par::agree(comm, [&] {
     if (before != nullptr && (!before->holds_integers() || before->n_components != 1))
@@ -91,7 +91,13 @@ void keep_for_a_while(const par::Comm& comm, mesh::DistMesh& mesh, const std::st
     idle[c] = so_far + 1;
     if (idle[c] <= n_times) may_go[c] = 0;
   }
-  mesh::put_field(mesh.cell_fields, {field_name, "", 1, mesh::StorageType::uint8, std::move(idle)});
+}
+
+void keep_for_a_while(const par::Comm& comm, mesh::DistMesh& mesh, const std::string& name, int n_times,
+                      std::span<std::uint8_t> may_go) {
+  std::vector<std::int64_t> idle;
+  keep_for_a_while(comm, std::as_const(mesh), name, n_times, may_go, idle);
+  mesh::put_field(mesh.cell_fields, {name + "_idle", "", 1, mesh::StorageType::uint8, std::move(idle)});
 }
 
 void set_marks(mesh::DistMesh& mesh, std::span<const std::uint8_t> marks, const std::string& name,

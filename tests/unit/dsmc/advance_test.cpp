@@ -108,7 +108,7 @@ TEST(FlowOutput, NamesTheAveragesOnTheMeshAndReportsWhatWasFound) {
   for (const auto& field : computation->mesh().cell_fields) names += field.name + " ";
   EXPECT_EQ(names,
             "n rho u T_tr T_rot T Ma tau_c lambda Kn_cell particles n_stderr collision_probability "
-            "separation_over_lambda ");
+            "separation_over_lambda n_scale ");
   EXPECT_EQ(written.size(), 1U);
   EXPECT_EQ(written["h.csv"], test::history_of(*computation));
   EXPECT_EQ(report["steps"], 90);

@@ -1,9 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "solvers/dsmc/run/advance.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <filesystem>
+#include <system_error>
+#include <utility>
 
 #include "pamr/base/timer.hpp"
+#include "pamr/io/native/native_file.hpp"
 #include "solvers/dsmc/run/history.hpp"
 
 namespace pamr::dsmc {
@@ -37,12 +43,36 @@ RankWork rank_work(const Computation& computation, std::int64_t n_steps) {
 
 double Advance::rate() const { return particle_steps / std::max(cpu_seconds, 1e-9); }
 
+CheckpointFile::CheckpointFile(std::string name, const Computation& computation) : name_(std::move(name)) {
+  if (const auto step = computation.restarted_mesh()) before_ = mesh_of(*step);
+}
+
+std::string CheckpointFile::mesh_of(std::uint64_t step) const { return fmt::format("{}-{}.hdf", name_, step); }
+
+void CheckpointFile::write(Computation& computation) {
+  const auto& comm = computation.comm();
+  auto snapshot = computation.snapshot();
+  if (computation.the_case().adaptation.every == 0) {
+    write_checkpoint(comm, name_, snapshot);
+    return;
+  }
+  const auto mesh = mesh_of(computation.mesh_step());
+  if (mesh != written_) io::write_native(comm, mesh, computation.mesh());
+  snapshot.header["mesh_step"] = computation.mesh_step();
+  snapshot.header["mesh_file"] = std::filesystem::path(mesh).filename().string();
+  write_checkpoint(comm, name_, snapshot);
+  std::error_code ignored;  // a mesh too many does no harm
+  if (!before_.empty() && before_ != mesh && comm.is_first()) std::filesystem::remove(before_, ignored);
+  written_ = before_ = mesh;
+}
+
 Advance advance(Computation& computation, const AdvanceOptions& options, const Observer& observer) {
   const auto& comm = computation.comm();
   const auto& state = computation.averaging().state();
   const double start = cpu_seconds();
   const auto steps_done = [&] { return computation.flow().steps_done; };
-  const auto write = [&] { write_checkpoint(comm, options.checkpoint, computation.snapshot()); };
+  CheckpointFile file(options.checkpoint, computation);
+  const auto write = [&] { file.write(computation); };
   observer.begin_phase(phase_of(computation));
   double particle_steps = 0;
   const auto first_step = steps_done();
@@ -52,6 +82,7 @@ Advance advance(Computation& computation, const AdvanceOptions& options, const O
     last = computation.step(observer.wants_stop());
     particle_steps += static_cast<double>(computation.flow().particles.size());
     if (!last.stop && !options.checkpoint.empty() && options.every > 0 && steps_done() % options.every == 0) write();
+    if (last.window_full) observer.window_full(computation);
     if (state.sampling && !was_sampling) {
       was_sampling = true;
       observer.report(state.steady_reason);

@@ -5,6 +5,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "solvers/dsmc/run/computation.hpp"
 
@@ -16,6 +17,22 @@ struct AdvanceOptions {
   std::uint64_t every = 0;             ///< steps from checkpoint to checkpoint; 0: at the end only
 };
 
+/// Writes the checkpoints of a computation. Of one that adapts its mesh the mesh is written too, beside the checkpoint
+/// as NAME-STEP.hdf; meshes of checkpoints that were replaced are removed.
+class CheckpointFile {
+ public:
+  CheckpointFile(std::string name, const Computation& computation);
+  /// Collective; throws `Error`. A file is replaced only when the new one is complete, and its mesh goes after that.
+  void write(Computation& computation);
+
+ private:
+  std::string mesh_of(std::uint64_t step) const;
+
+  std::string name_;
+  std::string written_;  ///< the mesh of this run's last checkpoint
+  std::string before_;   ///< that of the checkpoint that is there
+};
+
 /// What a computation is doing, for a progress display.
 struct Phase {
   std::string what;
@@ -23,9 +40,12 @@ struct Phase {
   std::int64_t total = -1;  ///< steps; below 0: not known
 };
 
-/// Who looks on, and may ask for the end. Each function is called on every rank and must not communicate.
+/// Who looks on, and may ask for the end. Each function is called on every rank, and must not
+/// communicate unless it says so.
 struct Observer {
-  std::function<bool()> wants_stop = [] { return false; };        ///< asked before each step
+  std::function<bool()> wants_stop = [] { return false; };  ///< asked before each step
+  /// When a window of the averages is full. May communicate, and must leave the computation as it is.
+  std::function<void(Computation&)> window_full = [](auto&) {};
   std::function<void(const std::string&)> report = [](auto&) {};  ///< what happened, one line
   std::function<void(const Phase&)> begin_phase = [](auto&) {};   ///< a phase begins
   std::function<void(std::int64_t steps_done, const std::string& note)> after_step = [](auto, auto&) {};

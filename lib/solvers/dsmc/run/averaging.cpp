@@ -228,6 +228,17 @@ void Averaging::assess_steadiness_of(Flow& flow) {
                                      flow.steps_done, verdict.reason));
 }
 
+bool Averaging::is_window_full(std::uint64_t steps_done) const {
+  if (schedule_.window == 0 || !state_.sampling || steps_done == state_.sampling_since) return false;
+  return (steps_done - state_.sampling_since) % static_cast<std::uint64_t>(schedule_.window) == 0;
+}
+
+void Averaging::begin_window(Flow& flow) {
+  state_.blocks.clear();
+  state_.face.assign(flow.domain().boundary.size(), {});
+  flow.start_sampling();
+}
+
 void Averaging::finish(Flow& flow) {
   if (state_.sampling && state_.blocks.empty() && state_.in_interval > 0) end_interval(flow);
 }

@@ -42,6 +42,10 @@ class Averaging {
   void before_step(Flow& flow);
   /// Adds the counts of a step to the interval, and ends the interval when it is full. Collective.
   void after_step(Flow& flow, const StepTotals& counts);
+  /// Whether the steps that were done fill a window of the averages (never without windows).
+  bool is_window_full(std::uint64_t steps_done) const;
+  /// Averages and sums on walls begin anew, on the flow's domain as it is now. Local.
+  void begin_window(Flow& flow);
   /// Ends averaging that has too few steps for a block, so that what there is counts. Collective.
   void finish(Flow& flow);
 

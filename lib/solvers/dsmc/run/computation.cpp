@@ -8,7 +8,12 @@
 #include "pamr/balance/rebalance.hpp"
 #include "pamr/base/timer.hpp"
 #include "pamr/base/with_file_name.hpp"
+#include "pamr/mesh/require_field.hpp"
+#include "solvers/dsmc/run/adapt_mesh.hpp"
 #include "solvers/dsmc/run/make_setup.hpp"
+#include "solvers/dsmc/sampling/cell_flow.hpp"
+#include "solvers/dsmc/sampling/density_scale.hpp"
+#include "solvers/dsmc/state/header_values.hpp"
 #include "solvers/dsmc/state/require_sound.hpp"
 
 namespace pamr::dsmc {
@@ -30,6 +35,7 @@ Computation::Computation(const par::Comm& comm, Case the_case, Setup setup, mesh
     : comm_(&comm), case_(std::move(the_case)), mesh_(std::move(given)), key_(key_of(comm, mesh_)) {
   flow_.emplace(comm, mesh_, std::move(setup));
   averaging_.emplace(case_, mesh_, *flow_);
+  if (case_.adaptation.every > 0) require_criteria(comm, mesh_, case_.adaptation, averages_as_fields(), case_.where);
 }
 
 void Computation::restart(const std::string& checkpoint) {
@@ -38,6 +44,10 @@ void Computation::restart(const std::string& checkpoint) {
   require_sound(*comm_, checkpoint, snapshot, sound_range(*flow_));
   with_file_name(checkpoint, [&] { averaging_->resume(restore(*comm_, snapshot, *flow_)); });
   require_places(*comm_, checkpoint, *flow_);
+  if (snapshot.header.contains("mesh_step"))
+    restarted_mesh_ = mesh_step_ = static_cast<std::uint64_t>(with_file_name(checkpoint, [&] {
+      return count_of(snapshot.header["mesh_step"], "mesh_step", static_cast<std::int64_t>(flow_->steps_done));
+    }));
 }
 
 Transferred Computation::transfer_from(const std::string& checkpoint) {
@@ -47,10 +57,15 @@ Transferred Computation::transfer_from(const std::string& checkpoint) {
 }
 
 StepResult Computation::step(bool wants_stop) {
+  if (averaging_->is_window_full(flow_->steps_done)) {
+    const auto every = static_cast<std::uint64_t>(case_.adaptation.every);
+    if (every > 0 && (flow_->steps_done - averaging_->state().sampling_since) % every == 0) adapt();
+    averaging_->begin_window(*flow_);
+  }
   averaging_->before_step(*flow_);
   const auto counts = flow_->step(wants_stop);
   averaging_->after_step(*flow_, counts.all);
-  const StepResult result{is_complete(), counts.all.stop};
+  const StepResult result{is_complete(), counts.all.stop, averaging_->is_window_full(flow_->steps_done)};
   computed_ += counts.compute_seconds;
   traffic_ += counts.traffic;
   if (!is_dynamic_ || comm_->size() == 1 || ++steps_ < steps_between_checks) return result;
@@ -61,6 +76,49 @@ StepResult Computation::step(bool wants_stop) {
   }
   if (rule_.add(std::exchange(steps_, 0), longest, mean) && !result.is_complete) rebalance();
   return result;
+}
+
+std::vector<mesh::CellField> Computation::averages_as_fields() const {
+  const auto& setup = flow_->setup();
+  auto cells = average_cells(flow_->domain(), setup.gas, flow_->cells, flow_->collisions, setup.unit);
+  cells.scale = density_scale(*comm_, mesh_, cells.density);
+  return to_fields(std::move(cells), setup.gas);
+}
+
+void Computation::adapt() {
+  const double start = cpu_seconds();
+  const auto& setup_now = flow_->setup();
+  auto averages = averages_as_fields();
+  auto snapshot = this->snapshot();
+  OldFlow old;
+  old.name = case_.where + ": [adapt]";
+  old.cells = std::move(snapshot.cells);
+  old.particles = std::move(snapshot.particles);
+  for (const auto& species : setup_now.gas.species) old.weights.push_back(species.weight);
+  old.is_weighted = setup_now.gas.is_weighted;
+  old.steps_done = flow_->steps_done;
+  const auto n_before = mesh_.info.n_global_cells;
+  auto adapted = adapt_mesh(*comm_, std::move(mesh_), case_.adaptation, std::move(averages), case_.where);
+  mesh_step_ = flow_->steps_done;
+  mesh_ = std::move(adapted.mesh);
+  key_ = key_of(*comm_, mesh_);
+  auto setup = setup_now;
+  setup.cell_dt = make_cell_dt(case_, mesh_, setup.unit);
+  flow_.emplace(*comm_, mesh_, std::move(setup));
+  const auto transferred = transfer_particles(*comm_, old, adapted.gone, mesh_, *flow_);
+  mesh::remove_field(mesh_.cell_fields, mesh::parent_field);  // it names cells of a mesh that nobody has any more
+  flow_->resume(true);
+  averaging_->begin_window(*flow_);
+  auto& report = adaptation_;
+  const auto n_cells = mesh_.info.n_global_cells;
+  report.min_cells = std::min({report.n_times == 0 ? n_before : report.min_cells, n_before, n_cells});
+  report.max_cells = std::max({report.max_cells, n_before, n_cells});
+  report.cells_marked += adapted.cells_marked;
+  report.octets_gone += adapted.octets_gone;
+  report.removed += transferred.removed;
+  ++report.n_times;
+  if (is_dynamic_) rebalance();
+  report.seconds += cpu_seconds() - start;
 }
 
 bool Computation::rebalance() {

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "pamr/mesh/dist_mesh.hpp"
 #include "solvers/dsmc/flow/flow.hpp"
@@ -19,6 +20,16 @@ namespace pamr::dsmc {
 struct StepResult {
   bool is_complete = false;  ///< the case asks for no more
   bool stop = false;         ///< some rank asked for the end
+  bool window_full = false;  ///< averages begin anew with the next step
+};
+
+/// What adapting the mesh has done so far.
+struct AdaptationReport {
+  std::int64_t n_times = 0;
+  std::int64_t cells_marked = 0, octets_gone = 0;  ///< in all of them
+  std::int64_t min_cells = 0, max_cells = 0;       ///< of the meshes
+  std::int64_t removed = 0;                        ///< particles that a wall with new nodes holds now
+  double seconds = 0;                              ///< processor time of this rank
 };
 
 /// A mesh, the gas on it and its averages: owns them, advances them together and moves them to other ranks together.
@@ -36,8 +47,10 @@ class Computation {
   /// With the flow of a checkpoint on the mesh that this one was refined from. Throws like `restart`.
   Transferred transfer_from(const std::string& checkpoint);
 
-  /// One time step, and what is due after it: the end of an interval, and on several ranks every 20 steps a move of
-  /// cells if it pays off, unless `keep_cells` was called. The result does not depend on that, bit for bit.
+  /// One time step, and what is due around it: before it, after a full window of the averages, a new window, for which
+  /// the mesh is adapted if the case says so (`adapt`); after it the end of an interval, and on several ranks every 20
+  /// steps a move of cells if it pays off, unless `keep_cells` was called. The result does not depend on that, bit for
+  /// bit.
   /// `wants_stop` of any rank is reported to all. Collective.
   StepResult step(bool wants_stop = false);
   /// Moves cells now so that every rank has the same work (particles, candidate pairs and cells), if the ranks differ
@@ -53,6 +66,11 @@ class Computation {
   bool is_complete() const { return averaging_->is_complete(flow_->steps_done); }
 
   const par::Comm& comm() const { return *comm_; }
+  const AdaptationReport& adaptation() const { return adaptation_; }
+  /// The step after which the mesh was adapted last; 0: it is the mesh that was given.
+  std::uint64_t mesh_step() const { return mesh_step_; }
+  /// The same when the run went on from a checkpoint; nothing for other runs.
+  std::optional<std::uint64_t> restarted_mesh() const { return restarted_mesh_; }
   const Case& the_case() const { return case_; }
   const Flow& flow() const { return *flow_; }
   const Averaging& averaging() const { return *averaging_; }
@@ -72,7 +90,15 @@ class Computation {
   std::optional<Flow> flow_;
   std::optional<Averaging> averaging_;
   StopAtRise rule_;
+  /// Refines and coarsens the mesh by the averages; particles keep their places. Collective.
+  void adapt();
+  /// The averages under their names in files. Collective.
+  std::vector<mesh::CellField> averages_as_fields() const;
+
   bool is_dynamic_ = true;
+  AdaptationReport adaptation_;
+  std::uint64_t mesh_step_ = 0;  ///< after which the mesh was adapted
+  std::optional<std::uint64_t> restarted_mesh_;
   double computed_ = 0;  ///< processor seconds of this rank
   Traffic traffic_;
   double checked_ = 0;  ///< `computed_` at the last check of the balance

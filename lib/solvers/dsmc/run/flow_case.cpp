@@ -122,6 +122,29 @@ void read_run(const TomlTable& table, Case& c) {
   s.sampling = table.integer_or("sampling", s.sampling, 1, max_steps);
   s.block = table.integer_or("block", 0, 1, max_steps);
   s.stop_error = table.number_or("stop_error", 0, {0, 1});
+  s.window = table.integer_or("window", 0, 1, max_steps);
+  if (s.window == 0) return;
+  if (!s.transient) s.transient = 0;  // a flow that changes never becomes steady
+  if (s.block == 0) s.block = s.window % 10 == 0 ? s.window / 10 : s.window;
+  if (s.window % s.block != 0) table.refuse("window", fmt::format("a multiple of block ({})", s.block));
+  if (s.stop_error > 0) table.refuse("stop_error", "no such key beside window");
+}
+
+void read_adaptation(const TomlTable& table, Case& c) {
+  auto& a = c.adaptation;
+  if (!c.partner.empty())
+    table.fail("expected no periodic patches beside [adapt], whose faces would not match any more");
+  if (c.schedule.window == 0)
+    table.fail("expected window in [run], the steps whose averages choose the cells, found none");
+  a.every = table.integer_or("every", c.schedule.window, 1, std::numeric_limits<std::int32_t>::max());
+  if (a.every % c.schedule.window != 0)
+    table.refuse("every", fmt::format("a multiple of window in [run] ({})", c.schedule.window));
+  try {
+    a.request = mark::read_request(mark::split_options(table.text("mark", "criteria as pamr-mark takes them")));
+  } catch (const Error& error) {
+    table.fail(fmt::format("mark: {}", error.what()));
+  }
+  a.max_cells = table.find_integer("max_cells", 1, std::numeric_limits<std::int64_t>::max());
 }
 
 void read_reference(const TomlTable& table, Case& c) {
@@ -186,6 +209,7 @@ Case read_case(std::string_view text, const std::string& where) {
   read_particles(file.table("particles"), c);
   read_time(file.table("time"), c);
   if (const auto table = file.find_table("run")) read_run(*table, c);
+  if (const auto table = file.find_table("adapt")) read_adaptation(*table, c);
   if (const auto table = file.find_table("reference")) read_reference(*table, c);
   for (const auto& table : file.list("station")) c.station.push_back(read_station(table));
   for (const auto& table : file.list("line")) c.line.push_back(read_line(table));

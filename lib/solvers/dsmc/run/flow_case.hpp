@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "pamr/mark/criteria.hpp"
 #include "solvers/dsmc/flow/setup.hpp"
 #include "solvers/dsmc/sampling/loads.hpp"
 #include "solvers/dsmc/sampling/probes.hpp"
@@ -21,6 +22,14 @@ struct Schedule {
   std::int64_t sampling = 1000;           ///< of the averages
   std::int64_t block = 0;                 ///< of a block of the averages; 0: a twentieth of `sampling`
   double stop_error = 0;                  ///< stop once the relative standard error of C_D is below; 0: never
+  std::int64_t window = 0;                ///< averages begin anew every so many steps; 0: never
+};
+
+/// How a computation adapts its mesh as it goes.
+struct Adaptation {
+  std::int64_t every = 0;                 ///< steps, whole windows of the averages; 0: never
+  mark::Request request;                  ///< which cells to split, and which may go, by the averages of a window
+  std::optional<std::int64_t> max_cells;  ///< of the adapted mesh
 };
 
 /// A case file: what is to be computed, before the mesh is known.
@@ -42,6 +51,7 @@ struct Case {
   std::optional<double> unit;     ///< meters in the mesh's length unit
   std::uint64_t seed = 1;
   Schedule schedule;
+  Adaptation adaptation;
   Reference reference;
   std::vector<Station> station;
   std::vector<ProbeLine> line;

@@ -9,6 +9,7 @@
 #include "pamr/mesh/require_field.hpp"
 #include "solvers/dsmc/run/history.hpp"
 #include "solvers/dsmc/sampling/cell_flow.hpp"
+#include "solvers/dsmc/sampling/density_scale.hpp"
 #include "solvers/dsmc/sampling/probes.hpp"
 #include "solvers/dsmc/sampling/wall_averages.hpp"
 
@@ -26,14 +27,31 @@ std::vector<FaceRow> walls_of(const Computation& computation) {
   return wall_averages(flow.domain(), setup.patch, state.face, scale);
 }
 
+CellFlow averages_of(const Computation& computation) {
+  const auto& flow = computation.flow();
+  const auto& setup = flow.setup();
+  auto cells = average_cells(flow.domain(), setup.gas, flow.cells, flow.collisions, setup.unit);
+  cells.scale = density_scale(computation.comm(), computation.mesh(), cells.density);
+  return cells;
+}
+
 }  // namespace
+
+void write_window(Computation& computation, const std::string& file) {
+  auto& mesh = computation.mesh();
+  const auto own_fields = mesh.cell_fields;
+  for (auto& field : to_fields(averages_of(computation), computation.flow().setup().gas))
+    mesh::put_field(mesh.cell_fields, std::move(field));
+  io::write_native(computation.comm(), file, mesh);
+  mesh.cell_fields = own_fields;
+}
 
 CellResolution write_output(Computation& computation, const OutputFiles& files, const WriteText& write_text) {
   const auto& comm = computation.comm();
   const auto& c = computation.the_case();
   const auto& flow = computation.flow();
   const auto& setup = flow.setup();
-  auto cells = average_cells(flow.domain(), setup.gas, flow.cells, flow.collisions, setup.unit);
+  auto cells = averages_of(computation);
   const auto resolution = assess_resolution(comm, cells, c.stream.front().density);
   auto fields = to_fields(std::move(cells), setup.gas);
   const auto walls = walls_of(computation);

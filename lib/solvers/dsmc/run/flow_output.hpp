@@ -25,4 +25,8 @@ using WriteText = std::function<void(const std::string& file, const std::string&
 /// cells resolve the flow. Collective. Throws `Error` when a file cannot be written.
 CellResolution write_output(Computation& computation, const OutputFiles& files, const WriteText& write_text);
 
+/// Writes the mesh as it is now with the averages of the window so far; the computation stays as it is. Collective.
+/// Throws `Error` when the file cannot be written.
+void write_window(Computation& computation, const std::string& file);
+
 }  // namespace pamr::dsmc

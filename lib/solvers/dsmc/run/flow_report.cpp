@@ -57,6 +57,11 @@ json report_of(const Computation& computation, const Outcome& outcome) {
               {"abandoned_particles", state.stuck},
               {"clamped_relaxations", state.clamped},
               {"rebalanced", computation.n_moves()}};
+  if (const auto& a = computation.adaptation(); c.adaptation.every > 0)
+    report["adaptation"] = {{"times", a.n_times},           {"cells_marked", a.cells_marked},
+                            {"octets_gone", a.octets_gone}, {"min_cells", a.min_cells},
+                            {"max_cells", a.max_cells},     {"removed_particles", a.removed},
+                            {"seconds", a.seconds},         {"cells", computation.mesh().info.n_global_cells}};
   const auto& ranks = outcome.advance.ranks;
   report["decomposition"] = {{"ranks", computation.comm().size()},    {"dynamic", computation.is_dynamic()},
                              {"moves", computation.n_moves()},        {"imbalance", ranks.imbalance},

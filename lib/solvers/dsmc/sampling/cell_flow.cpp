@@ -135,6 +135,7 @@ std::vector<mesh::CellField> to_fields(CellFlow flow, const Gas& gas) {
   add("n_stderr", "1/m3", flow.density_error);
   add("collision_probability", "1", flow.collision_probability);
   add("separation_over_lambda", "1", flow.separation);
+  if (!flow.scale.empty()) add("n_scale", "mesh unit", flow.scale);
   if (gas.species.size() > 1)
     for (std::size_t s = 0; s < gas.species.size(); ++s)
       add("n_" + gas.species[s].name, "1/m3", flow.species_density[s]);

@@ -26,6 +26,7 @@ struct CellFlow {
   std::vector<double> density_error;          ///< 1/m3, standard error of `density` from blocks; 0 with fewer than two
   std::vector<double> collision_probability;  ///< of a particle in a step
   std::vector<double> separation;             ///< of collision partners over the mean free path
+  std::vector<double> scale;  ///< mesh's length unit: n / |grad n| (`density_scale`); empty: not computed
   std::vector<std::vector<double>> species_density;  ///< 1/m3, by species
 };
 

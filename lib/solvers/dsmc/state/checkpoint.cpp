@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <bit>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <numeric>
 
@@ -11,6 +12,7 @@
 #include "pamr/base/error.hpp"
 #include "pamr/base/hash.hpp"
 #include "pamr/base/index.hpp"
+#include "pamr/base/with_file_name.hpp"
 #include "pamr/mesh/fingerprint.hpp"
 #include "pamr/par/exchange.hpp"
 #include "solvers/dsmc/kernel/numbering.hpp"
@@ -248,6 +250,22 @@ RunState restore(const par::Comm& comm, const Snapshot& snapshot, Flow& flow) {
 
 void write_checkpoint(const par::Comm& comm, const std::string& file, const Snapshot& snapshot) {
   write_sections(comm, file, snapshot.header, {&snapshot.cells, &snapshot.faces, &snapshot.particles});
+}
+
+CheckpointHead head_of(const par::Comm& comm, const std::string& checkpoint) {
+  const SectionFile file(comm, checkpoint);
+  return with_file_name(checkpoint, [&] {
+    const auto& header = file.header();
+    CheckpointHead head;
+    head.steps_done = static_cast<std::uint64_t>(count_of(member(header, "steps_done"), "steps_done"));
+    head.fnum = number_of(member(member(header, "setup"), "molecules"), "molecules");
+    if (!header.contains("mesh_file")) return head;
+    const std::filesystem::path name = string_of(header["mesh_file"], "mesh_file");
+    if (name.empty() || name != name.filename())
+      throw Error(fmt::format("expected the name of a file beside it, found \"{}\"", name.string()));
+    head.mesh_file = (std::filesystem::path(checkpoint).parent_path() / name).string();
+    return head;
+  });
 }
 
 Snapshot read_checkpoint(const par::Comm& comm, const std::string& name, const Gas& gas) {

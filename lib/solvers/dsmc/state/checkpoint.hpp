@@ -41,6 +41,15 @@ RunState restore(const par::Comm& comm, const Snapshot& snapshot, Flow& flow);
 /// same on every rank.
 void require_matching(const Snapshot& snapshot, const MeshKey& mesh, const Flow& flow);
 
+/// What a checkpoint says of the run that goes on from it.
+struct CheckpointHead {
+  std::uint64_t steps_done = 0;
+  std::string mesh_file;  ///< of a run that adapts its mesh: the mesh as it was then; else empty
+  double fnum = 0;        ///< molecules that a particle stands for where the time step is the largest
+};
+/// Collective. Throws the same `Error` on every rank for a damaged file.
+CheckpointHead head_of(const par::Comm& comm, const std::string& checkpoint);
+
 /// Writes a snapshot as a file: the same bytes on any number of ranks. Collective; throws `Error`.
 void write_checkpoint(const par::Comm& comm, const std::string& file, const Snapshot& snapshot);
 /// Reads it back; `gas` of the case. Collective. Throws the same `Error` on every rank for a damaged file.

@@ -11,6 +11,8 @@
 #include "pamr/base/index.hpp"
 #include "pamr/base/machine.hpp"
 #include "pamr/base/with_file_name.hpp"
+#include "pamr/locate/locate_points.hpp"
+#include "pamr/locate/locator.hpp"
 #include "pamr/mesh/require_field.hpp"
 #include "pamr/par/exchange.hpp"
 #include "solvers/dsmc/kernel/move.hpp"
@@ -26,130 +28,81 @@ using namespace geometry;
 
 namespace {
 
-/// A new cell that could take the particles of its parent.
-struct Candidate {
-  GlobalId parent = 0, cell = 0;
-  double volume = 0;
-  Rank rank = 0;
-};
-
 /// A particle on its way to the rank of the cell from which the search for its place starts.
 struct Passenger {
   GlobalId row = 0;   ///< of the old particles
   GlobalId host = 0;  ///< new cell
   Vec3 position;
   double fnum = 0;  ///< real molecules that it stands for
+  Rank rank = 0;    ///< that holds the host
 };
 
 /// The old cells of this rank's cells, both counted from the meshes' first.
-std::vector<GlobalId> parents_of(const mesh::DistMesh& mesh, const std::string& file, GlobalId n_old) {
-  const auto used_for = fmt::format("file '{}': particles go to the cells refined from theirs", file);
+std::vector<GlobalId> parents_of(const mesh::DistMesh& mesh, const std::string& name, GlobalId n_old) {
+  const auto used_for = fmt::format("{}: particles go to the cells refined from theirs", name);
   const auto& field = mesh::require_cell_field(mesh, {mesh::parent_field, mesh::FieldValues::integer, 1, used_for});
   const IdRange old{n_old, mesh.info.first_id};
   std::vector<GlobalId> parents;
   for (const auto parent : field.integer()) {
     if (!old.contains(parent))
       throw Error(
-          fmt::format("file '{}': expected a checkpoint on the mesh that this one was refined from, found one of "
-                      "{} cells where the field parent names cell {}",
-                      file, n_old, parent));
+          fmt::format("{}: expected a checkpoint on the mesh that this one was refined from, found one of {} cells "
+                      "where the field parent names cell {}",
+                      name, n_old, parent));
     parents.push_back(parent - old.first);
   }
   return parents;
 }
 
-/// The new cell that takes the particles of each old cell of this rank's block: the one with the smallest number.
-std::vector<Candidate> find_hosts(const par::Comm& comm, const std::string& file, const mesh::DistMesh& mesh,
-                                  const std::vector<GlobalId>& parent, const Section& old_cells, double unit) {
-  const auto number = cells_from_0(mesh);
-  std::vector<par::Outgoing<Candidate>> messages(static_cast<std::size_t>(comm.size()));
-  for (Rank r = 0; r < comm.size(); ++r) messages[at(r)].to = r;
-  for (std::size_t c = 0; c < parent.size(); ++c) {
-    const auto cell = static_cast<LocalId>(c);
-    auto points = mesh.points(cell);
-    for (auto& p : points) p = unit * p;
-    const auto to = par::block_of(parent[c], old_cells.rows, comm.size());
-    messages[at(to)].item.push_back({parent[c], number[c], volume(points), comm.rank()});
-  }
-  std::erase_if(messages, [](const auto& m) { return m.item.empty(); });
-  const auto first = par::block_range(old_cells.rows, comm.rank(), comm.size()).begin;
-  const auto n = old_cells.block.size() / old_cells.width;
-  std::vector<Candidate> host(n, Candidate{-1, -1, 0, 0});
-  for (const auto& candidate : comm.sparse_exchange(messages).item) {
-    auto& best = host[at(candidate.parent - first)];
-    const double total = best.volume + candidate.volume;
-    if (best.cell < 0 || candidate.cell < best.cell) best = candidate;
-    best.volume = total;
-  }
-
-  // In a mesh that was not refined from the old one the same numbers belong to other volumes.
-  constexpr double scale = 1e6;
-  std::int64_t wrong[2] = {0, 0};
-  for (std::size_t c = 0; c < n; ++c) {
-    const double old = real(old_cells.block[c * old_cells.width + volume_word]);
-    if (!(old > 0)) continue;
-    wrong[0] += static_cast<std::int64_t>(scale * std::min(1.0, std::fabs(host[c].volume - old) / old));
-    wrong[1] += static_cast<std::int64_t>(scale);
-  }
-  comm.sum_in_place(wrong);
-  if (2 * wrong[0] > wrong[1])
-    throw Error(
-        fmt::format("file '{}': expected a checkpoint on the mesh that this one was refined from, found cells of "
-                    "other volumes",
-                    file));
-  // An old cell that contains no centroid takes the host of the cell before or after it.
-  for (std::size_t c = 1; c < n; ++c)
-    if (host[c].cell < 0) host[c] = host[c - 1];
-  for (std::size_t c = n; c-- > 1;)
-    if (host[c - 1].cell < 0) host[c - 1] = host[c];
-  return host;
-}
-
-/// Sends every old particle to the rank of its host. Collective.
-std::vector<Passenger> send_to_hosts(const par::Comm& comm, const Section& old_cells, const Section& old_particles,
-                                     const std::vector<double>& weights, const std::vector<Candidate>& host) {
+/// Every old particle of this rank's block of old cells. Collective.
+std::vector<Passenger> passengers_of(const par::Comm& comm, const OldFlow& old, const std::vector<Host>& hosts) {
   std::vector<std::int64_t> count;
   std::int64_t here = 0;
-  for (std::size_t c = 0; c < host.size(); ++c) {
-    count.push_back(host[c].cell < 0 ? 0 : integer(old_cells.block[c * old_cells.width]));
-    here += integer(old_cells.block[c * old_cells.width]);
+  for (std::size_t c = 0; c < hosts.size(); ++c) {
+    count.push_back(integer(old.cells.block[c * old.cells.width]));
+    here += count.back();
   }
   std::vector<std::int64_t> first;
   auto next = comm.exclusive_sum(here);
-  for (std::size_t c = 0; c < host.size(); ++c) {
+  for (const auto n : count) {
     first.push_back(next);
-    next += integer(old_cells.block[c * old_cells.width]);
+    next += n;
   }
   const auto rows = consecutive(first, count);
   const auto words =
-      par::fetch_rows<std::uint64_t>(comm, old_particles.rows, old_particles.block, particle_words, rows);
+      par::fetch_rows<std::uint64_t>(comm, old.particles.rows, old.particles.block, particle_words, rows);
+  std::vector<Passenger> passengers;
+  passengers.reserve(rows.size());
+  for (std::size_t c = 0; c < hosts.size(); ++c)
+    for (std::int64_t i = 0; i < count[c]; ++i) {
+      const auto row = passengers.size();
+      const auto* w = words.data() + row * particle_words;
+      const double fnum = real(old.cells.block[c * old.cells.width + fnum_word]) * old.weights[species_of(w)];
+      passengers.push_back({rows[row], hosts[c].cell, {real(w[2]), real(w[3]), real(w[4])}, fnum, hosts[c].rank});
+    }
+  return passengers;
+}
+
+/// Sends each to the rank of its host. Collective.
+std::vector<Passenger> send_to_hosts(const par::Comm& comm, std::span<const Passenger> passengers) {
   std::vector<par::Outgoing<Passenger>> messages(static_cast<std::size_t>(comm.size()));
   for (Rank r = 0; r < comm.size(); ++r) messages[at(r)].to = r;
-  std::size_t row = 0;
-  for (std::size_t c = 0; c < host.size(); ++c)
-    for (std::int64_t i = 0; i < count[c]; ++i, ++row) {
-      const auto* w = words.data() + row * particle_words;
-      messages[at(host[c].rank)].item.push_back(
-          {rows[row],
-           host[c].cell,
-           {real(w[2]), real(w[3]), real(w[4])},
-           real(old_cells.block[c * old_cells.width + fnum_word]) * weights[species_of(w)]});
-    }
+  for (const auto& passenger : passengers) messages[at(passenger.rank)].item.push_back(passenger);
   std::erase_if(messages, [](const auto& m) { return m.item.empty(); });
   return comm.sparse_exchange(messages).item;
 }
 
 /// Moves them to their places: particles whose id is the row of the old one, and whose rotation is its F_num.
-Particles locate(const par::Comm& comm, const mesh::DistMesh& mesh, const Flow& flow,
-                 const std::vector<Passenger>& passengers) {
+Particles fly_to_places(const par::Comm& comm, const mesh::DistMesh& mesh, const Flow& flow,
+                        const std::vector<Passenger>& passengers) {
   const double unit = flow.setup().unit;
   const auto domain = make_gas_domain(mesh, unit, 1, 1);
   BoundaryCondition away;
   away.kind = BoundaryCondition::Kind::outflow;
   const std::vector<BoundaryCondition> patch(mesh.info.patches.size(), away);
+  const auto& global = domain.cell_global;
   std::vector<Flight> flights;
   for (const auto& passenger : passengers) {
-    const auto& global = domain.cell_global;
     const auto cell =
         static_cast<LocalId>(std::lower_bound(global.begin(), global.end(), passenger.host) - global.begin());
     const auto corner = corners(mesh, unit, cell);
@@ -171,8 +124,45 @@ Particles locate(const par::Comm& comm, const mesh::DistMesh& mesh, const Flow& 
   return placed;
 }
 
+/// Of this rank's passengers those that did not arrive: each is looked for in all cells of all ranks, and appended to
+/// `placed` if one holds it. Collective: one reduction if none is missing.
+void find_missing(const par::Comm& comm, const mesh::DistMesh& mesh, const Flow& flow,
+                  std::span<const Passenger> passengers, std::int64_t n_all, Particles& placed) {
+  if (comm.sum(static_cast<std::int64_t>(placed.size())) == n_all) return;
+  std::vector<GlobalId> arrived, rows;
+  for (const auto id : placed.id) arrived.push_back(static_cast<GlobalId>(id));
+  for (const auto& passenger : passengers) rows.push_back(passenger.row);
+  const std::vector<std::uint8_t> yes(arrived.size(), 1);
+  const auto is_there = par::fetch_rows<std::uint8_t>(
+      comm, n_all, par::scatter_rows<std::uint8_t>(comm, n_all, yes, 1, arrived), 1, rows);
+  std::vector<Passenger> missing;
+  std::vector<Vec3> points;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    if (is_there[i] != 0) continue;
+    missing.push_back(passengers[i]);
+    points.push_back((1 / flow.setup().unit) * passengers[i].position);
+  }
+  const auto found = locate::locate_points(comm, mesh, locate::Locator(mesh), points);
+  for (std::size_t i = 0; i < missing.size(); ++i) {
+    missing[i].host = found.rank[i] < 0 ? -1 : found.cell[i] - mesh.info.first_id;
+    missing[i].rank = found.rank[i];
+  }
+  std::erase_if(missing, [](const auto& passenger) { return passenger.rank < 0; });
+  const auto& global = flow.domain().cell_global;
+  for (const auto& passenger : send_to_hosts(comm, missing)) {
+    Particle particle;
+    particle.position = passenger.position;
+    particle.id = static_cast<std::uint64_t>(passenger.row);
+    particle.rotation = passenger.fnum;
+    particle.cell =
+        static_cast<LocalId>(std::lower_bound(global.begin(), global.end(), passenger.host) - global.begin());
+    placed.append(particle);
+  }
+  placed.sort_by_cell(mesh.n_cells());
+}
+
 /// Makes whole particles from old ones of another F_num, and numbers them.
-void copy_particles(const par::Comm& comm, const std::string& file, const mesh::DistMesh& mesh, const Particles& placed,
+void copy_particles(const par::Comm& comm, const std::string& name, const mesh::DistMesh& mesh, const Particles& placed,
                     const std::vector<std::uint64_t>& words, Flow& flow) {
   std::vector<std::int64_t> count(static_cast<std::size_t>(mesh.n_cells()), 0);
   const auto copies_of = [&](std::size_t i, const Particle& p) {
@@ -185,9 +175,9 @@ void copy_particles(const par::Comm& comm, const std::string& file, const mesh::
     constexpr double most = 0x1p31, bytes = sizeof(Particle);
     if (!(expected <= most && expected * bytes <= static_cast<double>(memory_of_machine())))
       throw Error(fmt::format(
-          "file '{}': expected at most {:.4g} particles on a rank, and memory for them, found {:.4g} of the new "
-          "weight on rank {}: use a greater weight",
-          file, most, expected, comm.rank()));
+          "{}: expected at most {:.4g} particles on a rank, and memory for them, found {:.4g} of the new weight on "
+          "rank {}: use a greater weight",
+          name, most, expected, comm.rank()));
   });
   for (std::size_t i = 0; i < placed.size(); ++i) {
     auto p = particle_from(words.data() + i * particle_words);
@@ -206,21 +196,75 @@ void copy_particles(const par::Comm& comm, const std::string& file, const mesh::
   flow.particles.sort_by_cell(flow.domain().n_cells());
 }
 
-/// What the computation that wrote the file was like.
-struct OldSetup {
-  std::uint64_t steps_done = 0;
-  std::vector<double> weights;  ///< of the species
-  bool is_weighted = false;
+/// What an old cell that is nobody's parent leaves to the new cell that has its place.
+struct Inheritance {
+  GlobalId old_cell = 0, cell = 0;
+  double energy = 0;  ///< deficit, J
 };
 
-/// Throws `Error` unless it had the same species and the same unit of length.
-OldSetup setup_in(const SectionFile& file, const std::string& name, const Flow& flow) {
+/// Gives the new cells what the old ones remember of their collisions. Collective.
+void inherit_collisions(const par::Comm& comm, const OldFlow& old, const std::vector<GlobalId>& parent,
+                        const std::vector<Host>& hosts, Flow& flow) {
+  const auto n_old = old.cells.rows;
+  const auto width = old.cells.width;
+  const auto& domain = flow.domain();
+  const bool is_weighted = old.is_weighted && flow.setup().gas.is_weighted;
+  const auto cells = par::fetch_rows<std::uint64_t>(comm, n_old, old.cells.block, width, parent);
+  const auto host = par::fetch_rows<Host>(comm, n_old, hosts, 1, parent);
+  for (std::size_t c = 0; c < flow.collisions.size(); ++c) {
+    const auto* w = cells.data() + c * width;
+    const double part = domain.volume[c] / host[c].volume * real(w[fnum_word]) / domain.fnum[c];
+    flow.collisions[c] = {real(w[1]), 0, real(w[3]), 0, 0, is_weighted ? part * real(w[width - 1]) : 0};
+  }
+  if (!is_weighted) return;
+  const auto first = par::block_range(n_old, comm.rank(), comm.size()).begin;
+  std::vector<par::Outgoing<Inheritance>> messages(static_cast<std::size_t>(comm.size()));
+  for (Rank r = 0; r < comm.size(); ++r) messages[at(r)].to = r;
+  for (std::size_t c = 0; c < hosts.size(); ++c) {
+    const auto* w = old.cells.block.data() + c * width;
+    if (hosts[c].volume > 0 || real(w[width - 1]) == 0) continue;
+    messages[at(hosts[c].rank)].item.push_back(
+        {first + static_cast<GlobalId>(c), hosts[c].cell, real(w[width - 1]) * real(w[fnum_word])});
+  }
+  std::erase_if(messages, [](const auto& m) { return m.item.empty(); });
+  auto left = comm.sparse_exchange(messages).item;
+  std::sort(left.begin(), left.end(), [](const auto& a, const auto& b) { return a.old_cell < b.old_cell; });
+  for (const auto& one : left) {
+    const auto& global = domain.cell_global;
+    const auto c = static_cast<std::size_t>(std::lower_bound(global.begin(), global.end(), one.cell) - global.begin());
+    flow.collisions[c].energy_deficit += one.energy / domain.fnum[c];
+  }
+}
+
+/// Puts all particles where they belong, when the parents of the cells and the hosts of the old ones are known.
+/// Collective.
+Transferred settle(const par::Comm& comm, const OldFlow& old, const std::vector<GlobalId>& parent,
+                   std::vector<Host> hosts, const mesh::DistMesh& mesh, Flow& flow) {
+  fill_gaps(comm, hosts);
+  flow.steps_done = old.steps_done;
+  const auto passengers = passengers_of(comm, old, hosts);
+  auto placed = fly_to_places(comm, mesh, flow, send_to_hosts(comm, passengers));
+  find_missing(comm, mesh, flow, passengers, old.particles.rows, placed);
+  std::vector<GlobalId> rows;
+  for (const auto id : placed.id) rows.push_back(static_cast<GlobalId>(id));
+  const auto words =
+      par::fetch_rows<std::uint64_t>(comm, old.particles.rows, old.particles.block, particle_words, rows);
+  copy_particles(comm, old.name, mesh, placed, words, flow);
+  inherit_collisions(comm, old, parent, hosts, flow);
+  const auto found = comm.sum(static_cast<std::int64_t>(placed.size()));
+  return {old.particles.rows, flow.n_particles(), old.particles.rows - found, old.steps_done};
+}
+
+/// What the computation that wrote the file was like, its tables apart. Throws `Error` unless it had the same species
+/// and the same unit of length.
+OldFlow setup_in(const SectionFile& file, const std::string& name, const Flow& flow) {
   constexpr std::int64_t max_steps = std::int64_t{1} << 40U;
   const auto shown = [](const nlohmann::json& json) {
     return json.dump(-1, ' ', true, nlohmann::json::error_handler_t::replace);
   };
   return with_file_name(name, [&] {
-    OldSetup old;
+    OldFlow old;
+    old.name = fmt::format("file '{}'", name);
     old.steps_done = static_cast<std::uint64_t>(count_of(member(file.header(), "steps_done"), "steps_done", max_steps));
     nlohmann::json species = nlohmann::json::array();
     for (const auto& s : flow.setup().gas.species) species.push_back(s.name);
@@ -242,37 +286,29 @@ OldSetup setup_in(const SectionFile& file, const std::string& name, const Flow& 
 
 }  // namespace
 
+Transferred transfer_particles(const par::Comm& comm, const OldFlow& old, std::span<const GoneCell> gone,
+                               const mesh::DistMesh& mesh, Flow& flow) {
+  std::vector<GlobalId> parent;
+  par::agree(comm, [&] { parent = parents_of(mesh, old.name, old.cells.rows); });
+  auto hosts = find_hosts(comm, mesh, parent, old.cells.rows, flow.setup().unit);
+  add_hosts_of_gone(comm, gone, old.cells.rows, hosts);
+  return settle(comm, old, parent, std::move(hosts), mesh, flow);
+}
+
 Transferred transfer_particles(const par::Comm& comm, const std::string& name, const mesh::DistMesh& mesh, Flow& flow) {
   const SectionFile file(comm, name);
-  const auto old = setup_in(file, name, flow);
-  const auto width = cell_words(old.weights.size(), old.is_weighted);
-  const auto old_cells = file.read("cells", width), old_particles = file.read("particles", particle_words);
+  auto old = setup_in(file, name, flow);
+  old.cells = file.read("cells", cell_words(old.weights.size(), old.is_weighted));
+  old.particles = file.read("particles", particle_words);
   auto range = sound_range(flow);
   range.is_weighted = old.is_weighted;
-  require_sound_cells(comm, name, old_cells, old_particles.rows, range);
-  require_sound_particles(comm, name, old_particles, range);
+  require_sound_cells(comm, name, old.cells, old.particles.rows, range);
+  require_sound_particles(comm, name, old.particles, range);
   std::vector<GlobalId> parent;
-  par::agree(comm, [&] { parent = parents_of(mesh, name, old_cells.rows); });
-  flow.steps_done = old.steps_done;
-
-  const auto host = find_hosts(comm, name, mesh, parent, old_cells, flow.setup().unit);
-  const auto placed = locate(comm, mesh, flow, send_to_hosts(comm, old_cells, old_particles, old.weights, host));
-
-  std::vector<GlobalId> rows;
-  for (const auto id : placed.id) rows.push_back(static_cast<GlobalId>(id));
-  const auto words =
-      par::fetch_rows<std::uint64_t>(comm, old_particles.rows, old_particles.block, particle_words, rows);
-  const auto cells = par::fetch_rows<std::uint64_t>(comm, old_cells.rows, old_cells.block, width, parent);
-  copy_particles(comm, name, mesh, placed, words, flow);
-  for (std::size_t c = 0; c < flow.collisions.size(); ++c) {
-    const auto* w = cells.data() + c * width;
-    const auto& domain = flow.domain();
-    const double part = domain.volume[c] / real(w[volume_word]) * real(w[fnum_word]) / domain.fnum[c];
-    const double energy_deficit = old.is_weighted && flow.setup().gas.is_weighted ? part * real(w[width - 1]) : 0;
-    flow.collisions[c] = {real(w[1]), 0, real(w[3]), 0, 0, energy_deficit};
-  }
-  const auto found = comm.sum(static_cast<std::int64_t>(placed.size()));
-  return {old_particles.rows, flow.n_particles(), old_particles.rows - found, flow.steps_done};
+  par::agree(comm, [&] { parent = parents_of(mesh, old.name, old.cells.rows); });
+  auto hosts = find_hosts(comm, mesh, parent, old.cells.rows, flow.setup().unit);
+  require_old_volumes(comm, name, old.cells, hosts);
+  return settle(comm, old, parent, std::move(hosts), mesh, flow);
 }
 
 }  // namespace pamr::dsmc

@@ -1,0 +1,128 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""pamr-dsmc on a mesh that it adapts as it goes: the same bytes on any ranks and after restarts, and bad cases."""
+import pathlib
+
+import h5py
+import numpy as np
+
+from tool_run import RANKS, kuhn_cube, refuses, run, run_tests, same_bytes
+
+# A stream that is stopped by a mirror: a shock runs from xmin into the gas.
+CASE = """
+[species.Ar]
+mass = 6.63e-26
+diameter = 4.17e-10
+omega = 0.81
+t_ref = 273.0
+[gas]
+fractions = { Ar = 1.0 }
+[stream.free]
+density = 1e19
+temperature = 300.0
+velocity = [-650.0, 0.0, 0.0]
+[boundary]
+xmin = { kind = "specular" }
+xmax = { kind = "inflow" }
+ymin = { kind = "symmetry" }
+ymax = { kind = "symmetry" }
+zmin = { kind = "symmetry" }
+zmax = { kind = "symmetry" }
+[particles]
+per_cell = 60.0
+[domain]
+unit = 1.0
+[time]
+step = 5e-5
+[run]
+window = 10
+sampling = 60
+"""
+ADAPT = """
+[adapt]
+mark = "--size-over n_scale --ratio 0.15 --coarsen-below 0.1 --max-level 1 --keep-for 1"
+max_cells = 900
+"""
+
+
+def write(name, text):
+    pathlib.Path(name).write_text(text, encoding="ascii")
+    return name
+
+
+def compute(case, mesh, out, *more, **kwargs):
+    return run("pamr-dsmc", case, "--mesh", mesh, "-o", out, "--force", *more, **kwargs)
+
+
+def test_a_mesh_follows_a_shock_with_the_same_bytes_on_any_ranks():
+    kuhn_cube("cube.hdf", 4)
+    case = write("case.toml", CASE + ADAPT)
+    options = ["--history", "h.csv", "--series", "w", "--checkpoint", "c", "--json", "-"]
+    report = compute(case, "cube.hdf", "out.hdf", *options).json
+    adaptation = report["adaptation"]
+    assert adaptation["times"] == 5 and adaptation["removed_particles"] == 0, adaptation
+    assert adaptation["octets_gone"] > 0 and 600 < adaptation["max_cells"] <= 900, adaptation
+    assert report["lost_particles"] == 0
+    with h5py.File("w-0000060.hdf") as last, h5py.File("out.hdf") as out:
+        assert np.array_equal(last["VTKHDF/CellData/n"][:], out["VTKHDF/CellData/n"][:])  # the averages of the last window
+        assert "parent" not in out["VTKHDF/CellData"]
+        levels = out["PAMR/lineage"][:].astype(np.uint64) >> np.uint64(12) & np.uint64(0xFF)
+        assert set(levels) == {0, 1}
+    assert [path.name for path in sorted(pathlib.Path().glob("w-*"))] == [f"w-{step:07}.hdf" for step in range(10, 70, 10)]
+    if RANKS == 1:
+        return
+    pathlib.Path("one").mkdir()
+    alone = [option if option in ("-",) or option.startswith("--") else f"one/{option}" for option in options]
+    compute(case, "cube.hdf", "one/out.hdf", *alone, serial=True)
+    names = ["out.hdf", "h.csv", "c", "c-50.hdf"] + [f"w-{step:07}.hdf" for step in range(10, 70, 10)]
+    for name in names:
+        assert same_bytes(name, f"one/{name}"), f"{name} depends on the number of ranks"
+
+
+def test_a_restart_goes_on_with_the_mesh_of_the_checkpoint():
+    kuhn_cube("cube.hdf", 4)
+    case = write("case.toml", CASE + ADAPT)
+    compute(case, "cube.hdf", "whole.hdf", "--history", "whole.csv", "--checkpoint", "whole")
+    for steps in (25, 30):  # within a window, and where the mesh is adapted next
+        compute(case, "cube.hdf", "part.hdf", "--steps", steps, "--checkpoint", "whole_", "--every", 10)
+        compute(case, "cube.hdf", "part.hdf", "--history", "part.csv", "--restart", "whole_", "--checkpoint", "whole_")
+        assert same_bytes("part.hdf", "whole.hdf") and same_bytes("part.csv", "whole.csv"), steps
+        assert same_bytes("whole_-50.hdf", "whole-50.hdf")
+        # of the meshes on the way none is left but that of the last checkpoint
+        assert [path.name for path in pathlib.Path().glob("whole_-*")] == ["whole_-50.hdf"]
+    # The windows before the checkpoint are there already, and stay.
+    compute(case, "cube.hdf", "part.hdf", "--steps", 25, "--checkpoint", "again", "--series", "w")
+    before = pathlib.Path("w-0000020.hdf").read_bytes()
+    run("pamr-dsmc", case, "--mesh", "cube.hdf", "-o", "rest.hdf", "--restart", "again", "--series", "w")
+    assert same_bytes("rest.hdf", "whole.hdf") and pathlib.Path("w-0000020.hdf").read_bytes() == before
+    assert len(list(pathlib.Path().glob("w-*"))) == 6
+    refuses("pamr-dsmc", case, "--mesh", "cube.hdf", "-o", "no.hdf", "--series", "w", says=["w-0000010.hdf"],
+            creates="no.hdf")
+    write("still.toml", CASE)
+    refuses("pamr-dsmc", "still.toml", "--mesh", "cube.hdf", "-o", "no.hdf", "--restart", "whole_",
+            says=["expected a checkpoint of this mesh"], creates="no.hdf")
+    pathlib.Path("whole_-50.hdf").unlink()
+    refuses("pamr-dsmc", case, "--mesh", "cube.hdf", "-o", "no.hdf", "--restart", "whole_", says=["whole_-50.hdf"],
+            creates="no.hdf")
+
+
+def test_cases_that_cannot_be_adapted_are_refused():
+    kuhn_cube("cube.hdf", 2)
+    for old, new, says in (
+            ("window = 10\n", "transient = 5\n", "expected window in [run]"),
+            ("[adapt]\n", "[adapt]\nevery = 15\n", "a multiple of window in [run] (10)"),
+            ("window = 10\n", "window = 10\nblock = 3\n", "a multiple of block (3)"),
+            ("--size-over n_scale", "--size-above n_scale", '"--size-above"'),
+            ("--size-over n_scale", "--size-over n_length", "n_length"),
+            ('ymin = { kind = "symmetry" }\nymax = { kind = "symmetry" }',
+             'ymin = { kind = "periodic", partner = "ymax" }\nymax = { kind = "periodic", partner = "ymin" }',
+             "no periodic patches beside [adapt]")):
+        text = (CASE + ADAPT).replace(old, new)
+        assert text != CASE + ADAPT
+        refuses("pamr-dsmc", write("bad.toml", text), "--mesh", "cube.hdf", "-o", "no.hdf", says=["bad.toml", says],
+                creates="no.hdf")
+    still = write("still.toml", CASE.replace("window = 10\n", "transient = 5\n"))
+    refuses("pamr-dsmc", still, "--mesh", "cube.hdf", "-o", "no.hdf", "--series", "w", says=["window"], creates="no.hdf")
+
+
+run_tests(globals())
