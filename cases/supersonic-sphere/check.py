@@ -37,7 +37,7 @@ def mesh_row(label, level, name):
     counts, edges = q["mean_ratio"]["histogram"]["counts"], q["mean_ratio"]["histogram"]["edges"]
     poor = sum(c for c, e in zip(counts, edges) if e < 0.2 - 1e-9)
     print(f"{label:12} {level:5d} {q['cells']:9d} {q['mean_ratio']['min']:9.3f} {q['mean_ratio']['mean']:6.3f} {poor:10d} "
-          f"{q['min_dihedral']:9.2f}")
+          f"{q['min_dihedral']['min']:9.2f}")
     return q
 
 
