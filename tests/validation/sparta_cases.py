@@ -195,7 +195,7 @@ def sphere():
     write_lines("sphere.surf", circle)
     dt = 1.5e-5
     passage = round(7 / speed / dt)
-    fnum = n * math.pi * 25 * 7 / (20000 if QUICK else 80000) / 2.5  # a cell's weight is its radius: 2.5 on average
+    fnum = n * math.pi * 25 * 7 / (20000 if QUICK else 80000) / (2.5 * 0.05)  # a cell's weight: its radius, 2.5 on average, times its length
     loads = body_run("sphere", ARGON, (-3, 4, 0, 5, -0.5, 0.5), (140, 100, 1), (n, (speed, 0, 0), t), 300.0, ["sphere.surf"], dt,
                      fnum, passage)
     q = 0.5 * ARGON["mass"] * n * speed**2 * math.pi
@@ -247,7 +247,7 @@ def cone_run(angle):
     else:
         write_lines("cone.surf", points + sting[1:])
         domain, cells = (-0.02, rear, 0, 0.045, -0.5, 0.5), (125, 112, 1)
-        fnum = n * math.pi * 0.045**2 * 0.05 / (20000 if QUICK else 120000) / 0.0225
+        fnum = n * math.pi * 0.045**2 * 0.05 / (20000 if QUICK else 120000) / (0.0225 * 0.0004)
     loads = body_run(name, NITROGEN, domain, cells, (n, u, t), 300.0, [f"{name}.surf"], dt, fnum, passage, ten)
     half = 2 if ten else 1
     drag = half * (loads[:, 0] * direction[0] + loads[:, 1] * direction[1]) / q
