@@ -172,6 +172,7 @@ cli::ExitCode run_case(cli::Session& session, const Options& o) {
   });
   outcome.n_particles = computation->flow().n_particles();
   for (const auto& warning : warnings_of(outcome.resolution)) session.warn(warning);
+  for (const auto& warning : warnings_of(computation->averaging())) session.warn(warning);
   session.write_report(report_of(*computation, outcome));
   session.summary(fmt::format("{} -> {}", summary_of(*computation, outcome), o.out.mesh));
   if (dsmc::is_finite(computation->averaging().results())) return cli::ExitCode::done;

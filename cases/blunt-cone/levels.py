@@ -39,12 +39,24 @@ class Level:
         found = self.flow[name]
         return (found["value"], found["stderr"]) if isinstance(found, dict) else (found, 0.0)
 
+    def bound(self, name):
+        """Half the width of the interval of 95 %: Student's factor times the standard error."""
+        return self.flow[name]["ci95"]
+
     def row(self, level):
         flow = self.flow
-        numbers = "".join(f"  {self.value(c)[0]:8.4f} {self.value(c)[1]:.4f}" for c in COEFFICIENTS)
+        numbers = "".join(f"  {self.value(c)[0]:8.4f} {self.bound(c):.4f}" for c in COEFFICIENTS)
         return (f"{level:5d} {self.cells:8d} {flow['particles']:9d} {flow['particles'] / self.cells:6.1f} "
                 f"{100 * (1 - self.few):5.0f} % {flow['averages_from_step'] - flow['began_at_step']:7d} "
                 f"{flow['steps'] - flow['averages_from_step']:8d}{numbers}")
+
+
+def blocks(level, found):
+    """Where the errors of a level come from, in words."""
+    a = found.flow["averages"]
+    text = (f"level {level}: errors from {a['groups']} groups of {a['group_steps']} steps ({a['blocks']} blocks of "
+            f"{a['block_steps']}); the free stream passes in {a['passage_steps']}; Student's factor {a['student_95']:.3f}")
+    return text if a["independent"] else text + "; groups shorter than a passage depend on each other: bounds are too narrow"
 
 
 def unexpected(levels, size):
@@ -76,8 +88,10 @@ def requirements(levels, size):
             yield f"level {i}: expected a steady flow, found: {level.flow['steady']}"
         if level.flow["particles"] < 8 * level.cells or (i < 3 and level.few > 0.1):
             yield f"level {i}: expected 8 particles a cell and 5 in 90 % of the cells in gas denser than the free stream's"
-        if level.value("C_D")[1] > 0.005 * level.value("C_D")[0] or max(level.value(c)[1] for c in ("C_L", "C_m")) > 0.003:
-            yield f"level {i}: expected standard errors of at most 0.5 % (C_D) and 0.003 (C_L, C_m)"
+        if not level.flow["averages"]["independent"]:
+            yield f"level {i}: expected ten groups of steps as long as a passage, found: {blocks(i, level)}"
+        if level.bound("C_D") > 0.005 * level.value("C_D")[0] or max(level.bound(c) for c in ("C_L", "C_m")) > 0.003:
+            yield f"level {i}: expected 95 % bounds of at most 0.5 % (C_D) and 0.003 (C_L, C_m)"
     if size == "full" and len(levels) > 2:
         drag, error = levels[2].value("C_D")
         if levels[2].cells < 150000:
@@ -97,6 +111,9 @@ def main():
         print(f"paper {i} {cells:7d} {particles:9.0f} {particles / cells:6.1f}" + " " * 24
               + "".join(f"  {v:8.3f}       " for v in found).rstrip())
     print("experiment" + " " * 45 + "".join(f"  {v:8.3f}       " for v in EXPERIMENT).rstrip())
+    print("+-: 95 % bounds, Student's factor times the standard error")
+    for i, level in enumerate(levels):
+        print(blocks(i, level))
     print("'5 or more': share of the cells in gas denser than the free stream's that hold at least five particles")
     trouble = list(unexpected(levels, size)) + list(requirements(levels, size))
     for text in trouble:

@@ -37,7 +37,8 @@ check_options() {
 }
 . "$(dirname -- "${BASH_SOURCE[0]}")/../start.sh"
 
-# By level: molecules a particle where the time step is the longest, averaged steps, and at most so many cells.
+# By level: molecules a particle where the time step is the longest, averaged steps (of --full ten passages of the free
+# stream), and at most so many cells.
 cells=(0 60000 165000 1200000 2800000)
 transient=
 case_file=$case_folder/case.toml
@@ -48,7 +49,7 @@ case $size in
     case_file=$case_folder/heat-flux.toml
     limit=3.9008e20
     ;;
-  full) weight=(4.0e11 8.2e11 6.2e11 4.0e11 4.0e11) sampling=(500 400 400 400 400) ;;
+  full) weight=(4.0e11 8.2e11 6.2e11 4.0e11 4.0e11) sampling=(3300 1650 2150 4400 5000) ;;
   small) weight=(2.0e12 3.0e12 3.0e12 3.0e12 3.0e12) sampling=(500 500 500 500 500) ;;
   smoke) weight=(3.0e13 4.0e13 4.0e13 4.0e13 4.0e13) sampling=(40 40 40 40 40) transient="transient = 40" ;;
 esac

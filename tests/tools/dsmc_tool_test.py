@@ -113,8 +113,22 @@ def test_free_molecular_sphere_has_the_drag_and_heat_of_the_closed_form():
     for name in ("C_L", "C_m"):
         assert abs(report[name]["value"] - bound[name]) < 4 * report[name]["stderr"] + 1e-4, (name, report[name])
     assert report["blocks"] == 20 and report["steps"] == 300
+    # The stream passes the cube of side 4 in 19 steps: blocks of 12 go together in pairs.
+    assert report["averages"].pop("student_95") * report["C_D"]["stderr"] == report["C_D"]["ci95"]
+    assert report["averages"] == {"passage_steps": 20, "blocks": 20, "block_steps": 12, "groups": 10, "group_steps": 24,
+                                  "independent": True}, report["averages"]
     for key in ("particles", "particle_steps_per_second_per_core", "species", "lambda_inf", "reference"):
         assert report[key], key
+
+    # A sixteenth of a turn says nothing about forces across the stream.
+    sector = compute(write("sector.toml", SPHERE + "multiplier = 16.0\n"), "sphere.hdf", "x.hdf", "--steps", "84", "--json",
+                     "-")
+    assert {"C_D", "C_H"} <= set(sector.json) and not {"C_L", "C_m"} & set(sector.json), sector.json
+    assert not {"C_L", "C_m"} & (set(sector.json["patches"]["sphere"]) | set(sector.json["plan"]["newtonian"])), sector.json
+    assert "C_D" in sector.err and "C_L" not in sector.err and "C_m" not in sector.err, sector.err
+    # Two blocks, both shorter than a passage.
+    assert "standard errors come from 2 groups of 12 steps, fewer than the 20" in sector.err, sector.err
+    assert "use sampling = 200" in sector.err, sector.err
 
     # The same, beginning to average when the flow is found steady and ending when the drag is known to 1 %.
     alone = SPHERE.replace("transient = 60\n", "").replace("sampling = 240\nblock = 12", "sampling = 4000\nblock = 4\nstop_error = 0.01")

@@ -9,7 +9,6 @@
 #include "solvers/dsmc/kernel/random.hpp"
 #include "solvers/dsmc/run/averaging.hpp"
 #include "solvers/dsmc/run/stop_at_rise.hpp"
-#include "solvers/dsmc/sampling/estimate.hpp"
 #include "solvers/dsmc/sampling/loads.hpp"
 #include "solvers/dsmc/sampling/steadiness.hpp"
 #include "support/meshes.hpp"
@@ -45,13 +44,6 @@ TEST(Steadiness, IsSeenWhenTwoWindowsHaveStoppedChanging) {
 
 TEST(Steadiness, IsNotSeenInNoiseThatHidesEverything) {
   EXPECT_FALSE(assess_steadiness({{"drag", tending(40, 1, 1.0)}}, 10).is_steady);
-}
-
-TEST(Estimate, IsTheMeanWithItsStandardError) {
-  const auto e = estimate({1, 2, 3, 4});
-  EXPECT_DOUBLE_EQ(e.value, 2.5);
-  EXPECT_DOUBLE_EQ(e.error, std::sqrt(5.0 / 3 / 4));
-  EXPECT_EQ(estimate({7}).error, 0);
 }
 
 TEST(Results, AreFiniteOnlyIfAllCoefficientsAndTheirErrorsAre) {

@@ -128,8 +128,10 @@ void Averaging::begin_transferred(std::uint64_t step) {
   state_.transferred = true;
 }
 
+std::int64_t Averaging::passage_steps() const { return interval_ * std::int64_t{window}; }
+
 std::uint64_t Averaging::discarded() const {
-  return state_.transferred ? static_cast<std::uint64_t>(interval_) * window : 0;
+  return state_.transferred ? static_cast<std::uint64_t>(passage_steps()) : 0;
 }
 
 std::uint64_t Averaging::first_sampled_step() const {
@@ -243,7 +245,7 @@ void Averaging::finish(Flow& flow) {
   if (state_.sampling && state_.blocks.empty() && state_.in_interval > 0) end_interval(flow);
 }
 
-Results::OfPatch Averaging::of(const std::string& name,
+Results::OfPatch Averaging::of(const std::string& name, std::size_t n_groups,
                                const std::function<Load(const std::vector<Load>&)>& part) const {
   std::vector<double> drag, lift, moment, heat;
   for (const auto& block : state_.blocks) {
@@ -253,15 +255,18 @@ Results::OfPatch Averaging::of(const std::string& name,
     moment.push_back(c.moment);
     heat.push_back(c.heat);
   }
-  return {name, estimate(drag), estimate(lift), estimate(moment), estimate(heat)};
+  return {name, estimate(drag, n_groups), estimate(lift, n_groups), estimate(moment, n_groups),
+          estimate(heat, n_groups)};
 }
 
 Results Averaging::results() const {
   Results results;
-  results.body = of("", [&](const std::vector<Load>& loads) { return sum_of(loads, body_); });
   results.n_blocks = state_.blocks.size();
+  results.groups = group_blocks(results.n_blocks, block_, passage_steps());
+  const auto n = results.groups.n_groups;
+  results.body = of("", n, [&](const std::vector<Load>& loads) { return sum_of(loads, body_); });
   for (const auto& [p, name] : walls_)
-    results.walls.push_back(of(name, [p = p](const auto& loads) { return loads[p]; }));
+    results.walls.push_back(of(name, n, [p = p](const auto& loads) { return loads[p]; }));
   return results;
 }
 

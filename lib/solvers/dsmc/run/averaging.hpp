@@ -24,6 +24,7 @@ struct Results {
   OfPatch body;                ///< of the reference patches together
   std::vector<OfPatch> walls;  ///< of each patch that is a wall
   std::size_t n_blocks = 0;
+  Grouping groups;  ///< of the blocks: what the errors of the loads come from
 };
 
 /// Whether all coefficients and their errors are numbers. Local.
@@ -60,6 +61,9 @@ class Averaging {
   /// True while nobody knows when averages begin.
   bool waits_for_steady_flow() const { return !state_.sampling && !schedule_.transient; }
   Results results() const;
+  std::int64_t block_steps() const { return block_; }
+  /// Steps in which the free stream passes the domain: what happens in them depends on each other.
+  std::int64_t passage_steps() const;
   const RunState& state() const { return state_; }
   const Scale& scale() const { return scale_; }
 
@@ -69,7 +73,8 @@ class Averaging {
   void begin_sampling(Flow& flow, const std::string& reason);
   void end_interval(Flow& flow);
   void assess_steadiness_of(Flow& flow);
-  Results::OfPatch of(const std::string& name, const std::function<Load(const std::vector<Load>&)>& part) const;
+  Results::OfPatch of(const std::string& name, std::size_t n_groups,
+                      const std::function<Load(const std::vector<Load>&)>& part) const;
 
   Schedule schedule_;
   Vec3 point_;  ///< m, about which moments are taken

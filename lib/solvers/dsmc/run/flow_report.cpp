@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 namespace pamr::dsmc {
@@ -11,10 +12,28 @@ namespace {
 
 using nlohmann::json;
 
-json shown(const Estimate& e) { return {{"value", e.value}, {"stderr", e.error}}; }
+/// `student`: the factor from a standard error to the bounds of 95 %, infinite where there is none.
+json shown(const Estimate& e, double student) {
+  json j{{"value", e.value}, {"stderr", e.error}};
+  if (std::isfinite(student)) j["ci95"] = student * e.error;
+  return j;
+}
 
-json shown(const Results::OfPatch& p) {
-  return {{"C_D", shown(p.drag)}, {"C_L", shown(p.lift)}, {"C_m", shown(p.moment)}, {"C_H", shown(p.heat)}};
+json shown(const Results::OfPatch& p, double student, bool with_lift) {
+  json j{{"C_D", shown(p.drag, student)}, {"C_H", shown(p.heat, student)}};
+  if (with_lift) {
+    j["C_L"] = shown(p.lift, student);
+    j["C_m"] = shown(p.moment, student);
+  }
+  return j;
+}
+
+json averages_of(const Averaging& averaging, const Results& results, double student) {
+  json j{{"passage_steps", averaging.passage_steps()}, {"blocks", results.n_blocks},
+         {"block_steps", averaging.block_steps()},     {"groups", results.groups.n_groups},
+         {"group_steps", results.groups.steps},        {"independent", results.groups.are_independent}};
+  if (std::isfinite(student)) j["student_95"] = student;
+  return j;
 }
 
 json shown(const Reference& r, const Scale& scale) {
@@ -45,6 +64,7 @@ json report_of(const Computation& computation, const Outcome& outcome) {
   const auto& averaging = computation.averaging();
   const auto& state = averaging.state();
   const auto results = averaging.results();
+  const double student = student_95(results.groups.n_groups);
   json report{{"particles", outcome.n_particles},
               {"steps", flow.steps_done},
               {"particle_steps_per_second_per_core", outcome.advance.rate()},
@@ -67,10 +87,11 @@ json report_of(const Computation& computation, const Outcome& outcome) {
                              {"moves", computation.n_moves()},        {"imbalance", ranks.imbalance},
                              {"messages_per_step", ranks.messages},   {"bytes_per_step", ranks.bytes},
                              {"exchanges_per_step", ranks.exchanges}, {"reductions_per_step", ranks.reductions}};
-  report.update(shown(results.body));
+  report["averages"] = averages_of(averaging, results, student);
+  report.update(shown(results.body, student, c.reference.gives_lift()));
   report["reference"] = shown(c.reference, averaging.scale());
   for (const auto& species : c.gas.species) report["species"].push_back(shown(species));
-  for (const auto& wall : results.walls) report["patches"][wall.patch] = shown(wall);
+  for (const auto& wall : results.walls) report["patches"][wall.patch] = shown(wall, student, c.reference.gives_lift());
   report["plan"] = to_json(outcome.plan);
   report["quality"] = to_json(outcome.resolution);
   return report;
@@ -82,9 +103,24 @@ std::string summary_of(const Computation& computation, const Outcome& outcome) {
                                 computation.flow().steps_done, outcome.n_particles, outcome.advance.rate());
   if (results.n_blocks == 0 || results.walls.empty()) return line;
   const auto& body = results.body;
-  return fmt::format("{}; C_D {:.4f} +- {:.4f}, C_L {:.4f} +- {:.4f}, C_m {:.4f} +- {:.4f}, C_H {:.4f} +- {:.4f}", line,
-                     body.drag.value, body.drag.error, body.lift.value, body.lift.error, body.moment.value,
-                     body.moment.error, body.heat.value, body.heat.error);
+  const auto text = [](const char* name, const Estimate& e) {
+    return fmt::format("{} {:.4f} +- {:.4f}", name, e.value, e.error);
+  };
+  const auto lift = computation.the_case().reference.gives_lift()
+                        ? fmt::format("{}, {}, ", text("C_L", body.lift), text("C_m", body.moment))
+                        : std::string();
+  return fmt::format("{}; {}, {}{}", line, text("C_D", body.drag), lift, text("C_H", body.heat));
+}
+
+std::vector<std::string> warnings_of(const Averaging& averaging) {
+  const auto results = averaging.results();
+  const auto& groups = results.groups;
+  if (results.walls.empty() || groups.n_groups < 2 || groups.are_independent) return {};
+  const auto passage = averaging.passage_steps();
+  return {fmt::format(
+      "standard errors come from {} groups of {} steps, fewer than the {} in which the free stream passes the "
+      "domain, and may be too small: for ten that long use sampling = {}",
+      groups.n_groups, groups.steps, passage, 20 * ((passage + 1) / 2))};
 }
 
 std::string summary_of(const Transferred& transferred) {

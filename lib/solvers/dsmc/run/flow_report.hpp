@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
+#include <vector>
 
 #include "solvers/dsmc/run/advance.hpp"
 #include "solvers/dsmc/run/computation.hpp"
@@ -24,6 +25,8 @@ struct Outcome {
 nlohmann::json report_of(const Computation& computation, const Outcome& outcome);
 /// The same in one line: steps, particles, rate and, where there are walls and blocks, their loads. Local.
 std::string summary_of(const Computation& computation, const Outcome& outcome);
+/// What a user should be warned about in the errors of the averages. Local.
+std::vector<std::string> warnings_of(const Averaging& averaging);
 /// What became of the particles of the old mesh, in one line. Local.
 std::string summary_of(const Transferred& transferred);
 

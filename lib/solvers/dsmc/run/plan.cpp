@@ -59,6 +59,7 @@ Plan make_plan(const par::Comm& comm, const Case& c, const Setup& setup, const m
   plan.cpu_seconds = plan.particles * plan.steps / typical_rate;
 
   const auto body = reference_patches(c.reference, mesh.info.patches, setup.patch);
+  plan.gives_lift = c.reference.gives_lift();
   plan.has_body = std::find(body.begin(), body.end(), true) != body.end() && speed > 0 && free.density > 0;
   if (!plan.has_body) return plan;
   double wall = 0;
@@ -113,18 +114,26 @@ std::vector<std::string> describe(const Case& c, const Setup& setup, const Plan&
                   "cell), {:.0f} MB, {:.3g} steps, {:.3g} CPU s",
                   setup.dt, setup.cell_dt.empty() ? "" : " at most, varying with the cells", setup.fnum, plan.particles,
                   plan.particles_per_cell, plan.bytes * 1e-6, plan.steps, plan.cpu_seconds));
-  if (plan.has_body)
+  if (plan.has_body) {
+    const auto lift = [&](const Coefficients& k) {
+      return plan.gives_lift ? fmt::format(" C_L {:.4f} C_m {:.4f}", k.lift, k.moment) : std::string();
+    };
     lines.push_back(
-        fmt::format("bounds for a convex body: free-molecular C_D {:.4f} C_L {:.4f} C_m {:.4f} C_H {:.4f}; "
-                    "Newtonian C_D {:.4f} C_L {:.4f} C_m {:.4f}",
-                    plan.free_molecular.drag, plan.free_molecular.lift, plan.free_molecular.moment,
-                    plan.free_molecular.heat, plan.newtonian.drag, plan.newtonian.lift, plan.newtonian.moment));
+        fmt::format("bounds for a convex body: free-molecular C_D {:.4f}{} C_H {:.4f}; Newtonian C_D {:.4f}{}",
+                    plan.free_molecular.drag, lift(plan.free_molecular), plan.free_molecular.heat, plan.newtonian.drag,
+                    lift(plan.newtonian)));
+  }
   return lines;
 }
 
 nlohmann::json to_json(const Plan& plan) {
-  const auto bound = [](const Coefficients& k) {
-    return nlohmann::json{{"C_D", k.drag}, {"C_L", k.lift}, {"C_m", k.moment}, {"C_H", k.heat}};
+  const auto bound = [&](const Coefficients& k) {
+    nlohmann::json j{{"C_D", k.drag}, {"C_H", k.heat}};
+    if (plan.gives_lift) {
+      j["C_L"] = k.lift;
+      j["C_m"] = k.moment;
+    }
+    return j;
   };
   nlohmann::json report{{"mach", plan.mach},
                         {"speed_ratio", plan.speed_ratio},

@@ -27,6 +27,7 @@ struct Plan {
       0;  ///< cell sizes that a fast molecule of the free stream passes in a step, maximum over the cells
   Coefficients free_molecular, newtonian;  ///< bounds for a convex body without shadows
   bool has_body = false;
+  bool gives_lift = true;  ///< `Reference::gives_lift`
 };
 
 /// Collective.

@@ -23,6 +23,10 @@ struct Reference {
   Vec3 pitch_axis{0, 1, 0};
   double multiplier = 1;             ///< of loads: 2 if the mesh is one half of a symmetric flow
   std::vector<std::string> patches;  ///< whose loads count; empty: all walls
+
+  /// Whether forces across the stream can be told from the part that is computed: not from less than half of a body,
+  /// whose other parts are turned or mirrored across the pitch axis.
+  bool gives_lift() const { return multiplier <= 2; }
 };
 
 /// Force, moment and heat that the gas gives to a patch or a body: N, N m, W.
