@@ -29,17 +29,19 @@ struct Options {
 };
 
 void declare(cli::CommandLine& line, Options& options) {
-  line.option("CASE", options.case_file, "case file (TOML) whose table [mesh] says what to mesh, or the solid to mesh (.step, .iges, .brep)");
+  line.option("CASE", options.case_file,
+              "case file (TOML) whose table [mesh] says what to mesh, or the solid to mesh (.step, .iges, .brep)");
   line.option("--shape", options.shape,
               "kuhn-cube, blunt-cone, sphere-in-box, charged-spheres or supersonic-sphere, instead of a case file");
   line.option("--n", options.n, "kuhn-cube: cubes a side, 6 cells each").positive();
-  line.option(
-          "--size", options.size,
-          "sphere-in-box: edge length (default 0.28); largest edge length of the others: blunt-cone in meters "
-          "(default 0.01), charged-spheres in Debye lengths (default 0.5), supersonic-sphere in meters (default 0.004), "
-          "a STEP, IGES or BREP file in --unit (default a fifteenth of its size)")
+  line.option("--size", options.size,
+              "sphere-in-box: edge length (default 0.28); largest edge length of the others: blunt-cone in meters "
+              "(default 0.01), charged-spheres in Debye lengths (default 0.5), supersonic-sphere in meters (default "
+              "0.004), "
+              "a STEP, IGES or BREP file in --unit (default a fifteenth of its size)")
       .positive();
-  line.option("--unit", options.unit, "of the mesh of a STEP, IGES or BREP file: mm, cm, m, um, in or ft").show_default();
+  line.option("--unit", options.unit, "of the mesh of a STEP, IGES or BREP file: mm, cm, m, um, in or ft")
+      .show_default();
   line.option("-o,--output", options.output, "mesh to write (.hdf)").required();
   line.option("--format", options.format, cli::format_help).range(io::oldest_format, io::newest_format).show_default();
   line.flag("--force", options.force, cli::force_help);

@@ -2,7 +2,6 @@
 #include "meshing/bodies.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <memory>
@@ -36,14 +35,14 @@ std::vector<int> surfaces_of_faces(const geometry::SurfaceSet& surfaces, const g
       result[at(f)] = i;
     }
   }
-  std::vector<int> missing;
+  std::string missing;
   for (std::size_t f = 0; f < result.size(); ++f)
-    if (result[f] < 0) missing.push_back(static_cast<int>(f) + 1);
+    if (result[f] < 0) missing += (missing.empty() ? "" : ", ") + std::to_string(f + 1);
   if (!missing.empty())
     throw Error(
-        fmt::format("{}: expected every face of the shape on a surface, found {} without: add a [[surface]] of the "
+        fmt::format("{}: expected every face of the shape on a surface, found some on none: add a [[surface]] of the "
                     "same file with faces = [{}]",
-                    surfaces.described_at[at(last)], missing.size(), fmt::join(missing, ", ")));
+                    surfaces.described_at[at(last)], missing));
   return result;
 }
 
@@ -77,8 +76,8 @@ Bodies join_bodies(const geometry::SurfaceSet& surfaces, double longest_error) {
       try {
         surface = std::make_shared<const CadBody>(part->shared_model(), longest_error);
       } catch (const Error& error) {
-        throw Error(fmt::format("{}: surface \"{}\": {}", surfaces.described_at[at(i)], surfaces.name[at(i)],
-                                error.what()));
+        throw Error(
+            fmt::format("{}: surface \"{}\": {}", surfaces.described_at[at(i)], surfaces.name[at(i)], error.what()));
       }
     }
     set->add(surfaces.name[at(i)], surfaces.described_at[at(i)], std::move(surface));

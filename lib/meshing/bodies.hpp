@@ -13,8 +13,8 @@ std::vector<int> sides_of(const geometry::SurfaceSet& surfaces);
 
 /// The surfaces of a case as they have sides.
 struct Bodies {
-  geometry::SharedSurfaces set;                   ///< a `CadBody` for each CAD shape, with the name of its first surface
-  std::vector<int> first;                         ///< by body: its first surface
+  geometry::SharedSurfaces set;  ///< a `CadBody` for each CAD shape, with the name of its first surface
+  std::vector<int> first;        ///< by body: its first surface
   std::vector<std::vector<int>> surface_of_face;  ///< by body and face of a CAD shape: the surface; empty for others
 };
 

@@ -164,20 +164,13 @@ void CadBody::find_tips() {
         for (const bool at_low : {true, false}) {
           const Tip tip{static_cast<int>(f), pole, along_u, at_low};
           std::vector<Vec3> normals;
+          const bool is_known = std::any_of(tip_.begin(), tip_.end(), [&](const Tip& t) { return t.point == pole; });
           for (const double part : {0.1, 0.35, 0.6, 0.85})
             if (norm(around(tip, part, 0) - pole) < at_tip * model_->size())
               normals.push_back(piece(tip.face)->normal(around(tip, part, beside * model_->size())));
           if (std::any_of(normals.begin(), normals.end(), [&](Vec3 n) { return dot(n, normals[0]) < tip_cosine; }))
-            tip_.push_back(tip);
+            if (!is_known) tip_.push_back(tip);
         }
-}
-
-/// Seams belong to no border; those that count end in a tip.
-bool CadBody::ends_in_tip(const geometry::CadEdge& edge) const {
-  const double allowed = 1e-6 * model_->size() + edge.tolerance();
-  return std::any_of(tip_.begin(), tip_.end(), [&](const Tip& tip) {
-    return norm(edge.points().front() - tip.point) < allowed || norm(edge.points().back() - tip.point) < allowed;
-  });
 }
 
 void CadBody::add_lines(double longest_error) {
@@ -186,7 +179,7 @@ void CadBody::add_lines(double longest_error) {
   std::vector<std::size_t> chosen;  // edges
   for (std::size_t e = 0; e < model_->edges().size(); ++e) {
     const auto& edge = model_->edges()[e];
-    const bool is_line = !model_->faces_of(static_cast<int>(e)).empty() || ends_in_tip(edge);
+    const bool is_line = !model_->faces_of(static_cast<int>(e)).empty();  // no seam
     if (is_line) chosen.push_back(e);
     for (const std::size_t k : {0, 1}) {
       const int vertex = edge.data().vertex[k];

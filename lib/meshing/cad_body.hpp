@@ -14,8 +14,7 @@
 namespace pamr::meshing {
 
 /// A closed CAD shape as one surface with an inside: nearest points are those of the faces, sides those of triangles on
-/// them. Its pieces are the faces; its lines are the edges between faces, and the seams that end in a tip (a cone's
-/// apex), so that a node is put there.
+/// them. Its pieces are the faces; its lines are the edges between faces.
 class CadBody final : public geometry::Surface, public DividedSurface {
  public:
   /// `longest_error`: how far the triangles may lie off the faces, length units. Throws `Error` for a shape that is not
@@ -60,7 +59,6 @@ class CadBody final : public geometry::Surface, public DividedSurface {
   void add_normals(const geometry::CadTriangles& triangles);
   void add_lines(double longest_error);
   void find_tips();
-  bool ends_in_tip(const geometry::CadEdge& edge) const;
 
   std::shared_ptr<const geometry::CadModel> model_;
   geometry::CadSurface faces_;
@@ -69,7 +67,7 @@ class CadBody final : public geometry::Surface, public DividedSurface {
   // of the triangles
   std::vector<int> face_;
   std::vector<std::array<int, 3>> corner_;
-  std::vector<geometry::Vec3> normal_, vertex_normal_;       ///< of triangles and of points, weighed by angles
+  std::vector<geometry::Vec3> normal_, vertex_normal_;      ///< of triangles and of points, weighed by angles
   std::vector<std::array<geometry::Vec3, 3>> side_normal_;  ///< of the side opposite a corner; sums, not of length 1
   std::vector<geometry::Vec3> point_;
   std::unique_ptr<const geometry::TriangleTree> tree_;

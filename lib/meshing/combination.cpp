@@ -111,12 +111,13 @@ std::function<double(Vec3)> size_field(const std::shared_ptr<const Solid>& solid
     near.emplace_back(surface, size);
   }
   const auto curvature = std::make_shared<const SizeSources>(curvature_sources(*solid, c));
-  return [solid, surfaces = c.surfaces, near, curvature, far = c.far, growth = c.growth, factor = c.gap_factor](Vec3 p) {
-    double size = curvature->at(p, far);
-    for (const auto& [surface, here] : near)
-      if (here < size) size = std::min(size, here + growth * std::max(0.0, surface->distance(p) - here));
-    return factor > 0 ? bounded_by_gaps(*solid->surfaces, factor, p, size) : size;
-  };
+  return
+      [solid, surfaces = c.surfaces, near, curvature, far = c.far, growth = c.growth, factor = c.gap_factor](Vec3 p) {
+        double size = curvature->at(p, far);
+        for (const auto& [surface, here] : near)
+          if (here < size) size = std::min(size, here + growth * std::max(0.0, surface->distance(p) - here));
+        return factor > 0 ? bounded_by_gaps(*solid->surfaces, factor, p, size) : size;
+      };
 }
 
 /// Answers how far points are from those of curves; infinite where there are none.
@@ -155,18 +156,22 @@ std::vector<Vec3> scattered_points(const std::vector<Vec3>& candidates, const st
   return chosen;
 }
 
-/// Points around the apex of a cone, so that the first facets there enclose it: two beside the seam, which is a curve
-/// of the domain, then three.
-void add_rings_at_tips(const Solid& solid, const Pieces& pieces, Domain& domain) {
-  constexpr std::array<std::pair<double, double>, 5> ring{
-      {{1.0 / 3, 1.2}, {2.0 / 3, 1.2}, {0.25, 2.2}, {0.5, 2.2}, {0.75, 2.2}}};  // part of the turn, distance over size
+/// Tips of CAD shapes that bound the solid, with points around them so that the first facets enclose them.
+void add_tips(const Solid& solid, const Pieces& pieces, Domain& domain) {
+  constexpr std::array<double, 2> ring{1.3, 2.2};  // distance over size
+  constexpr int n_around = 4;
   for (int i = 0; i < solid.n_surfaces(); ++i)
     if (const auto* body = dynamic_cast<const CadBody*>(&solid.surface(i)))
-      for (const auto& tip : body->tips())
-        for (const auto& [part, distance] : ring) {
-          const Vec3 p = body->around(tip, part, distance * domain.size(tip.point));
-          if (solid.divides(i, solid.sides(p))) domain.pieces[at(pieces.nearest(i, p))].start.push_back(p);
-        }
+      for (const auto& tip : body->tips()) {
+        if (!solid.divides(i, solid.sides(tip.point))) continue;
+        domain.tips.push_back(tip.point);
+        for (std::size_t r = 0; r < ring.size(); ++r)
+          for (int k = 0; k < n_around; ++k) {
+            const auto p = body->around(tip, (k + 0.5 * static_cast<double>(r) + 0.25) / n_around,
+                                        ring[r] * domain.size(tip.point));
+            if (solid.divides(i, solid.sides(p))) domain.pieces[at(pieces.nearest(i, p))].start.push_back(p);
+          }
+      }
 }
 
 /// Gives pieces points to start from: those that no curve touches, all where curves lie in one plane, and faces of CAD
@@ -185,17 +190,18 @@ void add_starts(const Solid& solid, const Pieces& pieces, const SurfaceSamples& 
   for (std::size_t k = 0; k < domain.pieces.size(); ++k) {
     const auto& piece = pieces.all()[k];
     const bool is_cad = dynamic_cast<const CadBody*>(&solid.surface(piece.surface)) != nullptr;
-    const bool has_curve = is_cad || std::any_of(domain.curves.begin(), domain.curves.end(), [&](const auto& curve) {
-                             return piece.shape->distance(curve.polyline[curve.polyline.size() / 2]) <
-                                    1e-9 * solid.radius();
-                           });
+    const bool has_curve =
+        is_cad || std::any_of(domain.curves.begin(), domain.curves.end(), [&](const auto& curve) {
+          return piece.shape->distance(curve.polyline[curve.polyline.size() / 2]) < 1e-9 * solid.radius();
+        });
     if (has_curve && !domain.curves_in_one_plane && !is_cad) continue;
     std::vector<double> distance;
     for (const Vec3 p : candidates[k])
       distance.push_back(has_curve ? distance_from_curves(p) : std::numeric_limits<double>::infinity());
-    domain.pieces[k].start = scattered_points(candidates[k], distance, has_curve && !domain.curves.empty(), domain.size);
+    domain.pieces[k].start =
+        scattered_points(candidates[k], distance, has_curve && !domain.curves.empty(), domain.size);
   }
-  add_rings_at_tips(solid, pieces, domain);
+  add_tips(solid, pieces, domain);
 }
 
 /// True when all points of the curves lie in one plane, to 1e-6 of the radius.

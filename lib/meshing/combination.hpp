@@ -20,8 +20,8 @@ struct Combination {
   /// Edges between two surfaces that run about along each other are at most so many times as long as the gap there;
   /// 0: no bound.
   double gap_factor = 0;
-  /// Edges on curved CAD faces are at most so many times as long as the smaller radius of curvature, but not asked to be
-  /// shorter than `least` (0: a tenth of `far`).
+  /// Edges on curved CAD faces are at most so many times as long as the smaller radius of curvature, but not asked to
+  /// be shorter than `least` (0: a tenth of `far`).
   double curvature = 0.5;
   double least = 0;
   /// Wanted edge lengths up to one such length from a surface; they grow from there.

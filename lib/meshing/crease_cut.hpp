@@ -8,7 +8,8 @@
 
 namespace pamr::meshing {
 
-/// The lines of the divided surfaces of a solid (creases of triangulated ones, edges of CAD shapes), cut where another surface crosses them.
+/// The lines of the divided surfaces of a solid (creases of triangulated ones, edges of CAD shapes), cut where another
+/// surface crosses them.
 struct CutCreases {
   /// What is left of one line of creases between two cuts, or all of it.
   struct Part {

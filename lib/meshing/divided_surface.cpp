@@ -38,8 +38,7 @@ class DividedTriangulation final : public DividedSurface {
 }  // namespace
 
 std::shared_ptr<const DividedSurface> divided(const geometry::Surface& surface) {
-  if (const auto* body = dynamic_cast<const CadBody*>(&surface))
-    return {std::shared_ptr<const DividedSurface>(), body};
+  if (const auto* body = dynamic_cast<const CadBody*>(&surface)) return {std::shared_ptr<const DividedSurface>(), body};
   if (const auto* triangulated = dynamic_cast<const geometry::Triangulated*>(&surface))
     return std::make_shared<DividedTriangulation>(*triangulated);
   return nullptr;

@@ -75,8 +75,8 @@ int Pieces::nearest(int i, Vec3 p) const {
 std::vector<FeatureCurve> Pieces::creases() const {
   std::vector<FeatureCurve> result;
   for (const auto& part : creases_.parts)
-    result.push_back({part.polyline, [solid = solid_, whole = whole_[pamr::at(part.surface)], line = part.line](
-                                         Vec3 p) { return whole->nearest_on_line(line, p); }});
+    result.push_back({part.polyline, [solid = solid_, whole = whole_[pamr::at(part.surface)],
+                                      line = part.line](Vec3 p) { return whole->nearest_on_line(line, p); }});
   return result;
 }
 

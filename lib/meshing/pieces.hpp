@@ -51,8 +51,8 @@ class Pieces {
   std::vector<Piece> piece_;
   std::vector<std::shared_ptr<const geometry::Surface>> alone_;
   std::vector<std::shared_ptr<const DividedSurface>> whole_;  ///< by surface; null for the other kinds
-  std::vector<int> first_;                            ///< by surface, and the number of all pieces
-  std::vector<std::vector<int>> number_;              ///< by surface and its piece, -1: bounds nothing
+  std::vector<int> first_;                                    ///< by surface, and the number of all pieces
+  std::vector<std::vector<int>> number_;                      ///< by surface and its piece, -1: bounds nothing
 };
 
 }  // namespace pamr::meshing

@@ -2,7 +2,6 @@
 #include "pamr/geometry/surface_toml.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -117,10 +116,12 @@ void add_faces(const TomlTable& surface, std::string_view key, const CadModel& m
     std::set<std::string> known;
     for (const auto& face : model.faces()) known.insert(face.data().*field);
     known.erase("");
+    std::string list;
+    for (const auto& one : known) list += (list.empty() ? "" : ", ") + one;
     const std::string what = field == &CadFaceData::name ? "names" : "colors";
     surface.refuse(key,
                    known.empty() ? "faces by number: no face of the shape has one of these " + what
-                                 : fmt::format("{} of faces of the shape ({})", what, fmt::join(known, ", ")),
+                                 : fmt::format("{} of faces of the shape ({})", what, list),
                    "\"" + text + "\"");
   }
 }

@@ -214,7 +214,9 @@ CadFaces find_cad_faces(const par::Comm& comm, mesh::DistMesh& mesh, const CadMo
       here.n_on += counts[p * (n_faces + 1) + f];
     }
     any = any || here.n_on > 0;
-    if (here.is_tied()) result.toml += (result.toml.empty() ? "" : "\n") + geometry::cad_surface_table(here.patch, source, unit, here.faces);
+    if (here.is_tied())
+      result.toml +=
+          (result.toml.empty() ? "" : "\n") + geometry::cad_surface_table(here.patch, source, unit, here.faces);
     result.patches.push_back(std::move(here));
   }
   if (!any)

@@ -2,7 +2,6 @@
 #include "pamr/geometry/cad/cad_source.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
@@ -134,8 +133,10 @@ CadMeasures measure_cad_source(const CadSource& source, std::string_view unit) {
 
 std::string cad_surface_table(const std::string& name, const CadSource& source, const std::string& unit,
                               std::span<const int> faces) {
+  std::string numbers;
+  for (const int face : faces) numbers += (numbers.empty() ? "" : ", ") + std::to_string(face);
   return fmt::format("[[surface]]\nname = {}\nkind = \"cad\"\nfile = {}\nunit = \"{}\"\nfaces = [{}]\n",
-                     toml_text(name), toml_text(source.file), unit, fmt::join(faces, ", "));
+                     toml_text(name), toml_text(source.file), unit, numbers);
 }
 
 std::string cad_table(const CadSource& source) {

@@ -21,8 +21,8 @@ struct CadSource {
 /// True for a name that ends in .step, .stp, .iges, .igs or .brep.
 bool is_cad_file(const std::filesystem::path& file);
 
-/// Reads a STEP, IGES or BREP file as text. What is not UTF-8 is taken for Latin-1. Throws `Error` for a file that is not
-/// there, has another extension (see `is_cad_file`) or holds control characters.
+/// Reads a STEP, IGES or BREP file as text. What is not UTF-8 is taken for Latin-1. Throws `Error` for a file that is
+/// not there, has another extension (see `is_cad_file`) or holds control characters.
 CadSource read_cad_source(const std::filesystem::path& file);
 
 /// Has the text read in a process of its own, which may die of it, and throws `Error` if it is not sound. To be called
