@@ -280,6 +280,7 @@ Domain combine(const Combination& c, const std::string& where) {
   for (auto& crease : pieces->creases()) domain.curves.push_back(std::move(crease));
   domain.curves_in_one_plane = are_in_one_plane(domain.curves, solid->radius());
   add_starts(*solid, *pieces, samples, domain);
+  if (!domain.tips.empty()) domain.curves_in_one_plane = false;  // nor are the balls
   domain.surfaces = c.surfaces;
   domain.length_unit = c.length_unit;
   domain.center = solid->center();
