@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# The parts of OpenCASCADE that read STEP files, evaluate shapes and sample them, as target `OCCT::OCCT`. Its own package file
+# The parts of OpenCASCADE that read STEP and IGES files, evaluate shapes and sample them, as target `OCCT::OCCT`. Its own package file
 # wants all of it, down to the drawing tools. For an installation elsewhere set OCCT_ROOT.
 find_path(OCCT_INCLUDE_DIR Standard_Version.hxx PATH_SUFFIXES opencascade)
-set(OCCT_libraries TKSTEP TKSTEPBase TKXSBase TKMesh TKTopAlgo TKBRep TKGeomBase TKG3d TKG2d TKMath TKernel)
+set(OCCT_libraries TKIGES TKSTEP TKSTEPBase TKXSBase TKMesh TKTopAlgo TKBRep TKGeomBase TKG3d TKG2d TKMath TKernel)
 set(OCCT_required)
 foreach(library IN LISTS OCCT_libraries)
   find_library(OCCT_${library}_LIBRARY NAMES ${library})

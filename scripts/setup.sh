@@ -28,7 +28,7 @@ packages=(
   libcli11-dev libfmt-dev libtomlplusplus-dev nlohmann-json3-dev  # command line, case files, reports
   petsc-dev pkg-config                    # Poisson-Boltzmann solver (PETSc with real numbers, brings hypre)
   libopenmesh-dev libeigen3-dev           # surface meshes of pamr-surface
-  libocct-data-exchange-dev libocct-modeling-algorithms-dev libocct-modeling-data-dev libocct-foundation-dev  # STEP files
+  libocct-data-exchange-dev libocct-modeling-algorithms-dev libocct-modeling-data-dev libocct-foundation-dev  # STEP and IGES files
   librandom123-dev                        # random numbers of pamr-dsmc
   python3                                 # tables of the cases
 )

@@ -8,10 +8,12 @@
 
 #include "cli/run_tool.hpp"
 #include "cli/text_file.hpp"
+#include "meshing/cad_case.hpp"
 #include "meshing/make_mesh.hpp"
 #include "meshing/mesh_case.hpp"
 #include "meshing/read_mesh_case.hpp"
 #include "pamr/base/error.hpp"
+#include "pamr/geometry/cad/cad_source.hpp"
 #include "pamr/io/native/native_file.hpp"
 
 namespace {
@@ -19,7 +21,7 @@ namespace {
 using namespace pamr;
 
 struct Options {
-  std::string case_file, shape, output;
+  std::string case_file, shape, output, unit = geometry::usual_cad_unit;
   int n = 0;
   double size = 0;
   int format = io::newest_format;
@@ -27,15 +29,19 @@ struct Options {
 };
 
 void declare(cli::CommandLine& line, Options& options) {
-  line.option("CASE", options.case_file, "case file (TOML) whose table [mesh] says what to mesh");
+  line.option("CASE", options.case_file,
+              "case file (TOML) whose table [mesh] says what to mesh, or the solid to mesh (.step, .iges, .brep)");
   line.option("--shape", options.shape,
               "kuhn-cube, blunt-cone, sphere-in-box, charged-spheres or supersonic-sphere, instead of a case file");
   line.option("--n", options.n, "kuhn-cube: cubes a side, 6 cells each").positive();
-  line.option(
-          "--size", options.size,
-          "sphere-in-box: edge length (default 0.28); largest edge length of the others: blunt-cone in meters "
-          "(default 0.01), charged-spheres in Debye lengths (default 0.5), supersonic-sphere in meters (default 0.004)")
+  line.option("--size", options.size,
+              "sphere-in-box: edge length (default 0.28); largest edge length of the others: blunt-cone in meters "
+              "(default 0.01), charged-spheres in Debye lengths (default 0.5), supersonic-sphere in meters (default "
+              "0.004), "
+              "a STEP, IGES or BREP file in --unit (default a fifteenth of its size)")
       .positive();
+  line.option("--unit", options.unit, "of the mesh of a STEP, IGES or BREP file: mm, cm, m, um, in or ft")
+      .show_default();
   line.option("-o,--output", options.output, "mesh to write (.hdf)").required();
   line.option("--format", options.format, cli::format_help).range(io::oldest_format, io::newest_format).show_default();
   line.flag("--force", options.force, cli::force_help);
@@ -47,8 +53,14 @@ void require_consistent(const Options& o) {
   if ((o.shape == "kuhn-cube") != (o.n > 0))
     throw Error(o.n > 0 ? "expected --n with --shape kuhn-cube only"
                         : "expected --n N with --shape kuhn-cube, found none");
-  if (o.size > 0 && (o.shape.empty() || o.shape == "kuhn-cube"))
-    throw Error("expected --size with --shape only, and not with kuhn-cube");
+  const bool is_cad = geometry::is_cad_file(o.case_file);
+  if (o.size > 0 && ((o.shape.empty() && !is_cad) || o.shape == "kuhn-cube"))
+    throw Error(
+        "expected --size with --shape or a STEP, IGES or BREP file only, and not with kuhn-cube; a case file has sizes "
+        "of its own");
+  if (!geometry::is_cad_unit(o.unit)) throw Error("--unit: expected mm, cm, m, um, in or ft, found " + o.unit);
+  if (o.unit != geometry::usual_cad_unit && !is_cad)
+    throw Error("expected --unit with a STEP, IGES or BREP file only; a case file has unit in its [[surface]]");
 }
 
 /// Collective.
@@ -56,10 +68,12 @@ meshing::LevelZero make(const cli::Session& session, const Options& options) {
   const auto& comm = session.comm();
   if (options.shape == "kuhn-cube") return meshing::make_kuhn_cube(comm, options.n);
   meshing::MeshCase mesh_case;
-  const auto text = options.case_file.empty() ? std::string() : cli::read_text(comm, options.case_file);
+  const bool is_cad = geometry::is_cad_file(options.case_file);
+  const auto text = options.case_file.empty() || is_cad ? std::string() : cli::read_text(comm, options.case_file);
   par::agree(comm, [&] {  // it may read surface files
-    mesh_case = options.shape.empty() ? meshing::read_mesh_case(text, options.case_file)
-                                      : meshing::case_of_shape(options.shape, options.size);
+    mesh_case = is_cad                  ? meshing::case_of_cad(options.case_file, options.size, options.unit)
+                : options.shape.empty() ? meshing::read_mesh_case(text, options.case_file)
+                                        : meshing::case_of_shape(options.shape, options.size);
   });
   const auto show = [&](int done, const char* next) {
     constexpr int n = meshing::Listener::n_steps;
@@ -105,7 +119,8 @@ int main(int argc, char** argv) {
   return cli::run_tool(
       argc, argv,
       {"pamr-mesh", "Makes a level-0 mesh of tetrahedra.",
-       "pamr-mesh --shape kuhn-cube --n 8 -o cube.hdf\n  pamr-mesh --shape sphere-in-box --size 0.28 -o sphere.hdf"},
+       "pamr-mesh --shape kuhn-cube --n 8 -o cube.hdf\n  pamr-mesh --shape sphere-in-box --size 0.28 -o sphere.hdf\n"
+       "  pamr-mesh part.step -o part.hdf --size 2"},
       [&](cli::CommandLine& line) { declare(line, options); },
       [&](cli::Session& session) { return make_mesh(session, options); });
 }

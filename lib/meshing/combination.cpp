@@ -4,21 +4,32 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <optional>
+#include <utility>
 
+#include "meshing/bodies.hpp"
+#include "meshing/cad_body.hpp"
 #include "meshing/feature_curves.hpp"
 #include "meshing/pieces.hpp"
+#include "meshing/size_sources.hpp"
 #include "meshing/solid.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/base/index.hpp"
+#include "pamr/geometry/cad/cad_surface.hpp"
 #include "pamr/geometry/surface.hpp"
+#include "pamr/geometry/triangulated/triangle_tree.hpp"
 
 namespace pamr::meshing {
 namespace {
 
 using geometry::Vec3;
+
+constexpr double triangle_error = 0.02;  // of the shortest wanted edge: how far triangles may lie off CAD faces
+constexpr double default_least = 0.1;    // of `far`: edges that curvature asks for are not shorter
 
 /// Looks at a grid of points a little outside each side of the box.
 void require_within_bounds(const Solid& solid, const std::string& where) {
@@ -78,51 +89,119 @@ double bounded_by_gaps(const geometry::SurfaceSet& surfaces, double factor, Vec3
   return std::max(bound, min_part * size);
 }
 
+/// What the curvature of CAD shapes asks for.
+SizeSources curvature_sources(const Solid& solid, const Combination& c) {
+  std::vector<SizeSources::Source> all;
+  const double least = c.least > 0 ? c.least : default_least * c.far;
+  for (int i = 0; i < solid.n_surfaces(); ++i)
+    if (const auto* body = dynamic_cast<const CadBody*>(&solid.surface(i))) {
+      const auto own = curvature_sizes(body->model(), c.curvature, least, c.far);
+      all.insert(all.end(), own.begin(), own.end());
+    }
+  return {std::move(all), c.growth};
+}
+
 std::function<double(Vec3)> size_field(const std::shared_ptr<const Solid>& solid, const Combination& c,
                                        const std::string& where) {
   std::vector<std::pair<const geometry::Surface*, double>> near;
   for (const auto& [name, size] : c.near) {
-    const auto* surface = solid->surfaces->find(name);
+    const auto* surface = c.surfaces->find(name);
     if (surface == nullptr)
       throw Error(fmt::format("{}: expected the name of a surface for a size, found \"{}\"", where, name));
     near.emplace_back(surface, size);
   }
-  return [solid, near, far = c.far, growth = c.growth, factor = c.gap_factor](Vec3 p) {
-    double size = far;
-    for (const auto& [surface, here] : near)
-      if (here < size) size = std::min(size, here + growth * std::max(0.0, surface->distance(p) - here));
-    return factor > 0 ? bounded_by_gaps(*solid->surfaces, factor, p, size) : size;
-  };
+  const auto curvature = std::make_shared<const SizeSources>(curvature_sources(*solid, c));
+  return
+      [solid, surfaces = c.surfaces, near, curvature, far = c.far, growth = c.growth, factor = c.gap_factor](Vec3 p) {
+        double size = curvature->at(p, far);
+        for (const auto& [surface, here] : near)
+          if (here < size) size = std::min(size, here + growth * std::max(0.0, surface->distance(p) - here));
+        return factor > 0 ? bounded_by_gaps(*solid->surfaces, factor, p, size) : size;
+      };
 }
 
-/// Points of a piece that bound the solid, far from each other and from the curves: no nearer than edges are wanted
-/// there, but at least six where there are so many and no curve is near, and at most `most`.
-std::vector<Vec3> scattered_points(const Solid& solid, const Pieces& pieces, int piece,
-                                   const std::vector<Vec3>& samples, const std::vector<FeatureCurve>& curves,
-                                   const std::function<double(Vec3)>& size) {
-  constexpr std::size_t least = 6, most = 60;
-  const int i = pieces.all()[static_cast<std::size_t>(piece)].surface;
-  const Sides bit = Sides{1} << i;
-  std::vector<Vec3> candidates;
-  for (const Vec3 p : samples) {
-    if (pieces.nearest(i, p) != piece) continue;
-    const Sides rest = solid.sides(p) & ~bit;
-    if (solid.region.contains(rest) != solid.region.contains(rest | bit)) candidates.push_back(p);
+/// Answers how far points are from those of curves; infinite where there are none.
+class DistanceFromCurves {
+ public:
+  explicit DistanceFromCurves(const std::vector<FeatureCurve>& curves) {
+    for (const auto& curve : curves)
+      for (const Vec3 p : curve.polyline) points_.push_back({p, p, p});
+    if (!points_.empty()) tree_.emplace(points_);
   }
+  double operator()(Vec3 p) const {
+    if (!tree_) return std::numeric_limits<double>::infinity();
+    return geometry::norm(p - points_[at(tree_->nearest(p).triangle)][0]);
+  }
+
+ private:
+  std::vector<std::array<Vec3, 3>> points_;  // as triangles
+  std::optional<geometry::TriangleTree> tree_;
+};
+
+/// Of points on a piece those far from each other and from the curves: no nearer than edges are wanted there, but at
+/// least six where there are so many and no curve is near, and at most `most`.
+std::vector<Vec3> scattered_points(const std::vector<Vec3>& candidates, const std::vector<double>& from_curves,
+                                   bool has_curves, const std::function<double(Vec3)>& size) {
+  constexpr std::size_t least = 6, most = 60;
   std::vector<Vec3> chosen;
-  std::vector<double> distance(candidates.size(), std::numeric_limits<double>::infinity());
-  for (const auto& curve : curves)
-    for (std::size_t k = 0; k < candidates.size(); ++k)
-      for (const Vec3 p : curve.polyline) distance[k] = std::min(distance[k], geometry::norm(candidates[k] - p));
+  auto distance = from_curves;
   while (!candidates.empty() && chosen.size() < most) {
     const auto farthest = std::max_element(distance.begin(), distance.end());
     const Vec3 p = candidates[static_cast<std::size_t>(farthest - distance.begin())];
-    if (*farthest == 0 || ((chosen.size() >= least || !curves.empty()) && *farthest < size(p))) break;
+    if (*farthest == 0 || ((chosen.size() >= least || has_curves) && *farthest < size(p))) break;
     chosen.push_back(p);
     for (std::size_t k = 0; k < candidates.size(); ++k)
       distance[k] = std::min(distance[k], geometry::norm(candidates[k] - p));
   }
   return chosen;
+}
+
+/// Tips of CAD shapes that bound the solid, with points around them so that the first facets enclose them.
+void add_tips(const Solid& solid, const Pieces& pieces, Domain& domain) {
+  constexpr std::array<double, 2> ring{1.3, 2.2};  // distance over size
+  constexpr int n_around = 4;
+  for (int i = 0; i < solid.n_surfaces(); ++i)
+    if (const auto* body = dynamic_cast<const CadBody*>(&solid.surface(i)))
+      for (const auto& tip : body->tips()) {
+        if (!solid.divides(i, solid.sides(tip.point))) continue;
+        domain.tips.push_back(tip.point);
+        for (std::size_t r = 0; r < ring.size(); ++r)
+          for (int k = 0; k < n_around; ++k) {
+            const auto p = body->around(tip, (k + 0.5 * static_cast<double>(r) + 0.25) / n_around,
+                                        ring[r] * domain.size(tip.point));
+            if (solid.divides(i, solid.sides(p))) domain.pieces[at(pieces.nearest(i, p))].start.push_back(p);
+          }
+      }
+}
+
+/// Gives pieces points to start from: those that no curve touches, all where curves lie in one plane, and faces of CAD
+/// shapes, which may be small and far from their curves.
+void add_starts(const Solid& solid, const Pieces& pieces, const SurfaceSamples& samples, Domain& domain) {
+  std::vector<std::vector<Vec3>> candidates(domain.pieces.size());
+  for (int i = 0; i < solid.n_surfaces(); ++i) {
+    const auto add = [&](Vec3 p) {
+      if (solid.divides(i, solid.sides(p))) candidates[at(pieces.nearest(i, p))].push_back(p);
+    };
+    for (const Vec3 p : samples[at(i)]) add(p);
+    if (const auto* body = dynamic_cast<const CadBody*>(&solid.surface(i)))
+      body->for_each_sample([&](int, Vec3 p) { add(p); });
+  }
+  const DistanceFromCurves distance_from_curves(domain.curves);
+  for (std::size_t k = 0; k < domain.pieces.size(); ++k) {
+    const auto& piece = pieces.all()[k];
+    const bool is_cad = dynamic_cast<const CadBody*>(&solid.surface(piece.surface)) != nullptr;
+    const bool has_curve =
+        is_cad || std::any_of(domain.curves.begin(), domain.curves.end(), [&](const auto& curve) {
+          return piece.shape->distance(curve.polyline[curve.polyline.size() / 2]) < 1e-9 * solid.radius();
+        });
+    if (has_curve && !domain.curves_in_one_plane && !is_cad) continue;
+    std::vector<double> distance;
+    for (const Vec3 p : candidates[k])
+      distance.push_back(has_curve ? distance_from_curves(p) : std::numeric_limits<double>::infinity());
+    domain.pieces[k].start =
+        scattered_points(candidates[k], distance, has_curve && !domain.curves.empty(), domain.size);
+  }
+  add_tips(solid, pieces, domain);
 }
 
 /// True when all points of the curves lie in one plane, to 1e-6 of the radius.
@@ -141,19 +220,52 @@ bool are_in_one_plane(const std::vector<FeatureCurve>& curves, double radius) {
                      [&](Vec3 p) { return std::abs(geometry::dot(p - a, normal)) <= 1e-6 * radius * length; });
 }
 
+/// Pieces of the domain, and patches: one for each piece, or for each CAD surface, which may have several faces.
+void add_pieces(const std::shared_ptr<const Pieces>& pieces, const Bodies& bodies, const Combination& c,
+                Domain& domain) {
+  std::vector<int> patch_of_surface(c.surfaces->name.size(), -1);
+  for (const auto& piece : pieces->all()) {
+    const auto& surface_of_face = bodies.surface_of_face[at(piece.surface)];
+    int patch = static_cast<int>(domain.patches.size());
+    if (surface_of_face.empty()) {
+      domain.patches.push_back({piece.name, "patch", bodies.first[at(piece.surface)]});
+    } else {
+      const int surface = surface_of_face[at(std::max(0, piece.number))];
+      auto& known = patch_of_surface[at(surface)];
+      if (known < 0) domain.patches.push_back({c.surfaces->name[at(surface)], "patch", surface});
+      patch = known = known < 0 ? patch : known;
+    }
+    domain.pieces.push_back({patch, [pieces, shape = piece.shape](Vec3 p) { return shape->project(p); }});
+  }
+}
+
+double shortest_edge(const Combination& c) {
+  double least = c.far;
+  for (const auto& [name, size] : c.near) least = std::min(least, size);
+  return least;
+}
+
 }  // namespace
 
+bool Combination::has_cad() const {
+  return std::any_of(surfaces->surface.begin(), surfaces->surface.end(), [](const auto& surface) {
+    return dynamic_cast<const geometry::CadSurface*>(surface.get()) != nullptr;
+  });
+}
+
 Domain combine(const Combination& c, const std::string& where) {
-  const Region region(c.region, c.surfaces->name, where);
-  const auto solid = std::make_shared<const Solid>(Solid{c.surfaces, region, c.low, c.high});
-  const auto samples = sample_surfaces(*solid);
+  const Region region(c.region, c.surfaces->name, sides_of(*c.surfaces), where);
   const auto with_place = [&where](auto&& make) {
     try {
       return make();
     } catch (const Error& error) {
-      throw Error(where + ": " + error.what());
+      const std::string message = error.what();
+      throw Error(message.starts_with(where + ":") ? message : where + ": " + message);
     }
   };
+  const auto bodies = with_place([&] { return join_bodies(*c.surfaces, triangle_error * shortest_edge(c)); });
+  const auto solid = std::make_shared<const Solid>(Solid{bodies.set, region, c.low, c.high});
+  const auto samples = sample_surfaces(*solid);
   const auto pieces = with_place([&] { return std::make_shared<const Pieces>(solid, samples); });
   require_within_bounds(*solid, where);
   require_some_within_bounds(*solid, samples, where);
@@ -163,24 +275,12 @@ Domain combine(const Combination& c, const std::string& where) {
     return surface < 0 ? Domain::inside : pieces->nearest(surface, p);
   };
   domain.size = size_field(solid, c, where);
-  for (const auto& piece : pieces->all()) {
-    const int number = static_cast<int>(domain.pieces.size());
-    domain.pieces.push_back({number, [pieces, shape = piece.shape](Vec3 p) { return shape->project(p); }});
-    domain.patches.push_back({piece.name, "patch", piece.surface});
-  }
+  add_pieces(pieces, bodies, c, domain);
   domain.curves = with_place([&] { return trace_feature_curves(solid, pieces, samples); });
   for (auto& crease : pieces->creases()) domain.curves.push_back(std::move(crease));
   domain.curves_in_one_plane = are_in_one_plane(domain.curves, solid->radius());
-  for (std::size_t k = 0; k < domain.pieces.size(); ++k) {
-    const auto& piece = pieces->all()[k];
-    const bool has_curve = std::any_of(domain.curves.begin(), domain.curves.end(), [&](const FeatureCurve& curve) {
-      return piece.shape->distance(curve.polyline[curve.polyline.size() / 2]) < 1e-9 * solid->radius();
-    });
-    if (!has_curve || domain.curves_in_one_plane)
-      domain.pieces[k].start =
-          scattered_points(*solid, *pieces, static_cast<int>(k), samples[static_cast<std::size_t>(piece.surface)],
-                           has_curve ? domain.curves : std::vector<FeatureCurve>{}, domain.size);
-  }
+  add_starts(*solid, *pieces, samples, domain);
+  if (!domain.tips.empty()) domain.curves_in_one_plane = false;  // nor are the balls
   domain.surfaces = c.surfaces;
   domain.length_unit = c.length_unit;
   domain.center = solid->center();

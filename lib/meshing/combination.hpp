@@ -11,7 +11,7 @@ namespace pamr::meshing {
 
 /// A region bounded by surfaces, as a case file describes it.
 struct Combination {
-  geometry::SharedSurfaces surfaces;  ///< each becomes a patch of its name, or several (see `Pieces`)
+  geometry::SharedSurfaces surfaces;  ///< each becomes a patch of its name, triangulated ones several (see `Pieces`)
   std::string region;                 ///< see `Region`
   geometry::Vec3 low, high;           ///< a box that holds the region, in units of the mesh as all lengths here
   std::string length_unit;
@@ -20,8 +20,14 @@ struct Combination {
   /// Edges between two surfaces that run about along each other are at most so many times as long as the gap there;
   /// 0: no bound.
   double gap_factor = 0;
+  /// Edges on curved CAD faces are at most so many times as long as the smaller radius of curvature, but not asked to
+  /// be shorter than `least` (0: a tenth of `far`).
+  double curvature = 0.5;
+  double least = 0;
   /// Wanted edge lengths up to one such length from a surface; they grow from there.
   std::vector<std::pair<std::string, double>> near;
+
+  bool has_cad() const;  ///< whether one of the surfaces is on a CAD shape
 };
 
 /// The domain that it describes. Local, deterministic. Throws `Error` that begins with `where` for regions that are

@@ -6,10 +6,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <memory>
 #include <utility>
 
+#include "meshing/divided_surface.hpp"
 #include "pamr/base/error.hpp"
-#include "pamr/geometry/triangulated/triangulated_surface.hpp"
 
 namespace pamr::meshing {
 namespace {
@@ -23,16 +24,15 @@ class Cutter {
 
   CutCreases cut() {
     for (surface_ = 0; surface_ < solid_.n_surfaces(); ++surface_) {
-      const auto* whole = dynamic_cast<const geometry::Triangulated*>(&solid_.surface(surface_));
-      if (whole == nullptr) continue;
-      creases_ = &whole->crease_net();
-      for (line_ = 0; line_ < creases_->lines().size(); ++line_) cut_line(creases_->lines()[line_].polyline);
+      whole_ = divided(solid_.surface(surface_));
+      if (whole_ == nullptr) continue;
+      for (line_ = 0; line_ < whole_->n_lines(); ++line_) cut_line(whole_->line(line_));
     }
     return std::move(result_);
   }
 
  private:
-  Vec3 on_line(Vec3 p) const { return creases_->nearest_on_line(line_, p); }
+  Vec3 on_line(Vec3 p) const { return whole_->nearest_on_line(line_, p); }
 
   bool is_on(int d, Vec3 p) const { return d != surface_ && std::abs(solid_.signed_distance(d, p)) <= tolerance_; }
 
@@ -135,7 +135,7 @@ class Cutter {
   const Solid& solid_;
   double tolerance_;
   int surface_ = 0;
-  const geometry::CreaseNet* creases_ = nullptr;
+  std::shared_ptr<const DividedSurface> whole_;
   std::size_t line_ = 0;
   CutCreases result_;
 };

@@ -8,12 +8,13 @@
 
 namespace pamr::meshing {
 
-/// The creases of the triangulated surfaces of a solid, cut where another surface crosses them.
+/// The lines of the divided surfaces of a solid (creases of triangulated ones, edges of CAD shapes), cut where another
+/// surface crosses them.
 struct CutCreases {
   /// What is left of one line of creases between two cuts, or all of it.
   struct Part {
     int surface = 0;
-    std::size_t line = 0;                  ///< of the surface's creases
+    std::size_t line = 0;                  ///< of the surface
     std::vector<geometry::Vec3> polyline;  ///< finely; closed where it ends in its first point
   };
   std::vector<Part> parts;              ///< those on the boundary of the solid

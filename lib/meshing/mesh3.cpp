@@ -89,6 +89,7 @@ MeshDomain make_domain(const Domain& domain, CGAL::Random& random, Work& work) {
     for (const auto& q : curve.polyline) polyline.emplace_back(q.x, q.y, q.z);
   }
   result.add_features(polylines.begin(), polylines.end());
+  for (const auto& q : domain.tips) result.add_corner(Kernel::Point_3(q.x, q.y, q.z));
   return result;
 }
 
@@ -115,7 +116,7 @@ Complex start(const Domain& domain, const MeshDomain& mesh_domain, const Criteri
   // Balls in one plane span no space: CGAL would then scatter points of its own, which may lie so near to others that
   // refinement never ends before rounding does.
   if (domain.curves_in_one_plane) add_points();
-  if (!domain.curves.empty())
+  if (!domain.curves.empty() || !domain.tips.empty())
     CGAL::Mesh_3::internal::C3t3_initializer<Complex, MeshDomain, Criteria, true>()(complex, mesh_domain, criteria,
                                                                                     true);
   if (!domain.curves_in_one_plane) add_points();
@@ -173,6 +174,7 @@ class Extraction {
 
   RawMesh result(const Domain& domain) && {
     bind_to_curves();
+    bind_to_tips(domain);
     bind_to_pieces();
     for (std::size_t i = 0; i < domain.pieces.size(); ++i)
       if (std::none_of(mesh_.face.begin(), mesh_.face.end(),
@@ -215,6 +217,15 @@ class Extraction {
                                            : Binding{Freedom::curve, complex_.curve_index(*e) - 1};
       }
       feature_edges_[std::minmax(ends[0], ends[1])] = 0;
+    }
+  }
+
+  void bind_to_tips(const Domain& domain) {
+    for (const auto& tip : domain.tips) {
+      const auto same = [&](const auto& entry) { return from_cgal(entry.first->point().point()) == tip; };
+      const auto found = std::find_if(number_.begin(), number_.end(), same);
+      if (found == number_.end()) too_coarse("no cell at the tip " + text_of(tip));
+      mesh_.binding[static_cast<std::size_t>(found->second)] = {Freedom::none, -1};
     }
   }
 

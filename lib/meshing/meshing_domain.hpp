@@ -39,6 +39,8 @@ struct Domain {
   std::function<double(geometry::Vec3)> size;
   std::vector<Piece> pieces;
   std::vector<FeatureCurve> curves;
+  std::vector<geometry::Vec3>
+      tips;  ///< corners of the boundary off the curves (the apex of a cone): nodes are put there
   bool curves_in_one_plane = false;  ///< every piece then has points to start from
   std::vector<mesh::Patch> patches;
   geometry::SharedSurfaces surfaces = geometry::no_surfaces();  ///< that the patches lie on

@@ -7,6 +7,7 @@
 
 #include "pamr/base/error.hpp"
 #include "pamr/base/index.hpp"
+#include "pamr/geometry/triangulated/triangulated_surface.hpp"
 
 namespace pamr::meshing {
 namespace {
@@ -18,19 +19,20 @@ using geometry::Vec3;
 
 Pieces::Pieces(const std::shared_ptr<const Solid>& solid, const SurfaceSamples& samples) : solid_(solid) {
   for (int i = 0; i < solid->n_surfaces(); ++i) {
-    whole_.push_back(dynamic_cast<const Triangulated*>(&solid->surface(i)));
-    if (whole_.back() != nullptr && whole_.back()->is_one_piece())
+    const auto* triangulated = dynamic_cast<const Triangulated*>(&solid->surface(i));
+    if (triangulated != nullptr && triangulated->is_one_piece())
       throw Error(
           fmt::format("expected whole triangulated surfaces in a region, found \"{}\" with the key near: "
                       "its pieces become patches of their own",
                       solid->name(i)));
+    whole_.push_back(divided(solid->surface(i)));
   }
   creases_ = cut_creases(*solid);
   for (int i = 0; i < solid->n_surfaces(); ++i) {
     first_.push_back(static_cast<int>(piece_.size()));
     number_.emplace_back();
-    const auto* whole = whole_[pamr::at(i)];
-    if (whole != nullptr && whole->n_patches() > 1) {
+    const auto* whole = whole_[pamr::at(i)].get();
+    if (whole != nullptr && whole->n_pieces() > 1) {
       add_pieces(i, *whole, samples[pamr::at(i)]);
     } else {
       piece_.push_back({i, &solid->surface(i), -1, solid->name(i)});
@@ -39,22 +41,22 @@ Pieces::Pieces(const std::shared_ptr<const Solid>& solid, const SurfaceSamples& 
   first_.push_back(static_cast<int>(piece_.size()));
 }
 
-void Pieces::add_pieces(int i, const Triangulated& whole, const std::vector<Vec3>& samples) {
-  std::vector<bool> is_used(whole.n_patches(), false);
+void Pieces::add_pieces(int i, const DividedSurface& whole, const std::vector<Vec3>& samples) {
+  std::vector<bool> is_used(whole.n_pieces(), false);
   const auto look = [&](int piece, Vec3 p) {
     if (!is_used[pamr::at(piece)]) is_used[pamr::at(piece)] = solid_->divides(i, solid_->sides(p));
   };
-  whole.for_each_triangle([&](int piece, Vec3 middle) { look(piece, whole.project(middle)); });
+  whole.for_each_sample(look);
   // where other surfaces leave little of large triangles
   for (const Vec3 p : samples) look(whole.piece_at(p), p);
   for (const auto& part : creases_.parts)
     if (part.surface == i)
-      for (const int piece : whole.crease_net().lines()[part.line].piece)
+      for (const int piece : whole.pieces_of_line(part.line))
         if (piece >= 0) is_used[pamr::at(piece)] = true;
   if (std::find(is_used.begin(), is_used.end(), true) == is_used.end())
     throw Error(
         fmt::format("expected surfaces that bound the region, found no place where \"{}\" does", solid_->name(i)));
-  number_[pamr::at(i)].assign(whole.n_patches(), -1);
+  number_[pamr::at(i)].assign(whole.n_pieces(), -1);
   for (std::size_t p = 0; p < is_used.size(); ++p) {
     if (!is_used[p]) continue;
     const auto number = static_cast<int>(p);
@@ -73,8 +75,8 @@ int Pieces::nearest(int i, Vec3 p) const {
 std::vector<FeatureCurve> Pieces::creases() const {
   std::vector<FeatureCurve> result;
   for (const auto& part : creases_.parts)
-    result.push_back({part.polyline, [solid = solid_, whole = whole_[pamr::at(part.surface)], line = part.line](
-                                         Vec3 p) { return whole->crease_net().nearest_on_line(line, p); }});
+    result.push_back({part.polyline, [solid = solid_, whole = whole_[pamr::at(part.surface)],
+                                      line = part.line](Vec3 p) { return whole->nearest_on_line(line, p); }});
   return result;
 }
 

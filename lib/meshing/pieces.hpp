@@ -6,14 +6,14 @@
 #include <vector>
 
 #include "meshing/crease_cut.hpp"
+#include "meshing/divided_surface.hpp"
 #include "meshing/meshing_domain.hpp"
 #include "meshing/solid.hpp"
-#include "pamr/geometry/triangulated/triangulated_surface.hpp"
 
 namespace pamr::meshing {
 
-/// The smooth pieces that make up the boundary of a solid; each becomes a patch. A surface is one piece, but a
-/// triangulated one that creases divide is several: those that bound the solid.
+/// The smooth pieces that make up the boundary of a solid. A surface is one piece, but a divided one (see
+/// `DividedSurface`) is several: those that bound the solid.
 class Pieces {
  public:
   /// `samples` are those of `sample_surfaces`. Throws `Error` for a triangulated surface that is one piece taken
@@ -23,7 +23,7 @@ class Pieces {
   struct Piece {
     int surface = 0;
     const geometry::Surface* shape = nullptr;  ///< of the piece alone
-    int number = -1;                           ///< among those of the triangulation, -1 for a surface in one piece
+    int number = -1;                           ///< among those of a divided surface, -1 for a surface in one piece
     std::string name;                          ///< of the patch: of the surface, or NAME_1, NAME_2, ... of its pieces
   };
   const std::vector<Piece>& all() const { return piece_; }
@@ -44,15 +44,15 @@ class Pieces {
   const std::vector<geometry::Vec3>& crease_corners() const { return creases_.corners; }
 
  private:
-  void add_pieces(int i, const geometry::Triangulated& whole, const std::vector<geometry::Vec3>& samples);
+  void add_pieces(int i, const DividedSurface& whole, const std::vector<geometry::Vec3>& samples);
 
   std::shared_ptr<const Solid> solid_;
   CutCreases creases_;
   std::vector<Piece> piece_;
-  std::vector<std::unique_ptr<const geometry::Triangulated>> alone_;
-  std::vector<const geometry::Triangulated*> whole_;  ///< by surface; null for the other kinds
-  std::vector<int> first_;                            ///< by surface, and the number of all pieces
-  std::vector<std::vector<int>> number_;              ///< by surface and piece of the triangulation, -1: bounds nothing
+  std::vector<std::shared_ptr<const geometry::Surface>> alone_;
+  std::vector<std::shared_ptr<const DividedSurface>> whole_;  ///< by surface; null for the other kinds
+  std::vector<int> first_;                                    ///< by surface, and the number of all pieces
+  std::vector<std::vector<int>> number_;                      ///< by surface and its piece, -1: bounds nothing
 };
 
 }  // namespace pamr::meshing

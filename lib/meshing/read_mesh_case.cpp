@@ -8,6 +8,8 @@
 #include <optional>
 #include <utility>
 
+#include "meshing/bodies.hpp"
+#include "meshing/cad_case.hpp"
 #include "meshing/charged_spheres.hpp"
 #include "meshing/region.hpp"
 #include "meshing/sphere_in_box.hpp"
@@ -93,7 +95,7 @@ Combination read_supersonic_sphere(const TomlTable& mesh) {
 
 void require_region(const TomlTable& mesh, const Combination& c, const std::string& where) {
   try {
-    const Region region(c.region, c.surfaces->name, where);
+    const Region region(c.region, c.surfaces->name, sides_of(*c.surfaces), where);
   } catch (const Error& error) {  // "where: what"
     throw Error(mesh.at("region") + std::string(error.what()).substr(where.size()));
   }
@@ -116,7 +118,12 @@ void read_bounds(const TomlTable& mesh, Combination& c) {
 
 void read_sizes(const TomlTable& sizes, Combination& c) {
   constexpr double default_growth = 0.35;
+  constexpr NumberRange curvature_range{0.05, 2};
   c.far = sizes.number("far", length_range);
+  if (c.has_cad()) {
+    c.curvature = sizes.number_or("curvature", c.curvature, curvature_range);
+    c.least = sizes.number_or("least", c.least, {length_range.low, c.far});
+  }
   c.growth = sizes.number_or("growth", default_growth, growth_range);
   const auto near = sizes.find_table("near");
   if (!near) return;
@@ -132,15 +139,12 @@ Combination read_combination(const TomlTable& file, const TomlTable& mesh, const
   Combination c;
   c.surfaces = std::make_shared<const geometry::SurfaceSet>(geometry::surfaces_of_case(file, where));
   if (c.surfaces->size() == 0) throw Error(where + ": expected tables [[surface]] for shape \"surfaces\", found none");
-  for (int i = 0; i < c.surfaces->size(); ++i)
-    if (dynamic_cast<const geometry::CadSurface*>(c.surfaces->get(i)) != nullptr)
-      throw Error(fmt::format(
-          "{}: surface \"{}\": expected a kind that pamr-mesh can mesh, found \"cad\": mesh the shape "
-          "with Gmsh, then pamr-convert part.msh part.hdf --cad part.step",
-          c.surfaces->described_at[static_cast<std::size_t>(i)], c.surfaces->name[static_cast<std::size_t>(i)]));
   c.region = mesh.text("region", "\"+NAME & -NAME ...\"");
   require_region(mesh, c, where);
-  read_bounds(mesh, c);
+  if (!mesh.has("bounds") && is_all_cad(*c.surfaces))
+    bound_by_shapes(c);
+  else
+    read_bounds(mesh, c);
   read_sizes(mesh.table("sizes"), c);
   return c;
 }

@@ -6,23 +6,33 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <numeric>
 
 #include "pamr/base/error.hpp"
 
 namespace pamr::meshing {
+namespace {
+
+std::vector<int> counted(std::size_t n) {
+  std::vector<int> result(n);
+  std::iota(result.begin(), result.end(), 0);
+  return result;
+}
+
+}  // namespace
 
 /// Reads by recursive descent.
 class RegionParser {
  public:
-  RegionParser(std::string_view text, std::span<const std::string> names, const std::string& where,
-               std::vector<int>& program)
-      : text_(text), names_(names), where_(where), program_(program), used_(names.size(), false) {}
+  RegionParser(std::string_view text, std::span<const std::string> names, std::span<const int> side_of,
+               const std::string& where, std::vector<int>& program)
+      : text_(text), names_(names), side_of_(side_of), where_(where), program_(program), used_(names.size(), false) {}
 
   void read() {
     read_either(0);
     if (next() != '\0') refuse("the end, & or |");
     for (std::size_t i = 0; i < names_.size(); ++i)
-      if (!used_[i])
+      if (!used_[static_cast<std::size_t>(side_of_[i])])
         throw Error(fmt::format("{}: expected every surface in the region, found none of \"{}\" in \"{}\"", where_,
                                 names_[i], text_));
   }
@@ -89,24 +99,29 @@ class RegionParser {
     const auto found = std::find(names_.begin(), names_.end(), text_.substr(at_, end - at_));
     if (found == names_.end()) refuse("the name of a surface");
     at_ = end;
-    const auto i = found - names_.begin();
-    used_[static_cast<std::size_t>(i)] = true;
-    return static_cast<int>(i);
+    const int side = side_of_[static_cast<std::size_t>(found - names_.begin())];
+    used_[static_cast<std::size_t>(side)] = true;
+    return side;
   }
 
   std::string_view text_;
   std::span<const std::string> names_;
+  std::span<const int> side_of_;
   const std::string& where_;
   std::vector<int>& program_;
   std::vector<bool> used_;
   std::size_t at_ = 0;
 };
 
-Region::Region(std::string_view text, std::span<const std::string> names, const std::string& where) {
-  if (names.size() > max_surfaces)
-    throw Error(fmt::format("{}: expected at most {} surfaces, found {}", where, max_surfaces, names.size()));
-  RegionParser(text, names, where, program_).read();
+Region::Region(std::string_view text, std::span<const std::string> names, std::span<const int> side_of,
+               const std::string& where) {
+  if (const auto n = side_of.empty() ? 0 : static_cast<std::size_t>(side_of.back()) + 1; n > max_surfaces)
+    throw Error(fmt::format("{}: expected at most {} surfaces, found {}", where, max_surfaces, n));
+  RegionParser(text, names, side_of, where, program_).read();
 }
+
+Region::Region(std::string_view text, std::span<const std::string> names, const std::string& where)
+    : Region(text, names, counted(names.size()), where) {}
 
 bool Region::contains(Sides sides) const {
   // An operand of | and one of & wait at each depth of parentheses, which the parser bounds.

@@ -21,7 +21,11 @@ class Region {
   static constexpr std::size_t max_surfaces = 32;
 
   /// Throws `Error` that begins with `where` for text that is no region, a name that is not among `names`, or a name
-  /// that the text does not use.
+  /// that the text does not use. `side_of`: the number of the side that each name means, ascending from 0; names of one
+  /// number mean the same, and one of them is enough in the text.
+  Region(std::string_view text, std::span<const std::string> names, std::span<const int> side_of,
+         const std::string& where);
+  /// The same where each name means a side of its own.
   Region(std::string_view text, std::span<const std::string> names, const std::string& where);
 
   bool contains(Sides sides) const;

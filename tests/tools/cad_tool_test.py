@@ -142,12 +142,4 @@ def test_what_cannot_be_tied_is_said():
     assert "patch 'xmin': none of its 8 faces lies on a face of can.step" in result.err, result.err
 
 
-def test_pamr_mesh_says_that_it_takes_no_cad_shapes():
-    shutil.copy(DATA / "can.step", "can.step")
-    pathlib.Path("case.toml").write_text('[mesh]\nshape = "surfaces"\nlength_unit = "mm"\nregion = "-can"\n'
-                                         "bounds = [[-2, -2, -1], [2, 2, 3]]\n[mesh.sizes]\nfar = 0.5\n"
-                                         '[[surface]]\nname = "can"\nkind = "cad"\nfile = "can.step"\n')
-    refuses("pamr-mesh", "case.toml", "-o", "a.hdf", says=["pamr-convert", "--cad"], creates="a.hdf")
-
-
 run_tests(globals())

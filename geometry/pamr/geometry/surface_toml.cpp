@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <functional>
 #include <map>
+#include <set>
 #include <string>
 #include <utility>
 
@@ -103,21 +104,37 @@ struct Sources {
   CadShelf* shelf = nullptr;
 };
 
-/// Numbers from 1 on, or names; all faces where the key is missing.
+/// Adds the faces whose name or color one of the texts of a key is.
+void add_faces(const TomlTable& surface, std::string_view key, const CadModel& model, std::string CadFaceData::*field,
+               std::vector<int>& faces) {
+  if (!surface.has(key)) return;
+  for (const auto& text : surface.texts(key)) {
+    const auto before = faces.size();
+    for (std::size_t f = 0; f < model.faces().size(); ++f)
+      if (model.faces()[f].data().*field == text) faces.push_back(static_cast<int>(f));
+    if (faces.size() > before && !text.empty()) continue;
+    std::set<std::string> known;
+    for (const auto& face : model.faces()) known.insert(face.data().*field);
+    known.erase("");
+    std::string list;
+    for (const auto& one : known) list += (list.empty() ? "" : ", ") + one;
+    const std::string what = field == &CadFaceData::name ? "names" : "colors";
+    surface.refuse(key,
+                   known.empty() ? "faces by number: no face of the shape has one of these " + what
+                                 : fmt::format("{} of faces of the shape ({})", what, list),
+                   "\"" + text + "\"");
+  }
+}
+
+/// Numbers from 1 on, names or colors; all faces where these keys are missing.
 std::vector<int> read_faces(const TomlTable& surface, const CadModel& model) {
   std::vector<int> faces;
-  if (surface.has("face_names")) {
-    for (const auto& name : surface.texts("face_names")) {
-      const auto before = faces.size();
-      for (std::size_t f = 0; f < model.faces().size(); ++f)
-        if (model.faces()[f].data().name == name) faces.push_back(static_cast<int>(f));
-      if (faces.size() == before) surface.refuse("face_names", "names of faces of the shape", "\"" + name + "\"");
-    }
-  }
+  add_faces(surface, "face_names", model, &CadFaceData::name, faces);
+  add_faces(surface, "face_colors", model, &CadFaceData::color, faces);
   if (surface.has("faces"))
     for (const auto number : surface.integers("faces", 1, static_cast<std::int64_t>(model.faces().size())))
       faces.push_back(static_cast<int>(number - 1));
-  if (!surface.has("faces") && !surface.has("face_names"))
+  if (!surface.has("faces") && !surface.has("face_names") && !surface.has("face_colors"))
     for (std::size_t f = 0; f < model.faces().size(); ++f) faces.push_back(static_cast<int>(f));
   return faces;
 }

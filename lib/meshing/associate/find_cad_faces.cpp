@@ -12,7 +12,6 @@
 
 #include "pamr/base/error.hpp"
 #include "pamr/base/index.hpp"
-#include "pamr/geometry/surface_toml.hpp"
 #include "pamr/mesh/tet.hpp"
 
 namespace pamr::meshing {
@@ -162,14 +161,6 @@ void split_patch(const par::Comm& comm, mesh::DistMesh& mesh, const CadModel& mo
   }
 }
 
-/// The description of a patch's surface.
-std::string surface_table(const CadPatch& patch, const geometry::CadSource& source, const std::string& unit) {
-  std::string numbers;
-  for (const int face : patch.faces) numbers += (numbers.empty() ? "" : ", ") + std::to_string(face);
-  return fmt::format("[[surface]]\nname = {}\nkind = \"cad\"\nfile = {}\nunit = \"{}\"\nfaces = [{}]\n",
-                     geometry::toml_text(patch.patch), geometry::toml_text(source.file), unit, numbers);
-}
-
 /// What the sizes say about units, empty: nothing.
 std::string hint_at_unit(double of_mesh, double of_shape, const std::string& unit) {
   const std::array<std::pair<const char*, double>, 6> known{
@@ -223,7 +214,9 @@ CadFaces find_cad_faces(const par::Comm& comm, mesh::DistMesh& mesh, const CadMo
       here.n_on += counts[p * (n_faces + 1) + f];
     }
     any = any || here.n_on > 0;
-    if (here.is_tied()) result.toml += (result.toml.empty() ? "" : "\n") + surface_table(here, source, unit);
+    if (here.is_tied())
+      result.toml +=
+          (result.toml.empty() ? "" : "\n") + geometry::cad_surface_table(here.patch, source, unit, here.faces);
     result.patches.push_back(std::move(here));
   }
   if (!any)

@@ -107,7 +107,7 @@ TEST(CadSource, RefusesKeysThatAreWrong) {
 }
 
 TEST(CadSource, RefusesFilesThatAreNoText) {
-  EXPECT_THAT([] { read_cad_source("part.iges"); }, ThrowsMessage<Error>(HasSubstr(".step, .stp or .brep")));
+  EXPECT_THAT([] { read_cad_source("part.x_t"); }, ThrowsMessage<Error>(HasSubstr(".iges, .igs or .brep")));
   EXPECT_THAT([] { read_cad_source(data / "none.step"); }, ThrowsMessage<Error>(StartsWith("file '")));
   const auto file = std::filesystem::temp_directory_path() / "pamr_cad_source_test.step";
   std::ofstream(file) << "ISO-10303-21;\x01";

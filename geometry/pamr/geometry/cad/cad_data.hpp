@@ -71,7 +71,8 @@ struct CadBorder {
 
 /// A face of a CAD shape as it was read: a surface, its borders, and triangles that sample it, as seeds.
 struct CadFaceData {
-  std::string name;  ///< empty where the shape has none
+  std::string name;   ///< empty where the shape has none
+  std::string color;  ///< "#rrggbb", empty where the shape has none
   std::shared_ptr<const ParametricSurface> surface;
   bool is_reversed = false;  ///< the outside of the body is where -(u x v) points
   bool is_plane = false;
@@ -83,12 +84,19 @@ struct CadFaceData {
   std::vector<std::array<int, 3>> triangle;  ///< of samples
 };
 
+/// Where a shape comes from: to read it again in another way.
+struct CadOrigin {
+  std::shared_ptr<const std::string> text;  ///< null where it was not read
+  double scale = 1;                         ///< length units in a millimeter
+};
+
 /// A shape: faces in the order of the file, which numbers them from 1.
 struct CadData {
   std::vector<CadFaceData> faces;
   std::vector<CadEdgeData> edges;
   std::vector<Vec3> vertices;
   std::string unit_of_file;  ///< length unit in which the file is written; empty where it does not say
+  CadOrigin origin;
 };
 
 }  // namespace pamr::geometry

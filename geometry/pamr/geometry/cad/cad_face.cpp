@@ -174,14 +174,22 @@ bool CadFace::is_inside(Uv uv, Vec3 on_surface, const BorderFoot& nearest) const
 
 CadFoot CadFace::project(Vec3 point) const {
   const auto hit = triangles_->nearest(point);
-  const Uv uv = foot(point, seed(hit));
+  const auto result = project_from(point, seed(hit), hit.triangle);
+  if (result.distance <= norm(point - flat_point(hit)) + deflection_) return result;
+  return project_from_samples(point, result);
+}
+
+/// `triangle`: the one that holds the start, -1 for none.
+CadFoot CadFace::project_from(Vec3 point, Uv start, int triangle) const {
+  const Uv uv = foot(point, start);
   const Vec3 q = data_.surface->point(uv);
   const CadFoot result{q, uv, norm(point - q)};
   if (!borders_) return result;
-  const auto& t = data_.triangle[at(hit.triangle)];
-  const Vec3 middle = (1.0 / 3) * (points_[at(t[0])] + points_[at(t[1])] + points_[at(t[2])]);
-  if (norm(q - middle) < safely_inside * clearance_[at(hit.triangle)] - deflection_) return result;
-
+  if (triangle >= 0) {
+    const auto& t = data_.triangle[at(triangle)];
+    const Vec3 middle = (1.0 / 3) * (points_[at(t[0])] + points_[at(t[1])] + points_[at(t[2])]);
+    if (norm(q - middle) < safely_inside * clearance_[at(triangle)] - deflection_) return result;
+  }
   const auto at_border = nearest_border(point);
   const double off = std::sqrt(at_border.foot.squared_distance);
   if (is_inside(uv, q, nearest_border(q))) {
@@ -192,6 +200,22 @@ CadFoot CadFace::project(Vec3 point) const {
     return is_of_border ? CadFoot{at_border.foot.point, uv, off} : result;
   }
   return {at_border.foot.point, foot(at_border.foot.point, uv), off};
+}
+
+/// For a face that folds back on itself: the search from the nearest triangle came to a point that is farther than the
+/// triangle. The nearest samples are starts, and feet themselves.
+CadFoot CadFace::project_from_samples(Vec3 point, CadFoot best) const {
+  constexpr std::size_t most = 16;
+  std::vector<std::pair<double, std::size_t>> nearest;
+  for (std::size_t i = 0; i < points_.size(); ++i) nearest.emplace_back(norm(point - points_[i]), i);
+  const auto end = nearest.begin() + static_cast<std::ptrdiff_t>(std::min(most, nearest.size()));
+  std::partial_sort(nearest.begin(), end, nearest.end());
+  for (auto n = nearest.begin(); n != end; ++n) {
+    const auto& [distance, i] = *n;
+    if (distance < best.distance) best = {points_[i], data_.sample[i], distance};
+    if (const auto other = project_from(point, data_.sample[i], -1); other.distance < best.distance) best = other;
+  }
+  return best;
 }
 
 Vec3 CadFace::cross_normal(Uv uv) const {

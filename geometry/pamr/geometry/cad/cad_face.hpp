@@ -43,6 +43,8 @@ class CadFace {
     int border = -1;  ///< -1 with a distance: a pole
     CadEdgeFoot foot{{}, 0, std::numeric_limits<double>::infinity()};
   };
+  CadFoot project_from(Vec3 point, Uv start, int triangle) const;
+  CadFoot project_from_samples(Vec3 point, CadFoot best) const;
   /// The point of a flat triangle, and its parameters.
   Vec3 flat_point(const TriangleTree::Hit& hit) const;
   Uv seed(const TriangleTree::Hit& hit) const;

@@ -19,7 +19,7 @@ constexpr double max_gap = 1e-3;       // of the size: edges farther from their 
 
 }  // namespace
 
-CadModel::CadModel(CadData data) : unit_of_file_(std::move(data.unit_of_file)) {
+CadModel::CadModel(CadData data) : unit_of_file_(std::move(data.unit_of_file)), origin_(std::move(data.origin)) {
   if (data.faces.empty()) throw Error("expected a shape with faces, found none");
   constexpr double far = 1e300;
   Vec3 low{far, far, far}, high{-far, -far, -far};

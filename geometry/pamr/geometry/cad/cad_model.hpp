@@ -24,6 +24,7 @@ class CadModel {
   double size() const { return size_; }
   double magnitude() const { return magnitude_; }
   const std::string& unit_of_file() const { return unit_of_file_; }
+  const CadOrigin& origin() const { return origin_; }
   /// The largest tolerance of an edge: what the shape says, or how far it was found to be off its faces.
   double largest_tolerance() const;
   /// Edges around one face only: the shape is open there, or its faces are not sewn.
@@ -37,6 +38,7 @@ class CadModel {
   std::vector<std::vector<int>> faces_of_edge_;
   double size_ = 0, magnitude_ = 0;
   std::string unit_of_file_;
+  CadOrigin origin_;
 
  public:
   CadModel(const CadModel&) = delete;  // faces refer to edges

@@ -12,6 +12,7 @@
 
 #include "pamr/base/error.hpp"
 #include "pamr/base/subprocess.hpp"
+#include "pamr/geometry/surface_toml.hpp"
 
 namespace pamr::geometry {
 
@@ -62,13 +63,18 @@ bool is_cad_unit(std::string_view unit) {
   return std::any_of(units_in_mm.begin(), units_in_mm.end(), [&](const auto& known) { return known.first == unit; });
 }
 
-CadSource read_cad_source(const std::filesystem::path& file) {
+bool is_cad_file(const std::filesystem::path& file) {
   auto extension = file.extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  if (extension != ".step" && extension != ".stp" && extension != ".brep")
-    throw Error(fmt::format("file '{}': expected a name that ends in .step, .stp or .brep, found \"{}\"", file.string(),
-                            file.extension().string()));
+  constexpr std::array<std::string_view, 5> known{".step", ".stp", ".iges", ".igs", ".brep"};
+  return std::find(known.begin(), known.end(), extension) != known.end();
+}
+
+CadSource read_cad_source(const std::filesystem::path& file) {
+  if (!is_cad_file(file))
+    throw Error(fmt::format("file '{}': expected a name that ends in .step, .stp, .iges, .igs or .brep, found \"{}\"",
+                            file.string(), file.extension().string()));
   std::ifstream stream(file, std::ios::binary);
   if (!stream) throw Error(fmt::format("file '{}': expected a file that may be read, found none", file.string()));
   CadSource source{file.filename().string(), {std::istreambuf_iterator<char>(stream), {}}};
@@ -109,7 +115,9 @@ void require_readable_cad(const CadSource& source) {
 std::shared_ptr<const CadModel> make_cad_model(const CadSource& source, std::string_view unit) {
   const double length = millimeters(unit);
   try {
-    return std::make_shared<const CadModel>(read_cad(source.text, 1 / length));
+    auto data = read_cad(source.text, 1 / length);
+    data.origin = {std::make_shared<const std::string>(source.text), 1 / length};
+    return std::make_shared<const CadModel>(std::move(data));
   } catch (const Error& error) {
     throw Error(fmt::format("file '{}': {}", source.file, error.what()));
   }
@@ -121,6 +129,14 @@ CadMeasures measure_cad_source(const CadSource& source, std::string_view unit) {
   } catch (const Error& error) {
     throw Error(fmt::format("file '{}': {}", source.file, error.what()));
   }
+}
+
+std::string cad_surface_table(const std::string& name, const CadSource& source, const std::string& unit,
+                              std::span<const int> faces) {
+  std::string numbers;
+  for (const int face : faces) numbers += (numbers.empty() ? "" : ", ") + std::to_string(face);
+  return fmt::format("[[surface]]\nname = {}\nkind = \"cad\"\nfile = {}\nunit = \"{}\"\nfaces = [{}]\n",
+                     toml_text(name), toml_text(source.file), unit, numbers);
 }
 
 std::string cad_table(const CadSource& source) {

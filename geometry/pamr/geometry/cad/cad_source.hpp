@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -17,8 +18,11 @@ struct CadSource {
   std::string text;  ///< UTF-8
 };
 
-/// Reads a STEP or BREP file as text. What is not UTF-8 is taken for Latin-1. Throws `Error` for a file that is not
-/// there, has another extension (.step, .stp, .brep) or holds control characters.
+/// True for a name that ends in .step, .stp, .iges, .igs or .brep.
+bool is_cad_file(const std::filesystem::path& file);
+
+/// Reads a STEP, IGES or BREP file as text. What is not UTF-8 is taken for Latin-1. Throws `Error` for a file that is
+/// not there, has another extension (see `is_cad_file`) or holds control characters.
 CadSource read_cad_source(const std::filesystem::path& file);
 
 /// Has the text read in a process of its own, which may die of it, and throws `Error` if it is not sound. To be called
@@ -34,6 +38,10 @@ CadMeasures measure_cad_source(const CadSource& source, std::string_view unit);
 /// The unit in which OpenCASCADE and Gmsh give coordinates if nobody asks for another one.
 inline constexpr const char* usual_cad_unit = "mm";
 bool is_cad_unit(std::string_view unit);
+
+/// A table `[[surface]]` of faces of a shape, numbered from 1.
+std::string cad_surface_table(const std::string& name, const CadSource& source, const std::string& unit,
+                              std::span<const int> faces);
 
 /// The table `[[cad]]` that holds the text in a description of surfaces.
 std::string cad_table(const CadSource& source);

@@ -33,6 +33,7 @@ class CadSurface final : public Surface, public Creases, public SharedEdges {
   double magnitude() const override { return model_->magnitude(); }
 
   const CadModel& model() const { return *model_; }
+  const std::shared_ptr<const CadModel>& shared_model() const { return model_; }
   const std::vector<int>& faces() const { return faces_; }
 
  private:

@@ -3,42 +3,32 @@
 
 #include <fmt/format.h>
 
-#include <BRepBndLib.hxx>
 #include <BRepGProp.hxx>
-#include <BRepLib.hxx>
-#include <BRepMesh_IncrementalMesh.hxx>
 #include <BRepTools.hxx>
-#include <BRep_Builder.hxx>
 #include <BRep_Tool.hxx>
-#include <Bnd_Box.hxx>
 #include <GProp_GProps.hxx>
-#include <Interface_Check.hxx>
-#include <Interface_CheckIterator.hxx>
-#include <Interface_Static.hxx>
 #include <Message.hxx>
 #include <Message_Messenger.hxx>
 #include <Message_PrinterOStream.hxx>
 #include <Poly_Triangulation.hxx>
-#include <STEPControl_Reader.hxx>
 #include <Standard_Failure.hxx>
-#include <StepRepr_RepresentationItem.hxx>
-#include <StepShape_FaceSurface.hxx>
-#include <TColStd_SequenceOfAsciiString.hxx>
 #include <TopExp.hxx>
 #include <TopExp_Explorer.hxx>
 #include <TopTools_IndexedMapOfShape.hxx>
 #include <TopoDS.hxx>
-#include <XSControl_TransferReader.hxx>
-#include <XSControl_WorkSession.hxx>
+#include <TopoDS_Edge.hxx>
+#include <TopoDS_Face.hxx>
+#include <TopoDS_Vertex.hxx>
 #include <algorithm>
 #include <mutex>
-#include <sstream>
 #include <string>
 #include <utility>
 
 #include "pamr/base/error.hpp"
 #include "pamr/base/one_line.hpp"
 #include "pamr/geometry/cad/occt_geometry.hpp"
+#include "pamr/geometry/cad/occt_shape.hpp"
+#include "pamr/geometry/cad/occt_triangles.hpp"
 
 namespace pamr::geometry {
 
@@ -46,77 +36,6 @@ namespace {
 
 constexpr double sample_deflection = 1e-3;  // of the size: how far the triangles may lie off the faces
 constexpr double integration_error = 1e-8;
-constexpr double sample_angle = 0.2;  // radians between neighbors
-
-/// What a text contains.
-struct ReadShape {
-  TopoDS_Shape shape;
-  std::string unit;
-  std::vector<std::pair<TopoDS_Shape, std::string>> names;
-};
-
-std::string first_of(const Interface_CheckIterator& checks) {
-  for (checks.Start(); checks.More(); checks.Next())
-    if (const auto& check = checks.Value(); check->HasFailed() && check->NbFails() > 0)
-      return one_line(check->CFail(1));
-  return {};
-}
-
-void read_face_names(STEPControl_Reader& reader, ReadShape& result) {
-  const auto transfer = reader.WS()->TransferReader();
-  for (TopExp_Explorer e(result.shape, TopAbs_FACE); e.More(); e.Next()) {
-    const auto item = Handle(StepRepr_RepresentationItem)::DownCast(transfer->EntityFromShapeResult(e.Current(), 1));
-    if (item.IsNull() || item->Name().IsNull()) continue;
-    std::string name = item->Name()->ToCString();
-    if (!name.empty() && name != "NONE") result.names.emplace_back(e.Current(), std::move(name));
-  }
-}
-
-int count_face_entities(const STEPControl_Reader& reader) {
-  const auto model = reader.WS()->Model();
-  int n = 0;
-  for (int i = 1; i <= model->NbEntities(); ++i) n += model->Value(i)->IsKind(STANDARD_TYPE(StepShape_FaceSurface));
-  return n;
-}
-
-ReadShape read_step(const std::string& text) {
-  ReadShape result;
-  STEPControl_Reader reader;
-  Interface_Static::SetCVal("xstep.cascade.unit", "MM");  // what a reader leaves behind for the next is set anew
-  std::istringstream stream(text);
-  if (reader.ReadStream("text", stream) != IFSelect_RetDone)
-    throw Error("expected a STEP text, found one that OpenCASCADE cannot read");
-  if (const auto fail = first_of(reader.WS()->ModelCheckList()); !fail.empty())
-    throw Error("expected a sound STEP text, found: " + fail);
-  TColStd_SequenceOfAsciiString lengths, angles, solid_angles;
-  reader.FileUnits(lengths, angles, solid_angles);
-  if (lengths.Size() > 0) result.unit = lengths.First().ToCString();
-  reader.TransferRoots();
-  result.shape = reader.OneShape();
-  if (result.shape.IsNull()) throw Error("expected a shape in the STEP text, found none");
-  if (const auto fail = first_of(reader.WS()->TransferReader()->LastCheckList()); !fail.empty())
-    throw Error("expected a STEP text without faults, found: " + fail);
-  TopTools_IndexedMapOfShape faces;
-  TopExp::MapShapes(result.shape, TopAbs_FACE, faces);
-  if (const int n = count_face_entities(reader); faces.Size() < n)
-    throw Error(fmt::format("expected {} faces, as the STEP text has, found {} that could be read", n, faces.Size()));
-  read_face_names(reader, result);
-  return result;
-}
-
-ReadShape read_shape(std::string_view text) {
-  const auto begin = text.substr(std::min(text.find_first_not_of(" \t\r\n"), text.size()));
-  if (begin.starts_with("DBRep_DrawableShape") || begin.starts_with("CASCADE Topology")) {
-    ReadShape result;
-    std::istringstream stream{std::string(text)};
-    BRepTools::Read(result.shape, stream, BRep_Builder());
-    if (result.shape.IsNull()) throw Error("expected a shape in BREP format, found none that can be read");
-    return result;
-  }
-  if (!begin.starts_with("ISO-10303-21") && !begin.starts_with("/*"))
-    throw Error("expected a STEP text (it begins with ISO-10303-21) or a BREP text, found another");
-  return read_step(std::string(text));
-}
 
 /// Turns a shape into what does not need OpenCASCADE's topology.
 class Converter {
@@ -202,27 +121,18 @@ class Converter {
   std::vector<int> number_;  // of edges, by their place in the map; -1: a pole
 };
 
-void sample(const TopoDS_Shape& shape) {
-  Bnd_Box box;
-  BRepBndLib::Add(shape, box);
-  if (box.IsVoid()) throw Error("expected a shape with faces, found none");
-  double x0 = 0, y0 = 0, z0 = 0, x1 = 0, y1 = 0, z1 = 0;
-  box.Get(x0, y0, z0, x1, y1, z1);
-  const double size = norm(Vec3{x1 - x0, y1 - y0, z1 - z0});
-  if (!(size > 0 && size < 1e100)) throw Error(fmt::format("expected a shape of finite size, found {}", size));
-  BRepTools::Clean(shape);
-  BRepMesh_IncrementalMesh(shape, sample_deflection * size, false, sample_angle, false);
-}
-
 CadData convert(std::string_view text, double scale) {
-  auto read = read_shape(text);
-  BRepLib::BuildCurves3d(read.shape);
-  sample(read.shape);
+  auto read = read_occt_shape(text);
+  triangulate(read.shape, sample_deflection);
   Converter converter(read.shape, scale);
   auto data = converter.data();
-  for (const auto& [shape, name] : read.names)
-    if (const int f = converter.faces().FindIndex(shape); f > 0)
-      data.faces[static_cast<std::size_t>(f - 1)].name = name;
+  const auto for_each_face = [&](const auto& list, std::string CadFaceData::*field) {
+    for (const auto& [shape, value] : list)
+      if (const int f = converter.faces().FindIndex(shape); f > 0)
+        data.faces[static_cast<std::size_t>(f - 1)].*field = value;
+  };
+  for_each_face(read.names, &CadFaceData::name);
+  for_each_face(read.colors, &CadFaceData::color);
   data.unit_of_file = std::move(read.unit);
   return data;
 }
@@ -247,9 +157,17 @@ CadData occt_read(std::string_view text, double scale) {
   return with_occt([&] { return convert(text, scale); });
 }
 
+CadTriangles occt_triangles(std::string_view text, double scale, double deflection) {
+  return with_occt([&] {
+    const auto shape = read_occt_shape(text).shape;
+    triangulate(shape, deflection);
+    return welded_triangles(shape, scale);
+  });
+}
+
 CadMeasures occt_measure(std::string_view text, double scale) {
   return with_occt([&] {
-    const auto shape = read_shape(text).shape;
+    const auto shape = read_occt_shape(text).shape;
     CadMeasures result;
     TopTools_IndexedMapOfShape faces;
     TopExp::MapShapes(shape, TopAbs_FACE, faces);

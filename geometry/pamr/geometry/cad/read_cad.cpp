@@ -13,6 +13,9 @@ namespace pamr::geometry {
 
 bool can_read_cad() { return true; }
 CadData read_cad(std::string_view text, double scale) { return occt_read(text, scale); }
+CadTriangles triangulate_cad(std::string_view text, double scale, double deflection) {
+  return occt_triangles(text, scale, deflection);
+}
 CadMeasures measure_cad(std::string_view text, double scale) { return occt_measure(text, scale); }
 
 #else
@@ -29,6 +32,7 @@ namespace {
 
 bool can_read_cad() { return false; }
 CadData read_cad(std::string_view /*text*/, double /*scale*/) { refuse_cad(); }
+CadTriangles triangulate_cad(std::string_view /*text*/, double /*scale*/, double /*deflection*/) { refuse_cad(); }
 CadMeasures measure_cad(std::string_view /*text*/, double /*scale*/) { refuse_cad(); }
 
 #endif

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
 #include <string_view>
 #include <vector>
 
@@ -11,11 +12,22 @@ namespace pamr::geometry {
 /// False in a build without OpenCASCADE, in which `read_cad` throws.
 bool can_read_cad();
 
-/// Reads the text of a STEP or BREP file with OpenCASCADE, samples its faces and finds its edges. `scale`: length
-/// units of the result in a millimeter (STEP says its own unit; BREP has none and counts as millimeters). Throws
-/// `Error` with what is wrong. A damaged text may crash OpenCASCADE: see `require_readable_cad` (cad_source.hpp).
-/// Deterministic: the same bits in every process.
+/// Reads the text of a STEP, IGES or BREP file with OpenCASCADE, samples its faces and finds its edges. `scale`: length
+/// units of the result in a millimeter (STEP and IGES say their own unit; BREP has none and counts as millimeters).
+/// Throws `Error` with what is wrong. A damaged text may crash OpenCASCADE: see `require_readable_cad`
+/// (cad_source.hpp). Deterministic: the same bits in every process.
 CadData read_cad(std::string_view text, double scale);
+
+/// Triangles on the faces of a shape whose corners are one where faces meet: a closed, oriented surface where the shape
+/// is closed.
+struct CadTriangles {
+  std::vector<Vec3> point;
+  std::vector<std::array<int, 3>> corner;  ///< of each triangle, counter-clockwise seen from outside of the body
+  std::vector<int> face;                   ///< of each triangle, from 0 on
+};
+
+/// Triangles not farther from their faces than `deflection` times the size of the shape. Throws `Error`.
+CadTriangles triangulate_cad(std::string_view text, double scale, double deflection);
 
 /// Area of each face and volume inside of a shape, integrated by OpenCASCADE to 1e-8 (its usual rules are good to some
 /// 1e-4). The volume of an open shape means nothing.

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <TopoDS_Shape.hxx>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace pamr::geometry {
+
+/// The shape in a CAD file, lengths in millimeters.
+struct OcctShape {
+  TopoDS_Shape shape;
+  std::string unit;                                          ///< length unit of the file, empty where it does not say
+  std::vector<std::pair<TopoDS_Shape, std::string>> names;   ///< of faces that have one
+  std::vector<std::pair<TopoDS_Shape, std::string>> colors;  ///< of faces, "#rrggbb" (sRGB)
+};
+
+/// Reads the text of a STEP, IGES or BREP file. Loose faces of an IGES file are sewn. Throws `Error`.
+OcctShape read_occt_shape(std::string_view text);
+
+}  // namespace pamr::geometry

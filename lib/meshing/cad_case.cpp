@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "meshing/cad_case.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+#include <map>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "pamr/base/error.hpp"
+#include "pamr/geometry/cad/cad_source.hpp"
+#include "pamr/geometry/cad/cad_surface.hpp"
+#include "pamr/geometry/surface_toml.hpp"
+
+namespace pamr::meshing {
+namespace {
+
+using geometry::Vec3;
+
+constexpr double default_far = 1.0 / 15;  // of the size of the shape
+constexpr double default_growth = 0.35;
+
+/// The patches of a shape in the order of their first faces, with the numbers of these from 1 on.
+std::vector<std::pair<std::string, std::vector<int>>> patches_of(const geometry::CadModel& model) {
+  std::vector<std::pair<std::string, std::vector<int>>> result;
+  std::map<std::string, std::size_t> known;
+  for (std::size_t f = 0; f < model.faces().size(); ++f) {
+    const auto& face = model.faces()[f].data();
+    const auto number = static_cast<int>(f) + 1;
+    const auto name = !face.name.empty()    ? face.name
+                      : !face.color.empty() ? "color_" + face.color.substr(1)
+                                            : fmt::format("face_{}", number);
+    const auto [place, is_new] = known.try_emplace(name, result.size());
+    if (is_new) result.emplace_back(name, std::vector<int>{});
+    result[place->second].second.push_back(number);
+  }
+  return result;
+}
+
+}  // namespace
+
+MeshCase case_of_cad(const std::filesystem::path& file, double far, const std::string& unit) {
+  auto source = geometry::read_cad_source(file);
+  geometry::require_readable_cad(source);
+  const auto model = geometry::make_cad_model(source, unit);
+  std::string toml;
+  const auto patches = patches_of(*model);
+  for (const auto& [name, faces] : patches) toml += geometry::cad_surface_table(name, source, unit, faces) + "\n";
+  MeshCase result;
+  result.shape = "surfaces";
+  result.where = file.string();
+  auto& c = result.combination;
+  c.surfaces = std::make_shared<const geometry::SurfaceSet>(
+      geometry::surfaces_from_toml(toml + geometry::cad_table(source), file.string()));
+  c.region = "-" + patches.front().first;
+  c.length_unit = unit;
+  c.far = far > 0 ? far : default_far * model->size();
+  c.growth = default_growth;
+  bound_by_shapes(c);
+  return result;
+}
+
+bool is_all_cad(const geometry::SurfaceSet& surfaces) {
+  return std::all_of(surfaces.surface.begin(), surfaces.surface.end(), [](const auto& surface) {
+    return dynamic_cast<const geometry::CadSurface*>(surface.get()) != nullptr;
+  });
+}
+
+void bound_by_shapes(Combination& c) {
+  constexpr double margin = 0.02, far = std::numeric_limits<double>::infinity();
+  c.low = {far, far, far};
+  c.high = {-far, -far, -far};
+  double size = 0;
+  for (const auto& surface : c.surfaces->surface) {
+    const auto& model = dynamic_cast<const geometry::CadSurface&>(*surface).model();
+    size = std::max(size, model.size());
+    for (const auto& face : model.faces())
+      for (const Vec3 p : face.points())
+        for (std::size_t k = 0; k < 3; ++k) {
+          c.low[k] = std::min(c.low[k], p[k]);
+          c.high[k] = std::max(c.high[k], p[k]);
+        }
+  }
+  const Vec3 around = margin * size * Vec3{1, 1, 1};
+  c.low = c.low - around;
+  c.high = c.high + around;
+}
+
+}  // namespace pamr::meshing

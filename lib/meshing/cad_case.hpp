@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "meshing/mesh_case.hpp"
+#include "pamr/geometry/cad/cad_model.hpp"
+
+namespace pamr::meshing {
+
+/// The case to mesh the inside of a CAD shape. Faces of one name become a patch of that name; faces without name but of
+/// one color a patch color_RRGGBB; any other face a patch of its own, face_N. `far`: largest wanted edge length; 0: a
+/// fifteenth of the size of the shape. Coordinates in `unit`. Throws `Error` for a file that cannot be read.
+MeshCase case_of_cad(const std::filesystem::path& file, double far, const std::string& unit);
+
+/// True where every surface is on a CAD shape.
+bool is_all_cad(const geometry::SurfaceSet& surfaces);
+/// Makes a box around the shapes the bounds of a combination of CAD surfaces.
+void bound_by_shapes(Combination& combination);
+
+}  // namespace pamr::meshing

@@ -1,0 +1,172 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""pamr-mesh makes level 0 from CAD files by itself. data/can.step is a closed can of radius 1 from z = 0 to 2 (face 1 the side, 2
+and 3 top and bottom); data/can.igs is the same as loose faces; data/colored_can.step has a gray side, a red top, a blue bottom."""
+import pathlib
+import re
+import shutil
+
+import h5py
+import numpy as np
+
+from tool_run import refuses, run, run_tests, same_bytes
+
+DATA = pathlib.Path(__file__).resolve().parent / "data"
+CUBE = DATA.parent.parent / "unit" / "geometry" / "data" / "cube.step"
+FAR_BOX = """
+[mesh]
+shape = "surfaces"
+length_unit = "mm"
+region = "+side & +x0 & -x1 & +y0 & -y1 & +z0 & -z1"
+bounds = [[-3, -3, -2], [3, 3, 4]]
+[mesh.sizes]
+far = 1.2
+near = { top = 0.3 }
+[[surface]]
+name = "side"
+kind = "cad"
+file = "can.step"
+faces = [1, 3]
+[[surface]]
+name = "top"
+kind = "cad"
+file = "can.step"
+faces = [2]
+""" + "".join(f"""[[surface]]
+name = "{axis}{end}"
+kind = "plane"
+point = {[place if axis == k else 0 for k in 'xyz']}
+normal = {[int(axis == k) for k in 'xyz']}
+""" for axis, places in (("x", (-3, 3)), ("y", (-3, 3)), ("z", (-2, 4))) for end, place in enumerate(places))
+
+
+def volume_and_walls(mesh):
+    """Volume, and the nodes of each patch."""
+    with h5py.File(mesh) as file:
+        points, cells = file["VTKHDF/Points"][:], file["VTKHDF/Connectivity"][:].reshape(-1, 4)
+        neighbors, names = file["PAMR/cell_to_cell"][:], [name.decode() for name in file["PAMR/patches/names"][:]]
+    p = points[cells]
+    volume = np.einsum("ij,ij->i", np.cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0]), p[:, 3] - p[:, 0]) / 6
+    assert (volume > 0).all()
+    walls = {}
+    for number, name in enumerate(names):
+        cell, slot = np.nonzero(neighbors == -(number + 1))
+        walls[name] = points[np.unique([cells[cell, (slot + k) % 4] for k in (1, 2, 3)])]
+    return volume.sum(), walls
+
+
+def refine(mesh, out):
+    run("pamr-mark", mesh, "-o", "marked.hdf", "--all", "--force", "--quiet")
+    return run("pamr-refine", "marked.hdf", "-o", out, "--force", "--json", "-").json
+
+
+def is_on_can(nodes, tolerance=1e-13):
+    radius, z = np.hypot(nodes[:, 0], nodes[:, 1]), nodes[:, 2]
+    return ((np.abs(radius - 1) < tolerance) | (np.abs(z * (z - 2)) < tolerance)).all()
+
+
+def test_one_line_makes_the_inside_of_a_shape():
+    shutil.copy(DATA / "can.step", "can.step")
+    run("pamr-mesh", "can.step", "-o", "many.hdf", "--size", "0.5")
+    run("pamr-mesh", "can.step", "-o", "one.hdf", "--size", "0.5", serial=True)
+    assert same_bytes("many.hdf", "one.hdf")
+    errors = []
+    for level in range(3):
+        volume, walls = volume_and_walls("many.hdf")
+        errors.append(abs(volume / (2 * np.pi) - 1))
+        assert sorted(walls) == ["face_1", "face_2", "face_3"]
+        assert is_on_can(np.concatenate(list(walls.values())))
+        assert (walls["face_2"][:, 2] == 2).all() and (walls["face_3"][:, 2] == 0).all()
+        if level < 2:
+            assert refine("many.hdf", "many.hdf")["off_surface_nodes"] == 0
+    assert 3.7 < errors[0] / errors[1] < 4.3 and 3.7 < errors[1] / errors[2] < 4.3, errors
+
+
+def test_loose_faces_of_iges_are_sewn():
+    shutil.copy(DATA / "can.igs", "can.igs")
+    run("pamr-mesh", "can.igs", "-o", "iges.hdf", "--size", "0.6")
+    volume, walls = volume_and_walls("iges.hdf")
+    assert abs(volume / (2 * np.pi) - 1) < 0.1 and len(walls) == 3
+    assert is_on_can(np.concatenate(list(walls.values())), 1e-6)
+    assert refine("iges.hdf", "iges1.hdf")["off_surface_nodes"] == 0
+
+
+def test_patches_by_color_and_in_other_units():
+    shutil.copy(DATA / "colored_can.step", "can.step")
+    report = run("pamr-mesh", "can.step", "-o", "can.hdf", "--size", "0.06", "--unit", "cm", "--json", "-").json
+    assert sorted(report["patches"]) == ["color_333333", "color_336699", "color_ff0000"], report["patches"]
+    volume, walls = volume_and_walls("can.hdf")
+    assert abs(volume / (2e-3 * np.pi) - 1) < 0.1
+    assert (np.abs(walls["color_ff0000"][:, 2] - 0.2) < 1e-15).all()
+    case = FAR_BOX.replace("faces = [2]", 'face_colors = ["#ff0000"]').replace("faces = [1, 3]", 'face_colors = ["#333333", "#336699"]')
+    pathlib.Path("case.toml").write_text(case.replace('"#336699"', '"#336698"'))
+    refuses("pamr-mesh", "case.toml", "-o", "a.hdf", says=["#336698", "colors of faces of the shape (#333333, #336699, #ff0000)"])
+    pathlib.Path("case.toml").write_text(case)
+    report = run("pamr-mesh", "case.toml", "-o", "box.hdf", "--json", "-").json
+    assert report["patches"]["top"]["faces"] > 20
+
+
+def test_a_body_in_a_far_box_has_sizes_by_patch():
+    shutil.copy(DATA / "can.step", "can.step")
+    pathlib.Path("case.toml").write_text(FAR_BOX)
+    run("pamr-mesh", "case.toml", "-o", "box.hdf")
+    volume, walls = volume_and_walls("box.hdf")
+    assert abs((216 - volume) / (2 * np.pi) - 1) < 0.05, volume
+    assert len(walls["top"]) > 40 and (walls["top"][:, 2] == 2).all()
+    assert is_on_can(walls["side"]) and (walls["x0"][:, 0] == -3).all()
+    assert refine("box.hdf", "box1.hdf")["off_surface_nodes"] == 0
+
+
+def test_a_mirror_cuts_a_shape_in_half():
+    shutil.copy(DATA / "can.step", "can.step")
+    pathlib.Path("case.toml").write_text("""
+[mesh]
+shape = "surfaces"
+length_unit = "mm"
+region = "-can & +mirror"
+bounds = [[-1.2, -0.1, -0.2], [1.2, 1.2, 2.2]]
+sizes = { far = 0.5 }
+[[surface]]
+name = "can"
+kind = "cad"
+file = "can.step"
+[[surface]]
+name = "mirror"
+kind = "plane"
+point = [0, 0, 0]
+normal = [0, 1, 0]
+""")
+    run("pamr-mesh", "case.toml", "-o", "half.hdf")
+    volume, walls = volume_and_walls("half.hdf")
+    assert abs(volume / np.pi - 1) < 0.05, volume
+    assert (walls["mirror"][:, 1] == 0).all() and is_on_can(walls["can"])
+    assert refine("half.hdf", "half1.hdf")["off_surface_nodes"] == 0
+
+
+def test_what_does_not_fit_is_said():
+    shutil.copy(DATA / "can.step", "can.step")
+    shutil.copy(CUBE, "cube.step")
+    refuses("pamr-mesh", "can.step", "-o", "a.hdf", "--unit", "furlong", says=["--unit: expected mm"])
+    refuses("pamr-mesh", "none.step", "-o", "a.hdf", says=["none.step"], creates="a.hdf")
+    refuses("pamr-mesh", "can.step", "-o", "a.hdf", "--size", "0.01", "--quiet", says=["at most 4 million cells"], creates="a.hdf")
+    pathlib.Path("case.toml").write_text(FAR_BOX.replace("faces = [1, 3]", "faces = [1]"))
+    refuses("pamr-mesh", "case.toml", "-o", "a.hdf", says=["add a [[surface]] of the same file with faces = [3]"])
+    pathlib.Path("case.toml").write_text(FAR_BOX.replace("faces = [1, 3]", ""))
+    refuses("pamr-mesh", "case.toml", "-o", "a.hdf", says=["found face 2 on \"side\" and \"top\""])
+    pathlib.Path("case.toml").write_text(FAR_BOX.replace("faces = [2]", 'face_names = ["lid"]'))
+    refuses("pamr-mesh", "case.toml", "-o", "a.hdf", says=["faces by number: no face of the shape has one of these names"])
+    refuses("pamr-mesh", open_cube(), "-o", "a.hdf", "--size", "0.3", creates="a.hdf",
+            says=["expected a closed shape, found one that is open at 4 places", "-setnumber Geometry.OCCSewFaces 1"])
+
+
+def open_cube():
+    """The cube without its first face."""
+    text = pathlib.Path("cube.step").read_text()
+    shell = re.search(r"CLOSED_SHELL\([^;]*;", text)[0]
+    first = re.search(r"\((#\d+),", shell)[1]
+    text = text.replace(shell, shell.replace(first + ",", "", 1))
+    text = re.sub(re.escape(first) + r" *= *ADVANCED_FACE\([^;]*;\n", "", text)
+    pathlib.Path("open.step").write_text(text)
+    return "open.step"
+
+
+run_tests(globals())

@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "meshing/cad_body.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <memory>
+#include <random>
+#include <string>
+
+#include "meshing/bodies.hpp"
+#include "meshing/size_sources.hpp"
+#include "pamr/base/error.hpp"
+#include "pamr/geometry/cad/cad_source.hpp"
+#include "pamr/geometry/surface_toml.hpp"
+
+namespace pamr::meshing {
+namespace {
+
+using geometry::Vec3;
+using ::testing::HasSubstr;
+using ::testing::ThrowsMessage;
+
+/// tests/unit/geometry/data: a cube [0, 1]^3, and a spool with a cone, tori, planes and a spline face.
+std::shared_ptr<const geometry::CadModel> model(const std::string& name) {
+  return geometry::make_cad_model(geometry::read_cad_source(std::string(PAMR_TEST_DATA) + "/" + name), "mm");
+}
+
+TEST(CadBody, TellsInsideFromOutsideAtFacesEdgesAndCorners) {
+  const CadBody cube(model("cube.step"), 0.01);
+  std::mt19937_64 random(1);
+  std::uniform_real_distribution<double> coordinate(-0.5, 1.5);
+  for (int i = 0; i < 20000; ++i) {
+    const Vec3 p{coordinate(random), coordinate(random), coordinate(random)};
+    double square = 0, depth = 1;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double off = std::max({-p[k], p[k] - 1, 0.0});
+      square += off * off;
+      depth = std::min({depth, p[k], 1 - p[k]});
+    }
+    ASSERT_NEAR(cube.signed_distance(p), square > 0 ? std::sqrt(square) : -depth, 1e-12);
+  }
+}
+
+TEST(CadBody, SidesAreThoseOfTheNearestFace) {
+  const auto spool = model("spool.step");
+  const CadBody body(spool, 1e-4 * spool->size());
+  std::mt19937_64 random(2);
+  std::normal_distribution<double> shift(0, 0.05 * spool->size());
+  int n_inside = 0;
+  for (const auto& face : spool->faces())
+    for (std::size_t i = 0; i < face.points().size(); i += 7) {
+      const Vec3 p = face.points()[i] + Vec3{shift(random), shift(random), shift(random)};
+      const double distance = body.distance(p), side = body.signed_distance(p);
+      if (distance < 1e-3 * spool->size()) continue;
+      EXPECT_NEAR(std::abs(side), distance, 2e-4 * spool->size());
+      const Vec3 foot = body.project(p);
+      const auto& nearest = spool->faces()[static_cast<std::size_t>(body.piece_at(p))];
+      EXPECT_LT(nearest.project(p).distance, distance + 4e-4 * spool->size());
+      n_inside += side < 0;
+      // on the way to the nearest point nothing is crossed
+      EXPECT_EQ(body.signed_distance(p + 0.5 * (foot - p)) < 0, side < 0);
+    }
+  EXPECT_GT(n_inside, 20);
+}
+
+TEST(CadBody, LinesEndInCommonCornersToTheLastBit) {
+  const CadBody cube(model("cube.step"), 0.01);
+  ASSERT_EQ(cube.n_lines(), 12U);
+  for (std::size_t i = 0; i < cube.n_lines(); ++i) {
+    EXPECT_EQ(cube.pieces_of_line(i).size(), 2U);
+    for (const Vec3 end : {cube.line(i).front(), cube.line(i).back()}) {
+      int n_same = 0;
+      for (std::size_t j = 0; j < cube.n_lines(); ++j)
+        n_same += (cube.line(j).front() == end) + (cube.line(j).back() == end);
+      EXPECT_EQ(n_same, 3);
+    }
+  }
+}
+
+TEST(CadBody, FindsTheApexOfACone) {
+  const CadBody body(model("cone.step"), 0.01);
+  ASSERT_EQ(body.tips().size(), 1U);
+  const auto& tip = body.tips()[0];
+  EXPECT_LT(norm(tip.point - Vec3{0, 0, 2}), 1e-12);
+  for (const double part : {0.1, 0.6}) {
+    const Vec3 p = body.around(tip, part, 0.5);
+    EXPECT_NEAR(norm(p - tip.point), 0.5, 1e-9);
+    EXPECT_LT(body.distance(p), 1e-12);
+  }
+  EXPECT_TRUE(CadBody(model("cube.step"), 0.01).tips().empty());
+}
+
+TEST(Bodies, SurfacesOfOneShapeAreOneBody) {
+  const auto source = geometry::read_cad_source(std::string(PAMR_TEST_DATA) + "/cube.step");
+  const auto described = [&](const std::vector<int>& others) {
+    return geometry::surfaces_from_toml(
+        geometry::cad_surface_table("inlet", source, "mm", std::vector<int>{1}) +
+            "[[surface]]\nname = \"ball\"\nkind = \"sphere\"\ncenter = [0, 0, 0]\nradius = 9\n" +
+            geometry::cad_surface_table("rest", source, "mm", others) + geometry::cad_table(source),
+        "test");
+  };
+  const auto set = described({2, 3, 4, 5, 6});
+  EXPECT_EQ(sides_of(set), (std::vector<int>{0, 1, 0}));
+  const auto bodies = join_bodies(set, 0.01);
+  EXPECT_EQ(bodies.set->name, (std::vector<std::string>{"inlet", "ball"}));
+  EXPECT_EQ(bodies.surface_of_face[0], (std::vector<int>{0, 2, 2, 2, 2, 2}));
+  EXPECT_THAT([&] { join_bodies(described({2, 3, 5}), 0.01); }, ThrowsMessage<Error>(HasSubstr("faces = [4, 6]")));
+  EXPECT_THAT(
+      [&] {
+        join_bodies(described({1, 2, 3, 4, 5, 6}), 0.01);
+      },
+      ThrowsMessage<Error>(HasSubstr("found face 1 on \"inlet\" and \"rest\"")));
+}
+
+TEST(SizeSources, TheTreeFindsTheLeastOfAll) {
+  std::mt19937_64 random(3);
+  std::uniform_real_distribution<double> unit(0, 1);
+  std::vector<SizeSources::Source> sources;
+  for (int i = 0; i < 300; ++i)
+    sources.push_back({{unit(random), unit(random), unit(random)}, 0.01 + 0.2 * unit(random)});
+  constexpr double growth = 0.3, limit = 0.15;
+  const SizeSources tree(sources, growth);
+  for (int i = 0; i < 500; ++i) {
+    const Vec3 p{2 * unit(random), unit(random), unit(random)};
+    double least = limit;
+    for (const auto& source : sources)
+      least = std::min(least, source.size + growth * std::max(0.0, norm(p - source.point) - source.size));
+    ASSERT_EQ(tree.at(p, limit), least);
+  }
+  EXPECT_EQ(SizeSources({}, growth).at({0, 0, 0}, limit), limit);
+}
+
+}  // namespace
+}  // namespace pamr::meshing
