@@ -292,7 +292,7 @@ void associate(cli::Session& session, const Options& options, bool as_foam, mesh
   const bool is_import = !options.input.ends_with(".hdf") && !options.input.ends_with(".vtkhdf");
   if (!brings_surfaces(options)) {
     if (is_import && is_native(options.output, as_foam))
-      (void)convert::find_known_shapes(session, mesh, {}, false, report);
+      convert::tell_known_shapes(session, convert::find_known_shapes(comm, mesh, {}, false, report));
     return;
   }
   meshing::AssociationRequest request;
@@ -317,9 +317,12 @@ void associate(cli::Session& session, const Options& options, bool as_foam, mesh
     request.made = convert::find_cad_surfaces(
         session, {options.cad, options.unit, options.tolerance, options.strict, named}, mesh, report);
   named.insert(named.end(), request.made.name.begin(), request.made.name.end());
-  if (is_import || options.recognize)
-    request.made.append(convert::find_known_shapes(session, mesh, named, options.recognize, report));
-  for (const auto& found : meshing::associate_surfaces(comm, mesh, request)) {
+  convert::KnownShapes shapes;
+  if (is_import || options.recognize) shapes = convert::find_known_shapes(comm, mesh, named, options.recognize, report);
+  request.made.append(shapes.bound);
+  const auto associations = meshing::associate_surfaces(comm, mesh, request);
+  convert::tell_known_shapes(session, shapes);
+  for (const auto& found : associations) {
     report["ties"][found.patch] = {{"surface", found.surface}, {"worst_distance", found.worst_distance}};
     if (found.creases) {
       report["ties"][found.patch]["edges_along_creases"] = found.creases->n_along;
