@@ -15,6 +15,7 @@
 #include "cli/run_tool.hpp"
 #include "cli/text_file.hpp"
 #include "convert/cad_surfaces.hpp"
+#include "convert/known_shapes.hpp"
 #include "meshing/associate/associate_surfaces.hpp"
 #include "meshing/repair/find_wall_ears.hpp"
 #include "meshing/repair/open_wall_ears.hpp"
@@ -31,6 +32,7 @@
 #include "pamr/io/gmsh/write_gmsh.hpp"
 #include "pamr/io/native/native_file.hpp"
 #include "pamr/io/vtk/read_vtu.hpp"
+#include "pamr/mesh/periodic_patches.hpp"
 #include "pamr/mesh/undescribed_patches.hpp"
 #include "pamr/validate/validate.hpp"
 
@@ -44,7 +46,8 @@ struct Options {
   std::vector<std::vector<double>> creases;
   double tolerance = -1, feature_angle = -1;
   int format = io::newest_format, order = 1;
-  bool asks_version = false, repair = false, no_repair = false, strict = false, text = false, force = false;
+  bool asks_version = false, recognize = false, repair = false, no_repair = false, strict = false, text = false,
+       force = false;
 };
 
 void declare(cli::CommandLine& line, Options& options) {
@@ -80,6 +83,8 @@ void declare(cli::CommandLine& line, Options& options) {
       .type_name("FILE");
   line.option("--unit", options.unit, "unit of the mesh's coordinates beside --cad: mm, cm, m, um, in, ft")
       .show_default();
+  line.flag("--recognize", options.recognize,
+            "put patches without a surface that certainly lie on a sphere, cylinder, cone or torus on it");
   line.option("--feature-angle", options.feature_angle,
               "degrees between two triangles of a --surface, more is a sharp edge (default: 40)")
       .range(0.0, 180.0);
@@ -127,7 +132,7 @@ std::string extension(const std::string& file, std::span<const std::string_view>
 }
 
 bool brings_surfaces(const Options& options) {
-  return !options.surfaces.empty() || !options.surface_files.empty() || !options.cad.empty();
+  return !options.surfaces.empty() || !options.surface_files.empty() || !options.cad.empty() || options.recognize;
 }
 
 /// Whether the surfaces of the mesh are looked at, not only handed on.
@@ -164,6 +169,9 @@ mesh::DistMesh read(cli::Session& session, const Options& options, nlohmann::jso
   report["turned_cells"] = read.n_turned;
   report["dropped_nodes"] = read.n_dropped_nodes;
   report["untagged_faces"] = read.n_untagged_faces;
+  report["periodic_links"] = read.n_periodic_links;
+  if (options.strict && read.n_periodic_links > 0)
+    throw Error(fmt::format("file '{}': expected no periodic links, found {}", options.input, read.n_periodic_links));
   if (options.strict && read.n_dropped_nodes > 0)
     throw Error(fmt::format("file '{}': expected nodes that belong to cells, found {} others", options.input,
                             read.n_dropped_nodes));
@@ -174,6 +182,7 @@ mesh::DistMesh read(cli::Session& session, const Options& options, nlohmann::jso
   if (read.n_dropped_nodes > 0) session.warn(fmt::format("{} nodes of no cell were left out", read.n_dropped_nodes));
   if (read.n_untagged_faces > 0)
     session.warn(fmt::format("{} boundary faces without tag are in the patch 'boundary'", read.n_untagged_faces));
+  if (const auto warning = mesh::warning_of_periodic(read.mesh.info.patches); !warning.empty()) session.warn(warning);
   read.mesh.info.provenance = "pamr-convert from Gmsh";
   return std::move(read.mesh);
 }
@@ -243,6 +252,8 @@ void check_files(cli::Session& session, const Options& options, bool as_foam) {
     throw Error(fmt::format("--unit: expected mm, cm, m, um, in or ft, found \"{}\"", options.unit));
   if (as_boundary && !options.cad.empty())
     throw Error("--cad: expected a mesh to write, found a boundary: " + options.output);
+  if (as_boundary && options.recognize)
+    throw Error("--recognize: expected a mesh to write, found a boundary: " + options.output);
   if (options.surface_files.empty() && options.feature_angle >= 0)
     throw Error("--feature-angle: expected --surface beside it, found none");
   if (!options.creases.empty() && options.surface_files.size() != 1)
@@ -275,9 +286,15 @@ std::vector<std::string> named_patches(const Options& options, const std::string
 }
 
 /// Associates patches with surfaces where that is asked for. Collective.
-void associate(cli::Session& session, const Options& options, mesh::DistMesh& mesh, nlohmann::json& report) {
-  if (!brings_surfaces(options)) return;
+void associate(cli::Session& session, const Options& options, bool as_foam, mesh::DistMesh& mesh,
+               nlohmann::json& report) {
   const auto& comm = session.comm();
+  const bool is_import = !options.input.ends_with(".hdf") && !options.input.ends_with(".vtkhdf");
+  if (!brings_surfaces(options)) {
+    if (is_import && is_native(options.output, as_foam))
+      convert::tell_known_shapes(session, convert::find_known_shapes(comm, mesh, {}, false, report));
+    return;
+  }
   meshing::AssociationRequest request;
   request.file = "--surface";
   if (!options.surfaces.empty()) {
@@ -294,13 +311,18 @@ void associate(cli::Session& session, const Options& options, mesh::DistMesh& me
   }
   for (std::size_t i = 0; i < options.patches.size(); ++i)
     request.files.emplace_back(options.patches[i], options.surface_files[i]);
-  if (!options.cad.empty()) {
-    std::vector<std::string> named;
-    par::agree(comm, [&] { named = named_patches(options, request.toml); });
+  std::vector<std::string> named;
+  par::agree(comm, [&] { named = named_patches(options, request.toml); });
+  if (!options.cad.empty())
     request.made = convert::find_cad_surfaces(
-        session, {options.cad, options.unit, options.tolerance, options.strict, std::move(named)}, mesh, report);
-  }
-  for (const auto& found : meshing::associate_surfaces(comm, mesh, request)) {
+        session, {options.cad, options.unit, options.tolerance, options.strict, named}, mesh, report);
+  named.insert(named.end(), request.made.name.begin(), request.made.name.end());
+  convert::KnownShapes shapes;
+  if (is_import || options.recognize) shapes = convert::find_known_shapes(comm, mesh, named, options.recognize, report);
+  request.made.append(shapes.bound);
+  const auto associations = meshing::associate_surfaces(comm, mesh, request);
+  convert::tell_known_shapes(session, shapes);
+  for (const auto& found : associations) {
     report["ties"][found.patch] = {{"surface", found.surface}, {"worst_distance", found.worst_distance}};
     if (found.creases) {
       report["ties"][found.patch]["edges_along_creases"] = found.creases->n_along;
@@ -412,7 +434,7 @@ cli::ExitCode convert_file(cli::Session& session, const Options& options) {
   auto mesh = read(session, options, report);
   validate::require_valid(comm, mesh, options.input);
   session.step(fmt::format("looking at {} cells", mesh.info.n_global_cells));
-  associate(session, options, mesh, report);
+  associate(session, options, as_foam, mesh, report);
   keep_flat_patches(session, options, mesh, report);
   treat_ears(session, options, mesh, report);
   std::optional<mesh::SecondOrder> second_order;

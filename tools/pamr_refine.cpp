@@ -22,6 +22,7 @@
 #include "pamr/geometry/tet_shape.hpp"
 #include "pamr/io/native/native_file.hpp"
 #include "pamr/mesh/fingerprint.hpp"
+#include "pamr/mesh/periodic_patches.hpp"
 #include "pamr/mesh/undescribed_patches.hpp"
 
 namespace {
@@ -246,6 +247,7 @@ cli::ExitCode work(cli::Session& session, const Options& options) {
   io::write_native(comm, options.output, result.mesh, {.fingerprint = measured.fingerprint, .format = options.format});
   timer.lap("write");
 
+  if (const auto warning = mesh::warning_of_periodic(result.mesh.info.patches); !warning.empty()) session.warn(warning);
   warn_too_deep(session, result.report.marked_too_deep);
   warn_kept(session, result.report.closure.families_kept, how);
   if (result.report.closure.n_marked == 0 && result.coarsening.cells_flagged == 0)

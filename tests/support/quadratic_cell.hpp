@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <boost/math/quadrature/gauss.hpp>
 #include <cmath>
 #include <cstddef>
 
@@ -54,9 +55,6 @@ inline double quadratic_volume(const geometry::QuadraticTet& node) {
 /// Area of the face opposite a corner, by Gauss's rule of five points in each direction of the square that is folded
 /// onto the triangle.
 inline double quadratic_face_area(const geometry::QuadraticTet& node, const std::array<int, 3>& corner) {
-  constexpr std::array<double, 5> x{-0.906179845938664, -0.538469310105683, 0, 0.538469310105683, 0.906179845938664};
-  constexpr std::array<double, 5> w{0.236926885056189, 0.478628670499366, 0.568888888888889, 0.478628670499366,
-                                    0.236926885056189};
   const auto derivative = [&](const std::array<double, 3>& l, const std::array<double, 3>& step) {
     geometry::Vec3 sum;
     const auto at = [](int i) { return static_cast<std::size_t>(i); };
@@ -67,14 +65,17 @@ inline double quadratic_face_area(const geometry::QuadraticTet& node, const std:
     }
     return sum;
   };
-  double area = 0;
-  for (std::size_t i = 0; i < 5; ++i)
-    for (std::size_t j = 0; j < 5; ++j) {
-      const double u = 0.5 + 0.5 * x[i], v = (1 - u) * (0.5 + 0.5 * x[j]);
-      const std::array<double, 3> l{1 - u - v, u, v};
-      area += 0.25 * w[i] * w[j] * (1 - u) * norm(cross(derivative(l, {-1, 1, 0}), derivative(l, {-1, 0, 1})));
-    }
-  return area;
+  using Rule = boost::math::quadrature::gauss<double, 5>;
+  return Rule::integrate(
+      [&](double u) {
+        return Rule::integrate(
+            [&](double v) {
+              const std::array<double, 3> l{1 - u - v, u, v};
+              return norm(cross(derivative(l, {-1, 1, 0}), derivative(l, {-1, 0, 1})));
+            },
+            0.0, 1 - u);
+      },
+      0.0, 1.0);
 }
 
 }  // namespace pamr::test

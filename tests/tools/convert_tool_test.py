@@ -269,7 +269,7 @@ def test_what_is_no_good_mesh_is_refused_by_name():
         "cut": (good[:300], ["the end of the file"]),
         "no cells": ("\n".join(line for line in good.split("\n") if " 4 2 7 " not in line).replace("\n10\n1 4", "\n8\n1 4")
                      .replace("$Elements\n10", "$Elements\n8"), ["tetrahedra, found none"]),
-        "periodic": (good + "$Periodic\n1\n2 1 2\n1\n10 20\n$EndPeriodic\n", ["periodic links, found 1"]),
+        "periodic": (good + "$Periodic\n1\n2 1 2\nten\n10 20\n$EndPeriodic\n", ["pairs of linked nodes", "ten"]),
         "scattered": (good.replace("50", "5000000"), ["without wide gaps"]),
     }
     for name, (text, says) in cases.items():

@@ -90,6 +90,14 @@ void Session::summary(const std::string& line) const {
 
 void Session::warn(const std::string& line) const { say("warning", line); }
 
+void Session::note(const std::string& line, const std::vector<std::string>& lines_to_copy) const {
+  if (options_.quiet) return;
+  say("note", line);
+  if (!comm_->is_first()) return;
+  for (const auto& copy : lines_to_copy) std::fputs(("  " + one_line(copy) + "\n").c_str(), stderr);
+  std::fflush(stderr);
+}
+
 void Session::complain(const std::string& line) const { say("error", line); }
 
 void Session::say(const char* what, const std::string& line) const {

@@ -58,6 +58,9 @@ class Session {
   void summary(const std::string& line) const;
   /// A remark that the user should see even with --quiet: one line on standard error, by rank 0. Local.
   void warn(const std::string& line) const;
+  /// Something to know that is no trouble, on standard error by rank 0, with lines to copy below it. Not with --quiet.
+  /// Local.
+  void note(const std::string& line, const std::vector<std::string>& lines_to_copy = {}) const;
   /// `warn` for `io::ReadOptions::remark`, to be used no longer than this session.
   std::function<void(const std::string&)> remarks() const;
   /// The same for what makes the exit code 1: a check or gate that fails. Local.

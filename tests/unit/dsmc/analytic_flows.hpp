@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <boost/math/quadrature/gauss_kronrod.hpp>
 #include <cmath>
 #include <numbers>
 
@@ -21,17 +22,13 @@ inline double free_molecular_sphere_drag(double s, double t_ratio) {
 
 /// Mean heat transfer of a sphere, on its frontal area and rho V^3/2.
 inline double free_molecular_sphere_heat(double s, double t_ratio, double rotational_degrees) {
-  // Mean of the plate's coefficient over the sphere: integral over the polar angle by Simpson's rule, 2 pi R^2 sin over
-  // pi R^2.
-  constexpr int n = 2000;
-  double sum = 0;
-  for (int i = 0; i <= n; ++i) {
-    const double polar = std::numbers::pi * i / n;
-    const double value = dsmc::free_molecular_plate(s, std::numbers::pi / 2 - polar, t_ratio, rotational_degrees).heat *
-                         2 * std::sin(polar);
-    sum += value * (i == 0 || i == n ? 1 : i % 2 == 1 ? 4 : 2);
-  }
-  return sum * std::numbers::pi / n / 3;
+  // Mean of the plate's coefficient over the sphere: integral over the polar angle, 2 pi R^2 sin over pi R^2.
+  return boost::math::quadrature::gauss_kronrod<double, 61>::integrate(
+      [&](double polar) {
+        return dsmc::free_molecular_plate(s, std::numbers::pi / 2 - polar, t_ratio, rotational_degrees).heat * 2 *
+               std::sin(polar);
+      },
+      0.0, std::numbers::pi);
 }
 
 /// Ratios across a normal shock at Mach number m.

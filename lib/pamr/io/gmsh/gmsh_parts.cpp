@@ -50,6 +50,12 @@ void keep_element(Parts& parts, int type, const std::array<std::int64_t, 4>& nod
     ++parts.refused[type];
 }
 
+void keep_link(Parts& parts, std::int64_t dimension, std::int64_t entity, std::int64_t master) {
+  if (dimension != 2) return;
+  ++parts.n_periodic_links;
+  parts.linked_surfaces.insert({entity, master});
+}
+
 void read_group_names(TextCursor& in, Parts& parts) {
   const auto n = in.checked_count(in.integer("the number of physical names"), 6, "physical names");
   (void)in.line();

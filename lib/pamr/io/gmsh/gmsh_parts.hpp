@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <map>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -40,7 +41,10 @@ struct Parts {
   std::map<int, std::int64_t> refused;
   /// Names of physical groups by dimension and number.
   std::map<std::pair<int, std::int64_t>, std::string> group_name;
-  std::int64_t n_periodic_links = 0;
+  std::int64_t n_periodic_links = 0;       ///< between surfaces
+  std::set<std::int64_t> linked_surfaces;  ///< geometrical surfaces that are linked as periodic, either side
+  /// Groups of the geometrical surfaces that this rank knows.
+  std::map<std::int64_t, std::int64_t> group_of_surface;
 };
 
 /// The share of one rank in `n` things of the file.
@@ -80,5 +84,9 @@ void for_each_section(TextCursor& in, Read&& read) {
 }
 
 void read_group_names(TextCursor& in, Parts& parts);
+
+/// Notes a link between two entities of that dimension: of surfaces only, since those of curves and points come with
+/// them in some versions of the format.
+void keep_link(Parts& parts, std::int64_t dimension, std::int64_t entity, std::int64_t master);
 
 }  // namespace pamr::io::gmsh

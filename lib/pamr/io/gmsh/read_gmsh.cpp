@@ -20,6 +20,7 @@
 #include "pamr/io/gmsh/gmsh_parts.hpp"
 #include "pamr/io/gmsh/read_gmsh_2.hpp"
 #include "pamr/io/gmsh/read_gmsh_4.hpp"
+#include "pamr/mesh/periodic_patches.hpp"
 #include "pamr/order/order_along_curve.hpp"
 #include "pamr/par/exchange.hpp"
 #include "pamr/par/mailbox.hpp"
@@ -94,8 +95,6 @@ void refuse_what_does_not_fit(const par::Comm& comm, const Parts& parts, const s
                 "found " +
                 found +
                 (found.find("order") != std::string::npos ? " (gmsh -order 1 makes a mesh of first order)" : ""));
-  if (parts.n_periodic_links > 0)
-    throw Error(fmt::format("file '{}': expected no periodic links, found {}", file, parts.n_periodic_links));
   if (comm.sum(static_cast<std::int64_t>(parts.tetrahedron.size())) == 0)
     throw Error("file '" + file + "': expected tetrahedra, found none");
 }
@@ -227,18 +226,35 @@ std::vector<std::int64_t> all_groups(const par::Comm& comm, const Parts& parts) 
   return comm.broadcast(std::vector<std::int64_t>(all.begin(), all.end()));
 }
 
+std::string name_of_group(const Parts& parts, std::int64_t group) {
+  const auto named = parts.group_name.find({2, group});
+  if (group > 0 && named != parts.group_name.end() && !named->second.empty()) return named->second;
+  return fmt::format("{}{}", group > 0 ? "physical_" : "surface_", std::abs(group));
+}
+
+/// A patch for each group; those with surfaces that periodic links name are of kind `mesh::periodic_kind`. Collective.
+std::vector<mesh::Patch> make_patches(const par::Comm& comm, const Parts& parts,
+                                      const std::vector<std::int64_t>& groups) {
+  std::vector<std::int64_t> is_periodic(groups.size(), 0);
+  for (const auto surface : parts.linked_surfaces) {
+    const auto known = parts.group_of_surface.find(surface);
+    const auto group = known == parts.group_of_surface.end() ? -surface : known->second;
+    const auto found = std::lower_bound(groups.begin(), groups.end(), group);
+    if (found != groups.end() && *found == group) is_periodic[at(found - groups.begin())] = 1;
+  }
+  comm.max_in_place(is_periodic);
+  std::vector<mesh::Patch> patches;
+  for (std::size_t g = 0; g < groups.size(); ++g)
+    patches.push_back({name_of_group(parts, groups[g]), is_periodic[g] > 0 ? mesh::periodic_kind : ""});
+  return patches;
+}
+
 /// Physical volumes with a name, ascending.
 std::vector<mesh::Region> named_regions(const Parts& parts) {
   std::vector<mesh::Region> regions;
   for (const auto& [group, name] : parts.group_name)
     if (group.first == 3 && !name.empty()) regions.push_back({group.second, name});
   return regions;
-}
-
-std::string name_of_group(const Parts& parts, std::int64_t group) {
-  const auto named = parts.group_name.find({2, group});
-  if (group > 0 && named != parts.group_name.end() && !named->second.empty()) return named->second;
-  return fmt::format("{}{}", group > 0 ? "physical_" : "surface_", std::abs(group));
 }
 
 /// Gives boundary faces the patches of the triangles on them; faces without triangle keep `untagged`. Returns how many
@@ -311,8 +327,8 @@ GmshMesh read_gmsh(const par::Comm& comm, const std::filesystem::path& file, con
     result.mesh = assemble::assemble(comm, std::move(ordered.block));
   });
   auto& patches = result.mesh.info.patches;
-  patches.clear();
-  for (const auto group : groups) patches.push_back({name_of_group(parts, group), ""});
+  patches = make_patches(comm, parts, groups);
+  result.n_periodic_links = parts.n_periodic_links;
   result.mesh.info.regions = named_regions(parts);
   boundary.node = std::move(numbered.triangle);
   result.n_untagged_faces = tag_faces(comm, result.mesh, boundary, static_cast<int>(patches.size()), file.string());

@@ -17,6 +17,7 @@ struct GmshMesh {
   mesh::DistMesh mesh;
   std::int64_t n_turned = 0;          ///< cells that were inverted
   std::int64_t n_dropped_nodes = 0;   ///< nodes of no tetrahedron: centers of circles, points of the geometry
+  std::int64_t n_periodic_links = 0;  ///< that are not kept; their surfaces are patches of kind `periodic`
   std::int64_t n_untagged_faces = 0;  ///< boundary faces without triangle: they are in the patch `boundary`
 };
 
@@ -28,7 +29,7 @@ struct GmshMesh {
 /// Collective; the result does not depend on the number of ranks. Every rank reads its block of nodes and
 /// elements and passes over the rest, in a text by the number of lines, which the ranks have counted together. Throws
 /// the same `Error` on every rank, with line or byte, for what is no such file; and by name, with counts, for elements
-/// of other kinds, periodic links, triangles inside the domain or apart from it, cells that are inverted (unless
+/// of other kinds, triangles inside the domain or apart from it, cells that are inverted (unless
 /// `repair`) or flat, node numbers that are missing, twice or so scattered that no table holds them (more than 64 times
 /// as many as nodes).
 GmshMesh read_gmsh(const par::Comm& comm, const std::filesystem::path& file, const GmshOptions& options = {});

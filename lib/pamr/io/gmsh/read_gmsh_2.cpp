@@ -5,6 +5,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
+#include <string_view>
+#include <system_error>
 
 namespace pamr::io::gmsh {
 
@@ -47,6 +50,12 @@ std::int64_t group_of(std::int64_t physical, std::int64_t entity) {
   return physical != 0 ? std::abs(physical) : -entity;
 }
 
+void keep(Parts& parts, int type, const std::array<std::int64_t, 4>& nodes, const std::array<std::int64_t, 2>& tag) {
+  const auto group = group_of(tag[0], tag[1]);
+  if (type == 2) parts.group_of_surface[tag[1]] = group;
+  keep_element(parts, type, nodes, group);
+}
+
 void read_element_line(TextCursor& in, Parts& parts) {
   (void)in.integer("the number of an element");
   const int type = checked_type(in, in.integer("the type of an element"));
@@ -62,7 +71,7 @@ void read_element_line(TextCursor& in, Parts& parts) {
     const auto node = in.integer("a node of an element");
     if (k < 4) nodes[static_cast<std::size_t>(k)] = node;
   }
-  keep_element(parts, type, nodes, group_of(tag[0], tag[1]));
+  keep(parts, type, nodes, tag);
   (void)in.line();
 }
 
@@ -90,7 +99,7 @@ void read_binary_elements(TextCursor& in, Share share, Parts& parts) {
         const auto node = in.value<std::int32_t>("a node of an element");
         if (k < 4) nodes[static_cast<std::size_t>(k)] = node;
       }
-      keep_element(parts, type, nodes, group_of(tag[0], tag[1]));
+      keep(parts, type, nodes, tag);
     }
     in.skip_rows(n - end, row, "an element");
     done += n;
@@ -111,6 +120,25 @@ void read_elements(TextCursor& in, bool is_binary, Share share, Parts& parts) {
   in.skip_lines(parts.n_elements - own.end, "an element");
 }
 
+/// Text in binary files too.
+void read_periodic(TextCursor& in, Parts& parts) {
+  const auto n_links = in.checked_count(in.integer("the number of periodic links"), 6, "periodic links");
+  (void)in.line();
+  for (std::int64_t i = 0; i < n_links; ++i) {
+    const auto dimension = in.integer("the dimension of a periodic link");
+    const auto entity = in.integer("a linked entity"), master = in.integer("an entity that it is linked to");
+    keep_link(parts, dimension, entity, master);
+    (void)in.line();
+    std::string_view line = in.line();
+    if (line.starts_with("Affine")) line = in.line();
+    std::int64_t n_pairs = 0;
+    const auto read = std::from_chars(line.data(), line.data() + line.size(), n_pairs);
+    if (read.ec != std::errc() || n_pairs < 0)
+      in.fail("the number of pairs of linked nodes", "\"" + std::string(line.substr(0, 40)) + "\"");
+    in.skip_lines(n_pairs, "a pair of linked nodes");
+  }
+}
+
 }  // namespace
 
 Parts read_parts_2(TextCursor& in, bool is_binary, Share share) {
@@ -123,11 +151,11 @@ Parts read_parts_2(TextCursor& in, bool is_binary, Share share) {
     else if (name == "Elements")
       read_elements(in, is_binary, share, parts);
     else if (name == "Periodic")
-      parts.n_periodic_links = in.integer("the number of periodic links");
+      read_periodic(in, parts);
     else
       return false;
     in.set_binary(false);
-    return name != "Periodic";
+    return true;
   });
   return parts;
 }

@@ -153,6 +153,23 @@ void read_elements(Reader read, Share share, const Groups& groups, Parts& parts)
     read.in().fail(fmt::format("{} elements in all blocks", parts.n_elements), fmt::format("{}", done));
 }
 
+void read_periodic(Reader read, Parts& parts) {
+  const auto n_links = read.count(12, "periodic links");
+  read.end_line();
+  for (std::int64_t i = 0; i < n_links; ++i) {
+    const auto dimension = read.small("the dimension of a periodic link");
+    const auto entity = read.small("a linked entity"), master = read.small("an entity that it is linked to");
+    keep_link(parts, dimension, entity, master);
+    read.end_line();
+    const auto n_affine = read.count(2, "entries of a transformation");
+    for (std::int64_t k = 0; k < n_affine; ++k) (void)read.real("an entry of a transformation");
+    read.end_line();
+    const auto n_pairs = read.count(4, "pairs of linked nodes");
+    read.end_line();
+    read.skip(n_pairs, 2, "a pair of linked nodes");
+  }
+}
+
 }  // namespace
 
 Parts read_parts_4(TextCursor& in, bool is_binary, Share share) {
@@ -170,12 +187,14 @@ Parts read_parts_4(TextCursor& in, bool is_binary, Share share) {
     else if (name == "Elements")
       read_elements(Reader(in, is_binary), share, groups, parts);
     else if (name == "Periodic")
-      parts.n_periodic_links = Reader(in, is_binary).large("the number of periodic links");
+      read_periodic(Reader(in, is_binary), parts);
     else
       return false;
     in.set_binary(false);
-    return name != "Periodic";
+    return true;
   });
+  for (const auto& [entity, group] : groups)
+    if (entity.first == 2) parts.group_of_surface[entity.second] = group;
   return parts;
 }
 
