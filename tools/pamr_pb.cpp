@@ -3,6 +3,7 @@
 
 #include <nlohmann/json.hpp>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "cli/run_tool.hpp"
@@ -14,6 +15,8 @@
 #include "solvers/poisson_boltzmann/electrode_file.hpp"
 #include "solvers/poisson_boltzmann/initial_guess.hpp"
 #include "solvers/poisson_boltzmann/pb_report.hpp"
+#include "solvers/poisson_boltzmann/preconditioner.hpp"
+#include "solvers/poisson_boltzmann/spread_cells.hpp"
 
 namespace {
 
@@ -21,7 +24,7 @@ using namespace pamr;
 namespace pb = poisson_boltzmann;
 
 struct Options {
-  std::string case_file, mesh, output, start, surface, petsc;
+  std::string case_file, mesh, output, start, surface, petsc, balance = "scotch";
   int format = io::newest_format;
   std::int64_t max_cells = 100'000'000;
   bool force = false;
@@ -37,11 +40,22 @@ void declare(cli::CommandLine& line, Options& o) {
       .type_name("FILE.vtu");
   line.option("--petsc", o.petsc, "options for PETSc, after those of the case: \"-pc_type hypre -ksp_monitor\"")
       .type_name("OPTIONS");
+  line.option("--balance", o.balance, "how the cells, and with them the unknowns, are spread over the ranks")
+      .one_of({"auto", "scotch", "blocks", "none"})
+      .show_default();
   line.option("--format", o.format, cli::format_help).range(io::oldest_format, io::newest_format).show_default();
   line.option("--max-cells", o.max_cells,
               "cells of the largest mesh that you would make; no charge is given where its layer would take more")
       .positive();
   line.flag("--force", o.force, cli::force_help);
+}
+
+nlohmann::json report_of(const balance::Report& report) {
+  return {{"method", balance::name_of(report.method)},
+          {"imbalance_before", report.before.imbalance},
+          {"imbalance_after", report.after.imbalance},
+          {"edge_cut_before", report.before.edge_cut},
+          {"edge_cut_after", report.after.edge_cut}};
 }
 
 /// Prints what is solved and the memory that it will take; returns the latter for the report. Collective.
@@ -87,6 +101,10 @@ cli::ExitCode run(cli::Session& session, const Options& o) {
                              .remark = session.remarks()}));
   validate::require_valid(comm, mesh, o.mesh);
   timer.lap("read");
+  session.step("spreading the cells over the ranks");
+  auto spread = pb::spread_cells(comm, std::move(mesh), balance::method_named(o.balance));
+  mesh = std::move(spread.mesh);
+  timer.lap("balance");
 
   session.step(fmt::format("assembling {} cells", mesh.info.n_global_cells));
   const auto domain = pb::make_domain(comm, mesh, input, o.case_file);
@@ -128,6 +146,8 @@ cli::ExitCode run(cli::Session& session, const Options& o) {
   io::write_native(comm, o.output, mesh, {.format = o.format});
   timer.lap("write");
   report["needs"] = needs;
+  report["balance"] = report_of(spread.report);
+  report["preconditioner"] = pb::name_of(pb::choose_preconditioner(input.solver, mesh.info.n_global_nodes));
   report["seconds"] = pb::seconds_of(timer.steps(), &StepTime::wall);
   report["cpu_seconds"] = pb::seconds_of(timer.steps(), &StepTime::cpu);
   report["peak_rss_bytes"] = comm.max(static_cast<std::int64_t>(peak_resident_bytes()));

@@ -160,7 +160,19 @@ def test_the_answer_does_not_depend_on_the_ranks():
     assert abs(several["energy"] - serial["energy"]) < 1e-8
     with h5py.File("serial.hdf") as a, h5py.File("psi.hdf") as b:
         assert abs(a["VTKHDF/PointData/potential"][:] - b["VTKHDF/PointData/potential"][:]).max() < 1e-8
-    assert RANKS >= 1
+        assert (a["VTKHDF/Connectivity"][:] == b["VTKHDF/Connectivity"][:]).all()
+    assert serial["preconditioner"] == "jacobi" and serial["balance"]["method"] == "none"
+    for method in ("scotch", "blocks", "none"):
+        spread = solve(case, "a.hdf", "--balance", method).json
+        assert spread["linear_iterations"] == serial["linear_iterations"]
+        # Jacobi's iterates, and so all results, differ by rounding only.
+        for patch, forces in serial["forces"].items():
+            for form in ("volume", "surface_reaction", "surface"):
+                if forces.get(form):
+                    for here, there in zip(spread["forces"][patch][form]["dimensionless"], forces[form]["dimensionless"]):
+                        assert abs(here - there) < 1e-9 * max(1, abs(there)), (method, patch, form)
+    if RANKS > 1:
+        assert spread["balance"]["edge_cut_before"] > 0
 
 
 def test_options_reach_petsc():

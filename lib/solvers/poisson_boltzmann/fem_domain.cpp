@@ -11,6 +11,7 @@
 #include "pamr/base/index.hpp"
 #include "pamr/mesh/tet.hpp"
 #include "pamr/par/reproducible_sum.hpp"
+#include "solvers/poisson_boltzmann/preconditioner.hpp"
 
 namespace pamr::poisson_boltzmann {
 
@@ -225,7 +226,8 @@ Memory memory_needed(const mesh::DistMesh& mesh, const Case& problem) {
   memory.solve = 24 * memory.n_entries + 440 * (is_linear ? n_nodes : n_nodes + n_edges) +
                  (is_linear ? 88 : 240) * n_cells + 56 * n_outer_faces;
   // The multigrid hierarchy: hypre's copy of the matrix, its coarser ones and what moves between them.
-  if (problem.solver.preconditioner == "boomeramg") memory.solve += 95 * memory.n_entries;
+  if (choose_preconditioner(problem.solver, mesh.info.n_global_nodes) == Preconditioner::boomeramg)
+    memory.solve += 25 * memory.n_entries;
   return memory;
 }
 

@@ -122,31 +122,55 @@ double midplane_remainder(const par::Comm& comm, const State& state, int patch) 
   return par::reproducible_sums(comm, sum)[0];
 }
 
+namespace {
+
+/// Osmotic pressure at a node, and less that of the profile.
+struct NodalPressure {
+  double total = 0, rest = 0;
+};
+
+std::vector<NodalPressure> pressure_at_nodes(const Problem& problem, const Excess& excess) {
+  std::vector<NodalPressure> result(excess.u.size());
+  for (std::size_t i = 0; i < result.size(); ++i) {
+    result[i].total = problem.term.pressure(excess.psi0[i] + excess.u[i], 0);
+    if (problem.input.plate) result[i].rest = problem.term.pressure(excess.u[i], excess.psi0[i]);
+  }
+  return result;
+}
+
+}  // namespace
+
 Energy energy_of(const par::Comm& comm, const State& state, const Excess& excess) {
   const auto& problem = state.problem;
   if (problem.domain.quadratic) return quadratic_energy(comm, state);
   const auto& domain = problem.domain;
   const auto& cells = domain.mesh->cell_to_node;
+  const bool has_plate = problem.input.plate.has_value();
+  const auto pressure = pressure_at_nodes(problem, excess);
   std::array<par::ExactSum, 2> sums;
   for (std::size_t c = 0; c < cells.size(); ++c) {
     const auto shape = domain.shape(c);
     Vec3 total, rest, base;
-    double pressure = 0, rest_pressure = 0, low = HUGE_VAL, high = -HUGE_VAL;
+    NodalPressure mean;
+    auto low = at(cells[c][0]), high = low;
     for (std::size_t k = 0; k < 4; ++k) {
       const auto i = at(cells[c][k]);
       total += (excess.psi0[i] + excess.u[i]) * shape.gradient[k];
+      mean.total += pressure[i].total / 4;
+      if (!has_plate) continue;
       rest += excess.u[i] * shape.gradient[k];
-      low = std::min(low, domain.point[i].z);
-      high = std::max(high, domain.point[i].z);
-      pressure += problem.term.pressure(excess.psi0[i] + excess.u[i], 0) / 4;
-      rest_pressure += problem.term.pressure(excess.u[i], excess.psi0[i]) / 4;
+      mean.rest += pressure[i].rest / 4;
+      if (domain.point[i].z < domain.point[low].z) low = i;
+      if (domain.point[i].z > domain.point[high].z) high = i;
     }
-    base.z = problem.profile.mean_slope(low, high);
-    sums[0].add(shape.volume * (0.5 * squared_norm(total) + pressure));
-    sums[1].add(shape.volume * (0.5 * squared_norm(rest) + dot(rest, base) + rest_pressure));
+    sums[0].add(shape.volume * (0.5 * squared_norm(total) + mean.total));
+    if (!has_plate) continue;
+    base.z =
+        problem.profile.mean_slope({domain.point[low].z, excess.psi0[low]}, {domain.point[high].z, excess.psi0[high]});
+    sums[1].add(shape.volume * (0.5 * squared_norm(rest) + dot(rest, base) + mean.rest));
   }
   const auto totals = par::reproducible_sums(comm, sums);
-  return {totals[0], totals[1]};
+  return {totals[0], has_plate ? totals[1] : totals[0]};
 }
 
 }  // namespace pamr::poisson_boltzmann

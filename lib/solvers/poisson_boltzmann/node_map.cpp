@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <limits>
 #include <utility>
 
@@ -12,16 +13,48 @@
 
 namespace pamr::poisson_boltzmann {
 
-NodeMap::NodeMap(const par::Comm& comm, const mesh::DistMesh& mesh)
-    : NodeMap(comm, mesh::find_borders(comm, mesh).nodes, mesh.node_position.size(), mesh.info.n_global_nodes) {}
+namespace {
 
-NodeMap::NodeMap(const par::Comm& comm, par::Pattern shared, std::size_t n_nodes, GlobalId n_global_nodes)
+/// Which of the nodes here other ranks own.
+std::vector<std::uint8_t> owned_elsewhere(Rank here, const par::Pattern& shared,
+                                          std::span<const GlobalId> node_global) {
+  std::vector<std::int32_t> n_others(node_global.size(), 0), n_lower(node_global.size(), 0);
+  for (std::size_t i = 0; i < shared.rank.size(); ++i)
+    for (std::size_t k = shared.offset[i]; k < shared.offset[i + 1]; ++k) {
+      ++n_others[at(shared.item[k])];
+      if (shared.rank[i] < here) ++n_lower[at(shared.item[k])];
+    }
+  std::vector<std::uint8_t> result(node_global.size(), 0);
+  std::vector<LocalId> pair;
+  for (std::size_t i = 0; i < shared.rank.size(); ++i) {
+    pair.clear();
+    for (std::size_t k = shared.offset[i]; k < shared.offset[i + 1]; ++k) {
+      const auto node = at(shared.item[k]);
+      if (n_others[node] == 1)
+        pair.push_back(shared.item[k]);
+      else
+        result[node] = node_global[node] % (n_others[node] + 1) != n_lower[node];
+    }
+    std::sort(pair.begin(), pair.end(), [&](LocalId a, LocalId b) { return node_global[at(a)] < node_global[at(b)]; });
+    const auto half = (pair.size() + 1) / 2;
+    const bool is_lower = here < shared.rank[i];
+    for (std::size_t k = 0; k < pair.size(); ++k) result[at(pair[k])] = (k < half) != is_lower;
+  }
+  return result;
+}
+
+}  // namespace
+
+NodeMap::NodeMap(const par::Comm& comm, const mesh::DistMesh& mesh)
+    : NodeMap(comm, mesh::find_borders(comm, mesh).nodes, mesh.node_global, mesh.info.n_global_nodes) {}
+
+NodeMap::NodeMap(const par::Comm& comm, par::Pattern shared, std::span<const GlobalId> node_global,
+                 GlobalId n_global_nodes)
     : shared_(std::move(shared)) {
   if (n_global_nodes > std::numeric_limits<std::int32_t>::max())
     throw Error(fmt::format("expected a mesh of at most 2147483647 nodes, found {}", n_global_nodes));
-  std::vector<std::uint8_t> is_elsewhere(n_nodes, 0);
-  for (std::size_t i = 0; i < shared_.rank.size() && shared_.rank[i] < comm.rank(); ++i)
-    for (std::size_t k = shared_.offset[i]; k < shared_.offset[i + 1]; ++k) is_elsewhere[at(shared_.item[k])] = 1;
+  const auto n_nodes = node_global.size();
+  const auto is_elsewhere = owned_elsewhere(comm.rank(), shared_, node_global);
   for (std::size_t node = 0; node < n_nodes; ++node)
     if (is_elsewhere[node] == 0) owned_.push_back(static_cast<LocalId>(node));
 

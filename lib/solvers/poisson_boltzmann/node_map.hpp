@@ -12,15 +12,17 @@
 
 namespace pamr::poisson_boltzmann {
 
-/// Which rank owns which node: the lowest of those that hold it. The equations are numbered rank by rank, on a rank in
-/// the order of its local nodes.
+/// Which rank owns which node, and the equations, numbered rank by rank, on a rank in the order of its local nodes.
+/// Nodes that two ranks hold are divided into halves by their global numbers: the lower rank owns the first half. A
+/// node that more hold belongs to one of them by its number. So no rank owns all of its border, whatever its place
+/// among the ranks, and half a border is a piece of it where the numbers follow the places.
 class NodeMap {
  public:
   /// Collective: finds the shared nodes, one exchange. Throws `Error` when the mesh has more nodes than 31 bits count.
   NodeMap(const par::Comm& comm, const mesh::DistMesh& mesh);
-  /// The same for nodes of which the shared ones are known: `n_nodes` here, `n_global_nodes` in all. Collective: one
-  /// exchange.
-  NodeMap(const par::Comm& comm, par::Pattern shared, std::size_t n_nodes, GlobalId n_global_nodes);
+  /// The same for nodes of which the shared ones are known: `node_global` are the numbers of those here, of
+  /// `n_global_nodes` in all. Collective: one exchange.
+  NodeMap(const par::Comm& comm, par::Pattern shared, std::span<const GlobalId> node_global, GlobalId n_global_nodes);
 
   std::size_t n_nodes() const { return equation_.size(); }
   std::size_t n_owned() const { return owned_.size(); }

@@ -66,7 +66,7 @@ SolverOptions read_solver(const TomlTable& table) {
   if (table.word_or("quadrature", "nodal", {"nodal", "gauss"}) == "gauss") solver.quadrature = Quadrature::gauss;
   solver.tolerance = table.number_or("tolerance", solver.tolerance, {1e-15, 0.1});
   solver.max_newton = static_cast<int>(table.integer_or("max_newton", solver.max_newton, 1, 10000));
-  solver.preconditioner = table.word_or("preconditioner", solver.preconditioner, {"jacobi", "boomeramg"});
+  solver.preconditioner = table.word_or("preconditioner", solver.preconditioner, {"auto", "jacobi", "boomeramg"});
   solver.petsc = table.text_or("petsc", "");
   return solver;
 }

@@ -67,8 +67,8 @@ struct SolverOptions {
   Quadrature quadrature = Quadrature::nodal;  ///< of first order
   double tolerance = 1e-10;  ///< of the residual, over that of the potential that is 0 off the boundary
   int max_newton = 60;
-  std::string preconditioner = "jacobi";  ///< or "boomeramg"
-  std::string petsc;                      ///< options for PETSc, as on its command line
+  std::string preconditioner = "auto";  ///< by size (`choose_preconditioner`), "jacobi" or "boomeramg"
+  std::string petsc;                    ///< options for PETSc, as on its command line
 };
 
 struct ForceOptions {

@@ -30,11 +30,15 @@ double PlateProfile::slope(double z) const {
 }
 
 double PlateProfile::mean_slope(double z, double other) const {
-  const double difference = other - z;
+  return mean_slope({z, potential(z)}, {other, potential(other)});
+}
+
+double PlateProfile::mean_slope(const Place& a, const Place& b) const {
+  const double difference = b.z - a.z;
   // Over a thousandth of a Debye length the slope at the middle is as good, and nothing cancels.
   const double thin = std::abs(difference);
-  if (thin <= 1e-3 * std::min(1.0, std::max(0.0, std::min(z, other) - position_))) return slope(z + difference / 2);
-  return (potential(other) - potential(z)) / difference;
+  if (thin <= 1e-3 * std::min(1.0, std::max(0.0, std::min(a.z, b.z) - position_))) return slope(a.z + difference / 2);
+  return (b.potential - a.potential) / difference;
 }
 
 }  // namespace pamr::poisson_boltzmann

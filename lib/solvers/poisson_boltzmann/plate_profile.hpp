@@ -21,6 +21,12 @@ class PlateProfile {
   double slope(double z) const;
   /// Mean of the slope between two heights, in either order: bounded where the slope at the plate is not.
   double mean_slope(double z, double other) const;
+  /// A height with the potential there.
+  struct Place {
+    double z, potential;
+  };
+  /// The same where the potentials are known: some ten times as fast.
+  double mean_slope(const Place& a, const Place& b) const;
 
  private:
   struct Terms {

@@ -45,7 +45,7 @@ void make_quadratic(const par::Comm& comm, std::span<const int> face_slot, Domai
   QuadraticElements elements;
   elements.report = report;
   elements.n_global_nodes = nodes.n_global_nodes;
-  domain.nodes = NodeMap(comm, std::move(nodes.shared), nodes.node_position.size(), nodes.n_global_nodes);
+  domain.nodes = NodeMap(comm, std::move(nodes.shared), nodes.node_global, nodes.n_global_nodes);
   domain.point.clear();
   for (const auto& p : nodes.node_position) domain.point.push_back(domain.scale * p);
   elements.node_global = std::move(nodes.node_global);

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "pamr/base/index.hpp"
+#include "solvers/poisson_boltzmann/preconditioner.hpp"
 #include "solvers/poisson_boltzmann/quadratic_stiffness.hpp"
 #include "solvers/poisson_boltzmann/quadrature.hpp"
 #include "solvers/poisson_boltzmann/stiffness.hpp"
@@ -82,15 +83,8 @@ void System::restore_jacobian() {
 }
 
 void System::configure(KSP ksp) const {
-  PC pc = nullptr;
   require(KSPSetType(ksp, KSPCG));
-  require(KSPGetPC(ksp, &pc));
-  if (problem_.input.solver.preconditioner == "boomeramg") {
-    require(PCSetType(pc, PCHYPRE));
-    require(PCHYPRESetType(pc, "boomeramg"));
-  } else {
-    require(PCSetType(pc, PCJACOBI));
-  }
+  set_preconditioner(ksp, choose_preconditioner(problem_.input.solver, domain_.mesh->info.n_global_nodes));
   require(KSPSetNormType(ksp, KSP_NORM_UNPRECONDITIONED));
 }
 
@@ -110,6 +104,7 @@ void System::configure(SNES snes) {
   require(SNESGetLineSearch(snes, &search));
   require(SNESLineSearchSetType(search, SNESLINESEARCHBT));
   require_options(SNESSetFromOptions(snes));
+  keep_hierarchy(snes);
 }
 
 void System::set_owned(Vec vector, std::span<const double> local) const {
@@ -219,7 +214,8 @@ PetscErrorCode System::residual_callback(SNES, Vec u, Vec f, void* context) {
   return 0;
 }
 
-PetscErrorCode System::jacobian_callback(SNES, Vec u, Mat, Mat, void* context) {
+PetscErrorCode System::jacobian_callback(SNES snes, Vec u, Mat, Mat, void* context) {
+  renew_hierarchy_if_slow(snes);
   static_cast<System*>(context)->linearize(u);
   return 0;
 }
@@ -315,25 +311,44 @@ std::vector<double> System::solve_linearised(std::span<const double> load, std::
       entries[k] = conditions_.fixed[i] != 0 ? given[i] : right[i] - entries[k];
     }
   }
-  solve_linear(f, w, 1e-6);
+  solve_linear(dual_solver(), f, w, 1e-6);
   return local_values(w);
 }
 
-void System::solve_linear(Vec right, Vec result, double tolerance) {
-  // Not that of Newton's method, which sets its own tolerance before every solve; the memory of its preconditioner
-  // goes.
-  if (linear_ == nullptr) {
-    KSP of_newton = nullptr;
-    require(SNESGetKSP(snes_, &of_newton));
-    require(KSPReset(of_newton));
-    require(KSPCreate(comm_.handle(), linear_.address()));
-    configure(linear_);
-    require_options(KSPSetFromOptions(linear_));
-    require(KSPSetInitialGuessNonzero(linear_, PETSC_FALSE));
+void System::solve_linear(KSP solver, Vec right, Vec result, double tolerance) {
+  require(KSPSetInitialGuessNonzero(solver, PETSC_FALSE));
+  require(KSPSetTolerances(solver, tolerance, 0, PETSC_DEFAULT, 100000));
+  require(KSPSetOperators(solver, jacobian_, jacobian_));
+  require(KSPSolve(solver, right, result));
+}
+
+KSP System::dual_solver() {
+  if (dual_ == nullptr) {
+    release_newton();
+    require(KSPCreate(comm_.handle(), dual_.address()));
+    configure(dual_);
+    require_options(KSPSetFromOptions(dual_));
   }
-  require(KSPSetTolerances(linear_, tolerance, 0, PETSC_DEFAULT, 100000));
-  require(KSPSetOperators(linear_, jacobian_, jacobian_));
-  require(KSPSolve(linear_, right, result));
+  return dual_;
+}
+
+KSP System::harmonic_solver() {
+  // Jacobi's iterates are the same on any number of ranks but for rounding, and so are the loosely solved cut-off
+  // functions and the forces made with them.
+  if (harmonic_ == nullptr) {
+    release_newton();
+    require(KSPCreate(comm_.handle(), harmonic_.address()));
+    require(KSPSetType(harmonic_, KSPCG));
+    set_preconditioner(harmonic_, Preconditioner::jacobi);
+    require(KSPSetNormType(harmonic_, KSP_NORM_UNPRECONDITIONED));
+  }
+  return harmonic_;
+}
+
+void System::release_newton() {
+  KSP solver = nullptr;
+  require(SNESGetKSP(snes_, &solver));
+  require(KSPReset(solver));
 }
 
 std::vector<double> System::harmonic(std::uint64_t one, std::uint64_t zero) {
@@ -361,7 +376,7 @@ std::vector<double> System::harmonic(std::uint64_t one, std::uint64_t zero) {
     }
   }
   require(MatDiagonalSet(jacobian_, updated_, INSERT_VALUES));
-  solve_linear(f, w, 1e-3);
+  solve_linear(harmonic_solver(), f, w, 1e-2);
   auto result = local_values(w);
   for (std::size_t i = 0; i < result.size(); ++i)
     result[i] = (patches[i] & (one | zero)) != 0 ? given[i] : result[i] + given[i];

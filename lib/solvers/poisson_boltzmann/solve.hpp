@@ -53,7 +53,7 @@ class System {
   std::vector<double> solve_linearised(std::span<const double> load, std::span<const double> value);
 
   /// The discrete harmonic function that is 1 on the patches of `one`, 0 on those of `zero` (bit p for patch p; `one`
-  /// decides where they meet) and free elsewhere, to 1e-3: a linear system with the stiffness matrix. Collective.
+  /// decides where they meet) and free elsewhere, to 1e-2: a linear system with the stiffness matrix. Collective.
   std::vector<double> harmonic(std::uint64_t one, std::uint64_t zero);
 
   /// u . K u, the energy of the gradient. Collective.
@@ -66,7 +66,12 @@ class System {
   void linearize(Vec u);
   void eliminate_fixed();
   void restore_jacobian();
-  void solve_linear(Vec right, Vec result, double tolerance);
+  void solve_linear(KSP solver, Vec right, Vec result, double tolerance);
+  /// Made when the first system is solved. Not that of Newton's method, which sets its own tolerance before every
+  /// solve; the memory of its preconditioner goes.
+  KSP dual_solver();
+  KSP harmonic_solver();
+  void release_newton();
   template <class Use>
   void at_gauss_points(std::size_t cell, const std::vector<double>& u, const Use& use) const;
   void add_gauss(const std::vector<double>& u, std::vector<double>& to) const;
@@ -88,7 +93,7 @@ class System {
   Vector diagonal_;           ///< of the stiffness, 1 at fixed nodes
   Vector unknown_, work_, updated_;
   NonlinearSolver snes_;
-  LinearSolver linear_;  ///< of dual and harmonic functions; made when the first is asked for
+  LinearSolver dual_, harmonic_;  ///< made when the first such function is asked for
 };
 
 }  // namespace pamr::poisson_boltzmann

@@ -12,6 +12,7 @@ double SourceTerm::value(double u, double psi0) const {
     const double end = std::copysign(largest_argument, psi);
     return std::sinh(end) + (psi - end) * std::cosh(end) - std::sinh(psi0);
   }
+  if (psi0 == 0) return std::sinh(u);  // one function for two: where nothing is split off, everywhere
   return 2 * std::cosh(psi0 + u / 2) * std::sinh(u / 2);
 }
 
@@ -22,7 +23,8 @@ double SourceTerm::slope(double u, double psi0) const {
 
 double SourceTerm::pressure(double u, double psi0) const {
   if (linear_) return u * (psi0 + u / 2);
-  return 2 * std::sinh(psi0 + u / 2) * std::sinh(u / 2);
+  const double half = std::sinh(u / 2);
+  return 2 * half * (psi0 == 0 ? half : std::sinh(psi0 + u / 2));
 }
 
 double SourceTerm::pressure_slope(double u, double psi0) const { return linear_ ? psi0 + u : std::sinh(psi0 + u); }

@@ -28,21 +28,20 @@ struct CutOffCell {
   std::array<double, 4> u{}, psi0{};  ///< at the Gauss points; psi0 is exact there
 };
 
-/// False where the function is constant.
-bool cut_off_cell(const State& state, std::span<const double> chi, std::size_t cell, const CellShape& shape,
-                  CutOffCell& result) {
+bool is_constant(std::span<const double> chi, const mesh::CellNodes& nodes) {
+  const double first = chi[at(nodes[0])];
+  return chi[at(nodes[1])] == first && chi[at(nodes[2])] == first && chi[at(nodes[3])] == first;
+}
+
+CutOffCell cut_off_cell(const State& state, std::span<const double> chi, std::size_t cell, const CellShape& shape) {
   const auto& problem = state.problem;
   const auto& nodes = problem.domain.mesh->cell_to_node[cell];
-  const double first = chi[at(nodes[0])];
-  bool constant = true;
-  result = {};
+  CutOffCell result;
   for (std::size_t k = 0; k < 4; ++k) {
     const double here = chi[at(nodes[k])];
-    constant = constant && here == first;
     result.slope += here * shape.gradient[k];
     result.middle += 0.25 * problem.domain.point[at(nodes[k])];
   }
-  if (constant) return false;
   for (std::size_t g = 0; g < 4; ++g) {
     double z = 0;
     for (std::size_t k = 0; k < 4; ++k) {
@@ -52,7 +51,7 @@ bool cut_off_cell(const State& state, std::span<const double> chi, std::size_t c
     result.psi0[g] = problem.split_potential(z);
     result.base.z += gauss_points[g].weight * problem.split_slope(z);
   }
-  return true;
+  return result;
 }
 
 /// What the walls give that meet the body and are no mirrors.
@@ -88,9 +87,9 @@ VolumeForm volume_form(const par::Comm& comm, const State& state, std::span<cons
   const auto& cells = problem.domain.mesh->cell_to_node;
   VectorSum force, torque, walls;
   for (std::size_t c = 0; c < cells.size(); ++c) {
+    if (is_constant(chi, cells[c])) continue;
     const auto shape = problem.domain.shape(c);
-    CutOffCell cut;
-    if (!cut_off_cell(state, chi, c, shape, cut)) continue;
+    const auto cut = cut_off_cell(state, chi, c, shape);
     double pressure = 0;
     for (std::size_t g = 0; g < 4; ++g)
       pressure += gauss_points[g].weight * problem.term.pressure(cut.u[g], cut.psi0[g]);
@@ -113,9 +112,9 @@ std::vector<double> volume_form_derivative(const par::Comm& comm, const State& s
   const auto& cells = problem.domain.mesh->cell_to_node;
   std::vector<double> result(problem.domain.point.size(), 0);
   for (std::size_t c = 0; c < cells.size(); ++c) {
+    if (is_constant(chi, cells[c])) continue;
     const auto shape = problem.domain.shape(c);
-    CutOffCell cut;
-    if (!cut_off_cell(state, chi, c, shape, cut)) continue;
+    const auto cut = cut_off_cell(state, chi, c, shape);
     const auto gradient = state.cell_gradient[c] + cut.base, direction = component.at(cut.middle);
     const double through = dot(gradient, cut.slope), along = dot(cut.slope, direction), here = dot(gradient, direction);
     std::array<double, 4> source{};  // mean of the slope of the pressure times each corner function
@@ -138,9 +137,9 @@ double volume_form_remainder(const par::Comm& comm, const State& state, std::spa
   const auto& cells = problem.domain.mesh->cell_to_node;
   std::array<par::ExactSum, 1> sum;
   for (std::size_t c = 0; c < cells.size(); ++c) {
+    if (is_constant(chi, cells[c])) continue;
     const auto shape = problem.domain.shape(c);
-    CutOffCell cut;
-    if (!cut_off_cell(state, chi, c, shape, cut)) continue;
+    const auto cut = cut_off_cell(state, chi, c, shape);
     const auto direction = component.at(cut.middle);
     const auto stress_of = [&](Vec3 error) {
       return dot(error, direction) * dot(error, cut.slope) - 0.5 * squared_norm(error) * dot(cut.slope, direction);
