@@ -376,7 +376,7 @@ std::vector<double> System::harmonic(std::uint64_t one, std::uint64_t zero) {
     }
   }
   require(MatDiagonalSet(jacobian_, updated_, INSERT_VALUES));
-  solve_linear(harmonic_solver(), f, w, 1e-2);
+  solve_linear(harmonic_solver(), f, w, 1e-3);
   auto result = local_values(w);
   for (std::size_t i = 0; i < result.size(); ++i)
     result[i] = (patches[i] & (one | zero)) != 0 ? given[i] : result[i] + given[i];

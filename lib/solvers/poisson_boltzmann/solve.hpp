@@ -53,7 +53,7 @@ class System {
   std::vector<double> solve_linearised(std::span<const double> load, std::span<const double> value);
 
   /// The discrete harmonic function that is 1 on the patches of `one`, 0 on those of `zero` (bit p for patch p; `one`
-  /// decides where they meet) and free elsewhere, to 1e-2: a linear system with the stiffness matrix. Collective.
+  /// decides where they meet) and free elsewhere, to 1e-3: a linear system with the stiffness matrix. Collective.
   std::vector<double> harmonic(std::uint64_t one, std::uint64_t zero);
 
   /// u . K u, the energy of the gradient. Collective.
