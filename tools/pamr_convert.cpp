@@ -171,10 +171,11 @@ convert::ReadRequest read_request(const Options& options) {
 }
 
 /// Scale, unit and kinds as asked for. Collective.
-void adjust(const par::Comm& comm, const Options& options, mesh::DistMesh& mesh) {
+void adjust(const par::Comm& comm, const Options& options, bool as_foam, mesh::DistMesh& mesh) {
   auto& unit = mesh.info.length_unit;
   if (options.scale != 1) {
-    convert::scale_mesh(comm, mesh, options.scale);
+    const bool needs_surfaces = options.order == 2 || (!as_foam && convert::is_native_file(options.output));
+    convert::scale_mesh(comm, mesh, options.scale, needs_surfaces);
     unit = options.asks_unit ? options.unit : "";  // what it was no longer holds
   } else if (options.asks_unit) {
     if (geometry::is_cad_unit(unit) && unit != options.unit)
@@ -429,7 +430,7 @@ cli::ExitCode convert_file(cli::Session& session, const Options& options) {
   nlohmann::json report;
   session.step("reading " + options.input);
   auto mesh = convert::read_mesh(session, read_request(options), report);
-  adjust(comm, options, mesh);
+  adjust(comm, options, as_foam, mesh);
   validate::require_valid(comm, mesh, options.input);
   session.step(fmt::format("looking at {} cells", mesh.info.n_global_cells));
   associate(session, options, mesh, report);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-/// Reads damaged files of one format (native, Gmsh, VTK, ...), each a mutation of a small good one from a fixed seed, and
-/// fails when the reader crashes, takes longer than 5 seconds, throws anything but `pamr::Error`, gives an error that
-/// does not name the file, or asks for a piece of memory larger than 16 times the file and 64 MiB.
+/// Reads damaged files of one format (native, Gmsh, VTK, ...), each a mutation of a small good one from a fixed seed,
+/// and fails when the reader crashes, takes longer than 5 seconds, throws anything but `pamr::Error`, gives an error
+/// that does not name the file, or asks for a piece of memory larger than 16 times the file and 64 MiB.
 ///
 ///     fuzz_FORMAT [N] [FIRST_SEED]        N damaged files (2000), on all processors
 ///

@@ -21,10 +21,11 @@ std::string seed_name(int i) { return "seed" + std::to_string(i) + ".su2"; }
 
 void write_seed_files(const par::Comm& comm, const std::filesystem::path& folder) {
   io::write_su2(comm, folder / seed_name(0), assemble::assemble(comm, test::random_mesh(comm, 1, 2)));
-  std::ofstream(folder / seed_name(1)) << "% a comment\nNDIME= 3\n\nNPOIN= 4 4\n0 0 0 0\n1 0 0 1\n0 1. 0 2\n0 0 +1e0 3\n"
-                                          "NELEM= 1\n10\t0 1 2 3 0\nNMARK= 2\nMARKER_TAG= wall\nMARKER_ELEMS= 3\n"
-                                          "5 0 1 2\n5 0 1 3\n5 1 2 3\nMARKER_TAG= far field\nMARKER_ELEMS= 1\n5 0 2 3 7\n"
-                                          "NPERIODIC= 1\nFFD_NBOX= 1\nFFD_CORNER_POINTS= 2\n0.0 0.0 0.0\n1.0 1.0 1.0\n";
+  std::ofstream(folder / seed_name(1))
+      << "% a comment\nNDIME= 3\n\nNPOIN= 4 4\n0 0 0 0\n1 0 0 1\n0 1. 0 2\n0 0 +1e0 3\n"
+         "NELEM= 1\n10\t0 1 2 3 0\nNMARK= 2\nMARKER_TAG= wall\nMARKER_ELEMS= 3\n"
+         "5 0 1 2\n5 0 1 3\n5 1 2 3\nMARKER_TAG= far field\nMARKER_ELEMS= 1\n5 0 2 3 7\n"
+         "NPERIODIC= 1\nFFD_NBOX= 1\nFFD_CORNER_POINTS= 2\n0.0 0.0 0.0\n1.0 1.0 1.0\n";
   for (int i = 0; i < n_seed_files(); ++i) read_file(comm, folder / seed_name(i));  // good ones
 }
 

@@ -86,11 +86,15 @@ mesh::DistMesh read_mesh(cli::Session& session, const ReadRequest& request, nloh
   return std::move(read.mesh);
 }
 
-void scale_mesh(const par::Comm& comm, mesh::DistMesh& mesh, double factor) {
-  if (mesh.info.surfaces->size() > 0)
-    throw Error(
-        "--scale: expected a mesh without surfaces, which would stay as they are, found some: scale what the mesh "
-        "was made of");
+void scale_mesh(const par::Comm& comm, mesh::DistMesh& mesh, double factor, bool needs_surfaces) {
+  if (mesh.info.surfaces->size() > 0) {
+    if (needs_surfaces)
+      throw Error(
+          "--scale: expected a mesh without surfaces, which would stay as they are, found some: scale what the mesh "
+          "was made of, or convert to a format without surfaces");
+    mesh.info.surfaces = geometry::no_surfaces();
+    for (auto& patch : mesh.info.patches) patch.surface = -1;
+  }
   bool is_finite = true;
   for (auto& p : mesh.node_position) {
     p = {factor * p.x, factor * p.y, factor * p.z};

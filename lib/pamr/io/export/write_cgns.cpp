@@ -165,7 +165,7 @@ const char* condition_of(const std::string& kind) {
   if (kind == "farfield") return "BCFarfield";
   if (kind == "inflow") return "BCInflow";
   if (kind == "outflow") return "BCOutflow";
-  return "BCTypeUserDefined";
+  return "UserDefined";
 }
 
 class CgnsWriter {
@@ -204,7 +204,7 @@ class CgnsWriter {
   }
 
  private:
-  static constexpr const char* zone = "/Base/Zone";
+  static constexpr const char* zone = "/Base/Zone1";  // the name that programs expect where there is one
 
   template <class Make>
   void on_first(Make&& make) {
