@@ -88,7 +88,6 @@ void declare(cli::CommandLine& line, Options& options) {
   const auto unit =
       line.option("--unit", options.unit, "unit of the mesh's coordinates, kept in the mesh: mm, cm, m, um, in, ft")
           .show_default();
-  line.after_reading([&options, unit] { options.asks_unit = unit.is_given(); });
   line.option("--scale", options.scale, "factor for all coordinates, before surfaces are looked at").show_default();
   line.option("--kind", options.kinds,
               "PATCH=KIND: wall, symmetry, symmetryPlane, farfield, inflow, outflow or patch (none); may be repeated")
@@ -117,7 +116,10 @@ void declare(cli::CommandLine& line, Options& options) {
   const auto version = line.option("--gmsh-version", options.gmsh_version, "format of a .msh to write")
                            .one_of({"2.2", "4.1"})
                            .show_default();
-  line.after_reading([&options, version] { options.asks_version = version.is_given(); });
+  line.after_reading([&options, version, unit] {
+    options.asks_version = version.is_given();
+    options.asks_unit = unit.is_given();
+  });
   line.flag("--text", options.text, "write a .msh as text instead of binary");
   line.option("--order", options.order,
               "of the cells of a .msh or .vtu to write: 2 gives each edge a node, on the surface in curved boundaries")

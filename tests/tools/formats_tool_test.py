@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""pamr-convert: Medit's, SU2's and AFLR3's formats in and out, CGNS out; meshio, Gmsh and the layout itself judge."""
+"""pamr-convert: Medit's, SU2's and AFLR3's formats in and out, CGNS out, checked by meshio, Gmsh, VTK, cgnscheck and the layout itself."""
 import pathlib
 import shutil
 import struct
@@ -243,8 +243,8 @@ def test_cgns_has_the_tree_that_the_standard_asks_for():
         assert zone[" data"][:].ravel().tolist() == [len(points), len(cells), 0]
         x = np.stack([zone[f"GridCoordinates/Coordinate{a}/ data"][:] for a in "XYZ"], axis=1)
         assert np.array_equal(x, points)
-        assert np.array_equal(zone["Cells/ElementConnectivity/ data"][:].reshape(-1, 4) - 1, cells)
-        assert zone["Cells/ data"][:].tolist() == [10, 0]
+        assert np.array_equal(zone["GridElements/ElementConnectivity/ data"][:].reshape(-1, 4) - 1, cells)
+        assert zone["GridElements/ data"][:].tolist() == [10, 0]
         first = len(cells) + 1
         for patch in PATCHES:
             faces = zone[f"{patch}/ElementConnectivity/ data"][:].reshape(-1, 3) - 1

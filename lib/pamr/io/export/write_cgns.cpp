@@ -262,8 +262,8 @@ class CgnsWriter {
   }
 
   void elements() {
-    section("Cells", 10, 1, mesh_.info.n_global_cells, 4, [this] { return corners(rows_.cell_to_node); });
-    CgnsNames names({"ZoneType", "GridCoordinates", "Cells", "ZoneBC", "NodeFields", "CellFields"});
+    section("GridElements", 10, 1, mesh_.info.n_global_cells, 4, [this] { return corners(rows_.cell_to_node); });
+    CgnsNames names({"ZoneType", "GridCoordinates", "GridElements", "ZoneBC", "NodeFields", "CellFields"});
     auto first = mesh_.info.n_global_cells + 1;
     for (std::size_t p = 0; p < faces_.size(); ++p) {
       patch_name_.push_back(names(mesh_.info.patches[p].name));
