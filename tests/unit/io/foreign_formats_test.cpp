@@ -37,7 +37,7 @@ TEST(UgridName, SaysTheOrderOfBytesAndWhereConditionsAre) {
   EXPECT_FALSE(ugrid::is_big_endian("part.lb8.ugrid"));
   EXPECT_THROW(ugrid::is_big_endian("part.ugrid"), Error);
   EXPECT_THROW(ugrid::is_big_endian("part.r8.ugrid"), Error);
-  EXPECT_EQ(ugrid::mapbc_of("a.b/part.lb8.ugrid"), "a.b/part.mapbc");
+  EXPECT_EQ(ugrid::mapbc_of("a.b/part.lb8.ugrid").string(), "a.b/part.mapbc");
 }
 
 TEST(UgridConditions, ComeBackAsTheKindsThatTheyStandFor) {
