@@ -219,7 +219,7 @@ def test_kinds_and_units_are_given_on_the_command_line():
     refuses("pamr-convert", "cube.hdf", "n.hdf", "--kind", "lid=wall", says=["xmin", "'lid'"])
     refuses("pamr-convert", "cube.hdf", "n.hdf", "--scale", "-1", says=["above 0"])
     refuses("pamr-convert", "k.hdf", "n.hdf", "--unit", "mm", says=["--scale", "m,"])
-    run("pamr-mesh", "--shape", "sphere-in-box", "--size", "1", "-o", "s.hdf", "--quiet", serial=True)
+    run("pamr-mesh", "--shape", "sphere-in-box", "--size", "0.6", "-o", "s.hdf", "--quiet", serial=True)
     refuses("pamr-convert", "s.hdf", "n.hdf", "--scale", "2", says=["without surfaces"], creates="n.hdf")
     run("pamr-convert", "s.hdf", "s.mesh", "--scale", "2", "--quiet")
     with h5py.File("s.hdf") as file:
