@@ -52,6 +52,10 @@ set(CPACK_DEBIAN_DEV_PACKAGE_NAME libpamr-dev)
 set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "libopenmpi-dev, libhdf5-openmpi-dev, libptscotch-dev, libscotch-dev, libbz2-dev, \
 liblzma-dev, zlib1g-dev, libcgal-dev, libfmt-dev, libtomlplusplus-dev, nlohmann-json3-dev")
+if(PAMR_HAS_CAD)
+  string(APPEND CPACK_DEBIAN_DEV_PACKAGE_DEPENDS ", libocct-data-exchange-dev, libocct-modeling-algorithms-dev, \
+libocct-modeling-data-dev, libocct-foundation-dev")
+endif()
 set(CPACK_DEBIAN_DEV_PACKAGE_RECOMMENDS "cmake (>= 3.25), petsc-dev")
 set(CPACK_COMPONENT_DEV_DESCRIPTION "Parallel adaptive refinement of tetrahedral meshes: C++ library
  Static libraries, headers, CMake's configuration and an example.")

@@ -6,7 +6,7 @@
 #   scripts/package.sh [--test] [--no-manual]
 #
 #   --test       also installs the packages in a bare Debian 12 (debootstrap; as root), where no compiler is, runs the first
-#                tutorial there as a user and imports the Python package
+#                tutorial there as a user, imports the Python package and builds an example on the library
 #   --no-manual  without the package of the manual
 #
 # Environment: PAMR_BUILD (build folder, default build/release; one that is configured is used as it is), PAMR_JOBS

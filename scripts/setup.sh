@@ -33,7 +33,7 @@ packages=(
   python3                                 # tables of the cases
 )
 python_packages=(python3-dev python3-numpy python3-mpi4py pybind11-dev)
-test_packages=(libgtest-dev libgmock-dev libbenchmark-dev python3-gmsh python3-h5py python3-meshio python3-petsc4py help2man
+test_packages=(libgtest-dev libgmock-dev libbenchmark-dev python3-gmsh python3-h5py python3-meshio python3-petsc4py cgns-convert help2man
   "${python_packages[@]}"
   chromium                           # the page of pamr-quality --html, looked at
   clang-format clang-tidy codespell) # the gates of .ci/run

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Installs the packages of scripts/package.sh in a bare Debian 12 and uses them there, as an ordinary user: nothing is compiled,
-# and no compiler is there.
+# Installs the packages of scripts/package.sh in a bare Debian 12 and uses them there, as an ordinary user: tools, Python and manual
+# where no compiler is; at last the library, by building its example with a compiler.
 #
 #   scripts/test_packages.sh FOLDER    the folder with the packages; as root, since it makes a root of its own
 #
@@ -79,5 +79,13 @@ if ls "$packages"/pamr-doc_*.deb >/dev/null 2>&1; then
   inside sh -c 'apt-get -q -y install --no-install-recommends /tmp/packages/pamr-doc_*.deb' >>"$packages/apt.log" 2>&1
   check "the manual" 'test -s /usr/share/doc/pamr/html/index.html || ls /etc/dpkg/dpkg.cfg.d'
 fi
-inside sh -c 'apt-get -q -y purge pamr python3-pamr pamr-doc; test ! -e /usr/bin/pamr-refine' >>"$packages/apt.log" 2>&1
+if ls "$packages"/libpamr-dev_*.deb >/dev/null 2>&1; then # with what it depends on and a compiler, nothing else
+  inside sh -c 'apt-get -q -y install --no-install-recommends /tmp/packages/libpamr-dev_*.deb cmake g++ make' >>"$packages/apt.log" 2>&1 || {
+    tail -n 20 "$packages/apt.log" >&2
+    exit 1
+  }
+  check "a program on the library" 'cmake -S /usr/share/pamr/examples -B build >/dev/null && cmake --build build >/dev/null &&
+    mpirun -n 2 build/refine_loop loop.hdf && build/refine_loop alone.hdf && cmp loop.hdf alone.hdf && pamr-quality loop.hdf'
+fi
+inside sh -c 'apt-get -q -y purge pamr libpamr-dev python3-pamr pamr-doc; test ! -e /usr/bin/pamr-refine' >>"$packages/apt.log" 2>&1
 echo "the packages work on a bare Debian 12"

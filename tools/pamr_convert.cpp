@@ -2,12 +2,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
+#include <cmath>
 #include <filesystem>
-#include <functional>
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -15,24 +13,26 @@
 #include "cli/run_tool.hpp"
 #include "cli/text_file.hpp"
 #include "convert/cad_surfaces.hpp"
+#include "convert/formats.hpp"
 #include "convert/known_shapes.hpp"
+#include "convert/read_mesh.hpp"
 #include "meshing/associate/associate_surfaces.hpp"
 #include "meshing/repair/find_wall_ears.hpp"
 #include "meshing/repair/open_wall_ears.hpp"
-#include "pamr/assemble/assemble.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/base/toml_table.hpp"
 #include "pamr/curved/curve_cells.hpp"
 #include "pamr/geometry/cad/cad_source.hpp"
 #include "pamr/geometry/triangulated/self_intersection.hpp"
 #include "pamr/io/export/write_boundary.hpp"
+#include "pamr/io/export/write_cgns.hpp"
 #include "pamr/io/export/write_foam.hpp"
 #include "pamr/io/export/write_vtu.hpp"
-#include "pamr/io/gmsh/read_gmsh.hpp"
 #include "pamr/io/gmsh/write_gmsh.hpp"
+#include "pamr/io/medit/write_medit.hpp"
 #include "pamr/io/native/native_file.hpp"
-#include "pamr/io/vtk/read_vtu.hpp"
-#include "pamr/mesh/periodic_patches.hpp"
+#include "pamr/io/su2/write_su2.hpp"
+#include "pamr/io/ugrid/write_ugrid.hpp"
 #include "pamr/mesh/undescribed_patches.hpp"
 #include "pamr/validate/validate.hpp"
 
@@ -41,28 +41,34 @@ namespace {
 using namespace pamr;
 
 struct Options {
-  std::string input, output, surfaces, cad, unit = geometry::usual_cad_unit, gmsh_version = "4.1";
-  std::vector<std::string> ties, surface_files, patches;
+  std::string input, output, surfaces, cad, unit = geometry::usual_cad_unit, gmsh_version = "4.1", solution_in,
+                                            solution_out;
+  std::vector<std::string> ties, surface_files, patches, kinds, solution_fields;
   std::vector<std::vector<double>> creases;
-  double tolerance = -1, feature_angle = -1;
+  double tolerance = -1, feature_angle = -1, scale = 1;
   int format = io::newest_format, order = 1;
-  bool asks_version = false, recognize = false, repair = false, no_repair = false, strict = false, text = false,
-       force = false;
+  bool asks_version = false, asks_unit = false, recognize = false, repair = false, no_repair = false, strict = false,
+       text = false, force = false;
+  force = false;
 };
 
 void declare(cli::CommandLine& line, Options& options) {
-  line.option("IN", options.input,
-              "mesh to read: .hdf or .vtkhdf (native, or VTKHDF of another program) or .msh (Gmsh 2.2 or 4.1, text or "
-              "binary)")
+  line.option(
+          "IN", options.input,
+          "mesh to read: .hdf or .vtkhdf (native, or VTKHDF of another program), .msh (Gmsh 2.2 or 4.1), .vtu, .mesh "
+          "or .meshb (Medit), .su2, .lb8.ugrid or .b8.ugrid (AFLR3)")
       .required();
-  line.option("OUT", options.output,
-              "mesh to write: .hdf or .vtkhdf (native), .msh or .vtu; its boundary: .stl, .obj, .ply, .off or .vtp; "
-              "without an extension, or an existing folder: an OpenFOAM case")
+  line.option(
+          "OUT", options.output,
+          "mesh to write: .hdf or .vtkhdf (native), .msh, .vtu, .mesh, .meshb, .su2, .lb8.ugrid, .b8.ugrid or .cgns; "
+          "its boundary: .stl, .obj, .ply, .off or .vtp; "
+          "without an extension, or an existing folder: an OpenFOAM case")
       .required();
   line.flag("--repair", options.repair,
-            "turn inverted cells of a .msh over instead of refusing them, and split inner edges and faces so that no "
+            "turn inverted cells of another program's mesh over instead of refusing them, and split inner edges and "
+            "faces so that no "
             "inner face has two edges on one curved wall (cells there get flat when they are refined); the latter is "
-            "done anyway for a .msh with surfaces");
+            "done anyway for such a mesh with surfaces");
   line.flag("--no-repair", options.no_repair, "split nothing");
   line.flag("--strict", options.strict,
             "refuse what would only be reported: inverted cells, nodes of no cell, "
@@ -81,8 +87,21 @@ void declare(cli::CommandLine& line, Options& options) {
           "STEP (or BREP) file of the body that the mesh was made from: finds by geometry on which of its faces each "
           "patch lies")
       .type_name("FILE");
-  line.option("--unit", options.unit, "unit of the mesh's coordinates beside --cad: mm, cm, m, um, in, ft")
-      .show_default();
+  const auto unit =
+      line.option("--unit", options.unit, "unit of the mesh's coordinates, kept in the mesh: mm, cm, m, um, in, ft")
+          .show_default();
+  line.option("--scale", options.scale, "factor for all coordinates, before surfaces are looked at").show_default();
+  line.option("--kind", options.kinds,
+              "PATCH=KIND: wall, symmetry, symmetryPlane, farfield, inflow, outflow or patch (none); may be repeated")
+      .type_name("PAIR")
+      .one_at_a_time();
+  line.option("--sol-in", options.solution_in, "Medit's .sol or .solb with fields of a .mesh or .meshb to read")
+      .type_name("FILE");
+  line.option("--sol-out", options.solution_out, "the same to write beside a .mesh or .meshb").type_name("FILE");
+  line.option("--sol-fields", options.solution_fields,
+              "NAME,NAME,...: names of the fields to read, in their order; fields to write (all of reals)")
+      .delimiter(',')
+      .type_name("NAMES");
   line.flag("--recognize", options.recognize,
             "put patches without a surface that certainly lie on a sphere, cylinder, cone or torus on it");
   line.option("--feature-angle", options.feature_angle,
@@ -101,7 +120,10 @@ void declare(cli::CommandLine& line, Options& options) {
   const auto version = line.option("--gmsh-version", options.gmsh_version, "format of a .msh to write")
                            .one_of({"2.2", "4.1"})
                            .show_default();
-  line.after_reading([&options, version] { options.asks_version = version.is_given(); });
+  line.after_reading([&options, version, unit] {
+    options.asks_version = version.is_given();
+    options.asks_unit = unit.is_given();
+  });
   line.flag("--text", options.text, "write a .msh as text instead of binary");
   line.option("--order", options.order,
               "of the cells of a .msh or .vtu to write: 2 gives each edge a node, on the surface in curved boundaries")
@@ -109,26 +131,6 @@ void declare(cli::CommandLine& line, Options& options) {
       .show_default();
   line.option("--format", options.format, cli::format_help).range(io::oldest_format, io::newest_format).show_default();
   line.flag("--force", options.force, cli::force_help);
-}
-
-constexpr std::array<std::string_view, 4> known_inputs{".hdf", ".vtkhdf", ".msh", ".vtu"};
-constexpr std::array<std::string_view, 9> known_outputs{".hdf", ".vtkhdf", ".msh", ".vtu", ".stl",
-                                                        ".obj", ".ply",    ".off", ".vtp"};
-
-std::string extension(const std::string& file, std::span<const std::string_view> known) {
-  const auto found = std::filesystem::path(file).extension().string();
-  std::string list;
-  for (const auto ending : known) {
-    if (found == ending) return found;
-    list += (list.empty() ? "" : ", ") + std::string(ending);
-  }
-  for (const auto* of_surface : {".stl", ".obj", ".ply", ".off"})
-    if (found == of_surface)
-      throw Error(
-          "file '" + file + "': expected a mesh of tetrahedra (" + list +
-          "), found a surface: pamr-mesh meshes the space in or around it (shape = \"surfaces\"), --surface lets "
-          "a patch of a mesh lie on it");
-  throw Error("file '" + file + "': expected a name that ends in " + list + ", found \"" + found + "\"");
 }
 
 bool brings_surfaces(const Options& options) {
@@ -140,61 +142,9 @@ bool asks_for_surfaces(const Options& options) {
   return brings_surfaces(options) || options.repair || options.order == 2;
 }
 
-/// Collective.
-mesh::DistMesh read_vtu(cli::Session& session, const Options& options, nlohmann::json& report) {
-  auto read = io::read_vtu(session.comm(), options.input);
-  report["turned_cells"] = read.n_turned;
-  report["dropped_nodes"] = read.n_dropped_nodes;
-  if (options.strict && read.n_turned + read.n_dropped_nodes > 0)
-    throw Error(fmt::format("file '{}': expected no inverted cells and no nodes of no cell, found {} and {}",
-                            options.input, read.n_turned, read.n_dropped_nodes));
-  if (read.n_turned > 0) session.warn(fmt::format("{} inverted cells were turned over", read.n_turned));
-  if (read.n_dropped_nodes > 0) session.warn(fmt::format("{} nodes of no cell were left out", read.n_dropped_nodes));
-  read.mesh.info.provenance = "pamr-convert from VTK";
-  return std::move(read.mesh);
-}
-
-/// Reads any format and reports what the reader had to change.
-mesh::DistMesh read(cli::Session& session, const Options& options, nlohmann::json& report) {
-  const auto& comm = session.comm();
-  const auto ending = extension(options.input, known_inputs);
-  if (ending == ".vtu") return read_vtu(session, options, report);
-  if (ending != ".msh") {
-    const std::function<void(const std::string&)> refuse = [](const auto& remark) { throw Error(remark); };
-    return assemble::assemble(comm, io::read_native(comm, options.input,
-                                                    {.build_surfaces = asks_for_surfaces(options),
-                                                     .remark = options.strict ? refuse : session.remarks()}));
-  }
-  auto read = io::read_gmsh(comm, options.input, {.repair = options.repair && !options.strict});
-  report["turned_cells"] = read.n_turned;
-  report["dropped_nodes"] = read.n_dropped_nodes;
-  report["untagged_faces"] = read.n_untagged_faces;
-  report["periodic_links"] = read.n_periodic_links;
-  if (options.strict && read.n_periodic_links > 0)
-    throw Error(fmt::format("file '{}': expected no periodic links, found {}", options.input, read.n_periodic_links));
-  if (options.strict && read.n_dropped_nodes > 0)
-    throw Error(fmt::format("file '{}': expected nodes that belong to cells, found {} others", options.input,
-                            read.n_dropped_nodes));
-  if (options.strict && read.n_untagged_faces > 0)
-    throw Error(fmt::format("file '{}': expected a triangle on every boundary face, found {} faces without",
-                            options.input, read.n_untagged_faces));
-  if (read.n_turned > 0) session.warn(fmt::format("{} inverted cells were turned over", read.n_turned));
-  if (read.n_dropped_nodes > 0) session.warn(fmt::format("{} nodes of no cell were left out", read.n_dropped_nodes));
-  if (read.n_untagged_faces > 0)
-    session.warn(fmt::format("{} boundary faces without tag are in the patch 'boundary'", read.n_untagged_faces));
-  if (const auto warning = mesh::warning_of_periodic(read.mesh.info.patches); !warning.empty()) session.warn(warning);
-  read.mesh.info.provenance = "pamr-convert from Gmsh";
-  return std::move(read.mesh);
-}
-
 bool is_foam_case(const std::string& output) {
   std::error_code none;
   return std::filesystem::path(output).extension().empty() || std::filesystem::is_directory(output, none);
-}
-
-bool is_native(const std::string& output, bool as_foam) {
-  const auto ending = as_foam ? "" : extension(output, known_outputs);
-  return ending == ".hdf" || ending == ".vtkhdf";
 }
 
 /// `second_order`: null for linear cells. Collective.
@@ -202,13 +152,53 @@ void write(const par::Comm& comm, const Options& options, bool as_foam, const me
            const mesh::SecondOrder* second_order) {
   if (as_foam) return io::write_foam(comm, options.output, mesh);
   if (io::is_surface_file(options.output)) return io::write_boundary(comm, options.output, mesh, options.patches);
-  const auto ending = extension(options.output, known_outputs);
-  if (is_native(options.output, as_foam)) io::write_native(comm, options.output, mesh, {.format = options.format});
+  const auto ending = convert::ending_of_output(options.output);
+  if (convert::is_native_file(options.output)) io::write_native(comm, options.output, mesh, {.format = options.format});
   if (ending == ".vtu") io::write_vtu(comm, options.output, mesh, second_order);
+  if (ending == ".su2") io::write_su2(comm, options.output, mesh);
+  if (ending == ".ugrid") io::write_ugrid(comm, options.output, mesh);
+  if (ending == ".cgns") io::write_cgns(comm, options.output, mesh);
+  if (convert::is_medit_file(options.output)) io::write_medit(comm, options.output, mesh);
+  if (!options.solution_out.empty()) io::write_medit_fields(comm, options.solution_out, mesh, options.solution_fields);
   if (ending == ".msh")
     io::write_gmsh(comm, options.output, mesh,
                    {options.gmsh_version == "2.2" ? io::GmshVersion::v2_2 : io::GmshVersion::v4_1, !options.text},
                    second_order);
+}
+
+/// Options for the reader. Local.
+convert::ReadRequest read_request(const Options& options) {
+  return {.file = options.input,
+          .repair = options.repair,
+          .strict = options.strict,
+          .build_surfaces = asks_for_surfaces(options),
+          .solution = options.solution_in,
+          .field_names = options.solution_in.empty() ? std::vector<std::string>() : options.solution_fields};
+}
+
+/// Scale, unit and kinds as asked for. Collective.
+void adjust(const par::Comm& comm, const Options& options, bool as_foam, mesh::DistMesh& mesh) {
+  auto& unit = mesh.info.length_unit;
+  if (options.scale != 1) {
+    const bool needs_surfaces = options.order == 2 || (!as_foam && convert::is_native_file(options.output));
+    convert::scale_mesh(comm, mesh, options.scale, needs_surfaces);
+    unit = options.asks_unit ? options.unit : "";  // what it was no longer holds
+  } else if (options.asks_unit) {
+    if (geometry::is_cad_unit(unit) && unit != options.unit)
+      throw Error(
+          fmt::format("--unit: expected the unit of the mesh, {}, or --scale beside it to convert the coordinates, "
+                      "found {}",
+                      unit, options.unit));
+    unit = options.unit;
+  }
+  convert::set_kinds(options.kinds, mesh);
+}
+
+/// Which number stands for which patch, for formats that know numbers alone. Local.
+void report_numbers(const Options& options, bool as_foam, const mesh::DistMesh& mesh, nlohmann::json& report) {
+  if (as_foam || !convert::is_medit_file(options.output)) return;
+  const auto reference = io::medit_references(mesh.info);
+  for (std::size_t p = 0; p < reference.size(); ++p) report["references"][mesh.info.patches[p].name] = reference[p];
 }
 
 void check_foam_case(const cli::Session& session, const Options& options) {
@@ -228,11 +218,29 @@ void check_foam_case(const cli::Session& session, const Options& options) {
   });
 }
 
+/// Files of fields go with Medit's meshes only. Local.
+void check_solutions(const Options& options, bool as_foam) {
+  const auto check = [](const std::string& file, const std::string& mesh, bool is_medit, const char* name) {
+    if (file.empty()) return;
+    const auto ending = std::filesystem::path(file).extension();
+    if (ending != ".sol" && ending != ".solb")
+      throw Error(fmt::format("{}: expected a name that ends in .sol or .solb, found '{}'", name, file));
+    if (!is_medit) throw Error(fmt::format("{}: expected a .mesh or .meshb beside it, found '{}'", name, mesh));
+  };
+  check(options.solution_in, options.input, convert::is_medit_file(options.input), "--sol-in");
+  check(options.solution_out, options.output, !as_foam && convert::is_medit_file(options.output), "--sol-out");
+  if (options.solution_in.empty() && options.solution_out.empty() && !options.solution_fields.empty())
+    throw Error("--sol-fields: expected --sol-in or --sol-out beside it, found neither");
+  if (!options.solution_in.empty() && !options.solution_out.empty())
+    throw Error("expected --sol-in or --sol-out, found both");
+}
+
 /// Checks what can be checked before anything is read. Collective.
 void check_files(cli::Session& session, const Options& options, bool as_foam) {
-  (void)extension(options.input, known_inputs);
+  (void)convert::ending_of_input(options.input);
   const bool as_boundary = io::is_surface_file(options.output) && !as_foam;
-  if (!as_foam) (void)extension(options.output, known_outputs);
+  if (!as_foam) (void)convert::ending_of_output(options.output);
+  check_solutions(options, as_foam);
   const bool to_gmsh = !as_foam && options.output.ends_with(".msh");
   for (const auto& [is_given, name] :
        {std::pair(options.text, "--text"), std::pair(options.asks_version, "--gmsh-version")})
@@ -248,6 +256,8 @@ void check_files(cli::Session& session, const Options& options, bool as_foam) {
   if (!as_boundary && options.surface_files.size() != options.patches.size())
     throw Error(fmt::format("expected a --patch NAME for each --surface FILE, found {} and {}", options.patches.size(),
                             options.surface_files.size()));
+  if (!(options.scale > 0) || !std::isfinite(options.scale))
+    throw Error(fmt::format("--scale: expected a number above 0, found {}", options.scale));
   if (!geometry::is_cad_unit(options.unit))
     throw Error(fmt::format("--unit: expected mm, cm, m, um, in or ft, found \"{}\"", options.unit));
   if (as_boundary && !options.cad.empty())
@@ -262,15 +272,22 @@ void check_files(cli::Session& session, const Options& options, bool as_foam) {
     if (polyline.size() < 6 || polyline.size() % 3 != 0)
       throw Error(fmt::format("--crease: expected two points or more of three coordinates each, found {} numbers",
                               polyline.size()));
-  if (options.format != io::newest_format && !is_native(options.output, as_foam))
+  if (options.format != io::newest_format && (as_foam || !convert::is_native_file(options.output)))
     throw Error(
         fmt::format("--format {}: expected an output that ends in .hdf, found '{}'", options.format, options.output));
   std::vector<std::string> inputs{options.input};
   if (!options.surfaces.empty()) inputs.push_back(options.surfaces);
   if (!options.cad.empty()) inputs.push_back(options.cad);
+  if (!options.solution_in.empty()) inputs.push_back(options.solution_in);
   inputs.insert(inputs.end(), options.surface_files.begin(), options.surface_files.end());
   for (const auto& input : inputs) session.check_input(input);
-  if (!as_foam) return session.check_output(options.output, inputs, options.force);
+  if (!as_foam) {
+    std::vector<std::string> outputs{options.output};
+    if (!options.solution_out.empty()) outputs.push_back(options.solution_out);
+    if (options.output.ends_with(".ugrid")) outputs.push_back(io::mapbc_file(options.output).string());
+    for (const auto& output : outputs) session.check_output(output, inputs, options.force);
+    return;
+  }
   check_foam_case(session, options);
   session.prepare_output(io::foam_folder(options.output).string(), inputs);
 }
@@ -289,9 +306,9 @@ std::vector<std::string> named_patches(const Options& options, const std::string
 void associate(cli::Session& session, const Options& options, bool as_foam, mesh::DistMesh& mesh,
                nlohmann::json& report) {
   const auto& comm = session.comm();
-  const bool is_import = !options.input.ends_with(".hdf") && !options.input.ends_with(".vtkhdf");
+  const bool is_import = !convert::is_native_file(options.input);
   if (!brings_surfaces(options)) {
-    if (is_import && is_native(options.output, as_foam))
+    if (is_import && !as_foam && convert::is_native_file(options.output))
       convert::tell_known_shapes(session, convert::find_known_shapes(comm, mesh, {}, false, report));
     return;
   }
@@ -365,7 +382,7 @@ void treat_ears(cli::Session& session, const Options& options, mesh::DistMesh& m
       comm.any(std::any_of(mesh.lineage.begin(), mesh.lineage.end(), [](auto l) { return l != mesh::Lineage{}; }));
   const bool has_new_surfaces = brings_surfaces(options);
   const bool repair = !options.strict && !options.no_repair &&
-                      (options.repair || (has_new_surfaces && options.input.ends_with(".msh")));
+                      (options.repair || (has_new_surfaces && convert::is_file_of_elements(options.input)));
   if (repair && is_refined) throw Error("--repair: expected a mesh of level 0, found cells that were refined");
   if (is_refined || (!has_new_surfaces && !repair)) return;
   const auto ears = meshing::find_wall_ears(comm, mesh);
@@ -431,7 +448,8 @@ cli::ExitCode convert_file(cli::Session& session, const Options& options) {
 
   nlohmann::json report;
   session.step("reading " + options.input);
-  auto mesh = read(session, options, report);
+  auto mesh = convert::read_mesh(session, read_request(options), report);
+  adjust(comm, options, as_foam, mesh);
   validate::require_valid(comm, mesh, options.input);
   session.step(fmt::format("looking at {} cells", mesh.info.n_global_cells));
   associate(session, options, as_foam, mesh, report);
@@ -446,6 +464,7 @@ cli::ExitCode convert_file(cli::Session& session, const Options& options) {
   report["nodes"] = n_nodes;
   report["patches"] = nlohmann::json::array();
   for (const auto& patch : mesh.info.patches) report["patches"].push_back(patch.name);
+  report_numbers(options, as_foam, mesh, report);
   for (const auto& region : mesh.info.regions) report["regions"][std::to_string(region.number)] = region.name;
   session.write_report(report);
   const auto n_patches = mesh.info.patches.size();
@@ -461,7 +480,8 @@ int main(int argc, char** argv) {
   Options options;
   return cli::run_tool(
       argc, argv,
-      {"pamr-convert", "Converts meshes from and to Gmsh's format, and to VTK's and OpenFOAM's.",
+      {"pamr-convert",
+       "Converts meshes from and to the formats of Gmsh, VTK, Medit, SU2, AFLR3, and to OpenFOAM's and CGNS.",
        "pamr-convert part.msh part.hdf --surfaces part.toml\n  pamr-convert level3.hdf level3.vtu\n  pamr-convert "
        "level3.hdf curved.msh --order 2\n  pamr-convert level3.hdf foam_case"},
       [&](cli::CommandLine& line) { declare(line, options); },

@@ -294,6 +294,19 @@ void write(const Options& options, Outcome& outcome) {
   cli::write_whole(options.output, bytes);
 }
 
+/// What is shown while a command works.
+std::string step_of(const Options& options) {
+  const auto& command = options.command;
+  const char* work = command == "info"        ? "looking at"
+                     : command == "repair"    ? "mending"
+                     : command == "decimate"  ? "decimating"
+                     : command == "smooth"    ? "smoothing"
+                     : command == "subdivide" ? "subdividing"
+                     : command == "remesh"    ? "remeshing"
+                                              : "moving";
+  return fmt::format("{} {}", work, options.input);
+}
+
 cli::ExitCode inform(cli::Session& session, const Options& options) {
   surface_mesh::Description found;
   std::vector<std::string> faults;
@@ -310,9 +323,12 @@ cli::ExitCode inform(cli::Session& session, const Options& options) {
 
 cli::ExitCode run(cli::Session& session, const Options& options) {
   session.check_input(options.input);
+  if (options.command != "info") {
+    (void)geometry::surface_format_of(options.output);
+    session.check_output(options.output, {options.input}, options.force);
+  }
+  session.step(step_of(options));
   if (options.command == "info") return inform(session, options);
-  (void)geometry::surface_format_of(options.output);
-  session.check_output(options.output, {options.input}, options.force);
   Outcome outcome;
   par::agree(session.comm(), [&] {  // one process does it, the others wait
     if (!session.comm().is_first()) return;

@@ -3,7 +3,7 @@
 """dolfinx solves, PAMR marks and refines, in one program and in memory; a table of the levels is its output. `-m mpi4py` ends all ranks
 where one of them fails.
 
-    mpirun -q -n 2 python3 -m mpi4py loop.py fichera --levels 6 --table fichera.csv --record marks.npz
+    mpirun -n 2 python3 -m mpi4py loop.py fichera --levels 6 --table fichera.csv --record marks.npz
 """
 from __future__ import annotations
 

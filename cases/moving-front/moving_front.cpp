@@ -2,7 +2,7 @@
 /// A ball-shaped pulse that a constant wind carries through a cube, on a mesh that follows it: an example of a solver
 /// of one's own that refines and coarsens with PAMR in memory, in one MPI run. README.md says what it shows.
 ///
-///     mpirun -q -n 2 moving-front [--n CELLS] [--levels L] [--uniform] [--every STEPS] [--frames N] [--out FOLDER]
+///     mpirun -n 2 moving-front [--n CELLS] [--levels L] [--uniform] [--every STEPS] [--frames N] [--out FOLDER]
 ///
 ///     --n CELLS       cells along an edge of the cube at level 0 (6)
 ///     --levels L      of refinement (3)

@@ -3,7 +3,7 @@
 /// refine", data of the solver carried along, a point found again, and a file at the end.
 ///
 ///     cmake -S PREFIX/share/pamr/examples -B build -DCMAKE_PREFIX_PATH=PREFIX && cmake --build build
-///     mpirun -q -n 2 build/refine_loop loop.hdf
+///     mpirun -n 2 build/refine_loop loop.hdf
 ///
 /// Try: another number of ranks (loop.hdf keeps its bytes), other marks, `surfaces` for the patch `wall`.
 #include <array>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-/// Reads damaged files of one format (native, Gmsh, VTK), each a mutation of a small good one from a fixed seed, and
-/// fails when the reader crashes, takes longer than 5 seconds, throws anything but `pamr::Error`, gives an error that
-/// does not name the file, or asks for a piece of memory larger than 16 times the file and 64 MiB.
+/// Reads damaged files of one format (native, Gmsh, VTK, ...), each a mutation of a small good one from a fixed seed,
+/// and fails when the reader crashes, takes longer than 5 seconds, throws anything but `pamr::Error`, gives an error
+/// that does not name the file, or asks for a piece of memory larger than 16 times the file and 64 MiB.
 ///
 ///     fuzz_FORMAT [N] [FIRST_SEED]        N damaged files (2000), on all processors
 ///
@@ -99,7 +99,7 @@ int work(const fs::path& folder, std::uint64_t first, std::uint64_t last, int pi
   {
     const par::Comm comm(MPI_COMM_WORLD);
     const auto good = good_files(folder);
-    const auto file = folder / ("damaged" + std::to_string(getpid()) + fs::path(seed_name(0)).extension().string());
+    const auto file = folder / ("damaged" + std::to_string(getpid()) + seed_name(0).substr(seed_name(0).find('.')));
     watch_memory();
     for (auto seed = first; seed < last; ++seed) {
       std::ofstream(file, std::ios::binary) << mutate(good[seed % good.size()], seed);

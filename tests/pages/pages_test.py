@@ -69,6 +69,16 @@ class Pages(unittest.TestCase):
                         self.assertIn(option, known, f"{page}: {line}")
         self.assertGreater(n, 100)
 
+    def test_commands_with_mpirun_hide_no_error_and_readme_says_what_they_need(self):
+        n = 0
+        for page in PAGES:
+            for line in (line for block in blocks(page) for line in block if re.search(r"\bmpirun\b", line)):
+                n += 1
+                self.assertNotRegex(line, r"\bmpirun\b.* -q\b", f"{page}: mpirun -q hides a command that is not there")
+        self.assertGreater(n, 5)
+        readme = (SOURCE / "README.md").read_text(encoding="utf-8")
+        self.assertLess(readme.index("scripts/mpi_environment.sh"), readme.index("mpirun"))
+
     def test_blocks_that_begin_with_a_shape_run(self):
         n = 0
         for page in sorted((SOURCE / "docs").rglob("*.md")):

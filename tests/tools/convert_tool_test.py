@@ -509,7 +509,7 @@ def test_an_openfoam_case_is_replaced_only_when_asked():
 
 def test_endings_are_checked_before_anything_is_read():
     kuhn_cube("cube.hdf", 1)
-    refuses("pamr-convert", "cube.hdf", "cube.step", says=[".hdf, .vtkhdf, .msh, .vtu, .stl"], creates="cube.step")
+    refuses("pamr-convert", "cube.hdf", "cube.step", says=[".hdf, .vtkhdf, .msh, .vtu, .mesh", ".cgns, .stl"], creates="cube.step")
     refuses("pamr-convert", "cube.hdf", "cube.hdf", says=["cube.hdf"])
 
 

@@ -32,10 +32,13 @@ SharedOutput::~SharedOutput() {
   if (descriptor_ >= 0) close(descriptor_);
 }
 
-void SharedOutput::append(std::span<const std::byte> part) {
+void SharedOutput::append(std::span<const std::byte> part) { end_ = write_at(end_, part); }
+
+std::int64_t SharedOutput::write_at(std::int64_t begin, std::span<const std::byte> part) {
+  begin = comm_.sum(comm_.is_first() ? begin : 0);
   const auto here = static_cast<std::int64_t>(part.size());
-  auto at = end_ + comm_.exclusive_sum(here);
-  end_ += comm_.sum(here);
+  auto at = begin + comm_.exclusive_sum(here);
+  const auto end = begin + comm_.sum(here);
   par::agree(comm_, [&] {
     while (!part.empty()) {
       const auto n = pwrite(descriptor_, part.data(), part.size(), static_cast<off_t>(at));
@@ -45,6 +48,7 @@ void SharedOutput::append(std::span<const std::byte> part) {
       at += n;
     }
   });
+  return end;
 }
 
 void SharedOutput::commit() {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <span>
 #include <string_view>
@@ -23,6 +24,10 @@ class SharedOutput {
   SharedOutput(SharedOutput&&) = delete;
   SharedOutput& operator=(SharedOutput&&) = delete;
 
+  /// The temporary name, for what the first rank writes by other means. Local.
+  const std::filesystem::path& path() const { return file_.path(); }
+  /// Writes the parts of all ranks, in rank order, from a byte on that the first rank says; returns where they end.
+  std::int64_t write_at(std::int64_t begin, std::span<const std::byte> part);
   /// Appends the parts of all ranks, in rank order.
   void append(std::span<const std::byte> part);
   void append(std::string_view part) { append(std::as_bytes(std::span<const char>(part.data(), part.size()))); }

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "pamr/io/gmsh/line_index.hpp"
+#include "pamr/io/elements/line_index.hpp"
 
 #include <gtest/gtest.h>
 
 #include <string>
 
 #include "pamr/base/error.hpp"
-#include "pamr/io/gmsh/text_cursor.hpp"
+#include "pamr/io/elements/text_cursor.hpp"
 #include "pamr/par/comm.hpp"
 
 namespace pamr::io {

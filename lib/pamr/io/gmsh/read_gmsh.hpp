@@ -1,25 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <cstdint>
 #include <filesystem>
 
-#include "pamr/mesh/dist_mesh.hpp"
+#include "pamr/io/elements/mesh_of_elements.hpp"
 #include "pamr/par/comm.hpp"
 
 namespace pamr::io {
 
-struct GmshOptions {
-  bool repair = false;  ///< turn inverted cells over instead of refusing them
-};
-
-struct GmshMesh {
-  mesh::DistMesh mesh;
-  std::int64_t n_turned = 0;          ///< cells that were inverted
-  std::int64_t n_dropped_nodes = 0;   ///< nodes of no tetrahedron: centers of circles, points of the geometry
-  std::int64_t n_periodic_links = 0;  ///< that are not kept; their surfaces are patches of kind `periodic`
-  std::int64_t n_untagged_faces = 0;  ///< boundary faces without triangle: they are in the patch `boundary`
-};
+using GmshOptions = ElementOptions;
+using GmshMesh = ElementMesh;
 
 /// Reads a mesh in Gmsh's format 2.2 or 4.1, text or binary, whose cells are tetrahedra of first order. Physical
 /// surfaces become patches of the same name (`surface_N` without a name; geometrical surfaces where there are no

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstddef>
@@ -11,7 +12,7 @@
 #include <string_view>
 #include <type_traits>
 
-#include "pamr/io/gmsh/line_index.hpp"
+#include "pamr/io/elements/line_index.hpp"
 
 namespace pamr::io {
 
@@ -59,6 +60,20 @@ class TextCursor {
   std::int64_t integer(std::string_view what);
   double real(std::string_view what);
 
+  /// The next number of the same line; throws where the line ends.
+  std::int64_t integer_in_line(std::string_view what);
+  double real_in_line(std::string_view what);
+  /// Whether nothing but blanks, or a comment that begins with `comment`, is left of the line.
+  bool is_line_over(char comment);
+  /// Passes empty lines and comments.
+  void skip_empty_lines(char comment);
+  /// The word that begins here, over blanks and line ends: letters, digits and `_`; empty where a number or the end is.
+  std::string_view keyword();
+  /// Passes bytes of the present line.
+  void pass(std::size_t n_bytes) { at_ = std::min(at_ + n_bytes, bytes_.size()); }
+  /// Goes on at a byte of the file, not before the present one.
+  void go_to(std::uint64_t byte, std::string_view what);
+
   template <class T>
   T value(std::string_view what) {
     static_assert(std::is_trivially_copyable_v<T> && std::endian::native == std::endian::little);
@@ -77,6 +92,8 @@ class TextCursor {
  private:
   void need(std::size_t n, std::string_view what) const;
   std::string_view word(std::string_view what);
+  void skip_blanks();
+  void require_word_in_line(std::string_view what);
 
   std::string_view bytes_;
   std::string file_;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "pamr/io/gmsh/line_index.hpp"
+#include "pamr/io/elements/line_index.hpp"
 
 #include <algorithm>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "pamr/io/gmsh/text_cursor.hpp"
+#include "pamr/io/elements/text_cursor.hpp"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cerrno>
 #include <charconv>
 #include <cmath>
@@ -132,6 +133,57 @@ double TextCursor::real(std::string_view what) {
     fail(std::string(what) + " that is finite", shown(text));
   at_ += text.size();
   return value;
+}
+
+void TextCursor::skip_blanks() {
+  while (at_ < bytes_.size() && (bytes_[at_] == ' ' || bytes_[at_] == '\t' || bytes_[at_] == '\r')) ++at_;
+}
+
+void TextCursor::require_word_in_line(std::string_view what) {
+  skip_blanks();
+  if (at_end()) fail(std::string(what), "the end of the file");
+  if (bytes_[at_] == '\n') fail(std::string(what), "the end of the line");
+}
+
+std::int64_t TextCursor::integer_in_line(std::string_view what) {
+  require_word_in_line(what);
+  return integer(what);
+}
+
+double TextCursor::real_in_line(std::string_view what) {
+  require_word_in_line(what);
+  return real(what);
+}
+
+bool TextCursor::is_line_over(char comment) {
+  skip_blanks();
+  return at_end() || bytes_[at_] == '\n' || bytes_[at_] == comment;
+}
+
+void TextCursor::skip_empty_lines(char comment) {
+  while (!at_end()) {
+    const auto begin = at_;
+    if (!is_line_over(comment)) {
+      at_ = begin;
+      return;
+    }
+    (void)line();
+  }
+}
+
+std::string_view TextCursor::keyword() {
+  while (at_ < bytes_.size() && (std::isspace(static_cast<unsigned char>(bytes_[at_])) != 0)) ++at_;
+  if (at_end() || std::isalpha(static_cast<unsigned char>(bytes_[at_])) == 0) return {};
+  const auto begin = at_;
+  while (at_ < bytes_.size() && (std::isalnum(static_cast<unsigned char>(bytes_[at_])) != 0 || bytes_[at_] == '_'))
+    ++at_;
+  return bytes_.substr(begin, at_ - begin);
+}
+
+void TextCursor::go_to(std::uint64_t byte, std::string_view what) {
+  if (byte < at_ || byte > bytes_.size())
+    fail(fmt::format("{} between here and the end of the file", what), fmt::format("byte {}", byte));
+  at_ = byte;
 }
 
 std::int64_t TextCursor::checked_count(std::int64_t count, std::size_t min_bytes, std::string_view what) const {

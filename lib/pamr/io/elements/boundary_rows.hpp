@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
+#include "pamr/io/rows_in_order.hpp"
+#include "pamr/mesh/dist_mesh.hpp"
+
+namespace pamr::io {
+
+/// A triangle of the boundary, seen counter-clockwise from outside.
+struct BoundaryRow {
+  std::array<GlobalId, 3> node{};
+  int patch = 0;
+};
+
+/// Those at this rank's block of cells, by cell, the faces of a cell by slot. Local.
+std::vector<BoundaryRow> boundary_rows(const RowsInOrder& rows);
+
+/// Numbers of the patches for formats that know numbers alone: N for a patch `prefixN` (N of at most nine digits, from
+/// `first` on), as the readers of these formats call them; the lowest free numbers from 1 on for the others, in order.
+std::vector<std::int64_t> patch_numbers(const mesh::MeshInfo& info, std::string_view prefix, std::int64_t first);
+
+}  // namespace pamr::io

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "pamr/geometry/vec3.hpp"
+#include "pamr/mesh/field.hpp"
+#include "pamr/par/comm.hpp"
+
+/// What a file of nodes, tetrahedra and tagged triangles says, before it becomes a mesh (`mesh_of_elements.hpp`). Every
+/// rank reads its share.
+namespace pamr::io {
+
+/// A triangle or a tetrahedron by the tags of its nodes, and the number of the group that it belongs to.
+struct TaggedTriangle {
+  std::array<std::int64_t, 3> node{};
+  std::int64_t group = 0;
+};
+struct TaggedTetrahedron {
+  std::array<std::int64_t, 4> node{};
+  std::int64_t group = 0;
+};
+
+/// One rank's share: the canonical block of the nodes, and any part of the triangles and tetrahedra, in the order of
+/// the file.
+struct ElementParts {
+  std::int64_t n_nodes = 0;     ///< of the whole file
+  std::int64_t n_elements = 0;  ///< of the whole file, points and lines too
+  std::vector<std::int64_t> node_tag;
+  std::vector<geometry::Vec3> position;
+  std::vector<TaggedTriangle> triangle;
+  std::vector<TaggedTetrahedron> tetrahedron;
+  /// Elements of this rank that are no points, lines, triangles or tetrahedra of first order: how many, by the type
+  /// that Gmsh gives them (`element_type`).
+  std::map<int, std::int64_t> refused;
+  /// Names of groups by dimension and number.
+  std::map<std::pair<int, std::int64_t>, std::string> group_name;
+  bool has_regions = true;                 ///< groups of tetrahedra mean something: they become the field `region`
+  std::int64_t n_periodic_links = 0;       ///< between surfaces
+  std::set<std::int64_t> linked_surfaces;  ///< geometrical surfaces that are linked as periodic, either side
+  /// Groups of the geometrical surfaces that this rank knows.
+  std::map<std::int64_t, std::int64_t> group_of_surface;
+  std::vector<mesh::NodeField> node_fields = {};  ///< values of the block of nodes
+  std::vector<mesh::CellField> cell_fields = {};  ///< values of this rank's tetrahedra
+};
+
+/// The share of one rank in `n` things of the file.
+struct Share {
+  Rank rank = 0, size = 1;
+  par::BlockRange of(std::int64_t n) const { return par::block_range(n, rank, size); }
+};
+
+/// Numbers of element types, those of Gmsh.
+namespace element_type {
+inline constexpr int triangle = 2, quadrangle = 3, tetrahedron = 4, hexahedron = 5, prism = 6, pyramid = 7,
+                     triangle_2 = 9, tetrahedron_2 = 11;
+}
+
+/// Nodes of an element of that type: 0 for a type that no Gmsh knows.
+int n_nodes_of_type(int type);
+/// The type in words.
+std::string name_of_type(int type);
+
+/// Keeps an element that is a triangle or a tetrahedron of first order, counts one that cannot be dealt with, and
+/// forgets points and lines.
+void keep_element(ElementParts& parts, int type, const std::array<std::int64_t, 4>& nodes, std::int64_t group);
+
+}  // namespace pamr::io

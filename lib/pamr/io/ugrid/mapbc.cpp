@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "pamr/io/ugrid/mapbc.hpp"
+
+#include <fmt/format.h>
+
+#include <fstream>
+#include <iterator>
+#include <vector>
+
+#include "pamr/base/error.hpp"
+#include "pamr/base/index.hpp"
+#include "pamr/io/elements/text_cursor.hpp"
+#include "pamr/io/text.hpp"
+
+namespace pamr::io::ugrid {
+
+namespace {
+
+/// On the first rank: the text, empty where there is no file.
+std::string text_of(const std::filesystem::path& file) {
+  std::error_code none;
+  if (!std::filesystem::exists(file, none)) return {};
+  std::ifstream in(file, std::ios::binary);
+  std::string text{std::istreambuf_iterator<char>(in), {}};
+  if (!in.is_open() || in.bad())
+    throw Error(fmt::format("file '{}': expected a file that can be read, found another", file.string()));
+  return text.empty() ? " " : text;
+}
+
+std::string name_in(std::string_view rest, std::int64_t number) {
+  const auto begin = rest.find_first_not_of(" \t");
+  if (begin == std::string_view::npos) return fmt::format("surface_{}", number);
+  return std::string(rest.substr(begin, rest.find_last_not_of(" \t") - begin + 1));
+}
+
+}  // namespace
+
+std::string kind_of_condition(std::int64_t condition) {
+  switch (condition) {
+    case 4:
+    case 4000:
+    case 4010:
+    case 4020:
+    case 4030:
+      return "wall";
+    case 6661:
+    case 6662:
+    case 6663:
+      return "symmetry";
+    case 3:
+    case 5000:
+    case 5005:
+    case 5025:
+    case 5050:
+      return "farfield";
+    case 5026:
+    case 5051:
+    case 5052:
+    case 7012:
+    case 7031:
+      return "outflow";
+    case 7011:
+    case 7036:
+      return "inflow";
+    default:
+      return {};
+  }
+}
+
+std::int64_t condition_of_kind(const std::string& kind, int axis) {
+  if (kind == "wall") return 4000;
+  if (kind == "symmetry" || kind == "symmetryPlane") return axis >= 0 ? 6661 + axis : 3000;
+  if (kind == "farfield") return 5000;
+  if (kind == "inflow") return 7011;
+  if (kind == "outflow") return 7012;
+  return 0;
+}
+
+std::map<std::int64_t, mesh::Patch> read_mapbc(const par::Comm& comm, const std::filesystem::path& file) {
+  std::string text;
+  par::agree(comm, [&] {
+    if (comm.is_first()) text = text_of(file);
+  });
+  text = comm.broadcast(text);
+  std::map<std::int64_t, mesh::Patch> patches;
+  if (text.empty()) return patches;
+  par::agree(comm, [&] {
+    TextCursor in(text, file.string());
+    const auto n = in.checked_count(in.integer("the number of surfaces"), 4, "surfaces");
+    (void)in.line();
+    for (std::int64_t i = 0; i < n; ++i) {
+      const auto number = in.integer("the number of a surface");
+      const auto condition = in.integer_in_line("a boundary condition");
+      const auto name = name_in(in.line(), number);
+      if (!is_clean_text(name, "")) in.fail("the name of a surface in UTF-8 without control characters", "another");
+      if (!patches.emplace(number, mesh::Patch{name, kind_of_condition(condition)}).second)
+        in.fail("each surface once", fmt::format("{} again", number));
+    }
+  });
+  return patches;
+}
+
+std::string mapbc_text(const mesh::MeshInfo& info, const std::vector<std::int64_t>& number,
+                       const std::vector<int>& axis) {
+  auto text = fmt::format("{}\n", info.patches.size());
+  for (std::size_t p = 0; p < info.patches.size(); ++p)
+    text +=
+        fmt::format("{} {} {}\n", number[p], condition_of_kind(info.patches[p].kind, axis[p]), info.patches[p].name);
+  return text;
+}
+
+}  // namespace pamr::io::ugrid

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <string>
+
+#include "pamr/mesh/dist_mesh.hpp"
+#include "pamr/par/comm.hpp"
+
+/// The boundary conditions that go with a UGRID file. Source: FUN3D manual (NASA), "Boundary Conditions"; lines as the
+/// program refine (github.com/nasa/refine) reads them: number of the surface, condition, name.
+namespace pamr::io::ugrid {
+
+/// Patches by the number of their surface. A file that is not there says nothing. Collective; throws the same `Error`
+/// on every rank, with the line.
+std::map<std::int64_t, mesh::Patch> read_mapbc(const par::Comm& comm, const std::filesystem::path& file);
+
+/// The kind of patch that a condition stands for, empty for those that have none.
+std::string kind_of_condition(std::int64_t condition);
+/// The condition for a kind: `axis` 0 to 2 for a patch in a plane of constant x, y or z, else -1. 0 for no kind.
+std::int64_t condition_of_kind(const std::string& kind, int axis);
+
+/// The text of a file. `number` and `axis`: of each patch.
+std::string mapbc_text(const mesh::MeshInfo& info, const std::vector<std::int64_t>& number,
+                       const std::vector<int>& axis);
+
+}  // namespace pamr::io::ugrid

@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Source of the format: see `ugrid_layout.hpp`.
+#include "pamr/io/ugrid/read_ugrid.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <set>
+#include <utility>
+
+#include "pamr/base/error.hpp"
+#include "pamr/io/elements/numbers.hpp"
+#include "pamr/io/elements/read_shares.hpp"
+#include "pamr/io/ugrid/mapbc.hpp"
+#include "pamr/io/ugrid/ugrid_layout.hpp"
+
+namespace pamr::io {
+
+namespace ugrid {
+
+namespace {
+
+class UgridReader {
+ public:
+  UgridReader(TextCursor& in, Share share, bool big_endian) : in_(in), share_(share), swap_(big_endian) {
+    in_.set_binary(true);
+    parts_.has_regions = false;
+  }
+
+  ElementParts read() {
+    read_head();
+    const auto layout = layout_of(n_);
+    if (static_cast<std::int64_t>(in_.remaining()) < layout.bytes - Layout::head)
+      in_.fail(fmt::format("a file of {} bytes, as its head says", layout.bytes),
+               fmt::format("{}", Layout::head + static_cast<std::int64_t>(in_.remaining())));
+    read_nodes();
+    const auto own = share_.of(n_.triangles);
+    parts_.triangle.resize(static_cast<std::size_t>(own.count()));
+    rows(layout.triangles, own, 12);
+    for (auto& triangle : parts_.triangle)
+      for (auto& node : triangle.node) node = integer("a node of a triangle");
+    rows(layout.references, own, 4);
+    for (auto& triangle : parts_.triangle) triangle.group = integer("the surface of a triangle");
+    const auto own_cells = share_.of(n_.tetrahedra);
+    parts_.tetrahedron.resize(static_cast<std::size_t>(own_cells.count()));
+    rows(layout.tetrahedra, own_cells, 16);
+    for (auto& cell : parts_.tetrahedron)
+      for (auto& node : cell.node) node = integer("a node of a tetrahedron");
+    return std::move(parts_);
+  }
+
+ private:
+  std::int64_t integer(std::string_view what) {
+    const auto value = in_.value<std::int32_t>(what);
+    return swap_ ? byteswapped(value) : value;
+  }
+  double real(std::string_view what) {
+    const auto raw = in_.value<double>(what), value = swap_ ? byteswapped(raw) : raw;
+    if (!std::isfinite(value)) in_.fail("coordinates that are finite", "another");
+    return value;
+  }
+  void rows(std::int64_t begin, par::BlockRange own, std::int64_t row_bytes) {
+    in_.go_to(static_cast<std::uint64_t>(begin + own.begin * row_bytes), "rows");
+  }
+
+  void read_head() {
+    for (auto* count :
+         {&n_.nodes, &n_.triangles, &n_.quadrangles, &n_.tetrahedra, &n_.pyramids, &n_.prisms, &n_.hexahedra}) {
+      *count = integer("the head of seven numbers");
+      if (*count < 0)
+        in_.fail(fmt::format("numbers in the head that are not negative, in the order of bytes that the name says ({})",
+                             swap_ ? "b8: greatest first" : "lb8: least first"),
+                 fmt::format("{}", *count));
+    }
+    parts_.n_nodes = n_.nodes;
+    parts_.n_elements = n_.tetrahedra;
+    if (share_.rank != 0) return;
+    for (const auto& [n, type] :
+         {std::pair(n_.quadrangles, element_type::quadrangle), std::pair(n_.pyramids, element_type::pyramid),
+          std::pair(n_.prisms, element_type::prism), std::pair(n_.hexahedra, element_type::hexahedron)})
+      if (n > 0) parts_.refused[type] = n;
+  }
+
+  void read_nodes() {
+    const auto own = share_.of(n_.nodes);
+    rows(Layout::head, own, 24);
+    for (auto i = own.begin; i < own.end; ++i) {
+      const double x = real("x"), y = real("y"), z = real("z");
+      parts_.node_tag.push_back(i + 1);
+      parts_.position.push_back({x, y, z});
+    }
+  }
+
+  TextCursor& in_;
+  Share share_;
+  bool swap_;
+  Counts n_;
+  ElementParts parts_;
+};
+
+}  // namespace
+
+}  // namespace ugrid
+
+ElementMesh read_ugrid(const par::Comm& comm, const std::filesystem::path& file, const ElementOptions& options) {
+  bool big_endian = false;
+  par::agree(comm, [&] { big_endian = ugrid::is_big_endian(file); });
+  const auto named = ugrid::read_mapbc(comm, ugrid::mapbc_of(file));
+  auto parts = read_shares(
+      comm, file, [](TextCursor&) { return false; },
+      [&](TextCursor& in, Share share) { return ugrid::UgridReader(in, share, big_endian).read(); });
+  auto read = mesh_of_elements(comm, std::move(parts), file.string(), options, [&](std::int64_t surface) {
+    const auto found = named.find(surface);
+    return found != named.end() ? found->second : mesh::Patch{fmt::format("surface_{}", surface), ""};
+  });
+  std::set<std::string> seen;
+  for (const auto& patch : read.mesh.info.patches)
+    if (!seen.insert(patch.name).second)
+      throw Error(fmt::format("file '{}': expected different names of surfaces, found '{}' twice",
+                              ugrid::mapbc_of(file).string(), patch.name));
+  return read;
+}
+
+}  // namespace pamr::io

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "pamr/io/ugrid/write_ugrid.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "pamr/base/error.hpp"
+#include "pamr/base/index.hpp"
+#include "pamr/io/elements/boundary_rows.hpp"
+#include "pamr/io/elements/numbers.hpp"
+#include "pamr/io/rows_in_order.hpp"
+#include "pamr/io/shared_output.hpp"
+#include "pamr/io/ugrid/mapbc.hpp"
+#include "pamr/io/ugrid/ugrid_layout.hpp"
+#include "pamr/mesh/tet.hpp"
+
+namespace pamr::io {
+
+namespace {
+
+/// The axis along which a patch has no extent, -1 for none. Collective.
+std::vector<int> flat_axes(const par::Comm& comm, const mesh::DistMesh& mesh) {
+  constexpr double beyond = std::numeric_limits<double>::max();
+  std::vector<std::array<double, 3>> low(mesh.info.patches.size(), {beyond, beyond, beyond}),
+      high(mesh.info.patches.size(), {-beyond, -beyond, -beyond});
+  for (LocalId c = 0; c < mesh.n_cells(); ++c)
+    for (std::size_t slot = 0; slot < 4; ++slot) {
+      const auto neighbor = mesh.cell_to_cell[at(c)][slot];
+      if (neighbor >= 0) continue;
+      const auto p = at(mesh::slot_to_patch(neighbor));
+      for (const auto corner : mesh::tet::face_to_corner[slot]) {
+        const auto point = mesh.point(mesh.cell_to_node[at(c)][at(corner)]);
+        const std::array<double, 3> x{point.x, point.y, point.z};
+        for (std::size_t k = 0; k < 3; ++k) {
+          low[p][k] = std::min(low[p][k], x[k]);
+          high[p][k] = std::max(high[p][k], x[k]);
+        }
+      }
+    }
+  std::vector<int> axes;
+  for (std::size_t p = 0; p < low.size(); ++p) {
+    int axis = -1;
+    for (std::size_t k = 3; k-- > 0;)
+      if (comm.min(low[p][k]) == comm.max(high[p][k])) axis = static_cast<int>(k);
+    axes.push_back(axis);
+  }
+  return axes;
+}
+
+}  // namespace
+
+std::filesystem::path mapbc_file(const std::filesystem::path& file) { return ugrid::mapbc_of(file); }
+
+void write_ugrid(const par::Comm& comm, const std::filesystem::path& file, const mesh::DistMesh& mesh) {
+  const bool swap = ugrid::is_big_endian(file);
+  const auto rows = rows_in_order(comm, mesh);
+  const auto boundary = boundary_rows(rows);
+  const auto number = patch_numbers(mesh.info, "surface_", 1);
+  const auto axes = flat_axes(comm, mesh);
+  const auto n_triangles = comm.sum(std::ssize(boundary));
+  const auto most = std::max({rows.n_nodes, n_triangles, mesh.info.n_global_cells});
+  if (most > std::numeric_limits<std::int32_t>::max())
+    throw Error(fmt::format("UGRID: expected at most 2^31 - 1 nodes, triangles and cells, found {}", most));
+
+  SharedOutput out(comm, file);
+  std::string bytes;
+  const auto integer = [&](std::int64_t value) { append_bytes(bytes, static_cast<std::int32_t>(value), swap); };
+  const auto flush = [&] {
+    out.append(bytes);
+    bytes.clear();
+  };
+  for (const auto count :
+       {rows.n_nodes, n_triangles, GlobalId{0}, mesh.info.n_global_cells, GlobalId{0}, GlobalId{0}, GlobalId{0}})
+    integer(count);
+  out.append_once(bytes);
+  bytes.clear();
+  for (const auto p : rows.position)
+    for (const auto x : {p.x, p.y, p.z}) append_bytes(bytes, x, swap);
+  flush();
+  for (const auto& face : boundary)
+    for (const std::size_t k : {0, 2, 1}) integer(face.node[k] + 1);
+  flush();
+  for (const auto& face : boundary) integer(number[at(face.patch)]);
+  flush();
+  for (const auto& cell : rows.cell_to_node)
+    for (const auto node : cell) integer(node + 1);
+  flush();
+  SharedOutput conditions(comm, ugrid::mapbc_of(file));
+  conditions.append_once(ugrid::mapbc_text(mesh.info, number, axes));
+  out.commit();
+  conditions.commit();
+}
+
+}  // namespace pamr::io

@@ -1,0 +1,409 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""pamr-convert: Medit's, SU2's and AFLR3's formats in and out, CGNS out, checked by meshio, Gmsh, VTK, cgnscheck and the layout itself."""
+import pathlib
+import shutil
+import struct
+import subprocess
+import warnings
+
+import h5py
+import meshio
+import numpy as np
+
+from tool_run import kuhn_cube, refuses, run, run_tests, same_bytes
+
+FORMATS = ["mesh", "meshb", "su2", "lb8.ugrid", "b8.ugrid"]
+PATCHES = ["xmin", "xmax", "ymin", "ymax", "zmin", "zmax"]
+
+
+def refined_cube(name="fine.hdf"):
+    """A cube with closure cells, a field on nodes and one on cells."""
+    kuhn_cube("cube.hdf", 3)
+    run("pamr-mark", "cube.hdf", "-o", "marked.hdf", "--box", "0,0,0,0.4,0.4,1", "--quiet")
+    run("pamr-refine", "marked.hdf", "-o", name, "--quiet")
+    with h5py.File(name, "r+") as file:
+        points = file["VTKHDF/Points"][:]
+        cells = file["VTKHDF/Connectivity"][:].reshape(-1, 4)
+        file["VTKHDF"].require_group("PointData")["v"] = 2 * points
+        file["VTKHDF/PointData/t"] = points[:, 0] + 0.1
+        file["VTKHDF"].require_group("CellData")["q"] = points[cells].mean(axis=1)[:, 1]
+    return points, cells
+
+
+def patches_of(name):
+    report = run("pamr-quality", name, "--json", "-", "--quiet").json["patches"]
+    return {k: (v["faces"], round(v["area"], 12)) for k, v in report.items()}
+
+
+def face_table(points, triangles, tags):
+    """Faces by their corners in space, with their tag."""
+    return {tuple(sorted(map(tuple, points[face]))): tag for face, tag in zip(triangles, tags)}
+
+
+def expected_faces(points, triangles):
+    on_plane = lambda face, k, x: np.all(points[face][:, k] == x)
+    return [next(name for name in PATCHES if on_plane(face, "xyz".index(name[0]), float(name.endswith("max"))))
+            for face in triangles]
+
+
+def volumes(points, cells):
+    p = points[cells]
+    return np.einsum("ij,ij->i", np.cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0]), p[:, 3] - p[:, 0]) / 6
+
+
+def outward(points, cells, triangles):
+    """1 for triangles seen counter-clockwise from outside of a convex body, -1 for the others."""
+    p = points[triangles]
+    normal = np.cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0])
+    return np.sign(np.einsum("ij,ij->i", normal, p.mean(axis=1) - points.mean(axis=0)))
+
+
+def test_a_mesh_comes_back_from_every_format():
+    points, cells = refined_cube()
+    for ending in FORMATS:
+        report = run("pamr-convert", "fine.hdf", f"out.{ending}", "--force", "--json", "-", "--quiet").json
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            read = meshio.read(f"out.{ending}")
+        assert np.array_equal(read.points, points), (ending, "coordinates have changed")
+        assert np.array_equal(read.cells_dict["tetra"], cells), ending
+        triangles = read.cells_dict["triangle"]
+        assert set(outward(points, cells, triangles)) == {-1.0 if "ugrid" in ending else 1.0}, ending
+        key = {"mesh": "medit:ref", "meshb": "medit:ref", "su2": "su2:tag"}.get(ending, "ugrid:ref")
+        tags = read.cell_data_dict[key]["triangle"]
+        names = expected_faces(points, triangles)
+        pairs = set(zip(names, tags))
+        assert len(pairs) == 6, (ending, pairs)
+        if "mesh" in ending:
+            assert dict(pairs) == report["references"], (ending, pairs)
+        back = run("pamr-convert", f"out.{ending}", f"back.{ending}.hdf", "--quiet", "--json", "-").json
+        assert back["cells"] == len(cells) and back["nodes"] == len(points) and back["untagged_faces"] == 0
+        found, wanted = patches_of(f"back.{ending}.hdf"), patches_of("fine.hdf")
+        if "mesh" in ending:  # numbers alone
+            wanted = {f"ref_{report['references'][k]}": v for k, v in wanted.items()}
+        assert found == wanted, (ending, found, wanted)
+        with h5py.File(f"back.{ending}.hdf") as file:
+            assert sorted(map(tuple, file["VTKHDF/Points"][:])) == sorted(map(tuple, points)), ending
+            again = file["VTKHDF/Points"][:][file["VTKHDF/Connectivity"][:].reshape(-1, 4)]
+        assert sorted(map(sorted, again.tolist())) == sorted(map(sorted, points[cells].tolist())), ending
+        # what comes back goes out again with the same numbers and names
+        run("pamr-convert", f"back.{ending}.hdf", f"again.{ending}", "--quiet", "--force")
+        run("pamr-convert", f"again.{ending}", f"third.{ending}.hdf", "--quiet")
+        assert patches_of(f"third.{ending}.hdf") == found, ending
+
+
+def test_files_do_not_depend_on_the_number_of_ranks():
+    refined_cube()
+    for ending in FORMATS + ["cgns"]:
+        extra = {n: (["--sol-out", f"{n}.sol" + ("b" if ending == "meshb" else "")] if "mesh" in ending else [])
+                 for n in ("one", "many")}
+        run("pamr-convert", "fine.hdf", f"one.{ending}", "--quiet", "--force", *extra["one"], serial=True)
+        run("pamr-convert", "fine.hdf", f"many.{ending}", "--quiet", "--force", *extra["many"])
+        assert same_bytes(f"one.{ending}", f"many.{ending}"), ending
+        if extra["one"]:
+            assert same_bytes(extra["one"][1], extra["many"][1]), ending
+        if ending == "cgns":
+            continue
+        with_fields = {n: (["--sol-in", e[1]] if e else []) for n, e in extra.items()}
+        run("pamr-convert", f"one.{ending}", f"one.{ending}.hdf", "--quiet", *with_fields["one"], serial=True)
+        run("pamr-convert", f"many.{ending}", f"many.{ending}.hdf", "--quiet", *with_fields["many"])
+        assert same_bytes(f"one.{ending}.hdf", f"many.{ending}.hdf"), ending
+    assert same_bytes("one.mapbc", "many.mapbc")
+
+
+def test_fields_travel_with_medit_meshes():
+    points, cells = refined_cube()
+    for mesh, solution in (("a.mesh", "a.sol"), ("b.meshb", "b.solb")):
+        run("pamr-convert", "fine.hdf", mesh, "--sol-out", solution, "--quiet")
+        run("pamr-convert", mesh, f"{mesh}.hdf", "--sol-in", solution, "--sol-fields", "t,v,q", "--quiet")
+        with h5py.File(f"{mesh}.hdf") as file:
+            p = file["VTKHDF/Points"][:]
+            c = file["VTKHDF/Connectivity"][:].reshape(-1, 4)
+            assert np.array_equal(file["VTKHDF/PointData/v"][:], 2 * p)
+            assert np.array_equal(file["VTKHDF/PointData/t"][:], p[:, 0] + 0.1)
+            assert np.array_equal(file["VTKHDF/CellData/q"][:], p[c].mean(axis=1)[:, 1])
+    lines = pathlib.Path("a.sol").read_text().split()
+    assert lines[:4] == ["MeshVersionFormatted", "2", "Dimension", "3"]
+    at = lines.index("SolAtVertices")
+    assert lines[at + 1:at + 5] == [str(len(points)), "2", "1", "2"], "a scalar, then a vector"
+    assert float(lines[at + 5]) == points[0, 0] + 0.1
+    # one field, as Mmg wants its metric
+    run("pamr-convert", "fine.hdf", "m.mesh", "--sol-out", "m.sol", "--sol-fields", "t", "--quiet")
+    words = pathlib.Path("m.sol").read_text().split()
+    assert words[words.index("SolAtVertices") + 2:][:2] == ["1", "1"] and "SolAtTetrahedra" not in words
+    run("pamr-convert", "m.mesh", "m.hdf", "--sol-in", "m.sol", "--quiet")
+    with h5py.File("m.hdf") as file:
+        assert list(file["VTKHDF/PointData"]) == ["sol_1"]
+    refuses("pamr-convert", "fine.hdf", "n.mesh", "--sol-out", "n.sol", "--sol-fields", "nothing", says=["'nothing'"])
+    refuses("pamr-convert", "fine.hdf", "n.su2", "--sol-out", "n.sol", says=["--sol-out", ".mesh"], creates="n.su2")
+    refuses("pamr-convert", "a.mesh", "n.hdf", "--sol-in", "a.sol", "--sol-fields", "t", says=["1 fields", "found 3"])
+    run("pamr-convert", "cube.hdf", "cube.mesh", "--quiet")
+    refuses("pamr-convert", "cube.mesh", "n.hdf", "--sol-in", "a.sol", says=["a.sol", "vertices of the mesh"],
+            creates="n.hdf")
+
+
+def test_gmsh_reads_what_is_written_and_writes_what_is_read():
+    try:
+        import gmsh
+    except ImportError:
+        print("without Gmsh (Debian: python3-gmsh)")
+        return
+    points, cells = refined_cube()
+    gmsh.initialize()
+    gmsh.option.setNumber("General.Terminal", 0)
+    run("pamr-convert", "fine.hdf", "to.mesh", "--quiet")
+    gmsh.open("to.mesh")
+    kinds, _, nodes = gmsh.model.mesh.getElements(3)
+    assert list(kinds) == [4] and len(nodes[0]) == 4 * len(cells)
+    _, where, _ = gmsh.model.mesh.getNodes()
+    assert sorted(map(tuple, np.array(where).reshape(-1, 3))) == sorted(map(tuple, points))
+    gmsh.clear()
+    box = gmsh.model.occ.addBox(0, 0, 0, 1, 1, 1)
+    gmsh.model.occ.synchronize()
+    for k, (_, face) in enumerate(gmsh.model.getEntities(2)):
+        gmsh.model.setPhysicalName(2, gmsh.model.addPhysicalGroup(2, [face], k + 1), f"side{k + 1}")
+    gmsh.model.setPhysicalName(3, gmsh.model.addPhysicalGroup(3, [box], 9), "inside")
+    gmsh.option.setNumber("Mesh.MeshSizeMax", 0.4)
+    gmsh.option.setNumber("Mesh.SaveAll", 0)
+    gmsh.model.mesh.generate(3)
+    n_cells = len(gmsh.model.mesh.getElements(3)[2][0]) // 4
+    for ending in ("mesh", "su2"):
+        gmsh.write(f"from.{ending}")
+    gmsh.finalize()
+    for ending in ("mesh", "su2"):
+        report = run("pamr-convert", f"from.{ending}", f"from.{ending}.hdf", "--json", "-", "--quiet").json
+        assert report["cells"] == n_cells and report["untagged_faces"] == 0, (ending, report)
+        areas = {k: v["area"] for k, v in run("pamr-quality", f"from.{ending}.hdf", "--json", "-", "--quiet")
+                 .json["patches"].items()}
+        assert len(areas) == 6 and all(abs(a - 1) < 1e-12 for a in areas.values()), (ending, areas)
+        assert sorted(areas) == [f"{'side' if ending == 'su2' else 'ref_'}{k}" for k in range(1, 7)], areas
+
+
+def test_regions_are_references_of_tetrahedra():
+    kuhn_cube("cube.hdf", 2)
+    with h5py.File("cube.hdf", "r+") as file:
+        n = len(file["VTKHDF/Types"])
+        file["VTKHDF"].require_group("CellData")["region"] = np.arange(n, dtype=np.int32) % 3 + 4
+    for name in ("r.mesh", "r.meshb"):
+        run("pamr-convert", "cube.hdf", name, "--quiet")
+        assert np.array_equal(meshio.read(name).cell_data_dict["medit:ref"]["tetra"], np.arange(n) % 3 + 4)
+        run("pamr-convert", name, f"{name}.hdf", "--quiet")
+        with h5py.File(f"{name}.hdf") as file:
+            assert sorted(file["VTKHDF/CellData/region"][:]) == sorted(np.arange(n) % 3 + 4)
+
+
+def test_kinds_and_units_are_given_on_the_command_line():
+    kuhn_cube("cube.hdf", 2)
+    run("pamr-convert", "cube.hdf", "cube.su2", "--quiet")
+    run("pamr-convert", "cube.su2", "k.hdf", "--kind", "xmin=wall", "--kind", "ymin=symmetry", "--kind",
+        "zmax=farfield", "--scale", "0.001", "--unit", "m", "--quiet")
+    with h5py.File("k.hdf") as file:
+        assert file["PAMR"].attrs["length_unit"] in (b"m", "m") and file["VTKHDF/Points"][:].max() == 0.001
+    run("pamr-convert", "k.hdf", "k.lb8.ugrid", "--quiet")
+    conditions = [line.split() for line in pathlib.Path("k.mapbc").read_text().splitlines()]
+    assert conditions[0] == ["6"] and {c[2]: int(c[1]) for c in conditions[1:]} == {
+        "xmin": 4000, "xmax": 0, "ymin": 6662, "ymax": 0, "zmin": 0, "zmax": 5000}
+    run("pamr-convert", "k.lb8.ugrid", "u.hdf", "--quiet")
+    assert set(patches_of("u.hdf")) == set(PATCHES)
+    run("pamr-convert", "u.hdf", "case", "--quiet")
+    boundary = pathlib.Path("case/constant/polyMesh/boundary").read_text()
+    assert boundary.split("xmin")[1].split("type")[1].split(";")[0].strip() == "wall", "kinds come back from .mapbc"
+    assert boundary.split("ymin")[1].split("type")[1].split(";")[0].strip() == "symmetry"
+    run("pamr-convert", "k.hdf", "c.cgns", "--quiet")
+    with h5py.File("c.cgns") as file:
+        kind = lambda patch: bytes(file[f"Base/Zone1/ZoneBC/{patch}/ data"][:]).decode()
+        assert [kind(p) for p in ("xmin", "ymin", "zmax", "xmax")] == [
+            "BCWall", "BCSymmetryPlane", "BCFarfield", "UserDefined"]
+    refuses("pamr-convert", "cube.hdf", "n.hdf", "--kind", "wall", says=["PATCH=KIND"], creates="n.hdf")
+    refuses("pamr-convert", "cube.hdf", "n.hdf", "--kind", "xmin=wal", says=["symmetry", "'xmin=wal'"])
+    refuses("pamr-convert", "cube.hdf", "n.hdf", "--kind", "lid=wall", says=["xmin", "'lid'"])
+    refuses("pamr-convert", "cube.hdf", "n.hdf", "--scale", "-1", says=["above 0"])
+    refuses("pamr-convert", "k.hdf", "n.hdf", "--unit", "mm", says=["--scale", "m,"])
+    run("pamr-mesh", "--shape", "sphere-in-box", "--size", "0.6", "-o", "s.hdf", "--quiet", serial=True)
+    refuses("pamr-convert", "s.hdf", "n.hdf", "--scale", "2", says=["without surfaces"], creates="n.hdf")
+    run("pamr-convert", "s.hdf", "s.mesh", "--scale", "2", "--quiet")
+    with h5py.File("s.hdf") as file:
+        assert np.array_equal(meshio.read("s.mesh").points, 2 * file["VTKHDF/Points"][:])
+
+
+def test_cgns_has_the_tree_that_the_standard_asks_for():
+    points, cells = refined_cube()
+    run("pamr-convert", "fine.hdf", "c.cgns", "--quiet")
+    with h5py.File("c.cgns") as file:
+        def check(group):
+            for key in ("name", "label", "type", "flags"):
+                assert key in group.attrs or group.name == "/", (group.name, key)
+            if group.name != "/":
+                assert group.attrs["name"].decode() == group.name.rsplit("/", 1)[1]
+            for key in group:
+                if isinstance(group[key], h5py.Group):
+                    check(group[key])
+        check(file)
+        zone = file["Base/Zone1"]
+        assert zone[" data"][:].ravel().tolist() == [len(points), len(cells), 0]
+        x = np.stack([zone[f"GridCoordinates/Coordinate{a}/ data"][:] for a in "XYZ"], axis=1)
+        assert np.array_equal(x, points)
+        assert np.array_equal(zone["GridElements/ElementConnectivity/ data"][:].reshape(-1, 4) - 1, cells)
+        assert zone["GridElements/ data"][:].tolist() == [10, 0]
+        first = len(cells) + 1
+        for patch in PATCHES:
+            faces = zone[f"{patch}/ElementConnectivity/ data"][:].reshape(-1, 3) - 1
+            assert zone[f"{patch}/ElementRange/ data"][:].tolist() == [first, first + len(faces) - 1]
+            assert zone[f"ZoneBC/{patch}/PointRange/ data"][:].ravel().tolist() == [first, first + len(faces) - 1]
+            assert set(expected_faces(points, faces)) == {patch} and set(outward(points, cells, faces)) == {1.0}
+            first += len(faces)
+        assert np.array_equal(zone["NodeFields/vY/ data"][:], 2 * points[:, 1])
+        assert np.array_equal(zone["CellFields/q/ data"][:], points[cells].mean(axis=1)[:, 1])
+    assert sorted(map(tuple, meshio.read("c.cgns").points)) == sorted(map(tuple, points))
+    if shutil.which("cgnscheck"):  # the library of CGNS (Debian: cgns-convert)
+        said = subprocess.run(["cgnscheck", "c.cgns"], capture_output=True, text=True, timeout=60)
+        said = said.stdout + said.stderr
+        assert "ERROR" not in said and "vertices in grid" in said or "checking" in said, said
+    try:
+        from vtkmodules.vtkIOCGNSReader import vtkCGNSReader
+    except ImportError:
+        print("VTK without CGNS")
+        return
+    reader = vtkCGNSReader()
+    reader.SetFileName("c.cgns")
+    reader.UpdateInformation()
+    reader.EnableAllBases()
+    reader.EnableAllPointArrays()
+    reader.EnableAllCellArrays()
+    reader.Update()
+    found = []
+    iterator = reader.GetOutput().NewIterator()
+    while not iterator.IsDoneWithTraversal():
+        found.append(iterator.GetCurrentDataObject())
+        iterator.GoToNextItem()
+    counts = [g.GetNumberOfCells() for g in found]
+    assert len(cells) in counts, counts
+
+
+def one_cell_su2(**change):
+    parts = {"head": "NDIME= 3\n", "cells": "NELEM= 1\n10 0 1 2 3 0\n",
+             "nodes": "NPOIN= 4\n0 0 0 0\n1 0 0 1\n0 1 0 2\n0 0 1 3\n",
+             "markers": "NMARK= 1\nMARKER_TAG= wall\nMARKER_ELEMS= 4\n5 0 1 2\n5 0 1 3\n5 1 2 3\n5 0 2 3\n"} | change
+    pathlib.Path("bad.su2").write_text("".join(parts.values()))
+    return "bad.su2"
+
+
+def test_bad_su2_files_are_refused_with_the_place():
+    run("pamr-convert", one_cell_su2(), "good.hdf", "--quiet")
+    for change, says in [
+            ({"head": ""}, ["NDIME"]), ({"head": "NDIME= 2\n"}, ["line 1", "3 dimensions", "2"]),
+            ({"head": "NZONE= 2\nNDIME= 3\n"}, ["line 1", "one zone"]), ({"head": "hello\n"}, ["line 1", "keyword"]),
+            ({"cells": ""}, ["NELEM"]), ({"cells": "NELEM= 2\n10 0 1 2 3\n"}, ["line "]),
+            ({"cells": "NELEM= 1\n12 0 1 2 3 0 1 2 3\n"}, ["1 hexahedra"]),
+            ({"cells": "NELEM= 2\n10 0 1 2 3\n13 0 1 2 3 0 1\n"}, ["1 prisms"]),
+            ({"cells": "NELEM= 1\n11 0 1 2 3\n"}, ["line 3", "element type"]),
+            ({"cells": "NELEM= 1\n10 0 1 2\n"}, ["line 3", "end of the line"]),
+            ({"cells": "NELEM= 1\n10 0 1 2 9\n"}, ["node number 9"]),
+            ({"cells": "NELEM= 1\n5 0 1 2\n"}, ["line 3", "a triangle"]),
+            ({"cells": "NELEM= 1\n10 0 1 3 2\n"}, ["--repair"]),
+            ({"cells": "NELEM= 99999999999\n10 0 1 2 3\n"}, ["fits the file"]),
+            ({"cells": "NELEM= -1\n"}, ["fits the file", "-1"]),
+            ({"nodes": "NPOIN= 4\n0 0 0\n1 0 nan\n0 1 0\n0 0 1\n"}, ["line 6", "nan"]),
+            ({"nodes": "NPOIN= 4\n0 0 0\n1 0\n0 1 0\n0 0 1\n"}, ["line 6", "z"]),
+            ({"nodes": "NPOIN= 3\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n"}, ["line 8", "keyword"]),
+            ({"markers": "NMARK= 2\nMARKER_TAG= w\nMARKER_ELEMS= 1\n5 0 1 2\n"}, ["2 markers"]),
+            ({"markers": "NMARK= 1\nMARKER_ELEMS= 1\n5 0 1 2\n"}, ["MARKER_TAG"]),
+            ({"markers": "MARKER_TAG= w\nMARKER_ELEMS= 1\n10 0 1 2 3\n"}, ["triangles in a marker"]),
+            ({"markers": "MARKER_TAG= w\nMARKER_ELEMS= 1\n9 0 1 2 3\n"}, ["1 quadrangles"]),
+            ({"markers": "NPERIODIC= 3\n"}, ["periodic", "3"])]:
+        refuses("pamr-convert", one_cell_su2(**change), "n.hdf", says=["bad.su2", *says], creates="n.hdf")
+
+
+def one_cell_medit(**change):
+    parts = {"head": "MeshVersionFormatted 2\nDimension 3\n", "nodes": "Vertices\n4\n0 0 0 0\n1 0 0 0\n0 1 0 0\n0 0 1 0\n",
+             "faces": "Triangles 4\n1 2 3 1\n1 2 4 1\n2 3 4 1\n1 3 4 2\n", "cells": "Tetrahedra\n1\n1 2 3 4 5\n",
+             "end": "End\n"} | change
+    pathlib.Path("bad.mesh").write_text("".join(parts.values()))
+    return "bad.mesh"
+
+
+def test_bad_medit_files_are_refused_with_the_place():
+    run("pamr-convert", one_cell_medit(), "good.hdf", "--quiet")
+    for change, says in [
+            ({"head": "MeshVersionFormatted 5\nDimension 3\n"}, ["line 1", "version 1 to 4"]),
+            ({"head": "MeshVersionFormatted 2\nDimension 2\n"}, ["3 dimensions"]), ({"head": ""}, ["line 1", "Medit"]),
+            ({"nodes": "Vertices\n4\n0 0 0 0 1 0 0 0\n0 1 0 0 0 0 1 0\n\n\n"}, ["line 5", "a line for each row"]),
+            ({"nodes": "Vertices\n4\n0 0 0 0\n1 0 inf 0\n0 1 0 0\n0 0 1 0\n"}, ["line 6", "inf"]),
+            ({"nodes": "Vertices\n5\n0 0 0 0\n1 0 0 0\n0 1 0 0\n0 0 1 0\n"}, ["line "]),
+            ({"nodes": "Vertices\n3\n0 0 0 0\n1 0 0 0\n0 1 0 0\n0 0 1 0\n"}, ["line 8", "a keyword"]),
+            ({"nodes": ""}, ["nodes, found none"]), ({"cells": ""}, ["tetrahedra, found none"]),
+            ({"cells": "Tetrahedra\n1\n1 2 3 5 5\n"}, ["node number 5"]),
+            ({"cells": "Tetrahedra\n1\n1 2 4 3 5\n"}, ["--repair"]),
+            ({"cells": "Tetrahedra\n1\n1 2 3 3 5\n"}, []),
+            ({"cells": "Tetrahedra\n1\n1 2 3 4 5\nHexahedra\n1\n1 2 3 4 1 2 3 4 0\n"}, ["1 hexahedra"]),
+            ({"cells": "Tetrahedra\n1\n1 2 3 4 5\nPrisms 2\n1 2 3 4 1 2 0\n1 2 3 4 1 2 0\n"}, ["2 prisms"]),
+            ({"cells": "TetrahedraP2 1\n1 2 3 4 1 2 3 4 1 2 0\n"}, ["1 tetrahedra of second order"]),
+            ({"cells": "Tetrahedra 1\n1 2 3 4 5\nTetrahedra 1\n1 2 3 4 5\n"}, ["Tetrahedra once"]),
+            ({"cells": "Tetrahedra -1\n"}, ["-1"]), ({"cells": "Tetrahedra 1234567890123\n1 2 3 4 5\n"}, ["fits the file"]),
+            ({"faces": "Triangles 1\n1 2 3.5 1\n"}, ["3.5"]), ({"faces": "Triangles 2\n1 2 3 1\n1 2 3 2\n"}, ["two surfaces"]),
+            ({"faces": "SolAtVertices 1\n1 1\n0\n"}, [".sol"]), ({"faces": "PeriodicVertices 1\n1 2\n"}, ["periodic"])]:
+        refuses("pamr-convert", one_cell_medit(**change), "n.hdf", says=["bad.mesh", *says], creates="n.hdf")
+
+
+def test_bad_binary_files_are_refused_with_the_place():
+    kuhn_cube("cube.hdf", 1)
+    for name in ("g.meshb", "g.lb8.ugrid"):
+        run("pamr-convert", "cube.hdf", name, "--quiet")
+    medit, ugrid = pathlib.Path("g.meshb").read_bytes(), pathlib.Path("g.lb8.ugrid").read_bytes()
+
+    def bad(name, data, *says):
+        pathlib.Path(name).write_bytes(data)
+        refuses("pamr-convert", name, "n.hdf", says=[name, *says], creates="n.hdf")
+
+    put = lambda data, at, value: data[:at] + struct.pack("<i", value) + data[at + 4:]
+    bad("b.meshb", medit[:100], "byte")
+    bad("b.meshb", put(medit, 4, 7), "version")
+    bad("b.meshb", put(medit, 8, 4), "Dimension")
+    bad("b.meshb", put(medit, 16, 2), "3 dimensions")
+    bad("b.meshb", put(medit, 24, 5), "byte", "later place")
+    bad("b.meshb", put(medit, 24, 2 ** 30), "byte")
+    bad("b.meshb", put(medit, 28, 2 ** 30), "fits the file")
+    bad("b.meshb", put(medit, 28, -2), "-2")
+    bad("b.lb8.ugrid", ugrid[:-1], "as its head says")
+    bad("b.lb8.ugrid", ugrid[:20], "head")
+    bad("b.b8.ugrid", ugrid, "bytes")
+    bad("b.lb8.ugrid", put(ugrid, 24, 1), "as its head says")
+    bad("b.lb8.ugrid", put(ugrid, 24, 1) + bytes(32), "1 hexahedra")
+    bad("b.lb8.ugrid", put(ugrid, 20, 2) + bytes(48), "2 prisms")
+    bad("b.lb8.ugrid", put(ugrid, 0, -1), "not negative")
+    bad("b.lb8.ugrid", ugrid[:28] + struct.pack("<d", float("nan")) + ugrid[36:], "finite")
+    pathlib.Path("b.ugrid").write_bytes(ugrid)
+    refuses("pamr-convert", "b.ugrid", "n.hdf", says=[".lb8.ugrid", ".b8.ugrid"])
+    for text, says in (("2\n1 4000 a\n2 4000 a\n", "twice"), ("x\n", "number of surfaces"), ("1\n1 \n", "condition"),
+                       ("2\n1 4000 a\n1 4000 b\n", "once")):
+        pathlib.Path("g.mapbc").write_text(text)
+        refuses("pamr-convert", "g.lb8.ugrid", "n.hdf", says=["g.mapbc", says], creates="n.hdf")
+
+
+def test_places_beyond_two_gigabytes_are_read():
+    """A binary Medit file whose parts lie behind a hole of 3 GB (a sparse file): positions of 64 bits."""
+    kuhn_cube("cube.hdf", 1)
+    run("pamr-convert", "cube.hdf", "small.meshb", "--quiet")
+    small = pathlib.Path("small.meshb").read_bytes()
+    hole = 3 * 2 ** 30
+    data = [struct.pack("<iii", 1, 3, 3), struct.pack("<qi", 24, 3), struct.pack("<iqi", 13, hole, 0)]
+    behind, at, place = b"", 20, hole
+    while True:
+        key, after = struct.unpack("<ii", small[at:at + 8])
+        if key == 54:
+            break
+        body = small[at + 8:after]
+        place += 12 + len(body)
+        behind += struct.pack("<iq", key, place) + body
+        at = after
+    behind += struct.pack("<iq", 54, 0)
+    with open("large.meshb", "wb") as file:
+        file.write(b"".join(data))
+        file.seek(hole)
+        file.write(behind)
+    run("pamr-convert", "small.meshb", "a.hdf", "--quiet")
+    run("pamr-convert", "large.meshb", "b.hdf", "--quiet")
+    assert same_bytes("a.hdf", "b.hdf")
+
+
+run_tests(globals())

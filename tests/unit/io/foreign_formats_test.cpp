@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <gtest/gtest.h>
+
+#include <vector>
+
+#include "pamr/base/error.hpp"
+#include "pamr/io/elements/boundary_rows.hpp"
+#include "pamr/io/elements/numbers.hpp"
+#include "pamr/io/medit/gmf.hpp"
+#include "pamr/io/ugrid/mapbc.hpp"
+#include "pamr/io/ugrid/ugrid_layout.hpp"
+
+namespace pamr::io {
+namespace {
+
+constexpr std::int64_t two_31 = std::int64_t{1} << 31;
+
+TEST(MeditVersion, GrowsWithPlacesAndNumbers) {
+  EXPECT_EQ(gmf::version_for(1000, 10), 2);
+  EXPECT_EQ(gmf::version_for(two_31 - 1, 10), 2);
+  EXPECT_EQ(gmf::version_for(two_31, 10), 3);
+  EXPECT_EQ(gmf::version_for(40 * two_31, two_31 - 1), 3);
+  EXPECT_EQ(gmf::version_for(40 * two_31, two_31), 4);
+}
+
+TEST(UgridLayout, HasPlacesBeyondTwoGigabytes) {
+  const auto layout = ugrid::layout_of({.nodes = 300'000'000, .triangles = 2'000'000, .tetrahedra = 2'000'000'000});
+
+  EXPECT_EQ(layout.triangles, 28 + 7'200'000'000);
+  EXPECT_EQ(layout.references, layout.triangles + 24'000'000);
+  EXPECT_EQ(layout.tetrahedra, layout.references + 8'000'000);
+  EXPECT_EQ(layout.bytes, layout.tetrahedra + 32'000'000'000);
+}
+
+TEST(UgridName, SaysTheOrderOfBytesAndWhereConditionsAre) {
+  EXPECT_TRUE(ugrid::is_big_endian("a folder/part.b8.ugrid"));
+  EXPECT_FALSE(ugrid::is_big_endian("part.lb8.ugrid"));
+  EXPECT_THROW(ugrid::is_big_endian("part.ugrid"), Error);
+  EXPECT_THROW(ugrid::is_big_endian("part.r8.ugrid"), Error);
+  EXPECT_EQ(ugrid::mapbc_of("a.b/part.lb8.ugrid").string(), "a.b/part.mapbc");
+}
+
+TEST(UgridConditions, ComeBackAsTheKindsThatTheyStandFor) {
+  for (const auto* kind : {"wall", "symmetry", "farfield", "inflow", "outflow"})
+    EXPECT_EQ(ugrid::kind_of_condition(ugrid::condition_of_kind(kind, 1)), kind);
+  EXPECT_EQ(ugrid::condition_of_kind("symmetry", 2), 6663);
+  EXPECT_EQ(ugrid::condition_of_kind("symmetry", -1), 3000);
+  EXPECT_EQ(ugrid::condition_of_kind("", 0), 0);
+  EXPECT_EQ(ugrid::kind_of_condition(0), "");
+}
+
+TEST(PatchNumbers, KeepThoseInNamesAndFillTheGaps) {
+  mesh::MeshInfo info;
+  for (const auto* name : {"wall", "ref_2", "ref_0", "ref_x", "ref_2 ", "ref_1234567890", "far"})
+    info.patches.push_back({name, ""});
+
+  EXPECT_EQ(patch_numbers(info, "ref_", 0), (std::vector<std::int64_t>{1, 2, 0, 3, 4, 5, 6}));
+  EXPECT_EQ(patch_numbers(info, "ref_", 1), (std::vector<std::int64_t>{1, 2, 3, 4, 5, 6, 7}));
+}
+
+TEST(Numbers, SwapTheirBytes) {
+  std::string bytes;
+  append_bytes(bytes, std::int32_t{0x01020304}, true);
+  append_bytes(bytes, std::int32_t{0x01020304});
+
+  EXPECT_EQ(bytes, "\x01\x02\x03\x04\x04\x03\x02\x01");
+  EXPECT_EQ(byteswapped(byteswapped(0.1)), 0.1);
+}
+
+}  // namespace
+}  // namespace pamr::io

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+#include "cli/session.hpp"
+#include "pamr/mesh/dist_mesh.hpp"
+
+namespace pamr::convert {
+
+struct ReadRequest {
+  std::string file;
+  bool repair = false;                   ///< turn inverted cells over
+  bool strict = false;                   ///< what would be reported is an error
+  bool build_surfaces = false;           ///< of a native file
+  std::string solution;                  ///< .sol or .solb beside a Medit mesh; empty: none
+  std::vector<std::string> field_names;  ///< of its fields
+};
+
+/// Reads a mesh of any format; `report` and warnings say what the reader had to change. Throws `Error` on every rank.
+/// Collective.
+mesh::DistMesh read_mesh(cli::Session& session, const ReadRequest& request, nlohmann::json& report);
+
+/// Multiplies the coordinates. Surfaces would stay as they are: they are dropped if nobody `needs_surfaces`, else throws
+/// `Error`, as for coordinates beyond the range of numbers. Collective.
+void scale_mesh(const par::Comm& comm, mesh::DistMesh& mesh, double factor, bool needs_surfaces);
+
+/// Gives patches their kinds: each pair is PATCH=KIND. Throws `Error` for patches that are not there and for kinds that
+/// are not known.
+void set_kinds(const std::vector<std::string>& pairs, mesh::DistMesh& mesh);
+
+}  // namespace pamr::convert
