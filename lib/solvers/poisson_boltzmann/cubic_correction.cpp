@@ -15,10 +15,10 @@ using geometry::Vec3;
 
 namespace {
 
-/// Conjugate gradients stop where the norm of the residual, scaled by the diagonal, has fallen by this factor: the
-/// product of two errors of that size is below what the elements of third order leave.
-constexpr double reduction = 0.03;
-constexpr int most_iterations = 200;
+/// Conjugate gradients stop where the norm of the residual, scaled by the diagonal, has fallen by these factors for u
+/// and for a dual solution: what is left of a goal's error is as their product.
+constexpr double reduction = 0.01, dual_reduction = 0.03;
+constexpr int max_iterations = 200;
 
 constexpr std::size_t entry_of(std::size_t i, std::size_t j) { return i * (i + 1) / 2 + j; }
 
@@ -38,7 +38,7 @@ CubicCorrection::CubicCorrection(const par::Comm& comm, const Problem& problem, 
   diagonal_ = diagonal(comm);
   auto right = product(comm, conditions_.value);
   for (std::size_t i = 0; i < right.size(); ++i) right[i] = right_[i] - right[i];
-  auto solved = solve(comm, std::move(right));
+  auto solved = solve(comm, std::move(right), reduction);
   error_ = std::move(solved.value);
   remaining_ = std::move(solved.residual);
   iterations_ = solved.iterations;
@@ -149,7 +149,7 @@ double CubicCorrection::dot_owned(const par::Comm& comm, std::span<const double>
   return std::accumulate(of_ranks.begin(), of_ranks.end(), 0.0);
 }
 
-CubicCorrection::Solved CubicCorrection::solve(const par::Comm& comm, std::vector<double> right) const {
+CubicCorrection::Solved CubicCorrection::solve(const par::Comm& comm, std::vector<double> right, double to) const {
   const auto n = right.size();
   Solved result{std::vector<double>(n, 0), std::move(right), 0};
   auto& residual = result.residual;
@@ -161,8 +161,8 @@ CubicCorrection::Solved CubicCorrection::solve(const par::Comm& comm, std::vecto
     if (conditions_.fixed[i] != 0) residual[i] = 0;
   scale();
   double size = dot_owned(comm, residual, scaled), last = 1;
-  const double wanted = reduction * reduction * size;
-  for (; size > wanted && result.iterations < most_iterations; ++result.iterations) {
+  const double wanted = to * to * size;
+  for (; size > wanted && result.iterations < max_iterations; ++result.iterations) {
     const double turn = result.iterations == 0 ? 0 : size / last;
     for (std::size_t i = 0; i < n; ++i) direction[i] = scaled[i] + turn * direction[i];
     const auto image = product(comm, direction);
@@ -178,17 +178,21 @@ CubicCorrection::Solved CubicCorrection::solve(const par::Comm& comm, std::vecto
   return result;
 }
 
+double CubicCorrection::energy_of(std::size_t cell, const OfCubicCell<double>& value) const {
+  double sum = 0;
+  for (std::size_t i = 0; i < n_cubic; ++i) {
+    for (std::size_t j = 0; j < i; ++j) sum += 2 * block_[cell][entry_of(i, j)] * value[i] * value[j];
+    sum += block_[cell][entry_of(i, i)] * value[i] * value[i];
+  }
+  return std::max(0.0, sum);
+}
+
 std::vector<double> CubicCorrection::cell_energy(std::span<const double> x) const {
   std::vector<double> result(block_.size());
   for (std::size_t c = 0; c < result.size(); ++c) {
     OfCubicCell<double> value{};
     for (std::size_t k = 0; k < n_cubic; ++k) value[k] = x[at(functions_.cell_to_function[c][k])];
-    double sum = 0;
-    for (std::size_t i = 0; i < n_cubic; ++i) {
-      for (std::size_t j = 0; j < i; ++j) sum += 2 * block_[c][entry_of(i, j)] * value[i] * value[j];
-      sum += block_[c][entry_of(i, i)] * value[i] * value[i];
-    }
-    result[c] = std::max(0.0, sum);
+    result[c] = energy_of(c, value);
   }
   return result;
 }
@@ -225,7 +229,7 @@ GoalError CubicCorrection::goal_error(const par::Comm& comm, std::span<const dou
     right[i] = i < w.size() ? 0 : (i < load.size() ? load[i] : 0) - right[i];
   GoalError result;
   result.correction = dot_owned(comm, right, error_);
-  const auto dual = solve(comm, std::move(right));
+  const auto dual = solve(comm, std::move(right), dual_reduction);
   result.correction += dot_owned(comm, remaining_, dual.value);
   const auto of_u = cell_energy(error_), of_w = cell_energy(dual.value);
   result.share.resize(of_u.size());

@@ -47,8 +47,9 @@ class CubicCorrection {
   void add_face(const Problem& problem, std::size_t face, std::span<const double> u);
   std::vector<double> product(const par::Comm& comm, std::span<const double> x) const;
   std::vector<double> diagonal(const par::Comm& comm) const;
-  Solved solve(const par::Comm& comm, std::vector<double> right) const;
+  Solved solve(const par::Comm& comm, std::vector<double> right, double to) const;
   double dot_owned(const par::Comm& comm, std::span<const double> a, std::span<const double> b) const;
+  double energy_of(std::size_t cell, const OfCubicCell<double>& value) const;
   std::vector<double> cell_energy(std::span<const double> x) const;
 
   const Problem& problem_;

@@ -236,17 +236,19 @@ double quadratic_shape_error(const par::Comm& comm, const State& state, const Go
     if (b->condition != Condition::potential || surface == nullptr || surface->is_flat()) continue;
     const auto position = elements.face_points(domain, f);
     const auto value = elements.values(at(face.cell), state.u), dual = elements.values(at(face.cell), w);
+    const auto error = state.cubic->functions().values(at(face.cell), state.cubic->error());
     double of_face = 0;
     for (const auto& point : face_points()) {
       const auto placed = place(position, point);
       const auto on_mesh = (1 / domain.scale) * placed.position;
       const double distance = -domain.scale * dot(surface->project(on_mesh) - on_mesh, placed.normal);
-      const auto behind = elements.behind(domain, f, point);
+      const auto behind = cubic_behind(domain, f, point);
       const double z = placed.position.z, psi0 = problem.split_potential(z), base = problem.split_slope(z);
       const double u = b->value - psi0;
       // Derivatives along the normal into the liquid.
-      const double slope = -dot(gradient_of(behind, value) + Vec3{0, 0, base}, placed.normal);
-      const double dual_slope = -dot(gradient_of(behind, dual), placed.normal);
+      const auto gradient = gradient_of(behind.placed, value) + gradient_of(behind, error) + Vec3{0, 0, base};
+      const double slope = -dot(gradient, placed.normal);
+      const double dual_slope = -dot(gradient_of(behind.placed, dual), placed.normal);
       double change = -slope * dual_slope;
       if (functional.goal.kind == Goal::Kind::charge) {
         const double weight = functional.fixed[at(elements.face_to_node[f][0])];
