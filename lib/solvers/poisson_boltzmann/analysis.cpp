@@ -65,9 +65,9 @@ void compare_with_manufactured(const par::Comm& comm, const State& state, Analys
 /// body. The first is measured: of 40 corrected forces and torques of known value on meshes of 3,000 to 700,000 cells,
 /// 39 are within a third of the sum (the other within 0.45, on the coarsest mesh), half of them within 0.08.
 constexpr double bar_over_shares = 1.0 / 3, bar_over_walls = 0.2;
-/// The first for elements of second order. Measured as well: of 19 corrected charges, forces and energies on meshes of
-/// 2,800 to 22,000 cells all are within 0.035 of the sum, half of them within 0.005.
-constexpr double bar_over_quadratic_shares = 0.05;
+/// The first for elements of second order. Measured as well: of 23 corrected charges, forces and energies on meshes of
+/// 240 to 22,000 cells all are within 0.094 of the sum, 19 on over 2,000 within 0.035, half of those within 0.005.
+constexpr double bar_over_quadratic_shares = 0.1;
 
 struct DualError {
   GoalError error;
