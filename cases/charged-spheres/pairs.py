@@ -3,7 +3,7 @@
 """Pairs of other sizes, places and potentials over the plate: every level's forces with their error bars beside values of
 another code (pairs.csv, made by ../ellipsoid-plate/reference.py --degree 3 --spheres).
 
-Usage: pairs.py [--levels N] [--max-cells N] [--ranks N] [--out FOLDER] [--tools FOLDER]
+Usage: pairs.py [--order 1|2] [--levels N] [--max-cells N] [--ranks N] [--out FOLDER] [--tools FOLDER]
 
 Prints a row for each level and force; `bar/error` is the printed error bar over the true error. Exit code 1 if a bar of
 a last level does not hold the other code's value, or if the median of bar/error over all rows is above 5.
@@ -22,18 +22,19 @@ import sweep
 HERE = pathlib.Path(__file__).resolve().parent
 
 
-def case_of(pair):
+def case_of(pair, order=1):
     text = (HERE / "reading-b.toml").read_text(encoding="utf-8")
     for key in ("radius", "distance", "height"):
         for table in ("mesh.geometry", "pair"):
             text = sweep.replaced(text, table, key, float(pair[key]))
     for patch in ("sphere", "plate"):
         text = sweep.replaced(text, f"boundary.{patch}", "value", float(pair[patch]))
-    return text
+    return text + f"\n[solver]\norder = {order}\n"
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--order", type=int, default=1, help="of the elements")
     parser.add_argument("--levels", type=int, default=4)
     parser.add_argument("--max-cells", type=int, default=150000)
     parser.add_argument("--ranks", type=int, default=2)
@@ -49,7 +50,7 @@ def main():
     for number, pair in enumerate(pairs):
         folder = o.out / str(number)
         folder.mkdir(parents=True, exist_ok=True)
-        (folder / "case.toml").write_text(case_of(pair), encoding="utf-8")
+        (folder / "case.toml").write_text(case_of(pair, o.order), encoding="utf-8")
         subprocess.run(["pamr-mesh", folder / "case.toml", "-o", folder / "mesh.hdf", "--force", "--quiet"], check=True)
         subprocess.run([HERE / "loop.sh", folder / "case.toml", folder / "mesh.hdf", folder, str(o.ranks), str(o.levels),
                         str(o.max_cells), "--bulk-of", "goal_error:0.5"], check=True)

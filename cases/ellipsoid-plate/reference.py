@@ -14,6 +14,7 @@ import argparse
 import math
 import pathlib
 import sys
+import time
 
 import gmsh
 import numpy as np
@@ -102,6 +103,7 @@ def main():
     o = parser.parse_args()
     shape = Ellipsoid if o.spheres is None else Spheres(*o.spheres)
     mesh, facets = make_mesh(shape, o.size)
+    begin = time.process_time()
     space = fem.FunctionSpace(mesh, ("Lagrange", o.degree))
     x = ufl.SpatialCoordinate(mesh)
     n = ufl.FacetNormal(mesh)
@@ -160,6 +162,7 @@ def main():
         across = ufl.dot(ufl.grad(u), ufl.grad(u)) - ufl.dot(ufl.grad(u), n) ** 2
         rest = ufl.cosh(psi0 + u) - ufl.cosh(psi0) - u * ufl.sinh(psi0)
         print(f"force-x through the mid-plane {2 * fem.assemble_scalar(fem.form((across / 2 + rest) * ds(middle))):.8f}")
+    print(f"solved in {time.process_time() - begin:.2f} s of processor time")
 
 
 if __name__ == "__main__":

@@ -9,6 +9,7 @@
 #include "pamr/base/error.hpp"
 #include "pamr/base/index.hpp"
 #include "solvers/poisson_boltzmann/cut_off.hpp"
+#include "solvers/poisson_boltzmann/quadratic_goals.hpp"
 #include "solvers/poisson_boltzmann/volume_force.hpp"
 
 namespace pamr::poisson_boltzmann {
@@ -81,21 +82,21 @@ class FunctionalsBuilder {
       patch.through_walls = electrode.mirrors.complete(form->through_walls);
     }
     for (auto& goal : result_.goals)
-      if (goal.goal.body == electrode.name) set_volume_goal(goal, electrode, patch, cut_off.chi);
+      if (goal.goal.body == electrode.name) set_volume_goal(goal, electrode, patch, cut_off);
   }
 
   void set_volume_goal(GoalFunctional& goal, const Electrode& electrode, const PatchResult& patch,
-                       const std::vector<double>& chi) {
+                       const CutOff& cut_off) {
     const bool is_torque = goal.goal.kind == Goal::Kind::torque;
     if (!is_torque && goal.goal.kind != Goal::Kind::force) return;
     const auto axis = at(goal.goal.axis);
     const auto& mirrors = electrode.mirrors;
     goal.value = is_torque ? (*patch.torque)[axis] : (*patch.volume)[axis];
-    goal.through_walls = is_torque ? 0 : patch.through_walls[axis];
+    goal.through_walls = is_torque || problem_.domain.quadratic ? 0 : patch.through_walls[axis];
     goal.factor = mirrors.factor;
     const Component component{goal.goal.axis, is_torque, electrode.center};
-    goal.load = volume_form_derivative(comm_, state_, chi, component);
-    goal.remainder = volume_form_remainder(comm_, state_, chi, component);
+    goal.load = volume_form_derivative(comm_, state_, cut_off.chi, cut_off.open_walls, component);
+    goal.remainder = volume_form_remainder(comm_, state_, cut_off.chi, component);
   }
 
   /// The force through the mirror acts on everything on this side that does not reach through it: on one body, if all
@@ -161,6 +162,12 @@ class FunctionalsBuilder {
   void set_energy_goal(GoalFunctional& goal) const {
     const auto& conditions = problem_.conditions;
     goal.value = problem_.input.split ? result_.energy.excess : result_.energy.total;
+    if (problem_.domain.quadratic) {
+      goal.load = quadratic_energy_derivative(comm_, state_);
+      for (std::size_t i = 0; i < conditions.fixed.size(); ++i)
+        if (conditions.fixed[i] != 0) goal.load[i] = 0;
+      return;
+    }
     goal.load = problem_.input.split ? fluxes_without_profile() : conditions.load;
     for (std::size_t i = 0; i < goal.load.size(); ++i)
       goal.load[i] = conditions.fixed[i] != 0 ? 0 : goal.load[i] - conditions.robin[i] * state_.u[i];

@@ -7,6 +7,7 @@
 
 #include "pamr/base/index.hpp"
 #include "solvers/poisson_boltzmann/quadratic_analysis.hpp"
+#include "solvers/poisson_boltzmann/quadratic_goals.hpp"
 #include "solvers/poisson_boltzmann/quadrature.hpp"
 
 namespace pamr::poisson_boltzmann {
@@ -87,6 +88,7 @@ double midplane_force(const par::Comm& comm, const State& state, const Excess& e
 
 std::vector<double> midplane_derivative(const par::Comm& comm, const State& state, const Excess& excess, int patch) {
   const auto& problem = state.problem;
+  if (problem.domain.quadratic) return quadratic_midplane_derivative(comm, state, patch);
   std::vector<double> result(problem.domain.point.size(), 0);
   for (const auto& face : problem.domain.faces) {
     if (face.patch != patch) continue;
@@ -104,6 +106,7 @@ std::vector<double> midplane_derivative(const par::Comm& comm, const State& stat
 
 double midplane_remainder(const par::Comm& comm, const State& state, int patch) {
   const auto& domain = state.problem.domain;
+  if (domain.quadratic) return quadratic_midplane_remainder(comm, state, patch);
   std::array<par::ExactSum, 1> sum;
   for (const auto& face : domain.faces) {
     if (face.patch != patch) continue;

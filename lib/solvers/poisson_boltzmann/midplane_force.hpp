@@ -18,7 +18,7 @@ Excess excess_of(const State& state);
 /// what lies on this side of the mirror is pushed away from it. `excess` is that of the state. Collective: an exact
 /// sum.
 double midplane_force(const par::Comm& comm, const State& state, const Excess& excess, int patch);
-/// Its derivative by u at the nodes. Collective: one exchange.
+/// Its derivative by u at the nodes, of second order by all functions of `CubicFunctions`. Collective: one exchange.
 std::vector<double> midplane_derivative(const par::Comm& comm, const State& state, const Excess& excess, int patch);
 
 /// What the error of the gradient adds to it in second order: half of the integral of its square within the mirror, by

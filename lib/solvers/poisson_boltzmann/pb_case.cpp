@@ -291,8 +291,6 @@ class Reader {
     if (!driven && !result_.manufactured)
       refuse("a patch with a given potential or charge", "none: the potential would be zero everywhere");
     for (const auto& goal : result_.estimator.goals) {
-      if (result_.solver.order == 2)
-        refuse("order = 1 in [solver] for a goal (of second order there are none yet)", "order = 2");
       if (goal.kind == Goal::Kind::midplane && result_.force.midplane.empty())
         refuse("midplane = \"PATCH\" in [force] for goal = \"midplane\"", "none");
     }

@@ -65,32 +65,6 @@ std::vector<Vec3> recover_quadratic(const par::Comm& comm, const Domain& domain,
   return sum;
 }
 
-Estimate estimate_quadratic(const par::Comm& comm, const Domain& domain, std::span<const double> u,
-                            std::span<const Vec3> recovered) {
-  const auto& elements = *domain.quadratic;
-  const auto n_cells = elements.cell_to_node.size();
-  Estimate result;
-  result.squared.assign(n_cells, 0);
-  result.residual_squared.assign(n_cells, 0);
-  std::array<par::ExactSum, 2> sums;
-  for (std::size_t c = 0; c < n_cells; ++c) {
-    const auto value = elements.values(c, u);
-    double norm_squared = 0;
-    at_points_of(domain, c, [&](const OfCellNodes<double>& shape, const PlacedPoint& placed, double weight) {
-      const auto gradient = gradient_of(placed, value);
-      const auto better = interpolated_at(shape, elements.cell_to_node[c], recovered);
-      result.squared[c] += weight * squared_norm(better - gradient);
-      norm_squared += weight * squared_norm(gradient);
-    });
-    sums[0].add(result.squared[c]);
-    sums[1].add(norm_squared);
-  }
-  const auto totals = par::reproducible_sums(comm, sums);
-  result.total_squared = totals[0];
-  result.norm_squared = totals[1];
-  return result;
-}
-
 ManufacturedErrors quadratic_manufactured_errors(const par::Comm& comm, const Domain& domain,
                                                  std::span<const double> u) {
   std::array<par::ExactSum, 2> sums;
@@ -207,9 +181,6 @@ double quadratic_midplane_force(const par::Comm& comm, const State& state, int p
   return par::reproducible_sums(comm, sum)[0];
 }
 
-namespace {
-
-/// dpsi/dn out of the liquid where the condition gives it, and the part of the profile that is split off elsewhere.
 double outward_slope(const Problem& problem, const Boundary& b, const PlacedFacePoint& placed, double u) {
   const double z = placed.position.z;
   switch (b.condition) {
@@ -225,6 +196,8 @@ double outward_slope(const Problem& problem, const Boundary& b, const PlacedFace
       return placed.normal.z * problem.split_slope(z);
   }
 }
+
+namespace {
 
 struct SurfaceSums {
   std::array<par::ExactSum, 3> area_potential_charge;

@@ -17,10 +17,6 @@ namespace pamr::poisson_boltzmann {
 std::vector<geometry::Vec3> recover_quadratic(const par::Comm& comm, const Domain& domain, std::span<const double> u,
                                               Recovery recovery);
 
-/// e_K^2 by that gradient. `residual_squared` is 0: what the source adds is of higher order. Collective: one reduction.
-Estimate estimate_quadratic(const par::Comm& comm, const Domain& domain, std::span<const double> u,
-                            std::span<const geometry::Vec3> recovered);
-
 /// Errors of u and of its gradient against the manufactured solution. Collective: one reduction.
 struct ManufacturedErrors {
   double l2 = 0, h1 = 0;
@@ -37,6 +33,9 @@ Energy quadratic_energy(const par::Comm& comm, const State& state);
 
 /// As `midplane_force`. Collective: an exact sum.
 double quadratic_midplane_force(const par::Comm& comm, const State& state, int patch);
+
+/// dpsi/dn out of the liquid where the condition gives it, and the part of the profile that is split off elsewhere.
+double outward_slope(const Problem& problem, const Boundary& boundary, const PlacedFacePoint& placed, double u);
 
 /// Sums over one patch of the mesh.
 struct QuadraticSurface {

@@ -10,6 +10,16 @@ using geometry::Vec3;
 
 namespace {
 
+/// Derivatives of the barycentric coordinates along the edges from corner 0.
+constexpr std::array<Vec3, 4> corner_step{{{-1, -1, -1}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+
+OfCellNodes<Vec3> in_space(const OfCellNodes<Vec3>& derivative, const std::array<Vec3, 3>& dual) {
+  OfCellNodes<Vec3> result;
+  for (std::size_t k = 0; k < 10; ++k)
+    result[k] = derivative[k].x * dual[0] + derivative[k].y * dual[1] + derivative[k].z * dual[2];
+  return result;
+}
+
 std::array<CellPoint, 14> make_cell_points() {
   constexpr double a = 0.31088591926330060980, weight_a = 0.11268792571801585080;
   constexpr double b = 0.092735250310891226402, weight_b = 0.073493043116361949544;
@@ -47,22 +57,6 @@ std::array<CellPoint, 10> make_nodes_as_points() {
   return points;
 }
 
-FacePoint face_point(const std::array<double, 3>& l, double weight) {
-  FacePoint point{l, {}, {}, {}, weight};
-  constexpr std::array<std::array<std::size_t, 2>, 3> edges{{{0, 1}, {1, 2}, {2, 0}}};
-  constexpr std::array<std::array<double, 3>, 2> step{{{-1, 1, 0}, {-1, 0, 1}}};
-  for (std::size_t k = 0; k < 3; ++k) {
-    const auto [i, j] = edges[k];
-    point.value[k] = l[k] * (2 * l[k] - 1);
-    point.value[3 + k] = 4 * l[i] * l[j];
-    point.along_1[k] = (4 * l[k] - 1) * step[0][k];
-    point.along_2[k] = (4 * l[k] - 1) * step[1][k];
-    point.along_1[3 + k] = 4 * (step[0][i] * l[j] + l[i] * step[0][j]);
-    point.along_2[3 + k] = 4 * (step[1][i] * l[j] + l[i] * step[1][j]);
-  }
-  return point;
-}
-
 std::array<FacePoint, 12> make_face_points() {
   std::array<FacePoint, 12> points{};
   std::size_t n = 0;
@@ -84,17 +78,32 @@ std::array<FacePoint, 12> make_face_points() {
 
 }  // namespace
 
+FacePoint face_point(const std::array<double, 3>& l, double weight) {
+  FacePoint point{l, {}, {}, {}, weight};
+  constexpr std::array<std::array<std::size_t, 2>, 3> edges{{{0, 1}, {1, 2}, {2, 0}}};
+  constexpr std::array<std::array<double, 3>, 2> step{{{-1, 1, 0}, {-1, 0, 1}}};
+  for (std::size_t k = 0; k < 3; ++k) {
+    const auto [i, j] = edges[k];
+    point.value[k] = l[k] * (2 * l[k] - 1);
+    point.value[3 + k] = 4 * l[i] * l[j];
+    point.along_1[k] = (4 * l[k] - 1) * step[0][k];
+    point.along_2[k] = (4 * l[k] - 1) * step[1][k];
+    point.along_1[3 + k] = 4 * (step[0][i] * l[j] + l[i] * step[0][j]);
+    point.along_2[3 + k] = 4 * (step[1][i] * l[j] + l[i] * step[1][j]);
+  }
+  return point;
+}
+
 CellPoint cell_point(const std::array<double, 4>& l, double weight) {
-  constexpr std::array<Vec3, 4> step{{{-1, -1, -1}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
-  CellPoint point{{}, {}, weight};
+  CellPoint point{{}, {}, weight, l};
   for (std::size_t k = 0; k < 4; ++k) {
     point.value[k] = l[k] * (2 * l[k] - 1);
-    point.derivative[k] = (4 * l[k] - 1) * step[k];
+    point.derivative[k] = (4 * l[k] - 1) * corner_step[k];
   }
   for (std::size_t e = 0; e < 6; ++e) {
     const auto [i, j] = mesh::tet::edge_to_corner[e];
     point.value[4 + e] = 4 * l[at(i)] * l[at(j)];
-    point.derivative[4 + e] = 4 * (l[at(j)] * step[at(i)] + l[at(i)] * step[at(j)]);
+    point.derivative[4 + e] = 4 * (l[at(j)] * corner_step[at(i)] + l[at(i)] * corner_step[at(j)]);
   }
   return point;
 }
@@ -124,12 +133,39 @@ PlacedPoint place(const OfCellNodes<Vec3>& node, const CellPoint& point) {
   const auto normal = cross(along[1], along[2]);
   placed.jacobian = dot(along[0], normal);
   const double inverse = 1 / placed.jacobian;
-  const std::array<Vec3, 3> dual{inverse * normal, inverse * cross(along[2], along[0]),
-                                 inverse * cross(along[0], along[1])};
-  for (std::size_t k = 0; k < 10; ++k)
-    placed.gradient[k] =
-        point.derivative[k].x * dual[0] + point.derivative[k].y * dual[1] + point.derivative[k].z * dual[2];
+  placed.dual = {inverse * normal, inverse * cross(along[2], along[0]), inverse * cross(along[0], along[1])};
+  placed.gradient = in_space(point.derivative, placed.dual);
   return placed;
+}
+
+CubicPoint cubic_point(const std::array<double, 4>& l) {
+  CubicPoint point;
+  for (std::size_t e = 0; e < 6; ++e) {
+    const auto a = at(mesh::tet::edge_to_corner[e][0]), b = at(mesh::tet::edge_to_corner[e][1]);
+    point.value[e] = l[a] * l[b] * (l[a] - l[b]);
+    point.derivative[e] = (2 * l[a] - l[b]) * l[b] * corner_step[a] + (l[a] - 2 * l[b]) * l[a] * corner_step[b];
+  }
+  for (std::size_t f = 0; f < 4; ++f) {
+    const auto& corner = mesh::tet::face_to_corner[f];
+    const auto a = at(corner[0]), b = at(corner[1]), c = at(corner[2]);
+    point.value[6 + f] = l[a] * l[b] * l[c];
+    point.derivative[6 + f] =
+        l[b] * l[c] * corner_step[a] + l[a] * l[c] * corner_step[b] + l[a] * l[b] * corner_step[c];
+  }
+  return point;
+}
+
+const std::array<CubicPoint, 14>& cubic_points() {
+  static const auto points = [] {
+    std::array<CubicPoint, 14> result;
+    for (std::size_t k = 0; k < result.size(); ++k) result[k] = cubic_point(cell_points()[k].barycentric);
+    return result;
+  }();
+  return points;
+}
+
+OfCellNodes<Vec3> gradients(const PlacedPoint& placed, const CubicPoint& point) {
+  return in_space(point.derivative, placed.dual);
 }
 
 PlacedFacePoint place(const OfFaceNodes<Vec3>& node, const FacePoint& point) {

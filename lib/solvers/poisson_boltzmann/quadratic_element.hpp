@@ -21,6 +21,7 @@ struct CellPoint {
   OfCellNodes<double> value{};
   OfCellNodes<geometry::Vec3> derivative{};
   double weight = 0;  ///< of the quadrature rule; those of all points add up to 1
+  std::array<double, 4> barycentric{};
 };
 CellPoint cell_point(const std::array<double, 4>& barycentric, double weight = 0);
 
@@ -33,10 +34,24 @@ const std::array<CellPoint, 10>& cell_nodes_as_points();
 /// A point of a cell of second order in space.
 struct PlacedPoint {
   geometry::Vec3 position;
-  double jacobian = 0;  ///< determinant: six times the volume of a straight cell
+  double jacobian = 0;                   ///< determinant: six times the volume of a straight cell
+  std::array<geometry::Vec3, 3> dual{};  ///< gradients of the reference coordinates
   OfCellNodes<geometry::Vec3> gradient{};
 };
 PlacedPoint place(const OfCellNodes<geometry::Vec3>& node, const CellPoint& point);
+
+/// What third order adds to second, at a point of the reference tetrahedron: functions that are 0 at the ten nodes, six
+/// of the edges, l_a l_b (l_a - l_b), and four of the faces, the product of the l of their corners, face i opposite
+/// corner i.
+struct CubicPoint {
+  OfCellNodes<double> value{};
+  OfCellNodes<geometry::Vec3> derivative{};
+};
+CubicPoint cubic_point(const std::array<double, 4>& barycentric);
+/// At `cell_points()`.
+const std::array<CubicPoint, 14>& cubic_points();
+/// Their gradients at a point in space.
+OfCellNodes<geometry::Vec3> gradients(const PlacedPoint& placed, const CubicPoint& point);
 
 /// The shape functions of a face at a point, with their derivatives along the edges from corner 0.
 struct FacePoint {
@@ -47,6 +62,7 @@ struct FacePoint {
 };
 /// 12 points, exact for polynomials of degree 6. Source: D. A. Dunavant, Int. J. Numer. Meth. Engng 21 (1985).
 const std::array<FacePoint, 12>& face_points();
+FacePoint face_point(const std::array<double, 3>& barycentric, double weight = 0);
 
 /// A point of a curved face in space.
 struct PlacedFacePoint {

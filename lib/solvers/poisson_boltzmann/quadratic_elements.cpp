@@ -31,12 +31,16 @@ OfCellNodes<double> QuadraticElements::values(std::size_t cell, std::span<const 
   return result;
 }
 
-PlacedPoint QuadraticElements::behind(const Domain& domain, std::size_t face, const FacePoint& point) const {
-  const auto cell = at(domain.faces[face].cell);
+std::array<double, 4> QuadraticElements::barycentric_behind(const Domain& domain, std::size_t face,
+                                                            const FacePoint& point) const {
+  const auto& corners = domain.mesh->cell_to_node[at(domain.faces[face].cell)];
   std::array<double, 4> l{};
-  for (std::size_t k = 0; k < 3; ++k)
-    l[at(mesh::slot_of(domain.mesh->cell_to_node[cell], face_to_node[face][k]))] = point.barycentric[k];
-  return place(points(domain, cell), cell_point(l));
+  for (std::size_t k = 0; k < 3; ++k) l[at(mesh::slot_of(corners, face_to_node[face][k]))] = point.barycentric[k];
+  return l;
+}
+
+PlacedPoint QuadraticElements::behind(const Domain& domain, std::size_t face, const FacePoint& point) const {
+  return place(points(domain, at(domain.faces[face].cell)), cell_point(barycentric_behind(domain, face, point)));
 }
 
 void make_quadratic(const par::Comm& comm, std::span<const int> face_slot, Domain& domain) {

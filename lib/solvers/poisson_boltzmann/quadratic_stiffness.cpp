@@ -135,24 +135,27 @@ void add_quadratic_source_matrix(const Problem& problem, const std::vector<doubl
   finish(matrix);
 }
 
+double given_flux(const Case& input, const PlateProfile& profile, const Boundary& b, const PlacedFacePoint& placed) {
+  const double slope = placed.normal.z * profile.slope(placed.position.z);
+  if (b.condition != Condition::far_field)
+    return (b.condition == Condition::charge ? b.value : 0) - (input.split ? slope : 0);
+  if (input.split) return 0;
+  return far_field_coefficient(input.spheres, placed.position, placed.normal) * profile.potential(placed.position.z) +
+         slope;
+}
+
 std::vector<double> quadratic_load(const Domain& domain, const Case& input) {
   const auto& elements = *domain.quadratic;
   const auto profile = input.profile();
   std::vector<double> load(domain.point.size(), 0);
   for (std::size_t f = 0; f < domain.faces.size(); ++f) {
     const auto& b = *input.find_boundary(domain.mesh->info.patches[at(domain.faces[f].patch)].name);
-    const bool is_far = b.condition == Condition::far_field;
-    if (!is_far && b.condition != Condition::charge && b.condition != Condition::symmetry) continue;
+    if (b.condition != Condition::far_field && b.condition != Condition::charge && b.condition != Condition::symmetry)
+      continue;
     const auto node = elements.face_points(domain, f);
     for (const auto& point : face_points()) {
       const auto placed = place(node, point);
-      const double slope = placed.normal.z * profile.slope(placed.position.z);
-      double flux = (b.condition == Condition::charge ? b.value : 0) - (input.split ? slope : 0);
-      if (is_far && input.split) flux = 0;
-      if (is_far && !input.split)
-        flux = far_field_coefficient(input.spheres, placed.position, placed.normal) *
-                   profile.potential(placed.position.z) +
-               slope;
+      const double flux = given_flux(input, profile, b, placed);
       for (std::size_t k = 0; k < 6; ++k) load[at(elements.face_to_node[f][k])] += flux * placed.area * point.value[k];
     }
   }

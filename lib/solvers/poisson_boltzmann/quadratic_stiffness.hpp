@@ -20,6 +20,11 @@ void add_quadratic_source(const Problem& problem, const std::vector<double>& u, 
 /// nodes with given u are left out. Collective.
 void add_quadratic_source_matrix(const Problem& problem, const std::vector<double>& u, Mat matrix);
 
+/// dpsi/dn out of the liquid that a patch of a charge, a mirror or the far field gives for u, but for what the far
+/// field has of u itself.
+double given_flux(const Case& input, const PlateProfile& profile, const Boundary& boundary,
+                  const PlacedFacePoint& placed);
+
 /// What charges, the far field, the split-off profile and sources give at the nodes, of this rank's cells. Local.
 std::vector<double> quadratic_load(const Domain& domain, const Case& input);
 

@@ -11,6 +11,8 @@
 
 namespace pamr::poisson_boltzmann {
 
+class CubicCorrection;
+
 /// A solution and its gradients, for what is computed from them. Refers to everything; nothing is copied.
 struct State {
   const Problem& problem;
@@ -19,6 +21,7 @@ struct State {
   std::span<const geometry::Vec3> cell_gradient;  ///< n_cells: of u
   std::span<const geometry::Vec3> recovered;      ///< n_nodes: gradient of u
   std::span<const Mirrors> mirrors;               ///< n_patches
+  const CubicCorrection* cubic = nullptr;         ///< of second order: its error
 };
 
 /// Adds up vectors exactly: the same bits on any number of ranks.

@@ -5,6 +5,7 @@
 
 #include "pamr/base/index.hpp"
 #include "solvers/poisson_boltzmann/quadratic_analysis.hpp"
+#include "solvers/poisson_boltzmann/quadratic_goals.hpp"
 #include "solvers/poisson_boltzmann/quadrature.hpp"
 #include "solvers/poisson_boltzmann/wall_stress.hpp"
 
@@ -107,8 +108,9 @@ VolumeForm volume_form(const par::Comm& comm, const State& state, std::span<cons
 }
 
 std::vector<double> volume_form_derivative(const par::Comm& comm, const State& state, std::span<const double> chi,
-                                           const Component& component) {
+                                           std::uint64_t open_walls, const Component& component) {
   const auto& problem = state.problem;
+  if (problem.domain.quadratic) return quadratic_volume_form_derivative(comm, state, chi, open_walls, component);
   const auto& cells = problem.domain.mesh->cell_to_node;
   std::vector<double> result(problem.domain.point.size(), 0);
   for (std::size_t c = 0; c < cells.size(); ++c) {
@@ -134,6 +136,7 @@ std::vector<double> volume_form_derivative(const par::Comm& comm, const State& s
 double volume_form_remainder(const par::Comm& comm, const State& state, std::span<const double> chi,
                              const Component& component) {
   const auto& problem = state.problem;
+  if (problem.domain.quadratic) return quadratic_volume_form_remainder(comm, state, chi, component);
   const auto& cells = problem.domain.mesh->cell_to_node;
   std::array<par::ExactSum, 1> sum;
   for (std::size_t c = 0; c < cells.size(); ++c) {

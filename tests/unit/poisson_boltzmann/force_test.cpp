@@ -127,7 +127,7 @@ TEST(VolumeForce, HasTheDerivativesOfForceAndTorque) {
           return (is_torque ? form.torque : form.force)[static_cast<std::size_t>(axis)];
         };
         const auto derivative = slab.with_state([&](const State& state) {
-          return volume_form_derivative(comm, state, chi, {axis, is_torque, center});
+          return volume_form_derivative(comm, state, chi, 0, {axis, is_torque, center});
         });
         slab.move(along, 1e-4);
         const double above = value();
