@@ -23,8 +23,8 @@ struct ReadRequest {
 /// Collective.
 mesh::DistMesh read_mesh(cli::Session& session, const ReadRequest& request, nlohmann::json& report);
 
-/// Multiplies the coordinates. Surfaces would stay as they are: they are dropped if nobody `needs_surfaces`, else throws
-/// `Error`, as for coordinates beyond the range of numbers. Collective.
+/// Multiplies the coordinates. Surfaces would stay as they are: they are dropped if nobody `needs_surfaces`, else
+/// throws `Error`, as for coordinates beyond the range of numbers. Collective.
 void scale_mesh(const par::Comm& comm, mesh::DistMesh& mesh, double factor, bool needs_surfaces);
 
 /// Gives patches their kinds: each pair is PATCH=KIND. Throws `Error` for patches that are not there and for kinds that

@@ -226,7 +226,8 @@ Memory memory_needed(const mesh::DistMesh& mesh, const Case& problem) {
   memory.program = 50'000'000;
   memory.solve = 24 * memory.n_entries + 440 * (is_linear ? n_nodes : n_nodes + n_edges) +
                  (is_linear ? 88 : 240) * n_cells + 56 * n_outer_faces;
-  // The error of second order: a block of 210 entries and 20 numbers a cell, some ten numbers a function of third order.
+  // The error of second order: a block of 210 entries and 20 numbers a cell, some ten numbers a function of third
+  // order.
   if (!is_linear) memory.solve += 1100 * n_cells + 80 * (n_nodes + 2 * n_edges);
   // The multigrid hierarchy: hypre's copy of the matrix, its coarser ones and what moves between them.
   if (choose_preconditioner(problem.solver, mesh.info.n_global_nodes) == Preconditioner::boomeramg)
