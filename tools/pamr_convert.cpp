@@ -49,7 +49,6 @@ struct Options {
   int format = io::newest_format, order = 1;
   bool asks_version = false, asks_unit = false, recognize = false, repair = false, no_repair = false, strict = false,
        text = false, force = false;
-  force = false;
 };
 
 void declare(cli::CommandLine& line, Options& options) {
