@@ -51,10 +51,21 @@ NodeMap::NodeMap(const par::Comm& comm, const mesh::DistMesh& mesh)
 NodeMap::NodeMap(const par::Comm& comm, par::Pattern shared, std::span<const GlobalId> node_global,
                  GlobalId n_global_nodes)
     : shared_(std::move(shared)) {
+  number(comm, owned_elsewhere(comm.rank(), shared_, node_global), n_global_nodes);
+}
+
+NodeMap::NodeMap(const par::Comm& comm, par::Pattern shared, std::size_t n_nodes, GlobalId n_global_nodes)
+    : shared_(std::move(shared)) {
+  std::vector<std::uint8_t> is_elsewhere(n_nodes, 0);
+  for (std::size_t i = 0; i < shared_.rank.size() && shared_.rank[i] < comm.rank(); ++i)
+    for (std::size_t k = shared_.offset[i]; k < shared_.offset[i + 1]; ++k) is_elsewhere[at(shared_.item[k])] = 1;
+  number(comm, is_elsewhere, n_global_nodes);
+}
+
+void NodeMap::number(const par::Comm& comm, const std::vector<std::uint8_t>& is_elsewhere, GlobalId n_global_nodes) {
   if (n_global_nodes > std::numeric_limits<std::int32_t>::max())
     throw Error(fmt::format("expected a mesh of at most 2147483647 nodes, found {}", n_global_nodes));
-  const auto n_nodes = node_global.size();
-  const auto is_elsewhere = owned_elsewhere(comm.rank(), shared_, node_global);
+  const auto n_nodes = is_elsewhere.size();
   for (std::size_t node = 0; node < n_nodes; ++node)
     if (is_elsewhere[node] == 0) owned_.push_back(static_cast<LocalId>(node));
 

@@ -23,6 +23,9 @@ class NodeMap {
   /// The same for nodes of which the shared ones are known: `node_global` are the numbers of those here, of
   /// `n_global_nodes` in all. Collective: one exchange.
   NodeMap(const par::Comm& comm, par::Pattern shared, std::span<const GlobalId> node_global, GlobalId n_global_nodes);
+  /// The same for `n_nodes` things here that have no global numbers: the lowest rank that holds one owns it.
+  /// Collective: one exchange.
+  NodeMap(const par::Comm& comm, par::Pattern shared, std::size_t n_nodes, GlobalId n_global_nodes);
 
   std::size_t n_nodes() const { return equation_.size(); }
   std::size_t n_owned() const { return owned_.size(); }
@@ -51,6 +54,8 @@ class NodeMap {
   void sum_copies(const par::Comm& comm, std::vector<geometry::Vec3>& local) const;
 
  private:
+  void number(const par::Comm& comm, const std::vector<std::uint8_t>& is_elsewhere, GlobalId n_global_nodes);
+
   std::vector<LocalId> owned_;
   std::vector<std::int32_t> equation_;
   std::int32_t first_ = 0, n_equations_ = 0;
