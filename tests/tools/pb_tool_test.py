@@ -74,8 +74,13 @@ def test_elements_of_second_order_reach_the_table_on_a_third_of_the_layers():
     again = solve(case, "before.hdf", "--start", "potential", "--surface", "walls.vtu").json
     assert again["newton_iterations"] < report["newton_iterations"] and pathlib.Path("walls.vtu").exists()
     assert abs(again["charge_densities"]["sphere"] / charge[2] - 1) < 1e-8
-    pathlib.Path("goal.toml").write_text(pathlib.Path("case.toml").read_text() + '[estimator]\ngoal = "energy"\n')
-    refuses("pamr-pb", "goal.toml", "--mesh", "shell.hdf", "-o", "no.hdf", says=["order = 1", "goal"], creates="no.hdf")
+    # Corrected by the goal it is nearer, and the error bar holds the table's value, which has ten digits.
+    pathlib.Path("goal.toml").write_text(pathlib.Path("case.toml").read_text()
+                                         + '[estimator]\ngoal = "charge"\ngoal_patch = "sphere"\n')
+    report = solve("goal.toml", "shell.hdf").json
+    best, area = report["best"]["sphere"]["charge"], report["areas"]["sphere"]
+    error = abs(best["value"] / area - 15.785936194)
+    assert error < 0.1 * abs(charge[2] - 15.785936194) and error < best["error"] / area + 1e-9, (best, area)
 
 
 def test_a_sphere_obeys_the_linear_solution():
