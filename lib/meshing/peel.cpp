@@ -15,13 +15,13 @@ namespace pamr::meshing {
 namespace {
 
 using geometry::Vec3;
-using Edge = std::pair<std::int32_t, std::int32_t>;
-using Face = std::array<std::int32_t, 3>;
+using LocalEdge = std::pair<std::int32_t, std::int32_t>;
+using LocalFace = std::array<std::int32_t, 3>;
 
-Edge edge_of(std::int32_t a, std::int32_t b) { return {std::min(a, b), std::max(a, b)}; }
+LocalEdge edge_of(std::int32_t a, std::int32_t b) { return {std::min(a, b), std::max(a, b)}; }
 
-Face face_of(const RawMesh& mesh, std::int32_t cell, int slot) {
-  Face nodes{};
+LocalFace face_of(const RawMesh& mesh, std::int32_t cell, int slot) {
+  LocalFace nodes{};
   for (std::size_t i = 0; i < 3; ++i) nodes[i] = mesh.cell[at(cell)][at(mesh::tet::face_to_corner[at(slot)][i])];
   std::sort(nodes.begin(), nodes.end());
   return nodes;
@@ -31,7 +31,7 @@ Face face_of(const RawMesh& mesh, std::int32_t cell, int slot) {
 struct Ear {
   std::int32_t cell = 0;
   int piece = 0;
-  Edge outer, inner;
+  LocalEdge outer, inner;
   std::array<int, 2> hidden{};  ///< slots of the two faces that are not on the boundary
 };
 
@@ -54,15 +54,15 @@ std::vector<Ear> find_ears(const RawMesh& mesh) {
 
 /// True when the wall at the middle of the inner edge lies still further into the gas than that edge does.
 bool lies_behind(const Domain& domain, const RawMesh& mesh, const Ear& ear) {
-  const auto middle = [&](Edge e) { return geometry::midpoint(mesh.position(e.first), mesh.position(e.second)); };
+  const auto middle = [&](LocalEdge e) { return geometry::midpoint(mesh.position(e.first), mesh.position(e.second)); };
   const Vec3 outer = middle(ear.outer), inner = middle(ear.inner);
   // far from the wall, as in the middle of a ball, the nearest point says nothing
   if (domain.label(inner) == Domain::inside) return false;
   return geometry::dot(domain.pieces[at(ear.piece)].nearest(inner) - inner, inner - outer) > 0;
 }
 
-std::map<Face, BoundaryFace> faces_by_nodes(const RawMesh& mesh) {
-  std::map<Face, BoundaryFace> result;
+std::map<LocalFace, BoundaryFace> faces_by_nodes(const RawMesh& mesh) {
+  std::map<LocalFace, BoundaryFace> result;
   for (std::size_t c = 0; c < mesh.cell.size(); ++c)
     for (int slot = 0; slot < 4; ++slot) {
       const auto cell = static_cast<std::int32_t>(c);
@@ -72,13 +72,13 @@ std::map<Face, BoundaryFace> faces_by_nodes(const RawMesh& mesh) {
 }
 
 int peel_once(const Domain& domain, RawMesh& mesh) {
-  std::set<Edge> boundary_edges;
+  std::set<LocalEdge> boundary_edges;
   for (const auto& face : mesh.face) {
     const auto n = face_of(mesh, face.cell, face.slot);
     boundary_edges.insert({edge_of(n[0], n[1]), edge_of(n[1], n[2]), edge_of(n[0], n[2])});
   }
   std::vector<bool> gone(mesh.cell.size(), false);
-  std::map<Face, int> opened;  // faces behind the cells taken away, and their piece
+  std::map<LocalFace, int> opened;  // faces behind the cells taken away, and their piece
   int n_gone = 0;
   for (const auto& ear : find_ears(mesh)) {
     if (boundary_edges.contains(ear.inner) || !lies_behind(domain, mesh, ear)) continue;

@@ -23,12 +23,12 @@ constexpr std::size_t n_parameters = 7;  // three of the place, two of the axis,
 using Row = std::array<double, n_parameters>;
 
 /// A point as a shape of revolution sees it.
-struct Meridian {
+struct FromAxis {
   double along, from_axis;
   Vec3 outward;  ///< unit; of no meaning on the axis
 };
 
-Meridian meridian(const FittedShape& shape, Vec3 unit_axis, Vec3 point) {
+FromAxis from_axis_of(const FittedShape& shape, Vec3 unit_axis, Vec3 point) {
   const Vec3 from_place = point - shape.place;
   const double along = dot(from_place, unit_axis);
   const Vec3 across = from_place - along * unit_axis;
@@ -86,7 +86,7 @@ struct Linearized {
 
   Linearized(const FittedShape& shape, const std::array<Vec3, 2>& tilt, std::span<const Vec3> point) {
     for (const auto& p : point) {
-      const auto [x, r, outward] = meridian(shape, shape.axis, p);
+      const auto [x, r, outward] = from_axis_of(shape, shape.axis, p);
       const auto d = distance(shape, x, r);
       const Vec3 by_place = -d.by_along * shape.axis - d.by_from_axis * outward;
       const double turn = d.by_along * r - d.by_from_axis * x;
@@ -296,14 +296,14 @@ std::string_view name_of(ShapeKind kind) {
 int n_unknowns(ShapeKind kind) { return 4 + static_cast<int>(kind); }
 
 double FittedShape::signed_distance(Vec3 point) const {
-  const auto seen = meridian(*this, axis, point);
+  const auto seen = from_axis_of(*this, axis, point);
   return distance(*this, seen.along, seen.from_axis).value;
 }
 
 double FittedShape::curvature(Vec3 point) const {
   if (kind == ShapeKind::torus) return 1 / std::min(of_tube, radius - of_tube);
   if (kind != ShapeKind::cone) return 1 / radius;
-  const double from_axis = meridian(*this, (1 / norm(axis)) * axis, point).from_axis;
+  const double from_axis = from_axis_of(*this, (1 / norm(axis)) * axis, point).from_axis;
   return from_axis > 0 ? std::cos(radius) / from_axis : std::numeric_limits<double>::infinity();
 }
 

@@ -17,7 +17,9 @@ namespace {
 using geometry::Vec3;
 constexpr std::int64_t taken_whole = 600;  // faces
 
-std::uint64_t hash_of(Vec3 p) { return combine(combine(combine(0, bits_of(p.x)), bits_of(p.y)), bits_of(p.z)); }
+std::uint64_t hash_of(Vec3 p) {
+  return pamr::combine(pamr::combine(pamr::combine(0, bits_of(p.x)), bits_of(p.y)), bits_of(p.z));
+}
 
 /// Nodes are taken whose hash is at most this.
 std::uint64_t bound_of(std::int64_t n_faces) {

@@ -29,7 +29,6 @@ class MeshSections {
     if (keyword.refused_type != 0) {
       if (n > 0 && share_.rank == 0) parts_.refused[keyword.refused_type] += n;
     } else if (keyword.name.starts_with("Periodic")) {
-      parts_.n_periodic_links += n;
       if (n > 0) in_.fail("no periodic links", fmt::format("{}", n));
     } else if (keyword.name.starts_with("Sol")) {
       in_.fail("a mesh", std::string(keyword.name) + ", which belongs into a .sol");

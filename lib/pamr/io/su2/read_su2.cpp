@@ -108,7 +108,7 @@ class Su2Reader {
       tag_.clear();
     } else if (keyword == "NPERIODIC") {
       const auto n = value.integer_in_line("the number of periodic links");
-      if (n > 1) parts_.n_periodic_links = n;  // one is what SU2 writes where there is none
+      if (n > 1) in_.fail("no periodic links", fmt::format("{}", n));  // one is what SU2 writes where there is none
     } else {
       is_foreign_ = true;
     }
