@@ -77,7 +77,7 @@ class CgnsTree {
     put(group.id(), " data", H5T_NATIVE_FLOAT, {1}, &value, sizeof(value));
   }
   void integers(const std::string& path, const char* label, const std::vector<std::int64_t>& values,
-                std::vector<hsize_t> extent, bool is_wide) {
+                const std::vector<hsize_t>& extent, bool is_wide) {
     const auto group = make(path, label, is_wide ? "I8" : "I4");
     std::string bytes;
     for (const auto value : values)

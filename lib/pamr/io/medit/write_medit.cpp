@@ -58,7 +58,7 @@ bool is_text(const std::filesystem::path& file) { return !file.extension().strin
 std::int64_t size_of(const Section& s, int version) {
   const std::int64_t place = version >= 3 ? 8 : 4, integer = version == 4 ? 8 : 4;
   return 4 + place + integer + (s.types.empty() ? 0 : 4 * (1 + std::ssize(s.types))) +
-         s.n * (8 * s.n_reals + integer * s.n_integers);
+         s.n * (std::int64_t{8} * s.n_reals + integer * s.n_integers);
 }
 
 /// The version that the sections need, 0 for text.

@@ -15,7 +15,7 @@ struct Counts {
 /// Where the parts of a binary file of reals of 8 and integers of 4 bytes begin. Source: UG_IO documentation, "UGRID 3D
 /// Grid File Type" (simcenter.msstate.edu).
 struct Layout {
-  static constexpr std::int64_t head = 7 * 4;
+  static constexpr std::int64_t head = std::int64_t{7} * 4;
   std::int64_t triangles = 0, references = 0, tetrahedra = 0, pyramids = 0;
   std::int64_t bytes = 0;  ///< without what may follow the cells
 };
