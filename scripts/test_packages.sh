@@ -21,6 +21,7 @@ if [ -n "${PAMR_TEST_ROOT:-}" ]; then
   bare=$PAMR_TEST_ROOT
 else
   bare=$(mktemp -d -t pamr-debian.XXXXXX)
+  chmod 755 "$bare" # the user in it has to find its programs
   trap 'umount -R "$bare/proc" "$bare/sys" "$bare/dev" 2>/dev/null || true; rm -rf --one-file-system "$bare"' EXIT
 fi
 if [ ! -x "$bare/usr/bin/apt-get" ]; then
