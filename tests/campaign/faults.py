@@ -19,6 +19,9 @@ import tempfile
 import threading
 import time
 
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "tools"))
+from job_processes import largest_size, processes_of  # noqa: E402
+
 BIN, SHIM, RANKS = pathlib.Path(sys.argv[1]), sys.argv[2], int(sys.argv[3])
 DICE = random.Random(f"{sys.argv[4]} {RANKS}")
 LAUNCHER = sys.argv[5:] + [sys.argv[3]] if RANKS > 1 else []
@@ -110,20 +113,6 @@ def clean(stage, old=True):
             path.unlink()
     if old and output.suffix:
         output.write_bytes(PRECIOUS)
-
-
-def processes_of(job, tool):
-    """Ids of the tool's processes that this job has started, and that are no mere inspectors of a file."""
-    found = {}
-    for entry in pathlib.Path("/proc").iterdir():
-        if entry.name.isdigit():
-            try:
-                name, rest = (entry / "stat").read_text().rsplit(")", 1)
-            except OSError:
-                continue  # it has ended meanwhile
-            if name.endswith("(" + tool[:15]):
-                found[int(entry.name)] = int(rest.split()[1])
-    return sorted(pid for pid, parent in found.items() if job.pid in (pid, parent))
 
 
 def start(words, **others):
@@ -248,27 +237,12 @@ def jumping_clock(stage, whole, seconds):
     return tally
 
 
-def largest_size(words, tool):
-    """Address space of the largest process of a run that has all it wants, KiB."""
-    job, largest = start(words), 0
-    while job.poll() is None:
-        for pid in processes_of(job, tool):
-            try:
-                lines = pathlib.Path(f"/proc/{pid}/status").read_text().splitlines()
-            except OSError:
-                continue  # it has ended meanwhile
-            largest = max([largest] + [int(line.split()[1]) for line in lines if line.startswith("VmPeak:")])
-        time.sleep(0.002)
-    job.communicate()
-    return largest
-
-
 def memory_of_one_rank(stage, whole, seconds):
     """Address space of one rank from what MPI and HDF5 take for themselves, below which they may wait for ever, to all it takes."""
     tally = collections.Counter()
     script = ('if [ "${OMPI_COMM_WORLD_RANK:-0}" = "$1" ]; then ulimit -v "$2"; fi; shift 2; exec "$@"')
-    least = largest_size(LAUNCHER + [str(BIN / "pamr-mark"), "tiny.hdf", "--all", "-o", "tiny.out", "--force"], "pamr-mark")
-    most = largest_size(command(stage), stage.words[0])
+    tiny = LAUNCHER + [str(BIN / "pamr-mark"), "tiny.hdf", "--all", "-o", "tiny_marked.hdf", "--force"]
+    least, most = largest_size(start(tiny), "pamr-mark"), largest_size(start(command(stage)), stage.words[0])
     for i in range(24):
         clean(stage)
         kib = least + (most - least) * i // 24 if most > least else least

@@ -7,6 +7,7 @@ import signal
 import subprocess
 import time
 
+from job_processes import largest_size, processes_of
 from tool_run import BIN, LAUNCHER, RANKS, kuhn_cube, run, run_tests, same_bytes
 
 SECONDS_TO_END = 10
@@ -26,20 +27,6 @@ def command(output, limits="", mesh="marked.hdf"):
 def unfinished(output):
     """Temporary files of this output."""
     return set(glob.glob(output + ".*.partial"))
-
-
-def processes_of(job):
-    """Ids of the tool's processes that this job has started."""
-    parents = {}
-    for entry in pathlib.Path("/proc").iterdir():
-        if entry.name.isdigit():
-            try:
-                name, rest = (entry / "stat").read_text().rsplit(")", 1)
-            except OSError:
-                continue  # it has ended meanwhile
-            if name.endswith("(pamr-refine"):
-                parents[int(entry.name)] = int(rest.split()[1])
-    return sorted(pid for pid, parent in parents.items() if job.pid in (pid, parent))
 
 
 def wait_for(condition, job, seconds=60):
@@ -81,7 +68,7 @@ def disturb(output, moment, act):
     """Acts on a running job at a moment, which is a condition on job and start; the job, once that has worked."""
     for _ in range(20):
         job, begin = start(output)
-        if wait_for(lambda: len(processes_of(job)) == RANKS and moment(begin), job):
+        if wait_for(lambda: len(processes_of(job, "pamr-refine")) == RANKS and moment(begin), job):
             act(job)
             return job
         job.communicate()  # it was faster than we are: once more
@@ -103,7 +90,7 @@ def test_a_killed_process_ends_the_job():
     marked_cube()
     for i, moment in enumerate(moments("out.hdf")):
         victim = i % RANKS
-        check_end(disturb("out.hdf", moment, lambda job: os.kill(processes_of(job)[victim], signal.SIGKILL)), "out.hdf")
+        check_end(disturb("out.hdf", moment, lambda job: os.kill(processes_of(job, "pamr-refine")[victim], signal.SIGKILL)), "out.hdf")
         # What it may have left goes with the next run, which `run` makes sure of.
         os.remove("out.hdf")
         run("pamr-refine", "marked.hdf", "-o", "out.hdf")
@@ -118,19 +105,10 @@ def test_a_job_that_is_told_to_end():
             assert not unfinished("out.hdf"), f"{sign.name} left the unfinished file"
 
 
-def largest_size(mesh):
+def size_of_run(mesh):
     """Address space of the largest process of a run that has all it wants, KiB."""
     job = subprocess.Popen(command("free.hdf", mesh=mesh), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-    largest = 0
-    while job.poll() is None:
-        for pid in processes_of(job):
-            try:
-                lines = pathlib.Path(f"/proc/{pid}/status").read_text().splitlines()
-            except OSError:
-                continue  # it has ended meanwhile
-            largest = max([largest] + [int(line.split()[1]) for line in lines if line.startswith("VmPeak:")])
-        time.sleep(0.005)
-    job.communicate()
+    largest = largest_size(job, "pamr-refine")
     os.remove("free.hdf")
     return largest
 
@@ -139,7 +117,7 @@ def test_too_little_memory():
     """Between what a small mesh takes, which is what MPI and HDF5 want for themselves, and what this one takes."""
     run("pamr-mark", kuhn_cube("small.hdf", 8), "-o", "marked_small.hdf", "--all", "--quiet", serial=True)
     marked_cube(44)
-    least, most = largest_size("marked_small.hdf"), largest_size("marked.hdf")
+    least, most = size_of_run("marked_small.hdf"), size_of_run("marked.hdf")
     assert most > least + 30000, (least, most)  # both with the 64 MiB that a process sets aside
     pathlib.Path("out.hdf").write_bytes(PRECIOUS)
     named = 0
