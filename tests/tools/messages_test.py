@@ -160,5 +160,19 @@ def test_surfaces_in_place_of_meshes_open_ones_and_other_units_are_told_apart():
     assert not os.path.exists("x.hdf")
 
 
+def test_lines_of_summaries_fit_into_160_columns():
+    folder = "a folder with quite a long name/and another one in it that is longer still, as they are on servers"
+    os.makedirs(folder)
+    names = {name: os.path.join(folder, f"{name} of the case.hdf") for name in ("level0", "marked", "level1")}
+    for words in (["pamr-mesh", "--shape", "sphere-in-box", "--size", "0.5", "-o", names["level0"]],
+                  ["pamr-mark", names["level0"], "-o", names["marked"], "--patch", "sphere"],
+                  ["pamr-refine", names["marked"], "-o", names["level1"]],
+                  ["pamr-quality", names["level1"]], ["pamr-diff", names["level0"], names["level0"]],
+                  ["pamr-convert", names["level1"], os.path.join(folder, "level1 of the case.msh")],
+                  ["pamr-partition", names["level1"], "-o", os.path.join(folder, "parts of the case.hdf"), "--parts", "4"]):
+        lines = run(*words, serial=True).out.splitlines()
+        assert lines and all(len(line) <= 160 for line in lines), (words, lines)
+
+
 if __name__ == "__main__":
     run_tests(globals())
