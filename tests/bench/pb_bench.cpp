@@ -5,7 +5,7 @@
 ///
 /// With `--arrays` the mesh is taken as a program would hand it over: points, cells and boundary triangles, neighbors
 /// to be built (step `topology`); memory then counts from there. What a step computes is its processor time outside of
-/// MPI, whoever calls it (mpi_ledger.hpp).
+/// MPI, whoever calls it (mpi_counts.hpp).
 #include <fmt/format.h>
 
 #include <fstream>
@@ -16,7 +16,7 @@
 #include <utility>
 #include <vector>
 
-#include "mpi_ledger.hpp"
+#include "mpi_counts.hpp"
 #include "pamr/assemble/assemble.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/base/timer.hpp"
@@ -30,7 +30,7 @@
 namespace {
 
 using namespace pamr;
-using bench::ledger, bench::MpiLedger;
+using bench::mpi_counts, bench::MpiCounts;
 namespace pb = poisson_boltzmann;
 
 /// Collects the steps; each takes what has happened since the last.
@@ -39,13 +39,13 @@ class Steps {
   explicit Steps(const par::Comm& comm) : comm_(comm) { restart(); }
 
   void lap(const std::string& name) {
-    const double cpu = cpu_seconds() - cpu_, waited = ledger().cpu - before_.cpu;
+    const double cpu = cpu_seconds() - cpu_, waited = mpi_counts().cpu - before_.cpu;
     const std::vector<std::pair<const char*, double>> values{
         {"cpu", cpu},
         {"compute", cpu - waited},
-        {"messages", static_cast<double>(ledger().messages - before_.messages)},
-        {"bytes", static_cast<double>(ledger().bytes - before_.bytes)},
-        {"reductions", static_cast<double>(ledger().reductions - before_.reductions)}};
+        {"messages", static_cast<double>(mpi_counts().messages - before_.messages)},
+        {"bytes", static_cast<double>(mpi_counts().bytes - before_.bytes)},
+        {"reductions", static_cast<double>(mpi_counts().reductions - before_.reductions)}};
     for (const auto& [key, value] : values) json_[name][key] = comm_.all_gather(value);
     restart();
   }
@@ -54,11 +54,11 @@ class Steps {
  private:
   void restart() {
     cpu_ = cpu_seconds();
-    before_ = ledger();
+    before_ = mpi_counts();
   }
   const par::Comm& comm_;
   double cpu_ = 0;
-  MpiLedger before_;
+  MpiCounts before_;
   nlohmann::json json_;
 };
 

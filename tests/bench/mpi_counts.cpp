@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "mpi_ledger.hpp"
+#include "mpi_counts.hpp"
 
 #include <mpi.h>
 
@@ -9,11 +9,11 @@
 
 namespace {
 
-struct Ledger : pamr::bench::MpiLedger {
+struct Counts : pamr::bench::MpiCounts {
   int depth = 0;                                 ///< of calls of MPI within calls of MPI, which do not count
   std::map<MPI_Request, std::int64_t> prepared;  ///< bytes of messages that are sent again and again
 };
-Ledger own;
+Counts own;
 
 template <class Call>
 int timed(const Call& call) {
@@ -174,6 +174,6 @@ int MPI_Alltoallv(const void* a, const int* n, const int* d, MPI_Datatype t, voi
 
 namespace pamr::bench {
 
-const MpiLedger& ledger() { return own; }
+const MpiCounts& mpi_counts() { return own; }
 
 }  // namespace pamr::bench

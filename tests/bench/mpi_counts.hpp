@@ -5,12 +5,12 @@
 
 namespace pamr::bench {
 
-/// What this process has done in MPI so far. A program that links mpi_ledger.cpp stands between MPI and all that calls
+/// What this process has done in MPI so far. A program that links mpi_counts.cpp stands between MPI and all that calls
 /// it, libraries like PETSc and hypre included: every call is timed and counted.
-struct MpiLedger {
+struct MpiCounts {
   double cpu = 0;  ///< seconds inside of MPI: waiting, polling, copying
   std::int64_t messages = 0, bytes = 0, reductions = 0;
 };
-const MpiLedger& ledger();
+const MpiCounts& mpi_counts();
 
 }  // namespace pamr::bench
