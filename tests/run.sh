@@ -21,5 +21,5 @@ case ${1:-} in
 esac
 
 "$root/scripts/setup.sh" --tests
-# A test that needs k ranks counts as k of the cores. One more than there are, since starting a job is mostly waiting.
-ctest --test-dir "$build" --parallel $(($(nproc) + 1)) --output-on-failure --no-label-summary --no-tests=error "${level[@]}" "$@"
+# Two serial tests for each core, or one job: starting and ending a job is mostly waiting (tests/CMakeLists.txt has the weights).
+ctest --test-dir "$build" --parallel $((2 * $(nproc))) --output-on-failure --no-label-summary --no-tests=error "${level[@]}" "$@"

@@ -7,8 +7,9 @@ import meshio
 import numpy as np
 
 from surface_models import bored_cube, can, icosphere, write_stl
-from tool_run import kuhn_cube, refuses, run, run_tests, same_bytes
+from tool_run import kuhn_cube, prepare_alone, refuses, run, run_tests, same_bytes
 
+prepare_alone("pamr-mesh", "pamr-mark", "pamr-quality")
 FORMATS = [("2.2", True), ("2.2", False), ("4.1", True), ("4.1", False)]
 
 

@@ -14,7 +14,9 @@ import xml.etree.ElementTree as xml
 import h5py
 import numpy as np
 
-from tool_run import BIN, LAUNCHER, RANKS, add_cell_field, kuhn_cube, refuses, run, run_tests, same_bytes
+from tool_run import BIN, LAUNCHER, RANKS, add_cell_field, kuhn_cube, prepare_alone, refuses, run, run_tests, same_bytes
+
+prepare_alone("pamr-mark", "pamr-refine")
 
 SPECIES = """
 [species.N2]

@@ -5,7 +5,10 @@ import math
 import h5py
 import numpy as np
 
+import tool_run
 from tool_run import RANKS, refuses, run, run_tests, same_bytes
+
+tool_run.REFUSED_BY_ALL = 1  # more ranks than cells are what this is about
 
 POLICIES = ("none", "isotropic", "short-edge", "removable")
 

@@ -10,8 +10,9 @@ import h5py
 import meshio
 import numpy as np
 
-from tool_run import kuhn_cube, refuses, run, run_tests, same_bytes
+from tool_run import kuhn_cube, prepare_alone, refuses, run, run_tests, same_bytes
 
+prepare_alone("pamr-mark", "pamr-refine", "pamr-quality")
 FORMATS = ["mesh", "meshb", "su2", "lb8.ugrid", "b8.ugrid"]
 PATCHES = ["xmin", "xmax", "ymin", "ymax", "zmin", "zmax"]
 

@@ -6,7 +6,7 @@ import pathlib
 import h5py
 import numpy as np
 
-from tool_run import RANKS, once, refuses, run, run_tests, same_bytes
+from tool_run import RANKS, of_one_process, once, refuses, run, run_tests, same_bytes
 
 FACES = np.array([[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]])
 EDGES = [(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)]
@@ -99,6 +99,7 @@ def outer_distance(p):
     return np.select([r < 30, x < 0], [np.abs(x + 30), np.abs(np.hypot(x, r - 30) - 30)], np.abs(r - 60))
 
 
+@of_one_process
 def test_blunt_cone_lies_on_its_surfaces():
     mesh = make("--shape", "blunt-cone")
 
@@ -118,6 +119,7 @@ def test_blunt_cone_lies_on_its_surfaces():
     assert r.max() < 23.75 + tolerance and r.min() > 6.25 - tolerance
 
 
+@of_one_process
 def test_blunt_cone_patches_meet_on_feature_curves():
     mesh = make("--shape", "blunt-cone")
 
@@ -140,6 +142,7 @@ def test_blunt_cone_patches_meet_on_feature_curves():
     assert set(border_edges.values()) == {2}
 
 
+@of_one_process
 def test_blunt_cone_wall_edges_are_short_against_the_radius_of_curvature():
     mesh = make("--shape", "blunt-cone")
 
@@ -157,6 +160,7 @@ def test_blunt_cone_wall_edges_are_short_against_the_radius_of_curvature():
     assert cosine.min() > math.cos(math.radians(25))
 
 
+@of_one_process
 def test_sphere_in_box_lies_on_its_surfaces():
     mesh = make("--shape", "sphere-in-box")
 
@@ -171,6 +175,7 @@ def test_sphere_in_box_lies_on_its_surfaces():
     assert all(count == 2 for n in mesh.names for count in mesh.patch_edges(n).values())
 
 
+@of_one_process
 def test_charged_spheres_lie_on_their_surfaces():
     mesh = make("--shape", "charged-spheres", "--size", "1.3")
 
@@ -215,6 +220,7 @@ def area(mesh, name):
     return np.linalg.norm(np.cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0]), axis=1).sum() / 2
 
 
+@of_one_process
 def test_box_with_a_cylindrical_hole_has_sharp_edges():
     mesh = surfaces_case("+x0 & -x1 & +y0 & -y1 & +z0 & -z1 & +hole", [[-1, -1, -0.5], [1, 1, 0.5]],
                          "far = 0.3\nnear = { hole = 0.2 }",
@@ -234,6 +240,7 @@ def test_box_with_a_cylindrical_hole_has_sharp_edges():
     assert 0.97 < area(mesh, "hole") / (0.8 * math.pi) < 1
 
 
+@of_one_process
 def test_thin_shell_and_torus_have_no_edges():
     shell = surfaces_case("+inner & -outer", [[-1.1] * 3, [1.1] * 3], "far = 0.15", sphere("inner", 1),
                           sphere("outer", 1.1))
@@ -252,6 +259,7 @@ def test_thin_shell_and_torus_have_no_edges():
     assert len(p) - edges + len(torus.faces_of("ring")) == 0, "a torus has Euler characteristic 0"
 
 
+@of_one_process
 def test_a_thin_shell_is_made_finer_than_asked_for_where_it_has_to_be():
     for size in (0.8, 2.0):
         shell = surfaces_case("-outer & +inner", [[-1] * 3, [1] * 3], f"far = {size}", sphere("outer", 1), sphere("inner", 0.9))
@@ -262,6 +270,7 @@ def test_a_thin_shell_is_made_finer_than_asked_for_where_it_has_to_be():
         assert len(shell.cells) < 6000, "edges in the gap are at most 1.5 times as long as it is wide"
 
 
+@of_one_process
 def test_unit_ball_gets_as_coarse_as_asked_for():
     cells, nodes = [], []
     for size in (0.4, 0.8, 1.2, 1.6, 2.0):
@@ -276,6 +285,7 @@ def test_unit_ball_gets_as_coarse_as_asked_for():
     assert (nodes[-1], cells[-1]) == (6, 8), "the last one is an octahedron, its axis split"
 
 
+@of_one_process
 def test_unions_and_curves_of_two_quadrics():
     mesh = surfaces_case("(-ball | (-rod & -front)) & +middle", [[0, -1, -1], [2, 1, 1]], "far = 0.3",
                          sphere("ball", 1), ("rod", "cylinder", "point = [0, 0, 0.1]\naxis = [1, 0, 0]\nradius = 0.5"),
@@ -289,6 +299,7 @@ def test_unions_and_curves_of_two_quadrics():
     assert not len(mesh.border("ball", "front")) and not len(mesh.border("rod", "middle"))
 
 
+@of_one_process
 def test_case_shapes_lie_on_their_surfaces():
     shapes = (("charged-sphere", "1", "radius = 0.5\nouter_radius = 3", "far = 1",
                ["sphere", "outer", "symmetry_x", "symmetry_y", "symmetry_z"]),
@@ -310,6 +321,7 @@ def test_case_shapes_lie_on_their_surfaces():
     assert abs(angle.min()) < 1e-12 and abs(angle.max() - math.pi / 8) < 1e-12
 
 
+@of_one_process
 def test_size_makes_meshes_finer():
     coarse = make("--shape", "sphere-in-box", "--size", "0.5")
     fine = make("--shape", "sphere-in-box", "--size", "0.4")
@@ -320,7 +332,11 @@ def test_size_makes_meshes_finer():
 def test_the_same_bytes_on_every_run_and_any_number_of_ranks():
     pathlib.Path("cone.toml").write_text('[mesh]\nshape = "blunt-cone"\nlength_unit = "m"\nseed = 3\n'
                                          "[mesh.sizes]\nfar = 0.012\n[gas]\nname = 'N2'\n")
-    for arguments in (["cone.toml"], ["--shape", "sphere-in-box"], ["--shape", "charged-spheres", "--size", "2"], ["--shape", "kuhn-cube", "--n", "3"]):
+    pathlib.Path("ball.toml").write_text('[mesh]\nshape = "surfaces"\nlength_unit = "1"\nregion = "-ball"\nbounds = [[-1, -1, -1], [1, 1, 1]]\n'
+                                         '[mesh.sizes]\nfar = 0.8\n[[surface]]\nname = "ball"\nkind = "sphere"\ncenter = [0, 0, 0]\n'
+                                         "radius = 1\n")
+    for arguments in (["cone.toml"], ["ball.toml"], ["--shape", "sphere-in-box", "--size", "0.5"],
+                      ["--shape", "charged-spheres", "--size", "2"], ["--shape", "kuhn-cube", "--n", "3"]):
         run("pamr-mesh", *arguments, "-o", "a.hdf", "--force", "--quiet")
         run("pamr-mesh", *arguments, "-o", "b.hdf", "--force", "--quiet", serial=RANKS > 1)
 
@@ -335,6 +351,7 @@ def test_kuhn_cube():
     assert [len(mesh.faces_of(n)) for n in mesh.names] == [32] * 6
 
 
+@of_one_process
 def test_neighbors_in_the_file_are_neighbors_in_space():
     mesh = make("--shape", "sphere-in-box")
 

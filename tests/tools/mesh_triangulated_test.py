@@ -6,7 +6,9 @@ import h5py
 import numpy as np
 
 from surface_models import bored_cube, can, icosphere, wing, write_off, write_stl
-from tool_run import RANKS, refuses, run, run_tests, same_bytes
+from tool_run import RANKS, prepare_alone, refuses, run, run_tests, same_bytes
+
+prepare_alone("pamr-mark", "pamr-quality")
 
 FACES = np.array([[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]])
 
@@ -46,7 +48,7 @@ def refine(name, levels, *marks):
 def test_nodes_on_a_coarse_sphere_are_nearer_to_the_ball_than_its_triangles():
     points, triangles = icosphere(2)
     write_stl("ball.stl", points, triangles)
-    run("pamr-mesh", case("ball.toml", "-body", [[-1] * 3, [1] * 3], "far = 0.5", body_toml("ball.stl")), "-o", "ball.hdf")
+    run("pamr-mesh", case("ball.toml", "-body", [[-1] * 3, [1] * 3], "far = 0.5", body_toml("ball.stl")), "-o", "ball.hdf", serial=True)
     facets = max(1 - np.linalg.norm(points[list(t)].mean(axis=0)) for t in triangles)
 
     for name in refine("ball.hdf", 3, "--patch", "body"):
@@ -57,7 +59,7 @@ def test_nodes_on_a_coarse_sphere_are_nearer_to_the_ball_than_its_triangles():
 
 def test_edges_of_a_machined_part_stay_sharp_and_its_planes_planar():
     write_stl("part.stl", *bored_cube(24))
-    run("pamr-mesh", case("part.toml", "-body", [[-1] * 3, [1] * 3], "far = 0.5", body_toml("part.stl")), "-o", "part.hdf")
+    run("pamr-mesh", case("part.toml", "-body", [[-1] * 3, [1] * 3], "far = 0.5", body_toml("part.stl")), "-o", "part.hdf", serial=True)
 
     for name in refine("part.hdf", 2, "--all"):
         at, nodes = patches(name)
@@ -96,7 +98,7 @@ def test_a_plane_cuts_a_ball_in_half():
     exact = '[[surface]]\nname = "body"\nkind = "sphere"\ncenter = [0, 0, 0]\nradius = 1\n'
     for body, near in ((body_toml("ball.stl"), 2e-4), (exact, 1e-15)):
         case("half.toml", "-body & +cut", [[-1, -1, 0], [1, 1, 1]], "far = 0.4", body + cut)
-        run("pamr-mesh", "half.toml", "-o", "half.hdf", "--force", "--quiet")
+        run("pamr-mesh", "half.toml", "-o", "half.hdf", "--force", "--quiet", serial=True)
         for name in refine("half.hdf", 1, "--patch", "body"):
             at, nodes = patches(name)
             assert (at[nodes["cut"]][:, 2] == 0).all()
@@ -112,7 +114,7 @@ def plane(name, point, normal):
 def test_a_plane_cuts_a_body_across_its_sharp_edges():
     write_stl("part.stl", *bored_cube(16))
     case("part.toml", "-body & +cut", [[-1] * 3, [1] * 3], "far = 0.5", body_toml("part.stl") + plane("cut", [0, 0, 0], [0, 1, 0]))
-    run("pamr-mesh", "part.toml", "-o", "part.hdf")
+    run("pamr-mesh", "part.toml", "-o", "part.hdf", serial=True)
 
     for name in refine("part.hdf", 2, "--patch", "cut"):
         at, nodes = patches(name)
@@ -167,7 +169,7 @@ def test_a_mirror_cuts_a_wing_across_the_edge_that_ends_in_its_skin():
     ball = '[[surface]]\nname = "far"\nkind = "sphere"\ncenter = [0.5, 0, 0]\nradius = 3\n'
     case("wing.toml", "+body & +root & -far", [[-3, -3, 0], [4, 3, 3]], "far = 1\nnear = { body = 0.2 }",
          body_toml("wing.stl") + plane("root", [0, 0, 0.05], [0, 0, 1]) + ball)
-    run("pamr-mesh", "wing.toml", "-o", "wing.hdf")
+    run("pamr-mesh", "wing.toml", "-o", "wing.hdf", serial=True)
 
     for name, least in zip(refine("wing.hdf", 1, "--patch", "body_1"), (5, 10)):
         at, nodes = patches(name)
@@ -194,7 +196,7 @@ def test_a_surface_that_cuts_through_itself_is_told():
     n = len(one)
     points = np.vstack([one, one + [1.1, 0.1, 0.05]])
     write_off("pair.off", points, triangles + [tuple(i + n for i in t) for t in triangles])
-    run("pamr-mesh", "--shape", "sphere-in-box", "--size", "0.5", "-o", "ball.hdf", "--quiet")
+    run("pamr-mesh", "--shape", "sphere-in-box", "--size", "0.5", "-o", "ball.hdf", "--quiet", serial=True)
     pathlib.Path("pair.toml").write_text(body_toml("pair.off"))
 
     told = run("pamr-convert", "ball.hdf", "out.hdf", "--surfaces", "pair.toml", "--tie", "sphere=body", "--tolerance", "9")

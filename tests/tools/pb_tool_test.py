@@ -7,11 +7,12 @@ import sys
 import h5py
 import numpy as np
 
-from tool_run import BIN, RANKS, kuhn_cube, refuses, run, run_tests
+from tool_run import BIN, RANKS, kuhn_cube, prepare_alone, refuses, run, run_tests
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "cases" / "charged-sphere"))
 import shell  # noqa: E402  makes sectors and octants of spherical shells
 
+prepare_alone("pamr-mark", "pamr-refine")
 SIDES = ("xmin", "xmax", "ymin", "ymax", "zmin", "zmax")
 
 

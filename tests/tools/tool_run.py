@@ -24,6 +24,19 @@ BIN = pathlib.Path(sys.argv[1])
 RANKS = int(sys.argv[2])
 LAUNCHER = sys.argv[3:] + [sys.argv[2]] if len(sys.argv) > 3 else []
 SHARED = tempfile.mkdtemp(prefix="pamr-tools-")  # of all the tests of this script
+FULL = os.environ.get("PAMR_TEST_LEVEL") == "full"
+REFUSED_BY_ALL = 1 if FULL else 3  # one refusal in so many is tried on all ranks
+alone = set()  # tools that this script runs on one process
+n_refused = 0
+
+
+def prepare_alone(*tools):
+    """These tools, which have scripts of their own, prepare meshes here or look at them: one process suffices, but at the full level.
+
+    A start on three ranks costs six times the processor time of one process, and most runs are little else.
+    """
+    if not FULL:
+        alone.update(tools)
 
 
 class Result:
@@ -35,8 +48,10 @@ class Result:
         return json.loads(self.out)
 
 
-def run(tool, *arguments, code=0, serial=False, ranks=RANKS):
+def run(tool, *arguments, code=0, serial=False, ranks=None):
     """Runs a tool on this many processes and expects this exit code. Bad input (2): one line of error and no output."""
+    if ranks is None:
+        ranks = 1 if tool in alone else RANKS
     launcher = LAUNCHER[:-1] + [str(ranks)] if LAUNCHER and ranks > 1 else []
     command = ([] if serial else launcher) + [str(BIN / tool)] + [str(a) for a in arguments]
     # Ranks that fail together end by themselves: mpirun need not give them a second to do so.
@@ -54,8 +69,13 @@ def run(tool, *arguments, code=0, serial=False, ranks=RANKS):
 
 
 def refuses(tool, *arguments, says=(), creates=None):
-    """Expects exit code 2, these words in the error, and that the file was not created."""
-    result = run(tool, *arguments, code=2)
+    """Expects exit code 2, these words in the error, and that the file was not created.
+
+    The first refusal of a test and one in three of all are tried on all ranks, the rest on one process.
+    """
+    global n_refused
+    n_refused += 1
+    result = run(tool, *arguments, code=2, serial=(n_refused - 1) % REFUSED_BY_ALL != 0)
     for word in says:
         assert word in result.err, f"no {word!r} in: {result.err}"
     if creates is not None:
@@ -83,6 +103,12 @@ def add_cell_field(name, field, values):
 
 def same_bytes(a, b):
     return pathlib.Path(a).read_bytes() == pathlib.Path(b).read_bytes()
+
+
+def of_one_process(test):
+    """A test of what one process computes on whatever number of ranks: where there are several, it is of the full level."""
+    test.is_of_one_process = True
+    return test
 
 
 def once(function):
@@ -122,7 +148,8 @@ def run_one(name, test, log):
 
 def run_tests(names, at_once=3):
     """Runs the tests, so many at a time: most of their time they wait for processes to start and to end."""
-    waiting = [(name, test) for name, test in names.items() if name.startswith("test_")]
+    waiting = [(name, test) for name, test in names.items()
+               if name.startswith("test_") and (RANKS == 1 or FULL or not getattr(test, "is_of_one_process", False))]
     running, n_failed = {}, 0
     sys.stdout.flush()
     while waiting or running:

@@ -4,6 +4,7 @@
 
 Usage: life_of_a_tool_test.py PROBE VERSION MPIEXEC...
 """
+import concurrent.futures
 import glob
 import json
 import os
@@ -222,22 +223,32 @@ class LifeOfATool(unittest.TestCase):
         process.wait(timeout=60)
         return text
 
+    def assert_progress_is_a_bar_on_a_terminal(self, ranks):
+        text = self.on_terminal(ranks, "progress")
+        self.assertRegex(text, rb"\r\x1b\[K\[#+\.+\] walking: \d+ of 40 steps \(\d+ %\), [0-9.]+ steps/s, 0:0\d left, uphill")
+        self.assertGreater(text.count(b"walking"), 5)
+        text = self.on_terminal(ranks, "step")
+        self.assertIn(b"\r\x1b[Kresting 7 cells, 0:01\r\x1b[Kresting 7 cells, 0:02", text)
+        text = self.on_terminal(ranks, "progress-cut")
+        self.assertRegex(text, rb"uphill\r\x1b\[Kpamr-probe: interrupted")
+
+    def test_progress_is_a_bar_on_a_terminal(self):
+        self.assert_progress_is_a_bar_on_a_terminal(1)
+
     def test_progress_is_a_bar_on_a_terminal_also_under_mpirun(self):
-        for ranks in (1, 3):
-            text = self.on_terminal(ranks, "progress")
-            self.assertRegex(text, rb"\r\x1b\[K\[#+\.+\] walking: \d+ of 40 steps \(\d+ %\), [0-9.]+ steps/s, 0:0\d left, uphill")
-            self.assertGreater(text.count(b"walking"), 5)
-            text = self.on_terminal(ranks, "step")
-            self.assertIn(b"\r\x1b[Kresting 7 cells, 0:01\r\x1b[Kresting 7 cells, 0:02", text)
-            text = self.on_terminal(ranks, "progress-cut")
-            self.assertRegex(text, rb"uphill\r\x1b\[Kpamr-probe: interrupted")
+        self.assert_progress_is_a_bar_on_a_terminal(3)
+
+    def assert_long_steps_are_lines_elsewhere(self, ranks):
+        result = run(ranks, "--how", "step")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertEqual(result.stderr, "resting 7 cells, 0:10\n")
+        self.assertEqual(run(ranks, "--how", "step", "--quiet").stderr, "")
 
     def test_long_steps_are_lines_elsewhere(self):
-        for ranks in (1, 3):
-            result = run(ranks, "--how", "step")
-            self.assertEqual(result.returncode, 0, result.stderr)
-            self.assertEqual(result.stderr, "resting 7 cells, 0:10\n")
-            self.assertEqual(run(ranks, "--how", "step", "--quiet").stderr, "")
+        self.assert_long_steps_are_lines_elsewhere(1)
+
+    def test_long_steps_are_lines_elsewhere_on_3_ranks(self):
+        self.assert_long_steps_are_lines_elsewhere(3)
 
     def test_long_summaries_go_on_in_the_next_line(self):
         lines = run(1, "--how", "long").stdout.splitlines()[:-1]
@@ -297,5 +308,21 @@ class LifeOfATool(unittest.TestCase):
             self.assertIn("No such file or directory", result.stderr)
 
 
+def run_side_by_side(tests, at_once):
+    """Several tests at a time: nearly all that they do is to wait for processes. True if all of them pass."""
+    def run_one(test):
+        begin, result = time.monotonic(), unittest.TestResult()
+        test.run(result)
+        return test, result, time.monotonic() - begin
+    passed = True
+    with concurrent.futures.ThreadPoolExecutor(at_once) as pool:
+        for test, result, seconds in pool.map(run_one, tests):
+            print(f"{'ok    ' if result.wasSuccessful() else 'FAILED'}  {test.id().split('.')[-1]} ({seconds:.1f} s)")
+            for _, text in result.failures + result.errors:
+                print(text)
+            passed = passed and result.wasSuccessful() and result.testsRun == 1
+    return passed
+
+
 if __name__ == "__main__":
-    unittest.main(argv=sys.argv[:1])
+    sys.exit(0 if run_side_by_side(unittest.defaultTestLoader.loadTestsFromTestCase(LifeOfATool), at_once=5) else 1)
