@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Sets up, builds and runs every test on every rank count (more ranks than cores are fine). Arguments go to ctest:
+# Sets up, builds and runs the tests (more ranks than cores are fine). Arguments go to ctest:
 #
-#   tests/run.sh               all tests (random cases: the quick level, 50 of each property)
-#   tests/run.sh full          also the full level: 1,000 random cases of each property, on up to 16 ranks
+#   tests/run.sh               all tests (most on 1 and 3 ranks; random cases: the quick level, 50 of each property)
+#   tests/run.sh full          also the full level: 1,000 random cases of each property, on up to 16 ranks, unit tests on 2 and 4
 #   tests/run.sh -L unit       those with this label
 #   tests/run.sh -R close      those with this name
 #   tests/run.sh full -L full_level   the full level alone

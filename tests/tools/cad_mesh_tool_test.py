@@ -8,7 +8,9 @@ import shutil
 import h5py
 import numpy as np
 
-from tool_run import refuses, run, run_tests, same_bytes
+from tool_run import prepare_alone, refuses, run, run_tests, same_bytes
+
+prepare_alone("pamr-mark")
 
 DATA = pathlib.Path(__file__).resolve().parent / "data"
 CUBE = DATA.parent.parent / "unit" / "geometry" / "data" / "cube.step"
@@ -83,7 +85,7 @@ def test_one_line_makes_the_inside_of_a_shape():
 
 def test_loose_faces_of_iges_are_sewn():
     shutil.copy(DATA / "can.igs", "can.igs")
-    run("pamr-mesh", "can.igs", "-o", "iges.hdf", "--size", "0.6")
+    run("pamr-mesh", "can.igs", "-o", "iges.hdf", "--size", "0.6", serial=True)
     volume, walls = volume_and_walls("iges.hdf")
     assert abs(volume / (2 * np.pi) - 1) < 0.1 and len(walls) == 3
     assert is_on_can(np.concatenate(list(walls.values())), 1e-6)
@@ -92,7 +94,7 @@ def test_loose_faces_of_iges_are_sewn():
 
 def test_patches_by_color_and_in_other_units():
     shutil.copy(DATA / "colored_can.step", "can.step")
-    report = run("pamr-mesh", "can.step", "-o", "can.hdf", "--size", "0.06", "--unit", "cm", "--json", "-").json
+    report = run("pamr-mesh", "can.step", "-o", "can.hdf", "--size", "0.06", "--unit", "cm", "--json", "-", serial=True).json
     assert sorted(report["patches"]) == ["color_333333", "color_336699", "color_ff0000"], report["patches"]
     volume, walls = volume_and_walls("can.hdf")
     assert abs(volume / (2e-3 * np.pi) - 1) < 0.1
@@ -108,7 +110,7 @@ def test_patches_by_color_and_in_other_units():
 def test_a_body_in_a_far_box_has_sizes_by_patch():
     shutil.copy(DATA / "can.step", "can.step")
     pathlib.Path("case.toml").write_text(FAR_BOX)
-    run("pamr-mesh", "case.toml", "-o", "box.hdf")
+    run("pamr-mesh", "case.toml", "-o", "box.hdf", serial=True)
     volume, walls = volume_and_walls("box.hdf")
     assert abs((216 - volume) / (2 * np.pi) - 1) < 0.05, volume
     assert len(walls["top"]) > 40 and (walls["top"][:, 2] == 2).all()
@@ -135,7 +137,7 @@ kind = "plane"
 point = [0, 0, 0]
 normal = [0, 1, 0]
 """)
-    run("pamr-mesh", "case.toml", "-o", "half.hdf")
+    run("pamr-mesh", "case.toml", "-o", "half.hdf", serial=True)
     volume, walls = volume_and_walls("half.hdf")
     assert abs(volume / np.pi - 1) < 0.05, volume
     assert (walls["mirror"][:, 1] == 0).all() and is_on_can(walls["can"])

@@ -5,7 +5,9 @@ import pathlib
 import h5py
 import numpy as np
 
-from tool_run import RANKS, add_cell_field, kuhn_cube, refuses, run, run_tests, same_bytes
+from tool_run import RANKS, add_cell_field, kuhn_cube, prepare_alone, refuses, run, run_tests, same_bytes
+
+prepare_alone("pamr-mesh", "pamr-refine")
 
 
 def arrays(name):

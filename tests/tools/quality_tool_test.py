@@ -8,7 +8,9 @@ import pathlib
 import h5py
 import numpy as np
 
-from tool_run import bare_copy, kuhn_cube, refuses, run, run_tests, same_bytes
+from tool_run import bare_copy, kuhn_cube, prepare_alone, refuses, run, run_tests, same_bytes
+
+prepare_alone("pamr-mesh", "pamr-mark", "pamr-refine")
 
 METRICS = ("radius_ratio", "mean_ratio", "aspect_ratio", "min_dihedral", "max_dihedral", "edge_ratio")
 

@@ -9,10 +9,12 @@ import time
 import h5py
 import numpy as np
 
+import tool_run
 from lineage_words import Lineage
 from tool_run import BIN, LAUNCHER, RANKS, bare_copy, kuhn_cube, once, refuses, run, run_tests, same_bytes
 
 SECONDS = 60
+tool_run.REFUSED_BY_ALL = 1  # that all ranks end, and one speaks, is what this is about
 
 
 @once
