@@ -7,6 +7,10 @@
 #include <cstdio>
 #include <memory>
 
+#ifdef __SANITIZE_ADDRESS__
+#include <sanitizer/lsan_interface.h>
+#endif
+
 namespace {
 
 /// Rank 0 prints as GoogleTest does; the other ranks print their failures only. An exception that leaves a test on one
@@ -54,6 +58,10 @@ int main(int argc, char** argv) {
 
   int anywhere = 0;
   MPI_Allreduce(&here, &anywhere, 1, MPI_INT, MPI_MAX, MPI_COMM_WORLD);
+#ifdef __SANITIZE_ADDRESS__
+  // Now, while the plugins of MPI are loaded: what they leave cannot be told by name later (lsan.supp).
+  __lsan_do_leak_check();
+#endif
   MPI_Finalize();
   return anywhere;
 }

@@ -6,7 +6,7 @@ import h5py
 import numpy as np
 
 from surface_models import bored_cube, can, icosphere, wing, write_off, write_stl
-from tool_run import RANKS, prepare_alone, refuses, run, run_tests, same_bytes
+from tool_run import RANKS, of_full_level, prepare_alone, refuses, run, run_tests, same_bytes
 
 prepare_alone("pamr-mark", "pamr-quality")
 
@@ -77,6 +77,7 @@ def test_edges_of_a_machined_part_stay_sharp_and_its_planes_planar():
     assert abs(volume - (8 - np.pi / 2)) < 0.02
 
 
+@of_full_level
 def test_a_body_can_stand_in_a_box_with_other_bodies():
     write_off("part.off", *bored_cube(16))
     planes = "".join(f'[[surface]]\nname = "{n}{s}"\nkind = "plane"\npoint = {[3 * (2 * s - 1) * (i == k) for i in range(3)]}\n'

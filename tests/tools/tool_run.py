@@ -111,6 +111,16 @@ def of_one_process(test):
     return test
 
 
+def of_full_level(test):
+    """A long test of whose kind a shorter one stays for every change."""
+    test.is_of_full_level = True
+    return test
+
+
+def is_due(test):
+    return FULL or not (getattr(test, "is_of_full_level", False) or RANKS > 1 and getattr(test, "is_of_one_process", False))
+
+
 def once(function):
     """A function of plain arguments that several tests call: the first one computes, the others get what it returned."""
     def kept(*arguments):
@@ -148,8 +158,7 @@ def run_one(name, test, log):
 
 def run_tests(names, at_once=3):
     """Runs the tests, so many at a time: most of their time they wait for processes to start and to end."""
-    waiting = [(name, test) for name, test in names.items()
-               if name.startswith("test_") and (RANKS == 1 or FULL or not getattr(test, "is_of_one_process", False))]
+    waiting = [(name, test) for name, test in names.items() if name.startswith("test_") and is_due(test)]
     running, n_failed = {}, 0
     sys.stdout.flush()
     while waiting or running:
