@@ -48,7 +48,7 @@ struct Options {
   double tolerance = -1, feature_angle = -1, scale = 1;
   int format = io::newest_format, order = 1;
   bool asks_version = false, asks_unit = false, recognize = false, repair = false, no_repair = false, strict = false,
-       text = false, force = false;
+       text = false, interfaces = false, force = false;
 };
 
 void declare(cli::CommandLine& line, Options& options) {
@@ -123,6 +123,8 @@ void declare(cli::CommandLine& line, Options& options) {
     options.asks_version = version.is_given();
     options.asks_unit = unit.is_given();
   });
+  line.flag("--interfaces", options.interfaces,
+            "write to a .msh, .mesh or .meshb also the triangles between regions, as a group A_B for regions A and B");
   line.flag("--text", options.text, "write a .msh as text instead of binary");
   line.option("--order", options.order,
               "of the cells of a .msh or .vtu to write: 2 gives each edge a node, on the surface in curved boundaries")
@@ -146,6 +148,10 @@ bool is_foam_case(const std::string& output) {
   return std::filesystem::path(output).extension().empty() || std::filesystem::is_directory(output, none);
 }
 
+io::Interfaces interfaces_of(const Options& options) {
+  return options.interfaces ? io::Interfaces::by_regions : io::Interfaces::none;
+}
+
 /// `second_order`: null for linear cells. Collective.
 void write(const par::Comm& comm, const Options& options, bool as_foam, const mesh::DistMesh& mesh,
            const mesh::SecondOrder* second_order) {
@@ -157,11 +163,12 @@ void write(const par::Comm& comm, const Options& options, bool as_foam, const me
   if (ending == ".su2") io::write_su2(comm, options.output, mesh);
   if (ending == ".ugrid") io::write_ugrid(comm, options.output, mesh);
   if (ending == ".cgns") io::write_cgns(comm, options.output, mesh);
-  if (convert::is_medit_file(options.output)) io::write_medit(comm, options.output, mesh);
+  if (convert::is_medit_file(options.output)) io::write_medit(comm, options.output, mesh, interfaces_of(options));
   if (!options.solution_out.empty()) io::write_medit_fields(comm, options.solution_out, mesh, options.solution_fields);
   if (ending == ".msh")
     io::write_gmsh(comm, options.output, mesh,
-                   {options.gmsh_version == "2.2" ? io::GmshVersion::v2_2 : io::GmshVersion::v4_1, !options.text},
+                   {options.gmsh_version == "2.2" ? io::GmshVersion::v2_2 : io::GmshVersion::v4_1, !options.text,
+                    interfaces_of(options)},
                    second_order);
 }
 
@@ -193,11 +200,19 @@ void adjust(const par::Comm& comm, const Options& options, bool as_foam, mesh::D
   convert::set_kinds(options.kinds, mesh);
 }
 
-/// Which number stands for which patch, for formats that know numbers alone. Local.
-void report_numbers(const Options& options, bool as_foam, const mesh::DistMesh& mesh, nlohmann::json& report) {
-  if (as_foam || !convert::is_medit_file(options.output)) return;
-  const auto reference = io::medit_references(mesh.info);
-  for (std::size_t p = 0; p < reference.size(); ++p) report["references"][mesh.info.patches[p].name] = reference[p];
+/// The interfaces that were written, and which number stands for which group in formats that know numbers alone.
+/// Collective.
+void report_groups(cli::Session& session, const Options& options, bool as_foam, const mesh::DistMesh& mesh,
+                   nlohmann::json& report) {
+  const bool to_medit = !as_foam && convert::is_medit_file(options.output);
+  if (!to_medit && !options.interfaces) return;
+  const auto names = io::group_triangles(session.comm(), mesh, interfaces_of(options)).name;
+  for (auto p = mesh.info.patches.size(); p < names.size(); ++p) report["interfaces"].push_back(names[p]);
+  if (options.interfaces && names.size() == mesh.info.patches.size())
+    session.warn("--interfaces: expected two regions or more (cell field 'region'), found one: nothing to write");
+  if (!to_medit) return;
+  const auto reference = io::medit_references(names);
+  for (std::size_t p = 0; p < reference.size(); ++p) report["references"][names[p]] = reference[p];
 }
 
 void check_foam_case(const cli::Session& session, const Options& options) {
@@ -245,6 +260,9 @@ void check_files(cli::Session& session, const Options& options, bool as_foam) {
        {std::pair(options.text, "--text"), std::pair(options.asks_version, "--gmsh-version")})
     if (is_given && !to_gmsh)
       throw Error(fmt::format("{}: expected an output that ends in .msh beside it, found '{}'", name, options.output));
+  if (options.interfaces && (as_foam || !(to_gmsh || convert::is_medit_file(options.output))))
+    throw Error(
+        fmt::format("--interfaces: expected an output that ends in .msh, .mesh or .meshb, found '{}'", options.output));
   if (options.order == 2 && (as_foam || !(options.output.ends_with(".msh") || options.output.ends_with(".vtu"))))
     throw Error(fmt::format("--order 2: expected an output that ends in .msh or .vtu, found '{}'", options.output));
   if (as_boundary && !options.surface_files.empty())
@@ -463,7 +481,7 @@ cli::ExitCode convert_file(cli::Session& session, const Options& options) {
   report["nodes"] = n_nodes;
   report["patches"] = nlohmann::json::array();
   for (const auto& patch : mesh.info.patches) report["patches"].push_back(patch.name);
-  report_numbers(options, as_foam, mesh, report);
+  report_groups(session, options, as_foam, mesh, report);
   for (const auto& region : mesh.info.regions) report["regions"][std::to_string(region.number)] = region.name;
   session.write_report(report);
   const auto n_patches = mesh.info.patches.size();

@@ -74,6 +74,10 @@ mesh::DistMesh read_mesh(cli::Session& session, const ReadRequest& request, nloh
   report["dropped_nodes"] = read.n_dropped_nodes;
   report["untagged_faces"] = read.n_untagged_faces;
   report["periodic_links"] = read.n_periodic_links;
+  report["interface_triangles"] = read.n_interface_triangles;
+  if (request.strict && read.n_interface_triangles > 0)
+    throw Error(fmt::format("file '{}': expected triangles on the boundary alone, found {} between regions",
+                            request.file, read.n_interface_triangles));
   if (request.strict && read.n_periodic_links > 0)
     throw Error(fmt::format("file '{}': expected no periodic links, found {}", request.file, read.n_periodic_links));
   if (request.strict && read.n_dropped_nodes > 0)
@@ -86,6 +90,11 @@ mesh::DistMesh read_mesh(cli::Session& session, const ReadRequest& request, nloh
   if (read.n_dropped_nodes > 0) session.warn(fmt::format("{} nodes of no cell were left out", read.n_dropped_nodes));
   if (read.n_untagged_faces > 0)
     session.warn(fmt::format("{} boundary faces without tag are in the patch 'boundary'", read.n_untagged_faces));
+  if (read.n_interface_triangles > 0)
+    session.warn(
+        fmt::format("{} triangles between regions are left out: the field 'region' keeps their place, flat between the "
+                    "nodes that it has now, and --interfaces writes them to a .msh or .mesh",
+                    read.n_interface_triangles));
   if (const auto warning = mesh::warning_of_periodic(read.mesh.info.patches); !warning.empty()) session.warn(warning);
   read.mesh.info.provenance = "pamr-convert from " + program_of(ending);
   return std::move(read.mesh);
