@@ -236,6 +236,26 @@ assemble::BoundaryMatch tag_faces(const par::Comm& comm, mesh::DistMesh& mesh, c
   return match;
 }
 
+/// Leaves out the patches that have no face of the boundary: those of interfaces. Collective.
+void drop_patches_without_faces(const par::Comm& comm, mesh::DistMesh& mesh) {
+  std::vector<std::int64_t> n_faces(mesh.info.patches.size(), 0);
+  for (const auto& neighbors : mesh.cell_to_cell)
+    for (const auto neighbor : neighbors)
+      if (neighbor < 0) ++n_faces[at(mesh::slot_to_patch(neighbor))];
+  comm.sum_in_place(n_faces);
+  std::vector<int> now(n_faces.size(), -1);
+  std::vector<mesh::Patch> kept;
+  for (std::size_t p = 0; p < n_faces.size(); ++p) {
+    if (n_faces[p] == 0) continue;
+    now[p] = static_cast<int>(kept.size());
+    kept.push_back(mesh.info.patches[p]);
+  }
+  mesh.info.patches = std::move(kept);
+  for (auto& neighbors : mesh.cell_to_cell)
+    for (auto& neighbor : neighbors)
+      if (neighbor < 0) neighbor = mesh::patch_to_slot(now[at(mesh::slot_to_patch(neighbor))]);
+}
+
 /// Where the ordered mesh has put the nodes: triangles in its numbers. Collective.
 void renumber(const par::Comm& comm, const order::Ordered& ordered, GlobalId n_nodes, std::vector<Triangle>& triangle) {
   const auto own = par::block_range(n_nodes, comm.rank(), comm.size());
@@ -301,6 +321,7 @@ ElementMesh mesh_of_elements(const par::Comm& comm, ElementParts parts, const st
   result.n_untagged_faces = match.n_untagged;
   result.n_interface_triangles = match.n_inner;
   if (result.n_untagged_faces > 0) patches.push_back({"boundary", ""});
+  if (result.n_interface_triangles > 0) drop_patches_without_faces(comm, result.mesh);
   return result;
 }
 
