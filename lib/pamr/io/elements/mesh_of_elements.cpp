@@ -17,6 +17,7 @@
 #include "pamr/base/error.hpp"
 #include "pamr/base/index.hpp"
 #include "pamr/base/with_file_name.hpp"
+#include "pamr/io/elements/inner_triangles.hpp"
 #include "pamr/order/order_along_curve.hpp"
 #include "pamr/par/exchange.hpp"
 #include "pamr/par/mailbox.hpp"
@@ -200,20 +201,50 @@ std::vector<mesh::Region> named_regions(const ElementParts& parts) {
   return regions;
 }
 
-/// Gives boundary faces the patches of the triangles on them; faces without triangle keep `untagged`. Returns how many
-/// these are. Collective.
-std::int64_t tag_faces(const par::Comm& comm, mesh::DistMesh& mesh, const mesh::BoundaryTriangles& boundary,
-                       int untagged, const std::string& file) {
-  const auto match = assemble::match_boundary(comm, mesh, boundary, untagged);
-  if (match.n_not_on_boundary > 0)
+/// Drops groups that have no triangle on any rank. Collective.
+void keep_groups_with_triangles(const par::Comm& comm, std::vector<std::int64_t>& groups,
+                                mesh::BoundaryTriangles& boundary) {
+  std::vector<std::int64_t> n(groups.size(), 0), kept;
+  for (const auto patch : boundary.patch) ++n[at(patch)];
+  std::vector<int> place(groups.size(), -1);
+  for (std::size_t i = 0; i < groups.size(); ++i) {
+    if (comm.sum(n[i]) == 0) continue;
+    place[i] = static_cast<int>(kept.size());
+    kept.push_back(groups[i]);
+  }
+  for (auto& patch : boundary.patch) patch = place[at(patch)];
+  groups = std::move(kept);
+}
+
+/// Makes patches of groups: boundary faces get those of the triangles on them, or `boundary` where there is none.
+/// Collective.
+void tag_faces(const par::Comm& comm, ElementMesh& result, mesh::BoundaryTriangles boundary,
+               std::vector<std::int64_t> groups, const std::function<mesh::Patch(std::int64_t group)>& patch_of_group,
+               const std::string& file) {
+  auto& patches = result.mesh.info.patches;
+  const auto match = [&] {
+    patches.clear();
+    for (const auto group : groups) patches.push_back(patch_of_group(group));
+    return assemble::match_boundary(comm, result.mesh, boundary, static_cast<int>(patches.size()));
+  };
+  auto found = match();
+  if (found.n_not_on_boundary > 0) {  // between regions, for solvers that want them: rarely
+    const auto taken = take_out_inner_triangles(comm, result.mesh, boundary, groups.size());
+    for (std::size_t i = 0; i < groups.size(); ++i)
+      if (taken[i] > 0) result.inner_faces[patches[i].name] += taken[i];
+    keep_groups_with_triangles(comm, groups, boundary);
+    found = match();
+  }
+  if (found.n_not_on_boundary > 0)
     throw Error(
-        fmt::format("file '{}': expected tagged triangles on the boundary of the tetrahedra, found {} inside the "
-                    "domain or apart from it",
-                    file, match.n_not_on_boundary));
-  if (match.n_contradictions > 0)
+        fmt::format("file '{}': expected tagged triangles on the boundary of the tetrahedra or between two regions, "
+                    "found {} inside the domain or apart from it",
+                    file, found.n_not_on_boundary));
+  if (found.n_contradictions > 0)
     throw Error(fmt::format("file '{}': expected one tag for each boundary face, found {} faces in two surfaces", file,
-                            match.n_contradictions));
-  return match.n_untagged;
+                            found.n_contradictions));
+  result.n_untagged_faces = found.n_untagged;
+  if (found.n_untagged > 0) patches.push_back({"boundary", ""});
 }
 
 /// Where the ordered mesh has put the nodes: triangles in its numbers. Collective.
@@ -274,13 +305,9 @@ ElementMesh mesh_of_elements(const par::Comm& comm, ElementParts parts, const st
     renumber(comm, ordered, numbered.n_nodes, numbered.triangle);
     result.mesh = assemble::assemble(comm, std::move(ordered.block));
   });
-  auto& patches = result.mesh.info.patches;
-  patches.clear();
-  for (const auto group : groups) patches.push_back(patch_of_group(group));
   result.mesh.info.regions = named_regions(parts);
   boundary.node = std::move(numbered.triangle);
-  result.n_untagged_faces = tag_faces(comm, result.mesh, boundary, static_cast<int>(patches.size()), file);
-  if (result.n_untagged_faces > 0) patches.push_back({"boundary", ""});
+  tag_faces(comm, result, std::move(boundary), groups, patch_of_group, file);
   return result;
 }
 
