@@ -45,7 +45,7 @@ class Model:
 
     def _link_sides(self):
         """Sides of the bounding box that face each other get the same triangles."""
-        low, high = np.array(gmsh.model.getBoundingBox(-1, -1)).reshape(2, 3)
+        low, high = np.round(np.array(gmsh.model.getBoundingBox(-1, -1)).reshape(2, 3), 5)  # it is given with a margin
         for axis in self.made.periodic:
             shift = np.where(np.arange(3) == axis, high - low, 0)
             at_low, at_high = ([tag for _, tag in gmsh.model.getEntitiesInBoundingBox(*(corner - 1e-3), *(other + 1e-3), 2)]

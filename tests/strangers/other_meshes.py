@@ -89,7 +89,7 @@ def two_files_of_triangles(path):
     for name in ("box.stl", "ball.stl"):
         gmsh.merge(str(folder / name))
     gmsh.model.mesh.removeDuplicateNodes()
-    gmsh.model.mesh.classifySurfaces(math.radians(40), True, False, math.pi)
+    gmsh.model.mesh.classifySurfaces(math.radians(40), True, True, math.pi)
     gmsh.model.mesh.createGeometry()
     surfaces = [tag for _, tag in gmsh.model.getEntities(2)]
     is_ball = {tag: np.abs(gmsh.model.mesh.getNodes(2, tag, includeBoundary=True)[1]).max() < 1.5 for tag in surfaces}
