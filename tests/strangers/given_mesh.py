@@ -4,7 +4,7 @@ import numpy as np
 
 
 class Given:
-    """Like `Model`, but what is true comes from closed forms: of the walls, and the volume and areas that are told."""
+    """Like `Model`, but what is true comes from closed forms: of the walls, and the volume and areas that are given."""
 
     def __init__(self, made, points, cells, patches, volume, areas, flat=None):
         """`patches` has the triangles of each by name; `areas` those that are known, by patch;

@@ -35,12 +35,6 @@ struct Answer {
   int patch;
 };
 
-Rank meeting_rank(const par::Comm& comm, const par::SharedKey& face) {
-  std::uint64_t h = 0;
-  for (const auto node : face) h = combine(h, static_cast<std::uint64_t>(node));
-  return static_cast<Rank>(h % static_cast<std::uint64_t>(comm.size()));
-}
-
 par::SharedKey sorted(par::SharedKey face) {
   std::sort(face.begin(), face.end());
   return face;
@@ -112,6 +106,12 @@ BoundaryMatch::Misfit to_misfit(std::int64_t number) {
 }
 
 }  // namespace
+
+Rank meeting_rank(const par::Comm& comm, const par::SharedKey& face) {
+  std::uint64_t h = 0;
+  for (const auto node : face) h = combine(h, static_cast<std::uint64_t>(node));
+  return static_cast<Rank>(h % static_cast<std::uint64_t>(comm.size()));
+}
 
 BoundaryMatch match_boundary(const par::Comm& comm, mesh::DistMesh& mesh, const mesh::BoundaryTriangles& boundary,
                              std::optional<int> untagged) {

@@ -6,6 +6,7 @@
 
 #include "pamr/mesh/block_mesh.hpp"
 #include "pamr/par/comm.hpp"
+#include "pamr/par/exchange.hpp"
 
 namespace pamr::assemble {
 
@@ -22,6 +23,9 @@ struct BoundaryMatch {
   std::int64_t n_contradictions = 0;   ///< boundary faces of two patches
   std::optional<Misfit> first_misfit;
 };
+
+/// The rank at which all that ranks know of a face meets; `face`: its nodes, ascending.
+Rank meeting_rank(const par::Comm& comm, const par::SharedKey& face);
 
 /// Gives boundary faces the patches of the triangles on them, and those without triangle the patch `untagged`; without
 /// `untagged` the faces have their patches already, and are compared with those of the triangles.

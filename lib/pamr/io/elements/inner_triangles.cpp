@@ -5,7 +5,7 @@
 #include <set>
 #include <tuple>
 
-#include "pamr/base/hash.hpp"
+#include "pamr/assemble/tag_boundary.hpp"
 #include "pamr/base/index.hpp"
 #include "pamr/mesh/face_groups.hpp"
 #include "pamr/par/mailbox.hpp"
@@ -23,12 +23,6 @@ struct Side {
   Rank from = 0;            ///< that rank
 };
 
-Rank meeting_rank(const par::Comm& comm, const par::SharedKey& face) {
-  std::uint64_t h = 0;
-  for (const auto node : face) h = combine(h, static_cast<std::uint64_t>(node));
-  return static_cast<Rank>(h % static_cast<std::uint64_t>(comm.size()));
-}
-
 /// Both sides of all inner faces and all triangles, those of the same nodes together. Collective.
 std::vector<Side> meet(const par::Comm& comm, const mesh::DistMesh& mesh, const std::vector<std::int64_t>& region,
                        const mesh::BoundaryTriangles& boundary) {
@@ -37,12 +31,12 @@ std::vector<Side> meet(const par::Comm& comm, const mesh::DistMesh& mesh, const 
     for (int slot = 0; slot < 4; ++slot) {
       if (mesh.cell_to_cell[at(c)][at(slot)] < 0) continue;
       const auto face = mesh::face_key(mesh, {c, slot});
-      box.add(meeting_rank(comm, face), {face, 0, region[at(c)], 0, comm.rank()});
+      box.add(assemble::meeting_rank(comm, face), {face, 0, region[at(c)], 0, comm.rank()});
     }
   for (std::size_t t = 0; t < boundary.node.size(); ++t) {
     auto face = boundary.node[t];
     std::sort(face.begin(), face.end());
-    box.add(meeting_rank(comm, face), {face, 1, 0, static_cast<std::int64_t>(t), comm.rank()});
+    box.add(assemble::meeting_rank(comm, face), {face, 1, 0, static_cast<std::int64_t>(t), comm.rank()});
   }
   auto sides = box.send().item;
   std::sort(sides.begin(), sides.end(), [](const Side& a, const Side& b) {
