@@ -3,6 +3,7 @@
 import os
 import pathlib
 import shutil
+import signal
 import subprocess
 import sys
 import time
@@ -11,6 +12,7 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "tools"))
 from gas_cases import gas_in_a_cube  # noqa: E402
 
 SECONDS_TO_END = 60
+CRASHES = (signal.SIGSEGV, signal.SIGBUS, signal.SIGFPE, signal.SIGILL)
 PRECIOUS = b"the result of yesterday"
 POTENTIAL = "".join(f'[boundary.{side}]\ncondition = "{"potential" if side[0] == "x" else "symmetry"}"\n'
                     + ("value = 2.0\n" if side[0] == "x" else "")
@@ -103,6 +105,11 @@ class Stage:
             raise Broken(f"it failed without a word ({said})")
         if job.returncode == 3 and "out of memory" not in err:
             raise Broken(f"an internal error ({said})")
+        ended_by = max(-job.returncode, job.returncode - 128)  # a signal, as the system or mpirun has it
+        if ended_by in CRASHES:
+            raise Broken(f"it crashed ({said})")
+        if ended_by == signal.SIGABRT and "std::bad_alloc" not in err:  # before the tool has begun
+            raise Broken(f"it ended itself ({said})")
         return "failed"
 
 
