@@ -70,14 +70,23 @@ mesh::DistMesh read_mesh(cli::Session& session, const ReadRequest& request, nloh
                                                      .remark = request.strict ? refuse : session.remarks()}));
   }
   auto read = read_elements(comm, request, ending);
+  auto& inner = report["inner_faces"] = nlohmann::json::object();
+  for (const auto& [group, n] : read.inner_faces) {
+    if (request.strict)
+      throw Error(
+          fmt::format("file '{}': expected surfaces on the boundary, found {} triangles of '{}' between two "
+                      "regions",
+                      request.file, n, group));
+    inner[group] = n;
+    session.warn(fmt::format(
+        "{} triangles of '{}' lie between two regions and are no patch: the field 'region' has what lies "
+        "on either side, new nodes stay on these triangles, and --interfaces writes them to a .msh or .mesh",
+        n, group));
+  }
   report["turned_cells"] = read.n_turned;
   report["dropped_nodes"] = read.n_dropped_nodes;
   report["untagged_faces"] = read.n_untagged_faces;
   report["periodic_links"] = read.n_periodic_links;
-  report["interface_triangles"] = read.n_interface_triangles;
-  if (request.strict && read.n_interface_triangles > 0)
-    throw Error(fmt::format("file '{}': expected triangles on the boundary alone, found {} between regions",
-                            request.file, read.n_interface_triangles));
   if (request.strict && read.n_periodic_links > 0)
     throw Error(fmt::format("file '{}': expected no periodic links, found {}", request.file, read.n_periodic_links));
   if (request.strict && read.n_dropped_nodes > 0)
@@ -90,11 +99,6 @@ mesh::DistMesh read_mesh(cli::Session& session, const ReadRequest& request, nloh
   if (read.n_dropped_nodes > 0) session.warn(fmt::format("{} nodes of no cell were left out", read.n_dropped_nodes));
   if (read.n_untagged_faces > 0)
     session.warn(fmt::format("{} boundary faces without tag are in the patch 'boundary'", read.n_untagged_faces));
-  if (read.n_interface_triangles > 0)
-    session.warn(
-        fmt::format("{} triangles between regions are left out: the field 'region' keeps their place, flat between the "
-                    "nodes that it has now, and --interfaces writes them to a .msh or .mesh",
-                    read.n_interface_triangles));
   if (const auto warning = mesh::warning_of_periodic(read.mesh.info.patches); !warning.empty()) session.warn(warning);
   read.mesh.info.provenance = "pamr-convert from " + program_of(ending);
   return std::move(read.mesh);

@@ -122,6 +122,7 @@ BoundaryMatch match_boundary(const par::Comm& comm, mesh::DistMesh& mesh, const 
                              std::optional<int> untagged, std::span<const mesh::CellFace> inner_faces) {
   const auto meeting = meet(comm, mesh, boundary, !untagged, inner_faces);
   BoundaryMatch match;
+  match.n_inner.resize(mesh.info.patches.size());
   constexpr auto none = std::numeric_limits<std::int64_t>::max();
   std::int64_t first = none;
   par::Mailbox<Answer> answers(comm);
@@ -129,7 +130,7 @@ BoundaryMatch match_boundary(const par::Comm& comm, mesh::DistMesh& mesh, const 
     std::size_t end = i;
     while (end < meeting.size() && meeting[end].face == meeting[i].face) ++end;
     if (meeting[i].is_inner != 0) {
-      match.n_inner += static_cast<std::int64_t>(end - i) - 1;
+      for (auto t = i + 1; t < end; ++t) ++match.n_inner[at(meeting[t].patch)];
       i = end;
       continue;
     }
@@ -151,12 +152,12 @@ BoundaryMatch match_boundary(const par::Comm& comm, mesh::DistMesh& mesh, const 
   }
   for (const auto& answer : answers.send().item)
     mesh.cell_to_cell[at(answer.row / 4)][at(answer.row % 4)] = mesh::patch_to_slot(answer.patch);
-  std::array<std::int64_t, 4> sum{match.n_untagged, match.n_not_on_boundary, match.n_contradictions, match.n_inner};
+  std::array<std::int64_t, 3> sum{match.n_untagged, match.n_not_on_boundary, match.n_contradictions};
   comm.sum_in_place(sum);
   match.n_untagged = sum[0];
   match.n_not_on_boundary = sum[1];
   match.n_contradictions = sum[2];
-  match.n_inner = sum[3];
+  comm.sum_in_place(match.n_inner);
   first = comm.min(first);
   if (first != none) match.first_misfit = to_misfit(first);
   return match;

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "pamr/mesh/block_mesh.hpp"
 #include "pamr/par/comm.hpp"
@@ -19,9 +20,9 @@ struct BoundaryMatch {
     bool is_on_boundary = false;  ///< it is a face of the boundary that belongs to another patch
   };
   std::int64_t n_untagged = 0;         ///< boundary faces without triangle
-  std::int64_t n_inner = 0;            ///< triangles on one of the given inner faces
   std::int64_t n_not_on_boundary = 0;  ///< triangles that are neither on these nor on a face of the boundary
   std::int64_t n_contradictions = 0;   ///< boundary faces of two patches
+  std::vector<std::int64_t> n_inner;   ///< by patch: triangles on the given inner faces
   std::optional<Misfit> first_misfit;
 };
 

@@ -319,9 +319,10 @@ ElementMesh mesh_of_elements(const par::Comm& comm, ElementParts parts, const st
   boundary.node = std::move(numbered.triangle);
   const auto match = tag_faces(comm, result.mesh, boundary, static_cast<int>(patches.size()), file);
   result.n_untagged_faces = match.n_untagged;
-  result.n_interface_triangles = match.n_inner;
+  for (std::size_t p = 0; p < match.n_inner.size(); ++p)
+    if (match.n_inner[p] > 0) result.inner_faces[patches[p].name] = match.n_inner[p];
   if (result.n_untagged_faces > 0) patches.push_back({"boundary", ""});
-  if (result.n_interface_triangles > 0) drop_patches_without_faces(comm, result.mesh);
+  if (!result.inner_faces.empty()) drop_patches_without_faces(comm, result.mesh);
   return result;
 }
 

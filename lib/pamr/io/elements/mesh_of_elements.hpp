@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <string>
 
 #include "pamr/io/elements/element_parts.hpp"
@@ -18,11 +19,12 @@ struct ElementOptions {
 /// A mesh that was read from a file of elements, and what the reader had to change.
 struct ElementMesh {
   mesh::DistMesh mesh;
-  std::int64_t n_turned = 0;               ///< cells that were inverted
-  std::int64_t n_dropped_nodes = 0;        ///< nodes of no tetrahedron: centers of circles, points of the geometry
-  std::int64_t n_periodic_links = 0;       ///< that are not kept; their surfaces are patches of kind `periodic`
-  std::int64_t n_interface_triangles = 0;  ///< between two regions: left out, `write_gmsh` can make them again
-  std::int64_t n_untagged_faces = 0;       ///< boundary faces without triangle: they are in the patch `boundary`
+  std::int64_t n_turned = 0;          ///< cells that were inverted
+  std::int64_t n_dropped_nodes = 0;   ///< nodes of no tetrahedron: centers of circles, points of the geometry
+  std::int64_t n_periodic_links = 0;  ///< that are not kept; their surfaces are patches of kind `periodic`
+  /// By group: triangles between two regions, which are no patch; `write_gmsh` and `write_medit` can make them again.
+  std::map<std::string, std::int64_t> inner_faces;
+  std::int64_t n_untagged_faces = 0;  ///< boundary faces without triangle: they are in the patch `boundary`
 };
 
 /// Makes a mesh of what a file says: groups of triangles become patches, in ascending order, with the names and kinds
