@@ -5,11 +5,17 @@
  *   quota:N      files take no more than N bytes in all, then EDQUOT (a user's quota)
  *   worn:N       space is given, but what is written after N bytes fails with EIO (a bad disk)
  *   broken:N     files can be read for N bytes in all, then EIO (a bad disk)
+ *   dies:N       the process is killed when it has written N bytes
+ *   dies-before  it is killed when it is about to give a file or folder its name
+ *   dies-after   it is killed right after that
  *   clock        the time of day jumps forth and back by an hour at every look
+ *
+ * memory_shim.cpp has another.
  */
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <errno.h>
+#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -54,6 +60,14 @@ static int stops(const char* name, long* so_far, int error, int fd, size_t bytes
 
 static long written, worn, red;
 
+/* Kills the process if `bytes` more of a file are beyond what it may live to write. */
+static void dies(int fd, size_t bytes) {
+  static long alive;
+  const int error = errno;
+  if (stops("dies:", &alive, 0, fd, bytes)) raise(SIGKILL);
+  errno = error;
+}
+
 static size_t sum(const struct iovec* parts, int n) {
   size_t bytes = 0;
   for (int i = 0; i < n; ++i) bytes += parts[i].iov_len;
@@ -62,6 +76,7 @@ static size_t sum(const struct iovec* parts, int n) {
 
 #define WRITES(result, name, bytes, parameters, ...)                    \
   result name parameters {                                              \
+    dies(fd, bytes);                                                    \
     if (stops("quota:", &written, EDQUOT, fd, bytes) || stops("worn:", &worn, EIO, fd, bytes)) return -1; \
     return ((result(*) parameters)next(#name))(__VA_ARGS__);            \
   }
@@ -88,6 +103,24 @@ int fallocate(int fd, int mode, off_t at, off_t n) {
 
 int fallocate64(int fd, int mode, off64_t at, off64_t n) {
   return fallocate(fd, mode, at, n);
+}
+
+static void dies_at_rename(const char* when) {
+  if (fault_of(when) != NULL) raise(SIGKILL);
+}
+
+int rename(const char* from, const char* to) {
+  dies_at_rename("dies-before");
+  const int result = ((int (*)(const char*, const char*))next("rename"))(from, to);
+  dies_at_rename("dies-after");
+  return result;
+}
+
+int renameat2(int a, const char* from, int b, const char* to, unsigned flags) {
+  dies_at_rename("dies-before");
+  const int result = ((int (*)(int, const char*, int, const char*, unsigned))next("renameat2"))(a, from, b, to, flags);
+  dies_at_rename("dies-after");
+  return result;
 }
 
 pid_t fork(void) {

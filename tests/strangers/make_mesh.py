@@ -20,8 +20,10 @@ class Model:
         for option, value in self.made.options.items():
             gmsh.option.setNumber(option, value)
         gmsh.option.setNumber("Mesh.ScalingFactor", self.made.factor)
+        self._link_sides()
         gmsh.model.mesh.generate(3)
         self.entities = self._name_patches()
+        self.flat = [name for name in self.entities if name.startswith("flat")]
         volumes = [tag for _, tag in gmsh.model.getEntities(3)]
         for group in [[v] for v in volumes] if self.made.keep_volumes else [volumes]:
             gmsh.model.addPhysicalGroup(3, group)
@@ -34,9 +36,24 @@ class Model:
         entities = {}
         for _, tag in sorted(outer):
             entities.setdefault(self._patch_of(tag), []).append(tag)
+        if self.made.inner_patch:
+            inner = {tag for _, tag in gmsh.model.getEntities(2)} - {tag for _, tag in outer}
+            gmsh.model.setPhysicalName(2, gmsh.model.addPhysicalGroup(2, sorted(inner)), self.made.inner_patch)
         for name, tags in entities.items():
             gmsh.model.setPhysicalName(2, gmsh.model.addPhysicalGroup(2, tags), name)
         return entities
+
+    def _link_sides(self):
+        """Sides of the bounding box that face each other get the same triangles."""
+        low, high = np.round(np.array(gmsh.model.getBoundingBox(-1, -1)).reshape(2, 3), 5)  # it is given with a margin
+        for axis in self.made.periodic:
+            shift = np.where(np.arange(3) == axis, high - low, 0)
+            at_low, at_high = ([tag for _, tag in gmsh.model.getEntitiesInBoundingBox(*(corner - 1e-3), *(other + 1e-3), 2)]
+                               for corner, other in ((low, np.where(np.arange(3) == axis, low, high)),
+                                                     (np.where(np.arange(3) == axis, high, low), high)))
+            affine = np.eye(4)
+            affine[:3, 3] = shift
+            gmsh.model.mesh.setPeriodic(2, at_high, at_low, affine.ravel())
 
     def _patch_of(self, tag):
         is_flat = gmsh.model.getType(2, tag) == "Plane"

@@ -22,7 +22,9 @@ class Mesh:
         with h5py.File(path) as file:
             self.points = file["VTKHDF/Points"][:]
             self.cells = file["VTKHDF/Connectivity"][:].reshape(-1, 4)
-            neighbors = file["PAMR/cell_to_cell"][:]
+            neighbors = self.neighbors = file["PAMR/cell_to_cell"][:]
+            fields = file["VTKHDF/CellData"]
+            self.region = fields["region"][:] if "region" in fields else np.zeros(len(self.cells), int)
             names = [name.decode() for name in file["PAMR/patches/names"][:]]
         self.triangles = {}
         for number, name in enumerate(names):
@@ -45,6 +47,17 @@ class Mesh:
         points = self.nodes_of(patch)
         points = points - points.mean(axis=0)
         return abs(points @ np.linalg.svd(points, full_matrices=False)[2][2]).max()
+
+    def regions(self):
+        """Volume of each."""
+        volumes = self.volumes()
+        return {int(r): float(volumes[self.region == r].sum()) for r in np.unique(self.region)}
+
+    def area_between_regions(self):
+        cell, face = np.nonzero(self.neighbors > np.arange(len(self.cells))[:, None])
+        differs = self.region[self.neighbors[cell, face]] != self.region[cell]
+        a, b, c = (self.points[np.take_along_axis(self.cells[cell], FACES[face], axis=1)[differs, i]] for i in range(3))
+        return np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2
 
     def faults(self):
         """In words; none for a conforming mesh of positive cells whose boundary is that of its patches."""

@@ -21,6 +21,10 @@ class Made:
     at: str = ""  # the wall at which it is refined; else all that are not flat, or the first patch
     options: dict = dataclasses.field(default_factory=dict)  # of Gmsh
     keep_volumes: bool = False  # several volumes, each a physical group
+    inner_patch: str = ""  # name of the physical surface of the faces between volumes
+    periodic: tuple = ()  # axes whose sides are linked
+    refused: bool = False  # pamr-convert must refuse it, and say this
+    says: str = ""  # what pamr-convert must say of the mesh
     factor: float = 1  # by which Gmsh multiplies what it writes; walls are as written
 
 
@@ -258,3 +262,55 @@ def as_small_as_molecules(occ):
 @shape(0.7)
 def as_large_as_stars(occ):
     return _ball_in_a_box(occ, factor=1e9)
+
+
+@shape(0.7)
+def inner_patch(occ):
+    """Two volumes, and the face between them is a physical surface, too, as solvers with interfaces want it."""
+    made = ball_of_another_matter(occ)
+    return dataclasses.replace(made, inner_patch="interface", says="'interface'")
+
+
+@shape(0.7)
+def wall_between_two_rooms(occ):
+    """Two boxes share a face, which is a physical surface; a ball hangs in one of them."""
+    rooms = cut(occ, occ.addBox(-2, -2, -2, 4, 4, 4), occ.addSphere(0, 0, 0, 1))
+    occ.fragment(rooms, [(3, occ.addBox(2, -2, -2, 2, 4, 4))])
+    return Made({"ball": Sphere((0, 0, 0), 1)}, keep_volumes=True, inner_patch="door", says="'door'")
+
+
+@shape(0.7)
+def periodic_in_two_directions(occ):
+    """A ball in the unit of a lattice."""
+    return dataclasses.replace(_ball_in_a_box(occ), periodic=(0, 2), says="periodic")
+
+
+@shape(0.7)
+def ball_across_a_periodic_side(occ):
+    """Half of it at either side."""
+    cut(occ, occ.addBox(-2, -2, -2, 4, 4, 4), occ.addSphere(-2, 0, 0, 1), occ.addSphere(2, 0, 0, 1))
+    return Made({"low": Sphere((-2, 0, 0), 1), "high": Sphere((2, 0, 0), 1)}, periodic=(0,), says="periodic")
+
+
+@shape(0.5)
+def rooms_that_touch_at_an_edge(occ):
+    """Four faces of the boundary meet in one edge."""
+    occ.fragment([(3, occ.addBox(-1, -1, 0, 1, 1, 1))], [(3, occ.addBox(0, 0, 0, 1, 1, 1))])
+    return Made(refused=True, says="touches itself in an edge")
+
+
+@shape(0.5)
+def rooms_that_touch_at_a_corner(occ):
+    occ.fragment([(3, occ.addBox(-1, -1, -1, 1, 1, 1))], [(3, occ.addBox(0, 0, 0, 1, 1, 1))])
+    return Made()
+
+
+@shape(0.7)
+def five_components(occ):
+    """Three balls in the void, one in a room, and the room."""
+    for center in ((0, 0, 0), (9, 0, 0), (0, 9, 0)):
+        occ.addSphere(*center, 1)
+    cut(occ, occ.addBox(7, 7, 7, 4, 4, 4), occ.addSphere(9, 9, 9, 1.5))
+    occ.addSphere(9, 9, 9, 1)
+    return Made({"first": Sphere((0, 0, 0), 1), "second": Sphere((9, 0, 0), 1), "third": Sphere((0, 9, 0), 1),
+                 "hollow": Sphere((9, 9, 9), 1.5), "core": Sphere((9, 9, 9), 1)})

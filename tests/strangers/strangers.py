@@ -4,7 +4,7 @@
 
 Usage: strangers.py BIN_FOLDER [--only NAME]... [--table FILE.md] [--jobs N]
 
-Each shape is meshed by Gmsh and taken through the pipeline twice: with its curved walls described, and with nothing
+Each shape is meshed by Gmsh, by netgen where its Python module is installed, or cell by cell, and taken through the pipeline twice: with its curved walls described, and with nothing
 described. Each result is held to what must be true:
 
 - the last mesh is the same, byte for byte, from 1 and from 3 ranks;
@@ -13,7 +13,8 @@ described. Each result is held to what must be true:
 - flat faces of the shape are flat to rounding;
 - nodes on described walls lie on them as OpenCASCADE finds the nearest point, but for those that the tool counts as off;
 - the volume comes nearer to that of the closed form at described walls (a fifth of the error at level 0, or better), and
-  stays as it was without description.
+  stays as it was without description; so do the areas of the walls;
+- regions keep their volumes and the area between them.
 """
 import argparse
 import concurrent.futures
@@ -30,10 +31,12 @@ import numpy as np
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
 from mesh_arrays import Mesh, check_mesh
 from make_mesh import Model
+from other_meshes import MAKERS
 from shapes import SHAPES
 
 LEVELS, MAX_CELLS = 3, 60_000
 ROUNDING = 1e-13  # of the largest coordinate
+NAMES = [*SHAPES, *MAKERS]
 
 
 class Fault(Exception):
@@ -48,11 +51,12 @@ class Journey:
         self.walls = model.made.walls if described else {}
         self.row = {"described": described}
 
-    def tool(self, name, *arguments, ranks=1):
+    def tool(self, name, *arguments, ranks=1, code=0):
         launcher = ["mpirun", "-q", "-n", str(ranks)] if ranks > 1 else []
         done = subprocess.run([*launcher, str(self.tools / name), *map(str, arguments)], cwd=self.folder,
                               capture_output=True, text=True, timeout=600)
-        if done.returncode != 0:
+        self.said = done.stderr
+        if done.returncode != code:
             raise Fault(f"{name} {' '.join(map(str, arguments))} ended with {done.returncode}: {' '.join(done.stderr.split())[:300]}")
         return done.stdout
 
@@ -64,7 +68,12 @@ class Journey:
         if self.walls:
             (self.folder / "walls.toml").write_text("".join(w.toml().format(name=name) for name, w in self.walls.items()))
             options = ["--surfaces", "walls.toml"]
-        self.tool("pamr-convert", self.folder.parent / "shape.msh", "level0.hdf", "--force", *options)
+        made = self.model.made
+        self.tool("pamr-convert", self.folder.parent / "shape.msh", "level0.hdf", "--force", *options, code=2 if made.refused else 0)
+        if made.says not in self.said:
+            raise Fault(f"pamr-convert does not say {made.says} but: {' '.join(self.said.split())[:300]}")
+        if made.refused:
+            return self.row | {"faults": [], "refused": made.says}
         for ranks in (1, 3):
             mesh = "level0.hdf"
             for level in range(1, LEVELS + 1):
@@ -76,7 +85,7 @@ class Journey:
 
     def refined_patches(self):
         names = list(self.model.entities)
-        return [n for n in names if not n.startswith("flat")] or names[:1]
+        return [n for n in names if n not in self.model.flat] or names[:1]
 
     def check(self):
         last, other = (self.folder / f"level{LEVELS}_{ranks}.hdf" for ranks in (1, 3))
@@ -89,6 +98,7 @@ class Journey:
         self.row.update(cells=len(fine.cells), level0=self.report("pamr-quality", "level0.hdf")["mean_ratio"]["min"],
                         smallest=quality["mean_ratio"]["min"], off=quality["ledger"]["nodes"])
         faults += self.check_patches(first, fine, quality) + self.check_volume(first, fine)
+        faults += self.check_areas(first, fine) + self.check_regions(first, fine)
         if shutil.which("checkMesh"):
             self.tool("pamr-convert", last.name, "foam", "--force")
             faults += check_mesh(self.folder / "foam")
@@ -99,7 +109,7 @@ class Journey:
         faults, size = [], abs(fine.points).max()
         self.row.update(off_plane=0.0, off_shape=0.0)
         for patch in self.model.entities:
-            if patch.startswith("flat"):
+            if patch in self.model.flat:
                 self.row["off_plane"] = max(self.row["off_plane"], fine.off_plane(patch) / size)
                 if fine.off_plane(patch) > max(4 * first.off_plane(patch), ROUNDING * size):
                     faults.append(f"{patch} is bent by {fine.off_plane(patch):.1e}")
@@ -112,23 +122,56 @@ class Journey:
                     faults.append(f"nodes of {patch} lie {on_it.max():.1e} off the shape, uncounted")
         return faults
 
+    def rounding(self, mesh):
+        """Of a volume: what the last place of the coordinates makes of it; of an area, a size further."""
+        return 4 * np.finfo(float).eps * abs(mesh.points).max() * sum(mesh.area(patch) for patch in mesh.triangles)
+
     def check_volume(self, first, fine):
         at_first, at_last = first.volumes().sum(), fine.volumes().sum()
         error = [float(abs(v - self.model.volume) / self.model.volume) for v in (at_first, at_last)]
         self.row["volume_error"] = error
-        if all(not p.startswith("free") for p in self.model.entities) and self.walls:
+        if set(self.model.entities) <= {*self.model.flat, *self.walls} and self.walls:
             if error[1] > max(error[0] / 5, 1e-12) and self.row["cells"] < MAX_CELLS / 2:
                 return [f"volume: relative error {error[0]:.1e} at level 0, {error[1]:.1e} at level {LEVELS}"]
-        elif not self.walls and abs(at_last - at_first) > 1e-10 * self.model.volume and self.row["cells"] > 0:
+        elif not self.walls and abs(at_last - at_first) > max(1e-10 * self.model.volume, self.rounding(first)) and self.row["cells"] > 0:
             return [f"volume changes by {abs(at_last - at_first) / self.model.volume:.1e} though nothing is described"]
         return []
 
 
+    def check_areas(self, first, fine):
+        """Areas of walls come nearer to the shape's, others stay."""
+        worst, faults, extent = [0.0, 0.0], [], np.ptp(first.points, axis=0).max()
+        for patch in self.model.entities:
+            true = self.model.area(patch)
+            before, after = first.area(patch), fine.area(patch)
+            if patch in self.walls and true is not None:
+                error = [abs(a - true) / true for a in (before, after)]
+                worst = [max(pair) for pair in zip(worst, error)]
+                if error[1] > max(0.7 * error[0], 1e-12):
+                    faults.append(f"area of {patch}: relative error {error[0]:.1e} at level 0, {error[1]:.1e} at level {LEVELS}")
+            elif not self.walls and abs(after - before) > max(1e-10 * before, self.rounding(first) / extent):
+                faults.append(f"area of {patch} changes by {abs(after - before) / before:.1e} though nothing is described")
+        self.row["area_error"] = worst
+        return faults
+
+    def check_regions(self, first, fine):
+        """The volume of each region and the area between them stay, but for regions at described walls."""
+        faults, before, after = [], first.regions(), fine.regions()
+        if list(before) != list(after):
+            return [f"regions {list(before)} become {list(after)}"]
+        if not self.walls:
+            faults += [f"the volume of region {r} changes" for r in before
+                       if abs(after[r] - before[r]) > max(1e-10 * before[r], self.rounding(first))]
+        areas = [mesh.area_between_regions() for mesh in (first, fine)]
+        if abs(areas[1] - areas[0]) > 1e-10 * areas[0]:
+            faults.append(f"the area between regions changes from {areas[0]:.10g} to {areas[1]:.10g}")
+        return faults
+
+
 def journeys(tools, name, folder):
     """Both of one shape, in a process of its own: Gmsh may end its process."""
-    function, size = SHAPES[name]
     gmsh.initialize()
-    model = Model(function, size, str(folder / "shape.msh"))
+    model = MAKERS[name](folder / "shape.msh") if name in MAKERS else Model(*SHAPES[name], str(folder / "shape.msh"))
     rows = []
     for described in (True, False) if model.made.walls else (False,):
         place = folder / ("described" if described else "bare")
@@ -150,24 +193,26 @@ def run_shape(tools, name):
 
 
 def table_of(results):
-    lines = ["| shape | described | cells | smallest mean ratio: level 0, last | nodes off | off planes / size | off the shape / size | error of the volume: level 0, last |",
-             "|---|---|---|---|---|---|---|---|"]
+    lines = ["| shape | described | cells | smallest mean ratio: level 0, last | nodes off | off planes / size | off the shape / size | error of the volume: level 0, last | error of walls' areas |",
+             "|---|---|---|---|---|---|---|---|---|"]
     for name, rows in results.items():
         for row in rows:
             if "cells" not in row:
-                lines.append(f"| {name} | {'yes' if row['described'] else 'no'} | {'; '.join(row['faults'])} | | | | | |")
+                text = f"refused: {row['refused']}" if "refused" in row else "; ".join(row["faults"])
+                lines.append(f"| {name.replace('_', ' ')} | {'yes' if row['described'] else 'no'} | {text} | | | | | | |")
                 continue
             before, after = row["volume_error"]
+            areas = "{:.1e}, {:.1e}".format(*row["area_error"]) if any(row["area_error"]) else ""
             lines.append(f"| {name.replace('_', ' ')} | {'yes' if row['described'] else 'no'} | {row['cells']:,} | {row['level0']:.3f}, "
                          f"{row['smallest']:.3f} | {row['off']} | {row['off_plane']:.0e} | "
-                         f"{row['off_shape']:.0e} | {before:.1e}, {after:.1e} |")
+                         f"{row['off_shape']:.0e} | {before:.1e}, {after:.1e} | {areas} |")
     return "\n".join(lines) + "\n"
 
 
 def main():
     arguments = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     arguments.add_argument("tools", type=pathlib.Path)
-    arguments.add_argument("--only", action="append", choices=sorted(SHAPES))
+    arguments.add_argument("--only", action="append", choices=sorted(NAMES), metavar="NAME")
     arguments.add_argument("--table", type=pathlib.Path)
     arguments.add_argument("--jobs", type=int, default=2)
     arguments.add_argument("--shape", help=argparse.SUPPRESS)
@@ -177,7 +222,7 @@ def main():
     if chosen.shape:
         print(json.dumps(journeys(tools, chosen.shape, chosen.folder)))
         return 0
-    names = chosen.only or list(SHAPES)
+    names = chosen.only or NAMES
     n_faults, results = 0, {}
     with concurrent.futures.ThreadPoolExecutor(chosen.jobs) as pool:
         for name, rows in zip(names, pool.map(lambda name: run_shape(tools, name), names)):

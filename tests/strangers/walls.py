@@ -88,3 +88,38 @@ class Ellipsoid:
         """To first order in the distance, from the value of the polynomial and its gradient."""
         scaled = points / self.half_axes
         return abs((scaled**2).sum(axis=1) - 1) / np.linalg.norm(2 * scaled / self.half_axes, axis=1)
+
+
+@dataclasses.dataclass
+class Triangles:
+    """A closed triangulated surface, corners by rows."""
+    file: str  # as the case file names it
+    corners: np.ndarray
+
+    def toml(self):
+        return f'[[surface]]\nname = "{{name}}"\nkind = "triangulation"\nfile = "{self.file}"\n'
+
+    def area(self):
+        a, b, c = self.corners.swapaxes(0, 1)
+        return np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2
+
+    def volume(self):
+        a, b, c = self.corners.swapaxes(0, 1)
+        return (np.cross(a, b) * c).sum() / 6
+
+    def distance(self, points):
+        return np.array([np.sqrt(self._squared(point).min()) for point in points])
+
+    def _squared(self, point):
+        """Of one point from each triangle: from its plane above it, else from the nearest of its edges."""
+        a, b, c = self.corners.swapaxes(0, 1)
+        normal = np.cross(b - a, c - a)
+        normal /= np.linalg.norm(normal, axis=1)[:, None]
+        height = ((point - a) * normal).sum(axis=1)
+        squared, is_above = np.full(len(a), np.inf), np.ones(len(a), bool)
+        for p, q in ((a, b), (b, c), (c, a)):
+            edge, to = q - p, point - p
+            is_above &= (np.cross(edge, to) * normal).sum(axis=1) >= 0
+            t = np.clip((to * edge).sum(axis=1) / (edge**2).sum(axis=1), 0, 1)
+            squared = np.minimum(squared, ((to - t[:, None] * edge)**2).sum(axis=1))
+        return np.where(is_above, height**2, squared)

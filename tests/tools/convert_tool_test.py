@@ -241,6 +241,23 @@ def test_regions_become_zones_of_an_openfoam_case():
         assert [int(w) for w in words[here + 8 : here + 8 + n]] == np.flatnonzero(region == number).tolist()
 
 
+def test_surfaces_between_two_regions_are_no_patch():
+    """Solvers with interfaces want such surfaces in the file; between cells of one region they are refused."""
+    between = two_cells().replace("2 4 2 7 1 20 30 40 50", "2 4 2 8 1 20 30 40 50").replace(
+        "$Elements\n10", "$Elements\n12").replace("9 15 2", "11 2 2 3 3 40 20 30\n12 2 2 4 4 20 30 40\n9 15 2")
+    told = run("pamr-convert", write("between.msh", between), "between.hdf", "--json", "-")
+    assert told.json["inner_faces"] == {"physical_3": 1, "physical_4": 1}
+    assert told.json["patches"] == ["near", "far side"] and told.json["untagged_faces"] == 0
+    assert "1 triangles of 'physical_3' lie between two regions and are no patch" in told.err, told.err
+    with h5py.File("between.hdf") as file:
+        assert sorted(file["VTKHDF/CellData/region"][:]) == [7, 8]
+    run("pamr-convert", "between.msh", "again.hdf", "--quiet", serial=True)
+    assert same_bytes("between.hdf", "again.hdf")
+    refuses("pamr-convert", "between.msh", "strict.hdf", "--strict", says=["'physical_3' between two regions"], creates="strict.hdf")
+    refuses("pamr-convert", write("within.msh", between.replace("4 2 8 1", "4 2 7 1")), "no.hdf", says=["2 inside a region"],
+            creates="no.hdf")
+
+
 def test_inverted_cells_are_refused_or_repaired():
     turned = two_cells().replace("1 4 2 7 1 10 20 30 40", "1 4 2 7 1 20 10 30 40")
     refuses("pamr-convert", write("turned.msh", turned), "out.hdf", says=["1 inverted", "--repair"], creates="out.hdf")
@@ -262,8 +279,8 @@ def test_what_is_no_good_mesh_is_refused_by_name():
         "second order": (good.replace("1 4 2 7 1 10 20 30 40", "1 11 2 7 1 10 20 30 40 10 20 30 40 50 10"),
                          ["1 tetrahedra of second order"]),
         "hexahedra": (good.replace("1 4 2 7 1 10 20 30 40", "1 5 2 7 1 10 20 30 40 50 10 20 30"), ["1 hexahedra"]),
-        "inside": (good.replace("3 2 2 1 1 10 20 30", "3 2 2 1 1 20 30 40"), ["1 inside the domain"]),
-        "apart": (good.replace("3 2 2 1 1 10 20 30", "3 2 2 1 1 10 20 50"), ["1 inside the domain or apart"]),
+        "inside": (good.replace("3 2 2 1 1 10 20 30", "3 2 2 1 1 20 30 40"), ["1 inside a region"]),
+        "apart": (good.replace("3 2 2 1 1 10 20 30", "3 2 2 1 1 10 20 50"), ["1 inside a region or apart"]),
         "two tags": (good.replace("4 2 2 1 1 10 20 40", "4 2 2 2 2 10 20 30"), ["1 faces in two surfaces"]),
         "many": (good.replace("$Nodes\n5", "$Nodes\n5000000000"), ["5000000000"]),
         "few": (good.replace("$Nodes\n5", "$Nodes\n6"), ["expected"]),
@@ -285,6 +302,21 @@ def test_strict_refuses_what_is_otherwise_told():
     result = run("pamr-convert", write("untagged.msh", untagged), "untagged.hdf", "--json", "-").json
     assert result["untagged_faces"] == 1 and result["patches"] == ["near", "far side", "boundary"]
     refuses("pamr-convert", "untagged.msh", "strict.hdf", "--strict", says=["1 faces without"], creates="strict.hdf")
+
+
+def test_older_versions_of_the_format_are_read_as_netgen_writes_them():
+    old = two_cells(version="2.000000")
+    old = old[:old.index("$PhysicalNames")] + old[old.index("$Nodes"):]
+    assert run("pamr-convert", write("old.msh", old), "old.hdf", "--json", "-").json["patches"] == ["physical_1", "physical_2"]
+
+
+def test_a_boundary_that_touches_itself_in_an_edge_is_refused_with_a_word():
+    nodes = ["1 0 0 0", "2 0 0 1", "3 1 0 0", "4 0 1 0", "5 -1 0 0", "6 0 -1 0"]
+    faces = [(*f, row) for row, (a, b) in enumerate(((3, 4), (5, 6))) for f in ((1, a, b), (1, a, 2), (1, b, 2), (a, b, 2))]
+    elements = ["1 4 2 7 1 1 3 4 2", "2 4 2 7 1 1 5 6 2"]
+    elements += [f"{i} 2 2 {row + 1} 1 {a} {b} {c}" for i, (a, b, c, row) in enumerate(faces, 3)]
+    refuses("pamr-convert", write("edge.msh", two_cells(nodes=nodes, elements=elements)), "no.hdf",
+            says=["boundary_manifold", "touches itself in an edge"], creates="no.hdf")
 
 
 def test_a_mesh_without_any_triangle_gets_one_patch_and_a_warning():

@@ -14,18 +14,12 @@ import xml.etree.ElementTree as xml
 import h5py
 import numpy as np
 
+from gas_cases import NITROGEN, gas_in_a_cube
 from tool_run import BIN, LAUNCHER, RANKS, add_cell_field, kuhn_cube, prepare_alone, refuses, run, run_tests, same_bytes
 
 prepare_alone("pamr-mark", "pamr-refine")
 
-SPECIES = """
-[species.N2]
-mass = 4.65e-26
-diameter = 4.17e-10
-omega = 0.74
-t_ref = 273.0
-rotational_degrees = 2
-"""
+SPECIES = NITROGEN + "rotational_degrees = 2\n"
 
 SPHERE = SPECIES + """
 [gas]
@@ -57,36 +51,12 @@ length = 2.0
 """
 
 # Gas streams through a cube past a warm floor.
-CUBE = SPECIES + """
-[gas]
-fractions = { N2 = 1.0 }
-[gas.rotation]
-z_infinity = 18.1
-t_star = 91.5
-[stream.free]
-density = 1e20
-temperature = 300.0
-speed = 400.0
-[boundary]
-xmin = { kind = "inflow" }
-xmax = { kind = "inflow" }
-ymin = { kind = "symmetry" }
-ymax = { kind = "cll", temperature = 400.0, normal_accommodation = 0.5, tangential_accommodation = 0.9 }
-zmin = { kind = "diffuse", temperature = 500.0, velocity = [10.0, 0.0, 0.0] }
-zmax = { kind = "maxwell", temperature = 300.0, accommodation = 0.5 }
-[particles]
-per_cell = 15.0
-[domain]
-unit = 1.0
-[time]
-step = 5e-5
-[run]
-transient = 10
-sampling = 20
-block = 4
-[reference]
-area = 1.0
-"""
+CUBE = gas_in_a_cube(
+    SPECIES, rotation="[gas.rotation]\nz_infinity = 18.1\nt_star = 91.5\n", per_cell=15.0,
+    end="block = 4\n[reference]\narea = 1.0\n", ymin='kind = "symmetry"',
+    ymax='kind = "cll", temperature = 400.0, normal_accommodation = 0.5, tangential_accommodation = 0.9',
+    zmin='kind = "diffuse", temperature = 500.0, velocity = [10.0, 0.0, 0.0]',
+    zmax='kind = "maxwell", temperature = 300.0, accommodation = 0.5')
 
 
 def write(name, text):

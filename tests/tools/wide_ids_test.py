@@ -6,6 +6,7 @@ import shutil
 import h5py
 import numpy as np
 
+from gas_cases import gas_in_a_cube
 from tool_run import RANKS, kuhn_cube, refuses, run, run_tests, same_bytes
 
 FIRST = 2**33
@@ -70,42 +71,12 @@ def test_reports_and_comparisons():
         assert len(cells) == 5 and (cells >= FIRST).all() and (cells < FIRST + 6 * 27).all(), cells
 
 
-DSMC = """
-[species.N2]
-mass = 4.65e-26
-diameter = 4.17e-10
-omega = 0.74
-t_ref = 273.0
-[gas]
-fractions = { N2 = 1.0 }
-[stream.free]
-density = 1e20
-temperature = 300.0
-speed = 400.0
-[boundary]
-xmin = { kind = "inflow" }
-xmax = { kind = "outflow" }
-ymin = { kind = "symmetry" }
-ymax = { kind = "symmetry" }
-zmin = { kind = "diffuse", temperature = 500.0 }
-zmax = { kind = "inflow" }
-[particles]
-per_cell = 8.0
-[domain]
-unit = 1.0
-[time]
-step = 5e-5
-[run]
-transient = 4
-sampling = 8
-"""
-
-
 def test_a_flow_on_them_and_carried():
     plain = kuhn_cube("plain0.hdf", 3)
     numbered_from(FIRST, plain, "wide0.hdf")
     with open("case.toml", "w") as file:
-        file.write(DSMC)
+        file.write(gas_in_a_cube(transient=4, sampling=8, xmax='kind = "outflow"', ymin='kind = "symmetry"',
+                                 ymax='kind = "symmetry"', zmin='kind = "diffuse", temperature = 500.0'))
     for mesh in ("plain", "wide"):
         run("pamr-dsmc", "case.toml", "--mesh", f"{mesh}0.hdf", "-o", f"{mesh}.hdf", "--checkpoint", f"{mesh}.ck",
             "--surface", f"{mesh}.vtu", "--quiet")

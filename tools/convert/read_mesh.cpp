@@ -70,6 +70,19 @@ mesh::DistMesh read_mesh(cli::Session& session, const ReadRequest& request, nloh
                                                      .remark = request.strict ? refuse : session.remarks()}));
   }
   auto read = read_elements(comm, request, ending);
+  auto& inner = report["inner_faces"] = nlohmann::json::object();
+  for (const auto& [group, n] : read.inner_faces) {
+    if (request.strict)
+      throw Error(
+          fmt::format("file '{}': expected surfaces on the boundary, found {} triangles of '{}' between two "
+                      "regions",
+                      request.file, n, group));
+    inner[group] = n;
+    session.warn(fmt::format(
+        "{} triangles of '{}' lie between two regions and are no patch: the field 'region' has what lies "
+        "on either side, new nodes stay on these triangles, and --interfaces writes them to a .msh or .mesh",
+        n, group));
+  }
   report["turned_cells"] = read.n_turned;
   report["dropped_nodes"] = read.n_dropped_nodes;
   report["untagged_faces"] = read.n_untagged_faces;

@@ -24,6 +24,7 @@ namespace {
 struct Meeting {
   par::SharedKey face;   ///< ascending
   int is_triangle = 0;   ///< faces of cells come first
+  int is_inner = 0;      ///< of a face: it has cells on both sides
   int patch = 0;         ///< that it has; -1: none yet
   std::int64_t row = 0;  ///< of a face 4 cell + slot, of a triangle its row; on the rank that sent it
   Rank from = 0;         ///< that rank
@@ -48,7 +49,7 @@ par::SharedKey sorted(par::SharedKey face) {
 
 /// All faces and triangles of the ranks that meet here, those of the same nodes together. Collective.
 std::vector<Meeting> meet(const par::Comm& comm, const mesh::DistMesh& mesh, const mesh::BoundaryTriangles& boundary,
-                          bool has_patches) {
+                          bool has_patches, std::span<const mesh::CellFace> inner_faces) {
   par::Mailbox<Meeting> box(comm);
   for (LocalId c = 0; c < mesh.n_cells(); ++c)
     for (int slot = 0; slot < 4; ++slot) {
@@ -56,11 +57,15 @@ std::vector<Meeting> meet(const par::Comm& comm, const mesh::DistMesh& mesh, con
       if (neighbor >= 0) continue;
       const auto face = mesh::face_key(mesh, {c, slot});
       const int patch = has_patches ? mesh::slot_to_patch(neighbor) : -1;
-      box.add(meeting_rank(comm, face), {face, 0, patch, 4 * std::int64_t{c} + slot, comm.rank()});
+      box.add(meeting_rank(comm, face), {face, 0, 0, patch, 4 * std::int64_t{c} + slot, comm.rank()});
     }
+  for (const auto& inner : inner_faces) {
+    const auto face = mesh::face_key(mesh, inner);
+    box.add(meeting_rank(comm, face), {face, 0, 1, -1, 4 * std::int64_t{inner.cell} + inner.slot, comm.rank()});
+  }
   for (std::size_t t = 0; t < boundary.node.size(); ++t) {
     const auto face = sorted(boundary.node[t]);
-    box.add(meeting_rank(comm, face), {face, 1, boundary.patch[t], static_cast<std::int64_t>(t), comm.rank()});
+    box.add(meeting_rank(comm, face), {face, 1, 0, boundary.patch[t], static_cast<std::int64_t>(t), comm.rank()});
   }
   auto meeting = box.send().item;
   std::sort(meeting.begin(), meeting.end(), [](const Meeting& a, const Meeting& b) {
@@ -114,15 +119,21 @@ BoundaryMatch::Misfit to_misfit(std::int64_t number) {
 }  // namespace
 
 BoundaryMatch match_boundary(const par::Comm& comm, mesh::DistMesh& mesh, const mesh::BoundaryTriangles& boundary,
-                             std::optional<int> untagged) {
-  const auto meeting = meet(comm, mesh, boundary, !untagged);
+                             std::optional<int> untagged, std::span<const mesh::CellFace> inner_faces) {
+  const auto meeting = meet(comm, mesh, boundary, !untagged, inner_faces);
   BoundaryMatch match;
+  match.n_inner.resize(mesh.info.patches.size());
   constexpr auto none = std::numeric_limits<std::int64_t>::max();
   std::int64_t first = none;
   par::Mailbox<Answer> answers(comm);
   for (std::size_t i = 0; i < meeting.size();) {
     std::size_t end = i;
     while (end < meeting.size() && meeting[end].face == meeting[i].face) ++end;
+    if (meeting[i].is_inner != 0) {
+      for (auto t = i + 1; t < end; ++t) ++match.n_inner[at(meeting[t].patch)];
+      i = end;
+      continue;
+    }
     const bool has_face = meeting[i].is_triangle == 0;
     const auto first_triangle = i + (has_face ? 1 : 0);
     int patch = has_face ? meeting[i].patch : -1;
@@ -146,6 +157,7 @@ BoundaryMatch match_boundary(const par::Comm& comm, mesh::DistMesh& mesh, const 
   match.n_untagged = sum[0];
   match.n_not_on_boundary = sum[1];
   match.n_contradictions = sum[2];
+  comm.sum_in_place(match.n_inner);
   first = comm.min(first);
   if (first != none) match.first_misfit = to_misfit(first);
   return match;

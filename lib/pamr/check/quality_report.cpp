@@ -71,6 +71,10 @@ QualityReport report_quality(const par::Comm& comm, const mesh::DistMesh& mesh, 
   report.metrics = measure_cells(comm, mesh);
   count_levels(comm, mesh, report);
   report.uniform_shape_bound = worst_uniform_shape(comm, mesh);
+  for (const auto& patch : mesh.info.patches) {
+    const auto* surface = mesh.info.surfaces->get(patch.surface);
+    report.has_curved_walls = report.has_curved_walls || (surface != nullptr && !surface->is_flat());
+  }
   report.off_surface = read_off_surface(comm, mesh);
   report.fingerprint = mesh::fingerprint(comm, mesh);
   return report;

@@ -35,7 +35,8 @@ struct QualityReport {
   std::vector<MetricReport> metrics;
   std::vector<std::int64_t> cells_of_level;  ///< cells whose base cell has level 0, 1, ...
   std::int64_t closure_cells = 0;
-  double uniform_shape_bound = 0;  ///< `worst_uniform_shape` of the mesh
+  double uniform_shape_bound = 0;  ///< `worst_uniform_shape` of the mesh, which holds away from curved walls
+  bool has_curved_walls = false;   ///< a patch lies on a surface that is not flat
   OffSurface off_surface;
   std::uint64_t fingerprint = 0;
 

@@ -134,11 +134,12 @@ std::string summary_of(const NamedReport& named) {
   for (const auto& patch : r.patches) off_facets += patch.off_facets_nodes;
   const auto bent = off_facets == 0 ? "" : fmt::format(", {} off the faces of a patch without a surface", off_facets);
   return fmt::format(
-      "{}: {} cells, {} nodes, volume {:.10g}, mean ratio min {:.4f} mean {:.4f} (of all later 1:8 levels: {:.4f}), "
+      "{}: {} cells, {} nodes, volume {:.10g}, mean ratio min {:.4f} mean {:.4f} (of all later 1:8 levels{}: {:.4f}), "
       "dihedral angles {:.2f} to {:.2f} degrees, {} inverted, {} nodes off their surface{}, {}, fingerprint {:016x}",
       named.file, r.cells, r.nodes, r.volume, metric(r, "mean_ratio").min, metric(r, "mean_ratio").mean,
-      r.uniform_shape_bound, metric(r, "min_dihedral").min, metric(r, "max_dihedral").max, r.inverted_cells,
-      off_surface_nodes(r), bent, r.is_valid() ? "valid" : "NOT VALID", r.fingerprint);
+      r.has_curved_walls ? " away from curved walls" : "", r.uniform_shape_bound, metric(r, "min_dihedral").min,
+      metric(r, "max_dihedral").max, r.inverted_cells, off_surface_nodes(r), bent, r.is_valid() ? "valid" : "NOT VALID",
+      r.fingerprint);
 }
 
 std::vector<std::string> table_of(const std::vector<NamedReport>& reports) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <set>
 #include <span>
+#include <utility>
 
 #include "pamr/par/exchange.hpp"
 #include "pamr/par/mailbox.hpp"
@@ -24,7 +25,8 @@ mesh::Field in_order(const par::Comm& comm, IdRange all, std::span<const GlobalI
 
 }  // namespace
 
-RowsInOrder rows_in_order(const par::Comm& comm, const mesh::DistMesh& mesh, const mesh::SecondOrder* second_order) {
+RowsInOrder rows_in_order(const par::Comm& comm, const mesh::DistMesh& mesh, const mesh::SecondOrder* second_order,
+                          Interfaces interfaces) {
   RowsInOrder rows;
   const auto first = mesh.info.first_id;
   const auto& ids = second_order == nullptr ? mesh.node_global : second_order->node_global;
@@ -35,15 +37,15 @@ RowsInOrder rows_in_order(const par::Comm& comm, const mesh::DistMesh& mesh, con
   rows.first_cell = par::block_range(mesh.info.n_global_cells, comm.rank(), comm.size()).begin;
   rows.position = par::scatter_rows<geometry::Vec3>(comm, all_nodes, position, 1, ids);
   std::vector<std::array<GlobalId, 4>> nodes(mesh.cell_to_node.size());
-  std::vector<std::array<std::int32_t, 4>> patch(mesh.cell_to_node.size());
   for (std::size_t c = 0; c < nodes.size(); ++c)
-    for (std::size_t i = 0; i < 4; ++i) {
+    for (std::size_t i = 0; i < 4; ++i)
       nodes[c][i] = mesh.node_global[static_cast<std::size_t>(mesh.cell_to_node[c][i])] - first;
-      patch[c][i] = mesh.cell_to_cell[c][i] < 0 ? mesh::slot_to_patch(mesh.cell_to_cell[c][i]) : -1;
-    }
   rows.cell_to_node =
       par::scatter_rows<std::array<GlobalId, 4>>(comm, mesh.info.cell_ids(), nodes, 1, mesh.cell_global);
-  rows.patch = par::scatter_rows<std::array<std::int32_t, 4>>(comm, mesh.info.cell_ids(), patch, 1, mesh.cell_global);
+  auto groups = group_triangles(comm, mesh, interfaces);
+  rows.group_name = std::move(groups.name);
+  rows.group =
+      par::scatter_rows<std::array<std::int32_t, 4>>(comm, mesh.info.cell_ids(), groups.of_face, 1, mesh.cell_global);
   if (second_order == nullptr) return rows;
   std::vector<std::array<GlobalId, 6>> mid(mesh.cell_to_node.size());
   for (std::size_t c = 0; c < mid.size(); ++c)
@@ -78,12 +80,6 @@ RegionsInOrder regions_in_order(const par::Comm& comm, const mesh::DistMesh& mes
   const std::set<std::int64_t> all(received.item.begin(), received.item.end());
   regions.all = comm.broadcast(std::vector<std::int64_t>(all.begin(), all.end()));
   return regions;
-}
-
-std::string name_of_region(const mesh::MeshInfo& info, std::int64_t number) {
-  const auto found = std::find_if(info.regions.begin(), info.regions.end(),
-                                  [&](const auto& region) { return region.number == number; });
-  return found == info.regions.end() ? "" : found->name;
 }
 
 }  // namespace pamr::io

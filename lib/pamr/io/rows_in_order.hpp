@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "pamr/io/interfaces.hpp"
 #include "pamr/mesh/dist_mesh.hpp"
 #include "pamr/mesh/second_order.hpp"
 #include "pamr/mesh/tet.hpp"
@@ -22,7 +23,8 @@ struct RowsInOrder {
   std::vector<std::array<GlobalId, 4>> cell_to_node;
   std::vector<std::array<GlobalId, 6>>
       cell_to_mid;                                 ///< mid-edge nodes, edges as in `mesh/tet.hpp`; of second order only
-  std::vector<std::array<std::int32_t, 4>> patch;  ///< of each face, -1 inside
+  std::vector<std::array<std::int32_t, 4>> group;  ///< of each face: an index into `group_name`, -1 for none
+  std::vector<std::string> group_name;             ///< of patches, then of interfaces
 
   /// The mid-edge node between two corners of a cell.
   GlobalId mid(std::size_t cell, int corner_a, int corner_b) const {
@@ -33,7 +35,7 @@ struct RowsInOrder {
 
 /// `second_order`: null for linear cells. Collective: sparse exchanges, O(cells / ranks) bytes a rank.
 RowsInOrder rows_in_order(const par::Comm& comm, const mesh::DistMesh& mesh,
-                          const mesh::SecondOrder* second_order = nullptr);
+                          const mesh::SecondOrder* second_order = nullptr, Interfaces interfaces = Interfaces::none);
 
 /// The values of a field in that order. Collective.
 mesh::CellField cells_in_order(const par::Comm& comm, const mesh::DistMesh& mesh, const mesh::CellField& field);
@@ -50,8 +52,5 @@ struct RegionsInOrder {
 };
 /// Collective.
 RegionsInOrder regions_in_order(const par::Comm& comm, const mesh::DistMesh& mesh);
-
-/// The name of a region, empty where it has none.
-std::string name_of_region(const mesh::MeshInfo& info, std::int64_t number);
 
 }  // namespace pamr::io

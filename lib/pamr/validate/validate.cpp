@@ -105,6 +105,8 @@ void require_valid(const par::Comm& comm, const mesh::DistMesh& mesh, const std:
   auto text = fmt::format("{}: expected a valid mesh, found `{}` broken {}", what, first.invariant, first.count);
   text += first.count == 1 ? " time" : " times";
   if (first.where >= 0) text += fmt::format(", first at {} {}", at_node ? "node" : "cell", first.where);
+  if (first.invariant == "boundary_manifold")
+    text += " (the boundary touches itself in an edge, where four of its faces meet)";
   const auto more = violations.size() - 1;
   if (more > 0) text += fmt::format("; {} other invariant{} broken too", more, more == 1 ? " is" : "s are");
   throw Error(text);

@@ -20,13 +20,14 @@ constexpr double vanishing_speed = 1e-12;  // of the size, per whole parameter: 
 
 CadEdge::CadEdge(CadEdgeData data, double sagitta, double size) : data_(std::move(data)), size_(size) {
   const double width = data_.end - data_.begin;
+  const auto on_curve = [&](double t) { return data_.curve->at(t).point; };
   double from = data_.begin;
-  Vec3 a = point(from);
+  Vec3 a = on_curve(from);
   samples_.push_back(from);
   points_.push_back(a);
   for (int i = 1; i <= first_pieces; ++i) {
     const double to = i == first_pieces ? data_.end : data_.begin + width * i / first_pieces;
-    const Vec3 b = point(to);
+    const Vec3 b = on_curve(to);
     add_samples(from, a, to, b, sagitta, 0);
     from = to;
     a = b;
@@ -40,6 +41,19 @@ CadEdge::CadEdge(CadEdgeData data, double sagitta, double size) : data_(std::mov
     }
 }
 
+void CadEdge::join(std::size_t end, Vec3 corner) {
+  (end == 0 ? points_.front() : points_.back()) = corner;
+  for (std::size_t k = 0; k < 3; ++k) {
+    low_[k] = std::min(low_[k], corner[k]);
+    high_[k] = std::max(high_[k], corner[k]);
+  }
+}
+
+Vec3 CadEdge::point(double t) const {
+  if (t == data_.begin) return points_.front();
+  return t == data_.end ? points_.back() : data_.curve->at(t).point;
+}
+
 double CadEdge::distance_at_least(Vec3 point) const {
   Vec3 off;
   for (std::size_t k = 0; k < 3; ++k) off[k] = std::max({low_[k] - point[k], point[k] - high_[k], 0.0});
@@ -48,7 +62,7 @@ double CadEdge::distance_at_least(Vec3 point) const {
 
 void CadEdge::add_samples(double from, Vec3 a, double to, Vec3 b, double sagitta, int depth) {
   const double middle = 0.5 * (from + to);
-  const Vec3 m = point(middle);
+  const Vec3 m = data_.curve->at(middle).point;
   if (depth < deepest_piece && norm(m - midpoint(a, b)) > sagitta) {
     add_samples(from, a, middle, m, sagitta, depth + 1);
     add_samples(middle, m, to, b, sagitta, depth + 1);
@@ -94,6 +108,11 @@ CadEdgeFoot CadEdge::nearest(Vec3 to, double t) const {
     jet = there;
     if (step <= newton::at_rest * size_ || (step <= newton::rounding * size_ && !(step < 0.5 * last))) break;
     last = step;
+  }
+  for (const double end : {data_.begin, data_.end}) {
+    const Vec3 corner = point(end);
+    const double squared = dot(corner - to, corner - to);
+    if (squared < best.squared_distance || best.t == end) best = {corner, end, squared};
   }
   return best;
 }

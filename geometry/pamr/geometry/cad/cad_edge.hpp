@@ -28,13 +28,16 @@ class CadEdge {
   double tolerance() const { return data_.tolerance; }
   /// Enlarges the tolerance to what was measured.
   void widen(double tolerance) { data_.tolerance = tolerance > data_.tolerance ? tolerance : data_.tolerance; }
+  /// Moves an end (0: the first) to where the others of its vertex are: files state the ends of edges that meet to their
+  /// tolerance only, and the corner of a mesh is one node.
+  void join(std::size_t end, Vec3 corner);
 
   /// Lower bound of the distance: that of the box about the edge.
   double distance_at_least(Vec3 point) const;
-  Vec3 point(double t) const { return data_.curve->at(t).point; }
+  Vec3 point(double t) const;
   /// Direction of the curve, of unit length; that of a chord where the derivative vanishes.
   Vec3 tangent(double t) const;
-  /// Nearest point by Newton's method from parameter t, never farther than the start.
+  /// Nearest point by Newton's method from parameter t, never farther than the start and the ends.
   CadEdgeFoot nearest(Vec3 to, double t) const;
   /// The same from the nearest sample.
   CadEdgeFoot nearest(Vec3 to) const;
@@ -44,7 +47,7 @@ class CadEdge {
 
   CadEdgeData data_;
   std::vector<double> samples_;
-  std::vector<Vec3> points_;
+  std::vector<Vec3> points_;  ///< the first and the last are the ends
   Vec3 low_, high_;
   double length_ = 0, size_ = 0;
 };

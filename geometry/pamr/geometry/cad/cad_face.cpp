@@ -17,6 +17,9 @@ constexpr double beyond_box = 0.05;    // of the parameters' range: how far a se
 constexpr double at_pole = 1e-9;       // of the size
 constexpr double box_slack = 1e-6;     // of the parameters' range
 constexpr double safely_inside = 0.8;  // of the clearance
+constexpr double near_border = 3;      // times how far the triangles may lie off the face
+constexpr double near_triangle = 2;    // the same; between this and the one above there is a whole such distance
+constexpr double flat_slack = 1e-7;    // of the size: what a face that is its triangles gets for rounding
 constexpr double degenerate = 1e-9;    // sine and relative length below which u x v has no direction
 constexpr double deflection_factor = 1.5;
 constexpr int gap_points = 9;
@@ -157,6 +160,11 @@ bool CadFace::is_inside(Uv uv, Vec3 on_surface, const BorderFoot& nearest) const
       uv.v > data_.high.v + slack_v)
     return false;
   if (nearest.border < 0) return true;  // there is no border, or a pole is nearer
+  // the direction into the face at the nearest border says nothing about what is far from there: the other side of a
+  // pipe with an opening. There the triangles decide.
+  const double reach = deflection_ + flat_slack * size_;
+  if (nearest.foot.squared_distance > near_border * near_border * reach * reach)
+    return norm(on_surface - flat_point(triangles_->nearest(on_surface))) <= near_triangle * reach;
   const auto& border = data_.border[at(nearest.border)];
   const auto& edge = edges_[at(border.edge)].data();
   const Vec3 normal = cross_normal(uv);

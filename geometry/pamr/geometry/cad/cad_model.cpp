@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <optional>
 #include <utility>
 
 #include "pamr/base/error.hpp"
@@ -43,6 +44,14 @@ CadModel::CadModel(CadData data) : unit_of_file_(std::move(data.unit_of_file)), 
           norm((k == 0 ? edge.points().front() : edge.points().back()) - data.vertices[at(edge.data().vertex[k])]);
       if (!(gap <= max_gap * size_))
         throw Error(fmt::format("expected edges that end at their vertices, found one that is {:.3g} off", gap));
+    }
+  std::vector<std::optional<Vec3>> corner(data.vertices.size());
+  for (auto& edge : edges_)
+    for (std::size_t k = 0; k < 2; ++k) {
+      if (edge.data().vertex[k] < 0) continue;
+      auto& here = corner[at(edge.data().vertex[k])];
+      if (!here) here = k == 0 ? edge.points().front() : edge.points().back();
+      edge.join(k, *here);
     }
   faces_of_edge_.resize(edges_.size());
   faces_.reserve(data.faces.size());

@@ -11,24 +11,25 @@ namespace pamr::io {
 
 std::vector<BoundaryRow> boundary_rows(const RowsInOrder& rows) {
   std::vector<BoundaryRow> result;
-  for (std::size_t c = 0; c < rows.patch.size(); ++c)
+  for (std::size_t c = 0; c < rows.group.size(); ++c)
     for (std::size_t slot = 0; slot < 4; ++slot) {
-      if (rows.patch[c][slot] < 0) continue;
+      if (rows.group[c][slot] < 0) continue;
       const auto& corner = mesh::tet::face_to_corner[slot];
       const auto& n = rows.cell_to_node[c];
-      result.push_back({{n[at(corner[0])], n[at(corner[1])], n[at(corner[2])]}, rows.patch[c][slot]});
+      result.push_back({{n[at(corner[0])], n[at(corner[1])], n[at(corner[2])]}, rows.group[c][slot]});
     }
   return result;
 }
 
-std::vector<std::int64_t> patch_numbers(const mesh::MeshInfo& info, std::string_view prefix, std::int64_t first) {
+std::vector<std::int64_t> patch_numbers(const std::vector<std::string>& names, std::string_view prefix,
+                                        std::int64_t first) {
   std::vector<std::int64_t> numbers;
   std::set<std::int64_t> taken;
-  for (const auto& patch : info.patches) {
+  for (const auto& name : names) {
     std::int64_t number = -1;
-    if (patch.name.starts_with(prefix) && patch.name.size() <= prefix.size() + 9) {
-      const auto* end = patch.name.data() + patch.name.size();
-      const auto [rest, error] = std::from_chars(patch.name.data() + prefix.size(), end, number);
+    if (name.starts_with(prefix) && name.size() <= prefix.size() + 9) {
+      const auto* end = name.data() + name.size();
+      const auto [rest, error] = std::from_chars(name.data() + prefix.size(), end, number);
       if (error != std::errc{} || rest != end || number < first || !taken.insert(number).second) number = -1;
     }
     numbers.push_back(number);

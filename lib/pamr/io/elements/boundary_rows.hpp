@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -11,17 +12,18 @@
 
 namespace pamr::io {
 
-/// A triangle of the boundary, seen counter-clockwise from outside.
+/// A triangle of the boundary, seen counter-clockwise from outside, or of an interface.
 struct BoundaryRow {
   std::array<GlobalId, 3> node{};
-  int patch = 0;
+  int patch = 0;  ///< or interface: `RowsInOrder::group`
 };
 
 /// Those at this rank's block of cells, by cell, the faces of a cell by slot. Local.
 std::vector<BoundaryRow> boundary_rows(const RowsInOrder& rows);
 
-/// Numbers of the patches for formats that know numbers alone: N for a patch `prefixN` (N of at most nine digits, from
+/// Numbers of patches (and interfaces) for formats that know numbers alone: N for a patch `prefixN` (N of at most nine digits, from
 /// `first` on), as the readers of these formats call them; the lowest free numbers from 1 on for the others, in order.
-std::vector<std::int64_t> patch_numbers(const mesh::MeshInfo& info, std::string_view prefix, std::int64_t first);
+std::vector<std::int64_t> patch_numbers(const std::vector<std::string>& names, std::string_view prefix,
+                                        std::int64_t first);
 
 }  // namespace pamr::io

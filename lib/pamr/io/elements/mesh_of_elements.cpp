@@ -17,6 +17,7 @@
 #include "pamr/base/error.hpp"
 #include "pamr/base/index.hpp"
 #include "pamr/base/with_file_name.hpp"
+#include "pamr/mesh/region_faces.hpp"
 #include "pamr/order/order_along_curve.hpp"
 #include "pamr/par/exchange.hpp"
 #include "pamr/par/mailbox.hpp"
@@ -192,6 +193,23 @@ std::vector<std::int64_t> all_groups(const par::Comm& comm, const ElementParts& 
   return comm.broadcast(std::vector<std::int64_t>(all.begin(), all.end()));
 }
 
+/// The region of each cell of this rank: its group, 0 without one. Where no cell has a group, several volumes of the
+/// geometry are regions by their numbers. Collective.
+std::vector<std::int64_t> regions_of(const par::Comm& comm, const ElementParts& parts) {
+  std::int64_t least = std::numeric_limits<std::int64_t>::max(), greatest = std::numeric_limits<std::int64_t>::min();
+  for (const auto& cell : parts.tetrahedron) {
+    least = std::min(least, cell.group);
+    greatest = std::max(greatest, cell.group);
+  }
+  least = comm.min(least);
+  greatest = comm.max(greatest);
+  const bool by_volume = greatest < 0 && least != greatest;
+  std::vector<std::int64_t> region;
+  for (const auto& cell : parts.tetrahedron)
+    region.push_back(by_volume ? -cell.group : std::max<std::int64_t>(cell.group, 0));
+  return region;
+}
+
 /// Physical volumes with a name, ascending.
 std::vector<mesh::Region> named_regions(const ElementParts& parts) {
   std::vector<mesh::Region> regions;
@@ -200,20 +218,42 @@ std::vector<mesh::Region> named_regions(const ElementParts& parts) {
   return regions;
 }
 
-/// Gives boundary faces the patches of the triangles on them; faces without triangle keep `untagged`. Returns how many
-/// these are. Collective.
-std::int64_t tag_faces(const par::Comm& comm, mesh::DistMesh& mesh, const mesh::BoundaryTriangles& boundary,
-                       int untagged, const std::string& file) {
-  const auto match = assemble::match_boundary(comm, mesh, boundary, untagged);
+/// Gives boundary faces the patches of the triangles on them; faces without triangle get `untagged`. Collective.
+assemble::BoundaryMatch tag_faces(const par::Comm& comm, mesh::DistMesh& mesh, const mesh::BoundaryTriangles& boundary,
+                                  int untagged, const std::string& file) {
+  std::vector<mesh::CellFace> between;
+  for (const auto& [face, regions] : mesh::faces_between_regions(comm, mesh)) between.push_back(face);
+  const auto match = assemble::match_boundary(comm, mesh, boundary, untagged, between);
   if (match.n_not_on_boundary > 0)
     throw Error(
-        fmt::format("file '{}': expected tagged triangles on the boundary of the tetrahedra, found {} inside the "
-                    "domain or apart from it",
+        fmt::format("file '{}': expected tagged triangles on the boundary of the tetrahedra or between two regions of "
+                    "them (groups of volumes), found {} inside a region or apart from the cells: their surfaces have "
+                    "to be left out of the file",
                     file, match.n_not_on_boundary));
   if (match.n_contradictions > 0)
     throw Error(fmt::format("file '{}': expected one tag for each boundary face, found {} faces in two surfaces", file,
                             match.n_contradictions));
-  return match.n_untagged;
+  return match;
+}
+
+/// Leaves out the patches that have no face of the boundary: those of interfaces. Collective.
+void drop_patches_without_faces(const par::Comm& comm, mesh::DistMesh& mesh) {
+  std::vector<std::int64_t> n_faces(mesh.info.patches.size(), 0);
+  for (const auto& neighbors : mesh.cell_to_cell)
+    for (const auto neighbor : neighbors)
+      if (neighbor < 0) ++n_faces[at(mesh::slot_to_patch(neighbor))];
+  comm.sum_in_place(n_faces);
+  std::vector<int> now(n_faces.size(), -1);
+  std::vector<mesh::Patch> kept;
+  for (std::size_t p = 0; p < n_faces.size(); ++p) {
+    if (n_faces[p] == 0) continue;
+    now[p] = static_cast<int>(kept.size());
+    kept.push_back(mesh.info.patches[p]);
+  }
+  mesh.info.patches = std::move(kept);
+  for (auto& neighbors : mesh.cell_to_cell)
+    for (auto& neighbor : neighbors)
+      if (neighbor < 0) neighbor = mesh::patch_to_slot(now[at(mesh::slot_to_patch(neighbor))]);
 }
 
 /// Where the ordered mesh has put the nodes: triangles in its numbers. Collective.
@@ -261,10 +301,8 @@ ElementMesh mesh_of_elements(const par::Comm& comm, ElementParts parts, const st
   block.node_position = std::move(numbered.position);
   block.cell_to_node = std::move(numbered.cell);
   result.n_turned = orient(comm, block, options.repair, file);
-  std::vector<std::int64_t> region;
-  for (const auto& cell : parts.tetrahedron) region.push_back(std::max<std::int64_t>(cell.group, 0));
   if (parts.has_regions)
-    block.cell_fields.push_back({mesh::region_field, "", 1, mesh::StorageType::int32, std::move(region)});
+    block.cell_fields.push_back({mesh::region_field, "", 1, mesh::StorageType::int32, regions_of(comm, parts)});
   for (auto& field : parts.cell_fields) block.cell_fields.push_back(std::move(field));
   block.node_fields = std::move(numbered.node_fields);
   parts.tetrahedron = {};
@@ -279,8 +317,12 @@ ElementMesh mesh_of_elements(const par::Comm& comm, ElementParts parts, const st
   for (const auto group : groups) patches.push_back(patch_of_group(group));
   result.mesh.info.regions = named_regions(parts);
   boundary.node = std::move(numbered.triangle);
-  result.n_untagged_faces = tag_faces(comm, result.mesh, boundary, static_cast<int>(patches.size()), file);
+  const auto match = tag_faces(comm, result.mesh, boundary, static_cast<int>(patches.size()), file);
+  result.n_untagged_faces = match.n_untagged;
+  for (std::size_t p = 0; p < match.n_inner.size(); ++p)
+    if (match.n_inner[p] > 0) result.inner_faces[patches[p].name] = match.n_inner[p];
   if (result.n_untagged_faces > 0) patches.push_back({"boundary", ""});
+  if (!result.inner_faces.empty()) drop_patches_without_faces(comm, result.mesh);
   return result;
 }
 

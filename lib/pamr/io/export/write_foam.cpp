@@ -16,6 +16,7 @@
 #include "pamr/io/partial_folder.hpp"
 #include "pamr/io/rows_in_order.hpp"
 #include "pamr/io/shared_output.hpp"
+#include "pamr/mesh/region_faces.hpp"
 #include "pamr/mesh/tet.hpp"
 #include "pamr/par/exchange.hpp"
 
@@ -74,7 +75,7 @@ std::vector<std::vector<Face>> faces_of(const par::Comm& comm, const mesh::DistM
       Face face{cell, next, {}};
       for (std::size_t i = 0; i < 3; ++i)
         face.node[i] = rows.cell_to_node[c][static_cast<std::size_t>(mesh::tet::face_to_corner[slot][i])];
-      parts[next >= 0 ? 0 : 1 + static_cast<std::size_t>(rows.patch[c][slot])].push_back(face);
+      parts[next >= 0 ? 0 : 1 + static_cast<std::size_t>(rows.group[c][slot])].push_back(face);
     }
     std::sort(parts[0].begin() + first_inner, parts[0].end(),
               [](const Face& a, const Face& b) { return a.neighbor < b.neighbor; });
@@ -113,7 +114,7 @@ std::vector<std::string> words_of_patches(const mesh::MeshInfo& info) {
 std::vector<std::string> words_of_regions(const mesh::MeshInfo& info, const std::vector<std::int64_t>& numbers) {
   std::vector<std::string> names;
   for (const auto number : numbers) {
-    const auto name = name_of_region(info, number);
+    const auto name = mesh::name_of_region(info, number);
     names.push_back(name.empty() ? fmt::format("region_{}", number) : name);
   }
   return words("region", names);

@@ -73,9 +73,9 @@ struct Boundary {
 
 Boundary boundary_of(const RowsInOrder& rows) {
   Boundary result;
-  for (std::size_t c = 0; c < rows.patch.size(); ++c)
+  for (std::size_t c = 0; c < rows.group.size(); ++c)
     for (std::size_t face = 0; face < 4; ++face) {
-      if (rows.patch[c][face] < 0) continue;
+      if (rows.group[c][face] < 0) continue;
       auto& corner = result.corner.emplace_back();
       const auto& slot = mesh::tet::face_to_corner[face];
       for (std::size_t k = 0; k < 3; ++k) corner[k] = rows.cell_to_node[c][at(slot[k])];
@@ -83,7 +83,7 @@ Boundary boundary_of(const RowsInOrder& rows) {
         result.mid.push_back(
             {rows.mid(c, slot[0], slot[1]), rows.mid(c, slot[1], slot[2]), rows.mid(c, slot[2], slot[0])});
       result.owner.push_back(c);
-      result.patch.push_back(rows.patch[c][face]);
+      result.patch.push_back(rows.group[c][face]);
     }
   return result;
 }

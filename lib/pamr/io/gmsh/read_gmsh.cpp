@@ -30,7 +30,8 @@ Format read_format(TextCursor& in) {
   if (in.line() != "$MeshFormat") in.fail("a Gmsh file that begins with $MeshFormat", "another beginning");
   const double version = in.real("the version of the format");
   const auto kind = in.integer("0 for text or 1 for binary"), size = in.integer("the size of a real");
-  if (version != 2.2 && version != 4.1)
+  const bool is_older = version >= 2 && version < 2.2;  // as netgen writes it: cells and surfaces are those of 2.2
+  if (!is_older && version != 2.2 && version != 4.1)
     in.fail("version 2.2 or 4.1 of the format",
             fmt::format("{} (gmsh OLD.msh -save -format msh41 -o NEW.msh)", version));
   if (kind != 0 && kind != 1) in.fail("0 for text or 1 for binary", fmt::format("{}", kind));
@@ -54,8 +55,8 @@ Parts read_parts(const par::Comm& comm, const std::filesystem::path& file) {
         return !format.is_binary;
       },
       [&](TextCursor& in, Share share) {
-        return format.version == 2.2 ? gmsh::read_parts_2(in, format.is_binary, share)
-                                     : gmsh::read_parts_4(in, format.is_binary, share);
+        return format.version < 3 ? gmsh::read_parts_2(in, format.is_binary, share)
+                                  : gmsh::read_parts_4(in, format.is_binary, share);
       });
 }
 

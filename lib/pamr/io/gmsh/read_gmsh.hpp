@@ -19,7 +19,7 @@ using GmshMesh = ElementMesh;
 /// Collective; the result does not depend on the number of ranks. Every rank reads its block of nodes and
 /// elements and passes over the rest, in a text by the number of lines, which the ranks have counted together. Throws
 /// the same `Error` on every rank, with line or byte, for what is no such file; and by name, with counts, for elements
-/// of other kinds, triangles inside the domain or apart from it, cells that are inverted (unless
+/// of other kinds, triangles inside a region or apart from the cells, cells that are inverted (unless
 /// `repair`) or flat, node numbers that are missing, twice or so scattered that no table holds them (more than 64 times
 /// as many as nodes).
 GmshMesh read_gmsh(const par::Comm& comm, const std::filesystem::path& file, const GmshOptions& options = {});

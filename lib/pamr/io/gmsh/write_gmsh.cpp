@@ -95,18 +95,18 @@ struct OfSecondOrder {
 /// Elements of one rank in the order of the file.
 template <class Order>
 struct Elements {
-  std::vector<std::vector<typename Order::Triangle>> triangle;  ///< by patch
+  std::vector<std::vector<typename Order::Triangle>> triangle;  ///< by patch and interface
   RegionsInOrder region;                                        ///< 1 everywhere without the field
 };
 
 template <class Order>
 Elements<Order> collect(const par::Comm& comm, const mesh::DistMesh& mesh, const RowsInOrder& rows) {
   Elements<Order> elements;
-  elements.triangle.resize(mesh.info.patches.size());
-  for (std::size_t c = 0; c < rows.patch.size(); ++c)
+  elements.triangle.resize(rows.group_name.size());
+  for (std::size_t c = 0; c < rows.group.size(); ++c)
     for (std::size_t slot = 0; slot < 4; ++slot) {
-      if (rows.patch[c][slot] < 0) continue;
-      elements.triangle[at(rows.patch[c][slot])].push_back(Order::triangle(rows, c, mesh::tet::face_to_corner[slot]));
+      if (rows.group[c][slot] < 0) continue;
+      elements.triangle[at(rows.group[c][slot])].push_back(Order::triangle(rows, c, mesh::tet::face_to_corner[slot]));
     }
   elements.region = regions_in_order(comm, mesh);
   if (!elements.region.has_field) {
@@ -120,12 +120,12 @@ template <class Order>
 class Writer {
  public:
   Writer(const par::Comm& comm, const std::filesystem::path& file, const mesh::DistMesh& mesh,
-         const mesh::SecondOrder* second_order, bool binary)
+         const mesh::SecondOrder* second_order, const GmshWriteOptions& options)
       : comm_(comm),
         mesh_(mesh),
-        binary_(binary),
+        binary_(options.binary),
         out_(comm, file),
-        rows_(rows_in_order(comm, mesh, second_order)),
+        rows_(rows_in_order(comm, mesh, second_order, options.interfaces)),
         elements_(collect<Order>(comm, mesh, rows_)) {
     for (const auto& patch : elements_.triangle)
       n_triangles_.push_back(comm.sum(static_cast<std::int64_t>(patch.size())));
@@ -182,10 +182,10 @@ class Writer {
     const std::int32_t one = 1;
     if (binary_) text.append(reinterpret_cast<const char*>(&one), sizeof(one)) += '\n';
     const auto regions = elements_.region.has_field ? mesh_.info.regions : std::vector<mesh::Region>();
-    const auto n_names = mesh_.info.patches.size() + regions.size();
+    const auto n_names = rows_.group_name.size() + regions.size();
     text += fmt::format("$EndMeshFormat\n$PhysicalNames\n{}\n", n_names);
-    for (std::size_t p = 0; p < mesh_.info.patches.size(); ++p)
-      text += fmt::format("2 {} \"{}\"\n", p + 1, mesh_.info.patches[p].name);
+    for (std::size_t p = 0; p < rows_.group_name.size(); ++p)
+      text += fmt::format("2 {} \"{}\"\n", p + 1, rows_.group_name[p]);
     for (const auto& [number, name] : regions) text += fmt::format("3 {} \"{}\"\n", number, name);
     out_.append_once(text + "$EndPhysicalNames\n");
   }
@@ -320,14 +320,14 @@ class Writer {
   SharedOutput out_;
   RowsInOrder rows_;
   Elements<Order> elements_;
-  std::vector<std::int64_t> n_triangles_;  ///< of each patch, all ranks
+  std::vector<std::int64_t> n_triangles_;  ///< of each patch and interface, all ranks
   std::int64_t n_elements_ = 0;
 };
 
 template <class Order>
 void write(const par::Comm& comm, const std::filesystem::path& file, const mesh::DistMesh& mesh,
            const GmshWriteOptions& options, const mesh::SecondOrder* second_order) {
-  Writer<Order> writer(comm, file, mesh, second_order, options.binary);
+  Writer<Order> writer(comm, file, mesh, second_order, options);
   options.version == GmshVersion::v2_2 ? writer.write_2() : writer.write_4();
 }
 

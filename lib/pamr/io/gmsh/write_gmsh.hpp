@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 
+#include "pamr/io/interfaces.hpp"
 #include "pamr/mesh/dist_mesh.hpp"
 #include "pamr/mesh/second_order.hpp"
 #include "pamr/par/comm.hpp"
@@ -15,10 +16,11 @@ enum class GmshVersion : std::uint8_t { v2_2, v4_1 };
 struct GmshWriteOptions {
   GmshVersion version = GmshVersion::v4_1;
   bool binary = true;
+  Interfaces interfaces = Interfaces::none;
 };
 
 /// Writes nodes, boundary triangles and tetrahedra in Gmsh's format: patches become physical surfaces 1, 2, ... of
-/// their names, values of an integer cell field `region` physical volumes with the names they have (volume 1 without
+/// their names (faces between regions, where asked for, the ones after them), values of an integer cell field `region` physical volumes with the names they have (volume 1 without
 /// the field). Nodes are numbered from 1 in global order, and so are the elements: triangles patch by patch, then cells
 /// (4.1: region by region). Fields are left out. Text has 17 digits, which read back as the same numbers. The same
 /// bytes on any number of ranks. With `second_order` cells and triangles are of second order (Gmsh's types 11 and 9).

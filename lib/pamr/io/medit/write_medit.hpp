@@ -6,21 +6,24 @@
 #include <string>
 #include <vector>
 
+#include "pamr/io/interfaces.hpp"
 #include "pamr/mesh/dist_mesh.hpp"
 #include "pamr/par/comm.hpp"
 
 namespace pamr::io {
 
-/// Writes vertices, boundary triangles (outward) and tetrahedra in Medit's format, in global order: text for `.mesh`,
+/// Writes vertices, triangles of the boundary (outward) and of interfaces, and tetrahedra in Medit's format, in global order: text for `.mesh`,
 /// binary for `.meshb`. References of triangles are `medit_references`, those of tetrahedra the integer cell field
 /// `region` (0 without it). Text has as many digits as it takes to read the same numbers back; a binary file is of the
 /// lowest version that its size allows (2; 3 beyond 2^31 bytes; 4 beyond 2^31 elements). The same bytes on any number
 /// of ranks. Collective; throws the same `Error` on every rank, also for regions beyond 32 bits, and leaves nothing
 /// behind then.
-void write_medit(const par::Comm& comm, const std::filesystem::path& file, const mesh::DistMesh& mesh);
+void write_medit(const par::Comm& comm, const std::filesystem::path& file, const mesh::DistMesh& mesh,
+                 Interfaces interfaces = Interfaces::none);
 
-/// The reference of each patch: N for `ref_N`, the lowest free number from 1 on for the others.
-std::vector<std::int64_t> medit_references(const mesh::MeshInfo& info);
+/// The reference of each group of triangles (`TriangleGroups::name`): N for `ref_N`, the lowest free number from 1 on
+/// for the others.
+std::vector<std::int64_t> medit_references(const std::vector<std::string>& names);
 
 /// Writes fields to a `.sol` (text) or `.solb` (binary), in the order of the mesh: all real ones of 1, 3, 6 or 9
 /// components where `names` is empty, else those of these names, in this order (nodal ones before those of cells in the

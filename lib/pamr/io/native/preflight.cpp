@@ -27,9 +27,18 @@ std::string answer_for(const std::filesystem::path& file) {
     return good + pack(inspect(file));
   } catch (const Error& error) {
     return bad + std::string(error.what());
+  }
+}
+
+/// The same where memory is limited to what the file's size justifies.
+std::string answer_within_limits(const std::filesystem::path& file) {
+  try {
+    return answer_for(file);
   } catch (const std::bad_alloc&) {
-    return bad +
-           fmt::format("file '{}': expected contents in keeping with its size, found a claim of more", file.string());
+    return bad + fmt::format(
+                     "file '{}': expected contents in keeping with its size, found a claim of more, or no memory "
+                     "to look at them",
+                     file.string());
   }
 }
 
@@ -72,7 +81,7 @@ void require_signature(const std::filesystem::path& file, std::uintmax_t bytes) 
 
 /// The answer from a process of its own.
 std::string answer_of_process(const std::filesystem::path& file, std::uintmax_t bytes) {
-  Subprocess process([&](const Subprocess::Send& send) { send(answer_for(file)); },
+  Subprocess process([&](const Subprocess::Send& send) { send(answer_within_limits(file)); },
                      {.processor_seconds = 2, .memory_bytes = Subprocess::memory_for(bytes)});
   auto answer = process.receive_all();
   const auto trouble = process.end();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <span>
@@ -31,10 +32,18 @@ class RowSource {
   std::string trouble();
 
  private:
+  /// Why the zeros at the end of what was read, which begins at this byte of the file, are not those of the file; empty
+  /// if they are. Open MPI tells of no error when a disk fails or a file has been cut, and HDF5 takes what is missing
+  /// for zeros.
+  std::string missing(std::uint64_t begin, std::span<const std::byte> raw) const;
+
+  std::filesystem::path file_;
   mesh::StorageType type_;
   hdf5::Shape shape_;
   GlobalId next_;
   hdf5::Handle dataset_, transfer_;
+  haddr_t place_ = HADDR_UNDEF;  ///< of a contiguous dataset in the file
+  std::string short_read_;       ///< why the last read was none
   std::optional<Subprocess> process_;
 };
 

@@ -1,0 +1,137 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The stages of the pipeline, each as a job that can be started, disturbed and held to what all of them promise."""
+import os
+import pathlib
+import shutil
+import signal
+import subprocess
+import sys
+import time
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "tools"))
+from gas_cases import gas_in_a_cube  # noqa: E402
+
+SECONDS_TO_END = 60
+CRASHES = (signal.SIGSEGV, signal.SIGBUS, signal.SIGFPE, signal.SIGILL)
+PRECIOUS = b"the result of yesterday"
+POTENTIAL = "".join(f'[boundary.{side}]\ncondition = "{"potential" if side[0] == "x" else "symmetry"}"\n'
+                    + ("value = 2.0\n" if side[0] == "x" else "")
+                    for side in ("xmin", "xmax", "ymin", "ymax", "zmin", "zmax"))
+
+
+class Broken(Exception):
+    """A promise that was not kept."""
+
+
+def contents(path):
+    """Of a file, or of all files of a folder but unfinished ones; nothing where there is none."""
+    path = pathlib.Path(path)
+    if path.is_dir():
+        return {str(file.relative_to(path)): file.read_bytes() for file in sorted(path.rglob("*"))
+                if file.is_file() and ".partial" not in str(file)} or None
+    return path.read_bytes() if path.exists() else None
+
+
+def unfinished():
+    return [str(path) for path in pathlib.Path(".").rglob("*.partial*")]
+
+
+def start(words, **others):
+    return subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, errors="replace", **others)
+
+
+class Stage:
+    """One tool with its inputs and its output, in the folder in which this process works."""
+
+    def __init__(self, name, words, output):
+        self.name, self.tool, self.arguments, self.options = name, words[0], words[1:], output.split()
+        self.output = self.options[-1]
+        self.launcher = []  # what starts it on its number of ranks
+        self.tools = None   # folder
+        self.seconds = 0.0  # that it takes when nothing disturbs it
+        self.whole = None   # what it makes then
+
+    def inputs(self):
+        return [word for word in self.arguments if os.path.exists(word)]
+
+    def command(self, before=(), folder="."):
+        """The job in this folder; `before` comes between the launcher and the tool."""
+        words, options = self.arguments, list(self.options)
+        if folder != ".":
+            words = [os.path.join(folder, word) if os.path.exists(word) else word for word in words]
+            options[-1] = os.path.join(folder, options[-1])
+        return [*self.launcher, *before, str(self.tools / self.tool), *words, *options, "--force", "--quiet"]
+
+    def clean(self):
+        """Removes what the run before left; an output of yesterday stands in its place."""
+        output = pathlib.Path(self.output)
+        for path in [output, *map(pathlib.Path, unfinished())]:
+            if path.is_dir():
+                shutil.rmtree(path)
+            elif path.exists():
+                path.unlink()
+        if output.suffix:
+            output.write_bytes(PRECIOUS)
+
+    def measure(self):
+        """One run without trouble: its seconds and its result."""
+        self.clean()
+        begin = time.monotonic()
+        job = start(self.command())
+        out, err = job.communicate(timeout=SECONDS_TO_END)
+        if job.returncode != 0:
+            raise Broken(f"it does not work at all: {err}")
+        self.seconds, self.whole = time.monotonic() - begin, contents(self.output)
+
+    def size_of_result(self):
+        return sum(map(len, self.whole.values())) if isinstance(self.whole, dict) else len(self.whole)
+
+    def end(self, job, must_say=True):
+        """Waits for the job; 'whole' or 'failed'. Raises `Broken` for what must not be."""
+        try:
+            out, err = job.communicate(timeout=SECONDS_TO_END)
+        except subprocess.TimeoutExpired:
+            job.kill()
+            raise Broken(f"no end within {SECONDS_TO_END} s") from None
+        found = contents(self.output)
+        said = f"exit code {job.returncode}: {err.strip()[-300:]}"
+        if job.returncode == 0:
+            if found != self.whole:
+                raise Broken(f"a success without the whole result ({said})")
+            return "whole"
+        if found not in (self.whole, PRECIOUS, None):
+            raise Broken(f"a broken output has the name ({said})")
+        if must_say and not err.strip():
+            raise Broken(f"it failed without a word ({said})")
+        if job.returncode == 3 and "out of memory" not in err:
+            raise Broken(f"an internal error ({said})")
+        ended_by = max(-job.returncode, job.returncode - 128)  # a signal, as the system or mpirun has it
+        if ended_by in CRASHES:
+            raise Broken(f"it crashed ({said})")
+        if ended_by == signal.SIGABRT and "std::bad_alloc" not in err:  # before the tool has begun
+            raise Broken(f"it ended itself ({said})")
+        return "failed"
+
+
+STAGES = [
+    Stage("mesh", ["pamr-mesh", "--shape", "sphere-in-box", "--size", "0.6"], "-o out.hdf"),
+    Stage("mark", ["pamr-mark", "cube.hdf", "--all"], "-o out.hdf"),
+    Stage("refine", ["pamr-refine", "marked.hdf"], "-o out.hdf"),
+    Stage("read .msh", ["pamr-convert", "fine.msh"], "out.hdf"),
+    Stage("write .vtu", ["pamr-convert", "fine.hdf"], "out.vtu"),
+    Stage("OpenFOAM", ["pamr-convert", "fine.hdf"], "out"),
+    Stage("gas", ["pamr-dsmc", "gas.toml", "--mesh", "cube.hdf"], "-o out.hdf"),
+    Stage("potential", ["pamr-pb", "potential.toml", "--mesh", "cube.hdf"], "-o out.hdf"),
+]
+
+
+def make_inputs(tools):
+    def run(*words):
+        subprocess.run([str(tools / words[0]), *words[1:], "--quiet"], check=True, capture_output=True)
+    run("pamr-mesh", "--shape", "kuhn-cube", "--n", "8", "-o", "cube.hdf")
+    run("pamr-mesh", "--shape", "kuhn-cube", "--n", "1", "-o", "tiny.hdf")
+    run("pamr-mark", "cube.hdf", "-o", "marked.hdf", "--all")
+    run("pamr-refine", "marked.hdf", "-o", "fine.hdf")
+    run("pamr-convert", "fine.hdf", "fine.msh")
+    pathlib.Path("gas.toml").write_text(gas_in_a_cube(transient=4, sampling=8, end="block = 4\n[reference]\narea = 1.0\n"))
+    pathlib.Path("potential.toml").write_text(POTENTIAL)

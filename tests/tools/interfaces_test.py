@@ -1,0 +1,125 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""pamr-convert: triangles between regions are left out when a mesh is read, and written again with --interfaces."""
+import pathlib
+import warnings
+
+import h5py
+import meshio
+import numpy as np
+
+from tool_run import add_cell_field, kuhn_cube, refuses, run, run_tests, same_bytes
+
+N = 4  # cubes along an edge; the layers of regions end at whole numbers of them
+
+
+def layered_cube(name="layers.hdf"):
+    """Regions 3, 5 and 9 below x = 1/4, below 1/2, above it; the first two have names."""
+    kuhn_cube(name, N)
+    with h5py.File(name) as file:
+        points = file["VTKHDF/Points"][:]
+        x = points[file["VTKHDF/Connectivity"][:].reshape(-1, 4)].mean(axis=1)[:, 0]
+    add_cell_field(name, "region", np.where(x < 0.25, 3, np.where(x < 0.5, 5, 9)).astype(np.int32))
+    return name
+
+
+def read(name):
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        return meshio.read(name)
+
+
+def triangles_by_group(name):
+    """Corners in space of the triangles of each group, by number."""
+    mesh = read(name)
+    key = "gmsh:physical" if name.endswith(".msh") else "medit:ref"
+    result = {}
+    for block, tags in zip(mesh.cells, mesh.cell_data[key]):
+        if block.type == "triangle":
+            for tag in set(tags.tolist()):
+                result.setdefault(tag, []).extend(mesh.points[block.data[tags == tag]].tolist())
+    return {tag: np.array(corners) for tag, corners in result.items()}
+
+
+def check_interface(triangles, x, n):
+    """In the plane at x, seen from below it, n of them, which cover it."""
+    assert triangles.shape == (n, 3, 3) and np.all(triangles[:, :, 0] == x), triangles.shape
+    normal = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
+    assert np.all(normal[:, 0] > 0) and abs(normal[:, 0].sum() / 2 - 1) < 1e-12
+    assert len({tuple(sorted(map(tuple, t))) for t in triangles.tolist()}) == n
+
+
+def test_interfaces_are_written_and_read_back():
+    layered_cube()
+    run("pamr-mark", "layers.hdf", "-o", "marked.hdf", "--all", "--quiet", serial=True)
+    run("pamr-refine", "marked.hdf", "-o", "fine.hdf", "--quiet")
+    for source, name, options in (("layers.hdf", "a.msh", ["--gmsh-version", "2.2"]), ("fine.hdf", "b.msh", ["--text"]),
+                                  ("fine.hdf", "c.mesh", []), ("layers.hdf", "d.meshb", [])):
+        n = (8 if source == "fine.hdf" else 2) * N * N
+        report = run("pamr-convert", source, name, "--interfaces", *options, "--json", "-").json
+        assert report["interfaces"] == ["region_3_region_5", "region_5_region_9"]
+        if name != "d.meshb":  # which meshio does not read
+            groups = triangles_by_group(name)
+            numbers = (7, 8) if name.endswith(".msh") else [report["references"][g] for g in report["interfaces"]]
+            check_interface(groups[numbers[0]], 0.25, n)
+            check_interface(groups[numbers[1]], 0.5, n)
+            assert len(groups) == 8 and sum(map(len, groups.values())) == 8 * n
+        run("pamr-convert", source, "one_" + name, "--interfaces", *options, serial=True)
+        assert same_bytes(name, "one_" + name)
+        back = run("pamr-convert", name, "back.hdf", "--force", "--json", "-", serial=True)
+        assert sum(back.json["inner_faces"].values()) == 2 * n and "between two regions" in back.err
+        assert len(back.json["patches"]) == 6
+    assert read("a.msh").field_data["region_5_region_9"].tolist() == [8, 2]
+    refuses("pamr-convert", "a.msh", "strict.hdf", "--strict", says=[f"found {2 * N * N} triangles of "],
+            creates="strict.hdf")
+
+
+MSH = """$MeshFormat
+2.2 0 8
+$EndMeshFormat
+$Nodes
+5
+1 0 0 0
+2 1 0 0
+3 0 1 0
+4 0 0 1
+5 1 1 1
+$EndNodes
+$Elements
+9
+1 2 2 {outside} 1 1 3 2
+2 2 2 {outside} 1 1 2 4
+3 2 2 {outside} 1 1 4 3
+4 2 2 {outside} 1 2 3 5
+5 2 2 {outside} 1 3 4 5
+6 2 2 {outside} 1 2 5 4
+7 2 2 {inside} 2 2 3 4
+8 4 2 {first} 1 1 2 3 4
+9 4 2 {second} 2 2 3 4 5
+$EndElements
+"""
+
+
+def test_volumes_without_groups_are_regions():
+    pathlib.Path("bare.msh").write_text(MSH.format(outside=0, inside=0, first=0, second=0))
+    report = run("pamr-convert", "bare.msh", "bare.hdf", "--json", "-").json
+    assert report["patches"] == ["surface_1"] and sum(report["inner_faces"].values()) == 1
+    with h5py.File("bare.hdf") as file:
+        assert sorted(file["VTKHDF/CellData/region"][:].tolist()) == [1, 2]
+
+
+def test_a_triangle_inside_a_region_is_refused():
+    pathlib.Path("baffle.msh").write_text(MSH.format(outside=1, inside=2, first=4, second=4))
+    refuses("pamr-convert", "baffle.msh", "out.hdf", says=["1 inside a region"], creates="out.hdf")
+    pathlib.Path("same.msh").write_text(MSH.format(outside=1, inside=1, first=4, second=6))
+    report = run("pamr-convert", "same.msh", "same.hdf", "--json", "-").json
+    assert report["patches"] == ["physical_1"] and sum(report["inner_faces"].values()) == 1
+
+
+def test_what_has_no_interfaces():
+    kuhn_cube("cube.hdf", 2)
+    assert "nothing to write" in run("pamr-convert", "cube.hdf", "cube.msh", "--interfaces").err
+    refuses("pamr-convert", "cube.hdf", "cube.su2", "--interfaces", says=["--interfaces: expected", ".msh"],
+            creates="cube.su2")
+
+
+run_tests(globals())

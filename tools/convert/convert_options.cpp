@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "convert/convert_options.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <filesystem>
+#include <utility>
+
+#include "convert/formats.hpp"
+#include "pamr/base/error.hpp"
+#include "pamr/geometry/cad/cad_source.hpp"
+#include "pamr/io/export/write_boundary.hpp"
+#include "pamr/io/export/write_foam.hpp"
+#include "pamr/io/native/native_file.hpp"
+#include "pamr/io/ugrid/write_ugrid.hpp"
+
+namespace pamr::convert {
+
+namespace {
+
+void declare_surfaces(cli::CommandLine& line, Options& options) {
+  line.option("--surfaces", options.surfaces, "TOML file of surfaces that patches lie on (docs/surfaces.md)");
+  line.option("--surface", options.surface_files,
+              "STL, OBJ, PLY or OFF file of the body that the patch after it (--patch) lies on; may be repeated")
+      .type_name("FILE")
+      .one_at_a_time();
+  line.option("--patch", options.patches,
+              "patch that lies on the --surface of the same place; for a boundary to write: a patch of it (all)")
+      .type_name("NAME")
+      .one_at_a_time();
+  line.option(
+          "--cad", options.cad,
+          "STEP (or BREP) file of the body that the mesh was made from: finds by geometry on which of its faces each "
+          "patch lies")
+      .type_name("FILE");
+  line.flag("--recognize", options.recognize,
+            "put patches without a surface that certainly lie on a sphere, cylinder, cone or torus on it");
+  line.option("--feature-angle", options.feature_angle,
+              "degrees between two triangles of a --surface, more is a sharp edge (default: 40)")
+      .range(0.0, 180.0);
+  line.option("--crease", options.creases,
+              "X,Y,Z,X,Y,Z,...: polyline along edges of the --surface that are sharp as well; may be repeated")
+      .delimiter(',')
+      .type_name("POINTS")
+      .one_at_a_time();
+  line.option("--tie", options.ties, "PATCH=SURFACE, where the two have different names");
+  line.option("--tolerance", options.tolerance,
+              "largest distance of a node from its surface, length units (default: 1e-6 of the mesh's size, and "
+              "for triangulated surfaces 1.5 times how far their facets lie off there)")
+      .not_negative();
+}
+
+void check_foam_case(const cli::Session& session, const Options& options) {
+  par::agree(session.comm(), [&] {
+    if (!session.comm().is_first()) return;
+    namespace fs = std::filesystem;
+    std::error_code none;  // what cannot be looked at is not there; writing will say why
+    auto folder = fs::path(options.output);
+    while (!folder.has_filename() && folder.has_relative_path()) folder = folder.parent_path();
+    const auto parent = folder.has_parent_path() ? folder.parent_path() : fs::path(".");
+    if (fs::exists(folder, none) && !fs::is_directory(folder, none))
+      throw Error(options.output + ": expected a folder for an OpenFOAM case, found a file of that name");
+    if (!fs::is_directory(parent, none))
+      throw Error(options.output + ": expected an existing folder to write into, found none named " + parent.string());
+    if (fs::exists(io::foam_folder(folder), none) && !options.force)
+      throw Error(options.output + ": constant/polyMesh exists already (--force replaces it)");
+  });
+}
+
+/// Files of fields go with Medit's meshes only. Local.
+void check_solutions(const Options& options, bool as_foam) {
+  const auto check = [](const std::string& file, const std::string& mesh, bool is_medit, const char* name) {
+    if (file.empty()) return;
+    const auto ending = std::filesystem::path(file).extension();
+    if (ending != ".sol" && ending != ".solb")
+      throw Error(fmt::format("{}: expected a name that ends in .sol or .solb, found '{}'", name, file));
+    if (!is_medit) throw Error(fmt::format("{}: expected a .mesh or .meshb beside it, found '{}'", name, mesh));
+  };
+  check(options.solution_in, options.input, convert::is_medit_file(options.input), "--sol-in");
+  check(options.solution_out, options.output, !as_foam && convert::is_medit_file(options.output), "--sol-out");
+  if (options.solution_in.empty() && options.solution_out.empty() && !options.solution_fields.empty())
+    throw Error("--sol-fields: expected --sol-in or --sol-out beside it, found neither");
+  if (!options.solution_in.empty() && !options.solution_out.empty())
+    throw Error("expected --sol-in or --sol-out, found both");
+}
+
+}  // namespace
+
+void declare(cli::CommandLine& line, Options& options) {
+  line.option(
+          "IN", options.input,
+          "mesh to read: .hdf or .vtkhdf (native, or VTKHDF of another program), .msh (Gmsh 2.2 or 4.1), .vtu, .mesh "
+          "or .meshb (Medit), .su2, .lb8.ugrid or .b8.ugrid (AFLR3)")
+      .required();
+  line.option(
+          "OUT", options.output,
+          "mesh to write: .hdf or .vtkhdf (native), .msh, .vtu, .mesh, .meshb, .su2, .lb8.ugrid, .b8.ugrid or .cgns; "
+          "its boundary: .stl, .obj, .ply, .off or .vtp; "
+          "without an extension, or an existing folder: an OpenFOAM case")
+      .required();
+  line.flag("--repair", options.repair,
+            "turn inverted cells of another program's mesh over instead of refusing them, and split inner edges and "
+            "faces so that no "
+            "inner face has two edges on one curved wall (cells there get flat when they are refined); the latter is "
+            "done anyway for such a mesh with surfaces");
+  line.flag("--no-repair", options.no_repair, "split nothing");
+  line.flag("--strict", options.strict,
+            "refuse what would only be reported: inverted cells, nodes of no cell, "
+            "boundary faces without tag");
+  const auto unit =
+      line.option("--unit", options.unit, "unit of the mesh's coordinates, kept in the mesh: mm, cm, m, um, in, ft")
+          .show_default();
+  line.option("--scale", options.scale, "factor for all coordinates, before surfaces are looked at").show_default();
+  line.option("--kind", options.kinds,
+              "PATCH=KIND: wall, symmetry, symmetryPlane, farfield, inflow, outflow or patch (none); may be repeated")
+      .type_name("PAIR")
+      .one_at_a_time();
+  line.option("--sol-in", options.solution_in, "Medit's .sol or .solb with fields of a .mesh or .meshb to read")
+      .type_name("FILE");
+  line.option("--sol-out", options.solution_out, "the same to write beside a .mesh or .meshb").type_name("FILE");
+  line.option("--sol-fields", options.solution_fields,
+              "NAME,NAME,...: names of the fields to read, in their order; fields to write (all of reals)")
+      .delimiter(',')
+      .type_name("NAMES");
+  declare_surfaces(line, options);
+  const auto version = line.option("--gmsh-version", options.gmsh_version, "format of a .msh to write")
+                           .one_of({"2.2", "4.1"})
+                           .show_default();
+  line.after_reading([&options, version, unit] {
+    options.asks_version = version.is_given();
+    options.asks_unit = unit.is_given();
+  });
+  line.flag("--interfaces", options.interfaces,
+            "write to a .msh, .mesh or .meshb also the triangles between regions, as a group A_B for regions A and B");
+  line.flag("--text", options.text, "write a .msh as text instead of binary");
+  line.option("--order", options.order,
+              "of the cells of a .msh or .vtu to write: 2 gives each edge a node, on the surface in curved boundaries")
+      .range(1, 2)
+      .show_default();
+  line.option("--format", options.format, cli::format_help).range(io::oldest_format, io::newest_format).show_default();
+  line.flag("--force", options.force, cli::force_help);
+}
+
+bool brings_surfaces(const Options& options) {
+  return !options.surfaces.empty() || !options.surface_files.empty() || !options.cad.empty() || options.recognize;
+}
+
+bool asks_for_surfaces(const Options& options) {
+  return brings_surfaces(options) || options.repair || options.order == 2;
+}
+
+bool is_foam_case(const std::string& output) {
+  std::error_code none;
+  return std::filesystem::path(output).extension().empty() || std::filesystem::is_directory(output, none);
+}
+
+io::Interfaces interfaces_of(const Options& options) {
+  return options.interfaces ? io::Interfaces::by_regions : io::Interfaces::none;
+}
+
+void check_files(cli::Session& session, const Options& options, bool as_foam) {
+  (void)convert::ending_of_input(options.input);
+  const bool as_boundary = io::is_surface_file(options.output) && !as_foam;
+  if (!as_foam) (void)convert::ending_of_output(options.output);
+  check_solutions(options, as_foam);
+  const bool to_gmsh = !as_foam && options.output.ends_with(".msh");
+  for (const auto& [is_given, name] :
+       {std::pair(options.text, "--text"), std::pair(options.asks_version, "--gmsh-version")})
+    if (is_given && !to_gmsh)
+      throw Error(fmt::format("{}: expected an output that ends in .msh beside it, found '{}'", name, options.output));
+  if (options.interfaces && (as_foam || !(to_gmsh || convert::is_medit_file(options.output))))
+    throw Error(
+        fmt::format("--interfaces: expected an output that ends in .msh, .mesh or .meshb, found '{}'", options.output));
+  if (options.order == 2 && (as_foam || !(options.output.ends_with(".msh") || options.output.ends_with(".vtu"))))
+    throw Error(fmt::format("--order 2: expected an output that ends in .msh or .vtu, found '{}'", options.output));
+  if (as_boundary && !options.surface_files.empty())
+    throw Error("--surface: expected a mesh to write, found a boundary: " + options.output);
+  if (options.repair && options.no_repair) throw Error("expected --repair or --no-repair, found both");
+  if (options.surfaces.empty() && !options.ties.empty())
+    throw Error("--tie: expected --surfaces beside it, found none");
+  if (!as_boundary && options.surface_files.size() != options.patches.size())
+    throw Error(fmt::format("expected a --patch NAME for each --surface FILE, found {} and {}", options.patches.size(),
+                            options.surface_files.size()));
+  if (!(options.scale > 0) || !std::isfinite(options.scale))
+    throw Error(fmt::format("--scale: expected a number above 0, found {}", options.scale));
+  if (!geometry::is_cad_unit(options.unit))
+    throw Error(fmt::format("--unit: expected mm, cm, m, um, in or ft, found \"{}\"", options.unit));
+  if (as_boundary && !options.cad.empty())
+    throw Error("--cad: expected a mesh to write, found a boundary: " + options.output);
+  if (as_boundary && options.recognize)
+    throw Error("--recognize: expected a mesh to write, found a boundary: " + options.output);
+  if (options.surface_files.empty() && options.feature_angle >= 0)
+    throw Error("--feature-angle: expected --surface beside it, found none");
+  if (!options.creases.empty() && options.surface_files.size() != 1)
+    throw Error(fmt::format("--crease: expected one --surface beside it, found {}", options.surface_files.size()));
+  for (const auto& polyline : options.creases)
+    if (polyline.size() < 6 || polyline.size() % 3 != 0)
+      throw Error(fmt::format("--crease: expected two points or more of three coordinates each, found {} numbers",
+                              polyline.size()));
+  if (options.format != io::newest_format && (as_foam || !convert::is_native_file(options.output)))
+    throw Error(
+        fmt::format("--format {}: expected an output that ends in .hdf, found '{}'", options.format, options.output));
+  std::vector<std::string> inputs{options.input};
+  if (!options.surfaces.empty()) inputs.push_back(options.surfaces);
+  if (!options.cad.empty()) inputs.push_back(options.cad);
+  if (!options.solution_in.empty()) inputs.push_back(options.solution_in);
+  inputs.insert(inputs.end(), options.surface_files.begin(), options.surface_files.end());
+  for (const auto& input : inputs) session.check_input(input);
+  if (!as_foam) {
+    std::vector<std::string> outputs{options.output};
+    if (!options.solution_out.empty()) outputs.push_back(options.solution_out);
+    if (options.output.ends_with(".ugrid")) outputs.push_back(io::mapbc_file(options.output).string());
+    for (const auto& output : outputs) session.check_output(output, inputs, options.force);
+    return;
+  }
+  check_foam_case(session, options);
+  session.prepare_output(io::foam_folder(options.output).string(), inputs);
+}
+
+}  // namespace pamr::convert

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "cli/run_tool.hpp"
+#include "pamr/geometry/cad/cad_source.hpp"
+#include "pamr/io/interfaces.hpp"
+#include "pamr/io/native/native_file.hpp"
+
+namespace pamr::convert {
+
+/// What pamr-convert is asked for.
+struct Options {
+  std::string input, output, surfaces, cad, unit = geometry::usual_cad_unit, gmsh_version = "4.1", solution_in,
+                                            solution_out;
+  std::vector<std::string> ties, surface_files, patches, kinds, solution_fields;
+  std::vector<std::vector<double>> creases;
+  double tolerance = -1, feature_angle = -1, scale = 1;
+  int format = io::newest_format, order = 1;
+  bool asks_version = false, asks_unit = false, recognize = false, repair = false, no_repair = false, strict = false,
+       text = false, interfaces = false, force = false;
+};
+
+/// Declares the options of the command line, which are put into `options`.
+void declare(cli::CommandLine& line, Options& options);
+
+bool brings_surfaces(const Options& options);
+/// Whether the surfaces of the mesh are looked at, not only handed on.
+bool asks_for_surfaces(const Options& options);
+/// Whether the output is an OpenFOAM case: a folder, or a name without extension.
+bool is_foam_case(const std::string& output);
+io::Interfaces interfaces_of(const Options& options);
+
+/// Checks what can be checked before anything is read. Collective; throws the same `Error` on every rank.
+void check_files(cli::Session& session, const Options& options, bool as_foam);
+
+}  // namespace pamr::convert
