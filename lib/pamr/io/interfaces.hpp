@@ -11,7 +11,7 @@
 
 namespace pamr::io {
 
-/// Whether a file has triangles between regions (cells with different values of the field `region`) besides those of
+/// Whether a file has triangles between regions (cells with different values of the field `region`) as well as of
 /// the boundary: those of each pair of regions are a group, seen from the region with the lower number and named `A_B`
 /// after the two (`region_N` for one without name).
 enum class Interfaces : std::uint8_t { none, by_regions };
