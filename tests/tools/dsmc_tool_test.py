@@ -15,7 +15,8 @@ import h5py
 import numpy as np
 
 from gas_cases import NITROGEN, gas_in_a_cube
-from tool_run import BIN, LAUNCHER, RANKS, add_cell_field, kuhn_cube, prepare_alone, refuses, run, run_tests, same_bytes
+from tool_run import (BIN, LAUNCHER, RANKS, add_cell_field, kuhn_cube, of_one_process, prepare_alone, refuses, run,
+                      run_tests, same_bytes)
 
 prepare_alone("pamr-mark", "pamr-refine")
 
@@ -68,6 +69,7 @@ def compute(case, mesh, out, *more, **kwargs):
     return run("pamr-dsmc", case, "--mesh", mesh, "-o", out, *more, **kwargs)
 
 
+@of_one_process
 def test_free_molecular_sphere_has_the_drag_and_heat_of_the_closed_form():
     case = write("sphere.toml", SPHERE)
     run("pamr-mesh", "--shape", "sphere-in-box", "--size", "0.5", "-o", "sphere.hdf", "--quiet", serial=True)

@@ -7,7 +7,7 @@ import sys
 import h5py
 import numpy as np
 
-from tool_run import BIN, RANKS, kuhn_cube, prepare_alone, refuses, run, run_tests
+from tool_run import BIN, RANKS, kuhn_cube, of_one_process, prepare_alone, refuses, run, run_tests
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "cases" / "charged-sphere"))
 import shell  # noqa: E402  makes sectors and octants of spherical shells
@@ -48,6 +48,7 @@ def solve(case, mesh, *options, **expected):
     return run("pamr-pb", case, "--mesh", mesh, "-o", "psi.hdf", "--force", "--json", "-", *options, **expected)
 
 
+@of_one_process
 def test_charges_of_spheres_are_those_of_the_table():
     # Inward integration of the spherical equation (README.md of cases/charged-sphere): -dpsi/dr at the sphere.
     table = {(0.325, 3): 12.863724626, (1, 5): 15.785936194, (5, 1): 1.238612951, (20, 5): 12.270965433}
@@ -58,6 +59,7 @@ def test_charges_of_spheres_are_those_of_the_table():
         assert abs(found / charge - 1) < 1e-3, (radius, potential, found)
 
 
+@of_one_process
 def test_elements_of_second_order_reach_the_table_on_a_third_of_the_layers():
     patches = shell_mesh("shell.hdf", 1, layers=50, width=0.05)
     charge = {}
@@ -264,6 +266,7 @@ def test_forces_near_a_plate_tend_to_a_limit_with_its_potential():
     assert abs(reports[0]["charges"]["zmin"] / (2 * np.sinh(15)) - 1) < 1e-6
 
 
+@of_one_process
 def test_a_rod_in_a_tube_has_the_charge_force_and_energy_of_bessel_functions():
     exact = {"case": {"charge": 10.802651052, "energy": 8.192240260},
              "eccentric": {"charge": 11.381732821, "energy": 8.692401366, "force-x": 2.882481964}}
@@ -278,6 +281,7 @@ def test_a_rod_in_a_tube_has_the_charge_force_and_energy_of_bessel_functions():
             assert goal == "force-x" or error < 0.5 * abs(found["value"] - value), (name, goal, found)
 
 
+@of_one_process
 def test_an_ellipsoid_from_an_stl_over_a_plate_has_a_force_and_a_torque():
     subprocess.run([sys.executable, CASES / "ellipsoid-plate" / "make_body.py", "ellipsoid.stl"], check=True)
     text = (CASES / "ellipsoid-plate" / "case.toml").read_text()

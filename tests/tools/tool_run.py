@@ -106,7 +106,10 @@ def same_bytes(a, b):
 
 
 def of_one_process(test):
-    """A test of what one process computes on whatever number of ranks: where there are several, it is of the full level."""
+    """A test of what one process computes on any number of ranks, or of values that other tests hold to be the same on them.
+
+    Where there are several ranks, it is of the full level.
+    """
     test.is_of_one_process = True
     return test
 

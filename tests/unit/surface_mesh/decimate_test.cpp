@@ -55,9 +55,8 @@ double sampled_distance(const Triangulation& from, const Triangulation& to) {
 }
 
 Triangulation with_noise(Triangulation surface, double width, std::mt19937& random) {
-  if (width == 0) return surface;
-  std::normal_distribution<double> noise(0, width);
-  for (auto& p : surface.points) p = p + Vec3{noise(random), noise(random), noise(random)};
+  std::normal_distribution<double> noise;  // of width 1: 0 is none that it may have
+  for (auto& p : surface.points) p = p + Vec3{width * noise(random), width * noise(random), width * noise(random)};
   return surface;
 }
 
