@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "solvers/poisson_boltzmann/harmonic.hpp"
 
+#include <array>
 #include <cmath>
 #include <numeric>
 #include <utility>
@@ -29,6 +30,7 @@ class HeldMatrix {
         scale[i] *= hold;
       }
       scale[i] = scale[i] > 0 ? 1 / scale[i] : 0;
+      if (!nodes_.is_owned(i)) copies_.push_back(i);
     }
   }
 
@@ -59,13 +61,24 @@ class HeldMatrix {
   };
   /// r -= step q; r . r and r . r with the inverse of the diagonal. Collective.
   Norms advance(double step, const std::vector<double>& q, std::vector<double>& r) const {
-    for (std::size_t i = 0; i < r.size(); ++i) r[i] -= step * q[i];
-    Norms norms;
-    for (const auto node : nodes_.owned()) {
-      const auto i = at(node);
+    // Four sums at a time: one would wait for its own last addition.
+    std::array<Norms, 4> part{};
+    const auto add = [&](std::size_t i, Norms& to) {
+      r[i] -= step * q[i];
       const double square = r[i] * r[i];
-      norms.squared += square;
-      norms.scaled += square * scale[i];
+      to.squared += square;
+      to.scaled += square * scale[i];
+    };
+    std::size_t i = 0;
+    for (; i + 4 <= r.size(); i += 4)
+      for (std::size_t lane = 0; lane < 4; ++lane) add(i + lane, part[lane]);
+    for (; i < r.size(); ++i) add(i, part[0]);
+    Norms norms{(part[0].squared + part[1].squared) + (part[2].squared + part[3].squared),
+                (part[0].scaled + part[1].scaled) + (part[2].scaled + part[3].scaled)};
+    for (const auto node : copies_) {
+      const double square = r[node] * r[node];
+      norms.squared -= square;
+      norms.scaled -= square * scale[node];
     }
     return {total(norms.squared), total(norms.scaled)};
   }
@@ -85,6 +98,7 @@ class HeldMatrix {
     double entry;  ///< that the diagonal has in addition
   };
   std::vector<Held> held_;
+  std::vector<std::size_t> copies_;  ///< nodes of other ranks
 
  public:
   std::vector<double> scale;  ///< n_nodes: inverse of the diagonal

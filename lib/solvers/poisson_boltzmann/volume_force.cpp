@@ -44,11 +44,10 @@ CutOffCell cut_off_cell(const State& state, std::span<const double> chi, std::si
     result.middle += 0.25 * problem.domain.point[at(nodes[k])];
   }
   for (std::size_t g = 0; g < 4; ++g) {
+    for (std::size_t k = 0; k < 4; ++k) result.u[g] += gauss_points[g].weight_of_corner[k] * state.u[at(nodes[k])];
+    if (!problem.input.split) continue;
     double z = 0;
-    for (std::size_t k = 0; k < 4; ++k) {
-      z += gauss_points[g].weight_of_corner[k] * problem.domain.point[at(nodes[k])].z;
-      result.u[g] += gauss_points[g].weight_of_corner[k] * state.u[at(nodes[k])];
-    }
+    for (std::size_t k = 0; k < 4; ++k) z += gauss_points[g].weight_of_corner[k] * problem.domain.point[at(nodes[k])].z;
     result.psi0[g] = problem.split_potential(z);
     result.base.z += gauss_points[g].weight * problem.split_slope(z);
   }
