@@ -18,7 +18,7 @@ constexpr std::array<std::pair<const char*, const char*>, 9> multigrid_options{{
     {"-pc_hypre_boomeramg_agg_nl", "1"},
     {"-pc_hypre_boomeramg_agg_num_paths", "2"},
     {"-pc_hypre_boomeramg_interp_type", "ext+i"},
-    {"-pc_hypre_boomeramg_P_max", "4"},
+    {"-pc_hypre_boomeramg_P_max", "6"},
     {"-pc_hypre_boomeramg_relax_type_down", "SOR/Jacobi"},
     {"-pc_hypre_boomeramg_relax_type_up", "backward-SOR/Jacobi"},
     {"-pc_hypre_boomeramg_no_CF", "true"},
