@@ -55,7 +55,7 @@ System::System(const par::Comm& comm, const Problem& problem, const std::functio
   require(SNESCreate(comm.handle(), snes_.address()));
   configure(snes_);
   if (before_matrices) before_matrices();
-  if (!domain_.quadratic) rows_ = stiffness_rows(domain_);
+  if (!domain_.quadratic) rows_ = stiffness_rows(domain_, !is_nodal());
   stiffness_ =
       domain_.quadratic ? assemble_quadratic_stiffness(comm, problem) : assemble_stiffness(comm, domain_, rows_);
   require(MatCreateVecs(stiffness_, unknown_.address(), work_.address()));

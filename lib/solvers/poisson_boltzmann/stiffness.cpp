@@ -183,10 +183,10 @@ double SymmetricRows::multiply(std::span<const double> x, std::span<double> y) c
   return product;
 }
 
-SymmetricRows stiffness_rows(const Domain& domain) {
+SymmetricRows stiffness_rows(const Domain& domain, bool keep_zeros) {
   auto rows = pattern_of(domain);
   add_cells(domain, rows);
-  drop_zeros(rows);
+  if (!keep_zeros) drop_zeros(rows);
   return rows;
 }
 

@@ -23,8 +23,9 @@ struct SymmetricRows {
 
 /// The matrix of -lap for P1 elements on all nodes, before any boundary condition: K_ij is the integral of
 /// grad phi_i . grad phi_j. Entries that are zero but for rounding, as between corners at right angles in boxes, are
-/// left out and added to the diagonal, so that the sums of rows stay. Local. O(cells) time.
-SymmetricRows stiffness_rows(const Domain& domain);
+/// left out and added to the diagonal, so that the sums of rows stay; unless `keep_zeros`, for terms that are added to
+/// the matrix later. Local. O(cells) time.
+SymmetricRows stiffness_rows(const Domain& domain, bool keep_zeros = false);
 
 /// The same of all ranks for PETSc: rows of shared nodes are added up. Collective. Memory: the matrix twice while it is
 /// made.
