@@ -20,8 +20,8 @@ from dolfinx import fem, mesh
 from mpi4py import MPI
 from petsc4py import PETSc
 
-MULTIGRID = {"coarsen_type": "HMIS", "strong_threshold": 0.5, "agg_nl": 1, "interp_type": "ext+i", "P_max": 4,
-             "relax_type_all": "symmetric-SOR/Jacobi", "no_CF": True}
+MULTIGRID = {"coarsen_type": "PMIS", "strong_threshold": 0.5, "agg_nl": 1, "agg_num_paths": 2, "interp_type": "ext+i",
+             "P_max": 6, "relax_type_down": "SOR/Jacobi", "relax_type_up": "backward-SOR/Jacobi", "no_CF": True}
 TOLERANCE = 1e-10  # of the residual, over that of the potential that is 0 off the boundary, as pamr-pb's
 VERTICES = {"quadrature_rule": "vertex", "quadrature_degree": 1}
 

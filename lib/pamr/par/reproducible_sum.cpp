@@ -12,8 +12,8 @@ namespace {
 
 constexpr int digit_bits = 32;
 constexpr std::uint64_t digit_mask = 0xffffffffU;
-/// Each addend changes a word by less than 2^33, so that 2^29 of them fit beside a carried word.
-constexpr std::int64_t max_since_carry = std::int64_t{1} << 29;
+/// Each addend changes a word by less than 2^53, so that 2^9 of them fit beside a carried word.
+constexpr std::int64_t max_since_carry = std::int64_t{1} << 9;
 
 /// The 53 bits that begin at bit `from` of a number of 32-bit digits.
 std::uint64_t bits_from(std::span<const std::int64_t> digit, int from) {
@@ -54,12 +54,12 @@ void ExactSum::add(double value) {
   const int position = std::max(exponent, 1) - 1;  // weight of the last mantissa bit: 2^(position - 1074)
   const auto first = static_cast<std::size_t>(position / digit_bits);
   const auto shift = static_cast<unsigned>(position % digit_bits);
-  const std::uint64_t low = (mantissa & digit_mask) << shift;
-  const std::uint64_t high = (mantissa >> 32U) << shift;
-  const std::array<std::int64_t, 3> part{static_cast<std::int64_t>(low & digit_mask),
-                                         static_cast<std::int64_t>((low >> 32U) + (high & digit_mask)),
-                                         static_cast<std::int64_t>(high >> 32U)};
-  for (std::size_t i = 0; i < 3; ++i) word_[first + i] += negative ? -part[i] : part[i];
+  // The mantissa is what fills the first digit and what is left, which may be wider than a digit until the next carry.
+  const auto low = static_cast<std::int64_t>((mantissa << shift) & digit_mask);
+  const auto high = static_cast<std::int64_t>(mantissa >> (digit_bits - shift));
+  const std::int64_t sign = negative ? -1 : 0;  // x ^ -1 less -1 is -x: no branch that is mispredicted half of the time
+  word_[first] += (low ^ sign) - sign;
+  word_[first + 1] += (high ^ sign) - sign;
   if (++n_since_carry_ == max_since_carry) carry();
 }
 

@@ -44,37 +44,47 @@ std::vector<Vec3> cell_gradients(const Domain& domain, std::span<const double> v
 std::vector<Vec3> recover(const par::Comm& comm, const Domain& domain, std::span<const Vec3> cell_gradient,
                           Recovery recovery) {
   const auto& cells = domain.mesh->cell_to_node;
+  const bool is_plain = recovery == Recovery::plain;
   std::vector<Vec3> sum(domain.point.size());
-  std::vector<double> weight(domain.point.size(), 0);
+  std::vector<double> n_around(is_plain ? domain.point.size() : 0, 0);
   for (std::size_t c = 0; c < cells.size(); ++c) {
-    const double w = recovery == Recovery::plain ? 1 : geometry::volume(domain.points(c));
-    for (const auto node : cells[c]) {
-      sum[at(node)] += w * cell_gradient[c];
-      weight[at(node)] += w;
-    }
+    const auto part = (is_plain ? 1 : geometry::volume(domain.points(c))) * cell_gradient[c];
+    for (const auto node : cells[c]) sum[at(node)] += part;
+    if (!is_plain) continue;
+    for (const auto node : cells[c]) ++n_around[at(node)];
   }
   domain.nodes.sum_copies(comm, sum);
-  domain.nodes.sum_copies(comm, weight);
-  for (std::size_t i = 0; i < sum.size(); ++i)
-    if (weight[i] > 0) sum[i] = (1 / weight[i]) * sum[i];
+  if (is_plain) domain.nodes.sum_copies(comm, n_around);
+  for (std::size_t i = 0; i < sum.size(); ++i) {
+    const double weight = is_plain ? n_around[i] : 4 * domain.node_volume[i];
+    if (weight > 0) sum[i] = (1 / weight) * sum[i];
+  }
   return sum;
 }
+
+namespace {
+
+/// Integral over a cell of the squared difference of the recovered gradient and that of the cell.
+double squared_error(const mesh::CellNodes& nodes, double volume, Vec3 cell_gradient, std::span<const Vec3> recovered) {
+  Vec3 total;
+  double squares = 0;
+  for (const auto node : nodes) {
+    const auto difference = recovered[at(node)] - cell_gradient;
+    total += difference;
+    squares += squared_norm(difference);
+  }
+  // Integral of the product of two corner functions: V/20, V/10 of one with itself.
+  return volume / 20 * (squares + squared_norm(total));
+}
+
+}  // namespace
 
 std::vector<double> squared_errors(const Domain& domain, std::span<const Vec3> cell_gradient,
                                    std::span<const Vec3> recovered) {
   const auto& cells = domain.mesh->cell_to_node;
   std::vector<double> result(cells.size());
-  for (std::size_t c = 0; c < cells.size(); ++c) {
-    Vec3 total;
-    double squares = 0;
-    for (const auto node : cells[c]) {
-      const auto difference = recovered[at(node)] - cell_gradient[c];
-      total += difference;
-      squares += squared_norm(difference);
-    }
-    // Integral of the product of two corner functions: V/20, V/10 of one with itself.
-    result[c] = geometry::volume(domain.points(c)) / 20 * (squares + squared_norm(total));
-  }
+  for (std::size_t c = 0; c < cells.size(); ++c)
+    result[c] = squared_error(cells[c], geometry::volume(domain.points(c)), cell_gradient[c], recovered);
   return result;
 }
 
@@ -83,7 +93,7 @@ Estimate estimate_error(const par::Comm& comm, const Domain& domain, const Sourc
                         std::span<const Vec3> recovered) {
   const auto& cells = domain.mesh->cell_to_node;
   Estimate result;
-  result.squared = squared_errors(domain, cell_gradient, recovered);
+  result.squared.resize(cells.size());
   result.residual_squared.resize(cells.size());
   std::vector<double> squared_source(u.size());  // a node has some 24 cells, and a sinh costs more than all of one cell
   for (std::size_t i = 0; i < u.size(); ++i) {
@@ -96,6 +106,7 @@ Estimate estimate_error(const par::Comm& comm, const Domain& domain, const Sourc
     const double volume = geometry::volume(p), h = longest_edge(p) / std::numbers::pi;
     double source = 0;
     for (const auto node : cells[c]) source += squared_source[at(node)] / 4;
+    result.squared[c] = squared_error(cells[c], volume, cell_gradient[c], recovered);
     result.residual_squared[c] = h * h * volume * source;
     sums[0].add(result.squared[c]);
     sums[1].add(result.residual_squared[c]);

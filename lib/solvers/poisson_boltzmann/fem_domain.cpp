@@ -147,24 +147,6 @@ void measure_curved(const par::Comm& comm, Domain& domain) {
 
 }  // namespace
 
-CellShape shape_of(const geometry::TetPoints& p) {
-  CellShape shape;
-  shape.volume = geometry::volume(p);
-  for (std::size_t i = 0; i < 4; ++i) {
-    const auto& corner = mesh::tet::face_to_corner[i];  // its outward normal points away from corner i
-    const auto &a = p[at(corner[0])], &b = p[at(corner[1])], &c = p[at(corner[2])];
-    shape.gradient[i] = (-1.0 / (6.0 * shape.volume)) * cross(b - a, c - a);
-  }
-  return shape;
-}
-
-geometry::TetPoints Domain::points(std::size_t cell) const {
-  const auto& n = mesh->cell_to_node[cell];
-  return {point[at(n[0])], point[at(n[1])], point[at(n[2])], point[at(n[3])]};
-}
-
-CellShape Domain::shape(std::size_t cell) const { return shape_of(points(cell)); }
-
 int Domain::patch_number(std::string_view name) const {
   for (std::size_t p = 0; p < mesh->info.patches.size(); ++p)
     if (mesh->info.patches[p].name == name) return static_cast<int>(p);
@@ -221,10 +203,11 @@ Memory memory_needed(const mesh::DistMesh& mesh, const Case& problem) {
   // Of second order a corner meets all nodes of the cells around it, some 65, a mid-edge node some 25.
   memory.n_entries = is_linear ? n_nodes + 2 * n_edges : 65 * n_nodes + 25 * n_edges;
   memory.mesh = static_cast<std::int64_t>(mesh::bytes_at_rest(mesh));
-  // Two matrices of 8 + 4 bytes an entry, or one and the rows that it is assembled from. Some 55 numbers a node:
-  // conditions, vectors of the solvers, gradients, fields of the answer. 11 a cell: gradients and error estimates.
+  // Two matrices of 8 + 4 bytes an entry, or one and the rows that it is assembled from, and of first order half of
+  // them again. Some 55 numbers a node: conditions, vectors of the solvers, gradients, fields of the answer. 11 a cell:
+  // gradients and error estimates.
   memory.program = 50'000'000;
-  memory.solve = 24 * memory.n_entries + 440 * (is_linear ? n_nodes : n_nodes + n_edges) +
+  memory.solve = (is_linear ? 30 : 24) * memory.n_entries + 440 * (is_linear ? n_nodes : n_nodes + n_edges) +
                  (is_linear ? 88 : 240) * n_cells + 56 * n_outer_faces;
   // The error of second order: a block of 210 entries and 20 numbers a cell, some ten numbers a function of third
   // order.

@@ -6,8 +6,10 @@
 #include <memory>
 #include <vector>
 
+#include "pamr/base/index.hpp"
 #include "pamr/geometry/tet_shape.hpp"
 #include "pamr/mesh/dist_mesh.hpp"
+#include "pamr/mesh/tet.hpp"
 #include "solvers/poisson_boltzmann/node_map.hpp"
 #include "solvers/poisson_boltzmann/pb_case.hpp"
 #include "solvers/poisson_boltzmann/quadratic_elements.hpp"
@@ -19,7 +21,16 @@ struct CellShape {
   double volume = 0;
   std::array<geometry::Vec3, 4> gradient;
 };
-CellShape shape_of(const geometry::TetPoints& points);
+inline CellShape shape_of(const geometry::TetPoints& p) {
+  CellShape shape;
+  shape.volume = geometry::volume(p);
+  for (std::size_t i = 0; i < 4; ++i) {
+    const auto& corner = mesh::tet::face_to_corner[i];  // its outward normal points away from corner i
+    const auto &a = p[at(corner[0])], &b = p[at(corner[1])], &c = p[at(corner[2])];
+    shape.gradient[i] = (-1.0 / (6.0 * shape.volume)) * cross(b - a, c - a);
+  }
+  return shape;
+}
 
 /// A triangle of the boundary. Lengths in Debye lengths.
 struct BoundaryFace {
@@ -53,8 +64,11 @@ struct Domain {
   /// lumped volumes are 0; areas of patches are those of the curved faces.
   std::shared_ptr<const QuadraticElements> quadratic = nullptr;
 
-  CellShape shape(std::size_t cell) const;
-  geometry::TetPoints points(std::size_t cell) const;
+  CellShape shape(std::size_t cell) const { return shape_of(points(cell)); }
+  geometry::TetPoints points(std::size_t cell) const {
+    const auto& n = mesh->cell_to_node[cell];
+    return {point[at(n[0])], point[at(n[1])], point[at(n[2])], point[at(n[3])]};
+  }
   /// Number of a patch; -1 when the mesh has none of that name.
   int patch_number(std::string_view name) const;
 };

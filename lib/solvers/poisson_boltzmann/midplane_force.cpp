@@ -152,22 +152,30 @@ Energy energy_of(const par::Comm& comm, const State& state, const Excess& excess
   const auto pressure = pressure_at_nodes(problem, excess);
   std::array<par::ExactSum, 2> sums;
   for (std::size_t c = 0; c < cells.size(); ++c) {
-    const auto shape = domain.shape(c);
-    Vec3 total, rest, base;
+    const auto p = domain.points(c);
     NodalPressure mean;
+    for (const auto node : cells[c]) {
+      mean.total += pressure[at(node)].total / 4;
+      mean.rest += pressure[at(node)].rest / 4;
+    }
+    if (!has_plate) {
+      sums[0].add(geometry::volume(p) * (0.5 * squared_norm(state.cell_gradient[c]) + mean.total));
+      continue;
+    }
+    // One of the two gradients is that of the unknown, the other adds or takes away that of the profile.
+    const auto shape = shape_of(p);
+    Vec3 of_profile, base;
     auto low = at(cells[c][0]), high = low;
     for (std::size_t k = 0; k < 4; ++k) {
       const auto i = at(cells[c][k]);
-      total += (excess.psi0[i] + excess.u[i]) * shape.gradient[k];
-      mean.total += pressure[i].total / 4;
-      if (!has_plate) continue;
-      rest += excess.u[i] * shape.gradient[k];
-      mean.rest += pressure[i].rest / 4;
+      of_profile += excess.psi0[i] * shape.gradient[k];
       if (domain.point[i].z < domain.point[low].z) low = i;
       if (domain.point[i].z > domain.point[high].z) high = i;
     }
+    const bool is_split = problem.input.split;
+    const auto rest = is_split ? state.cell_gradient[c] : state.cell_gradient[c] - of_profile;
+    const auto total = is_split ? state.cell_gradient[c] + of_profile : state.cell_gradient[c];
     sums[0].add(shape.volume * (0.5 * squared_norm(total) + mean.total));
-    if (!has_plate) continue;
     base.z =
         problem.profile.mean_slope({domain.point[low].z, excess.psi0[low]}, {domain.point[high].z, excess.psi0[high]});
     sums[1].add(shape.volume * (0.5 * squared_norm(rest) + dot(rest, base) + mean.rest));

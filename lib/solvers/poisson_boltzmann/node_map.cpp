@@ -92,10 +92,12 @@ std::vector<double> NodeMap::owned_values(std::span<const double> local) const {
 }
 
 void NodeMap::sum_copies(const par::Comm& comm, std::vector<double>& local) const {
+  if (comm.size() == 1) return;
   join_copies(comm, local, [](double a, double b) { return a + b; });
 }
 
 void NodeMap::sum_copies(const par::Comm& comm, std::vector<geometry::Vec3>& local) const {
+  if (comm.size() == 1) return;
   join_copies(comm, local, [](geometry::Vec3 a, geometry::Vec3 b) { return a + b; });
 }
 

@@ -19,7 +19,7 @@ Preconditioner choose_preconditioner(const SolverOptions& options, GlobalId n_no
 const char* name_of(Preconditioner preconditioner);
 
 /// Sets it, to be changed by the user's options afterwards. Multigrid is hypre's with settings for tetrahedra: one
-/// level of aggressive coarsening, short interpolation, symmetric sweeps. Collective.
+/// level of aggressive coarsening, short interpolation, a sweep forward and one backward. Collective.
 void set_preconditioner(KSP solver, Preconditioner preconditioner);
 
 /// Newton's steps change the diagonal alone, most of it in few places, so that one multigrid hierarchy serves all

@@ -6,10 +6,10 @@
 #include <cmath>
 
 #include "pamr/base/index.hpp"
+#include "solvers/poisson_boltzmann/harmonic.hpp"
 #include "solvers/poisson_boltzmann/preconditioner.hpp"
 #include "solvers/poisson_boltzmann/quadratic_stiffness.hpp"
 #include "solvers/poisson_boltzmann/quadrature.hpp"
-#include "solvers/poisson_boltzmann/stiffness.hpp"
 
 namespace pamr::poisson_boltzmann {
 
@@ -55,7 +55,9 @@ System::System(const par::Comm& comm, const Problem& problem, const std::functio
   require(SNESCreate(comm.handle(), snes_.address()));
   configure(snes_);
   if (before_matrices) before_matrices();
-  stiffness_ = domain_.quadratic ? assemble_quadratic_stiffness(comm, problem) : assemble_stiffness(comm, domain_);
+  if (!domain_.quadratic) rows_ = stiffness_rows(domain_, !is_nodal());
+  stiffness_ =
+      domain_.quadratic ? assemble_quadratic_stiffness(comm, problem) : assemble_stiffness(comm, domain_, rows_);
   require(MatCreateVecs(stiffness_, unknown_.address(), work_.address()));
   require(VecDuplicate(unknown_, diagonal_.address()));
   require(VecDuplicate(unknown_, updated_.address()));
@@ -352,6 +354,10 @@ void System::release_newton() {
 }
 
 std::vector<double> System::harmonic(std::uint64_t one, std::uint64_t zero) {
+  if (!domain_.quadratic) {
+    release_newton();
+    return harmonic_function(comm_, domain_, rows_, one, zero);
+  }
   if (has_jacobian_) require(MatCopy(stiffness_, jacobian_, SAME_NONZERO_PATTERN));
   has_jacobian_ = false;
   const auto& patches = domain_.node_patches;

@@ -8,6 +8,7 @@
 
 #include "solvers/poisson_boltzmann/petsc.hpp"
 #include "solvers/poisson_boltzmann/problem.hpp"
+#include "solvers/poisson_boltzmann/stiffness.hpp"
 
 namespace pamr::poisson_boltzmann {
 
@@ -53,7 +54,8 @@ class System {
   std::vector<double> solve_linearised(std::span<const double> load, std::span<const double> value);
 
   /// The discrete harmonic function that is 1 on the patches of `one`, 0 on those of `zero` (bit p for patch p; `one`
-  /// decides where they meet) and free elsewhere, to 1e-3: a linear system with the stiffness matrix. Collective.
+  /// decides where they meet) and free elsewhere, to 1e-3: a linear system with the stiffness matrix. Frees the
+  /// preconditioner of Newton's method. Collective.
   std::vector<double> harmonic(std::uint64_t one, std::uint64_t zero);
 
   /// u . K u, the energy of the gradient. Collective.
@@ -88,6 +90,7 @@ class System {
   const Problem& problem_;
   const Domain& domain_;          ///< of the problem
   const Conditions& conditions_;  ///< of the problem
+  SymmetricRows rows_;            ///< of the stiffness; of first order
   Matrix stiffness_, jacobian_;
   bool has_jacobian_ = true;  ///< off its diagonal; false after `harmonic`
   Vector diagonal_;           ///< of the stiffness, 1 at fixed nodes

@@ -2,6 +2,7 @@
 #include "solvers/poisson_boltzmann/volume_force.hpp"
 
 #include <array>
+#include <cmath>
 
 #include "pamr/base/index.hpp"
 #include "solvers/poisson_boltzmann/quadratic_analysis.hpp"
@@ -44,16 +45,42 @@ CutOffCell cut_off_cell(const State& state, std::span<const double> chi, std::si
     result.middle += 0.25 * problem.domain.point[at(nodes[k])];
   }
   for (std::size_t g = 0; g < 4; ++g) {
+    for (std::size_t k = 0; k < 4; ++k) result.u[g] += gauss_points[g].weight_of_corner[k] * state.u[at(nodes[k])];
+    if (!problem.input.split) continue;
     double z = 0;
-    for (std::size_t k = 0; k < 4; ++k) {
-      z += gauss_points[g].weight_of_corner[k] * problem.domain.point[at(nodes[k])].z;
-      result.u[g] += gauss_points[g].weight_of_corner[k] * state.u[at(nodes[k])];
-    }
+    for (std::size_t k = 0; k < 4; ++k) z += gauss_points[g].weight_of_corner[k] * problem.domain.point[at(nodes[k])].z;
     result.psi0[g] = problem.split_potential(z);
     result.base.z += gauss_points[g].weight * problem.split_slope(z);
   }
   return result;
 }
+
+/// Mean of the pressure at the Gauss points of a cell where nothing is split off and the equation is not linear. An
+/// exponential of a sum is a product of exponentials, which the nodes have once for all their cells.
+class GaussPressure {
+ public:
+  explicit GaussPressure(std::span<const double> u) : shared_(u.size()), own_(u.size()) {
+    constexpr double near = gauss_points[0].weight_of_corner[0], far = gauss_points[0].weight_of_corner[1];
+    for (std::size_t i = 0; i < u.size(); ++i) {
+      shared_[i] = std::exp(far * u[i] / 2);
+      own_[i] = std::exp((near - far) * u[i] / 2);
+    }
+  }
+
+  double mean(const mesh::CellNodes& nodes) const {
+    double shared = 1, squares = 0;
+    for (const auto node : nodes) shared *= shared_[at(node)];
+    for (const auto node : nodes) {
+      const double exponential = shared * own_[at(node)];       // of half of the potential
+      const double twice_sinh = exponential - 1 / exponential;  // cosh u - 1 = 2 sinh(u/2)^2
+      squares += twice_sinh * twice_sinh;
+    }
+    return squares / 8;
+  }
+
+ private:
+  std::vector<double> shared_, own_;
+};
 
 /// What the walls give that meet the body and are no mirrors.
 void add_walls(const State& state, std::span<const double> chi, std::uint64_t open_walls, Vec3 center, VectorSum& force,
@@ -87,12 +114,14 @@ VolumeForm volume_form(const par::Comm& comm, const State& state, std::span<cons
   if (problem.domain.quadratic) return quadratic_volume_form(comm, state, chi, open_walls, center);
   const auto& cells = problem.domain.mesh->cell_to_node;
   VectorSum force, torque, walls;
+  const bool has_products = !problem.input.split && !problem.input.linear;
+  const GaussPressure products(has_products ? state.u : std::span<const double>());
   for (std::size_t c = 0; c < cells.size(); ++c) {
     if (is_constant(chi, cells[c])) continue;
     const auto shape = problem.domain.shape(c);
     const auto cut = cut_off_cell(state, chi, c, shape);
-    double pressure = 0;
-    for (std::size_t g = 0; g < 4; ++g)
+    double pressure = has_products ? products.mean(cells[c]) : 0;
+    for (std::size_t g = 0; g < 4 && !has_products; ++g)
       pressure += gauss_points[g].weight * problem.term.pressure(cut.u[g], cut.psi0[g]);
     const auto electric = added_stress(state.cell_gradient[c], cut.base, cut.slope);
     const auto part = -shape.volume * (electric - pressure * cut.slope);
