@@ -74,9 +74,9 @@ int run(unsigned long long n, unsigned long long first) {
                             {"PLY, text", "damaged.ply", testing::as_ply_text(surface)},
                             {"PLY, bytes", "damaged.ply", testing::as_ply_bytes(surface)},
                             {"OFF", "damaged.off", testing::as_off(surface)}};
-  unsigned long long n_failed = 0;
+  bool is_good = true;
   for (const auto& format : formats) {
-    unsigned long long n_accepted = 0;
+    unsigned long long n_accepted = 0, n_failed = 0;
     bool accepted = false;
     if (assess(format.good, format.file, accepted) != nullptr || !accepted) {
       std::printf("%s: the good file was refused\n", format.name);
@@ -90,9 +90,11 @@ int run(unsigned long long n, unsigned long long first) {
       std::printf("%s, seed %llu: %s\n", format.name, seed, fault);
       ++n_failed;
     }
-    std::printf("%s: %llu damaged files, %llu accepted\n", format.name, n, n_accepted);
+    std::printf("%s: %llu damaged files: %llu refused, %llu accepted, %llu failures\n", format.name, n, n - n_accepted,
+                n_accepted, n_failed);
+    is_good = is_good && n_failed == 0;
   }
-  return n_failed == 0 ? 0 : 1;
+  return is_good ? 0 : 1;
 }
 
 }  // namespace

@@ -76,9 +76,10 @@ int run(unsigned long long n, unsigned long long first) {
                             {"OBJ", "damaged.obj", testing::as_obj(surface)},
                             {"PLY, bytes", "damaged.ply", testing::as_ply_bytes(surface)},
                             {"OFF", "damaged.off", testing::as_off(surface)}};
-  unsigned long long n_failed = 0;
+  bool is_good = true;
   for (const auto& format : formats) {
     Counts counts;
+    unsigned long long n_failed = 0;
     for (auto seed = first; seed < first + n; ++seed) {
       std::printf("%s, seed %llu\r", format.name, seed);
       std::fflush(stdout);
@@ -87,10 +88,11 @@ int run(unsigned long long n, unsigned long long first) {
       std::printf("%s, seed %llu: %s\n", format.name, seed, fault.c_str());
       ++n_failed;
     }
-    std::printf("%s: %llu damaged files, %llu read, %llu made bodies, %llu decimated\n", format.name, n, counts.n_read,
-                counts.n_bodies, counts.n_decimated);
+    std::printf("%s: %llu damaged files: %llu read, %llu made bodies, %llu decimated, %llu failures\n", format.name, n,
+                counts.n_read, counts.n_bodies, counts.n_decimated, n_failed);
+    is_good = is_good && n_failed == 0;
   }
-  return n_failed == 0 ? 0 : 1;
+  return is_good ? 0 : 1;
 }
 
 }  // namespace

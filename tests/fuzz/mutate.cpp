@@ -1,41 +1,32 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "mutate.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cstring>
 
-#include "pamr/base/hash.hpp"
+#include "mutate_text.hpp"
+#include "support/dice.hpp"
 
 namespace pamr::fuzz {
 
 namespace {
 
-/// Counter-based random numbers.
-class Random {
- public:
-  explicit Random(std::uint64_t seed) : seed_(seed) {}
-  std::uint64_t next() { return combine(seed_, ++count_); }
-  std::size_t below(std::size_t n) { return n == 0 ? 0 : static_cast<std::size_t>(next() % n); }
-
- private:
-  std::uint64_t seed_, count_ = 0;
-};
-
 /// A place in the file: half of the time in its first 4 KiB, where the structure of an HDF5 file starts.
-std::size_t place(Random& random, std::size_t size) {
+std::size_t place(test::Dice& dice, std::size_t size) {
   constexpr std::size_t head = 4096;
-  return random.below(random.below(2) == 0 && size > head ? head : size);
+  return dice.below(dice.below(2) == 0 && size > head ? head : size);
 }
 
-void flip_bytes(std::string& bytes, Random& random) {
-  const auto n = 1 + random.below(8);
+void flip_bytes(std::string& bytes, test::Dice& dice) {
+  const auto n = 1 + dice.below(8);
   for (std::size_t i = 0; i < n; ++i) {
-    auto& byte = bytes[place(random, bytes.size())];
-    byte = static_cast<char>(static_cast<unsigned char>(byte) ^ (1U + random.below(255)));
+    auto& byte = bytes[place(dice, bytes.size())];
+    byte = static_cast<char>(static_cast<unsigned char>(byte) ^ (1U + dice.below(255)));
   }
 }
 
-void replace_number(std::string& bytes, Random& random) {
+void replace_number(std::string& bytes, test::Dice& dice) {
   constexpr std::array<std::uint64_t, 10> values{0,
                                                  1,
                                                  0xffffffffffffffffU,
@@ -47,20 +38,20 @@ void replace_number(std::string& bytes, Random& random) {
                                                  0x7ff0000000000000U /* infinity */,
                                                  0x100000000U};
   constexpr std::array<std::size_t, 4> widths{1, 2, 4, 8};
-  const auto n = 1 + random.below(3);
+  const auto n = 1 + dice.below(3);
   for (std::size_t i = 0; i < n; ++i) {
-    const auto value = values[random.below(values.size())];
-    const auto width = widths[random.below(widths.size())];
-    auto at = place(random, bytes.size());
-    if (random.below(2) == 0) at -= at % width;
+    const auto value = values[dice.below(values.size())];
+    const auto width = widths[dice.below(widths.size())];
+    auto at = place(dice, bytes.size());
+    if (dice.below(2) == 0) at -= at % width;
     if (at + width <= bytes.size()) std::memcpy(bytes.data() + at, &value, width);
   }
 }
 
-void move_block(std::string& bytes, Random& random) {
-  const auto from = place(random, bytes.size()), to = place(random, bytes.size());
-  const auto block = bytes.substr(from, 1 + random.below(512));
-  switch (random.below(3)) {
+void move_block(std::string& bytes, test::Dice& dice) {
+  const auto from = place(dice, bytes.size()), to = place(dice, bytes.size());
+  const auto block = bytes.substr(from, 1 + dice.below(512));
+  switch (dice.below(3)) {
     case 0:
       bytes.insert(to, block);
       break;
@@ -73,26 +64,42 @@ void move_block(std::string& bytes, Random& random) {
   }
 }
 
+constexpr std::size_t min_text = 32;
+
+/// Bytes of the text that a file is or begins with.
+std::size_t length_of_text(const std::string& bytes) {
+  const auto is_strange = [](char c) {
+    const auto code = static_cast<unsigned char>(c);
+    return (code < 0x20 && c != '\t' && c != '\r' && c != '\n') || code >= 0x7f;
+  };
+  return static_cast<std::size_t>(std::find_if(bytes.begin(), bytes.end(), is_strange) - bytes.begin());
+}
+
 }  // namespace
 
 std::string mutate(const std::string& good, std::uint64_t seed) {
-  Random random(seed);
+  test::Dice dice(seed);
   auto bytes = good;
-  switch (random.below(7)) {
+  if (const auto size = length_of_text(good); size >= min_text && dice.below(size == good.size() ? 3 : 2) > 0) {
+    auto text = good.substr(0, size);
+    damage_text(text, dice);
+    return text + good.substr(size);
+  }
+  switch (dice.below(7)) {
     case 0:
-      bytes.resize(random.below(bytes.size()));
+      bytes.resize(dice.below(bytes.size()));
       break;
     case 1:
     case 2:
     case 3:
-      flip_bytes(bytes, random);
+      flip_bytes(bytes, dice);
       break;
     case 4:
     case 5:
-      replace_number(bytes, random);
+      replace_number(bytes, dice);
       break;
     default:
-      move_block(bytes, random);
+      move_block(bytes, dice);
       break;
   }
   return bytes;

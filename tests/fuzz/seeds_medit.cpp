@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <fstream>
 
+#include "mutate.hpp"
 #include "pamr/assemble/assemble.hpp"
 #include "pamr/io/elements/numbers.hpp"
 #include "pamr/io/medit/read_medit.hpp"
@@ -56,6 +57,8 @@ std::string binary_tetrahedron(std::int32_t version) {
 
 // 0 our own text, 1 our own bytes; 2 text as other programs write it; 3 and 4 the other order of bytes, versions 1, 4
 int n_seed_files() { return 5; }
+
+std::string damaged(const std::string& good, std::uint64_t seed) { return mutate(good, seed); }
 
 void read_file(const par::Comm& comm, const std::filesystem::path& file) {
   validate::require_valid(comm, io::read_medit(comm, file).mesh, file.string());

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "mutate.hpp"
 #include "pamr/io/medit/read_medit.hpp"
 #include "pamr/io/medit/write_medit.hpp"
 #include "seeds.hpp"
@@ -8,6 +9,8 @@ namespace pamr::fuzz {
 
 // fields of one mesh, 0 as text, 1 as bytes
 int n_seed_files() { return 2; }
+
+std::string damaged(const std::string& good, std::uint64_t seed) { return mutate(good, seed); }
 
 void read_file(const par::Comm& comm, const std::filesystem::path& file) {
   io::MeditOptions options;
@@ -22,8 +25,8 @@ void write_seed_files(const par::Comm& comm, const std::filesystem::path& folder
   io::write_medit(comm, folder / "good.meshb", mesh);
   for (int i = 0; i < n_seed_files(); ++i) {
     io::write_medit_fields(comm, folder / seed_name(i), mesh);
-    read_file(comm, folder / seed_name(i));  // good ones
   }
+  for (int i = 0; i < n_seed_files(); ++i) read_file(comm, folder / seed_name(i));  // good ones
 }
 
 }  // namespace pamr::fuzz

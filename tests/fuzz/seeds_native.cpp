@@ -1,6 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <stdexcept>
+
+#include "mutate.hpp"
 #include "pamr/assemble/assemble.hpp"
+#include "pamr/base/with_file_name.hpp"
 #include "pamr/io/native/native_file.hpp"
+#include "pamr/validate/validate.hpp"
 #include "seeds.hpp"
 #include "support/meshes.hpp"
 #include "unit/io/files.hpp"
@@ -10,10 +15,20 @@ namespace pamr::fuzz {
 
 // 0 a Kuhn cube with fields and patches as the library writes it; 1 a closure family; 2 the `/VTKHDF` part alone in
 // HDF5's oldest layout; 3 the same chunked and compressed, with texts of variable length and families of format 1; 4
-// all parts in the oldest layout and without checksums, so that damage reaches the values.
-int n_seed_files() { return 5; }
+// all parts in the oldest layout and without checksums, so that damage reaches the values; 5 and 6 as 0 and 1, without
+// checksums.
+int n_seed_files() { return 7; }
 
-void read_file(const par::Comm& comm, const std::filesystem::path& file) { io::read_native(comm, file); }
+std::string damaged(const std::string& good, std::uint64_t seed) { return mutate(good, seed); }
+
+/// As every tool does; inverted cells and open boundaries are accepted, since `pamr-quality` counts them.
+void read_file(const par::Comm& comm, const std::filesystem::path& file) {
+  const auto mesh = with_file_name(file, [&] { return assemble::assemble(comm, io::read_native(comm, file)); });
+  for (const auto& violation : validate::validate(comm, mesh))
+    if (violation.invariant == "ids_in_range" || violation.invariant == "distinct_corners" ||
+        violation.invariant == "finite_coordinates" || violation.invariant == "patches_in_range")
+      throw std::logic_error("accepted, but " + violation.invariant);
+}
 
 std::string seed_name(int i) { return "seed" + std::to_string(i) + ".hdf"; }
 
@@ -48,6 +63,12 @@ void write_seed_files(const par::Comm& comm, const std::filesystem::path& folder
   for (int child = 0; child < 2; ++child) words.push_back(base.closed(4, child).bits());
   for (int child = 0; child < 4; ++child) words.push_back(base.red_parent().closed(9, child).bits());
   test::write_dataset<std::uint64_t>(bare, "/PAMR/lineage", {6}, words);
+  for (const int i : {0, 1}) {
+    std::filesystem::copy_file(folder / seed_name(i), folder / seed_name(5 + i));
+    test::remove_object(folder / seed_name(5 + i), "/PAMR/checksums");
+  }
+  for (const int i : {0, 1, 2, 5, 6})
+    read_file(comm, folder / seed_name(i));  // good ones; the families of the others are none
 }
 
 }  // namespace pamr::fuzz

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <fstream>
 
+#include "mutate.hpp"
 #include "pamr/assemble/assemble.hpp"
 #include "pamr/io/su2/read_su2.hpp"
 #include "pamr/io/su2/write_su2.hpp"
@@ -12,6 +13,8 @@ namespace pamr::fuzz {
 
 // 0 our own; 1 a tetrahedron as other programs write it: points first, numbers behind, comments, a box for deformation
 int n_seed_files() { return 2; }
+
+std::string damaged(const std::string& good, std::uint64_t seed) { return mutate(good, seed); }
 
 void read_file(const par::Comm& comm, const std::filesystem::path& file) {
   validate::require_valid(comm, io::read_su2(comm, file).mesh, file.string());

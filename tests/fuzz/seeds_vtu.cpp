@@ -8,9 +8,11 @@
 #include <stdexcept>
 #include <vector>
 
+#include "mutate.hpp"
 #include "pamr/assemble/assemble.hpp"
 #include "pamr/io/export/write_vtu.hpp"
 #include "pamr/io/vtk/read_vtu.hpp"
+#include "pamr/validate/validate.hpp"
 #include "seeds.hpp"
 #include "support/meshes.hpp"
 
@@ -102,7 +104,11 @@ void write_cube(const std::filesystem::path& file, const std::string& format, bo
 // 0 our own: raw data behind the text; 1 text; 2 base64; 3 base64 packed
 int n_seed_files() { return 4; }
 
-void read_file(const par::Comm& comm, const std::filesystem::path& file) { io::read_vtu(comm, file); }
+std::string damaged(const std::string& good, std::uint64_t seed) { return mutate(good, seed); }
+
+void read_file(const par::Comm& comm, const std::filesystem::path& file) {
+  validate::require_valid(comm, io::read_vtu(comm, file).mesh, file.string());
+}
 
 std::string seed_name(int i) { return "seed" + std::to_string(i) + ".vtu"; }
 

@@ -132,6 +132,8 @@ EstimatorOptions read_estimator(const TomlTable& table) {
   return estimator;
 }
 
+constexpr double max_length = 1e12;  // Debye lengths; the largest that pamr-mesh makes
+
 /// One read of a case file.
 class Reader {
  public:
@@ -146,11 +148,11 @@ class Reader {
       result_.manufactured = table->flag_or("manufactured", false);
     }
     for (const auto& table : file_.list("sphere"))
-      result_.spheres.push_back({table.text_or("patch", ""), unit_ * table.point<geometry::Vec3>("center"),
-                                 unit_ * table.number("radius", positive)});
+      result_.spheres.push_back({table.text_or("patch", ""), center_in(table), size_in(table, "radius")});
     if (const auto table = file_.find_table("pair")) read_pair(*table);
     if (const auto table = file_.find_table("plate"))
-      result_.plate = Plate{table->text_or("patch", "plate"), unit_ * table->number_or("position", 0), 0};
+      result_.plate =
+          Plate{table->text_or("patch", "plate"), length(*table, "position", table->number_or("position", 0)), 0};
     for (const auto& table : file_.list("body")) read_body(table);
     if (const auto table = file_.find_table("boundary"))
       for (const auto& patch : table->all_tables()) result_.boundary.push_back(read_boundary(patch));
@@ -167,15 +169,35 @@ class Reader {
     file_.fail(fmt::format("expected {}, found {}", expected, found));
   }
 
+  /// In Debye lengths. Beyond the limit squares of coordinates overflow, and no mesh is as large.
+  double length(const TomlTable& table, std::string_view key, double number) const {
+    const double result = unit_ * number;
+    if (!(std::abs(result) <= max_length))
+      table.refuse(key, fmt::format("a length of at most {:g} Debye lengths", max_length), fmt::format("{:g}", result));
+    return result;
+  }
+
+  double size_in(const TomlTable& table, std::string_view key) const {
+    const double result = length(table, key, table.number(key, positive));
+    if (result < 1 / max_length)
+      table.refuse(key, fmt::format("a length of at least {:g} Debye lengths", 1 / max_length),
+                   fmt::format("{:g}", result));
+    return result;
+  }
+
+  geometry::Vec3 center_in(const TomlTable& table) const {
+    const auto center = table.point<geometry::Vec3>("center");
+    return {length(table, "center", center.x), length(table, "center", center.y), length(table, "center", center.z)};
+  }
+
   void read_lengths(const TomlTable& table) {
     result_.length_unit = table.word_or("unit", result_.length_unit, {"debye", "m", "um", "nm"});
     unit_ = *debye_lengths_in(result_.length_unit, result_.electrolyte, file_.at());
   }
 
   void read_pair(const TomlTable& table) {
-    const double radius = unit_ * table.number("radius", positive);
-    const double distance = unit_ * table.number("distance", positive);
-    const double height = unit_ * table.number_or("height", 0);
+    const double radius = size_in(table, "radius"), distance = size_in(table, "distance");
+    const double height = length(table, "height", table.number_or("height", 0));
     result_.spheres.push_back({table.text_or("patch", "sphere"), {distance / 2, 0, height}, radius});
     result_.spheres.push_back({table.text_or("other_patch", ""), {-distance / 2, 0, height}, radius});
   }
@@ -183,7 +205,7 @@ class Reader {
   void read_body(const TomlTable& table) {
     Body body{table.text("name"), table.texts("patches"), {}};
     if (body.patches.empty()) table.refuse("patches", "names of patches of the mesh");
-    if (table.has("center")) body.center = unit_ * table.point<geometry::Vec3>("center");
+    if (table.has("center")) body.center = center_in(table);
     for (const auto& other : result_.bodies)
       if (other.name == body.name) table.refuse("name", "another name for each [[body]]");
     result_.bodies.push_back(std::move(body));
@@ -229,8 +251,8 @@ class Reader {
     force.outer = table.find_number("outer", positive);
     if (force.inner && force.outer && !(*force.inner < *force.outer))
       table.refuse("inner", fmt::format("a number below outer = {:g}", *force.outer));
-    if (force.inner) *force.inner *= unit_;
-    if (force.outer) *force.outer *= unit_;
+    if (force.inner) *force.inner = length(table, "inner", *force.inner);
+    if (force.outer) *force.outer = length(table, "outer", *force.outer);
   }
 
   void check_spheres() const {

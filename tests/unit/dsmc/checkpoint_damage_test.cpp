@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
@@ -22,6 +21,7 @@
 #include "solvers/dsmc/state/checkpoint_rows.hpp"
 #include "support/dice.hpp"
 #include "support/meshes.hpp"
+#include "support/strange_values.hpp"
 #include "unit/dsmc/stream_case.hpp"
 
 namespace {
@@ -161,63 +161,6 @@ TEST_F(CheckpointContents, OfOtherSizesAreRefused) {
   }
 }
 
-/// A value that is in some way at the end of what there is.
-std::uint64_t nasty_word(test::Dice& dice) {
-  const std::array<std::uint64_t, 16> words{0,
-                                            1,
-                                            ~std::uint64_t{0},
-                                            std::uint64_t{1} << 63U,
-                                            (std::uint64_t{1} << 63U) - 1,
-                                            std::uint64_t{1} << 31U,
-                                            std::uint64_t{1} << 53U,
-                                            word(std::nan("")),
-                                            word(std::numeric_limits<double>::infinity()),
-                                            word(-std::numeric_limits<double>::infinity()),
-                                            word(1e300),
-                                            word(-1e300),
-                                            word(5e-324),
-                                            word(1e-300),
-                                            word(1.0),
-                                            word(-1.0)};
-  return words.at(dice.below(words.size()));
-}
-
-json nasty_value(test::Dice& dice) {
-  const std::array<json, 14> values{nullptr,
-                                    true,
-                                    false,
-                                    0,
-                                    -1,
-                                    1,
-                                    1e300,
-                                    -1e300,
-                                    0.5,
-                                    std::int64_t{1} << 62U,
-                                    "x",
-                                    json::array(),
-                                    json::object(),
-                                    ~std::uint64_t{0}};
-  return values.at(dice.below(values.size()));
-}
-
-/// Replaces, removes or repeats a part of the header that dice choose.
-void mutate(json& header, test::Dice& dice) {
-  auto* place = &header;
-  do {
-    auto item = place->begin();
-    std::advance(item, static_cast<std::ptrdiff_t>(dice.below(place->size())));
-    if (dice.below(12) == 0) {
-      if (place->is_array())
-        place->push_back(json(*item));
-      else
-        place->erase(item);
-      return;
-    }
-    place = &*item;
-  } while (place->is_structured() && !place->empty() && dice.below(6) > 0);
-  *place = nasty_value(dice);
-}
-
 TEST_F(CheckpointContents, ThatDiceHaveMadeAreRefusedOrHarmless) {
   const char* level = std::getenv("PAMR_TEST_LEVEL");  // NOLINT(concurrency-mt-unsafe): nobody changes it
   const int n_mutants = level != nullptr && level == std::string("full") ? 20000 : 250;
@@ -228,13 +171,13 @@ TEST_F(CheckpointContents, ThatDiceHaveMadeAreRefusedOrHarmless) {
     const std::array<Section*, 3> tables{&snapshot.cells, &snapshot.faces, &snapshot.particles};
     for (auto n = 1 + dice.below(3); n > 0; --n) {
       if (dice.below(3) == 0) {
-        mutate(snapshot.header, dice);
+        test::damage_json(snapshot.header, dice);
         continue;
       }
       auto& table = *tables.at(dice.below(3));
       const auto row = static_cast<std::int64_t>(dice.below(at(table.rows)));
       const auto word = dice.below(table.width);
-      set(table, row, word, nasty_word(dice));
+      set(table, row, word, test::strange_word(dice));
     }
     SCOPED_TRACE(i);
     if (!error_of(snapshot).empty()) ++n_refused;

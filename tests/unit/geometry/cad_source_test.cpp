@@ -106,6 +106,18 @@ TEST(CadSource, RefusesKeysThatAreWrong) {
       ThrowsMessage<Error>(HasSubstr("found two that differ")));
 }
 
+TEST(CadSource, RefusesEdgesThatAreNotOnTheirFace) {
+  auto spool = read_cad_source(data / "spool.brep");
+  EXPECT_NO_THROW(require_readable_cad(spool));
+  const std::string good = "0.58800260354800005", wrong = "0.78800260354800005";
+  const auto place = spool.text.find(good);  // of a control point of a spline face
+  ASSERT_NE(place, std::string::npos);
+  spool.text.replace(place, good.size(), wrong);
+
+  EXPECT_THAT([&] { require_readable_cad(spool); },
+              ThrowsMessage<Error>(HasSubstr("face 7: expected edges on the face")));
+}
+
 TEST(CadSource, RefusesFilesThatAreNoText) {
   EXPECT_THAT([] { read_cad_source("part.x_t"); }, ThrowsMessage<Error>(HasSubstr(".iges, .igs or .brep")));
   EXPECT_THAT([] { read_cad_source(data / "none.step"); }, ThrowsMessage<Error>(StartsWith("file '")));

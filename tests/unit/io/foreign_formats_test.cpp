@@ -9,6 +9,7 @@
 #include "pamr/io/medit/gmf.hpp"
 #include "pamr/io/ugrid/mapbc.hpp"
 #include "pamr/io/ugrid/ugrid_layout.hpp"
+#include "pamr/io/vtk/vtk_xml.hpp"
 
 namespace pamr::io {
 namespace {
@@ -21,6 +22,12 @@ TEST(MeditVersion, GrowsWithPlacesAndNumbers) {
   EXPECT_EQ(gmf::version_for(two_31, 10), 3);
   EXPECT_EQ(gmf::version_for(40 * two_31, two_31 - 1), 3);
   EXPECT_EQ(gmf::version_for(40 * two_31, two_31), 4);
+}
+
+TEST(VtkType, IsOneOfNumbersOrRefused) {
+  EXPECT_EQ(vtk::storage_of("UInt16"), mesh::StorageType::uint16);
+  EXPECT_THROW(vtk::storage_of("String"), Error);
+  EXPECT_THROW(vtk::storage_of(""), Error);
 }
 
 TEST(UgridLayout, HasPlacesBeyondTwoGigabytes) {

@@ -54,6 +54,21 @@ TEST(ReadCase, ScalesDimensionalInputWithTheDebyeLength) {
   EXPECT_EQ(problem.plate->potential, 2);
 }
 
+TEST(ReadCase, RefusesLengthsThatNoMeshHas) {
+  const auto refusal = [](const std::string& tables) { return error_of(tables + wall + sphere_boundary); };
+  const auto pair = [](const std::string& keys) { return "[pair]\npatch = \"ball\"\n" + keys; };
+
+  EXPECT_THAT(refusal(pair("radius = 1\ndistance = 1e308\n")),
+              testing::AllOf(testing::HasSubstr("case.toml:4:"), testing::HasSubstr("distance")));
+  EXPECT_THAT(refusal(pair("radius = 1\ndistance = 3\nheight = -1e13\n")), testing::HasSubstr("at most 1e+12"));
+  EXPECT_THAT(refusal(pair("radius = 1e-320\ndistance = 3\n")), testing::HasSubstr("at least 1e-12"));
+  EXPECT_THAT(refusal("[electrolyte]\ndebye_length = 1e-7\n[lengths]\nunit = \"m\"\n"
+                      "[[sphere]]\npatch = \"ball\"\ncenter = [0, 1e302, 0]\nradius = 1e-7\n"),
+              testing::HasSubstr("center"));
+  EXPECT_THAT(refusal("[plate]\npatch = \"wall\"\nposition = 1e200\n"), testing::HasSubstr("position"));
+  EXPECT_THAT(refusal("[force]\nouter = 1e300\n"), testing::HasSubstr("outer"));
+}
+
 TEST(ReadCase, NamesTheLineOfAnUnknownKey) {
   EXPECT_THAT(error_of("[solver]\ntolerance = 1e-8\nspeed = 3\n" + wall),
               testing::AllOf(testing::HasSubstr("case.toml:3:1: unknown key 'speed' in [solver]"),

@@ -89,7 +89,7 @@ CadSource read_cad_source(const std::filesystem::path& file) {
   return source;
 }
 
-void require_readable_cad(const CadSource& source) {
+void require_readable_cad(const CadSource& source, unsigned processor_seconds) {
   if (!can_read_cad()) (void)read_cad({}, 1);  // throws
   if (!may_fork()) return;
   const auto megabytes = source.text.size() >> 20U;
@@ -103,7 +103,8 @@ void require_readable_cad(const CadSource& source) {
         }
         send(answer);
       },
-      {.processor_seconds = 60 + 20 * megabytes, .memory_bytes = (1 + megabytes / 8) << 30U});
+      {.processor_seconds = processor_seconds > 0 ? processor_seconds : 60 + 20 * megabytes,
+       .memory_bytes = (1 + megabytes / 8) << 30U});
   const auto answer = process.receive_all();
   const auto trouble = process.end();
   if (answer.empty() || (!trouble.empty() && answer.front() == good))

@@ -27,7 +27,8 @@ CadSource read_cad_source(const std::filesystem::path& file);
 
 /// Has the text read in a process of its own, which may die of it, and throws `Error` if it is not sound. To be called
 /// once, where a text comes from outside; texts in mesh files have checksums. Nothing where `PAMR_NO_FORK` forbids it.
-void require_readable_cad(const CadSource& source);
+/// `processor_seconds`: what that process may take; 0: a minute, and more for long texts.
+void require_readable_cad(const CadSource& source, unsigned processor_seconds = 0);
 
 /// The shape, coordinates in `unit`: mm, cm, m, um, in or ft. Throws `Error`.
 std::shared_ptr<const CadModel> make_cad_model(const CadSource& source, std::string_view unit);

@@ -3,10 +3,15 @@
 
 #include <fmt/format.h>
 
+#include <BRepBndLib.hxx>
 #include <BRepGProp.hxx>
 #include <BRepTools.hxx>
 #include <BRep_Tool.hxx>
+#include <Bnd_Box.hxx>
 #include <GProp_GProps.hxx>
+#include <Geom2d_Curve.hxx>
+#include <Geom_Curve.hxx>
+#include <Geom_Surface.hxx>
 #include <Message.hxx>
 #include <Message_Messenger.hxx>
 #include <Message_PrinterOStream.hxx>
@@ -20,6 +25,7 @@
 #include <TopoDS_Face.hxx>
 #include <TopoDS_Vertex.hxx>
 #include <algorithm>
+#include <cmath>
 #include <mutex>
 #include <string>
 #include <utility>
@@ -36,14 +42,19 @@ namespace {
 
 constexpr double sample_deflection = 1e-3;  // of the size: how far the triangles may lie off the faces
 constexpr double integration_error = 1e-8;
+constexpr double allowed_gap = 1e-5;  // of the size, beside the tolerance that an edge states
 
 /// Turns a shape into what does not need OpenCASCADE's topology.
 class Converter {
  public:
-  Converter(const TopoDS_Shape& shape, double scale) : scale_(scale) {
+  Converter(const OcctShape& read, double scale) : scale_(scale), checks_edges_(read.is_as_written) {
+    const auto& shape = read.shape;
     TopExp::MapShapes(shape, TopAbs_FACE, faces_);
     TopExp::MapShapes(shape, TopAbs_EDGE, edges_);
     TopExp::MapShapes(shape, TopAbs_VERTEX, vertices_);
+    Bnd_Box box;
+    BRepBndLib::Add(shape, box);
+    if (!box.IsVoid()) size_ = std::sqrt(box.SquareExtent());
   }
 
   CadData data() {
@@ -83,9 +94,34 @@ class Converter {
     const Handle(Geom_Surface) surface = BRep_Tool::Surface(face);
     if (surface->IsUPeriodic()) result.period.u = surface->UPeriod();
     if (surface->IsVPeriodic()) result.period.v = surface->VPeriod();
-    for (TopExp_Explorer e(face, TopAbs_EDGE); e.More(); e.Next()) add_border(face, TopoDS::Edge(e.Current()), result);
+    for (TopExp_Explorer e(face, TopAbs_EDGE); e.More(); e.Next()) {
+      const auto edge = TopoDS::Edge(e.Current());
+      if (checks_edges_) require_on_face(face, edge, number);
+      add_border(face, edge, result);
+    }
     add_samples(face, number, result);
     return result;
+  }
+
+  /// An edge is there twice, as a curve in space and as one in the parameters of the face: both must agree. What bounds
+  /// a face for us is the first, for OpenCASCADE's triangles the second.
+  void require_on_face(const TopoDS_Face& face, const TopoDS_Edge& edge, int number) const {
+    if (BRep_Tool::Degenerated(edge) || !BRep_Tool::SameParameter(edge)) return;
+    double begin = 0, end = 0, flat_begin = 0, flat_end = 0;
+    const Handle(Geom_Curve) curve = BRep_Tool::Curve(edge, begin, end);
+    const Handle(Geom2d_Curve) flat = BRep_Tool::CurveOnSurface(edge, face, flat_begin, flat_end);
+    if (curve.IsNull() || flat.IsNull()) return;
+    const Handle(Geom_Surface) surface = BRep_Tool::Surface(face);
+    const double allowed = 2 * BRep_Tool::Tolerance(edge) + allowed_gap * size_;
+    constexpr int n = 16;
+    for (int i = 0; i <= n; ++i) {
+      const double part = static_cast<double>(i) / n;
+      const auto uv = flat->Value(flat_begin + part * (flat_end - flat_begin));
+      const double gap = curve->Value(begin + part * (end - begin)).Distance(surface->Value(uv.X(), uv.Y()));
+      if (!(gap <= allowed))
+        throw Error(fmt::format("face {}: expected edges on the face, found one that is {:.3g} of the size off it",
+                                number, gap / size_));
+    }
   }
 
   void add_border(const TopoDS_Face& face, const TopoDS_Edge& edge, CadFaceData& result) {
@@ -116,7 +152,8 @@ class Converter {
     }
   }
 
-  double scale_;
+  double scale_, size_ = 0;
+  bool checks_edges_;
   TopTools_IndexedMapOfShape faces_, edges_, vertices_;
   std::vector<int> number_;  // of edges, by their place in the map; -1: a pole
 };
@@ -124,7 +161,7 @@ class Converter {
 CadData convert(std::string_view text, double scale) {
   auto read = read_occt_shape(text);
   triangulate(read.shape, sample_deflection);
-  Converter converter(read.shape, scale);
+  Converter converter(read, scale);
   auto data = converter.data();
   const auto for_each_face = [&](const auto& list, std::string CadFaceData::*field) {
     for (const auto& [shape, value] : list)

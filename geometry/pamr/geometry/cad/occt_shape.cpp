@@ -114,6 +114,7 @@ OcctShape read_brep(std::string_view text) {
   OcctShape result;
   std::istringstream stream{std::string(text)};
   BRepTools::Read(result.shape, stream, BRep_Builder());
+  result.is_as_written = true;
   if (result.shape.IsNull()) throw Error("expected a shape in BREP format, found none that can be read");
   return result;
 }

@@ -15,6 +15,7 @@ struct OcctShape {
   std::string unit;                                          ///< length unit of the file, empty where it does not say
   std::vector<std::pair<TopoDS_Shape, std::string>> names;   ///< of faces that have one
   std::vector<std::pair<TopoDS_Shape, std::string>> colors;  ///< of faces, "#rrggbb" (sRGB)
+  bool is_as_written = false;  ///< its curves were taken from the file, not made or mended by the reader of a format
 };
 
 /// Reads the text of a STEP, IGES or BREP file. Loose faces of an IGES file are sewn. Throws `Error`.

@@ -377,8 +377,10 @@ bool is_number_type(std::string_view type) {
 }
 
 mesh::StorageType storage_of(std::string_view type) {
-  return std::find_if(number_types.begin(), number_types.end(), [&](const auto& entry) { return entry.first == type; })
-      ->second;
+  const auto* found =
+      std::find_if(number_types.begin(), number_types.end(), [&](const auto& entry) { return entry.first == type; });
+  if (found == number_types.end()) throw Error(fmt::format("expected numbers, found the type {}", type.substr(0, 20)));
+  return found->second;
 }
 
 Values values_of(const XmlGrid& grid, const XmlArray& array, std::int64_t n) {

@@ -40,8 +40,8 @@ XmlGrid parse_grid(std::string_view text);
 
 using Values = std::variant<std::vector<double>, std::vector<std::int64_t>>;
 
-/// The type of an array's values, if it is one of numbers.
 bool is_number_type(std::string_view type);
+/// The type of an array's values. Throws `Error` for one that is none of numbers.
 mesh::StorageType storage_of(std::string_view type);
 
 /// `n` values of an array: reals as doubles, integers of 64 bits. Throws `Error` for more, fewer and others.
