@@ -27,7 +27,8 @@ class HashedEdges {
  private:
   std::size_t place(GlobalId a, GlobalId b) const {
     const auto low = static_cast<std::uint64_t>(std::min(a, b)), high = static_cast<std::uint64_t>(std::max(a, b));
-    return (low * 0x9e3779b97f4a7c15U + high) * 0xbf58476d1ce4e5b9U >> shift_;
+    const auto sum = low * 0x9e3779b97f4a7c15U + high;
+    return (sum ^ sum >> 32U) * 0xbf58476d1ce4e5b9U >> shift_;
   }
 
   unsigned shift_;
@@ -44,7 +45,7 @@ constexpr std::uint8_t of_marked = 64, of_marked_member = 40;
 std::vector<std::uint8_t> count_marked_edges(std::span<const std::array<GlobalId, 4>> cell_to_node,
                                              std::span<const std::int64_t> marks) {
   const auto n_marked = static_cast<std::size_t>(std::count(marks.begin(), marks.end(), 1));
-  HashedEdges edges(std::min(64 * n_marked, 32 * cell_to_node.size()));
+  HashedEdges edges(std::min(512 * n_marked, 64 * cell_to_node.size()));
   const auto for_each_edge = [&](std::size_t c, auto visit) {
     for (const auto [p, q] : mesh::tet::edge_to_corner)
       visit(cell_to_node[c][static_cast<std::size_t>(p)], cell_to_node[c][static_cast<std::size_t>(q)]);

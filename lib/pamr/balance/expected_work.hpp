@@ -34,10 +34,10 @@ std::vector<std::uint8_t> work_from_values(std::span<const std::int64_t> values)
 ///   family is marked, its members count by the edges of the one that has most.
 /// - `cell_to_node`: n x 4, global ids; `marks`: n values, 1 for a marked cell; `lineage`: n, or empty where all cells
 ///   are regular. The block may begin and end in the midst of a family.
-/// - The largest of 64 parts is within 3 to 6 % of the mean for the marks of a flow around a cone (60,000 to 1,000,000
-///   cells); the exact number is known after `refine::close`. An edge is one hashed bit, so an edge in some tens may be
-///   taken for that of a marked cell that it is not.
-/// Local. Memory: a byte a cell and at most 4 bytes for each of the block.
+/// - The largest of 64 parts is within 2 to 10 % of the mean for the marks of a flow around a cone (1,000,000 to 60,000
+///   refined cells); the exact number is known after `refine::close`. An edge is one hashed bit, so one in fifty or
+///   fewer may be taken for that of a marked cell that it is not.
+/// Local. Memory: a byte a cell and at most 16 bytes for each of the block.
 std::vector<std::uint8_t> work_from_marks(std::span<const std::array<GlobalId, 4>> cell_to_node,
                                           std::span<const std::int64_t> marks, std::span<const mesh::Lineage> lineage);
 
