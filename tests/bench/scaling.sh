@@ -5,12 +5,14 @@
 # what each step computes, sends and holds on the ranks, the time that follows on a cluster, and the bars, with pass or
 # FAIL. Docs: docs/performance.md, "Scaling".
 #
-#   tests/bench/scaling.sh [BUILD] [--ranks "1 2 4"] [--repeats N] [--balance METHOD] [--tiny] [--out FOLDER]
+#   tests/bench/scaling.sh [BUILD] [--ranks "1 2 4"] [--repeats N] [--balance METHOD] [--own-marks] [--small | --tiny] [--out FOLDER]
 #
 #   BUILD       build folder (default build/release)
 #   --ranks     numbers of processes (default "1 2 4 8 16 32 64"; the first is what the others are compared with)
 #   --repeats   runs of each, of which the medians count (default 3)
 #   --balance   auto, scotch, blocks or none (default auto, as pamr-refine's)
+#   --own-marks without the field refine_work, which pamr-mark writes and a solver that marks by itself does not
+#   --small     a cube of 82,944 cells instead, and only the bars of what is counted: for hundreds of ranks on few cores
 #   --tiny      a small cube instead, and no bars: shows that all this works
 #   --out       where reports and tables go (default BUILD/tests/bench/scaling-out); meshes stay there for the next time
 #
@@ -22,16 +24,19 @@ build=$root/build/release
 ranks="1 2 4 8 16 32 64"
 repeats=3
 balance=auto
-tiny=no
+size=cone
+own_marks=no
 out=
 while [ $# -gt 0 ]; do
   case $1 in
     --ranks) ranks=${2:?scaling.sh: --ranks needs numbers}; shift 2 ;;
     --repeats) repeats=${2:?scaling.sh: --repeats needs a number}; shift 2 ;;
     --balance) balance=${2:?scaling.sh: --balance needs a method}; shift 2 ;;
-    --tiny) tiny=yes; shift ;;
+    --own-marks) own_marks=yes; shift ;;
+    --small) size=small; shift ;;
+    --tiny) size=tiny; shift ;;
     --out) out=${2:?scaling.sh: --out needs a folder}; shift 2 ;;
-    -h | --help) sed -n '3,18s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
+    -h | --help) sed -n '3,20s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
     -*) echo "scaling.sh: unknown option $1 (see scaling.sh --help)" >&2; exit 2 ;;
     *) build=$1; shift ;;
   esac
@@ -41,7 +46,7 @@ PATH=$build/bin:$PATH
 . "$root/scripts/mpi_environment.sh"
 . "$folder/warm_memory.sh"
 mkdir -p "$out"
-rm -f "$out"/run-*.json "$out"/base-*.json
+rm -f "$out"/run-*.json "$out"/base-*.json "$out"/own-*.txt
 trap 'echo "scaling.sh: a run failed" >&2; exit 2' ERR
 
 refine() { # RANKS REPORT MESH
@@ -51,13 +56,29 @@ refine() { # RANKS REPORT MESH
   rm -f "$out/refined.hdf"
 }
 
+# The same with our own memory counted, without that of the libraries written in C (own_memory.cpp).
+count_own() { # RANKS MESH
+  local library=$build/tests/bench/libpamr_own_memory.so
+  [ -s "$library" ] || return 0
+  mpirun -q -n "$1" -x LD_PRELOAD="$library" -x PAMR_OWN_MEMORY="$out/own-$1.txt" pamr-refine "$2" -o "$out/refined.hdf" \
+    --force --quiet --balance "$balance"
+  rm -f "$out/refined.hdf"
+}
+
 # A mesh of next to nothing: what the processes hold before they hold any cells.
 if [ ! -s "$out/nothing.hdf" ]; then
   pamr-mesh --shape kuhn-cube --n 6 -o "$out/cube.hdf" --force --quiet
   pamr-mark "$out/cube.hdf" -o "$out/nothing.hdf" --force --quiet --crossing-sphere 0,0,0,0.6
 fi
 mesh=$out/nothing.hdf
-if [ $tiny = no ]; then
+if [ $size = small ]; then
+  mesh=$out/small.hdf
+  if [ ! -s "$mesh" ]; then
+    pamr-mesh --shape kuhn-cube --n 24 -o "$out/cube.hdf" --force --quiet
+    pamr-mark "$out/cube.hdf" -o "$mesh" --force --quiet --crossing-sphere 0,0,0,0.6
+  fi
+fi
+if [ $size = cone ]; then
   # Marked where the paper's gas wants it: the fore-body, the nose, the shell where the bow shock stands. The last two
   # refinements split closure cells of the one before, as those of the paper's levels 2 to 4.
   mesh=$out/cone.hdf
@@ -78,15 +99,29 @@ if [ $tiny = no ]; then
   fi
 fi
 
+if [ $own_marks = yes ]; then
+  cp "$mesh" "$out/own-marks.hdf"
+  mesh=$out/own-marks.hdf
+  # needs h5py
+  "${PAMR_PYTHON:-python3}" -c 'import h5py, sys; del h5py.File(sys.argv[1], "r+")["VTKHDF/CellData/refine_work"]' "$mesh"
+fi
+
 for p in $ranks; do
   refine "$p" "base-$p" "$out/nothing.hdf"
+  count_own "$p" "$out/nothing.hdf"
   for ((run = 1; run <= repeats; ++run)); do refine "$p" "run-$p-$run" "$mesh"; done
 done
 trap - ERR
 
 bars=()
-if [ $tiny = yes ]; then bars=(--no-bars); fi
+if [ $size = tiny ]; then bars=(--no-bars); fi
+if [ $size = small ]; then bars=(--counts); fi
+marks=
+if [ $own_marks = yes ]; then
+  marks=" --own-marks"
+  bars+=(--own-marks)
+fi
 echo "$(date +%F), commit $(git -C "$root" rev-parse --short HEAD 2>/dev/null || echo unknown)," \
   "$(sed -n 's/^model name.*: //p' /proc/cpuinfo | head -1), $(nproc) cores, load $(cut -d' ' -f1 /proc/loadavg)." \
-  "Command: tests/bench/scaling.sh --balance $balance --repeats $repeats (medians)."
+  "Command: tests/bench/scaling.sh --balance $balance --repeats $repeats$marks (medians)."
 python3 "$folder/scaling/summarize.py" "$out" "${bars[@]}"

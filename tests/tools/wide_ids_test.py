@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A mesh whose numbers begin at 2^33 goes through every tool like the one that begins at 0."""
+"""A mesh whose numbers begin at 2^51 goes through every tool and every format like the one that begins at 0."""
+import filecmp
 import json
+import pathlib
 import shutil
 
 import h5py
@@ -9,7 +11,7 @@ import numpy as np
 from gas_cases import gas_in_a_cube
 from tool_run import RANKS, kuhn_cube, refuses, run, run_tests, same_bytes
 
-FIRST = 2**33
+FIRST = 2**51
 
 
 def numbered_from(first, source, target):
@@ -52,6 +54,44 @@ def test_marking_and_refining():
         equal_but_for_numbers(f"wide{level + 1}.hdf", f"plain{level + 1}.hdf")
     run("pamr-refine", "wide.hdf", "-o", "one.hdf", "--quiet", serial=True)
     assert same_bytes("one.hdf", "wide2.hdf")
+
+
+def test_coarsening():
+    plain = kuhn_cube("plain0.hdf", 3)
+    numbered_from(FIRST, plain, "wide0.hdf")
+    for mesh in ("plain", "wide"):
+        run("pamr-mark", f"{mesh}0.hdf", "-o", f"{mesh}-up.hdf", "--crossing-sphere", "0,0,0,0.6", "--quiet")
+        run("pamr-refine", f"{mesh}-up.hdf", "-o", f"{mesh}1.hdf", "--quiet")
+        run("pamr-mark", f"{mesh}1.hdf", "-o", f"{mesh}-both.hdf", "--crossing-sphere", "1,1,1,0.4", "--coarsen-rest", "--quiet")
+        report = run("pamr-refine", f"{mesh}-both.hdf", "-o", f"{mesh}2.hdf", "--json", "-").json
+        assert report["coarsening"]["octets_gone"] > 0, report["coarsening"]
+    for name in ("-both", "2"):
+        equal_but_for_numbers(f"wide{name}.hdf", f"plain{name}.hdf")
+
+
+def same_trees(a, b):
+    """Two files, or folders of files, have the same bytes."""
+    if pathlib.Path(a).is_file():
+        return same_bytes(a, b)
+    names = [sorted(str(f.relative_to(root)) for f in pathlib.Path(root).rglob("*") if f.is_file()) for root in (a, b)]
+    assert names[0] and names[0] == names[1], names
+    return filecmp.cmpfiles(a, b, names[0], shallow=False)[0] == names[0]
+
+
+def test_every_other_format():
+    """Other formats count from 0 or 1 whatever the mesh counts from: their files are the same."""
+    plain = kuhn_cube("plain.hdf", 2)
+    numbered_from(FIRST, plain, "wide.hdf")
+    formats = [(".msh", ["--order", 2]), (".vtu", []), (".cgns", []), ("", [])]
+    if RANKS == 1:
+        formats += [(".msh", ["--text"]), (".msh", ["--gmsh-version", "2.2"]), (".vtu", ["--order", 2]), (".mesh", []),
+                    (".meshb", []), (".su2", []), (".lb8.ugrid", []), (".b8.ugrid", []), (".stl", []), (".obj", []),
+                    (".ply", []), (".off", []), (".vtp", [])]
+    for ending, more in formats:
+        outputs = [f"{mesh}-out{ending}" for mesh in ("plain", "wide")]
+        for mesh, out in zip(("plain.hdf", "wide.hdf"), outputs):
+            run("pamr-convert", mesh, out, "--force", "--quiet", *more)
+        assert same_trees(*outputs), (ending, more)
 
 
 def test_reports_and_comparisons():

@@ -35,7 +35,9 @@ std::optional<GlobalId> first_cell_to_read(const par::Comm& comm, io::NativeFile
     return balance::first_cell_of_run(comm, balance::work_from_values(file.read_integers(work, checksum)));
   if (comm.size() == 1) return {};
   const auto cell_to_node = file.read_cell_to_node();
-  return balance::first_cell_of_run(comm, balance::work_from_marks(cell_to_node, file.read_integers(marks, later)));
+  const auto lineage = file.read_lineage();
+  return balance::first_cell_of_run(comm,
+                                    balance::work_from_marks(cell_to_node, file.read_integers(marks, later), lineage));
 }
 
 BlockMesh read_block(const par::Comm& comm, const std::filesystem::path& path, const ReadingOptions& options) {
@@ -56,7 +58,7 @@ std::vector<Rank> destinations(const par::Comm& comm, const BlockMesh& block, co
   std::vector<std::uint8_t> work(block.cell_to_node.size(), 1);
   for (const auto& field : block.cell_fields)
     if (field.name == marks && field.holds_integers() && field.n_components == 1)
-      work = balance::work_from_marks(block.cell_to_node, field.integer());
+      work = balance::work_from_marks(block.cell_to_node, field.integer(), block.lineage);
   return par::runs_of_equal_work(comm, work, comm.size());
 }
 

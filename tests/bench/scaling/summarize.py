@@ -2,10 +2,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Tables and bars from the reports that scaling.sh collects.
 
-Usage: summarize.py FOLDER [--no-bars]
+Usage: summarize.py FOLDER [--no-bars | --counts] [--own-marks]
 
 FOLDER holds run-<ranks>-<k>.json, reports of `pamr-refine --each-rank`, and base-<ranks>.json of a mesh of next to
-nothing. Prints markdown; writes steps.csv (each step on each number of ranks) and ranks.csv (each rank's share of each
+nothing, and own-<ranks>.txt what own_memory.cpp counts on it. With --counts only bars of what is counted, not of times. Prints
+markdown; writes steps.csv (each step on each number of ranks) and ranks.csv (each rank's share of each
 step) there. Exit code 1 when a bar is missed.
 """
 import csv
@@ -51,8 +52,8 @@ def median(values):
 class Runs:
     """The runs on one number of ranks; every figure is the median over them."""
 
-    def __init__(self, ranks, reports, base):
-        self.ranks, self.reports, self.base = ranks, reports, base
+    def __init__(self, ranks, reports, base, own):
+        self.ranks, self.reports, self.base, self.own = ranks, reports, base, own
         self.cells_out = reports[0]["cells_out"]
         self.steps = [s for s in ORDER if s in reports[0]["steps"]]
         self.steps += [s for s in reports[0]["steps"] if s not in self.steps]
@@ -72,6 +73,11 @@ class Runs:
 
     def imbalance(self, *steps):
         return self.over(lambda all_: max(all_) * len(all_) / sum(all_) if sum(all_) > 0 else 1, "compute", *steps)
+
+    def cells_imbalance(self):
+        """Cells of the refined mesh: largest rank over mean."""
+        cells = self.reports[0]["of_rank"]["cells_out"]
+        return max(cells) * self.ranks / sum(cells)
 
     def messages_a_neighbor(self, step):
         """Most messages that a rank sends for each exchange and each rank that it shares nodes with."""
@@ -106,10 +112,32 @@ def load(folder):
     runs = []
     for ranks in sorted(by_ranks):
         with open(os.path.join(folder, f"base-{ranks}.json"), encoding="utf-8") as file:
-            runs.append(Runs(ranks, by_ranks[ranks], json.load(file)))
+            runs.append(Runs(ranks, by_ranks[ranks], json.load(file), load_own(folder, ranks)))
     if not runs:
         sys.exit(f"summarize.py: expected reports run-*-*.json in {folder}, found none")
     return runs
+
+
+def load_own(folder, ranks):
+    """Most that a rank took for our own arrays on the mesh of next to nothing, bytes, and kB of its pages: its own, of
+    files, shared between processes; none where it was not counted."""
+    path = os.path.join(folder, f"own-{ranks}.txt")
+    if not os.path.exists(path):
+        return None
+    with open(path, encoding="utf-8") as file:
+        rows = [[int(word) for word in line.split()] for line in file]
+    return [max(column) for column in zip(*rows)]
+
+
+def own_bytes_a_rank(runs):
+    """Bytes of our own arrays by which a rank more makes the largest rank grow: the most between the largest number of
+    ranks and each of the smaller ones from 16 on. Few cells are left there."""
+    counted = [run for run in runs if run.own]
+    if not counted:
+        return None
+    last = counted[-1]
+    slopes = [(last.own[0] - run.own[0]) / (last.ranks - run.ranks) for run in counted[:-1] if run.ranks >= 16]
+    return max(slopes) if slopes else None
 
 
 def write_csv(folder, runs):
@@ -165,6 +193,7 @@ def print_tables(runs):
               f"({1e3 * run.max('library', step):.1f})" for run in runs] for step, library in LIBRARIES.items()]
     rows.append(["largest rank over mean, after balancing"] +
                 [f"{run.imbalance(*AFTER_BALANCING):.2f}" for run in runs])
+    rows.append(["largest rank over mean, cells"] + [f"{run.cells_imbalance():.3f}" for run in runs])
     table(head, rows)
 
     print("Messages sent by the rank that sends most (exchanges of messages; operations of all ranks)\n")
@@ -178,6 +207,9 @@ def print_tables(runs):
         ["of a process without cells, MB"] + [number(1e-6 * run.base["peak_rss_bytes"]) for run in runs],
         ["difference (without shared memory) times ranks, of that on one"] + [
             f"{run.memory() * run.ranks / (first.memory() * first.ranks):.2f}" for run in runs],
+        ["without cells: our own arrays, kB"] + [number(1e-3 * run.own[0]) if run.own else "-" for run in runs],
+        ["without cells: pages of its own; of libraries, which processes share, MB"] + [
+            f"{1.024e-3 * run.own[1]:.1f}; {1.024e-3 * run.own[2]:.1f}" if run.own else "-" for run in runs],
         ["most neighbors"] + [str(max(run.reports[0]["of_rank"]["neighbors"])) for run in runs]])
 
     print("Modeled seconds (not measured: the largest rank's compute, its messages and reductions at "
@@ -205,6 +237,21 @@ def paper(name, ranks):
     return f"{PAPER[name][PAPER_RANKS.index(ranks)]:.1f}"
 
 
+def find_counted_bars(runs):
+    """(what, found, most) for what depends neither on the machine nor on what else it does."""
+    bars = []
+    for run in runs[1:]:
+        for step in ("close", "project", "relink"):
+            bars.append((f"{run.ranks} ranks: {step}, messages for each exchange and neighbor by shared nodes",
+                         run.messages_a_neighbor(step), 1))
+    slope = own_bytes_a_rank(runs)
+    if slope is not None:
+        bars.append((f"{runs[-1].ranks} ranks: our own arrays, bytes for each rank more", slope, 64))
+    prints = {r["fingerprint"] for run in runs for r in run.reports}
+    bars.append(("different meshes", len(prints), 1))
+    return bars
+
+
 def find_bars(runs):
     """(what, found, most) for each bar."""
     first = runs[0]
@@ -220,25 +267,21 @@ def find_bars(runs):
                          run.sum("compute", *rest) / total, most))
         bars.append((f"{run.ranks} ranks: largest rank over mean, after balancing", run.imbalance(*AFTER_BALANCING),
                      1.15))
-        for step in ("close", "project", "relink"):
-            bars.append((f"{run.ranks} ranks: {step}, messages for each exchange and neighbor by shared nodes",
-                         run.messages_a_neighbor(step), 1))
+        bars.append((f"{run.ranks} ranks: largest rank over mean, cells", run.cells_imbalance(),
+                     1.05 if "--own-marks" in sys.argv[1:] else 1.15))
         for step in run.steps:
             bars.append((f"{run.ranks} ranks: {step}, bytes of a rank for each cell of an even share",
                          moved(run, step) * run.ranks / run.cells_out, BYTES_A_CELL))
         bars.append((f"{run.ranks} ranks: memory of the largest rank, of an even share of that on {first.ranks}",
                      run.memory() * run.ranks / (first.memory() * first.ranks), 2))
-    prints = {r["fingerprint"] for run in runs for r in run.reports}
-    bars.append(("different meshes", len(prints), 1))
-    return bars
+    return bars + find_counted_bars(runs)
 
 
 BYTES_A_CELL = 250  # a row of every array of the file, its fields and numbers, once
 
 
-def print_bars(runs):
+def print_bars(bars):
     """Prints those that are missed, and the closest of each kind. Returns whether all are kept."""
-    bars = find_bars(runs)
     closest = {}
     for what, found, most in bars:
         kind = re.sub(r"^\d+ ranks: ", "", what)
@@ -252,7 +295,7 @@ def print_bars(runs):
 
 
 def main():
-    arguments = [a for a in sys.argv[1:] if a != "--no-bars"]
+    arguments = [a for a in sys.argv[1:] if a not in ("--no-bars", "--counts", "--own-marks")]
     if len(arguments) != 1:
         sys.exit(__doc__)
     runs = load(arguments[0])
@@ -260,7 +303,7 @@ def main():
     print_tables(runs)
     if "--no-bars" in sys.argv[1:] or len(runs) < 2:
         return 0
-    return 0 if print_bars(runs) else 1
+    return 0 if print_bars(find_counted_bars(runs) if "--counts" in sys.argv[1:] else find_bars(runs)) else 1
 
 
 if __name__ == "__main__":

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A mesh whose numbers begin far beyond 32 bits goes through every stage and the file like the one that begins at 0.
+// A mesh whose numbers begin beyond 2^50 goes through every stage and the file like the one that begins at 0.
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -21,7 +21,7 @@ namespace {
 
 using refine::QualityControl;
 
-constexpr GlobalId wide = GlobalId{1} << 33U;
+constexpr GlobalId wide = GlobalId{1} << 51U;
 
 /// A random cube with one node and one cell field, whose lower face is tied to a sphere that bulges into it.
 mesh::BlockMesh dome(const par::Comm& comm, std::uint64_t seed) {

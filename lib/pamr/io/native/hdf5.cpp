@@ -4,7 +4,9 @@
 #include <fmt/format.h>
 #include <semaphore.h>
 
+#include <algorithm>
 #include <array>
+#include <cstddef>
 #include <cstdlib>
 
 #include "pamr/base/error.hpp"
@@ -176,16 +178,42 @@ Handle independent_transfer() {
   return transfer;
 }
 
+namespace {
+
+/// Calls `transfer_piece(first, n, offset in bytes)` for pieces of the rows that fit MPI's counts, at least once, until
+/// one fails.
+template <class TransferPiece>
+bool transfer_in_pieces(std::int64_t first, std::int64_t n, std::size_t bytes_of_row, TransferPiece&& transfer_piece) {
+  const auto at_once = std::max<std::int64_t>(1, static_cast<std::int64_t>(max_transfer_bytes / bytes_of_row));
+  std::int64_t done = 0;
+  do {
+    const auto piece = std::min(at_once, n - done);
+    if (!transfer_piece(first + done, piece, static_cast<std::size_t>(done) * bytes_of_row)) return false;
+    done += piece;
+  } while (done < n);
+  return true;
+}
+
+}  // namespace
+
 bool read_rows(hid_t dataset, const Shape& shape, std::int64_t first, std::int64_t n, mesh::StorageType type, void* to,
                hid_t transfer) {
-  const auto selection = select(dataset, shape, first, n);
-  return H5Dread(dataset, memory_type(type), selection.memory.id(), selection.file.id(), transfer, to) >= 0;
+  const auto bytes_of_row = static_cast<std::size_t>(shape.width) * size_of(type);
+  return transfer_in_pieces(first, n, bytes_of_row, [&](std::int64_t begin, std::int64_t count, std::size_t offset) {
+    const auto selection = select(dataset, shape, begin, count);
+    return H5Dread(dataset, memory_type(type), selection.memory.id(), selection.file.id(), transfer,
+                   static_cast<std::byte*>(to) + offset) >= 0;
+  });
 }
 
 bool write_rows(hid_t dataset, const Shape& shape, std::int64_t first, std::int64_t n, hid_t type, const void* from,
                 hid_t transfer) {
-  const auto selection = select(dataset, shape, first, n);
-  return H5Dwrite(dataset, type, selection.memory.id(), selection.file.id(), transfer, from) >= 0;
+  const auto bytes_of_row = static_cast<std::size_t>(shape.width) * H5Tget_size(type);
+  return transfer_in_pieces(first, n, bytes_of_row, [&](std::int64_t begin, std::int64_t count, std::size_t offset) {
+    const auto selection = select(dataset, shape, begin, count);
+    return H5Dwrite(dataset, type, selection.memory.id(), selection.file.id(), transfer,
+                    static_cast<const std::byte*>(from) + offset) >= 0;
+  });
 }
 
 }  // namespace pamr::io::hdf5

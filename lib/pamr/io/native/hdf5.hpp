@@ -93,10 +93,10 @@ Handle parallel_access(const par::Comm& comm, const std::filesystem::path& file)
 Handle independent_transfer();
 
 /// Reads rows `first .. first + n` into memory of the given type; `n` may be 0. Collective unless `transfer` is
-/// independent.
+/// independent, and then of `max_transfer_bytes` at most; else more goes in pieces.
 bool read_rows(hid_t dataset, const Shape& shape, std::int64_t first, std::int64_t n, mesh::StorageType type, void* to,
                hid_t transfer);
-/// Writes rows `first .. first + n`; `n` may be 0. Collective unless `transfer` is independent.
+/// Writes rows `first .. first + n`; `n` may be 0. As `read_rows`.
 bool write_rows(hid_t dataset, const Shape& shape, std::int64_t first, std::int64_t n, hid_t type, const void* from,
                 hid_t transfer);
 

@@ -102,6 +102,10 @@ std::vector<std::array<GlobalId, 4>> NativeFile::read_cell_to_node() {
   return io::read_connectivity(open_->reader, open_->layout, block_of_rank(*comm_, info().n_global_cells), false);
 }
 
+std::vector<mesh::Lineage> NativeFile::read_lineage() {
+  return io::read_lineage_unchecked(open_->reader, open_->layout, block_of_rank(*comm_, info().n_global_cells));
+}
+
 mesh::BlockMesh NativeFile::read(std::optional<GlobalId> first_cell, std::string_view without_cell_field) {
   auto& reader = open_->reader;
   const auto& layout = open_->layout;
@@ -112,7 +116,7 @@ mesh::BlockMesh NativeFile::read(std::optional<GlobalId> first_cell, std::string
   mesh::BlockMesh block;
   block.info = layout.info;
   block.first_cell = layout.info.first_id + cells.begin;
-  block.lineage = read_lineage(reader, layout, cells);
+  block.lineage = io::read_lineage(reader, layout, cells);
   check_offsets_and_types(reader, layout, cells);
   block.cell_to_node = read_connectivity(reader, layout, cells, true);
   check_corners(reader, layout, cells, block.cell_to_node);

@@ -67,6 +67,9 @@ class NativeFile {
   std::vector<std::int64_t> read_integers(std::string_view cell_field, Checked checked);
   /// Nodes of the cells of that block (n x 4, global ids, in range), the checksum not compared.
   std::vector<std::array<GlobalId, 4>> read_cell_to_node();
+  /// Lineage of the cells of that block, nothing compared: a word that is none counts as a regular cell. Empty where
+  /// the file has no lineage.
+  std::vector<mesh::Lineage> read_lineage();
 
   /// The mesh: a run of cells for each rank, and its canonical block of the nodes.
   /// - `first_cell`: row of the first cell of this rank's run, counted from 0, ascending with the ranks, 0 on rank 0;

@@ -67,6 +67,18 @@ std::vector<mesh::Lineage> read_lineage(SlabReader& reader, const Layout& layout
   return result;
 }
 
+std::vector<mesh::Lineage> read_lineage_unchecked(SlabReader& reader, const Layout& layout, Rows cells) {
+  std::vector<mesh::Lineage> result;
+  if (!layout.has_lineage) return result;
+  result.reserve(at(cells.count()));
+  reader.each_slab({path::lineage, layout.lineage_type, {layout.info.n_global_cells, 1, true}}, cells, false,
+                   [&](GlobalId, std::span<const std::uint64_t> words) {
+                     for (const auto word : words)
+                       result.push_back(lineage_of_word(layout.format, word).value_or(mesh::Lineage()));
+                   });
+  return result;
+}
+
 void check_offsets_and_types(SlabReader& reader, const Layout& layout, Rows cells) {
   const auto n = layout.info.n_global_cells;
   const auto& comm = reader.comm();

@@ -18,6 +18,9 @@ GlobalId family_border(SlabReader& reader, const Layout& layout, GlobalId cell);
 /// Lineage words of whole families; empty when the file has none.
 std::vector<mesh::Lineage> read_lineage(SlabReader& reader, const Layout& layout, Rows cells);
 
+/// The same of any rows, nothing verified: a word that is none counts as a regular cell.
+std::vector<mesh::Lineage> read_lineage_unchecked(SlabReader& reader, const Layout& layout, Rows cells);
+
 /// Verifies that the offsets and types are those of tetrahedra.
 void check_offsets_and_types(SlabReader& reader, const Layout& layout, Rows cells);
 
