@@ -3,12 +3,13 @@
 """Force, torque and charge of this case by other means: quadratic or cubic elements on curved cells of a Gmsh mesh of the
 true ellipsoid, in dolfinx (Debian packages python3-dolfinx-real and python3-gmsh; dolfinx 0.5).
 
-Usage: reference.py [--size H] [--degree 2|3] [--spheres [RADIUS DISTANCE HEIGHT SPHERE PLATE]]
+Usage: reference.py [--size H] [--largest H] [--degree 2|3] [--spheres [RADIUS DISTANCE HEIGHT SPHERE PLATE]] [--far D]
 
-H is the wanted edge length at the body. Same box, same conditions on its walls as case.toml. Forces by the volume
-form with a harmonic cut-off function of the same degree; charge by the reaction. With --spheres the same for two spheres
-over a plate (default: reading B of cases/charged-spheres; SPHERE and PLATE are potentials), whose force along x is also
-found through the mid-plane.
+H is the wanted edge length at the body (--size) and anywhere (--largest). Same box, same conditions on its walls as
+case.toml. Forces by the volume form with a harmonic cut-off function of the same degree; charge by the reaction. With
+--spheres the same for two spheres over a plate (default: reading B of cases/charged-spheres; SPHERE and PLATE are
+potentials), whose force along x is also found through the mid-plane; the walls are D (default 7.5) beyond the center.
+The force on the plate is that of its stress.
 """
 import argparse
 import math
@@ -40,13 +41,13 @@ class Ellipsoid:
 
 
 class Spheres:
-    turn, low, far = 0.0, (0.0, 0.0, 0.0), 7.5
+    turn, low = 0.0, (0.0, 0.0, 0.0)
     mirror_x = True
     largest = 1.5
 
-    def __init__(self, radius=0.325, distance=4.5, height=2.5, body=3.0, plate=5.0):
+    def __init__(self, radius=0.325, distance=4.5, height=2.5, body=3.0, plate=5.0, far=7.5):
         self.axes, self.center = (radius,) * 3, (distance / 2, 0.0, height)
-        self.high = tuple(c + self.far for c in self.center)
+        self.high = tuple(c + far for c in self.center)
         self.body, self.plate = body, plate
 
     def decay(self, x, n):
@@ -98,10 +99,14 @@ def make_mesh(shape, size):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--size", type=float, default=0.15)
+    parser.add_argument("--largest", type=float)
     parser.add_argument("--degree", type=int, default=2)
     parser.add_argument("--spheres", type=float, nargs="*")
+    parser.add_argument("--far", type=float, default=7.5)
     o = parser.parse_args()
-    shape = Ellipsoid if o.spheres is None else Spheres(*o.spheres)
+    shape = Ellipsoid() if o.spheres is None else Spheres(*o.spheres, far=o.far)
+    if o.largest:
+        shape.largest = o.largest
     mesh, facets = make_mesh(shape, o.size)
     begin = time.process_time()
     space = fem.FunctionSpace(mesh, ("Lagrange", o.degree))
@@ -161,7 +166,10 @@ def main():
     if shape.mirror_x:
         across = ufl.dot(ufl.grad(u), ufl.grad(u)) - ufl.dot(ufl.grad(u), n) ** 2
         rest = ufl.cosh(psi0 + u) - ufl.cosh(psi0) - u * ufl.sinh(psi0)
-        print(f"force-x through the mid-plane {2 * fem.assemble_scalar(fem.form((across / 2 + rest) * ds(middle))):.8f}")
+        print(f"force-x through the mid-plane {2 * fem.assemble_scalar(fem.form((across / 2 + rest) * ds(middle))):.9g}")
+    # What psi0 alone exerts is left out; on the plate u is 0.
+    through_plate = fem.assemble_scalar(fem.form((base[2] * u.dx(2) + u.dx(2) ** 2 / 2) * ds(plate)))
+    print(f"force-z on the plate {(4 if shape.mirror_x else 2) * through_plate:.7f}")
     print(f"solved in {time.process_time() - begin:.2f} s of processor time")
 
 
