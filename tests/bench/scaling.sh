@@ -5,12 +5,14 @@
 # what each step computes, sends and holds on the ranks, the time that follows on a cluster, and the bars, with pass or
 # FAIL. Docs: docs/performance.md, "Scaling".
 #
-#   tests/bench/scaling.sh [BUILD] [--ranks "1 2 4"] [--repeats N] [--balance METHOD] [--tiny] [--out FOLDER]
+#   tests/bench/scaling.sh [BUILD] [--ranks "1 2 4"] [--repeats N] [--balance METHOD] [--mesh MARKED | --tiny]
+#                          [--out FOLDER]
 #
 #   BUILD       build folder (default build/release)
 #   --ranks     numbers of processes (default "1 2 4 8 16 32 64"; the first is what the others are compared with)
 #   --repeats   runs of each, of which the medians count (default 3)
 #   --balance   auto, scotch, blocks or none (default auto, as pamr-refine's)
+#   --mesh      a marked mesh of yours instead, and no bars: the marks of a flow, for example
 #   --tiny      a small cube instead, and no bars: shows that all this works
 #   --out       where reports and tables go (default BUILD/tests/bench/scaling-out); meshes stay there for the next time
 #
@@ -23,15 +25,17 @@ ranks="1 2 4 8 16 32 64"
 repeats=3
 balance=auto
 tiny=no
+given=
 out=
 while [ $# -gt 0 ]; do
   case $1 in
     --ranks) ranks=${2:?scaling.sh: --ranks needs numbers}; shift 2 ;;
     --repeats) repeats=${2:?scaling.sh: --repeats needs a number}; shift 2 ;;
     --balance) balance=${2:?scaling.sh: --balance needs a method}; shift 2 ;;
+    --mesh) given=${2:?scaling.sh: --mesh needs a marked mesh}; shift 2 ;;
     --tiny) tiny=yes; shift ;;
     --out) out=${2:?scaling.sh: --out needs a folder}; shift 2 ;;
-    -h | --help) sed -n '3,18s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
+    -h | --help) sed -n '3,20s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
     -*) echo "scaling.sh: unknown option $1 (see scaling.sh --help)" >&2; exit 2 ;;
     *) build=$1; shift ;;
   esac
@@ -56,8 +60,8 @@ if [ ! -s "$out/nothing.hdf" ]; then
   pamr-mesh --shape kuhn-cube --n 6 -o "$out/cube.hdf" --force --quiet
   pamr-mark "$out/cube.hdf" -o "$out/nothing.hdf" --force --quiet --crossing-sphere 0,0,0,0.6
 fi
-mesh=$out/nothing.hdf
-if [ $tiny = no ]; then
+mesh=${given:-$out/nothing.hdf}
+if [ $tiny = no ] && [ -z "$given" ]; then
   # Marked where the paper's gas wants it: the fore-body, the nose, the shell where the bow shock stands. The last two
   # refinements split closure cells of the one before, as those of the paper's levels 2 to 4.
   mesh=$out/cone.hdf
@@ -85,8 +89,8 @@ done
 trap - ERR
 
 bars=()
-if [ $tiny = yes ]; then bars=(--no-bars); fi
+if [ $tiny = yes ] || [ -n "$given" ]; then bars=(--no-bars); fi
 echo "$(date +%F), commit $(git -C "$root" rev-parse --short HEAD 2>/dev/null || echo unknown)," \
   "$(sed -n 's/^model name.*: //p' /proc/cpuinfo | head -1), $(nproc) cores, load $(cut -d' ' -f1 /proc/loadavg)." \
-  "Command: tests/bench/scaling.sh --balance $balance --repeats $repeats (medians)."
+  "Command: tests/bench/scaling.sh --balance $balance --repeats $repeats${given:+ --mesh $(basename -- "$given")} (medians)."
 python3 "$folder/scaling/summarize.py" "$out" "${bars[@]}"
