@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Runs the studies of the blunt cone and prints their tables: studies.sh says how.
 
-Usage: studies.py FULL OUT RANKS [STUDY...]
+Usage: studies.py FULL SMALL|none OUT RANKS [STUDY...]
 """
 import json
 import os
@@ -35,19 +35,20 @@ class Run:
 
 
 RUNS = [
+    Run("particles", "l0-250k", "level0", 4e12, 1200),
+    Run("partner", "l0-250k-any", "level0", 4e12, 1200, partner="any"),
+    Run("step", "l0-250k-double-step", "level0", 4e12, 600, steps=2.0, cell_fraction=0.4),
+    Run("step", "l0-250k-half-step", "level0", 4e12, 2400, steps=0.5, cell_fraction=0.1),
     Run("particles", "l0-500k", "level0", 2e12, 1200),
-    Run("step", "l0-500k-half-step", "level0", 2e12, 2400, steps=0.5, cell_fraction=0.1),
-    Run("step", "l0-500k-double-step", "level0", 2e12, 600, steps=2.0, cell_fraction=0.4),
-    Run("partner", "l0-500k-any", "level0", 2e12, 1200, partner="any"),
-    Run("particles", "l0-1m", "level0", 1e12, 1200),
     # Half as large cells with the steps and weights that the large ones have: twice the fraction of a cell.
-    Run("cells", "l0-halved-1m", "halved", 1e12, 1200, cell_fraction=0.4),
-    *(Run("seeds", f"l0-125k-seed{seed}", "level0", 8e12, 1200, carry=None, seed=seed) for seed in range(1, 9)),
-    Run("partner", "l1-760k-any", "level1", 2.1e12, 1600, carry=1, partner="any"),
-    Run("levels", "l1-760k", "level1", 2.1e12, 1600, carry=1),
+    Run("cells", "l0-halved-500k", "halved", 2e12, 1200, cell_fraction=0.4),
+    *(Run("seeds", f"l0-125k-seed{seed}", "level0", 8e12, 1200, seed=seed) for seed in range(1, 9)),
+    Run("levels", "l1-380k", "level1", 4.2e12, 1600, carry=1),
+    Run("partner", "l1-380k-any", "level1", 4.2e12, 1600, carry=1, partner="any"),
     Run("coarse", "coarse-any", "coarse", 3.5e12, 1200, carry=None, partner="any"),
+    Run("domain", "wide", "wide", 4e12, 1800, carry=None),
+    Run("levels", "l1-760k", "level1", 2.1e12, 1600, carry=1),
     Run("levels", "l2-950k", "level2", 2.5e12, 2100, carry=2),
-    Run("domain", "wide", "wide", 2e12, 1800, carry=None),
 ]
 # The coarsest mesh whose edges still fit the arcs of the wall; and a wider domain.
 MESHES = {
@@ -57,8 +58,9 @@ MESHES = {
 
 
 class Folders:
-    def __init__(self, full, out, ranks):
+    def __init__(self, full, small, out, ranks):
         self.full, self.out, self.ranks = pathlib.Path(full).resolve(), pathlib.Path(out).resolve(), ranks
+        self.small = None if small == "none" else pathlib.Path(small).resolve()
 
     def tool(self, name, *arguments):
         command = ["mpirun", "-q", "-n", str(self.ranks), name, *map(str, arguments), "--force", "--quiet"]
@@ -115,13 +117,13 @@ def compute(run, folders):
 
 
 def main():
-    folders = Folders(sys.argv[1], sys.argv[2], int(sys.argv[3]))
-    chosen = sys.argv[4:] or STUDIES
+    folders = Folders(*sys.argv[1:4], int(sys.argv[4]))
+    chosen = sys.argv[5:] or STUDIES
     for study in chosen:
-        if study not in (*STUDIES, "tables"):
-            sys.exit(f"studies.py: unknown study {study}: expected some of {' '.join(STUDIES)} tables")
+        if study not in (*STUDIES, *(run.name for run in RUNS), "tables"):
+            sys.exit(f"studies.py: unknown study {study}: expected some of {' '.join(STUDIES)} tables, or a run's name")
     for run in RUNS:
-        if run.study in chosen:
+        if run.study in chosen or run.name in chosen:
             compute(run, folders)
     study_tables.print_all(RUNS, folders)
 

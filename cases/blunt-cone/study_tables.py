@@ -11,6 +11,8 @@ import numpy as np
 COEFFICIENTS = ("C_D", "C_L", "C_m", "C_H")
 DENSITY = 1.116e21
 NOSE = 4e-3  # radius of the cap over which the heat of the nose is a mean, m
+CONE = (4.3e-3, 24e-3)  # the cone lies between these distances from the axis
+CONE_END = 7.99e-3  # and before this x
 STUDENT_7, CHI2_7 = 2.365, (1.690, 16.013)  # 7 degrees of freedom: 97.5 %; 2.5 and 97.5 %
 
 
@@ -23,23 +25,27 @@ class Found:
         self.name, self.particles = name, self.report["particles"]
         wall = name.replace("flow", "wall") if name.startswith("flow") else name
         self.values = {c: (self.report[c]["value"], self.report[c]["ci95"]) for c in COEFFICIENTS}
-        self.values["nose"] = nose_heat(folder / f"{wall}.vtu", self.report["averages"]["student_95"])
-        self.cells = int(h5py.File(folder / f"{name}.hdf", "r")["VTKHDF/NumberOfCells"][0])
+        student = self.report["averages"]["student_95"]
+        self.values["nose"] = heat(folder / f"{wall}.vtu", 0, NOSE, student)
+        self.cone = heat(folder / f"{wall}.vtu", *CONE, student)
+        self.flow = folder / f"{name}.hdf"
+        self.cells = int(h5py.File(self.flow, "r")["VTKHDF/NumberOfCells"][0])
 
     def text(self):
         digits = {"nose": 1}
         return " | ".join(f"{v:.{digits.get(c, 4)}f} +- {e:.{digits.get(c, 4)}f}" for c, (v, e) in self.values.items())
 
 
-def nose_heat(name, student):
-    """Mean heat flux of the fore-body within NOSE of the axis, kW/m2, and its bound; faces count as independent."""
+def heat(name, low, high, student):
+    """Mean heat flux of the fore-body between two distances from the axis, kW/m2, and its bound; faces count as independent."""
     text = name.read_text(encoding="utf-8")
 
     def array(title):
         return np.array(re.search(f'Name="{title}"[^>]*>([^<]*)<', text).group(1).split(), float)
 
     middle = array("Points").reshape(-1, 3)[array("connectivity").astype(int).reshape(-1, 3)].mean(axis=1)
-    near = (np.hypot(middle[:, 1], middle[:, 2]) < NOSE) & (middle[:, 0] < 1e-3)
+    radius = np.hypot(middle[:, 1], middle[:, 2])
+    near = (radius >= low) & (radius < high) & (middle[:, 0] < CONE_END)
     area, q, error = (array(title)[near] for title in ("area", "q", "q_stderr"))
     return ((area * q).sum() / area.sum() / 1e3, student * math.sqrt(((area * error) ** 2).sum()) / area.sum() / 1e3)
 
@@ -102,11 +108,40 @@ def sizes(folder, levels):
            "separation / lambda, median", "collisions of a particle a step, median, 90 %"), rows)
 
 
+def cone_heat(found):
+    """Heat of the conical part of the fore-body beside what the gas at it sees: means over collisions in the cells there."""
+    rows = []
+    for name, f in found.items():
+        cell = h5py.File(f.flow, "r")
+        data = {key: value[:] for key, value in cell["VTKHDF/CellData"].items() if value.ndim == 1}
+        points = cell["VTKHDF/Points"][:][cell["VTKHDF/Connectivity"][:].reshape(-1, 4)]
+        edges = points[:, 1:] - points[:, :1]
+        collisions = data["n"] / data["tau_c"] * np.abs(np.linalg.det(edges))
+        radius = np.hypot(*points.mean(axis=1)[:, 1:].T)
+        there = (cell["PAMR/cell_to_cell"][:] == -1).any(axis=1) & (radius > CONE[0]) & (radius < CONE[1])
+        there &= data["tau_c"] < 1e29
+
+        def mean(key, there=there, data=data, collisions=collisions):
+            return np.average(data[key][there], weights=collisions[there])
+
+        size = np.average(1 / data["Kn_cell"][there], weights=collisions[there])
+        rows.append((name, f.cells, f.particles, f"{mean('separation_over_lambda'):.2f}", f"{size:.2f}",
+                     f"{mean('collision_probability'):.2f}", f"{f.cone[0]:.3f} +- {f.cone[1]:.3f}"))
+    table(("run", "cells", "particles", "separation / lambda", "size / lambda", "collisions of a particle a step",
+           "heat of the cone, kW/m2"), rows)
+
+
+def recorded(folder, name):
+    """The levels of a run of run.sh."""
+    if folder is None:
+        return {}
+    levels = [i for i in range(5) if all((folder / file).exists() for file in (f"flow{i}.json", f"wall{i}.vtu"))]
+    return {f"{name}level {level}": Found(folder, f"flow{level}") for level in levels}
+
+
 def print_all(runs, folders):
     found = {run.name: Found(folders.out, run.name) for run in runs if (folders.out / f"{run.name}.json").exists()}
-    for level in range(5):
-        if (folders.full / f"flow{level}.json").exists() and (folders.full / f"wall{level}.vtu").exists():
-            found[f"level {level}"] = Found(folders.full, f"flow{level}")
+    found |= recorded(folders.full, "") | recorded(folders.small, "small ")
     head = ("C_D", "C_L", "C_m", "C_H", "nose, kW/m2")
     table(("run", "cells", "particles", "averaged steps", *head),
           [(name, f.cells, f.particles, f.report["steps"] - f.report["averages_from_step"], f.text())
@@ -115,20 +150,23 @@ def print_all(runs, folders):
     rows = [(what, change(found[after], found[before], factor)) for what, after, before, factor in CHANGES
             if after in found and before in found]
     table(("change", *head), rows)
+    cone_heat(found)
     sizes(folders.full, [level for level in range(5) if f"level {level}" in found])
 
 
 # what, after, before, factor
 CHANGES = (
+    ("level 0: 5 times the particles (small run to full)", "level 0", "small level 0", 1),
+    ("level 1: 3.6 times the particles (small run to full)", "level 1", "small level 1", 1),
+    ("level 0: twice the particles (0.25 to 0.5 million)", "l0-500k", "l0-250k", 1),
     ("level 0: 5 times the particles (0.5 to 2.5 million)", "level 0", "l0-500k", 1),
-    ("level 0: twice the particles (0.5 to 1 million)", "l0-1m", "l0-500k", 1),
-    ("level 0: 2.5 times the particles (1 to 2.5 million)", "level 0", "l0-1m", 1),
-    ("level 0: half the step", "l0-500k-half-step", "l0-500k", 1),
-    ("level 0: twice the step", "l0-500k-double-step", "l0-500k", 1),
-    ("level 0: half the cells' size, same steps and weights", "l0-halved-1m", "l0-1m", 1),
-    ("level 0: any partner", "l0-500k-any", "l0-500k", 1),
-    ("level 1: any partner", "l1-760k-any", "l1-760k", 1),
-    ("level 1: 2.6 times the particles", "level 1", "l1-760k", 1),
-    ("level 2: 4 times the particles", "level 2", "l2-950k", 1),
-    ("level 0: outer radius 90 mm", "wide", "l0-500k", 1),
+    ("level 0: half the step", "l0-250k-half-step", "l0-250k", 1),
+    ("level 0: twice the step", "l0-250k-double-step", "l0-250k", 1),
+    ("level 0: cells half as large, same steps and weights", "l0-halved-500k", "l0-500k", 1),
+    ("level 0: any partner", "l0-250k-any", "l0-250k", 1),
+    ("level 1: any partner", "l1-380k-any", "l1-380k", 1),
+    ("level 1: twice the particles (0.38 to 0.76 million)", "l1-760k", "l1-380k", 1),
+    ("level 1: 5 times the particles (0.38 to 1.95 million)", "level 1", "l1-380k", 1),
+    ("level 2: 4 times the particles (0.95 to 3.8 million)", "level 2", "l2-950k", 1),
+    ("level 0: outer radius 90 mm", "wide", "l0-250k", 1),
 )
