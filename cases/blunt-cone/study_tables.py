@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Tables of the studies of the blunt cone, in markdown; all +- are bounds of 95 %."""
+import csv
 import json
 import math
 import re
@@ -89,6 +90,26 @@ def seeds(found):
            "within the bound of the mean"), rows)
 
 
+def memory(folder, levels):
+    """Whether the averaged blocks of a level remember each other: correlation of neighbors, and standard errors from single
+    blocks, pairs and fives, which would grow if they did."""
+    rows = []
+    for level in levels:
+        with open(folder / f"history{level}.csv", encoding="utf-8") as file:
+            blocks = [row for row in csv.DictReader(file) if row["averaged"] == "1"]
+        for c in COEFFICIENTS:
+            values = np.array([float(row[c]) for row in blocks])
+            if len(values) < 10:
+                continue
+            off = values - values.mean()
+            errors = []
+            for size in (1, 2, 5):
+                groups = values[: len(values) // size * size].reshape(-1, size).mean(axis=1)
+                errors.append(f"{groups.std(ddof=1) / math.sqrt(len(groups)):.5f}")
+            rows.append((level, c, len(values), f"{(off[1:] * off[:-1]).sum() / (off**2).sum():+.2f}", *errors))
+    table(("level", "", "blocks", "correlation of neighbors", "standard error from blocks", "pairs", "fives"), rows)
+
+
 def sizes(folder, levels):
     """Cell sizes over the local mean free path, separations and collision probabilities of the recorded levels."""
     rows = []
@@ -151,6 +172,7 @@ def print_all(runs, folders):
             if after in found and before in found]
     table(("change", *head), rows)
     cone_heat(found)
+    memory(folders.full, [level for level in range(5) if f"level {level}" in found])
     sizes(folders.full, [level for level in range(5) if f"level {level}" in found])
 
 
