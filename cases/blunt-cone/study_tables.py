@@ -120,6 +120,8 @@ def sizes(folder, levels):
         dense = (data["n"][:] > 1.05 * DENSITY) & (ratio > 1e-20)
         wall = (cell["PAMR/cell_to_cell"][:] == -1).any(axis=1) & (ratio > 1e-20)  # patch 0, the fore-body
         for where, which in (("denser than 1.05 n_inf", dense), ("at the fore-body", wall)):
+            if not which.any():
+                continue
             r = ratio[which]
             rows.append((level, where, int(which.sum()), *(f"{np.quantile(r, p):.2f}" for p in (0.5, 0.9, 0.99, 1)),
                          f"{np.median(data['particles'][:][which]):.1f}",
