@@ -158,12 +158,15 @@ BluntConeSizes BluntConeSizes::scaled_to(double far) {
 
 std::span<const SizeLimit> blunt_cone_size_limits() { return limits; }
 
-Domain blunt_cone(const BluntConeSizes& sizes) {
+Domain blunt_cone(const BluntConeSizes& sizes, double outer_radius) {
   for (const auto& limit : limits)
     if (const double value = sizes.*limit.value; !(value >= limit.low && value <= limit.high))
       throw Error(fmt::format("expected size {} of blunt-cone between {:g} and {:g}, found {:g}", limit.name, limit.low,
                               limit.high, value));
-  const BluntConeMeridian m;
+  if (!(outer_radius >= min_cone_radius && outer_radius <= max_cone_radius))
+    throw Error(fmt::format("expected outer_radius of blunt-cone between {:g} and {:g}, found {:g}", min_cone_radius,
+                            max_cone_radius, outer_radius));
+  const BluntConeMeridian m(outer_radius);
   Domain domain;
   const std::array described{
       geometry::described_revolution("body", m.body()), geometry::described_revolution("outer", m.outer()),

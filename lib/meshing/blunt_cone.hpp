@@ -32,8 +32,13 @@ struct SizeLimit {
 };
 std::span<const SizeLimit> blunt_cone_size_limits();
 
+/// Radius of the cylinder around the gas, meters: by default, least and largest. Its front edge is rounded with 30 mm,
+/// and the body has 25 mm.
+inline constexpr double default_cone_radius = 60e-3, min_cone_radius = 45e-3, max_cone_radius = 200e-3;
+
 /// Half of the gas around the 70-degree blunt cone with its sting, meters: x along the axis, nose tip in the origin,
-/// y >= 0. Patches forebody, base, sting, inflow, outflow, symmetry. Local. Throws `Error` for sizes out of range.
-Domain blunt_cone(const BluntConeSizes& sizes);
+/// y >= 0. Patches forebody, base, sting, inflow, outflow, symmetry. `outer_radius`: of the cylinder around the gas.
+/// Local. Throws `Error` for sizes or a radius out of range.
+Domain blunt_cone(const BluntConeSizes& sizes, double outer_radius = default_cone_radius);
 
 }  // namespace pamr::meshing

@@ -176,9 +176,10 @@ MeshCase read_mesh_case(std::string_view text, const std::string& where) {
     return read_charged_spheres(mesh, result.shape == "charged-spheres");
   };
   try {
-    if (result.shape == "blunt-cone")
+    if (result.shape == "blunt-cone") {
       result.blunt_cone = read_blunt_cone(mesh);
-    else if (result.shape == "sphere-in-box")
+      take(mesh.find_table("geometry"), "outer_radius", result.cone_radius, {min_cone_radius, max_cone_radius});
+    } else if (result.shape == "sphere-in-box")
       result.box_size = read_sphere_in_box(mesh);
     else
       result.combination = combination();

@@ -39,8 +39,11 @@ Combination supersonic_sphere(const SupersonicSphere& given) {
   require(p.inflow > p.radius && p.outflow > p.radius && p.side > p.radius,
           fmt::format("borders beyond the sphere, found inflow {:g}, outflow {:g}, side {:g}", p.inflow, p.outflow,
                       p.side));
-  require(p.size_sphere > 0 && p.size_sphere <= 0.6 * p.radius && p.size_sphere <= p.far,
-          fmt::format("an edge length at the sphere up to 0.6 radii and the largest one, found {:g}", p.size_sphere));
+  require(p.size_sphere > 0 && p.size_sphere <= 0.6 * p.radius,
+          fmt::format("an edge length at the sphere up to 0.6 radii, {:g} at radius {:g}, found {:g}", 0.6 * p.radius,
+                      p.radius, p.size_sphere));
+  require(p.far >= p.size_sphere,
+          fmt::format("a largest edge length of at least that at the sphere, {:g}, found {:g}", p.size_sphere, p.far));
   require(p.far <= 0.6 * p.side,
           fmt::format("a largest edge length up to 0.6 of the outer cylinder's radius, found {:g}", p.far));
   require(p.growth >= 0.05 && p.growth <= 0.8, fmt::format("growth between 0.05 and 0.8, found {:g}", p.growth));

@@ -5,13 +5,15 @@
 # what each step computes, sends and holds on the ranks, the time that follows on a cluster, and the bars, with pass or
 # FAIL. Docs: docs/performance.md, "Scaling".
 #
-#   tests/bench/scaling.sh [BUILD] [--ranks "1 2 4"] [--repeats N] [--balance METHOD] [--own-marks] [--small | --tiny] [--out FOLDER]
+#   tests/bench/scaling.sh [BUILD] [--ranks "1 2 4"] [--repeats N] [--balance METHOD] [--own-marks]
+#                          [--mesh MARKED | --small | --tiny] [--out FOLDER]
 #
 #   BUILD       build folder (default build/release)
 #   --ranks     numbers of processes (default "1 2 4 8 16 32 64"; the first is what the others are compared with)
 #   --repeats   runs of each, of which the medians count (default 3)
 #   --balance   auto, scotch, blocks or none (default auto, as pamr-refine's)
 #   --own-marks without the field refine_work, which pamr-mark writes and a solver that marks by itself does not
+#   --mesh      a marked mesh of yours instead, and no bars: the marks of a flow, for example
 #   --small     a cube of 82,944 cells instead, and only the bars of what is counted: for hundreds of ranks on few cores
 #   --tiny      a small cube instead, and no bars: shows that all this works
 #   --out       where reports and tables go (default BUILD/tests/bench/scaling-out); meshes stay there for the next time
@@ -26,6 +28,7 @@ repeats=3
 balance=auto
 size=cone
 own_marks=no
+given=
 out=
 while [ $# -gt 0 ]; do
   case $1 in
@@ -33,10 +36,11 @@ while [ $# -gt 0 ]; do
     --repeats) repeats=${2:?scaling.sh: --repeats needs a number}; shift 2 ;;
     --balance) balance=${2:?scaling.sh: --balance needs a method}; shift 2 ;;
     --own-marks) own_marks=yes; shift ;;
+    --mesh) given=${2:?scaling.sh: --mesh needs a marked mesh}; shift 2 ;;
     --small) size=small; shift ;;
     --tiny) size=tiny; shift ;;
     --out) out=${2:?scaling.sh: --out needs a folder}; shift 2 ;;
-    -h | --help) sed -n '3,20s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
+    -h | --help) sed -n '3,22s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
     -*) echo "scaling.sh: unknown option $1 (see scaling.sh --help)" >&2; exit 2 ;;
     *) build=$1; shift ;;
   esac
@@ -78,6 +82,7 @@ if [ $size = small ]; then
     pamr-mark "$out/cube.hdf" -o "$mesh" --force --quiet --crossing-sphere 0,0,0,0.6
   fi
 fi
+if [ -n "$given" ]; then mesh=$given size=given; fi
 if [ $size = cone ]; then
   # Marked where the paper's gas wants it: the fore-body, the nose, the shell where the bow shock stands. The last two
   # refinements split closure cells of the one before, as those of the paper's levels 2 to 4.
@@ -114,7 +119,7 @@ done
 trap - ERR
 
 bars=()
-if [ $size = tiny ]; then bars=(--no-bars); fi
+if [ $size = tiny ] || [ $size = given ]; then bars=(--no-bars); fi
 if [ $size = small ]; then bars=(--counts); fi
 marks=
 if [ $own_marks = yes ]; then
@@ -123,5 +128,5 @@ if [ $own_marks = yes ]; then
 fi
 echo "$(date +%F), commit $(git -C "$root" rev-parse --short HEAD 2>/dev/null || echo unknown)," \
   "$(sed -n 's/^model name.*: //p' /proc/cpuinfo | head -1), $(nproc) cores, load $(cut -d' ' -f1 /proc/loadavg)." \
-  "Command: tests/bench/scaling.sh --balance $balance --repeats $repeats$marks (medians)."
+  "Command: tests/bench/scaling.sh --balance $balance --repeats $repeats$marks${given:+ --mesh $(basename -- "$given")} (medians)."
 python3 "$folder/scaling/summarize.py" "$out" "${bars[@]}"

@@ -81,6 +81,14 @@ class Loop(unittest.TestCase):
             self.assertNotIn("carried", again)
             self.assertEqual([line.split() for line in again.splitlines() if line.strip()[:2] in ("0 ", "1 ")], rows)
 
+            studies = run("studies.sh", "--full-run", out, "--out", os.path.join(out, "studies"), "tables")
+            for level in (0, 1):
+                with open(os.path.join(out, f"flow{level}.json"), encoding="utf-8") as file:
+                    drag = json.load(file)["C_D"]
+                row = next(line for line in studies.splitlines() if line.startswith(f"| level {level} |"))
+                self.assertIn(f"{drag['value']:.4f} +- {drag['ci95']:.4f}", row)
+                self.assertEqual(studies.count(f"\n| {level} | at the fore-body |"), 1, studies)
+
 
 if __name__ == "__main__":
     unittest.main(argv=sys.argv[:1])

@@ -421,6 +421,7 @@ def test_bad_case_files_are_refused_with_their_line():
              (head + 'length_unit = "m"\n[mesh.sizes]\nshoulder = 2e-3\n', [":5", "0.002"]),
              (head + 'length_unit = "m"\n[mesh.sizes]\nfar = nan\n', [":5", "nan"]),
              (head + 'length_unit = "m"\n[mesh.sizes]\nfar = "1"\n', [":5", '"1"']),
+             (head + 'length_unit = "m"\n[mesh.geometry]\nouter_radius = 0.04\n', [":5", "0.045", "0.04"]),
              (head + 'length_unit = "m"\nregion = "+a"\n', [":4", "'region'"]))
     ball = '[[surface]]\nname = "ball"\nkind = "sphere"\ncenter = [0, 0, 0]\nradius = 1\n'
     head = '[mesh]\nshape = "surfaces"\nlength_unit = "1"\n'
@@ -440,7 +441,11 @@ def test_bad_case_files_are_refused_with_their_line():
                ball.replace('"ball"', '"idle"').replace("radius = 1", "radius = 2"), ["no face", '"idle"']),
               ('[mesh]\nshape = "sphere-pair"\nlength_unit = "1"\n[mesh.geometry]\nradius = 3\n', ["distance", "4.5"]),
               ('[mesh]\nshape = "sphere-pair"\nlength_unit = "1"\n[mesh.geometry]\nheight = 3\n', [":5", "'height'"]),
-              ('[mesh]\nshape = "supersonic-sphere"\nlength_unit = "m"\n[mesh.geometry]\nparts = 4.5\n', ["4.5"]))
+              ('[mesh]\nshape = "supersonic-sphere"\nlength_unit = "m"\n[mesh.geometry]\nparts = 4.5\n', ["4.5"]),
+              ('[mesh]\nshape = "supersonic-sphere"\nlength_unit = "m"\n[mesh.sizes]\nfar = 0.3\nsphere = 0.05\ngrowth = 0.2\n',
+               ["0.6 radii", "0.003", "radius 0.005", "0.05"]),
+              ('[mesh]\nshape = "supersonic-sphere"\nlength_unit = "m"\n[mesh.sizes]\nfar = 1e-3\nsphere = 2e-3\n',
+               ["largest edge length", "0.002", "0.001"]))
     for text, words in cases:
         pathlib.Path("bad.toml").write_text(text)
         refuses("pamr-mesh", "bad.toml", "-o", "out.hdf", says=["bad.toml"] + words, creates="out.hdf")

@@ -62,8 +62,19 @@ TEST(BluntCone, LabelsWhatLiesBehindEachPatch) {
   EXPECT_EQ(domain.label({0.03, -0.001, 0.02}), 5);
 }
 
+TEST(BluntCone, HasAllTheGasWithinItsOuterRadius) {
+  const auto domain = blunt_cone({}, 0.09);
+
+  EXPECT_EQ(domain.label({0.03, 0.089, 0}), Domain::inside);
+  EXPECT_EQ(domain.label({0.03, 0.091, 0}), 3);
+  EXPECT_EQ(domain.label({-0.029, 0.059, 0}), Domain::inside);
+  EXPECT_EQ(domain.label({-0.029, 0.089, 0}), 3);
+  EXPECT_GT(domain.radius, std::hypot(0.09, 0.045));
+  EXPECT_THROW(blunt_cone({}, 0.04), Error);
+}
+
 TEST(BluntCone, CurvesLieOnTheSurfacesOfThePatchesAndEndInCommonCorners) {
-  const auto domain = blunt_cone({});
+  const auto domain = blunt_cone({}, 0.08);
 
   int n_ends = 0;
   for (const auto& curve : domain.curves) {

@@ -1,0 +1,132 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Runs the studies of the blunt cone and prints their tables: studies.sh says how.
+
+Usage: studies.py FULL SMALL|none OUT RANKS [STUDY...]
+"""
+import json
+import os
+import pathlib
+import re
+import subprocess
+import sys
+import time
+from dataclasses import dataclass
+
+import study_tables
+
+CASE = pathlib.Path(__file__).resolve().parent
+STUDIES = ("particles", "step", "cells", "seeds", "partner", "coarse", "levels", "domain")
+
+
+@dataclass
+class Run:
+    """One flow on a mesh, begun with that of a level of the full run (or with the free stream)."""
+    study: str
+    name: str
+    mesh: str  # level<i> of the full run, or one of MESHES
+    weight: float  # molecules a particle, where the time step is the longest
+    sampling: int  # averaged steps
+    carry: int | None = 0
+    steps: float = 1.0  # time step over the usual one
+    cell_fraction: float = 0.2
+    partner: str = "nearest"
+    seed: int = 1
+
+
+RUNS = [
+    Run("particles", "l0-250k", "level0", 4e12, 1200),
+    Run("partner", "l0-250k-any", "level0", 4e12, 1200, partner="any"),
+    Run("step", "l0-250k-double-step", "level0", 4e12, 600, steps=2.0, cell_fraction=0.4),
+    Run("step", "l0-250k-half-step", "level0", 4e12, 2400, steps=0.5, cell_fraction=0.1),
+    Run("particles", "l0-500k", "level0", 2e12, 1200),
+    # Half as large cells with the steps and weights that the large ones have: twice the fraction of a cell.
+    Run("cells", "l0-halved-500k", "halved", 2e12, 1200, cell_fraction=0.4),
+    *(Run("seeds", f"l0-125k-seed{seed}", "level0", 8e12, 1200, seed=seed) for seed in range(1, 9)),
+    Run("levels", "l1-380k", "level1", 4.2e12, 1600, carry=1),
+    Run("partner", "l1-380k-any", "level1", 4.2e12, 1600, carry=1, partner="any"),
+    Run("coarse", "coarse-any", "coarse", 3.5e12, 1200, carry=None, partner="any"),
+    Run("domain", "wide", "wide", 4e12, 1800, carry=None),
+    Run("levels", "l1-760k", "level1", 2.1e12, 1600, carry=1),
+    Run("levels", "l2-950k", "level2", 2.5e12, 2100, carry=2),
+]
+# The coarsest mesh whose edges still fit the arcs of the wall; and a wider domain.
+MESHES = {
+    "coarse": "far = 15e-3\nforebody = 6e-3\nshoulder = 0.75e-3\nbase = 6e-3\nfillet = 1.25e-3\nsting = 3.8e-3\ngrowth = 0.8\n",
+    "wide": None,
+}
+
+
+class Folders:
+    def __init__(self, full, small, out, ranks):
+        self.full, self.out, self.ranks = pathlib.Path(full).resolve(), pathlib.Path(out).resolve(), ranks
+        self.small = None if small == "none" else pathlib.Path(small).resolve()
+
+    def tool(self, name, *arguments):
+        command = ["mpirun", "-q", "-n", str(self.ranks), name, *map(str, arguments), "--force", "--quiet"]
+        done = subprocess.run(command, cwd=self.out, capture_output=True, text=True)
+        if done.returncode != 0:
+            sys.exit(f"studies.py: {' '.join(command)}: {done.stderr}")
+
+    def mesh(self, name):
+        if name.startswith("level"):
+            return self.full / f"{name}.hdf"
+        made = self.out / f"{name}.hdf"
+        if made.exists():
+            return made
+        if name == "halved":
+            self.tool("pamr-mark", self.full / "level0.hdf", "--all", "-o", "marked.hdf")
+            self.tool("pamr-refine", "marked.hdf", "-o", made)
+        else:
+            case = (CASE / "case.toml").read_text(encoding="utf-8")
+            if name == "wide":
+                case = case.replace("[mesh.sizes]", "[mesh.geometry]\nouter_radius = 90e-3\n\n[mesh.sizes]")
+            else:
+                case = re.sub(r"(?<=\[mesh\.sizes\]\n).*?(?=\n#)", MESHES[name], case, flags=re.S)
+            (self.out / f"{name}.toml").write_text(case, encoding="utf-8")
+            self.tool("pamr-mesh", f"{name}.toml", "-o", made)
+        return made
+
+
+def compute(run, folders):
+    if (folders.out / f"{run.name}.json").exists():
+        return
+    mesh = folders.mesh(run.mesh)
+    case = (CASE / "case.toml").read_text(encoding="utf-8")
+    for pattern, text in ((r"\"\.\./species.toml\"", json.dumps(str(CASE.parent / "species.toml"))),
+                          (r"^weight = .*", f"weight = {run.weight}"),
+                          (r"^step = .*", f"step = {7e-7 * run.steps}"),
+                          (r"^cell_fraction = .*", f"cell_fraction = {run.cell_fraction}"),
+                          (r"^sampling = .*", f"sampling = {run.sampling}\nseed = {run.seed}"),
+                          (r"^\[particles\]", f"[collisions]\npartner = \"{run.partner}\"\n\n[particles]")):
+        case, found = re.subn(pattern, text, case, flags=re.M)
+        if found != 1:
+            sys.exit(f"studies.py: expected one {pattern} in case.toml, found {found}")
+    (folders.out / f"{run.name}.toml").write_text(case, encoding="utf-8")
+    begin = [] if run.carry is None else ["--carry", folders.full / f"flow{run.carry}.checkpoint"]
+    before, started = os.times(), time.time()
+    folders.tool("pamr-dsmc", f"{run.name}.toml", "--mesh", mesh, "-o", f"{run.name}.hdf", *begin, "--surface",
+                 f"{run.name}.vtu", "--history", f"{run.name}.csv", "--json", "unready.json")
+    after = os.times()
+    with open(folders.out / "unready.json", encoding="utf-8") as file:
+        report = json.load(file)
+    report["cpu_seconds"] = sum(after[2:4]) - sum(before[2:4])
+    (folders.out / f"{run.name}.json").write_text(json.dumps(report, indent=1), encoding="utf-8")
+    print(f"{run.name}: C_D {report['C_D']['value']:.4f}, C_H {report['C_H']['value']:.4f}, {report['particles']} particles, "
+          f"{report['steps']} steps, {report['cpu_seconds']:.0f} CPU s, {time.time() - started:.0f} s", flush=True)
+
+
+def main():
+    folders = Folders(*sys.argv[1:4], int(sys.argv[4]))
+    chosen = sys.argv[5:] or STUDIES
+    for study in chosen:
+        if study not in (*STUDIES, *(run.name for run in RUNS), "tables"):
+            sys.exit(f"studies.py: unknown study {study}: expected some of {' '.join(STUDIES)} tables, or a run's name")
+    for run in RUNS:
+        if run.study in chosen or run.name in chosen:
+            compute(run, folders)
+    study_tables.print_all(RUNS, folders)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,26 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: GPL-3.0-or-later
+# What particles, time step, cells, the choice of partners and the domain change in the flow about the blunt cone:
+# many small runs on the meshes of `run.sh --full`, one after another, and tables of them with 95 % bounds. A run that
+# has ended is not repeated. 25 CPU minutes.
+#
+#   cases/blunt-cone/studies.sh [--full-run FOLDER] [--small-run FOLDER] [--ranks N] [--out FOLDER] [--tools FOLDER]
+#                               [STUDY...]
+#
+#   --full-run FOLDER   results of `run.sh --full` (default out/)
+#   --small-run FOLDER  results of `run.sh` without --full, for the tables (default: none)
+#   --ranks N           MPI processes (default 2)
+#   --out FOLDER        where runs go (default out/studies)
+#   --tools FOLDER      takes the tools from there and sets nothing up
+#   STUDY               only these: particles step cells seeds partner coarse levels domain (default: all), or runs by the
+#                       names in studies.py; tables: none, only the tables of what there is
+set -euo pipefail
+
+declare -A values=([--full-run]=full_run [--small-run]=small_run)
+full_run= small_run=
+arguments=()
+subfolder=studies
+. "$(dirname -- "${BASH_SOURCE[0]}")/../start.sh"
+python=/usr/bin/python3  # the one that sees Debian's h5py
+[ -x "$python" ] || python=python3
+exec "$python" -B "$case_folder/studies.py" "${full_run:-$case_folder/out}" "${small_run:-none}" "$out" "$ranks" "${arguments[@]}"
