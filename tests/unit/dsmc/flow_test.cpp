@@ -59,7 +59,7 @@ int patch_named(const mesh::DistMesh& mesh, const std::string& name) {
   return -1;
 }
 
-TEST(Flow, NeedsNoMoreReductionsThanExchangesBetweenNeighbors) {
+TEST(Flow, DeliversOnceInAStepAndNeedsTwoReductions) {
   const par::Comm comm(MPI_COMM_WORLD);
   const auto mesh = assemble::assemble(comm, test::kuhn_cube(comm, 4));
   Flow flow(comm, mesh, test::box_of(test::nitrogen(), mesh, 1, 10, 1e20, 300, 300, 1e-4));
@@ -72,8 +72,9 @@ TEST(Flow, NeedsNoMoreReductionsThanExchangesBetweenNeighbors) {
     EXPECT_EQ(traffic.rounds, 0);
     EXPECT_EQ(traffic.messages, 0);
   } else {
-    EXPECT_GE(traffic.rounds, 2 * 20);
-    EXPECT_LE(traffic.reductions, traffic.rounds);
+    EXPECT_GE(traffic.rounds, 20);
+    EXPECT_LE(traffic.rounds, 22);
+    EXPECT_LE(traffic.reductions, 42);
   }
 }
 
