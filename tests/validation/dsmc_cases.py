@@ -54,19 +54,21 @@ def averaged(report):
     return [row for row in report["history"] if row["averaged"] == 1]
 
 
-def collision_rate():
+def collision_rate(partner="nearest", per_cell=12.0, cubes=12, case="3"):
     n, t, dt = 7.07043e22, 273.15, 7e-9
     found = []
     for seed in range(1, runs.SEEDS + 1):
         report = compute("collision-rate", {**gas(Ar=ARGON_SOFT), "stream.free": dict(density=n, temperature=t), **walls("specular"),
-                                            "particles": dict(per_cell=12.0), "domain": dict(unit=1e-4), "time": dict(step=dt),
-                                            "run": dict(transient=50, sampling=200, block=10)}, cube(12), seed)
+                                            "collisions": {"partner": partner}, "particles": dict(per_cell=per_cell),
+                                            "domain": dict(unit=1e-4), "time": dict(step=dt),
+                                            "run": dict(transient=50, sampling=200, block=10)}, cube(cubes), seed)
         rows = averaged(report)
-        real = rows[0]["particles"] / (6 * 12**3 * 12) * n
+        real = rows[0]["particles"] / (6 * cubes**3 * per_cell) * n
         at = frequency(ARGON_SOFT, real, rows[-1]["T_tr"]) / frequency(ARGON_SOFT, n, t)
         found.append(mean([2 * row["collisions_per_particle_step"] / dt / at for row in rows]))
     value, error = together(found)
-    check("3", "collisions of a molecule a second", 2.01953e7, value, error, most=0.001 * value)
+    name, bar = ("", 0) if case == "3" else (f", partner {partner}", 1e5)
+    check(case, "collisions of a molecule a second" + name, 2.01953e7, value, error, bar=bar, most=0.001 * value)
 
 
 def relaxation():
@@ -113,25 +115,48 @@ def relaxation():
         check("6", f"T_rot / T_tr after 24 to 32 tau, {model}", np.mean(exact_ratio), value, error, bar=0.003)
 
 
+def equilibrium_ratio(fraction, partner, species, cubes=14, per_cell=20.0):
+    """Rotation over translation of a gas in equilibrium, from 10 to 50 collision times."""
+    n, t = 1e22, 340.0
+    dt = fraction / frequency(NITROGEN, n, t)
+    start, end = round(10 / fraction), round(50 / fraction)
+    found = []
+    for seed in range(1, runs.SEEDS + 1):
+        rows = compute("equilibrium", {**gas(**species), "gas.rotation": {"probability": 0.2}, "stream.free": dict(density=n, temperature=t),
+                                       **walls("specular"), "collisions": {"partner": partner}, "particles": dict(per_cell=per_cell),
+                                       "domain": dict(unit=1.3e-3), "time": dict(step=dt),
+                                       "run": dict(transient=0, sampling=end, block=1)}, cube(cubes), seed)["history"][start:]
+        found += [sum(x["T_rot"] for x in part) / sum(x["T_tr"] for x in part) for part in np.array_split(rows, 8)]
+    return mean(found)
+
+
 def equilibrium():
-    """Nitrogen, and its mixture with argon, in equilibrium stay there, whatever the step: rotation over translation, from 10 to 50
-    collision times."""
-    n, t, cubes, per_cell = 1e22, 340.0, 14, 20.0
+    """Nitrogen, and its mixture with argon, in equilibrium stay there, whatever the step."""
     pure, mixed = dict(N2=NITROGEN), dict(Ar=ARGON, N2=NITROGEN)
     for fraction, partner, species in ((0.2, "nearest", pure), (0.1, "nearest", pure), (0.05, "nearest", pure), (0.2, "any", pure),
                                        (0.2, "nearest", mixed)):
-        dt = fraction / frequency(NITROGEN, n, t)
-        start, end = round(10 / fraction), round(50 / fraction)
-        found = []
-        for seed in range(1, runs.SEEDS + 1):
-            rows = compute("equilibrium", {**gas(**species), "gas.rotation": {"probability": 0.2}, "stream.free": dict(density=n, temperature=t),
-                                           **walls("specular"), "collisions": {"partner": partner}, "particles": dict(per_cell=per_cell),
-                                           "domain": dict(unit=1.3e-3), "time": dict(step=dt),
-                                           "run": dict(transient=0, sampling=end, block=1)}, cube(cubes), seed)["history"][start:]
-            found += [sum(x["T_rot"] for x in part) / sum(x["T_tr"] for x in part) for part in np.array_split(rows, 8)]
-        value, error = mean(found)
+        value, error = equilibrium_ratio(fraction, partner, species)
         case, name, most = ("6", "", 0.0007) if species is pure else ("20", ", argon and nitrogen half each", 0.001)
         check(case, f"T_rot / T_tr in equilibrium, step {fraction} tau, partner {partner}{name}", 1.0, value, error, bar=0.003, most=most)
+
+
+def subcell():
+    """Partners of the same sub-cell in cells of many particles: rates, equilibrium, and conduction at Kn 0.1 over cells of two to four
+    mean free paths, where partners from all of a cell carry heat across it."""
+    collision_rate("subcell", 100.0, 6, "24")
+    value, error = equilibrium_ratio(0.2, "subcell", dict(N2=NITROGEN), 8, 100.0)
+    check("24", "T_rot / T_tr in equilibrium, step 0.2 tau, partner subcell", 1.0, value, error, bar=0.003, most=0.0007)
+    t, kn = 320.0, 0.1
+    n = free_path(ARGON, 1, t) / kn
+
+    def heat(partner, cubes, per_cell):
+        return conduction("subcell", n, t, cubes, per_cell, 0.03 / fast(t, ARGON["mass"]), 200, 800, partner=partner)
+
+    fine, fine_error = heat("nearest", 10, 14.0)
+    for partner, gated in (("nearest", True), ("subcell", True), ("any", False)):
+        value, error = heat(partner, 3, 500.0)
+        check("24", f"conduction at Kn {kn} in coarse cells over that in fine ones, partner {partner}", 1.0, value / fine,
+              math.hypot(error / fine, fine_error / fine), bar=0.02, gated=gated)
 
 
 def between_walls(t, speeds):
@@ -238,13 +263,13 @@ def newton():
             print(f"        off by {off}", flush=True)
 
 
-def conduction(name, n, t, cubes, per_cell, step, transient, sampling, collisions=True):
+def conduction(name, n, t, cubes, per_cell, step, transient, sampling, collisions=True, partner="nearest"):
     """Heat from a wall x = 0 at 373 K to x = 1 at 273 K, W/m2, for as many molecules as were asked for."""
     found = []
     for seed in range(1, runs.SEEDS + 1):
         k = compute(name, {**gas(Ar=ARGON), "stream.free": dict(density=n, temperature=t),
                            **walls(xmin={"kind": "diffuse", "temperature": 373.0}, xmax={"kind": "diffuse", "temperature": 273.0}),
-                           "collisions": {"enabled": collisions}, "particles": dict(per_cell=per_cell), "time": dict(step=step),
+                           "collisions": {"enabled": collisions, "partner": partner}, "particles": dict(per_cell=per_cell), "time": dict(step=step),
                            "run": dict(transient=transient, sampling=sampling), "reference": dict(area=1.0)}, cube(cubes), seed)
         low, high = k["patches"]["xmin"]["C_H"], k["patches"]["xmax"]["C_H"]
         unit = 0.5 * k["reference"]["dynamic_pressure"] * k["reference"]["speed"] / (k["particles"] / (6 * cubes**3 * per_cell))
@@ -342,7 +367,8 @@ def main():
     from dsmc_flows import conductivity_cases, couette_cases, steps, trace
     all_cases = {"collision-rate": collision_rate, "relaxation": relaxation, "equilibrium": equilibrium, "flux": flux,
                  "plate": lambda: (plate(), plate("maxwell")), "sphere": sphere, "newton": newton, "fourier": fourier, "couette": couette,
-                 "transition": transition, "tube": tube, "conductivity": conductivity_cases, "viscosity": couette_cases, "steps": steps, "trace": trace}
+                 "transition": transition, "tube": tube, "conductivity": conductivity_cases, "viscosity": couette_cases, "steps": steps, "trace": trace,
+                 "subcell": subcell}
     for name in sys.argv[4:] or all_cases:
         all_cases[name]()
     sys.exit(1 if runs.write_results() else 0)

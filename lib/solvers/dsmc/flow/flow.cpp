@@ -13,6 +13,7 @@
 #include "pamr/base/index.hpp"
 #include "pamr/base/timer.hpp"
 #include "solvers/dsmc/gas/kinetic_theory.hpp"
+#include "solvers/dsmc/kernel/halo.hpp"
 #include "solvers/dsmc/kernel/numbering.hpp"
 #include "solvers/dsmc/kernel/periodic.hpp"
 
@@ -88,6 +89,7 @@ Flow::Flow(const par::Comm& comm, const mesh::DistMesh& mesh, Setup setup)
   surface.face.resize(domain_.boundary.size());
   surface.set_units(setup_.gas.species.front().mass, typical_speed(setup_));
   cells.clear(n, setup_.gas);
+  add_halo(comm, domain_);
   border_.emplace(domain_);
   inflow_.emplace(comm, rules(), setup_.stream);
   particles.sort_by_cell(domain_.n_cells());

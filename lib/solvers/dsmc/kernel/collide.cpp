@@ -138,7 +138,9 @@ void Collider::collide_cell(const GasDomain& domain, std::size_t c, std::uint64_
     heaviest = 0;
     for (auto i = begin; i < end; ++i) heaviest = std::max(heaviest, gas_->species[particles.species[i]].weight);
   }
-  nearest_.start(particles, begin, n, candidates);
+  has_sub_cells_ = options_.partner == CollisionOptions::Partner::subcell && !gas_->is_weighted &&
+                   SubCells::are_worth(n, candidates) && sub_cells_.start(particles, begin, n, domain.volume[c]);
+  if (!has_sub_cells_) nearest_.start(particles, begin, n, candidates);
   if (gas_->rotation.model == Rotation::Model::variable) max_exchange_ = max_exchange_chance(*gas_, state.temperature);
   if (max_exchange_ > 0) last_candidate_.assign(n, 0);
   for (std::int64_t k = 0; k < candidates; ++k) {
@@ -219,7 +221,7 @@ std::uint32_t Collider::choose_partner(const Particles& p, std::uint32_t begin, 
     return other < first ? other : other + 1;
   }
   if (gas_->is_weighted) return choose_weighted_partner(p, begin, n, first, excluded, random);
-  return nearest_.find(first, excluded);
+  return has_sub_cells_ ? sub_cells_.find(first, excluded, random) : nearest_.find(first, excluded);
 }
 
 std::uint32_t Collider::choose_weighted_partner(const Particles& p, std::uint32_t begin, std::uint32_t n,

@@ -11,12 +11,14 @@
 #include "solvers/dsmc/kernel/particles.hpp"
 #include "solvers/dsmc/kernel/random.hpp"
 #include "solvers/dsmc/kernel/section_bounds.hpp"
+#include "solvers/dsmc/kernel/sub_cells.hpp"
 
 namespace pamr::dsmc {
 
 struct CollisionOptions {
   enum class Partner : std::uint8_t {
     nearest,  ///< the nearest particle of the cell with the exclusions that `Collider` describes
+    subcell,  ///< one of its sub-cell with the same exclusions, where `SubCells` pay; elsewhere the nearest
     any       ///< any other particle of the cell
   };
   bool enabled = true;
@@ -61,6 +63,7 @@ std::vector<CellCollisions> start_collisions(const Gas& gas, double t, std::size
 /// - Partners that may not exchange: the nearest one, except the particle's last collision partner, because a second
 ///   collision of the same pair changes nothing. Excluding it for all candidates would favor fast pairs, since slow
 ///   pairs stay together longer.
+/// - `Partner::subcell`: a particle of the same sub-cell takes the place of the nearest, with the same exclusions.
 /// - Order: random numbers belong to the global cell and the step, and a cell's particles are ordered by id, so the
 ///   result does not depend on the number of ranks.
 /// - Conservation: momentum and energy of each pair to rounding.
@@ -116,6 +119,8 @@ class Collider {
   std::vector<std::uint32_t> last_candidate_;
   double max_exchange_ = 0;  ///< largest chance of an exchange of rotational energy in the current cell
   NearestInCell nearest_;
+  SubCells sub_cells_;
+  bool has_sub_cells_ = false;  ///< the current cell
 };
 
 }  // namespace pamr::dsmc

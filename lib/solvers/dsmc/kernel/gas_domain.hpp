@@ -38,13 +38,21 @@ struct BoundaryFace {
   LocalId across = -1;           ///< periodic patch: the cell behind the face, as in `GasDomain::link`
 };
 
-/// What particles need to know of a rank's part of a mesh, in meters; 148 bytes a cell beside the mesh.
+/// A cell, or a face of the boundary, of another rank.
+struct Place {
+  std::int32_t neighbor = 0;  ///< index of the rank in `GasDomain::neighbor`
+  LocalId number = 0;         ///< of the cell or boundary face there
+};
+
+/// What particles need to know of a rank's part of a mesh, in meters; 148 bytes a cell beside the mesh. After the own
+/// cells come those of the halo (`add_halo`), in `planes`, `link` and `dt`.
 ///
 /// The two cells of a face hold bitwise opposite planes for it, on all ranks, because planes are computed from the
 /// nodes in the order of their global numbers: rounding can never send a particle back through a face.
 struct GasDomain {
   std::vector<CellPlanes> planes;
-  /// n_cells x 4: an own cell, a face ghost (n_cells + k: face k of the rank border), or -(b+1): boundary face b.
+  /// Four each: an own cell; n_cells + k: cell k abroad (before there is a halo: face k of the rank border); -(b+1):
+  /// boundary face b, after the own ones those of the halo.
   std::vector<std::array<LocalId, 4>> link;
   std::vector<double> volume;  ///< m3
   std::vector<double> dt;      ///< s
@@ -55,11 +63,20 @@ struct GasDomain {
   std::vector<Vec3> shift;  ///< of each patch, m, added to what crosses it; empty: no patch is periodic
   bool uniform_dt = true;
 
+  std::vector<Rank> neighbor;               ///< ranks that particles may come to from here, and come from, ascending
+  std::vector<Place> abroad;                ///< the cells of the halo, and after them those behind it
+  std::vector<BoundaryFace> halo_boundary;  ///< without cell, area and corners
+  std::vector<Place> halo_boundary_place;
+
   std::vector<Rank> border_rank;  ///< as in DistMesh; periodic faces whose partners lie elsewhere come after the mesh's
   std::vector<std::size_t> border_offset{0};
   std::vector<mesh::CellFace> border_face;
 
-  LocalId n_cells() const { return static_cast<LocalId>(planes.size()); }
+  LocalId n_cells() const { return static_cast<LocalId>(volume.size()); }
+  /// `b`: as in `link`.
+  const BoundaryFace& boundary_face(std::size_t b) const {
+    return b < boundary.size() ? boundary[b] : halo_boundary[b - boundary.size()];
+  }
 };
 
 /// Global numbers of a rank's cells less that of the mesh's first.

@@ -17,7 +17,7 @@ namespace {
 constexpr std::uint32_t max_events = 100000;
 constexpr std::int64_t stall_limit = 64;  ///< faces passed without a look at the progress, or without progress
 
-enum class End : std::uint8_t { rests, leaves_rank, leaves_domain };
+enum class End : std::uint8_t { rests, rests_abroad, leaves_halo, leaves_domain };
 
 /// Bits of the faces outside of which the point lies.
 inline unsigned outside(const CellPlanes& p, Vec3 point) {
@@ -30,8 +30,14 @@ inline unsigned outside(const CellPlanes& p, Vec3 point) {
 /// Moves one particle at a time.
 class Mover {
  public:
-  Mover(const MoveRules& rules, std::uint64_t step, SurfaceTally& tally)
-      : domain_(rules.domain), gas_(rules.gas), patch_(rules.patch), seed_(rules.seed), step_(step), tally_(&tally) {}
+  Mover(const MoveRules& rules, std::uint64_t step, BorderExchange& border, SurfaceTally& tally)
+      : domain_(rules.domain),
+        gas_(rules.gas),
+        patch_(rules.patch),
+        seed_(rules.seed),
+        step_(step),
+        border_(&border),
+        tally_(&tally) {}
 
   End fly(Flight& flight) { return fly(flight, outside_at_end(flight)); }
   /// `out`: faces of the particle's cell outside of which the flight ends.
@@ -51,11 +57,13 @@ class Mover {
   Exit drawn_exit(const CellPlanes& planes, const Flight& flight, unsigned out, std::int64_t turn) const;
   bool goes_across(Vec3& position, LocalId& link) const;
   bool meets_boundary(Flight& flight, std::size_t face, double time);
+  void note_hit(std::size_t face, Vec3 momentum, double energy);
 
   const GasDomain* domain_;
   const Gas* gas_;
   std::span<const BoundaryCondition> patch_;
   std::uint64_t seed_, step_;
+  BorderExchange* border_;
   SurfaceTally* tally_;
 };
 
@@ -91,16 +99,27 @@ Mover::Exit Mover::drawn_exit(const CellPlanes& planes, const Flight& flight, un
 /// where it goes on; else false.
 bool Mover::goes_across(Vec3& position, LocalId& link) const {
   if (domain_->shift.empty()) return false;
-  const auto& face = domain_->boundary[at(-link - 1)];
+  const auto& face = domain_->boundary_face(at(-link - 1));
   if (face.across < 0) return false;
   position = position + domain_->shift[at(face.patch)];
   link = face.across;
   return true;
 }
 
+/// Adds to a face; what is given to those of other ranks goes by the border.
+void Mover::note_hit(std::size_t face, Vec3 momentum, double energy) {
+  const auto n_own = domain_->boundary.size();
+  if (face >= n_own) {
+    border_->add_hit(face - n_own, *tally_, momentum, energy);
+    return;
+  }
+  ++counts.wall_hits;
+  tally_->add(face, momentum, energy);
+}
+
 /// The particle reaches a boundary face after `time`; false when it leaves the domain.
 bool Mover::meets_boundary(Flight& flight, std::size_t number, double time) {
-  const auto& face = domain_->boundary[number];
+  const auto& face = domain_->boundary_face(number);
   const auto& condition = patch_[at(face.patch)];
   if (condition.is_open()) return false;
   auto& p = flight.particle;
@@ -114,13 +133,12 @@ bool Mover::meets_boundary(Flight& flight, std::size_t number, double time) {
   ++flight.events;
   const auto out = reflect(condition, species, face.normal, {p.velocity, p.rotation}, random);
   if (condition.is_wall()) {
-    ++counts.wall_hits;
     // Seen from the wall: what a moving wall works is no heat.
     const double energy =
         0.5 * species.mass *
         (squared_norm(p.velocity - condition.velocity) - squared_norm(out.velocity - condition.velocity));
-    tally_->add(number, (species.weight * species.mass) * (p.velocity - out.velocity),
-                species.weight * (energy + (p.rotation - out.rotation)));
+    note_hit(number, (species.weight * species.mass) * (p.velocity - out.velocity),
+             species.weight * (energy + (p.rotation - out.rotation)));
   }
   p.velocity = out.velocity;
   p.rotation = out.rotation;
@@ -156,17 +174,17 @@ End Mover::fly(Flight& flight, unsigned out) {
     ++counts.crossings;
     flight.excluded_face = 0;
     if (!domain_->uniform_dt) flight.passed = std::clamp(exit.time, flight.passed, flight.time);
-    if (link >= domain_->n_cells()) {
+    if (at(link) >= domain_->planes.size()) {
       flight.dt_from = domain_->dt[c];
-      p.cell = link - domain_->n_cells();
-      return End::leaves_rank;
+      p.cell = link;
+      return End::leaves_halo;
     }
     if (!domain_->uniform_dt)
       flight.time = flight.passed + (flight.time - flight.passed) * (domain_->dt[at(link)] / domain_->dt[c]);
     p.cell = link;
   }
   counts.longest = std::max(counts.longest, passed_faces);
-  return End::rests;
+  return p.cell < domain_->n_cells() ? End::rests : End::rests_abroad;
 }
 
 void fly_all(Mover& mover, std::vector<Flight>& flights, Particles& particles, BorderExchange& border) {
@@ -174,7 +192,10 @@ void fly_all(Mover& mover, std::vector<Flight>& flights, Particles& particles, B
       case End::rests:
         particles.append(flight.particle);
         break;
-      case End::leaves_rank:
+      case End::rests_abroad:
+        border.add(flight.particle);
+        break;
+      case End::leaves_halo:
         border.add(flight);
         break;
       case End::leaves_domain:
@@ -215,7 +236,9 @@ void fly_own(Mover& mover, const GasDomain& domain, Particles& particles, Border
       particles.rotation[i] = p.rotation;
     } else {
       particles.cell[i] = Particles::gone;
-      if (how == End::leaves_rank)
+      if (how == End::rests_abroad)
+        border.add(flight.particle);
+      else if (how == End::leaves_halo)
         border.add(flight);
       else
         ++mover.counts.left;
@@ -237,19 +260,23 @@ void MoveCounts::add(const MoveCounts& other) {
 
 MoveCounts move(const par::Comm& comm, const MoveRules& rules, std::uint64_t step, Particles& particles,
                 std::vector<Flight>& entering, BorderExchange& border, SurfaceTally& tally) {
-  Mover mover(rules, step, tally);
+  Mover mover(rules, step, border, tally);
   double start = cpu_seconds();
   fly_own(mover, *rules.domain, particles, border);
   fly_all(mover, entering, particles, border);
   mover.counts.compute_seconds = cpu_seconds() - start;
   if (comm.size() == 1) return mover.counts;
-  // Some particle passes two borders in almost every step: to ask beforehand costs more than to deliver.
-  constexpr int unasked = 2;
-  for (int round = 0; round < unasked || comm.any(!border.is_empty()); ++round) {
+  // Something leaves some rank in almost every step: to ask beforehand costs more than to deliver.
+  for (int round = 0; round == 0 || comm.any(!border.is_empty()); ++round) {
     auto arrived = border.deliver(comm, round);
-    mover.counts.sent += static_cast<std::int64_t>(arrived.size());
     start = cpu_seconds();
-    fly_all(mover, arrived, particles, border);
+    mover.counts.sent += static_cast<std::int64_t>(arrived.resting.size() + arrived.flying.size());
+    for (const auto& particle : arrived.resting) particles.append(particle);
+    for (const auto& [face, sums] : arrived.hits) {
+      mover.counts.wall_hits += sums.hits;
+      tally.face[static_cast<std::size_t>(face)].add(sums);
+    }
+    fly_all(mover, arrived.flying, particles, border);
     mover.counts.compute_seconds += cpu_seconds() - start;
   }
   return mover.counts;

@@ -38,7 +38,8 @@ struct MoveCounts {
 };
 
 /// Moves all particles by the time step of their cell, and `entering` ones by the time that they have left, from face
-/// to face through the neighbors. Particles that leave the rank continue on the next one until none is on its way.
+/// to face through the neighbors. Particles that leave the rank fly on through its halo, off walls too, and are
+/// delivered where they come to rest; one that leaves the halo continues on the rank that it comes to.
 ///
 /// - A flight is a straight line from its start, or from the last wall. A particle leaves a cell through the face that
 ///   this line meets first, among the faces that have the end of the flight outside and that it moves towards.
@@ -52,9 +53,9 @@ struct MoveCounts {
 ///
 /// Afterwards the particles are unsorted; those that left have cell `Particles::gone`. `tally` receives what they give
 /// to the walls.
-/// `border`: of the rules' domain, without flights.
-/// Collective: two exchanges between neighbors and a reduction, and one more of each for every further border that a
-/// particle passes in the step; nothing on one rank.
+/// `border`: of the rules' domain, with nothing to deliver.
+/// Collective: an exchange between neighbors and a reduction, and one more of each for every further halo that a
+/// particle leaves in the step; nothing on one rank.
 MoveCounts move(const par::Comm& comm, const MoveRules& rules, std::uint64_t step, Particles& particles,
                 std::vector<Flight>& entering, BorderExchange& border, SurfaceTally& tally);
 

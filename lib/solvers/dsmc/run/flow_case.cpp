@@ -89,8 +89,9 @@ void read_initial(const TomlTable& initial, Case& c) {
 CollisionOptions read_collisions(const TomlTable& table) {
   CollisionOptions collisions;
   collisions.enabled = table.flag_or("enabled", true);
-  const bool any = table.word_or("partner", "nearest", {"nearest", "any"}) == "any";
-  collisions.partner = any ? CollisionOptions::Partner::any : CollisionOptions::Partner::nearest;
+  using Partner = CollisionOptions::Partner;
+  const auto partner = table.word_or("partner", "nearest", {"nearest", "subcell", "any"});
+  collisions.partner = partner == "any" ? Partner::any : partner == "subcell" ? Partner::subcell : Partner::nearest;
   return collisions;
 }
 

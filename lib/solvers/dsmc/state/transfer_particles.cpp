@@ -15,6 +15,7 @@
 #include "pamr/locate/locator.hpp"
 #include "pamr/mesh/require_field.hpp"
 #include "pamr/par/exchange.hpp"
+#include "solvers/dsmc/kernel/halo.hpp"
 #include "solvers/dsmc/kernel/move.hpp"
 #include "solvers/dsmc/kernel/numbering.hpp"
 #include "solvers/dsmc/state/checkpoint_rows.hpp"
@@ -96,7 +97,8 @@ std::vector<Passenger> send_to_hosts(const par::Comm& comm, std::span<const Pass
 Particles fly_to_places(const par::Comm& comm, const mesh::DistMesh& mesh, const Flow& flow,
                         const std::vector<Passenger>& passengers) {
   const double unit = flow.setup().unit;
-  const auto domain = make_gas_domain(mesh, unit, 1, 1);
+  auto domain = make_gas_domain(mesh, unit, 1, 1);
+  add_halo(comm, domain);
   BoundaryCondition away;
   away.kind = BoundaryCondition::Kind::outflow;
   const std::vector<BoundaryCondition> patch(mesh.info.patches.size(), away);
