@@ -28,8 +28,8 @@ class CadEdge {
   double tolerance() const { return data_.tolerance; }
   /// Enlarges the tolerance to what was measured.
   void widen(double tolerance) { data_.tolerance = tolerance > data_.tolerance ? tolerance : data_.tolerance; }
-  /// Moves an end (0: the first) to where the others of its vertex are: files state the ends of edges that meet to their
-  /// tolerance only, and the corner of a mesh is one node.
+  /// Moves an end (0: the first) to where the others of its vertex are: files state the ends of edges that meet to
+  /// their tolerance only, and the corner of a mesh is one node.
   void join(std::size_t end, Vec3 corner);
 
   /// Lower bound of the distance: that of the box about the edge.

@@ -20,10 +20,11 @@ struct GmshWriteOptions {
 };
 
 /// Writes nodes, boundary triangles and tetrahedra in Gmsh's format: patches become physical surfaces 1, 2, ... of
-/// their names (faces between regions, where asked for, the ones after them), values of an integer cell field `region` physical volumes with the names they have (volume 1 without
-/// the field). Nodes are numbered from 1 in global order, and so are the elements: triangles patch by patch, then cells
-/// (4.1: region by region). Fields are left out. Text has 17 digits, which read back as the same numbers. The same
-/// bytes on any number of ranks. With `second_order` cells and triangles are of second order (Gmsh's types 11 and 9).
+/// their names (faces between regions, where asked for, the ones after them), values of an integer cell field `region`
+/// physical volumes with the names they have (volume 1 without the field). Nodes are numbered from 1 in global order,
+/// and so are the elements: triangles patch by patch, then cells (4.1: region by region). Fields are left out. Text has
+/// 17 digits, which read back as the same numbers. The same bytes on any number of ranks. With `second_order` cells and
+/// triangles are of second order (Gmsh's types 11 and 9).
 ///
 /// Collective; throws the same `Error` on every rank (in 2.2 binary also for more than 2^31 nodes or elements, which
 /// that format cannot number) and leaves nothing behind then.

@@ -12,12 +12,12 @@
 
 namespace pamr::io {
 
-/// Writes vertices, triangles of the boundary (outward) and of interfaces, and tetrahedra in Medit's format, in global order: text for `.mesh`,
-/// binary for `.meshb`. References of triangles are `medit_references`, those of tetrahedra the integer cell field
-/// `region` (0 without it). Text has as many digits as it takes to read the same numbers back; a binary file is of the
-/// lowest version that its size allows (2; 3 beyond 2^31 bytes; 4 beyond 2^31 elements). The same bytes on any number
-/// of ranks. Collective; throws the same `Error` on every rank, also for regions beyond 32 bits, and leaves nothing
-/// behind then.
+/// Writes vertices, triangles of the boundary (outward) and of interfaces, and tetrahedra in Medit's format, in global
+/// order: text for `.mesh`, binary for `.meshb`. References of triangles are `medit_references`, those of tetrahedra
+/// the integer cell field `region` (0 without it). Text has as many digits as it takes to read the same numbers back; a
+/// binary file is of the lowest version that its size allows (2; 3 beyond 2^31 bytes; 4 beyond 2^31 elements). The same
+/// bytes on any number of ranks. Collective; throws the same `Error` on every rank, also for regions beyond 32 bits,
+/// and leaves nothing behind then.
 void write_medit(const par::Comm& comm, const std::filesystem::path& file, const mesh::DistMesh& mesh,
                  Interfaces interfaces = Interfaces::none);
 
