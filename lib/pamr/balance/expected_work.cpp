@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "pamr/base/contract.hpp"
+#include "pamr/base/hash.hpp"
 #include "pamr/base/index.hpp"
 #include "pamr/mesh/require_field.hpp"
 #include "pamr/mesh/tet.hpp"
@@ -27,8 +28,7 @@ class HashedEdges {
  private:
   std::size_t place(GlobalId a, GlobalId b) const {
     const auto low = static_cast<std::uint64_t>(std::min(a, b)), high = static_cast<std::uint64_t>(std::max(a, b));
-    const auto sum = low * 0x9e3779b97f4a7c15U + high;
-    return (sum ^ sum >> 32U) * 0xbf58476d1ce4e5b9U >> shift_;
+    return combine(low, high) >> shift_;
   }
 
   unsigned shift_;
