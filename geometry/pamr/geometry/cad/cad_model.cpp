@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <optional>
 #include <utility>
 
 #include "pamr/base/error.hpp"
@@ -45,14 +44,17 @@ CadModel::CadModel(CadData data) : unit_of_file_(std::move(data.unit_of_file)), 
       if (!(gap <= max_gap * size_))
         throw Error(fmt::format("expected edges that end at their vertices, found one that is {:.3g} off", gap));
     }
-  std::vector<std::optional<Vec3>> corner(data.vertices.size());
-  for (auto& edge : edges_)
-    for (std::size_t k = 0; k < 2; ++k) {
-      if (edge.data().vertex[k] < 0) continue;
-      auto& here = corner[at(edge.data().vertex[k])];
-      if (!here) here = k == 0 ? edge.points().front() : edge.points().back();
-      edge.join(k, *here);
-    }
+  // corners are the ends of the last edges there, as they were before the others were joined to them
+  auto corner = data.vertices;
+  const auto for_each_end = [this](auto visit) {
+    for (auto& edge : edges_)
+      for (std::size_t k = 0; k < 2; ++k)
+        if (edge.data().vertex[k] >= 0) visit(edge, k, at(edge.data().vertex[k]));
+  };
+  for_each_end([&](const CadEdge& edge, std::size_t k, std::size_t vertex) {
+    corner[vertex] = k == 0 ? edge.points().front() : edge.points().back();
+  });
+  for_each_end([&](CadEdge& edge, std::size_t k, std::size_t vertex) { edge.join(k, corner[vertex]); });
   faces_of_edge_.resize(edges_.size());
   faces_.reserve(data.faces.size());
   for (std::size_t f = 0; f < data.faces.size(); ++f) {
