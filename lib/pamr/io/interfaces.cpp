@@ -8,7 +8,7 @@
 
 #include "pamr/base/index.hpp"
 #include "pamr/mesh/region_faces.hpp"
-#include "pamr/par/mailbox.hpp"
+#include "pamr/par/gather_few.hpp"
 
 namespace pamr::io {
 
@@ -33,11 +33,7 @@ std::string interface_name(const mesh::MeshInfo& info, const Pair& pair, const s
 std::vector<Pair> neighboring_regions(const par::Comm& comm, const std::vector<mesh::RegionFace>& faces) {
   std::set<Pair> here;
   for (const auto& face : faces) here.insert(face.region);
-  par::Mailbox<Pair> box(comm);
-  for (const auto& pair : here) box.add(0, pair);
-  const auto received = box.send();
-  const std::set<Pair> all(received.item.begin(), received.item.end());
-  return comm.broadcast(std::vector<Pair>(all.begin(), all.end()));
+  return par::gather_distinct(comm, here);
 }
 
 }  // namespace

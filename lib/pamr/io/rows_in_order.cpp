@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "pamr/par/exchange.hpp"
-#include "pamr/par/mailbox.hpp"
+#include "pamr/par/gather_few.hpp"
 
 namespace pamr::io {
 
@@ -74,11 +74,7 @@ RegionsInOrder regions_in_order(const par::Comm& comm, const mesh::DistMesh& mes
   regions.has_field = field != nullptr && field->holds_integers() && field->n_components == 1;
   if (!regions.has_field) return regions;
   regions.of_cell = cells_in_order(comm, mesh, *field).integer();
-  par::Mailbox<std::int64_t> box(comm);
-  for (const auto region : std::set<std::int64_t>(regions.of_cell.begin(), regions.of_cell.end())) box.add(0, region);
-  const auto received = box.send();
-  const std::set<std::int64_t> all(received.item.begin(), received.item.end());
-  regions.all = comm.broadcast(std::vector<std::int64_t>(all.begin(), all.end()));
+  regions.all = par::gather_distinct(comm, std::set<std::int64_t>(regions.of_cell.begin(), regions.of_cell.end()));
   return regions;
 }
 

@@ -20,7 +20,7 @@
 #include "pamr/mesh/region_faces.hpp"
 #include "pamr/order/order_along_curve.hpp"
 #include "pamr/par/exchange.hpp"
-#include "pamr/par/mailbox.hpp"
+#include "pamr/par/gather_few.hpp"
 
 namespace pamr::io {
 
@@ -186,11 +186,7 @@ std::int64_t orient(const par::Comm& comm, mesh::BlockMesh& block, bool repair, 
 std::vector<std::int64_t> all_groups(const par::Comm& comm, const ElementParts& parts) {
   std::set<std::int64_t> here;
   for (const auto& triangle : parts.triangle) here.insert(triangle.group);
-  par::Mailbox<std::int64_t> box(comm);
-  for (const auto group : here) box.add(0, group);
-  const auto received = box.send();
-  const std::set<std::int64_t> all(received.item.begin(), received.item.end());
-  return comm.broadcast(std::vector<std::int64_t>(all.begin(), all.end()));
+  return par::gather_distinct(comm, here);
 }
 
 /// The region of each cell of this rank: its group, 0 without one. Where no cell has a group, several volumes of the

@@ -29,8 +29,8 @@ struct ElementMesh {
 
 /// Makes a mesh of what a file says: groups of triangles become patches, in ascending order, with the names and kinds
 /// of `patch_of_group`; those of tetrahedra the cell field `region` (0 for those below), with the names of
-/// `parts.group_name`. Nodes of no cell and
-/// triangles between two regions are left out. Cells are put in order along Hilbert's curve.
+/// `parts.group_name`. Nodes of no cell and triangles between two regions are left out. Cells are put in order along
+/// Hilbert's curve.
 ///
 /// Collective; the result does not depend on the number of ranks. `parts.group_name` must be the same on every rank.
 /// Throws the same `Error` on every rank, with the name of the file: by name, with counts, for elements of other kinds,
