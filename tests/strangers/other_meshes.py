@@ -26,7 +26,7 @@ def maker(function):
 
 
 @maker
-def fan_round_an_edge(path):
+def fan_around_an_edge(path):
     """200 cells round one edge, which is the axis of two cones that share their base."""
     n = 200
     angle = 2 * math.pi * np.arange(n) / n
