@@ -3,7 +3,7 @@
 
     python3 make_body.py body.stl [--levels 5] [--noise 0.002] [--seed 1]
 
-The body is star-shaped about the origin: a bumpy ball, cut flat by two planes, with a groove round its back whose sharp edge
+The body is star-shaped about the origin: a bumpy ball, cut flat by two planes, with a groove around its back whose sharp edge
 fades out into the smooth surface at both ends. Its triangles are as even as a remeshed scan, about 20 * 4^levels; points off
 the sharp edges are moved in or out by a random part of the mean edge length (normal distribution, `noise` its width).
 """

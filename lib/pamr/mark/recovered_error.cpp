@@ -24,7 +24,7 @@ namespace {
 
 using geometry::Vec3;
 
-/// Volume and volume-weighted gradient of the cells round a node.
+/// Volume and volume-weighted gradient of the cells around a node.
 using Sums = std::array<std::int64_t, 4>;
 using Exponents = std::array<int, 4>;
 

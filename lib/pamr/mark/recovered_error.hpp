@@ -16,7 +16,7 @@ struct RecoveredError {
 };
 
 /// The recovered gradient G* is linear in each cell; at a node it is the mean of the gradients of the cells round it,
-/// weighted with their volumes. The gradient of f itself is constant in a cell. Sums over the cells round a node are
+/// weighted with their volumes. The gradient of f itself is constant in a cell. Sums over the cells around a node are
 /// kept in 64-bit fixed point scaled to the largest of them, those over the mesh are exact, so every number has the
 /// same bits for every number of ranks and every order of the cells.
 /// Collective: finds the shared nodes, two exchanges, one reduction. O(cells); 72 bytes a node of memory. Throws
