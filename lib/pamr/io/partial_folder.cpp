@@ -68,14 +68,18 @@ void PartialFolder::make() {
   is_made_ = true;
   make_around();
   const auto name = unfinished_name(folder_);
+  remove_on_interrupt_.push_back(std::make_unique<RemoveOnInterrupt>(name));
   if (mkdir(name.c_str(), all_rights) != 0) fail("cannot create it");
   partial_ = name;
-  remove_on_interrupt_.push_back(std::make_unique<RemoveOnInterrupt>(partial_));
 }
 
 void PartialFolder::share(const par::Comm& comm) {
   partial_ = comm.broadcast(partial_.string());
   if (!comm.is_first()) remove_on_interrupt_.push_back(std::make_unique<RemoveOnInterrupt>(partial_));
+}
+
+void PartialFolder::hold(std::initializer_list<const char*> files) {
+  for (const auto* file : files) remove_on_interrupt_.push_back(std::make_unique<RemoveOnInterrupt>(partial_ / file));
 }
 
 /// Puts the old folder where the new one is, and the reverse.

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <initializer_list>
 #include <memory>
 #include <vector>
 
@@ -28,6 +29,8 @@ class PartialFolder {
   void make();
   /// Tells all ranks the temporary name that the first one has made. Collective.
   void share(const par::Comm& comm);
+  /// Names of files that will be complete in it before it is: an interrupt removes these, too. After `make` or `share`.
+  void hold(std::initializer_list<const char*> files);
   /// Gives it its name; a folder that had the name is exchanged for it, in one step where the file system can, and
   /// removed. On the rank that made it.
   void commit();

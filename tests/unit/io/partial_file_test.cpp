@@ -246,6 +246,10 @@ TEST_F(PartialFolder, GoesWithoutCommitAndSoDoTheFoldersMadeForIt) {
 TEST_F(PartialFolder, GoesWhenTheProcessIsInterrupted) {
   io::PartialFolder folder(*this / "case" / "constant" / "out");
   folder.make();
+  folder.hold({"whole", "not begun"});
+  io::PartialFile whole(folder.path() / "whole");
+  whole.make(10);
+  whole.commit();
   io::PartialFile file(folder.path() / "half");
   file.make(10);
 

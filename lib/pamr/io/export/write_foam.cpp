@@ -253,6 +253,7 @@ void write_foam(const par::Comm& comm, const fs::path& case_folder, const mesh::
     if (comm.is_first()) folder.make();
   });
   folder.share(comm);
+  folder.hold({"points", "faces", "owner", "neighbour", "boundary", "cellZones"});
   try {
     Writer(comm, folder.path(), mesh).write();
   } catch (const Error& error) {  // reaches every rank
