@@ -63,7 +63,7 @@ class Work {
   Work(const Mesh3Watch& watch, double predicted_cells)
       : watch_(watch),
         expected_(std::llround(predicted_cells / cells_per_node)),
-        most_nodes_(watch.spare_nodes + spare_factor * expected_) {}
+        most_nodes_(std::max(2 * expected_, std::min(watch.spare_nodes + spare_factor * expected_, too_many_nodes))) {}
 
   void watch(const Triangulation& nodes) { nodes_ = &nodes; }
   void limit_questions(std::int64_t n) {
@@ -93,7 +93,7 @@ class Work {
   static constexpr const char* no_new =
       "No new one comes there: give another size, and move what is far from the origin to it";
   static constexpr double cells_per_node = 4.5;
-  static constexpr std::int64_t spare_factor = 100;
+  static constexpr std::int64_t spare_factor = 100, too_many_nodes = 1'000'000;
   static constexpr std::int64_t idle_questions = 1'000'000, idle_questions_per_node = 5'000;
 
   void report() {

@@ -11,7 +11,8 @@ namespace pamr::meshing {
 
 /// How long a mesher may go on, and who hears of it.
 struct Mesh3Watch {
-  /// So many nodes may come, and 100 times those that the sizes explain, before the mesher is taken to find no end.
+  /// So many nodes may come, and 100 times those that the sizes explain, before the mesher is taken to find no end; a
+  /// million only where these explain less than half of it.
   std::int64_t spare_nodes = 100'000;
   /// Gets the nodes so far and about how many the sizes ask for, from 1000 nodes on, at each quarter more.
   std::function<void(std::int64_t nodes, std::int64_t expected)> progress = [](std::int64_t, std::int64_t) {};
