@@ -63,7 +63,7 @@ class Work {
   Work(const Mesh3Watch& watch, double predicted_cells)
       : watch_(watch),
         expected_(std::llround(predicted_cells / cells_per_node)),
-        most_nodes_(std::max(2 * expected_, std::min(watch.spare_nodes + spare_factor * expected_, too_many_nodes))) {}
+        max_nodes_(std::max(2 * expected_, std::min(watch.spare_nodes + spare_factor * expected_, too_many_nodes))) {}
 
   void watch(const Triangulation& nodes) { nodes_ = &nodes; }
   void limit_questions(std::int64_t n) {
@@ -79,7 +79,7 @@ class Work {
     if (n > n_nodes_) {
       n_nodes_ = n;
       last_growth_ = n_questions_;
-      if (n > most_nodes_) refuse(where, too_many);
+      if (n > max_nodes_) refuse(where, too_many);
       if (n >= next_report_) report();
     } else if (n_questions_ - last_growth_ > idle_questions + idle_questions_per_node * n) {
       refuse(where, no_new);
@@ -109,7 +109,7 @@ class Work {
   }
 
   const Mesh3Watch& watch_;
-  std::int64_t expected_, most_nodes_;
+  std::int64_t expected_, max_nodes_;
   const Triangulation* nodes_ = nullptr;
   std::int64_t n_questions_ = 0, most_ = std::numeric_limits<std::int64_t>::max();
   std::int64_t n_nodes_ = 0, last_growth_ = 0, next_report_ = 1000;

@@ -84,7 +84,7 @@ def test_one_line_makes_the_inside_of_a_shape():
     assert 3.7 < errors[0] / errors[1] < 4.3 and 3.7 < errors[1] / errors[2] < 4.3, errors
 
 
-# CGAL's mesher asked whether points 1e16 away were inside, was told so, and never ended.
+# For CGAL's mesher points 1e16 away were inside by rounding, and it never ended.
 def test_a_quarter_of_a_can_comes_to_an_end():
     shutil.copy(DATA / "quarter_can.step", "quarter.step")
     run("pamr-mesh", "quarter.step", "-o", "quarter.hdf", "--size", "8", serial=True)
