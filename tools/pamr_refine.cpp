@@ -18,6 +18,7 @@
 #include "pamr/adapt/refine_report.hpp"
 #include "pamr/base/with_file_name.hpp"
 #include "pamr/check/shape_bound.hpp"
+#include "pamr/check/wall_shapes.hpp"
 #include "pamr/geometry/orientation.hpp"
 #include "pamr/geometry/tet_shape.hpp"
 #include "pamr/io/native/native_file.hpp"
@@ -98,6 +99,17 @@ void warn_kept(const cli::Session& session, std::int64_t n, const refine::Option
       fmt::format("{} families of closure cells could not be taken back and were split as they are, which makes bad "
                   "cells: try a --shape-floor below {}, or a finer mesh at curved walls",
                   n, options.shape_floor));
+}
+
+/// Says where cells at walls are worse than straight ones could be.
+void warn_lost_shapes(const cli::Session& session, const check::WallShapes& before, const check::WallShapes& after) {
+  if (after.n_below == 0) return;
+  const auto p = after.where;
+  session.warn(fmt::format(
+      "{} cells at walls have a mean ratio under {:.3g}, the smallest {:.3g} near ({:.6g}, {:.6g}, {:.6g}), "
+      "where {:.3g} was the smallest before: walls or sharp edges are too coarse there for how they curve, "
+      "and the next levels lose more; make level 0 with shorter edges there",
+      after.n_below, check::limit_of_lost_shape(before), after.smallest, p.x, p.y, p.z, before.smallest));
 }
 
 nlohmann::json to_json(const adapt::CoarseningReport& report) {
@@ -223,6 +235,7 @@ cli::ExitCode work(cli::Session& session, const Options& options) {
   if (options.dry_run) return report_forecast(session, mesh, flags, how);
   if (!options.no_project) keep_flat_patches(session, mesh);
 
+  const auto walls_before = options.no_project ? check::WallShapes() : check::wall_shapes(comm, mesh, 0);
   timer.lap("preprocessing");
   auto result = with_file_name(options.input, [&] {
     return adapt::adapt(comm, std::move(mesh), flags, {how, balancing, options.integrals});
@@ -231,6 +244,9 @@ cli::ExitCode work(cli::Session& session, const Options& options) {
   mesh = {};
   session.step(fmt::format("checking {} cells", result.mesh.info.n_global_cells));
   assess_cells(comm, result.mesh, options.shape_floor, measured);
+  const auto walls_after = options.no_project
+                               ? check::WallShapes()
+                               : check::wall_shapes(comm, result.mesh, check::limit_of_lost_shape(walls_before));
   measured.fingerprint = mesh::fingerprint(comm, result.mesh);
   measured.cells_here = result.mesh.n_cells();
   measured.lists_ranks = options.each_rank;
@@ -250,12 +266,17 @@ cli::ExitCode work(cli::Session& session, const Options& options) {
   if (const auto warning = mesh::warning_of_periodic(result.mesh.info.patches); !warning.empty()) session.warn(warning);
   warn_too_deep(session, result.report.marked_too_deep);
   warn_kept(session, result.report.closure.families_kept, how);
+  if (options.quality_control == "removable" && options.shape_floor > 0)
+    warn_lost_shapes(session, walls_before, walls_after);
   if (result.report.closure.n_marked == 0 && result.coarsening.cells_flagged == 0)
     session.warn(fmt::format("nothing is marked in the field '{}': the output is the input mesh", options.marks));
   measured.steps = merge_steps(timer.steps(), result.report.steps);
   warn_nothing_goes(session, result.coarsening);
   auto report = adapt::make_report(comm, result.report, measured);
   report["coarsening"] = to_json(result.coarsening);
+  report["walls"] = {{"min_mean_ratio_before", walls_before.smallest},
+                     {"min_mean_ratio", walls_after.smallest},
+                     {"cells_that_lost_shape", walls_after.n_below}};
   session.write_report(report);
   session.summary(fmt::format("{} cells ({}) -> {} cells, {} nodes, {} off their surface: {}", result.report.cells_in,
                               marked_text(result.report.closure.n_marked, result.coarsening), result.report.cells_out,

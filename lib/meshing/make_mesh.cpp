@@ -26,7 +26,11 @@ namespace pamr::meshing {
 namespace {
 
 RawMesh mesh_domain(const Domain& domain, unsigned seed, const Listener& listener) {
-  auto raw = run_mesh3(domain, seed);
+  Mesh3Watch watch;
+  watch.progress = [&](std::int64_t nodes, std::int64_t expected) {
+    listener.progress(0, fmt::format("interior, {} nodes of about {}", nodes, expected).c_str());
+  };
+  auto raw = run_mesh3(domain, seed, watch);
   listener.progress(1, "boundary");
   place_boundary(domain, raw);
   peel(domain, raw);

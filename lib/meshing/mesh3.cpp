@@ -53,32 +53,98 @@ constexpr double relative_error = 1e-6;
 
 geometry::Vec3 from_cgal(const Kernel::Point_3& p) { return {p.x(), p.y(), p.z()}; }
 
+/// Counts what CGAL asks, and ends what finds no end. A limit of time would make the mesh depend on the machine.
+/// - Refinement: nodes beyond what the sizes can explain, or many questions without a new node.
+/// - Perturbation, which moves nodes for ever in some meshes: a number of questions.
+class Work {
+ public:
+  struct TooMuch {};  ///< thrown while there is a limit of questions
+
+  Work(const Mesh3Watch& watch, double predicted_cells)
+      : watch_(watch),
+        expected_(std::llround(predicted_cells / cells_per_node)),
+        max_nodes_(std::max(2 * expected_, std::min(watch.spare_nodes + spare_factor * expected_, too_many_nodes))) {}
+
+  void watch(const Triangulation& nodes) { nodes_ = &nodes; }
+  void limit_questions(std::int64_t n) {
+    nodes_ = nullptr;
+    most_ = n_questions_ + n;
+  }
+  void lift_limit() { most_ = std::numeric_limits<std::int64_t>::max(); }
+
+  void ask(geometry::Vec3 where) {
+    if (++n_questions_ > most_) throw TooMuch();
+    if (nodes_ == nullptr) return;
+    const auto n = static_cast<std::int64_t>(nodes_->number_of_vertices());
+    if (n > n_nodes_) {
+      n_nodes_ = n;
+      last_growth_ = n_questions_;
+      if (n > max_nodes_) refuse(where, too_many);
+      if (n >= next_report_) report();
+    } else if (n_questions_ - last_growth_ > idle_questions + idle_questions_per_node * n) {
+      refuse(where, no_new);
+    }
+  }
+
+ private:
+  static constexpr const char* too_many =
+      "Look there for a gap, a thin wall or a sharp angle between faces that is much smaller than the edges; take it "
+      "away, or give a smaller size";
+  static constexpr const char* no_new =
+      "No new one comes there: give another size, and move what is far from the origin to it";
+  static constexpr double cells_per_node = 4.5;
+  static constexpr std::int64_t spare_factor = 100, too_many_nodes = 1'000'000;
+  static constexpr std::int64_t idle_questions = 1'000'000, idle_questions_per_node = 5'000;
+
+  void report() {
+    watch_.progress(n_nodes_, expected_);
+    next_report_ = n_nodes_ + n_nodes_ / 4;
+  }
+
+  [[noreturn]] void refuse(geometry::Vec3 where, const char* advice) const {
+    throw Error(
+        fmt::format("CGAL's mesher found no end: {} nodes where the sizes ask for about {}, the last near ({:.6g}, "
+                    "{:.6g}, {:.6g}). {}",
+                    n_nodes_, expected_, where.x, where.y, where.z, advice));
+  }
+
+  const Mesh3Watch& watch_;
+  std::int64_t expected_, max_nodes_;
+  const Triangulation* nodes_ = nullptr;
+  std::int64_t n_questions_ = 0, most_ = std::numeric_limits<std::int64_t>::max();
+  std::int64_t n_nodes_ = 0, last_growth_ = 0, next_report_ = 1000;
+};
+
 struct SizeField {
   using FT = Kernel::FT;
   const Domain* domain;
+  Work* work;
   double factor;
   template <class Index>
   FT operator()(const Kernel::Point_3& p, int, const Index&) const {
+    work->ask(from_cgal(p));
     return factor * domain->size(from_cgal(p));
   }
 };
 
-/// Counts how often CGAL asks on which side of the boundary a point lies, while it may do so only so often: its
-/// perturbation moves nodes for ever in some meshes, and a limit of time would make the mesh depend on the machine.
-struct Work {
-  struct TooMuch {};
-  std::int64_t n_labels = 0;
-  std::int64_t most = std::numeric_limits<std::int64_t>::max();
-};
+/// What CGAL calls the part of space at a point. It asks far away, too: the dual of a facet between two cells that are
+/// flat to rounding ends at 1e16 or at infinity, where a distance says nothing about sides. With "inside" for an answer
+/// its bisection would look for the boundary between two neighboring numbers and never end. Nothing beyond the ball is
+/// inside.
+int label_of(const Domain& domain, geometry::Vec3 point) {
+  const auto from_center = point - domain.center;
+  if (!(geometry::norm(from_center) <= domain.radius)) return first_piece;
+  const int piece = domain.label(point);
+  return piece == Domain::inside ? gas : first_piece + piece;
+}
 
 MeshDomain make_domain(const Domain& domain, CGAL::Random& random, Work& work) {
   namespace p = CGAL::parameters;
   const auto& c = domain.center;
   const Kernel::Sphere_3 ball(Kernel::Point_3(c.x, c.y, c.z), domain.radius * domain.radius);
   const std::function<int(const Kernel::Point_3&)> label = [&domain, &work](const Kernel::Point_3& point) {
-    if (++work.n_labels > work.most) throw Work::TooMuch();
-    const int piece = domain.label(from_cgal(point));
-    return piece == Domain::inside ? gas : first_piece + piece;
+    work.ask(from_cgal(point));
+    return label_of(domain, from_cgal(point));
   };
   const std::function<bool(int)> is_outside = [](int index) { return index != gas; };
   MeshDomain result(label, ball, p::relative_error_bound = relative_error, p::p_rng = &random,
@@ -101,8 +167,7 @@ static_assert(CGAL_VERSION_NR >= 1050500000 && CGAL_VERSION_NR < 1060000000,
 
 /// What Delaunay refinement starts from: balls along the curves, and points on the pieces without curves. CGAL shoots
 /// rays for these in a domain without any curve and looks for none in the others.
-Complex start(const Domain& domain, const MeshDomain& mesh_domain, const Criteria& criteria) {
-  Complex complex;
+void start(const Domain& domain, const MeshDomain& mesh_domain, const Criteria& criteria, Complex& complex) {
   const auto add_points = [&] {
     for (std::size_t i = 0; i < domain.pieces.size(); ++i)
       for (const auto& q : domain.pieces[i].start) {
@@ -120,24 +185,26 @@ Complex start(const Domain& domain, const MeshDomain& mesh_domain, const Criteri
     CGAL::Mesh_3::internal::C3t3_initializer<Complex, MeshDomain, Criteria, true>()(complex, mesh_domain, criteria,
                                                                                     true);
   if (!domain.curves_in_one_plane) add_points();
-  return complex;
 }
 
 /// Throws `Work::TooMuch` when perturbation finds no end; `with_perturbation` false: without it.
 Complex make_complex(const Domain& domain, const MeshDomain& mesh_domain, bool with_perturbation, Work& work) {
-  constexpr std::int64_t max_labels = 50'000;  // for each node
+  constexpr std::int64_t max_questions = 15'000;  // for each node: known meshes take up to 9000
   namespace p = CGAL::parameters;
-  const Criteria criteria(
-      p::edge_size = SizeField{&domain, edge_factor}, p::facet_angle = min_face_angle,
-      p::facet_size = SizeField{&domain, face_factor}, p::facet_topology = CGAL::FACET_VERTICES_ON_SAME_SURFACE_PATCH,
-      p::cell_radius_edge_ratio = cell_radius_edge_ratio, p::cell_size = SizeField{&domain, cell_factor});
-  auto complex = start(domain, mesh_domain, criteria);
+  const Criteria criteria(p::edge_size = SizeField{&domain, &work, edge_factor}, p::facet_angle = min_face_angle,
+                          p::facet_size = SizeField{&domain, &work, face_factor},
+                          p::facet_topology = CGAL::FACET_VERTICES_ON_SAME_SURFACE_PATCH,
+                          p::cell_radius_edge_ratio = cell_radius_edge_ratio,
+                          p::cell_size = SizeField{&domain, &work, cell_factor});
+  Complex complex;
+  work.watch(complex.triangulation());
+  start(domain, mesh_domain, criteria, complex);
   CGAL::refine_mesh_3(complex, mesh_domain, criteria, p::no_reset_c3t3(), p::no_perturb(), p::no_exude());
   if (with_perturbation) {
     const auto n_nodes = static_cast<std::int64_t>(complex.triangulation().number_of_vertices());
-    work.most = work.n_labels + max_labels * n_nodes;
+    work.limit_questions(max_questions * n_nodes);
     CGAL::perturb_mesh_3(complex, mesh_domain, p::sliver_bound = sliver_bound);
-    work.most = std::numeric_limits<std::int64_t>::max();
+    work.lift_limit();
   }
   CGAL::exude_mesh_3(complex, p::sliver_bound = sliver_bound);
   return complex;
@@ -151,7 +218,7 @@ double predicted_cells(const Domain& domain) {
   for (int i = 0; i < n * n * n; ++i) {
     const geometry::Vec3 grid{i % n + 0.5 - n / 2, i / n % n + 0.5 - n / 2, i / n / n + 0.5 - n / 2};
     const auto point = domain.center + step * grid;
-    if (domain.label(point) == Domain::inside) sum += std::pow(step / domain.size(point), 3);
+    if (label_of(domain, point) == gas) sum += std::pow(step / domain.size(point), 3);
   }
   return sum / 0.118;
 }
@@ -278,34 +345,34 @@ class Silence {
   CGAL::Failure_function old_error_, old_warning_;
 };
 
-Complex make_complex(const Domain& domain, unsigned seed, bool with_perturbation) {
+Complex make_complex(const Domain& domain, unsigned seed, Work work, bool with_perturbation) {
   CGAL::get_default_random() = CGAL::Random(seed);
   CGAL::Random random(seed);
-  Work work;
   const auto mesh_domain = make_domain(domain, random, work);
   return make_complex(domain, mesh_domain, with_perturbation, work);
 }
 
-Complex make_complex(const Domain& domain, unsigned seed) {
+Complex make_complex(const Domain& domain, unsigned seed, const Work& work) {
   try {
-    return make_complex(domain, seed, true);
+    return make_complex(domain, seed, work, true);
   } catch (const Work::TooMuch&) {  // slivers are left to exudation and to `improve`
-    return make_complex(domain, seed, false);
+    return make_complex(domain, seed, work, false);
   }
 }
 
 }  // namespace
 
-RawMesh run_mesh3(const Domain& domain, unsigned seed) {
+RawMesh run_mesh3(const Domain& domain, unsigned seed, const Mesh3Watch& watch) {
   constexpr double max_cells = 4e6;  // one process makes the mesh, with about a kilobyte a cell
-  if (const double n = predicted_cells(domain); n > max_cells)
+  const double n = predicted_cells(domain);
+  if (n > max_cells)
     throw Error(
         fmt::format("expected sizes that give at most 4 million cells at level 0, found {} cells: choose coarser "
                     "sizes and refine with pamr-refine",
                     std::llround(n)));
   const Silence silence;
   try {
-    const auto complex = make_complex(domain, seed);
+    const auto complex = make_complex(domain, seed, Work(watch, n));
     auto mesh = Extraction(complex).result(domain);
     if (mesh.cell.empty()) too_coarse("no cell");
     return mesh;

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """pamr-mesh makes level 0 from CAD files by itself. data/can.step is a closed can of radius 1 from z = 0 to 2 (face 1 the side, 2
-and 3 top and bottom); data/can.igs is the same as loose faces; data/colored_can.step has a gray side, a red top, a blue bottom."""
+and 3 top and bottom); data/can.igs is the same as loose faces; data/colored_can.step has a gray side, a red top, a blue bottom;
+data/quarter_can.step is a quarter of a can of radius 10 from z = 0 to 20, made by Gmsh."""
 import pathlib
 import re
 import shutil
@@ -81,6 +82,15 @@ def test_one_line_makes_the_inside_of_a_shape():
         if level < 2:
             assert refine("many.hdf", "many.hdf")["off_surface_nodes"] == 0
     assert 3.7 < errors[0] / errors[1] < 4.3 and 3.7 < errors[1] / errors[2] < 4.3, errors
+
+
+# For CGAL's mesher points 1e16 away were inside by rounding, and it never ended.
+def test_a_quarter_of_a_can_comes_to_an_end():
+    shutil.copy(DATA / "quarter_can.step", "quarter.step")
+    run("pamr-mesh", "quarter.step", "-o", "quarter.hdf", "--size", "8", serial=True)
+    volume, walls = volume_and_walls("quarter.hdf")
+    assert abs(volume / (500 * np.pi) - 1) < 0.05 and len(walls) == 5
+    assert refine("quarter.hdf", "quarter1.hdf")["off_surface_nodes"] == 0
 
 
 def test_loose_faces_of_iges_are_sewn():

@@ -87,6 +87,17 @@ def test_an_import_splits_what_would_flatten_cells_at_a_curved_wall():
     assert strict.json["wall_ears"] == 4 and "split_edges" not in strict.json
 
 
+def test_shape_that_walls_cost_is_told():
+    octahedron_of_gmsh()
+    run("pamr-convert", "ball.msh", "level0.hdf", "--surfaces", "ball.toml", "--no-repair", "--quiet", serial=True)
+    for level in range(1, 5):  # smallest mean ratios 0.857, 0.579, 0.366, 0.231, 0.145
+        run("pamr-mark", f"level{level - 1}.hdf", "-o", "marked.hdf", "--all", "--force", "--quiet", serial=True)
+        told = run("pamr-refine", "marked.hdf", "-o", f"level{level}.hdf", "--json", "-", serial=level < 4)
+        n_lost = 64 if level == 4 else 0
+        assert told.json["walls"]["cells_that_lost_shape"] == n_lost
+        assert ("64 cells at walls have a mean ratio under 0.162" in told.err) == (n_lost > 0), told.err
+
+
 def test_pamr_mesh_splits_it_by_itself():
     pathlib.Path("case.toml").write_text(curved_walls.wall_cases.ball(1.2, "pamr").case_file)
 

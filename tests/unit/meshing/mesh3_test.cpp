@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "meshing/mesh3.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdint>
+#include <numbers>
+#include <vector>
+
+#include "pamr/base/error.hpp"
+
+namespace pamr::meshing {
+namespace {
+
+using geometry::Vec3;
+using ::testing::HasSubstr;
+using ::testing::ThrowsMessage;
+
+/// Radius 1, edges of 0.8; `n_pieces` 2: halves above and below the center's height, without a curve between them.
+Domain ball(Vec3 center, int n_pieces) {
+  Domain domain;
+  domain.label = [=](Vec3 p) {
+    if (norm(p - center) < 1) return Domain::inside;
+    return n_pieces == 2 && p.z > center.z ? 1 : 0;
+  };
+  domain.size = [](Vec3) { return 0.8; };
+  const auto on_ball = [=](Vec3 p) { return center + (1 / norm(p - center)) * (p - center); };
+  domain.pieces.resize(static_cast<std::size_t>(n_pieces), {0, on_ball});
+  for (const double s : {-1.0, 1.0})
+    for (const Vec3 axis : {Vec3{s, 0, 0}, Vec3{0, s, 0}, Vec3{0, 0, s}})
+      domain.pieces[0].start.push_back(center + axis);
+  domain.patches.push_back({"ball", "patch", -1});
+  domain.center = center;
+  domain.radius = 1.1;
+  return domain;
+}
+
+/// A can of radius 1 from z = 0 to 2; the points of its two rims lie on lines along the axis, but for rounding.
+Domain can() {
+  Domain domain;
+  domain.label = [](Vec3 p) {
+    const double side = std::hypot(p.x, p.y) - 1, above = p.z - 2, below = -p.z;
+    if (side < 0 && above < 0 && below < 0) return Domain::inside;
+    return above >= std::max(side, below) ? 1 : below >= side ? 2 : 0;
+  };
+  domain.size = [](Vec3) { return 0.5; };
+  for (int piece = 0; piece < 3; ++piece) {
+    domain.pieces.push_back({piece, [](Vec3 p) { return p; }});
+    domain.patches.push_back({"face", "patch", -1});
+  }
+  for (const double z : {0.0, 2.0}) {
+    std::vector<Vec3> rim;
+    constexpr int n = 200;
+    for (int i = 0; i < n; ++i) {
+      const double angle = 2 * std::numbers::pi * i / n;
+      rim.push_back(z == 0 ? Vec3{std::cos(angle), std::sin(angle), z}
+                           : Vec3{std::sin(angle + std::numbers::pi / 2), -std::cos(angle + std::numbers::pi / 2), z});
+    }
+    rim.push_back(rim.front());
+    domain.curves.push_back({rim, [](Vec3 p) { return p; }});
+  }
+  domain.center = {0, 0, 1};
+  domain.radius = 1.05 * std::sqrt(2.0);
+  return domain;
+}
+
+// CGAL asks at 1e16 and beyond, where sides of surfaces are matters of rounding. One "inside" there, and its bisection
+// went on for ever between two neighboring numbers.
+TEST(RunMesh3, NothingBeyondTheBallOfTheDomainIsInside) {
+  auto domain = can();
+  double farthest = 0;
+  domain.label = [&farthest, label = domain.label, center = domain.center, radius = domain.radius](Vec3 p) {
+    farthest = std::max(farthest, norm(p - center));
+    return norm(p - center) > 2 * radius ? Domain::inside : label(p);
+  };
+
+  const auto mesh = run_mesh3(domain, 1);
+
+  EXPECT_GT(mesh.cell.size(), 200U);
+  EXPECT_LE(farthest, domain.radius);
+}
+
+TEST(RunMesh3, RefusesWhatHasMoreNodesThanTheSizesExplain) {
+  const auto domain = ball({0, 0, 0}, 2);
+  std::vector<std::int64_t> reported;
+  Mesh3Watch watch;
+  watch.spare_nodes = 500;
+  watch.progress = [&](std::int64_t nodes, std::int64_t expected) {
+    reported.push_back(nodes);
+    EXPECT_NEAR(static_cast<double>(expected), 16, 2);
+  };
+
+  EXPECT_THAT([&] { run_mesh3(domain, 1, watch); }, ThrowsMessage<Error>(HasSubstr("found no end: 2")));
+
+  EXPECT_THAT(reported, ::testing::ElementsAre(1000, 1250, 1562, 1952));
+}
+
+// At 1e12 neighboring numbers are farther from each other than the mesher wants to know where the ball begins.
+TEST(RunMesh3, RefusesWhatBringsNoNewNode) {
+  EXPECT_GT(run_mesh3(ball({1e3, 0, 0}, 1), 1).cell.size(), 20U);
+  EXPECT_THAT([] { run_mesh3(ball({1e12, 0, 0}, 1), 1); }, ThrowsMessage<Error>(HasSubstr("far from the origin")));
+}
+
+}  // namespace
+}  // namespace pamr::meshing
