@@ -294,7 +294,6 @@ TEST(SecondOrder, HasBarsForARodInATubeThatHoldAndAreNotFarTooWide) {
     for (std::size_t g = 0; g < 3; ++g) {
       const auto& goal = analysis.goals[g];
       const double error = std::abs(*goal.value + goal.correction - exact[g]);
-                  goal.error_bar);
       EXPECT_LE(error, goal.error_bar) << goal.goal.name << " " << n;
       EXPECT_LE(goal.error_bar, 30 * error) << goal.goal.name << " " << n;
     }
