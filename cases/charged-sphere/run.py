@@ -49,10 +49,14 @@ def sector(o, folder, radius, potential):
     return [json.loads((folder / "solve0.json").read_text())]
 
 
-def octant(o, folder, radius, potential):
+def octant_case(folder, radius, potential):
     n, layers = (8, 16) if radius >= 1 else (6, 20)
     sides = write_mesh(folder / "mesh.hdf", radius, n=n, layers=layers, growth=8 / radius if radius < 1 else 10)
     write_case(folder / "case.toml", radius, potential, sides, True)
+
+
+def octant(o, folder, radius, potential):
+    octant_case(folder, radius, potential)
     subprocess.run([HERE.parent / "charged-spheres" / "loop.sh", folder / "case.toml", folder / "mesh.hdf", folder,
                     str(o.ranks), "8", str(o.max_cells), "--bulk-of", "goal_error:0.5"], check=True)
     reports = []

@@ -20,23 +20,7 @@ fi
 for name in "${cases[@]}"; do
   folder=$out/$name
   mkdir -p "$folder"
-  # case.toml with the numbers of this pair, its mesh sizes in proportion.
-  python3 - "$name" "$case_folder/case.toml" > "$folder/case.toml" <<'PYTHON'
-import re
-import sys
-
-radius, distance, potential, equation = sys.argv[1].split("-")
-gap = float(distance) - 2 * float(radius)
-text = open(sys.argv[2], encoding="utf-8").read()
-text = text.replace("radius = 1.0", f"radius = {radius}").replace("distance = 3.0", f"distance = {distance}")
-text = text.replace("value = 3.0", f"value = {potential}")
-sphere = min(0.4 * float(radius), 0.45 if gap > 3 else 0.5 * gap if gap < 1 else 0.3)
-text = re.sub("(?m)^sphere = .*$", f"sphere = {sphere:g}", text)
-text = re.sub("(?m)^far = .*$", f"far = {1.0 if gap > 6 else 1.5}", text)
-if equation == "linear":
-    text = text.replace("[force]", "[equation]\nlinear = true\n\n[force]", 1)
-sys.stdout.write(text)
-PYTHON
+  python3 "$case_folder/pair_case.py" "$name" > "$folder/case.toml"
   pamr-mesh "$folder/case.toml" -o "$folder/mesh.hdf" --force --quiet
   echo "$name"
   "$root/cases/charged-spheres/loop.sh" "$folder/case.toml" "$folder/mesh.hdf" "$folder" "$ranks" "$levels" \

@@ -61,33 +61,55 @@ void compare_with_manufactured(const par::Comm& comm, const State& state, Analys
   result.manufactured_h1 = std::sqrt(totals[1]);
 }
 
-/// Error bar of a corrected value over the sum of the cells' shares, and over what passes through walls that meet a
-/// body. The first is measured: of 40 corrected forces and torques of known value on meshes of 3,000 to 700,000 cells,
-/// 39 are within a third of the sum (the other within 0.45, on the coarsest mesh), half of them within 0.08.
+/// Error bar of a corrected value of first order over the sum of the cells' shares, and over what passes through walls
+/// that meet a body. The first is measured: of 40 corrected forces and torques of known value on meshes of 3,000 to
+/// 700,000 cells, 39 are within a third of the sum (the other within 0.45, on the coarsest mesh), half of them within
+/// 0.08.
 constexpr double bar_over_shares = 1.0 / 3, bar_over_walls = 0.2;
-/// The first for elements of second order. Measured as well: of 19 corrected charges, forces and energies on meshes of
-/// 2,800 to 22,000 cells all are within 0.035 of the sum, half within 0.005; two on a sphere of 240 cells within 0.094.
-constexpr double bar_over_quadratic_shares = 0.1;
 
+/// On the meshed part.
 struct DualError {
-  GoalError error;
-  double shape = 0;  ///< what the shape of the cells adds
+  std::vector<double> share;
+  double correction = 0;
+  double bar = 0;  ///< but for walls that meet the body
 };
 
-/// Collective.
+/// Of first order. Collective.
 DualError error_by_dual(const par::Comm& comm, const State& state, const GoalFunctional& functional,
-                        const std::vector<double>& w) {
+                        const std::vector<double>& w, const Estimate& estimate) {
   const auto& domain = state.problem.domain;
   const auto& input = state.problem.input;
-  if (state.cubic != nullptr)
-    return {state.cubic->goal_error(comm, w, functional.load), quadratic_shape_error(comm, state, functional, w)};
+  const auto& psi0 = state.problem.conditions.psi0;
   const auto gradient = cell_gradients(domain, w);
   const auto recovered = recover(comm, domain, gradient, input.estimator.recovery);
-  return {
-      goal_error(comm, domain, state.problem.term,
-                 {state.u, state.problem.conditions.psi0, w, state.cell_gradient, state.recovered, gradient, recovered},
-                 input.solver.quadrature == Quadrature::nodal),
-      shape_error(comm, state, functional, gradient)};
+  auto error = goal_error(comm, domain, state.problem.term,
+                          {state.u, psi0, w, state.cell_gradient, state.recovered, gradient, recovered},
+                          input.solver.quadrature == Quadrature::nodal);
+  if (functional.goal.kind == Goal::Kind::charge) error.correction = -error.correction;
+  if (functional.goal.kind == Goal::Kind::energy) {
+    const auto of_energy = energy_error(comm, domain, state.problem.term, state.u, psi0, estimate.squared);
+    error.correction += of_energy.correction;
+    for (std::size_t c = 0; c < error.share.size(); ++c) error.share[c] += of_energy.share[c];
+  }
+  error.correction += functional.remainder + shape_error(comm, state, functional, gradient);
+  const double bar = bar_over_shares * par::reproducible_sum(comm, error.share);
+  return {std::move(error.share), error.correction, bar};
+}
+
+/// Of second order. Collective.
+DualError error_by_cubic_dual(const par::Comm& comm, const State& state, const GoalFunctional& functional,
+                              const std::vector<double>& w) {
+  auto error = state.cubic->goal_error(comm, w, functional.load);
+  if (functional.goal.kind == Goal::Kind::charge) {
+    error.correction = -error.correction;
+    for (auto& mean : error.rest.mean) mean = -mean;
+  }
+  if (functional.goal.kind == Goal::Kind::energy) state.cubic->add_energy_error(comm, error);
+  for (std::size_t c = 0; c < functional.squares.size(); ++c)
+    error.rest.add_square(c, functional.squares[c], state.cubic->decay()[c]);
+  error.correction += functional.remainder + quadratic_shape_error(comm, state, functional, error);
+  const double bar = error.rest.bar(comm);
+  return {std::move(error.share), error.correction, bar};
 }
 
 /// Error of the goals by the solutions of their dual systems. Collective.
@@ -95,23 +117,14 @@ void add_goals(const par::Comm& comm, const State& state, System& system, std::v
                Analysis& result) {
   for (auto& functional : functionals) {
     const auto w = system.solve_linearised(functional.load, functional.fixed);
-    auto [error, shape] = error_by_dual(comm, state, functional, w);
-    if (functional.goal.kind == Goal::Kind::charge) error.correction = -error.correction;
-    if (functional.goal.kind == Goal::Kind::energy) {
-      const auto of_energy = state.cubic != nullptr
-                                 ? state.cubic->energy_error(comm)
-                                 : energy_error(comm, state.problem.domain, state.problem.term, state.u,
-                                                state.problem.conditions.psi0, result.estimate.squared);
-      error.correction += of_energy.correction;
-      for (std::size_t c = 0; c < error.share.size(); ++c) error.share[c] += of_energy.share[c];
-    }
+    auto error = state.cubic != nullptr ? error_by_cubic_dual(comm, state, functional, w)
+                                        : error_by_dual(comm, state, functional, w, result.estimate);
     GoalResult goal;
     goal.goal = functional.goal;
     goal.value = functional.value;
-    goal.correction = functional.factor * (error.correction + functional.remainder + shape);
+    goal.correction = functional.factor * error.correction;
     goal.error_bound = functional.factor * par::reproducible_sum(comm, error.share);
-    goal.error_bar = (state.cubic != nullptr ? bar_over_quadratic_shares : bar_over_shares) * goal.error_bound +
-                     bar_over_walls * std::abs(functional.through_walls);
+    goal.error_bar = functional.factor * error.bar + bar_over_walls * std::abs(functional.through_walls);
     if (result.goals.empty()) {
       result.goal = std::move(error.share);
     } else if (goal.error_bound > 0) {

@@ -96,7 +96,12 @@ class FunctionalsBuilder {
     goal.factor = mirrors.factor;
     const Component component{goal.goal.axis, is_torque, electrode.center};
     goal.load = volume_form_derivative(comm_, state_, cut_off.chi, cut_off.open_walls, component);
-    goal.remainder = volume_form_remainder(comm_, state_, cut_off.chi, component);
+    if (problem_.domain.quadratic) {
+      goal.squares = quadratic_volume_form_remainder(state_, cut_off.chi, cut_off.open_walls, component);
+      goal.remainder = par::reproducible_sum(comm_, goal.squares);
+    } else {
+      goal.remainder = volume_form_remainder(comm_, state_, cut_off.chi, component);
+    }
   }
 
   /// The force through the mirror acts on everything on this side that does not reach through it: on one body, if all
@@ -134,7 +139,12 @@ class FunctionalsBuilder {
       goal.value = force;
       goal.factor = factor;
       goal.load = midplane_derivative(comm_, state_, excess_, number);
-      goal.remainder = midplane_remainder(comm_, state_, number);
+      if (domain.quadratic) {
+        goal.squares = quadratic_midplane_remainder(state_, number);
+        goal.remainder = par::reproducible_sum(comm_, goal.squares);
+      } else {
+        goal.remainder = midplane_remainder(comm_, state_, number);
+      }
     }
   }
 

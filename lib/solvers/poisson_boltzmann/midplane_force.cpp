@@ -106,7 +106,6 @@ std::vector<double> midplane_derivative(const par::Comm& comm, const State& stat
 
 double midplane_remainder(const par::Comm& comm, const State& state, int patch) {
   const auto& domain = state.problem.domain;
-  if (domain.quadratic) return quadratic_midplane_remainder(comm, state, patch);
   std::array<par::ExactSum, 1> sum;
   for (const auto& face : domain.faces) {
     if (face.patch != patch) continue;

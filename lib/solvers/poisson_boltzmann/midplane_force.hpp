@@ -22,7 +22,7 @@ double midplane_force(const par::Comm& comm, const State& state, const Excess& e
 std::vector<double> midplane_derivative(const par::Comm& comm, const State& state, const Excess& excess, int patch);
 
 /// What the error of the gradient adds to it in second order: half of the integral of its square within the mirror, by
-/// recovered gradients. Collective: an exact sum.
+/// recovered gradients. Of first order. Collective: an exact sum.
 double midplane_remainder(const par::Comm& comm, const State& state, int patch);
 
 /// Integral of |grad psi|^2/2 + cosh psi - 1 over the mesh; `excess` less that of psi0 alone.

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "pamr/base/index.hpp"
 #include "pamr/geometry/surface.hpp"
@@ -111,20 +112,19 @@ std::vector<double> quadratic_volume_form_derivative(const par::Comm& comm, cons
   return result.total(comm);
 }
 
-double quadratic_volume_form_remainder(const par::Comm& comm, const State& state, std::span<const double> chi,
-                                       const Component& component) {
+std::vector<double> quadratic_volume_form_remainder(const State& state, std::span<const double> chi,
+                                                    std::uint64_t open_walls, const Component& component) {
   const auto& problem = state.problem;
   const auto& domain = problem.domain;
   const auto& elements = *domain.quadratic;
   const auto& functions = state.cubic->functions();
-  std::array<par::ExactSum, 1> sum;
-  for (std::size_t c = 0; c < elements.cell_to_node.size(); ++c) {
+  std::vector<double> result(elements.cell_to_node.size(), 0);
+  for (std::size_t c = 0; c < result.size(); ++c) {
     const auto cut = elements.values(c, chi);
     if (!varies(cut)) continue;
     const auto node = elements.points(domain, c);
     const auto value = elements.values(c, state.u);
     const auto error = functions.values(c, state.cubic->error());
-    double of_cell = 0;
     for (std::size_t p = 0; p < cell_points().size(); ++p) {
       const auto& point = cell_points()[p];
       const auto here = cubic_at(node, point, cubic_points()[p]);
@@ -133,12 +133,32 @@ double quadratic_volume_form_remainder(const par::Comm& comm, const State& state
       const double e = interpolated(here.value, error);
       const double psi0 = problem.split_potential(here.placed.position.z);
       const double squares = squared_norm(g) + problem.term.slope(interpolated(point.value, value), psi0) * e * e;
-      of_cell -= point.weight * here.placed.jacobian / 6 *
-                 (dot(g, direction) * dot(g, slope) - 0.5 * squares * dot(slope, direction));
+      result[c] -= point.weight * here.placed.jacobian / 6 *
+                   (dot(g, direction) * dot(g, slope) - 0.5 * squares * dot(slope, direction));
     }
-    sum[0].add(of_cell);
   }
-  return par::reproducible_sums(comm, sum)[0];
+  for (std::size_t f = 0; f < domain.faces.size(); ++f) {
+    if ((open_walls >> static_cast<unsigned>(domain.faces[f].patch) & 1U) == 0) continue;
+    const auto c = at(domain.faces[f].cell);
+    const auto position = elements.face_points(domain, f);
+    const auto cut = elements.values(c, chi), value = elements.values(c, state.u);
+    const auto error = functions.values(c, state.cubic->error());
+    for (const auto& point : face_points()) {
+      const auto placed = place(position, point);
+      const auto here = cubic_behind(domain, f, point);
+      const auto direction = component.at(placed.position), g = gradient_of(here, error);
+      double share = 0, u = 0;
+      for (std::size_t k = 0; k < 10; ++k) {
+        share += here.value[k] * cut[k];
+        u += here.value[k] * value[k];
+      }
+      const double e = interpolated(here.value, error), psi0 = problem.split_potential(placed.position.z);
+      const double squares = squared_norm(g) + problem.term.slope(u, psi0) * e * e;
+      result[c] += share * placed.area *
+                   (dot(g, direction) * dot(g, placed.normal) - 0.5 * squares * dot(placed.normal, direction));
+    }
+  }
+  return result;
 }
 
 std::vector<double> quadratic_midplane_derivative(const par::Comm& comm, const State& state, int patch) {
@@ -173,18 +193,17 @@ std::vector<double> quadratic_midplane_derivative(const par::Comm& comm, const S
   return result.total(comm);
 }
 
-double quadratic_midplane_remainder(const par::Comm& comm, const State& state, int patch) {
+std::vector<double> quadratic_midplane_remainder(const State& state, int patch) {
   const auto& problem = state.problem;
   const auto& domain = problem.domain;
   const auto& elements = *domain.quadratic;
-  std::array<par::ExactSum, 1> sum;
+  std::vector<double> result(elements.cell_to_node.size(), 0);
   for (std::size_t f = 0; f < domain.faces.size(); ++f) {
     if (domain.faces[f].patch != patch) continue;
     const auto c = at(domain.faces[f].cell);
     const auto position = elements.face_points(domain, f);
     const auto value = elements.values(c, state.u);
     const auto error = state.cubic->functions().values(c, state.cubic->error());
-    double of_face = 0;
     for (const auto& point : face_points()) {
       const auto placed = place(position, point);
       const auto here = cubic_behind(domain, f, point);
@@ -193,11 +212,10 @@ double quadratic_midplane_remainder(const par::Comm& comm, const State& state, i
       double u = 0;
       for (std::size_t k = 0; k < 10; ++k) u += here.value[k] * value[k];
       const double e = interpolated(here.value, error), psi0 = problem.split_potential(placed.position.z);
-      of_face += 0.5 * placed.area * (squared_norm(g) + problem.term.slope(u, psi0) * e * e);
+      result[c] += 0.5 * placed.area * (squared_norm(g) + problem.term.slope(u, psi0) * e * e);
     }
-    sum[0].add(of_face);
   }
-  return par::reproducible_sums(comm, sum)[0];
+  return result;
 }
 
 std::vector<double> quadratic_energy_derivative(const par::Comm& comm, const State& state) {
@@ -223,42 +241,69 @@ std::vector<double> quadratic_energy_derivative(const par::Comm& comm, const Sta
   return result;
 }
 
+namespace {
+
+/// Change of a functional where the surface moves into the liquid, for a unit of distance and area: by the slope of psi
+/// and of the dual solution along the normal into the liquid.
+struct ShapeDerivative {
+  const Problem& problem;
+  const GoalFunctional& functional;
+  double weight = 0;                 ///< of the dual solution on the patch
+  double u = 0, psi0 = 0, base = 0;  ///< on the surface
+
+  double operator()(double slope, double dual_slope) const {
+    if (functional.goal.kind == Goal::Kind::charge)
+      return slope * dual_slope - weight * problem.term.pressure_slope(u, psi0);
+    if (functional.goal.kind == Goal::Kind::energy)
+      return 0.5 * (slope * slope + base * base) - problem.term.pressure(u, psi0);
+    return -slope * dual_slope;
+  }
+};
+
+}  // namespace
+
 double quadratic_shape_error(const par::Comm& comm, const State& state, const GoalFunctional& functional,
-                             std::span<const double> w) {
+                             CubicGoalError& dual) {
   const auto& problem = state.problem;
   const auto& domain = problem.domain;
   const auto& elements = *domain.quadratic;
+  const auto& functions = state.cubic->functions();
   std::array<par::ExactSum, 1> sum;
   for (std::size_t f = 0; f < domain.faces.size(); ++f) {
     const auto& face = domain.faces[f];
     const auto* b = problem.input.find_boundary(domain.mesh->info.patches[at(face.patch)].name);
     const auto* surface = domain.mesh->info.surface_of(face.patch);
     if (b->condition != Condition::potential || surface == nullptr || surface->is_flat()) continue;
+    const auto c = at(face.cell);
     const auto position = elements.face_points(domain, f);
-    const auto value = elements.values(at(face.cell), state.u), dual = elements.values(at(face.cell), w);
-    const auto error = state.cubic->functions().values(at(face.cell), state.cubic->error());
-    double of_face = 0;
+    const auto value = elements.values(c, state.u);
+    const auto error = functions.values(c, state.cubic->error()), all = functions.values(c, dual.dual);
+    OfCubicCell<double> added = all;  // what third order adds to the dual solution
+    for (std::size_t k = 0; k < 10; ++k) added[k] = 0;
+    const double rest_u = state.cubic->decay()[c], rest_w = dual.decay[c];
+    const double height = 3 * geometry::volume(domain.points(c)) / face.area;
+    double of_face = 0, spread = 0, squares = 0;
     for (const auto& point : face_points()) {
       const auto placed = place(position, point);
       const auto on_mesh = (1 / domain.scale) * placed.position;
       const double distance = -domain.scale * dot(surface->project(on_mesh) - on_mesh, placed.normal);
       const auto behind = cubic_behind(domain, f, point);
       const double z = placed.position.z, psi0 = problem.split_potential(z), base = problem.split_slope(z);
-      const double u = b->value - psi0;
-      // Derivatives along the normal into the liquid.
-      const auto gradient = gradient_of(behind.placed, value) + gradient_of(behind, error) + Vec3{0, 0, base};
-      const double slope = -dot(gradient, placed.normal);
-      const double dual_slope = -dot(gradient_of(behind.placed, dual), placed.normal);
-      double change = -slope * dual_slope;
-      if (functional.goal.kind == Goal::Kind::charge) {
-        const double weight = functional.fixed[at(elements.face_to_node[f][0])];
-        change = slope * dual_slope - weight * problem.term.pressure_slope(u, psi0);
-      } else if (functional.goal.kind == Goal::Kind::energy) {
-        change = 0.5 * (slope * slope + base * base) - problem.term.pressure(u, psi0);
-      }
-      of_face += placed.area * distance * change;
+      const double weight =
+          functional.goal.kind == Goal::Kind::charge ? functional.fixed[at(elements.face_to_node[f][0])] : 0;
+      const ShapeDerivative change{problem, functional, weight, b->value - psi0, psi0, base};
+      const double last_slope = -dot(gradient_of(behind, error), placed.normal);
+      const double slope = last_slope - dot(gradient_of(behind.placed, value) + Vec3{0, 0, base}, placed.normal);
+      const double last_dual = -dot(gradient_of(behind, added), placed.normal);
+      const double dual_slope = -dot(gradient_of(behind, all), placed.normal);
+      const double here = change(slope, dual_slope), amount = placed.area * distance;
+      of_face += amount * here;
+      spread += std::abs(amount) * (std::abs(change(slope + rest_u * last_slope, dual_slope) - here) +
+                                    std::abs(change(slope, dual_slope + rest_w * last_dual) - here));
+      squares += amount * distance / height * here;
     }
     sum[0].add(of_face);
+    dual.rest.add(c, squares, spread);
   }
   return par::reproducible_sums(comm, sum)[0];
 }

@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "solvers/poisson_boltzmann/cubic_correction.hpp"
 #include "solvers/poisson_boltzmann/functionals.hpp"
 #include "solvers/poisson_boltzmann/state.hpp"
 #include "solvers/poisson_boltzmann/volume_force.hpp"
@@ -16,20 +17,22 @@ namespace pamr::poisson_boltzmann {
 std::vector<double> quadratic_volume_form_derivative(const par::Comm& comm, const State& state,
                                                      std::span<const double> chi, std::uint64_t open_walls,
                                                      const Component& component);
-/// As `volume_form_remainder`. Collective: an exact sum.
-double quadratic_volume_form_remainder(const par::Comm& comm, const State& state, std::span<const double> chi,
-                                       const Component& component);
+/// As `volume_form_remainder`, of each cell, open walls included. Local.
+std::vector<double> quadratic_volume_form_remainder(const State& state, std::span<const double> chi,
+                                                    std::uint64_t open_walls, const Component& component);
 
 /// As `midplane_derivative`. Collective: one exchange.
 std::vector<double> quadratic_midplane_derivative(const par::Comm& comm, const State& state, int patch);
-/// As `midplane_remainder`. Collective: an exact sum.
-double quadratic_midplane_remainder(const par::Comm& comm, const State& state, int patch);
+/// As `midplane_remainder`, of each cell. Local.
+std::vector<double> quadratic_midplane_remainder(const State& state, int patch);
 
 /// What the energy has of given charges and of the far field: it is stationary but for them. Collective: one exchange.
 std::vector<double> quadratic_energy_derivative(const par::Comm& comm, const State& state);
 
-/// As `shape_error`, for what curved faces miss of their surfaces; w is the dual solution. Collective: an exact sum.
+/// As `shape_error`, for what curved faces miss of their surfaces, with the gradients of third order. What is left is
+/// added to `dual.rest`: the errors of these gradients, and the square of the distance over the height of the cell.
+/// Collective: an exact sum.
 double quadratic_shape_error(const par::Comm& comm, const State& state, const GoalFunctional& functional,
-                             std::span<const double> w);
+                             CubicGoalError& dual);
 
 }  // namespace pamr::poisson_boltzmann

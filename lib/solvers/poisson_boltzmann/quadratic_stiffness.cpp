@@ -135,6 +135,18 @@ void add_quadratic_source_matrix(const Problem& problem, const std::vector<doubl
   finish(matrix);
 }
 
+void add_quadratic_source_product(const Problem& problem, const std::vector<double>& u, std::span<const double> w,
+                                  std::vector<double>& to) {
+  const auto& elements = *problem.domain.quadratic;
+  for (std::size_t c = 0; c < elements.cell_to_node.size(); ++c) {
+    const auto of_w = elements.values(c, w);
+    at_points(problem, c, u, [&](const OfCellNodes<double>& shape, double weight, double value, double psi0) {
+      const double amount = weight * problem.term.slope(value, psi0) * interpolated(shape, of_w);
+      for (std::size_t k = 0; k < 10; ++k) to[at(elements.cell_to_node[c][k])] += amount * shape[k];
+    });
+  }
+}
+
 double given_flux(const Case& input, const PlateProfile& profile, const Boundary& b, const PlacedFacePoint& placed) {
   const double slope = placed.normal.z * profile.slope(placed.position.z);
   if (b.condition != Condition::far_field)

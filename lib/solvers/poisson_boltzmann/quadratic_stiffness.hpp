@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "solvers/poisson_boltzmann/petsc.hpp"
@@ -19,6 +20,10 @@ void add_quadratic_source(const Problem& problem, const std::vector<double>& u, 
 /// Adds the integral of the slope of the source term times two shape functions to a matrix that has their entries;
 /// nodes with given u are left out. Collective.
 void add_quadratic_source_matrix(const Problem& problem, const std::vector<double>& u, Mat matrix);
+
+/// Adds the product of that matrix with w, as if no node were fixed. Local.
+void add_quadratic_source_product(const Problem& problem, const std::vector<double>& u, std::span<const double> w,
+                                  std::vector<double>& to);
 
 /// dpsi/dn out of the liquid that a patch of a charge, a mirror or the far field gives for u, but for what the far
 /// field has of u itself.

@@ -16,7 +16,7 @@ namespace pamr::poisson_boltzmann {
 namespace {
 
 /// The values at the four corners of a cell.
-std::array<double, 4> at_corners(const mesh::CellNodes& nodes, const std::vector<double>& value) {
+std::array<double, 4> at_corners(const mesh::CellNodes& nodes, std::span<const double> value) {
   return {value[at(nodes[0])], value[at(nodes[1])], value[at(nodes[2])], value[at(nodes[3])]};
 }
 
@@ -192,6 +192,19 @@ void System::add_gauss_matrix(const std::vector<double>& u) {
   require(MatAssemblyEnd(jacobian_, MAT_FINAL_ASSEMBLY));
 }
 
+/// Adds what that matrix would give for w if no node were fixed.
+void System::add_gauss_product(const std::vector<double>& u, std::span<const double> w, std::vector<double>& to) const {
+  if (domain_.quadratic) return add_quadratic_source_product(problem_, u, w, to);
+  const auto& cells = domain_.mesh->cell_to_node;
+  for (std::size_t c = 0; c < cells.size(); ++c) {
+    const auto of_w = at_corners(cells[c], w);
+    at_gauss_points(c, u, [&](const std::array<double, 4>& corner, double weight, double value, double psi0) {
+      const double amount = weight * problem_.term.slope(value, psi0) * interpolate(of_w, corner);
+      for (std::size_t k = 0; k < 4; ++k) to[at(cells[c][k])] += amount * corner[k];
+    });
+  }
+}
+
 void System::linearize(Vec u) {
   const bool nodal = is_nodal();
   if (!nodal || !has_jacobian_) restore_jacobian();
@@ -305,12 +318,17 @@ std::vector<double> System::solve_linearised(std::span<const double> load, std::
   require(VecDuplicate(unknown_, f.address()));
   set_owned(w, given);
   require(MatMult(stiffness_, w, f));
+  std::vector<double> source(domain_.point.size(), 0);
+  if (!is_nodal() && !value.empty()) {
+    add_gauss_product(local_values(unknown_), given, source);
+    domain_.nodes.sum_copies(comm_, source);
+  }
   {
     Entries entries(f);
     const auto& owned = domain_.nodes.owned();
     for (std::size_t k = 0; k < owned.size(); ++k) {
       const auto i = at(owned[k]);
-      entries[k] = conditions_.fixed[i] != 0 ? given[i] : right[i] - entries[k];
+      entries[k] = conditions_.fixed[i] != 0 ? given[i] : right[i] - entries[k] - source[i];
     }
   }
   solve_linear(dual_solver(), f, w, 1e-6);

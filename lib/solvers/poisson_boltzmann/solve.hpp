@@ -78,6 +78,7 @@ class System {
   void at_gauss_points(std::size_t cell, const std::vector<double>& u, const Use& use) const;
   void add_gauss(const std::vector<double>& u, std::vector<double>& to) const;
   void add_gauss_matrix(const std::vector<double>& u);
+  void add_gauss_product(const std::vector<double>& u, std::span<const double> w, std::vector<double>& to) const;
   /// The source term is lumped at the nodes.
   bool is_nodal() const { return !domain_.quadratic && problem_.input.solver.quadrature == Quadrature::nodal; }
   void configure(SNES snes);

@@ -21,6 +21,11 @@ double SourceTerm::slope(double u, double psi0) const {
   return std::cosh(std::min(std::abs(psi0 + u), largest_argument));
 }
 
+double SourceTerm::curvature(double u, double psi0) const {
+  const double psi = psi0 + u;
+  return linear_ || std::abs(psi) > largest_argument ? 0 : std::sinh(psi);
+}
+
 double SourceTerm::pressure(double u, double psi0) const {
   if (linear_) return u * (psi0 + u / 2);
   const double half = std::sinh(u / 2);

@@ -18,6 +18,8 @@ class SourceTerm {
   double value(double u, double psi0) const;
   /// d value / du.
   double slope(double u, double psi0) const;
+  /// d slope / du: sinh(psi0 + u), or 0.
+  double curvature(double u, double psi0) const;
   /// cosh(psi0 + u) - cosh(psi0), or ((psi0 + u)^2 - psi0^2) / 2: the osmotic pressure less that of psi0.
   double pressure(double u, double psi0) const;
   /// d pressure / du: sinh(psi0 + u), or psi0 + u.

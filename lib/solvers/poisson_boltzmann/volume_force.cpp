@@ -165,7 +165,6 @@ std::vector<double> volume_form_derivative(const par::Comm& comm, const State& s
 double volume_form_remainder(const par::Comm& comm, const State& state, std::span<const double> chi,
                              const Component& component) {
   const auto& problem = state.problem;
-  if (problem.domain.quadratic) return quadratic_volume_form_remainder(comm, state, chi, component);
   const auto& cells = problem.domain.mesh->cell_to_node;
   std::array<par::ExactSum, 1> sum;
   for (std::size_t c = 0; c < cells.size(); ++c) {

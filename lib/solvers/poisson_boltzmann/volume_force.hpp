@@ -35,7 +35,7 @@ std::vector<double> volume_form_derivative(const par::Comm& comm, const State& s
                                            std::uint64_t open_walls, const Component& component);
 
 /// What the error of the gradient adds to one component in second order, by recovered gradients: as large as what the
-/// dual solution gives, because the stress is quadratic in the gradient. Collective: an exact sum.
+/// dual solution gives, because the stress is quadratic in the gradient. Of first order. Collective: an exact sum.
 double volume_form_remainder(const par::Comm& comm, const State& state, std::span<const double> chi,
                              const Component& component);
 

@@ -211,6 +211,95 @@ TEST(SecondOrder, CorrectsForcesWithinTheirBars) {
   expect_corrected(analysis.goals[1], wall.symmetry_factor * pressure, 0.2);
 }
 
+TEST(SecondOrder, SolvesTheLinearizedEquationWithGivenValuesAsTheEquation) {
+  const par::Comm comm(MPI_COMM_WORLD);
+  for (const std::string solver : {"order = 1\n", "quadrature = \"gauss\"\n", "order = 2\n"}) {
+    Solved solved(comm, test::kuhn_cube(comm, 3),
+                  "[equation]\nlinear = true\n[solver]\n" + solver +
+                      cube_boundary("condition = \"symmetry\"", "xmin", "condition = \"potential\"\nvalue = 1"));
+    const std::vector<double> nothing(solved.domain.point.size(), 0);
+    const auto w = solved.system.solve_linearised(nothing, solved.conditions.value);
+    for (std::size_t i = 0; i < w.size(); ++i) ASSERT_NEAR(w[i], solved.solution.u[i], 1e-5) << solver << i;
+  }
+}
+
+/// Half of a slice, 0.5 high, of the liquid between a rod of radius 1 at x = 0.8 and a tube of radius 3: bricks along
+/// the half circle, between rod and tube, and along the axis, six cells each.
+mesh::BlockMesh rod_in_tube(const par::Comm& comm, GlobalId n_around, GlobalId n_across) {
+  std::vector<geometry::Vec3> nodes;
+  std::vector<std::array<GlobalId, 3>> place_of;
+  for (GlobalId i = 0; i <= n_around; ++i)
+    for (GlobalId j = 0; j <= n_across; ++j)
+      for (GlobalId k = 0; k <= 1; ++k) {
+        const double angle = std::numbers::pi * static_cast<double>(i) / static_cast<double>(n_around);
+        const double t = static_cast<double>(j) / static_cast<double>(n_across);
+        const double y = i == n_around ? 0 : std::sin(angle);
+        nodes.push_back({0.8 * (1 - t) + (1 + 2 * t) * std::cos(angle), (1 + 2 * t) * y, 0.5 * static_cast<double>(k)});
+        place_of.push_back({i, j, k});
+      }
+  const std::array<GlobalId, 3> stride{2 * (n_across + 1), 2, 1};
+  std::vector<std::array<GlobalId, 4>> cells;
+  std::array<std::size_t, 3> axes{0, 1, 2};
+  do {
+    for (GlobalId i = 0; i < n_around; ++i)
+      for (GlobalId j = 0; j < n_across; ++j) {
+        std::array<GlobalId, 4> cell{i * stride[0] + j * stride[1]};
+        for (std::size_t k = 0; k < 3; ++k) cell[k + 1] = cell[k] + stride[axes[k]];
+        cells.push_back(cell);
+      }
+  } while (std::next_permutation(axes.begin(), axes.end()));
+  mesh::BoundaryTriangles boundary;
+  for (auto& cell : cells) {
+    for (std::size_t corner = 0; corner < 4; ++corner) {
+      const std::array<GlobalId, 3> face{cell[corner == 0 ? 1 : 0], cell[corner <= 1 ? 2 : 1],
+                                         cell[corner <= 2 ? 3 : 2]};
+      const auto lies = [&](std::size_t axis, GlobalId where) {
+        return std::all_of(face.begin(), face.end(), [&](GlobalId node) { return place_of[at(node)][axis] == where; });
+      };
+      const int patch = lies(1, 0)                        ? 0
+                        : lies(1, n_across)               ? 1
+                        : lies(0, 0) || lies(0, n_around) ? 2
+                        : lies(2, 0)                      ? 3
+                                                          : 4;
+      if (patch == 4 && !lies(2, 1)) continue;
+      boundary.node.push_back(face);
+      boundary.patch.push_back(patch);
+    }
+    geometry::TetPoints p{};
+    for (std::size_t i = 0; i < 4; ++i) p[i] = nodes[at(cell[i])];
+    if (geometry::volume(p) < 0) std::swap(cell[2], cell[3]);
+  }
+  auto block = test::small_mesh(comm, nodes, cells);
+  block.info.length_unit = "debye";
+  block.info.patches = {
+      {"rod", "patch", 0}, {"tube", "patch", 1}, {"side", "patch", 2}, {"low", "patch", 3}, {"top", "patch", 4}};
+  block.info.surfaces = test::surfaces_of(
+      "[[surface]]\nname = \"rod\"\nkind = \"cylinder\"\npoint = [0.8, 0, 0]\naxis = [0, 0, 1]\nradius = 1\n"
+      "[[surface]]\nname = \"tube\"\nkind = \"cylinder\"\npoint = [0, 0, 0]\naxis = [0, 0, 1]\nradius = 3\n");
+  if (comm.is_first()) block.boundary = boundary;
+  return block;
+}
+
+TEST(SecondOrder, HasBarsForARodInATubeThatHoldAndAreNotFarTooWide) {
+  const par::Comm comm(MPI_COMM_WORLD);
+  std::string text = "[equation]\nlinear = true\n" + second_order +
+                     "[estimator]\ngoals = [\"force-x\", \"charge\", \"energy\"]\ngoal_patch = \"rod\"\n"
+                     "[boundary.rod]\ncondition = \"potential\"\nvalue = 2\n"
+                     "[boundary.tube]\ncondition = \"potential\"\nvalue = -1\n";
+  for (const std::string patch : {"side", "low", "top"}) text += "[boundary." + patch + "]\ncondition = \"symmetry\"\n";
+  const std::array<double, 3> exact{2.882481964, 11.381732821, 8.692401366};  // cases/charged-rod/bessel.py
+  for (const GlobalId n : {8, 12}) {
+    Solved solved(comm, rod_in_tube(comm, 2 * n, n), text);
+    const auto analysis = solved.analysis(comm);
+    for (std::size_t g = 0; g < 3; ++g) {
+      const auto& goal = analysis.goals[g];
+      const double error = std::abs(*goal.value + goal.correction - exact[g]);
+      EXPECT_LE(error, goal.error_bar) << goal.goal.name << " " << n;
+      EXPECT_LE(goal.error_bar, 30 * error) << goal.goal.name << " " << n;
+    }
+  }
+}
+
 TEST(SecondOrder, AgreesOnAnyNumberOfRanks) {
   const par::Comm world(MPI_COMM_WORLD), self(MPI_COMM_SELF);
   const std::string text = second_order +
