@@ -103,11 +103,33 @@ Collapsed collapse(const Triangulation& surface, const DecimateOptions& options,
   return result;
 }
 
+bool is_closed(const Triangulation& surface) {
+  const auto mesh = to_half_edges(surface);
+  return std::none_of(mesh.edges_begin(), mesh.edges_end(), [&](auto edge) { return mesh.is_boundary(edge); });
+}
+
+double volume_of(const Triangulation& surface) {
+  const Vec3 origin = surface.points.front();
+  double sum = 0;
+  for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
+    const auto p = corners_of(surface, t);
+    sum += dot(p[0] - origin, cross(p[1] - origin, p[2] - origin)) / 6;
+  }
+  return sum;
+}
+
 /// Where something is wrong: a point and the old triangle or the corners there.
 struct Place {
   Vec3 point;
   std::array<int, 3> corner{};  // old points
 };
+
+Place place_of(const Collapsed& collapsed, std::size_t t) {
+  const auto p = corners_of(collapsed.surface, t);
+  auto corner = collapsed.surface.triangles[t];
+  for (int& n : corner) n = collapsed.new_to_old[at(n)];
+  return {(1.0 / 3) * (p[0] + p[1] + p[2]), corner};
+}
 
 /// Where the result is not as it must be. Sets what is measured.
 std::vector<Place> find_faults(const Triangulation& surface, const DecimateOptions& options, const Collapsed& collapsed,
@@ -121,17 +143,15 @@ std::vector<Place> find_faults(const Triangulation& surface, const DecimateOptio
   result.from_old = distance_from_to(surface, after, how);
   result.to_old = distance_from_to(after, surface, how);
   std::vector<Place> places;
+  // An error as large as the body allows a surface that is turned inside out.
+  if (is_closed(surface) && volume_of(surface) > 0 && !(volume_of(after) > 0))
+    for (std::size_t t = 0; t < after.triangles.size(); ++t) places.push_back(place_of(collapsed, t));
   for (const auto& far : result.from_old.far) places.push_back({far.point, surface.triangles[at(far.from)]});
   for (const auto& far : result.to_old.far) places.push_back({far.point, surface.triangles[at(far.to)]});
   const bool has_cuts = geometry::find_self_intersections(after, 1).n_pairs > 0;
   result.cuts_itself = has_cuts && geometry::find_self_intersections(surface, 1).n_pairs > 0;
   if (!has_cuts || result.cuts_itself) return places;
-  for (const int t : cutting_triangles(after)) {
-    const auto p = corners_of(after, at(t));
-    auto corner = after.triangles[at(t)];
-    for (int& n : corner) n = collapsed.new_to_old[at(n)];
-    places.push_back({(1.0 / 3) * (p[0] + p[1] + p[2]), corner});
-  }
+  for (const int t : cutting_triangles(after)) places.push_back(place_of(collapsed, at(t)));
   return places;
 }
 

@@ -118,6 +118,22 @@ TEST(Decimate, DoesNotMakeThinWallsCutThemselves) {
   EXPECT_LT(done.surface.triangles.size(), plate.triangles.size());
 }
 
+TEST(Decimate, DoesNotTurnABodyInsideOutThatIsSmallBesideTheError) {
+  const auto ball = testing::icosphere(1);
+  int n_bodies = 0;
+  for (std::size_t n = 0; n < ball.points.size(); ++n) {
+    auto spike = ball;
+    spike.points[n].y = 255;
+    if (!describe(spike, {.find_deviation = false}).is_body()) continue;
+    ++n_bodies;
+
+    const auto done = decimate(spike, {.error = 5.12});
+
+    EXPECT_TRUE(describe(done.surface, {.find_deviation = false}).is_body()) << n;
+  }
+  EXPECT_GT(n_bodies, 3);
+}
+
 TEST(Decimate, GivesBackWhatNoErrorAllows) {
   const auto ball = testing::icosphere(2);
 
