@@ -15,13 +15,11 @@ root=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")/.." && pwd)
 build=${PAMR_BUILD:-$root/build/release}
 
 # Two serial tests for each core, or one job: starting and ending a job is mostly waiting (tests/CMakeLists.txt has the weights).
-# The full level's faults wait even more.
 level=()
-jobs=$((2 * $(nproc)))
 case ${1:-} in
   quick) shift ;;
-  full) level=(-C full) jobs=$((2 * jobs)) && shift ;;
+  full) level=(-C full) && shift ;;
 esac
 
 "$root/scripts/setup.sh" --tests
-ctest --test-dir "$build" --parallel $jobs --output-on-failure --no-label-summary --no-tests=error "${level[@]}" "$@"
+ctest --test-dir "$build" --parallel $((2 * $(nproc))) --output-on-failure --no-label-summary --no-tests=error "${level[@]}" "$@"

@@ -194,6 +194,12 @@ MeshKey key_of(const par::Comm& comm, const mesh::DistMesh& mesh) {
           mesh.info.n_global_cells};
 }
 
+bool is_of_mesh(const nlohmann::json& header, const MeshKey& mesh) {
+  return word_of(member(header, "fingerprint"), "fingerprint") == mesh.fingerprint &&
+         word_of(member(header, "numbering"), "numbering") == mesh.numbering &&
+         count_of(member(header, "n_cells"), "n_cells") == mesh.n_cells;
+}
+
 Snapshot take_snapshot(const par::Comm& comm, const MeshKey& mesh, const RunState& run, const Flow& flow) {
   nlohmann::json header{{"fingerprint", mesh.fingerprint},
                         {"numbering", mesh.numbering},

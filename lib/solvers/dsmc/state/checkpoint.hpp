@@ -22,6 +22,10 @@ struct MeshKey {
 /// Collective.
 MeshKey key_of(const par::Comm& comm, const mesh::DistMesh& mesh);
 
+/// Whether a checkpoint with this header is one of a flow on this mesh. Local; throws `Error` where the header is
+/// damaged.
+bool is_of_mesh(const nlohmann::json& header, const MeshKey& mesh);
+
 /// Everything that a computation needs to go on, in tables that do not depend on ranks and partition: particles in the
 /// order of their global cells and ids, collisions and averages of the cells, sums on the walls, history.
 struct Snapshot {

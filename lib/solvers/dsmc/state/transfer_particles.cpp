@@ -18,6 +18,7 @@
 #include "solvers/dsmc/kernel/halo.hpp"
 #include "solvers/dsmc/kernel/move.hpp"
 #include "solvers/dsmc/kernel/numbering.hpp"
+#include "solvers/dsmc/state/checkpoint.hpp"
 #include "solvers/dsmc/state/checkpoint_rows.hpp"
 #include "solvers/dsmc/state/header_values.hpp"
 #include "solvers/dsmc/state/require_sound.hpp"
@@ -53,6 +54,13 @@ std::vector<GlobalId> parents_of(const mesh::DistMesh& mesh, const std::string& 
     parents.push_back(parent - old.first);
   }
   return parents;
+}
+
+/// The same where the old cells are the cells.
+std::vector<GlobalId> themselves(const mesh::DistMesh& mesh) {
+  auto cells = mesh.cell_global;
+  for (auto& cell : cells) cell -= mesh.info.first_id;
+  return cells;
 }
 
 /// Every old particle of this rank's block of old cells. Collective.
@@ -306,8 +314,10 @@ Transferred transfer_particles(const par::Comm& comm, const std::string& name, c
   range.is_weighted = old.is_weighted;
   require_sound_cells(comm, name, old.cells, old.particles.rows, range);
   require_sound_particles(comm, name, old.particles, range);
+  const auto key = key_of(comm, mesh);
+  const bool is_same = with_file_name(name, [&] { return is_of_mesh(file.header(), key); });
   std::vector<GlobalId> parent;
-  par::agree(comm, [&] { parent = parents_of(mesh, old.name, old.cells.rows); });
+  par::agree(comm, [&] { parent = is_same ? themselves(mesh) : parents_of(mesh, old.name, old.cells.rows); });
   auto hosts = find_hosts(comm, mesh, parent, old.cells.rows, flow.setup().unit);
   require_old_volumes(comm, name, old.cells, hosts);
   return settle(comm, old, parent, std::move(hosts), mesh, flow);

@@ -46,10 +46,10 @@ struct OldFlow {
 Transferred transfer_particles(const par::Comm& comm, const OldFlow& old, std::span<const GoneCell> gone,
                                const mesh::DistMesh& mesh, Flow& flow);
 
-/// The same from a checkpoint on the mesh that this one was refined from.
-/// Collective. Throws the same `Error` on every rank when the mesh has no field `parent`, when the old cells are not
-/// those that the field names (by their number, and by the volumes of the cells with the same parent), or for other
-/// species.
+/// The same from a checkpoint on the mesh that this one was refined from, or on this mesh: then the field `parent` is
+/// not needed, and not read. Collective. Throws the same `Error` on every rank when the mesh has no field `parent`,
+/// when the old cells are not those that the field names (by their number, and by the volumes of the cells with the
+/// same parent), or for other species.
 Transferred transfer_particles(const par::Comm& comm, const std::string& file, const mesh::DistMesh& mesh, Flow& flow);
 
 }  // namespace pamr::dsmc
