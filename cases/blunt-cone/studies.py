@@ -71,7 +71,7 @@ class Folders:
     def mesh(self, name):
         if name.startswith("level"):
             return self.full / f"{name}.hdf"
-        made = self.out / f"{name}.hdf"
+        made = self.out / f"mesh-{name}.hdf"  # runs have names of their own
         if made.exists():
             return made
         if name == "halved":
@@ -83,8 +83,8 @@ class Folders:
                 case = case.replace("[mesh.sizes]", "[mesh.geometry]\nouter_radius = 90e-3\n\n[mesh.sizes]")
             else:
                 case = re.sub(r"(?<=\[mesh\.sizes\]\n).*?(?=\n#)", MESHES[name], case, flags=re.S)
-            (self.out / f"{name}.toml").write_text(case, encoding="utf-8")
-            self.tool("pamr-mesh", f"{name}.toml", "-o", made)
+            (self.out / f"mesh-{name}.toml").write_text(case, encoding="utf-8")
+            self.tool("pamr-mesh", f"mesh-{name}.toml", "-o", made)
         return made
 
 
