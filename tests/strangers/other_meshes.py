@@ -12,7 +12,7 @@ import numpy as np
 
 from given_mesh import Given
 from shapes import Made
-from walls import Cone, Cylinder, Sphere, Triangles
+from walls import BallOfTriangles, Cone, Cylinder, Sphere
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "tools"))
 from surface_models import icosphere, write_stl  # noqa: E402
@@ -78,7 +78,7 @@ def box_of_triangles(half):
 
 @maker
 def two_files_of_triangles(path):
-    """A box and a ball from an STL file each, merged; the truth is the ball of triangles."""
+    """A box and a ball from an STL file each, merged; the truth is the ball through the corners."""
     folder = pathlib.Path(path).parent
     points, triangles = icosphere(3)
     write_stl(str(folder / "ball.stl"), points, triangles)
@@ -98,7 +98,7 @@ def two_files_of_triangles(path):
     gmsh.model.geo.synchronize()
     gmsh.model.mesh.generate(3)
     points_of_mesh, cells, patches = arrays_of_gmsh(lambda tag: "ball" if is_ball[tag] else f"flat_{tag}")
-    wall = Triangles("../ball.stl", points[np.array(triangles)])
+    wall = BallOfTriangles("../ball.stl", points[np.array(triangles)])
     return Given(Made({"ball": wall}), points_of_mesh, cells, patches, 64 - wall.volume(), {"ball": wall.area()}).write(path)
 
 

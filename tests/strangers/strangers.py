@@ -118,7 +118,7 @@ class Journey:
                 counted = quality["patches"][patch]["off_surface_nodes"]
                 on_it = distance[:len(distance) - counted] if counted else distance
                 self.row["off_shape"] = max(self.row["off_shape"], on_it.max(initial=0) / size)
-                if on_it.max(initial=0) > 1e-11 * size:
+                if on_it.max(initial=0) > max(1e-11 * size, getattr(self.walls[patch], "known_to", 0)):
                     faults.append(f"nodes of {patch} lie {on_it.max():.1e} off the shape, uncounted")
         return faults
 

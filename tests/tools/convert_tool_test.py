@@ -265,6 +265,18 @@ def test_inverted_cells_are_refused_or_repaired():
     refuses("pamr-convert", "turned.msh", "strict.hdf", "--repair", "--strict", says=["1 inverted"], creates="strict.hdf")
 
 
+def test_a_file_with_the_other_order_of_corners_is_turned_over():
+    lines = two_cells().splitlines()
+    cells = [i for i, line in enumerate(lines) if line.split()[1:2] == ["4"] and len(line.split()) == 9]
+    for i in cells:
+        words = lines[i].split()
+        lines[i] = " ".join(words[:5] + [words[6], words[5]] + words[7:])
+    out = run("pamr-convert", write("other.msh", "\n".join(lines) + "\n"), "out.hdf", "--json", "-")
+    assert len(cells) == 2 and out.json["turned_cells"] == 2 and "2 inverted cells were turned over" in out.err
+    assert run("pamr-quality", "out.hdf", "--json", "-").json["valid"]
+    refuses("pamr-convert", "other.msh", "strict.hdf", "--strict", says=["2 inverted"], creates="strict.hdf")
+
+
 def test_what_is_no_good_mesh_is_refused_by_name():
     good = two_cells()
     cases = {

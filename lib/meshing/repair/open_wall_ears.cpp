@@ -10,6 +10,8 @@
 #include "pamr/assemble/assemble.hpp"
 #include "pamr/base/contract.hpp"
 #include "pamr/base/index.hpp"
+#include "pamr/mesh/region_faces.hpp"
+#include "pamr/mesh/tet.hpp"
 #include "pamr/par/exchange.hpp"
 
 namespace pamr::meshing {
@@ -123,25 +125,54 @@ bool has_no_values(const mesh::DistMesh& mesh) {
                      [](const auto& field) { return field.name == mesh::off_surface_field; });
 }
 
-/// Where the new nodes are best, and those of `inner` (ascending) near poor cells: put into `splits` and the mesh.
+/// The splits of edges and faces that are not between regions, by number: their new nodes may move. Collective.
+std::vector<std::size_t> free_splits(const par::Comm& comm, const mesh::DistMesh& mesh,
+                                     const std::vector<Split>& splits) {
+  using Nodes = std::array<GlobalId, 3>;
+  const auto key = [](Nodes node) {
+    std::sort(node.begin(), node.end());
+    return node;
+  };
+  std::map<Nodes, std::size_t> number;
+  for (std::size_t s = 0; s < splits.size(); ++s) number.emplace(key(splits[s].node), s);
+  std::vector<std::int64_t> is_between(splits.size(), 0);
+  const auto mark = [&](const Nodes& node) {
+    if (const auto found = number.find(key(node)); found != number.end()) is_between[found->second] = 1;
+  };
+  for (const auto& [face, regions] : mesh::faces_between_regions(comm, mesh)) {
+    Nodes node{};
+    for (std::size_t k = 0; k < 3; ++k)
+      node[k] = mesh.node_global[at(mesh.cell_to_node[at(face.cell)][at(mesh::tet::face_to_corner[at(face.slot)][k])])];
+    mark(node);
+    for (std::size_t k = 0; k < 3; ++k) mark({node[k], node[(k + 1) % 3], -1});
+  }
+  comm.max_in_place(is_between);
+  std::vector<std::size_t> free;
+  for (std::size_t s = 0; s < splits.size(); ++s)
+    if (is_between[s] == 0) free.push_back(s);
+  return free;
+}
+
+/// Where the new nodes of `free` splits are best, and those of `inner` (ascending) near poor cells: put into `splits`
+/// and the mesh.
 void improve(mesh::DistMesh& mesh, const std::map<GlobalId, std::vector<CellPart>>& children,
-             const std::vector<GlobalId>& inner, GlobalId first_new, std::vector<Split>& splits) {
+             const std::vector<GlobalId>& inner, GlobalId first_new, const std::vector<std::size_t>& free,
+             std::vector<Split>& splits) {
   std::vector<CellPart> parts;
   for (const auto& [cell, of_cell] : children) parts.insert(parts.end(), of_cell.begin(), of_cell.end());
   std::map<GlobalId, Vec3> point;
   for (const auto& part : parts)
     for (std::size_t k = 0; k < 4; ++k) point[part.node[k]] = part.point[k];
   std::vector<MovableNode> nodes;
-  for (std::size_t s = 0; s < splits.size(); ++s)
-    nodes.push_back({first_new + static_cast<GlobalId>(s), splits[s].point, true});
+  for (const auto s : free) nodes.push_back({first_new + static_cast<GlobalId>(s), splits[s].point, true});
   for (const auto node : inner) nodes.push_back({node, point.at(node), false});
   nodes = improve_nodes(mesh.info, std::move(nodes), parts);
 
-  for (std::size_t s = 0; s < splits.size(); ++s) splits[s].point = nodes[s].point;
+  for (std::size_t i = 0; i < free.size(); ++i) splits[free[i]].point = nodes[i].point;
   for (std::size_t n = 0; n < mesh.node_position.size(); ++n) {
     const auto found = std::lower_bound(inner.begin(), inner.end(), mesh.node_global[n]);
     if (found != inner.end() && *found == mesh.node_global[n])
-      mesh.node_position[n] = nodes[splits.size() + at(found - inner.begin())].point;
+      mesh.node_position[n] = nodes[free.size() + at(found - inner.begin())].point;
   }
 }
 
@@ -160,7 +191,7 @@ mesh::DistMesh open_wall_ears(const par::Comm& comm, mesh::DistMesh mesh, const 
   cells.insert(cells.end(), at_inner.begin(), at_inner.end());
   const GlobalId first_new = mesh.info.node_ids().end();
   const auto children = split_cells(cells, splits, first_new);
-  improve(mesh, children, inner, first_new, splits);
+  improve(mesh, children, inner, first_new, free_splits(comm, mesh, splits), splits);
 
   std::vector<std::array<int, 4>> patch;
   auto block = to_block(comm, mesh, splits, children, patch);

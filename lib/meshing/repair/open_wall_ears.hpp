@@ -10,7 +10,7 @@ namespace pamr::meshing {
 /// Takes the ears away: splits each edge of `ears`, and so all cells around it, by a new node, and each face of them,
 /// and so the two cells at it, by another.
 ///
-/// - The boundary stays as it is.
+/// - The boundary stays as it is, and so do the faces between regions.
 /// - Edges are split in falling order of length, so that neighbors agree on their common faces.
 /// - Children take the place of their parent in the order of cells, new nodes come last.
 /// - New nodes go where the cells at them are best (`improve_nodes`). So do inner nodes of the split cells where the

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "pamr/base/index.hpp"
+#include "pamr/mesh/region_faces.hpp"
 #include "pamr/mesh/tet.hpp"
 #include "pamr/par/gather_few.hpp"
 
@@ -103,15 +104,17 @@ std::vector<GlobalId> inner_nodes(const par::Comm& comm, const mesh::DistMesh& m
   std::sort(nodes.begin(), nodes.end());
   nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
   std::vector<std::int64_t> n_faces(nodes.size(), 0);
-  for (LocalId c = 0; c < mesh.n_cells(); ++c)
-    for (std::size_t slot = 0; slot < 4; ++slot) {
-      if (mesh.cell_to_cell[at(c)][slot] >= 0) continue;
-      for (const auto corner : mesh::tet::face_to_corner[slot]) {
-        const auto id = mesh.node_global[at(mesh.cell_to_node[at(c)][at(corner)])];
-        const auto found = std::lower_bound(nodes.begin(), nodes.end(), id);
-        if (found != nodes.end() && *found == id) ++n_faces[at(found - nodes.begin())];
-      }
+  const auto count = [&](LocalId cell, std::size_t slot) {
+    for (const auto corner : mesh::tet::face_to_corner[slot]) {
+      const auto id = mesh.node_global[at(mesh.cell_to_node[at(cell)][at(corner)])];
+      const auto found = std::lower_bound(nodes.begin(), nodes.end(), id);
+      if (found != nodes.end() && *found == id) ++n_faces[at(found - nodes.begin())];
     }
+  };
+  for (LocalId c = 0; c < mesh.n_cells(); ++c)
+    for (std::size_t slot = 0; slot < 4; ++slot)
+      if (mesh.cell_to_cell[at(c)][slot] < 0) count(c, slot);
+  for (const auto& [face, regions] : mesh::faces_between_regions(comm, mesh)) count(face.cell, at(face.slot));
   comm.sum_in_place(n_faces);
   std::vector<GlobalId> inner;
   for (std::size_t i = 0; i < nodes.size(); ++i)

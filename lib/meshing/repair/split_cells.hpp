@@ -39,7 +39,7 @@ std::vector<CellPart> cells_to_split(const par::Comm& comm, const mesh::DistMesh
 /// The cells of all ranks at any of these nodes (ascending). Collective; the same on every rank.
 std::vector<CellPart> cells_at(const par::Comm& comm, const mesh::DistMesh& mesh, const std::vector<GlobalId>& nodes);
 
-/// Nodes of the parts that are not in the boundary, ascending. Collective.
+/// Nodes of the parts that are neither in the boundary nor between regions, ascending. Collective.
 std::vector<GlobalId> inner_nodes(const par::Comm& comm, const mesh::DistMesh& mesh,
                                   const std::vector<CellPart>& parts);
 

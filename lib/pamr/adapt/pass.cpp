@@ -78,7 +78,7 @@ Split split_pass(const par::Comm& comm, const mesh::DistMesh& mesh, const Closed
   timer.lap("project");
   auto children = refine::subdivide(old, nodes.position);
   timer.lap("subdivide");
-  const refine::NewLevel level{info, *surfaces, numbering, children, nodes.shared, open_nodes};
+  const refine::NewLevel level{mesh, info, *surfaces, numbering, children, nodes.shared, open_nodes};
   auto settled = refine::settle(comm, level, std::move(nodes.position), std::move(movables));
   nodes.position = std::move(settled.position);
   timer.lap("project");

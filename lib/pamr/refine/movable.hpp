@@ -25,6 +25,7 @@ struct Movable {
 /// The nodes of one level that move.
 struct Movement {
   std::vector<Movable> nodes;
+  std::vector<LocalId> held;    ///< new nodes that only a wall moves (`interface_nodes`), ascending
   std::vector<LocalId> cells;   ///< this rank's cells with such a node, ascending
   bool is_on_any_rank = false;  ///< some rank has such nodes
 };

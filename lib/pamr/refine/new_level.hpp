@@ -19,6 +19,7 @@ namespace pamr::refine {
 /// What the steps that move nodes read of the refined mesh, whose cells are not linked yet. Only references; the
 /// positions, which change, are passed beside it.
 struct NewLevel {
+  const mesh::DistMesh& mesh;            ///< that is refined
   const mesh::MeshInfo& info;            ///< patches, with the planes of flat ones
   const geometry::SurfaceSet& surfaces;  ///< those that nodes are put onto
   const Numbering& numbering;

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "pamr/base/index.hpp"
+#include "pamr/refine/interface_nodes.hpp"
 #include "pamr/refine/smooth.hpp"
 #include "pamr/refine/untangle.hpp"
 
@@ -24,7 +25,8 @@ Settled settle(const par::Comm& comm, const NewLevel& level, std::vector<geometr
   if (!movement.is_on_any_rank) return certify(comm, level, std::move(position), movement);
 
   movement.nodes = std::move(movables);
-  const auto smoothed = smooth_displacement(comm, level, position, movement.nodes);
+  movement.held = interface_nodes(comm, level);
+  const auto smoothed = smooth_displacement(comm, level, position, movement);
   movement.nodes.insert(movement.nodes.end(), smoothed.followers.begin(), smoothed.followers.end());
   move_to_targets(movement.nodes, position);
   movement.cells = cells_with_moved_nodes(level, movement.nodes);

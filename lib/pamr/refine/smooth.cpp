@@ -205,7 +205,8 @@ std::vector<Fixed> sweep(const par::Comm& comm, const par::Exchange& exchange, c
 }  // namespace
 
 Smoothed smooth_displacement(const par::Comm& comm, const NewLevel& level, const std::vector<geometry::Vec3>& position,
-                             const std::vector<Movable>& movables) {
+                             const Movement& movement) {
+  const auto& movables = movement.nodes;
   const auto extent = measure(comm, level, position, movables);
   Smoothed smoothed;
   smoothed.max_ratio = extent.ratio;
@@ -219,6 +220,7 @@ Smoothed smooth_displacement(const par::Comm& comm, const NewLevel& level, const
   const auto planes = planes_of_nodes(level);
   for (const auto& [node, plane] : planes)
     if (plane == nullptr) is_free[at(node)] = 0;
+  for (const auto node : movement.held) is_free[at(node)] = 0;
   auto region = gather(level, is_free);
   std::vector<const geometry::Surface*> plane_of(region.node.size(), nullptr);
   for (const auto& [node, plane] : planes) {

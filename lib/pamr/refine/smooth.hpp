@@ -25,10 +25,10 @@ struct Smoothed {
 ///
 /// `position`: of every node of the level, inner ones in the middle of their edges. Averages over the cells at a node,
 /// all nodes at once (Jacobi), with old nodes fixed; sums are in 64-bit fixed point, so that neither order nor ranks
-/// change a bit. New nodes within a patch on a plane follow in the plane. The number of sweeps depends on the largest
-/// displacement relative to its edge: none under 2 %, 10 up to 10 %, 30 beyond.
-/// Collective: two reductions, and one neighbor exchange a sweep over the shared nodes that may follow.
+/// change a bit. New nodes within a patch on a plane follow in the plane, held ones stay. The number of sweeps depends
+/// on the largest displacement relative to its edge: none under 2 %, 10 up to 10 %, 30 beyond. Collective: two
+/// reductions, and one neighbor exchange a sweep over the shared nodes that may follow.
 Smoothed smooth_displacement(const par::Comm& comm, const NewLevel& level, const std::vector<geometry::Vec3>& position,
-                             const std::vector<Movable>& movables);
+                             const Movement& movement);
 
 }  // namespace pamr::refine

@@ -352,7 +352,7 @@ Untangled untangle(const par::Comm& comm, const NewLevel& level, const std::vect
                    bool is_gentle) {
   const auto poor = is_gentle ? find_spoilt(level, position, movement) : find_poor(level, position, movement.cells);
   if (!comm.any(!poor.empty())) return {std::move(movement), 0};
-  const auto freedom = free_nodes(level, movement.nodes);
+  const auto freedom = free_nodes(level, movement);
   const auto region = gather_region(comm, level, freedom, poor, 2);
   Untangler untangler(comm, position, freedom, region);
   const int rounds = untangler.run();

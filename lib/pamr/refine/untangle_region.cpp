@@ -67,7 +67,7 @@ RowsOfNode rows_of_nodes(const std::vector<Row>& rows, std::size_t n) {
 
 }  // namespace
 
-Freedom free_nodes(const NewLevel& level, const std::vector<Movable>& movables) {
+Freedom free_nodes(const NewLevel& level, const Movement& movement) {
   const auto n_old_nodes = level.numbering.n_old_nodes;
   Freedom freedom;
   freedom.of_node.assign(level.n_nodes(), Freedom::inner);
@@ -87,8 +87,9 @@ Freedom free_nodes(const NewLevel& level, const std::vector<Movable>& movables) 
   };
   for (const auto& boundary : level.numbering.boundary)
     freedom.of_node[at(n_old_nodes + boundary.new_node)] = row_of(patches_of(boundary));
-  for (const auto& m : movables)
+  for (const auto& m : movement.nodes)
     if (m.patch[0] >= 0) freedom.of_node[at(m.node)] = m.is_reachable && !m.is_held ? row_of(m.patch) : Freedom::fixed;
+  for (const auto node : movement.held) freedom.of_node[at(node)] = Freedom::fixed;
   return freedom;
 }
 

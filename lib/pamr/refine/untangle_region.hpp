@@ -19,15 +19,15 @@ namespace pamr::refine {
 struct Freedom {
   static constexpr std::int32_t fixed = -2, inner = -1;
 
-  /// Per node of the refined mesh: `fixed` (old nodes, nodes of patches without surface, on seams and on sharp edges
-  /// inside a surface), `inner` (anywhere), or the row of `on` with the surfaces that the node stays on.
+  /// Per node of the refined mesh: `fixed` (old nodes, held ones, nodes of patches without surface, on seams and on
+  /// sharp edges inside a surface), `inner` (anywhere), or the row of `on` with the surfaces that the node stays on.
   std::vector<std::int32_t> of_node;
   std::vector<SurfacesOfNode> on;
 };
 
-/// New nodes are free: inside, or along the surfaces of their patches. So are the old ones in `movables`, which were
+/// New nodes are free: inside, or along the surfaces of their patches. So are the old ones of the movement, which were
 /// off their surfaces.
-Freedom free_nodes(const NewLevel& level, const std::vector<Movable>& movables);
+Freedom free_nodes(const NewLevel& level, const Movement& movement);
 
 /// Rows of a table in which each node finds the things it belongs to.
 struct RowsOfNode {

@@ -156,6 +156,46 @@ TEST(Projection, LetsNewNodesOfAPlaneFollowTheWallWithinThePlane) {
   EXPECT_GT(n_followed, 0);
 }
 
+TEST(Projection, LeavesFacesBetweenRegionsAsTheyAre) {
+  const par::Comm comm(MPI_COMM_WORLD);
+  for (const auto& [bulge, seed] : std::vector<std::pair<double, std::uint64_t>>{{0.1, 2}, {0.5, 3}}) {
+    auto mesh = assemble::assemble(comm, bulging_cube(comm, seed, bulge));
+    std::vector<std::int64_t> region;
+    for (LocalId c = 0; c < mesh.n_cells(); ++c) {
+      const auto p = mesh.points(c);
+      region.push_back(p[0].y + p[1].y + p[2].y + p[3].y < 2 ? 3 : 7);
+    }
+    mesh.cell_fields.push_back({mesh::region_field, "", 1, mesh::StorageType::int64, region});
+    const auto flags = near_dome(mesh, 0.6);
+
+    const auto moved = test::gather(comm, adapt::refine(comm, mesh, flags, {.marks_field = ""}).mesh);
+    const auto straight =
+        test::gather(comm, adapt::refine(comm, mesh, flags, {.project = false, .marks_field = ""}).mesh);
+
+    const auto& regions = std::find_if(moved.cell_fields.begin(), moved.cell_fields.end(), [](const auto& field) {
+                            return field.name == mesh::region_field;
+                          })->integer();
+    ASSERT_EQ(moved.node_position.size(), straight.node_position.size());
+    int n_between = 0, n_moved = 0;
+    for (std::size_t c = 0; c < moved.cell_to_node.size(); ++c)
+      for (std::size_t f = 0; f < 4; ++f) {
+        const auto next = moved.cell_to_cell[c][f];
+        const bool is_between = next >= 0 && regions[static_cast<std::size_t>(next)] != regions[c];
+        for (const auto corner : mesh::tet::face_to_corner[f]) {
+          const auto node = static_cast<std::size_t>(moved.cell_to_node[c][static_cast<std::size_t>(corner)]);
+          const auto before = straight.node_position[node], now = moved.node_position[node];
+          if (before.z == 0) continue;  // at the dome
+          n_moved += now == before ? 0 : 1;
+          if (!is_between) continue;
+          ++n_between;
+          EXPECT_TRUE(now == before);
+        }
+      }
+    EXPECT_GT(n_between, 20);
+    EXPECT_GT(n_moved, 20);
+  }
+}
+
 double min_volume_at(const mesh::BlockMesh& whole, GlobalId node) {
   double least = 1;
   for (const auto& nodes : whole.cell_to_node)

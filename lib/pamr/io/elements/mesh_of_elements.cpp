@@ -171,11 +171,12 @@ Numbered number(const par::Comm& comm, const ElementParts& parts, const std::str
   return result;
 }
 
-/// Turns inverted cells over, or refuses them; refuses flat ones. Returns how many were turned. Collective.
+/// Turns inverted cells over, or refuses them unless all are: then whoever wrote the file has the other order of
+/// corners. Refuses flat ones. Returns how many were turned. Collective.
 std::int64_t orient(const par::Comm& comm, mesh::BlockMesh& block, bool repair, const std::string& file) {
   const auto [n_turned, n_flat] = assemble::turn_inverted(comm, block);
   if (n_flat > 0) throw Error(fmt::format("file '{}': expected cells with a volume, found {} flat ones", file, n_flat));
-  if (n_turned > 0 && !repair)
+  if (n_turned > 0 && n_turned < block.info.n_global_cells && !repair)
     throw Error(
         fmt::format("file '{}': expected cells of positive volume, found {} inverted ones (--repair turns them over)",
                     file, n_turned));

@@ -13,7 +13,7 @@
 namespace pamr::io {
 
 struct ElementOptions {
-  bool repair = false;  ///< turn inverted cells over instead of refusing them
+  bool repair = false;  ///< turn inverted cells over instead of refusing them, where not all are
 };
 
 /// A mesh that was read from a file of elements, and what the reader had to change.
