@@ -25,12 +25,34 @@
 namespace pamr::meshing {
 namespace {
 
-RawMesh mesh_domain(const Domain& domain, unsigned seed, const Listener& listener) {
+/// What CGAL makes of a domain, with sizes that are 3 % smaller or larger where it fails with those that were asked
+/// for.
+RawMesh mesh_interior(const Domain& domain, unsigned seed, const Listener& listener) {
   Mesh3Watch watch;
   watch.progress = [&](std::int64_t nodes, std::int64_t expected) {
     listener.progress(0, fmt::format("interior, {} nodes of about {}", nodes, expected).c_str());
   };
-  auto raw = run_mesh3(domain, seed, watch);
+  try {
+    return run_mesh3(domain, seed, watch);
+  } catch (const MesherFailure& failure) {
+    for (const double factor : {0.97, 1.03}) {
+      auto changed = domain;
+      changed.size = [&domain, factor](geometry::Vec3 p) { return factor * domain.size(p); };
+      try {
+        auto raw = run_mesh3(changed, seed, watch);
+        listener.warn(fmt::format("all sizes were multiplied by {}, since with those that were asked for {}", factor,
+                                  failure.what()));
+        return raw;
+      } catch (const MesherFailure&) {
+        // what was wrong with the sizes asked for is said
+      }
+    }
+    throw;
+  }
+}
+
+RawMesh mesh_domain(const Domain& domain, unsigned seed, const Listener& listener) {
+  auto raw = mesh_interior(domain, seed, listener);
   listener.progress(1, "boundary");
   place_boundary(domain, raw);
   peel(domain, raw);

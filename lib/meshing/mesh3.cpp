@@ -102,7 +102,7 @@ class Work {
   }
 
   [[noreturn]] void refuse(geometry::Vec3 where, const char* advice) const {
-    throw Error(
+    throw MesherFailure(
         fmt::format("CGAL's mesher found no end: {} nodes where the sizes ask for about {}, the last near ({:.6g}, "
                     "{:.6g}, {:.6g}). {}",
                     n_nodes_, expected_, where.x, where.y, where.z, advice));
@@ -377,7 +377,9 @@ RawMesh run_mesh3(const Domain& domain, unsigned seed, const Mesh3Watch& watch) 
     if (mesh.cell.empty()) too_coarse("no cell");
     return mesh;
   } catch (const CGAL::Failure_exception& failure) {
-    throw Error(std::string("CGAL could not mesh the domain: ") + failure.what());
+    const auto message = failure.message().empty() ? failure.expression() : failure.message();
+    throw MesherFailure(
+        fmt::format("CGAL's mesher failed ({}): give another size", message.substr(0, message.find('\n'))));
   }
 }
 

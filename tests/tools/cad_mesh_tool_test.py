@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """pamr-mesh makes level 0 from CAD files by itself. data/can.step is a closed can of radius 1 from z = 0 to 2 (face 1 the side, 2
 and 3 top and bottom); data/can.igs is the same as loose faces; data/colored_can.step has a gray side, a red top, a blue bottom;
-data/quarter_can.step is a quarter of a can of radius 10 from z = 0 to 20, made by Gmsh."""
+data/quarter_can.step is a quarter of a can of radius 10 from z = 0 to 20, data/chamfer_box.brep a box with chamfers, both made by Gmsh."""
 import pathlib
 import re
 import shutil
@@ -179,6 +179,12 @@ def open_cube():
     text = re.sub(re.escape(first) + r" *= *ADVANCED_FACE\([^;]*;\n", "", text)
     pathlib.Path("open.step").write_text(text)
     return "open.step"
+
+
+def test_another_size_is_taken_and_told_where_cgal_fails():
+    out = run("pamr-mesh", DATA / "chamfer_box.brep", "-o", "box.hdf")
+    assert "all sizes were multiplied by" in out.err and "CGAL's mesher failed" in out.err, out.err
+    assert run("pamr-quality", "box.hdf", "--json", "-").json["valid"]
 
 
 run_tests(globals())
