@@ -37,9 +37,6 @@ mesh::DistMesh read_vtu(cli::Session& session, const ReadRequest& request, nlohm
   if (request.strict && read.n_turned + read.n_dropped_nodes > 0)
     throw Error(fmt::format("file '{}': expected no inverted cells and no nodes of no cell, found {} and {}",
                             request.file, read.n_turned, read.n_dropped_nodes));
-  if (request.strict && read.n_turned > 0)
-    throw Error(fmt::format("file '{}': expected cells of positive volume, found {} inverted ones", request.file,
-                            read.n_turned));
   if (read.n_turned > 0) session.warn(fmt::format("{} inverted cells were turned over", read.n_turned));
   if (read.n_dropped_nodes > 0) session.warn(fmt::format("{} nodes of no cell were left out", read.n_dropped_nodes));
   read.mesh.info.provenance = "pamr-convert from VTK";
@@ -98,6 +95,9 @@ mesh::DistMesh read_mesh(cli::Session& session, const ReadRequest& request, nloh
   if (request.strict && read.n_untagged_faces > 0)
     throw Error(fmt::format("file '{}': expected a triangle on every boundary face, found {} faces without",
                             request.file, read.n_untagged_faces));
+  if (request.strict && read.n_turned > 0)
+    throw Error(fmt::format("file '{}': expected cells of positive volume, found {} inverted ones", request.file,
+                            read.n_turned));
   if (read.n_turned > 0) session.warn(fmt::format("{} inverted cells were turned over", read.n_turned));
   if (read.n_dropped_nodes > 0) session.warn(fmt::format("{} nodes of no cell were left out", read.n_dropped_nodes));
   if (read.n_untagged_faces > 0)

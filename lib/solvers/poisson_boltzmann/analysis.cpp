@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "solvers/poisson_boltzmann/analysis.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -67,6 +68,9 @@ void compare_with_manufactured(const par::Comm& comm, const State& state, Analys
 /// 0.08.
 constexpr double bar_over_shares = 1.0 / 3, bar_over_walls = 0.2;
 
+/// Least error bar over the value: what integration by points, the tolerance of the solver and rounding may leave.
+constexpr double least_bar = 1e-8;
+
 /// On the meshed part.
 struct DualError {
   std::vector<double> share;
@@ -125,6 +129,7 @@ void add_goals(const par::Comm& comm, const State& state, System& system, std::v
     goal.correction = functional.factor * error.correction;
     goal.error_bound = functional.factor * par::reproducible_sum(comm, error.share);
     goal.error_bar = functional.factor * error.bar + bar_over_walls * std::abs(functional.through_walls);
+    if (goal.value) goal.error_bar = std::max(goal.error_bar, least_bar * std::abs(*goal.value));
     if (result.goals.empty()) {
       result.goal = std::move(error.share);
     } else if (goal.error_bound > 0) {

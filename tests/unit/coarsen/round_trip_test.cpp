@@ -83,16 +83,16 @@ std::string written(const par::Comm& comm, const mesh::DistMesh& mesh, const std
 /// A value for each cell or node, constant where coarsening has to give back what refining has spread.
 void add_fields(mesh::DistMesh& mesh) {
   std::vector<double> x, y;
-  std::vector<std::int64_t> region;
+  std::vector<std::int64_t> tag;
   for (const auto p : mesh.node_position) x.push_back(std::sin(7 * p.x) + p.y * p.z);
   for (LocalId c = 0; c < mesh.n_cells(); ++c) {
     y.push_back(1 / (3.0 + static_cast<double>(mesh.cell_global[at(c)])));
     y.push_back(1e300);
-    region.push_back(mesh.cell_global[at(c)] % 5);
+    tag.push_back(mesh.cell_global[at(c)] % 5);
   }
   mesh.node_fields.push_back({"potential", "V", 1, mesh::StorageType::float64, x});
   mesh.cell_fields.push_back({"density", "kg", 2, mesh::StorageType::float64, y});
-  mesh.cell_fields.push_back({"region", "", 1, mesh::StorageType::int32, region});
+  mesh.cell_fields.push_back({"tag", "", 1, mesh::StorageType::int32, tag});
 }
 
 TEST(RoundTrip, OfAMeshAtACurvedWallGivesTheFileOnAnyRanks) {
