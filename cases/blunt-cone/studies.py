@@ -49,6 +49,7 @@ RUNS = [
     Run("domain", "wide", "wide", 4e12, 1800, carry=None),
     Run("levels", "l1-760k", "level1", 2.1e12, 1600, carry=1),
     Run("levels", "l2-950k", "level2", 2.5e12, 2100, carry=2),
+    Run("partner", "l2-950k-any", "level2", 2.5e12, 2100, carry=2, partner="any"),
 ]
 # The coarsest mesh whose edges still fit the arcs of the wall; and a wider domain.
 MESHES = {

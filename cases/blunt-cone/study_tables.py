@@ -189,6 +189,7 @@ CHANGES = (
     ("level 0: cells half as large, same steps and weights", "l0-halved-500k", "l0-500k", 1),
     ("level 0: any partner", "l0-250k-any", "l0-250k", 1),
     ("level 1: any partner", "l1-380k-any", "l1-380k", 1),
+    ("level 2: any partner", "l2-950k-any", "l2-950k", 1),
     ("level 1: twice the particles (0.38 to 0.76 million)", "l1-760k", "l1-380k", 1),
     ("level 1: 5 times the particles (0.38 to 1.95 million)", "level 1", "l1-380k", 1),
     ("level 2: 4 times the particles (0.95 to 3.8 million)", "level 2", "l2-950k", 1),
