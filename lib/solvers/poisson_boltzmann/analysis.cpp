@@ -69,7 +69,7 @@ void compare_with_manufactured(const par::Comm& comm, const State& state, Analys
 constexpr double bar_over_shares = 1.0 / 3, bar_over_walls = 0.2;
 
 /// Least error bar over the value: what integration by points, the tolerance of the solver and rounding may leave.
-constexpr double least_bar = 1e-8;
+constexpr double min_bar = 1e-8;
 
 /// On the meshed part.
 struct DualError {
@@ -129,7 +129,7 @@ void add_goals(const par::Comm& comm, const State& state, System& system, std::v
     goal.correction = functional.factor * error.correction;
     goal.error_bound = functional.factor * par::reproducible_sum(comm, error.share);
     goal.error_bar = functional.factor * error.bar + bar_over_walls * std::abs(functional.through_walls);
-    if (goal.value) goal.error_bar = std::max(goal.error_bar, least_bar * std::abs(*goal.value));
+    if (goal.value) goal.error_bar = std::max(goal.error_bar, min_bar * std::abs(*goal.value));
     if (result.goals.empty()) {
       result.goal = std::move(error.share);
     } else if (goal.error_bound > 0) {
