@@ -301,7 +301,6 @@ def test_bad_su2_files_are_refused_with_the_place():
             ({"cells": "NELEM= 1\n10 0 1 2\n"}, ["line 3", "end of the line"]),
             ({"cells": "NELEM= 1\n10 0 1 2 9\n"}, ["node number 9"]),
             ({"cells": "NELEM= 1\n5 0 1 2\n"}, ["line 3", "a triangle"]),
-            ({"cells": "NELEM= 1\n10 0 1 3 2\n"}, ["--repair"]),
             ({"cells": "NELEM= 99999999999\n10 0 1 2 3\n"}, ["fits the file"]),
             ({"cells": "NELEM= -1\n"}, ["fits the file", "-1"]),
             ({"nodes": "NPOIN= 4\n0 0 0\n1 0 nan\n0 1 0\n0 0 1\n"}, ["line 6", "nan"]),
@@ -323,6 +322,11 @@ def one_cell_medit(**change):
     return "bad.mesh"
 
 
+def test_files_whose_cells_all_have_the_other_order_of_corners_are_turned_over():
+    for name in (one_cell_su2(cells="NELEM= 1\n10 0 1 3 2\n"), one_cell_medit(cells="Tetrahedra\n1\n1 2 4 3 5\n")):
+        assert "1 inverted cells were turned over" in run("pamr-convert", name, "turned.hdf", "--force").err
+
+
 def test_bad_medit_files_are_refused_with_the_place():
     run("pamr-convert", one_cell_medit(), "good.hdf", "--quiet")
     for change, says in [
@@ -334,7 +338,6 @@ def test_bad_medit_files_are_refused_with_the_place():
             ({"nodes": "Vertices\n3\n0 0 0 0\n1 0 0 0\n0 1 0 0\n0 0 1 0\n"}, ["line 8", "a keyword"]),
             ({"nodes": ""}, ["nodes, found none"]), ({"cells": ""}, ["tetrahedra, found none"]),
             ({"cells": "Tetrahedra\n1\n1 2 3 5 5\n"}, ["node number 5"]),
-            ({"cells": "Tetrahedra\n1\n1 2 4 3 5\n"}, ["--repair"]),
             ({"cells": "Tetrahedra\n1\n1 2 3 3 5\n"}, []),
             ({"cells": "Tetrahedra\n1\n1 2 3 4 5\nHexahedra\n1\n1 2 3 4 1 2 3 4 0\n"}, ["1 hexahedra"]),
             ({"cells": "Tetrahedra\n1\n1 2 3 4 5\nPrisms 2\n1 2 3 4 1 2 0\n1 2 3 4 1 2 0\n"}, ["2 prisms"]),
