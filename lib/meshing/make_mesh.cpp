@@ -32,23 +32,21 @@ RawMesh mesh_interior(const Domain& domain, unsigned seed, const Listener& liste
   watch.progress = [&](std::int64_t nodes, std::int64_t expected) {
     listener.progress(0, fmt::format("interior, {} nodes of about {}", nodes, expected).c_str());
   };
-  try {
-    return run_mesh3(domain, seed, watch);
-  } catch (const MesherFailure& failure) {
-    for (const double factor : {0.97, 1.03}) {
-      auto changed = domain;
-      changed.size = [&domain, factor](geometry::Vec3 p) { return factor * domain.size(p); };
-      try {
-        auto raw = run_mesh3(changed, seed, watch);
+  std::optional<MesherFailure> failure;  // with the sizes that were asked for
+  for (const double factor : {1.0, 0.97, 1.03}) {
+    auto changed = domain;
+    changed.size = [&domain, factor](geometry::Vec3 p) { return factor * domain.size(p); };
+    try {
+      auto raw = run_mesh3(changed, seed, watch);
+      if (failure)
         listener.warn(fmt::format("all sizes were multiplied by {}, since with those that were asked for {}", factor,
-                                  failure.what()));
-        return raw;
-      } catch (const MesherFailure&) {
-        // what was wrong with the sizes asked for is said
-      }
+                                  failure->what()));
+      return raw;
+    } catch (const MesherFailure& now) {
+      if (!failure) failure = now;
     }
-    throw;
   }
+  throw MesherFailure(*failure);
 }
 
 RawMesh mesh_domain(const Domain& domain, unsigned seed, const Listener& listener) {

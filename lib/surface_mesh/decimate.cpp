@@ -144,7 +144,7 @@ std::vector<Place> find_faults(const Triangulation& surface, const DecimateOptio
   result.to_old = distance_from_to(after, surface, how);
   std::vector<Place> places;
   // An error as large as the body allows a surface that is turned inside out.
-  if (is_closed(surface) && volume_of(surface) > 0 && !(volume_of(after) > 0))
+  if (!(volume_of(after) > 0) && volume_of(surface) > 0 && is_closed(surface))
     for (std::size_t t = 0; t < after.triangles.size(); ++t) places.push_back(place_of(collapsed, t));
   for (const auto& far : result.from_old.far) places.push_back({far.point, surface.triangles[at(far.from)]});
   for (const auto& far : result.to_old.far) places.push_back({far.point, surface.triangles[at(far.to)]});

@@ -127,7 +127,7 @@ bool has_no_values(const mesh::DistMesh& mesh) {
 
 /// The splits of edges and faces that are not between regions, by number: their new nodes may move. Collective.
 std::vector<std::size_t> free_splits(const par::Comm& comm, const mesh::DistMesh& mesh,
-                                     const std::vector<Split>& splits) {
+                                     const std::vector<mesh::RegionFace>& between, const std::vector<Split>& splits) {
   using Nodes = std::array<GlobalId, 3>;
   const auto key = [](Nodes node) {
     std::sort(node.begin(), node.end());
@@ -139,7 +139,7 @@ std::vector<std::size_t> free_splits(const par::Comm& comm, const mesh::DistMesh
   const auto mark = [&](const Nodes& node) {
     if (const auto found = number.find(key(node)); found != number.end()) is_between[found->second] = 1;
   };
-  for (const auto& [face, regions] : mesh::faces_between_regions(comm, mesh)) {
+  for (const auto& [face, regions] : between) {
     Nodes node{};
     for (std::size_t k = 0; k < 3; ++k)
       node[k] = mesh.node_global[at(mesh.cell_to_node[at(face.cell)][at(mesh::tet::face_to_corner[at(face.slot)][k])])];
@@ -185,13 +185,14 @@ mesh::DistMesh open_wall_ears(const par::Comm& comm, mesh::DistMesh mesh, const 
   for (const auto& face : ears.face) splits.push_back({face, 0, {}});
   auto cells = cells_to_split(comm, mesh, splits);
   splits = placed_in_order(cells, std::move(splits));
+  const auto between = mesh::faces_between_regions(comm, mesh);
   std::vector<GlobalId> inner;
-  if (has_no_values(mesh)) inner = inner_nodes(comm, mesh, cells);
+  if (has_no_values(mesh)) inner = inner_nodes(comm, mesh, between, cells);
   const auto at_inner = cells_at(comm, mesh, inner);
   cells.insert(cells.end(), at_inner.begin(), at_inner.end());
   const GlobalId first_new = mesh.info.node_ids().end();
   const auto children = split_cells(cells, splits, first_new);
-  improve(mesh, children, inner, first_new, free_splits(comm, mesh, splits), splits);
+  improve(mesh, children, inner, first_new, free_splits(comm, mesh, between, splits), splits);
 
   std::vector<std::array<int, 4>> patch;
   auto block = to_block(comm, mesh, splits, children, patch);

@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "pamr/base/index.hpp"
-#include "pamr/mesh/region_faces.hpp"
 #include "pamr/mesh/tet.hpp"
 #include "pamr/par/gather_few.hpp"
 
@@ -98,7 +97,7 @@ std::vector<CellPart> cells_at(const par::Comm& comm, const mesh::DistMesh& mesh
 }
 
 std::vector<GlobalId> inner_nodes(const par::Comm& comm, const mesh::DistMesh& mesh,
-                                  const std::vector<CellPart>& parts) {
+                                  const std::vector<mesh::RegionFace>& between, const std::vector<CellPart>& parts) {
   std::vector<GlobalId> nodes;
   for (const auto& part : parts) nodes.insert(nodes.end(), part.node.begin(), part.node.end());
   std::sort(nodes.begin(), nodes.end());
@@ -114,7 +113,7 @@ std::vector<GlobalId> inner_nodes(const par::Comm& comm, const mesh::DistMesh& m
   for (LocalId c = 0; c < mesh.n_cells(); ++c)
     for (std::size_t slot = 0; slot < 4; ++slot)
       if (mesh.cell_to_cell[at(c)][slot] < 0) count(c, slot);
-  for (const auto& [face, regions] : mesh::faces_between_regions(comm, mesh)) count(face.cell, at(face.slot));
+  for (const auto& [face, regions] : between) count(face.cell, at(face.slot));
   comm.sum_in_place(n_faces);
   std::vector<GlobalId> inner;
   for (std::size_t i = 0; i < nodes.size(); ++i)

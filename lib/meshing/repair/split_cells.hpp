@@ -9,6 +9,7 @@
 #include "pamr/geometry/tet_shape.hpp"
 #include "pamr/geometry/vec3.hpp"
 #include "pamr/mesh/dist_mesh.hpp"
+#include "pamr/mesh/region_faces.hpp"
 #include "pamr/par/comm.hpp"
 
 namespace pamr::meshing {
@@ -41,7 +42,7 @@ std::vector<CellPart> cells_at(const par::Comm& comm, const mesh::DistMesh& mesh
 
 /// Nodes of the parts that are neither in the boundary nor between regions, ascending. Collective.
 std::vector<GlobalId> inner_nodes(const par::Comm& comm, const mesh::DistMesh& mesh,
-                                  const std::vector<CellPart>& parts);
+                                  const std::vector<mesh::RegionFace>& between, const std::vector<CellPart>& parts);
 
 /// The splits with their new nodes in the middle, in the order in which they are to be made: edges in falling order of
 /// length, then faces. `cells` hold all their nodes.

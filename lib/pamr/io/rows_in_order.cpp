@@ -6,6 +6,7 @@
 #include <span>
 #include <utility>
 
+#include "pamr/mesh/region_faces.hpp"
 #include "pamr/par/exchange.hpp"
 #include "pamr/par/gather_few.hpp"
 
@@ -70,8 +71,8 @@ mesh::NodeField nodes_in_order(const par::Comm& comm, const mesh::DistMesh& mesh
 
 RegionsInOrder regions_in_order(const par::Comm& comm, const mesh::DistMesh& mesh) {
   RegionsInOrder regions;
-  const auto* field = mesh.find_cell_field(mesh::region_field);
-  regions.has_field = field != nullptr && field->holds_integers() && field->n_components == 1;
+  const auto* field = mesh::find_regions(mesh);
+  regions.has_field = field != nullptr;
   if (!regions.has_field) return regions;
   regions.of_cell = cells_in_order(comm, mesh, *field).integer();
   regions.all = par::gather_distinct(comm, std::set<std::int64_t>(regions.of_cell.begin(), regions.of_cell.end()));

@@ -15,7 +15,7 @@ struct RecoveredError {
   double norm_squared = 0;      ///< integral of |grad f|^2 over the mesh
 };
 
-/// The recovered gradient G* is linear in each cell; at a node it is the mean of the gradients of the cells round it,
+/// The recovered gradient G* is linear in each cell; at a node it is the mean of the gradients of the cells around it,
 /// weighted with their volumes. The gradient of f itself is constant in a cell. Sums over the cells around a node are
 /// kept in 64-bit fixed point scaled to the largest of them, those over the mesh are exact, so every number has the
 /// same bits for every number of ranks and every order of the cells.

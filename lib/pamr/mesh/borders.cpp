@@ -51,7 +51,7 @@ Buckets<Item> deal(std::size_t n_buckets, ForEach&& for_each) {
   return buckets;
 }
 
-/// An edge of a rank-border face: where an arc of cells round it ends. Kept by the smaller of its nodes.
+/// An edge of a rank-border face: where an arc of cells around it ends. Kept by the smaller of its nodes.
 struct ArcEnd {
   LocalId other = 0;  ///< the larger node
   LocalId face = 0;   ///< rank-border face

@@ -8,9 +8,14 @@
 
 namespace pamr::mesh {
 
-std::vector<RegionFace> faces_between_regions(const par::Comm& comm, const DistMesh& mesh) {
+const CellField* find_regions(const DistMesh& mesh) {
   const auto* field = mesh.find_cell_field(region_field);
-  if (field == nullptr || !field->holds_integers() || field->n_components != 1) return {};
+  return field != nullptr && field->holds_integers() && field->n_components == 1 ? field : nullptr;
+}
+
+std::vector<RegionFace> faces_between_regions(const par::Comm& comm, const DistMesh& mesh) {
+  const auto* field = find_regions(mesh);
+  if (field == nullptr) return {};
   const auto& region = field->integer();
   const par::Pattern border{mesh.border_rank, mesh.border_offset, std::vector<LocalId>(mesh.border_face.size(), 0)};
   std::vector<std::int64_t> mine;

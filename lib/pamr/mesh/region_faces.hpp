@@ -11,6 +11,9 @@
 
 namespace pamr::mesh {
 
+/// The field with the region of each cell: `region_field` where it has integers and one component, else none. Local.
+const CellField* find_regions(const DistMesh& mesh);
+
 /// A face between two regions, from the cell in the one with the lower number.
 struct RegionFace {
   CellFace face;

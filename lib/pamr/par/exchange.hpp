@@ -6,6 +6,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "pamr/base/index.hpp"
 #include "pamr/par/comm.hpp"
 
 namespace pamr::par {
@@ -49,6 +50,18 @@ class Exchange {
   const Comm* comm_;
   const Pattern* pattern_;
 };
+
+/// Swaps the value of each shared item and lets `take(item, theirs)` fold in what the other side has. `of_item` has a
+/// value for each item, shared or not. Collective: one exchange.
+template <class T, class Take>
+void fold_shared(const Exchange& exchange, const std::vector<T>& of_item, Take&& take) {
+  const auto& item = exchange.pattern().item;
+  std::vector<T> mine;
+  mine.reserve(item.size());
+  for (const auto i : item) mine.push_back(of_item[at(i)]);
+  const auto theirs = exchange.swap<T>(mine);
+  for (std::size_t k = 0; k < theirs.size(); ++k) take(item[k], theirs[k]);
+}
 
 /// Name of a thing that several ranks may hold: its global node numbers in ascending order, padded with -1.
 using SharedKey = std::array<GlobalId, 3>;

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "pamr/base/index.hpp"
+#include "pamr/mesh/region_faces.hpp"
 #include "pamr/par/exchange.hpp"
 
 namespace pamr::refine {
@@ -34,8 +35,8 @@ bool has_several(const par::Comm& comm, const std::vector<std::int64_t>& region)
 }  // namespace
 
 std::vector<LocalId> interface_nodes(const par::Comm& comm, const NewLevel& level) {
-  const auto* field = level.mesh.find_cell_field(mesh::region_field);
-  if (field == nullptr || !field->holds_integers() || field->n_components != 1) return {};
+  const auto* field = mesh::find_regions(level.mesh);
+  if (field == nullptr) return {};
   const auto& region = field->integer();
   if (!has_several(comm, region)) return {};
 
@@ -47,11 +48,8 @@ std::vector<LocalId> interface_nodes(const par::Comm& comm, const NewLevel& leve
       if (const auto node = numbering.midpoint(c, e); node != invalid_local)
         of_node[at(node)].add({region[at(c)], region[at(c)]});
   }
-  std::vector<Regions> mine;
-  mine.reserve(level.shared.n_slots());
-  for (const auto node : level.shared.item) mine.push_back(of_node[at(node)]);
-  const auto theirs = par::Exchange(comm, level.shared).swap<Regions>(mine);
-  for (std::size_t k = 0; k < theirs.size(); ++k) of_node[at(level.shared.item[k])].add(theirs[k]);
+  par::fold_shared(par::Exchange(comm, level.shared), of_node,
+                   [&](LocalId node, const Regions& theirs) { of_node[at(node)].add(theirs); });
 
   std::vector<LocalId> nodes;
   for (auto n = at(numbering.n_old_nodes); n < of_node.size(); ++n)

@@ -42,16 +42,6 @@ Extent measure(const par::Comm& comm, const NewLevel& level, const std::vector<V
 
 int sweeps_for(double ratio) { return ratio < gentle_ratio ? 0 : ratio < 0.1 ? 10 : 30; }
 
-/// Swaps one value for each shared node and lets `take(node, theirs)` fold it in.
-template <class T, class Take>
-void fold_shared(const par::Exchange& exchange, const std::vector<T>& of_node, Take&& take) {
-  std::vector<T> mine;
-  mine.reserve(exchange.pattern().n_slots());
-  for (const auto node : exchange.pattern().item) mine.push_back(of_node[at(node)]);
-  const auto theirs = exchange.swap<T>(mine);
-  for (std::size_t k = 0; k < theirs.size(); ++k) take(exchange.pattern().item[k], theirs[k]);
-}
-
 bool any_of(const std::vector<std::uint8_t>& flag, const mesh::CellNodes& nodes) {
   return (flag[at(nodes[0])] | flag[at(nodes[1])] | flag[at(nodes[2])] | flag[at(nodes[3])]) != 0;
 }
@@ -67,7 +57,7 @@ std::vector<std::uint8_t> reach(const NewLevel& level, const par::Exchange& exch
       if (any_of(reached, nodes))
         for (const auto n : nodes) next[at(n)] = 1;
     reached = std::move(next);
-    fold_shared(exchange, reached, [&](LocalId node, std::uint8_t theirs) {
+    par::fold_shared(exchange, reached, [&](LocalId node, std::uint8_t theirs) {
       if (theirs != 0) reached[at(node)] = 1;
     });
   }

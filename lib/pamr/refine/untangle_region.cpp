@@ -14,16 +14,14 @@ namespace {
 /// Nodes that may move within `n_layers` cells of the given cells.
 std::vector<std::uint8_t> reach(const par::Comm& comm, const NewLevel& level, const std::vector<LocalId>& cells,
                                 int n_layers) {
-  const auto& shared = level.shared;
-  const par::Exchange exchange(comm, shared);
-  std::vector<std::uint8_t> reached(level.n_nodes(), 0), mine(shared.n_slots());
+  const par::Exchange exchange(comm, level.shared);
+  std::vector<std::uint8_t> reached(level.n_nodes(), 0);
   for (const auto c : cells)
     for (const auto node : level.children.cell_to_node[at(c)]) reached[at(node)] = 1;
   for (int layer = 0; layer < n_layers; ++layer) {
-    for (std::size_t k = 0; k < mine.size(); ++k) mine[k] = reached[at(shared.item[k])];
-    const auto theirs = exchange.swap<std::uint8_t>(mine);
-    for (std::size_t k = 0; k < theirs.size(); ++k)
-      reached[at(shared.item[k])] = static_cast<std::uint8_t>(reached[at(shared.item[k])] | theirs[k]);
+    par::fold_shared(exchange, reached, [&](LocalId node, std::uint8_t theirs) {
+      if (theirs != 0) reached[at(node)] = 1;
+    });
     if (layer + 1 == n_layers) break;
     auto next = reached;
     for (const auto& nodes : level.children.cell_to_node)

@@ -19,7 +19,7 @@ std::array<LocalId, 3> face_nodes(const mesh::CellNodes& nodes, std::size_t f) {
           nodes[static_cast<std::size_t>(corner[2])]};
 }
 
-/// True when cell `d` names `c` across face `f` of `c`, turning round it the other way.
+/// True when cell `d` names `c` across face `f` of `c`, turning around it the other way.
 bool is_met(const mesh::DistMesh& mesh, LocalId c, std::size_t f, LocalId d) {
   const auto a = face_nodes(mesh.cell_to_node[static_cast<std::size_t>(c)], f);
   for (std::size_t g = 0; g < 4; ++g) {
