@@ -47,16 +47,16 @@ class Settling {
     }
   }
 
-  /// Keeps what would have an inverted cell. True if there is any.
+  /// Keeps what would have an inverted cell, all of it as the nodes are now. True if there is any.
   bool keep_inverted() {
-    bool any = false;
-    for (std::size_t i = 0; i < open_.size(); ++i) {
-      if (open_[i].is_closed || has_positive_state(open_[i].group)) continue;
+    std::vector<std::size_t> inverted;  // keeping one changes the nodes, which other ranks do not see yet
+    for (std::size_t i = 0; i < open_.size(); ++i)
+      if (!open_[i].is_closed && !has_positive_state(open_[i].group)) inverted.push_back(i);
+    for (const auto i : inverted) {
       ++(open_[i].group.is_octet() ? n_octets_kept_ : n_families_kept_);
-      keep(i);
-      any = true;
+      force(i);
     }
-    return any;
+    return !inverted.empty();
   }
 
   /// Whether each of these nodes stays.
@@ -187,7 +187,6 @@ class Settling {
     if (open_[i].group.is_octet()) ++n_needed_;
     close(i);
   }
-  void keep(std::size_t i) { force(i); }
 
   /// The group stays as it is; the children of an octet are base cells now.
   void close(std::size_t i) {
