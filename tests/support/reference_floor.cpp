@@ -40,6 +40,50 @@ double rounded_length(const geometry::TetPoints& corner, int e) {
 
 bool holds(EdgeSet large, EdgeSet small) { return common(large, small) == small; }
 
+/// Volume of a cell between nodes of a split cell, as a part of the split cell's: a determinant of whole numbers.
+double part_of_volume(const std::array<Code, 4>& codes) {
+  std::array<std::array<int, 4>, 4> weight{};  // of the corners, twice their barycentric coordinates
+  for (std::size_t i = 0; i < 4; ++i) {
+    if (codes[i] < 4)
+      weight[i][at(codes[i])] = 2;
+    else
+      for (const int corner : edge_to_corner[at(codes[i] - 4)]) weight[i][at(corner)] = 1;
+  }
+  std::array<std::size_t, 4> order{0, 1, 2, 3};
+  int determinant = 0;
+  do {
+    int term = 1;
+    for (std::size_t i = 0; i < 4; ++i) {
+      term *= weight[i][order[i]];
+      for (std::size_t j = 0; j < i; ++j) term *= order[j] < order[i] ? 1 : -1;
+    }
+    determinant += term;
+  } while (std::next_permutation(order.begin(), order.end()));
+  return determinant / 16.0;
+}
+
+/// The mean ratio of such a cell. The volume of a flat cell is lost in rounding; what is compared are cells within one,
+/// so it is the same number in all of them.
+double mean_ratio_within(const geometry::TetPoints& corner, const std::array<Code, 4>& codes) {
+  std::array<Vec3, 4> p{};
+  for (std::size_t i = 0; i < 4; ++i) {
+    p[i] = corner[at(codes[i] % 4)];
+    if (codes[i] < 4) continue;
+    const auto [a, b] = edge_to_corner[at(codes[i] - 4)];
+    p[i] = geometry::midpoint(corner[at(a)], corner[at(b)]);
+  }
+  double sum = 0;
+  for (const auto& [a, b] : edge_to_corner) sum += geometry::squared_norm(p[at(a)] - p[at(b)]);
+  const double volume = geometry::volume(corner) * part_of_volume(codes);
+  return std::copysign(12 * std::pow(3 * std::abs(volume), 2.0 / 3) / sum, volume);
+}
+
+double worst_within(const geometry::TetPoints& corner, const ReferencePattern& pattern) {
+  double worst = 1;
+  for (const auto& child : pattern.child) worst = std::min(worst, mean_ratio_within(corner, child));
+  return worst;
+}
+
 std::vector<EdgeSet> subsets_of(EdgeSet marks) {
   std::vector<EdgeSet> subsets{{}};
   for (const int e : marks)
@@ -80,28 +124,18 @@ double ReferenceFloor::quality(EdgeSet marks) {
   const auto [known, is_new] = quality_.emplace(marks, -1);
   if (!is_new) return known->second;
   if (marks == all_six) {
-    const auto cell = halve(corner_, marks);
-    return known->second = worst_mean_ratio(split_in_eight(cell.piece, cell.middle, cell.point, false), cell.point);
-  }
-  for (const auto& pattern : patterns_of(marks, cuts_of(marks))) {
-    double worst = 1;
-    for (const auto& child : pattern.child) worst = std::min(worst, geometry::mean_ratio(points_of_codes(child)));
-    known->second = std::max(known->second, worst);
-  }
-  return known->second;
-}
-
-geometry::TetPoints ReferenceFloor::points_of_codes(const std::array<Code, 4>& codes) const {
-  geometry::TetPoints p{};
-  for (std::size_t i = 0; i < 4; ++i) {
-    if (codes[i] < 4) {
-      p[i] = corner_[at(codes[i])];
-      continue;
+    const auto cell = halve(corner_, marks);  // names its nodes by code
+    known->second = 1;
+    for (const auto& child : split_in_eight(cell.piece, cell.middle, cell.point, false)) {
+      std::array<Code, 4> codes{};
+      std::copy(child.corner.begin(), child.corner.end(), codes.begin());
+      known->second = std::min(known->second, mean_ratio_within(corner_, codes));
     }
-    const auto [a, b] = edge_to_corner[at(codes[i] - 4)];
-    p[i] = geometry::midpoint(corner_[at(a)], corner_[at(b)]);
+    return known->second;
   }
-  return p;
+  for (const auto& pattern : patterns_of(marks, cuts_of(marks)))
+    known->second = std::max(known->second, worst_within(corner_, pattern));
+  return known->second;
 }
 
 bool ReferenceFloor::is_good(EdgeSet marks) {
@@ -166,7 +200,9 @@ std::optional<ReferencePattern> best_pattern(const Piece& piece, const Middles& 
   for (const auto& pattern : patterns_of(edges_within(piece, middle), cut)) {
     const auto children = split_as(piece, middle, pattern);
     if (only_positive && !all_positive(children, point)) continue;
-    Candidate candidate{pattern, worst_mean_ratio(children, point), {}};
+    const double worst =
+        only_positive ? worst_mean_ratio(children, point) : worst_within(points_of(piece, point), pattern);
+    Candidate candidate{pattern, worst, {}};
     if (const int e = pattern.inner_edge; e >= 0)
       candidate.inner = sorted(point[at(middle.at(piece.edge(e)))], point[at(middle.at(piece.edge(5 - e)))]);
     candidates.push_back(candidate);

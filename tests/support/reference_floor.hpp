@@ -27,7 +27,6 @@ class ReferenceFloor {
 
  private:
   double quality(EdgeSet marks);
-  geometry::TetPoints points_of_codes(const std::array<Code, 4>& codes) const;
   bool is_good(EdgeSet marks);
   EdgeSet implied(EdgeSet marks);
   bool added_comes_first(EdgeSet a, EdgeSet b, EdgeSet marks) const;
