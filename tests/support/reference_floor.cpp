@@ -40,30 +40,8 @@ double rounded_length(const geometry::TetPoints& corner, int e) {
 
 bool holds(EdgeSet large, EdgeSet small) { return common(large, small) == small; }
 
-/// Volume of a cell between nodes of a split cell, as a part of the split cell's: a determinant of whole numbers.
-double part_of_volume(const std::array<Code, 4>& codes) {
-  std::array<std::array<int, 4>, 4> weight{};  // of the corners, twice their barycentric coordinates
-  for (std::size_t i = 0; i < 4; ++i) {
-    if (codes[i] < 4)
-      weight[i][at(codes[i])] = 2;
-    else
-      for (const int corner : edge_to_corner[at(codes[i] - 4)]) weight[i][at(corner)] = 1;
-  }
-  std::array<std::size_t, 4> order{0, 1, 2, 3};
-  int determinant = 0;
-  do {
-    int term = 1;
-    for (std::size_t i = 0; i < 4; ++i) {
-      term *= weight[i][order[i]];
-      for (std::size_t j = 0; j < i; ++j) term *= order[j] < order[i] ? 1 : -1;
-    }
-    determinant += term;
-  } while (std::next_permutation(order.begin(), order.end()));
-  return determinant / 16.0;
-}
-
-/// The mean ratio of such a cell. The volume of a flat cell is lost in rounding; what is compared are cells within one,
-/// so it is the same number in all of them.
+/// The mean ratio of a cell between nodes of a split cell. The volume of a flat cell is lost in rounding; what is
+/// compared are cells within one, so it is the same number in all of them.
 double mean_ratio_within(const geometry::TetPoints& corner, const std::array<Code, 4>& codes) {
   std::array<Vec3, 4> p{};
   for (std::size_t i = 0; i < 4; ++i) {
@@ -74,7 +52,7 @@ double mean_ratio_within(const geometry::TetPoints& corner, const std::array<Cod
   }
   double sum = 0;
   for (const auto& [a, b] : edge_to_corner) sum += geometry::squared_norm(p[at(a)] - p[at(b)]);
-  const double volume = geometry::volume(corner) * part_of_volume(codes);
+  const double volume = geometry::volume(corner) * (static_cast<double>(eighths_of_volume(codes)) / 8);
   return std::copysign(12 * std::pow(3 * std::abs(volume), 2.0 / 3) / sum, volume);
 }
 

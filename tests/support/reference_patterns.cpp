@@ -37,11 +37,6 @@ Whole cross(const Whole& a, const Whole& b) {
 }
 std::int64_t dot(const Whole& a, const Whole& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
-std::int64_t volume(const Cell& c) {
-  const auto o = place(c[0]);
-  return dot(cross(minus(place(c[1]), o), minus(place(c[2]), o)), minus(place(c[3]), o));
-}
-
 Cell ascending(Cell c) {
   std::sort(c.begin(), c.end());
   return c;
@@ -117,8 +112,8 @@ std::vector<Cell> candidates(const std::vector<Code>& node) {
       for (std::size_t c = b + 1; c < node.size(); ++c)
         for (std::size_t d = c + 1; d < node.size(); ++d) {
           Cell cell{node[a], node[b], node[c], node[d]};
-          if (volume(cell) < 0) std::swap(cell[2], cell[3]);
-          if (volume(cell) > 0) cells.push_back(cell);
+          if (eighths_of_volume(cell) < 0) std::swap(cell[2], cell[3]);
+          if (eighths_of_volume(cell) > 0) cells.push_back(cell);
         }
   return cells;
 }
@@ -244,6 +239,11 @@ std::vector<ReferencePattern> list_families() {
 
 }  // namespace
 
+std::int64_t eighths_of_volume(const Cell& c) {
+  const auto o = place(c[0]);
+  return dot(cross(minus(place(c[1]), o), minus(place(c[2]), o)), minus(place(c[3]), o));
+}
+
 const std::vector<ReferencePattern>& all_patterns() {
   static const auto patterns = search();
   return patterns;
@@ -279,11 +279,11 @@ bool is_conforming(const ReferencePattern& pattern) {
   std::int64_t sum = 0;
   std::map<Triangle, int> inside;  // as each child shows it to the outside
   for (const auto& child : pattern.child) {
-    if (volume(child) <= 0) return false;
-    sum += volume(child);
+    if (eighths_of_volume(child) <= 0) return false;
+    sum += eighths_of_volume(child);
     for (const auto& face : faces_of(child)) ++inside[face];
   }
-  if (sum != volume({0, 1, 2, 3})) return false;
+  if (sum != eighths_of_volume({0, 1, 2, 3})) return false;
   auto boundary = cut_boundary(pattern.marks, pattern.cut);
   for (const auto& [face, times] : inside) {
     const bool is_outer = boundary.erase(face) == 1;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <map>
 #include <set>
 #include <vector>
@@ -13,6 +14,9 @@ namespace pamr::test {
 
 /// A node of a split cell by code: 0..3 the corners, 4 + e the midpoint of edge e.
 using Code = int;
+
+/// Volume of a cell between nodes of a split cell, in eighths of the split cell's: exact.
+std::int64_t eighths_of_volume(const std::array<Code, 4>& cell);
 
 /// Of each face with two marks: the edge from whose midpoint it is cut.
 using Cuts = std::map<int, int>;
