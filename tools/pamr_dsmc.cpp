@@ -141,7 +141,7 @@ cli::ExitCode run_case(cli::Session& session, const Options& o) {
   validate::require_valid(comm, mesh, mesh_file);
   session.step(fmt::format("setting up {} cells", mesh.info.n_global_cells));
   auto setup = dsmc::make_setup(comm, c, mesh);
-  dsmc::Outcome outcome{dsmc::make_plan(comm, c, setup, mesh), {}, {}, 0};
+  dsmc::Outcome outcome{dsmc::make_plan(comm, c, setup, mesh, !o.advance.checkpoint.empty()), {}, {}, 0};
   try {
     dsmc::require_feasible(comm, c, setup, mesh, outcome.plan);
   } catch (const Error& error) {  // reaches every rank

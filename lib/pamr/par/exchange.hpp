@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cstdint>
 #include <span>
 #include <type_traits>
 #include <vector>
@@ -83,6 +85,21 @@ std::vector<T> fetch_rows(const Comm& comm, IdRange all, std::span<const T> rows
 template <class T>
 std::vector<T> scatter_rows(const Comm& comm, IdRange all, std::span<const T> rows, std::size_t width,
                             std::span<const GlobalId> ids);
+
+/// The same into a block that is there: rows given by none stay as they are. Collective: two sparse exchanges.
+template <class T>
+void scatter_rows_into(const Comm& comm, IdRange all, std::span<const T> rows, std::size_t width,
+                       std::span<const GlobalId> ids, std::span<T> block);
+
+/// Calls `work(begin, end)` with at most `most` of this rank's `n` items at a time, one range after another and equally
+/// often on every rank, so that `work` may be collective; where items are few, with empty ranges at the end. What an
+/// exchange needs on the side is then bounded. Collective: one reduction.
+template <class Work>
+void in_rounds(const Comm& comm, std::size_t n, std::size_t most, Work&& work) {
+  const auto rounds = comm.max(static_cast<std::int64_t>((n + most - 1) / most));
+  for (std::size_t k = 0; k < static_cast<std::size_t>(rounds); ++k)
+    work(std::min(n, k * most), std::min(n, (k + 1) * most));
+}
 
 }  // namespace pamr::par
 

@@ -69,6 +69,14 @@ std::vector<T> fetch_rows(const Comm& comm, IdRange all, std::span<const T> rows
 template <class T>
 std::vector<T> scatter_rows(const Comm& comm, IdRange all, std::span<const T> rows, std::size_t width,
                             std::span<const GlobalId> ids) {
+  std::vector<T> block(static_cast<std::size_t>(block_range(all, comm.rank(), comm.size()).count()) * width);
+  scatter_rows_into<T>(comm, all, rows, width, ids, block);
+  return block;
+}
+
+template <class T>
+void scatter_rows_into(const Comm& comm, IdRange all, std::span<const T> rows, std::size_t width,
+                       std::span<const GlobalId> ids, std::span<T> block) {
   const auto range = block_range(all, comm.rank(), comm.size());
   std::vector<Outgoing<GlobalId>> to_ids;
   std::vector<Outgoing<T>> to_rows;
@@ -85,13 +93,11 @@ std::vector<T> scatter_rows(const Comm& comm, IdRange all, std::span<const T> ro
   }
   const auto at = comm.sparse_exchange(to_ids);
   const auto values = comm.sparse_exchange(to_rows);
-  std::vector<T> block(static_cast<std::size_t>(range.count()) * width);
   for (std::size_t r = 0; r < at.rank.size(); ++r)
     for (std::size_t k = 0; k < at.from(r).size(); ++k)
       std::copy_n(
           values.from(r).begin() + static_cast<std::ptrdiff_t>(k * width), width,
           block.begin() + static_cast<std::ptrdiff_t>(static_cast<std::size_t>(at.from(r)[k] - range.begin) * width));
-  return block;
 }
 
 }  // namespace pamr::par

@@ -15,6 +15,7 @@
 #include "solvers/dsmc/run/adapt_mesh.hpp"
 #include "solvers/dsmc/sampling/density_scale.hpp"
 #include "solvers/dsmc/state/checkpoint.hpp"
+#include "solvers/dsmc/state/checkpoint_rows.hpp"
 #include "solvers/dsmc/state/transfer_particles.hpp"
 #include "support/meshes.hpp"
 #include "unit/dsmc/gases.hpp"
@@ -103,6 +104,37 @@ TEST(AdaptMesh, EveryParticleKeepsItsPlaceThroughRefiningAndCoarsening) {
     EXPECT_TRUE(validate::validate(comm, mesh).empty());
   }
   EXPECT_EQ(mesh.info.n_global_cells, 6 * 27);
+}
+
+TEST(AdaptMesh, ParticlesOfManyRoundsAreTakenPutBackAndMovedLikeThoseOfOne) {
+  const par::Comm comm(MPI_COMM_WORLD);
+  auto mesh = assemble::assemble(comm, test::kuhn_cube(comm, 3));
+  std::optional<Flow> flow;
+  const auto setup = test::box_of(argon_with_trace(), mesh, 2e-3, 800, 1e22, 400, 100, 2e-7);
+  flow.emplace(comm, mesh, setup);
+  flow->fill(mesh);
+  flow->step();
+  ASSERT_GT(comm.max(static_cast<std::int64_t>(flow->particles.size())), std::int64_t{particles_of_round});
+  const auto before = contents(comm, *flow);
+  RunState run;
+  run.face.resize(flow->domain().boundary.size());
+
+  const auto snapshot = take_snapshot(comm, key_of(comm, mesh), run, *flow);
+  Flow back(comm, mesh, setup);
+  restore(comm, snapshot, back);
+  const auto again = take_snapshot(comm, key_of(comm, mesh), run, back);
+
+  EXPECT_EQ(contents(comm, back), before);
+  EXPECT_EQ(again.particles.block, snapshot.particles.block);
+  EXPECT_EQ(again.cells.block, snapshot.cells.block);
+  const auto n = flow->n_particles();
+  const auto transferred = adapted(comm, "--crossing-sphere 0,0,0,0.7", mesh, flow);
+  EXPECT_EQ(contents(comm, *flow), before);
+  EXPECT_EQ(transferred.new_particles, n);
+  EXPECT_TRUE(all_are_inside(*flow));
+  const auto begin = flow->particles.begin();
+  for (std::size_t i = 1; i < flow->particles.size(); ++i) EXPECT_LT(flow->particles.id[i - 1], flow->particles.id[i]);
+  EXPECT_EQ(begin.back(), flow->particles.size());
 }
 
 TEST(DensityScale, IsTheLengthOfAnExponentialAndEndlessWhereNothingChanges) {

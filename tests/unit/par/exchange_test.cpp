@@ -208,5 +208,26 @@ TEST(ScatterRows, AcceptsEqualRowsFromSeveralRanksAndLeavesTheRestZero) {
   EXPECT_EQ(block, std::vector<double>(expected.begin() + range.begin, expected.begin() + range.end));
 }
 
+TEST(InRounds, CoverEveryItemOnceAndCallEveryRankEquallyOften) {
+  const Comm comm(MPI_COMM_WORLD);
+  for (const std::size_t most : {1, 4, 100}) {
+    const auto n = static_cast<std::size_t>(5 * comm.rank());
+    std::size_t next = 0;
+    std::int64_t calls = 0;
+
+    in_rounds(comm, n, most, [&](std::size_t begin, std::size_t end) {
+      EXPECT_EQ(begin, next);
+      EXPECT_LE(end - begin, most);
+      next = end;
+      ++calls;
+      comm.barrier();
+    });
+
+    EXPECT_EQ(next, n);
+    EXPECT_EQ(calls, comm.max(calls));
+    EXPECT_EQ(comm.sum(static_cast<std::int64_t>(next)), 5 * comm.size() * (comm.size() - 1) / 2);
+  }
+}
+
 }  // namespace
 }  // namespace pamr::par

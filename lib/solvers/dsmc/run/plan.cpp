@@ -9,7 +9,7 @@
 
 #include "pamr/base/index.hpp"
 #include "solvers/dsmc/gas/kinetic_theory.hpp"
-#include "solvers/dsmc/kernel/particles.hpp"
+#include "solvers/dsmc/state/checkpoint_rows.hpp"
 
 namespace pamr::dsmc {
 
@@ -17,6 +17,7 @@ using namespace geometry;
 
 namespace {
 
+constexpr double particle_bytes = 96, copy_bytes = 8 * particle_words;
 constexpr double cell_bytes = 148 + 44 + 40 + 72 + 48;  ///< planes, mesh, collisions, samples, fields
 constexpr double typical_rate = 4e6;
 
@@ -28,7 +29,8 @@ std::string rotation_text(const Rotation& r) {
 
 }  // namespace
 
-Plan make_plan(const par::Comm& comm, const Case& c, const Setup& setup, const mesh::DistMesh& mesh) {
+Plan make_plan(const par::Comm& comm, const Case& c, const Setup& setup, const mesh::DistMesh& mesh,
+               bool writes_checkpoints) {
   Plan plan;
   const auto& free = c.stream.front();
   Gas gas = c.gas;
@@ -54,7 +56,8 @@ Plan make_plan(const par::Comm& comm, const Case& c, const Setup& setup, const m
   plan.particles = setup.expected_particles;
   const double cells = static_cast<double>(mesh.info.n_global_cells);
   plan.particles_per_cell = plan.particles / cells;
-  plan.bytes = plan.particles * particle_bytes + cells * cell_bytes;
+  plan.particle_bytes = particle_bytes + (writes_checkpoints || c.adaptation.every > 0 ? copy_bytes : 0);
+  plan.bytes = plan.particles * plan.particle_bytes + cells * cell_bytes;
   plan.steps = static_cast<double>(c.schedule.sampling + c.schedule.transient.value_or(0));
   plan.cpu_seconds = plan.particles * plan.steps / typical_rate;
 
@@ -110,8 +113,8 @@ std::vector<std::string> describe(const Case& c, const Setup& setup, const Plan&
                   plan.mach, plan.speed_ratio, plan.knudsen, plan.reynolds, c.reference.length, plan.mean_free_path,
                   plan.collision_time));
   lines.push_back(
-      fmt::format("time step {:g} s{}, weight {:g} molecules a particle; about {:.0f} particles ({:.1f} a "
-                  "cell), {:.0f} MB, {:.3g} steps, {:.3g} CPU s",
+      fmt::format("time step {:g} s{}, weight {:g} molecules a particle; full of the free stream's gas about {:.0f} "
+                  "particles ({:.1f} a cell), {:.0f} MB, {:.3g} steps, {:.3g} CPU s",
                   setup.dt, setup.cell_dt.empty() ? "" : " at most, varying with the cells", setup.fnum, plan.particles,
                   plan.particles_per_cell, plan.bytes * 1e-6, plan.steps, plan.cpu_seconds));
   if (plan.has_body) {

@@ -13,14 +13,13 @@
 
 namespace pamr::dsmc {
 
-inline constexpr double particle_bytes = 96;  ///< that a particle takes, all arrays together
-
 /// What is known of a computation before its first step.
 struct Plan {
   double mach = 0, speed_ratio = 0, knudsen = 0, reynolds = 0;  ///< on the reference length, of the free stream
   double mean_free_path = 0, collision_time = 0;                ///< m, s
   double particles = 0;                                         ///< in the domain filled with the free stream
   double particles_per_cell = 0;
+  double particle_bytes = 0;          ///< that a particle takes, all arrays together
   double bytes = 0;                   ///< of particles and cells, all ranks
   double steps = 0, cpu_seconds = 0;  ///< at 4 million particle-steps a second
   double longest_flight =
@@ -30,8 +29,9 @@ struct Plan {
   bool gives_lift = true;  ///< `Reference::gives_lift`
 };
 
-/// Collective.
-Plan make_plan(const par::Comm& comm, const Case& the_case, const Setup& setup, const mesh::DistMesh& mesh);
+/// `writes_checkpoints`: for which particles are copied; where the mesh adapts they are in any case. Collective.
+Plan make_plan(const par::Comm& comm, const Case& the_case, const Setup& setup, const mesh::DistMesh& mesh,
+               bool writes_checkpoints);
 
 /// What a user should be warned about. Local.
 std::vector<std::string> warnings_of(const Plan& plan);

@@ -100,7 +100,7 @@ void require_feasible(const par::Comm& comm, const Case& c, const Setup& setup, 
   if (!(particles / ranks <= max_particles_of_rank))
     throw Error(fmt::format("{}: expected at most {:.4g} particles a rank, found about {:.4g}: {}", c.where,
                             max_particles_of_rank, particles / ranks, advice));
-  const double bytes = (plan.bytes + (particles - plan.particles) * particle_bytes) / ranks,
+  const double bytes = (plan.bytes + (particles - plan.particles) * plan.particle_bytes) / ranks,
                memory = memory_of_rank(comm);
   if (!(bytes <= memory))
     throw Error(

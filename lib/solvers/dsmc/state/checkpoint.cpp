@@ -6,7 +6,6 @@
 #include <bit>
 #include <filesystem>
 #include <nlohmann/json.hpp>
-#include <numeric>
 
 #include "pamr/base/contract.hpp"
 #include "pamr/base/error.hpp"
@@ -52,29 +51,31 @@ FaceNumbers number_faces(const par::Comm& comm, GlobalId n_cells, const GasDomai
   return numbers;
 }
 
-std::vector<std::int64_t> particles_of_cells(const Flow& flow) {
-  const auto begin = flow.particles.begin();
-  std::vector<std::int64_t> count;
-  for (std::size_t c = 0; c + 1 < begin.size(); ++c) count.push_back(begin[c + 1] - begin[c]);
-  return count;
-}
-
 Section particle_section(const par::Comm& comm, GlobalId n_cells, const Flow& flow) {
-  const auto count = particles_of_cells(flow);
-  const auto numbering = number_along_cells(comm, n_cells, flow.domain().cell_global, count);
+  const auto numbering =
+      number_along_cells(comm, n_cells, flow.domain().cell_global, particles_of_cells(flow.particles));
   const auto& p = flow.particles;
-  Words words;
-  words.reserve(particle_words * p.size());
-  for (std::size_t i = 0; i < p.size(); ++i)
-    words.insert(words.end(), {p.id[i], p.species[i] | std::uint64_t{p.partner[i]} << 32U, word(p.x[i]), word(p.y[i]),
-                               word(p.z[i]), word(p.u[i]), word(p.v[i]), word(p.w[i]), word(p.rotation[i])});
-  const auto rows = consecutive(numbering.first, count);
-  return {"particles", numbering.total, particle_words,
-          par::scatter_rows<std::uint64_t>(comm, numbering.total, words, particle_words, rows)};
+  Section section{"particles", numbering.total, particle_words, {}};
+  const auto mine = par::block_range(numbering.total, comm.rank(), comm.size());
+  section.block.resize(static_cast<std::size_t>(mine.count()) * particle_words);
+  par::in_rounds(comm, p.size(), particles_of_round, [&](std::size_t begin, std::size_t end) {
+    Words words;
+    words.reserve(particle_words * (end - begin));
+    std::vector<GlobalId> rows;
+    rows.reserve(end - begin);
+    for (auto i = begin; i < end; ++i) {
+      words.insert(words.end(), {p.id[i], p.species[i] | std::uint64_t{p.partner[i]} << 32U, word(p.x[i]), word(p.y[i]),
+                                 word(p.z[i]), word(p.u[i]), word(p.v[i]), word(p.w[i]), word(p.rotation[i])});
+      const auto cell = at(p.cell[i]);
+      rows.push_back(numbering.first[cell] + static_cast<GlobalId>(i - p.begin()[cell]));
+    }
+    par::scatter_rows_into<std::uint64_t>(comm, numbering.total, words, particle_words, rows, section.block);
+  });
+  return section;
 }
 
 Section cell_section(const par::Comm& comm, GlobalId n_cells, const Flow& flow) {
-  const auto count = particles_of_cells(flow);
+  const auto count = particles_of_cells(flow.particles);
   const auto& gas = flow.setup().gas;
   const auto n_species = gas.species.size(), width = cell_words(gas);
   Words words;
@@ -154,15 +155,18 @@ void restore_particles(const par::Comm& comm, const Section& section, GlobalId n
   if (section.rows != numbering.total)
     throw Error(
         fmt::format("checkpoint: expected {} particles, as its cells have, found {}", numbering.total, section.rows));
-  const auto rows = consecutive(numbering.first, count);
-  const auto words = par::fetch_rows<std::uint64_t>(comm, section.rows, section.block, particle_words, rows);
-  std::size_t next = 0;
-  for (std::size_t c = 0; c < count.size(); ++c)
-    for (std::int64_t i = 0; i < count[c]; ++i, ++next) {
-      auto p = particle_from(words.data() + next * particle_words);
-      p.cell = static_cast<LocalId>(c);
+  InOrderOfCells order(count);
+  par::in_rounds(comm, at(order.size()), particles_of_round, [&](std::size_t begin, std::size_t end) {
+    const auto places = order.take(end - begin);
+    std::vector<GlobalId> rows;
+    for (const auto& place : places) rows.push_back(numbering.first[place.cell] + place.in_cell);
+    const auto words = par::fetch_rows<std::uint64_t>(comm, section.rows, section.block, particle_words, rows);
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      auto p = particle_from(words.data() + i * particle_words);
+      p.cell = static_cast<LocalId>(places[i].cell);
       flow.particles.append(p);
     }
+  });
   flow.particles.sort_by_cell(flow.domain().n_cells());
 }
 

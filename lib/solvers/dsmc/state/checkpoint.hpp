@@ -33,7 +33,7 @@ struct Snapshot {
   Section cells, faces, particles;
 };
 
-/// Collective. Memory: a copy of particles and cells, for a while two of the particles.
+/// Collective. Memory: a copy of particles and cells.
 Snapshot take_snapshot(const par::Comm& comm, const MeshKey& mesh, const RunState& run, const Flow& flow);
 
 /// Puts a snapshot back into `flow`, which is new and made from the same case, on any number of ranks and with any

@@ -4,6 +4,8 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <numeric>
+#include <utility>
 #include <vector>
 
 #include "solvers/dsmc/gas/gas.hpp"
@@ -14,6 +16,8 @@ namespace pamr::dsmc {
 
 /// particles: id, species (low half) and last partner (high half), position, velocity, rotational energy.
 inline constexpr std::size_t particle_words = 9;
+/// Particles that a rank sends at a time.
+inline constexpr std::size_t particles_of_round = std::size_t{1} << 14U;
 /// cells: particles, (sigma c_r)_max, remainder, temperature, separation, collisions, block, squares of blocks, volume
 /// and F_num, then for each species the sums of n, velocity, square and rotation.
 inline constexpr std::size_t fixed_cell_words = 10, species_words = 6;
@@ -44,13 +48,40 @@ inline Particle particle_from(const std::uint64_t* row) {
   return p;
 }
 
-/// Numbers of the rows of things of which cell i has `count[i]` from `first[i]` on.
-inline std::vector<GlobalId> consecutive(const std::vector<std::int64_t>& first,
-                                         const std::vector<std::int64_t>& count) {
-  std::vector<GlobalId> rows;
-  for (std::size_t c = 0; c < first.size(); ++c)
-    for (std::int64_t i = 0; i < count[c]; ++i) rows.push_back(first[c] + i);
-  return rows;
+/// How many there are in each cell, of particles sorted by cell.
+inline std::vector<std::int64_t> particles_of_cells(const Particles& particles) {
+  const auto begin = particles.begin();
+  std::vector<std::int64_t> count;
+  for (std::size_t c = 0; c + 1 < begin.size(); ++c) count.push_back(begin[c + 1] - begin[c]);
+  return count;
 }
+
+/// Walks along particles that lie cell by cell, `count` of them in each.
+class InOrderOfCells {
+ public:
+  struct Place {
+    std::size_t cell = 0;
+    std::int64_t in_cell = 0;
+  };
+
+  explicit InOrderOfCells(std::vector<std::int64_t> count) : count_(std::move(count)) {}
+
+  /// All of them.
+  std::int64_t size() const { return std::accumulate(count_.begin(), count_.end(), std::int64_t{0}); }
+  /// Where the next `n` are.
+  std::vector<Place> take(std::size_t n) {
+    std::vector<Place> places;
+    places.reserve(n);
+    for (; places.size() < n; ++next_.in_cell) {
+      while (next_.in_cell == count_[next_.cell]) next_ = {next_.cell + 1, 0};
+      places.push_back(next_);
+    }
+    return places;
+  }
+
+ private:
+  std::vector<std::int64_t> count_;
+  Place next_;
+};
 
 }  // namespace pamr::dsmc

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <numeric>
 
 #include "pamr/base/error.hpp"
 #include "pamr/base/index.hpp"
@@ -63,32 +64,29 @@ std::vector<GlobalId> themselves(const mesh::DistMesh& mesh) {
   return cells;
 }
 
-/// Every old particle of this rank's block of old cells. Collective.
-std::vector<Passenger> passengers_of(const par::Comm& comm, const OldFlow& old, const std::vector<Host>& hosts) {
+/// Particles of each old cell of this rank's block.
+std::vector<std::int64_t> old_particles_of_cells(const OldFlow& old) {
   std::vector<std::int64_t> count;
-  std::int64_t here = 0;
-  for (std::size_t c = 0; c < hosts.size(); ++c) {
-    count.push_back(integer(old.cells.block[c * old.cells.width]));
-    here += count.back();
-  }
-  std::vector<std::int64_t> first;
-  auto next = comm.exclusive_sum(here);
-  for (const auto n : count) {
-    first.push_back(next);
-    next += n;
-  }
-  const auto rows = consecutive(first, count);
+  for (std::size_t w = 0; w < old.cells.block.size(); w += old.cells.width)
+    count.push_back(integer(old.cells.block[w]));
+  return count;
+}
+
+/// The old particles from a row on, whose places are given. Collective.
+std::vector<Passenger> passengers_of(const par::Comm& comm, const OldFlow& old, const std::vector<Host>& hosts,
+                                     GlobalId first_row, const std::vector<InOrderOfCells::Place>& places) {
+  std::vector<GlobalId> rows(places.size());
+  std::iota(rows.begin(), rows.end(), first_row);
   const auto words =
       par::fetch_rows<std::uint64_t>(comm, old.particles.rows, old.particles.block, particle_words, rows);
   std::vector<Passenger> passengers;
   passengers.reserve(rows.size());
-  for (std::size_t c = 0; c < hosts.size(); ++c)
-    for (std::int64_t i = 0; i < count[c]; ++i) {
-      const auto row = passengers.size();
-      const auto* w = words.data() + row * particle_words;
-      const double fnum = real(old.cells.block[c * old.cells.width + fnum_word]) * old.weights[species_of(w)];
-      passengers.push_back({rows[row], hosts[c].cell, {real(w[2]), real(w[3]), real(w[4])}, fnum, hosts[c].rank});
-    }
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const auto* w = words.data() + i * particle_words;
+    const auto cell = places[i].cell;
+    const double fnum = real(old.cells.block[cell * old.cells.width + fnum_word]) * old.weights[species_of(w)];
+    passengers.push_back({rows[i], hosts[cell].cell, {real(w[2]), real(w[3]), real(w[4])}, fnum, hosts[cell].rank});
+  }
   return passengers;
 }
 
@@ -101,44 +99,66 @@ std::vector<Passenger> send_to_hosts(const par::Comm& comm, std::span<const Pass
   return comm.sparse_exchange(messages).item;
 }
 
-/// Moves them to their places: particles whose id is the row of the old one, and whose rotation is its F_num.
-Particles fly_to_places(const par::Comm& comm, const mesh::DistMesh& mesh, const Flow& flow,
-                        const std::vector<Passenger>& passengers) {
-  const double unit = flow.setup().unit;
-  auto domain = make_gas_domain(mesh, unit, 1, 1);
-  add_halo(comm, domain);
-  BoundaryCondition away;
-  away.kind = BoundaryCondition::Kind::outflow;
-  const std::vector<BoundaryCondition> patch(mesh.info.patches.size(), away);
-  const auto& global = domain.cell_global;
-  std::vector<Flight> flights;
-  for (const auto& passenger : passengers) {
-    const auto cell =
-        static_cast<LocalId>(std::lower_bound(global.begin(), global.end(), passenger.host) - global.begin());
-    const auto corner = corners(mesh, unit, cell);
-    Flight flight;
-    flight.particle.position = 0.25 * (corner[0] + corner[1] + corner[2] + corner[3]);
-    flight.particle.velocity = passenger.position - flight.particle.position;
-    flight.particle.id = static_cast<std::uint64_t>(passenger.row);
-    flight.particle.rotation = passenger.fnum;
-    flight.particle.cell = cell;
-    flight.time = 1;
-    flights.push_back(flight);
-  }
-  Particles placed;
-  SurfaceTally tally;
-  tally.face.resize(domain.boundary.size());
-  BorderExchange border(domain);
-  move(comm, {&domain, &flow.setup().gas, patch, 0}, 0, placed, flights, border, tally);
-  placed.sort_by_cell(domain.n_cells());
-  return placed;
+/// A cell of this rank by its number from 0.
+LocalId local_cell(const std::vector<GlobalId>& cell_global, GlobalId cell) {
+  return static_cast<LocalId>(std::lower_bound(cell_global.begin(), cell_global.end(), cell) - cell_global.begin());
 }
 
-/// Of this rank's passengers those that did not arrive: each is looked for in all cells of all ranks, and appended to
-/// `placed` if one holds it. Collective: one reduction if none is missing.
-void find_missing(const par::Comm& comm, const mesh::DistMesh& mesh, const Flow& flow,
-                  std::span<const Passenger> passengers, std::int64_t n_all, Particles& placed) {
-  if (comm.sum(static_cast<std::int64_t>(placed.size())) == n_all) return;
+/// The new mesh as passengers fly through it to their places.
+class Passage {
+ public:
+  /// Collective.
+  Passage(const par::Comm& comm, const mesh::DistMesh& mesh, const Setup& setup)
+      : comm_(&comm),
+        mesh_(&mesh),
+        setup_(&setup),
+        domain_(with_halo(comm, make_gas_domain(mesh, setup.unit, 1, 1))),
+        border_(domain_) {
+    BoundaryCondition away;
+    away.kind = BoundaryCondition::Kind::outflow;
+    patch_.assign(mesh.info.patches.size(), away);
+    tally_.face.resize(domain_.boundary.size());
+  }
+
+  /// Particles in any order whose id is the row of the old one, and whose rotation is its F_num. Collective.
+  Particles fly(std::span<const Passenger> passengers) {
+    std::vector<Flight> flights;
+    for (const auto& passenger : passengers) {
+      const auto cell = local_cell(domain_.cell_global, passenger.host);
+      const auto corner = corners(*mesh_, setup_->unit, cell);
+      Flight flight;
+      flight.particle.position = 0.25 * (corner[0] + corner[1] + corner[2] + corner[3]);
+      flight.particle.velocity = passenger.position - flight.particle.position;
+      flight.particle.id = static_cast<std::uint64_t>(passenger.row);
+      flight.particle.rotation = passenger.fnum;
+      flight.particle.cell = cell;
+      flight.time = 1;
+      flights.push_back(flight);
+    }
+    Particles placed;
+    move(*comm_, {&domain_, &setup_->gas, patch_, 0}, 0, placed, flights, border_, tally_);
+    return placed;
+  }
+
+ private:
+  static GasDomain with_halo(const par::Comm& comm, GasDomain domain) {
+    add_halo(comm, domain);
+    return domain;
+  }
+
+  const par::Comm* comm_;
+  const mesh::DistMesh* mesh_;
+  const Setup* setup_;
+  GasDomain domain_;
+  BorderExchange border_;
+  std::vector<BoundaryCondition> patch_;  ///< whoever meets the boundary is gone
+  SurfaceTally tally_;
+};
+
+/// Of this rank's passengers those that did not arrive. Collective: one reduction if none is missing.
+std::vector<Passenger> missing_of(const par::Comm& comm, std::span<const Passenger> passengers, std::int64_t n_all,
+                                  const Particles& placed) {
+  if (comm.sum(static_cast<std::int64_t>(passengers.size()) - static_cast<std::int64_t>(placed.size())) == 0) return {};
   std::vector<GlobalId> arrived, rows;
   for (const auto id : placed.id) arrived.push_back(static_cast<GlobalId>(id));
   for (const auto& passenger : passengers) rows.push_back(passenger.row);
@@ -146,65 +166,99 @@ void find_missing(const par::Comm& comm, const mesh::DistMesh& mesh, const Flow&
   const auto is_there = par::fetch_rows<std::uint8_t>(
       comm, n_all, par::scatter_rows<std::uint8_t>(comm, n_all, yes, 1, arrived), 1, rows);
   std::vector<Passenger> missing;
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    if (is_there[i] == 0) missing.push_back(passengers[i]);
+  return missing;
+}
+
+/// Looks for each in all cells of all ranks; those that one holds, as `Passage::fly` gives them. Collective.
+Particles find_missing(const par::Comm& comm, const mesh::DistMesh& mesh, const Flow& flow,
+                       std::vector<Passenger> missing) {
+  Particles placed;
+  if (comm.sum(static_cast<std::int64_t>(missing.size())) == 0) return placed;
   std::vector<Vec3> points;
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    if (is_there[i] != 0) continue;
-    missing.push_back(passengers[i]);
-    points.push_back((1 / flow.setup().unit) * passengers[i].position);
-  }
+  for (const auto& passenger : missing) points.push_back((1 / flow.setup().unit) * passenger.position);
   const auto found = locate::locate_points(comm, mesh, locate::Locator(mesh), points);
   for (std::size_t i = 0; i < missing.size(); ++i) {
     missing[i].host = found.rank[i] < 0 ? -1 : found.cell[i] - mesh.info.first_id;
     missing[i].rank = found.rank[i];
   }
   std::erase_if(missing, [](const auto& passenger) { return passenger.rank < 0; });
-  const auto& global = flow.domain().cell_global;
   for (const auto& passenger : send_to_hosts(comm, missing)) {
     Particle particle;
     particle.position = passenger.position;
     particle.id = static_cast<std::uint64_t>(passenger.row);
     particle.rotation = passenger.fnum;
-    particle.cell =
-        static_cast<LocalId>(std::lower_bound(global.begin(), global.end(), passenger.host) - global.begin());
+    particle.cell = local_cell(flow.domain().cell_global, passenger.host);
     placed.append(particle);
   }
-  placed.sort_by_cell(mesh.n_cells());
+  return placed;
 }
 
-/// Makes whole particles from old ones of another F_num, and numbers them.
-void copy_particles(const par::Comm& comm, const std::string& name, const mesh::DistMesh& mesh, const Particles& placed,
-                    const std::vector<std::uint64_t>& words, Flow& flow) {
-  std::vector<std::int64_t> count(static_cast<std::size_t>(mesh.n_cells()), 0);
-  const auto copies_of = [&](std::size_t i, const Particle& p) {
-    return placed.rotation[i] / flow.fnum_of(at(placed.cell[i]), p.species);
-  };
-  par::agree(comm, [&] {
-    double expected = 0;
+/// Makes whole particles from old ones of another F_num.
+class Copies {
+ public:
+  Copies(const par::Comm& comm, const OldFlow& old, Flow& flow) : comm_(&comm), old_(&old), flow_(&flow) {}
+
+  /// Of particles as `Passage::fly` gives them; their copies have the row of the old one as id. Collective. Throws
+  /// `Error` on every rank for more than memory holds.
+  void add(const Particles& placed) {
+    std::vector<GlobalId> rows;
+    for (const auto id : placed.id) rows.push_back(static_cast<GlobalId>(id));
+    const auto words =
+        par::fetch_rows<std::uint64_t>(*comm_, old_->particles.rows, old_->particles.block, particle_words, rows);
+    const auto copies_of = [&](std::size_t i, const Particle& p) {
+      return placed.rotation[i] / flow_->fnum_of(at(placed.cell[i]), p.species);
+    };
     for (std::size_t i = 0; i < placed.size(); ++i)
-      expected += copies_of(i, particle_from(words.data() + i * particle_words));
-    constexpr double most = 0x1p31, bytes = sizeof(Particle);
-    if (!(expected <= most && expected * bytes <= static_cast<double>(memory_of_machine())))
-      throw Error(fmt::format(
-          "{}: expected at most {:.4g} particles on a rank, and memory for them, found {:.4g} of the new weight on "
-          "rank {}: use a greater weight",
-          name, most, expected, comm.rank()));
-  });
-  for (std::size_t i = 0; i < placed.size(); ++i) {
-    auto p = particle_from(words.data() + i * particle_words);
-    const auto c = at(placed.cell[i]);
-    Random random(flow.setup().seed, Purpose::thinning, placed.id[i], flow.steps_done);
-    const auto copies = static_cast<std::int64_t>(copies_of(i, p) + random.uniform_fine());
-    p.cell = placed.cell[i];
-    p.partner = 0;  // the old numbers mean nothing any more
-    for (std::int64_t k = 0; k < copies; ++k) flow.particles.append(p);
-    count[c] += copies;
+      expected_ += copies_of(i, particle_from(words.data() + i * particle_words));
+    require_room();
+    for (std::size_t i = 0; i < placed.size(); ++i) {
+      auto p = particle_from(words.data() + i * particle_words);
+      Random random(flow_->setup().seed, Purpose::thinning, placed.id[i], flow_->steps_done);
+      const auto copies = static_cast<std::int64_t>(copies_of(i, p) + random.uniform_fine());
+      p.cell = placed.cell[i];
+      p.id = placed.id[i];
+      p.partner = 0;  // the old numbers mean nothing any more
+      for (std::int64_t k = 0; k < copies; ++k) flow_->particles.append(p);
+    }
+    n_old_ += static_cast<std::int64_t>(placed.size());
   }
-  const auto first = number_along_cells(comm, mesh.info.n_global_cells, flow.domain().cell_global, count).first;
-  std::size_t next = 0;
-  for (std::size_t c = 0; c < count.size(); ++c)
-    for (std::int64_t k = 0; k < count[c]; ++k) flow.particles.id[next++] = static_cast<std::uint64_t>(first[c] + k);
-  flow.particles.sort_by_cell(flow.domain().n_cells());
-}
+
+  /// Numbers all of them along the cells, in each in the order of the old ones. Collective.
+  void number(GlobalId n_cells) {
+    auto& particles = flow_->particles;
+    particles.sort_by_cell(flow_->domain().n_cells());  // copies of one particle are equal, so their order is no matter
+    const auto begin = particles.begin();
+    const auto first =
+        number_along_cells(*comm_, n_cells, flow_->domain().cell_global, particles_of_cells(particles)).first;
+    for (std::size_t i = 0; i < particles.size(); ++i) {
+      const auto cell = at(particles.cell[i]);
+      particles.id[i] = static_cast<std::uint64_t>(first[cell]) + (i - begin[cell]);
+    }
+  }
+
+  /// Old particles that were added. Local.
+  std::int64_t n_old() const { return n_old_; }
+
+ private:
+  void require_room() const {
+    par::agree(*comm_, [&] {
+      constexpr double most = 0x1p31, bytes = sizeof(Particle);
+      if (!(expected_ <= most && expected_ * bytes <= static_cast<double>(memory_of_machine())))
+        throw Error(fmt::format(
+            "{}: expected at most {:.4g} particles on a rank, and memory for them, found {:.4g} of the new weight on "
+            "rank {}: use a greater weight",
+            old_->name, most, expected_, comm_->rank()));
+    });
+  }
+
+  const par::Comm* comm_;
+  const OldFlow* old_;
+  Flow* flow_;
+  double expected_ = 0;  ///< copies
+  std::int64_t n_old_ = 0;
+};
 
 /// What an old cell that is nobody's parent leaves to the new cell that has its place.
 struct Inheritance {
@@ -240,8 +294,7 @@ void inherit_collisions(const par::Comm& comm, const OldFlow& old, const std::ve
   auto left = comm.sparse_exchange(messages).item;
   std::sort(left.begin(), left.end(), [](const auto& a, const auto& b) { return a.old_cell < b.old_cell; });
   for (const auto& one : left) {
-    const auto& global = domain.cell_global;
-    const auto c = static_cast<std::size_t>(std::lower_bound(global.begin(), global.end(), one.cell) - global.begin());
+    const auto c = at(local_cell(domain.cell_global, one.cell));
     flow.collisions[c].energy_deficit += one.energy / domain.fnum[c];
   }
 }
@@ -252,16 +305,23 @@ Transferred settle(const par::Comm& comm, const OldFlow& old, const std::vector<
                    std::vector<Host> hosts, const mesh::DistMesh& mesh, Flow& flow) {
   fill_gaps(comm, hosts);
   flow.steps_done = old.steps_done;
-  const auto passengers = passengers_of(comm, old, hosts);
-  auto placed = fly_to_places(comm, mesh, flow, send_to_hosts(comm, passengers));
-  find_missing(comm, mesh, flow, passengers, old.particles.rows, placed);
-  std::vector<GlobalId> rows;
-  for (const auto id : placed.id) rows.push_back(static_cast<GlobalId>(id));
-  const auto words =
-      par::fetch_rows<std::uint64_t>(comm, old.particles.rows, old.particles.block, particle_words, rows);
-  copy_particles(comm, old.name, mesh, placed, words, flow);
+  InOrderOfCells order(old_particles_of_cells(old));
+  const auto first_row = comm.exclusive_sum(order.size());
+  Passage passage(comm, mesh, flow.setup());
+  Copies copies(comm, old, flow);
+  std::vector<Passenger> missing;
+  par::in_rounds(comm, at(order.size()), particles_of_round, [&](std::size_t begin, std::size_t end) {
+    const auto passengers =
+        passengers_of(comm, old, hosts, first_row + static_cast<GlobalId>(begin), order.take(end - begin));
+    const auto placed = passage.fly(send_to_hosts(comm, passengers));
+    const auto lost = missing_of(comm, passengers, old.particles.rows, placed);
+    missing.insert(missing.end(), lost.begin(), lost.end());
+    copies.add(placed);
+  });
+  copies.add(find_missing(comm, mesh, flow, std::move(missing)));
+  copies.number(mesh.info.n_global_cells);
   inherit_collisions(comm, old, parent, hosts, flow);
-  const auto found = comm.sum(static_cast<std::int64_t>(placed.size()));
+  const auto found = comm.sum(copies.n_old());
   return {old.particles.rows, flow.n_particles(), old.particles.rows - found, old.steps_done};
 }
 
