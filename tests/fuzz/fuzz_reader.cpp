@@ -7,7 +7,9 @@
 ///
 /// Worker processes read the files and report each on a pipe, so that a death or a stall belongs to one file; the
 /// worker is then started anew behind it. `fuzz_FORMAT --one SEED FILE` writes the damaged file of a seed for a closer
-/// look, `fuzz_FORMAT --all N FOLDER` those of the seeds below N.
+/// look, `fuzz_FORMAT --all N FOLDER` those of the seeds below N. `fuzz_FORMAT --file FILE EXTENSION` reads one file
+/// under the name FILE.EXTENSION, and dies where a reader must not end so, as AFL++ wants it
+/// (tests/campaign/coverage.sh).
 #include <fcntl.h>
 #include <hdf5.h>
 #include <mpi.h>
@@ -16,6 +18,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <chrono>
 #include <csignal>
 #include <cstdio>
@@ -115,6 +118,27 @@ int work(const fs::path& folder, std::uint64_t first, std::uint64_t last, int pi
       if (write(pipe_end, &report, 1) != 1) return 1;
     }
     fs::remove(file);
+  }
+  MPI_Finalize();
+  return 0;
+}
+
+/// Compiled by AFL++'s compiler the same process reads a thousand files, one after another under the same name.
+int read_alone(const std::string& given, const std::string& extension) {
+  const fs::path file = given + "." + extension;
+  if (symlink(fs::path(given).filename().c_str(), file.c_str()) != 0 && errno != EEXIST) return 1;
+  H5dont_atexit();
+  start_mpi();
+  {
+    const par::Comm comm(MPI_COMM_WORLD);
+    watch_memory();
+#ifdef __AFL_HAVE_MANUAL_CONTROL
+    while (__AFL_LOOP(1000))
+#endif
+    {
+      const auto outcome = read_one(comm, file);
+      if (outcome != accepted && outcome != refused) std::abort();
+    }
   }
   MPI_Finalize();
   return 0;
@@ -278,6 +302,7 @@ int main(int argc, char** argv) {
   const std::string mode = argc > 1 ? argv[1] : "";
   const auto number = [&](int i, std::uint64_t otherwise) { return number_in(argc, argv, i, otherwise); };
   if (mode == "--seeds" || mode == "--one" || mode == "--all") return write_files(mode, number(2, 0), argv);
+  if (mode == "--file") return read_alone(argv[2], argv[3]);
   if (mode == "--work") return work(argv[2], number(3, 0), number(4, 0), STDIN_FILENO);
   return run(argv[0], number(1, 2000), number(2, 1));
 }

@@ -336,7 +336,8 @@ mesh::BlockMesh closure_family(mesh::FamilyKind kind, int index) {
     add_cell(first);
     add_cell(second);
   } else {
-    const auto [a, b, c] = mesh::ascending_corners(static_cast<std::size_t>(index));
+    const auto corner = mesh::ascending_corners(static_cast<std::size_t>(index));
+    const auto a = corner[0], b = corner[1], c = corner[2];
     const auto ab = add_middle(a, b), ac = add_middle(a, c), bc = add_middle(b, c);
     const auto with = [&](GlobalId at_a, GlobalId at_b, GlobalId at_c) {
       auto nodes = parent;
