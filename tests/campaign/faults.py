@@ -120,13 +120,16 @@ def jumping_clock(stage):
 
 
 def memory_of_one_rank(stage):
-    """Address space of one rank from what MPI and HDF5 take for themselves, below which many ranks may wait for ever, to all it takes."""
+    """Address space of one rank from what MPI, HDF5 and its libraries take for themselves, below which many ranks may wait for ever, to all it takes."""
     tally = collections.Counter()
     script = ('if [ "${OMPI_COMM_WORLD_RANK:-0}" = "$1" ]; then ulimit -v "$2"; fi; shift 2; exec "$@"')
     tiny = LAUNCHER + [str(BIN / "pamr-mark"), "tiny.hdf", "--all", "-o", "tiny_marked.hdf", "--force"]
+    nothing = ["no such file" if word in stage.inputs() else word for word in stage.arguments]
+    refused = LAUNCHER + [str(BIN / stage.tool), *nothing, *stage.options, "--force"]
     # KiB: most of what the C library sets aside for a second thread, and what one rank alone can do without.
     aside, n = (56 * 1024, 12) if RANKS == 1 else (0, 4)
-    least, most = largest_size(start(tiny), "pamr-mark") - aside, largest_size(start(stage.command()), stage.tool)
+    least = max(largest_size(start(tiny), "pamr-mark"), largest_size(start(refused), stage.tool)) - aside
+    most = largest_size(start(stage.command()), stage.tool)
     for i in range(n):
         stage.clean()
         kib = least + (most - least) * i // n if most > least else least
@@ -276,6 +279,8 @@ def run_stage(stage, inputs, folder):
         try:
             tally = fault(stage)
             text = f"{tally['whole']:5d} {tally['failed']:5d}" if tally is not None else "    -     -"
+            if tally and tally["launcher"]:
+                text += f", {tally['launcher']} with all ranks ended and the launcher waiting"
         except (Broken, subprocess.TimeoutExpired) as promise:
             n_broken += 1
             text = f"BROKEN: {promise}"

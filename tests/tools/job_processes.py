@@ -4,18 +4,35 @@ import pathlib
 import time
 
 
-def processes_of(job, tool):
-    """Ids of the tool's processes that this job has started; without those that inspect a file for one of them."""
-    parents = {}
+def all_processes():
+    """Of the machine: id, name, state, parent's id."""
     for entry in pathlib.Path("/proc").iterdir():
         if entry.name.isdigit():
             try:
                 name, rest = (entry / "stat").read_text().rsplit(")", 1)
             except OSError:
                 continue  # it has ended meanwhile
-            if name.endswith("(" + tool[:15]):
-                parents[int(entry.name)] = int(rest.split()[1])
-    return sorted(pid for pid, parent in parents.items() if job.pid in (pid, parent))
+            state, parent = rest.split()[:2]
+            yield int(entry.name), name.split("(", 1)[1], state, int(parent)
+
+
+def processes_of(job, tool):
+    """Ids of the tool's processes that this job has started; without those that inspect a file for one of them."""
+    return sorted(pid for pid, name, _, parent in all_processes() if name == tool[:15] and job.pid in (pid, parent))
+
+
+def still_there(job):
+    """The job and all that comes from it: name, state, and where in the system it waits, of each."""
+    family, found = {job.pid}, []
+    for pid, name, state, parent in sorted(all_processes()):  # parents first
+        if pid == job.pid or parent in family:
+            family.add(pid)
+            try:
+                waits = pathlib.Path(f"/proc/{pid}/wchan").read_text()
+            except OSError:
+                waits = "?"
+            found.append((name, state, waits))
+    return found
 
 
 def largest_size(job, tool):
