@@ -58,6 +58,7 @@ if [ -z "$tools" ]; then
   "$root/scripts/setup.sh" "${setup[@]}"
   tools=${PAMR_BUILD:-$root/build/release}/bin
 fi
+tools=$(cd -- "$tools" && pwd) # some scripts work in other folders
 . "$root/scripts/mpi_environment.sh"
 PATH=$tools:$PATH
 mkdir -p "$out"

@@ -4,13 +4,14 @@
 # marks the cells larger than the local mean free path, refines them, carries the flow to the new mesh, solves again.
 # Prints one table of the levels. Installs and builds what is missing first.
 #
-#   cases/blunt-cone/run.sh [--ranks N] [--levels N] [--full | --smoke | --heat-flux] [--resume] [--picture]
+#   cases/blunt-cone/run.sh [--ranks N] [--levels N] [--full | --last | --smoke | --heat-flux] [--resume] [--picture]
 #                           [--out FOLDER] [--tools FOLDER]
 #
 #   --ranks N       MPI processes (default 2)
-#   --levels N      refinements, at most 4 (default 1; with --full 2; the third makes 1.1 million cells, the fourth
+#   --levels N      refinements, at most 4 (default 1; with --full and --last 2; the third makes 1.1 million cells, the fourth
 #                   up to 2.8 million: hours)
 #   --full          the particles and steps of docs/results/blunt-cone.md
+#   --last          the last level as with --full; those before have only what their marks need, and are not checked
 #   --smoke         few particles and steps: shows in seconds that the loop works; its flow means nothing
 #   --heat-flux     Set 1 of the wind tunnel at no incidence instead, and its heat flux at the thermocouples
 #   --resume        keeps what an interrupted run has finished, and continues from its last checkpoint
@@ -20,14 +21,18 @@
 set -euo pipefail
 
 declare -A values=([--levels]=levels)
-declare -A flags=([--full]=full [--smoke]=smoke [--heat-flux]=heat_flux [--resume]=resume [--picture]=picture)
-levels= full=no smoke=no heat_flux=no resume=no picture=no
+declare -A flags=([--full]=full [--last]=last [--smoke]=smoke [--heat-flux]=heat_flux [--resume]=resume [--picture]=picture)
+levels= full=no last=no smoke=no heat_flux=no resume=no picture=no
 check_options() {
   size=small
   if [ $full = yes ]; then size=full; fi
+  if [ $last = yes ]; then size=last; fi
   if [ $smoke = yes ]; then size=smoke; fi
   if [ $heat_flux = yes ]; then size=heat-flux; fi
-  levels=${levels:-$([ $size = full ] && echo 2 || echo 1)}
+  case $size in
+    full | last) levels=${levels:-2} ;;
+    *) levels=${levels:-1} ;;
+  esac
   local most=4
   if [ $size = heat-flux ]; then most=1; fi
   if ! [[ $levels =~ ^[0-9]$ ]] || [ "$levels" -gt $most ]; then
@@ -49,10 +54,15 @@ case $size in
     case_file=$case_folder/heat-flux.toml
     limit=3.9008e20
     ;;
-  full) weight=(4.0e11 8.2e11 6.2e11 4.0e11 4.0e11) sampling=(3300 1650 2150 4400 5000) ;;
+  full | last) weight=(4.0e11 8.2e11 6.2e11 4.0e11 4.0e11) sampling=(3300 1650 2150 4400 5000) ;;
   small) weight=(2.0e12 3.0e12 3.0e12 3.0e12 3.0e12) sampling=(500 500 500 500 500) ;;
   smoke) weight=(3.0e13 4.0e13 4.0e13 4.0e13 4.0e13) sampling=(40 40 40 40 40) transient="transient = 40" ;;
 esac
+if [ $size = last ]; then
+  for_marks=(2.0e12 3.0e12 6.2e11 4.0e11) steps_for_marks=(500 500 800 600)
+  weight=("${for_marks[@]:0:levels}" "${weight[@]:levels}")
+  sampling=("${steps_for_marks[@]:0:levels}" "${sampling[@]:levels}")
+fi
 [ $resume = yes ] || rm -f "$out"/*.hdf "$out"/*.json "$out"/*.checkpoint "$out"/*.csv
 
 # Runs a tool on all ranks unless its report is there; reports go to out/<report>.json, summary lines to the terminal.
