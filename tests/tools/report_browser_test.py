@@ -9,7 +9,7 @@ import matplotlib.image
 import numpy as np
 
 import report_page
-from report_page import browse, opened, screenshot
+from report_page import OpenPage, opened, screenshot
 from tool_run import SHARED, kuhn_cube, once, run, run_tests
 
 if report_page.BROWSER is None:
@@ -58,7 +58,8 @@ def numbers(text):
 
 def test_complaints_of_a_page_are_seen():
     pathlib.Path("bad.html").write_text("<script>nothing.here()</script>")
-    _, said = browse("bad.html", "", "--dump-dom")
+    with OpenPage("bad.html") as page:
+        said = page.complaints()
     assert said and "nothing is not defined" in said[0], said
 
 
@@ -87,9 +88,8 @@ def test_a_picked_cell_of_a_section_is_cut_there():
     points, cells, _, _, heat = mesh_of(fine)
     link = "#meshes=1;show=z;place=0.3;look=z;color=level;pick=0.45,0.52"
     title, said = opened(page, link).picked()
-    still = pathlib.Path("still.html")  # no frame is drawn between the moves and the pick
-    still.write_text(pathlib.Path(page).read_text().replace("<head>", "<head><script>requestAnimationFrame = () => 0;</script>", 1))
-    assert opened(still, link).picked() == (title, said)
+    # no frame is drawn between the moves and the pick
+    assert opened(page, link, first="requestAnimationFrame = () => 0").picked() == (title, said)
     cell = int(title.split()[1])
     corners = points[cells[cell]]
     assert corners[:, 2].min() < 0.3 < corners[:, 2].max(), corners
@@ -134,43 +134,38 @@ def test_hidden_patches_are_neither_drawn_nor_picked():
     assert title == "Boundary triangle" and said["patch"].startswith("xmax"), said
 
 
-def with_script(page, name, script):
-    """A copy of the page in which a user does something once it is ready."""
-    after = "<script>(async () => { while (!document.documentElement.dataset.ready) await new Promise(requestAnimationFrame);" \
-            f" {script}; await page.busy; document.documentElement.dataset.done = 'yes'; }})();</script></body>"
-    pathlib.Path(name).write_text(pathlib.Path(page).read_text().replace("</body>", after))
-    return name
-
-
 def test_mouse_and_keys_do_what_they_say():
-    coarse, _, page = report()
-    click = """
-      const canvas = document.getElementById("canvas"), box = canvas.getBoundingClientRect();
-      const at = {pointerId: 1, pointerType: "mouse", button: 0, bubbles: true,
-        clientX: box.left + 0.503 * box.width, clientY: box.top + 0.51 * box.height};
-      canvas.dispatchEvent(new KeyboardEvent("keydown", {key: "x"}));
-      canvas.dispatchEvent(new PointerEvent("pointerdown", {...at, buttons: 1}));
-      canvas.dispatchEvent(new PointerEvent("pointerup", at))"""
-    seen = opened(with_script(page, "clicked.html", click), "#meshes=0")
-    assert seen.root.get("data-done") == "yes"
-    by_click = seen.picked()
-    assert by_click == opened(page, "#meshes=0;look=x;pick=0.503,0.51").picked()
+    coarse, fine, file = report()
+    with OpenPage(file, "#meshes=0") as page:
+        page.rest()
+        left, top, width, height = page.value(
+            "(({left, top, width, height}) => [left, top, width, height])(document.getElementById('canvas').getBoundingClientRect())")
+        page.value("document.getElementById('canvas').focus()")
+        page.press("x")
+        page.click(left + 0.503 * width, top + 0.51 * height)
+        by_click = page.seen().picked()
+    assert by_click == opened(file, "#meshes=0;look=x;pick=0.503,0.51").picked()
     assert by_click[1]["patch"].startswith("xmin")
-    keys = """for (const key of ["e", "s", "+", "ArrowLeft", "n"])
-        document.getElementById("canvas").dispatchEvent(new KeyboardEvent("keydown", {key}))"""
-    seen = opened(with_script(page, "keys.html", keys), "#meshes=0")
+    with OpenPage(file, "#meshes=0") as page:
+        page.rest().value("document.getElementById('canvas').focus()")
+        edges = page.value("document.getElementById('edges').checked")
+        page.press("e", "s")
+        assert page.rest().value("document.getElementById('edges').checked") != edges
+        assert page.value("document.getElementById('show').value") == "x"
+        page.press("+", "ArrowLeft", "n")
+        seen = page.seen()
     assert seen.picked()[0] == "Cell " + seen.tables[f"Cells of lowest mean ratio, {coarse}"][1][0]
-    shows = """document.querySelectorAll("tr[data-mesh='1'] button")[2].click()"""
-    seen = opened(with_script(page, "shows.html", shows))
-    row = [rows for caption, rows in seen.tables.items() if caption.startswith("Cells of lowest") and "fine" in caption][0][3]
-    assert seen.picked()[0] == f"Cell {row[0]}"
+    with OpenPage(file) as page:
+        page.rest().value("""document.querySelectorAll("tr[data-mesh='1'] button")[2].click()""")
+        seen = page.seen()
+    assert seen.picked()[0] == f"Cell {seen.tables[f'Cells of lowest mean ratio, {fine}'][3][0]}"
 
 
 def test_without_webgl_the_tables_remain():
     _, _, page = report()
-    text, _ = browse(page, "", "--disable-3d-apis", "--dump-dom")
-    seen = report_page.Page(text)
-    assert seen.root.get("data-ready") == "yes" and "WebGL does not work here" in " ".join(seen.by_id["view"])
+    with OpenPage(page, options=("--disable-3d-apis",)) as without:
+        seen = without.seen(may_complain=True)
+    assert "WebGL does not work here" in " ".join(seen.by_id["view"])
     assert "Meshes" in seen.tables and seen.by_id["charts"]
 
 

@@ -1,16 +1,22 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Opens a page of pamr-quality --html in headless Chromium, from the disk, and says what is seen there."""
+import base64
 import contextlib
 import html.parser
+import json
 import os
 import pathlib
-import re
+import select
 import shutil
 import signal
 import subprocess
 import tempfile
+import time
+
+from tool_run import at_end_of_test
 
 BROWSER = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+PATIENCE = 150  # seconds for an answer
 VOID = {"meta", "link", "input", "br", "hr", "img"}
 
 
@@ -66,34 +72,151 @@ class Page(html.parser.HTMLParser):
         return title, dict(zip(lines[::2], lines[1::2]))
 
 
-def browse(page, link="", *options):
-    """Runs the browser on the page until its scripts have come to rest; its output and what was said on the console."""
-    with tempfile.TemporaryDirectory(prefix="pamr-browser-") as profile:
+class Browser:
+    """Headless Chromium, driven through a pair of pipes (Chrome DevTools Protocol): its pages live in real time."""
+    def __init__(self, *options):
+        self._profile = tempfile.mkdtemp(prefix="pamr-browser-")
+        read_commands, self._commands = os.pipe()
+        self._answers, write_answers = os.pipe()
         command = [BROWSER, "--headless=new", "--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
                    "--hide-scrollbars", "--disable-dev-shm-usage", "--disable-background-networking", "--no-first-run",
-                   "--proxy-server=127.0.0.1:9", f"--user-data-dir={profile}", "--enable-logging=stderr",
-                   "--window-size=1200,800", "--virtual-time-budget=20000", *options,
-                   pathlib.Path(page).resolve().as_uri() + link]
-        browser = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True,
-                                   env=os.environ | {"HOME": profile, "XDG_RUNTIME_DIR": profile})
-        try:
-            out, err = browser.communicate(timeout=150)
-        finally:  # it has processes of its own, which would go on without it
-            with contextlib.suppress(ProcessLookupError):
-                os.killpg(browser.pid, signal.SIGKILL)
-    return out, [line for line in err.splitlines() if re.search(r"\bCONSOLE\b", line)]
+                   "--proxy-server=127.0.0.1:9", f"--user-data-dir={self._profile}", "--remote-debugging-pipe", *options]
+        # It reads commands from its file 3 and writes answers to its file 4.
+        self._process = subprocess.Popen(
+            ["bash", "-c", f'exec "$@" 3<&{read_commands} 4>&{write_answers}', "bash", *command],
+            pass_fds=(read_commands, write_answers), stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL, start_new_session=True,
+            env=os.environ | {"HOME": self._profile, "XDG_RUNTIME_DIR": self._profile})
+        os.close(read_commands)
+        os.close(write_answers)
+        self._n_calls, self._bytes, self._events = 0, b"", []
+
+    def close(self):
+        with contextlib.suppress(ProcessLookupError):  # it has processes of its own, which would go on without it
+            os.killpg(self._process.pid, signal.SIGKILL)
+        self._process.wait()
+        os.close(self._commands)
+        os.close(self._answers)
+        shutil.rmtree(self._profile, ignore_errors=True)
+
+    def _message(self, deadline):
+        while b"\0" not in self._bytes:
+            ready, _, _ = select.select([self._answers], [], [], max(deadline - time.monotonic(), 0))
+            assert ready, f"the browser has not answered for {PATIENCE} s"
+            read = os.read(self._answers, 1 << 20)
+            assert read, "the browser has ended"
+            self._bytes += read
+        text, self._bytes = self._bytes.split(b"\0", 1)
+        return json.loads(text)
+
+    def call(self, method, session=None, **parameters):
+        """The browser's answer to a command; what happens meanwhile is kept for `event`."""
+        self._n_calls += 1
+        command = {"id": self._n_calls, "method": method, "params": parameters} | ({"sessionId": session} if session else {})
+        waiting = memoryview(json.dumps(command).encode() + b"\0")
+        while waiting:
+            waiting = waiting[os.write(self._commands, waiting):]
+        deadline = time.monotonic() + PATIENCE
+        while True:
+            message = self._message(deadline)
+            if message.get("id") == self._n_calls:
+                assert "error" not in message, (method, message["error"])
+                return message["result"]
+            self._events.append(message)
+
+    def event(self, method, session):
+        """Waits for something to happen on a page."""
+        deadline = time.monotonic() + PATIENCE
+        while not any(event.get("method") == method and event.get("sessionId") == session for event in self._events):
+            self._events.append(self._message(deadline))
+
+    def complaints(self, session):
+        """What scripts of a page, or the browser, have complained of."""
+        said = [event["params"] for event in self._events if event.get("sessionId") == session and event.get("method") in
+                ("Runtime.exceptionThrown", "Runtime.consoleAPICalled", "Log.entryAdded")]
+        return [json.dumps(what) for what in said]
 
 
-def opened(page, link=""):
+KEPT = {}  # the browser of this process for each set of options
+
+
+def browser(*options):
+    if options not in KEPT:
+        KEPT[options] = at_end_of_test(contextlib.closing(Browser(*options)))
+    return KEPT[options]
+
+
+class OpenPage:
+    """A page of 1200 by 800 pixels; `with` closes it. `first` is a script that runs before those of the page."""
+    def __init__(self, file, link="", first="", options=()):
+        self._browser = browser(*options)
+        self._target = self._browser.call("Target.createTarget", url="about:blank")["targetId"]
+        self._session = self._browser.call("Target.attachToTarget", targetId=self._target, flatten=True)["sessionId"]
+        for domain in ("Page", "Runtime", "Log"):
+            self._call(domain + ".enable")
+        self._call("Emulation.setDeviceMetricsOverride", width=1200, height=800, deviceScaleFactor=1, mobile=False)
+        self._call("Page.addScriptToEvaluateOnNewDocument", source=first)
+        self._call("Page.navigate", url=pathlib.Path(file).resolve().as_uri() + link)
+        self._browser.event("Page.loadEventFired", self._session)
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self._browser.call("Target.closeTarget", targetId=self._target)
+
+    def _call(self, method, **parameters):
+        return self._browser.call(method, self._session, **parameters)
+
+    def value(self, script):
+        """Of a JavaScript expression; a promise is waited for."""
+        answer = self._call("Runtime.evaluate", expression=script, awaitPromise=True, returnByValue=True)
+        assert "exceptionDetails" not in answer, answer
+        return answer["result"].get("value")
+
+    def complaints(self):
+        self.value("0")  # complaints of before come before this answer
+        return self._browser.complaints(self._session)
+
+    def rest(self, may_complain=False):
+        """Waits until the page has done what it was asked for. Its scripts are not to complain."""
+        self.value("""new Promise((done) => {
+            const root = document.documentElement, see = () => { if (root.dataset.ready) done(); };
+            new MutationObserver(see).observe(root, {attributes: true});
+            see();
+        })""")
+        self.value("page.busy.then(() => 0)")
+        said = self.complaints()
+        assert may_complain or not said, said
+        return self
+
+    def seen(self, **how):
+        return Page(self.rest(**how).value("document.documentElement.outerHTML"))
+
+    def screenshot(self, name):
+        image = self.rest()._call("Page.captureScreenshot", format="png")["data"]
+        pathlib.Path(name).write_bytes(base64.b64decode(image))
+        return name
+
+    def click(self, x, y):
+        """Moves the mouse there, in pixels, presses its left button and lets it go."""
+        for kind, held in (("mouseMoved", 0), ("mousePressed", 1), ("mouseReleased", 0)):
+            self._call("Input.dispatchMouseEvent", type=kind, x=x, y=y, button="left" if kind != "mouseMoved" else "none",
+                       buttons=held, clickCount=1)
+
+    def press(self, *keys):
+        for key in keys:
+            text = {"text": key} if len(key) == 1 else {}
+            self._call("Input.dispatchKeyEvent", type="keyDown", key=key, **text)
+            self._call("Input.dispatchKeyEvent", type="keyUp", key=key)
+
+
+def opened(file, link="", **options):
     """The page after its scripts have run. They are not to complain."""
-    text, said = browse(page, link, "--dump-dom")
-    assert not said, said
-    result = Page(text)
-    assert result.root.get("data-ready") == "yes", (result.root, text[:500])
-    return result
+    with OpenPage(file, link, **options) as page:
+        return page.seen()
 
 
-def screenshot(page, link, name):
-    _, said = browse(page, link, f"--screenshot={pathlib.Path(name).resolve()}")
-    assert not said, said
-    return name
+def screenshot(file, link, name):
+    with OpenPage(file, link) as page:
+        return page.screenshot(name)

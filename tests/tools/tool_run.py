@@ -5,6 +5,7 @@ A test script is called as SCRIPT BIN_FOLDER RANKS LAUNCHER...: the folder of th
 the command that starts them (empty for one process without a launcher). It calls `run_tests(globals())`, which runs
 every function named test_... in a folder and a process of its own, several at a time.
 """
+import contextlib
 import fcntl
 import hashlib
 import json
@@ -28,6 +29,7 @@ FULL = os.environ.get("PAMR_TEST_LEVEL") == "full"
 REFUSED_BY_ALL = 1 if FULL else 3  # one refusal in so many is tried on all ranks
 alone = set()  # tools that this script runs on one process
 n_refused = 0
+at_end = contextlib.ExitStack()  # of the running test
 
 
 def prepare_alone(*tools):
@@ -139,6 +141,11 @@ def once(function):
     return kept
 
 
+def at_end_of_test(context):
+    """Enters a context, which the end of the running test leaves."""
+    return at_end.enter_context(context)
+
+
 def run_one(name, test, log):
     """A test in a folder and a process of its own, which ends here; what it prints goes to the log."""
     with open(log, "w", buffering=1) as out:
@@ -149,7 +156,8 @@ def run_one(name, test, log):
         os.chdir(folder)
         begin, failed = time.monotonic(), False
         try:
-            test()
+            with at_end:
+                test()
         except BaseException:
             failed = True
             traceback.print_exc(file=out)
