@@ -62,7 +62,12 @@ tools=$(cd -- "$tools" && pwd) # some scripts work in other folders
 . "$root/scripts/mpi_environment.sh"
 PATH=$tools:$PATH
 mkdir -p "$out"
-on_ranks() { mpirun -q -n "$ranks" "$@"; }
+on_ranks() {
+  local code=0
+  mpirun -q -n "$ranks" "$@" || code=$?
+  [ $code = 0 ] || echo "$1 ended with exit code $code" >&2 # mpirun -q does not say so of a tool that a signal ends
+  return $code
+}
 can_draw() {
   command -v Xvfb >/dev/null && command -v pamr-picture >/dev/null && /usr/bin/python3 - 2>/dev/null <<'PYTHON'
 import importlib.util

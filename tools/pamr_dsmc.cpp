@@ -131,9 +131,11 @@ cli::ExitCode run_case(cli::Session& session, const Options& o) {
   std::optional<dsmc::StopSignals> signals;
   if (!o.plan && !o.advance.checkpoint.empty()) signals.emplace();
   auto c = dsmc::read_case(cli::read_text(comm, o.case_file), o.case_file);
-  const auto head = o.restart.empty() ? dsmc::CheckpointHead{} : dsmc::head_of(comm, o.restart);
-  if (!o.plan) check_series(session, o, c, head.steps_done);
-  const auto mesh_file = mesh_to_read(o, head, c);
+  std::optional<dsmc::CheckpointHead> from;
+  if (const auto& file = o.restart.empty() ? o.carry : o.restart; !file.empty()) from = dsmc::head_of(comm, file);
+  const auto restarted = o.restart.empty() ? dsmc::CheckpointHead{} : *from;
+  if (!o.plan) check_series(session, o, c, restarted.steps_done);
+  const auto mesh_file = mesh_to_read(o, restarted, c);
   const bool adapts = c.adaptation.every > 0;
   session.step("reading " + mesh_file);
   auto mesh = assemble::assemble(
@@ -141,7 +143,7 @@ cli::ExitCode run_case(cli::Session& session, const Options& o) {
   validate::require_valid(comm, mesh, mesh_file);
   session.step(fmt::format("setting up {} cells", mesh.info.n_global_cells));
   auto setup = dsmc::make_setup(comm, c, mesh);
-  dsmc::Outcome outcome{dsmc::make_plan(comm, c, setup, mesh, !o.advance.checkpoint.empty()), {}, {}, 0};
+  dsmc::Outcome outcome{dsmc::make_plan(comm, c, setup, mesh, from, !o.advance.checkpoint.empty()), {}, {}, 0};
   try {
     dsmc::require_feasible(comm, c, setup, mesh, outcome.plan);
   } catch (const Error& error) {  // reaches every rank

@@ -244,6 +244,7 @@ def test_a_flow_is_carried_through_a_refinement():
     run("pamr-mark", "a.hdf", "-o", "m.hdf", "--box", "0,0,0,1,1,0.3", "--quiet")
     run("pamr-refine", "m.hdf", "-o", "fine.hdf", "--quiet")
     weight = write("weight.toml", CUBE.replace("per_cell = 15.0", "total = 11520.0"))  # twice as many particles
+    plan = run("pamr-dsmc", weight, "--mesh", "fine.hdf", "--plan", "--carry", "a.ck", "--json", "-").json
     out = compute(weight, "fine.hdf", "b.hdf", "--carry", "a.ck", "--checkpoint", "b.ck", "--json", "b.json")
     compute(weight, "fine.hdf", "c.hdf", "--carry", "a.ck", "--checkpoint", "c.ck", "--quiet", ranks=1)
     assert same_bytes("b.hdf", "c.hdf") and same_bytes("b.ck", "c.ck")
@@ -251,6 +252,8 @@ def test_a_flow_is_carried_through_a_refinement():
     carried, removed, new = (int(line.split()[i]) for i in (1, 6, 11))
     assert carried == first["particles"] and removed <= 2, line
     assert abs(new / (2 * carried) - 1) < 0.05, line
+    assert plan["particles"] == 11520 and abs(plan["particles_at_start"] / (2 * carried) - 1) < 1e-9, plan
+    assert first["plan"]["particles_at_start"] == 0
 
     # On the same mesh, one that has a field parent of its own: all particles stay where they are.
     line = next(line for line in compute(weight, "fine.hdf", "d.hdf", "--carry", "b.ck").out.splitlines() if line.startswith("carried"))

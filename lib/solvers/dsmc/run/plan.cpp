@@ -30,7 +30,7 @@ std::string rotation_text(const Rotation& r) {
 }  // namespace
 
 Plan make_plan(const par::Comm& comm, const Case& c, const Setup& setup, const mesh::DistMesh& mesh,
-               bool writes_checkpoints) {
+               const std::optional<CheckpointHead>& from, bool writes_checkpoints) {
   Plan plan;
   const auto& free = c.stream.front();
   Gas gas = c.gas;
@@ -56,10 +56,12 @@ Plan make_plan(const par::Comm& comm, const Case& c, const Setup& setup, const m
   plan.particles = setup.expected_particles;
   const double cells = static_cast<double>(mesh.info.n_global_cells);
   plan.particles_per_cell = plan.particles / cells;
+  if (from) plan.particles_at_start = static_cast<double>(from->n_particles) * from->fnum / setup.fnum;
+  const double most = std::max(plan.particles, plan.particles_at_start);
   plan.particle_bytes = particle_bytes + (writes_checkpoints || c.adaptation.every > 0 ? copy_bytes : 0);
-  plan.bytes = plan.particles * plan.particle_bytes + cells * cell_bytes;
+  plan.bytes = most * plan.particle_bytes + cells * cell_bytes;
   plan.steps = static_cast<double>(c.schedule.sampling + c.schedule.transient.value_or(0));
-  plan.cpu_seconds = plan.particles * plan.steps / typical_rate;
+  plan.cpu_seconds = most * plan.steps / typical_rate;
 
   const auto body = reference_patches(c.reference, mesh.info.patches, setup.patch);
   plan.gives_lift = c.reference.gives_lift();
@@ -112,11 +114,13 @@ std::vector<std::string> describe(const Case& c, const Setup& setup, const Plan&
                   "collision time {:.4g} s (variable hard spheres)",
                   plan.mach, plan.speed_ratio, plan.knudsen, plan.reynolds, c.reference.length, plan.mean_free_path,
                   plan.collision_time));
+  const auto at_start =
+      plan.particles_at_start > 0 ? fmt::format(", at the start about {:.0f}", plan.particles_at_start) : std::string();
   lines.push_back(
       fmt::format("time step {:g} s{}, weight {:g} molecules a particle; full of the free stream's gas about {:.0f} "
-                  "particles ({:.1f} a cell), {:.0f} MB, {:.3g} steps, {:.3g} CPU s",
+                  "particles ({:.1f} a cell){}; {:.0f} MB, {:.3g} steps, {:.3g} CPU s",
                   setup.dt, setup.cell_dt.empty() ? "" : " at most, varying with the cells", setup.fnum, plan.particles,
-                  plan.particles_per_cell, plan.bytes * 1e-6, plan.steps, plan.cpu_seconds));
+                  plan.particles_per_cell, at_start, plan.bytes * 1e-6, plan.steps, plan.cpu_seconds));
   if (plan.has_body) {
     const auto lift = [&](const Coefficients& k) {
       return plan.gives_lift ? fmt::format(" C_L {:.4f} C_m {:.4f}", k.lift, k.moment) : std::string();
@@ -146,6 +150,7 @@ nlohmann::json to_json(const Plan& plan) {
                         {"tau_c", plan.collision_time},
                         {"particles", plan.particles},
                         {"particles_per_cell", plan.particles_per_cell},
+                        {"particles_at_start", plan.particles_at_start},
                         {"bytes", plan.bytes},
                         {"steps", plan.steps},
                         {"cpu_seconds", plan.cpu_seconds},

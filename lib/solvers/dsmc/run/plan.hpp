@@ -2,6 +2,7 @@
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -10,6 +11,7 @@
 #include "solvers/dsmc/flow/setup.hpp"
 #include "solvers/dsmc/run/flow_case.hpp"
 #include "solvers/dsmc/sampling/loads.hpp"
+#include "solvers/dsmc/state/checkpoint.hpp"
 
 namespace pamr::dsmc {
 
@@ -19,9 +21,10 @@ struct Plan {
   double mean_free_path = 0, collision_time = 0;                ///< m, s
   double particles = 0;                                         ///< in the domain filled with the free stream
   double particles_per_cell = 0;
-  double particle_bytes = 0;          ///< that a particle takes, all arrays together
-  double bytes = 0;                   ///< of particles and cells, all ranks
-  double steps = 0, cpu_seconds = 0;  ///< at 4 million particle-steps a second
+  double particles_at_start = 0;  ///< of the flow that it goes on from, about; 0 where it begins with the case's gas
+  double particle_bytes = 0;      ///< that a particle takes, all arrays together
+  double bytes = 0;               ///< of cells and the most particles that are known of, all ranks
+  double steps = 0, cpu_seconds = 0;  ///< of these particles, at 4 million particle-steps a second
   double longest_flight =
       0;  ///< cell sizes that a fast molecule of the free stream passes in a step, maximum over the cells
   Coefficients free_molecular, newtonian;  ///< bounds for a convex body without shadows
@@ -29,9 +32,10 @@ struct Plan {
   bool gives_lift = true;  ///< `Reference::gives_lift`
 };
 
-/// `writes_checkpoints`: for which particles are copied; where the mesh adapts they are in any case. Collective.
+/// `from`: the flow that it goes on from, if there is one, on this mesh or on another. `writes_checkpoints`: for which
+/// particles are copied; where the mesh adapts they are in any case. Collective.
 Plan make_plan(const par::Comm& comm, const Case& the_case, const Setup& setup, const mesh::DistMesh& mesh,
-               bool writes_checkpoints);
+               const std::optional<CheckpointHead>& from, bool writes_checkpoints);
 
 /// What a user should be warned about. Local.
 std::vector<std::string> warnings_of(const Plan& plan);

@@ -269,6 +269,7 @@ CheckpointHead head_of(const par::Comm& comm, const std::string& checkpoint) {
     CheckpointHead head;
     head.steps_done = static_cast<std::uint64_t>(count_of(member(header, "steps_done"), "steps_done"));
     head.fnum = number_of(member(member(header, "setup"), "molecules"), "molecules");
+    head.n_particles = file.n_rows("particles");
     if (!header.contains("mesh_file")) return head;
     const std::filesystem::path name = string_of(header["mesh_file"], "mesh_file");
     if (name.empty() || name != name.filename())

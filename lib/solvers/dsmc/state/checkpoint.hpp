@@ -50,6 +50,7 @@ struct CheckpointHead {
   std::uint64_t steps_done = 0;
   std::string mesh_file;  ///< of a run that adapts its mesh: the mesh as it was then; else empty
   double fnum = 0;        ///< molecules that a particle stands for where the time step is the largest
+  std::int64_t n_particles = 0;
 };
 /// Collective. Throws the same `Error` on every rank for a damaged file.
 CheckpointHead head_of(const par::Comm& comm, const std::string& checkpoint);

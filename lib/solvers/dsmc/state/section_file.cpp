@@ -182,6 +182,12 @@ SectionFile::SectionFile(const par::Comm& comm, std::string file) : comm_(&comm)
 
 SectionFile::~SectionFile() = default;
 
+std::int64_t SectionFile::n_rows(const std::string& name) const {
+  for (const auto& entry : header()["sections"])
+    if (entry["name"] == name) return entry["rows"];
+  return 0;
+}
+
 Section SectionFile::read(const std::string& name, std::size_t width) const {
   Section section{name, 0, width, {}};
   std::uint64_t offset = 0, expected = 0;

@@ -40,6 +40,8 @@ class SectionFile {
   SectionFile& operator=(SectionFile&&) = delete;
 
   const nlohmann::json& header() const { return *header_; }
+  /// Rows of a table; 0 where there is none of this name. Local.
+  std::int64_t n_rows(const std::string& name) const;
   /// Reads a table of this width; its words are compared with their checksum. Collective; throws `Error`.
   Section read(const std::string& name, std::size_t width) const;
 
