@@ -15,7 +15,7 @@ install(DIRECTORY ${PROJECT_BINARY_DIR}/manual/ DESTINATION ${CMAKE_INSTALL_DATA
 
 # Everything that is installed, without tests and benchmarks.
 add_custom_target(installed)
-foreach(target IN ITEMS pamr pamr_base pamr_geometry pamr_meshing pamr_dsmc pamr_poisson_boltzmann pamr_python pamr-convert
+foreach(target IN ITEMS pamr pamr_base pamr_cad pamr_geometry pamr_meshing pamr_dsmc pamr_poisson_boltzmann pamr_python pamr-convert
     pamr-diff pamr-dsmc pamr-mark pamr-mesh pamr-partition pamr-pb pamr-quality pamr-refine pamr-surface)
   if(TARGET ${target})
     add_dependencies(installed ${target})
@@ -47,15 +47,12 @@ set(CPACK_COMPONENT_TOOLS_DESCRIPTION "Parallel adaptive refinement of tetrahedr
  of processes; boundaries that are curved stay so. With a solver for rarefied gas and one
  for the Poisson-Boltzmann equation.")
 
-# The static library wants the headers and libraries that pamrConfig.cmake looks for.
+# The static library wants the headers and libraries that pamrConfig.cmake looks for. The library that reads CAD files is in the
+# package of the tools.
 set(CPACK_DEBIAN_DEV_PACKAGE_NAME libpamr-dev)
 set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "libopenmpi-dev, libhdf5-openmpi-dev, libptscotch-dev, libscotch-dev, libbz2-dev, \
-liblzma-dev, zlib1g-dev, libcgal-dev, libfmt-dev, libtomlplusplus-dev, nlohmann-json3-dev")
-if(PAMR_HAS_CAD)
-  string(APPEND CPACK_DEBIAN_DEV_PACKAGE_DEPENDS ", libocct-data-exchange-dev, libocct-modeling-algorithms-dev, \
-libocct-modeling-data-dev, libocct-foundation-dev")
-endif()
+liblzma-dev, zlib1g-dev, libcgal-dev, libfmt-dev, libtomlplusplus-dev, nlohmann-json3-dev, pamr (= ${PROJECT_VERSION})")
 set(CPACK_DEBIAN_DEV_PACKAGE_RECOMMENDS "cmake (>= 3.25), petsc-dev")
 set(CPACK_COMPONENT_DEV_DESCRIPTION "Parallel adaptive refinement of tetrahedral meshes: C++ library
  Static libraries, headers, CMake's configuration and an example.")
@@ -63,7 +60,7 @@ set(CPACK_COMPONENT_DEV_DESCRIPTION "Parallel adaptive refinement of tetrahedral
 set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-pamr)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_SHLIBDEPS ON)
-set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "python3 (>= 3.11), python3 (<< 3.12), python3-numpy, python3-mpi4py")
+set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "python3 (>= 3.11), python3 (<< 3.12), python3-numpy, python3-mpi4py, pamr (= ${PROJECT_VERSION})")
 set(CPACK_COMPONENT_PYTHON_DESCRIPTION "Parallel adaptive refinement of tetrahedral meshes: Python
  The package pamr: meshes in arrays of numpy, refined in memory, under mpirun as well.")
 

@@ -91,6 +91,23 @@ class Consumer(unittest.TestCase):
         self.assertEqual(first, second)
         self.tool("pamr-quality", "level3.hdf", "--gate", "inverted_cells:max:0")
 
+    def test_cad_files_are_read_where_pamr_is_installed(self):
+        """By tools, programs of others and Python, all of which load a library to do so; none has it from the start."""
+        if not glob.glob(os.path.join(self.prefix, "lib", "**", "libpamr_cad-*.so"), recursive=True):
+            return  # built without OpenCASCADE
+        part = os.path.join(SOURCE, "tests", "tools", "data", "can.step")
+        self.tool("pamr-mesh", part, "-o", "can.hdf")
+        self.tool("pamr-mark", "can.hdf", "-o", "marked.hdf", "--all")
+        self.tool("pamr-refine", "marked.hdf", "-o", "fine_can.hdf")
+        libraries = self.run_ok("ldd", os.path.join(self.prefix, "bin", "pamr-refine"))
+        self.assertIn("libmpi", libraries)
+        self.assertNotIn("libTK", libraries)
+        self.assertEqual(self.run_ok(os.path.join(self.build(CONSUMER, "cad"), "cad"), part), "3 faces\n")
+        if self.has_package():
+            program = ("import pamr\nfrom mpi4py import MPI\nmesh = pamr.Mesh.read(MPI.COMM_WORLD, 'can.hdf')\n"
+                       "print(pamr.refine(mesh, [True] * len(mesh.cells)).mesh.n_cells == 8 * mesh.n_cells)")
+            self.assertEqual(self.run_ok(sys.executable, "-c", program, environment=self.environment()), "True\n")
+
     def test_the_python_package_gives_the_same_bytes_on_any_ranks(self):
         if not self.has_package():
             return  # not built: configuration says so

@@ -188,13 +188,11 @@ auto with_occt(Work&& work) {
   }
 }
 
-}  // namespace
-
-CadData occt_read(std::string_view text, double scale) {
+CadData read(std::string_view text, double scale) {
   return with_occt([&] { return convert(text, scale); });
 }
 
-CadTriangles occt_triangles(std::string_view text, double scale, double deflection) {
+CadTriangles triangulated(std::string_view text, double scale, double deflection) {
   return with_occt([&] {
     const auto shape = read_occt_shape(text).shape;
     triangulate(shape, deflection);
@@ -202,7 +200,7 @@ CadTriangles occt_triangles(std::string_view text, double scale, double deflecti
   });
 }
 
-CadMeasures occt_measure(std::string_view text, double scale) {
+CadMeasures measured(std::string_view text, double scale) {
   return with_occt([&] {
     const auto shape = read_occt_shape(text).shape;
     CadMeasures result;
@@ -220,4 +218,10 @@ CadMeasures occt_measure(std::string_view text, double scale) {
   });
 }
 
+constexpr CadReader by_occt{read, triangulated, measured};
+
+}  // namespace
+
 }  // namespace pamr::geometry
+
+const pamr::geometry::CadReader* pamr_cad_reader() { return &pamr::geometry::by_occt; }

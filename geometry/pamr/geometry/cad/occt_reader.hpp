@@ -8,8 +8,14 @@
 namespace pamr::geometry {
 
 /// `read_cad`, `triangulate_cad` and `measure_cad` by OpenCASCADE.
-CadData occt_read(std::string_view text, double scale);
-CadTriangles occt_triangles(std::string_view text, double scale, double deflection);
-CadMeasures occt_measure(std::string_view text, double scale);
+struct CadReader {
+  CadData (*read)(std::string_view text, double scale);
+  CadTriangles (*triangulate)(std::string_view text, double scale, double deflection);
+  CadMeasures (*measure)(std::string_view text, double scale);
+};
 
 }  // namespace pamr::geometry
+
+/// All that the library pamr_cad shows of itself. It is loaded when the first CAD file is read: OpenCASCADE takes 40 ms
+/// to load, as long as all else that most runs do.
+extern "C" const pamr::geometry::CadReader* pamr_cad_reader();
