@@ -2,6 +2,7 @@
 #include "pamr/par/comm.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <limits>
 #include <optional>
 #include <thread>
@@ -86,6 +87,24 @@ std::int64_t Comm::min(std::int64_t here) const { return reduced(here, MPI_INT64
 std::int64_t Comm::max(std::int64_t here) const { return reduced(here, MPI_INT64_T, MPI_MAX); }
 double Comm::min(double here) const { return reduced(here, MPI_DOUBLE, MPI_MIN); }
 double Comm::max(double here) const { return reduced(here, MPI_DOUBLE, MPI_MAX); }
+
+std::int64_t Comm::min_asleep(std::int64_t here) const {
+  std::int64_t result = 0;
+  together("MPI_Iallreduce", [&] {
+    MPI_Request request = MPI_REQUEST_NULL;
+    int code = MPI_Iallreduce(&here, &result, 1, MPI_INT64_T, MPI_MIN, comm_, &request), is_done = 0;
+    const auto begin = std::chrono::steady_clock::now();
+    while (code == MPI_SUCCESS) {
+      code = MPI_Test(&request, &is_done, MPI_STATUS_IGNORE);
+      if (is_done != 0) break;
+      const std::chrono::nanoseconds waited = std::chrono::steady_clock::now() - begin;
+      if (waited < std::chrono::microseconds(50)) continue;  // most have come by then
+      std::this_thread::sleep_for(std::min<std::chrono::nanoseconds>(waited / 4, std::chrono::milliseconds(1)));
+    }
+    return code;
+  });
+  return result;
+}
 
 template <class T>
 void Comm::reduce_in_place(std::span<T> values, MPI_Datatype type, MPI_Op op) const {
@@ -228,7 +247,7 @@ void agree(const Comm& comm, const std::function<void()>& local) {
   } catch (const Error& error) {
     trouble = error.what();
   }
-  const auto first = comm.min(static_cast<std::int64_t>(trouble ? comm.rank() : comm.size()));
+  const auto first = comm.min_asleep(static_cast<std::int64_t>(trouble ? comm.rank() : comm.size()));
   if (first == comm.size()) return;
   throw Error(comm.broadcast(trouble.value_or(""), static_cast<Rank>(first)));
 }
