@@ -11,9 +11,11 @@ export OMPI_MCA_mpi_yield_when_idle="${OMPI_MCA_mpi_yield_when_idle:-1}"
 # No warning about cross-memory attach, which containers forbid.
 export OMPI_MCA_btl_vader_single_copy_mechanism="${OMPI_MCA_btl_vader_single_copy_mechanism:-none}"
 # No search for fast interconnects where there are none: two of the libraries that Open MPI would load for them measure
-# the processor's clock for 0.1 s each, which is more than half of the time in which a small job starts.
+# the processor's clock for 0.1 s each, which is more than half of the time in which a small job starts. Nor a look at the
+# devices of the bus, of which each process of a virtual machine asks the host.
 if [ -z "$(ls -A /sys/class/infiniband /sys/class/cxi 2>/dev/null)" ]; then
   export OMPI_MCA_mtl="${OMPI_MCA_mtl:-^psm,psm2,ofi}"
+  export HWLOC_COMPONENTS="${HWLOC_COMPONENTS:--gl,-pci,-linux:pci}"
 fi
 # No question to an X server for graphics cards: one that ends meanwhile takes the job with it.
 export HWLOC_COMPONENTS="${HWLOC_COMPONENTS:--gl}"
