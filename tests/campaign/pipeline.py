@@ -112,7 +112,7 @@ class Stage:
         self.seconds, self.whole = time.monotonic() - begin, contents(self.output)
 
     def is_whole(self, found):
-        return found == self.whole or (self.to_rounding and found not in (None, PRECIOUS) and same_to_rounding(found, self.whole))
+        return found == self.whole or (self.to_rounding and same_to_rounding(found, self.whole))
 
     def is_harmless(self, found):
         """What the name of the output may hold in the end, whatever happened."""

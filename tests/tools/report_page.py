@@ -13,7 +13,7 @@ import subprocess
 import tempfile
 import time
 
-from tool_run import at_end_of_test
+from tool_run import at_end
 
 BROWSER = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
 PATIENCE = 150  # seconds for an answer
@@ -142,7 +142,7 @@ KEPT = {}  # the browser of this process for each set of options
 
 def browser(*options):
     if options not in KEPT:
-        KEPT[options] = at_end_of_test(contextlib.closing(Browser(*options)))
+        KEPT[options] = at_end.enter_context(contextlib.closing(Browser(*options)))
     return KEPT[options]
 
 

@@ -29,7 +29,7 @@ FULL = os.environ.get("PAMR_TEST_LEVEL") == "full"
 REFUSED_BY_ALL = 1 if FULL else 3  # one refusal in so many is tried on all ranks
 alone = set()  # tools that this script runs on one process
 n_refused = 0
-at_end = contextlib.ExitStack()  # of the running test
+at_end = contextlib.ExitStack()  # what the running test leaves when it ends
 
 
 def prepare_alone(*tools):
@@ -139,11 +139,6 @@ def once(function):
         with open(name, "rb") as file:
             return pickle.load(file)
     return kept
-
-
-def at_end_of_test(context):
-    """Enters a context, which the end of the running test leaves."""
-    return at_end.enter_context(context)
 
 
 def run_one(name, test, log):

@@ -2,13 +2,13 @@
 #include "pamr/par/comm.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <limits>
 #include <optional>
 #include <thread>
 
 #include "pamr/base/contract.hpp"
 #include "pamr/base/error.hpp"
+#include "pamr/par/wait_asleep.hpp"
 
 namespace pamr::par {
 
@@ -92,16 +92,8 @@ std::int64_t Comm::min_asleep(std::int64_t here) const {
   std::int64_t result = 0;
   together("MPI_Iallreduce", [&] {
     MPI_Request request = MPI_REQUEST_NULL;
-    int code = MPI_Iallreduce(&here, &result, 1, MPI_INT64_T, MPI_MIN, comm_, &request), is_done = 0;
-    const auto begin = std::chrono::steady_clock::now();
-    while (code == MPI_SUCCESS) {
-      code = MPI_Test(&request, &is_done, MPI_STATUS_IGNORE);
-      if (is_done != 0) break;
-      const std::chrono::nanoseconds waited = std::chrono::steady_clock::now() - begin;
-      if (waited < std::chrono::microseconds(50)) continue;  // most have come by then
-      std::this_thread::sleep_for(std::min<std::chrono::nanoseconds>(waited / 4, std::chrono::milliseconds(1)));
-    }
-    return code;
+    const int code = MPI_Iallreduce(&here, &result, 1, MPI_INT64_T, MPI_MIN, comm_, &request);
+    return code == MPI_SUCCESS ? *wait_asleep(request) : code;
   });
   return result;
 }

@@ -95,8 +95,8 @@ class Comm {
   std::int64_t sum(std::int64_t here) const;
   std::int64_t min(std::int64_t here) const;
   std::int64_t max(std::int64_t here) const;
-  /// As `min`, for what one rank may have worked on for long while the others had nothing to do: those sleep, a quarter
-  /// of the time that they have waited and a millisecond at most at a time, and leave it their share of the processor.
+  /// As `min`, for what one rank may have worked on for long while the others had nothing to do: those sleep
+  /// (`wait_asleep`).
   std::int64_t min_asleep(std::int64_t here) const;
   double min(double here) const;
   double max(double here) const;

@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "pamr/par/runtime.hpp"
 
-#include <chrono>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
-#include <thread>
 
 #include "pamr/par/lone_start.hpp"
 #include "pamr/par/parent_job.hpp"
+#include "pamr/par/wait_asleep.hpp"
 
 namespace pamr::par {
 
@@ -39,14 +38,8 @@ std::optional<Runtime::Outcome> Runtime::settle(int code, double seconds) const 
   std::int64_t greatest = 0;
   MPI_Request request = MPI_REQUEST_NULL;
   MPI_Iallreduce(&here, &greatest, 1, MPI_INT64_T, MPI_MAX, end_, &request);
-  const auto start = std::chrono::steady_clock::now();
-  for (;;) {
-    int done = 0;
-    MPI_Test(&request, &done, MPI_STATUS_IGNORE);
-    if (done != 0) return Outcome{static_cast<int>(greatest / ranks), static_cast<Rank>(ranks - 1 - greatest % ranks)};
-    if (std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() > seconds) return std::nullopt;
-    std::this_thread::sleep_for(std::chrono::microseconds(200));
-  }
+  if (!wait_asleep(request, seconds)) return std::nullopt;
+  return Outcome{static_cast<int>(greatest / ranks), static_cast<Rank>(ranks - 1 - greatest % ranks)};
 }
 
 void Runtime::abort(int code) const {

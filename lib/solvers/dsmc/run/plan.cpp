@@ -57,11 +57,10 @@ Plan make_plan(const par::Comm& comm, const Case& c, const Setup& setup, const m
   const double cells = static_cast<double>(mesh.info.n_global_cells);
   plan.particles_per_cell = plan.particles / cells;
   if (from) plan.particles_at_start = static_cast<double>(from->n_particles) * from->fnum / setup.fnum;
-  const double most = std::max(plan.particles, plan.particles_at_start);
   plan.particle_bytes = particle_bytes + (writes_checkpoints || c.adaptation.every > 0 ? copy_bytes : 0);
-  plan.bytes = most * plan.particle_bytes + cells * cell_bytes;
+  plan.bytes = plan.max_particles() * plan.particle_bytes + cells * cell_bytes;
   plan.steps = static_cast<double>(c.schedule.sampling + c.schedule.transient.value_or(0));
-  plan.cpu_seconds = most * plan.steps / typical_rate;
+  plan.cpu_seconds = plan.max_particles() * plan.steps / typical_rate;
 
   const auto body = reference_patches(c.reference, mesh.info.patches, setup.patch);
   plan.gives_lift = c.reference.gives_lift();

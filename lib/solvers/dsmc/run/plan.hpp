@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <algorithm>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
@@ -30,6 +31,9 @@ struct Plan {
   Coefficients free_molecular, newtonian;  ///< bounds for a convex body without shadows
   bool has_body = false;
   bool gives_lift = true;  ///< `Reference::gives_lift`
+
+  /// The most that are known of before the first step.
+  double max_particles() const { return std::max(particles, particles_at_start); }
 };
 
 /// `from`: the flow that it goes on from, if there is one, on this mesh or on another. `writes_checkpoints`: for which

@@ -90,8 +90,7 @@ void require_feasible(const par::Comm& comm, const Case& c, const Setup& setup, 
                       const Plan& plan) {
   const auto extent = measure(comm, setup, mesh);
   require_progress(c, setup, plan, extent);
-  const double planned = std::max(plan.particles, plan.particles_at_start);
-  const double ranks = comm.size(), particles = std::max(planned, extent.at_start);
+  const double ranks = comm.size(), particles = std::max(plan.max_particles(), extent.at_start);
   double densest = 0;
   for (const auto& stream : setup.stream) densest = std::max(densest, stream.density);
   if (const double most = densest * extent.volume / setup.fnum; densest > 0 && !(most >= 1 || particles >= 1))
@@ -101,7 +100,7 @@ void require_feasible(const par::Comm& comm, const Case& c, const Setup& setup, 
   if (!(particles / ranks <= max_particles_of_rank))
     throw Error(fmt::format("{}: expected at most {:.4g} particles a rank, found about {:.4g}: {}", c.where,
                             max_particles_of_rank, particles / ranks, advice));
-  const double bytes = (plan.bytes + (particles - planned) * plan.particle_bytes) / ranks,
+  const double bytes = (plan.bytes + (particles - plan.max_particles()) * plan.particle_bytes) / ranks,
                memory = memory_of_rank(comm);
   if (!(bytes <= memory))
     throw Error(

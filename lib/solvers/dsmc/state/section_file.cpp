@@ -182,25 +182,24 @@ SectionFile::SectionFile(const par::Comm& comm, std::string file) : comm_(&comm)
 
 SectionFile::~SectionFile() = default;
 
+const nlohmann::json* SectionFile::entry_of(const std::string& name) const {
+  const nlohmann::json* found = nullptr;
+  for (const auto& entry : header()["sections"])  // verified when the file was opened
+    if (entry["name"] == name) found = &entry;
+  return found;
+}
+
 std::int64_t SectionFile::n_rows(const std::string& name) const {
-  for (const auto& entry : header()["sections"])
-    if (entry["name"] == name) return entry["rows"];
-  return 0;
+  const auto* entry = entry_of(name);
+  return entry == nullptr ? 0 : entry->at("rows").get<std::int64_t>();
 }
 
 Section SectionFile::read(const std::string& name, std::size_t width) const {
-  Section section{name, 0, width, {}};
-  std::uint64_t offset = 0, expected = 0;
-  bool found = false;
-  for (const auto& entry : header()["sections"]) {  // verified when the file was opened
-    if (entry["name"] != name) continue;
-    found = entry["width"] == width;
-    section.rows = entry["rows"];
-    offset = entry["offset"];
-    expected = entry["checksum"];
-  }
-  if (!found)
+  const auto* entry = entry_of(name);
+  if (entry == nullptr || entry->at("width") != width)
     throw Error(fmt::format("file '{}': expected a table {} with {} words a row, found none", file_, name, width));
+  Section section{name, entry->at("rows"), width, {}};
+  const std::uint64_t offset = entry->at("offset"), expected = entry->at("checksum");
   const auto range = par::block_range(section.rows, comm_->rank(), comm_->size());
   par::agree(*comm_, [&] {
     const Descriptor in(file_, O_RDONLY);

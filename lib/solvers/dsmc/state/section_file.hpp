@@ -46,6 +46,8 @@ class SectionFile {
   Section read(const std::string& name, std::size_t width) const;
 
  private:
+  const nlohmann::json* entry_of(const std::string& name) const;
+
   const par::Comm* comm_;
   std::string file_;
   std::unique_ptr<nlohmann::json> header_;
