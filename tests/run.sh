@@ -14,7 +14,7 @@ set -euo pipefail
 root=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")/.." && pwd)
 build=${PAMR_BUILD:-$root/build/release}
 
-# Two serial tests for each core, or one job: starting and ending a job is mostly waiting (tests/CMakeLists.txt has the weights).
+# Three serial tests for each core, or three jobs on two: starting and ending a job is mostly waiting (tests/CMakeLists.txt has the weights).
 level=()
 case ${1:-} in
   quick) shift ;;
@@ -22,4 +22,4 @@ case ${1:-} in
 esac
 
 "$root/scripts/setup.sh" --tests
-ctest --test-dir "$build" --parallel $((2 * $(nproc))) --output-on-failure --no-label-summary --no-tests=error "${level[@]}" "$@"
+ctest --test-dir "$build" --parallel $((3 * $(nproc))) --output-on-failure --no-label-summary --no-tests=error "${level[@]}" "$@"

@@ -1,15 +1,23 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "pamr/par/runtime.hpp"
 
+#include <cerrno>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 
 #include "pamr/par/lone_start.hpp"
+#include "pamr/par/mpi_memory.hpp"
 #include "pamr/par/parent_job.hpp"
 #include "pamr/par/wait_asleep.hpp"
 
 namespace pamr::par {
+
+namespace {
+
+constexpr int out_of_memory = 3;  // exit code, as of the tools
+
+}  // namespace
 
 Runtime::Runtime(int& argc, char**& argv) {
   leave_parent_job();
@@ -21,9 +29,13 @@ Runtime::Runtime(int& argc, char**& argv) {
     const LoneStart alone;
     MPI_Init(&argc, &argv);
   }
+  MPI_Comm_rank(MPI_COMM_WORLD, &rank_);
+  MPI_Comm_size(MPI_COMM_WORLD, &size_);
+  if (!has_mpi_memory()) {
+    std::fprintf(stderr, "%s: error: out of memory\n", program_invocation_short_name);
+    abort(out_of_memory);
+  }
   MPI_Comm_dup(MPI_COMM_WORLD, &end_);
-  MPI_Comm_rank(end_, &rank_);
-  MPI_Comm_size(end_, &size_);
 }
 
 Runtime::~Runtime() {

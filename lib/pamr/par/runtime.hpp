@@ -14,7 +14,8 @@ namespace pamr::par {
 class Runtime {
  public:
   /// Initializes MPI. Collective over all processes. A program that a rank of another MPI job has started (a solver
-  /// that calls a tool) runs alone (`leave_parent_job`).
+  /// that calls a tool) runs alone (`leave_parent_job`). Ends all with exit code 3 where one has no memory left for
+  /// MPI.
   Runtime(int& argc, char**& argv);
   /// Finalizes MPI. Collective.
   ~Runtime();

@@ -8,8 +8,10 @@
 #include <array>
 #include <cstddef>
 #include <cstdlib>
+#include <new>
 
 #include "pamr/base/error.hpp"
+#include "pamr/par/mpi_memory.hpp"
 
 namespace pamr::io::hdf5 {
 
@@ -161,6 +163,7 @@ std::string to_text(mesh::StorageType type) {
 }
 
 Handle parallel_access(const par::Comm& comm, const std::filesystem::path& file) {
+  if (!par::has_mpi_memory()) throw std::bad_alloc();
   leave_out_locked_files();
   forget_semaphore_of(file);
   auto access = take(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, "cannot make a property list");
