@@ -120,19 +120,20 @@ def jumping_clock(stage):
 
 
 def memory_of_one_rank(stage):
-    """Address space of one rank from what MPI, HDF5 and its libraries take for themselves to more than all it takes: there must be some left for MPI."""
+    """Address space of one rank from what the start of MPI takes, below which many ranks may wait for ever, to all that it takes."""
     tally = collections.Counter()
     script = ('if [ "${OMPI_COMM_WORLD_RANK:-0}" = "$1" ]; then ulimit -v "$2"; fi; shift 2; exec "$@"')
     tiny = LAUNCHER + [str(BIN / "pamr-mark"), "tiny.hdf", "--all", "-o", "tiny_marked.hdf", "--force"]
     nothing = ["no such file" if word in stage.inputs() else word for word in stage.arguments]
     refused = LAUNCHER + [str(BIN / stage.tool), *nothing, *stage.options, "--force"]
-    # KiB: most of what the C library sets aside for a second thread, and what one rank alone can do without; what is left for MPI.
-    aside, spare, n = (56 * 1024, 32 * 1024, 16) if RANKS == 1 else (0, 32 * 1024, 6)
+    # KiB: most of what the C library sets aside for a second thread, and what one rank alone can do without; most of what a
+    # tool makes sure of for MPI.
+    aside, n = (56 * 1024, 12) if RANKS == 1 else (24 * 1024, 8)
     least = max(largest_size(start(tiny), "pamr-mark"), largest_size(start(refused), stage.tool)) - aside
-    most = largest_size(start(stage.command()), stage.tool) + spare
+    most = largest_size(start(stage.command()), stage.tool)
     for i in range(n):
         stage.clean()
-        kib = least + (most - least) * i // n if most > least else least
+        kib = least + (most - least) * i // (n - 1) if most > least else least
         job = start(stage.command(["sh", "-c", script, "sh", str(DICE.randrange(RANKS)), str(kib)]))
         try:
             tally[stage.end(job)] += 1
