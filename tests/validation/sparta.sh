@@ -11,7 +11,8 @@
 #   --out FOLDER    where SPARTA is built and results go (default out/ beside this script)
 #   --tools FOLDER  takes the tools from there and sets nothing up
 #   CHECKOUT        folder of SPARTA's sources, with src/ in it; needs g++ and make
-#   CASE            only these: box sphere cone cone-10 (default: all but cone-10, which takes half an hour)
+#   CASE            only these: box sphere cone cone-10 sphere-4 sphere-cells sphere-any (default: the first three; cone-10 takes half
+#                   an hour; the last three are the sphere with four times the particles, smaller cells, other partners)
 set -euo pipefail
 
 declare -A values=([--seed]=seed)

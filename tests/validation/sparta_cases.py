@@ -62,10 +62,11 @@ def write_gas(gas):
     return [f"species {gas['name']}.species {gas['name']}", f"collide vss gas {gas['name']}.vss"]
 
 
-def gas_commands(gas, mixture):
+def gas_commands(gas, mixture, near=True):
+    """`near`: partners are the nearest of 20 particles of a cell, else any of it."""
     species, collide = write_gas(gas)
     return [species, f"mixture gas {gas['name']} {mixture}", collide,
-            f"collide_modify rotate {'smooth' if gas['degrees'] else 'no'} vibrate no nearcp yes 20"]
+            f"collide_modify rotate {'smooth' if gas['degrees'] else 'no'} vibrate no" + (" nearcp yes 20" if near else "")]
 
 
 def blocks_of(name):
@@ -165,7 +166,7 @@ def write_triangles(name, points, n_around):
     (OUT / name).write_text(text)
 
 
-def body_run(name, gas, domain, cells, stream, wall, surfaces, dt, fnum, passage, three_d=False):
+def body_run(name, gas, domain, cells, stream, wall, surfaces, dt, fnum, passage, three_d=False, near=True):
     """Blocks of the force in x and z (N) and the heat (W) on the surfaces; `surfaces`: files, the first ones summed as the body."""
     transient, sampling = (passage // 2, N_BLOCKS * max(1, passage // 20)) if QUICK else (3 * passage, N_BLOCKS * passage)
     block = sampling // N_BLOCKS
@@ -175,7 +176,7 @@ def body_run(name, gas, domain, cells, stream, wall, surfaces, dt, fnum, passage
              f"boundary o {'ro oo' if three_d else 'ao p'}", "create_box " + " ".join(f"{v:g}" for v in domain),
              "create_grid " + " ".join(map(str, cells)), "balance_grid rcb cell",
              f"global nrho {n} fnum {fnum}" + ("" if three_d else " weight cell radius"),
-             *gas_commands(gas, f"nrho {n} vstream {u[0]} {u[1]} {u[2]} temp {t}")]
+             *gas_commands(gas, f"nrho {n} vstream {u[0]} {u[1]} {u[2]} temp {t}", near)]
     for i, file in enumerate(surfaces):
         lines.append(f"read_surf {file} group part{i}")
     lines += [f"surf_collide wall diffuse {wall} 1.0", "surf_modify all collide wall", f"fix in emit/face gas {sides}",
@@ -187,29 +188,35 @@ def body_run(name, gas, domain, cells, stream, wall, surfaces, dt, fnum, passage
     return blocks_of(f"{name}.dat")
 
 
-def sphere():
-    """Argon, Mach 4.2, Kn 0.1035: the case of cases/supersonic-sphere, on one mesh that is fine throughout."""
+def sphere(name="sphere", more=1, finer=1, near=True, size=0.1):
+    """Argon, Mach 4.2, Kn 0.1035: the case of cases/supersonic-sphere, on one mesh that is fine throughout.
+
+    `more`: times the particles of both codes. `finer`: SPARTA's cells along each axis, times 20 a radius. `near`: SPARTA's partners.
+    `size`: edges of pamr-dsmc's mesh at the wall.
+    """
     n, speed, t = 6.438e18, 1355.25, 300.0
     circle = [(-math.cos(a), math.sin(a)) for a in np.linspace(0, math.pi, 121)]
     circle[0], circle[-1] = (-1.0, 0.0), (1.0, 0.0)
     write_lines("sphere.surf", circle)
     dt = 1.5e-5
     passage = round(7 / speed / dt)
-    fnum = n * math.pi * 25 * 7 / (20000 if QUICK else 80000) / (2.5 * 0.05)  # a cell's weight: its radius, 2.5 on average, times its length
-    loads = body_run("sphere", ARGON, (-3, 4, 0, 5, -0.5, 0.5), (140, 100, 1), (n, (speed, 0, 0), t), 300.0, ["sphere.surf"], dt,
-                     fnum, passage)
+    # a cell's weight: its radius, 2.5 on average, times its length
+    fnum = n * math.pi * 25 * 7 / (more * (20000 if QUICK else 80000)) / (2.5 * 0.05 / finer)
+    loads = body_run(name, ARGON, (-3, 4, 0, 5, -0.5, 0.5), (140 * finer, 100 * finer, 1), (n, (speed, 0, 0), t), 300.0,
+                     ["sphere.surf"], dt, fnum, passage, near=near)
     q = 0.5 * ARGON["mass"] * n * speed**2 * math.pi
 
     text = (ROOT / "cases/supersonic-sphere/case.toml").read_text().replace("../species.toml", str(ROOT / "cases/species.toml"))
-    text = text.replace("far = 0.8", "far = 0.4").replace("sphere = 0.25", "sphere = 0.1")
+    text = text.replace("far = 0.8", "far = 0.4").replace("sphere = 0.25", f"sphere = {size}")
     steps = 40 if QUICK else 4500
-    text = text.replace("weight = 3.5e15", f"weight = {2e16 if QUICK else 5e15}").replace(
+    text = text.replace("weight = 3.5e15", f"weight = {(2e16 if QUICK else 5e15) / more}").replace(
         "sampling = 1000", f"sampling = {steps}\nseed = {SEED}" + ("\ntransient = 40" if QUICK else ""))
-    (OUT / "sphere.toml").write_text(text)
-    tool("pamr-mesh", "sphere.toml", "-o", "sphere.hdf", "--force", "--quiet", ranks=1)
-    tool("pamr-dsmc", "sphere.toml", "--mesh", "sphere.hdf", "-o", "sphere-flow.hdf", "--json", "sphere.json", "--force", "--quiet")
-    report = json.loads((OUT / "sphere.json").read_text())
-    table(f"sphere, argon, Mach 4.2, Kn 0.1035 ({report['averages']['groups']} groups of {report['averages']['group_steps']} steps, a "
+    (OUT / f"{name}.toml").write_text(text)
+    tool("pamr-mesh", f"{name}.toml", "-o", f"{name}.hdf", "--force", "--quiet", ranks=1)
+    tool("pamr-dsmc", f"{name}.toml", "--mesh", f"{name}.hdf", "-o", f"{name}-flow.hdf", "--json", f"{name}.json", "--force",
+         "--quiet")
+    report = json.loads((OUT / f"{name}.json").read_text())
+    table(f"{name}: argon, Mach 4.2, Kn 0.1035 ({report['averages']['groups']} groups of {report['averages']['group_steps']} steps, a "
           f"passage has {report['averages']['passage_steps']}; SPARTA: {N_BLOCKS} of {passage})",
           [("C_D", value_of(report, "C_D"), estimate(loads[:, 0] / q)),
            ("C_H", value_of(report, "C_H"), estimate(loads[:, 2] / (q * speed)))])
@@ -279,7 +286,10 @@ def main():
     OUT, SPARTA, RANKS, SEED = pathlib.Path(sys.argv[1]).resolve(), sys.argv[2], int(sys.argv[3]), int(sys.argv[4])
     SPARTA = str(pathlib.Path(SPARTA).resolve())
     QUICK = sys.argv[5] == "yes"
-    cases = {"box": box, "sphere": sphere, "cone": lambda: cone_run(0), "cone-10": lambda: cone_run(10)}
+    cases = {"box": box, "sphere": sphere, "cone": lambda: cone_run(0), "cone-10": lambda: cone_run(10),
+             "sphere-4": lambda: sphere("sphere-4", more=4),  # the partners of both are closer
+             "sphere-cells": lambda: sphere("sphere-cells", more=4, finer=2, size=0.06),  # and cells smaller
+             "sphere-any": lambda: sphere("sphere-any", more=4, finer=2, near=False, size=0.06)}  # and SPARTA's of the whole cell
     for name in sys.argv[6:] or ["box", "sphere", "cone"]:
         if name not in cases:
             raise SystemExit(f"sparta_cases.py: unknown case {name}: expected one of {', '.join(cases)}")
