@@ -281,7 +281,7 @@ def run_stage(stage, inputs, folder):
             tally = fault(stage)
             text = f"{tally['whole']:5d} {tally['failed']:5d}" if tally is not None else "    -     -"
             if tally and tally["launcher"]:
-                text += f", {tally['launcher']} with all ranks ended and the launcher waiting"
+                text += f", {tally['launcher']} with all ranks ended and the launcher waiting or crashed"
         except (Broken, subprocess.TimeoutExpired) as promise:
             n_broken += 1
             text = f"BROKEN: {promise}"

@@ -14,7 +14,7 @@ import numpy as np
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "tools"))
 from gas_cases import gas_in_a_cube  # noqa: E402
-from job_processes import still_there  # noqa: E402
+from job_processes import processes_here, still_there  # noqa: E402
 
 SECONDS_TO_END = 60
 CRASHES = (signal.SIGSEGV, signal.SIGBUS, signal.SIGFPE, signal.SIGILL)
@@ -122,8 +122,8 @@ class Stage:
         return sum(map(len, self.whole.values())) if isinstance(self.whole, dict) else len(self.whole)
 
     def end(self, job, must_say=True):
-        """Waits for the job; 'whole', 'failed', or 'launcher' where that waits although its ranks have ended: mpiexec of Open
-        MPI 4.1 now and then does. Raises `Broken` for what must not be."""
+        """Waits for the job; 'whole', 'failed', or 'launcher' where that waits although its ranks have ended, or crashes and they
+        end: mpiexec of Open MPI 4.1 now and then does. Raises `Broken` for what must not be."""
         try:
             out, err = job.communicate(timeout=SECONDS_TO_END)
         except subprocess.TimeoutExpired:
@@ -136,6 +136,13 @@ class Stage:
             if not self.is_harmless(contents(self.output)):
                 raise Broken("a broken output has the name, and the launcher waits") from None
             return "launcher"
+        launcher_crashed = self.launcher and -job.returncode in CRASHES  # of a rank mpiexec would tell
+        if launcher_crashed:
+            deadline = time.monotonic() + SECONDS_TO_END
+            while processes_here(self.tool):
+                if time.monotonic() > deadline:
+                    raise Broken(f"no end within {SECONDS_TO_END} s after the launcher's: {err.strip()[-300:]}")
+                time.sleep(0.1)
         found = contents(self.output)
         said = f"exit code {job.returncode}: {err.strip()[-300:]}"
         if job.returncode == 0:
@@ -144,6 +151,8 @@ class Stage:
             return "whole"
         if not self.is_harmless(found):
             raise Broken(f"a broken output has the name ({said})")
+        if launcher_crashed:
+            return "launcher"
         if must_say and not err.strip():
             raise Broken(f"it failed without a word ({said})")
         if job.returncode == 3 and "out of memory" not in err:

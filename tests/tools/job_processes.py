@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The processes of a job that is under way: their ids, and the memory that they ask for."""
+import os
 import pathlib
 import time
 
@@ -19,6 +20,18 @@ def all_processes():
 def processes_of(job, tool):
     """Ids of the tool's processes that this job has started; without those that inspect a file for one of them."""
     return sorted(pid for pid, name, _, parent in all_processes() if name == tool[:15] and job.pid in (pid, parent))
+
+
+def processes_here(tool):
+    """Ids of the tool's processes that work in the folder of this one, whoever started them."""
+    found = []
+    for pid, name, state, _ in all_processes():
+        try:
+            if name == tool[:15] and state != "Z" and os.readlink(f"/proc/{pid}/cwd") == os.getcwd():
+                found.append(pid)
+        except OSError:
+            continue  # it has ended meanwhile
+    return found
 
 
 def still_there(job):
