@@ -127,10 +127,9 @@ class Stage:
         try:
             out, err = job.communicate(timeout=SECONDS_TO_END)
         except subprocess.TimeoutExpired:
-            waiting = still_there(job)
+            waiting, ranks = still_there(job), processes_here(self.tool)
             job.kill()
-            ranks = [state for name, state, _ in waiting if name == self.tool[:15]]
-            if not self.launcher or any(state != "Z" for state in ranks):
+            if not self.launcher or ranks:
                 raise Broken(f"no end within {SECONDS_TO_END} s: {waiting}") from None
             job.communicate()
             if not self.is_harmless(contents(self.output)):
