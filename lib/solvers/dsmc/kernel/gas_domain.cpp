@@ -5,6 +5,7 @@
 
 #include "pamr/base/contract.hpp"
 #include "pamr/base/index.hpp"
+#include "pamr/base/memory.hpp"
 #include "pamr/mesh/tet.hpp"
 
 namespace pamr::dsmc {
@@ -60,7 +61,8 @@ std::vector<GlobalId> cells_from_0(const mesh::DistMesh& mesh) {
 GasDomain make_gas_domain(const mesh::DistMesh& mesh, double unit, double dt, double fnum) {
   GasDomain domain;
   const auto n = at(mesh.n_cells());
-  domain.planes.resize(n);
+  assign_array(domain.planes, n, CellPlanes{});
+  reserve_array(domain.link, n);
   domain.link.assign(mesh.cell_to_cell.begin(), mesh.cell_to_cell.end());
   domain.volume.resize(n);
   domain.dt.assign(n, dt);

@@ -2,10 +2,14 @@
 #include "solvers/dsmc/kernel/move.hpp"
 
 #include <algorithm>
+#include <array>
 #include <bit>
+#include <limits>
+#include <span>
 
 #include "pamr/base/hash.hpp"
 #include "pamr/base/index.hpp"
+#include "pamr/base/prefetch.hpp"
 #include "pamr/base/timer.hpp"
 
 namespace pamr::dsmc {
@@ -17,7 +21,16 @@ namespace {
 constexpr std::uint32_t max_events = 100000;
 constexpr std::int64_t stall_limit = 64;  ///< faces passed without a look at the progress, or without progress
 
-enum class End : std::uint8_t { rests, rests_abroad, leaves_halo, leaves_domain };
+enum class End : std::uint8_t { flies, rests, rests_abroad, leaves_halo, leaves_domain };
+
+/// A flight's way in this step.
+struct Path {
+  static constexpr auto no_row = std::numeric_limits<std::size_t>::max();
+  std::int64_t faces = 0;             ///< passed
+  std::int64_t without_progress = 0;  ///< the last ones of them
+  std::size_t row =
+      no_row;  ///< of the particle in `Particles`, from where only place, velocity and cell were taken yet
+};
 
 /// Bits of the faces outside of which the point lies.
 inline unsigned outside(const CellPlanes& p, Vec3 point) {
@@ -30,8 +43,10 @@ inline unsigned outside(const CellPlanes& p, Vec3 point) {
 /// Moves one particle at a time.
 class Mover {
  public:
-  Mover(const MoveRules& rules, std::uint64_t step, BorderExchange& border, SurfaceTally& tally)
+  Mover(const MoveRules& rules, std::uint64_t step, const Particles& particles, BorderExchange& border,
+        SurfaceTally& tally)
       : domain_(rules.domain),
+        particles_(&particles),
         gas_(rules.gas),
         patch_(rules.patch),
         seed_(rules.seed),
@@ -39,9 +54,15 @@ class Mover {
         border_(&border),
         tally_(&tally) {}
 
-  End fly(Flight& flight) { return fly(flight, outside_at_end(flight)); }
-  /// `out`: faces of the particle's cell outside of which the flight ends.
-  End fly(Flight& flight, unsigned out);
+  /// To the end of the flight.
+  End fly(Flight& flight, Path& path) {
+    for (;;)
+      if (const End how = pass_face(flight, outside_at_end(flight), path); how != End::flies) return how;
+  }
+  /// To the next face. `out`: faces of the particle's cell outside of which the flight ends.
+  End pass_face(Flight& flight, unsigned out, Path& path);
+  /// Takes the rest of a particle from its row. Most flights end without a need for it.
+  void complete(Particle& particle, Path& path) const;
   MoveCounts counts;
 
  private:
@@ -55,17 +76,28 @@ class Mover {
   }
   Exit first_exit(const CellPlanes& planes, const Flight& flight, unsigned out) const;
   Exit drawn_exit(const CellPlanes& planes, const Flight& flight, unsigned out, std::int64_t turn) const;
+  End come_to_rest(const Flight& flight, const Path& path);
   bool goes_across(Vec3& position, LocalId& link) const;
-  bool meets_boundary(Flight& flight, std::size_t face, double time);
+  bool meets_boundary(Flight& flight, Path& path, std::size_t face, double time);
   void note_hit(std::size_t face, Vec3 momentum, double energy);
 
   const GasDomain* domain_;
+  const Particles* particles_;
   const Gas* gas_;
   std::span<const BoundaryCondition> patch_;
   std::uint64_t seed_, step_;
   BorderExchange* border_;
   SurfaceTally* tally_;
 };
+
+void Mover::complete(Particle& particle, Path& path) const {
+  if (path.row == Path::no_row) return;
+  particle.rotation = particles_->rotation[path.row];
+  particle.id = particles_->id[path.row];
+  particle.species = particles_->species[path.row];
+  particle.partner = particles_->partner[path.row];
+  path.row = Path::no_row;
+}
 
 /// The face of `out` that the flight passes first; none when it moves outwards through none of them.
 Mover::Exit Mover::first_exit(const CellPlanes& planes, const Flight& flight, unsigned out) const {
@@ -118,11 +150,12 @@ void Mover::note_hit(std::size_t face, Vec3 momentum, double energy) {
 }
 
 /// The particle reaches a boundary face after `time`; false when it leaves the domain.
-bool Mover::meets_boundary(Flight& flight, std::size_t number, double time) {
+bool Mover::meets_boundary(Flight& flight, Path& path, std::size_t number, double time) {
   const auto& face = domain_->boundary_face(number);
   const auto& condition = patch_[at(face.patch)];
   if (condition.is_open()) return false;
   auto& p = flight.particle;
+  complete(p, path);
   time = std::clamp(time, 0.0, flight.time);
   p.position = p.position + time * p.velocity;
   flight.time -= time;
@@ -145,50 +178,55 @@ bool Mover::meets_boundary(Flight& flight, std::size_t number, double time) {
   return true;
 }
 
-End Mover::fly(Flight& flight, unsigned out) {
+End Mover::come_to_rest(const Flight& flight, const Path& path) {
+  counts.longest = std::max(counts.longest, path.faces);
+  return flight.particle.cell < domain_->n_cells() ? End::rests : End::rests_abroad;
+}
+
+End Mover::pass_face(Flight& flight, unsigned out, Path& path) {
   auto& p = flight.particle;
-  std::int64_t passed_faces = 0, without_progress = 0;
-  for (;; out = outside_at_end(flight)) {
-    const auto c = at(p.cell);
-    const auto& planes = domain_->planes[c];
-    out &= ~flight.excluded_face;
-    Exit exit;
-    if (out != 0) exit = first_exit(planes, flight, out);
-    if (exit.slot < 0) {
-      p.position = p.position + flight.time * p.velocity;
-      break;
-    }
-    if (passed_faces > stall_limit) {
-      without_progress = exit.time > flight.passed ? 0 : without_progress + 1;
-      if (without_progress > stall_limit) exit = drawn_exit(planes, flight, out, without_progress);
-      flight.passed = std::max(flight.passed, exit.time);
-    }
-    auto link = domain_->link[c][at(exit.slot)];
-    if (link < 0 && !goes_across(p.position, link)) {
-      if (!meets_boundary(flight, static_cast<std::size_t>(-link - 1), exit.time)) return End::leaves_domain;
-      if (flight.events < max_events) continue;
-      ++counts.stuck;
-      break;
-    }
-    ++passed_faces;
-    ++counts.crossings;
-    flight.excluded_face = 0;
-    if (!domain_->uniform_dt) flight.passed = std::clamp(exit.time, flight.passed, flight.time);
-    if (at(link) >= domain_->planes.size()) {
-      flight.dt_from = domain_->dt[c];
-      p.cell = link;
-      return End::leaves_halo;
-    }
-    if (!domain_->uniform_dt)
-      flight.time = flight.passed + (flight.time - flight.passed) * (domain_->dt[at(link)] / domain_->dt[c]);
-    p.cell = link;
+  const auto c = at(p.cell);
+  const auto& planes = domain_->planes[c];
+  out &= ~flight.excluded_face;
+  Exit exit;
+  if (out != 0) exit = first_exit(planes, flight, out);
+  if (exit.slot < 0) {
+    p.position = p.position + flight.time * p.velocity;
+    return come_to_rest(flight, path);
   }
-  counts.longest = std::max(counts.longest, passed_faces);
-  return p.cell < domain_->n_cells() ? End::rests : End::rests_abroad;
+  if (path.faces > stall_limit) {
+    path.without_progress = exit.time > flight.passed ? 0 : path.without_progress + 1;
+    if (path.without_progress > stall_limit) {
+      complete(p, path);
+      exit = drawn_exit(planes, flight, out, path.without_progress);
+    }
+    flight.passed = std::max(flight.passed, exit.time);
+  }
+  auto link = domain_->link[c][at(exit.slot)];
+  if (link < 0 && !goes_across(p.position, link)) {
+    if (!meets_boundary(flight, path, static_cast<std::size_t>(-link - 1), exit.time)) return End::leaves_domain;
+    if (flight.events < max_events) return End::flies;
+    ++counts.stuck;
+    return come_to_rest(flight, path);
+  }
+  ++path.faces;
+  ++counts.crossings;
+  flight.excluded_face = 0;
+  if (!domain_->uniform_dt) flight.passed = std::clamp(exit.time, flight.passed, flight.time);
+  p.cell = link;
+  if (at(link) >= domain_->planes.size()) {
+    flight.dt_from = domain_->dt[c];
+    return End::leaves_halo;
+  }
+  if (!domain_->uniform_dt)
+    flight.time = flight.passed + (flight.time - flight.passed) * (domain_->dt[at(link)] / domain_->dt[c]);
+  return End::flies;
 }
 
 void fly_all(Mover& mover, std::vector<Flight>& flights, Particles& particles, BorderExchange& border) {
-  for (auto& flight : flights) switch (mover.fly(flight)) {
+  for (auto& flight : flights) {
+    Path path;
+    switch (mover.fly(flight, path)) {
       case End::rests:
         particles.append(flight.particle);
         break;
@@ -200,51 +238,170 @@ void fly_all(Mover& mover, std::vector<Flight>& flights, Particles& particles, B
         break;
       case End::leaves_domain:
         ++mover.counts.left;
+        break;
+      case End::flies:  // no end of `fly`
+        break;
     }
+  }
   flights.clear();
 }
 
-/// The particles that are here already; most stay in their cell.
-void fly_own(Mover& mover, const GasDomain& domain, Particles& particles, BorderExchange& border) {
-  const auto n = particles.size();
-  for (std::size_t i = 0; i < n; ++i) {
-    const auto cell = particles.cell[i];
-    const auto c = at(cell);
-    const double dt = domain.dt[c];
-    const Vec3 end = particles.position(i) + dt * particles.velocity(i);
-    const unsigned out = outside(domain.planes[c], end);
-    if (out == 0) {
-      particles.x[i] = end.x;
-      particles.y[i] = end.y;
-      particles.z[i] = end.z;
-      continue;
+/// Flies the particles that are here already, those that stay in their cell first, many at a time: they need no more
+/// than its four planes. The others follow in groups: each passes one face, while what the ones before need behind
+/// theirs comes from memory; then those that end there are moved, and the few that are left fly on one by one.
+class OwnFlights {
+ public:
+  OwnFlights(Mover& mover, const GasDomain& domain, Particles& particles, BorderExchange& border)
+      : mover_(&mover), domain_(&domain), particles_(&particles), border_(&border) {}
+
+  void fly_all() {
+    const auto n = particles_->size();
+    for (std::size_t i = 0; i < n;) {
+      const auto cell = particles_->cell[i];
+      auto end = i + 1;
+      while (end < n && end < i + n_block && particles_->cell[end] == cell) ++end;
+      fly_within(cell, i, end);
+      i = end;
     }
-    Flight flight;
-    flight.particle = particles.get(i);
-    flight.time = dt;
-    const auto how = mover.fly(flight, out);
-    const auto& p = flight.particle;
-    if (how == End::rests) {
-      particles.x[i] = p.position.x;
-      particles.y[i] = p.position.y;
-      particles.z[i] = p.position.z;
-      particles.cell[i] = p.cell;
-      if (flight.events == 0) continue;
-      particles.u[i] = p.velocity.x;
-      particles.v[i] = p.velocity.y;
-      particles.w[i] = p.velocity.z;
-      particles.rotation[i] = p.rotation;
-    } else {
-      particles.cell[i] = Particles::gone;
-      if (how == End::rests_abroad)
-        border.add(flight.particle);
-      else if (how == End::leaves_halo)
-        border.add(flight);
-      else
-        ++mover.counts.left;
-    }
+    fly_leaving();
   }
-}
+
+ private:
+  static constexpr std::size_t n_block = 64;
+  struct Leaving {
+    Vec3 position;  ///< that it flies from
+    std::size_t row = 0;
+    unsigned out = 0;
+  };
+  struct OnItsWay {
+    Flight flight;
+    Path path;
+    End how = End::flies;
+  };
+
+  /// Particles `begin` to `end` of a cell, at most a block of them: those that stay in it are moved.
+  void fly_within(LocalId cell, std::size_t begin, std::size_t end) {
+    const auto& planes = domain_->planes[at(cell)];
+    const double dt = domain_->dt[at(cell)];
+    const auto n = end - begin;
+    double* const x = particles_->x.data() + begin;
+    double* const y = particles_->y.data() + begin;
+    double* const z = particles_->z.data() + begin;
+    const double* const u = particles_->u.data() + begin;
+    const double* const v = particles_->v.data() + begin;
+    const double* const w = particles_->w.data() + begin;
+    for (std::size_t k = 0; k < n; ++k) {
+      to_x_[k] = x[k] + dt * u[k];
+      to_y_[k] = y[k] + dt * v[k];
+      to_z_[k] = z[k] + dt * w[k];
+    }
+    for (std::size_t k = 0; k < n; ++k) {
+      std::int64_t bits = 0;
+      for (std::size_t f = 0; f < 4; ++f)
+        bits |= planes.nx[f] * to_x_[k] + planes.ny[f] * to_y_[k] + planes.nz[f] * to_z_[k] > planes.d[f]
+                    ? std::int64_t{1} << f
+                    : std::int64_t{0};
+      out_[k] = bits;
+    }
+    for (std::size_t k = 0; k < n; ++k) {  // without a branch, which nobody could foretell
+      leaving_[n_leaving_] = {{x[k], y[k], z[k]}, begin + k, static_cast<unsigned>(out_[k])};
+      n_leaving_ += out_[k] != 0 ? 1U : 0U;
+    }
+    std::copy_n(to_x_.begin(), n, x);
+    std::copy_n(to_y_.begin(), n, y);
+    std::copy_n(to_z_.begin(), n, z);
+    if (n_leaving_ >= n_block) fly_leaving();
+  }
+
+  void fly_leaving() {
+    for (std::size_t begin = 0; begin < n_leaving_; begin += n_block) {
+      const auto n = std::min(n_block, n_leaving_ - begin);
+      for (std::size_t k = 0; k < n; ++k) pass_first_face(leaving_[begin + k], group_[k]);
+      std::size_t n_going_on = 0;
+      for (std::size_t k = 0; k < n; ++k) {
+        going_on_[n_going_on] = k;
+        n_going_on += come_to_rest(leaving_[begin + k].row, group_[k]) ? 0U : 1U;
+      }
+      if (n_going_on < n) mover_->counts.longest = std::max<std::int64_t>(mover_->counts.longest, 1);
+      for (const auto k : std::span(going_on_).first(n_going_on)) {
+        auto& one = group_[k];
+        if (one.how == End::flies) one.how = mover_->fly(one.flight, one.path);
+        finish(leaving_[begin + k].row, one);
+      }
+    }
+    n_leaving_ = 0;
+  }
+
+  void pass_first_face(const Leaving& from, OnItsWay& one) {
+    auto& p = one.flight.particle;
+    p.position = from.position;
+    p.velocity = particles_->velocity(from.row);
+    p.cell = particles_->cell[from.row];
+    one.flight.time = domain_->dt[at(p.cell)];
+    one.flight.passed = 0;
+    one.flight.events = 0;
+    one.flight.excluded_face = 0;
+    one.path = {0, 0, from.row};
+    one.how = mover_->pass_face(one.flight, from.out, one.path);
+    if (one.how != End::flies) return;
+    const auto cell = at(p.cell);
+    prefetch(&domain_->planes[cell].nx);
+    prefetch(&domain_->planes[cell].nz);
+    prefetch(&domain_->link[cell]);
+  }
+
+  /// True where a flight that has passed one face ends in the cell behind it, as most do. Writes its end in any case,
+  /// again without a branch: what goes on is written once more.
+  bool come_to_rest(std::size_t row, const OnItsWay& one) {
+    const auto& p = one.flight.particle;
+    const bool is_plain = one.how == End::flies && one.flight.events == 0 && p.cell < domain_->n_cells();
+    const auto cell = is_plain ? p.cell : 0;
+    const Vec3 end = p.position + one.flight.time * p.velocity;
+    particles_->x[row] = end.x;
+    particles_->y[row] = end.y;
+    particles_->z[row] = end.z;
+    particles_->cell[row] = cell;
+    return is_plain && outside(domain_->planes[at(cell)], end) == 0;
+  }
+
+  void finish(std::size_t row, OnItsWay& one) {
+    auto& to = *particles_;
+    auto& p = one.flight.particle;
+    if (one.how == End::rests) {
+      to.x[row] = p.position.x;
+      to.y[row] = p.position.y;
+      to.z[row] = p.position.z;
+      to.cell[row] = p.cell;
+      if (one.flight.events == 0) return;
+      to.u[row] = p.velocity.x;
+      to.v[row] = p.velocity.y;
+      to.w[row] = p.velocity.z;
+      to.rotation[row] = p.rotation;
+      return;
+    }
+    to.cell[row] = Particles::gone;
+    if (one.how == End::leaves_domain) {
+      ++mover_->counts.left;
+      return;
+    }
+    mover_->complete(p, one.path);
+    if (one.how == End::rests_abroad)
+      border_->add(p);
+    else
+      border_->add(one.flight);
+  }
+
+  Mover* mover_;
+  const GasDomain* domain_;
+  Particles* particles_;
+  BorderExchange* border_;
+  std::array<double, n_block> to_x_{}, to_y_{}, to_z_{};  ///< where they end
+  std::array<std::int64_t, n_block> out_{};               ///< faces of the cell outside of which that is
+  std::array<Leaving, 2 * n_block> leaving_;
+  std::size_t n_leaving_ = 0;
+  std::array<OnItsWay, n_block> group_;
+  std::array<std::size_t, n_block> going_on_{};
+};
 
 }  // namespace
 
@@ -260,9 +417,9 @@ void MoveCounts::add(const MoveCounts& other) {
 
 MoveCounts move(const par::Comm& comm, const MoveRules& rules, std::uint64_t step, Particles& particles,
                 std::vector<Flight>& entering, BorderExchange& border, SurfaceTally& tally) {
-  Mover mover(rules, step, border, tally);
+  Mover mover(rules, step, particles, border, tally);
   double start = cpu_seconds();
-  fly_own(mover, *rules.domain, particles, border);
+  OwnFlights(mover, *rules.domain, particles, border).fly_all();
   fly_all(mover, entering, particles, border);
   mover.counts.compute_seconds = cpu_seconds() - start;
   if (comm.size() == 1) return mover.counts;

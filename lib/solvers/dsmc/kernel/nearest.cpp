@@ -133,8 +133,22 @@ void NearestInCell::look_through_filter(std::uint32_t first, const Vec3& here, s
   filter_.show_all();
 }
 
+/// The nearest of all is mostly not the excluded one: it is found without a branch, which nobody could foretell.
 void NearestInCell::look_at_all(const Vec3& here, std::uint32_t excluded, Best& best) const {
-  for (std::uint32_t k = 0; k < n_; ++k) look_at(k, here, excluded, best);
+  const double* const x = particles_->x.data() + begin_;
+  const double* const y = particles_->y.data() + begin_;
+  const double* const z = particles_->z.data() + begin_;
+  Best nearest = best;
+  for (std::uint32_t k = 0; k < n_; ++k) {
+    const double distance = squared_norm(Vec3{x[k], y[k], z[k]} - here);
+    const bool is_nearer = (distance < nearest.distance) & (distance > 0);
+    nearest.distance = is_nearer ? distance : nearest.distance;
+    nearest.particle = is_nearer ? k : nearest.particle;
+  }
+  if (nearest.particle < n_ && tag_of(particles_->id[begin_ + nearest.particle]) == excluded)
+    for (std::uint32_t k = 0; k < n_; ++k) look_at(k, here, excluded, best);
+  else
+    best = nearest;
 }
 
 void NearestInCell::look_around(const Vec3& here, std::uint32_t excluded, Best& best) const {

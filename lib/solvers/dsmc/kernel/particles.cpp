@@ -2,25 +2,36 @@
 #include "solvers/dsmc/kernel/particles.hpp"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <limits>
 
 #include "pamr/base/contract.hpp"
+#include "pamr/base/memory.hpp"
 
 namespace pamr::dsmc {
 
 namespace {
 
-constexpr std::size_t few_rows = 24;  ///< particles of a cell, which are sorted by insertion
+constexpr std::size_t few_rows = 24;  ///< particles of a cell, which are sorted by counting
 
 constexpr std::size_t with_room(std::size_t n) { return n + std::max<std::size_t>(1024, n / 16); }
+
+/// More room for an array, in large pages from the first write on.
+template <class T>
+void make_room(std::vector<T>& rows, std::size_t n) {
+  std::vector<T> larger;
+  reserve_array(larger, n);
+  larger.assign(rows.begin(), rows.end());
+  rows.swap(larger);
+}
 
 /// Resizes an array whose contents do not matter; a vector left to itself would double.
 template <class T>
 void remake(std::vector<T>& rows, std::size_t n) {
   if (rows.capacity() < n) {
     rows = {};
-    rows.reserve(with_room(n));
+    reserve_array(rows, with_room(n));
   }
   rows.resize(n);
 }
@@ -32,24 +43,16 @@ void gather(std::vector<double>& rows, std::vector<double>& spare, std::span<con
   rows.swap(spare);
 }
 
-/// The same for integers, so that the same spare memory serves.
-void gather(std::vector<std::uint64_t>& rows, std::vector<double>& spare, std::span<const std::uint32_t> order) {
-  remake(spare, order.size());
-  for (std::size_t i = 0; i < order.size(); ++i) spare[i] = std::bit_cast<double>(rows[order[i]]);
-  rows.resize(order.size());
-  for (std::size_t i = 0; i < order.size(); ++i) rows[i] = std::bit_cast<std::uint64_t>(spare[i]);
-}
-
 }  // namespace
 
 void Particles::reserve_one_more() {
   if (x.size() < x.capacity()) return;
   const auto room = with_room(x.size());  // a doubling would waste memory
-  for (auto* values : {&x, &y, &z, &u, &v, &w, &rotation}) values->reserve(room);
-  id.reserve(room);
-  cell.reserve(room);
-  species.reserve(room);
-  partner.reserve(room);
+  for (auto* values : {&x, &y, &z, &u, &v, &w, &rotation}) make_room(*values, room);
+  make_room(id, room);
+  make_room(cell, room);
+  make_room(species, room);
+  make_room(partner, room);
 }
 
 void Particles::append(const Particle& p) {
@@ -75,41 +78,56 @@ void Particles::clear() {
   partner.clear();
 }
 
-/// Sorts the particles `rows` of a cell by id. Those that were there before are in order and follow one another; the
-/// others are sorted and merged with them.
-void Particles::order_by_id(std::span<std::uint32_t> rows) {
-  if (rows.size() <= few_rows) {
-    for (std::size_t k = 1; k < rows.size(); ++k) {
-      const auto row = rows[k];
-      const auto key = id[row];
-      auto to = k;
-      for (; to > 0 && id[rows[to - 1]] > key; --to) rows[to] = rows[to - 1];
-      rows[to] = row;
+/// Sorts the particles of a cell, `begin` to `end` of `order_`, by id; `spare_` has the bits of their ids, which makes
+/// most of it a walk along one short piece of memory. Those that were there before are in order and follow one another;
+/// the others are sorted and merged with them.
+void Particles::order_by_id(std::size_t begin, std::size_t end) {
+  const auto n = end - begin;
+  double* const ids = spare_.data() + begin;
+  std::uint32_t* const rows = order_.data() + begin;
+  const auto id_at = [&](std::size_t k) { return std::bit_cast<std::uint64_t>(ids[k]); };
+  const auto put = [&](std::size_t k, Row row) {
+    ids[k] = std::bit_cast<double>(row.id);
+    rows[k] = row.row;
+  };
+  if (n <= few_rows) {  // each is counted against each: more comparisons than others need, but no branch that cannot be
+                        // foretold
+    std::array<Row, few_rows> old;
+    std::array<std::uint32_t, few_rows> rank;
+    for (std::size_t k = 0; k < n; ++k) {
+      old[k] = {id_at(k), rows[k]};
+      std::uint32_t after = 0;
+      for (std::size_t j = 0; j < k; ++j) {
+        const std::uint32_t is_after = old[j].id > old[k].id ? 1 : 0;
+        rank[j] += is_after;
+        after += is_after;
+      }
+      rank[k] = static_cast<std::uint32_t>(k) - after;
     }
+    for (std::size_t k = 0; k < n; ++k) put(rank[k], old[k]);
     return;
   }
   std::size_t first = 0, n_ordered = 0;  // of the longest part in order
-  for (std::size_t k = 1, from = 0; k <= rows.size(); ++k) {
-    if (k < rows.size() && id[rows[k - 1]] < id[rows[k]]) continue;
+  for (std::size_t k = 1, from = 0; k <= n; ++k) {
+    if (k < n && id_at(k - 1) < id_at(k)) continue;
     if (k - from > n_ordered) {
       first = from;
       n_ordered = k - from;
     }
     from = k;
   }
-  if (n_ordered == rows.size()) return;
-  const auto ordered = rows.subspan(first, n_ordered), rest = rows.subspan(first + n_ordered);
-  new_.assign(rows.begin(), ordered.begin());
-  new_.insert(new_.end(), rest.begin(), rest.end());
-  std::sort(new_.begin(), new_.end(), [&](std::uint32_t a, std::uint32_t b) { return id[a] < id[b]; });
+  if (n_ordered == n) return;
+  new_.clear();
+  for (std::size_t k = 0; k < n; ++k)
+    if (k < first || k >= first + n_ordered) new_.push_back({id_at(k), rows[k]});
+  std::sort(new_.begin(), new_.end(), [](const Row& a, const Row& b) { return a.id < b.id; });
   // From behind, once those in order are at the front: what is written has been read.
-  std::copy(ordered.begin(), ordered.end(), rows.begin());
-  auto from = rows.begin() + static_cast<std::ptrdiff_t>(n_ordered), to = rows.end();
+  for (std::size_t k = 0; k < n_ordered; ++k) put(k, {id_at(first + k), rows[first + k]});
+  auto from = n_ordered, to = n;
   for (auto next = new_.end(); next != new_.begin();) {
     const auto row = *--next;
-    const auto key = id[row];
-    while (from != rows.begin() && id[*(from - 1)] > key) *--to = *--from;
-    *--to = row;
+    for (; from > 0 && id_at(from - 1) > row.id; --from) put(--to, {id_at(from - 1), rows[from - 1]});
+    put(--to, row);
   }
 }
 
@@ -121,19 +139,28 @@ void Particles::sort_by_cell(LocalId n_cells) {
     if (c != gone) ++begin_[static_cast<std::size_t>(c) + 2];
   for (std::size_t c = 2; c < begin_.size(); ++c) begin_[c] += begin_[c - 1];
   // begin_[c + 1] is where the next particle of cell c goes, and in the end where cell c + 1 begins.
-  remake(order_, begin_.back());
-  for (std::size_t i = 0; i < cell.size(); ++i)
-    if (cell[i] != gone) order_[begin_[static_cast<std::size_t>(cell[i]) + 1]++] = static_cast<std::uint32_t>(i);
+  const std::size_t n_here = begin_.back();
+  remake(order_, n_here);
+  remake(spare_, n_here);
+  const auto next = std::span(begin_).subspan(1);
+  const auto order = std::span(order_);
+  const auto ids = std::span(spare_);
+  for (std::size_t i = 0; i < cell.size(); ++i) {
+    if (cell[i] == gone) continue;
+    const auto to = next[static_cast<std::size_t>(cell[i])]++;
+    order[to] = static_cast<std::uint32_t>(i);
+    ids[to] = std::bit_cast<double>(id[i]);
+  }
   begin_.pop_back();
-  for (std::size_t c = 0; c < n; ++c) order_by_id(std::span(order_).subspan(begin_[c], begin_[c + 1] - begin_[c]));
+  for (std::size_t c = 0; c < n; ++c) order_by_id(begin_[c], begin_[c + 1]);
 
+  id.resize(n_here);
+  for (std::size_t i = 0; i < n_here; ++i) id[i] = std::bit_cast<std::uint64_t>(ids[i]);
   for (auto* values : {&x, &y, &z, &u, &v, &w, &rotation}) gather(*values, spare_, order_);
-  gather(id, spare_, order_);
-  cell.resize(order_.size());
-  for (std::size_t i = 0; i < order_.size(); ++i)
-    cell[i] = static_cast<LocalId>(partner[order_[i]]);  // as spare memory
-  partner.resize(order_.size());
-  for (std::size_t i = 0; i < order_.size(); ++i) partner[i] = static_cast<std::uint32_t>(cell[i]);
+  cell.resize(n_here);
+  for (std::size_t i = 0; i < n_here; ++i) cell[i] = static_cast<LocalId>(partner[order_[i]]);  // as spare memory
+  partner.resize(n_here);
+  for (std::size_t i = 0; i < n_here; ++i) partner[i] = static_cast<std::uint32_t>(cell[i]);
   for (auto& row : order_) row = species[row];  // the order is of no more use: its memory becomes the species
   order_.swap(species);
   for (std::size_t c = 0; c < n; ++c)
@@ -144,8 +171,9 @@ std::size_t Particles::bytes() const {
   std::size_t sum = 0;
   for (const auto* values : {&x, &y, &z, &u, &v, &w, &rotation, &spare_}) sum += values->capacity() * sizeof(double);
   sum += id.capacity() * sizeof(std::uint64_t) + cell.capacity() * sizeof(LocalId);
-  return sum + (species.capacity() + partner.capacity() + begin_.capacity() + order_.capacity() + new_.capacity()) *
-                   sizeof(std::uint32_t);
+  return sum +
+         (species.capacity() + partner.capacity() + begin_.capacity() + order_.capacity()) * sizeof(std::uint32_t) +
+         new_.capacity() * sizeof(Row);
 }
 
 }  // namespace pamr::dsmc

@@ -57,12 +57,17 @@ class Particles {
   std::size_t bytes() const;
 
  private:
+  struct Row {
+    std::uint64_t id = 0;
+    std::uint32_t row = 0;
+  };
   void reserve_one_more();
-  void order_by_id(std::span<std::uint32_t> rows);
+  void order_by_id(std::size_t begin, std::size_t end);
 
   std::vector<std::uint32_t> begin_;
-  std::vector<std::uint32_t> order_, new_;
+  std::vector<std::uint32_t> order_;
   std::vector<double> spare_;
+  std::vector<Row> new_;
 };
 
 }  // namespace pamr::dsmc
