@@ -11,8 +11,9 @@
 #   --out FOLDER    where SPARTA is built and results go (default out/ beside this script)
 #   --tools FOLDER  takes the tools from there and sets nothing up
 #   CHECKOUT        folder of SPARTA's sources, with src/ in it; needs g++ and make
-#   CASE            only these: box sphere cone cone-10 sphere-4 sphere-cells sphere-any (default: the first three; cone-10 takes half
-#                   an hour; the last three are the sphere with four times the particles, smaller cells, other partners)
+#   CASE            only these: box sphere cone cone-10 sphere-4 sphere-cells sphere-3d sphere-any (default: the first three; cone-10
+#                   takes half an hour; the last four are the sphere with four times the particles, smaller cells, SPARTA in
+#                   three dimensions, SPARTA's partners from the whole cell)
 set -euo pipefail
 
 declare -A values=([--seed]=seed)

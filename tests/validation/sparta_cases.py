@@ -188,23 +188,29 @@ def body_run(name, gas, domain, cells, stream, wall, surfaces, dt, fnum, passage
     return blocks_of(f"{name}.dat")
 
 
-def sphere(name="sphere", more=1, finer=1, near=True, size=0.1):
+def sphere(name="sphere", more=1, finer=1, near=True, size=0.1, three_d=False):
     """Argon, Mach 4.2, Kn 0.1035: the case of cases/supersonic-sphere, on one mesh that is fine throughout.
 
     `more`: times the particles of both codes. `finer`: SPARTA's cells along each axis, times 20 a radius. `near`: SPARTA's partners.
-    `size`: edges of pamr-dsmc's mesh at the wall.
+    `size`: edges of pamr-dsmc's mesh at the wall. `three_d`: SPARTA computes half of the body with particles of one weight; where it
+    is axisymmetric, those that come closer to the axis are cloned, and a clone may be the partner of its original.
     """
     n, speed, t = 6.438e18, 1355.25, 300.0
-    circle = [(-math.cos(a), math.sin(a)) for a in np.linspace(0, math.pi, 121)]
+    circle = [(-math.cos(a), math.sin(a)) for a in np.linspace(0, math.pi, 61 if three_d else 121)]
     circle[0], circle[-1] = (-1.0, 0.0), (1.0, 0.0)
-    write_lines("sphere.surf", circle)
     dt = 1.5e-5
     passage = round(7 / speed / dt)
-    # a cell's weight: its radius, 2.5 on average, times its length
-    fnum = n * math.pi * 25 * 7 / (more * (20000 if QUICK else 80000)) / (2.5 * 0.05 / finer)
-    loads = body_run(name, ARGON, (-3, 4, 0, 5, -0.5, 0.5), (140 * finer, 100 * finer, 1), (n, (speed, 0, 0), t), 300.0,
-                     ["sphere.surf"], dt, fnum, passage, near=near)
-    q = 0.5 * ARGON["mass"] * n * speed**2 * math.pi
+    if three_d:
+        write_triangles(f"{name}.surf", circle, 60)
+        domain, cells = (-3, 4, 0, 5, -5, 5), (140 * finer, 100 * finer, 200 * finer)
+        fnum = n * 0.5 * math.pi * 25 * 7 / (more * (50000 if QUICK else 400000))
+    else:
+        write_lines(f"{name}.surf", circle)
+        domain, cells = (-3, 4, 0, 5, -0.5, 0.5), (140 * finer, 100 * finer, 1)
+        # a cell's weight: its radius, 2.5 on average, times its length
+        fnum = n * math.pi * 25 * 7 / (more * (20000 if QUICK else 80000)) / (2.5 * 0.05 / finer)
+    loads = body_run(name, ARGON, domain, cells, (n, (speed, 0, 0), t), 300.0, [f"{name}.surf"], dt, fnum, passage, three_d, near)
+    q = 0.5 * ARGON["mass"] * n * speed**2 * math.pi * (0.5 if three_d else 1)
 
     text = (ROOT / "cases/supersonic-sphere/case.toml").read_text().replace("../species.toml", str(ROOT / "cases/species.toml"))
     text = text.replace("far = 0.8", "far = 0.4").replace("sphere = 0.25", f"sphere = {size}")
@@ -289,6 +295,7 @@ def main():
     cases = {"box": box, "sphere": sphere, "cone": lambda: cone_run(0), "cone-10": lambda: cone_run(10),
              "sphere-4": lambda: sphere("sphere-4", more=4),  # the partners of both are closer
              "sphere-cells": lambda: sphere("sphere-cells", more=4, finer=2, size=0.06),  # and cells smaller
+             "sphere-3d": lambda: sphere("sphere-3d", more=4, three_d=True),  # and SPARTA's without clones
              "sphere-any": lambda: sphere("sphere-any", more=4, finer=2, near=False, size=0.06)}  # and SPARTA's of the whole cell
     for name in sys.argv[6:] or ["box", "sphere", "cone"]:
         if name not in cases:
