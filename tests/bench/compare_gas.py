@@ -1,0 +1,140 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Speed of pamr-dsmc beside an older version of it and beside SPARTA, one after the other in one run.
+
+    compare_gas.py TOOLS [--before TOOLS] [--sparta PROGRAM] [--runs N] [--partner NAME] [--particles N...] [--out FOLDER]
+
+TOOLS: folder with pamr-dsmc and pamr-mesh. PROGRAM: SPARTA, built serially (tests/validation/sparta.sh builds it).
+--partner: of the first tools (default nearest). --particles: about so many (default 1e5, 1e6 and 1e7).
+
+Nitrogen with rotation, 12 particles a cell, near partners in all codes, averages of every step: a box of mirrors at rest, and a
+stream of Mach 5 that enters and leaves through all sides. The time step times the most probable speed (and the stream's) is 0.3 cube
+roots of a cell's volume, and 0.07 pairs of a particle collide in a step. SPARTA has cubes, as many as there are tetrahedra to within
+3 %. Seconds are the processor's of the whole process, of a long run less those of a short one; rates are medians of the runs, which
+take turns.
+"""
+import argparse
+import math
+import os
+import pathlib
+import statistics
+import subprocess
+import sys
+import tempfile
+
+BOLTZMANN = 1.380649e-23
+MASS, DIAMETER, OMEGA, T_REF, TEMPERATURE = 4.65e-26, 4.17e-10, 0.74, 273.0, 300.0
+PER_CELL, MACH = 12, 5.0
+SIDES = ("xmin", "xmax", "ymin", "ymax", "zmin", "zmax")
+
+
+class Gas:
+    """The case for a number of cubes along an edge of the unit cube, 6 tetrahedra each."""
+
+    def __init__(self, cubes, mach):
+        self.cubes, self.cells = cubes, 6 * cubes**3
+        fast = math.sqrt(2 * BOLTZMANN * TEMPERATURE / MASS)
+        self.speed = mach * math.sqrt(1.4 * BOLTZMANN * TEMPERATURE / MASS)
+        self.step = 0.3 * (1 / self.cells)**(1 / 3) / (fast + self.speed)
+        rate = 4 * DIAMETER**2 * math.sqrt(math.pi * BOLTZMANN * T_REF / MASS) * (TEMPERATURE / T_REF)**(1 - OMEGA)
+        self.density = 2 * 0.07 / self.step / rate
+        self.particles = PER_CELL * self.cells
+        self.grid = round((6 * cubes**3)**(1 / 3))
+
+
+def seconds_of(command, folder):
+    """Processor seconds of a process and its children."""
+    with open(folder / "log", "w", encoding="utf-8") as log:
+        process = subprocess.Popen(command, cwd=folder, stdout=log, stderr=log)
+        _, status, usage = os.wait4(process.pid, 0)
+    if status != 0:
+        raise SystemExit(f"{' '.join(map(str, command))}: {(folder / 'log').read_text()}")
+    return usage.ru_utime + usage.ru_stime
+
+
+class Pamr:
+    def __init__(self, tools, partner):
+        self.tools, self.partner = pathlib.Path(tools).resolve(), partner
+
+    def prepare(self, gas, folder):
+        self.mesh = f"{str(self.tools).replace(os.sep, '-')}-{gas.cubes}.hdf"
+        if not (folder / self.mesh).exists():
+            subprocess.run([self.tools / "pamr-mesh", "--shape", "kuhn-cube", "--n", str(gas.cubes), "-o", self.mesh, "--quiet"],
+                           cwd=folder, check=True)
+
+    def seconds(self, gas, mach, steps, folder):
+        kind = "inflow" if mach else "specular"
+        partner = f'[collisions]\npartner = "{self.partner}"\n' if self.partner != "nearest" else ""
+        (folder / "case.toml").write_text(
+            f"[species.N2]\nmass = {MASS}\ndiameter = {DIAMETER}\nomega = {OMEGA}\nt_ref = {T_REF}\nrotational_degrees = 2\n"
+            "[gas]\nfractions = { N2 = 1.0 }\n[gas.rotation]\nprobability = 0.2\n"
+            f"[stream.free]\ndensity = {gas.density}\ntemperature = {TEMPERATURE}\nvelocity = [{gas.speed}, 0.0, 0.0]\n[boundary]\n"
+            + "".join(f'{side} = {{ kind = "{kind}" }}\n' for side in SIDES) + partner
+            + f"[particles]\nper_cell = {PER_CELL}\n[domain]\nunit = 1.0\n[time]\nstep = {gas.step}\n"
+            f"[run]\ntransient = 2\nsampling = {steps}\nblock = {steps}\n[reference]\narea = 1.0\n")
+        return seconds_of([self.tools / "pamr-dsmc", "case.toml", "--mesh", self.mesh, "-o", "flow.hdf", "--force", "--quiet"], folder)
+
+
+class Sparta:
+    def __init__(self, program):
+        self.program = pathlib.Path(program).resolve()
+
+    def prepare(self, _, folder):
+        (folder / "N2.species").write_text(f"N2 {MASS / 1.66053907e-27:.6g} {MASS:g} 2 0.2 0 0.0 0.0 1.0 0.0\n")
+        (folder / "N2.vss").write_text(f"N2 {DIAMETER:g} {OMEGA} {T_REF} 1.0\n")
+
+    def seconds(self, gas, mach, steps, folder):
+        side = " ".join("oo" if mach else "rr" for _ in range(3))
+        lines = ["seed 12345", "dimension 3", "global gridcut 0.0", f"boundary {side}", "create_box 0 1 0 1 0 1",
+                 f"create_grid {gas.grid} {gas.grid} {gas.grid}", "balance_grid rcb cell",
+                 f"global nrho {gas.density} fnum {gas.density / gas.particles}", "species N2.species N2",
+                 f"mixture gas N2 nrho {gas.density} temp {TEMPERATURE} vstream {gas.speed} 0 0", "collide vss gas N2.vss",
+                 "collide_modify rotate smooth vibrate no nearcp yes 20"]
+        if mach:
+            lines.append("fix in emit/face gas xlo xhi ylo yhi zlo zhi")
+        lines += [f"create_particles gas n {gas.particles}", f"timestep {gas.step}", "stats 1000", "compute flow grid all all n u v w ke",
+                  f"fix mean ave/grid all 1 {steps} {steps} c_flow[*]", "run 2 post no", f"run {steps} post no"]
+        (folder / "in.speed").write_text("\n".join(lines) + "\n")
+        return seconds_of([self.program, "-in", "in.speed", "-log", "none", "-screen", "none"], folder)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("tools")
+    parser.add_argument("--before")
+    parser.add_argument("--sparta")
+    parser.add_argument("--runs", type=int, default=3)
+    parser.add_argument("--partner", default="nearest")
+    parser.add_argument("--particles", type=float, nargs="+", default=[1e5, 1e6, 1e7])
+    parser.add_argument("--out")
+    arguments = parser.parse_args()
+    codes = {"pamr-dsmc": Pamr(arguments.tools, arguments.partner)}
+    if arguments.before:
+        codes["before"] = Pamr(arguments.before, "nearest")
+    if arguments.sparta:
+        codes["SPARTA"] = Sparta(arguments.sparta)
+    with tempfile.TemporaryDirectory() as temporary:
+        folder = pathlib.Path(arguments.out or temporary).resolve()
+        folder.mkdir(parents=True, exist_ok=True)
+        others = [name for name in codes if name != "pamr-dsmc"]
+        print("| case | particles | " + " | ".join(f"{name}, M particle-steps a CPU second" for name in codes)
+              + "".join(f" | times {name}" for name in others) + " |\n|" + "---|" * (2 + len(codes) + len(others)))
+        for mach in (0.0, MACH):
+            for wanted in arguments.particles:
+                gas = Gas(round((wanted / PER_CELL / 6)**(1 / 3)), mach)
+                few, many = 5, 5 + max(15, round(1e8 / gas.particles))
+                rates = {name: [] for name in codes}
+                for name, code in codes.items():
+                    code.prepare(gas, folder)
+                for _ in range(arguments.runs):
+                    for name, code in codes.items():
+                        took = code.seconds(gas, mach, many, folder) - code.seconds(gas, mach, few, folder)
+                        rates[name].append(gas.particles * (many - few) / took * 1e-6)
+                middle = {name: statistics.median(values) for name, values in rates.items()}
+                print(f"| {'stream' if mach else 'box'} | {gas.particles:,} | " + " | ".join(f"{middle[name]:.2f}" for name in codes)
+                      + "".join(f" | {middle['pamr-dsmc'] / middle[name]:.2f}" for name in others) + " |")
+                sys.stdout.flush()
+
+
+if __name__ == "__main__":
+    main()
