@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Speed of pamr-dsmc beside an older version of it and beside SPARTA, one after the other in one run.
 
-    compare_gas.py TOOLS [--before TOOLS] [--sparta PROGRAM] [--runs N] [--partner NAME] [--particles N...] [--out FOLDER]
+    compare_gas.py TOOLS [--before TOOLS] [--sparta PROGRAM] [--runs N] [--partner NAME] [--particles N...] [--no-cone] [--out FOLDER]
 
 TOOLS: folder with pamr-dsmc and pamr-mesh. PROGRAM: SPARTA, built serially (tests/validation/sparta.sh builds it).
 --partner: of the first tools (default nearest). --particles: about so many (default 1e5, 1e6 and 1e7).
@@ -10,8 +10,9 @@ TOOLS: folder with pamr-dsmc and pamr-mesh. PROGRAM: SPARTA, built serially (tes
 Nitrogen with rotation, 12 particles a cell, near partners in all codes, averages of every step: a box of mirrors at rest, and a
 stream of Mach 5 that enters and leaves through all sides. The time step times the most probable speed (and the stream's) is 0.3 cube
 roots of a cell's volume, and 0.07 pairs of a particle collide in a step. SPARTA has cubes, as many as there are tetrahedra to within
-3 %. Seconds are the processor's of the whole process, of a long run less those of a short one; rates are medians of the runs, which
-take turns.
+3 %. The cone is cases/blunt-cone on its level 0 with half a million particles, whose collisions are in cells of 48 to 400 particles:
+steps 900 to 1,100, not by SPARTA. Seconds are the processor's of the whole process, of a long run less those of a short one; rates
+are medians of the runs, which take turns, and so are their ratios.
 """
 import argparse
 import math
@@ -25,6 +26,7 @@ import tempfile
 BOLTZMANN = 1.380649e-23
 MASS, DIAMETER, OMEGA, T_REF, TEMPERATURE = 4.65e-26, 4.17e-10, 0.74, 273.0, 300.0
 PER_CELL, MACH = 12, 5.0
+CASES = pathlib.Path(__file__).resolve().parents[2] / "cases"
 SIDES = ("xmin", "xmax", "ymin", "ymax", "zmin", "zmax")
 
 
@@ -57,7 +59,7 @@ class Pamr:
         self.tools, self.partner = pathlib.Path(tools).resolve(), partner
 
     def prepare(self, gas, folder):
-        self.mesh = f"{str(self.tools).replace(os.sep, '-')}-{gas.cubes}.hdf"
+        self.mesh = self.mesh_name(gas.cubes)
         if not (folder / self.mesh).exists():
             subprocess.run([self.tools / "pamr-mesh", "--shape", "kuhn-cube", "--n", str(gas.cubes), "-o", self.mesh, "--quiet"],
                            cwd=folder, check=True)
@@ -73,6 +75,27 @@ class Pamr:
             + f"[particles]\nper_cell = {PER_CELL}\n[domain]\nunit = 1.0\n[time]\nstep = {gas.step}\n"
             f"[run]\ntransient = 2\nsampling = {steps}\nblock = {steps}\n[reference]\narea = 1.0\n")
         return seconds_of([self.tools / "pamr-dsmc", "case.toml", "--mesh", self.mesh, "-o", "flow.hdf", "--force", "--quiet"], folder)
+
+
+    def prepare_cone(self, folder):
+        """A checkpoint of step 900."""
+        self.cone = self.mesh_name("cone")
+        text = (CASES / "blunt-cone/case.toml").read_text().replace("../species.toml", str(CASES / "species.toml"))
+        text = text.replace("weight = 4e11", "weight = 2e12").replace("sampling = 1000", "transient = 900\nsampling = 1000\nblock = 50")
+        (folder / "cone.toml").write_text(text)
+        (folder / "cone-partner.toml").write_text(text + f'[collisions]\npartner = "{self.partner}"\n')
+        if not (folder / f"{self.cone}.checkpoint").exists():
+            subprocess.run([self.tools / "pamr-mesh", CASES / "blunt-cone/case.toml", "-o", self.cone, "--quiet"], cwd=folder, check=True)
+            seconds_of([self.tools / "pamr-dsmc", "cone.toml", "--mesh", self.cone, "-o", "flow.hdf", "--force", "--quiet", "--steps",
+                        "900", "--checkpoint", f"{self.cone}.checkpoint"], folder)
+
+    def cone_seconds(self, steps, folder):
+        case = "cone.toml" if self.partner == "nearest" else "cone-partner.toml"
+        return seconds_of([self.tools / "pamr-dsmc", case, "--mesh", self.cone, "-o", "flow.hdf", "--force", "--quiet", "--restart",
+                           f"{self.cone}.checkpoint", "--steps", str(900 + steps)], folder)
+
+    def mesh_name(self, name):
+        return f"{str(self.tools).replace(os.sep, '-')}-{name}.hdf"
 
 
 class Sparta:
@@ -98,6 +121,17 @@ class Sparta:
         return seconds_of([self.program, "-in", "in.speed", "-log", "none", "-screen", "none"], folder)
 
 
+def compare(codes, runs, seconds, particle_steps):
+    """Rates of the codes by `seconds`(code), M particle-steps a second, and the first one's over each other's: medians."""
+    rates = {name: [] for name in codes}
+    for _ in range(runs):
+        for name, code in codes.items():
+            rates[name].append(particle_steps / seconds(code) * 1e-6)
+    first = next(iter(codes))
+    ratios = [statistics.median(a / b for a, b in zip(rates[first], rates[name])) for name in list(codes)[1:]]
+    return {name: statistics.median(values) for name, values in rates.items()}, ratios
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("tools")
@@ -105,7 +139,8 @@ def main():
     parser.add_argument("--sparta")
     parser.add_argument("--runs", type=int, default=3)
     parser.add_argument("--partner", default="nearest")
-    parser.add_argument("--particles", type=float, nargs="+", default=[1e5, 1e6, 1e7])
+    parser.add_argument("--particles", type=float, nargs="*", default=[1e5, 1e6, 1e7])
+    parser.add_argument("--no-cone", action="store_true")
     parser.add_argument("--out")
     arguments = parser.parse_args()
     codes = {"pamr-dsmc": Pamr(arguments.tools, arguments.partner)}
@@ -113,27 +148,35 @@ def main():
         codes["before"] = Pamr(arguments.before, "nearest")
     if arguments.sparta:
         codes["SPARTA"] = Sparta(arguments.sparta)
+    print("| case | particles | " + " | ".join(f"{name}, M particle-steps a CPU second" for name in codes)
+          + "".join(f" | times {name}" for name in list(codes)[1:]) + " |\n|" + "---|" * (1 + 2 * len(codes)))
+
+    def row(case, particles, found):
+        rates, ratios = found
+        words = [f"{rates[name]:.2f}" if name in rates else "-" for name in codes]
+        words += [f"{ratio:.2f}" for ratio in ratios] + ["-"] * (len(codes) - 1 - len(ratios))
+        print(f"| {case} | {particles:,} | " + " | ".join(words) + " |", flush=True)
+
     with tempfile.TemporaryDirectory() as temporary:
         folder = pathlib.Path(arguments.out or temporary).resolve()
         folder.mkdir(parents=True, exist_ok=True)
-        others = [name for name in codes if name != "pamr-dsmc"]
-        print("| case | particles | " + " | ".join(f"{name}, M particle-steps a CPU second" for name in codes)
-              + "".join(f" | times {name}" for name in others) + " |\n|" + "---|" * (2 + len(codes) + len(others)))
         for mach in (0.0, MACH):
             for wanted in arguments.particles:
                 gas = Gas(round((wanted / PER_CELL / 6)**(1 / 3)), mach)
                 few, many = 5, 5 + max(15, round(1e8 / gas.particles))
-                rates = {name: [] for name in codes}
-                for name, code in codes.items():
+                for code in codes.values():
                     code.prepare(gas, folder)
-                for _ in range(arguments.runs):
-                    for name, code in codes.items():
-                        took = code.seconds(gas, mach, many, folder) - code.seconds(gas, mach, few, folder)
-                        rates[name].append(gas.particles * (many - few) / took * 1e-6)
-                middle = {name: statistics.median(values) for name, values in rates.items()}
-                print(f"| {'stream' if mach else 'box'} | {gas.particles:,} | " + " | ".join(f"{middle[name]:.2f}" for name in codes)
-                      + "".join(f" | {middle['pamr-dsmc'] / middle[name]:.2f}" for name in others) + " |")
-                sys.stdout.flush()
+                row("stream" if mach else "box", gas.particles,
+                    compare(codes, arguments.runs,
+                            lambda code: code.seconds(gas, mach, many, folder) - code.seconds(gas, mach, few, folder),
+                            gas.particles * (many - few)))
+        if not arguments.no_cone:
+            ours = {name: code for name, code in codes.items() if isinstance(code, Pamr)}
+            for code in ours.values():
+                code.prepare_cone(folder)
+            few, many = 5, 200
+            row("cone, level 0", 502551, compare(
+                ours, arguments.runs, lambda code: code.cone_seconds(many, folder) - code.cone_seconds(few, folder), 502551 * (many - few)))
 
 
 if __name__ == "__main__":
