@@ -56,7 +56,8 @@ def seconds_of(command, folder):
 
 class Pamr:
     def __init__(self, tools, partner):
-        self.tools, self.partner = pathlib.Path(tools).resolve(), partner
+        self.tools = pathlib.Path(tools).resolve()
+        self.collisions = f'[collisions]\npartner = "{partner}"\n' if partner != "nearest" else ""
 
     def prepare(self, gas, folder):
         self.mesh = self.mesh_name(gas.cubes)
@@ -66,32 +67,30 @@ class Pamr:
 
     def seconds(self, gas, mach, steps, folder):
         kind = "inflow" if mach else "specular"
-        partner = f'[collisions]\npartner = "{self.partner}"\n' if self.partner != "nearest" else ""
         (folder / "case.toml").write_text(
             f"[species.N2]\nmass = {MASS}\ndiameter = {DIAMETER}\nomega = {OMEGA}\nt_ref = {T_REF}\nrotational_degrees = 2\n"
             "[gas]\nfractions = { N2 = 1.0 }\n[gas.rotation]\nprobability = 0.2\n"
             f"[stream.free]\ndensity = {gas.density}\ntemperature = {TEMPERATURE}\nvelocity = [{gas.speed}, 0.0, 0.0]\n[boundary]\n"
-            + "".join(f'{side} = {{ kind = "{kind}" }}\n' for side in SIDES) + partner
+            + "".join(f'{side} = {{ kind = "{kind}" }}\n' for side in SIDES) + self.collisions
             + f"[particles]\nper_cell = {PER_CELL}\n[domain]\nunit = 1.0\n[time]\nstep = {gas.step}\n"
             f"[run]\ntransient = 2\nsampling = {steps}\nblock = {steps}\n[reference]\narea = 1.0\n")
         return seconds_of([self.tools / "pamr-dsmc", "case.toml", "--mesh", self.mesh, "-o", "flow.hdf", "--force", "--quiet"], folder)
-
 
     def prepare_cone(self, folder):
         """A checkpoint of step 900."""
         self.cone = self.mesh_name("cone")
         text = (CASES / "blunt-cone/case.toml").read_text().replace("../species.toml", str(CASES / "species.toml"))
         text = text.replace("weight = 4e11", "weight = 2e12").replace("sampling = 1000", "transient = 900\nsampling = 1000\nblock = 50")
-        (folder / "cone.toml").write_text(text)
-        (folder / "cone-partner.toml").write_text(text + f'[collisions]\npartner = "{self.partner}"\n')
+        case = folder / f"{self.cone}.toml"  # of these tools alone: the others may have another partner
+        case.write_text(text)
         if not (folder / f"{self.cone}.checkpoint").exists():
             subprocess.run([self.tools / "pamr-mesh", CASES / "blunt-cone/case.toml", "-o", self.cone, "--quiet"], cwd=folder, check=True)
-            seconds_of([self.tools / "pamr-dsmc", "cone.toml", "--mesh", self.cone, "-o", "flow.hdf", "--force", "--quiet", "--steps",
+            seconds_of([self.tools / "pamr-dsmc", case.name, "--mesh", self.cone, "-o", "flow.hdf", "--force", "--quiet", "--steps",
                         "900", "--checkpoint", f"{self.cone}.checkpoint"], folder)
+        case.write_text(text + self.collisions)
 
     def cone_seconds(self, steps, folder):
-        case = "cone.toml" if self.partner == "nearest" else "cone-partner.toml"
-        return seconds_of([self.tools / "pamr-dsmc", case, "--mesh", self.cone, "-o", "flow.hdf", "--force", "--quiet", "--restart",
+        return seconds_of([self.tools / "pamr-dsmc", f"{self.cone}.toml", "--mesh", self.cone, "-o", "flow.hdf", "--force", "--quiet", "--restart",
                            f"{self.cone}.checkpoint", "--steps", str(900 + steps)], folder)
 
     def mesh_name(self, name):
