@@ -94,7 +94,7 @@ class Pamr:
                            f"{self.cone}.checkpoint", "--steps", str(900 + steps)], folder)
 
     def mesh_name(self, name):
-        return f"{str(self.tools).replace(os.sep, '-')}-{name}.hdf"
+        return f"mesh{str(self.tools).replace(os.sep, '-')}-{name}.hdf"
 
 
 class Sparta:
