@@ -25,6 +25,15 @@ void reserve_array(std::vector<T>& array, std::size_t n) {
   advise_large_pages(array.data(), array.capacity() * sizeof(T));
 }
 
+/// Room for `n` items in a vector that keeps what it holds.
+template <class T>
+void grow_array(std::vector<T>& array, std::size_t n) {
+  std::vector<T> larger;
+  reserve_array(larger, n);
+  larger.assign(array.begin(), array.end());
+  array.swap(larger);
+}
+
 /// `n` items of that value in large pages where that pays.
 template <class T>
 void assign_array(std::vector<T>& array, std::size_t n, const T& value) {

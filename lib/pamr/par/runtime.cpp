@@ -31,7 +31,7 @@ Runtime::Runtime(int& argc, char**& argv) {
   }
   MPI_Comm_rank(MPI_COMM_WORLD, &rank_);
   MPI_Comm_size(MPI_COMM_WORLD, &size_);
-  if (size_ > 1 && !has_mpi_memory()) {
+  if (!has_mpi_memory(size_)) {
     std::fprintf(stderr, "%s: error: out of memory\n", program_invocation_short_name);
     abort(out_of_memory);
   }

@@ -163,7 +163,7 @@ std::string to_text(mesh::StorageType type) {
 }
 
 Handle parallel_access(const par::Comm& comm, const std::filesystem::path& file) {
-  if (comm.size() > 1 && !par::has_mpi_memory()) throw std::bad_alloc();
+  if (!par::has_mpi_memory(comm.size())) throw std::bad_alloc();
   leave_out_locked_files();
   forget_semaphore_of(file);
   auto access = take(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, "cannot make a property list");

@@ -223,7 +223,7 @@ End Mover::pass_face(Flight& flight, unsigned out, Path& path) {
   return End::flies;
 }
 
-void fly_all(Mover& mover, std::vector<Flight>& flights, Particles& particles, BorderExchange& border) {
+void fly_arrivals(Mover& mover, std::vector<Flight>& flights, Particles& particles, BorderExchange& border) {
   for (auto& flight : flights) {
     Path path;
     switch (mover.fly(flight, path)) {
@@ -320,7 +320,7 @@ class OwnFlights {
       std::size_t n_going_on = 0;
       for (std::size_t k = 0; k < n; ++k) {
         going_on_[n_going_on] = k;
-        n_going_on += come_to_rest(leaving_[begin + k].row, group_[k]) ? 0U : 1U;
+        n_going_on += ends_here(leaving_[begin + k].row, group_[k]) ? 0U : 1U;
       }
       if (n_going_on < n) mover_->counts.longest = std::max<std::int64_t>(mover_->counts.longest, 1);
       for (const auto k : std::span(going_on_).first(n_going_on)) {
@@ -352,7 +352,7 @@ class OwnFlights {
 
   /// True where a flight that has passed one face ends in the cell behind it, as most do. Writes its end in any case,
   /// again without a branch: what goes on is written once more.
-  bool come_to_rest(std::size_t row, const OnItsWay& one) {
+  bool ends_here(std::size_t row, const OnItsWay& one) {
     const auto& p = one.flight.particle;
     const bool is_plain = one.how == End::flies && one.flight.events == 0 && p.cell < domain_->n_cells();
     const auto cell = is_plain ? p.cell : 0;
@@ -420,7 +420,7 @@ MoveCounts move(const par::Comm& comm, const MoveRules& rules, std::uint64_t ste
   Mover mover(rules, step, particles, border, tally);
   double start = cpu_seconds();
   OwnFlights(mover, *rules.domain, particles, border).fly_all();
-  fly_all(mover, entering, particles, border);
+  fly_arrivals(mover, entering, particles, border);
   mover.counts.compute_seconds = cpu_seconds() - start;
   if (comm.size() == 1) return mover.counts;
   // Something leaves some rank in almost every step: to ask beforehand costs more than to deliver.
@@ -433,7 +433,7 @@ MoveCounts move(const par::Comm& comm, const MoveRules& rules, std::uint64_t ste
       mover.counts.wall_hits += sums.hits;
       tally.face[static_cast<std::size_t>(face)].add(sums);
     }
-    fly_all(mover, arrived.flying, particles, border);
+    fly_arrivals(mover, arrived.flying, particles, border);
     mover.counts.compute_seconds += cpu_seconds() - start;
   }
   return mover.counts;

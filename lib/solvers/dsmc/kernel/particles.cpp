@@ -17,15 +17,6 @@ constexpr std::size_t few_rows = 24;  ///< particles of a cell, which are sorted
 
 constexpr std::size_t with_room(std::size_t n) { return n + std::max<std::size_t>(1024, n / 16); }
 
-/// More room for an array, in large pages from the first write on.
-template <class T>
-void make_room(std::vector<T>& rows, std::size_t n) {
-  std::vector<T> larger;
-  reserve_array(larger, n);
-  larger.assign(rows.begin(), rows.end());
-  rows.swap(larger);
-}
-
 /// Resizes an array whose contents do not matter; a vector left to itself would double.
 template <class T>
 void remake(std::vector<T>& rows, std::size_t n) {
@@ -48,11 +39,11 @@ void gather(std::vector<double>& rows, std::vector<double>& spare, std::span<con
 void Particles::reserve_one_more() {
   if (x.size() < x.capacity()) return;
   const auto room = with_room(x.size());  // a doubling would waste memory
-  for (auto* values : {&x, &y, &z, &u, &v, &w, &rotation}) make_room(*values, room);
-  make_room(id, room);
-  make_room(cell, room);
-  make_room(species, room);
-  make_room(partner, room);
+  for (auto* values : {&x, &y, &z, &u, &v, &w, &rotation}) grow_array(*values, room);
+  grow_array(id, room);
+  grow_array(cell, room);
+  grow_array(species, room);
+  grow_array(partner, room);
 }
 
 void Particles::append(const Particle& p) {
