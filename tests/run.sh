@@ -7,6 +7,7 @@
 #   tests/run.sh -L unit       those with this label
 #   tests/run.sh -R close      those with this name
 #   tests/run.sh full -L full_level   the full level alone
+#   tests/run.sh full -F       goes on where an interrupted run ended (what failed before that is in its output only)
 #
 # Environment: PAMR_BUILD (build folder, default build/release).
 set -euo pipefail

@@ -137,7 +137,7 @@ def main():
     parser.add_argument("--before")
     parser.add_argument("--sparta")
     parser.add_argument("--runs", type=int, default=3)
-    parser.add_argument("--partner", default="nearest")
+    parser.add_argument("--partner", default="nearest", choices=["nearest", "subcell", "any"])
     parser.add_argument("--particles", type=float, nargs="*", default=[1e5, 1e6, 1e7])
     parser.add_argument("--no-cone", action="store_true")
     parser.add_argument("--out")
