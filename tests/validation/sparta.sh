@@ -11,9 +11,11 @@
 #   --out FOLDER    where SPARTA is built and results go (default out/ beside this script)
 #   --tools FOLDER  takes the tools from there and sets nothing up
 #   CHECKOUT        folder of SPARTA's sources, with src/ in it; needs g++ and make
-#   CASE            only these: box sphere cone cone-10 sphere-4 sphere-cells sphere-3d sphere-any (default: the first three; cone-10
-#                   takes half an hour; the last four are the sphere with four times the particles, smaller cells, SPARTA in
-#                   three dimensions, SPARTA's partners from the whole cell)
+#   CASE            only these (default: the first three):
+#                   box sphere cone
+#                   cone-10 (at 10 degrees of incidence, half an hour), cone-cells (smaller cells in both)
+#                   sphere-4 (four times the particles), sphere-cells (smaller cells too), sphere-3d (SPARTA in three dimensions),
+#                   sphere-any (SPARTA's partners from the whole cell)
 set -euo pipefail
 
 declare -A values=([--seed]=seed)

@@ -241,11 +241,15 @@ def meridian(outflow):
     return points, [points[-1], (outflow, points[-1][1])]
 
 
-def cone_run(angle):
-    """Nitrogen at Mach 20 about the 70-degree cone: Set 1 without incidence, Set 2 at 10 degrees. Fore-body and base."""
+def cone_run(angle, finer=1):
+    """Nitrogen at Mach 20 about the 70-degree cone: Set 1 without incidence, Set 2 at 10 degrees. Fore-body and base.
+
+    `finer`: SPARTA's cells along each axis; 2 also splits pamr-dsmc's cells in two layers at the fore-body. Both have its square
+    times the particles then.
+    """
     ten = angle != 0
     n, speed, t = (1.116e21, 1502.0, 13.6) if ten else (3.715e20, 1502.57, 13.3)
-    name = "cone-10" if ten else "cone"
+    name = "cone-10" if ten else "cone" if finer == 1 else "cone-cells"
     rear = 0.06 if ten else 0.03
     points, sting = meridian(rear)
     area, direction = math.pi * 0.025**2, (math.cos(math.radians(angle)), math.sin(math.radians(angle)))
@@ -258,9 +262,9 @@ def cone_run(angle):
         domain, cells = (-0.03, rear, 0, 0.06, -0.06, 0.06), (113, 75, 150)
         fnum = n * 0.5 * math.pi * 0.06**2 * 0.09 / (100000 if QUICK else 1500000)
     else:
-        write_lines("cone.surf", points + sting[1:])
-        domain, cells = (-0.02, rear, 0, 0.045, -0.5, 0.5), (125, 112, 1)
-        fnum = n * math.pi * 0.045**2 * 0.05 / (20000 if QUICK else 120000) / (0.0225 * 0.0004)
+        write_lines(f"{name}.surf", points + sting[1:])
+        domain, cells = (-0.02, rear, 0, 0.045, -0.5, 0.5), (125 * finer, 112 * finer, 1)
+        fnum = n * math.pi * 0.045**2 * 0.05 / (finer**2 * (20000 if QUICK else 120000)) / (0.0225 * 0.0004 / finer)
     loads = body_run(name, NITROGEN, domain, cells, (n, u, t), 300.0, [f"{name}.surf"], dt, fnum, passage, ten)
     half = 2 if ten else 1
     drag = half * (loads[:, 0] * direction[0] + loads[:, 1] * direction[1]) / q
@@ -273,16 +277,19 @@ def cone_run(angle):
     steps = 40 if QUICK else 3300
     text = text.replace("sampling = 1000", f"sampling = {steps}\nseed = {SEED}" + ("\ntransient = 40" if QUICK else ""))
     old, new = ("weight = 4e11", 2e12) if ten else ("weight = 3.5e11", 1.4e12)
-    text = text.replace(old, f"weight = {10 * new if QUICK else new:g}")
+    text = text.replace(old, f"weight = {(10 * new if QUICK else new) / finer**2:g}")
     (OUT / f"{name}.toml").write_text(text)
-    tool("pamr-mesh", "--shape", "blunt-cone", "-o", "cone.hdf", "--force", "--quiet", ranks=1)
-    tool("pamr-dsmc", f"{name}.toml", "--mesh", "cone.hdf", "-o", f"{name}-flow.hdf", "--json", f"{name}.json", "--force", "--quiet")
+    tool("pamr-mesh", "--shape", "blunt-cone", "-o", f"{name}.hdf", "--force", "--quiet", ranks=1)
+    if finer == 2:
+        tool("pamr-mark", f"{name}.hdf", "--patch", "forebody", "--layers", 2, "-o", f"{name}-marked.hdf", "--force", "--quiet")
+        tool("pamr-refine", f"{name}-marked.hdf", "-o", f"{name}.hdf", "--force", "--quiet")
+    tool("pamr-dsmc", f"{name}.toml", "--mesh", f"{name}.hdf", "-o", f"{name}-flow.hdf", "--json", f"{name}.json", "--force", "--quiet")
     report = json.loads((OUT / f"{name}.json").read_text())
     rows = [("C_D, with the sting", value_of(report, "C_D"), estimate(drag))]
     if ten:
         rows.append(("C_L", value_of(report, "C_L"), estimate(lift)))
     rows.append(("C_H", value_of(report, "C_H"), estimate(heat)))
-    table(f"cone, nitrogen, {'Set 2' if ten else 'Set 1'}, {angle} degrees ({report['averages']['groups']} groups of "
+    table(f"{name}, nitrogen, {'Set 2' if ten else 'Set 1'}, {angle} degrees ({report['averages']['groups']} groups of "
           f"{report['averages']['group_steps']} steps, a passage has {report['averages']['passage_steps']}; SPARTA: {N_BLOCKS} of "
           f"{passage})", rows)
 
@@ -293,6 +300,7 @@ def main():
     SPARTA = str(pathlib.Path(SPARTA).resolve())
     QUICK = sys.argv[5] == "yes"
     cases = {"box": box, "sphere": sphere, "cone": lambda: cone_run(0), "cone-10": lambda: cone_run(10),
+             "cone-cells": lambda: cone_run(0, 2),  # smaller cells, partners that are closer
              "sphere-4": lambda: sphere("sphere-4", more=4),  # the partners of both are closer
              "sphere-cells": lambda: sphere("sphere-cells", more=4, finer=2, size=0.06),  # and cells smaller
              "sphere-3d": lambda: sphere("sphere-3d", more=4, three_d=True),  # and SPARTA's without clones
