@@ -16,7 +16,7 @@ export OMPI_MCA_btl_vader_single_copy_mechanism="${OMPI_MCA_btl_vader_single_cop
 if [ -z "$(ls -A /sys/class/infiniband /sys/class/cxi 2>/dev/null)" ]; then
   export OMPI_MCA_mtl="${OMPI_MCA_mtl:-^psm,psm2,ofi}"
   export HWLOC_COMPONENTS="${HWLOC_COMPONENTS:--gl,-pci,-linux:pci}"
-  # Nor the libraries of X, OpenCL and XML, which each process would load and none would ask.
+  # Nor the libraries of X, OpenCL and XML, which each process would load and none would use.
   export HWLOC_PLUGINS_PATH="${HWLOC_PLUGINS_PATH:-/nonexistent}"
 fi
 # No question to an X server for graphics cards: one that ends meanwhile takes the job with it.

@@ -244,8 +244,8 @@ def meridian(outflow):
 def cone_run(angle, finer=1):
     """Nitrogen at Mach 20 about the 70-degree cone: Set 1 without incidence, Set 2 at 10 degrees. Fore-body and base.
 
-    `finer`: SPARTA's cells along each axis; 2 also splits pamr-dsmc's cells in two layers at the fore-body. Both have its square
-    times the particles then.
+    `finer`: SPARTA's cells along each axis, times those of `cone`; above 1 pamr-dsmc's cells in two layers at the fore-body are split, once. Both have its
+    square times the particles.
     """
     ten = angle != 0
     n, speed, t = (1.116e21, 1502.0, 13.6) if ten else (3.715e20, 1502.57, 13.3)
@@ -280,7 +280,7 @@ def cone_run(angle, finer=1):
     text = text.replace(old, f"weight = {(10 * new if QUICK else new) / finer**2:g}")
     (OUT / f"{name}.toml").write_text(text)
     tool("pamr-mesh", "--shape", "blunt-cone", "-o", f"{name}.hdf", "--force", "--quiet", ranks=1)
-    if finer == 2:
+    if finer > 1:
         tool("pamr-mark", f"{name}.hdf", "--patch", "forebody", "--layers", 2, "-o", f"{name}-marked.hdf", "--force", "--quiet")
         tool("pamr-refine", f"{name}-marked.hdf", "-o", f"{name}.hdf", "--force", "--quiet")
     tool("pamr-dsmc", f"{name}.toml", "--mesh", f"{name}.hdf", "-o", f"{name}-flow.hdf", "--json", f"{name}.json", "--force", "--quiet")
