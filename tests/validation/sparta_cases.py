@@ -244,8 +244,8 @@ def meridian(outflow):
 def cone_run(angle, finer=1):
     """Nitrogen at Mach 20 about the 70-degree cone: Set 1 without incidence, Set 2 at 10 degrees. Fore-body and base.
 
-    `finer`: SPARTA's cells along each axis, times those of `cone`; above 1 pamr-dsmc's cells in two layers at the fore-body are split, once. Both have its
-    square times the particles.
+    `finer`: SPARTA's cells along each axis, times those of `cone`; above 1 pamr-dsmc's cells in two layers at the fore-body are
+    split, once. Both have its square times the particles.
     """
     ten = angle != 0
     n, speed, t = (1.116e21, 1502.0, 13.6) if ten else (3.715e20, 1502.57, 13.3)
