@@ -116,8 +116,12 @@ def size_of_run(mesh):
 def test_too_little_memory():
     """Between what a small mesh takes, which is what MPI and HDF5 want for themselves, and what this one takes."""
     run("pamr-mark", kuhn_cube("small.hdf", 8), "-o", "marked_small.hdf", "--all", "--quiet", serial=True)
+    least = size_of_run("marked_small.hdf")
+    if least > 1 << 33:  # KiB
+        print("        not tried: the address sanitizer reserves terabytes, and its own allocator ends a job at a limit")
+        return
     marked_cube(44)
-    least, most = size_of_run("marked_small.hdf"), size_of_run("marked.hdf")
+    most = size_of_run("marked.hdf")
     assert most > least + 30000, (least, most)  # both with the 64 MiB that a process sets aside
     pathlib.Path("out.hdf").write_bytes(PRECIOUS)
     named = 0
