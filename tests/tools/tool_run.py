@@ -26,6 +26,7 @@ RANKS = int(sys.argv[2])
 LAUNCHER = sys.argv[3:] + [sys.argv[2]] if len(sys.argv) > 3 else []
 SHARED = tempfile.mkdtemp(prefix="pamr-tools-")  # of all the tests of this script
 FULL = os.environ.get("PAMR_TEST_LEVEL") == "full"
+LIMIT = 100 * int(os.environ.get("PAMR_TEST_TIMEOUT_FACTOR", 1))  # of one run, in seconds
 REFUSED_BY_ALL = 1 if FULL else 3  # one refusal in so many is tried on all ranks
 alone = set()  # tools that this script runs on one process
 n_refused = 0
@@ -58,7 +59,7 @@ def run(tool, *arguments, code=0, serial=False, ranks=None):
     command = ([] if serial else launcher) + [str(BIN / tool)] + [str(a) for a in arguments]
     # Ranks that fail together end by themselves: mpirun need not give them a second to do so.
     environment = os.environ | ({"OMPI_MCA_odls_base_sigkill_timeout": "0"} if code else {})
-    result = Result(subprocess.run(command, capture_output=True, text=True, timeout=100, env=environment))
+    result = Result(subprocess.run(command, capture_output=True, text=True, timeout=LIMIT, env=environment))
     shown = f"{' '.join(command)}\nexit code {result.code}, expected {code}\n{result.out}\n{result.err}"
     assert result.code == code, shown
     if code == 2:
