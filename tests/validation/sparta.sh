@@ -13,7 +13,8 @@
 #   CHECKOUT        folder of SPARTA's sources, with src/ in it; needs g++ and make
 #   CASE            only these (default: the first three):
 #                   box sphere cone
-#                   cone-10 (at 10 degrees of incidence, half an hour), cone-cells (smaller cells in both)
+#                   cone-10 (at 10 degrees of incidence, half an hour), cone-cells (smaller cells in both),
+#                   cone-sector (also a sixteenth of a turn in pamr-dsmc, its particles closer together)
 #                   sphere-4 (four times the particles), sphere-cells (smaller cells too), sphere-3d (SPARTA in three dimensions),
 #                   sphere-any (SPARTA's partners from the whole cell)
 set -euo pipefail

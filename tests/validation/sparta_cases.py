@@ -10,6 +10,7 @@ of 95 %, from blocks as long as a passage of the free stream, with Student's fac
 import json
 import math
 import pathlib
+import re
 import subprocess
 import sys
 
@@ -241,15 +242,15 @@ def meridian(outflow):
     return points, [points[-1], (outflow, points[-1][1])]
 
 
-def cone_run(angle, finer=1):
-    """Nitrogen at Mach 20 about the 70-degree cone: Set 1 without incidence, Set 2 at 10 degrees. Fore-body and base.
+def cone_run(angle, finer=1, sector=False):
+    """Nitrogen at Mach 20 about the 70-degree cone: Set 1 without incidence, Set 2 at 10 degrees. Fore-body, base and sting.
 
     `finer`: SPARTA's cells along each axis, times those of `cone`; above 1 pamr-dsmc's cells in two layers at the fore-body are
-    split, once. Both have its square times the particles.
+    split, once. Both have its square times the particles. `sector`: pamr-dsmc computes a sixteenth of a turn instead of half a one.
     """
     ten = angle != 0
     n, speed, t = (1.116e21, 1502.0, 13.6) if ten else (3.715e20, 1502.57, 13.3)
-    name = "cone-10" if ten else "cone" if finer == 1 else "cone-cells"
+    name = "cone-10" if ten else "cone-sector" if sector else "cone" if finer == 1 else "cone-cells"
     rear = 0.06 if ten else 0.03
     points, sting = meridian(rear)
     area, direction = math.pi * 0.025**2, (math.cos(math.radians(angle)), math.sin(math.radians(angle)))
@@ -271,16 +272,17 @@ def cone_run(angle, finer=1):
     lift = half * (loads[:, 1] * direction[0] - loads[:, 0] * direction[1]) / q
     heat = half * loads[:, 2] / (q * speed)
 
-    case = ROOT / "cases/blunt-cone" / ("case.toml" if ten else "heat-flux.toml")
-    text = case.read_text().replace("../species.toml", str(ROOT / "cases/species.toml"))
+    case = HERE / "cone_sector.toml" if sector else ROOT / "cases/blunt-cone" / ("case.toml" if ten else "heat-flux.toml")
+    text = re.sub(r"species_file = \S+", f'species_file = "{ROOT}/cases/species.toml"', case.read_text())
     text = text.replace('patches = ["forebody", "base"]', 'patches = ["forebody", "base", "sting"]')
-    steps = 40 if QUICK else 3300
+    steps = 40 if QUICK else 4700 if sector else 3300
     text = text.replace("sampling = 1000", f"sampling = {steps}\nseed = {SEED}" + ("\ntransient = 40" if QUICK else ""))
-    old, new = ("weight = 4e11", 2e12) if ten else ("weight = 3.5e11", 1.4e12)
-    text = text.replace(old, f"weight = {(10 * new if QUICK else new) / finer**2:g}")
+    weight = 2e12 if ten else 6e10 if sector else 1.4e12 / finer**2
+    text = re.sub(r"weight = \S+", f"weight = {10 * weight if QUICK else weight:g}", text, count=1)
     (OUT / f"{name}.toml").write_text(text)
-    tool("pamr-mesh", "--shape", "blunt-cone", "-o", f"{name}.hdf", "--force", "--quiet", ranks=1)
-    if finer > 1:
+    shape = [f"{name}.toml"] if sector else ["--shape", "blunt-cone"]
+    tool("pamr-mesh", *shape, "-o", f"{name}.hdf", "--force", "--quiet", ranks=1)
+    if finer > 1 and not sector:
         tool("pamr-mark", f"{name}.hdf", "--patch", "forebody", "--layers", 2, "-o", f"{name}-marked.hdf", "--force", "--quiet")
         tool("pamr-refine", f"{name}-marked.hdf", "-o", f"{name}.hdf", "--force", "--quiet")
     tool("pamr-dsmc", f"{name}.toml", "--mesh", f"{name}.hdf", "-o", f"{name}-flow.hdf", "--json", f"{name}.json", "--force", "--quiet")
@@ -301,6 +303,7 @@ def main():
     QUICK = sys.argv[5] == "yes"
     cases = {"box": box, "sphere": sphere, "cone": lambda: cone_run(0), "cone-10": lambda: cone_run(10),
              "cone-cells": lambda: cone_run(0, 2),  # smaller cells, partners that are closer
+             "cone-sector": lambda: cone_run(0, 2, sector=True),  # and our particles eight times as dense
              "sphere-4": lambda: sphere("sphere-4", more=4),  # the partners of both are closer
              "sphere-cells": lambda: sphere("sphere-cells", more=4, finer=2, size=0.06),  # and cells smaller
              "sphere-3d": lambda: sphere("sphere-3d", more=4, three_d=True),  # and SPARTA's without clones
