@@ -246,7 +246,7 @@ def cone_run(angle, finer=1, sector=False):
     """Nitrogen at Mach 20 about the 70-degree cone: Set 1 without incidence, Set 2 at 10 degrees. Fore-body, base and sting.
 
     `finer`: SPARTA's cells along each axis, times those of `cone`; above 1 pamr-dsmc's cells in two layers at the fore-body are
-    split, once. Both have its square times the particles. `sector`: pamr-dsmc computes a sixteenth of a turn instead of half a one.
+    split, once. Both have its square times the particles. `sector`: pamr-dsmc computes a sixteenth of a turn instead of half.
     """
     ten = angle != 0
     n, speed, t = (1.116e21, 1502.0, 13.6) if ten else (3.715e20, 1502.57, 13.3)
@@ -303,7 +303,7 @@ def main():
     QUICK = sys.argv[5] == "yes"
     cases = {"box": box, "sphere": sphere, "cone": lambda: cone_run(0), "cone-10": lambda: cone_run(10),
              "cone-cells": lambda: cone_run(0, 2),  # smaller cells, partners that are closer
-             "cone-sector": lambda: cone_run(0, 2, sector=True),  # and our particles eight times as dense
+             "cone-sector": lambda: cone_run(0, 2, sector=True),  # and our particles six times as dense
              "sphere-4": lambda: sphere("sphere-4", more=4),  # the partners of both are closer
              "sphere-cells": lambda: sphere("sphere-cells", more=4, finer=2, size=0.06),  # and cells smaller
              "sphere-3d": lambda: sphere("sphere-3d", more=4, three_d=True),  # and SPARTA's without clones
