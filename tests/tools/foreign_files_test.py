@@ -8,7 +8,7 @@ import h5py
 import meshio
 import numpy as np
 
-from tool_run import BIN, LAUNCHER, RANKS, kuhn_cube, refuses, run, run_tests, same_bytes
+from tool_run import BIN, LAUNCHER, LIMIT, RANKS, kuhn_cube, refuses, run, run_tests, same_bytes
 
 FOURTH_OF_THE_CUBES = 12
 
@@ -210,11 +210,11 @@ def test_a_tool_that_a_rank_of_another_job_starts_runs_alone():
     tool = [str(BIN / "pamr-convert"), "cube.hdf", "copy.hdf"]
     for shell in ([], ["sh", "-c", '"$@"', "sh"]):
         out = subprocess.run(LAUNCHER + [sys.executable, "-c", program] + shell + tool + ["--force"],
-                             capture_output=True, text=True, timeout=100)
+                             capture_output=True, text=True, timeout=LIMIT)
         assert out.stdout.startswith("0 48 cells"), out
     os.remove("copy.hdf")
     # started by mpirun through a shell it is still one job
-    out = subprocess.run(LAUNCHER + ["sh", "-c", '"$@"', "sh"] + tool, capture_output=True, text=True, timeout=100)
+    out = subprocess.run(LAUNCHER + ["sh", "-c", '"$@"', "sh"] + tool, capture_output=True, text=True, timeout=LIMIT)
     assert out.returncode == 0 and out.stdout.count("48 cells") == 1, out
 
 

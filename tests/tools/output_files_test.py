@@ -9,7 +9,7 @@ import subprocess
 import h5py
 import numpy as np
 
-from tool_run import BIN, LAUNCHER, RANKS, kuhn_cube, refuses, run, run_tests, same_bytes
+from tool_run import BIN, LAUNCHER, LIMIT, RANKS, kuhn_cube, refuses, run, run_tests, same_bytes
 
 
 def command(tool, *arguments):
@@ -22,7 +22,7 @@ def test_runs_at_the_same_time_do_not_disturb_each_other():
         jobs = [subprocess.Popen(command("pamr-mark", "crowd.hdf", "-o", f"crowd{i}.hdf", "--all", "--force", "--quiet"),
                                  stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) for i in range(8 // RANKS + 1)]
         for job in jobs:
-            out, err = job.communicate(timeout=100)
+            out, err = job.communicate(timeout=LIMIT)
             assert job.returncode == 0 and not err, (job.returncode, err)
     assert all(same_bytes("crowd0.hdf", f"crowd{i}.hdf") for i in range(1, 8 // RANKS + 1))
 
@@ -43,7 +43,7 @@ def test_two_writers_of_one_output_leave_the_output_of_one_of_them():
             jobs = [subprocess.Popen(command(*[word.format(name) for word in tool], output, "--force", "--quiet"),
                                      stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) for name in "ab"]
             for job in jobs:
-                out, err = job.communicate(timeout=100)
+                out, err = job.communicate(timeout=LIMIT)
                 assert job.returncode == 0, err
             if ending:
                 assert same_bytes(output, "a1" + ending) or same_bytes(output, "b1" + ending), output
@@ -86,7 +86,7 @@ def test_names_that_look_like_temporary_ones_are_as_good_as_any():
     # not by `run`, which takes such names for what a run has left
     for job in (("pamr-mark", "q.hdf.partial", "-o", "q.hdf", "--all"), ("pamr-convert", "q.hdf", "x.vtu"),
                 ("pamr-convert", "q.hdf", "case")):
-        done = subprocess.run(command(*job, "--quiet"), capture_output=True, text=True, timeout=100)
+        done = subprocess.run(command(*job, "--quiet"), capture_output=True, text=True, timeout=LIMIT)
         assert done.returncode == 0, done.stderr
     assert pathlib.Path("q.hdf.partial").read_bytes() == before
     assert pathlib.Path("precious").read_text() == "precious" and os.path.islink("x.vtu.partial")

@@ -7,7 +7,7 @@ import sys
 import h5py
 import numpy as np
 
-from tool_run import BIN, RANKS, kuhn_cube, of_one_process, prepare_alone, refuses, run, run_tests
+from tool_run import BIN, LIMIT, RANKS, kuhn_cube, of_one_process, prepare_alone, refuses, run, run_tests
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "cases" / "charged-sphere"))
 import shell  # noqa: E402  makes sectors and octants of spherical shells
@@ -135,7 +135,7 @@ def test_the_estimate_is_near_the_true_error_on_a_sphere():
 def test_the_loop_of_the_cases_prints_its_levels_and_holds_them_to_what_is_expected():
     script = pathlib.Path(__file__).resolve().parents[2] / "cases" / "plate" / "run.sh"
     result = subprocess.run([script, "--tools", BIN, "--ranks", str(RANKS), "--levels", "1", "--out", "out put"],
-                            capture_output=True, text=True, timeout=100)
+                            capture_output=True, text=True, timeout=LIMIT)
     rows = [line.split() for line in result.stdout.splitlines()]
     assert [row[0] for row in rows] == ["level", "0", "1"], result.stdout + result.stderr
     slopes = [float(row[3]) for row in rows[1:]]

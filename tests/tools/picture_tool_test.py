@@ -10,7 +10,7 @@ import h5py
 import matplotlib.image
 import numpy as np
 
-from tool_run import BIN, SHARED, kuhn_cube, once, refuses, run, run_tests
+from tool_run import BIN, LIMIT, SHARED, kuhn_cube, once, refuses, run, run_tests
 
 
 @once
@@ -131,7 +131,7 @@ def test_one_process_of_an_mpi_job_draws():
     coarse, _ = cubes()
 
     done = subprocess.run(["mpirun", "-q", "--oversubscribe", "-n", "2", str(BIN / "pamr-picture"), coarse, "-o", "p.png"],
-                          capture_output=True, text=True, timeout=100)
+                          capture_output=True, text=True, timeout=LIMIT)
 
     assert done.returncode == 0 and done.stdout.count("p.png") == 1, done
 

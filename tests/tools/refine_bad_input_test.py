@@ -11,7 +11,7 @@ import numpy as np
 
 import tool_run
 from lineage_words import Lineage
-from tool_run import BIN, LAUNCHER, RANKS, bare_copy, kuhn_cube, once, refuses, run, run_tests, same_bytes
+from tool_run import BIN, LAUNCHER, LIMIT, RANKS, bare_copy, kuhn_cube, once, refuses, run, run_tests, same_bytes
 
 SECONDS = 60
 tool_run.REFUSED_BY_ALL = 1  # that all ranks end, and one speaks, is what this is about
@@ -123,7 +123,7 @@ def test_a_flipped_byte_in_any_dataset():
             continue
         if name.startswith(("VTKHDF/CellData/", "VTKHDF/PointData/")):  # as if a solver had rewritten it: a remark
             done = subprocess.run([str(BIN / "pamr-refine"), "flipped.hdf", "-o", "flipped-fine.hdf", "--force"],
-                                  capture_output=True, text=True, timeout=100)
+                                  capture_output=True, text=True, timeout=LIMIT)
             assert done.returncode in (0, 2) and name in done.stderr and "checksum" in done.stderr, done
             continue
         # a wrong count shows at the datasets that ought to have it
