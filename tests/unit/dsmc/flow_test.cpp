@@ -140,10 +140,10 @@ TEST(Flow, EquilibriumCollidesAsOftenAsKineticTheorySays) {
 TEST(Flow, PartnersOfTheSameSubCellAreBitEqualOnAnyNumberOfRanksAndCloserThanRandomOnes) {
   using Partner = CollisionOptions::Partner;
   const par::Comm comm(MPI_COMM_WORLD), alone(MPI_COMM_SELF);
-  const auto block = test::random_mesh(comm, 5, 3);
+  const auto block = test::random_mesh(comm, 3, 3);
   const auto mesh = assemble::assemble(comm, block), whole = assemble::assemble(alone, test::gather(comm, block));
   const auto setup_for = [](const mesh::DistMesh& some, Partner partner) {
-    auto setup = test::box_of(test::nitrogen(), some, 1e-4, 80, 7e22, 300, 200, 7e-9);
+    auto setup = test::box_of(test::nitrogen(), some, 1e-4, 400, 7e22, 300, 200, 7e-9);
     setup.collisions.partner = partner;
     return setup;
   };
@@ -165,6 +165,7 @@ TEST(Flow, PartnersOfTheSameSubCellAreBitEqualOnAnyNumberOfRanksAndCloserThanRan
     ASSERT_EQ(fingerprint(flow), fingerprint(twin)) << "step " << step;
   }
 
+  EXPECT_GT(separation(flow), 1.2 * separation(nearest));  // not all cells have too few particles for sub-cells
   EXPECT_LT(separation(flow), 2 * separation(nearest));
   EXPECT_GT(separation(any), 3 * separation(nearest));
 }
