@@ -232,7 +232,7 @@ def sphere():
                                             "boundary": {"sphere": {"kind": "diffuse", "temperature": 300.0}, "box": {"kind": "inflow"}},
                                             "collisions": {"enabled": False}, "particles": dict(total=86000.0),
                                             "time": dict(step=0.1 / (v + 0.5 * fast(300.0, NITROGEN["mass"])), **extra),
-                                            "run": dict(transient=120, sampling=1500 if s == 1 else 700, block=35),
+                                            "run": dict(transient=120, sampling=2200 if s == 1 else 1000 if extra else 700, block=35),
                                             "reference": dict(area=math.pi, length=2.0, patches=["sphere"])}, on, seed))
         case, note = ("22", ", step varying with the cells") if extra else ("9", "")
         for name, most, sphere_value in (("C_D", 0.001, exact[s][0]), ("C_H", 0.002, exact[s][1])):

@@ -79,7 +79,7 @@ def couette_flow(species, seed, sampling):
     k = compute("couette-flow", {**gas(Ar=species), **streams, **cases.between_walls(t, [-u / 2, u / 2]), "initial": {}, "initial.region": regions,
                                  "particles": dict(per_cell=per_cell), "time": dict(step=0.2 / paths / cases.fast(t, species["mass"])),
                                  "run": dict(transient=4000, sampling=sampling), "reference": dict(area=1 / paths**2, pitch_axis=[0.0, 0.0, 1.0])},
-                box("couette.hdf", paths, 1, 1, 0, 1), seed)
+                box("column.hdf", paths, 1, 1, 0, 1), seed)
     return [(value / shear, error / shear) for value, error in cases.wall_loads(k)[0]]
 
 
