@@ -36,18 +36,19 @@ void gather(std::vector<double>& rows, std::vector<double>& spare, std::span<con
 
 }  // namespace
 
-void Particles::reserve_one_more() {
-  if (x.size() < x.capacity()) return;
-  const auto room = with_room(x.size());  // a doubling would waste memory
-  for (auto* values : {&x, &y, &z, &u, &v, &w, &rotation}) grow_array(*values, room);
-  grow_array(id, room);
-  grow_array(cell, room);
-  grow_array(species, room);
-  grow_array(partner, room);
+void Particles::reserve(std::size_t n) {
+  if (n <= x.capacity()) return;
+  grow_array(x, n);
+  n = x.capacity();  // a little more: as much in the other arrays, or they would double when they are full
+  for (auto* values : {&y, &z, &u, &v, &w, &rotation}) grow_array(*values, n);
+  grow_array(id, n);
+  grow_array(cell, n);
+  grow_array(species, n);
+  grow_array(partner, n);
 }
 
 void Particles::append(const Particle& p) {
-  reserve_one_more();
+  if (x.size() == x.capacity()) reserve(with_room(x.size()));  // a doubling would waste memory
   x.push_back(p.position.x);
   y.push_back(p.position.y);
   z.push_back(p.position.z);

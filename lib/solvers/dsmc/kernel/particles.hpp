@@ -45,6 +45,8 @@ class Particles {
   Particle get(std::size_t i) const {
     return {position(i), velocity(i), rotation[i], id[i], cell[i], species[i], partner[i]};
   }
+  /// Room for `n` in all. Without it arrays grow by a sixteenth at a time, and are copied each time.
+  void reserve(std::size_t n);
   void append(const Particle& particle);
   void clear();
 
@@ -61,7 +63,6 @@ class Particles {
     std::uint64_t id = 0;
     std::uint32_t row = 0;
   };
-  void reserve_one_more();
   void order_by_id(std::size_t begin, std::size_t end);
 
   std::vector<std::uint32_t> begin_;

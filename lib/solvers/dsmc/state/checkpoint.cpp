@@ -156,6 +156,7 @@ void restore_particles(const par::Comm& comm, const Section& section, GlobalId n
     throw Error(
         fmt::format("checkpoint: expected {} particles, as its cells have, found {}", numbering.total, section.rows));
   InOrderOfCells order(count);
+  flow.particles.reserve(at(order.size()));
   par::in_rounds(comm, at(order.size()), particles_of_round, [&](std::size_t begin, std::size_t end) {
     const auto places = order.take(end - begin);
     std::vector<GlobalId> rows;
