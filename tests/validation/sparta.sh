@@ -15,8 +15,9 @@
 #                   box sphere cone
 #                   cone-10 (at 10 degrees of incidence, half an hour), cone-cells (smaller cells in both),
 #                   cone-sector (also a sixteenth of a turn in pamr-dsmc, its particles closer together)
-#                   sphere-4 (four times the particles), sphere-cells (smaller cells too), sphere-3d (SPARTA in three dimensions),
-#                   sphere-any (SPARTA's partners from the whole cell)
+#                   sphere-4 (four times the particles), sphere-cells (smaller cells too), sphere-finest (SPARTA's smaller still,
+#                   four times the particles again), sphere-3d (SPARTA in three dimensions), sphere-any (SPARTA's partners from the
+#                   whole cell)
 set -euo pipefail
 
 declare -A values=([--seed]=seed)

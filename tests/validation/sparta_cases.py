@@ -306,6 +306,7 @@ def main():
              "cone-sector": lambda: cone_run(0, 2, sector=True),  # and our particles six times as dense
              "sphere-4": lambda: sphere("sphere-4", more=4),  # the partners of both are closer
              "sphere-cells": lambda: sphere("sphere-cells", more=4, finer=2, size=0.06),  # and cells smaller
+             "sphere-finest": lambda: sphere("sphere-finest", more=16, finer=4, size=0.06),  # SPARTA's once more, partners closer
              "sphere-3d": lambda: sphere("sphere-3d", more=4, three_d=True),  # and SPARTA's without clones
              "sphere-any": lambda: sphere("sphere-any", more=4, finer=2, near=False, size=0.06)}  # and SPARTA's of the whole cell
     for name in sys.argv[6:] or ["box", "sphere", "cone"]:
