@@ -59,9 +59,8 @@ def main():
                     continue
                 compared += 1
                 found, wanted = value_at(reports[-1], row["quantity"]), float(row["value"])
-                most = float(row["tolerance"]) * abs(wanted)
-                if o.coarse:
-                    most = value_at(reports[-1], row["quantity"].removesuffix("value") + "error")
+                bar = row["quantity"].removesuffix("value") + "error"
+                most = value_at(reports[-1], bar) if o.coarse else float(row["tolerance"]) * abs(wanted)
                 if found is None or most is None or not abs(found - wanted) <= most:
                     print(f"{o.case}: expected {row['quantity']} = {wanted:g} within {shown(most)}, found {shown(found)}",
                           file=sys.stderr)

@@ -15,8 +15,10 @@ set -euo pipefail
 declare -A values=([--reading]=reading [--levels]=levels [--max-cells]=max_cells)
 declare -A flags=([--picture]=picture)
 reading=b
-levels=5
-max_cells=700000
+full_levels=5
+full_cells=700000
+levels=$full_levels
+max_cells=$full_cells
 picture=no
 check_options() {
   case $reading in a | b) ;; *) echo "run.sh: expected --reading a or b, found $reading" >&2; exit 2 ;; esac
@@ -34,7 +36,7 @@ pamr-mesh "$case_file" -o "$out/mesh.hdf" --force
 "$case_folder/loop.sh" "$case_file" "$out/mesh.hdf" "$out" "$ranks" "$levels" "$max_cells" "${criteria[@]}"
 # With fewer levels results are compared within their own error bars.
 coarse=()
-if [ "$levels" -lt 5 ] || [ "$max_cells" -lt 700000 ]; then coarse=(--coarse); fi
+if [ "$levels" -lt $full_levels ] || [ "$max_cells" -lt $full_cells ]; then coarse=(--coarse); fi
 status=0
 python3 "$case_folder/levels.py" "$out" "f_x=best.sphere.force-x.value" "+-=best.sphere.force-x.error" \
   "f_z=best.sphere.force-z.value" "+-=best.sphere.force-z.error" \
