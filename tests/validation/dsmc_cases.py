@@ -224,7 +224,7 @@ def sphere():
     exact = {1: (4.75375, 1.78606), 5: (2.31553, 1.03960), 10: (2.13811, 1.00998)}
     level0 = mesh("sphere0.hdf", "--shape", "sphere-in-box")
     level1 = refined(level0, "sphere1.hdf", "--patch", "sphere")
-    for s, on, extra in ((1, level0, {}), (5, level0, {}), (10, level0, {}), (5, level1, {"cell_fraction": 0.4})):
+    for s, on, sampling, extra in ((1, level0, 2200, {}), (5, level0, 700, {}), (10, level0, 700, {}), (5, level1, 1000, {"cell_fraction": 0.4})):
         v = s * fast(300.0, NITROGEN["mass"])
         found = []
         for seed in range(1, runs.SEEDS + 1):
@@ -232,7 +232,7 @@ def sphere():
                                             "boundary": {"sphere": {"kind": "diffuse", "temperature": 300.0}, "box": {"kind": "inflow"}},
                                             "collisions": {"enabled": False}, "particles": dict(total=86000.0),
                                             "time": dict(step=0.1 / (v + 0.5 * fast(300.0, NITROGEN["mass"])), **extra),
-                                            "run": dict(transient=120, sampling=2200 if s == 1 else 1000 if extra else 700, block=35),
+                                            "run": dict(transient=120, sampling=sampling, block=35),
                                             "reference": dict(area=math.pi, length=2.0, patches=["sphere"])}, on, seed))
         case, note = ("22", ", step varying with the cells") if extra else ("9", "")
         for name, most, sphere_value in (("C_D", 0.001, exact[s][0]), ("C_H", 0.002, exact[s][1])):

@@ -74,14 +74,14 @@ def walls(kind="symmetry", **given):
 
 
 def compute(name, tables, on, seed, plan=False):
-    """One run; its report, with also its `history` and `fields`."""
+    """One run; its report, with also its `history`. No mesh has the name of its flow, NAME-flow.hdf."""
     tables = {**tables, "run": {**tables.get("run", {}), "seed": seed}}
     tables.setdefault("domain", {"unit": 1.0})
     (OUT / f"{name}.toml").write_text(case_text(tables))
     if plan:
         tool("pamr-dsmc", f"{name}.toml", "--mesh", on, "--plan", "--json", f"{name}.json")
         return json.loads((OUT / f"{name}.json").read_text())
-    tool("pamr-dsmc", f"{name}.toml", "--mesh", on, "-o", f"{name}.hdf", "--history", f"{name}.csv", "--json", f"{name}.json",
+    tool("pamr-dsmc", f"{name}.toml", "--mesh", on, "-o", f"{name}-flow.hdf", "--history", f"{name}.csv", "--json", f"{name}.json",
          "--force", "--quiet")
     report = json.loads((OUT / f"{name}.json").read_text())
     assert report["lost_particles"] == 0
@@ -92,7 +92,7 @@ def compute(name, tables, on, seed, plan=False):
 
 def fields(name, *wanted):
     """Middle points, volumes and fields of the cells of a run."""
-    with h5py.File(OUT / f"{name}.hdf") as file:
+    with h5py.File(OUT / f"{name}-flow.hdf") as file:
         corner = file["VTKHDF/Points"][:][file["VTKHDF/Connectivity"][:].reshape(-1, 4)]
         values = [file[f"VTKHDF/CellData/{one}"][:] for one in wanted]
     edges = corner[:, 1:] - corner[:, :1]
