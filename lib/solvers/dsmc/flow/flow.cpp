@@ -98,16 +98,12 @@ Flow::Flow(const par::Comm& comm, const mesh::DistMesh& mesh, Setup setup)
 void Flow::fill(const mesh::DistMesh& mesh) {
   particles.clear();
   const auto n_species = static_cast<std::uint32_t>(setup_.gas.species.size());
-  const auto stream_of = [&](const TetPoints& corner) {
-    const int which = setup_.stream_at_start(0.25 * (corner[0] + corner[1] + corner[2] + corner[3]));
-    return which < 0 ? nullptr : &setup_.stream[at(which)];
-  };
   const auto mean_of = [&](const Stream& stream, std::size_t c, std::uint32_t s) {
     return stream.density * stream.fraction[s] * domain_.volume[c] / fnum_of(c, s);
   };
   double expected = 0;
   for (LocalId cell = 0; cell < mesh.n_cells(); ++cell)
-    if (const auto* stream = stream_of(corners(mesh, setup_.unit, cell)))
+    if (const auto* stream = setup_.stream_at_start(corners(mesh, setup_.unit, cell)))
       for (std::uint32_t s = 0; s < n_species; ++s) expected += mean_of(*stream, at(cell), s);
   // Below each number is its mean rounded up or down, with a standard deviation of a half at most.
   particles.reserve(
@@ -116,7 +112,7 @@ void Flow::fill(const mesh::DistMesh& mesh) {
   for (LocalId cell = 0; cell < mesh.n_cells(); ++cell) {
     const auto c = at(cell);
     const auto corner = corners(mesh, setup_.unit, cell);
-    const auto* stream = stream_of(corner);
+    const auto* stream = setup_.stream_at_start(corner);
     if (stream == nullptr) continue;
     Random random(setup_.seed, Purpose::seed, static_cast<std::uint64_t>(domain_.cell_global[c]), steps_done);
     for (std::uint32_t s = 0; s < n_species; ++s) {

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "pamr/geometry/tet_shape.hpp"
 #include "solvers/dsmc/gas/gas.hpp"
 #include "solvers/dsmc/kernel/boundary.hpp"
 #include "solvers/dsmc/kernel/collide.hpp"
@@ -39,12 +40,13 @@ struct Setup {
   std::uint64_t seed = 1;
   double expected_particles = 0;  ///< in a domain full of free stream (with `from_fields`: of the gas in the fields)
 
-  /// The stream that fills a cell with this center at the start; -1: vacuum.
-  int stream_at_start(Vec3 center) const {
+  /// The stream that fills a cell with these corners at the start; null: vacuum.
+  const Stream* stream_at_start(const geometry::TetPoints& corner) const {
+    const Vec3 center = 0.25 * (corner[0] + corner[1] + corner[2] + corner[3]);
     int which = initial;
     for (const auto& part : region)
       if (part.holds(center)) which = part.stream;
-    return which;
+    return which < 0 ? nullptr : &stream[static_cast<std::size_t>(which)];
   }
 };
 

@@ -37,11 +37,9 @@ Extent measure(const par::Comm& comm, const Setup& setup, const mesh::DistMesh& 
     const double v = volume(corner), dt = setup.cell_dt.empty() ? setup.dt : setup.cell_dt[at(cell)];
     sums[0].add(v);
     sums[2].add(v * dt / std::cbrt(v));
-    const int which = setup.stream_at_start(0.25 * (corner[0] + corner[1] + corner[2] + corner[3]));
-    if (which < 0) continue;
-    const auto& stream = setup.stream[at(which)];
-    sums[1].add(stream.density * particles_per_molecule(setup.gas, stream.fraction) * v /
-                (setup.fnum * (dt / setup.dt)));
+    if (const auto* stream = setup.stream_at_start(corner))
+      sums[1].add(stream->density * particles_per_molecule(setup.gas, stream->fraction) * v /
+                  (setup.fnum * (dt / setup.dt)));
   }
   const auto total = par::reproducible_sums(comm, sums);
   return {total[0], total[1], total[2]};
