@@ -17,6 +17,7 @@ import study_tables
 
 CASE = pathlib.Path(__file__).resolve().parent
 STUDIES = ("particles", "step", "cells", "seeds", "partner", "coarse", "levels", "domain")
+LONG = ("paper",)  # only when asked for
 
 
 @dataclass
@@ -50,6 +51,10 @@ RUNS = [
     Run("levels", "l1-760k", "level1", 2.1e12, 1600, carry=1),
     Run("levels", "l2-950k", "level2", 2.5e12, 2100, carry=2),
     Run("partner", "l2-950k-any", "level2", 2.5e12, 2100, carry=2, partner="any"),
+    # The paper's numbers of particles.
+    Run("paper", "l1-560k-any", "level1", 2.85e12, 1650, carry=1, partner="any"),
+    Run("paper", "l2-5880k-any", "level2", 4.0e11, 2150, carry=2, partner="any"),
+    Run("paper", "l3-11100k-any", "level3", 3.8e11, 4400, carry=2, partner="any"),
 ]
 # The coarsest mesh whose edges still fit the arcs of the wall; and a wider domain.
 MESHES = {
@@ -63,11 +68,14 @@ class Folders:
         self.full, self.out, self.ranks = pathlib.Path(full).resolve(), pathlib.Path(out).resolve(), ranks
         self.small = None if small == "none" else pathlib.Path(small).resolve()
 
-    def tool(self, name, *arguments):
-        command = ["mpirun", "-q", "-n", str(self.ranks), name, *map(str, arguments), "--force", "--quiet"]
-        done = subprocess.run(command, cwd=self.out, capture_output=True, text=True)
+    def tool(self, name, *arguments, log="tools.log"):
+        """Runs a tool in the folder for runs; what it prints goes to a file there."""
+        command = ["mpirun", "-q", "-n", str(self.ranks), name, *map(str, arguments), "--force"]
+        with open(self.out / log, "a", encoding="utf-8") as file:
+            done = subprocess.run(command, cwd=self.out, stdout=file, stderr=file)
         if done.returncode != 0:
-            sys.exit(f"studies.py: {' '.join(command)}: {done.stderr}")
+            end = (self.out / log).read_text(encoding="utf-8").splitlines()[-3:]
+            sys.exit("\n".join([f"studies.py: {' '.join(command)}: ended with {done.returncode}:", *end]))
 
     def mesh(self, name):
         if name.startswith("level"):
@@ -104,25 +112,32 @@ def compute(run, folders):
         if found != 1:
             sys.exit(f"studies.py: expected one {pattern} in case.toml, found {found}")
     (folders.out / f"{run.name}.toml").write_text(case, encoding="utf-8")
-    begin = [] if run.carry is None else ["--carry", folders.full / f"flow{run.carry}.checkpoint"]
+    checkpoint = folders.out / f"{run.name}.checkpoint"
+    if checkpoint.exists():
+        begin = ["--restart", checkpoint]
+    elif run.carry is not None:
+        begin = ["--carry", folders.full / f"flow{run.carry}.checkpoint"]
+    else:
+        begin = []
     before, started = os.times(), time.time()
-    folders.tool("pamr-dsmc", f"{run.name}.toml", "--mesh", mesh, "-o", f"{run.name}.hdf", *begin, "--surface",
-                 f"{run.name}.vtu", "--history", f"{run.name}.csv", "--json", "unready.json")
+    folders.tool("pamr-dsmc", f"{run.name}.toml", "--mesh", mesh, "-o", f"{run.name}.hdf", *begin, "--checkpoint", checkpoint,
+                 "--every", 300, "--surface", f"{run.name}.vtu", "--history", f"{run.name}.csv", "--json", "unready.json",
+                 log=f"{run.name}.log")
     after = os.times()
     with open(folders.out / "unready.json", encoding="utf-8") as file:
         report = json.load(file)
-    report["cpu_seconds"] = sum(after[2:4]) - sum(before[2:4])
-    (folders.out / f"{run.name}.json").write_text(json.dumps(report, indent=1), encoding="utf-8")
+    (folders.out / "unready.json").replace(folders.out / f"{run.name}.json")
+    checkpoint.unlink(missing_ok=True)
     print(f"{run.name}: C_D {report['C_D']['value']:.4f}, C_H {report['C_H']['value']:.4f}, {report['particles']} particles, "
-          f"{report['steps']} steps, {report['cpu_seconds']:.0f} CPU s, {time.time() - started:.0f} s", flush=True)
+          f"{report['steps']} steps, {sum(after[2:4]) - sum(before[2:4]):.0f} CPU s, {time.time() - started:.0f} s", flush=True)
 
 
 def main():
     folders = Folders(*sys.argv[1:4], int(sys.argv[4]))
     chosen = sys.argv[5:] or STUDIES
     for study in chosen:
-        if study not in (*STUDIES, *(run.name for run in RUNS), "tables"):
-            sys.exit(f"studies.py: unknown study {study}: expected some of {' '.join(STUDIES)} tables, or a run's name")
+        if study not in (*STUDIES, *LONG, *(run.name for run in RUNS), "tables"):
+            sys.exit(f"studies.py: unknown study {study}: expected some of {' '.join(STUDIES + LONG)} tables, or a run's name")
     for run in RUNS:
         if run.study in chosen or run.name in chosen:
             compute(run, folders)
@@ -130,4 +145,7 @@ def main():
 
 
 if __name__ == "__main__":
-    main()
+    try:
+        main()
+    except KeyboardInterrupt:
+        sys.exit("studies.py: interrupted; the same command goes on from the last checkpoint")
