@@ -50,7 +50,7 @@ case_file=$case_folder/case.toml
 limit=1.1718e21  # 1.05 times the free stream's density
 case $size in
   heat-flux)
-    weight=(3.5e11 3.5e11) sampling=(800 3600) cells=(0 100000)
+    weight=(3.5e11 3.5e11) sampling=(800 10800) cells=(0 100000)
     case_file=$case_folder/heat-flux.toml
     limit=3.9008e20
     ;;
