@@ -63,20 +63,25 @@ def is_full(levels, level, size):
     return size == "full" or (size == "last" and level + 1 == len(levels))
 
 
-def unexpected(levels, size):
-    """Differences from expected.csv: 4 standard errors of both, and a share for what another mesh would change."""
+def expected_rows():
+    """What expected.csv records: run, level, quantity, value, stderr, mesh."""
     name = os.path.join(os.path.dirname(os.path.abspath(__file__)), "expected.csv")
     with open(name, encoding="utf-8") as file:
-        for row in csv.DictReader(line for line in file if not line.startswith("#")):
-            level = int(row["level"])
-            if level >= len(levels) or row["run"] != ("full" if is_full(levels, level, size) else size):
-                continue
-            found, error = levels[level].value(row["quantity"])
-            expected = float(row["value"])
-            allowed = 4 * math.hypot(error, float(row["stderr"])) + float(row["mesh"])
-            if not abs(found - expected) <= allowed:
-                yield (f"level {level}: expected {row['quantity']} = {row['value']} within {allowed:.3g}, "
-                       f"found {found:g}")
+        return list(csv.DictReader(line for line in file if not line.startswith("#")))
+
+
+def unexpected(levels, size):
+    """Differences from expected.csv: 4 standard errors of both, and a share for what another mesh would change."""
+    for row in expected_rows():
+        level = int(row["level"])
+        if level >= len(levels) or row["run"] != ("full" if is_full(levels, level, size) else size):
+            continue
+        found, error = levels[level].value(row["quantity"])
+        expected = float(row["value"])
+        allowed = 4 * math.hypot(error, float(row["stderr"])) + float(row["mesh"])
+        if not abs(found - expected) <= allowed:
+            yield (f"level {level}: expected {row['quantity']} = {row['value']} within {allowed:.3g}, "
+                   f"found {found:g}")
 
 
 def requirements(levels, size):

@@ -8,44 +8,38 @@ Reads flow<i>.json and quality<i>.json in FOLDER, or takes the levels of the ful
 --studies adds the runs of studies.sh there whose partners are any of the cell.
 """
 import argparse
-import csv
 import pathlib
 import sys
 
-from levels import EXPERIMENT, PAPER, Level
+from levels import EXPERIMENT, PAPER, Level, expected_rows
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent))
 import plots
 
-STUDENT_9 = 2.262  # 97.5 % with ten groups
+NAMES = ("C_D", "C_L", "C_m")
+STUDENT_9 = 2.262  # 97.5 % with ten groups, which the recorded levels have but for level 0 (20: 2.093)
 
 
-class Recorded:
-    """A level of the full run as expected.csv has it: what `Level` has of a run."""
+# The next three give coefficients with their bounds, by the number of cells: [(cells, {name: (value, bound)})].
+def levels_of(folder, n_levels):
+    levels = [Level(folder, i) for i in range(n_levels + 1)]
+    return [(level.cells, {name: (level.value(name)[0], level.bound(name)) for name in NAMES}) for level in levels]
 
-    def __init__(self, level):
-        with open(pathlib.Path(__file__).parent / "expected.csv", encoding="utf-8") as file:
-            rows = list(csv.DictReader(line for line in file if not line.startswith("#")))
-        self.rows = {row["quantity"]: row for row in rows if row["run"] == "full" and int(row["level"]) == level}
-        self.cells = int(self.rows["cells"]["value"])
 
-    def value(self, name):
-        return float(self.rows[name]["value"]), float(self.rows[name]["stderr"])
-
-    def bound(self, name):
-        return STUDENT_9 * float(self.rows[name]["stderr"])
+def recorded_levels(n_levels):
+    full = {(int(row["level"]), row["quantity"]): row for row in expected_rows() if row["run"] == "full"}
+    return [(int(full[i, "cells"]["value"]),
+             {name: (float(full[i, name]["value"]), STUDENT_9 * float(full[i, name]["stderr"])) for name in NAMES})
+            for i in range(n_levels + 1)]
 
 
 def any_partner_runs(folder):
-    """The runs `*-any` of a folder of studies.sh, by their number of cells; of two on one mesh the one with more particles."""
+    """The runs `*-any` of a folder of studies.sh; of two on one mesh the one with more particles."""
     import study_tables  # needs h5py
 
-    best = {}
-    for name in sorted(folder.glob("*-any.json")):
-        run = study_tables.Found(folder, name.stem)
-        if run.cells not in best or run.particles > best[run.cells].particles:
-            best[run.cells] = run
-    return [best[cells] for cells in sorted(best)]
+    runs = [study_tables.Found(folder, name.stem) for name in folder.glob("*-any.json")]
+    by_cells = {run.cells: run.values for run in sorted(runs, key=lambda run: run.particles)}
+    return sorted(by_cells.items())
 
 
 def main():
@@ -55,17 +49,17 @@ def main():
     parser.add_argument("-o", required=True)
     parser.add_argument("--studies", type=pathlib.Path)
     o = parser.parse_args()
-    levels = [Recorded(i) if o.folder == "recorded" else Level(o.folder, i) for i in range(o.levels + 1)]
+    levels = recorded_levels(o.levels) if o.folder == "recorded" else levels_of(o.folder, o.levels)
+    series = [(levels, "o-", plots.COLORS[0], "PAMR, 95 %")]
     any_partner = any_partner_runs(o.studies) if o.studies else []
+    if any_partner:
+        series.append((any_partner, "^-", plots.COLORS[2], "PAMR, any partner"))
     figure = plots.matplotlib.figure.Figure(figsize=(9.6, 3.4), layout="constrained")
-    for i, name in enumerate(("C_D", "C_L", "C_m")):
+    for i, name in enumerate(NAMES):
         axes = figure.add_subplot(1, 3, i + 1)
-        axes.errorbar([level.cells for level in levels], [level.value(name)[0] for level in levels],
-                      yerr=[level.bound(name) for level in levels], fmt="o-", color=plots.COLORS[0], label="PAMR, 95 %")
-        if any_partner:
-            axes.errorbar([run.cells for run in any_partner], [run.values[name][0] for run in any_partner],
-                          yerr=[run.values[name][1] for run in any_partner], fmt="^-", color=plots.COLORS[2],
-                          label="PAMR, any partner")
+        for points, mark, color, label in series:
+            values, bounds = zip(*(found[name] for _, found in points))
+            axes.errorbar([cells for cells, _ in points], values, yerr=bounds, fmt=mark, color=color, label=label)
         axes.plot([row[0] for row in PAPER], [row[2 + i] for row in PAPER], "s--", color=plots.COLORS[1], label="the paper")
         axes.axhline(EXPERIMENT[i], color=plots.INK, lw=0.9, ls=":", label="experiment")
         axes.set_xscale("log")
