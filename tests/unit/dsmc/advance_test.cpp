@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "pamr/assemble/assemble.hpp"
+#include "pamr/base/error.hpp"
 #include "solvers/dsmc/run/flow_output.hpp"
 #include "solvers/dsmc/run/flow_report.hpp"
 #include "solvers/dsmc/run/stop_signals.hpp"
@@ -68,6 +69,41 @@ TEST(Advance, StopsWhenOneRankAsksAndGoesOnFromItsCheckpointWithTheSameBits) {
   EXPECT_EQ(rest->flow().steps_done, 90U);
   EXPECT_EQ(stopped.particle_steps + resumed.particle_steps, all.particle_steps);
   EXPECT_EQ(test::history_of(*rest), test::history_of(*whole));
+  comm.barrier();
+}
+
+TEST(Advance, GoesOnWithTheBlocksOfItsCheckpointForMoreAverages) {
+  const par::Comm comm(MPI_COMM_WORLD);
+  const auto given = [](const std::string& sampling, const std::string& block) {
+    std::string text = test::stream_case;
+    const std::string old = "sampling = 60\nblock = 5\n";
+    return read_case(text.replace(text.find(old), old.size(), "sampling = " + sampling + "\n" + block), "case.toml");
+  };
+  const auto mesh = assemble::assemble(comm, test::random_mesh(comm, 5, 4));
+  const TemporaryFile checkpoint(comm);
+  const auto whole = test::filled(comm, given("120", "block = 3\n"), mesh);
+  const auto first = test::filled(comm, given("60", ""), mesh);    // a twentieth: 3
+  const auto rest = test::unfilled(comm, given("120", ""), mesh);  // a twentieth would be 6
+  const auto other = test::unfilled(comm, given("120", "block = 6\n"), mesh);
+
+  advance(*whole, {}, {});
+  advance(*first, {{}, checkpoint.path(), 0}, {});
+  rest->restart(checkpoint.path());
+  advance(*rest, {}, {});
+
+  const auto a = whole->averaging().results(), b = rest->averaging().results();
+  EXPECT_EQ(b.n_blocks, 40U);
+  EXPECT_EQ(rest->averaging().block_steps(), 3);
+  EXPECT_EQ(b.groups.n_groups, a.groups.n_groups);
+  EXPECT_EQ(b.body.drag.error, a.body.drag.error);
+  EXPECT_EQ(test::history_of(*rest), test::history_of(*whole));
+  try {
+    other->restart(checkpoint.path());
+    ADD_FAILURE() << "blocks of two lengths were accepted";
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("give block = 3"), std::string::npos) << error.what();
+    EXPECT_NE(std::string(error.what()).find(checkpoint.path()), std::string::npos) << error.what();
+  }
   comm.barrier();
 }
 

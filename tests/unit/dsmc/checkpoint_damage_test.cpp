@@ -145,6 +145,11 @@ TEST_F(CheckpointContents, OfTheHeaderAreRefusedByName) {
   refused("/run/in_interval", -3, "in_interval");
   refused("/run/history/0", json::array({1, 2}), "a row of the history");
   refused("/run/history/1/0", 0, "one after another");
+  refused("/run/block_steps", 1e300, "block_steps");
+  refused("/run/block_steps", 0, "blocks of 0");
+  refused("/run/block_steps", 44, "blocks of 44");
+  refused("/run/sampling", false, "expected no averages");
+  refused("/run/in_interval", 5, "and 5 more");
   refused("/run/blocks/0", json::array(), "a block of loads");
   refused("/run/blocks/0/0/6", nullptr, "number 6 of a load");
   refused("/run/steady_reason", 5, "steady_reason");

@@ -123,6 +123,18 @@ Averaging::Averaging(const Case& the_case, const mesh::DistMesh& mesh, const Flo
   state_.face.resize(flow.domain().boundary.size());
 }
 
+void Averaging::resume(RunState state) {
+  if (state.sampling) {
+    if (schedule_.block > 0 && schedule_.block != state.block_steps)
+      throw Error(
+          fmt::format("expected blocks of {0} steps, which the averages so far have, found {1} in the case: "
+                      "give block = {0} in [run], or begin new averages with --carry",
+                      state.block_steps, schedule_.block));
+    block_ = state.block_steps;
+  }
+  state_ = std::move(state);
+}
+
 void Averaging::begin_transferred(std::uint64_t step) {
   state_.first_step = step;
   state_.transferred = true;
@@ -176,6 +188,7 @@ void Averaging::begin_sampling(Flow& flow, const std::string& reason) {
   if (state_.in_interval > 0) end_interval(flow);
   state_.sampling = true;
   state_.sampling_since = flow.steps_done;
+  state_.block_steps = block_;
   state_.steady_reason = reason;
   flow.start_sampling();
 }

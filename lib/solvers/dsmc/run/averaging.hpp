@@ -50,8 +50,9 @@ class Averaging {
   /// Ends averaging that has too few steps for a block, so that what there is counts. Collective.
   void finish(Flow& flow);
 
-  /// The run goes on from this state.
-  void resume(RunState state) { state_ = std::move(state); }
+  /// The run goes on from this state. Averages that have begun keep their blocks, so that all are of one length; throws
+  /// `Error` if the case asks for blocks of another one. Local.
+  void resume(RunState state);
   /// The run begins with a flow transferred from another mesh, at this step.
   void begin_transferred(std::uint64_t step);
 

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <iterator>
 #include <nlohmann/json.hpp>
 
 #include "pamr/base/error.hpp"
@@ -57,17 +58,12 @@ json to_json(const RunState& s) {
     for (const auto& load : block) loads.push_back(load_to_json(load));
     blocks.push_back(loads);
   }
-  return {{"sampling", s.sampling},
-          {"sampling_since", s.sampling_since},
-          {"first_step", s.first_step},
-          {"carried", s.transferred},
-          {"steady_reason", s.steady_reason},
-          {"in_interval", s.in_interval},
-          {"interval", row_to_json(s.interval)},
-          {"history", history},
-          {"blocks", blocks},
-          {"abandoned", s.stuck},
-          {"clamped", s.clamped}};
+  return {{"sampling", s.sampling},       {"sampling_since", s.sampling_since},
+          {"block_steps", s.block_steps}, {"first_step", s.first_step},
+          {"carried", s.transferred},     {"steady_reason", s.steady_reason},
+          {"in_interval", s.in_interval}, {"interval", row_to_json(s.interval)},
+          {"history", history},           {"blocks", blocks},
+          {"abandoned", s.stuck},         {"clamped", s.clamped}};
 }
 
 RunState run_state_from(const json& j, const RunExtent& extent) {
@@ -78,6 +74,7 @@ RunState run_state_from(const json& j, const RunExtent& extent) {
   RunState s;
   s.sampling = truth_of(member(j, "sampling"), "sampling");
   s.sampling_since = step("sampling_since");
+  s.block_steps = count_of(member(j, "block_steps"), "block_steps", std::int64_t{1} << 32U);
   s.first_step = step("first_step");
   s.transferred = truth_of(member(j, "carried"), "carried");
   s.steady_reason = string_of(member(j, "steady_reason"), "steady_reason");
@@ -97,6 +94,12 @@ RunState run_state_from(const json& j, const RunExtent& extent) {
     for (const auto& load : array_of(block, "a block of loads", extent.n_patches))
       s.blocks.back().push_back(load_from(load));
   }
+  const bool fit = s.sampling ? s.in_interval < s.block_steps && std::ssize(s.blocks) <= steps_done / s.block_steps
+                              : s.block_steps == 0 && s.blocks.empty();
+  if (!fit)
+    throw Error(fmt::format("checkpoint: expected {} after {} steps, found {} blocks of {} steps and {} more steps",
+                            s.sampling ? "averages in blocks" : "no averages", steps_done, s.blocks.size(),
+                            s.block_steps, s.in_interval));
   s.stuck = count_of(member(j, "abandoned"), "abandoned");
   s.clamped = count_of(member(j, "clamped"), "clamped");
   s.face.resize(extent.n_faces);
