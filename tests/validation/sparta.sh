@@ -17,7 +17,7 @@
 #                   cone-sector (also a sixteenth of a turn in pamr-dsmc, its particles closer together)
 #                   sphere-4 (four times the particles), sphere-cells (smaller cells too), sphere-finest (SPARTA's smaller still,
 #                   four times the particles again), sphere-3d (SPARTA in three dimensions), sphere-any (SPARTA's partners from the
-#                   whole cell)
+#                   whole cell), sphere-mach-8 (Mach 8, Kn 0.03)
 set -euo pipefail
 
 declare -A values=([--seed]=seed)
