@@ -119,19 +119,18 @@ Averaging::Averaging(const Case& the_case, const mesh::DistMesh& mesh, const Flo
   for (std::size_t p = 0; p < mesh.info.patches.size(); ++p)
     if (flow.setup().patch[p].is_wall()) walls_.emplace_back(p, mesh.info.patches[p].name);
   interval_ = std::max<std::int64_t>(1, std::llround(flow_through_steps(flow, mesh) / window));
-  block_ = schedule_.block > 0 ? schedule_.block : std::max<std::int64_t>(1, schedule_.sampling / 20);
+  state_.block_steps = schedule_.block > 0 ? schedule_.block : std::max<std::int64_t>(1, schedule_.sampling / 20);
   state_.face.resize(flow.domain().boundary.size());
 }
 
 void Averaging::resume(RunState state) {
-  if (state.sampling) {
-    if (schedule_.block > 0 && schedule_.block != state.block_steps)
-      throw Error(
-          fmt::format("expected blocks of {0} steps, which the averages so far have, found {1} in the case: "
-                      "give block = {0} in [run], or begin new averages with --carry",
-                      state.block_steps, schedule_.block));
-    block_ = state.block_steps;
-  }
+  if (!state.sampling)
+    state.block_steps = state_.block_steps;
+  else if (schedule_.block > 0 && schedule_.block != state.block_steps)
+    throw Error(
+        fmt::format("expected blocks of {0} steps, which the averages so far have, found {1} in the case: "
+                    "give block = {0} in [run], or begin new averages with --carry",
+                    state.block_steps, schedule_.block));
   state_ = std::move(state);
 }
 
@@ -172,7 +171,7 @@ void Averaging::after_step(Flow& flow, const StepTotals& counts) {
   state_.stuck += counts.stuck;
   state_.clamped += counts.clamped;
   ++state_.in_interval;
-  if (state_.in_interval >= (state_.sampling ? block_ : interval_)) end_interval(flow);
+  if (state_.in_interval >= (state_.sampling ? state_.block_steps : interval_)) end_interval(flow);
 }
 
 bool Averaging::is_complete(std::uint64_t steps_done) const {
@@ -188,7 +187,6 @@ void Averaging::begin_sampling(Flow& flow, const std::string& reason) {
   if (state_.in_interval > 0) end_interval(flow);
   state_.sampling = true;
   state_.sampling_since = flow.steps_done;
-  state_.block_steps = block_;
   state_.steady_reason = reason;
   flow.start_sampling();
 }
@@ -275,7 +273,7 @@ Results::OfPatch Averaging::of(const std::string& name, std::size_t n_groups,
 Results Averaging::results() const {
   Results results;
   results.n_blocks = state_.blocks.size();
-  results.groups = group_blocks(results.n_blocks, block_, passage_steps());
+  results.groups = group_blocks(results.n_blocks, state_.block_steps, passage_steps());
   const auto n = results.groups.n_groups;
   results.body = of("", n, [&](const std::vector<Load>& loads) { return sum_of(loads, body_); });
   for (const auto& [p, name] : walls_)

@@ -62,7 +62,7 @@ class Averaging {
   /// True while nobody knows when averages begin.
   bool waits_for_steady_flow() const { return !state_.sampling && !schedule_.transient; }
   Results results() const;
-  std::int64_t block_steps() const { return block_; }
+  std::int64_t block_steps() const { return state_.block_steps; }
   /// Steps in which the free stream passes the domain: what happens in them depends on each other.
   std::int64_t passage_steps() const;
   const RunState& state() const { return state_; }
@@ -82,7 +82,7 @@ class Averaging {
   Scale scale_;
   std::vector<bool> body_;                                  ///< of each patch: belongs to the reference body
   std::vector<std::pair<std::size_t, std::string>> walls_;  ///< number and name of each patch that is a wall
-  std::int64_t interval_ = 1, block_ = 1;
+  std::int64_t interval_ = 1;
   RunState state_;
 };
 

@@ -58,12 +58,14 @@ json to_json(const RunState& s) {
     for (const auto& load : block) loads.push_back(load_to_json(load));
     blocks.push_back(loads);
   }
-  return {{"sampling", s.sampling},       {"sampling_since", s.sampling_since},
-          {"block_steps", s.block_steps}, {"first_step", s.first_step},
-          {"carried", s.transferred},     {"steady_reason", s.steady_reason},
-          {"in_interval", s.in_interval}, {"interval", row_to_json(s.interval)},
-          {"history", history},           {"blocks", blocks},
-          {"abandoned", s.stuck},         {"clamped", s.clamped}};
+  return {
+      {"sampling", s.sampling},       {"sampling_since", s.sampling_since},
+      {"block_steps", s.block_steps}, {"first_step", s.first_step},
+      {"carried", s.transferred},     {"steady_reason", s.steady_reason},
+      {"in_interval", s.in_interval}, {"interval", row_to_json(s.interval)},
+      {"history", history},           {"blocks", blocks},
+      {"abandoned", s.stuck},         {"clamped", s.clamped},
+  };
 }
 
 RunState run_state_from(const json& j, const RunExtent& extent) {
@@ -95,7 +97,7 @@ RunState run_state_from(const json& j, const RunExtent& extent) {
       s.blocks.back().push_back(load_from(load));
   }
   const bool fit = s.sampling ? s.in_interval < s.block_steps && std::ssize(s.blocks) <= steps_done / s.block_steps
-                              : s.block_steps == 0 && s.blocks.empty();
+                              : s.blocks.empty();
   if (!fit)
     throw Error(fmt::format("checkpoint: expected {} after {} steps, found {} blocks of {} steps and {} more steps",
                             s.sampling ? "averages in blocks" : "no averages", steps_done, s.blocks.size(),

@@ -27,7 +27,7 @@ struct HistoryRow {
 struct RunState {
   bool sampling = false;
   std::uint64_t sampling_since = 0;  ///< step
-  std::int64_t block_steps = 0;      ///< of each block of the averages; 0: these have not begun
+  std::int64_t block_steps = 1;      ///< of each block of the averages
   std::uint64_t first_step = 0;      ///< at which this run began: that of the flow it was transferred from
   bool transferred = false;          ///< began with a flow from a coarser mesh: one flow-through time is discarded
   std::string steady_reason;
