@@ -189,17 +189,21 @@ def body_run(name, gas, domain, cells, stream, wall, surfaces, dt, fnum, passage
     return blocks_of(f"{name}.dat")
 
 
-def sphere(name="sphere", more=1, finer=1, near=True, size=0.1, three_d=False, mach_8=False):
-    """Argon, Mach 4.2, Kn 0.1035, or Mach 8, Kn 0.03: the cases of cases/supersonic-sphere, on one mesh that is fine throughout.
+# Argon past a sphere, the two cases of cases/supersonic-sphere: density, speed, SPARTA's step, weight of pamr-dsmc's particles.
+MACH_4_2 = dict(title="Mach 4.2, Kn 0.1035", n=6.438e18, speed=1355.25, dt=1.5e-5, weight=5e15)
+MACH_8 = dict(title="Mach 8, Kn 0.03", n=2.2211e19, speed=2581.43, dt=4e-6, weight=1.5e16)
+
+
+def sphere(name="sphere", more=1, finer=1, near=True, size=0.1, three_d=False, stream=MACH_4_2):
+    """Argon past a sphere, on one mesh that is fine throughout.
 
     `more`: times the particles of both codes. `finer`: SPARTA's cells along each axis, times 20 a radius. `near`: SPARTA's partners.
     `size`: edges of pamr-dsmc's mesh at the wall. `three_d`: SPARTA computes half of the body with particles of one weight; where it
     is axisymmetric, those that come closer to the axis are cloned, and a clone may be the partner of its original.
     """
-    n, speed, t = (2.2211e19, 2581.43, 300.0) if mach_8 else (6.438e18, 1355.25, 300.0)
+    n, speed, dt, t = stream["n"], stream["speed"], stream["dt"], 300.0
     circle = [(-math.cos(a), math.sin(a)) for a in np.linspace(0, math.pi, 61 if three_d else 121)]
     circle[0], circle[-1] = (-1.0, 0.0), (1.0, 0.0)
-    dt = 4e-6 if mach_8 else 1.5e-5
     passage = round(7 / speed / dt)
     if three_d:
         write_triangles(f"{name}.surf", circle, 60)
@@ -216,18 +220,15 @@ def sphere(name="sphere", more=1, finer=1, near=True, size=0.1, three_d=False, m
     text = (ROOT / "cases/supersonic-sphere/case.toml").read_text().replace("../species.toml", str(ROOT / "cases/species.toml"))
     text = text.replace("far = 0.8", "far = 0.4").replace("sphere = 0.25", f"sphere = {size}")
     steps = 40 if QUICK else 4500
-    if mach_8:
-        text = text.replace("density = 6.438e18", f"density = {n}").replace("velocity = [1355.25,", f"velocity = [{speed},")
-    weight = (2e16 if QUICK else 5e15) * (3 if mach_8 else 1) / more
-    text = text.replace("weight = 3.5e15", f"weight = {weight}").replace(
+    text = text.replace("density = 6.438e18", f"density = {n}").replace("velocity = [1355.25,", f"velocity = [{speed},")
+    text = text.replace("weight = 3.5e15", f"weight = {(4 if QUICK else 1) * stream['weight'] / more}").replace(
         "sampling = 1000", f"sampling = {steps}\nseed = {SEED}" + ("\ntransient = 40" if QUICK else ""))
     (OUT / f"{name}.toml").write_text(text)
     tool("pamr-mesh", f"{name}.toml", "-o", f"{name}.hdf", "--force", "--quiet", ranks=1)
     tool("pamr-dsmc", f"{name}.toml", "--mesh", f"{name}.hdf", "-o", f"{name}-flow.hdf", "--json", f"{name}.json", "--force",
          "--quiet")
     report = json.loads((OUT / f"{name}.json").read_text())
-    stream = "Mach 8, Kn 0.03" if mach_8 else "Mach 4.2, Kn 0.1035"
-    table(f"{name}: argon, {stream} ({report['averages']['groups']} groups of {report['averages']['group_steps']} steps, a "
+    table(f"{name}: argon, {stream['title']} ({report['averages']['groups']} groups of {report['averages']['group_steps']} steps, a "
           f"passage has {report['averages']['passage_steps']}; SPARTA: {N_BLOCKS} of {passage})",
           [("C_D", value_of(report, "C_D"), estimate(loads[:, 0] / q)),
            ("C_H", value_of(report, "C_H"), estimate(loads[:, 2] / (q * speed)))])
@@ -312,7 +313,7 @@ def main():
              "sphere-cells": lambda: sphere("sphere-cells", more=4, finer=2, size=0.06),  # and cells smaller
              "sphere-finest": lambda: sphere("sphere-finest", more=16, finer=4, size=0.06),  # SPARTA's once more, partners closer
              "sphere-3d": lambda: sphere("sphere-3d", more=4, three_d=True),  # and SPARTA's without clones
-             "sphere-mach-8": lambda: sphere("sphere-mach-8", more=4, finer=2, size=0.06, mach_8=True),
+             "sphere-mach-8": lambda: sphere("sphere-mach-8", more=4, finer=2, size=0.06, stream=MACH_8),
              "sphere-any": lambda: sphere("sphere-any", more=4, finer=2, near=False, size=0.06)}  # and SPARTA's of the whole cell
     for name in sys.argv[6:] or ["box", "sphere", "cone"]:
         if name not in cases:
