@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "solvers/dsmc/kernel/rank_few.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <set>
+#include <vector>
+
+#include "support/dice.hpp"
+
+namespace pamr::dsmc {
+namespace {
+
+void expect_ranked(const std::vector<std::uint64_t>& numbers) {
+  std::array<std::uint32_t, max_few> rank{};
+  rank_few(numbers, rank);
+  for (std::size_t k = 0; k < numbers.size(); ++k)
+    EXPECT_EQ(rank[k], std::count_if(numbers.begin(), numbers.end(), [&](auto other) { return other < numbers[k]; }))
+        << "number " << numbers[k] << ", " << k << " of " << numbers.size();
+}
+
+TEST(RankFew, CountsTheLessForAnyNumberOfThem) {
+  // Halves at the ends of their range and on both sides of the sign, which compare wrongly when taken as signed ones.
+  const std::vector<std::uint64_t> halves{0,          1,          2,          0x7ffffffe, 0x7fffffff,
+                                          0x80000000, 0x80000001, 0xfffffffe, 0xffffffff};
+  test::Dice dice(5);
+  for (const std::size_t n_high : {1, 2, 9})  // those of one have all the same upper half
+    for (std::size_t n = 0; n <= max_few; ++n) {
+      const auto start = dice.below(halves.size());
+      std::set<std::uint64_t> different;
+      while (different.size() < n) {
+        const auto high = halves[(start + dice.below(n_high)) % halves.size()];
+        const auto low = dice.below(2) == 0 ? halves[dice.below(halves.size())] : dice.below(1U << 31U) * 2;
+        different.insert(high << 32U | low);
+      }
+      std::vector<std::uint64_t> numbers(different.begin(), different.end());
+      dice.shuffle(numbers);
+      expect_ranked(numbers);
+    }
+}
+
+}  // namespace
+}  // namespace pamr::dsmc
