@@ -11,17 +11,21 @@ Nitrogen with rotation, 12 particles a cell, near partners in all codes, average
 stream of Mach 5 that enters and leaves through all sides. The time step times the most probable speed (and the stream's) is 0.3 cube
 roots of a cell's volume, and 0.07 pairs of a particle collide in a step. SPARTA has cubes, as many as there are tetrahedra to within
 3 %. The cone is cases/blunt-cone on its level 0 with half a million particles, whose collisions are in cells of 48 to 400 particles:
-steps 900 to 1,100, not by SPARTA. Seconds are the processor's of the whole process, of a long run less those of a short one; rates
-are medians of the runs, which take turns, and so are their ratios.
+steps 900 to 1,100, not by SPARTA. Seconds are the processor's of the steps alone, as the programs report them (of SPARTA: the time of
+its loop, times the part of its time that the process had the processor). Rates are medians of the runs, which take turns, and so are
+their ratios.
 """
 import argparse
+import json
 import math
 import os
 import pathlib
+import re
 import statistics
 import subprocess
 import sys
 import tempfile
+import time
 
 BOLTZMANN = 1.380649e-23
 MASS, DIAMETER, OMEGA, T_REF, TEMPERATURE = 4.65e-26, 4.17e-10, 0.74, 273.0, 300.0
@@ -44,14 +48,15 @@ class Gas:
         self.grid = round((6 * cubes**3)**(1 / 3))
 
 
-def seconds_of(command, folder):
-    """Processor seconds of a process and its children."""
+def run(command, folder):
+    """Runs a program; the part of its time that it had the processor."""
+    begin = time.monotonic()
     with open(folder / "log", "w", encoding="utf-8") as log:
         process = subprocess.Popen(command, cwd=folder, stdout=log, stderr=log)
         _, status, usage = os.wait4(process.pid, 0)
     if status != 0:
         raise SystemExit(f"{' '.join(map(str, command))}: {(folder / 'log').read_text()}")
-    return usage.ru_utime + usage.ru_stime
+    return (usage.ru_utime + usage.ru_stime) / (time.monotonic() - begin)
 
 
 class Pamr:
@@ -65,7 +70,8 @@ class Pamr:
             subprocess.run([self.tools / "pamr-mesh", "--shape", "kuhn-cube", "--n", str(gas.cubes), "-o", self.mesh, "--quiet"],
                            cwd=folder, check=True)
 
-    def seconds(self, gas, mach, steps, folder):
+    def rate(self, gas, mach, steps, folder):
+        """Particle-steps a second."""
         kind = "inflow" if mach else "specular"
         (folder / "case.toml").write_text(
             f"[species.N2]\nmass = {MASS}\ndiameter = {DIAMETER}\nomega = {OMEGA}\nt_ref = {T_REF}\nrotational_degrees = 2\n"
@@ -74,7 +80,11 @@ class Pamr:
             + "".join(f'{side} = {{ kind = "{kind}" }}\n' for side in SIDES) + self.collisions
             + f"[particles]\nper_cell = {PER_CELL}\n[domain]\nunit = 1.0\n[time]\nstep = {gas.step}\n"
             f"[run]\ntransient = 2\nsampling = {steps}\nblock = {steps}\n[reference]\narea = 1.0\n")
-        return seconds_of([self.tools / "pamr-dsmc", "case.toml", "--mesh", self.mesh, "-o", "flow.hdf", "--force", "--quiet"], folder)
+        return self.rate_of(["case.toml", "--mesh", self.mesh], folder)
+
+    def rate_of(self, arguments, folder):
+        run([self.tools / "pamr-dsmc", *arguments, "-o", "flow.hdf", "--force", "--quiet", "--json", "report.json"], folder)
+        return json.loads((folder / "report.json").read_text())["particle_steps_per_second_per_core"]
 
     def prepare_cone(self, folder):
         """A checkpoint of step 900."""
@@ -85,13 +95,11 @@ class Pamr:
         case.write_text(text)
         if not (folder / f"{self.cone}.checkpoint").exists():
             subprocess.run([self.tools / "pamr-mesh", CASES / "blunt-cone/case.toml", "-o", self.cone, "--quiet"], cwd=folder, check=True)
-            seconds_of([self.tools / "pamr-dsmc", case.name, "--mesh", self.cone, "-o", "flow.hdf", "--force", "--quiet", "--steps",
-                        "900", "--checkpoint", f"{self.cone}.checkpoint"], folder)
+            self.rate_of([case.name, "--mesh", self.cone, "--steps", "900", "--checkpoint", f"{self.cone}.checkpoint"], folder)
         case.write_text(text + self.collisions)
 
-    def cone_seconds(self, steps, folder):
-        return seconds_of([self.tools / "pamr-dsmc", f"{self.cone}.toml", "--mesh", self.cone, "-o", "flow.hdf", "--force", "--quiet", "--restart",
-                           f"{self.cone}.checkpoint", "--steps", str(900 + steps)], folder)
+    def cone_rate(self, folder):
+        return self.rate_of([f"{self.cone}.toml", "--mesh", self.cone, "--restart", f"{self.cone}.checkpoint", "--steps", "1100"], folder)
 
     def mesh_name(self, name):
         return f"mesh{str(self.tools).replace(os.sep, '-')}-{name}.hdf"
@@ -105,7 +113,7 @@ class Sparta:
         (folder / "N2.species").write_text(f"N2 {MASS / 1.66053907e-27:.6g} {MASS:g} 2 0.2 0 0.0 0.0 1.0 0.0\n")
         (folder / "N2.vss").write_text(f"N2 {DIAMETER:g} {OMEGA} {T_REF} 1.0\n")
 
-    def seconds(self, gas, mach, steps, folder):
+    def rate(self, gas, mach, steps, folder):
         side = " ".join("oo" if mach else "rr" for _ in range(3))
         lines = ["seed 12345", "dimension 3", "global gridcut 0.0", f"boundary {side}", "create_box 0 1 0 1 0 1",
                  f"create_grid {gas.grid} {gas.grid} {gas.grid}", "balance_grid rcb cell",
@@ -117,15 +125,18 @@ class Sparta:
         lines += [f"create_particles gas n {gas.particles}", f"timestep {gas.step}", "stats 1000", "compute flow grid all all n u v w ke",
                   f"fix mean ave/grid all 1 {steps} {steps} c_flow[*]", "run 2 post no", f"run {steps} post no"]
         (folder / "in.speed").write_text("\n".join(lines) + "\n")
-        return seconds_of([self.program, "-in", "in.speed", "-log", "none", "-screen", "none"], folder)
+        part = run([self.program, "-in", "in.speed", "-log", "log.speed", "-screen", "none"], folder)
+        loops = re.findall(r"Loop time of (\S+) on 1 procs for (\d+) steps with (\d+) particles", (folder / "log.speed").read_text())
+        seconds, steps, particles = map(float, loops[-1])
+        return particles * steps / (seconds * part)
 
 
-def compare(codes, runs, seconds, particle_steps):
-    """Rates of the codes by `seconds`(code), M particle-steps a second, and the first one's over each other's: medians."""
+def compare(codes, runs, rate):
+    """Rates of the codes by `rate`(code), M particle-steps a second, and the first one's over each other's: medians."""
     rates = {name: [] for name in codes}
     for _ in range(runs):
         for name, code in codes.items():
-            rates[name].append(particle_steps / seconds(code) * 1e-6)
+            rates[name].append(rate(code) * 1e-6)
     first = next(iter(codes))
     ratios = [statistics.median(a / b for a, b in zip(rates[first], rates[name])) for name in list(codes)[1:]]
     return {name: statistics.median(values) for name, values in rates.items()}, ratios
@@ -162,20 +173,15 @@ def main():
         for mach in (0.0, MACH):
             for wanted in arguments.particles:
                 gas = Gas(round((wanted / PER_CELL / 6)**(1 / 3)), mach)
-                few, many = 5, 5 + max(15, round(1e8 / gas.particles))
+                steps = max(20, round(1e8 / gas.particles))
                 for code in codes.values():
                     code.prepare(gas, folder)
-                row("stream" if mach else "box", gas.particles,
-                    compare(codes, arguments.runs,
-                            lambda code: code.seconds(gas, mach, many, folder) - code.seconds(gas, mach, few, folder),
-                            gas.particles * (many - few)))
+                row("stream" if mach else "box", gas.particles, compare(codes, arguments.runs, lambda code: code.rate(gas, mach, steps, folder)))
         if not arguments.no_cone:
             ours = {name: code for name, code in codes.items() if isinstance(code, Pamr)}
             for code in ours.values():
                 code.prepare_cone(folder)
-            few, many = 5, 200
-            row("cone, level 0", 502551, compare(
-                ours, arguments.runs, lambda code: code.cone_seconds(many, folder) - code.cone_seconds(few, folder), 502551 * (many - few)))
+            row("cone, level 0", 502551, compare(ours, arguments.runs, lambda code: code.cone_rate(folder)))
 
 
 if __name__ == "__main__":

@@ -15,7 +15,7 @@ namespace pamr::dsmc {
 
 namespace {
 
-/// So many rows before their turn they are fetched from memory. An eighth of it gains a quarter as much.
+/// So many rows before their turn they are fetched from memory. An eighth of it gains half as much.
 constexpr std::size_t rows_ahead = 512;
 
 constexpr std::size_t with_room(std::size_t n) { return n + std::max<std::size_t>(1024, n / 16); }
