@@ -33,7 +33,7 @@ build=$(dirname -- "$(cd -- "$tools" && pwd)")
 cases=$case_folder
 # What only the full or only the quick run has.
 if [ $quick = yes ]; then cone=() sphere=(--levels 2) charges=(--levels 2 --max-cells 60000) quality=3 scaling=(--tiny)
-else cone=(--full --levels 4) sphere=(--full) charges=() quality=6 scaling=(); fi
+else cone=(--full --levels 4) sphere=(--full) charges=() quality=6 scaling=(--counts); fi
 
 # The command of a step; `own`: its options for ranks, tools and results.
 command_of() { # STEP

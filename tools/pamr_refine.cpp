@@ -270,14 +270,16 @@ cli::ExitCode work(cli::Session& session, const Options& options) {
     warn_lost_shapes(session, walls_before, walls_after);
   if (result.report.closure.n_marked == 0 && result.coarsening.cells_flagged == 0)
     session.warn(fmt::format("nothing is marked in the field '{}': the output is the input mesh", options.marks));
-  measured.steps = merge_steps(timer.steps(), result.report.steps);
   warn_nothing_goes(session, result.coarsening);
-  auto report = adapt::make_report(comm, result.report, measured);
-  report["coarsening"] = to_json(result.coarsening);
-  report["walls"] = {{"min_mean_ratio_before", walls_before.smallest},
-                     {"min_mean_ratio", walls_after.smallest},
-                     {"cells_that_lost_shape", walls_after.n_below}};
-  session.write_report(report);
+  if (session.wants_report()) {  // more than a hundred reductions
+    measured.steps = merge_steps(timer.steps(), result.report.steps);
+    auto report = adapt::make_report(comm, result.report, measured);
+    report["coarsening"] = to_json(result.coarsening);
+    report["walls"] = {{"min_mean_ratio_before", walls_before.smallest},
+                       {"min_mean_ratio", walls_after.smallest},
+                       {"cells_that_lost_shape", walls_after.n_below}};
+    session.write_report(report);
+  }
   session.summary(fmt::format("{} cells ({}) -> {} cells, {} nodes, {} off their surface: {}", result.report.cells_in,
                               marked_text(result.report.closure.n_marked, result.coarsening), result.report.cells_out,
                               result.report.nodes_out, result.report.certificate.n_off_surface, options.output));

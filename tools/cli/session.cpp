@@ -121,7 +121,7 @@ Progress Session::progress(const std::string& what, std::int64_t total, const st
 }
 
 void Session::write_report(const nlohmann::json& report) const {
-  if (options_.json.empty()) return;
+  if (!wants_report()) return;
   on_first(*comm_, [&] {
     // File names need not be UTF-8; JSON must be.
     const auto text = report.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";

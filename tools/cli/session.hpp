@@ -72,6 +72,8 @@ class Session {
   /// ranks other than 0. Local.
   Progress progress(const std::string& what, std::int64_t total, const std::string& unit,
                     std::int64_t before = 0) const;
+  /// Whether --json asks for a report. The same on all ranks.
+  bool wants_report() const { return !options_.json.empty(); }
   /// Writes the report where --json says (an existing file is replaced), all or nothing; nothing without --json. NaN
   /// and infinity become null. Only rank 0's `report` counts. Collective; throws `Error`.
   void write_report(const nlohmann::json& report) const;
