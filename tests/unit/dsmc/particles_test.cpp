@@ -71,6 +71,23 @@ TEST(Particles, AreSortedByCellAndIdAfterSomeHaveMovedLeftAndEntered) {
   }
 }
 
+/// Adapting the mesh makes copies, which have one id until they are numbered.
+TEST(Particles, CopiesOfOneAllStay) {
+  constexpr LocalId n_cells = 3;
+  test::Dice dice(7);
+  Particles particles;
+  std::vector<Row> expected;
+  for (const std::size_t n : {7, 40, 300})  // particles of a cell
+    for (std::size_t k = 0; k < n; ++k) {
+      const auto cell = n == 7 ? 0 : n == 40 ? 1 : 2;
+      const auto id = dice.below(n / 2);
+      particles.append(numbered(id, cell));
+      expected.emplace_back(cell, id);
+    }
+  particles.sort_by_cell(n_cells);
+  expect_sorted(particles, expected, n_cells);
+}
+
 TEST(Particles, AreSortedAnewAfterTheyWereReplacedAndForAnotherNumberOfCells) {
   test::Dice dice(4);
   Particles particles;

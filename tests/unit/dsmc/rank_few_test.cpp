@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
+#include <array>
 #include <set>
 #include <vector>
 
@@ -15,12 +15,26 @@ namespace {
 void expect_ranked(const std::vector<std::uint64_t>& numbers) {
   std::array<std::uint32_t, max_few> rank{};
   rank_few(numbers, rank);
-  for (std::size_t k = 0; k < numbers.size(); ++k)
-    EXPECT_EQ(rank[k], std::count_if(numbers.begin(), numbers.end(), [&](auto other) { return other < numbers[k]; }))
-        << "number " << numbers[k] << ", " << k << " of " << numbers.size();
+  for (std::size_t k = 0; k < numbers.size(); ++k) {
+    std::uint32_t before = 0;
+    for (std::size_t j = 0; j < numbers.size(); ++j)
+      before += numbers[j] < numbers[k] || (numbers[j] == numbers[k] && j < k) ? 1 : 0;
+    EXPECT_EQ(rank[k], before) << "number " << numbers[k] << ", " << k << " of " << numbers.size();
+  }
 }
 
-TEST(RankFew, CountsTheLessForAnyNumberOfThem) {
+TEST(RankFew, KeepsEqualNumbersInTheirOrder) {
+  test::Dice dice(6);
+  for (std::size_t n = 0; n <= max_few; ++n)
+    for (const std::size_t n_different : {1, 3, 20})
+      for (const std::uint64_t high : {0, 1}) {  // also where the upper halves differ
+        std::vector<std::uint64_t> numbers(n);
+        for (auto& number : numbers) number = dice.below(n_different) | high * dice.below(2) << 63U;
+        expect_ranked(numbers);
+      }
+}
+
+TEST(RankFew, SortsAnyNumberOfThem) {
   // Halves at the ends of their range and on both sides of the sign, which compare wrongly when taken as signed ones.
   const std::vector<std::uint64_t> halves{0,          1,          2,          0x7ffffffe, 0x7fffffff,
                                           0x80000000, 0x80000001, 0xfffffffe, 0xffffffff};

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "solvers/dsmc/kernel/rank_few.hpp"
 
+#include <algorithm>
 #include <cstring>
 
 #include "pamr/base/contract.hpp"
@@ -30,18 +31,25 @@ std::int32_t key_of(std::uint64_t half) {
 }
 
 template <bool differ_in_high>
-void count_less(const Halves& keys, std::size_t n, std::array<std::uint32_t, max_few>& rank) {
+void count_before(const Halves& keys, std::size_t n, std::array<std::uint32_t, max_few>& rank) {
+  constexpr Keys lane{0, 1, 2, 3};
   for (std::size_t first = 0; first < n; first += n_keys) {
     const Keys high = load(&keys.high[first]), low = load(&keys.low[first]);
-    Keys count{};
-    for (std::size_t k = 0; k < n; ++k) {
-      Keys is_greater = low > all(keys.low[k]);
-      if constexpr (differ_in_high) {
-        const Keys other = all(keys.high[k]);
-        is_greater = (high > other) | ((high == other) & is_greater);
-      }
-      count -= is_greater;  // -1 where true
+    const auto compare = [&](std::size_t k) {  // is less, equal, greater than number k; true is -1
+      const Keys other_high = all(keys.high[k]), other_low = all(keys.low[k]);
+      if constexpr (!differ_in_high) return std::array{low<other_low, low == other_low, low> other_low};
+      const Keys same = high == other_high;
+      return std::array{(high < other_high) | (same & (low < other_low)), same & (low == other_low),
+                        (high > other_high) | (same & (low > other_low))};
+    };
+    const auto end = std::min(n, first + n_keys);
+    Keys count = all(static_cast<std::int32_t>(first));
+    for (std::size_t k = 0; k < first; ++k) count += compare(k)[0];
+    for (std::size_t k = first; k < end; ++k) {
+      const auto [is_less, is_equal, is_greater] = compare(k);
+      count -= is_greater | (is_equal & (lane > all(static_cast<std::int32_t>(k - first))));
     }
+    for (std::size_t k = end; k < n; ++k) count -= compare(k)[2];
     std::memcpy(&rank[first], &count, sizeof count);
   }
 }
@@ -61,9 +69,9 @@ void rank_few(std::span<const std::uint64_t> numbers, std::array<std::uint32_t, 
   }
   for (std::size_t k = n; k % n_keys != 0; ++k) keys.high[k] = keys.low[k] = 0;
   if (difference >> 32U == 0)
-    count_less<false>(keys, n, rank);
+    count_before<false>(keys, n, rank);
   else
-    count_less<true>(keys, n, rank);
+    count_before<true>(keys, n, rank);
 }
 
 }  // namespace pamr::dsmc
