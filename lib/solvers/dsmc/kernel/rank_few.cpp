@@ -30,26 +30,33 @@ std::int32_t key_of(std::uint64_t half) {
   return static_cast<std::int32_t>(static_cast<std::uint32_t>(half) ^ 0x80000000U);
 }
 
+/// Whether numbers are less than, equal to and greater than another one: -1 where true.
+struct Comparison {
+  Keys less, equal, greater;
+};
+
 template <bool differ_in_high>
 void count_before(const Halves& keys, std::size_t n, std::array<std::uint32_t, max_few>& rank) {
   constexpr Keys lane{0, 1, 2, 3};
   for (std::size_t first = 0; first < n; first += n_keys) {
     const Keys high = load(&keys.high[first]), low = load(&keys.low[first]);
-    const auto compare = [&](std::size_t k) {  // is less, equal, greater than number k; true is -1
+    const auto compare = [&](std::size_t k) -> Comparison {
       const Keys other_high = all(keys.high[k]), other_low = all(keys.low[k]);
-      if constexpr (!differ_in_high) return std::array{low<other_low, low == other_low, low> other_low};
+      const Keys less = low < other_low;
+      const Keys greater = low > other_low;
+      const Keys equal = low == other_low;
+      if constexpr (!differ_in_high) return {less, equal, greater};
       const Keys same = high == other_high;
-      return std::array{(high < other_high) | (same & (low < other_low)), same & (low == other_low),
-                        (high > other_high) | (same & (low > other_low))};
+      return {(high < other_high) | (same & less), same & equal, (high > other_high) | (same & greater)};
     };
     const auto end = std::min(n, first + n_keys);
     Keys count = all(static_cast<std::int32_t>(first));
-    for (std::size_t k = 0; k < first; ++k) count += compare(k)[0];
+    for (std::size_t k = 0; k < first; ++k) count += compare(k).less;
     for (std::size_t k = first; k < end; ++k) {
-      const auto [is_less, is_equal, is_greater] = compare(k);
-      count -= is_greater | (is_equal & (lane > all(static_cast<std::int32_t>(k - first))));
+      const auto other = compare(k);
+      count -= other.greater | (other.equal & (lane > all(static_cast<std::int32_t>(k - first))));
     }
-    for (std::size_t k = end; k < n; ++k) count -= compare(k)[2];
+    for (std::size_t k = end; k < n; ++k) count -= compare(k).greater;
     std::memcpy(&rank[first], &count, sizeof count);
   }
 }
