@@ -51,7 +51,8 @@ class Particles {
   void clear();
 
   /// Removes particles that are gone and sorts the rest by cell and, within a cell, by id. Afterwards the particles of
-  /// cell c are `begin()[c] .. begin()[c+1]`. Counting sort, O(particles + cells). Local.
+  /// cell c are `begin()[c] .. begin()[c+1]`. Those of one id, which are copies, all stay, in any order. Counting sort,
+  /// O(particles + cells). Local.
   void sort_by_cell(LocalId n_cells);
   std::span<const std::uint32_t> begin() const { return begin_; }
 

@@ -30,9 +30,9 @@ std::int32_t key_of(std::uint64_t half) {
   return static_cast<std::int32_t>(static_cast<std::uint32_t>(half) ^ 0x80000000U);
 }
 
-/// Whether numbers are less than, equal to and greater than another one: -1 where true.
+/// Whether numbers are less than another one, and whether greater: -1 where true.
 struct Comparison {
-  Keys less, equal, greater;
+  Keys less, greater;
 };
 
 template <bool differ_in_high>
@@ -44,17 +44,16 @@ void count_before(const Halves& keys, std::size_t n, std::array<std::uint32_t, m
       const Keys other_high = all(keys.high[k]), other_low = all(keys.low[k]);
       const Keys less = low < other_low;
       const Keys greater = low > other_low;
-      const Keys equal = low == other_low;
-      if constexpr (!differ_in_high) return {less, equal, greater};
+      if constexpr (!differ_in_high) return {less, greater};
       const Keys same = high == other_high;
-      return {(high < other_high) | (same & less), same & equal, (high > other_high) | (same & greater)};
+      return {(high < other_high) | (same & less), (high > other_high) | (same & greater)};
     };
     const auto end = std::min(n, first + n_keys);
     Keys count = all(static_cast<std::int32_t>(first));
     for (std::size_t k = 0; k < first; ++k) count += compare(k).less;
     for (std::size_t k = first; k < end; ++k) {
       const auto other = compare(k);
-      count -= other.greater | (other.equal & (lane > all(static_cast<std::int32_t>(k - first))));
+      count -= other.greater | (~other.less & (lane > all(static_cast<std::int32_t>(k - first))));
     }
     for (std::size_t k = end; k < n; ++k) count -= compare(k).greater;
     std::memcpy(&rank[first], &count, sizeof count);
