@@ -5,12 +5,13 @@
 #include <utility>
 
 #include "pamr/base/memory.hpp"
+#include "pamr/base/prefetch.hpp"
 #include "pamr/base/sorted_order.hpp"
 #include "pamr/mesh/families.hpp"
+#include "pamr/order/order_nodes.hpp"
 
 // On one rank ordering is a matter of memory traffic: every array is read once in the new order and written once from
 // front to back. Rows are asked for some rows ahead, what they point to half as far ahead.
-#include "pamr/order/order_nodes.hpp"
 
 namespace pamr::order {
 
@@ -18,8 +19,6 @@ namespace {
 
 constexpr std::size_t rows_ahead = 24;
 constexpr std::uint32_t no_number = std::numeric_limits<std::uint32_t>::max();
-
-void prefetch(const void* place) { __builtin_prefetch(place); }
 
 std::vector<std::uint64_t> find_keys(const mesh::BlockMesh& block, const CurveGrid& grid) {
   const auto n = block.cell_to_node.size();

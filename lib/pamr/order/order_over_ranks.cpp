@@ -8,6 +8,7 @@
 #include "pamr/assemble/check_block.hpp"
 #include "pamr/assemble/send_cells.hpp"
 #include "pamr/base/memory.hpp"
+#include "pamr/base/prefetch.hpp"
 #include "pamr/mesh/families.hpp"
 #include "pamr/order/order_nodes.hpp"
 #include "pamr/order/order_places.hpp"
@@ -76,7 +77,7 @@ std::vector<std::uint64_t> find_keys(const par::Comm& comm, const mesh::BlockMes
   };
   for (std::size_t i = 0; i < named.corner.size(); i += 4) {
     for (auto ahead = i + corners_ahead; ahead < std::min(i + corners_ahead + 4, named.corner.size()); ++ahead)
-      __builtin_prefetch(&at(ahead));
+      prefetch(&at(ahead));
     key.push_back(key_of(grid, {at(i), at(i + 1), at(i + 2), at(i + 3)}));
   }
   if (has_lineage) share_tree_keys(comm, block, key);
