@@ -54,7 +54,7 @@ case $size in
     case_file=$case_folder/heat-flux.toml
     limit=3.9008e20
     ;;
-  full | last) weight=(4.0e11 8.2e11 6.2e11 4.0e11 4.0e11) sampling=(3300 1650 2150 4400 5000) ;;
+  full | last) weight=(4.0e11 8.2e11 6.2e11 4.0e11 2.4e11) sampling=(3300 1650 2150 4400 4200) ;;
   small) weight=(2.0e12 3.0e12 3.0e12 3.0e12 3.0e12) sampling=(500 500 500 500 500) ;;
   smoke) weight=(3.0e13 4.0e13 4.0e13 4.0e13 4.0e13) sampling=(40 40 40 40 40) transient="transient = 40" ;;
 esac
