@@ -7,6 +7,7 @@
 #include <numbers>
 #include <utility>
 
+#include "pamr/base/memory.hpp"
 #include "solvers/dsmc/gas/kinetic_theory.hpp"
 #include "solvers/dsmc/kernel/random.hpp"
 
@@ -98,7 +99,9 @@ std::vector<CellCollisions> start_collisions(const Gas& gas, double t, std::size
     const double speed = 4 * std::sqrt(2 * boltzmann * t / pair.reduced_mass);
     max_sigma_cr = std::max(max_sigma_cr, pair.weight * section_times_speed(pair, speed * speed));
   }
-  return std::vector<CellCollisions>(n_cells, CellCollisions{max_sigma_cr, 0, 0, 0, 0, 0});
+  std::vector<CellCollisions> state;
+  assign_array(state, n_cells, {max_sigma_cr, 0, 0, 0, 0, 0});
+  return state;
 }
 
 Collider::Collider(const Gas& gas, const CollisionOptions& options, std::uint64_t seed)

@@ -64,9 +64,9 @@ GasDomain make_gas_domain(const mesh::DistMesh& mesh, double unit, double dt, do
   assign_array(domain.planes, n, CellPlanes{});
   reserve_array(domain.link, n);
   domain.link.assign(mesh.cell_to_cell.begin(), mesh.cell_to_cell.end());
-  domain.volume.resize(n);
-  domain.dt.assign(n, dt);
-  domain.fnum.assign(n, fnum);
+  assign_array(domain.volume, n, 0.0);
+  assign_array(domain.dt, n, dt);
+  assign_array(domain.fnum, n, fnum);
   domain.cell_global = cells_from_0(mesh);
   domain.border_rank = mesh.border_rank;
   domain.border_offset = mesh.border_offset;

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "pamr/base/index.hpp"
+#include "pamr/base/memory.hpp"
 
 namespace pamr::dsmc {
 
@@ -161,6 +162,10 @@ void HaloMaker::add_layer() {
   std::map<Rank, std::size_t> next;  // the answers of a rank are in the order of the questions
   for (std::size_t i = 0; i < told.rank.size(); ++i) next[told.rank[i]] = told.offset[i];
   const auto n = named_.size();
+  // Left to itself a vector would double, and lose its large pages.
+  grow_array(domain_->planes, at(n_own_) + n);
+  grow_array(domain_->link, at(n_own_) + n);
+  grow_array(domain_->dt, at(n_own_) + n);
   for (auto k = known; k < n; ++k) {
     const auto rank = named_[k].rank;
     take(told.item[next[rank]++], rank);

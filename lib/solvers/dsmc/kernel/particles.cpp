@@ -136,7 +136,7 @@ void Particles::order_by_id(std::size_t begin, std::size_t end) {
 void Particles::sort_by_cell(LocalId n_cells) {
   PAMR_EXPECTS(size() < std::numeric_limits<std::uint32_t>::max());
   const auto n = static_cast<std::size_t>(n_cells);
-  begin_.assign(n + 2, 0);
+  assign_array(begin_, n + 2, 0U);
   for (const auto c : cell)
     if (c != gone) ++begin_[static_cast<std::size_t>(c) + 2];
   for (std::size_t c = 2; c < begin_.size(); ++c) begin_[c] += begin_[c - 1];

@@ -1,15 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "solvers/dsmc/sampling/cell_samples.hpp"
 
+#include "pamr/base/memory.hpp"
+
 namespace pamr::dsmc {
 
 using namespace geometry;
 
 void CellSamples::clear(std::size_t n_cells, const Gas& gas) {
   *this = {};
-  sums.resize(n_cells * gas.species.size());
-  block.resize(n_cells);
-  square_of_blocks.resize(n_cells);
+  assign_array(sums, n_cells * gas.species.size(), {});
+  assign_array(block, n_cells, 0.0);
+  assign_array(square_of_blocks, n_cells, 0.0);
 }
 
 void CellSamples::add(const Particles& p, const Gas& gas) {
