@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "pamr/base/index.hpp"
+#include "pamr/base/memory.hpp"
 #include "pamr/geometry/tet_shape.hpp"
 #include "pamr/mesh/undescribed_patches.hpp"
 
@@ -41,21 +42,28 @@ double mean_of(double a, double b) {
   return std::isfinite(mean) ? mean : 0.5 * a + 0.5 * b;
 }
 
+/// A copy with room for `more` values behind it.
+template <class T>
+std::vector<T> copy_with_room(const std::vector<T>& values, std::size_t more) {
+  std::vector<T> copy;
+  reserve_array(copy, values.size() + more);
+  copy.assign(values.begin(), values.end());
+  return copy;
+}
+
 mesh::NodeField to_nodes(const NumberedMesh& old, const mesh::NodeField& field) {
   const auto& [mesh, closure, numbering] = old;
   mesh::NodeField result{field.name, field.unit, field.n_components, field.storage, {}};
   const auto n = at(field.n_components);
   if (field.holds_integers()) {
-    auto values = field.integer();
-    values.reserve(values.size() + n * numbering.n_new_nodes());
+    auto values = copy_with_room(field.integer(), n * numbering.n_new_nodes());
     for (const auto [a, b] : numbering.ends) {
       const auto from = geometry::lexicographically_less(mesh.point(a), mesh.point(b)) ? a : b;
       for (std::size_t k = 0; k < n; ++k) values.push_back(field.integer()[at(from) * n + k]);
     }
     result.value = std::move(values);
   } else {
-    auto values = field.real();
-    values.reserve(values.size() + n * numbering.n_new_nodes());
+    auto values = copy_with_room(field.real(), n * numbering.n_new_nodes());
     for (const auto [a, b] : numbering.ends)
       for (std::size_t k = 0; k < n; ++k)
         values.push_back(mean_of(field.real()[at(a) * n + k], field.real()[at(b) * n + k]));
@@ -92,7 +100,8 @@ mesh::CellField to_cells(const NumberedMesh& old, const std::vector<LocalId>& pa
   mesh::CellField result{field.name, field.unit, field.n_components, field.storage, {}};
   const auto n = at(field.n_components);
   const auto inherit = [&](const auto& from) {
-    std::remove_cvref_t<decltype(from)> values(parent.size() * n);
+    std::remove_cvref_t<decltype(from)> values;
+    assign_array(values, parent.size() * n, {});
     for (std::size_t c = 0; c < parent.size(); ++c)
       std::copy_n(from.begin() + static_cast<std::ptrdiff_t>(at(parent[c]) * n), n,
                   values.begin() + static_cast<std::ptrdiff_t>(c * n));
@@ -130,8 +139,9 @@ mesh::NodeField off_facets_of(const NumberedMesh& old, const mesh::NodeField* be
 
 mesh::CellField numbers_of(const std::vector<LocalId>& parent, const mesh::DistMesh& old) {
   const auto& number = old.cell_origin.empty() ? old.cell_global : old.cell_origin;
-  std::vector<std::int64_t> of_parent(parent.size());
-  for (std::size_t c = 0; c < parent.size(); ++c) of_parent[c] = number[at(parent[c])];
+  std::vector<std::int64_t> of_parent;
+  reserve_array(of_parent, parent.size());
+  for (const auto c : parent) of_parent.push_back(number[at(c)]);
   return {mesh::parent_field, "", 1, mesh::StorageType::int64, std::move(of_parent)};
 }
 
@@ -163,7 +173,8 @@ LocalId member_that_holds(const mesh::DistMesh& mesh, LocalId first, Vec3 point)
 
 std::vector<LocalId> parents_of(const NumberedMesh& old, const std::vector<mesh::CellNodes>& cell_to_node) {
   const auto& first_child = old.numbering.first_child;
-  std::vector<LocalId> parent(cell_to_node.size());
+  std::vector<LocalId> parent;
+  assign_array(parent, cell_to_node.size(), 0);
   for (LocalId c = 0; c < old.mesh.n_cells(); ++c)
     for (auto child = first_child[at(c)]; child < first_child[at(c) + 1]; ++child)
       parent[at(child)] = old.closure.action[at(c)] == Action::split

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "pamr/base/hash.hpp"
+#include "pamr/base/memory.hpp"
 #include "pamr/mesh/face_groups.hpp"
 #include "pamr/par/exchange.hpp"
 #include "pamr/par/mailbox.hpp"
@@ -137,7 +138,8 @@ LocalId first_face_to_higher(const mesh::DistMesh& mesh, Rank rank) {
 
 bool has_repeats(std::span<const std::uint64_t> names) {
   const auto shift = 63U - static_cast<unsigned>(std::bit_width(names.size() | 1U));
-  std::vector<std::uint64_t> table(std::size_t{1} << (64U - shift), 0);  // 0: free
+  std::vector<std::uint64_t> table;
+  assign_array(table, std::size_t{1} << (64U - shift), std::uint64_t{0});  // 0: free
   bool has_zero = false;
   for (const auto name : names) {
     if (name == 0 && std::exchange(has_zero, true)) return true;

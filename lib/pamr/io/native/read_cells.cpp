@@ -7,6 +7,7 @@
 #include <span>
 
 #include "pamr/base/index.hpp"
+#include "pamr/base/memory.hpp"
 #include "pamr/io/native/lineage_word.hpp"
 #include "pamr/mesh/families.hpp"
 
@@ -51,7 +52,7 @@ GlobalId family_border(SlabReader& reader, const Layout& layout, GlobalId cell) 
 std::vector<mesh::Lineage> read_lineage(SlabReader& reader, const Layout& layout, Rows cells) {
   std::vector<mesh::Lineage> result;
   if (!layout.has_lineage) return result;
-  result.reserve(at(cells.count()));
+  reserve_array(result, at(cells.count()));
   reader.each_slab({path::lineage, layout.lineage_type, {layout.info.n_global_cells, 1, true}}, cells, true,
                    [&](GlobalId first, std::span<const std::uint64_t> words) {
                      for (std::size_t i = 0; i < words.size(); ++i) {
@@ -70,7 +71,7 @@ std::vector<mesh::Lineage> read_lineage(SlabReader& reader, const Layout& layout
 std::vector<mesh::Lineage> read_lineage_unchecked(SlabReader& reader, const Layout& layout, Rows cells) {
   std::vector<mesh::Lineage> result;
   if (!layout.has_lineage) return result;
-  result.reserve(at(cells.count()));
+  reserve_array(result, at(cells.count()));
   reader.each_slab({path::lineage, layout.lineage_type, {layout.info.n_global_cells, 1, true}}, cells, false,
                    [&](GlobalId, std::span<const std::uint64_t> words) {
                      for (const auto word : words)
@@ -103,7 +104,8 @@ void check_offsets_and_types(SlabReader& reader, const Layout& layout, Rows cell
 std::vector<std::array<GlobalId, 4>> read_connectivity(SlabReader& reader, const Layout& layout, Rows cells,
                                                        bool verify) {
   const auto n_nodes = static_cast<std::uint64_t>(layout.info.n_global_nodes);
-  std::vector<std::array<GlobalId, 4>> result(at(cells.count()));
+  std::vector<std::array<GlobalId, 4>> result;
+  assign_array(result, at(cells.count()), {});
   reader.each_slab({path::connectivity, layout.connectivity_type, {4 * layout.info.n_global_cells, 1, true}},
                    {4 * cells.begin, 4 * cells.end}, verify, [&](GlobalId first, std::span<const std::uint64_t> words) {
                      auto* cell = result.data() + (first / 4 - cells.begin);
@@ -140,7 +142,7 @@ std::vector<std::array<GlobalId, 4>> read_neighbors(SlabReader& reader, const La
   if (!layout.has_neighbors) return result;
   const auto all = layout.info.cell_ids();
   const auto n_patches = static_cast<std::int64_t>(layout.info.patches.size());
-  result.resize(at(cells.count()));
+  assign_array(result, at(cells.count()), {});
   reader.each_slab({path::cell_to_cell, layout.neighbors_type, {all.n, 4, false}}, cells, true,
                    [&](GlobalId first, std::span<const std::uint64_t> words) {
                      for (auto row = first; !words.empty(); words = words.subspan(4), ++row) {

@@ -11,11 +11,13 @@
 #include <variant>
 
 #include "pamr/base/index.hpp"
+#include "pamr/base/memory.hpp"
 
 namespace pamr::io {
 
 std::vector<geometry::Vec3> read_points(SlabReader& reader, const Dataset& dataset, Rows rows) {
-  std::vector<geometry::Vec3> points(at(rows.count()));
+  std::vector<geometry::Vec3> points;
+  assign_array(points, at(rows.count()), {});
   reader.each_slab(dataset, rows, true, [&](GlobalId first, std::span<const std::uint64_t> words) {
     for (std::size_t i = 0; i < words.size(); i += 3) {
       const auto row = first + static_cast<GlobalId>(i / 3);
@@ -36,7 +38,7 @@ mesh::Field read_field(SlabReader& reader, const Layout& layout, const FieldEntr
   if (mesh::is_integer(entry.type)) field.value = std::vector<std::int64_t>();
   std::visit(
       [&](auto& values) {
-        values.resize(at(rows.count()) * at(entry.n_components));
+        assign_array(values, at(rows.count()) * at(entry.n_components), {});
         auto* to = values.data();
         reader.each_slab({entry.path, entry.type, {n_rows, entry.n_components, entry.is_flat}}, in_dataset,
                          verify && entry.first_row == 0, [&](GlobalId, std::span<const std::uint64_t> words) {
