@@ -169,12 +169,6 @@ PutBack put_back(const par::Comm& comm, const WholeMesh& whole, const MeshPart& 
 }
 
 mesh::DistMesh copy_with_room(const mesh::DistMesh& mesh, std::size_t n_cells, std::size_t n_nodes) {
-  const auto copy_array = [](const auto& array, std::size_t n) {
-    std::remove_cvref_t<decltype(array)> copy;
-    reserve_array(copy, n);
-    copy.assign(array.begin(), array.end());
-    return copy;
-  };
   mesh::DistMesh copy;
   copy.info = mesh.info;
   copy.node_position = copy_array(mesh.node_position, n_nodes);

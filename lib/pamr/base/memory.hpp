@@ -25,13 +25,19 @@ void reserve_array(std::vector<T>& array, std::size_t n) {
   advise_large_pages(array.data(), array.capacity() * sizeof(T));
 }
 
+/// A copy with room for `n` items.
+template <class T>
+std::vector<T> copy_array(const std::vector<T>& array, std::size_t n) {
+  std::vector<T> copy;
+  reserve_array(copy, n);
+  copy.assign(array.begin(), array.end());
+  return copy;
+}
+
 /// Room for `n` items in a vector that keeps what it holds.
 template <class T>
 void grow_array(std::vector<T>& array, std::size_t n) {
-  std::vector<T> larger;
-  reserve_array(larger, n);
-  larger.assign(array.begin(), array.end());
-  array.swap(larger);
+  if (array.capacity() < n) array = copy_array(array, n);
 }
 
 /// `n` items of that value in large pages where that pays.

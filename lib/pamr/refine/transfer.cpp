@@ -42,28 +42,20 @@ double mean_of(double a, double b) {
   return std::isfinite(mean) ? mean : 0.5 * a + 0.5 * b;
 }
 
-/// A copy with room for `more` values behind it.
-template <class T>
-std::vector<T> copy_with_room(const std::vector<T>& values, std::size_t more) {
-  std::vector<T> copy;
-  reserve_array(copy, values.size() + more);
-  copy.assign(values.begin(), values.end());
-  return copy;
-}
-
 mesh::NodeField to_nodes(const NumberedMesh& old, const mesh::NodeField& field) {
   const auto& [mesh, closure, numbering] = old;
   mesh::NodeField result{field.name, field.unit, field.n_components, field.storage, {}};
   const auto n = at(field.n_components);
+  const auto n_values = n * (at(mesh.n_nodes()) + numbering.n_new_nodes());
   if (field.holds_integers()) {
-    auto values = copy_with_room(field.integer(), n * numbering.n_new_nodes());
+    auto values = copy_array(field.integer(), n_values);
     for (const auto [a, b] : numbering.ends) {
       const auto from = geometry::lexicographically_less(mesh.point(a), mesh.point(b)) ? a : b;
       for (std::size_t k = 0; k < n; ++k) values.push_back(field.integer()[at(from) * n + k]);
     }
     result.value = std::move(values);
   } else {
-    auto values = copy_with_room(field.real(), n * numbering.n_new_nodes());
+    auto values = copy_array(field.real(), n_values);
     for (const auto [a, b] : numbering.ends)
       for (std::size_t k = 0; k < n; ++k)
         values.push_back(mean_of(field.real()[at(a) * n + k], field.real()[at(b) * n + k]));

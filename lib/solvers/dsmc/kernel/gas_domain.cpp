@@ -62,8 +62,7 @@ GasDomain make_gas_domain(const mesh::DistMesh& mesh, double unit, double dt, do
   GasDomain domain;
   const auto n = at(mesh.n_cells());
   assign_array(domain.planes, n, CellPlanes{});
-  reserve_array(domain.link, n);
-  domain.link.assign(mesh.cell_to_cell.begin(), mesh.cell_to_cell.end());
+  domain.link = copy_array(mesh.cell_to_cell, n);
   assign_array(domain.volume, n, 0.0);
   assign_array(domain.dt, n, dt);
   assign_array(domain.fnum, n, fnum);
