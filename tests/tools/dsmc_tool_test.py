@@ -89,6 +89,8 @@ def test_free_molecular_sphere_has_the_drag_and_heat_of_the_closed_form():
     assert report["blocks"] == 20 and report["steps"] == 300
     # The stream passes the cube of side 4 in 19 steps: blocks of 12 go together in pairs.
     assert report["averages"].pop("student_95") * report["C_D"]["stderr"] == report["C_D"]["ci95"]
+    for name, change in report["averages"].pop("change").items():
+        assert abs(change["value"]) < 4 * change["stderr"] < 0.1 * report[name]["value"], (name, change)
     assert report["averages"] == {"passage_steps": 20, "blocks": 20, "block_steps": 12, "groups": 10, "group_steps": 24,
                                   "independent": True}, report["averages"]
     for key in ("particles", "particle_steps_per_second_per_core", "species", "lambda_inf", "reference"):
@@ -103,6 +105,14 @@ def test_free_molecular_sphere_has_the_drag_and_heat_of_the_closed_form():
     # Two blocks, both shorter than a passage.
     assert "standard errors come from 2 groups of 12 steps, fewer than the 20" in sector.err, sector.err
     assert "use sampling = 200" in sector.err, sector.err
+
+    # Averages from the first step on, while the stream drives out the dense gas of the start: not steady, and said so.
+    early = SPHERE.replace("transient = 60", "transient = 0").replace("sampling = 240\nblock = 12", "sampling = 20\nblock = 2")
+    early += "[initial]\nstream = \"dense\"\n[stream.dense]\ndensity = 3e17\ntemperature = 300.0\nvelocity = [2110.0, 0.0, 0.0]\n"
+    early = compute(write("early.toml", early), "sphere.hdf", "early.hdf", "--json", "-")
+    assert "the flow was not steady: the drag changed by " in early.err and "(transient in [run])" in early.err, early.err
+    change = early.json["averages"]["change"]["C_D"]
+    assert abs(change["value"]) > 4 * change["stderr"] > 0, change
 
     # The same, beginning to average when the flow is found steady and ending when the drag is known to 1 %.
     alone = SPHERE.replace("transient = 60\n", "").replace("sampling = 240\nblock = 12", "sampling = 4000\nblock = 4\nstop_error = 0.01")

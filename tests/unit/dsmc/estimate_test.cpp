@@ -30,6 +30,12 @@ TEST(Estimate, OfGroupsIsTheMeanOfAllValuesWithTheErrorOfTheGroups) {
   EXPECT_EQ(estimate({1, 3}, 1).error, 0);
 }
 
+TEST(GroupMeans, AreOfRunsOfNeighbors) {
+  EXPECT_EQ(group_means({1, 3, 2, 4, 5, 9}, 3), (std::vector<double>{2, 3, 7}));
+  EXPECT_EQ(group_means({1, 3, 2, 4, 6}, 2), (std::vector<double>{2, 4}));
+  EXPECT_EQ(group_means({1, 3}, 1), std::vector<double>{2});
+}
+
 TEST(GroupBlocks, MakesEveryGroupAsLongAsAPassageIfTenAre) {
   const auto expect = [](const Grouping& g, std::size_t n_groups, std::int64_t steps, bool are_independent) {
     EXPECT_EQ(g.n_groups, n_groups);

@@ -46,6 +46,97 @@ TEST(Steadiness, IsNotSeenInNoiseThatHidesEverything) {
   EXPECT_FALSE(assess_steadiness({{"drag", tending(40, 1, 1.0)}}, 10).is_steady);
 }
 
+TEST(FitLine, HasTheChangeFromEndToEndAndItsStandardError) {
+  const std::vector<double> straight{1, 2, 3, 4}, bent{0, 3, 0, 3};
+  const auto line = fit_line(straight);
+  EXPECT_DOUBLE_EQ(line.mean, 2.5);
+  EXPECT_DOUBLE_EQ(line.change, 4);
+  EXPECT_NEAR(line.change_error, 0, 1e-12);
+  // Slope 3/5, what is left of the squares 9 - 5 (3/5)^2 = 7.2; divided by two degrees of freedom, and by 5 under the
+  // root.
+  EXPECT_DOUBLE_EQ(fit_line(bent).change, 4 * 0.6);
+  EXPECT_DOUBLE_EQ(fit_line(bent).change_error, 4 * std::sqrt(3.6 / 5));
+}
+
+TEST(Drifts, IsRareInNoiseAndSureInARise) {
+  const int n_runs = 20000;
+  int by_chance = 0, seen = 0;
+  Random random(1, Purpose::seed, 1, 0);
+  for (int run = 0; run < n_runs; ++run) {
+    std::vector<double> noise, rise;
+    for (int i = 0; i < 10; ++i) {
+      noise.push_back(1 + 0.01 * random.normal_pair().a);
+      rise.push_back(noise.back() + 0.01 * i);
+    }
+    by_chance += drifts(fit_line(noise)) ? 1 : 0;
+    seen += drifts(fit_line(rise)) ? 1 : 0;
+  }
+  EXPECT_NEAR(1.0 * by_chance / n_runs, 0.0039, 0.0015);  // Student, 8 degrees of freedom, beyond 4
+  EXPECT_GT(seen, 0.97 * n_runs);
+  EXPECT_FALSE(drifts(fit_line(std::vector<double>{1, 1.001, 1.002, 1.003})));  // sure, and unimportant
+}
+
+/// Averages with eleven blocks whose load on wall `zmin` falls by a part of its mean from each to the next; a step ends
+/// the twelfth, without any load.
+class FallingAverages : public ::testing::Test {
+ protected:
+  explicit FallingAverages(const std::string& transient = "") : case_(read_case(text(transient), "case.toml")) {
+    flow_.steps_done = 60;
+    RunState state;
+    state.sampling = true;
+    state.block_steps = 5;
+    state.in_interval = 4;
+    state.face.resize(flow_.domain().boundary.size());
+    for (int block = 0; block < 11; ++block) {
+      std::vector<Load> loads(mesh_.info.patches.size());
+      for (std::size_t p = 0; p < loads.size(); ++p)
+        if (mesh_.info.patches[p].name == "zmin") loads[p] = {{11.0 - block, 0, 0}, {}, 7};
+      state.blocks.push_back(loads);
+      HistoryRow row;
+      row.sampled = true;
+      state.history.push_back(row);
+    }
+    averaging_.resume(state);
+    averaging_.after_step(flow_, {});
+  }
+
+  static std::string text(const std::string& transient) {
+    std::string text = test::stream_case;
+    return text.replace(text.find("transient = 30"), 14, transient);
+  }
+
+  par::Comm comm_{MPI_COMM_WORLD};
+  Case case_;
+  mesh::DistMesh mesh_ = assemble::assemble(comm_, test::kuhn_cube(comm_, 3));
+  Flow flow_{comm_, mesh_, make_setup(comm_, case_, mesh_)};
+  Averaging averaging_{case_, mesh_, flow_};
+};
+
+TEST_F(FallingAverages, BeginAnew) {
+  const auto& state = averaging_.state();
+  EXPECT_TRUE(state.blocks.empty());
+  EXPECT_EQ(state.sampling_since, 60U);
+  EXPECT_TRUE(state.sampling);
+  EXPECT_FALSE(averaging_.is_complete(60));
+  EXPECT_EQ(state.history.size(), 12U);
+  for (const auto& row : state.history) EXPECT_FALSE(row.sampled);
+  EXPECT_EQ(state.steady_reason.find(
+                "averages begun anew after step 60: in the 12 blocks of 5 steps before the drag changed by"),
+            0U)
+      << state.steady_reason;
+}
+
+class FallingAveragesOfACaseWithATransient : public FallingAverages {
+ protected:
+  FallingAveragesOfACaseWithATransient() : FallingAverages("transient = 30") {}
+};
+
+TEST_F(FallingAveragesOfACaseWithATransient, StayAndAreNamed) {
+  EXPECT_EQ(averaging_.state().blocks.size(), 12U);
+  EXPECT_TRUE(averaging_.is_complete(60));
+  EXPECT_NE(drifts_of(averaging_.results().trends).find("the drag changed by"), std::string::npos);
+}
+
 TEST(Results, AreFiniteOnlyIfAllCoefficientsAndTheirErrorsAre) {
   Results results;
   results.walls.resize(2);

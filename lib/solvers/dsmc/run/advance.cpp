@@ -76,15 +76,16 @@ Advance advance(Computation& computation, const AdvanceOptions& options, const O
   observer.begin_phase(phase_of(computation));
   double particle_steps = 0;
   const auto first_step = steps_done();
-  bool was_sampling = state.sampling;
+  const auto averages_since = [&] { return state.sampling ? std::optional(state.sampling_since) : std::nullopt; };
+  auto since = averages_since();
   StepResult last{computation.is_complete(), false};
   while (!last.is_complete && !last.stop && !(options.steps && steps_done() >= *options.steps)) {
     last = computation.step(observer.wants_stop());
     particle_steps += static_cast<double>(computation.flow().particles.size());
     if (!last.stop && !options.checkpoint.empty() && options.every > 0 && steps_done() % options.every == 0) write();
     if (last.window_full) observer.window_full(computation);
-    if (state.sampling && !was_sampling) {
-      was_sampling = true;
+    if (const auto now = averages_since(); now != since) {
+      since = now;
       observer.report(state.steady_reason);
       observer.begin_phase(phase_of(computation));
     }

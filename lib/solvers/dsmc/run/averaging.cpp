@@ -10,7 +10,6 @@
 
 #include "pamr/base/error.hpp"
 #include "solvers/dsmc/gas/kinetic_theory.hpp"
-#include "solvers/dsmc/sampling/steadiness.hpp"
 
 namespace pamr::dsmc {
 
@@ -216,6 +215,7 @@ void Averaging::end_interval(Flow& flow) {
           "step {}: expected fewer molecules on each face of a wall in all averages, found more than can be "
           "added up: average over fewer steps",
           flow.steps_done));
+    begin_anew_if_not_steady(flow);
   } else if (!schedule_.transient && row.n_steps == interval_) {
     assess_steadiness_of(flow);
   }
@@ -239,6 +239,21 @@ void Averaging::assess_steadiness_of(Flow& flow) {
   else if (flow.steps_done >= state_.first_step + static_cast<std::uint64_t>(schedule_.max_transient))
     begin_sampling(flow, fmt::format("not steady after step {} (most_transient), averages begin all the same: {}",
                                      flow.steps_done, verdict.reason));
+}
+
+/// Throws away averages that drift, if nobody has asked for them as they are and there is time for others.
+void Averaging::begin_anew_if_not_steady(Flow& flow) {
+  const bool may = !schedule_.transient && schedule_.window == 0 &&
+                   flow.steps_done < state_.first_step + static_cast<std::uint64_t>(schedule_.max_transient);
+  if (!may) return;
+  const auto n_blocks = state_.blocks.size();
+  const auto found = drifts_of(trends(group_blocks(n_blocks, state_.block_steps, passage_steps()).n_groups));
+  if (found.empty()) return;
+  for (auto& row : state_.history) row.sampled = false;
+  state_.sampling_since = flow.steps_done;
+  state_.steady_reason = fmt::format("averages begun anew after step {}: in the {} blocks of {} steps before {}",
+                                     flow.steps_done, n_blocks, state_.block_steps, found);
+  begin_window(flow);
 }
 
 bool Averaging::is_window_full(std::uint64_t steps_done) const {
@@ -270,15 +285,37 @@ Results::OfPatch Averaging::of(const std::string& name, std::size_t n_groups,
           estimate(heat, n_groups)};
 }
 
+std::vector<Results::Trend> Averaging::trends(std::size_t n_groups) const {
+  if (n_groups < 10 || schedule_.window > 0) return {};
+  std::vector<double> drag, heat;
+  for (const auto& block : state_.blocks) {
+    const auto c = scale_.coefficients(sum_of(block, body_));
+    drag.push_back(c.drag);
+    heat.push_back(c.heat);
+  }
+  return {{"C_D", "the drag", fit_line(group_means(drag, n_groups))},
+          {"C_H", "the heat to the walls", fit_line(group_means(heat, n_groups))}};
+}
+
 Results Averaging::results() const {
   Results results;
   results.n_blocks = state_.blocks.size();
   results.groups = group_blocks(results.n_blocks, state_.block_steps, passage_steps());
   const auto n = results.groups.n_groups;
+  results.trends = trends(n);
   results.body = of("", n, [&](const std::vector<Load>& loads) { return sum_of(loads, body_); });
   for (const auto& [p, name] : walls_)
     results.walls.push_back(of(name, n, [p = p](const auto& loads) { return loads[p]; }));
   return results;
+}
+
+std::string drifts_of(const std::vector<Results::Trend>& trends) {
+  std::string text;
+  for (const auto& [coefficient, name, line] : trends)
+    if (drifts(line))
+      text += fmt::format("{}{} changed by {:+.2f} +- {:.2f} %", text.empty() ? "" : ", ", name,
+                          100 * line.change / std::fabs(line.mean), 100 * line.change_error / std::fabs(line.mean));
+  return text;
 }
 
 bool is_finite(const Results& results) {

@@ -11,6 +11,7 @@
 #include "solvers/dsmc/run/flow_case.hpp"
 #include "solvers/dsmc/sampling/estimate.hpp"
 #include "solvers/dsmc/sampling/loads.hpp"
+#include "solvers/dsmc/sampling/steadiness.hpp"
 #include "solvers/dsmc/state/run_state.hpp"
 
 namespace pamr::dsmc {
@@ -21,16 +22,25 @@ struct Results {
     std::string patch;
     Estimate drag, lift, moment, heat;
   };
+  /// How a coefficient of the body has changed while it was averaged.
+  struct Trend {
+    std::string coefficient, name;  ///< C_D, "the drag"
+    Line line;                      ///< through the groups
+  };
   OfPatch body;                ///< of the reference patches together
   std::vector<OfPatch> walls;  ///< of each patch that is a wall
   std::size_t n_blocks = 0;
-  Grouping groups;  ///< of the blocks: what the errors of the loads come from
+  Grouping groups;            ///< of the blocks: what the errors of the loads come from
+  std::vector<Trend> trends;  ///< of drag and heat, if there are ten groups; not in windows
 };
 
+/// Those that drift, in words: a flow that was not steady. Empty if none does. Local.
+std::string drifts_of(const std::vector<Results::Trend>& trends);
 /// Whether all coefficients and their errors are numbers. Local.
 bool is_finite(const Results& results);
 
-/// Decides when the averages of a flow begin and when they suffice, and keeps history, blocks and sums.
+/// Decides when the averages of a flow begin and when they suffice, and keeps history, blocks and sums. Averages that
+/// began because the flow seemed steady begin anew when drag or heat drift in them.
 ///
 /// A run is divided into intervals: of the transient, each a tenth of the time in which the free stream (for a gas at
 /// rest: its fast molecules) passes the domain; and of the averages, the blocks of the schedule.
@@ -72,8 +82,10 @@ class Averaging {
   std::uint64_t discarded() const;  ///< steps of a transferred flow that do not count
   std::uint64_t first_sampled_step() const;
   void begin_sampling(Flow& flow, const std::string& reason);
+  void begin_anew_if_not_steady(Flow& flow);
   void end_interval(Flow& flow);
   void assess_steadiness_of(Flow& flow);
+  std::vector<Results::Trend> trends(std::size_t n_groups) const;
   Results::OfPatch of(const std::string& name, std::size_t n_groups,
                       const std::function<Load(const std::vector<Load>&)>& part) const;
 

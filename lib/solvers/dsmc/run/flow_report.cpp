@@ -33,6 +33,8 @@ json averages_of(const Averaging& averaging, const Results& results, double stud
          {"block_steps", averaging.block_steps()},     {"groups", results.groups.n_groups},
          {"group_steps", results.groups.steps},        {"independent", results.groups.are_independent}};
   if (std::isfinite(student)) j["student_95"] = student;
+  for (const auto& [coefficient, name, line] : results.trends)
+    j["change"][coefficient] = {{"value", line.change}, {"stderr", line.change_error}};
   return j;
 }
 
@@ -115,12 +117,20 @@ std::string summary_of(const Computation& computation, const Outcome& outcome) {
 std::vector<std::string> warnings_of(const Averaging& averaging) {
   const auto results = averaging.results();
   const auto& groups = results.groups;
-  if (results.walls.empty() || groups.n_groups < 2 || groups.are_independent) return {};
+  if (results.walls.empty() || groups.n_groups < 2) return {};
+  std::vector<std::string> warnings;
   const auto passage = averaging.passage_steps();
-  return {fmt::format(
-      "standard errors come from {} groups of {} steps, fewer than the {} in which the free stream passes the "
-      "domain, and may be too small: for ten that long use sampling = {}",
-      groups.n_groups, groups.steps, passage, 20 * ((passage + 1) / 2))};
+  if (!groups.are_independent)
+    warnings.push_back(fmt::format(
+        "standard errors come from {} groups of {} steps, fewer than the {} in which the free stream passes the "
+        "domain, and may be too small: for ten that long use sampling = {}",
+        groups.n_groups, groups.steps, passage, 20 * ((passage + 1) / 2)));
+  if (const auto found = drifts_of(results.trends); !found.empty())
+    warnings.push_back(
+        fmt::format("the flow was not steady: {} while it was averaged, which standard errors do not show: begin the "
+                    "averages later (transient in [run])",
+                    found));
+  return warnings;
 }
 
 std::string summary_of(const Transferred& transferred) {

@@ -51,6 +51,16 @@ Estimate estimate(const std::vector<double>& values, std::size_t n_groups) {
   return result;
 }
 
+std::vector<double> group_means(const std::vector<double>& values, std::size_t n_groups) {
+  PAMR_EXPECTS(n_groups > 0 && n_groups <= values.size());
+  std::vector<double> means(n_groups);
+  for (std::size_t g = 0, begin = 0; g < n_groups; ++g) {
+    const std::size_t end = (g + 1) * values.size() / n_groups, n = end - begin;
+    for (; begin < end; ++begin) means[g] += values[begin] / static_cast<double>(n);
+  }
+  return means;
+}
+
 Grouping group_blocks(std::size_t n_blocks, std::int64_t steps_per_block, std::int64_t passage) {
   PAMR_EXPECTS(steps_per_block > 0 && passage > 0);
   Grouping result;

@@ -18,6 +18,10 @@ Estimate estimate(const std::vector<double>& values);
 /// or one longer: for values that depend on their neighbors. `n_groups` is at most the number of values. Local.
 Estimate estimate(const std::vector<double>& values, std::size_t n_groups);
 
+/// Means of `n_groups` runs of neighboring values, of equal length or one longer. `n_groups` is at least 1 and at most
+/// the number of values. Local.
+std::vector<double> group_means(const std::vector<double>& values, std::size_t n_groups);
+
 /// Runs of neighboring blocks of steps for the error of their mean.
 struct Grouping {
   std::size_t n_groups = 0;

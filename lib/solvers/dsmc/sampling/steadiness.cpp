@@ -5,34 +5,32 @@
 
 #include <algorithm>
 #include <cmath>
-#include <span>
+
+#include "pamr/base/contract.hpp"
 
 namespace pamr::dsmc {
 
 namespace {
 
-/// A straight line through equally spaced values.
-struct Line {
-  double mean = 0;
-  double mean_error = 0;
-  double change = 0;  ///< over the window
-  double change_error = 0;
-};
+constexpr double unimportant = 0.005;  ///< change of a quantity, over its mean
 
-Line fit(std::span<const double> y) {
+}  // namespace
+
+Line fit_line(std::span<const double> values) {
+  PAMR_EXPECTS(values.size() > 2);
   Line line;
-  const double n = static_cast<double>(y.size());
-  for (const double v : y) line.mean += v / n;
+  const double n = static_cast<double>(values.size());
+  for (const double v : values) line.mean += v / n;
   double xx = 0, xy = 0;
-  for (std::size_t i = 0; i < y.size(); ++i) {
+  for (std::size_t i = 0; i < values.size(); ++i) {
     const double x = static_cast<double>(i) - 0.5 * (n - 1);
     xx += x * x;
-    xy += x * (y[i] - line.mean);
+    xy += x * (values[i] - line.mean);
   }
   const double slope = xy / xx;
   double rest = 0;
-  for (std::size_t i = 0; i < y.size(); ++i) {
-    const double d = y[i] - line.mean - slope * (static_cast<double>(i) - 0.5 * (n - 1));
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const double d = values[i] - line.mean - slope * (static_cast<double>(i) - 0.5 * (n - 1));
     rest += d * d;
   }
   const double variance = rest / (n - 2);
@@ -42,7 +40,9 @@ Line fit(std::span<const double> y) {
   return line;
 }
 
-}  // namespace
+bool drifts(const Line& line) {
+  return std::fabs(line.change) > std::max(4 * line.change_error, unimportant * std::fabs(line.mean));
+}
 
 Verdict assess_steadiness(const std::vector<Series>& series, std::size_t window) {
   Verdict verdict{true, {}};
@@ -50,11 +50,11 @@ Verdict assess_steadiness(const std::vector<Series>& series, std::size_t window)
   for (const auto& s : series) {
     if (s.value.size() < 2 * window) return {false, fmt::format("fewer than two windows of {} intervals yet", window)};
     const std::span<const double> all(s.value);
-    const auto first = fit(all.subspan(all.size() - 2 * window, window)), last = fit(all.last(window));
+    const auto first = fit_line(all.subspan(all.size() - 2 * window, window)), last = fit_line(all.last(window));
     const double size = std::fabs(last.mean);
     if (size == 0) continue;
     const auto small = [&](double change, double error) {
-      return std::fabs(change) <= std::max(3 * error, 0.005 * size) && std::fabs(change) <= 0.05 * size;
+      return std::fabs(change) <= std::max(3 * error, unimportant * size) && std::fabs(change) <= 0.05 * size;
     };
     const double step = last.mean - first.mean, step_error = std::hypot(first.mean_error, last.mean_error);
     const bool ok =

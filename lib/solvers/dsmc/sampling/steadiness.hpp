@@ -1,10 +1,22 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <span>
 #include <string>
 #include <vector>
 
 namespace pamr::dsmc {
+
+/// Mean of a series, and its change from end to end by the straight line through it, each with its standard error.
+struct Line {
+  double mean = 0, mean_error = 0;
+  double change = 0, change_error = 0;
+};
+/// The line through equally spaced values, of which there are at least three. Local.
+Line fit_line(std::span<const double> values);
+/// Whether values that should only scatter change in one direction: by more than four standard errors (beyond which are
+/// 0.4 % of ten values that scatter by chance, if neighbors do not depend on each other) and 0.5 % of their mean.
+bool drifts(const Line& line);
 
 /// A quantity of the whole flow at equal intervals.
 struct Series {
