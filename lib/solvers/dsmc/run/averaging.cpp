@@ -247,7 +247,7 @@ void Averaging::begin_anew_if_not_steady(Flow& flow) {
                    flow.steps_done < state_.first_step + static_cast<std::uint64_t>(schedule_.max_transient);
   if (!may) return;
   const auto n_blocks = state_.blocks.size();
-  const auto found = drifts_of(trends(group_blocks(n_blocks, state_.block_steps, passage_steps()).n_groups));
+  const auto found = drifts_of(trends());
   if (found.empty()) return;
   for (auto& row : state_.history) row.sampled = false;
   state_.sampling_since = flow.steps_done;
@@ -271,41 +271,41 @@ void Averaging::finish(Flow& flow) {
   if (state_.sampling && state_.blocks.empty() && state_.in_interval > 0) end_interval(flow);
 }
 
-Results::OfPatch Averaging::of(const std::string& name, std::size_t n_groups,
-                               const std::function<Load(const std::vector<Load>&)>& part) const {
-  std::vector<double> drag, lift, moment, heat;
+Averaging::CoefficientSeries Averaging::series_of(const LoadOf& part) const {
+  CoefficientSeries series;
   for (const auto& block : state_.blocks) {
     const auto c = scale_.coefficients(part(block));
-    drag.push_back(c.drag);
-    lift.push_back(c.lift);
-    moment.push_back(c.moment);
-    heat.push_back(c.heat);
+    series.drag.push_back(c.drag);
+    series.lift.push_back(c.lift);
+    series.moment.push_back(c.moment);
+    series.heat.push_back(c.heat);
   }
-  return {name, estimate(drag, n_groups), estimate(lift, n_groups), estimate(moment, n_groups),
-          estimate(heat, n_groups)};
+  return series;
 }
 
-std::vector<Results::Trend> Averaging::trends(std::size_t n_groups) const {
-  if (n_groups < 10 || schedule_.window > 0) return {};
-  std::vector<double> drag, heat;
-  for (const auto& block : state_.blocks) {
-    const auto c = scale_.coefficients(sum_of(block, body_));
-    drag.push_back(c.drag);
-    heat.push_back(c.heat);
-  }
-  return {{"C_D", "the drag", fit_line(group_means(drag, n_groups))},
-          {"C_H", "the heat to the walls", fit_line(group_means(heat, n_groups))}};
+Grouping Averaging::groups() const { return group_blocks(state_.blocks.size(), state_.block_steps, passage_steps()); }
+
+std::vector<Results::Trend> Averaging::trends() const {
+  const auto n = groups().n_groups;
+  if (n < 10 || schedule_.window > 0) return {};
+  const auto body = series_of([&](const std::vector<Load>& loads) { return sum_of(loads, body_); });
+  return {{"C_D", "the drag", fit_line(group_means(body.drag, n))},
+          {"C_H", "the heat to the walls", fit_line(group_means(body.heat, n))}};
 }
 
 Results Averaging::results() const {
   Results results;
   results.n_blocks = state_.blocks.size();
-  results.groups = group_blocks(results.n_blocks, state_.block_steps, passage_steps());
-  const auto n = results.groups.n_groups;
-  results.trends = trends(n);
-  results.body = of("", n, [&](const std::vector<Load>& loads) { return sum_of(loads, body_); });
+  results.groups = groups();
+  results.trends = trends();
+  const auto of = [&](const std::string& name, const LoadOf& part) {
+    const auto n = results.groups.n_groups;
+    const auto s = series_of(part);
+    return Results::OfPatch{name, estimate(s.drag, n), estimate(s.lift, n), estimate(s.moment, n), estimate(s.heat, n)};
+  };
+  results.body = of("", [&](const std::vector<Load>& loads) { return sum_of(loads, body_); });
   for (const auto& [p, name] : walls_)
-    results.walls.push_back(of(name, n, [p = p](const auto& loads) { return loads[p]; }));
+    results.walls.push_back(of(name, [p = p](const auto& loads) { return loads[p]; }));
   return results;
 }
 

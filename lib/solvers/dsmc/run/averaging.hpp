@@ -85,9 +85,15 @@ class Averaging {
   void begin_anew_if_not_steady(Flow& flow);
   void end_interval(Flow& flow);
   void assess_steadiness_of(Flow& flow);
-  std::vector<Results::Trend> trends(std::size_t n_groups) const;
-  Results::OfPatch of(const std::string& name, std::size_t n_groups,
-                      const std::function<Load(const std::vector<Load>&)>& part) const;
+
+  /// Coefficients of a part of the walls, a value for each block.
+  struct CoefficientSeries {
+    std::vector<double> drag, lift, moment, heat;
+  };
+  using LoadOf = std::function<Load(const std::vector<Load>&)>;  ///< from those of the patches
+  CoefficientSeries series_of(const LoadOf& part) const;
+  Grouping groups() const;
+  std::vector<Results::Trend> trends() const;
 
   Schedule schedule_;
   Vec3 point_;  ///< m, about which moments are taken
