@@ -12,6 +12,7 @@
 #include "pamr/base/timer.hpp"
 #include "pamr/io/native/native_file.hpp"
 #include "pamr/validate/validate.hpp"
+#include "solvers/poisson_boltzmann/case_names.hpp"
 #include "solvers/poisson_boltzmann/electrode_file.hpp"
 #include "solvers/poisson_boltzmann/initial_guess.hpp"
 #include "solvers/poisson_boltzmann/pb_report.hpp"
@@ -85,6 +86,12 @@ nlohmann::json print_case(const cli::Session& session, const pb::Problem& proble
   return {{"matrix_entries", n_entries}, {"bytes_a_rank", bytes}};
 }
 
+std::vector<std::string> names_of(const std::vector<mesh::Patch>& patches) {
+  std::vector<std::string> names;
+  for (const auto& patch : patches) names.push_back(patch.name);
+  return names;
+}
+
 cli::ExitCode run(cli::Session& session, const Options& o) {
   session.check_input(o.case_file);
   session.check_input(o.mesh);
@@ -92,14 +99,15 @@ cli::ExitCode run(cli::Session& session, const Options& o) {
   if (!o.surface.empty()) session.check_output(o.surface, {o.case_file, o.mesh, o.output}, o.force);
   const auto& comm = session.comm();
   StepTimer timer;
-  const auto input = pb::read_case(cli::read_text(comm, o.case_file), o.case_file);
-  const pb::PetscRuntime petsc(comm, input.solver.petsc + " " + o.petsc);
+  const auto stated = pb::read_case(cli::read_text(comm, o.case_file), o.case_file);
+  const pb::PetscRuntime petsc(comm, stated.solver.petsc + " " + o.petsc);
   session.step("reading " + o.mesh);
   auto mesh = assemble::assemble(
       comm, io::read_native(comm, o.mesh,
-                            {.build_surfaces = !input.estimator.goals.empty() || input.solver.order == 2,
+                            {.build_surfaces = !stated.estimator.goals.empty() || stated.solver.order == 2,
                              .remark = session.remarks()}));
   validate::require_valid(comm, mesh, o.mesh);
+  const auto input = pb::resolve_names(stated, names_of(mesh.info.patches), o.case_file);
   timer.lap("read");
   session.step("spreading the cells over the ranks");
   auto spread = pb::spread_cells(comm, std::move(mesh), balance::method_named(o.balance));

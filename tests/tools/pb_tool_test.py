@@ -332,6 +332,7 @@ def test_bad_input_is_refused():
     refused("".join(condition(p, "symmetry") for p in SIDES), "potential or charge")
     refused(good.replace("value = 1", "value = 1e4"), "at most 50 kT/Ze")
     refused(good.replace("[boundary.xmin]", "[boundary.hull]"), "hull")
+    refused(good.replace("[boundary.xmin]", '[boundary."hull_*"]'), "hull_*")
     refused(condition("zmin", "potential", 1), "boundary.xmin")
     refused(good + condition("hull", "symmetry"), "hull")
     refused("[pair]\npatch = 'zmin'\nradius = 1\ndistance = 1.5\n" + good, "overlap")

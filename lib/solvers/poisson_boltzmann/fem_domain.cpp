@@ -185,8 +185,10 @@ Domain make_domain(const par::Comm& comm, const mesh::DistMesh& mesh, const Case
   if (domain.quadratic) measure_curved(comm, domain);
   for (std::size_t p = 0; p < domain.patches.size(); ++p)
     if (domain.patches[p].n_faces > 0 && problem.find_boundary(mesh.info.patches[p].name) == nullptr)
-      throw Error(fmt::format("{}: expected a table [boundary.{}] for that patch of the mesh, found none", where,
-                              mesh.info.patches[p].name));
+      throw Error(
+          fmt::format("{}: expected a table [boundary.{}] for that patch of the mesh, found none (a name may stand "
+                      "for several, such as \"*\")",
+                      where, mesh.info.patches[p].name));
   return domain;
 }
 

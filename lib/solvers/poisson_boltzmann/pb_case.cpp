@@ -9,6 +9,8 @@
 
 #include "pamr/base/case_file.hpp"
 #include "pamr/base/error.hpp"
+#include "pamr/base/name_pattern.hpp"
+#include "solvers/poisson_boltzmann/case_names.hpp"
 
 namespace pamr::poisson_boltzmann {
 
@@ -275,15 +277,7 @@ class Reader {
   }
 
   void check_bodies() const {
-    for (const auto& body : result_.bodies) {
-      for (const auto& patch : body.patches)
-        if (!result_.is_electrode(patch))
-          refuse(fmt::format("patches with condition \"potential\" or \"charge\" in [[body]] \"{}\"", body.name),
-                 "\"" + patch + "\"");
-      const bool is_alone = body.patches.size() == 1 && body.patches[0] == body.name;
-      if (!is_alone && result_.find_boundary(body.name) != nullptr)
-        refuse("names of [[body]] that are no patch's", "\"" + body.name + "\"");
-    }
+    require_bodies(result_, file_.at());
     bool has_sphere = false;
     for (const auto& sphere : result_.spheres) has_sphere = has_sphere || !sphere.patch.empty();
     if ((result_.force.inner || result_.force.outer) && !has_sphere)
@@ -339,6 +333,8 @@ const char* name_of(Condition condition) {
 const Boundary* Case::find_boundary(std::string_view patch) const {
   for (const auto& b : boundary)
     if (b.patch == patch) return &b;
+  for (const auto& b : boundary)
+    if (stands_for(b.patch, std::string(patch))) return &b;
   return nullptr;
 }
 

@@ -24,7 +24,7 @@ enum class Condition {
 const char* name_of(Condition condition);
 
 struct Boundary {
-  std::string patch;
+  std::string patch;  ///< a name, or a pattern of names until `resolve_names` (base/name_pattern.hpp)
   Condition condition = Condition::symmetry;
   double value = 0;  ///< dimensionless
 };
@@ -46,7 +46,7 @@ struct Plate {
 /// Patches of the mesh that are one body: forces, torques and charges are given for all of them together.
 struct Body {
   std::string name;
-  std::vector<std::string> patches;
+  std::vector<std::string> patches;      ///< names, or patterns of names until `resolve_names`
   std::optional<geometry::Vec3> center;  ///< of the torque, Debye lengths; nothing: the centroid of the surface
 };
 
@@ -97,6 +97,7 @@ struct Case {
   ForceOptions force;
   EstimatorOptions estimator;
 
+  /// What holds on the patch: stated for its own name, or for a pattern that stands for it. Null if nothing does.
   const Boundary* find_boundary(std::string_view patch) const;
   /// True where that patch holds a charge or a potential: forces on it and its charge have a meaning.
   bool is_electrode(std::string_view patch) const;

@@ -207,6 +207,49 @@ TEST(Computation, IsTheSameWhetherCellsMoveToOtherRanksOrNot) {
   EXPECT_EQ(computation->flow().lost(), 0);
 }
 
+/// The small case with other lines for all of its patches, and the setup of the cube with it.
+Setup setup_with(const std::string& boundary, const std::string& reference = "area = 1.0") {
+  std::string text = test::stream_case;
+  const auto begin = text.find("xmin =");
+  text.replace(begin, text.find("[initial]") - begin, boundary + "\n");
+  text.replace(text.find("area = 1.0"), 10, reference);
+  const par::Comm comm(MPI_COMM_WORLD);
+  const auto mesh = assemble::assemble(comm, test::kuhn_cube(comm, 3));
+  const auto c = read_case(text, "case.toml");
+  return make_setup(comm, c, mesh);
+}
+
+TEST(Patterns, StandForPatches) {
+  const auto setup = setup_with(
+      R"("?max" = { kind = "outflow" }
+"[xy]min" = { kind = "diffuse", temperature = 400.0 }
+"*" = { kind = "inflow" }
+ymax = { kind = "specular" })",
+      "area = 1.0\npatches = [\"x*\"]");
+  using Kind = BoundaryCondition::Kind;  // xmin xmax ymin ymax zmin zmax
+  const Kind expected[] = {Kind::diffuse, Kind::outflow, Kind::diffuse, Kind::specular, Kind::inflow, Kind::outflow};
+  for (std::size_t p = 0; p < 6; ++p) EXPECT_EQ(setup.patch[p].kind, expected[p]) << p;
+}
+
+TEST(Patterns, AreRefusedWhereTheyAreAmbiguousOrStandForNothing) {
+  const auto refused = [](const std::string& boundary, const std::string& reference, const std::string& says) {
+    try {
+      setup_with(boundary, reference);
+      ADD_FAILURE() << boundary << " was accepted";
+    } catch (const Error& error) {
+      EXPECT_NE(std::string(error.what()).find(says), std::string::npos) << error.what();
+    }
+  };
+  const std::string walls = "\"*\" = { kind = \"diffuse\", temperature = 400.0 }\n", area = "area = 1.0";
+  refused(walls + "\"*min\" = { kind = \"outflow\" }\n\"x*\" = { kind = \"outflow\" }", area,
+          "expected one name that stands for \"xmin\", found \"*min\" and \"x*\"");
+  refused(walls + "\"w*\" = { kind = \"outflow\" }", area, "found \"w*\"");
+  refused("\"x*\" = { kind = \"outflow\" }", area, "found none for ymin, ymax, zmin, zmax");
+  refused(walls, area + "\npatches = [\"w*\"]",
+          "expected patches = names of walls of the mesh in [reference], found \"w*\"");
+  refused(walls + "xmax = { kind = \"outflow\" }", area + "\npatches = [\"xm*x\"]", "found \"xm*x\"");
+}
+
 TEST(CaseFile, ThatIsRefusedNamesTheLine) {
   const auto refused = [](const std::string& old, const std::string& with, const std::string& says) {
     std::string text = test::stream_case;
@@ -223,6 +266,8 @@ TEST(CaseFile, ThatIsRefusedNamesTheLine) {
   refused("sphere = [0.2, 0.2, 0.2, 0.3]", "sphere = [0.2, 0.2, 0.3]", "case.toml:27");
   refused("stream = \"puff\"", "stream = \"pouf\"", "\"pouf\"");
   refused("area = 1.0", "area = 1.0\npatches = [\"zmax\"]", "zmax");
+  refused("zmin = { kind = \"diffuse\", temperature = 500.0 }", "\"z*\" = { kind = \"periodic\", partner = \"zmax\" }",
+          "case.toml:23:17: expected kind = another kind for several patches at once");
   refused("omega = 0.74", "omega = 0.3", "case.toml:5");
   refused("[stream.free]", "[stream.far]", "[stream.free]");
 }

@@ -8,6 +8,7 @@
 
 #include "pamr/base/case_file.hpp"
 #include "pamr/base/error.hpp"
+#include "pamr/base/name_pattern.hpp"
 #include "solvers/dsmc/run/gas_tables.hpp"
 
 namespace pamr::dsmc {
@@ -51,6 +52,7 @@ void read_boundaries(const TomlTable& boundaries, Case& c) {
       b.stream = stream_named(c, table, "stream");
     }
     if (kind == "periodic") {
+      if (is_name_pattern(patch)) table.refuse("kind", "another kind for several patches at once");
       b.kind = Kind::periodic;
       c.partner[patch] = table.text("partner", "the name of the opposite patch");
     }
@@ -159,9 +161,12 @@ void read_reference(const TomlTable& table, Case& c) {
   r.pitch_axis = (1 / length) * r.pitch_axis;
   r.multiplier = table.number_or("multiplier", 1, {1e-6, 1e6});
   if (table.has("patches")) r.patches = table.texts("patches");
-  for (const auto& patch : r.patches)
-    if (!c.boundary.contains(patch) || !c.boundary[patch].is_wall())
+  for (const auto& patch : r.patches) {
+    if (is_name_pattern(patch)) continue;  // the mesh tells which
+    const auto* condition = c.find_boundary(patch);
+    if (condition == nullptr || !condition->is_wall())
       table.refuse("patches", "names of walls", fmt::format("\"{}\"", patch));
+  }
 }
 
 Station read_station(const TomlTable& table) {
@@ -197,6 +202,13 @@ ProbePlane read_plane(const TomlTable& table) {
 }
 
 }  // namespace
+
+const BoundaryCondition* Case::find_boundary(const std::string& patch) const {
+  std::vector<std::string> names;
+  for (const auto& [name, condition] : boundary) names.push_back(name);
+  const auto found = find_pattern(names, patch, where + ": [boundary.PATCH]");
+  return found ? &boundary.at(names[*found]) : nullptr;
+}
 
 Case read_case(std::string_view text, const std::string& where) {
   const auto file = parse_case(text, where);

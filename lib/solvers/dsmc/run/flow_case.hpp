@@ -37,7 +37,7 @@ struct Case {
   std::string where;  ///< name of the file
   Gas gas;
   std::vector<Stream> stream;                         ///< the free stream first
-  std::map<std::string, BoundaryCondition> boundary;  ///< by patch
+  std::map<std::string, BoundaryCondition> boundary;  ///< by patch, or by a pattern of names (base/name_pattern.hpp)
   std::map<std::string, std::string> boundary_at;     ///< file and line of each, for messages
   std::map<std::string, std::string> partner;         ///< of periodic patches
   int initial = 0;
@@ -56,6 +56,10 @@ struct Case {
   std::vector<Station> station;
   std::vector<ProbeLine> line;
   std::vector<ProbePlane> plane;
+
+  /// The condition of a patch: of its own name, or of the pattern that stands for it. Null if there is none; throws
+  /// `Error` if two patterns stand for it.
+  const BoundaryCondition* find_boundary(const std::string& patch) const;
 };
 
 /// Reads a case file (docs/tools/pamr-dsmc.md). `where` is its name; species may come from a file beside it. Throws

@@ -9,6 +9,7 @@
 
 #include "pamr/base/error.hpp"
 #include "pamr/base/index.hpp"
+#include "pamr/base/name_pattern.hpp"
 #include "pamr/mesh/require_field.hpp"
 #include "pamr/par/reproducible_sum.hpp"
 #include "solvers/dsmc/gas/kinetic_theory.hpp"
@@ -25,18 +26,19 @@ std::vector<BoundaryCondition> conditions_of(const Case& c, const mesh::DistMesh
   std::string names, missing;
   for (const auto& patch : mesh.info.patches) {
     names += fmt::format("{}{}", names.empty() ? "" : ", ", patch.name);
-    const auto found = c.boundary.find(patch.name);
-    if (found == c.boundary.end())
-      missing += fmt::format("{}{}", missing.empty() ? "" : ", ", patch.name);
+    if (const auto* found = c.find_boundary(patch.name))
+      conditions.push_back(*found);
     else
-      conditions.push_back(found->second);
+      missing += fmt::format("{}{}", missing.empty() ? "" : ", ", patch.name);
   }
   if (!missing.empty())
-    throw Error(fmt::format("{}: expected a table [boundary.PATCH] for every patch of the mesh, found none for {}",
-                            c.where, missing));
+    throw Error(
+        fmt::format("{}: expected a table [boundary.PATCH] for every patch of the mesh, found none for {} (PATCH "
+                    "may stand for several, such as \"*\")",
+                    c.where, missing));
   for (const auto& [name, condition] : c.boundary)
     if (std::none_of(mesh.info.patches.begin(), mesh.info.patches.end(),
-                     [&wanted = name](const auto& patch) { return patch.name == wanted; }))
+                     [&wanted = name](const auto& patch) { return stands_for(wanted, patch.name); }))
       throw Error(fmt::format("{}: expected a patch of the mesh ({}) in [boundary.PATCH], found \"{}\"",
                               c.boundary_at.at(name), names, name));
   const auto number = [&](const std::string& name) {
@@ -46,6 +48,17 @@ std::vector<BoundaryCondition> conditions_of(const Case& c, const mesh::DistMesh
   };
   for (const auto& [name, partner] : c.partner) conditions[at(number(name))].partner = number(partner);
   return conditions;
+}
+
+void require_reference(const Case& c, const mesh::DistMesh& mesh, const std::vector<BoundaryCondition>& conditions) {
+  for (const auto& name : c.reference.patches) {
+    bool is_wall = false;
+    for (std::size_t p = 0; p < conditions.size(); ++p)
+      is_wall = is_wall || (conditions[p].is_wall() && stands_for(name, mesh.info.patches[p].name));
+    if (!is_wall)
+      throw Error(
+          fmt::format("{}: expected patches = names of walls of the mesh in [reference], found \"{}\"", c.where, name));
+  }
 }
 
 double unit_of(const Case& c, const mesh::DistMesh& mesh) {
@@ -142,6 +155,7 @@ Setup make_setup(const par::Comm& comm, const Case& c, const mesh::DistMesh& mes
   setup.gas = c.gas;
   setup.stream = c.stream;
   setup.patch = conditions_of(c, mesh);
+  require_reference(c, mesh, setup.patch);
   setup.initial = c.initial;
   setup.region = c.region;
   setup.collisions = c.collisions;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "pamr/base/name_pattern.hpp"
 #include "pamr/par/reproducible_sum.hpp"
 #include "solvers/dsmc/gas/kinetic_theory.hpp"
 
@@ -97,7 +98,9 @@ std::vector<bool> reference_patches(const Reference& reference, const std::vecto
   std::vector<bool> wanted;
   for (std::size_t p = 0; p < patches.size(); ++p) {
     const auto& names = reference.patches;
-    const bool named = names.empty() || std::find(names.begin(), names.end(), patches[p].name) != names.end();
+    const bool named = names.empty() || std::any_of(names.begin(), names.end(), [&](const auto& name) {
+                         return stands_for(name, patches[p].name);
+                       });
     wanted.push_back(named && conditions[p].is_wall());
   }
   return wanted;

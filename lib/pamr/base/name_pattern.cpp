@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "pamr/base/name_pattern.hpp"
+
+#include <fmt/format.h>
+#include <fnmatch.h>
+
+#include <algorithm>
+
+#include "pamr/base/error.hpp"
+
+namespace pamr {
+
+bool is_name_pattern(std::string_view name) { return name.find_first_of("*?[") != std::string_view::npos; }
+
+bool stands_for(const std::string& pattern, const std::string& name) {
+  return pattern == name || (is_name_pattern(pattern) && fnmatch(pattern.c_str(), name.c_str(), 0) == 0);
+}
+
+std::optional<std::size_t> find_pattern(const std::vector<std::string>& patterns, const std::string& name,
+                                        const std::string& where) {
+  const auto itself = std::find(patterns.begin(), patterns.end(), name);
+  if (itself != patterns.end()) return static_cast<std::size_t>(itself - patterns.begin());
+  std::optional<std::size_t> found, rest;
+  for (std::size_t i = 0; i < patterns.size(); ++i) {
+    if (patterns[i] == "*") rest = i;
+    if (patterns[i] == "*" || !stands_for(patterns[i], name)) continue;
+    if (found)
+      throw Error(fmt::format("{}: expected one name that stands for \"{}\", found \"{}\" and \"{}\"", where, name,
+                              patterns[*found], patterns[i]));
+    found = i;
+  }
+  return found ? found : rest;
+}
+
+}  // namespace pamr
