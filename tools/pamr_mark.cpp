@@ -46,7 +46,7 @@ constexpr std::array<OptionHelp, 22> criteria_help{{
     {"--crossing-sphere", "X,Y,Z,R", "cells whose least corner distance from (X,Y,Z) is below R and greatest above"},
     {"--centroid-shell", "X,Y,Z,R,W", "cells whose centroid is nearer than W to the sphere of radius R"},
     {"--box", "X0,Y0,Z0,X1,Y1,Z1", "cells whose centroid lies in the closed box"},
-    {"--patch", "NAME", "cells with a face on this boundary patch"},
+    {"--patch", "NAME", "cells with a face on this boundary patch, or on these: \"face_*\""},
     {"--layers", "N", "of --patch: N layers of cells, those on the patch and then those sharing a node (default 1)"},
     {"--field", "NAME", "cells by a field (nodal fields: mean of the corners), with --above or --below"},
     {"--above", "V", "of --field: where it is above V"},

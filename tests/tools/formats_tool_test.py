@@ -215,6 +215,11 @@ def test_kinds_and_units_are_given_on_the_command_line():
         kind = lambda patch: bytes(file[f"Base/Zone1/ZoneBC/{patch}/ data"][:]).decode()
         assert [kind(p) for p in ("xmin", "ymin", "zmax", "xmax")] == [
             "BCWall", "BCSymmetryPlane", "BCFarfield", "UserDefined"]
+    run("pamr-convert", "cube.hdf", "kinds.hdf", "--kind", "*m*=wall", "--kind", "[yz]max=outflow", "--quiet")
+    with h5py.File("kinds.hdf") as file:
+        names, kinds = ([bytes(text).decode() for text in file[f"PAMR/patches/{key}"][:]] for key in ("names", "kinds"))
+    assert dict(zip(names, kinds)) == {p: "outflow" if p in ("ymax", "zmax") else "wall" for p in PATCHES}
+    refuses("pamr-convert", "cube.hdf", "n.hdf", "--kind", "w*=wall", says=["xmin", "'w*'"], creates="n.hdf")
     refuses("pamr-convert", "cube.hdf", "n.hdf", "--kind", "wall", says=["PATCH=KIND"], creates="n.hdf")
     refuses("pamr-convert", "cube.hdf", "n.hdf", "--kind", "xmin=wal", says=["symmetry", "'xmin=wal'"])
     refuses("pamr-convert", "cube.hdf", "n.hdf", "--kind", "lid=wall", says=["xmin", "'lid'"])

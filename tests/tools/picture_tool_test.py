@@ -110,6 +110,9 @@ def test_every_kind_of_file_is_drawn_and_patches_keep_their_names():
     assert all(sorted(mesh["patches"]) == names for mesh in report["meshes"][:3]), report
     assert all(mesh["boundary_triangles"] == 6 * 72 for mesh in report["meshes"][:3]), report
     assert report["meshes"][3]["boundary_triangles"] == 4 and report["meshes"][3]["cells"] == 0, report
+    run("pamr-picture", coarse, "-o", "two.png", "--patch", "xmin", "--patch", "xmax", "--quiet")
+    run("pamr-picture", coarse, "-o", "both.png", "--patch", "x*", "--quiet")
+    assert pathlib.Path("two.png").read_bytes() == pathlib.Path("both.png").read_bytes()
     panels = np.array_split(image[80:-50], 4, axis=1)
     assert all(len(np.unique(panel.reshape(-1, 3), axis=0)) > 20 for panel in panels)
 
@@ -159,6 +162,7 @@ def test_wrong_words_and_names_are_one_clear_message():
             ([coarse, "--field", "temprature"], "unknown field 'temprature'; there are height, level, mean_ratio"),
             ([coarse, "--field", "u:3"], "expected a component from 0 to 2"),
             ([coarse, "--patch", "wall"], "unknown patch 'wall'; there are xmax, xmin"),
+            ([coarse, "--patch", "w*"], "unknown patch 'w*'; there are xmax, xmin"),
             ([coarse, "--cut", "y=7"], "the mesh has y from 0 to 1"),
             ([coarse, "--streamlines", "x"], "expected a field with 3 components"),
             ([coarse, "--isolines", "3"], "expected a field with numbers"),

@@ -14,12 +14,14 @@
 #include "convert/formats.hpp"
 #include "pamr/assemble/assemble.hpp"
 #include "pamr/base/error.hpp"
+#include "pamr/base/index.hpp"
 #include "pamr/io/gmsh/read_gmsh.hpp"
 #include "pamr/io/medit/read_medit.hpp"
 #include "pamr/io/native/native_file.hpp"
 #include "pamr/io/su2/read_su2.hpp"
 #include "pamr/io/ugrid/read_ugrid.hpp"
 #include "pamr/io/vtk/read_vtu.hpp"
+#include "pamr/mesh/find_patches.hpp"
 #include "pamr/mesh/periodic_patches.hpp"
 
 namespace pamr::convert {
@@ -134,13 +136,13 @@ void set_kinds(const std::vector<std::string>& pairs, mesh::DistMesh& mesh) {
       throw Error(fmt::format("--kind: expected PATCH=KIND with a kind of {}, found '{}'", list, pair));
     }
     auto& patches = mesh.info.patches;
-    const auto found = std::find_if(patches.begin(), patches.end(), [&](const auto& p) { return p.name == name; });
-    if (found == patches.end()) {
+    const auto found = mesh::find_patches(patches, name);
+    if (found.empty()) {
       std::string list;
       for (const auto& patch : patches) list += (list.empty() ? "" : ", ") + patch.name;
       throw Error(fmt::format("--kind: expected a patch of the mesh ({}), found '{}'", list, name));
     }
-    found->kind = kind == "patch" ? "" : kind;
+    for (const int patch : found) patches[at(patch)].kind = kind == "patch" ? "" : kind;
   }
 }
 

@@ -77,8 +77,8 @@ def parser(version):
     line.add_argument("-o", "--output", required=True, metavar="PICTURE.png", help="picture to write")
     line.add_argument("--version", action="version", version=f"pamr-picture {version}")
     what = line.add_argument_group("what is shown")
-    what.add_argument("--patch", action="append", metavar="NAME", help="this patch of the boundary; may be repeated; all: every "
-                      "patch (default: every patch, and none beside --cut)")
+    what.add_argument("--patch", action="append", metavar="NAME", help="this patch of the boundary, or these: 'face_*'; may be repeated; all: "
+                      "every patch (default: every patch, and none beside --cut)")
     what.add_argument("--cut", metavar="PLANE", help="the section with a plane: x=V, y=V, z=V or NX,NY,NZ=V; what is in front "
                       "of it is taken away")
     what.add_argument("--whole-cells", action="store_true", help="with --cut: the complete cells behind the plane")

@@ -2,6 +2,7 @@
 """Reads mesh files of every kind that a picture can be made of into one form."""
 import contextlib
 import dataclasses
+import fnmatch
 import io
 import os
 
@@ -40,6 +41,11 @@ class Mesh:
     @property
     def name(self):
         return os.path.splitext(os.path.basename(self.file.rstrip("/")))[0]
+
+
+def patches_named(pattern, names):
+    """The names for which one stands that a user has given: itself, or else all that fit it as a pattern of the shell."""
+    return {pattern} if pattern in names else {name for name in names if fnmatch.fnmatchcase(name, pattern)}
 
 
 def face_keys(triangles):

@@ -9,7 +9,7 @@ import flow_lines
 import palettes
 import shapes
 import values
-from mesh_files import NO_PATCH
+from mesh_files import NO_PATCH, patches_named
 from refused import Refused
 from scene import Scene, lookup_table
 
@@ -54,7 +54,8 @@ class Subject:
             return list(mesh.patches) if self.plane is None else []
         if "all" in wanted or mesh.patches == [NO_PATCH]:
             return list(mesh.patches)
-        return [name for name in mesh.patches if name in wanted]
+        drawn = {name for patch in wanted for name in patches_named(patch, mesh.patches)}
+        return [name for name in mesh.patches if name in drawn]
 
     def _values(self):
         wish = self.wish

@@ -106,10 +106,11 @@ def legend_of(o, subjects, coloring):
 
 
 def require_patches(wanted, meshes):
-    """Each name is that of a patch of some mesh: a surface beside volume meshes need not have them."""
+    """Each name stands for a patch of some mesh: a surface beside volume meshes need not have them."""
+    from mesh_files import patches_named
     known = {patch for mesh in meshes for patch in mesh.patches}
     for name in wanted:
-        if name not in known and name != "all":
+        if name != "all" and not patches_named(name, known):
             raise Refused(f"{meshes[0].file}: --patch: unknown patch '{name}'; there are {', '.join(sorted(known))}")
 
 

@@ -12,6 +12,7 @@
 #include "pamr/base/error.hpp"
 #include "pamr/base/index.hpp"
 #include "pamr/mesh/borders.hpp"
+#include "pamr/mesh/find_patches.hpp"
 #include "pamr/par/exchange.hpp"
 
 namespace pamr::mark {
@@ -28,11 +29,12 @@ Indicator cells_where(const mesh::DistMesh& mesh, Predicate&& holds) {
   return indicator;
 }
 
-int find_patch(const mesh::DistMesh& mesh, std::string_view name) {
+/// What the cells have in the place of a neighbor at the patches for which the name stands.
+std::vector<LocalId> slots_of(const mesh::DistMesh& mesh, std::string_view name) {
   const auto& patches = mesh.info.patches;
-  const auto found =
-      std::find_if(patches.begin(), patches.end(), [&](const auto& patch) { return patch.name == name; });
-  if (found != patches.end()) return static_cast<int>(found - patches.begin());
+  std::vector<LocalId> slots;
+  for (const int patch : mesh::find_patches(patches, std::string(name))) slots.push_back(mesh::patch_to_slot(patch));
+  if (!slots.empty()) return slots;
   std::string names;
   for (const auto& patch : patches) names += (names.empty() ? "" : ", ") + patch.name;
   throw Error("expected the name of a boundary patch (the mesh has: " + (names.empty() ? "none" : names) +
@@ -79,11 +81,11 @@ Indicator centroid_in_box(const mesh::DistMesh& mesh, geometry::Vec3 low, geomet
 }
 
 Indicator near_patch(const par::Comm& comm, const mesh::DistMesh& mesh, std::string_view patch, int layers) {
-  const LocalId slot = mesh::patch_to_slot(find_patch(mesh, patch));
+  const auto slots = slots_of(mesh, patch);
   if (layers < 1) throw Error(fmt::format("expected at least 1 layer of cells, found {}", layers));
   auto indicator = cells_where(mesh, [&](LocalId cell) {
     const auto& neighbors = mesh.cell_to_cell[at(cell)];
-    return std::find(neighbors.begin(), neighbors.end(), slot) != neighbors.end();
+    return std::find_first_of(neighbors.begin(), neighbors.end(), slots.begin(), slots.end()) != neighbors.end();
   });
   if (layers == 1) return indicator;
 

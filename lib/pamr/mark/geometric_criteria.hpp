@@ -28,9 +28,10 @@ Indicator centroid_in_shell(const mesh::DistMesh& mesh, const Sphere& sphere, do
 /// Cells whose centroid lies in the closed box between two corners. Local.
 Indicator centroid_in_box(const mesh::DistMesh& mesh, geometry::Vec3 low, geometry::Vec3 high);
 
-/// Cells near a boundary patch. The first layer are the cells with a face on the patch; each further layer are the
-/// cells that share a node with the layer before. Collective: finds the shared nodes once, then one exchange a layer.
-/// Throws `Error` on every rank when the mesh has no patch of that name or `layers` is less than 1.
+/// Cells near a boundary patch, or near all patches for which a pattern stands (`mesh::find_patches`). The first layer
+/// are the cells with a face there; each further layer are the cells that share a node with the layer before.
+/// Collective: finds the shared nodes once, then one exchange a layer. Throws `Error` on every rank when the mesh has
+/// no such patch or `layers` is less than 1.
 Indicator near_patch(const par::Comm& comm, const mesh::DistMesh& mesh, std::string_view patch, int layers = 1);
 
 }  // namespace pamr::mark

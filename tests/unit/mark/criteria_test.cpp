@@ -134,6 +134,15 @@ TEST(NearPatch, FirstLayerAreTheCellsWithAFaceOnThePatch) {
   EXPECT_EQ(count, 2 * 16);
 }
 
+TEST(NearPatch, APatternStandsForSeveralPatches) {
+  const auto count = [](const char* patch) {
+    return expect_same_on_one_rank([=](const auto& comm, const auto& mesh) { return near_patch(comm, mesh, patch); });
+  };
+  EXPECT_EQ(count("x*"), 2 * 2 * 16);
+  EXPECT_EQ(count("?min"), count("[xyz]min"));
+  EXPECT_GT(count("?min"), count("xmin"));
+}
+
 TEST(NearPatch, FurtherLayersGoByNodesAcrossRanks) {
   const auto two =
       expect_same_on_one_rank([](const auto& comm, const auto& mesh) { return near_patch(comm, mesh, "xmin", 2); });
@@ -158,6 +167,7 @@ TEST(NearPatch, RefusesAnUnknownPatchByName) {
     EXPECT_NE(std::string(error.what()).find("xmin"), std::string::npos);
   }
   EXPECT_THROW(near_patch(comm, mesh, "xmin", 0), Error);
+  EXPECT_THROW(near_patch(comm, mesh, "w*"), Error);
 }
 
 TEST(BeyondThreshold, TakesNodalFieldsByTheMeanOfTheCorners) {

@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "pamr/mesh/dist_mesh.hpp"
+
+namespace pamr::mesh {
+
+/// Indices of the patches that a name given by a user stands for: of the patch of that name alone, or else of all for
+/// which it stands as a pattern (base/name_pattern.hpp). Empty if there is none. Local.
+std::vector<int> find_patches(const std::vector<Patch>& patches, const std::string& name);
+
+}  // namespace pamr::mesh
