@@ -8,7 +8,7 @@ if [ ! -e body.stl ]; then awk -f "$here/make_body.awk" -f "$here/../closed_body
 cp "$here/case.toml" .
 if command -v pamr-surface >/dev/null; then step pamr-surface info body.stl; fi
 step pamr-mesh case.toml -o level0.hdf --force
-step mpirun -n 2 pamr-mark level0.hdf -o marked.hdf --patch body --layers 2 --force
+step mpirun -n 2 pamr-mark level0.hdf -o marked.hdf --patch "body*" --layers 2 --force
 step mpirun -n 2 pamr-refine marked.hdf -o level1.hdf --force
 step pamr-quality level1.hdf --gate inverted_cells:max:0 --gate mean_ratio.min:min:0.2
 step pamr-convert level1.hdf foam --force
