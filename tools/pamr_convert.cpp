@@ -19,6 +19,7 @@
 #include "meshing/repair/find_wall_ears.hpp"
 #include "meshing/repair/open_wall_ears.hpp"
 #include "pamr/base/error.hpp"
+#include "pamr/base/index.hpp"
 #include "pamr/base/toml_table.hpp"
 #include "pamr/curved/curve_cells.hpp"
 #include "pamr/geometry/cad/cad_source.hpp"
@@ -32,6 +33,7 @@
 #include "pamr/io/native/native_file.hpp"
 #include "pamr/io/su2/write_su2.hpp"
 #include "pamr/io/ugrid/write_ugrid.hpp"
+#include "pamr/mesh/find_patches.hpp"
 #include "pamr/mesh/undescribed_patches.hpp"
 #include "pamr/validate/validate.hpp"
 
@@ -105,9 +107,12 @@ void report_groups(cli::Session& session, const Options& options, bool as_foam, 
 }
 
 /// Patches that get a surface by name.
-std::vector<std::string> named_patches(const Options& options, const std::string& toml) {
-  auto named = options.patches;
-  for (const auto& pair : options.ties) named.push_back(pair.substr(0, pair.find('=')));
+std::vector<std::string> named_patches(const Options& options, const std::string& toml, const mesh::MeshInfo& info) {
+  auto given = options.patches;
+  for (const auto& pair : options.ties) given.push_back(pair.substr(0, pair.find('=')));
+  std::vector<std::string> named;
+  for (const auto& name : given)
+    for (const int patch : mesh::find_patches(info.patches, name)) named.push_back(info.patches[at(patch)].name);
   if (toml.empty()) return named;
   for (const auto& table : parse_toml(toml, options.surfaces).list("surface"))
     if (const auto name = table.find_text("name")) named.push_back(*name);
@@ -141,7 +146,7 @@ void associate(cli::Session& session, const Options& options, bool as_foam, mesh
   for (std::size_t i = 0; i < options.patches.size(); ++i)
     request.files.emplace_back(options.patches[i], options.surface_files[i]);
   std::vector<std::string> named;
-  par::agree(comm, [&] { named = named_patches(options, request.toml); });
+  par::agree(comm, [&] { named = named_patches(options, request.toml, mesh.info); });
   if (!options.cad.empty())
     request.made = convert::find_cad_surfaces(
         session, {options.cad, options.unit, options.tolerance, options.strict, named}, mesh, report);

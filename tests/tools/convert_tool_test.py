@@ -87,7 +87,11 @@ def test_the_boundary_is_a_surface_in_every_format():
             assert len(triangles) == n_triangles and set(map(tuple, points)) <= nodes
             assert np.isclose(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2, area, rtol=1e-14)
             assert volume is None or np.isclose(np.einsum("ij,ij->", a, np.cross(b, c)) / 6, volume, rtol=1e-14)
+    run("pamr-convert", "cube.hdf", "several.stl", "--quiet", "--patch", "x*", "--patch", "[yz]min")
+    run("pamr-convert", "cube.hdf", "named.stl", "--quiet", *(w for p in ("xmin", "xmax", "ymin", "zmin") for w in ("--patch", p)))
+    assert same_bytes("several.stl", "named.stl")
     refuses("pamr-convert", "cube.hdf", "x.stl", "--patch", "nose", says=["nose", "xmin"], creates="x.stl")
+    refuses("pamr-convert", "cube.hdf", "x.stl", "--patch", "n*", says=["n*", "xmin"], creates="x.stl")
     refuses("pamr-convert", "cube.hdf", "x.stl", "--surface", "all.stl", says=["--surface", "x.stl"], creates="x.stl")
     refuses("pamr-convert", "cube.hdf", "all.stl", says=["--force"])
 
@@ -418,6 +422,14 @@ def test_edges_inside_one_patch_stay_sharp():
     n_edges = told["ties"]["wall"]["edges_along_creases"]
     assert n_edges > 50 and told["ties"]["wall"]["edges_across_creases"] == 0
 
+    # The pieces between the edges may be patches of their own: all lie on one surface, the same edges stay sharp.
+    pieces = run("pamr-convert", "made.msh", "pieces.hdf", "--surface", "part.stl", "--patch", "body_*", "--json", "-").json["ties"]
+    assert len(pieces) == 7 and {p["surface"] for p in pieces.values()} == {"part"}
+    run("pamr-mark", "pieces.hdf", "-o", "marked.hdf", "--patch", "body_*", "--quiet")
+    run("pamr-refine", "marked.hdf", "-o", "finer.hdf", "--quiet")
+    by_pieces = sharp_edges("finer.hdf", 50)
+    pathlib.Path("marked.hdf").unlink()
+
     marks = [["--patch", "wall"]] + [["--box", "0.8,0.8,-1,1,1,0", "--box", "0.2,0.2,0.8,0.5,0.5,1"]] * 3
     for level, criterion in enumerate(marks, 1):
         run("pamr-mark", f"level{level - 1}.hdf", "-o", "marked.hdf", *criterion, "--force", "--quiet")
@@ -425,6 +437,7 @@ def test_edges_inside_one_patch_stay_sharp():
         assert report["inverted_cells"] == 0 and report["off_surface_nodes"] == 0
         points, edges, wall = sharp_edges(f"level{level}.hdf", 50)
         assert len(edges) == 2 * n_edges if level == 1 else len(edges) > 2 * n_edges
+        assert level > 1 or len(by_pieces[1]) == len(edges)
         p = points[np.unique(edges)]
         on_edge = (np.abs(np.abs(p) - 1) < 1e-3).sum(axis=1) >= 2
         assert ((np.abs(p[on_edge]) == 1).sum(axis=1) >= 2).all(), "straight edges, to the last bit"

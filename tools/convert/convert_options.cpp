@@ -26,7 +26,8 @@ void declare_surfaces(cli::CommandLine& line, Options& options) {
       .type_name("FILE")
       .one_at_a_time();
   line.option("--patch", options.patches,
-              "patch that lies on the --surface of the same place; for a boundary to write: a patch of it (all)")
+              "patch (or patches: \"face_*\") that lies on the --surface of the same place; for a boundary to write: a "
+              "patch of it (all)")
       .type_name("NAME")
       .one_at_a_time();
   line.option(

@@ -9,10 +9,12 @@
 
 #include "meshing/read_mesh_case.hpp"
 #include "pamr/base/error.hpp"
+#include "pamr/base/name_pattern.hpp"
 #include "pamr/geometry/surface.hpp"
 #include "pamr/geometry/surface_toml.hpp"
 #include "pamr/geometry/triangulated/read_triangulation.hpp"
 #include "pamr/geometry/triangulated/triangulated_surface.hpp"
+#include "pamr/mesh/find_patches.hpp"
 #include "pamr/mesh/tet.hpp"
 #include "pamr/par/exchange.hpp"
 #include "pamr/par/mailbox.hpp"
@@ -42,11 +44,11 @@ double size_of(const par::Comm& comm, const mesh::DistMesh& mesh) {
   return box.over(comm).diagonal();
 }
 
-/// Index of the patch of that name.
-std::ptrdiff_t patch_named(const mesh::MeshInfo& info, const std::string& name) {
+/// Indices of the patches for which that name stands.
+std::vector<int> patches_named(const mesh::MeshInfo& info, const std::string& name) {
   const auto& patches = info.patches;
-  const auto found = std::find_if(patches.begin(), patches.end(), [&](const auto& p) { return p.name == name; });
-  if (found != patches.end()) return found - patches.begin();
+  const auto found = mesh::find_patches(patches, name);
+  if (!found.empty()) return found;
   std::string names;
   for (const auto& patch : patches) names += (names.empty() ? "" : ", ") + patch.name;
   throw Error(fmt::format("patch '{}': expected one of the mesh's patches {}, found none of that name", name, names));
@@ -64,7 +66,8 @@ std::vector<int> assigned_surfaces(const mesh::MeshInfo& info, const geometry::S
     const auto name = pair.substr(equals + 1);
     const int surface = surfaces.index_of(name);
     if (surface < 0) throw Error(fmt::format("--tie {}: expected the name of a surface, found \"{}\"", pair, name));
-    result[static_cast<std::size_t>(patch_named(info, pair.substr(0, equals)))] = surface;
+    for (const int patch : patches_named(info, pair.substr(0, equals)))
+      result[static_cast<std::size_t>(patch)] = surface;
   }
   for (int i = 0; i < surfaces.size(); ++i)
     if (std::find(result.begin(), result.end(), i) == result.end())
@@ -90,29 +93,34 @@ std::string crease_keys(const AssociationRequest& request) {
   return text + "]\n";
 }
 
-/// Adds the surface of one of the files of triangles, named as its patch.
-void add_file(const AssociationRequest& request, const std::string& patch, const std::string& file,
+/// What the surface of one of the files of triangles is called: as its patch, or as the file if several lie on it.
+std::string surface_name(const std::string& patch, const std::string& file) {
+  return is_name_pattern(patch) ? std::filesystem::path(file).stem().string() : patch;
+}
+
+/// Adds the surface of one of the files of triangles.
+void add_file(const AssociationRequest& request, const std::string& name, const std::string& file,
               geometry::SurfaceSet& set) {
   auto triangles = geometry::read_triangulation(file);
-  triangles.name = patch;
+  triangles.name = name;
   auto data = std::make_shared<const geometry::Triangulation>(std::move(triangles));
   geometry::Triangulated::Options options;
   if (request.feature_angle >= 0) options.crease.angle = request.feature_angle;
   options.crease.given = request.creases;
   try {
-    set.add(patch, "--surface " + file, std::make_shared<geometry::Triangulated>(data, options));
+    set.add(name, "--surface " + file, std::make_shared<geometry::Triangulated>(data, options));
   } catch (const Error& error) {
     throw Error(fmt::format("--surface {}: {}", file, error.what()));
   }
   set.triangulations.push_back(std::move(data));
   if (!set.toml.empty() && set.toml.back() != '\n') set.toml += '\n';
-  set.toml += fmt::format("[[surface]]\nname = {}\nkind = \"triangulation\"\nfile = {}\n{}", geometry::toml_text(patch),
+  set.toml += fmt::format("[[surface]]\nname = {}\nkind = \"triangulation\"\nfile = {}\n{}", geometry::toml_text(name),
                           geometry::toml_text(std::filesystem::path(file).filename().string()), crease_keys(request));
 }
 
 geometry::SurfaceSet requested_surfaces(const AssociationRequest& request) {
   auto set = read_surfaces(request.toml, request.file);
-  for (const auto& [patch, file] : request.files) add_file(request, patch, file, set);
+  for (const auto& [patch, file] : request.files) add_file(request, surface_name(patch, file), file, set);
   set.append(request.made);
   return set;
 }
@@ -208,8 +216,7 @@ std::string hint_at_units(const par::Comm& comm, const mesh::DistMesh& mesh, con
   if (surface == triangulations.end()) return {};
   Box of_surface, of_patch;
   for (const auto& p : (*surface)->points) of_surface.add(p);
-  for (const auto node : nodes_of(mesh, static_cast<int>(patch_named(mesh.info, found.patch))))
-    of_patch.add(mesh.point(node));
+  for (const auto node : nodes_of(mesh, patches_named(mesh.info, found.patch).front())) of_patch.add(mesh.point(node));
   const double ratio = of_surface.diagonal() / of_patch.over(comm).diagonal();
   if (ratio > 0.1 && ratio < 10) return {};
   return fmt::format("; the surface is about {:.3g} times {} than the patch: other units?",
@@ -224,7 +231,7 @@ std::vector<Association> associate_surfaces(const par::Comm& comm, mesh::DistMes
   par::agree(comm, [&] {
     const auto asked_for = requested_surfaces(request);
     auto pairs = request.pairs;
-    for (const auto& [patch, file] : request.files) pairs.push_back(patch + "=" + patch);
+    for (const auto& [patch, file] : request.files) pairs.push_back(patch + "=" + surface_name(patch, file));
     assigned = assigned_surfaces(mesh.info, asked_for, pairs);
     put_surfaces(asked_for, assigned, mesh.info);
   });

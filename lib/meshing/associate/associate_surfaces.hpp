@@ -28,8 +28,8 @@ struct AssociationRequest {
   std::string toml;                ///< describes surfaces (docs/surfaces.md); may be empty
   std::string file;                ///< where it comes from: begins errors, and file names in it count from its folder
   geometry::SurfaceSet made;       ///< more surfaces
-  std::vector<std::string> pairs;  ///< PATCH=SURFACE
-  std::vector<std::pair<std::string, std::string>> files;  ///< a patch and the file of its triangulated surface
+  std::vector<std::string> pairs;  ///< PATCH=SURFACE; a name may stand for several patches (`mesh::find_patches`)
+  std::vector<std::pair<std::string, std::string>> files;  ///< a name likewise, and the file of a triangulated surface
   double feature_angle = -1;                               ///< of these files, degrees; negative: the default
   std::vector<std::vector<geometry::Vec3>> creases;        ///< of the only one of these files, polylines
   double tolerance = -1;                                   ///< length units; negative: the default

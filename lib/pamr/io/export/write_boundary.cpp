@@ -15,6 +15,7 @@
 #include "pamr/geometry/triangulated/write_triangulation.hpp"
 #include "pamr/io/export/surface_rows.hpp"
 #include "pamr/io/shared_output.hpp"
+#include "pamr/mesh/find_patches.hpp"
 #include "pamr/mesh/tet.hpp"
 
 namespace pamr::io {
@@ -27,14 +28,13 @@ bool is_vtp(const std::filesystem::path& file) { return geometry::is_same_word(f
 std::vector<bool> chosen_patches(const mesh::MeshInfo& info, const std::vector<std::string>& names) {
   std::vector<bool> chosen(info.patches.size(), names.empty());
   for (const auto& name : names) {
-    const auto found =
-        std::find_if(info.patches.begin(), info.patches.end(), [&](const auto& p) { return p.name == name; });
-    if (found == info.patches.end()) {
+    const auto found = mesh::find_patches(info.patches, name);
+    if (found.empty()) {
       std::string list;
       for (const auto& patch : info.patches) list += (list.empty() ? "" : ", ") + patch.name;
       throw Error(fmt::format("--patch: expected a patch of the mesh ({}), found \"{}\"", list, name));
     }
-    chosen[at(found - info.patches.begin())] = true;
+    for (const int patch : found) chosen[at(patch)] = true;
   }
   return chosen;
 }
