@@ -86,12 +86,6 @@ nlohmann::json print_case(const cli::Session& session, const pb::Problem& proble
   return {{"matrix_entries", n_entries}, {"bytes_a_rank", bytes}};
 }
 
-std::vector<std::string> names_of(const std::vector<mesh::Patch>& patches) {
-  std::vector<std::string> names;
-  for (const auto& patch : patches) names.push_back(patch.name);
-  return names;
-}
-
 cli::ExitCode run(cli::Session& session, const Options& o) {
   session.check_input(o.case_file);
   session.check_input(o.mesh);
@@ -107,7 +101,7 @@ cli::ExitCode run(cli::Session& session, const Options& o) {
                             {.build_surfaces = !stated.estimator.goals.empty() || stated.solver.order == 2,
                              .remark = session.remarks()}));
   validate::require_valid(comm, mesh, o.mesh);
-  const auto input = pb::resolve_names(stated, names_of(mesh.info.patches), o.case_file);
+  const auto input = pb::resolve_names(stated, mesh.info.patches, o.case_file);
   timer.lap("read");
   session.step("spreading the cells over the ranks");
   auto spread = pb::spread_cells(comm, std::move(mesh), balance::method_named(o.balance));

@@ -219,10 +219,10 @@ def test_kinds_and_units_are_given_on_the_command_line():
     with h5py.File("kinds.hdf") as file:
         names, kinds = ([bytes(text).decode() for text in file[f"PAMR/patches/{key}"][:]] for key in ("names", "kinds"))
     assert dict(zip(names, kinds)) == {p: "outflow" if p in ("ymax", "zmax") else "wall" for p in PATCHES}
-    refuses("pamr-convert", "cube.hdf", "n.hdf", "--kind", "w*=wall", says=["xmin", "'w*'"], creates="n.hdf")
+    refuses("pamr-convert", "cube.hdf", "n.hdf", "--kind", "w*=wall", says=["xmin", 'found "w*"'], creates="n.hdf")
     refuses("pamr-convert", "cube.hdf", "n.hdf", "--kind", "wall", says=["PATCH=KIND"], creates="n.hdf")
     refuses("pamr-convert", "cube.hdf", "n.hdf", "--kind", "xmin=wal", says=["symmetry", "'xmin=wal'"])
-    refuses("pamr-convert", "cube.hdf", "n.hdf", "--kind", "lid=wall", says=["xmin", "'lid'"])
+    refuses("pamr-convert", "cube.hdf", "n.hdf", "--kind", "lid=wall", says=["xmin", 'found "lid"'])
     refuses("pamr-convert", "cube.hdf", "n.hdf", "--scale", "-1", says=["above 0"])
     refuses("pamr-convert", "k.hdf", "n.hdf", "--unit", "mm", says=["--scale", "m,"])
     run("pamr-mesh", "--shape", "sphere-in-box", "--size", "0.6", "-o", "s.hdf", "--quiet", serial=True)

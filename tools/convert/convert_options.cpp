@@ -115,8 +115,7 @@ void declare(cli::CommandLine& line, Options& options) {
   line.option("--scale", options.scale, "factor for all coordinates, before surfaces are looked at").show_default();
   line.option("--kind", options.kinds,
               "PATCH=KIND: wall, symmetry, symmetryPlane, farfield, inflow, outflow or patch (none); may be repeated; "
-              "PATCH may "
-              "stand for several: \"face_*\"")
+              "PATCH may stand for several: \"face_*\"")
       .type_name("PAIR")
       .one_at_a_time();
   line.option("--sol-in", options.solution_in, "Medit's .sol or .solb with fields of a .mesh or .meshb to read")

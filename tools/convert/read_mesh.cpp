@@ -136,13 +136,8 @@ void set_kinds(const std::vector<std::string>& pairs, mesh::DistMesh& mesh) {
       throw Error(fmt::format("--kind: expected PATCH=KIND with a kind of {}, found '{}'", list, pair));
     }
     auto& patches = mesh.info.patches;
-    const auto found = mesh::find_patches(patches, name);
-    if (found.empty()) {
-      std::string list;
-      for (const auto& patch : patches) list += (list.empty() ? "" : ", ") + patch.name;
-      throw Error(fmt::format("--kind: expected a patch of the mesh ({}), found '{}'", list, name));
-    }
-    for (const int patch : found) patches[at(patch)].kind = kind == "patch" ? "" : kind;
+    for (const int patch : mesh::require_patches(patches, name, "--kind"))
+      patches[at(patch)].kind = kind == "patch" ? "" : kind;
   }
 }
 

@@ -44,16 +44,6 @@ double size_of(const par::Comm& comm, const mesh::DistMesh& mesh) {
   return box.over(comm).diagonal();
 }
 
-/// Indices of the patches for which that name stands.
-std::vector<int> patches_named(const mesh::MeshInfo& info, const std::string& name) {
-  const auto& patches = info.patches;
-  const auto found = mesh::find_patches(patches, name);
-  if (!found.empty()) return found;
-  std::string names;
-  for (const auto& patch : patches) names += (names.empty() ? "" : ", ") + patch.name;
-  throw Error(fmt::format("patch '{}': expected one of the mesh's patches {}, found none of that name", name, names));
-}
-
 /// The surfaces that the patches are to lie on: index of the surface by patch, -1 where nothing is asked for.
 std::vector<int> assigned_surfaces(const mesh::MeshInfo& info, const geometry::SurfaceSet& surfaces,
                                    const std::vector<std::string>& pairs) {
@@ -66,7 +56,8 @@ std::vector<int> assigned_surfaces(const mesh::MeshInfo& info, const geometry::S
     const auto name = pair.substr(equals + 1);
     const int surface = surfaces.index_of(name);
     if (surface < 0) throw Error(fmt::format("--tie {}: expected the name of a surface, found \"{}\"", pair, name));
-    for (const int patch : patches_named(info, pair.substr(0, equals)))
+    const auto patch_name = pair.substr(0, equals);
+    for (const int patch : mesh::require_patches(patches, patch_name, "patch '" + patch_name + "'"))
       result[static_cast<std::size_t>(patch)] = surface;
   }
   for (int i = 0; i < surfaces.size(); ++i)
@@ -216,7 +207,8 @@ std::string hint_at_units(const par::Comm& comm, const mesh::DistMesh& mesh, con
   if (surface == triangulations.end()) return {};
   Box of_surface, of_patch;
   for (const auto& p : (*surface)->points) of_surface.add(p);
-  for (const auto node : nodes_of(mesh, patches_named(mesh.info, found.patch).front())) of_patch.add(mesh.point(node));
+  for (const auto node : nodes_of(mesh, mesh::find_patches(mesh.info.patches, found.patch).front()))
+    of_patch.add(mesh.point(node));
   const double ratio = of_surface.diagonal() / of_patch.over(comm).diagonal();
   if (ratio > 0.1 && ratio < 10) return {};
   return fmt::format("; the surface is about {:.3g} times {} than the patch: other units?",

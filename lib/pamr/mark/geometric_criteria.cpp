@@ -35,10 +35,8 @@ std::vector<LocalId> slots_of(const mesh::DistMesh& mesh, std::string_view name)
   std::vector<LocalId> slots;
   for (const int patch : mesh::find_patches(patches, std::string(name))) slots.push_back(mesh::patch_to_slot(patch));
   if (!slots.empty()) return slots;
-  std::string names;
-  for (const auto& patch : patches) names += (names.empty() ? "" : ", ") + patch.name;
-  throw Error("expected the name of a boundary patch (the mesh has: " + (names.empty() ? "none" : names) +
-              "), found \"" + std::string(name) + "\"");
+  throw Error(fmt::format("expected the name of a boundary patch (the mesh has: {}), found \"{}\"",
+                          mesh::list_patches(patches), name));
 }
 
 /// Carries a flag to all copies of a node on other ranks.

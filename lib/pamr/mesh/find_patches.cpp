@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "pamr/mesh/find_patches.hpp"
 
+#include <fmt/format.h>
+
+#include "pamr/base/error.hpp"
 #include "pamr/base/index.hpp"
 #include "pamr/base/name_pattern.hpp"
 
@@ -13,6 +16,20 @@ std::vector<int> find_patches(const std::vector<Patch>& patches, const std::stri
     if (stands_for(name, patches[at(p)].name)) found.push_back(p);
   }
   return found;
+}
+
+std::vector<int> require_patches(const std::vector<Patch>& patches, const std::string& name, const std::string& where) {
+  auto found = find_patches(patches, name);
+  if (found.empty())
+    throw Error(fmt::format("{}: expected a patch of the mesh ({}), found \"{}\"", where, list_patches(patches), name));
+  return found;
+}
+
+std::string list_patches(const std::vector<Patch>& patches) {
+  if (patches.empty()) return "none";
+  std::string names;
+  for (const auto& patch : patches) names += (names.empty() ? "" : ", ") + patch.name;
+  return names;
 }
 
 }  // namespace pamr::mesh

@@ -12,4 +12,10 @@ namespace pamr::mesh {
 /// which it stands as a pattern (base/name_pattern.hpp). Empty if there is none. Local.
 std::vector<int> find_patches(const std::vector<Patch>& patches, const std::string& name);
 
+/// The same; throws `Error`, which begins with `where` and lists the mesh's patches, if there is none. Local.
+std::vector<int> require_patches(const std::vector<Patch>& patches, const std::string& name, const std::string& where);
+
+/// The patches' names for a message: "inlet, wall"; "none" without patches.
+std::string list_patches(const std::vector<Patch>& patches);
+
 }  // namespace pamr::mesh

@@ -7,7 +7,9 @@
 #include <utility>
 
 #include "pamr/base/error.hpp"
+#include "pamr/base/index.hpp"
 #include "pamr/base/name_pattern.hpp"
+#include "pamr/mesh/find_patches.hpp"
 
 namespace pamr::poisson_boltzmann {
 
@@ -19,21 +21,27 @@ bool contains(const Names& names, const std::string& name) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
 
-std::vector<Boundary> resolved_boundary(const std::vector<Boundary>& stated, const Names& patches,
+std::vector<Boundary> resolved_boundary(const std::vector<Boundary>& stated, const std::vector<mesh::Patch>& patches,
                                         const std::string& where) {
   Names names;
   for (const auto& b : stated) names.push_back(b.patch);
   std::vector<Names> found(stated.size());
   for (const auto& patch : patches)
-    if (const auto i = find_pattern(names, patch, where + ": [boundary.PATCH]")) found[*i].push_back(patch);
+    if (const auto i = find_pattern(names, patch.name, where + ": [boundary.PATCH]")) found[*i].push_back(patch.name);
   std::vector<Boundary> result;
   for (std::size_t i = 0; i < stated.size(); ++i) {
-    const bool stands_for_some = std::any_of(patches.begin(), patches.end(),
-                                             [&](const auto& patch) { return stands_for(stated[i].patch, patch); });
-    if (!stands_for_some) result.push_back(stated[i]);
+    if (mesh::find_patches(patches, stated[i].patch).empty()) result.push_back(stated[i]);
     for (const auto& patch : found[i]) result.push_back({patch, stated[i].condition, stated[i].value});
   }
   return result;
+}
+
+/// Names of the patches of given potential or charge for which a pattern stands.
+Names electrodes_named(const std::string& pattern, const std::vector<mesh::Patch>& patches, const Case& input) {
+  Names names;
+  for (const int patch : mesh::find_patches(patches, pattern))
+    if (const auto& name = patches[at(patch)].name; input.is_electrode(name)) names.push_back(name);
+  return names;
 }
 
 }  // namespace
@@ -53,23 +61,19 @@ void require_bodies(const Case& input, const std::string& where) {
   }
 }
 
-Case resolve_names(Case input, const std::vector<std::string>& patches, const std::string& where) {
+Case resolve_names(Case input, const std::vector<mesh::Patch>& patches, const std::string& where) {
   input.boundary = resolved_boundary(input.boundary, patches, where);
   for (auto& body : input.bodies) {
     Names all;
     for (const auto& name : std::exchange(body.patches, {})) {
-      bool stands_for_some = !is_name_pattern(name);
-      if (stands_for_some) all.push_back(name);
-      for (const auto& patch : patches) {
-        if (!is_name_pattern(name) || !stands_for(name, patch) || !input.is_electrode(patch)) continue;
-        stands_for_some = true;
-        if (!contains(all, patch)) all.push_back(patch);
-      }
-      if (!stands_for_some)
+      const auto found = is_name_pattern(name) ? electrodes_named(name, patches, input) : Names{name};
+      if (found.empty())
         throw Error(
             fmt::format("{}: expected patches of the mesh with condition \"potential\" or \"charge\" in [[body]] "
                         "\"{}\", found none that \"{}\" stands for",
                         where, body.name, name));
+      for (const auto& patch : found)
+        if (!contains(all, patch)) all.push_back(patch);
     }
     body.patches = std::move(all);
   }

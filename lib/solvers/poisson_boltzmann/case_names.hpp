@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "pamr/mesh/dist_mesh.hpp"
 #include "solvers/poisson_boltzmann/pb_case.hpp"
 
 namespace pamr::poisson_boltzmann {
@@ -16,6 +17,6 @@ void require_bodies(const Case& input, const std::string& where);
 /// for those of given potential or charge. A pattern of [boundary] that stands for no patch stays, for `make_domain` to
 /// refuse. Throws `Error` if two patterns of [boundary] stand for one patch, a pattern of a body for none, and as
 /// `require_bodies`. Local.
-Case resolve_names(Case input, const std::vector<std::string>& patches, const std::string& where);
+Case resolve_names(Case input, const std::vector<mesh::Patch>& patches, const std::string& where);
 
 }  // namespace pamr::poisson_boltzmann

@@ -9,6 +9,7 @@
 
 #include "pamr/base/error.hpp"
 #include "pamr/base/index.hpp"
+#include "pamr/mesh/find_patches.hpp"
 #include "pamr/mesh/tet.hpp"
 #include "pamr/par/reproducible_sum.hpp"
 #include "solvers/poisson_boltzmann/preconditioner.hpp"
@@ -18,12 +19,6 @@ namespace pamr::poisson_boltzmann {
 using geometry::Vec3;
 
 namespace {
-
-std::string listed(const std::vector<mesh::Patch>& patches) {
-  std::string result;
-  for (const auto& patch : patches) result += (result.empty() ? "" : ", ") + patch.name;
-  return result;
-}
 
 void require_patches(const mesh::DistMesh& mesh, const Case& problem, const std::string& where) {
   const auto& patches = mesh.info.patches;
@@ -36,16 +31,17 @@ void require_patches(const mesh::DistMesh& mesh, const Case& problem, const std:
   for (const auto& b : problem.boundary)
     if (!exists(b.patch))
       throw Error(fmt::format("{}: expected [boundary.X] for a patch of the mesh ({}), found \"{}\"", where,
-                              listed(patches), b.patch));
+                              mesh::list_patches(patches), b.patch));
   const auto& midplane = problem.force.midplane;
   if (!midplane.empty() && !exists(midplane))
-    throw Error(fmt::format("{}: expected a patch of the mesh ({}), found \"{}\"", where, listed(patches), midplane));
+    throw Error(fmt::format("{}: expected a patch of the mesh ({}), found \"{}\"", where, mesh::list_patches(patches),
+                            midplane));
   for (const auto& goal : problem.estimator.goals) {
     bool is_known = goal.body.empty() || exists(goal.body);
     for (const auto& body : problem.bodies) is_known = is_known || body.name == goal.body;
     if (!is_known)
       throw Error(fmt::format("{}: expected goal_patch to be a patch of the mesh ({}) or a [[body]], found \"{}\"",
-                              where, listed(patches), goal.body));
+                              where, mesh::list_patches(patches), goal.body));
   }
 }
 
@@ -55,7 +51,7 @@ void require_bodies(const par::Comm& comm, const Domain& domain, const Case& pro
     const int number = domain.patch_number(patch);
     if (number < 0)
       throw Error(fmt::format("{}: expected a patch of the mesh ({}), found \"{}\"", where,
-                              listed(domain.mesh->info.patches), patch));
+                              mesh::list_patches(domain.mesh->info.patches), patch));
     double worst = 0;
     const auto n_corners = domain.mesh->node_position.size();  // middles of straightened edges may be off
     for (std::size_t i = 0; i < n_corners; ++i)

@@ -12,7 +12,7 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-const std::vector<std::string> patches{"body_1", "body_2", "far", "plate"};
+const std::vector<mesh::Patch> patches{{"body_1", ""}, {"body_2", ""}, {"far", ""}, {"plate", ""}};
 
 std::string condition(const std::string& patch, const std::string& kind, const std::string& value = "") {
   return "[boundary.\"" + patch + "\"]\ncondition = \"" + kind + "\"\n" +

@@ -27,15 +27,8 @@ bool is_vtp(const std::filesystem::path& file) { return geometry::is_same_word(f
 /// For each patch of the mesh whether it is to be written.
 std::vector<bool> chosen_patches(const mesh::MeshInfo& info, const std::vector<std::string>& names) {
   std::vector<bool> chosen(info.patches.size(), names.empty());
-  for (const auto& name : names) {
-    const auto found = mesh::find_patches(info.patches, name);
-    if (found.empty()) {
-      std::string list;
-      for (const auto& patch : info.patches) list += (list.empty() ? "" : ", ") + patch.name;
-      throw Error(fmt::format("--patch: expected a patch of the mesh ({}), found \"{}\"", list, name));
-    }
-    for (const int patch : found) chosen[at(patch)] = true;
-  }
+  for (const auto& name : names)
+    for (const int patch : mesh::require_patches(info.patches, name, "--patch")) chosen[at(patch)] = true;
   return chosen;
 }
 

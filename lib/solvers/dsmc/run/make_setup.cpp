@@ -9,11 +9,12 @@
 
 #include "pamr/base/error.hpp"
 #include "pamr/base/index.hpp"
-#include "pamr/base/name_pattern.hpp"
+#include "pamr/mesh/find_patches.hpp"
 #include "pamr/mesh/require_field.hpp"
 #include "pamr/par/reproducible_sum.hpp"
 #include "solvers/dsmc/gas/kinetic_theory.hpp"
 #include "solvers/dsmc/run/gas_tables.hpp"
+#include "solvers/dsmc/sampling/loads.hpp"
 
 namespace pamr::dsmc {
 
@@ -23,9 +24,8 @@ namespace {
 
 std::vector<BoundaryCondition> conditions_of(const Case& c, const mesh::DistMesh& mesh) {
   std::vector<BoundaryCondition> conditions;
-  std::string names, missing;
+  std::string missing;
   for (const auto& patch : mesh.info.patches) {
-    names += fmt::format("{}{}", names.empty() ? "" : ", ", patch.name);
     if (const auto* found = c.find_boundary(patch.name))
       conditions.push_back(*found);
     else
@@ -37,10 +37,9 @@ std::vector<BoundaryCondition> conditions_of(const Case& c, const mesh::DistMesh
                     "may stand for several, such as \"*\")",
                     c.where, missing));
   for (const auto& [name, condition] : c.boundary)
-    if (std::none_of(mesh.info.patches.begin(), mesh.info.patches.end(),
-                     [&wanted = name](const auto& patch) { return stands_for(wanted, patch.name); }))
+    if (mesh::find_patches(mesh.info.patches, name).empty())
       throw Error(fmt::format("{}: expected a patch of the mesh ({}) in [boundary.PATCH], found \"{}\"",
-                              c.boundary_at.at(name), names, name));
+                              c.boundary_at.at(name), mesh::list_patches(mesh.info.patches), name));
   const auto number = [&](const std::string& name) {
     const auto& patches = mesh.info.patches;
     const auto found = std::find_if(patches.begin(), patches.end(), [&](const auto& p) { return p.name == name; });
@@ -51,14 +50,10 @@ std::vector<BoundaryCondition> conditions_of(const Case& c, const mesh::DistMesh
 }
 
 void require_reference(const Case& c, const mesh::DistMesh& mesh, const std::vector<BoundaryCondition>& conditions) {
-  for (const auto& name : c.reference.patches) {
-    bool is_wall = false;
-    for (std::size_t p = 0; p < conditions.size(); ++p)
-      is_wall = is_wall || (conditions[p].is_wall() && stands_for(name, mesh.info.patches[p].name));
-    if (!is_wall)
+  for (const auto& name : c.reference.patches)
+    if (walls_named(name, mesh.info.patches, conditions).empty())
       throw Error(
           fmt::format("{}: expected patches = names of walls of the mesh in [reference], found \"{}\"", c.where, name));
-  }
 }
 
 double unit_of(const Case& c, const mesh::DistMesh& mesh) {

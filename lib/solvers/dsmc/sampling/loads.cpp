@@ -5,7 +5,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "pamr/base/name_pattern.hpp"
+#include "pamr/base/index.hpp"
+#include "pamr/mesh/find_patches.hpp"
 #include "pamr/par/reproducible_sum.hpp"
 #include "solvers/dsmc/gas/kinetic_theory.hpp"
 
@@ -93,16 +94,19 @@ Coefficients Scale::coefficients(const Load& load) const {
           force / reference_.length * dot(load.moment, reference_.pitch_axis), force / speed_ * load.heat};
 }
 
+std::vector<int> walls_named(const std::string& name, const std::vector<mesh::Patch>& patches,
+                             const std::vector<BoundaryCondition>& conditions) {
+  auto found = mesh::find_patches(patches, name);
+  std::erase_if(found, [&](int patch) { return !conditions[at(patch)].is_wall(); });
+  return found;
+}
+
 std::vector<bool> reference_patches(const Reference& reference, const std::vector<mesh::Patch>& patches,
                                     const std::vector<BoundaryCondition>& conditions) {
-  std::vector<bool> wanted;
-  for (std::size_t p = 0; p < patches.size(); ++p) {
-    const auto& names = reference.patches;
-    const bool named = names.empty() || std::any_of(names.begin(), names.end(), [&](const auto& name) {
-                         return stands_for(name, patches[p].name);
-                       });
-    wanted.push_back(named && conditions[p].is_wall());
-  }
+  std::vector<bool> wanted(patches.size(), false);
+  for (std::size_t p = 0; p < patches.size(); ++p) wanted[p] = reference.patches.empty() && conditions[p].is_wall();
+  for (const auto& name : reference.patches)
+    for (const int patch : walls_named(name, patches, conditions)) wanted[at(patch)] = true;
   return wanted;
 }
 

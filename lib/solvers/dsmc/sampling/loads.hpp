@@ -69,6 +69,9 @@ class Scale {
   double pressure_ = 0, speed_ = 0;
 };
 
+/// Indices of the walls for which a name stands (`mesh::find_patches`). Local.
+std::vector<int> walls_named(const std::string& name, const std::vector<mesh::Patch>& patches,
+                             const std::vector<BoundaryCondition>& conditions);
 /// Whether each patch belongs to the reference body. Local.
 std::vector<bool> reference_patches(const Reference& reference, const std::vector<mesh::Patch>& patches,
                                     const std::vector<BoundaryCondition>& conditions);
