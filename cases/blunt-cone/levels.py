@@ -4,8 +4,8 @@
 
 Usage: levels.py FOLDER LEVELS smoke|small|full|last    reads flow<i>.json and quality<i>.json in FOLDER.
 Exit code 1 when a particle was lost, (small, full) a number is not as in expected.csv or the drag changes from one level
-to the next by more than half a percent and its bounds, or (full) there are too few particles or too large bounds. "last"
-asks of the last level alone what "full" asks of each.
+to the next by more than half a percent and its bounds, or (full) a flow is not steady, or there are too few particles or
+too large bounds. "last" asks of the last level alone what "full" asks of each.
 """
 import csv
 import json
@@ -84,6 +84,14 @@ def unexpected(levels, size):
                    f"found {found:g}")
 
 
+def drifts(i, level):
+    """What changes while it is averaged by more than four standard errors and half a percent."""
+    for name, change in level.flow["averages"].get("change", {}).items():
+        if abs(change["value"]) > max(4 * change["stderr"], 0.005 * abs(level.value(name)[0])):
+            yield (f"level {i}: expected averages of a steady flow, found {name} that changes by {change['value']:.4g} "
+                   f"+- {change['stderr']:.2g}")
+
+
 def requirements(levels, size):
     for i, (coarse, fine) in enumerate(zip(levels, levels[1:])):
         before, after = coarse.value("C_D")[0], fine.value("C_D")[0]
@@ -95,8 +103,9 @@ def requirements(levels, size):
             yield f"level {i}: {level.flow['lost_particles']} particles were lost"
         if not is_full(levels, i, size):
             continue
-        if not level.flow["steady"].startswith("steady"):
+        if level.flow["steady"].startswith("not steady"):
             yield f"level {i}: expected a steady flow, found: {level.flow['steady']}"
+        yield from drifts(i, level)
         if level.flow["particles"] < 8 * level.cells or (i < 3 and level.few > 0.1):
             yield f"level {i}: expected 8 particles a cell and 5 in 90 % of the cells in gas denser than the free stream's"
         if not level.flow["averages"]["independent"]:

@@ -71,29 +71,58 @@ class Shape(unittest.TestCase):
 
 
 class Loop(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        temporary = tempfile.TemporaryDirectory(prefix="blunt cone ")
+        cls.addClassCleanup(temporary.cleanup)
+        cls.out = temporary.name
+        cls.printed = run("run.sh", "--smoke", "--ranks", "1", "--out", cls.out)
+
+    def report(self, level):
+        with open(os.path.join(self.out, f"flow{level}.json"), encoding="utf-8") as file:
+            return json.load(file)
+
     def test_it_solves_marks_refines_carries_and_prints_a_row_for_each_level_and_goes_on_where_it_was(self):
-        with tempfile.TemporaryDirectory(prefix="blunt cone ") as out:
-            printed = run("run.sh", "--smoke", "--ranks", "1", "--out", out)
-            rows = rows_of(printed)
-            self.assertEqual([row[0] for row in rows], ["0", "1"])
-            self.assertIn("carried", printed)
-            self.assertGreater(int(rows[1][1]), 1.9 * int(rows[0][1]))
-            self.assertIn("picture: " + os.path.join(out, "levels.png"), printed)
-            self.assertGreater(os.path.getsize(os.path.join(out, "levels.png")), 20000)
+        rows = rows_of(self.printed)
+        self.assertEqual([row[0] for row in rows], ["0", "1"])
+        self.assertIn("carried", self.printed)
+        self.assertGreater(int(rows[1][1]), 1.9 * int(rows[0][1]))
+        self.assertIn("picture: " + os.path.join(self.out, "levels.png"), self.printed)
+        self.assertGreater(os.path.getsize(os.path.join(self.out, "levels.png")), 20000)
 
-            os.remove(os.path.join(out, "flow1.json"))
-            again = run("run.sh", "--smoke", "--ranks", "1", "--resume", "--out", out)
+        os.remove(os.path.join(self.out, "flow1.json"))
+        again = run("run.sh", "--smoke", "--ranks", "1", "--resume", "--out", self.out)
 
-            self.assertNotIn("carried", again)
-            self.assertEqual(rows_of(again), rows)
+        self.assertNotIn("carried", again)
+        self.assertEqual(rows_of(again), rows)
 
-            studies = run("studies.sh", "--full-run", out, "--out", os.path.join(out, "studies"), "tables")
-            for level in (0, 1):
-                with open(os.path.join(out, f"flow{level}.json"), encoding="utf-8") as file:
-                    drag = json.load(file)["C_D"]
-                row = next(line for line in studies.splitlines() if line.startswith(f"| level {level} |"))
-                self.assertIn(f"{drag['value']:.4f} +- {drag['ci95']:.4f}", row)
-                self.assertEqual(studies.count(f"\n| {level} | at the fore-body |"), 1, studies)
+        studies = run("studies.sh", "--full-run", self.out, "--out", os.path.join(self.out, "studies"), "tables")
+        for level in (0, 1):
+            drag = self.report(level)["C_D"]
+            row = next(line for line in studies.splitlines() if line.startswith(f"| level {level} |"))
+            self.assertIn(f"{drag['value']:.4f} +- {drag['ci95']:.4f}", row)
+            self.assertEqual(studies.count(f"\n| {level} | at the fore-body |"), 1, studies)
+
+    def test_the_full_run_wants_averages_of_a_steady_flow_however_they_became_so(self):
+        heat = self.report(0)["C_H"]["value"]
+        for text, change, complaints in (("steady after step 984: ...", 0.004 * heat, 0),
+                                         ("averages begun anew after step 984: ...", 0.004 * heat, 0),
+                                         ("averages begun anew after step 984: ...", 0.006 * heat, 1),
+                                         ("not steady after step 984 (most_transient), ...", 0.004 * heat, 1)):
+            with self.subTest(steady=text, change=change), tempfile.TemporaryDirectory() as folder:
+                report = self.report(0)
+                report["steady"] = text
+                report["averages"]["change"] = {"C_H": {"value": change, "stderr": 1e-3 * heat}}
+                with open(os.path.join(folder, "flow0.json"), "w", encoding="utf-8") as file:
+                    json.dump(report, file)
+                shutil.copy(os.path.join(self.out, "quality0.json"), folder)
+
+                result = subprocess.run([sys.executable, "-B", os.path.join(CASE, "levels.py"), folder, "0", "full"],
+                                        capture_output=True, text=True)
+
+                self.assertIn("level 0: expected C_D = ", result.stderr)  # a short run with few particles
+                self.assertEqual(len(re.findall("expected (averages of )?a steady flow", result.stderr)), complaints,
+                                 result.stderr)
 
 
 if __name__ == "__main__":
