@@ -88,6 +88,23 @@ TEST(Particles, CopiesOfOneAllStay) {
   expect_sorted(particles, expected, n_cells);
 }
 
+TEST(Particles, GrowBySixteenthsAlsoAfterSortingHasExchangedTheirMemory) {
+  constexpr LocalId n_cells = 100;
+  constexpr std::uint64_t n = 100'000;
+  Particles particles;
+  particles.reserve(n);
+  std::uint64_t next = 0;
+  const auto enter = [&](std::uint64_t count) {
+    for (; count > 0; --count, ++next) particles.append(numbered(next, static_cast<LocalId>(next % n_cells)));
+  };
+  enter(n);
+  for (int step = 0; step < 20; ++step) {
+    particles.sort_by_cell(n_cells);
+    enter(n / 100);
+  }
+  EXPECT_LE(particles.bytes(), particles.size() * 88 * 107 / 100);  // 76 and 12 for sorting
+}
+
 TEST(Particles, AreSortedAnewAfterTheyWereReplacedAndForAnotherNumberOfCells) {
   test::Dice dice(4);
   Particles particles;

@@ -52,11 +52,14 @@ void gather(std::vector<double>& rows, std::vector<double>& spare, std::span<con
 
 }  // namespace
 
+std::size_t Particles::capacity() const {
+  std::size_t least = id.capacity();
+  for (const auto* values : {&x, &y, &z, &u, &v, &w, &rotation}) least = std::min(least, values->capacity());
+  return std::min({least, cell.capacity(), species.capacity(), partner.capacity()});
+}
+
 void Particles::reserve(std::size_t n) {
-  if (n <= x.capacity()) return;
-  grow_array(x, n);
-  n = x.capacity();  // a little more: as much in the other arrays, or they would double when they are full
-  for (auto* values : {&y, &z, &u, &v, &w, &rotation}) grow_array(*values, n);
+  for (auto* values : {&x, &y, &z, &u, &v, &w, &rotation}) grow_array(*values, n);
   grow_array(id, n);
   grow_array(cell, n);
   grow_array(species, n);
@@ -64,7 +67,8 @@ void Particles::reserve(std::size_t n) {
 }
 
 void Particles::append(const Particle& p) {
-  if (x.size() == x.capacity()) reserve(with_room(x.size()));  // a doubling would waste memory
+  // A vector left to itself would double, and lose its large pages.
+  if (size() == capacity()) reserve(with_room(size()));
   x.push_back(p.position.x);
   y.push_back(p.position.y);
   z.push_back(p.position.z);

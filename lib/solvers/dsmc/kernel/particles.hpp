@@ -65,6 +65,8 @@ class Particles {
     std::uint32_t row = 0;
   };
   void order_by_id(std::size_t begin, std::size_t end);
+  /// What all arrays have room for. Sorting exchanges their memory, so that one may have more than another.
+  std::size_t capacity() const;
 
   std::vector<std::uint32_t> begin_;
   std::vector<std::uint32_t> order_;
