@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
 """pamr-dsmc on a mesh that it adapts as it goes: the same bytes on any ranks and after restarts, and bad cases."""
+import csv
 import pathlib
 
 import h5py
@@ -104,6 +105,71 @@ def test_a_restart_goes_on_with_the_mesh_of_the_checkpoint():
     pathlib.Path("whole_-50.hdf").unlink()
     refuses("pamr-dsmc", case, "--mesh", "cube.hdf", "-o", "no.hdf", "--restart", "whole_", says=["whole_-50.hdf"],
             creates="no.hdf")
+
+
+# A gas between two walls, at rest in the mean: no particle enters or leaves.
+PLATES = """
+[species.X]
+mass = 6.63e-26
+diameter = 4e-10
+omega = 0.81
+t_ref = 300.0
+[gas]
+fractions = { X = 1.0 }
+[stream.free]
+density = 1e22
+temperature = 300.0
+[boundary]
+xmin = { kind = "diffuse", temperature = 200.0 }
+xmax = { kind = "diffuse", temperature = 450.0 }
+ymin = { kind = "specular" }
+ymax = { kind = "specular" }
+zmin = { kind = "specular" }
+zmax = { kind = "specular" }
+[particles]
+per_cell = 24.0
+[domain]
+unit = 7.5e-4
+[time]
+step = 3.5e-8
+[reference]
+area = 1.0
+patches = ["xmin"]
+[run]
+seed = 2
+transient = 0
+"""
+# With a few particles a cell the density of a window is mostly noise, so cells are split and coarsened all the time.
+RESTLESS = """
+[adapt]
+mark = "--size-over n_scale --ratio 0.2 --coarsen-below 0.15 --max-level 1"
+"""
+
+
+def test_adapting_after_any_number_of_steps_changes_neither_collisions_nor_heat():
+    if RANKS > 1:
+        return  # the same bytes as on one rank, as the test of the shock shows
+    kuhn_cube("cube.hdf", 3)
+    found = {}
+    for window, steps in ((None, 1500), (20, 1500), (4, 900), (1, 500)):
+        text = PLATES + f"sampling = {steps}\n" + (f"window = {window}\n{RESTLESS}" if window else "block = 20\n")
+        report = compute(write("case.toml", text), "cube.hdf", "out.hdf", "--history", "h.csv", "--json", "-").json
+        with open("h.csv", encoding="ascii") as file:
+            rows = [row for row in csv.DictReader(file) if int(row["step"]) > 100]
+        found[window] = [np.mean([float(row[key]) for row in rows]) for key in ("collisions_per_particle_step", "C_H")]
+        assert not window or report["adaptation"]["octets_gone"] > 100, report["adaptation"]
+    collisions, heat = found[None]
+    for window in (20, 4, 1):  # standard errors are 0.4 % and 3 % at most
+        assert abs(found[window][0] / collisions - 1) < 0.02, (window, found)
+        assert abs(found[window][1] / heat - 1) < 0.12, (window, found)
+
+
+def test_adapting_where_nothing_is_marked_changes_no_bit():
+    kuhn_cube("cube.hdf", 3)
+    text = PLATES + "sampling = 60\nwindow = 4\n"
+    compute(write("still.toml", text), "cube.hdf", "still.hdf", "--history", "still.csv")
+    compute(write("case.toml", text + '[adapt]\nmark = "--box 9,9,9,9,9,9"\n'), "cube.hdf", "out.hdf", "--history", "h.csv")
+    assert same_bytes("h.csv", "still.csv")
 
 
 def test_cases_that_cannot_be_adapted_are_refused():

@@ -17,6 +17,7 @@
 #include "pamr/assemble/assemble.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/base/index.hpp"
+#include "solvers/dsmc/state/cell_row.hpp"
 #include "solvers/dsmc/state/checkpoint.hpp"
 #include "solvers/dsmc/state/checkpoint_rows.hpp"
 #include "support/dice.hpp"
@@ -103,8 +104,8 @@ TEST_F(CheckpointContents, OfTablesAreRefusedWithTheirRow) {
       {"cells", 4, word(-1.0), "separations"},
       {"cells", 5, word(std::int64_t{-5}), "collisions"},
       {"cells", 7, word(infinity), "squares"},
-      {"cells", volume_word, word(0.0), "volume"},
-      {"cells", fnum_word, word(-1.0), "molecules"},
+      {"cells", CellColumns::volume, word(0.0), "volume"},
+      {"cells", CellColumns::fnum, word(-1.0), "molecules"},
       {"cells", 10, word(-1.0), "the sum of its particles"},
       {"cells", 11, word(1e300), "velocities"},
       {"cells", 15, word(infinity), "rotational energies"},

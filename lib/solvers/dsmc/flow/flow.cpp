@@ -85,7 +85,7 @@ Flow::Flow(const par::Comm& comm, const mesh::DistMesh& mesh, Setup setup)
     domain_.dt = setup_.cell_dt;
     for (std::size_t c = 0; c < n; ++c) domain_.fnum[c] = setup_.fnum * (domain_.dt[c] / setup_.dt);
   }
-  collisions = start_collisions(setup_.gas, max_temperature(setup_), n);
+  collisions = start_collisions(setup_.gas, max_temperature(setup_), setup_.seed, domain_.cell_global);
   surface.face.resize(domain_.boundary.size());
   surface.set_units(setup_.gas.species.front().mass, typical_speed(setup_));
   cells.clear(n, setup_.gas);

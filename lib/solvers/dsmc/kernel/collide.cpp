@@ -93,14 +93,20 @@ void CollisionCounts::add(const CollisionCounts& other) {
   clamped += other.clamped;
 }
 
-std::vector<CellCollisions> start_collisions(const Gas& gas, double t, std::size_t n_cells) {
+double draw_remainder(std::uint64_t seed, GlobalId cell, std::uint64_t step) {
+  return Random(seed, Purpose::remainder, static_cast<std::uint64_t>(cell), step).uniform_fine();
+}
+
+std::vector<CellCollisions> start_collisions(const Gas& gas, double t, std::uint64_t seed,
+                                             std::span<const GlobalId> cells) {
   double max_sigma_cr = 0;
   for (const auto& pair : gas.pairs) {
     const double speed = 4 * std::sqrt(2 * boltzmann * t / pair.reduced_mass);
     max_sigma_cr = std::max(max_sigma_cr, pair.weight * section_times_speed(pair, speed * speed));
   }
   std::vector<CellCollisions> state;
-  assign_array(state, n_cells, {max_sigma_cr, 0, 0, 0, 0, 0});
+  assign_array(state, cells.size(), {max_sigma_cr, 0, 0, 0, 0, 0});
+  for (std::size_t c = 0; c < cells.size(); ++c) state[c].remainder = draw_remainder(seed, cells[c], 0);
   return state;
 }
 

@@ -25,7 +25,8 @@ struct CollisionOptions {
   Partner partner = Partner::nearest;
 };
 
-/// What a cell keeps between the collisions of one step and the next.
+/// What a cell keeps between the collisions of one step and the next. Functions that carry it elsewhere (`CellRow`,
+/// `transfer_particles`) name every member in a structured binding, so that a new one cannot be forgotten.
 struct CellCollisions {
   double max_sigma_cr = 0;  ///< (sigma c_r)_max times weight, m3/s: a bound that grows when exceeded
   double remainder = 0;     ///< fraction of a candidate pair left over
@@ -48,8 +49,14 @@ inline double mean_candidates(const GasDomain& domain, std::size_t cell, std::ui
   return 0.5 * n * (n - 1.0) * domain.fnum[cell] * domain.dt[cell] / domain.volume[cell] * state.max_sigma_cr;
 }
 
-/// Initial values for cells of a gas at temperature `t`: the bound is that of a fast pair.
-std::vector<CellCollisions> start_collisions(const Gas& gas, double t, std::size_t n_cells);
+/// A remainder in (0, 1) from the random numbers of a global cell and step. With such a one at the start the number of
+/// candidates is right on average from the first step on: the mean of floor(u + x) over u in (0, 1) is x.
+double draw_remainder(std::uint64_t seed, GlobalId cell, std::uint64_t step);
+
+/// Initial values for the given global cells of a gas at temperature `t`: the bound is that of a fast pair, the
+/// remainder is drawn.
+std::vector<CellCollisions> start_collisions(const Gas& gas, double t, std::uint64_t seed,
+                                             std::span<const GlobalId> cells);
 
 /// Collides the particles of every cell during a time step by the no-time-counter method.
 ///

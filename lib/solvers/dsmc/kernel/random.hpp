@@ -10,7 +10,16 @@
 namespace pamr::dsmc {
 
 /// What random numbers are drawn for; streams of different purposes are independent.
-enum class Purpose : std::uint32_t { seed = 1, inflow, inflow_particle, wall, collision, thinning, partition_check };
+enum class Purpose : std::uint32_t {
+  seed = 1,
+  inflow,
+  inflow_particle,
+  wall,
+  collision,
+  thinning,
+  partition_check,
+  remainder
+};
 
 /// A stream of random numbers that is a pure function of (seed, purpose, subject, step). The subject is a particle, a
 /// global cell or a boundary face, so the numbers depend neither on the number of ranks nor on the order of the work.

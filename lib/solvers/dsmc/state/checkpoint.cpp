@@ -15,6 +15,7 @@
 #include "pamr/mesh/fingerprint.hpp"
 #include "pamr/par/exchange.hpp"
 #include "solvers/dsmc/kernel/numbering.hpp"
+#include "solvers/dsmc/state/cell_row.hpp"
 #include "solvers/dsmc/state/checkpoint_rows.hpp"
 #include "solvers/dsmc/state/header_values.hpp"
 #include "solvers/dsmc/state/run_state.hpp"
@@ -75,26 +76,13 @@ Section particle_section(const par::Comm& comm, GlobalId n_cells, const Flow& fl
 }
 
 Section cell_section(const par::Comm& comm, GlobalId n_cells, const Flow& flow) {
-  const auto count = particles_of_cells(flow.particles);
-  const auto& gas = flow.setup().gas;
-  const auto n_species = gas.species.size(), width = cell_words(gas);
+  const auto columns = columns_of(flow.setup().gas);
+  const auto n = at(flow.domain().n_cells());
   Words words;
-  words.reserve(width * count.size());
-  for (std::size_t c = 0; c < count.size(); ++c) {
-    const auto& k = flow.collisions[c];
-    words.insert(words.end(),
-                 {word(count[c]), word(k.max_sigma_cr), word(k.remainder), word(k.temperature), word(k.separation),
-                  word(k.collisions), word(flow.cells.block[c]), word(flow.cells.square_of_blocks[c]),
-                  word(flow.domain().volume[c]), word(flow.domain().fnum[c])});
-    for (std::size_t s = 0; s < n_species; ++s) {
-      const auto& sum = flow.cells.sums[c * n_species + s];
-      words.insert(words.end(), {word(sum.n), word(sum.velocity.x), word(sum.velocity.y), word(sum.velocity.z),
-                                 word(sum.square), word(sum.rotation)});
-    }
-    if (gas.is_weighted) words.push_back(word(k.energy_deficit));
-  }
-  return {"cells", n_cells, width,
-          par::scatter_rows<std::uint64_t>(comm, n_cells, words, width, flow.domain().cell_global)};
+  words.reserve(columns.width() * n);
+  for (std::size_t c = 0; c < n; ++c) append(row_of(flow, c), columns, words);
+  return {"cells", n_cells, columns.width(),
+          par::scatter_rows<std::uint64_t>(comm, n_cells, words, columns.width(), flow.domain().cell_global)};
 }
 
 Section face_section(const par::Comm& comm, GlobalId n_cells, const RunState& run, const Flow& flow) {
@@ -131,21 +119,13 @@ nlohmann::json setup_of(const Flow& flow) {
 
 void restore_cells(const par::Comm& comm, const Section& section, GlobalId n_cells, Flow& flow,
                    std::vector<std::int64_t>& count) {
-  const auto& gas = flow.setup().gas;
-  const auto n_species = gas.species.size(), width = cell_words(gas);
-  const auto words = par::fetch_rows<std::uint64_t>(comm, n_cells, section.block, width, flow.domain().cell_global);
+  const auto columns = columns_of(flow.setup().gas);
   const auto& global = flow.domain().cell_global;
+  const auto words = par::fetch_rows<std::uint64_t>(comm, n_cells, section.block, columns.width(), global);
   for (std::size_t c = 0; c < global.size(); ++c) {
-    const auto* w = words.data() + c * width;
-    count.push_back(integer(w[0]));
-    flow.collisions[c] = {real(w[1]), real(w[2]),    real(w[3]),
-                          real(w[4]), integer(w[5]), gas.is_weighted ? real(w[width - 1]) : 0};
-    flow.cells.block[c] = real(w[6]);
-    flow.cells.square_of_blocks[c] = real(w[7]);
-    for (std::size_t s = 0; s < n_species; ++s) {
-      const auto* v = w + fixed_cell_words + s * species_words;
-      flow.cells.sums[c * n_species + s] = {real(v[0]), {real(v[1]), real(v[2]), real(v[3])}, real(v[4]), real(v[5])};
-    }
+    const auto row = cell_row(words.data() + c * columns.width(), columns);
+    count.push_back(row.particles);
+    put(row, c, flow);
   }
 }
 
@@ -282,7 +262,7 @@ CheckpointHead head_of(const par::Comm& comm, const std::string& checkpoint) {
 
 Snapshot read_checkpoint(const par::Comm& comm, const std::string& name, const Gas& gas) {
   const SectionFile file(comm, name);
-  return {file.header(), file.read("cells", cell_words(gas)), file.read("faces", face_words),
+  return {file.header(), file.read("cells", columns_of(gas).width()), file.read("faces", face_words),
           file.read("particles", particle_words)};
 }
 

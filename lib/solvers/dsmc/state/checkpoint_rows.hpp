@@ -18,16 +18,6 @@ namespace pamr::dsmc {
 inline constexpr std::size_t particle_words = 9;
 /// Particles that a rank sends at a time.
 inline constexpr std::size_t particles_of_round = std::size_t{1} << 14U;
-/// cells: particles, (sigma c_r)_max, remainder, temperature, separation, collisions, block, squares of blocks, volume
-/// and F_num, then for each species the sums of n, velocity, square and rotation.
-inline constexpr std::size_t fixed_cell_words = 10, species_words = 6;
-inline constexpr std::size_t volume_word = 8, fnum_word = 9;
-
-/// Words of a row of cells. In a gas with species of different weights the energy deficit comes last.
-inline std::size_t cell_words(std::size_t n_species, bool is_weighted) {
-  return fixed_cell_words + species_words * n_species + (is_weighted ? 1 : 0);
-}
-inline std::size_t cell_words(const Gas& gas) { return cell_words(gas.species.size(), gas.is_weighted); }
 
 inline std::uint64_t word(double value) { return std::bit_cast<std::uint64_t>(value); }
 inline std::uint64_t word(std::int64_t value) { return std::bit_cast<std::uint64_t>(value); }

@@ -11,6 +11,7 @@
 #include "pamr/geometry/tet_shape.hpp"
 #include "pamr/par/exchange.hpp"
 #include "solvers/dsmc/kernel/gas_domain.hpp"
+#include "solvers/dsmc/state/cell_row.hpp"
 #include "solvers/dsmc/state/checkpoint_rows.hpp"
 
 namespace pamr::dsmc {
@@ -95,7 +96,7 @@ void require_old_volumes(const par::Comm& comm, const std::string& file, const S
   constexpr double scale = 1e6;
   std::int64_t wrong[2] = {0, 0};
   for (std::size_t c = 0; c < hosts.size(); ++c) {
-    const double old = real(old_cells.block[c * old_cells.width + volume_word]);
+    const double old = real(old_cells.block[c * old_cells.width + CellColumns::volume]);
     if (!(old > 0)) continue;
     wrong[0] += static_cast<std::int64_t>(scale * std::min(1.0, std::fabs(hosts[c].volume - old) / old));
     wrong[1] += static_cast<std::int64_t>(scale);

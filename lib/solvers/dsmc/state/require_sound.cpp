@@ -10,6 +10,7 @@
 #include "pamr/base/error.hpp"
 #include "pamr/base/index.hpp"
 #include "solvers/dsmc/run/gas_tables.hpp"
+#include "solvers/dsmc/state/cell_row.hpp"
 #include "solvers/dsmc/state/checkpoint_rows.hpp"
 #include "solvers/dsmc/state/header_values.hpp"
 
@@ -88,12 +89,13 @@ void check_cell(const Row& row, const SoundRange& range) {
   row.integer(5, 0, max_count, "its collisions");
   row.real(6, 0, most, "the sum of its block");
   row.real(7, 0, most * most, "the squares of its blocks");
-  row.real(volume_word, smallest, max_place * max_place * max_place, "its volume");
-  row.real(fnum_word, smallest, 1e80, "molecules a particle");
-  for (std::size_t s = 0; s < range.n_species; ++s) check_sums(row, fixed_cell_words + s * species_words, range);
+  row.real(CellColumns::volume, smallest, max_place * max_place * max_place, "its volume");
+  row.real(CellColumns::fnum, smallest, 1e80, "molecules a particle");
+  const CellColumns columns{range.n_species, range.is_weighted};
+  for (std::size_t s = 0; s < range.n_species; ++s)
+    check_sums(row, CellColumns::sums + s * CellColumns::words_of_sums, range);
   if (range.is_weighted)
-    row.real(fixed_cell_words + range.n_species * species_words, -most * range.max_rotation, most * range.max_rotation,
-             "its energy deficit");
+    row.real(columns.deficit(), -most * range.max_rotation, most * range.max_rotation, "its energy deficit");
 }
 
 void check_face(const Row& row) {

@@ -19,6 +19,7 @@
 #include "solvers/dsmc/kernel/halo.hpp"
 #include "solvers/dsmc/kernel/move.hpp"
 #include "solvers/dsmc/kernel/numbering.hpp"
+#include "solvers/dsmc/state/cell_row.hpp"
 #include "solvers/dsmc/state/checkpoint.hpp"
 #include "solvers/dsmc/state/checkpoint_rows.hpp"
 #include "solvers/dsmc/state/header_values.hpp"
@@ -39,6 +40,8 @@ struct Passenger {
   double fnum = 0;  ///< real molecules that it stands for
   Rank rank = 0;    ///< that holds the host
 };
+
+CellColumns columns_of(const OldFlow& old) { return {old.weights.size(), old.is_weighted}; }
 
 /// The old cells of this rank's cells, both counted from the meshes' first.
 std::vector<GlobalId> parents_of(const mesh::DistMesh& mesh, const std::string& name, GlobalId n_old) {
@@ -84,7 +87,7 @@ std::vector<Passenger> passengers_of(const par::Comm& comm, const OldFlow& old, 
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const auto* w = words.data() + i * particle_words;
     const auto cell = places[i].cell;
-    const double fnum = real(old.cells.block[cell * old.cells.width + fnum_word]) * old.weights[species_of(w)];
+    const double fnum = real(old.cells.block[cell * old.cells.width + CellColumns::fnum]) * old.weights[species_of(w)];
     passengers.push_back({rows[i], hosts[cell].cell, {real(w[2]), real(w[3]), real(w[4])}, fnum, hosts[cell].rank});
   }
   return passengers;
@@ -200,8 +203,9 @@ class Copies {
  public:
   Copies(const par::Comm& comm, const OldFlow& old, Flow& flow) : comm_(&comm), old_(&old), flow_(&flow) {}
 
-  /// Of particles as `Passage::fly` gives them; their copies have the row of the old one as id. Collective. Throws
-  /// `Error` on every rank for more than memory holds.
+  /// Of particles as `Passage::fly` gives them. The first copy of each keeps its id, and so remains the last partner of
+  /// others; further ones have a provisional id from the row of the old particle. Collective. Throws `Error` on every
+  /// rank for more than memory holds.
   void add(const Particles& placed) {
     std::vector<GlobalId> rows;
     for (const auto id : placed.id) rows.push_back(static_cast<GlobalId>(id));
@@ -218,30 +222,40 @@ class Copies {
       Random random(flow_->setup().seed, Purpose::thinning, placed.id[i], flow_->steps_done);
       const auto copies = static_cast<std::int64_t>(copies_of(i, p) + random.uniform_fine());
       p.cell = placed.cell[i];
-      p.id = placed.id[i];
-      p.partner = 0;  // the old numbers mean nothing any more
-      for (std::int64_t k = 0; k < copies; ++k) flow_->particles.append(p);
+      if (is_further_copy(p.id)) next_ = std::max(next_, p.id + 1);
+      for (std::int64_t k = 0; k < copies; ++k) {
+        flow_->particles.append(p);
+        p.id = first_provisional | placed.id[i];
+      }
     }
     n_old_ += static_cast<std::int64_t>(placed.size());
   }
 
-  /// Numbers all of them along the cells, in each in the order of the old ones. Collective.
+  /// Gives further copies their numbers along the cells, in each in the order of the old particles. Collective.
   void number(GlobalId n_cells) {
     auto& particles = flow_->particles;
     particles.sort_by_cell(flow_->domain().n_cells());  // copies of one particle are equal, so their order is no matter
-    const auto begin = particles.begin();
-    const auto first =
-        number_along_cells(*comm_, n_cells, flow_->domain().cell_global, particles_of_cells(particles)).first;
-    for (std::size_t i = 0; i < particles.size(); ++i) {
-      const auto cell = at(particles.cell[i]);
-      particles.id[i] = static_cast<std::uint64_t>(first[cell]) + (i - begin[cell]);
-    }
+    std::vector<std::int64_t> count(at(flow_->domain().n_cells()), 0);
+    for (std::size_t i = 0; i < particles.size(); ++i)
+      if (is_provisional(particles.id[i])) ++count[at(particles.cell[i])];
+    const auto base = static_cast<std::uint64_t>(comm_->max(static_cast<std::int64_t>(next_)));
+    auto next = number_along_cells(*comm_, n_cells, flow_->domain().cell_global, count).first;
+    for (std::size_t i = 0; i < particles.size(); ++i)
+      if (auto& id = particles.id[i]; is_provisional(id))
+        id = base + static_cast<std::uint64_t>(next[at(particles.cell[i])]++);
   }
 
   /// Old particles that were added. Local.
   std::int64_t n_old() const { return n_old_; }
 
  private:
+  // Ids with bit 63 belong to particles that entered (inflow.cpp), small ones to those of the start. In between are
+  // further copies, and above these such as wait for their number, so that the ids of a cell are always in order.
+  static constexpr std::uint64_t first_copy = std::uint64_t{1} << 62U,
+                                 first_provisional = first_copy | first_copy >> 1U;
+  static bool is_further_copy(std::uint64_t id) { return id >> 62U == 1; }
+  static bool is_provisional(std::uint64_t id) { return id >> 61U == 3; }
+
   void require_room() const {
     par::agree(*comm_, [&] {
       constexpr double most = 0x1p31, bytes = sizeof(Particle);
@@ -256,45 +270,62 @@ class Copies {
   const par::Comm* comm_;
   const OldFlow* old_;
   Flow* flow_;
-  double expected_ = 0;  ///< copies
+  double expected_ = 0;              ///< copies
+  std::uint64_t next_ = first_copy;  ///< after the ids of all copies that were added
   std::int64_t n_old_ = 0;
 };
 
 /// What an old cell that is nobody's parent leaves to the new cell that has its place.
 struct Inheritance {
   GlobalId old_cell = 0, cell = 0;
+  double max_sigma_cr = 0;
   double energy = 0;  ///< deficit, J
 };
+
+/// What a new cell takes from the old cell that its centroid is in. `share`: its part of that cell's molecules, over
+/// its F_num. `remainder`: a new one, for cells that have changed.
+CellCollisions inherited(const CellRow& old, double share, double remainder, bool is_same_cell) {
+  const auto& [max_sigma_cr, old_remainder, temperature, separation, n_collisions, energy_deficit] = old.collisions;
+  (void)separation, (void)n_collisions;  // of the averages, which begin with the new mesh
+  return {max_sigma_cr, is_same_cell ? old_remainder : remainder, temperature, 0, 0, share * energy_deficit};
+}
 
 /// Gives the new cells what the old ones remember of their collisions. Collective.
 void inherit_collisions(const par::Comm& comm, const OldFlow& old, const std::vector<GlobalId>& parent,
                         const std::vector<Host>& hosts, Flow& flow) {
+  constexpr double rounding = 1e-12;
   const auto n_old = old.cells.rows;
-  const auto width = old.cells.width;
+  const auto columns = columns_of(old);
   const auto& domain = flow.domain();
   const bool is_weighted = old.is_weighted && flow.setup().gas.is_weighted;
-  const auto cells = par::fetch_rows<std::uint64_t>(comm, n_old, old.cells.block, width, parent);
+  const auto cells = par::fetch_rows<std::uint64_t>(comm, n_old, old.cells.block, columns.width(), parent);
   const auto host = par::fetch_rows<Host>(comm, n_old, hosts, 1, parent);
+  const auto is_near = [](double a, double b) { return std::fabs(a - b) <= rounding * b; };
   for (std::size_t c = 0; c < flow.collisions.size(); ++c) {
-    const auto* w = cells.data() + c * width;
-    const double part = domain.volume[c] / host[c].volume * real(w[fnum_word]) / domain.fnum[c];
-    flow.collisions[c] = {real(w[1]), 0, real(w[3]), 0, 0, is_weighted ? part * real(w[width - 1]) : 0};
+    const auto row = cell_row(cells.data() + c * columns.width(), columns);
+    const double v = domain.volume[c], fnum = domain.fnum[c];
+    const bool is_same = is_near(host[c].volume, v) && is_near(row.volume, v) && is_near(row.fnum, fnum);
+    auto cell = inherited(row, is_weighted ? v / host[c].volume * row.fnum / fnum : 0,
+                          draw_remainder(flow.setup().seed, domain.cell_global[c], flow.steps_done), is_same);
+    cell.max_sigma_cr = std::max(cell.max_sigma_cr, flow.collisions[c].max_sigma_cr);  // walls may be hotter now
+    flow.collisions[c] = cell;
   }
-  if (!is_weighted) return;
   const auto first = par::block_range(n_old, comm.rank(), comm.size()).begin;
   std::vector<par::Outgoing<Inheritance>> messages(static_cast<std::size_t>(comm.size()));
   for (Rank r = 0; r < comm.size(); ++r) messages[at(r)].to = r;
   for (std::size_t c = 0; c < hosts.size(); ++c) {
-    const auto* w = old.cells.block.data() + c * width;
-    if (hosts[c].volume > 0 || real(w[width - 1]) == 0) continue;
-    messages[at(hosts[c].rank)].item.push_back(
-        {first + static_cast<GlobalId>(c), hosts[c].cell, real(w[width - 1]) * real(w[fnum_word])});
+    if (hosts[c].volume > 0) continue;
+    const auto row = cell_row(old.cells.block.data() + c * columns.width(), columns);
+    messages[at(hosts[c].rank)].item.push_back({first + static_cast<GlobalId>(c), hosts[c].cell,
+                                                row.collisions.max_sigma_cr,
+                                                is_weighted ? row.collisions.energy_deficit * row.fnum : 0});
   }
   std::erase_if(messages, [](const auto& m) { return m.item.empty(); });
   auto left = comm.sparse_exchange(messages).item;
   std::sort(left.begin(), left.end(), [](const auto& a, const auto& b) { return a.old_cell < b.old_cell; });
   for (const auto& one : left) {
     const auto c = at(local_cell(domain.cell_global, one.cell));
+    flow.collisions[c].max_sigma_cr = std::max(flow.collisions[c].max_sigma_cr, one.max_sigma_cr);
     flow.collisions[c].energy_deficit += one.energy / domain.fnum[c];
   }
 }
@@ -368,7 +399,7 @@ Transferred transfer_particles(const par::Comm& comm, const OldFlow& old, std::s
 Transferred transfer_particles(const par::Comm& comm, const std::string& name, const mesh::DistMesh& mesh, Flow& flow) {
   const SectionFile file(comm, name);
   auto old = setup_in(file, name, flow);
-  old.cells = file.read("cells", cell_words(old.weights.size(), old.is_weighted));
+  old.cells = file.read("cells", columns_of(old).width());
   old.particles = file.read("particles", particle_words);
   auto range = sound_range(flow);
   range.is_weighted = old.is_weighted;

@@ -37,9 +37,12 @@ struct OldFlow {
 ///   particle that meets the boundary on the way is looked for in all cells; if none holds it, it is outside now and is
 ///   removed.
 /// - Number: a particle becomes (old F_num / new F_num) particles on average, rounded at random. The random numbers
-///   belong to the old particle, so the result does not depend on the number of ranks. Particles are numbered anew.
-/// - Cells inherit (sigma c_r)_max and, by volume, the energy deficit of the old cell (see `Collider`); the deficit of
-///   an old cell that is nobody's parent goes to the cell that has its place.
+///   belong to the old particle, so the result does not depend on the number of ranks. The particle keeps its id and
+///   its last collision partner, further copies of it get new ids.
+/// - A cell that has not changed keeps all that it remembers of its collisions. Other cells inherit from the old cell
+///   (sigma c_r)_max, temperature and, by volume, the energy deficit (see `Collider`), and draw a new remainder, which
+///   keeps the number of candidates right on average. An old cell that is nobody's parent leaves its (sigma c_r)_max
+///   and deficit to the cell that has its place.
 ///
 /// `gone`: the old cells that were coarsened away; any rank may name any of them.
 /// Collective. Throws the same `Error` on every rank for more particles than memory holds.
