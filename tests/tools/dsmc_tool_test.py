@@ -352,6 +352,31 @@ def test_plan_computes_nothing():
     assert os.listdir(".").count("case.toml") == 1 and len(os.listdir(".")) == 2
 
 
+@of_one_process
+def test_plan_gives_free_molecular_coefficients_of_the_walls_of_the_case():
+    mesh, mass, temperature = kuhn_cube("cube.hdf", 2), 4.65e-26, 300.0
+    s = 400 / math.sqrt(2 * 1.380649e-23 * temperature / mass)
+    chi = math.exp(-s * s) + math.sqrt(math.pi) * s * (1 + math.erf(s))
+    incident = (s * math.exp(-s * s) / math.sqrt(math.pi) + (0.5 + s * s) * (1 + math.erf(s))) / s**2
+    diffuse = 0.5 * math.sqrt(500 / temperature) * chi / s**2
+    heat = ((s * s + 2) * math.exp(-s * s) + math.sqrt(math.pi) * s * (s * s + 2.5) * (1 + math.erf(s)) + chi
+            - 3 * 500 / temperature * chi) / (2 * math.sqrt(math.pi) * s**3)
+    for wall, drag, heated in (
+            ('kind = "diffuse", temperature = 500.0', incident + diffuse, heat),
+            ('kind = "specular"', 2 * incident, 0),
+            ('kind = "maxwell", temperature = 500.0, accommodation = 0.2', 1.8 * incident + 0.2 * diffuse, 0.2 * heat),
+            ('kind = "cll", temperature = 500.0, normal_accommodation = 1.0, tangential_accommodation = 0.0', incident + diffuse, None),
+            ('kind = "diffuse", temperature = 500.0, velocity = [1.0, 9.0, 0.0]', None, None)):
+        case = write("case.toml", gas_in_a_cube(SPECIES, end="[reference]\narea = 1.0\n", xmax=wall))
+        shown = run("pamr-dsmc", case, "--mesh", mesh, "--plan", "--json", "-")
+        if drag is None:  # it moves through its own face
+            assert "the wall xmax moves out of its plane" in shown.err and "free_molecular" not in shown.json, shown.err
+            continue
+        found = shown.json["free_molecular"]
+        assert abs(found["C_D"] / drag - 1) < 1e-6, (wall, found, drag)
+        assert heated is None or abs(found["C_H"] - heated) < 1e-9, (wall, found, heated)
+
+
 def test_bad_cases_are_refused_with_their_line():
     mesh = kuhn_cube("cube.hdf", 2)
 

@@ -12,6 +12,7 @@
 #include "pamr/par/reproducible_sum.hpp"
 #include "solvers/dsmc/gas/kinetic_theory.hpp"
 #include "support/meshes.hpp"
+#include "unit/dsmc/analytic_flows.hpp"
 #include "unit/dsmc/gases.hpp"
 
 namespace {
@@ -423,7 +424,7 @@ TEST(Flow, AFreeMolecularStreamPressesRubsAndHeatsAPlateAsTheClosedFormsSay) {
       rub += flow.surface.face[f].momentum[1];
       heat += flow.surface.face[f].energy;
     }
-    const auto closed = free_molecular_plate(s, theta, 1, 2);
+    const auto closed = test::free_molecular_plate(s, theta, 1, 2);
     const double scale = setup.fnum / (n_steps * setup.dt), rho = density * gas.species[0].mass, v = s * c;
     const auto sum = [&](std::int64_t fixed) { return static_cast<double>(comm.sum(fixed)); };
     const double error = 4 / std::sqrt(sum(hits)), q = 0.5 * rho * v * v;

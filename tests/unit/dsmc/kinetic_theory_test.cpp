@@ -21,7 +21,8 @@ TEST(KineticTheory, FluxFactorHasItsKnownValues) {
   EXPECT_NEAR(molecular_flux(1e20, 300, 6.63e-26, 0), 9.97139e21, 1e17);
 }
 
-TEST(KineticTheory, PlateCoefficientsHaveTheirKnownValues) {
+TEST(AnalyticFlows, PlateCoefficientsHaveTheirKnownValues) {
+  using pamr::test::free_molecular_plate;
   const auto along = free_molecular_plate(5, 0, 1, 2), oblique = free_molecular_plate(5, 20 * degree, 1, 2),
              facing = free_molecular_plate(5, 90 * degree, 1, 2);
   EXPECT_NEAR(along.pressure, 0.04, 5e-6);

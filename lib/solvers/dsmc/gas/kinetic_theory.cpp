@@ -51,15 +51,4 @@ Species mean_species(const Gas& gas) {
   return mean;
 }
 
-PlateCoefficients free_molecular_plate(double s, double theta, double t_ratio, double rotational_degrees) {
-  const double sn = s * std::sin(theta), chi = flux_factor(sn), half = 0.5 * rotational_degrees;
-  const double gauss = std::exp(-sn * sn), one_erf = 1 + std::erf(sn);
-  PlateCoefficients c;
-  c.pressure = (sn * gauss / sqrt_pi + (0.5 + sn * sn) * one_erf + 0.5 * std::sqrt(t_ratio) * chi) / (s * s);
-  c.shear = std::cos(theta) * chi / (s * sqrt_pi);
-  c.heat = ((s * s + 2) * gauss + sqrt_pi * sn * (s * s + 2.5) * one_erf + half * chi - (2 + half) * t_ratio * chi) /
-           (2 * sqrt_pi * s * s * s);
-  return c;
-}
-
 }  // namespace pamr::dsmc

@@ -24,12 +24,4 @@ double collision_frequency(const Species& species, double n, double t);  ///< of
 /// The mixture's mean molecule, for mean free path and collision frequency.
 Species mean_species(const Gas& gas);
 
-/// Pressure, shear stress and heat flux on a plate at angle theta (0 along the stream, pi/2 facing it) in
-/// free-molecular flow with full diffuse accommodation: coefficients on rho V^2/2 (and rho V^3/2). `s`: speed ratio,
-/// `t_ratio`: T_w/T.
-struct PlateCoefficients {
-  double pressure = 0, shear = 0, heat = 0;
-};
-PlateCoefficients free_molecular_plate(double s, double theta, double t_ratio, double rotational_degrees);
-
 }  // namespace pamr::dsmc

@@ -5,10 +5,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <nlohmann/json.hpp>
 
 #include "pamr/base/index.hpp"
 #include "solvers/dsmc/gas/kinetic_theory.hpp"
+#include "solvers/dsmc/sampling/free_molecular.hpp"
 #include "solvers/dsmc/state/checkpoint_rows.hpp"
 
 namespace pamr::dsmc {
@@ -25,6 +27,17 @@ std::string rotation_text(const Rotation& r) {
   if (r.model == Rotation::Model::probability) return fmt::format("probability {:g} a molecule", r.value);
   if (r.model == Rotation::Model::z_continuum) return fmt::format("continuum relaxation number {:g}", r.value);
   return fmt::format("relaxation number of Parker, Z_inf {:g}, T* {:g} K", r.z_infinity, r.t_star);
+}
+
+/// The last patch of the body that moves out of its plane; -1: none. Collective.
+std::int64_t patch_that_leaves_its_plane(const par::Comm& comm, const GasDomain& domain,
+                                         const std::vector<BoundaryCondition>& conditions,
+                                         const std::vector<bool>& body) {
+  std::int64_t found = -1;
+  for (const auto& face : domain.boundary)
+    if (body[at(face.patch)] && leaves_its_plane(conditions[at(face.patch)], face.normal))
+      found = std::max<std::int64_t>(found, face.patch);
+  return comm.max(found);
 }
 
 }  // namespace
@@ -66,16 +79,16 @@ Plan make_plan(const par::Comm& comm, const Case& c, const Setup& setup, const m
   plan.gives_lift = c.reference.gives_lift();
   plan.has_body = std::find(body.begin(), body.end(), true) != body.end() && speed > 0 && free.density > 0;
   if (!plan.has_body) return plan;
-  double wall = 0;
-  for (std::size_t p = 0; p < body.size(); ++p)
-    if (body[p]) wall = std::max(wall, setup.patch[p].temperature);
   const auto domain = make_gas_domain(mesh, setup.unit, setup.dt, setup.fnum);
   const Scale scale(gas, free, c.reference);
-  const auto bound = [&](const SurfaceLaw& law) {
+  const auto of_law = [&](const SurfaceLaw& law) {
     return scale.coefficients(sum_of(integrate_law(comm, domain, law, c.reference.point, body.size()), body));
   };
-  plan.free_molecular = bound(free_molecular_law(gas, free, wall));
-  plan.newtonian = bound(newtonian_law(gas, free));
+  plan.newtonian = of_law(newtonian_law(gas, free));
+  if (const auto moving = patch_that_leaves_its_plane(comm, domain, setup.patch, body); moving >= 0)
+    plan.moving_wall = mesh.info.patches[at(moving)].name;
+  else
+    plan.free_molecular = of_law(free_molecular_law(gas, free, setup.patch));
   return plan;
 }
 
@@ -124,16 +137,19 @@ std::vector<std::string> describe(const Case& c, const Setup& setup, const Plan&
     const auto lift = [&](const Coefficients& k) {
       return plan.gives_lift ? fmt::format(" C_L {:.4f} C_m {:.4f}", k.lift, k.moment) : std::string();
     };
-    lines.push_back(
-        fmt::format("bounds for a convex body: free-molecular C_D {:.4f}{} C_H {:.4f}; Newtonian C_D {:.4f}{}",
-                    plan.free_molecular.drag, lift(plan.free_molecular), plan.free_molecular.heat, plan.newtonian.drag,
-                    lift(plan.newtonian)));
+    const auto shown = [&](const Coefficients& k) { return fmt::format("C_D {:.4f}{}", k.drag, lift(k)); };
+    const auto& free_molecular = plan.free_molecular;
+    lines.push_back(fmt::format(
+        "the body if it is convex and alone in the free stream: free-molecular {}; Newtonian {}",
+        free_molecular ? fmt::format("{} C_H {:.4f}", shown(*free_molecular), free_molecular->heat)
+                       : fmt::format("flow not known, since the wall {} moves out of its plane", plan.moving_wall),
+        shown(plan.newtonian)));
   }
   return lines;
 }
 
 nlohmann::json to_json(const Plan& plan) {
-  const auto bound = [&](const Coefficients& k) {
+  const auto coefficients = [&](const Coefficients& k) {
     nlohmann::json j{{"C_D", k.drag}, {"C_H", k.heat}};
     if (plan.gives_lift) {
       j["C_L"] = k.lift;
@@ -155,8 +171,8 @@ nlohmann::json to_json(const Plan& plan) {
                         {"cpu_seconds", plan.cpu_seconds},
                         {"cells_per_step", plan.longest_flight}};
   if (plan.has_body) {
-    report["free_molecular"] = bound(plan.free_molecular);
-    report["newtonian"] = bound(plan.newtonian);
+    if (plan.free_molecular) report["free_molecular"] = coefficients(*plan.free_molecular);
+    report["newtonian"] = coefficients(plan.newtonian);
   }
   return report;
 }

@@ -28,7 +28,11 @@ struct Plan {
   double steps = 0, cpu_seconds = 0;  ///< of these particles, at 4 million particle-steps a second
   double longest_flight =
       0;  ///< cell sizes that a fast molecule of the free stream passes in a step, maximum over the cells
-  Coefficients free_molecular, newtonian;  ///< bounds for a convex body without shadows
+  /// Of the body if it were convex and alone in the free stream, integrated over its facets: of free-molecular flow
+  /// with the walls of the case, and of Newtonian flow.
+  std::optional<Coefficients> free_molecular;
+  Coefficients newtonian;
+  std::string moving_wall;  ///< why there is no `free_molecular`: the patch that moves out of its plane
   bool has_body = false;
   bool gives_lift = true;  ///< `Reference::gives_lift`
 
@@ -43,7 +47,7 @@ Plan make_plan(const par::Comm& comm, const Case& the_case, const Setup& setup, 
 
 /// What a user should be warned about. Local.
 std::vector<std::string> warnings_of(const Plan& plan);
-/// Lines for the user: species, gas, free stream, numbers of the flow, effort, bounds. Local.
+/// Lines for the user: species, gas, free stream, numbers of the flow, effort, coefficients. Local.
 std::vector<std::string> describe(const Case& the_case, const Setup& setup, const Plan& plan);
 nlohmann::json to_json(const Plan& plan);
 

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "pamr/base/index.hpp"
 #include "pamr/mesh/find_patches.hpp"
@@ -72,7 +71,7 @@ std::vector<Load> integrate_law(const par::Comm& comm, const GasDomain& domain, 
                                 std::size_t n_patches) {
   return add_up(comm, domain, n_patches, point, [&](std::size_t b) {
     const auto& face = domain.boundary[b];
-    const auto [stress, heat] = law(face.normal);
+    const auto [stress, heat] = law(face);
     return std::pair<Vec3, double>{face.area * stress, face.area * heat};
   });
 }
@@ -117,35 +116,11 @@ Load sum_of(const std::vector<Load>& patch, const std::vector<bool>& wanted) {
   return sum;
 }
 
-SurfaceLaw free_molecular_law(const Gas& gas, const Stream& stream, double wall_temperature) {
-  return [=](Vec3 normal) -> std::pair<Vec3, double> {
-    const double speed = norm(stream.velocity);
-    if (speed == 0) return {};
-    const Vec3 along = (1 / speed) * stream.velocity;
-    const double sine = std::clamp(dot(along, normal), -1.0, 1.0);
-    const Vec3 flat = along - sine * normal;
-    const double cosine = norm(flat);
-    Vec3 stress;
-    double heat = 0;
-    for (std::size_t s = 0; s < gas.species.size(); ++s) {
-      const auto& kind = gas.species[s];
-      const double ratio = speed / most_probable_speed(stream.temperature, kind.mass);
-      const double q = 0.5 * kind.mass * stream.density * stream.fraction[s] * speed * speed;
-      const auto c =
-          free_molecular_plate(ratio, std::asin(sine), wall_temperature / stream.temperature, kind.rotational_degrees);
-      stress = stress + (q * c.pressure) * normal;
-      if (cosine > 0) stress = stress + (q * c.shear / cosine) * flat;
-      heat += q * speed * c.heat;
-    }
-    return {stress, heat};
-  };
-}
-
 SurfaceLaw newtonian_law(const Gas& gas, const Stream& stream) {
-  return [=](Vec3 normal) -> std::pair<Vec3, double> {
-    const double towards = dot(stream.velocity, normal);
+  return [=](const BoundaryFace& face) -> std::pair<Vec3, double> {
+    const double towards = dot(stream.velocity, face.normal);
     if (towards <= 0) return {};
-    return {(density_of(gas, stream) * towards * towards) * normal, 0};
+    return {(density_of(gas, stream) * towards * towards) * face.normal, 0};
   };
 }
 

@@ -43,8 +43,8 @@ std::vector<Load> patch_loads(const par::Comm& comm, const GasDomain& domain, co
                               const std::vector<SurfaceTally::Sums>& face, double fnum_per_time, std::int64_t n_steps,
                               Vec3 point, std::size_t n_patches);
 
-/// A stress and a heat flux on a face, as functions of its outward normal (out of the gas, into the body).
-using SurfaceLaw = std::function<std::pair<Vec3, double>(Vec3 normal)>;
+/// A stress and a heat flux on a face of the boundary.
+using SurfaceLaw = std::function<std::pair<Vec3, double>(const BoundaryFace& face)>;
 /// Loads of every patch under a law. Collective: one reduction.
 std::vector<Load> integrate_law(const par::Comm& comm, const GasDomain& domain, const SurfaceLaw& law, Vec3 point,
                                 std::size_t n_patches);
@@ -77,9 +77,8 @@ std::vector<bool> reference_patches(const Reference& reference, const std::vecto
                                     const std::vector<BoundaryCondition>& conditions);
 Load sum_of(const std::vector<Load>& patch, const std::vector<bool>& wanted);
 
-/// Bounds for a convex body: free-molecular flow with full diffuse accommodation at the walls' temperature, and the
-/// Newtonian limit.
-SurfaceLaw free_molecular_law(const Gas& gas, const Stream& stream, double wall_temperature);
+/// Newtonian flow about a convex body: molecules of the stream leave their normal momentum on the faces that they
+/// reach.
 SurfaceLaw newtonian_law(const Gas& gas, const Stream& stream);
 
 }  // namespace pamr::dsmc
