@@ -43,7 +43,7 @@ void declare(cli::CommandLine& line, Options& o) {
                                 "--every says");
   checkpoint.type_name("FILE");
   line.option("--every", o.advance.every, "steps between checkpoints").type_name("N").positive().needs(checkpoint);
-  auto restart = line.option("--restart", o.restart, "continue from this checkpoint, on the same mesh");
+  auto restart = line.option("--restart", o.restart, "continue this checkpoint's run: the same case on the same mesh");
   restart.type_name("FILE");
   line.option("--carry", o.carry, "start with the flow of this checkpoint, on the mesh that MESH was refined from")
       .type_name("FILE")
@@ -87,14 +87,15 @@ void check_series(cli::Session& session, const Options& o, const dsmc::Case& c, 
       session.check_native_output(window_file(o, after), {o.case_file, o.mesh}, o.force);
 }
 
-/// The mesh that the run goes on with: of a restart of a run that adapts its mesh that of the checkpoint, and particles
-/// of its weight.
-std::string mesh_to_read(const Options& o, const dsmc::CheckpointHead& head, dsmc::Case& c) {
-  if (head.mesh_file.empty() || c.adaptation.every == 0) return o.mesh;
-  c.weight = head.fnum;
-  c.per_cell.reset();
-  c.total.reset();
-  return head.mesh_file;
+/// The mesh that the run goes on with, and the weight that the case has for another mesh.
+struct Place {
+  std::string mesh;
+  std::optional<double> fnum;
+};
+/// Of a restart of a run that adapts its mesh both are those of the checkpoint.
+Place place_of(const Options& o, const dsmc::CheckpointHead& head, const dsmc::Case& c) {
+  if (head.mesh_file.empty() || c.adaptation.every == 0) return {o.mesh, {}};
+  return {head.mesh_file, head.fnum};
 }
 
 void begin(cli::Session& session, const Options& o, dsmc::Computation& computation) {
@@ -130,19 +131,19 @@ cli::ExitCode run_case(cli::Session& session, const Options& o) {
   check_paths(session, o);
   std::optional<dsmc::StopSignals> signals;
   if (!o.plan && !o.advance.checkpoint.empty()) signals.emplace();
-  auto c = dsmc::read_case(cli::read_text(comm, o.case_file), o.case_file);
+  const auto c = dsmc::read_case(cli::read_text(comm, o.case_file), o.case_file);
   std::optional<dsmc::CheckpointHead> from;
   if (const auto& file = o.restart.empty() ? o.carry : o.restart; !file.empty()) from = dsmc::head_of(comm, file);
   const auto restarted = o.restart.empty() ? dsmc::CheckpointHead{} : *from;
   if (!o.plan) check_series(session, o, c, restarted.steps_done);
-  const auto mesh_file = mesh_to_read(o, restarted, c);
+  const auto place = place_of(o, restarted, c);
   const bool adapts = c.adaptation.every > 0;
-  session.step("reading " + mesh_file);
+  session.step("reading " + place.mesh);
   auto mesh = assemble::assemble(
-      comm, io::read_native(comm, mesh_file, {.build_surfaces = adapts, .remark = session.remarks()}));
-  validate::require_valid(comm, mesh, mesh_file);
+      comm, io::read_native(comm, place.mesh, {.build_surfaces = adapts, .remark = session.remarks()}));
+  validate::require_valid(comm, mesh, place.mesh);
   session.step(fmt::format("setting up {} cells", mesh.info.n_global_cells));
-  auto setup = dsmc::make_setup(comm, c, mesh);
+  auto setup = dsmc::make_setup(comm, c, mesh, place.fnum);
   dsmc::Outcome outcome{dsmc::make_plan(comm, c, setup, mesh, from, !o.advance.checkpoint.empty()), {}, {}, 0};
   try {
     dsmc::require_feasible(comm, c, setup, mesh, outcome.plan);

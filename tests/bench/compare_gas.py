@@ -62,6 +62,7 @@ def run(command, folder):
 class Pamr:
     def __init__(self, tools, partner):
         self.tools = pathlib.Path(tools).resolve()
+        self.partner = partner
         self.collisions = f'[collisions]\npartner = "{partner}"\n' if partner != "nearest" else ""
 
     def prepare(self, gas, folder):
@@ -88,15 +89,14 @@ class Pamr:
 
     def prepare_cone(self, folder):
         """A checkpoint of step 900."""
-        self.cone = self.mesh_name("cone")
+        self.cone = self.mesh_name(f"cone-{self.partner}")
         text = (CASES / "blunt-cone/case.toml").read_text().replace("../species.toml", str(CASES / "species.toml"))
         text = text.replace("weight = 4e11", "weight = 2e12").replace("sampling = 1000", "transient = 900\nsampling = 1000\nblock = 50")
         case = folder / f"{self.cone}.toml"  # of these tools alone: the others may have another partner
-        case.write_text(text)
+        case.write_text(text + self.collisions)
         if not (folder / f"{self.cone}.checkpoint").exists():
             subprocess.run([self.tools / "pamr-mesh", CASES / "blunt-cone/case.toml", "-o", self.cone, "--quiet"], cwd=folder, check=True)
             self.rate_of([case.name, "--mesh", self.cone, "--steps", "900", "--checkpoint", f"{self.cone}.checkpoint"], folder)
-        case.write_text(text + self.collisions)
 
     def cone_rate(self, folder):
         return self.rate_of([f"{self.cone}.toml", "--mesh", self.cone, "--restart", f"{self.cone}.checkpoint", "--steps", "1100"], folder)

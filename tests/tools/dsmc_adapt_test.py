@@ -102,6 +102,12 @@ def test_a_restart_goes_on_with_the_mesh_of_the_checkpoint():
     write("still.toml", CASE)
     refuses("pamr-dsmc", "still.toml", "--mesh", "cube.hdf", "-o", "no.hdf", "--restart", "whole_",
             says=["expected a checkpoint of this mesh"], creates="no.hdf")
+    # On the mesh of the checkpoint, too, neither how many particles to have nor what to adapt may change unseen.
+    other = write("other.toml", (CASE + ADAPT).replace("per_cell = 60.0", "per_cell = 50.0"))
+    refuses("pamr-dsmc", other, "--mesh", "cube.hdf", "-o", "no.hdf", "--restart", "whole_", creates="no.hdf",
+            says=["particles.per_cell: the checkpoint has 60.0, the case 50.0", "--carry"])
+    refuses("pamr-dsmc", "still.toml", "--mesh", "whole_-50.hdf", "-o", "no.hdf", "--restart", "whole_", says=["adapt.mark: "],
+            creates="no.hdf")
     pathlib.Path("whole_-50.hdf").unlink()
     refuses("pamr-dsmc", case, "--mesh", "cube.hdf", "-o", "no.hdf", "--restart", "whole_", says=["whole_-50.hdf"],
             creates="no.hdf")

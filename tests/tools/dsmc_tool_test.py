@@ -527,6 +527,7 @@ def test_a_checkpoint_with_right_checksums_and_wrong_contents_is_refused():
     refused(lambda header, tables: header["sections"][0].update(offset=8), "one behind the other")
     refused(lambda header, tables: header["sections"][0].update(name=3), "expected name = a text")
     refused(lambda header, tables: header.pop("setup"), "setup")
+    refused(lambda header, tables: header.update(case=[]), "expected a checkpoint of this case", how=(restart,))
 
 
 def test_a_checkpoint_that_does_not_fit_is_refused():
@@ -539,8 +540,6 @@ def test_a_checkpoint_that_does_not_fit_is_refused():
         n = len(file["VTKHDF/Types"])
     add_cell_field("other.hdf", "parent", np.minimum(np.arange(162, dtype=np.int64), n - 1))
     refuses("pamr-dsmc", case, "--mesh", other, "-o", "x.hdf", "--carry", "a.ck", says=("other volumes",), creates="x.hdf")
-    slower = write("slower.toml", CUBE.replace("step = 5e-5", "step = 4e-5"))
-    refuses("pamr-dsmc", slower, "--mesh", mesh, "-o", "x.hdf", "--restart", "a.ck", says=("this case",), creates="x.hdf")
     whole = pathlib.Path("a.ck").read_bytes()
     for length in (0, 5, 31, 40, len(whole) // 2, len(whole) - 1):
         pathlib.Path("cut.ck").write_bytes(whole[:length])
@@ -551,6 +550,29 @@ def test_a_checkpoint_that_does_not_fit_is_refused():
         pathlib.Path("flipped.ck").write_bytes(flipped)
         refuses(*again, "flipped.ck", says=("flipped.ck",), creates="x.hdf")
     refuses(*again, mesh, says=("checkpoint of pamr-dsmc",), creates="x.hdf")
+
+
+def test_a_restart_with_another_case_is_refused_by_name_and_carry_is_the_way_on():
+    case, mesh = write("case.toml", CUBE), kuhn_cube("cube.hdf", 2)
+    compute(case, mesh, "a.hdf", "--checkpoint", "a.ck", "--steps", "15", "--quiet")
+    for old, new, says in (
+            ("temperature = 500.0", "temperature = 400.0", "boundary.zmin.temperature: the checkpoint has 500.0, the case 400.0"),
+            ("temperature = 300.0\nspeed", "temperature = 310.0\nspeed", "stream.free.temperature: the checkpoint has 300.0, the case 310.0"),
+            ("mass = 4.65e-26", "mass = 4.66e-26", "species.N2.mass: the checkpoint has 4.65e-26, the case 4.66e-26"),
+            ("z_infinity = 18.1", "z_infinity = 18.2", "gas.rotation.z_infinity: "),
+            ("transient = 10", "transient = 10\nseed = 2", "run.seed: the checkpoint has 1, the case 2"),
+            ("transient = 10", "transient = 12", "run.transient: the checkpoint has 10, the case 12"),
+            ("step = 5e-5", "step = 4e-5", "time.step: "),
+            ("[run]", "[collisions]\nenabled = false\n[run]", "collisions.enabled: the checkpoint has true, the case false")):
+        assert CUBE.count(old) == 1, old
+        other = write("other.toml", CUBE.replace(old, new))
+        refuses("pamr-dsmc", other, "--mesh", mesh, "-o", "x.hdf", "--restart", "a.ck", says=("a.ck", says, "--carry"), creates="x.hdf")
+    compute(other, mesh, "x.hdf", "--carry", "a.ck", "--steps", "17", "--quiet")
+
+    # One of a version that did not describe its case.
+    damaged("a.ck", "old.ck", lambda header, tables: header.pop("case"))
+    refuses("pamr-dsmc", case, "--mesh", mesh, "-o", "y.hdf", "--restart", "old.ck", says=("old.ck", "earlier version", "--carry"), creates="y.hdf")
+    compute(case, mesh, "y.hdf", "--carry", "old.ck", "--steps", "17", "--quiet")
 
 
 def test_coarse_time_steps_and_few_particles_are_warned_about():

@@ -11,10 +11,12 @@
 #include "pamr/mesh/require_field.hpp"
 #include "solvers/dsmc/run/adapt_mesh.hpp"
 #include "solvers/dsmc/run/make_setup.hpp"
+#include "solvers/dsmc/run/same_case.hpp"
 #include "solvers/dsmc/sampling/cell_flow.hpp"
 #include "solvers/dsmc/sampling/density_scale.hpp"
 #include "solvers/dsmc/state/header_values.hpp"
 #include "solvers/dsmc/state/require_sound.hpp"
+#include "solvers/dsmc/state/section_file.hpp"
 
 namespace pamr::dsmc {
 
@@ -34,13 +36,18 @@ double cost_of(double n_candidates, std::uint32_t n) {
 Computation::Computation(const par::Comm& comm, Case the_case, Setup setup, mesh::DistMesh given)
     : comm_(&comm), case_(std::move(the_case)), mesh_(std::move(given)), key_(key_of(comm, mesh_)) {
   flow_.emplace(comm, mesh_, std::move(setup));
+  facts_ = facts_of(comm, case_, flow_->setup(), mesh_);
   averaging_.emplace(case_, mesh_, *flow_);
   if (case_.adaptation.every > 0) require_criteria(comm, mesh_, case_.adaptation, averages_as_fields(), case_.where);
 }
 
 void Computation::restart(const std::string& checkpoint) {
-  const auto snapshot = read_checkpoint(*comm_, checkpoint, case_.gas);
-  with_file_name(checkpoint, [&] { require_matching(snapshot, key_, *flow_); });
+  const SectionFile file(*comm_, checkpoint);
+  with_file_name(checkpoint, [&] {
+    require_same_mesh(file, key_);
+    require_same_case(file.header(), facts_);
+  });
+  const auto snapshot = read_checkpoint(file, case_.gas);
   require_sound(*comm_, checkpoint, snapshot, sound_range(*flow_));
   with_file_name(checkpoint, [&] { averaging_->resume(restore(*comm_, snapshot, *flow_)); });
   require_places(*comm_, checkpoint, *flow_);
@@ -48,6 +55,12 @@ void Computation::restart(const std::string& checkpoint) {
     restarted_mesh_ = mesh_step_ = static_cast<std::uint64_t>(with_file_name(checkpoint, [&] {
       return count_of(snapshot.header["mesh_step"], "mesh_step", static_cast<std::int64_t>(flow_->steps_done));
     }));
+}
+
+Snapshot Computation::snapshot() const {
+  auto snapshot = take_snapshot(*comm_, key_, averaging_->state(), *flow_);
+  snapshot.header[facts_member] = facts_;
+  return snapshot;
 }
 
 Transferred Computation::transfer_from(const std::string& checkpoint) {
@@ -105,6 +118,7 @@ void Computation::adapt() {
   auto setup = setup_now;
   setup.cell_dt = make_cell_dt(case_, mesh_, setup.unit);
   flow_.emplace(*comm_, mesh_, std::move(setup));
+  facts_ = facts_of(*comm_, case_, flow_->setup(), mesh_);
   const auto transferred = transfer_particles(*comm_, old, adapted.gone, mesh_, *flow_);
   mesh::remove_field(mesh_.cell_fields, mesh::parent_field);  // it names cells of a mesh that nobody has any more
   flow_->resume(true);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -42,7 +43,8 @@ class Computation {
   /// The three ways to begin; each collective.
   /// With the initial gases of the case.
   void fill() { flow_->fill(mesh_); }
-  /// From a checkpoint on the same mesh. Throws the same `Error` on every rank for a file that does not fit.
+  /// From a checkpoint of the same case on the same mesh. Throws the same `Error` on every rank for a file that does
+  /// not fit.
   void restart(const std::string& checkpoint);
   /// With the flow of a checkpoint on the mesh that this one was refined from. Throws like `restart`.
   Transferred transfer_from(const std::string& checkpoint);
@@ -62,7 +64,7 @@ class Computation {
   void finish() { averaging_->finish(*flow_); }
 
   /// Collective.
-  Snapshot snapshot() const { return take_snapshot(*comm_, key_, averaging_->state(), *flow_); }
+  Snapshot snapshot() const;
   bool is_complete() const { return averaging_->is_complete(flow_->steps_done); }
 
   const par::Comm& comm() const { return *comm_; }
@@ -87,6 +89,7 @@ class Computation {
   Case case_;
   mesh::DistMesh mesh_;
   MeshKey key_;
+  nlohmann::json facts_;  ///< `facts_of` the case on the mesh
   std::optional<Flow> flow_;
   std::optional<Averaging> averaging_;
   StopAtRise rule_;

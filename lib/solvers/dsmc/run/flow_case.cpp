@@ -142,8 +142,9 @@ void read_adaptation(const TomlTable& table, Case& c) {
   a.every = table.integer_or("every", c.schedule.window, 1, std::numeric_limits<std::int32_t>::max());
   if (a.every % c.schedule.window != 0)
     table.refuse("every", fmt::format("a multiple of window in [run] ({})", c.schedule.window));
+  a.mark = table.text("mark", "criteria as pamr-mark takes them");
   try {
-    a.request = mark::read_request(mark::split_options(table.text("mark", "criteria as pamr-mark takes them")));
+    a.request = mark::read_request(mark::split_options(a.mark));
   } catch (const Error& error) {
     table.fail(fmt::format("mark: {}", error.what()));
   }

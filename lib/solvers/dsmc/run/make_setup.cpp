@@ -145,7 +145,7 @@ std::vector<double> make_cell_dt(const Case& c, const mesh::DistMesh& mesh, doub
   return time_steps(c, mesh, unit, local_gas(c, mesh));
 }
 
-Setup make_setup(const par::Comm& comm, const Case& c, const mesh::DistMesh& mesh) {
+Setup make_setup(const par::Comm& comm, const Case& c, const mesh::DistMesh& mesh, std::optional<double> fnum) {
   Setup setup;
   setup.gas = c.gas;
   setup.stream = c.stream;
@@ -175,7 +175,9 @@ Setup make_setup(const par::Comm& comm, const Case& c, const mesh::DistMesh& mes
   setup.mean_dt_ratio = total[2] / total[1];
   const auto& free = c.stream.front();
   const double molecules = (c.from_fields ? 1 : free.density) * total[0] * particles_per_molecule(c.gas, free.fraction);
-  if (c.weight)
+  if (fnum)
+    setup.fnum = *fnum;
+  else if (c.weight)
     setup.fnum = *c.weight;
   else if (c.total)
     setup.fnum = molecules / *c.total;

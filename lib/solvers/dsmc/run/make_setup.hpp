@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "pamr/mesh/dist_mesh.hpp"
@@ -11,8 +12,10 @@
 namespace pamr::dsmc {
 
 /// The case on a mesh. Throws `Error` for patches without a condition, conditions without a patch, and a length unit
-/// that is not known in meters. Collective: one reduction.
-Setup make_setup(const par::Comm& comm, const Case& the_case, const mesh::DistMesh& mesh);
+/// that is not known in meters. `fnum`: F_num, where a run goes on that computed it for another mesh; none: as the case
+/// says. Collective: one reduction.
+Setup make_setup(const par::Comm& comm, const Case& the_case, const mesh::DistMesh& mesh,
+                 std::optional<double> fnum = {});
 
 /// `Setup::cell_dt` alone: all that changes in a setup when cells move to other ranks. `unit`: meters in the mesh's
 /// length unit. Local.

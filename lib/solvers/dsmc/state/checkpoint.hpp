@@ -41,9 +41,8 @@ Snapshot take_snapshot(const par::Comm& comm, const MeshKey& mesh, const RunStat
 /// tables do not fit together.
 RunState restore(const par::Comm& comm, const Snapshot& snapshot, Flow& flow);
 
-/// Throws `Error` for a snapshot of another mesh, order of cells, species, time step or weight. Local; the
-/// same on every rank.
-void require_matching(const Snapshot& snapshot, const MeshKey& mesh, const Flow& flow);
+/// Throws `Error` for a checkpoint of another mesh or order of cells. Local; the same on every rank.
+void require_same_mesh(const SectionFile& file, const MeshKey& mesh);
 
 /// What a checkpoint says of the run that goes on from it.
 struct CheckpointHead {
@@ -58,6 +57,6 @@ CheckpointHead head_of(const par::Comm& comm, const std::string& checkpoint);
 /// Writes a snapshot as a file: the same bytes on any number of ranks. Collective; throws `Error`.
 void write_checkpoint(const par::Comm& comm, const std::string& file, const Snapshot& snapshot);
 /// Reads it back; `gas` of the case. Collective. Throws the same `Error` on every rank for a damaged file.
-Snapshot read_checkpoint(const par::Comm& comm, const std::string& file, const Gas& gas);
+Snapshot read_checkpoint(const SectionFile& file, const Gas& gas);
 
 }  // namespace pamr::dsmc

@@ -15,13 +15,17 @@ namespace {
 using nlohmann::json;
 
 [[noreturn]] void refuse(const std::string& name, const std::string& expected, const json& found) {
-  constexpr std::size_t longest = 60;
-  auto text = found.dump(-1, ' ', true, json::error_handler_t::replace);
-  if (text.size() > longest) text = text.substr(0, longest) + "...";
-  throw Error(fmt::format("checkpoint: expected {} = {}, found {}", name, expected, text));
+  throw Error(fmt::format("checkpoint: expected {} = {}, found {}", name, expected, short_text(found)));
 }
 
 }  // namespace
+
+std::string short_text(const json& value) {
+  constexpr std::size_t longest = 60;
+  auto text = value.dump(-1, ' ', true, json::error_handler_t::replace);
+  if (text.size() > longest) text = text.substr(0, longest) + "...";
+  return text;
+}
 
 const json& member(const json& object, const std::string& key) {
   if (!object.is_object()) refuse("the place of " + key, "a group of values", object);

@@ -13,6 +13,8 @@ namespace pamr::dsmc {
 /// More steps than any computation does, and more things than any file holds.
 inline constexpr std::int64_t max_count = std::int64_t{1} << 60U;
 
+/// A value as text, cut off where it is long.
+std::string short_text(const nlohmann::json& value);
 /// A member of an object.
 const nlohmann::json& member(const nlohmann::json& object, const std::string& key);
 /// An array of so many items, or of any number.
