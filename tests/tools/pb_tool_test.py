@@ -204,6 +204,14 @@ def test_it_starts_from_a_field():
     solve(case, kuhn_cube("a.hdf", 4))
     pathlib.Path("psi.hdf").rename("before.hdf")
     assert solve(case, "before.hdf", "--start", "potential").json["newton_iterations"] == 0
+    # The potential of another case is a start like any other: the solution is that of this case, also where that is 0.
+    for potential in (2, 0):
+        without = solve(cube_case(zmin=potential), "a.hdf").json
+        with_start = solve(cube_case(zmin=potential), "before.hdf", "--start", "potential").json
+        assert abs(with_start["energy"] - without["energy"]) <= 1e-9 * without["energy"], (with_start, without)
+        with h5py.File("psi.hdf") as file:
+            largest = abs(file["VTKHDF/PointData/potential"][:]).max()
+        assert largest == potential, (potential, largest)
     refuses("pamr-pb", case, "--mesh", "before.hdf", "-o", "out.hdf", "--start", "heat", says=["heat"], creates="out.hdf")
     refuses("pamr-pb", case, "--mesh", "before.hdf", "-o", "out.hdf", "--start", "electric_field", says=["3"],
             creates="out.hdf")

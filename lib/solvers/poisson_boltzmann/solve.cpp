@@ -266,7 +266,7 @@ Solution System::solve(std::span<const double> start, const std::function<void(c
     solution.reason = "the residual of the potential that is 0 off the boundary is no number";
     return solution;
   }
-  if (!start.empty()) {
+  if (!start.empty() && solution.first_residual > 0) {  // else u = 0 is the solution
     for (std::size_t i = 0; i < first.size(); ++i)
       if (conditions_.fixed[i] == 0) first[i] = start[i];
     set_owned(unknown_, first);
