@@ -262,6 +262,43 @@ def test_surfaces_between_two_regions_are_no_patch():
             creates="no.hdf")
 
 
+def two_cells_in_two_groups():
+    """The cells are in the groups 9 and 7, three of the triangles in 2 and 1: format 2.2 has these twice, 4.1 lists the groups."""
+    names = '$PhysicalNames\n4\n2 1 "near"\n2 2 "far side"\n3 7 "gas"\n3 9 "hot"\n$EndPhysicalNames\n'
+    cells, near = ["10 20 30 40", "20 30 40 50"], ["10 20 30", "10 20 40", "10 30 40"]
+    far = ["20 30 50", "20 40 50", "30 40 50"]
+    of_2 = [(f"2 2 {group} 1", face) for face in near for group in (2, 1)] + [("2 2 2 2", face) for face in far]
+    of_2 += [(f"4 2 {group} 1", cell) for group in (9, 7) for cell in cells]
+    yield two_cells(elements=[f"{i + 1} {kind} {nodes}" for i, (kind, nodes) in enumerate(of_2)]).replace(
+        two_cells().split("$EndMeshFormat\n")[1].split("$Nodes")[0], names)
+    yield "\n".join(["$MeshFormat\n4.1 0 8\n$EndMeshFormat", names + "$Entities\n0 0 2 1\n1 0 0 0 1 1 1 2 2 1 0", "2 0 0 0 1 1 1 1 2 0",
+                     "1 0 0 0 1 1 1 2 9 7 0\n$EndEntities", "$Nodes\n1 5 10 50\n3 1 0 5\n10\n20\n30\n40\n50",
+                     "0 0 0\n1 0 0\n0 1 0\n0 0 1\n1 1 1\n$EndNodes\n$Elements\n3 8 1 8", "2 1 2 3", *(f"1 {t}" for t in near),
+                     "2 2 2 3", *(f"1 {t}" for t in far), "3 1 4 2", *(f"1 {c}" for c in cells), "$EndElements", ""])
+
+
+def test_an_entity_in_two_groups_stays_in_the_one_with_the_smaller_number():
+    for version, text in zip(("22", "41"), two_cells_in_two_groups()):
+        told = run("pamr-convert", write(f"groups{version}.msh", text), f"groups{version}.hdf", "--json", "-")
+        assert told.json["patches"] == ["near", "far side"] and told.json["cells"] == 2, told.json
+        assert told.json["group_overlaps"] == [
+            {"dimension": 2, "kept": "near", "other": "far side", "elements": 3},
+            {"dimension": 3, "kept": "gas", "other": "hot", "elements": 2}], told.json
+        for words in ("3 triangles are in the group 'near' and in 'far side': they stay in 'near', which has the smaller number",
+                      "2 tetrahedra are in the group 'gas' and in 'hot': they stay in 'gas'"):
+            assert told.err.count(words) == 1, told.err
+        with h5py.File(f"groups{version}.hdf") as file:
+            assert list(file["VTKHDF/CellData/region"][:]) == [7, 7]
+        refuses("pamr-convert", f"groups{version}.msh", "strict.hdf", "--strict",
+                says=["in one group each, found 3 triangles in 'near' and in 'far side'"], creates="strict.hdf")
+    assert same_bytes("groups22.hdf", "groups41.hdf")
+    run("pamr-convert", "groups22.msh", "serial.hdf", "--quiet", serial=True)
+    assert same_bytes("groups22.hdf", "serial.hdf")
+    # the same nodes twice in one group are an error as ever
+    twice = write("twice.msh", two_cells().replace("$Elements\n10\n", "$Elements\n11\n11 4 2 7 1 20 30 40 50\n"))
+    refuses("pamr-convert", twice, "twice.hdf", says=["at most two cells"], creates="twice.hdf")
+
+
 def test_inverted_cells_are_refused_or_repaired():
     turned = two_cells().replace("1 4 2 7 1 10 20 30 40", "1 4 2 7 1 20 10 30 40")
     refuses("pamr-convert", write("turned.msh", turned), "out.hdf", says=["1 inverted", "--repair"], creates="out.hdf")

@@ -15,6 +15,7 @@
 #include "pamr/assemble/assemble.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/base/index.hpp"
+#include "pamr/io/elements/element_remarks.hpp"
 #include "pamr/io/gmsh/read_gmsh.hpp"
 #include "pamr/io/medit/read_medit.hpp"
 #include "pamr/io/native/native_file.hpp"
@@ -22,7 +23,6 @@
 #include "pamr/io/ugrid/read_ugrid.hpp"
 #include "pamr/io/vtk/read_vtu.hpp"
 #include "pamr/mesh/find_patches.hpp"
-#include "pamr/mesh/periodic_patches.hpp"
 
 namespace pamr::convert {
 
@@ -59,6 +59,24 @@ std::string program_of(const std::string& ending) {
   return ending == ".su2" ? "SU2" : ending == ".ugrid" ? "UGRID" : ending == ".msh" ? "Gmsh" : "Medit";
 }
 
+/// What `--strict` does not accept.
+void refuse_changes(const io::ElementMesh& read, const std::string& file) {
+  const auto refuse = [&](std::int64_t n, const char* text) {
+    if (n > 0) throw Error(fmt::format("file '{}': expected ", file) + fmt::format(fmt::runtime(text), n));
+  };
+  for (const auto& [dimension, kept, other, n] : read.overlaps)
+    throw Error(fmt::format("file '{}': expected elements in one group each, found {} {} in '{}' and in '{}'", file, n,
+                            dimension == 2 ? "triangles" : "tetrahedra", kept, other));
+  for (const auto& [group, n] : read.inner_faces)
+    throw Error(
+        fmt::format("file '{}': expected surfaces on the boundary, found {} triangles of '{}' between two regions",
+                    file, n, group));
+  refuse(read.n_periodic_links, "no periodic links, found {}");
+  refuse(read.n_dropped_nodes, "nodes that belong to cells, found {} others");
+  refuse(read.n_untagged_faces, "a triangle on every boundary face, found {} faces without");
+  refuse(read.n_turned, "cells of positive volume, found {} inverted ones");
+}
+
 }  // namespace
 
 mesh::DistMesh read_mesh(cli::Session& session, const ReadRequest& request, nlohmann::json& report) {
@@ -72,39 +90,17 @@ mesh::DistMesh read_mesh(cli::Session& session, const ReadRequest& request, nloh
                                                      .remark = request.strict ? refuse : session.remarks()}));
   }
   auto read = read_elements(comm, request, ending);
+  if (request.strict) refuse_changes(read, request.file);
+  auto& overlaps = report["group_overlaps"] = nlohmann::json::array();
+  for (const auto& [dimension, kept, other, n] : read.overlaps)
+    overlaps.push_back({{"dimension", dimension}, {"kept", kept}, {"other", other}, {"elements", n}});
   auto& inner = report["inner_faces"] = nlohmann::json::object();
-  for (const auto& [group, n] : read.inner_faces) {
-    if (request.strict)
-      throw Error(
-          fmt::format("file '{}': expected surfaces on the boundary, found {} triangles of '{}' between two "
-                      "regions",
-                      request.file, n, group));
-    inner[group] = n;
-    session.warn(fmt::format(
-        "{} triangles of '{}' lie between two regions and are no patch: the field 'region' has what lies "
-        "on either side, new nodes stay on these triangles, and --interfaces writes them to a .msh or .mesh",
-        n, group));
-  }
+  for (const auto& [group, n] : read.inner_faces) inner[group] = n;
   report["turned_cells"] = read.n_turned;
   report["dropped_nodes"] = read.n_dropped_nodes;
   report["untagged_faces"] = read.n_untagged_faces;
   report["periodic_links"] = read.n_periodic_links;
-  if (request.strict && read.n_periodic_links > 0)
-    throw Error(fmt::format("file '{}': expected no periodic links, found {}", request.file, read.n_periodic_links));
-  if (request.strict && read.n_dropped_nodes > 0)
-    throw Error(fmt::format("file '{}': expected nodes that belong to cells, found {} others", request.file,
-                            read.n_dropped_nodes));
-  if (request.strict && read.n_untagged_faces > 0)
-    throw Error(fmt::format("file '{}': expected a triangle on every boundary face, found {} faces without",
-                            request.file, read.n_untagged_faces));
-  if (request.strict && read.n_turned > 0)
-    throw Error(fmt::format("file '{}': expected cells of positive volume, found {} inverted ones", request.file,
-                            read.n_turned));
-  if (read.n_turned > 0) session.warn(fmt::format("{} inverted cells were turned over", read.n_turned));
-  if (read.n_dropped_nodes > 0) session.warn(fmt::format("{} nodes of no cell were left out", read.n_dropped_nodes));
-  if (read.n_untagged_faces > 0)
-    session.warn(fmt::format("{} boundary faces without tag are in the patch 'boundary'", read.n_untagged_faces));
-  if (const auto warning = mesh::warning_of_periodic(read.mesh.info.patches); !warning.empty()) session.warn(warning);
+  for (const auto& remark : io::remarks_of(read)) session.warn(remark);
   read.mesh.info.provenance = "pamr-convert from " + program_of(ending);
   return std::move(read.mesh);
 }

@@ -60,4 +60,15 @@ TurnedCells turn_inverted(const par::Comm& comm, mesh::BlockMesh& block) {
   return {count[0], count[1]};
 }
 
+TurnedCells orient(const par::Comm& comm, mesh::BlockMesh& block, bool repair) {
+  const auto result = turn_inverted(comm, block);
+  const auto n_turned = result.n_turned;
+  if (result.n_flat == 0 && n_turned > 0 && n_turned < block.info.n_global_cells && !repair)
+    throw Error(
+        fmt::format("expected cells of positive volume, found {} inverted ones among {} cells (--repair turns them "
+                    "over, in Python repair=True)",
+                    n_turned, block.info.n_global_cells));
+  return result;
+}
+
 }  // namespace pamr::assemble

@@ -19,4 +19,9 @@ struct TurnedCells {
 /// range and a block of nodes of the wrong size. Pre: finite coordinates, no closure families.
 TurnedCells turn_inverted(const par::Comm& comm, mesh::BlockMesh& block);
 
+/// The same for sources that do care: turns the inverted cells over where all are, because the source has the other
+/// order of corners, and where `repair` asks for it. Collective. Throws `Error` on every rank, with the counts, for
+/// other meshes with inverted cells; not where there are flat ones, which the caller has to refuse.
+TurnedCells orient(const par::Comm& comm, mesh::BlockMesh& block, bool repair);
+
 }  // namespace pamr::assemble

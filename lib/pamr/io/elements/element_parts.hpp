@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <compare>
 #include <cstdint>
 #include <map>
 #include <set>
@@ -27,6 +28,13 @@ struct TaggedTetrahedron {
   std::int64_t group = 0;
 };
 
+/// A group of elements of one dimension beside another.
+struct GroupPair {
+  int dimension = 0;
+  std::int64_t kept = 0, other = 0;
+  friend auto operator<=>(const GroupPair&, const GroupPair&) = default;
+};
+
 /// One rank's share: the canonical block of the nodes, and any part of the triangles and tetrahedra, in the order of
 /// the file.
 struct ElementParts {
@@ -41,6 +49,10 @@ struct ElementParts {
   std::map<int, std::int64_t> refused;
   /// Names of groups by dimension and number.
   std::map<std::pair<int, std::int64_t>, std::string> group_name;
+  /// Elements of this rank that the file has in two groups: they are in the one that is kept.
+  std::map<GroupPair, std::int64_t> in_two_groups = {};
+  /// Dimension, geometrical entity and physical group of elements that may be written once for each group.
+  std::set<std::array<std::int64_t, 3>> entity_in_group = {};
   bool has_regions = true;                 ///< groups of tetrahedra mean something: they become the field `region`
   std::int64_t n_periodic_links = 0;       ///< between surfaces
   std::set<std::int64_t> linked_surfaces;  ///< geometrical surfaces that are linked as periodic, either side

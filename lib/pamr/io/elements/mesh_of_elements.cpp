@@ -171,18 +171,6 @@ Numbered number(const par::Comm& comm, const ElementParts& parts, const std::str
   return result;
 }
 
-/// Turns inverted cells over, or refuses them unless all are: then whoever wrote the file has the other order of
-/// corners. Refuses flat ones. Returns how many were turned. Collective.
-std::int64_t orient(const par::Comm& comm, mesh::BlockMesh& block, bool repair, const std::string& file) {
-  const auto [n_turned, n_flat] = assemble::turn_inverted(comm, block);
-  if (n_flat > 0) throw Error(fmt::format("file '{}': expected cells with a volume, found {} flat ones", file, n_flat));
-  if (n_turned > 0 && n_turned < block.info.n_global_cells && !repair)
-    throw Error(
-        fmt::format("file '{}': expected cells of positive volume, found {} inverted ones (--repair turns them over)",
-                    file, n_turned));
-  return n_turned;
-}
-
 /// All groups that triangles of any rank belong to, ascending. Collective.
 std::vector<std::int64_t> all_groups(const par::Comm& comm, const ElementParts& parts) {
   std::set<std::int64_t> here;
@@ -297,7 +285,11 @@ ElementMesh mesh_of_elements(const par::Comm& comm, ElementParts parts, const st
   block.first_cell = comm.exclusive_sum(static_cast<std::int64_t>(numbered.cell.size()));
   block.node_position = std::move(numbered.position);
   block.cell_to_node = std::move(numbered.cell);
-  result.n_turned = orient(comm, block, options.repair, file);
+  with_file_name(file, [&] {
+    const auto [n_turned, n_flat] = assemble::orient(comm, block, options.repair);
+    if (n_flat > 0) throw Error(fmt::format("expected cells with a volume, found {} flat ones", n_flat));
+    result.n_turned = n_turned;
+  });
   if (parts.has_regions)
     block.cell_fields.push_back({mesh::region_field, "", 1, mesh::StorageType::int32, regions_of(comm, parts)});
   for (auto& field : parts.cell_fields) block.cell_fields.push_back(std::move(field));

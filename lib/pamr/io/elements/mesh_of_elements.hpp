@@ -5,6 +5,7 @@
 #include <functional>
 #include <map>
 #include <string>
+#include <vector>
 
 #include "pamr/io/elements/element_parts.hpp"
 #include "pamr/mesh/dist_mesh.hpp"
@@ -16,6 +17,13 @@ struct ElementOptions {
   bool repair = false;  ///< turn inverted cells over instead of refusing them, where not all are
 };
 
+/// Elements that a file has in two groups, of which a mesh keeps one.
+struct GroupOverlap {
+  int dimension = 0;  ///< 2: triangles, 3: tetrahedra
+  std::string kept, other;
+  std::int64_t n_elements = 0;
+};
+
 /// A mesh that was read from a file of elements, and what the reader had to change.
 struct ElementMesh {
   mesh::DistMesh mesh;
@@ -24,7 +32,8 @@ struct ElementMesh {
   std::int64_t n_periodic_links = 0;  ///< that are not kept; their surfaces are patches of kind `periodic`
   /// By group: triangles between two regions, which are no patch; `write_gmsh` and `write_medit` can make them again.
   std::map<std::string, std::int64_t> inner_faces;
-  std::int64_t n_untagged_faces = 0;  ///< boundary faces without triangle: they are in the patch `boundary`
+  std::int64_t n_untagged_faces = 0;   ///< boundary faces without triangle: they are in the patch `boundary`
+  std::vector<GroupOverlap> overlaps;  ///< each pair of groups once
 };
 
 /// Makes a mesh of what a file says: groups of triangles become patches, in ascending order, with the names and kinds

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdlib>
 
 namespace pamr::io::gmsh {
 
@@ -28,6 +29,12 @@ void read_group_names(TextCursor& in, Parts& parts) {
       in.fail("a name without control characters", fmt::format("one in physical group {}", tag));
     parts.group_name[{static_cast<int>(dimension), tag}] = std::string(name);
   }
+}
+
+std::string name_of_group(const GroupNames& names, int dimension, std::int64_t group) {
+  const auto named = names.find({dimension, group});
+  if (group > 0 && named != names.end() && !named->second.empty()) return named->second;
+  return fmt::format("{}{}", group > 0 ? "physical_" : "surface_", std::abs(group));
 }
 
 }  // namespace pamr::io::gmsh

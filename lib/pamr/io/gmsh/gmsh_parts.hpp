@@ -38,6 +38,11 @@ void for_each_section(TextCursor& in, Read&& read) {
 
 void read_group_names(TextCursor& in, Parts& parts);
 
+using GroupNames = decltype(Parts::group_name);
+
+/// The name that the file gives to a group, or else one of its number.
+std::string name_of_group(const GroupNames& names, int dimension, std::int64_t group);
+
 /// Notes a link between two entities of that dimension: of surfaces only, since those of curves and points come with
 /// them in some versions of the format.
 void keep_link(Parts& parts, std::int64_t dimension, std::int64_t entity, std::int64_t master);

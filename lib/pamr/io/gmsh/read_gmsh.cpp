@@ -10,6 +10,7 @@
 
 #include "pamr/io/elements/read_shares.hpp"
 #include "pamr/io/gmsh/gmsh_parts.hpp"
+#include "pamr/io/gmsh/group_overlaps.hpp"
 #include "pamr/io/gmsh/read_gmsh_2.hpp"
 #include "pamr/io/gmsh/read_gmsh_4.hpp"
 #include "pamr/mesh/periodic_patches.hpp"
@@ -60,14 +61,6 @@ Parts read_parts(const par::Comm& comm, const std::filesystem::path& file) {
       });
 }
 
-using GroupNames = decltype(Parts::group_name);
-
-std::string name_of_group(const GroupNames& names, std::int64_t group) {
-  const auto named = names.find({2, group});
-  if (group > 0 && named != names.end() && !named->second.empty()) return named->second;
-  return fmt::format("{}{}", group > 0 ? "physical_" : "surface_", std::abs(group));
-}
-
 /// Groups of surfaces that periodic links name. Collective.
 std::set<std::int64_t> periodic_groups(const par::Comm& comm, const Parts& parts) {
   par::Mailbox<std::int64_t> box(comm);
@@ -84,11 +77,15 @@ std::set<std::int64_t> periodic_groups(const par::Comm& comm, const Parts& parts
 
 GmshMesh read_gmsh(const par::Comm& comm, const std::filesystem::path& file, const GmshOptions& options) {
   auto parts = read_parts(comm, file);
+  gmsh::leave_one_of_each(comm, parts);
   const auto names = parts.group_name;
   const auto periodic = periodic_groups(comm, parts);
-  return mesh_of_elements(comm, std::move(parts), file.string(), options, [&](std::int64_t group) {
-    return mesh::Patch{name_of_group(names, group), periodic.contains(group) ? mesh::periodic_kind : ""};
+  auto overlaps = gmsh::overlaps_of(comm, parts);
+  auto read = mesh_of_elements(comm, std::move(parts), file.string(), options, [&](std::int64_t group) {
+    return mesh::Patch{gmsh::name_of_group(names, 2, group), periodic.contains(group) ? mesh::periodic_kind : ""};
   });
+  read.overlaps = std::move(overlaps);
+  return read;
 }
 
 }  // namespace pamr::io

@@ -13,8 +13,8 @@ using GmshMesh = ElementMesh;
 
 /// Reads a mesh in Gmsh's format 2.2 or 4.1, text or binary, whose cells are tetrahedra of first order. Physical
 /// surfaces become patches of the same name (`surface_N` without a name; geometrical surfaces where there are no
-/// physical ones), physical volumes the cell field `region` with the names of its values. Cells are put in order along
-/// Hilbert's curve.
+/// physical ones), physical volumes the cell field `region` with the names of its values. An entity in several groups
+/// stays in the one with the smallest number (`ElementMesh::overlaps`). Cells are put in order along Hilbert's curve.
 ///
 /// Collective; the result does not depend on the number of ranks. Every rank reads its block of nodes and
 /// elements and passes over the rest, in a text by the number of lines, which the ranks have counted together. Throws

@@ -52,7 +52,9 @@ std::int64_t group_of(std::int64_t physical, std::int64_t entity) {
 
 void keep(Parts& parts, int type, const std::array<std::int64_t, 4>& nodes, const std::array<std::int64_t, 2>& tag) {
   const auto group = group_of(tag[0], tag[1]);
-  if (type == 2) parts.group_of_surface[tag[1]] = group;
+  if (type == element_type::triangle) parts.group_of_surface[tag[1]] = group;
+  if (group > 0 && (type == element_type::triangle || type == element_type::tetrahedron))
+    parts.entity_in_group.insert({type == element_type::triangle ? 2 : 3, tag[1], group});
   keep_element(parts, type, nodes, group);
 }
 

@@ -5,6 +5,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <cstdlib>
+#include <map>
+#include <set>
+#include <utility>
 
 namespace pamr::io::gmsh {
 
@@ -46,9 +53,9 @@ class Reader {
   bool is_binary_;
 };
 
-using Groups = std::map<std::pair<int, std::int64_t>, std::int64_t>;
+/// The physical groups of every entity that has some, by dimension and number; elements stay in the first one.
+using Groups = std::map<std::pair<int, std::int64_t>, std::set<std::int64_t>>;
 
-/// The first physical group of every entity.
 Groups read_entities(Reader read) {
   Groups groups;
   std::array<std::int64_t, 4> n{};
@@ -60,7 +67,7 @@ Groups read_entities(Reader read) {
       const auto n_physical = read.count(1, "physical groups");
       for (std::int64_t k = 0; k < n_physical; ++k) {
         const auto group = std::abs(read.small("a physical group"));
-        if (k == 0) groups[{dimension, tag}] = group;
+        groups[{dimension, tag}].insert(group);
       }
       if (dimension == 0) continue;
       const auto n_bounding = read.count(1, "bounding entities");
@@ -132,7 +139,8 @@ void read_elements(Reader read, Share share, const Groups& groups, Parts& parts)
     const int n_nodes = type < 0 || type > 1000 ? 0 : n_nodes_of_type(static_cast<int>(type));
     if (n_nodes == 0) read.in().fail("an element type of Gmsh", fmt::format("{}", type));
     if (n < 0 || n > parts.n_elements - done) read.in().fail("a number of elements that is left", fmt::format("{}", n));
-    const auto group = groups.find({static_cast<int>(dimension), entity});
+    const auto known = groups.find({static_cast<int>(dimension), entity});
+    const auto group = known != groups.end() ? *known->second.begin() : -entity;
     const auto part = part_of_block(own, done, n);
     const auto width = static_cast<std::size_t>(1 + n_nodes);
     read.skip(part.begin, width, "an element");
@@ -143,10 +151,14 @@ void read_elements(Reader read, Share share, const Groups& groups, Parts& parts)
         const auto node = read.large("a node of an element");
         if (k < 4) nodes[static_cast<std::size_t>(k)] = node;
       }
-      keep_element(parts, static_cast<int>(type), nodes, group != groups.end() ? group->second : -entity);
+      keep_element(parts, static_cast<int>(type), nodes, group);
       read.end_line();
     }
     read.skip(n - part.end, width, "an element");
+    if (known != groups.end() && part.count() > 0 &&
+        (type == element_type::triangle || type == element_type::tetrahedron))
+      for (const auto other : known->second)
+        if (other != group) parts.in_two_groups[{static_cast<int>(dimension), group, other}] += part.count();
     done += n;
   }
   if (done != parts.n_elements)
@@ -193,8 +205,8 @@ Parts read_parts_4(TextCursor& in, bool is_binary, Share share) {
     in.set_binary(false);
     return true;
   });
-  for (const auto& [entity, group] : groups)
-    if (entity.first == 2) parts.group_of_surface[entity.second] = group;
+  for (const auto& [entity, all] : groups)
+    if (entity.first == 2) parts.group_of_surface[entity.second] = *all.begin();
   return parts;
 }
 

@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "pamr/io/elements/mesh_of_elements.hpp"
+
+namespace pamr::io {
+
+/// What the reader of a file of elements had to change or leave out, with counts: one sentence each, for warnings.
+std::vector<std::string> remarks_of(const ElementMesh& read);
+
+}  // namespace pamr::io
