@@ -22,7 +22,7 @@ def mesh_of_cubes(comm, n, is_inside):
     corners = np.array([np.concatenate([[cube], cube + step]) for cube in at for step in steps])
     used, cells = np.unique((corners @ [(side + 1) ** 2, side + 1, 1]).reshape(-1, 4), return_inverse=True)
     grid = np.stack([used // (side + 1) ** 2, used // (side + 1) % (side + 1), used % (side + 1)], axis=1)
-    return pamr.Mesh.from_arrays(comm, *of_rank_zero(comm, grid / n - 1.0, cells.reshape(-1, 4)))
+    return pamr.Mesh.from_arrays(comm, *of_rank_zero(comm, grid / n - 1.0, cells.reshape(-1, 4)), repair=True)
 
 
 def edge_function(a, b):
@@ -112,7 +112,7 @@ class Ball:
         points = np.array([[0, 0, 0], [1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]], float)
         cells = np.array([[0, x, y, z] for x in (1, 2) for y in (3, 4) for z in (5, 6)])
         points, cells = of_rank_zero(comm, points, cells)
-        mesh = pamr.Mesh.from_arrays(comm, points, cells, (cells[:, 1:], np.full(len(cells), 1)), {1: "sphere"})
+        mesh = pamr.Mesh.from_arrays(comm, points, cells, (cells[:, 1:], np.full(len(cells), 1)), {1: "sphere"}, repair=True)
         mesh.associate({"sphere": pamr.Sphere(center=(0, 0, 0), radius=1)})
         for _ in range(2):
             mesh = pamr.refine(mesh, np.ones(len(mesh.cells), bool)).mesh

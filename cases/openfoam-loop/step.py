@@ -60,7 +60,7 @@ def start(out):
     points, cells, faces, tags = shell()
     points, cells, faces, tags = (a if COMM.rank == 0 else a[:0] for a in (points, cells, faces, tags))
     names = {1: ("inner", "wall"), 2: ("outer", "wall")} | {3 + k: (f"symmetry{'XYZ'[k]}", "symmetryPlane") for k in range(3)}
-    mesh = pamr.Mesh.from_arrays(COMM, points, cells, (faces, tags), names, length_unit="m")
+    mesh = pamr.Mesh.from_arrays(COMM, points, cells, (faces, tags), names, length_unit="m", repair=True)
     mesh.associate({"inner": pamr.Sphere((0, 0, 0), R1), "outer": pamr.Sphere((0, 0, 0), R2)}
                    | {f"symmetry{'XYZ'[k]}": pamr.Plane((0, 0, 0), np.eye(3)[k]) for k in range(3)})
     mesh = pamr.balance(mesh)

@@ -14,6 +14,7 @@
 #include "pamr/assemble/kuhn_cube.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/base/index.hpp"
+#include "pamr/io/elements/element_remarks.hpp"
 #include "pamr/io/export/write_foam.hpp"
 #include "pamr/io/export/write_vtu.hpp"
 #include "pamr/io/gmsh/read_gmsh.hpp"
@@ -56,7 +57,8 @@ std::pair<SharedMesh, std::int64_t> from_arrays(std::uintptr_t comm, const Array
                                                 const std::vector<std::pair<std::string, std::string>>& patches,
                                                 const std::vector<FieldIn>& cell_fields,
                                                 const std::vector<FieldIn>& node_fields, const std::string& length_unit,
-                                                int order) {
+                                                int order, bool repair,
+                                                const std::vector<std::pair<std::int64_t, std::string>>& regions) {
   MeshArrays arrays;
   arrays.points = rows_of<geometry::Vec3>(points);
   arrays.cells = rows_of<std::array<GlobalId, 4>>(cells);
@@ -66,30 +68,29 @@ std::pair<SharedMesh, std::int64_t> from_arrays(std::uintptr_t comm, const Array
   arrays.cell_fields = fields_of(cell_fields);
   arrays.node_fields = fields_of(node_fields);
   arrays.length_unit = length_unit;
+  for (const auto& [number, name] : regions) arrays.regions.push_back({number, name});
   const py::gil_scoped_release released;
-  return mesh_from_arrays(comm_at(comm), std::move(arrays), static_cast<Order>(order));
+  return mesh_from_arrays(comm_at(comm), std::move(arrays), static_cast<Order>(order), repair);
 }
 
-std::pair<SharedMesh, std::vector<std::string>> read(std::uintptr_t address, const std::filesystem::path& file) {
+std::pair<SharedMesh, std::vector<std::string>> read(std::uintptr_t address, const std::filesystem::path& file,
+                                                     bool repair) {
   auto result = std::make_shared<PythonMesh>();
   result->comm = comm_at(address);
   const auto& comm = *result->comm;
   std::vector<std::string> remarks;
-  const auto turned = [&](std::int64_t n) {
-    if (n > 0)
-      remarks.push_back("file '" + file.string() + "': " + std::to_string(n) +
-                        " cells were inverted and are turned over");
-  };
+  const auto remark = [&](const std::string& text) { remarks.push_back("file '" + file.string() + "': " + text); };
   if (file.extension() == ".vtu") {
     auto read = io::read_vtu(comm, file);
-    turned(read.n_turned);
+    if (read.n_turned > 0) remark(std::to_string(read.n_turned) + " inverted cells were turned over");
+    if (read.n_dropped_nodes > 0) remark(std::to_string(read.n_dropped_nodes) + " nodes of no cell were left out");
     result->mesh = std::move(read.mesh);
   } else if (file.extension() == ".msh") {
-    auto read = io::read_gmsh(comm, file, {.repair = true});
-    turned(read.n_turned);
+    auto read = io::read_gmsh(comm, file, {.repair = repair});
+    for (const auto& text : io::remarks_of(read)) remark(text);
     result->mesh = std::move(read.mesh);
   } else {
-    const io::ReadOptions options{.remark = [&](const std::string& remark) { remarks.push_back(remark); }};
+    const io::ReadOptions options{.remark = [&](const std::string& text) { remarks.push_back(text); }};
     result->mesh = assemble::assemble(comm, io::read_native(comm, file, options));
   }
   validate::require_valid(comm, result->mesh, file.string());
@@ -133,12 +134,15 @@ auto shown(Get get, py::ssize_t width) {
 }
 
 py::object get_field(const py::object& self, bool on_cells, const std::string& name) {
-  auto& mesh = self.cast<PythonMesh&>().mesh;
+  const auto shared = self.cast<SharedMesh>();
+  auto& mesh = shared->mesh;
   for (auto& field : on_cells ? mesh.cell_fields : mesh.node_fields) {
     if (field.name != name) continue;
     std::vector<py::ssize_t> shape{on_cells ? mesh.n_cells() : mesh.n_nodes()};
     if (field.n_components > 1) shape.push_back(field.n_components);
-    return std::visit([&](const auto& values) -> py::object { return show(self, values.data(), shape, true); },
+    const py::capsule owner(new std::shared_ptr<ShownField>(show_field(shared, on_cells, name)),
+                            [](void* shown) { delete static_cast<std::shared_ptr<ShownField>*>(shown); });
+    return std::visit([&](const auto& values) -> py::object { return show(owner, values.data(), shape, true); },
                       field.value);
   }
   return py::none();
@@ -216,6 +220,11 @@ void bind_mesh(py::module_& module) {
     for (const auto& patch : mesh.mesh.info.patches)
       patches.emplace_back(patch.name, patch.kind, mesh.mesh.info.surface_name(patch));
     return patches;
+  });
+  type.def_property_readonly("regions", [](const PythonMesh& mesh) {
+    std::vector<std::pair<std::int64_t, std::string>> regions;
+    for (const auto& region : mesh.mesh.info.regions) regions.emplace_back(region.number, region.name);
+    return regions;
   });
   type.def_property_readonly("n_cells", [](const PythonMesh& mesh) { return mesh.mesh.info.n_global_cells; });
   type.def_property_readonly("n_nodes", [](const PythonMesh& mesh) { return mesh.mesh.info.n_global_nodes; });

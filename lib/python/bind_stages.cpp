@@ -222,6 +222,7 @@ py::tuple read_rows(const PythonMesh& mesh, const std::string& file, std::size_t
 std::vector<std::tuple<std::string, std::string, double>> associate(
     PythonMesh& mesh, const std::string& toml, const std::vector<std::string>& pairs,
     const std::vector<std::pair<std::string, std::string>>& files, double feature_angle, double tolerance) {
+  unshare_field(mesh, false, mesh::off_surface_field);
   const Released released;
   meshing::AssociationRequest request;
   request.toml = toml;

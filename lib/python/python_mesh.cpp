@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <type_traits>
 
 #include "pamr/assemble/assemble.hpp"
 #include "pamr/assemble/turn_inverted.hpp"
@@ -28,6 +29,7 @@ mesh::BlockMesh to_block(const par::Comm& comm, MeshArrays arrays) {
   block.info.n_global_cells = comm.sum(n_cells);
   block.info.patches = std::move(arrays.patches);
   block.info.length_unit = std::move(arrays.length_unit);
+  block.info.regions = std::move(arrays.regions);
   block.first_cell = comm.exclusive_sum(n_cells);
   block.cell_to_node = std::move(arrays.cells);
   block.boundary = std::move(arrays.boundary);
@@ -47,12 +49,31 @@ mesh::BlockMesh to_block(const par::Comm& comm, MeshArrays arrays) {
   return block;
 }
 
+using Fields = std::vector<mesh::Field>;
+static_assert(std::is_nothrow_move_constructible_v<mesh::Field>, "else a longer list would copy what arrays show");
+
+Fields& fields_of(PythonMesh& mesh, bool on_cells) { return on_cells ? mesh.mesh.cell_fields : mesh.mesh.node_fields; }
+
+Fields::iterator find(Fields& fields, const std::string& name) {
+  return std::find_if(fields.begin(), fields.end(), [&](const auto& field) { return field.name == name; });
+}
+
+/// Moves the values of a field to the arrays that show them, or frees them where there are none.
+void leave_to_arrays(PythonMesh& mesh, bool on_cells, mesh::Field& field) {
+  const auto known = mesh.shown.extract({on_cells, field.name});
+  if (known.empty()) return;
+  const auto shown = known.mapped().lock();
+  if (!shown) return;
+  shown->values = std::move(field.value);
+  shown->mesh.reset();
+}
+
 }  // namespace
 
 std::pair<std::shared_ptr<PythonMesh>, std::int64_t> mesh_from_arrays(std::shared_ptr<const par::Comm> comm,
-                                                                      MeshArrays arrays, Order order) {
+                                                                      MeshArrays arrays, Order order, bool repair) {
   auto block = to_block(*comm, std::move(arrays));
-  const auto turned = assemble::turn_inverted(*comm, block);
+  const auto n_turned = assemble::orient(*comm, block, repair).n_turned;
   auto result = std::make_shared<PythonMesh>();
   std::vector<GlobalId> node_origin;
   if (order == Order::curve || (order == Order::automatic && !order::is_ordered(*comm, block))) {
@@ -68,36 +89,46 @@ std::pair<std::shared_ptr<PythonMesh>, std::int64_t> mesh_from_arrays(std::share
     result->node_origin =
         par::fetch_rows<GlobalId>(*comm, result->mesh.info.node_ids(), node_origin, 1, result->mesh.node_global);
   result->comm = std::move(comm);
-  return {std::move(result), turned.n_turned};
+  return {std::move(result), n_turned};
+}
+
+std::shared_ptr<ShownField> show_field(const std::shared_ptr<PythonMesh>& mesh, bool on_cells,
+                                       const std::string& name) {
+  auto& known = mesh->shown[{on_cells, name}];
+  auto shown = known.lock();
+  if (shown) return shown;
+  shown = std::make_shared<ShownField>();
+  shown->mesh = mesh;
+  known = shown;
+  return shown;
 }
 
 void put_field(PythonMesh& mesh, bool on_cells, mesh::Field field) {
-  auto& fields = on_cells ? mesh.mesh.cell_fields : mesh.mesh.node_fields;
-  const auto old = std::find_if(fields.begin(), fields.end(), [&](const auto& f) { return f.name == field.name; });
+  auto& fields = fields_of(mesh, on_cells);
+  const auto old = find(fields, field.name);
   if (old == fields.end()) {
     fields.push_back(std::move(field));
     return;
   }
-  const bool fits = old->n_components == field.n_components && old->holds_integers() == field.holds_integers();
-  if (!fits) {
-    mesh.retired.push_back(std::move(*old));
-    *old = std::move(field);
-    return;
-  }
-  old->unit = std::move(field.unit);
-  old->storage = field.storage;
-  if (field.holds_integers())
-    std::copy(field.integer().begin(), field.integer().end(), old->integer().begin());
-  else
-    std::copy(field.real().begin(), field.real().end(), old->real().begin());
+  leave_to_arrays(mesh, on_cells, *old);
+  *old = std::move(field);
 }
 
 void remove_field(PythonMesh& mesh, bool on_cells, const std::string& name) {
-  auto& fields = on_cells ? mesh.mesh.cell_fields : mesh.mesh.node_fields;
-  const auto old = std::find_if(fields.begin(), fields.end(), [&](const auto& f) { return f.name == name; });
+  auto& fields = fields_of(mesh, on_cells);
+  const auto old = find(fields, name);
   if (old == fields.end()) return;
-  mesh.retired.push_back(std::move(*old));
+  leave_to_arrays(mesh, on_cells, *old);
   fields.erase(old);
+}
+
+void unshare_field(PythonMesh& mesh, bool on_cells, const std::string& name) {
+  auto& fields = fields_of(mesh, on_cells);
+  const auto old = find(fields, name);
+  if (old == fields.end()) return;
+  auto values = old->value;
+  leave_to_arrays(mesh, on_cells, *old);
+  old->value = std::move(values);
 }
 
 std::vector<geometry::Vec3> node_block(const PythonMesh& mesh) {

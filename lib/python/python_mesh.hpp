@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <string>
 #include <utility>
@@ -13,13 +14,23 @@
 
 namespace pamr::python {
 
-/// What Python holds of a mesh. Arrays of Python show its memory, so nothing that they may show is ever freed before
-/// it.
+struct PythonMesh;
+
+/// What keeps the memory of a field that arrays of Python show: the mesh, and the values themselves once they are no
+/// longer in it.
+struct ShownField {
+  std::shared_ptr<const PythonMesh> mesh;
+  decltype(mesh::Field::value) values;
+};
+
+/// What Python holds of a mesh. Arrays of Python show its memory, which nothing but they themselves writes into: a
+/// field that is set gets other memory, and the old one lives as long as the arrays that show it.
 struct PythonMesh {
   std::shared_ptr<const par::Comm> comm;
   mesh::DistMesh mesh;
   std::vector<GlobalId> node_origin;  ///< of each node its number in the arrays it was made of; empty: its number
-  std::vector<mesh::Field> retired;   ///< fields that were replaced or removed
+  /// Fields that arrays show, by whether they are on cells and by name.
+  std::map<std::pair<bool, std::string>, std::weak_ptr<ShownField>> shown;
   std::unique_ptr<locate::Locator> locator;  ///< made when it is first needed
 };
 
@@ -31,19 +42,26 @@ struct MeshArrays {
   std::vector<mesh::Patch> patches;
   std::vector<mesh::Field> cell_fields, node_fields;
   std::string length_unit;
+  std::vector<mesh::Region> regions;  ///< ascending
 };
 
 enum class Order : std::uint8_t { automatic, keep, curve };
 
-/// A valid mesh from arrays: inverted cells are turned over, and cells and nodes are put in order along a curve where
-/// that pays, or as told. Also the number of cells that were turned. Collective. Throws `Error` on every rank.
+/// A valid mesh from arrays: inverted cells are turned over where all are or `repair` asks for it (`assemble::orient`),
+/// and cells and nodes are put in order along a curve where that pays, or as told. Also the number of cells that were
+/// turned. Collective. Throws `Error` on every rank.
 std::pair<std::shared_ptr<PythonMesh>, std::int64_t> mesh_from_arrays(std::shared_ptr<const par::Comm> comm,
-                                                                      MeshArrays arrays, Order order);
+                                                                      MeshArrays arrays, Order order, bool repair);
 
-/// Puts a field into the mesh, in the memory of the one that it replaces where that fits. Local.
+/// What an array of Python that shows this field has to hold. Local.
+std::shared_ptr<ShownField> show_field(const std::shared_ptr<PythonMesh>& mesh, bool on_cells, const std::string& name);
+/// Puts a field into the mesh, instead of one of the same name. Local.
 void put_field(PythonMesh& mesh, bool on_cells, mesh::Field field);
-/// Takes a field out of the mesh; its memory stays. Local.
+/// Takes a field out of the mesh. Local.
 void remove_field(PythonMesh& mesh, bool on_cells, const std::string& name);
+/// Gives a field memory that no array shows, for what changes fields of a mesh itself. Nothing where there is no such
+/// field. Local.
+void unshare_field(PythonMesh& mesh, bool on_cells, const std::string& name);
 
 /// Positions of this rank's canonical block of the nodes. Collective.
 std::vector<geometry::Vec3> node_block(const PythonMesh& mesh);

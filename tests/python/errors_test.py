@@ -14,7 +14,7 @@ def on_last(array):
 
 def make(points=POINTS, cells=CELLS, triangles=FLOOR, tags=(1, 1), names=None, **options):
     """All on the last rank, where what is wrong is wrong."""
-    return pamr.Mesh.from_arrays(COMM, on_last(np.asarray(points)), on_last(np.asarray(cells)),
+    return pamr.Mesh.from_arrays(COMM, on_last(np.asanyarray(points)), on_last(np.asanyarray(cells)),
                                  (on_last(np.asarray(triangles)), on_last(np.asarray(tags))), names, **options)
 
 
@@ -49,7 +49,54 @@ def test_numbers_out_of_range():
     expect("boundary triangles: expected numbers of points from 0 to 7, found 9 in row 1",
            lambda: make(triangles=changed(FLOOR, (1, 0), 9)))
     expect("four different nodes", lambda: make(cells=changed(CELLS, (2, 1), 0)))
-    expect("integers that fit int64", lambda: make(cells=np.full((6, 4), 2**63 + 5, np.uint64)))
+    for number in (2**63, 2**63 + 5, 2**64 - 1):
+        expect(f"cells: expected integers that fit int64, found {number}", lambda: make(cells=np.full((6, 4), number, np.uint64)))
+
+
+def test_values_that_do_not_fit_are_not_wrapped_or_cut():
+    mesh = pamr.Mesh.kuhn_cube(COMM, 2)
+    n = len(mesh.cells)
+
+    def set_field(values):
+        mesh.cell_fields["u"] = values
+    for number in (2**63, 2**63 + 5, 2**64 - 1):
+        for dtype in (np.uint64, ">u8"):
+            expect(f"field 'u': expected integers that fit int64, found {number}", lambda: set_field(np.full(n, number, dtype)))
+    set_field(np.full(n, 2**63 - 1, np.uint64))
+    assert (mesh.cell_fields["u"] == 2**63 - 1).all()
+    expect("near: expected integers that fit int32, found", lambda: pamr.locate(mesh, POINTS, np.full(8, 2**31)))
+    expect("flags: expected 0 or 1, found 256", lambda: pamr.refine(mesh, np.full(n, 256)))
+    expect("field 'u': expected real numbers or integers, found object", lambda: set_field([None] * n))
+    expect("n: expected an integer, found 2.7", lambda: pamr.Mesh.kuhn_cube(COMM, 2.7))
+    expect("layers: expected an integer, found 1.5", lambda: pamr.mark.patch(mesh, "xmin", layers=1.5))
+    expect("max_level: expected an integer, found 1.5", lambda: pamr.mark.flags(mesh, np.ones(n), max_level=1.5))
+    expect("max_cells: expected an integer, found 99.5", lambda: pamr.mark.flags(mesh, np.ones(n), max_cells=99.5))
+    expect("names: expected an integer, found 1.5", lambda: make(names={1.5: "floor"}))
+    assert pamr.Mesh.kuhn_cube(COMM, np.int32(2)).n_cells == 48
+
+
+def test_masked_values_are_refused_with_their_number():
+    mesh = pamr.Mesh.kuhn_cube(COMM, 2)
+    n = len(mesh.cells)
+
+    def masked(array, count):
+        return np.ma.array(array, mask=np.arange(array.size).reshape(array.shape) < count)
+
+    def set_field(values):
+        mesh.cell_fields["u"] = values
+    says = "expected values without a mask, found"
+    expect(f"field 'u': {says} 3 masked of {mesh.n_cells // COMM.size}", lambda: set_field(masked(np.ones(n), 3)))
+    expect(f"points: {says} 2 masked of 24", lambda: make(points=masked(POINTS, 2)))
+    expect(f"cells: {says} 1 masked of 24", lambda: make(cells=masked(CELLS, 1)))
+    expect(f"flags: {says} 4 masked", lambda: pamr.refine(mesh, masked(np.ones(n, int), 4)))
+    expect(f"criterion: {says} 4 masked", lambda: pamr.mark.flags(mesh, masked(np.ones(n), 4)))
+    expect(f"weights: {says} 1 masked", lambda: pamr.balance(mesh, masked(np.ones(n), 1)))
+    expect(f"points: {says} 1 masked", lambda: pamr.locate(mesh, masked(POINTS, 1)))
+    result = pamr.refine(mesh, np.zeros(n, int))
+    expect(f"values: {says} 2 masked", lambda: result.from_parents(masked(np.ones(n), 2)))
+    expect(f"values: {says} 1 masked", lambda: result.from_parents([masked(np.ones(2), 1)] * n))
+    set_field(np.ma.array(np.arange(n)))  # with nothing under the mask
+    assert np.array_equal(mesh.cell_fields["u"], np.arange(n))
 
 
 def test_triangles_that_are_not_on_the_boundary():

@@ -6,7 +6,7 @@ import warnings
 import numpy as np
 
 import pamr
-from collective import COMM, in_folder, run_tests
+from collective import COMM, error_of, in_folder, run_tests
 
 
 def cube_arrays(n, seed=0):
@@ -45,7 +45,7 @@ def make_mesh(n=3, seed=1, **options):
     points, cells, triangles, tags = cube_arrays(n, seed)
     names = {1: "left", 2: ("right", "wall"), 11: "front", 12: "back", 21: "floor", 22: "roof"}
     return pamr.Mesh.from_arrays(COMM, share(points, seed), share(cells, seed + 1),
-                                 (share(triangles, seed + 2), share(tags, seed + 2)), names, **options)
+                                 (share(triangles, seed + 2), share(tags, seed + 2)), names, repair=True, **options)
 
 
 def total(values):
@@ -76,22 +76,101 @@ def test_a_mesh_from_arrays_in_any_blocks_is_the_same_mesh():
 def test_fields_come_along_and_show_the_memory_of_the_mesh():
     points, cells, _, _ = cube_arrays(2, 5)
     share_points, share_cells = share(points, 5), share(cells, 6)
-    mesh = pamr.Mesh.from_arrays(COMM, share_points, share_cells, length_unit="m", order="curve",
+    mesh = pamr.Mesh.from_arrays(COMM, share_points, share_cells, length_unit="m", order="curve", repair=True,
                                  node_fields={"x": share_points[:, 0].astype("f4")},
                                  cell_fields={"corners": share_cells})
     assert mesh.patches == ["boundary"] and mesh.length_unit == "m"
     assert np.allclose(mesh.node_fields["x"], mesh.points[:, 0])
     assert np.array_equal(mesh.cell_fields["corners"], cells[mesh.cell_origin])
     view = mesh.node_fields["x"]
+    view += 1  # the field itself
+    assert np.array_equal(mesh.node_fields["x"], view) and np.allclose(view, mesh.points[:, 0] + 1)
     mesh.node_fields.set("x", 2 * view, unit="cm")
-    assert mesh.node_fields.units == {"x": "cm"} and np.allclose(view, 2 * mesh.points[:, 0])
-    mesh.node_fields["x"] = np.stack([view, view], axis=1)  # another shape: the old view stays readable
-    assert np.allclose(view, 2 * mesh.points[:, 0]) and mesh.node_fields["x"].shape == (len(mesh.points), 2)
+    assert mesh.node_fields.units == {"x": "cm"} and np.allclose(mesh.node_fields["x"], 2 * mesh.points[:, 0] + 2)
     del mesh.node_fields["x"]
     assert list(mesh.node_fields) == [] and "x" not in mesh.node_fields and len(mesh.cell_fields) == 1
     points_view = mesh.points
     del mesh
     assert points_view.shape[1] == 3 and not points_view.flags.writeable
+
+
+def test_arrays_that_were_read_keep_their_values():
+    mesh = make_mesh(6)
+    n = len(mesh.points)
+    mesh.node_fields["off_surface"] = mesh.node_numbers + 0.5
+    mesh.cell_fields["c"] = mesh.cell_numbers
+    fields = {"same": (mesh.node_fields, np.ones(n)), "shape": (mesh.node_fields, np.ones((n, 2))),
+              "type": (mesh.node_fields, np.arange(n)), "gone": (mesh.node_fields, None),
+              "off_surface": (mesh.node_fields, None), "c": (mesh.cell_fields, -mesh.cell_numbers)}
+    read = {}
+    for name, (where, _) in fields.items():
+        if name not in where:
+            where[name] = np.sqrt(mesh.node_numbers + 1.0)
+        read[name] = where[name], where[name][2:], where[name].copy()
+    read["points"] = mesh.points, mesh.points[2:], mesh.points.copy()
+    read["neighbors"] = mesh.cell_to_cell, mesh.cell_to_cell[2:], mesh.cell_to_cell.copy()
+    read["levels"] = mesh.levels, mesh.levels[2:], mesh.levels.copy()
+
+    for name, (where, new) in fields.items():
+        if new is not None:
+            where[name] = new
+            assert np.array_equal(where[name], new)
+        elif name == "gone":
+            del where[name]
+        else:  # what a function of the library replaces
+            mesh.associate({"left": pamr.Plane((1e-9, 0, 0), (1, 0, 0))}, tolerance=1e-6)
+            assert COMM.allreduce(where[name].max(initial=0), max) == 1e-9
+    result = pamr.refine(mesh, np.ones(len(mesh.cells), bool))
+    parent = result.parent.copy()
+    result.mesh.cell_fields["parent"] = 0 * parent
+    kept = result.mesh.node_fields["same"], result.mesh.node_fields["same"].copy()
+    numbers = result.from_parents(mesh.cell_numbers)
+    del mesh, result, fields, where
+    others = [pamr.Mesh.kuhn_cube(COMM, 6) for _ in range(3)]  # what was freed is in use again
+    for name, (array, part, values) in read.items():
+        assert np.array_equal(array, values) and np.array_equal(part, values[2:]), name
+    assert np.array_equal(*kept) and np.array_equal(numbers, parent) and len(others) == 3
+
+
+def test_convergence_is_seen_by_the_values_before():
+    mesh = pamr.Mesh.kuhn_cube(COMM, 2)
+    mesh.node_fields["T"] = np.zeros(len(mesh.points))
+    old = mesh.node_fields["T"]
+    mesh.node_fields["T"] = old + 1
+    assert (mesh.node_fields["T"] - old == 1).all()
+    old[:] = 7  # no longer the field
+    assert (mesh.node_fields["T"] == 1).all()
+
+
+def test_fields_that_are_set_again_and_again_take_no_more_memory():
+    import resource
+    mesh = pamr.Mesh.kuhn_cube(COMM, 10)
+    values = np.zeros((len(mesh.cells), 400))
+    for turn in range(40):
+        if turn == 4:
+            before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+        mesh.cell_fields["u"] = values
+        mesh.cell_fields["u"][:] = turn
+    grown = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before
+    assert grown < 5 * values.nbytes / 1024, f"{grown} kB beside {values.nbytes // 1024}"
+
+
+def test_inverted_cells_are_refused_or_turned_over_and_counted():
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        mesh = make_mesh(2, 3)
+        points, cells, _, _ = cube_arrays(2, 3)
+        corners = points[cells]
+        inverted = np.linalg.det(corners[:, 1:] - corners[:, :1]) < 0
+        cells[~inverted] = cells[~inverted][:, [1, 0, 2, 3]]  # all of them
+        turned = pamr.Mesh.from_arrays(COMM, share(points, 3), share(cells, 4))
+    assert mesh.n_turned == inverted.sum() and 0 < mesh.n_turned < 48 == turned.n_turned
+    texts = [str(w.message) for w in told]
+    assert texts == ([f"{n} inverted cells were turned over" for n in (inverted.sum(), 48)] if COMM.rank == 0 else []), texts
+    cells[5] = cells[5][[1, 0, 2, 3]]
+    cells[7] = cells[7][[1, 0, 2, 3]]
+    message = error_of(lambda: pamr.Mesh.from_arrays(COMM, share(points, 3), share(cells, 4)))
+    assert "found 46 inverted ones among 48 cells" in message and "repair=True" in message, message
 
 
 def refined_three_times():
@@ -170,7 +249,7 @@ def test_surfaces_keep_the_boundary_curved():
     outer = np.abs(points).max(axis=1) == 1
     points[outer] /= np.linalg.norm(points[outer], axis=1)[:, None]
     mesh = pamr.Mesh.from_arrays(COMM, share(points, 7), share(cells, 8), (share(triangles, 9), 0 * share(tags, 9)),
-                                 {0: "wall"})
+                                 {0: "wall"}, repair=True)
     off = mesh.associate({"wall": pamr.Sphere((0, 0, 0), 1)})
     assert off["wall"] < 1e-12 and mesh.surfaces == {"wall": "wall"}
     for _ in range(2):
@@ -240,6 +319,36 @@ def test_balance_spreads_the_weights():
     spread = pamr.balance(mesh, weights)
     loads = COMM.allgather(spread.cell_fields["w"].sum())
     assert max(loads) < 1.4 * np.mean(loads) and spread.fingerprint() == mesh.fingerprint()
+
+
+def gmsh_text(cells, version="2.2"):
+    nodes = ["1 0 0 0", "2 1 0 0", "3 0 1 0", "4 0 0 1", "5 1 1 1"]
+    return "\n".join([f"$MeshFormat\n{version} 0 8\n$EndMeshFormat\n$PhysicalNames\n3", '2 1 "inlet"', '2 2 "all"', '3 3 "gas"',
+                      "$EndPhysicalNames\n$Nodes\n5", *nodes, "$EndNodes\n$Elements", str(len(cells)), *cells,
+                      "$EndElements", ""])
+
+
+@in_folder
+def test_gmsh_files_are_read_as_the_tool_reads_them():
+    cells = ["1 4 2 3 1 1 2 3 4", "2 4 2 3 1 2 3 4 5", "3 2 2 2 1 1 2 3", "4 2 2 1 1 1 2 3", "5 2 2 1 1 1 2 4", "6 2 2 2 1 2 1 4"]
+    if COMM.rank == 0:
+        open("groups.msh", "w").write(gmsh_text(cells))
+        open("turned.msh", "w").write(gmsh_text(["1 4 2 3 1 2 1 3 4", *cells[1:2]]))
+    COMM.barrier()
+
+    def read(*args, **options):
+        with warnings.catch_warnings(record=True) as told:
+            warnings.simplefilter("always")
+            mesh = pamr.Mesh.read(COMM, *args, **options)
+        return mesh, COMM.bcast([str(w.message) for w in told])
+    mesh, told = read("groups.msh")
+    assert mesh.patches == ["inlet", "boundary"] and mesh.regions == {3: "gas"}
+    assert told == ["file 'groups.msh': 2 triangles are in the group 'inlet' and in 'all': they stay in 'inlet', which has the "
+                    "smaller number",
+                    "file 'groups.msh': 4 boundary faces without tag are in the patch 'boundary'"], told
+    assert "found 1 inverted ones among 2 cells" in error_of(lambda: pamr.Mesh.read(COMM, "turned.msh"))
+    mesh, told = read("turned.msh", repair=True)
+    assert mesh.n_cells == 2 and "1 inverted cells were turned over" in told[0], told
 
 
 @in_folder

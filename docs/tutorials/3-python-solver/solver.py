@@ -67,7 +67,7 @@ def error_of(mesh, u):
 def ball(comm):
     points = np.array([[0, 0, 0], [1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]], float)
     cells = np.array([[0, x, y, z] for x in (1, 2) for y in (3, 4) for z in (5, 6)])
-    mesh = pamr.Mesh.from_arrays(comm, points, cells, (cells[:, 1:], np.full(8, 1)), {1: "wall"})
+    mesh = pamr.Mesh.from_arrays(comm, points, cells, (cells[:, 1:], np.full(8, 1)), {1: "wall"}, repair=True)
     mesh.associate({"wall": pamr.Sphere(center=(0, 0, 0), radius=1)})
     for _ in range(3):
         mesh = pamr.refine(mesh, np.ones(len(mesh.cells), bool)).mesh

@@ -19,7 +19,7 @@ import numpy as np
 
 from . import _core
 from .stages import closing
-from .together import agree, description, field as field_in, reals
+from .together import agree, description, field as field_in, plain, reals, whole
 
 __all__ = ["all_cells", "box", "bulk", "centroid_shell", "crossing_sphere", "field", "flags", "patch", "recovered_error",
            "size_over"]
@@ -58,7 +58,7 @@ def box(mesh: Any, low: Sequence[float], high: Sequence[float]) -> np.ndarray:
 
 def patch(mesh: Any, name: str, layers: int = 1) -> np.ndarray:
     """``layers`` layers of cells at a boundary patch: those with a face on it, then those that share a node, ..."""
-    return _indicator(mesh, lambda: [("--patch", name), ("--layers", int(layers))])
+    return _indicator(mesh, lambda: [("--patch", name), ("--layers", whole("layers", layers))])
 
 
 def field(mesh: Any, name: str, above: Optional[float] = None, below: Optional[float] = None) -> np.ndarray:
@@ -120,14 +120,15 @@ def flags(mesh: Any, *criteria: Any, max_level: Optional[int] = None, max_cells:
             raise _core.Error("flags: expected one criterion or more, found none")
         total = np.zeros(n)
         for values in criteria:
-            array = np.asarray(values)
+            array = plain("criterion", values)
             if array.dtype == bool:
                 array = np.where(array, np.inf, 0.0)
             wish = reals("criterion", array, (n,), finite=False)
             if np.isnan(wish).any():
                 raise _core.Error(f"criterion: expected numbers, found NaN for cell {int(np.argwhere(np.isnan(wish))[0])}")
             total = np.maximum(total, wish)
-        level, cells = -1 if max_level is None else int(max_level), -1 if max_cells is None else int(max_cells)
+        level = -1 if max_level is None else whole("max_level", max_level)
+        cells = -1 if max_cells is None else whole("max_cells", max_cells)
         if (max_level is not None and level < 0) or (max_cells is not None and cells < 1):
             raise _core.Error("flags: expected limits that are not negative")
         how = level, cells, closing(quality_control, shape_floor)

@@ -11,7 +11,7 @@ import numpy as np
 from . import _core
 from .rows import described, pack, unpack
 from .surfaces import File, Surface, Toml
-from .together import agree, description, field as field_in, integers, reals, require_comm
+from .together import agree, description, field as field_in, integers, reals, require_comm, whole
 
 Error = _core.Error
 ORDERS = ("auto", "keep", "curve")
@@ -27,9 +27,10 @@ class BoundaryFaces(NamedTuple):
 
 class Fields(MutableMapping):
     """Fields on cells or on nodes by name: arrays of n values or n x k, float64 or int64, rows of this rank. What is read is
-    the mesh's own memory and may be written to. Setting and deleting are collective: every rank gives a field of the same
-    name, type and k. Refinement gives fields to the new mesh: nodal ones linear along edges, those of cells by their parent,
-    where closure cells were taken back as means weighted with volume, so that integrals are kept."""
+    the mesh's own memory and may be written to, until the field is set or deleted: the mesh then has other memory, and the array
+    keeps its values. Setting and deleting are collective: every rank gives a field of the same name, type and k. Refinement
+    gives fields to the new mesh: nodal ones linear along edges, those of cells by their parent, where closure cells were taken
+    back as means weighted with volume, so that integrals are kept."""
 
     def __init__(self, mesh: "Mesh", on_cells: bool) -> None:
         self._mesh, self._on_cells = mesh, on_cells
@@ -89,20 +90,34 @@ class Mesh:
     def from_arrays(comm: Any, points: Any, cells: Any, boundary: Optional[tuple[Any, Any]] = None,
                     names: Optional[Mapping[int, Union[str, tuple[str, str]]]] = None, *,
                     cell_fields: Optional[Mapping[str, Any]] = None, node_fields: Optional[Mapping[str, Any]] = None,
-                    length_unit: str = "", order: str = "auto") -> "Mesh":
+                    length_unit: str = "", order: str = "auto", repair: bool = False,
+                    regions: Optional[Mapping[int, str]] = None) -> "Mesh":
         """A mesh from arrays. Collective.
 
         comm: communicator of mpi4py.
         points: n x 3 floats. Their numbers run over the ranks: rank 0 has the first ones, and so on (none is fine).
-        cells: m x 4 integers, numbers of points in the whole mesh; any cells on any rank, corners in any order.
+        cells: m x 4 integers, numbers of points in the whole mesh; any cells on any rank, of positive volume (``cells``).
         boundary: triangles (t x 3 numbers of points) and their tags (t integers), on any ranks, in any order. Faces of the
             boundary without a triangle form the patch "boundary".
         names: of the tags: {tag: name} or {tag: (name, kind)}, the same on every rank; otherwise "patch_TAG".
         cell_fields, node_fields: {name: values} for the cells and the points given here.
         order: put cells and nodes along a space-filling curve: "auto" (where it pays), "curve", "keep". ``cell_origin`` and
             ``node_origin`` say which row of the arrays each came from.
+        repair: turn inverted cells over. Without it they are refused, unless all cells are inverted. ``n_turned`` counts
+            them, and a Python warning on rank 0 says so.
+        regions: names of values of the integer cell field "region".
         Raises pamr.Error, the same on every rank, that says which entry is wrong.
         """
+        mesh = Mesh._of_arrays(comm, points, cells, boundary, names, cell_fields, node_fields, length_unit, order, repair,
+                               regions)
+        if mesh.n_turned > 0 and comm.rank == 0:
+            warnings.warn(f"{mesh.n_turned} inverted cells were turned over", stacklevel=2)
+        return mesh
+
+    @staticmethod
+    def _of_arrays(comm: Any, points: Any, cells: Any, boundary: Any, names: Any, cell_fields: Any, node_fields: Any,
+                   length_unit: str, order: str, repair: bool, regions: Any) -> "Mesh":
+        """The same without a warning."""
         require_comm(comm)
         n_points = [0]
 
@@ -118,11 +133,14 @@ class Mesh:
             triangles, tags = integers("boundary triangles", triangles, (None, 3)), integers("boundary tags", tags, (None,))
             if len(triangles) != len(tags):
                 raise Error(f"boundary: expected a tag for each of {len(triangles)} triangles, found {len(tags)}")
+            for tag in names or {}:
+                whole("names", tag)
+            region_names = sorted((whole("regions", number), str(name)) for number, name in (regions or {}).items())
             same = ([description(f) for f in at_points], [description(f) for f in at_cells], order, length_unit,
-                    sorted((names or {}).items()))
-            return (array, corners, triangles, tags, at_points, at_cells), same
+                    sorted((names or {}).items()), bool(repair), region_names)
+            return (array, corners, triangles, tags, at_points, at_cells, region_names), same
 
-        array, corners, triangles, tags, at_points, at_cells = agree(comm, prepare_points)
+        array, corners, triangles, tags, at_points, at_cells, region_names = agree(comm, prepare_points)
         n_all, n_cells = comm.allreduce(n_points[0]), comm.allreduce(len(corners))
         if n_cells == 0:
             raise Error("cells: expected one cell or more, found none on any rank")
@@ -146,21 +164,24 @@ class Mesh:
         patches = agree(comm, prepare_numbers)
         places = np.searchsorted(np.asarray(all_tags, dtype=np.int64), tags).astype(np.int32)
         core, n_turned = _core.from_arrays(_address(comm), array, corners, triangles, places, patches, at_cells, at_points,
-                                           length_unit, ORDERS.index(order))
+                                           length_unit, ORDERS.index(order), bool(repair), region_names)
         mesh = Mesh(core, comm)
         mesh.n_turned = n_turned
         return mesh
 
-    #: Cells given with negative volume, which ``from_arrays`` turned over.
+    #: Cells given with negative volume, which were turned over.
     n_turned: int = 0
 
     @staticmethod
-    def read(comm: Any, file: Union[str, os.PathLike]) -> "Mesh":
+    def read(comm: Any, file: Union[str, os.PathLike], repair: bool = False) -> "Mesh":
         """A mesh from a file: .hdf or .vtkhdf (of any number of ranks, of PAMR or another program), or .msh (Gmsh) or .vtu. What is odd
-        and does no harm is a Python warning on rank 0. Collective."""
+        and does no harm, and what is left out, is a Python warning on rank 0. Collective.
+
+        repair: turn inverted cells of a .msh over. Without it they are refused, unless all cells are inverted.
+        """
         require_comm(comm)
-        path = agree(comm, lambda: (os.fspath(file), os.fspath(file)))
-        core, remarks = _core.read(_address(comm), path)
+        path = agree(comm, lambda: (os.fspath(file), (os.fspath(file), bool(repair))))
+        core, remarks = _core.read(_address(comm), path, bool(repair))
         if comm.rank == 0:
             for remark in remarks:
                 warnings.warn(remark, stacklevel=2)
@@ -170,7 +191,7 @@ class Mesh:
     def kuhn_cube(comm: Any, n: int) -> "Mesh":
         """The unit cube as 6 n^3 cells, with the patches xmin xmax ymin ymax zmin zmax. Collective."""
         require_comm(comm)
-        return Mesh(_core.kuhn_cube(_address(comm), agree(comm, lambda: (int(n), int(n)))), comm)
+        return Mesh(_core.kuhn_cube(_address(comm), agree(comm, lambda: 2 * (whole("n", n),))), comm)
 
     def write(self, file: Union[str, os.PathLike], provenance: str = "") -> None:
         """Writes the mesh and its fields: .hdf or .vtkhdf (complete), .msh, .vtu, or an OpenFOAM case where the name has no
@@ -255,6 +276,11 @@ class Mesh:
     def patches(self) -> list[str]:
         """Names of the parts of the boundary."""
         return [name for name, _, _ in self._core.patches]
+
+    @property
+    def regions(self) -> dict[int, str]:
+        """Names of values of the cell field "region", for those that have one."""
+        return dict(self._core.regions)
 
     @property
     def surfaces(self) -> dict[str, str]:

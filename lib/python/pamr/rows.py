@@ -9,7 +9,7 @@ from typing import Any, Optional
 import numpy as np
 
 from ._core import Error
-from .together import agree
+from .together import agree, plain
 
 
 @dataclass
@@ -37,11 +37,11 @@ def pack(comm: Any, values: Any, n: int) -> Rows:
         if len(values) != n:
             raise Error(f"values: expected a row for each of {n} cells, found {len(values)}")
         is_list = isinstance(values, (list, tuple))
-        rows = [np.asarray(row) for row in values] if is_list else None
+        rows = [plain("values", row) for row in values] if is_list else None
         bad = [i for i, row in enumerate(rows or []) if row.ndim == 0]
         if bad:
             raise Error(f"values: expected an array for each cell, found a single value for cell {bad[0]}")
-        flat = np.asarray(values) if rows is None else (np.concatenate(rows) if rows else np.empty(0))
+        flat = plain("values", values) if rows is None else (np.concatenate(rows) if rows else np.empty(0))
         if flat.dtype.hasobject:
             raise Error("values: expected numbers, found Python objects")
         return (is_list, rows, np.ascontiguousarray(flat)), is_list

@@ -2,6 +2,7 @@
 """Checks of arguments that end alike on every rank."""
 from __future__ import annotations
 
+import operator
 from typing import Any, Callable, Optional, Sequence, TypeVar
 
 import numpy as np
@@ -43,9 +44,33 @@ def require_comm(comm: Any) -> None:
         raise TypeError("expected a communicator, found COMM_NULL")
 
 
+def plain(name: str, values: Any) -> np.ndarray:
+    """An array of what was given, which must not have masked entries: what lies under a mask is no value."""
+    n_masked = int(np.ma.count_masked(values)) if isinstance(values, np.ma.MaskedArray) else 0
+    if n_masked:
+        raise Error(f"{name}: expected values without a mask, found {n_masked} masked of {np.size(values)}")
+    return np.asarray(values)
+
+
+def whole(name: str, value: Any) -> int:
+    """A single integer."""
+    try:
+        return operator.index(value)
+    except TypeError:
+        raise Error(f"{name}: expected an integer, found {value!r}") from None
+
+
+def require_fit(name: str, array: np.ndarray, dtype: Any) -> None:
+    """Raises Error for integers that the type does not hold. Python compares them exactly, numpy as doubles."""
+    limits = np.iinfo(dtype)
+    for value in (array.min(initial=0), array.max(initial=0)) if array.dtype.kind in "iu" else ():
+        if not int(limits.min) <= int(value) <= int(limits.max):
+            raise Error(f"{name}: expected integers that fit {np.dtype(dtype)}, found {value}")
+
+
 def integers(name: str, values: Any, shape: Sequence[Optional[int]], dtype: Any = np.int64) -> np.ndarray:
     """An array of integers of that shape (None: any length)."""
-    array = np.asarray(values)
+    array = plain(name, values)
     if array.size == 0 and None in shape:
         return np.empty([n or 0 for n in shape], dtype)
     require_shape(name, array, shape)
@@ -53,15 +78,13 @@ def integers(name: str, values: Any, shape: Sequence[Optional[int]], dtype: Any 
         return np.empty(array.shape, dtype)
     if array.dtype.kind not in "iub":
         raise Error(f"{name}: expected integers, found {array.dtype}")
-    result = np.ascontiguousarray(array, dtype=dtype)
-    if array.dtype.kind == "u" and array.size and array.max() > np.iinfo(dtype).max or not np.array_equal(result, array):
-        raise Error(f"{name}: expected integers that fit {np.dtype(dtype)}, found larger ones")
-    return result
+    require_fit(name, array, dtype)
+    return np.ascontiguousarray(array, dtype=dtype)
 
 
 def reals(name: str, values: Any, shape: Sequence[Optional[int]], finite: bool = True) -> np.ndarray:
     """An array of float64 of that shape (None: any length), finite unless told."""
-    array = np.asarray(values)
+    array = plain(name, values)
     if array.size == 0 and None in shape:
         return np.empty([n or 0 for n in shape])
     require_shape(name, array, shape)
@@ -85,7 +108,7 @@ def field(name: Any, values: Any, n_rows: int, unit: str = "") -> tuple[str, str
     """A field as the compiled part takes it: float64 or int64, n or n x k."""
     if not isinstance(name, str) or not name or "/" in name:
         raise Error(f"field: expected a name without '/', found {name!r}")
-    array = np.asarray(values)
+    array = plain(f"field '{name}'", values)
     if array.ndim not in (1, 2) or len(array) != n_rows or (array.ndim == 2 and array.shape[1] < 1):
         found = " x ".join(str(n) for n in array.shape) or "a single value"
         raise Error(f"field '{name}': expected {n_rows} rows, one for each, or {n_rows} x k values, found {found}")
@@ -94,8 +117,7 @@ def field(name: Any, values: Any, n_rows: int, unit: str = "") -> tuple[str, str
     storage = STORAGE.get(array.dtype.name)
     if storage is None:
         raise Error(f"field '{name}': expected real numbers or integers, found {array.dtype}")
-    if array.dtype == np.uint64 and array.size and array.max() > np.iinfo(np.int64).max:
-        raise Error(f"field '{name}': expected integers below 2^63, found larger ones")
+    require_fit(f"field '{name}'", array, np.int64)
     dtype = np.float64 if array.dtype.kind == "f" else np.int64
     return name, unit, np.ascontiguousarray(array, dtype=dtype), storage
 
