@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Meshes from meshio: patches by tags, names, fields, points of no cell."""
+import warnings
+
 import numpy as np
 
 import pamr
@@ -31,6 +33,11 @@ def test_a_mesh_on_rank_zero_is_spread_over_all():
 
 def test_what_is_no_tetrahedral_mesh_is_refused_everywhere():
     import meshio
+    for kind, nodes in (("wedge", [range(6)]), ("tetra10", [range(10)]), ("quad", [range(4)] * 3), ("triangle6", [range(6)])):
+        points = np.concatenate([POINTS, POINTS + 9])
+        mixed = meshio.Mesh(points, [("tetra", CELLS), (kind, np.array([list(n) for n in nodes])), ("line3", [[0, 1, 2]])])
+        assert f"(points and lines are left out), found {len(nodes)} of type {kind}" in error_of(
+            lambda: pamr.from_meshio(COMM, mixed if COMM.rank == 0 else None))
     flat = meshio.Mesh(POINTS, [("triangle", FLOOR)])
     assert "expected tetrahedra, found triangle" in error_of(
         lambda: pamr.from_meshio(COMM, flat if COMM.rank == 0 else None))
@@ -38,12 +45,104 @@ def test_what_is_no_tetrahedral_mesh_is_refused_everywhere():
         assert "on rank 0 alone" in error_of(lambda: pamr.from_meshio(COMM, tagged()))
 
 
+def taken(mesh, **options):
+    """The mesh of one of meshio, and what was said."""
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        result = pamr.from_meshio(COMM, mesh if COMM.rank == 0 else None, **options)
+    return result, COMM.bcast([str(w.message) for w in told])
+
+
+def refused(mesh, **options):
+    return error_of(lambda: pamr.from_meshio(COMM, mesh if COMM.rank == 0 else None, **options))
+
+
+def faces_of(mesh):
+    faces = mesh.boundary_faces()
+    return dict(zip(mesh.patches, COMM.allreduce(np.bincount(faces.patches, minlength=len(mesh.patches)))))
+
+
+def test_tags_of_all_formats_are_patches_and_regions():
+    import meshio
+    for key in ("gmsh:physical", "medit:ref", "nastran:ref", "su2:tag"):
+        given = meshio.Mesh(POINTS, [("tetra", CELLS), ("triangle", FLOOR)],
+                            cell_data={key: [[5, 5, 5, 8, 8, 8], [3, 4.0]]}, field_data={"gas": np.array([5, 3])})
+        mesh, told = taken(given)
+        assert faces_of(mesh) == {"patch_3": 1, "patch_4": 1, "boundary": 10} and told == []
+        assert list(mesh.cell_fields) == ["region"] and mesh.regions == {5: "gas"}
+        assert sorted(np.concatenate(COMM.allgather(mesh.cell_fields["region"]))) == [5, 5, 5, 8, 8, 8]
+    given.cell_data = {"mine": [np.arange(6), np.array([3, 4])]}
+    assert "expected cell data 'ph' for the tags, found 'mine'" in refused(given, tags="ph")
+    mesh, _ = taken(given, tags="mine")
+    assert faces_of(mesh) == {"patch_3": 1, "patch_4": 1, "boundary": 10} and list(mesh.cell_fields) == ["mine"]
+    mesh, told = taken(given)
+    assert faces_of(mesh) == {"boundary": 12} and "2 triangles without tags" in told[0] and "'mine'" in told[0]
+    given.cell_data = {"gmsh:physical": [np.zeros(6), np.array([3, 4.5])]}
+    assert "cell data 'gmsh:physical': expected integers, found float64" in refused(given)
+
+
+def test_cell_sets_are_patches_and_regions():
+    import meshio
+    sets = {"inlet": [np.array([0, 1]), np.array([0])], "wall": [np.array([1, 2]), np.array([0, 1])]}
+    mesh, told = taken(meshio.Mesh(POINTS, [("tetra", CELLS), ("triangle", FLOOR)], cell_sets=sets))
+    assert faces_of(mesh) == {"inlet": 1, "wall": 1, "boundary": 10} and mesh.regions == {1: "inlet", 2: "wall"}
+    assert sorted(np.concatenate(COMM.allgather(mesh.cell_fields["region"]))) == [0, 0, 0, 1, 1, 2]
+    assert ["1 triangles are in the cell sets 'inlet' and 'wall': they stay in 'inlet'" in told[0],
+            "1 tetrahedra are in the cell sets 'inlet' and 'wall': they stay in 'inlet'" in told[1], len(told)] == [True, True, 2]
+    by_tags = meshio.Mesh(POINTS, [("triangle", FLOOR), ("tetra", CELLS)], cell_sets={"all": [[0, 1], []], "gmsh:x": [[0], [0]]},
+                          cell_data={"gmsh:physical": [[4, 5], [1] * 6]}, field_data={"all": [4, 2], "in": [5, 2]})
+    mesh, told = taken(by_tags)
+    assert set(mesh.patches) == {"all", "in", "boundary"}
+    assert ["1 triangles of the cell set 'all' are in 'in' by their tags" in text for text in told] == [True]
+
+
+def test_groups_that_overlap_are_counted():
+    import meshio
+    twice = np.concatenate([FLOOR, FLOOR[:1][:, [2, 0, 1]]])
+    given = meshio.Mesh(POINTS, [("triangle", twice), ("tetra", np.concatenate([CELLS[::-1], CELLS]))],
+                        cell_data={"gmsh:physical": [[2, 2, 1], [8] * 6 + [7] * 6], "gmsh:geometrical": [[1] * 3, [1] * 12],
+                                   "number": [np.zeros(3, int), np.arange(12)]},
+                        field_data={"all": [2, 2], "inlet": [1, 2], "steel": [7, 3], "hot": [8, 3]})
+    mesh, told = taken(given)
+    assert mesh.n_cells == 6 and faces_of(mesh) == {"inlet": 1, "all": 1, "boundary": 10}
+    assert sorted(np.concatenate(COMM.allgather(mesh.cell_fields["number"]))) == [6, 7, 8, 9, 10, 11]
+    assert "1 triangles are in the group 'inlet' and in 'all': they stay in 'inlet'" in told[0]
+    assert "6 tetrahedra are in the group 'steel' and in 'hot': they stay in 'steel'" in told[1] and len(told) == 2
+
+
+def test_triangles_within_the_mesh_points_of_nothing_and_inverted_cells():
+    import meshio
+    inner = meshio.Mesh(POINTS, [("tetra", CELLS), ("triangle", [[0, 1, 7], [0, 1, 3]])],
+                        cell_data={"gmsh:physical": [[1, 2, 1, 1, 1, 1], [9, 4]]}, field_data={"sheet": np.array([9, 2])})
+    mesh, told = taken(inner)
+    assert faces_of(mesh) == {"patch_4": 1, "boundary": 11}
+    assert "1 triangles of 'sheet' lie between two regions and are no patch" in told[0] and len(told) == 1
+    inner.cell_data["gmsh:physical"][0] = np.ones(6, int)
+    assert "found 1 inside a region or apart from the cells" in refused(inner)
+    apart = meshio.Mesh(np.concatenate([POINTS, POINTS + 5]), [("tetra", CELLS), ("triangle", [[8, 9, 10]])],
+                        cell_data={"gmsh:physical": [[1] * 6, [9]]})
+    assert "found 1 inside a region or apart from the cells" in refused(apart)
+    del apart.cells[1], apart.cell_data["gmsh:physical"][1]
+    assert "8 points of no tetrahedron were left out" in taken(apart)[1][0]
+    turned = CELLS.copy()
+    turned[:2] = turned[:2][:, [1, 0, 2, 3]]
+    assert "found 2 inverted ones among 6 cells" in refused(meshio.Mesh(POINTS, [("tetra", turned)]))
+    mesh, told = taken(meshio.Mesh(POINTS, [("tetra", turned)]), repair=True)
+    assert mesh.n_turned == 2 and told == ["from_meshio: 2 inverted cells were turned over"], told
+    far = CELLS.copy()
+    far[3, 1] = 8
+    assert "tetra: expected numbers of points from 0 to 7, found 8 in row 3" in refused(meshio.Mesh(POINTS, [("tetra", far)]))
+    masked = meshio.Mesh(POINTS, [("tetra", CELLS)])
+    masked.point_data = {"T": np.ma.masked_equal(np.arange(8.0), 3)}
+    assert "point data 'T': expected values without a mask, found 1 masked of 8" in refused(masked)
+
+
 @in_folder
 def test_the_level_that_files_show_is_no_field():
     import meshio
     pamr.from_meshio(COMM, tagged() if COMM.rank == 0 else None).write("mesh.vtu")
     mesh = pamr.from_meshio(COMM, meshio.read("mesh.vtu") if COMM.rank == 0 else None, tags="patch")
-    assert set(mesh.cell_fields) == {"mark", "mean_ratio", "patch"} and mesh.patches == ["patch_0", "patch_1"]
+    assert set(mesh.cell_fields) == {"mark", "mean_ratio", "patch", "region"} and mesh.patches == ["patch_0", "patch_1"]
     mesh.write("mesh.hdf")
     assert set(pamr.Mesh.read(COMM, "mesh.hdf").cell_fields) == set(mesh.cell_fields)
     mesh.cell_fields["level"] = np.zeros(len(mesh.cells), np.uint8)

@@ -2,6 +2,7 @@
 """From and to other packages; each is imported when it is needed."""
 from __future__ import annotations
 
+import warnings
 from typing import Any, Mapping, NamedTuple, Optional
 
 import numpy as np
@@ -9,63 +10,47 @@ import numpy as np
 from . import _core
 from ._core import Error
 from .mesh import Mesh
-from .together import agree
+from .meshio_parts import Parts, parts_of
+from .together import agree, integers
 
 
-def from_meshio(comm: Any, mesh: Any, tags: str = "gmsh:physical", names: Optional[Mapping[int, str]] = None) -> Mesh:
-    """A mesh from a ``meshio.Mesh`` on rank 0 (None on the others): its tetrahedra, its triangles with the integer cell data
-    ``tags`` as patches, and its point and cell data as fields. Points of no tetrahedron are left out. Collective.
+def from_meshio(comm: Any, mesh: Any, tags: Optional[str] = None, names: Optional[Mapping[int, str]] = None, *,
+                repair: bool = False) -> Mesh:
+    """A mesh from a ``meshio.Mesh`` on rank 0 (None on the others): its tetrahedra, its triangles as patches, and its point and cell
+    data as fields. Collective.
 
+    tags: the integer cell data whose values on triangles are patches. Default: those of the format ("gmsh:physical", "medit:ref",
+        ...), whose values on tetrahedra are the cell field "region" then; where there are none, the cell sets are both.
     names: of the tags; default: those of the file's physical surfaces (``field_data``).
+    repair: as in ``Mesh.from_arrays``.
+    Points and lines, points of no tetrahedron, and triangles between two regions are left out. A Python warning on rank 0 counts
+    what is, but for points and lines. Cells of other kinds raise pamr.Error.
     """
     def prepare() -> tuple[Any, Any]:
         if comm.rank != 0:
             if mesh is not None:
                 raise Error("from_meshio: expected the mesh on rank 0 alone, found one on another")
-            return None, None
-        return _of_meshio(mesh, tags, names), None
+            return None, bool(repair)
+        return parts_of(mesh, tags, names), bool(repair)
     parts = agree(comm, prepare)
-    shape = comm.bcast(None if parts is None else (parts["names"], _outline(parts["cell_fields"]),
-                                                   _outline(parts["node_fields"])))
+    shape = comm.bcast(None if parts is None else (parts.names, parts.regions, _outline(parts.cell_fields),
+                                                   _outline(parts.node_fields)))
     if parts is None:
-        empty = {kind: {k: np.empty((0,) + tail, dtype) for k, (dtype, tail) in fields.items()}
-                 for kind, fields in zip(("cell_fields", "node_fields"), shape[1:])}
-        parts = {"points": np.empty((0, 3)), "cells": np.empty((0, 4), int),
-                 "boundary": (np.empty((0, 3), int), np.empty(0, int)), **empty}
+        of_cells, of_nodes = ({k: np.empty((0,) + tail, dtype) for k, (dtype, tail) in fields.items()} for fields in shape[2:])
+        parts = Parts(np.empty((0, 3)), np.empty((0, 4), int), np.empty((0, 3), int), np.empty(0, int), *shape[:2], of_cells,
+                      of_nodes)
     # Along the curve, and so in runs over the ranks: all cells are on rank 0.
-    return Mesh.from_arrays(comm, parts["points"], parts["cells"], parts["boundary"], shape[0],
-                            cell_fields=parts["cell_fields"], node_fields=parts["node_fields"], order="curve")
+    result = Mesh._of_arrays(comm, parts.points, parts.cells, (parts.triangles, parts.tags), shape[0], parts.cell_fields,
+                             parts.node_fields, "", "curve", repair, shape[1])
+    if result.n_turned > 0:
+        parts.remarks.append(f"{result.n_turned} inverted cells were turned over")
+    for remark in parts.remarks if comm.rank == 0 else []:
+        warnings.warn(f"from_meshio: {remark}", stacklevel=2)
+    return result
 
 
 def _outline(fields: Mapping[str, np.ndarray]) -> dict:
     return {name: (values.dtype, values.shape[1:]) for name, values in fields.items()}
-
-
-def _of_meshio(mesh: Any, tags: str, names: Optional[Mapping[int, str]]) -> dict:
-    blocks = [b.type for b in mesh.cells]
-    if "tetra" not in blocks:
-        raise Error(f"from_meshio: expected tetrahedra, found {', '.join(sorted(set(blocks))) or 'no cells'}")
-
-    def joined(kind: str, arrays: Any) -> np.ndarray:
-        return np.concatenate([np.asarray(a) for b, a in zip(blocks, arrays) if b == kind])
-    cells = joined("tetra", [b.data for b in mesh.cells]).astype(np.int64)
-    triangles, numbers = np.empty((0, 3), np.int64), np.empty(0, np.int64)
-    if "triangle" in blocks and tags in mesh.cell_data:
-        triangles = joined("triangle", [b.data for b in mesh.cells]).astype(np.int64)
-        numbers = joined("triangle", mesh.cell_data[tags]).astype(np.int64)
-    used, corner = np.unique(cells, return_inverse=True)
-    new = np.full(len(mesh.points), -1, np.int64)
-    new[used] = np.arange(len(used))
-    if names is None:
-        names = {int(v[0]): k for k, v in mesh.field_data.items() if len(v) > 1 and v[1] == 2}
-    of_cells = {k: joined("tetra", v) for k, v in mesh.cell_data.items() if not k.startswith("gmsh:")}
-    if "level" in of_cells and of_cells["level"].dtype == np.uint8:  # what our files show to viewers
-        del of_cells["level"]
-    points = np.zeros((len(used), 3))
-    points[:, :np.shape(mesh.points)[1]] = np.asarray(mesh.points)[used]
-    return {"points": points, "cells": corner.reshape(cells.shape), "boundary": (new[triangles], numbers),
-            "names": dict(names), "cell_fields": of_cells,
-            "node_fields": {k: np.asarray(v)[used] for k, v in mesh.point_data.items()}}
 
 
 def from_dolfinx(mesh: Any, facet_tags: Any = None, names: Optional[Mapping[int, str]] = None, cell_tags: Any = None) -> Mesh:
@@ -87,18 +72,19 @@ def from_dolfinx(mesh: Any, facet_tags: Any = None, names: Optional[Mapping[int,
         corners = index_map.local_to_global(_dofmap(geometry)[:n_cells].ravel().astype(np.int32)).reshape(-1, 4)
         triangles, tags = np.empty((0, 3), np.int64), np.empty(0, np.int64)
         if facet_tags is not None:
+            tags = integers("facet_tags", facet_tags.values, (None,))
             nodes = _facet_nodes(mesh, np.asarray(facet_tags.indices, dtype=np.int32))
             triangles = index_map.local_to_global(nodes.ravel().astype(np.int32)).reshape(-1, 3)
-            tags = np.asarray(facet_tags.values, dtype=np.int64)
         fields = {}
         if cell_tags is not None:
             region = np.zeros(n_cells, dtype=np.int32)
             own = np.asarray(cell_tags.indices) < n_cells
-            region[np.asarray(cell_tags.indices)[own]] = np.asarray(cell_tags.values)[own]
+            region[np.asarray(cell_tags.indices)[own]] = integers("cell_tags", cell_tags.values, (None,), np.int32)[own]
             fields["region"] = region
         return (np.asarray(geometry.x)[:index_map.size_local], corners, (triangles, tags), fields), sorted(fields)
     points, cells, boundary, fields = agree(mesh.comm, prepare)
-    return Mesh.from_arrays(mesh.comm, points, cells, boundary, names, cell_fields=fields, order="keep")
+    # dolfinx has no order of corners that makes a volume positive
+    return Mesh._of_arrays(mesh.comm, points, cells, boundary, names, fields, None, "", "keep", True, None)
 
 
 class DolfinxMesh(NamedTuple):

@@ -1,0 +1,242 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a ``meshio.Mesh`` holds, as arrays."""
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass, field
+from typing import Any, Mapping, Optional
+
+import numpy as np
+
+from ._core import Error
+from .together import integers, plain, reals
+
+# Under which meshio keeps what formats say of triangles and tetrahedra alike, the better one first.
+TAGS = ("gmsh:physical", "gmsh:geometrical", "medit:ref", "tetgen:ref", "netgen:index", "ugrid:ref", "nastran:ref", "su2:tag",
+        "avsucd:material")
+ENTITY = "gmsh:geometrical"
+REGION = "region"
+
+
+@dataclass
+class Parts:
+    """Arrays for ``Mesh.from_arrays``."""
+    points: np.ndarray
+    cells: np.ndarray
+    triangles: np.ndarray
+    tags: np.ndarray
+    names: dict
+    regions: dict
+    cell_fields: dict
+    node_fields: dict
+    remarks: list[str] = field(default_factory=list)  #: what was left out
+
+
+@dataclass
+class Group:
+    """The triangles or the tetrahedra of a mesh with their tags."""
+    kind: str
+    nodes: np.ndarray
+    tags: Optional[np.ndarray]
+    names: dict
+    sets: dict[str, np.ndarray]  #: rows of each cell set
+
+    @property
+    def things(self) -> str:
+        return "triangles" if self.kind == "triangle" else "tetrahedra"
+
+    def name(self, tag: int) -> str:
+        return self.names.get(tag, f"patch_{tag}" if self.kind == "triangle" else f"{REGION} {tag}")
+
+
+def parts_of(mesh: Any, tags: Optional[str], names: Optional[Mapping[int, str]]) -> Parts:
+    """What there is in the mesh; raises Error for what cannot be taken."""
+    _require_tetrahedra(mesh)
+    key, remarks = _key_of(mesh, tags), []
+    triangle, tetra = _group(mesh, "triangle", key, names), _group(mesh, "tetra", key, None)
+    kept = _leave_one_of_each(mesh, key, triangle, remarks), _leave_one_of_each(mesh, key, tetra, remarks)
+    for group in (triangle, tetra):
+        if key is None:
+            _tag_by_sets(group, remarks)
+        else:
+            _compare_sets(group, remarks)
+    if triangle.tags is None and len(triangle.nodes):
+        found = ", ".join(repr(k) for k, v in mesh.cell_data.items() if all(np.asarray(a).dtype.kind in "iu" for a in v))
+        remarks.append(f"{len(triangle.nodes)} triangles without tags were left out: their faces are in the patch 'boundary'"
+                       + (f" (tags= takes one of {found})" if found else ""))
+    of_cells = {k: _joined(mesh, "tetra", f"cell data {k!r}", v)[kept[1]] for k, v in mesh.cell_data.items()
+                if not k.startswith("gmsh:") and (k != key or key not in TAGS)}
+    if "level" in of_cells and of_cells["level"].dtype == np.uint8:  # what our files show to viewers
+        del of_cells["level"]
+    if tetra.tags is not None and REGION not in of_cells and (key is None or key in TAGS):
+        of_cells[REGION] = tetra.tags
+    tagged = triangle.nodes, triangle.tags
+    if triangle.tags is None:
+        tagged = np.empty((0, 3), np.int64), np.empty(0, np.int64)
+    else:
+        tagged = _at_the_boundary(triangle, tetra.nodes, len(mesh.points), of_cells.get(REGION), remarks)
+    return _without_other_points(mesh, tetra, tagged, triangle.names, of_cells, remarks)
+
+
+def _require_tetrahedra(mesh: Any) -> None:
+    others: Counter = Counter()
+    for block in mesh.cells:
+        if block.type not in ("tetra", "triangle", "vertex") and not block.type.startswith("line"):
+            others[block.type] += len(block.data)
+    found = [f"{n} of type {kind}" for kind, n in sorted(others.items()) if n > 0]
+    if found:
+        raise Error("from_meshio: expected tetrahedra and triangles of first order (points and lines are left out), found "
+                    + ", ".join(found))
+    kinds = {block.type for block in mesh.cells}
+    if "tetra" not in kinds:
+        raise Error(f"from_meshio: expected tetrahedra, found {', '.join(sorted(kinds)) or 'no cells'}")
+
+
+def _key_of(mesh: Any, tags: Optional[str]) -> Optional[str]:
+    if tags is None:
+        return next((key for key in TAGS if key in mesh.cell_data), None)
+    if tags not in mesh.cell_data:
+        found = ", ".join(map(repr, mesh.cell_data)) or "no cell data"
+        raise Error(f"from_meshio: expected cell data {tags!r} for the tags, found {found}")
+    return tags
+
+
+def _joined(mesh: Any, kind: str, name: str, arrays: Any) -> np.ndarray:
+    parts = [plain(name, array) for block, array in zip(mesh.cells, arrays) if block.type == kind]
+    return np.concatenate(parts) if parts else np.empty(0, np.int64)
+
+
+def _group(mesh: Any, kind: str, key: Optional[str], names: Optional[Mapping[int, str]]) -> Group:
+    dimension, n_nodes = (2, 3) if kind == "triangle" else (3, 4)
+    nodes = integers(kind, _joined(mesh, kind, kind, [block.data for block in mesh.cells]), (None, n_nodes))
+    bad = np.argwhere((nodes < 0) | (nodes >= len(mesh.points)))
+    if len(bad):
+        raise Error(f"{kind}: expected numbers of points from 0 to {len(mesh.points) - 1}, found {nodes[tuple(bad[0])]} in row "
+                    f"{bad[0][0]}")
+    tags = None
+    if key is not None:
+        name = f"cell data {key!r}"
+        tags = _joined(mesh, kind, name, mesh.cell_data[key])
+        if tags.dtype.kind == "f" and np.array_equal(tags, np.rint(tags)):  # as formats of text have them
+            tags = tags.astype(np.int64)
+        tags = integers(name, tags, (len(nodes),))
+    if names is None:
+        names = {int(v[0]): k for k, v in mesh.field_data.items() if np.shape(v) == (2,) and v[1] == dimension}
+    return Group(kind, nodes, tags, dict(names), _sets(mesh, kind))
+
+
+def _sets(mesh: Any, kind: str) -> dict[str, np.ndarray]:
+    """Rows of the triangles or tetrahedra of each cell set."""
+    blocks = [block for block in mesh.cells if block.type == kind]
+    starts = dict(zip(map(id, blocks), np.cumsum([0] + [len(block.data) for block in blocks])))
+    sets = {}
+    for name, arrays in mesh.cell_sets.items():
+        rows = [starts[id(block)] + integers(f"cell set {name!r}", array, (None,)) for block, array in zip(mesh.cells, arrays)
+                if id(block) in starts and array is not None]
+        rows = np.concatenate(rows) if rows else np.empty(0, np.int64)
+        if len(rows) and not name.startswith("gmsh:"):
+            sets[name] = rows
+    return sets
+
+
+def _leave_one_of_each(mesh: Any, key: Optional[str], group: Group, remarks: list[str]) -> np.ndarray:
+    """Leaves out what Gmsh's format 2.2 writes again for each further group of an entity: as the reader of Gmsh's files does, those
+    in the group with the smallest number stay. Returns which rows stay."""
+    kept = np.ones(len(group.nodes), bool)
+    if key != "gmsh:physical" or ENTITY not in mesh.cell_data or group.tags is None or not len(kept):
+        return kept
+    entity = integers(ENTITY, _joined(mesh, group.kind, ENTITY, mesh.cell_data[ENTITY]), (len(kept),))
+    if len(np.unique(np.stack([entity, group.tags]), axis=1)[0]) == len(np.unique(entity)):
+        return kept
+    _, place = np.unique(np.sort(group.nodes, axis=1), axis=0, return_inverse=True)
+    smallest = np.full(len(kept), np.iinfo(np.int64).max)
+    np.minimum.at(smallest, place.ravel(), group.tags)
+    kept = group.tags == smallest[place.ravel()]
+    pairs = Counter(zip(smallest[place.ravel()][~kept].tolist(), group.tags[~kept].tolist()))
+    for (one, other), n in sorted(pairs.items()):
+        first, second = group.name(one), group.name(other)
+        remarks.append(f"{n} {group.things} are in the group '{first}' and in '{second}': they stay in '{first}', which has "
+                       f"the smaller number")
+    rows = np.cumsum(kept) - 1
+    group.sets = {name: rows[members[kept[members]]] for name, members in group.sets.items()}
+    group.nodes, group.tags = group.nodes[kept], group.tags[kept]
+    return kept
+
+
+def _tag_by_sets(group: Group, remarks: list[str]) -> None:
+    """Where there are no tags: the number of the first cell set that each is in, 0 without one."""
+    if not group.sets:
+        return
+    group.tags = np.zeros(len(group.nodes), np.int64)
+    group.names = {**{i + 1: name for i, name in enumerate(group.sets)}, **group.names}
+    for number, (name, rows) in enumerate(group.sets.items(), 1):
+        before = group.tags[rows]
+        for other, n in sorted(Counter(before[before > 0].tolist()).items()):
+            remarks.append(f"{n} {group.things} are in the cell sets '{group.name(other)}' and '{name}': they stay in "
+                           f"'{group.name(other)}', which comes first")
+        group.tags[rows[before == 0]] = number
+    if group.kind == "triangle":
+        inside = group.tags > 0
+        group.nodes, group.tags = group.nodes[inside], group.tags[inside]
+
+
+def _compare_sets(group: Group, remarks: list[str]) -> None:
+    """Cell sets beside tags are kept as far as they say the same."""
+    for name, rows in group.sets.items():
+        for tag, n in sorted(Counter(group.tags[rows].tolist()).items()):
+            if group.name(tag) != name:
+                remarks.append(f"{n} {group.things} of the cell set '{name}' are in '{group.name(tag)}' by their tags and stay "
+                               f"there")
+
+
+def _sides(cells: np.ndarray, triangles: np.ndarray, n_points: int) -> np.ndarray:
+    """The tetrahedra at each triangle, n x 2, ascending; -1: none."""
+    faces = np.concatenate([np.delete(cells, corner, axis=1) for corner in range(4)])
+    owner = np.tile(np.arange(len(cells)), 4)
+    at_triangles = np.zeros(n_points, bool)
+    at_triangles[triangles] = True
+    near = at_triangles[faces].all(axis=1)
+    faces, owner = faces[near], owner[near]
+    _, key = np.unique(np.sort(np.concatenate([triangles, faces]), axis=1), axis=0, return_inverse=True)
+    of_triangle, of_face = np.split(key.ravel(), [len(triangles)])
+    order = np.lexsort((owner, of_face))
+    first, last = (np.searchsorted(of_face[order], of_triangle, side) for side in ("left", "right"))
+    sides = np.full((len(triangles), 2), -1)
+    for side in (0, 1):
+        there = last - first > side
+        sides[there, side] = owner[order][first[there] + side]
+    return sides
+
+
+def _at_the_boundary(triangle: Group, cells: np.ndarray, n_points: int, region: Optional[np.ndarray],
+                     remarks: list[str]) -> tuple[np.ndarray, np.ndarray]:
+    """The triangles that are faces of the boundary; those between two regions are left out."""
+    assert triangle.tags is not None
+    sides = _sides(cells, triangle.nodes, n_points)
+    inner = sides[:, 1] >= 0
+    between = inner & (region is not None and region[sides[:, 0]] != region[sides[:, 1]])
+    n_bad = int((inner & ~between).sum() + (sides[:, 0] < 0).sum())
+    if n_bad:
+        raise Error(f"from_meshio: expected tagged triangles on the boundary of the tetrahedra or between two regions of them, "
+                    f"found {n_bad} inside a region or apart from the cells")
+    for tag, n in sorted(Counter(triangle.tags[between].tolist()).items()):
+        remarks.append(f"{n} triangles of '{triangle.name(tag)}' lie between two regions and are no patch: the field 'region' has "
+                       f"what lies on either side, and new nodes stay on these triangles")
+    return triangle.nodes[~between], triangle.tags[~between]
+
+
+def _without_other_points(mesh: Any, tetra: Group, tagged: tuple[np.ndarray, np.ndarray], names: dict, of_cells: dict,
+                          remarks: list[str]) -> Parts:
+    used, corner = np.unique(tetra.nodes, return_inverse=True)
+    new = np.full(len(mesh.points), -1, np.int64)
+    new[used] = np.arange(len(used))
+    if len(used) < len(mesh.points):
+        remarks.append(f"{len(mesh.points) - len(used)} points of no tetrahedron were left out")
+    points = np.zeros((len(used), 3))
+    given = reals("points", mesh.points, (len(mesh.points), np.shape(mesh.points)[1]), finite=False)
+    points[:, :given.shape[1]] = given[used]
+    at_points = {k: plain(f"point data {k!r}", v)[used] for k, v in mesh.point_data.items()}
+    regions = tetra.names if REGION in of_cells and of_cells[REGION] is tetra.tags else {}
+    present = set(tagged[1].tolist())
+    return Parts(points, corner.reshape(tetra.nodes.shape), new[tagged[0]], tagged[1],
+                 {tag: name for tag, name in names.items() if tag in present}, regions, of_cells, at_points, remarks)
