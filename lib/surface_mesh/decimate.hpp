@@ -3,15 +3,16 @@
 
 #include <cstdint>
 
+#include "pamr/base/exact.hpp"
 #include "pamr/geometry/triangulated/triangulation.hpp"
 #include "surface_mesh/surface_distance.hpp"
 
 namespace pamr::surface_mesh {
 
 struct DecimateOptions {
-  double error = 0;              ///< largest distance between the two surfaces, length unit; 0: none asked for
-  std::int64_t n_triangles = 0;  ///< ends when no more are left; 0: as few as the error allows
-  double feature_angle = 40;     ///< degrees between two triangles, more is a sharp edge, which is kept
+  double error = 0;                     ///< largest distance between the two surfaces, length unit; 0: none asked for
+  Exact<std::int64_t> n_triangles = 0;  ///< ends when no more are left; 0: as few as the error allows
+  double feature_angle = 40;            ///< degrees between two triangles, more is a sharp edge, which is kept
 };
 
 struct Decimated {

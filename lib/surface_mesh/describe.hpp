@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "pamr/base/exact.hpp"
 #include "pamr/geometry/triangulated/triangulation.hpp"
 
 namespace pamr::surface_mesh {
@@ -76,9 +77,9 @@ struct Description {
 };
 
 struct DescribeOptions {
-  double feature_angle = 40;            ///< degrees between two triangles, more is a sharp edge
-  bool find_self_intersections = true;  /// 1 s for a million triangles
-  bool find_deviation = true;           /// 7 s for a million triangles
+  double feature_angle = 40;                   ///< degrees between two triangles, more is a sharp edge
+  Exact<bool> find_self_intersections = true;  /// 1 s for a million triangles
+  Exact<bool> find_deviation = true;           /// 7 s for a million triangles
 };
 
 /// Describes any triangles (`geometry::read_soup`). Local, serial. O(n log n).

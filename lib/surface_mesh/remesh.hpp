@@ -3,6 +3,7 @@
 
 #include <cstdint>
 
+#include "pamr/base/exact.hpp"
 #include "pamr/geometry/triangulated/triangulation.hpp"
 
 namespace pamr::surface_mesh {
@@ -10,7 +11,7 @@ namespace pamr::surface_mesh {
 struct RemeshOptions {
   double size = 0;            ///< edge length to reach
   double feature_angle = 40;  ///< degrees between two triangles, more is a sharp edge, which is kept and split
-  int n_steps = 3;
+  Exact<int> n_steps = 3;
 };
 
 struct Remeshed {

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "pamr/base/exact.hpp"
 #include "surface_mesh/clean.hpp"
 #include "surface_mesh/describe.hpp"
 #include "surface_mesh/mend.hpp"
@@ -16,7 +17,7 @@ struct RepairOptions {
   double max_hole = -1;       ///< holes up to this diagonal are closed, length unit; negative: a tenth of the diagonal
   double min_shell_area = 0;  ///< shells below are dropped, squared length unit
   double feature_angle = 40;  ///< for the description afterwards
-  bool resolve_intersections = true;
+  Exact<bool> resolve_intersections = true;
 };
 
 /// What every step changed, in the order of the steps, and what is left.

@@ -3,12 +3,13 @@
 
 #include <cstdint>
 
+#include "pamr/base/exact.hpp"
 #include "pamr/geometry/triangulated/triangulation.hpp"
 
 namespace pamr::surface_mesh {
 
 struct SmoothOptions {
-  int n_steps = 5;
+  Exact<int> n_steps = 5;
   double max_move = 0;        ///< a point moves no farther along its normal, length unit; 0: no bound
   double feature_angle = 40;  ///< degrees between two triangles, more is a sharp edge, whose points stay
 };

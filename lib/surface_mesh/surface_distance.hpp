@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "pamr/base/exact.hpp"
 #include "pamr/geometry/triangulated/triangulation.hpp"
 
 namespace pamr::surface_mesh {
@@ -25,9 +26,10 @@ struct SurfaceDistance {
 };
 
 struct DistanceOptions {
-  double enough = 0;                     ///< ends when `at_most` is no more than that, length unit
-  double precision = 0.02;               ///< or than `at_least` and this part of it
-  std::int64_t max_queries = 2'000'000;  ///< or after so many nearest points beyond those of the points of `from`
+  double enough = 0;        ///< ends when `at_most` is no more than that, length unit
+  double precision = 0.02;  ///< or than `at_least` and this part of it
+  Exact<std::int64_t> max_queries =
+      2'000'000;  ///< or after so many nearest points beyond those of the points of `from`
 };
 
 /// One-sided Hausdorff distance from the triangles of `from` to those of `to`. Triangles with an upper bound that is

@@ -38,7 +38,7 @@ DescribedSurface described_plane(const std::string& name, const Written<Vec3>& p
           head(name, "plane") + fmt::format("point = {}\nnormal = {}\n", point.toml, normal.toml)};
 }
 
-DescribedSurface described_plane(const std::string& name, int axis, double at) {
+DescribedSurface described_plane(const std::string& name, Exact<int> axis, double at) {
   const auto along = [axis](double value) {
     return Vec3{axis == 0 ? value : 0.0, axis == 1 ? value : 0.0, axis == 2 ? value : 0.0};
   };

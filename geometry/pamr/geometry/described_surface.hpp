@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "pamr/base/exact.hpp"
 #include "pamr/geometry/profile.hpp"
 #include "pamr/geometry/surface.hpp"
 #include "pamr/geometry/surface_set.hpp"
@@ -35,7 +36,7 @@ struct DescribedSurface {
 };
 DescribedSurface described_plane(const std::string& name, const Written<Vec3>& point, const Written<Vec3>& normal);
 /// The plane across a coordinate axis (0, 1, 2) that cuts it at `at`.
-DescribedSurface described_plane(const std::string& name, int axis, double at);
+DescribedSurface described_plane(const std::string& name, Exact<int> axis, double at);
 DescribedSurface described_sphere(const std::string& name, const Written<Vec3>& center, const Written<double>& radius);
 DescribedSurface described_cylinder(const std::string& name, const Written<Vec3>& point, const Written<Vec3>& axis,
                                     const Written<double>& radius);

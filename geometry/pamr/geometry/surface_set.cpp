@@ -15,7 +15,7 @@ int SurfaceSet::index_of(std::string_view wanted) const {
   return place == name.end() ? -1 : static_cast<int>(place - name.begin());
 }
 
-const Surface* SurfaceSet::get(int index) const {
+const Surface* SurfaceSet::get(Exact<int> index) const {
   return index < 0 || index >= size() ? nullptr : surface[static_cast<std::size_t>(index)].get();
 }
 

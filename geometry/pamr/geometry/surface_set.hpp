@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "pamr/base/exact.hpp"
 #include "pamr/geometry/triangulated/triangulation.hpp"
 
 namespace pamr::geometry {
@@ -27,7 +28,7 @@ struct SurfaceSet {
   /// The surface of that name, or null.
   const Surface* find(std::string_view wanted) const { return get(index_of(wanted)); }
   /// The surface of that index; null for an index that is none, and where the description was not read.
-  const Surface* get(int index) const;
+  const Surface* get(Exact<int> index) const;
 
   /// Adds a surface; the description does not change. Throws `Error` for a name that is taken.
   void add(std::string new_name, std::string where, std::shared_ptr<const Surface> new_surface);

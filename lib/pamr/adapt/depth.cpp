@@ -64,7 +64,7 @@ bool is_too_deep(const mesh::DistMesh& mesh, const refine::Closure& closure) {
   return first_too_deep(mesh, closure) != none;
 }
 
-std::int64_t count_splits_from_level(const mesh::DistMesh& mesh, const refine::Closure& closure, int level) {
+std::int64_t count_splits_from_level(const mesh::DistMesh& mesh, const refine::Closure& closure, Exact<int> level) {
   std::int64_t n = 0;
   for_each_split_from_level(mesh, closure, level, [&n](LocalId) { ++n; });
   return n;

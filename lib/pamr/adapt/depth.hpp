@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "pamr/base/exact.hpp"
 #include "pamr/mesh/dist_mesh.hpp"
 #include "pamr/par/comm.hpp"
 #include "pamr/refine/closure.hpp"
@@ -32,7 +33,7 @@ bool is_too_deep(const mesh::DistMesh& mesh, const refine::Closure& closure);
 /// spare them it is none in meshes that were refined under `removable` alone: marks on edges of one level follow from
 /// splits of cells of that level only. Cells of families that were kept or made by another policy have edges of other
 /// levels than theirs. Local.
-std::int64_t count_splits_from_level(const mesh::DistMesh& mesh, const refine::Closure& closure, int level);
+std::int64_t count_splits_from_level(const mesh::DistMesh& mesh, const refine::Closure& closure, Exact<int> level);
 
 /// Throws `Error` on every rank when closing the mesh would split a cell of the deepest level into eight, though it was
 /// not flagged itself. Collective: one reduction.

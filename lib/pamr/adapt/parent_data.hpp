@@ -7,6 +7,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "pamr/base/exact.hpp"
 #include "pamr/mesh/dist_mesh.hpp"
 #include "pamr/par/comm.hpp"
 
@@ -29,7 +30,7 @@ struct CellRows {
   std::vector<std::size_t> offset{0};  ///< n + 1
   std::vector<T> value;
 
-  std::span<const T> row(std::size_t i) const {
+  std::span<const T> row(Exact<std::size_t> i) const {
     return std::span<const T>(value).subspan(offset[i], offset[i + 1] - offset[i]);
   }
 };

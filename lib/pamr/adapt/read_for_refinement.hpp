@@ -6,6 +6,7 @@
 #include <string>
 
 #include "pamr/adapt/balance_parents.hpp"
+#include "pamr/base/exact.hpp"
 #include "pamr/base/timer.hpp"
 #include "pamr/mesh/dist_mesh.hpp"
 #include "pamr/par/comm.hpp"
@@ -25,7 +26,7 @@ struct ReadingOptions {
   std::string marks_field = "refine";  ///< integer cell field, 1 for a cell to be refined; without it cells count alike
   Ordering ordering = Ordering::automatic;
   Balancing balancing = {};                                    ///< whose field of weights is checked
-  bool build_surfaces = true;                                  ///< see `io::ReadOptions`
+  Exact<bool> build_surfaces = true;                           ///< see `io::ReadOptions`
   std::function<void(const std::string& remark)> remark = {};  ///< see `io::ReadOptions`
 };
 

@@ -77,7 +77,7 @@ void describe_boundary(mesh::MeshInfo& info) {
 
 }  // namespace
 
-mesh::BlockMesh kuhn_cube(const par::Comm& comm, int n) {
+mesh::BlockMesh kuhn_cube(const par::Comm& comm, Exact<int> n) {
   if (n < 1 || n > 100000) throw Error(fmt::format("Kuhn cube: expected 1 to 100000 cubes along an edge, found {}", n));
   const Grid grid{n};
   mesh::BlockMesh block;

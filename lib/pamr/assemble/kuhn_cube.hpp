@@ -2,6 +2,7 @@
 #pragma once
 
 #include "pamr/assemble/assemble.hpp"
+#include "pamr/base/exact.hpp"
 #include "pamr/par/comm.hpp"
 
 namespace pamr::assemble {
@@ -12,6 +13,6 @@ namespace pamr::assemble {
 /// tied to the plane of its name. Neighbors are given; every rank holds the canonical block of the cells and of the
 /// nodes. Local, though it asks `comm` for rank and size; each rank makes its own block. Throws `Error` unless 1 <= n
 /// <= 10^5. Cost: O(block). Source: H. W. Kuhn, "Some combinatorial lemmas in topology", IBM J. Res. Dev. 4 (1960).
-mesh::BlockMesh kuhn_cube(const par::Comm& comm, int n);
+mesh::BlockMesh kuhn_cube(const par::Comm& comm, Exact<int> n);
 
 }  // namespace pamr::assemble

@@ -60,7 +60,7 @@ TurnedCells turn_inverted(const par::Comm& comm, mesh::BlockMesh& block) {
   return {count[0], count[1]};
 }
 
-TurnedCells orient(const par::Comm& comm, mesh::BlockMesh& block, bool repair) {
+TurnedCells orient(const par::Comm& comm, mesh::BlockMesh& block, Exact<bool> repair) {
   const auto result = turn_inverted(comm, block);
   const auto n_turned = result.n_turned;
   if (result.n_flat == 0 && n_turned > 0 && n_turned < block.info.n_global_cells && !repair)

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 
+#include "pamr/base/exact.hpp"
 #include "pamr/mesh/block_mesh.hpp"
 #include "pamr/par/comm.hpp"
 
@@ -22,6 +23,6 @@ TurnedCells turn_inverted(const par::Comm& comm, mesh::BlockMesh& block);
 /// The same for sources that do care: turns the inverted cells over where all are, because the source has the other
 /// order of corners, and where `repair` asks for it. Collective. Throws `Error` on every rank, with the counts, for
 /// other meshes with inverted cells; not where there are flat ones, which the caller has to refuse.
-TurnedCells orient(const par::Comm& comm, mesh::BlockMesh& block, bool repair);
+TurnedCells orient(const par::Comm& comm, mesh::BlockMesh& block, Exact<bool> repair);
 
 }  // namespace pamr::assemble

@@ -193,7 +193,7 @@ const char* name_of(Method method) {
 }
 
 Quality measure(const par::Comm& comm, const mesh::DistMesh& mesh, std::span<const std::int64_t> weight,
-                std::span<const Rank> part, Rank n_parts) {
+                std::span<const Rank> part, Exact<Rank> n_parts) {
   PAMR_EXPECTS(part.size() == at(mesh.n_cells()) && weight.size() == part.size());
   Quality quality;
   std::vector<PartPair> pairs;
@@ -207,7 +207,7 @@ Quality measure(const par::Comm& comm, const mesh::DistMesh& mesh, std::span<con
   return quality;
 }
 
-Quality measure_ranks(const par::Comm& comm, const mesh::DistMesh& mesh, std::int64_t weight_here) {
+Quality measure_ranks(const par::Comm& comm, const mesh::DistMesh& mesh, Exact<std::int64_t> weight_here) {
   const auto of_rank = comm.all_gather(weight_here);
   const auto n_neighbors = static_cast<std::int64_t>(mesh.border_rank.size());
   Quality quality;
@@ -220,7 +220,7 @@ Quality measure_ranks(const par::Comm& comm, const mesh::DistMesh& mesh, std::in
 }
 
 Partition partition(const par::Comm& comm, const mesh::DistMesh& mesh, std::span<const std::int64_t> weight,
-                    Rank n_parts, const Options& options) {
+                    Exact<Rank> n_parts, const Options& options) {
   PAMR_EXPECTS(weight.size() == at(mesh.n_cells()) && n_parts >= 1);
   Partition result;
   const bool are_ranks = n_parts == comm.size();

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "pamr/base/exact.hpp"
 #include "pamr/mesh/dist_mesh.hpp"
 #include "pamr/par/comm.hpp"
 
@@ -40,7 +41,7 @@ struct Options {
   /// Vertices of the graph that Scotch gets for each part: so many groups of cells that lie together. The borders
   /// between the parts are smoothed cell by cell afterwards. More cut fewer faces and take longer. 0: every cell and
   /// every closure family is a vertex.
-  std::int64_t vertices_per_part = 500;
+  Exact<std::int64_t> vertices_per_part = 500;
   /// `best` takes runs that cut at most this many times the faces that compact parts would have between them. Along a
   /// space-filling curve it is 1 to 1.5, where cells lie in no order far more.
   double runs_accepted = 2;
@@ -58,11 +59,11 @@ struct Quality {
 /// Looks at `part` (0 .. n_parts-1), the part of each of this rank's cells. Collective: one neighbor exchange, one
 /// sparse exchange of 8 bytes a pair of adjacent parts that a rank sees, reductions of n_parts integers.
 Quality measure(const par::Comm& comm, const mesh::DistMesh& mesh, std::span<const std::int64_t> weight,
-                std::span<const Rank> part, Rank n_parts);
+                std::span<const Rank> part, Exact<Rank> n_parts);
 
 /// The same for the distribution over the ranks that the mesh has, part by rank; faster: from the rank borders alone.
 /// `weight_here`: of this rank's cells together. Collective: four reductions.
-Quality measure_ranks(const par::Comm& comm, const mesh::DistMesh& mesh, std::int64_t weight_here);
+Quality measure_ranks(const par::Comm& comm, const mesh::DistMesh& mesh, Exact<std::int64_t> weight_here);
 
 struct Partition {
   std::vector<Rank> part;        ///< of each of this rank's cells; whole families in one part
@@ -76,6 +77,6 @@ struct Partition {
 /// choose from is cut into runs. More parts than cells leave parts empty. Collective. Cost: O(cells / ranks) and Scotch
 /// on `vertices_per_part * n_parts` vertices.
 Partition partition(const par::Comm& comm, const mesh::DistMesh& mesh, std::span<const std::int64_t> weight,
-                    Rank n_parts, const Options& options = {});
+                    Exact<Rank> n_parts, const Options& options = {});
 
 }  // namespace pamr::balance

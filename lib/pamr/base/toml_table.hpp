@@ -11,6 +11,8 @@
 #include <string_view>
 #include <vector>
 
+#include "pamr/base/exact.hpp"
+
 namespace pamr {
 
 /// The numbers that a key accepts: finite, from `low` to `high`, ends included unless `low_excluded`.
@@ -76,7 +78,7 @@ class TomlTable {
   std::vector<std::int64_t> integers(std::string_view key, std::int64_t low, std::int64_t high) const;
 
   bool flag(std::string_view key) const;
-  bool flag_or(std::string_view key, bool fallback) const { return has(key) ? flag(key) : fallback; }
+  bool flag_or(std::string_view key, Exact<bool> fallback) const { return has(key) ? flag(key) : bool{fallback}; }
 
   /// A text that is not empty. `expected` says for messages what it stands for: "the name of a patch".
   std::string text(std::string_view key, std::string_view expected = "a text") const;

@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <limits>
 
+#include "pamr/base/exact.hpp"
+
 namespace pamr {
 
 /// Index of a node or cell on this rank, 0-based.
@@ -15,7 +17,9 @@ using Rank = int;
 
 /// All nodes or all cells of a mesh by number: `n` of them from `first` on. A plain count stands for numbers from 0 on.
 struct IdRange {
-  constexpr IdRange(GlobalId count, GlobalId first_id = 0) : n(count), first(first_id) {}
+  constexpr IdRange(GlobalId count, Exact<GlobalId> first_id = 0) : n(count), first(first_id) {}
+  template <Narrows<GlobalId> T>
+  IdRange(T count, GlobalId first_id = 0) = delete;
 
   constexpr GlobalId end() const { return first + n; }
   constexpr bool contains(GlobalId id) const { return id >= first && id < end(); }

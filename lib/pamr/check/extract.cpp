@@ -45,7 +45,7 @@ mesh::CellField cell_field(std::string name, mesh::StorageType storage) {
 
 }  // namespace
 
-std::vector<std::uint8_t> worst_cells(const par::Comm& comm, const mesh::DistMesh& mesh, std::int64_t count) {
+std::vector<std::uint8_t> worst_cells(const par::Comm& comm, const mesh::DistMesh& mesh, Exact<std::int64_t> count) {
   std::vector<par::SortKey> key;
   key.reserve(mesh.cell_to_node.size());
   for (LocalId cell = 0; cell < mesh.n_cells(); ++cell) {

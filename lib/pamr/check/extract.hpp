@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "pamr/base/exact.hpp"
 #include "pamr/mesh/dist_mesh.hpp"
 #include "pamr/par/comm.hpp"
 
@@ -13,7 +14,7 @@ namespace pamr::check {
 /// Chooses the `count` cells of lowest mean ratio, all of them when there are fewer: `result[c]` is 1 for a chosen
 /// cell. Ties are broken by the centroid's coordinates, so the choice does not depend on numbering or ranks.
 /// Collective: at most 41 reductions.
-std::vector<std::uint8_t> worst_cells(const par::Comm& comm, const mesh::DistMesh& mesh, std::int64_t count);
+std::vector<std::uint8_t> worst_cells(const par::Comm& comm, const mesh::DistMesh& mesh, Exact<std::int64_t> count);
 
 /// A mesh of the chosen cells alone, in their old order: the faces laid bare form the one patch `cut`, all cells are
 /// regular. Cell fields: `cell` (old global number), `level`, and each of `metric_names`. `chosen` has one entry a

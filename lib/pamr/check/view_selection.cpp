@@ -90,7 +90,7 @@ std::vector<BoundaryFace> boundary_faces(const mesh::DistMesh& mesh) {
   return faces;
 }
 
-GlobalId NodeNames::name(const mesh::DistMesh& mesh, LocalId node) const {
+GlobalId NodeNames::name(const mesh::DistMesh& mesh, Exact<LocalId> node) const {
   if (!are_merged()) return mesh.node_global[at(node)];
   const auto x = coordinates(mesh.point(node));
   GlobalId key = 0;
@@ -102,7 +102,7 @@ GlobalId NodeNames::name(const mesh::DistMesh& mesh, LocalId node) const {
   return -1 - key;
 }
 
-NodeNames merge_nodes(const par::Comm& comm, const mesh::DistMesh& mesh, const ViewBox& box, std::int64_t limit,
+NodeNames merge_nodes(const par::Comm& comm, const mesh::DistMesh& mesh, const ViewBox& box, Exact<std::int64_t> limit,
                       std::vector<BoundaryFace>& faces) {
   NodeNames names(box);
   if (comm.sum(std::ssize(faces)) <= limit) return names;
@@ -116,7 +116,7 @@ NodeNames merge_nodes(const par::Comm& comm, const mesh::DistMesh& mesh, const V
   return names;
 }
 
-std::vector<WorstCell> find_worst_cells(const par::Comm& comm, const mesh::DistMesh& mesh, std::int64_t count) {
+std::vector<WorstCell> find_worst_cells(const par::Comm& comm, const mesh::DistMesh& mesh, Exact<std::int64_t> count) {
   const auto chosen = worst_cells(comm, mesh, count);
   std::vector<WorstCell> here;
   for (LocalId cell = 0; cell < mesh.n_cells(); ++cell) {

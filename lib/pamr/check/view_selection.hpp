@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "pamr/base/exact.hpp"
 #include "pamr/geometry/vec3.hpp"
 #include "pamr/mesh/dist_mesh.hpp"
 #include "pamr/par/comm.hpp"
@@ -40,7 +41,7 @@ std::vector<BoundaryFace> boundary_faces(const mesh::DistMesh& mesh);
 class NodeNames {
  public:
   explicit NodeNames(const ViewBox& box, int boxes_a_side = 0) : box_(&box), boxes_(boxes_a_side) {}
-  GlobalId name(const mesh::DistMesh& mesh, LocalId node) const;
+  GlobalId name(const mesh::DistMesh& mesh, Exact<LocalId> node) const;
   bool are_merged() const { return boxes_ > 0; }
   int boxes_a_side() const { return boxes_; }
 
@@ -52,7 +53,7 @@ class NodeNames {
 /// Removes faces until at most `limit` are left on all ranks: merges nodes in boxes of a grid as fine as may be, and
 /// drops the faces that lose a corner. Returns the names of the nodes of the others. Collective: a reduction for each
 /// grid that is tried, each 0.8 times as fine as the one before.
-NodeNames merge_nodes(const par::Comm& comm, const mesh::DistMesh& mesh, const ViewBox& box, std::int64_t limit,
+NodeNames merge_nodes(const par::Comm& comm, const mesh::DistMesh& mesh, const ViewBox& box, Exact<std::int64_t> limit,
                       std::vector<BoundaryFace>& faces);
 
 /// One of the cells of lowest mean ratio.
@@ -62,7 +63,7 @@ struct WorstCell {
   std::array<GlobalId, 4> node{};
 };
 /// The worst `count`, worst first, on every rank. Collective.
-std::vector<WorstCell> find_worst_cells(const par::Comm& comm, const mesh::DistMesh& mesh, std::int64_t count);
+std::vector<WorstCell> find_worst_cells(const par::Comm& comm, const mesh::DistMesh& mesh, Exact<std::int64_t> count);
 
 /// The cells of a view.
 struct CellSelection {

@@ -5,7 +5,7 @@
 
 namespace pamr::locate {
 
-LocalId Locator::find(geometry::Vec3 point, LocalId near) const {
+LocalId Locator::find(geometry::Vec3 point, Exact<LocalId> near) const {
   if (!std::isfinite(point.x) || !std::isfinite(point.y) || !std::isfinite(point.z)) return invalid_local;
   if (near >= 0 && near < mesh_->n_cells()) {
     const auto end = walk_towards(*mesh_, near, point);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "pamr/base/exact.hpp"
 #include "pamr/locate/cell_tree.hpp"
 #include "pamr/locate/walk.hpp"
 #include "pamr/mesh/dist_mesh.hpp"
@@ -17,7 +18,7 @@ class Locator {
   /// with the smallest global number; `invalid_local` if there is none.
   /// `near`: a cell to walk from, for example the one that the point was in before; it changes the time, never the
   /// result. Local. Cost: a walk, or O(log(cells)).
-  LocalId find(geometry::Vec3 point, LocalId near = invalid_local) const;
+  LocalId find(geometry::Vec3 point, Exact<LocalId> near = invalid_local) const;
 
   const CellTree& tree() const { return tree_; }
 

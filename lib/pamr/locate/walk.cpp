@@ -39,12 +39,12 @@ int worst_face(const geometry::TetPoints& p, geometry::Vec3 x, const std::array<
 
 }  // namespace
 
-int side_of_cell(const mesh::DistMesh& mesh, LocalId cell, geometry::Vec3 point) {
+int side_of_cell(const mesh::DistMesh& mesh, Exact<LocalId> cell, geometry::Vec3 point) {
   const auto side = sides(mesh.points(cell), point);
   return *std::min_element(side.begin(), side.end());
 }
 
-WalkEnd walk_towards(const mesh::DistMesh& mesh, LocalId start, geometry::Vec3 point) {
+WalkEnd walk_towards(const mesh::DistMesh& mesh, Exact<LocalId> start, geometry::Vec3 point) {
   // A walk through n cells crosses some n^(1/3) of them; one of many times that goes around in a circle.
   constexpr int fewest = 64;
   const int most = fewest + static_cast<int>(8 * std::cbrt(static_cast<double>(mesh.n_cells())));

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 
+#include "pamr/base/exact.hpp"
 #include "pamr/geometry/vec3.hpp"
 #include "pamr/mesh/dist_mesh.hpp"
 
@@ -27,9 +28,9 @@ struct WalkEnd {
 /// cell between. Decided by exact predicates. A walk ends at the first boundary face that it meets, also where the
 /// domain goes on behind it: `Locator` then looks in all cells. Local; about 20 ns a step.
 /// Pre: `start` is a cell of this rank, the point is finite.
-WalkEnd walk_towards(const mesh::DistMesh& mesh, LocalId start, geometry::Vec3 point);
+WalkEnd walk_towards(const mesh::DistMesh& mesh, Exact<LocalId> start, geometry::Vec3 point);
 
 /// Whether a cell holds a point: 1 strictly inside, 0 on its surface, -1 outside. Exact. Local.
-int side_of_cell(const mesh::DistMesh& mesh, LocalId cell, geometry::Vec3 point);
+int side_of_cell(const mesh::DistMesh& mesh, Exact<LocalId> cell, geometry::Vec3 point);
 
 }  // namespace pamr::locate

@@ -42,7 +42,7 @@ constexpr double smallest_part = 0.98;  ///< of the cells that are wanted
 }  // namespace
 
 std::vector<std::uint8_t> marks_within_budget(const par::Comm& comm, const mesh::DistMesh& mesh,
-                                              std::span<const double> indicator, std::int64_t max_cells,
+                                              std::span<const double> indicator, Exact<std::int64_t> max_cells,
                                               const Prediction& predicted_cells) {
   auto best = mark::marks_of(indicator);
   std::int64_t too_many = mark::count_marked(comm, best);
@@ -62,7 +62,7 @@ std::vector<std::uint8_t> marks_within_budget(const par::Comm& comm, const mesh:
 }
 
 Choice choose_within_budget(const par::Comm& comm, const mesh::DistMesh& mesh, const Request& request,
-                            const Applied& applied, std::int64_t max_cells, bool fill,
+                            const Applied& applied, Exact<std::int64_t> max_cells, Exact<bool> fill,
                             const PredictionBothWays& predicted_cells) {
   constexpr double last_exponent = 64;
   const Trials trials(comm, mesh, request, predicted_cells);

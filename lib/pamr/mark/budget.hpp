@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "pamr/base/exact.hpp"
 #include "pamr/mark/apply_criteria.hpp"
 #include "pamr/mark/indicator.hpp"
 #include "pamr/mesh/dist_mesh.hpp"
@@ -20,7 +21,7 @@ using Prediction = std::function<std::int64_t(std::span<const std::uint8_t> mark
 /// predicted number of cells within `max_cells`; none when even one is too many.
 /// Collective: log2(wanted) predictions. Pre: a prediction grows with its marks.
 std::vector<std::uint8_t> marks_within_budget(const par::Comm& comm, const mesh::DistMesh& mesh,
-                                              std::span<const double> indicator, std::int64_t max_cells,
+                                              std::span<const double> indicator, Exact<std::int64_t> max_cells,
                                               const Prediction& predicted_cells);
 
 /// Size of the mesh after splitting the marked cells and taking back those that may go (and are not marked);
@@ -41,7 +42,7 @@ struct Choice {
 /// Fewer cells result if one level of splitting does not give as many, more if one level of coarsening does not take as
 /// many. `applied`: `apply` of the request itself. Collective: about 30 predictions. Pre: some criterion has a value.
 Choice choose_within_budget(const par::Comm& comm, const mesh::DistMesh& mesh, const Request& request,
-                            const Applied& applied, std::int64_t max_cells, bool fill,
+                            const Applied& applied, Exact<std::int64_t> max_cells, Exact<bool> fill,
                             const PredictionBothWays& predicted_cells);
 
 }  // namespace pamr::mark

@@ -6,6 +6,7 @@
 #include <variant>
 #include <vector>
 
+#include "pamr/base/exact.hpp"
 #include "pamr/mark/field_criteria.hpp"
 #include "pamr/mark/geometric_criteria.hpp"
 
@@ -66,11 +67,11 @@ struct Criterion {
 struct Request {
   std::vector<Criterion> criteria;
   CellSize size = CellSize::cbrt_volume;
-  std::optional<int> max_level;
+  std::optional<Exact<int>> max_level;
   std::vector<Cutoff> only_where;
-  bool coarsen_rest = false;  ///< cells that meet no criterion may go
-  int min_level = 0;          ///< cells of this level and below stay
-  int keep_for = 0;           ///< so many times a cell that may go stays, see `keep_for_a_while`
+  Exact<bool> coarsen_rest = false;  ///< cells that meet no criterion may go
+  Exact<int> min_level = 0;          ///< cells of this level and below stay
+  Exact<int> keep_for = 0;           ///< so many times a cell that may go stays, see `keep_for_a_while`
 
   /// Whether cells may go at all.
   bool coarsens() const;

@@ -87,7 +87,7 @@ Indicator beyond_threshold(const par::Comm& comm, const mesh::DistMesh& mesh, st
   return beyond(scalar_on_cells(comm, mesh, field), side, threshold);
 }
 
-double cell_size(const mesh::DistMesh& mesh, LocalId cell, CellSize measure) {
+double cell_size(const mesh::DistMesh& mesh, Exact<LocalId> cell, CellSize measure) {
   const auto p = mesh.points(cell);
   if (measure == CellSize::cbrt_volume) return std::cbrt(std::abs(geometry::volume(p)));
   double longest = 0;

@@ -5,6 +5,7 @@
 #include <string_view>
 #include <vector>
 
+#include "pamr/base/exact.hpp"
 #include "pamr/mark/indicator.hpp"
 
 namespace pamr::mark {
@@ -27,7 +28,7 @@ Indicator beyond_threshold(const par::Comm& comm, const mesh::DistMesh& mesh, st
 
 /// Measure of a cell's size, length unit: cube root of its volume, or its longest edge.
 enum class CellSize { cbrt_volume, longest_edge };
-double cell_size(const mesh::DistMesh& mesh, LocalId cell, CellSize measure);
+double cell_size(const mesh::DistMesh& mesh, Exact<LocalId> cell, CellSize measure);
 
 /// Cells larger than `ratio` times a length given as field (mean free path, Debye length): size / length > ratio.
 /// Indicator: by how much, over the ratio. Collective. Throws `Error` too when a length or the ratio is not positive.

@@ -78,7 +78,7 @@ Indicator centroid_in_box(const mesh::DistMesh& mesh, geometry::Vec3 low, geomet
   });
 }
 
-Indicator near_patch(const par::Comm& comm, const mesh::DistMesh& mesh, std::string_view patch, int layers) {
+Indicator near_patch(const par::Comm& comm, const mesh::DistMesh& mesh, std::string_view patch, Exact<int> layers) {
   const auto slots = slots_of(mesh, patch);
   if (layers < 1) throw Error(fmt::format("expected at least 1 layer of cells, found {}", layers));
   auto indicator = cells_where(mesh, [&](LocalId cell) {

@@ -3,6 +3,7 @@
 
 #include <string_view>
 
+#include "pamr/base/exact.hpp"
 #include "pamr/geometry/vec3.hpp"
 #include "pamr/mark/indicator.hpp"
 
@@ -32,6 +33,6 @@ Indicator centroid_in_box(const mesh::DistMesh& mesh, geometry::Vec3 low, geomet
 /// are the cells with a face there; each further layer are the cells that share a node with the layer before.
 /// Collective: finds the shared nodes once, then one exchange a layer. Throws `Error` on every rank when the mesh has
 /// no such patch or `layers` is less than 1.
-Indicator near_patch(const par::Comm& comm, const mesh::DistMesh& mesh, std::string_view patch, int layers = 1);
+Indicator near_patch(const par::Comm& comm, const mesh::DistMesh& mesh, std::string_view patch, Exact<int> layers = 1);
 
 }  // namespace pamr::mark

@@ -26,13 +26,13 @@ void unite(Indicator& indicator, std::span<const double> other) {
   for (std::size_t i = 0; i < other.size(); ++i) indicator[i] = std::max(indicator[i], other[i]);
 }
 
-geometry::Vec3 centroid(const mesh::DistMesh& mesh, LocalId cell) {
+geometry::Vec3 centroid(const mesh::DistMesh& mesh, Exact<LocalId> cell) {
   auto p = mesh.points(cell);
   std::sort(p.begin(), p.end(), geometry::lexicographically_less);
   return 0.25 * (((p[0] + p[1]) + p[2]) + p[3]);
 }
 
-std::int64_t keep_below_level(const mesh::DistMesh& mesh, int max_level, Indicator& indicator) {
+std::int64_t keep_below_level(const mesh::DistMesh& mesh, Exact<int> max_level, Indicator& indicator) {
   PAMR_EXPECTS(indicator.size() == mesh.lineage.size());
   std::int64_t n_taken = 0;
   for (std::size_t i = 0; i < indicator.size(); ++i) {
@@ -51,7 +51,7 @@ std::vector<std::uint8_t> marks_of(std::span<const double> indicator) {
 }
 
 std::vector<std::uint8_t> strongest(const par::Comm& comm, const mesh::DistMesh& mesh,
-                                    std::span<const double> indicator, std::int64_t count) {
+                                    std::span<const double> indicator, Exact<std::int64_t> count) {
   PAMR_EXPECTS(indicator.size() == mesh.cell_to_node.size());
   std::vector<std::size_t> wanted;
   std::vector<par::SortKey> key;
@@ -72,7 +72,7 @@ std::int64_t count_marked(const par::Comm& comm, std::span<const std::uint8_t> m
   return comm.sum(static_cast<std::int64_t>(std::count(marks.begin(), marks.end(), std::uint8_t{1})));
 }
 
-void keep_for_a_while(const par::Comm& comm, const mesh::DistMesh& mesh, const std::string& name, int n_times,
+void keep_for_a_while(const par::Comm& comm, const mesh::DistMesh& mesh, const std::string& name, Exact<int> n_times,
                       std::span<std::uint8_t> may_go, std::vector<std::int64_t>& idle) {
   PAMR_EXPECTS(may_go.size() == mesh.cell_to_node.size());
   const auto field_name = name + "_idle";
@@ -93,7 +93,7 @@ void keep_for_a_while(const par::Comm& comm, const mesh::DistMesh& mesh, const s
   }
 }
 
-void keep_for_a_while(const par::Comm& comm, mesh::DistMesh& mesh, const std::string& name, int n_times,
+void keep_for_a_while(const par::Comm& comm, mesh::DistMesh& mesh, const std::string& name, Exact<int> n_times,
                       std::span<std::uint8_t> may_go) {
   std::vector<std::int64_t> idle;
   keep_for_a_while(comm, std::as_const(mesh), name, n_times, may_go, idle);

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "pamr/base/exact.hpp"
 #include "pamr/mesh/dist_mesh.hpp"
 #include "pamr/par/comm.hpp"
 
@@ -25,12 +26,12 @@ void unite(Indicator& indicator, std::span<const double> other);
 
 /// Centroid of a cell: the corners are added in the order of their coordinates, so that it does not depend on how they
 /// are numbered.
-geometry::Vec3 centroid(const mesh::DistMesh& mesh, LocalId cell);
+geometry::Vec3 centroid(const mesh::DistMesh& mesh, Exact<LocalId> cell);
 
 /// Takes the wish from cells whose base cell already has level `max_level` or more, so that no cell of the refined mesh
 /// is finer than that by its own mark (closure counts the level of the cell it closes). Returns how many wishes of this
 /// rank's cells it took. Local.
-std::int64_t keep_below_level(const mesh::DistMesh& mesh, int max_level, Indicator& indicator);
+std::int64_t keep_below_level(const mesh::DistMesh& mesh, Exact<int> max_level, Indicator& indicator);
 
 /// Marks (0 or 1) of all cells that are wanted. Local.
 std::vector<std::uint8_t> marks_of(std::span<const double> indicator);
@@ -38,7 +39,7 @@ std::vector<std::uint8_t> marks_of(std::span<const double> indicator);
 /// Marks of the `count` most wanted cells over all ranks, fewer when fewer are wanted; ties are broken by the
 /// centroid's coordinates, the smaller first. Collective: at most 41 reductions.
 std::vector<std::uint8_t> strongest(const par::Comm& comm, const mesh::DistMesh& mesh,
-                                    std::span<const double> indicator, std::int64_t count);
+                                    std::span<const double> indicator, Exact<std::int64_t> count);
 
 /// Number of marked cells over all ranks. Collective: one reduction.
 std::int64_t count_marked(const par::Comm& comm, std::span<const std::uint8_t> marks);
@@ -49,11 +50,11 @@ inline constexpr int max_keep_for = 250;
 /// Takes it from cells that they may go, as long as they could have gone for at most `n_times` marks in a row. How
 /// often that was so is counted in the cell field `NAME_idle` of the mesh, which refining and coarsening hand on; it is
 /// made or replaced. Throws `Error` on every rank where the mesh has such a field of another kind. Collective.
-void keep_for_a_while(const par::Comm& comm, mesh::DistMesh& mesh, const std::string& name, int n_times,
+void keep_for_a_while(const par::Comm& comm, mesh::DistMesh& mesh, const std::string& name, Exact<int> n_times,
                       std::span<std::uint8_t> may_go);
 
 /// The same for a trial: the mesh stays as it is. Collective.
-void keep_for_a_while(const par::Comm& comm, const mesh::DistMesh& mesh, const std::string& name, int n_times,
+void keep_for_a_while(const par::Comm& comm, const mesh::DistMesh& mesh, const std::string& name, Exact<int> n_times,
                       std::span<std::uint8_t> may_go, std::vector<std::int64_t>& idle);
 
 /// Puts marks into the mesh as integer cell field `name` (0 keep, 1 split), in place of any field of that name. Those

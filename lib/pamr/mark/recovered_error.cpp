@@ -170,7 +170,7 @@ RecoveredError recovered_error(const par::Comm& comm, const mesh::DistMesh& mesh
   return result;
 }
 
-Indicator above_mean_share(const RecoveredError& error, GlobalId n_global_cells, double theta) {
+Indicator above_mean_share(const RecoveredError& error, Exact<GlobalId> n_global_cells, double theta) {
   if (!(theta > 0) || !std::isfinite(theta))
     throw Error(fmt::format("expected a positive share of the mean square, found {}", theta));
   const double bar = round_to_20_bits(theta * error.norm_squared / static_cast<double>(n_global_cells));

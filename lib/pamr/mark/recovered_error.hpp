@@ -4,6 +4,7 @@
 #include <string_view>
 #include <vector>
 
+#include "pamr/base/exact.hpp"
 #include "pamr/mark/indicator.hpp"
 
 namespace pamr::mark {
@@ -28,7 +29,7 @@ RecoveredError recovered_error(const par::Comm& comm, const mesh::DistMesh& mesh
 /// Cells whose squared error is above theta times the mean square: e_K^2 > theta * norm_squared / cells, both rounded
 /// to 20 bits. A tolerance eps for the relative error is theta = eps^2. Indicator: by how much, over the bar.
 /// Local. Throws `Error` when theta is not positive.
-Indicator above_mean_share(const RecoveredError& error, GlobalId n_global_cells, double theta);
+Indicator above_mean_share(const RecoveredError& error, Exact<GlobalId> n_global_cells, double theta);
 
 /// The fewest cells that carry at least `fraction` of the total squared error, those of largest error first (errors
 /// rounded to 20 bits; ties by the centroid's coordinates). Indicator: the squared error. Collective: up to 64 choices

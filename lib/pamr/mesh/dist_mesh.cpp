@@ -27,7 +27,7 @@ std::size_t fields_bytes(const std::vector<Field>& fields) {
 
 }  // namespace
 
-const geometry::Surface* MeshInfo::surface_of(int patch) const {
+const geometry::Surface* MeshInfo::surface_of(Exact<int> patch) const {
   return surfaces->get(patches[static_cast<std::size_t>(patch)].surface);
 }
 

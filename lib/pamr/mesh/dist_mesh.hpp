@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "pamr/base/exact.hpp"
 #include "pamr/base/types.hpp"
 #include "pamr/geometry/surface_set.hpp"
 #include "pamr/geometry/tet_shape.hpp"
@@ -55,7 +56,7 @@ struct MeshInfo {
   bool cut_faces_conform = false;
 
   /// The surface that a patch lies on, or null.
-  const geometry::Surface* surface_of(int patch) const;
+  const geometry::Surface* surface_of(Exact<int> patch) const;
   /// Its name, or an empty text.
   std::string surface_name(const Patch& patch) const;
   IdRange cell_ids() const { return {n_global_cells, first_id}; }
@@ -102,15 +103,15 @@ struct DistMesh {
 
   LocalId n_nodes() const { return static_cast<LocalId>(node_position.size()); }
   LocalId n_cells() const { return static_cast<LocalId>(cell_to_node.size()); }
-  bool is_own(LocalId neighbor) const { return neighbor >= 0 && neighbor < n_cells(); }
-  bool is_ghost(LocalId neighbor) const { return neighbor >= n_cells(); }
+  bool is_own(Exact<LocalId> neighbor) const { return neighbor >= 0 && neighbor < n_cells(); }
+  bool is_ghost(Exact<LocalId> neighbor) const { return neighbor >= n_cells(); }
 
-  geometry::TetPoints points(LocalId cell) const {
+  geometry::TetPoints points(Exact<LocalId> cell) const {
     const auto& n = cell_to_node[static_cast<std::size_t>(cell)];
     return {node_position[static_cast<std::size_t>(n[0])], node_position[static_cast<std::size_t>(n[1])],
             node_position[static_cast<std::size_t>(n[2])], node_position[static_cast<std::size_t>(n[3])]};
   }
-  geometry::Vec3 point(LocalId node) const { return node_position[static_cast<std::size_t>(node)]; }
+  geometry::Vec3 point(Exact<LocalId> node) const { return node_position[static_cast<std::size_t>(node)]; }
 
   const CellField* find_cell_field(std::string_view name) const;
   CellField* find_cell_field(std::string_view name);
@@ -118,8 +119,8 @@ struct DistMesh {
 };
 
 /// Slot that a patch takes in `cell_to_cell`, and back.
-constexpr LocalId patch_to_slot(int patch) { return static_cast<LocalId>(-(patch + 1)); }
-constexpr int slot_to_patch(LocalId slot) { return static_cast<int>(-slot) - 1; }
+constexpr LocalId patch_to_slot(Exact<int> patch) { return static_cast<LocalId>(-(patch + 1)); }
+constexpr int slot_to_patch(Exact<LocalId> slot) { return static_cast<int>(-slot) - 1; }
 
 /// Capacities of all arrays of the mesh, in bytes: what it takes at rest.
 std::size_t bytes_at_rest(const DistMesh& mesh);

@@ -5,6 +5,7 @@
 #include <limits>
 #include <string>
 
+#include "pamr/base/exact.hpp"
 #include "pamr/base/types.hpp"
 #include "pamr/par/comm.hpp"
 
@@ -16,6 +17,6 @@ inline constexpr std::int64_t max_local_cells = std::numeric_limits<LocalId>::ma
 
 /// Refuses more cells on any rank than it could number. `n_cells` is what this rank is about to hold, `what` says of
 /// what. Throws the same `Error` on every rank. Collective: one reduction.
-void require_local_size(const par::Comm& comm, std::int64_t n_cells, const std::string& what);
+void require_local_size(const par::Comm& comm, Exact<std::int64_t> n_cells, const std::string& what);
 
 }  // namespace pamr::mesh

@@ -119,8 +119,8 @@ std::vector<GlobalId> accumulate_by_runs(const par::Comm& comm, IdRange all, std
 
 }  // namespace
 
-std::vector<GlobalId> cell_offsets(const par::Comm& comm, const DistMesh& mesh, bool in_runs,
-                                   std::span<const std::uint8_t> counts, GlobalId start) {
+std::vector<GlobalId> cell_offsets(const par::Comm& comm, const DistMesh& mesh, Exact<bool> in_runs,
+                                   std::span<const std::uint8_t> counts, Exact<GlobalId> start) {
   if (in_runs) return accumulate(comm, counts, start);
   return accumulate_by_runs(comm, mesh.info.cell_ids(), mesh.cell_global, counts, start);
 }

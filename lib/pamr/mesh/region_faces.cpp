@@ -32,7 +32,7 @@ std::vector<RegionFace> faces_between_regions(const par::Comm& comm, const DistM
   return faces;
 }
 
-std::string name_of_region(const MeshInfo& info, std::int64_t number) {
+std::string name_of_region(const MeshInfo& info, Exact<std::int64_t> number) {
   const auto found = std::find_if(info.regions.begin(), info.regions.end(),
                                   [&](const auto& region) { return region.number == number; });
   return found == info.regions.end() ? "" : found->name;

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "pamr/base/exact.hpp"
 #include "pamr/mesh/dist_mesh.hpp"
 #include "pamr/par/comm.hpp"
 
@@ -26,6 +27,6 @@ struct RegionFace {
 std::vector<RegionFace> faces_between_regions(const par::Comm& comm, const DistMesh& mesh);
 
 /// The name of a region, or an empty text.
-std::string name_of_region(const MeshInfo& info, std::int64_t number);
+std::string name_of_region(const MeshInfo& info, Exact<std::int64_t> number);
 
 }  // namespace pamr::mesh

@@ -3,6 +3,7 @@
 
 #include <utility>
 
+#include "pamr/base/exact.hpp"
 #include "pamr/base/prefetch.hpp"
 #include "pamr/mesh/dist_mesh.hpp"
 #include "pamr/mesh/tet.hpp"
@@ -18,7 +19,7 @@ struct RingEnds {
 };
 
 /// Slot of a node in a cell that holds it, without branches.
-constexpr int slot_of(const CellNodes& nodes, LocalId node) {
+constexpr int slot_of(const CellNodes& nodes, Exact<LocalId> node) {
   return static_cast<int>(nodes[1] == node) + 2 * static_cast<int>(nodes[2] == node) +
          3 * static_cast<int>(nodes[3] == node);
 }
@@ -52,7 +53,7 @@ LocalId walk_one_way(const DistMesh& mesh, LocalId start, LocalId a, LocalId b, 
 /// Cost: about five cells an edge. Source: the method of DSMC-driven parallel adaptive mesh refinement (PAMR),
 /// section 2.1.2.
 template <class Visit>
-RingEnds walk_ring(const DistMesh& mesh, LocalId start, int edge, Visit&& visit) {
+RingEnds walk_ring(const DistMesh& mesh, Exact<LocalId> start, Exact<int> edge, Visit&& visit) {
   const auto& nodes = mesh.cell_to_node[static_cast<std::size_t>(start)];
   const auto [corner_a, corner_b] = tet::edge_to_corner[static_cast<std::size_t>(edge)];
   const auto [corner_p, corner_q] = tet::edge_to_corner[static_cast<std::size_t>(tet::opposite_edge(edge))];

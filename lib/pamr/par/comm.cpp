@@ -63,7 +63,7 @@ T Comm::reduced(T here, MPI_Datatype type, MPI_Op op) const {
   return result;
 }
 
-Comm::Comm(MPI_Comm parent, std::size_t piece_bytes) : piece_bytes_(piece_bytes) {
+Comm::Comm(MPI_Comm parent, Exact<std::size_t> piece_bytes) : piece_bytes_(piece_bytes) {
   PAMR_EXPECTS(piece_bytes >= 1 && piece_bytes <= std::size_t{std::numeric_limits<int>::max()});
   require_success(MPI_Comm_dup(parent, &comm_), "MPI_Comm_dup");
   require_success(MPI_Comm_set_errhandler(comm_, MPI_ERRORS_RETURN), "MPI_Comm_set_errhandler");
@@ -81,14 +81,14 @@ void Comm::barrier() const {
   together("MPI_Barrier", [&] { return MPI_Barrier(comm_); });
 }
 
-bool Comm::any(bool here) const { return reduced<int>(here ? 1 : 0, MPI_INT, MPI_MAX) != 0; }
-std::int64_t Comm::sum(std::int64_t here) const { return reduced(here, MPI_INT64_T, MPI_SUM); }
+bool Comm::any(Exact<bool> here) const { return reduced<int>(here ? 1 : 0, MPI_INT, MPI_MAX) != 0; }
+std::int64_t Comm::sum(Exact<std::int64_t> here) const { return reduced<std::int64_t>(here, MPI_INT64_T, MPI_SUM); }
 std::int64_t Comm::min(std::int64_t here) const { return reduced(here, MPI_INT64_T, MPI_MIN); }
 std::int64_t Comm::max(std::int64_t here) const { return reduced(here, MPI_INT64_T, MPI_MAX); }
 double Comm::min(double here) const { return reduced(here, MPI_DOUBLE, MPI_MIN); }
 double Comm::max(double here) const { return reduced(here, MPI_DOUBLE, MPI_MAX); }
 
-std::int64_t Comm::min_asleep(std::int64_t here) const {
+std::int64_t Comm::min_asleep(Exact<std::int64_t> here) const {
   std::int64_t result = 0;
   together("MPI_Iallreduce", [&] {
     MPI_Request request = MPI_REQUEST_NULL;
@@ -110,7 +110,7 @@ void Comm::sum_in_place(std::span<std::int64_t> values) const { reduce_in_place(
 void Comm::max_in_place(std::span<std::int64_t> values) const { reduce_in_place(values, MPI_INT64_T, MPI_MAX); }
 void Comm::max_in_place(std::span<double> values) const { reduce_in_place(values, MPI_DOUBLE, MPI_MAX); }
 
-std::int64_t Comm::exclusive_sum(std::int64_t here) const {
+std::int64_t Comm::exclusive_sum(Exact<std::int64_t> here) const {
   std::int64_t before = 0;
   together("MPI_Exscan", [&] { return MPI_Exscan(&here, &before, 1, MPI_INT64_T, MPI_SUM, comm_); });
   return rank_ == 0 ? 0 : before;
@@ -137,7 +137,7 @@ void Comm::broadcast_raw(std::vector<std::byte>& data, Rank root) const {
   });
 }
 
-std::string Comm::broadcast(std::string text, Rank root) const {
+std::string Comm::broadcast(std::string text, Exact<Rank> root) const {
   const auto data = broadcast(std::vector<char>(text.begin(), text.end()), root);
   return {data.begin(), data.end()};
 }
@@ -244,13 +244,13 @@ void agree(const Comm& comm, const std::function<void()>& local) {
   throw Error(comm.broadcast(trouble.value_or(""), static_cast<Rank>(first)));
 }
 
-BlockRange block_range(IdRange ids, Rank rank, Rank size) {
+BlockRange block_range(IdRange ids, Exact<Rank> rank, Exact<Rank> size) {
   const GlobalId quotient = ids.n / size, remainder = ids.n % size;
   const GlobalId begin = ids.first + rank * quotient + std::min<GlobalId>(rank, remainder);
   return {begin, begin + quotient + (rank < remainder ? 1 : 0)};
 }
 
-Rank block_of(GlobalId id, IdRange ids, Rank size) {
+Rank block_of(Exact<GlobalId> id, IdRange ids, Exact<Rank> size) {
   PAMR_EXPECTS(ids.contains(id));
   const GlobalId quotient = ids.n / size, remainder = ids.n % size;
   const GlobalId in_long = remainder * (quotient + 1), at = id - ids.first;

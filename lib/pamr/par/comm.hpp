@@ -4,6 +4,7 @@
 #include <mpi.h>
 
 #include <array>
+#include <concepts>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -13,6 +14,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "pamr/base/exact.hpp"
 #include "pamr/base/timer.hpp"
 #include "pamr/base/types.hpp"
 
@@ -45,7 +47,7 @@ class Comm {
  public:
   /// Collective over `parent`. MPI must be initialized and outlive the object. The counts of MPI are of 32 bits, so
   /// messages of more than `piece_bytes` (1 to 2^31 - 1, the same on every rank) go in pieces; tests choose tiny ones.
-  explicit Comm(MPI_Comm parent, std::size_t piece_bytes = std::size_t{1} << 30U);
+  explicit Comm(MPI_Comm parent, Exact<std::size_t> piece_bytes = std::size_t{1} << 30U);
   ~Comm();
   Comm(const Comm&) = delete;
   Comm& operator=(const Comm&) = delete;
@@ -90,14 +92,16 @@ class Comm {
   }
 
   void barrier() const;
-  bool any(bool here) const;
-  bool all(bool here) const { return !any(!here); }
-  std::int64_t sum(std::int64_t here) const;
+  bool any(Exact<bool> here) const;
+  bool all(Exact<bool> here) const { return !any(!here); }
+  std::int64_t sum(Exact<std::int64_t> here) const;
+  template <std::floating_point T>
+  T sum(T here) const = delete;  // par::reproducible_sum adds doubles
   std::int64_t min(std::int64_t here) const;
   std::int64_t max(std::int64_t here) const;
   /// As `min`, for what one rank may have worked on for long while the others had nothing to do: those sleep
   /// (`wait_asleep`).
-  std::int64_t min_asleep(std::int64_t here) const;
+  std::int64_t min_asleep(Exact<std::int64_t> here) const;
   double min(double here) const;
   double max(double here) const;
   /// Element by element; the spans have the same length on every rank.
@@ -105,14 +109,14 @@ class Comm {
   void max_in_place(std::span<std::int64_t> values) const;
   void max_in_place(std::span<double> values) const;
   /// Sum over the ranks before this one; 0 on rank 0.
-  std::int64_t exclusive_sum(std::int64_t here) const;
+  std::int64_t exclusive_sum(Exact<std::int64_t> here) const;
   std::vector<std::int64_t> all_gather(std::int64_t here) const;
   std::vector<double> all_gather(double here) const;
   /// Text of rank `root` on every rank.
-  std::string broadcast(std::string text, Rank root = 0) const;
+  std::string broadcast(std::string text, Exact<Rank> root = 0) const;
   /// Same for plain data; only `root` gives the length.
   template <class T>
-  std::vector<T> broadcast(std::vector<T> values, Rank root = 0) const;
+  std::vector<T> broadcast(std::vector<T> values, Exact<Rank> root = 0) const;
 
   /// Delivers each message to its rank (at most one message per target); nobody needs to know who will write to it.
   /// Sparse: costs as many messages as there are pairs that talk, plus one barrier. Source: T. Hoefler, C. Siebert,
@@ -164,12 +168,12 @@ struct BlockRange {
   GlobalId begin = 0, end = 0;
   GlobalId count() const { return end - begin; }
 };
-BlockRange block_range(IdRange ids, Rank rank, Rank size);
+BlockRange block_range(IdRange ids, Exact<Rank> rank, Exact<Rank> size);
 /// The block that holds item `id`.
-Rank block_of(GlobalId id, IdRange ids, Rank size);
+Rank block_of(Exact<GlobalId> id, IdRange ids, Exact<Rank> size);
 
 template <class T>
-std::vector<T> Comm::broadcast(std::vector<T> values, Rank root) const {
+std::vector<T> Comm::broadcast(std::vector<T> values, Exact<Rank> root) const {
   static_assert(std::is_trivially_copyable_v<T>);
   const auto bytes = std::as_bytes(std::span<const T>(values));
   std::vector<std::byte> data(bytes.begin(), bytes.end());

@@ -56,11 +56,11 @@ std::vector<Rank> cut(const Comm& comm, std::span<const Weight> weight, Rank n_r
 
 }  // namespace
 
-std::vector<Rank> runs_of_equal_work(const Comm& comm, std::span<const std::int64_t> weight, Rank n_runs) {
+std::vector<Rank> runs_of_equal_work(const Comm& comm, std::span<const std::int64_t> weight, Exact<Rank> n_runs) {
   return cut(comm, weight, n_runs);
 }
 
-std::vector<Rank> runs_of_equal_work(const Comm& comm, std::span<const std::uint8_t> weight, Rank n_runs) {
+std::vector<Rank> runs_of_equal_work(const Comm& comm, std::span<const std::uint8_t> weight, Exact<Rank> n_runs) {
   return cut(comm, weight, n_runs);
 }
 

@@ -8,6 +8,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "pamr/base/exact.hpp"
 #include "pamr/base/index.hpp"
 #include "pamr/par/comm.hpp"
 
@@ -76,29 +77,29 @@ Pattern find_shared(const Comm& comm, std::span<const SharedKey> key);
 /// Rows `ids` (any order, repeats allowed) of an array with a row for each of `all` in canonical block distribution:
 /// `rows` holds this rank's block, `width` values a row. Collective: two sparse exchanges.
 template <class T>
-std::vector<T> fetch_rows(const Comm& comm, IdRange all, std::span<const T> rows, std::size_t width,
+std::vector<T> fetch_rows(const Comm& comm, IdRange all, std::span<const T> rows, Exact<std::size_t> width,
                           std::span<const GlobalId> ids);
 
 /// The reverse: sends row `i` of `rows` to the block that holds row `ids[i]` of `all` and returns this rank's block.
 /// Rows given by several ranks must be equal; rows given by none are value-initialized. Collective: two sparse
 /// exchanges.
 template <class T>
-std::vector<T> scatter_rows(const Comm& comm, IdRange all, std::span<const T> rows, std::size_t width,
+std::vector<T> scatter_rows(const Comm& comm, IdRange all, std::span<const T> rows, Exact<std::size_t> width,
                             std::span<const GlobalId> ids);
 
 /// The same into a block that is there: rows given by none stay as they are. Collective: two sparse exchanges.
 template <class T>
-void scatter_rows_into(const Comm& comm, IdRange all, std::span<const T> rows, std::size_t width,
+void scatter_rows_into(const Comm& comm, IdRange all, std::span<const T> rows, Exact<std::size_t> width,
                        std::span<const GlobalId> ids, std::span<T> block);
 
 /// Calls `work(begin, end)` with at most `most` of this rank's `n` items at a time, one range after another and equally
 /// often on every rank, so that `work` may be collective; where items are few, with empty ranges at the end. What an
 /// exchange needs on the side is then bounded. Collective: one reduction.
 template <class Work>
-void in_rounds(const Comm& comm, std::size_t n, std::size_t most, Work&& work) {
+void in_rounds(const Comm& comm, Exact<std::size_t> n, Exact<std::size_t> most, Work&& work) {
   const auto rounds = comm.max(static_cast<std::int64_t>((n + most - 1) / most));
   for (std::size_t k = 0; k < static_cast<std::size_t>(rounds); ++k)
-    work(std::min(n, k * most), std::min(n, (k + 1) * most));
+    work(std::min<std::size_t>(n, k * most), std::min<std::size_t>(n, (k + 1) * most));
 }
 
 }  // namespace pamr::par

@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "pamr/base/exact.hpp"
 #include "pamr/base/index.hpp"
 #include "pamr/par/comm.hpp"
 
@@ -17,9 +18,9 @@ class Mailbox {
  public:
   explicit Mailbox(const Comm& comm) : comm_(&comm), for_rank_(at(comm.size())) {}
 
-  void add(Rank to, T item) { for_rank_[at(to)].push_back(std::move(item)); }
+  void add(Exact<Rank> to, T item) { for_rank_[at(to)].push_back(std::move(item)); }
 
-  void reserve(Rank to, std::size_t n) { for_rank_[at(to)].reserve(n); }
+  void reserve(Exact<Rank> to, Exact<std::size_t> n) { for_rank_[at(to)].reserve(n); }
 
   /// Delivers the items; those from one rank arrive in the order in which they were added there. The box is empty
   /// afterwards. Collective: one sparse exchange.

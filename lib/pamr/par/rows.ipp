@@ -32,7 +32,7 @@ inline std::vector<Outgoing<std::size_t>> group_by_block(IdRange all, Rank size,
 }  // namespace detail
 
 template <class T>
-std::vector<T> fetch_rows(const Comm& comm, IdRange all, std::span<const T> rows, std::size_t width,
+std::vector<T> fetch_rows(const Comm& comm, IdRange all, std::span<const T> rows, Exact<std::size_t> width,
                           std::span<const GlobalId> ids) {
   const auto begin = block_range(all, comm.rank(), comm.size()).begin;
   const auto groups = detail::group_by_block(all, comm.size(), ids);
@@ -60,14 +60,14 @@ std::vector<T> fetch_rows(const Comm& comm, IdRange all, std::span<const T> rows
         std::find_if(groups.begin(), groups.end(), [&](const auto& g) { return g.to == answered.rank[r]; });
     PAMR_ENSURES(group != groups.end() && answered.from(r).size() == group->item.size() * width);
     for (std::size_t k = 0; k < group->item.size(); ++k)
-      std::copy_n(answered.from(r).begin() + static_cast<std::ptrdiff_t>(k * width), width,
+      std::copy_n(answered.from(r).begin() + static_cast<std::ptrdiff_t>(k * width), std::size_t{width},
                   result.begin() + static_cast<std::ptrdiff_t>(group->item[k] * width));
   }
   return result;
 }
 
 template <class T>
-std::vector<T> scatter_rows(const Comm& comm, IdRange all, std::span<const T> rows, std::size_t width,
+std::vector<T> scatter_rows(const Comm& comm, IdRange all, std::span<const T> rows, Exact<std::size_t> width,
                             std::span<const GlobalId> ids) {
   std::vector<T> block(static_cast<std::size_t>(block_range(all, comm.rank(), comm.size()).count()) * width);
   scatter_rows_into<T>(comm, all, rows, width, ids, block);
@@ -75,7 +75,7 @@ std::vector<T> scatter_rows(const Comm& comm, IdRange all, std::span<const T> ro
 }
 
 template <class T>
-void scatter_rows_into(const Comm& comm, IdRange all, std::span<const T> rows, std::size_t width,
+void scatter_rows_into(const Comm& comm, IdRange all, std::span<const T> rows, Exact<std::size_t> width,
                        std::span<const GlobalId> ids, std::span<T> block) {
   const auto range = block_range(all, comm.rank(), comm.size());
   std::vector<Outgoing<GlobalId>> to_ids;
@@ -96,7 +96,7 @@ void scatter_rows_into(const Comm& comm, IdRange all, std::span<const T> rows, s
   for (std::size_t r = 0; r < at.rank.size(); ++r)
     for (std::size_t k = 0; k < at.from(r).size(); ++k)
       std::copy_n(
-          values.from(r).begin() + static_cast<std::ptrdiff_t>(k * width), width,
+          values.from(r).begin() + static_cast<std::ptrdiff_t>(k * width), std::size_t{width},
           block.begin() + static_cast<std::ptrdiff_t>(static_cast<std::size_t>(at.from(r)[k] - range.begin) * width));
 }
 

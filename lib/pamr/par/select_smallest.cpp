@@ -15,7 +15,7 @@ std::size_t byte_of(const SortKey& key, std::size_t digit) {
 
 }  // namespace
 
-std::vector<std::uint8_t> select_smallest(const Comm& comm, std::span<const SortKey> key, std::int64_t count) {
+std::vector<std::uint8_t> select_smallest(const Comm& comm, std::span<const SortKey> key, Exact<std::int64_t> count) {
   std::vector<std::uint8_t> chosen(key.size(), 0);
   std::vector<std::size_t> open(key.size());  // keys that share the digits decided so far
   for (std::size_t i = 0; i < open.size(); ++i) open[i] = i;

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "pamr/base/exact.hpp"
 #include "pamr/par/comm.hpp"
 
 namespace pamr::par {
@@ -24,6 +25,6 @@ inline std::uint64_t ordered_bits(double value) {
 /// Chooses the `count` smallest keys of all ranks together: `result[i]` is 1 when `key[i]` is one of them. Among equal
 /// keys that do not all fit, those on lower ranks and then with lower `i` are taken, so keys should be unique.
 /// Collective: at most 41 reductions of 256 integers; nothing is sorted and no key leaves its rank.
-std::vector<std::uint8_t> select_smallest(const Comm& comm, std::span<const SortKey> key, std::int64_t count);
+std::vector<std::uint8_t> select_smallest(const Comm& comm, std::span<const SortKey> key, Exact<std::int64_t> count);
 
 }  // namespace pamr::par

@@ -5,7 +5,7 @@
 
 namespace pamr::par {
 
-std::uint64_t sum_modulo(const Comm& comm, std::uint64_t here) {
+std::uint64_t sum_modulo(const Comm& comm, Exact<std::uint64_t> here) {
   // in halves, so that no signed sum overflows
   std::array<std::int64_t, 2> half{static_cast<std::int64_t>(here & 0xffffffffU),
                                    static_cast<std::int64_t>(here >> 32U)};

@@ -8,6 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include "pamr/base/exact.hpp"
+
 namespace pamr::refine {
 
 /// What happens to a closure cell that has to be split again. All but `removable` use 1:2, 1:4 and 1:8 only.
@@ -38,8 +40,9 @@ struct Options {
   QualityControl quality_control = QualityControl::removable;
   /// Of `removable`: smallest mean ratio of closure cells, as far as 1:8 would reach it; 0: none. At most 1.
   double shape_floor = default_shape_floor;
-  bool project = true;        ///< put new boundary nodes onto the surfaces of their patches
-  bool parent_field = true;   ///< add the integer cell field `parent`: input cell that held the new cell's centroid
+  Exact<bool> project = true;  ///< put new boundary nodes onto the surfaces of their patches
+  Exact<bool> parent_field =
+      true;                   ///< add the integer cell field `parent`: input cell that held the new cell's centroid
   std::string marks_field{};  ///< cell field to drop from the result (it held the marks); empty: none
   /// Cell fields of reals of which the sum of value times volume is kept, also where nodes go onto curved walls. All
   /// others keep values: children have that of their parent. Both are the same where walls are flat.

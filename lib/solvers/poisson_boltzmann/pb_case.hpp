@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "pamr/base/exact.hpp"
 #include "pamr/geometry/vec3.hpp"
 #include "solvers/poisson_boltzmann/plate_profile.hpp"
 #include "solvers/poisson_boltzmann/units.hpp"
@@ -63,10 +64,10 @@ enum class Quadrature { nodal, gauss };
 enum class Recovery { volume_weighted, plain };
 
 struct SolverOptions {
-  int order = 1;                              ///< of the elements: 2 isoparametric, with mid-edge nodes on the surfaces
+  Exact<int> order = 1;                       ///< of the elements: 2 isoparametric, with mid-edge nodes on the surfaces
   Quadrature quadrature = Quadrature::nodal;  ///< of first order
   double tolerance = 1e-10;  ///< of the residual, over that of the potential that is 0 off the boundary
-  int max_newton = 60;
+  Exact<int> max_newton = 60;
   std::string preconditioner = "auto";  ///< by size (`choose_preconditioner`), "jacobi" or "boomeramg"
   std::string petsc;                    ///< options for PETSc, as on its command line
 };

@@ -96,7 +96,7 @@ json report_of(const Domain& domain, const Case& input, const Solution& solution
               {"linear_iterations", solution.linear_iterations},
               {"residual", solution.residual},
               {"first_residual", solution.first_residual}};
-  report["order"] = input.solver.order;
+  report["order"] = int{input.solver.order};
   report["unknowns"] = domain.quadratic ? domain.quadratic->n_global_nodes : domain.mesh->info.n_global_nodes;
   if (domain.quadratic) {
     const auto& curving = domain.quadratic->report;

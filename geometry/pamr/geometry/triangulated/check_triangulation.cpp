@@ -125,7 +125,7 @@ void drop_unused_points(Triangulation& surface) {
     for (int& p : corner) p = new_number[at(p)];
 }
 
-void require_valid(const Triangulation& surface, const std::string& where, bool open_allowed) {
+void require_valid(const Triangulation& surface, const std::string& where, Exact<bool> open_allowed) {
   if (surface.triangles.empty()) throw Error(where + ": expected triangles, found none (empty)");
   require_shapes(surface, where);
   require_edges(surface, EdgeTable(surface), where, open_allowed);

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "pamr/base/exact.hpp"
 #include "pamr/geometry/triangulated/triangulation.hpp"
 
 namespace pamr::geometry {
@@ -17,7 +18,7 @@ void drop_unused_points(Triangulation& surface);
 /// points a triangle, no triangle flatter than 1e-10 of its longest edge, at most two triangles at an edge, both in the
 /// same sense, every edge closed (unless `open_allowed`), and the triangles at a point joined to one fan.
 /// O(n log n).
-void require_valid(const Triangulation& surface, const std::string& where, bool open_allowed);
+void require_valid(const Triangulation& surface, const std::string& where, Exact<bool> open_allowed);
 
 /// The triangle beyond edge k of each triangle, the one from corner k to corner k + 1, and which of its edges that is;
 /// -1 where the surface ends. n x 3. The surface must be valid. O(n log n).

@@ -48,11 +48,11 @@ Triangulation parse(std::string_view bytes, const std::string& where) {
 
 }  // namespace
 
-Triangulation read_triangulation(const std::filesystem::path& file, bool open_allowed) {
+Triangulation read_triangulation(const std::filesystem::path& file, Exact<bool> open_allowed) {
   return parse_triangulation(bytes_of(file), file.string(), open_allowed);
 }
 
-Triangulation parse_triangulation(std::string_view bytes, const std::string& where, bool open_allowed) {
+Triangulation parse_triangulation(std::string_view bytes, const std::string& where, Exact<bool> open_allowed) {
   auto surface = parse(bytes, where);
   drop_unused_points(surface);
   require_valid(surface, where, open_allowed);

@@ -5,6 +5,7 @@
 #include <string>
 #include <string_view>
 
+#include "pamr/base/exact.hpp"
 #include "pamr/geometry/triangulated/triangulation.hpp"
 
 namespace pamr::geometry {
@@ -14,10 +15,10 @@ namespace pamr::geometry {
 /// that no triangle uses are dropped. `name` is left empty. Only whole files are taken: what a file announces is there
 /// and nothing else, numbers are finite, and the surface passes `require_valid`. Throws `Error` with the file and the
 /// line or triangle otherwise. Local; memory in proportion to the file, whatever it announces.
-Triangulation read_triangulation(const std::filesystem::path& file, bool open_allowed = false);
+Triangulation read_triangulation(const std::filesystem::path& file, Exact<bool> open_allowed = false);
 
 /// The same for the bytes of a file; `where` names it in errors, and its extension is the format.
-Triangulation parse_triangulation(std::string_view bytes, const std::string& where, bool open_allowed = false);
+Triangulation parse_triangulation(std::string_view bytes, const std::string& where, Exact<bool> open_allowed = false);
 
 /// The triangles and points of such a file as they stand there: whole files, finite coordinates below 1e100, points
 /// that exist, but any surface, empty ones too. For tools that say what is wrong with a surface; the others take

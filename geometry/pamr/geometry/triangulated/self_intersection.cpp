@@ -16,7 +16,7 @@
 
 namespace pamr::geometry {
 
-SelfIntersections find_self_intersections(const Triangulation& surface, std::int64_t most) {
+SelfIntersections find_self_intersections(const Triangulation& surface, Exact<std::int64_t> most) {
   using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
   using Mesh = CGAL::Surface_mesh<Kernel::Point_3>;
   Mesh mesh;

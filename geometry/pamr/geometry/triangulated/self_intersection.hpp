@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <string>
 
+#include "pamr/base/exact.hpp"
 #include "pamr/geometry/triangulated/triangulation.hpp"
 
 namespace pamr::geometry {
@@ -18,7 +19,7 @@ struct SelfIntersections {
 
 /// Counts them, exactly, with a tree of boxes. The triangulation must be valid (`require_valid`). Local. About half a
 /// second for 100,000 triangles that do not cut each other.
-SelfIntersections find_self_intersections(const Triangulation& surface, std::int64_t most = 1000000);
+SelfIntersections find_self_intersections(const Triangulation& surface, Exact<std::int64_t> most = 1000000);
 
 /// One line that names the surface, says how many pairs there are and where the first one is; empty for none.
 std::string self_intersection_warning(const Triangulation& surface);

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "pamr/base/exact.hpp"
 #include "pamr/geometry/surface.hpp"
 #include "pamr/geometry/triangulated/crease.hpp"
 #include "pamr/geometry/triangulated/crease_net.hpp"
@@ -22,8 +23,8 @@ class Triangulated final : public Surface, public Creases {
  public:
   struct Options {
     CreaseOptions crease{};
-    bool open_allowed = false;      ///< the surface may end
-    std::optional<Vec3> near = {};  ///< take only the piece between creases that is nearest to this point
+    Exact<bool> open_allowed = false;  ///< the surface may end
+    std::optional<Vec3> near = {};     ///< take only the piece between creases that is nearest to this point
   };
   /// Throws `Error` unless the triangulation is valid (`require_valid`) and the options are in range. O(n log n).
   Triangulated(std::shared_ptr<const Triangulation> surface, const Options& options);

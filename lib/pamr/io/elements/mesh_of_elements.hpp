@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "pamr/base/exact.hpp"
 #include "pamr/io/elements/element_parts.hpp"
 #include "pamr/mesh/dist_mesh.hpp"
 #include "pamr/par/comm.hpp"
@@ -14,7 +15,7 @@
 namespace pamr::io {
 
 struct ElementOptions {
-  bool repair = false;  ///< turn inverted cells over instead of refusing them, where not all are
+  Exact<bool> repair = false;  ///< turn inverted cells over instead of refusing them, where not all are
 };
 
 /// Elements that a file has in two groups, of which a mesh keeps one.

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "pamr/base/exact.hpp"
 #include "pamr/base/types.hpp"
 #include "pamr/geometry/vec3.hpp"
 #include "pamr/par/comm.hpp"
@@ -31,9 +32,11 @@ struct SurfaceTriangles {
 
 /// How the file is printed.
 struct SurfaceVtuOptions {
-  bool shares_points = true;   ///< equal corners become one point; corner fields need false: points of its own for each
-  int coordinate_digits = 17;  ///< 17 keep every bit; values of fields are printed with 9
-  bool names_scalars = false;  ///< the first field on points and the first on cells are what a viewer shows at first
+  Exact<bool> shares_points =
+      true;  ///< equal corners become one point; corner fields need false: points of its own for each
+  Exact<int> coordinate_digits = 17;  ///< 17 keep every bit; values of fields are printed with 9
+  Exact<bool> names_scalars =
+      false;  ///< the first field on points and the first on cells are what a viewer shows at first
   std::string attributes =
       {};  ///< of the element VTKFile, in addition to type and version: " byte_order=\"LittleEndian\""
 };

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 
+#include "pamr/base/exact.hpp"
 #include "pamr/io/interfaces.hpp"
 #include "pamr/mesh/dist_mesh.hpp"
 #include "pamr/mesh/second_order.hpp"
@@ -15,7 +16,7 @@ enum class GmshVersion : std::uint8_t { v2_2, v4_1 };
 
 struct GmshWriteOptions {
   GmshVersion version = GmshVersion::v4_1;
-  bool binary = true;
+  Exact<bool> binary = true;
   Interfaces interfaces = Interfaces::none;
 };
 

@@ -12,6 +12,7 @@
 #include <string_view>
 #include <vector>
 
+#include "pamr/base/exact.hpp"
 #include "pamr/io/native/write_native.hpp"
 #include "pamr/mesh/block_mesh.hpp"
 #include "pamr/par/comm.hpp"
@@ -20,14 +21,14 @@ namespace pamr::io {
 
 struct ReadOptions {
   /// Compare the checksums that the file has with its contents; a dataset without one is accepted as it is.
-  bool verify_checksums = true;
+  Exact<bool> verify_checksums = true;
   /// Largest piece that a rank reads at once, bytes; 2^30 at most.
-  std::size_t slab_bytes = std::size_t{1} << 20U;
+  Exact<std::size_t> slab_bytes = std::size_t{1} << 20U;
   /// Make the surfaces of the mesh. Without, their description and data are kept for writing, and nothing can be moved
   /// onto them: for callers that do not ask where a boundary lies, because triangulated surfaces take time and memory.
-  bool build_surfaces = true;
+  Exact<bool> build_surfaces = true;
   /// Turn the inverted cells of a file without `/PAMR` over: other programs give corners in any order.
-  bool turn_inverted = true;
+  Exact<bool> turn_inverted = true;
   /// Told what is odd about the file and does no harm, on every rank alike, while it is read: a field whose checksum is
   /// older than its values, cells of other programs that had to be turned over. May throw `Error`. None: silence.
   std::function<void(const std::string& remark)> remark = {};

@@ -61,7 +61,7 @@ constexpr std::size_t values_at_once = std::size_t{2} << 10U;
 SlabReader::SlabReader(const par::Comm& comm, std::filesystem::path file, const Catalog& catalog,
                        const Options& options)
     : comm_(&comm), file_(std::move(file)), catalog_(&catalog), options_(options) {
-  options_.slab_bytes = std::min(options_.slab_bytes, hdf5::max_transfer_bytes);
+  options_.slab_bytes = std::min<std::size_t>(options_.slab_bytes, hdf5::max_transfer_bytes);
   par::agree(comm, [&] {
     const par::Comm::Waiting waiting(comm, par::Comm::Waiting::In::library);
     const auto access = hdf5::parallel_access(comm, file_);
@@ -106,8 +106,8 @@ void SlabReader::each_slab(const Dataset& dataset, Rows rows, bool verify, const
     return std::max<GlobalId>(4, static_cast<GlobalId>(values / width / 4 * 4));
   };
   const bool is_chunked = catalog_->find_array(path)->is_chunked;
-  const auto slab =
-      rows_in((is_chunked ? options_.slab_bytes : std::min(options_.slab_bytes, hdf5::cached_piece_bytes)) / 8);
+  const auto slab = rows_in(
+      (is_chunked ? options_.slab_bytes : std::min<std::size_t>(options_.slab_bytes, hdf5::cached_piece_bytes)) / 8);
   const auto step = rows_in(values_at_once);
   par::agree(*comm_, [&] {
     auto source = open_rows(dataset, rows, slab);

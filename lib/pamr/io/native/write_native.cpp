@@ -81,7 +81,7 @@ class Writer {
         mesh_(&mesh),
         options_(options),
         plan_(comm, mesh, options.format, options.provenance) {
-    options_.slab_bytes = std::min(options_.slab_bytes, hdf5::max_transfer_bytes);
+    options_.slab_bytes = std::min<std::size_t>(options_.slab_bytes, hdf5::max_transfer_bytes);
   }
 
   void run();
@@ -314,7 +314,7 @@ GlobalId Writer::rows_in(std::size_t bytes, const ArrayPlan& plan) const {
 
 /// Writes rows that stay, in short pieces, which never leave the processor's cache. Local.
 void Writer::write_local(const ArrayPlan& plan, hid_t dataset, Checksum& checksum) {
-  const auto piece = rows_in(std::min(options_.slab_bytes, hdf5::cached_piece_bytes), plan);
+  const auto piece = rows_in(std::min<std::size_t>(options_.slab_bytes, hdf5::cached_piece_bytes), plan);
   const auto own = rows_written(plan.rows, comm_->rank(), comm_->size());
   for (auto begin = own.begin; begin < own.end; begin += piece) {
     const par::BlockRange range{begin, std::min(begin + piece, own.end)};

@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 
+#include "pamr/base/exact.hpp"
 #include "pamr/io/native/format.hpp"
 #include "pamr/mesh/dist_mesh.hpp"
 #include "pamr/par/comm.hpp"
@@ -21,9 +22,9 @@ struct WriteOptions {
   std::optional<std::uint64_t> fingerprint = {};
   /// Number of the format. The older one has no place for closure families other than 1:2 and 1:4, which are refused
   /// then, nor for the ancestors that cells know, which are dropped.
-  int format = newest_format;
+  Exact<int> format = newest_format;
   /// Largest piece that a rank writes at once, bytes; 2^30 at most.
-  std::size_t slab_bytes = std::size_t{1} << 20U;
+  Exact<std::size_t> slab_bytes = std::size_t{1} << 20U;
 };
 
 /// Writes a mesh in the native format (docs/file-format.md), in global order.

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "pamr/base/exact.hpp"
 #include "solvers/dsmc/gas/gas.hpp"
 #include "solvers/dsmc/kernel/gas_domain.hpp"
 #include "solvers/dsmc/kernel/nearest.hpp"
@@ -21,7 +22,7 @@ struct CollisionOptions {
     subcell,  ///< one of its sub-cell with the same exclusions, where `SubCells` pay; elsewhere the nearest
     any       ///< any other particle of the cell
   };
-  bool enabled = true;
+  Exact<bool> enabled = true;
   Partner partner = Partner::nearest;
 };
 

@@ -7,6 +7,7 @@
 #include <string>
 #include <utility>
 
+#include "pamr/base/exact.hpp"
 #include "solvers/dsmc/run/computation.hpp"
 
 namespace pamr::dsmc {
@@ -14,7 +15,7 @@ namespace pamr::dsmc {
 struct AdvanceOptions {
   std::optional<std::uint64_t> steps;  ///< end after so many in all, transient included; none: as the case says
   std::string checkpoint;              ///< file, written at the end; empty: none
-  std::uint64_t every = 0;             ///< steps from checkpoint to checkpoint; 0: at the end only
+  Exact<std::uint64_t> every = 0;      ///< steps from checkpoint to checkpoint; 0: at the end only
 };
 
 /// Writes the checkpoints of a computation. Of one that adapts its mesh the mesh is written too, beside the checkpoint
