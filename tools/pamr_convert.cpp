@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "cli/run_tool.hpp"
-#include "cli/text_file.hpp"
 #include "convert/cad_surfaces.hpp"
 #include "convert/convert_options.hpp"
 #include "convert/formats.hpp"
@@ -119,9 +118,9 @@ std::vector<std::string> named_patches(const Options& options, const std::string
   return named;
 }
 
-/// Associates patches with surfaces where that is asked for. Collective.
-void associate(cli::Session& session, const Options& options, bool as_foam, mesh::DistMesh& mesh,
-               nlohmann::json& report) {
+/// Associates patches with surfaces where that is asked for. `surfaces`: text of --surfaces. Collective.
+void associate(cli::Session& session, const Options& options, const std::string& surfaces, bool as_foam,
+               mesh::DistMesh& mesh, nlohmann::json& report) {
   const auto& comm = session.comm();
   const bool is_import = !convert::is_native_file(options.input);
   if (!convert::brings_surfaces(options)) {
@@ -132,7 +131,7 @@ void associate(cli::Session& session, const Options& options, bool as_foam, mesh
   meshing::AssociationRequest request;
   request.file = "--surface";
   if (!options.surfaces.empty()) {
-    request.toml = cli::read_text(comm, options.surfaces);
+    request.toml = surfaces;
     request.file = options.surfaces;
   }
   request.pairs = options.ties;
@@ -261,7 +260,7 @@ cli::ExitCode convert_file(cli::Session& session, const Options& options) {
   const auto& comm = session.comm();
   if (options.output.empty()) throw Error("OUT: expected the name of a mesh to write, found an empty name");
   const bool as_foam = comm.any(convert::is_foam_case(options.output));
-  convert::check_files(session, options, as_foam);
+  const auto surfaces = convert::check_files(session, options, as_foam);
 
   nlohmann::json report;
   session.step("reading " + options.input);
@@ -269,7 +268,7 @@ cli::ExitCode convert_file(cli::Session& session, const Options& options) {
   adjust(comm, options, as_foam, mesh);
   validate::require_valid(comm, mesh, options.input);
   session.step(fmt::format("looking at {} cells", mesh.info.n_global_cells));
-  associate(session, options, as_foam, mesh, report);
+  associate(session, options, surfaces, as_foam, mesh, report);
   keep_flat_patches(session, options, mesh, report);
   treat_ears(session, options, mesh, report);
   std::optional<mesh::SecondOrder> second_order;

@@ -7,7 +7,6 @@
 
 #include "cli/output_file.hpp"
 #include "cli/run_tool.hpp"
-#include "cli/text_file.hpp"
 #include "pamr/assemble/assemble.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/io/native/native_file.hpp"
@@ -61,17 +60,13 @@ void declare(cli::CommandLine& line, Options& o) {
   line.flag("--force", o.force, cli::force_help);
 }
 
-void check_paths(cli::Session& session, const Options& o) {
-  for (const auto& file : {o.case_file, o.mesh, o.restart, o.carry})
+/// Yields the text of the case file.
+std::string check_inputs(cli::Session& session, const Options& o) {
+  if (!o.plan && o.out.mesh.empty()) throw Error("expected -o OUT or --plan, found neither");
+  auto text = session.read_case(o.case_file);
+  for (const auto& file : {o.mesh, o.restart, o.carry})
     if (!file.empty()) session.check_input(file);
-  if (o.plan) return;
-  if (o.out.mesh.empty()) throw Error("expected -o OUT or --plan, found neither");
-  session.check_native_output(o.out.mesh, {o.case_file, o.mesh, o.restart, o.carry}, o.force);
-  for (const auto& file : {o.out.surface, o.out.lines, o.out.history})
-    if (!file.empty()) session.check_output(file, {o.case_file, o.mesh, o.restart, o.carry}, o.force);
-  const auto& checkpoint = o.advance.checkpoint;  // a run may replace the one that it continues from
-  if (!checkpoint.empty())
-    session.check_output(checkpoint, {o.case_file, o.mesh, o.carry}, o.force || checkpoint == o.restart);
+  return text;
 }
 
 std::string window_file(const Options& o, std::uint64_t step) { return fmt::format("{}-{:07}.hdf", o.series, step); }
@@ -81,10 +76,31 @@ void check_series(cli::Session& session, const Options& o, const dsmc::Case& c, 
   if (o.series.empty()) return;
   const auto& schedule = c.schedule;
   if (schedule.window == 0) throw Error("--series: expected window in [run], found none");
+  session.check_series([&](std::uint64_t step) { return window_file(o, step); }, steps_done + 1, o.force);
   const auto begin = schedule.transient.value_or(0);
   for (auto step = begin + schedule.window; step <= begin + schedule.sampling; step += schedule.window)
-    if (const auto after = static_cast<std::uint64_t>(step); after > steps_done)
-      session.check_native_output(window_file(o, after), {o.case_file, o.mesh}, o.force);
+    session.remove_leftovers(window_file(o, static_cast<std::uint64_t>(step)));
+}
+
+/// A run may replace the checkpoint that it continues from, and the mesh of that checkpoint.
+void check_checkpoint(cli::Session& session, const Options& o, const dsmc::Case& c, const dsmc::CheckpointHead& from) {
+  const auto& checkpoint = o.advance.checkpoint;
+  if (checkpoint.empty()) return;
+  session.check_output(checkpoint, o.force, o.restart);
+  if (c.adaptation.every == 0) return;
+  const bool goes_on = !o.restart.empty() && cli::is_same_file(checkpoint, o.restart);
+  session.check_series([&](std::uint64_t step) { return dsmc::mesh_of_checkpoint(checkpoint, step); }, 0,
+                       o.force || goes_on, goes_on ? from.mesh_file : "");
+}
+
+/// `from`: the checkpoint to start from, if any.
+void check_outputs(cli::Session& session, const Options& o, const dsmc::Case& c, const dsmc::CheckpointHead& from) {
+  if (!from.mesh_file.empty()) session.keep(from.mesh_file);
+  session.check_native_output(o.out.mesh, o.force);
+  for (const auto& file : {o.out.surface, o.out.lines, o.out.history})
+    if (!file.empty()) session.check_output(file, o.force);
+  check_checkpoint(session, o, c, from);
+  check_series(session, o, c, o.restart.empty() ? 0 : from.steps_done);
 }
 
 /// The mesh that the run goes on with, and the weight that the case has for another mesh.
@@ -128,15 +144,14 @@ dsmc::Advance advance(cli::Session& session, const Options& o, dsmc::Computation
 
 cli::ExitCode run_case(cli::Session& session, const Options& o) {
   const auto& comm = session.comm();
-  check_paths(session, o);
+  const auto case_text = check_inputs(session, o);
   std::optional<dsmc::StopSignals> signals;
   if (!o.plan && !o.advance.checkpoint.empty()) signals.emplace();
-  const auto c = dsmc::read_case(cli::read_text(comm, o.case_file), o.case_file);
+  const auto c = dsmc::read_case(case_text, o.case_file);
   std::optional<dsmc::CheckpointHead> from;
   if (const auto& file = o.restart.empty() ? o.carry : o.restart; !file.empty()) from = dsmc::head_of(comm, file);
-  const auto restarted = o.restart.empty() ? dsmc::CheckpointHead{} : *from;
-  if (!o.plan) check_series(session, o, c, restarted.steps_done);
-  const auto place = place_of(o, restarted, c);
+  if (!o.plan) check_outputs(session, o, c, from.value_or(dsmc::CheckpointHead{}));
+  const auto place = place_of(o, o.restart.empty() ? dsmc::CheckpointHead{} : *from, c);
   const bool adapts = c.adaptation.every > 0;
   session.step("reading " + place.mesh);
   auto mesh = assemble::assemble(

@@ -159,7 +159,7 @@ Marked choose_marks(const par::Comm& comm, mesh::DistMesh& mesh, const mark::Req
 cli::ExitCode run(cli::Session& session, const Options& options) {
   const auto request = mark::read_request(options.given);
   session.check_input(options.input);
-  session.check_native_output(options.output, {options.input}, options.force);
+  session.check_native_output(options.output, options.force);
 
   const auto& comm = session.comm();
   session.step("reading " + options.input);

@@ -4,10 +4,8 @@
 #include <nlohmann/json.hpp>
 #include <string>
 #include <utility>
-#include <vector>
 
 #include "cli/run_tool.hpp"
-#include "cli/text_file.hpp"
 #include "meshing/cad_case.hpp"
 #include "meshing/make_mesh.hpp"
 #include "meshing/mesh_case.hpp"
@@ -63,13 +61,12 @@ void require_consistent(const Options& o) {
     throw Error("expected --unit with a STEP, IGES or BREP file only; a case file has unit in its [[surface]]");
 }
 
-/// Collective.
-meshing::LevelZero make(const cli::Session& session, const Options& options) {
+/// `text`: of the case file. Collective.
+meshing::LevelZero make(const cli::Session& session, const Options& options, const std::string& text) {
   const auto& comm = session.comm();
   if (options.shape == "kuhn-cube") return meshing::make_kuhn_cube(comm, options.n);
   meshing::MeshCase mesh_case;
   const bool is_cad = geometry::is_cad_file(options.case_file);
-  const auto text = options.case_file.empty() || is_cad ? std::string() : cli::read_text(comm, options.case_file);
   par::agree(comm, [&] {  // it may read surface files
     mesh_case = is_cad                  ? meshing::case_of_cad(options.case_file, options.size, options.unit)
                 : options.shape.empty() ? meshing::read_mesh_case(text, options.case_file)
@@ -86,14 +83,14 @@ meshing::LevelZero make(const cli::Session& session, const Options& options) {
 cli::ExitCode make_mesh(cli::Session& session, const Options& options) {
   const auto& comm = session.comm();
   require_consistent(options);
-  std::vector<std::string> inputs;
-  if (!options.case_file.empty()) {
+  std::string text;
+  if (geometry::is_cad_file(options.case_file))
     session.check_input(options.case_file);
-    inputs.push_back(options.case_file);
-  }
-  session.check_native_output(options.output, inputs, options.force);
+  else if (!options.case_file.empty())
+    text = session.read_case(options.case_file);
+  session.check_native_output(options.output, options.force);
 
-  const auto made = make(session, options);
+  const auto made = make(session, options, text);
   const auto& info = made.mesh.info;
   session.step(fmt::format("writing {} cells to {}", info.n_global_cells, options.output));
   io::write_native(comm, options.output, made.mesh, {.format = options.format});

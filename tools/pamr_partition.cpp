@@ -92,7 +92,7 @@ void set_ranks(mesh::DistMesh& mesh, const std::vector<Rank>& part) {
 
 cli::ExitCode run(cli::Session& session, const Options& options) {
   session.check_input(options.input);
-  session.check_native_output(options.output, {options.input}, options.force);
+  session.check_native_output(options.output, options.force);
 
   const auto& comm = session.comm();
   session.step("reading " + options.input);

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "cli/run_tool.hpp"
-#include "cli/text_file.hpp"
 #include "pamr/assemble/assemble.hpp"
 #include "pamr/base/timer.hpp"
 #include "pamr/io/native/native_file.hpp"
@@ -87,13 +86,13 @@ nlohmann::json print_case(const cli::Session& session, const pb::Problem& proble
 }
 
 cli::ExitCode run(cli::Session& session, const Options& o) {
-  session.check_input(o.case_file);
+  const auto text = session.read_case(o.case_file);
   session.check_input(o.mesh);
-  session.check_native_output(o.output, {o.case_file, o.mesh}, o.force);
-  if (!o.surface.empty()) session.check_output(o.surface, {o.case_file, o.mesh, o.output}, o.force);
+  session.check_native_output(o.output, o.force);
+  if (!o.surface.empty()) session.check_output(o.surface, o.force);
   const auto& comm = session.comm();
   StepTimer timer;
-  const auto stated = pb::read_case(cli::read_text(comm, o.case_file), o.case_file);
+  const auto stated = pb::read_case(text, o.case_file);
   const pb::PetscRuntime petsc(comm, stated.solver.petsc + " " + o.petsc);
   session.step("reading " + o.mesh);
   auto mesh = assemble::assemble(

@@ -56,11 +56,9 @@ void check_files(cli::Session& session, const Options& options) {
   if (options.worst > 0 && options.meshes.size() > 1)
     throw Error(fmt::format("expected one mesh with --worst, found {}", options.meshes.size()));
   for (const auto& file : options.meshes) session.check_input(file);
-  if (!options.csv.empty()) session.check_output(options.csv, options.meshes, options.force);
-  auto taken = options.meshes;
-  if (!options.csv.empty()) taken.push_back(options.csv);
-  if (!options.html.empty()) session.check_output(options.html, taken, options.force);
-  if (!options.worst_out.empty()) session.check_native_output(options.worst_out, options.meshes, options.force);
+  for (const auto& file : {options.csv, options.html})
+    if (!file.empty()) session.check_output(file, options.force);
+  if (!options.worst_out.empty()) session.check_native_output(options.worst_out, options.force);
 }
 
 void write_csv(const par::Comm& comm, const std::string& file, const std::string& text) {

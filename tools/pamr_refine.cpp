@@ -209,7 +209,7 @@ void keep_flat_patches(cli::Session& session, mesh::DistMesh& mesh) {
 cli::ExitCode work(cli::Session& session, const Options& options) {
   const auto& comm = session.comm();
   session.check_input(options.input);
-  if (!options.dry_run) session.check_native_output(options.output, {options.input}, options.force);
+  if (!options.dry_run) session.check_native_output(options.output, options.force);
 
   StepTimer timer([&] { return comm.traffic(); });
   const auto read_before = adapt::bytes_read_so_far();

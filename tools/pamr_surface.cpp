@@ -325,7 +325,7 @@ cli::ExitCode run(cli::Session& session, const Options& options) {
   session.check_input(options.input);
   if (options.command != "info") {
     (void)geometry::surface_format_of(options.output);
-    session.check_output(options.output, {options.input}, options.force);
+    session.check_output(options.output, options.force);
   }
   session.step(step_of(options));
   if (options.command == "info") return inform(session, options);

@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """pamr-picture: the pictures have their size and show what they should, and wrong input is one clear message."""
+import json
 import os
 import pathlib
 import signal
+import stat
 import subprocess
 import time
 
@@ -189,6 +191,18 @@ def test_an_interrupt_says_so_and_leaves_nothing():
 
     assert process.returncode == 6 and error == "pamr-picture: interrupted: outputs that were not complete are removed\n", (process.returncode, error)
     assert os.listdir(".") == [], os.listdir(".")
+
+
+def test_a_report_goes_into_a_pipe_which_stays():
+    coarse, _ = cubes()
+    os.mkfifo("pipe")
+    reader = subprocess.Popen(["cat", "pipe"], stdout=subprocess.PIPE, text=True)
+    try:
+        run("pamr-picture", coarse, "-o", "p.png", "--json", "pipe", "--quiet")
+        text, _ = reader.communicate(timeout=60)
+    finally:
+        reader.kill()
+    assert json.loads(text)["picture"] == "p.png" and stat.S_ISFIFO(os.stat("pipe").st_mode)
 
 
 if __name__ == "__main__":

@@ -22,15 +22,6 @@ std::string because() { return std::generic_category().message(errno); }
 
 fs::path folder_of(const fs::path& path) { return path.has_parent_path() ? path.parent_path() : fs::path("."); }
 
-bool is_same_file(const std::string& a, const std::string& b) {
-  std::error_code failed;
-  if (fs::equivalent(a, b, failed)) return true;
-  const auto real_a = fs::weakly_canonical(a, failed);
-  if (failed) return a == b;
-  const auto real_b = fs::weakly_canonical(b, failed);
-  return failed ? a == b : real_a == real_b;
-}
-
 bool is_device(const fs::file_status& status) {
   return fs::exists(status) && !fs::is_regular_file(status) && !fs::is_directory(status);
 }
@@ -73,10 +64,9 @@ void require_readable(const std::string& path) {
   if (::access(path.c_str(), R_OK) != 0) throw Error(path + ": cannot be read: " + because());
 }
 
-void require_distinct(const std::string& path, const std::vector<std::string>& others) {
-  for (const auto& other : others)
-    if (is_same_file(path, other))
-      throw Error(path + ": expected an output of its own, found the same file as the input or output " + other);
+bool is_device(const std::string& path) {
+  std::error_code failed;
+  return is_device(fs::status(path, failed));
 }
 
 void require_replaceable(const std::string& path) {
@@ -91,9 +81,7 @@ void require_replaceable(const std::string& path) {
     throw Error(path + ": the folder " + folder.string() + " cannot be written: " + because());
 }
 
-void require_writable(const std::string& path, const std::vector<std::string>& others, bool force) {
-  if (path.empty()) throw Error("expected the name of an output file, found an empty name");
-  require_distinct(path, others);
+void require_writable(const std::string& path, bool force) {
   require_replaceable(path);
   std::error_code failed;
   const auto status = fs::status(path, failed);

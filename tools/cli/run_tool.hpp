@@ -45,7 +45,7 @@ struct ToolInfo {
 ///           },
 ///           [&](pamr::cli::Session& session) {
 ///             session.check_input(input);
-///             session.check_output(output, {input}, force);  // before any work; removes what is unfinished on SIGTERM
+///             session.check_output(output, force);  // before any work; removes what is unfinished on SIGTERM
 ///             auto mesh = pamr::io::read_mesh(session.comm(), input);
 ///             pamr::cli::Progress progress = session.progress("peeling", layers, "layers");
 ///             for (int i = 0; i < layers; ++i) {

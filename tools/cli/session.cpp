@@ -10,8 +10,10 @@
 
 #include "cli/output_file.hpp"
 #include "cli/step_clock.hpp"
+#include "pamr/base/case_file.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/base/one_line.hpp"
+#include "pamr/base/read_file.hpp"
 #include "pamr/io/unfinished_name.hpp"
 
 namespace pamr::cli {
@@ -45,7 +47,11 @@ std::string wrapped(std::string line) {
 
 Session::Session(const par::Comm& comm, std::string tool, CommonOptions options)
     : comm_(&comm), tool_(std::move(tool)), options_(std::move(options)) {
-  if (writes_report_file()) on_first(*comm_, [&] { require_replaceable(options_.json); });
+  if (!writes_report_file()) return;
+  on_first(*comm_, [&] {
+    require_replaceable(options_.json);
+    if (!is_device(options_.json)) files_.add_output(options_.json);
+  });
 }
 
 Session::~Session() {
@@ -55,29 +61,60 @@ Session::~Session() {
 void Session::check_input(const std::string& path) {
   on_first(*comm_, [&] {
     require_readable(path);
-    if (writes_report_file()) require_distinct(options_.json, {path});
+    files_.add_input(path);
   });
 }
 
-void Session::check_output(const std::string& path, const std::vector<std::string>& inputs, bool force) {
-  auto others = inputs;
-  if (writes_report_file()) others.push_back(options_.json);
-  on_first(*comm_, [&] { require_writable(path, others, force); });
-  prepare_output(path, others);
+void Session::keep(const std::string& path) {
+  on_first(*comm_, [&] { files_.add_input(path); });
 }
 
-void Session::check_native_output(const std::string& path, const std::vector<std::string>& inputs, bool force) {
+std::string Session::read_case(const std::string& path) {
+  check_input(path);
+  std::string text;
+  on_first(*comm_, [&] {
+    auto found = read_file(path);
+    if (!found) throw Error(path + ": expected a file that can be read");
+    text = std::move(*found);
+    for (const auto& file : files_of_case(text, path)) files_.add_input(file);
+  });
+  return comm_->broadcast(text);
+}
+
+void Session::check_output(const std::string& path, bool force, const std::string& may_replace) {
+  on_first(*comm_, [&] {
+    if (path.empty()) throw Error("expected the name of an output file, found an empty name");
+    files_.add_output(path, may_replace);
+    require_writable(path, force || (!may_replace.empty() && is_same_file(path, may_replace)));
+  });
+  remove_leftovers(path);
+}
+
+void Session::check_native_output(const std::string& path, bool force) {
   constexpr std::array foreign{".vtu", ".vtp", ".vtk", ".pvtu", ".msh", ".mesh", ".meshb", ".cgns", ".su2",  ".ugrid",
                                ".stl", ".obj", ".ply", ".off",  ".csv", ".json", ".png",   ".html", ".toml", ".xdmf"};
   const auto extension = std::filesystem::path(path).extension().string();
   if (std::find(foreign.begin(), foreign.end(), extension) != foreign.end())
     throw Error(path + ": this output is a native mesh: expected a name that ends in .hdf, found " + extension +
                 " (pamr-convert writes other formats)");
-  check_output(path, inputs, force);
+  check_output(path, force);
 }
 
-void Session::prepare_output(const std::string& path, const std::vector<std::string>& others) const {
-  if (comm_->is_first()) io::remove_leftovers(path, others);
+void Session::check_series(const SeriesName& series, std::uint64_t first, bool force, const std::string& may_replace) {
+  on_first(*comm_, [&] {
+    files_.add_series(series, may_replace);
+    require_replaceable(series(first));
+    if (const auto found = existing_files(series, first); !found.empty()) require_writable(found.front(), force);
+  });
+}
+
+void Session::check_folder(const std::string& path) {
+  on_first(*comm_, [&] { files_.add_folder(path); });
+  remove_leftovers(path);
+}
+
+void Session::remove_leftovers(const std::string& path) const {
+  if (comm_->is_first()) io::remove_leftovers(path, files_.inputs());
 }
 
 void Session::summary(const std::string& line) const {

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "cli/files.hpp"
 #include "cli/progress.hpp"
 #include "pamr/par/comm.hpp"
 
@@ -41,17 +42,29 @@ class Session {
   const par::Comm& comm() const { return *comm_; }
   const CommonOptions& options() const { return options_; }
 
-  /// Throws `Error` unless `path` is an existing file or folder that can be read and is not the file of the report.
+  /// What the run reads and writes, to be stated before work starts: first all inputs, then all outputs. Each of these
+  /// throws `Error` if an output, that of --json included, is an input or another output under any name (`Files`).
   /// Collective; rank 0 decides.
+  ///
+  /// An existing file or folder that can be read.
   void check_input(const std::string& path);
-  /// Throws `Error` when `path` cannot become the output: it exists and `force` is not given, is one of `inputs` or
-  /// the report, is no regular file, or its folder is missing or cannot be written; then does what `prepare_output`
-  /// does. Call before work starts, once per output. Collective; rank 0 decides.
-  void check_output(const std::string& path, const std::vector<std::string>& inputs, bool force);
+  /// An input that need not be there, or that has been found already.
+  void keep(const std::string& path);
+  /// `check_input` for a case file and all files that it names. Yields its text.
+  std::string read_case(const std::string& path);
+  /// An output. Throws `Error` also if it exists and `force` is not given, if it is no regular file, or if its folder
+  /// is missing or cannot be written. Removes what killed runs have left of it. `may_replace`: an input that it may be,
+  /// without `force`, or empty.
+  void check_output(const std::string& path, bool force, const std::string& may_replace = {});
   /// The same for an output in the native format; refuses a name that ends as those of other formats do.
-  void check_native_output(const std::string& path, const std::vector<std::string>& inputs, bool force);
-  /// Removes what killed runs have left of an output, but none of `others`. Local; rank 0 removes.
-  void prepare_output(const std::string& path, const std::vector<std::string>& others) const;
+  void check_native_output(const std::string& path, bool force);
+  /// The same for outputs whose numbers are not known yet. Throws `Error` also if one with number `first` or more
+  /// exists and `force` is not given.
+  void check_series(const SeriesName& series, std::uint64_t first, bool force, const std::string& may_replace = {});
+  /// A folder that will be replaced with everything in it.
+  void check_folder(const std::string& path);
+  /// Removes what killed runs have left of an output. Local; rank 0 removes.
+  void remove_leftovers(const std::string& path) const;
 
   /// One line on standard output (standard error where the report goes to standard output), by rank 0. Where it is
   /// longer than 160 characters it goes on in the next line, after a comma or semicolon, indented. Local.
@@ -85,6 +98,7 @@ class Session {
   const par::Comm* comm_;
   std::string tool_;
   CommonOptions options_;
+  Files files_;  ///< on rank 0
 };
 
 }  // namespace pamr::cli

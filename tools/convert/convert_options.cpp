@@ -161,7 +161,7 @@ io::Interfaces interfaces_of(const Options& options) {
   return options.interfaces ? io::Interfaces::by_regions : io::Interfaces::none;
 }
 
-void check_files(cli::Session& session, const Options& options, bool as_foam) {
+std::string check_files(cli::Session& session, const Options& options, bool as_foam) {
   (void)convert::ending_of_input(options.input);
   const bool as_boundary = io::is_surface_file(options.output) && !as_foam;
   if (!as_foam) (void)convert::ending_of_output(options.output);
@@ -203,21 +203,21 @@ void check_files(cli::Session& session, const Options& options, bool as_foam) {
   if (options.format != io::newest_format && (as_foam || !convert::is_native_file(options.output)))
     throw Error(
         fmt::format("--format {}: expected an output that ends in .hdf, found '{}'", options.format, options.output));
-  std::vector<std::string> inputs{options.input};
-  if (!options.surfaces.empty()) inputs.push_back(options.surfaces);
-  if (!options.cad.empty()) inputs.push_back(options.cad);
-  if (!options.solution_in.empty()) inputs.push_back(options.solution_in);
-  inputs.insert(inputs.end(), options.surface_files.begin(), options.surface_files.end());
-  for (const auto& input : inputs) session.check_input(input);
-  if (!as_foam) {
-    std::vector<std::string> outputs{options.output};
-    if (!options.solution_out.empty()) outputs.push_back(options.solution_out);
-    if (options.output.ends_with(".ugrid")) outputs.push_back(io::mapbc_file(options.output).string());
-    for (const auto& output : outputs) session.check_output(output, inputs, options.force);
-    return;
+  session.check_input(options.input);
+  if (options.input.ends_with(".ugrid")) session.keep(io::mapbc_file(options.input).string());
+  for (const auto& input : {options.cad, options.solution_in})
+    if (!input.empty()) session.check_input(input);
+  for (const auto& input : options.surface_files) session.check_input(input);
+  auto surfaces = options.surfaces.empty() ? std::string() : session.read_case(options.surfaces);
+  if (as_foam) {
+    check_foam_case(session, options);
+    session.check_folder(io::foam_folder(options.output).string());
+    return surfaces;
   }
-  check_foam_case(session, options);
-  session.prepare_output(io::foam_folder(options.output).string(), inputs);
+  session.check_output(options.output, options.force);
+  if (!options.solution_out.empty()) session.check_output(options.solution_out, options.force);
+  if (options.output.ends_with(".ugrid")) session.check_output(io::mapbc_file(options.output).string(), options.force);
+  return surfaces;
 }
 
 }  // namespace pamr::convert

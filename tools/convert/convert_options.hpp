@@ -33,7 +33,8 @@ bool asks_for_surfaces(const Options& options);
 bool is_foam_case(const std::string& output);
 io::Interfaces interfaces_of(const Options& options);
 
-/// Checks what can be checked before anything is read. Collective; throws the same `Error` on every rank.
-void check_files(cli::Session& session, const Options& options, bool as_foam);
+/// Checks what can be checked before a mesh is read. Yields the text of `surfaces`, if it is given. Collective; throws
+/// the same `Error` on every rank.
+std::string check_files(cli::Session& session, const Options& options, bool as_foam);
 
 }  // namespace pamr::convert

@@ -23,7 +23,24 @@ def interrupt(_number, _frame):
     os._exit(6)
 
 
-def check_output(path, inputs, force):
+def is_same_file(a, b):
+    """By `.` and `..`, symbolic or hard links; they need not exist. As tools/cli/files.cpp has it."""
+    def entry(path):
+        return os.path.join(os.path.realpath(os.path.dirname(path) or "."), os.path.basename(path))
+    return (entry(a) == entry(b) or os.path.realpath(a) == os.path.realpath(b)
+            or os.path.exists(a) and os.path.exists(b) and os.path.samefile(a, b))
+
+
+def is_device(path):
+    return os.path.exists(path) and not os.path.isfile(path) and not os.path.isdir(path)
+
+
+def check_output(path, inputs, outputs, force):
+    """Refuses what cannot become this output; before work starts, for each output."""
+    for kind, others in (("input", inputs), ("output", outputs)):
+        for other in others:
+            if is_same_file(path, other):
+                raise Refused(f"{path}: expected an output of its own, found the same file as the {kind} {other}")
     folder = os.path.dirname(path) or "."
     if os.path.isdir(path):
         raise Refused(f"{path}: expected a file to write, found a folder")
@@ -31,15 +48,27 @@ def check_output(path, inputs, force):
         raise Refused(f"{path}: expected an existing folder to write into, found none named {folder}")
     if not os.access(folder, os.W_OK | os.X_OK):
         raise Refused(f"{path}: the folder {folder} cannot be written")
-    for other in inputs:
-        if os.path.exists(path) and os.path.exists(other) and os.path.samefile(path, other):
-            raise Refused(f"{path}: expected an output of its own, found the same file as the input {other}")
     if os.path.exists(path) and not force:
         raise Refused(f"{path}: the output file exists already (--force replaces it)")
 
 
+def check_outputs(o):
+    check_output(o.output, o.meshes, [], o.force)
+    if is_device(o.output):
+        raise Refused(f"{o.output}: expected a regular file to replace, found a device or pipe")
+    if o.json and o.json != "-" and not is_device(o.json):
+        check_output(o.json, o.meshes, [o.output], True)
+
+
 def write_whole(path, content):
-    """All of it or nothing arrives under the name."""
+    """All of it or nothing arrives under the name; a device or pipe is written directly."""
+    if is_device(path):
+        try:
+            with open(path, "wb") as device:
+                device.write(content)
+        except OSError as wrong:
+            raise Refused(f"{path}: cannot be written: {wrong.strerror}") from None
+        return
     partial = f"{path}.{os.getpid()}.partial"
     unfinished.append(partial)
     try:
@@ -160,7 +189,7 @@ def make(o):
 def run(arguments, version):
     import command_line
     o = command_line.read(arguments, version)
-    check_output(o.output, o.meshes, o.force)
+    check_outputs(o)
     try:
         import matplotlib, numpy, vtk  # noqa: F401, E401: named here so that a missing package is one clear message
     except ImportError as missing:

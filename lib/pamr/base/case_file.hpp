@@ -4,6 +4,7 @@
 #include <array>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "pamr/base/toml_table.hpp"
 
@@ -22,5 +23,10 @@ inline constexpr std::array<std::string_view, 27> case_tables{
 
 /// `parse_toml` of a case file: its `finish` accepts the tables of all tools.
 TomlTable parse_case(std::string_view text, const std::string& where);
+
+/// The files that a case file of this text names, for whatever tool: surfaces and species. Their names are taken as
+/// beside the case file `where`. Throws `Error` for what is no TOML; a table that its tool will refuse names no file.
+/// Local.
+std::vector<std::string> files_of_case(std::string_view text, const std::string& where);
 
 }  // namespace pamr

@@ -11,6 +11,7 @@
 namespace pamr {
 namespace {
 
+using ::testing::ElementsAre;
 using ::testing::StrEq;
 using ::testing::ThrowsMessage;
 
@@ -34,6 +35,21 @@ TEST(CaseFile, ChecksTheTablesThatWereRead) {
 
   EXPECT_THAT([&] { file.finish(); }, ThrowsMessage<Error>(StrEq("case.toml:2:1: unknown key 'foo' in [gas]; expected "
                                                                  "one of species_file")));
+}
+
+TEST(CaseFile, KnowsTheFilesThatItNamesForAnyTool) {
+  const auto files = files_of_case(
+      "[[surface]]\nname = 'x'\nfile = 'body.stl'\n[[surface]]\nname = 'y'\n[[surface]]\nfile = '/abs/part.step'\n"
+      "[gas]\nspecies_file = '../species.toml'\n",
+      "folder/case.toml");
+
+  EXPECT_THAT(files, ElementsAre("folder/body.stl", "/abs/part.step", "folder/../species.toml"));
+  EXPECT_THAT(files_of_case("", "case.toml"), ElementsAre());
+}
+
+TEST(CaseFile, LeavesTablesOfTheWrongKindToTheToolThatReadsThem) {
+  EXPECT_THAT(files_of_case("surface = 3\ngas = 'x'\n", "case.toml"), ElementsAre());
+  EXPECT_THAT(files_of_case("[[surface]]\nfile = 3\n[[surface]]\nfile = 'b.stl'\n", "case.toml"), ElementsAre("b.stl"));
 }
 
 TEST(CaseFile, ListsEachTableOnce) {

@@ -54,7 +54,7 @@ void hear_late() {
 ExitCode work(Session& session, const std::string& input, const std::string& output, bool force,
               const std::string& how) {
   if (!input.empty()) session.check_input(input);
-  if (!output.empty()) session.check_output(output, {input}, force);
+  if (!output.empty()) session.check_output(output, force);
   misbehave(how, session.comm());
   if (how == "sleep" || how == "sleep-deeply") {
     if (how == "sleep-deeply" && session.comm().is_first()) hear_late();

@@ -43,11 +43,13 @@ RankWork rank_work(const Computation& computation, std::int64_t n_steps) {
 
 double Advance::rate() const { return particle_steps / std::max(cpu_seconds, 1e-9); }
 
-CheckpointFile::CheckpointFile(std::string name, const Computation& computation) : name_(std::move(name)) {
-  if (const auto step = computation.restarted_mesh()) before_ = mesh_of(*step);
+std::string mesh_of_checkpoint(const std::string& checkpoint, std::uint64_t step) {
+  return fmt::format("{}-{}.hdf", checkpoint, step);
 }
 
-std::string CheckpointFile::mesh_of(std::uint64_t step) const { return fmt::format("{}-{}.hdf", name_, step); }
+CheckpointFile::CheckpointFile(std::string name, const Computation& computation) : name_(std::move(name)) {
+  if (const auto step = computation.restarted_mesh()) before_ = mesh_of_checkpoint(name_, *step);
+}
 
 void CheckpointFile::write(Computation& computation) {
   const auto& comm = computation.comm();
@@ -56,7 +58,7 @@ void CheckpointFile::write(Computation& computation) {
     write_checkpoint(comm, name_, snapshot);
     return;
   }
-  const auto mesh = mesh_of(computation.mesh_step());
+  const auto mesh = mesh_of_checkpoint(name_, computation.mesh_step());
   if (mesh != written_) io::write_native(comm, mesh, computation.mesh());
   snapshot.header["mesh_step"] = computation.mesh_step();
   snapshot.header["mesh_file"] = std::filesystem::path(mesh).filename().string();

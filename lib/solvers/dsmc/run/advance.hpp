@@ -18,8 +18,11 @@ struct AdvanceOptions {
   Exact<std::uint64_t> every = 0;      ///< steps from checkpoint to checkpoint; 0: at the end only
 };
 
-/// Writes the checkpoints of a computation. Of one that adapts its mesh the mesh is written too, beside the checkpoint
-/// as NAME-STEP.hdf; meshes of checkpoints that were replaced are removed.
+/// The mesh beside a checkpoint of a run that adapts its mesh, which it did last after this step: NAME-STEP.hdf.
+std::string mesh_of_checkpoint(const std::string& checkpoint, std::uint64_t step);
+
+/// Writes the checkpoints of a computation. Of one that adapts its mesh the mesh is written too (`mesh_of_checkpoint`);
+/// meshes of checkpoints that were replaced are removed.
 class CheckpointFile {
  public:
   CheckpointFile(std::string name, const Computation& computation);
@@ -27,8 +30,6 @@ class CheckpointFile {
   void write(Computation& computation);
 
  private:
-  std::string mesh_of(std::uint64_t step) const;
-
   std::string name_;
   std::string written_;  ///< the mesh of this run's last checkpoint
   std::string before_;   ///< that of the checkpoint that is there
