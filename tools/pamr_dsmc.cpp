@@ -38,8 +38,8 @@ void declare(cli::CommandLine& line, Options& o) {
       .type_name("N")
       .positive();
   auto checkpoint = line.option("--checkpoint", o.advance.checkpoint,
-                                "file to restart from, written at the end, on SIGTERM, SIGINT and SIGUSR1, and as "
-                                "--every says");
+                                "file to restart from, written at the end, on SIGTERM, SIGINT, SIGHUP and SIGUSR1, "
+                                "and as --every says");
   checkpoint.type_name("FILE");
   line.option("--every", o.advance.every, "steps between checkpoints").type_name("N").positive().needs(checkpoint);
   auto restart = line.option("--restart", o.restart, "continue this checkpoint's run: the same case on the same mesh");

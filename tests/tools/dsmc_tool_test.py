@@ -148,20 +148,36 @@ def test_restart_gives_the_same_bytes_as_a_run_without_interruption():
         assert same_bytes(a, c), f"{a} differs from {c}"
 
 
+def stopped(command, number, before, checkpoint):
+    """Exit code and messages of a run that gets this signal once its checkpoint is there; `before`: what SIGHUP does first."""
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+                          preexec_fn=lambda: signal.signal(signal.SIGHUP, before)) as process:
+        deadline = time.monotonic() + 60
+        while not os.path.exists(checkpoint) and process.poll() is None and time.monotonic() < deadline:
+            time.sleep(0.05)
+        assert process.poll() is None, process.communicate()
+        process.send_signal(number)
+        out, err = process.communicate(timeout=60)
+    return process.returncode, out, err
+
+
 def test_a_signal_ends_the_run_with_a_checkpoint_to_go_on_from():
     case, mesh = write("case.toml", CUBE.replace("sampling = 20", "sampling = 100000")), kuhn_cube("cube.hdf", 3)
-    command = [str(BIN / "pamr-dsmc"), case, "--mesh", mesh, "-o", "a.hdf", "--checkpoint", "a.ck", "--every", "20",
-               "--quiet"]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
-        deadline = time.monotonic() + 60
-        while not os.path.exists("a.ck") and process.poll() is None and time.monotonic() < deadline:
-            time.sleep(0.05)
-        process.send_signal(signal.SIGTERM)
-        out, err = process.communicate(timeout=60)
-    assert process.returncode == 6, (process.returncode, out, err)
-    assert not os.path.exists("a.hdf") and not os.path.exists("a.ck.partial")
-    case = write("case.toml", CUBE)
-    compute(case, mesh, "b.hdf", "--restart", "a.ck", "--quiet")
+    short = write("short.toml", CUBE)
+    for number in (signal.SIGTERM, signal.SIGHUP):
+        name = f"{number.name}.ck"
+        command = [str(BIN / "pamr-dsmc"), case, "--mesh", mesh, "-o", "a.hdf", "--checkpoint", name, "--every", "7"]
+        code, out, err = stopped(command, number, signal.SIG_DFL, name)
+        assert code == 6 and f"-> {name}" in out, (number, code, out, err)
+        assert not os.path.exists("a.hdf") and not os.path.exists(f"{name}.partial")
+        compute(short, mesh, f"{number.name}.hdf", "--restart", name, "--quiet")
+
+
+def test_a_run_under_nohup_goes_on_when_its_terminal_is_gone():
+    case, mesh = write("case.toml", CUBE.replace("sampling = 20", "sampling = 1000")), kuhn_cube("cube.hdf", 3)
+    command = [str(BIN / "pamr-dsmc"), case, "--mesh", mesh, "-o", "a.hdf", "--checkpoint", "a.ck", "--every", "20", "--quiet"]
+    code, out, err = stopped(command, signal.SIGHUP, signal.SIG_IGN, "a.ck")
+    assert code == 0 and os.path.exists("a.hdf"), (code, out, err)
 
 
 def computing_here():

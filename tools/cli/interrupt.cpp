@@ -63,7 +63,10 @@ void end_well_on_interrupt(const std::string& tool, bool speaks, bool in_company
     std::copy(mark.begin(), mark.end(), abort_mark.begin());
   struct sigaction action {};
   action.sa_handler = remove_files_and_end;
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGUSR1}) ::sigaction(signal, &action, nullptr);
+  for (const int signal : {SIGINT, SIGTERM, SIGUSR1}) ::sigaction(signal, &action, nullptr);
+  struct sigaction before {};
+  ::sigaction(SIGHUP, nullptr, &before);
+  if (before.sa_handler != SIG_IGN) ::sigaction(SIGHUP, &action, nullptr);
 }
 
 void be_silent_on_interrupt() { interrupt_length = 0; }

@@ -202,6 +202,18 @@ class LifeOfATool(unittest.TestCase):
             self.assertEqual((process.returncode, out, err.count(said)), (code, "", 1), (how, ranks, number, err))
             self.wait_until(lambda: not self.unfinished(), 10)
 
+    def test_a_hangup_ends_it_unless_it_is_ignored(self):
+        for before, code in ((signal.SIG_DFL, 6), (signal.SIG_IGN, None)):
+            process = subprocess.Popen([PROBE, "-o", self.path("out"), "--how", "sleep"], stderr=subprocess.DEVNULL,
+                                       preexec_fn=lambda: signal.signal(signal.SIGHUP, before))  # nohup
+            self.wait_until(self.unfinished)
+            process.send_signal(signal.SIGHUP)
+            if code is None:
+                self.assertRaises(subprocess.TimeoutExpired, process.wait, 0.5)
+                process.send_signal(signal.SIGTERM)
+            self.assertEqual(process.wait(timeout=30), 6)
+            self.assertEqual(os.listdir(self.folder), ["in put.txt"])
+
     def on_terminal(self, ranks, how):
         """What a terminal gets of standard error."""
         main, end = os.openpty()

@@ -14,7 +14,10 @@ StopSignals::StopSignals() {
   struct sigaction action {};
   action.sa_handler = [](int) { signal_came = 1; };
   action.sa_flags = SA_RESTART;
-  for (std::size_t i = 0; i < signals.size(); ++i) ::sigaction(signals[i], &action, &before_[i]);
+  for (std::size_t i = 0; i < signals.size(); ++i) {
+    ::sigaction(signals[i], nullptr, &before_[i]);
+    if (before_[i].sa_handler != SIG_IGN) ::sigaction(signals[i], &action, nullptr);
+  }
 }
 
 StopSignals::~StopSignals() {

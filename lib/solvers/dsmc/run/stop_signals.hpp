@@ -6,7 +6,8 @@
 
 namespace pamr::dsmc {
 
-/// While it lives, SIGTERM, SIGINT and SIGUSR1 only ask for the end of the run. At most one at a time.
+/// While it lives, SIGTERM, SIGINT, SIGHUP and SIGUSR1 only ask for the end of the run; one that the process ignores
+/// (nohup) stays ignored. At most one at a time.
 class StopSignals {
  public:
   StopSignals();
@@ -20,7 +21,7 @@ class StopSignals {
   static bool have_come();
 
  private:
-  static constexpr std::array signals{SIGTERM, SIGINT, SIGUSR1};
+  static constexpr std::array signals{SIGTERM, SIGINT, SIGHUP, SIGUSR1};
   std::array<struct sigaction, signals.size()> before_{};
 };
 
