@@ -333,6 +333,31 @@ points = [5, 11]
     assert 0.5 * pressure < float(floor["p"]["value"]) < 4 * pressure and float(floor["p"]["stderr"]) > 0
 
 
+def test_a_region_that_fills_no_cell_is_refused():
+    mesh = kuhn_cube("cube.hdf", 5)
+    dense = '[stream.dense]\ndensity = 3e20\ntemperature = 300.0\n'
+    region = '[[initial.region]]\n{}\nstream = "dense"\n'
+    corner, centroid = 'box = [0.0, 0.0, 0.0, 0.4, 0.4, 0.4]', "[0.09, 0.04, 0.14, 0.16, 0.06, 0.16]"
+    lost = "expected an [[initial.region]] in the gas, found no centroid of a cell in it; the mesh lies in the box [0, 0, 0, 1, 1, 1]"
+    for places, which, says in (([corner, "box = [2.0, 0.0, 0.0, 3.0, 1.0, 1.0]"], 1, lost),
+                                (["box = [0.4, 0.4, 0.4, 0.0, 0.0, 0.0]"], 0, lost), (["sphere = [0.0, 0.0, 0.0, 0.01]"], 0, lost),
+                                ([corner, "sphere = [0.0, 0.0, 0.0, 0.8]"], 0, "found later regions in all of its 48")):
+        text = CUBE + dense
+        lines = []
+        for place in places:
+            lines.append(text.count("\n") + 1)
+            text += region.format(place)
+        for how in (("-o", "x.hdf"), ("--plan",)):
+            refuses("pamr-dsmc", write("case.toml", text), "--mesh", mesh, *how, says=[f"case.toml:{lines[which]}:1: ", says], creates="x.hdf")
+    text = CUBE + dense + region.format(corner) + region.format(f"box = {centroid}")  # one cell, of one rank
+    run("pamr-dsmc", write("good.toml", text), "--mesh", mesh, "--plan", "--quiet")
+    # A run that does not start with the regions may have any.
+    compute(write("case.toml", CUBE), mesh, "a.hdf", "--checkpoint", "a.ck", "--steps", "3", "--quiet")
+    add_cell_field("a.hdf", "parent", np.arange(750))
+    compute(write("case.toml", CUBE + dense + region.format("sphere = [9.0, 9.0, 9.0, 1.0]")), "a.hdf", "b.hdf", "--carry", "a.ck",
+            "--steps", "3", "--quiet")
+
+
 def test_time_steps_follow_the_flow_that_an_earlier_run_found():
     mesh = kuhn_cube("cube.hdf", 4)
     dense = CUBE.replace("density = 1e20", "density = 2e21").replace("step = 5e-5", "step = 1e-5")

@@ -24,6 +24,10 @@ struct Region {
   }
 };
 
+inline Vec3 centroid_of(const geometry::TetPoints& corner) {
+  return 0.25 * (corner[0] + corner[1] + corner[2] + corner[3]);
+}
+
 /// Everything that a computation needs in addition to the mesh, in SI units.
 struct Setup {
   Gas gas;
@@ -40,12 +44,18 @@ struct Setup {
   std::uint64_t seed = 1;
   double expected_particles = 0;  ///< in a domain full of free stream (with `from_fields`: of the gas in the fields)
 
-  /// The stream that fills a cell with these corners at the start; null: vacuum.
+  /// The region that fills a cell with these corners at the start; -1: none.
+  int region_at_start(const geometry::TetPoints& corner) const {
+    const auto center = centroid_of(corner);
+    for (auto r = static_cast<int>(region.size()) - 1; r >= 0; --r)
+      if (region[static_cast<std::size_t>(r)].holds(center)) return r;
+    return -1;
+  }
+
+  /// The stream that does; null: vacuum.
   const Stream* stream_at_start(const geometry::TetPoints& corner) const {
-    const Vec3 center = 0.25 * (corner[0] + corner[1] + corner[2] + corner[3]);
-    int which = initial;
-    for (const auto& part : region)
-      if (part.holds(center)) which = part.stream;
+    const int found = region_at_start(corner);
+    const int which = found < 0 ? initial : region[static_cast<std::size_t>(found)].stream;
     return which < 0 ? nullptr : &stream[static_cast<std::size_t>(which)];
   }
 };

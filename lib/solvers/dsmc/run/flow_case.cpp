@@ -85,6 +85,7 @@ void read_initial(const TomlTable& initial, Case& c) {
     }
     region.stream = stream_named(c, table, "stream");
     c.region.push_back(region);
+    c.region_at.push_back(table.at());
   }
 }
 

@@ -43,6 +43,7 @@ struct Case {
   std::map<std::string, std::string> partner;         ///< of periodic patches
   int initial = 0;
   std::vector<Region> region;
+  std::vector<std::string> region_at;  ///< file and line of each, for messages
   CollisionOptions collisions;
   std::optional<double> weight, per_cell, total;  ///< exactly one of them
   double dt = 0;                                  ///< s

@@ -4,7 +4,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <limits>
 
 #include "pamr/base/error.hpp"
@@ -139,6 +142,21 @@ std::vector<double> time_steps(const Case& c, const mesh::DistMesh& mesh, double
   return steps;
 }
 
+/// The box around the mesh, in meters, for a message. Collective.
+std::string box_of(const par::Comm& comm, const mesh::DistMesh& mesh, double unit) {
+  constexpr double far = std::numeric_limits<double>::infinity();
+  std::array<double, 3> low{far, far, far}, high{-far, -far, -far};
+  for (const auto& p : mesh.node_position)
+    for (std::size_t k = 0; k < low.size(); ++k) {
+      const double x = k == 0 ? p.x : k == 1 ? p.y : p.z;
+      low[k] = std::min(low[k], unit * x);
+      high[k] = std::max(high[k], unit * x);
+    }
+  for (auto& x : low) x = comm.min(x);
+  for (auto& x : high) x = comm.max(x);
+  return fmt::format("[{:g}, {:g}, {:g}, {:g}, {:g}, {:g}]", low[0], low[1], low[2], high[0], high[1], high[2]);
+}
+
 }  // namespace
 
 std::vector<double> make_cell_dt(const Case& c, const mesh::DistMesh& mesh, double unit) {
@@ -194,6 +212,31 @@ Setup make_setup(const par::Comm& comm, const Case& c, const mesh::DistMesh& mes
                             min_weight, max_weight, setup.fnum));
   setup.expected_particles = molecules / setup.fnum;
   return setup;
+}
+
+void require_regions(const par::Comm& comm, const Case& c, const Setup& setup, const mesh::DistMesh& mesh) {
+  const auto n = setup.region.size();
+  if (n == 0) return;
+  std::vector<std::int64_t> cells(2 * n, 0);  // that each region fills; that it holds
+  for (LocalId cell = 0; cell < mesh.n_cells(); ++cell) {
+    const auto corner = corners(mesh, setup.unit, cell);
+    const int filled_by = setup.region_at_start(corner);
+    if (filled_by < 0) continue;
+    ++cells[static_cast<std::size_t>(filled_by)];
+    for (std::size_t r = 0; r < n; ++r) cells[n + r] += setup.region[r].holds(centroid_of(corner)) ? 1 : 0;
+  }
+  comm.sum_in_place(cells);
+  for (std::size_t r = 0; r < n; ++r) {
+    if (cells[r] > 0) continue;
+    if (cells[n + r] > 0)
+      throw Error(
+          fmt::format("{}: expected cells that this [[initial.region]] fills, found later regions in all of its {}",
+                      c.region_at[r], cells[n + r]));
+    throw Error(fmt::format(
+        "{}: expected an [[initial.region]] in the gas, found no centroid of a cell in it; the mesh lies in "
+        "the box {}, in meters",
+        c.region_at[r], box_of(comm, mesh, setup.unit)));
+  }
 }
 
 }  // namespace pamr::dsmc

@@ -21,4 +21,9 @@ Setup make_setup(const par::Comm& comm, const Case& the_case, const mesh::DistMe
 /// length unit. Local.
 std::vector<double> make_cell_dt(const Case& the_case, const mesh::DistMesh& mesh, double unit);
 
+/// Throws the same `Error` on every rank if a region of the case fills no cell at the start, because it holds no
+/// centroid of a cell or because later regions fill all of its cells. Collective: one reduction for regions that fill
+/// cells.
+void require_regions(const par::Comm& comm, const Case& the_case, const Setup& setup, const mesh::DistMesh& mesh);
+
 }  // namespace pamr::dsmc

@@ -10,6 +10,7 @@
 
 #include "pamr/base/index.hpp"
 #include "solvers/dsmc/gas/kinetic_theory.hpp"
+#include "solvers/dsmc/run/make_setup.hpp"
 #include "solvers/dsmc/sampling/free_molecular.hpp"
 #include "solvers/dsmc/state/checkpoint_rows.hpp"
 
@@ -44,6 +45,7 @@ std::int64_t patch_that_leaves_its_plane(const par::Comm& comm, const GasDomain&
 
 Plan make_plan(const par::Comm& comm, const Case& c, const Setup& setup, const mesh::DistMesh& mesh,
                const std::optional<CheckpointHead>& from, bool writes_checkpoints) {
+  if (!from) require_regions(comm, c, setup, mesh);
   Plan plan;
   const auto& free = c.stream.front();
   Gas gas = c.gas;

@@ -41,7 +41,8 @@ struct Plan {
 };
 
 /// `from`: the flow that it goes on from, if there is one, on this mesh or on another. `writes_checkpoints`: for which
-/// particles are copied; where the mesh adapts they are in any case. Collective.
+/// particles are copied; where the mesh adapts they are in any case. Throws `Error` for regions of the case that fill
+/// no cell, unless it goes on from a flow (`require_regions`). Collective.
 Plan make_plan(const par::Comm& comm, const Case& the_case, const Setup& setup, const mesh::DistMesh& mesh,
                const std::optional<CheckpointHead>& from, bool writes_checkpoints);
 
