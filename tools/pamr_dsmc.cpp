@@ -71,7 +71,7 @@ std::string check_inputs(cli::Session& session, const Options& o) {
 
 std::string window_file(const Options& o, std::uint64_t step) { return fmt::format("{}-{:07}.hdf", o.series, step); }
 
-/// Refuses to replace files of the series that the run will write after `steps_done` steps.
+/// The files of the series that the run will write after `steps_done` steps.
 void check_series(cli::Session& session, const Options& o, const dsmc::Case& c, std::uint64_t steps_done) {
   if (o.series.empty()) return;
   const auto& schedule = c.schedule;
@@ -187,6 +187,8 @@ cli::ExitCode run_case(cli::Session& session, const Options& o) {
     par::agree(comm, [&] {
       if (comm.is_first()) cli::write_whole(file, text);
     });
+    if (file != o.out.lines || !comm.is_first()) return;
+    for (const auto& warning : warnings_of_lines(c, text)) session.warn(warning);
   });
   outcome.n_particles = computation->flow().n_particles();
   for (const auto& warning : warnings_of(outcome.resolution)) session.warn(warning);

@@ -314,7 +314,9 @@ along = [0.8, 0.0, 0.0]
 across = [0.0, 0.0, 2.0]
 points = [5, 11]
 """)
-    compute(case, kuhn_cube("cube.hdf", 4), "a.hdf", "--lines", "a.csv", "--quiet")
+    warnings = compute(case, kuhn_cube("cube.hdf", 4), "a.hdf", "--lines", "a.csv", "--quiet").err.splitlines()
+    assert [line for line in warnings if "has no rows" in line] == [
+        'pamr-dsmc: warning: [[line]] "outside" has no rows: no part of it lies in the gas or on a wall'], warnings
     compute(case, "cube.hdf", "b.hdf", "--lines", "b.csv", "--quiet", ranks=1)
     assert same_bytes("a.csv", "b.csv")
     rows = list(csv.DictReader(open("a.csv")))

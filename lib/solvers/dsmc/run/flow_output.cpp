@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "solvers/dsmc/run/flow_output.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -66,6 +69,20 @@ CellResolution write_output(Computation& computation, const OutputFiles& files, 
   if (!files.surface.empty()) write_walls(comm, files.surface, walls, setup.unit, mesh.info.n_global_cells);
   if (!files.history.empty()) write_text(files.history, to_csv(computation.averaging().state().history, c.dt));
   return resolution;
+}
+
+std::vector<std::string> warnings_of_lines(const Case& c, const std::string& text) {
+  std::vector<std::string> warnings;
+  const auto look = [&](const char* kind, const auto& probes) {
+    for (const auto& probe : probes)
+      if (text.find("\n" + probe.name + ",") == std::string::npos)
+        warnings.push_back(
+            fmt::format("[[{}]] \"{}\" has no rows: no part of it lies in the gas or on a wall", kind, probe.name));
+  };
+  look("station", c.station);
+  look("line", c.line);
+  look("plane", c.plane);
+  return warnings;
 }
 
 }  // namespace pamr::dsmc

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <string>
+#include <vector>
 
 #include "solvers/dsmc/run/computation.hpp"
 #include "solvers/dsmc/sampling/cell_resolution.hpp"
@@ -28,5 +29,8 @@ CellResolution write_output(Computation& computation, const OutputFiles& files, 
 /// Writes the mesh as it is now with the averages of the window so far; the computation stays as it is. Collective.
 /// Throws `Error` when the file cannot be written.
 void write_window(Computation& computation, const std::string& file);
+
+/// A sentence for each station, line and plane of the case that has no row in the text of `OutputFiles::lines`. Local.
+std::vector<std::string> warnings_of_lines(const Case& the_case, const std::string& text);
 
 }  // namespace pamr::dsmc
