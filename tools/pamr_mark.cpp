@@ -22,6 +22,7 @@
 #include "pamr/mark/apply_criteria.hpp"
 #include "pamr/mark/budget.hpp"
 #include "pamr/mark/criteria.hpp"
+#include "pamr/mesh/require_field.hpp"
 #include "pamr/validate/validate.hpp"
 
 namespace {
@@ -156,6 +157,12 @@ Marked choose_marks(const par::Comm& comm, mesh::DistMesh& mesh, const mark::Req
   return marked;
 }
 
+/// Refuses to replace fields that hold something else. Collective.
+void require_own_fields(const par::Comm& comm, const mesh::DistMesh& mesh, const Options& options) {
+  mesh::require_replaceable(comm, mesh, {options.marks, "--marks", -1, 1});
+  mesh::require_replaceable(comm, mesh, {balance::work_field(options.marks), "the work of the --marks", 0, 255});
+}
+
 cli::ExitCode run(cli::Session& session, const Options& options) {
   const auto request = mark::read_request(options.given);
   session.check_input(options.input);
@@ -165,6 +172,7 @@ cli::ExitCode run(cli::Session& session, const Options& options) {
   session.step("reading " + options.input);
   auto mesh = assemble::assemble(comm, io::read_native(comm, options.input, {.remark = session.remarks()}));
   validate::require_valid(comm, mesh, options.input);
+  with_file_name(options.input, [&] { require_own_fields(comm, mesh, options); });
   session.step(fmt::format("marking {} cells", mesh.info.n_global_cells));
   refine::Options refinement;
   refinement.quality_control = refine::quality_control_named(options.quality_control);
@@ -175,7 +183,7 @@ cli::ExitCode run(cli::Session& session, const Options& options) {
   if (options.fill && !(options.max_cells && moves_thresholds(request)))
     throw Error("--fill: expected --max-cells and a criterion with --coarsen-below, found none");
   const auto [marks, may_go, work, after, too_fine, factor] =
-      choose_marks(comm, mesh, request, applied, options, refinement);
+      with_file_name(options.input, [&] { return choose_marks(comm, mesh, request, applied, options, refinement); });
   const auto n_marked = mark::count_marked(comm, marks);
 
   session.step("writing " + options.output);

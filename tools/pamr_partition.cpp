@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <utility>
@@ -18,6 +19,7 @@
 #include "pamr/base/index.hpp"
 #include "pamr/base/with_file_name.hpp"
 #include "pamr/io/native/native_file.hpp"
+#include "pamr/mesh/require_field.hpp"
 #include "pamr/validate/validate.hpp"
 
 namespace {
@@ -99,6 +101,10 @@ cli::ExitCode run(cli::Session& session, const Options& options) {
   auto mesh = assemble::assemble(
       comm, io::read_native(comm, options.input, {.build_surfaces = false, .remark = session.remarks()}));
   validate::require_valid(comm, mesh, options.input);
+  with_file_name(options.input, [&] {
+    mesh::require_replaceable(comm, mesh,
+                              {rank_field, "the numbers of the parts", 0, std::numeric_limits<Rank>::max()});
+  });
   const auto weight = with_file_name(options.input, [&] { return weigh(comm, mesh, options); });
   session.step(fmt::format("dividing {} cells into {} parts", mesh.info.n_global_cells, options.n_parts));
   const std::vector<std::int64_t> ones(weight.size(), 1);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <utility>
@@ -24,6 +25,7 @@
 #include "pamr/io/native/native_file.hpp"
 #include "pamr/mesh/fingerprint.hpp"
 #include "pamr/mesh/periodic_patches.hpp"
+#include "pamr/mesh/require_field.hpp"
 #include "pamr/mesh/undescribed_patches.hpp"
 
 namespace {
@@ -206,6 +208,14 @@ void keep_flat_patches(cli::Session& session, mesh::DistMesh& mesh) {
   for (const auto& warning : mesh::warnings_of(mesh.info, undescribed)) session.warn(warning);
 }
 
+/// The marks, of a mesh in which the numbers of the parents replace no data. Collective.
+std::vector<std::int8_t> read_flags(const par::Comm& comm, const mesh::DistMesh& mesh, const Options& options) {
+  using Number = std::numeric_limits<std::int64_t>;
+  mesh::require_replaceable(comm, mesh,
+                            {mesh::parent_field, "the numbers of the parents", Number::min(), Number::max()});
+  return adapt::signed_flags_from_field(comm, mesh, options.marks);
+}
+
 cli::ExitCode work(cli::Session& session, const Options& options) {
   const auto& comm = session.comm();
   session.check_input(options.input);
@@ -224,8 +234,7 @@ cli::ExitCode work(cli::Session& session, const Options& options) {
                                          timer);
   adapt::Measured measured;
   measured.bytes_read = adapt::bytes_read_so_far() - read_before;
-  const auto flags =
-      with_file_name(options.input, [&] { return adapt::signed_flags_from_field(comm, mesh, options.marks); });
+  const auto flags = with_file_name(options.input, [&] { return read_flags(comm, mesh, options); });
   const refine::Options how{.quality_control = refine::quality_control_named(options.quality_control),
                             .shape_floor = options.shape_floor,
                             .project = !options.no_project,

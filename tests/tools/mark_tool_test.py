@@ -139,12 +139,38 @@ def test_levels_limit_the_marks():
 
 def test_marks_are_replaced_and_other_fields_kept():
     kuhn_cube("a.hdf", 2)
-    add_cell_field("a.hdf", "refine", np.full(48, 7.5))
+    add_cell_field("a.hdf", "refine", np.arange(48, dtype=np.int8) % 3 - 1)  # marks of a solver of one's own
+    add_cell_field("a.hdf", "refine_work", np.arange(48))
     add_cell_field("a.hdf", "rho", np.arange(48) / 3)
     found, _ = mark("a.hdf", "--all")
     assert (found == 1).all()
     with h5py.File("marked.hdf") as file:
         assert (file["VTKHDF/CellData/rho"][:] == np.arange(48) / 3).all()
+
+
+def test_marks_do_not_replace_data():
+    kuhn_cube("a.hdf", 2)
+    idle = ("--field", "e", "--above", "40", "--coarsen-below", "3", "--keep-for", "2")
+    for field, values, says, more in (
+            ("e", np.arange(48.0), "expected integers from -1 to 1, found reals", ()),
+            ("u", np.zeros((48, 3), int), "expected integers from -1 to 1, found 3 components", ()),
+            ("n", np.arange(48) // 40 * 7, "expected integers from -1 to 1, found 7 in cell 40", ()),
+            ("region", np.zeros(48, int), "found the regions of the mesh", ()),
+            ("m_work", np.arange(48.0), "expected integers from 0 to 255, found reals", ()),
+            ("w_work", np.arange(48) - 1, "expected integers from 0 to 255, found -1 in cell 0", ()),
+            ("i_idle", np.arange(48) + 250, "expected integers from 0 to 255, found 256 in cell 6", idle)):
+        add_cell_field("a.hdf", field, values)
+        name = field.split("_")[0]
+        before = pathlib.Path("a.hdf").read_bytes()
+        refuses("pamr-mark", "a.hdf", "-o", "out.hdf", "--marks", name, *(more or ("--all",)),
+                says=["a.hdf", f"cell field '{field}'", says], creates="out.hdf")
+        assert pathlib.Path("a.hdf").read_bytes() == before
+    for name in ("x", "i"):  # counts that are not asked for stay
+        run("pamr-mark", "a.hdf", "-o", "out.hdf", "--marks", name, "--all", "--quiet", "--force")
+        assert (marks("out.hdf", name) == 1).all()
+        with h5py.File("out.hdf") as file:
+            assert (file["VTKHDF/CellData/e"][:] == np.arange(48)).all()
+            assert (file["VTKHDF/CellData/i_idle"][:] == np.arange(48) + 250).all()
 
 
 def work_and_children(*criterion):

@@ -94,6 +94,12 @@ def test_the_papers_weights_count_a_marked_cell_eight_times():
             creates="b2.hdf")
 
 
+def test_parts_do_not_replace_data():
+    kuhn_cube("a.hdf", 2)
+    add_cell_field("a.hdf", "rank", np.arange(48.0))
+    refuses("pamr-partition", "a.hdf", "-o", "b.hdf", "-p", 2, says=["a.hdf", "cell field 'rank'", "found reals"], creates="b.hdf")
+
+
 def test_a_mesh_without_marks_counts_each_cell_once():
     kuhn_cube("a.hdf", 5)
     assert (partition("a.hdf", 3)[0] == partition("a.hdf", 3, "--weights", "uniform")[0]).all()

@@ -258,6 +258,11 @@ def test_bad_marks():
     no_mesh_from("good.hdf", "parent", options=["--marks", "parent"])  # an integer field that holds no marks
 
 
+def test_a_field_of_data_with_the_name_of_the_parents():
+    good_mesh()
+    no_mesh_from(edit("good.hdf", "bad.hdf", "VTKHDF/CellData/parent", lambda v: v + 0.5, float), "'parent'", "found reals")
+
+
 def test_outputs_that_cannot_be():
     contents = pathlib.Path(good_mesh()).read_bytes()
     refuses("pamr-refine", "good.hdf", "-o", "nowhere/out.hdf", says=["nowhere"], creates="nowhere")

@@ -1,14 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "pamr/mark/indicator.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
 #include "pamr/base/contract.hpp"
-#include "pamr/base/error.hpp"
 #include "pamr/mesh/require_field.hpp"
 #include "pamr/par/select_smallest.hpp"
 
@@ -78,16 +75,10 @@ void keep_for_a_while(const par::Comm& comm, const mesh::DistMesh& mesh, const s
   const auto field_name = name + "_idle";
   idle.assign(may_go.size(), 0);
   const auto* before = mesh.find_cell_field(field_name);
-  par::agree(comm, [&] {
-    if (before != nullptr && (!before->holds_integers() || before->n_components != 1))
-      throw Error(
-          fmt::format("expected integers of one component in cell field '{}', which counts how often cells could "
-                      "have gone, found another kind",
-                      field_name));
-  });
+  mesh::require_replaceable(comm, mesh, {field_name, "the count of how often cells could have gone", 0, 255});
   for (std::size_t c = 0; c < idle.size(); ++c) {
     if (may_go[c] == 0) continue;
-    const auto so_far = before == nullptr ? 0 : std::clamp<std::int64_t>(before->integer()[c], 0, max_keep_for);
+    const auto so_far = before == nullptr ? 0 : std::min<std::int64_t>(before->integer()[c], max_keep_for);
     idle[c] = so_far + 1;
     if (idle[c] <= n_times) may_go[c] = 0;
   }

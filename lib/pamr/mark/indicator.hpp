@@ -49,7 +49,7 @@ inline constexpr int max_keep_for = 250;
 
 /// Takes it from cells that they may go, as long as they could have gone for at most `n_times` marks in a row. How
 /// often that was so is counted in the cell field `NAME_idle` of the mesh, which refining and coarsening hand on; it is
-/// made or replaced. Throws `Error` on every rank where the mesh has such a field of another kind. Collective.
+/// made or replaced. Throws `Error` on every rank where the mesh has other data under that name. Collective.
 void keep_for_a_while(const par::Comm& comm, mesh::DistMesh& mesh, const std::string& name, Exact<int> n_times,
                       std::span<std::uint8_t> may_go);
 

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstddef>
 #include <utility>
 
 #include "pamr/base/error.hpp"
@@ -29,6 +30,18 @@ const Field& find(const std::vector<Field>& fields, const WantedField& wanted, s
   return require_field(*found, wanted, place);
 }
 
+/// What makes it another field; empty if nothing does.
+std::string difference(const DistMesh& mesh, const CellField& field, const OwnField& own) {
+  if (field.name == region_field) return "the regions of the mesh";
+  if (field.n_components != 1) return fmt::format("{} components", field.n_components);
+  if (!field.holds_integers()) return "reals";
+  const auto& values = field.integer();
+  for (std::size_t i = 0; i < values.size(); ++i)
+    if (values[i] < own.low || values[i] > own.high)
+      return fmt::format("{} in cell {}", values[i], mesh.cell_global[i]);
+  return {};
+}
+
 }  // namespace
 
 const Field& require_field(const Field& field, const WantedField& wanted, std::string_view place) {
@@ -51,6 +64,16 @@ std::string names_of(const std::vector<Field>& fields) {
   std::string names;
   for (const auto& field : fields) names += (names.empty() ? "" : ", ") + field.name;
   return names.empty() ? "none" : names;
+}
+
+void require_replaceable(const par::Comm& comm, const DistMesh& mesh, const OwnField& own) {
+  const auto* field = mesh.find_cell_field(own.name);
+  par::agree(comm, [&] {
+    if (field == nullptr) return;
+    if (const auto found = difference(mesh, *field, own); !found.empty())
+      throw Error(fmt::format("cell field '{}', which {} would replace: expected integers from {} to {}, found {}",
+                              own.name, own.holds, own.low, own.high, found));
+  });
 }
 
 void put_field(std::vector<Field>& fields, Field field) {

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "pamr/mesh/dist_mesh.hpp"
+#include "pamr/par/comm.hpp"
 
 namespace pamr::mesh {
 
@@ -32,6 +34,19 @@ const Field& require_field(const Field& field, const WantedField& wanted, std::s
 
 /// Names of fields for messages: "a, b, c", or "none".
 std::string names_of(const std::vector<Field>& fields);
+
+/// An integer cell field of one component that a stage writes in place of its older one. Users name some of them, and
+/// may have data of that name.
+struct OwnField {
+  std::string name;
+  std::string holds;               ///< for messages: "marks"
+  std::int64_t low = 0, high = 0;  ///< of its values
+};
+
+/// Throws the same `Error` on every rank if the mesh has a cell field of that name which cannot be an older one of the
+/// stage: reals, several components, values below `low` or above `high`, or the regions. Collective: one agreement;
+/// O(cells) of each rank.
+void require_replaceable(const par::Comm& comm, const DistMesh& mesh, const OwnField& own);
 
 /// Puts a field in place of the one of its name, or behind the others when there is none.
 void put_field(std::vector<Field>& fields, Field field);

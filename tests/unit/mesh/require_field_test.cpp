@@ -3,7 +3,13 @@
 
 #include <gmock/gmock.h>
 
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
 #include "pamr/base/error.hpp"
+#include "pamr/par/comm.hpp"
 
 namespace pamr::mesh {
 namespace {
@@ -62,6 +68,36 @@ TEST(PutField, TakesThePlaceOfTheOldOneOrTheLast) {
 
   EXPECT_EQ(names_of(mesh.cell_fields), "refine, new");
   EXPECT_THAT(mesh.cell_fields[0].integer(), testing::ElementsAre(7));
+}
+
+class RequireReplaceable : public ::testing::Test {
+ protected:
+  /// Of a cell on each rank, numbered as the ranks are.
+  std::string error_with(Field field) {
+    DistMesh mesh;
+    mesh.cell_global = {comm.rank()};
+    mesh.cell_fields = {std::move(field)};
+    return error_of([&] { require_replaceable(comm, mesh, {"marks", "--marks", -1, 1}); });
+  }
+
+  par::Comm comm{MPI_COMM_WORLD};
+};
+
+TEST_F(RequireReplaceable, AcceptsAnOlderFieldOfTheStageAndNone) {
+  EXPECT_EQ(error_with({"marks", "", 1, StorageType::int8, std::vector<std::int64_t>{-1}}), "no error");
+  EXPECT_EQ(error_with({"other", "", 1, StorageType::float64, std::vector<double>{0.5}}), "no error");
+}
+
+TEST_F(RequireReplaceable, RefusesDataOnEveryRankAlike) {
+  const std::string begin = "cell field 'marks', which --marks would replace: expected integers from -1 to 1, found ";
+  const auto last = comm.size() - 1;
+  const std::int64_t value = comm.rank() == last ? 2 : 1;
+
+  EXPECT_EQ(error_with({"marks", "", 1, StorageType::int64, std::vector<std::int64_t>{value}}),
+            begin + "2 in cell " + std::to_string(last));
+  EXPECT_EQ(error_with({"marks", "", 1, StorageType::float64, std::vector<double>{1}}), begin + "reals");
+  EXPECT_EQ(error_with({"marks", "", 3, StorageType::int64, std::vector<std::int64_t>{0, 0, 0}}),
+            begin + "3 components");
 }
 
 }  // namespace
