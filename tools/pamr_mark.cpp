@@ -9,6 +9,7 @@
 #include <span>
 #include <string>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "cli/run_tool.hpp"
@@ -157,6 +158,17 @@ Marked choose_marks(const par::Comm& comm, mesh::DistMesh& mesh, const mark::Req
   return marked;
 }
 
+/// A place outside of the mesh marks nothing, which may be a misprint; not where it is to let all cells go.
+void warn_of_empty_places(const cli::Session& session, const mark::Request& request, const mark::Applied& applied) {
+  if (request.coarsens()) return;
+  for (std::size_t i = 0; i < request.criteria.size(); ++i) {
+    const auto& [text, rule, coarsen_below] = request.criteria[i];
+    const bool is_place = std::holds_alternative<mark::CrossingSphere>(rule) ||
+                          std::holds_alternative<mark::CentroidShell>(rule) || std::holds_alternative<mark::Box>(rule);
+    if (is_place && applied.cells_of_criterion[i] == 0) session.warn("no cell meets the criterion " + text);
+  }
+}
+
 /// Refuses to replace fields that hold something else. Collective.
 void require_own_fields(const par::Comm& comm, const mesh::DistMesh& mesh, const Options& options) {
   mesh::require_replaceable(comm, mesh, {options.marks, "--marks", -1, 1});
@@ -222,6 +234,7 @@ cli::ExitCode run(cli::Session& session, const Options& options) {
   else if (n_marked == 0 && n_may_go == 0)
     session.warn(n_wanted > 0 ? "nothing is marked: not one of the cells that are wanted fits into --max-cells"
                               : "nothing is marked: no cell meets a criterion and every limit");
+  if (n_wanted > 0) warn_of_empty_places(session, request, applied);
   session.summary(fmt::format("{} of {} cells marked{}{}; {} cells and {} nodes after refinement -> {}", n_marked,
                               mesh.info.n_global_cells,
                               n_wanted > n_marked ? fmt::format(" (of {} wanted)", n_wanted) : std::string(),

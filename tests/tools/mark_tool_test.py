@@ -173,6 +173,16 @@ def test_marks_do_not_replace_data():
             assert (file["VTKHDF/CellData/i_idle"][:] == np.arange(48) + 250).all()
 
 
+def test_places_that_hold_no_cell_are_reported():
+    kuhn_cube("a.hdf", 2)
+    here, away = ("--box", "0,0,0,1,1,0.4"), ("--crossing-sphere", "5,5,5,1", "--centroid-shell", "0,0,9,1,0.1", "--box", "2,2,2,3,3,3")
+    warnings = run("pamr-mark", "a.hdf", "-o", "b.hdf", *here, *away).err.splitlines()
+    assert [warning.split(": ", 2)[2] for warning in warnings] == [
+        f"no cell meets the criterion {option} {place}" for option, place in zip(away[::2], away[1::2])], warnings
+    assert run("pamr-mark", "a.hdf", "-o", "b.hdf", *here, "--coarsen-rest", *away, "--force").err == ""  # may mean just that
+    assert run("pamr-mark", "a.hdf", "-o", "b.hdf", *here, "--force").err == ""
+
+
 def work_and_children(*criterion):
     """What pamr-mark foresees of a.hdf, and how many cells come of each of its cells."""
     mark("a.hdf", *criterion)
