@@ -99,6 +99,11 @@ template <class T>
 Option CommandLine::option(const std::string& name, T& value, const std::string& help) {
   return Option(app_->add_option(name, value, help));
 }
+template <class T>
+Option CommandLine::option(const std::string& name, Exact<T>& value, const std::string& help) {
+  return Option(app_->add_option_function<T>(
+      name, [&value](const T& given) { value = given; }, help));
+}
 template Option CommandLine::option(const std::string&, std::string&, const std::string&);
 template Option CommandLine::option(const std::string&, int&, const std::string&);
 template Option CommandLine::option(const std::string&, std::int64_t&, const std::string&);
@@ -107,6 +112,9 @@ template Option CommandLine::option(const std::string&, double&, const std::stri
 template Option CommandLine::option(const std::string&, std::optional<std::int64_t>&, const std::string&);
 template Option CommandLine::option(const std::string&, std::optional<std::uint64_t>&, const std::string&);
 template Option CommandLine::option(const std::string&, std::vector<std::string>&, const std::string&);
+template Option CommandLine::option(const std::string&, Exact<int>&, const std::string&);
+template Option CommandLine::option(const std::string&, Exact<std::int64_t>&, const std::string&);
+template Option CommandLine::option(const std::string&, Exact<std::uint64_t>&, const std::string&);
 template Option CommandLine::option(const std::string&, std::vector<std::vector<double>>&, const std::string&);
 
 Option CommandLine::flag(const std::string& name, bool& value, const std::string& help) {

@@ -6,6 +6,8 @@
 #include <utility>
 #include <vector>
 
+#include "pamr/base/exact.hpp"
+
 namespace CLI {
 class App;
 class Option;
@@ -55,6 +57,8 @@ class CommandLine {
   /// std::vector<std::vector<double>>.
   template <class T>
   Option option(const std::string& name, T& value, const std::string& help);
+  template <class T>
+  Option option(const std::string& name, Exact<T>& value, const std::string& help);
   Option flag(const std::string& name, bool& value, const std::string& help);
 
   /// Options whose order matters: `listed` tells which were given, name and value, in the order of the command line.

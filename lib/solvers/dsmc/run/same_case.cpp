@@ -106,7 +106,7 @@ json facts_of(const CollisionOptions& collisions) {
   const char* partner = collisions.partner == Partner::any       ? "any"
                         : collisions.partner == Partner::subcell ? "subcell"
                                                                  : "nearest";
-  return {{"enabled", collisions.enabled}, {"partner", partner}};
+  return {{"enabled", static_cast<bool>(collisions.enabled)}, {"partner", partner}};
 }
 
 /// The weight; in a run that adapts its mesh what it was computed from, for that mesh is gone.
