@@ -233,7 +233,7 @@ TEST(FreeMolecular, ThePlanOfAPlateWithFourKindsOfWallsIsWhatARunFinds) {
   put("[particles]\nper_cell = 8.0", "[collisions]\nenabled = false\n[particles]\ntotal = 12000.0");
   put("step = 5e-5\ncell_fraction = 0.4", "step = 2e-4");
   put("transient = 30\nsampling = 60\nblock = 5", "transient = 40\nsampling = 160\nblock = 8");
-  put("sphere = [0.2, 0.2, 0.2, 0.3]", "sphere = [0.2, 0.2, 0.2, 1e-3]");
+  put("[[initial.region]]\nsphere = [0.2, 0.2, 0.2, 0.3]\nstream = \"puff\"", "");
   const auto mesh = quartered(comm);
   const auto c = read_case(text, "case.toml");
   const auto setup = make_setup(comm, c, mesh);
