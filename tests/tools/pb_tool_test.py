@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """pamr-pb from the command line: charges against tables, forces, the loop with marking and refining, and bad input."""
+import os
 import pathlib
 import subprocess
 import sys
@@ -197,6 +198,38 @@ def test_options_reach_petsc():
     assert "-no_such_thing" in unknown.err
     refuses("pamr-pb", case, "--mesh", "a.hdf", "-o", "out.hdf", "--petsc", "-ksp_type fastest", says=["options"],
             creates="out.hdf")
+
+
+def test_a_case_does_not_make_petsc_read_or_write_files():
+    kuhn_cube("a.hdf", 3)
+    pathlib.Path("mine").write_text("first line of mine\n")
+    for options, found in {"-ksp_view ascii:mine": "-ksp_view", "-options_file mine": "-options_file",
+                           "-log_view :mine": "-log_view", "-ksp_rtol ascii:mine": "-ksp_rtol ascii:mine",
+                           "-ksp_rtol 1e-9 -mg_levels_ksp_view ascii:mine": "-mg_levels_ksp_view",
+                           "-no_such_thing 1": "-no_such_thing"}.items():
+        case = cube_case(head=f'[solver]\npetsc = "{options}"\n', zmin=1)
+        refused = refuses("pamr-pb", case, "--mesh", "a.hdf", "-o", "out.hdf", says=["case.toml:2", f'found "{found}"', "-pc_type"],
+                          creates="out.hdf")
+        assert "first line" not in refused.err and pathlib.Path("mine").read_text() == "first line of mine\n"
+    case = cube_case(head='[solver]\npetsc = "-ksp_rtol 1e-12  -snes_ksp_ew 0"\n', zmin=5)
+    assert solve(case, "a.hdf").json["linear_iterations"] > solve(cube_case(zmin=5), "a.hdf").json["linear_iterations"]
+
+
+def test_files_of_options_that_lie_about_have_no_effect():
+    kuhn_cube("a.hdf", 3)
+    case = cube_case(zmin=1)
+    before = solve(case, "a.hdf")
+    pathlib.Path("home").mkdir()
+    os.environ["HOME"] = os.path.abspath("home")
+    for name in (".petscrc", "petscrc", "home/.petscrc"):
+        pathlib.Path(name).write_text("-ksp_type fastest\n-snes_view ascii:seen\n")
+        after = solve(case, "a.hdf")
+        assert after.json["linear_iterations"] == before.json["linear_iterations"], (name, after.out, before.out)
+        assert not pathlib.Path("seen").exists()
+        pathlib.Path(name).unlink()
+    # The environment and the command line are the user's own.
+    os.environ["PETSC_OPTIONS"] = "-ksp_type fastest"
+    refuses("pamr-pb", case, "--mesh", "a.hdf", "-o", "out.hdf", says=["fastest"], creates="out.hdf")
 
 
 def test_it_starts_from_a_field():

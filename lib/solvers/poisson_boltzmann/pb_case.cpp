@@ -11,6 +11,7 @@
 #include "pamr/base/error.hpp"
 #include "pamr/base/name_pattern.hpp"
 #include "solvers/poisson_boltzmann/case_names.hpp"
+#include "solvers/poisson_boltzmann/petsc_options.hpp"
 
 namespace pamr::poisson_boltzmann {
 
@@ -69,7 +70,11 @@ SolverOptions read_solver(const TomlTable& table) {
   solver.tolerance = table.number_or("tolerance", solver.tolerance, {1e-15, 0.1});
   solver.max_newton = static_cast<int>(table.integer_or("max_newton", solver.max_newton, 1, 10000));
   solver.preconditioner = table.word_or("preconditioner", solver.preconditioner, {"auto", "jacobi", "boomeramg"});
-  solver.petsc = table.text_or("petsc", "");
+  const auto options = check_petsc_options(table.text_or("petsc", ""));
+  if (!options.refused.empty())
+    table.refuse("petsc", "options for numbers and kinds of solvers (" + allowed_petsc_options() + ")",
+                 "\"" + options.refused + "\"");
+  solver.petsc = options.text;
   return solver;
 }
 

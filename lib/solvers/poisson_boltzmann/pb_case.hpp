@@ -69,7 +69,7 @@ struct SolverOptions {
   double tolerance = 1e-10;  ///< of the residual, over that of the potential that is 0 off the boundary
   Exact<int> max_newton = 60;
   std::string preconditioner = "auto";  ///< by size (`choose_preconditioner`), "jacobi" or "boomeramg"
-  std::string petsc;                    ///< options for PETSc, as on its command line
+  std::string petsc;                    ///< options for PETSc that `check_petsc_options` lets pass
 };
 
 struct ForceOptions {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "solvers/poisson_boltzmann/petsc.hpp"
 
+#include <array>
 #include <stdexcept>
 
 #include "pamr/base/error.hpp"
@@ -42,7 +43,13 @@ void require_options(PetscErrorCode code) {
 PetscRuntime::PetscRuntime(const par::Comm& comm, const std::string& options) {
   PETSC_COMM_WORLD = comm.handle();
   PetscOptionsSetValue(nullptr, "-no_signal_handler", "true");  // may be called before PETSc starts
-  if (const auto code = PetscInitializeNoArguments(); code != 0)
+  // PETSc looks for this one among arguments only, and keeps them.
+  static std::array<char, 8> program{"pamr-pb"};
+  static std::array<char, 14> no_files{"-skip_petscrc"};
+  static std::array<char*, 3> arguments{program.data(), no_files.data(), nullptr};
+  static int n_arguments = 2;
+  static char** first_argument = arguments.data();
+  if (const auto code = PetscInitialize(&n_arguments, &first_argument, nullptr, nullptr); code != 0)
     throw std::runtime_error("PETSc cannot start, error " + std::to_string(code));
   require(PetscPushErrorHandler(remember, nullptr));
   const auto code = PetscOptionsInsertString(nullptr, options.c_str());

@@ -15,7 +15,8 @@ namespace pamr::poisson_boltzmann {
 class PetscRuntime {
  public:
   /// Starts PETSc on the processes of `comm` with options as on PETSc's command line; those of the environment
-  /// variable PETSC_OPTIONS count too. Collective. Throws `Error` when it cannot read them.
+  /// variable PETSC_OPTIONS count too. Files of options (.petscrc, petscrc) are not read: a folder with data may have
+  /// one. Collective. Throws `Error` when PETSc cannot read the options.
   PetscRuntime(const par::Comm& comm, const std::string& options);
   /// Collective.
   ~PetscRuntime();

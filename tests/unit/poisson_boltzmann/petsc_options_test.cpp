@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "solvers/poisson_boltzmann/petsc_options.hpp"
+
+#include <gtest/gtest.h>
+
+namespace pamr::poisson_boltzmann {
+namespace {
+
+TEST(CasePetscOptions, ChooseSolversAndTheirNumbers) {
+  for (const char* text : {"", "-ksp_rtol 1e-12 -snes_ksp_ew 0", "-snes_lag_preconditioner -2", "-pc_sor_symmetric",
+                           "-pc_type hypre -pc_hypre_type boomeramg -pc_hypre_boomeramg_P_max 4",
+                           "-pc_hypre_boomeramg_relax_type_all SOR/Jacobi", "-sub_pc_type icc",
+                           "-pc_type gamg -mg_levels_ksp_type chebyshev -mg_levels_12_pc_type sor"}) {
+    const auto options = check_petsc_options(text);
+    EXPECT_EQ(options.refused, "") << text;
+    EXPECT_EQ(options.text, text);
+  }
+  EXPECT_EQ(check_petsc_options("  -ksp_type\tcg\n-ksp_rtol  .5 ").text, "-ksp_type cg -ksp_rtol .5");
+}
+
+TEST(CasePetscOptions, DoNotReadWriteRunOrPrint) {
+  for (const char* name : {"-ksp_view",
+                           "--ksp_view",
+                           "-KSP_TYPE",
+                           "-options_file",
+                           "-options_file_yaml",
+                           "-log_view",
+                           "-ksp_monitor",
+                           "-snes_monitor",
+                           "-mg_levels_ksp_view",
+                           "-mg_levels_1_ksp_view",
+                           "-sub_mg_coarse_ksp_monitor",
+                           "-prefix_push",
+                           "-ksp_python_type",
+                           "-pc_hypre_boomeramg_print_statistics",
+                           "-pc_hypre_boomeramg_smooth_type",
+                           "-start_in_debugger",
+                           "-malloc_dump",
+                           "-on_error_attach_debugger",
+                           "-",
+                           "-mg_levels_",
+                           "-ksp_type*",
+                           "-pc_hypre_boomeramg_*",
+                           "-ksp_type\\",
+                           "-info"})
+    EXPECT_EQ(check_petsc_options("-ksp_rtol 1 " + std::string(name) + " 1").refused, name);
+}
+
+TEST(CasePetscOptions, BeginWithAnOption) { EXPECT_EQ(check_petsc_options("cg -ksp_type cg").refused, "cg"); }
+
+TEST(CasePetscOptions, HaveValuesThatNameNoFiles) {
+  for (const char* value : {"ascii:file", "a/b", ":", "$HOME", "`x`", "\"a", "#", "a=b", "binary:x:append"})
+    EXPECT_EQ(check_petsc_options("-ksp_rtol " + std::string(value)).refused, "-ksp_rtol " + std::string(value));
+  EXPECT_EQ(check_petsc_options("-pc_hypre_type euclid").refused, "-pc_hypre_type euclid");
+}
+
+}  // namespace
+}  // namespace pamr::poisson_boltzmann
