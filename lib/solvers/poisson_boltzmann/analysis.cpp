@@ -83,15 +83,12 @@ DualError error_by_dual(const par::Comm& comm, const State& state, const GoalFun
                         const std::vector<double>& w, const Estimate& estimate) {
   const auto& domain = state.problem.domain;
   const auto& input = state.problem.input;
-  const auto& psi0 = state.problem.conditions.psi0;
   const auto gradient = cell_gradients(domain, w);
   const auto recovered = recover(comm, domain, gradient, input.estimator.recovery);
-  auto error = goal_error(comm, domain, state.problem.term,
-                          {state.u, psi0, w, state.cell_gradient, state.recovered, gradient, recovered},
-                          input.solver.quadrature == Quadrature::nodal);
+  auto error = goal_error(comm, state.problem, {state.u, w, state.cell_gradient, state.recovered, gradient, recovered});
   if (functional.goal.kind == Goal::Kind::charge) error.correction = -error.correction;
   if (functional.goal.kind == Goal::Kind::energy) {
-    const auto of_energy = energy_error(comm, domain, state.problem.term, state.u, psi0, estimate.squared);
+    const auto of_energy = energy_error(comm, state.problem, state.u, estimate.squared);
     error.correction += of_energy.correction;
     for (std::size_t c = 0; c < error.share.size(); ++c) error.share[c] += of_energy.share[c];
   }

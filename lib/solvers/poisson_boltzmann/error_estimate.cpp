@@ -17,12 +17,6 @@ using geometry::Vec3;
 
 namespace {
 
-std::array<double, 4> corners(const mesh::CellNodes& nodes, std::span<const double> value) {
-  std::array<double, 4> result{};
-  for (std::size_t k = 0; k < 4; ++k) result[k] = value[at(nodes[k])];
-  return result;
-}
-
 double longest_edge(const geometry::TetPoints& p) {
   double longest = 0;
   for (const auto& [a, b] : mesh::tet::edge_to_corner) longest = std::max(longest, squared_norm(p[at(a)] - p[at(b)]));
@@ -119,8 +113,36 @@ Estimate estimate_error(const par::Comm& comm, const Domain& domain, const Sourc
   return result;
 }
 
-GoalError goal_error(const par::Comm& comm, const Domain& domain, const SourceTerm& term, const GoalInput& in,
-                     bool nodal) {
+namespace {
+
+/// What a mean of the corners of a cell makes of an integral of `value(u, psi0, weights of the corners)`, less the
+/// integral by Gauss points. psi0 is the profile at the point: between its values at the nodes a straight line is far
+/// above it near a plate of high potential.
+template <class Value>
+double nodal_excess(const Problem& problem, std::size_t cell, std::span<const double> u, const Value& value) {
+  const auto& nodes = problem.domain.mesh->cell_to_node[cell];
+  double result = 0;
+  for (std::size_t k = 0; k < 4; ++k) {
+    std::array<double, 4> corner{};
+    corner[k] = 1;
+    result += value(u[at(nodes[k])], problem.conditions.psi0[at(nodes[k])], corner) / 4;
+  }
+  for (const auto& point : gauss_points) {
+    double here = 0, z = 0;
+    for (std::size_t k = 0; k < 4; ++k) {
+      here += point.weight_of_corner[k] * u[at(nodes[k])];
+      z += point.weight_of_corner[k] * problem.domain.point[at(nodes[k])].z;
+    }
+    result -= point.weight * value(here, problem.split_potential(z), point.weight_of_corner);
+  }
+  return geometry::volume(problem.domain.points(cell)) * result;
+}
+
+}  // namespace
+
+GoalError goal_error(const par::Comm& comm, const Problem& problem, const GoalInput& in) {
+  const auto& domain = problem.domain;
+  const bool is_nodal = problem.input.solver.quadrature == Quadrature::nodal;
   const auto& cells = domain.mesh->cell_to_node;
   GoalError result;
   result.share.resize(cells.size());
@@ -141,17 +163,12 @@ GoalError goal_error(const par::Comm& comm, const Domain& domain, const SourceTe
     const double part = volume / 20;  // integral of the product of two corner functions
     double correction = part * (products + dot(total_u, total_w));
     result.share[c] = part * std::sqrt((squares_u + squared_norm(total_u)) * (squares_w + squared_norm(total_w)));
-    if (nodal) {
-      const auto u = corners(cells[c], in.u), base = corners(cells[c], in.psi0), w = corners(cells[c], in.w);
-      double together = 0, sources = 0, duals = 0;
-      for (std::size_t k = 0; k < 4; ++k) {
-        const double source = term.value(u[k], base[k]);
-        together += source * w[k];
-        sources += source;
-        duals += w[k];
-      }
-      // Nodal quadrature of the product of two linear functions less its integral.
-      const double excess = volume / 4 * together - part * (together + sources * duals);
+    if (is_nodal) {
+      const double excess = nodal_excess(problem, c, in.u, [&](double u, double psi0, const auto& weight_of_corner) {
+        double w = 0;
+        for (std::size_t k = 0; k < 4; ++k) w += weight_of_corner[k] * in.w[at(cells[c][k])];
+        return problem.term.value(u, psi0) * w;
+      });
       correction += excess;
       result.share[c] += std::abs(excess);
     }
@@ -161,25 +178,14 @@ GoalError goal_error(const par::Comm& comm, const Domain& domain, const SourceTe
   return result;
 }
 
-GoalError energy_error(const par::Comm& comm, const Domain& domain, const SourceTerm& term, std::span<const double> u,
-                       std::span<const double> psi0, std::span<const double> squared) {
-  const auto& cells = domain.mesh->cell_to_node;
+GoalError energy_error(const par::Comm& comm, const Problem& problem, std::span<const double> u,
+                       std::span<const double> squared) {
   GoalError result;
-  result.share.resize(cells.size());
+  result.share.resize(squared.size());
   std::array<par::ExactSum, 1> sum;
-  for (std::size_t c = 0; c < cells.size(); ++c) {
-    const auto values = corners(cells[c], u), base = corners(cells[c], psi0);
-    double nodal = 0, integral = 0;
-    for (std::size_t k = 0; k < 4; ++k) nodal += term.pressure(values[k], base[k]) / 4;
-    for (const auto& point : gauss_points) {
-      double here = 0, under = 0;
-      for (std::size_t k = 0; k < 4; ++k) {
-        here += point.weight_of_corner[k] * values[k];
-        under += point.weight_of_corner[k] * base[k];
-      }
-      integral += point.weight * term.pressure(here, under);
-    }
-    const double excess = geometry::volume(domain.points(c)) * (nodal - integral);
+  for (std::size_t c = 0; c < squared.size(); ++c) {
+    const double excess = nodal_excess(
+        problem, c, u, [&](double value, double psi0, const auto&) { return problem.term.pressure(value, psi0); });
     result.share[c] = squared[c] / 2 + std::abs(excess);
     sum[0].add(-squared[c] / 2 - excess);
   }

@@ -4,8 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "solvers/poisson_boltzmann/fem_domain.hpp"
-#include "solvers/poisson_boltzmann/source_term.hpp"
+#include "solvers/poisson_boltzmann/problem.hpp"
 
 namespace pamr::poisson_boltzmann {
 
@@ -46,17 +45,16 @@ struct GoalError {
   double correction = 0;
 };
 struct GoalInput {
-  std::span<const double> u, psi0, w;
+  std::span<const double> u, w;
   std::span<const geometry::Vec3> gradient_u, recovered_u, gradient_w, recovered_w;  ///< on cells, at nodes
 };
 /// Collective: one reduction. Source: R. Becker, R. Rannacher, Acta Numerica 10 (2001), with recovered gradients.
-GoalError goal_error(const par::Comm& comm, const Domain& domain, const SourceTerm& term, const GoalInput& input,
-                     bool nodal);
+GoalError goal_error(const par::Comm& comm, const Problem& problem, const GoalInput& input);
 
 /// The same for the energy, the integral of |grad u|^2/2 + `term.pressure` with its nodal values: the energy of u_h is
 /// above that of u by half of the squared error of the gradient, and nodal values of the convex pressure are too large.
 /// `share` is not negative. Collective: one reduction.
-GoalError energy_error(const par::Comm& comm, const Domain& domain, const SourceTerm& term, std::span<const double> u,
-                       std::span<const double> psi0, std::span<const double> squared_errors);
+GoalError energy_error(const par::Comm& comm, const Problem& problem, std::span<const double> u,
+                       std::span<const double> squared_errors);
 
 }  // namespace pamr::poisson_boltzmann

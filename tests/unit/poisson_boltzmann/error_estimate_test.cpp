@@ -101,5 +101,20 @@ TEST(Goal, CorrectsEveryQuantityOfASlabAndItsBarHoldsTheTruth) {
   }
 }
 
+TEST(Goal, CorrectsTheChargeByTheSourceTermBetweenTheNodes) {
+  par::Comm comm(MPI_COMM_WORLD);
+  // sinh psi is no straight line between the nodes: taken as one, half of the error stayed. A wall at 3, one at 0.
+  const auto walls = cube_boundary("condition = \"symmetry\"", "xmax", "condition = \"potential\"\nvalue = 3") +
+                     "[estimator]\ngoal = \"charge\"\ngoal_patch = \"xmax\"\n";
+  auto text = walls;
+  text.replace(text.find("[boundary.xmin]\ncondition = \"symmetry\""), 38,
+               "[boundary.xmin]\ncondition = \"potential\"\nvalue = 0");
+  Solved solved(comm, test::kuhn_cube(comm, 8), text);
+  const auto goal = solved.analysis(comm).goals.at(0);
+  const double exact = 4.884421041;  // by shooting (tests/tools/pb_bars_test.py)
+
+  EXPECT_LT(std::abs(*goal.value + goal.correction - exact), 0.1 * std::abs(*goal.value - exact)) << *goal.value;
+}
+
 }  // namespace
 }  // namespace pamr::poisson_boltzmann
