@@ -152,7 +152,7 @@ cli::ExitCode run(cli::Session& session, const Options& o) {
   report["seconds"] = pb::seconds_of(timer.steps(), &StepTime::wall);
   report["cpu_seconds"] = pb::seconds_of(timer.steps(), &StepTime::cpu);
   report["peak_rss_bytes"] = comm.max(static_cast<std::int64_t>(peak_resident_bytes()));
-  for (const auto& line : pb::describe_layers(analysis)) session.warn(line);
+  for (const auto& line : pb::describe_layers(input, analysis)) session.warn(line);
   for (const auto& line : pb::describe_results(input, analysis)) session.summary(line);
   session.write_report(report);
   session.summary(fmt::format("{} cells, {} Newton steps, {} CG iterations, {:.2f} s -> {}", mesh.info.n_global_cells,

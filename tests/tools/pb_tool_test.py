@@ -332,7 +332,10 @@ def test_an_ellipsoid_from_an_stl_over_a_plate_has_a_force_and_a_torque():
     best = result.json["best"]["ellipsoid"]
     # reference.py: cubic elements on curved cells of another mesh.
     for quantity, value in {"force-z": 10.2005, "force-x": 0.0, "torque-y": 0.2607, "charge": 15.159}.items():
-        assert abs(best[quantity]["value"] - value) < best[quantity]["error"], (quantity, best[quantity])
+        # The charge has no bar on cells this high; expected.csv has 0.003 of it.
+        most = 0.003 * value if quantity == "charge" else best[quantity]["error"]
+        assert abs(best[quantity]["value"] - value) < most, (quantity, best[quantity])
+    assert best["charge"]["error"] is None and "patch ellipsoid" in best["charge"]["error_withheld"]
     assert abs(best["force-z"]["value"] / 10.2005 - 1) < 0.07 and "force-y" not in best and "torque-x" not in best
     shown = run("pamr-pb", "ellipsoid.toml", "--mesh", "mesh.hdf", "-o", "psi.hdf", "--force").out
     assert "best force-z" in shown and "+-" in shown

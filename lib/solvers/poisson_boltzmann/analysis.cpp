@@ -8,6 +8,7 @@
 #include "pamr/base/index.hpp"
 #include "pamr/mesh/require_field.hpp"
 #include "solvers/poisson_boltzmann/cubic_correction.hpp"
+#include "solvers/poisson_boltzmann/error_bars.hpp"
 #include "solvers/poisson_boltzmann/quadratic_analysis.hpp"
 #include "solvers/poisson_boltzmann/quadratic_goals.hpp"
 #include "solvers/poisson_boltzmann/quadrature.hpp"
@@ -125,8 +126,11 @@ void add_goals(const par::Comm& comm, const State& state, System& system, std::v
     goal.value = functional.value;
     goal.correction = functional.factor * error.correction;
     goal.error_bound = functional.factor * par::reproducible_sum(comm, error.share);
-    goal.error_bar = functional.factor * error.bar + bar_over_walls * std::abs(functional.through_walls);
-    if (goal.value) goal.error_bar = std::max(goal.error_bar, min_bar * std::abs(*goal.value));
+    goal.no_error_bar = goal.value ? why_no_error_bar(state.problem, result.electrodes, result.layers, goal.goal)
+                                   : "the value is not given";
+    if (goal.no_error_bar.empty())
+      goal.error_bar = std::max(functional.factor * error.bar + bar_over_walls * std::abs(functional.through_walls),
+                                min_bar * std::abs(*goal.value));
     if (result.goals.empty()) {
       result.goal = std::move(error.share);
     } else if (goal.error_bound > 0) {

@@ -13,10 +13,11 @@ namespace pamr::poisson_boltzmann {
 /// A goal with the error that its dual solution estimates; on full bodies, the energy on the meshed part.
 struct GoalResult {
   Goal goal;
-  std::optional<double> value;  ///< of the functional; nothing where it means nothing
-  double correction = 0;        ///< estimated error with its sign: the best value is `value` + `correction`
-  double error_bound = 0;       ///< sum of the cells' shares
-  double error_bar = 0;         ///< of the best value
+  std::optional<double> value;      ///< of the functional; nothing where it means nothing
+  double correction = 0;            ///< estimated error with its sign: the best value is `value` + `correction`
+  double error_bound = 0;           ///< sum of the cells' shares
+  std::optional<double> error_bar;  ///< of the best value; nothing where `no_error_bar` says why
+  std::string no_error_bar;
 };
 
 /// All that is computed from a solution.

@@ -12,9 +12,11 @@ namespace pamr::poisson_boltzmann {
 /// The most trustworthy value of one quantity of a patch or body, on the full body.
 struct BestValue {
   std::string quantity;         ///< "charge", "force-x", "torque-z"
-  double value = 0;             ///< corrected by the estimated error where the quantity is a goal
-  std::optional<double> error;  ///< error bar, nothing where the quantity is no goal
-  std::string from;             ///< "volume", "midplane", "reaction": the form
+  double value = 0;             ///< corrected by the estimated error if `is_corrected`
+  std::optional<double> error;  ///< error bar; nothing where `no_error` says why
+  std::string no_error;
+  bool is_corrected = false;  ///< by the estimated error of a goal
+  std::string from;           ///< "volume", "midplane", "reaction": the form
 };
 
 /// The best values of one patch or body: its charge, the components of its force that are not zero by symmetry, and

@@ -7,6 +7,9 @@
 
 namespace pamr::poisson_boltzmann {
 
+/// Ratios up to which a layer counts as resolved, and beyond which charges and surface forms of a patch are not given.
+inline constexpr double largest_resolved_layer_ratio = 1, largest_layer_ratio = 3;
+
 /// How the cells on a patch compare with the layer of counterions in front of it.
 struct Layer {
   double thickness = 0;  ///< the thinnest, Debye lengths: `layer_thickness` of the potential there
@@ -17,11 +20,8 @@ struct Layer {
   bool is_known = false;  ///< the plate's own layer, which is split off exactly: only surface forms need the cells
   bool is_lost = false;   ///< nothing that is taken at the patch means anything: `ratio` or `n_cells` is too large
 
-  bool is_resolved() const { return ratio <= 1; }
+  bool is_resolved() const { return ratio <= largest_resolved_layer_ratio; }
 };
-
-/// Ratios beyond which charges and surface forms of a patch are not given.
-inline constexpr double largest_layer_ratio = 3;
 
 struct Layers {
   std::vector<Layer> patches;      ///< one for each patch of the mesh; ratio 0 where it holds no charge or potential

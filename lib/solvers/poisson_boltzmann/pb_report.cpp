@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "solvers/poisson_boltzmann/best_values.hpp"
+#include "solvers/poisson_boltzmann/error_bars.hpp"
 
 namespace pamr::poisson_boltzmann {
 
@@ -23,6 +24,9 @@ json force_json(const std::optional<Vec3>& force, double unit) {
           {"newton", {unit * force->x, unit * force->y, unit * force->z}}};
 }
 
+json number_json(const std::optional<double>& value) { return value ? json(*value) : json(nullptr); }
+json text_json(const std::string& text) { return text.empty() ? json(nullptr) : json(text); }
+
 json goal_json(const GoalResult& result) {
   return {{"name", result.goal.name},
           {"body", result.goal.body},
@@ -30,10 +34,9 @@ json goal_json(const GoalResult& result) {
           {"error_bound", result.error_bound},
           {"correction", result.correction},
           {"corrected", result.value ? json(*result.value + result.correction) : json(nullptr)},
-          {"error_bar", result.error_bar}};
+          {"error_bar", number_json(result.error_bar)},
+          {"error_withheld", text_json(result.no_error_bar)}};
 }
-
-json number_json(const std::optional<double>& value) { return value ? json(*value) : json(nullptr); }
 
 /// What newtons, or newton meters, one unit of the quantity is; nothing for others.
 std::optional<double> unit_of(const std::string& quantity, const Units& units) {
@@ -73,6 +76,7 @@ void add_patch(const Case& input, const Analysis& analysis, const PatchResult& p
   for (const auto& best : best_values(input, analysis, patch)) {
     auto& entry = report["best"][patch.name][best.quantity];
     entry = {{"value", best.value}, {"error", number_json(best.error)}, {"from", best.from}};
+    if (best.is_corrected) entry["error_withheld"] = text_json(best.no_error);
     if (const auto unit = unit_of(best.quantity, units)) entry["si"] = *unit * best.value;
   }
 }
@@ -120,6 +124,7 @@ json report_of(const Domain& domain, const Case& input, const Solution& solution
                               {"relative_squared", norm > 0 ? estimate.total_squared / estimate.norm_squared : 0.0},
                               {"residual", std::sqrt(estimate.residual_total_squared)},
                               {"norm", norm}};
+  report["beyond_error_bars"] = text_json(beyond_error_bars(input));
   report["force_error"] = nullptr;
   for (const auto& goal : analysis.goals) report["goals"].push_back(goal_json(goal));
   if (!analysis.goals.empty()) {
@@ -144,6 +149,12 @@ std::string with_error(double value, const std::optional<double>& error) {
   return fmt::format("{:.{}f} +- {:.{}f}", value, digits, *error, digits);
 }
 
+/// What a reader of the value has to know of its error bar: why there is none, or what it lacks.
+std::string beside_error(const Case& input, const std::optional<double>& error, const std::string& no_error) {
+  const auto beyond = error ? beyond_error_bars(input) : "no error bar: " + no_error;
+  return beyond.empty() ? "" : "; " + beyond;
+}
+
 void describe_patch(const Case& input, const Analysis& analysis, const PatchResult& patch,
                     std::vector<std::string>& lines) {
   const auto* boundary = input.find_boundary(patch.name);
@@ -154,9 +165,10 @@ void describe_patch(const Case& input, const Analysis& analysis, const PatchResu
                               patch.symmetry_factor));
   for (const auto& best : best_values(input, analysis, patch)) {
     const auto unit = unit_of(best.quantity, units);
-    lines.push_back(fmt::format("  best {:<9} {}{}  ({}{})", best.quantity, with_error(best.value, best.error),
+    lines.push_back(fmt::format("  best {:<9} {}{}  ({}{}{})", best.quantity, with_error(best.value, best.error),
                                 unit ? fmt::format("  {:.4e} {}", *unit * best.value, unit_name(best.quantity)) : "",
-                                best.from, best.error ? ", corrected" : "; no goal, no error bar"));
+                                best.from, best.is_corrected ? ", corrected" : "",
+                                beside_error(input, best.error, best.no_error)));
   }
   if (patch.charge)
     lines.push_back(fmt::format("  charge    {:.9g}, mean density {:.9g}", *patch.charge, *patch.charge_density));
@@ -190,17 +202,19 @@ std::vector<std::string> describe_results(const Case& input, const Analysis& ana
                                 std::sqrt(estimate.total_squared / estimate.norm_squared),
                                 estimate.total_squared / estimate.norm_squared));
   for (const auto& result : analysis.goals)
-    lines.push_back(fmt::format("goal {}{} = {}, estimated error {:.3e}, sum of the cells' shares {:.3e}",
+    lines.push_back(fmt::format("goal {}{} = {}, estimated error {:.3e}, sum of the cells' shares {:.3e}{}{}",
                                 result.goal.name, result.goal.body.empty() ? "" : " of " + result.goal.body,
                                 result.value ? fmt::format("{:.9g}", *result.value) : "not given", result.correction,
-                                result.error_bound));
+                                result.error_bound,
+                                result.error_bar ? fmt::format(", error bar {:.2g}", *result.error_bar) : "",
+                                beside_error(input, result.error_bar, result.no_error_bar)));
   if (analysis.manufactured_l2)
     lines.push_back(fmt::format("manufactured solution: error {:.6e} (L2), {:.6e} (H1)", *analysis.manufactured_l2,
                                 *analysis.manufactured_h1));
   return lines;
 }
 
-std::vector<std::string> describe_layers(const Analysis& analysis) {
+std::vector<std::string> describe_layers(const Case& input, const Analysis& analysis) {
   std::vector<std::string> lines;
   for (const auto& patch : analysis.patches) {
     const auto& layer = patch.layer;
@@ -208,11 +222,13 @@ std::vector<std::string> describe_layers(const Analysis& analysis) {
     if (!is_patch || layer.is_resolved() || layer.is_known) continue;
     auto line = fmt::format(
         "patch {}: its layer is not resolved: cells {:.3g} Debye lengths high, the layer {:.3g} (1/cosh(psi/2)); a "
-        "mesh "
-        "that resolves it takes some {:.1e} cells at the patch",
+        "mesh that resolves it takes some {:.1e} cells at the patch",
         patch.name, layer.height, layer.thickness, layer.n_cells);
+    const auto* boundary = input.find_boundary(patch.name);
     if (layer.is_lost)
       line += "; its charge, the force on it and the energy are not given";
+    else if (boundary->condition == Condition::charge)
+      line += "; its charge is given, its potential may be too low";
     else
       line += fmt::format("; its charge may be {:.0f} % too large", 30 * layer.ratio * layer.ratio);
     line += " (mark the cells with pamr-mark --field layer_ratio --above 1)";

@@ -22,7 +22,7 @@ nlohmann::json seconds_of(std::span<const StepTime> steps, double StepTime::*sec
 std::vector<std::string> describe_results(const Case& input, const Analysis& analysis);
 /// A line for each patch whose layer of counterions the mesh does not resolve: what that costs and what mends it.
 /// Local.
-std::vector<std::string> describe_layers(const Analysis& analysis);
+std::vector<std::string> describe_layers(const Case& input, const Analysis& analysis);
 /// How far a solve came that has not converged, in one line. Local.
 std::string describe_failure(const Solution& solution);
 

@@ -1,0 +1,205 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The error bars of pamr-pb: a bar that is printed holds the truth, a bar that would not is withheld with its reason."""
+import json
+import math
+import pathlib
+
+from tool_run import kuhn_cube, of_one_process, prepare_alone, run, run_tests
+
+prepare_alone("pamr-mesh")
+BOX = "the bar does not contain the box"
+
+
+def boundary(**conditions):
+    """patch = ("potential", 2) or a condition without value; all other patches are mirrors."""
+    text = "[boundary]\n"
+    for patch, stated in conditions.items():
+        condition, value = (stated, None) if isinstance(stated, str) else stated
+        text += f'{patch} = {{ condition = "{condition}"' + (f", value = {value!r} }}\n" if value is not None else " }\n")
+    return text + '"*" = { condition = "symmetry" }\n'
+
+
+def solve(text, mesh):
+    """The report, and what is printed."""
+    pathlib.Path("case.toml").write_text(text)
+    result = run("pamr-pb", "case.toml", "--mesh", mesh, "-o", "psi.hdf", "--force", "--json", "report.json")
+    return json.loads(pathlib.Path("report.json").read_text()), result
+
+
+def cube(n):
+    name = f"{n}.hdf"
+    return name if pathlib.Path(name).exists() else kuhn_cube(name, n)
+
+
+def goals_of(report):
+    return {goal["name"]: goal for goal in report["goals"]}
+
+
+def plates(low, high):
+    """Plates at z = 0 and 1 with these potentials: charge of the lower one, force on it and energy, by shooting with the
+    method of Runge and Kutta."""
+
+    def slopes(psi, slope):
+        psi, slope = max(-60, min(60, psi)), max(-1e9, min(1e9, slope))
+        return slope, math.sinh(psi), slope * slope / 2 + math.cosh(psi) - 1
+
+    def shoot(slope, n=400):
+        psi, energy = float(low), 0.0
+        for i in range(n):
+            # Steps that grow with the distance from the lower plate, whose layer is the thinner one.
+            h = ((i + 1) ** 2 - i ** 2) / n ** 2
+            a = slopes(psi, slope)
+            b = slopes(psi + h / 2 * a[0], slope + h / 2 * a[1])
+            c = slopes(psi + h / 2 * b[0], slope + h / 2 * b[1])
+            d = slopes(psi + h * c[0], slope + h * c[1])
+            psi, slope, energy = (value + h / 6 * (a[k] + 2 * b[k] + 2 * c[k] + d[k])
+                                  for k, value in enumerate((psi, slope, energy)))
+            if abs(psi) > 50:
+                break
+        return psi, energy
+
+    steep, flat = -3 * math.cosh(low), 3 * math.cosh(low)
+    for _ in range(60):
+        middle = (steep + flat) / 2
+        steep, flat = (steep, middle) if shoot(middle)[0] > high else (middle, flat)
+    return {"charge": -steep, "force-z": steep ** 2 / 2 - math.cosh(low) + 1, "energy": shoot(steep)[1]}
+
+
+@of_one_process
+def test_a_bar_of_first_order_holds_the_truth_between_plates_or_is_withheld():
+    exact = {pair: plates(*pair) for pair in ((4, 4), (6, -3), (3, 0), (2, -1))}
+    assert abs(exact[4, 4]["charge"] - 6.20889126) < 1e-6 and abs(exact[6, -3]["charge"] - 21.4530878) < 1e-4
+    n_printed = 0
+    for (low, high), n, quadrature in (((4, 4), 12, "nodal"), ((6, -3), 12, "nodal"), ((3, 0), 12, "nodal"),
+                                       ((2, -1), 9, "nodal"), ((4, 4), 12, "gauss"), ((2, -1), 12, "gauss")):
+        text = (f'[solver]\nquadrature = "{quadrature}"\n[estimator]\ngoals = ["force-z", "charge", "energy"]\n'
+                'goal_patch = "zmin"\n' + boundary(zmin=("potential", low), zmax=("potential", high)))
+        report, printed = solve(text, cube(n))
+        ratio = report["layers"]["zmin"]["ratio"]
+        for name, goal in goals_of(report).items():
+            where = (low, high, n, quadrature, name, goal)
+            is_sound = ratio <= 0.2 if name == "charge" else quadrature == "nodal" or name == "energy"
+            assert (goal["error_bar"] is not None) == is_sound, where
+            assert (goal["error_withheld"] is None) == is_sound, where
+            if not is_sound:
+                assert "order = 2" in goal["error_withheld"], where
+                assert "no error bar: " + goal["error_withheld"] in " ".join(printed.out.split()), where
+                continue
+            n_printed += 1
+            assert abs(goal["corrected"] - exact[low, high][name]) < goal["error_bar"], (where, exact[low, high][name])
+        best = report["best"]["zmin"]["charge"]
+        assert (best["error"], best["error_withheld"]) == (goals_of(report)["charge"]["error_bar"],
+                                                           goals_of(report)["charge"]["error_withheld"])
+        assert report["best"]["zmax"]["charge"]["error"] is None and "error_withheld" not in report["best"]["zmax"]["charge"]
+        assert report["beyond_error_bars"] is None and BOX not in printed.out
+    assert n_printed == 13
+
+
+@of_one_process
+def test_the_correction_has_the_source_term_between_the_nodes():
+    # With nodal quadrature sinh psi is no straight line between the nodes: left out, half of the error stayed.
+    exact = plates(3, 0)["charge"]
+    text = '[estimator]\ngoal = "charge"\ngoal_patch = "zmin"\n' + boundary(zmin=("potential", 3), zmax=("potential", 0))
+    for n in (8, 12):
+        goal = solve(text, cube(n))[0]["goal"]
+        assert abs(goal["corrected"] - exact) < 0.1 * abs(goal["value"] - exact), (n, goal, exact)
+
+
+@of_one_process
+def test_a_charge_given_on_a_flat_wall_keeps_the_bars():
+    exact = plates(2, -1)
+    for order, n in ((1, 14), (2, 5)):
+        text = (f'[solver]\norder = {order}\n[estimator]\ngoals = ["force-z", "energy"]\ngoal_patch = "zmin"\n'
+                + boundary(zmin=("charge", exact["charge"]), zmax=("potential", -1)))
+        for name, goal in goals_of(solve(text, cube(n))[0]).items():
+            assert abs(goal["corrected"] - exact[name]) < goal["error_bar"], (order, name, goal, exact[name])
+    # Of first order on cells that are too high it does not: the bar of the force was 1.5 times too small.
+    steep = plates(6, -3)
+    text = ('[estimator]\ngoals = ["force-z"]\ngoal_patch = "zmin"\n'
+            + boundary(zmin=("charge", steep["charge"]), zmax=("potential", -3)))
+    goal = solve(text, cube(12))[0]["goal"]
+    assert goal["error_bar"] is None and "patch zmin" in goal["error_withheld"], goal
+
+
+CELL = """
+[mesh]
+shape = "charged-sphere"
+length_unit = "1"
+[mesh.geometry]
+radius = 1.0
+outer_radius = 3.0
+[mesh.sizes]
+far = {far}
+sphere = {sphere}
+outer = {far}
+"""
+
+
+def cell(name, sphere, far):
+    pathlib.Path("mesh.toml").write_text(CELL.format(sphere=sphere, far=far))
+    run("pamr-mesh", "mesh.toml", "-o", name, "--quiet")
+    return name
+
+
+@of_one_process
+def test_a_charge_given_on_a_curved_wall_takes_the_bars_of_second_order():
+    # A sphere at 1 in a sphere of charge density 0.5: inward integration of the spherical equation gives the charge
+    # 18.0985233, the energy 3.84219146 of an octant, and 0.79802739 on the outer sphere.
+    mesh = cell("cell.hdf", 0.25, 0.7)
+    exact = {"charge": 18.0985233, "energy": 3.84219146}
+    head = '[solver]\norder = 2\n[estimator]\ngoals = ["charge", "energy"]\ngoal_patch = "sphere"\n'
+    for outer in (("charge", 0.5), ("charge", 0.0), "symmetry"):
+        report, printed = solve(head + boundary(sphere=("potential", 1), outer=outer), mesh)
+        for name, goal in goals_of(report).items():
+            assert goal["error_bar"] is None and "curved patch outer" in goal["error_withheld"], (outer, goal)
+            # Without a bar: within what the energy misses of the outer sphere on cells this large, 1.3e-5 of it.
+            assert outer != ("charge", 0.5) or abs(goal["corrected"] / exact[name] - 1) < 3e-5, goal
+        assert report["best"]["sphere"]["charge"]["error"] is None
+        assert "+-" not in printed.out and "no error bar: the charge of the curved patch outer" in printed.out
+    # The same solution with the potential given on both: the bars stay, and hold, on cells a little finer (on those
+    # above they are 1.2 and 1.4 times too small).
+    report, printed = solve(head + boundary(sphere=("potential", 1), outer=("potential", 0.7980273872929314)),
+                            cell("finer.hdf", 0.2, 0.4))
+    for name, goal in goals_of(report).items():
+        assert goal["error_withheld"] is None, goal
+        assert abs(goal["corrected"] - exact[name]) < goal["error_bar"] < 1e-4 * exact[name], goal
+    assert "+-" in printed.out
+
+
+@of_one_process
+def test_unresolved_layers_of_first_order_have_no_bars_and_a_given_charge_is_not_said_to_be_wrong():
+    # A sphere at 6 in an insulated one, and the charge that this makes: 299.897372, energy of an octant 78.8021188. The
+    # bars were 389 +- 19, 83.8 +- 4.6 and 65.3 +- 4.4.
+    mesh = cell("cell.hdf", 0.2, 0.4)
+    for sphere, goals in ((("potential", 6), ["charge", "energy"]), (("charge", 23.865074560254783), ["energy"])):
+        text = f'[estimator]\ngoals = {json.dumps(goals)}\ngoal_patch = "sphere"\n'
+        report, printed = solve(text + boundary(sphere=sphere, outer=("charge", 0.0)), mesh)
+        for goal in report["goals"]:
+            assert goal["error_bar"] is None and "patch sphere are" in goal["error_withheld"], goal
+        assert "layer is not resolved" in printed.err
+        assert ("too large" in printed.err) == (sphere[0] == "potential"), printed.err
+        assert ("charge is given" in printed.err) == (sphere[0] == "charge"), printed.err
+
+
+def test_bars_beside_far_field_walls_say_that_they_do_not_contain_the_box():
+    # Two spheres at 1 at a distance of 3, linear: 1.6435404 without walls (cases/sphere-pair/expected.csv), and walls
+    # 3 Debye lengths from the middle change it by 1 %.
+    pathlib.Path("pair.toml").write_text(
+        '[mesh]\nshape = "sphere-pair"\nlength_unit = "1"\n[mesh.geometry]\nradius = 1.0\ndistance = 3.0\n'
+        'half_length = 4.5\nwidth = 3.0\ntop = 3.0\n[mesh.sizes]\nfar = 1.0\nsphere = 0.3\n')
+    run("pamr-mesh", "pair.toml", "-o", "pair.hdf", "--quiet")
+    head = ('[pair]\nradius = 1.0\ndistance = 3.0\n[force]\nmidplane = "symmetry_x"\n[equation]\nlinear = true\n'
+            '[solver]\norder = 2\n[estimator]\ngoals = ["midplane", "charge"]\ngoal_patch = "sphere"\n')
+    walls = {name: "far-field" for name in ("end", "side", "lid")}
+    report, printed = solve(head + boundary(sphere=("potential", 1), **walls), "pair.hdf")
+    best = report["best"]["sphere"]["force-x"]
+    assert report["beyond_error_bars"] == BOX
+    assert best["error"] < 0.02 * abs(best["value"] - 1.6435404) and abs(best["value"] / 1.6435404 - 1) < 0.02, best
+    with_bar = [line for line in printed.out.splitlines() if "+-" in line or "error bar " in line and "no error" not in line]
+    assert len(with_bar) == 4 and all(BOX in line for line in with_bar), printed.out
+    walls = {name: ("potential", 0) for name in walls}
+    report, printed = solve(head + boundary(sphere=("potential", 1), **walls), "pair.hdf")
+    assert report["beyond_error_bars"] is None and BOX not in printed.out and "+-" in printed.out
+
+
+run_tests(globals())
