@@ -210,11 +210,10 @@ void require_same_case(const json& header, const json& facts) {
   std::vector<std::string> lines;
   add_differences(*found, facts, "", lines);
   if (lines.empty()) return;
-  const auto n_shown = std::min(lines.size(), max_shown);
-  const auto rest = lines.size() - n_shown;
-  lines.resize(n_shown);
-  throw Error(fmt::format("expected a checkpoint of this case, found one of another: {}{}; {}", fmt::join(lines, "; "),
-                          rest > 0 ? fmt::format("; and {} more", rest) : std::string(), way_on));
+  std::string shown;
+  for (std::size_t i = 0; i < std::min(lines.size(), max_shown); ++i) shown += lines[i] + "; ";
+  if (lines.size() > max_shown) shown += fmt::format("and {} more; ", lines.size() - max_shown);
+  throw Error(fmt::format("expected a checkpoint of this case, found one of another: {}{}", shown, way_on));
 }
 
 }  // namespace pamr::dsmc
