@@ -5,12 +5,9 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
-#include <optional>
 #include <utility>
 
 #include "pamr/base/error.hpp"
-#include "pamr/base/hash.hpp"
 #include "pamr/base/memory.hpp"
 #include "pamr/mesh/face_groups.hpp"
 #include "pamr/mesh/rank_border.hpp"
@@ -21,45 +18,16 @@ namespace {
 
 using mesh::CellFace;
 
-/// Faces that wait for the one on their other side, by their nodes.
-class WaitingFaces {
- public:
-  explicit WaitingFaces(std::size_t n_expected) : table_(std::bit_ceil(2 * n_expected + 16)) {}
-
-  /// The face with the same nodes that came before; nothing: this one waits now.
-  std::optional<CellFace> match(const mesh::CellNodes& nodes, CellFace face) {
-    const auto& corner = mesh::tet::face_to_corner[at(face.slot)];
-    std::array<LocalId, 3> key{nodes[at(corner[0])], nodes[at(corner[1])], nodes[at(corner[2])]};
-    std::sort(key.begin(), key.end());
-    if (2 * ++n_ > table_.size()) grow();
-    auto& entry = place_of(key);
-    if (entry.key[0] != invalid_local) return entry.face;
-    entry = {key, face};
-    return {};
+/// The slot of the face with these nodes; below 0: the cell has no such face.
+int face_with(const mesh::CellNodes& cell, const std::array<LocalId, 3>& nodes) {
+  int rest = 0 + 1 + 2 + 3;  // a face has the slot of the corner that it does not have
+  for (const auto node : nodes) {
+    const auto found = std::find(cell.begin(), cell.end(), node);
+    if (found == cell.end()) return -1;
+    rest -= static_cast<int>(found - cell.begin());
   }
-
- private:
-  struct Entry {
-    std::array<LocalId, 3> key{invalid_local, invalid_local, invalid_local};
-    CellFace face;
-  };
-
-  Entry& place_of(const std::array<LocalId, 3>& key) {
-    auto i = combine(static_cast<std::uint64_t>(key[0]) << 32U | static_cast<std::uint64_t>(key[1]),
-                     static_cast<std::uint64_t>(key[2])) &
-             (table_.size() - 1);
-    while (table_[i].key[0] != invalid_local && table_[i].key != key) i = (i + 1) & (table_.size() - 1);
-    return table_[i];
-  }
-  void grow() {
-    const auto before = std::exchange(table_, std::vector<Entry>(2 * table_.size()));
-    for (const auto& entry : before)
-      if (entry.key[0] != invalid_local) place_of(entry.key) = entry;
-  }
-
-  std::vector<Entry> table_;
-  std::size_t n_ = 0;
-};
+  return rest;
+}
 
 /// A face of the coarse mesh whose other side may lie on that rank.
 struct MaybeRemote {
@@ -76,7 +44,7 @@ struct Record {
 class Linker {
  public:
   Linker(const mesh::DistMesh& old, std::span<const Group> groups, const NewPlaces& places, mesh::DistMesh& coarse)
-      : old_(old), groups_(groups), places_(places), coarse_(coarse), waiting_(3 * groups.size()) {
+      : old_(old), groups_(groups), places_(places), coarse_(coarse) {
     constexpr mesh::CellNeighbors open{invalid_local, invalid_local, invalid_local, invalid_local};
     assign_array(coarse_.cell_to_cell, coarse_.cell_to_node.size(), open);
     for (std::size_t i = 0; i < old_.border_rank.size(); ++i)
@@ -95,11 +63,20 @@ class Linker {
 
   void add_remote(CellFace face, Rank rank) { remote_.push_back({rank, mesh::face_key(coarse_, face), face}); }
 
-  void match(CellFace face) {
-    if (const auto other = waiting_.match(coarse_.cell_to_node[at(face.cell)], face)) {
-      link(face) = other->cell;
-      link(*other) = face.cell;
+  /// Links a face with that of the same nodes of the cells that take a group's place, if there is one.
+  bool link_to_group(CellFace face, std::size_t g) {
+    const auto& nodes = coarse_.cell_to_node[at(face.cell)];
+    const auto& corner = mesh::tet::face_to_corner[at(face.slot)];
+    const std::array<LocalId, 3> wanted{nodes[at(corner[0])], nodes[at(corner[1])], nodes[at(corner[2])]};
+    const auto first = places_.first_of_group[g];
+    for (auto cell = first; cell < first + refine::split_pattern[groups_[g].now].n_children; ++cell) {
+      const int slot = face_with(coarse_.cell_to_node[at(cell)], wanted);
+      if (slot < 0) continue;
+      link(face) = cell;
+      link({cell, slot}) = face.cell;
+      return true;
     }
+    return false;
   }
 
   void link_cell(LocalId c) {
@@ -112,23 +89,28 @@ class Linker {
       else if (!old_.is_own(next))
         add_remote(face, rank_of_face_[at(next - old_.n_cells())]);
       else if (places_.is_in_group(next))
-        match(face);
+        link_to_group(face, places_.group_of(next));
       else
         link(face) = places_.cell[at(next)];
     }
   }
 
+  template <class T>
+  static void add_once(T item, std::vector<T>& items) {
+    if (std::find(items.begin(), items.end(), item) == items.end()) items.push_back(item);
+  }
+
   /// What lies behind the faces of a group's parent.
   struct Behind {
-    LocalId patch = 0;  ///< slot of a patch, or 0
-    bool is_own = false;
+    LocalId patch = 0;                ///< slot of a patch, or 0
+    std::vector<std::size_t> groups;  ///< of this rank
     std::vector<Rank> ranks;
   };
 
   void look_behind(const Group& group, std::array<Behind, 4>& behind) const {
     for (auto& b : behind) {
       b.patch = 0;
-      b.is_own = false;
+      b.groups.clear();
       b.ranks.clear();
     }
     for_each_outer_face(old_, group, [&](LocalId cell, int slot, int face) {
@@ -137,10 +119,9 @@ class Linker {
       if (next < 0) {
         b.patch = next;
       } else if (old_.is_own(next)) {
-        b.is_own = true;
+        if (places_.is_in_group(next)) add_once(places_.group_of(next), b.groups);
       } else {
-        const auto rank = rank_of_face_[at(next - old_.n_cells())];
-        if (std::find(b.ranks.begin(), b.ranks.end(), rank) == b.ranks.end()) b.ranks.push_back(rank);
+        add_once(rank_of_face_[at(next - old_.n_cells())], b.ranks);
       }
     });
   }
@@ -163,8 +144,9 @@ class Linker {
           link(face) = b.patch;
           continue;
         }
-        if (b.is_own) match(face);
-        if (link(face) != invalid_local) continue;
+        if (link(face) != invalid_local) continue;  // by the cell or group behind it
+        if (std::any_of(b.groups.begin(), b.groups.end(), [&](auto other) { return link_to_group(face, other); }))
+          continue;
         for (const auto rank : b.ranks) add_remote(face, rank);
       }
   }
@@ -173,7 +155,6 @@ class Linker {
   std::span<const Group> groups_;
   const NewPlaces& places_;
   mesh::DistMesh& coarse_;
-  WaitingFaces waiting_;
   std::vector<Rank> rank_of_face_;  ///< of each old border face
   std::array<Behind, 4> behind_;
   std::vector<MaybeRemote> remote_;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstddef>
 #include <span>
 #include <vector>
 
@@ -17,13 +18,15 @@ struct NewPlaces {
   std::vector<LocalId> first_of_group;  ///< new local number of the first cell that takes the place of each group
 
   bool is_in_group(LocalId old_cell) const { return cell[at(old_cell)] < 0; }
+  /// Pre: it is in one.
+  std::size_t group_of(LocalId old_cell) const { return at(-1 - cell[at(old_cell)]); }
 };
 
 /// Fills the neighbors and the rank border of `coarse`, whose cells, nodes and numbers are there. Links between cells
-/// that stay are handed on; faces at groups are matched by their nodes, those on the rank border by the global numbers
-/// of theirs. `groups`: ascending, those of `places`. Throws `Error` on every rank where a face finds no other side, as
-/// in meshes whose lineage was not made by refining. Collective: one sparse exchange of 32 bytes a border face. Cost:
-/// O(cells), and one look-up in a hash table for each face at a group.
+/// that stay are handed on; faces at groups are matched by their nodes with those of what the old links lead to, those
+/// on the rank border by the global numbers of theirs. `groups`: ascending, those of `places`. Throws `Error` on every
+/// rank where a face finds no other side, as in meshes whose lineage was not made by refining. Collective: one sparse
+/// exchange of 32 bytes a border face. Cost: O(cells).
 void link_coarse(const par::Comm& comm, const mesh::DistMesh& old, std::span<const Group> groups,
                  const NewPlaces& places, mesh::DistMesh& coarse);
 
