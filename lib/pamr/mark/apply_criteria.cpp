@@ -4,7 +4,6 @@
 #include <algorithm>
 
 #include "pamr/base/error.hpp"
-#include "pamr/mark/recovered_error.hpp"
 
 namespace pamr::mark {
 
@@ -14,6 +13,7 @@ struct Evaluate {
   const par::Comm* comm;
   const mesh::DistMesh* mesh;
   CellSize size;
+  KnownErrors* known;
 
   Indicator operator()(const AllCells&) const { return mark::all_cells(*mesh); }
   Indicator operator()(const CrossingSphere& rule) const { return mark::crossing_sphere(*mesh, rule.sphere); }
@@ -37,7 +37,10 @@ struct Evaluate {
     return mark::bulk_of_error(*comm, *mesh, error, rule.fraction);
   }
   Indicator operator()(const ErrorOver& rule) const {
-    const auto error = mark::recovered_error(*comm, *mesh, rule.field);
+    auto found = known->find(rule.field);
+    if (found == known->end())
+      found = known->emplace(rule.field, mark::recovered_error(*comm, *mesh, rule.field)).first;
+    const auto& error = found->second;
     if (rule.bar == ErrorOver::Bar::bulk) return mark::bulk_of_error(*comm, *mesh, error, rule.value);
     const double theta = rule.bar == ErrorOver::Bar::target ? rule.value * rule.value : rule.value;
     return mark::above_mean_share(error, mesh->info.n_global_cells, theta);
@@ -53,10 +56,15 @@ void keep_where(const Indicator& wish, std::vector<std::uint8_t>& may_go) {
 }  // namespace
 
 Applied apply(const par::Comm& comm, const mesh::DistMesh& mesh, const Request& request) {
+  KnownErrors known;
+  return apply(comm, mesh, request, known);
+}
+
+Applied apply(const par::Comm& comm, const mesh::DistMesh& mesh, const Request& request, KnownErrors& known) {
   Applied result;
   result.indicator.assign(mesh.cell_to_node.size(), 0);
   result.may_go.assign(mesh.cell_to_node.size(), request.coarsens() ? 1 : 0);
-  const Evaluate evaluate{&comm, &mesh, request.size};
+  const Evaluate evaluate{&comm, &mesh, request.size, &known};
   for (const auto& criterion : request.criteria) {
     const auto wish = std::visit(evaluate, criterion.rule);
     if (request.coarsens())

@@ -21,8 +21,8 @@ class Trials {
   Trials(const par::Comm& comm, const mesh::DistMesh& mesh, const Request& request, const PredictionBothWays& predicted)
       : comm_(&comm), mesh_(&mesh), request_(&request), predicted_(&predicted) {}
 
-  Trial at(double exponent) const {
-    return measured(exponent, apply(*comm_, *mesh_, scaled(*request_, std::exp2(exponent))));
+  Trial at(double exponent) {
+    return measured(exponent, apply(*comm_, *mesh_, scaled(*request_, std::exp2(exponent)), known_));
   }
   Trial measured(double exponent, Applied applied) const {
     keep_below_level(*mesh_, mesh::max_level, applied.indicator);
@@ -35,6 +35,7 @@ class Trials {
   const mesh::DistMesh* mesh_;
   const Request* request_;
   const PredictionBothWays* predicted_;
+  KnownErrors known_;
 };
 
 constexpr double smallest_part = 0.98;  ///< of the cells that are wanted
@@ -65,7 +66,7 @@ Choice choose_within_budget(const par::Comm& comm, const mesh::DistMesh& mesh, c
                             const Applied& applied, Exact<std::int64_t> max_cells, Exact<bool> fill,
                             const PredictionBothWays& predicted_cells) {
   constexpr double last_exponent = 64;
-  const Trials trials(comm, mesh, request, predicted_cells);
+  Trials trials(comm, mesh, request, predicted_cells);
   const auto is_enough = [&](const Trial& trial) {
     return trial.cells <= max_cells &&
            static_cast<double>(trial.cells) >= smallest_part * static_cast<double>(max_cells);
