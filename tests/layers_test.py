@@ -55,7 +55,7 @@ class Layers(unittest.TestCase):
     def test_solvers_must_not_refine(self):
         self.assert_caught("lib/solvers/dsmc/run/a.cpp", SPDX + '#include "pamr/refine/close.hpp"\n',
                            "dsmc must not include refine")
-        self.assert_caught("lib/solvers/dsmc/run/a.cpp", SPDX + '#include "pamr/adapt/forecast.hpp"\n',
+        self.assert_caught("lib/solvers/dsmc/run/a.cpp", SPDX + '#include "pamr/adapt/pass.hpp"\n',
                            "dsmc must not include adapt")
         self.assert_clean("lib/solvers/dsmc/run/a.cpp", SPDX + '#include "pamr/adapt/adapt.hpp"\n')
         self.assert_clean("tools/refine.cpp", SPDX + '#include "pamr/adapt/adapt.hpp"\n#include "cli/session.hpp"\n')

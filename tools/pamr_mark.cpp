@@ -13,8 +13,8 @@
 #include <vector>
 
 #include "cli/run_tool.hpp"
-#include "pamr/adapt/adapt_both_ways.hpp"
 #include "pamr/adapt/depth.hpp"
+#include "pamr/adapt/flags.hpp"
 #include "pamr/adapt/forecast.hpp"
 #include "pamr/assemble/assemble.hpp"
 #include "pamr/balance/expected_work.hpp"
@@ -104,9 +104,9 @@ void declare(cli::CommandLine& line, Options& options) {
 struct Marked {
   std::vector<std::uint8_t> marks, may_go;
   std::vector<std::uint8_t> work;  ///< of the refinement
-  adapt::MeshSize after;           ///< of the mesh after it
-  std::int64_t too_fine = 0;       ///< cells of `--max-level` and deeper that closing the marks splits all the same
-  double factor = 1;               ///< by which `--max-cells` has made values stricter
+  std::int64_t cells_after = 0, nodes_after = 0;
+  std::int64_t too_fine = 0;  ///< cells of `--max-level` and deeper that closing the marks splits all the same
+  double factor = 1;          ///< by which `--max-cells` has made values stricter
 };
 
 /// Whether `--max-cells` refines the worst and coarsens the best.
@@ -116,33 +116,35 @@ bool moves_thresholds(const mark::Request& request) {
 }
 
 /// The wanted cells and those that may go, within `max_cells`. Collective.
-Marked choose_both_ways(const par::Comm& comm, mesh::DistMesh& mesh, const mark::Request& request,
-                        const mark::Applied& applied, const Options& options, const refine::Options& refinement) {
+Marked choose_both_ways(const par::Comm& comm, const mesh::DistMesh& mesh, const mark::Request& request,
+                        const mark::Applied& applied, mark::KnownErrors known, const Options& options,
+                        const adapt::Forecaster& forecaster) {
   const auto size = [&](std::span<const std::uint8_t> marks, std::span<const std::uint8_t> may_go) {
     std::vector<std::uint8_t> goes(may_go.begin(), may_go.end());
     std::vector<std::int64_t> idle;
-    if (request.keep_for > 0)
-      mark::keep_for_a_while(comm, std::as_const(mesh), options.marks, request.keep_for, goes, idle);
-    return adapt::size_after(comm, mesh, marks, goes, refinement).cells;
+    if (request.keep_for > 0) mark::keep_for_a_while(comm, mesh, options.marks, request.keep_for, goes, idle);
+    return forecaster.forecast(adapt::signed_flags(marks, goes)).cells;
   };
-  auto choice = mark::choose_within_budget(comm, mesh, request, applied, *options.max_cells, options.fill, size);
-  return {std::move(choice.marks), std::move(choice.may_go), {}, {}, 0, choice.factor};
+  auto choice = mark::choose_within_budget(comm, mesh, request, applied, *options.max_cells, options.fill, size,
+                                           std::move(known));
+  return {std::move(choice.marks), std::move(choice.may_go), {}, 0, 0, 0, choice.factor};
 }
 
 /// The wanted cells, or as many of them as `max_cells` allows for. Collective.
 Marked choose_marks(const par::Comm& comm, mesh::DistMesh& mesh, const mark::Request& request,
-                    const mark::Applied& applied, const Options& options, const refine::Options& refinement) {
-  Marked marked{mark::marks_of(applied.indicator), applied.may_go, {}, {}, 0, 1};
+                    const mark::Applied& applied, mark::KnownErrors known, const Options& options,
+                    const refine::Options& refinement) {
+  Marked marked{mark::marks_of(applied.indicator), applied.may_go, {}, 0, 0, 0, 1};
+  const adapt::Forecaster forecaster(comm, mesh, refinement);
   const bool both_ways = options.max_cells && moves_thresholds(request);
-  if (both_ways) marked = choose_both_ways(comm, mesh, request, applied, options, refinement);
+  if (both_ways) marked = choose_both_ways(comm, mesh, request, applied, std::move(known), options, forecaster);
   if (request.keep_for > 0) mark::keep_for_a_while(comm, mesh, options.marks, request.keep_for, marked.may_go);
   const bool any_may_go = comm.any(std::find(marked.may_go.begin(), marked.may_go.end(), 1) != marked.may_go.end());
-  const adapt::Forecaster forecaster(comm, mesh, refinement);
   std::optional<adapt::Forecast> forecast;
   if (options.max_cells && !both_ways)
     marked.marks = mark::marks_within_budget(
         comm, mesh, applied.indicator, *options.max_cells, [&](std::span<const std::uint8_t> some) {
-          if (any_may_go) return adapt::size_after(comm, mesh, some, marked.may_go, refinement).cells;
+          if (any_may_go) return forecaster.forecast(adapt::signed_flags(some, marked.may_go)).cells;
           auto trial = forecaster.forecast(some);
           const auto cells = trial.cells;
           if (cells <= *options.max_cells) forecast = std::move(trial);
@@ -153,8 +155,9 @@ Marked choose_marks(const par::Comm& comm, mesh::DistMesh& mesh, const mark::Req
   if (request.max_level)
     marked.too_fine = comm.sum(
         adapt::count_splits_from_level(forecast->mesh ? *forecast->mesh : mesh, forecast->closure, *request.max_level));
-  marked.after = any_may_go ? adapt::size_after(comm, mesh, marked.marks, marked.may_go, refinement)
-                            : adapt::MeshSize{forecast->cells, forecaster.nodes(*forecast)};
+  if (any_may_go) forecast = forecaster.forecast(adapt::signed_flags(marked.marks, marked.may_go));
+  marked.cells_after = forecast->cells;
+  marked.nodes_after = forecaster.nodes(*forecast);
   return marked;
 }
 
@@ -189,13 +192,14 @@ cli::ExitCode run(cli::Session& session, const Options& options) {
   refine::Options refinement;
   refinement.quality_control = refine::quality_control_named(options.quality_control);
   refinement.shape_floor = options.shape_floor;
-  auto applied = with_file_name(options.input, [&] { return mark::apply(comm, mesh, request); });
+  mark::KnownErrors known;
+  auto applied = with_file_name(options.input, [&] { return mark::apply(comm, mesh, request, known); });
   const auto too_deep = comm.sum(mark::keep_below_level(mesh, mesh::max_level, applied.indicator));
   const auto n_wanted = mark::count_marked(comm, mark::marks_of(applied.indicator));
   if (options.fill && !(options.max_cells && moves_thresholds(request)))
     throw Error("--fill: expected --max-cells and a criterion with --coarsen-below, found none");
-  const auto [marks, may_go, work, after, too_fine, factor] =
-      with_file_name(options.input, [&] { return choose_marks(comm, mesh, request, applied, options, refinement); });
+  const auto [marks, may_go, work, cells_after, nodes_after, too_fine, factor] = with_file_name(
+      options.input, [&] { return choose_marks(comm, mesh, request, applied, std::move(known), options, refinement); });
   const auto n_marked = mark::count_marked(comm, marks);
 
   session.step("writing " + options.output);
@@ -213,8 +217,8 @@ cli::ExitCode run(cli::Session& session, const Options& options) {
                         {"split_beyond_max_level", too_fine},
                         {"may_go", n_may_go},
                         {"values_times", factor},
-                        {"cells_after", after.cells},
-                        {"nodes_after", after.nodes},
+                        {"cells_after", cells_after},
+                        {"nodes_after", nodes_after},
                         {"marks", options.marks},
                         {"quality_control", options.quality_control},
                         {"shape_floor", options.shape_floor}};
@@ -238,8 +242,8 @@ cli::ExitCode run(cli::Session& session, const Options& options) {
   session.summary(fmt::format("{} of {} cells marked{}{}; {} cells and {} nodes after refinement -> {}", n_marked,
                               mesh.info.n_global_cells,
                               n_wanted > n_marked ? fmt::format(" (of {} wanted)", n_wanted) : std::string(),
-                              request.coarsens() ? fmt::format(", {} may go", n_may_go) : std::string(), after.cells,
-                              after.nodes, options.output));
+                              request.coarsens() ? fmt::format(", {} may go", n_may_go) : std::string(), cells_after,
+                              nodes_after, options.output));
   return cli::ExitCode::done;
 }
 

@@ -144,60 +144,47 @@ void warn_nothing_goes(const cli::Session& session, const adapt::CoarseningRepor
                     report.cells_flagged, report.cells_without_parent));
 }
 
-/// A dry run with cells that may go: it is done in memory and thrown away.
-cli::ExitCode report_trial(cli::Session& session, const mesh::DistMesh& mesh, std::span<const std::int8_t> signs,
-                           const refine::Options& options) {
-  const auto& comm = session.comm();
-  const auto trial = adapt::adapt(comm, mesh, signs, {options, {}, {}});
-  const auto largest = comm.max(static_cast<std::int64_t>(peak_resident_bytes()));
-  session.write_report({{"cells_in", trial.report.cells_in},
-                        {"nodes_in", trial.report.nodes_in},
-                        {"marked", trial.report.closure.n_marked},
-                        {"marked_too_deep", trial.report.marked_too_deep},
-                        {"cells_out", trial.report.cells_out},
-                        {"nodes_out", trial.report.nodes_out},
-                        {"largest_rank_bytes", largest},
-                        {"coarsening", to_json(trial.coarsening)}});
-  warn_too_deep(session, trial.report.marked_too_deep);
-  warn_nothing_goes(session, trial.coarsening);
-  session.summary(fmt::format("{} cells ({}): {} cells, {} nodes after refinement, about {:.0f} MB on the largest rank",
-                              trial.report.cells_in, marked_text(trial.report.closure.n_marked, trial.coarsening),
-                              trial.report.cells_out, trial.report.nodes_out, 1e-6 * static_cast<double>(largest)));
-  return cli::ExitCode::done;
-}
-
-cli::ExitCode report_forecast(cli::Session& session, const mesh::DistMesh& mesh, std::span<const std::int8_t> signs,
+cli::ExitCode report_forecast(cli::Session& session, const mesh::DistMesh& mesh, std::span<const std::int8_t> flags,
                               const refine::Options& options) {
   const auto& comm = session.comm();
-  if (comm.any(std::any_of(signs.begin(), signs.end(), [](std::int8_t flag) { return flag < 0; })))
-    return report_trial(session, mesh, signs, options);
-  const auto flags = adapt::splits_of(signs);
   const adapt::Forecaster forecaster(comm, mesh, options);
   const auto forecast = forecaster.forecast(flags);
   const auto nodes = forecaster.nodes(forecast);
   const auto marked = forecast.report.n_marked;
+  const bool coarsens = forecast.coarsening.cells_flagged > 0;
   warn_too_deep(session, forecast.marked_too_deep);
-  const auto bound = check::shape_bound(comm, mesh, options.shape_floor);
   // what is there now (the process, the old mesh) and, at the peak, the plan of the split and the new mesh: at rest 48
   // bytes a cell and 32 a node
   const double nodes_per_cell = static_cast<double>(nodes) / static_cast<double>(forecast.cells);
   const double here = static_cast<double>(peak_resident_bytes()) + 40.0 * static_cast<double>(mesh.n_cells()) +
                       static_cast<double>(forecast.cells_on_this_rank) * (48 + 32 * nodes_per_cell);
   const auto largest = comm.max(here);
-  nlohmann::json report{
-      {"cells_in", mesh.info.n_global_cells},           {"nodes_in", mesh.info.n_global_nodes}, {"marked", marked},
-      {"marked_too_deep", forecast.marked_too_deep},    {"cells_out", forecast.cells},          {"nodes_out", nodes},
-      {"uniform_shape_bound", bound.of_uniform_levels}, {"largest_rank_bytes", largest}};
+  nlohmann::json report{{"cells_in", mesh.info.n_global_cells},
+                        {"nodes_in", mesh.info.n_global_nodes},
+                        {"marked", marked},
+                        {"marked_too_deep", forecast.marked_too_deep},
+                        {"cells_out", forecast.cells},
+                        {"nodes_out", nodes},
+                        {"largest_rank_bytes", largest}};
   std::string shapes;
-  if (options.quality_control == refine::QualityControl::removable) {
-    report["shape_bound"] = bound.of_all_levels;
-    shapes = fmt::format("; mean ratio at least {:.4f} at every level, where cells are straight", bound.of_all_levels);
+  if (coarsens) {
+    report["coarsening"] = to_json(forecast.coarsening);
+    warn_nothing_goes(session, forecast.coarsening);
+  } else {
+    const auto bound = check::shape_bound(comm, mesh, options.shape_floor);
+    report["uniform_shape_bound"] = bound.of_uniform_levels;
+    if (options.quality_control == refine::QualityControl::removable) {
+      report["shape_bound"] = bound.of_all_levels;
+      shapes =
+          fmt::format("; mean ratio at least {:.4f} at every level, where cells are straight", bound.of_all_levels);
+    }
   }
   session.write_report(report);
-  session.summary(
-      fmt::format("{} of {} cells marked: {} cells, {} nodes after refinement, about {:.0f} MB on the "
-                  "largest rank{}",
-                  marked, mesh.info.n_global_cells, forecast.cells, nodes, 1e-6 * largest, shapes));
+  session.summary(fmt::format("{} {}: {} cells, {} nodes after refinement, about {:.0f} MB on the largest rank{}",
+                              coarsens ? fmt::format("{} cells", mesh.info.n_global_cells)
+                                       : fmt::format("{} of {} cells", marked, mesh.info.n_global_cells),
+                              coarsens ? fmt::format("({})", marked_text(marked, forecast.coarsening)) : "marked",
+                              forecast.cells, nodes, 1e-6 * largest, shapes));
   return cli::ExitCode::done;
 }
 

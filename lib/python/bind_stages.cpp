@@ -157,8 +157,8 @@ Array<std::uint8_t> flags_of(const PythonMesh& mesh, const Array<double>& indica
   return copy_out(marks);
 }
 
-py::tuple forecast(const PythonMesh& mesh, const Array<std::uint8_t>& flags, const Closing& closing) {
-  const auto values = rows_of<std::uint8_t>(flags);
+py::tuple forecast(const PythonMesh& mesh, const Array<std::int8_t>& flags, const Closing& closing) {
+  const auto values = rows_of<std::int8_t>(flags);
   const Released released;
   const adapt::Forecaster forecaster(*mesh.comm, mesh.mesh, options_of(closing));
   const auto result = forecaster.forecast(values);

@@ -25,8 +25,7 @@ namespace {
 Ready make_ready(const par::Comm& comm, const mesh::DistMesh& input, std::span<const std::uint8_t> flags,
                  const refine::Options& options, StepTimer& timer, mesh::DistMesh* own = nullptr,
                  std::optional<KnownClosure> known = {}) {
-  require_flags(comm, input, flags);
-  refine::require_sound(options);
+  checked_signs(comm, input, signed_flags(flags), options);
   refine::require_integrals(comm, input, options.integrals);
   const auto limited = limit_depth(input, flags);
   Ready ready{{}, refine::requests_of_flags(limited.flags), {}, {}, {}};

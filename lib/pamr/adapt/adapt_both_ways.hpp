@@ -7,22 +7,12 @@
 #include <vector>
 
 #include "pamr/adapt/adapt.hpp"
+#include "pamr/adapt/coarsening_report.hpp"
 #include "pamr/coarsen/coarse_fields.hpp"
-#include "pamr/coarsen/settle_octets.hpp"
 #include "pamr/mesh/dist_mesh.hpp"
 #include "pamr/par/comm.hpp"
 
 namespace pamr::adapt {
-
-/// What was taken back, and why the rest stayed; counts over all ranks. An octet is eight cells of one regular split,
-/// each of which may be replaced by a closure family.
-struct CoarseningReport : coarsen::Outcome {
-  std::int64_t cells_flagged = 0;           ///< cells with a flag below 0
-  std::int64_t cells_without_parent = 0;    ///< of them: level 0, broken families, cells of files of format 1
-  std::int64_t cells_without_siblings = 0;  ///< of them: of an octet of which some cell is not flagged, or was split
-  std::int64_t cells_moved = 0;             ///< to the rank of their siblings
-  std::int64_t cells_between = 0;           ///< cells when all was taken back, before anything was split
-};
 
 struct AdaptResult {
   mesh::DistMesh mesh;
@@ -62,17 +52,5 @@ AdaptResult adapt(const par::Comm& comm, const mesh::DistMesh& mesh, std::span<c
 /// The same, takes the mesh over, and spreads the work as `refine` does.
 AdaptResult adapt(const par::Comm& comm, mesh::DistMesh&& mesh, std::span<const std::int8_t> flags,
                   const AdaptOptions& options = {});
-
-struct MeshSize {
-  std::int64_t cells = 0, nodes = 0;
-};
-
-/// Size of the mesh after `adapt` with 1 for the marked cells and -1 for others that may go: it is done in memory,
-/// without fields and surfaces, and thrown away. `mesh` is the same afterwards. Collective.
-MeshSize size_after(const par::Comm& comm, mesh::DistMesh& mesh, std::span<const std::uint8_t> marks,
-                    std::span<const std::uint8_t> may_go, const refine::Options& refinement = {});
-
-/// Flags for `adapt`: 1 for the marked cells, -1 for others that may go. Local.
-std::vector<std::int8_t> signed_flags(std::span<const std::uint8_t> marks, std::span<const std::uint8_t> may_go);
 
 }  // namespace pamr::adapt

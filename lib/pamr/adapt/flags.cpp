@@ -3,6 +3,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cstddef>
+
 #include "pamr/base/error.hpp"
 #include "pamr/base/index.hpp"
 
@@ -54,12 +57,39 @@ std::vector<std::uint8_t> splits_of(std::span<const std::int8_t> flags) {
   return split;
 }
 
-void require_flags(const par::Comm& comm, const mesh::DistMesh& mesh, std::span<const std::uint8_t> flags) {
+std::vector<std::int8_t> signed_flags(std::span<const std::uint8_t> marks, std::span<const std::uint8_t> may_go) {
+  std::vector<std::int8_t> flags;
+  flags.reserve(marks.size());
+  for (std::size_t c = 0; c < marks.size(); ++c)
+    flags.push_back(static_cast<std::int8_t>(marks[c] != 0 ? 1 : may_go[c] != 0 ? -1 : 0));
+  return flags;
+}
+
+std::vector<std::int8_t> signed_flags(std::span<const std::uint8_t> marks) {
+  std::vector<std::int8_t> flags;
+  flags.reserve(marks.size());
+  for (const auto mark : marks) flags.push_back(mark != 0 ? 1 : 0);
+  return flags;
+}
+
+bool has_sign(std::span<const std::int8_t> flags, int sign) {
+  return std::any_of(flags.begin(), flags.end(), [sign](std::int8_t flag) { return sign * flag > 0; });
+}
+
+std::vector<std::int8_t> checked_signs(const par::Comm& comm, const mesh::DistMesh& mesh,
+                                       std::span<const std::int8_t> flags, const refine::Options& options) {
+  refine::require_sound(options);
   par::agree(comm, [&] {
     if (flags.size() != at(mesh.n_cells()))
-      throw Error(fmt::format("refine: expected one flag for each of the {} cells of rank {}, found {}", mesh.n_cells(),
+      throw Error(fmt::format("adapt: expected one flag for each of the {} cells of rank {}, found {}", mesh.n_cells(),
                               comm.rank(), flags.size()));
+    if (has_sign(flags, -1) && options.quality_control != refine::QualityControl::removable)
+      throw Error("adapt: expected the quality control 'removable' for coarsening (flags below 0), found another one");
   });
+  std::vector<std::int8_t> signs;
+  signs.reserve(flags.size());
+  for (const auto flag : flags) signs.push_back(static_cast<std::int8_t>((flag > 0 ? 1 : 0) - (flag < 0 ? 1 : 0)));
+  return signs;
 }
 
 }  // namespace pamr::adapt

@@ -4,14 +4,18 @@
 #include <algorithm>
 #include <array>
 #include <numeric>
+#include <optional>
 #include <utility>
 
 #include "pamr/adapt/depth.hpp"
 #include "pamr/adapt/early_passes.hpp"
 #include "pamr/adapt/flags.hpp"
 #include "pamr/adapt/pass.hpp"
+#include "pamr/adapt/put_back.hpp"
+#include "pamr/adapt/take_back.hpp"
 #include "pamr/base/index.hpp"
 #include "pamr/geometry/surface.hpp"
+#include "pamr/mesh/undescribed_patches.hpp"
 #include "pamr/refine/close.hpp"
 #include "pamr/refine/number.hpp"
 #include "pamr/refine/requests.hpp"
@@ -40,6 +44,58 @@ std::vector<std::uint8_t> sum_of_origins(const std::vector<std::uint8_t>& counts
   return sum;
 }
 
+/// A mesh without fields, but for those that say which nodes lie off their surfaces: splits look at them.
+mesh::DistMesh bare_copy(const mesh::DistMesh& mesh) {
+  auto copy = copy_without_fields(mesh, 0, 0);
+  for (const auto& field : mesh.node_fields)
+    if (field.name == mesh::off_surface_field || field.name == mesh::off_facets_field)
+      copy.node_fields.push_back(field);
+  return copy;
+}
+
+/// What is split.
+struct Trial {
+  std::shared_ptr<const mesh::DistMesh> made;  ///< a mesh of its own; empty: `mesh` is the caller's
+  const mesh::DistMesh& mesh;
+  const mesh::Borders& borders;
+  std::vector<std::uint8_t> flags;
+  std::optional<refine::Closure> closure;  ///< if it is known
+};
+
+/// Collective.
+Forecast count(const par::Comm& comm, Trial trial, const refine::Options& options) {
+  const auto& mesh = trial.mesh;
+  const auto limited = limit_depth(mesh, trial.flags);
+  auto requests = refine::requests_of_flags(limited.flags);
+  Forecast forecast;
+  forecast.mesh = trial.made;
+  forecast.closure =
+      trial.closure ? *std::move(trial.closure) : refine::close(comm, mesh, trial.borders, requests, options);
+  forecast.report = forecast.closure.report;
+  std::vector<LocalId> from;  // this rank's cell that each cell of `forecast.mesh` came from
+  if (forecast.closure.has_early) {
+    StepTimer timer;
+    Ready ready{{}, std::move(requests), {}, open_pass(comm, mesh, trial.borders, options), {}};
+    ready.closed.closure = std::move(forecast.closure);
+    ready = split_all_early(comm, mesh, std::move(ready), options, timer);
+    forecast.closure = std::move(ready.closed.closure);
+    forecast.report = forecast.closure.report;
+    from = std::move(ready.input_cell);
+    if (ready.mesh) forecast.mesh = std::make_shared<const mesh::DistMesh>(*std::move(ready.mesh));
+  } else {
+    refine::find_states(mesh, options, forecast.closure);
+    require_depth(comm, mesh, forecast.closure);
+  }
+  const auto counts = refine::count_children(forecast.closure);
+  forecast.cells_on_this_rank = std::accumulate(counts.begin(), counts.end(), std::int64_t{0});
+  forecast.children = from.empty() ? counts : sum_of_origins(counts, from, at(mesh.n_cells()));
+  std::array<std::int64_t, 2> sums{forecast.cells_on_this_rank, limited.n_left_out};
+  comm.sum_in_place(sums);
+  forecast.cells = sums[0];
+  forecast.marked_too_deep = sums[1];
+  return forecast;
+}
+
 }  // namespace
 
 Forecaster::Forecaster(const par::Comm& comm, const mesh::DistMesh& mesh, const refine::Options& options)
@@ -49,34 +105,44 @@ Forecaster::Forecaster(const par::Comm& comm, const mesh::DistMesh& mesh, const 
       borders_(mesh::find_borders(comm, mesh)),
       is_curved_(curved_patches(mesh, options)) {}
 
-Forecast Forecaster::forecast(std::span<const std::uint8_t> flags) const {
-  require_flags(*comm_, *mesh_, flags);
-  refine::require_sound(options_);
-  StepTimer timer;
-  const auto limited = limit_depth(*mesh_, flags);
-  auto requests = refine::requests_of_flags(limited.flags);
-  Forecast forecast;
-  forecast.closure = refine::close(*comm_, *mesh_, borders_, requests, options_);
-  forecast.report = forecast.closure.report;
-  std::vector<LocalId> from;  // this rank's cell that each cell of `forecast.mesh` came from
-  if (forecast.closure.has_early) {
-    Ready ready{{}, std::move(requests), {}, open_pass(*comm_, *mesh_, borders_, options_), {}};
-    ready.closed.closure = std::move(forecast.closure);
-    ready = split_all_early(*comm_, *mesh_, std::move(ready), options_, timer);
-    forecast.closure = std::move(ready.closed.closure);
-    from = std::move(ready.input_cell);
-    if (ready.mesh) forecast.mesh = std::make_shared<const mesh::DistMesh>(*std::move(ready.mesh));
-  } else {
-    refine::find_states(*mesh_, options_, forecast.closure);
-    require_depth(*comm_, *mesh_, forecast.closure);
+Forecast Forecaster::forecast(std::span<const std::uint8_t> flags) const { return forecast(signed_flags(flags)); }
+
+Forecast Forecaster::forecast(std::span<const std::int8_t> flags) const {
+  auto signs = checked_signs(*comm_, *mesh_, flags, options_);
+  if (comm_->any(has_sign(signs, -1))) return after_taking_back(std::move(signs));
+  return count(*comm_, {{}, *mesh_, borders_, splits_of(signs), {}}, options_);
+}
+
+Forecast Forecaster::after_taking_back(std::vector<std::int8_t> signs) const {
+  std::shared_ptr<const mesh::DistMesh> gathered;
+  mesh::Borders found;
+  const auto gathering = find_gathering(*comm_, *mesh_, signs);
+  if (gathering.cells_moved > 0) {
+    gathered = std::make_shared<const mesh::DistMesh>(gather(*comm_, bare_copy(*mesh_), gathering, signs));
+    found = mesh::find_borders(*comm_, *gathered);
   }
-  const auto counts = refine::count_children(forecast.closure);
-  forecast.cells_on_this_rank = std::accumulate(counts.begin(), counts.end(), std::int64_t{0});
-  forecast.children = forecast.mesh ? sum_of_origins(counts, from, at(mesh_->n_cells())) : counts;
-  std::array<std::int64_t, 2> sums{forecast.cells_on_this_rank, limited.n_left_out};
-  comm_->sum_in_place(sums);
-  forecast.cells = sums[0];
-  forecast.marked_too_deep = sums[1];
+  const auto& mesh = gathered ? *gathered : *mesh_;
+  const auto& borders = gathered ? found : borders_;
+  StepTimer timer;
+  auto taken = take_back(*comm_, mesh, borders, signs, options_, timer);
+  Forecast forecast;
+  if (taken.coarse) {
+    std::optional<refine::Closure> closure;
+    if (taken.closure) {
+      found = std::move(taken.closure->borders);
+      closure = std::move(taken.closure->closure);
+      if (closure->has_early) carry_fields(*comm_, mesh, options_, taken);
+    } else {
+      found = mesh::find_borders(*comm_, taken.coarse->mesh);
+    }
+    const auto coarse = std::make_shared<const mesh::DistMesh>(std::move(taken.coarse->mesh));
+    forecast = count(*comm_, {coarse, *coarse, found, std::move(taken.coarse->flags), std::move(closure)}, options_);
+  } else {
+    forecast = count(*comm_, {gathered, mesh, borders, splits_of(signs), {}}, options_);
+  }
+  forecast.children.clear();
+  forecast.coarsening = taken.report;
+  forecast.coarsening.cells_moved = gathering.cells_moved;
   return forecast;
 }
 

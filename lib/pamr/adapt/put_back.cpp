@@ -168,7 +168,7 @@ PutBack put_back(const par::Comm& comm, const WholeMesh& whole, const MeshPart& 
   return result;
 }
 
-mesh::DistMesh copy_with_room(const mesh::DistMesh& mesh, std::size_t n_cells, std::size_t n_nodes) {
+mesh::DistMesh copy_without_fields(const mesh::DistMesh& mesh, std::size_t n_cells, std::size_t n_nodes) {
   mesh::DistMesh copy;
   copy.info = mesh.info;
   copy.node_position = copy_array(mesh.node_position, n_nodes);
@@ -182,6 +182,11 @@ mesh::DistMesh copy_with_room(const mesh::DistMesh& mesh, std::size_t n_cells, s
   copy.border_offset = mesh.border_offset;
   copy.border_face = mesh.border_face;
   copy.ghost_global = mesh.ghost_global;
+  return copy;
+}
+
+mesh::DistMesh copy_with_room(const mesh::DistMesh& mesh, std::size_t n_cells, std::size_t n_nodes) {
+  auto copy = copy_without_fields(mesh, n_cells, n_nodes);
   copy.node_fields = mesh.node_fields;
   copy.cell_fields = mesh.cell_fields;
   return copy;

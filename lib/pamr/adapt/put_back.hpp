@@ -25,6 +25,8 @@ struct PutBack {
 PutBack put_back(const par::Comm& comm, const WholeMesh& whole, const MeshPart& part, Coverage& coverage,
                  bool with_whole_cells, mesh::DistMesh& mesh);
 
+/// A copy without fields, with room for so many cells and nodes. Local.
+mesh::DistMesh copy_without_fields(const mesh::DistMesh& mesh, std::size_t n_cells, std::size_t n_nodes);
 /// A copy with room for so many cells and nodes. Local.
 mesh::DistMesh copy_with_room(const mesh::DistMesh& mesh, std::size_t n_cells, std::size_t n_nodes);
 

@@ -18,8 +18,9 @@ struct Trial {
 /// Makes trials, collectively.
 class Trials {
  public:
-  Trials(const par::Comm& comm, const mesh::DistMesh& mesh, const Request& request, const PredictionBothWays& predicted)
-      : comm_(&comm), mesh_(&mesh), request_(&request), predicted_(&predicted) {}
+  Trials(const par::Comm& comm, const mesh::DistMesh& mesh, const Request& request, const PredictionBothWays& predicted,
+         KnownErrors known)
+      : comm_(&comm), mesh_(&mesh), request_(&request), predicted_(&predicted), known_(std::move(known)) {}
 
   Trial at(double exponent) {
     return measured(exponent, apply(*comm_, *mesh_, scaled(*request_, std::exp2(exponent)), known_));
@@ -64,9 +65,9 @@ std::vector<std::uint8_t> marks_within_budget(const par::Comm& comm, const mesh:
 
 Choice choose_within_budget(const par::Comm& comm, const mesh::DistMesh& mesh, const Request& request,
                             const Applied& applied, Exact<std::int64_t> max_cells, Exact<bool> fill,
-                            const PredictionBothWays& predicted_cells) {
+                            const PredictionBothWays& predicted_cells, KnownErrors known) {
   constexpr double last_exponent = 64;
-  Trials trials(comm, mesh, request, predicted_cells);
+  Trials trials(comm, mesh, request, predicted_cells, std::move(known));
   const auto is_enough = [&](const Trial& trial) {
     return trial.cells <= max_cells &&
            static_cast<double>(trial.cells) >= smallest_part * static_cast<double>(max_cells);

@@ -40,9 +40,10 @@ struct Choice {
 /// that the hysteresis between splitting and coarsening is kept. With `fill` a request that has fewer is made looser.
 ///
 /// Fewer cells result if one level of splitting does not give as many, more if one level of coarsening does not take as
-/// many. `applied`: `apply` of the request itself. Collective: about 30 predictions. Pre: some criterion has a value.
+/// many. `applied`: `apply` of the request itself; `known`: the errors that it found, or none. Collective: about 30
+/// predictions. Pre: some criterion has a value.
 Choice choose_within_budget(const par::Comm& comm, const mesh::DistMesh& mesh, const Request& request,
                             const Applied& applied, Exact<std::int64_t> max_cells, Exact<bool> fill,
-                            const PredictionBothWays& predicted_cells);
+                            const PredictionBothWays& predicted_cells, KnownErrors known = {});
 
 }  // namespace pamr::mark

@@ -2,7 +2,10 @@
 #include "pamr/mark/indicator.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdint>
+#include <limits>
 #include <utility>
 
 #include "pamr/base/contract.hpp"
@@ -11,7 +14,15 @@
 
 namespace pamr::mark {
 
+/// The bits of a normal number are rounded as an integer, half to even; what carries over goes into the exponent.
 double round_to_20_bits(double value) {
+  if (std::isnormal(value)) {
+    constexpr int n_dropped = std::numeric_limits<double>::digits - 20;
+    constexpr std::uint64_t unit = std::uint64_t{1} << n_dropped;
+    auto bits = std::bit_cast<std::uint64_t>(value);
+    bits += unit / 2 - 1 + (bits / unit % 2);
+    return std::bit_cast<double>(bits / unit * unit);
+  }
   if (!std::isfinite(value)) return value;
   int exponent = 0;
   const double mantissa = std::frexp(value, &exponent);

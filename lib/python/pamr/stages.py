@@ -107,10 +107,13 @@ def adapt(mesh: Mesh, flags: Any, *, project: bool = True, shape_floor: float = 
 
 
 def forecast(mesh: Mesh, flags: Any, quality_control: str = "removable", shape_floor: float = 0.3) -> tuple[int, int]:
-    """Cells and nodes that refining with these flags would give, exactly. Collective."""
+    """Cells and nodes that adapting with these flags would give, exactly. Collective.
+
+    flags: one for each cell of this rank: 1 is split, 0 stays, -1 may go, as for ``adapt``.
+    """
     def prepare() -> tuple[Any, Any]:
         how = closing(quality_control, shape_floor)
-        return (_flags(mesh, flags), how), how
+        return (_flags(mesh, flags, "-1, 0 or 1", -1), how), how
     return _core.forecast(mesh._core, *agree(mesh.comm, prepare))
 
 

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "coarsen_case.hpp"
+#include "pamr/adapt/forecast.hpp"
 #include "pamr/geometry/orientation.hpp"
 #include "pamr/geometry/tet_shape.hpp"
 #include "pamr/validate/validate.hpp"
@@ -125,8 +126,8 @@ TEST(RandomSequences, LeaveValidMeshesAtWallsThatAreFarTooCoarse) {
   EXPECT_GT(n_broken, 0);
 }
 
-/// Five calls on mesh `i`, its cells on random ranks before each, beside the same on one rank. `n_moved` grows by the
-/// cells that moved to their siblings.
+/// Five calls on mesh `i`, its cells on random ranks before each, beside a forecast and the same on one rank. `n_moved`
+/// grows by the cells that moved to their siblings.
 void compare_on_all_ranks(const par::Comm& world, std::uint64_t i, std::int64_t& n_moved) {
   const par::Comm self(MPI_COMM_SELF);
   const auto start = i % 2 == 0 ? test::random_delaunay(1000 + i)
@@ -136,9 +137,18 @@ void compare_on_all_ranks(const par::Comm& world, std::uint64_t i, std::int64_t&
   for (std::uint64_t step = 0; step < 5; ++step) {
     SCOPED_TRACE("mesh " + std::to_string(i) + ", step " + std::to_string(step));
     const auto spread = test::scatter(world, test::gather(self, serial), combine(i, step));
-    const auto a = adapt::adapt(world, spread, random_flags(spread, combine(i, step)), options);
+    const auto flags = random_flags(spread, combine(i, step));
+    const adapt::Forecaster forecaster(world, spread, options.refinement);
+    const auto forecast = forecaster.forecast(flags);
+    const auto a = adapt::adapt(world, spread, flags, options);
     auto b = adapt::adapt(self, serial, random_flags(serial, combine(i, step)), options);
 
+    ASSERT_EQ(forecast.cells, a.report.cells_out);
+    ASSERT_EQ(forecaster.nodes(forecast), a.report.nodes_out);
+    EXPECT_EQ(forecast.coarsening.octets_gone, a.coarsening.octets_gone);
+    EXPECT_EQ(forecast.coarsening.cells_moved, a.coarsening.cells_moved);
+    EXPECT_EQ(forecast.coarsening.cells_between, a.coarsening.cells_between);
+    EXPECT_EQ(forecast.marked_too_deep, a.report.marked_too_deep);
     ASSERT_TRUE(validate::validate(world, a.mesh).empty());
     const auto all = test::gather(world, a.mesh), here = test::gather(self, b.mesh);
     ASSERT_TRUE(test::bytes_of(all) == test::bytes_of(here));

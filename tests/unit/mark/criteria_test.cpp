@@ -68,6 +68,10 @@ TEST(RoundTo20Bits, KeepsWhatFitsAndRoundsTheRest) {
   EXPECT_EQ(round_to_20_bits(1.0 + 0x1p-30), 1.0);
   EXPECT_EQ(round_to_20_bits(2097153.0), 2097152.0);
   EXPECT_EQ(round_to_20_bits(0.1), round_to_20_bits(std::nextafter(0.1, 1.0)));
+  EXPECT_EQ(round_to_20_bits(0x1.00001p0), 1.0) << "half to even";
+  EXPECT_EQ(round_to_20_bits(-0x1.00003p0), -0x1.00004p0) << "half to even";
+  EXPECT_EQ(round_to_20_bits(0x1.fffffp-3), 0x1p-2) << "into the exponent";
+  EXPECT_EQ(round_to_20_bits(std::numeric_limits<double>::max()), std::numeric_limits<double>::infinity());
   EXPECT_EQ(round_to_20_bits(1e-310), round_to_20_bits(1e-310 * (1 + 1e-10)));
 }
 

@@ -5,6 +5,8 @@
 #include <utility>
 
 #include "pamr/adapt/adapt_both_ways.hpp"
+#include "pamr/adapt/flags.hpp"
+#include "pamr/adapt/forecast.hpp"
 #include "pamr/base/with_file_name.hpp"
 #include "pamr/mark/apply_criteria.hpp"
 #include "pamr/mark/budget.hpp"
@@ -16,16 +18,16 @@ namespace {
 
 const std::string marks_name = "adapt";
 
-mark::Choice choose(const par::Comm& comm, mesh::DistMesh& mesh, const Adaptation& how) {
+mark::Choice choose(const par::Comm& comm, const mesh::DistMesh& mesh, const Adaptation& how) {
   auto applied = mark::apply(comm, mesh, how.request);
   mark::keep_below_level(mesh, mesh::max_level, applied.indicator);
   if (!how.max_cells) return {mark::marks_of(applied.indicator), std::move(applied.may_go), 1};
+  const adapt::Forecaster forecaster(comm, mesh);
   const auto size = [&](std::span<const std::uint8_t> marks, std::span<const std::uint8_t> may_go) {
     std::vector<std::uint8_t> goes(may_go.begin(), may_go.end());
     std::vector<std::int64_t> idle;
-    if (how.request.keep_for > 0)
-      mark::keep_for_a_while(comm, std::as_const(mesh), marks_name, how.request.keep_for, goes, idle);
-    return adapt::size_after(comm, mesh, marks, goes).cells;
+    if (how.request.keep_for > 0) mark::keep_for_a_while(comm, mesh, marks_name, how.request.keep_for, goes, idle);
+    return forecaster.forecast(adapt::signed_flags(marks, goes)).cells;
   };
   return mark::choose_within_budget(comm, mesh, how.request, applied, *how.max_cells, false, size);
 }

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "pamr/adapt/take_back.hpp"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "pamr/adapt/depth.hpp"
+#include "pamr/adapt/flags.hpp"
+#include "pamr/balance/migrate.hpp"
+#include "pamr/coarsen/coarse_fields.hpp"
+#include "pamr/coarsen/gather_siblings.hpp"
+#include "pamr/coarsen/octets.hpp"
+#include "pamr/refine/close.hpp"
+#include "pamr/refine/requests.hpp"
+
+namespace pamr::adapt {
+
+namespace {
+
+CoarseningReport count_all(const par::Comm& comm, const coarsen::Asked& asked, const coarsen::Outcome& outcome) {
+  std::array<std::int64_t, 3> sums{asked.n_flagged, asked.n_without_parent, asked.n_in_octets};
+  comm.sum_in_place(sums);
+  CoarseningReport report;
+  report.cells_flagged = sums[0];
+  report.cells_without_parent = sums[1];
+  report.cells_without_siblings = sums[0] - sums[1] - sums[2];
+  static_cast<coarsen::Outcome&>(report) = outcome;
+  return report;
+}
+
+}  // namespace
+
+Gathering find_gathering(const par::Comm& comm, const mesh::DistMesh& mesh, std::span<const std::int8_t> signs) {
+  Gathering where{coarsen::gather_siblings(comm, mesh, signs), 0};
+  const auto n_stay = std::count(where.destination.begin(), where.destination.end(), comm.rank());
+  where.cells_moved = comm.sum(std::ssize(where.destination) - n_stay);
+  return where;
+}
+
+mesh::DistMesh gather(const par::Comm& comm, mesh::DistMesh mesh, const Gathering& where,
+                      std::vector<std::int8_t>& signs) {
+  std::vector<std::uint8_t> bytes;
+  bytes.reserve(signs.size());
+  for (const auto sign : signs) bytes.push_back(static_cast<std::uint8_t>(sign));
+  auto gathered = balance::migrate(comm, std::move(mesh), where.destination, &bytes);
+  signs.clear();
+  for (const auto byte : bytes) signs.push_back(static_cast<std::int8_t>(byte));
+  return gathered;
+}
+
+TakenBack take_back(const par::Comm& comm, const mesh::DistMesh& mesh, const mesh::Borders& borders,
+                    std::span<const std::int8_t> signs, const refine::Options& options, StepTimer& timer) {
+  auto [octets, asked] = coarsen::find_octets(mesh, signs);
+  timer.lap("preprocessing");
+  const bool any_split = comm.any(has_sign(signs, 1));
+  std::vector<LocalId> needed;
+  for (;;) {
+    TakenBack taken;
+    taken.settled = coarsen::settle_octets(comm, mesh, borders, octets, signs, needed, options.shape_floor);
+    taken.report = count_all(comm, asked, taken.settled.outcome);
+    taken.report.cells_between = mesh.info.n_global_cells;
+    timer.lap("coarsen");
+    if (!comm.any(!taken.settled.groups.empty())) return taken;
+    auto& coarse = taken.coarse.emplace(coarsen::take_back(comm, mesh, taken.settled, signs));
+    taken.report.cells_between = coarse.mesh.info.n_global_cells;
+    timer.lap("coarsen");
+    if (!any_split) return taken;
+    const auto requests = refine::requests_of_flags(limit_depth(coarse.mesh, coarse.flags).flags);
+    auto coarse_borders = mesh::find_borders(comm, coarse.mesh);
+    auto closure = refine::close(comm, coarse.mesh, coarse_borders, requests, options);
+    const auto more = coarsen::find_needed_nodes(taken.settled, coarse, closure.marks);
+    timer.lap("close");
+    if (!comm.any(!more.empty())) {
+      taken.closure = KnownClosure{std::move(coarse_borders), std::move(closure)};
+      return taken;
+    }
+    needed.insert(needed.end(), more.begin(), more.end());
+  }
+}
+
+void carry_fields(const par::Comm& comm, const mesh::DistMesh& old, const refine::Options& options, TakenBack& taken) {
+  coarsen::FieldRules rules{{}, options.integrals};
+  if (!options.marks_field.empty()) rules.left_out.push_back(options.marks_field);
+  if (options.parent_field) rules.left_out.emplace_back(mesh::parent_field);
+  auto& [mesh, places, old_node, flags] = *taken.coarse;
+  coarsen::carry_fields(comm, old, taken.settled.groups, places, old_node, rules, mesh);
+}
+
+}  // namespace pamr::adapt

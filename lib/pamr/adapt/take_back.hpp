@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "pamr/adapt/coarsening_report.hpp"
+#include "pamr/adapt/pass.hpp"
+#include "pamr/base/timer.hpp"
+#include "pamr/coarsen/coarsen.hpp"
+#include "pamr/mesh/borders.hpp"
+#include "pamr/mesh/dist_mesh.hpp"
+#include "pamr/par/comm.hpp"
+#include "pamr/refine/options.hpp"
+
+/// What comes first where cells may go: splits that nothing needs are taken back.
+namespace pamr::adapt {
+
+/// Where cells have to go so that all siblings that may go are on one rank; empty on every rank if they are already.
+struct Gathering {
+  std::vector<Rank> destination;
+  std::int64_t cells_moved = 0;  ///< all ranks
+};
+
+/// `signs`: of each cell, -1, 0 or 1. Collective.
+Gathering find_gathering(const par::Comm& comm, const mesh::DistMesh& mesh, std::span<const std::int8_t> signs);
+
+/// The mesh with its siblings together, and its flags. Collective. Cost: that of `balance::migrate`.
+mesh::DistMesh gather(const par::Comm& comm, mesh::DistMesh mesh, const Gathering& where,
+                      std::vector<std::int8_t>& signs);
+
+/// A mesh from which splits were taken back, without fields.
+struct TakenBack {
+  coarsen::Settled settled;
+  std::optional<coarsen::Coarsened> coarse;  ///< nothing: nothing goes, on any rank
+  std::optional<KnownClosure> closure;       ///< of the coarse mesh with its flags, if anything is to be split
+  CoarseningReport report;                   ///< but for `cells_moved`
+};
+
+/// Takes back what neither the closure of the remaining splits nor refining needs. What refining needs shows when the
+/// coarse mesh is closed: nodes of the old mesh that are marked there stay, and it is settled again with them, until
+/// there is none. Each of them is needed by what remains for certain, so the result is the same as if all had been
+/// settled at once. Pre: siblings are together. Collective. Cost: that of `coarsen::take_back` and `refine::close`, as
+/// often as nodes turn out to be needed.
+TakenBack take_back(const par::Comm& comm, const mesh::DistMesh& mesh, const mesh::Borders& borders,
+                    std::span<const std::int8_t> signs, const refine::Options& options, StepTimer& timer);
+
+/// Gives the coarse mesh the fields of the old one, as the options say. Collective, see `coarsen::carry_fields`.
+void carry_fields(const par::Comm& comm, const mesh::DistMesh& old, const refine::Options& options, TakenBack& taken);
+
+}  // namespace pamr::adapt
