@@ -4,9 +4,29 @@
 #include <cmath>
 #include <utility>
 
+#include "pamr/base/index.hpp"
+
 namespace pamr::mark {
 
 namespace {
+
+/// Fewest cells that can come of these marks, whatever the closure: eight of a cell or closure family with a mark, one
+/// of each other that may not go. Collective.
+std::int64_t fewest_cells(const par::Comm& comm, const mesh::DistMesh& mesh, std::span<const std::uint8_t> marks,
+                          std::span<const std::uint8_t> may_go) {
+  std::int64_t n = 0;
+  for (LocalId c = 0; c < mesh.n_cells();) {
+    const auto lineage = mesh.lineage[pamr::at(c)];
+    const auto end = c + (lineage.is_removable() ? lineage.family_size() : 1);
+    bool is_marked = false, stays = false;
+    for (; c < end; ++c) {
+      is_marked = is_marked || marks[pamr::at(c)] != 0;
+      stays = stays || may_go[pamr::at(c)] == 0;
+    }
+    n += is_marked ? 8 : stays ? 1 : 0;
+  }
+  return comm.sum(n);
+}
 
 /// What a request gives when it is made stricter by 2 to the power of `exponent`.
 struct Trial {
@@ -19,15 +39,22 @@ struct Trial {
 class Trials {
  public:
   Trials(const par::Comm& comm, const mesh::DistMesh& mesh, const Request& request, const PredictionBothWays& predicted,
-         KnownErrors known)
-      : comm_(&comm), mesh_(&mesh), request_(&request), predicted_(&predicted), known_(std::move(known)) {}
+         std::int64_t max_cells, KnownErrors known)
+      : comm_(&comm),
+        mesh_(&mesh),
+        request_(&request),
+        predicted_(&predicted),
+        max_cells_(max_cells),
+        known_(std::move(known)) {}
 
   Trial at(double exponent) {
     return measured(exponent, apply(*comm_, *mesh_, scaled(*request_, std::exp2(exponent)), known_));
   }
   Trial measured(double exponent, Applied applied) const {
     keep_below_level(*mesh_, mesh::max_level, applied.indicator);
-    const auto cells = (*predicted_)(marks_of(applied.indicator), applied.may_go);
+    const auto marks = marks_of(applied.indicator);
+    auto cells = fewest_cells(*comm_, *mesh_, marks, applied.may_go);
+    if (cells <= max_cells_) cells = (*predicted_)(marks, applied.may_go);
     return {exponent, std::move(applied), cells};
   }
 
@@ -36,6 +63,7 @@ class Trials {
   const mesh::DistMesh* mesh_;
   const Request* request_;
   const PredictionBothWays* predicted_;
+  std::int64_t max_cells_;
   KnownErrors known_;
 };
 
@@ -48,12 +76,16 @@ std::vector<std::uint8_t> marks_within_budget(const par::Comm& comm, const mesh:
                                               const Prediction& predicted_cells) {
   auto best = mark::marks_of(indicator);
   std::int64_t too_many = mark::count_marked(comm, best);
-  if (too_many == 0 || predicted_cells(best) <= max_cells) return best;
+  const std::vector<std::uint8_t> all_may_go(best.size(), 1);
+  const auto fits_in = [&](std::span<const std::uint8_t> marks) {
+    return fewest_cells(comm, mesh, marks, all_may_go) <= max_cells && predicted_cells(marks) <= max_cells;
+  };
+  if (too_many == 0 || fits_in(best)) return best;
   best.assign(best.size(), 0);
   for (std::int64_t fits = 0; too_many - fits > 1;) {
     const std::int64_t middle = fits + (too_many - fits) / 2;
     auto marks = mark::strongest(comm, mesh, indicator, middle);
-    if (predicted_cells(marks) <= max_cells) {
+    if (fits_in(marks)) {
       fits = middle;
       best = std::move(marks);
     } else {
@@ -67,7 +99,7 @@ Choice choose_within_budget(const par::Comm& comm, const mesh::DistMesh& mesh, c
                             const Applied& applied, Exact<std::int64_t> max_cells, Exact<bool> fill,
                             const PredictionBothWays& predicted_cells, KnownErrors known) {
   constexpr double last_exponent = 64;
-  Trials trials(comm, mesh, request, predicted_cells, std::move(known));
+  Trials trials(comm, mesh, request, predicted_cells, max_cells, std::move(known));
   const auto is_enough = [&](const Trial& trial) {
     return trial.cells <= max_cells &&
            static_cast<double>(trial.cells) >= smallest_part * static_cast<double>(max_cells);

@@ -19,7 +19,8 @@ using Prediction = std::function<std::int64_t(std::span<const std::uint8_t> mark
 
 /// Marks as many of the wanted cells, the most wanted first and ties in the order of their centroids, as keep the
 /// predicted number of cells within `max_cells`; none when even one is too many.
-/// Collective: log2(wanted) predictions. Pre: a prediction grows with its marks.
+/// Collective: log2(wanted) predictions, less those of marks that make too many cells whatever the closure. Pre: a
+/// prediction grows with its marks, and has eight cells of each cell or closure family with a mark.
 std::vector<std::uint8_t> marks_within_budget(const par::Comm& comm, const mesh::DistMesh& mesh,
                                               std::span<const double> indicator, Exact<std::int64_t> max_cells,
                                               const Prediction& predicted_cells);
@@ -41,7 +42,7 @@ struct Choice {
 ///
 /// Fewer cells result if one level of splitting does not give as many, more if one level of coarsening does not take as
 /// many. `applied`: `apply` of the request itself; `known`: the errors that it found, or none. Collective: about 30
-/// predictions. Pre: some criterion has a value.
+/// predictions, less those of marks that make too many cells whatever the closure. Pre: some criterion has a value.
 Choice choose_within_budget(const par::Comm& comm, const mesh::DistMesh& mesh, const Request& request,
                             const Applied& applied, Exact<std::int64_t> max_cells, Exact<bool> fill,
                             const PredictionBothWays& predicted_cells, KnownErrors known = {});

@@ -118,12 +118,14 @@ TEST(MarksWithinBudget, TakesAsManyAsFit) {
   const auto mesh = assemble::assemble(comm, assemble::kuhn_cube(comm, 2));
   mark::Indicator indicator;
   for (const auto id : mesh.cell_global) indicator.push_back(static_cast<double>(id % 5));
-  std::int64_t n_predictions = 0;
+  std::int64_t n_predictions = 0, max_cells = 48 + 70;
   const Prediction prediction = [&](std::span<const std::uint8_t> marks) {
     ++n_predictions;
+    EXPECT_LE(8 * mark::count_marked(comm, marks), max_cells) << "too many without a prediction";
     return 48 + 7 * mark::count_marked(comm, marks);
   };
   const auto marked_for = [&](std::int64_t budget) {
+    max_cells = budget;
     return mark::count_marked(comm, marks_within_budget(comm, mesh, indicator, budget, prediction));
   };
 
@@ -135,6 +137,7 @@ TEST(MarksWithinBudget, TakesAsManyAsFit) {
   EXPECT_EQ(marked_for(10000), 38);  // all of the 48 whose number is no multiple of five
   EXPECT_LT(n_predictions, 6 * 8);
 
+  max_cells = 48 + 70;
   const auto ten = marks_within_budget(comm, mesh, indicator, 48 + 70, prediction);
   double min_marked = 4, max_left = 0;
   for (std::size_t i = 0; i < ten.size(); ++i)
