@@ -30,7 +30,7 @@ MAY_INCLUDE = {
     "meshing": MESH_AT_REST + ("io", "check"),
     "surface_mesh": ("base", "geometry"),
     **{solver: MESH_AT_REST + ("locate", "io", "mark", "check", "balance", "curved", "adapt/adapt.hpp",
-                               "adapt/adapt_both_ways.hpp", "adapt/flags.hpp", "adapt/forecast.hpp") for solver in SOLVERS},
+                               "adapt/flags.hpp", "adapt/forecast.hpp") for solver in SOLVERS},
     "cli": ("base", "par", "io"),
     "python": REFINER + ("meshing",),
     "tools": REFINER + SOLVERS + ("meshing", "surface_mesh", "cli"),

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "cli/run_tool.hpp"
-#include "pamr/adapt/adapt_both_ways.hpp"
+#include "pamr/adapt/adapt.hpp"
 #include "pamr/adapt/depth.hpp"
 #include "pamr/adapt/flags.hpp"
 #include "pamr/adapt/forecast.hpp"
@@ -226,7 +226,8 @@ cli::ExitCode work(cli::Session& session, const Options& options) {
                             .shape_floor = options.shape_floor,
                             .project = !options.no_project,
                             .parent_field = true,
-                            .marks_field = options.marks};
+                            .marks_field = options.marks,
+                            .integrals = options.integrals};
   session.step(fmt::format("refining {} cells", mesh.info.n_global_cells));
   if (options.dry_run) return report_forecast(session, mesh, flags, how);
   if (!options.no_project) keep_flat_patches(session, mesh);
@@ -234,7 +235,7 @@ cli::ExitCode work(cli::Session& session, const Options& options) {
   const auto walls_before = options.no_project ? check::WallShapes() : check::wall_shapes(comm, mesh, 0);
   timer.lap("preprocessing");
   auto result = with_file_name(options.input, [&] {
-    return adapt::adapt(comm, std::move(mesh), flags, {how, balancing, options.integrals});
+    return adapt::adapt(comm, std::move(mesh), flags, {how, balancing});
   });
   timer.skip();
   mesh = {};

@@ -89,13 +89,13 @@ int main(int argc, char** argv) {
 
     const auto cells_before = mesh.info.cell_ids();
     const auto held = mesh.cell_global;
-    auto [fine, report] = pamr::adapt::refine(comm, std::move(mesh), flags, pamr::adapt::Options{});
-    mesh = std::move(fine);
+    auto result = pamr::adapt::refine(comm, std::move(mesh), flags);
+    mesh = std::move(result.mesh);
 
     history = pamr::adapt::data_of_parents<GlobalId>(comm, cells_before, held, history, mesh);
     if (comm.is_first())
-      std::printf("%lld -> %lld cells\n", static_cast<long long>(report.cells_in),
-                  static_cast<long long>(report.cells_out));
+      std::printf("%lld -> %lld cells\n", static_cast<long long>(result.report.cells_in),
+                  static_cast<long long>(result.report.cells_out));
   }
 
   const pamr::locate::Locator locator(mesh);

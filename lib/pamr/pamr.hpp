@@ -11,9 +11,10 @@
 /// share/pamr/examples does all of this.
 
 #include "pamr/adapt/adapt.hpp"
-#include "pamr/adapt/adapt_both_ways.hpp"
+#include "pamr/adapt/coarsening_report.hpp"
 #include "pamr/adapt/flags.hpp"
 #include "pamr/adapt/forecast.hpp"
+#include "pamr/adapt/given_mesh.hpp"
 #include "pamr/adapt/parent_data.hpp"
 #include "pamr/adapt/read_for_refinement.hpp"
 #include "pamr/adapt/saved_rows.hpp"

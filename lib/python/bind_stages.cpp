@@ -15,7 +15,6 @@
 #include "meshing/associate/associate_surfaces.hpp"
 #endif
 #include "pamr/adapt/adapt.hpp"
-#include "pamr/adapt/adapt_both_ways.hpp"
 #include "pamr/adapt/forecast.hpp"
 #include "pamr/adapt/parent_data.hpp"
 #include "pamr/adapt/saved_rows.hpp"
@@ -74,6 +73,12 @@ refine::Options options_of(const Closing& closing) {
   return how;
 }
 
+/// The mesh lent, and so the cells where they are, or a copy whose cells may move.
+adapt::GivenMesh given_mesh(const PythonMesh& old, const adapt::Balancing& balancing) {
+  if (old.comm->size() == 1 || balancing.how.method == balance::Method::none) return old.mesh;
+  return mesh::DistMesh(old.mesh);
+}
+
 py::tuple refine(const PythonMesh& old, const Array<std::uint8_t>& flags, bool project, const Closing& closing,
                  const std::string& method, const std::string& weights) {
   const auto values = rows_of<std::uint8_t>(flags);
@@ -82,9 +87,7 @@ py::tuple refine(const PythonMesh& old, const Array<std::uint8_t>& flags, bool p
     auto how = options_of(closing);
     how.project = project;
     const auto balancing = adapt::balancing_named(method, weights);
-    if (old.comm->size() == 1 || balancing.how.method == balance::Method::none)
-      return adapt::refine(*old.comm, old.mesh, values, how);
-    return adapt::refine(*old.comm, mesh::DistMesh(old.mesh), values, adapt::Options{how, balancing});
+    return adapt::refine(*old.comm, given_mesh(old, balancing), values, how, balancing);
   }();
   return py::make_tuple(same_ranks(old, std::move(refined.mesh)), to_dict(refined.report));
 }
@@ -109,14 +112,12 @@ py::tuple adapt_both_ways(const PythonMesh& old, const Array<std::int8_t>& flags
   const auto values = rows_of<std::int8_t>(flags);
   auto adapted = [&] {
     const Released released;
-    adapt::AdaptOptions how;
+    adapt::Options how;
     how.refinement = options_of(closing);
     how.refinement.project = project;
     how.balancing = adapt::balancing_named(method, weights);
-    how.integrals = integrals;
-    if (old.comm->size() == 1 || how.balancing.how.method == balance::Method::none)
-      return adapt::adapt(*old.comm, old.mesh, values, how);
-    return adapt::adapt(*old.comm, mesh::DistMesh(old.mesh), values, how);
+    how.refinement.integrals = integrals;
+    return adapt::adapt(*old.comm, given_mesh(old, how.balancing), values, how);
   }();
   auto report = to_dict(adapted.report);
   report["coarsening"] = to_dict(adapted.coarsening);

@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "pamr/adapt/adapt_both_ways.hpp"
+#include "pamr/adapt/adapt.hpp"
 #include "pamr/assemble/assemble.hpp"
 #include "pamr/assemble/kuhn_cube.hpp"
 #include "pamr/base/heap.hpp"
@@ -69,12 +69,14 @@ std::string steps_text(const par::Comm& comm, const std::vector<StepTime>& steps
 int run(int n, int levels, int n_steps, double shift, const char* balance) {
   const par::Comm comm(MPI_COMM_WORLD);
   auto mesh = assemble::assemble(comm, assemble::kuhn_cube(comm, n));
-  adapt::AdaptOptions options;
+  adapt::Options options;
   options.refinement.parent_field = false;
   options.balancing = adapt::balancing_named(balance, "exact");
   double x = 0.4;
-  for (int level = 0; level < levels; ++level)
-    mesh = adapt::adapt(comm, std::move(mesh), flags_of(mesh, x, levels), options).mesh;
+  for (int level = 0; level < levels; ++level) {
+    const auto flags = flags_of(mesh, x, levels);
+    mesh = adapt::adapt(comm, std::move(mesh), flags, options).mesh;
+  }
   for (int step = 0; step < n_steps; ++step) {
     x += shift;
     const auto flags = flags_of(mesh, x, levels);

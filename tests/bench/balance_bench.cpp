@@ -44,13 +44,10 @@ Workload load(const par::Comm& comm, const std::string& name) {
 
 void run(const par::Comm& comm, const std::string& name, balance::Method method, std::int64_t vertices_per_part) {
   auto work = load(comm, name);
-  adapt::Options options;
-  options.refinement.parent_field = false;
-  options.refinement.marks_field = "";
-  options.balancing.how.method = method;
-  options.balancing.how.vertices_per_part = vertices_per_part;
+  const refine::Options options{.parent_field = false};
+  const adapt::Balancing how{{.method = method, .vertices_per_part = vertices_per_part}, {}, {}};
   comm.barrier();
-  const auto result = adapt::refine(comm, std::move(work.mesh), work.flags, options);
+  const auto result = adapt::refine(comm, std::move(work.mesh), work.flags, options, how);
   const auto& report = result.report;
   const auto& balance = report.balance;
   // processor seconds of all ranks: own work outside of communication, and Scotch with its communication

@@ -131,7 +131,7 @@ void follow(const par::Comm& comm, const Workload& work, const std::string& name
     std::fflush(stdout);
     if (level == work.levels) break;
     const auto flags = work.mark(comm, mesh, static_cast<std::size_t>(level));
-    auto result = adapt::refine(comm, std::move(mesh), flags, adapt::Options{options, {}});
+    auto result = adapt::refine(comm, std::move(mesh), flags, options);
     mesh = std::move(result.mesh);
     report = result.report;
   }

@@ -45,7 +45,8 @@ int main(int argc, char** argv) {
   auto mesh = pamr::assemble::assemble(comm, pamr::assemble::kuhn_cube(comm, 6));
   for (int step = 0; step <= 12; ++step) {
     const double t = 0.25 + 0.5 * step / 12;
-    auto result = pamr::adapt::adapt(comm, std::move(mesh), flags_of(mesh, {t, t, 0.5}));
+    const auto flags = flags_of(mesh, {t, t, 0.5});
+    auto result = pamr::adapt::adapt(comm, std::move(mesh), flags);
     mesh = std::move(result.mesh);
     if (comm.is_first())
       std::printf("step %2d: %lld cells, %lld octets taken back\n", step,

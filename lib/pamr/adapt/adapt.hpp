@@ -3,9 +3,13 @@
 
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include "pamr/adapt/balance_parents.hpp"
+#include "pamr/adapt/coarsening_report.hpp"
+#include "pamr/adapt/given_mesh.hpp"
 #include "pamr/base/timer.hpp"
+#include "pamr/coarsen/coarse_fields.hpp"
 #include "pamr/mesh/dist_mesh.hpp"
 #include "pamr/par/comm.hpp"
 #include "pamr/refine/certify.hpp"
@@ -14,50 +18,63 @@
 
 namespace pamr::adapt {
 
-/// What one refinement did; counts over all ranks.
+/// What one call did; counts over all ranks.
 struct Report {
   std::int64_t cells_in = 0, cells_out = 0, nodes_in = 0, nodes_out = 0;
   std::int64_t marked_not_split = 0;  ///< cells flagged and not too deep that the result holds unsplit; always 0
   std::int64_t marked_too_deep = 0;   ///< flagged cells that stay, because they have the deepest level (`max_level`)
   refine::ClosureReport closure;
   refine::Certificate certificate;  ///< of the nodes that were put onto surfaces
-  BalanceReport balance;            ///< of the overload that may move cells
+  BalanceReport balance;            ///< where the mesh was handed over, so that cells may move
   /// Ranks that this rank shares nodes with, while closing and after balancing.
   std::int64_t neighbors_closing = 0, neighbors = 0;
   std::vector<StepTime> steps;  ///< of this rank
   Traffic traffic;              ///< of this rank
 };
 
-struct RefineResult {
-  mesh::DistMesh mesh;
-  Report report;
-};
-
-/// Refines once: every cell with a nonzero flag is split into eight (under `removable`, a flagged closure cell's parent
-/// is), the cells around them are closed, new boundary nodes are put on their surfaces, fields and patches go to the
-/// children. Cells stay on the ranks where their parents are; the overload below spreads them.
-///
-/// `flags`: one for each cell of this rank; those of cells of the deepest level do not count (`limit_depth`).
-/// Collective. Throws `Error` on every rank for flags of the wrong length, bad surfaces, cells too flat to be split,
-/// and cells of the deepest level that closing the mesh would split. Pre: `mesh` is valid (`validate::validate`). Post:
-/// so is the result, and it is the same mesh, cell for cell, node for node, bit for bit, on any number of ranks and for
-/// any distribution over them. Memory at the peak: the old mesh, the new one and about 40 bytes for each cell that is
-/// split.
-RefineResult refine(const par::Comm& comm, const mesh::DistMesh& mesh, std::span<const std::uint8_t> flags,
-                    const refine::Options& options = {});
-
-/// How to refine and balance in one go.
+/// How to adapt.
 struct Options {
   refine::Options refinement;
-  Balancing balancing;  ///< default: PT-Scotch, by the exact number of cells that each cell becomes
+  /// By default PT-Scotch, by the exact number of cells that each cell becomes. Not looked at where the mesh is lent.
+  Balancing balancing;
 };
 
-/// The same, and spreads the work: when the marks are closed and the size of the result is known cell by cell, the
-/// parents move to the ranks where their children shall be. Each rank then gets about the same number of cells of the
-/// refined mesh, and the splitting is balanced too. The refined mesh is the same one whatever the balancing; only its
-/// distribution differs. Takes the mesh over and frees its arrays on the way. Throws `Error` on every rank for bad
-/// weights as well. Collective.
-RefineResult refine(const par::Comm& comm, mesh::DistMesh&& mesh, std::span<const std::uint8_t> flags,
-                    const Options& options = {});
+struct Result {
+  mesh::DistMesh mesh;
+  Report report;
+  CoarseningReport coarsening;
+  /// Cells of the input (by number) that were taken back, each with a cell of the input that has its place: the
+  /// `parent` of a cell there, as long as nothing was split. Any rank may hold any of them. What splitting undoes is
+  /// not in it: members of a closure family whose parent is split may be nobody's `parent`, as after any refinement.
+  std::vector<coarsen::Merged> merged;
+};
+
+/// Refines and coarsens once. `flags`, one for each cell of this rank: above 0, the cell is split into eight (under
+/// `removable`, a flagged closure cell's parent is), the cells around it are closed, new boundary nodes are put on
+/// their surfaces, fields and patches go to the children; below 0, it may go: with its siblings it becomes their parent
+/// again, one level in one call. Refining wins: what splitting or the closure needs stays. Of a closure family all
+/// cells have to be flagged. A flag that nothing comes of is no error; the report counts why. Flags above 0 of cells of
+/// the deepest level do not count (`limit_depth`).
+///
+/// What results is the closure of the regular splits that remain (docs/coarsening.md). Marks are worked out anew in the
+/// whole mesh: a node that nobody needs is gone; without a flag below 0 every node stays. Octets that refining reaches
+/// stay.
+///
+/// A mesh that is handed over is freed on the way, and the work is spread: when the marks are closed and the size of
+/// the result is known cell by cell, the parents move to the ranks where their children shall be. Each rank then gets
+/// about the same number of cells of the result, and the splitting is balanced too. Of a mesh that is lent, cells stay
+/// on the ranks where their parents are; siblings on several ranks are gathered first in any case.
+///
+/// Collective. Throws `Error` on every rank for flags of the wrong length, flags below 0 under another policy than
+/// `removable`, bad options, weights and surfaces, cells too flat to be split, and cells of the deepest level that
+/// closing the mesh would split. Pre: `mesh` is valid (`validate::validate`). Post: so is the result, and it is the
+/// same mesh, cell for cell, node for node, bit for bit, on any number of ranks, for any distribution over them and
+/// whatever the balancing. Memory at the peak: the old mesh, the new one, and about 40 bytes for each cell that is
+/// split, or 50 for each old cell where cells may go.
+Result adapt(const par::Comm& comm, GivenMesh mesh, std::span<const std::int8_t> flags, const Options& options = {});
+
+/// `adapt` where no cell may go: every cell with a nonzero flag is split. Collective.
+Result refine(const par::Comm& comm, GivenMesh mesh, std::span<const std::uint8_t> flags,
+              const refine::Options& refinement = {}, const Balancing& balancing = {});
 
 }  // namespace pamr::adapt

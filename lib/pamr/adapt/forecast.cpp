@@ -8,10 +8,10 @@
 #include <utility>
 
 #include "pamr/adapt/depth.hpp"
-#include "pamr/adapt/early_passes.hpp"
 #include "pamr/adapt/flags.hpp"
+#include "pamr/adapt/part/put_back.hpp"
+#include "pamr/adapt/part/split_early.hpp"
 #include "pamr/adapt/pass.hpp"
-#include "pamr/adapt/put_back.hpp"
 #include "pamr/adapt/take_back.hpp"
 #include "pamr/base/index.hpp"
 #include "pamr/geometry/surface.hpp"
@@ -75,13 +75,14 @@ Forecast count(const par::Comm& comm, Trial trial, const refine::Options& option
   std::vector<LocalId> from;  // this rank's cell that each cell of `forecast.mesh` came from
   if (forecast.closure.has_early) {
     StepTimer timer;
-    Ready ready{{}, std::move(requests), {}, open_pass(comm, mesh, trial.borders, options), {}};
-    ready.closed.closure = std::move(forecast.closure);
-    ready = split_all_early(comm, mesh, std::move(ready), options, timer);
-    forecast.closure = std::move(ready.closed.closure);
+    auto closed = open_pass(comm, mesh, trial.borders, options);
+    closed.requests = std::move(requests);
+    closed.closure = std::move(forecast.closure);
+    closed = split_early(comm, std::move(closed), options, timer);
+    forecast.closure = std::move(closed.closure);
     forecast.report = forecast.closure.report;
-    from = std::move(ready.input_cell);
-    if (ready.mesh) forecast.mesh = std::make_shared<const mesh::DistMesh>(*std::move(ready.mesh));
+    from = std::move(closed.input_cell);
+    forecast.mesh = std::make_shared<const mesh::DistMesh>(std::move(closed.mesh).take());
   } else {
     refine::find_states(mesh, options, forecast.closure);
     require_depth(comm, mesh, forecast.closure);
@@ -124,24 +125,24 @@ Forecast Forecaster::after_taking_back(std::vector<std::int8_t> signs) const {
   const auto& mesh = gathered ? *gathered : *mesh_;
   const auto& borders = gathered ? found : borders_;
   StepTimer timer;
-  auto taken = take_back(*comm_, mesh, borders, signs, options_, timer);
+  auto coarse = make_coarse_mesh(*comm_, mesh, borders, signs, options_, timer);
   Forecast forecast;
-  if (taken.coarse) {
+  if (coarse.made) {
     std::optional<refine::Closure> closure;
-    if (taken.closure) {
-      found = std::move(taken.closure->borders);
-      closure = std::move(taken.closure->closure);
-      if (closure->has_early) carry_fields(*comm_, mesh, options_, taken);
+    if (coarse.closure) {
+      found = std::move(coarse.closure->borders);
+      closure = std::move(coarse.closure->closure);
+      if (closure->has_early) carry_fields(*comm_, mesh, options_, coarse);
     } else {
-      found = mesh::find_borders(*comm_, taken.coarse->mesh);
+      found = mesh::find_borders(*comm_, coarse.made->mesh);
     }
-    const auto coarse = std::make_shared<const mesh::DistMesh>(std::move(taken.coarse->mesh));
-    forecast = count(*comm_, {coarse, *coarse, found, std::move(taken.coarse->flags), std::move(closure)}, options_);
+    const auto made = std::make_shared<const mesh::DistMesh>(std::move(coarse.made->mesh));
+    forecast = count(*comm_, {made, *made, found, std::move(coarse.made->flags), std::move(closure)}, options_);
   } else {
     forecast = count(*comm_, {gathered, mesh, borders, splits_of(signs), {}}, options_);
   }
   forecast.children.clear();
-  forecast.coarsening = taken.report;
+  forecast.coarsening = coarse.report;
   forecast.coarsening.cells_moved = gathering.cells_moved;
   return forecast;
 }

@@ -40,23 +40,26 @@ mesh::DistMesh put_together(const refine::NumberedMesh& old, const mesh::MeshInf
 
 }  // namespace
 
-Closed open_pass(const par::Comm& comm, const mesh::DistMesh& mesh, mesh::Borders borders,
-                 const refine::Options& options) {
-  Closed closed{mesh.info, geometry::no_surfaces(), std::move(borders), {}, {}};
+Closed open_pass(const par::Comm& comm, GivenMesh given, mesh::Borders borders, const refine::Options& options) {
+  const auto& mesh = given.get();
+  Closed closed{mesh, {}, mesh.info, geometry::no_surfaces(), std::move(borders), {}, {}, {}, {}};
   if (options.project) {
     closed.info = mesh::with_planes(mesh.info, mesh::find_undescribed_patches(comm, mesh, closed.borders));
     closed.surfaces = closed.info.surfaces;
   }
+  closed.mesh = std::move(given);
   return closed;
 }
 
-Closed close_pass(const par::Comm& comm, const mesh::DistMesh& mesh, std::span<const std::uint8_t> requests,
-                  const refine::Carried& carried, const refine::Options& options, StepTimer& timer,
-                  std::optional<KnownClosure> known) {
-  auto closed = open_pass(comm, mesh, known ? std::move(known->borders) : mesh::find_borders(comm, mesh), options);
+Closed close_pass(const par::Comm& comm, GivenMesh given, std::vector<std::uint8_t> requests,
+                  const refine::Options& options, StepTimer& timer, std::optional<KnownClosure> known) {
+  auto borders = known ? std::move(known->borders) : mesh::find_borders(comm, given.get());
+  auto closed = open_pass(comm, std::move(given), std::move(borders), options);
+  closed.requests = std::move(requests);
   timer.lap("preprocessing");
+  const auto& mesh = closed.mesh.get();
   closed.closure =
-      known ? std::move(known->closure) : refine::close(comm, mesh, closed.borders, requests, options, carried);
+      known ? std::move(known->closure) : refine::close(comm, mesh, closed.borders, closed.requests, options);
   if (!closed.closure.has_early) {
     refine::find_states(mesh, options, closed.closure);
     require_depth(comm, mesh, closed.closure);
@@ -67,18 +70,20 @@ Closed close_pass(const par::Comm& comm, const mesh::DistMesh& mesh, std::span<c
   return closed;
 }
 
-Split split_pass(const par::Comm& comm, const mesh::DistMesh& mesh, const Closed& closed, StepTimer& timer,
-                 std::span<const LocalId> open_nodes) {
-  const auto& [info, surfaces, borders, closure, report] = closed;
+Split split_pass(const par::Comm& comm, const Closed& closed, StepTimer& timer, std::span<const LocalId> open_nodes) {
+  const auto& mesh = closed.mesh.get();
+  const auto& info = closed.info;
+  const auto& borders = closed.borders;
+  const auto& closure = closed.closure;
   auto numbering = refine::number(comm, mesh, borders, closure);
   const refine::NumberedMesh old{mesh, closure, numbering};
   timer.lap("number");
-  auto movables = refine::project(comm, mesh, info, borders, numbering, *surfaces);
+  auto movables = refine::project(comm, mesh, info, borders, numbering, *closed.surfaces);
   auto nodes = refine::place_nodes(old, borders, movables);
   timer.lap("project");
   auto children = refine::subdivide(old, nodes.position);
   timer.lap("subdivide");
-  const refine::NewLevel level{mesh, info, *surfaces, numbering, children, nodes.shared, open_nodes};
+  const refine::NewLevel level{mesh, info, *closed.surfaces, numbering, children, nodes.shared, open_nodes};
   auto settled = refine::settle(comm, level, std::move(nodes.position), std::move(movables));
   nodes.position = std::move(settled.position);
   timer.lap("project");
@@ -88,7 +93,8 @@ Split split_pass(const par::Comm& comm, const mesh::DistMesh& mesh, const Closed
   return {std::move(fine), std::move(numbering), std::move(settled.certificate), settled.reaches_open};
 }
 
-RefineResult transfer_pass(const mesh::DistMesh& mesh, Closed closed, Split&& split, const refine::Options& options) {
+Result transfer_pass(Closed closed, Split split, const refine::Options& options) {
+  const auto& mesh = closed.mesh.get();
   auto& [fine, numbering, certificate, reaches_open] = split;
   auto fields = refine::transfer({mesh, closed.closure, numbering}, fine.cell_to_node, certificate, options);
   refine::keep_integrals({mesh, closed.closure, numbering}, fine, options.integrals, fields.of_cells);
@@ -104,7 +110,7 @@ RefineResult transfer_pass(const mesh::DistMesh& mesh, Closed closed, Split&& sp
   report.cells_out = fine.info.n_global_cells;
   report.nodes_out = fine.info.n_global_nodes;
   report.neighbors = std::ssize(closed.borders.nodes.rank);
-  return {std::move(fine), std::move(report)};
+  return {std::move(fine), std::move(report), {}, {}};
 }
 
 }  // namespace pamr::adapt

@@ -8,12 +8,12 @@
 #include <vector>
 
 #include "pamr/adapt/adapt.hpp"
+#include "pamr/adapt/given_mesh.hpp"
 #include "pamr/base/timer.hpp"
 #include "pamr/geometry/surface_set.hpp"
 #include "pamr/mesh/borders.hpp"
 #include "pamr/mesh/dist_mesh.hpp"
 #include "pamr/par/comm.hpp"
-#include "pamr/refine/carried.hpp"
 #include "pamr/refine/certify.hpp"
 #include "pamr/refine/closure.hpp"
 #include "pamr/refine/number.hpp"
@@ -22,19 +22,32 @@
 /// One pass over a mesh: it is closed, and what the closure says is split.
 namespace pamr::adapt {
 
+/// Cells of an input mesh as they were. Their neighbors are not needed.
+struct InputCells {
+  GivenMesh mesh;
+  bool has_all = true;
+  std::vector<LocalId> cell;  ///< where it has not all of them: this rank's numbers of those that it has, ascending
+};
+
 /// A mesh that is marked and closed.
 struct Closed {
+  GivenMesh mesh;
+  std::vector<std::uint8_t> requests;                    ///< a `refine::Request` for each cell
   mesh::MeshInfo info;                                   ///< of the mesh; flat patches that meet others have planes
   std::shared_ptr<const geometry::SurfaceSet> surfaces;  ///< that nodes are put on
   mesh::Borders borders;
   refine::Closure closure;
   Report report;  ///< of what was done so far
+  /// After look-ahead splits: the input that they began with, for what has to be asked of it at the end.
+  std::optional<InputCells> before;
+  /// After look-ahead splits of a mesh that was lent: this rank's input cell that each cell came from, or its family's
+  /// first member.
+  std::vector<LocalId> input_cell;
 };
 
-/// A pass over a mesh that is not closed yet: flat patches that meet others have their planes, if the options have new
-/// nodes put onto surfaces. Collective.
-Closed open_pass(const par::Comm& comm, const mesh::DistMesh& mesh, mesh::Borders borders,
-                 const refine::Options& options);
+/// A mesh that is not closed yet: flat patches that meet others have their planes, if the options have new nodes put
+/// onto surfaces. Collective.
+Closed open_pass(const par::Comm& comm, GivenMesh mesh, mesh::Borders borders, const refine::Options& options);
 
 /// The borders of a mesh, and its closure for the requests at hand.
 struct KnownClosure {
@@ -42,11 +55,9 @@ struct KnownClosure {
   refine::Closure closure;
 };
 
-/// `requests`: a `refine::Request` for each cell. `known`: if they were closed before. The closure has its states where
-/// nothing `has_early`. Collective.
-Closed close_pass(const par::Comm& comm, const mesh::DistMesh& mesh, std::span<const std::uint8_t> requests,
-                  const refine::Carried& carried, const refine::Options& options, StepTimer& timer,
-                  std::optional<KnownClosure> known = {});
+/// `known`: if they were closed before. The closure has its states where nothing `has_early`. Collective.
+Closed close_pass(const par::Comm& comm, GivenMesh mesh, std::vector<std::uint8_t> requests,
+                  const refine::Options& options, StepTimer& timer, std::optional<KnownClosure> known);
 
 /// The refined mesh without fields, and what `transfer_pass` needs to give it its fields.
 struct Split {
@@ -57,10 +68,10 @@ struct Split {
 };
 
 /// `open_nodes`: of a part of a mesh, see `refine::NewLevel`. Collective.
-Split split_pass(const par::Comm& comm, const mesh::DistMesh& mesh, const Closed& closed, StepTimer& timer,
+Split split_pass(const par::Comm& comm, const Closed& closed, StepTimer& timer,
                  std::span<const LocalId> open_nodes = {});
 
 /// Gives the refined mesh its fields and completes the report but for times.
-RefineResult transfer_pass(const mesh::DistMesh& mesh, Closed closed, Split&& split, const refine::Options& options);
+Result transfer_pass(Closed closed, Split split, const refine::Options& options);
 
 }  // namespace pamr::adapt

@@ -8,11 +8,13 @@
 #include "pamr/adapt/depth.hpp"
 #include "pamr/adapt/flags.hpp"
 #include "pamr/balance/migrate.hpp"
-#include "pamr/coarsen/coarse_fields.hpp"
+#include "pamr/base/contract.hpp"
 #include "pamr/coarsen/gather_siblings.hpp"
 #include "pamr/coarsen/octets.hpp"
 #include "pamr/refine/close.hpp"
+#include "pamr/refine/integrals.hpp"
 #include "pamr/refine/requests.hpp"
+#include "pamr/validate/validate.hpp"
 
 namespace pamr::adapt {
 
@@ -49,42 +51,64 @@ mesh::DistMesh gather(const par::Comm& comm, mesh::DistMesh mesh, const Gatherin
   return gathered;
 }
 
-TakenBack take_back(const par::Comm& comm, const mesh::DistMesh& mesh, const mesh::Borders& borders,
-                    std::span<const std::int8_t> signs, const refine::Options& options, StepTimer& timer) {
+CoarseMesh make_coarse_mesh(const par::Comm& comm, const mesh::DistMesh& mesh, const mesh::Borders& borders,
+                            std::span<const std::int8_t> signs, const refine::Options& options, StepTimer& timer) {
   auto [octets, asked] = coarsen::find_octets(mesh, signs);
   timer.lap("preprocessing");
   const bool any_split = comm.any(has_sign(signs, 1));
   std::vector<LocalId> needed;
   for (;;) {
-    TakenBack taken;
-    taken.settled = coarsen::settle_octets(comm, mesh, borders, octets, signs, needed, options.shape_floor);
-    taken.report = count_all(comm, asked, taken.settled.outcome);
-    taken.report.cells_between = mesh.info.n_global_cells;
+    CoarseMesh coarse;
+    coarse.settled = coarsen::settle_octets(comm, mesh, borders, octets, signs, needed, options.shape_floor);
+    coarse.report = count_all(comm, asked, coarse.settled.outcome);
+    coarse.report.cells_between = mesh.info.n_global_cells;
     timer.lap("coarsen");
-    if (!comm.any(!taken.settled.groups.empty())) return taken;
-    auto& coarse = taken.coarse.emplace(coarsen::take_back(comm, mesh, taken.settled, signs));
-    taken.report.cells_between = coarse.mesh.info.n_global_cells;
+    if (!comm.any(!coarse.settled.groups.empty())) return coarse;
+    auto& made = coarse.made.emplace(coarsen::take_back(comm, mesh, coarse.settled, signs));
+    coarse.report.cells_between = made.mesh.info.n_global_cells;
     timer.lap("coarsen");
-    if (!any_split) return taken;
-    const auto requests = refine::requests_of_flags(limit_depth(coarse.mesh, coarse.flags).flags);
-    auto coarse_borders = mesh::find_borders(comm, coarse.mesh);
-    auto closure = refine::close(comm, coarse.mesh, coarse_borders, requests, options);
-    const auto more = coarsen::find_needed_nodes(taken.settled, coarse, closure.marks);
+    if (!any_split) return coarse;
+    const auto requests = refine::requests_of_flags(limit_depth(made.mesh, made.flags).flags);
+    auto coarse_borders = mesh::find_borders(comm, made.mesh);
+    auto closure = refine::close(comm, made.mesh, coarse_borders, requests, options);
+    const auto more = coarsen::find_needed_nodes(coarse.settled, made, closure.marks);
     timer.lap("close");
     if (!comm.any(!more.empty())) {
-      taken.closure = KnownClosure{std::move(coarse_borders), std::move(closure)};
-      return taken;
+      coarse.closure = KnownClosure{std::move(coarse_borders), std::move(closure)};
+      return coarse;
     }
     needed.insert(needed.end(), more.begin(), more.end());
   }
 }
 
-void carry_fields(const par::Comm& comm, const mesh::DistMesh& old, const refine::Options& options, TakenBack& taken) {
+void carry_fields(const par::Comm& comm, const mesh::DistMesh& old, const refine::Options& options,
+                  CoarseMesh& coarse) {
   coarsen::FieldRules rules{{}, options.integrals};
   if (!options.marks_field.empty()) rules.left_out.push_back(options.marks_field);
   if (options.parent_field) rules.left_out.emplace_back(mesh::parent_field);
-  auto& [mesh, places, old_node, flags] = *taken.coarse;
-  coarsen::carry_fields(comm, old, taken.settled.groups, places, old_node, rules, mesh);
+  auto& [mesh, places, old_node, flags] = *coarse.made;
+  coarsen::carry_fields(comm, old, coarse.settled.groups, places, old_node, rules, mesh);
+}
+
+TakenBack take_back(const par::Comm& comm, GivenMesh mesh, std::span<const std::int8_t> flags,
+                    const refine::Options& options, StepTimer& timer) {
+  auto signs = checked_signs(comm, mesh.get(), flags, options);
+  refine::require_integrals(comm, mesh.get(), options.integrals);
+  if (!comm.any(has_sign(signs, -1))) return {std::move(mesh), splits_of(signs), {}, false, {}, {}};
+  const auto gathering = find_gathering(comm, mesh.get(), signs);
+  if (gathering.cells_moved > 0) mesh = gather(comm, std::move(mesh).take(), gathering, signs);
+  timer.lap("balance");
+  const auto& old = mesh.get();
+  auto coarse = make_coarse_mesh(comm, old, mesh::find_borders(comm, old), signs, options, timer);
+  coarse.report.cells_moved = gathering.cells_moved;
+  if (!coarse.made) return {std::move(mesh), splits_of(signs), {}, false, coarse.report, {}};
+  carry_fields(comm, old, options, coarse);
+  auto& made = *coarse.made;
+  auto merged = coarsen::find_merged(old, coarse.settled.groups, made.places, made.mesh);
+  timer.lap("coarsen");
+  PAMR_ENSURES_AUDIT(validate::validate(comm, made.mesh).empty());
+  return {std::move(made.mesh), std::move(made.flags), std::move(coarse.closure), true,
+          coarse.report,        std::move(merged)};
 }
 
 }  // namespace pamr::adapt

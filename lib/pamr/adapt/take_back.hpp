@@ -7,8 +7,10 @@
 #include <vector>
 
 #include "pamr/adapt/coarsening_report.hpp"
+#include "pamr/adapt/given_mesh.hpp"
 #include "pamr/adapt/pass.hpp"
 #include "pamr/base/timer.hpp"
+#include "pamr/coarsen/coarse_fields.hpp"
 #include "pamr/coarsen/coarsen.hpp"
 #include "pamr/mesh/borders.hpp"
 #include "pamr/mesh/dist_mesh.hpp"
@@ -17,6 +19,21 @@
 
 /// What comes first where cells may go: splits that nothing needs are taken back.
 namespace pamr::adapt {
+
+/// A mesh from which splits were taken back, and what is to be split of it.
+struct TakenBack {
+  GivenMesh mesh;
+  std::vector<std::uint8_t> flags;      ///< of its cells: 1 to split
+  std::optional<KnownClosure> closure;  ///< of the mesh with its flags, if it is known; on all ranks alike
+  bool is_coarser = false;              ///< false: nothing goes, on any rank
+  CoarseningReport report;
+  std::vector<coarsen::Merged> merged;  ///< see `Result`
+};
+
+/// The mesh without what may go and nothing needs, with its fields and `cell_origin`; where no flag is below 0 the mesh
+/// itself. Checks flags and options as `adapt` says. Collective.
+TakenBack take_back(const par::Comm& comm, GivenMesh mesh, std::span<const std::int8_t> flags,
+                    const refine::Options& options, StepTimer& timer);
 
 /// Where cells have to go so that all siblings that may go are on one rank; empty on every rank if they are already.
 struct Gathering {
@@ -31,12 +48,12 @@ Gathering find_gathering(const par::Comm& comm, const mesh::DistMesh& mesh, std:
 mesh::DistMesh gather(const par::Comm& comm, mesh::DistMesh mesh, const Gathering& where,
                       std::vector<std::int8_t>& signs);
 
-/// A mesh from which splits were taken back, without fields.
-struct TakenBack {
+/// What is left of a mesh, without fields.
+struct CoarseMesh {
   coarsen::Settled settled;
-  std::optional<coarsen::Coarsened> coarse;  ///< nothing: nothing goes, on any rank
-  std::optional<KnownClosure> closure;       ///< of the coarse mesh with its flags, if anything is to be split
-  CoarseningReport report;                   ///< but for `cells_moved`
+  std::optional<coarsen::Coarsened> made;  ///< nothing: nothing goes, on any rank
+  std::optional<KnownClosure> closure;     ///< of the coarse mesh with its flags, if anything is to be split
+  CoarseningReport report;                 ///< but for `cells_moved`
 };
 
 /// Takes back what neither the closure of the remaining splits nor refining needs. What refining needs shows when the
@@ -44,10 +61,10 @@ struct TakenBack {
 /// there is none. Each of them is needed by what remains for certain, so the result is the same as if all had been
 /// settled at once. Pre: siblings are together. Collective. Cost: that of `coarsen::take_back` and `refine::close`, as
 /// often as nodes turn out to be needed.
-TakenBack take_back(const par::Comm& comm, const mesh::DistMesh& mesh, const mesh::Borders& borders,
-                    std::span<const std::int8_t> signs, const refine::Options& options, StepTimer& timer);
+CoarseMesh make_coarse_mesh(const par::Comm& comm, const mesh::DistMesh& mesh, const mesh::Borders& borders,
+                            std::span<const std::int8_t> signs, const refine::Options& options, StepTimer& timer);
 
 /// Gives the coarse mesh the fields of the old one, as the options say. Collective, see `coarsen::carry_fields`.
-void carry_fields(const par::Comm& comm, const mesh::DistMesh& old, const refine::Options& options, TakenBack& taken);
+void carry_fields(const par::Comm& comm, const mesh::DistMesh& old, const refine::Options& options, CoarseMesh& coarse);
 
 }  // namespace pamr::adapt

@@ -29,13 +29,6 @@ std::vector<std::uint8_t> random_flags(const mesh::DistMesh& mesh, std::uint64_t
   return flags;
 }
 
-adapt::Options options_of(QualityControl policy, const adapt::Balancing& balancing) {
-  adapt::Options options;
-  options.refinement.quality_control = policy;
-  options.balancing = balancing;
-  return options;
-}
-
 void expect_equal(const mesh::BlockMesh& a, const mesh::BlockMesh& b) {
   EXPECT_TRUE(a.node_position == b.node_position);
   EXPECT_TRUE(a.cell_to_node == b.cell_to_node);
@@ -70,7 +63,7 @@ TEST_P(EveryPolicy, GivesTheSerialMeshWhateverTheBalancing) {
         balancing.how.keep_below = 0;
         balancing.how.vertices_per_part = 40;
         const auto flags = random_flags(mesh, seed + level);
-        mesh = adapt::refine(comm, std::move(mesh), flags, options_of(GetParam(), balancing)).mesh;
+        mesh = adapt::refine(comm, std::move(mesh), flags, {.quality_control = GetParam()}, balancing).mesh;
       }
       SCOPED_TRACE(std::string(method) + " " + weights);
       expect_equal(test::gather(comm, mesh), expected);
@@ -101,8 +94,7 @@ TEST(BalanceParents, SpreadsTheRefinedMeshEvenly) {
     auto mesh = assemble::assemble(comm, assemble::kuhn_cube(comm, 10));
     const auto flags = random_flags(mesh, 1);
 
-    const auto result = adapt::refine(comm, std::move(mesh), flags,
-                                      options_of(QualityControl::removable, adapt::balancing_named(method, "exact")));
+    const auto result = adapt::refine(comm, std::move(mesh), flags, {}, adapt::balancing_named(method, "exact"));
 
     const auto& balance = result.report.balance;
     const auto largest = comm.max(std::int64_t{result.mesh.n_cells()});
@@ -119,8 +111,7 @@ TEST(BalanceParents, WorksOnMoreRanksThanCells) {
     auto mesh = assemble::assemble(comm, assemble::kuhn_cube(comm, 1));  // six cells
     for (std::int64_t expected = 48; expected <= 384; expected *= 8) {
       const std::vector<std::uint8_t> all(static_cast<std::size_t>(mesh.n_cells()), 1);
-      auto result = adapt::refine(comm, std::move(mesh), all,
-                                  options_of(QualityControl::removable, adapt::balancing_named(method, "exact")));
+      auto result = adapt::refine(comm, std::move(mesh), all, {}, adapt::balancing_named(method, "exact"));
       mesh = std::move(result.mesh);
       EXPECT_EQ(mesh.info.n_global_cells, expected);
       EXPECT_TRUE(validate::validate(comm, mesh).empty());
@@ -136,8 +127,7 @@ TEST(BalanceParents, WeighsByACellField) {
   mesh.cell_fields.push_back({"cost", "", 1, mesh::StorageType::float64, std::move(cost)});
   const std::vector<std::uint8_t> nothing(static_cast<std::size_t>(mesh.n_cells()), 0);
 
-  const auto result = adapt::refine(comm, std::move(mesh), nothing,
-                                    options_of(QualityControl::removable, adapt::balancing_named("scotch", "cost")));
+  const auto result = adapt::refine(comm, std::move(mesh), nothing, {}, adapt::balancing_named("scotch", "cost"));
 
   double here = 0, total = 0;
   for (const auto c : result.mesh.find_cell_field("cost")->real()) here += c;
@@ -151,9 +141,7 @@ TEST(BalanceParents, RefusesBadWeightsOnEveryRank) {
   const std::vector<std::uint8_t> nothing(static_cast<std::size_t>(mesh.n_cells()), 0);
   auto copy = mesh;
 
-  EXPECT_THROW(adapt::refine(comm, std::move(copy), nothing,
-                             options_of(QualityControl::removable, adapt::balancing_named("scotch", "load"))),
-               Error);
+  EXPECT_THROW(adapt::refine(comm, std::move(copy), nothing, {}, adapt::balancing_named("scotch", "load")), Error);
   EXPECT_THROW(adapt::balancing_named("metis", "exact"), Error);
 }
 

@@ -95,7 +95,7 @@ TEST(Depth, ForecastAndRefinementAgreeWhereOnlyAPartIsTooDeep) {
   const auto forecast = adapt::Forecaster(comm, mesh).forecast(flags);
   auto moved = mesh;
   const auto result = adapt::refine(comm, mesh, flags);
-  const auto balanced = adapt::refine(comm, std::move(moved), flags, adapt::Options{});
+  const auto balanced = adapt::refine(comm, std::move(moved), flags);
 
   EXPECT_EQ(result.report.marked_too_deep, count_deepest(comm, mesh));
   EXPECT_EQ(balanced.report.marked_too_deep, count_deepest(comm, mesh));

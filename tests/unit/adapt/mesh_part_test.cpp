@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "pamr/adapt/mesh_part.hpp"
+#include "pamr/adapt/part/mesh_part.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
 #include "pamr/adapt/adapt.hpp"
-#include "pamr/adapt/put_back.hpp"
+#include "pamr/adapt/part/put_back.hpp"
 #include "pamr/assemble/kuhn_cube.hpp"
 #include "pamr/base/index.hpp"
 #include "pamr/mesh/fingerprint.hpp"
@@ -41,7 +41,7 @@ TEST_P(MeshPart, GrowsAndIsPutBackAsItWas) {
   const auto borders = mesh::find_borders(comm, mesh);
   const auto closure = nothing_marked(mesh);
   const std::vector<std::uint8_t> requests(at(mesh.n_cells()), 0);
-  const adapt::WholeMesh whole{mesh, borders, requests, closure};
+  const adapt::WholeMesh whole{mesh, borders, {requests, closure}};
   adapt::Coverage coverage{std::vector<adapt::Coverage::State>(at(mesh.n_cells()), adapt::Coverage::outside), {}};
   std::vector<LocalId> seeds;
   if (comm.is_first()) seeds.push_back(0);
@@ -62,8 +62,8 @@ TEST_P(MeshPart, GrowsAndIsPutBackAsItWas) {
   }
   EXPECT_LT(before, mesh.info.n_global_cells);
 
-  auto again = adapt::copy_with_room(mesh, 0, 0);
-  const auto joined = adapt::put_back(comm, whole, part, coverage, true, again);
+  const auto joined = adapt::put_back(comm, adapt::copy_with_room(mesh, 0, 0), whole.cells, part, coverage, true);
+  const auto& again = joined.mesh;
 
   EXPECT_TRUE(validate::validate(comm, again).empty());
   EXPECT_EQ(mesh::fingerprint(comm, again), mesh::fingerprint(comm, mesh));

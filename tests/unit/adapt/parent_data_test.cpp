@@ -49,7 +49,7 @@ TEST(DataOfParents, FollowsTheCellsThroughRefinementsWhereverTheyGo) {
     std::vector<std::uint8_t> flags;
     for (LocalId c = 0; c < mesh.n_cells(); ++c) flags.push_back(norm(mesh.points(c)[0]) < 0.5 ? 1 : 0);
 
-    auto result = refine(comm, std::move(mesh), flags, Options{});
+    auto result = refine(comm, std::move(mesh), flags);
     mesh = std::move(result.mesh);
     const auto of_parents = data_of_parents(comm, before, held, rows, mesh);
 

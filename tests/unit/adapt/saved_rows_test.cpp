@@ -94,7 +94,7 @@ void save(const par::Comm& comm, const std::string& mesh_file, const std::string
   auto mesh = assemble::assemble(comm, assemble::kuhn_cube(comm, 3));
   std::vector<std::uint8_t> flags;
   for (LocalId c = 0; c < mesh.n_cells(); ++c) flags.push_back(norm(mesh.points(c)[0]) < 0.7 ? 1 : 0);
-  mesh = refine(comm, std::move(mesh), flags, Options{}).mesh;
+  mesh = refine(comm, std::move(mesh), flags).mesh;
   mesh::CellField field{"u", "K", 1, mesh::StorageType::float64, {}};
   for (const auto id : mesh.cell_global) field.real().push_back(std::sqrt(double(id)));
   mesh.cell_fields.push_back(std::move(field));
@@ -118,7 +118,7 @@ void go_on(const par::Comm& comm, const std::string& mesh_file, const std::strin
   const auto before = mesh.info.cell_ids();
   const auto held = mesh.cell_global;
   std::vector<std::uint8_t> flags(held.size(), 1);
-  mesh = refine(comm, std::move(mesh), flags, Options{}).mesh;
+  mesh = refine(comm, std::move(mesh), flags).mesh;
   const auto rows = data_of_parents<std::int32_t>(comm, before, held, saved.rows, mesh);
   write_cell_rows(comm, to, mesh, rows);
 }

@@ -80,8 +80,8 @@ TEST(CoarseFields, KeepTheIntegralAtCurvedWallsWhereThatIsAskedFor) {
   const par::Comm comm(MPI_COMM_WORLD);
   const auto before = with_fields(refined(comm, test::bulging_cube(comm, 5, 0.1)));
 
-  adapt::AdaptOptions options;
-  options.integrals = {"density"};
+  adapt::Options options;
+  options.refinement.integrals = {"density"};
   const auto result = adapt::adapt(comm, before, test::all_may_go(before), options);
 
   ASSERT_GT(result.coarsening.octets_gone, 10);
@@ -99,8 +99,8 @@ TEST(CoarseFields, KeepTheIntegralWhereCellsAreSplitAtCurvedWalls) {
   const auto split = adapt::refine(comm, before, test::near_dome(before, 0.3), {.integrals = {"density"}}).mesh;
   auto flags = test::with_sign(test::near_dome(before, 0.2));
   std::replace(flags.begin(), flags.end(), std::int8_t{0}, test::go);
-  adapt::AdaptOptions options;
-  options.integrals = {"density"};
+  adapt::Options options;
+  options.refinement.integrals = {"density"};
   const auto adapted = adapt::adapt(comm, before, flags, options);
 
   EXPECT_GT(std::abs(integral(comm, split, "one") - one), 1e-6 * one) << "the wall has to move";

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "pamr/adapt/adapt_both_ways.hpp"
+#include "pamr/adapt/adapt.hpp"
 #include "pamr/base/hash.hpp"
 #include "pamr/base/index.hpp"
 #include "random_case.hpp"

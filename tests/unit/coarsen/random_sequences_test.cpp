@@ -73,7 +73,7 @@ TEST(RandomSequences, LeaveTheClosureOfTheSplitsThatRemain) {
   for (const auto i : test::seeds_alone(world)) {
     const auto start = test::random_delaunay(i);
     const double volume = test::reference_volume(start);
-    const adapt::AdaptOptions options{{.shape_floor = floors[i % 4], .parent_field = false}, {}, {}};
+    const adapt::Options options{{.shape_floor = floors[i % 4], .parent_field = false}, {}};
     auto mesh = test::scatter(self, start, 0);
     for (std::uint64_t step = 0; step < 12; ++step) {
       SCOPED_TRACE("mesh " + std::to_string(i) + ", step " + std::to_string(step));
@@ -106,7 +106,7 @@ TEST(RandomSequences, LeaveValidMeshesAtWallsThatAreFarTooCoarse) {
   if (world.size() != 1 && !test::is_full_level()) return;  // the next test has such meshes on all ranks
   std::int64_t n_gone = 0, n_kept = 0, n_broken = 0;
   for (std::uint64_t i = 0; i < test::n_cases(3, 60); ++i) {
-    adapt::AdaptOptions options;
+    adapt::Options options;
     options.refinement.parent_field = false;
     auto mesh = assemble::assemble(self, test::bulging_cube(self, i, 0.15 + 0.05 * static_cast<double>(i % 4)));
     for (std::uint64_t step = 0; step < 12; ++step) {
@@ -132,7 +132,7 @@ void compare_on_all_ranks(const par::Comm& world, std::uint64_t i, std::int64_t&
   const par::Comm self(MPI_COMM_SELF);
   const auto start = i % 2 == 0 ? test::random_delaunay(1000 + i)
                                 : test::gather(self, test::bulging_cube(self, i, i % 4 == 1 ? 0.1 : 0.2));
-  const adapt::AdaptOptions options{{.shape_floor = floors[i % 4], .parent_field = true}, {}, {}};
+  const adapt::Options options{{.shape_floor = floors[i % 4], .parent_field = true}, {}};
   auto serial = test::scatter(self, start, 0);
   for (std::uint64_t step = 0; step < 5; ++step) {
     SCOPED_TRACE("mesh " + std::to_string(i) + ", step " + std::to_string(step));

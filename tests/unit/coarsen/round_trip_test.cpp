@@ -18,7 +18,7 @@
 namespace pamr {
 namespace {
 
-const adapt::AdaptOptions plain{{.parent_field = false}, {}, {}};
+const adapt::Options plain{{.parent_field = false}, {}};
 
 mesh::BlockMesh any_mesh(const par::Comm& self, std::uint64_t seed) {
   if (seed % 5 == 1) return test::kuhn_cube(self, 2 + static_cast<int>(seed / 5 % 2));
@@ -107,8 +107,8 @@ TEST(RoundTrip, OfAMeshAtACurvedWallGivesTheFileOnAnyRanks) {
     const auto before = written(comm, mesh, "round_trip_before");
     std::int64_t n_moved = 0;
     for (int level = 0; level < 3; ++level) {
-      auto fine =
-          adapt::refine(comm, std::move(mesh), test::near_dome(mesh, 0.3 / (1 << level)), {plain.refinement, {}});
+      const auto near = test::near_dome(mesh, 0.3 / (1 << level));
+      auto fine = adapt::refine(comm, std::move(mesh), near, plain.refinement);
       mesh = std::move(fine.mesh);
       n_moved += fine.report.certificate.n_moved;
     }

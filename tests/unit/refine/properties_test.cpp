@@ -48,8 +48,8 @@ QualityControl policy_of(std::uint64_t seed) { return static_cast<QualityControl
 
 test::Law law_of(std::uint64_t seed, int level) { return test::law_of(seed / 4 + at(level)); }
 
-adapt::RefineResult refine_once(const par::Comm& comm, const mesh::DistMesh& mesh, std::uint64_t seed, int level,
-                                QualityControl policy) {
+adapt::Result refine_once(const par::Comm& comm, const mesh::DistMesh& mesh, std::uint64_t seed, int level,
+                          QualityControl policy) {
   const auto flags = test::mark(mesh, law_of(seed, level), combine(seed, at(level)));
   return adapt::refine(comm, mesh, flags, {.quality_control = policy, .marks_field = ""});
 }

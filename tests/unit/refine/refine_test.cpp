@@ -263,8 +263,8 @@ TEST(EarlySplits, AreTheSameWithCellsThatMoveAndOnOneRank) {
   const auto serial = adapt::refine(self, alone.before, alone.flags, alone.options);
 
   auto moving = early.before;
-  const auto moved = adapt::refine(comm, std::move(moving), early.flags,
-                                   adapt::Options{early.options, adapt::balancing_named("blocks", "exact")});
+  const auto moved =
+      adapt::refine(comm, std::move(moving), early.flags, early.options, adapt::balancing_named("blocks", "exact"));
 
   expect_equal(test::gather(comm, here.mesh), test::gather(comm, moved.mesh));
   EXPECT_EQ(mesh::fingerprint(comm, here.mesh), mesh::fingerprint(self, serial.mesh));

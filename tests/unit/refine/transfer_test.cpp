@@ -123,7 +123,7 @@ TEST(Transfer, NamesTheSameInputCellsWhenCellsChangeRanksAfterAnEarlyPass) {
   for (int level = 0; level < 3; ++level) {
     const auto flags = near_corner(mesh);
     auto stayed = adapt::refine(comm, mesh, flags);
-    const auto moved = adapt::refine(comm, std::move(mesh), flags, adapt::Options{});
+    const auto moved = adapt::refine(comm, std::move(mesh), flags);
 
     for (const auto* name : {"parent", "region"})
       EXPECT_EQ(whole_field(comm, moved.mesh, name), whole_field(comm, stayed.mesh, name));

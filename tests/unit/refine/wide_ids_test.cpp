@@ -107,11 +107,11 @@ TEST_P(WideIds, PassThroughThreeLevelsAndTheFileUnharmed) {
   for (int level = 0; level < 3; ++level) {
     const refine::Options options{.quality_control = GetParam(), .marks_field = ""};
     auto of_plain = adapt::refine(comm, plain, mark(plain), options);
-    adapt::Options spread{options, adapt::balancing_named(level == 1 ? "blocks" : "scotch", "exact")};
-    spread.balancing.how.keep_below = 0;
-    spread.balancing.how.vertices_per_part = 40;
+    auto spread = adapt::balancing_named(level == 1 ? "blocks" : "scotch", "exact");
+    spread.how.keep_below = 0;
+    spread.how.vertices_per_part = 40;
     const auto flags = mark(moved);
-    auto of_moved = adapt::refine(comm, std::move(moved), flags, spread);
+    auto of_moved = adapt::refine(comm, std::move(moved), flags, options, spread);
     n_moved += of_moved.report.balance.moved_cells;
     plain = std::move(of_plain.mesh);
     moved = std::move(of_moved.mesh);

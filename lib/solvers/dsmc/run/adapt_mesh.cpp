@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "pamr/adapt/adapt_both_ways.hpp"
+#include "pamr/adapt/adapt.hpp"
 #include "pamr/adapt/flags.hpp"
 #include "pamr/adapt/forecast.hpp"
 #include "pamr/base/with_file_name.hpp"
@@ -56,8 +56,7 @@ Adapted adapt_mesh(const par::Comm& comm, mesh::DistMesh mesh, const Adaptation&
   Adapted adapted;
   adapted.cells_marked = mark::count_marked(comm, choice.marks);
   const auto first_id = mesh.info.first_id;
-  auto result =
-      adapt::adapt(comm, std::as_const(mesh), adapt::signed_flags(choice.marks, choice.may_go), adapt::AdaptOptions{});
+  auto result = adapt::adapt(comm, std::as_const(mesh), adapt::signed_flags(choice.marks, choice.may_go));
   adapted.octets_gone = result.coarsening.octets_gone;
   for (const auto& one : result.merged) adapted.gone.push_back({one.number - first_id, one.into - first_id});
   adapted.mesh = std::move(result.mesh);

@@ -15,12 +15,17 @@
 /// part costs, and the rest is touched once.
 namespace pamr::adapt {
 
-/// A mesh with what is asked of its cells and what its closure says of them. Only references.
+/// What is asked of the cells of a mesh, and what its closure says of them. Only references.
+struct WholeCells {
+  std::span<const std::uint8_t> requests;
+  const refine::Closure& closure;
+};
+
+/// The same with the mesh. Only references.
 struct WholeMesh {
   const mesh::DistMesh& mesh;
   const mesh::Borders& borders;
-  std::span<const std::uint8_t> requests;
-  const refine::Closure& closure;
+  WholeCells cells;
 };
 
 /// Cells that follow each other.

@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "pamr/adapt/mesh_part.hpp"
-#include "pamr/adapt/part_runs.hpp"
+#include "pamr/adapt/part/mesh_part.hpp"
+#include "pamr/adapt/part/part_runs.hpp"
 #include "pamr/mesh/dist_mesh.hpp"
 #include "pamr/par/comm.hpp"
 #include "pamr/refine/closure.hpp"
@@ -17,7 +17,7 @@ namespace pamr::adapt {
 std::vector<LocalId> cells_of_whole(const PartRuns& runs, const MeshPart& before);
 
 /// The plans of both, ascending. Local.
-std::vector<refine::RebuiltFamily> join_plans(const PartRuns& runs, const WholeMesh& whole, const MeshPart& before);
+std::vector<refine::RebuiltFamily> join_plans(const PartRuns& runs, const WholeCells& whole, const MeshPart& before);
 
 /// The new neighbors of a cell of the whole mesh that had `links`; faces on rank borders are left open. `run`: that the
 /// cell is of. Local.

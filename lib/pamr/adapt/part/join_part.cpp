@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "pamr/adapt/join_part.hpp"
+#include "pamr/adapt/part/join_part.hpp"
 
 #include <algorithm>
 #include <numeric>
@@ -46,7 +46,7 @@ std::vector<LocalId> cells_of_whole(const PartRuns& runs, const MeshPart& before
   return cells;
 }
 
-std::vector<refine::RebuiltFamily> join_plans(const PartRuns& runs, const WholeMesh& whole, const MeshPart& before) {
+std::vector<refine::RebuiltFamily> join_plans(const PartRuns& runs, const WholeCells& whole, const MeshPart& before) {
   std::vector<refine::RebuiltFamily> plans;
   for (auto plan : whole.closure.rebuilt) {
     if (!runs.is_added(plan.first)) continue;

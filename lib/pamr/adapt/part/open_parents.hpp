@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "pamr/adapt/pass.hpp"
 #include "pamr/geometry/vec3.hpp"
 #include "pamr/mesh/dist_mesh.hpp"
 #include "pamr/par/comm.hpp"
@@ -34,10 +35,8 @@ std::vector<OpenParent> find_open_parents(const refine::NumberedMesh& last,
                                           const std::vector<mesh::CellNodes>& cell_to_node);
 
 /// Writes what depends on the parents into the cell fields of the refined mesh: `parent`, if the options ask for it,
-/// and fields of integers. `input`: its neighbors are not needed; `cells`: those of the input that it has, ascending;
-/// null: all. Collective: two sparse exchanges, if any rank has
-/// such cells.
-void settle_open_parents(const par::Comm& comm, const mesh::DistMesh& input, const std::vector<LocalId>* cells,
-                         const std::vector<OpenParent>& open, const refine::Options& options, mesh::DistMesh& fine);
+/// and fields of integers. Collective: two sparse exchanges, if any rank has such cells.
+void settle_open_parents(const par::Comm& comm, const InputCells& input, const std::vector<OpenParent>& open,
+                         const refine::Options& options, mesh::DistMesh& fine);
 
 }  // namespace pamr::adapt

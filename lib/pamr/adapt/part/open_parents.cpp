@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "pamr/adapt/open_parents.hpp"
+#include "pamr/adapt/part/open_parents.hpp"
 
 #include <algorithm>
 #include <cstdint>
@@ -26,10 +26,10 @@ const std::vector<GlobalId>& numbers_of_cells(const mesh::DistMesh& mesh) {
   return mesh.cell_origin.empty() ? mesh.cell_global : mesh.cell_origin;
 }
 
-/// Where a cell is in a list of some, or of all if it is null.
-LocalId place_in(const std::vector<LocalId>* cells, LocalId cell) {
-  if (cells == nullptr) return cell;
-  return static_cast<LocalId>(std::lower_bound(cells->begin(), cells->end(), cell) - cells->begin());
+/// Where a cell of the input is in what is left of it.
+LocalId place_in(const InputCells& input, LocalId cell) {
+  if (input.has_all) return cell;
+  return static_cast<LocalId>(std::lower_bound(input.cell.begin(), input.cell.end(), cell) - input.cell.begin());
 }
 
 bool depends_on_parent(const mesh::CellField& field, const refine::Options& options) {
@@ -104,8 +104,9 @@ std::vector<OpenParent> find_open_parents(const refine::NumberedMesh& last,
   return open;
 }
 
-void settle_open_parents(const par::Comm& comm, const mesh::DistMesh& input, const std::vector<LocalId>* cells_here,
-                         const std::vector<OpenParent>& open, const refine::Options& options, mesh::DistMesh& fine) {
+void settle_open_parents(const par::Comm& comm, const InputCells& before, const std::vector<OpenParent>& open,
+                         const refine::Options& options, mesh::DistMesh& fine) {
+  const auto& input = before.mesh.get();
   if (!comm.any(!open.empty())) return;
   std::map<Rank, std::vector<Question>> asked;
   std::map<Rank, std::vector<LocalId>> cells;
@@ -120,7 +121,7 @@ void settle_open_parents(const par::Comm& comm, const mesh::DistMesh& input, con
   for (std::size_t i = 0; i < arrived.rank.size(); ++i) {
     answers.push_back({arrived.rank[i], {}});
     for (const auto& [first, centroid] : arrived.from(i))
-      append_answer(input, refine::member_that_holds(input, place_in(cells_here, first), centroid), options,
+      append_answer(input, refine::member_that_holds(input, place_in(before, first), centroid), options,
                     answers.back().item);
   }
   const auto answered = comm.sparse_exchange(answers);

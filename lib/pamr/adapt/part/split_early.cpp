@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "pamr/adapt/early_passes.hpp"
+#include "pamr/adapt/part/split_early.hpp"
 
 #include <algorithm>
 #include <optional>
@@ -7,9 +7,9 @@
 #include <utility>
 
 #include "pamr/adapt/depth.hpp"
-#include "pamr/adapt/mesh_part.hpp"
-#include "pamr/adapt/open_parents.hpp"
-#include "pamr/adapt/put_back.hpp"
+#include "pamr/adapt/part/mesh_part.hpp"
+#include "pamr/adapt/part/open_parents.hpp"
+#include "pamr/adapt/part/put_back.hpp"
 #include "pamr/base/contract.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/base/index.hpp"
@@ -53,23 +53,19 @@ bool has_nodes_off_surface(const mesh::DistMesh& mesh) {
 
 class EarlyPasses {
  public:
-  EarlyPasses(const par::Comm& comm, const mesh::DistMesh& input, Ready ready, const refine::Options& options,
-              StepTimer& timer, mesh::DistMesh* own)
+  EarlyPasses(const par::Comm& comm, Closed closed, const refine::Options& options, StepTimer& timer)
       : comm_(comm),
-        input_(input),
-        start_(std::move(ready)),
-        whole_{input, start_.closed.borders, start_.requests, start_.closed.closure},
+        start_(std::move(closed)),
         options_(options),
         timer_(timer),
-        own_(own),
-        report_(start_.closed.report),
-        cut_faces_conform_(start_.closed.closure.cut_faces_conform) {
-    report_.closure = start_.closed.closure.report;
+        report_(start_.report),
+        cut_faces_conform_(start_.closure.cut_faces_conform) {
+    report_.closure = start_.closure.report;
     n_kept_ = std::exchange(report_.closure.families_kept, 0);
     report_.closure.families_rebuilt = 0;  // of the first closing only marks and plans are of use
   }
 
-  Ready run() && {
+  Closed run() && {
     begin();
     bool has_early = true;
     while (has_early && make_pass()) has_early = close_part();
@@ -78,17 +74,21 @@ class EarlyPasses {
   }
 
  private:
+  const mesh::DistMesh& input() const { return start_.mesh.get(); }
+  WholeCells whole_cells() const { return {start_.requests, start_.closure}; }
+  WholeMesh whole() const { return {input(), start_.borders, whole_cells()}; }
+
   void begin() {
-    coverage_.of_cell.assign(at(input_.n_cells()), Coverage::outside);
-    if (!cut_faces_conform_ || comm_.any(has_nodes_off_surface(input_))) {
+    coverage_.of_cell.assign(at(input().n_cells()), Coverage::outside);
+    if (!cut_faces_conform_ || comm_.any(has_nodes_off_surface(input()))) {
       take_whole();
       return;
     }
     std::vector<LocalId> seeds;
-    for (const auto& family : start_.closed.closure.rebuilt)
+    for (const auto& family : start_.closure.rebuilt)
       if (family.is_early) seeds.push_back(family.first);
-    spread(comm_, whole_, seeds, n_layers, coverage_);
-    use(widen(comm_, whole_, part_, coverage_));
+    spread(comm_, whole(), seeds, n_layers, coverage_);
+    use(widen(comm_, whole(), part_, coverage_));
   }
 
   void use(MeshPart part) {
@@ -96,34 +96,36 @@ class EarlyPasses {
     borders_ = mesh::find_borders(comm_, part_.mesh);
   }
 
+  /// A copy of the input with room for what has become of the part.
+  mesh::DistMesh copy_of_input() const {
+    const auto n_more = part_.mesh.node_position.size() - part_.whole_node.size();
+    return copy_with_room(input(), at(input().n_cells()) + part_.whole_cell.size(), at(input().n_nodes()) + n_more);
+  }
+
   /// From here on the part is the whole mesh.
   void take_whole() {
-    const auto n_more = part_.mesh.node_position.size() - part_.whole_node.size();
-    auto mesh = copy_with_room(input_, at(input_.n_cells()) + part_.whole_cell.size(), at(input_.n_nodes()) + n_more);
-    put_back_into(std::move(mesh), true);
-    borders_ = mesh::find_borders(comm_, part_.mesh);
+    put_back_into(copy_of_input(), true);
     is_whole_ = true;
   }
 
   void put_back_into(mesh::DistMesh mesh, bool with_whole_cells) {
-    auto joined = put_back(comm_, whole_, part_, coverage_, with_whole_cells, mesh);
+    auto joined = put_back(comm_, std::move(mesh), whole_cells(), part_, coverage_, with_whole_cells);
     part_ = {};
-    part_.mesh = std::move(mesh);
     part_.whole_cell = std::move(joined.whole_cell);
     part_.requests = std::move(joined.requests);
     part_.known = std::move(joined.known);
+    part_.mesh = std::move(joined.mesh);
+    borders_ = mesh::find_borders(comm_, part_.mesh);
   }
 
   /// Keeps the cells that passes may have taken away, for what has to be asked of them at the end.
   void put_back_at_last() {
     auto held = held_of(coverage_);
-    members_ = widen(comm_, whole_, {}, held);
-    const auto n_more = part_.mesh.node_position.size() - part_.whole_node.size();
-    auto mesh = own_ != nullptr ? std::move(*own_)
-                                : copy_with_room(input_, at(input_.n_cells()) + part_.whole_cell.size(),
-                                                 at(input_.n_nodes()) + n_more);
-    put_back_into(std::move(mesh), own_ == nullptr);
-    borders_ = mesh::find_borders(comm_, part_.mesh);
+    auto members = widen(comm_, whole(), {}, held);
+    const bool is_lent = start_.mesh.is_lent();
+    auto mesh = is_lent ? copy_of_input() : std::move(start_.mesh).take();
+    start_.before = InputCells{std::move(members.mesh), false, std::move(members.whole_cell)};
+    put_back_into(std::move(mesh), is_lent);
   }
 
   /// Widens the part around these of its cells, which have open faces. False: there were none on any rank.
@@ -131,8 +133,8 @@ class EarlyPasses {
     if (!comm_.any(!cells.empty())) return false;
     std::vector<LocalId> seeds;
     for (const auto c : cells) seeds.push_back(part_.whole_cell[at(c)]);
-    spread(comm_, whole_, seeds, n_layers, coverage_);
-    use(widen(comm_, whole_, part_, coverage_));
+    spread(comm_, whole(), seeds, n_layers, coverage_);
+    use(widen(comm_, whole(), part_, coverage_));
     return true;
   }
 
@@ -143,10 +145,10 @@ class EarlyPasses {
     return closure;
   }
 
-  /// What all is split by, if the part is the whole mesh: flat patches may have to be looked for again then.
+  /// A pass over the part. If that is the whole mesh, flat patches may have to be looked for again.
   Closed open() {
-    if (is_whole_) return open_pass(comm_, part_.mesh, borders_, options_);
-    return {start_.closed.info, start_.closed.surfaces, borders_, {}, {}};
+    if (is_whole_) return open_pass(comm_, std::as_const(part_.mesh), borders_, options_);
+    return {std::as_const(part_.mesh), {}, start_.info, start_.surfaces, borders_, {}, {}, {}, {}};
   }
 
   /// The splits that have to go before: those of the early families. False if a family would have to be kept and broken
@@ -207,7 +209,7 @@ class EarlyPasses {
   /// Nothing where the whole mesh has to be split for an error to be described by its numbers; on all ranks alike.
   std::optional<Split> try_to_split(const Closed& pass) {
     try {
-      return split_pass(comm_, part_.mesh, pass, timer_, open_nodes(part_));
+      return split_pass(comm_, pass, timer_, open_nodes(part_));
     } catch (const Error&) {
       if (is_whole_) throw;
       return {};
@@ -227,7 +229,7 @@ class EarlyPasses {
     auto origin = origins_of_pass(comm_.rank(), old, made.fine.cell_to_node, part_.whole_cell);
     auto without_parent = options_;
     without_parent.parent_field = false;
-    auto result = transfer_pass(part_.mesh, std::move(pass), std::move(made), without_parent);
+    auto result = transfer_pass(std::move(pass), std::move(made), without_parent);
     part.mesh = std::move(result.mesh);
     if (options_.parent_field)  // made anew at the end
       std::erase_if(part.mesh.cell_fields, [](const auto& field) { return field.name == mesh::parent_field; });
@@ -262,16 +264,14 @@ class EarlyPasses {
   /// Cells with open faces that have other marks than in the whole mesh.
   std::vector<LocalId> changed_at_the_end(const refine::Closure& closure) const {
     auto cells = open_cells(part_);
-    std::erase_if(cells, [&](LocalId c) {
-      return closure.marks[at(c)] == start_.closed.closure.marks[at(part_.whole_cell[at(c)])];
-    });
+    std::erase_if(cells,
+                  [&](LocalId c) { return closure.marks[at(c)] == start_.closure.marks[at(part_.whole_cell[at(c)])]; });
     return cells;
   }
 
-  Ready finish() && {
-    Ready ready{{}, std::move(part_.requests), std::move(part_.whole_cell), open(), {}};
-    if (!is_whole_) ready.members = InputCells{std::move(members_.mesh), std::move(members_.whole_cell)};
-    auto& closure = ready.closed.closure;
+  Closed finish() && {
+    auto closed = open();
+    auto& closure = closed.closure;
     closure.marks = std::move(part_.known.marks);
     closure.rebuilt = std::move(part_.known.plans);
     closure.cut_faces_conform = cut_faces_conform_;
@@ -282,34 +282,34 @@ class EarlyPasses {
     report_.closure.families_kept += n_kept_;
     report_.neighbors_closing = std::ssize(borders_.nodes.rank);
     closure.report = report_.closure;
-    ready.closed.report = std::move(report_);
-    ready.mesh = std::move(part_.mesh);
+    closed.report = std::move(report_);
+    closed.requests = std::move(part_.requests);
+    closed.input_cell = std::move(part_.whole_cell);
+    closed.mesh = std::move(part_.mesh);
+    if (is_whole_) start_.mesh.drop_links();
+    closed.before = is_whole_ ? InputCells{std::move(start_.mesh), true, {}} : std::move(start_.before);
     timer_.lap("close");
-    return ready;
+    return closed;
   }
 
   const par::Comm& comm_;
-  const mesh::DistMesh& input_;
-  Ready start_;
-  WholeMesh whole_;
+  Closed start_;  ///< the input
   const refine::Options& options_;
   StepTimer& timer_;
-  mesh::DistMesh* own_;     ///< the input, if it may be changed
   Report report_;           ///< of the first closing and the passes
   bool cut_faces_conform_;  ///< of the closure that is known
   std::int64_t n_kept_ = 0;
   Coverage coverage_;
-  MeshPart part_, members_;
+  MeshPart part_;
   mesh::Borders borders_;
   bool is_whole_ = false;
 };
 
 }  // namespace
 
-Ready split_all_early(const par::Comm& comm, const mesh::DistMesh& input, Ready ready, const refine::Options& options,
-                      StepTimer& timer, mesh::DistMesh* own) {
-  if (!ready.closed.closure.has_early) return ready;
-  return EarlyPasses(comm, input, std::move(ready), options, timer, own).run();
+Closed split_early(const par::Comm& comm, Closed closed, const refine::Options& options, StepTimer& timer) {
+  if (!closed.closure.has_early) return closed;
+  return EarlyPasses(comm, std::move(closed), options, timer).run();
 }
 
 }  // namespace pamr::adapt

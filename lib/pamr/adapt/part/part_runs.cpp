@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "pamr/adapt/part_runs.hpp"
+#include "pamr/adapt/part/part_runs.hpp"
 
 #include <algorithm>
 

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "pamr/adapt/mesh_part.hpp"
+#include "pamr/adapt/part/mesh_part.hpp"
 #include "pamr/mesh/dist_mesh.hpp"
 #include "pamr/par/comm.hpp"
 #include "pamr/refine/carried.hpp"
@@ -14,16 +14,17 @@ namespace pamr::adapt {
 
 /// The whole mesh with the part put back, and what is known of it.
 struct PutBack {
+  mesh::DistMesh mesh;
   std::vector<std::uint8_t> requests;
   refine::Carried known;
   std::vector<LocalId> whole_cell;  ///< of each cell, as of a part; empty if nobody wants it
 };
 
-/// Makes `mesh`, which is that of `whole` or a copy of it, what it has become, in place: in the order of the whole
-/// mesh, cells numbered without gaps. It gets `cell_origin`. Cost: arrays of cells are moved by the few places that the
-/// part needs more or less; memory only where an array has no room for that. Collective, as `widen`.
-PutBack put_back(const par::Comm& comm, const WholeMesh& whole, const MeshPart& part, Coverage& coverage,
-                 bool with_whole_cells, mesh::DistMesh& mesh);
+/// What the whole mesh has become: in its order, cells numbered without gaps. It gets `cell_origin`. `mesh`: the whole
+/// mesh or a copy of it, `whole`: of its cells. Cost: arrays of cells are moved by the few places that the part needs
+/// more or less; memory only where an array has no room for that. Collective, as `widen`.
+PutBack put_back(const par::Comm& comm, mesh::DistMesh mesh, const WholeCells& whole, const MeshPart& part,
+                 Coverage& coverage, bool with_whole_cells);
 
 /// A copy without fields, with room for so many cells and nodes. Local.
 mesh::DistMesh copy_without_fields(const mesh::DistMesh& mesh, std::size_t n_cells, std::size_t n_nodes);

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "pamr/adapt/mesh_part.hpp"
+#include "pamr/adapt/part/mesh_part.hpp"
 
 #include <algorithm>
 #include <iterator>
 #include <utility>
 #include <variant>
 
-#include "pamr/adapt/join_part.hpp"
-#include "pamr/adapt/part_runs.hpp"
+#include "pamr/adapt/part/join_part.hpp"
+#include "pamr/adapt/part/part_runs.hpp"
 #include "pamr/base/index.hpp"
 #include "pamr/base/memory.hpp"
 #include "pamr/mesh/tet.hpp"
@@ -23,7 +23,8 @@ class Widener {
       : comm_(comm), whole_(whole), before_(before), coverage_(coverage), runs_(before, coverage) {}
 
   MeshPart run() && {
-    const auto& [mesh, borders, requests, closure] = whole_;
+    const auto& [mesh, borders, cells] = whole_;
+    const auto& [requests, closure] = cells;
     after_.mesh.info = was_empty() ? mesh.info : before_.mesh.info;
     after_.mesh.info.cut_faces_conform = closure.cut_faces_conform;
     after_.whole_cell = cells_of_whole(runs_, before_);
@@ -32,7 +33,7 @@ class Widener {
     after_.mesh.cell_origin =
         runs_.join<GlobalId>(mesh.cell_origin.empty() ? mesh.cell_global : mesh.cell_origin, before_.mesh.cell_origin);
     after_.known = {runs_.join<refine::EdgeMask>(closure.marks, before_.known.marks),
-                    join_plans(runs_, whole_, before_)};
+                    join_plans(runs_, cells, before_)};
     find_nodes();
     join_nodes();
     join_links();

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "pamr/adapt/mesh_part.hpp"
+#include "pamr/adapt/part/mesh_part.hpp"
 #include "pamr/base/index.hpp"
 #include "pamr/base/memory.hpp"
 

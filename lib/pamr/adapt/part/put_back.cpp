@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "pamr/adapt/put_back.hpp"
+#include "pamr/adapt/part/put_back.hpp"
 
 #include <algorithm>
 #include <string>
@@ -7,9 +7,9 @@
 #include <utility>
 #include <variant>
 
-#include "pamr/adapt/join_part.hpp"
-#include "pamr/adapt/mesh_part.hpp"
-#include "pamr/adapt/part_runs.hpp"
+#include "pamr/adapt/part/join_part.hpp"
+#include "pamr/adapt/part/mesh_part.hpp"
+#include "pamr/adapt/part/part_runs.hpp"
 #include "pamr/base/index.hpp"
 #include "pamr/base/memory.hpp"
 
@@ -127,8 +127,8 @@ std::vector<mesh::CellNodes> nodes_of_part(const MeshPart& part, LocalId n_nodes
 
 }  // namespace
 
-PutBack put_back(const par::Comm& comm, const WholeMesh& whole, const MeshPart& part, Coverage& coverage,
-                 bool with_whole_cells, mesh::DistMesh& mesh) {
+PutBack put_back(const par::Comm& comm, mesh::DistMesh mesh, const WholeCells& whole, const MeshPart& part,
+                 Coverage& coverage, bool with_whole_cells) {
   cover_all(coverage);
   const PartRuns runs(part, coverage);
   PutBack result;
@@ -165,6 +165,7 @@ PutBack put_back(const par::Comm& comm, const WholeMesh& whole, const MeshPart& 
   for (LocalId k = 0; const auto face : mesh.border_face)
     mesh.cell_to_cell[at(face.cell)][at(face.slot)] = runs.n_cells() + k++;
   mesh.ghost_global = numbers_behind_border(comm, mesh);
+  result.mesh = std::move(mesh);
   return result;
 }
 
