@@ -63,19 +63,26 @@ class Linker {
 
   void add_remote(CellFace face, Rank rank) { remote_.push_back({rank, mesh::face_key(coarse_, face), face}); }
 
-  /// Links a face with that of the same nodes of the cells that take a group's place, if there is one.
-  bool link_to_group(CellFace face, std::size_t g) {
+  std::array<LocalId, 3> nodes_of(CellFace face) const {
     const auto& nodes = coarse_.cell_to_node[at(face.cell)];
     const auto& corner = mesh::tet::face_to_corner[at(face.slot)];
-    const std::array<LocalId, 3> wanted{nodes[at(corner[0])], nodes[at(corner[1])], nodes[at(corner[2])]};
+    return {nodes[at(corner[0])], nodes[at(corner[1])], nodes[at(corner[2])]};
+  }
+
+  /// Links a face with that of the same nodes of another cell, if that has it.
+  bool link_to_cell(CellFace face, const std::array<LocalId, 3>& nodes, LocalId cell) {
+    const int slot = face_with(coarse_.cell_to_node[at(cell)], nodes);
+    if (slot < 0) return false;
+    link(face) = cell;
+    link({cell, slot}) = face.cell;
+    return true;
+  }
+
+  /// The same for the cells that take a group's place.
+  bool link_to_group(CellFace face, const std::array<LocalId, 3>& nodes, std::size_t g) {
     const auto first = places_.first_of_group[g];
-    for (auto cell = first; cell < first + refine::split_pattern[groups_[g].now].n_children; ++cell) {
-      const int slot = face_with(coarse_.cell_to_node[at(cell)], wanted);
-      if (slot < 0) continue;
-      link(face) = cell;
-      link({cell, slot}) = face.cell;
-      return true;
-    }
+    for (auto cell = first; cell < first + refine::split_pattern[groups_[g].now].n_children; ++cell)
+      if (link_to_cell(face, nodes, cell)) return true;
     return false;
   }
 
@@ -88,9 +95,7 @@ class Linker {
         link(face) = next;
       else if (!old_.is_own(next))
         add_remote(face, rank_of_face_[at(next - old_.n_cells())]);
-      else if (places_.is_in_group(next))
-        link_to_group(face, places_.group_of(next));
-      else
+      else if (!places_.is_in_group(next))  // else the group finds this face
         link(face) = places_.cell[at(next)];
     }
   }
@@ -103,6 +108,7 @@ class Linker {
   /// What lies behind the faces of a group's parent.
   struct Behind {
     LocalId patch = 0;                ///< slot of a patch, or 0
+    std::vector<LocalId> cells;       ///< of this rank that stay, by their new numbers
     std::vector<std::size_t> groups;  ///< of this rank
     std::vector<Rank> ranks;
   };
@@ -110,6 +116,7 @@ class Linker {
   void look_behind(const Group& group, std::array<Behind, 4>& behind) const {
     for (auto& b : behind) {
       b.patch = 0;
+      b.cells.clear();
       b.groups.clear();
       b.ranks.clear();
     }
@@ -119,7 +126,10 @@ class Linker {
       if (next < 0) {
         b.patch = next;
       } else if (old_.is_own(next)) {
-        if (places_.is_in_group(next)) add_once(places_.group_of(next), b.groups);
+        if (places_.is_in_group(next))
+          add_once(places_.group_of(next), b.groups);
+        else
+          b.cells.push_back(places_.cell[at(next)]);
       } else {
         add_once(rank_of_face_[at(next - old_.n_cells())], b.ranks);
       }
@@ -144,8 +154,12 @@ class Linker {
           link(face) = b.patch;
           continue;
         }
-        if (link(face) != invalid_local) continue;  // by the cell or group behind it
-        if (std::any_of(b.groups.begin(), b.groups.end(), [&](auto other) { return link_to_group(face, other); }))
+        if (link(face) != invalid_local) continue;  // by the group behind it
+        const auto nodes = nodes_of(face);
+        const auto links_cell = [&](LocalId cell) { return link_to_cell(face, nodes, cell); };
+        const auto links_group = [&](std::size_t other) { return link_to_group(face, nodes, other); };
+        if (std::any_of(b.cells.begin(), b.cells.end(), links_cell) ||
+            std::any_of(b.groups.begin(), b.groups.end(), links_group))
           continue;
         for (const auto rank : b.ranks) add_remote(face, rank);
       }
