@@ -12,6 +12,8 @@
 #   arguments=()                            takes what is not an option
 #   check_options() { ... }                 called when they are read; may set `subfolder` of out/
 #
+#   uses="pamr-mesh pamr-refine"            the tools that it starts; else all are built
+#
 #   draw NAME TOOL...   a picture of that name in the folder for results, by a tool or script that has -o; says where it is.
 #                       Nothing where the packages for pictures are missing
 #
@@ -53,7 +55,8 @@ if declare -F check_options >/dev/null; then check_options; fi
 out=${out:-$case_folder/out${subfolder:+/$subfolder}}
 if [ -z "$tools" ]; then
   setup=()
-  if [ "${picture:-no}" = yes ]; then setup=(--picture); fi
+  if [ -n "${uses:-}" ]; then setup+=(--only "$uses"); fi
+  if [ "${picture:-no}" = yes ]; then setup+=(--picture); fi
   if [ "${python:-no}" = yes ]; then setup+=(--python); fi
   "$root/scripts/setup.sh" "${setup[@]}"
   tools=${PAMR_BUILD:-$root/build/release}/bin

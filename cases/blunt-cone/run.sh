@@ -22,6 +22,7 @@ set -euo pipefail
 
 declare -A values=([--levels]=levels)
 declare -A flags=([--full]=full [--last]=last [--smoke]=smoke [--heat-flux]=heat_flux [--resume]=resume [--picture]=picture)
+uses="pamr-mesh pamr-mark pamr-refine pamr-quality pamr-dsmc"
 levels= full=no last=no smoke=no heat_flux=no resume=no picture=no
 check_options() {
   size=small
