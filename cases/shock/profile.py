@@ -5,7 +5,8 @@
 OUT/CASE-SEED-WINDOW.hdf hold the averages of EVERY x WINDOW steps since the transient; the difference of two is the
 average of one window. In every window the point of the mean density is looked for and laid upon x = 0, because the shock
 drifts at random. Prints jumps beside expected.csv with standard errors from all windows in groups of five, and the greatest slope of the density;
-writes OUT/CASE.csv. Exit code 1 when a jump is off by more than four standard errors, or its standard error (of three seeds) above 0.3 %."""
+writes OUT/CASE.csv. Exit code 1 when a jump is off by more than four standard errors (one seed:
+0.7 %), or its standard error (of three seeds) above 0.3 %."""
 import csv
 import math
 import pathlib
@@ -99,7 +100,9 @@ print(f"{name}: {len(aligned)} windows of {every} steps with {seeds} seeds; the 
 failed = False
 expected = {r["quantity"]: float(r["value"]) for r in csv.DictReader(open(pathlib.Path(__file__).parent / "expected.csv")) if r["case"] == name}
 for quantity, value, error in zip(("n2/n1", "T2/T1", "p2/p1"), whole, errors):
-    ok = abs(value - expected[quantity]) <= 4 * error and (seeds < 3 or error <= 0.003 * value)
+    # The standard error of three groups (one seed) may be off by a factor of three: four of those that nine groups give.
+    bound = 0.007 * value if seeds < 3 else 4 * error
+    ok = abs(value - expected[quantity]) <= bound and (seeds < 3 or error <= 0.003 * value)
     failed = failed or not ok
     print(f"  {quantity}  {value:9.4f} +- {error:.4f}  expected {expected[quantity]:9.4f}  {'ok' if ok else 'NOT AS EXPECTED'}")
 t1 = case["stream"]["free"]["temperature"]
