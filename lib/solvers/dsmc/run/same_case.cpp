@@ -133,12 +133,8 @@ json facts_of_time(const par::Comm& comm, const Case& c, const Setup& setup, con
 }
 
 json facts_of(const Case& c, const Schedule& s) {
-  json facts{{"seed", c.seed}, {"window", s.window}};
-  if (s.transient)
-    facts["transient"] = *s.transient;
-  else
-    facts["most_transient"] = s.max_transient;
-  return facts;
+  return {
+      {"seed", c.seed}, {"window", s.window}, {"transient", s.transient ? json(*s.transient) : json("until steady")}};
 }
 
 json facts_of(const Reference& r, const std::vector<mesh::Patch>& patches,
