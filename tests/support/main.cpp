@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-/// Main function of every test program. MPI is called directly here, so that the verdict does not rest on the code
-/// under test.
+/// Main function of every test program. `--serial=FILE` leaves out the tests of that source on several ranks. MPI is
+/// called directly here, so that the verdict does not rest on the code under test.
 #include <gtest/gtest.h>
 #include <mpi.h>
 
+#include <algorithm>
 #include <cstdio>
+#include <filesystem>
 #include <memory>
+#include <string>
 
 #ifdef __SANITIZE_ADDRESS__
 #include <sanitizer/lsan_interface.h>
@@ -42,6 +45,20 @@ class RankListener : public testing::EmptyTestEventListener {
   const testing::TestInfo* test_ = nullptr;
 };
 
+void leave_out_serial_tests(int argc, char** argv) {
+  std::string names;
+  const auto& tests = *testing::UnitTest::GetInstance();
+  for (int s = 0; s < tests.total_test_suite_count(); ++s)
+    for (int t = 0; t < tests.GetTestSuite(s)->total_test_count(); ++t) {
+      const auto& test = *tests.GetTestSuite(s)->GetTestInfo(t);
+      const auto file = std::filesystem::path(test.file()).filename().string();
+      if (std::any_of(argv + 1, argv + argc, [&](const char* argument) { return "--serial=" + file == argument; }))
+        names += std::string(":") + test.test_suite_name() + "." + test.name();
+    }
+  auto filter = GTEST_FLAG_GET(filter);
+  if (!names.empty()) GTEST_FLAG_SET(filter, filter + (filter.find('-') == filter.npos ? "-" : "") + names);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -53,6 +70,8 @@ int main(int argc, char** argv) {
   auto& listeners = testing::UnitTest::GetInstance()->listeners();
   if (rank != 0) std::unique_ptr<testing::TestEventListener>(listeners.Release(listeners.default_result_printer()));
   listeners.Append(new RankListener(rank, size));  // GoogleTest owns it
+
+  if (size > 1) leave_out_serial_tests(argc, argv);
 
   const int here = RUN_ALL_TESTS();
 

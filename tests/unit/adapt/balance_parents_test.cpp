@@ -13,7 +13,7 @@
 #include "support/meshes.hpp"
 
 namespace pamr {
-namespace {
+namespace balance_parents_test {
 
 using refine::QualityControl;
 
@@ -145,5 +145,5 @@ TEST(BalanceParents, RefusesBadWeightsOnEveryRank) {
   EXPECT_THROW(adapt::balancing_named("metis", "exact"), Error);
 }
 
-}  // namespace
+}  // namespace balance_parents_test
 }  // namespace pamr

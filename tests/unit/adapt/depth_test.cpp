@@ -13,7 +13,7 @@
 #include "support/meshes.hpp"
 
 namespace pamr {
-namespace {
+namespace depth_test {
 
 using geometry::Vec3;
 
@@ -131,5 +131,5 @@ TEST(Depth, ACellThatClosingWouldSplitIsNamedByForecastAndRefinement) {
   EXPECT_EQ(of_forecast, comm.broadcast(of_forecast));
 }
 
-}  // namespace
+}  // namespace depth_test
 }  // namespace pamr

@@ -14,7 +14,7 @@
 #include "support/meshes.hpp"
 
 namespace pamr {
-namespace {
+namespace mesh_part_test {
 
 /// A mesh with closure families, in runs of cells over the ranks or balanced, so that there are none.
 mesh::DistMesh mesh_with_families(const par::Comm& comm, bool in_runs) {
@@ -77,5 +77,5 @@ TEST_P(MeshPart, GrowsAndIsPutBackAsItWas) {
 
 INSTANTIATE_TEST_SUITE_P(InRunsAndNot, MeshPart, testing::Bool());
 
-}  // namespace
+}  // namespace mesh_part_test
 }  // namespace pamr

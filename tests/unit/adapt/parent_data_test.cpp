@@ -10,7 +10,7 @@
 #include "support/meshes.hpp"
 
 namespace pamr::adapt {
-namespace {
+namespace parent_data_test {
 
 struct Item {
   std::int32_t cell = 0;
@@ -83,5 +83,5 @@ TEST(FetchCellRows, SaysWhatIsWrongOnEveryRank) {
   EXPECT_THAT(error_of(own, broken, none), testing::HasSubstr("found other offsets"));
 }
 
-}  // namespace
+}  // namespace parent_data_test
 }  // namespace pamr::adapt

@@ -14,7 +14,7 @@
 #include "support/meshes.hpp"
 
 namespace pamr {
-namespace {
+namespace read_for_refinement_test {
 
 namespace fs = std::filesystem;
 
@@ -119,5 +119,5 @@ TEST(ReadForRefinement, RefusesAMissingFileOnEveryRank) {
   EXPECT_THROW(read(comm, "no such file.hdf", {}), Error);
 }
 
-}  // namespace
+}  // namespace read_for_refinement_test
 }  // namespace pamr

@@ -19,7 +19,7 @@
 #include "support/meshes.hpp"
 
 namespace pamr::adapt {
-namespace {
+namespace saved_rows_test {
 
 using Rows = CellRows<std::int32_t>;
 namespace fs = std::filesystem;
@@ -168,5 +168,5 @@ TEST_F(SavedRowsTest, SayWhatIsWrongWithAFile) {
   EXPECT_THROW(write_cell_rows(comm_, file("rows"), mesh, rows_of(mesh), std::string(65, 'x')), Error);
 }
 
-}  // namespace
+}  // namespace saved_rows_test
 }  // namespace pamr::adapt

@@ -14,7 +14,7 @@
 #include "support/reference.hpp"
 
 namespace pamr::assemble {
-namespace {
+namespace assemble_test {
 
 using testing::HasSubstr;
 
@@ -424,5 +424,5 @@ TEST_F(AssembleRefuses, DestinationsThatAreNoRanks) {
   EXPECT_THROW(assemble(comm_, block, to), Error);
 }
 
-}  // namespace
+}  // namespace assemble_test
 }  // namespace pamr::assemble

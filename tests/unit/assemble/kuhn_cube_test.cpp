@@ -10,7 +10,7 @@
 #include "support/reference.hpp"
 
 namespace pamr::assemble {
-namespace {
+namespace kuhn_cube_test {
 
 TEST(KuhnCube, FillsTheUnitCubeExactly) {
   const par::Comm comm(MPI_COMM_WORLD);
@@ -86,5 +86,5 @@ TEST(KuhnCube, RefusesSizesOutOfRange) {
   EXPECT_THROW(kuhn_cube(comm, 100001), Error);
 }
 
-}  // namespace
+}  // namespace kuhn_cube_test
 }  // namespace pamr::assemble

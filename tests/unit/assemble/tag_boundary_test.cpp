@@ -16,7 +16,7 @@
 #include "support/meshes.hpp"
 
 namespace pamr::assemble {
-namespace {
+namespace tag_boundary_test {
 
 using testing::HasSubstr;
 using Triangle = std::array<GlobalId, 3>;
@@ -158,5 +158,5 @@ TEST(TagBoundary, SaysWhichTriangleIsWrongOnEveryRank) {
   EXPECT_THAT(error_of(comm, block), HasSubstr("patches of the boundary triangles: expected"));
 }
 
-}  // namespace
+}  // namespace tag_boundary_test
 }  // namespace pamr::assemble

@@ -9,7 +9,7 @@
 #include "refined_mesh.hpp"
 
 namespace pamr {
-namespace {
+namespace dual_graph_test {
 
 using Arcs = std::map<std::pair<GlobalId, GlobalId>, std::int64_t>;
 
@@ -110,5 +110,5 @@ TEST(DualGraph, GroupsCellsOfAboutTheSameWeight) {
   expect_sound(comm, mesh, groups);
 }
 
-}  // namespace
+}  // namespace dual_graph_test
 }  // namespace pamr

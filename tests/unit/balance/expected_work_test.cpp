@@ -10,7 +10,7 @@
 #include "pamr/assemble/kuhn_cube.hpp"
 
 namespace pamr {
-namespace {
+namespace expected_work_test {
 
 using Eighths = std::vector<std::uint8_t>;
 
@@ -122,5 +122,5 @@ TEST(ExpectedWork, BeginsTheRunsOfTheRanks) {
   EXPECT_NEAR(static_cast<double>(first), static_cast<double>(n * comm.rank()) / comm.size(), 1);
 }
 
-}  // namespace
+}  // namespace expected_work_test
 }  // namespace pamr

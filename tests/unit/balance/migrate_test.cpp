@@ -8,7 +8,7 @@
 #include "refined_mesh.hpp"
 
 namespace pamr {
-namespace {
+namespace migrate_test {
 
 void expect_equal_fields(const std::vector<mesh::Field>& a, const std::vector<mesh::Field>& b) {
   ASSERT_EQ(a.size(), b.size());
@@ -157,5 +157,5 @@ TEST(Migrate, RefusesBadDestinationsOnEveryRank) {
   }
 }
 
-}  // namespace
+}  // namespace migrate_test
 }  // namespace pamr

@@ -11,7 +11,7 @@
 #include "refined_mesh.hpp"
 
 namespace pamr {
-namespace {
+namespace partition_test {
 
 using balance::Method;
 
@@ -222,5 +222,5 @@ TEST(WeightedBlocks, GivesEachCellThePartItHasWhereverTheCellsAre) {
   EXPECT_EQ(tell(mesh), in_runs);
 }
 
-}  // namespace
+}  // namespace partition_test
 }  // namespace pamr

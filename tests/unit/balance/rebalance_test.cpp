@@ -9,7 +9,7 @@
 #include "refined_mesh.hpp"
 
 namespace pamr {
-namespace {
+namespace rebalance_test {
 
 std::vector<double> particles(const mesh::DistMesh& mesh) {
   std::vector<double> number;
@@ -65,5 +65,5 @@ TEST(Rebalance, RefusesBadWeightsOnEveryRank) {
   EXPECT_THROW(balance::rebalance(comm, mesh, std::vector<double>(weight.size(), 0.0)), Error);
 }
 
-}  // namespace
+}  // namespace rebalance_test
 }  // namespace pamr

@@ -11,7 +11,7 @@
 #include "pamr/base/error.hpp"
 
 namespace pamr {
-namespace {
+namespace weights_test {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
@@ -117,5 +117,5 @@ TEST(Weights, ComeFromACellFieldOfEitherType) {
   EXPECT_THAT(trouble([&] { balance::weights_from_field(comm, mesh, "velocity"); }), HasSubstr("of one component"));
 }
 
-}  // namespace
+}  // namespace weights_test
 }  // namespace pamr

@@ -9,7 +9,7 @@
 #include "pamr/base/error.hpp"
 
 namespace pamr {
-namespace {
+namespace case_file_test {
 
 using ::testing::ElementsAre;
 using ::testing::StrEq;
@@ -60,5 +60,5 @@ TEST(CaseFile, ListsEachTableOnce) {
   EXPECT_FALSE(names.front().empty());
 }
 
-}  // namespace
+}  // namespace case_file_test
 }  // namespace pamr

@@ -10,7 +10,7 @@
 #include "pamr/base/types.hpp"
 
 namespace pamr {
-namespace {
+namespace contract_test {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
@@ -50,5 +50,5 @@ TEST(Narrow, RefusesAChangeOfSign) {
   EXPECT_THROW(narrow<GlobalId>(std::numeric_limits<std::uint64_t>::max()), ContractViolation);
 }
 
-}  // namespace
+}  // namespace contract_test
 }  // namespace pamr

@@ -34,7 +34,7 @@
 #include "pamr/par/sum_modulo.hpp"
 
 namespace pamr {
-namespace {
+namespace exact_test {
 
 template <class... T, class... Call>
 constexpr bool all_take(Call...) {
@@ -242,5 +242,5 @@ TEST(Exact, SmallestAndLargestKeepTheirType) {
   EXPECT_TRUE((std::same_as<decltype(any_of<Comm>().min(0.75)), double>));
 }
 
-}  // namespace
+}  // namespace exact_test
 }  // namespace pamr

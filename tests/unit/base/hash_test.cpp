@@ -7,7 +7,7 @@
 #include <set>
 
 namespace pamr {
-namespace {
+namespace hash_test {
 
 TEST(Mix, AgreesWithTheFirstOutputsOfSplitmix64) {
   // Splitmix64 seeded with 0: the state grows by the golden gamma before each output.
@@ -31,5 +31,5 @@ TEST(BitsOf, FoldsMinusZeroOntoPlusZero) { EXPECT_EQ(bits_of(-0.0), bits_of(0.0)
 
 TEST(BitsOf, TellsNeighboringDoublesApart) { EXPECT_NE(bits_of(1.0), bits_of(1.0 + 0x1p-52)); }
 
-}  // namespace
+}  // namespace hash_test
 }  // namespace pamr

@@ -10,7 +10,7 @@
 #include "pamr/base/types.hpp"
 
 namespace pamr {
-namespace {
+namespace index_test {
 
 TEST(At, KeepsTheValueOfEveryWidth) {
   EXPECT_EQ(at(std::uint8_t{255}), 255U);
@@ -24,5 +24,5 @@ TEST(At, IsAConstantOfTheTypeOfIndices) {
   static_assert(std::is_same_v<decltype(at(LocalId{0})), std::size_t>);
 }
 
-}  // namespace
+}  // namespace index_test
 }  // namespace pamr

@@ -10,7 +10,7 @@
 #include <vector>
 
 namespace pamr {
-namespace {
+namespace insertion_sort_test {
 
 bool key_is_less(const std::pair<int, int>& a, const std::pair<int, int>& b) { return a.first < b.first; }
 
@@ -33,5 +33,5 @@ TEST(InsertionSort, SortsAPartOfAnArrayAndNothingBeside) {
   EXPECT_EQ(items, (std::array<int, 6>{9, 1, 2, 3, 8, 0}));
 }
 
-}  // namespace
+}  // namespace insertion_sort_test
 }  // namespace pamr

@@ -6,7 +6,7 @@
 #include <algorithm>
 
 namespace pamr {
-namespace {
+namespace memory_test {
 
 constexpr std::size_t large_page = std::size_t{2} << 20U;
 
@@ -45,5 +45,5 @@ TEST(Memory, AssignedArraysHoldTheValueEverywhere) {
   EXPECT_TRUE(std::all_of(items.begin(), items.end(), [](int i) { return i == 17; }));
 }
 
-}  // namespace
+}  // namespace memory_test
 }  // namespace pamr

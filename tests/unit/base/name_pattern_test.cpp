@@ -6,7 +6,7 @@
 #include "pamr/base/error.hpp"
 
 namespace pamr {
-namespace {
+namespace name_pattern_test {
 
 TEST(NamePattern, StandsForNamesAsInTheShell) {
   EXPECT_TRUE(stands_for("body_*", "body_1") && stands_for("body_*", "body_") && stands_for("*", "any"));
@@ -37,5 +37,5 @@ TEST(FindPattern, RefusesTwoThatStandForOneName) {
   }
 }
 
-}  // namespace
+}  // namespace name_pattern_test
 }  // namespace pamr

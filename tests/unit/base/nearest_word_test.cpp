@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 namespace pamr {
-namespace {
+namespace nearest_word_test {
 
 const std::vector<std::string> known{"center", "density", "radius", "temperature", "x"};
 
@@ -31,5 +31,5 @@ TEST(NearestWord, DoesNotSpendTimeOnLongWords) {
   EXPECT_EQ(nearest_word(std::string(100000, 'a'), {std::string(100000, 'a')}), std::nullopt);
 }
 
-}  // namespace
+}  // namespace nearest_word_test
 }  // namespace pamr

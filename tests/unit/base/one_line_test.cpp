@@ -5,7 +5,7 @@
 
 #include <string>
 
-namespace {
+namespace one_line_test {
 
 TEST(OneLine, HasNoControlCharacters) {
   EXPECT_EQ(pamr::one_line("\x1b[2J\r\n\t\x7f"), "\\x1b[2J\\x0d\\n\\x09\\x7f");
@@ -17,4 +17,4 @@ TEST(OneLine, LeavesEverythingElseAsItIs) {
     EXPECT_EQ(pamr::one_line(text), text);
 }
 
-}  // namespace
+}  // namespace one_line_test

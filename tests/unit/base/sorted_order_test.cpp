@@ -8,7 +8,7 @@
 #include <random>
 
 namespace pamr {
-namespace {
+namespace sorted_order_test {
 
 TEST(SortedOrder, OfNothingIsNothing) { EXPECT_TRUE(sorted_order({}).empty()); }
 
@@ -34,5 +34,5 @@ TEST(SortedOrder, IsThatOfAStableSort) {
     }
 }
 
-}  // namespace
+}  // namespace sorted_order_test
 }  // namespace pamr

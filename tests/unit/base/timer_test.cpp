@@ -7,7 +7,7 @@
 #include <vector>
 
 namespace pamr {
-namespace {
+namespace timer_test {
 
 TEST(Clocks, NeverRunBackwards) {
   const double wall = wall_seconds(), cpu = cpu_seconds();
@@ -101,5 +101,5 @@ TEST(MergeSteps, KeepsTheOrderAndAddsEqualNames) {
   EXPECT_EQ(merged[2].step, "write");
 }
 
-}  // namespace
+}  // namespace timer_test
 }  // namespace pamr

@@ -9,7 +9,7 @@
 #include "pamr/base/error.hpp"
 
 namespace pamr {
-namespace {
+namespace toml_table_test {
 
 using ::testing::ElementsAre;
 using ::testing::StrEq;
@@ -266,5 +266,5 @@ TEST(TomlTable, SurvivesDamagedText) {
   EXPECT_EQ(accepted, 0U);  // [[a]] has a key that nobody asked for
 }
 
-}  // namespace
+}  // namespace toml_table_test
 }  // namespace pamr

@@ -7,7 +7,7 @@
 #include <string>
 
 namespace pamr {
-namespace {
+namespace with_file_name_test {
 
 TEST(WithFileName, ReturnsWhatTheWorkReturns) {
   EXPECT_EQ(with_file_name("a.hdf", [] { return 7; }), 7);
@@ -29,5 +29,5 @@ TEST(WithFileName, LeavesOtherExceptionsAsTheyAre) {
   EXPECT_THROW(with_file_name("a.hdf", [] { throw std::out_of_range("5"); }), std::out_of_range);
 }
 
-}  // namespace
+}  // namespace with_file_name_test
 }  // namespace pamr

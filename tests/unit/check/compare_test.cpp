@@ -13,7 +13,7 @@
 #include "support/meshes.hpp"
 
 namespace pamr::check {
-namespace {
+namespace compare_test {
 
 using geometry::Vec3;
 
@@ -194,5 +194,5 @@ TEST(MatchNodes, TakesTheNearestWithinTheToleranceAlsoAcrossBins) {
   }
 }
 
-}  // namespace
+}  // namespace compare_test
 }  // namespace pamr::check

@@ -10,7 +10,7 @@
 #include "pamr/check/report_text.hpp"
 
 namespace pamr::check {
-namespace {
+namespace gate_test {
 
 check::QualityReport example() {
   check::QualityReport report;
@@ -89,5 +89,5 @@ TEST(ToCsv, QuotesNamesWithCommas) {
   EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 3);
 }
 
-}  // namespace
+}  // namespace gate_test
 }  // namespace pamr::check

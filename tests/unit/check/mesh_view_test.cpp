@@ -14,7 +14,7 @@
 #include "support/meshes.hpp"
 
 namespace pamr::check {
-namespace {
+namespace mesh_view_test {
 
 /// The Kuhn cube with its cells scattered over the ranks, and a field on cells and one on nodes.
 mesh::DistMesh scattered_cube(const par::Comm& comm, int n) {
@@ -146,5 +146,5 @@ TEST(MeshView, ListsTheNodesOffTheirSurface) {
   }
 }
 
-}  // namespace
+}  // namespace mesh_view_test
 }  // namespace pamr::check

@@ -16,7 +16,7 @@
 #include "support/meshes.hpp"
 
 namespace pamr::check {
-namespace {
+namespace quality_report_test {
 
 using geometry::Vec3;
 
@@ -236,5 +236,5 @@ TEST(WorstCells, AreTheSameForEveryNumberOfRanks) {
   }
 }
 
-}  // namespace
+}  // namespace quality_report_test
 }  // namespace pamr::check

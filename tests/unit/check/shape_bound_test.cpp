@@ -15,7 +15,7 @@
 #include "support/meshes.hpp"
 
 namespace pamr {
-namespace {
+namespace shape_bound_test {
 
 using check::worst_uniform_shape;
 using geometry::TetPoints;
@@ -192,5 +192,5 @@ TEST(ShapeBound, HoldsOverSixLevelsOfRandomMarks) {
   }
 }
 
-}  // namespace
+}  // namespace shape_bound_test
 }  // namespace pamr

@@ -6,7 +6,7 @@
 #include <cmath>
 
 namespace pamr::check {
-namespace {
+namespace triangle_metrics_test {
 
 TEST(TriangleMetrics, AreBestForEqualSides) {
   const auto [mean_ratio, aspect_ratio, min_angle, max_angle] =
@@ -38,5 +38,5 @@ TEST(TriangleMetrics, AreWorstWithoutArea) {
   }
 }
 
-}  // namespace
+}  // namespace triangle_metrics_test
 }  // namespace pamr::check

@@ -11,7 +11,7 @@
 #include "support/meshes.hpp"
 
 namespace pamr {
-namespace {
+namespace wall_shapes_test {
 
 using check::WallShapes;
 
@@ -54,5 +54,5 @@ TEST(WallShapes, WhatSplittingAloneCanMakeIsNoLoss) {
   EXPECT_DOUBLE_EQ(check::limit_of_lost_shape(before), 0.07);
 }
 
-}  // namespace
+}  // namespace wall_shapes_test
 }  // namespace pamr

@@ -11,7 +11,7 @@
 #include <vector>
 
 namespace pamr::cli {
-namespace {
+namespace command_line_test {
 
 /// A command line that is read from words, as a shell gives them.
 class CommandLineTest : public ::testing::Test {
@@ -113,5 +113,5 @@ TEST_F(CommandLineTest, ChecksAfterReadingAndRefusesWhatIsMissing) {
   EXPECT_THROW(read({}), CLI::RequiredError);
 }
 
-}  // namespace
+}  // namespace command_line_test
 }  // namespace pamr::cli

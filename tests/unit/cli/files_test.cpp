@@ -16,7 +16,7 @@
 #include "pamr/base/error.hpp"
 
 namespace pamr::cli {
-namespace {
+namespace files_test {
 
 namespace fs = std::filesystem;
 using ::testing::ElementsAre;
@@ -212,5 +212,5 @@ TEST_F(FilesTest, ExistingFilesOfASeriesComeByNumber) {
   EXPECT_THAT(existing_files(series("missing/s", 1), 0), ElementsAre());
 }
 
-}  // namespace
+}  // namespace files_test
 }  // namespace pamr::cli

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 namespace pamr::cli {
-namespace {
+namespace progress_test {
 
 TEST(ProgressText, SaysHowMuchIsDoneAtWhichRateAndWhatIsLeft) {
   EXPECT_EQ(progress_text("refining", 40, 100, "steps", 2.0, "close"),
@@ -45,5 +45,5 @@ TEST(Progress, IsSilentWhenNotShown) {
   EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
 }
 
-}  // namespace
+}  // namespace progress_test
 }  // namespace pamr::cli

@@ -12,7 +12,7 @@
 #include "pamr/geometry/tet_shape.hpp"
 
 namespace pamr {
-namespace {
+namespace coarse_fields_test {
 
 /// Cells of the left part may go, some at the right are split.
 std::vector<std::int8_t> both_ways(const mesh::DistMesh& mesh) {
@@ -132,5 +132,5 @@ TEST(CoarseFields, NameEveryOldCellAsParentOrAsMergedIntoOne) {
   EXPECT_EQ(std::ssize(all), before.info.n_global_cells);
 }
 
-}  // namespace
+}  // namespace coarse_fields_test
 }  // namespace pamr

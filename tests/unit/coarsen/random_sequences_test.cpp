@@ -18,7 +18,7 @@
 #include "support/reference_family.hpp"
 
 namespace pamr {
-namespace {
+namespace random_sequences_test {
 
 using geometry::Vec3;
 
@@ -180,5 +180,5 @@ TEST(RandomSequences, GiveTheSameBytesWhereNeighborsOfKeptOctetsAreInverted) {
   for (const std::uint64_t i : {23, 51}) compare_on_all_ranks(par::Comm(MPI_COMM_WORLD), i, n_moved);
 }
 
-}  // namespace
+}  // namespace random_sequences_test
 }  // namespace pamr

@@ -16,7 +16,7 @@
 #include "support/dice.hpp"
 
 namespace pamr {
-namespace {
+namespace round_trip_test {
 
 const adapt::Options plain{{.parent_field = false}, {}};
 
@@ -172,5 +172,5 @@ TEST(Coarsening, WithoutFlagsBelowZeroIsRefining) {
   }
 }
 
-}  // namespace
+}  // namespace round_trip_test
 }  // namespace pamr

@@ -20,7 +20,7 @@
 #include "support/quadratic_cell.hpp"
 
 namespace pamr {
-namespace {
+namespace curve_cells_test {
 
 using geometry::Vec3;
 
@@ -236,5 +236,5 @@ TEST(CurveCells, RefusesCellsThatTheRoundingOfTheirMiddlesInverts) {
   EXPECT_THROW(curved::curve_cells(world, mesh, {.min_jacobian = 0}), Error);
 }
 
-}  // namespace
+}  // namespace curve_cells_test
 }  // namespace pamr

@@ -15,7 +15,7 @@
 #include "support/quadratic_cell.hpp"
 
 namespace pamr {
-namespace {
+namespace curved_convergence_test {
 
 struct Measures {
   double volume = 0, area = 0;
@@ -69,5 +69,5 @@ TEST(CurvedConvergence, OfVolumeAndAreaOfATorusIsOfOrderFour) {
   expect_order_4(errors(world, test::solid_torus(world, 14), 2, {2 * pi * pi * 0.16, 4 * pi * pi * 0.4}));
 }
 
-}  // namespace
+}  // namespace curved_convergence_test
 }  // namespace pamr

@@ -25,7 +25,7 @@
 #include "support/meshes.hpp"
 #include "unit/dsmc/gases.hpp"
 
-namespace {
+namespace adapt_test {
 
 using namespace pamr;
 using namespace pamr::dsmc;
@@ -321,4 +321,4 @@ TEST(SplitOptions, RefusesWhatIsNoCriterion) {
   EXPECT_THROW(mark::split_options("--max-cells 5"), Error);
 }
 
-}  // namespace
+}  // namespace adapt_test

@@ -19,7 +19,7 @@
 #include "support/meshes.hpp"
 #include "unit/dsmc/stream_case.hpp"
 
-namespace {
+namespace advance_test {
 
 using namespace pamr;
 using namespace pamr::dsmc;
@@ -165,4 +165,4 @@ TEST(StopSignals, AreHeardWhileTheyAreWatched) {
   EXPECT_FALSE(StopSignals::have_come());
 }
 
-}  // namespace
+}  // namespace advance_test

@@ -25,7 +25,7 @@
 #include "support/strange_values.hpp"
 #include "unit/dsmc/stream_case.hpp"
 
-namespace {
+namespace checkpoint_damage_test {
 
 using namespace pamr;
 using namespace pamr::dsmc;
@@ -191,4 +191,4 @@ TEST_F(CheckpointContents, ThatDiceHaveMadeAreRefusedOrHarmless) {
   EXPECT_GT(n_refused, n_mutants / 2);
 }
 
-}  // namespace
+}  // namespace checkpoint_damage_test

@@ -10,7 +10,7 @@
 
 #include "solvers/dsmc/kernel/random.hpp"
 
-namespace {
+namespace estimate_test {
 
 using namespace pamr::dsmc;
 
@@ -98,4 +98,4 @@ TEST(Estimate, CoversTheTruthOfCorrelatedBlocksInNineteenOfTwentyRunsOnlyInGroup
   EXPECT_LT(1.0 * covered_apart / n_runs, 0.7);
 }
 
-}  // namespace
+}  // namespace estimate_test

@@ -15,7 +15,7 @@
 #include "unit/dsmc/analytic_flows.hpp"
 #include "unit/dsmc/gases.hpp"
 
-namespace {
+namespace flow_test {
 
 using namespace pamr;
 using namespace pamr::dsmc;
@@ -493,4 +493,4 @@ TEST(Tally, IsNearlyFullBeforeASumOverflows) {
   EXPECT_TRUE(tally.is_nearly_full());
 }
 
-}  // namespace
+}  // namespace flow_test

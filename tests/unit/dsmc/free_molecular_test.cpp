@@ -22,7 +22,7 @@
 #include "unit/dsmc/gases.hpp"
 #include "unit/dsmc/stream_case.hpp"
 
-namespace {
+namespace free_molecular_test {
 
 using namespace pamr;
 using namespace pamr::dsmc;
@@ -271,4 +271,4 @@ TEST(FreeMolecular, NoValueIsGivenOfAWallThatMovesOutOfItsPlane) {
   EXPECT_TRUE(to_json(plan).contains("newtonian"));
 }
 
-}  // namespace
+}  // namespace free_molecular_test

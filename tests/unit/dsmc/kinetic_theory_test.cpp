@@ -8,7 +8,7 @@
 #include "unit/dsmc/analytic_flows.hpp"
 #include "unit/dsmc/gases.hpp"
 
-namespace {
+namespace kinetic_theory_test {
 
 using namespace pamr::dsmc;
 constexpr double degree = std::numbers::pi / 180;
@@ -69,4 +69,4 @@ TEST(Gas, TheContinuumNumberOfRelaxationIsNotTheInverseOfTheProbability) {
   EXPECT_EQ(relaxation_probability(rotation, 0, 0.74, 300), 0);
 }
 
-}  // namespace
+}  // namespace kinetic_theory_test

@@ -12,7 +12,7 @@
 #include "solvers/dsmc/kernel/halo.hpp"
 #include "support/meshes.hpp"
 
-namespace {
+namespace move_test {
 
 using namespace pamr;
 using namespace pamr::dsmc;
@@ -264,4 +264,4 @@ TEST(Move, ATimeStepThatVariesFromCellToCellScalesTheTimeThatIsLeft) {
   EXPECT_TRUE(box.all_inside(1e-14));
 }
 
-}  // namespace
+}  // namespace move_test

@@ -9,7 +9,7 @@
 #include "support/dice.hpp"
 
 namespace pamr::dsmc {
-namespace {
+namespace nearest_test {
 
 constexpr std::uint32_t begin = 3;  // the cell's first particle
 
@@ -155,5 +155,5 @@ TEST(NearestInCell, TakesParticlesThatAllLieInOnePlace) {
   EXPECT_EQ(nearest.find(7, 0), 0U);
 }
 
-}  // namespace
+}  // namespace nearest_test
 }  // namespace pamr::dsmc

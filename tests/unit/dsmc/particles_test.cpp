@@ -10,7 +10,7 @@
 #include "support/dice.hpp"
 
 namespace pamr::dsmc {
-namespace {
+namespace particles_test {
 
 Particle numbered(std::uint64_t id, LocalId cell) {
   Particle p;
@@ -125,5 +125,5 @@ TEST(Particles, AreSortedAnewAfterTheyWereReplacedAndForAnotherNumberOfCells) {
   expect_sorted(particles, {}, 4);
 }
 
-}  // namespace
+}  // namespace particles_test
 }  // namespace pamr::dsmc

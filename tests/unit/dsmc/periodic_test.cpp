@@ -11,7 +11,7 @@
 #include "support/meshes.hpp"
 #include "unit/dsmc/gases.hpp"
 
-namespace {
+namespace periodic_test {
 
 using namespace pamr;
 using namespace pamr::dsmc;
@@ -157,4 +157,4 @@ TEST(Periodic, PatchesWhoseFacesDoNotMatchAreRefusedOnEveryRankWithTheNameOfAFac
   }
 }
 
-}  // namespace
+}  // namespace periodic_test

@@ -10,7 +10,7 @@
 #include "support/dice.hpp"
 
 namespace pamr::dsmc {
-namespace {
+namespace rank_few_test {
 
 void expect_ranked(const std::vector<std::uint64_t>& numbers) {
   std::array<std::uint32_t, max_few> rank{};
@@ -54,5 +54,5 @@ TEST(RankFew, SortsAnyNumberOfThem) {
     }
 }
 
-}  // namespace
+}  // namespace rank_few_test
 }  // namespace pamr::dsmc

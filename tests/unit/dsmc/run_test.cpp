@@ -15,7 +15,7 @@
 #include "unit/dsmc/gases.hpp"
 #include "unit/dsmc/stream_case.hpp"
 
-namespace {
+namespace run_test {
 
 using namespace pamr;
 using namespace pamr::dsmc;
@@ -272,4 +272,4 @@ TEST(CaseFile, ThatIsRefusedNamesTheLine) {
   refused("[stream.free]", "[stream.far]", "[stream.free]");
 }
 
-}  // namespace
+}  // namespace run_test

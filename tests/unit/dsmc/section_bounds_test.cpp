@@ -9,7 +9,7 @@
 #include "support/dice.hpp"
 
 namespace pamr::dsmc {
-namespace {
+namespace section_bounds_test {
 
 TEST(SectionBounds, EnclosePowersTightly) {
   Gas gas;
@@ -48,5 +48,5 @@ TEST(SectionBounds, DecideNothingWhereTheyDoNotHold) {
   }
 }
 
-}  // namespace
+}  // namespace section_bounds_test
 }  // namespace pamr::dsmc

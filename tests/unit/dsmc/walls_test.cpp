@@ -10,7 +10,7 @@
 #include "support/meshes.hpp"
 #include "unit/dsmc/gases.hpp"
 
-namespace {
+namespace walls_test {
 
 using namespace pamr;
 using namespace pamr::dsmc;
@@ -151,4 +151,4 @@ TEST(Walls, ThatMirrorKeepSpeedAndPlane) {
   EXPECT_EQ(out.rotation, 4);
 }
 
-}  // namespace
+}  // namespace walls_test

@@ -11,7 +11,7 @@
 #include "support/meshes.hpp"
 #include "unit/dsmc/gases.hpp"
 
-namespace {
+namespace weights_test {
 
 using namespace pamr;
 using namespace pamr::dsmc;
@@ -161,4 +161,4 @@ TEST(Weights, OfWhichTheGreatestIsNotOneAreRefused) {
   EXPECT_THROW(argon_with_nitrogen(0.1, 2), Error);
 }
 
-}  // namespace
+}  // namespace weights_test

@@ -6,7 +6,7 @@
 #include <memory>
 
 namespace pamr::geometry {
-namespace {
+namespace cad_edge_test {
 
 /// The x axis, with its coordinate as parameter.
 class Axis : public ParametricCurve {
@@ -34,5 +34,5 @@ TEST(CadEdge, EndsWhereTheOtherEdgesOfItsVertexDo) {
   EXPECT_EQ(edge.nearest({-1, 0, 0}).point, (Vec3{0, 0, 0}));
 }
 
-}  // namespace
+}  // namespace cad_edge_test
 }  // namespace pamr::geometry

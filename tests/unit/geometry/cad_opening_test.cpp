@@ -12,7 +12,7 @@
 #include "pamr/geometry/cad/cad_surface.hpp"
 
 namespace pamr::geometry {
-namespace {
+namespace cad_opening_test {
 
 constexpr double branch = 0.6, half_length = 4;
 const double pi = std::acos(-1.0);
@@ -57,5 +57,5 @@ TEST(CadOpening, PointsOfTheWallAreTheirOwnNearestPoints) {
   EXPECT_GT(n_far_side, 2000);
 }
 
-}  // namespace
+}  // namespace cad_opening_test
 }  // namespace pamr::geometry

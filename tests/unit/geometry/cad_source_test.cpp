@@ -13,7 +13,7 @@
 #include "pamr/geometry/surface_toml.hpp"
 
 namespace pamr::geometry {
-namespace {
+namespace cad_source_test {
 
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
@@ -131,5 +131,5 @@ TEST(CadSource, RefusesFilesThatAreNoText) {
   std::filesystem::remove(file);
 }
 
-}  // namespace
+}  // namespace cad_source_test
 }  // namespace pamr::geometry

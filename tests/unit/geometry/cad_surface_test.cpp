@@ -19,7 +19,7 @@
 #include "pamr/geometry/surface.hpp"
 
 namespace pamr::geometry {
-namespace {
+namespace cad_surface_test {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -230,5 +230,5 @@ TEST(CadSurface, RefusesFacesThatAreNone) {
   EXPECT_THAT([] { faces({1, 1}); }, ThrowsMessage<Error>(HasSubstr("found 2 twice")));
 }
 
-}  // namespace
+}  // namespace cad_surface_test
 }  // namespace pamr::geometry

@@ -18,7 +18,7 @@
 #include "pamr/geometry/torus.hpp"
 
 namespace pamr::geometry {
-namespace {
+namespace common_curve_test {
 
 using Surfaces = std::vector<const Surface*>;
 
@@ -199,5 +199,5 @@ TEST(DistanceFromAll, IsTheLargest) {
   EXPECT_EQ(distance_from_all(Surfaces{}, {3, 0, -0.5}), 0);
 }
 
-}  // namespace
+}  // namespace common_curve_test
 }  // namespace pamr::geometry

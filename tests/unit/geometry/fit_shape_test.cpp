@@ -12,7 +12,7 @@
 #include "pamr/geometry/surface_toml.hpp"
 
 namespace pamr::geometry {
-namespace {
+namespace fit_shape_test {
 
 constexpr double pi = std::numbers::pi;
 
@@ -161,5 +161,5 @@ TEST(FitShape, TwoCirclesFitSeveralShapes) {
   EXPECT_THAT(kinds, testing::IsSupersetOf({ShapeKind::sphere, ShapeKind::cylinder}));
 }
 
-}  // namespace
+}  // namespace fit_shape_test
 }  // namespace pamr::geometry

@@ -17,7 +17,7 @@
 #include "support/triangulations.hpp"
 
 namespace pamr::geometry {
-namespace {
+namespace openmesh_readers_test {
 
 struct InDoubles : OpenMesh::DefaultTraits {
   using Point = OpenMesh::Vec3d;
@@ -137,5 +137,5 @@ TEST(SurfaceFileJudge, OurReadersFindTheTrianglesThatOpenMeshWrites) {
   }
 }
 
-}  // namespace
+}  // namespace openmesh_readers_test
 }  // namespace pamr::geometry

@@ -12,7 +12,7 @@
 #include "pamr/base/error.hpp"
 
 namespace pamr::geometry {
-namespace {
+namespace orientation_test {
 
 constexpr Vec3 origin{0, 0, 0}, x_unit{1, 0, 0}, y_unit{0, 1, 0}, z_unit{0, 0, 1};
 
@@ -117,5 +117,5 @@ TEST(Orientation, RefusesCoordinatesThatAreNotFinite) {
   EXPECT_THROW(orientation(origin, x_unit, {0, infinity, 0}, z_unit), ContractViolation);
 }
 
-}  // namespace
+}  // namespace orientation_test
 }  // namespace pamr::geometry

@@ -10,7 +10,7 @@
 #include "support/quadratic_cell.hpp"
 
 namespace pamr::geometry {
-namespace {
+namespace quadratic_tet_test {
 
 constexpr TetPoints reference{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
 
@@ -118,5 +118,5 @@ TEST(QuadraticTet, ThatIsNotFiniteOrTooLargeIsNotProved) {
   EXPECT_TRUE(is_positive_exactly(straight_tet(large)));
 }
 
-}  // namespace
+}  // namespace quadratic_tet_test
 }  // namespace pamr::geometry

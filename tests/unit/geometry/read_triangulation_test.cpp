@@ -17,7 +17,7 @@
 #include "support/triangulations.hpp"
 
 namespace pamr::geometry {
-namespace {
+namespace read_triangulation_test {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
@@ -173,5 +173,5 @@ TEST(SurfacesFromToml, TakesTrianglesFromFilesBesideTheTextOrFromTheMesh) {
               ::testing::ThrowsMessage<Error>(AllOf(HasSubstr("elsewhere/case.toml:1:1: "), HasSubstr("ball.off"))));
 }
 
-}  // namespace
+}  // namespace read_triangulation_test
 }  // namespace pamr::geometry

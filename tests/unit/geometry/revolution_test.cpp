@@ -14,7 +14,7 @@
 #include "pamr/base/error.hpp"
 
 namespace pamr::geometry {
-namespace {
+namespace revolution_test {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
@@ -237,5 +237,5 @@ TEST(Revolution, NamesThePieceThatIsWrong) {
   EXPECT_THROW(Revolution(origin, {0, 0, 0}, {line({0, 1}, {1, 1})}), Error);
 }
 
-}  // namespace
+}  // namespace revolution_test
 }  // namespace pamr::geometry

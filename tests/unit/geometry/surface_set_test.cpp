@@ -11,7 +11,7 @@
 #include "pamr/geometry/surface_toml.hpp"
 
 namespace pamr::geometry {
-namespace {
+namespace surface_set_test {
 
 using ::testing::AllOf;
 using ::testing::ElementsAre;
@@ -69,5 +69,5 @@ TEST(SurfaceSet, AppendsSurfacesWithTheirDescriptions) {
               ThrowsMessage<Error>(AllOf(HasSubstr("more: surface \"roof\""), HasSubstr("twice"))));
 }
 
-}  // namespace
+}  // namespace surface_set_test
 }  // namespace pamr::geometry

@@ -25,7 +25,7 @@
 #include "pamr/geometry/torus.hpp"
 
 namespace pamr::geometry {
-namespace {
+namespace surface_test {
 
 constexpr double pi = std::numbers::pi;
 
@@ -359,5 +359,5 @@ TEST(Surfaces, KeepPointsOfASymmetryPlaneInItExactly) {
   }
 }
 
-}  // namespace
+}  // namespace surface_test
 }  // namespace pamr::geometry

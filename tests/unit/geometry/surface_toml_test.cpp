@@ -10,7 +10,7 @@
 #include "pamr/geometry/surface.hpp"
 
 namespace pamr::geometry {
-namespace {
+namespace surface_toml_test {
 
 using ::testing::AllOf;
 using ::testing::ElementsAre;
@@ -209,5 +209,5 @@ TEST(SurfacesFromToml, RefusesANameTwice) {
   EXPECT_THAT(reading(ball + ball), refuses("7:8: surface \"a\":", "twice"));
 }
 
-}  // namespace
+}  // namespace surface_toml_test
 }  // namespace pamr::geometry

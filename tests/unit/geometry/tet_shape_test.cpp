@@ -11,7 +11,7 @@
 #include <random>
 
 namespace pamr::geometry {
-namespace {
+namespace tet_shape_test {
 
 constexpr TetPoints regular = {{{1, 1, 1}, {-1, 1, -1}, {1, -1, -1}, {-1, -1, 1}}};
 constexpr TetPoints corner = {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
@@ -119,5 +119,5 @@ TEST(Quality, AgreesWithDihedralAnglesTakenOneByOne) {
   }
 }
 
-}  // namespace
+}  // namespace tet_shape_test
 }  // namespace pamr::geometry

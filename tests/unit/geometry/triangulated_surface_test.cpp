@@ -12,7 +12,7 @@
 #include "support/triangulations.hpp"
 
 namespace pamr::geometry {
-namespace {
+namespace triangulated_surface_test {
 
 /// Calls `use` with points all over each triangle.
 void for_points_of(const Triangulation& s, const std::function<void(Vec3)>& use) {
@@ -303,5 +303,5 @@ TEST(Triangulated, RefusesOptionsOutOfRange) {
   EXPECT_THROW(Triangulated(testing::icosphere(0), options), Error);
 }
 
-}  // namespace
+}  // namespace triangulated_surface_test
 }  // namespace pamr::geometry

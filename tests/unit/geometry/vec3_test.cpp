@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 namespace pamr::geometry {
-namespace {
+namespace vec3_test {
 
 TEST(Vec3, HasItsComponentsByAxis) {
   const Vec3 a{1, 2, 3};
@@ -42,5 +42,5 @@ TEST(Vec3, AddsItselfInPlace) {
   EXPECT_EQ(a, (Vec3{}));
 }
 
-}  // namespace
+}  // namespace vec3_test
 }  // namespace pamr::geometry

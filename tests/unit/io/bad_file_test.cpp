@@ -12,7 +12,7 @@
 #include "pamr/io/native/native_file.hpp"
 
 namespace pamr {
-namespace {
+namespace bad_file_test {
 
 using std::filesystem::path;
 using test::Folder;
@@ -360,5 +360,5 @@ TEST(BadFile, SaysInOneLineThatNoFileCanBeOpened) {
   EXPECT_EQ(test::error_of_reading(comm, folder / "a.hdf"), "no error");
 }
 
-}  // namespace
+}  // namespace bad_file_test
 }  // namespace pamr

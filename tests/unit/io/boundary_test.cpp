@@ -8,7 +8,7 @@
 #include "pamr/io/native/native_file.hpp"
 
 namespace pamr {
-namespace {
+namespace boundary_test {
 
 using testing::HasSubstr;
 
@@ -90,5 +90,5 @@ TEST(Boundary, IsRefusedWhereItsDatasetsDoNotFit) {
               HasSubstr("this dataset or /PAMR/boundary, because there are 2 patches"));
 }
 
-}  // namespace
+}  // namespace boundary_test
 }  // namespace pamr

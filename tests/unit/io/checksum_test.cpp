@@ -8,7 +8,7 @@
 #include "pamr/io/native/native_file.hpp"
 
 namespace pamr {
-namespace {
+namespace checksum_test {
 
 using test::Folder;
 
@@ -126,5 +126,5 @@ TEST(NativeFile, RemarksOnFieldsThatSomebodyRewroteAndReadsThem) {
   EXPECT_THAT(remarks[1], testing::HasSubstr("/VTKHDF/CellData/refine"));
 }
 
-}  // namespace
+}  // namespace checksum_test
 }  // namespace pamr

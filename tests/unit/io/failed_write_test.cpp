@@ -10,7 +10,7 @@
 #include "size_limit.hpp"
 
 namespace pamr {
-namespace {
+namespace failed_write_test {
 
 using test::Folder;
 using test::SizeLimit;
@@ -129,5 +129,5 @@ TEST(FailedWrite, RefusesNamesThatCouldNotBeReadBack) {
   EXPECT_EQ(folder.n_entries(), 0U);
 }
 
-}  // namespace
+}  // namespace failed_write_test
 }  // namespace pamr

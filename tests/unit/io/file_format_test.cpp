@@ -9,7 +9,7 @@
 #include "support/meshes.hpp"
 
 namespace pamr {
-namespace {
+namespace file_format_test {
 
 /// Runs the examples of docs/file-format.md, which write `cube.hdf`, in the folder. Collective.
 void run_examples(const par::Comm& comm, const test::Folder& folder) {
@@ -57,5 +57,5 @@ TEST(FileFormat, ManualHasChecksumsThatTheReaderCompares) {
   }
 }
 
-}  // namespace
+}  // namespace file_format_test
 }  // namespace pamr

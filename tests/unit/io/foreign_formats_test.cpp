@@ -12,7 +12,7 @@
 #include "pamr/io/vtk/vtk_xml.hpp"
 
 namespace pamr::io {
-namespace {
+namespace foreign_formats_test {
 
 constexpr std::int64_t two_31 = std::int64_t{1} << 31;
 
@@ -72,5 +72,5 @@ TEST(Numbers, SwapTheirBytes) {
   EXPECT_EQ(byteswapped(byteswapped(0.1)), 0.1);
 }
 
-}  // namespace
+}  // namespace foreign_formats_test
 }  // namespace pamr::io

@@ -10,7 +10,7 @@
 #include "pamr/par/comm.hpp"
 
 namespace pamr::io {
-namespace {
+namespace line_index_test {
 
 /// Lines of 0 to 6 characters.
 std::string lines(int n) {
@@ -63,5 +63,5 @@ TEST(TextCursor, SkipsToAWholeLine) {
   EXPECT_THROW(none.skip_to_line("$End"), Error);
 }
 
-}  // namespace
+}  // namespace line_index_test
 }  // namespace pamr::io

@@ -6,7 +6,7 @@
 #include "pamr/io/native/format.hpp"
 
 namespace pamr::io {
-namespace {
+namespace lineage_word_test {
 
 using mesh::Lineage;
 
@@ -55,5 +55,5 @@ TEST(LineageWord, OfFormatOneIsThereForTheOldStatesOnlyAndDropsThePath) {
   EXPECT_EQ(word_of_lineage(1, base.closed(1, 1)), 0x121U);
 }
 
-}  // namespace
+}  // namespace lineage_word_test
 }  // namespace pamr::io

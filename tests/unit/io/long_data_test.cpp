@@ -14,7 +14,7 @@
 #include "support/aliased_memory.hpp"
 
 namespace pamr {
-namespace {
+namespace long_data_test {
 
 using test::AliasedMemory;
 
@@ -94,5 +94,5 @@ TEST(LongSlab, IsWrittenAndReadAtOnce) {
   EXPECT_EQ(around[2], 0);
 }
 
-}  // namespace
+}  // namespace long_data_test
 }  // namespace pamr

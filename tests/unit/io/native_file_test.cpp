@@ -10,7 +10,7 @@
 #include "support/meshes.hpp"
 
 namespace pamr {
-namespace {
+namespace native_file_test {
 
 using test::Folder;
 
@@ -270,5 +270,5 @@ TEST(NativeFile, KeepsSurfacesThatAreNotBuilt) {
   EXPECT_EQ(test::bytes_of(folder / "a.hdf"), test::bytes_of(folder / "b.hdf"));
 }
 
-}  // namespace
+}  // namespace native_file_test
 }  // namespace pamr

@@ -18,7 +18,7 @@
 #include "size_limit.hpp"
 
 namespace pamr {
-namespace {
+namespace partial_file_test {
 
 namespace fs = std::filesystem;
 using test::Folder;
@@ -258,5 +258,5 @@ TEST_F(PartialFolder, GoesWhenTheProcessIsInterrupted) {
   EXPECT_EQ(n_entries(), 0U);
 }
 
-}  // namespace
+}  // namespace partial_file_test
 }  // namespace pamr

@@ -14,7 +14,7 @@
 #include "pamr/io/native/native_file.hpp"
 
 namespace pamr {
-namespace {
+namespace subprocess_test {
 
 using pamr::Subprocess;
 constexpr Subprocess::Limits limits{.processor_seconds = 1, .memory_bytes = rlim_t{64} << 20U};
@@ -122,5 +122,5 @@ TEST(NativeFile, RefusesADamagedCompressedChunk) {
   EXPECT_THAT(error, testing::AllOf(testing::HasSubstr("/VTKHDF/Points"), testing::HasSubstr("sound chunks")));
 }
 
-}  // namespace
+}  // namespace subprocess_test
 }  // namespace pamr

@@ -13,7 +13,7 @@
 #include "pamr/mesh/tet.hpp"
 
 namespace pamr {
-namespace {
+namespace surface_vtu_test {
 
 std::string content_of(const std::filesystem::path& file) {
   std::ifstream in(file);
@@ -157,5 +157,5 @@ TEST(SurfaceVtu, LeavesNothingBehindWhenTheFolderIsMissing) {
   EXPECT_EQ(folder.n_entries(), 0U);
 }
 
-}  // namespace
+}  // namespace surface_vtu_test
 }  // namespace pamr

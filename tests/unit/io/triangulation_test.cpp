@@ -13,7 +13,7 @@
 #include "support/meshes.hpp"
 
 namespace pamr {
-namespace {
+namespace triangulation_test {
 
 using std::filesystem::path;
 using test::Folder;
@@ -187,5 +187,5 @@ TEST(Triangulations, AreNotWrittenWhenTheyCouldNotBeReadBack) {
   EXPECT_EQ(folder.n_entries(), 0U);
 }
 
-}  // namespace
+}  // namespace triangulation_test
 }  // namespace pamr

@@ -14,7 +14,7 @@
 #include "support/meshes.hpp"
 
 namespace pamr {
-namespace {
+namespace wide_rows_test {
 
 using test::Folder;
 
@@ -172,5 +172,5 @@ TEST(FirstId, IsRefusedOutOfRangeOrWhenNeighborsDoNotFollowIt) {
               testing::HasSubstr("expected a cell from 8589934592 to 8589934639 or a patch from -1 to -6"));
 }
 
-}  // namespace
+}  // namespace wide_rows_test
 }  // namespace pamr

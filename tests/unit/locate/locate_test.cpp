@@ -12,7 +12,7 @@
 #include "support/meshes.hpp"
 
 namespace pamr::locate {
-namespace {
+namespace locate_test {
 
 using geometry::Vec3;
 
@@ -125,5 +125,5 @@ TEST(WalkTowards, EndsInTheCellAtTheBoundaryOrAtARankBorder) {
   EXPECT_EQ(n[2] > 0, comm.size() > 1);
 }
 
-}  // namespace
+}  // namespace locate_test
 }  // namespace pamr::locate

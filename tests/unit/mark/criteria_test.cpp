@@ -14,7 +14,7 @@
 #include "pamr/mark/geometric_criteria.hpp"
 
 namespace pamr::mark {
-namespace {
+namespace criteria_test {
 
 using geometry::Vec3;
 
@@ -349,5 +349,5 @@ TEST(SetMarks, ReplacesTheFieldOfThatName) {
   EXPECT_EQ(mesh.find_cell_field("refine")->storage, mesh::StorageType::int32);
 }
 
-}  // namespace
+}  // namespace criteria_test
 }  // namespace pamr::mark

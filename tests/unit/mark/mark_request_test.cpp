@@ -8,7 +8,7 @@
 #include "pamr/mark/criteria.hpp"
 
 namespace pamr::mark {
-namespace {
+namespace mark_request_test {
 
 template <class Rule>
 const Rule& rule(const Request& request, std::size_t i) {
@@ -146,5 +146,5 @@ TEST(MarksWithinBudget, TakesAsManyAsFit) {
   EXPECT_GE(comm.min(min_marked), comm.max(max_left));
 }
 
-}  // namespace
+}  // namespace mark_request_test
 }  // namespace pamr::mark

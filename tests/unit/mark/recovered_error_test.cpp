@@ -14,7 +14,7 @@
 #include "support/meshes.hpp"
 
 namespace pamr::mark {
-namespace {
+namespace recovered_error_test {
 
 using geometry::Vec3;
 
@@ -124,5 +124,5 @@ TEST(RecoveredError, RefusesFieldsThatDoNotSuit) {
   EXPECT_THROW(recovered_error(comm, mesh, "psi"), Error);
 }
 
-}  // namespace
+}  // namespace recovered_error_test
 }  // namespace pamr::mark

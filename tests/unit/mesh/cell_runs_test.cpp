@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 namespace pamr {
-namespace {
+namespace cell_runs_test {
 
 mesh::DistMesh cells(std::vector<GlobalId> ids, GlobalId first, GlobalId n) {
   mesh::DistMesh mesh;
@@ -36,5 +36,5 @@ TEST(CellRuns, AreNoneWhereOneRankHoldsCellsOfAnother) {
   EXPECT_EQ(mesh::cell_runs(comm, cells(ids, 0, 2 * comm.size())).empty(), comm.size() > 1);
 }
 
-}  // namespace
+}  // namespace cell_runs_test
 }  // namespace pamr

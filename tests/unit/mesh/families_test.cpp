@@ -10,7 +10,7 @@
 #include "support/reference.hpp"
 
 namespace pamr::mesh {
-namespace {
+namespace families_test {
 
 using Cells = std::vector<std::array<GlobalId, 4>>;
 
@@ -193,5 +193,5 @@ TEST(Lineage, TellsWhichCellsFollowInATree) {
   EXPECT_TRUE(follows_in_tree(root.red_child(2), root.red_child(3).red_child(0).red_child(0)));
 }
 
-}  // namespace
+}  // namespace families_test
 }  // namespace pamr::mesh

@@ -7,7 +7,7 @@
 #include "pamr/base/error.hpp"
 
 namespace pamr::mesh {
-namespace {
+namespace find_patches_test {
 
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
@@ -30,5 +30,5 @@ TEST(FindPatches, NamesThePatchesWhereNoneIsFound) {
   EXPECT_EQ(list_patches({}), "none");
 }
 
-}  // namespace
+}  // namespace find_patches_test
 }  // namespace pamr::mesh

@@ -11,7 +11,7 @@
 #include "support/reference.hpp"
 
 namespace pamr::mesh {
-namespace {
+namespace fingerprint_test {
 
 TEST(Fingerprint, IsThatOfTheDocumentedExample) {
   const par::Comm comm(MPI_COMM_WORLD);
@@ -98,5 +98,5 @@ TEST(Fingerprint, IsZeroForAMeshWithoutCells) {
   EXPECT_EQ(fingerprint(comm, DistMesh{}), 0U);
 }
 
-}  // namespace
+}  // namespace fingerprint_test
 }  // namespace pamr::mesh

@@ -7,7 +7,7 @@
 #include <random>
 
 namespace pamr::mesh {
-namespace {
+namespace id_map_test {
 
 TEST(IdMap, AgreesWithAMapForNumbersCloseTogetherAndFarApart) {
   for (const GlobalId spread : {GlobalId{200}, GlobalId{1} << 20U, GlobalId{1} << 60U}) {
@@ -40,5 +40,5 @@ TEST(IdMap, DoesNotHoldNumbersOutsideItsRange) {
   EXPECT_EQ(map.find(6), invalid_local);
 }
 
-}  // namespace
+}  // namespace id_map_test
 }  // namespace pamr::mesh

@@ -12,7 +12,7 @@
 #include "pamr/par/comm.hpp"
 
 namespace pamr::mesh {
-namespace {
+namespace require_field_test {
 
 DistMesh mesh_with_three_fields() {
   DistMesh mesh;
@@ -100,5 +100,5 @@ TEST_F(RequireReplaceable, RefusesDataOnEveryRankAlike) {
             begin + "3 components");
 }
 
-}  // namespace
+}  // namespace require_field_test
 }  // namespace pamr::mesh

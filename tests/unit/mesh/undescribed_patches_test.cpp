@@ -11,7 +11,7 @@
 #include "support/meshes.hpp"
 
 namespace pamr {
-namespace {
+namespace undescribed_patches_test {
 
 using geometry::Vec3;
 
@@ -183,5 +183,5 @@ TEST(UndescribedPatches, SayWhatToWriteForAPlaneWithFewDigits) {
   EXPECT_EQ(mesh::with_planes(mesh.info, undescribed).surfaces, mesh.info.surfaces);
 }
 
-}  // namespace
+}  // namespace undescribed_patches_test
 }  // namespace pamr

@@ -16,7 +16,7 @@
 #include "pamr/geometry/surface_toml.hpp"
 
 namespace pamr::meshing {
-namespace {
+namespace cad_body_test {
 
 using geometry::Vec3;
 using ::testing::HasSubstr;
@@ -132,5 +132,5 @@ TEST(SizeSources, TheTreeFindsTheLeastOfAll) {
   EXPECT_EQ(SizeSources({}, growth).at({0, 0, 0}, limit), limit);
 }
 
-}  // namespace
+}  // namespace cad_body_test
 }  // namespace pamr::meshing

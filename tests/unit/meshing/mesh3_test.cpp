@@ -12,7 +12,7 @@
 #include "pamr/base/error.hpp"
 
 namespace pamr::meshing {
-namespace {
+namespace mesh3_test {
 
 using geometry::Vec3;
 using ::testing::HasSubstr;
@@ -103,5 +103,5 @@ TEST(RunMesh3, RefusesWhatBringsNoNewNode) {
   EXPECT_THAT([] { run_mesh3(ball({1e12, 0, 0}, 1), 1); }, ThrowsMessage<Error>(HasSubstr("far from the origin")));
 }
 
-}  // namespace
+}  // namespace mesh3_test
 }  // namespace pamr::meshing

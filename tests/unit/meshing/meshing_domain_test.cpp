@@ -13,7 +13,7 @@
 #include "pamr/geometry/described_surface.hpp"
 
 namespace pamr::meshing {
-namespace {
+namespace meshing_domain_test {
 
 using geometry::Vec3;
 
@@ -240,5 +240,5 @@ TEST(Combination, StartsFromPointsOnASurfaceThatNoEdgeTouches) {
   for (const auto& p : domain.pieces[0].start) EXPECT_NEAR(norm(p), 1, 1e-15);
 }
 
-}  // namespace
+}  // namespace meshing_domain_test
 }  // namespace pamr::meshing

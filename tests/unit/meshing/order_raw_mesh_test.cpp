@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 namespace pamr::meshing {
-namespace {
+namespace order_raw_mesh_test {
 
 /// Two cells that share a face, the far one first, nodes in no order.
 RawMesh two_cells() {
@@ -41,5 +41,5 @@ TEST(Ordered, KeepsFacesWithTheirCells) {
   EXPECT_EQ(mesh.face[2].slot, 3);
 }
 
-}  // namespace
+}  // namespace order_raw_mesh_test
 }  // namespace pamr::meshing

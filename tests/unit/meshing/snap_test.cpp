@@ -8,7 +8,7 @@
 #include "pamr/base/error.hpp"
 
 namespace pamr::meshing {
-namespace {
+namespace snap_test {
 
 using geometry::Vec3;
 
@@ -81,5 +81,5 @@ TEST(PlaceBoundary, PutsNodesOnTheirPieceAndCurve) {
   EXPECT_NEAR(farthest, norm(Vec3{0.1, 0.2, 1.1}) - 1, 1e-15);
 }
 
-}  // namespace
+}  // namespace snap_test
 }  // namespace pamr::meshing

@@ -12,7 +12,7 @@
 #include "support/meshes.hpp"
 
 namespace pamr::meshing {
-namespace {
+namespace wall_ears_test {
 
 const std::string sphere = "[[surface]]\nname = \"wall\"\nkind = \"sphere\"\ncenter = [0, 0, 0]\nradius = 1.0\n";
 const std::string two_cones =
@@ -123,5 +123,5 @@ TEST(WallEars, TheRepairedMeshIsTheSameOnAnyRanks) {
   EXPECT_GT(worst_mean_ratio(comm, here), 0.2);
 }
 
-}  // namespace
+}  // namespace wall_ears_test
 }  // namespace pamr::meshing

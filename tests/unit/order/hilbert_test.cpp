@@ -9,7 +9,7 @@
 #include <random>
 
 namespace pamr::order {
-namespace {
+namespace hilbert_test {
 
 using Grid = std::array<std::uint32_t, 3>;
 
@@ -84,5 +84,5 @@ TEST(CurveGrid, PutsWhatIsNoPointOfTheBoxSomewhere) {
   EXPECT_EQ(CurveGrid({1, 1, 1}, {1, 1, 1}).key({1, 1, 1}), 0U);
 }
 
-}  // namespace
+}  // namespace hilbert_test
 }  // namespace pamr::order

@@ -15,7 +15,7 @@
 #include "support/meshes.hpp"
 
 namespace pamr::order {
-namespace {
+namespace order_test {
 
 /// Fields that tell where a cell and a node come from.
 mesh::BlockMesh with_fields(const par::Comm& comm, mesh::BlockMesh block) {
@@ -298,5 +298,5 @@ TEST(MeasureDisorder, CountsTheSameOnAnyNumberOfRanks) {
   }
 }
 
-}  // namespace
+}  // namespace order_test
 }  // namespace pamr::order

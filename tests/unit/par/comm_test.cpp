@@ -12,7 +12,7 @@
 #include "pamr/par/mailbox.hpp"
 
 namespace pamr::par {
-namespace {
+namespace comm_test {
 
 using testing::ElementsAre;
 
@@ -339,5 +339,5 @@ TEST(BlockOf, RefusesItemsThatDoNotExist) {
   EXPECT_THROW(block_of(5, 5, 2), ContractViolation);
 }
 
-}  // namespace
+}  // namespace comm_test
 }  // namespace pamr::par

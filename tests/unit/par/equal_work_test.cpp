@@ -10,7 +10,7 @@
 #include "pamr/base/hash.hpp"
 
 namespace pamr {
-namespace {
+namespace equal_work_test {
 
 std::uint8_t weight_of(GlobalId item) {
   return static_cast<std::uint8_t>(1 + mix(static_cast<std::uint64_t>(item)) % 255);
@@ -62,5 +62,5 @@ TEST(EqualWork, OfNothingThereAreNoRuns) {
   EXPECT_TRUE(par::runs_of_equal_work(comm, std::vector<std::int64_t>{}, 3).empty());
 }
 
-}  // namespace
+}  // namespace equal_work_test
 }  // namespace pamr

@@ -9,7 +9,7 @@
 #include <set>
 
 namespace pamr::par {
-namespace {
+namespace exchange_test {
 
 using testing::ElementsAre;
 
@@ -229,5 +229,5 @@ TEST(InRounds, CoverEveryItemOnceAndCallEveryRankEquallyOften) {
   }
 }
 
-}  // namespace
+}  // namespace exchange_test
 }  // namespace pamr::par

@@ -9,7 +9,7 @@
 #include <vector>
 
 namespace pamr::par {
-namespace {
+namespace lone_start_test {
 
 /// The environment of a test, without what the launcher of the tests and their settings have put there.
 class LoneStartTest : public ::testing::Test {
@@ -83,5 +83,5 @@ TEST_F(LoneStartTest, LeavesProcessesOfALauncherAlone) {
   }
 }
 
-}  // namespace
+}  // namespace lone_start_test
 }  // namespace pamr::par

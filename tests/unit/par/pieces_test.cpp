@@ -11,7 +11,7 @@
 #include "pamr/par/exchange.hpp"
 
 namespace pamr::par {
-namespace {
+namespace pieces_test {
 
 /// A record whose size no piece divides.
 struct Record {
@@ -164,5 +164,5 @@ TEST(BlockRanges, ShareOutNumbersBeyond2To33) {
     }
 }
 
-}  // namespace
+}  // namespace pieces_test
 }  // namespace pamr::par

@@ -10,7 +10,7 @@
 #include <random>
 
 namespace pamr::par {
-namespace {
+namespace reproducible_sum_test {
 
 constexpr double largest = std::numeric_limits<double>::max();
 constexpr double smallest = std::numeric_limits<double>::denorm_min();
@@ -102,5 +102,5 @@ TEST(ReproducibleSum, AddsSeveralSumsAtOnce) {
   EXPECT_EQ(total, (std::vector<double>{static_cast<double>(comm.size()), 0.0, comm.size() - 1.0}));
 }
 
-}  // namespace
+}  // namespace reproducible_sum_test
 }  // namespace pamr::par

@@ -8,7 +8,7 @@
 #include <random>
 
 namespace pamr::par {
-namespace {
+namespace select_smallest_test {
 
 TEST(OrderedBits, CompareAsTheDoublesDo) {
   constexpr double infinity = std::numeric_limits<double>::infinity();
@@ -49,5 +49,5 @@ TEST(SelectSmallest, TakesExactlyAsManyOfEqualKeys) {
   EXPECT_EQ(comm.sum(std::count(chosen.begin(), chosen.end(), 1)), 3);
 }
 
-}  // namespace
+}  // namespace select_smallest_test
 }  // namespace pamr::par

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 namespace pamr::par {
-namespace {
+namespace sum_modulo_test {
 
 TEST(SumModulo, WrapsAroundLikeASumOnOneRank) {
   const Comm comm(MPI_COMM_WORLD);
@@ -16,5 +16,5 @@ TEST(SumModulo, WrapsAroundLikeASumOnOneRank) {
   EXPECT_EQ(sum_modulo(comm, term(comm.rank())), expected);
 }
 
-}  // namespace
+}  // namespace sum_modulo_test
 }  // namespace pamr::par

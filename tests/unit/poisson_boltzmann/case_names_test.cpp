@@ -7,7 +7,7 @@
 #include "pamr/base/error.hpp"
 
 namespace pamr::poisson_boltzmann {
-namespace {
+namespace case_names_test {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -73,5 +73,5 @@ TEST(ResolveNames, RefusesWhatIsAmbiguousOrStandsForNothing) {
   EXPECT_THAT(error_of("[[body]]\nname = \"body_2\"\npatches = [\"body_*\"]\n" + walls), HasSubstr("found \"body_2\""));
 }
 
-}  // namespace
+}  // namespace case_names_test
 }  // namespace pamr::poisson_boltzmann

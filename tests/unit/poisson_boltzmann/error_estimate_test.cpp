@@ -9,7 +9,7 @@
 #include "solved.hpp"
 
 namespace pamr::poisson_boltzmann {
-namespace {
+namespace error_estimate_test {
 
 const std::string manufactured = "[equation]\nmanufactured = true\n" + cube_boundary("condition = \"manufactured\"");
 
@@ -120,5 +120,5 @@ TEST(Goal, CorrectsTheChargeByTheSourceTermBetweenTheNodes) {
   EXPECT_LT(std::abs(*goal.value + goal.correction - exact), 0.1 * std::abs(*goal.value - exact)) << *goal.value;
 }
 
-}  // namespace
+}  // namespace error_estimate_test
 }  // namespace pamr::poisson_boltzmann

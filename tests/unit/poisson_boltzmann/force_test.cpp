@@ -11,7 +11,7 @@
 #include "solvers/poisson_boltzmann/volume_force.hpp"
 
 namespace pamr::poisson_boltzmann {
-namespace {
+namespace force_test {
 
 /// A slab between a charged wall at x = 1 and a mirror at x = 0; and the state of any nodal values on it.
 class Slab {
@@ -303,5 +303,5 @@ TEST(Analysis, KnowsThatItHoldsWhatIsNoNumber) {
   EXPECT_FALSE(with_charge.is_finite() || with_force.is_finite() || with_energy.is_finite());
 }
 
-}  // namespace
+}  // namespace force_test
 }  // namespace pamr::poisson_boltzmann

@@ -14,7 +14,7 @@
 #include "solvers/poisson_boltzmann/spread_cells.hpp"
 
 namespace pamr::poisson_boltzmann {
-namespace {
+namespace halo_test {
 
 /// All values of all ranks, rank by rank. Collective.
 template <class T>
@@ -241,5 +241,5 @@ TEST(NodeMap, GivesEveryNodeOneOwnerAndNoRankAllOfItsBorder) {
   EXPECT_LT(static_cast<double>(comm.max(static_cast<std::int64_t>(nodes.n_owned()))), 1.2 * 729 / comm.size());
 }
 
-}  // namespace
+}  // namespace halo_test
 }  // namespace pamr::poisson_boltzmann

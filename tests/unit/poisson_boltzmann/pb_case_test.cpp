@@ -7,7 +7,7 @@
 #include "pamr/base/error.hpp"
 
 namespace pamr::poisson_boltzmann {
-namespace {
+namespace pb_case_test {
 
 const std::string wall = "[boundary.wall]\ncondition = \"potential\"\nvalue = 2\n";
 const std::string sphere_boundary = "[boundary.ball]\ncondition = \"potential\"\nvalue = 3\n";
@@ -182,5 +182,5 @@ TEST(ReadCase, RefusesBodiesAndGoalsThatAreNone) {
   EXPECT_THAT(error_of("[force]\nouter = 1\n" + wall), testing::HasSubstr("[[sphere]]"));
 }
 
-}  // namespace
+}  // namespace pb_case_test
 }  // namespace pamr::poisson_boltzmann

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 namespace pamr::poisson_boltzmann {
-namespace {
+namespace petsc_options_test {
 
 TEST(CasePetscOptions, ChooseSolversAndTheirNumbers) {
   for (const char* text : {"", "-ksp_rtol 1e-12 -snes_ksp_ew 0", "-snes_lag_preconditioner -2", "-pc_sor_symmetric",
@@ -54,5 +54,5 @@ TEST(CasePetscOptions, HaveValuesThatNameNoFiles) {
   EXPECT_EQ(check_petsc_options("-pc_hypre_type euclid").refused, "-pc_hypre_type euclid");
 }
 
-}  // namespace
+}  // namespace petsc_options_test
 }  // namespace pamr::poisson_boltzmann

@@ -6,7 +6,7 @@
 #include <cmath>
 
 namespace pamr::poisson_boltzmann {
-namespace {
+namespace plate_profile_test {
 
 TEST(PlateProfile, TakesTheTabulatedValues) {
   const PlateProfile profile(5, 0, false);
@@ -63,5 +63,5 @@ TEST(PlateProfile, HasTheMeanSlopeOfItsDifferences) {
   EXPECT_LT(std::abs(PlateProfile(50, 0, false).mean_slope(0, 0.5)), 101);
 }
 
-}  // namespace
+}  // namespace plate_profile_test
 }  // namespace pamr::poisson_boltzmann

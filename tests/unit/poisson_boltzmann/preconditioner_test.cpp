@@ -6,7 +6,7 @@
 #include "solved.hpp"
 
 namespace pamr::poisson_boltzmann {
-namespace {
+namespace preconditioner_test {
 
 const std::string plate = cube_boundary("condition = \"symmetry\"", "zmin", "condition = \"potential\"\nvalue = 5");
 
@@ -45,5 +45,5 @@ TEST(Preconditioner, SolvesAgainAfterTheFormsOfTheForceHaveFreedItsHierarchy) {
   for (std::size_t i = 0; i < again.u.size(); ++i) EXPECT_NEAR(again.u[i], before[i], 1e-8);
 }
 
-}  // namespace
+}  // namespace preconditioner_test
 }  // namespace pamr::poisson_boltzmann

@@ -15,7 +15,7 @@
 #include "solvers/poisson_boltzmann/quadratic_elements.hpp"
 
 namespace pamr::poisson_boltzmann {
-namespace {
+namespace quadratic_test {
 
 const std::string second_order = "[solver]\norder = 2\n";
 
@@ -356,5 +356,5 @@ TEST(SecondOrder, RefusesWhatItDoesNotHave) {
   EXPECT_THROW(read_case("[solver]\norder = 2\nquadrature = \"gauss\"\n" + boundary, "case"), Error);
 }
 
-}  // namespace
+}  // namespace quadratic_test
 }  // namespace pamr::poisson_boltzmann

@@ -9,7 +9,7 @@
 #include "solved.hpp"
 
 namespace pamr::poisson_boltzmann {
-namespace {
+namespace solve_test {
 
 const std::string mirrors = "condition = \"symmetry\"";
 std::string potential(double value) { return "condition = \"potential\"\nvalue = " + std::to_string(value); }
@@ -220,5 +220,5 @@ TEST(Solve, StopsWhereTheResidualIsNoNumber) {
   EXPECT_NE(solution.reason, "");
 }
 
-}  // namespace
+}  // namespace solve_test
 }  // namespace pamr::poisson_boltzmann

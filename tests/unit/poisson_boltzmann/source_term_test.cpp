@@ -6,7 +6,7 @@
 #include <cmath>
 
 namespace pamr::poisson_boltzmann {
-namespace {
+namespace source_term_test {
 
 TEST(SourceTerm, IsTheDifferenceOfSinh) {
   const SourceTerm term(false);
@@ -45,5 +45,5 @@ TEST(SourceTerm, IsLinearOnRequest) {
   EXPECT_EQ(term.pressure(3, 7), 0.5 * (100 - 49));
 }
 
-}  // namespace
+}  // namespace source_term_test
 }  // namespace pamr::poisson_boltzmann

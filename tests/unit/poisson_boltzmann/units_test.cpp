@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 namespace pamr::poisson_boltzmann {
-namespace {
+namespace units_test {
 
 TEST(Units, TheForceUnitHoldsNoLength) {
   EXPECT_NEAR(units_of({"1:1", 1, 298.15, 78.5, {}}).force, 4.58811e-13, 1e-18);
@@ -30,5 +30,5 @@ TEST(Units, WhatHoldsALengthNeedsTheDebyeLength) {
   EXPECT_FALSE(units.length || units.charge || units.charge_density || units.energy || units.concentration);
 }
 
-}  // namespace
+}  // namespace units_test
 }  // namespace pamr::poisson_boltzmann

@@ -11,7 +11,7 @@
 #include "pamr/refine/diagonal.hpp"
 
 namespace pamr::refine {
-namespace {
+namespace cell_shape_test {
 
 double worst_ratio(const SplitPoints& points, int state) {
   double worst = 1;
@@ -167,5 +167,5 @@ TEST(CellShape, KeepsOldCutsAndGoesOnWhereTheyLeaveNoWay) {
   }
 }
 
-}  // namespace
+}  // namespace cell_shape_test
 }  // namespace pamr::refine

@@ -26,7 +26,7 @@
 #include "support/reference_floor.hpp"
 
 namespace pamr {
-namespace {
+namespace closure_properties_test {
 
 using geometry::Vec3;
 using test::Dice;
@@ -243,5 +243,5 @@ TEST(ClosureFamilies, FillTheirParentsAndCanBeTakenBack) {
   EXPECT_GT(world.max(n_states), world.size() == 1 ? 100 : 10);
 }
 
-}  // namespace
+}  // namespace closure_properties_test
 }  // namespace pamr

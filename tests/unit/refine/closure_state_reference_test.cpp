@@ -10,7 +10,7 @@
 #include "support/reference_patterns.hpp"
 
 namespace pamr {
-namespace {
+namespace closure_state_reference_test {
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
@@ -67,5 +67,5 @@ TEST(ClosureStates, AreThoseOfTheReferenceInItsOrder) {
   }
 }
 
-}  // namespace
+}  // namespace closure_state_reference_test
 }  // namespace pamr

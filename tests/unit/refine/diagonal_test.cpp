@@ -6,7 +6,7 @@
 #include <random>
 
 namespace pamr::refine {
-namespace {
+namespace diagonal_test {
 
 SplitPoints straight_cell(const geometry::TetPoints& corner) {
   SplitPoints points;
@@ -74,5 +74,5 @@ TEST(ChooseDiagonal, NamesADiagonalEvenWhereNoneGivesPositiveCells) {
   EXPECT_TRUE(0 <= chosen && chosen < 3);
 }
 
-}  // namespace
+}  // namespace diagonal_test
 }  // namespace pamr::refine

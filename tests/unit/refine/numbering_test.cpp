@@ -12,7 +12,7 @@
 #include "support/meshes.hpp"
 
 namespace pamr {
-namespace {
+namespace numbering_test {
 
 using refine::QualityControl;
 
@@ -85,5 +85,5 @@ TEST_P(AnyNumbering, GivesTheSameMeshOfACube) {
   EXPECT_EQ(refine_levels(comm, block, GetParam(), 32, true), expected);
 }
 
-}  // namespace
+}  // namespace numbering_test
 }  // namespace pamr

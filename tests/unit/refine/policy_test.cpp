@@ -8,7 +8,7 @@
 #include "pamr/refine/cell_shape.hpp"
 
 namespace pamr::refine {
-namespace {
+namespace policy_test {
 
 /// One closure cell of each kind, from a parent with random corners.
 mesh::DistMesh one_child(int state, int child, std::mt19937& random) {
@@ -107,5 +107,5 @@ TEST(RequiredMarks, TakeAFaceWithAMarkOnAShortEdge) {
   });
 }
 
-}  // namespace
+}  // namespace policy_test
 }  // namespace pamr::refine

@@ -16,7 +16,7 @@
 #include "support/reference.hpp"
 
 namespace pamr {
-namespace {
+namespace project_test {
 
 /// A random cube whose patch zmin is tied to a sphere that bulges into it by `bulge`, and xmin to a plane.
 mesh::BlockMesh bulging_cube(const par::Comm& comm, std::uint64_t seed, double bulge) {
@@ -261,5 +261,5 @@ TEST(Families, AreKeptWhereTheirParentCannotBeRebuiltAndTheMeshStaysConforming) 
   EXPECT_GT(rebuilt, 0);
 }
 
-}  // namespace
+}  // namespace project_test
 }  // namespace pamr

@@ -25,7 +25,7 @@
 #include "support/reference.hpp"
 
 namespace pamr {
-namespace {
+namespace properties_test {
 
 using geometry::Vec3;
 using refine::QualityControl;
@@ -440,5 +440,5 @@ TEST(P13Counts, AreThoseOfTheSplitEdgesAndCellsAndKeepTheEulerCharacteristic) {
   });
 }
 
-}  // namespace
+}  // namespace properties_test
 }  // namespace pamr

@@ -17,7 +17,7 @@
 #include "support/reference.hpp"
 
 namespace pamr {
-namespace {
+namespace refine_test {
 
 using refine::QualityControl;
 
@@ -289,5 +289,5 @@ TEST(Refine, RefusesFlagsOfTheWrongLengthOnEveryRank) {
   EXPECT_THROW(adapt::refine(comm, mesh, flags), Error);
 }
 
-}  // namespace
+}  // namespace refine_test
 }  // namespace pamr

@@ -11,7 +11,7 @@
 #include "pamr/refine/family.hpp"
 
 namespace pamr::refine {
-namespace {
+namespace split_pattern_test {
 
 using Codes = std::array<std::int8_t, 4>;
 using Triangle = std::set<int>;
@@ -265,5 +265,5 @@ TEST(TemplateMask, IsTheSmallestSetWithATemplateThatHoldsTheMarks) {
   }
 }
 
-}  // namespace
+}  // namespace split_pattern_test
 }  // namespace pamr::refine

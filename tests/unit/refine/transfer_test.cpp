@@ -9,7 +9,7 @@
 #include "support/meshes.hpp"
 
 namespace pamr {
-namespace {
+namespace transfer_test {
 
 double linear(geometry::Vec3 p) { return 1 + 2 * p.x - 3 * p.y + 0.5 * p.z; }
 
@@ -133,5 +133,5 @@ TEST(Transfer, NamesTheSameInputCellsWhenCellsChangeRanksAfterAnEarlyPass) {
   EXPECT_GT(early_passes, 0);
 }
 
-}  // namespace
+}  // namespace transfer_test
 }  // namespace pamr

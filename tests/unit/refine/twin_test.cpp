@@ -18,7 +18,7 @@
 #include "support/reference_refine.hpp"
 
 namespace pamr {
-namespace {
+namespace twin_test {
 
 using refine::QualityControl;
 using test::Law;
@@ -281,5 +281,5 @@ TEST(Twin, AgreesUnderACurvedBoundary) {
   EXPECT_TRUE(tally.rebuilt > 0 || tally.cases < 50);
 }
 
-}  // namespace
+}  // namespace twin_test
 }  // namespace pamr

@@ -16,7 +16,7 @@
 #include "support/meshes.hpp"
 
 namespace pamr {
-namespace {
+namespace undescribed_patches_refine_test {
 
 using geometry::Vec3;
 
@@ -214,5 +214,5 @@ TEST(UndescribedPatches, ThatContinueACurvedOneAreBentToldAndRecorded) {
   EXPECT_NEAR(worst, 1.0 / 128 / radius, 5e-6);
 }
 
-}  // namespace
+}  // namespace undescribed_patches_refine_test
 }  // namespace pamr

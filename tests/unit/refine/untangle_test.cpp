@@ -14,7 +14,7 @@
 #include "support/reference.hpp"
 
 namespace pamr {
-namespace {
+namespace untangle_test {
 
 constexpr std::size_t at(std::int64_t i) { return static_cast<std::size_t>(i); }
 
@@ -117,5 +117,5 @@ TEST(Untangling, RatesAFamilyByTheWorstChildOfItsParent) {
   EXPECT_LT(refine::untangle_key(bent), 0);
 }
 
-}  // namespace
+}  // namespace untangle_test
 }  // namespace pamr

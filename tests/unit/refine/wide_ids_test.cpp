@@ -17,7 +17,7 @@
 #include "support/meshes.hpp"
 
 namespace pamr {
-namespace {
+namespace wide_ids_test {
 
 using refine::QualityControl;
 
@@ -165,5 +165,5 @@ TEST(WideIds, AreReportedAndExtractedLikeAnyOthers) {
   EXPECT_TRUE(report.conforming && report.neighbors_consistent);
 }
 
-}  // namespace
+}  // namespace wide_ids_test
 }  // namespace pamr

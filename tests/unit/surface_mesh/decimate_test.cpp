@@ -18,7 +18,7 @@
 #include "surface_mesh/subdivide_surface.hpp"
 
 namespace pamr::surface_mesh {
-namespace {
+namespace decimate_test {
 
 using geometry::Triangulation;
 using geometry::Vec3;
@@ -221,5 +221,5 @@ TEST(Decimate, DoesNotDependOnTheUnit) {
   EXPECT_EQ(small.surface.triangles, meters.surface.triangles);
 }
 
-}  // namespace
+}  // namespace decimate_test
 }  // namespace pamr::surface_mesh

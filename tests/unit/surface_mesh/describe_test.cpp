@@ -10,7 +10,7 @@
 #include "support/triangulations.hpp"
 
 namespace pamr::surface_mesh {
-namespace {
+namespace describe_test {
 
 using geometry::Triangulation;
 
@@ -96,5 +96,5 @@ TEST(Describe, FindsAPointWhereTwoFansMeet) {
 
 TEST(Describe, TakesNothing) { EXPECT_EQ(faults_of(describe({})), std::vector<std::string>{"no triangles"}); }
 
-}  // namespace
+}  // namespace describe_test
 }  // namespace pamr::surface_mesh

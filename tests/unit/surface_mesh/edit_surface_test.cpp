@@ -14,7 +14,7 @@
 #include "surface_mesh/surface_distance.hpp"
 
 namespace pamr::surface_mesh {
-namespace {
+namespace edit_surface_test {
 
 double roughness(const geometry::Triangulation& ball) {
   double sum = 0;
@@ -84,5 +84,5 @@ TEST(ChangeScale, KnowsUnits) {
   EXPECT_THROW(translate(ball, {0, std::nan(""), 0}), Error);
 }
 
-}  // namespace
+}  // namespace edit_surface_test
 }  // namespace pamr::surface_mesh

@@ -11,7 +11,7 @@
 #include "surface_mesh/change_scale.hpp"
 
 namespace pamr::surface_mesh {
-namespace {
+namespace repair_test {
 
 using geometry::Triangulation;
 
@@ -185,5 +185,5 @@ TEST(Repair, TakesNothingAndRubbish) {
       repair({.name = {}, .points = {{0, 0, 0}, {1, 0, 0}}, .triangles = {{0, 1, 1}, {0, 0, 0}}}).left.is_body());
 }
 
-}  // namespace
+}  // namespace repair_test
 }  // namespace pamr::surface_mesh

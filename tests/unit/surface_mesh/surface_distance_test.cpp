@@ -12,7 +12,7 @@
 #include "surface_mesh/change_scale.hpp"
 
 namespace pamr::surface_mesh {
-namespace {
+namespace surface_distance_test {
 
 using geometry::Vec3;
 
@@ -84,5 +84,5 @@ TEST(SurfaceDistance, BoundsWhatDenseSamplesFind) {
   EXPECT_LE(d.at_most, 1.03 * d.at_least);
 }
 
-}  // namespace
+}  // namespace surface_distance_test
 }  // namespace pamr::surface_mesh

@@ -10,7 +10,7 @@
 #include "support/triangulations.hpp"
 
 namespace pamr::geometry {
-namespace {
+namespace write_triangulation_test {
 
 Triangulation odd_ball() {
   auto ball = testing::icosphere(2);
@@ -55,5 +55,5 @@ TEST(ReadSoup, TakesWhatIsNoSurface) {
   EXPECT_THROW(parse_soup("OFF\n1 1 0\n0 0 0\n3 0 1 2\n", "a.off"), Error);
 }
 
-}  // namespace
+}  // namespace write_triangulation_test
 }  // namespace pamr::geometry

@@ -15,7 +15,7 @@
 #include "support/meshes.hpp"
 
 namespace pamr::validate {
-namespace {
+namespace validate_test {
 
 using testing::Contains;
 using testing::HasSubstr;
@@ -413,5 +413,5 @@ TEST_F(Validate, RequireValidNamesTheFirstViolationOnEveryRank) {
   }
 }
 
-}  // namespace
+}  // namespace validate_test
 }  // namespace pamr::validate

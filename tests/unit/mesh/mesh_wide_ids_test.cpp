@@ -11,7 +11,7 @@
 #include "support/meshes.hpp"
 
 namespace pamr::mesh {
-namespace {
+namespace mesh_wide_ids_test {
 
 constexpr GlobalId wide = GlobalId{1} << 33U;
 
@@ -106,5 +106,5 @@ TEST(LocalSize, OfTooManyCellsIsRefusedOnEveryRank) {
   EXPECT_LE(5 * max_local_cells, std::int64_t{std::numeric_limits<LocalId>::max()});
 }
 
-}  // namespace
+}  // namespace mesh_wide_ids_test
 }  // namespace pamr::mesh
