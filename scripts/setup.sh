@@ -49,8 +49,6 @@ packaging_packages=(debootstrap dpkg-dev file git help2man xz-utils)            
 only=
 with_tests=OFF
 with_python=no
-batches=ON
-[ -z "${CI:-}" ] || batches=OFF # each source is seen to include what it needs
 packages_only=no
 has_more=no # packages than there were when the build folder was configured
 while [ $# -gt 0 ]; do
@@ -114,9 +112,8 @@ is_configured() {
   [ -f "$build/build.ninja" ] && grep -qxF "CMAKE_HOME_DIRECTORY:INTERNAL=$root" "$cache" || return 1
   [ $with_tests = OFF ] || grep -qx 'PAMR_TESTS:BOOL=ON' "$cache" || return 1
   [ $with_python = no ] || grep -q pamr_python "$build/build.ninja" || return 1
-  grep -qx "PAMR_BATCHES:BOOL=$batches" "$cache" || return 1
-  [ -z "${CI:-}" ] || { grep -q '^CMAKE_VERIFY_INTERFACE_HEADER_SETS:.*=ON$' "$cache" &&
-    [ -f "$build/compile_commands.json" ]; }
+  grep -qx 'PAMR_BATCHES:BOOL=ON' "$cache" || return 1
+  [ -z "${CI:-}" ] || grep -qx 'PAMR_STRICT:BOOL=ON' "$cache"
 }
 
 # Later changes of the build files are noticed by ninja itself.
@@ -128,8 +125,7 @@ configure() {
     fresh=(--fresh) # made for another checkout
   fi
   (cd -- "$root" && cmake --preset release "${fresh[@]}" -B "$build" -DPAMR_TESTS=$tests \
-    -DPAMR_BENCH=$tests -DPAMR_BATCHES=$batches -DPAMR_STRICT="${CI:+ON}" \
-    -DCMAKE_VERIFY_INTERFACE_HEADER_SETS="${CI:+ON}")
+    -DPAMR_BENCH=$tests -DPAMR_BATCHES=ON -DPAMR_STRICT="${CI:+ON}")
 }
 
 install_packages "${packages[@]}"
