@@ -95,14 +95,15 @@ Split split_pass(const par::Comm& comm, const Closed& closed, StepTimer& timer, 
 
 Result transfer_pass(Closed closed, Split split, const refine::Options& options) {
   const auto& mesh = closed.mesh.get();
-  auto& [fine, numbering, certificate, reaches_open] = split;
-  auto fields = refine::transfer({mesh, closed.closure, numbering}, fine.cell_to_node, certificate, options);
-  refine::keep_integrals({mesh, closed.closure, numbering}, fine, options.integrals, fields.of_cells);
+  auto fine = std::move(split.fine);
+  const refine::NumberedMesh old{mesh, closed.closure, split.numbering};
+  auto fields = refine::transfer(old, fine.cell_to_node, split.certificate, options);
+  refine::keep_integrals(old, fine, options.integrals, fields.of_cells);
   fine.node_fields = std::move(fields.of_nodes);
   fine.cell_fields = std::move(fields.of_cells);
 
   auto& report = closed.report;
-  const auto before = std::exchange(report.certificate, std::move(certificate));
+  const auto before = std::exchange(report.certificate, std::move(split.certificate));
   report.certificate.n_moved += before.n_moved;
   report.certificate.n_cells_checked += before.n_cells_checked;
   report.certificate.back_off_rounds += before.back_off_rounds;

@@ -12,8 +12,6 @@
 
 namespace pamr::poisson_boltzmann {
 
-using geometry::Vec3;
-
 namespace {
 
 /// Conjugate gradients stop where the norm of the residual, scaled by the diagonal, has fallen by these factors for u
