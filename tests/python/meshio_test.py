@@ -96,6 +96,25 @@ def test_cell_sets_are_patches_and_regions():
     assert ["1 triangles of the cell set 'all' are in 'in' by their tags" in text for text in told] == [True]
 
 
+def test_cell_sets_are_masks_or_numbers_within_their_blocks():
+    import meshio
+    given = meshio.Mesh(POINTS, [("triangle", FLOOR[:1]), ("triangle", FLOOR[1:]), ("tetra", CELLS)])
+
+    def with_set(*arrays):
+        given.cell_sets = {"in": list(arrays)}
+        return given
+    mesh, _ = taken(with_set(np.array([False]), np.array([True]), np.array([False, True, True, False, False, False])))
+    assert faces_of(mesh) == {"in": 1, "boundary": 11}
+    by_place = mesh.cell_origin[mesh.cell_fields["region"] == 1]
+    assert sorted(np.concatenate(COMM.allgather(by_place))) == [1, 2]
+    says = "cell set 'in', block"
+    assert f"{says} 0: expected numbers of its cells from 0 to 0, found 1" in refused(with_set([1], [], [0]))
+    assert f"{says} 1: expected numbers of its cells from 0 to 0, found -1" in refused(with_set([], [-1], [0]))
+    assert f"{says} 2: expected numbers of its cells from 0 to 5, found 7" in refused(with_set([], None, [0, 7]))
+    assert f"{says} 2: expected shape 6, found 2" in refused(with_set([], [], np.array([True, False])))
+    assert "cell set 'in': expected cells of each of 3 blocks, found those of 2" in refused(with_set([0], [0]))
+
+
 def test_groups_that_overlap_are_counted():
     import meshio
     twice = np.concatenate([FLOOR, FLOOR[:1][:, [2, 0, 1]]])

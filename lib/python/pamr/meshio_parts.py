@@ -9,7 +9,7 @@ from typing import Any, Mapping, Optional
 import numpy as np
 
 from ._core import Error
-from .together import integers, plain, reals
+from .together import integers, plain, reals, require_shape
 
 # Under which meshio keeps what formats say of triangles and tetrahedra alike, the better one first.
 TAGS = ("gmsh:physical", "gmsh:geometrical", "medit:ref", "tetgen:ref", "netgen:index", "ugrid:ref", "nastran:ref", "su2:tag",
@@ -131,12 +131,29 @@ def _sets(mesh: Any, kind: str) -> dict[str, np.ndarray]:
     starts = dict(zip(map(id, blocks), np.cumsum([0] + [len(block.data) for block in blocks])))
     sets = {}
     for name, arrays in mesh.cell_sets.items():
-        rows = [starts[id(block)] + integers(f"cell set {name!r}", array, (None,)) for block, array in zip(mesh.cells, arrays)
-                if id(block) in starts and array is not None]
+        if name.startswith("gmsh:"):  # numbers of entities
+            continue
+        if len(arrays) != len(mesh.cells):
+            raise Error(f"cell set {name!r}: expected cells of each of {len(mesh.cells)} blocks, found those of {len(arrays)}")
+        rows = [starts[id(block)] + _rows_in_block(f"cell set {name!r}, block {i}", array, len(block.data))
+                for i, (block, array) in enumerate(zip(mesh.cells, arrays)) if id(block) in starts and array is not None]
         rows = np.concatenate(rows) if rows else np.empty(0, np.int64)
-        if len(rows) and not name.startswith("gmsh:"):
+        if len(rows):
             sets[name] = rows
     return sets
+
+
+def _rows_in_block(name: str, array: Any, n: int) -> np.ndarray:
+    """Rows of a block of n cells, given by their numbers in it or by a mask."""
+    array = plain(name, array)
+    if array.dtype == bool and array.size:
+        require_shape(name, array, (n,))
+        return np.flatnonzero(array)
+    rows = integers(name, array, (None,))
+    bad = rows[(rows < 0) | (rows >= n)]
+    if len(bad):
+        raise Error(f"{name}: expected numbers of its cells from 0 to {n - 1}, found {bad[0]}")
+    return rows
 
 
 def _leave_one_of_each(mesh: Any, key: Optional[str], group: Group, remarks: list[str]) -> np.ndarray:
