@@ -129,6 +129,17 @@ def test_groups_that_overlap_are_counted():
     assert "6 tetrahedra are in the group 'steel' and in 'hot': they stay in 'steel'" in told[1] and len(told) == 2
 
 
+def test_groups_of_gmsh_keep_their_names_where_an_entity_is_reversed():
+    import meshio
+    given = meshio.Mesh(POINTS, [("triangle", FLOOR), ("tetra", CELLS)],
+                        cell_data={"gmsh:physical": [[-4, 4], [-7] * 6]}, field_data={"floor": [4, 2], "gas": [7, 3]})
+    mesh, _ = taken(given)
+    assert faces_of(mesh) == {"floor": 2, "boundary": 10} and mesh.regions == {7: "gas"}
+    assert (mesh.cell_fields["region"] == 7).all()
+    given.cell_data["medit:ref"] = given.cell_data.pop("gmsh:physical")  # where a minus means nothing
+    assert set(faces_of(taken(given)[0])) == {"patch_-4", "floor", "boundary"}
+
+
 def test_triangles_within_the_mesh_points_of_nothing_and_inverted_cells():
     import meshio
     inner = meshio.Mesh(POINTS, [("tetra", CELLS), ("triangle", [[0, 1, 7], [0, 1, 3]])],

@@ -12,9 +12,9 @@ from ._core import Error
 from .together import integers, plain, reals, require_shape
 
 # Under which meshio keeps what formats say of triangles and tetrahedra alike, the better one first.
-TAGS = ("gmsh:physical", "gmsh:geometrical", "medit:ref", "tetgen:ref", "netgen:index", "ugrid:ref", "nastran:ref", "su2:tag",
+PHYSICAL, ENTITY = "gmsh:physical", "gmsh:geometrical"
+TAGS = (PHYSICAL, ENTITY, "medit:ref", "tetgen:ref", "netgen:index", "ugrid:ref", "nastran:ref", "su2:tag",
         "avsucd:material")
-ENTITY = "gmsh:geometrical"
 REGION = "region"
 
 
@@ -120,6 +120,8 @@ def _group(mesh: Any, kind: str, key: Optional[str], names: Optional[Mapping[int
         if tags.dtype.kind == "f" and np.array_equal(tags, np.rint(tags)):  # as formats of text have them
             tags = tags.astype(np.int64)
         tags = integers(name, tags, (len(nodes),))
+        if key == PHYSICAL:  # format 4.1 has a minus where the group has an entity with its orientation reversed
+            tags = np.abs(tags)
     if names is None:
         names = {int(v[0]): k for k, v in mesh.field_data.items() if np.shape(v) == (2,) and v[1] == dimension}
     return Group(kind, nodes, tags, dict(names), _sets(mesh, kind))
@@ -160,7 +162,7 @@ def _leave_one_of_each(mesh: Any, key: Optional[str], group: Group, remarks: lis
     """Leaves out what Gmsh's format 2.2 writes again for each further group of an entity: as the reader of Gmsh's files does, those
     in the group with the smallest number stay. Returns which rows stay."""
     kept = np.ones(len(group.nodes), bool)
-    if key != "gmsh:physical" or ENTITY not in mesh.cell_data or group.tags is None or not len(kept):
+    if key != PHYSICAL or ENTITY not in mesh.cell_data or group.tags is None or not len(kept):
         return kept
     entity = integers(ENTITY, _joined(mesh, group.kind, ENTITY, mesh.cell_data[ENTITY]), (len(kept),))
     if len(np.unique(np.stack([entity, group.tags]), axis=1)[0]) == len(np.unique(entity)):
