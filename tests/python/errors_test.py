@@ -95,6 +95,12 @@ def test_masked_values_are_refused_with_their_number():
     result = pamr.refine(mesh, np.zeros(n, int))
     expect(f"values: {says} 2 masked", lambda: result.from_parents(masked(np.ones(n), 2)))
     expect(f"values: {says} 1 masked", lambda: result.from_parents([masked(np.ones(2), 1)] * n))
+    expect(f"field 'u': {says} 1 masked of {mesh.n_cells // COMM.size}", lambda: set_field([np.ma.masked] + [1.0] * (n - 1)))
+    expect(f"field 'u': {says} {mesh.n_cells // COMM.size} masked of", lambda: set_field([masked(np.ones(2), 1)] * n))
+    expect(f"points: {says} 4 masked of 24", lambda: pamr.Mesh.from_arrays(
+        COMM, (list(POINTS[:6]) + [tuple(masked(p, 2)) for p in POINTS[6:]]) * (COMM.rank == 0), CELLS[:0]))
+    set_field([np.ma.array(i) for i in range(n)])
+    assert np.array_equal(mesh.cell_fields["u"], np.arange(n))
     set_field(np.ma.array(np.arange(n)))  # with nothing under the mask
     assert np.array_equal(mesh.cell_fields["u"], np.arange(n))
 

@@ -46,10 +46,15 @@ def require_comm(comm: Any) -> None:
 
 def plain(name: str, values: Any) -> np.ndarray:
     """An array of what was given, which must not have masked entries: what lies under a mask is no value."""
-    n_masked = int(np.ma.count_masked(values)) if isinstance(values, np.ma.MaskedArray) else 0
+    n_masked = _sum_over(values, lambda item: np.ma.count_masked(item) if isinstance(item, np.ma.MaskedArray) else 0)
     if n_masked:
-        raise Error(f"{name}: expected values without a mask, found {n_masked} masked of {np.size(values)}")
+        raise Error(f"{name}: expected values without a mask, found {n_masked} masked of {_sum_over(values, np.size)}")
     return np.asarray(values)
+
+
+def _sum_over(values: Any, count: Callable[[Any], Any]) -> int:
+    """Of an array, or of all that are in lists: numpy forgets the masks of their items."""
+    return sum(_sum_over(item, count) for item in values) if isinstance(values, (list, tuple)) else int(count(values))
 
 
 def whole(name: str, value: Any) -> int:
