@@ -46,11 +46,15 @@ def test_what_is_no_tetrahedral_mesh_is_refused_everywhere():
 
 
 def taken(mesh, **options):
-    """The mesh of one of meshio, and what was said."""
+    """The mesh of one of meshio, and what was said, but for the count of faces without a tag, which has to be right."""
     with warnings.catch_warnings(record=True) as told:
         warnings.simplefilter("always")
         result = pamr.from_meshio(COMM, mesh if COMM.rank == 0 else None, **options)
-    return result, COMM.bcast([str(w.message) for w in told])
+    told = COMM.bcast([str(w.message) for w in told])
+    n = faces_of(result).get("boundary", 0)
+    faces = [f"from_meshio: {n} boundary faces without tag are in the patch 'boundary'"] if n else []
+    assert [text for text in told if "faces without tag" in text] == faces, told
+    return result, [text for text in told if text not in faces]
 
 
 def refused(mesh, **options):
@@ -138,6 +142,40 @@ def test_groups_of_gmsh_keep_their_names_where_an_entity_is_reversed():
     assert (mesh.cell_fields["region"] == 7).all()
     given.cell_data["medit:ref"] = given.cell_data.pop("gmsh:physical")  # where a minus means nothing
     assert set(faces_of(taken(given)[0])) == {"patch_-4", "floor", "boundary"}
+
+
+def test_what_is_left_out_beside_tags_is_said():
+    import meshio
+    tags = {"gmsh:physical": [[4, 4], [7] * 3 + [8] * 3], "gmsh:geometrical": [[1, 1], [1] * 6]}
+
+    def given(regions=None, **data):
+        data = {k: [np.zeros(2, int), v] for k, v in {**data, **({} if regions is None else {"region": regions})}.items()}
+        return meshio.Mesh(POINTS, [("triangle", FLOOR), ("tetra", CELLS)], cell_data={**tags, **data},
+                           field_data={"floor": [4, 2], "gas": [7, 3]})
+
+    def regions_of(mesh):
+        return sorted(np.concatenate(COMM.allgather(mesh.cell_fields["region"])).tolist())
+    mesh, told = taken(given([7, 7, 7, 8, 8, 9]))
+    assert regions_of(mesh) == [7, 7, 7, 8, 8, 8] and mesh.regions == {7: "gas"} and list(mesh.cell_fields) == ["region"]
+    assert "cell data 'region' were left out, the field 'region' has 'gmsh:physical': 1 tetrahedra differ" in told[0]
+    mesh, told = taken(given([7.0, 7, 7, 8, 8, 8]))
+    assert mesh.regions == {7: "gas"} and told == []
+    assert "cell data 'region': expected integers, found float64" in refused(given([0.5] * 6))
+    assert "cell data 'region': expected shape 6, found 6 x 2" in refused(given(np.zeros((6, 2), int)))
+    mesh, told = taken(given(level=np.arange(6, dtype=np.uint8)))
+    assert "cell data 'level' of type uint8 were left out" in told[0]
+    mesh, told = taken(given(mine=np.arange(6)), tags="mine")
+    assert set(mesh.cell_fields) == {"mine", "gmsh:physical", "gmsh:geometrical"} and mesh.regions == {}
+    untagged = given([3] * 6)
+    untagged.cell_data["gmsh:physical"][1][:] = 0
+    assert regions_of(taken(untagged)[0]) == [3] * 6
+    by_sets = given([3] * 6)
+    del by_sets.cell_data["gmsh:physical"], by_sets.cell_data["gmsh:geometrical"]
+    by_sets.cell_sets, by_sets.point_sets = {"steel": [[0], [0, 1]]}, {"corner": [0]}
+    mesh, told = taken(by_sets)
+    assert regions_of(mesh) == [3] * 6 and faces_of(mesh) == {"steel": 1, "boundary": 11}
+    assert "the field 'region' has the cell data of this name: 'steel' (2 tetrahedra)" in told[0]
+    assert "point sets were left out: 'corner' (1 points)" in told[1]
 
 
 def test_triangles_within_the_mesh_points_of_nothing_and_inverted_cells():

@@ -20,7 +20,8 @@ def from_meshio(comm: Any, mesh: Any, tags: Optional[str] = None, names: Optiona
     data as fields. Collective.
 
     tags: the integer cell data whose values on triangles are patches. Default: those of the format ("gmsh:physical", "medit:ref",
-        ...), whose values on tetrahedra are the cell field "region" then; where there are none, the cell sets are both.
+        ...), whose values on tetrahedra are the cell field "region" then; where there are none, the cell sets are both (cell data
+        "region" come before cell sets).
     names: of the tags; default: those of the file's physical surfaces (``field_data``).
     repair: as in ``Mesh.from_arrays``.
     Points and lines, points of no tetrahedron, and triangles between two regions are left out. A Python warning on rank 0 counts
@@ -42,6 +43,10 @@ def from_meshio(comm: Any, mesh: Any, tags: Optional[str] = None, names: Optiona
     # Along the curve, and so in runs over the ranks: all cells are on rank 0.
     result = Mesh._of_arrays(comm, parts.points, parts.cells, (parts.triangles, parts.tags), shape[0], parts.cell_fields,
                              parts.node_fields, "", "curve", repair, shape[1])
+    n_faces = comm.allreduce(int((result.cell_to_cell < 0).sum()))
+    n_untagged = n_faces - len(np.unique(np.sort(parts.triangles, axis=1), axis=0)) if comm.rank == 0 else 0
+    if n_untagged > 0:
+        parts.remarks.append(f"{n_untagged} boundary faces without tag are in the patch 'boundary'")
     if result.n_turned > 0:
         parts.remarks.append(f"{result.n_turned} inverted cells were turned over")
     for remark in parts.remarks if comm.rank == 0 else []:

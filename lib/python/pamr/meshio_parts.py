@@ -62,14 +62,17 @@ def parts_of(mesh: Any, tags: Optional[str], names: Optional[Mapping[int, str]])
             _compare_sets(group, remarks)
     if triangle.tags is None and len(triangle.nodes):
         found = ", ".join(repr(k) for k, v in mesh.cell_data.items() if all(np.asarray(a).dtype.kind in "iu" for a in v))
-        remarks.append(f"{len(triangle.nodes)} triangles without tags were left out: their faces are in the patch 'boundary'"
+        remarks.append(f"{len(triangle.nodes)} triangles without tags were left out"
                        + (f" (tags= takes one of {found})" if found else ""))
     of_cells = {k: _joined(mesh, "tetra", f"cell data {k!r}", v)[kept[1]] for k, v in mesh.cell_data.items()
-                if not k.startswith("gmsh:") and (k != key or key not in TAGS)}
+                if (k != key or key not in TAGS) and (k != ENTITY or key != PHYSICAL)}
     if "level" in of_cells and of_cells["level"].dtype == np.uint8:  # what our files show to viewers
         del of_cells["level"]
-    if tetra.tags is not None and REGION not in of_cells and (key is None or key in TAGS):
-        of_cells[REGION] = tetra.tags
+        remarks.append("cell data 'level' of type uint8 were left out: files of PAMR show the levels of cells by this name")
+    _choose_regions(tetra, key, of_cells, remarks)
+    left_out = [f"'{name}' ({len(points)} points)" for name, points in mesh.point_sets.items()]
+    if left_out:
+        remarks.append(f"point sets were left out: {', '.join(left_out)}")
     tagged = triangle.nodes, triangle.tags
     if triangle.tags is None:
         tagged = np.empty((0, 3), np.int64), np.empty(0, np.int64)
@@ -116,15 +119,19 @@ def _group(mesh: Any, kind: str, key: Optional[str], names: Optional[Mapping[int
     tags = None
     if key is not None:
         name = f"cell data {key!r}"
-        tags = _joined(mesh, kind, name, mesh.cell_data[key])
-        if tags.dtype.kind == "f" and np.array_equal(tags, np.rint(tags)):  # as formats of text have them
-            tags = tags.astype(np.int64)
-        tags = integers(name, tags, (len(nodes),))
+        tags = _numbers(name, _joined(mesh, kind, name, mesh.cell_data[key]), len(nodes))
         if key == PHYSICAL:  # format 4.1 has a minus where the group has an entity with its orientation reversed
             tags = np.abs(tags)
     if names is None:
         names = {int(v[0]): k for k, v in mesh.field_data.items() if np.shape(v) == (2,) and v[1] == dimension}
     return Group(kind, nodes, tags, dict(names), _sets(mesh, kind))
+
+
+def _numbers(name: str, values: np.ndarray, n: int) -> np.ndarray:
+    """n integers, which formats of text have as reals."""
+    if values.dtype.kind == "f" and np.array_equal(values, np.rint(values)):
+        values = values.astype(np.int64)
+    return integers(name, values, (n,))
 
 
 def _sets(mesh: Any, kind: str) -> dict[str, np.ndarray]:
@@ -197,6 +204,24 @@ def _tag_by_sets(group: Group, remarks: list[str]) -> None:
     if group.kind == "triangle":
         inside = group.tags > 0
         group.nodes, group.tags = group.nodes[inside], group.tags[inside]
+
+
+def _choose_regions(tetra: Group, key: Optional[str], of_cells: dict, remarks: list[str]) -> None:
+    """The field "region": what the format says, or else the cell data of this name, or else the cell sets."""
+    given = of_cells.get(REGION)
+    if given is not None:
+        given = of_cells[REGION] = _numbers(f"cell data '{REGION}'", given, len(tetra.nodes))
+    if tetra.tags is None or (key is not None and key not in TAGS):
+        return
+    if given is None or np.array_equal(given, tetra.tags):
+        of_cells[REGION] = tetra.tags
+    elif key is None:
+        remarks.append(f"cell sets of tetrahedra were left out, the field '{REGION}' has the cell data of this name: "
+                       + ", ".join(f"'{name}' ({len(rows)} tetrahedra)" for name, rows in tetra.sets.items()))
+    elif tetra.tags.any():
+        n = int((given != tetra.tags).sum())
+        remarks.append(f"cell data '{REGION}' were left out, the field '{REGION}' has {key!r}: {n} tetrahedra differ")
+        of_cells[REGION] = tetra.tags
 
 
 def _compare_sets(group: Group, remarks: list[str]) -> None:
