@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Wrong arrays, on one rank or on all: one exception that says which entry, the same on every rank, and nothing hangs."""
+import warnings
+
 import numpy as np
 
 import pamr
@@ -103,6 +105,17 @@ def test_masked_values_are_refused_with_their_number():
     assert np.array_equal(mesh.cell_fields["u"], np.arange(n))
     set_field(np.ma.array(np.arange(n)))  # with nothing under the mask
     assert np.array_equal(mesh.cell_fields["u"], np.arange(n))
+
+
+def test_names_of_regions_that_are_not_there():
+    def with_regions(values):
+        return make(cell_fields={"region": on_last(np.asarray(values))} if values is not None else None, regions={1: "gas", 5: "no"})
+    for values in (None, np.ones(6), np.ones((6, 2), int)):
+        expect("regions: expected names for the values of an integer cell field 'region'", lambda: with_regions(values))
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        assert with_regions([1, 1, 1, 2, 2, 2]).regions == {1: "gas", 5: "no"}
+    assert [str(w.message) for w in told] == (["regions: no cell has the number 5 ('no')"] if COMM.rank == 0 else [])
 
 
 def test_triangles_that_are_not_on_the_boundary():

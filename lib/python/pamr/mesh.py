@@ -105,13 +105,18 @@ class Mesh:
             ``node_origin`` say which row of the arrays each came from.
         repair: turn inverted cells over. Without it they are refused, unless all cells are inverted. ``n_turned`` counts
             them, and a Python warning on rank 0 says so.
-        regions: names of values of the integer cell field "region".
+        regions: names of values of the integer cell field "region"; a Python warning on rank 0 names values of no cell.
         Raises pamr.Error, the same on every rank, that says which entry is wrong.
         """
         mesh = Mesh._of_arrays(comm, points, cells, boundary, names, cell_fields, node_fields, length_unit, order, repair,
                                regions)
         if mesh.n_turned > 0 and comm.rank == 0:
             warnings.warn(f"{mesh.n_turned} inverted cells were turned over", stacklevel=2)
+        if regions:
+            there = set().union(*comm.allgather(set(np.unique(mesh.cell_fields["region"]).tolist())))
+            none = [f"{number} ('{name}')" for number, name in sorted(mesh.regions.items()) if number not in there]
+            if none and comm.rank == 0:
+                warnings.warn(f"regions: no cell has the number {', '.join(none)}", stacklevel=2)
         return mesh
 
     @staticmethod
@@ -135,6 +140,8 @@ class Mesh:
                 raise Error(f"boundary: expected a tag for each of {len(triangles)} triangles, found {len(tags)}")
             for tag in names or {}:
                 whole("names", tag)
+            if regions and not any(k == "region" and v.ndim == 1 and v.dtype == np.int64 for k, _, v, _ in at_cells):
+                raise Error("regions: expected names for the values of an integer cell field 'region', found no such field")
             region_names = sorted((whole("regions", number), str(name)) for number, name in (regions or {}).items())
             same = ([description(f) for f in at_points], [description(f) for f in at_cells], order, length_unit,
                     sorted((names or {}).items()), bool(repair), region_names)
