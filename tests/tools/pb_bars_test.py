@@ -4,6 +4,8 @@ import json
 import math
 import pathlib
 
+import h5py
+
 from tool_run import kuhn_cube, of_one_process, prepare_alone, run, run_tests
 
 prepare_alone("pamr-mesh")
@@ -164,6 +166,40 @@ def test_a_charge_given_on_a_curved_wall_takes_the_bars_of_second_order():
         assert goal["error_withheld"] is None, goal
         assert abs(goal["corrected"] - exact[name]) < goal["error_bar"] < 1e-4 * exact[name], goal
     assert "+-" in printed.out
+
+
+@of_one_process
+def test_a_body_of_facets_without_a_surface_has_no_bars_of_second_order():
+    # Two concentric spheres at 1 and 0.798, as above; the facets of this mesh miss over ten of its bars.
+    cell("bare.hdf", 0.25, 0.7)
+    with h5py.File("bare.hdf", "r+") as file:
+        surfaces = file["PAMR/patches/surfaces"]
+        n = len(surfaces)
+        for name, value in (("PAMR/patches/surfaces", [""] * n), ("PAMR/surfaces", "")):
+            del file[name], file["PAMR/checksums"].attrs[name]
+            file[name] = value
+    head = '[solver]\norder = 2\n[estimator]\ngoals = ["charge", "energy"]\ngoal_patch = "sphere"\n'
+    for sphere in (("potential", 1), ("charge", 1.44)):
+        text = head.replace('"charge", ', "") if sphere[0] == "charge" else head
+        text += boundary(sphere=sphere, outer=("potential", 0.7980273872929314))
+        report, printed = solve(text, "bare.hdf")
+        for goal in report["goals"]:
+            assert goal["error_bar"] is None and "facets of patch sphere" in goal["error_withheld"], goal
+        assert "+-" not in printed.out
+    # Flat patches need no surface.
+    report, _ = solve(head.replace('"sphere"', '"zmin"') + boundary(zmin=("potential", 1), zmax=("charge", 0.5)), cube(3))
+    assert all(goal["error_bar"] is not None for goal in report["goals"]), report["goals"]
+
+
+@of_one_process
+def test_a_ratio_just_above_its_limit_is_printed_with_the_digits_that_show_it():
+    # Cells of a height of 0.2 before a layer that is a little thinner than a Debye length: 0.20025.
+    text = '[estimator]\ngoals = ["charge"]\ngoal_patch = "zmin"\n' + boundary(zmin=("potential", 0.1), zmax=("potential", 0))
+    report, _ = solve(text, cube(5))
+    goal, ratio = report["goals"][0], report["layers"]["zmin"]["ratio"]
+    assert 0.2 < ratio < 0.2049, ratio
+    printed = float(goal["error_withheld"].split(" are ")[1].split()[0])
+    assert printed > 0.2 and abs(printed - ratio) < 1e-3, goal
 
 
 @of_one_process

@@ -208,11 +208,27 @@ def test_a_case_does_not_make_petsc_read_or_write_files():
                            "-ksp_rtol 1e-9 -mg_levels_ksp_view ascii:mine": "-mg_levels_ksp_view",
                            "-no_such_thing 1": "-no_such_thing"}.items():
         case = cube_case(head=f'[solver]\npetsc = "{options}"\n', zmin=1)
-        refused = refuses("pamr-pb", case, "--mesh", "a.hdf", "-o", "out.hdf", says=["case.toml:2", f'found "{found}"', "-pc_type"],
+        expected = "with a value of these: number" if found.startswith("-ksp_rtol ") else "-pc_type"
+        refused = refuses("pamr-pb", case, "--mesh", "a.hdf", "-o", "out.hdf", says=["case.toml:2", f'found "{found}"', expected],
                           creates="out.hdf")
         assert "first line" not in refused.err and pathlib.Path("mine").read_text() == "first line of mine\n"
     case = cube_case(head='[solver]\npetsc = "-ksp_rtol 1e-12  -snes_ksp_ew 0"\n', zmin=5)
     assert solve(case, "a.hdf").json["linear_iterations"] > solve(cube_case(zmin=5), "a.hdf").json["linear_iterations"]
+
+
+def test_options_that_stop_early_or_do_not_work_give_no_numbers():
+    kuhn_cube("a.hdf", 3)
+    case = cube_case(zmin=5)
+    # PETSc calls this converged after one Newton step.
+    early = run("pamr-pb", case, "--mesh", "a.hdf", "-o", "out.hdf", "--petsc", "-snes_type ksponly", code=1)
+    assert "above the tolerance" in early.err, early.err
+    assert not pathlib.Path("out.hdf").exists()
+    for options in ("-ksp_type minres", "-pc_type tfs", "-pc_type shell"):
+        refuses("pamr-pb", case, "--mesh", "a.hdf", "-o", "out.hdf", "--quiet", "--petsc", options, says=[options, "work here", "PETSc says"],
+                creates="out.hdf")
+    for option, key in (("-snes_rtol 1e-3", "tolerance"), ("-snes_max_it 3", "max_newton")):
+        stated = cube_case("stated.toml", f'[solver]\npetsc = "{option}"\n', zmin=1)
+        refuses("pamr-pb", stated, "--mesh", "a.hdf", "-o", "out.hdf", says=[option.split()[0], f"{key} of [solver]"], creates="out.hdf")
 
 
 def test_files_of_options_that_lie_about_have_no_effect():

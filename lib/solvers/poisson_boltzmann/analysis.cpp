@@ -117,6 +117,8 @@ DualError error_by_cubic_dual(const par::Comm& comm, const State& state, const G
 /// Error of the goals by the solutions of their dual systems. Collective.
 void add_goals(const par::Comm& comm, const State& state, System& system, std::vector<GoalFunctional> functionals,
                Analysis& result) {
+  if (functionals.empty()) return;
+  const auto has_facets = find_facets(comm, state.problem);
   for (auto& functional : functionals) {
     const auto w = system.solve_linearised(functional.load, functional.fixed);
     auto error = state.cubic != nullptr ? error_by_cubic_dual(comm, state, functional, w)
@@ -126,8 +128,9 @@ void add_goals(const par::Comm& comm, const State& state, System& system, std::v
     goal.value = functional.value;
     goal.correction = functional.factor * error.correction;
     goal.error_bound = functional.factor * par::reproducible_sum(comm, error.share);
-    goal.no_error_bar = goal.value ? why_no_error_bar(state.problem, result.electrodes, result.layers, goal.goal)
-                                   : "the value is not given";
+    goal.no_error_bar = goal.value
+                            ? why_no_error_bar(state.problem, result.electrodes, result.layers, has_facets, goal.goal)
+                            : "the value is not given";
     if (goal.no_error_bar.empty())
       goal.error_bar = std::max(functional.factor * error.bar + bar_over_walls * std::abs(functional.through_walls),
                                 min_bar * std::abs(*goal.value));

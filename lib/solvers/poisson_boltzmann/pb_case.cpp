@@ -71,9 +71,7 @@ SolverOptions read_solver(const TomlTable& table) {
   solver.max_newton = static_cast<int>(table.integer_or("max_newton", solver.max_newton, 1, 10000));
   solver.preconditioner = table.word_or("preconditioner", solver.preconditioner, {"auto", "jacobi", "boomeramg"});
   const auto options = check_petsc_options(table.text_or("petsc", ""));
-  if (!options.refused.empty())
-    table.refuse("petsc", "options for numbers and kinds of solvers (" + allowed_petsc_options() + ")",
-                 "\"" + options.refused + "\"");
+  if (!options.refused.empty()) table.refuse("petsc", options.expected, "\"" + options.refused + "\"");
   solver.petsc = options.text;
   return solver;
 }

@@ -2,6 +2,7 @@
 #include "solvers/poisson_boltzmann/petsc.hpp"
 
 #include <array>
+#include <cstdlib>
 #include <stdexcept>
 
 #include "pamr/base/error.hpp"
@@ -14,6 +15,19 @@ namespace {
 std::string& last_message() {
   static std::string message;
   return message;
+}
+
+/// The user's, for messages: of the case, the command line and the environment.
+std::string& options_of_user() {
+  static std::string options;
+  return options;
+}
+
+std::string with_environment(const std::string& options) {
+  const char* more = std::getenv("PETSC_OPTIONS");
+  const auto all = (more == nullptr ? "" : std::string(more) + " ") + options;
+  const auto begin = all.find_first_not_of(' ');
+  return begin == std::string::npos ? "" : all.substr(begin, all.find_last_not_of(' ') + 1 - begin);
 }
 
 PetscErrorCode remember(MPI_Comm, int, const char*, const char*, PetscErrorCode code, PetscErrorType type,
@@ -40,8 +54,18 @@ void require_options(PetscErrorCode code) {
   if (code != 0) throw Error("expected options that PETSc can use, found: " + message_of(code));
 }
 
+void require_solve(PetscErrorCode code) {
+  if (code != 0) refuse_solver_options("PETSc says " + message_of(code));
+}
+
+void refuse_solver_options(const std::string& found) {
+  if (options_of_user().empty()) throw std::runtime_error(found);
+  throw Error("expected options for PETSc that work here, found \"" + options_of_user() + "\": " + found);
+}
+
 PetscRuntime::PetscRuntime(const par::Comm& comm, const std::string& options) {
   PETSC_COMM_WORLD = comm.handle();
+  options_of_user() = with_environment(options);
   PetscOptionsSetValue(nullptr, "-no_signal_handler", "true");  // may be called before PETSc starts
   // PETSc looks for this one among arguments only, and keeps them.
   static std::array<char, 8> program{"pamr-pb"};

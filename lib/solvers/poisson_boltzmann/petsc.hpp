@@ -33,6 +33,10 @@ class PetscRuntime {
 void require(PetscErrorCode code);
 /// The same for calls that read the user's options: throws `Error`.
 void require_options(PetscErrorCode code);
+/// The same for solves: throws `Error` if the user has given options, which are what PETSc cannot do then.
+void require_solve(PetscErrorCode code);
+/// Throws `Error` if the user has given options, else `std::runtime_error`.
+[[noreturn]] void refuse_solver_options(const std::string& found);
 
 /// Owns one PETSc object.
 template <class T, PetscErrorCode (*destroy)(T*)>

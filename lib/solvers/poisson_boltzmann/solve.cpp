@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "solvers/poisson_boltzmann/solve.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -14,6 +16,9 @@
 namespace pamr::poisson_boltzmann {
 
 namespace {
+
+/// Share by which two evaluations of one residual may differ.
+constexpr double repeat_rounding = 1e-9;
 
 /// The values at the four corners of a cell.
 std::array<double, 4> at_corners(const mesh::CellNodes& nodes, std::span<const double> value) {
@@ -274,11 +279,11 @@ Solution System::solve(std::span<const double> start, const std::function<void(c
 
   MonitorContext context{&show, &solution.steps, 0};
   const auto& options = problem_.input.solver;
-  require(SNESSetTolerances(snes_, std::max(options.tolerance * solution.first_residual, 1e-300), 0, 0,
-                            options.max_newton, 1000000));
+  const double tolerance = std::max(options.tolerance * solution.first_residual, 1e-300);
+  require(SNESSetTolerances(snes_, tolerance, 0, 0, options.max_newton, 1000000));
   require(SNESMonitorSet(snes_, monitor, &context, nullptr));
   const auto code = SNESSolve(snes_, nullptr, unknown_);
-  if (code != PETSC_ERR_FP) require(code);  // that one says that a number was beyond floating point
+  if (code != PETSC_ERR_FP) require_solve(code);  // that one says that a number was beyond floating point
   require(SNESMonitorCancel(snes_));
 
   SNESConvergedReason reason = SNES_CONVERGED_ITERATING;
@@ -302,6 +307,10 @@ Solution System::solve(std::span<const double> start, const std::function<void(c
   if (!std::isfinite(solution.residual)) {
     solution.converged = false;
     solution.reason = "the residual is no number";
+  } else if (solution.converged && solution.residual > (1 + repeat_rounding) * tolerance) {
+    // Solvers that the user's options choose have grounds of their own to stop.
+    solution.converged = false;
+    solution.reason += fmt::format(", but the residual is above the tolerance, {:.3e}", tolerance);
   }
   return solution;
 }
@@ -339,7 +348,19 @@ void System::solve_linear(KSP solver, Vec right, Vec result, double tolerance) {
   require(KSPSetInitialGuessNonzero(solver, PETSC_FALSE));
   require(KSPSetTolerances(solver, tolerance, 0, PETSC_DEFAULT, 100000));
   require(KSPSetOperators(solver, jacobian_, jacobian_));
-  require(KSPSolve(solver, right, result));
+  require_solve(KSPSolve(solver, right, result));
+  KSPConvergedReason reason = KSP_CONVERGED_ITERATING;
+  require(KSPGetConvergedReason(solver, &reason));
+  double given = 0, left = 0;
+  Vector residual;
+  require(VecDuplicate(right, residual.address()));
+  require(MatMult(jacobian_, result, residual));
+  require(VecAYPX(residual, -1, right));
+  require(VecNorm(right, NORM_2, &given));
+  require(VecNorm(residual, NORM_2, &left));
+  if (reason < 0 || !(left <= 100 * tolerance * given))  // other norms that options choose may be weaker
+    refuse_solver_options(
+        fmt::format("a linear system is solved to {:.1e} in place of {:.1e}", left / given, tolerance));
 }
 
 KSP System::dual_solver() {

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <utility>
+
 namespace pamr::poisson_boltzmann {
 namespace petsc_options_test {
 
@@ -52,6 +54,55 @@ TEST(CasePetscOptions, HaveValuesThatNameNoFiles) {
   for (const char* value : {"ascii:file", "a/b", ":", "$HOME", "`x`", "\"a", "#", "a=b", "binary:x:append"})
     EXPECT_EQ(check_petsc_options("-ksp_rtol " + std::string(value)).refused, "-ksp_rtol " + std::string(value));
   EXPECT_EQ(check_petsc_options("-pc_hypre_type euclid").refused, "-pc_hypre_type euclid");
+}
+
+TEST(CasePetscOptions, HaveNoValuesThatStopOrCrashPetsc) {
+  for (const char* text : {"-snes_type ksponly",
+                           "-snes_type fas",
+                           "-snes_type shell",
+                           "-ksp_type minres",
+                           "-ksp_type pipecr",
+                           "-ksp_type fetidp",
+                           "-pc_type shell",
+                           "-pc_type mg",
+                           "-pc_type ilu",
+                           "-pc_type composite",
+                           "-ksp_type preonly",
+                           "-ksp_type cgs",
+                           "-mg_levels_ksp_type preonly",
+                           "-snes_linesearch_type shell",
+                           "-pc_factor_mat_ordering_type external",
+                           "-pc_sor_its 0",
+                           "-pc_sor_its 1.5",
+                           "-pc_sor_lits -1",
+                           "-snes_ksp_ew_version 9",
+                           "-ksp_norm_type none",
+                           "-ksp_gmres_restart 99999999999",
+                           "-ksp_rtol nan",
+                           "-ksp_rtol -1",
+                           "-ksp_rtol 1e-3x",
+                           "-snes_lag_jacobian 0",
+                           "-mg_levels_pc_type shell",
+                           "-sub_ksp_type cg",
+                           "-pc_hypre_boomeramg_relax_type_all CG",
+                           "-ksp_cg_single_reduction maybe"}) {
+    const auto options = check_petsc_options(text);
+    EXPECT_EQ(options.refused, text);
+    EXPECT_NE(options.expected.find(std::string(text).substr(0, std::string(text).find(' '))), std::string::npos)
+        << text;
+  }
+  for (const char* name : {"-pc_mg_levels", "-mg_levels_snes_type", "-ksp_type", "-ksp_rtol"})
+    EXPECT_EQ(check_petsc_options(name).refused, name);
+  EXPECT_EQ(check_petsc_options("-ksp_type cg gmres").refused, "gmres");
+}
+
+TEST(CasePetscOptions, NameTheKeysOfTheCaseThatCount) {
+  for (const auto& [option, key] : {std::pair{"-snes_rtol", "tolerance"}, std::pair{"-snes_atol", "tolerance"},
+                                    std::pair{"-snes_stol", "tolerance"}, std::pair{"-snes_max_it", "max_newton"}}) {
+    const auto options = check_petsc_options(option + std::string(" 1"));
+    EXPECT_EQ(options.refused, option);
+    EXPECT_EQ(options.expected, key + std::string(" of [solver] in its place"));
+  }
 }
 
 }  // namespace petsc_options_test
