@@ -74,6 +74,13 @@ def test_values_that_do_not_fit_are_not_wrapped_or_cut():
     expect("max_level: expected an integer, found 1.5", lambda: pamr.mark.flags(mesh, np.ones(n), max_level=1.5))
     expect("max_cells: expected an integer, found 99.5", lambda: pamr.mark.flags(mesh, np.ones(n), max_cells=99.5))
     expect("names: expected an integer, found 1.5", lambda: make(names={1.5: "floor"}))
+    for number in (2**31, 2**40, -2**70):
+        says = f"expected an integer that fits int32, found {number}"
+        expect(f"n: {says}", lambda: pamr.Mesh.kuhn_cube(COMM, number))
+        expect(f"max_level: {says}", lambda: pamr.mark.flags(mesh, np.ones(n), max_level=number))
+        expect(f"layers: {says}", lambda: pamr.mark.patch(mesh, "xmin", layers=number))
+    expect("max_cells: expected an integer that fits int64", lambda: pamr.mark.flags(mesh, np.ones(n), max_cells=2**64))
+    expect("names: expected an integer that fits int64", lambda: make(names={2**64: "floor"}))
     assert pamr.Mesh.kuhn_cube(COMM, np.int32(2)).n_cells == 48
 
 

@@ -41,6 +41,8 @@ def test_what_is_no_tetrahedral_mesh_is_refused_everywhere():
     flat = meshio.Mesh(POINTS, [("triangle", FLOOR)])
     assert "expected tetrahedra, found triangle" in error_of(
         lambda: pamr.from_meshio(COMM, flat if COMM.rank == 0 else None))
+    for none in (None, POINTS):
+        assert f"expected a meshio.Mesh, found {type(none).__name__} (rank 0)" in refused(none)
     if COMM.size > 1:
         assert "on rank 0 alone" in error_of(lambda: pamr.from_meshio(COMM, tagged()))
 

@@ -32,6 +32,8 @@ def from_meshio(comm: Any, mesh: Any, tags: Optional[str] = None, names: Optiona
             if mesh is not None:
                 raise Error("from_meshio: expected the mesh on rank 0 alone, found one on another")
             return None, bool(repair)
+        if not hasattr(mesh, "cells") or not hasattr(mesh, "cell_sets"):
+            raise Error(f"from_meshio: expected a meshio.Mesh, found {type(mesh).__name__}")
         return parts_of(mesh, tags, names), bool(repair)
     parts = agree(comm, prepare)
     shape = comm.bcast(None if parts is None else (parts.names, parts.regions, _outline(parts.cell_fields),

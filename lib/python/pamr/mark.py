@@ -58,7 +58,7 @@ def box(mesh: Any, low: Sequence[float], high: Sequence[float]) -> np.ndarray:
 
 def patch(mesh: Any, name: str, layers: int = 1) -> np.ndarray:
     """``layers`` layers of cells at a boundary patch: those with a face on it, then those that share a node, ..."""
-    return _indicator(mesh, lambda: [("--patch", name), ("--layers", whole("layers", layers))])
+    return _indicator(mesh, lambda: [("--patch", name), ("--layers", whole("layers", layers, np.int32))])
 
 
 def field(mesh: Any, name: str, above: Optional[float] = None, below: Optional[float] = None) -> np.ndarray:
@@ -127,7 +127,7 @@ def flags(mesh: Any, *criteria: Any, max_level: Optional[int] = None, max_cells:
             if np.isnan(wish).any():
                 raise _core.Error(f"criterion: expected numbers, found NaN for cell {int(np.argwhere(np.isnan(wish))[0])}")
             total = np.maximum(total, wish)
-        level = -1 if max_level is None else whole("max_level", max_level)
+        level = -1 if max_level is None else whole("max_level", max_level, np.int32)
         cells = -1 if max_cells is None else whole("max_cells", max_cells)
         if (max_level is not None and level < 0) or (max_cells is not None and cells < 1):
             raise _core.Error("flags: expected limits that are not negative")

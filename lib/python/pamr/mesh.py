@@ -198,7 +198,7 @@ class Mesh:
     def kuhn_cube(comm: Any, n: int) -> "Mesh":
         """The unit cube as 6 n^3 cells, with the patches xmin xmax ymin ymax zmin zmax. Collective."""
         require_comm(comm)
-        return Mesh(_core.kuhn_cube(_address(comm), agree(comm, lambda: 2 * (whole("n", n),))), comm)
+        return Mesh(_core.kuhn_cube(_address(comm), agree(comm, lambda: 2 * (whole("n", n, np.int32),))), comm)
 
     def write(self, file: Union[str, os.PathLike], provenance: str = "") -> None:
         """Writes the mesh and its fields: .hdf or .vtkhdf (complete), .msh, .vtu, or an OpenFOAM case where the name has no

@@ -57,12 +57,16 @@ def _sum_over(values: Any, count: Callable[[Any], Any]) -> int:
     return sum(_sum_over(item, count) for item in values) if isinstance(values, (list, tuple)) else int(count(values))
 
 
-def whole(name: str, value: Any) -> int:
-    """A single integer."""
+def whole(name: str, value: Any, dtype: Any = np.int64) -> int:
+    """A single integer that the type holds."""
     try:
-        return operator.index(value)
+        number = operator.index(value)
     except TypeError:
         raise Error(f"{name}: expected an integer, found {value!r}") from None
+    limits = np.iinfo(dtype)
+    if not int(limits.min) <= number <= int(limits.max):
+        raise Error(f"{name}: expected an integer that fits {np.dtype(dtype)}, found {number}")
+    return number
 
 
 def require_fit(name: str, array: np.ndarray, dtype: Any) -> None:
