@@ -43,7 +43,7 @@ struct Result {
   mesh::DistMesh mesh;
   Report report;
   CoarseningReport coarsening;
-  /// Cells of the input (by number) that were taken back, each with a cell of the input that has its place: the
+  /// Coarsened cells of the input (by number), each with a cell of the input that has its place: the
   /// `parent` of a cell there, as long as nothing was split. Any rank may hold any of them. What splitting undoes is
   /// not in it: members of a closure family whose parent is split may be nobody's `parent`, as after any refinement.
   std::vector<coarsen::Merged> merged;
@@ -51,10 +51,10 @@ struct Result {
 
 /// Refines and coarsens once. `flags`, one for each cell of this rank: above 0, the cell is split into eight (under
 /// `removable`, a flagged closure cell's parent is), the cells around it are closed, new boundary nodes are put on
-/// their surfaces, fields and patches go to the children; below 0, it may go: with its siblings it becomes their parent
-/// again, one level in one call. Refining wins: what splitting or the closure needs stays. Of a closure family all
-/// cells have to be flagged. A flag that nothing comes of is no error; the report counts why. Flags above 0 of cells of
-/// the deepest level do not count (`limit_depth`).
+/// their surfaces, fields and patches go to the children; below 0, it may be coarsened: with its siblings it becomes
+/// their parent again, one level in one call. Refining wins: what splitting or the closure needs stays. Of a closure
+/// family all cells have to be flagged. A flag that nothing comes of is no error; the report counts why. Flags above 0
+/// of cells of the deepest level do not count (`limit_depth`).
 ///
 /// What results is the closure of the regular splits that remain (docs/coarsening.md). Marks are worked out anew in the
 /// whole mesh: a node that nobody needs is gone; without a flag below 0 every node stays. Octets that refining reaches
@@ -70,10 +70,10 @@ struct Result {
 /// closing the mesh would split. Pre: `mesh` is valid (`validate::validate`). Post: so is the result, and it is the
 /// same mesh, cell for cell, node for node, bit for bit, on any number of ranks, for any distribution over them and
 /// whatever the balancing. Memory at the peak: the old mesh, the new one, and about 40 bytes for each cell that is
-/// split, or 50 for each old cell where cells may go.
+/// split, or 50 for each old cell where cells may be coarsened.
 Result adapt(const par::Comm& comm, GivenMesh mesh, std::span<const std::int8_t> flags, const Options& options = {});
 
-/// `adapt` where no cell may go: every cell with a nonzero flag is split. Collective.
+/// `adapt` where no cell may be coarsened: every cell with a nonzero flag is split. Collective.
 Result refine(const par::Comm& comm, GivenMesh mesh, std::span<const std::uint8_t> flags,
               const refine::Options& refinement = {}, const Balancing& balancing = {});
 
