@@ -8,8 +8,6 @@
 
 namespace pamr::poisson_boltzmann {
 
-using geometry::Vec3;
-
 namespace {
 
 /// Entries of each cell's block of the stiffness, row by row.
