@@ -48,16 +48,16 @@ command_of() { # STEP
     charges-a) command=("$cases/charged-spheres/run.sh" --reading a "${charges[@]}" "${own[@]}") ;;
     table5) command=("$cases/charged-spheres/table5.sh" "${own[@]}") ;;
     pairs) command=(/usr/bin/python3 -B "$cases/charged-spheres/pairs.py" --ranks "$ranks" --tools "$tools" --out "$out/$1") ;;
-    quality) command=("$root/tests/bench/quality_control.sh" "$build" "$quality") ;;
-    scaling) command=("$root/tests/bench/scaling.sh" "$build" --out "$out/$1" "${scaling[@]}") ;;
+    quality) command=("$root/bench/quality_control.sh" "$build" "$quality") ;;
+    scaling) command=("$root/bench/scaling.sh" "$build" --out "$out/$1" "${scaling[@]}") ;;
   esac
 }
 
 # Steps that take an hour and more are left out of the quick run, and those that need the benchmarks where these are not built.
 left_out() { # STEP
   if [ $quick = yes ] && [[ $1 = heat-flux || $1 = table5 || $1 = pairs || $1 = charges-a ]]; then echo "takes too long for --quick"
-  elif [ "$1" = quality ] && [ ! -x "$build/tests/bench/bench_quality_control" ]; then echo "needs the benchmarks: scripts/setup.sh --tests"
-  elif [ "$1" = scaling ] && [ ! -d "$build/tests/bench" ]; then echo "needs the benchmarks: scripts/setup.sh --tests"; fi
+  elif [ "$1" = quality ] && [ ! -x "$build/bench/bench_quality_control" ]; then echo "needs the benchmarks: scripts/setup.sh --tests"
+  elif [ "$1" = scaling ] && [ ! -d "$build/bench" ]; then echo "needs the benchmarks: scripts/setup.sh --tests"; fi
 }
 
 status=0

@@ -52,7 +52,7 @@ EXCEPTIONS = (
     (r"lib/meshing/mesh3\.cpp$", r"behaviour\w*"),  # a header of CGAL
     (r"tests/.*cad[^/]*$", r"(milli)?metre"),  # a unit in STEP files
     (r".*", r"most_transient"),  # a key of case files
-    (r"lib/pamr/check/|tests/|cases/|docs/tools/pamr-quality", r"ledger\w*"),  # a key of reports
+    (r"lib/pamr/check/|tests/|qualification/|cases/|docs/tools/pamr-quality", r"ledger\w*"),  # a key of reports
     (r"tests/unit/.*(toml|word|case)[^/]*$", r"centre|colour"),  # keys that are refused
 )
 TEXT = {".cpp", ".hpp", ".ipp", ".py", ".sh", ".md", ".txt", ".toml", ".cmake", ".in", ".yml"}

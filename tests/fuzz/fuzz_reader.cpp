@@ -9,7 +9,7 @@
 /// worker is then started anew behind it. `fuzz_FORMAT --one SEED FILE` writes the damaged file of a seed for a closer
 /// look, `fuzz_FORMAT --all N FOLDER` those of the seeds below N. `fuzz_FORMAT --file FILE EXTENSION` reads one file
 /// under the name FILE.EXTENSION, and dies where a reader must not end so, as AFL++ wants it
-/// (tests/campaign/coverage.sh).
+/// (qualification/fuzz/coverage.sh).
 #include <fcntl.h>
 #include <hdf5.h>
 #include <mpi.h>

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Walls that are much too coarse for their curvature: the short form of tests/validation/curved_walls.py."""
+"""Walls that are much too coarse for their curvature: the short form of qualification/validation/curved_walls.py."""
 import math
 import pathlib
 import sys
@@ -7,7 +7,7 @@ import sys
 from surface_models import icosphere, write_stl
 from tool_run import run, run_tests, same_bytes
 
-sys.path.append(str(pathlib.Path(__file__).resolve().parent.parent / "validation"))
+sys.path.append(str(pathlib.Path(__file__).resolve().parents[2] / "qualification/validation"))
 import curved_walls  # noqa: E402
 
 

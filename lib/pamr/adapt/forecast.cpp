@@ -155,7 +155,7 @@ std::int64_t Forecaster::nodes(const Forecast& forecast) const {
 
 /// The number of children, two more where a cell is closed (its edges are walked for few children), and five quarters
 /// more at a curved wall, where nodes are moved and what moves with them is smoothed and checked.
-/// Source: processor times of 64 ranks of tests/bench/scaling.sh, fitted.
+/// Source: processor times of 64 ranks of bench/scaling.sh, fitted.
 std::vector<std::uint8_t> Forecaster::work(const Forecast& forecast) const {
   std::vector<std::uint8_t> work(forecast.children.size());
   for (std::size_t c = 0; c < work.size(); ++c) {

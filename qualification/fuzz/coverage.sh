@@ -2,11 +2,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # How much of a reader damaged files reach, and what a search guided by coverage (AFL++) reaches beyond them and finds.
 # Prints a line of a table a reader: edges of the control flow in what reads that are reached by its good files, by
-# damaged files as tests/campaign/fuzz.sh makes them, and by those that AFL++ found, of how many; files that AFL++ read and
+# damaged files as qualification/fuzz/fuzz.sh makes them, and by those that AFL++ found, of how many; files that AFL++ read and
 # paths that it found; files on which the reader died or found no end with HDF5 in its own process, and those of them on
 # which it does so as users read them, with HDF5 in another. Installs afl++ and clang where they are missing.
 #
-#   tests/campaign/coverage.sh [--files N] [--minutes M] [FORMAT...]
+#   qualification/fuzz/coverage.sh [--files N] [--minutes M] [FORMAT...]
 #
 #   --files N      damaged files (default 2000)
 #   --minutes M    AFL++ searches so long for each reader (default 10)

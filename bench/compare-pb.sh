@@ -5,7 +5,7 @@
 # Newton, conjugate gradients with Jacobi and with BoomerAMG. Both begin with points and cells in memory. Prints CPU
 # seconds (user and system) of each stage, medians, ratios with and without topology, and memory.
 #
-#   tests/bench/compare-pb.sh [BUILD] [--cells N] [--repeats N] [--out FOLDER]
+#   bench/compare-pb.sh [BUILD] [--cells N] [--repeats N] [--out FOLDER]
 #
 #   BUILD      build folder with bench_pb (-DPAMR_BENCH=ON; default build/release)
 #   --cells N  about so many cells (default 1000000): a cube of Kuhn's tetrahedra over a plate at 5 kT/Ze
@@ -13,7 +13,7 @@
 set -euo pipefail
 
 here=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")" && pwd)
-root=$(cd -- "$here/../.." && pwd)
+root=$(cd -- "$here/.." && pwd)
 build=$root/build/release
 out=${TMPDIR:-/tmp}/pamr-compare-pb
 cells=1000000
@@ -43,12 +43,12 @@ for preconditioner in jacobi boomeramg; do
 done
 for ((run = 1; run <= repeats; ++run)); do
   for preconditioner in jacobi boomeramg; do
-    "$build/tests/bench/bench_pb" --arrays "$out/$preconditioner.toml" "$out/mesh.hdf" \
+    "$build/bench/bench_pb" --arrays "$out/$preconditioner.toml" "$out/mesh.hdf" \
       > "$out/ours-$preconditioner-$run.json"
     /usr/bin/python3 "$here/compare_pb.py" "$out/mesh.hdf" "$preconditioner" > "$out/theirs-$preconditioner-$run.json"
   done
 done
 echo "$(date +%F), commit $(git -C "$root" rev-parse --short HEAD 2>/dev/null || echo unknown)," \
   "$(sed -n 's/^model name.*: //p' /proc/cpuinfo | head -1), $(nproc) cores, load $(cut -d' ' -f1 /proc/loadavg)." \
-  "Command: tests/bench/compare-pb.sh --repeats $repeats (medians)."
+  "Command: bench/compare-pb.sh --repeats $repeats (medians)."
 python3 "$here/compare_pb_table.py" "$out"

@@ -3,7 +3,7 @@
 # Compares pamr-dsmc with SPARTA, an independent code (https://github.com/sparta/sparta), on the same gas, bodies and streams:
 # builds SPARTA from a checkout, serially and outside of it, runs both, prints tables with 95 % bounds.
 #
-#   tests/validation/sparta.sh [--quick] [--ranks N] [--seed N] [--out FOLDER] [--tools FOLDER] CHECKOUT [CASE...]
+#   qualification/validation/sparta.sh [--quick] [--ranks N] [--seed N] [--out FOLDER] [--tools FOLDER] CHECKOUT [CASE...]
 #
 #   --quick         few particles and steps: shows in two minutes that all of it works; its numbers mean little
 #   --ranks N       MPI processes of pamr-dsmc (default 2); SPARTA runs alone

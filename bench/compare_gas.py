@@ -4,7 +4,7 @@
 
     compare_gas.py TOOLS [--before TOOLS] [--sparta PROGRAM] [--runs N] [--partner NAME] [--particles N...] [--no-cone] [--out FOLDER]
 
-TOOLS: folder with pamr-dsmc and pamr-mesh. PROGRAM: SPARTA, built serially (tests/validation/sparta.sh builds it).
+TOOLS: folder with pamr-dsmc and pamr-mesh. PROGRAM: SPARTA, built serially (qualification/validation/sparta.sh builds it).
 --partner: of the first tools (default nearest). --particles: about so many (default 1e5, 1e6 and 1e7).
 
 Nitrogen with rotation, 12 particles a cell, near partners in all codes, averages of every step: a box of mirrors at rest, and a
@@ -30,7 +30,7 @@ import time
 BOLTZMANN = 1.380649e-23
 MASS, DIAMETER, OMEGA, T_REF, TEMPERATURE = 4.65e-26, 4.17e-10, 0.74, 273.0, 300.0
 PER_CELL, MACH = 12, 5.0
-CASES = pathlib.Path(__file__).resolve().parents[2] / "cases"
+CASES = pathlib.Path(__file__).resolve().parents[1] / "cases"
 SIDES = ("xmin", "xmax", "ymin", "ymax", "zmin", "zmax")
 
 

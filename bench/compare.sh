@@ -3,7 +3,7 @@
 # Sets PAMR's refinement beside that of the codes that Debian packages: the same workloads (docs/performance.md), one
 # process each, on this machine in this run. Prints one Markdown table with ratios, and what the table needs to be read.
 #
-#   tests/bench/compare.sh [options] [BUILD]     BUILD: folder with the benchmarks (default build/release)
+#   bench/compare.sh [options] [BUILD]     BUILD: folder with the benchmarks (default build/release)
 #
 #   --small          sizes for a quick look: W1 and W2 on K(20), two levels of W3
 #   --levels N       levels of W3 (default 5)
@@ -16,8 +16,8 @@
 # own, which sees the packages), PAMR_PEER_CXX (default mpicxx).
 set -euo pipefail
 
-root=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")/../.." && pwd)
-here=$root/tests/bench/compare
+root=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")/.." && pwd)
+here=$root/bench/compare
 . "$here/build_peers.sh"
 
 declare -A workloads=([netgen]="W1 W2 W3" [dolfinx]="W1 W2 W3" [ug]="W2 W3" [dmplex]="W1" [gmsh]="W1")
@@ -45,7 +45,7 @@ if ! [[ $levels =~ ^[1-5]$ ]]; then
   echo "compare.sh: expected 1 to 5 levels, found $levels" >&2
   exit 2
 fi
-bench=$build/tests/bench/bench_refine quality=$build/tests/bench/bench_quality_control
+bench=$build/bench/bench_refine quality=$build/bench/bench_quality_control
 for program in "$bench" "$quality"; do
   [ -x "$program" ] || { echo "compare.sh: no $program: build with -DPAMR_BENCH=ON first" >&2; exit 2; }
 done
@@ -109,7 +109,7 @@ for peer in $peers; do run_peer "$peer"; done
 commit=$(git -C "$root" rev-parse --short HEAD 2>/dev/null || echo unknown)
 machine="$(sed -n 's/^model name.*: //p' /proc/cpuinfo | head -1), $(nproc --all) cores"
 load=$(cut -d' ' -f1 /proc/loadavg)
-echo "$(date +%F), commit $commit, $machine, load $load. Command: \`tests/bench/compare.sh${arguments:+ $arguments}\`."
+echo "$(date +%F), commit $commit, $machine, load $load. Command: \`bench/compare.sh${arguments:+ $arguments}\`."
 echo
 read -ra peer_list <<<"$peers"
 python3 -B "$here/table.py" "$results" "${peer_list[@]}"

@@ -3,7 +3,7 @@
 # Speed of pamr-dsmc's solver beside dsmcFoam (Debian's package openfoam) on the same tetrahedra, density, weight and time
 # step, one after the other in one run: nitrogen with rotation in a box of mirrors (dsmc_bench.cpp says how).
 #
-#   tests/bench/compare-dsmc.sh BUILD_FOLDER [CUBES [STEPS]]     (default 11 cubes along an edge, 50 steps)
+#   bench/compare-dsmc.sh BUILD_FOLDER [CUBES [STEPS]]     (default 11 cubes along an edge, 50 steps)
 #
 # OPENFOAM=FOLDER names a folder into which the packages openfoam and libopenfoam were unpacked (dpkg -x); otherwise
 # dsmcFoam is looked for in PATH. Processor time of dsmcFoam: its whole run of STEPS steps less a run of one step.
@@ -17,7 +17,7 @@ if [ -n "${OPENFOAM:-}" ]; then
 fi
 export WM_PROJECT_DIR=${WM_PROJECT_DIR:-/usr/share/openfoam}
 
-ours=$("$build/tests/bench/bench_dsmc" "$cubes" "$steps")
+ours=$("$build/bench/bench_dsmc" "$cubes" "$steps")
 echo "$ours"
 read -r density dt weight < <(sed -n 's/^case: density \(.*\) 1\/m3, step \(.*\) s, weight \(.*\)$/\1 \2 \3/p' <<<"$ours")
 rate=$(sed -n 's/.*: \([0-9.]*\) M particle-steps.*/\1/p' <<<"$ours")

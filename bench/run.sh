@@ -4,8 +4,8 @@
 # W3 with cells, nodes and marks in random order.
 # Usage: run.sh [BUILD] [RANKS]   (default: build/release, 1 rank)
 set -euo pipefail
-root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
-bench=${1:-$root/build/release}/tests/bench/bench_refine
+root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+bench=${1:-$root/build/release}/bench/bench_refine
 ranks=${2:-1}
 export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
 export OMPI_MCA_rmaps_base_oversubscribe=1 OMPI_MCA_mpi_yield_when_idle=1 OMPI_MCA_btl_vader_single_copy_mechanism=none

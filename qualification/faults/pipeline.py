@@ -12,7 +12,7 @@ import time
 import h5py
 import numpy as np
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "tools"))
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "tests/tools"))
 from gas_cases import gas_in_a_cube  # noqa: E402
 from job_processes import processes_here, still_there  # noqa: E402
 

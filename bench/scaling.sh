@@ -5,7 +5,7 @@
 # what each step computes, sends and holds on the ranks, the time that follows on a cluster, and the bars, with pass or
 # FAIL. Docs: docs/performance.md, "Scaling".
 #
-#   tests/bench/scaling.sh [BUILD] [--ranks "1 2 4"] [--repeats N] [--balance METHOD] [--own-marks]
+#   bench/scaling.sh [BUILD] [--ranks "1 2 4"] [--repeats N] [--balance METHOD] [--own-marks]
 #                          [--mesh MARKED | --small | --tiny] [--counts] [--out FOLDER]
 #
 #   BUILD       build folder (default build/release)
@@ -18,12 +18,12 @@
 #   --tiny      a small cube instead, and no bars: shows that all this works
 #   --counts    only the bars of what is counted: where ranks share cores and have no real-time priority, or other programs
 #               run, those of times are missed by chance
-#   --out       where reports and tables go (default BUILD/tests/bench/scaling-out); meshes stay there for the next time
+#   --out       where reports and tables go (default BUILD/bench/scaling-out); meshes stay there for the next time
 #
 # Exit code 1 when a bar is missed, 2 when a run fails.
 set -euo pipefail
 folder=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")" && pwd)
-root=$(cd -- "$folder/../.." && pwd)
+root=$(cd -- "$folder/.." && pwd)
 build=$root/build/release
 ranks="1 2 4 8 16 32 64"
 repeats=3
@@ -49,7 +49,7 @@ while [ $# -gt 0 ]; do
     *) build=$1; shift ;;
   esac
 done
-out=${out:-$build/tests/bench/scaling-out}
+out=${out:-$build/bench/scaling-out}
 PATH=$build/bin:$PATH
 . "$root/scripts/mpi_environment.sh"
 . "$folder/warm_memory.sh"
@@ -66,7 +66,7 @@ refine() { # RANKS REPORT MESH
 
 # The same with our own memory counted, without that of the libraries written in C (own_memory.cpp).
 count_own() { # RANKS MESH
-  local library=$build/tests/bench/libpamr_own_memory.so
+  local library=$build/bench/libpamr_own_memory.so
   [ -s "$library" ] || return 0
   mpirun -q -n "$1" -x LD_PRELOAD="$library" -x PAMR_OWN_MEMORY="$out/own-$1.txt" pamr-refine "$2" -o "$out/refined.hdf" \
     --force --quiet --balance "$balance"
@@ -132,5 +132,5 @@ if [ $own_marks = yes ]; then
 fi
 echo "$(date +%F), commit $(git -C "$root" rev-parse --short HEAD 2>/dev/null || echo unknown)," \
   "$(sed -n 's/^model name.*: //p' /proc/cpuinfo | head -1), $(nproc) cores, load $(cut -d' ' -f1 /proc/loadavg)." \
-  "Command: tests/bench/scaling.sh --balance $balance --repeats $repeats$marks${given:+ --mesh $(basename -- "$given")} (medians)."
+  "Command: bench/scaling.sh --balance $balance --repeats $repeats$marks${given:+ --mesh $(basename -- "$given")} (medians)."
 python3 "$folder/scaling/summarize.py" "$out" "${bars[@]}"

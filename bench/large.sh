@@ -5,19 +5,19 @@
 # the nose, and the file is checked in slabs by a program of its own (large/check_in_slabs.py), which never holds the
 # cells. Prints time, memory and bytes of the last refinement. Docs: docs/performance.md, "The largest run".
 #
-#   tests/bench/large.sh [BUILD] [--cells N] [--ranks P] [--mesh FILE] [--min-free MB] [--out FOLDER]
+#   bench/large.sh [BUILD] [--cells N] [--ranks P] [--mesh FILE] [--min-free MB] [--out FOLDER]
 #
 #   BUILD         build folder (default build/release)
 #   --cells       cells of the result, about (default 150000000: takes 14 GB of disk twice and some 12 GB of memory)
 #   --ranks       processes (default 2)
 #   --mesh        mesh to begin with (default: made by pamr-mesh)
 #   --min-free  the last refinement is ended when the machine has less memory available (default 1500)
-#   --out         where meshes and reports go (default BUILD/tests/bench/large-out); the meshes are removed at the end
+#   --out         where meshes and reports go (default BUILD/bench/large-out); the meshes are removed at the end
 #
 # Needs Python with h5py and numpy (PAMR_PYTHON, else python3). Exit code 1 when the check finds anything.
 set -euo pipefail
 folder=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")" && pwd)
-root=$(cd -- "$folder/../.." && pwd)
+root=$(cd -- "$folder/.." && pwd)
 build=$root/build/release
 cells=150000000
 ranks=2
@@ -36,7 +36,7 @@ while [ $# -gt 0 ]; do
     *) build=$1; shift ;;
   esac
 done
-out=${out:-$build/tests/bench/large-out}
+out=${out:-$build/bench/large-out}
 python=${PAMR_PYTHON:-python3}
 PATH=$build/bin:$PATH
 . "$root/scripts/mpi_environment.sh"
@@ -81,7 +81,7 @@ rm "$now"
 
 echo "$(date +%F), commit $(git -C "$root" rev-parse --short HEAD 2>/dev/null || echo unknown)," \
   "$(sed -n 's/^model name.*: //p' /proc/cpuinfo | head -1), $(nproc) cores, load $(cut -d' ' -f1 /proc/loadavg)." \
-  "Command: tests/bench/large.sh --cells $cells --ranks $ranks"
+  "Command: bench/large.sh --cells $cells --ranks $ranks"
 mpirun -q -n "$ranks" pamr-refine "$out/marked.hdf" -o "$now" --force --json "$out/large.json" &
 job=$!
 while kill -0 $job 2>/dev/null; do

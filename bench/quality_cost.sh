@@ -5,10 +5,10 @@
 # rank. Prints medians; of the cone, the processor time of the steps from close to transfer by the tool's report.
 # Usage: quality_cost.sh [BUILD] [REPEATS]   (default: build/release, 5; two minutes)
 set -euo pipefail
-root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
+root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 build=${1:-$root/build/release}
 repeats=${2:-5}
-bench=$build/tests/bench/bench_refine
+bench=$build/bench/bench_refine
 PATH=$build/bin:$PATH
 export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
 work=$(mktemp -d)
@@ -31,8 +31,8 @@ print(f"| {sys.argv[1]} | {none['cells_out']:,.0f} | {removable['cells_out']:,.0
 EOF
 }
 
-# shellcheck source=tests/bench/warm_memory.sh
-. "$root/tests/bench/warm_memory.sh"
+# shellcheck source=bench/warm_memory.sh
+. "$root/bench/warm_memory.sh"
 
 cone() { # LEVEL MARKS...
   local level=$1

@@ -3,7 +3,7 @@
 # Validates pamr-dsmc against closed forms: the cases that take longer than a test. The table goes to OUT/results.csv; its
 # numbers are in docs/results/dsmc-validation.md. Shocks: cases/shock/run.sh --full.
 #
-#   tests/validation/dsmc.sh [--ranks N] [--seeds N] [--out FOLDER] [--tools FOLDER] [CASE...]
+#   qualification/validation/dsmc.sh [--ranks N] [--seeds N] [--out FOLDER] [--tools FOLDER] [CASE...]
 #
 #   --ranks N       MPI processes (default 2)
 #   --seeds N       runs of every stochastic case (default 3)

@@ -4,7 +4,7 @@
 # Prints a line of a table a reader: files, failures, seconds, commit, date. Each seed that failed is printed with what
 # went wrong; `fuzz_FORMAT --one SEED FILE` writes its file again.
 #
-#   tests/campaign/fuzz.sh [--files N] [--minutes M] [--first SEED] [FORMAT...]
+#   qualification/fuzz/fuzz.sh [--files N] [--minutes M] [--first SEED] [FORMAT...]
 #
 #   --files N      at least so many of each (default 100000; 10000 of step, iges and brep, 1000 of surface_mesh)
 #   --minutes M    at most so long for each (default: no limit)

@@ -5,8 +5,8 @@
 # of `limit` reach, where memory is the bound. To be run on a machine with two idle cores.
 # Usage: two_ranks.sh [BUILD] [W2 SIZE]   (default: build/release, 56). Exit code 1 when the bar is missed.
 set -euo pipefail
-root=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")/../.." && pwd)
-bench=${1:-$root/build/release}/tests/bench/bench_refine
+root=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")/.." && pwd)
+bench=${1:-$root/build/release}/bench/bench_refine
 size=${2:-56}
 . "$root/scripts/mpi_environment.sh"
 # Ranks have a core each, so they need not give it up while they wait.
@@ -26,7 +26,7 @@ limit=$(rate 1 limit/55)
 side_by_side=$(rate 2 limit/55)
 echo "$(date +%F), commit $(git -C "$root" rev-parse --short HEAD 2>/dev/null || echo unknown)," \
   "$(sed -n 's/^model name.*: //p' /proc/cpuinfo | head -1), load $(cut -d' ' -f1 /proc/loadavg)." \
-  "Command: tests/bench/two_ranks.sh, medians of 5."
+  "Command: bench/two_ranks.sh, medians of 5."
 python3 - "$one" "$two" "$limit" "$side_by_side" <<'PYTHON'
 import sys
 one, two, limit, side_by_side = map(float, sys.argv[1:])

@@ -4,7 +4,7 @@
 # what each step computes, sends and holds on the ranks, iterations, and whether forces and charges are the same, with
 # pass or FAIL. Docs: docs/performance.md, "Poisson-Boltzmann".
 #
-#   tests/bench/scaling-pb.sh [BUILD] [--ranks "1 2 4"] [--cells N] [--repeats N] [--preconditioners "NAMES"] [--out FOLDER]
+#   bench/scaling-pb.sh [BUILD] [--ranks "1 2 4"] [--cells N] [--repeats N] [--preconditioners "NAMES"] [--out FOLDER]
 #
 #   BUILD              build folder with bench_pb (-DPAMR_BENCH=ON; default build/release)
 #   --ranks            numbers of processes (default "1 2 4 8 16"; the first is what the others are compared with)
@@ -12,12 +12,12 @@
 #   --case, --mesh     another case on another mesh
 #   --repeats          runs of each, of which the medians count (default 3)
 #   --preconditioners  as in a case file (default "jacobi boomeramg")
-#   --out              where reports go (default BUILD/tests/bench/scaling-pb-out)
+#   --out              where reports go (default BUILD/bench/scaling-pb-out)
 #
 # Exit code 1 when iterations grow or results differ, 2 when a run fails.
 set -euo pipefail
 folder=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")" && pwd)
-root=$(cd -- "$folder/../.." && pwd)
+root=$(cd -- "$folder/.." && pwd)
 build=$root/build/release
 ranks="1 2 4 8 16"
 cells=1000000
@@ -40,7 +40,7 @@ while [ $# -gt 0 ]; do
     *) build=$1; shift ;;
   esac
 done
-out=${out:-$build/tests/bench/scaling-pb-out}
+out=${out:-$build/bench/scaling-pb-out}
 . "$root/scripts/mpi_environment.sh"
 mkdir -p "$out"
 rm -f "$out"/run-*.json
@@ -59,7 +59,7 @@ done
 for ((run = 1; run <= repeats; ++run)); do
   for p in $ranks; do
     for preconditioner in $preconditioners; do
-      mpirun -q -n "$p" "$build/tests/bench/bench_pb" "$out/case-$preconditioner.toml" "$mesh" \
+      mpirun -q -n "$p" "$build/bench/bench_pb" "$out/case-$preconditioner.toml" "$mesh" \
         > "$out/run-$preconditioner-$p-$run.json"
     done
   done
@@ -67,5 +67,5 @@ done
 trap - ERR
 echo "$(date +%F), commit $(git -C "$root" rev-parse --short HEAD 2>/dev/null || echo unknown)," \
   "$(sed -n 's/^model name.*: //p' /proc/cpuinfo | head -1), $(nproc) cores, load $(cut -d' ' -f1 /proc/loadavg)." \
-  "Command: tests/bench/scaling-pb.sh --repeats $repeats (medians)."
+  "Command: bench/scaling-pb.sh --repeats $repeats (medians)."
 python3 "$folder/scaling/summarize_pb.py" "$out"

@@ -14,7 +14,7 @@ from given_mesh import Given
 from shapes import Made
 from walls import BallOfTriangles, Cone, Cylinder, Sphere
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "tools"))
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "tests/tools"))
 from surface_models import icosphere, write_stl  # noqa: E402
 
 MAKERS = {}  # of a name: makes its mesh in the file of this path and returns what is true of it
