@@ -20,17 +20,13 @@ constexpr double vanishing_speed = 1e-12;  // of the size, per whole parameter: 
 
 CadEdge::CadEdge(CadEdgeData data, double sagitta, double size) : data_(std::move(data)), size_(size) {
   const double width = data_.end - data_.begin;
-  const auto on_curve = [&](double t) { return data_.curve->at(t).point; };
-  double from = data_.begin;
-  Vec3 a = on_curve(from);
-  samples_.push_back(from);
-  points_.push_back(a);
+  auto from = sample(data_.begin);
+  samples_.push_back(from.t);
+  points_.push_back(from.point);
   for (int i = 1; i <= first_pieces; ++i) {
-    const double to = i == first_pieces ? data_.end : data_.begin + width * i / first_pieces;
-    const Vec3 b = on_curve(to);
-    add_samples(from, a, to, b, sagitta, 0);
+    const auto to = sample(i == first_pieces ? data_.end : data_.begin + width * i / first_pieces);
+    add_samples(from, to, sagitta, 0);
     from = to;
-    a = b;
   }
   for (std::size_t i = 1; i < points_.size(); ++i) length_ += norm(points_[i] - points_[i - 1]);
   low_ = high_ = points_.front();
@@ -60,16 +56,15 @@ double CadEdge::distance_at_least(Vec3 point) const {
   return norm(off);
 }
 
-void CadEdge::add_samples(double from, Vec3 a, double to, Vec3 b, double sagitta, int depth) {
-  const double middle = 0.5 * (from + to);
-  const Vec3 m = data_.curve->at(middle).point;
-  if (depth < deepest_piece && norm(m - midpoint(a, b)) > sagitta) {
-    add_samples(from, a, middle, m, sagitta, depth + 1);
-    add_samples(middle, m, to, b, sagitta, depth + 1);
+void CadEdge::add_samples(const Sample& from, const Sample& to, double sagitta, int depth) {
+  const auto middle = sample(0.5 * (from.t + to.t));
+  if (depth < deepest_piece && norm(middle.point - midpoint(from.point, to.point)) > sagitta) {
+    add_samples(from, middle, sagitta, depth + 1);
+    add_samples(middle, to, sagitta, depth + 1);
     return;
   }
-  samples_.push_back(to);
-  points_.push_back(b);
+  samples_.push_back(to.t);
+  points_.push_back(to.point);
 }
 
 Vec3 CadEdge::tangent(double t) const {

@@ -43,7 +43,12 @@ class CadEdge {
   CadEdgeFoot nearest(Vec3 to) const;
 
  private:
-  void add_samples(double from, Vec3 a, double to, Vec3 b, double sagitta, int depth);
+  struct Sample {
+    double t = 0;
+    Vec3 point;
+  };
+  Sample sample(double t) const { return {t, data_.curve->at(t).point}; }
+  void add_samples(const Sample& from, const Sample& to, double sagitta, int depth);
 
   CadEdgeData data_;
   std::vector<double> samples_;
