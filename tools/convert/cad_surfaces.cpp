@@ -47,8 +47,8 @@ geometry::SurfaceSet find_cad_surfaces(cli::Session& session, const CadRequest& 
   source.text = comm.broadcast(std::move(source.text));
   std::shared_ptr<const geometry::CadModel> model;
   par::agree(comm, [&] { model = geometry::make_cad_model(source, request.unit); });
-  const auto found =
-      meshing::find_cad_faces(comm, mesh, *model, source, request.unit, request.tolerance, request.named);
+  const auto found = meshing::find_cad_faces(
+      comm, mesh, *model, source, {.unit = request.unit, .tolerance = request.tolerance, .named = request.named});
   auto& json = report["cad"];
   json = {{"file", source.file},
           {"faces", model->faces().size()},

@@ -178,12 +178,12 @@ std::string hint_at_unit(double of_mesh, double of_shape, const std::string& uni
 }  // namespace
 
 CadFaces find_cad_faces(const par::Comm& comm, mesh::DistMesh& mesh, const CadModel& model,
-                        const geometry::CadSource& source, const std::string& unit, double tolerance,
-                        const std::vector<std::string>& named) {
+                        const geometry::CadSource& source, const CadSearch& search) {
   const double size = box_diagonal(comm, mesh);
-  if (tolerance < 0) tolerance = std::max(usual_tolerance * size, model.largest_tolerance());
+  const double tolerance =
+      search.tolerance < 0 ? std::max(usual_tolerance * size, model.largest_tolerance()) : search.tolerance;
   const auto is_named = [&](const std::string& patch) {
-    return std::find(named.begin(), named.end(), patch) != named.end();
+    return std::find(search.named.begin(), search.named.end(), patch) != search.named.end();
   };
   std::vector<bool> is_wanted;
   for (const auto& patch : mesh.info.patches) is_wanted.push_back(!is_named(patch.name));
@@ -216,14 +216,14 @@ CadFaces find_cad_faces(const par::Comm& comm, mesh::DistMesh& mesh, const CadMo
     any = any || here.n_on > 0;
     if (here.is_tied())
       result.toml +=
-          (result.toml.empty() ? "" : "\n") + geometry::cad_surface_table(here.patch, source, unit, here.faces);
+          (result.toml.empty() ? "" : "\n") + geometry::cad_surface_table(here.patch, source, search.unit, here.faces);
     result.patches.push_back(std::move(here));
   }
   if (!any)
     throw Error(
         fmt::format("--cad {}: expected boundary faces of the mesh on faces of the shape (within {:.3g}), found "
                     "none; the mesh is {:.4g} wide, the shape {:.4g}{}",
-                    source.file, tolerance, size, model.size(), hint_at_unit(size, model.size(), unit)));
+                    source.file, tolerance, size, model.size(), hint_at_unit(size, model.size(), search.unit)));
   if (!result.toml.empty()) result.toml += "\n" + geometry::cad_table(source);
   return result;
 }

@@ -31,14 +31,21 @@ struct CadFaces {
   std::string toml;               ///< the description of a surface for each patch that is on the shape
 };
 
+/// How to look for the faces of a shape.
+struct CadSearch {
+  std::string unit;  ///< that the mesh is in
+  /// How far corners of faces may be off, length units; negative: 1e-6 of the mesh's size, or the largest tolerance of
+  /// the shape's edges if that is more.
+  double tolerance = -1;
+  std::vector<std::string> named;  ///< patches that are left alone
+};
+
 /// Finds by geometry on which face of a shape each boundary face of the mesh lies: one from which none of its corners
-/// is farther than `tolerance` (negative: 1e-6 of the mesh's size, or the largest tolerance of the shape's edges if
-/// that is more), and of several the one that is nearest to its middle. A patch of which all faces lie on the shape is
-/// described as a surface of the faces found. The patch `untagged_patch` is split into one for each face, named as the
-/// face, or face_N. Patches in `named` are left alone. Collective. Throws `Error` if nothing of the mesh is on the
-/// shape. The same on any number of ranks. Cost: some projections for each boundary node and face.
+/// is farther than the tolerance, and of several the one that is nearest to its middle. A patch of which all faces lie
+/// on the shape is described as a surface of the faces found. The patch `untagged_patch` is split into one for each
+/// face, named as the face, or face_N. Collective. Throws `Error` if nothing of the mesh is on the shape. The same on
+/// any number of ranks. Cost: some projections for each boundary node and face.
 CadFaces find_cad_faces(const par::Comm& comm, mesh::DistMesh& mesh, const geometry::CadModel& model,
-                        const geometry::CadSource& source, const std::string& unit, double tolerance,
-                        const std::vector<std::string>& named);
+                        const geometry::CadSource& source, const CadSearch& search);
 
 }  // namespace pamr::meshing
