@@ -39,8 +39,8 @@ std::string bar(std::int64_t done, std::int64_t total) {
 
 }  // namespace
 
-std::string progress_text(const std::string& what, std::int64_t done, std::int64_t total, const std::string& unit,
-                          double seconds, const std::string& step, std::int64_t before) {
+std::string progress_text(const Work& work, std::int64_t done, double seconds, const std::string& step) {
+  const auto& [what, unit, total, before] = work;
   std::string text =
       total < 0 ? fmt::format("{}: {} {}", what, done, unit) : fmt::format("{}: {} of {} {}", what, done, total, unit);
   if (total > 0) text += fmt::format(" ({} %)", done * 100 / total);
@@ -55,10 +55,7 @@ std::string progress_text(const std::string& what, std::int64_t done, std::int64
 }
 
 Progress::Progress(std::string what, std::int64_t total, std::string unit, bool shown, std::int64_t before)
-    : what_(std::move(what)),
-      total_(total),
-      before_(before),
-      unit_(std::move(unit)),
+    : work_{std::move(what), std::move(unit), total, before},
       shown_(shown),
       on_terminal_(shown && error_is_on_terminal()),
       start_(Clock::now()),
@@ -76,12 +73,11 @@ void Progress::update(std::int64_t done, const std::string& step) {
   const bool due = on_terminal_ ? now - last_ >= terminal_interval : now - last_ >= line_interval;
   if (!due) return;
   last_ = now;
-  const auto text =
-      progress_text(what_, done, total_, unit_, std::chrono::duration<double>(now - start_).count(), step, before_);
+  const auto text = progress_text(work_, done, std::chrono::duration<double>(now - start_).count(), step);
   if (on_terminal_) {
     drawn_ = true;
     mark_line(true);  // before it is: an interrupt may come in between
-    std::fputs((clear_line + bar(done, total_) + text).c_str(), stderr);
+    std::fputs((clear_line + bar(done, work_.total) + text).c_str(), stderr);
   } else {
     std::fputs((text + "\n").c_str(), stderr);
   }

@@ -7,12 +7,19 @@
 
 namespace pamr::cli {
 
+/// A long piece of work in units that are counted.
+struct Work {
+  std::string what, unit;
+  std::int64_t total = 0;   ///< units; below zero: not known
+  std::int64_t before = 0;  ///< units that were complete already, which say nothing of the rate
+};
+
 /// Shows how far a long piece of work has come, on standard error: on a terminal a bar with rate and time left that is
 /// redrawn at most ten times a second, elsewhere a plain line every ten seconds. Work that is over sooner shows
 /// nothing there. Local; cheap enough for every step of a loop.
 class Progress {
  public:
-  /// `total` below zero: not known. `before`: units that were complete already, which say nothing of the rate.
+  /// See `Work`.
   Progress(std::string what, std::int64_t total, std::string unit, bool shown, std::int64_t before = 0);
   /// Takes the bar off the terminal.
   ~Progress();
@@ -27,9 +34,7 @@ class Progress {
  private:
   using Clock = std::chrono::steady_clock;
 
-  std::string what_;
-  std::int64_t total_, before_;
-  std::string unit_;
+  Work work_;
   bool shown_;
   bool on_terminal_;
   bool drawn_ = false;
@@ -39,7 +44,6 @@ class Progress {
 
 /// The text of one line: "refining: 40 of 100 cells (40 %), 12.5 cells/s, 0:05 left, close"; with an unknown total
 /// "refining: 40 cells, 12.5 cells/s, close".
-std::string progress_text(const std::string& what, std::int64_t done, std::int64_t total, const std::string& unit,
-                          double seconds, const std::string& step, std::int64_t before = 0);
+std::string progress_text(const Work& work, std::int64_t done, double seconds, const std::string& step = {});
 
 }  // namespace pamr::cli
