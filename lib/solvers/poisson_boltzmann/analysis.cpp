@@ -168,9 +168,8 @@ Analysis analyze(const par::Comm& comm, const Problem& problem, System& system, 
 
   Analysis result;
   add_nodal_fields(state, result);
-  result.estimate = is_linear ? estimate_error(comm, problem.domain, problem.term, solution.u, problem.conditions.psi0,
-                                               gradient, recovered)
-                              : cubic->estimate(comm, solution.u);
+  result.estimate =
+      is_linear ? estimate_error(comm, problem, solution.u, gradient, recovered) : cubic->estimate(comm, solution.u);
   result.electrodes = find_electrodes(comm, problem.domain, problem.input);
   result.layers = find_layers(comm, state, max_cells);
   auto functionals = find_functionals(comm, state, system, result.electrodes, result.layers);

@@ -82,16 +82,17 @@ std::vector<double> squared_errors(const Domain& domain, std::span<const Vec3> c
   return result;
 }
 
-Estimate estimate_error(const par::Comm& comm, const Domain& domain, const SourceTerm& term, std::span<const double> u,
-                        std::span<const double> psi0, std::span<const Vec3> cell_gradient,
-                        std::span<const Vec3> recovered) {
+Estimate estimate_error(const par::Comm& comm, const Problem& problem, std::span<const double> u,
+                        std::span<const Vec3> cell_gradient, std::span<const Vec3> recovered) {
+  const auto& domain = problem.domain;
+  const auto& psi0 = problem.conditions.psi0;
   const auto& cells = domain.mesh->cell_to_node;
   Estimate result;
   result.squared.resize(cells.size());
   result.residual_squared.resize(cells.size());
   std::vector<double> squared_source(u.size());  // a node has some 24 cells, and a sinh costs more than all of one cell
   for (std::size_t i = 0; i < u.size(); ++i) {
-    const double value = term.value(u[i], psi0[i]);
+    const double value = problem.term.value(u[i], psi0[i]);
     squared_source[i] = value * value;
   }
   std::array<par::ExactSum, 3> sums;

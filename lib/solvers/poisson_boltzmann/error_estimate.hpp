@@ -30,9 +30,8 @@ struct Estimate {
 };
 
 /// Collective: one reduction. The sums are exact and rounded once.
-Estimate estimate_error(const par::Comm& comm, const Domain& domain, const SourceTerm& term, std::span<const double> u,
-                        std::span<const double> psi0, std::span<const geometry::Vec3> cell_gradient,
-                        std::span<const geometry::Vec3> recovered);
+Estimate estimate_error(const par::Comm& comm, const Problem& problem, std::span<const double> u,
+                        std::span<const geometry::Vec3> cell_gradient, std::span<const geometry::Vec3> recovered);
 
 /// Error of a functional of the solution, by its dual solution w.
 struct GoalError {
