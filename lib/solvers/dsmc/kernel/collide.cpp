@@ -157,7 +157,7 @@ void Collider::collide_cell(const GasDomain& domain, std::size_t c, std::uint64_
     const auto first = random.below(n);
     const bool may_exchange = draw < max_exchange_;
     const auto excluded = may_exchange ? last_candidate_[first] : particles.partner[begin + first];
-    const auto second = choose_partner(particles, begin, n, first, excluded, random);
+    const auto second = choose_partner(particles, {begin, n}, first, excluded, random);
     const auto a = begin + first, b = begin + second;
     if (may_exchange) {
       last_candidate_[first] = tag_of(particles.id[b]);
@@ -223,18 +223,19 @@ void Collider::collide_weighted(Particles& p, Partners partners, double heaviest
   p.rotation[heavy] = old_rotation + part * (p.rotation[heavy] - old_rotation);
 }
 
-std::uint32_t Collider::choose_partner(const Particles& p, std::uint32_t begin, std::uint32_t n, std::uint32_t first,
-                                       std::uint32_t excluded, Random& random) {
-  if (options_.partner == CollisionOptions::Partner::any || n == 2) {
-    const auto other = random.below(n - 1);
+std::uint32_t Collider::choose_partner(const Particles& p, Rows cell, std::uint32_t first, std::uint32_t excluded,
+                                       Random& random) {
+  if (options_.partner == CollisionOptions::Partner::any || cell.n == 2) {
+    const auto other = random.below(cell.n - 1);
     return other < first ? other : other + 1;
   }
-  if (gas_->is_weighted) return choose_weighted_partner(p, begin, n, first, excluded, random);
+  if (gas_->is_weighted) return choose_weighted_partner(p, cell, first, excluded, random);
   return has_sub_cells_ ? sub_cells_.find(first, excluded, random) : nearest_.find(first, excluded);
 }
 
-std::uint32_t Collider::choose_weighted_partner(const Particles& p, std::uint32_t begin, std::uint32_t n,
-                                                std::uint32_t first, std::uint32_t excluded, Random& random) {
+std::uint32_t Collider::choose_weighted_partner(const Particles& p, Rows cell, std::uint32_t first,
+                                                std::uint32_t excluded, Random& random) {
+  const auto [begin, n] = cell;
   // Trace particles have nearly always last collided with another species: excluding those alone would bias the rates,
   // so the partner's species is drawn first.
   const auto drawn = random.below(n - 1);

@@ -103,11 +103,15 @@ class Collider {
   void collide_cell(const GasDomain& domain, std::size_t c, std::uint64_t step, Particles& particles,
                     CellCollisions& state);
   bool is_accepted(std::size_t pair, double speed_squared, double threshold, double& max_sigma_cr) const;
-  std::uint32_t choose_partner(const Particles& particles, std::uint32_t begin, std::uint32_t n, std::uint32_t first,
-                               std::uint32_t excluded, Random& random);
+  /// The particles of a cell: `n` rows from `begin` on.
+  struct Rows {
+    std::uint32_t begin = 0, n = 0;
+  };
+  std::uint32_t choose_partner(const Particles& particles, Rows cell, std::uint32_t first, std::uint32_t excluded,
+                               Random& random);
   /// The nearest particle of a species that is drawn in proportion to its particles.
-  std::uint32_t choose_weighted_partner(const Particles& particles, std::uint32_t begin, std::uint32_t n,
-                                        std::uint32_t first, std::uint32_t excluded, Random& random);
+  std::uint32_t choose_weighted_partner(const Particles& particles, Rows cell, std::uint32_t first,
+                                        std::uint32_t excluded, Random& random);
   struct Partners {
     std::uint32_t a = 0, b = 0;
     double speed_squared = 0;  ///< of their relative motion
