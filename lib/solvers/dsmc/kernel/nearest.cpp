@@ -86,9 +86,8 @@ std::size_t NearestInCell::number_of(int x, int y, int z) const {
          static_cast<std::size_t>(x);
 }
 
-/// The boxes whose number along some side differs by more than `inner` and by at most `radius` from the middle's.
-void NearestInCell::look_at_shell(const Vec3& here, const std::array<int, 3>& middle, int inner, int radius,
-                                  std::uint32_t excluded, Best& best) const {
+void NearestInCell::look_at_shell(const Shell& shell, const Vec3& here, std::uint32_t excluded, Best& best) const {
+  const auto& [middle, inner, outer] = shell;
   const auto look_at_row = [&](int from, int to, int y, int z) {
     from = std::max(from, 0);
     to = std::min(to, boxes_[0] - 1);
@@ -101,13 +100,13 @@ void NearestInCell::look_at_shell(const Vec3& here, const std::array<int, 3>& mi
       if (distance > 0 && other.tag != excluded) best = {distance, other.particle};
     }
   };
-  for (int z = std::max(0, middle[2] - radius); z <= std::min(boxes_[2] - 1, middle[2] + radius); ++z)
-    for (int y = std::max(0, middle[1] - radius); y <= std::min(boxes_[1] - 1, middle[1] + radius); ++y) {
+  for (int z = std::max(0, middle[2] - outer); z <= std::min(boxes_[2] - 1, middle[2] + outer); ++z)
+    for (int y = std::max(0, middle[1] - outer); y <= std::min(boxes_[1] - 1, middle[1] + outer); ++y) {
       if (std::abs(z - middle[2]) > inner || std::abs(y - middle[1]) > inner) {
-        look_at_row(middle[0] - radius, middle[0] + radius, y, z);
+        look_at_row(middle[0] - outer, middle[0] + outer, y, z);
       } else {
-        look_at_row(middle[0] - radius, middle[0] - inner - 1, y, z);
-        look_at_row(middle[0] + inner + 1, middle[0] + radius, y, z);
+        look_at_row(middle[0] - outer, middle[0] - inner - 1, y, z);
+        look_at_row(middle[0] + inner + 1, middle[0] + outer, y, z);
       }
     }
 }
@@ -155,7 +154,7 @@ void NearestInCell::look_around(const Vec3& here, std::uint32_t excluded, Best& 
   const auto middle = box_of(here);
   const int last = *std::max_element(boxes_.begin(), boxes_.end());
   for (int inner = -1, radius = 1; inner < last; inner = radius++) {
-    look_at_shell(here, middle, inner, radius, excluded, best);
+    look_at_shell({middle, inner, radius}, here, excluded, best);
     // What lies further out is further away than so many sides of a box; a little less, for rounding.
     const double sure = 0.999 * radius * side_;
     if (best.distance < sure * sure) break;

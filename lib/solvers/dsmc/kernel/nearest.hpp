@@ -40,8 +40,12 @@ class NearestInCell {
   void look_through_filter(std::uint32_t first, const Vec3& here, std::uint32_t excluded, Best& best);
   void look_around(const Vec3& here, std::uint32_t excluded, Best& best) const;
   bool make_grid();
-  void look_at_shell(const Vec3& here, const std::array<int, 3>& middle, int inner, int radius, std::uint32_t excluded,
-                     Best& best) const;
+  /// The boxes whose number along some side differs by more than `inner` and by at most `outer` from the middle's.
+  struct Shell {
+    std::array<int, 3> middle;
+    int inner, outer;
+  };
+  void look_at_shell(const Shell& shell, const Vec3& here, std::uint32_t excluded, Best& best) const;
   std::array<int, 3> box_of(const Vec3& position) const;
   std::size_t number_of(int x, int y, int z) const;
 
