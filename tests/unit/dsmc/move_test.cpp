@@ -40,8 +40,8 @@ struct Box {
     border.emplace(domain);
   }
   MoveCounts step() {
-    const MoveRules rules{&domain, &gas, patch, 7};
-    const auto counts = move(*comm, rules, n_steps++, particles, entering, *border, tally);
+    const MoveRules rules{&domain, &gas, patch, 7, n_steps++};
+    const auto counts = move(*comm, rules, particles, entering, {*border, tally});
     particles.sort_by_cell(domain.n_cells());
     return counts;
   }

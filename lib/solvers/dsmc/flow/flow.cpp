@@ -146,7 +146,7 @@ StepCounts Flow::step(bool wants_stop) {
   }
   counts.entered = static_cast<std::int64_t>(entering.size());
   const auto before = static_cast<std::int64_t>(particles.size()) + counts.entered;
-  counts.moved = move(*comm_, rules(), steps_done, particles, entering, *border_, surface);
+  counts.moved = move(*comm_, rules(), particles, entering, {*border_, surface});
   hits_unchecked_ += counts.moved.wall_hits;
   if (hits_unchecked_ >= hits_between_checks && !trouble) {
     hits_unchecked_ = 0;

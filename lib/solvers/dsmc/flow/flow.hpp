@@ -82,7 +82,7 @@ class Flow {
   std::uint64_t steps_done = 0;  ///< since the start of the computation
 
  private:
-  MoveRules rules() const { return {&domain_, &setup_.gas, setup_.patch, setup_.seed}; }
+  MoveRules rules() const { return {&domain_, &setup_.gas, setup_.patch, setup_.seed, steps_done}; }
   StepTotals add_up(const StepCounts& here, std::int64_t missing, bool wants_stop, const std::optional<Error>& trouble);
 
   const par::Comm* comm_;

@@ -43,16 +43,15 @@ inline unsigned outside(const CellPlanes& p, Vec3 point) {
 /// Moves one particle at a time.
 class Mover {
  public:
-  Mover(const MoveRules& rules, std::uint64_t step, const Particles& particles, BorderExchange& border,
-        SurfaceTally& tally)
+  Mover(const MoveRules& rules, const Particles& particles, const MoveTargets& targets)
       : domain_(rules.domain),
         particles_(&particles),
         gas_(rules.gas),
         patch_(rules.patch),
         seed_(rules.seed),
-        step_(step),
-        border_(&border),
-        tally_(&tally) {}
+        step_(rules.step),
+        border_(&targets.border),
+        tally_(&targets.tally) {}
 
   /// To the end of the flight.
   End fly(Flight& flight, Path& path) {
@@ -415,9 +414,10 @@ void MoveCounts::add(const MoveCounts& other) {
   longest = std::max(longest, other.longest);
 }
 
-MoveCounts move(const par::Comm& comm, const MoveRules& rules, std::uint64_t step, Particles& particles,
-                std::vector<Flight>& entering, BorderExchange& border, SurfaceTally& tally) {
-  Mover mover(rules, step, particles, border, tally);
+MoveCounts move(const par::Comm& comm, const MoveRules& rules, Particles& particles, std::vector<Flight>& entering,
+                const MoveTargets& targets) {
+  auto& [border, tally] = targets;
+  Mover mover(rules, particles, targets);
   double start = cpu_seconds();
   OwnFlights(mover, *rules.domain, particles, border).fly_all();
   fly_arrivals(mover, entering, particles, border);

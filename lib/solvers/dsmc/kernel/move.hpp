@@ -22,6 +22,13 @@ struct MoveRules {
   const Gas* gas = nullptr;
   std::span<const BoundaryCondition> patch;  ///< one for each patch of the mesh
   std::uint64_t seed = 0;
+  std::uint64_t step = 0;  ///< number of the time step
+};
+
+/// Who is given what particles leave behind. Only references.
+struct MoveTargets {
+  BorderExchange& border;  ///< particles that leave the rank; of the rules' domain, with nothing to deliver
+  SurfaceTally& tally;     ///< what walls are given
 };
 
 /// What happened to particles in a step, on this rank.
@@ -51,12 +58,10 @@ struct MoveCounts {
 /// random,
 ///   which ends it.
 ///
-/// Afterwards the particles are unsorted; those that left have cell `Particles::gone`. `tally` receives what they give
-/// to the walls.
-/// `border`: of the rules' domain, with nothing to deliver.
+/// Afterwards the particles are unsorted; those that left have cell `Particles::gone`.
 /// Collective: an exchange between neighbors and a reduction, and one more of each for every further halo that a
 /// particle leaves in the step; nothing on one rank.
-MoveCounts move(const par::Comm& comm, const MoveRules& rules, std::uint64_t step, Particles& particles,
-                std::vector<Flight>& entering, BorderExchange& border, SurfaceTally& tally);
+MoveCounts move(const par::Comm& comm, const MoveRules& rules, Particles& particles, std::vector<Flight>& entering,
+                const MoveTargets& targets);
 
 }  // namespace pamr::dsmc

@@ -139,7 +139,7 @@ class Passage {
       flights.push_back(flight);
     }
     Particles placed;
-    move(*comm_, {&domain_, &setup_->gas, patch_, 0}, 0, placed, flights, border_, tally_);
+    move(*comm_, {&domain_, &setup_->gas, patch_}, placed, flights, {border_, tally_});
     return placed;
   }
 
