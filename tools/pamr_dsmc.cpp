@@ -159,7 +159,7 @@ cli::ExitCode run_case(cli::Session& session, const Options& o) {
   validate::require_valid(comm, mesh, place.mesh);
   session.step(fmt::format("setting up {} cells", mesh.info.n_global_cells));
   auto setup = dsmc::make_setup(comm, c, mesh, place.fnum);
-  dsmc::Outcome outcome{dsmc::make_plan(comm, c, setup, mesh, from, !o.advance.checkpoint.empty()), {}, {}, 0};
+  dsmc::Outcome outcome{dsmc::make_plan(comm, c, setup, mesh, {from, !o.advance.checkpoint.empty()}), {}, {}, 0};
   try {
     dsmc::require_feasible(comm, c, setup, mesh, outcome.plan);
   } catch (const Error& error) {  // reaches every rank

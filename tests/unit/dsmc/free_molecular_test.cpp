@@ -245,7 +245,7 @@ TEST(FreeMolecular, ThePlanOfAPlateWithFourKindsOfWallsIsWhatARunFinds) {
   for (const auto& wall : results.walls) {
     auto alone = c;
     alone.reference.patches = {wall.patch};
-    const auto plan = make_plan(comm, alone, setup, mesh, {}, false);
+    const auto plan = make_plan(comm, alone, setup, mesh);
     ASSERT_TRUE(plan.free_molecular) << wall.patch;
     const auto& k = *plan.free_molecular;
     EXPECT_NEAR(wall.drag.value, k.drag, 5 * wall.drag.error) << wall.patch;
@@ -263,7 +263,7 @@ TEST(FreeMolecular, NoValueIsGivenOfAWallThatMovesOutOfItsPlane) {
   const auto mesh = assemble::assemble(comm, test::kuhn_cube(comm, 2));
   const auto c = read_case(text, "case.toml");
   const auto setup = make_setup(comm, c, mesh);
-  const auto plan = make_plan(comm, c, setup, mesh, {}, false);
+  const auto plan = make_plan(comm, c, setup, mesh);
   EXPECT_FALSE(plan.free_molecular);
   EXPECT_EQ(plan.moving_wall, "zmin");
   EXPECT_NE(describe(c, setup, plan).back().find("the wall zmin moves out of its plane"), std::string::npos);

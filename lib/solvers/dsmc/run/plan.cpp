@@ -44,7 +44,8 @@ std::int64_t patch_that_leaves_its_plane(const par::Comm& comm, const GasDomain&
 }  // namespace
 
 Plan make_plan(const par::Comm& comm, const Case& c, const Setup& setup, const mesh::DistMesh& mesh,
-               const std::optional<CheckpointHead>& from, bool writes_checkpoints) {
+               const Checkpoints& checkpoints) {
+  const auto& from = checkpoints.from;
   if (!from) require_regions(comm, c, setup, mesh);
   Plan plan;
   const auto& free = c.stream.front();
@@ -72,7 +73,7 @@ Plan make_plan(const par::Comm& comm, const Case& c, const Setup& setup, const m
   const double cells = static_cast<double>(mesh.info.n_global_cells);
   plan.particles_per_cell = plan.particles / cells;
   if (from) plan.particles_at_start = static_cast<double>(from->n_particles) * from->fnum / setup.fnum;
-  plan.particle_bytes = particle_bytes + (writes_checkpoints || c.adaptation.every > 0 ? copy_bytes : 0);
+  plan.particle_bytes = particle_bytes + (checkpoints.are_written || c.adaptation.every > 0 ? copy_bytes : 0);
   plan.bytes = plan.max_particles() * plan.particle_bytes + cells * cell_bytes;
   plan.steps = static_cast<double>(c.schedule.sampling + c.schedule.transient.value_or(0));
   plan.cpu_seconds = plan.max_particles() * plan.steps / typical_rate;

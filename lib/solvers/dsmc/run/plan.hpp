@@ -40,11 +40,16 @@ struct Plan {
   double max_particles() const { return std::max(particles, particles_at_start); }
 };
 
-/// `from`: the flow that it goes on from, if there is one, on this mesh or on another. `writes_checkpoints`: for which
-/// particles are copied; where the mesh adapts they are in any case. Throws `Error` for regions of the case that fill
-/// no cell, unless it goes on from a flow (`require_regions`). Collective.
+/// The checkpoints of a computation.
+struct Checkpoints {
+  std::optional<CheckpointHead> from{};  ///< the flow that it goes on from, on this mesh or on another
+  bool are_written = false;              ///< particles are copied for them; where the mesh adapts they are in any case
+};
+
+/// Throws `Error` for regions of the case that fill no cell, unless it goes on from a flow (`require_regions`).
+/// Collective.
 Plan make_plan(const par::Comm& comm, const Case& the_case, const Setup& setup, const mesh::DistMesh& mesh,
-               const std::optional<CheckpointHead>& from, bool writes_checkpoints);
+               const Checkpoints& checkpoints = {});
 
 /// What a user should be warned about. Local.
 std::vector<std::string> warnings_of(const Plan& plan);
