@@ -193,8 +193,9 @@ void Averaging::begin_sampling(Flow& flow, const std::string& reason) {
 void Averaging::end_interval(Flow& flow) {
   const auto faces = flow.end_block();
   const auto& setup = flow.setup();
-  const auto loads = patch_loads(flow.comm(), flow.domain(), flow.surface, faces, setup.fnum / setup.dt,
-                                 state_.in_interval, point_, setup.patch.size());
+  const auto loads =
+      patch_loads(flow.comm(), flow.domain(), {flow.surface, faces, setup.fnum / setup.dt, state_.in_interval}, point_,
+                  setup.patch.size());
   auto row = std::exchange(state_.interval, {});
   row.step = flow.steps_done;
   row.sampled = state_.sampling;

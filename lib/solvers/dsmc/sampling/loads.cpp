@@ -55,15 +55,14 @@ Load& Load::operator+=(const Load& other) {
   return *this;
 }
 
-std::vector<Load> patch_loads(const par::Comm& comm, const GasDomain& domain, const SurfaceTally& units,
-                              const std::vector<SurfaceTally::Sums>& face, double fnum_per_time, std::int64_t n_steps,
-                              Vec3 point, std::size_t n_patches) {
-  const double per_step = fnum_per_time / static_cast<double>(std::max<std::int64_t>(1, n_steps));
-  const double momentum = units.momentum_unit * per_step, energy = units.energy_unit * per_step;
+std::vector<Load> patch_loads(const par::Comm& comm, const GasDomain& domain, const FaceSums& sums, Vec3 point,
+                              std::size_t n_patches) {
+  const double per_step = sums.fnum_per_time / static_cast<double>(std::max<std::int64_t>(1, sums.n_steps));
+  const double momentum = sums.units.momentum_unit * per_step, energy = sums.units.energy_unit * per_step;
   return add_up(comm, domain, n_patches, point, [&](std::size_t b) {
-    const auto& m = face[b].momentum;
+    const auto& m = sums.face[b].momentum;
     const Vec3 force{static_cast<double>(m[0]), static_cast<double>(m[1]), static_cast<double>(m[2])};
-    return std::pair<Vec3, double>{momentum * force, energy * static_cast<double>(face[b].energy)};
+    return std::pair<Vec3, double>{momentum * force, energy * static_cast<double>(sums.face[b].energy)};
   });
 }
 

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstdint>
 #include <functional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -36,12 +38,18 @@ struct Load {
   Load& operator+=(const Load& other);
 };
 
-/// Loads of every patch from the sums of `n_steps` steps, without the reference's multiplier. Sums are exact, so the
-/// result has the same bits on any number of ranks. Collective: one reduction.
-/// `fnum_per_time`: real molecules per particle and second.
-std::vector<Load> patch_loads(const par::Comm& comm, const GasDomain& domain, const SurfaceTally& units,
-                              const std::vector<SurfaceTally::Sums>& face, double fnum_per_time, std::int64_t n_steps,
-                              Vec3 point, std::size_t n_patches);
+/// What boundary faces were given in some steps. Only references.
+struct FaceSums {
+  const SurfaceTally& units;
+  std::span<const SurfaceTally::Sums> face;
+  double fnum_per_time = 0;  ///< real molecules per particle and second
+  std::int64_t n_steps = 0;
+};
+
+/// Loads of every patch from the sums of some steps, without the reference's multiplier. Sums are exact, so the result
+/// has the same bits on any number of ranks. Collective: one reduction.
+std::vector<Load> patch_loads(const par::Comm& comm, const GasDomain& domain, const FaceSums& sums, Vec3 point,
+                              std::size_t n_patches);
 
 /// A stress and a heat flux on a face of the boundary.
 using SurfaceLaw = std::function<std::pair<Vec3, double>(const BoundaryFace& face)>;
