@@ -60,7 +60,7 @@ CellResolution write_output(Computation& computation, const OutputFiles& files, 
   const auto walls = walls_of(computation);
   if (!files.lines.empty()) {
     const auto points =
-        point_rows(comm, points_of(c.line, c.plane), computation.mesh(), setup.unit, flow.domain(), fields);
+        point_rows(comm, points_of(c.line, c.plane), {computation.mesh(), setup.unit, flow.domain(), fields});
     write_text(files.lines, probe_header + station_rows(comm, c.station, walls) + points);
   }
   auto& mesh = computation.mesh();

@@ -114,9 +114,10 @@ std::vector<ProbePoint> points_of(const std::vector<ProbeLine>& lines, const std
   return points;
 }
 
-std::string point_rows(const par::Comm& comm, const std::vector<ProbePoint>& points, const mesh::DistMesh& mesh,
-                       double unit, const GasDomain& domain, const std::vector<mesh::CellField>& fields) {
+std::string point_rows(const par::Comm& comm, const std::vector<ProbePoint>& points, const FlowFields& flow) {
   if (points.empty()) return {};
+  const auto& domain = flow.domain;
+  const auto& fields = flow.fields;
   // Points by x, so that a cell looks at those near it only.
   std::vector<std::size_t> order(points.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
@@ -125,7 +126,7 @@ std::string point_rows(const par::Comm& comm, const std::vector<ProbePoint>& poi
 
   std::vector<par::Outgoing<Found>> message{{0, {}}};
   for (LocalId cell = 0; cell < domain.n_cells(); ++cell) {
-    const auto [low, high] = extent_in_x(corners(mesh, unit, cell));
+    const auto [low, high] = extent_in_x(corners(flow.mesh, flow.unit, cell));
     auto near = std::lower_bound(order.begin(), order.end(), low, [&](auto i, double x) { return points[i].at.x < x; });
     for (; near != order.end() && points[*near].at.x <= high; ++near) {
       if (is_found[*near] || !is_inside(domain, cell, points[*near].at, 0)) continue;

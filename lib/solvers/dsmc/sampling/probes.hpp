@@ -47,11 +47,18 @@ struct ProbePoint {
 /// The points of the lines, then those of the planes, whose first edge varies fastest. Local.
 std::vector<ProbePoint> points_of(const std::vector<ProbeLine>& lines, const std::vector<ProbePlane>& planes);
 
+/// Fields of a flow on the cells of its mesh. Only references.
+struct FlowFields {
+  const mesh::DistMesh& mesh;
+  double unit = 1;  ///< of the mesh, m
+  const GasDomain& domain;
+  const std::vector<mesh::CellField>& fields;
+};
+
 /// CSV rows of the fields at the points: the values of the cell that contains a point (on a face, of the cell with the
 /// smallest number), no rows for a point outside the domain. Text on rank 0, empty elsewhere. Collective: one sparse
 /// exchange. O(cells log points + points in the cells' extents along x).
-std::string point_rows(const par::Comm& comm, const std::vector<ProbePoint>& points, const mesh::DistMesh& mesh,
-                       double unit, const GasDomain& domain, const std::vector<mesh::CellField>& fields);
+std::string point_rows(const par::Comm& comm, const std::vector<ProbePoint>& points, const FlowFields& flow);
 
 inline constexpr const char* probe_header = "name,s,x,y,z,quantity,value,stderr\n";
 
