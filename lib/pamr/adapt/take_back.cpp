@@ -86,8 +86,7 @@ void carry_fields(const par::Comm& comm, const mesh::DistMesh& old, const refine
   coarsen::FieldRules rules{{}, options.integrals};
   if (!options.marks_field.empty()) rules.left_out.push_back(options.marks_field);
   if (options.parent_field) rules.left_out.emplace_back(mesh::parent_field);
-  auto& [mesh, places, old_node, flags] = *coarse.made;
-  coarsen::carry_fields(comm, old, coarse.settled.groups, places, old_node, rules, mesh);
+  coarsen::carry_fields(comm, old, coarse.settled.groups, rules, *coarse.made);
 }
 
 TakenBack take_back(const par::Comm& comm, GivenMesh mesh, std::span<const std::int8_t> flags,
@@ -104,7 +103,7 @@ TakenBack take_back(const par::Comm& comm, GivenMesh mesh, std::span<const std::
   if (!coarse.made) return {std::move(mesh), splits_of(signs), {}, false, coarse.report, {}};
   carry_fields(comm, old, options, coarse);
   auto& made = *coarse.made;
-  auto merged = coarsen::find_merged(old, coarse.settled.groups, made.places, made.mesh);
+  auto merged = coarsen::find_merged(old, coarse.settled.groups, made);
   timer.lap("coarsen");
   PAMR_ENSURES_AUDIT(validate::validate(comm, made.mesh).empty());
   return {std::move(made.mesh), std::move(made.flags), std::move(coarse.closure), true,

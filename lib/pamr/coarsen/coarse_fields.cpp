@@ -162,9 +162,10 @@ const std::vector<GlobalId>& numbers_of(const mesh::DistMesh& mesh) {
 }  // namespace
 
 void carry_fields(const par::Comm& comm, const mesh::DistMesh& old, std::span<const Group> groups,
-                  const NewPlaces& places, std::span<const LocalId> old_node, const FieldRules& rules,
-                  mesh::DistMesh& coarse) {
-  carry_node_fields(comm, old, old_node, coarse);
+                  const FieldRules& rules, Coarsened& coarsened) {
+  auto& coarse = coarsened.mesh;
+  const auto& places = coarsened.places;
+  carry_node_fields(comm, old, coarsened.old_node, coarse);
   for (const auto& field : old.cell_fields)
     if (!is_one_of(field.name, rules.left_out))
       coarse.cell_fields.push_back(
@@ -177,12 +178,12 @@ void carry_fields(const par::Comm& comm, const mesh::DistMesh& old, std::span<co
           number[at(refine::cell_that_holds(old, groups[g].first, groups[g].end, centroid(coarse, c)))];
 }
 
-std::vector<Merged> find_merged(const mesh::DistMesh& old, std::span<const Group> groups, const NewPlaces& places,
-                                const mesh::DistMesh& coarse) {
+std::vector<Merged> find_merged(const mesh::DistMesh& old, std::span<const Group> groups, const Coarsened& coarsened) {
+  const auto& coarse = coarsened.mesh;
   const auto& number = numbers_of(old);
   std::vector<Merged> merged;
   for (std::size_t g = 0; g < groups.size(); ++g) {
-    const auto first = places.first_of_group[g], end = first + n_cells_now(groups[g]);
+    const auto first = coarsened.places.first_of_group[g], end = first + n_cells_now(groups[g]);
     const auto begin = coarse.cell_origin.begin();
     for (auto c = groups[g].first; c < groups[g].end; ++c) {
       if (std::find(begin + first, begin + end, number[at(c)]) != begin + end) continue;

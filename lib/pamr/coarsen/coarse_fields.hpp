@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "pamr/coarsen/coarse_links.hpp"
+#include "pamr/coarsen/coarsen.hpp"
 #include "pamr/coarsen/octets.hpp"
 #include "pamr/mesh/dist_mesh.hpp"
 #include "pamr/par/comm.hpp"
@@ -28,10 +28,9 @@ struct FieldRules {
 /// - Cell fields of integers: the value that most of the group's volume has; of equal ones the smallest.
 /// - `cell_origin`: the number of the old cell that holds a new cell's centroid.
 ///
-/// `old_node`: old local number of each node. Collective: one reduction. Cost: O(cells) for each field.
+/// `groups`: those that made it. Collective: one reduction. Cost: O(cells) for each field.
 void carry_fields(const par::Comm& comm, const mesh::DistMesh& old, std::span<const Group> groups,
-                  const NewPlaces& places, std::span<const LocalId> old_node, const FieldRules& rules,
-                  mesh::DistMesh& coarse);
+                  const FieldRules& rules, Coarsened& coarsened);
 
 /// A cell that is in the mesh no more: `number` is its own, `into` that of an old cell (a `parent` in the new mesh)
 /// whose place in the new mesh holds its centroid.
@@ -41,7 +40,6 @@ struct Merged {
 };
 
 /// The cells of the groups that are nobody's origin, ascending. Pre: `carry_fields` was called. Local.
-std::vector<Merged> find_merged(const mesh::DistMesh& old, std::span<const Group> groups, const NewPlaces& places,
-                                const mesh::DistMesh& coarse);
+std::vector<Merged> find_merged(const mesh::DistMesh& old, std::span<const Group> groups, const Coarsened& coarsened);
 
 }  // namespace pamr::coarsen
