@@ -59,7 +59,7 @@ CoarseMesh make_coarse_mesh(const par::Comm& comm, const mesh::DistMesh& mesh, c
   std::vector<LocalId> needed;
   for (;;) {
     CoarseMesh coarse;
-    coarse.settled = coarsen::settle_octets(comm, mesh, borders, octets, signs, needed, options.shape_floor);
+    coarse.settled = coarsen::settle_octets(comm, mesh, borders, octets, {signs, needed, options.shape_floor});
     coarse.report = count_all(comm, asked, coarse.settled.outcome);
     coarse.report.cells_between = mesh.info.n_global_cells;
     timer.lap("coarsen");

@@ -30,11 +30,10 @@ struct Open {
 
 class Settling {
  public:
-  Settling(const mesh::DistMesh& mesh, const std::vector<Group>& octets, std::span<const std::int8_t> flags,
-           const std::vector<LocalId>& needed, double shape_floor)
-      : mesh_(mesh), flags_(flags), shape_floor_(shape_floor) {
+  Settling(const mesh::DistMesh& mesh, const std::vector<Group>& octets, const Needs& needs)
+      : mesh_(mesh), flags_(needs.flags), shape_floor_(needs.shape_floor) {
     assign_array(stays_, at(mesh.n_nodes()), std::uint8_t{0});
-    for (const auto node : needed) stay(node);
+    for (const auto node : needs.nodes) stay(node);
     start(octets);
   }
 
@@ -235,9 +234,8 @@ class Settling {
 }  // namespace
 
 Settled settle_octets(const par::Comm& comm, const mesh::DistMesh& mesh, const mesh::Borders& borders,
-                      const std::vector<Group>& octets, std::span<const std::int8_t> flags,
-                      const std::vector<LocalId>& needed, double shape_floor) {
-  Settling settling(mesh, octets, flags, needed, shape_floor);
+                      const std::vector<Group>& octets, const Needs& needs) {
+  Settling settling(mesh, octets, needs);
   const par::Exchange exchange(comm, borders.nodes);
   const auto& shared = borders.nodes.item;
   int rounds = 0;

@@ -31,6 +31,14 @@ struct Settled {
   Outcome outcome;
 };
 
+/// What keeps octets from being coarsened.
+struct Needs {
+  /// Of each cell: a family with one above 0 keeps its nodes, because its parent becomes eight.
+  std::span<const std::int8_t> flags;
+  std::span<const LocalId> nodes;  ///< that stay in any case
+  double shape_floor = 0;          ///< see `refine::Options`
+};
+
 /// Decides which octets go. A node stays if it is a corner of a base cell that remains, or if a mark of a base cell
 /// that remains lies there. Marks are worked out anew: a base cell has those of its midpoints that stay for others, and
 /// what the floor adds to them (rule 4 of docs/refinement.md); a parent with six marks, or with one inside its edges or
@@ -39,11 +47,9 @@ struct Settled {
 /// Then each parent and each family that is to be closed anew is looked at: if it would have an inverted cell where the
 /// nodes lie, it stays as it is (all of them together), and marks are settled again, until there is none.
 ///
-/// `flags`: of each cell; a family with a flag above 0 keeps its nodes, because its parent becomes eight. `needed`:
-/// nodes that stay in any case. Collective: k rounds of an exchange of a byte for each shared node and a reduction.
+/// Collective: k rounds of an exchange of a byte for each shared node and a reduction.
 /// Cost: one pass over the cells, and per sweep one over the octets and the families beside them.
 Settled settle_octets(const par::Comm& comm, const mesh::DistMesh& mesh, const mesh::Borders& borders,
-                      const std::vector<Group>& octets, std::span<const std::int8_t> flags,
-                      const std::vector<LocalId>& needed, double shape_floor);
+                      const std::vector<Group>& octets, const Needs& needs);
 
 }  // namespace pamr::coarsen
