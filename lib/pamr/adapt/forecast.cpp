@@ -125,7 +125,7 @@ Forecast Forecaster::after_taking_back(std::vector<std::int8_t> signs) const {
   const auto& mesh = gathered ? *gathered : *mesh_;
   const auto& borders = gathered ? found : borders_;
   StepTimer timer;
-  auto coarse = make_coarse_mesh(*comm_, mesh, borders, signs, options_, timer);
+  auto coarse = make_coarse_mesh(*comm_, {mesh, borders, signs}, options_, timer);
   Forecast forecast;
   if (coarse.made) {
     std::optional<refine::Closure> closure;

@@ -51,8 +51,9 @@ mesh::DistMesh gather(const par::Comm& comm, mesh::DistMesh mesh, const Gatherin
   return gathered;
 }
 
-CoarseMesh make_coarse_mesh(const par::Comm& comm, const mesh::DistMesh& mesh, const mesh::Borders& borders,
-                            std::span<const std::int8_t> signs, const refine::Options& options, StepTimer& timer) {
+CoarseMesh make_coarse_mesh(const par::Comm& comm, const FlaggedMesh& flagged, const refine::Options& options,
+                            StepTimer& timer) {
+  const auto& [mesh, borders, signs] = flagged;
   auto [octets, asked] = coarsen::find_octets(mesh, signs);
   timer.lap("preprocessing");
   const bool any_split = comm.any(has_sign(signs, 1));
@@ -98,7 +99,7 @@ TakenBack take_back(const par::Comm& comm, GivenMesh mesh, std::span<const std::
   if (gathering.cells_moved > 0) mesh = gather(comm, std::move(mesh).take(), gathering, signs);
   timer.lap("balance");
   const auto& old = mesh.get();
-  auto coarse = make_coarse_mesh(comm, old, mesh::find_borders(comm, old), signs, options, timer);
+  auto coarse = make_coarse_mesh(comm, {old, mesh::find_borders(comm, old), signs}, options, timer);
   coarse.report.cells_moved = gathering.cells_moved;
   if (!coarse.made) return {std::move(mesh), splits_of(signs), {}, false, coarse.report, {}};
   carry_fields(comm, old, options, coarse);

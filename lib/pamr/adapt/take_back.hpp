@@ -56,13 +56,20 @@ struct CoarseMesh {
   CoarseningReport report;                 ///< but for `cells_moved`
 };
 
+/// A mesh with a flag for each cell, -1, 0 or 1. Only references.
+struct FlaggedMesh {
+  const mesh::DistMesh& mesh;
+  const mesh::Borders& borders;
+  std::span<const std::int8_t> signs;
+};
+
 /// Takes back what neither the closure of the remaining splits nor refining needs. What refining needs shows when the
 /// coarse mesh is closed: nodes of the old mesh that are marked there stay, and it is settled again with them, until
 /// there is none. Each of them is needed by what remains for certain, so the result is the same as if all had been
 /// settled at once. Pre: siblings are together. Collective. Cost: that of `coarsen::take_back` and `refine::close`, as
 /// often as nodes turn out to be needed.
-CoarseMesh make_coarse_mesh(const par::Comm& comm, const mesh::DistMesh& mesh, const mesh::Borders& borders,
-                            std::span<const std::int8_t> signs, const refine::Options& options, StepTimer& timer);
+CoarseMesh make_coarse_mesh(const par::Comm& comm, const FlaggedMesh& flagged, const refine::Options& options,
+                            StepTimer& timer);
 
 /// Gives the coarse mesh the fields of the old one, as the options say. Collective, see `coarsen::carry_fields`.
 void carry_fields(const par::Comm& comm, const mesh::DistMesh& old, const refine::Options& options, CoarseMesh& coarse);
