@@ -24,8 +24,9 @@ namespace {
 /// Marks and closes the mesh, after look-ahead splits until it needs none.
 Closed close(const par::Comm& comm, TakenBack start, const refine::Options& options, StepTimer& timer) {
   const auto limited = limit_depth(start.mesh.get(), start.flags);
-  auto closed = close_pass(comm, std::move(start.mesh), refine::requests_of_flags(limited.flags), options, timer,
-                           std::move(start.closure));
+  auto closed =
+      close_pass(comm, {std::move(start.mesh), refine::requests_of_flags(limited.flags), std::move(start.closure)},
+                 options, timer);
   const auto n_marked = closed.report.closure.n_marked;
   closed = split_early(comm, std::move(closed), options, timer);
   auto& report = closed.report;

@@ -51,11 +51,11 @@ Closed open_pass(const par::Comm& comm, GivenMesh given, mesh::Borders borders, 
   return closed;
 }
 
-Closed close_pass(const par::Comm& comm, GivenMesh given, std::vector<std::uint8_t> requests,
-                  const refine::Options& options, StepTimer& timer, std::optional<KnownClosure> known) {
-  auto borders = known ? std::move(known->borders) : mesh::find_borders(comm, given.get());
-  auto closed = open_pass(comm, std::move(given), std::move(borders), options);
-  closed.requests = std::move(requests);
+Closed close_pass(const par::Comm& comm, Marked marked, const refine::Options& options, StepTimer& timer) {
+  auto& known = marked.known;
+  auto borders = known ? std::move(known->borders) : mesh::find_borders(comm, marked.mesh.get());
+  auto closed = open_pass(comm, std::move(marked.mesh), std::move(borders), options);
+  closed.requests = std::move(marked.requests);
   timer.lap("preprocessing");
   const auto& mesh = closed.mesh.get();
   closed.closure =

@@ -55,9 +55,15 @@ struct KnownClosure {
   refine::Closure closure;
 };
 
-/// `known`: if they were closed before. The closure has its states where nothing `has_early`. Collective.
-Closed close_pass(const par::Comm& comm, GivenMesh mesh, std::vector<std::uint8_t> requests,
-                  const refine::Options& options, StepTimer& timer, std::optional<KnownClosure> known);
+/// A mesh that is marked.
+struct Marked {
+  GivenMesh mesh;
+  std::vector<std::uint8_t> requests;  ///< a `refine::Request` for each cell
+  std::optional<KnownClosure> known;   ///< if it was closed before
+};
+
+/// The closure has its states where nothing `has_early`. Collective.
+Closed close_pass(const par::Comm& comm, Marked marked, const refine::Options& options, StepTimer& timer);
 
 /// The refined mesh without fields, and what `transfer_pass` needs to give it its fields.
 struct Split {
