@@ -43,7 +43,7 @@ Closed close(const par::Comm& comm, TakenBack start, const refine::Options& opti
 Closed balance(const par::Comm& comm, Closed closed, const Options& options, StepTimer& timer) {
   auto [parents, report] =
       balance_parents(comm, {std::move(closed.mesh).take(), std::move(closed.borders), std::move(closed.closure)},
-                      closed.requests, options.balancing, options.refinement, timer);
+                      closed.requests, options, timer);
   timer.lap("balance");
   closed.mesh = std::move(parents.mesh);
   closed.borders = std::move(parents.borders);

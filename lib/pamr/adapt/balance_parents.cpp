@@ -5,6 +5,7 @@
 #include <numeric>
 #include <utility>
 
+#include "pamr/adapt/adapt.hpp"
 #include "pamr/adapt/closure_bytes.hpp"
 #include "pamr/balance/migrate.hpp"
 #include "pamr/balance/weights.hpp"
@@ -59,7 +60,8 @@ std::vector<std::int64_t> cell_weights(const par::Comm& comm, const mesh::DistMe
 }
 
 Balanced balance_parents(const par::Comm& comm, Parents parents, std::span<const std::uint8_t> requests,
-                         const Balancing& balancing, const refine::Options& refinement, StepTimer& timer) {
+                         const Options& options, StepTimer& timer) {
+  const auto& balancing = options.balancing;
   const auto start = wall_seconds();
   Balanced balanced{std::move(parents), {}};
   auto& [mesh, borders, closure] = balanced.parents;
@@ -85,7 +87,7 @@ Balanced balance_parents(const par::Comm& comm, Parents parents, std::span<const
   auto bytes = closure_to_bytes(closure);
   mesh = balance::migrate(comm, std::move(mesh), wanted.part, &bytes);
   const bool cut_faces_conform = closure.cut_faces_conform;
-  closure = closure_from_bytes(mesh, bytes, refinement, closure.report);
+  closure = closure_from_bytes(mesh, bytes, options.refinement, closure.report);
   closure.cut_faces_conform = cut_faces_conform;
   borders = mesh::find_borders(comm, mesh);
   report.migrate_seconds = wall_seconds() - middle;

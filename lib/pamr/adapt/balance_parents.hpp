@@ -15,9 +15,10 @@
 #include "pamr/mesh/dist_mesh.hpp"
 #include "pamr/par/comm.hpp"
 #include "pamr/refine/closure.hpp"
-#include "pamr/refine/options.hpp"
 
 namespace pamr::adapt {
+
+struct Options;
 
 /// What a cell weighs when cells are spread over ranks before they are split.
 enum class Weights : std::uint8_t {
@@ -63,6 +64,6 @@ struct Balanced {
 /// Moves the parents to the ranks where their children shall be. Books its time as `balance` and `migrate`. Nothing
 /// moves on one rank and with `Method::none`. Collective.
 Balanced balance_parents(const par::Comm& comm, Parents parents, std::span<const std::uint8_t> requests,
-                         const Balancing& balancing, const refine::Options& refinement, StepTimer& timer);
+                         const Options& options, StepTimer& timer);
 
 }  // namespace pamr::adapt
