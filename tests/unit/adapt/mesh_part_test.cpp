@@ -62,7 +62,7 @@ TEST_P(MeshPart, GrowsAndIsPutBackAsItWas) {
   }
   EXPECT_LT(before, mesh.info.n_global_cells);
 
-  const auto joined = adapt::put_back(comm, adapt::copy_with_room(mesh, 0, 0), whole.cells, part, coverage, true);
+  const auto joined = adapt::put_back(comm, {adapt::copy_with_room(mesh, 0, 0), whole.cells}, part, coverage, true);
   const auto& again = joined.mesh;
 
   EXPECT_TRUE(validate::validate(comm, again).empty());

@@ -127,8 +127,10 @@ std::vector<mesh::CellNodes> nodes_of_part(const MeshPart& part, LocalId n_nodes
 
 }  // namespace
 
-PutBack put_back(const par::Comm& comm, mesh::DistMesh mesh, const WholeCells& whole, const MeshPart& part,
-                 Coverage& coverage, bool with_whole_cells) {
+PutBack put_back(const par::Comm& comm, PartTarget into, const MeshPart& part, Coverage& coverage,
+                 bool with_whole_cells) {
+  auto& mesh = into.mesh;
+  const auto& whole = into.cells;
   cover_all(coverage);
   const PartRuns runs(part, coverage);
   PutBack result;

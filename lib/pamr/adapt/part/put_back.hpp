@@ -12,6 +12,12 @@
 
 namespace pamr::adapt {
 
+/// The whole mesh or a copy of it, and its cells.
+struct PartTarget {
+  mesh::DistMesh mesh;
+  WholeCells cells;
+};
+
 /// The whole mesh with the part put back, and what is known of it.
 struct PutBack {
   mesh::DistMesh mesh;
@@ -20,11 +26,11 @@ struct PutBack {
   std::vector<LocalId> whole_cell;  ///< of each cell, as of a part; empty if nobody wants it
 };
 
-/// What the whole mesh has become: in its order, cells numbered without gaps. It gets `cell_origin`. `mesh`: the whole
-/// mesh or a copy of it, `whole`: of its cells. Cost: arrays of cells are moved by the few places that the part needs
-/// more or less; memory only where an array has no room for that. Collective, as `widen`.
-PutBack put_back(const par::Comm& comm, mesh::DistMesh mesh, const WholeCells& whole, const MeshPart& part,
-                 Coverage& coverage, bool with_whole_cells);
+/// What the whole mesh has become: in its order, cells numbered without gaps. It gets `cell_origin`. Cost: arrays of
+/// cells are moved by the few places that the part needs more or less; memory only where an array has no room for that.
+/// Collective, as `widen`.
+PutBack put_back(const par::Comm& comm, PartTarget into, const MeshPart& part, Coverage& coverage,
+                 bool with_whole_cells);
 
 /// A copy without fields, with room for so many cells and nodes. Local.
 mesh::DistMesh copy_without_fields(const mesh::DistMesh& mesh, std::size_t n_cells, std::size_t n_nodes);

@@ -98,7 +98,8 @@ mesh::DistMesh copy_of_input(const State& state) {
 }
 
 void put_back_into(const Setting& with, State& state, mesh::DistMesh mesh, bool with_whole_cells) {
-  auto joined = put_back(with.comm, std::move(mesh), whole_cells(state), state.part, state.coverage, with_whole_cells);
+  auto joined =
+      put_back(with.comm, {std::move(mesh), whole_cells(state)}, state.part, state.coverage, with_whole_cells);
   state.part = {};
   state.part.whole_cell = std::move(joined.whole_cell);
   state.part.requests = std::move(joined.requests);
