@@ -203,7 +203,7 @@ void write_rows(const PythonMesh& mesh, const std::string& file, const Array<std
   adapt::CellRows<std::byte> rows{{}, rows_of<std::byte>(bytes)};
   for (const auto begin : rows_of<std::int64_t>(offset)) rows.offset.push_back(static_cast<std::size_t>(begin));
   const Released released;
-  adapt::detail::write_cell_rows(*mesh.comm, file, mesh.mesh, rows, item_bytes, description);
+  adapt::detail::write_cell_rows(*mesh.comm, file, mesh.mesh, {rows.offset, rows.value, item_bytes}, description);
 }
 
 /// Description, offsets in items, bytes. `item_bytes` 0: of any size.

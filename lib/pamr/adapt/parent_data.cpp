@@ -19,8 +19,10 @@ struct Place {
   LocalId row = 0;
 };
 
-void check_held(const par::Comm& comm, IdRange cells, std::span<const GlobalId> held,
-                std::span<const std::size_t> offset, std::size_t n_items, std::span<const GlobalId> wanted) {
+void check_held(const par::Comm& comm, IdRange cells, std::span<const GlobalId> held, const ByteRows& rows,
+                std::span<const GlobalId> wanted) {
+  const auto offset = rows.offset;
+  const auto n_items = rows.value.size() / rows.item_bytes;
   par::agree(comm, [&] {
     const auto where = fmt::format("data of cells (rank {}): expected ", comm.rank());
     if (offset.size() != held.size() + 1 || offset.front() != 0 || offset.back() != n_items)
@@ -61,9 +63,9 @@ std::vector<GlobalId> parents_of(const par::Comm& comm, const mesh::DistMesh& fi
 }
 
 CellRows<std::byte> fetch_cell_rows(const par::Comm& comm, IdRange cells, std::span<const GlobalId> held,
-                                    std::span<const std::size_t> offset, std::span<const std::byte> value,
-                                    std::size_t item_bytes, std::span<const GlobalId> wanted) {
-  check_held(comm, cells, held, offset, value.size() / item_bytes, wanted);
+                                    const ByteRows& rows, std::span<const GlobalId> wanted) {
+  const auto& [offset, value, item_bytes] = rows;
+  check_held(comm, cells, held, rows, wanted);
   std::vector<GlobalId> once;
   std::vector<std::size_t> place_of(wanted.size());
   for (std::size_t i = 0; i < wanted.size(); ++i) {

@@ -36,10 +36,20 @@ struct CellRows {
 };
 
 namespace detail {
-/// The same for items of `item_bytes` each; offsets count items.
+/// Rows of items of `item_bytes` each; offsets count items. Only references.
+struct ByteRows {
+  std::span<const std::size_t> offset;
+  std::span<const std::byte> value;
+  std::size_t item_bytes = 1;
+};
+template <class T>
+ByteRows bytes_of(const CellRows<T>& rows) {
+  static_assert(std::is_trivially_copyable_v<T>);
+  return {rows.offset, std::as_bytes(std::span(rows.value)), sizeof(T)};
+}
+/// The same for items of a size that shows when the program runs.
 CellRows<std::byte> fetch_cell_rows(const par::Comm& comm, IdRange cells, std::span<const GlobalId> held,
-                                    std::span<const std::size_t> offset, std::span<const std::byte> value,
-                                    std::size_t item_bytes, std::span<const GlobalId> wanted);
+                                    const ByteRows& rows, std::span<const GlobalId> wanted);
 /// Values of the field `parent`. Throws `Error` where the mesh has none. Collective.
 std::vector<GlobalId> parents_of(const par::Comm& comm, const mesh::DistMesh& fine);
 }  // namespace detail
@@ -52,9 +62,7 @@ std::vector<GlobalId> parents_of(const par::Comm& comm, const mesh::DistMesh& fi
 template <class T>
 CellRows<T> fetch_cell_rows(const par::Comm& comm, IdRange cells, std::span<const GlobalId> held,
                             const CellRows<T>& rows, std::span<const GlobalId> wanted) {
-  static_assert(std::is_trivially_copyable_v<T>);
-  const auto fetched =
-      detail::fetch_cell_rows(comm, cells, held, rows.offset, std::as_bytes(std::span(rows.value)), sizeof(T), wanted);
+  const auto fetched = detail::fetch_cell_rows(comm, cells, held, detail::bytes_of(rows), wanted);
   CellRows<T> result{fetched.offset, std::vector<T>(fetched.value.size() / sizeof(T))};
   if (!result.value.empty()) std::memcpy(result.value.data(), fetched.value.data(), fetched.value.size());
   return result;

@@ -135,7 +135,7 @@ CellRows<std::byte> read_block(RowsFile& file, const RowsHeader& header, GlobalI
 }  // namespace
 
 void write_cell_rows(const par::Comm& comm, const std::filesystem::path& file, const mesh::DistMesh& mesh,
-                     const CellRows<std::byte>& rows, std::size_t item_bytes, const std::string& description) {
+                     const ByteRows& rows, const std::string& description) {
   par::agree(comm, [&] {
     if (description.size() > max_rows_description)
       throw Error(fmt::format("description of data of cells: expected {} bytes at most, found {}", max_rows_description,
@@ -143,16 +143,16 @@ void write_cell_rows(const par::Comm& comm, const std::filesystem::path& file, c
   });
   const auto cells = mesh.info.cell_ids();
   const auto ids = block_of(comm, cells);
-  const auto block = fetch_cell_rows(comm, cells, mesh.cell_global, rows.offset, rows.value, item_bytes, ids);
+  const auto block = fetch_cell_rows(comm, cells, mesh.cell_global, rows, ids);
   const auto n_items = static_cast<std::int64_t>(block.offset.back());
   const auto first_item = static_cast<std::uint64_t>(comm.exclusive_sum(n_items));
   RowsHeader header;
-  header.item_bytes = item_bytes;
+  header.item_bytes = rows.item_bytes;
   header.n_cells = static_cast<std::uint64_t>(cells.n);
   header.n_items = static_cast<std::uint64_t>(comm.sum(n_items));
   header.mesh_hash = hash_of_cells(comm, mesh);
   header.rows_hash = hash_of_rows(comm, par::block_range(cells.n, comm.rank(), comm.size()).begin, block.offset,
-                                  block.value, item_bytes);
+                                  block.value, rows.item_bytes);
   std::copy(description.begin(), description.end(), header.description.begin());
   std::vector<std::uint64_t> ends;
   if (comm.is_first()) ends.push_back(0);
@@ -183,7 +183,7 @@ std::pair<CellRows<std::byte>, std::string> read_cell_rows(const par::Comm& comm
     refuse("rows that agree with their checksum", "others: the file is damaged");
   if (hash_of_cells(comm, mesh) != header.mesh_hash)
     refuse("the mesh that the data were written with, in its numbering", "another one");
-  auto rows = fetch_cell_rows(comm, cells, block_of(comm, cells), block.offset, block.value, header.item_bytes,
+  auto rows = fetch_cell_rows(comm, cells, block_of(comm, cells), {block.offset, block.value, header.item_bytes},
                               mesh.cell_global);
   const auto end = std::find(header.description.begin(), header.description.end(), '\0');
   return {std::move(rows), std::string(header.description.begin(), end)};

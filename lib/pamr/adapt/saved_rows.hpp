@@ -20,9 +20,9 @@
 namespace pamr::adapt {
 
 namespace detail {
-/// The same for items of `item_bytes` each; offsets count items.
+/// The same for items of a size that shows when the program runs.
 void write_cell_rows(const par::Comm& comm, const std::filesystem::path& file, const mesh::DistMesh& mesh,
-                     const CellRows<std::byte>& rows, std::size_t item_bytes, const std::string& description);
+                     const ByteRows& rows, const std::string& description);
 std::pair<CellRows<std::byte>, std::string> read_cell_rows(const par::Comm& comm, const std::filesystem::path& file,
                                                            const mesh::DistMesh& mesh, std::size_t item_bytes);
 }  // namespace detail
@@ -36,9 +36,7 @@ inline constexpr std::size_t max_rows_description = 64;
 template <class T>
 void write_cell_rows(const par::Comm& comm, const std::filesystem::path& file, const mesh::DistMesh& mesh,
                      const CellRows<T>& rows, const std::string& description = {}) {
-  static_assert(std::is_trivially_copyable_v<T>);
-  const auto bytes = std::as_bytes(std::span(rows.value));
-  detail::write_cell_rows(comm, file, mesh, {rows.offset, {bytes.begin(), bytes.end()}}, sizeof(T), description);
+  detail::write_cell_rows(comm, file, mesh, detail::bytes_of(rows), description);
 }
 
 /// What `read_cell_rows` gives.
