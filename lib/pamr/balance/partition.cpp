@@ -140,7 +140,7 @@ std::vector<Rank> part_by_scotch(const par::Comm& comm, const mesh::DistMesh& me
   std::vector<Rank> part(weight.size());
   for (std::size_t v = 0; v < groups.size(); ++v)
     for (const auto cell : groups.cells(v)) part[at(cell)] = of_vertex[v];
-  smooth_parts(comm, mesh, weight, n_parts, 1 + options.tolerance, part);
+  smooth_parts(comm, mesh, weight, {.n_parts = n_parts, .max_imbalance = 1 + options.tolerance}, part);
   return part;
 }
 

@@ -137,10 +137,10 @@ class Smoother {
 }  // namespace
 
 std::int64_t smooth_parts(const par::Comm& comm, const mesh::DistMesh& mesh, std::span<const std::int64_t> weight,
-                          Rank n_parts, double worst, std::vector<Rank>& part) {
+                          const PartLimit& limit, std::vector<Rank>& part) {
   PAMR_EXPECTS(weight.size() == at(mesh.n_cells()) && part.size() == weight.size());
   Smoother smoother(mesh, comm.rank(), weight, part);
-  std::vector<std::int64_t> here(at(n_parts), 0);
+  std::vector<std::int64_t> here(at(limit.n_parts), 0);
   for (std::size_t c = 0; c < part.size(); ++c) here[at(part[c])] += weight[c];
   std::int64_t saved = 0;
   int idle = 0;
@@ -148,9 +148,10 @@ std::int64_t smooth_parts(const par::Comm& comm, const mesh::DistMesh& mesh, std
     auto sum = here;
     comm.sum_in_place(sum);
     const auto total = std::accumulate(sum.begin(), sum.end(), std::int64_t{0});
-    const auto limit = static_cast<std::int64_t>(worst * static_cast<double>(total) / static_cast<double>(n_parts));
+    const auto max_weight = static_cast<std::int64_t>(limit.max_imbalance * static_cast<double>(total) /
+                                                      static_cast<double>(limit.n_parts));
     // shared out evenly, so that all ranks together stay below the limit
-    for (auto& value : sum) value = std::max<std::int64_t>(0, limit - value) / comm.size();
+    for (auto& value : sum) value = std::max<std::int64_t>(0, max_weight - value) / comm.size();
     auto room = sum;
     const auto beyond = swap_over_faces<Rank>(comm, mesh, part);
     const auto now = comm.sum(smoother.sweep(beyond, sweep % 2 == 0, room));
