@@ -121,8 +121,7 @@ Marked choose_both_ways(const par::Comm& comm, const mesh::DistMesh& mesh, const
                         const adapt::Forecaster& forecaster) {
   const auto size = [&](std::span<const std::uint8_t> marks, std::span<const std::uint8_t> may_go) {
     std::vector<std::uint8_t> goes(may_go.begin(), may_go.end());
-    std::vector<std::int64_t> idle;
-    if (request.keep_for > 0) mark::keep_for_a_while(comm, mesh, options.marks, request.keep_for, goes, idle);
+    if (request.keep_for > 0) mark::keep_in_trial(comm, mesh, options.marks, request.keep_for, goes);
     return forecaster.forecast(adapt::signed_flags(marks, goes)).cells;
   };
   auto choice = mark::choose_within_budget(comm, mesh, request, applied, *options.max_cells, options.fill, size,

@@ -80,11 +80,11 @@ std::int64_t count_marked(const par::Comm& comm, std::span<const std::uint8_t> m
   return comm.sum(static_cast<std::int64_t>(std::count(marks.begin(), marks.end(), std::uint8_t{1})));
 }
 
-void keep_for_a_while(const par::Comm& comm, const mesh::DistMesh& mesh, const std::string& name, Exact<int> n_times,
-                      std::span<std::uint8_t> may_go, std::vector<std::int64_t>& idle) {
+std::vector<std::int64_t> keep_in_trial(const par::Comm& comm, const mesh::DistMesh& mesh, const std::string& name,
+                                        Exact<int> n_times, std::span<std::uint8_t> may_go) {
   PAMR_EXPECTS(may_go.size() == mesh.cell_to_node.size());
   const auto field_name = name + "_idle";
-  idle.assign(may_go.size(), 0);
+  std::vector<std::int64_t> idle(may_go.size(), 0);
   const auto* before = mesh.find_cell_field(field_name);
   mesh::require_replaceable(comm, mesh, {field_name, "the count of how often cells could have gone", 0, 255});
   for (std::size_t c = 0; c < idle.size(); ++c) {
@@ -93,12 +93,12 @@ void keep_for_a_while(const par::Comm& comm, const mesh::DistMesh& mesh, const s
     idle[c] = so_far + 1;
     if (idle[c] <= n_times) may_go[c] = 0;
   }
+  return idle;
 }
 
 void keep_for_a_while(const par::Comm& comm, mesh::DistMesh& mesh, const std::string& name, Exact<int> n_times,
                       std::span<std::uint8_t> may_go) {
-  std::vector<std::int64_t> idle;
-  keep_for_a_while(comm, std::as_const(mesh), name, n_times, may_go, idle);
+  auto idle = keep_in_trial(comm, mesh, name, n_times, may_go);
   mesh::put_field(mesh.cell_fields, {name + "_idle", "", 1, mesh::StorageType::uint8, std::move(idle)});
 }
 

@@ -53,9 +53,9 @@ inline constexpr int max_keep_for = 250;
 void keep_for_a_while(const par::Comm& comm, mesh::DistMesh& mesh, const std::string& name, Exact<int> n_times,
                       std::span<std::uint8_t> may_go);
 
-/// The same for a trial: the mesh stays as it is. Collective.
-void keep_for_a_while(const par::Comm& comm, const mesh::DistMesh& mesh, const std::string& name, Exact<int> n_times,
-                      std::span<std::uint8_t> may_go, std::vector<std::int64_t>& idle);
+/// The same for a trial: the mesh stays as it is. Returns the counts. Collective.
+std::vector<std::int64_t> keep_in_trial(const par::Comm& comm, const mesh::DistMesh& mesh, const std::string& name,
+                                        Exact<int> n_times, std::span<std::uint8_t> may_go);
 
 /// Puts marks into the mesh as integer cell field `name` (0 keep, 1 split), in place of any field of that name. Those
 /// of cells without a mark that `may_go` (n_cells, 0 or 1, or empty: none) are -1. Local.

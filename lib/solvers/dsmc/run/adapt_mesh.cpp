@@ -25,8 +25,7 @@ mark::Choice choose(const par::Comm& comm, const mesh::DistMesh& mesh, const Ada
   const adapt::Forecaster forecaster(comm, mesh);
   const auto size = [&](std::span<const std::uint8_t> marks, std::span<const std::uint8_t> may_go) {
     std::vector<std::uint8_t> goes(may_go.begin(), may_go.end());
-    std::vector<std::int64_t> idle;
-    if (how.request.keep_for > 0) mark::keep_for_a_while(comm, mesh, marks_name, how.request.keep_for, goes, idle);
+    if (how.request.keep_for > 0) mark::keep_in_trial(comm, mesh, marks_name, how.request.keep_for, goes);
     return forecaster.forecast(adapt::signed_flags(marks, goes)).cells;
   };
   return mark::choose_within_budget(comm, mesh, how.request, applied, *how.max_cells, false, size);
