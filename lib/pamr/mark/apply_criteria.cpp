@@ -22,9 +22,7 @@ struct Evaluate {
   }
   Indicator operator()(const Box& rule) const { return mark::centroid_in_box(*mesh, rule.low, rule.high); }
   Indicator operator()(const NearPatch& rule) const { return mark::near_patch(*comm, *mesh, rule.patch, rule.layers); }
-  Indicator operator()(const Threshold& rule) const {
-    return mark::beyond_threshold(*comm, *mesh, rule.field, rule.side, rule.value);
-  }
+  Indicator operator()(const Threshold& rule) const { return mark::beyond_threshold(*comm, *mesh, rule); }
   Indicator operator()(const SizeOver& rule) const {
     return mark::larger_than_length(*comm, *mesh, rule.field, rule.ratio, size);
   }
@@ -74,9 +72,7 @@ Applied apply(const par::Comm& comm, const mesh::DistMesh& mesh, const Request& 
     result.cells_of_criterion.push_back(mark::count_marked(comm, mark::marks_of(wish)));
     mark::unite(result.indicator, wish);
   }
-  for (const auto& limit : request.only_where)
-    mark::keep_only_where(comm, mesh, limit.threshold.field, limit.threshold.side, limit.threshold.value,
-                          result.indicator, limit.certainty);
+  for (const auto& limit : request.only_where) mark::keep_only_where(comm, mesh, limit, result.indicator);
   for (std::size_t c = 0; c < result.may_go.size(); ++c)
     if (mesh.lineage[c].level() <= request.min_level) result.may_go[c] = 0;
   if (request.max_level) mark::keep_below_level(mesh, *request.max_level, result.indicator);

@@ -27,16 +27,6 @@ struct NearPatch {
   std::string patch;
   int layers = 1;
 };
-struct Threshold {
-  std::string field;
-  Side side = Side::above;
-  double value = 0;
-};
-/// A threshold that only values count as beyond which are surely so.
-struct Cutoff {
-  Threshold threshold;
-  Certainty certainty;
-};
 struct SizeOver {
   std::string field;
   double ratio = 1;

@@ -82,9 +82,8 @@ std::vector<double> scalar_on_cells(const par::Comm& comm, const mesh::DistMesh&
   return values;
 }
 
-Indicator beyond_threshold(const par::Comm& comm, const mesh::DistMesh& mesh, std::string_view field, Side side,
-                           double threshold) {
-  return beyond(scalar_on_cells(comm, mesh, field), side, threshold);
+Indicator beyond_threshold(const par::Comm& comm, const mesh::DistMesh& mesh, const Threshold& threshold) {
+  return beyond(scalar_on_cells(comm, mesh, threshold.field), threshold.side, threshold.value);
 }
 
 double cell_size(const mesh::DistMesh& mesh, Exact<LocalId> cell, CellSize measure) {
@@ -112,19 +111,19 @@ Indicator larger_than_length(const par::Comm& comm, const mesh::DistMesh& mesh, 
   return indicator;
 }
 
-void keep_only_where(const par::Comm& comm, const mesh::DistMesh& mesh, std::string_view field, Side side,
-                     double threshold, Indicator& indicator, const Certainty& certainty) {
+void keep_only_where(const par::Comm& comm, const mesh::DistMesh& mesh, const Cutoff& cutoff, Indicator& indicator) {
   PAMR_EXPECTS(indicator.size() == mesh.cell_to_node.size());
-  auto values = scalar_on_cells(comm, mesh, field);
+  const auto& [threshold, certainty] = cutoff;
+  auto values = scalar_on_cells(comm, mesh, threshold.field);
   if (!certainty.field.empty()) {
     const auto error = scalar_on_cells(comm, mesh, certainty.field);
     refuse_first(
         comm, mesh, error, [](double e) { return e < 0; },
         "field \"" + certainty.field + "\": expected errors of at least 0, found a negative one");
-    const double towards = side == Side::above ? -certainty.times : certainty.times;
+    const double towards = threshold.side == Side::above ? -certainty.times : certainty.times;
     for (std::size_t i = 0; i < values.size(); ++i) values[i] += towards * error[i];
   }
-  const auto kept = beyond(std::move(values), side, threshold);
+  const auto kept = beyond(std::move(values), threshold.side, threshold.value);
   for (std::size_t i = 0; i < indicator.size(); ++i)
     if (!(kept[i] > 0)) indicator[i] = 0;
 }

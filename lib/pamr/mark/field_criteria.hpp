@@ -20,11 +20,15 @@ std::vector<double> scalar_on_cells(const par::Comm& comm, const mesh::DistMesh&
 
 /// A side of a threshold.
 enum class Side { above, below };
+struct Threshold {
+  std::string field;
+  Side side = Side::above;
+  double value = 0;
+};
 
 /// Cells whose value lies above (below) the threshold, not on it. Indicator: how far beyond the threshold, over its
 /// size (over 1 when the threshold is 0). Collective.
-Indicator beyond_threshold(const par::Comm& comm, const mesh::DistMesh& mesh, std::string_view field, Side side,
-                           double threshold);
+Indicator beyond_threshold(const par::Comm& comm, const mesh::DistMesh& mesh, const Threshold& threshold);
 
 /// Measure of a cell's size, length unit: cube root of its volume, or its longest edge.
 enum class CellSize { cbrt_volume, longest_edge };
@@ -40,10 +44,14 @@ struct Certainty {
   std::string field;  ///< standard error of the value, at least 0; empty: values count as they are
   double times = 3;
 };
+/// A threshold that only values count as beyond which are surely so.
+struct Cutoff {
+  Threshold threshold;
+  Certainty certainty{};
+};
 
 /// Takes the wish from cells whose value does not lie beyond the threshold, or not surely. Collective. Throws `Error`
 /// too when an error is negative.
-void keep_only_where(const par::Comm& comm, const mesh::DistMesh& mesh, std::string_view field, Side side,
-                     double threshold, Indicator& indicator, const Certainty& certainty = {});
+void keep_only_where(const par::Comm& comm, const mesh::DistMesh& mesh, const Cutoff& cutoff, Indicator& indicator);
 
 }  // namespace pamr::mark

@@ -175,10 +175,12 @@ TEST(NearPatch, RefusesAnUnknownPatchByName) {
 }
 
 TEST(BeyondThreshold, TakesNodalFieldsByTheMeanOfTheCorners) {
-  const auto above = expect_same_on_one_rank(
-      [](const auto& comm, const auto& mesh) { return beyond_threshold(comm, mesh, "density", Side::above, 1.5); });
-  const auto below = expect_same_on_one_rank(
-      [](const auto& comm, const auto& mesh) { return beyond_threshold(comm, mesh, "density", Side::below, 1.5); });
+  const auto above = expect_same_on_one_rank([](const auto& comm, const auto& mesh) {
+    return beyond_threshold(comm, mesh, {"density", Side::above, 1.5});
+  });
+  const auto below = expect_same_on_one_rank([](const auto& comm, const auto& mesh) {
+    return beyond_threshold(comm, mesh, {"density", Side::below, 1.5});
+  });
 
   EXPECT_GT(above, 0);
   EXPECT_GT(below, 0);
@@ -194,9 +196,9 @@ TEST(BeyondThreshold, DoesNotTakeTheThresholdItselfNorItsLastBits) {
     field.real().push_back(i % 2 == 0 ? 0.1 : std::nextafter(0.1, 1.0));
   mesh.cell_fields.push_back(field);
 
-  EXPECT_EQ(count_marked(comm, marks_of(beyond_threshold(comm, mesh, "f", Side::above, 0.1))), 0);
-  EXPECT_EQ(count_marked(comm, marks_of(beyond_threshold(comm, mesh, "f", Side::below, 0.1))), 0);
-  EXPECT_EQ(count_marked(comm, marks_of(beyond_threshold(comm, mesh, "f", Side::above, 0.09999))), 6 * 8);
+  EXPECT_EQ(count_marked(comm, marks_of(beyond_threshold(comm, mesh, {"f", Side::above, 0.1}))), 0);
+  EXPECT_EQ(count_marked(comm, marks_of(beyond_threshold(comm, mesh, {"f", Side::below, 0.1}))), 0);
+  EXPECT_EQ(count_marked(comm, marks_of(beyond_threshold(comm, mesh, {"f", Side::above, 0.09999}))), 6 * 8);
 }
 
 TEST(BeyondThreshold, RefusesUnknownVectorAndNotFiniteFields) {
@@ -212,10 +214,10 @@ TEST(BeyondThreshold, RefusesUnknownVectorAndNotFiniteFields) {
   mesh.cell_fields.push_back(vector);
   mesh.cell_fields.push_back(holes);
 
-  EXPECT_THROW(beyond_threshold(comm, mesh, "nothing", Side::above, 0), Error);
-  EXPECT_THROW(beyond_threshold(comm, mesh, "v", Side::above, 0), Error);
+  EXPECT_THROW(beyond_threshold(comm, mesh, {"nothing", Side::above, 0}), Error);
+  EXPECT_THROW(beyond_threshold(comm, mesh, {"v", Side::above, 0}), Error);
   try {
-    beyond_threshold(comm, mesh, "holes", Side::above, 0);
+    beyond_threshold(comm, mesh, {"holes", Side::above, 0});
     FAIL() << "no error";
   } catch (const Error& error) {
     EXPECT_NE(std::string(error.what()).find("cell 7"), std::string::npos) << error.what();
@@ -252,7 +254,7 @@ TEST(LargerThanLength, RefusesLengthsThatAreNotPositive) {
 TEST(KeepOnlyWhere, LimitsByAField) {
   const auto count = expect_same_on_one_rank([](const auto& comm, const auto& mesh) {
     auto indicator = near_patch(comm, mesh, "xmin");
-    keep_only_where(comm, mesh, "density", Side::above, 1.2, indicator);
+    keep_only_where(comm, mesh, {{"density", Side::above, 1.2}}, indicator);
     return indicator;
   });
 
@@ -276,7 +278,7 @@ TEST(KeepOnlyWhere, LeavesOutValuesThatAreBeyondByLessThanTheirError) {
   const auto mesh = noisy_cube(comm);
   const auto kept = [&](Side side, double threshold, const Certainty& certainty) {
     auto indicator = all_cells(mesh);
-    keep_only_where(comm, mesh, "density", side, threshold, indicator, certainty);
+    keep_only_where(comm, mesh, {{"density", side, threshold}, certainty}, indicator);
     return count_marked(comm, marks_of(indicator));
   };
 
@@ -293,7 +295,7 @@ TEST(KeepOnlyWhere, RefusesNegativeErrors) {
   mesh.find_cell_field("length")->real().assign(mesh.cell_to_node.size(), -0.1);
   auto indicator = all_cells(mesh);
 
-  EXPECT_THROW(keep_only_where(comm, mesh, "density", Side::above, 1, indicator, {"length", 1}), Error);
+  EXPECT_THROW(keep_only_where(comm, mesh, {{"density", Side::above, 1}, {"length", 1}}, indicator), Error);
 }
 
 TEST(KeepBelowLevel, TakesTheLevelOfTheBaseCell) {
@@ -321,7 +323,7 @@ TEST(Strongest, TakesTheMostWantedWhateverTheRanks) {
   par::Comm world(MPI_COMM_WORLD), self(MPI_COMM_SELF);
   const auto shared = scattered_cube(world, 3), whole = scattered_cube(self, 3);
   const auto wish = [](const par::Comm& comm, const mesh::DistMesh& mesh) {
-    return beyond_threshold(comm, mesh, "density", Side::above, 1.3);
+    return beyond_threshold(comm, mesh, {"density", Side::above, 1.3});
   };
   const auto n_wanted = count_marked(self, marks_of(wish(self, whole)));
   ASSERT_GT(n_wanted, 20);
