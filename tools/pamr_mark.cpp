@@ -124,8 +124,9 @@ Marked choose_both_ways(const par::Comm& comm, const mesh::DistMesh& mesh, const
     if (request.keep_for > 0) mark::keep_in_trial(comm, mesh, options.marks, request.keep_for, goes);
     return forecaster.forecast(adapt::signed_flags(marks, goes)).cells;
   };
-  auto choice = mark::choose_within_budget(comm, mesh, request, applied, *options.max_cells, options.fill, size,
-                                           std::move(known));
+  auto choice = mark::choose_within_budget(
+      comm, mesh, request, applied,
+      {.max_cells = *options.max_cells, .fill = options.fill, .predicted_cells = size, .known = std::move(known)});
   return {std::move(choice.marks), std::move(choice.may_go), {}, 0, 0, 0, choice.factor};
 }
 

@@ -38,23 +38,17 @@ struct Trial {
 /// Makes trials, collectively.
 class Trials {
  public:
-  Trials(const par::Comm& comm, const mesh::DistMesh& mesh, const Request& request, const PredictionBothWays& predicted,
-         std::int64_t max_cells, KnownErrors known)
-      : comm_(&comm),
-        mesh_(&mesh),
-        request_(&request),
-        predicted_(&predicted),
-        max_cells_(max_cells),
-        known_(std::move(known)) {}
+  Trials(const par::Comm& comm, const mesh::DistMesh& mesh, const Request& request, Budget& budget)
+      : comm_(&comm), mesh_(&mesh), request_(&request), budget_(&budget) {}
 
   Trial at(double exponent) {
-    return measured(exponent, apply(*comm_, *mesh_, scaled(*request_, std::exp2(exponent)), known_));
+    return measured(exponent, apply(*comm_, *mesh_, scaled(*request_, std::exp2(exponent)), budget_->known));
   }
   Trial measured(double exponent, Applied applied) const {
     keep_below_level(*mesh_, mesh::max_level, applied.indicator);
     const auto marks = marks_of(applied.indicator);
     auto cells = fewest_cells(*comm_, *mesh_, marks, applied.may_go);
-    if (cells <= max_cells_) cells = (*predicted_)(marks, applied.may_go);
+    if (cells <= budget_->max_cells) cells = budget_->predicted_cells(marks, applied.may_go);
     return {exponent, std::move(applied), cells};
   }
 
@@ -62,9 +56,7 @@ class Trials {
   const par::Comm* comm_;
   const mesh::DistMesh* mesh_;
   const Request* request_;
-  const PredictionBothWays* predicted_;
-  std::int64_t max_cells_;
-  KnownErrors known_;
+  Budget* budget_;  ///< gets the errors that are recovered
 };
 
 constexpr double smallest_part = 0.98;  ///< of the cells that are wanted
@@ -96,10 +88,10 @@ std::vector<std::uint8_t> marks_within_budget(const par::Comm& comm, const mesh:
 }
 
 Choice choose_within_budget(const par::Comm& comm, const mesh::DistMesh& mesh, const Request& request,
-                            const Applied& applied, Exact<std::int64_t> max_cells, Exact<bool> fill,
-                            const PredictionBothWays& predicted_cells, KnownErrors known) {
+                            const Applied& applied, Budget budget) {
   constexpr double last_exponent = 64;
-  Trials trials(comm, mesh, request, predicted_cells, max_cells, std::move(known));
+  const std::int64_t max_cells = budget.max_cells;
+  Trials trials(comm, mesh, request, budget);
   const auto is_enough = [&](const Trial& trial) {
     return trial.cells <= max_cells &&
            static_cast<double>(trial.cells) >= smallest_part * static_cast<double>(max_cells);
@@ -108,7 +100,7 @@ Choice choose_within_budget(const par::Comm& comm, const mesh::DistMesh& mesh, c
     return Choice{marks_of(trial.applied.indicator), std::move(trial.applied.may_go), std::exp2(trial.exponent)};
   };
   auto fits = trials.measured(0, applied);
-  if (is_enough(fits) || (fits.cells <= max_cells && !fill)) return chosen(std::move(fits));
+  if (is_enough(fits) || (fits.cells <= max_cells && !budget.fill)) return chosen(std::move(fits));
   Trial too_many = fits;
   if (fits.cells <= max_cells) {
     for (double e = -1; too_many.cells <= max_cells && e >= -last_exponent; e *= 2) {
@@ -134,9 +126,9 @@ Choice choose_within_budget(const par::Comm& comm, const mesh::DistMesh& mesh, c
   auto choice = chosen(fits);
   // Many cells of one value: as many of them as fit, beside what goes.
   if (!is_enough(fits))
-    choice.marks =
-        marks_within_budget(comm, mesh, too_many.applied.indicator, max_cells,
-                            [&](std::span<const std::uint8_t> marks) { return predicted_cells(marks, choice.may_go); });
+    choice.marks = marks_within_budget(
+        comm, mesh, too_many.applied.indicator, max_cells,
+        [&](std::span<const std::uint8_t> marks) { return budget.predicted_cells(marks, choice.may_go); });
   return choice;
 }
 

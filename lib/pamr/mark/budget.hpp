@@ -30,6 +30,14 @@ std::vector<std::uint8_t> marks_within_budget(const par::Comm& comm, const mesh:
 using PredictionBothWays =
     std::function<std::int64_t(std::span<const std::uint8_t> marks, std::span<const std::uint8_t> may_go)>;
 
+/// How many cells a mesh may have after marking.
+struct Budget {
+  Exact<std::int64_t> max_cells;
+  Exact<bool> fill = false;  ///< a request that has fewer is made looser
+  PredictionBothWays predicted_cells;
+  KnownErrors known{};  ///< the errors that `apply` of the request found, or none
+};
+
 /// What `choose_within_budget` chose.
 struct Choice {
   std::vector<std::uint8_t> marks, may_go;
@@ -38,13 +46,12 @@ struct Choice {
 
 /// Splits the worst cells and lets the best go, so that the mesh has at most `max_cells` cells, and no fewer than 98 %
 /// of them if the request would have more: all values of the request are made stricter by one factor (`scaled`), so
-/// that the hysteresis between splitting and coarsening is kept. With `fill` a request that has fewer is made looser.
+/// that the hysteresis between splitting and coarsening is kept.
 ///
 /// Fewer cells result if one level of splitting does not give as many, more if one level of coarsening does not take as
-/// many. `applied`: `apply` of the request itself; `known`: the errors that it found, or none. Collective: about 30
-/// predictions, less those of marks that make too many cells whatever the closure. Pre: some criterion has a value.
+/// many. `applied`: `apply` of the request itself. Collective: about 30 predictions, less those of marks that make too
+/// many cells whatever the closure. Pre: some criterion has a value.
 Choice choose_within_budget(const par::Comm& comm, const mesh::DistMesh& mesh, const Request& request,
-                            const Applied& applied, Exact<std::int64_t> max_cells, Exact<bool> fill,
-                            const PredictionBothWays& predicted_cells, KnownErrors known = {});
+                            const Applied& applied, Budget budget);
 
 }  // namespace pamr::mark

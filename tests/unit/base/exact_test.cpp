@@ -192,7 +192,7 @@ TEST(Exact, NoAnswerIsMadeOfANumberOrAPointer) {
   {};
   const auto fill = [](auto is) requires requires {
     mark::choose_within_budget(any_of<Comm>(), any_of<Mesh>(), any_of<const mark::Request&>(),
-                               any_of<const mark::Applied&>(), 1, is, any_of<mark::PredictionBothWays>());
+                               any_of<const mark::Applied&>(), {1, is, any_of<mark::PredictionBothWays>()});
   }
   {};
   const auto flag = [](auto is) requires requires { any_of<const TomlTable&>().flag_or("key", is); }

@@ -28,7 +28,8 @@ mark::Choice choose(const par::Comm& comm, const mesh::DistMesh& mesh, const Ada
     if (how.request.keep_for > 0) mark::keep_in_trial(comm, mesh, marks_name, how.request.keep_for, goes);
     return forecaster.forecast(adapt::signed_flags(marks, goes)).cells;
   };
-  return mark::choose_within_budget(comm, mesh, how.request, applied, *how.max_cells, false, size);
+  return mark::choose_within_budget(comm, mesh, how.request, applied,
+                                    {.max_cells = *how.max_cells, .predicted_cells = size});
 }
 
 }  // namespace
