@@ -26,12 +26,19 @@ constexpr int slot_of(const CellNodes& nodes, Exact<LocalId> node) {
 
 namespace detail {
 
-/// Walks from `cell` across the face opposite corner `leave`, which holds the edge (a, b) and `pivot`, until the ring
-/// closes or ends. Returns the slot at its end, or `start` when it closed.
+/// The face of a cell opposite corner `leave`; it holds the edge that is walked around, and `pivot`.
+struct WayOut {
+  LocalId cell;
+  int leave;
+  LocalId pivot;
+};
+
+/// Walks around the edge (a, b) until the ring closes or ends. Returns the slot at its end, or the first cell when it
+/// closed.
 template <class Visit>
-LocalId walk_one_way(const DistMesh& mesh, LocalId start, LocalId a, LocalId b, int leave, LocalId pivot,
-                     Visit& visit) {
-  LocalId cell = start;
+LocalId walk_one_way(const DistMesh& mesh, LocalId a, LocalId b, WayOut from, Visit& visit) {
+  auto [cell, leave, pivot] = from;
+  const LocalId start = cell;
   for (;;) {
     const LocalId next = mesh.cell_to_cell[static_cast<std::size_t>(cell)][static_cast<std::size_t>(leave)];
     if (next == start || !mesh.is_own(next)) return next;
@@ -60,10 +67,10 @@ RingEnds walk_ring(const DistMesh& mesh, Exact<LocalId> start, Exact<int> edge, 
   const LocalId a = nodes[static_cast<std::size_t>(corner_a)], b = nodes[static_cast<std::size_t>(corner_b)];
   visit(start, edge);
   const LocalId first =
-      detail::walk_one_way(mesh, start, a, b, corner_p, nodes[static_cast<std::size_t>(corner_q)], visit);
+      detail::walk_one_way(mesh, a, b, {start, corner_p, nodes[static_cast<std::size_t>(corner_q)]}, visit);
   if (first == start) return {};
   const LocalId second =
-      detail::walk_one_way(mesh, start, a, b, corner_q, nodes[static_cast<std::size_t>(corner_p)], visit);
+      detail::walk_one_way(mesh, a, b, {start, corner_q, nodes[static_cast<std::size_t>(corner_p)]}, visit);
   return {false, first, second};
 }
 
