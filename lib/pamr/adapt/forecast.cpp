@@ -70,7 +70,7 @@ Forecast count(const par::Comm& comm, Trial trial, const refine::Options& option
   Forecast forecast;
   forecast.mesh = trial.made;
   forecast.closure =
-      trial.closure ? *std::move(trial.closure) : refine::close(comm, mesh, trial.borders, requests, options);
+      trial.closure ? *std::move(trial.closure) : refine::close(comm, mesh, trial.borders, {requests}, options);
   forecast.report = forecast.closure.report;
   std::vector<LocalId> from;  // this rank's cell that each cell of `forecast.mesh` came from
   if (forecast.closure.has_early) {

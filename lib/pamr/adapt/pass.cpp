@@ -59,7 +59,7 @@ Closed close_pass(const par::Comm& comm, Marked marked, const refine::Options& o
   timer.lap("preprocessing");
   const auto& mesh = closed.mesh.get();
   closed.closure =
-      known ? std::move(known->closure) : refine::close(comm, mesh, closed.borders, closed.requests, options);
+      known ? std::move(known->closure) : refine::close(comm, mesh, closed.borders, {closed.requests}, options);
   if (!closed.closure.has_early) {
     refine::find_states(mesh, options, closed.closure);
     require_depth(comm, mesh, closed.closure);

@@ -71,7 +71,7 @@ CoarseMesh make_coarse_mesh(const par::Comm& comm, const FlaggedMesh& flagged, c
     if (!any_split) return coarse;
     const auto requests = refine::requests_of_flags(limit_depth(made.mesh, made.flags).flags);
     auto coarse_borders = mesh::find_borders(comm, made.mesh);
-    auto closure = refine::close(comm, made.mesh, coarse_borders, requests, options);
+    auto closure = refine::close(comm, made.mesh, coarse_borders, {requests}, options);
     const auto more = coarsen::find_needed_nodes(coarse.settled, made, closure.marks);
     timer.lap("close");
     if (!comm.any(!more.empty())) {

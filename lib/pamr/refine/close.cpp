@@ -122,8 +122,9 @@ std::int64_t count_retained_and_marked(const mesh::DistMesh& mesh, const std::ve
 
 }  // namespace
 
-Closure close(const par::Comm& comm, const mesh::DistMesh& mesh, const mesh::Borders& borders,
-              std::span<const std::uint8_t> requests, const Options& options, const Carried& carried) {
+Closure close(const par::Comm& comm, const mesh::DistMesh& mesh, const mesh::Borders& borders, const Wanted& wanted,
+              const Options& options) {
+  const auto requests = wanted.requests;
   PAMR_EXPECTS(requests.size() == at(mesh.n_cells()));
   Closure closure;
   const bool is_removable = options.quality_control == QualityControl::removable;
@@ -138,7 +139,7 @@ Closure close(const par::Comm& comm, const mesh::DistMesh& mesh, const mesh::Bor
   }
   const Carried nothing;
   for (;;) {
-    const auto& start = retains_any ? nothing : carried;
+    const auto& start = retains_any || wanted.carried == nullptr ? nothing : *wanted.carried;
     Propagation propagation(mesh, requests, retained, options, start);
     auto plans = settle_plans(comm, mesh, borders, options, {start.marks, start.plans}, propagation, closure.report);
     closure.marks = std::move(propagation).take_marks();

@@ -149,7 +149,7 @@ bool widen_around(const Setting& with, State& state, const std::vector<LocalId>&
 
 refine::Closure close_for(const Setting& with, State& state, std::span<const std::uint8_t> requests,
                           const refine::Carried& carried) {
-  auto closure = refine::close(with.comm, state.part.mesh, state.borders, requests, with.options, carried);
+  auto closure = refine::close(with.comm, state.part.mesh, state.borders, {requests, &carried}, with.options);
   state.report.closure.rounds += closure.report.rounds;
   state.report.closure.sweeps += closure.report.sweeps;
   return closure;
