@@ -78,7 +78,7 @@ Split split_pass(const par::Comm& comm, const Closed& closed, StepTimer& timer, 
   auto numbering = refine::number(comm, mesh, borders, closure);
   const refine::NumberedMesh old{mesh, closure, numbering};
   timer.lap("number");
-  auto movables = refine::project(comm, mesh, info, borders, numbering, *closed.surfaces);
+  auto movables = refine::project(comm, mesh, borders, numbering, {info, *closed.surfaces});
   auto nodes = refine::place_nodes(old, borders, movables);
   timer.lap("project");
   auto children = refine::subdivide(old, nodes.position);

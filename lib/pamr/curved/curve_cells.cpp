@@ -37,7 +37,7 @@ refine::Closure mark_every_edge(const mesh::DistMesh& mesh) {
 /// Where the mid-edge nodes of the boundary belong that are not meant to lie in the middle, ascending. Collective.
 std::vector<refine::Movable> project_mid_nodes(const par::Comm& comm, const refine::NumberedMesh& numbered,
                                                const mesh::MeshInfo& info, const mesh::Borders& borders) {
-  auto movables = refine::project(comm, numbered.mesh, info, borders, numbered.numbering, *info.surfaces);
+  auto movables = refine::project(comm, numbered.mesh, borders, numbered.numbering, {info, *info.surfaces});
   // corners that are off their surfaces stay where they are: cells of first and second order have the same corners
   std::erase_if(movables, [&](const auto& m) { return m.node < numbered.mesh.n_nodes(); });
   return movables;

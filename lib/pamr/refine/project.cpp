@@ -44,10 +44,9 @@ struct OppositeVertices {
 
 /// The patches whose faces decide where a new node belongs: those with sharp edges inside their surface, and those
 /// without a surface that meet others with one that is curved. Collective.
-std::vector<bool> patches_to_look_at(const par::Comm& comm, const mesh::MeshInfo& info, const Numbering& numbering,
-                                     const geometry::SurfaceSet& surfaces) {
+std::vector<bool> patches_to_look_at(const par::Comm& comm, const Walls& walls, const Numbering& numbering) {
   std::vector<const geometry::Surface*> surface;
-  for (const auto& patch : info.patches) surface.push_back(surfaces.get(patch.surface));
+  for (const auto& patch : walls.info.patches) surface.push_back(walls.surfaces.get(patch.surface));
   std::vector<std::int64_t> is_wanted(surface.size(), 0);
   bool any_without = false, any_curved = false;
   for (std::size_t p = 0; p < surface.size(); ++p) {
@@ -151,10 +150,9 @@ Movable aim_new_node(LocalId node, std::array<geometry::Vec3, 2> end, const Patc
 }
 
 /// The new nodes, ascending.
-std::vector<Movable> project_new_nodes(const par::Comm& comm, const mesh::DistMesh& mesh, const mesh::MeshInfo& info,
-                                       const mesh::Borders& borders, const Numbering& numbering,
-                                       const geometry::SurfaceSet& surfaces) {
-  const auto is_wanted = patches_to_look_at(comm, info, numbering, surfaces);
+std::vector<Movable> project_new_nodes(const par::Comm& comm, const mesh::DistMesh& mesh, const mesh::Borders& borders,
+                                       const Numbering& numbering, const Walls& walls) {
+  const auto is_wanted = patches_to_look_at(comm, walls, numbering);
   std::vector<OppositeVertices> opposite;
   if (std::find(is_wanted.begin(), is_wanted.end(), true) != is_wanted.end())
     opposite = find_opposite_vertices(comm, mesh, borders, numbering, is_wanted);
@@ -165,7 +163,7 @@ std::vector<Movable> project_new_nodes(const par::Comm& comm, const mesh::DistMe
     const auto patch = patches_of(boundary);
     auto known = surfaces_of_pair.find(boundary.patch);
     if (known == surfaces_of_pair.end())
-      known = surfaces_of_pair.emplace(boundary.patch, surfaces_of_node(info, surfaces, patch)).first;
+      known = surfaces_of_pair.emplace(boundary.patch, surfaces_of_node(walls.info, walls.surfaces, patch)).first;
     if (all_flat(known->second.surface)) continue;
     const auto [a, b] = numbering.ends[at(boundary.new_node)];
     movables.push_back(aim_new_node(mesh.n_nodes() + boundary.new_node, {mesh.point(a), mesh.point(b)}, patch,
@@ -175,8 +173,8 @@ std::vector<Movable> project_new_nodes(const par::Comm& comm, const mesh::DistMe
 }
 
 /// The old nodes that are off their surfaces, ascending.
-std::vector<Movable> project_off_surface(const par::Comm& comm, const mesh::DistMesh& mesh, const mesh::MeshInfo& info,
-                                         const mesh::Borders& borders, const geometry::SurfaceSet& surfaces) {
+std::vector<Movable> project_off_surface(const par::Comm& comm, const mesh::DistMesh& mesh,
+                                         const mesh::Borders& borders, const Walls& walls) {
   const auto* field = mesh.find_node_field(mesh::off_surface_field);
   if (field == nullptr || field->holds_integers()) return {};
   const auto& off = field->real();
@@ -186,7 +184,7 @@ std::vector<Movable> project_off_surface(const par::Comm& comm, const mesh::Dist
   mesh::add_patches_of_nodes(comm, mesh, borders, patches);
   std::vector<Movable> movables;
   for (const auto& [node, patch] : patches) {
-    const auto on = surfaces_of_node(info, surfaces, patch);
+    const auto on = surfaces_of_node(walls.info, walls.surfaces, patch);
     if (on.surface.empty()) continue;
     const auto here = mesh.point(node);
     if (is_of_crease(on, patch, here, off[at(node)]))
@@ -220,11 +218,10 @@ PatchList patches_of(const BoundaryNode& boundary) {
   return {boundary.patch[0], boundary.patch[1] == boundary.patch[0] ? -1 : boundary.patch[1], -1, -1};
 }
 
-std::vector<Movable> project(const par::Comm& comm, const mesh::DistMesh& mesh, const mesh::MeshInfo& info,
-                             const mesh::Borders& borders, const Numbering& numbering,
-                             const geometry::SurfaceSet& surfaces) {
-  auto movables = project_off_surface(comm, mesh, info, borders, surfaces);
-  const auto new_nodes = project_new_nodes(comm, mesh, info, borders, numbering, surfaces);
+std::vector<Movable> project(const par::Comm& comm, const mesh::DistMesh& mesh, const mesh::Borders& borders,
+                             const Numbering& numbering, const Walls& walls) {
+  auto movables = project_off_surface(comm, mesh, borders, walls);
+  const auto new_nodes = project_new_nodes(comm, mesh, borders, numbering, walls);
   movables.insert(movables.end(), new_nodes.begin(), new_nodes.end());
   return movables;
 }

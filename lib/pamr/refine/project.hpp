@@ -29,6 +29,12 @@ SurfacesOfNode surfaces_of_node(const mesh::MeshInfo& info, const geometry::Surf
 /// Patches at a new node on the boundary.
 PatchList patches_of(const BoundaryNode& boundary);
 
+/// The patches of a mesh and the surfaces that their nodes are put onto. Only references.
+struct Walls {
+  const mesh::MeshInfo& info;  ///< patches that lie in a plane have it (`mesh::with_planes`)
+  const geometry::SurfaceSet& surfaces;
+};
+
 /// Where boundary nodes belong.
 /// - New nodes on edges that lie in the boundary: on the surface of their patch, on the common curve of two. Flat
 ///   surfaces move nothing. Edges along sharp edges inside the surface of their patch (`Creases::crease_between`) get
@@ -40,13 +46,11 @@ PatchList patches_of(const BoundaryNode& boundary);
 ///   tried again, those as far from a sharp edge of their only surface as the field says on that edge.
 ///
 /// Every rank that holds a node computes the same bits. Order: old nodes, then new ones, ascending.
-/// `info`: the patches; those that lie in a plane have it (`mesh::with_planes`).
 /// Collective: one neighbor exchange of the patches of old nodes if the mesh has the field, and one over the border
 /// edges of the third corners of the boundary faces if a patch has a surface with sharp edges, or if patches with and
 /// without a surface meet.
 /// Source: the PAMR paper, section 2.1.4.
-std::vector<Movable> project(const par::Comm& comm, const mesh::DistMesh& mesh, const mesh::MeshInfo& info,
-                             const mesh::Borders& borders, const Numbering& numbering,
-                             const geometry::SurfaceSet& surfaces);
+std::vector<Movable> project(const par::Comm& comm, const mesh::DistMesh& mesh, const mesh::Borders& borders,
+                             const Numbering& numbering, const Walls& walls);
 
 }  // namespace pamr::refine
