@@ -87,10 +87,11 @@ template <class T>
 std::vector<T> scatter_rows(const Comm& comm, IdRange all, std::span<const T> rows, Exact<std::size_t> width,
                             std::span<const GlobalId> ids);
 
-/// The same into a block that is there: rows given by none stay as they are. Collective: two sparse exchanges.
+/// The same into a block that is there, of rows as wide as those of `rows`: rows given by none stay as they are.
+/// Collective: two sparse exchanges.
 template <class T>
-void scatter_rows_into(const Comm& comm, IdRange all, std::span<const T> rows, Exact<std::size_t> width,
-                       std::span<const GlobalId> ids, std::span<T> block);
+void scatter_rows_into(const Comm& comm, IdRange all, std::span<const T> rows, std::span<const GlobalId> ids,
+                       std::span<T> block);
 
 /// Calls `work(begin, end)` with at most `most` of this rank's `n` items at a time, one range after another and equally
 /// often on every rank, so that `work` may be collective; where items are few, with empty ranges at the end. What an

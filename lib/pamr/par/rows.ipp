@@ -70,13 +70,14 @@ template <class T>
 std::vector<T> scatter_rows(const Comm& comm, IdRange all, std::span<const T> rows, Exact<std::size_t> width,
                             std::span<const GlobalId> ids) {
   std::vector<T> block(static_cast<std::size_t>(block_range(all, comm.rank(), comm.size()).count()) * width);
-  scatter_rows_into<T>(comm, all, rows, width, ids, block);
+  scatter_rows_into<T>(comm, all, rows.first(ids.size() * width), ids, block);
   return block;
 }
 
 template <class T>
-void scatter_rows_into(const Comm& comm, IdRange all, std::span<const T> rows, Exact<std::size_t> width,
-                       std::span<const GlobalId> ids, std::span<T> block) {
+void scatter_rows_into(const Comm& comm, IdRange all, std::span<const T> rows, std::span<const GlobalId> ids,
+                       std::span<T> block) {
+  const auto width = ids.empty() ? 0 : rows.size() / ids.size();
   const auto range = block_range(all, comm.rank(), comm.size());
   std::vector<Outgoing<GlobalId>> to_ids;
   std::vector<Outgoing<T>> to_rows;
@@ -93,11 +94,13 @@ void scatter_rows_into(const Comm& comm, IdRange all, std::span<const T> rows, E
   }
   const auto at = comm.sparse_exchange(to_ids);
   const auto values = comm.sparse_exchange(to_rows);
-  for (std::size_t r = 0; r < at.rank.size(); ++r)
+  for (std::size_t r = 0; r < at.rank.size(); ++r) {
+    const auto n = values.from(r).size() / at.from(r).size();  // this rank may have no rows of its own to tell
     for (std::size_t k = 0; k < at.from(r).size(); ++k)
       std::copy_n(
-          values.from(r).begin() + static_cast<std::ptrdiff_t>(k * width), std::size_t{width},
-          block.begin() + static_cast<std::ptrdiff_t>(static_cast<std::size_t>(at.from(r)[k] - range.begin) * width));
+          values.from(r).begin() + static_cast<std::ptrdiff_t>(k * n), n,
+          block.begin() + static_cast<std::ptrdiff_t>(static_cast<std::size_t>(at.from(r)[k] - range.begin) * n));
+  }
 }
 
 }  // namespace pamr::par

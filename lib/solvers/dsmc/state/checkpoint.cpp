@@ -70,7 +70,7 @@ Section particle_section(const par::Comm& comm, GlobalId n_cells, const Flow& fl
       const auto cell = at(p.cell[i]);
       rows.push_back(numbering.first[cell] + static_cast<GlobalId>(i - p.begin()[cell]));
     }
-    par::scatter_rows_into<std::uint64_t>(comm, numbering.total, words, particle_words, rows, section.block);
+    par::scatter_rows_into<std::uint64_t>(comm, numbering.total, words, rows, section.block);
   });
   return section;
 }
