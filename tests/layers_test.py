@@ -133,6 +133,20 @@ class Layers(unittest.TestCase):
         table = "constexpr int a[] = {\n" + "  1,\n" * 90 + "};\n"
         self.assert_clean("lib/pamr/par/a.cpp", SPDX + "namespace pamr::par {\n" + table + "}  // namespace pamr::par\n")
 
+    def test_functions_of_headers_have_at_most_5_parameters(self):
+        def header(declaration):
+            return SPDX + f"#pragma once\nnamespace pamr::refine {{\n{declaration}\n}}\n"
+
+        name = "lib/pamr/refine/a.hpp"
+        pair = "const std::pair<A, B>& p = {1, 2}"
+        self.assert_clean(name, header(f"int f(int a, B* b, {pair},\n      std::span<const C> s, D&& d);"))
+        self.assert_caught(name, header(f"int f(int a, B* b, {pair},\n      std::span<const C> s, D&& d, E e);"),
+                           ":4:", "5 parameters, this one has 6")
+        self.assert_caught(name, header("struct S {\n  S(int a, int b, int c, int d, int e, int f) {}\n};"),
+                           ":5:", "5 parameters")
+        self.assert_clean(name, header("inline int f() { return g(a, b, at(c), d[0], sizeof(E), 1, f.h); }"))
+        self.assert_clean("lib/pamr/refine/b.hpp", header("int f(int a /* b, c, d, e, g */);"))
+
     def test_the_license_is_named_in_every_kind_of_file(self):
         for name in ("lib/pamr/par/a.cpp", "tests/a.py", "cases/x/run.sh", "tests/CMakeLists.txt", "cmake/a.cmake"):
             self.assert_caught(name, "\n", "license")
