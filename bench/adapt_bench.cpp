@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What it costs to follow a front: a sphere wanders through a Kuhn cube, cells that it cuts are refined down to a
-// level, and those that it has left may go.
+// level, and those that it has left may be coarsened.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -26,7 +26,8 @@ using namespace pamr;
 
 constexpr double radius = 0.3;
 
-/// Cells cut by the sphere about (x, 0.5, 0.5) are split down to `levels`; what lies a cell's width from it may go.
+/// Cells cut by the sphere about (x, 0.5, 0.5) are split down to `levels`; what lies a cell's width from it may be
+/// coarsened.
 std::vector<std::int8_t> flags_of(const mesh::DistMesh& mesh, double x, int levels) {
   std::vector<std::int8_t> flags;
   flags.reserve(at(mesh.n_cells()));

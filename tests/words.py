@@ -38,6 +38,8 @@ WORDS = {
     r"\b(slowness|patience)\b": "ratio of time steps, stall limit",
     r"\btie_patches\b": "associate_surfaces",
     r"\bjudge\w*": "assess, classify",
+    r"\b(cells?|octets?|siblings) (that |all )?may go\b": "may be coarsened",
+    r"\boctets? (is |are )?taken back\b": "coarsened",
     # the ends of a range
     r"\bleast_(?!squares)\w+": "min_",
     r"\b(greatest|most(?!_probable)|busiest|hottest)_\w+": "max_",

@@ -13,7 +13,7 @@ import words  # noqa: E402
 # One example of each pattern, in the order of the table.
 EXAMPLES = ("neighbours", "centre", "colours", "micrometres", "behaviour", "favourite", "grey", "discretisation", "is told",
             "round the", "besides", "ledgers", "Analyst", "FaceCard", "doomed_path", "closed_forms", "patience",
-            "tie_patches", "judge_cells", "least_worst", "most_cells", "poorest_cell")
+            "tie_patches", "judge_cells", "cells that may go", "octets taken back", "least_worst", "most_cells", "poorest_cell")
 GOOD = "neighbors center otherwise noise counterclockwise around the least_squares almost_all told apart precise\n"
 
 

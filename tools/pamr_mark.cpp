@@ -62,9 +62,11 @@ constexpr std::array<OptionHelp, 22> criteria_help{{
     {"--bulk-of", "FIELD[:FRACTION]",
      "the fewest cells that carry this part (0.3) of the sum of a field (an error estimate)"},
     {"--coarsen-below", "V",
-     "of a criterion with a value: cells that would not meet it with V in its place may go, if no other needs them"},
-    {"--min-level", "L", "cells of level L and below do not go (default 0)"},
-    {"--keep-for", "N", "cells that may go stay the first N times in a row that they are marked so (default 0)"},
+     "of a criterion with a value: cells that would not meet it with V in its place may be coarsened, if no other "
+     "needs them"},
+    {"--min-level", "L", "cells of level L and below are not coarsened (default 0)"},
+    {"--keep-for", "N",
+     "cells that may be coarsened stay the first N times in a row that they are marked so (default 0)"},
     {"--size", "cbrt|longest-edge", "size of a cell: cube root of its volume (default) or longest edge"},
     {"--max-level", "L", "limit: only cells whose base cell has a level below L, so that none becomes finer than L"},
     {"--only-where", "FIELD:above:V", "limit: only cells where this field is above (or below) V"},
@@ -76,7 +78,7 @@ void declare(cli::CommandLine& line, Options& options) {
   line.option("MESH", options.input, "mesh to read").required();
   line.option("-o,--output", options.output, "mesh to write: the same with the cell field of marks").required();
   line.listed_flag("--all", options.all, "every cell");
-  line.listed_flag("--coarsen-rest", options.coarsen_rest, "cells that meet no criterion may go");
+  line.listed_flag("--coarsen-rest", options.coarsen_rest, "cells that meet no criterion may be coarsened");
   for (const auto& help : criteria_help) line.listed_option(help.name, help.text).type_name(help.type);
   line.option(
           "--max-cells", options.max_cells,
@@ -115,7 +117,7 @@ bool moves_thresholds(const mark::Request& request) {
                      [](const auto& criterion) { return criterion.coarsen_below.has_value(); });
 }
 
-/// The wanted cells and those that may go, within `max_cells`. Collective.
+/// The wanted cells and those that may be coarsened, within `max_cells`. Collective.
 Marked choose_both_ways(const par::Comm& comm, const mesh::DistMesh& mesh, const mark::Request& request,
                         const mark::Applied& applied, mark::KnownErrors known, const Options& options,
                         const adapt::Forecaster& forecaster) {
@@ -161,7 +163,7 @@ Marked choose_marks(const par::Comm& comm, mesh::DistMesh& mesh, const mark::Req
   return marked;
 }
 
-/// A place outside of the mesh marks nothing, which may be a misprint; not where it is to let all cells go.
+/// A place outside of the mesh marks nothing, which may be a misprint; not where it is to let all cells be coarsened.
 void warn_of_empty_places(const cli::Session& session, const mark::Request& request, const mark::Applied& applied) {
   if (request.coarsens()) return;
   for (std::size_t i = 0; i < request.criteria.size(); ++i) {
@@ -230,7 +232,7 @@ cli::ExitCode run(cli::Session& session, const Options& options) {
   if (too_fine > 0)
     session.warn(
         fmt::format("closing the marks splits {} cells of level {} or deeper: families of closure cells that "
-                    "cannot be taken back stand beside them",
+                    "cannot be undone stand beside them",
                     too_fine, *request.max_level));
   if (options.max_cells && mesh.info.n_global_cells > *options.max_cells && n_may_go == 0)
     session.warn(fmt::format("nothing is marked: the mesh has {} cells already, more than --max-cells {}",
@@ -242,8 +244,8 @@ cli::ExitCode run(cli::Session& session, const Options& options) {
   session.summary(fmt::format("{} of {} cells marked{}{}; {} cells and {} nodes after refinement -> {}", n_marked,
                               mesh.info.n_global_cells,
                               n_wanted > n_marked ? fmt::format(" (of {} wanted)", n_wanted) : std::string(),
-                              request.coarsens() ? fmt::format(", {} may go", n_may_go) : std::string(), cells_after,
-                              nodes_after, options.output));
+                              request.coarsens() ? fmt::format(", {} may be coarsened", n_may_go) : std::string(),
+                              cells_after, nodes_after, options.output));
   return cli::ExitCode::done;
 }
 
@@ -253,7 +255,8 @@ int main(int argc, char** argv) {
   Options options;
   return pamr::cli::run_tool(
       argc, argv,
-      {"pamr-mark", "Marks cells to be refined: those that meet any criterion and every limit; and cells that may go.",
+      {"pamr-mark",
+       "Marks cells to be refined: those that meet any criterion and every limit; and cells that may be coarsened.",
        "pamr-mesh --shape kuhn-cube --n 4 -o a.hdf && pamr-mark a.hdf -o b.hdf --crossing-sphere 0,0,0,0.6 --patch "
        "xmin"},
       [&](cli::CommandLine& line) { declare(line, options); },

@@ -52,7 +52,7 @@ void declare(cli::CommandLine& line, Options& options) {
       .one_of({"scotch", "blocks"})
       .show_default();
   line.option("--marks", options.marks,
-              "of --weights refine and 8/1: integer cell field of marks, -1 may go, 0 keep, 1 split")
+              "of --weights refine and 8/1: integer cell field of marks, -1 may be coarsened, 0 keep, 1 split")
       .show_default();
   line.option("--quality-control", options.quality_control, "of --weights refine: the refinement that is predicted")
       .one_of(refine::quality_control_list())

@@ -44,7 +44,7 @@ struct Options {
 void declare(cli::CommandLine& line, Options& options) {
   line.option("MESH", options.input, "mesh to read, with a cell field of marks").required();
   auto output = line.option("-o,--output", options.output, "refined mesh to write");
-  line.option("--marks", options.marks, "integer cell field: -1 may go, 0 keep, 1 split; not in the result")
+  line.option("--marks", options.marks, "integer cell field: -1 may be coarsened, 0 keep, 1 split; not in the result")
       .show_default();
   line.option("--quality-control", options.quality_control, "what happens to a closure cell that has to be refined")
       .one_of(refine::quality_control_list())
@@ -94,11 +94,11 @@ void warn_too_deep(const cli::Session& session, std::int64_t n) {
   if (n > 0) session.warn(adapt::too_deep_text(n));
 }
 
-/// Families that could not be taken back make bad cells; a lower floor asks for fewer closures that never were.
+/// Families that could not be undone make bad cells; a lower floor asks for fewer closures that never were.
 void warn_kept(const cli::Session& session, std::int64_t n, const refine::Options& options) {
   if (n == 0 || options.quality_control != refine::QualityControl::removable || options.shape_floor == 0) return;
   session.warn(
-      fmt::format("{} families of closure cells could not be taken back and were split as they are, which makes bad "
+      fmt::format("{} families of closure cells could not be undone and were split as they are, which makes bad "
                   "cells: try a --shape-floor below {}, or a finer mesh at curved walls",
                   n, options.shape_floor));
 }
@@ -131,17 +131,17 @@ nlohmann::json to_json(const adapt::CoarseningReport& report) {
 /// What was marked, and what went.
 std::string marked_text(std::int64_t marked, const adapt::CoarseningReport& coarsening) {
   if (coarsening.cells_flagged == 0) return fmt::format("{} marked", marked);
-  return fmt::format("{} marked, {} may go: {} octets taken back", marked, coarsening.cells_flagged,
+  return fmt::format("{} marked, {} may be coarsened: {} octets coarsened", marked, coarsening.cells_flagged,
                      coarsening.octets_gone);
 }
 
 /// A mesh that came without lineage cannot be coarsened; that is no error.
 void warn_nothing_goes(const cli::Session& session, const adapt::CoarseningReport& report) {
   if (report.octets_gone == 0 && report.cells_without_parent > 0)
-    session.warn(
-        fmt::format("nothing was taken back: of {} cells that may go {} know no parent (they are of level 0, of "
-                    "broken families or of files without their history)",
-                    report.cells_flagged, report.cells_without_parent));
+    session.warn(fmt::format(
+        "nothing was coarsened: of {} cells that may be coarsened {} know no parent (they are of level 0, of "
+        "broken families or of files without their history)",
+        report.cells_flagged, report.cells_without_parent));
 }
 
 cli::ExitCode report_forecast(cli::Session& session, const mesh::DistMesh& mesh, std::span<const std::int8_t> flags,
@@ -289,7 +289,7 @@ int main(int argc, char** argv) {
   Options options;
   return cli::run_tool(
       argc, argv,
-      {"pamr-refine", "Refines a mesh once where its cells are marked, and coarsens it where cells may go.",
+      {"pamr-refine", "Refines a mesh once where its cells are marked, and coarsens it where cells may be coarsened.",
        "mpirun -n 4 pamr-refine level0.hdf -o level1.hdf --json level1.json"},
       [&](cli::CommandLine& line) { declare(line, options); },
       [&](cli::Session& session) { return work(session, options); });

@@ -115,7 +115,7 @@ std::vector<double> unpack(const FiniteVolumes& volumes, pamr::mesh::DistMesh& m
 }
 
 /// Cells whose neighbors differ from them, and the cells around these, are split down to the finest level; cells that
-/// are equal to their neighbors may go.
+/// are equal to their neighbors may be coarsened.
 std::vector<std::int8_t> flags_of(const FiniteVolumes& volumes, const pamr::mesh::DistMesh& mesh,
                                   const std::vector<double>& value, int levels) {
   const auto jump = volumes.jumps(value);

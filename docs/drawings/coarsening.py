@@ -102,10 +102,10 @@ def level(cell):
 class Step:
     before: list  # (cell, is closure, base cell)
     split: set    # base cells that are to be split
-    go: set       # base cells that may go
+    go: set       # base cells that may be coarsened
     after: list
     gone: set     # parents that are cells again, or closed anew
-    kept: set     # base cells that may go and stay
+    kept: set     # base cells that may be coarsened and stay
 
 
 def step():

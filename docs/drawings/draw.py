@@ -127,9 +127,9 @@ def draw_coarsening(path):
     canvas.dot((530, y - 1), radius=3.6)
     canvas.text((542, y + 4), "is to be split", 14, "start")
     canvas.line((657, y - 1), (665, y - 1), INK, 2)
-    canvas.text((674, y + 4), "may go, and goes", 14, "start")
+    canvas.text((674, y + 4), "flagged, coarsened", 14, "start")
     canvas.line((817, y - 1), (825, y - 1), MARK, 2)
-    canvas.text((834, y + 4), "may go, but stays", 14, "start")
+    canvas.text((834, y + 4), "flagged, but stays", 14, "start")
     canvas.text((22, y + 34), "Triangles stand for tetrahedra: four children in place of eight. A closure cell speaks for its "
                 "parent.", 14, "start", FAINT)
     canvas.save(path, "A mesh before and after a call that refines and coarsens")

@@ -167,7 +167,7 @@ def test_cells_that_know_no_parent_stay_and_nothing_is_lost():
     add_cell_field("a.hdf", "refine", np.full(162, -1, np.int8))
     result = run("pamr-refine", "a.hdf", "-o", "b.hdf", "--json", "-")
     assert result.json["coarsening"]["cells_without_parent"] == 162
-    assert "nothing was taken back: of 162 cells that may go 162 know no parent" in result.err
+    assert "nothing was coarsened: of 162 cells that may be coarsened 162 know no parent" in result.err
     for before, after in zip(parts("a.hdf"), parts("b.hdf")):
         assert np.array_equal(before, after)
     with h5py.File("b.hdf") as file:
@@ -179,7 +179,7 @@ def test_bad_marks_and_options_are_refused():
     run("pamr-convert", "a.hdf", "m.hdf")
     add_cell_field("m.hdf", "refine", np.full(48, -2, np.int8))
     add_cell_field("m.hdf", "real", np.full(48, np.nan))
-    refuses("pamr-refine", "m.hdf", "-o", "no.hdf", says=["-1 (may go), 0 (keep) or 1 (split)", "found -2"],
+    refuses("pamr-refine", "m.hdf", "-o", "no.hdf", says=["-1 (may be coarsened), 0 (keep) or 1 (split)", "found -2"],
             creates="no.hdf")
     refuses("pamr-refine", "m.hdf", "-o", "no.hdf", "--marks", "real", says=["integer field of one component", "reals"],
             creates="no.hdf")

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /// A fine region that moves through a mesh: cells on the surface of a ball are refined, cells that it has left are
-/// taken back.
+/// coarsened.
 ///
 ///     mpirun -n 2 follow_ball OUT_FOLDER
 #include <algorithm>
@@ -25,7 +25,7 @@ bool is_near(const std::array<pamr::geometry::Vec3, 4>& p, const pamr::geometry:
   return std::abs(norm(middle - center) - radius) < 0.6 * reach;
 }
 
-/// 1: split, 0: keep, -1: may go; one for each cell of this rank.
+/// 1: split, 0: keep, -1: may be coarsened; one for each cell of this rank.
 std::vector<std::int8_t> flags_of(const pamr::mesh::DistMesh& mesh, const pamr::geometry::Vec3& center) {
   std::vector<std::int8_t> flags;
   for (pamr::LocalId cell = 0; cell < mesh.n_cells(); ++cell) {
@@ -49,7 +49,7 @@ int main(int argc, char** argv) {
     auto result = pamr::adapt::adapt(comm, std::move(mesh), flags);
     mesh = std::move(result.mesh);
     if (comm.is_first())
-      std::printf("step %2d: %lld cells, %lld octets taken back\n", step,
+      std::printf("step %2d: %lld cells, %lld octets coarsened\n", step,
                   static_cast<long long>(result.report.cells_out),
                   static_cast<long long>(result.coarsening.octets_gone));
     if (step == 4 || step == 12) pamr::io::write_native(comm, folder + "/step" + std::to_string(step) + ".hdf", mesh);

@@ -87,7 +87,7 @@ Result as_it_is(mesh::DistMesh mesh, const refine::Options& options) {
   return result;
 }
 
-/// Take back, close, balance, split, finish.
+/// Coarsen, close, balance, split, finish.
 Result adapt_once(const par::Comm& comm, GivenMesh mesh, std::span<const std::int8_t> flags, const Options& options,
                   StepTimer& timer) {
   const bool cells_move = !mesh.is_lent();

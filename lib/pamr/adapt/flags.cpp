@@ -47,7 +47,7 @@ std::vector<std::uint8_t> flags_from_field(const par::Comm& comm, const mesh::Di
 
 std::vector<std::int8_t> signed_flags_from_field(const par::Comm& comm, const mesh::DistMesh& mesh,
                                                  const std::string& name) {
-  return read_flags<std::int8_t>(comm, mesh, name, -1, "-1 (may go), 0 (keep) or 1 (split)");
+  return read_flags<std::int8_t>(comm, mesh, name, -1, "-1 (may be coarsened), 0 (keep) or 1 (split)");
 }
 
 std::vector<std::uint8_t> splits_of(std::span<const std::int8_t> flags) {

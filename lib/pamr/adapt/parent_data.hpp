@@ -21,7 +21,7 @@
 ///     const auto of_parent = adapt::data_of_parents(comm, n_cells_before, numbers, particles, fine);
 ///
 /// Cell fields need none of this: they are in the refined mesh already, a child with its parent's value and, where a
-/// closure family was taken back, with the mean of its members weighted by volume, so that integrals are kept.
+/// closure family was undone, with the mean of its members weighted by volume, so that integrals are kept.
 namespace pamr::adapt {
 
 /// Rows of different lengths: that of cell i is `value[offset[i] .. offset[i+1])`.

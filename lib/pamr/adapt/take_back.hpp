@@ -17,25 +17,26 @@
 #include "pamr/par/comm.hpp"
 #include "pamr/refine/options.hpp"
 
-/// What comes first where cells may go: splits that nothing needs are taken back.
+/// What comes first where cells may be coarsened: octets that nothing needs are coarsened.
 namespace pamr::adapt {
 
-/// A mesh from which splits were taken back, and what is to be split of it.
+/// A mesh that was coarsened, and what is to be split of it.
 struct TakenBack {
   GivenMesh mesh;
   std::vector<std::uint8_t> flags;      ///< of its cells: 1 to split
   std::optional<KnownClosure> closure;  ///< of the mesh with its flags, if it is known; on all ranks alike
-  bool is_coarser = false;              ///< false: nothing goes, on any rank
+  bool is_coarser = false;              ///< false: nothing is coarsened, on any rank
   CoarseningReport report;
   std::vector<coarsen::Merged> merged;  ///< see `Result`
 };
 
-/// The mesh without what may go and nothing needs, with its fields and `cell_origin`; where no flag is below 0 the mesh
-/// itself. Checks flags and options as `adapt` says. Collective.
+/// The mesh coarsened where flags allow it and nothing needs the cells, with its fields and `cell_origin`; where no
+/// flag is below 0 the mesh itself. Checks flags and options as `adapt` says. Collective.
 TakenBack take_back(const par::Comm& comm, GivenMesh mesh, std::span<const std::int8_t> flags,
                     const refine::Options& options, StepTimer& timer);
 
-/// Where cells have to go so that all siblings that may go are on one rank; empty on every rank if they are already.
+/// Where cells have to go so that all siblings that may be coarsened are on one rank; empty on every rank if they are
+/// already.
 struct Gathering {
   std::vector<Rank> destination;
   std::int64_t cells_moved = 0;  ///< all ranks
@@ -51,7 +52,7 @@ mesh::DistMesh gather(const par::Comm& comm, mesh::DistMesh mesh, const Gatherin
 /// What is left of a mesh, without fields.
 struct CoarseMesh {
   coarsen::Settled settled;
-  std::optional<coarsen::Coarsened> made;  ///< nothing: nothing goes, on any rank
+  std::optional<coarsen::Coarsened> made;  ///< none where nothing is coarsened, on any rank
   std::optional<KnownClosure> closure;     ///< of the coarse mesh with its flags, if anything is to be split
   CoarseningReport report;                 ///< but for `cells_moved`
 };
@@ -63,7 +64,7 @@ struct FlaggedMesh {
   std::span<const std::int8_t> signs;
 };
 
-/// Takes back what neither the closure of the remaining splits nor refining needs. What refining needs shows when the
+/// Coarsens what neither the closure of the remaining splits nor refining needs. What refining needs shows when the
 /// coarse mesh is closed: nodes of the old mesh that are marked there stay, and it is settled again with them, until
 /// there is none. Each of them is needed by what remains for certain, so the result is the same as if all had been
 /// settled at once. Pre: siblings are together. Collective. Cost: that of `coarsen::take_back` and `refine::close`, as

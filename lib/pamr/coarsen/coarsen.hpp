@@ -13,7 +13,7 @@
 
 namespace pamr::coarsen {
 
-/// A mesh of which octets were taken back.
+/// A mesh of which octets were coarsened.
 struct Coarsened {
   mesh::DistMesh mesh;              ///< without fields
   NewPlaces places;                 ///< of the old cells

@@ -13,7 +13,7 @@ namespace {
 
 constexpr GlobalId max_octet_size = GlobalId{8} * mesh::max_family_size;
 
-/// A base cell that may go, without all of its siblings.
+/// A base cell that may be coarsened, without all of its siblings.
 struct Lone {
   GlobalId number = 0;  ///< of its first cell
   std::uint64_t parent = 0;
@@ -28,8 +28,9 @@ struct Answer {
   Rank destination = 0;
 };
 
-/// Whether the cells before and after this one say that its siblings cannot all go. If not, and they are not all here,
-/// the others may be on other ranks. Base cells that follow each other in number follow each other in the tree.
+/// Whether the cells before and after this one say that its siblings cannot all be coarsened. If not, and they are not
+/// all here, the others may be on other ranks. Base cells that follow each other in number follow each other in the
+/// tree.
 class Siblings {
  public:
   Siblings(const mesh::DistMesh& mesh, std::span<const std::int8_t> flags) : mesh_(mesh), flags_(flags) {}

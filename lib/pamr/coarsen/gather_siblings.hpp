@@ -10,9 +10,9 @@
 
 namespace pamr::coarsen {
 
-/// Where the cells of this rank have to go so that every octet all of whose cells may go lies on one rank: that of its
-/// first cell. All others stay. `flags`: one for each cell. Collective: two sparse exchanges of the cells that may go
-/// and whose siblings are not all here; empty on every rank if there are none.
+/// Where the cells of this rank have to go so that every octet all of whose cells may be coarsened lies on one rank:
+/// that of its first cell. All others stay. `flags`: one for each cell. Collective: two sparse exchanges of the cells
+/// that may be coarsened and whose siblings are not all here; empty on every rank if there are none.
 std::vector<Rank> gather_siblings(const par::Comm& comm, const mesh::DistMesh& mesh,
                                   std::span<const std::int8_t> flags);
 

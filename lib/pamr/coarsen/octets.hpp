@@ -14,10 +14,10 @@
 /// *octet*; together they can be their parent again.
 namespace pamr::coarsen {
 
-/// Flag of a cell that may go: it may become a part of its parent again.
+/// Flag of a cell that may be coarsened: it may become a part of its parent again.
 inline constexpr std::int8_t may_go = -1;
 
-/// Cells that are taken back together: an octet, or a closure family, and what takes their place.
+/// Cells that are coarsened together: an octet, or a closure family, and what takes their place.
 struct Group {
   LocalId first = invalid_local;   ///< its first cell; the others follow it
   LocalId end = invalid_local;     ///< behind the last one
@@ -38,7 +38,7 @@ inline LocalId end_of_base_cell(const mesh::DistMesh& mesh, LocalId first) {
   return first + (lineage.is_removable() ? lineage.family_size() : 1);
 }
 
-/// True if all cells of a base cell may go.
+/// True if all cells of a base cell may be coarsened.
 bool base_cell_may_go(const mesh::DistMesh& mesh, std::span<const std::int8_t> flags, LocalId first);
 
 /// The family that begins with `first`, as a group that is left as it is. Local.
@@ -48,17 +48,17 @@ Group family_group(const mesh::DistMesh& mesh, LocalId first);
 struct Asked {
   std::int64_t n_flagged = 0;         ///< cells with the flag `may_go`
   std::int64_t n_without_parent = 0;  ///< of them, those that know no parent: level 0, broken families, old files
-  std::int64_t n_in_octets = 0;       ///< of them, those in octets whose cells all may go
+  std::int64_t n_in_octets = 0;       ///< of them, those in octets whose cells all may be coarsened
 };
 
 struct Candidates {
-  std::vector<Group> octets;  ///< all of whose cells may go, ascending
+  std::vector<Group> octets;  ///< all of whose cells may be coarsened, ascending
   Asked asked;
 };
 
-/// The octets of this rank all of whose cells may go. Octets lie in consecutive numbers; those that lie on several
-/// ranks are not found (`gather_siblings.hpp`). Numbers and lineage find them, nodes prove them: cells that were put in
-/// another order may look like siblings. Local. Cost: one pass over the cells.
+/// The octets of this rank all of whose cells may be coarsened. Octets lie in consecutive numbers; those that lie on
+/// several ranks are not found (`gather_siblings.hpp`). Numbers and lineage find them, nodes prove them: cells that
+/// were put in another order may look like siblings. Local. Cost: one pass over the cells.
 Candidates find_octets(const mesh::DistMesh& mesh, std::span<const std::int8_t> flags);
 
 /// Calls `visit(cell, slot, face)` for each face of a group's cells that is part of face `face` of the parent.

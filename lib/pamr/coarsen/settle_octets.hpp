@@ -13,9 +13,9 @@
 
 namespace pamr::coarsen {
 
-/// Counts over all ranks of what came of the octets all of whose cells may go.
+/// Counts over all ranks of what came of the octets all of whose cells may be coarsened.
 struct Outcome {
-  std::int64_t octets_gone = 0;    ///< taken back to their parent
+  std::int64_t octets_gone = 0;    ///< coarsened to their parent
   std::int64_t octets_needed = 0;  ///< stay because the closure of what remains or is refined needs them
   std::int64_t octets_kept =
       0;  ///< stay because their parent, closed as it would have to be, had (or were) an inverted cell
@@ -24,9 +24,9 @@ struct Outcome {
   int rounds = 0;                    ///< exchanges with the neighbors to settle this
 };
 
-/// What is taken back, and which nodes remain.
+/// What is coarsened, and which nodes remain.
 struct Settled {
-  std::vector<Group> groups;             ///< octets that go and families that are closed anew, ascending
+  std::vector<Group> groups;             ///< octets that are coarsened and families that are closed anew, ascending
   std::vector<std::uint8_t> node_stays;  ///< n_nodes
   Outcome outcome;
 };
@@ -39,10 +39,10 @@ struct Needs {
   double shape_floor = 0;          ///< see `refine::Options`
 };
 
-/// Decides which octets go. A node stays if it is a corner of a base cell that remains, or if a mark of a base cell
-/// that remains lies there. Marks are worked out anew: a base cell has those of its midpoints that stay for others, and
-/// what the floor adds to them (rule 4 of docs/refinement.md); a parent with six marks, or with one inside its edges or
-/// faces, stays split. The least set of nodes that obeys this is unique, whatever the order and the ranks.
+/// Decides which octets are coarsened. A node stays if it is a corner of a base cell that remains, or if a mark of a
+/// base cell that remains lies there. Marks are worked out anew: a base cell has those of its midpoints that stay for
+/// others, and what the floor adds to them (rule 4 of docs/refinement.md); a parent with six marks, or with one inside
+/// its edges or faces, stays split. The least set of nodes that obeys this is unique, whatever the order and the ranks.
 ///
 /// Then each parent and each family that is to be closed anew is looked at: if it would have an inverted cell where the
 /// nodes lie, it stays as it is (all of them together), and marks are settled again, until there is none.

@@ -45,7 +45,7 @@ struct Evaluate {
   }
 };
 
-/// Cells that are wanted do not go.
+/// Cells that are wanted are not coarsened.
 void keep_where(const Indicator& wish, std::vector<std::uint8_t>& may_go) {
   for (std::size_t c = 0; c < wish.size(); ++c)
     if (wish[c] > 0) may_go[c] = 0;

@@ -15,8 +15,8 @@ namespace pamr::mark {
 
 struct Applied {
   Indicator indicator;  ///< of the cells that meet a criterion and all limits
-  /// Of each cell: 1 if it may go; all 0 where the request does not ask for it. By criteria only: limits take marks,
-  /// but a cell without its mark stays.
+  /// Of each cell: 1 if it may be coarsened; all 0 where the request does not ask for it. By criteria only: limits take
+  /// marks, but a cell without its mark stays.
   std::vector<std::uint8_t> may_go;
   std::vector<std::int64_t> cells_of_criterion;  ///< cells of all ranks that meet each criterion, before the limits
 };

@@ -11,7 +11,7 @@ namespace pamr::mark {
 namespace {
 
 /// Fewest cells that can come of these marks, whatever the closure: eight of a cell or closure family with a mark, one
-/// of each other that may not go. Collective.
+/// of each other that may not be coarsened. Collective.
 std::int64_t fewest_cells(const par::Comm& comm, const mesh::DistMesh& mesh, std::span<const std::uint8_t> marks,
                           std::span<const std::uint8_t> may_go) {
   std::int64_t n = 0;
@@ -124,7 +124,7 @@ Choice choose_within_budget(const par::Comm& comm, const mesh::DistMesh& mesh, c
     (middle.cells <= max_cells ? fits : too_many) = std::move(middle);
   }
   auto choice = chosen(fits);
-  // Many cells of one value: as many of them as fit, beside what goes.
+  // Many cells of one value: as many of them as fit, beside what is coarsened.
   if (!is_enough(fits))
     choice.marks = marks_within_budget(
         comm, mesh, too_many.applied.indicator, max_cells,

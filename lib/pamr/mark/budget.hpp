@@ -25,7 +25,7 @@ std::vector<std::uint8_t> marks_within_budget(const par::Comm& comm, const mesh:
                                               std::span<const double> indicator, Exact<std::int64_t> max_cells,
                                               const Prediction& predicted_cells);
 
-/// Size of the mesh after splitting the marked cells and taking back those that may go (and are not marked);
+/// Size of the mesh after splitting the marked cells and coarsening those that may be coarsened (and are not marked);
 /// collective.
 using PredictionBothWays =
     std::function<std::int64_t(std::span<const std::uint8_t> marks, std::span<const std::uint8_t> may_go)>;
@@ -44,7 +44,7 @@ struct Choice {
   double factor = 1;  ///< by which values were made stricter
 };
 
-/// Splits the worst cells and lets the best go, so that the mesh has at most `max_cells` cells, and no fewer than 98 %
+/// Splits the worst cells and coarsens the best, so that the mesh has at most `max_cells` cells, and no fewer than 98 %
 /// of them if the request would have more: all values of the request are made stricter by one factor (`scaled`), so
 /// that the hysteresis between splitting and coarsening is kept.
 ///

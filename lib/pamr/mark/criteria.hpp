@@ -49,7 +49,7 @@ struct BulkOf {
 struct Criterion {
   std::string text;  ///< for reports
   std::variant<AllCells, CrossingSphere, CentroidShell, Box, NearPatch, Threshold, SizeOver, ErrorOver, BulkOf> rule;
-  /// Cells that would not meet the criterion with this value in place of its own may go.
+  /// Cells that would not meet the criterion with this value in place of its own may be coarsened.
   std::optional<double> coarsen_below{};
 };
 
@@ -59,11 +59,11 @@ struct Request {
   CellSize size = CellSize::cbrt_volume;
   std::optional<Exact<int>> max_level;
   std::vector<Cutoff> only_where;
-  Exact<bool> coarsen_rest = false;  ///< cells that meet no criterion may go
+  Exact<bool> coarsen_rest = false;  ///< cells that meet no criterion may be coarsened
   Exact<int> min_level = 0;          ///< cells of this level and below stay
-  Exact<int> keep_for = 0;           ///< so many times a cell that may go stays, see `keep_for_a_while`
+  Exact<int> keep_for = 0;           ///< so many times a cell that may be coarsened stays, see `keep_for_a_while`
 
-  /// Whether cells may go at all.
+  /// Whether cells may be coarsened at all.
   bool coarsens() const;
 };
 
@@ -81,9 +81,9 @@ std::vector<Given> split_options(const std::string& text);
 /// The same criterion with another value in place of its own (threshold, ratio, error or fraction).
 Criterion with_value(Criterion criterion, double value);
 
-/// The request with every value by which cells are marked, and those by which they may go, made stricter by this factor
-/// (above 1; looser below 1): a threshold is moved by factor - 1 times its size (1 if it is 0), a ratio or a share of
-/// the mean error grows by it, a fraction of a bulk falls. Criteria without a value and limits stay.
+/// The request with every value by which cells are marked, and those by which they may be coarsened, made stricter by
+/// this factor (above 1; looser below 1): a threshold is moved by factor - 1 times its size (1 if it is 0), a ratio or
+/// a share of the mean error grows by it, a fraction of a bulk falls. Criteria without a value and limits stay.
 Request scaled(Request request, double factor);
 
 /// Reads the options, in the order in which they were given: `--layers`, `--above`, `--below`, `--ratio`,

@@ -86,7 +86,7 @@ std::vector<std::int64_t> keep_in_trial(const par::Comm& comm, const mesh::DistM
   const auto field_name = name + "_idle";
   std::vector<std::int64_t> idle(may_go.size(), 0);
   const auto* before = mesh.find_cell_field(field_name);
-  mesh::require_replaceable(comm, mesh, {field_name, "the count of how often cells could have gone", 0, 255});
+  mesh::require_replaceable(comm, mesh, {field_name, "the count of how often cells could have been coarsened", 0, 255});
   for (std::size_t c = 0; c < idle.size(); ++c) {
     if (may_go[c] == 0) continue;
     const auto so_far = before == nullptr ? 0 : std::min<std::int64_t>(before->integer()[c], max_keep_for);

@@ -44,12 +44,12 @@ std::vector<std::uint8_t> strongest(const par::Comm& comm, const mesh::DistMesh&
 /// Number of marked cells over all ranks. Collective: one reduction.
 std::int64_t count_marked(const par::Comm& comm, std::span<const std::uint8_t> marks);
 
-/// Largest number of times that a cell can be made to wait before it goes.
+/// Largest number of times that a cell can be made to wait before it is coarsened.
 inline constexpr int max_keep_for = 250;
 
-/// Takes it from cells that they may go, as long as they could have gone for at most `n_times` marks in a row. How
-/// often that was so is counted in the cell field `NAME_idle` of the mesh, which refining and coarsening hand on; it is
-/// made or replaced. Throws `Error` on every rank where the mesh has other data under that name. Collective.
+/// Keeps cells that may be coarsened until they were marked so more than `n_times` in a row. How often that was so is
+/// counted in the cell field `NAME_idle` of the mesh, which refining and coarsening hand on; it is made or replaced.
+/// Throws `Error` on every rank where the mesh has other data under that name. Collective.
 void keep_for_a_while(const par::Comm& comm, mesh::DistMesh& mesh, const std::string& name, Exact<int> n_times,
                       std::span<std::uint8_t> may_go);
 

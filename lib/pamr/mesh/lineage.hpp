@@ -30,7 +30,7 @@ inline constexpr int max_known_depth = 14;
 ///
 /// The path is no longer than the level, and may be shorter: cells of old files, and children of cells of broken
 /// families, know fewer ancestors, and of more than `max_known_depth` the oldest are forgotten. So the last
-/// `max_known_depth` splits can always be taken back. The ancestor where the path ends is a root: as far as is known,
+/// `max_known_depth` splits can always be undone. The ancestor where the path ends is a root: as far as is known,
 /// it came from nothing.
 class Lineage {
  public:

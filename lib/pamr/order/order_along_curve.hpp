@@ -50,7 +50,7 @@ struct Ordered {
 /// in the file, and in a block of it. Corners, neighbors, boundary triangles, patches, lineage and
 /// fields go along. A tree (a cell of level
 /// 0 and all that was split of it, closure families included) stays together in its order, where its first cell lies,
-/// so that splits can be taken back; cells of equal place keep their order; nodes that no cell names come last.
+/// so that splits can be undone; cells of equal place keep their order; nodes that no cell names come last.
 ///
 /// Collective; on one rank nothing is sent. The new numbers do not depend on the number of ranks nor on the blocks.
 /// Throws `Error` on every rank for what `assemble` refuses of a single block: numbers out of range, lineage that does

@@ -2,7 +2,7 @@
 """Parallel adaptive refinement of tetrahedral meshes, in memory.
 
 A mesh lies on the ranks of an mpi4py communicator. It comes from arrays, from a file, from meshio or from dolfinx; cells
-are marked and refined, or taken back (``pamr.adapt``); curved boundaries stay curved; the arrays of the new mesh are at hand
+are marked and refined, or coarsened (``pamr.adapt``); curved boundaries stay curved; the arrays of the new mesh are at hand
 at once::
 
     import numpy as np

@@ -87,8 +87,8 @@ def adapt(mesh: Mesh, flags: Any, *, project: bool = True, shape_floor: float = 
           weights: str = "exact", integrals: tuple[str, ...] = ()) -> RefineResult:
     """Refines and coarsens in one call (docs/coarsening.md). Collective.
 
-    flags: one for each cell of this rank: 1 is split into eight; -1 may go: with its siblings, all flagged, it becomes their
-        parent again if nothing that remains needs them; 0 stays.
+    flags: one for each cell of this rank: 1 is split into eight; -1 may be coarsened: with its siblings, all flagged, it
+        becomes their parent again if nothing that remains needs them; 0 stays.
     integrals: names of cell fields of which coarsening keeps the sum of value times volume, at curved walls too. All others keep
         values.
     The other arguments are those of ``refine``; the policy is "removable". ``report["coarsening"]`` says what went and why the
@@ -109,7 +109,7 @@ def adapt(mesh: Mesh, flags: Any, *, project: bool = True, shape_floor: float = 
 def forecast(mesh: Mesh, flags: Any, quality_control: str = "removable", shape_floor: float = 0.3) -> tuple[int, int]:
     """Cells and nodes that adapting with these flags would give, exactly. Collective.
 
-    flags: one for each cell of this rank: 1 is split, 0 stays, -1 may go, as for ``adapt``.
+    flags: one for each cell of this rank: 1 is split, 0 stays, -1 may be coarsened, as for ``adapt``.
     """
     def prepare() -> tuple[Any, Any]:
         how = closing(quality_control, shape_floor)

@@ -14,7 +14,7 @@
 namespace pamr {
 namespace coarse_fields_test {
 
-/// Cells of the left part may go, some at the right are split.
+/// Cells of the left part may be coarsened, some at the right are split.
 std::vector<std::int8_t> both_ways(const mesh::DistMesh& mesh) {
   std::vector<std::int8_t> flags;
   for (LocalId c = 0; c < mesh.n_cells(); ++c) {

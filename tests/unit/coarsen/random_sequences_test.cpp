@@ -22,7 +22,7 @@ namespace random_sequences_test {
 
 using geometry::Vec3;
 
-/// By coordinates only: cells of a ball may go, cells cut by another are split.
+/// By coordinates only: cells of a ball may be coarsened, cells cut by another are split.
 std::vector<std::int8_t> random_flags(const mesh::DistMesh& mesh, std::uint64_t seed) {
   test::Dice dice(mix(seed));
   const Vec3 center{dice.unit(), dice.unit(), dice.unit()};
@@ -100,7 +100,7 @@ TEST(RandomSequences, LeaveTheClosureOfTheSplitsThatRemain) {
   EXPECT_GT(world.sum(n_closed), 10);
 }
 
-/// Nodes were moved far, families had to be kept and were split: what is taken back there is tested cell by cell.
+/// Nodes were moved far, families had to be kept and were split: what is coarsened there is tested cell by cell.
 TEST(RandomSequences, LeaveValidMeshesAtWallsThatAreFarTooCoarse) {
   const par::Comm world(MPI_COMM_WORLD), self(MPI_COMM_SELF);
   if (world.size() != 1 && !test::is_full_level()) return;  // the next test has such meshes on all ranks

@@ -27,9 +27,9 @@ struct Schedule {
 
 /// How a computation adapts its mesh as it goes.
 struct Adaptation {
-  std::int64_t every = 0;                 ///< steps, whole windows of the averages; 0: never
-  std::string mark;                       ///< the words of the case for the next
-  mark::Request request;                  ///< which cells to split, and which may go, by the averages of a window
+  std::int64_t every = 0;  ///< steps, whole windows of the averages; 0: never
+  std::string mark;        ///< the words of the case for the next
+  mark::Request request;   ///< which cells to split, and which may be coarsened, by the averages of a window
   std::optional<std::int64_t> max_cells;  ///< of the adapted mesh
 };
 
