@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// netgen on the workloads of docs/performance.md: uniform refinement (W1) and bisection of marked cells, which cuts a
-// marked cell three times. `UpdateTopology`, by which its users get the faces of the cells, is part of bisection; after
-// uniform refinement it is timed apart. Both work on the mesh in place. Command line and output: workload.hpp.
+// netgen on the workloads of docs/results/performance.md: uniform refinement (W1) and bisection of marked cells, which
+// cuts a marked cell three times. `UpdateTopology`, by which its users get the faces of the cells, is part of
+// bisection; after uniform refinement it is timed apart. Both work on the mesh in place. Command line and output:
+// workload.hpp.
 #include <map>
 #include <memory>
 #include <meshing.hpp>

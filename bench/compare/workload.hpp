@@ -17,8 +17,8 @@
 #include <string>
 #include <vector>
 
-/// The workloads of docs/performance.md for peers that speak C++: mesh, marks, clock, memory, shapes. What workload.py
-/// is for Python; command line and output are the same.
+/// The workloads of docs/results/performance.md for peers that speak C++: mesh, marks, clock, memory, shapes. What
+/// workload.py is for Python; command line and output are the same.
 ///
 /// A peer is a class with
 ///   Peer(const PlainMesh&)       makes the mesh in the peer's own data structure
