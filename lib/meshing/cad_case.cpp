@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "pamr/base/error.hpp"
+#include "pamr/geometry/box.hpp"
 #include "pamr/geometry/cad/cad_source.hpp"
 #include "pamr/geometry/cad/cad_surface.hpp"
 #include "pamr/geometry/surface_toml.hpp"
@@ -70,23 +71,17 @@ bool is_all_cad(const geometry::SurfaceSet& surfaces) {
 }
 
 void bound_by_shapes(Combination& c) {
-  constexpr double margin = 0.02, far = std::numeric_limits<double>::infinity();
-  c.low = {far, far, far};
-  c.high = {-far, -far, -far};
+  constexpr double margin = 0.02;
+  geometry::Box box;
   double size = 0;
   for (const auto& surface : c.surfaces->surface) {
     const auto& model = dynamic_cast<const geometry::CadSurface&>(*surface).model();
     size = std::max(size, model.size());
-    for (const auto& face : model.faces())
-      for (const Vec3 p : face.points())
-        for (std::size_t k = 0; k < 3; ++k) {
-          c.low[k] = std::min(c.low[k], p[k]);
-          c.high[k] = std::max(c.high[k], p[k]);
-        }
+    for (const auto& face : model.faces()) box.merge(geometry::box_of(face.points()));
   }
   const Vec3 around = margin * size * Vec3{1, 1, 1};
-  c.low = c.low - around;
-  c.high = c.high + around;
+  c.low = box.low - around;
+  c.high = box.high + around;
 }
 
 }  // namespace pamr::meshing

@@ -19,6 +19,7 @@
 #include "meshing/solid.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/base/index.hpp"
+#include "pamr/geometry/box.hpp"
 #include "pamr/geometry/cad/cad_surface.hpp"
 #include "pamr/geometry/surface.hpp"
 #include "pamr/geometry/triangulated/triangle_tree.hpp"
@@ -60,15 +61,12 @@ void require_some_within_bounds(const Solid& solid, const SurfaceSamples& sample
       for (int k = 0; k < n; ++k)
         if (solid.contains(solid.low + Vec3{size.x * (i + 0.5) / n, size.y * (j + 0.5) / n, size.z * (k + 0.5) / n}))
           return;
-  const auto is_in_box = [&](Vec3 p) {
-    return p.x >= solid.low.x && p.y >= solid.low.y && p.z >= solid.low.z && p.x <= solid.high.x &&
-           p.y <= solid.high.y && p.z <= solid.high.z;
-  };
+  const geometry::Box box{solid.low, solid.high};
   for (int s = 0; s < solid.n_surfaces(); ++s)
     for (const Vec3 p : samples[at(s)]) {
       const Vec3 step = 1e-4 * solid.radius() * solid.surface(s).normal(p);
       for (const Vec3 q : {p + step, p - step})
-        if (is_in_box(q) && solid.contains(q)) return;
+        if (box.contains(q) && solid.contains(q)) return;
     }
   throw Error(fmt::format("{}: expected bounds around a part of the region, found none of it in them", where));
 }

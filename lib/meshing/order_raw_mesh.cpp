@@ -2,27 +2,19 @@
 #include "meshing/order_raw_mesh.hpp"
 
 #include <algorithm>
-#include <limits>
 #include <utility>
 #include <vector>
 
 #include "pamr/base/sorted_order.hpp"
+#include "pamr/geometry/box.hpp"
 #include "pamr/order/hilbert.hpp"
 
 namespace pamr::meshing {
 namespace {
 
-using geometry::Vec3;
-
 /// Old cells along the curve.
 std::vector<std::uint32_t> along_curve(const RawMesh& mesh) {
-  constexpr double infinity = std::numeric_limits<double>::infinity();
-  Vec3 low{infinity, infinity, infinity}, high = -low;
-  for (const auto& p : mesh.point) {
-    low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
-    high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
-  }
-  const order::CurveGrid grid(low, high);
+  const order::CurveGrid grid(geometry::box_of(mesh.point));
   std::vector<std::uint64_t> key;
   for (std::size_t c = 0; c < mesh.cell.size(); ++c) {
     const auto p = mesh.points(c);

@@ -12,15 +12,6 @@ using geometry::Vec3;
 
 constexpr int leaf = 8;  // sources
 
-double distance_to_box(Vec3 p, Vec3 low, Vec3 high) {
-  double square = 0;
-  for (std::size_t k = 0; k < 3; ++k) {
-    const double off = std::max({low[k] - p[k], p[k] - high[k], 0.0});
-    square += off * off;
-  }
-  return std::sqrt(square);
-}
-
 /// The larger of the absolute principal curvatures; negative where the surface has none (a pole).
 double curvature(const geometry::SurfaceJet& s) {
   const Vec3 normal = cross(s.u, s.v);
@@ -41,20 +32,18 @@ SizeSources::SizeSources(std::vector<Source> sources, double growth) : source_(s
 
 int SizeSources::build(int begin, int end) {
   const auto first = source_.begin() + begin, last = source_.begin() + end;
-  Node node{first->point, first->point, first->size, begin, end, -1};
+  Node node{{}, first->size, begin, end, -1};
   for (auto s = first; s != last; ++s) {
     node.least = std::min(node.least, s->size);
-    for (std::size_t k = 0; k < 3; ++k) {
-      node.low[k] = std::min(node.low[k], s->point[k]);
-      node.high[k] = std::max(node.high[k], s->point[k]);
-    }
+    node.box.extend(s->point);
   }
   const auto number = node_.size();
   node_.push_back(node);
   if (end - begin <= leaf) return static_cast<int>(number);
+  const auto size = node.box.size();
   std::size_t widest = 0;
   for (std::size_t k = 1; k < 3; ++k)
-    if (node.high[k] - node.low[k] > node.high[widest] - node.low[widest]) widest = k;
+    if (size[k] > size[widest]) widest = k;
   const int middle = begin + (end - begin) / 2;
   std::nth_element(first, source_.begin() + middle, last,
                    [widest](const Source& a, const Source& b) { return a.point[widest] < b.point[widest]; });
@@ -70,7 +59,7 @@ double SizeSources::grown(double size, double distance) const {
 
 void SizeSources::search(int number, Vec3 point, double& best) const {
   const auto& node = node_[static_cast<std::size_t>(number)];
-  if (grown(node.least, distance_to_box(point, node.low, node.high)) >= best) return;
+  if (grown(node.least, std::sqrt(node.box.squared_distance(point))) >= best) return;
   if (node.right >= 0) {
     search(number + 1, point, best);
     search(node.right, point, best);

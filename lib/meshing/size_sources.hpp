@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "pamr/geometry/box.hpp"
 #include "pamr/geometry/cad/cad_model.hpp"
 #include "pamr/geometry/vec3.hpp"
 
@@ -23,7 +24,7 @@ class SizeSources {
 
  private:
   struct Node {
-    geometry::Vec3 low, high;
+    geometry::Box box;
     double least = 0;  ///< size in this part
     int begin = 0, end = 0, right = -1;
   };

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "pamr/base/index.hpp"
+#include "pamr/geometry/box.hpp"
 #include "pamr/geometry/triangulated/check_triangulation.hpp"
 #include "pamr/geometry/triangulated/edge_table.hpp"
 #include "surface_mesh/groups.hpp"
@@ -28,7 +29,7 @@ struct Pieces {
   std::vector<int> piece;  ///< of each triangle
   std::vector<double> area, volume;
   std::vector<char> is_closed;
-  std::vector<Vec3> low, high;
+  std::vector<geometry::Box> box;
 };
 
 Pieces pieces_of(const Triangulation& surface) {
@@ -49,8 +50,7 @@ Pieces pieces_of(const Triangulation& surface) {
       result.area.push_back(0);
       result.volume.push_back(0);
       result.is_closed.push_back(1);
-      result.low.push_back(p[0]);
-      result.high.push_back(p[0]);
+      result.box.emplace_back();
     }
     result.piece.push_back(piece);
     const auto i = at(piece);
@@ -58,11 +58,7 @@ Pieces pieces_of(const Triangulation& surface) {
     result.area[i] += 0.5 * norm(twice);
     result.volume[i] += dot(p[0] - surface.points.front(), twice) / 6;
     if (has_open_edge[t] != 0) result.is_closed[i] = 0;
-    for (const Vec3 x : p)
-      for (std::size_t d = 0; d < 3; ++d) {
-        result.low[i][d] = std::min(result.low[i][d], x[d]);
-        result.high[i][d] = std::max(result.high[i][d], x[d]);
-      }
+    result.box[i].merge(geometry::box_of(p));
   }
   return result;
 }
@@ -73,10 +69,6 @@ double solid_angle(const std::array<Vec3, 3>& p, Vec3 from) {
   const Vec3 a = p[0] - from, b = p[1] - from, c = p[2] - from;
   const double la = norm(a), lb = norm(b), lc = norm(c);
   return 2 * std::atan2(dot(a, cross(b, c)), la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb);
-}
-
-bool is_in_box(Vec3 p, Vec3 low, Vec3 high) {
-  return p.x >= low.x && p.y >= low.y && p.z >= low.z && p.x <= high.x && p.y <= high.y && p.z <= high.z;
 }
 
 /// In how many other closed pieces each piece lies.
@@ -91,7 +83,7 @@ std::vector<int> depths_of(const Triangulation& surface, const Pieces& pieces) {
     const auto p = corners_of(surface, triangles[i].front());
     const Vec3 seen_from = (1.0 / 3) * (p[0] + p[1] + p[2]);
     for (std::size_t j = 0; j < n; ++j) {
-      if (j == i || pieces.is_closed[j] == 0 || !is_in_box(seen_from, pieces.low[j], pieces.high[j])) continue;
+      if (j == i || pieces.is_closed[j] == 0 || !pieces.box[j].contains(seen_from)) continue;
       double angle = 0;
       for (const auto t : triangles[j]) angle += solid_angle(corners_of(surface, t), seen_from);
       if (std::abs(angle) > 2 * std::numbers::pi) ++depth[i];

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "pamr/base/index.hpp"
+#include "pamr/geometry/box.hpp"
 #include "pamr/geometry/triangulated/self_intersection.hpp"
 #include "surface_mesh/collapse_guard.hpp"
 #include "surface_mesh/half_edges.hpp"
@@ -32,14 +33,10 @@ struct Frame {
 };
 
 Frame frame_of(const Triangulation& surface) {
-  Vec3 low = surface.points.front(), high = low;
+  geometry::Box box{surface.points.front(), surface.points.front()};
   for (const auto& corner : surface.triangles)
-    for (const int n : corner) {
-      const Vec3 p = surface.points[at(n)];
-      low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
-      high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
-    }
-  return {low, norm(high - low)};
+    for (const int n : corner) box.extend(surface.points[at(n)]);
+  return {box.low, box.diagonal()};
 }
 
 struct Collapsed {

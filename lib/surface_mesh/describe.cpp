@@ -11,6 +11,7 @@
 #include <numeric>
 
 #include "pamr/base/index.hpp"
+#include "pamr/geometry/box.hpp"
 #include "pamr/geometry/parameters.hpp"
 #include "pamr/geometry/triangulated/crease.hpp"
 #include "pamr/geometry/triangulated/edge_table.hpp"
@@ -63,8 +64,7 @@ class Describer {
     for (const auto& corner : surface_.triangles)
       for (const int n : corner) is_used[at(n)] = 1;
     std::vector<int> order;
-    constexpr double infinity = std::numeric_limits<double>::infinity();
-    Vec3 low{infinity, infinity, infinity}, high = -low;
+    geometry::Box box;
     for (int n = 0; n < std::ssize(surface_.points); ++n) {
       const Vec3 p = point(n);
       if (is_used[at(n)] == 0) {
@@ -72,12 +72,10 @@ class Describer {
         continue;
       }
       order.push_back(n);
-      low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
-      high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+      box.extend(p);
     }
     if (order.empty()) return;
-    result_.low = low;
-    result_.high = high;
+    result_.box = box;
     std::sort(order.begin(), order.end(), [&](int a, int b) {
       return point(a) == point(b) ? a < b : geometry::lexicographically_less(point(a), point(b));
     });
@@ -92,7 +90,7 @@ class Describer {
 
   void look_at_triangles() {
     double min_angle = std::numbers::pi;
-    const Vec3 origin = 0.5 * (result_.low + result_.high);  // near the body: sums lose less
+    const Vec3 origin = result_.box.center();  // near the body: sums lose less
     for (std::size_t t = 0; t < surface_.triangles.size(); ++t) {
       const auto p = corners(t);
       const Vec3 twice = cross(p[1] - p[0], p[2] - p[0]);
@@ -209,29 +207,23 @@ class Describer {
     };
     Groups together(used.size());
     for (const auto& [a, b] : ends) together.join(index(a), index(b));
-    struct Box {
-      Vec3 low, high;
-    };
     std::vector<int> loop_of(used.size(), -1);
-    std::vector<Box> boxes;
+    std::vector<geometry::Box> boxes;
     for (std::size_t i = 0; i < open.size(); ++i) {
       auto& number = loop_of[at(together.of(index(ends[i][0])))];
       const Vec3 a = point(open[i].low), b = point(open[i].high);
       if (number < 0) {
         number = static_cast<int>(result_.loops.size());
         result_.loops.push_back({0, 0, 0, a});
-        boxes.push_back({a, a});
+        boxes.emplace_back();
       }
       auto& loop = result_.loops[at(number)];
       ++loop.n_edges;
       loop.length += norm(b - a);
-      auto& [low, high] = boxes[at(number)];
-      for (const Vec3 p : {a, b})
-        for (std::size_t d = 0; d < 3; ++d) {
-          low[d] = std::min(low[d], p[d]);
-          high[d] = std::max(high[d], p[d]);
-        }
-      loop.size = norm(high - low);
+      auto& box = boxes[at(number)];
+      box.extend(a);
+      box.extend(b);
+      loop.size = box.diagonal();
     }
     std::stable_sort(result_.loops.begin(), result_.loops.end(),
                      [](const Loop& a, const Loop& b) { return a.size > b.size; });
@@ -240,7 +232,7 @@ class Describer {
 
   void list_shells(const Triangulation& whole, const std::vector<geometry::Side>& open, Groups& shells) {
     std::vector<int> number(whole.triangles.size(), -1);
-    const Vec3 origin = 0.5 * (result_.low + result_.high);
+    const Vec3 origin = result_.box.center();
     for (int t = 0; t < std::ssize(whole.triangles); ++t) {
       auto& shell_number = number[at(shells.of(t))];
       const auto& [a, b, c] = whole.triangles[at(t)];

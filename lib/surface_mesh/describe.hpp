@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "pamr/base/exact.hpp"
+#include "pamr/geometry/box.hpp"
 #include "pamr/geometry/triangulated/triangulation.hpp"
 
 namespace pamr::surface_mesh {
@@ -44,7 +45,7 @@ struct Deviation {
 /// What there is to say about triangles that may be a surface or not.
 struct Description {
   std::int64_t n_points = 0, n_triangles = 0;
-  geometry::Vec3 low, high;  ///< of the box around the points that are used
+  geometry::Box box{{}, {}};  ///< around the points that are used
   double area = 0;
   double volume = 0;  ///< signed, by the divergence theorem: the body's if the surface is closed
 

@@ -29,7 +29,7 @@ json to_json(const Found& found) {
 json to_json(const Description& d) {
   json result{{"points", d.n_points},
               {"triangles", d.n_triangles},
-              {"box", {{"low", to_json(d.low)}, {"high", to_json(d.high)}}},
+              {"box", {{"low", to_json(d.box.low)}, {"high", to_json(d.box.high)}}},
               {"area", d.area},
               {"volume", d.volume},
               {"closed", d.is_closed()},
@@ -112,8 +112,8 @@ std::vector<std::string> lines_of(const Description& d) {
   std::vector<std::string> lines{
       fmt::format("{} triangles, {} points, {} shells ({} closed)", d.n_triangles, d.n_points, d.shells.size(),
                   n_closed),
-      fmt::format("box {} to {}, area {:.10g}, volume {:.10g}", geometry::decimal(d.low), geometry::decimal(d.high),
-                  d.area, d.volume),
+      fmt::format("box {} to {}, area {:.10g}, volume {:.10g}", geometry::decimal(d.box.low),
+                  geometry::decimal(d.box.high), d.area, d.volume),
       fmt::format("edges {:.4g} to {:.4g} (mean {:.4g}), smallest angle {:.3g} degrees at {}, {} sharp edges",
                   d.min_edge, d.max_edge, d.mean_edge, d.min_angle, geometry::decimal(d.min_angle_where),
                   d.sharp_edges),

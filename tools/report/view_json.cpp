@@ -99,7 +99,7 @@ json view_json(const check::MeshView& view, std::size_t limit) {
               {"n_nodes", view.nodes.number.size()},
               {"n_cells", view.cells.number.size()},
               {"n_faces", view.faces.cell.size()},
-              {"box", {view.box.low, view.box.high}},
+              {"box", {coordinates(view.box.low), coordinates(view.box.high)}},
               {"all_cells", view.has_all_cells},
               {"window", view.window},
               {"merged", view.nodes_are_merged},

@@ -10,6 +10,7 @@
 #include <numeric>
 #include <vector>
 
+#include "pamr/geometry/box.hpp"
 #include "pamr/geometry/parameters.hpp"
 #include "pamr/geometry/shape_starts.hpp"
 #include "pamr/geometry/surface_toml.hpp"
@@ -271,21 +272,6 @@ FittedShape shortened(const FittedShape& exact, std::span<const Vec3> point, dou
   return shape;
 }
 
-struct Box {
-  Vec3 center;
-  double size = 0;  ///< diagonal
-};
-
-Box box_of(std::span<const Vec3> point) {
-  Vec3 low = point.front(), high = low;
-  for (const auto& p : point)
-    for (std::size_t k = 0; k < 3; ++k) {
-      low[k] = std::min(low[k], p[k]);
-      high[k] = std::max(high[k], p[k]);
-    }
-  return {midpoint(low, high), norm(high - low)};
-}
-
 }  // namespace
 
 std::string_view name_of(ShapeKind kind) {
@@ -310,7 +296,9 @@ double FittedShape::curvature(Vec3 point) const {
 std::optional<ShapeFit> fit_shape(ShapeKind kind, std::span<const Vec3> point, std::span<const Vec3> normal) {
   constexpr double near = 1e-6, curved = 1e-4, times_flatter = 1e3;
   if (point.size() < 3 * static_cast<std::size_t>(n_unknowns(kind))) return {};
-  const auto [center, size] = box_of(point);
+  const auto box = box_of(point);
+  const Vec3 center = box.center();
+  const double size = box.diagonal();
   if (!(size > 0) || !std::isfinite(size)) return {};
   std::vector<Vec3> local;
   for (const auto& p : point) local.push_back((1 / size) * (p - center));

@@ -10,10 +10,12 @@
 #include "meshing/read_mesh_case.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/base/name_pattern.hpp"
+#include "pamr/geometry/box.hpp"
 #include "pamr/geometry/surface.hpp"
 #include "pamr/geometry/surface_toml.hpp"
 #include "pamr/geometry/triangulated/read_triangulation.hpp"
 #include "pamr/geometry/triangulated/triangulated_surface.hpp"
+#include "pamr/mesh/box_of_nodes.hpp"
 #include "pamr/mesh/find_patches.hpp"
 #include "pamr/mesh/tet.hpp"
 #include "pamr/par/exchange.hpp"
@@ -22,27 +24,6 @@
 namespace pamr::meshing {
 
 namespace {
-
-struct Box {
-  geometry::Vec3 low{1e300, 1e300, 1e300}, high{-1e300, -1e300, -1e300};
-
-  void add(const geometry::Vec3& p) {
-    low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
-    high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
-  }
-  double diagonal() const { return geometry::norm(high - low); }
-  /// Of all ranks. Collective.
-  Box over(const par::Comm& comm) const {
-    return {{comm.min(low.x), comm.min(low.y), comm.min(low.z)},
-            {comm.max(high.x), comm.max(high.y), comm.max(high.z)}};
-  }
-};
-
-double size_of(const par::Comm& comm, const mesh::DistMesh& mesh) {
-  Box box;
-  for (const auto p : mesh.node_position) box.add(p);
-  return box.over(comm).diagonal();
-}
 
 /// The surfaces that the patches are to lie on: index of the surface by patch, -1 where nothing is asked for.
 std::vector<int> assigned_surfaces(const mesh::MeshInfo& info, const geometry::SurfaceSet& surfaces,
@@ -205,11 +186,11 @@ std::string hint_at_units(const par::Comm& comm, const mesh::DistMesh& mesh, con
   const auto surface = std::find_if(triangulations.begin(), triangulations.end(),
                                     [&](const auto& data) { return data->name == found.surface; });
   if (surface == triangulations.end()) return {};
-  Box of_surface, of_patch;
-  for (const auto& p : (*surface)->points) of_surface.add(p);
+  geometry::Box of_patch;
   for (const auto node : nodes_of(mesh, mesh::find_patches(mesh.info.patches, found.patch).front()))
-    of_patch.add(mesh.point(node));
-  const double ratio = of_surface.diagonal() / of_patch.over(comm).diagonal();
+    of_patch.extend(mesh.point(node));
+  const double ratio =
+      geometry::box_of((*surface)->points).diagonal() / mesh::box_over_ranks(comm, of_patch).diagonal();
   if (ratio > 0.1 && ratio < 10) return {};
   return fmt::format("; the surface is about {:.3g} times {} than the patch: other units?",
                      ratio < 1 ? 1 / ratio : ratio, ratio < 1 ? "smaller" : "larger");
@@ -227,7 +208,7 @@ std::vector<Association> associate_surfaces(const par::Comm& comm, mesh::DistMes
     assigned = assigned_surfaces(mesh.info, asked_for, pairs);
     put_surfaces(asked_for, assigned, mesh.info);
   });
-  const double size = size_of(comm, mesh);
+  const double size = mesh::box_of_nodes(comm, mesh).diagonal();
   std::vector<double> off(mesh.node_position.size(), 0.0);
   std::vector<Association> result;
   for (std::size_t p = 0; p < assigned.size(); ++p)

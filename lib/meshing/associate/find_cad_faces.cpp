@@ -12,6 +12,7 @@
 
 #include "pamr/base/error.hpp"
 #include "pamr/base/index.hpp"
+#include "pamr/mesh/box_of_nodes.hpp"
 #include "pamr/mesh/tet.hpp"
 
 namespace pamr::meshing {
@@ -31,21 +32,6 @@ struct BoundaryFace {
   int patch = 0;
   int face = -1;  ///< of the shape, -1: none
 };
-
-double box_diagonal(const par::Comm& comm, const mesh::DistMesh& mesh) {
-  constexpr double far = 1e300;
-  Vec3 low{far, far, far}, high{-far, -far, -far};
-  for (const auto p : mesh.node_position)
-    for (std::size_t k = 0; k < 3; ++k) {
-      low[k] = std::min(low[k], p[k]);
-      high[k] = std::max(high[k], p[k]);
-    }
-  for (std::size_t k = 0; k < 3; ++k) {
-    low[k] = comm.min(low[k]);
-    high[k] = comm.max(high[k]);
-  }
-  return norm(high - low);
-}
 
 /// Finds the face under boundary faces; remembers what is near the nodes.
 class FaceFinder {
@@ -179,7 +165,7 @@ std::string hint_at_unit(double of_mesh, double of_shape, const std::string& uni
 
 CadFaces find_cad_faces(const par::Comm& comm, mesh::DistMesh& mesh, const CadModel& model,
                         const geometry::CadSource& source, const CadSearch& search) {
-  const double size = box_diagonal(comm, mesh);
+  const double size = mesh::box_of_nodes(comm, mesh).diagonal();
   const double tolerance =
       search.tolerance < 0 ? std::max(usual_tolerance * size, model.largest_tolerance()) : search.tolerance;
   const auto is_named = [&](const std::string& patch) {

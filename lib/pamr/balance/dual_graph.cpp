@@ -5,6 +5,7 @@
 
 #include "pamr/base/contract.hpp"
 #include "pamr/base/index.hpp"
+#include "pamr/geometry/box.hpp"
 #include "pamr/order/hilbert.hpp"
 
 namespace pamr::balance {
@@ -73,13 +74,7 @@ Groups group_families(const mesh::DistMesh& mesh) {
 Groups group_by_weight(const mesh::DistMesh& mesh, std::span<const std::int64_t> cell_weight,
                        std::int64_t weight_of_group) {
   PAMR_EXPECTS(cell_weight.size() == at(mesh.n_cells()));
-  geometry::Vec3 low{}, high{};
-  if (mesh.n_nodes() > 0) low = high = mesh.node_position.front();
-  for (const auto& p : mesh.node_position) {
-    low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
-    high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
-  }
-  const order::CurveGrid grid(low, high);
+  const order::CurveGrid grid(geometry::box_of(mesh.node_position));
   std::vector<std::uint32_t> bucket;
   std::vector<LocalId> first;
   bucket.reserve(at(mesh.n_cells()));

@@ -11,6 +11,7 @@
 
 #include "pamr/base/error.hpp"
 #include "pamr/base/hash.hpp"
+#include "pamr/mesh/box_of_nodes.hpp"
 #include "pamr/mesh/plane_fit.hpp"
 #include "pamr/mesh/tet.hpp"
 #include "pamr/mesh/undescribed_patches.hpp"
@@ -124,20 +125,8 @@ void measure_undescribed(const par::Comm& comm, const mesh::DistMesh& mesh,
 }  // namespace
 
 double bounding_box_diagonal(const par::Comm& comm, const mesh::DistMesh& mesh) {
-  std::array<double, 3> low{infinity, infinity, infinity}, high{-infinity, -infinity, -infinity};
-  for (const auto& p : mesh.node_position) {
-    const std::array<double, 3> x{p.x, p.y, p.z};
-    for (std::size_t d = 0; d < 3; ++d) {
-      low[d] = std::min(low[d], x[d]);
-      high[d] = std::max(high[d], x[d]);
-    }
-  }
-  for (std::size_t d = 0; d < 3; ++d) {
-    low[d] = comm.min(low[d]);
-    high[d] = comm.max(high[d]);
-  }
-  if (high[0] < low[0]) return 0;
-  return geometry::norm({high[0] - low[0], high[1] - low[1], high[2] - low[2]});
+  const auto box = mesh::box_of_nodes(comm, mesh);
+  return box.is_empty() ? 0 : box.diagonal();
 }
 
 std::vector<PatchReport> measure_patches(const par::Comm& comm, const mesh::DistMesh& mesh, double tolerance) {

@@ -31,7 +31,7 @@ struct PatchReport {
   double worst_off_facets = 0;
 };
 
-/// Length of the diagonal of the box round all nodes; 0 for a mesh without nodes. Collective: six reductions.
+/// Length of the diagonal of the box round all nodes; 0 for a mesh without nodes. Collective: one reduction.
 double bounding_box_diagonal(const par::Comm& comm, const mesh::DistMesh& mesh);
 
 /// Measures every patch, in the order of the mesh's patches. `tolerance` (length unit) is the distance beyond which a

@@ -11,6 +11,8 @@
 #include <utility>
 
 #include "pamr/base/hash.hpp"
+#include "pamr/geometry/box.hpp"
+#include "pamr/mesh/box_of_nodes.hpp"
 #include "pamr/par/mailbox.hpp"
 
 namespace pamr::check {
@@ -116,22 +118,12 @@ struct Grid {
 };
 
 Grid make_grid(const par::Comm& comm, const NodeList& a, const NodeList& b, double tolerance) {
-  constexpr double infinity = std::numeric_limits<double>::infinity();
-  std::array<double, 3> low{infinity, infinity, infinity}, high{-infinity, -infinity, -infinity};
-  for (const auto* nodes : {&a, &b})
-    for (const auto p : nodes->position) {
-      const std::array<double, 3> x{p.x, p.y, p.z};
-      for (std::size_t d = 0; d < 3; ++d) {
-        low[d] = std::min(low[d], x[d]);
-        high[d] = std::max(high[d], x[d]);
-      }
-    }
-  double extent = 0;
-  for (std::size_t d = 0; d < 3; ++d) {
-    low[d] = comm.min(low[d]);
-    extent = std::max(extent, comm.max(high[d]) - low[d]);
-  }
-  return {{low[0], low[1], low[2]}, std::max(64 * tolerance, std::ldexp(extent, -20))};
+  auto box = geometry::box_of(a.position);
+  box.merge(geometry::box_of(b.position));
+  box = mesh::box_over_ranks(comm, box);
+  const auto size = box.size();
+  const double extent = std::max({0.0, size.x, size.y, size.z});
+  return {box.low, std::max(64 * tolerance, std::ldexp(extent, -20))};
 }
 
 }  // namespace

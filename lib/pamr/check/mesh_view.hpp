@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "pamr/check/view_selection.hpp"
+#include "pamr/geometry/box.hpp"
 #include "pamr/geometry/vec3.hpp"
 #include "pamr/mesh/dist_mesh.hpp"
 #include "pamr/par/comm.hpp"
@@ -41,7 +42,7 @@ struct ViewFaces {
 
 /// What a picture of a mesh is drawn from: the boundary, and cells for sections.
 struct MeshView {
-  ViewBox box;
+  geometry::Box box;
   ViewNodes nodes;
   ViewCells cells;
   ViewFaces faces;

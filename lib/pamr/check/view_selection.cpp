@@ -9,8 +9,10 @@
 
 #include "pamr/base/index.hpp"
 #include "pamr/check/extract.hpp"
+#include "pamr/geometry/box.hpp"
 #include "pamr/geometry/surface.hpp"
 #include "pamr/geometry/tet_shape.hpp"
+#include "pamr/mesh/box_of_nodes.hpp"
 #include "pamr/mesh/tet.hpp"
 #include "pamr/par/gather_few.hpp"
 
@@ -43,15 +45,12 @@ bool keeps_its_corners(const mesh::DistMesh& mesh, const NodeNames& names, const
 }
 
 /// Whether a cell touches one of the planes through the middle of the box, inside of the window around it.
-bool is_at_planes(const geometry::TetPoints& points, const ViewBox& box, double window) {
+bool is_at_planes(const geometry::TetPoints& points, const geometry::Box& box, double window) {
+  const auto of_cell = geometry::box_of(points);
   bool is_inside = true, touches = false;
   for (std::size_t d = 0; d < 3; ++d) {
     const double middle = 0.5 * (box.low[d] + box.high[d]), side = box.high[d] - box.low[d];
-    double low = std::numeric_limits<double>::infinity(), high = -low;
-    for (const auto& point : points) {
-      low = std::min(low, coordinates(point)[d]);
-      high = std::max(high, coordinates(point)[d]);
-    }
+    const double low = of_cell.low[d], high = of_cell.high[d];
     touches = touches || (low <= middle + near_plane * side && high >= middle - near_plane * side);
     is_inside = is_inside && low <= middle + 0.5 * window * side && high >= middle - 0.5 * window * side;
   }
@@ -60,23 +59,12 @@ bool is_at_planes(const geometry::TetPoints& points, const ViewBox& box, double 
 
 }  // namespace
 
-ViewBox view_box(const par::Comm& comm, const mesh::DistMesh& mesh) {
-  constexpr double infinity = std::numeric_limits<double>::infinity();
-  ViewBox box{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
-  for (const auto& position : mesh.node_position) {
-    if (!geometry::is_finite(position)) continue;
-    const auto x = coordinates(position);
-    for (std::size_t d = 0; d < 3; ++d) {
-      box.low[d] = std::min(box.low[d], x[d]);
-      box.high[d] = std::max(box.high[d], x[d]);
-    }
-  }
-  for (std::size_t d = 0; d < 3; ++d) {
-    box.low[d] = comm.min(box.low[d]);
-    box.high[d] = comm.max(box.high[d]);
-    if (box.high[d] < box.low[d]) box.low[d] = box.high[d] = 0;
-  }
-  return box;
+geometry::Box view_box(const par::Comm& comm, const mesh::DistMesh& mesh) {
+  geometry::Box box;
+  for (const auto p : mesh.node_position)
+    if (geometry::is_finite(p)) box.extend(p);
+  box = mesh::box_over_ranks(comm, box);
+  return box.is_empty() ? geometry::Box{{0, 0, 0}, {0, 0, 0}} : box;
 }
 
 std::vector<BoundaryFace> boundary_faces(const mesh::DistMesh& mesh) {
@@ -102,8 +90,8 @@ GlobalId NodeNames::name(const mesh::DistMesh& mesh, Exact<LocalId> node) const 
   return -1 - key;
 }
 
-NodeNames merge_nodes(const par::Comm& comm, const mesh::DistMesh& mesh, const ViewBox& box, Exact<std::int64_t> limit,
-                      std::vector<BoundaryFace>& faces) {
+NodeNames merge_nodes(const par::Comm& comm, const mesh::DistMesh& mesh, const geometry::Box& box,
+                      Exact<std::int64_t> limit, std::vector<BoundaryFace>& faces) {
   NodeNames names(box);
   if (comm.sum(std::ssize(faces)) <= limit) return names;
   for (int boxes = finest_grid; boxes >= 1; boxes = boxes * 4 / 5) {
@@ -133,7 +121,7 @@ std::vector<WorstCell> find_worst_cells(const par::Comm& comm, const mesh::DistM
   return all;
 }
 
-CellSelection select_cells(const par::Comm& comm, const mesh::DistMesh& mesh, const ViewBox& box,
+CellSelection select_cells(const par::Comm& comm, const mesh::DistMesh& mesh, const geometry::Box& box,
                            const std::vector<WorstCell>& worst, const ViewLimits& limits) {
   CellSelection selection;
   selection.is_all = mesh.info.n_global_cells <= limits.all_cells;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "pamr/base/exact.hpp"
+#include "pamr/geometry/box.hpp"
 #include "pamr/geometry/vec3.hpp"
 #include "pamr/mesh/dist_mesh.hpp"
 #include "pamr/par/comm.hpp"
@@ -21,11 +22,8 @@ struct ViewLimits {
   std::int64_t off_surface_nodes = 50;  ///< farthest from their surface
 };
 
-/// Box around all nodes with finite coordinates.
-struct ViewBox {
-  std::array<double, 3> low{}, high{};
-};
-ViewBox view_box(const par::Comm& comm, const mesh::DistMesh& mesh);
+/// Box around all nodes with finite coordinates; without any, the origin. Collective: one reduction.
+geometry::Box view_box(const par::Comm& comm, const mesh::DistMesh& mesh);
 
 /// A boundary face of this rank.
 struct BoundaryFace {
@@ -40,21 +38,21 @@ std::vector<BoundaryFace> boundary_faces(const mesh::DistMesh& mesh);
 /// numbers.
 class NodeNames {
  public:
-  explicit NodeNames(const ViewBox& box, int boxes_a_side = 0) : box_(&box), boxes_(boxes_a_side) {}
+  explicit NodeNames(const geometry::Box& box, int boxes_a_side = 0) : box_(&box), boxes_(boxes_a_side) {}
   GlobalId name(const mesh::DistMesh& mesh, Exact<LocalId> node) const;
   bool are_merged() const { return boxes_ > 0; }
   int boxes_a_side() const { return boxes_; }
 
  private:
-  const ViewBox* box_;
+  const geometry::Box* box_;
   int boxes_;  ///< 0: nothing is merged
 };
 
 /// Removes faces until at most `limit` are left on all ranks: merges nodes in boxes of a grid as fine as may be, and
 /// drops the faces that lose a corner. Returns the names of the nodes of the others. Collective: a reduction for each
 /// grid that is tried, each 0.8 times as fine as the one before.
-NodeNames merge_nodes(const par::Comm& comm, const mesh::DistMesh& mesh, const ViewBox& box, Exact<std::int64_t> limit,
-                      std::vector<BoundaryFace>& faces);
+NodeNames merge_nodes(const par::Comm& comm, const mesh::DistMesh& mesh, const geometry::Box& box,
+                      Exact<std::int64_t> limit, std::vector<BoundaryFace>& faces);
 
 /// One of the cells of lowest mean ratio.
 struct WorstCell {
@@ -73,7 +71,7 @@ struct CellSelection {
 };
 /// All cells of a small mesh; of a large one those that touch a plane through the middle of the box, and those that
 /// share a node with a worst cell. Collective.
-CellSelection select_cells(const par::Comm& comm, const mesh::DistMesh& mesh, const ViewBox& box,
+CellSelection select_cells(const par::Comm& comm, const mesh::DistMesh& mesh, const geometry::Box& box,
                            const std::vector<WorstCell>& worst, const ViewLimits& limits);
 
 /// A node of a patch that is not on the patch's surface.

@@ -5,15 +5,10 @@
 #include <cstdint>
 #include <vector>
 
-#include "pamr/geometry/vec3.hpp"
+#include "pamr/geometry/box.hpp"
 #include "pamr/mesh/dist_mesh.hpp"
 
 namespace pamr::locate {
-
-/// A box along the axes; empty while `low` is above `high`.
-struct CellBox {
-  geometry::Vec3 low, high;
-};
 
 /// Boxes over the cells of this rank in the order of Hilbert's curve: over 8 cells each, over 8 of these boxes each,
 /// and so on up to one over all. 11 bytes a cell. The mesh must outlive it and stay as it is.
@@ -23,7 +18,7 @@ class CellTree {
   explicit CellTree(const mesh::DistMesh& mesh);
 
   /// The box of all cells.
-  CellBox box() const;
+  geometry::Box box() const;
 
   /// The cells whose boxes hold a point, in any order. Cost: O(log(cells)) where cells are of similar shape.
   template <class Visit>
@@ -33,14 +28,10 @@ class CellTree {
 
  private:
   static constexpr std::size_t width = 8;
-  static bool holds(const CellBox& box, geometry::Vec3 p) {
-    return box.low.x <= p.x && p.x <= box.high.x && box.low.y <= p.y && p.y <= box.high.y && box.low.z <= p.z &&
-           p.z <= box.high.z;
-  }
 
   template <class Visit>
   void descend(std::size_t level, std::size_t node, geometry::Vec3 point, Visit& visit) const {
-    if (!holds(levels_[level][node], point)) return;
+    if (!levels_[level][node].contains(point)) return;
     const auto begin = node * width;
     const auto n = level == 0 ? order_.size() : levels_[level - 1].size();
     for (auto i = begin; i < begin + width && i < n; ++i)
@@ -50,8 +41,8 @@ class CellTree {
         descend(level - 1, i, point, visit);
   }
 
-  std::vector<std::uint32_t> order_;          ///< cells along the curve
-  std::vector<std::vector<CellBox>> levels_;  ///< from the boxes of cells to the one box of all
+  std::vector<std::uint32_t> order_;                ///< cells along the curve
+  std::vector<std::vector<geometry::Box>> levels_;  ///< from the boxes of cells to the one box of all
 };
 
 }  // namespace pamr::locate

@@ -7,6 +7,7 @@
 
 #include "pamr/base/error.hpp"
 #include "pamr/base/index.hpp"
+#include "pamr/geometry/box.hpp"
 #include "pamr/par/mailbox.hpp"
 
 namespace pamr::locate {
@@ -24,19 +25,14 @@ struct Answer {
 };
 
 /// The boxes of the cells of all ranks. Collective.
-std::vector<CellBox> gather_boxes(const par::Comm& comm, const CellBox& own) {
+std::vector<geometry::Box> gather_boxes(const par::Comm& comm, const geometry::Box& own) {
   const std::array<double, 6> values{own.low.x, own.low.y, own.low.z, own.high.x, own.high.y, own.high.z};
   std::array<std::vector<double>, 6> all;
   for (std::size_t i = 0; i < 6; ++i) all[i] = comm.all_gather(values[i]);
-  std::vector<CellBox> boxes(at(comm.size()));
+  std::vector<geometry::Box> boxes(at(comm.size()));
   for (std::size_t r = 0; r < boxes.size(); ++r)
     boxes[r] = {{all[0][r], all[1][r], all[2][r]}, {all[3][r], all[4][r], all[5][r]}};
   return boxes;
-}
-
-bool holds(const CellBox& box, geometry::Vec3 p) {
-  return box.low.x <= p.x && p.x <= box.high.x && box.low.y <= p.y && p.y <= box.high.y && box.low.z <= p.z &&
-         p.z <= box.high.z;
 }
 
 }  // namespace
@@ -61,7 +57,7 @@ PointLocations locate_points(const par::Comm& comm, const mesh::DistMesh& mesh, 
       if (side_of_cell(mesh, own, points[i]) > 0) continue;
     }
     for (Rank r = 0; r < comm.size(); ++r)
-      if (r != comm.rank() && holds(boxes[at(r)], points[i]))
+      if (r != comm.rank() && boxes[at(r)].contains(points[i]))
         questions.add(r, {points[i], static_cast<std::int64_t>(i)});
   }
   const auto asked = questions.send();

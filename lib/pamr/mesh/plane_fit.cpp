@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "pamr/base/index.hpp"
+#include "pamr/geometry/box.hpp"
 #include "pamr/mesh/tet.hpp"
 
 namespace pamr::mesh {
@@ -84,12 +85,8 @@ std::vector<Vec3> largest(const par::Comm& comm, const PatchNodes& nodes, Value&
   return result;
 }
 
-struct Box {
-  std::array<double, 3> low{}, high{};
-};
-
 /// The box of each row; empty ones have infinite bounds. Collective: one reduction.
-std::vector<Box> boxes_of(const par::Comm& comm, const PatchNodes& nodes) {
+std::vector<geometry::Box> boxes_of(const par::Comm& comm, const PatchNodes& nodes) {
   std::vector<double> bound(6 * nodes.patch.size(), -infinity);
   for (std::size_t r = 0; r < nodes.patch.size(); ++r)
     for (const auto& p : nodes.point[r]) {
@@ -99,7 +96,7 @@ std::vector<Box> boxes_of(const par::Comm& comm, const PatchNodes& nodes) {
         bound[6 * r + k] = std::isfinite(x[k]) ? std::max(bound[6 * r + k], x[k]) : infinity;
     }
   bound = max_over_ranks(comm, bound);
-  std::vector<Box> boxes(nodes.patch.size());
+  std::vector<geometry::Box> boxes(nodes.patch.size());
   for (std::size_t r = 0; r < boxes.size(); ++r)
     for (std::size_t d = 0; d < 3; ++d) {
       boxes[r].high[d] = bound[6 * r + d];
@@ -109,18 +106,15 @@ std::vector<Box> boxes_of(const par::Comm& comm, const PatchNodes& nodes) {
 }
 
 /// The plane normal to the axis along which the box is thinnest; through zero if that lies within the box.
-PlaneFit plane_across(const Box& box) {
+PlaneFit plane_across(const geometry::Box& box) {
   std::size_t axis = 0;
   for (std::size_t d = 1; d < 3; ++d)
     if (box.high[d] - box.low[d] < box.high[axis] - box.low[axis]) axis = d;
   const double low = box.low[axis], high = box.high[axis];
   const double middle = low <= 0 && high >= 0 ? 0.0 : low + 0.5 * (high - low);
-  std::array<double, 3> point{}, normal{};
-  point[axis] = middle;
-  normal[axis] = 1;
   PlaneFit fit;
-  fit.point = {point[0], point[1], point[2]};
-  fit.normal = {normal[0], normal[1], normal[2]};
+  fit.point[axis] = middle;
+  fit.normal[axis] = 1;
   fit.distance = std::max(high - middle, middle - low);
   return fit;
 }
@@ -177,8 +171,8 @@ std::vector<PlaneFit> fit_planes(const par::Comm& comm, const DistMesh& mesh, co
   for (std::size_t r = 0; r < boxes.size(); ++r) {
     const auto& [low, high] = boxes[r];
     auto& fit = result[nodes.patch[r]];
-    if (low[0] > high[0]) continue;  // no faces
-    const double size = norm(Vec3{high[0] - low[0], high[1] - low[1], high[2] - low[2]});
+    if (boxes[r].is_empty()) continue;  // no faces
+    const double size = boxes[r].diagonal();
     double coordinate = 0;
     for (std::size_t d = 0; d < 3; ++d) coordinate = std::max({coordinate, std::abs(low[d]), std::abs(high[d])});
     if (!std::isfinite(size)) {

@@ -118,8 +118,8 @@ std::uint64_t hilbert_key(std::array<std::uint32_t, 3> x) {
   return key;
 }
 
-CurveGrid::CurveGrid(geometry::Vec3 low, geometry::Vec3 high) : low_(low) {
-  const auto extent = high - low;
+CurveGrid::CurveGrid(const geometry::Box& box) : low_(box.low) {
+  const auto extent = box.size();
   const double longest = std::max({extent.x, extent.y, extent.z});
   if (longest > 0) scale_ = ((1U << n_bits) - 1) / longest;
 }

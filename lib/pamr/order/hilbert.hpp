@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 
+#include "pamr/geometry/box.hpp"
 #include "pamr/geometry/tet_shape.hpp"
 #include "pamr/geometry/vec3.hpp"
 
@@ -17,7 +18,7 @@ std::uint64_t hilbert_key(std::array<std::uint32_t, 3> grid_point);
 /// The grid laid over a box: cubes as large as its longest side needs, from its low corner on.
 class CurveGrid {
  public:
-  CurveGrid(geometry::Vec3 low, geometry::Vec3 high);
+  explicit CurveGrid(const geometry::Box& box);
 
   /// Place of a point along the curve. Points outside the box and those that are not finite get some place.
   std::uint64_t key(geometry::Vec3 point) const;

@@ -8,6 +8,8 @@
 #include <utility>
 
 #include "pamr/assemble/check_block.hpp"
+#include "pamr/geometry/box.hpp"
+#include "pamr/mesh/box_of_nodes.hpp"
 #include "pamr/order/hilbert.hpp"
 #include "pamr/order/order_here.hpp"
 #include "pamr/order/order_over_ranks.hpp"
@@ -74,21 +76,12 @@ void count_unconnected(const par::Comm& comm, const mesh::BlockMesh& block, Diso
   }
 }
 
-/// Grid over the box of all nodes with finite coordinates. Collective.
+/// Grid over the box of all finite coordinates of the nodes. Collective: one reduction.
 CurveGrid grid_over(const par::Comm& comm, const std::vector<geometry::Vec3>& points) {
-  constexpr double infinity = std::numeric_limits<double>::infinity();
-  geometry::Vec3 low{infinity, infinity, infinity}, high = -low;
-  const auto include = [](double x, double& least, double& greatest) {
-    if (!std::isfinite(x)) return;
-    least = std::min(least, x);
-    greatest = std::max(greatest, x);
-  };
-  for (const auto p : points) {
-    include(p.x, low.x, high.x);
-    include(p.y, low.y, high.y);
-    include(p.z, low.z, high.z);
-  }
-  return {{comm.min(low.x), comm.min(low.y), comm.min(low.z)}, {comm.max(high.x), comm.max(high.y), comm.max(high.z)}};
+  const auto finite = [](double x) { return std::isfinite(x) ? x : std::numeric_limits<double>::quiet_NaN(); };
+  geometry::Box box;
+  for (const auto p : points) box.extend({finite(p.x), finite(p.y), finite(p.z)});
+  return CurveGrid(mesh::box_over_ranks(comm, box));
 }
 
 }  // namespace

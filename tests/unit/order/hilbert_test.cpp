@@ -66,7 +66,7 @@ TEST(HilbertKey, IsSkillingsOnRandomPoints) {
 }
 
 TEST(CurveGrid, SpansTheLongestSideOfTheBox) {
-  const CurveGrid grid({1, 2, 3}, {3, 3, 3.5});
+  const CurveGrid grid({{1, 2, 3}, {3, 3, 3.5}});
 
   EXPECT_EQ(grid.key({1, 2, 3}), 0U);
   EXPECT_EQ(grid.key({3, 2, 3}), (std::uint64_t{1} << 63U) - 1);
@@ -76,12 +76,12 @@ TEST(CurveGrid, SpansTheLongestSideOfTheBox) {
 TEST(CurveGrid, PutsWhatIsNoPointOfTheBoxSomewhere) {
   constexpr double infinity = std::numeric_limits<double>::infinity();
   const auto nan = std::numeric_limits<double>::quiet_NaN();
-  const CurveGrid grid({0, 0, 0}, {1, 1, 1}), empty({infinity, infinity, infinity}, {-infinity, -infinity, -infinity});
+  const CurveGrid grid({{0, 0, 0}, {1, 1, 1}}), empty(geometry::Box{});
 
   EXPECT_EQ(grid.key({nan, nan, nan}), 0U);
   EXPECT_EQ(grid.key({infinity, -1, -infinity}), (std::uint64_t{1} << 63U) - 1);
   EXPECT_EQ(empty.key({0.5, 0.5, 0.5}), 0U);
-  EXPECT_EQ(CurveGrid({1, 1, 1}, {1, 1, 1}).key({1, 1, 1}), 0U);
+  EXPECT_EQ(CurveGrid({{1, 1, 1}, {1, 1, 1}}).key({1, 1, 1}), 0U);
 }
 
 }  // namespace hilbert_test

@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "pamr/geometry/box.hpp"
 #include "pamr/geometry/cad/newton_limits.hpp"
 
 namespace pamr::geometry {
@@ -29,20 +30,15 @@ CadEdge::CadEdge(CadEdgeData data, double sagitta, double size) : data_(std::mov
     from = to;
   }
   for (std::size_t i = 1; i < points_.size(); ++i) length_ += norm(points_[i] - points_[i - 1]);
-  low_ = high_ = points_.front();
-  for (const auto p : points_)
-    for (std::size_t k = 0; k < 3; ++k) {
-      low_[k] = std::min(low_[k], p[k] - box_margin * sagitta);
-      high_[k] = std::max(high_[k], p[k] + box_margin * sagitta);
-    }
+  box_ = box_of(points_);
+  const Vec3 margin = box_margin * sagitta * Vec3{1, 1, 1};
+  box_.low -= margin;
+  box_.high += margin;
 }
 
 void CadEdge::join(std::size_t end, Vec3 corner) {
   (end == 0 ? points_.front() : points_.back()) = corner;
-  for (std::size_t k = 0; k < 3; ++k) {
-    low_[k] = std::min(low_[k], corner[k]);
-    high_[k] = std::max(high_[k], corner[k]);
-  }
+  box_.extend(corner);
 }
 
 Vec3 CadEdge::point(double t) const {
@@ -50,11 +46,7 @@ Vec3 CadEdge::point(double t) const {
   return t == data_.end ? points_.back() : data_.curve->at(t).point;
 }
 
-double CadEdge::distance_at_least(Vec3 point) const {
-  Vec3 off;
-  for (std::size_t k = 0; k < 3; ++k) off[k] = std::max({low_[k] - point[k], point[k] - high_[k], 0.0});
-  return norm(off);
-}
+double CadEdge::distance_at_least(Vec3 point) const { return std::sqrt(box_.squared_distance(point)); }
 
 void CadEdge::add_samples(const Sample& from, const Sample& to, double sagitta, int depth) {
   const auto middle = sample(0.5 * (from.t + to.t));

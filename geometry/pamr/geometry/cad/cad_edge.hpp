@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "pamr/geometry/box.hpp"
 #include "pamr/geometry/cad/cad_data.hpp"
 
 namespace pamr::geometry {
@@ -53,7 +54,7 @@ class CadEdge {
   CadEdgeData data_;
   std::vector<double> samples_;
   std::vector<Vec3> points_;  ///< the first and the last are the ends
-  Vec3 low_, high_;
+  Box box_;
   double length_ = 0, size_ = 0;
 };
 

@@ -8,6 +8,7 @@
 
 #include "pamr/base/error.hpp"
 #include "pamr/base/index.hpp"
+#include "pamr/geometry/box.hpp"
 #include "pamr/geometry/parameters.hpp"
 
 namespace pamr::geometry {
@@ -21,19 +22,12 @@ constexpr double max_gap = 1e-3;       // of the size: edges farther from their 
 
 CadModel::CadModel(CadData data) : unit_of_file_(std::move(data.unit_of_file)), origin_(std::move(data.origin)) {
   if (data.faces.empty()) throw Error("expected a shape with faces, found none");
-  constexpr double far = 1e300;
-  Vec3 low{far, far, far}, high{-far, -far, -far};
+  Box box;
   for (const auto& face : data.faces)
-    for (const auto uv : face.sample) {
-      const Vec3 p = face.surface->point(uv);
-      for (std::size_t k = 0; k < 3; ++k) {
-        low[k] = std::min(low[k], p[k]);
-        high[k] = std::max(high[k], p[k]);
-      }
-    }
-  size_ = norm(high - low);
-  magnitude_ = std::max(largest_coordinate(low), largest_coordinate(high));
-  if (!(size_ > 0 && size_ < far)) throw Error(fmt::format("expected a shape of finite size, found {}", size_));
+    for (const auto uv : face.sample) box.extend(face.surface->point(uv));
+  size_ = box.diagonal();
+  magnitude_ = std::max(largest_coordinate(box.low), largest_coordinate(box.high));
+  if (!(size_ > 0 && size_ < 1e300)) throw Error(fmt::format("expected a shape of finite size, found {}", size_));
   edges_.reserve(data.edges.size());
   for (auto& edge : data.edges) edges_.emplace_back(std::move(edge), edge_sagitta * size_, size_);
   for (const auto& edge : edges_)

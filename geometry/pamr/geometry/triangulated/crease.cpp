@@ -11,6 +11,7 @@
 
 #include "pamr/base/error.hpp"
 #include "pamr/base/index.hpp"
+#include "pamr/geometry/box.hpp"
 #include "pamr/geometry/triangulated/jet.hpp"
 
 namespace pamr::geometry {
@@ -54,12 +55,7 @@ class Finder {
   void mark_given() {
     is_given_.assign(surface_.triangles.size(), {false, false, false});
     if (options_.given.empty()) return;
-    Vec3 low = surface_.points.front(), high = low;
-    for (const Vec3 p : surface_.points) {
-      low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
-      high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
-    }
-    const double near = 1e-6 * norm(high - low);
+    const double near = 1e-6 * box_of(surface_.points).diagonal();
     for (std::size_t line = 0; line < options_.given.size(); ++line)
       for (std::size_t i = 0; i + 1 < options_.given[line].size(); ++i)
         if (!mark_segment(options_.given[line][i], options_.given[line][i + 1], near))

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "pamr/base/index.hpp"
+#include "pamr/geometry/box.hpp"
 
 namespace pamr::geometry {
 
@@ -36,22 +37,10 @@ std::array<double, 2> nearest_parameters(Vec3 ab, Vec3 ac, Vec3 ap) {
   return {vb * scale, vc * scale};
 }
 
-TriangleTree::Box TriangleTree::box_of(std::span<const Item> items) {
-  constexpr double all = std::numeric_limits<double>::infinity();
-  Box box{{all, all, all}, {-all, -all, -all}};
-  for (const auto& item : items)
-    for (const Vec3 p : item.corner) {
-      box.low = {std::min(box.low.x, p.x), std::min(box.low.y, p.y), std::min(box.low.z, p.z)};
-      box.high = {std::max(box.high.x, p.x), std::max(box.high.y, p.y), std::max(box.high.z, p.z)};
-    }
+Box TriangleTree::box_of_items(std::span<const Item> items) {
+  Box box;
+  for (const auto& item : items) box.merge(box_of(item.corner));
   return box;
-}
-
-double TriangleTree::squared_distance(const Box& box, Vec3 p) {
-  const double x = std::max({box.low.x - p.x, 0.0, p.x - box.high.x});
-  const double y = std::max({box.low.y - p.y, 0.0, p.y - box.high.y});
-  const double z = std::max({box.low.z - p.z, 0.0, p.z - box.high.z});
-  return x * x + y * y + z * z;
 }
 
 TriangleTree::TriangleTree(std::span<const std::array<Vec3, 3>> triangles) {
@@ -71,8 +60,7 @@ TriangleTree::TriangleTree(std::span<const std::array<Vec3, 3>> triangles) {
 int TriangleTree::build(std::span<Item> items, std::size_t first) {
   const auto number = static_cast<int>(nodes_.size());
   nodes_.emplace_back();
-  const Box box = box_of(items);
-  const Vec3 size = box.high - box.low;
+  const Vec3 size = box_of_items(items).size();
   const auto key = [&](const Item& item) {
     if (size.x >= size.y && size.x >= size.z) return item.center.x;
     return size.y >= size.z ? item.center.y : item.center.z;
@@ -87,7 +75,7 @@ int TriangleTree::build(std::span<Item> items, std::size_t first) {
     const bool is_leaf = parts[side].size() <= leaf_size;
     const int child = is_leaf ? -1 - static_cast<int>(start) : build(parts[side], start);
     auto& node = nodes_[at(number)];
-    node.box[side] = box_of(parts[side]);
+    node.box[side] = box_of_items(parts[side]);
     node.child[side] = child;
     node.count[side] = is_leaf ? static_cast<int>(parts[side].size()) : 0;
   }
@@ -109,7 +97,7 @@ TriangleTree::Hit TriangleTree::nearest(Vec3 point, double distance_limit) const
     if (next.distance > least) continue;
     if (next.child >= 0) {
       const Node& node = nodes_[at(next.child)];
-      const double d0 = squared_distance(node.box[0], point), d1 = squared_distance(node.box[1], point);
+      const double d0 = node.box[0].squared_distance(point), d1 = node.box[1].squared_distance(point);
       const std::size_t near = d1 < d0 ? 1 : 0;
       const double far_distance = near == 1 ? d0 : d1, near_distance = near == 1 ? d1 : d0;
       if (far_distance <= least) stack[n_waiting++] = {node.child[1 - near], node.count[1 - near], far_distance};

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "pamr/geometry/box.hpp"
 #include "pamr/geometry/vec3.hpp"
 
 namespace pamr::geometry {
@@ -29,9 +30,6 @@ class TriangleTree {
   Hit nearest(Vec3 point, double distance_limit = std::numeric_limits<double>::infinity()) const;
 
  private:
-  struct Box {
-    Vec3 low, high;
-  };
   struct Node {
     std::array<Box, 2> box;      ///< of the two children
     std::array<int, 2> child{};  ///< number of a node, or -1 - first triangle of a leaf
@@ -47,8 +45,7 @@ class TriangleTree {
     int triangle = 0;
   };
   int build(std::span<Item> items, std::size_t first);
-  static Box box_of(std::span<const Item> items);
-  static double squared_distance(const Box& box, Vec3 point);
+  static Box box_of_items(std::span<const Item> items);
 
   std::vector<Node> nodes_;
   std::vector<Entry> entries_;

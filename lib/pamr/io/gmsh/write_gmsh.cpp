@@ -13,8 +13,10 @@
 
 #include "pamr/base/error.hpp"
 #include "pamr/base/index.hpp"
+#include "pamr/geometry/box.hpp"
 #include "pamr/io/rows_in_order.hpp"
 #include "pamr/io/shared_output.hpp"
+#include "pamr/mesh/box_of_nodes.hpp"
 #include "pamr/mesh/tet.hpp"
 
 namespace pamr::io {
@@ -224,13 +226,7 @@ class Writer {
   }
 
   void write_entities() {
-    geometry::Vec3 low{1e300, 1e300, 1e300}, high{-1e300, -1e300, -1e300};
-    for (const auto p : rows_.position) {
-      low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
-      high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
-    }
-    low = {comm_.min(low.x), comm_.min(low.y), comm_.min(low.z)};
-    high = {comm_.max(high.x), comm_.max(high.y), comm_.max(high.z)};
+    const auto [low, high] = mesh::box_over_ranks(comm_, geometry::box_of(rows_.position));
     Record record(binary_);
     if (comm_.is_first()) {
       record.large(0);
@@ -238,9 +234,10 @@ class Writer {
       record.large(static_cast<std::int64_t>(n_triangles_.size()));
       record.large(static_cast<std::int64_t>(elements_.region.all.size()));
       record.end_line();
+      const std::array<double, 6> box{low.x, low.y, low.z, high.x, high.y, high.z};
       const auto entity = [&](std::size_t index, std::int64_t physical) {
         record.small(static_cast<std::int64_t>(index) + 1);
-        for (const double x : {low.x, low.y, low.z, high.x, high.y, high.z}) record.real(x);
+        for (const double x : box) record.real(x);
         record.large(physical == 0 ? 0 : 1);
         if (physical != 0) record.small(physical);
         record.large(0);

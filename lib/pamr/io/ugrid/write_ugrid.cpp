@@ -11,12 +11,14 @@
 
 #include "pamr/base/error.hpp"
 #include "pamr/base/index.hpp"
+#include "pamr/geometry/box.hpp"
 #include "pamr/io/elements/boundary_rows.hpp"
 #include "pamr/io/elements/numbers.hpp"
 #include "pamr/io/rows_in_order.hpp"
 #include "pamr/io/shared_output.hpp"
 #include "pamr/io/ugrid/mapbc.hpp"
 #include "pamr/io/ugrid/ugrid_layout.hpp"
+#include "pamr/mesh/box_of_nodes.hpp"
 #include "pamr/mesh/tet.hpp"
 
 namespace pamr::io {
@@ -25,28 +27,21 @@ namespace {
 
 /// The axis along which a patch has no extent, -1 for none. Collective.
 std::vector<int> flat_axes(const par::Comm& comm, const mesh::DistMesh& mesh) {
-  constexpr double beyond = std::numeric_limits<double>::max();
-  std::vector<std::array<double, 3>> low(mesh.info.patches.size(), {beyond, beyond, beyond}),
-      high(mesh.info.patches.size(), {-beyond, -beyond, -beyond});
+  std::vector<geometry::Box> boxes(mesh.info.patches.size());
   for (LocalId c = 0; c < mesh.n_cells(); ++c)
     for (std::size_t slot = 0; slot < 4; ++slot) {
       const auto neighbor = mesh.cell_to_cell[at(c)][slot];
       if (neighbor >= 0) continue;
-      const auto p = at(mesh::slot_to_patch(neighbor));
-      for (const auto corner : mesh::tet::face_to_corner[slot]) {
-        const auto point = mesh.point(mesh.cell_to_node[at(c)][at(corner)]);
-        const std::array<double, 3> x{point.x, point.y, point.z};
-        for (std::size_t k = 0; k < 3; ++k) {
-          low[p][k] = std::min(low[p][k], x[k]);
-          high[p][k] = std::max(high[p][k], x[k]);
-        }
-      }
+      auto& box = boxes[at(mesh::slot_to_patch(neighbor))];
+      for (const auto corner : mesh::tet::face_to_corner[slot])
+        box.extend(mesh.point(mesh.cell_to_node[at(c)][at(corner)]));
     }
   std::vector<int> axes;
-  for (std::size_t p = 0; p < low.size(); ++p) {
+  for (const auto& here : boxes) {
+    const auto box = mesh::box_over_ranks(comm, here);
     int axis = -1;
     for (std::size_t k = 3; k-- > 0;)
-      if (comm.min(low[p][k]) == comm.max(high[p][k])) axis = static_cast<int>(k);
+      if (box.low[k] == box.high[k]) axis = static_cast<int>(k);
     axes.push_back(axis);
   }
   return axes;

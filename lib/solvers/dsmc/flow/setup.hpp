@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "pamr/geometry/box.hpp"
 #include "pamr/geometry/tet_shape.hpp"
 #include "solvers/dsmc/gas/gas.hpp"
 #include "solvers/dsmc/kernel/boundary.hpp"
@@ -20,7 +21,7 @@ struct Region {
 
   bool holds(Vec3 p) const {
     if (radius > 0) return norm(p - center) <= radius;
-    return p.x >= low.x && p.y >= low.y && p.z >= low.z && p.x <= high.x && p.y <= high.y && p.z <= high.z;
+    return geometry::Box{low, high}.contains(p);
   }
 };
 

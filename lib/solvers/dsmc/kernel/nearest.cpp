@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "pamr/geometry/box.hpp"
+
 namespace pamr::dsmc {
 
 namespace {
@@ -34,27 +36,20 @@ void NearestInCell::start(const Particles& particles, std::uint32_t begin, std::
 
 /// False when all particles are in one place.
 bool NearestInCell::make_grid() {
-  constexpr double infinity = std::numeric_limits<double>::infinity();
-  std::array<double, 3> high{-infinity, -infinity, -infinity};
-  low_ = {infinity, infinity, infinity};
-  for (std::uint32_t k = 0; k < n_; ++k) {
-    const auto p = particles_->position(begin_ + k);
-    const std::array<double, 3> x{p.x, p.y, p.z};
-    for (std::size_t d = 0; d < 3; ++d) {
-      low_[d] = std::min(low_[d], x[d]);
-      high[d] = std::max(high[d], x[d]);
-    }
-  }
+  geometry::Box around;
+  for (std::uint32_t k = 0; k < n_; ++k) around.extend(particles_->position(begin_ + k));
+  low_ = {around.low.x, around.low.y, around.low.z};
+  const auto size = around.size();
   double volume = 1, longest = 0;
   for (std::size_t d = 0; d < 3; ++d) {
-    volume *= high[d] - low_[d];
-    longest = std::max(longest, high[d] - low_[d]);
+    volume *= size[d];
+    longest = std::max(longest, size[d]);
   }
   side_ = std::max(std::cbrt(volume / n_), longest / max_boxes);
   if (!(side_ > 0)) return false;
   std::size_t n_boxes = 1;
   for (std::size_t d = 0; d < 3; ++d) {
-    boxes_[d] = std::max(1, static_cast<int>(std::ceil((high[d] - low_[d]) / side_)));
+    boxes_[d] = std::max(1, static_cast<int>(std::ceil(size[d] / side_)));
     n_boxes *= static_cast<std::size_t>(boxes_[d]);
   }
   first_.assign(n_boxes + 1, 0);

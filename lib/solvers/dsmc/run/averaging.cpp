@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "pamr/base/error.hpp"
+#include "pamr/mesh/box_of_nodes.hpp"
 #include "solvers/dsmc/gas/kinetic_theory.hpp"
 
 namespace pamr::dsmc {
@@ -22,27 +23,12 @@ constexpr double max_steps = 1e15;  ///< that are worth counting: no computer do
 
 /// Steps in which the free stream passes the domain, on average over the volume where time steps vary.
 double flow_through_steps(const Flow& flow, const mesh::DistMesh& mesh) {
-  const auto& comm = flow.comm();
   const auto& setup = flow.setup();
-  double low[3], high[3];
-  for (std::size_t k = 0; k < 3; ++k) {
-    low[k] = 1e300;
-    high[k] = -1e300;
-  }
-  for (const auto& p : mesh.node_position) {
-    const double x[3] = {p.x, p.y, p.z};
-    for (std::size_t k = 0; k < 3; ++k) {
-      low[k] = std::min(low[k], x[k]);
-      high[k] = std::max(high[k], x[k]);
-    }
-  }
-  double extent[3];
-  for (std::size_t k = 0; k < 3; ++k) extent[k] = setup.unit * (comm.max(high[k]) - comm.min(low[k]));
+  const auto extent = setup.unit * mesh::box_of_nodes(flow.comm(), mesh).size();
   const auto& free = setup.stream.front();
   const double c = most_probable_speed(free.temperature, setup.gas.mean_mass());
-  const double v[3] = {free.velocity.x, free.velocity.y, free.velocity.z};
   double time = 1e300;
-  for (std::size_t k = 0; k < 3; ++k) time = std::min(time, extent[k] / std::max(std::fabs(v[k]), 0.5 * c));
+  for (std::size_t k = 0; k < 3; ++k) time = std::min(time, extent[k] / std::max(std::fabs(free.velocity[k]), 0.5 * c));
   return std::clamp(time / setup.dt * setup.mean_dt_ratio, 1.0, max_steps);
 }
 

@@ -12,11 +12,12 @@
 
 #include "pamr/base/error.hpp"
 #include "pamr/base/index.hpp"
+#include "pamr/mesh/box_of_nodes.hpp"
 #include "pamr/mesh/find_patches.hpp"
 #include "pamr/mesh/require_field.hpp"
 #include "pamr/par/reproducible_sum.hpp"
-#include "solvers/dsmc/gas/kinetic_theory.hpp"
 #include "solvers/dsmc/run/gas_tables.hpp"
+#include "solvers/dsmc/gas/kinetic_theory.hpp"
 #include "solvers/dsmc/sampling/loads.hpp"
 
 namespace pamr::dsmc {
@@ -144,17 +145,9 @@ std::vector<double> time_steps(const Case& c, const mesh::DistMesh& mesh, double
 
 /// The box around the mesh, in meters, for a message. Collective.
 std::string box_of(const par::Comm& comm, const mesh::DistMesh& mesh, double unit) {
-  constexpr double far = std::numeric_limits<double>::infinity();
-  std::array<double, 3> low{far, far, far}, high{-far, -far, -far};
-  for (const auto& p : mesh.node_position)
-    for (std::size_t k = 0; k < low.size(); ++k) {
-      const double x = k == 0 ? p.x : k == 1 ? p.y : p.z;
-      low[k] = std::min(low[k], unit * x);
-      high[k] = std::max(high[k], unit * x);
-    }
-  for (auto& x : low) x = comm.min(x);
-  for (auto& x : high) x = comm.max(x);
-  return fmt::format("[{:g}, {:g}, {:g}, {:g}, {:g}, {:g}]", low[0], low[1], low[2], high[0], high[1], high[2]);
+  const auto box = mesh::box_of_nodes(comm, mesh);
+  const auto low = unit * box.low, high = unit * box.high;
+  return fmt::format("[{:g}, {:g}, {:g}, {:g}, {:g}, {:g}]", low.x, low.y, low.z, high.x, high.y, high.z);
 }
 
 }  // namespace
