@@ -64,16 +64,15 @@ void for_each_face(const mesh::DistMesh& mesh, bool in_boundary, Visit&& visit) 
 
 /// The walls that each node lies on, as bits (walls beyond 64 share bits: this is a first filter). Collective.
 std::vector<std::uint64_t> walls_of_nodes(const par::Comm& comm, const mesh::DistMesh& mesh, const Walls& walls) {
-  std::vector<std::uint64_t> bits(at(mesh.n_nodes()), 0), mine;
+  std::vector<std::uint64_t> bits(at(mesh.n_nodes()), 0);
   for_each_face(mesh, true, [&](LocalId c, std::size_t slot) {
     const int wall = walls.of_patch[at(mesh::slot_to_patch(mesh.cell_to_cell[at(c)][slot]))];
     if (wall < 0) return;
     for (const auto node : nodes_of_face(mesh, c, slot)) bits[at(node)] |= std::uint64_t{1} << (at(wall) % 64);
   });
   const auto borders = mesh::find_borders(comm, mesh);
-  for (const auto node : borders.nodes.item) mine.push_back(bits[at(node)]);
-  const auto theirs = par::Exchange(comm, borders.nodes).swap<std::uint64_t>(mine);
-  for (std::size_t k = 0; k < theirs.size(); ++k) bits[at(borders.nodes.item[k])] |= theirs[k];
+  par::fold_shared(par::Exchange(comm, borders.nodes), bits,
+                   [](std::uint64_t& mine, std::uint64_t theirs) { mine |= theirs; });
   return bits;
 }
 

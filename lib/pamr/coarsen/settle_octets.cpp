@@ -59,17 +59,14 @@ class Settling {
   }
 
   /// Whether each of these nodes stays.
-  std::vector<std::uint8_t> look_up(const std::vector<LocalId>& nodes) const {
-    std::vector<std::uint8_t> stays;
-    stays.reserve(nodes.size());
-    for (const auto node : nodes) stays.push_back(stays_[at(node)]);
-    return stays;
-  }
-  /// Nodes that stay elsewhere. True if one of them is new here.
-  bool add(const std::vector<LocalId>& nodes, const std::vector<std::uint8_t>& stays) {
+  /// Adds the nodes that stay elsewhere. True if one of them is new here. Collective: one exchange.
+  bool add_from(const par::Exchange& exchange) {
     bool any = false;
-    for (std::size_t k = 0; k < nodes.size(); ++k)
-      if (stays[k] != 0) any = stay(nodes[k]) || any;
+    par::fold_shared(
+        exchange, [&](LocalId node) { return stays_[at(node)]; },
+        [&](LocalId node, std::uint8_t theirs) {
+          if (theirs != 0) any = stay(node) || any;
+        });
     return any;
   }
 
@@ -237,12 +234,11 @@ Settled settle_octets(const par::Comm& comm, const mesh::DistMesh& mesh, const m
                       const std::vector<Group>& octets, const Needs& needs) {
   Settling settling(mesh, octets, needs);
   const par::Exchange exchange(comm, borders.nodes);
-  const auto& shared = borders.nodes.item;
   int rounds = 0;
   for (bool is_inverted = true; is_inverted;) {
     for (bool news = true; news; ++rounds) {
       settling.settle();
-      news = comm.any(settling.add(shared, exchange.swap<std::uint8_t>(settling.look_up(shared))));
+      news = comm.any(settling.add_from(exchange));
     }
     is_inverted = comm.any(settling.keep_inverted());
   }

@@ -12,6 +12,7 @@
 #include "pamr/base/memory.hpp"
 #include "pamr/mesh/borders.hpp"
 #include "pamr/mesh/undescribed_patches.hpp"
+#include "pamr/par/exchange.hpp"
 #include "pamr/refine/certify.hpp"
 #include "pamr/refine/closure.hpp"
 #include "pamr/refine/fine_nodes.hpp"
@@ -128,7 +129,7 @@ CurvedCells curve_cells(const par::Comm& comm, const mesh::DistMesh& mesh, const
   auto& report = result.report;
   report.straightening = straightened.report;
   report.n_edges = numbering.n_global_nodes - mesh.info.n_global_nodes;
-  const auto is_mine = nodes_to_count(placed.shared, nodes.node_position.size(), comm.rank());
+  const auto is_mine = par::held_first_here(par::Exchange(comm, placed.shared), nodes.node_position.size());
   count_curved(comm, mesh, movables, nodes, is_mine, report);
   const auto certificate = certificate_of(comm, mesh, info, movables, straightened.step, is_mine, report);
   nodes.node_fields = refine::transfer_to_nodes(numbered, certificate);

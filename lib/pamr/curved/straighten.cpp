@@ -15,6 +15,7 @@
 #include "pamr/base/index.hpp"
 #include "pamr/geometry/quadratic_tet.hpp"
 #include "pamr/geometry/tet_shape.hpp"
+#include "pamr/par/exchange.hpp"
 
 namespace pamr::curved {
 
@@ -112,13 +113,13 @@ class Straightener {
 
   /// For each movable the largest of the steps that the ranks want.
   std::vector<std::uint8_t> max_over_ranks(std::vector<std::uint8_t> wanted) const {
-    std::vector<std::uint8_t> mine;
-    const auto& item = exchange_.pattern().item;
-    for (const auto node : item)
-      mine.push_back(movable_of_[at(node)] < 0 ? std::uint8_t{0} : wanted[at(movable_of_[at(node)])]);
-    const auto theirs = exchange_.swap<std::uint8_t>(mine);
-    for (std::size_t k = 0; k < theirs.size(); ++k)
-      if (const auto i = movable_of_[at(item[k])]; i >= 0) wanted[at(i)] = std::max(wanted[at(i)], theirs[k]);
+    const auto step_of = [&](LocalId node) {
+      const auto i = movable_of_[at(node)];
+      return i < 0 ? std::uint8_t{0} : wanted[at(i)];
+    };
+    par::fold_shared(exchange_, step_of, [&](LocalId node, std::uint8_t theirs) {
+      if (const auto i = movable_of_[at(node)]; i >= 0) wanted[at(i)] = std::max(wanted[at(i)], theirs);
+    });
     return wanted;
   }
 
@@ -145,7 +146,7 @@ class Straightener {
 
   /// Collective: two reductions.
   Straightening report(int rounds) const {
-    const auto is_mine = nodes_to_count(exchange_.pattern(), nodes_.node_position.size(), comm_.rank());
+    const auto is_mine = par::held_first_here(exchange_, nodes_.node_position.size());
     std::array<std::int64_t, 3> sum{0, std::count(has_asked_.begin(), has_asked_.end(), 1),
                                     std::count(is_cut_.begin(), is_cut_.end(), 1)};
     for (std::size_t i = 0; i < step_.size(); ++i)
@@ -174,14 +175,6 @@ class Straightener {
 Straightened straighten(const par::Comm& comm, const mesh::DistMesh& mesh, const std::vector<refine::Movable>& movables,
                         const par::Pattern& shared, const Options& options, mesh::SecondOrder& nodes) {
   return Straightener(comm, mesh, movables, shared, options, nodes).run();
-}
-
-std::vector<std::uint8_t> nodes_to_count(const par::Pattern& shared, std::size_t n_nodes, Rank here) {
-  std::vector<std::uint8_t> is_mine(n_nodes, 1);
-  for (std::size_t i = 0; i < shared.rank.size(); ++i)
-    for (auto k = shared.offset[i]; k < shared.offset[i + 1]; ++k)
-      if (shared.rank[i] < here) is_mine[at(shared.item[k])] = 0;
-  return is_mine;
 }
 
 }  // namespace pamr::curved

@@ -44,7 +44,4 @@ struct Straightened {
 Straightened straighten(const par::Comm& comm, const mesh::DistMesh& mesh, const std::vector<refine::Movable>& movables,
                         const par::Pattern& shared, const Options& options, mesh::SecondOrder& nodes);
 
-/// Which of the nodes this rank counts: those that no lower rank holds.
-std::vector<std::uint8_t> nodes_to_count(const par::Pattern& shared, std::size_t n_nodes, Rank here);
-
 }  // namespace pamr::curved

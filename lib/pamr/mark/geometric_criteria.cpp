@@ -11,6 +11,7 @@
 
 #include "pamr/base/error.hpp"
 #include "pamr/base/index.hpp"
+#include "pamr/geometry/box.hpp"
 #include "pamr/mesh/borders.hpp"
 #include "pamr/mesh/find_patches.hpp"
 #include "pamr/par/exchange.hpp"
@@ -39,16 +40,6 @@ std::vector<LocalId> slots_of(const mesh::DistMesh& mesh, std::string_view name)
                           mesh::list_patches(patches), name));
 }
 
-/// Carries a flag to all copies of a node on other ranks.
-void share_flags(const par::Exchange& exchange, std::vector<std::uint8_t>& node_flag) {
-  const auto& item = exchange.pattern().item;
-  std::vector<std::uint8_t> mine(item.size());
-  for (std::size_t k = 0; k < item.size(); ++k) mine[k] = node_flag[at(item[k])];
-  const auto theirs = exchange.swap<std::uint8_t>(mine);
-  for (std::size_t k = 0; k < item.size(); ++k)
-    if (theirs[k] != 0) node_flag[at(item[k])] = 1;
-}
-
 }  // namespace
 
 Indicator all_cells(const mesh::DistMesh& mesh) { return Indicator(mesh.cell_to_node.size(), wanted); }
@@ -72,10 +63,8 @@ Indicator centroid_in_shell(const mesh::DistMesh& mesh, const Sphere& sphere, do
 }
 
 Indicator centroid_in_box(const mesh::DistMesh& mesh, geometry::Vec3 low, geometry::Vec3 high) {
-  return cells_where(mesh, [&](LocalId cell) {
-    const auto p = centroid(mesh, cell);
-    return low.x <= p.x && p.x <= high.x && low.y <= p.y && p.y <= high.y && low.z <= p.z && p.z <= high.z;
-  });
+  const geometry::Box box{low, high};
+  return cells_where(mesh, [&](LocalId cell) { return box.contains(centroid(mesh, cell)); });
 }
 
 Indicator near_patch(const par::Comm& comm, const mesh::DistMesh& mesh, std::string_view patch, Exact<int> layers) {
@@ -94,7 +83,7 @@ Indicator near_patch(const par::Comm& comm, const mesh::DistMesh& mesh, std::str
     for (std::size_t cell = 0; cell < indicator.size(); ++cell)
       if (indicator[cell] > 0)
         for (const LocalId node : mesh.cell_to_node[cell]) node_flag[at(node)] = 1;
-    share_flags(exchange, node_flag);
+    par::fold_flags(exchange, node_flag);
     for (std::size_t cell = 0; cell < indicator.size(); ++cell)
       for (const LocalId node : mesh.cell_to_node[cell])
         if (node_flag[at(node)] != 0) indicator[cell] = wanted;

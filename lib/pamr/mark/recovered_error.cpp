@@ -80,16 +80,6 @@ int exponent_of(double value) {
   return exponent;
 }
 
-/// Joins what the copies of a node hold on several ranks.
-template <class T, class Join>
-void join_copies(const par::Exchange& exchange, std::vector<T>& at_node, Join&& join) {
-  const auto& item = exchange.pattern().item;
-  std::vector<T> mine(item.size());
-  for (std::size_t k = 0; k < item.size(); ++k) mine[k] = at_node[at(item[k])];
-  const auto theirs = exchange.swap<T>(mine);
-  for (std::size_t k = 0; k < item.size(); ++k) join(at_node[at(item[k])], theirs[k]);
-}
-
 /// Recovered gradient at each node: fixed-point sums whose unit is set by the largest term at the node.
 std::vector<Vec3> recover(const par::Comm& comm, const mesh::DistMesh& mesh, const std::vector<CellGradient>& cells) {
   const auto borders = mesh::find_borders(comm, mesh);
@@ -103,7 +93,7 @@ std::vector<Vec3> recover(const par::Comm& comm, const mesh::DistMesh& mesh, con
         e = std::max(e, exponent_of(term[k]));
       }
   }
-  join_copies(exchange, exponent, [](Exponents& mine, const Exponents& theirs) {
+  par::fold_shared(exchange, exponent, [](Exponents& mine, const Exponents& theirs) {
     for (std::size_t k = 0; k < 4; ++k) mine[k] = std::max(mine[k], theirs[k]);
   });
 
@@ -116,7 +106,7 @@ std::vector<Vec3> recover(const par::Comm& comm, const mesh::DistMesh& mesh, con
           sum[at(node)][k] +=
               static_cast<std::int64_t>(std::nearbyint(std::ldexp(term[k], term_bits - exponent[at(node)][k])));
   }
-  join_copies(exchange, sum, [](Sums& mine, const Sums& theirs) {
+  par::fold_shared(exchange, sum, [](Sums& mine, const Sums& theirs) {
     for (std::size_t k = 0; k < 4; ++k) mine[k] += theirs[k];
   });
 

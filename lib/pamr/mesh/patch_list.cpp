@@ -6,6 +6,7 @@
 
 #include "pamr/base/index.hpp"
 #include "pamr/mesh/tet.hpp"
+#include "pamr/par/exchange.hpp"
 
 namespace pamr::mesh {
 
@@ -28,17 +29,17 @@ void add_patches_of_nodes(const par::Comm& comm, const DistMesh& mesh, const Bor
         if (entry != patches.end()) add_patch(entry->second, slot_to_patch(next));
       }
     }
-  std::vector<PatchList> mine;
-  for (const auto node : borders.nodes.item) {
-    const auto entry = patches.find(node);
-    mine.push_back(entry == patches.end() ? PatchList{-1, -1, -1, -1} : entry->second);
-  }
-  const auto theirs = par::Exchange(comm, borders.nodes).swap<PatchList>(mine);
-  for (std::size_t k = 0; k < theirs.size(); ++k) {
-    const auto entry = patches.find(borders.nodes.item[k]);
-    if (entry == patches.end()) continue;
-    for (const auto patch : theirs[k]) add_patch(entry->second, patch);
-  }
+  par::fold_shared(
+      par::Exchange(comm, borders.nodes),
+      [&](LocalId node) {
+        const auto entry = patches.find(node);
+        return entry == patches.end() ? PatchList{-1, -1, -1, -1} : entry->second;
+      },
+      [&](LocalId node, const PatchList& theirs) {
+        const auto entry = patches.find(node);
+        if (entry == patches.end()) return;
+        for (const auto patch : theirs) add_patch(entry->second, patch);
+      });
 }
 
 }  // namespace pamr::mesh

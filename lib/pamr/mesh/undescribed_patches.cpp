@@ -16,6 +16,7 @@
 #include "pamr/geometry/surface_toml.hpp"
 #include "pamr/mesh/patch_list.hpp"
 #include "pamr/mesh/tet.hpp"
+#include "pamr/par/exchange.hpp"
 
 namespace pamr::mesh {
 
@@ -63,10 +64,8 @@ std::map<LocalId, PatchList> find_common_nodes(const par::Comm& comm, const Dist
   if (off != nullptr && !off->holds_integers())
     for (LocalId node = 0; node < mesh.n_nodes(); ++node)
       if (off->real()[at(node)] > 0) add(node, is_to_move);
-  std::vector<std::uint8_t> mine;
-  for (const auto node : borders.nodes.item) mine.push_back(kinds[at(node)]);
-  const auto theirs = par::Exchange(comm, borders.nodes).swap<std::uint8_t>(mine);
-  for (std::size_t k = 0; k < theirs.size(); ++k) add(borders.nodes.item[k], theirs[k]);
+  par::fold_shared(
+      par::Exchange(comm, borders.nodes), [&](LocalId node) { return kinds[at(node)]; }, add);
   const auto is_common = [](unsigned kind) {
     return (kind & without_surface) != 0 &&
            ((kind & on_curved_surface) != 0 || (kind & (on_plane | is_to_move)) == (on_plane | is_to_move));

@@ -78,6 +78,19 @@ Received<Match> introduce(const Comm& comm, const Received<Card>& cards) {
 
 }  // namespace
 
+void fold_flags(const Exchange& exchange, std::vector<std::uint8_t>& flag_of_item) {
+  fold_shared(exchange, flag_of_item, [](std::uint8_t& mine, std::uint8_t theirs) {
+    if (theirs != 0) mine = 1;
+  });
+}
+
+std::vector<std::uint8_t> held_first_here(const Exchange& exchange, Exact<std::size_t> n_items) {
+  std::vector<std::uint8_t> is_first(n_items, 1);
+  const auto& item = exchange.pattern().item;
+  for (std::size_t k = 0; k < exchange.n_slots_of_lower_ranks(); ++k) is_first[at(item[k])] = 0;
+  return is_first;
+}
+
 Pattern find_shared(const Comm& comm, std::span<const SharedKey> key) {
   narrow<LocalId>(std::ssize(key));
   std::vector<Rank> to(key.size());

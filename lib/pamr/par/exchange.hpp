@@ -32,6 +32,12 @@ class Exchange {
   Exchange(const Comm& comm, const Pattern& pattern) : comm_(&comm), pattern_(&pattern) {}
 
   const Pattern& pattern() const { return *pattern_; }
+  /// How many slots are those of neighbors with a lower rank than this one: the first ones.
+  std::size_t n_slots_of_lower_ranks() const {
+    const auto& rank = pattern_->rank;
+    return pattern_
+        ->offset[static_cast<std::size_t>(std::lower_bound(rank.begin(), rank.end(), comm_->rank()) - rank.begin())];
+  }
 
   /// What the other side put into each slot. `mine` has `n_slots` entries in slot order.
   template <class T>
@@ -54,16 +60,70 @@ class Exchange {
   const Pattern* pattern_;
 };
 
-/// Swaps the value of each shared item and lets `take(item, theirs)` fold in what the other side has. `of_item` has a
-/// value for each item, shared or not. Collective: one exchange.
-template <class T, class Take>
-void fold_shared(const Exchange& exchange, const std::vector<T>& of_item, Take&& take) {
+/// Combines what the holders of shared items have: swaps `value_of(item)` in every slot and calls `take(item, theirs)`
+/// once for each other holder of each shared item, their ranks ascending. Collective: one exchange.
+template <class ValueOf, class Take>
+requires std::is_invocable_v<ValueOf, LocalId>
+void fold_shared(const Exchange& exchange, ValueOf&& value_of, Take&& take) {
+  const auto& item = exchange.pattern().item;
+  using T = std::decay_t<std::invoke_result_t<ValueOf, LocalId>>;
+  std::vector<T> mine;
+  mine.reserve(item.size());
+  for (const auto i : item) mine.push_back(value_of(i));
+  const auto theirs = exchange.swap<T>(mine);
+  for (std::size_t k = 0; k < theirs.size(); ++k) take(item[k], theirs[k]);
+}
+
+/// The same in place for a value of each item, shared or not: `join(mine, theirs)` changes `mine`. All holders end with
+/// the same value if the order of joins does not matter; sums of doubles take `fold_in_rank_order`.
+template <class T, class Join>
+void fold_shared(const Exchange& exchange, std::vector<T>& of_item, Join&& join) {
+  fold_shared(
+      exchange, [&](LocalId i) -> const T& { return of_item[at(i)]; },
+      [&](LocalId i, const T& theirs) { join(of_item[at(i)], theirs); });
+}
+
+/// Raises flags at every holder of an item where one has raised it. Collective: one exchange.
+void fold_flags(const Exchange& exchange, std::vector<std::uint8_t>& flag_of_item);
+
+/// Replaces the value of each shared item by those of all its holders, joined in the order of their ranks:
+/// `join(join(a, b), c)`. All holders get the same bits for any `join`. Collective: one exchange.
+template <class T, class Join>
+void fold_in_rank_order(const Exchange& exchange, std::vector<T>& of_item, Join&& join) {
   const auto& item = exchange.pattern().item;
   std::vector<T> mine;
   mine.reserve(item.size());
   for (const auto i : item) mine.push_back(of_item[at(i)]);
   const auto theirs = exchange.swap<T>(mine);
-  for (std::size_t k = 0; k < theirs.size(); ++k) take(item[k], theirs[k]);
+  const auto n_lower = exchange.n_slots_of_lower_ranks();
+  std::vector<T> lower(of_item.size());
+  std::vector<std::uint8_t> has_lower(of_item.size(), 0);
+  for (std::size_t k = 0; k < n_lower; ++k) {
+    const auto i = at(item[k]);
+    lower[i] = has_lower[i] != 0 ? join(lower[i], theirs[k]) : theirs[k];
+    has_lower[i] = 1;
+  }
+  for (std::size_t i = 0; i < of_item.size(); ++i)
+    if (has_lower[i] != 0) of_item[i] = join(lower[i], of_item[i]);
+  for (auto k = n_lower; k < item.size(); ++k) of_item[at(item[k])] = join(of_item[at(item[k])], theirs[k]);
+}
+
+/// For each of `n_items` items 1 if no lower rank holds it, so that one holder of each counts or numbers it. Local.
+std::vector<std::uint8_t> held_first_here(const Exchange& exchange, Exact<std::size_t> n_items);
+
+/// The slots of a pattern for which `new_item(slot)` is not `invalid_local`, with these items. Neighbors must keep the
+/// same slots. Local.
+template <class NewItem>
+Pattern restricted(const Pattern& whole, NewItem&& new_item) {
+  Pattern part;
+  for (std::size_t i = 0; i < whole.rank.size(); ++i) {
+    for (auto k = whole.offset[i]; k < whole.offset[i + 1]; ++k)
+      if (const LocalId item = new_item(k); item != invalid_local) part.item.push_back(item);
+    if (part.item.size() == part.offset.back()) continue;
+    part.rank.push_back(whole.rank[i]);
+    part.offset.push_back(part.item.size());
+  }
+  return part;
 }
 
 /// Name of a thing that several ranks may hold: its global node numbers in ascending order, padded with -1.

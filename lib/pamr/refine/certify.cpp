@@ -100,14 +100,13 @@ class BackOff {
  private:
   /// For each movable the largest of the steps that the ranks want.
   std::vector<std::uint8_t> max_over_ranks(std::vector<std::uint8_t> wanted) const {
-    std::vector<std::uint8_t> mine;
-    for (const auto node : exchange_.pattern().item)
-      mine.push_back(movable_of_[at(node)] < 0 ? std::uint8_t{0} : wanted[at(movable_of_[at(node)])]);
-    const auto theirs = exchange_.swap<std::uint8_t>(mine);
-    for (std::size_t k = 0; k < theirs.size(); ++k) {
-      const auto i = movable_of_[at(exchange_.pattern().item[k])];
-      if (i >= 0) wanted[at(i)] = std::max(wanted[at(i)], theirs[k]);
-    }
+    const auto step_of = [&](LocalId node) {
+      const auto i = movable_of_[at(node)];
+      return i < 0 ? std::uint8_t{0} : wanted[at(i)];
+    };
+    par::fold_shared(exchange_, step_of, [&](LocalId node, std::uint8_t theirs) {
+      if (const auto i = movable_of_[at(node)]; i >= 0) wanted[at(i)] = std::max(wanted[at(i)], theirs);
+    });
     return wanted;
   }
 
@@ -128,21 +127,11 @@ class BackOff {
   std::vector<LocalId> movable_of_;  ///< of each node, -1: none; empty where nothing moves
 };
 
-/// The lowest rank that holds a node counts it.
-std::vector<std::uint8_t> nodes_to_count(const NewLevel& level, Rank here) {
-  std::vector<std::uint8_t> is_mine(level.n_nodes(), 1);
-  const auto& shared = level.shared;
-  for (std::size_t i = 0; i < shared.rank.size(); ++i)
-    for (auto k = shared.offset[i]; k < shared.offset[i + 1]; ++k)
-      if (shared.rank[i] < here) is_mine[at(shared.item[k])] = 0;
-  return is_mine;
-}
-
 /// Collective: one reduction.
 Certificate make_certificate(const par::Comm& comm, const NewLevel& level, const Movement& movement,
                              const BackOff& back_off, std::size_t n_cells) {
   Certificate certificate;
-  const auto is_mine = nodes_to_count(level, comm.rank());
+  const auto is_mine = par::held_first_here(par::Exchange(comm, level.shared), level.n_nodes());
   std::int64_t n_off = 0, n_moved = 0, n_off_facets = 0;
   for (std::size_t i = 0; i < movement.nodes.size(); ++i) {
     const auto& m = movement.nodes[i];

@@ -8,6 +8,7 @@
 #include "pamr/base/index.hpp"
 #include "pamr/base/memory.hpp"
 #include "pamr/base/prefetch.hpp"
+#include "pamr/par/exchange.hpp"
 #include "pamr/refine/cut_faces.hpp"
 #include "pamr/refine/family.hpp"
 #include "pamr/refine/policy.hpp"
@@ -21,18 +22,14 @@ namespace {
 /// exchanges and this rank's sweeps.
 void settle_all(const par::Comm& comm, const mesh::Borders& borders, Propagation& propagation, ClosureReport& report) {
   const par::Exchange exchange(comm, borders.edges);
-  std::vector<std::uint8_t> mine(borders.edges.n_slots());
   std::vector<std::uint8_t> is_marked(borders.n_edges(), 0);
   for (bool news = true; news;) {
     report.sweeps += propagation.settle();
     for (std::size_t i = 0; i < borders.n_edges(); ++i)
       for (const auto arc : borders.arcs(i))
         if (propagation.is_marked(arc.cell, arc.edge)) is_marked[i] = 1;
-    for (std::size_t k = 0; k < mine.size(); ++k) mine[k] = is_marked[at(borders.edges.item[k])];
-    const auto theirs = exchange.swap<std::uint8_t>(mine);
+    par::fold_flags(exchange, is_marked);
     ++report.rounds;
-    for (std::size_t k = 0; k < theirs.size(); ++k)
-      if (theirs[k] != 0) is_marked[at(borders.edges.item[k])] = 1;
     bool changed = false;
     for (std::size_t i = 0; i < borders.n_edges(); ++i)
       for (const auto arc : borders.arcs(i))

@@ -49,7 +49,7 @@ std::vector<LocalId> interface_nodes(const par::Comm& comm, const NewLevel& leve
         of_node[at(node)].add({region[at(c)], region[at(c)]});
   }
   par::fold_shared(par::Exchange(comm, level.shared), of_node,
-                   [&](LocalId node, const Regions& theirs) { of_node[at(node)].add(theirs); });
+                   [](Regions& mine, const Regions& theirs) { mine.add(theirs); });
 
   std::vector<LocalId> nodes;
   for (auto n = at(numbering.n_old_nodes); n < of_node.size(); ++n)

@@ -16,6 +16,7 @@
 #include "pamr/mesh/local_size.hpp"
 #include "pamr/mesh/offsets.hpp"
 #include "pamr/mesh/ring.hpp"
+#include "pamr/par/exchange.hpp"
 
 namespace pamr::refine {
 
@@ -142,16 +143,9 @@ bool is_marked(const Closure& closure, const mesh::Borders& borders, std::size_t
 
 /// The part of the pattern of border edges that is marked.
 par::Pattern marked_edges(const mesh::Borders& borders, const Closure& closure) {
-  par::Pattern marked;
-  const auto& all = borders.edges;
-  for (std::size_t i = 0; i < all.rank.size(); ++i) {
-    for (auto k = all.offset[i]; k < all.offset[i + 1]; ++k)
-      if (is_marked(closure, borders, at(all.item[k]))) marked.item.push_back(all.item[k]);
-    if (marked.item.size() == marked.offset.back()) continue;
-    marked.rank.push_back(all.rank[i]);
-    marked.offset.push_back(marked.item.size());
-  }
-  return marked;
+  const auto& edge = borders.edges.item;
+  return par::restricted(
+      borders.edges, [&](std::size_t k) { return is_marked(closure, borders, at(edge[k])) ? edge[k] : invalid_local; });
 }
 
 /// Nodes of marked border edges. Returns what is known of every border edge on all its ranks; entry i of `node` is the
@@ -178,18 +172,13 @@ std::vector<SharedEdge> make_shared(const par::Comm& comm, const mesh::DistMesh&
       }
     }
   }
-  std::vector<SharedEdge> mine;
-  mine.reserve(marked.n_slots());
-  for (const auto i : marked.item) mine.push_back(shared[at(i)]);
-  const auto theirs = par::Exchange(comm, marked).swap<SharedEdge>(mine);
-  for (std::size_t k = 0; k < theirs.size(); ++k) {
-    auto& edge = shared[at(marked.item[k])];
-    if (theirs[k].lowest < edge.lowest) {
-      edge.lowest = theirs[k].lowest;
-      edge.edge = theirs[k].edge;
+  par::fold_shared(par::Exchange(comm, marked), shared, [](SharedEdge& mine, const SharedEdge& theirs) {
+    if (theirs.lowest < mine.lowest) {
+      mine.lowest = theirs.lowest;
+      mine.edge = theirs.edge;
     }
-    edge.patches.merge(theirs[k].patches);
-  }
+    mine.patches.merge(theirs.patches);
+  });
   for (std::size_t i = 0; i < shared.size(); ++i)
     if (node[i] != invalid_local) maker.note_boundary(node[i], shared[i].patches);
   return shared;
@@ -228,12 +217,10 @@ void number_nodes(const par::Comm& comm, const mesh::DistMesh& mesh, const par::
       global[node] = next++;
     }
   }
-  std::vector<GlobalId> mine;
-  mine.reserve(marked.n_slots());
-  for (const auto i : marked.item) mine.push_back(global[at(shared_node[at(i)] - n_old)]);
-  const auto theirs = par::Exchange(comm, marked).swap<GlobalId>(mine);
-  for (std::size_t k = 0; k < theirs.size(); ++k)
-    if (theirs[k] != invalid_global) global[at(shared_node[at(marked.item[k])] - n_old)] = theirs[k];
+  const auto number_of = [&](LocalId edge) -> GlobalId& { return global[at(shared_node[at(edge)] - n_old)]; };
+  par::fold_shared(par::Exchange(comm, marked), number_of, [&](LocalId edge, GlobalId theirs) {
+    if (theirs != invalid_global) number_of(edge) = theirs;
+  });
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include "pamr/geometry/plane.hpp"
 #include "pamr/mesh/tet.hpp"
 #include "pamr/mesh/undescribed_patches.hpp"
+#include "pamr/par/exchange.hpp"
 
 namespace pamr::refine {
 
@@ -93,19 +94,20 @@ std::vector<OppositeVertices> find_opposite_vertices(const par::Comm& comm, cons
       }
     }
   }
-  std::vector<OppositeVertices> mine;
   const auto of_border = [&](LocalId item) {
     const auto arc = borders.arcs(at(item)).front();
     return entry_of(arc.cell, arc.edge);
   };
-  for (const auto item : borders.edges.item) {
-    const auto* entry = of_border(item);
-    mine.push_back(entry == nullptr ? OppositeVertices{} : *entry);
-  }
-  const auto theirs = par::Exchange(comm, borders.edges).swap<OppositeVertices>(mine);
-  for (std::size_t k = 0; k < theirs.size(); ++k)
-    if (auto* entry = of_border(borders.edges.item[k]))
-      for (int i = 0; i < theirs[k].count; ++i) entry->add(theirs[k].corner[at(i)], theirs[k].patch[at(i)]);
+  par::fold_shared(
+      par::Exchange(comm, borders.edges),
+      [&](LocalId item) {
+        const auto* entry = of_border(item);
+        return entry == nullptr ? OppositeVertices{} : *entry;
+      },
+      [&](LocalId item, const OppositeVertices& theirs) {
+        if (auto* entry = of_border(item))
+          for (int i = 0; i < theirs.count; ++i) entry->add(theirs.corner[at(i)], theirs.patch[at(i)]);
+      });
   return opposite;
 }
 

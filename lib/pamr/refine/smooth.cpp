@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "pamr/base/index.hpp"
+#include "pamr/par/exchange.hpp"
 
 namespace pamr::refine {
 
@@ -57,9 +58,7 @@ std::vector<std::uint8_t> reach(const NewLevel& level, const par::Exchange& exch
       if (any_of(reached, nodes))
         for (const auto n : nodes) next[at(n)] = 1;
     reached = std::move(next);
-    par::fold_shared(exchange, reached, [&](LocalId node, std::uint8_t theirs) {
-      if (theirs != 0) reached[at(node)] = 1;
-    });
+    par::fold_flags(exchange, reached);
   }
   return reached;
 }
@@ -100,34 +99,23 @@ Region gather(const NewLevel& level, const std::vector<std::uint8_t>& is_free) {
   return region;
 }
 
-/// The free nodes that other ranks hold too, in the numbers of the region: only their sums are put together.
-struct SharedFree {
-  par::Pattern pattern;
-  std::vector<std::int32_t> n_terms;  ///< of each slot, on the other side
-};
-
-/// Collective: one exchange over all shared nodes.
-SharedFree share_free(const par::Exchange& exchange, const Region& region, const std::vector<std::int32_t>& n_terms) {
-  const auto& all = exchange.pattern();
+/// The free nodes that other ranks hold too, in the numbers of the region: only their sums are put together. Adds what
+/// the other ranks have to `n_terms`. Collective: one exchange over all shared nodes.
+par::Pattern share_free(const par::Exchange& exchange, const Region& region, std::vector<std::int32_t>& n_terms) {
+  const auto& node = exchange.pattern().item;
   std::vector<std::int32_t> mine;
-  mine.reserve(all.n_slots());
-  for (const auto node : all.item) {
-    const auto number = region.number[at(node)];
+  mine.reserve(node.size());
+  for (const auto n : node) {
+    const auto number = region.number[at(n)];
     mine.push_back(number >= 0 && region.is_free[at(number)] != 0 ? n_terms[at(number)] : -1);
   }
   const auto theirs = exchange.swap<std::int32_t>(mine);
-  SharedFree shared;
-  for (std::size_t i = 0; i < all.rank.size(); ++i) {
-    for (auto k = all.offset[i]; k < all.offset[i + 1]; ++k)
-      if (mine[k] >= 0 && theirs[k] >= 0) {
-        shared.pattern.item.push_back(region.number[at(all.item[k])]);
-        shared.n_terms.push_back(theirs[k]);
-      }
-    if (shared.pattern.item.size() == shared.pattern.offset.back()) continue;
-    shared.pattern.rank.push_back(all.rank[i]);
-    shared.pattern.offset.push_back(shared.pattern.item.size());
-  }
-  return shared;
+  return par::restricted(exchange.pattern(), [&](std::size_t k) {
+    if (mine[k] < 0 || theirs[k] < 0) return invalid_local;
+    const auto number = region.number[at(node[k])];
+    n_terms[at(number)] += theirs[k];
+    return number;
+  });
 }
 
 /// For each node of the region the sum over its cells of the values at their other corners.
@@ -175,15 +163,12 @@ std::vector<Fixed> sweep(const par::Comm& comm, const par::Exchange& exchange, c
   for (const auto& numbers : region.cell_to_number)
     for (const auto i : numbers) n_terms[at(i)] += 3;
   const auto shared = share_free(exchange, region, n_terms);
-  const auto& item = shared.pattern.item;
-  for (std::size_t k = 0; k < item.size(); ++k) n_terms[at(item[k])] += shared.n_terms[k];
-  std::vector<Fixed> sum(value.size()), mine(item.size());
+  std::vector<Fixed> sum(value.size());
   for (int i = 0; i < n_sweeps; ++i) {
     sum_neighbors(region, value, sum);
-    for (std::size_t k = 0; k < item.size(); ++k) mine[k] = sum[at(item[k])];
-    const auto theirs = par::Exchange(comm, shared.pattern).swap<Fixed>(mine);
-    for (std::size_t k = 0; k < item.size(); ++k)
-      for (std::size_t d = 0; d < 3; ++d) sum[at(item[k])][d] += theirs[k][d];
+    par::fold_shared(par::Exchange(comm, shared), sum, [](Fixed& mine, const Fixed& theirs) {
+      for (std::size_t d = 0; d < 3; ++d) mine[d] += theirs[d];
+    });
     for (std::size_t n = 0; n < value.size(); ++n)
       if (region.is_free[n] != 0)
         for (std::size_t k = 0; k < 3; ++k) value[n][k] = sum[n][k] / n_terms[n];

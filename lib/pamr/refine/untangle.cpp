@@ -11,6 +11,7 @@
 #include "pamr/base/index.hpp"
 #include "pamr/geometry/tet_shape.hpp"
 #include "pamr/mesh/tet.hpp"
+#include "pamr/par/exchange.hpp"
 #include "pamr/refine/diagonal.hpp"
 #include "pamr/refine/untangle_region.hpp"
 
@@ -131,13 +132,7 @@ class Untangler {
 
   /// The smallest of the values that the ranks have for each node.
   std::vector<double> min_over_ranks(std::vector<double> value) const {
-    std::vector<double> mine;
-    for (const auto i : region_.shared.item) mine.push_back(value[at(i)]);
-    const auto theirs = exchange_.swap<double>(mine);
-    for (std::size_t k = 0; k < theirs.size(); ++k) {
-      auto& v = value[at(region_.shared.item[k])];
-      v = std::min(v, theirs[k]);
-    }
+    par::fold_shared(exchange_, value, [](double& mine, double theirs) { mine = std::min(mine, theirs); });
     return value;
   }
 
@@ -175,13 +170,10 @@ class Untangler {
     std::vector<std::uint64_t> priority(region_.node.size(), 0);
     for (std::size_t i = 0; i < priority.size(); ++i)
       if (is_active(i)) priority[i] = hash_of(position_[i], round) | 1U;
-    std::vector<std::uint8_t> is_beaten(priority.size(), 0), mine;
+    std::vector<std::uint8_t> is_beaten(priority.size(), 0);
     for (std::size_t i = 0; i < priority.size(); ++i)
       if (priority[i] != 0 && is_beaten_here(i, priority)) is_beaten[i] = 1;
-    for (const auto i : region_.shared.item) mine.push_back(is_beaten[at(i)]);
-    const auto theirs = exchange_.swap<std::uint8_t>(mine);
-    for (std::size_t k = 0; k < theirs.size(); ++k)
-      if (theirs[k] != 0) is_beaten[at(region_.shared.item[k])] = 1;
+    par::fold_flags(exchange_, is_beaten);
     std::vector<std::size_t> chosen;
     for (std::size_t i = 0; i < priority.size(); ++i)
       if (priority[i] != 0 && is_beaten[i] == 0) chosen.push_back(i);
@@ -263,17 +255,15 @@ class Untangler {
   }
 
   void share_tries(std::vector<Tries>& worst) const {
-    std::vector<Tries> mine(region_.shared.n_slots());
-    for (std::size_t k = 0; k < mine.size(); ++k) {
-      const auto n = row_[at(region_.shared.item[k])];
-      if (n >= 0) mine[k] = worst[at(n)];
-    }
-    const auto theirs = exchange_.swap<Tries>(mine);
-    for (std::size_t k = 0; k < theirs.size(); ++k) {
-      const auto n = row_[at(region_.shared.item[k])];
-      if (n < 0) continue;
-      for (std::size_t t = 0; t < n_tries; ++t) worst[at(n)][t] = std::min(worst[at(n)][t], theirs[k][t]);
-    }
+    const auto tries_at = [&](LocalId i) {
+      const auto n = row_[at(i)];
+      return n < 0 ? Tries{} : worst[at(n)];
+    };
+    par::fold_shared(exchange_, tries_at, [&](LocalId i, const Tries& theirs) {
+      const auto n = row_[at(i)];
+      if (n < 0) return;
+      for (std::size_t t = 0; t < n_tries; ++t) worst[at(n)][t] = std::min(worst[at(n)][t], theirs[t]);
+    });
   }
 
   const par::Comm& comm_;

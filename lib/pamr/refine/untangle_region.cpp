@@ -5,6 +5,7 @@
 #include <map>
 
 #include "pamr/base/index.hpp"
+#include "pamr/par/exchange.hpp"
 #include "pamr/refine/split_pattern.hpp"
 
 namespace pamr::refine {
@@ -19,9 +20,7 @@ std::vector<std::uint8_t> reach(const par::Comm& comm, const NewLevel& level, co
   for (const auto c : cells)
     for (const auto node : level.children.cell_to_node[at(c)]) reached[at(node)] = 1;
   for (int layer = 0; layer < n_layers; ++layer) {
-    par::fold_shared(exchange, reached, [&](LocalId node, std::uint8_t theirs) {
-      if (theirs != 0) reached[at(node)] = 1;
-    });
+    par::fold_flags(exchange, reached);
     if (layer + 1 == n_layers) break;
     auto next = reached;
     for (const auto& nodes : level.children.cell_to_node)
@@ -30,20 +29,6 @@ std::vector<std::uint8_t> reach(const par::Comm& comm, const NewLevel& level, co
     reached = std::move(next);
   }
   return reached;
-}
-
-/// The part of a pattern whose items are wanted, by their new numbers. Both sides want the same ones.
-par::Pattern restrict(const par::Pattern& whole, const std::vector<LocalId>& number,
-                      const std::vector<std::uint8_t>& is_wanted) {
-  par::Pattern part;
-  for (std::size_t i = 0; i < whole.rank.size(); ++i) {
-    for (auto k = whole.offset[i]; k < whole.offset[i + 1]; ++k)
-      if (is_wanted[at(whole.item[k])] != 0) part.item.push_back(number[at(whole.item[k])]);
-    if (part.item.size() == part.offset.back()) continue;
-    part.rank.push_back(whole.rank[i]);
-    part.offset.push_back(part.item.size());
-  }
-  return part;
 }
 
 /// The rows in which each of `n` nodes occurs; negative entries are none.
@@ -144,7 +129,10 @@ UntangleRegion gather_region(const par::Comm& comm, const NewLevel& level, const
   }
   region.cells_of_node = rows_of_nodes(region.cell, region.node.size());
   region.families_of_node = rows_of_nodes(region.family, region.node.size());
-  region.shared = restrict(level.shared, number, may_move);
+  region.shared = par::restricted(level.shared, [&](std::size_t k) {
+    const auto node = at(level.shared.item[k]);
+    return may_move[node] != 0 ? number[node] : invalid_local;
+  });
   return region;
 }
 

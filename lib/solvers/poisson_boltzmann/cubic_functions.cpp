@@ -5,6 +5,7 @@
 
 #include "pamr/base/index.hpp"
 #include "pamr/mesh/tet.hpp"
+#include "pamr/par/exchange.hpp"
 
 namespace pamr::poisson_boltzmann {
 
@@ -173,7 +174,8 @@ CubicConditions cubic_conditions(const par::Comm& comm, const Problem& problem, 
     }
     given[at(of_face[9])] = {27 * missing({1.0 / 3, 1.0 / 3, 1.0 / 3}), 1};
   }
-  functions.all.join_copies(comm, given, [](Given a, Given b) { return a.is_fixed != 0 ? a : b; });
+  par::fold_in_rank_order(par::Exchange(comm, functions.all.shared()), given,
+                          [](Given a, Given b) { return a.is_fixed != 0 ? a : b; });
   CubicConditions result;
   for (const auto& [value, is_fixed] : given) {
     result.fixed.push_back(is_fixed);

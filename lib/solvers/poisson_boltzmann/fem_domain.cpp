@@ -11,6 +11,7 @@
 #include "pamr/base/index.hpp"
 #include "pamr/mesh/find_patches.hpp"
 #include "pamr/mesh/tet.hpp"
+#include "pamr/par/exchange.hpp"
 #include "pamr/par/reproducible_sum.hpp"
 #include "solvers/poisson_boltzmann/preconditioner.hpp"
 
@@ -175,7 +176,8 @@ Domain make_domain(const par::Comm& comm, const mesh::DistMesh& mesh, const Case
     if (domain.quadratic)
       for (const auto node : domain.quadratic->face_to_node[f]) domain.node_patches[at(node)] |= bit;
   }
-  domain.nodes.join_copies(comm, domain.node_patches, [](std::uint64_t a, std::uint64_t b) { return a | b; });
+  par::fold_shared(par::Exchange(comm, domain.nodes.shared()), domain.node_patches,
+                   [](std::uint64_t& mine, std::uint64_t theirs) { mine |= theirs; });
   require_bodies(comm, domain, problem, where);
   domain.patches = measure(comm, mesh.info.patches.size(), domain.point, domain.faces);
   if (domain.quadratic) measure_curved(comm, domain);

@@ -44,50 +44,18 @@ class NodeMap {
   std::vector<double> spread(const par::Comm& comm, std::span<const double> owned) const;
   /// Values of the owned nodes in the order of `owned`. Local.
   std::vector<double> owned_values(std::span<const double> local) const;
-  /// What the copies of a node hold on all ranks, joined with `join(a, b)` in the order of the ranks, so that every
-  /// copy gets the same bits. Collective: one exchange.
-  template <class T, class Join>
-  void join_copies(const par::Comm& comm, std::vector<T>& local, Join&& join) const;
   /// Sums of the copies. Collective: one exchange.
   void sum_copies(const par::Comm& comm, std::vector<double>& local) const;
   /// The same for vectors. Collective: one exchange.
   void sum_copies(const par::Comm& comm, std::vector<geometry::Vec3>& local) const;
 
  private:
-  void number(const par::Comm& comm, const std::vector<std::uint8_t>& is_elsewhere, GlobalId n_global_nodes);
+  void number(const par::Comm& comm, const std::vector<std::uint8_t>& is_mine, GlobalId n_global_nodes);
 
   std::vector<LocalId> owned_;
   std::vector<std::int32_t> equation_;
   std::int32_t first_ = 0, n_equations_ = 0;
   par::Pattern shared_;
 };
-
-template <class T, class Join>
-void NodeMap::join_copies(const par::Comm& comm, std::vector<T>& local, Join&& join) const {
-  const par::Exchange exchange(comm, shared_);
-  std::vector<T> mine(shared_.item.size());
-  for (std::size_t k = 0; k < mine.size(); ++k) mine[k] = local[at(shared_.item[k])];
-  const auto theirs = exchange.template swap<T>(mine);
-  std::vector<std::uint8_t> seen(local.size(), 0);
-  std::vector<T> below(local.size());
-  for (std::size_t i = 0; i < shared_.rank.size(); ++i) {
-    const bool is_lower = shared_.rank[i] < comm.rank();
-    for (std::size_t k = shared_.offset[i]; k < shared_.offset[i + 1]; ++k) {
-      const auto node = at(shared_.item[k]);
-      if (is_lower) {
-        below[node] = seen[node] != 0 ? join(below[node], theirs[k]) : theirs[k];
-        seen[node] = 1;
-      }
-    }
-  }
-  for (std::size_t node = 0; node < local.size(); ++node)
-    if (seen[node] != 0) local[node] = join(below[node], local[node]);
-  for (std::size_t i = 0; i < shared_.rank.size(); ++i)
-    if (shared_.rank[i] > comm.rank())
-      for (std::size_t k = shared_.offset[i]; k < shared_.offset[i + 1]; ++k) {
-        const auto node = at(shared_.item[k]);
-        local[node] = join(local[node], theirs[k]);
-      }
-}
 
 }  // namespace pamr::poisson_boltzmann

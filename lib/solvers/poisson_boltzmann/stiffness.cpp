@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "pamr/base/index.hpp"
+#include "pamr/par/exchange.hpp"
 
 namespace pamr::poisson_boltzmann {
 
@@ -141,15 +142,10 @@ RowLengths count_entries(const par::Comm& comm, const Domain& domain, const Full
   const auto& nodes = domain.nodes;
   const auto n_owned = static_cast<PetscInt>(nodes.n_owned());
   std::vector<std::int32_t> elsewhere(domain.point.size(), 0);
-  const auto& shared = nodes.shared();
-  const par::Exchange exchange(comm, shared);
-  std::vector<std::int32_t> mine(shared.item.size());
-  for (std::size_t k = 0; k < mine.size(); ++k) {
-    const auto node = at(shared.item[k]);
-    mine[k] = static_cast<std::int32_t>(rows.offset[node + 1] - rows.offset[node]);
-  }
-  const auto theirs = exchange.swap<std::int32_t>(mine);
-  for (std::size_t k = 0; k < mine.size(); ++k) elsewhere[at(shared.item[k])] += theirs[k];
+  par::fold_shared(
+      par::Exchange(comm, nodes.shared()),
+      [&](LocalId node) { return static_cast<std::int32_t>(rows.offset[at(node) + 1] - rows.offset[at(node)]); },
+      [&](LocalId node, std::int32_t theirs) { elsewhere[at(node)] += theirs; });
 
   RowLengths lengths;
   for (const auto owned : nodes.owned()) {

@@ -4,9 +4,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <map>
 #include <random>
 #include <set>
+
+#include "pamr/base/index.hpp"
 
 namespace pamr::par {
 namespace exchange_test {
@@ -121,6 +125,153 @@ TEST(Exchange, SwapsNothingWithNobody) {
   const Pattern nothing;
 
   EXPECT_TRUE(Exchange(comm, nothing).swap<double>({}).empty());
+}
+
+/// 60 items; every rank holds those that its dice give it, in an order of its own, and knows what the others hold.
+struct Held {
+  explicit Held(Rank rank) {
+    std::mt19937 engine(static_cast<unsigned>(rank) + 77);
+    for (GlobalId i = 0; i < 60; ++i)
+      if (engine() % 3 != 0) key.push_back({i, -1, -1});
+    std::shuffle(key.begin(), key.end(), engine);
+    for (std::size_t i = 0; i < key.size(); ++i) value.push_back(std::ldexp(1.0 + engine() % 1000, engine() % 100) / 3);
+  }
+  const double* find(const SharedKey& wanted) const {
+    const auto found = std::find(key.begin(), key.end(), wanted);
+    return found == key.end() ? nullptr : &value[static_cast<std::size_t>(found - key.begin())];
+  }
+  std::vector<SharedKey> key;
+  std::vector<double> value;
+};
+
+class Fold : public testing::Test {
+ protected:
+  Fold() : mine_(comm_.rank()), pattern_(find_shared(comm_, mine_.key)), exchange_(comm_, pattern_) {
+    for (Rank r = 0; r < comm_.size(); ++r) of_rank_.emplace_back(r);
+  }
+  /// What the holders of an item have, their ranks ascending.
+  std::vector<double> held(const SharedKey& key) const {
+    std::vector<double> values;
+    for (const auto& rank : of_rank_)
+      if (const auto* value = rank.find(key)) values.push_back(*value);
+    return values;
+  }
+
+  Comm comm_{MPI_COMM_WORLD};
+  Held mine_;
+  std::vector<Held> of_rank_;
+  Pattern pattern_;
+  Exchange exchange_;
+};
+
+TEST_F(Fold, GivesEveryHolderTheLargestOfAll) {
+  auto largest = mine_.value;
+
+  fold_shared(exchange_, largest, [](double& mine, double theirs) { mine = std::max(mine, theirs); });
+
+  for (std::size_t i = 0; i < largest.size(); ++i) {
+    const auto all = held(mine_.key[i]);
+    EXPECT_EQ(largest[i], *std::max_element(all.begin(), all.end()));
+  }
+}
+
+TEST_F(Fold, TakesFromEachOtherHolderOnceInTheOrderOfRanks) {
+  std::vector<std::vector<double>> taken(mine_.key.size());
+
+  fold_shared(
+      exchange_, [&](LocalId i) { return -mine_.value[at(i)]; },
+      [&](LocalId i, double theirs) { taken[at(i)].push_back(theirs); });
+
+  for (std::size_t i = 0; i < taken.size(); ++i) {
+    std::vector<double> others;
+    for (Rank r = 0; r < comm_.size(); ++r)
+      if (const auto* value = of_rank_[at(r)].find(mine_.key[i]); value != nullptr && r != comm_.rank())
+        others.push_back(-*value);
+    EXPECT_EQ(taken[i], others);
+  }
+}
+
+TEST_F(Fold, InRankOrderAddsAsOneRankWould) {
+  auto sum = mine_.value;
+
+  fold_in_rank_order(exchange_, sum, [](double a, double b) { return a + b; });
+
+  for (std::size_t i = 0; i < sum.size(); ++i) {
+    const auto all = held(mine_.key[i]);
+    double expected = all.front();
+    for (std::size_t k = 1; k < all.size(); ++k) expected += all[k];
+    EXPECT_EQ(sum[i], expected);
+  }
+}
+
+TEST_F(Fold, InRankOrderKeepsTheOrderOfAJoinThatIsNotCommutative) {
+  auto first = mine_.value;
+  auto halved = mine_.value;
+
+  fold_in_rank_order(exchange_, first, [](double a, double) { return a; });
+  fold_in_rank_order(exchange_, halved, [](double a, double b) { return a / 2 - b; });
+
+  for (std::size_t i = 0; i < first.size(); ++i) {
+    const auto all = held(mine_.key[i]);
+    double expected = all.front();
+    for (std::size_t k = 1; k < all.size(); ++k) expected = expected / 2 - all[k];
+    EXPECT_EQ(first[i], all.front());
+    EXPECT_EQ(halved[i], expected);
+  }
+}
+
+TEST_F(Fold, RaisesAFlagAtEveryHolder) {
+  const auto is_raised = [](double value) { return std::fmod(std::floor(value), 4) == 1; };
+  std::vector<std::uint8_t> flag;
+  for (const auto value : mine_.value) flag.push_back(is_raised(value) ? 1 : 0);
+
+  fold_flags(exchange_, flag);
+
+  for (std::size_t i = 0; i < flag.size(); ++i) {
+    const auto all = held(mine_.key[i]);
+    EXPECT_EQ(flag[i] != 0, std::any_of(all.begin(), all.end(), is_raised));
+  }
+}
+
+TEST_F(Fold, HasOneFirstHolderOfEachItem) {
+  const auto is_first = held_first_here(exchange_, mine_.key.size());
+
+  for (std::size_t i = 0; i < is_first.size(); ++i) {
+    Rank lowest = 0;
+    while (of_rank_[at(lowest)].find(mine_.key[i]) == nullptr) ++lowest;
+    EXPECT_EQ(is_first[i] != 0, lowest == comm_.rank());
+  }
+}
+
+TEST_F(Fold, WorksOnAPartOfThePattern) {
+  const auto third = [](const SharedKey& key) { return key[0] % 3 == 0; };
+  std::vector<LocalId> new_number(mine_.key.size(), invalid_local);
+  std::vector<double> largest;
+  std::vector<SharedKey> key;
+  for (std::size_t i = 0; i < mine_.key.size(); ++i) {
+    if (!third(mine_.key[i])) continue;
+    new_number[i] = static_cast<LocalId>(largest.size());
+    largest.push_back(mine_.value[i]);
+    key.push_back(mine_.key[i]);
+  }
+  const auto part = restricted(pattern_, [&](std::size_t slot) { return new_number[at(pattern_.item[slot])]; });
+
+  fold_shared(Exchange(comm_, part), largest, [](double& mine, double theirs) { mine = std::max(mine, theirs); });
+
+  for (std::size_t i = 0; i < largest.size(); ++i) {
+    const auto all = held(key[i]);
+    EXPECT_EQ(largest[i], *std::max_element(all.begin(), all.end()));
+  }
+}
+
+TEST(Restricted, LeavesOutNeighborsWithoutASlot) {
+  const Pattern whole{{1, 3, 5}, {0, 2, 3, 5}, {10, 11, 12, 13, 14}};
+
+  const auto part = restricted(whole, [](std::size_t slot) { return slot == 2 ? invalid_local : LocalId(slot); });
+
+  EXPECT_THAT(part.rank, ElementsAre(1, 5));
+  EXPECT_THAT(part.offset, ElementsAre(0, 2, 4));
+  EXPECT_THAT(part.item, ElementsAre(0, 1, 3, 4));
 }
 
 /// Row i of the table is (i, 10 i).

@@ -110,30 +110,18 @@ SurfacePoints shared_points(const par::Comm& comm, const SurfaceTriangles& t) {
     }
 
   const auto pattern = par::find_shared(comm, key);
-  constexpr Rank nobody_below = -1;
-  std::vector<std::size_t> numbered_by_slot(here.size());
-  std::vector<Rank> lowest_other(here.size(), nobody_below);
-  for (std::size_t i = 0; i < pattern.rank.size() && pattern.rank[i] < comm.rank(); ++i)
-    for (auto slot = pattern.offset[i]; slot < pattern.offset[i + 1]; ++slot) {
-      auto& lowest = lowest_other[at(pattern.item[slot])];
-      if (lowest != nobody_below) continue;  // ranks ascend
-      lowest = pattern.rank[i];
-      numbered_by_slot[at(pattern.item[slot])] = slot;
-    }
+  const par::Exchange exchange(comm, pattern);
+  const auto is_own = par::held_first_here(exchange, here.size());
   std::vector<std::int64_t> number(here.size(), -1);
-  const auto n_own = std::count(lowest_other.begin(), lowest_other.end(), nobody_below);
+  const auto n_own = std::count(is_own.begin(), is_own.end(), 1);
   auto next = comm.exclusive_sum(n_own);
   points.n = comm.sum(n_own);
   for (std::size_t i = 0; i < here.size(); ++i) {
-    if (lowest_other[i] != nobody_below) continue;
+    if (is_own[i] == 0) continue;
     number[i] = next++;
     points.own.push_back(here[i]);
   }
-  std::vector<std::int64_t> mine;
-  for (const auto item : pattern.item) mine.push_back(number[at(item)]);
-  const auto theirs = par::Exchange(comm, pattern).swap(std::span<const std::int64_t>(mine));
-  for (std::size_t i = 0; i < here.size(); ++i)
-    if (lowest_other[i] != nobody_below) number[i] = theirs[numbered_by_slot[i]];
+  par::fold_shared(exchange, number, [](std::int64_t& mine, std::int64_t theirs) { mine = std::max(mine, theirs); });
   for (const auto i : corner_to_here) points.number.push_back(number[i]);
   return points;
 }

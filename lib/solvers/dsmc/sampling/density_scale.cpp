@@ -43,13 +43,9 @@ std::vector<double> at_nodes(const par::Comm& comm, const mesh::DistMesh& mesh, 
       sums[at(node)][1] += fixed(volumes[c] * density[c], 1);
     }
   const auto borders = mesh::find_borders(comm, mesh);
-  const par::Exchange exchange(comm, borders.nodes);
-  const auto& shared = exchange.pattern().item;
-  std::vector<Sums> mine(shared.size());
-  for (std::size_t k = 0; k < shared.size(); ++k) mine[k] = sums[at(shared[k])];
-  const auto theirs = exchange.swap<Sums>(mine);
-  for (std::size_t k = 0; k < shared.size(); ++k)
-    for (std::size_t i = 0; i < 2; ++i) sums[at(shared[k])][i] += theirs[k][i];
+  par::fold_shared(par::Exchange(comm, borders.nodes), sums, [](Sums& mine, const Sums& theirs) {
+    for (std::size_t i = 0; i < 2; ++i) mine[i] += theirs[i];
+  });
   std::vector<double> result(sums.size(), 0.0);
   for (std::size_t n = 0; n < sums.size(); ++n)
     if (sums[n][0] > 0)
