@@ -16,9 +16,11 @@ import gmsh
 import h5py
 import numpy as np
 
+sys.path.append(str(pathlib.Path(__file__).resolve().parents[2] / "tools/picture"))
+from tet import FACE_TO_CORNER  # noqa: E402
+
 ANGLES = re.compile(r"non-orthogonality|skew|aspect ratio|wedge|two or more|underdetermined|Failed \d+ mesh check", re.I)
 MAX_NODES = 3000  # of each patch, to be measured by Gmsh
-FACES = np.array([[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]])
 out, levels = pathlib.Path(sys.argv[1]), int(sys.argv[2])
 bounds = {r["quantity"]: r for r in csv.DictReader(open(pathlib.Path(__file__).parent / "expected.csv"))}
 failed = False
@@ -41,7 +43,7 @@ def wall_nodes(name):
         names = [n.decode() for n in file["PAMR/patches/names"][:]]
     for patch, patch_name in enumerate(names):
         cell, slot = np.nonzero(next_to == -1 - patch)
-        yield patch_name, points[np.unique(cells[cell[:, None], FACES[slot]])]
+        yield patch_name, points[np.unique(cells[cell[:, None], FACE_TO_CORNER[slot]])]
 
 
 def off_faces(nodes, faces):

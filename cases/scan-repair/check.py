@@ -11,6 +11,9 @@ import sys
 import h5py
 import numpy as np
 
+sys.path.append(str(pathlib.Path(__file__).resolve().parents[2] / "tools/picture"))
+from tet import FACE_TO_CORNER  # noqa: E402
+
 import make_scan
 
 out, levels = pathlib.Path(sys.argv[1]), int(sys.argv[2])
@@ -30,7 +33,6 @@ repair, decimate = (json.loads((out / f"{name}.json").read_text()) for name in (
 print("repair: " + "; ".join(repair["steps"]))
 compare("repair", {"faults_left": len(repair["left"]["faults"])})
 compare("decimation", {"distance": max(decimate["distance"][side]["at_most"] for side in ("from_old", "to_old"))})
-FACES = np.array([[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]])
 errors = []
 for level in range(levels + 1):
     name = out / f"level{level}.hdf"
@@ -39,7 +41,7 @@ for level in range(levels + 1):
     with h5py.File(name) as file:
         points, cells = file["VTKHDF/Points"][:], file["VTKHDF/Connectivity"][:].reshape(-1, 4)
         cell, slot = np.nonzero(file["PAMR/cell_to_cell"][:] < 0)
-    off = make_scan.distance_from_ring(points[np.unique(cells[cell[:, None], FACES[slot]])])
+    off = make_scan.distance_from_ring(points[np.unique(cells[cell[:, None], FACE_TO_CORNER[slot]])])
     volume, area = report["volume"] / make_scan.VOLUME - 1, patch["area"] / make_scan.AREA - 1
     errors.append((abs(volume), abs(area)))
     print(f"level {level}: {report['cells']} cells, smallest mean ratio {report['mean_ratio']['min']:.3f}, wall nodes off the "

@@ -11,11 +11,13 @@ import sys
 import h5py
 import numpy as np
 
+sys.path.append(str(pathlib.Path(__file__).resolve().parents[2] / "tools/picture"))
+from tet import FACE_TO_CORNER  # noqa: E402
+
 import make_body
 
 out, levels = pathlib.Path(sys.argv[1]), int(sys.argv[2])
 bound = {r["quantity"]: float(r["at_most"]) for r in csv.DictReader(open(pathlib.Path(__file__).parent / "expected.csv"))}
-FACES = np.array([[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]])
 
 
 def off_body(points):
@@ -36,7 +38,7 @@ def wall(name):
         cell, slot = np.nonzero(file["PAMR/cell_to_cell"][:] < 0)
         patch = -1 - file["PAMR/cell_to_cell"][:][cell, slot]
     on_body = np.isin(patch, [i for i, n in enumerate(names) if n.startswith("body")])
-    return points, cells[cell[:, None], FACES[slot]][on_body], patch[on_body]
+    return points, cells[cell[:, None], FACE_TO_CORNER[slot]][on_body], patch[on_body]
 
 
 def edges_of(points, faces, patch):

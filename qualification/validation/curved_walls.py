@@ -19,9 +19,11 @@ import tempfile
 import h5py
 import numpy as np
 
+sys.path.append(str(pathlib.Path(__file__).resolve().parents[2] / "tools/picture"))
+from tet import FACE_TO_CORNER  # noqa: E402
+
 import wall_cases
 
-FACES = np.array([[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]])
 HEAD = ("level", "cells", "wall nodes", "off", "worst distance", "moved", "smallest mean ratio", "area error", "order",
         "volume error", "order", "normals off by", "order", "kept", "untangling", "project s", "refine s")
 
@@ -87,7 +89,7 @@ class Walls:
             neighbors = file["PAMR/cell_to_cell"][:]
             self.names = [n.decode() for n in file["PAMR/patches/names"][:]]
         cell, slot = np.nonzero(neighbors < 0)
-        self.faces = cells[cell[:, None], FACES[slot]]
+        self.faces = cells[cell[:, None], FACE_TO_CORNER[slot]]
         self.patch = -1 - neighbors[cell, slot]
 
     def faces_of(self, name):

@@ -8,6 +8,7 @@ import numpy as np
 
 from surface_models import bored_cube, can, icosphere, write_stl
 from tool_run import kuhn_cube, prepare_alone, refuses, run, run_tests, same_bytes
+from tet import FACE_TO_CORNER
 
 prepare_alone("pamr-mesh", "pamr-mark", "pamr-quality")
 FORMATS = [("2.2", True), ("2.2", False), ("4.1", True), ("4.1", False)]
@@ -438,7 +439,7 @@ def sharp_edges(name, degrees):
     with h5py.File(name) as file:
         points, cells = file["VTKHDF/Points"][:], file["VTKHDF/Connectivity"][:].reshape(-1, 4)
         cell, slot = np.nonzero(file["PAMR/cell_to_cell"][:] < 0)
-    faces = cells[cell[:, None], np.array([[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]])[slot]]
+    faces = cells[cell[:, None], FACE_TO_CORNER[slot]]
     normal = np.cross(points[faces[:, 1]] - points[faces[:, 0]], points[faces[:, 2]] - points[faces[:, 0]])
     normal /= np.linalg.norm(normal, axis=1)[:, None]
     edges = np.sort(np.vstack([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]), axis=1)

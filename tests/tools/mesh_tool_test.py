@@ -7,9 +7,8 @@ import h5py
 import numpy as np
 
 from tool_run import RANKS, of_one_process, once, refuses, run, run_tests, same_bytes
+from tet import EDGE_TO_CORNER, FACE_TO_CORNER
 
-FACES = np.array([[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]])
-EDGES = [(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)]
 
 
 class Mesh:
@@ -22,7 +21,7 @@ class Mesh:
             self.surfaces = [n.decode() for n in file["PAMR/patches/surfaces"][:]]
             self.length_unit = file["PAMR"].attrs["length_unit"].decode()
         cell, slot = np.nonzero(self.neighbors < 0)
-        self.faces = self.cells[cell[:, None], FACES[slot]]
+        self.faces = self.cells[cell[:, None], FACE_TO_CORNER[slot]]
         self.patch = -1 - self.neighbors[cell, slot]
 
     def faces_of(self, name):
@@ -35,7 +34,7 @@ class Mesh:
         p = self.points[self.cells]
         volume = np.einsum("ij,ij->i", np.cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0]), p[:, 3] - p[:, 0]) / 6
         assert (volume > 0).all()
-        squares = sum(((p[:, a] - p[:, b]) ** 2).sum(axis=1) for a, b in EDGES)
+        squares = sum(((p[:, a] - p[:, b]) ** 2).sum(axis=1) for a, b in EDGE_TO_CORNER)
         return 12 * (3 * volume) ** (2 / 3) / squares
 
     def patch_edges(self, name):

@@ -7,10 +7,10 @@ import numpy as np
 
 from surface_models import bored_cube, can, icosphere, wing, write_off, write_stl
 from tool_run import RANKS, of_full_level, prepare_alone, refuses, run, run_tests, same_bytes
+from tet import FACE_TO_CORNER
 
 prepare_alone("pamr-mark", "pamr-quality")
 
-FACES = np.array([[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]])
 
 
 def body_toml(file, keys=""):
@@ -30,7 +30,7 @@ def patches(name):
         cell, slot = np.nonzero(file["PAMR/cell_to_cell"][:] < 0)
         patch = -1 - file["PAMR/cell_to_cell"][:][cell, slot]
         names = [n.decode() for n in file["PAMR/patches/names"][:]]
-    faces = cells[cell[:, None], FACES[slot]]
+    faces = cells[cell[:, None], FACE_TO_CORNER[slot]]
     return points, {n: np.unique(faces[patch == i]) for i, n in enumerate(names)}
 
 

@@ -9,6 +9,7 @@ import h5py
 import numpy as np
 
 from tool_run import bare_copy, kuhn_cube, prepare_alone, refuses, run, run_tests, same_bytes
+from tet import EDGE_TO_CORNER, FACE_TO_CORNER
 
 prepare_alone("pamr-mesh", "pamr-mark", "pamr-refine")
 
@@ -65,11 +66,11 @@ def test_values_agree_with_numpy():
     report = run("pamr-quality", "a.hdf", "--json", "-").json
     with h5py.File("a.hdf") as file:
         p = file["VTKHDF/Points"][:][file["VTKHDF/Connectivity"][:].reshape(-1, 4)]
-    edges = p[:, [0, 0, 0, 1, 1, 2]] - p[:, [1, 2, 3, 2, 3, 3]]
+    edges = p[:, EDGE_TO_CORNER[:, 0]] - p[:, EDGE_TO_CORNER[:, 1]]
     length = np.linalg.norm(edges, axis=2)
     volume = np.einsum("ij,ij->i", np.cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0]), p[:, 3] - p[:, 0]) / 6
     area = sum(np.linalg.norm(np.cross(p[:, b] - p[:, a], p[:, c] - p[:, a]), axis=1) / 2
-               for a, b, c in ((1, 2, 3), (0, 2, 3), (0, 1, 3), (0, 1, 2)))
+               for a, b, c in FACE_TO_CORNER)
     inner = 3 * volume / area
     mean_ratio = 12 * np.cbrt(3 * volume) ** 2 / (length**2).sum(axis=1)
     aspect_ratio = length.max(axis=1) / (2 * math.sqrt(6) * inner)
@@ -138,7 +139,7 @@ def test_levels_of_a_run_show_how_a_wall_converges():
         points, cells = file["VTKHDF/Points"][:], file["VTKHDF/Connectivity"][:].reshape(-1, 4)
         patches = [n.decode() for n in file["PAMR/patches/names"][:]]
         cell, slot = np.nonzero(file["PAMR/cell_to_cell"][:] == -1 - patches.index("sphere"))
-    p = points[cells[cell[:, None], np.array([[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]])[slot]]]
+    p = points[cells[cell[:, None], FACE_TO_CORNER[slot]]]
     normal, middle = np.cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0]), p.mean(axis=1)
     doubled = np.linalg.norm(normal, axis=1)
     cosine = np.abs((normal * middle).sum(axis=1)) / doubled / np.linalg.norm(middle, axis=1)

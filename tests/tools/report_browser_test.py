@@ -11,12 +11,12 @@ import numpy as np
 import report_page
 from report_page import OpenPage, opened, screenshot
 from tool_run import SHARED, kuhn_cube, once, run, run_tests
+from tet import FACE_TO_CORNER
 
 if report_page.BROWSER is None:
     print("skipped: there is no Chromium (Debian: chromium)")
     sys.exit(77)
 
-FACES = np.array([[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]])
 
 
 @once
@@ -71,7 +71,7 @@ def test_a_picked_triangle_is_the_one_that_lies_there():
         assert title == "Boundary triangle" and said["patch"].startswith(patch), said
         cell = int(said["cell behind"])
         slot = list(neighbors[cell]).index(-1 - patches.index(patch))
-        corners = cells[cell][FACES[slot]]
+        corners = cells[cell][FACE_TO_CORNER[slot]]
         at = {int(name.split()[1]): numbers(text) for name, text in said.items() if name.startswith("node ")}
         assert set(at) == set(corners), (at, corners)
         for node, position in at.items():

@@ -11,6 +11,7 @@ import numpy as np
 
 from report_page import Page
 from tool_run import kuhn_cube, refuses, run, run_tests, same_bytes
+from tet import FACE_TO_CORNER
 
 
 def levels():
@@ -59,7 +60,7 @@ def test_the_data_are_those_of_the_mesh():
     cell, slot = np.nonzero(links < 0)
     faces = view["faces"]
     assert (integers(faces["cell"]) == cell).all() and (integers(faces["patch"]) == -1 - links[cell, slot]).all()
-    corners = np.array([[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]])[slot]
+    corners = FACE_TO_CORNER[slot]
     assert (integers(faces["node"]).reshape(-1, 3) == cells[cell[:, None], corners]).all()
     columns = {column["name"]: column for column in faces["columns"]}
     assert np.allclose(reals(columns["pressure"]["data"]), cell, rtol=1.6e-5)

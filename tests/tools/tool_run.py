@@ -21,6 +21,8 @@ import traceback
 
 import h5py
 
+sys.path.append(str(pathlib.Path(__file__).parents[2] / "tools/picture"))  # tet, the numbering of a tetrahedron
+
 BIN = pathlib.Path(sys.argv[1])
 RANKS = int(sys.argv[2])
 LAUNCHER = sys.argv[3:] + [sys.argv[2]] if len(sys.argv) > 3 else []

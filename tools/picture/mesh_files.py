@@ -9,8 +9,8 @@ import os
 import numpy as np
 
 from refused import Refused
+from tet import FACE_TO_CORNER
 
-FACES = np.array([[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]])  # opposite each node, outward
 NATIVE = (".hdf",)
 BY_VTK = (".vtu", ".vtp", ".vtk", ".stl", ".ply", ".obj")
 BY_MESHIO = (".msh", ".mesh", ".meshb", ".su2", ".off", ".ugrid")
@@ -54,7 +54,7 @@ def face_keys(triangles):
 
 def outer_faces(cells):
     """Faces of one cell only, and these cells."""
-    triangles = cells[:, FACES].reshape(-1, 3)
+    triangles = cells[:, FACE_TO_CORNER].reshape(-1, 3)
     keys = face_keys(triangles)
     order = np.lexsort(keys.T[::-1])
     keys = keys[order]
@@ -117,7 +117,7 @@ def native_of(file, data):
         return with_boundary(file, points, cells, np.empty((0, 3), int), [], {}, **more)
     neighbors = own["cell_to_cell"][:]
     cell, slot = np.nonzero(neighbors < 0)
-    faces = np.take_along_axis(cells[cell], FACES[slot], axis=1)
+    faces = np.take_along_axis(cells[cell], FACE_TO_CORNER[slot], axis=1)
     patches = [text_of(name) for name in own["patches/names"][:]] if "patches/names" in own else [NO_PATCH]
     return Mesh(file, points, cells, faces, cell, -neighbors[cell, slot] - 1, patches, **more)
 

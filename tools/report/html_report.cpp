@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "pamr/base/contract.hpp"
+#include "pamr/mesh/tet.hpp"
 #include "report/html_table.hpp"
 #include "report/page_parts.hpp"
 #include "report/view_json.hpp"
@@ -40,7 +41,9 @@ std::string data_elements(const std::vector<ReportedMesh>& meshes) {
 
 std::string script_elements() {
   using namespace parts;
-  std::string text;
+  auto text =
+      fmt::format("<script>\nconst TET_EDGES = {}, TET_FACES = {};\n</script>\n",
+                  nlohmann::json(mesh::tet::edge_to_corner).dump(), nlohmann::json(mesh::tet::face_to_corner).dump());
   for (const auto part :
        {three_js, uplot_js, unpack_js, colors_js, sections_js, details_js, view_js, charts_js, page_js})
     text += "<script>\n" + std::string(part) + "\n</script>\n";

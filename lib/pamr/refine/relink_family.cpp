@@ -6,6 +6,7 @@
 #include "pamr/base/index.hpp"
 #include "pamr/base/prefetch.hpp"
 #include "pamr/mesh/ring.hpp"
+#include "pamr/mesh/tet.hpp"
 #include "pamr/refine/family.hpp"
 
 namespace pamr::refine {
@@ -17,8 +18,6 @@ constexpr int block_bits = 3;
 
 /// Number of marks on a face of a cell that is split by a state.
 int marks_on(int state, int face) { return n_face_marks[split_pattern[at(state)].mask][at(face)]; }
-
-constexpr std::array<std::array<int, 3>, 4> corners_of_face{{{1, 2, 3}, {0, 2, 3}, {0, 1, 3}, {0, 1, 2}}};
 
 /// `link >= 0 ? inner : outer` without a branch: which it is follows no order that a processor could foresee.
 constexpr LocalId if_inner(std::int8_t link, LocalId inner, LocalId outer) {
@@ -248,7 +247,7 @@ bool FamilyLinker::find_quarters(const Parent& parent, int face, Quarters& quart
   if (pattern.face_to_child[at(face)][center] < 0) return false;
   int all = 0;
   for (int i = 0; i < 4; ++i) {
-    const int place = i < 3 ? corners_of_face[at(face)][at(i)] : center;
+    const int place = i < 3 ? mesh::tet::face_to_corner[at(face)][at(i)] : center;
     const int c = pattern.face_to_child[at(face)][at(place)], slot = pattern.face_to_slot[at(face)][at(place)];
     const int part = parent.child[at(c)]->face_to_child[at(slot)][whole];
     quarters.part[at(i)] = {parent.start[at(c)] + part, parent.child[at(c)]->face_to_slot[at(slot)][whole]};

@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Sections of cells by a plane, and the cells around one.
+// Sections of cells by a plane, and the cells around one. TET_EDGES and TET_FACES, the corners of a tetrahedron's edges and
+// faces, are written before by html_report.cpp.
 "use strict";
-
-// Edges of a tetrahedron by the corners that they join.
-const TET_EDGES = [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]];
-const TET_FACES = [[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]];
 
 // Triangles of a section, three vertices each. A vertex lies between the nodes a and b, at the part w from a; `inner` is
 // 1 + the corner of its triangle that lies opposite an edge inside of a cell, 0 when all edges are on the cell's surface.
