@@ -114,20 +114,6 @@ void warn_lost_shapes(const cli::Session& session, const check::WallShapes& befo
       after.n_below, check::limit_of_lost_shape(before), after.smallest, p.x, p.y, p.z, before.smallest));
 }
 
-nlohmann::json to_json(const adapt::CoarseningReport& report) {
-  return {{"cells_flagged", report.cells_flagged},
-          {"cells_without_parent", report.cells_without_parent},
-          {"cells_without_siblings", report.cells_without_siblings},
-          {"octets_gone", report.octets_gone},
-          {"octets_needed", report.octets_needed},
-          {"octets_kept", report.octets_kept},
-          {"families_closed", report.families_closed},
-          {"families_kept", report.families_kept},
-          {"cells_moved", report.cells_moved},
-          {"cells_between", report.cells_between},
-          {"rounds", report.rounds}};
-}
-
 /// What was marked, and what went.
 std::string marked_text(std::int64_t marked, const adapt::CoarseningReport& coarsening) {
   if (coarsening.cells_flagged == 0) return fmt::format("{} marked", marked);

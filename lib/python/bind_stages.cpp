@@ -17,6 +17,7 @@
 #include "pamr/adapt/adapt.hpp"
 #include "pamr/adapt/forecast.hpp"
 #include "pamr/adapt/parent_data.hpp"
+#include "pamr/adapt/refine_report.hpp"
 #include "pamr/adapt/saved_rows.hpp"
 #include "pamr/balance/rebalance.hpp"
 #include "pamr/check/quality_report.hpp"
@@ -43,23 +44,20 @@ SharedMesh same_ranks(const PythonMesh& old, mesh::DistMesh mesh) {
   return result;
 }
 
+/// The numbers of a report as a dictionary of Python.
+py::dict to_dict(const nlohmann::json& numbers) { return py::module_::import("json").attr("loads")(numbers.dump()); }
+
+/// The keys of pamr-refine, and those that only Python has.
 py::dict to_dict(const adapt::Report& report) {
-  py::dict result, seconds;
-  for (const auto& step : report.steps) seconds[step.step.c_str()] = step.wall;
-  result["cells_in"] = report.cells_in;
-  result["cells_out"] = report.cells_out;
-  result["nodes_in"] = report.nodes_in;
-  result["nodes_out"] = report.nodes_out;
-  result["marked"] = report.closure.n_marked;
-  result["marked_not_split"] = report.marked_not_split;
-  result["closure_rounds"] = report.closure.rounds;
-  result["families_rebuilt"] = report.closure.families_rebuilt;
-  result["nodes_moved"] = report.certificate.n_moved;
-  result["nodes_off_surface"] = report.certificate.n_off_surface;
-  result["cells_moved"] = report.balance.moved_cells;
-  result["imbalance"] = report.balance.after.imbalance;
-  result["seconds"] = seconds;
-  return result;
+  auto numbers = adapt::to_json(report);
+  numbers["closure_rounds"] = report.closure.rounds;
+  numbers["nodes_moved"] = report.certificate.n_moved;
+  numbers["nodes_off_surface"] = report.certificate.n_off_surface;
+  numbers["cells_moved"] = report.balance.moved_cells;
+  numbers["imbalance"] = report.balance.after.imbalance;
+  numbers["seconds"] = nlohmann::json::object();
+  for (const auto& step : report.steps) numbers["seconds"][step.step] = step.wall;
+  return to_dict(numbers);
 }
 
 /// Policy and shape floor.
@@ -92,20 +90,6 @@ py::tuple refine(const PythonMesh& old, const Array<std::uint8_t>& flags, bool p
   return py::make_tuple(same_ranks(old, std::move(refined.mesh)), to_dict(refined.report));
 }
 
-py::dict to_dict(const adapt::CoarseningReport& report) {
-  py::dict result;
-  result["cells_flagged"] = report.cells_flagged;
-  result["cells_without_parent"] = report.cells_without_parent;
-  result["cells_without_siblings"] = report.cells_without_siblings;
-  result["octets_gone"] = report.octets_gone;
-  result["octets_needed"] = report.octets_needed;
-  result["octets_kept"] = report.octets_kept;
-  result["families_closed"] = report.families_closed;
-  result["families_kept"] = report.families_kept;
-  result["cells_between"] = report.cells_between;
-  return result;
-}
-
 py::tuple adapt_both_ways(const PythonMesh& old, const Array<std::int8_t>& flags, bool project, const Closing& closing,
                           const std::string& method, const std::string& weights,
                           const std::vector<std::string>& integrals) {
@@ -120,7 +104,7 @@ py::tuple adapt_both_ways(const PythonMesh& old, const Array<std::int8_t>& flags
     return adapt::adapt(*old.comm, given_mesh(old, how.balancing), values, how);
   }();
   auto report = to_dict(adapted.report);
-  report["coarsening"] = to_dict(adapted.coarsening);
+  report["coarsening"] = to_dict(adapt::to_json(adapted.coarsening));
   return py::make_tuple(same_ranks(old, std::move(adapted.mesh)), report);
 }
 

@@ -307,6 +307,8 @@ def test_refining_and_taking_all_back_gives_the_mesh_that_there_was():
     both = pamr.adapt(mesh, flags)
     assert (both.mesh.n_cells, both.mesh.n_nodes) == expected
     assert both.report["coarsening"]["octets_gone"] > 0 and both.report["marked"] > 0
+    assert both.report["rounds"] == both.report["closure_rounds"] > 0, "the keys of pamr-refine, and those of Python alone"
+    assert both.report["coarsening"]["rounds"] > 0 and both.report["off_surface_nodes"] == 0 < len(both.report["seconds"])
     assert abs(total(both.mesh.cell_fields["a"] * both.mesh.volumes()) - mass) < 1e-12 * mass
     for level in (1, 0):
         mesh = pamr.adapt(mesh, -np.ones(len(mesh.cells), int), integrals=["a"]).mesh

@@ -66,6 +66,41 @@ std::vector<StepTime> with_migration_in_balance(const std::vector<StepTime>& ste
 
 }  // namespace
 
+nlohmann::json to_json(const Report& report) {
+  return {{"cells_in", report.cells_in},
+          {"cells_out", report.cells_out},
+          {"nodes_in", report.nodes_in},
+          {"nodes_out", report.nodes_out},
+          {"marked", report.closure.n_marked},
+          {"marked_not_split", report.marked_not_split},
+          {"marked_too_deep", report.marked_too_deep},
+          {"rounds", report.closure.rounds},
+          {"sweeps", report.closure.sweeps},
+          {"early_passes", report.closure.early_passes},
+          {"back_off_rounds", report.certificate.back_off_rounds},
+          {"moved_nodes", report.certificate.n_moved},
+          {"cells_checked", report.certificate.n_cells_checked},
+          {"untangling_rounds", report.certificate.untangling_rounds},
+          {"families_rebuilt", report.closure.families_rebuilt},
+          {"families_kept", report.closure.families_kept},
+          {"off_surface_nodes", report.certificate.n_off_surface},
+          {"off_facets_nodes", report.certificate.n_off_facets}};
+}
+
+nlohmann::json to_json(const CoarseningReport& report) {
+  return {{"cells_flagged", report.cells_flagged},
+          {"cells_without_parent", report.cells_without_parent},
+          {"cells_without_siblings", report.cells_without_siblings},
+          {"octets_gone", report.octets_gone},
+          {"octets_needed", report.octets_needed},
+          {"octets_kept", report.octets_kept},
+          {"families_closed", report.families_closed},
+          {"families_kept", report.families_kept},
+          {"cells_moved", report.cells_moved},
+          {"cells_between", report.cells_between},
+          {"rounds", report.rounds}};
+}
+
 nlohmann::json make_report(const par::Comm& comm, const adapt::Report& report, const Measured& measured) {
   nlohmann::json seconds, cpu_seconds, check_seconds, steps, of_rank;
   const auto sent = comm.traffic();  // before the report sends anything itself
@@ -93,40 +128,22 @@ nlohmann::json make_report(const par::Comm& comm, const adapt::Report& report, c
   const auto at_rest = comm.sum(static_cast<std::int64_t>(measured.bytes_at_rest));
   const auto peak = static_cast<std::int64_t>(peak_resident_bytes());
   const auto bytes_sent = comm.max(sent.bytes), messages_sent = comm.max(sent.messages);
-  nlohmann::json json = {
-      {"cells_in", report.cells_in},
-      {"cells_out", report.cells_out},
-      {"nodes_in", report.nodes_in},
-      {"nodes_out", report.nodes_out},
-      {"marked", report.closure.n_marked},
-      {"marked_not_split", report.marked_not_split},
-      {"marked_too_deep", report.marked_too_deep},
-      {"rounds", report.closure.rounds},
-      {"sweeps", report.closure.sweeps},
-      {"early_passes", report.closure.early_passes},
-      {"back_off_rounds", report.certificate.back_off_rounds},
-      {"moved_nodes", report.certificate.n_moved},
-      {"cells_checked", report.certificate.n_cells_checked},
-      {"untangling_rounds", report.certificate.untangling_rounds},
-      {"families_rebuilt", report.closure.families_rebuilt},
-      {"families_kept", report.closure.families_kept},
-      {"inverted_cells", measured.inverted_cells},
-      {"cells_below_floor", measured.cells_below_floor},
-      {"off_surface_nodes", report.certificate.n_off_surface},
-      {"off_facets_nodes", report.certificate.n_off_facets},
-      {"fingerprint", fmt::format("{:016x}", measured.fingerprint)},
-      {"ranks", comm.size()},
-      {"peak_rss_bytes", comm.max(peak)},
-      {"peak_rss_bytes_sum", comm.sum(peak)},
-      {"bytes_per_cell_at_rest", static_cast<double>(at_rest) / static_cast<double>(report.cells_out)},
-      {"bytes_sent_max", bytes_sent},
-      {"messages_sent_max", messages_sent},
-      {"bytes_read_max", comm.max(measured.bytes_read)},
-      {"balance", balance_report(comm, report.balance)},
-      {"seconds", seconds},
-      {"cpu_seconds", cpu_seconds},
-      {"check_seconds", check_seconds},
-      {"steps", steps}};
+  auto json = to_json(report);
+  json.update({{"inverted_cells", measured.inverted_cells},
+               {"cells_below_floor", measured.cells_below_floor},
+               {"fingerprint", fmt::format("{:016x}", measured.fingerprint)},
+               {"ranks", comm.size()},
+               {"peak_rss_bytes", comm.max(peak)},
+               {"peak_rss_bytes_sum", comm.sum(peak)},
+               {"bytes_per_cell_at_rest", static_cast<double>(at_rest) / static_cast<double>(report.cells_out)},
+               {"bytes_sent_max", bytes_sent},
+               {"messages_sent_max", messages_sent},
+               {"bytes_read_max", comm.max(measured.bytes_read)},
+               {"balance", balance_report(comm, report.balance)},
+               {"seconds", seconds},
+               {"cpu_seconds", cpu_seconds},
+               {"check_seconds", check_seconds},
+               {"steps", steps}});
   if (measured.lists_ranks) {
     of_rank["peak_rss_bytes"] = comm.all_gather(peak);
     of_rank["shared_rss_bytes"] = comm.all_gather(shared_resident_bytes());

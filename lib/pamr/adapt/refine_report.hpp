@@ -24,7 +24,13 @@ struct Measured {
   bool lists_ranks = false;            ///< the report also gives each rank's share of every step
 };
 
-/// The JSON report of docs/tools/pamr-refine.md, complete on every rank. Collective.
+/// What a refinement did, by the keys of docs/tools/pamr-refine.md. Local.
+nlohmann::json to_json(const Report& report);
+/// What coarsening did, by the keys of docs/coarsening.md. Local.
+nlohmann::json to_json(const CoarseningReport& report);
+
+/// The JSON report of docs/tools/pamr-refine.md, complete on every rank: `to_json(report)` and what was measured.
+/// Collective.
 nlohmann::json make_report(const par::Comm& comm, const adapt::Report& report, const Measured& measured);
 
 /// Memory that this process shares with others (MPI's buffers between the processes of a machine) and has touched; 0
