@@ -7,6 +7,7 @@
 #include "pamr/geometry/box.hpp"
 #include "pamr/geometry/tet_shape.hpp"
 #include "solvers/dsmc/gas/gas.hpp"
+#include "solvers/dsmc/gas/stream.hpp"
 #include "solvers/dsmc/kernel/boundary.hpp"
 #include "solvers/dsmc/kernel/collide.hpp"
 

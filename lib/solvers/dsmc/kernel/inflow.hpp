@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "solvers/dsmc/gas/stream.hpp"
 #include "solvers/dsmc/kernel/move.hpp"
 
 namespace pamr::dsmc {

@@ -9,7 +9,7 @@
 #include "pamr/base/case_file.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/base/name_pattern.hpp"
-#include "solvers/dsmc/run/gas_tables.hpp"
+#include "solvers/dsmc/gas/gas_tables.hpp"
 
 namespace pamr::dsmc {
 

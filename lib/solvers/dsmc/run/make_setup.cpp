@@ -16,7 +16,7 @@
 #include "pamr/mesh/find_patches.hpp"
 #include "pamr/mesh/require_field.hpp"
 #include "pamr/par/reproducible_sum.hpp"
-#include "solvers/dsmc/run/gas_tables.hpp"
+#include "solvers/dsmc/gas/gas_tables.hpp"
 #include "solvers/dsmc/gas/kinetic_theory.hpp"
 #include "solvers/dsmc/sampling/loads.hpp"
 

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "solvers/dsmc/gas/gas.hpp"
+#include "solvers/dsmc/gas/stream.hpp"
 #include "solvers/dsmc/kernel/boundary.hpp"
 #include "solvers/dsmc/sampling/loads.hpp"
 

@@ -10,6 +10,7 @@
 #include "pamr/mesh/dist_mesh.hpp"
 #include "pamr/par/comm.hpp"
 #include "solvers/dsmc/gas/gas.hpp"
+#include "solvers/dsmc/gas/stream.hpp"
 #include "solvers/dsmc/kernel/boundary.hpp"
 #include "solvers/dsmc/kernel/gas_domain.hpp"
 #include "solvers/dsmc/kernel/surface_tally.hpp"

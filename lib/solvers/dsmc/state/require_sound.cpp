@@ -9,7 +9,7 @@
 
 #include "pamr/base/error.hpp"
 #include "pamr/base/index.hpp"
-#include "solvers/dsmc/run/gas_tables.hpp"
+#include "solvers/dsmc/gas/gas_tables.hpp"
 #include "solvers/dsmc/state/cell_row.hpp"
 #include "solvers/dsmc/state/checkpoint_rows.hpp"
 #include "solvers/dsmc/state/header_values.hpp"

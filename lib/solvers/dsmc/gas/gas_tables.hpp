@@ -7,7 +7,7 @@
 
 #include "pamr/base/toml_table.hpp"
 #include "solvers/dsmc/gas/gas.hpp"
-#include "solvers/dsmc/kernel/boundary.hpp"
+#include "solvers/dsmc/gas/stream.hpp"
 
 namespace pamr::dsmc {
 

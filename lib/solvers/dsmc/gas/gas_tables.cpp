@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "solvers/dsmc/run/gas_tables.hpp"
+#include "solvers/dsmc/gas/gas_tables.hpp"
 
 #include <fmt/format.h>
 
