@@ -23,9 +23,9 @@
 #include "pamr/io/native/native_file.hpp"
 #include "pamr/mesh/tet.hpp"
 #include "pamr/par/runtime.hpp"
-#include "solvers/poisson_boltzmann/analysis.hpp"
-#include "solvers/poisson_boltzmann/preconditioner.hpp"
-#include "solvers/poisson_boltzmann/spread_cells.hpp"
+#include "solvers/poisson_boltzmann/fem/preconditioner.hpp"
+#include "solvers/poisson_boltzmann/fem/spread_cells.hpp"
+#include "solvers/poisson_boltzmann/goals/analysis.hpp"
 
 namespace {
 

@@ -11,12 +11,12 @@
 #include "pamr/base/timer.hpp"
 #include "pamr/io/native/native_file.hpp"
 #include "pamr/validate/validate.hpp"
-#include "solvers/poisson_boltzmann/case_names.hpp"
-#include "solvers/poisson_boltzmann/electrode_file.hpp"
-#include "solvers/poisson_boltzmann/initial_guess.hpp"
-#include "solvers/poisson_boltzmann/pb_report.hpp"
-#include "solvers/poisson_boltzmann/preconditioner.hpp"
-#include "solvers/poisson_boltzmann/spread_cells.hpp"
+#include "solvers/poisson_boltzmann/fem/initial_guess.hpp"
+#include "solvers/poisson_boltzmann/fem/preconditioner.hpp"
+#include "solvers/poisson_boltzmann/fem/spread_cells.hpp"
+#include "solvers/poisson_boltzmann/problem/case_names.hpp"
+#include "solvers/poisson_boltzmann/report/electrode_file.hpp"
+#include "solvers/poisson_boltzmann/report/pb_report.hpp"
 
 namespace {
 

@@ -3,7 +3,7 @@
 
 #include <cstdio>
 #include <pamr/par/comm.hpp>
-#include <solvers/poisson_boltzmann/petsc.hpp>
+#include <solvers/poisson_boltzmann/fem/petsc.hpp>
 
 int main(int argc, char** argv) {
   MPI_Init(&argc, &argv);

@@ -7,7 +7,7 @@
 #include "case_files.hpp"
 #include "mutate.hpp"
 #include "seeds.hpp"
-#include "solvers/poisson_boltzmann/pb_case.hpp"
+#include "solvers/poisson_boltzmann/problem/pb_case.hpp"
 
 namespace pamr::fuzz {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "solvers/poisson_boltzmann/error_estimate.hpp"
+#include "solvers/poisson_boltzmann/goals/error_estimate.hpp"
 
 #include <gtest/gtest.h>
 

@@ -5,10 +5,10 @@
 
 #include "pamr/par/reproducible_sum.hpp"
 #include "solved.hpp"
-#include "solvers/poisson_boltzmann/error_estimate.hpp"
-#include "solvers/poisson_boltzmann/midplane_force.hpp"
-#include "solvers/poisson_boltzmann/surface_force.hpp"
-#include "solvers/poisson_boltzmann/volume_force.hpp"
+#include "solvers/poisson_boltzmann/goals/error_estimate.hpp"
+#include "solvers/poisson_boltzmann/goals/midplane_force.hpp"
+#include "solvers/poisson_boltzmann/goals/surface_force.hpp"
+#include "solvers/poisson_boltzmann/goals/volume_force.hpp"
 
 namespace pamr::poisson_boltzmann {
 namespace force_test {

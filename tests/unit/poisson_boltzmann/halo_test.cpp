@@ -10,8 +10,8 @@
 
 #include "pamr/base/index.hpp"
 #include "solved.hpp"
-#include "solvers/poisson_boltzmann/harmonic.hpp"
-#include "solvers/poisson_boltzmann/spread_cells.hpp"
+#include "solvers/poisson_boltzmann/fem/harmonic.hpp"
+#include "solvers/poisson_boltzmann/fem/spread_cells.hpp"
 
 namespace pamr::poisson_boltzmann {
 namespace halo_test {

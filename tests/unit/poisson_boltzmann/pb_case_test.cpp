@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "solvers/poisson_boltzmann/pb_case.hpp"
+#include "solvers/poisson_boltzmann/problem/pb_case.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

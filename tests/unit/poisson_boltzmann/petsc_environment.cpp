@@ -4,7 +4,7 @@
 
 #include <memory>
 
-#include "solvers/poisson_boltzmann/petsc.hpp"
+#include "solvers/poisson_boltzmann/fem/petsc.hpp"
 
 namespace pamr::poisson_boltzmann {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "solvers/poisson_boltzmann/petsc_options.hpp"
+#include "solvers/poisson_boltzmann/problem/petsc_options.hpp"
 
 #include <gtest/gtest.h>
 

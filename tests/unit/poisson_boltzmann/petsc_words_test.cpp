@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "solved.hpp"
-#include "solvers/poisson_boltzmann/petsc.hpp"
-#include "solvers/poisson_boltzmann/petsc_options.hpp"
+#include "solvers/poisson_boltzmann/fem/petsc.hpp"
+#include "solvers/poisson_boltzmann/problem/petsc_options.hpp"
 
 namespace pamr::poisson_boltzmann {
 namespace petsc_words_test {

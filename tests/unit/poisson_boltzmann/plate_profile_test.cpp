@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "solvers/poisson_boltzmann/plate_profile.hpp"
+#include "solvers/poisson_boltzmann/problem/plate_profile.hpp"
 
 #include <gtest/gtest.h>
 

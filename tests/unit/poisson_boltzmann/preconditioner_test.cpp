@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "solvers/poisson_boltzmann/preconditioner.hpp"
+#include "solvers/poisson_boltzmann/fem/preconditioner.hpp"
 
 #include <gtest/gtest.h>
 

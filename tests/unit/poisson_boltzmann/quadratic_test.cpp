@@ -11,8 +11,8 @@
 #include "pamr/base/error.hpp"
 #include "pamr/base/index.hpp"
 #include "solved.hpp"
-#include "solvers/poisson_boltzmann/quadratic_element.hpp"
-#include "solvers/poisson_boltzmann/quadratic_elements.hpp"
+#include "solvers/poisson_boltzmann/fem/quadratic_element.hpp"
+#include "solvers/poisson_boltzmann/fem/quadratic_elements.hpp"
 
 namespace pamr::poisson_boltzmann {
 namespace quadratic_test {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "solvers/poisson_boltzmann/solve.hpp"
+#include "solvers/poisson_boltzmann/fem/solve.hpp"
 
 #include <gtest/gtest.h>
 

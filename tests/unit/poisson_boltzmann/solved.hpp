@@ -5,7 +5,7 @@
 #include <string>
 
 #include "pamr/assemble/assemble.hpp"
-#include "solvers/poisson_boltzmann/analysis.hpp"
+#include "solvers/poisson_boltzmann/goals/analysis.hpp"
 #include "support/meshes.hpp"
 
 namespace pamr::poisson_boltzmann {

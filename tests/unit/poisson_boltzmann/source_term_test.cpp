@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "solvers/poisson_boltzmann/source_term.hpp"
+#include "solvers/poisson_boltzmann/problem/source_term.hpp"
 
 #include <gtest/gtest.h>
 

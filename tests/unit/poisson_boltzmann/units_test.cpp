@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "solvers/poisson_boltzmann/units.hpp"
+#include "solvers/poisson_boltzmann/problem/units.hpp"
 
 #include <gtest/gtest.h>
 

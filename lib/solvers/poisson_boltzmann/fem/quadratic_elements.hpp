@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <span>
+#include <vector>
+
+#include "pamr/curved/curve_cells.hpp"
+#include "solvers/poisson_boltzmann/fem/quadratic_element.hpp"
+
+namespace pamr::poisson_boltzmann {
+
+struct Domain;
+struct BoundaryFace;
+
+/// What cells of second order add to a domain, whose nodes are then the corners, as in the mesh, and after them the
+/// mid-edge nodes.
+struct QuadraticElements {
+  std::vector<OfCellNodes<LocalId>> cell_to_node;  ///< n_cells
+  std::vector<OfFaceNodes<LocalId>> face_to_node;  ///< of `Domain::faces`
+  std::vector<GlobalId> node_global;               ///< of all nodes
+  GlobalId n_global_nodes = 0;
+  curved::Report report;  ///< of curving the cells
+
+  OfCellNodes<geometry::Vec3> points(const Domain& domain, std::size_t cell) const;
+  OfFaceNodes<geometry::Vec3> face_points(const Domain& domain, std::size_t face) const;
+  OfCellNodes<double> values(std::size_t cell, std::span<const double> u) const;
+  /// A point of a face as the cell behind it sees it, and that cell there.
+  std::array<double, 4> barycentric_behind(const Domain& domain, std::size_t face, const FacePoint& point) const;
+  PlacedPoint behind(const Domain& domain, std::size_t face, const FacePoint& point) const;
+};
+
+/// Gives the cells of a domain nodes on their edges, and with them its `nodes`, `point` and `quadratic`. `face_slot`:
+/// for each of its faces the corner of the cell that lies opposite. Collective.
+void make_quadratic(const par::Comm& comm, std::span<const int> face_slot, Domain& domain);
+
+/// What holds at the corners, on all nodes: the mid-edge nodes get the mean of the ends of their edge. Local.
+std::vector<double> on_all_nodes(const Domain& domain, std::span<const double> at_corners);
+
+}  // namespace pamr::poisson_boltzmann

@@ -1,0 +1,442 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "solvers/poisson_boltzmann/fem/solve.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "pamr/base/index.hpp"
+#include "solvers/poisson_boltzmann/fem/harmonic.hpp"
+#include "solvers/poisson_boltzmann/fem/preconditioner.hpp"
+#include "solvers/poisson_boltzmann/fem/quadratic_stiffness.hpp"
+#include "solvers/poisson_boltzmann/fem/quadrature.hpp"
+
+namespace pamr::poisson_boltzmann {
+
+namespace {
+
+/// Share by which two evaluations of one residual may differ.
+constexpr double repeat_rounding = 1e-9;
+
+/// The values at the four corners of a cell.
+std::array<double, 4> at_corners(const mesh::CellNodes& nodes, std::span<const double> value) {
+  return {value[at(nodes[0])], value[at(nodes[1])], value[at(nodes[2])], value[at(nodes[3])]};
+}
+
+double interpolate(const std::array<double, 4>& value, const std::array<double, 4>& weight) {
+  return value[0] * weight[0] + value[1] * weight[1] + value[2] * weight[2] + value[3] * weight[3];
+}
+
+/// What PETSc hands to the monitor of one solve.
+struct MonitorContext {
+  const std::function<void(const NewtonStep&)>* show;
+  std::vector<NewtonStep>* steps;
+  int linear_before = 0;
+};
+
+/// Adds a line to the convergence table. An error goes back to PETSc, whose solve then fails with it.
+PetscErrorCode monitor(SNES snes, PetscInt step, PetscReal norm, void* pointer) {
+  auto& context = *static_cast<MonitorContext*>(pointer);
+  PetscInt linear = 0;
+  if (const auto code = SNESGetLinearSolveIterations(snes, &linear); code != 0) return code;
+  NewtonStep line{static_cast<int>(step), norm, 0, static_cast<int>(linear) - context.linear_before};
+  context.linear_before = static_cast<int>(linear);
+  Vec update = nullptr;
+  if (step > 0)
+    if (const auto code = SNESGetSolutionUpdate(snes, &update); code != 0) return code;
+  if (update != nullptr)
+    if (const auto code = VecNorm(update, NORM_INFINITY, &line.largest_change); code != 0) return code;
+  context.steps->push_back(line);
+  if (*context.show) (*context.show)(line);
+  return 0;
+}
+
+}  // namespace
+
+System::System(const par::Comm& comm, const Problem& problem, const std::function<void()>& before_matrices)
+    : comm_(comm), problem_(problem), domain_(problem.domain), conditions_(problem.conditions) {
+  require(SNESCreate(comm.handle(), snes_.address()));
+  configure(snes_);
+  if (before_matrices) before_matrices();
+  if (!domain_.quadratic) rows_ = stiffness_rows(domain_, !is_nodal());
+  stiffness_ =
+      domain_.quadratic ? assemble_quadratic_stiffness(comm, problem) : assemble_stiffness(comm, domain_, rows_);
+  require(MatCreateVecs(stiffness_, unknown_.address(), work_.address()));
+  require(VecDuplicate(unknown_, diagonal_.address()));
+  require(VecDuplicate(unknown_, updated_.address()));
+  require(MatDuplicate(stiffness_, MAT_COPY_VALUES, jacobian_.address()));
+  require(MatSetOption(jacobian_, MAT_SPD, PETSC_TRUE));
+  require(MatSetOption(jacobian_, MAT_KEEP_NONZERO_PATTERN, PETSC_TRUE));
+  eliminate_fixed();
+  require(MatGetDiagonal(jacobian_, diagonal_));
+  require(SNESSetFunction(snes_, nullptr, residual_callback, this));
+  require(SNESSetJacobian(snes_, jacobian_, jacobian_, jacobian_callback, this));
+}
+
+/// Rows and columns of the fixed nodes of the Jacobian become those of the unit matrix.
+void System::eliminate_fixed() {
+  std::vector<PetscInt> fixed;
+  for (const auto node : domain_.nodes.owned())
+    if (conditions_.fixed[at(node)] != 0) fixed.push_back(domain_.nodes.equation()[at(node)]);
+  require(MatZeroRowsColumns(jacobian_, static_cast<PetscInt>(fixed.size()), fixed.data(), 1.0, nullptr, nullptr));
+}
+
+void System::restore_jacobian() {
+  require(MatCopy(stiffness_, jacobian_, SAME_NONZERO_PATTERN));
+  eliminate_fixed();
+  has_jacobian_ = true;
+}
+
+void System::configure(KSP ksp) const {
+  require(KSPSetType(ksp, KSPCG));
+  set_preconditioner(ksp, choose_preconditioner(problem_.input.solver, domain_.mesh->info.n_global_nodes));
+  require(KSPSetNormType(ksp, KSP_NORM_UNPRECONDITIONED));
+}
+
+void System::configure(SNES snes) {
+  KSP ksp = nullptr;
+  require(SNESGetKSP(snes, &ksp));
+  configure(ksp);
+  // Solving early Newton steps roughly halves the linear work (S. C. Eisenstat, H. F. Walker, SIAM J. Sci. Comput. 17
+  // (1996), choice 2).
+  if (!problem_.input.linear) {
+    require(SNESKSPSetUseEW(snes, PETSC_TRUE));
+    require(SNESKSPSetParametersEW(snes, 2, 1e-2, 1e-2, 0.9, 1.618033988749895, 1.618033988749895, 0.1));
+  } else {
+    require(KSPSetTolerances(ksp, 1e-2 * problem_.input.solver.tolerance, 0, PETSC_DEFAULT, 100000));
+  }
+  SNESLineSearch search = nullptr;
+  require(SNESGetLineSearch(snes, &search));
+  require(SNESLineSearchSetType(search, SNESLINESEARCHBT));
+  require_options(SNESSetFromOptions(snes));
+  keep_hierarchy(snes);
+}
+
+void System::set_owned(Vec vector, std::span<const double> local) const {
+  Entries entries(vector);
+  const auto& owned = domain_.nodes.owned();
+  for (std::size_t k = 0; k < owned.size(); ++k) entries[k] = local[at(owned[k])];
+}
+
+std::vector<double> System::local_values(Vec vector) const {
+  std::vector<double> owned(domain_.nodes.n_owned());
+  {
+    const ConstEntries entries(vector);
+    for (std::size_t k = 0; k < owned.size(); ++k) owned[k] = entries[k];
+  }
+  return domain_.nodes.spread(comm_, owned);
+}
+
+void System::residual(Vec u, Vec f, bool with_fixed) const {
+  require(MatMult(stiffness_, u, f));
+  const bool nodal = is_nodal();
+  std::vector<double> gauss;
+  if (!nodal) {
+    gauss.assign(domain_.point.size(), 0);
+    add_gauss(local_values(u), gauss);
+    domain_.nodes.sum_copies(comm_, gauss);
+  }
+  const ConstEntries value(u);
+  Entries result(f);
+  const auto& owned = domain_.nodes.owned();
+  for (std::size_t k = 0; k < owned.size(); ++k) {
+    const auto i = at(owned[k]);
+    if (conditions_.fixed[i] != 0 && !with_fixed) {
+      result[k] = value[k] - conditions_.value[i];
+      continue;
+    }
+    const double source =
+        nodal ? domain_.node_volume[i] * problem_.term.value(value[k], conditions_.psi0[i]) : gauss[i];
+    result[k] += source + conditions_.robin[i] * value[k] - conditions_.load[i];
+  }
+}
+
+/// Calls `use(weights of the corners, weight of the point, u, psi0)` for each Gauss point of a cell.
+template <class Use>
+void System::at_gauss_points(std::size_t cell, const std::vector<double>& u, const Use& use) const {
+  const auto values = at_corners(domain_.mesh->cell_to_node[cell], u);
+  const auto p = domain_.points(cell);
+  const double volume = geometry::volume(p);
+  for (const auto& point : gauss_points) {
+    const double z = interpolate({p[0].z, p[1].z, p[2].z, p[3].z}, point.weight_of_corner);
+    use(point.weight_of_corner, volume * point.weight, interpolate(values, point.weight_of_corner),
+        problem_.split_potential(z));
+  }
+}
+
+void System::add_gauss(const std::vector<double>& u, std::vector<double>& to) const {
+  if (domain_.quadratic) return add_quadratic_source(problem_, u, to);
+  const auto& cells = domain_.mesh->cell_to_node;
+  for (std::size_t c = 0; c < cells.size(); ++c)
+    at_gauss_points(c, u, [&](const std::array<double, 4>& corner, double weight, double value, double psi0) {
+      const double amount = weight * problem_.term.value(value, psi0);
+      for (std::size_t k = 0; k < 4; ++k) to[at(cells[c][k])] += amount * corner[k];
+    });
+}
+
+void System::add_gauss_matrix(const std::vector<double>& u) {
+  if (domain_.quadratic) return add_quadratic_source_matrix(problem_, u, jacobian_);
+  const auto& cells = domain_.mesh->cell_to_node;
+  for (std::size_t c = 0; c < cells.size(); ++c) {
+    std::array<double, 16> block{};
+    at_gauss_points(c, u, [&](const std::array<double, 4>& corner, double weight, double value, double psi0) {
+      const double amount = weight * problem_.term.slope(value, psi0);
+      for (std::size_t i = 0; i < 4; ++i)
+        for (std::size_t j = 0; j < 4; ++j) block[4 * i + j] += amount * corner[i] * corner[j];
+    });
+    std::array<PetscInt, 4> row{};
+    for (std::size_t k = 0; k < 4; ++k) {
+      const auto node = at(cells[c][k]);
+      row[k] = conditions_.fixed[node] != 0 ? -1 : domain_.nodes.equation()[node];  // PETSc leaves negative rows out
+    }
+    require(MatSetValues(jacobian_, 4, row.data(), 4, row.data(), block.data(), ADD_VALUES));
+  }
+  require(MatAssemblyBegin(jacobian_, MAT_FINAL_ASSEMBLY));
+  require(MatAssemblyEnd(jacobian_, MAT_FINAL_ASSEMBLY));
+}
+
+/// Adds what that matrix would give for w if no node were fixed.
+void System::add_gauss_product(const std::vector<double>& u, std::span<const double> w, std::vector<double>& to) const {
+  if (domain_.quadratic) return add_quadratic_source_product(problem_, u, w, to);
+  const auto& cells = domain_.mesh->cell_to_node;
+  for (std::size_t c = 0; c < cells.size(); ++c) {
+    const auto of_w = at_corners(cells[c], w);
+    at_gauss_points(c, u, [&](const std::array<double, 4>& corner, double weight, double value, double psi0) {
+      const double amount = weight * problem_.term.slope(value, psi0) * interpolate(of_w, corner);
+      for (std::size_t k = 0; k < 4; ++k) to[at(cells[c][k])] += amount * corner[k];
+    });
+  }
+}
+
+void System::linearize(Vec u) {
+  const bool nodal = is_nodal();
+  if (!nodal || !has_jacobian_) restore_jacobian();
+  if (!nodal) add_gauss_matrix(local_values(u));
+  require(nodal ? VecCopy(diagonal_, updated_) : MatGetDiagonal(jacobian_, updated_));
+  {
+    const ConstEntries value(u);
+    Entries diagonal(updated_);
+    const auto& owned = domain_.nodes.owned();
+    for (std::size_t k = 0; k < owned.size(); ++k) {
+      const auto i = at(owned[k]);
+      if (conditions_.fixed[i] != 0) continue;
+      diagonal[k] += conditions_.robin[i];
+      if (nodal) diagonal[k] += domain_.node_volume[i] * problem_.term.slope(value[k], conditions_.psi0[i]);
+    }
+  }
+  require(MatDiagonalSet(jacobian_, updated_, INSERT_VALUES));
+}
+
+PetscErrorCode System::residual_callback(SNES, Vec u, Vec f, void* context) {
+  static_cast<const System*>(context)->residual(u, f, false);
+  return 0;
+}
+
+PetscErrorCode System::jacobian_callback(SNES snes, Vec u, Mat, Mat, void* context) {
+  renew_hierarchy_if_slow(snes);
+  static_cast<System*>(context)->linearize(u);
+  return 0;
+}
+
+void System::find_worst(Vec f, Solution& solution) const {
+  PetscInt worst = 0;
+  Vector magnitude;
+  require(VecDuplicate(f, magnitude.address()));
+  require(VecCopy(f, magnitude));
+  require(VecAbs(magnitude));
+  require(VecMax(magnitude, &worst, &solution.worst_residual));
+  GlobalId node = -1;
+  geometry::Vec3 point{-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
+  const auto here = static_cast<std::int64_t>(worst) - domain_.nodes.first_equation();
+  if (here >= 0 && here < static_cast<std::int64_t>(domain_.nodes.n_owned())) {
+    const auto i = at(domain_.nodes.owned()[static_cast<std::size_t>(here)]);
+    node = (domain_.quadratic ? domain_.quadratic->node_global : domain_.mesh->node_global)[i];
+    point = (1 / domain_.scale) * domain_.point[i];
+  }
+  solution.worst_node = comm_.max(node);
+  solution.worst_point = {comm_.max(point.x), comm_.max(point.y), comm_.max(point.z)};
+}
+
+Solution System::solve(std::span<const double> start, const std::function<void(const NewtonStep&)>& show) {
+  Solution solution;
+  std::vector<double> first(domain_.point.size(), 0);
+  for (std::size_t i = 0; i < first.size(); ++i)
+    if (conditions_.fixed[i] != 0) first[i] = conditions_.value[i];
+  set_owned(unknown_, first);
+  residual(unknown_, work_, false);
+  require(VecNorm(work_, NORM_2, &solution.first_residual));
+  if (!std::isfinite(solution.first_residual)) {
+    solution.reason = "the residual of the potential that is 0 off the boundary is no number";
+    return solution;
+  }
+  if (!start.empty() && solution.first_residual > 0) {  // else u = 0 is the solution
+    for (std::size_t i = 0; i < first.size(); ++i)
+      if (conditions_.fixed[i] == 0) first[i] = start[i];
+    set_owned(unknown_, first);
+  }
+
+  MonitorContext context{&show, &solution.steps, 0};
+  const auto& options = problem_.input.solver;
+  const double tolerance = std::max(options.tolerance * solution.first_residual, 1e-300);
+  require(SNESSetTolerances(snes_, tolerance, 0, 0, options.max_newton, 1000000));
+  require(SNESMonitorSet(snes_, monitor, &context, nullptr));
+  const auto code = SNESSolve(snes_, nullptr, unknown_);
+  if (code != PETSC_ERR_FP) require_solve(code);  // that one says that a number was beyond floating point
+  require(SNESMonitorCancel(snes_));
+
+  SNESConvergedReason reason = SNES_CONVERGED_ITERATING;
+  require(SNESGetConvergedReason(snes_, &reason));
+  solution.converged = code == 0 && reason > 0;
+  const char* text = nullptr;
+  require(SNESGetConvergedReasonString(snes_, &text));
+  solution.reason = code != 0 ? "a number beyond floating point" : text == nullptr ? "" : text;
+  PetscInt newton = 0, linear = 0;
+  require(SNESGetIterationNumber(snes_, &newton));
+  require(SNESGetLinearSolveIterations(snes_, &linear));
+  solution.newton_iterations = static_cast<int>(newton);
+  solution.linear_iterations = static_cast<int>(linear);
+
+  residual(unknown_, work_, false);
+  require(VecNorm(work_, NORM_2, &solution.residual));
+  find_worst(work_, solution);
+  residual(unknown_, work_, true);
+  solution.reaction = local_values(work_);
+  solution.u = local_values(unknown_);
+  if (!std::isfinite(solution.residual)) {
+    solution.converged = false;
+    solution.reason = "the residual is no number";
+  } else if (solution.converged && solution.residual > (1 + repeat_rounding) * tolerance) {
+    // Solvers that the user's options choose have grounds of their own to stop.
+    solution.converged = false;
+    solution.reason += fmt::format(", but the residual is above the tolerance, {:.3e}", tolerance);
+  }
+  return solution;
+}
+
+std::vector<double> System::solve_linearised(std::span<const double> load, std::span<const double> value) {
+  linearize(unknown_);
+  std::vector<double> given(domain_.point.size(), 0), right(load.begin(), load.end());
+  if (!value.empty())
+    for (std::size_t i = 0; i < given.size(); ++i)
+      if (conditions_.fixed[i] != 0) given[i] = value[i];
+  // Moves the given values to the right-hand side: their columns are gone from the matrix.
+  Vector w, f;
+  require(VecDuplicate(unknown_, w.address()));
+  require(VecDuplicate(unknown_, f.address()));
+  set_owned(w, given);
+  require(MatMult(stiffness_, w, f));
+  std::vector<double> source(domain_.point.size(), 0);
+  if (!is_nodal() && !value.empty()) {
+    add_gauss_product(local_values(unknown_), given, source);
+    domain_.nodes.sum_copies(comm_, source);
+  }
+  {
+    Entries entries(f);
+    const auto& owned = domain_.nodes.owned();
+    for (std::size_t k = 0; k < owned.size(); ++k) {
+      const auto i = at(owned[k]);
+      entries[k] = conditions_.fixed[i] != 0 ? given[i] : right[i] - entries[k] - source[i];
+    }
+  }
+  solve_linear(dual_solver(), f, w, 1e-6);
+  return local_values(w);
+}
+
+void System::solve_linear(KSP solver, Vec right, Vec result, double tolerance) {
+  require(KSPSetInitialGuessNonzero(solver, PETSC_FALSE));
+  require(KSPSetTolerances(solver, tolerance, 0, PETSC_DEFAULT, 100000));
+  require(KSPSetOperators(solver, jacobian_, jacobian_));
+  require_solve(KSPSolve(solver, right, result));
+  KSPConvergedReason reason = KSP_CONVERGED_ITERATING;
+  require(KSPGetConvergedReason(solver, &reason));
+  double given = 0, left = 0;
+  Vector residual;
+  require(VecDuplicate(right, residual.address()));
+  require(MatMult(jacobian_, result, residual));
+  require(VecAYPX(residual, -1, right));
+  require(VecNorm(right, NORM_2, &given));
+  require(VecNorm(residual, NORM_2, &left));
+  if (reason < 0 || !(left <= 100 * tolerance * given))  // other norms that options choose may be weaker
+    refuse_solver_options(
+        fmt::format("a linear system is solved to {:.1e} in place of {:.1e}", left / given, tolerance));
+}
+
+KSP System::dual_solver() {
+  if (dual_ == nullptr) {
+    release_newton();
+    require(KSPCreate(comm_.handle(), dual_.address()));
+    configure(dual_);
+    require_options(KSPSetFromOptions(dual_));
+  }
+  return dual_;
+}
+
+KSP System::harmonic_solver() {
+  // Jacobi's iterates are the same on any number of ranks but for rounding, and so are the loosely solved cut-off
+  // functions and the forces made with them.
+  if (harmonic_ == nullptr) {
+    release_newton();
+    require(KSPCreate(comm_.handle(), harmonic_.address()));
+    require(KSPSetType(harmonic_, KSPCG));
+    set_preconditioner(harmonic_, Preconditioner::jacobi);
+    require(KSPSetNormType(harmonic_, KSP_NORM_UNPRECONDITIONED));
+  }
+  return harmonic_;
+}
+
+void System::release_newton() {
+  KSP solver = nullptr;
+  require(SNESGetKSP(snes_, &solver));
+  require(KSPReset(solver));
+}
+
+std::vector<double> System::harmonic(std::uint64_t one, std::uint64_t zero) {
+  if (!domain_.quadratic) {
+    release_newton();
+    return harmonic_function(comm_, domain_, rows_, one, zero);
+  }
+  if (has_jacobian_) require(MatCopy(stiffness_, jacobian_, SAME_NONZERO_PATTERN));
+  has_jacobian_ = false;
+  const auto& patches = domain_.node_patches;
+  std::vector<double> given(domain_.point.size(), 0);
+  for (std::size_t i = 0; i < given.size(); ++i)
+    if ((patches[i] & one) != 0) given[i] = 1;
+  // Solved for what is missing from the given values: 0 where they hold, which a large diagonal entry sees to.
+  Vector w, f;
+  require(VecDuplicate(unknown_, w.address()));
+  require(VecDuplicate(unknown_, f.address()));
+  set_owned(w, given);
+  require(MatMult(stiffness_, w, f));
+  require(VecScale(f, -1));
+  require(MatGetDiagonal(stiffness_, updated_));
+  {
+    Entries right(f), diagonal(updated_);
+    const auto& owned = domain_.nodes.owned();
+    for (std::size_t k = 0; k < owned.size(); ++k) {
+      if ((patches[at(owned[k])] & (one | zero)) == 0) continue;
+      right[k] = 0;
+      diagonal[k] *= 1e12;
+    }
+  }
+  require(MatDiagonalSet(jacobian_, updated_, INSERT_VALUES));
+  solve_linear(harmonic_solver(), f, w, 1e-3);
+  auto result = local_values(w);
+  for (std::size_t i = 0; i < result.size(); ++i)
+    result[i] = (patches[i] & (one | zero)) != 0 ? given[i] : result[i] + given[i];
+  return result;
+}
+
+double System::gradient_energy(std::span<const double> local) const {
+  Vector u, f;
+  require(VecDuplicate(unknown_, u.address()));
+  require(VecDuplicate(unknown_, f.address()));
+  set_owned(u, local);
+  require(MatMult(stiffness_, u, f));
+  double product = 0;
+  require(VecDot(u, f, &product));
+  return product;
+}
+
+}  // namespace pamr::poisson_boltzmann

@@ -1,0 +1,239 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "solvers/poisson_boltzmann/goals/analysis.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "pamr/base/index.hpp"
+#include "pamr/mesh/require_field.hpp"
+#include "solvers/poisson_boltzmann/fem/quadrature.hpp"
+#include "solvers/poisson_boltzmann/goals/cubic_correction.hpp"
+#include "solvers/poisson_boltzmann/goals/error_bars.hpp"
+#include "solvers/poisson_boltzmann/goals/quadratic_analysis.hpp"
+#include "solvers/poisson_boltzmann/goals/quadratic_goals.hpp"
+#include "solvers/poisson_boltzmann/goals/shape_error.hpp"
+
+namespace pamr::poisson_boltzmann {
+
+using geometry::Vec3;
+
+namespace {
+
+/// Potential and electric field at the nodes.
+void add_nodal_fields(const State& state, Analysis& result) {
+  const auto& problem = state.problem;
+  const auto n_corners = problem.domain.mesh->node_position.size();
+  result.psi.resize(n_corners);
+  result.field.resize(n_corners);
+  for (std::size_t i = 0; i < result.psi.size(); ++i) {
+    result.psi[i] = problem.conditions.psi0[i] + state.u[i];
+    result.field[i] = -(state.recovered[i] + Vec3{0, 0, problem.split_slope(problem.domain.point[i].z)});
+  }
+}
+
+/// Errors of u and its gradient against the manufactured solution. Collective.
+void compare_with_manufactured(const par::Comm& comm, const State& state, Analysis& result) {
+  const auto& domain = state.problem.domain;
+  if (domain.quadratic) {
+    const auto errors = quadratic_manufactured_errors(comm, domain, state.u);
+    result.manufactured_l2 = errors.l2;
+    result.manufactured_h1 = errors.h1;
+    return;
+  }
+  const auto& cells = domain.mesh->cell_to_node;
+  std::array<par::ExactSum, 2> sums;
+  for (std::size_t c = 0; c < cells.size(); ++c) {
+    const auto p = domain.points(c);
+    const double volume = geometry::volume(p);
+    for (const auto& gauss : gauss_points) {
+      Vec3 point;
+      double value = 0;
+      for (std::size_t k = 0; k < 4; ++k) {
+        point += gauss.weight_of_corner[k] * p[k];
+        value += gauss.weight_of_corner[k] * state.u[at(cells[c][k])];
+      }
+      const double error = value - manufactured_potential(point);
+      sums[0].add(volume * gauss.weight * error * error);
+      sums[1].add(volume * gauss.weight * squared_norm(state.cell_gradient[c] - manufactured_gradient(point)));
+    }
+  }
+  const auto totals = par::reproducible_sums(comm, sums);
+  result.manufactured_l2 = std::sqrt(totals[0]);
+  result.manufactured_h1 = std::sqrt(totals[1]);
+}
+
+/// Error bar of a corrected value of first order over the sum of the cells' shares, and over what passes through walls
+/// that meet a body. The first is measured: of 40 corrected forces and torques of known value on meshes of 3,000 to
+/// 700,000 cells, 39 are within a third of the sum (the other within 0.45, on the coarsest mesh), half of them within
+/// 0.08.
+constexpr double bar_over_shares = 1.0 / 3, bar_over_walls = 0.2;
+
+/// Least error bar over the value: what integration by points, the tolerance of the solver and rounding may leave.
+constexpr double min_bar = 1e-8;
+
+/// On the meshed part.
+struct DualError {
+  std::vector<double> share;
+  double correction = 0;
+  double bar = 0;  ///< but for walls that meet the body
+};
+
+/// Of first order. Collective.
+DualError error_by_dual(const par::Comm& comm, const State& state, const GoalFunctional& functional,
+                        const std::vector<double>& w, const Estimate& estimate) {
+  const auto& domain = state.problem.domain;
+  const auto& input = state.problem.input;
+  const auto gradient = cell_gradients(domain, w);
+  const auto recovered = recover(comm, domain, gradient, input.estimator.recovery);
+  auto error = goal_error(comm, state.problem, {state.u, w, state.cell_gradient, state.recovered, gradient, recovered});
+  if (functional.goal.kind == Goal::Kind::charge) error.correction = -error.correction;
+  if (functional.goal.kind == Goal::Kind::energy) {
+    const auto of_energy = energy_error(comm, state.problem, state.u, estimate.squared);
+    error.correction += of_energy.correction;
+    for (std::size_t c = 0; c < error.share.size(); ++c) error.share[c] += of_energy.share[c];
+  }
+  error.correction += functional.remainder + shape_error(comm, state, functional, gradient);
+  const double bar = bar_over_shares * par::reproducible_sum(comm, error.share);
+  return {std::move(error.share), error.correction, bar};
+}
+
+/// Of second order. Collective.
+DualError error_by_cubic_dual(const par::Comm& comm, const State& state, const GoalFunctional& functional,
+                              const std::vector<double>& w) {
+  auto error = state.cubic->goal_error(comm, w, functional.load);
+  if (functional.goal.kind == Goal::Kind::charge) {
+    error.correction = -error.correction;
+    for (auto& mean : error.rest.mean) mean = -mean;
+  }
+  if (functional.goal.kind == Goal::Kind::energy) state.cubic->add_energy_error(comm, error);
+  for (std::size_t c = 0; c < functional.squares.size(); ++c)
+    error.rest.add_square(c, functional.squares[c], state.cubic->decay()[c]);
+  error.correction += functional.remainder + quadratic_shape_error(comm, state, functional, error);
+  const double bar = error.rest.bar(comm);
+  return {std::move(error.share), error.correction, bar};
+}
+
+/// Error of the goals by the solutions of their dual systems. Collective.
+void add_goals(const par::Comm& comm, const State& state, System& system, std::vector<GoalFunctional> functionals,
+               Analysis& result) {
+  if (functionals.empty()) return;
+  const auto has_facets = find_facets(comm, state.problem);
+  for (auto& functional : functionals) {
+    const auto w = system.solve_linearised(functional.load, functional.fixed);
+    auto error = state.cubic != nullptr ? error_by_cubic_dual(comm, state, functional, w)
+                                        : error_by_dual(comm, state, functional, w, result.estimate);
+    GoalResult goal;
+    goal.goal = functional.goal;
+    goal.value = functional.value;
+    goal.correction = functional.factor * error.correction;
+    goal.error_bound = functional.factor * par::reproducible_sum(comm, error.share);
+    goal.no_error_bar = goal.value
+                            ? why_no_error_bar(state.problem, result.electrodes, result.layers, has_facets, goal.goal)
+                            : "the value is not given";
+    if (goal.no_error_bar.empty())
+      goal.error_bar = std::max(functional.factor * error.bar + bar_over_walls * std::abs(functional.through_walls),
+                                min_bar * std::abs(*goal.value));
+    if (result.goals.empty()) {
+      result.goal = std::move(error.share);
+    } else if (goal.error_bound > 0) {
+      const double scale = result.goals[0].error_bound * functional.factor / (functionals[0].factor * goal.error_bound);
+      for (std::size_t c = 0; c < result.goal.size(); ++c) result.goal[c] += scale * error.share[c];
+    }
+    result.goals.push_back(std::move(goal));
+  }
+}
+
+mesh::Field scalar(const std::string& name, const std::string& unit, std::vector<double> value) {
+  mesh::Field field;
+  field.name = name;
+  field.unit = unit;
+  field.value = std::move(value);
+  return field;
+}
+
+}  // namespace
+
+Analysis analyze(const par::Comm& comm, const Problem& problem, System& system, const Solution& solution,
+                 double max_cells) {
+  const auto gradient = cell_gradients(problem.domain, solution.u);
+  const bool is_linear = !problem.domain.quadratic;
+  const auto recovery = problem.input.estimator.recovery;
+  const auto recovered = is_linear ? recover(comm, problem.domain, gradient, recovery)
+                                   : recover_quadratic(comm, problem.domain, solution.u, recovery);
+  const auto mirrors = find_mirrors(comm, problem.domain, problem.input);
+  std::optional<CubicCorrection> cubic;
+  if (!is_linear) cubic.emplace(comm, problem, solution.u);
+  const State state{problem, solution.u, solution.reaction, gradient, recovered, mirrors, cubic ? &*cubic : nullptr};
+
+  Analysis result;
+  add_nodal_fields(state, result);
+  result.estimate =
+      is_linear ? estimate_error(comm, problem, solution.u, gradient, recovered) : cubic->estimate(comm, solution.u);
+  result.electrodes = find_electrodes(comm, problem.domain, problem.input);
+  result.layers = find_layers(comm, state, max_cells);
+  auto functionals = find_functionals(comm, state, system, result.electrodes, result.layers);
+  result.patches = std::move(functionals.patches);
+  result.no_midplane = std::move(functionals.no_midplane);
+  result.energy = functionals.energy;
+  for (const auto& patch : result.patches)
+    if (patch.layer.is_lost) result.energy.reset();
+  if (problem.input.manufactured) compare_with_manufactured(comm, state, result);
+  add_goals(comm, state, system, std::move(functionals.goals), result);
+  return result;
+}
+
+bool Analysis::is_finite() const {
+  bool good = std::isfinite(estimate.total_squared) && std::isfinite(estimate.residual_total_squared);
+  const auto take = [&](double value) { good = good && std::isfinite(value); };
+  const auto take_all = [&](const std::optional<Vec3>& v) {
+    if (v) take(v->x + v->y + v->z);
+  };
+  for (const auto& patch : patches) {
+    if (patch.charge) take(*patch.charge);
+    take(patch.mean_potential);
+    for (const auto* force : {&patch.surface, &patch.surface_recovered, &patch.surface_reaction, &patch.volume,
+                              &patch.torque, &patch.midplane})
+      take_all(*force);
+  }
+  for (const auto& result : goals) {
+    take(result.value.value_or(0));
+    take(result.correction);
+    take(result.error_bound);
+  }
+  if (energy) take(energy->total + energy->excess);
+  return good;
+}
+
+void set_fields(mesh::DistMesh& mesh, const Case& input, const Solution& solution, const Analysis& analysis) {
+  for (const auto* name : {"potential", "excess_potential", "electric_field"})
+    mesh::remove_field(mesh.node_fields, name);
+  for (const auto* name :
+       {"error_squared", "error_ratio", "residual_squared", "indicator", "goal_error", "layer_ratio"})
+    mesh::remove_field(mesh.cell_fields, name);
+  mesh::put_field(mesh.node_fields, scalar("potential", "kT/Ze", analysis.psi));
+  std::vector<double> excess(solution.u.begin(), solution.u.begin() + mesh.n_nodes());
+  if (input.split) mesh::put_field(mesh.node_fields, scalar("excess_potential", "kT/Ze", std::move(excess)));
+  std::vector<double> field;
+  field.reserve(3 * analysis.field.size());
+  for (const auto& v : analysis.field) field.insert(field.end(), {v.x, v.y, v.z});
+  auto vector = scalar("electric_field", "kT/Ze per Debye length", std::move(field));
+  vector.n_components = 3;
+  mesh::put_field(mesh.node_fields, std::move(vector));
+
+  const auto& estimate = analysis.estimate;
+  const double share = estimate.norm_squared / static_cast<double>(mesh.info.n_global_cells);
+  std::vector<double> ratio(estimate.squared.size(), 0), indicator(estimate.squared.size());
+  for (std::size_t c = 0; c < ratio.size(); ++c) {
+    if (share > 0) ratio[c] = estimate.squared[c] / share;
+    indicator[c] = estimate.squared[c] + estimate.residual_squared[c];
+  }
+  mesh::put_field(mesh.cell_fields, scalar("error_squared", "", estimate.squared));
+  mesh::put_field(mesh.cell_fields, scalar("error_ratio", "", std::move(ratio)));
+  mesh::put_field(mesh.cell_fields, scalar("residual_squared", "", estimate.residual_squared));
+  mesh::put_field(mesh.cell_fields, scalar("indicator", "", std::move(indicator)));
+  mesh::put_field(mesh.cell_fields, scalar("layer_ratio", "", analysis.layers.cell_ratio));
+  if (!analysis.goal.empty()) mesh::put_field(mesh.cell_fields, scalar("goal_error", "", analysis.goal));
+}
+
+}  // namespace pamr::poisson_boltzmann

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "solvers/poisson_boltzmann/goals/error_bars.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "pamr/base/index.hpp"
+#include "pamr/geometry/surface.hpp"
+#include "pamr/mesh/plane_fit.hpp"
+
+namespace pamr::poisson_boltzmann {
+
+namespace {
+
+bool holds_value(const Boundary& b) {
+  return b.condition == Condition::potential || b.condition == Condition::charge || b.condition == Condition::symmetry;
+}
+
+std::string why_not_of_second_order(const Problem& problem, const std::vector<bool>& has_facets) {
+  const auto& info = problem.domain.mesh->info;
+  for (std::size_t p = 0; p < info.patches.size(); ++p) {
+    const auto* surface = info.surface_of(static_cast<int>(p));
+    const auto* b = problem.input.find_boundary(info.patches[p].name);
+    if (has_facets[p])
+      return fmt::format(
+          "it would not contain the facets of patch {}, which has no surface and is not flat: describe its surface, or "
+          "make each flat side a patch",
+          info.patches[p].name);
+    if (surface == nullptr || surface->is_flat() || !(problem.domain.patches[p].area > 0)) continue;
+    if (b->condition == Condition::charge || b->condition == Condition::symmetry)
+      return fmt::format(
+          "the charge of the curved patch {} is given; what the faces miss of its surface is not estimated",
+          info.patches[p].name);
+  }
+  return "";
+}
+
+/// A number that is larger than `limit`, with as many digits as show it.
+std::string digits_above(double value, double limit) {
+  std::string text;
+  for (int digits = 2; digits <= 17; ++digits) {
+    text = fmt::format("{:.{}g}", value, digits);
+    if (std::stod(text) > limit) break;
+  }
+  return text;
+}
+
+std::string why_not_of_first_order(const Problem& problem, const std::vector<Electrode>& electrodes,
+                                   const Layers& layers, const Goal& goal) {
+  if (problem.input.solver.quadrature == Quadrature::gauss &&
+      (goal.kind == Goal::Kind::force || goal.kind == Goal::Kind::torque))
+    return "that of a volume form by Gauss points is too small: use quadrature = \"nodal\" or order = 2";
+  const auto& patches = problem.domain.mesh->info.patches;
+  const auto body =
+      std::find_if(electrodes.begin(), electrodes.end(), [&](const Electrode& e) { return e.name == goal.body; });
+  for (std::size_t p = 0; p < patches.size(); ++p) {
+    const auto& layer = layers.patches[p];
+    if (layer.is_known) continue;
+    const bool is_own = goal.kind == Goal::Kind::charge && body != electrodes.end() && body->has(static_cast<int>(p));
+    const auto* b = problem.input.find_boundary(patches[p].name);
+    const bool is_charged = is_own || (b->condition == Condition::charge && b->value != 0);
+    const double most = is_charged ? largest_ratio_of_charge_bar : largest_resolved_layer_ratio;
+    if (layer.ratio > most)
+      return fmt::format(
+          "the cells at patch {} are {} layers high, the bar holds up to {:g}: refine there or use order = 2",
+          patches[p].name, digits_above(layer.ratio, most), most);
+  }
+  return "";
+}
+
+}  // namespace
+
+std::vector<bool> find_facets(const par::Comm& comm, const Problem& problem) {
+  const auto& mesh = *problem.domain.mesh;
+  const auto& patches = mesh.info.patches;
+  std::vector<bool> result(patches.size(), false);
+  if (!problem.domain.quadratic) return result;
+  for (std::size_t p = 0; p < patches.size(); ++p)
+    result[p] = mesh.info.surface_of(static_cast<int>(p)) == nullptr && problem.domain.patches[p].area > 0 &&
+                holds_value(*problem.input.find_boundary(patches[p].name));
+  const auto planes = mesh::fit_planes(comm, mesh, result);
+  for (std::size_t p = 0; p < patches.size(); ++p) result[p] = result[p] && !planes[p].is_flat;
+  return result;
+}
+
+std::string why_no_error_bar(const Problem& problem, const std::vector<Electrode>& electrodes, const Layers& layers,
+                             const std::vector<bool>& has_facets, const Goal& goal) {
+  return problem.domain.quadratic ? why_not_of_second_order(problem, has_facets)
+                                  : why_not_of_first_order(problem, electrodes, layers, goal);
+}
+
+std::string beyond_error_bars(const Case& input) {
+  const auto is_body = [&](const Boundary& b) {
+    return input.is_electrode(b.patch) && !(input.plate && b.patch == input.plate->patch);
+  };
+  const bool has_body = std::any_of(input.boundary.begin(), input.boundary.end(), is_body);
+  for (const auto& b : input.boundary)
+    if (b.condition == Condition::far_field || (b.condition == Condition::plate_profile && has_body))
+      return "the bar does not contain the box";
+  return "";
+}
+
+}  // namespace pamr::poisson_boltzmann

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "solvers/poisson_boltzmann/goals/electrodes.hpp"
+#include "solvers/poisson_boltzmann/goals/layer.hpp"
+
+namespace pamr::poisson_boltzmann {
+
+/// Heights of cells over the thickness of the layer up to which bars of first order hold where a charge is computed or
+/// given: docs/tools/pamr-pb.md has the measurement.
+inline constexpr double largest_ratio_of_charge_bar = 0.2;
+
+/// Patches of a given potential or charge, or mirrors, that have no surface and are not flat (one entry for each
+/// patch): their facets may stand for a curved wall, and nothing says how far that is. All false of first order.
+/// Collective.
+std::vector<bool> find_facets(const par::Comm& comm, const Problem& problem);
+
+/// Why the error bar of a goal means nothing, for the user; empty if it means something. Local.
+/// - Second order: a charge is given on a curved patch. What the curved faces miss of a surface is derived for given
+///   potentials only, and the flux of such a wall enters the solution everywhere. Curved mirrors are walls of charge 0.
+///   Or a patch is one of `has_facets`.
+/// - First order: the cells are too high for a layer, or a force of the volume form is computed with Gauss points.
+std::string why_no_error_bar(const Problem& problem, const std::vector<Electrode>& electrodes, const Layers& layers,
+                             const std::vector<bool>& has_facets, const Goal& goal);
+
+/// What no error bar of the case contains, for the user: the box, if walls stand in for the liquid beyond them; else
+/// empty. Local.
+std::string beyond_error_bars(const Case& input);
+
+}  // namespace pamr::poisson_boltzmann

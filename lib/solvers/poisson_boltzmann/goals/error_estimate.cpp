@@ -1,0 +1,197 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "solvers/poisson_boltzmann/goals/error_estimate.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "pamr/base/index.hpp"
+#include "pamr/mesh/tet.hpp"
+#include "pamr/par/reproducible_sum.hpp"
+#include "solvers/poisson_boltzmann/fem/quadrature.hpp"
+
+namespace pamr::poisson_boltzmann {
+
+using geometry::Vec3;
+
+namespace {
+
+double longest_edge(const geometry::TetPoints& p) {
+  double longest = 0;
+  for (const auto& [a, b] : mesh::tet::edge_to_corner) longest = std::max(longest, squared_norm(p[at(a)] - p[at(b)]));
+  return std::sqrt(longest);
+}
+
+}  // namespace
+
+std::vector<Vec3> cell_gradients(const Domain& domain, std::span<const double> value) {
+  const auto& cells = domain.mesh->cell_to_node;
+  std::vector<Vec3> result(cells.size());
+  for (std::size_t c = 0; c < cells.size(); ++c) {
+    const auto shape = domain.shape(c);
+    for (std::size_t k = 0; k < 4; ++k) result[c] += value[at(cells[c][k])] * shape.gradient[k];
+  }
+  return result;
+}
+
+std::vector<Vec3> recover(const par::Comm& comm, const Domain& domain, std::span<const Vec3> cell_gradient,
+                          Recovery recovery) {
+  const auto& cells = domain.mesh->cell_to_node;
+  const bool is_plain = recovery == Recovery::plain;
+  std::vector<Vec3> sum(domain.point.size());
+  std::vector<double> n_around(is_plain ? domain.point.size() : 0, 0);
+  for (std::size_t c = 0; c < cells.size(); ++c) {
+    const auto part = (is_plain ? 1 : geometry::volume(domain.points(c))) * cell_gradient[c];
+    for (const auto node : cells[c]) sum[at(node)] += part;
+    if (!is_plain) continue;
+    for (const auto node : cells[c]) ++n_around[at(node)];
+  }
+  domain.nodes.sum_copies(comm, sum);
+  if (is_plain) domain.nodes.sum_copies(comm, n_around);
+  for (std::size_t i = 0; i < sum.size(); ++i) {
+    const double weight = is_plain ? n_around[i] : 4 * domain.node_volume[i];
+    if (weight > 0) sum[i] = (1 / weight) * sum[i];
+  }
+  return sum;
+}
+
+namespace {
+
+/// Integral over a cell of the squared difference of the recovered gradient and that of the cell.
+double squared_error(const mesh::CellNodes& nodes, double volume, Vec3 cell_gradient, std::span<const Vec3> recovered) {
+  Vec3 total;
+  double squares = 0;
+  for (const auto node : nodes) {
+    const auto difference = recovered[at(node)] - cell_gradient;
+    total += difference;
+    squares += squared_norm(difference);
+  }
+  // Integral of the product of two corner functions: V/20, V/10 of one with itself.
+  return volume / 20 * (squares + squared_norm(total));
+}
+
+}  // namespace
+
+std::vector<double> squared_errors(const Domain& domain, std::span<const Vec3> cell_gradient,
+                                   std::span<const Vec3> recovered) {
+  const auto& cells = domain.mesh->cell_to_node;
+  std::vector<double> result(cells.size());
+  for (std::size_t c = 0; c < cells.size(); ++c)
+    result[c] = squared_error(cells[c], geometry::volume(domain.points(c)), cell_gradient[c], recovered);
+  return result;
+}
+
+Estimate estimate_error(const par::Comm& comm, const Problem& problem, std::span<const double> u,
+                        std::span<const Vec3> cell_gradient, std::span<const Vec3> recovered) {
+  const auto& domain = problem.domain;
+  const auto& psi0 = problem.conditions.psi0;
+  const auto& cells = domain.mesh->cell_to_node;
+  Estimate result;
+  result.squared.resize(cells.size());
+  result.residual_squared.resize(cells.size());
+  std::vector<double> squared_source(u.size());  // a node has some 24 cells, and a sinh costs more than all of one cell
+  for (std::size_t i = 0; i < u.size(); ++i) {
+    const double value = problem.term.value(u[i], psi0[i]);
+    squared_source[i] = value * value;
+  }
+  std::array<par::ExactSum, 3> sums;
+  for (std::size_t c = 0; c < cells.size(); ++c) {
+    const auto p = domain.points(c);
+    const double volume = geometry::volume(p), h = longest_edge(p) / std::numbers::pi;
+    double source = 0;
+    for (const auto node : cells[c]) source += squared_source[at(node)] / 4;
+    result.squared[c] = squared_error(cells[c], volume, cell_gradient[c], recovered);
+    result.residual_squared[c] = h * h * volume * source;
+    sums[0].add(result.squared[c]);
+    sums[1].add(result.residual_squared[c]);
+    sums[2].add(volume * squared_norm(cell_gradient[c]));
+  }
+  const auto totals = par::reproducible_sums(comm, sums);
+  result.total_squared = totals[0];
+  result.residual_total_squared = totals[1];
+  result.norm_squared = totals[2];
+  return result;
+}
+
+namespace {
+
+/// What a mean of the corners of a cell makes of an integral of `value(u, psi0, weights of the corners)`, less the
+/// integral by Gauss points. psi0 is the profile at the point: between its values at the nodes a straight line is far
+/// above it near a plate of high potential.
+template <class Value>
+double nodal_excess(const Problem& problem, std::size_t cell, std::span<const double> u, const Value& value) {
+  const auto& nodes = problem.domain.mesh->cell_to_node[cell];
+  double result = 0;
+  for (std::size_t k = 0; k < 4; ++k) {
+    std::array<double, 4> corner{};
+    corner[k] = 1;
+    result += value(u[at(nodes[k])], problem.conditions.psi0[at(nodes[k])], corner) / 4;
+  }
+  for (const auto& point : gauss_points) {
+    double here = 0, z = 0;
+    for (std::size_t k = 0; k < 4; ++k) {
+      here += point.weight_of_corner[k] * u[at(nodes[k])];
+      z += point.weight_of_corner[k] * problem.domain.point[at(nodes[k])].z;
+    }
+    result -= point.weight * value(here, problem.split_potential(z), point.weight_of_corner);
+  }
+  return geometry::volume(problem.domain.points(cell)) * result;
+}
+
+}  // namespace
+
+GoalError goal_error(const par::Comm& comm, const Problem& problem, const GoalInput& in) {
+  const auto& domain = problem.domain;
+  const bool is_nodal = problem.input.solver.quadrature == Quadrature::nodal;
+  const auto& cells = domain.mesh->cell_to_node;
+  GoalError result;
+  result.share.resize(cells.size());
+  std::array<par::ExactSum, 1> sum;
+  for (std::size_t c = 0; c < cells.size(); ++c) {
+    const double volume = geometry::volume(domain.points(c));
+    Vec3 total_u, total_w;
+    double squares_u = 0, squares_w = 0, products = 0;
+    for (const auto node : cells[c]) {
+      const auto i = at(node);
+      const auto error_u = in.recovered_u[i] - in.gradient_u[c], error_w = in.recovered_w[i] - in.gradient_w[c];
+      total_u += error_u;
+      total_w += error_w;
+      squares_u += squared_norm(error_u);
+      squares_w += squared_norm(error_w);
+      products += dot(error_u, error_w);
+    }
+    const double part = volume / 20;  // integral of the product of two corner functions
+    double correction = part * (products + dot(total_u, total_w));
+    result.share[c] = part * std::sqrt((squares_u + squared_norm(total_u)) * (squares_w + squared_norm(total_w)));
+    if (is_nodal) {
+      const double excess = nodal_excess(problem, c, in.u, [&](double u, double psi0, const auto& weight_of_corner) {
+        double w = 0;
+        for (std::size_t k = 0; k < 4; ++k) w += weight_of_corner[k] * in.w[at(cells[c][k])];
+        return problem.term.value(u, psi0) * w;
+      });
+      correction += excess;
+      result.share[c] += std::abs(excess);
+    }
+    sum[0].add(correction);
+  }
+  result.correction = par::reproducible_sums(comm, sum)[0];
+  return result;
+}
+
+GoalError energy_error(const par::Comm& comm, const Problem& problem, std::span<const double> u,
+                       std::span<const double> squared) {
+  GoalError result;
+  result.share.resize(squared.size());
+  std::array<par::ExactSum, 1> sum;
+  for (std::size_t c = 0; c < squared.size(); ++c) {
+    const double excess = nodal_excess(
+        problem, c, u, [&](double value, double psi0, const auto&) { return problem.term.pressure(value, psi0); });
+    result.share[c] = squared[c] / 2 + std::abs(excess);
+    sum[0].add(-squared[c] / 2 - excess);
+  }
+  result.correction = par::reproducible_sums(comm, sum)[0];
+  return result;
+}
+
+}  // namespace pamr::poisson_boltzmann

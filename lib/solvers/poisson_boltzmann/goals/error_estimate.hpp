@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "solvers/poisson_boltzmann/fem/problem.hpp"
+
+namespace pamr::poisson_boltzmann {
+
+/// Gradient of a P1 function on each cell. Local.
+std::vector<geometry::Vec3> cell_gradients(const Domain& domain, std::span<const double> value);
+
+/// Gradient at the nodes: the mean of the gradients of the cells around a node, weighted with their volumes or plain
+/// (as the paper says it). On the boundary the mean is one-sided. Collective: one or two exchanges.
+std::vector<geometry::Vec3> recover(const par::Comm& comm, const Domain& domain,
+                                    std::span<const geometry::Vec3> cell_gradient, Recovery recovery);
+
+/// e_K^2: integral over each cell of |G* - grad u|^2, G* linear between its values at the nodes. Local.
+std::vector<double> squared_errors(const Domain& domain, std::span<const geometry::Vec3> cell_gradient,
+                                   std::span<const geometry::Vec3> recovered);
+
+/// Error of the gradient of u, estimated by recovery (Zienkiewicz and Zhu 1987).
+struct Estimate {
+  std::vector<double> squared;           ///< e_K^2
+  std::vector<double> residual_squared;  ///< (h_K/pi)^2 times the integral of the source term squared, h_K longest edge
+  double total_squared = 0;
+  double residual_total_squared = 0;
+  double norm_squared = 0;  ///< integral of |grad u|^2
+};
+
+/// Collective: one reduction. The sums are exact and rounded once.
+Estimate estimate_error(const par::Comm& comm, const Problem& problem, std::span<const double> u,
+                        std::span<const geometry::Vec3> cell_gradient, std::span<const geometry::Vec3> recovered);
+
+/// Error of a functional of the solution, by its dual solution w.
+struct GoalError {
+  /// Of each cell, not negative: the product of the recovered errors of u and w, and the error of nodal quadrature
+  /// weighted with w. For marking; their sum is far above the error.
+  std::vector<double> share;
+  /// Estimate of J(u) - J(u_h) with its sign, to first order: the integral of (G* - grad u_h) . (W* - grad w_h) and
+  /// what nodal quadrature adds, on the meshed part. For a charge by nodal reactions, whose w is 1 on the patch and
+  /// which is the residual with w, it is that with the other sign.
+  double correction = 0;
+};
+struct GoalInput {
+  std::span<const double> u, w;
+  std::span<const geometry::Vec3> gradient_u, recovered_u, gradient_w, recovered_w;  ///< on cells, at nodes
+};
+/// Collective: one reduction. Source: R. Becker, R. Rannacher, Acta Numerica 10 (2001), with recovered gradients.
+GoalError goal_error(const par::Comm& comm, const Problem& problem, const GoalInput& input);
+
+/// The same for the energy, the integral of |grad u|^2/2 + `term.pressure` with its nodal values: the energy of u_h is
+/// above that of u by half of the squared error of the gradient, and nodal values of the convex pressure are too large.
+/// `share` is not negative. Collective: one reduction.
+GoalError energy_error(const par::Comm& comm, const Problem& problem, std::span<const double> u,
+                       std::span<const double> squared_errors);
+
+}  // namespace pamr::poisson_boltzmann

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "solvers/poisson_boltzmann/goals/layer.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "pamr/base/index.hpp"
+
+namespace pamr::poisson_boltzmann {
+
+namespace {
+
+/// Thickness of the layer at a face, by the potential of its nodes.
+double thickness_at(const State& state, const BoundaryFace& face) {
+  const auto& problem = state.problem;
+  double potential = 0;
+  for (const auto node : face.node)
+    potential = std::max(potential, std::abs(problem.conditions.psi0[at(node)] + state.u[at(node)]));
+  const auto* b = problem.input.find_boundary(problem.domain.mesh->info.patches[at(face.patch)].name);
+  // A charge makes the potential of a flat wall when its layer is resolved; the solution tells less where it is not.
+  if (b->condition == Condition::charge)
+    potential = std::max(potential, std::abs(potential_of_charge(b->value, problem.input.linear)));
+  return layer_thickness(potential, problem.input.linear);
+}
+
+}  // namespace
+
+Layers find_layers(const par::Comm& comm, const State& state, double max_cells) {
+  const auto& problem = state.problem;
+  const auto& domain = problem.domain;
+  const auto& patches = domain.mesh->info.patches;
+  Layers result{std::vector<Layer>(patches.size()), std::vector<double>(domain.mesh->cell_to_node.size(), 0)};
+  std::vector<par::ExactSum> sums(3 * patches.size());
+  std::vector<double> thinnest(patches.size(), HUGE_VAL);
+  for (std::size_t p = 0; p < patches.size(); ++p)
+    result.patches[p].is_known = problem.input.split && patches[p].name == problem.input.plate->patch;
+  for (const auto& face : domain.faces) {
+    const auto p = at(face.patch);
+    if (!problem.input.is_electrode(patches[p].name) || !(face.area > 0)) continue;
+    const double thickness = thickness_at(state, face);
+    const double height = 3 * geometry::volume(domain.points(at(face.cell))) / face.area;
+    const double ratio = height / thickness;
+    sums[3 * p].add(face.area * height * height);
+    sums[3 * p + 1].add(face.area * ratio * ratio);
+    sums[3 * p + 2].add(face.area / (thickness * thickness));
+    thinnest[p] = std::min(thinnest[p], thickness);
+    auto& cell = result.cell_ratio[at(face.cell)];
+    if (!result.patches[p].is_known) cell = std::max(cell, ratio);
+  }
+  const auto totals = par::reproducible_sums(comm, sums);
+  for (std::size_t p = 0; p < patches.size(); ++p) {
+    auto& layer = result.patches[p];
+    const double area = domain.patches[p].area;
+    thinnest[p] = comm.min(thinnest[p]);
+    if (!(area > 0) || !problem.input.is_electrode(patches[p].name)) continue;
+    layer.thickness = thinnest[p];
+    layer.height = std::sqrt(totals[3 * p] / area);
+    layer.ratio = std::sqrt(totals[3 * p + 1] / area);
+    layer.n_cells = 10 * totals[3 * p + 2];
+    layer.is_lost = layer.ratio > largest_layer_ratio || (!layer.is_resolved() && layer.n_cells > max_cells);
+  }
+  return result;
+}
+
+}  // namespace pamr::poisson_boltzmann

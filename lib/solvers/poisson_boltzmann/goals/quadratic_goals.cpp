@@ -1,0 +1,311 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "solvers/poisson_boltzmann/goals/quadratic_goals.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "pamr/base/index.hpp"
+#include "pamr/geometry/surface.hpp"
+#include "solvers/poisson_boltzmann/goals/cubic_correction.hpp"
+#include "solvers/poisson_boltzmann/goals/quadratic_analysis.hpp"
+
+namespace pamr::poisson_boltzmann {
+
+using geometry::Vec3;
+
+namespace {
+
+/// The functions of the cell behind a face at a point of the face.
+CubicAt cubic_behind(const Domain& domain, std::size_t face, const FacePoint& point) {
+  const auto& elements = *domain.quadratic;
+  const auto l = elements.barycentric_behind(domain, face, point);
+  return cubic_at(elements.points(domain, at(domain.faces[face].cell)), cell_point(l), cubic_point(l));
+}
+
+Vec3 gradient_of(const CubicAt& here, const OfCubicCell<double>& value) {
+  Vec3 sum;
+  for (std::size_t k = 0; k < n_cubic; ++k) sum += value[k] * here.gradient[k];
+  return sum;
+}
+
+bool varies(const OfCellNodes<double>& value) {
+  return std::any_of(value.begin(), value.end(), [&](double v) { return v != value[0]; });
+}
+
+/// Derivatives by the coefficients of all functions, collected cell by cell.
+class Derivative {
+ public:
+  explicit Derivative(const CubicFunctions& functions) : functions_(functions), value_(functions.all.n_nodes(), 0) {}
+
+  void add(std::size_t cell, const OfCubicCell<double>& of_cell) {
+    for (std::size_t k = 0; k < n_cubic; ++k)
+      value_[at(functions_.cell_to_function[cell][k])] += functions_.sign(cell, k) * of_cell[k];
+  }
+  std::vector<double> total(const par::Comm& comm) {
+    functions_.all.sum_copies(comm, value_);
+    return std::move(value_);
+  }
+
+ private:
+  const CubicFunctions& functions_;
+  std::vector<double> value_;
+};
+
+/// Adds the derivative of `weight` times the component of the stress on a plane of normal n: `gradient` is that of psi,
+/// `pressure_slope` that of the pressure.
+void add_stress_derivative(const CubicAt& here, double weight, Vec3 gradient, double pressure_slope, Vec3 n,
+                           Vec3 direction, OfCubicCell<double>& to) {
+  const double through = dot(gradient, n), along = dot(n, direction), forward = dot(gradient, direction);
+  for (std::size_t k = 0; k < n_cubic; ++k)
+    to[k] += weight * (dot(here.gradient[k], direction) * through + forward * dot(here.gradient[k], n) -
+                       along * (dot(gradient, here.gradient[k]) + pressure_slope * here.value[k]));
+}
+
+}  // namespace
+
+std::vector<double> quadratic_volume_form_derivative(const par::Comm& comm, const State& state,
+                                                     std::span<const double> chi, std::uint64_t open_walls,
+                                                     const Component& component) {
+  const auto& problem = state.problem;
+  const auto& domain = problem.domain;
+  const auto& elements = *domain.quadratic;
+  Derivative result(state.cubic->functions());
+  for (std::size_t c = 0; c < elements.cell_to_node.size(); ++c) {
+    const auto cut = elements.values(c, chi), value = elements.values(c, state.u);
+    if (!varies(cut)) continue;
+    const auto node = elements.points(domain, c);
+    OfCubicCell<double> of_cell{};
+    for (std::size_t p = 0; p < cell_points().size(); ++p) {
+      const auto& point = cell_points()[p];
+      const auto here = cubic_at(node, point, cubic_points()[p]);
+      const double z = here.placed.position.z;
+      const auto gradient = gradient_of(here.placed, value) + Vec3{0, 0, problem.split_slope(z)};
+      const double slope = problem.term.pressure_slope(interpolated(point.value, value), problem.split_potential(z));
+      add_stress_derivative(here, -point.weight * here.placed.jacobian / 6, gradient, slope,
+                            gradient_of(here.placed, cut), component.at(here.placed.position), of_cell);
+    }
+    result.add(c, of_cell);
+  }
+  for (std::size_t f = 0; f < domain.faces.size(); ++f) {
+    if ((open_walls >> static_cast<unsigned>(domain.faces[f].patch) & 1U) == 0) continue;
+    const auto c = at(domain.faces[f].cell);
+    const auto position = elements.face_points(domain, f);
+    const auto cut = elements.values(c, chi), value = elements.values(c, state.u);
+    OfCubicCell<double> of_cell{};
+    for (const auto& point : face_points()) {
+      const auto placed = place(position, point);
+      const auto here = cubic_behind(domain, f, point);
+      double share = 0, u = 0;
+      for (std::size_t k = 0; k < 10; ++k) {
+        share += here.value[k] * cut[k];
+        u += here.value[k] * value[k];
+      }
+      const double z = placed.position.z;
+      const auto gradient = gradient_of(here.placed, value) + Vec3{0, 0, problem.split_slope(z)};
+      add_stress_derivative(here, share * placed.area, gradient,
+                            problem.term.pressure_slope(u, problem.split_potential(z)), placed.normal,
+                            component.at(placed.position), of_cell);
+    }
+    result.add(c, of_cell);
+  }
+  return result.total(comm);
+}
+
+std::vector<double> quadratic_volume_form_remainder(const State& state, std::span<const double> chi,
+                                                    std::uint64_t open_walls, const Component& component) {
+  const auto& problem = state.problem;
+  const auto& domain = problem.domain;
+  const auto& elements = *domain.quadratic;
+  const auto& functions = state.cubic->functions();
+  std::vector<double> result(elements.cell_to_node.size(), 0);
+  for (std::size_t c = 0; c < result.size(); ++c) {
+    const auto cut = elements.values(c, chi);
+    if (!varies(cut)) continue;
+    const auto node = elements.points(domain, c);
+    const auto value = elements.values(c, state.u);
+    const auto error = functions.values(c, state.cubic->error());
+    for (std::size_t p = 0; p < cell_points().size(); ++p) {
+      const auto& point = cell_points()[p];
+      const auto here = cubic_at(node, point, cubic_points()[p]);
+      const auto slope = gradient_of(here.placed, cut), direction = component.at(here.placed.position);
+      const auto g = gradient_of(here, error);
+      const double e = interpolated(here.value, error);
+      const double psi0 = problem.split_potential(here.placed.position.z);
+      const double squares = squared_norm(g) + problem.term.slope(interpolated(point.value, value), psi0) * e * e;
+      result[c] -= point.weight * here.placed.jacobian / 6 *
+                   (dot(g, direction) * dot(g, slope) - 0.5 * squares * dot(slope, direction));
+    }
+  }
+  for (std::size_t f = 0; f < domain.faces.size(); ++f) {
+    if ((open_walls >> static_cast<unsigned>(domain.faces[f].patch) & 1U) == 0) continue;
+    const auto c = at(domain.faces[f].cell);
+    const auto position = elements.face_points(domain, f);
+    const auto cut = elements.values(c, chi), value = elements.values(c, state.u);
+    const auto error = functions.values(c, state.cubic->error());
+    for (const auto& point : face_points()) {
+      const auto placed = place(position, point);
+      const auto here = cubic_behind(domain, f, point);
+      const auto direction = component.at(placed.position), g = gradient_of(here, error);
+      double share = 0, u = 0;
+      for (std::size_t k = 0; k < 10; ++k) {
+        share += here.value[k] * cut[k];
+        u += here.value[k] * value[k];
+      }
+      const double e = interpolated(here.value, error), psi0 = problem.split_potential(placed.position.z);
+      const double squares = squared_norm(g) + problem.term.slope(u, psi0) * e * e;
+      result[c] += share * placed.area *
+                   (dot(g, direction) * dot(g, placed.normal) - 0.5 * squares * dot(placed.normal, direction));
+    }
+  }
+  return result;
+}
+
+std::vector<double> quadratic_midplane_derivative(const par::Comm& comm, const State& state, int patch) {
+  const auto& problem = state.problem;
+  const auto& domain = problem.domain;
+  const auto& elements = *domain.quadratic;
+  Derivative result(state.cubic->functions());
+  for (std::size_t f = 0; f < domain.faces.size(); ++f) {
+    if (domain.faces[f].patch != patch) continue;
+    const auto c = at(domain.faces[f].cell);
+    const auto position = elements.face_points(domain, f);
+    const auto value = elements.values(c, state.u);
+    OfCubicCell<double> of_cell{};
+    for (const auto& point : face_points()) {
+      const auto placed = place(position, point);
+      const auto here = cubic_behind(domain, f, point);
+      const double z = placed.position.z, psi0 = problem.profile.potential(z);
+      auto gradient = gradient_of(here.placed, value);
+      double u = 0;
+      for (std::size_t k = 0; k < 10; ++k) u += here.value[k] * value[k];
+      if (!problem.input.split) {
+        u -= psi0;
+        gradient -= Vec3{0, 0, problem.profile.slope(z)};
+      }
+      gradient -= dot(gradient, placed.normal) * placed.normal;
+      const double source = problem.term.value(u, psi0);
+      for (std::size_t k = 0; k < n_cubic; ++k)
+        of_cell[k] += placed.area * (dot(gradient, here.gradient[k]) + source * here.value[k]);
+    }
+    result.add(c, of_cell);
+  }
+  return result.total(comm);
+}
+
+std::vector<double> quadratic_midplane_remainder(const State& state, int patch) {
+  const auto& problem = state.problem;
+  const auto& domain = problem.domain;
+  const auto& elements = *domain.quadratic;
+  std::vector<double> result(elements.cell_to_node.size(), 0);
+  for (std::size_t f = 0; f < domain.faces.size(); ++f) {
+    if (domain.faces[f].patch != patch) continue;
+    const auto c = at(domain.faces[f].cell);
+    const auto position = elements.face_points(domain, f);
+    const auto value = elements.values(c, state.u);
+    const auto error = state.cubic->functions().values(c, state.cubic->error());
+    for (const auto& point : face_points()) {
+      const auto placed = place(position, point);
+      const auto here = cubic_behind(domain, f, point);
+      auto g = gradient_of(here, error);
+      g -= dot(g, placed.normal) * placed.normal;
+      double u = 0;
+      for (std::size_t k = 0; k < 10; ++k) u += here.value[k] * value[k];
+      const double e = interpolated(here.value, error), psi0 = problem.split_potential(placed.position.z);
+      result[c] += 0.5 * placed.area * (squared_norm(g) + problem.term.slope(u, psi0) * e * e);
+    }
+  }
+  return result;
+}
+
+std::vector<double> quadratic_energy_derivative(const par::Comm& comm, const State& state) {
+  const auto& problem = state.problem;
+  const auto& domain = problem.domain;
+  const auto& functions = state.cubic->functions();
+  std::vector<double> result(functions.all.n_nodes(), 0);
+  for (std::size_t f = 0; f < domain.faces.size(); ++f) {
+    const auto& b = *problem.input.find_boundary(domain.mesh->info.patches[at(domain.faces[f].patch)].name);
+    if (b.condition != Condition::charge && b.condition != Condition::far_field) continue;
+    const auto position = domain.quadratic->face_points(domain, f);
+    const auto& function = functions.face_to_function[f];
+    for (const auto& point : face_points()) {
+      const auto placed = place(position, point);
+      const auto shape = cubic_face_values(point);
+      double u = 0;
+      for (std::size_t k = 0; k < 6; ++k) u += shape[k] * state.u[at(function[k])];
+      const double flux = placed.area * outward_slope(problem, b, placed, u);
+      for (std::size_t k = 0; k < 10; ++k) result[at(function[k])] += functions.face_sign(f, k) * flux * shape[k];
+    }
+  }
+  functions.all.sum_copies(comm, result);
+  return result;
+}
+
+namespace {
+
+/// Change of a functional where the surface moves into the liquid, for a unit of distance and area: by the slope of psi
+/// and of the dual solution along the normal into the liquid.
+struct ShapeDerivative {
+  const Problem& problem;
+  const GoalFunctional& functional;
+  double weight = 0;                 ///< of the dual solution on the patch
+  double u = 0, psi0 = 0, base = 0;  ///< on the surface
+
+  double operator()(double slope, double dual_slope) const {
+    if (functional.goal.kind == Goal::Kind::charge)
+      return slope * dual_slope - weight * problem.term.pressure_slope(u, psi0);
+    if (functional.goal.kind == Goal::Kind::energy)
+      return 0.5 * (slope * slope + base * base) - problem.term.pressure(u, psi0);
+    return -slope * dual_slope;
+  }
+};
+
+}  // namespace
+
+double quadratic_shape_error(const par::Comm& comm, const State& state, const GoalFunctional& functional,
+                             CubicGoalError& dual) {
+  const auto& problem = state.problem;
+  const auto& domain = problem.domain;
+  const auto& elements = *domain.quadratic;
+  const auto& functions = state.cubic->functions();
+  std::array<par::ExactSum, 1> sum;
+  for (std::size_t f = 0; f < domain.faces.size(); ++f) {
+    const auto& face = domain.faces[f];
+    const auto* b = problem.input.find_boundary(domain.mesh->info.patches[at(face.patch)].name);
+    const auto* surface = domain.mesh->info.surface_of(face.patch);
+    if (b->condition != Condition::potential || surface == nullptr || surface->is_flat()) continue;
+    const auto c = at(face.cell);
+    const auto position = elements.face_points(domain, f);
+    const auto value = elements.values(c, state.u);
+    const auto error = functions.values(c, state.cubic->error()), all = functions.values(c, dual.dual);
+    OfCubicCell<double> added = all;  // what third order adds to the dual solution
+    for (std::size_t k = 0; k < 10; ++k) added[k] = 0;
+    const double rest_u = state.cubic->decay()[c], rest_w = dual.decay[c];
+    const double height = 3 * geometry::volume(domain.points(c)) / face.area;
+    double of_face = 0, spread = 0, squares = 0;
+    for (const auto& point : face_points()) {
+      const auto placed = place(position, point);
+      const auto on_mesh = (1 / domain.scale) * placed.position;
+      const double distance = -domain.scale * dot(surface->project(on_mesh) - on_mesh, placed.normal);
+      const auto behind = cubic_behind(domain, f, point);
+      const double z = placed.position.z, psi0 = problem.split_potential(z), base = problem.split_slope(z);
+      const double weight =
+          functional.goal.kind == Goal::Kind::charge ? functional.fixed[at(elements.face_to_node[f][0])] : 0;
+      const ShapeDerivative change{problem, functional, weight, b->value - psi0, psi0, base};
+      const double last_slope = -dot(gradient_of(behind, error), placed.normal);
+      const double slope = last_slope - dot(gradient_of(behind.placed, value) + Vec3{0, 0, base}, placed.normal);
+      const double last_dual = -dot(gradient_of(behind, added), placed.normal);
+      const double dual_slope = -dot(gradient_of(behind, all), placed.normal);
+      const double here = change(slope, dual_slope), amount = placed.area * distance;
+      of_face += amount * here;
+      spread += std::abs(amount) * (std::abs(change(slope + rest_u * last_slope, dual_slope) - here) +
+                                    std::abs(change(slope, dual_slope + rest_w * last_dual) - here));
+      squares += amount * distance / height * here;
+    }
+    sum[0].add(of_face);
+    dual.rest.add(c, squares, spread);
+  }
+  return par::reproducible_sums(comm, sum)[0];
+}
+
+}  // namespace pamr::poisson_boltzmann

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "solvers/poisson_boltzmann/problem/units.hpp"
+
+#include <cmath>
+
+namespace pamr::poisson_boltzmann {
+
+namespace {
+
+// CODATA 2018.
+constexpr double elementary_charge = 1.602176634e-19;     // C
+constexpr double boltzmann = 1.380649e-23;                // J/K
+constexpr double vacuum_permittivity = 8.8541878128e-12;  // F/m
+constexpr double avogadro = 6.02214076e23;                // 1/mol
+
+double thermal_potential(const Electrolyte& e) { return boltzmann * e.temperature / (e.valence * elementary_charge); }
+
+}  // namespace
+
+Units units_of(const Electrolyte& e) {
+  Units units;
+  const double permittivity = e.permittivity * vacuum_permittivity;
+  units.potential = thermal_potential(e);
+  units.force = permittivity * units.potential * units.potential;
+  if (!e.debye_length) return units;
+  const double length = *e.debye_length;
+  units.length = length;
+  units.charge_density = permittivity * units.potential / length;
+  units.charge = permittivity * units.potential * length;
+  units.energy = units.force * length;
+  const double ze = e.valence * elementary_charge;
+  units.concentration = permittivity * boltzmann * e.temperature / (2 * ze * ze * length * length) / avogadro;
+  return units;
+}
+
+double debye_length(const Electrolyte& e, double concentration) {
+  const double ze = e.valence * elementary_charge;
+  return std::sqrt(e.permittivity * vacuum_permittivity * boltzmann * e.temperature /
+                   (2 * concentration * avogadro * ze * ze));
+}
+
+}  // namespace pamr::poisson_boltzmann
