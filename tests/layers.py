@@ -36,6 +36,12 @@ MAY_INCLUDE = {
     "tools": REFINER + SOLVERS + ("meshing", "surface_mesh", "cli"),
 }
 
+# Folders of a solver from the ground up: a file includes headers of its own folder and of those before it.
+FLOORS = {
+    "dsmc": ("gas", "kernel", "sampling", "flow", "state", "run"),
+    "poisson_boltzmann": ("problem", "fem", "goals", "report"),
+}
+
 # What only some places may hold: pattern of the line, pattern of the places, rule. Tests are free to use an oracle.
 CORNERS = (
     (re.compile(r"\bMPI_[A-Z][a-z]\w*\s*\("), re.compile(r"lib/pamr/par/"), "MPI is called in lib/pamr/par only"),
@@ -52,6 +58,12 @@ CORNERS = (
     (re.compile(r"#\s*include\s*[<\"]petsc"), re.compile(r"lib/solvers/poisson_boltzmann/"),
      "PETSc is included in lib/solvers/poisson_boltzmann only"),
 )
+# The corners of a tetrahedron's faces stand once for C++ and once for Python. Checkers that know nothing of PAMR's code,
+# programs of other meshers and drawings have their own.
+FACE_TABLE = re.compile(r"1, 2, 3\W+0, (3, 2|2, 3)\W+0, 1, 3\W+0, (2, 1|1, 2)\W")
+FACE_TABLES = ("tet.hpp", "tet.py")
+OWN_TABLES = {"drawings", "strangers", "bench"}  # folders
+FACE_RULE = "the corners of a tetrahedron's faces stand in mesh/tet.hpp and tools/picture/tet.py"
 MAX_LINES = 500
 MAX_FUNCTION = 80
 MAX_PARAMETERS = 5
@@ -108,6 +120,10 @@ def include_violations(name, lines):
         other, header = match.groups()
         if other != module and other not in allowed and f"{other}/{header}" not in allowed:
             yield number, f"{module} must not include {other}"
+        if other == module and module in FLOORS:
+            mine, floor = name.split("/")[3], header.split("/")[0]
+            if mine in FLOORS[module] and floor not in FLOORS[module][:FLOORS[module].index(mine) + 1]:
+                yield number, f"{module}/{mine} must not include {module}/{floor}"
 
 
 def corner_violations(name, lines):
@@ -176,6 +192,13 @@ def parameter_violations(text):
             yield number, f"a function has at most {MAX_PARAMETERS} parameters, this one has {len(parts)}"
 
 
+def folder_violations(name):
+    """Every file of a solver lies in one of its folders."""
+    module, parts = module_of(name), name.split("/")
+    if module in FLOORS and parts[-1] != "CMakeLists.txt" and parts[3] not in FLOORS[module]:
+        yield 1, f"a file of {module} lies in one of its folders: {', '.join(FLOORS[module])}"
+
+
 def name_violations(names):
     """Of the product's files: each name stands once, and each source has the header of its name beside it."""
     first = {}
@@ -206,7 +229,10 @@ def violations(root):
         if path.suffix not in WITH_LICENSE and path.name != "CMakeLists.txt" and name != ".ci/run":
             continue
         text = path.read_text(encoding="utf-8", errors="replace")
-        found = list(form_violations(name, text))
+        found = list(form_violations(name, text)) + list(folder_violations(name))
+        table = FACE_TABLE.search(text)
+        if table and path.name not in FACE_TABLES and not OWN_TABLES & set(name.split("/")):
+            found.append((text[:table.start()].count("\n") + 1, FACE_RULE))
         if path.suffix in SOURCE:
             lines = without_comments(text).splitlines()
             found += list(include_violations(name, lines)) + list(corner_violations(name, lines))

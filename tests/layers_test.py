@@ -71,9 +71,31 @@ class Layers(unittest.TestCase):
         self.assert_caught("lib/meshing/a.cpp", SPDX + '#include "pamr/adapt/adapt.hpp"\n',
                            "meshing must not include adapt")
 
+    def test_the_folders_of_a_solver_have_an_order(self):
+        self.assert_caught("lib/solvers/dsmc/state/a.cpp", SPDX + '#include "solvers/dsmc/run/plan.hpp"\n', ":2:",
+                           "dsmc/state must not include dsmc/run")
+        self.assert_caught("lib/solvers/dsmc/gas/a.cpp", SPDX + '#include "solvers/dsmc/kernel/boundary.hpp"\n',
+                           "dsmc/gas must not include dsmc/kernel")
+        self.assert_caught("lib/solvers/poisson_boltzmann/fem/a.cpp",
+                           SPDX + '#include "solvers/poisson_boltzmann/goals/functionals.hpp"\n',
+                           "poisson_boltzmann/fem must not include poisson_boltzmann/goals")
+        self.assert_clean("lib/solvers/dsmc/run/a.cpp", SPDX + '#include "solvers/dsmc/gas/gas.hpp"\n')
+        self.assert_clean("lib/solvers/dsmc/state/a.cpp", SPDX + '#include "solvers/dsmc/state/hosts.hpp"\n')
+
+    def test_a_file_of_a_solver_lies_in_one_of_its_folders(self):
+        for name in ("lib/solvers/dsmc/attic/a.ipp", "lib/solvers/poisson_boltzmann/a.ipp"):
+            self.assert_caught(name, SPDX, "one of its folders")
+
+    def test_the_corners_of_faces_stand_once(self):
+        for rows in ("123 032 013 021", "123 023 013 012"):
+            table = "{" + ", ".join("{" + ", ".join(row) + "}" for row in rows.split()) + "}"
+            self.assert_caught("lib/pamr/refine/a.ipp", SPDX + f"\nint a[4][3] = {table};\n", ":3:", "corners")
+            self.assert_caught("tests/tools/a_test.py", f"# {SPDX}FACES = {table}\n", ":2:", "corners")
+            self.assert_clean("lib/pamr/mesh/tet.hpp", SPDX + f"#pragma once\nnamespace pamr::mesh {{ int a[4][3] = {table}; }}\n")
+
     def test_petsc_and_mesh_3_have_one_place(self):
         self.assert_caught("lib/solvers/dsmc/run/a.cpp", SPDX + "#include <petscksp.h>\n", "PETSc")
-        self.assert_clean("lib/solvers/poisson_boltzmann/a.cpp", SPDX + "#include <petscksp.h>\n")
+        self.assert_clean("lib/solvers/poisson_boltzmann/fem/a.cpp", SPDX + "#include <petscksp.h>\n")
         self.assert_caught("geometry/pamr/geometry/a.cpp", SPDX + "#include <CGAL/Mesh_triangulation_3.h>\n", "Mesh_3")
 
     def test_relative_includes_are_caught(self):
