@@ -74,6 +74,7 @@ FORBIDDEN_NAMES = {"utils", "util", "common", "misc", "helpers", "helper", "mana
 NOT_OURS = {"build", "out", "__pycache__"}
 OWN_INCLUDE = re.compile(r'#\s*include\s*["<](?:pamr/|solvers/)?([\w.]+)/([^">]*)[">]')
 MARKDOWN_LINK = re.compile(r"\]\(([^)#\s]+)(?:#[^)]*)?\)")
+OTHER_CASE = re.compile(r'(?:cases/|(?<!\.\./)\.\./|\.parent / ")([a-z][\w-]*)(?:/|" /)')
 RELATIVE_INCLUDE = re.compile(r'#\s*include\s*"[^"]*\.\./')
 
 
@@ -212,6 +213,17 @@ def name_violations(names):
             yield f"{path}:1: a source has the header of its name beside it"
 
 
+def case_violations(name, lines):
+    """Of the scripts of a case: what cases share lies beside their folders."""
+    parts = name.split("/")
+    if parts[0] != "cases" or len(parts) < 3:
+        return
+    for number, line in enumerate(lines, 1):
+        for other in OTHER_CASE.findall(line.split("#")[0]):
+            if other != parts[1]:
+                yield number, f"a case uses nothing of another ({other}): move what both need to cases/"
+
+
 def link_violations(path):
     for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1):
         for target in MARKDOWN_LINK.findall(line):
@@ -230,6 +242,7 @@ def violations(root):
             continue
         text = path.read_text(encoding="utf-8", errors="replace")
         found = list(form_violations(name, text)) + list(folder_violations(name))
+        found += list(case_violations(name, text.splitlines()))
         table = FACE_TABLE.search(text)
         if table and path.name not in FACE_TABLES and not OWN_TABLES & set(name.split("/")):
             found.append((text[:table.start()].count("\n") + 1, FACE_RULE))

@@ -52,6 +52,14 @@ class Layers(unittest.TestCase):
     def test_the_library_must_not_know_its_tools(self):
         self.assert_caught("lib/pamr/adapt/a.cpp", SPDX + '#include "cli/session.hpp"\n', "adapt must not include cli")
 
+    def test_a_case_must_not_use_another(self):
+        spdx = "# SPDX-License-Identifier: GPL-3.0-or-later\n"
+        self.assert_caught("cases/rod/run.sh", spdx + '"$root/cases/spheres/loop.sh"\n', ":2:", "a case uses nothing of another (spheres)")
+        self.assert_caught("cases/rod/run.sh", spdx + '"$case_folder/../spheres/loop.sh"\n', "(spheres)")
+        self.assert_caught("cases/rod/run.py", spdx + 'HERE.parent / "spheres" / "loop.sh"\n', "(spheres)")
+        self.assert_clean("cases/rod/run.sh", spdx + '"$root/cases/loop.sh" "$root/cases/rod/a" # cases/spheres/\n. ../start.sh ../../scripts/b\n')
+        self.assert_clean("studies/rod/run.sh", spdx + '"$root/cases/spheres/loop.sh"\n')
+
     def test_solvers_must_not_refine(self):
         self.assert_caught("lib/solvers/dsmc/run/a.cpp", SPDX + '#include "pamr/refine/close.hpp"\n',
                            "dsmc must not include refine")

@@ -18,13 +18,13 @@ for name in case eccentric; do
   folder=$out/$name
   mkdir -p "$folder"
   pamr-mesh "$case_folder/$name.toml" -o "$folder/mesh.hdf" --force --quiet
-  "$root/cases/charged-spheres/loop.sh" "$case_folder/$name.toml" "$folder/mesh.hdf" "$folder" "$ranks" "$levels" \
+  "$root/cases/goal_loop.sh" "$case_folder/$name.toml" "$folder/mesh.hdf" "$folder" "$ranks" "$levels" \
     "$max_cells" --bulk-of goal_error:0.5
   echo "$name"
   columns=("charge=best.rod.charge.value" "+-=best.rod.charge.error")
   if [ $name = eccentric ]; then columns+=("f_x=best.rod.force-x.value" "+-=best.rod.force-x.error"); fi
   energy=$([ $name = case ] && echo 1 || echo 2)
-  python3 "$root/cases/charged-spheres/levels.py" "$folder" "${columns[@]}" "energy=goals.$energy.corrected" \
+  python3 "$root/cases/goal_levels.py" "$folder" "${columns[@]}" "energy=goals.$energy.corrected" \
     "+-=goals.$energy.error_bar" --expected "$case_folder/expected.csv" --case "$name" || status=1
 done
 exit $status

@@ -57,7 +57,7 @@ def octant_case(folder, radius, potential):
 
 def octant(o, folder, radius, potential):
     octant_case(folder, radius, potential)
-    subprocess.run([HERE.parent / "charged-spheres" / "loop.sh", folder / "case.toml", folder / "mesh.hdf", folder,
+    subprocess.run([HERE.parent / "goal_loop.sh", folder / "case.toml", folder / "mesh.hdf", folder,
                     str(o.ranks), "8", str(o.max_cells), "--bulk-of", "goal_error:0.5"], check=True)
     reports = []
     while (name := folder / f"solve{len(reports)}.json").exists():

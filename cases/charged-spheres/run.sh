@@ -33,12 +33,12 @@ criteria=(--bulk-of goal_error:0.5)
 if [ "$reading" = b ]; then criteria=(--bulk-of goal_error:0.4 --bulk-of indicator:0.3); fi
 
 pamr-mesh "$case_file" -o "$out/mesh.hdf" --force
-"$case_folder/loop.sh" "$case_file" "$out/mesh.hdf" "$out" "$ranks" "$levels" "$max_cells" "${criteria[@]}"
+"$root/cases/goal_loop.sh" "$case_file" "$out/mesh.hdf" "$out" "$ranks" "$levels" "$max_cells" "${criteria[@]}"
 # With fewer levels results are compared within their own error bars.
 coarse=()
 if [ "$levels" -lt $full_levels ] || [ "$max_cells" -lt $full_cells ]; then coarse=(--coarse); fi
 status=0
-python3 "$case_folder/levels.py" "$out" "f_x=best.sphere.force-x.value" "+-=best.sphere.force-x.error" \
+python3 "$root/cases/goal_levels.py" "$out" "f_x=best.sphere.force-x.value" "+-=best.sphere.force-x.error" \
   "f_z=best.sphere.force-z.value" "+-=best.sphere.force-z.error" \
   "midplane=forces.sphere.midplane.dimensionless.0" "correction=goal.correction" \
   "newton=forces.sphere.midplane.newton.0" "volume_x=forces.sphere.volume.dimensionless.0" \

@@ -16,9 +16,9 @@ max_cells=120000
 python3 "$case_folder/make_body.py" "$out/ellipsoid.stl"
 cp "$case_folder/case.toml" "$out/case.toml"
 pamr-mesh "$out/case.toml" -o "$out/mesh.hdf" --force
-"$root/cases/charged-spheres/loop.sh" "$out/case.toml" "$out/mesh.hdf" "$out" "$ranks" "$levels" "$max_cells" \
+"$root/cases/goal_loop.sh" "$out/case.toml" "$out/mesh.hdf" "$out" "$ranks" "$levels" "$max_cells" \
   --bulk-of goal_error:0.5
-python3 "$root/cases/charged-spheres/levels.py" "$out" "f_z=best.ellipsoid.force-z.value" \
+python3 "$root/cases/goal_levels.py" "$out" "f_z=best.ellipsoid.force-z.value" \
   "+-=best.ellipsoid.force-z.error" "torque_y=best.ellipsoid.torque-y.value" "+-=best.ellipsoid.torque-y.error" \
   "f_x=best.ellipsoid.force-x.value" "charge=best.ellipsoid.charge.value" "+-=best.ellipsoid.charge.error" \
   "surface_z=forces.ellipsoid.surface_reaction.dimensionless.2" --expected "$case_folder/expected.csv" \

@@ -22,7 +22,7 @@ runs="adapted coarse fine" seeds=3 bricks="32 2 1" area=0.005 per_cell=300 steps
 [ $smoke = yes ] && runs="smoke" bricks="32 1 1" area=0.0025 per_cell=120 steps=600 first=240
 
 # shellcheck disable=SC2086  # three numbers
-"$python" "$case_folder/../shock/box_mesh.py" "$out/box.msh" $bricks 0 1.6
+"$python" "$root/cases/box_mesh.py" "$out/box.msh" $bricks 0 1.6
 pamr-convert "$out/box.msh" "$out/box.hdf" --force --quiet
 cp "$out/box.hdf" "$out/fine.hdf"
 for name in $runs; do

@@ -10,7 +10,7 @@ levels=5
 . "$(dirname -- "${BASH_SOURCE[0]}")/../start.sh"
 
 pamr-mesh --shape kuhn-cube --n 6 -o "$out/mesh.hdf" --force --quiet
-"$root/cases/charged-spheres/loop.sh" "$case_folder/cube.toml" "$out/mesh.hdf" "$out" "$ranks" "$levels" 400000 \
+"$root/cases/goal_loop.sh" "$case_folder/cube.toml" "$out/mesh.hdf" "$out" "$ranks" "$levels" 400000 \
   --bulk-of indicator:0.6
-python3 "$root/cases/charged-spheres/levels.py" "$out" slope=charge_densities.zmin energy=energy \
+python3 "$root/cases/goal_levels.py" "$out" slope=charge_densities.zmin energy=energy \
   "estimate=error_estimate.relative" "newton=newton_iterations" --expected "$case_folder/expected.csv" --case plate

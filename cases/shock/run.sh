@@ -19,7 +19,7 @@ python=/usr/bin/python3  # the one that sees Debian's h5py
 cases="case" seeds=1
 [ $full = yes ] && cases="case argon-m8-omega-0.70 argon-m4.2 nitrogen-m20" && seeds=3
 every=300
-"$python" "$case_folder/box_mesh.py" "$out/box.msh" 205 2 2 -0.56 0.26
+"$python" "$root/cases/box_mesh.py" "$out/box.msh" 205 2 2 -0.56 0.26
 pamr-convert "$out/box.msh" "$out/box.hdf" --force --quiet
 
 # A window of the averages is what a run stopped by --steps has added since the previous one, from which it continues.

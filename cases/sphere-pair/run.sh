@@ -23,11 +23,11 @@ for name in "${cases[@]}"; do
   python3 "$case_folder/pair_case.py" "$name" > "$folder/case.toml"
   pamr-mesh "$folder/case.toml" -o "$folder/mesh.hdf" --force --quiet
   echo "$name"
-  "$root/cases/charged-spheres/loop.sh" "$folder/case.toml" "$folder/mesh.hdf" "$folder" "$ranks" "$levels" \
+  "$root/cases/goal_loop.sh" "$folder/case.toml" "$folder/mesh.hdf" "$folder" "$ranks" "$levels" \
     "$max_cells" --bulk-of goal_error:0.5
   expected=()  # of a pair that nobody has tabulated
   if grep -q "^$name," "$case_folder/expected.csv"; then expected=(--expected "$case_folder/expected.csv" --case "$name"); fi
-  python3 "$root/cases/charged-spheres/levels.py" "$folder" force=forces.sphere.midplane.dimensionless.0 \
+  python3 "$root/cases/goal_levels.py" "$folder" force=forces.sphere.midplane.dimensionless.0 \
     correction=goal.correction volume=forces.sphere.volume.dimensionless.0 charge=charge_densities.sphere "${expected[@]}"
   rm -f "$folder"/*.hdf
 done

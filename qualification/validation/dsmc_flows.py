@@ -15,7 +15,7 @@ XENON = dict(mass=2.18e-25, diameter=5.74e-10, omega=0.85, t_ref=273.0)
 
 def box(name, *numbers):
     if not (runs.OUT / name).exists():
-        subprocess.run([sys.executable, str(cases.ROOT / "cases/shock/box_mesh.py"), str(runs.OUT / "box.msh"), *map(str, numbers)], check=True)
+        subprocess.run([sys.executable, str(cases.ROOT / "cases/box_mesh.py"), str(runs.OUT / "box.msh"), *map(str, numbers)], check=True)
         tool("pamr-convert", "box.msh", name, "--quiet", ranks=1)
     return name
 

@@ -16,7 +16,8 @@ import unittest
 
 SOURCE, BIN, MPIEXEC = pathlib.Path(sys.argv[1]), pathlib.Path(sys.argv[2]), sys.argv[3:]
 TUTORIAL = SOURCE / "docs" / "tutorials" / "1-stl-to-openfoam"
-PAGES = sorted([SOURCE / "README.md", *(SOURCE / "docs").rglob("*.md"), *(SOURCE / "cases").glob("*/README.md")])
+PAGES = sorted([SOURCE / "README.md", *(SOURCE / "docs").rglob("*.md"), *(SOURCE / "cases").glob("*/README.md"),
+                *(SOURCE / "studies").glob("*/README.md")])
 COMMAND = re.compile(r"^(?:\$ )?(?:mpirun (?:-q )?-n \d+ )?(pamr-[a-z]+)\s")
 DRAWS = shutil.which("Xvfb") and subprocess.run(["/usr/bin/python3", "-c", "import vtk, matplotlib, h5py"],
                                                 capture_output=True).returncode == 0

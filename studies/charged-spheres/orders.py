@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Reading B by elements of first and of second order: error against processor time, level by level, beside dolfinx with
-quadratic and cubic elements on meshes by Gmsh (../ellipsoid-plate/reference.py --spheres).
+quadratic and cubic elements on meshes by Gmsh (reference.py --spheres).
 
 Usage: orders.py [--orders 1 2] [--levels N N] [--max-cells N N] [--bulk SHARE] [--sizes2 H...] [--sizes3 H...]
                  [--out FOLDER] [--tools FOLDER]
@@ -23,7 +23,8 @@ import subprocess
 import sys
 
 HERE = pathlib.Path(__file__).resolve().parent
-REFERENCE = HERE.parent / "ellipsoid-plate" / "reference.py"
+CASES = HERE.parents[1] / "cases"
+REFERENCE = HERE / "reference.py"
 QUANTITIES = ("force-x", "force-z")
 
 
@@ -62,7 +63,7 @@ def show(name, level, cells, unknowns, seconds, values, bars, truth):
 
 def run_order(o, order, levels, max_cells, mesh, truth):
     case = o.out / f"order{order}.toml"
-    text = (HERE / "reading-b.toml").read_text(encoding="utf-8")
+    text = (CASES / "charged-spheres" / "reading-b.toml").read_text(encoding="utf-8")
     case.write_text(text + f"\n[solver]\norder = {order}\n", encoding="utf-8")
     seconds, start, missed = 0.0, [], []
     for level in range(levels + 1):
@@ -115,7 +116,7 @@ def main():
     o.out.mkdir(parents=True, exist_ok=True)
     truth = read_truth()
     mesh = o.out / "mesh.hdf"
-    subprocess.run(["pamr-mesh", HERE / "reading-b.toml", "-o", mesh, "--force", "--quiet"], check=True)
+    subprocess.run(["pamr-mesh", CASES / "charged-spheres" / "reading-b.toml", "-o", mesh, "--force", "--quiet"], check=True)
     head()
     missed = []
     for order, levels, max_cells in zip(o.orders, o.levels, o.max_cells):

@@ -1,20 +1,18 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Force, torque and charge of this case by other means: quadratic or cubic elements on curved cells of a Gmsh mesh of the
+"""Force, torque and charge of cases/ellipsoid-plate by other means: quadratic or cubic elements on curved cells of a Gmsh mesh of the
 true ellipsoid, in dolfinx (Debian packages python3-dolfinx-real and python3-gmsh; dolfinx 0.5).
 
 Usage: reference.py [--size H] [--largest H] [--degree 2|3] [--spheres [RADIUS DISTANCE HEIGHT SPHERE PLATE]] [--far D]
 
 H is the wanted edge length at the body (--size) and anywhere (--largest). Same box, same conditions on its walls as
-case.toml. Forces by the volume form with a harmonic cut-off function of the same degree; charge by the reaction. With
+its case.toml. Forces by the volume form with a harmonic cut-off function of the same degree; charge by the reaction. With
 --spheres the same for two spheres over a plate (default: reading B of cases/charged-spheres; SPHERE and PLATE are
 potentials), whose force along x is also found through the mid-plane; the walls are D (default 7.5) beyond the center.
 The force on the plate is that of its stress.
 """
 import argparse
 import math
-import pathlib
-import sys
 import time
 
 import gmsh
@@ -23,8 +21,7 @@ import ufl
 from dolfinx import fem
 from petsc4py import PETSc
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
-from dolfinx_steps import make_curved_mesh, solve  # noqa: E402
+from dolfinx_steps import make_curved_mesh, solve
 
 
 class Ellipsoid:

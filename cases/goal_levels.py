@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Prints a table of the levels of a Poisson-Boltzmann run and compares its last level with expected.csv.
 
-Usage: levels.py FOLDER COLUMN... [--expected FILE --case NAME [--coarse]]
+Usage: goal_levels.py FOLDER COLUMN... [--expected FILE --case NAME [--coarse]]
 
 FOLDER holds solve<i>.json. COLUMN is `title=path`, a path like forces.sphere.midplane.dimensionless.0 in the report of
 pamr-pb. The rows `case,quantity,value,tolerance` of FILE whose case is NAME are compared with the last level: tolerances
@@ -41,7 +41,7 @@ def main():
         with open(name, encoding="utf-8") as file:
             reports.append(json.load(file))
     if not reports:
-        sys.exit(f"levels.py: expected solve0.json in {o.folder}, found none")
+        sys.exit(f"goal_levels.py: expected solve0.json in {o.folder}, found none")
 
     columns = [c.split("=", 1) for c in ["nodes=nodes", "cells=cells", *o.columns]]
     rows = [["level"] + [title for title, _ in columns]]
@@ -66,7 +66,7 @@ def main():
                           file=sys.stderr)
                     wrong = 1
         if compared == 0:
-            sys.exit(f"levels.py: expected rows of {o.case} in {o.expected}, found none to compare with")
+            sys.exit(f"goal_levels.py: expected rows of {o.case} in {o.expected}, found none to compare with")
     return wrong
 
 

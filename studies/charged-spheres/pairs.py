@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Pairs of other sizes, places and potentials over the plate: every level's forces with their error bars beside values of
-another code (pairs.csv, made by ../ellipsoid-plate/reference.py --degree 3 --spheres).
+another code (pairs.csv, made by reference.py --degree 3 --spheres).
 
 Usage: pairs.py [--order 1|2] [--levels N] [--max-cells N] [--ranks N] [--out FOLDER] [--tools FOLDER]
 
@@ -20,10 +20,11 @@ import sys
 import sweep
 
 HERE = pathlib.Path(__file__).resolve().parent
+CASES = HERE.parents[1] / "cases"
 
 
 def case_of(pair, order=1):
-    text = (HERE / "reading-b.toml").read_text(encoding="utf-8")
+    text = (CASES / "charged-spheres" / "reading-b.toml").read_text(encoding="utf-8")
     for key in ("radius", "distance", "height"):
         for table in ("mesh.geometry", "pair"):
             text = sweep.replaced(text, table, key, float(pair[key]))
@@ -52,7 +53,7 @@ def main():
         folder.mkdir(parents=True, exist_ok=True)
         (folder / "case.toml").write_text(case_of(pair, o.order), encoding="utf-8")
         subprocess.run(["pamr-mesh", folder / "case.toml", "-o", folder / "mesh.hdf", "--force", "--quiet"], check=True)
-        subprocess.run([HERE / "loop.sh", folder / "case.toml", folder / "mesh.hdf", folder, str(o.ranks), str(o.levels),
+        subprocess.run([CASES / "goal_loop.sh", folder / "case.toml", folder / "mesh.hdf", folder, str(o.ranks), str(o.levels),
                         str(o.max_cells), "--bulk-of", "goal_error:0.5"], check=True)
         n_levels = len(list(folder.glob("solve*.json")))
         what = " ".join(f"{float(pair[key]):{width}g}" for key, width in

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Draws the error of a quantity over the number of cells, both logarithmic, for several runs of loop.sh.
+"""Draws the error of a quantity over the number of cells, both logarithmic, for several runs of cases/goal_loop.sh.
 
 Usage: plot_convergence.py -o FILE.svg|FILE.png --exact VALUE --quantity PATH LABEL=FOLDER...
 
@@ -13,10 +13,9 @@ import os
 import pathlib
 import sys
 
-from levels import value_at
-
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent))
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "cases"))
 import plots
+from goal_levels import value_at
 
 
 def read(folder, quantity, exact):

@@ -3,7 +3,7 @@
 # Makes every table and figure of the paper again, one case after another (docs/paper.md says which is which). A step that
 # has ended well is not repeated, so an interrupted run goes on where it was. Exit code 1 when a step failed.
 #
-#   cases/reproduce.sh [--quick] [--ranks N] [--out FOLDER] [--tools FOLDER] [STEP...]
+#   studies/reproduce.sh [--quick] [--ranks N] [--out FOLDER] [--tools FOLDER] [STEP...]
 #
 #   --quick         lower levels and fewer particles: about a quarter of an hour; without it hours
 #   --ranks N       MPI processes (default 2)
@@ -27,10 +27,10 @@ check_options() {
   if [ ${#arguments[@]} -gt 0 ]; then steps=("${arguments[@]}"); fi
   subfolder=$([ $quick = yes ] && echo quick || echo full)
 }
-. "$(dirname -- "${BASH_SOURCE[0]}")/start.sh"
+. "$(dirname -- "${BASH_SOURCE[0]}")/../cases/start.sh"
 
 build=$(dirname -- "$(cd -- "$tools" && pwd)")
-cases=$case_folder
+cases=$root/cases
 # What only the full or only the quick run has.
 if [ $quick = yes ]; then cone=() sphere=(--levels 2) charges=(--levels 2 --max-cells 60000) quality=3 scaling=(--tiny)
 else cone=(--full --levels 4) sphere=(--full) charges=() quality=6 scaling=(--counts); fi
@@ -46,8 +46,8 @@ command_of() { # STEP
     sphere) command=("$cases/supersonic-sphere/run.sh" "${sphere[@]}" --resume "${own[@]}") ;;
     charges-b) command=("$cases/charged-spheres/run.sh" --reading b "${charges[@]}" "${own[@]}") ;;
     charges-a) command=("$cases/charged-spheres/run.sh" --reading a "${charges[@]}" "${own[@]}") ;;
-    table5) command=("$cases/charged-spheres/table5.sh" "${own[@]}") ;;
-    pairs) command=(/usr/bin/python3 -B "$cases/charged-spheres/pairs.py" --ranks "$ranks" --tools "$tools" --out "$out/$1") ;;
+    table5) command=("$case_folder/charged-spheres/table5.sh" "${own[@]}") ;;
+    pairs) command=(/usr/bin/python3 -B "$case_folder/charged-spheres/pairs.py" --ranks "$ranks" --tools "$tools" --out "$out/$1") ;;
     quality) command=("$root/bench/quality_control.sh" "$build" "$quality") ;;
     scaling) command=("$root/bench/scaling.sh" "$build" --out "$out/$1" "${scaling[@]}") ;;
   esac

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 import study_tables
 
-CASE = pathlib.Path(__file__).resolve().parent
+CASE = pathlib.Path(__file__).resolve().parents[2] / "cases" / "blunt-cone"
 STUDIES = ("particles", "step", "cells", "seeds", "partner", "coarse", "levels", "domain")
 LONG = ("paper",)  # only when asked for
 

@@ -15,8 +15,6 @@ at x > 0 is S(0) - S(between sphere and wall), twice that of the meshed half. Wi
 the force by two planes (means over two stretches between sphere and wall), whose difference tells the error of the mesh.
 """
 import argparse
-import pathlib
-import sys
 import time
 
 import gmsh
@@ -25,8 +23,7 @@ import ufl
 from dolfinx import fem
 from petsc4py import PETSc
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
-from dolfinx_steps import make_curved_mesh, solve  # noqa: E402
+from dolfinx_steps import make_curved_mesh, solve
 
 RADIUS, DISTANCE, HEIGHT = 0.325 / 0.275, 4.5 / 0.275, 2.5 / 0.275
 PLACE = DISTANCE / 2  # x of the center of the sphere

@@ -5,8 +5,8 @@ values, at level 0 and on levels refined by `--bulk-of goal_error:0.5`.
 
 Usage: bars.py [CASE...] [--order 1|2] [--levels N] [--max-cells N] [--out FOLDER] [--tools FOLDER]
 
-CASE is the beginning of a name: rod (../charged-rod), isolated (pairs without plate, ../sphere-pair), sphere (charges,
-../charged-sphere), pair and reading-b (pairs.csv, truth.csv), ellipsoid (../ellipsoid-plate). Default: all.
+CASE is the beginning of a name: rod (cases/charged-rod), isolated (pairs without plate, sphere-pair), sphere (charges,
+charged-sphere), pair and reading-b (pairs.csv, truth.csv), ellipsoid (ellipsoid-plate). Default: all.
 
 A row for each level and goal: the errors of the value and of the corrected value, the bar and what the truth is known
 to, all over the value (f_x and the torque of the ellipsoid over its f_z), and the bar over the error. Where the error is
@@ -24,7 +24,7 @@ import subprocess
 import sys
 
 HERE = pathlib.Path(__file__).resolve().parent
-CASES = HERE.parent
+CASES = HERE.parents[1] / "cases"
 sys.path += [str(CASES / "charged-sphere"), str(CASES / "sphere-pair")]
 import pair_case  # noqa: E402
 import pairs  # noqa: E402
@@ -106,7 +106,7 @@ def over_plate():
         yield Case(name, pairs.case_of(row).split("\n[solver]")[0], relative(truth))
     truth = {row["quantity"]: (float(row["value"]), float(row["known"])) for row in rows_of(HERE / "truth.csv")
              if row["case"] == "reading-b"}
-    yield Case("reading-b", (HERE / "reading-b.toml").read_text(), relative(truth))
+    yield Case("reading-b", (CASES / "charged-spheres" / "reading-b.toml").read_text(), relative(truth))
 
 
 def ellipsoid():
@@ -125,7 +125,7 @@ def levels_of(case, o):
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "case.toml").write_text(with_order(case.text, o.order), encoding="utf-8")
     case.prepare(folder)
-    subprocess.run([HERE / "loop.sh", folder / "case.toml", folder / "mesh.hdf", folder, "1", str(o.levels),
+    subprocess.run([CASES / "goal_loop.sh", folder / "case.toml", folder / "mesh.hdf", folder, "1", str(o.levels),
                     str(o.max_cells), "--bulk-of", "goal_error:0.5"], check=True)
     for mesh in folder.glob("*.hdf"):
         mesh.unlink()

@@ -22,6 +22,7 @@ import re
 import subprocess
 
 HERE = pathlib.Path(__file__).resolve().parent
+CASES = HERE.parents[1] / "cases"
 
 
 def replaced(text, table, key, value):
@@ -53,7 +54,7 @@ def solve(o, value):
     (folder / "case.toml").write_text(text, encoding="utf-8")
     subprocess.run(["pamr-mesh", folder / "case.toml", "-o", folder / "mesh.hdf", "--force", "--quiet"], check=True)
     goal = "goal_error:0.5"
-    subprocess.run([HERE / "loop.sh", folder / "case.toml", folder / "mesh.hdf", folder, str(o.ranks), str(o.levels),
+    subprocess.run([CASES / "goal_loop.sh", folder / "case.toml", folder / "mesh.hdf", folder, str(o.ranks), str(o.levels),
                     str(o.max_cells), "--bulk-of", goal], check=True)
     last = max(folder.glob("solve*.json"), key=lambda name: int(re.search(r"\d+", name.stem).group()))
     report = json.loads(last.read_text())

@@ -4,13 +4,13 @@
 # many small runs on the meshes of `run.sh --full`, one after another, and tables of them with 95 % bounds. A run that
 # has ended is not repeated, an interrupted one goes on from its last checkpoint. 25 CPU minutes.
 #
-#   cases/blunt-cone/studies.sh [--full-run FOLDER] [--small-run FOLDER] [--ranks N] [--out FOLDER] [--tools FOLDER]
+#   studies/blunt-cone/studies.sh [--full-run FOLDER] [--small-run FOLDER] [--ranks N] [--out FOLDER] [--tools FOLDER]
 #                               [STUDY...]
 #
-#   --full-run FOLDER   results of `run.sh --full` (default out/)
+#   --full-run FOLDER   results of `cases/blunt-cone/run.sh --full` (default cases/blunt-cone/out)
 #   --small-run FOLDER  results of `run.sh` without --full, for the tables (default: none)
 #   --ranks N           MPI processes (default 2)
-#   --out FOLDER        where runs go (default out/studies)
+#   --out FOLDER        where runs go (default out/ beside this script)
 #   --tools FOLDER      takes the tools from there and sets nothing up
 #   STUDY               only these: particles step cells seeds partner coarse levels domain (default: these), paper (partners
 #                       from the whole cell with the paper's particles to level 3: two CPU hours; --full-run needs a level 3),
@@ -20,8 +20,7 @@ set -euo pipefail
 declare -A values=([--full-run]=full_run [--small-run]=small_run)
 full_run= small_run=
 arguments=()
-subfolder=studies
-. "$(dirname -- "${BASH_SOURCE[0]}")/../start.sh"
+. "$(dirname -- "${BASH_SOURCE[0]}")/../../cases/start.sh"
 python=/usr/bin/python3  # the one that sees Debian's h5py
 [ -x "$python" ] || python=python3
-exec "$python" -B "$case_folder/studies.py" "${full_run:-$case_folder/out}" "${small_run:-none}" "$out" "$ranks" "${arguments[@]}"
+exec "$python" -B "$case_folder/studies.py" "${full_run:-$root/cases/blunt-cone/out}" "${small_run:-none}" "$out" "$ranks" "${arguments[@]}"

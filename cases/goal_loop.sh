@@ -3,7 +3,7 @@
 # The coupled loop of the Poisson-Boltzmann cases, by the stage tools: solve, mark, refine with new nodes on the spheres,
 # and start the next solution from the potential that refinement transferred. Stops when nothing is marked.
 #
-#   loop.sh CASE.toml LEVEL0.hdf FOLDER RANKS LEVELS MAX_CELLS CRITERION...
+#   goal_loop.sh CASE.toml LEVEL0.hdf FOLDER RANKS LEVELS MAX_CELLS CRITERION...
 #
 # LEVELS refinements at most; CRITERION are options of pamr-mark; refined meshes stay within MAX_CELLS, which may be several
 # numbers with commas between, one for each refinement (the last serves all further ones). Leaves
@@ -14,7 +14,7 @@ case_file=$1 mesh=$2 out=$3 ranks=$4 levels=$5
 IFS=, read -ra max_cells <<<"$6"
 shift 6
 mkdir -p "$out"
-. "$(dirname -- "${BASH_SOURCE[0]}")/../../scripts/mpi_environment.sh"
+. "$(dirname -- "${BASH_SOURCE[0]}")/../scripts/mpi_environment.sh"
 
 on_ranks() { # REPORT TOOL ARGUMENT...
   local report=$out/$1.json
