@@ -72,7 +72,7 @@ TEST(LongSlab, IsWrittenAndReadAtOnce) {
         H5Dcreate2(h5.id(), "rows", H5T_STD_I8LE, space.id(), H5P_DEFAULT, how.id(), H5P_DEFAULT), H5Dclose, "rows");
     if (comm.is_first()) {
       EXPECT_TRUE(
-          io::hdf5::write_rows(rows.id(), shape, first, n, H5T_NATIVE_INT8, memory.bytes().data(), transfer.id()))
+          io::hdf5::write_rows({rows.id(), shape, first, n}, H5T_NATIVE_INT8, memory.bytes().data(), transfer.id()))
           << io::hdf5::last_error();
     }
   }
@@ -82,13 +82,13 @@ TEST(LongSlab, IsWrittenAndReadAtOnce) {
   const auto h5 = io::hdf5::take(H5Fopen(file.c_str(), H5F_ACC_RDONLY, access.id()), H5Fclose, "file");
   const auto rows = io::hdf5::take(H5Dopen2(h5.id(), "rows", H5P_DEFAULT), H5Dclose, "rows");
   EXPECT_TRUE(
-      io::hdf5::read_rows(rows.id(), shape, first, n, mesh::StorageType::int8, memory.bytes().data(), transfer.id()))
+      io::hdf5::read_rows({rows.id(), shape, first, n}, mesh::StorageType::int8, memory.bytes().data(), transfer.id()))
       << io::hdf5::last_error();
 
   for (std::size_t i = 0; i < AliasedMemory::window; ++i) ASSERT_EQ(memory.bytes()[i], value_at(i)) << i;
   std::array<std::int8_t, 3> around{};  // the last row of the slab and what is behind it, which nobody wrote
   EXPECT_TRUE(
-      io::hdf5::read_rows(rows.id(), shape, first + n - 1, 3, mesh::StorageType::int8, around.data(), transfer.id()));
+      io::hdf5::read_rows({rows.id(), shape, first + n - 1, 3}, mesh::StorageType::int8, around.data(), transfer.id()));
   EXPECT_EQ(static_cast<std::byte>(around[0]), value_at((n_bytes - 1) % AliasedMemory::window));
   EXPECT_EQ(around[1], 0);
   EXPECT_EQ(around[2], 0);

@@ -97,7 +97,7 @@ TEST(Extents, ReachRowsBeyond2To33OfASparseFile) {
       std::array<std::int8_t, 10> values{};
       for (std::size_t i = 0; i < 10; ++i) values[i] = value_of(first_of(base) + static_cast<GlobalId>(i));
       EXPECT_TRUE(
-          io::hdf5::write_rows(rows.id(), shape, first_of(base), 10, H5T_NATIVE_INT8, values.data(), transfer.id()))
+          io::hdf5::write_rows({rows.id(), shape, first_of(base), 10}, H5T_NATIVE_INT8, values.data(), transfer.id()))
           << io::hdf5::last_error();
     }
   }
@@ -109,7 +109,7 @@ TEST(Extents, ReachRowsBeyond2To33OfASparseFile) {
     const auto n = 10 * comm.size();  // what all ranks wrote
     std::vector<std::int8_t> values(static_cast<std::size_t>(n), 0);
     EXPECT_TRUE(
-        io::hdf5::read_rows(rows.id(), shape, base - 20, n, mesh::StorageType::int8, values.data(), transfer.id()))
+        io::hdf5::read_rows({rows.id(), shape, base - 20, n}, mesh::StorageType::int8, values.data(), transfer.id()))
         << io::hdf5::last_error();
     for (int i = 0; i < n; ++i) EXPECT_EQ(values[static_cast<std::size_t>(i)], value_of(base - 20 + i));
   }

@@ -122,8 +122,9 @@ double Reader::real(std::string_view what) {
 
 std::int64_t Reader::small(std::string_view what) { return binary_ ? value<std::int32_t>(what) : in_.integer(what); }
 
-void Reader::rows(std::int64_t n, par::BlockRange own, int n_reals, int n_integers, std::string_view what,
+void Reader::rows(std::int64_t n, par::BlockRange own, const Row& kind,
                   const std::function<void(std::int64_t row)>& read) {
+  const auto& [what, n_reals, n_integers] = kind;
   const auto size = static_cast<std::size_t>(n_reals) * (version_ == 1 ? 4 : 8) +
                     static_cast<std::size_t>(n_integers) * (version_ >= 4 ? 8 : 4);
   in_.checked_count(n, binary_ ? size : 2 * static_cast<std::size_t>(n_reals + n_integers), what);

@@ -48,10 +48,13 @@ class Reader {
   /// to read all rows, or, in a binary file, any of the first.
   void for_each_section(const std::function<void(const KnownKeyword&, std::int64_t n)>& take);
 
-  /// Reads rows `own` of `n`: `read` reads the numbers of one. In a text each row is a line of its own; in a binary
-  /// file it has `n_reals` reals and `n_integers` integers.
-  void rows(std::int64_t n, par::BlockRange own, int n_reals, int n_integers, std::string_view what,
-            const std::function<void(std::int64_t row)>& read);
+  /// What the rows of a section are called, and the numbers that each has in a binary file.
+  struct Row {
+    std::string_view what;
+    int n_reals = 0, n_integers = 0;
+  };
+  /// Reads rows `own` of `n`: `read` reads the numbers of one. In a text each row is a line of its own.
+  void rows(std::int64_t n, par::BlockRange own, const Row& kind, const std::function<void(std::int64_t row)>& read);
 
   /// The next number of a row.
   std::int64_t integer(std::string_view what);

@@ -37,13 +37,13 @@ class MeshSections {
     } else if (keyword.code == gmf::vertices) {
       read_vertices(n);
     } else if (keyword.code == gmf::triangles) {
-      in_.rows(n, share_.of(n), 0, 4, "triangles", [this](std::int64_t) {
+      in_.rows(n, share_.of(n), {"triangles", 0, 4}, [this](std::int64_t) {
         auto& triangle = parts_.triangle.emplace_back();
         for (auto& node : triangle.node) node = in_.integer("a node of a triangle");
         triangle.group = in_.integer("the reference of a triangle");
       });
     } else {
-      in_.rows(n, share_.of(n), 0, 5, "tetrahedra", [this](std::int64_t) {
+      in_.rows(n, share_.of(n), {"tetrahedra", 0, 5}, [this](std::int64_t) {
         auto& cell = parts_.tetrahedron.emplace_back();
         for (auto& node : cell.node) node = in_.integer("a node of a tetrahedron");
         cell.group = in_.integer("the reference of a tetrahedron");
@@ -54,7 +54,7 @@ class MeshSections {
 
   void read_vertices(std::int64_t n) {
     parts_.n_nodes = n;
-    in_.rows(n, share_.of(n), 3, 1, "vertices", [this](std::int64_t row) {
+    in_.rows(n, share_.of(n), {"vertices", 3, 1}, [this](std::int64_t row) {
       const double x = in_.real("x"), y = in_.real("y"), z = in_.real("z");
       (void)in_.integer("the reference of a vertex");
       parts_.node_tag.push_back(row + 1);
@@ -103,7 +103,7 @@ class SolutionSections {
       fields.push_back({"", "", n_components, mesh::StorageType::float64, std::vector<double>()});
       width += n_components;
     }
-    in_.rows(n, share_.of(n), width, 0, what, [&](std::int64_t) {
+    in_.rows(n, share_.of(n), {what, width, 0}, [&](std::int64_t) {
       for (auto& field : fields)
         for (int k = 0; k < field.n_components; ++k) field.real().push_back(in_.real("a value"));
     });

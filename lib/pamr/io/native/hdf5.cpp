@@ -183,39 +183,34 @@ Handle independent_transfer() {
 
 namespace {
 
-/// Calls `transfer_piece(first, n, offset in bytes)` for pieces of the rows that fit MPI's counts, at least once, until
-/// one fails.
+/// Calls `transfer_piece(file, memory, offset in bytes)` for pieces of the rows that fit MPI's counts, at least once,
+/// until one fails.
 template <class TransferPiece>
-bool transfer_in_pieces(std::int64_t first, std::int64_t n, std::size_t bytes_of_row, TransferPiece&& transfer_piece) {
+bool transfer_in_pieces(const Slab& slab, std::size_t bytes_of_value, TransferPiece&& transfer_piece) {
+  const auto bytes_of_row = static_cast<std::size_t>(slab.shape.width) * bytes_of_value;
   const auto at_once = std::max<std::int64_t>(1, static_cast<std::int64_t>(max_transfer_bytes / bytes_of_row));
   std::int64_t done = 0;
   do {
-    const auto piece = std::min(at_once, n - done);
-    if (!transfer_piece(first + done, piece, static_cast<std::size_t>(done) * bytes_of_row)) return false;
+    const auto piece = std::min(at_once, slab.n - done);
+    const auto selection = select(slab.dataset, slab.shape, slab.first + done, piece);
+    if (!transfer_piece(selection.file.id(), selection.memory.id(), static_cast<std::size_t>(done) * bytes_of_row))
+      return false;
     done += piece;
-  } while (done < n);
+  } while (done < slab.n);
   return true;
 }
 
 }  // namespace
 
-bool read_rows(hid_t dataset, const Shape& shape, std::int64_t first, std::int64_t n, mesh::StorageType type, void* to,
-               hid_t transfer) {
-  const auto bytes_of_row = static_cast<std::size_t>(shape.width) * size_of(type);
-  return transfer_in_pieces(first, n, bytes_of_row, [&](std::int64_t begin, std::int64_t count, std::size_t offset) {
-    const auto selection = select(dataset, shape, begin, count);
-    return H5Dread(dataset, memory_type(type), selection.memory.id(), selection.file.id(), transfer,
-                   static_cast<std::byte*>(to) + offset) >= 0;
+bool read_rows(const Slab& slab, mesh::StorageType type, void* to, hid_t transfer) {
+  return transfer_in_pieces(slab, size_of(type), [&](hid_t file, hid_t memory, std::size_t offset) {
+    return H5Dread(slab.dataset, memory_type(type), memory, file, transfer, static_cast<std::byte*>(to) + offset) >= 0;
   });
 }
 
-bool write_rows(hid_t dataset, const Shape& shape, std::int64_t first, std::int64_t n, hid_t type, const void* from,
-                hid_t transfer) {
-  const auto bytes_of_row = static_cast<std::size_t>(shape.width) * H5Tget_size(type);
-  return transfer_in_pieces(first, n, bytes_of_row, [&](std::int64_t begin, std::int64_t count, std::size_t offset) {
-    const auto selection = select(dataset, shape, begin, count);
-    return H5Dwrite(dataset, type, selection.memory.id(), selection.file.id(), transfer,
-                    static_cast<const std::byte*>(from) + offset) >= 0;
+bool write_rows(const Slab& slab, hid_t type, const void* from, hid_t transfer) {
+  return transfer_in_pieces(slab, H5Tget_size(type), [&](hid_t file, hid_t memory, std::size_t offset) {
+    return H5Dwrite(slab.dataset, type, memory, file, transfer, static_cast<const std::byte*>(from) + offset) >= 0;
   });
 }
 

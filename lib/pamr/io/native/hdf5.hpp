@@ -92,12 +92,17 @@ struct Shape {
 Handle parallel_access(const par::Comm& comm, const std::filesystem::path& file);
 Handle independent_transfer();
 
-/// Reads rows `first .. first + n` into memory of the given type; `n` may be 0. Collective unless `transfer` is
-/// independent, and then of `max_transfer_bytes` at most; else more goes in pieces.
-bool read_rows(hid_t dataset, const Shape& shape, std::int64_t first, std::int64_t n, mesh::StorageType type, void* to,
-               hid_t transfer);
-/// Writes rows `first .. first + n`; `n` may be 0. As `read_rows`.
-bool write_rows(hid_t dataset, const Shape& shape, std::int64_t first, std::int64_t n, hid_t type, const void* from,
-                hid_t transfer);
+/// Rows `first .. first + n` of a dataset; `n` may be 0.
+struct Slab {
+  hid_t dataset = -1;
+  Shape shape;  ///< of the whole dataset
+  std::int64_t first = 0, n = 0;
+};
+
+/// Reads rows into memory of the given type. Collective unless `transfer` is independent, and then of
+/// `max_transfer_bytes` at most; else more goes in pieces.
+bool read_rows(const Slab& slab, mesh::StorageType type, void* to, hid_t transfer);
+/// Writes rows. As `read_rows`.
+bool write_rows(const Slab& slab, hid_t type, const void* from, hid_t transfer);
 
 }  // namespace pamr::io::hdf5

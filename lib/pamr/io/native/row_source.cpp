@@ -22,17 +22,17 @@ std::size_t n_bytes(const hdf5::Shape& shape, mesh::StorageType type, GlobalId n
 }
 
 /// In the process of its own: reads the rows with HDF5's serial driver and sends them.
-void read_alone(const std::filesystem::path& file, const ArrayEntry& entry, const hdf5::Shape& shape, GlobalId first,
-                GlobalId end, GlobalId slab, const Subprocess::Send& send) {
+void read_alone(const std::filesystem::path& file, const ArrayEntry& entry, const hdf5::Shape& shape,
+                const RowSource::Slabs& rows, const Subprocess::Send& send) {
   const auto access = hdf5::take(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, "");
   H5Pset_file_locking(access.id(), true, true);
   const auto h5 = hdf5::take(H5Fopen(file.c_str(), H5F_ACC_RDONLY, access.id()), H5Fclose, "");
   const auto dataset = hdf5::take(H5Dopen2(h5.id(), entry.path.c_str(), H5P_DEFAULT), H5Dclose, "");
   std::vector<char> raw;
-  for (; first < end; first += slab) {
-    const auto n = std::min(slab, end - first);
+  for (auto first = rows.first; first < rows.end; first += rows.slab) {
+    const auto n = std::min(rows.slab, rows.end - first);
     raw.resize(n_bytes(shape, entry.type, n));
-    hdf5::require(hdf5::read_rows(dataset.id(), shape, first, n, entry.type, raw.data(), H5P_DEFAULT), "");
+    hdf5::require(hdf5::read_rows({dataset.id(), shape, first, n}, entry.type, raw.data(), H5P_DEFAULT), "");
     send(raw);
   }
 }
@@ -40,25 +40,26 @@ void read_alone(const std::filesystem::path& file, const ArrayEntry& entry, cons
 }  // namespace
 
 RowSource::RowSource(const std::filesystem::path& file, hid_t h5, const ArrayEntry& entry, const hdf5::Shape& shape,
-                     GlobalId first, GlobalId end, GlobalId slab)
-    : file_(file), type_(entry.type), shape_(shape), next_(first) {
+                     const Slabs& rows)
+    : file_(file), type_(entry.type), shape_(shape), next_(rows.first) {
   if (!entry.is_chunked || !may_fork()) {
     dataset_ = hdf5::take(H5Dopen2(h5, entry.path.c_str(), H5P_DEFAULT), H5Dclose, "cannot open it");
     transfer_ = hdf5::independent_transfer();
     if (!entry.is_chunked) place_ = H5Dget_offset(dataset_.id());
     return;
   }
-  if (first >= end) return;
-  process_.emplace([&](const Subprocess::Send& send) { read_alone(file, entry, shape, first, end, slab, send); },
-                   Subprocess::Limits{.processor_seconds = 2 + n_bytes(shape, entry.type, end - first) / slowest,
-                                      .memory_bytes = Subprocess::memory_for(std::filesystem::file_size(file))});
+  if (rows.first >= rows.end) return;
+  process_.emplace(
+      [&](const Subprocess::Send& send) { read_alone(file, entry, shape, rows, send); },
+      Subprocess::Limits{.processor_seconds = 2 + n_bytes(shape, entry.type, rows.end - rows.first) / slowest,
+                         .memory_bytes = Subprocess::memory_for(std::filesystem::file_size(file))});
 }
 
 bool RowSource::read(GlobalId n, std::span<std::byte> raw) {
   const auto first = next_;
   next_ += n;
   if (dataset_.is_open()) {
-    if (!hdf5::read_rows(dataset_.id(), shape_, first, n, type_, raw.data(), transfer_.id())) return false;
+    if (!hdf5::read_rows({dataset_.id(), shape_, first, n}, type_, raw.data(), transfer_.id())) return false;
     short_read_ = place_ == HADDR_UNDEF ? "" : missing(place_ + n_bytes(shape_, type_, first), raw);
     return short_read_.empty();
   }

@@ -21,10 +21,14 @@ namespace pamr::io {
 /// that may be (`may_fork`).
 class RowSource {
  public:
-  /// Rows `first .. end` in slabs of `slab` rows. Collective over the ranks that have `h5` open; throws `Error` without
-  /// the file's name.
+  /// Rows `first .. end` in slabs of `slab` rows.
+  struct Slabs {
+    GlobalId first = 0, end = 0, slab = 1;
+  };
+
+  /// Collective over the ranks that have `h5` open; throws `Error` without the file's name.
   RowSource(const std::filesystem::path& file, hid_t h5, const ArrayEntry& entry, const hdf5::Shape& shape,
-            GlobalId first, GlobalId end, GlobalId slab);
+            const Slabs& rows);
 
   /// Reads the next `n` rows (a whole slab but for the last, 1 or more) to where `raw` lies, whose size is theirs.
   /// Local; false when it failed, and `trouble` says why.

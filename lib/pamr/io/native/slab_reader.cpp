@@ -88,7 +88,7 @@ std::optional<RowSource> SlabReader::open_rows(const Dataset& dataset, Rows rows
   const par::Comm::Waiting waiting(*comm_, par::Comm::Waiting::In::library);
   try {
     return std::optional<RowSource>(std::in_place, file_, h5_.id(), *catalog_->find_array(dataset.path), dataset.shape,
-                                    rows.begin, rows.end, slab);
+                                    RowSource::Slabs{rows.begin, rows.end, slab});
   } catch (const Error& error) {
     throw Error(fmt::format("{}: {}", place(dataset.path), error.what()));
   }

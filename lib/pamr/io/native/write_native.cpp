@@ -361,8 +361,8 @@ void Writer::write_window(const ArrayPlan& plan, hid_t dataset, Checksum& checks
   const auto first = (window_.range.begin - plan.rows.all.first) * file_rows;
   if (plan.has_checksum) checksum.add(first, static_cast<std::size_t>(plan.shape.width), window_.words);
   const bool done = comm_->in_library([&] {
-    return hdf5::write_rows(dataset, plan.shape, first, window_.range.count() * file_rows, hdf5::memory_type(plan.type),
-                            values, transfer_.id());
+    return hdf5::write_rows({dataset, plan.shape, first, window_.range.count() * file_rows},
+                            hdf5::memory_type(plan.type), values, transfer_.id());
   });
   hdf5::require(done, at(plan.path, "cannot write it"));
 }
