@@ -71,144 +71,26 @@ const void* store(StorageType type, std::span<std::uint64_t> words, std::vector<
   return nullptr;
 }
 
-class Writer {
- public:
-  Writer(const par::Comm& comm, const std::filesystem::path& file, const mesh::DistMesh& mesh,
-         const WriteOptions& options)
-      : comm_(&comm),
-        file_(file),
-        partial_(file),
-        mesh_(&mesh),
-        options_(options),
-        plan_(comm, mesh, options.format, options.provenance) {
-    options_.slab_bytes = std::min<std::size_t>(options_.slab_bytes, hdf5::max_transfer_bytes);
-  }
+/// What is written, and where to.
+struct Job {
+  const par::Comm& comm;
+  const std::filesystem::path& file;
+  const mesh::DistMesh& mesh;
+  const WriteOptions& options;
+  const WritePlan& plan;
 
-  void run();
-
- private:
   std::string at(const std::string& path, const std::string& trouble) const {
-    return "file '" + file_.string() + "', " + path + ": " + trouble;
+    return "file '" + file.string() + "', " + path + ": " + trouble;
   }
-
-  void make_room();
-  void create();
-  void create_groups();
-  Handle create_array(const ArrayPlan& plan) const;
-  Handle create_text(const TextPlan& plan) const;
-  Handle text_type(std::size_t bytes, H5T_cset_t set) const;
-  void write_text_attribute(hid_t object, const char* name, const std::string& text, H5T_cset_t set) const;
-  void write_number_attribute(hid_t object, const std::string& name, std::span<const std::int64_t> values,
-                              hid_t type) const;
-  void write_attributes() const;
-  void reserve() const;
-  void fill();
-  bool is_local(const ArrayPlan& plan) const { return plan.formula || stays(plan.rows); }
-  GlobalId rows_in(std::size_t bytes, const ArrayPlan& plan) const;
-  void write_local(const ArrayPlan& plan, hid_t dataset, Checksum& checksum);
-  void write_travelling(const ArrayPlan& plan, hid_t dataset, Checksum& checksum);
-  void evaluate(const ArrayPlan& plan, par::BlockRange range);
-  void write_window(const ArrayPlan& plan, hid_t dataset, Checksum& checksum);
-  void write_text(const TextPlan& plan, hid_t dataset) const;
-  bool close();
-
-  const par::Comm* comm_;
-  std::filesystem::path file_;
-  PartialFile partial_;
-  const mesh::DistMesh* mesh_;
-  WriteOptions options_;
-  WritePlan plan_;
-  std::int64_t fingerprint_ = 0;
-  Handle h5_, dataset_properties_, transfer_;
-  std::vector<Handle> arrays_, texts_;
-  Window window_;               ///< the rows that are being written, and
-  std::vector<std::byte> raw_;  ///< what they are in the file
 };
 
-void Writer::run() {
-  fingerprint_ =
-      std::bit_cast<std::int64_t>(options_.fingerprint ? *options_.fingerprint : mesh::fingerprint(*comm_, *mesh_));
-  try {
-    make_room();
-    create();
-    reserve();
-    fill();
-    const bool closed = close();
-    par::agree(*comm_, [&] { hdf5::require(closed, "file '" + file_.string() + "': cannot complete it"); });
-    par::agree(*comm_, [&] {
-      if (comm_->is_first()) partial_.commit();
-    });
-  } catch (const Error&) {
-    // Thrown by `agree`, thus on every rank.
-    partial_.divert();
-    close();
-    comm_->barrier();
-    if (comm_->is_first()) partial_.discard();
-    throw;
-  }
-}
+/// The file while it is open, with the datasets of the plan in their order.
+struct OpenFile {
+  Handle h5, transfer;
+  std::vector<Handle> arrays, texts;
+};
 
-/// Makes the file and everything in it but the values. Every rank makes the same calls with the same arguments.
-void Writer::create() {
-  par::agree(*comm_, [&] {
-    const par::Comm::Waiting waiting(*comm_, par::Comm::Waiting::In::library);
-    const auto access = hdf5::parallel_access(*comm_, partial_.path());
-    const auto creation = hdf5::take(H5Pcreate(H5P_FILE_CREATE), H5Pclose, "cannot make a property list");
-    H5Pset_obj_track_times(creation.id(), false);
-    h5_ = hdf5::take(H5Fcreate(partial_.path().c_str(), H5F_ACC_TRUNC, creation.id(), access.id()), H5Fclose,
-                     "file '" + file_.string() + "': cannot create it");
-    transfer_ = hdf5::independent_transfer();
-    dataset_properties_ = hdf5::take(H5Pcreate(H5P_DATASET_CREATE), H5Pclose, "cannot make a property list");
-    hdf5::require(H5Pset_obj_track_times(dataset_properties_.id(), false) >= 0 &&
-                      H5Pset_layout(dataset_properties_.id(), H5D_CONTIGUOUS) >= 0 &&
-                      H5Pset_alloc_time(dataset_properties_.id(), H5D_ALLOC_TIME_EARLY) >= 0 &&
-                      H5Pset_fill_time(dataset_properties_.id(), H5D_FILL_TIME_NEVER) >= 0,
-                  "cannot choose how datasets are stored");
-    create_groups();
-    for (const auto& plan : plan_.arrays) arrays_.push_back(create_array(plan));
-    for (const auto& plan : plan_.texts) texts_.push_back(create_text(plan));
-    write_attributes();
-  });
-}
-
-void Writer::create_groups() {
-  const auto properties = hdf5::take(H5Pcreate(H5P_GROUP_CREATE), H5Pclose, "cannot make a property list");
-  H5Pset_obj_track_times(properties.id(), false);
-  const auto make = [&](const std::string& group, hid_t link) {
-    hdf5::take(H5Gcreate2(h5_.id(), group.c_str(), link, properties.id(), H5P_DEFAULT), H5Gclose,
-               at(group, "cannot create it"));
-  };
-  for (const auto* group : {"/VTKHDF", path::point_data, path::cell_data, "/PAMR", path::patches, path::checksums})
-    make(group, H5P_DEFAULT);
-  const auto link = hdf5::take(H5Pcreate(H5P_LINK_CREATE), H5Pclose, "cannot make a property list");
-  H5Pset_char_encoding(link.id(), H5T_CSET_UTF8);
-  for (const auto& group : plan_.groups) make(group, link.id());
-}
-
-Handle Writer::create_array(const ArrayPlan& plan) const {
-  const std::array<hsize_t, 2> extent{static_cast<hsize_t>(plan.shape.rows), static_cast<hsize_t>(plan.shape.width)};
-  const Handle space(H5Screate_simple(plan.shape.is_flat ? 1 : 2, extent.data(), nullptr), H5Sclose);
-  const auto link = hdf5::take(H5Pcreate(H5P_LINK_CREATE), H5Pclose, "cannot make a property list");
-  H5Pset_char_encoding(link.id(), H5T_CSET_UTF8);
-  auto dataset = hdf5::take(H5Dcreate2(h5_.id(), plan.path.c_str(), hdf5::file_type(plan.type), space.id(), link.id(),
-                                       dataset_properties_.id(), H5P_DEFAULT),
-                            H5Dclose, at(plan.path, "cannot create it"));
-  if (!plan.unit.empty()) write_text_attribute(dataset.id(), "unit", plan.unit, H5T_CSET_UTF8);
-  return dataset;
-}
-
-Handle Writer::create_text(const TextPlan& plan) const {
-  std::size_t bytes = 1;
-  for (const auto& text : plan.texts) bytes = std::max(bytes, text.size());
-  const hsize_t n = plan.texts.size();
-  const Handle space(plan.is_list ? H5Screate_simple(1, &n, nullptr) : H5Screate(H5S_SCALAR), H5Sclose);
-  const auto type = text_type(bytes, H5T_CSET_UTF8);
-  return hdf5::take(H5Dcreate2(h5_.id(), plan.path.c_str(), type.id(), space.id(), H5P_DEFAULT,
-                               dataset_properties_.id(), H5P_DEFAULT),
-                    H5Dclose, at(plan.path, "cannot create it"));
-}
-
-Handle Writer::text_type(std::size_t bytes, H5T_cset_t set) const {
+Handle text_type(std::size_t bytes, H5T_cset_t set) {
   auto type = hdf5::take(H5Tcopy(H5T_C_S1), H5Tclose, "cannot make a text type");
   hdf5::require(H5Tset_size(type.id(), bytes) >= 0 && H5Tset_strpad(type.id(), H5T_STR_NULLPAD) >= 0 &&
                     H5Tset_cset(type.id(), set) >= 0,
@@ -216,7 +98,7 @@ Handle Writer::text_type(std::size_t bytes, H5T_cset_t set) const {
   return type;
 }
 
-void Writer::write_text_attribute(hid_t object, const char* name, const std::string& text, H5T_cset_t set) const {
+void write_text_attribute(hid_t object, const char* name, const std::string& text, H5T_cset_t set) {
   const auto type = text_type(std::max<std::size_t>(1, text.size()), set);
   const Handle space(H5Screate(H5S_SCALAR), H5Sclose);
   const auto attribute = hdf5::take(H5Acreate2(object, name, type.id(), space.id(), H5P_DEFAULT, H5P_DEFAULT), H5Aclose,
@@ -224,8 +106,7 @@ void Writer::write_text_attribute(hid_t object, const char* name, const std::str
   hdf5::require(H5Awrite(attribute.id(), type.id(), text.c_str()) >= 0, std::string("cannot write attribute ") + name);
 }
 
-void Writer::write_number_attribute(hid_t object, const std::string& name, std::span<const std::int64_t> values,
-                                    hid_t type) const {
+void write_number_attribute(hid_t object, const std::string& name, std::span<const std::int64_t> values, hid_t type) {
   const hsize_t n = values.size();
   const Handle space(n == 1 ? H5Screate(H5S_SCALAR) : H5Screate_simple(1, &n, nullptr), H5Sclose);
   const auto attribute = hdf5::take(H5Acreate2(object, name.c_str(), type, space.id(), H5P_DEFAULT, H5P_DEFAULT),
@@ -233,164 +114,243 @@ void Writer::write_number_attribute(hid_t object, const std::string& name, std::
   hdf5::require(H5Awrite(attribute.id(), type, values.data()) >= 0, "cannot write attribute " + name);
 }
 
+void create_groups(const Job& job, hid_t h5) {
+  const auto properties = hdf5::take(H5Pcreate(H5P_GROUP_CREATE), H5Pclose, "cannot make a property list");
+  H5Pset_obj_track_times(properties.id(), false);
+  const auto make = [&](const std::string& group, hid_t link) {
+    hdf5::take(H5Gcreate2(h5, group.c_str(), link, properties.id(), H5P_DEFAULT), H5Gclose,
+               job.at(group, "cannot create it"));
+  };
+  for (const auto* group : {"/VTKHDF", path::point_data, path::cell_data, "/PAMR", path::patches, path::checksums})
+    make(group, H5P_DEFAULT);
+  const auto link = hdf5::take(H5Pcreate(H5P_LINK_CREATE), H5Pclose, "cannot make a property list");
+  H5Pset_char_encoding(link.id(), H5T_CSET_UTF8);
+  for (const auto& group : job.plan.groups) make(group, link.id());
+}
+
+Handle create_array(const Job& job, const ArrayPlan& plan, hid_t h5, hid_t properties) {
+  const std::array<hsize_t, 2> extent{static_cast<hsize_t>(plan.shape.rows), static_cast<hsize_t>(plan.shape.width)};
+  const Handle space(H5Screate_simple(plan.shape.is_flat ? 1 : 2, extent.data(), nullptr), H5Sclose);
+  const auto link = hdf5::take(H5Pcreate(H5P_LINK_CREATE), H5Pclose, "cannot make a property list");
+  H5Pset_char_encoding(link.id(), H5T_CSET_UTF8);
+  auto dataset = hdf5::take(
+      H5Dcreate2(h5, plan.path.c_str(), hdf5::file_type(plan.type), space.id(), link.id(), properties, H5P_DEFAULT),
+      H5Dclose, job.at(plan.path, "cannot create it"));
+  if (!plan.unit.empty()) write_text_attribute(dataset.id(), "unit", plan.unit, H5T_CSET_UTF8);
+  return dataset;
+}
+
+Handle create_text(const Job& job, const TextPlan& plan, hid_t h5, hid_t properties) {
+  std::size_t bytes = 1;
+  for (const auto& text : plan.texts) bytes = std::max(bytes, text.size());
+  const hsize_t n = plan.texts.size();
+  const Handle space(plan.is_list ? H5Screate_simple(1, &n, nullptr) : H5Screate(H5S_SCALAR), H5Sclose);
+  const auto type = text_type(bytes, H5T_CSET_UTF8);
+  return hdf5::take(H5Dcreate2(h5, plan.path.c_str(), type.id(), space.id(), H5P_DEFAULT, properties, H5P_DEFAULT),
+                    H5Dclose, job.at(plan.path, "cannot create it"));
+}
+
 /// All attributes; the checksums get their values when the data are written.
-void Writer::write_attributes() const {
+void write_attributes(const Job& job, hid_t h5, std::int64_t fingerprint) {
   const auto group = [&](const char* path) {
-    return hdf5::take(H5Gopen2(h5_.id(), path, H5P_DEFAULT), H5Gclose, at(path, "cannot open it"));
+    return hdf5::take(H5Gopen2(h5, path, H5P_DEFAULT), H5Gclose, job.at(path, "cannot open it"));
   };
   const auto vtk = group("/VTKHDF"), pamr = group("/PAMR"), checksums = group(path::checksums);
+  const auto number = [](const Handle& object, const std::string& name, std::int64_t value, hid_t type) {
+    write_number_attribute(object.id(), name, std::array{value}, type);
+  };
   write_number_attribute(vtk.id(), "Version", std::array<std::int64_t, 2>{1, 0}, H5T_STD_I64LE);
   write_text_attribute(vtk.id(), "Type", "UnstructuredGrid", H5T_CSET_ASCII);
-  write_number_attribute(pamr.id(), "format", std::array<std::int64_t, 1>{options_.format}, H5T_STD_I64LE);
-  write_number_attribute(pamr.id(), "fingerprint", std::array<std::int64_t, 1>{fingerprint_}, H5T_STD_U64LE);
-  if (mesh_->info.first_id != 0)
-    write_number_attribute(pamr.id(), "first_id", std::array<std::int64_t, 1>{mesh_->info.first_id}, H5T_STD_I64LE);
-  write_text_attribute(pamr.id(), "length_unit", mesh_->info.length_unit, H5T_CSET_UTF8);
-  for (const auto& plan : plan_.arrays)
-    if (plan.has_checksum)
-      write_number_attribute(checksums.id(), checksum_path(plan.path), std::array<std::int64_t, 1>{0}, H5T_STD_U64LE);
-  for (const auto& plan : plan_.texts)
-    write_number_attribute(checksums.id(), checksum_path(plan.path),
-                           std::array<std::int64_t, 1>{std::bit_cast<std::int64_t>(checksum_of(plan.texts))},
-                           H5T_STD_U64LE);
+  number(pamr, "format", job.options.format, H5T_STD_I64LE);
+  number(pamr, "fingerprint", fingerprint, H5T_STD_U64LE);
+  if (job.mesh.info.first_id != 0) number(pamr, "first_id", job.mesh.info.first_id, H5T_STD_I64LE);
+  write_text_attribute(pamr.id(), "length_unit", job.mesh.info.length_unit, H5T_CSET_UTF8);
+  for (const auto& plan : job.plan.arrays)
+    if (plan.has_checksum) number(checksums, checksum_path(plan.path), 0, H5T_STD_U64LE);
+  for (const auto& plan : job.plan.texts)
+    number(checksums, checksum_path(plan.path), std::bit_cast<std::int64_t>(checksum_of(plan.texts)), H5T_STD_U64LE);
 }
 
 /// Makes sure of the space before HDF5 opens the file, so that a full disk is noticed here, in a system call: HDF5 1.10
-/// cannot close a file that it cannot complete.
-void Writer::make_room() {
+/// cannot close a file that it cannot complete. Collective.
+void make_room(const Job& job, PartialFile& partial) {
   // Room for the structure of the file in addition to its data: generous, since it is given back.
-  const auto bytes = plan_.data_bytes + 65536 + 4096 * (plan_.arrays.size() + plan_.texts.size());
+  const auto bytes = job.plan.data_bytes + 65536 + 4096 * (job.plan.arrays.size() + job.plan.texts.size());
   bool has_room = true;
-  par::agree(*comm_, [&] {
-    require_writable(*mesh_, options_.format);
-    if (comm_->is_first()) has_room = partial_.make(bytes);
+  par::agree(job.comm, [&] {
+    require_writable(job.mesh, job.options.format);
+    if (job.comm.is_first()) has_room = partial.make(bytes);
   });
-  partial_.share(*comm_);
-  if (comm_->all(has_room)) return;
-  par::agree(*comm_, [&] {
-    const auto share = par::block_range(static_cast<GlobalId>(bytes), comm_->rank(), comm_->size());
-    partial_.occupy(static_cast<std::uint64_t>(share.begin), static_cast<std::uint64_t>(share.end));
+  partial.share(job.comm);
+  if (job.comm.all(has_room)) return;
+  par::agree(job.comm, [&] {
+    const auto share = par::block_range(static_cast<GlobalId>(bytes), job.comm.rank(), job.comm.size());
+    partial.occupy(static_cast<std::uint64_t>(share.begin), static_cast<std::uint64_t>(share.end));
   });
 }
 
-/// Sets the space of the file aside that HDF5 has laid out.
-void Writer::reserve() const {
-  par::agree(*comm_, [&] {
+/// Makes the file and everything in it but the values, and sets the space aside that HDF5 has laid out. Every rank
+/// makes the same calls with the same arguments. Collective. `open` has what was opened even where this throws: HDF5
+/// may not close it before it is diverted.
+void create(const Job& job, const PartialFile& partial, std::int64_t fingerprint, OpenFile& open) {
+  par::agree(job.comm, [&] {
+    const par::Comm::Waiting waiting(job.comm, par::Comm::Waiting::In::library);
+    const auto access = hdf5::parallel_access(job.comm, partial.path());
+    const auto creation = hdf5::take(H5Pcreate(H5P_FILE_CREATE), H5Pclose, "cannot make a property list");
+    H5Pset_obj_track_times(creation.id(), false);
+    open.h5 = hdf5::take(H5Fcreate(partial.path().c_str(), H5F_ACC_TRUNC, creation.id(), access.id()), H5Fclose,
+                         "file '" + job.file.string() + "': cannot create it");
+    open.transfer = hdf5::independent_transfer();
+    const auto properties = hdf5::take(H5Pcreate(H5P_DATASET_CREATE), H5Pclose, "cannot make a property list");
+    hdf5::require(H5Pset_obj_track_times(properties.id(), false) >= 0 &&
+                      H5Pset_layout(properties.id(), H5D_CONTIGUOUS) >= 0 &&
+                      H5Pset_alloc_time(properties.id(), H5D_ALLOC_TIME_EARLY) >= 0 &&
+                      H5Pset_fill_time(properties.id(), H5D_FILL_TIME_NEVER) >= 0,
+                  "cannot choose how datasets are stored");
+    create_groups(job, open.h5.id());
+    for (const auto& plan : job.plan.arrays)
+      open.arrays.push_back(create_array(job, plan, open.h5.id(), properties.id()));
+    for (const auto& plan : job.plan.texts) open.texts.push_back(create_text(job, plan, open.h5.id(), properties.id()));
+    write_attributes(job, open.h5.id(), fingerprint);
+  });
+  par::agree(job.comm, [&] {
     hsize_t bytes = 0;
-    hdf5::require(H5Fget_filesize(h5_.id(), &bytes) >= 0, "file '" + file_.string() + "': cannot tell its size");
-    if (comm_->is_first()) partial_.reserve(bytes);
+    hdf5::require(H5Fget_filesize(open.h5.id(), &bytes) >= 0, "file '" + job.file.string() + "': cannot tell its size");
+    if (job.comm.is_first()) partial.reserve(bytes);
   });
 }
 
-void Writer::fill() {
-  std::vector<Checksum> checksums;
-  for (const auto& plan : plan_.arrays) checksums.emplace_back(plan.has_checksum ? plan.shape.rows : 0);
-  for (std::size_t i = 0; i < arrays_.size(); ++i)
-    if (!is_local(plan_.arrays[i])) write_travelling(plan_.arrays[i], arrays_[i].id(), checksums[i]);
-  par::agree(*comm_, [&] {
-    for (std::size_t i = 0; i < arrays_.size(); ++i)
-      if (is_local(plan_.arrays[i])) write_local(plan_.arrays[i], arrays_[i].id(), checksums[i]);
-  });
-  const auto values = Checksum::results(*comm_, checksums);
-  par::agree(*comm_, [&] {
-    const par::Comm::Waiting waiting(*comm_, par::Comm::Waiting::In::library);
-    const auto group =
-        hdf5::take(H5Gopen2(h5_.id(), path::checksums, H5P_DEFAULT), H5Gclose, at(path::checksums, "cannot open it"));
-    for (std::size_t i = 0; i < arrays_.size(); ++i) {
-      if (!plan_.arrays[i].has_checksum) continue;
-      const auto attribute = hdf5::take(H5Aopen(group.id(), checksum_path(plan_.arrays[i].path).c_str(), H5P_DEFAULT),
-                                        H5Aclose, at(path::checksums, "cannot open it"));
-      hdf5::require(H5Awrite(attribute.id(), H5T_NATIVE_UINT64, &values[i]) >= 0,
-                    at(path::checksums, "cannot write it"));
-    }
-    for (std::size_t i = 0; i < texts_.size(); ++i) write_text(plan_.texts[i], texts_[i].id());
-  });
-}
+/// A dataset that is filled.
+struct Target {
+  const ArrayPlan& plan;
+  hid_t dataset, transfer;
+  Checksum& checksum;
 
-/// Rows of which the words take so much memory.
-GlobalId Writer::rows_in(std::size_t bytes, const ArrayPlan& plan) const {
-  return std::max<GlobalId>(1, static_cast<GlobalId>(bytes / (8 * plan.rows.width)));
+  bool is_local() const { return plan.formula || stays(plan.rows); }
+  /// Rows of which the words take so much memory.
+  GlobalId rows_in(std::size_t bytes) const {
+    return std::max<GlobalId>(1, static_cast<GlobalId>(bytes / (8 * plan.rows.width)));
+  }
+};
+
+/// Rows on their way: their words, and what they are in the file.
+struct Piece {
+  Window window;
+  std::vector<std::byte> raw;
+};
+
+/// Writes the rows of the window and adds them to the checksum. Local.
+void write_window(const Job& job, const Target& target, Piece& piece) {
+  const auto& plan = target.plan;
+  auto& window = piece.window;
+  if (window.missing > 0)
+    throw Error(job.at(plan.path,
+                       fmt::format("expected every row on some rank, found {} rows from number {} on that no rank has",
+                                   window.missing, window.range.begin)));
+  if (window.words.empty()) return;
+  const auto* values = store(plan.type, window.words, piece.raw);
+  if (values == nullptr)
+    throw Error(job.at(plan.path, "expected values that fit " + hdf5::to_text(plan.type) + ", found others"));
+  // A held row may stand for several rows of a flat dataset (the four entries of a cell in Connectivity).
+  const auto file_rows = plan.rows.all.n == 0 ? 1 : plan.shape.rows / plan.rows.all.n;
+  const auto first = (window.range.begin - plan.rows.all.first) * file_rows;
+  if (plan.has_checksum) target.checksum.add(first, static_cast<std::size_t>(plan.shape.width), window.words);
+  const bool done = job.comm.in_library([&] {
+    return hdf5::write_rows({target.dataset, plan.shape, first, window.range.count() * file_rows},
+                            hdf5::memory_type(plan.type), values, target.transfer);
+  });
+  hdf5::require(done, job.at(plan.path, "cannot write it"));
 }
 
 /// Writes rows that stay, in short pieces, which never leave the processor's cache. Local.
-void Writer::write_local(const ArrayPlan& plan, hid_t dataset, Checksum& checksum) {
-  const auto piece = rows_in(std::min<std::size_t>(options_.slab_bytes, hdf5::cached_piece_bytes), plan);
-  const auto own = rows_written(plan.rows, comm_->rank(), comm_->size());
-  for (auto begin = own.begin; begin < own.end; begin += piece) {
-    const par::BlockRange range{begin, std::min(begin + piece, own.end)};
-    if (plan.formula)
-      evaluate(plan, range);
-    else
-      take_own(plan.rows, range, window_);
-    write_window(plan, dataset, checksum);
+void write_local(const Job& job, const Target& target, Piece& piece) {
+  const auto& plan = target.plan;
+  auto& window = piece.window;
+  const auto n_rows = target.rows_in(std::min<std::size_t>(job.options.slab_bytes, hdf5::cached_piece_bytes));
+  const auto own = rows_written(plan.rows, job.comm.rank(), job.comm.size());
+  for (auto begin = own.begin; begin < own.end; begin += n_rows) {
+    const par::BlockRange range{begin, std::min(begin + n_rows, own.end)};
+    if (plan.formula) {
+      window.range = range;
+      window.missing = 0;
+      window.words.resize(static_cast<std::size_t>(range.count()));
+      plan.formula(range.begin, window.words);
+    } else {
+      take_own(plan.rows, range, window);
+    }
+    write_window(job, target, piece);
   }
 }
 
 /// Writes rows that travel, slab by slab. Collective.
-void Writer::write_travelling(const ArrayPlan& plan, hid_t dataset, Checksum& checksum) {
-  const auto slab = rows_in(options_.slab_bytes, plan);
+void write_travelling(const Job& job, const Target& target, Piece& piece) {
+  const auto& rows = target.plan.rows;
+  const auto slab = target.rows_in(std::min<std::size_t>(job.options.slab_bytes, hdf5::max_transfer_bytes));
   GlobalId max_rows = 0;
-  for (Rank rank = 0; rank < comm_->size(); ++rank)
-    max_rows = std::max(max_rows, rows_written(plan.rows, rank, comm_->size()).count());
+  for (Rank rank = 0; rank < job.comm.size(); ++rank)
+    max_rows = std::max(max_rows, rows_written(rows, rank, job.comm.size()).count());
   const auto n_steps = (max_rows + slab - 1) / slab;
   for (GlobalId step = 0; step < n_steps; ++step) {
-    collect(*comm_, plan.rows, step, slab, window_);
-    par::agree(*comm_, [&] { write_window(plan, dataset, checksum); });
+    collect(job.comm, rows, step, slab, piece.window);
+    par::agree(job.comm, [&] { write_window(job, target, piece); });
   }
 }
 
-void Writer::evaluate(const ArrayPlan& plan, par::BlockRange range) {
-  window_.range = range;
-  window_.missing = 0;
-  window_.words.resize(static_cast<std::size_t>(range.count()));
-  plan.formula(range.begin, window_.words);
-}
-
-/// Writes the rows of the window and adds them to the checksum. Local.
-void Writer::write_window(const ArrayPlan& plan, hid_t dataset, Checksum& checksum) {
-  if (window_.missing > 0)
-    throw Error(
-        at(plan.path, fmt::format("expected every row on some rank, found {} rows from number {} on that no rank has",
-                                  window_.missing, window_.range.begin)));
-  if (window_.words.empty()) return;
-  const auto* values = store(plan.type, window_.words, raw_);
-  if (values == nullptr)
-    throw Error(at(plan.path, "expected values that fit " + hdf5::to_text(plan.type) + ", found others"));
-  // A held row may stand for several rows of a flat dataset (the four entries of a cell in Connectivity).
-  const auto file_rows = plan.rows.all.n == 0 ? 1 : plan.shape.rows / plan.rows.all.n;
-  const auto first = (window_.range.begin - plan.rows.all.first) * file_rows;
-  if (plan.has_checksum) checksum.add(first, static_cast<std::size_t>(plan.shape.width), window_.words);
-  const bool done = comm_->in_library([&] {
-    return hdf5::write_rows({dataset, plan.shape, first, window_.range.count() * file_rows},
-                            hdf5::memory_type(plan.type), values, transfer_.id());
-  });
-  hdf5::require(done, at(plan.path, "cannot write it"));
-}
-
-void Writer::write_text(const TextPlan& plan, hid_t dataset) const {
+void write_text(const Job& job, const TextPlan& plan, hid_t dataset, hid_t transfer) {
   const Handle type(H5Dget_type(dataset), H5Tclose);
   const auto bytes = H5Tget_size(type.id());
   std::vector<char> padded(std::max<std::size_t>(1, plan.texts.size() * bytes), '\0');
   for (std::size_t i = 0; i < plan.texts.size(); ++i)
     std::copy(plan.texts[i].begin(), plan.texts[i].end(), padded.data() + i * bytes);
   const Handle space(H5Dget_space(dataset), H5Sclose);
-  if (!comm_->is_first()) H5Sselect_none(space.id());
+  if (!job.comm.is_first()) H5Sselect_none(space.id());
   hdf5::require(
-      plan.texts.empty() || H5Dwrite(dataset, type.id(), space.id(), space.id(), transfer_.id(), padded.data()) >= 0,
-      at(plan.path, "cannot write it"));
+      plan.texts.empty() || H5Dwrite(dataset, type.id(), space.id(), space.id(), transfer, padded.data()) >= 0,
+      job.at(plan.path, "cannot write it"));
+}
+
+/// Writes the values, and then the checksums of them. Collective.
+void fill(const Job& job, const OpenFile& open) {
+  const auto& arrays = job.plan.arrays;
+  std::vector<Checksum> checksums;
+  for (const auto& plan : arrays) checksums.emplace_back(plan.has_checksum ? plan.shape.rows : 0);
+  std::vector<Target> targets;
+  for (std::size_t i = 0; i < arrays.size(); ++i)
+    targets.push_back({arrays[i], open.arrays[i].id(), open.transfer.id(), checksums[i]});
+  Piece piece;  // its memory is taken once
+  for (const auto& target : targets)
+    if (!target.is_local()) write_travelling(job, target, piece);
+  par::agree(job.comm, [&] {
+    for (const auto& target : targets)
+      if (target.is_local()) write_local(job, target, piece);
+  });
+  const auto values = Checksum::results(job.comm, checksums);
+  par::agree(job.comm, [&] {
+    const par::Comm::Waiting waiting(job.comm, par::Comm::Waiting::In::library);
+    const auto group = hdf5::take(H5Gopen2(open.h5.id(), path::checksums, H5P_DEFAULT), H5Gclose,
+                                  job.at(path::checksums, "cannot open it"));
+    for (std::size_t i = 0; i < arrays.size(); ++i) {
+      if (!arrays[i].has_checksum) continue;
+      const auto attribute = hdf5::take(H5Aopen(group.id(), checksum_path(arrays[i].path).c_str(), H5P_DEFAULT),
+                                        H5Aclose, job.at(path::checksums, "cannot open it"));
+      hdf5::require(H5Awrite(attribute.id(), H5T_NATIVE_UINT64, &values[i]) >= 0,
+                    job.at(path::checksums, "cannot write it"));
+    }
+    for (std::size_t i = 0; i < open.texts.size(); ++i)
+      write_text(job, job.plan.texts[i], open.texts[i].id(), open.transfer.id());
+  });
 }
 
 /// Closes everything; false when HDF5 could not write the rest. HDF5 1.10 keeps the identifier of a file that it could
 /// not complete, and falls over it when the program ends: what it cannot write is diverted. Collective.
-bool Writer::close() {
-  const par::Comm::Waiting waiting(*comm_, par::Comm::Waiting::In::library);
-  const bool complete = !h5_.is_open() || H5Fflush(h5_.id(), H5F_SCOPE_LOCAL) >= 0;
-  if (!complete) partial_.divert();
-  arrays_.clear();
-  texts_.clear();
-  dataset_properties_.reset();
-  transfer_.reset();
-  return h5_.reset() && complete;
+bool close(const par::Comm& comm, const PartialFile& partial, OpenFile& open) {
+  const par::Comm::Waiting waiting(comm, par::Comm::Waiting::In::library);
+  const bool complete = !open.h5.is_open() || H5Fflush(open.h5.id(), H5F_SCOPE_LOCAL) >= 0;
+  if (!complete) partial.divert();
+  open.arrays.clear();
+  open.texts.clear();
+  open.transfer.reset();
+  return open.h5.reset() && complete;
 }
 
 }  // namespace
@@ -398,7 +358,28 @@ bool Writer::close() {
 void write_native(const par::Comm& comm, const std::filesystem::path& file, const mesh::DistMesh& mesh,
                   const WriteOptions& options) {
   const hdf5::Silence silence;
-  Writer(comm, file, mesh, options).run();
+  const WritePlan plan(comm, mesh, options.format, options.provenance);
+  const Job job{comm, file, mesh, options, plan};
+  const auto fingerprint = options.fingerprint ? *options.fingerprint : mesh::fingerprint(comm, mesh);
+  PartialFile partial(file);
+  OpenFile open;
+  try {
+    make_room(job, partial);
+    create(job, partial, std::bit_cast<std::int64_t>(fingerprint), open);
+    fill(job, open);
+    const bool closed = close(comm, partial, open);
+    par::agree(comm, [&] { hdf5::require(closed, "file '" + file.string() + "': cannot complete it"); });
+    par::agree(comm, [&] {
+      if (comm.is_first()) partial.commit();
+    });
+  } catch (const Error&) {
+    // Thrown by `agree`, thus on every rank.
+    partial.divert();
+    close(comm, partial, open);
+    comm.barrier();
+    if (comm.is_first()) partial.discard();
+    throw;
+  }
 }
 
 }  // namespace pamr::io
