@@ -52,7 +52,7 @@ set(CPACK_COMPONENT_TOOLS_DESCRIPTION "Parallel adaptive refinement of tetrahedr
 set(CPACK_DEBIAN_DEV_PACKAGE_NAME libpamr-dev)
 set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "libopenmpi-dev, libhdf5-openmpi-dev, libptscotch-dev, libscotch-dev, libbz2-dev, \
-liblzma-dev, zlib1g-dev, libcgal-dev, libfmt-dev, libtomlplusplus-dev, nlohmann-json3-dev, pamr (= ${PROJECT_VERSION})")
+liblzma-dev, zlib1g-dev, libcgal-dev, libfmt-dev, libpugixml-dev, libtomlplusplus-dev, nlohmann-json3-dev, pamr (= ${PROJECT_VERSION})")
 set(CPACK_DEBIAN_DEV_PACKAGE_RECOMMENDS "cmake (>= 3.25), petsc-dev")
 set(CPACK_COMPONENT_DEV_DESCRIPTION "Parallel adaptive refinement of tetrahedral meshes: C++ library
  Static libraries, headers, CMake's configuration and an example.")

@@ -28,6 +28,7 @@ packages=(
   libptscotch-dev libscotch-dev libbz2-dev liblzma-dev zlib1g-dev  # partitions
   libcgal-dev                             # geometry (brings Boost, GMP and MPFR)
   libcli11-dev libfmt-dev libtomlplusplus-dev nlohmann-json3-dev  # command line, case files, reports
+  libpugixml-dev                          # files of VTK in XML
   python3                                 # tables of the cases
 )
 declare -A packages_of=(

@@ -49,6 +49,7 @@ CORNERS = (
      "Scotch is included in balance/scotch_partition.cpp only"),
     (re.compile(r"#\s*include\s*[<\"]CGAL/"), re.compile(r"geometry/.*\.cpp$|lib/meshing/.*\.cpp$|lib/surface_mesh/"),
      "CGAL is included in geometry/**/*.cpp, lib/meshing/**/*.cpp and lib/surface_mesh only"),
+    (re.compile(r"#\s*include\s*[<\"]pugixml"), re.compile(r"lib/pamr/io/vtk/"), "pugixml is included in lib/pamr/io/vtk only"),
     (re.compile(r"#\s*include\s*[<\"]OpenMesh/"), re.compile(r"lib/surface_mesh/"),
      "OpenMesh is included in lib/surface_mesh only"),
     (re.compile(r"#\s*include\s*[<\"]CGAL/(Mesh|make_mesh|exude_mesh|Labeled_mesh)_"), re.compile(r"lib/meshing/.*\.cpp$"),

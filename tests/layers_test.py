@@ -136,6 +136,12 @@ class Layers(unittest.TestCase):
             self.assert_caught(place, SPDX + include, "OpenMesh")
         self.assert_clean("lib/surface_mesh/a.cpp", SPDX + include)
 
+    def test_pugixml_stays_with_the_files_of_vtk(self):
+        include = "#include <pugixml.hpp>\n"
+        for place in ("lib/pamr/io/medit/a.cpp", "lib/pamr/check/a.cpp", "tools/a.cpp"):
+            self.assert_caught(place, SPDX + include, "pugixml")
+        self.assert_clean("lib/pamr/io/vtk/a.cpp", SPDX + include)
+
     def test_opencascade_stays_with_cad(self):
         include = "#include <TopoDS_Face.hxx>\n"
         for place in ("lib/meshing/a.cpp", "geometry/pamr/geometry/a.cpp", "tools/a.cpp"):

@@ -166,6 +166,18 @@ def test_our_own_vtu_comes_back():
     assert same_bytes("again.vtu", "back.vtu") and same_bytes("again.hdf", "back.hdf")
 
 
+def test_vtu_files_may_have_whatever_xml_allows():
+    good = open(vtu_of_meshio("plain.vtu", binary=False)).read()
+    keys = '<InformationKey name="L2_NORM_RANGE" location="vtkDataArray"><Value index="0">1</Value></InformationKey>'
+    odd = good.replace('format="ascii">', f'format="ascii"><!-- a > b -->{keys}').replace('Name="u"', "Name\n=\n'&#117;' note='a>b'")
+    assert odd.count(keys) > 4 and "&#117;" in odd
+    with open("odd.vtu", "w") as file:
+        file.write(odd)
+    for name in ("plain", "odd"):
+        run("pamr-convert", name + ".vtu", name + ".hdf", "--quiet")
+    assert same_bytes("plain.hdf", "odd.hdf")
+
+
 def test_vtu_files_that_lie_are_refused():
     good = open(vtu_of_meshio("text.vtu", binary=False)).read()
     packed = open(vtu_of_meshio("packed.vtu"), "rb").read()
@@ -178,7 +190,10 @@ def test_vtu_files_that_lie_are_refused():
         "word": (good.replace("\n10\n", "\nten\n", 1), ["expected numbers"]),
         "kind": (good.replace("UnstructuredGrid", "PolyData"), ["expected UnstructuredGrid"]),
         "html": ("<html><body></body></html>", ["expected a file of VTK"]),
-        "empty": ("", ["found 0"]),
+        "empty": ("", ["expected a file of VTK"]),
+        "open": (good.replace("</Points>", ""), ["expected XML"]),
+        "entity": (good.replace("<VTKFile", '<!DOCTYPE VTKFile [<!ENTITY n "9">]>\n<VTKFile').replace(
+            'NumberOfPoints="9"', 'NumberOfPoints="&n;"'), ['a count as NumberOfPoints, found "&n;"']),
     }
     for name, (text, words) in cases.items():
         with open(name + ".vtu", "w") as file:

@@ -184,7 +184,7 @@ std::vector<std::size_t> drop_nodes(Grid& grid, std::size_t n_points) {
 }
 
 Grid read_grid(const std::filesystem::path& file) {
-  const auto text = text_of(file);
+  auto text = text_of(file);
   const auto xml = parse_grid(text);
   const auto most = static_cast<std::int64_t>(1100 * text.size());  // of what zlib could have packed
   if (xml.n_points > most || xml.n_cells > most)

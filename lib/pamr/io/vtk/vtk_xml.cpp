@@ -8,7 +8,9 @@
 #include <array>
 #include <charconv>
 #include <cstring>
+#include <iterator>
 #include <limits>
+#include <pugixml.hpp>
 #include <utility>
 
 #include "pamr/base/error.hpp"
@@ -18,7 +20,6 @@ namespace pamr::io::vtk {
 
 namespace {
 
-using Attributes = std::map<std::string, std::string, std::less<>>;
 using Bytes = std::vector<unsigned char>;
 
 constexpr std::array<std::pair<std::string_view, mesh::StorageType>, 10> number_types{
@@ -41,162 +42,49 @@ std::string_view trimmed(std::string_view text) {
                                          : text.substr(begin, text.find_last_not_of(blanks) + 1 - begin);
 }
 
-/// A start tag: its name, its attributes, and whether it is closed at once.
-struct Tag {
-  std::string name;
-  Attributes attributes;
-  bool is_closed = false;
-};
-
-Tag read_tag(std::string_view inside) {
-  Tag tag;
-  if (!is_clean_text(inside, "\t\r\n")) throw Error("expected elements in UTF-8, found another encoding");
-  if (inside.ends_with('/')) {
-    tag.is_closed = true;
-    inside.remove_suffix(1);
-  }
-  const auto end_of_name = std::min(inside.find_first_of(blanks), inside.size());
-  tag.name = inside.substr(0, end_of_name);
-  for (auto rest = trimmed(inside.substr(end_of_name)); !rest.empty();) {
-    const auto equals = rest.find('=');
-    const auto value = equals == std::string_view::npos ? std::string_view() : trimmed(rest.substr(equals + 1));
-    const auto end = value.size() < 2 ? std::string_view::npos : value.find(value[0], 1);
-    if (value.size() < 2 || (value[0] != '"' && value[0] != '\'') || end == std::string_view::npos)
-      throw Error(fmt::format("element {}: expected attributes of the form name=\"value\", found others", tag.name));
-    if (!is_clean_text(value.substr(1, end - 1), ""))
-      throw Error(fmt::format("element {}: expected attributes on one line, found others", tag.name));
-    tag.attributes[std::string(trimmed(rest.substr(0, equals)))] = value.substr(1, end - 1);
-    rest = trimmed(value.substr(end + 1));
-  }
-  return tag;
+std::string value_of(const pugi::xml_node& element, const char* name, const char* otherwise = "") {
+  std::string value = element.attribute(name).as_string(otherwise);
+  if (!is_clean_text(value, ""))
+    throw Error(fmt::format("element {}: expected one line in UTF-8 as {}, found another text", element.name(), name));
+  return value;
 }
 
-/// Text with the five characters for which XML has names.
-std::string unescaped(std::string text) {
-  constexpr std::array<std::pair<std::string_view, char>, 5> names{
-      {{"&lt;", '<'}, {"&gt;", '>'}, {"&quot;", '"'}, {"&apos;", '\''}, {"&amp;", '&'}}};
-  std::string result;
-  for (std::size_t i = 0; i < text.size();) {
-    const auto rest = std::string_view(text).substr(i);
-    const auto named =
-        std::find_if(names.begin(), names.end(), [&](const auto& name) { return rest.starts_with(name.first); });
-    result += named == names.end() ? text[i] : named->second;
-    i += named == names.end() ? 1 : named->first.size();
-  }
-  return result;
-}
-
-std::string value_of(const Tag& tag, std::string_view name, std::string_view otherwise = "") {
-  const auto found = tag.attributes.find(name);
-  return found == tag.attributes.end() ? std::string(otherwise) : found->second;
-}
-
-std::int64_t number_in(const Tag& tag, std::string_view name, std::int64_t otherwise) {
-  const auto text = value_of(tag, name);
+std::int64_t number_in(const pugi::xml_node& element, const char* name, std::int64_t otherwise) {
+  const auto text = value_of(element, name);
   if (text.empty()) return otherwise;
   std::int64_t number = 0;
   const auto [end, code] = std::from_chars(text.data(), text.data() + text.size(), number);
   if (code != std::errc() || end != text.data() + text.size() || number < 0)
-    throw Error(fmt::format("element {}: expected a count as {}, found \"{}\"", tag.name, name, text.substr(0, 40)));
+    throw Error(
+        fmt::format("element {}: expected a count as {}, found \"{}\"", element.name(), name, text.substr(0, 40)));
   return number;
 }
 
-/// Walks through the elements of a file.
-class GridParser {
- public:
-  explicit GridParser(std::string_view text) : text_(text) {}
+void read_head(const pugi::xml_node& file, XmlGrid& grid) {
+  const auto require = [](std::string_view what, const std::string& found,
+                          std::initializer_list<std::string_view> known) {
+    if (std::find(known.begin(), known.end(), found) == known.end())
+      throw Error(fmt::format("expected {} as {}, found \"{}\"", *known.begin(), what, found.substr(0, 40)));
+  };
+  require("type of grid", value_of(file, "type"), {"UnstructuredGrid"});
+  require("order of bytes", value_of(file, "byte_order", "LittleEndian"), {"LittleEndian"});
+  const auto header = value_of(file, "header_type", "UInt32"), compressor = value_of(file, "compressor");
+  require("type of headers", header, {"UInt32", "UInt64"});
+  require("compressor", compressor, {"vtkZLibDataCompressor", ""});
+  grid.has_wide_header = header == "UInt64";
+  grid.is_compressed = !compressor.empty();
+}
 
-  XmlGrid run() {
-    while (!is_complete_) {
-      const auto open = text_.find('<', at_);
-      if (open == std::string_view::npos) break;
-      if (text_.substr(open).starts_with("<!--")) {
-        at_ = end_of("-->", open);
-        continue;
-      }
-      const auto close = text_.find('>', open);
-      if (close == std::string_view::npos) throw Error("expected elements that are closed, found one that is not");
-      at_ = close + 1;
-      const auto inside = text_.substr(open + 1, close - open - 1);
-      if (inside.starts_with('?') || inside.starts_with('!')) continue;
-      if (inside.starts_with('/')) {
-        if (!stack_.empty()) stack_.pop_back();
-        continue;
-      }
-      element(read_tag(inside));
-    }
-    if (n_pieces_ != 1) throw Error(fmt::format("expected an unstructured grid of 1 piece, found {}", n_pieces_));
-    return std::move(grid_);
-  }
-
- private:
-  std::size_t end_of(std::string_view mark, std::size_t from) const {
-    const auto found = text_.find(mark, from);
-    if (found == std::string_view::npos) throw Error(fmt::format("expected {} before the end of the file", mark));
-    return found + mark.size();
-  }
-
-  void element(const Tag& tag) {
-    if (stack_.empty() && tag.name != "VTKFile") throw Error("expected a file of VTK in XML, found another");
-    if (tag.name == "VTKFile") head(tag);
-    if (tag.name == "Piece") {
-      ++n_pieces_;
-      grid_.n_points = number_in(tag, "NumberOfPoints", 0);
-      grid_.n_cells = number_in(tag, "NumberOfCells", 0);
-    }
-    if (tag.name == "DataArray") return array(tag);
-    if (tag.name == "AppendedData") return appended(tag);
-    if (!tag.is_closed) stack_.push_back(tag.name);
-  }
-
-  void head(const Tag& tag) {
-    const auto require = [](std::string_view what, const std::string& found,
-                            std::initializer_list<std::string_view> known) {
-      if (std::find(known.begin(), known.end(), found) == known.end())
-        throw Error(fmt::format("expected {} as {}, found \"{}\"", *known.begin(), what, found.substr(0, 40)));
-    };
-    require("type of grid", value_of(tag, "type"), {"UnstructuredGrid"});
-    require("order of bytes", value_of(tag, "byte_order", "LittleEndian"), {"LittleEndian"});
-    const auto header = value_of(tag, "header_type", "UInt32"), compressor = value_of(tag, "compressor");
-    require("type of headers", header, {"UInt32", "UInt64"});
-    require("compressor", compressor, {"vtkZLibDataCompressor", ""});
-    grid_.has_wide_header = header == "UInt64";
-    grid_.is_compressed = !compressor.empty();
-  }
-
-  void array(const Tag& tag) {
-    XmlArray result{stack_.back(),
-                    unescaped(value_of(tag, "Name")),
-                    value_of(tag, "type"),
-                    value_of(tag, "format", "ascii"),
-                    1,
-                    0,
-                    {}};
-    result.n_components = std::max<std::int64_t>(1, number_in(tag, "NumberOfComponents", 1));
-    result.offset = static_cast<std::size_t>(number_in(tag, "offset", 0));
-    if (!tag.is_closed) {
-      const auto begin = at_;
-      at_ = end_of("</DataArray>", begin);
-      result.content = text_.substr(begin, at_ - begin - std::string_view("</DataArray>").size());
-    }
-    grid_.arrays.push_back(std::move(result));
-  }
-
-  void appended(const Tag& tag) {
-    grid_.is_raw = value_of(tag, "encoding", "base64") == "raw";
-    const auto begin = text_.find('_', at_);
-    if (begin == std::string_view::npos) throw Error("AppendedData: expected data after an underscore, found none");
-    grid_.appended = text_.substr(begin + 1);
-    is_complete_ = true;  // no XML behind raw bytes
-  }
-
-  std::string_view text_;
-  std::size_t at_ = 0;
-  std::vector<std::string> stack_;
-  XmlGrid grid_;
-  int n_pieces_ = 0;
-  bool is_complete_ = false;
-};
+void read_arrays(const pugi::xml_node& place, XmlGrid& grid) {
+  for (const auto& array : place.children("DataArray"))
+    grid.arrays.push_back({.place = place.name(),
+                           .name = value_of(array, "Name"),
+                           .type = value_of(array, "type"),
+                           .format = value_of(array, "format", "ascii"),
+                           .n_components = std::max<std::int64_t>(1, number_in(array, "NumberOfComponents", 1)),
+                           .offset = static_cast<std::size_t>(number_in(array, "offset", 0)),
+                           .content = array.child_value()});
+}
 
 [[noreturn]] void fail(const XmlArray& array, const std::string& expected, const std::string& found) {
   throw Error(fmt::format("{} array '{}': expected {}, found {}", array.place, array.name, expected, found));
@@ -370,7 +258,38 @@ const XmlArray* XmlGrid::find(std::string_view place, std::string_view name) con
   return found == arrays.end() ? nullptr : &*found;
 }
 
-XmlGrid parse_grid(std::string_view text) { return GridParser(text).run(); }
+XmlGrid parse_grid(std::string& text) {
+  const auto appended = text.find("<AppendedData");
+  const auto underscore = appended == std::string::npos ? appended : text.find('_', appended);
+  if (appended != underscore && underscore == std::string::npos)
+    throw Error("AppendedData: expected data after an underscore, found none");
+  // What follows may be raw bytes, which are no XML: the text ends within elements then.
+  pugi::xml_document document;
+  const auto parsed = document.load_buffer_inplace(text.data(), std::min(underscore, text.size()), pugi::parse_escapes,
+                                                   pugi::encoding_utf8);
+  const auto file = document.child("VTKFile");
+  const auto data = file.child("AppendedData");
+  if (parsed.status == pugi::status_no_document_element || (parsed && !file))
+    throw Error("expected a file of VTK in XML, found another");
+  if (!parsed && !(data && parsed.status == pugi::status_end_element_mismatch))
+    throw Error(fmt::format("byte {}: expected XML, found another text ({})", parsed.offset, parsed.description()));
+  XmlGrid grid;
+  read_head(file, grid);
+  const auto body = file.child("UnstructuredGrid");
+  const auto pieces = body.children("Piece");
+  if (const auto n = std::distance(pieces.begin(), pieces.end()); n != 1)
+    throw Error(fmt::format("expected an unstructured grid of 1 piece, found {}", n));
+  const auto piece = body.child("Piece");
+  grid.n_points = number_in(piece, "NumberOfPoints", 0);
+  grid.n_cells = number_in(piece, "NumberOfCells", 0);
+  for (const auto& field_data : body.children("FieldData")) read_arrays(field_data, grid);
+  for (const auto& place : piece.children()) read_arrays(place, grid);
+  if (data) {
+    grid.is_raw = value_of(data, "encoding", "base64") == "raw";
+    grid.appended = std::string_view(text).substr(underscore + 1);
+  }
+  return grid;
+}
 
 bool is_number_type(std::string_view type) {
   return std::any_of(number_types.begin(), number_types.end(), [&](const auto& entry) { return entry.first == type; });

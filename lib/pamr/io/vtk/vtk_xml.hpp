@@ -3,7 +3,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <map>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -35,8 +34,9 @@ struct XmlGrid {
   const XmlArray* find(std::string_view place, std::string_view name) const;
 };
 
-/// Reads the structure. The text has to outlive the result. Throws `Error`, without the name of the file.
-XmlGrid parse_grid(std::string_view text);
+/// Reads the structure. The text is changed, and has to outlive the result. Throws `Error`, without the name of the
+/// file.
+XmlGrid parse_grid(std::string& text);
 
 using Values = std::variant<std::vector<double>, std::vector<std::int64_t>>;
 

@@ -28,6 +28,7 @@ class Pamr(CMakePackage):
     depends_on("cgal@5.5:5")
     depends_on("cli11")
     depends_on("fmt")
+    depends_on("pugixml")
     depends_on("tomlplusplus")
     depends_on("nlohmann-json")
     depends_on("random123", when="+dsmc")
