@@ -11,7 +11,6 @@
 #include "cli/run_tool.hpp"
 #include "convert/cad_surfaces.hpp"
 #include "convert/convert_options.hpp"
-#include "convert/formats.hpp"
 #include "convert/known_shapes.hpp"
 #include "convert/read_mesh.hpp"
 #include "meshing/associate/associate_surfaces.hpp"
@@ -23,15 +22,9 @@
 #include "pamr/curved/curve_cells.hpp"
 #include "pamr/geometry/cad/cad_source.hpp"
 #include "pamr/geometry/triangulated/self_intersection.hpp"
-#include "pamr/io/export/write_boundary.hpp"
-#include "pamr/io/export/write_cgns.hpp"
-#include "pamr/io/export/write_foam.hpp"
-#include "pamr/io/export/write_vtu.hpp"
-#include "pamr/io/gmsh/write_gmsh.hpp"
+#include "pamr/io/formats.hpp"
+#include "pamr/io/interfaces.hpp"
 #include "pamr/io/medit/write_medit.hpp"
-#include "pamr/io/native/native_file.hpp"
-#include "pamr/io/su2/write_su2.hpp"
-#include "pamr/io/ugrid/write_ugrid.hpp"
 #include "pamr/mesh/find_patches.hpp"
 #include "pamr/mesh/undescribed_patches.hpp"
 #include "pamr/validate/validate.hpp"
@@ -42,24 +35,15 @@ using namespace pamr;
 using convert::Options;
 
 /// `second_order`: null for linear cells. Collective.
-void write(const par::Comm& comm, const Options& options, bool as_foam, const mesh::DistMesh& mesh,
+void write(const par::Comm& comm, const Options& options, const mesh::DistMesh& mesh,
            const mesh::SecondOrder* second_order) {
-  if (as_foam) return io::write_foam(comm, options.output, mesh);
-  if (io::is_surface_file(options.output)) return io::write_boundary(comm, options.output, mesh, options.patches);
-  const auto ending = convert::ending_of_output(options.output);
-  if (convert::is_native_file(options.output)) io::write_native(comm, options.output, mesh, {.format = options.format});
-  if (ending == ".vtu") io::write_vtu(comm, options.output, mesh, second_order);
-  if (ending == ".su2") io::write_su2(comm, options.output, mesh);
-  if (ending == ".ugrid") io::write_ugrid(comm, options.output, mesh);
-  if (ending == ".cgns") io::write_cgns(comm, options.output, mesh);
-  if (convert::is_medit_file(options.output))
-    io::write_medit(comm, options.output, mesh, convert::interfaces_of(options));
+  options.to->write(comm, options.output, mesh,
+                    {.format = options.format,
+                     .gmsh = {options.gmsh_version == "2.2" ? io::GmshVersion::v2_2 : io::GmshVersion::v4_1,
+                              !options.text, convert::interfaces_of(options)},
+                     .second_order = second_order,
+                     .patches = options.patches});
   if (!options.solution_out.empty()) io::write_medit_fields(comm, options.solution_out, mesh, options.solution_fields);
-  if (ending == ".msh")
-    io::write_gmsh(comm, options.output, mesh,
-                   {options.gmsh_version == "2.2" ? io::GmshVersion::v2_2 : io::GmshVersion::v4_1, !options.text,
-                    convert::interfaces_of(options)},
-                   second_order);
 }
 
 /// Options for the reader. Local.
@@ -73,10 +57,10 @@ convert::ReadRequest read_request(const Options& options) {
 }
 
 /// Scale, unit and kinds as asked for. Collective.
-void adjust(const par::Comm& comm, const Options& options, bool as_foam, mesh::DistMesh& mesh) {
+void adjust(const par::Comm& comm, const Options& options, mesh::DistMesh& mesh) {
   auto& unit = mesh.info.length_unit;
   if (options.scale != 1) {
-    const bool needs_surfaces = options.order == 2 || (!as_foam && convert::is_native_file(options.output));
+    const bool needs_surfaces = options.order == 2 || options.to->is_native;
     convert::scale_mesh(comm, mesh, options.scale, needs_surfaces);
     unit = options.asks_unit ? options.unit : "";  // what it was no longer holds
   } else if (options.asks_unit) {
@@ -92,9 +76,8 @@ void adjust(const par::Comm& comm, const Options& options, bool as_foam, mesh::D
 
 /// The interfaces that were written, and which number stands for which group in formats that know numbers alone.
 /// Collective.
-void report_groups(cli::Session& session, const Options& options, bool as_foam, const mesh::DistMesh& mesh,
-                   nlohmann::json& report) {
-  const bool to_medit = !as_foam && convert::is_medit_file(options.output);
+void report_groups(cli::Session& session, const Options& options, const mesh::DistMesh& mesh, nlohmann::json& report) {
+  const bool to_medit = options.to->has_solutions;
   if (!to_medit && !options.interfaces) return;
   const auto names = io::group_triangles(session.comm(), mesh, convert::interfaces_of(options)).name;
   for (auto p = mesh.info.patches.size(); p < names.size(); ++p) report["interfaces"].push_back(names[p]);
@@ -119,12 +102,12 @@ std::vector<std::string> named_patches(const Options& options, const std::string
 }
 
 /// Associates patches with surfaces where that is asked for. `surfaces`: text of --surfaces. Collective.
-void associate(cli::Session& session, const Options& options, const std::string& surfaces, bool as_foam,
-               mesh::DistMesh& mesh, nlohmann::json& report) {
+void associate(cli::Session& session, const Options& options, const std::string& surfaces, mesh::DistMesh& mesh,
+               nlohmann::json& report) {
   const auto& comm = session.comm();
-  const bool is_import = !convert::is_native_file(options.input);
+  const bool is_import = !options.from->is_native;
   if (!convert::brings_surfaces(options)) {
-    if (is_import && !as_foam && convert::is_native_file(options.output))
+    if (is_import && options.to->is_native)
       convert::tell_known_shapes(session, convert::find_known_shapes(comm, mesh, {}, false, report));
     return;
   }
@@ -197,8 +180,8 @@ void treat_ears(cli::Session& session, const Options& options, mesh::DistMesh& m
   const bool is_refined =
       comm.any(std::any_of(mesh.lineage.begin(), mesh.lineage.end(), [](auto l) { return l != mesh::Lineage{}; }));
   const bool has_new_surfaces = convert::brings_surfaces(options);
-  const bool repair = !options.strict && !options.no_repair &&
-                      (options.repair || (has_new_surfaces && convert::is_file_of_elements(options.input)));
+  const bool repair =
+      !options.strict && !options.no_repair && (options.repair || (has_new_surfaces && options.from->has_elements));
   if (repair && is_refined) throw Error("--repair: expected a mesh of level 0, found cells that were refined");
   if (is_refined || (!has_new_surfaces && !repair)) return;
   const auto ears = meshing::find_wall_ears(comm, mesh);
@@ -256,31 +239,32 @@ std::string summary_of_order(const nlohmann::json& report) {
                      report["straightened_edges"].get<std::int64_t>());
 }
 
-cli::ExitCode convert_file(cli::Session& session, const Options& options) {
+cli::ExitCode convert_file(cli::Session& session, Options options) {
   const auto& comm = session.comm();
   if (options.output.empty()) throw Error("OUT: expected the name of a mesh to write, found an empty name");
-  const bool as_foam = comm.any(convert::is_foam_case(options.output));
-  const auto surfaces = convert::check_files(session, options, as_foam);
+  options.from = &io::format_to_read(options.input);
+  options.to = &io::format_to_write(comm, options.output);
+  const auto surfaces = convert::check_files(session, options);
 
   nlohmann::json report;
   session.step("reading " + options.input);
   auto mesh = convert::read_mesh(session, read_request(options), report);
-  adjust(comm, options, as_foam, mesh);
+  adjust(comm, options, mesh);
   validate::require_valid(comm, mesh, options.input);
   session.step(fmt::format("looking at {} cells", mesh.info.n_global_cells));
-  associate(session, options, surfaces, as_foam, mesh, report);
+  associate(session, options, surfaces, mesh, report);
   keep_flat_patches(session, options, mesh, report);
   treat_ears(session, options, mesh, report);
   std::optional<mesh::SecondOrder> second_order;
   if (options.order == 2) second_order = curve(session, mesh, report);
   session.step(fmt::format("writing {} cells to {}", mesh.info.n_global_cells, options.output));
-  write(comm, options, as_foam, mesh, second_order ? &*second_order : nullptr);
+  write(comm, options, mesh, second_order ? &*second_order : nullptr);
   const auto n_nodes = second_order ? second_order->n_global_nodes : mesh.info.n_global_nodes;
   report["cells"] = mesh.info.n_global_cells;
   report["nodes"] = n_nodes;
   report["patches"] = nlohmann::json::array();
   for (const auto& patch : mesh.info.patches) report["patches"].push_back(patch.name);
-  report_groups(session, options, as_foam, mesh, report);
+  report_groups(session, options, mesh, report);
   for (const auto& region : mesh.info.regions) report["regions"][std::to_string(region.number)] = region.name;
   session.write_report(report);
   const auto n_patches = mesh.info.patches.size();

@@ -3,7 +3,7 @@
 
 /// All that a solver needs of PAMR, in one header: `#include <pamr/pamr.hpp>`, target `pamr::pamr`.
 ///
-/// A mesh comes from arrays (`mesh::BlockMesh`), a file (`io::read_native`, `io::read_gmsh`) or a shape
+/// A mesh comes from arrays (`mesh::BlockMesh`), a file (`io::read_mesh`, `io::read_native`) or a shape
 /// (`assemble::kuhn_cube`), and is put together by `assemble::assemble`. Cells are chosen by flags of your own or by
 /// `mark`, `adapt::refine` splits them, `adapt::adapt` also takes splits back, `balance::rebalance` spreads them by the
 /// work they cause, `locate` finds the cells of points, `adapt::data_of_parents` what belonged to the parents, and
@@ -29,6 +29,7 @@
 #include "pamr/geometry/surface_toml.hpp"
 #include "pamr/io/export/write_foam.hpp"
 #include "pamr/io/export/write_vtu.hpp"
+#include "pamr/io/formats.hpp"
 #include "pamr/io/gmsh/read_gmsh.hpp"
 #include "pamr/io/gmsh/write_gmsh.hpp"
 #include "pamr/io/native/native_file.hpp"

@@ -12,15 +12,9 @@
 
 #include "pamr/assemble/assemble.hpp"
 #include "pamr/assemble/kuhn_cube.hpp"
-#include "pamr/base/error.hpp"
 #include "pamr/base/index.hpp"
 #include "pamr/io/elements/element_remarks.hpp"
-#include "pamr/io/export/write_foam.hpp"
-#include "pamr/io/export/write_vtu.hpp"
-#include "pamr/io/gmsh/read_gmsh.hpp"
-#include "pamr/io/gmsh/write_gmsh.hpp"
-#include "pamr/io/native/native_file.hpp"
-#include "pamr/io/vtk/read_vtu.hpp"
+#include "pamr/io/formats.hpp"
 #include "pamr/mesh/fingerprint.hpp"
 #include "pamr/mesh/tet.hpp"
 #include "pamr/validate/validate.hpp"
@@ -79,38 +73,27 @@ std::pair<SharedMesh, std::vector<std::string>> read(std::uintptr_t address, con
   result->comm = comm_at(address);
   const auto& comm = *result->comm;
   std::vector<std::string> remarks;
-  const auto remark = [&](const std::string& text) { remarks.push_back("file '" + file.string() + "': " + text); };
-  if (file.extension() == ".vtu") {
-    auto read = io::read_vtu(comm, file);
-    if (read.n_turned > 0) remark(std::to_string(read.n_turned) + " inverted cells were turned over");
-    if (read.n_dropped_nodes > 0) remark(std::to_string(read.n_dropped_nodes) + " nodes of no cell were left out");
-    result->mesh = std::move(read.mesh);
-  } else if (file.extension() == ".msh") {
-    auto read = io::read_gmsh(comm, file, {.repair = repair});
-    for (const auto& text : io::remarks_of(read)) remark(text);
-    result->mesh = std::move(read.mesh);
-  } else {
-    const io::ReadOptions options{.remark = [&](const std::string& text) { remarks.push_back(text); }};
-    result->mesh = assemble::assemble(comm, io::read_native(comm, file, options));
-  }
+  const auto& format = io::format_to_read(file);
+  auto read =
+      format.read(comm, file, {.repair = repair, .remark = [&](const std::string& text) { remarks.push_back(text); }});
+  if (!format.is_native)
+    for (const auto& text : io::remarks_of(read)) remarks.push_back("file '" + file.string() + "': " + text);
+  result->mesh = std::move(read.mesh);
   validate::require_valid(comm, result->mesh, file.string());
   return {result, remarks};
 }
 
 void write(const PythonMesh& mesh, const std::filesystem::path& file, const std::string& provenance) {
-  const auto ending = file.extension();
-  if (ending == ".hdf" || ending == ".vtkhdf")
-    io::write_native(*mesh.comm, file, mesh.mesh, {.provenance = provenance});
-  else if (ending == ".vtu")
-    io::write_vtu(*mesh.comm, file, mesh.mesh);
-  else if (ending == ".msh")
-    io::write_gmsh(*mesh.comm, file, mesh.mesh);
-  else if (ending.empty())
-    io::write_foam(*mesh.comm, file, mesh.mesh);
-  else
-    throw Error("file '" + file.string() +
-                "': expected a name that ends in .hdf, .vtkhdf, .msh or .vtu, or a folder for OpenFOAM, found \"" +
-                ending.string() + "\"");
+  io::write_mesh(*mesh.comm, file, mesh.mesh, {.provenance = provenance});
+}
+
+/// Of each format of meshes its name, its endings, and whether it is read.
+std::vector<std::tuple<std::string, std::vector<std::string>, bool>> formats() {
+  std::vector<std::tuple<std::string, std::vector<std::string>, bool>> all;
+  for (const auto& format : io::formats())
+    all.emplace_back(format.name, std::vector<std::string>(format.endings.begin(), format.endings.end()),
+                     format.read != nullptr);
+  return all;
 }
 
 SharedMesh kuhn_cube(std::uintptr_t address, int n) {
@@ -240,6 +223,7 @@ void bind_mesh(py::module_& module) {
   type.def("remove_field", remove_field);
   type.def("write", write, py::call_guard<py::gil_scoped_release>());
   type.def("fingerprint", [](const PythonMesh& mesh) { return mesh::fingerprint(*mesh.comm, mesh.mesh); });
+  module.def("formats", formats);
   module.def("from_arrays", from_arrays);
   module.def("read", read, py::call_guard<py::gil_scoped_release>());
   module.def("kuhn_cube", kuhn_cube, py::call_guard<py::gil_scoped_release>());

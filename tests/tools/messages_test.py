@@ -48,6 +48,7 @@ def test_native_outputs_have_native_names():
     run("pamr-mark", "a.hdf", "-o", "b.hdf", "--all")
     for tool, arguments, name in (("pamr-mesh", ["--shape", "kuhn-cube", "--n", 2], "x.vtu"), ("pamr-mark", ["a.hdf", "--all"], "x.msh"),
                                   ("pamr-refine", ["b.hdf"], "x.vtu"), ("pamr-partition", ["a.hdf", "-p", 2], "x.csv"),
+                                  ("pamr-mark", ["a.hdf", "--all"], "x.b8.ugrid"),
                                   ("pamr-quality", ["a.hdf", "--worst", 1], "x.vtu")):
         refuses(tool, *arguments, "--worst-out" if tool == "pamr-quality" else "-o", name,
                 says=[name, "native mesh", ".hdf", "pamr-convert"], creates=name)
@@ -70,6 +71,8 @@ def test_a_file_of_gmsh_is_told_apart_from_damage():
     refuses("pamr-refine", one_cell("part.msh"), "-o", "r.hdf", says=["found one of Gmsh: pamr-convert part.msh part.hdf"])
     shutil.copy("part.msh", "renamed.hdf")
     refuses("pamr-quality", "renamed.hdf", says=["found one of Gmsh"])
+    pathlib.Path("part.su2").write_text("NDIME= 3")
+    refuses("pamr-quality", "part.su2", says=["found one of SU2: pamr-convert part.su2 part.hdf"])
 
 
 def test_missing_marks_name_who_writes_them():

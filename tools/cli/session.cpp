@@ -14,6 +14,7 @@
 #include "pamr/base/error.hpp"
 #include "pamr/base/one_line.hpp"
 #include "pamr/base/read_file.hpp"
+#include "pamr/io/formats.hpp"
 #include "pamr/io/unfinished_name.hpp"
 
 namespace pamr::cli {
@@ -91,10 +92,9 @@ void Session::check_output(const std::string& path, bool force, const std::strin
 }
 
 void Session::check_native_output(const std::string& path, bool force) {
-  constexpr std::array foreign{".vtu", ".vtp", ".vtk", ".pvtu", ".msh", ".mesh", ".meshb", ".cgns", ".su2",  ".ugrid",
-                               ".stl", ".obj", ".ply", ".off",  ".csv", ".json", ".png",   ".html", ".toml", ".xdmf"};
+  constexpr std::array others{".vtk", ".pvtu", ".xdmf", ".csv", ".json", ".png", ".html", ".toml"};
   const auto extension = std::filesystem::path(path).extension().string();
-  if (std::find(foreign.begin(), foreign.end(), extension) != foreign.end())
+  if (io::is_foreign_name(path) || std::find(others.begin(), others.end(), extension) != others.end())
     throw Error(path + ": this output is a native mesh: expected a name that ends in .hdf, found " + extension +
                 " (pamr-convert writes other formats)");
   check_output(path, force);

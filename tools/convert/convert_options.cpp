@@ -5,15 +5,11 @@
 
 #include <cmath>
 #include <filesystem>
-#include <utility>
 
-#include "convert/formats.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/geometry/cad/cad_source.hpp"
-#include "pamr/io/export/write_boundary.hpp"
 #include "pamr/io/export/write_foam.hpp"
-#include "pamr/io/native/native_file.hpp"
-#include "pamr/io/ugrid/write_ugrid.hpp"
+#include "pamr/io/native/format.hpp"
 
 namespace pamr::convert {
 
@@ -70,35 +66,49 @@ void check_foam_case(const cli::Session& session, const Options& options) {
 }
 
 /// Files of fields go with Medit's meshes only. Local.
-void check_solutions(const Options& options, bool as_foam) {
-  const auto check = [](const std::string& file, const std::string& mesh, bool is_medit, const char* name) {
+void check_solutions(const Options& options) {
+  const auto check = [](const std::string& file, const std::string& mesh, const io::Format& format, const char* name) {
     if (file.empty()) return;
     const auto ending = std::filesystem::path(file).extension();
     if (ending != ".sol" && ending != ".solb")
       throw Error(fmt::format("{}: expected a name that ends in .sol or .solb, found '{}'", name, file));
-    if (!is_medit) throw Error(fmt::format("{}: expected a .mesh or .meshb beside it, found '{}'", name, mesh));
+    if (!format.has_solutions)
+      throw Error(fmt::format("{}: expected a {} beside it, found '{}'", name,
+                              io::list_endings([](const io::Format& f) { return f.has_solutions; }, " or "), mesh));
   };
-  check(options.solution_in, options.input, convert::is_medit_file(options.input), "--sol-in");
-  check(options.solution_out, options.output, !as_foam && convert::is_medit_file(options.output), "--sol-out");
+  check(options.solution_in, options.input, *options.from, "--sol-in");
+  check(options.solution_out, options.output, *options.to, "--sol-out");
   if (options.solution_in.empty() && options.solution_out.empty() && !options.solution_fields.empty())
     throw Error("--sol-fields: expected --sol-in or --sol-out beside it, found neither");
   if (!options.solution_in.empty() && !options.solution_out.empty())
     throw Error("expected --sol-in or --sol-out, found both");
 }
 
+/// Throws `Error` if an option is given that the format of the output does not know.
+void require_known(const Options& options, bool is_given, const std::string& option, bool io::Format::*knows) {
+  if (is_given && !(options.to->*knows))
+    throw Error(fmt::format("{}: expected an output that ends in {}, found '{}'", option,
+                            io::list_endings([&](const io::Format& f) { return f.*knows; }, " or "), options.output));
+}
+
+/// The formats of meshes that are read, or written, with their endings.
+std::string formats_help(bool is_read) {
+  std::string text;
+  for (const auto& format : io::formats())
+    if (!format.is_surface && !format.is_folder && (format.read != nullptr || !is_read))
+      text += fmt::format("{}{} ({})", text.empty() ? "" : ", ", io::list_endings(format, " or "), format.name);
+  return text;
+}
+
 }  // namespace
 
 void declare(cli::CommandLine& line, Options& options) {
-  line.option(
-          "IN", options.input,
-          "mesh to read: .hdf or .vtkhdf (native, or VTKHDF of another program), .msh (Gmsh 2.2 or 4.1), .vtu, .mesh "
-          "or .meshb (Medit), .su2, .lb8.ugrid or .b8.ugrid (AFLR3)")
-      .required();
+  line.option("IN", options.input, "mesh to read: " + formats_help(true)).required();
   line.option(
           "OUT", options.output,
-          "mesh to write: .hdf or .vtkhdf (native), .msh, .vtu, .mesh, .meshb, .su2, .lb8.ugrid, .b8.ugrid or .cgns; "
-          "its boundary: .stl, .obj, .ply, .off or .vtp; "
-          "without an extension, or an existing folder: an OpenFOAM case")
+          fmt::format("mesh to write: {}; its boundary: {}; without an extension, or an existing folder: an "
+                      "OpenFOAM case",
+                      formats_help(false), io::list_endings([](const io::Format& f) { return f.is_surface; }, " or ")))
       .required();
   line.flag("--repair", options.repair,
             "turn inverted cells of another program's mesh over instead of refusing them, and split inner edges and "
@@ -134,10 +144,13 @@ void declare(cli::CommandLine& line, Options& options) {
     options.asks_unit = unit.is_given();
   });
   line.flag("--interfaces", options.interfaces,
-            "write to a .msh, .mesh or .meshb also the triangles between regions, as a group A_B for regions A and B");
+            fmt::format("write to a {} also the triangles between regions, as a group A_B for regions A and B",
+                        io::list_endings([](const io::Format& f) { return f.has_interfaces; }, " or ")));
   line.flag("--text", options.text, "write a .msh as text instead of binary");
-  line.option("--order", options.order,
-              "of the cells of a .msh or .vtu to write: 2 gives each edge a node, on the surface in curved boundaries")
+  line.option(
+          "--order", options.order,
+          fmt::format("of the cells of a {} to write: 2 gives each edge a node, on the surface in curved boundaries",
+                      io::list_endings([](const io::Format& f) { return f.has_second_order; }, " or ")))
       .range(1, 2)
       .show_default();
   line.option("--format", options.format, cli::format_help).range(io::oldest_format, io::newest_format).show_default();
@@ -152,30 +165,17 @@ bool asks_for_surfaces(const Options& options) {
   return brings_surfaces(options) || options.repair || options.order == 2;
 }
 
-bool is_foam_case(const std::string& output) {
-  std::error_code none;
-  return std::filesystem::path(output).extension().empty() || std::filesystem::is_directory(output, none);
-}
-
 io::Interfaces interfaces_of(const Options& options) {
   return options.interfaces ? io::Interfaces::by_regions : io::Interfaces::none;
 }
 
-std::string check_files(cli::Session& session, const Options& options, bool as_foam) {
-  (void)convert::ending_of_input(options.input);
-  const bool as_boundary = io::is_surface_file(options.output) && !as_foam;
-  if (!as_foam) (void)convert::ending_of_output(options.output);
-  check_solutions(options, as_foam);
-  const bool to_gmsh = !as_foam && options.output.ends_with(".msh");
-  for (const auto& [is_given, name] :
-       {std::pair(options.text, "--text"), std::pair(options.asks_version, "--gmsh-version")})
-    if (is_given && !to_gmsh)
-      throw Error(fmt::format("{}: expected an output that ends in .msh beside it, found '{}'", name, options.output));
-  if (options.interfaces && (as_foam || !(to_gmsh || convert::is_medit_file(options.output))))
-    throw Error(
-        fmt::format("--interfaces: expected an output that ends in .msh, .mesh or .meshb, found '{}'", options.output));
-  if (options.order == 2 && (as_foam || !(options.output.ends_with(".msh") || options.output.ends_with(".vtu"))))
-    throw Error(fmt::format("--order 2: expected an output that ends in .msh or .vtu, found '{}'", options.output));
+std::string check_files(cli::Session& session, const Options& options) {
+  const bool as_boundary = options.to->is_surface;
+  check_solutions(options);
+  require_known(options, options.text, "--text", &io::Format::has_text);
+  require_known(options, options.asks_version, "--gmsh-version", &io::Format::has_text);
+  require_known(options, options.interfaces, "--interfaces", &io::Format::has_interfaces);
+  require_known(options, options.order == 2, "--order 2", &io::Format::has_second_order);
   if (as_boundary && !options.surface_files.empty())
     throw Error("--surface: expected a mesh to write, found a boundary: " + options.output);
   if (options.repair && options.no_repair) throw Error("expected --repair or --no-repair, found both");
@@ -200,23 +200,23 @@ std::string check_files(cli::Session& session, const Options& options, bool as_f
     if (polyline.size() < 6 || polyline.size() % 3 != 0)
       throw Error(fmt::format("--crease: expected two points or more of three coordinates each, found {} numbers",
                               polyline.size()));
-  if (options.format != io::newest_format && (as_foam || !convert::is_native_file(options.output)))
-    throw Error(
-        fmt::format("--format {}: expected an output that ends in .hdf, found '{}'", options.format, options.output));
+  require_known(options, options.format != io::newest_format, fmt::format("--format {}", options.format),
+                &io::Format::is_native);
   session.check_input(options.input);
-  if (options.input.ends_with(".ugrid")) session.keep(io::mapbc_file(options.input).string());
+  if (options.from->file_beside != nullptr) session.keep(options.from->file_beside(options.input).string());
   for (const auto& input : {options.cad, options.solution_in})
     if (!input.empty()) session.check_input(input);
   for (const auto& input : options.surface_files) session.check_input(input);
   auto surfaces = options.surfaces.empty() ? std::string() : session.read_case(options.surfaces);
-  if (as_foam) {
+  if (options.to->is_folder) {
     check_foam_case(session, options);
     session.check_folder(io::foam_folder(options.output).string());
     return surfaces;
   }
   session.check_output(options.output, options.force);
   if (!options.solution_out.empty()) session.check_output(options.solution_out, options.force);
-  if (options.output.ends_with(".ugrid")) session.check_output(io::mapbc_file(options.output).string(), options.force);
+  if (options.to->file_beside != nullptr)
+    session.check_output(options.to->file_beside(options.output).string(), options.force);
   return surfaces;
 }
 

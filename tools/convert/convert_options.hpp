@@ -6,8 +6,8 @@
 
 #include "cli/run_tool.hpp"
 #include "pamr/geometry/cad/cad_source.hpp"
+#include "pamr/io/formats.hpp"
 #include "pamr/io/interfaces.hpp"
-#include "pamr/io/native/native_file.hpp"
 
 namespace pamr::convert {
 
@@ -21,6 +21,7 @@ struct Options {
   int format = io::newest_format, order = 1;
   bool asks_version = false, asks_unit = false, recognize = false, repair = false, no_repair = false, strict = false,
        text = false, interfaces = false, force = false;
+  const io::Format *from = nullptr, *to = nullptr;  ///< of input and output, set after the command line is read
 };
 
 /// Declares the options of the command line, which are put into `options`.
@@ -29,12 +30,10 @@ void declare(cli::CommandLine& line, Options& options);
 bool brings_surfaces(const Options& options);
 /// Whether the surfaces of the mesh are looked at, not only handed on.
 bool asks_for_surfaces(const Options& options);
-/// Whether the output is an OpenFOAM case: a folder, or a name without extension.
-bool is_foam_case(const std::string& output);
 io::Interfaces interfaces_of(const Options& options);
 
 /// Checks what can be checked before a mesh is read. Yields the text of `surfaces`, if it is given. Collective; throws
 /// the same `Error` on every rank.
-std::string check_files(cli::Session& session, const Options& options, bool as_foam);
+std::string check_files(cli::Session& session, const Options& options);
 
 }  // namespace pamr::convert

@@ -11,17 +11,10 @@
 #include <string_view>
 #include <utility>
 
-#include "convert/formats.hpp"
-#include "pamr/assemble/assemble.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/base/index.hpp"
 #include "pamr/io/elements/element_remarks.hpp"
-#include "pamr/io/gmsh/read_gmsh.hpp"
-#include "pamr/io/medit/read_medit.hpp"
-#include "pamr/io/native/native_file.hpp"
-#include "pamr/io/su2/read_su2.hpp"
-#include "pamr/io/ugrid/read_ugrid.hpp"
-#include "pamr/io/vtk/read_vtu.hpp"
+#include "pamr/io/formats.hpp"
 #include "pamr/mesh/find_patches.hpp"
 
 namespace pamr::convert {
@@ -30,34 +23,6 @@ namespace {
 
 constexpr std::array<std::string_view, 7> kinds{"wall",   "symmetry", "symmetryPlane", "farfield",
                                                 "inflow", "outflow",  "patch"};
-
-/// Collective.
-mesh::DistMesh read_vtu(cli::Session& session, const ReadRequest& request, nlohmann::json& report) {
-  auto read = io::read_vtu(session.comm(), request.file);
-  report["turned_cells"] = read.n_turned;
-  report["dropped_nodes"] = read.n_dropped_nodes;
-  if (request.strict && read.n_turned + read.n_dropped_nodes > 0)
-    throw Error(fmt::format("file '{}': expected no inverted cells and no nodes of no cell, found {} and {}",
-                            request.file, read.n_turned, read.n_dropped_nodes));
-  if (read.n_turned > 0) session.warn(fmt::format("{} inverted cells were turned over", read.n_turned));
-  if (read.n_dropped_nodes > 0) session.warn(fmt::format("{} nodes of no cell were left out", read.n_dropped_nodes));
-  read.mesh.info.provenance = "pamr-convert from VTK";
-  return std::move(read.mesh);
-}
-
-/// Collective.
-io::ElementMesh read_elements(const par::Comm& comm, const ReadRequest& request, const std::string& ending) {
-  const io::ElementOptions options{.repair = request.repair && !request.strict};
-  if (ending == ".su2") return io::read_su2(comm, request.file, options);
-  if (ending == ".ugrid") return io::read_ugrid(comm, request.file, options);
-  if (is_medit_file(request.file))
-    return io::read_medit(comm, request.file, {options, request.solution, request.field_names});
-  return io::read_gmsh(comm, request.file, options);
-}
-
-std::string program_of(const std::string& ending) {
-  return ending == ".su2" ? "SU2" : ending == ".ugrid" ? "UGRID" : ending == ".msh" ? "Gmsh" : "Medit";
-}
 
 /// What `--strict` does not accept.
 void refuse_changes(const io::ElementMesh& read, const std::string& file) {
@@ -71,37 +36,38 @@ void refuse_changes(const io::ElementMesh& read, const std::string& file) {
     throw Error(
         fmt::format("file '{}': expected surfaces on the boundary, found {} triangles of '{}' between two regions",
                     file, n, group));
+  refuse(read.n_turned, "cells of positive volume, found {} inverted ones");
   refuse(read.n_periodic_links, "no periodic links, found {}");
   refuse(read.n_dropped_nodes, "nodes that belong to cells, found {} others");
   refuse(read.n_untagged_faces, "a triangle on every boundary face, found {} faces without");
-  refuse(read.n_turned, "cells of positive volume, found {} inverted ones");
 }
 
 }  // namespace
 
 mesh::DistMesh read_mesh(cli::Session& session, const ReadRequest& request, nlohmann::json& report) {
-  const auto& comm = session.comm();
-  const auto ending = ending_of_input(request.file);
-  if (ending == ".vtu") return read_vtu(session, request, report);
-  if (is_native_file(request.file)) {
-    const std::function<void(const std::string&)> refuse = [](const auto& remark) { throw Error(remark); };
-    return assemble::assemble(comm, io::read_native(comm, request.file,
-                                                    {.build_surfaces = request.build_surfaces,
-                                                     .remark = request.strict ? refuse : session.remarks()}));
-  }
-  auto read = read_elements(comm, request, ending);
+  const std::function<void(const std::string&)> refuse = [](const auto& remark) { throw Error(remark); };
+  const auto& format = io::format_to_read(request.file);
+  auto read = format.read(session.comm(), request.file,
+                          {.repair = request.repair && !request.strict,
+                           .build_surfaces = request.build_surfaces,
+                           .remark = request.strict ? refuse : session.remarks(),
+                           .solution = request.solution,
+                           .field_names = request.field_names});
+  if (format.is_native) return std::move(read.mesh);
   if (request.strict) refuse_changes(read, request.file);
-  auto& overlaps = report["group_overlaps"] = nlohmann::json::array();
-  for (const auto& [dimension, kept, other, n] : read.overlaps)
-    overlaps.push_back({{"dimension", dimension}, {"kept", kept}, {"other", other}, {"elements", n}});
-  auto& inner = report["inner_faces"] = nlohmann::json::object();
-  for (const auto& [group, n] : read.inner_faces) inner[group] = n;
+  if (format.has_elements) {
+    auto& overlaps = report["group_overlaps"] = nlohmann::json::array();
+    for (const auto& [dimension, kept, other, n] : read.overlaps)
+      overlaps.push_back({{"dimension", dimension}, {"kept", kept}, {"other", other}, {"elements", n}});
+    auto& inner = report["inner_faces"] = nlohmann::json::object();
+    for (const auto& [group, n] : read.inner_faces) inner[group] = n;
+    report["untagged_faces"] = read.n_untagged_faces;
+    report["periodic_links"] = read.n_periodic_links;
+  }
   report["turned_cells"] = read.n_turned;
   report["dropped_nodes"] = read.n_dropped_nodes;
-  report["untagged_faces"] = read.n_untagged_faces;
-  report["periodic_links"] = read.n_periodic_links;
   for (const auto& remark : io::remarks_of(read)) session.warn(remark);
-  read.mesh.info.provenance = "pamr-convert from " + program_of(ending);
+  read.mesh.info.provenance = fmt::format("pamr-convert from {}", format.name);
   return std::move(read.mesh);
 }
 

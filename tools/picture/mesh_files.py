@@ -11,7 +11,7 @@ import numpy as np
 from refused import Refused
 from tet import FACE_TO_CORNER
 
-NATIVE = (".hdf",)
+NATIVE = (".hdf", ".vtkhdf")
 BY_VTK = (".vtu", ".vtp", ".vtk", ".stl", ".ply", ".obj")
 BY_MESHIO = (".msh", ".mesh", ".meshb", ".su2", ".off", ".ugrid")
 NO_PATCH = "boundary"
@@ -234,6 +234,10 @@ def read_by_meshio(file):
     return surface(file, points, triangles, fields, dict(mesh.point_data), tags, names)
 
 
+# Who reads which ending; tests/python/formats_test.py compares it with the table of formats (lib/pamr/io/formats.cpp).
+READERS = {**dict.fromkeys(NATIVE, read_native), **dict.fromkeys(BY_VTK, read_by_vtk), **dict.fromkeys(BY_MESHIO, read_by_meshio)}
+
+
 def read(file):
     """The mesh of a file; the extension decides who reads it."""
     extension = os.path.splitext(file)[1].lower()
@@ -241,11 +245,9 @@ def read(file):
         raise Refused(f"{file}: expected a mesh file, found nothing of that name")
     if not os.path.isfile(file):
         raise Refused(f"{file}: expected a mesh file, found a folder or device")
-    readers = {**dict.fromkeys(NATIVE, read_native), **dict.fromkeys(BY_VTK, read_by_vtk),
-               **dict.fromkeys(BY_MESHIO, read_by_meshio)}
-    if extension not in readers:
-        raise Refused(f"{file}: expected a name that ends in {', '.join(readers)}")
-    mesh = readers[extension](file)
+    if extension not in READERS:
+        raise Refused(f"{file}: expected a name that ends in {', '.join(READERS)}")
+    mesh = READERS[extension](file)
     if not np.isfinite(mesh.points).all():
         raise Refused(f"{file}: expected finite coordinates, found others")
     return mesh

@@ -181,10 +181,11 @@ class Mesh:
 
     @staticmethod
     def read(comm: Any, file: Union[str, os.PathLike], repair: bool = False) -> "Mesh":
-        """A mesh from a file: .hdf or .vtkhdf (of any number of ranks, of PAMR or another program), or .msh (Gmsh) or .vtu. What is odd
-        and does no harm, and what is left out, is a Python warning on rank 0. Collective.
+        """A mesh from a file: .hdf or .vtkhdf (of any number of ranks, of PAMR or another program), or in any other format that
+        pamr-convert reads. What is odd and does no harm, and what is left out, is a Python warning on rank 0. Collective.
 
-        repair: turn inverted cells of a .msh over. Without it they are refused, unless all cells are inverted.
+        repair: turn inverted cells of other programs over. Without it they are refused (but in a .vtu), unless all cells are
+        inverted.
         """
         require_comm(comm)
         path = agree(comm, lambda: (os.fspath(file), (os.fspath(file), bool(repair))))
@@ -201,8 +202,9 @@ class Mesh:
         return Mesh(_core.kuhn_cube(_address(comm), agree(comm, lambda: 2 * (whole("n", n, np.int32),))), comm)
 
     def write(self, file: Union[str, os.PathLike], provenance: str = "") -> None:
-        """Writes the mesh and its fields: .hdf or .vtkhdf (complete), .msh, .vtu, or an OpenFOAM case where the name has no
-        ending. The bytes do not depend on the number of ranks. Collective."""
+        """Writes the mesh and its fields: .hdf or .vtkhdf (complete), any other format that pamr-convert writes (or the boundary, as
+        .stl, say), or an OpenFOAM case where the name has no ending or is a folder. The bytes do not depend on the number of
+        ranks. Collective."""
         path = agree(self._comm, lambda: (os.fspath(file), (os.fspath(file), provenance)))
         self._core.write(path, provenance)
 

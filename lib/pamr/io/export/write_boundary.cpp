@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <iterator>
 #include <limits>
 #include <string_view>
@@ -116,12 +115,6 @@ void write_vtp(const par::Comm& comm, SharedOutput& out, const SurfaceTriangles&
 }
 
 }  // namespace
-
-bool is_surface_file(const std::filesystem::path& file) {
-  constexpr std::array<std::string_view, 5> known{".stl", ".obj", ".ply", ".off", ".vtp"};
-  const auto ending = file.extension().string();
-  return std::any_of(known.begin(), known.end(), [&](auto name) { return geometry::is_same_word(ending, name); });
-}
 
 void write_boundary(const par::Comm& comm, const std::filesystem::path& file, const mesh::DistMesh& mesh,
                     const std::vector<std::string>& patches) {

@@ -10,9 +10,6 @@
 
 namespace pamr::io {
 
-/// Whether the name of a file says that it holds triangles: .stl, .obj, .ply, .off or .vtp, in either case.
-bool is_surface_file(const std::filesystem::path& file);
-
 /// Writes the boundary of a mesh as a surface of triangles, seen counter-clockwise from outside of the mesh. The
 /// extension says how: STL and OBJ and OFF as text, PLY in bytes, all with every bit of the coordinates; `.vtp` (VTK
 /// PolyData, text) with the cell fields `patch` (number) and `cell` (number of the cell behind).

@@ -12,6 +12,7 @@
 
 #include "pamr/base/error.hpp"
 #include "pamr/base/subprocess.hpp"
+#include "pamr/io/formats.hpp"
 #include "pamr/io/native/inspect.hpp"
 
 namespace pamr::io {
@@ -73,9 +74,10 @@ void require_signature(const std::filesystem::path& file, std::uintmax_t bytes) 
   stream.clear();
   stream.seekg(0);
   stream.read(begin.data(), static_cast<std::streamsize>(begin.size()));
-  if (begin == gmsh || file.extension() == ".msh")
-    throw Error(fmt::format("file '{0}': expected an HDF5 file, found one of Gmsh: pamr-convert {0} {1}", file.string(),
-                            std::filesystem::path(file).replace_extension(".hdf").string()));
+  const auto* format = begin == gmsh ? find_format("mesh.msh") : find_format(file);
+  if (format != nullptr && format->read != nullptr && !format->is_native)
+    throw Error(fmt::format("file '{0}': expected an HDF5 file, found one of {1}: pamr-convert {0} {2}", file.string(),
+                            format->name, std::filesystem::path(file).replace_extension(".hdf").string()));
   throw Error(fmt::format("file '{}': expected an HDF5 file, found no HDF5 signature", file.string()));
 }
 

@@ -282,13 +282,13 @@ mesh::BlockMesh to_block(const par::Comm& comm, Grid grid) {
 
 namespace pamr::io {
 
-VtuMesh read_vtu(const par::Comm& comm, const std::filesystem::path& file) {
+ElementMesh read_vtu(const par::Comm& comm, const std::filesystem::path& file) {
   try {
     vtk::Grid grid;
     par::agree(comm, [&] {
       if (comm.is_first()) grid = vtk::read_grid(file);
     });
-    VtuMesh result;
+    ElementMesh result;
     result.n_dropped_nodes = comm.max(grid.n_dropped);
     auto block = vtk::to_block(comm, std::move(grid));
     result.n_turned = assemble::turn_inverted(comm, block).n_turned;

@@ -1,0 +1,196 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "pamr/io/formats.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <iterator>
+#include <system_error>
+
+#include "pamr/assemble/assemble.hpp"
+#include "pamr/base/error.hpp"
+#include "pamr/io/export/write_boundary.hpp"
+#include "pamr/io/export/write_cgns.hpp"
+#include "pamr/io/export/write_foam.hpp"
+#include "pamr/io/export/write_vtu.hpp"
+#include "pamr/io/gmsh/read_gmsh.hpp"
+#include "pamr/io/medit/read_medit.hpp"
+#include "pamr/io/medit/write_medit.hpp"
+#include "pamr/io/native/native_file.hpp"
+#include "pamr/io/native/write_native.hpp"
+#include "pamr/io/su2/read_su2.hpp"
+#include "pamr/io/su2/write_su2.hpp"
+#include "pamr/io/ugrid/read_ugrid.hpp"
+#include "pamr/io/ugrid/write_ugrid.hpp"
+#include "pamr/io/vtk/read_vtu.hpp"
+
+namespace pamr::io {
+
+namespace {
+
+using Path = std::filesystem::path;
+using Read = MeshReadOptions;
+using Write = MeshWriteOptions;
+using par::Comm;
+
+void write_surface(const Comm& comm, const Path& file, const mesh::DistMesh& mesh, const Write& o) {
+  write_boundary(comm, file, mesh, o.patches);
+}
+
+const std::vector<Format> table{
+    {.name = "native",
+     .endings = {".hdf", ".vtkhdf"},
+     .read =
+         [](const Comm& comm, const Path& file, const Read& o) {
+           ElementMesh read;
+           read.mesh = assemble::assemble(
+               comm, read_native(comm, file, {.build_surfaces = o.build_surfaces, .remark = o.remark}));
+           return read;
+         },
+     .write = [](const Comm& comm, const Path& file, const mesh::DistMesh& mesh,
+                 const Write& o) { write_native(comm, file, mesh, {.provenance = o.provenance, .format = o.format}); },
+     .is_native = true},
+    {.name = "Gmsh",
+     .endings = {".msh"},
+     .read = [](const Comm& comm, const Path& file,
+                const Read& o) { return read_gmsh(comm, file, {.repair = o.repair}); },
+     .write = [](const Comm& comm, const Path& file, const mesh::DistMesh& mesh,
+                 const Write& o) { write_gmsh(comm, file, mesh, o.gmsh, o.second_order); },
+     .has_elements = true,
+     .has_interfaces = true,
+     .has_second_order = true,
+     .has_text = true},
+    {.name = "VTK",
+     .endings = {".vtu"},
+     .read = [](const Comm& comm, const Path& file, const Read&) { return read_vtu(comm, file); },
+     .write = [](const Comm& comm, const Path& file, const mesh::DistMesh& mesh,
+                 const Write& o) { write_vtu(comm, file, mesh, o.second_order); },
+     .has_second_order = true},
+    {.name = "Medit",
+     .endings = {".mesh", ".meshb"},
+     .read =
+         [](const Comm& comm, const Path& file, const Read& o) {
+           return read_medit(comm, file, {{.repair = o.repair}, o.solution, o.field_names});
+         },
+     .write = [](const Comm& comm, const Path& file, const mesh::DistMesh& mesh,
+                 const Write& o) { write_medit(comm, file, mesh, o.gmsh.interfaces); },
+     .has_elements = true,
+     .has_interfaces = true,
+     .has_solutions = true},
+    {.name = "SU2",
+     .endings = {".su2"},
+     .read = [](const Comm& comm, const Path& file,
+                const Read& o) { return read_su2(comm, file, {.repair = o.repair}); },
+     .write = [](const Comm& comm, const Path& file, const mesh::DistMesh& mesh,
+                 const Write&) { write_su2(comm, file, mesh); },
+     .has_elements = true},
+    {.name = "UGRID",
+     .endings = {".lb8.ugrid", ".b8.ugrid"},
+     .read = [](const Comm& comm, const Path& file,
+                const Read& o) { return read_ugrid(comm, file, {.repair = o.repair}); },
+     .write = [](const Comm& comm, const Path& file, const mesh::DistMesh& mesh,
+                 const Write&) { write_ugrid(comm, file, mesh); },
+     .has_elements = true,
+     .file_beside = mapbc_file},
+    {.name = "CGNS",
+     .endings = {".cgns"},
+     .read = nullptr,
+     .write = [](const Comm& comm, const Path& file, const mesh::DistMesh& mesh,
+                 const Write&) { write_cgns(comm, file, mesh); }},
+    {.name = "surface",
+     .endings = {".stl", ".obj", ".ply", ".off"},
+     .read = nullptr,
+     .write = write_surface,
+     .instead_of_reading = "a surface: pamr-mesh meshes the space in or around it (shape = \"surfaces\"), pamr-convert "
+                           "--surface lets a patch of a mesh lie on it",
+     .is_surface = true},
+    {.name = "VTK PolyData", .endings = {".vtp"}, .read = nullptr, .write = write_surface, .is_surface = true},
+    {.name = "OpenFOAM",
+     .endings = {""},
+     .read = nullptr,
+     .write = [](const Comm& comm, const Path& file, const mesh::DistMesh& mesh,
+                 const Write&) { write_foam(comm, file, mesh); },
+     .is_folder = true},
+};
+
+std::string list(const std::vector<std::string_view>& endings, std::string_view before_last) {
+  std::string text;
+  for (std::size_t i = 0; i < endings.size(); ++i)
+    text += fmt::format("{}{}", i == 0 ? "" : i + 1 == endings.size() ? before_last : ", ", endings[i]);
+  return text;
+}
+
+/// The ending itself, and why no mesh is read from such a file.
+std::string what_was_found(const Path& file) {
+  const auto* format = find_format(file);
+  const auto ending = fmt::format("\"{}\"", file.extension().string());
+  if (format == nullptr) return ending;
+  if (!format->instead_of_reading.empty()) return std::string(format->instead_of_reading);
+  return fmt::format("{}: {} is only written", ending, format->name);
+}
+
+Error unknown_ending(const Path& file, const std::string& endings, const std::string& found) {
+  return Error(fmt::format("file '{}': expected a name that ends in {}, found {}", file.string(), endings, found));
+}
+
+}  // namespace
+
+std::span<const Format> formats() { return table; }
+
+const Format* find_format(const Path& file) {
+  const auto last = file.extension().string(), two = file.stem().extension().string() + last;
+  const auto found = std::find_if(table.begin(), table.end(), [&](const Format& format) {
+    return std::any_of(format.endings.begin(), format.endings.end(),
+                       [&](auto ending) { return ending == last || (!ending.empty() && ending == two); });
+  });
+  return found == table.end() ? nullptr : &*found;
+}
+
+const Format& format_to_read(const Path& file) {
+  const auto* format = find_format(file);
+  if (format == nullptr || format->read == nullptr)
+    throw unknown_ending(file, list_endings([](const Format& f) { return f.read != nullptr; }, ", "),
+                         what_was_found(file));
+  return *format;
+}
+
+const Format& format_to_write(const Comm& comm, const Path& file) {
+  std::error_code none;
+  const bool is_folder = comm.any(file.extension().empty() || std::filesystem::is_directory(file, none));
+  const auto* format = is_folder ? find_format("folder") : find_format(file);
+  if (format == nullptr)
+    throw unknown_ending(file, list_endings([](const Format&) { return true; }, ", "),
+                         fmt::format("\"{}\" (an OpenFOAM case is a folder)", file.extension().string()));
+  return *format;
+}
+
+bool is_foreign_name(const Path& file) {
+  const auto last = file.extension().string();
+  return !last.empty() && std::any_of(table.begin(), table.end(), [&](const Format& format) {
+    return !format.is_native && std::any_of(format.endings.begin(), format.endings.end(),
+                                            [&](auto ending) { return ending.ends_with(last); });
+  });
+}
+
+std::string list_endings(const std::function<bool(const Format&)>& is_chosen, std::string_view before_last) {
+  std::vector<std::string_view> all;
+  for (const auto& format : table)
+    if (is_chosen(format))
+      std::copy_if(format.endings.begin(), format.endings.end(), std::back_inserter(all),
+                   [](auto ending) { return !ending.empty(); });
+  return list(all, before_last);
+}
+
+std::string list_endings(const Format& format, std::string_view before_last) {
+  return list(format.endings, before_last);
+}
+
+ElementMesh read_mesh(const Comm& comm, const Path& file, const MeshReadOptions& options) {
+  return format_to_read(file).read(comm, file, options);
+}
+
+void write_mesh(const Comm& comm, const Path& file, const mesh::DistMesh& mesh, const MeshWriteOptions& options) {
+  format_to_write(comm, file).write(comm, file, mesh, options);
+}
+
+}  // namespace pamr::io

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "pamr/base/exact.hpp"
+#include "pamr/io/elements/mesh_of_elements.hpp"
+#include "pamr/io/gmsh/write_gmsh.hpp"
+#include "pamr/io/native/format.hpp"
+#include "pamr/mesh/dist_mesh.hpp"
+#include "pamr/mesh/second_order.hpp"
+#include "pamr/par/comm.hpp"
+
+/// Which ending of a name stands for which format of meshes, and who reads and writes it. The tools and the Python
+/// package ask this table, and so do the messages that list endings.
+namespace pamr::io {
+
+/// What the readers may be asked for. Each takes what its format knows.
+struct MeshReadOptions {
+  Exact<bool> repair = false;                                  ///< see `ElementOptions`
+  Exact<bool> build_surfaces = true;                           ///< see `ReadOptions`, of native files
+  std::function<void(const std::string& remark)> remark = {};  ///< likewise
+  std::filesystem::path solution = {};                         ///< see `MeditOptions`
+  std::vector<std::string> field_names = {};                   ///< likewise
+};
+
+/// What the writers may be asked for. Each takes what its format knows.
+struct MeshWriteOptions {
+  std::string provenance = {};                      ///< see `WriteOptions`, of native files
+  Exact<int> format = newest_format;                ///< likewise
+  GmshWriteOptions gmsh = {};                       ///< the interfaces are for Medit, too
+  const mesh::SecondOrder* second_order = nullptr;  ///< null for linear cells
+  std::vector<std::string> patches = {};            ///< see `write_boundary`
+};
+
+struct Format {
+  std::string_view name;                  ///< of the format, or of the program that it belongs to
+  std::vector<std::string_view> endings;  ///< in lower case; that of a folder is empty
+  /// Null for a format that is only written.
+  ElementMesh (*read)(const par::Comm& comm, const std::filesystem::path& file, const MeshReadOptions& options);
+  void (*write)(const par::Comm& comm, const std::filesystem::path& file, const mesh::DistMesh& mesh,
+                const MeshWriteOptions& options);
+  std::string_view instead_of_reading = {};  ///< what was found and what to do, where that is known
+  bool is_native = false;
+  bool has_elements = false;  ///< read element by element (`mesh_of_elements`): of another program, of level 0
+  bool is_surface = false;    ///< holds the boundary alone
+  bool is_folder = false;
+  bool has_interfaces = false, has_second_order = false;  ///< can be written with these
+  bool has_text = false;                                  ///< `GmshWriteOptions` hold
+  bool has_solutions = false;                             ///< has fields in a `.sol` beside the mesh
+  std::filesystem::path (*file_beside)(const std::filesystem::path& file) = nullptr;  ///< read or written as well
+};
+
+std::span<const Format> formats();
+
+/// The format that the ending of a name says, null where it says none. Local.
+const Format* find_format(const std::filesystem::path& file);
+
+/// The same for a mesh to read. Throws `Error` that lists the endings of meshes that can be read. Local.
+const Format& format_to_read(const std::filesystem::path& file);
+
+/// The same for a mesh to write, or its boundary: OpenFOAM's also where a folder of that name exists. Throws `Error`
+/// that lists the endings. Collective; the same on every rank.
+const Format& format_to_write(const par::Comm& comm, const std::filesystem::path& file);
+
+/// Whether a name ends as that of a mesh in another format than the native one does. Local.
+bool is_foreign_name(const std::filesystem::path& file);
+
+/// The endings of those formats that are chosen: ".msh, .mesh or .meshb"; `before_last` is " or " there.
+std::string list_endings(const std::function<bool(const Format&)>& is_chosen, std::string_view before_last);
+/// The same for one format.
+std::string list_endings(const Format& format, std::string_view before_last);
+
+/// Reads a mesh, and says what its reader had to change (`remarks_of` puts that into words). Collective; throws the
+/// same `Error` on every rank.
+ElementMesh read_mesh(const par::Comm& comm, const std::filesystem::path& file, const MeshReadOptions& options = {});
+
+/// Writes a mesh. The bytes do not depend on the number of ranks. Collective; throws the same `Error` on every rank,
+/// and leaves nothing behind then.
+void write_mesh(const par::Comm& comm, const std::filesystem::path& file, const mesh::DistMesh& mesh,
+                const MeshWriteOptions& options = {});
+
+}  // namespace pamr::io
