@@ -15,7 +15,7 @@
 #include "pamr/geometry/triangulated/read_obj.hpp"
 #include "pamr/geometry/triangulated/read_ply.hpp"
 #include "pamr/geometry/triangulated/read_stl.hpp"
-#include "pamr/geometry/triangulated/triangulation_text.hpp"
+#include "pamr/geometry/triangulated/write_triangulation.hpp"
 
 namespace pamr::geometry {
 
@@ -36,14 +36,18 @@ std::string bytes_of(const std::filesystem::path& file) {
 }
 
 Triangulation parse(std::string_view bytes, const std::string& where) {
-  const auto ending = std::filesystem::path(where).extension().string();
   if (bytes.size() > static_cast<std::size_t>(std::numeric_limits<int>::max()))
     throw Error(fmt::format("{}: expected a surface file below 2 GiB, found {} bytes", where, bytes.size()));
-  if (is_same_word(ending, ".stl")) return parse_stl(bytes, where);
-  if (is_same_word(ending, ".obj")) return parse_obj(bytes, where);
-  if (is_same_word(ending, ".ply")) return parse_ply(bytes, where);
-  if (is_same_word(ending, ".off")) return parse_off(bytes, where);
-  throw Error(where + ": expected a surface file ending in .stl, .obj, .ply or .off, found \"" + ending + "\"");
+  switch (surface_format_of(where)) {
+    case SurfaceFormat::obj:
+      return parse_obj(bytes, where);
+    case SurfaceFormat::ply:
+      return parse_ply(bytes, where);
+    case SurfaceFormat::off:
+      return parse_off(bytes, where);
+    default:
+      return parse_stl(bytes, where);
+  }
 }
 
 }  // namespace
