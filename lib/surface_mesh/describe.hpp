@@ -69,7 +69,7 @@ struct Description {
   std::int64_t sharp_edges = 0;        ///< two triangles that meet at more than the feature angle
   std::optional<Deviation> deviation;  ///< nothing if not looked for, or if the surface is not valid
 
-  double diagonal() const { return geometry::norm(high - low); }
+  double diagonal() const { return box.diagonal(); }
   bool is_closed() const { return open_edges.count == 0; }
   /// Whether the triangles are one that `require_valid` of the geometry accepts, closed or not.
   bool is_surface() const;

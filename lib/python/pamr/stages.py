@@ -43,7 +43,7 @@ def closing(quality_control: Any, shape_floor: Any) -> tuple[str, float]:
 class RefineResult:
     """What a refinement gives."""
     mesh: Mesh      #: the refined mesh
-    report: dict    #: counts over all ranks, seconds of this one
+    report: dict    #: counts over all ranks by the keys of pamr-refine (docs/tools/pamr-refine.md), seconds of this one
     parent: np.ndarray  #: m int64: number in the old mesh of the cell that each new cell comes from
     _old: Mesh
 

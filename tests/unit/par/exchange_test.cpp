@@ -134,7 +134,9 @@ struct Held {
     for (GlobalId i = 0; i < 60; ++i)
       if (engine() % 3 != 0) key.push_back({i, -1, -1});
     std::shuffle(key.begin(), key.end(), engine);
-    for (std::size_t i = 0; i < key.size(); ++i) value.push_back(std::ldexp(1.0 + engine() % 1000, engine() % 100) / 3);
+    std::uniform_real_distribution<double> number(-1, 1);
+    std::uniform_int_distribution<int> exponent(0, 12);
+    for (std::size_t i = 0; i < key.size(); ++i) value.push_back(std::ldexp(number(engine), exponent(engine)));
   }
   const double* find(const SharedKey& wanted) const {
     const auto found = std::find(key.begin(), key.end(), wanted);
