@@ -58,7 +58,7 @@ rm -f "$out"/run-*.json "$out"/base-*.json "$out"/own-*.txt
 trap 'echo "scaling.sh: a run failed" >&2; exit 2' ERR
 
 refine() { # RANKS REPORT MESH
-  warm_memory
+  [ $size = tiny ] || warm_memory
   mpirun -q -n "$1" pamr-refine "$3" -o "$out/refined.hdf" --force --quiet --balance "$balance" --each-rank \
     --json "$out/$2.json"
   rm -f "$out/refined.hdf"

@@ -4,7 +4,7 @@
     faults.py BIN SHIM RANKS SEED MPIEXEC...
 
 Whatever happens, the name of an output holds what was there before or the whole result, never a part; the job ends
-within 60 seconds; where it fails, it says so, and where it is asked to end, nothing unfinished is left. Prints one line
+within 300 seconds; where it fails, it says so, and where it is asked to end, nothing unfinished is left. Prints one line
 for each fault and tool with the number of runs and how they ended.
 
 Environment: PAMR_MOMENTS (random moments for each signal, 50), PAMR_FAULTS (names of functions below, all),

@@ -16,7 +16,7 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "tests/tool
 from gas_cases import gas_in_a_cube  # noqa: E402
 from job_processes import processes_here, still_there  # noqa: E402
 
-SECONDS_TO_END = 60
+SECONDS_TO_END = 300
 CRASHES = (signal.SIGSEGV, signal.SIGBUS, signal.SIGFPE, signal.SIGILL)
 PRECIOUS = b"the result of yesterday"
 POTENTIAL = "".join(f'[boundary.{side}]\ncondition = "{"potential" if side[0] == "x" else "symmetry"}"\n'

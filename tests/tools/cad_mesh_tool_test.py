@@ -9,7 +9,7 @@ import shutil
 import h5py
 import numpy as np
 
-from tool_run import prepare_alone, refuses, run, run_tests, same_bytes
+from tool_run import of_full_level, prepare_alone, refuses, run, run_tests, same_bytes
 
 prepare_alone("pamr-mark")
 
@@ -85,6 +85,7 @@ def test_one_line_makes_the_inside_of_a_shape():
 
 
 # For CGAL's mesher points 1e16 away were inside by rounding, and it never ended.
+@of_full_level
 def test_a_quarter_of_a_can_comes_to_an_end():
     shutil.copy(DATA / "quarter_can.step", "quarter.step")
     run("pamr-mesh", "quarter.step", "-o", "quarter.hdf", "--size", "8", serial=True)
@@ -128,6 +129,7 @@ def test_a_body_in_a_far_box_has_sizes_by_patch():
     assert refine("box.hdf", "box1.hdf")["off_surface_nodes"] == 0
 
 
+@of_full_level
 def test_a_mirror_cuts_a_shape_in_half():
     shutil.copy(DATA / "can.step", "can.step")
     pathlib.Path("case.toml").write_text("""
@@ -181,6 +183,7 @@ def open_cube():
     return "open.step"
 
 
+@of_full_level
 def test_another_size_is_taken_and_told_where_cgal_fails():
     out = run("pamr-mesh", DATA / "chamfer_box.brep", "-o", "box.hdf")
     assert "all sizes were multiplied by" in out.err and "CGAL's mesher failed" in out.err, out.err

@@ -3,7 +3,9 @@
 import h5py
 import numpy as np
 
-from tool_run import RANKS, add_cell_field, kuhn_cube, refuses, run, run_tests, same_bytes
+from tool_run import RANKS, add_cell_field, kuhn_cube, of_full_level, prepare_alone, refuses, run, run_tests, same_bytes
+
+prepare_alone("pamr-convert", "pamr-mark")
 
 MESH = ("VTKHDF/Points", "VTKHDF/Connectivity", "PAMR/cell_to_cell", "PAMR/lineage", "PAMR/patches/names")
 NOWHERE = ("--box", "9,9,9,9,9,9")
@@ -60,6 +62,7 @@ def test_refining_and_taking_all_back_gives_the_mesh_that_there_was():
         assert before.dtype == after.dtype and np.array_equal(before, after)
 
 
+@of_full_level
 def test_the_size_is_told_beforehand_and_can_be_held():
     kuhn_cube("now.hdf", 4)
     held = []

@@ -7,7 +7,7 @@ import meshio
 import numpy as np
 
 from surface_models import bored_cube, can, icosphere, write_stl
-from tool_run import kuhn_cube, prepare_alone, refuses, run, run_tests, same_bytes
+from tool_run import kuhn_cube, of_full_level, prepare_alone, refuses, run, run_tests, same_bytes
 from tet import FACE_TO_CORNER
 
 prepare_alone("pamr-mesh", "pamr-mark", "pamr-quality")
@@ -449,6 +449,7 @@ def sharp_edges(name, degrees):
     return points, edges[order[::2]][cosine < np.cos(np.radians(degrees))], np.unique(faces)
 
 
+@of_full_level
 def test_edges_inside_one_patch_stay_sharp():
     write_stl("part.stl", *bored_cube(16))
     write("part.toml", '[mesh]\nshape = "surfaces"\nlength_unit = "1"\nregion = "-body"\nbounds = [[-1, -1, -1], [1, 1, 1]]\n'
@@ -609,4 +610,7 @@ def test_endings_are_checked_before_anything_is_read():
     refuses("pamr-convert", "cube.hdf", "cube.hdf", says=["cube.hdf"])
 
 
-run_tests(globals())
+run_tests(globals(), on_ranks=(test_files_do_not_depend_on_the_number_of_ranks, test_the_boundary_is_a_surface_in_every_format,
+                               test_vtu_has_the_boundary_with_patches_level_and_shape, test_regions_become_zones_of_an_openfoam_case,
+                               test_openfoam_case_has_its_faces_in_upper_triangular_order,
+                               test_patches_are_tied_to_surfaces_where_their_nodes_lie, test_groups_become_patches_and_regions))

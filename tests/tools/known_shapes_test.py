@@ -8,7 +8,7 @@ import h5py
 import numpy as np
 
 from surface_models import icosphere
-from tool_run import refuses, run, run_tests, same_bytes
+from tool_run import of_full_level, of_one_process, refuses, run, run_tests, same_bytes
 
 
 def star(name, points, triangles, patches=None):
@@ -59,6 +59,7 @@ def found_in(mesh, **how):
     return shapes
 
 
+@of_one_process
 def test_what_is_flat_sided_stays_flat_sided():
     corners = np.array([(x, y, z) for x in (0, 1) for y in (0, 1) for z in (0, 1)], float)
     cube = [(0, 1, 3), (0, 3, 2), (4, 6, 7), (4, 7, 5), (0, 4, 5), (0, 5, 1), (2, 3, 7), (2, 7, 6), (0, 2, 6), (0, 6, 4), (1, 5, 7), (1, 7, 3)]
@@ -85,6 +86,7 @@ def test_what_is_flat_sided_stays_flat_sided():
         assert found_in(star("round.msh", points, triangles, patches))["side"]["is_bound"]
 
 
+@of_one_process
 def test_nodes_that_are_not_exactly_on_it_are_only_suggested():
     points, triangles = icosphere(2)
     whole = found_in(star("ball.msh", points, triangles))["all"]
@@ -195,7 +197,9 @@ def check_body(name):
 
 
 for body in BODIES:
-    globals()[f"test_a_{body}_of_gmsh_is_recognized_and_refined"] = lambda body=body: check_body(body)
+    of_body = lambda body=body: check_body(body)
+    globals()[f"test_a_{body}_of_gmsh_is_recognized_and_refined"] = \
+        of_body if body in ("ball", "rod", "cone", "ring") else of_full_level(of_body)
 
 
 def test_recognizing_goes_together_with_surfaces_and_only_with_a_mesh_to_write():

@@ -252,4 +252,8 @@ def test_an_invalid_mesh_is_refused():
     refuses("pamr-mark", "bad.hdf", "-o", "out.hdf", "--all", says=["bad.hdf", "orientation", "5"], creates="out.hdf")
 
 
-run_tests(globals())
+run_tests(globals(), on_ranks=(test_geometric_criteria_agree_with_numpy, test_layers_at_a_patch_agree_with_numpy,
+                               test_field_criteria_agree_with_numpy, test_recovered_error_follows_a_front,
+                               test_the_bulk_of_a_field_is_the_fewest_cells_that_carry_it,
+                               test_the_size_after_refinement_is_exact_and_keeps_the_budget,
+                               test_marks_are_replaced_and_other_fields_kept))

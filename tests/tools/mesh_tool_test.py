@@ -6,7 +6,7 @@ import pathlib
 import h5py
 import numpy as np
 
-from tool_run import RANKS, of_one_process, once, refuses, run, run_tests, same_bytes
+from tool_run import RANKS, of_full_level, of_one_process, once, refuses, run, run_tests, same_bytes
 from tet import EDGE_TO_CORNER, FACE_TO_CORNER
 
 
@@ -175,6 +175,7 @@ def test_sphere_in_box_lies_on_its_surfaces():
 
 
 @of_one_process
+@of_full_level
 def test_charged_spheres_lie_on_their_surfaces():
     mesh = make("--shape", "charged-spheres", "--size", "1.3")
 
@@ -315,12 +316,14 @@ def test_charged_sphere_lies_on_its_surfaces():
 
 
 @of_one_process
+@of_full_level
 def test_sphere_pair_lies_on_its_surfaces():
     shape_on_its_surfaces("sphere-pair", "1", "radius = 1\ndistance = 3\nhalf_length = 5\nwidth = 4\ntop = 4", "far = 1.5",
                           ["sphere", "symmetry_z", "symmetry_x", "symmetry_y", "end", "side", "lid"], center=[1.5, 0, 0])
 
 
 @of_one_process
+@of_full_level
 def test_supersonic_sphere_lies_on_its_surfaces():
     mesh = shape_on_its_surfaces("supersonic-sphere", "m", "radius = 0.5\nparts = 16", "far = 0.8",
                                  ["sphere", "inflow", "outflow", "side", "symmetry_1", "symmetry_2"])
@@ -330,6 +333,7 @@ def test_supersonic_sphere_lies_on_its_surfaces():
 
 
 @of_one_process
+@of_full_level
 def test_size_makes_meshes_finer():
     coarse = make("--shape", "sphere-in-box", "--size", "0.5")
     fine = make("--shape", "sphere-in-box", "--size", "0.4")
@@ -376,7 +380,9 @@ if RANKS > 1:
     for shape, words in (("blunt_cone", ["cone.toml"]), ("ball", ["ball.toml"]), ("kuhn_cube", ["--shape", "kuhn-cube", "--n", "3"]),
                          ("sphere_in_box", ["--shape", "sphere-in-box", "--size", "0.5"]),
                          ("charged_spheres", ["--shape", "charged-spheres", "--size", "2"])):
-        globals()[f"test_the_same_bytes_of_{shape}_on_every_run_and_any_number_of_ranks"] = same_bytes_of(*words)
+        test = same_bytes_of(*words)
+        globals()[f"test_the_same_bytes_of_{shape}_on_every_run_and_any_number_of_ranks"] = \
+            test if shape in ("ball", "kuhn_cube") else of_full_level(test)
 
 
 def test_kuhn_cube():
@@ -396,6 +402,7 @@ def test_neighbors_in_the_file_are_neighbors_in_space():
     assert np.median(distance) < 0.01 * len(mesh.cells)
 
 
+@of_one_process
 def test_bad_usage_is_refused():
     for arguments, words in ((["--shape", "cube"], ["kuhn-cube", '"cube"']), ([], ["neither"]),
                              (["--shape", "kuhn-cube"], ["--n"]), (["--shape", "kuhn-cube", "--n", "-1"], ["--n"]),
@@ -408,6 +415,7 @@ def test_bad_usage_is_refused():
         refuses("pamr-mesh", *arguments, "-o", "out.hdf", says=words, creates="out.hdf")
 
 
+@of_one_process
 def test_bad_case_files_are_refused_with_their_line():
     head = '[mesh]\nshape = "blunt-cone"\n'
     cases = (("[mesh", ["TOML", ":1"]), ("", ["[mesh]"]), ("mesh = 3\n", ["table", ":1"]),

@@ -45,6 +45,7 @@ def refine(name, levels, *marks):
     return names
 
 
+@of_full_level
 def test_nodes_on_a_coarse_sphere_are_nearer_to_the_ball_than_its_triangles():
     points, triangles = icosphere(2)
     write_stl("ball.stl", points, triangles)
@@ -112,6 +113,7 @@ def plane(name, point, normal):
     return f'[[surface]]\nname = "{name}"\nkind = "plane"\npoint = {point}\nnormal = {normal}\n'
 
 
+@of_full_level
 def test_a_plane_cuts_a_body_across_its_sharp_edges():
     write_stl("part.stl", *bored_cube(16))
     case("part.toml", "-body & +cut", [[-1] * 3, [1] * 3], "far = 0.5", body_toml("part.stl") + plane("cut", [0, 0, 0], [0, 1, 0]))
@@ -165,6 +167,7 @@ def test_a_body_stands_in_the_ground_and_a_ball_cuts_its_corner():
     assert missing[2] < missing[1] / 3 < missing[0] / 9
 
 
+@of_full_level
 def test_a_mirror_cuts_a_wing_across_the_edge_that_ends_in_its_skin():
     write_stl("wing.stl", *wing(16))
     ball = '[[surface]]\nname = "far"\nkind = "sphere"\ncenter = [0.5, 0, 0]\nradius = 3\n'

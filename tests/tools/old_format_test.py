@@ -148,4 +148,4 @@ def test_other_formats_are_refused():
             says=["format", "from 1 to 2", "found 3"], creates="out.hdf")
 
 
-run_tests(globals())
+run_tests(globals(), on_ranks=(test_it_is_the_mesh_that_it_was, test_it_is_refined_as_it_was))

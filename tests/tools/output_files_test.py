@@ -9,7 +9,7 @@ import subprocess
 import h5py
 import numpy as np
 
-from tool_run import BIN, LAUNCHER, LIMIT, RANKS, kuhn_cube, refuses, run, run_tests, same_bytes
+from tool_run import BIN, FULL, LAUNCHER, LIMIT, RANKS, kuhn_cube, refuses, run, run_tests, same_bytes
 
 
 def command(tool, *arguments):
@@ -18,7 +18,7 @@ def command(tool, *arguments):
 
 def test_runs_at_the_same_time_do_not_disturb_each_other():
     kuhn_cube("crowd.hdf", 2)
-    for _ in range(4):
+    for _ in range(4 if FULL else 2):
         jobs = [subprocess.Popen(command("pamr-mark", "crowd.hdf", "-o", f"crowd{i}.hdf", "--all", "--force", "--quiet"),
                                  stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) for i in range(8 // RANKS + 1)]
         for job in jobs:
@@ -36,7 +36,7 @@ def test_two_writers_of_one_output_leave_the_output_of_one_of_them():
         run("pamr-convert", f"{name}1.hdf", f"{name}1.vtu", "--quiet")
         run("pamr-convert", f"{name}1.hdf", f"{name}1.msh", "--quiet")
         run("pamr-convert", f"{name}1.hdf", f"{name}1", "--quiet")
-    for _ in range(3):
+    for _ in range(3 if FULL else 1):
         for output in ("out.hdf", "out.vtu", "out.msh", "out"):
             ending = pathlib.Path(output).suffix
             tool = ("pamr-refine", "{}m.hdf", "-o") if ending == ".hdf" else ("pamr-convert", "{}1.hdf")
@@ -143,4 +143,6 @@ def test_the_deepest_level_is_told_by_all_tools_alike():
 
 if __name__ == "__main__":
     print(f"{RANKS} ranks")
-    run_tests(globals(), at_once=2)
+    run_tests(globals(), at_once=2, on_ranks=(test_two_writers_of_one_output_leave_the_output_of_one_of_them,
+                                              test_runs_at_the_same_time_do_not_disturb_each_other,
+                                              test_what_a_killed_run_left_of_its_files_does_not_stop_later_ones))

@@ -184,4 +184,5 @@ def test_bad_input_is_refused_in_one_line():
     refuses("pamr-partition", "a.hdf", "-o", "a.hdf", "-p", 2, "--force")
 
 
-run_tests(globals())
+run_tests(globals(), on_ranks=(test_pamr_refine_makes_the_same_mesh_whatever_cells_weigh, test_weights_refine_balance_the_refined_mesh,
+                               test_the_papers_weights_count_a_marked_cell_eight_times, test_the_rest_of_the_file_stays_as_it_is))

@@ -6,7 +6,7 @@ import pathlib
 
 import h5py
 
-from tool_run import kuhn_cube, of_one_process, prepare_alone, run, run_tests
+from tool_run import kuhn_cube, of_full_level, of_one_process, prepare_alone, run, run_tests
 
 prepare_alone("pamr-mesh")
 BOX = "the bar does not contain the box"
@@ -144,6 +144,7 @@ def cell(name, sphere, far):
 
 
 @of_one_process
+@of_full_level
 def test_a_charge_given_on_a_curved_wall_takes_the_bars_of_second_order():
     # A sphere at 1 in a sphere of charge density 0.5: inward integration of the spherical equation gives the charge
     # 18.0985233, the energy 3.84219146 of an octant, and 0.79802739 on the outer sphere.
@@ -169,6 +170,7 @@ def test_a_charge_given_on_a_curved_wall_takes_the_bars_of_second_order():
 
 
 @of_one_process
+@of_full_level
 def test_a_body_of_facets_without_a_surface_has_no_bars_of_second_order():
     # Two concentric spheres at 1 and 0.798, as above; the facets of this mesh miss over ten of its bars.
     cell("bare.hdf", 0.25, 0.7)

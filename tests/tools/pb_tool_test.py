@@ -8,7 +8,7 @@ import sys
 import h5py
 import numpy as np
 
-from tool_run import BIN, LIMIT, RANKS, kuhn_cube, of_one_process, prepare_alone, refuses, run, run_tests
+from tool_run import BIN, LIMIT, RANKS, kuhn_cube, of_full_level, of_one_process, prepare_alone, refuses, run, run_tests
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "cases" / "charged-sphere"))
 import shell  # noqa: E402  makes sectors and octants of spherical shells
@@ -61,6 +61,7 @@ def test_charges_of_spheres_are_those_of_the_table():
 
 
 @of_one_process
+@of_full_level
 def test_elements_of_second_order_reach_the_table_on_a_third_of_the_layers():
     patches = shell_mesh("shell.hdf", 1, layers=50, width=0.05)
     charge = {}
@@ -324,6 +325,7 @@ def test_forces_near_a_plate_tend_to_a_limit_with_its_potential():
 
 
 @of_one_process
+@of_full_level
 def test_a_rod_in_a_tube_has_the_charge_force_and_energy_of_bessel_functions():
     exact = {"case": {"charge": 10.802651052, "energy": 8.192240260},
              "eccentric": {"charge": 11.381732821, "energy": 8.692401366, "force-x": 2.882481964}}
@@ -339,6 +341,7 @@ def test_a_rod_in_a_tube_has_the_charge_force_and_energy_of_bessel_functions():
 
 
 @of_one_process
+@of_full_level
 def test_an_ellipsoid_from_an_stl_over_a_plate_has_a_force_and_a_torque():
     subprocess.run([sys.executable, CASES / "ellipsoid-plate" / "make_body.py", "ellipsoid.stl"], check=True)
     text = (CASES / "ellipsoid-plate" / "case.toml").read_text()
@@ -405,4 +408,6 @@ def test_bad_input_is_refused():
     refuses("pamr-pb", "case.toml", "--mesh", "missing.hdf", "-o", "out.hdf", says=["missing.hdf"], creates="out.hdf")
 
 
-run_tests(globals())
+run_tests(globals(), on_ranks=(test_the_answer_does_not_depend_on_the_ranks, test_the_loop_brings_the_charge_of_an_octant_nearer,
+                               test_what_does_not_converge_writes_nothing_and_says_where, test_it_starts_from_a_field,
+                               test_options_reach_petsc))

@@ -12,7 +12,7 @@ import h5py
 import matplotlib.image
 import numpy as np
 
-from tool_run import BIN, LIMIT, SHARED, kuhn_cube, once, refuses, run, run_tests
+from tool_run import BIN, LIMIT, SHARED, kuhn_cube, of_full_level, once, refuses, run, run_tests
 
 
 @once
@@ -94,6 +94,7 @@ def test_sections_at_the_side_of_the_domain_and_fields_on_nodes_are_drawn():
     assert (inside.sum(axis=2) > 640).any(), "no streamline"
 
 
+@of_full_level
 def test_every_kind_of_file_is_drawn_and_patches_keep_their_names():
     coarse, _ = cubes()
     run("pamr-convert", coarse, "cube.msh", "--quiet", serial=True)
@@ -132,6 +133,7 @@ def test_whole_cells_log_scales_views_and_mirrors_work_together():
     assert np.abs(middle - np.array([183, 55, 121])).max() < 60, middle
 
 
+@of_full_level
 def test_one_process_of_an_mpi_job_draws():
     coarse, _ = cubes()
 
@@ -141,10 +143,8 @@ def test_one_process_of_an_mpi_job_draws():
     assert done.returncode == 0 and done.stdout.count("p.png") == 1, done
 
 
-def test_wrong_words_and_names_are_one_clear_message():
+def test_wrong_words_are_one_clear_message():
     coarse, _ = cubes()
-    pathlib.Path("bad.hdf").write_text("no mesh")
-    pathlib.Path("bad.vtu").write_text("no mesh")
     pathlib.Path("there.png").write_text("mine")
 
     for arguments, says in (
@@ -160,6 +160,14 @@ def test_wrong_words_and_names_are_one_clear_message():
     refuses("pamr-picture", coarse, "-o", "there.png", says=["--force"])
     refuses("pamr-picture", coarse, "-o", coarse + ".png/p.png", says=["existing folder"])
     assert pathlib.Path("there.png").read_text() == "mine"
+
+
+@of_full_level
+def test_names_that_are_not_there_are_one_clear_message():
+    coarse, _ = cubes()
+    pathlib.Path("bad.hdf").write_text("no mesh")
+    pathlib.Path("bad.vtu").write_text("no mesh")
+
     for arguments, says in (
             ([coarse, "--field", "temprature"], "unknown field 'temprature'; there are height, level, mean_ratio"),
             ([coarse, "--field", "u:3"], "expected a component from 0 to 2"),
@@ -182,24 +190,25 @@ def children_of(pid):
 def test_an_interrupt_says_so_and_leaves_nothing():
     coarse, _ = cubes()
     process = subprocess.Popen([str(BIN / "pamr-picture"), coarse, "-o", "p.png"], stderr=subprocess.PIPE, text=True)
-    until = time.monotonic() + 60
+    until = time.monotonic() + LIMIT
     while not children_of(process.pid) and time.monotonic() < until:  # it draws when it has started its screen
         time.sleep(0.01)
 
     process.send_signal(signal.SIGINT)
-    _, error = process.communicate(timeout=60)
+    _, error = process.communicate(timeout=LIMIT)
 
     assert process.returncode == 6 and error == "pamr-picture: interrupted: outputs that were not complete are removed\n", (process.returncode, error)
     assert os.listdir(".") == [], os.listdir(".")
 
 
+@of_full_level
 def test_a_report_goes_into_a_pipe_which_stays():
     coarse, _ = cubes()
     os.mkfifo("pipe")
     reader = subprocess.Popen(["cat", "pipe"], stdout=subprocess.PIPE, text=True)
     try:
         run("pamr-picture", coarse, "-o", "p.png", "--json", "pipe", "--quiet")
-        text, _ = reader.communicate(timeout=60)
+        text, _ = reader.communicate(timeout=LIMIT)
     finally:
         reader.kill()
     assert json.loads(text)["picture"] == "p.png" and stat.S_ISFIFO(os.stat("pipe").st_mode)

@@ -4,17 +4,15 @@ import os
 import pathlib
 import shutil
 import subprocess
-import time
 
 import h5py
 import numpy as np
 
 import tool_run
 from lineage_words import Lineage
-from tool_run import BIN, LAUNCHER, LIMIT, RANKS, bare_copy, kuhn_cube, once, refuses, run, run_tests, same_bytes
+from tool_run import BIN, FULL, LAUNCHER, LIMIT, RANKS, bare_copy, kuhn_cube, once, refuses, run, run_tests, same_bytes
 
-SECONDS = 60
-tool_run.REFUSED_BY_ALL = 1  # that all ranks end, and one speaks, is what this is about
+tool_run.REFUSED_BY_ALL = 1 if FULL else 4  # that all ranks end, and one speaks, is what this is about
 
 
 @once
@@ -76,10 +74,8 @@ def write_bare(name, points, cells, marks=None):
 
 
 def no_mesh_from(name, *says, options=()):
-    """The tool refuses this input in time, naming the file."""
-    begin = time.monotonic()
+    """The tool refuses this input, naming the file."""
     result = refuses("pamr-refine", name, "-o", "out.hdf", *options, says=says, creates="out.hdf")
-    assert time.monotonic() - begin < SECONDS, "the refusal took too long"
     assert not list(pathlib.Path(".").glob("out.hdf*")), "something of the output was left behind"
     return result
 
@@ -297,7 +293,7 @@ def refine_onto_full_disk(output, limit_kib=None):
     """Runs with this largest size of a file (of the tool's own processes only), without shared memory files of MPI."""
     limited = ["sh", "-c", f'ulimit -f {limit_kib}; exec "$@"', "sh"] if limit_kib else []
     command = LAUNCHER + limited + [str(BIN / "pamr-refine"), "good.hdf", "-o", output, "--force"]
-    return subprocess.run(command, capture_output=True, text=True, timeout=SECONDS,
+    return subprocess.run(command, capture_output=True, text=True, timeout=LIMIT,
                           env=os.environ | {"OMPI_MCA_btl": "self,tcp", "PMIX_MCA_gds": "hash"})
 
 

@@ -10,7 +10,7 @@ import numpy as np
 
 import report_page
 from report_page import OpenPage, opened, screenshot
-from tool_run import SHARED, kuhn_cube, once, run, run_tests
+from tool_run import SHARED, kuhn_cube, of_full_level, once, run, run_tests
 from tet import FACE_TO_CORNER
 
 if report_page.BROWSER is None:
@@ -56,6 +56,7 @@ def numbers(text):
     return [float(word) for word in text.split() if word.replace(".", "").replace("-", "").replace("e", "").isdigit()]
 
 
+@of_full_level
 def test_complaints_of_a_page_are_seen():
     pathlib.Path("bad.html").write_text("<script>nothing.here()</script>")
     with OpenPage("bad.html") as page:
@@ -63,6 +64,7 @@ def test_complaints_of_a_page_are_seen():
     assert said and "nothing is not defined" in said[0], said
 
 
+@of_full_level
 def test_a_picked_triangle_is_the_one_that_lies_there():
     coarse, _, page = report()
     points, cells, neighbors, patches, heat = mesh_of(coarse)
@@ -83,6 +85,7 @@ def test_a_picked_triangle_is_the_one_that_lies_there():
         assert np.isclose(numbers(said["height, mean of nodes"])[0], points[corners, 2].mean(), rtol=1e-4)
 
 
+@of_full_level
 def test_a_picked_cell_of_a_section_is_cut_there():
     _, fine, page = report()
     points, cells, _, _, heat = mesh_of(fine)
@@ -98,6 +101,7 @@ def test_a_picked_cell_of_a_section_is_cut_there():
     assert np.isclose(numbers(said["heat"])[0], heat[cell], rtol=2e-5)
 
 
+@of_full_level
 def test_worst_cells_are_flown_to():
     _, fine, page = report()
     seen = opened(page, "#worst=0;color=mean_ratio")
@@ -106,6 +110,7 @@ def test_worst_cells_are_flown_to():
     assert title == f"Cell {first[0]}" and np.isclose(float(said["mean ratio"]), float(first[6]), rtol=1e-4)
 
 
+@of_full_level
 def test_meshes_are_drawn_side_by_side():
     _, _, page = report()
     image = pixels(screenshot(page, "#color=level;theme=light", "light.png"))
@@ -117,6 +122,7 @@ def test_meshes_are_drawn_side_by_side():
     assert tuple(image[5, 5]) == (255, 255, 255)
 
 
+@of_full_level
 def test_sections_have_the_colors_of_their_values():
     _, _, page = report()
     image = pixels(screenshot(page, "#meshes=0;show=y;look=y;color=heat;theme=dark", "dark.png"))
@@ -128,12 +134,14 @@ def test_sections_have_the_colors_of_their_values():
     assert np.nonzero(low)[1].mean() + 200 < np.nonzero(high)[1].mean()
 
 
+@of_full_level
 def test_hidden_patches_are_neither_drawn_nor_picked():
     _, _, page = report()
     title, said = opened(page, "#meshes=0;look=x;hide=xmin;pick=0.503,0.51").picked()
     assert title == "Boundary triangle" and said["patch"].startswith("xmax"), said
 
 
+@of_full_level
 def test_mouse_and_keys_do_what_they_say():
     coarse, fine, file = report()
     with OpenPage(file, "#meshes=0") as page:
@@ -164,11 +172,13 @@ def test_mouse_and_keys_do_what_they_say():
 def test_without_webgl_the_tables_remain():
     _, _, page = report()
     with OpenPage(page, options=("--disable-3d-apis",)) as without:
-        seen = without.seen(may_complain=True)
+        seen, said = without.seen(may_complain=True), without.complaints()
+    assert all("WebGL" in text for text in said), said
     assert "WebGL does not work here" in " ".join(seen.by_id["view"])
     assert "Meshes" in seen.tables and seen.by_id["charts"]
 
 
+@of_full_level
 def test_charts_are_drawn():
     _, _, page = report()
     seen = opened(page)

@@ -16,7 +16,7 @@ import time
 from tool_run import at_end
 
 BROWSER = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
-PATIENCE = 150  # seconds for an answer
+PATIENCE = 300  # seconds for an answer
 VOID = {"meta", "link", "input", "br", "hr", "img"}
 
 

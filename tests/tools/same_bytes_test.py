@@ -5,7 +5,6 @@ cells are balanced: several levels of a flat and of a curved case.
 Called with the name of the policy to test as the last argument, after what tool_run.py wants.
 """
 import json
-import os
 import sys
 
 POLICY = sys.argv.pop()
@@ -13,12 +12,12 @@ POLICY = sys.argv.pop()
 import h5py
 import numpy as np
 
-from tool_run import kuhn_cube, run, run_tests, same_bytes
+from tool_run import FULL, kuhn_cube, of_full_level, run, run_tests, same_bytes
 
 # How cells are balanced on each number of ranks.
 BALANCE = {1: "auto", 2: "auto", 3: "scotch", 4: "blocks", 7: "scotch"}
-if os.environ.get("PAMR_TEST_LEVEL") == "full":
-    BALANCE = {1: "scotch", 8: "scotch", 16: "auto"}
+if FULL:
+    BALANCE |= {1: "scotch", 8: "scotch", 16: "auto"}
 STEPS = "read preprocessing close balance number project subdivide relink transfer write".split()
 KEYS = ("cells_in cells_out nodes_in nodes_out marked rounds inverted_cells off_surface_nodes fingerprint families_kept "
         "marked_not_split peak_rss_bytes peak_rss_bytes_sum bytes_per_cell_at_rest bytes_sent_max bytes_read_max").split()
@@ -84,22 +83,22 @@ def check_mesh(mesh):
     return report
 
 
-def test_four_levels_of_a_sphere_in_the_kuhn_cube():
+def test_levels_of_a_sphere_in_the_kuhn_cube():
     mesh = kuhn_cube("level0.hdf", 3)
     add_fields(mesh)
-    for level in range(1, 5):
+    for level in range(1, 5 if FULL else 4):
         mesh, report = next_level(mesh, level, ["--crossing-sphere", "0.5,0.5,0.5,0.35"])
     found = check_mesh(mesh)
     assert abs(found["volume"] - 1) <= 1e-12 and found["fingerprint"] == report["fingerprint"]
     print(f"        {POLICY}: {report['cells_out']} cells, mean ratio {found['mean_ratio']['min']:.3f}")
 
 
-def test_three_levels_at_the_shoulder_of_the_blunt_cone():
+def test_levels_at_the_shoulder_of_the_blunt_cone():
     mesh = "level0.hdf"
     run("pamr-mesh", "--shape", "blunt-cone", "-o", mesh, "--quiet", ranks=1)
     add_fields(mesh, near_box=([7e-3, -1, 22e-3], [11e-3, 3e-3, 27e-3]))
     criteria = ["--patch", "forebody", "--layers", "2", "--only-where", "near:above:0.5"]
-    for level in range(1, 4):
+    for level in range(1, 4 if FULL else 3):
         mesh, report = next_level(mesh, level, criteria)
         assert report["off_surface_nodes"] == 0, report["off_surface_nodes"]
     found = check_mesh(mesh)
@@ -108,4 +107,6 @@ def test_three_levels_at_the_shoulder_of_the_blunt_cone():
     print(f"        {POLICY}: {report['cells_out']} cells, mean ratio {found['mean_ratio']['min']:.3f}")
 
 
+if POLICY != "removable":
+    of_full_level(test_levels_at_the_shoulder_of_the_blunt_cone)
 run_tests(globals())

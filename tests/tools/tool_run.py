@@ -28,7 +28,7 @@ RANKS = int(sys.argv[2])
 LAUNCHER = sys.argv[3:] + [sys.argv[2]] if len(sys.argv) > 3 else []
 SHARED = tempfile.mkdtemp(prefix="pamr-tools-")  # of all the tests of this script
 FULL = os.environ.get("PAMR_TEST_LEVEL") == "full"
-LIMIT = 100 * int(os.environ.get("PAMR_TEST_TIMEOUT_FACTOR", 1))  # of one run, in seconds
+LIMIT = 300 * int(os.environ.get("PAMR_TEST_TIMEOUT_FACTOR", 1))  # of one run, in seconds
 REFUSED_BY_ALL = 1 if FULL else 3  # one refusal in so many is tried on all ranks
 alone = set()  # tools that this script runs on one process
 n_refused = 0
@@ -88,11 +88,6 @@ def refuses(tool, *arguments, says=(), creates=None):
     return result
 
 
-def kuhn_cube(name, n):
-    run("pamr-mesh", "--shape", "kuhn-cube", "--n", n, "-o", name, "--quiet", serial=True)
-    return name
-
-
 def bare_copy(source, target):
     """The mesh with its /VTKHDF part only, as a stranger would write it."""
     with h5py.File(source) as old, h5py.File(target, "w") as new:
@@ -125,8 +120,11 @@ def of_full_level(test):
     return test
 
 
-def is_due(test):
-    return FULL or not (getattr(test, "is_of_full_level", False) or RANKS > 1 and getattr(test, "is_of_one_process", False))
+def is_due(test, on_ranks):
+    if FULL:
+        return True
+    of_one = getattr(test, "is_of_one_process", False) or on_ranks is not None and test not in on_ranks
+    return not (getattr(test, "is_of_full_level", False) or RANKS > 1 and of_one)
 
 
 def once(function):
@@ -142,6 +140,18 @@ def once(function):
         with open(name, "rb") as file:
             return pickle.load(file)
     return kept
+
+
+@once
+def cube_of_all(n):
+    name = os.path.join(SHARED, f"cube{n}.hdf")
+    run("pamr-mesh", "--shape", "kuhn-cube", "--n", n, "-o", name, "--quiet", serial=True)
+    return name
+
+
+def kuhn_cube(name, n):
+    shutil.copyfile(cube_of_all(n), name)
+    return name
 
 
 def run_one(name, test, log):
@@ -165,9 +175,12 @@ def run_one(name, test, log):
     os._exit(1 if failed else 0)
 
 
-def run_tests(names, at_once=3):
-    """Runs the tests, so many at a time: most of their time they wait for processes to start and to end."""
-    waiting = [(name, test) for name, test in names.items() if name.startswith("test_") and is_due(test)]
+def run_tests(names, at_once=3, on_ranks=None):
+    """Runs the tests, so many at a time: most of their time they wait for processes to start and to end.
+
+    Where `on_ranks` names tests, all others are of one process (as `of_one_process` says).
+    """
+    waiting = [(name, test) for name, test in names.items() if name.startswith("test_") and is_due(test, on_ranks)]
     running, n_failed = {}, 0
     sys.stdout.flush()
     while waiting or running:

@@ -145,4 +145,4 @@ def test_numbers_that_do_not_follow_the_first():
 
 if __name__ == "__main__":
     print(f"{RANKS} ranks")
-    run_tests(globals())
+    run_tests(globals(), on_ranks=(test_marking_and_refining, test_coarsening, test_a_flow_on_them_and_carried))
