@@ -63,40 +63,28 @@ void place_nodes(const mesh::DistMesh& old, const std::vector<LocalId>& old_node
   }
 }
 
-/// Appends cells in ascending order.
-class CellMaker {
- public:
-  CellMaker(const mesh::DistMesh& old, const std::vector<LocalId>& new_node, mesh::DistMesh& coarse)
-      : old_(old), new_node_(new_node), coarse_(coarse) {}
-
-  void copy(LocalId c, GlobalId number) { append(old_.cell_to_node[at(c)], number, old_.lineage[at(c)]); }
-
-  void make(const Group& group, GlobalId first_number) {
-    const auto base = parent_lineage(old_, group);
-    const auto& pattern = refine::split_pattern[group.now];
-    for (int child = 0; child < pattern.n_children; ++child) {
-      const auto& code = pattern.child_to_node[at(child)];
-      append({group.node[at(code[0])], group.node[at(code[1])], group.node[at(code[2])], group.node[at(code[3])]},
-             first_number + child, group.now == 0 ? base : base.closed(group.now, child));
-    }
+/// Appends a cell; `nodes`: of the old mesh.
+void append_cell(mesh::CellNodes nodes, GlobalId number, mesh::Lineage lineage, std::span<const LocalId> new_node,
+                 mesh::DistMesh& coarse) {
+  for (auto& node : nodes) {
+    node = new_node[at(node)];
+    PAMR_ENSURES(node != invalid_local);
   }
+  coarse.cell_to_node.push_back(nodes);
+  coarse.cell_global.push_back(number);
+  coarse.lineage.push_back(lineage);
+}
 
- private:
-  void append(const mesh::CellNodes& old_nodes, GlobalId number, mesh::Lineage lineage) {
-    mesh::CellNodes nodes;
-    for (std::size_t i = 0; i < 4; ++i) {
-      nodes[i] = new_node_[at(old_nodes[i])];
-      PAMR_ENSURES(nodes[i] != invalid_local);
-    }
-    coarse_.cell_to_node.push_back(nodes);
-    coarse_.cell_global.push_back(number);
-    coarse_.lineage.push_back(lineage);
+/// Appends the cells that take the place of a group.
+void append_group(const Group& group, mesh::Lineage base, GlobalId first_number, std::span<const LocalId> new_node,
+                  mesh::DistMesh& coarse) {
+  const auto& pattern = refine::split_pattern[group.now];
+  for (int child = 0; child < pattern.n_children; ++child) {
+    const auto& code = pattern.child_to_node[at(child)];
+    append_cell({group.node[at(code[0])], group.node[at(code[1])], group.node[at(code[2])], group.node[at(code[3])]},
+                first_number + child, group.now == 0 ? base : base.closed(group.now, child), new_node, coarse);
   }
-
-  const mesh::DistMesh& old_;
-  const std::vector<LocalId>& new_node_;
-  mesh::DistMesh& coarse_;
-};
+}
 
 void make_cells(const mesh::DistMesh& old, std::span<const Group> groups, const NewPlaces& places,
                 const std::vector<LocalId>& new_node, const std::vector<GlobalId>& first_number,
@@ -107,13 +95,13 @@ void make_cells(const mesh::DistMesh& old, std::span<const Group> groups, const 
   reserve_array(coarse.cell_to_node, n);
   reserve_array(coarse.cell_global, n);
   reserve_array(coarse.lineage, n);
-  CellMaker maker(old, new_node, coarse);
   auto group = groups.begin();
   for (LocalId c = 0; c < old.n_cells(); ++c) {
     if (!places.is_in_group(c)) {
-      maker.copy(c, first_number[at(c)]);
+      append_cell(old.cell_to_node[at(c)], first_number[at(c)], old.lineage[at(c)], new_node, coarse);
     } else if (group != groups.end() && group->first == c) {
-      maker.make(*group++, first_number[at(c)]);
+      append_group(*group, parent_lineage(old, *group), first_number[at(c)], new_node, coarse);
+      ++group;
     }
   }
 }

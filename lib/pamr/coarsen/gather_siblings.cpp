@@ -28,51 +28,40 @@ struct Answer {
   Rank destination = 0;
 };
 
+/// The cell has the number after that of the cell before it on this rank.
+bool continues_at(const mesh::DistMesh& mesh, LocalId c) {
+  return c > 0 && c < mesh.n_cells() && mesh.cell_global[at(c)] == mesh.cell_global[at(c - 1)] + 1;
+}
+
 /// Whether the cells before and after this one say that its siblings cannot all be coarsened. If not, and they are not
 /// all here, the others may be on other ranks. Base cells that follow each other in number follow each other in the
 /// tree.
-class Siblings {
- public:
-  Siblings(const mesh::DistMesh& mesh, std::span<const std::int8_t> flags) : mesh_(mesh), flags_(flags) {}
-
-  bool may_be_elsewhere(LocalId first) const {
-    const auto base = mesh_.lineage[at(first)].base();
-    const auto parent = base.red_parent();
-    int child = base.child_number();
-    auto begin = first;
-    for (; child > 0 && continues_before(begin); --child) {
-      begin -= mesh_.lineage[at(begin - 1)].is_removable() ? mesh_.lineage[at(begin - 1)].family_size() : 1;
-      if (!is_sibling(begin, parent, child - 1)) return false;
-    }
-    const bool has_first = child == 0;
-    auto end = end_of_base_cell(mesh_, first);
-    for (child = base.child_number(); child < 7 && continues_at(end); ++child) {
-      if (!is_sibling(end, parent, child + 1)) return false;
-      end = end_of_base_cell(mesh_, end);
-    }
-    return !has_first || child < 7;
+bool may_be_elsewhere(const mesh::DistMesh& mesh, std::span<const std::int8_t> flags, LocalId first) {
+  const auto base = mesh.lineage[at(first)].base();
+  const auto is_sibling = [&](LocalId cell, int child) {
+    const auto other = mesh.lineage[at(cell)].base();
+    return other.depth() > 0 && other.child_number() == child && other.red_parent() == base.red_parent() &&
+           base_cell_may_go(mesh, flags, cell);
+  };
+  int child = base.child_number();
+  auto begin = first;
+  for (; child > 0 && continues_at(mesh, begin); --child) {
+    const auto before = mesh.lineage[at(begin - 1)];
+    begin -= before.is_removable() ? before.family_size() : 1;
+    if (!is_sibling(begin, child - 1)) return false;
   }
-
- private:
-  /// The cell before this one has the number before it.
-  bool continues_before(LocalId c) const { return c > 0 && continues_at(c); }
-  bool continues_at(LocalId c) const {
-    return c < mesh_.n_cells() && mesh_.cell_global[at(c)] == mesh_.cell_global[at(c - 1)] + 1;
+  const bool has_first = child == 0;
+  auto end = end_of_base_cell(mesh, first);
+  for (child = base.child_number(); child < 7 && continues_at(mesh, end); ++child) {
+    if (!is_sibling(end, child + 1)) return false;
+    end = end_of_base_cell(mesh, end);
   }
-  bool is_sibling(LocalId first, mesh::Lineage parent, int child) const {
-    const auto base = mesh_.lineage[at(first)].base();
-    return base.depth() > 0 && base.child_number() == child && base.red_parent() == parent &&
-           base_cell_may_go(mesh_, flags_, first);
-  }
-
-  const mesh::DistMesh& mesh_;
-  std::span<const std::int8_t> flags_;
-};
+  return !has_first || child < 7;
+}
 
 /// Those of this rank that are in no octet here, though one may lie on several ranks.
 std::vector<Lone> find_lone(const mesh::DistMesh& mesh, std::span<const std::int8_t> flags, Rank here) {
   const auto octets = find_octets(mesh, flags).octets;
-  const Siblings siblings(mesh, flags);
   auto next = octets.begin();
   std::vector<Lone> lone;
   LocalId end = 0;
@@ -83,7 +72,7 @@ std::vector<Lone> find_lone(const mesh::DistMesh& mesh, std::span<const std::int
     }
     end = end_of_base_cell(mesh, c);
     const auto base = mesh.lineage[at(c)].base();
-    if (base.depth() == 0 || !base_cell_may_go(mesh, flags, c) || !siblings.may_be_elsewhere(c)) continue;
+    if (base.depth() == 0 || !base_cell_may_go(mesh, flags, c) || !may_be_elsewhere(mesh, flags, c)) continue;
     lone.push_back({mesh.cell_global[at(c)], base.red_parent().bits(), end - c, base.child_number(), here, c});
   }
   return lone;
