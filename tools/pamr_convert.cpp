@@ -14,11 +14,11 @@
 #include "convert/known_shapes.hpp"
 #include "convert/read_mesh.hpp"
 #include "meshing/associate/associate_surfaces.hpp"
+#include "meshing/read_mesh_case.hpp"
 #include "meshing/repair/find_wall_ears.hpp"
 #include "meshing/repair/open_wall_ears.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/base/index.hpp"
-#include "pamr/base/toml_table.hpp"
 #include "pamr/curved/curve_cells.hpp"
 #include "pamr/geometry/cad/cad_source.hpp"
 #include "pamr/geometry/triangulated/self_intersection.hpp"
@@ -89,15 +89,14 @@ void report_groups(cli::Session& session, const Options& options, const mesh::Di
 }
 
 /// Patches that get a surface by name.
-std::vector<std::string> named_patches(const Options& options, const std::string& toml, const mesh::MeshInfo& info) {
+std::vector<std::string> named_patches(const Options& options, const geometry::SurfaceSet& described,
+                                       const mesh::MeshInfo& info) {
   auto given = options.patches;
   for (const auto& pair : options.ties) given.push_back(pair.substr(0, pair.find('=')));
   std::vector<std::string> named;
   for (const auto& name : given)
     for (const int patch : mesh::find_patches(info.patches, name)) named.push_back(info.patches[at(patch)].name);
-  if (toml.empty()) return named;
-  for (const auto& table : parse_toml(toml, options.surfaces).list("surface"))
-    if (const auto name = table.find_text("name")) named.push_back(*name);
+  named.insert(named.end(), described.name.begin(), described.name.end());
   return named;
 }
 
@@ -112,11 +111,6 @@ void associate(cli::Session& session, const Options& options, const std::string&
     return;
   }
   meshing::AssociationRequest request;
-  request.file = "--surface";
-  if (!options.surfaces.empty()) {
-    request.toml = surfaces;
-    request.file = options.surfaces;
-  }
   request.pairs = options.ties;
   request.tolerance = options.tolerance;
   request.feature_angle = options.feature_angle;
@@ -128,7 +122,10 @@ void associate(cli::Session& session, const Options& options, const std::string&
   for (std::size_t i = 0; i < options.patches.size(); ++i)
     request.files.emplace_back(options.patches[i], options.surface_files[i]);
   std::vector<std::string> named;
-  par::agree(comm, [&] { named = named_patches(options, request.toml, mesh.info); });
+  par::agree(comm, [&] {
+    if (!options.surfaces.empty()) request.described = meshing::read_surfaces(surfaces, options.surfaces);
+    named = named_patches(options, request.described, mesh.info);
+  });
   if (!options.cad.empty())
     request.made = convert::find_cad_surfaces(
         session, {options.cad, options.unit, options.tolerance, options.strict, named}, mesh, report);

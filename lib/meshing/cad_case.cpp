@@ -7,14 +7,12 @@
 #include <limits>
 #include <map>
 #include <memory>
-#include <utility>
 #include <vector>
 
 #include "pamr/base/error.hpp"
 #include "pamr/geometry/box.hpp"
 #include "pamr/geometry/cad/cad_source.hpp"
 #include "pamr/geometry/cad/cad_surface.hpp"
-#include "pamr/geometry/surface_toml.hpp"
 
 namespace pamr::meshing {
 namespace {
@@ -25,8 +23,8 @@ constexpr double default_far = 1.0 / 15;  // of the size of the shape
 constexpr double default_growth = 0.35;
 
 /// The patches of a shape in the order of their first faces, with the numbers of these from 1 on.
-std::vector<std::pair<std::string, std::vector<int>>> patches_of(const geometry::CadModel& model) {
-  std::vector<std::pair<std::string, std::vector<int>>> result;
+std::vector<geometry::CadPart> patches_of(const geometry::CadModel& model) {
+  std::vector<geometry::CadPart> result;
   std::map<std::string, std::size_t> known;
   for (std::size_t f = 0; f < model.faces().size(); ++f) {
     const auto& face = model.faces()[f].data();
@@ -35,8 +33,8 @@ std::vector<std::pair<std::string, std::vector<int>>> patches_of(const geometry:
                       : !face.color.empty() ? "color_" + face.color.substr(1)
                                             : fmt::format("face_{}", number);
     const auto [place, is_new] = known.try_emplace(name, result.size());
-    if (is_new) result.emplace_back(name, std::vector<int>{});
-    result[place->second].second.push_back(number);
+    if (is_new) result.push_back({name, {}});
+    result[place->second].faces.push_back(number);
   }
   return result;
 }
@@ -47,16 +45,14 @@ MeshCase case_of_cad(const std::filesystem::path& file, double far, const std::s
   auto source = geometry::read_cad_source(file);
   geometry::require_readable_cad(source);
   const auto model = geometry::make_cad_model(source, unit);
-  std::string toml;
   const auto patches = patches_of(*model);
-  for (const auto& [name, faces] : patches) toml += geometry::cad_surface_table(name, source, unit, faces) + "\n";
   MeshCase result;
   result.shape = "surfaces";
   result.where = file.string();
   auto& c = result.combination;
-  c.surfaces = std::make_shared<const geometry::SurfaceSet>(
-      geometry::surfaces_from_toml(toml + geometry::cad_table(source), file.string()));
-  c.region = "-" + patches.front().first;
+  c.surfaces =
+      std::make_shared<const geometry::SurfaceSet>(geometry::cad_surfaces(source, unit, model, patches, file.string()));
+  c.region = "-" + patches.front().name;
   c.length_unit = unit;
   c.far = far > 0 ? far : default_far * model->size();
   c.growth = default_growth;

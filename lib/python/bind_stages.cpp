@@ -13,6 +13,7 @@
 
 #ifdef PAMR_WITH_MESHING
 #include "meshing/associate/associate_surfaces.hpp"
+#include "meshing/read_mesh_case.hpp"
 #endif
 #include "pamr/adapt/adapt.hpp"
 #include "pamr/adapt/forecast.hpp"
@@ -210,8 +211,7 @@ std::vector<std::tuple<std::string, std::string, double>> associate(
   unshare_field(mesh, false, mesh::off_surface_field);
   const Released released;
   meshing::AssociationRequest request;
-  request.toml = toml;
-  request.file = "surfaces";
+  par::agree(*mesh.comm, [&] { request.described = meshing::read_surfaces(toml, "surfaces"); });
   request.pairs = pairs;
   request.files = files;
   request.feature_angle = feature_angle;

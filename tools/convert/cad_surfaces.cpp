@@ -6,12 +6,12 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <utility>
+#include <vector>
 
 #include "meshing/associate/find_cad_faces.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/geometry/cad/cad_model.hpp"
 #include "pamr/geometry/cad/cad_source.hpp"
-#include "pamr/geometry/surface_toml.hpp"
 
 namespace pamr::convert {
 
@@ -47,7 +47,7 @@ geometry::SurfaceSet find_cad_surfaces(cli::Session& session, const CadRequest& 
   source.text = comm.broadcast(std::move(source.text));
   std::shared_ptr<const geometry::CadModel> model;
   par::agree(comm, [&] { model = geometry::make_cad_model(source, request.unit); });
-  const auto found = meshing::find_cad_faces(
+  const auto patches = meshing::find_cad_faces(
       comm, mesh, *model, source, {.unit = request.unit, .tolerance = request.tolerance, .named = request.named});
   auto& json = report["cad"];
   json = {{"file", source.file},
@@ -62,7 +62,9 @@ geometry::SurfaceSet find_cad_surfaces(cli::Session& session, const CadRequest& 
   });
   json["area_of_faces"] = measures.area;
   if (model->n_open_edges() == 0) json["volume"] = measures.volume;
-  for (const auto& patch : found.patches) {
+  std::vector<geometry::CadPart> parts;
+  for (const auto& patch : patches) {
+    if (patch.is_tied()) parts.push_back({patch.patch, patch.faces});
     json["patches"][patch.patch] = {{"faces", patch.faces}, {"on", patch.n_on}, {"off", patch.n_off}};
     warn_of_untied(session, request, patch);
   }
@@ -72,7 +74,7 @@ geometry::SurfaceSet find_cad_surfaces(cli::Session& session, const CadRequest& 
                     "nodes there keep to their faces alone",
                     request.file, n));
   geometry::SurfaceSet set;
-  par::agree(comm, [&] { set = geometry::surfaces_from_toml(found.toml, "--cad " + request.file); });
+  par::agree(comm, [&] { set = geometry::cad_surfaces(source, request.unit, model, parts, "--cad " + request.file); });
   return set;
 }
 

@@ -8,7 +8,7 @@
 #include <sstream>
 
 #include "meshing/associate/recognize_shapes.hpp"
-#include "pamr/geometry/surface_toml.hpp"
+#include "pamr/geometry/described_surface.hpp"
 
 namespace pamr::convert {
 
@@ -34,13 +34,12 @@ KnownShapes find_known_shapes(const par::Comm& comm, const mesh::DistMesh& mesh,
     const auto& patch = mesh.info.patches[static_cast<std::size_t>(found.patch)].name;
     const bool is_bound = binds && found.is_certain;
     report["shapes"][patch] = {{"kind", geometry::name_of(found.shape.kind)},
-                               {"surface", found.toml},
+                               {"surface", found.surface.toml},
                                {"worst_distance", found.worst_distance},
                                {"worst_turn", found.worst_turn},
                                {"is_certain", found.is_certain},
                                {"is_bound", is_bound}};
-    if (is_bound)
-      par::agree(comm, [&] { shapes.bound.append(geometry::surfaces_from_toml(found.toml, "--recognize")); });
+    if (is_bound) par::agree(comm, [&] { shapes.bound.append(geometry::set_of({&found.surface, 1}, "--recognize")); });
     const auto* what_to_do =
         is_bound           ? ""
         : found.is_certain ? "; to refine onto it give --recognize, or for --surfaces a file with"
@@ -49,7 +48,7 @@ KnownShapes find_known_shapes(const par::Comm& comm, const mesh::DistMesh& mesh,
         "patch '{}' {} a {}: its nodes lie within {:.2g} of it, which turns by up to {:.0f} degrees along an edge{}",
         patch, is_bound ? "is put on" : "fits", geometry::name_of(found.shape.kind), found.worst_distance,
         found.worst_turn, what_to_do));
-    shapes.texts.push_back(found.toml);
+    shapes.texts.push_back(found.surface.toml);
   }
   return shapes;
 }

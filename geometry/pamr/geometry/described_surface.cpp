@@ -3,17 +3,21 @@
 
 #include <fmt/format.h>
 
+#include "pamr/geometry/cone.hpp"
 #include "pamr/geometry/cylinder.hpp"
+#include "pamr/geometry/parameters.hpp"
 #include "pamr/geometry/plane.hpp"
 #include "pamr/geometry/revolution.hpp"
 #include "pamr/geometry/sphere.hpp"
+#include "pamr/geometry/surface_toml.hpp"
+#include "pamr/geometry/torus.hpp"
 
 namespace pamr::geometry {
 
 namespace {
 
 std::string head(const std::string& name, const char* kind) {
-  return fmt::format("[[surface]]\nname = \"{}\"\nkind = \"{}\"\n", name, kind);
+  return fmt::format("[[surface]]\nname = {}\nkind = \"{}\"\n", toml_text(name), kind);
 }
 
 std::string pair(Meridian p) { return fmt::format("[{:.17g}, {:.17g}]", p.x, p.r); }
@@ -30,6 +34,8 @@ std::string inline_table(const ProfilePiece& piece) {
 
 Written<double> digits(double value) { return {value, fmt::format("{:.17g}", value)}; }
 Written<Vec3> digits(Vec3 v) { return {v, fmt::format("[{:.17g}, {:.17g}, {:.17g}]", v.x, v.y, v.z)}; }
+Written<double> shortest(double value) { return {value + 0.0, decimal(value)}; }
+Written<Vec3> shortest(Vec3 v) { return {v + Vec3{}, decimal(v)}; }
 Written<double> whole(double value) { return {value, fmt::format("{:.1f}", value)}; }
 Written<Vec3> whole(Vec3 v) { return {v, fmt::format("[{:.1f}, {:.1f}, {:.1f}]", v.x, v.y, v.z)}; }
 
@@ -55,6 +61,20 @@ DescribedSurface described_cylinder(const std::string& name, const Written<Vec3>
   return {
       name, std::make_shared<Cylinder>(point.value, axis.value, radius.value),
       head(name, "cylinder") + fmt::format("point = {}\naxis = {}\nradius = {}\n", point.toml, axis.toml, radius.toml)};
+}
+
+DescribedSurface described_cone(const std::string& name, const Written<Vec3>& apex, const Written<Vec3>& axis,
+                                const Written<double>& half_angle) {
+  return {name, std::make_shared<Cone>(apex.value, axis.value, half_angle.value),
+          head(name, "cone") +
+              fmt::format("apex = {}\naxis = {}\nhalf_angle = {}\n", apex.toml, axis.toml, half_angle.toml)};
+}
+
+DescribedSurface described_torus(const std::string& name, const Written<Vec3>& center, const Written<Vec3>& axis,
+                                 const Written<double>& major_radius, const Written<double>& minor_radius) {
+  return {name, std::make_shared<Torus>(center.value, axis.value, major_radius.value, minor_radius.value),
+          head(name, "torus") + fmt::format("center = {}\naxis = {}\nmajor_radius = {}\nminor_radius = {}\n",
+                                            center.toml, axis.toml, major_radius.toml, minor_radius.toml)};
 }
 
 DescribedSurface described_revolution(const std::string& name, const std::vector<ProfilePiece>& profile) {

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "pamr/geometry/fit_shape.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -13,7 +11,6 @@
 #include "pamr/geometry/box.hpp"
 #include "pamr/geometry/parameters.hpp"
 #include "pamr/geometry/shape_starts.hpp"
-#include "pamr/geometry/surface_toml.hpp"
 #include "pamr/geometry/symmetric_eigen.hpp"
 
 namespace pamr::geometry {
@@ -327,24 +324,20 @@ std::optional<ShapeFit> fit_shape(ShapeKind kind, std::span<const Vec3> point, s
   return ShapeFit{shape, worst_of(with_unit_axis(shape), point)};
 }
 
-std::string shape_keys(const std::string& name, const FittedShape& shape, std::string_view separator) {
-  const auto keys = [&]() -> std::vector<std::pair<const char*, std::string>> {
-    const auto place = decimal(shape.place), axis = decimal(shape.axis), radius = decimal(shape.radius);
-    switch (shape.kind) {
-      case ShapeKind::sphere:
-        return {{"center", place}, {"radius", radius}};
-      case ShapeKind::cylinder:
-        return {{"point", place}, {"axis", axis}, {"radius", radius}};
-      case ShapeKind::cone:
-        return {{"apex", place}, {"axis", axis}, {"half_angle", decimal(shape.radius * 180 / std::numbers::pi)}};
-      case ShapeKind::torus:
-        return {{"center", place}, {"axis", axis}, {"major_radius", radius}, {"minor_radius", decimal(shape.of_tube)}};
-    }
-    return {};
-  }();
-  auto text = fmt::format("name = {}{}kind = \"{}\"", toml_text(name), separator, name_of(shape.kind));
-  for (const auto& [key, value] : keys) text += fmt::format("{}{} = {}", separator, key, value);
-  return text;
+DescribedSurface described_shape(const std::string& name, const FittedShape& shape) {
+  const auto place = shortest(shape.place), axis = shortest(shape.axis);
+  const auto radius = shortest(shape.radius);
+  switch (shape.kind) {
+    case ShapeKind::sphere:
+      return described_sphere(name, place, radius);
+    case ShapeKind::cylinder:
+      return described_cylinder(name, place, axis, radius);
+    case ShapeKind::cone:
+      return described_cone(name, place, axis, shortest(shape.radius * 180 / std::numbers::pi));
+    case ShapeKind::torus:
+      break;
+  }
+  return described_torus(name, place, axis, radius, shortest(shape.of_tube));
 }
 
 }  // namespace pamr::geometry

@@ -7,6 +7,7 @@
 #include <string>
 #include <string_view>
 
+#include "pamr/geometry/described_surface.hpp"
 #include "pamr/geometry/vec3.hpp"
 
 namespace pamr::geometry {
@@ -47,7 +48,7 @@ struct ShapeFit {
 /// Deterministic; depends on the order of the points in the last bits. Cost: some 500 passes over them.
 std::optional<ShapeFit> fit_shape(ShapeKind kind, std::span<const Vec3> point, std::span<const Vec3> normal);
 
-/// The keys that describe it, `separator` between them.
-std::string shape_keys(const std::string& name, const FittedShape& shape, std::string_view separator);
+/// The shape as a surface.
+DescribedSurface described_shape(const std::string& name, const FittedShape& shape);
 
 }  // namespace pamr::geometry

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <charconv>
+#include <cmath>
 
 #include "pamr/base/error.hpp"
 
@@ -18,7 +19,10 @@ namespace {
 
 std::string decimal(double value) {
   std::array<char, 32> text{};
-  const auto end = std::to_chars(text.data(), text.data() + text.size(), value).ptr;
+  auto* const last = text.data() + text.size();
+  const bool needs_exponent = std::abs(value) >= 1e18;  // whole numbers of TOML have 64 bits
+  char* const end = needs_exponent ? std::to_chars(text.data(), last, value, std::chars_format::scientific).ptr
+                                   : std::to_chars(text.data(), last, value).ptr;
   return {text.data(), end};
 }
 

@@ -279,8 +279,4 @@ std::string plane_keys(const std::string& name, Vec3 point, Vec3 normal, std::st
                      decimal(point), decimal(normal));
 }
 
-SurfaceSet plane_surface(const std::string& name, Vec3 point, Vec3 normal) {
-  return surfaces_from_toml("[[surface]]\n" + plane_keys(name, point, normal, "\n") + "\n", name);
-}
-
 }  // namespace pamr::geometry

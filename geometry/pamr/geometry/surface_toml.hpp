@@ -28,9 +28,6 @@ SurfaceSet surfaces_of_case(const TomlTable& file, const std::string& where);
 /// The keys that describe a plane, `separator` between them.
 std::string plane_keys(const std::string& name, Vec3 point, Vec3 normal, std::string_view separator);
 
-/// A set of that plane alone, with its description.
-SurfaceSet plane_surface(const std::string& name, Vec3 point, Vec3 normal);
-
 /// Text as a string of TOML. Pre: no control characters.
 std::string toml_text(std::string_view text);
 

@@ -7,7 +7,6 @@
 #include <filesystem>
 #include <memory>
 
-#include "meshing/read_mesh_case.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/base/name_pattern.hpp"
 #include "pamr/geometry/box.hpp"
@@ -91,7 +90,7 @@ void add_file(const AssociationRequest& request, const std::string& name, const 
 }
 
 geometry::SurfaceSet requested_surfaces(const AssociationRequest& request) {
-  auto set = read_surfaces(request.toml, request.file);
+  auto set = request.described;
   for (const auto& [patch, file] : request.files) add_file(request, surface_name(patch, file), file, set);
   set.append(request.made);
   return set;

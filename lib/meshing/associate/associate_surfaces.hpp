@@ -25,8 +25,7 @@ struct Association {
 
 /// Surfaces to associate patches with.
 struct AssociationRequest {
-  std::string toml;                ///< describes surfaces (docs/surfaces.md); may be empty
-  std::string file;                ///< where it comes from: begins errors, and file names in it count from its folder
+  geometry::SurfaceSet described;  ///< that a file of surfaces or a case describes
   geometry::SurfaceSet made;       ///< more surfaces
   std::vector<std::string> pairs;  ///< PATCH=SURFACE; a name may stand for several patches (`mesh::find_patches`)
   std::vector<std::pair<std::string, std::string>> files;  ///< a name likewise, and the file of a triangulated surface
@@ -43,7 +42,7 @@ struct AssociationRequest {
 ///   `off_surface`: the next refinement moves them there. So do nodes of edges along sharp edges inside a surface
 ///   (`fit_creases`) that are off these.
 ///
-/// Collective. Throws `Error` on every rank for bad text or files, names that are not there, surfaces that no patch
+/// Collective. Throws `Error` on every rank for bad files, names that are not there, surfaces that no patch
 /// uses, and when a node lies farther from its surface than the tolerance: 1e-6 of the mesh's size unless given, and
 /// for triangulated surfaces 1.5 times the distance between the facets and the smooth surface there on top.
 std::vector<Association> associate_surfaces(const par::Comm& comm, mesh::DistMesh& mesh,

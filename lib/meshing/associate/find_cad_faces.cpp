@@ -163,8 +163,8 @@ std::string hint_at_unit(double of_mesh, double of_shape, const std::string& uni
 
 }  // namespace
 
-CadFaces find_cad_faces(const par::Comm& comm, mesh::DistMesh& mesh, const CadModel& model,
-                        const geometry::CadSource& source, const CadSearch& search) {
+std::vector<CadPatch> find_cad_faces(const par::Comm& comm, mesh::DistMesh& mesh, const CadModel& model,
+                                     const geometry::CadSource& source, const CadSearch& search) {
   const double size = mesh::box_of_nodes(comm, mesh).diagonal();
   const double tolerance =
       search.tolerance < 0 ? std::max(usual_tolerance * size, model.largest_tolerance()) : search.tolerance;
@@ -189,7 +189,7 @@ CadFaces find_cad_faces(const par::Comm& comm, mesh::DistMesh& mesh, const CadMo
       worst[at(face.patch)] = std::max(worst[at(face.patch)], finder.worst_distance(face.cell, face.slot));
   comm.max_in_place(worst);
 
-  CadFaces result;
+  std::vector<CadPatch> result;
   bool any = false;
   for (std::size_t p = 0; p < patches.size(); ++p) {
     if (is_named(patches[p].name)) continue;
@@ -200,17 +200,13 @@ CadFaces find_cad_faces(const par::Comm& comm, mesh::DistMesh& mesh, const CadMo
       here.n_on += counts[p * (n_faces + 1) + f];
     }
     any = any || here.n_on > 0;
-    if (here.is_tied())
-      result.toml +=
-          (result.toml.empty() ? "" : "\n") + geometry::cad_surface_table(here.patch, source, search.unit, here.faces);
-    result.patches.push_back(std::move(here));
+    result.push_back(std::move(here));
   }
   if (!any)
     throw Error(
         fmt::format("--cad {}: expected boundary faces of the mesh on faces of the shape (within {:.3g}), found "
                     "none; the mesh is {:.4g} wide, the shape {:.4g}{}",
-                    source.file, tolerance, size, model.size(), hint_at_unit(size, model.size(), search.unit)));
-  if (!result.toml.empty()) result.toml += "\n" + geometry::cad_table(source);
+                     source.file, tolerance, size, model.size(), hint_at_unit(size, model.size(), search.unit)));
   return result;
 }
 

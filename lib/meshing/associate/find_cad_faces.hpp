@@ -25,12 +25,6 @@ struct CadPatch {
   bool is_tied() const { return n_on > 0 && n_off == 0; }
 };
 
-/// What was found for a mesh and a shape.
-struct CadFaces {
-  std::vector<CadPatch> patches;  ///< of the mesh, without those that lie on a surface that is asked for by name
-  std::string toml;               ///< the description of a surface for each patch that is on the shape
-};
-
 /// How to look for the faces of a shape.
 struct CadSearch {
   std::string unit;  ///< that the mesh is in
@@ -41,11 +35,11 @@ struct CadSearch {
 };
 
 /// Finds by geometry on which face of a shape each boundary face of the mesh lies: one from which none of its corners
-/// is farther than the tolerance, and of several the one that is nearest to its middle. A patch of which all faces lie
-/// on the shape is described as a surface of the faces found. The patch `untagged_patch` is split into one for each
-/// face, named as the face, or face_N. Collective. Throws `Error` if nothing of the mesh is on the shape. The same on
-/// any number of ranks. Cost: some projections for each boundary node and face.
-CadFaces find_cad_faces(const par::Comm& comm, mesh::DistMesh& mesh, const geometry::CadModel& model,
-                        const geometry::CadSource& source, const CadSearch& search);
+/// is farther than the tolerance, and of several the one that is nearest to its middle. The patches of the mesh without
+/// those that are left alone. The patch `untagged_patch` is split into one for each face, named as the face, or face_N.
+/// Collective. Throws `Error` if nothing of the mesh is on the shape. The same on any number of ranks. Cost: some
+/// projections for each boundary node and face.
+std::vector<CadPatch> find_cad_faces(const par::Comm& comm, mesh::DistMesh& mesh, const geometry::CadModel& model,
+                                     const geometry::CadSource& source, const CadSearch& search);
 
 }  // namespace pamr::meshing

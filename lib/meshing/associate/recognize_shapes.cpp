@@ -2,16 +2,15 @@
 #include "meshing/associate/recognize_shapes.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
-#include <memory>
 #include <numbers>
 #include <utility>
 
 #include "meshing/associate/patch_sample.hpp"
 #include "pamr/base/index.hpp"
 #include "pamr/geometry/surface.hpp"
-#include "pamr/geometry/surface_toml.hpp"
 
 namespace pamr::meshing {
 
@@ -63,8 +62,7 @@ FittedShape shape_from(int kind, const double* fit) {
 /// A shape that a patch may fit, and what its faces say.
 struct Candidate {
   FittedShape shape;
-  std::string toml;
-  std::shared_ptr<const geometry::Surface> surface;
+  geometry::DescribedSurface described;
   double size = 0;
   double worst_distance = 0, worst_turn = 0;  // the latter is 1 - cosine
   double turn_of_normals = 1;                 // its part that normals show: those of a flat cone hardly turn
@@ -84,7 +82,7 @@ bool is_explained(const PatchFace& face, std::size_t k, double cosine, double cu
 }
 
 void look_at(const PatchFace& face, Candidate& candidate) {
-  const auto& surface = *candidate.surface;
+  const auto& surface = *candidate.described.surface;
   Vec3 of_face = cross(face.corner[1] - face.corner[0], face.corner[2] - face.corner[0]);
   of_face = (1 / norm(of_face)) * of_face;
   std::array<Vec3, 3> normal;
@@ -175,9 +173,7 @@ std::vector<RecognizedShape> recognize_shapes(const par::Comm& comm, const mesh:
       candidate.size = size[p];
       if (candidate.shape.kind == ShapeKind::cone)
         candidate.turn_of_normals = std::cos(candidate.shape.radius) * std::cos(candidate.shape.radius);
-      const auto& name = mesh.info.patches[p].name;
-      candidate.toml = "[[surface]]\n" + geometry::shape_keys(name, candidate.shape, "\n") + "\n";
-      candidate.surface = geometry::surfaces_from_toml(candidate.toml, name).surface.front();
+      candidate.described = geometry::described_shape(mesh.info.patches[p].name, candidate.shape);
       row[p] = static_cast<int>(candidates.size());
       candidates.emplace_back(static_cast<int>(p), std::move(candidate));
     }
@@ -192,7 +188,7 @@ std::vector<RecognizedShape> recognize_shapes(const par::Comm& comm, const mesh:
     if ((c.faces_outward && c.faces_inward) || c.is_unexplained) continue;
     const auto n = n_faces[at(patch)];
     const double degrees = std::acos(std::max(1 - c.worst_turn, -1.0)) * 180 / std::numbers::pi;
-    result.push_back({patch, c.shape, std::move(c.toml), n, c.worst_distance, degrees,
+    result.push_back({patch, c.shape, std::move(c.described), n, c.worst_distance, degrees,
                       4 * c.n_exact >= 3 * (3 * n) && c.worst_turn <= turn_for(certain_turn(c.shape.kind))});
   }
   return result;

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <string>
 #include <vector>
 
 #include "pamr/geometry/fit_shape.hpp"
@@ -27,11 +26,11 @@ inline constexpr double suggested_distance = 1e-6, certain_distance = 1e-10;
 struct RecognizedShape {
   int patch = 0;
   geometry::FittedShape shape;
-  std::string toml;           ///< a table [[surface]] of the patch's name
-  std::int64_t n_faces = 0;   ///< of the patch
-  double worst_distance = 0;  ///< of a node from the shape, length unit
-  double worst_turn = 0;      ///< angle between the shape's normals at the ends of an edge, or around a cone, degrees
-  bool is_certain = false;    ///< enough to bind the patch to it where that is asked for
+  geometry::DescribedSurface surface;  ///< of the patch's name
+  std::int64_t n_faces = 0;            ///< of the patch
+  double worst_distance = 0;           ///< of a node from the shape, length unit
+  double worst_turn = 0;    ///< angle between the shape's normals at the ends of an edge, or around a cone, degrees
+  bool is_certain = false;  ///< enough to bind the patch to it where that is asked for
 };
 
 /// Finds the patches with `is_wanted` that lie on a sphere, cylinder, cone or torus. Such a patch
@@ -40,7 +39,7 @@ struct RecognizedShape {
 /// - has faces whose normals deviate from the shape's no more than their edges and the shape's curvature explain, all
 ///   to the same side, along no edge of which the shape turns by more than `suggested_turn`.
 ///
-/// What is measured is the surface that `toml` describes, at all nodes and faces. Ascending by patch. The same on every
+/// What is measured is `surface`, at all nodes and faces. Ascending by patch. The same on every
 /// rank and for any number of ranks, partition and numbering. Collective: one sparse exchange of some hundred nodes of
 /// each patch with their faces, and six reductions; none if no patch is wanted. Cost: O(cells) and about 10 ms for each
 /// patch, patches shared out to the ranks.

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <map>
@@ -12,6 +13,7 @@
 #include <utility>
 
 #include "pamr/base/index.hpp"
+#include "pamr/geometry/described_surface.hpp"
 #include "pamr/geometry/surface.hpp"
 #include "pamr/geometry/surface_toml.hpp"
 #include "pamr/mesh/patch_list.hpp"
@@ -172,7 +174,9 @@ MeshInfo with_planes(MeshInfo info, const std::vector<UndescribedPatch>& undescr
     if (!plane.is_flat) continue;
     auto& of_patch = info.patches[at(patch)];
     of_patch.surface = set.size();
-    set.append(geometry::plane_surface(new_name(set, of_patch.name), plane.point, plane.normal));
+    const std::array described{geometry::described_plane(new_name(set, of_patch.name), geometry::shortest(plane.point),
+                                                         geometry::shortest(plane.normal))};
+    set.append(geometry::set_of(described, described[0].name));
   }
   info.surfaces = std::make_shared<const geometry::SurfaceSet>(std::move(set));
   return info;

@@ -4,11 +4,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <filesystem>
 #include <fstream>
 #include <string>
 
 #include "pamr/base/error.hpp"
+#include "pamr/geometry/cad/cad_surface.hpp"
 #include "pamr/geometry/surface.hpp"
 #include "pamr/geometry/surface_toml.hpp"
 
@@ -54,6 +56,21 @@ TEST(CadSource, ACaseAndItsDescriptionGiveTheSameSurface) {
   EXPECT_EQ(again.find("side")->project({0.3, 0.4, 0.5}), of_case.find("side")->project({0.3, 0.4, 0.5}));
   EXPECT_TRUE(of_case.find("side")->is_flat());
   std::filesystem::remove_all(folder);
+}
+
+TEST(CadSource, SurfacesOfAModelAreThoseReadBackFromTheirDescription) {
+  const auto source = cube();
+  const auto model = make_cad_model(source, "mm");
+  const std::array<CadPart, 2> parts{CadPart{"a \"side\"", {2}}, CadPart{"rest", {1, 3, 4}}};
+  const auto made = cad_surfaces(source, "mm", model, parts, "test");
+
+  const auto read = surfaces_from_toml(made.toml, "mesh");
+
+  EXPECT_EQ(read.name, made.name);
+  for (const Vec3 p : {Vec3{0.3, 0.4, 0.5}, Vec3{0.9, 0.2, 1.5}})
+    for (int i = 0; i < made.size(); ++i) EXPECT_EQ(read.get(i)->project(p), made.get(i)->project(p)) << i;
+  EXPECT_EQ(dynamic_cast<const CadSurface&>(*made.get(1)).shared_model(), model);
+  EXPECT_TRUE(cad_surfaces(source, "mm", model, {}, "test").toml.empty());
 }
 
 TEST(CadSource, FacesAreFoundByName) {

@@ -8,6 +8,7 @@
 #include <random>
 #include <vector>
 
+#include "pamr/geometry/described_surface.hpp"
 #include "pamr/geometry/surface.hpp"
 #include "pamr/geometry/surface_toml.hpp"
 
@@ -102,8 +103,12 @@ TEST(FitShape, FindsWholeAndPartialShapesInAnyPositionAndNoOthers) {
     if (kind != Kind::sphere) {
       EXPECT_LT(norm(cross(fit->shape.axis, axis)), 3e-11) << i;
     }
-    const auto described = surfaces_from_toml("[[surface]]\n" + shape_keys("a b", fit->shape, "\n"), "test");
-    for (const auto& p : cloud.point) EXPECT_LT(described.find("a b")->distance(p), 3e-14) << i;
+    const auto described = described_shape("a \"b\"", fit->shape);
+    const auto read = surfaces_from_toml(described.toml, "test");
+    for (const auto& p : cloud.point) {
+      EXPECT_LT(described.surface->distance(p), 3e-14) << i;
+      EXPECT_EQ(described.surface->project(p), read.find("a \"b\"")->project(p)) << i;
+    }
   }
 }
 
@@ -119,8 +124,9 @@ TEST(FitShape, WritesShortNumbersWhereTheyFitAsWell) {
   const auto fit = fit_shape(ShapeKind::cylinder, point, normal);
 
   ASSERT_TRUE(fit);
-  EXPECT_EQ(shape_keys("pipe", fit->shape, "; "),
-            "name = \"pipe\"; kind = \"cylinder\"; point = [0.1, 0.2, 0]; axis = [0, 0, 1]; radius = 0.25");
+  EXPECT_EQ(described_shape("pipe", fit->shape).toml,
+            "[[surface]]\nname = \"pipe\"\nkind = \"cylinder\"\npoint = [0.1, 0.2, 0]\naxis = [0, 0, 1]\n"
+            "radius = 0.25\n");
 }
 
 TEST(FitShape, NodesBesideTheShapeDoNotMoveIt) {

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <cmath>
 
 #include "pamr/base/error.hpp"
 #include "pamr/geometry/described_surface.hpp"
@@ -37,6 +38,20 @@ TEST(DescribedSurface, IsWhatIsReadBackFromItsDescriptionToTheLastBit) {
       EXPECT_EQ(read.get(i)->project(p), made.get(i)->project(p)) << made.name[static_cast<std::size_t>(i)];
       EXPECT_EQ(read.get(i)->normal(p), made.get(i)->normal(p)) << made.name[static_cast<std::size_t>(i)];
     }
+}
+
+TEST(DescribedSurface, ShortestNumbersAreReadBackToTheLastBit) {
+  const auto place = shortest({0.1, -0.0, 1.0 / 3}), axis = shortest({0, 0, 1});
+  const std::array described{described_cone("a \"b\" \\", place, axis, shortest(std::atan(0.5))),
+                             described_torus("ring", place, axis, shortest(2), shortest(0.6)),
+                             described_plane("far", shortest({0, 0, 12345678901234567890.0}), axis)};
+  const auto made = set_of(described, "test");
+
+  const auto read = surfaces_from_toml(made.toml, "test");
+
+  EXPECT_EQ(read.name, made.name);
+  for (const Vec3 p : {Vec3{0.3, 0.7, 0.9}, Vec3{-1, 0.2, -0.4}, Vec3{0.1, -0.5, 0.02}})
+    for (int i = 0; i < made.size(); ++i) EXPECT_EQ(read.get(i)->project(p), made.get(i)->project(p)) << i;
 }
 
 TEST(DescribedSurface, WritesWholeNumbersAndDigits) {

@@ -3,9 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <functional>
 
+#include "pamr/geometry/described_surface.hpp"
 #include "pamr/geometry/plane.hpp"
 #include "pamr/geometry/surface_toml.hpp"
 #include "support/meshes.hpp"
@@ -158,7 +160,7 @@ TEST(UndescribedPatches, HaveNamesThatNoSurfaceHas) {
   const par::Comm comm(MPI_COMM_WORLD);
   auto mesh = cube_on_a_ball(comm);
   auto set = *mesh.info.surfaces;
-  set.append(geometry::plane_surface("plane of xmin", {0, 0, 9}, {0, 0, 1}));
+  set.append(geometry::set_of(std::array{geometry::described_plane("plane of xmin", 2, 9)}, "test"));
   mesh.info.surfaces = std::make_shared<const geometry::SurfaceSet>(set);
   mesh.info.patches[0].name = "a \"b\\c";
 

@@ -12,6 +12,8 @@
 
 #include "pamr/base/error.hpp"
 #include "pamr/base/subprocess.hpp"
+#include "pamr/geometry/cad/cad_surface.hpp"
+#include "pamr/geometry/described_surface.hpp"
 #include "pamr/geometry/surface_toml.hpp"
 
 namespace pamr::geometry {
@@ -153,6 +155,20 @@ std::string cad_table(const CadSource& source) {
     return result;
   };
   return fmt::format("[[cad]]\nfile = \"{}\"\ntext = \"\"\"\n{}\"\"\"\n", escaped(source.file), escaped(source.text));
+}
+
+SurfaceSet cad_surfaces(const CadSource& source, const std::string& unit, const std::shared_ptr<const CadModel>& model,
+                        std::span<const CadPart> parts, const std::string& where) {
+  std::vector<DescribedSurface> described;
+  for (const auto& [name, faces] : parts) {
+    auto from_0 = faces;
+    for (auto& face : from_0) --face;
+    described.push_back(
+        {name, std::make_shared<CadSurface>(model, std::move(from_0)), cad_surface_table(name, source, unit, faces)});
+  }
+  auto set = set_of(described, where);
+  if (!parts.empty()) set.toml += "\n" + cad_table(source);
+  return set;
 }
 
 }  // namespace pamr::geometry

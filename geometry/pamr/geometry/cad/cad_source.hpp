@@ -6,9 +6,11 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "pamr/geometry/cad/cad_model.hpp"
 #include "pamr/geometry/cad/read_cad.hpp"
+#include "pamr/geometry/surface_set.hpp"
 
 namespace pamr::geometry {
 
@@ -46,5 +48,16 @@ std::string cad_surface_table(const std::string& name, const CadSource& source, 
 
 /// The table `[[cad]]` that holds the text in a description of surfaces.
 std::string cad_table(const CadSource& source);
+
+/// Faces of a shape, numbered from 1, that make one surface.
+struct CadPart {
+  std::string name;
+  std::vector<int> faces;
+};
+
+/// The surfaces of parts of a shape, which `model` is in `unit`, with their description, which holds the text. `where`
+/// is what they belong to. Throws `Error` for a name that stands twice and for faces as `CadSurface` does.
+SurfaceSet cad_surfaces(const CadSource& source, const std::string& unit, const std::shared_ptr<const CadModel>& model,
+                        std::span<const CadPart> parts, const std::string& where);
 
 }  // namespace pamr::geometry
