@@ -4,10 +4,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
-#include <cstdint>
-#include <limits>
+#include <vector>
 
+#include "meshing/improve_node.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/geometry/orientation.hpp"
 #include "pamr/geometry/tet_shape.hpp"
@@ -28,117 +27,49 @@ Vec3 bound(const Domain& domain, Binding binding, Vec3 p) {
 /// Edges between boundary nodes may get as long as this times the wanted length; longer ones must not get longer.
 constexpr double max_stretch = 1.15;
 
-/// The cells at each node: those of node i are `cell[offset[i] .. offset[i+1])`, ascending.
-struct NodeToCell {
-  std::vector<std::size_t> offset, cell;
-
-  explicit NodeToCell(const RawMesh& mesh) : offset(mesh.point.size() + 1, 0) {
-    for (const auto& c : mesh.cell)
-      for (const auto n : c) ++offset[static_cast<std::size_t>(n) + 1];
-    for (std::size_t i = 1; i < offset.size(); ++i) offset[i] += offset[i - 1];
-    cell.resize(offset.back());
-    auto at = offset;
-    for (std::size_t c = 0; c < mesh.cell.size(); ++c)
-      for (const auto n : mesh.cell[c]) cell[at[static_cast<std::size_t>(n)]++] = c;
-  }
-};
-
-class Optimizer {
- public:
-  Optimizer(const Domain& domain, RawMesh& mesh) : domain_(domain), mesh_(mesh), cells_(mesh) {
-    for (std::size_t c = 0; c < mesh.cell.size(); ++c) quality_.push_back(geometry::mean_ratio(mesh.points(c)));
-  }
-
-  double worst() const { return *std::min_element(quality_.begin(), quality_.end()); }
-
-  /// Passes over the nodes of all cells below `wanted`, until nothing moves; the number of moves.
-  int sweeps(double wanted, int most, bool with_boundary) {
-    int moves = 0;
-    for (int i = 0; i < most && worst() < wanted; ++i) {
-      const int moved = sweep(wanted, with_boundary);
-      moves += moved;
-      if (moved == 0) break;
+/// Largest ratio of an edge between a boundary node and another one to the length wanted in its middle.
+double stretch_at(const Domain& domain, const RawMesh& mesh, const Stars& stars, std::size_t node) {
+  double worst = 0;
+  for (const auto c : stars.at_node(node))
+    for (const auto other : mesh.cell[c]) {
+      if (mesh.binding[static_cast<std::size_t>(other)].freedom == Freedom::space) continue;
+      const Vec3 p = mesh.point[node], q = mesh.position(other);
+      worst = std::max(worst, norm(q - p) / domain.size(midpoint(p, q)));
     }
-    return moves;
-  }
+  return worst;
+}
 
- private:
-  int sweep(double wanted, bool with_boundary) {
-    int moves = 0;
-    std::vector<char> is_bad(mesh_.point.size(), 0);
-    for (std::size_t c = 0; c < mesh_.cell.size(); ++c)
-      if (quality_[c] < wanted)
-        for (const auto n : mesh_.cell[c]) is_bad[static_cast<std::size_t>(n)] = 1;
-    for (std::size_t n = 0; n < mesh_.point.size(); ++n) {
-      const auto freedom = mesh_.binding[n].freedom;
-      const bool may_move = freedom == Freedom::space || (with_boundary && freedom != Freedom::none);
-      if (is_bad[n] != 0 && may_move && move(n)) ++moves;
-    }
-    return moves;
-  }
+/// Moves a node to where its worst cell is best. True if it moved.
+bool move(const Domain& domain, const RawMesh& mesh, const Stars& stars, std::size_t node) {
+  const auto binding = mesh.binding[node];
+  const bool is_on_boundary = binding.freedom != Freedom::space;
+  const double longest = is_on_boundary ? std::max(max_stretch, stretch_at(domain, mesh, stars, node)) : 0;
+  return improve_node(
+      stars, node, worst_ratio(stars, node, refused), [&](Vec3 p) { return bound(domain, binding, p); },
+      [&](double ratio) {
+        return is_on_boundary && stretch_at(domain, mesh, stars, node) > longest ? refused : ratio;
+      });
+}
 
-  double worst_at(std::size_t node) const {
-    double worst = std::numeric_limits<double>::infinity();
-    for (auto i = cells_.offset[node]; i < cells_.offset[node + 1]; ++i)
-      worst = std::min(worst, geometry::mean_ratio(mesh_.points(cells_.cell[i])));
-    return worst;
+/// A pass over the nodes of all cells below `wanted`, whose mean ratios `quality` holds; the number of moves.
+int sweep(const Domain& domain, const RawMesh& mesh, const Stars& stars, double wanted, bool with_boundary,
+          std::vector<double>& quality) {
+  int moves = 0;
+  std::vector<char> is_bad(mesh.point.size(), 0);
+  for (std::size_t c = 0; c < mesh.cell.size(); ++c)
+    if (quality[c] < wanted)
+      for (const auto n : mesh.cell[c]) is_bad[static_cast<std::size_t>(n)] = 1;
+  for (std::size_t n = 0; n < mesh.point.size(); ++n) {
+    const auto freedom = mesh.binding[n].freedom;
+    const bool may_move = freedom == Freedom::space || (with_boundary && freedom != Freedom::none);
+    if (is_bad[n] == 0 || !may_move || !move(domain, mesh, stars, n)) continue;
+    ++moves;
+    for (const auto c : stars.at_node(n)) quality[c] = geometry::mean_ratio(mesh.points(c));
   }
+  return moves;
+}
 
-  /// Distance to the nearest neighbor.
-  double length_at(std::size_t node) const {
-    double shortest = std::numeric_limits<double>::infinity();
-    for (auto i = cells_.offset[node]; i < cells_.offset[node + 1]; ++i)
-      for (const auto other : mesh_.cell[cells_.cell[i]])
-        if (static_cast<std::size_t>(other) != node)
-          shortest = std::min(shortest, norm(mesh_.position(other) - mesh_.point[node]));
-    return shortest;
-  }
-
-  /// Largest ratio of an edge between this boundary node and another one to the length wanted in its middle.
-  double stretch_at(std::size_t node) const {
-    double worst = 0;
-    for (auto i = cells_.offset[node]; i < cells_.offset[node + 1]; ++i)
-      for (const auto other : mesh_.cell[cells_.cell[i]]) {
-        if (mesh_.binding[static_cast<std::size_t>(other)].freedom == Freedom::space) continue;
-        const Vec3 p = mesh_.point[node], q = mesh_.position(other);
-        worst = std::max(worst, norm(q - p) / domain_.size(midpoint(p, q)));
-      }
-    return worst;
-  }
-
-  bool move(std::size_t node) {
-    const Vec3 start = mesh_.point[node];
-    const double length = length_at(node);
-    const bool is_on_boundary = mesh_.binding[node].freedom != Freedom::space;
-    const double longest = is_on_boundary ? std::max(max_stretch, stretch_at(node)) : 0;
-    double best = worst_at(node);
-    Vec3 best_point = start;
-    for (double step = 0.2; step > 0.01; step *= 0.5) {
-      const Vec3 center = best_point;
-      for (int direction = 0; direction < 27; ++direction) {
-        const int x = direction % 3, y = direction / 3 % 3, z = direction / 9;
-        const Vec3 d{x - 1.0, y - 1.0, z - 1.0};
-        if (direction == 13) continue;
-        mesh_.point[node] = bound(domain_, mesh_.binding[node], center + step * length / norm(d) * d);
-        const double quality = worst_at(node);
-        if (quality > best && (!is_on_boundary || stretch_at(node) <= longest)) {
-          best = quality;
-          best_point = mesh_.point[node];
-        }
-      }
-    }
-    mesh_.point[node] = best_point;
-    if (best_point == start) return false;
-    for (auto i = cells_.offset[node]; i < cells_.offset[node + 1]; ++i)
-      quality_[cells_.cell[i]] = geometry::mean_ratio(mesh_.points(cells_.cell[i]));
-    return true;
-  }
-
-  const Domain& domain_;
-  RawMesh& mesh_;
-  NodeToCell cells_;
-  std::vector<double> quality_;
-};
+double min_of(const std::vector<double>& quality) { return *std::min_element(quality.begin(), quality.end()); }
 
 }  // namespace
 
@@ -153,12 +84,18 @@ double place_boundary(const Domain& domain, RawMesh& mesh) {
 }
 
 Improvement improve(const Domain& domain, RawMesh& mesh, const QualityGoal& goal) {
-  Optimizer optimizer(domain, mesh);
+  const Stars stars(mesh.point, mesh.cell);
+  std::vector<double> ratio;
+  for (std::size_t c = 0; c < mesh.cell.size(); ++c) ratio.push_back(geometry::mean_ratio(mesh.points(c)));
   Improvement result;
-  result.min_before = optimizer.worst();
-  result.moves = optimizer.sweeps(goal.wanted, goal.max_sweeps, false);
-  result.moves += optimizer.sweeps(goal.wanted, goal.max_sweeps, true);
-  result.min_after = optimizer.worst();
+  result.min_before = min_of(ratio);
+  for (const bool with_boundary : {false, true})
+    for (int i = 0; i < goal.max_sweeps && min_of(ratio) < goal.wanted; ++i) {
+      const int moved = sweep(domain, mesh, stars, goal.wanted, with_boundary, ratio);
+      result.moves += moved;
+      if (moved == 0) break;
+    }
+  result.min_after = min_of(ratio);
   for (std::size_t c = 0; c < mesh.cell.size(); ++c) {
     const auto p = mesh.points(c);
     const double quality = geometry::mean_ratio(p);
