@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <span>
 #include <utility>
 #include <variant>
 
@@ -17,166 +18,101 @@ namespace pamr::adapt {
 
 namespace {
 
-class Widener {
- public:
-  Widener(const par::Comm& comm, const WholeMesh& whole, const MeshPart& before, const Coverage& coverage)
-      : comm_(comm), whole_(whole), before_(before), coverage_(coverage), runs_(before, coverage) {}
+/// The nodes of a part that is widened: those of the whole mesh that it needs, and after them the new ones that the
+/// part before had.
+struct PartNodes {
+  std::vector<LocalId> of_whole;         ///< ascending
+  std::vector<LocalId> place_of_before;  ///< of the nodes of the whole mesh in the part before
+  std::size_t n_before = 0;              ///< nodes of the part before
 
-  MeshPart run() && {
-    const auto& [mesh, borders, cells] = whole_;
-    const auto& [requests, closure] = cells;
-    after_.mesh.info = was_empty() ? mesh.info : before_.mesh.info;
-    after_.mesh.info.cut_faces_conform = closure.cut_faces_conform;
-    after_.whole_cell = cells_of_whole(runs_, before_);
-    after_.requests = runs_.join<std::uint8_t>(requests, before_.requests);
-    after_.mesh.lineage = runs_.join<mesh::Lineage>(mesh.lineage, before_.mesh.lineage);
-    after_.mesh.cell_origin =
-        runs_.join<GlobalId>(mesh.cell_origin.empty() ? mesh.cell_global : mesh.cell_origin, before_.mesh.cell_origin);
-    after_.known = {runs_.join<refine::EdgeMask>(closure.marks, before_.known.marks),
-                    join_plans(runs_, cells, before_)};
-    find_nodes();
-    join_nodes();
-    join_links();
-    join_borders();
-    number_cells();
-    join_fields();
-    after_.is_cut = true;
-    return std::move(after_);
+  std::size_t size() const { return of_whole.size() + n_before - place_of_before.size(); }
+  LocalId place(bool is_of_whole, LocalId node) const {
+    if (is_of_whole)
+      return static_cast<LocalId>(std::lower_bound(of_whole.begin(), of_whole.end(), node) - of_whole.begin());
+    const auto n_old = place_of_before.size();
+    return at(node) < n_old ? place_of_before[at(node)] : static_cast<LocalId>(of_whole.size() + at(node) - n_old);
   }
-
- private:
-  bool was_empty() const { return !before_.is_cut; }
-
-  /// The nodes of the whole mesh that are needed, and where they were and are.
-  void find_nodes() {
-    auto& nodes = after_.whole_node;
-    const auto& old = before_.whole_node;
-    std::vector<LocalId> more;
-    for (const auto [first, count] : coverage_.ranges)
-      for (auto c = first; c < first + count; ++c)
-        for (const auto node : whole_.mesh.cell_to_node[at(c)]) more.push_back(node);
-    std::sort(more.begin(), more.end());
-    more.erase(std::unique(more.begin(), more.end()), more.end());
-    nodes.reserve(old.size() + more.size());
-    std::set_union(old.begin(), old.end(), more.begin(), more.end(), std::back_inserter(nodes));
-    place_of_old_node_.reserve(old.size());
-    for (LocalId place = 0; const auto node : old) {
-      while (nodes[at(place)] < node) ++place;
-      place_of_old_node_.push_back(place);
-    }
-  }
-
-  LocalId place_of_node(bool is_of_whole, LocalId node) const {
-    const auto& nodes = after_.whole_node;
-    if (is_of_whole) return static_cast<LocalId>(std::lower_bound(nodes.begin(), nodes.end(), node) - nodes.begin());
-    const auto n_old = place_of_old_node_.size();
-    return at(node) < n_old ? place_of_old_node_[at(node)] : static_cast<LocalId>(nodes.size() + at(node) - n_old);
-  }
-
-  void join_nodes() {
-    const auto& mesh = whole_.mesh;
-    auto& fine = after_.mesh;
-    const auto n_old = before_.whole_node.size(), n_before = before_.mesh.node_position.size();
-    reserve_array(fine.node_position, after_.whole_node.size() + n_before - n_old);
-    reserve_array(fine.node_global, after_.whole_node.size() + n_before - n_old);
-    for (const auto node : after_.whole_node) {
-      fine.node_position.push_back(mesh.node_position[at(node)]);
-      fine.node_global.push_back(mesh.node_global[at(node)]);
-    }
-    for (auto i = n_old; i < n_before; ++i) {
-      fine.node_position.push_back(before_.mesh.node_position[i]);
-      fine.node_global.push_back(before_.mesh.node_global[i]);
-    }
-    reserve_array(fine.cell_to_node, at(runs_.n_cells()));
-    for (const auto& run : runs_.all())
-      for (auto c = run.from; c < run.from + run.count; ++c) {
-        auto corners = (run.is_of_whole ? mesh : before_.mesh).cell_to_node[at(c)];
-        for (auto& node : corners) node = place_of_node(run.is_of_whole, node);
-        fine.cell_to_node.push_back(corners);
-      }
-  }
-
-  void join_links() {
-    reserve_array(after_.mesh.cell_to_cell, at(runs_.n_cells()));
-    for (const auto& run : runs_.all())
-      for (auto c = run.from; c < run.from + run.count; ++c)
-        after_.mesh.cell_to_cell.push_back(
-            run.is_of_whole ? links_of_whole(runs_, whole_.mesh, run, whole_.mesh.cell_to_cell[at(c)])
-                            : links_of_part(runs_, whole_.mesh, before_, c));
-  }
-
-  void join_borders() {
-    auto& fine = after_.mesh;
-    std::vector<std::uint8_t> mine;
-    for (const auto face : whole_.mesh.border_face) mine.push_back(runs_.has(face.cell) ? 1 : 0);
-    after_.has_face = par::Exchange(comm_, whole_.borders.faces).swap<std::uint8_t>(mine);
-    for (std::size_t k = 0; k < mine.size(); ++k) after_.has_face[k] = after_.has_face[k] != 0 && mine[k] != 0 ? 1 : 0;
-    auto border = join_border_faces(runs_, whole_.mesh, before_, after_.has_face);
-    fine.border_rank = std::move(border.border_rank);
-    fine.border_offset = std::move(border.border_offset);
-    fine.border_face = std::move(border.border_face);
-    for (LocalId k = 0; const auto face : fine.border_face)
-      fine.cell_to_cell[at(face.cell)][at(face.slot)] = runs_.n_cells() + k++;
-  }
-
-  void number_cells() {
-    auto& fine = after_.mesh;
-    fine.info.n_global_cells = number_in_order(comm_, runs_, whole_.mesh, before_, fine.cell_global);
-    fine.ghost_global = numbers_behind_border(comm_, fine);
-  }
-
-  void join_fields() {
-    const auto& fields = was_empty() ? whole_.mesh : before_.mesh;
-    for (const auto& field : fields.node_fields) {
-      auto& joined = after_.mesh.node_fields.emplace_back(
-          mesh::NodeField{field.name, field.unit, field.n_components, field.storage, {}});
-      const auto* of_whole = whole_.mesh.find_node_field(field.name);
-      if (field.holds_integers())
-        joined.value = join_nodal<std::int64_t>(of_whole, was_empty() ? nullptr : &field);
-      else
-        joined.value = join_nodal<double>(of_whole, was_empty() ? nullptr : &field);
-    }
-    for (const auto& field : fields.cell_fields) {
-      auto& joined = after_.mesh.cell_fields.emplace_back(
-          mesh::CellField{field.name, field.unit, field.n_components, field.storage, {}});
-      const auto* of_whole = whole_.mesh.find_cell_field(field.name);
-      if (field.holds_integers())
-        joined.value = join_cells<std::int64_t>(*of_whole, was_empty() ? nullptr : &field);
-      else
-        joined.value = join_cells<double>(*of_whole, was_empty() ? nullptr : &field);
-    }
-  }
-
-  /// Values of the nodes, 0 where the whole mesh does not have the field.
+  /// Rows of the nodes, `width` items each; zeros where there are none of the whole mesh.
   template <class T>
-  std::vector<T> join_nodal(const mesh::NodeField* of_whole, const mesh::NodeField* of_before) const {
-    const auto width = at((of_whole != nullptr ? of_whole : of_before)->n_components);
-    std::vector<T> values;
-    for (const auto node : after_.whole_node)
-      for (std::size_t k = 0; k < width; ++k)
-        values.push_back(of_whole == nullptr ? T{0} : std::get<std::vector<T>>(of_whole->value)[at(node) * width + k]);
-    if (of_before == nullptr) return values;
-    const auto& more = std::get<std::vector<T>>(of_before->value);
-    values.insert(values.end(), more.begin() + static_cast<std::ptrdiff_t>(before_.whole_node.size() * width),
-                  more.end());
-    return values;
+  std::vector<T> join(std::span<const T> whole, std::span<const T> before, std::size_t width = 1) const {
+    std::vector<T> rows;
+    reserve_array(rows, size() * width);
+    for (const auto node : of_whole)
+      for (std::size_t k = 0; k < width; ++k) rows.push_back(whole.empty() ? T{} : whole[at(node) * width + k]);
+    if (before.empty()) return rows;
+    const auto made = before.subspan(place_of_before.size() * width);
+    rows.insert(rows.end(), made.begin(), made.end());
+    return rows;
   }
-
-  template <class T>
-  std::vector<T> join_cells(const mesh::CellField& of_whole, const mesh::CellField* of_before) const {
-    std::span<const T> before;
-    if (of_before != nullptr) before = std::get<std::vector<T>>(of_before->value);
-    return runs_.join<T>(std::get<std::vector<T>>(of_whole.value), before, at(of_whole.n_components));
-  }
-
-  const par::Comm& comm_;
-  const WholeMesh& whole_;
-  const MeshPart& before_;
-  const Coverage& coverage_;
-  PartRuns runs_;
-  MeshPart after_;
-  std::vector<LocalId> place_of_old_node_;  ///< of the nodes of the whole mesh in the part before
 };
+
+PartNodes find_nodes(const mesh::DistMesh& mesh, const MeshPart& before, const Coverage& coverage) {
+  const auto& old = before.whole_node;
+  PartNodes nodes;
+  nodes.n_before = before.mesh.node_position.size();
+  std::vector<LocalId> more;
+  for (const auto [first, count] : coverage.ranges)
+    for (auto c = first; c < first + count; ++c)
+      for (const auto node : mesh.cell_to_node[at(c)]) more.push_back(node);
+  std::sort(more.begin(), more.end());
+  more.erase(std::unique(more.begin(), more.end()), more.end());
+  nodes.of_whole.reserve(old.size() + more.size());
+  std::set_union(old.begin(), old.end(), more.begin(), more.end(), std::back_inserter(nodes.of_whole));
+  nodes.place_of_before.reserve(old.size());
+  for (LocalId place = 0; const auto node : old) {
+    while (nodes.of_whole[at(place)] < node) ++place;
+    nodes.place_of_before.push_back(place);
+  }
+  return nodes;
+}
+
+std::vector<mesh::CellNodes> join_corners(const PartRuns& runs, const PartNodes& nodes, const mesh::DistMesh& whole,
+                                          const mesh::DistMesh& before) {
+  std::vector<mesh::CellNodes> cells;
+  reserve_array(cells, at(runs.n_cells()));
+  for (const auto& run : runs.all())
+    for (auto c = run.from; c < run.from + run.count; ++c) {
+      auto& corners = cells.emplace_back((run.is_of_whole ? whole : before).cell_to_node[at(c)]);
+      for (auto& node : corners) node = nodes.place(run.is_of_whole, node);
+    }
+  return cells;
+}
+
+std::vector<mesh::CellNeighbors> join_links(const PartRuns& runs, const mesh::DistMesh& whole, const MeshPart& before) {
+  std::vector<mesh::CellNeighbors> links;
+  reserve_array(links, at(runs.n_cells()));
+  for (const auto& run : runs.all())
+    for (auto c = run.from; c < run.from + run.count; ++c)
+      links.push_back(run.is_of_whole ? links_of_whole(runs, whole, run, whole.cell_to_cell[at(c)])
+                                      : links_of_part(runs, whole, before, c));
+  return links;
+}
+
+/// `MeshPart::has_face`. Collective: one exchange.
+std::vector<std::uint8_t> held_on_both_sides(const par::Comm& comm, const WholeMesh& whole, const PartRuns& runs) {
+  std::vector<std::uint8_t> mine;
+  for (const auto face : whole.mesh.border_face) mine.push_back(runs.has(face.cell) ? 1 : 0);
+  auto both = par::Exchange(comm, whole.borders.faces).swap<std::uint8_t>(mine);
+  for (std::size_t k = 0; k < mine.size(); ++k) both[k] = both[k] != 0 && mine[k] != 0 ? 1 : 0;
+  return both;
+}
+
+/// The field with rows joined by `runs_or_nodes` of those of the whole mesh, null if it has none, and of the part
+/// before, null if that was empty.
+template <class Rows>
+mesh::Field join_field(const Rows& runs_or_nodes, const mesh::Field* of_whole, const mesh::Field* of_before) {
+  const auto& field = of_before != nullptr ? *of_before : *of_whole;
+  mesh::Field joined{field.name, field.unit, field.n_components, field.storage, {}};
+  std::visit(
+      [&]<class T>(const std::vector<T>&) {
+        std::span<const T> whole, before;
+        if (of_whole != nullptr) whole = std::get<std::vector<T>>(of_whole->value);
+        if (of_before != nullptr) before = std::get<std::vector<T>>(of_before->value);
+        joined.value = runs_or_nodes.template join<T>(whole, before, at(field.n_components));
+      },
+      field.value);
+  return joined;
+}
 
 /// Cells that were reached and from which to go on.
 class Spread {
@@ -302,7 +238,43 @@ Coverage held_of(const Coverage& coverage) {
 }
 
 MeshPart widen(const par::Comm& comm, const WholeMesh& whole, const MeshPart& part, Coverage& coverage) {
-  auto wider = Widener(comm, whole, part, coverage).run();
+  const auto& [mesh, borders, cells] = whole;
+  const PartRuns runs(part, coverage);
+  auto nodes = find_nodes(mesh, part, coverage);
+  const bool was_empty = !part.is_cut;
+  MeshPart wider;
+  auto& fine = wider.mesh;
+  wider.is_cut = true;
+  wider.whole_cell = cells_of_whole(runs, part);
+  wider.requests = runs.join<std::uint8_t>(cells.requests, part.requests);
+  wider.known = {runs.join<refine::EdgeMask>(cells.closure.marks, part.known.marks), join_plans(runs, cells, part)};
+
+  fine.info = (was_empty ? mesh : part.mesh).info;
+  fine.info.cut_faces_conform = cells.closure.cut_faces_conform;
+  fine.lineage = runs.join<mesh::Lineage>(mesh.lineage, part.mesh.lineage);
+  fine.cell_origin =
+      runs.join<GlobalId>(mesh.cell_origin.empty() ? mesh.cell_global : mesh.cell_origin, part.mesh.cell_origin);
+  fine.node_position = nodes.join<geometry::Vec3>(mesh.node_position, part.mesh.node_position);
+  fine.node_global = nodes.join<GlobalId>(mesh.node_global, part.mesh.node_global);
+  fine.cell_to_node = join_corners(runs, nodes, mesh, part.mesh);
+  fine.cell_to_cell = join_links(runs, mesh, part);
+
+  wider.has_face = held_on_both_sides(comm, whole, runs);
+  auto border = join_border_faces(runs, mesh, part, wider.has_face);
+  fine.border_rank = std::move(border.border_rank);
+  fine.border_offset = std::move(border.border_offset);
+  fine.border_face = std::move(border.border_face);
+  for (LocalId k = 0; const auto face : fine.border_face)
+    fine.cell_to_cell[at(face.cell)][at(face.slot)] = runs.n_cells() + k++;
+  fine.info.n_global_cells = number_in_order(comm, runs, mesh, part, fine.cell_global);
+  fine.ghost_global = numbers_behind_border(comm, fine);
+
+  for (const auto& field : (was_empty ? mesh : part.mesh).node_fields)
+    fine.node_fields.push_back(join_field(nodes, mesh.find_node_field(field.name), was_empty ? nullptr : &field));
+  for (const auto& field : (was_empty ? mesh : part.mesh).cell_fields)
+    fine.cell_fields.push_back(join_field(runs, mesh.find_cell_field(field.name), was_empty ? nullptr : &field));
+  wider.whole_node = std::move(nodes.of_whole);
+
   for (const auto [first, count] : coverage.ranges)
     std::fill_n(coverage.of_cell.begin() + first, count, Coverage::held);
   coverage.ranges.clear();
