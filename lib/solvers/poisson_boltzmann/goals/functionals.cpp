@@ -18,197 +18,164 @@ using geometry::Vec3;
 
 namespace {
 
-class FunctionalsBuilder {
- public:
-  FunctionalsBuilder(const par::Comm& comm, const State& state, System& system,
-                     const std::vector<Electrode>& electrodes, const Layers& layers)
-      : comm_(comm),
-        state_(state),
-        problem_(state.problem),
-        system_(system),
-        electrodes_(electrodes),
-        layers_(layers),
-        excess_(excess_of(state)) {}
-
-  Functionals build() {
-    result_.patches = surface_results(comm_, state_, electrodes_, layers_);
-    for (const auto& goal : problem_.input.estimator.goals) result_.goals.emplace_back().goal = goal;
-    for (const auto& electrode : electrodes_) add_volume_form(electrode);
-    add_midplane_form();
-    result_.energy = energy_of(comm_, state_, excess_);
-    for (auto& goal : result_.goals) {
-      if (goal.goal.kind == Goal::Kind::charge) set_charge_goal(goal);
-      if (goal.goal.kind == Goal::Kind::energy) set_energy_goal(goal);
-    }
-    withdraw_lost_values();
-    return std::move(result_);
+/// Where the layer of a body is not resolved at all, the potential beyond it is too high as well, and with it every
+/// form of the force. The goals keep their derivatives, so that marking by them goes on.
+void withdraw_lost_values(Functionals& result) {
+  bool any = false;
+  for (auto& patch : result.patches) {
+    if (patch.electrode == nullptr || !patch.layer.is_lost || patch.layer.is_known) continue;
+    any = true;
+    patch.volume.reset();
+    patch.torque.reset();
+    patch.midplane.reset();
+    patch.no_volume = "its layer is not resolved";
+    for (auto& goal : result.goals)
+      if (goal.goal.body == patch.name) goal.value.reset();
   }
+  for (auto& goal : result.goals)
+    if (any && goal.goal.body.empty()) goal.value.reset();
+}
 
- private:
-  /// Where the layer of a body is not resolved at all, the potential beyond it is too high as well, and with it every
-  /// form of the force. The goals keep their derivatives, so that marking by them goes on.
-  void withdraw_lost_values() {
-    bool any = false;
-    for (auto& patch : result_.patches) {
-      if (patch.electrode == nullptr || !patch.layer.is_lost || patch.layer.is_known) continue;
-      any = true;
-      patch.volume.reset();
-      patch.torque.reset();
-      patch.midplane.reset();
-      patch.no_volume = "its layer is not resolved";
-      for (auto& goal : result_.goals)
-        if (goal.goal.body == patch.name) goal.value.reset();
-    }
-    for (auto& goal : result_.goals)
-      if (any && goal.goal.body.empty()) goal.value.reset();
+PatchResult& result_named(const std::string& name, Functionals& result) {
+  return *std::find_if(result.patches.begin(), result.patches.end(),
+                       [&](const PatchResult& patch) { return patch.name == name; });
+}
+
+void set_volume_goal(const par::Comm& comm, const State& state, const Electrode& electrode, const PatchResult& patch,
+                     const CutOff& cut_off, GoalFunctional& goal) {
+  const bool is_linear = !state.problem.domain.quadratic;
+  const bool is_torque = goal.goal.kind == Goal::Kind::torque;
+  if (!is_torque && goal.goal.kind != Goal::Kind::force) return;
+  const auto axis = at(goal.goal.axis);
+  const auto& mirrors = electrode.mirrors;
+  goal.value = is_torque ? (*patch.torque)[axis] : (*patch.volume)[axis];
+  goal.through_walls = is_torque || !is_linear ? 0 : patch.through_walls[axis];
+  goal.factor = mirrors.factor;
+  const Component component{goal.goal.axis, is_torque, electrode.center};
+  goal.load = volume_form_derivative(comm, state, cut_off.chi, cut_off.open_walls, component);
+  if (!is_linear) {
+    goal.squares = quadratic_volume_form_remainder(state, cut_off.chi, cut_off.open_walls, component);
+    goal.remainder = par::reproducible_sum(comm, goal.squares);
+  } else {
+    goal.remainder = volume_form_remainder(comm, state, cut_off.chi, component);
   }
+}
 
-  PatchResult& result_named(const std::string& name) {
-    return *std::find_if(result_.patches.begin(), result_.patches.end(),
-                         [&](const PatchResult& patch) { return patch.name == name; });
+void add_volume_form(const par::Comm& comm, const State& state, System& system, const Electrode& electrode,
+                     Functionals& result) {
+  auto& patch = result_named(electrode.name, result);
+  const auto cut_off = make_cut_off(comm, state.problem, system, electrode);
+  patch.no_volume = cut_off.reason;
+  patch.inner = cut_off.inner;
+  patch.outer = cut_off.outer;
+  std::optional<VolumeForm> form;
+  if (cut_off.reason.empty()) {
+    form = volume_form(comm, state, cut_off.chi, cut_off.open_walls, electrode.center);
+    patch.volume = electrode.mirrors.complete(form->force);
+    patch.torque = electrode.mirrors.complete_torque(form->torque);
+    patch.through_walls = electrode.mirrors.complete(form->through_walls);
   }
+  for (auto& goal : result.goals)
+    if (goal.goal.body == electrode.name) set_volume_goal(comm, state, electrode, patch, cut_off, goal);
+}
 
-  void add_volume_form(const Electrode& electrode) {
-    auto& patch = result_named(electrode.name);
-    const auto cut_off = make_cut_off(comm_, problem_, system_, electrode);
-    patch.no_volume = cut_off.reason;
-    patch.inner = cut_off.inner;
-    patch.outer = cut_off.outer;
-    std::optional<VolumeForm> form;
-    if (cut_off.reason.empty()) {
-      form = volume_form(comm_, state_, cut_off.chi, cut_off.open_walls, electrode.center);
-      patch.volume = electrode.mirrors.complete(form->force);
-      patch.torque = electrode.mirrors.complete_torque(form->torque);
-      patch.through_walls = electrode.mirrors.complete(form->through_walls);
-    }
-    for (auto& goal : result_.goals)
-      if (goal.goal.body == electrode.name) set_volume_goal(goal, electrode, patch, cut_off);
+/// The force through the mirror acts on everything on this side that does not reach through it: on one body, if all
+/// electrodes that the mirror does not cut are its patches.
+void add_midplane_form(const par::Comm& comm, const State& state, const Excess& excess,
+                       const std::vector<Electrode>& electrodes, Functionals& result) {
+  const auto& domain = state.problem.domain;
+  const auto& name = state.problem.input.force.midplane;
+  if (name.empty()) return;
+  const int number = domain.patch_number(name);
+  const auto& shape = domain.patches[at(number)];
+  const double factor = state.mirrors[at(number)].factor;
+  const double force = factor * midplane_force(comm, state, excess, number);
+  double outward = 0;
+  for (const auto& face : domain.faces)
+    if (face.patch == number) outward = face.normal[at(shape.axis)];
+  Vec3 direction;
+  direction[at(shape.axis)] = comm.max(outward) > 0 ? -1 : 1;
+
+  std::uint64_t pushed = 0;
+  for (const auto& electrode : electrodes)
+    if ((electrode.mirrors.neighbors >> static_cast<unsigned>(number) & 1U) == 0) pushed |= electrode.patches;
+  auto* patch = &result_named(name, result);
+  std::string names;
+  for (const auto& electrode : electrodes) {
+    if (electrode.patches == pushed) patch = &result_named(electrode.name, result);
+    const bool is_part = (electrode.patches & ~pushed) == 0 && domain.patch_number(electrode.name) >= 0;
+    if (is_part) names += (names.empty() ? "" : ", ") + electrode.name;
   }
-
-  void set_volume_goal(GoalFunctional& goal, const Electrode& electrode, const PatchResult& patch,
-                       const CutOff& cut_off) {
-    const bool is_torque = goal.goal.kind == Goal::Kind::torque;
-    if (!is_torque && goal.goal.kind != Goal::Kind::force) return;
-    const auto axis = at(goal.goal.axis);
-    const auto& mirrors = electrode.mirrors;
-    goal.value = is_torque ? (*patch.torque)[axis] : (*patch.volume)[axis];
-    goal.through_walls = is_torque || problem_.domain.quadratic ? 0 : patch.through_walls[axis];
-    goal.factor = mirrors.factor;
-    const Component component{goal.goal.axis, is_torque, electrode.center};
-    goal.load = volume_form_derivative(comm_, state_, cut_off.chi, cut_off.open_walls, component);
-    if (problem_.domain.quadratic) {
-      goal.squares = quadratic_volume_form_remainder(state_, cut_off.chi, cut_off.open_walls, component);
-      goal.remainder = par::reproducible_sum(comm_, goal.squares);
+  patch->midplane = force * direction;
+  if (patch->electrode == nullptr && !names.empty())
+    result.no_midplane = fmt::format("what passes the mid-plane acts on all of {} together, not on one of them", names);
+  for (auto& goal : result.goals) {
+    if (goal.goal.kind != Goal::Kind::midplane) continue;
+    goal.value = force;
+    goal.factor = factor;
+    goal.load = midplane_derivative(comm, state, excess, number);
+    if (domain.quadratic) {
+      goal.squares = quadratic_midplane_remainder(state, number);
+      goal.remainder = par::reproducible_sum(comm, goal.squares);
     } else {
-      goal.remainder = volume_form_remainder(comm_, state_, cut_off.chi, component);
+      goal.remainder = midplane_remainder(comm, state, number);
     }
   }
+}
 
-  /// The force through the mirror acts on everything on this side that does not reach through it: on one body, if all
-  /// electrodes that the mirror does not cut are its patches.
-  void add_midplane_form() {
-    const auto& domain = problem_.domain;
-    const auto& name = problem_.input.force.midplane;
-    if (name.empty()) return;
-    const int number = domain.patch_number(name);
-    const auto& shape = domain.patches[at(number)];
-    const double factor = state_.mirrors[at(number)].factor;
-    const double force = factor * midplane_force(comm_, state_, excess_, number);
-    double outward = 0;
-    for (const auto& face : domain.faces)
-      if (face.patch == number) outward = face.normal[at(shape.axis)];
-    Vec3 direction;
-    direction[at(shape.axis)] = comm_.max(outward) > 0 ? -1 : 1;
-
-    std::uint64_t pushed = 0;
-    for (const auto& electrode : electrodes_)
-      if ((electrode.mirrors.neighbors >> static_cast<unsigned>(number) & 1U) == 0) pushed |= electrode.patches;
-    auto* patch = &result_named(name);
-    std::string names;
-    for (const auto& electrode : electrodes_) {
-      if (electrode.patches == pushed) patch = &result_named(electrode.name);
-      const bool is_part = (electrode.patches & ~pushed) == 0 && domain.patch_number(electrode.name) >= 0;
-      if (is_part) names += (names.empty() ? "" : ", ") + electrode.name;
+void set_charge_goal(const Problem& problem, const std::vector<Electrode>& electrodes,
+                     const std::vector<PatchResult>& results, GoalFunctional& goal) {
+  const auto& deciding = problem.conditions.deciding_patch;
+  const auto electrode =
+      std::find_if(electrodes.begin(), electrodes.end(), [&](const Electrode& e) { return e.name == goal.goal.body; });
+  const bool is_body = electrode != electrodes.end();
+  goal.load.assign(deciding.size(), 0);
+  goal.fixed.assign(deciding.size(), 0);
+  const auto& patches = problem.domain.mesh->info.patches;
+  for (std::size_t p = 0; p < patches.size(); ++p) {
+    const bool is_part = is_body ? electrode->has(static_cast<int>(p)) : patches[p].name == goal.goal.body;
+    for (std::size_t i = 0; i < deciding.size(); ++i)
+      if (is_part && deciding[i] == static_cast<int>(p)) goal.fixed[i] = 1;
+  }
+  for (const auto& patch : results)
+    if (patch.name == goal.goal.body) {
+      goal.value = patch.charge;
+      goal.factor = patch.symmetry_factor;
     }
-    patch->midplane = force * direction;
-    if (patch->electrode == nullptr && !names.empty())
-      result_.no_midplane =
-          fmt::format("what passes the mid-plane acts on all of {} together, not on one of them", names);
-    for (auto& goal : result_.goals) {
-      if (goal.goal.kind != Goal::Kind::midplane) continue;
-      goal.value = force;
-      goal.factor = factor;
-      goal.load = midplane_derivative(comm_, state_, excess_, number);
-      if (domain.quadratic) {
-        goal.squares = quadratic_midplane_remainder(state_, number);
-        goal.remainder = par::reproducible_sum(comm_, goal.squares);
-      } else {
-        goal.remainder = midplane_remainder(comm_, state_, number);
-      }
+}
+
+/// Given charges and, at the far field, the flux of the profile, lumped. Collective: one exchange.
+std::vector<double> fluxes_without_profile(const par::Comm& comm, const Problem& problem) {
+  const auto& domain = problem.domain;
+  std::vector<double> result(domain.point.size(), 0);
+  for (const auto& face : domain.faces) {
+    const auto* b = problem.input.find_boundary(domain.mesh->info.patches[at(face.patch)].name);
+    for (const auto node : face.node) {
+      const auto i = at(node);
+      if (b->condition == Condition::charge) result[i] += face.area / 3 * b->value;
+      if (b->condition == Condition::far_field)
+        result[i] += face.area / 3 * face.normal.z * problem.split_slope(domain.point[i].z);
     }
   }
+  domain.nodes.sum_copies(comm, result);
+  return result;
+}
 
-  void set_charge_goal(GoalFunctional& goal) const {
-    const auto& deciding = problem_.conditions.deciding_patch;
-    const auto electrode = std::find_if(electrodes_.begin(), electrodes_.end(),
-                                        [&](const Electrode& e) { return e.name == goal.goal.body; });
-    const bool is_body = electrode != electrodes_.end();
-    goal.load.assign(deciding.size(), 0);
-    goal.fixed.assign(deciding.size(), 0);
-    const auto& patches = problem_.domain.mesh->info.patches;
-    for (std::size_t p = 0; p < patches.size(); ++p) {
-      const bool is_part = is_body ? electrode->has(static_cast<int>(p)) : patches[p].name == goal.goal.body;
-      for (std::size_t i = 0; i < deciding.size(); ++i)
-        if (is_part && deciding[i] == static_cast<int>(p)) goal.fixed[i] = 1;
-    }
-    for (const auto& patch : result_.patches)
-      if (patch.name == goal.goal.body) {
-        goal.value = patch.charge;
-        goal.factor = patch.symmetry_factor;
-      }
+/// The energy is stationary but for given charges and the far field: its derivative is what these add.
+void set_energy_goal(const par::Comm& comm, const State& state, const Energy& energy, GoalFunctional& goal) {
+  const auto& problem = state.problem;
+  const auto& conditions = problem.conditions;
+  goal.value = problem.input.split ? energy.excess : energy.total;
+  if (problem.domain.quadratic) {
+    goal.load = quadratic_energy_derivative(comm, state);
+    for (std::size_t i = 0; i < conditions.fixed.size(); ++i)
+      if (conditions.fixed[i] != 0) goal.load[i] = 0;
+    return;
   }
-
-  /// The energy is stationary but for given charges and the far field: its derivative is what these add.
-  void set_energy_goal(GoalFunctional& goal) const {
-    const auto& conditions = problem_.conditions;
-    goal.value = problem_.input.split ? result_.energy.excess : result_.energy.total;
-    if (problem_.domain.quadratic) {
-      goal.load = quadratic_energy_derivative(comm_, state_);
-      for (std::size_t i = 0; i < conditions.fixed.size(); ++i)
-        if (conditions.fixed[i] != 0) goal.load[i] = 0;
-      return;
-    }
-    goal.load = problem_.input.split ? fluxes_without_profile() : conditions.load;
-    for (std::size_t i = 0; i < goal.load.size(); ++i)
-      goal.load[i] = conditions.fixed[i] != 0 ? 0 : goal.load[i] - conditions.robin[i] * state_.u[i];
-  }
-
-  /// Given charges and, at the far field, the flux of the profile, lumped. Collective: one exchange.
-  std::vector<double> fluxes_without_profile() const {
-    const auto& domain = problem_.domain;
-    std::vector<double> result(domain.point.size(), 0);
-    for (const auto& face : domain.faces) {
-      const auto* b = problem_.input.find_boundary(domain.mesh->info.patches[at(face.patch)].name);
-      for (const auto node : face.node) {
-        const auto i = at(node);
-        if (b->condition == Condition::charge) result[i] += face.area / 3 * b->value;
-        if (b->condition == Condition::far_field)
-          result[i] += face.area / 3 * face.normal.z * problem_.split_slope(domain.point[i].z);
-      }
-    }
-    domain.nodes.sum_copies(comm_, result);
-    return result;
-  }
-
-  const par::Comm& comm_;
-  const State& state_;
-  const Problem& problem_;
-  System& system_;
-  const std::vector<Electrode>& electrodes_;
-  const Layers& layers_;
-  Excess excess_;
-  Functionals result_;
-};
+  goal.load = problem.input.split ? fluxes_without_profile(comm, problem) : conditions.load;
+  for (std::size_t i = 0; i < goal.load.size(); ++i)
+    goal.load[i] = conditions.fixed[i] != 0 ? 0 : goal.load[i] - conditions.robin[i] * state.u[i];
+}
 
 /// The mirrors must leave that component of a force or torque, and the body must have a volume form.
 void require_component(const Problem& problem, const Goal& goal, const Electrode& electrode) {
@@ -256,7 +223,19 @@ void require_goals(const par::Comm& comm, const Problem& problem) {
 
 Functionals find_functionals(const par::Comm& comm, const State& state, System& system,
                              const std::vector<Electrode>& electrodes, const Layers& layers) {
-  return FunctionalsBuilder(comm, state, system, electrodes, layers).build();
+  const auto excess = excess_of(state);
+  Functionals result;
+  result.patches = surface_results(comm, state, electrodes, layers);
+  for (const auto& goal : state.problem.input.estimator.goals) result.goals.emplace_back().goal = goal;
+  for (const auto& electrode : electrodes) add_volume_form(comm, state, system, electrode, result);
+  add_midplane_form(comm, state, excess, electrodes, result);
+  result.energy = energy_of(comm, state, excess);
+  for (auto& goal : result.goals) {
+    if (goal.goal.kind == Goal::Kind::charge) set_charge_goal(state.problem, electrodes, result.patches, goal);
+    if (goal.goal.kind == Goal::Kind::energy) set_energy_goal(comm, state, result.energy, goal);
+  }
+  withdraw_lost_values(result);
+  return result;
 }
 
 }  // namespace pamr::poisson_boltzmann
