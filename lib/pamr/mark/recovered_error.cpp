@@ -7,14 +7,12 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <span>
-#include <string>
 
 #include "pamr/base/error.hpp"
 #include "pamr/base/index.hpp"
 #include "pamr/geometry/tet_shape.hpp"
+#include "pamr/mark/recovery.hpp"
 #include "pamr/mesh/borders.hpp"
-#include "pamr/mesh/tet.hpp"
 #include "pamr/par/exchange.hpp"
 #include "pamr/par/reproducible_sum.hpp"
 
@@ -23,14 +21,6 @@ namespace pamr::mark {
 namespace {
 
 using geometry::Vec3;
-
-/// Volume and volume-weighted gradient of the cells around a node.
-using Sums = std::array<std::int64_t, 4>;
-using Exponents = std::array<int, 4>;
-
-/// Bits that a term has at most in fixed point: 2^15 of them fit.
-constexpr int term_bits = 48;
-constexpr int no_exponent = std::numeric_limits<int>::min() / 2;
 
 const std::vector<double>& require_nodal(const par::Comm& comm, const mesh::DistMesh& mesh, std::string_view name) {
   const auto* field = mesh.find_node_field(name);
@@ -48,111 +38,36 @@ const std::vector<double>& require_nodal(const par::Comm& comm, const mesh::Dist
   return value;
 }
 
-/// Gradient of the linear function that takes the given values in the corners. The terms are added in the order of the
-/// corners' coordinates, so that it does not depend on their numbering.
-Vec3 gradient(const geometry::TetPoints& p, const std::array<double, 4>& value, double volume) {
-  std::array<std::size_t, 4> order{0, 1, 2, 3};
-  std::sort(order.begin(), order.end(), [&](auto i, auto j) { return geometry::lexicographically_less(p[i], p[j]); });
-  Vec3 sum;
-  for (const auto i : order) {
-    auto corner = mesh::tet::face_to_corner[i];  // its outward normal points away from corner i
-    std::array<Vec3, 3> q;
-    for (std::size_t k = 0; k < 3; ++k) q[k] = p[at(corner[k])];
-    // Turn the face so that it begins with its first corner by coordinates: the same bits whatever the numbering.
-    std::rotate(q.begin(), std::min_element(q.begin(), q.end(), geometry::lexicographically_less), q.end());
-    sum = sum + (value[i] - value[order[0]]) * cross(q[1] - q[0], q[2] - q[0]);
-  }
-  return (-1.0 / (6.0 * volume)) * sum;
-}
-
-struct CellGradient {
-  Vec3 gradient;
-  double volume = 0;
-  std::array<double, 4> weighted() const {
-    return {volume, volume * gradient.x, volume * gradient.y, volume * gradient.z};
-  }
-};
-
-int exponent_of(double value) {
-  if (value == 0) return no_exponent;
-  int exponent = 0;
-  std::frexp(value, &exponent);
-  return exponent;
-}
-
-/// Recovered gradient at each node: fixed-point sums whose unit is set by the largest term at the node.
-std::vector<Vec3> recover(const par::Comm& comm, const mesh::DistMesh& mesh, const std::vector<CellGradient>& cells) {
-  const auto borders = mesh::find_borders(comm, mesh);
-  const par::Exchange exchange(comm, borders.nodes);
-  std::vector<Exponents> exponent(mesh.node_position.size(), {no_exponent, no_exponent, no_exponent, no_exponent});
-  for (std::size_t c = 0; c < cells.size(); ++c) {
-    const auto term = cells[c].weighted();
-    for (const LocalId node : mesh.cell_to_node[c])
-      for (std::size_t k = 0; k < 4; ++k) {
-        auto& e = exponent[at(node)][k];
-        e = std::max(e, exponent_of(term[k]));
-      }
-  }
-  par::fold_shared(exchange, exponent, [](Exponents& mine, const Exponents& theirs) {
-    for (std::size_t k = 0; k < 4; ++k) mine[k] = std::max(mine[k], theirs[k]);
-  });
-
-  std::vector<Sums> sum(mesh.node_position.size(), Sums{});
-  for (std::size_t c = 0; c < cells.size(); ++c) {
-    const auto term = cells[c].weighted();
-    for (const LocalId node : mesh.cell_to_node[c])
-      for (std::size_t k = 0; k < 4; ++k)
-        if (term[k] != 0)
-          sum[at(node)][k] +=
-              static_cast<std::int64_t>(std::nearbyint(std::ldexp(term[k], term_bits - exponent[at(node)][k])));
-  }
-  par::fold_shared(exchange, sum, [](Sums& mine, const Sums& theirs) {
-    for (std::size_t k = 0; k < 4; ++k) mine[k] += theirs[k];
-  });
-
-  std::vector<Vec3> result(sum.size());
-  for (std::size_t n = 0; n < sum.size(); ++n) {
-    const auto value = [&](std::size_t k) {
-      return sum[n][k] == 0 ? 0.0 : std::ldexp(static_cast<double>(sum[n][k]), exponent[n][k] - term_bits);
-    };
-    if (sum[n][0] > 0) result[n] = {value(1) / value(0), value(2) / value(0), value(3) / value(0)};
-  }
-  return result;
-}
-
 }  // namespace
 
 RecoveredError recovered_error(const par::Comm& comm, const mesh::DistMesh& mesh, std::string_view field) {
   const auto& value = require_nodal(comm, mesh, field);
-  std::vector<CellGradient> cells(mesh.cell_to_node.size());
-  for (std::size_t c = 0; c < cells.size(); ++c) {
+  const auto n_cells = mesh.cell_to_node.size();
+  std::vector<double> volume(n_cells);
+  std::vector<Vec3> gradient(n_cells);
+  for (std::size_t c = 0; c < n_cells; ++c) {
     const auto p = mesh.points(static_cast<LocalId>(c));
     std::array<double, 4> at_corner{};
     for (std::size_t k = 0; k < 4; ++k) at_corner[k] = value[at(mesh.cell_to_node[c][k])];
-    cells[c].volume = geometry::volume(p);
-    cells[c].gradient = gradient(p, at_corner, cells[c].volume);
+    volume[c] = geometry::volume(p);
+    gradient[c] = linear_gradient(p, at_corner, volume[c]);
   }
-  const auto recovered = recover(comm, mesh, cells);
+  const auto borders = mesh::find_borders(comm, mesh);
+  const auto recovered = nodal_means<Vec3>(par::Exchange(comm, borders.nodes), mesh.node_position.size(),
+                                           mesh.cell_to_node, volume, gradient);
 
   RecoveredError result;
-  result.squared.resize(cells.size());
+  result.squared.resize(n_cells);
   std::array<par::ExactSum, 2> sums;
-  for (std::size_t c = 0; c < cells.size(); ++c) {
-    std::array<double, 4> squares{};
+  for (std::size_t c = 0; c < n_cells; ++c) {
     auto order = mesh.cell_to_node[c];
     std::sort(order.begin(), order.end(),
               [&](LocalId i, LocalId j) { return geometry::lexicographically_less(mesh.point(i), mesh.point(j)); });
-    Vec3 total;
-    for (std::size_t k = 0; k < 4; ++k) {
-      const auto difference = recovered[at(order[k])] - cells[c].gradient;
-      total = total + difference;
-      squares[k] = squared_norm(difference);
-    }
-    // Integral of the product of two corner functions: V/20, V/10 of one with itself.
-    const double sum = ((squares[0] + squares[1]) + squares[2]) + squares[3];
-    result.squared[c] = cells[c].volume / 20.0 * (sum + squared_norm(total));
+    std::array<Vec3, 4> difference;
+    for (std::size_t k = 0; k < 4; ++k) difference[k] = recovered[at(order[k])] - gradient[c];
+    result.squared[c] = integral_of_product(volume[c], difference, difference);
     sums[0].add(result.squared[c]);
-    sums[1].add(cells[c].volume * squared_norm(cells[c].gradient));
+    sums[1].add(volume[c] * squared_norm(gradient[c]));
   }
   const auto totals = par::reproducible_sums(comm, sums);
   result.total_squared = totals[0];

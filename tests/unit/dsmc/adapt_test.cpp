@@ -2,6 +2,7 @@
 // Meshes that change under a gas.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 #include <set>
@@ -312,6 +313,33 @@ TEST(DensityScale, IsTheLengthOfAnExponentialAndEndlessWhereNothingChanges) {
     }
   for (const double one : density_scale(comm, mesh, std::vector<double>(x.size(), 3e19))) EXPECT_GT(one, 1e9);
   for (const double one : density_scale(comm, mesh, std::vector<double>(x.size(), 0.0))) EXPECT_EQ(one, 1e30);
+}
+
+TEST(DensityScale, IsAsGoodInSmallCellsBesideLargeOnes) {
+  // Each layer of cells is ten times as thick as the one before: nodes see the same cells but for that scale, so that
+  // means at nodes of a density like x are like x, and x is the length.
+  const par::Comm comm(MPI_COMM_WORLD);
+  constexpr int n = 20;
+  auto block = test::kuhn_cube(comm, n);
+  for (auto& p : block.node_position) p.x = p.x > 0 ? std::pow(10.0, std::round(n * p.x) - n) : 0;
+  const auto mesh = assemble::assemble(comm, std::move(block));
+  std::vector<double> density, x;
+  std::vector<bool> is_inside;
+  for (LocalId c = 0; c < mesh.n_cells(); ++c) {
+    const auto p = mesh.points(c);
+    x.push_back(0.25 * (p[0].x + p[1].x + p[2].x + p[3].x));
+    density.push_back(1e20 * x.back());
+    is_inside.push_back(std::all_of(p.begin(), p.end(), [](Vec3 q) {
+      return q.x > 5e-19 && q.x < 0.5 && std::min({q.y, q.z, 1 - q.y, 1 - q.z}) > 0.01;
+    }));
+  }
+
+  const auto scale = density_scale(comm, mesh, density);
+
+  for (std::size_t c = 0; c < scale.size(); ++c)
+    if (is_inside[c]) {
+      ASSERT_NEAR(scale[c], x[c], 1e-11 * x[c]);
+    }
 }
 
 TEST(SplitOptions, RefusesWhatIsNoCriterion) {

@@ -13,9 +13,9 @@ namespace pamr::dsmc {
 /// there is no gas, and at most that.
 ///
 /// The density at a node is that of all gas in the cells around it, the gradient that of the linear function through
-/// the corners of a cell: so the noise of one cell counts little. Sums at nodes are made in fixed point, so the result
-/// has the same bits on any number of ranks. `density`: 1/m3, one entry per own cell. Collective: finds the shared
-/// nodes, one exchange and one reduction.
+/// the corners of a cell (`mark::nodal_means`, `mark::linear_gradient`): so the noise of one cell counts little, and
+/// the result has the same bits on any number of ranks. `density`: 1/m3, one entry per own cell. Collective: finds the
+/// shared nodes, two exchanges.
 std::vector<double> density_scale(const par::Comm& comm, const mesh::DistMesh& mesh, std::span<const double> density);
 
 }  // namespace pamr::dsmc

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "pamr/base/index.hpp"
+#include "pamr/mark/recovery.hpp"
 #include "pamr/mesh/tet.hpp"
 #include "pamr/par/reproducible_sum.hpp"
 #include "solvers/poisson_boltzmann/fem/quadrature.hpp"
@@ -38,37 +39,25 @@ std::vector<Vec3> cell_gradients(const Domain& domain, std::span<const double> v
 std::vector<Vec3> recover(const par::Comm& comm, const Domain& domain, std::span<const Vec3> cell_gradient,
                           Recovery recovery) {
   const auto& cells = domain.mesh->cell_to_node;
-  const bool is_plain = recovery == Recovery::plain;
-  std::vector<Vec3> sum(domain.point.size());
-  std::vector<double> n_around(is_plain ? domain.point.size() : 0, 0);
-  for (std::size_t c = 0; c < cells.size(); ++c) {
-    const auto part = (is_plain ? 1 : geometry::volume(domain.points(c))) * cell_gradient[c];
-    for (const auto node : cells[c]) sum[at(node)] += part;
-    if (!is_plain) continue;
-    for (const auto node : cells[c]) ++n_around[at(node)];
-  }
-  domain.nodes.sum_copies(comm, sum);
-  if (is_plain) domain.nodes.sum_copies(comm, n_around);
-  for (std::size_t i = 0; i < sum.size(); ++i) {
-    const double weight = is_plain ? n_around[i] : 4 * domain.node_volume[i];
-    if (weight > 0) sum[i] = (1 / weight) * sum[i];
-  }
-  return sum;
+  std::vector<double> weight(cells.size(), 1);
+  if (recovery == Recovery::volume_weighted)
+    for (std::size_t c = 0; c < cells.size(); ++c) weight[c] = geometry::volume(domain.points(c));
+  return mark::nodal_means<Vec3>(par::Exchange(comm, domain.nodes.shared()), domain.point.size(), cells, weight,
+                                 cell_gradient);
 }
 
 namespace {
 
+std::array<Vec3, 4> differences(const mesh::CellNodes& nodes, std::span<const Vec3> recovered, Vec3 cell_gradient) {
+  std::array<Vec3, 4> result;
+  for (std::size_t k = 0; k < 4; ++k) result[k] = recovered[at(nodes[k])] - cell_gradient;
+  return result;
+}
+
 /// Integral over a cell of the squared difference of the recovered gradient and that of the cell.
 double squared_error(const mesh::CellNodes& nodes, double volume, Vec3 cell_gradient, std::span<const Vec3> recovered) {
-  Vec3 total;
-  double squares = 0;
-  for (const auto node : nodes) {
-    const auto difference = recovered[at(node)] - cell_gradient;
-    total += difference;
-    squares += squared_norm(difference);
-  }
-  // Integral of the product of two corner functions: V/20, V/10 of one with itself.
-  return volume / 20 * (squares + squared_norm(total));
+  const auto difference = differences(nodes, recovered, cell_gradient);
+  return mark::integral_of_product(volume, difference, difference);
 }
 
 }  // namespace
@@ -150,20 +139,11 @@ GoalError goal_error(const par::Comm& comm, const Problem& problem, const GoalIn
   std::array<par::ExactSum, 1> sum;
   for (std::size_t c = 0; c < cells.size(); ++c) {
     const double volume = geometry::volume(domain.points(c));
-    Vec3 total_u, total_w;
-    double squares_u = 0, squares_w = 0, products = 0;
-    for (const auto node : cells[c]) {
-      const auto i = at(node);
-      const auto error_u = in.recovered_u[i] - in.gradient_u[c], error_w = in.recovered_w[i] - in.gradient_w[c];
-      total_u += error_u;
-      total_w += error_w;
-      squares_u += squared_norm(error_u);
-      squares_w += squared_norm(error_w);
-      products += dot(error_u, error_w);
-    }
-    const double part = volume / 20;  // integral of the product of two corner functions
-    double correction = part * (products + dot(total_u, total_w));
-    result.share[c] = part * std::sqrt((squares_u + squared_norm(total_u)) * (squares_w + squared_norm(total_w)));
+    const auto error_u = differences(cells[c], in.recovered_u, in.gradient_u[c]);
+    const auto error_w = differences(cells[c], in.recovered_w, in.gradient_w[c]);
+    double correction = mark::integral_of_product(volume, error_u, error_w);
+    result.share[c] = std::sqrt(mark::integral_of_product(volume, error_u, error_u) *
+                                mark::integral_of_product(volume, error_w, error_w));
     if (is_nodal) {
       const double excess = nodal_excess(problem, c, in.u, [&](double u, double psi0, const auto& weight_of_corner) {
         double w = 0;

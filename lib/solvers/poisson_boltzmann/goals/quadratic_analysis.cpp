@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "pamr/base/index.hpp"
+#include "pamr/mark/recovery.hpp"
 #include "solvers/poisson_boltzmann/fem/quadratic_elements.hpp"
 #include "solvers/poisson_boltzmann/goals/wall_stress.hpp"
 
@@ -46,23 +47,15 @@ OfFaceNodes<double> on_face(const OfFaceNodes<LocalId>& nodes, std::span<const d
 std::vector<Vec3> recover_quadratic(const par::Comm& comm, const Domain& domain, std::span<const double> u,
                                     Recovery recovery) {
   const auto& elements = *domain.quadratic;
-  std::vector<Vec3> sum(domain.point.size());
-  std::vector<double> weight(domain.point.size(), 0);
-  for (std::size_t c = 0; c < elements.cell_to_node.size(); ++c) {
-    const auto node = elements.points(domain, c);
-    const auto value = elements.values(c, u);
-    const double w = recovery == Recovery::plain ? 1 : geometry::volume(domain.points(c));
-    for (std::size_t k = 0; k < 10; ++k) {
-      const auto i = at(elements.cell_to_node[c][k]);
-      sum[i] += w * gradient_of(place(node, cell_nodes_as_points()[k]), value);
-      weight[i] += w;
+  return mark::nodal_means<Vec3>(par::Exchange(comm, domain.nodes.shared()), domain.point.size(), [&](const auto& add) {
+    for (std::size_t c = 0; c < elements.cell_to_node.size(); ++c) {
+      const auto node = elements.points(domain, c);
+      const auto value = elements.values(c, u);
+      const double weight = recovery == Recovery::plain ? 1 : geometry::volume(domain.points(c));
+      for (std::size_t k = 0; k < 10; ++k)
+        add(elements.cell_to_node[c][k], weight, gradient_of(place(node, cell_nodes_as_points()[k]), value));
     }
-  }
-  domain.nodes.sum_copies(comm, sum);
-  domain.nodes.sum_copies(comm, weight);
-  for (std::size_t i = 0; i < sum.size(); ++i)
-    if (weight[i] > 0) sum[i] = (1 / weight[i]) * sum[i];
-  return sum;
+  });
 }
 
 ManufacturedErrors quadratic_manufactured_errors(const par::Comm& comm, const Domain& domain,
