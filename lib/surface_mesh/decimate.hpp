@@ -27,14 +27,11 @@ struct Decimated {
 /// Removes points by collapsing edges in the order of the quadric error, with OpenMesh; points that stay keep their
 /// bits.
 /// - Sharp edges stay: their points move along them only, where three or more meet, or one ends, a point stays. So do
-/// the
-///   ends of an open surface, and without an error their points stay altogether.
+///   the ends of an open surface, and without an error their points stay altogether.
 /// - No triangle turns by more than 60 degrees in a step or gets a height below a twentieth of its longest side, unless
-/// a
-///   worse one goes.
+///   a worse one goes.
 /// - With an error, no point of either surface is farther than that from the other one: `at_most` of both distances is
-/// a
-///   proved bound and never larger. Where it is not proved, an old point is fixed and it is done again; after some
+///   a proved bound and never larger. Where it is not proved, an old point is fixed and it is done again; after some
 ///   rounds with more and more neighbors, in the end with all points.
 /// - The result does not cut itself unless the input does, and a closed surface is not turned inside out by an error as
 ///   large as its body; triangles that would are undone in the same way.

@@ -22,9 +22,8 @@ struct FieldRules {
 /// - Nodal fields: nodes that stay keep their values. `off_surface` and `off_facets` are dropped when no node is left
 ///   that they say anything of.
 /// - Cell fields of reals: the cells of a group get the mean of those that they replace, weighted by volume: where
-/// these
-///   have one value, that value exactly. Those in `integrals`: the sum of value times volume over the volume of the new
-///   cells; the two differ at walls whose nodes were moved.
+///   these have one value, that value exactly. Those in `integrals`: the sum of value times volume over the volume of
+///   the new cells; the two differ at walls whose nodes were moved.
 /// - Cell fields of integers: the value that most of the group's volume has; of equal ones the smallest.
 /// - `cell_origin`: the number of the old cell that holds a new cell's centroid.
 ///

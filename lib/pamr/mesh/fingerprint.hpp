@@ -22,9 +22,8 @@ namespace pamr::mesh {
 ///     bits(d):       the IEEE 754 bits of the double d + 0.0 (so that -0 counts as +0)
 ///     node(p):       chain(chain(chain(0, bits(p.x)), bits(p.y)), bits(p.z))
 ///     name(s):       h = 0; for each byte b of the patch's name in UTF-8: h = chain(h, b)
-///     state(cell):   kind + 4 * broken + 8 * level    (of the lineage, `lineage.hpp`; kind: 0 regular, 1 a closure
-///     cell
-///                    of 1:2, 2 of 1:4, 3 of any other)
+///     state(cell):   kind + 4 * broken + 8 * level    (of the lineage, `lineage.hpp`; kind: 0 regular, 1 a
+///                    closure cell of 1:2, 2 of 1:4, 3 of any other)
 ///     cell:          C = sum of node(p) over the four corners
 ///                    B = sum of chain(node(p), name(patch)) over the corners opposite which a face of the boundary
 ///                    lies chain(chain(chain(0, C), B), state)

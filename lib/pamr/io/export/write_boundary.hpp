@@ -14,8 +14,7 @@ namespace pamr::io {
 /// extension says how: STL and OBJ and OFF as text, PLY in bytes, all with every bit of the coordinates; `.vtp` (VTK
 /// PolyData, text) with the cell fields `patch` (number) and `cell` (number of the cell behind).
 /// - `patches`: names of those to write; all when empty. Throws `Error` for a name that the mesh does not have, and for
-/// a
-///   surface without triangles.
+///   a surface without triangles.
 /// - Order: by cell, the faces of a cell by slot; points by their first use. The bytes are the same on any number of
 /// ranks.
 /// - Collective; no rank holds the surface. Throws the same `Error` on every rank, and leaves nothing behind then.

@@ -29,8 +29,7 @@ struct WriteOptions {
 
 /// Writes a mesh in the native format (docs/file-format.md), in global order.
 /// - The bytes of the file depend on the mesh alone, not on the number of ranks nor on which rank holds what; fields
-/// are
-///   written in the order of their names.
+///   are written in the order of their names.
 /// - The file appears complete or not at all: it is written under a temporary name, flushed to the disk and renamed.
 /// - Collective. Throws the same `Error` on every rank when it cannot be written (folder missing, no permission, disk
 ///   full, a value that does not fit the type of its field); nothing is left behind then and an existing file stays as

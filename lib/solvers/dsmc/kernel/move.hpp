@@ -55,8 +55,7 @@ struct MoveCounts {
 /// - The line is never cut at a face, so positions do not depend on the mesh or the partition that it crosses, up to
 ///   the walls.
 /// - If rounding leads in circles (64 faces without progress), one of the faces behind the particle is chosen at
-/// random,
-///   which ends it.
+///   random, which ends it.
 ///
 /// Afterwards the particles are unsorted; those that left have cell `Particles::gone`.
 /// Collective: an exchange between neighbors and a reduction, and one more of each for every further halo that a

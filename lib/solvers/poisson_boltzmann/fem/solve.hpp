@@ -45,8 +45,7 @@ class System {
 
   /// Newton's method with line search (SNES), linear systems by conjugate gradients. Collective.
   /// - Starts from `start` (u at the local nodes) or, when it is empty, from 0 off the boundary. Of the solution, which
-  /// is
-  ///   the only one, the start decides no more than what the tolerance leaves open.
+  ///   is the only one, the start decides no more than what the tolerance leaves open.
   /// - `show` is called with each line of the convergence table.
   /// - Converged when the residual is below `tolerance` times that of the potential that is 0 off the boundary.
   Solution solve(std::span<const double> start, const std::function<void(const NewtonStep&)>& show);

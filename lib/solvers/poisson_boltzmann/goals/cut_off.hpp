@@ -22,9 +22,9 @@ std::string no_cut_off(const Problem& problem, const Electrode& electrode);
 
 /// The cut-off function of an electrode.
 /// - It comes from the discrete harmonic function that is 1 on the body and 0 on every patch apart from it, with
-/// mirrors
-///   and walls that meet the body left free: chi is 1 where that is over 0.5, 0 where it is under 0.1, and a cubic
-///   between. A mirror that does not cut the body counts as apart from it, so that the body's image is none of it.
+///   mirrors and walls that meet the body left free: chi is 1 where that is over 0.5, 0 where it is under 0.1, and a
+///   cubic between. A mirror that does not cut the body counts as apart from it, so that the body's image is none of
+///   it.
 /// - Around a sphere with `inner` or `outer` in the case it is a cubic of the distance to the surface.
 /// - There is none where another electrode meets the body, or where no boundary is apart from it.
 /// - Collective: one linear system of the stiffness matrix, solved to 1e-3. Throws `Error` when the case asks for more
