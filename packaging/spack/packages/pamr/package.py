@@ -9,6 +9,7 @@ class Pamr(CMakePackage):
 
     # `spack dev-build pamr@main` in a checkout takes the sources from there.
     version("main")
+    version("0.3.0")
     version("0.2.0")
     license("GPL-3.0-or-later")
 
