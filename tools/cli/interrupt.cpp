@@ -63,6 +63,7 @@ void end_well_on_interrupt(const std::string& tool, bool speaks, bool in_company
     std::copy(mark.begin(), mark.end(), abort_mark.begin());
   struct sigaction action {};
   action.sa_handler = remove_files_and_end;
+  ::sigfillset(&action.sa_mask);  // mpirun may send SIGTERM to one that waits for the others: no second message
   for (const int signal : {SIGINT, SIGTERM, SIGUSR1}) ::sigaction(signal, &action, nullptr);
   struct sigaction before {};
   ::sigaction(SIGHUP, nullptr, &before);

@@ -202,6 +202,20 @@ class LifeOfATool(unittest.TestCase):
             self.assertEqual((process.returncode, out, err.count(said)), (code, "", 1), (how, ranks, number, err))
             self.wait_until(lambda: not self.unfinished())
 
+    def test_signals_in_a_row_give_one_message(self):
+        process = subprocess.Popen(command(3, ["-o", self.path("out"), "--how", "sleep"]), stdout=subprocess.PIPE,
+                                   stderr=subprocess.PIPE, text=True)
+        self.wait_until(self.unfinished)
+        with open(f"/proc/{process.pid}/task/{process.pid}/children", encoding="ascii") as file:
+            ranks = [int(child) for child in file.read().split()]
+        self.assertEqual(len(ranks), 3)
+        for number in (signal.SIGUSR1, signal.SIGTERM):
+            for rank in ranks:
+                os.kill(rank, number)
+            time.sleep(0.1)
+        _, err = process.communicate(timeout=300)
+        self.assertEqual(err.count("interrupted: "), 1, err)
+
     def test_a_hangup_ends_it_unless_it_is_ignored(self):
         for before, code in ((signal.SIG_DFL, 6), (signal.SIG_IGN, None)):
             process = subprocess.Popen([PROBE, "-o", self.path("out"), "--how", "sleep"], stderr=subprocess.DEVNULL,
