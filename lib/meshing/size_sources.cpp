@@ -12,18 +12,6 @@ using geometry::Vec3;
 
 constexpr int leaf = 8;  // sources
 
-/// The larger of the absolute principal curvatures; negative where the surface has none (a pole).
-double curvature(const geometry::SurfaceJet& s) {
-  const Vec3 normal = cross(s.u, s.v);
-  const double length = norm(normal);
-  const double ee = dot(s.u, s.u), ff = dot(s.u, s.v), gg = dot(s.v, s.v), area = ee * gg - ff * ff;
-  if (!(length > 0) || !(area > 1e-12 * ee * gg)) return -1;
-  const Vec3 n = 1 / length * normal;
-  const double l = dot(s.uu, n), m = dot(s.uv, n), k = dot(s.vv, n);
-  const double mean = (l * gg - 2 * m * ff + k * ee) / (2 * area), gauss = (l * k - m * m) / area;
-  return std::abs(mean) + std::sqrt(std::max(0.0, mean * mean - gauss));
-}
-
 }  // namespace
 
 SizeSources::SizeSources(std::vector<Source> sources, double growth) : source_(std::move(sources)), growth_(growth) {
@@ -74,6 +62,17 @@ void SizeSources::search(int number, Vec3 point, double& best) const {
 double SizeSources::at(Vec3 point, double limit) const {
   if (!node_.empty()) search(0, point, limit);
   return limit;
+}
+
+double curvature(const geometry::SurfaceJet& s) {
+  const Vec3 normal = cross(s.u, s.v);
+  const double length = norm(normal);
+  const double ee = dot(s.u, s.u), ff = dot(s.u, s.v), gg = dot(s.v, s.v), area = ee * gg - ff * ff;
+  if (!(length > 0) || !(area > 1e-12 * ee * gg)) return -1;
+  const Vec3 n = 1 / length * normal;
+  const double l = dot(s.uu, n), m = dot(s.uv, n), k = dot(s.vv, n);
+  const double mean = (l * gg - 2 * m * ff + k * ee) / (2 * area), gauss = (l * k - m * m) / area;
+  return std::abs(mean) + std::sqrt(std::max(0.0, mean * mean - gauss));
 }
 
 std::vector<SizeSources::Source> curvature_sizes(const geometry::CadModel& model, double factor, double least,

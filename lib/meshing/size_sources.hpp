@@ -37,6 +37,10 @@ class SizeSources {
   double growth_;
 };
 
+/// The larger of the absolute principal curvatures of a surface, whatever its parameters; negative where it has none
+/// (a pole).
+double curvature(const geometry::SurfaceJet& at_point);
+
 /// Points on the curved faces of a shape, each with `factor` times the smaller radius of curvature there, between
 /// `least` and `most`; larger ones are left out.
 std::vector<SizeSources::Source> curvature_sizes(const geometry::CadModel& model, double factor, double least,
