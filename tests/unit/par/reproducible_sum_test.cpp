@@ -68,6 +68,18 @@ TEST(ExactSum, AgreesWithExtendedIntegersOnRandomValues) {
   }
 }
 
+TEST(ExactSum, HoldsThousandsOfValuesOfOneSizeWhateverItIs) {
+  constexpr int n = 9000, n_exponents = 64;  // two digits of the sum
+  constexpr std::int64_t units = (std::int64_t{1} << 53) - 1;
+  __extension__ const auto all = static_cast<__int128>(units) * n;
+  for (int exponent = 0; exponent < n_exponents; ++exponent) {
+    const double value = std::ldexp(static_cast<double>(units), exponent);
+    ExactSum sum;
+    for (int i = 0; i < n; ++i) sum.add(value);
+    EXPECT_EQ(sum.value(), std::ldexp(static_cast<double>(all), exponent));
+  }
+}
+
 TEST(ReproducibleSum, HasTheSameBitsForEveryOrderAndEveryPartition) {
   Comm comm(MPI_COMM_WORLD);
   std::mt19937_64 random(11);
