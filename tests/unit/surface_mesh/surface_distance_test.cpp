@@ -84,5 +84,26 @@ TEST(SurfaceDistance, BoundsWhatDenseSamplesFind) {
   EXPECT_LE(d.at_most, 1.03 * d.at_least);
 }
 
+TEST(SurfaceDistance, DoesNotTakeATriangleForNearBecauseItsCornersAre) {
+  // A triangle with sides of 1 over three specks at its corners: its middle is 1 / sqrt(3) from each of them.
+  const double height = std::sqrt(0.75);
+  const geometry::Triangulation whole{
+      .name = {}, .points = {{0, 0, 0}, {1, 0, 0}, {0.5, height, 0}}, .triangles = {{0, 1, 2}}};
+  auto specks = whole;
+  specks.triangles.clear();
+  for (int k = 0; k < 3; ++k) {
+    const int n = static_cast<int>(specks.points.size());
+    const Vec3 p = specks.points[at(k)];
+    specks.points.push_back(p + Vec3{1e-6, 0, 1e-6});
+    specks.points.push_back(p + Vec3{0, 1e-6, 1e-6});
+    specks.triangles.push_back({k, n, n + 1});
+  }
+
+  const auto d = distance_from_to(whole, specks, {.enough = 0.55});
+
+  EXPECT_GT(d.at_most, 0.57);
+  EXPECT_FALSE(d.far.empty());
+}
+
 }  // namespace surface_distance_test
 }  // namespace pamr::surface_mesh
