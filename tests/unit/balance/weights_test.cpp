@@ -59,6 +59,19 @@ TEST(Weights, KeepsTheProportionsOfTinyAndOfHugeNumbers) {
   }
 }
 
+TEST(Weights, AreScaledOnAllRanksWhereOneNeedsIt) {
+  const par::Comm comm(MPI_COMM_WORLD);
+  const auto mesh = cube(comm);
+  std::vector<double> weight;
+  for (const auto id : mesh.cell_global) weight.push_back(id < 24 ? 4 : 0.5);
+
+  const auto integers = balance::integer_weights(comm, mesh, weight);
+
+  std::int64_t heavy = 0, light = 0;
+  for (std::size_t c = 0; c < integers.size(); ++c) (mesh.cell_global[c] < 24 ? heavy : light) += integers[c];
+  EXPECT_EQ(comm.sum(heavy), 8 * comm.sum(light));
+}
+
 TEST(Weights, CountsCellsWithoutWeightALittle) {
   const par::Comm comm(MPI_COMM_WORLD);
   const auto mesh = cube(comm);
