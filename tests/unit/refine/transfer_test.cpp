@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "pamr/adapt/adapt.hpp"
@@ -55,6 +56,24 @@ TEST(Transfer, KeepsLinearNodalFieldsAndTheIntegralsOfCellFields) {
     EXPECT_EQ(fine.find_cell_field("mass")->unit, "kg");
     EXPECT_EQ(fine.find_cell_field("mass")->storage, mesh::StorageType::float32);
     mesh = std::move(fine);
+  }
+}
+
+TEST(Transfer, GivesANewNodeTheIntegerOfTheEndThatComesFirstByPosition) {
+  const par::Comm comm(MPI_COMM_WORLD);
+  auto mesh = assemble::assemble(comm, test::random_mesh(comm, 12, 3));
+  const auto old = test::gather(comm, mesh).node_position;  // by number
+  mesh.node_fields.push_back({"name", "", 1, mesh::StorageType::int64, mesh.node_global});
+
+  const auto fine = adapt::refine(comm, mesh, near_corner(mesh)).mesh;
+
+  const auto& name = fine.find_node_field("name")->integer();
+  for (std::size_t i = 0; i < name.size(); ++i) {
+    const auto here = fine.node_position[i], end = old[at(name[i])];
+    if (here == end) continue;
+    EXPECT_TRUE(geometry::lexicographically_less(end, here));
+    const auto is_other_end = [&](geometry::Vec3 p) { return norm(end + p - 2.0 * here) < 1e-12; };
+    EXPECT_TRUE(std::any_of(old.begin(), old.end(), is_other_end));
   }
 }
 
