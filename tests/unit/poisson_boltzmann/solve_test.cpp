@@ -107,6 +107,18 @@ TEST(Solve, TakesAGivenChargeAndGivesItsPotential) {
   EXPECT_NEAR(analysis.patches[0].charge.value(), 1.5, 1e-12);
 }
 
+TEST(Solve, TakesAGivenChargeAlikeWhetherTheProfileIsSplitOffOrNot) {
+  par::Comm comm(MPI_COMM_WORLD);
+  auto walls = cube_boundary(mirrors, "zmin", potential(2));
+  walls.replace(walls.find("[boundary.zmax]\n" + mirrors), 16 + mirrors.size(),
+                "[boundary.zmax]\ncondition = \"charge\"\nvalue = 0.7");
+  Solved whole(comm, test::kuhn_cube(comm, 10), walls);
+  Solved split(comm, test::kuhn_cube(comm, 10), "[equation]\nsplit = true\n[plate]\npatch = \"zmin\"\n" + walls);
+
+  for (std::size_t i = 0; i < whole.solution.u.size(); ++i)
+    ASSERT_NEAR(split.conditions.psi0[i] + split.solution.u[i], whole.solution.u[i], 0.03);
+}
+
 TEST(Solve, DecaysThroughAFarFieldWall) {
   par::Comm comm(MPI_COMM_WORLD);
   auto text = cube_boundary(mirrors, "xmin", potential(1));
