@@ -31,7 +31,7 @@ MAY_INCLUDE = {
     "surface_mesh": ("base", "geometry"),
     **{solver: MESH_AT_REST + ("locate", "io", "mark", "check", "balance", "curved", "adapt/adapt.hpp",
                                "adapt/flags.hpp", "adapt/forecast.hpp") for solver in SOLVERS},
-    "cli": ("base", "par", "io"),
+    "cli": ("base", "par", "geometry", "io"),
     "python": REFINER + ("meshing",),
     "tools": REFINER + SOLVERS + ("meshing", "surface_mesh", "cli"),
 }
@@ -58,6 +58,8 @@ CORNERS = (
      "OpenCASCADE is included in geometry/cad only"),
     (re.compile(r"#\s*include\s*[<\"]petsc"), re.compile(r"lib/solvers/poisson_boltzmann/"),
      "PETSc is included in lib/solvers/poisson_boltzmann only"),
+    (re.compile(r"\b(v?fork|popen|posix_spawnp?)\s*\(|\bstd::system\s*\("), re.compile(r"tools/cli/check_in_child\.cpp$"),
+     "processes are started in tools/cli/check_in_child.cpp only, before MPI starts"),
 )
 # The corners of a tetrahedron's faces stand once for C++ and once for Python. Checkers that know nothing of PAMR's code,
 # programs of other meshers and drawings have their own.

@@ -116,6 +116,11 @@ class Layers(unittest.TestCase):
         self.assert_clean("lib/pamr/par/a.cpp", call)
         self.assert_clean("lib/pamr/mesh/a.cpp", SPDX + "// MPI_Barrier(c) is called elsewhere\nMPI_Comm comm;\n")
 
+    def test_processes_are_started_before_mpi_only(self):
+        for call in ("fork()", "popen(command, mode)", 'std::system("gmsh")', "posix_spawnp(a, b, c, d, e, f)"):
+            self.assert_caught("lib/pamr/io/a.cpp", SPDX + f"auto a = {call};\n", "before MPI starts")
+        self.assert_clean("tools/cli/check_in_child.cpp", SPDX + "auto a = fork();\n")
+
     def test_scotch_has_one_place(self):
         text = SPDX + "#include <ptscotch.h>\n"
         self.assert_caught("lib/pamr/balance/graph.cpp", text, "Scotch")

@@ -280,7 +280,8 @@ int main(int argc, char** argv) {
       {"pamr-convert",
        "Converts meshes from and to the formats of Gmsh, VTK, Medit, SU2, AFLR3, and to OpenFOAM's and CGNS.",
        "pamr-convert part.msh part.hdf --surfaces part.toml\n  pamr-convert level3.hdf level3.vtu\n  pamr-convert "
-       "level3.hdf curved.msh --order 2\n  pamr-convert level3.hdf foam_case"},
+       "level3.hdf curved.msh --order 2\n  pamr-convert level3.hdf foam_case",
+       cli::files_in_case},
       [&](cli::CommandLine& line) { convert::declare(line, options); },
       [&](cli::Session& session) { return convert_file(session, options); });
 }

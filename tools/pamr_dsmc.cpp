@@ -95,7 +95,6 @@ void check_checkpoint(cli::Session& session, const Options& o, const dsmc::Case&
 
 /// `from`: the checkpoint to start from, if any.
 void check_outputs(cli::Session& session, const Options& o, const dsmc::Case& c, const dsmc::CheckpointHead& from) {
-  if (!from.mesh_file.empty()) session.keep(from.mesh_file);
   session.check_native_output(o.out.mesh, o.force);
   for (const auto& file : {o.out.surface, o.out.lines, o.out.history})
     if (!file.empty()) session.check_output(file, o.force);
@@ -150,6 +149,7 @@ cli::ExitCode run_case(cli::Session& session, const Options& o) {
   const auto c = dsmc::read_case(case_text, o.case_file);
   std::optional<dsmc::CheckpointHead> from;
   if (const auto& file = o.restart.empty() ? o.carry : o.restart; !file.empty()) from = dsmc::head_of(comm, file);
+  if (from && !from->mesh_file.empty()) session.keep(from->mesh_file);
   if (!o.plan) check_outputs(session, o, c, from.value_or(dsmc::CheckpointHead{}));
   const auto place = place_of(o, o.restart.empty() ? dsmc::CheckpointHead{} : *from, c);
   const bool adapts = c.adaptation.every > 0;
@@ -208,7 +208,8 @@ int main(int argc, char** argv) {
       argc, argv,
       {"pamr-dsmc", "Computes the flow of a rarefied gas by direct simulation Monte Carlo.",
        "pamr-mesh --shape sphere-in-box -o sphere.hdf && pamr-dsmc cases/free-molecular-sphere/case.toml --mesh "
-       "sphere.hdf -o flow.hdf"},
+       "sphere.hdf -o flow.hdf",
+       dsmc::files_in_checkpoint},
       [&](cli::CommandLine& line) { declare(line, options); },
       [&](cli::Session& session) { return run_case(session, options); });
 }

@@ -117,7 +117,8 @@ int main(int argc, char** argv) {
       argc, argv,
       {"pamr-mesh", "Makes a level-0 mesh of tetrahedra.",
        "pamr-mesh --shape kuhn-cube --n 8 -o cube.hdf\n  pamr-mesh --shape sphere-in-box --size 0.28 -o sphere.hdf\n"
-       "  pamr-mesh part.step -o part.hdf --size 2"},
+       "  pamr-mesh part.step -o part.hdf --size 2",
+       cli::files_in_case},
       [&](cli::CommandLine& line) { declare(line, options); },
       [&](cli::Session& session) { return make_mesh(session, options); });
 }

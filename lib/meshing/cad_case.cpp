@@ -43,7 +43,6 @@ std::vector<geometry::CadPart> patches_of(const geometry::CadModel& model) {
 
 MeshCase case_of_cad(const std::filesystem::path& file, double far, const std::string& unit) {
   auto source = geometry::read_cad_source(file);
-  geometry::require_readable_cad(source);
   const auto model = geometry::make_cad_model(source, unit);
   const auto patches = patches_of(*model);
   MeshCase result;

@@ -3,8 +3,8 @@
 # How much of a reader damaged files reach, and what a search guided by coverage (AFL++) reaches beyond them and finds.
 # Prints a line of a table a reader: edges of the control flow in what reads that are reached by its good files, by
 # damaged files as qualification/fuzz/fuzz.sh makes them, and by those that AFL++ found, of how many; files that AFL++ read and
-# paths that it found; files on which the reader died or found no end with HDF5 in its own process, and those of them on
-# which it does so as users read them, with HDF5 in another. Installs afl++ and clang where they are missing.
+# paths that it found; files on which the reader died or found no end, and those of them on which it does so as the tools
+# read them, by a child first. Installs afl++ and clang where they are missing.
 #
 #   qualification/fuzz/coverage.sh [--files N] [--minutes M] [FORMAT...]
 #
@@ -32,7 +32,6 @@ if ! command -v afl-clang-fast++ >/dev/null; then
   apt-get -qq update && DEBIAN_FRONTEND=noninteractive apt-get -qq install -y --no-install-recommends afl++ clang llvm
 fi
 . "$root/scripts/mpi_environment.sh"
-export PAMR_NO_FORK=1 # HDF5 in the same process, which has to live on
 export AFL_SKIP_CPUFREQ=1 AFL_NO_AFFINITY=1 AFL_I_DONT_CARE_ABOUT_MISSING_CRASHES=1 AFL_NO_UI=1 AFL_QUIET=1
 export AFL_MAP_SIZE=65536
 
@@ -81,11 +80,11 @@ for format in "${formats[@]}"; do
     "$program" --file @@ "$extension" </dev/null >"$build/afl-fuzz-$format.log" 2>&1 ||
     { tail -n 20 "$build/afl-fuzz-$format.log" >&2 && exit 1; }
   value() { sed -n "s/^$1 *: *//p" "$found/$format/default/fuzzer_stats"; }
-  deaths=0 # that remain when files are read as users read them, with HDF5 in a process of its own
+  deaths=0 # that remain when files are read as the tools read them, by a child first
   for file in "$found/$format"/default/{crashes,hangs}/id*; do
     if [ ! -e "$file" ]; then continue; fi
     cp "$file" "$work/file"
-    if ! PAMR_NO_FORK=0 timeout 60 "$program" --file "$work/file" "$extension" >/dev/null 2>&1; then
+    if ! timeout 60 "$program" --file-as-tool "$work/file" "$extension" >/dev/null 2>&1; then
       echo "coverage.sh: $format must not end so on $file" >&2
       deaths=$((deaths + 1)) status=1
     fi

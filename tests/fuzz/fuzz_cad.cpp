@@ -18,10 +18,10 @@
 #include <utility>
 #include <vector>
 
+#include "cli/check_in_child.hpp"
 #include "fuzz/arguments.hpp"
 #include "fuzz/mutate.hpp"
 #include "pamr/base/error.hpp"
-#include "pamr/base/subprocess.hpp"
 #include "pamr/geometry/cad/cad_source.hpp"
 #include "pamr/geometry/cad/cad_surface.hpp"
 
@@ -108,25 +108,34 @@ std::string assess(const geometry::CadSource& source, bool is_thorough) {
   return {};
 }
 
-/// The same in a process of its own, so that a death belongs to one text.
-std::string assess_apart(const geometry::CadSource& source, bool is_thorough) {
-  constexpr rlim_t memory = rlim_t{4} << 30U;
-  Subprocess process(
-      [&](const Subprocess::Send& send) {
-        std::string answer = "good";
+constexpr rlim_t memory = rlim_t{4} << 30U;
+
+/// As the tools do before they read a text: what is wrong with it, found by a child.
+cli::ChildAnswer try_reading(const geometry::CadSource& source, rlim_t seconds) {
+  return cli::in_child(
+      [&]() -> std::string {
         try {
-          const auto fault = assess(source, is_thorough);
-          if (!fault.empty()) answer = fault;
-        } catch (const std::exception& error) {
-          answer = error.what();
+          (void)geometry::make_cad_model(source, "mm");
+        } catch (const Error& error) {
+          return error.what();
         }
-        send(answer);
+        return {};
+      },
+      {seconds, memory});
+}
+
+/// `assess` in a process of its own, so that a death belongs to one text.
+std::string assess_apart(const geometry::CadSource& source, bool is_thorough) {
+  const auto [fault, trouble] = cli::in_child(
+      [&]() -> std::string {
+        try {
+          return assess(source, is_thorough);
+        } catch (const std::exception& error) {
+          return error.what();
+        }
       },
       {20 * processor_seconds, memory});
-  const auto answer = process.receive_all();
-  const auto trouble = process.end();
-  if (!trouble.empty()) return "read by the trial, then OpenCASCADE failed on it: " + trouble;
-  return answer == "good" ? "" : answer;
+  return trouble.empty() ? fault : "read by the trial, then OpenCASCADE failed on it: " + trouble;
 }
 
 struct Tally {
@@ -134,19 +143,18 @@ struct Tally {
 };
 
 void try_one(const geometry::CadSource& source, unsigned long long seed, bool is_alone, Tally& tally) {
+  const auto [said, trouble] = try_reading(source, processor_seconds);
   std::string fault;
-  try {
-    geometry::require_readable_cad(source, processor_seconds);
+  if (is_alone) std::printf("%s%s\n", said.c_str(), trouble.c_str());
+  if (!trouble.empty()) {
+    ++tally.died;
+  } else if (said.empty()) {
     ++tally.read;
     fault = assess_apart(source, seed / 4 % 4 == 0);
-  } catch (const Error& error) {
-    const std::string said = error.what();
-    if (is_alone) std::printf("%s\n", said.c_str());
-    tally.died += said.find("OpenCASCADE failed on it") != std::string::npos;
-    if (said.find(source.file) == std::string::npos) fault = "the error does not name the file";
-    if (said.find('\n') != std::string::npos) fault = "an error of several lines";
-  } catch (const std::exception& error) {
-    fault = error.what();
+  } else if (said.find(source.file) == std::string::npos) {
+    fault = "the error does not name the file";
+  } else if (said.find('\n') != std::string::npos) {
+    fault = "an error of several lines";
   }
   if (fault.empty()) return;
   std::printf("seed %llu: %s\n", seed, fault.c_str());
@@ -157,7 +165,6 @@ int run(unsigned long long n, unsigned long long first) {
   const auto good = good_texts();
   for (const auto& text : good) {
     const geometry::CadSource source{std::string("good") + ending, text};
-    geometry::require_readable_cad(source);
     if (const auto fault = assess_apart(source, true); !fault.empty()) throw Error("a good text: " + fault);
   }
   Tally tally;

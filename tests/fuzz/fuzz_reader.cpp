@@ -9,7 +9,7 @@
 /// worker is then started anew behind it. `fuzz_FORMAT --one SEED FILE` writes the damaged file of a seed for a closer
 /// look, `fuzz_FORMAT --all N FOLDER` those of the seeds below N. `fuzz_FORMAT --file FILE EXTENSION` reads one file
 /// under the name FILE.EXTENSION, and dies where a reader must not end so, as AFL++ wants it
-/// (qualification/fuzz/coverage.sh).
+/// (qualification/fuzz/coverage.sh); `--file-as-tool` has a child read it first.
 #include <fcntl.h>
 #include <hdf5.h>
 #include <mpi.h>
@@ -31,6 +31,7 @@
 #include <vector>
 
 #include "arguments.hpp"
+#include "cli/check_in_child.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/par/lone_start.hpp"
 #include "seeds.hpp"
@@ -98,10 +99,17 @@ Outcome read_one(const par::Comm& comm, const fs::path& file) {
   return largest_piece() > allowed ? too_much_memory : outcome;
 }
 
+fs::path file_of_worker(const fs::path& folder) {
+  return folder / ("damaged" + std::to_string(getpid()) + seed_name(0).substr(seed_name(0).find('.')));
+}
+
 void start_mpi() {
   const par::LoneStart alone;
   MPI_Init(nullptr, nullptr);
 }
+
+/// As a tool does, before MPI starts: whether a child refuses the file.
+bool is_refused_by_child(const fs::path& file) { return !cli::check_in_child(file.string()).empty(); }
 
 /// Reads the files of seeds `first .. last` and reports each. MPI is started here, with one rank.
 int work(const fs::path& folder, std::uint64_t first, std::uint64_t last, int pipe_end) {
@@ -110,7 +118,7 @@ int work(const fs::path& folder, std::uint64_t first, std::uint64_t last, int pi
   {
     const par::Comm comm(MPI_COMM_WORLD);
     const auto good = good_files(folder);
-    const auto file = folder / ("damaged" + std::to_string(getpid()) + seed_name(0).substr(seed_name(0).find('.')));
+    const auto file = file_of_worker(folder);
     watch_memory();
     for (auto seed = first; seed < last; ++seed) {
       std::ofstream(file, std::ios::binary) << damaged(good[seed % good.size()], seed);
@@ -123,10 +131,22 @@ int work(const fs::path& folder, std::uint64_t first, std::uint64_t last, int pi
   return 0;
 }
 
+/// Reads the file of one seed as a tool does: it is read here only if a child has survived it.
+int work_as_tool(const fs::path& folder, std::uint64_t seed, int pipe_end) {
+  const auto good = good_files(folder);
+  const auto file = file_of_worker(folder);
+  std::ofstream(file, std::ios::binary) << damaged(good[seed % good.size()], seed);
+  if (!is_refused_by_child(file)) return work(folder, seed, seed + 1, pipe_end);
+  fs::remove(file);
+  const char report = refused;
+  return write(pipe_end, &report, 1) == 1 ? 0 : 1;
+}
+
 /// Compiled by AFL++'s compiler the same process reads a thousand files, one after another under the same name.
-int read_alone(const std::string& given, const std::string& extension) {
+int read_alone(const std::string& given, const std::string& extension, bool as_tool) {
   const fs::path file = given + "." + extension;
   if (symlink(fs::path(given).filename().c_str(), file.c_str()) != 0 && errno != EEXIST) return 1;
+  if (as_tool && is_refused_by_child(file)) return 0;
   H5dont_atexit();
   start_mpi();
   {
@@ -171,16 +191,14 @@ struct Worker {
   int reports = -1;
 };
 
-Worker start_worker(const char* program, const fs::path& folder, std::uint64_t first, std::uint64_t last,
-                    bool may_fork) {
+Worker start_worker(const char* program, const char* mode, const fs::path& folder, std::uint64_t first,
+                    std::uint64_t last) {
   int ends[2];
   if (pipe2(ends, O_CLOEXEC) != 0) std::abort();
   const auto child = fork();
   if (child == 0) {
     dup2(ends[1], STDIN_FILENO);
-    setenv("PAMR_NO_FORK", may_fork ? "0" : "1", 1);
-    execl(program, program, "--work", folder.c_str(), std::to_string(first).c_str(), std::to_string(last).c_str(),
-          nullptr);
+    execl(program, program, mode, folder.c_str(), std::to_string(first).c_str(), std::to_string(last).c_str(), nullptr);
     _exit(127);
   }
   close(ends[1]);
@@ -203,21 +221,21 @@ int end_worker(const Worker& worker, bool is_stalled) {
   return status;
 }
 
-/// One file once more, as users read it: with HDF5 in a process of its own.
+/// One file once more, as the tools read it: by a child first.
 char read_again(const char* program, const fs::path& folder, std::uint64_t seed) {
-  const auto worker = start_worker(program, folder, seed, seed + 1, true);
+  const auto worker = start_worker(program, "--work-as-tool", folder, seed, seed + 1);
   const auto report = next_report(worker);
   end_worker(worker, report == stalled);
   return report;
 }
 
-/// Starts workers one after another until all seeds are done; each death or stall costs one file. Workers have HDF5
-/// read within them, which is ten times as fast and hides nothing of what goes wrong in our own code; what then goes
-/// wrong is decided by reading the file again.
+/// Starts workers one after another until all seeds are done; each death or stall costs one file. Workers read without
+/// a child, which is faster and hides nothing of what goes wrong in our own code; what then goes wrong is decided by
+/// reading the file again.
 Tally supervise(const char* program, const fs::path& folder, std::uint64_t first, std::uint64_t last) {
   Tally tally;
   while (first < last) {
-    const auto worker = start_worker(program, folder, first, last, false);
+    const auto worker = start_worker(program, "--work", folder, first, last);
     char report = accepted;
     const auto is_over = [&] { return report == died || report == stalled; };
     while (first < last && !is_over()) {
@@ -302,7 +320,8 @@ int main(int argc, char** argv) {
   const std::string mode = argc > 1 ? argv[1] : "";
   const auto number = [&](int i, std::uint64_t otherwise) { return number_in(argc, argv, i, otherwise); };
   if (mode == "--seeds" || mode == "--one" || mode == "--all") return write_files(mode, number(2, 0), argv);
-  if (mode == "--file") return read_alone(argv[2], argv[3]);
+  if (mode == "--file" || mode == "--file-as-tool") return read_alone(argv[2], argv[3], mode == "--file-as-tool");
   if (mode == "--work") return work(argv[2], number(3, 0), number(4, 0), STDIN_FILENO);
+  if (mode == "--work-as-tool") return work_as_tool(argv[2], number(3, 0), STDIN_FILENO);
   return run(argv[0], number(1, 2000), number(2, 1));
 }

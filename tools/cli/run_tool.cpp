@@ -132,10 +132,10 @@ int end(const Ending& ending, double grace_period) {
   running->abort(code);
 }
 
-Ending run(const CommonOptions& options, const std::function<ExitCode(Session&)>& work) {
+Ending run(const CommonOptions& options, const BadFiles& bad_files, const std::function<ExitCode(Session&)>& work) {
   try {
     const par::Comm comm(running->world());
-    Session session(comm, running_tool->name, options);
+    Session session(comm, running_tool->name, options, bad_files);
     return {work(session), {}};
   } catch (const Error& error) {
     return {ExitCode::bad_input, error.what()};
@@ -147,6 +147,7 @@ Ending run(const CommonOptions& options, const std::function<ExitCode(Session&)>
 int run_tool(int argc, char** argv, const ToolInfo& info, const std::function<void(CommandLine&)>& declare,
              const std::function<ExitCode(Session&)>& work) {
   set_up_heap();
+  const auto bad_files = check_named_files(argc, argv, info.files_in);  // no process of an MPI job forks
   const par::Runtime runtime(argc, argv);
   running = &runtime;
   running_tool = &info;
@@ -156,7 +157,7 @@ int run_tool(int argc, char** argv, const ToolInfo& info, const std::function<vo
 
   CommonOptions options;
   const auto parsed = parse(argc, argv, info, declare, options, runtime.rank() == 0);
-  const auto ending = parsed.proceed ? run(options, work) : parsed.ending;
+  const auto ending = parsed.proceed ? run(options, bad_files, work) : parsed.ending;
   constexpr double patience_after_error = 30, for_ever = std::numeric_limits<double>::infinity();
   return end(ending, ending.error.empty() ? for_ever : patience_after_error);
 }

@@ -4,6 +4,7 @@
 #include <functional>
 #include <string>
 
+#include "cli/check_in_child.hpp"
 #include "cli/command_line.hpp"
 #include "cli/session.hpp"
 
@@ -14,10 +15,13 @@ struct ToolInfo {
   std::string name;     ///< as installed: "pamr-refine"
   std::string purpose;  ///< one sentence for --help
   std::string example;  ///< command lines for --help that work as they stand
+  /// Input files that a file of the command line names, if it may name some of HDF5 or CAD.
+  FilesIn files_in = nullptr;
 };
 
-/// The whole life of a tool: starts MPI, reads the command line, runs `work`, and turns what happened into the exit
-/// code, the same on every rank. To be the only statement of `main` other than the options' declaration.
+/// The whole life of a tool: has a child look at the files of the command line, starts MPI, reads the command line,
+/// runs `work`, and turns what happened into the exit code, the same on every rank. To be the only statement of `main`
+/// other than the options' declaration.
 ///
 /// `declare` adds the tool's own options and arguments; --help, --version, --json and --quiet are there already. It
 /// runs on every rank and must not communicate. `work` runs on every rank after the command line was read and returns

@@ -46,8 +46,8 @@ std::string wrapped(std::string line) {
 
 }  // namespace
 
-Session::Session(const par::Comm& comm, std::string tool, CommonOptions options)
-    : comm_(&comm), tool_(std::move(tool)), options_(std::move(options)) {
+Session::Session(const par::Comm& comm, std::string tool, CommonOptions options, BadFiles bad_files)
+    : comm_(&comm), tool_(std::move(tool)), options_(std::move(options)), bad_files_(std::move(bad_files)) {
   if (!writes_report_file()) return;
   on_first(*comm_, [&] {
     require_replaceable(options_.json);
@@ -62,12 +62,17 @@ Session::~Session() {
 void Session::check_input(const std::string& path) {
   on_first(*comm_, [&] {
     require_readable(path);
-    files_.add_input(path);
+    add_input(path);
   });
 }
 
 void Session::keep(const std::string& path) {
-  on_first(*comm_, [&] { files_.add_input(path); });
+  on_first(*comm_, [&] { add_input(path); });
+}
+
+void Session::add_input(const std::string& path) {
+  if (const auto bad = bad_files_.find(path); bad != bad_files_.end()) throw Error(bad->second);
+  files_.add_input(path);
 }
 
 std::string Session::read_case(const std::string& path) {
@@ -77,7 +82,7 @@ std::string Session::read_case(const std::string& path) {
     auto found = read_file(path);
     if (!found) throw Error(path + ": expected a file that can be read");
     text = std::move(*found);
-    for (const auto& file : files_of_case(text, path)) files_.add_input(file);
+    for (const auto& file : files_of_case(text, path)) add_input(file);
   });
   return comm_->broadcast(text);
 }

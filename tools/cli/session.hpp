@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "cli/check_in_child.hpp"
 #include "cli/files.hpp"
 #include "cli/progress.hpp"
 #include "pamr/par/comm.hpp"
@@ -31,8 +32,9 @@ struct CommonOptions {
 /// One run of a tool: its processes, its common options, and the way to speak to the user.
 class Session {
  public:
-  /// Throws `Error` when the report could not be written. Collective.
-  Session(const par::Comm& comm, std::string tool, CommonOptions options);
+  /// `bad_files`: what is wrong with files that may be inputs, by name (`check_named_files`); only those of rank 0
+  /// count. Throws `Error` when the report could not be written. Collective.
+  Session(const par::Comm& comm, std::string tool, CommonOptions options, BadFiles bad_files = {});
   ~Session();
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
@@ -46,7 +48,8 @@ class Session {
   /// throws `Error` if an output, that of --json included, is an input or another output under any name (`Files`).
   /// Collective; rank 0 decides.
   ///
-  /// An existing file or folder that can be read.
+  /// An existing file or folder that can be read. Inputs that a child process found bad are refused here and in the
+  /// next two.
   void check_input(const std::string& path);
   /// An input that need not be there, or that has been found already.
   void keep(const std::string& path);
@@ -92,12 +95,14 @@ class Session {
   void write_report(const nlohmann::json& report) const;
 
  private:
+  void add_input(const std::string& path);
   void say(const char* what, const std::string& line) const;
   bool writes_report_file() const { return !options_.json.empty() && options_.json != "-"; }
 
   const par::Comm* comm_;
   std::string tool_;
   CommonOptions options_;
+  BadFiles bad_files_;
   Files files_;  ///< on rank 0
 };
 

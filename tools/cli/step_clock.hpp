@@ -13,8 +13,7 @@ bool error_is_on_terminal();
 /// elsewhere every ten seconds in a line of its own, also while a single call works. Work that is over sooner says
 /// nothing. One step at a time: the next one takes the place of the one before. Local.
 ///
-/// By a timer and its signal (SIGALRM), not by a thread: a thread would take address space and be there when the
-/// readers of damaged files fork.
+/// By a timer and its signal (SIGALRM), not by a thread, which would take address space.
 void show_step(const std::string& what);
 /// Ends that, and takes the line off the terminal, also one that `mark_line` told of. Local.
 void hide_step();

@@ -39,9 +39,7 @@ geometry::SurfaceSet find_cad_surfaces(cli::Session& session, const CadRequest& 
   const auto& comm = session.comm();
   geometry::CadSource source;
   par::agree(comm, [&] {
-    if (!comm.is_first()) return;
-    source = geometry::read_cad_source(request.file);
-    geometry::require_readable_cad(source);
+    if (comm.is_first()) source = geometry::read_cad_source(request.file);
   });
   source.file = comm.broadcast(std::move(source.file));
   source.text = comm.broadcast(std::move(source.text));

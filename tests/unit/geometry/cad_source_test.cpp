@@ -93,7 +93,7 @@ TEST(CadSource, CoordinatesAreInTheUnitThatIsAskedFor) {
 TEST(CadSource, RefusesWhatIsNoShape) {
   const auto refusal = [](const CadSource& source, const std::string& part) {
     SCOPED_TRACE(source.text.substr(0, 60));
-    EXPECT_THAT([&] { require_readable_cad(source); }, ThrowsMessage<Error>(HasSubstr(part)));
+    EXPECT_THAT([&] { make_cad_model(source, "mm"); }, ThrowsMessage<Error>(HasSubstr(part)));
   };
   refusal({"cube.step", "solid cube"}, "file 'cube.step': expected a STEP text");
   refusal({"cube.step", cube().text.substr(0, 5000)}, "file 'cube.step': expected");
@@ -101,7 +101,7 @@ TEST(CadSource, RefusesWhatIsNoShape) {
   refusal(cube("ADVANCED_FACE", "ADVANCED_FARCE"), "expected");
   refusal(cube("CARTESIAN_POINT('',(0.,0.,1.))", "CARTESIAN_POINT('',(0.,0.,7.))"),
           "expected");  // a vertex far from its edges
-  EXPECT_NO_THROW(require_readable_cad(cube()));
+  EXPECT_NO_THROW(make_cad_model(cube(), "mm"));
 }
 
 TEST(CadSource, RefusesKeysThatAreWrong) {
@@ -125,13 +125,13 @@ TEST(CadSource, RefusesKeysThatAreWrong) {
 
 TEST(CadSource, RefusesEdgesThatAreNotOnTheirFace) {
   auto spool = read_cad_source(data / "spool.brep");
-  EXPECT_NO_THROW(require_readable_cad(spool));
+  EXPECT_NO_THROW(make_cad_model(spool, "mm"));
   const std::string good = "0.58800260354800005", wrong = "0.78800260354800005";
   const auto place = spool.text.find(good);  // of a control point of a spline face
   ASSERT_NE(place, std::string::npos);
   spool.text.replace(place, good.size(), wrong);
 
-  EXPECT_THAT([&] { require_readable_cad(spool); },
+  EXPECT_THAT([&] { make_cad_model(spool, "mm"); },
               ThrowsMessage<Error>(HasSubstr("face 7: expected edges on the face")));
 }
 

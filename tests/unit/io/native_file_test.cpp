@@ -2,6 +2,7 @@
 #include "pamr/io/native/native_file.hpp"
 
 #include <gmock/gmock.h>
+#include <pthread.h>
 
 #include "files.hpp"
 #include "hdf5_edit.hpp"
@@ -268,6 +269,40 @@ TEST(NativeFile, KeepsSurfacesThatAreNotBuilt) {
   EXPECT_EQ(block.info.surface_of(1), nullptr);
   io::write_native(comm, folder / "b.hdf", assemble::assemble(comm, std::move(block)));
   EXPECT_EQ(test::bytes_of(folder / "a.hdf"), test::bytes_of(folder / "b.hdf"));
+}
+
+int n_forks = 0;
+
+TEST(NativeFile, IsReadWithoutAFork) {
+  const par::Comm comm(MPI_COMM_WORLD);
+  const Folder folder(comm);
+  test::on_first_rank(comm, [&] {
+    test::write_plain_vtkhdf(folder / "contiguous.hdf", false);
+    test::write_plain_vtkhdf(folder / "chunked.hdf", true);
+  });
+  ASSERT_EQ(pthread_atfork([] { ++n_forks; }, nullptr, nullptr), 0);
+  const auto before = n_forks;
+
+  const auto contiguous = io::read_native(comm, folder / "contiguous.hdf");
+  const auto chunked = io::read_native(comm, folder / "chunked.hdf");
+
+  EXPECT_EQ(n_forks, before);
+  EXPECT_EQ(chunked.cell_to_node, contiguous.cell_to_node);
+  EXPECT_EQ(chunked.node_position, contiguous.node_position);
+}
+
+TEST(NativeFile, RefusesADamagedCompressedChunk) {
+  const par::Comm comm(MPI_COMM_WORLD);
+  const Folder folder(comm);
+  test::on_first_rank(comm, [&] {
+    test::write_plain_vtkhdf(folder / "a.hdf", true);
+    const auto chunk = test::first_chunk_of(folder / "a.hdf", "/VTKHDF/Points");
+    for (std::uint64_t i = 0; i < chunk.bytes; ++i) test::flip_byte(folder / "a.hdf", chunk.offset + i);
+  });
+
+  const auto error = test::error_of_reading(comm, folder / "a.hdf");
+
+  EXPECT_THAT(error, testing::AllOf(testing::HasSubstr("/VTKHDF/Points"), testing::HasSubstr("sound chunks")));
 }
 
 }  // namespace native_file_test

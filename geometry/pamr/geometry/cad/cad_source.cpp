@@ -11,7 +11,6 @@
 #include <utility>
 
 #include "pamr/base/error.hpp"
-#include "pamr/base/subprocess.hpp"
 #include "pamr/geometry/cad/cad_surface.hpp"
 #include "pamr/geometry/described_surface.hpp"
 #include "pamr/geometry/surface_toml.hpp"
@@ -22,9 +21,6 @@ namespace {
 
 constexpr std::array<std::pair<std::string_view, double>, 6> units_in_mm{
     {{"mm", 1.0}, {"cm", 10.0}, {"m", 1000.0}, {"um", 1e-3}, {"in", 25.4}, {"ft", 304.8}}};
-
-/// Answers of the process start with one of these.
-constexpr char good = 'G', bad = 'B';
 
 bool is_utf8(std::string_view text) {
   for (std::size_t i = 0; i < text.size();) {
@@ -89,30 +85,6 @@ CadSource read_cad_source(const std::filesystem::path& file) {
     throw Error(fmt::format("file '{}': expected text, found {}", file.string(),
                             source.text.empty() ? "nothing" : "control characters"));
   return source;
-}
-
-void require_readable_cad(const CadSource& source, unsigned processor_seconds) {
-  if (!can_read_cad()) (void)read_cad({}, 1);  // throws
-  if (!may_fork()) return;
-  const auto megabytes = source.text.size() >> 20U;
-  Subprocess process(
-      [&](const Subprocess::Send& send) {
-        std::string answer(1, good);
-        try {
-          (void)CadModel(read_cad(source.text, 1));
-        } catch (const std::exception& error) {
-          answer = bad + std::string(error.what());
-        }
-        send(answer);
-      },
-      {.processor_seconds = processor_seconds > 0 ? processor_seconds : 60 + 20 * megabytes,
-       .memory_bytes = (1 + megabytes / 8) << 30U});
-  const auto answer = process.receive_all();
-  const auto trouble = process.end();
-  if (answer.empty() || (!trouble.empty() && answer.front() == good))
-    throw Error(fmt::format("file '{}': expected a sound shape, found a damaged one: OpenCASCADE failed on it ({})",
-                            source.file, trouble.empty() ? "no answer" : trouble));
-  if (answer.front() == bad) throw Error(fmt::format("file '{}': {}", source.file, answer.substr(1)));
 }
 
 std::shared_ptr<const CadModel> make_cad_model(const CadSource& source, std::string_view unit) {

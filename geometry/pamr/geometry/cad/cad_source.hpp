@@ -27,12 +27,8 @@ bool is_cad_file(const std::filesystem::path& file);
 /// not there, has another extension (see `is_cad_file`) or holds control characters.
 CadSource read_cad_source(const std::filesystem::path& file);
 
-/// Has the text read in a process of its own, which may die of it, and throws `Error` if it is not sound. To be called
-/// once, where a text comes from outside; texts in mesh files have checksums. Nothing where `PAMR_NO_FORK` forbids it.
-/// `processor_seconds`: what that process may take; 0: a minute, and more for long texts.
-void require_readable_cad(const CadSource& source, unsigned processor_seconds = 0);
-
-/// The shape, coordinates in `unit`: mm, cm, m, um, in or ft. Throws `Error`.
+/// The shape, coordinates in `unit`: mm, cm, m, um, in or ft. Throws `Error` if the text is not sound. OpenCASCADE may
+/// crash on a damaged one: the tools have had it read in a process of its own before.
 std::shared_ptr<const CadModel> make_cad_model(const CadSource& source, std::string_view unit);
 
 /// Areas of its faces and its volume, in that unit. Throws `Error`.

@@ -14,8 +14,8 @@ bool can_read_cad();
 
 /// Reads the text of a STEP, IGES or BREP file with OpenCASCADE, samples its faces and finds its edges. `scale`: length
 /// units of the result in a millimeter (STEP and IGES say their own unit; BREP has none and counts as millimeters).
-/// Throws `Error` with what is wrong. A damaged text may crash OpenCASCADE: see `require_readable_cad`
-/// (cad_source.hpp). Deterministic: the same bits in every process.
+/// Throws `Error` with what is wrong. A damaged text may crash OpenCASCADE. Deterministic: the same bits in every
+/// process.
 CadData read_cad(std::string_view text, double scale);
 
 /// Triangles on the faces of a shape whose corners are one where faces meet: a closed, oriented surface where the shape

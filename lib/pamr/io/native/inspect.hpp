@@ -8,7 +8,7 @@
 namespace pamr::io {
 
 /// Lists the contents of a file with HDF5. Throws `Error` for a file or an object of an unexpected kind. A damaged file
-/// may crash or stall HDF5 1.10 itself: call `catalog_of` (preflight.hpp) instead. Local.
+/// may crash or stall HDF5 1.10 itself. Local; `catalog_of` (preflight.hpp) is for all ranks.
 Catalog inspect(const std::filesystem::path& file);
 
 }  // namespace pamr::io

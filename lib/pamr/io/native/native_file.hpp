@@ -38,10 +38,10 @@ struct ReadOptions {
 /// and reads everything that is small; the functions read the large arrays.
 ///
 /// Nothing in the file is trusted:
-/// - rank 0 looks through its structure in a process of its own, which may die of it (`subprocess.hpp`);
 /// - shapes, types, counts, ranges and checksums are verified before the values are used (a checksum of a field that
 ///   does not fit is a remark: solvers rewrite fields);
 /// - no array is larger than the size of the file allows.
+/// HDF5 1.10 itself may die of a damaged file all the same (docs/file-format.md, *Damaged files*).
 /// The geometry is not looked at (`validate::validate` does), nor are neighbors matched (`assemble::assemble` does).
 ///
 /// All functions but `info` and `has_integers` are collective; so are the constructor and the destructor. They throw

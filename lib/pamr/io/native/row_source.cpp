@@ -14,56 +14,29 @@ namespace pamr::io {
 
 namespace {
 
-/// A processor inflates and sends at least so many bytes a second.
-constexpr rlim_t slowest = rlim_t{4} << 20U;
-
 std::size_t n_bytes(const hdf5::Shape& shape, mesh::StorageType type, GlobalId n) {
   return static_cast<std::size_t>(n * shape.width) * hdf5::size_of(type);
-}
-
-/// In the process of its own: reads the rows with HDF5's serial driver and sends them.
-void read_alone(const std::filesystem::path& file, const ArrayEntry& entry, const hdf5::Shape& shape,
-                const RowSource::Slabs& rows, const Subprocess::Send& send) {
-  const auto access = hdf5::take(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, "");
-  H5Pset_file_locking(access.id(), true, true);
-  const auto h5 = hdf5::take(H5Fopen(file.c_str(), H5F_ACC_RDONLY, access.id()), H5Fclose, "");
-  const auto dataset = hdf5::take(H5Dopen2(h5.id(), entry.path.c_str(), H5P_DEFAULT), H5Dclose, "");
-  std::vector<char> raw;
-  for (auto first = rows.first; first < rows.end; first += rows.slab) {
-    const auto n = std::min(rows.slab, rows.end - first);
-    raw.resize(n_bytes(shape, entry.type, n));
-    hdf5::require(hdf5::read_rows({dataset.id(), shape, first, n}, entry.type, raw.data(), H5P_DEFAULT), "");
-    send(raw);
-  }
 }
 
 }  // namespace
 
 RowSource::RowSource(const std::filesystem::path& file, hid_t h5, const ArrayEntry& entry, const hdf5::Shape& shape,
-                     const Slabs& rows)
-    : file_(file), type_(entry.type), shape_(shape), next_(rows.first) {
-  if (!entry.is_chunked || !may_fork()) {
-    dataset_ = hdf5::take(H5Dopen2(h5, entry.path.c_str(), H5P_DEFAULT), H5Dclose, "cannot open it");
-    transfer_ = hdf5::independent_transfer();
-    if (!entry.is_chunked) place_ = H5Dget_offset(dataset_.id());
-    return;
-  }
-  if (rows.first >= rows.end) return;
-  process_.emplace(
-      [&](const Subprocess::Send& send) { read_alone(file, entry, shape, rows, send); },
-      Subprocess::Limits{.processor_seconds = 2 + n_bytes(shape, entry.type, rows.end - rows.first) / slowest,
-                         .memory_bytes = Subprocess::memory_for(std::filesystem::file_size(file))});
-}
+                     GlobalId first)
+    : file_(file),
+      type_(entry.type),
+      shape_(shape),
+      next_(first),
+      dataset_(hdf5::take(H5Dopen2(h5, entry.path.c_str(), H5P_DEFAULT), H5Dclose, "cannot open it")),
+      transfer_(hdf5::independent_transfer()),
+      is_chunked_(entry.is_chunked),
+      place_(is_chunked_ ? HADDR_UNDEF : H5Dget_offset(dataset_.id())) {}
 
 bool RowSource::read(GlobalId n, std::span<std::byte> raw) {
   const auto first = next_;
   next_ += n;
-  if (dataset_.is_open()) {
-    if (!hdf5::read_rows({dataset_.id(), shape_, first, n}, type_, raw.data(), transfer_.id())) return false;
-    short_read_ = place_ == HADDR_UNDEF ? "" : missing(place_ + n_bytes(shape_, type_, first), raw);
-    return short_read_.empty();
-  }
-  return process_->receive({reinterpret_cast<char*>(raw.data()), raw.size()});
+  if (!hdf5::read_rows({dataset_.id(), shape_, first, n}, type_, raw.data(), transfer_.id())) return false;
+  short_read_ = place_ == HADDR_UNDEF ? "" : missing(place_ + n_bytes(shape_, type_, first), raw);
+  return short_read_.empty();
 }
 
 std::string RowSource::missing(std::uint64_t begin, std::span<const std::byte> raw) const {
@@ -90,9 +63,7 @@ std::string RowSource::missing(std::uint64_t begin, std::span<const std::byte> r
 
 std::string RowSource::trouble() {
   if (!short_read_.empty()) return short_read_;
-  if (!process_) return "HDF5: " + hdf5::last_error();
-  const auto reason = process_->end();
-  return "expected sound chunks, found some that HDF5 cannot read: " + (reason.empty() ? "too short" : reason);
+  return (is_chunked_ ? "expected sound chunks, found some that HDF5 cannot read: " : "HDF5: ") + hdf5::last_error();
 }
 
 }  // namespace pamr::io

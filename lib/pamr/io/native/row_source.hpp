@@ -3,34 +3,23 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <optional>
 #include <span>
 #include <string>
-#include <vector>
 
-#include "pamr/base/subprocess.hpp"
 #include "pamr/base/types.hpp"
 #include "pamr/io/native/catalog.hpp"
 #include "pamr/io/native/hdf5.hpp"
 
 namespace pamr::io {
 
-/// This rank's rows of a dataset, one slab after another. A contiguous dataset, whose place in the file is known to be
-/// sound, is read through the file that all ranks have open. The chunks of a chunked one are not verified, and
-/// HDF5 1.10 may crash on damaged ones, so each rank has its rows read by a process of its own where
-/// that may be (`may_fork`).
+/// This rank's rows of a dataset, one slab after another, through the file that all ranks have open.
 class RowSource {
  public:
-  /// Rows `first .. end` in slabs of `slab` rows.
-  struct Slabs {
-    GlobalId first = 0, end = 0, slab = 1;
-  };
-
-  /// Collective over the ranks that have `h5` open; throws `Error` without the file's name.
+  /// From row `first` on. Collective over the ranks that have `h5` open; throws `Error` without the file's name.
   RowSource(const std::filesystem::path& file, hid_t h5, const ArrayEntry& entry, const hdf5::Shape& shape,
-            const Slabs& rows);
+            GlobalId first);
 
-  /// Reads the next `n` rows (a whole slab but for the last, 1 or more) to where `raw` lies, whose size is theirs.
+  /// Reads the next `n` rows (1 or more) to where `raw` lies, whose size is theirs.
   /// Local; false when it failed, and `trouble` says why.
   bool read(GlobalId n, std::span<std::byte> raw);
   std::string trouble();
@@ -46,9 +35,9 @@ class RowSource {
   hdf5::Shape shape_;
   GlobalId next_;
   hdf5::Handle dataset_, transfer_;
+  bool is_chunked_;
   haddr_t place_ = HADDR_UNDEF;  ///< of a contiguous dataset in the file
   std::string short_read_;       ///< why the last read was none
-  std::optional<Subprocess> process_;
 };
 
 }  // namespace pamr::io

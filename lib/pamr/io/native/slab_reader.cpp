@@ -84,11 +84,10 @@ void SlabReader::fail(const std::string& path, GlobalId row, const std::string& 
 }
 
 /// HDF5 opens a dataset on all ranks together; reading its rows is each rank's own.
-std::optional<RowSource> SlabReader::open_rows(const Dataset& dataset, Rows rows, GlobalId slab) const {
+RowSource SlabReader::open_rows(const Dataset& dataset, Rows rows) const {
   const par::Comm::Waiting waiting(*comm_, par::Comm::Waiting::In::library);
   try {
-    return std::optional<RowSource>(std::in_place, file_, h5_.id(), *catalog_->find_array(dataset.path), dataset.shape,
-                                    RowSource::Slabs{rows.begin, rows.end, slab});
+    return {file_, h5_.id(), *catalog_->find_array(dataset.path), dataset.shape, rows.begin};
   } catch (const Error& error) {
     throw Error(fmt::format("{}: {}", place(dataset.path), error.what()));
   }
@@ -110,13 +109,13 @@ void SlabReader::each_slab(const Dataset& dataset, Rows rows, bool verify, const
       (is_chunked ? options_.slab_bytes : std::min<std::size_t>(options_.slab_bytes, hdf5::cached_piece_bytes)) / 8);
   const auto step = rows_in(values_at_once);
   par::agree(*comm_, [&] {
-    auto source = open_rows(dataset, rows, slab);
+    auto source = open_rows(dataset, rows);
     for (auto first = rows.begin; first < rows.end; first += slab) {
       const auto n = std::min(slab, rows.end - first);
       const auto bytes = at(n) * width * hdf5::size_of(type);
       raw_.resize((bytes + 7) / 8);
-      if (!comm_->in_library([&] { return source->read(n, std::as_writable_bytes(std::span(raw_)).first(bytes)); }))
-        throw Error(fmt::format("{}: cannot read rows from {} on ({})", place(path), first, source->trouble()));
+      if (!comm_->in_library([&] { return source.read(n, std::as_writable_bytes(std::span(raw_)).first(bytes)); }))
+        throw Error(fmt::format("{}: cannot read rows from {} on ({})", place(path), first, source.trouble()));
       for (GlobalId row = 0; row < n; row += step) {
         const auto words = as_words(type, at(row) * width, at(std::min(step, n - row)) * width);
         if (type == StorageType::uint64)

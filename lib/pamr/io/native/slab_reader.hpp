@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
-#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -63,7 +62,7 @@ class SlabReader {
                          const std::string& found) const;
 
  private:
-  std::optional<RowSource> open_rows(const Dataset& dataset, Rows rows, GlobalId slab) const;
+  RowSource open_rows(const Dataset& dataset, Rows rows) const;
   std::span<const std::uint64_t> as_words(mesh::StorageType type, std::size_t first, std::size_t n);
   std::string place(const std::string& path) const;
 

@@ -167,6 +167,15 @@ void restore_faces(const par::Comm& comm, const Section& section, GlobalId n_cel
   }
 }
 
+/// The mesh that the header of a checkpoint names, beside it; empty for none. Throws `Error`.
+std::string mesh_file_of(const nlohmann::json& header, const std::string& checkpoint) {
+  if (!header.contains("mesh_file")) return {};
+  const std::filesystem::path name = string_of(header["mesh_file"], "mesh_file");
+  if (name.empty() || name != name.filename())
+    throw Error(fmt::format("expected the name of a file beside it, found \"{}\"", name.string()));
+  return (std::filesystem::path(checkpoint).parent_path() / name).string();
+}
+
 }  // namespace
 
 MeshKey key_of(const par::Comm& comm, const mesh::DistMesh& mesh) {
@@ -250,13 +259,18 @@ CheckpointHead head_of(const par::Comm& comm, const std::string& checkpoint) {
     head.steps_done = static_cast<std::uint64_t>(count_of(member(header, "steps_done"), "steps_done"));
     head.fnum = number_of(member(member(header, "setup"), "molecules"), "molecules");
     head.n_particles = file.n_rows("particles");
-    if (!header.contains("mesh_file")) return head;
-    const std::filesystem::path name = string_of(header["mesh_file"], "mesh_file");
-    if (name.empty() || name != name.filename())
-      throw Error(fmt::format("expected the name of a file beside it, found \"{}\"", name.string()));
-    head.mesh_file = (std::filesystem::path(checkpoint).parent_path() / name).string();
+    head.mesh_file = mesh_file_of(header, checkpoint);
     return head;
   });
+}
+
+std::vector<std::string> files_in_checkpoint(const std::string& file) {
+  try {
+    const auto mesh = mesh_file_of(header_of_sections(file), file);
+    return mesh.empty() ? std::vector<std::string>{} : std::vector<std::string>{mesh};
+  } catch (const Error&) {  // no sound checkpoint; who reads it says so
+    return {};
+  }
 }
 
 Snapshot read_checkpoint(const SectionFile& file, const Gas& gas) {

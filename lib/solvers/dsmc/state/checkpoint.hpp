@@ -54,6 +54,9 @@ struct CheckpointHead {
 /// Collective. Throws the same `Error` on every rank for a damaged file.
 CheckpointHead head_of(const par::Comm& comm, const std::string& checkpoint);
 
+/// Its mesh file, if the file is a checkpoint that has one. Local.
+std::vector<std::string> files_in_checkpoint(const std::string& file);
+
 /// Writes a snapshot as a file: the same bytes on any number of ranks. Collective; throws `Error`.
 void write_checkpoint(const par::Comm& comm, const std::string& file, const Snapshot& snapshot);
 /// Reads it back; `gas` of the case. Collective. Throws the same `Error` on every rank for a damaged file.

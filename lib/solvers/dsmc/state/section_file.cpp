@@ -106,7 +106,33 @@ std::uint64_t bytes_of_tables(const std::string& file, const std::string& text, 
   }
 }
 
+/// The header of a file of the length that it states. Throws `Error`.
+std::string text_of_header(const std::string& file) {
+  const Descriptor in(file, O_RDONLY);
+  const auto end = ::lseek(in.number(), 0, SEEK_END);
+  std::array<std::uint64_t, n_fixed> fixed{};
+  const auto bytes = static_cast<std::uint64_t>(end < 0 ? 0 : end);
+  if (bytes >= sizeof(fixed)) get(in.number(), file, 0, fixed.data(), sizeof(fixed));
+  if (fixed[0] != magic || fixed[1] != format)
+    throw Error(
+        fmt::format("file '{}': expected a checkpoint of pamr-dsmc (format {}), found another file", file, format));
+  if (fixed[2] > longest_text || fixed[2] > bytes - sizeof(fixed))
+    throw Error(fmt::format("file '{}': expected a header of {} bytes, found a file of {}", file, fixed[2], bytes));
+  std::string text(fixed[2], ' ');
+  get(in.number(), file, sizeof(fixed), text.data(), text.size());
+  if (hash_of(text) != fixed[3])
+    throw Error(fmt::format("file '{}': expected a header with hash {:x}, found a damaged one", file, fixed[3]));
+  const auto data = bytes_of_tables(file, text, bytes);
+  const auto whole = sizeof(fixed) + text.size() + data;
+  if (data > bytes || whole != bytes)
+    throw Error(
+        fmt::format("file '{}': expected {} bytes, found {}: the file is cut off or damaged", file, whole, bytes));
+  return text;
+}
+
 }  // namespace
+
+nlohmann::json header_of_sections(const std::string& file) { return nlohmann::json::parse(text_of_header(file)); }
 
 void write_sections(const par::Comm& comm, const std::string& file, const nlohmann::json& header,
                     const std::vector<const Section*>& sections) {
@@ -156,26 +182,7 @@ void write_sections(const par::Comm& comm, const std::string& file, const nlohma
 SectionFile::SectionFile(const par::Comm& comm, std::string file) : comm_(&comm), file_(std::move(file)), header_() {
   std::string text;
   par::agree(comm, [&] {
-    if (!comm.is_first()) return;
-    const Descriptor in(file_, O_RDONLY);
-    const auto end = ::lseek(in.number(), 0, SEEK_END);
-    std::array<std::uint64_t, n_fixed> fixed{};
-    const auto bytes = static_cast<std::uint64_t>(end < 0 ? 0 : end);
-    if (bytes >= sizeof(fixed)) get(in.number(), file_, 0, fixed.data(), sizeof(fixed));
-    if (fixed[0] != magic || fixed[1] != format)
-      throw Error(
-          fmt::format("file '{}': expected a checkpoint of pamr-dsmc (format {}), found another file", file_, format));
-    if (fixed[2] > longest_text || fixed[2] > bytes - sizeof(fixed))
-      throw Error(fmt::format("file '{}': expected a header of {} bytes, found a file of {}", file_, fixed[2], bytes));
-    text.resize(fixed[2]);
-    get(in.number(), file_, sizeof(fixed), text.data(), text.size());
-    if (hash_of(text) != fixed[3])
-      throw Error(fmt::format("file '{}': expected a header with hash {:x}, found a damaged one", file_, fixed[3]));
-    const auto data = bytes_of_tables(file_, text, bytes);
-    const auto whole = sizeof(fixed) + text.size() + data;
-    if (data > bytes || whole != bytes)
-      throw Error(
-          fmt::format("file '{}': expected {} bytes, found {}: the file is cut off or damaged", file_, whole, bytes));
+    if (comm.is_first()) text = text_of_header(file_);
   });
   header_ = std::make_unique<nlohmann::json>(nlohmann::json::parse(comm.broadcast(text)));
 }

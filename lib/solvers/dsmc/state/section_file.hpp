@@ -28,6 +28,9 @@ struct Section {
 void write_sections(const par::Comm& comm, const std::string& file, const nlohmann::json& header,
                     const std::vector<const Section*>& sections);
 
+/// The header of a file of tables. Throws `Error` for one that is damaged, cut off or of another kind. Local.
+nlohmann::json header_of_sections(const std::string& file);
+
 /// Opened for reading: header and lengths have been verified.
 class SectionFile {
  public:
