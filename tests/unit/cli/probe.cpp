@@ -61,7 +61,7 @@ ExitCode work(Session& session, const std::string& input, const std::string& out
     pamr::io::PartialFile file(output);
     if (session.comm().is_first()) (void)file.make(100);
     file.share(session.comm());
-    std::this_thread::sleep_for(std::chrono::seconds(60));
+    std::this_thread::sleep_for(std::chrono::seconds(600));
   }
   if (!output.empty() && session.comm().is_first()) pamr::cli::write_whole(output, "all of it\n");
   session.write_report({{"ranks", session.comm().size()}, {"input", input}});

@@ -55,9 +55,13 @@ bool is_full_level() {
   return level != nullptr && std::string_view(level) == "full";
 }
 
+std::uint64_t n_cases_on(const par::Comm& world, std::uint64_t quick, std::uint64_t full) {
+  return n_cases(quick, world.size() <= 4 ? full : std::min<std::uint64_t>(full, 40));
+}
+
 std::vector<std::uint64_t> seeds_alone(const par::Comm& world) {
   const auto size = static_cast<std::uint64_t>(world.size());
-  const auto n = size == 1 ? n_cases(50, 1000) : n_cases(7, 1000);
+  const auto n = n_cases_on(world, size == 1 ? 50 : 7, 1000);
   const auto begin = (size - 1) * 1000;
   std::vector<std::uint64_t> seeds;
   for (auto i = static_cast<std::uint64_t>(world.rank()); i < n; i += size) seeds.push_back(begin + i);
@@ -65,7 +69,7 @@ std::vector<std::uint64_t> seeds_alone(const par::Comm& world) {
 }
 
 std::uint64_t n_cases_together(const par::Comm& world) {
-  return n_cases(world.size() <= 4 ? 50 : world.size() <= 7 ? 20 : 10, 1000);
+  return n_cases_on(world, world.size() == 1 ? 50 : world.size() <= 4 ? 24 : 10, 1000);
 }
 
 std::vector<std::uint8_t> mark(const mesh::DistMesh& mesh, Law law, std::uint64_t seed) {

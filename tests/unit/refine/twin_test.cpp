@@ -244,7 +244,7 @@ TEST_P(TwinOf, AgreesOnRandomMeshesRefinedByEachRankAlone) {
 }
 
 TEST_P(TwinOf, AgreesOnRandomMeshesRefinedByAllRanksTogether) {
-  const auto tally = compare_together(test::n_cases(5, 250),
+  const auto tally = compare_together(test::n_cases_on(par::Comm(MPI_COMM_WORLD), 5, 250),
                                       [](std::uint64_t i) { return plan_of(50000 + i, levels_of(GetParam(), i)); });
 
   EXPECT_GT(tally.levels, tally.cases);
@@ -260,7 +260,8 @@ std::vector<QualityControl> drawn_levels(std::uint64_t seed) {
 
 TEST(Twin, AgreesWhenThePolicyChangesFromLevelToLevel) {
   const auto tally = compare_alone([](std::uint64_t i) { return plan_of(100000 + i, drawn_levels(i)); });
-  compare_together(test::n_cases(5, 250), [](std::uint64_t i) { return plan_of(200000 + i, drawn_levels(i)); });
+  compare_together(test::n_cases_on(par::Comm(MPI_COMM_WORLD), 5, 250),
+                   [](std::uint64_t i) { return plan_of(200000 + i, drawn_levels(i)); });
 
   if (tally.cases >= 50) {
     EXPECT_GT(tally.rebuilt, tally.cases);
@@ -275,7 +276,8 @@ Plan plan_on_dome(std::uint64_t seed) {
 
 TEST(Twin, AgreesUnderACurvedBoundary) {
   const auto tally = compare_alone([](std::uint64_t i) { return plan_on_dome(i); });
-  compare_together(test::n_cases(5, 250), [](std::uint64_t i) { return plan_on_dome(300000 + i); });
+  compare_together(test::n_cases_on(par::Comm(MPI_COMM_WORLD), 5, 250),
+                   [](std::uint64_t i) { return plan_on_dome(300000 + i); });
 
   EXPECT_GT(tally.levels, tally.cases);
   EXPECT_TRUE(tally.rebuilt > 0 || tally.cases < 50);
