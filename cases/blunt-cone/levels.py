@@ -19,6 +19,7 @@ PAPER = [(15190, 0.27e6, 1.667, -0.141, -0.057), (43624, 0.56e6, 1.621, -0.154, 
          (2700319, 18.1e6, 1.543, -0.182, -0.055)]
 EXPERIMENT = (1.476, -0.18, -0.054)
 COEFFICIENTS = ("C_D", "C_L", "C_m", "C_H")
+STUDENT_9 = 2.262  # 97.5 % with ten groups, which the recorded levels have but for level 0 (20: 2.093)
 
 
 def read(folder, name):
@@ -45,18 +46,21 @@ class Level:
 
     def row(self, level):
         flow = self.flow
-        numbers = "".join(f"  {self.value(c)[0]:8.4f} {self.bound(c):.4f}" for c in COEFFICIENTS)
-        return (f"{level:5d} {self.cells:8d} {flow['particles']:9d} {flow['particles'] / self.cells:6.1f} "
-                f"{100 * (1 - self.few):5.0f} % {flow['averages_from_step'] - flow['began_at_step']:7d} "
-                f"{flow['steps'] - flow['averages_from_step']:8d}{numbers}")
+        return (f"{'level ' + str(level):10} {self.cells:8d} {flow['particles']:10d} {flow['particles'] / self.cells:6.1f} "
+                f"{100 * (1 - self.few):6.0f} % {flow['steps'] - flow['averages_from_step']:6d}"
+                + coefficients([(self.value(c)[0], self.bound(c)) for c in COEFFICIENTS]))
+
+
+def coefficients(values):
+    """The last columns of a row: values with their bounds, or alone."""
+    return "".join(f"  {v:8.4f} +- {e:.4f}" if e else f"  {v:8.3f}          " for v, e in values).rstrip()
 
 
 def blocks(level, found):
-    """Where the errors of a level come from, in words."""
+    """Where the bounds of a level come from, in words."""
     a = found.flow["averages"]
-    text = (f"level {level}: errors from {a['groups']} groups of {a['group_steps']} steps ({a['blocks']} blocks of "
-            f"{a['block_steps']}); the free stream passes in {a['passage_steps']}; Student's factor {a['student_95']:.3f}")
-    return text if a["independent"] else text + "; groups shorter than a passage depend on each other: bounds are too narrow"
+    text = f"level {level}: +- from {a['groups']} groups of {a['group_steps']} steps; the free stream passes in {a['passage_steps']}"
+    return text if a["independent"] else text + ": shorter groups depend on each other, and bounds are too narrow"
 
 
 def is_full(levels, level, size):
@@ -82,6 +86,24 @@ def unexpected(levels, size):
         if not abs(found - expected) <= allowed:
             yield (f"level {level}: expected {row['quantity']} = {row['value']} within {allowed:.3g}, "
                    f"found {found:g}")
+
+
+def long_run():
+    """The levels of the full run that expected.csv records: cells, coefficients, each with its standard error."""
+    levels = {}
+    for row in expected_rows():
+        if row["run"] == "full":
+            levels.setdefault(int(row["level"]), {})[row["quantity"]] = (float(row["value"]), float(row["stderr"]))
+    return levels
+
+
+def beyond_bounds(levels, long):
+    """The coefficients that differ from the long run's by more than both bounds, in words."""
+    for i, level in enumerate(levels):
+        for c in COEFFICIENTS if i in long else ():
+            off = level.value(c)[0] - long[i][c][0]
+            if abs(off) > math.hypot(level.bound(c), STUDENT_9 * long[i][c][1]):
+                yield f"{c} of level {i} ({off:+.4f})"
 
 
 def drifts(i, level):
@@ -119,18 +141,29 @@ def requirements(levels, size):
 def main():
     folder, n_levels, size = sys.argv[1], int(sys.argv[2]), sys.argv[3]
     levels = [Level(folder, level) for level in range(n_levels + 1)]
-    print("level    cells particles a cell  5 or  steps:          C_D             C_L             C_m             C_H")
-    print("                                 more  discarded, kept      +-              +-              +-              +-")
+    long = long_run()
+    print("              cells  particles      a   with 5  steps" + "".join(f"{c:>13}       " for c in COEFFICIENTS).rstrip())
+    print("                              cell  or more averaged")
     for i, level in enumerate(levels):
         print(level.row(i))
+    if size == "small":
+        for i in range(min(len(levels), len(long))):
+            print(f"{'--full, ' + str(i):10} {long[i]['cells'][0]:8.0f}" + " " * 33
+                  + coefficients([(long[i][c][0], STUDENT_9 * long[i][c][1]) for c in COEFFICIENTS]))
     for i, (cells, particles, *found) in enumerate(PAPER[:len(levels)]):
-        print(f"paper {i} {cells:7d} {particles:9.0f} {particles / cells:6.1f}" + " " * 24
-              + "".join(f"  {v:8.3f}       " for v in found).rstrip())
-    print("experiment" + " " * 45 + "".join(f"  {v:8.3f}       " for v in EXPERIMENT).rstrip())
-    print("+-: 95 % bounds, Student's factor times the standard error")
+        print(f"{'paper, ' + str(i):10} {cells:8d} {particles:10.0f} {particles / cells:6.1f}" + " " * 16
+              + coefficients([(v, 0) for v in found]))
+    print(f"{'experiment':53}" + coefficients([(v, 0) for v in EXPERIMENT]))
+    print("C_D, C_L, C_m, C_H: drag, lift, pitching moment and heat; +-: bounds of 95 % for the chance of one run, not for what its cells,")
+    print("number of particles and steps add")
+    print("with 5 or more: share of the cells in gas denser than the free stream's that hold at least five particles")
     for i, level in enumerate(levels):
         print(blocks(i, level))
-    print("'5 or more': share of the cells in gas denser than the free stream's that hold at least five particles")
+    if size == "small":
+        off = list(beyond_bounds(levels, long))
+        if off:
+            print("outside of its bounds beside the long run (--full): " + ", ".join(off)
+                  + ": what fewer particles, longer steps and other cells add")
     trouble = list(unexpected(levels, size)) + list(requirements(levels, size))
     for text in trouble:
         print("levels.py: error: " + text, file=sys.stderr)

@@ -46,7 +46,7 @@ check_options() {
 # By level: molecules a particle where the time step is the longest, averaged steps (of --full ten passages of the free
 # stream), and at most so many cells.
 cells=(0 60000 165000 1200000 2800000)
-transient=
+mesh=() time=() transient= # what differs from the case
 case_file=$case_folder/case.toml
 limit=1.1718e21  # 1.05 times the free stream's density
 case $size in
@@ -56,7 +56,13 @@ case $size in
     limit=3.9008e20
     ;;
   full | last) weight=(4.0e11 8.2e11 6.2e11 4.0e11 2.4e11) sampling=(3300 1650 2150 4400 4200) ;;
-  small) weight=(2.0e12 3.0e12 3.0e12 3.0e12 3.0e12) sampling=(500 500 500 500 500) ;;
+  small) # a narrower domain, small cells at all of the fore-body and larger ones elsewhere, longer steps: enough particles a cell in
+    # all, and averages of ten passages, with a million particles
+    weight=(1.05e12 1.35e12 1.35e12 1.35e12 1.35e12) sampling=(440 640 1000 2000 2000) cells=(0 50000 165000 1200000 2800000)
+    mesh=(-e "s/^\[mesh.sizes\]/[mesh.geometry]\nouter_radius = 45e-3\n\n&/" -e "s/^far = .*/far = 15e-3/" -e "s/^forebody = .*e-3$/forebody = 0.8e-3/"
+      -e "s/^base = .*/base = 6e-3/" -e "s/^sting = .*/sting = 3.8e-3/" -e "s/^growth = .*/growth = 0.8/")
+    time=(-e "s/^step = .*/step = 2.5e-6/" -e "s/^cell_fraction = .*/cell_fraction = 0.5/")
+    ;;
   smoke) weight=(3.0e13 4.0e13 4.0e13 4.0e13 4.0e13) sampling=(40 40 40 40 40) transient="transient = 40" ;;
 esac
 if [ $size = last ]; then
@@ -79,7 +85,7 @@ on_ranks() { # REPORT TOOL ARGUMENT...
 # The case with the numbers of a level.
 case_of() { # LEVEL
   sed -e "s|\"\.\./species.toml\"|\"$root/cases/species.toml\"|" -e "s/^weight = .*/weight = ${weight[$1]}/" \
-    -e "s/^sampling = .*/sampling = ${sampling[$1]}\n$transient/" "$case_file" >"$out/case$1.toml"
+    -e "s/^sampling = .*/sampling = ${sampling[$1]}\n$transient/" "${mesh[@]}" "${time[@]}" "$case_file" >"$out/case$1.toml"
 }
 
 solve() { # LEVEL
@@ -112,7 +118,8 @@ quality() { # LEVEL
   mpirun -q -n "$ranks" pamr-quality "$out/level$1.hdf" "${gates[@]}" --json "$out/quality$1.json"
 }
 
-on_ranks mesh pamr-mesh "$case_folder/case.toml" -o "$out/level0.hdf"
+sed "${mesh[@]}" -e '' "$case_folder/case.toml" >"$out/mesh.toml"
+on_ranks mesh pamr-mesh "$out/mesh.toml" -o "$out/level0.hdf"
 quality 0
 solve 0
 for ((level = 1; level <= levels; ++level)); do

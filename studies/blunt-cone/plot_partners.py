@@ -15,15 +15,12 @@ CASES = pathlib.Path(__file__).resolve().parents[2] / "cases"
 sys.path += [str(CASES), str(CASES / "blunt-cone")]
 import plot_drag  # noqa: E402
 import plots  # noqa: E402
-from levels import expected_rows  # noqa: E402
-
-STUDENT_9 = 2.262  # 97.5 % with ten groups, which the recorded levels have but for level 0 (20: 2.093)
+from levels import STUDENT_9, long_run  # noqa: E402
 
 
 def recorded_levels(n_levels):
-    full = {(int(row["level"]), row["quantity"]): row for row in expected_rows() if row["run"] == "full"}
-    return [(int(full[i, "cells"]["value"]),
-             {name: (float(full[i, name]["value"]), STUDENT_9 * float(full[i, name]["stderr"])) for name in plot_drag.NAMES})
+    full = long_run()
+    return [(int(full[i]["cells"][0]), {name: (full[i][name][0], STUDENT_9 * full[i][name][1]) for name in plot_drag.NAMES})
             for i in range(n_levels + 1)]
 
 

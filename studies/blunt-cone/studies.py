@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Runs the studies of the blunt cone and prints their tables: studies.sh says how.
 
-Usage: studies.py FULL SMALL|none OUT RANKS [STUDY...]
+Usage: studies.py FULL OUT RANKS [STUDY...]
 """
 import json
 import os
@@ -64,9 +64,8 @@ MESHES = {
 
 
 class Folders:
-    def __init__(self, full, small, out, ranks):
+    def __init__(self, full, out, ranks):
         self.full, self.out, self.ranks = pathlib.Path(full).resolve(), pathlib.Path(out).resolve(), ranks
-        self.small = None if small == "none" else pathlib.Path(small).resolve()
 
     def tool(self, name, *arguments, log="tools.log"):
         """Runs a tool in the folder for runs; what it prints goes to a file there."""
@@ -133,8 +132,8 @@ def compute(run, folders):
 
 
 def main():
-    folders = Folders(*sys.argv[1:4], int(sys.argv[4]))
-    chosen = sys.argv[5:] or STUDIES
+    folders = Folders(*sys.argv[1:3], int(sys.argv[3]))
+    chosen = sys.argv[4:] or STUDIES
     for study in chosen:
         if study not in (*STUDIES, *LONG, *(run.name for run in RUNS), "tables"):
             sys.exit(f"studies.py: unknown study {study}: expected some of {' '.join(STUDIES + LONG)} tables, or a run's name")

@@ -154,17 +154,15 @@ def cone_heat(found):
            "heat of the cone, kW/m2"), rows)
 
 
-def recorded(folder, name):
+def recorded(folder):
     """The levels of a run of run.sh."""
-    if folder is None:
-        return {}
     levels = [i for i in range(5) if all((folder / file).exists() for file in (f"flow{i}.json", f"wall{i}.vtu"))]
-    return {f"{name}level {level}": Found(folder, f"flow{level}") for level in levels}
+    return {f"level {level}": Found(folder, f"flow{level}") for level in levels}
 
 
 def print_all(runs, folders):
     found = {run.name: Found(folders.out, run.name) for run in runs if (folders.out / f"{run.name}.json").exists()}
-    found |= recorded(folders.full, "") | recorded(folders.small, "small ")
+    found |= recorded(folders.full)
     head = ("C_D", "C_L", "C_m", "C_H", "nose, kW/m2")
     table(("run", "cells", "particles", "averaged steps", *head),
           [(name, f.cells, f.particles, f.report["steps"] - f.report["averages_from_step"], f.text())
@@ -180,8 +178,6 @@ def print_all(runs, folders):
 
 # what, after, before, factor
 CHANGES = (
-    ("level 0: 5 times the particles (small run to full)", "level 0", "small level 0", 1),
-    ("level 1: 3.6 times the particles (small run to full)", "level 1", "small level 1", 1),
     ("level 0: twice the particles (0.25 to 0.5 million)", "l0-500k", "l0-250k", 1),
     ("level 0: 5 times the particles (0.5 to 2.5 million)", "level 0", "l0-500k", 1),
     ("level 0: half the step", "l0-250k-half-step", "l0-250k", 1),

@@ -27,7 +27,7 @@ def run(script, *options):
 
 def rows_of(printed):
     """The rows of the table: a level and a number of cells."""
-    return [line.split() for line in printed.splitlines() if re.match(r" *[01] +[0-9]", line)]
+    return [line.removeprefix("level").split() for line in printed.splitlines() if re.match(r"(level)? *[01] +[0-9]", line)]
 
 
 class Shape(unittest.TestCase):
@@ -103,6 +103,14 @@ class Loop(unittest.TestCase):
             row = next(line for line in studies.splitlines() if line.startswith(f"| level {level} |"))
             self.assertIn(f"{drag['value']:.4f} +- {drag['ci95']:.4f}", row)
             self.assertEqual(studies.count(f"\n| {level} | at the fore-body |"), 1, studies)
+
+    def test_the_run_without_full_names_what_lies_beyond_its_bounds(self):
+        result = subprocess.run([sys.executable, "-B", os.path.join(CASE, "levels.py"), self.out, "1", "small"],
+                                capture_output=True, text=True)
+
+        self.assertRegex(result.stdout, r"\n--full, 1 +59998 +1\.5086 \+- 0\.0025")
+        off = self.report(0)["C_D"]["value"] - 1.5092
+        self.assertIn(f"outside of its bounds beside the long run (--full): C_D of level 0 ({off:+.4f})", result.stdout)
 
     def test_the_full_run_wants_averages_of_a_steady_flow_however_they_became_so(self):
         heat = self.report(0)["C_H"]["value"]
