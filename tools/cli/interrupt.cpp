@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cerrno>
 #include <climits>
 #include <csignal>
@@ -42,7 +43,11 @@ void wait_for_others() {
   }
 }
 
+/// A second signal, which mpirun sends to one that waits for the others, may reach another thread: it changes nothing.
+std::atomic_flag is_ending = ATOMIC_FLAG_INIT;
+
 extern "C" void remove_files_and_end(int) {
+  if (is_ending.test_and_set()) return;
   io::remove_unfinished();
   hide_step();
   constexpr int interrupted = 6;
@@ -63,7 +68,6 @@ void end_well_on_interrupt(const std::string& tool, bool speaks, bool in_company
     std::copy(mark.begin(), mark.end(), abort_mark.begin());
   struct sigaction action {};
   action.sa_handler = remove_files_and_end;
-  ::sigfillset(&action.sa_mask);  // mpirun may send SIGTERM to one that waits for the others: no second message
   for (const int signal : {SIGINT, SIGTERM, SIGUSR1}) ::sigaction(signal, &action, nullptr);
   struct sigaction before {};
   ::sigaction(SIGHUP, nullptr, &before);
