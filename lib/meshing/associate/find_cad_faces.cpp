@@ -206,7 +206,7 @@ std::vector<CadPatch> find_cad_faces(const par::Comm& comm, mesh::DistMesh& mesh
     throw Error(
         fmt::format("--cad {}: expected boundary faces of the mesh on faces of the shape (within {:.3g}), found "
                     "none; the mesh is {:.4g} wide, the shape {:.4g}{}",
-                     source.file, tolerance, size, model.size(), hint_at_unit(size, model.size(), search.unit)));
+                    source.file, tolerance, size, model.size(), hint_at_unit(size, model.size(), search.unit)));
   return result;
 }
 
