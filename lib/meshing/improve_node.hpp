@@ -52,7 +52,8 @@ bool improve_node(const Stars& stars, std::size_t node, double best, const Bind&
     const auto center = best_place;
     for (int direction = 0; direction < 27; ++direction) {
       if (direction == 13) continue;  // the center
-      const geometry::Vec3 d{direction % 3 - 1.0, direction / 3 % 3 - 1.0, direction / 9 - 1.0};
+      const int x = direction % 3, y = direction / 3 % 3, z = direction / 9;
+      const geometry::Vec3 d{x - 1.0, y - 1.0, z - 1.0};
       place = bind(center + step * length / geometry::norm(d) * d);
       const double ratio = worst_ratio(stars, node, best);
       if (!(ratio > best)) continue;
