@@ -24,4 +24,7 @@ case ${1:-} in
 esac
 
 "$root/scripts/setup.sh" --tests
+# Open MPI 4.1 removes the folder of a user's jobs when it is empty: a job that starts at that moment fails (orte/util/session_dir.c).
+jobs=${TMPDIR:-/tmp}/ompi.$(uname -n).$(id -u)
+(umask 077 && mkdir -p "$jobs/tests") && trap 'rmdir "$jobs/tests" 2>/dev/null || true' EXIT
 ctest --test-dir "$build" --parallel $((3 * $(nproc))) --output-on-failure --no-label-summary --no-tests=error "${level[@]}" "$@"
