@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 #include <set>
@@ -340,6 +341,43 @@ TEST(DensityScale, IsAsGoodInSmallCellsBesideLargeOnes) {
     if (is_inside[c]) {
       ASSERT_NEAR(scale[c], x[c], 1e-11 * x[c]);
     }
+}
+
+TEST(DensityScale, TakesMeansAtNodesThatAreWeightedByVolume) {
+  // Layers of unequal thickness: as much of each cell's volume at a node lies before it as behind it, but for the
+  // thickness. So the mean there is known.
+  const par::Comm comm(MPI_COMM_WORLD);
+  constexpr std::array<double, 7> plane{0, 0.1, 0.5, 0.55, 0.85, 0.9, 1.3};
+  constexpr std::array<double, 6> density_of{1, 5, 2, 7, 3, 4};
+  auto block = test::kuhn_cube(comm, 6);
+  for (auto& p : block.node_position) p.x = plane[static_cast<std::size_t>(std::lround(6 * p.x))];
+  const auto mesh = assemble::assemble(comm, std::move(block));
+  const auto layer_of = [&](LocalId c) {
+    const auto p = mesh.points(c);
+    const double x = 0.25 * (p[0].x + p[1].x + p[2].x + p[3].x);
+    return static_cast<std::size_t>(std::upper_bound(plane.begin(), plane.end(), x) - plane.begin()) - 1;
+  };
+  std::vector<double> density;
+  for (LocalId c = 0; c < mesh.n_cells(); ++c) density.push_back(1e20 * density_of[layer_of(c)]);
+  const auto mean_at = [&](std::size_t i) {
+    const double before = plane[i] - plane[i - 1], behind = plane[i + 1] - plane[i];
+    return 1e20 * (before * density_of[i - 1] + behind * density_of[i]) / (before + behind);
+  };
+
+  const auto scale = density_scale(comm, mesh, density);
+
+  for (LocalId c = 0; c < mesh.n_cells(); ++c) {
+    const auto p = mesh.points(c);
+    const auto layer = layer_of(c);
+    const bool is_inside = std::all_of(p.begin(), p.end(), [](Vec3 q) {
+      return std::min({q.y, q.z, 1 - q.y, 1 - q.z}) > 0.01;
+    });
+    if (layer == 0 || layer == 5 || !is_inside) continue;
+    double mean = 0;
+    for (const auto& q : p) mean += 0.25 * mean_at(q.x > plane[layer] ? layer + 1 : layer);
+    const double slope = (mean_at(layer + 1) - mean_at(layer)) / (plane[layer + 1] - plane[layer]);
+    ASSERT_NEAR(scale[at(c)], mean / std::abs(slope), 1e-11 * scale[at(c)]);
+  }
 }
 
 TEST(SplitOptions, RefusesWhatIsNoCriterion) {
