@@ -61,7 +61,7 @@ bool send(int pipe_end, std::string_view text) {
   return true;
 }
 
-/// What comes until the child has closed its end.
+/// All bytes until the child has closed its end.
 std::string receive(int pipe_end) {
   std::string text;
   std::array<char, 4096> buffer{};

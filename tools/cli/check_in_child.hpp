@@ -19,7 +19,7 @@ namespace pamr::cli {
 // it when all are there (`Session::check_input`). The library never forks. This guards against damage, not against
 // attack: the child has the rights of its parent.
 
-/// What a child may take.
+/// Limits on the processor time and memory of a child.
 struct ChildLimits {
   rlim_t processor_seconds = 2;
   rlim_t memory_bytes = 0;  ///< beyond what this process has
@@ -38,7 +38,7 @@ ChildAnswer in_child(const std::function<std::string()>& work, ChildLimits limit
 /// reader says of it, or how the child ended. Empty: nothing. Local.
 std::string check_in_child(const std::string& file);
 
-/// What is wrong with files, by their names.
+/// Errors of files, by the files' names.
 using BadFiles = std::map<std::string, std::string>;
 
 /// Files that a file names.

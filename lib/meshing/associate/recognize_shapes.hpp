@@ -39,7 +39,7 @@ struct RecognizedShape {
 /// - has faces whose normals deviate from the shape's no more than their edges and the shape's curvature explain, all
 ///   to the same side, along no edge of which the shape turns by more than `suggested_turn`.
 ///
-/// What is measured is `surface`, at all nodes and faces. Ascending by patch. The same on every
+/// Distances are those from `surface`, at all nodes and faces. Ascending by patch. The same on every
 /// rank and for any number of ranks, partition and numbering. Collective: one sparse exchange of some hundred nodes of
 /// each patch with their faces, and six reductions; none if no patch is wanted. Cost: O(cells) and about 10 ms for each
 /// patch, patches shared out to the ranks.

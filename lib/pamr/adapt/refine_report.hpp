@@ -24,9 +24,9 @@ struct Measured {
   bool lists_ranks = false;            ///< the report also gives each rank's share of every step
 };
 
-/// What a refinement did, by the keys of docs/tools/pamr-refine.md. Local.
+/// Counts of a refinement, by the keys of docs/tools/pamr-refine.md. Local.
 nlohmann::json to_json(const Report& report);
-/// What coarsening did, by the keys of docs/coarsening.md. Local.
+/// Counts of coarsening, by the keys of docs/coarsening.md. Local.
 nlohmann::json to_json(const CoarseningReport& report);
 
 /// The JSON report of docs/tools/pamr-refine.md, complete on every rank: `to_json(report)` and what was measured.

@@ -17,7 +17,7 @@
 #include "pamr/par/comm.hpp"
 #include "pamr/refine/options.hpp"
 
-/// What comes first where cells may be coarsened: octets that nothing needs are coarsened.
+/// The first step where cells may be coarsened: octets that nothing needs are coarsened.
 namespace pamr::adapt {
 
 /// A mesh that was coarsened, and what is to be split of it.

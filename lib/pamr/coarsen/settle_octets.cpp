@@ -58,7 +58,6 @@ class Settling {
     return !inverted.empty();
   }
 
-  /// Whether each of these nodes stays.
   /// Adds the nodes that stay elsewhere. True if one of them is new here. Collective: one exchange.
   bool add_from(const par::Exchange& exchange) {
     bool any = false;

@@ -24,14 +24,14 @@ struct Outcome {
   int rounds = 0;                    ///< exchanges with the neighbors to settle this
 };
 
-/// What is coarsened, and which nodes remain.
+/// The octets that are coarsened, and the nodes that remain.
 struct Settled {
   std::vector<Group> groups;             ///< octets that are coarsened and families that are closed anew, ascending
   std::vector<std::uint8_t> node_stays;  ///< n_nodes
   Outcome outcome;
 };
 
-/// What keeps octets from being coarsened.
+/// Reasons that keep octets from being coarsened.
 struct Needs {
   /// Of each cell: a family with one above 0 keeps its nodes, because its parent becomes eight.
   std::span<const std::int8_t> flags;

@@ -20,7 +20,7 @@
 /// package ask this table, and so do the messages that list endings.
 namespace pamr::io {
 
-/// What the readers may be asked for. Each takes what its format knows.
+/// Options of the readers. Each heeds those that its format has.
 struct MeshReadOptions {
   Exact<bool> repair = false;                                  ///< see `ElementOptions`
   Exact<bool> build_surfaces = true;                           ///< see `ReadOptions`, of native files
@@ -29,7 +29,7 @@ struct MeshReadOptions {
   std::vector<std::string> field_names = {};                   ///< likewise
 };
 
-/// What the writers may be asked for. Each takes what its format knows.
+/// Options of the writers. Each heeds those that its format has.
 struct MeshWriteOptions {
   std::string provenance = {};                      ///< see `WriteOptions`, of native files
   Exact<int> format = newest_format;                ///< likewise

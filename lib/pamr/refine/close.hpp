@@ -13,7 +13,7 @@
 
 namespace pamr::refine {
 
-/// What is to be split of a mesh.
+/// Requests for the cells of a mesh.
 struct Wanted {
   std::span<const std::uint8_t> requests;  ///< a `Request` for each cell
   const Carried* carried = nullptr;        ///< what an early pass left known

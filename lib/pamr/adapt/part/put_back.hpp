@@ -26,7 +26,7 @@ struct PutBack {
   std::vector<LocalId> whole_cell;  ///< of each cell, as of a part; empty if nobody wants it
 };
 
-/// What the whole mesh has become: in its order, cells numbered without gaps. It gets `cell_origin`. Cost: arrays of
+/// The whole mesh with the part put back: in its order, cells numbered without gaps. It gets `cell_origin`. Cost: arrays of
 /// cells are moved by the few places that the part needs more or less; memory only where an array has no room for that.
 /// Collective, as `widen`.
 PutBack put_back(const par::Comm& comm, PartTarget into, const MeshPart& part, Coverage& coverage,

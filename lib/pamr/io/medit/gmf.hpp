@@ -48,7 +48,7 @@ class Reader {
   /// to read all rows, or, in a binary file, any of the first.
   void for_each_section(const std::function<void(const KnownKeyword&, std::int64_t n)>& take);
 
-  /// What the rows of a section are called, and the numbers that each has in a binary file.
+  /// The name of the rows of a section, and the numbers that each has in a binary file.
   struct Row {
     std::string_view what;
     int n_reals = 0, n_integers = 0;

@@ -71,7 +71,7 @@ const void* store(StorageType type, std::span<std::uint64_t> words, std::vector<
   return nullptr;
 }
 
-/// What is written, and where to.
+/// The mesh to write, and its file.
 struct Job {
   const par::Comm& comm;
   const std::filesystem::path& file;

@@ -25,7 +25,7 @@ struct MoveRules {
   std::uint64_t step = 0;  ///< number of the time step
 };
 
-/// Who is given what particles leave behind. Only references.
+/// Where the traces of moving particles are recorded. Only references.
 struct MoveTargets {
   BorderExchange& border;  ///< particles that leave the rank; of the rules' domain, with nothing to deliver
   SurfaceTally& tally;     ///< what walls are given

@@ -39,7 +39,7 @@ struct Load {
   Load& operator+=(const Load& other);
 };
 
-/// What boundary faces were given in some steps. Only references.
+/// Sums over some steps of what particles gave to boundary faces. Only references.
 struct FaceSums {
   const SurfaceTally& units;
   std::span<const SurfaceTally::Sums> face;

@@ -94,7 +94,7 @@ constexpr std::array allowed{
 struct Key {
   std::string_view option, key;
 };
-/// What [solver] has a key for, which counts.
+/// Options for which [solver] has a key, which counts.
 constexpr std::array keys{Key{"-snes_rtol", "tolerance"}, Key{"-snes_atol", "tolerance"},
                           Key{"-snes_stol", "tolerance"}, Key{"-snes_max_it", "max_newton"}};
 
