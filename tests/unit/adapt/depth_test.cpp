@@ -10,12 +10,14 @@
 #include "pamr/adapt/forecast.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/validate/validate.hpp"
+#include "support/error_of.hpp"
 #include "support/meshes.hpp"
 
 namespace pamr {
 namespace depth_test {
 
 using geometry::Vec3;
+using test::error_of;
 
 /// A cube whose cells are of the deepest level where the corner nearest to the origin says so.
 mesh::DistMesh deep_mesh(const par::Comm& comm, const std::function<int(Vec3)>& level) {
@@ -103,16 +105,6 @@ TEST(Depth, ForecastAndRefinementAgreeWhereOnlyAPartIsTooDeep) {
   EXPECT_EQ(result.report.cells_out, forecast.cells);
   EXPECT_EQ(balanced.report.cells_out, forecast.cells);
   EXPECT_TRUE(validate::validate(comm, result.mesh).empty());
-}
-
-/// What a refinement and its forecast say; "no error" when they do not.
-std::string error_of(const std::function<void()>& work) {
-  try {
-    work();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "no error";
 }
 
 TEST(Depth, ACellThatClosingWouldSplitIsNamedByForecastAndRefinement) {

@@ -12,22 +12,15 @@
 #include "pamr/base/error.hpp"
 #include "pamr/io/partial_file.hpp"
 #include "pamr/io/shared_output.hpp"
+#include "support/error_of.hpp"
 
 namespace pamr {
 namespace poor_disk_test {
 
+using test::error_of;
 using test::Folder;
 using test::PoorDisk;
 using testing::HasSubstr;
-
-std::string error_of(const std::function<void()>& work) {
-  try {
-    work();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "no error";
-}
 
 TEST(PoorDisk, GetsEveryByteThoughAWriteTakesAFewOnly) {
   const par::Comm comm(MPI_COMM_WORLD);

@@ -8,21 +8,15 @@
 #include "pamr/mesh/fingerprint.hpp"
 #include "pamr/mesh/local_size.hpp"
 #include "pamr/validate/validate.hpp"
+#include "support/error_of.hpp"
 #include "support/meshes.hpp"
 
 namespace pamr::mesh {
 namespace mesh_wide_ids_test {
 
-constexpr GlobalId wide = GlobalId{1} << 33U;
+using test::error_of;
 
-std::string error_of(const std::function<void()>& act) {
-  try {
-    act();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "no error";
-}
+constexpr GlobalId wide = GlobalId{1} << 33U;
 
 TEST(WideNumbers, AreThoseOfTheMeshAndNoOthers) {
   const par::Comm comm(MPI_COMM_WORLD);
