@@ -14,6 +14,7 @@
 #include "pamr/base/error.hpp"
 #include "pamr/base/index.hpp"
 #include "pamr/mesh/tet.hpp"
+#include "pamr/mesh/undescribed_patches.hpp"
 #include "pamr/par/gather_few.hpp"
 #include "round_bodies.hpp"
 #include "support/meshes.hpp"
@@ -223,6 +224,67 @@ TEST(CurveCells, GivesFieldsOnNodesTheMeanOfTheEnds) {
   ASSERT_EQ(nodes.node_fields[0].real().size(), nodes.node_position.size());
   for (std::size_t n = 0; n < nodes.node_position.size(); ++n)
     EXPECT_NEAR(nodes.node_fields[0].real()[n], 3 * nodes.node_position[n].z - nodes.node_position[n].x, 1e-14);
+}
+
+/// Flat cells on a ball: the half x < 1/2 of their lower side is the patch `ball` on it, the patch `zmin` continues it
+/// without a surface.
+mesh::BlockMesh half_described_disk(const par::Comm& comm) {
+  constexpr double radius = 8, thickness = 0.01;
+  auto block = test::kuhn_cube(comm, 4);
+  const auto whole = test::gather(comm, block);
+  const auto zmin = std::find_if(block.info.patches.begin(), block.info.patches.end(),
+                                 [](const auto& patch) { return patch.name == "zmin"; }) -
+                    block.info.patches.begin();
+  const auto ball = std::ssize(block.info.patches);
+  for (std::size_t c = 0; c < block.cell_to_cell.size(); ++c)
+    for (std::size_t f = 0; f < 4; ++f) {
+      double x = 0;
+      for (const auto corner : mesh::tet::face_to_corner[f])
+        x += whole.node_position[at(block.cell_to_node[c][at(corner)])].x / 3;
+      auto& slot = block.cell_to_cell[c][f];
+      if (slot == -zmin - 1 && x < 0.5) slot = -ball - 1;
+    }
+  for (auto& p : block.node_position) {
+    const double u = p.x - 0.5, v = p.y - 0.5;
+    p.z = thickness * p.z + std::sqrt(radius * radius - u * u - v * v) - radius;
+  }
+  block.info.patches.push_back({"ball", "", 0});
+  block.info.surfaces =
+      test::surfaces_of("[[surface]]\nname = \"ball\"\nkind = \"sphere\"\ncenter = [0.5, 0.5, -8]\nradius = 8\n");
+  return block;
+}
+
+TEST(CurveCells, RecordsHowFarAStraightenedEdgeLeavesItsFacets) {
+  const par::Comm world(MPI_COMM_WORLD);
+  const auto mesh = scattered(world, half_described_disk(world), 11);
+
+  const auto nodes = curved::curve_cells(world, mesh).nodes;
+
+  const auto field = std::find_if(nodes.node_fields.begin(), nodes.node_fields.end(),
+                                  [](const auto& f) { return f.name == mesh::off_facets_field; });
+  ASSERT_NE(field, nodes.node_fields.end());
+  int n_off = 0, n_straightened = 0;
+  for (LocalId c = 0; c < mesh.n_cells(); ++c)
+    for (std::size_t f = 0; f < 4; ++f) {
+      const auto slot = mesh.cell_to_cell[at(c)][f];
+      if (slot >= 0 || mesh.info.patches[at(mesh::slot_to_patch(slot))].name != "zmin") continue;
+      const auto& corner = mesh::tet::face_to_corner[f];
+      const auto p = mesh.points(c);
+      const auto normal = cross(p[at(corner[1])] - p[at(corner[0])], p[at(corner[2])] - p[at(corner[0])]);
+      for (std::size_t e = 0; e < 6; ++e) {
+        if ((mesh::tet::face_edge_mask[f] >> e & 1U) == 0) continue;
+        const auto [a, b] = mesh::tet::edge_to_corner[e];
+        const auto mid = at(nodes.cell_to_mid[at(c)][e]);
+        const auto moved = nodes.node_position[mid] - geometry::midpoint(p[at(a)], p[at(b)]);
+        const double off = std::abs(dot(moved, normal)) / norm(normal);
+        EXPECT_NEAR(field->real()[mid], off, 1e-12);
+        if (off < 1e-9) continue;
+        ++n_off;
+        n_straightened += std::abs(norm(nodes.node_position[mid] - Vec3{0.5, 0.5, -8}) - 8) > 1e-9 ? 1 : 0;
+      }
+    }
+  EXPECT_EQ(world.sum(n_off), 4);
+  EXPECT_GT(world.sum(n_straightened), 0);
 }
 
 TEST(CurveCells, RefusesCellsThatTheRoundingOfTheirMiddlesInverts) {
