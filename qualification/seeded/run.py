@@ -27,7 +27,7 @@ FAILED = re.compile(r"^ *\d+/\d+ Test +#\d+: (\S+) \.*\*\*\*", re.MULTILINE)
 STARTED = re.compile(r" +Start +(\d+): (\S+)")
 SILENCE = 120  # seconds
 # What is built, and then run: cheap tests first.
-STAGES = [(["unit_tests", "pamr_python"], ["-L", "^quick$"]), ([], ["-L", "^unit$", "-LE", "^quick$", "-E", "^(consumer|seeded_faults_apply)$"]),
+STAGES = [(["unit_tests"], ["-L", "^quick$"]), ([], ["-L", "^unit$", "-LE", "^quick$", "-E", "^(consumer|seeded_faults_apply)$"]),
           (["all"], ["-LE", "^unit$"]), ([], ["-R", "^consumer$"])]
 
 
