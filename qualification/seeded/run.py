@@ -27,8 +27,8 @@ FAILED = re.compile(r"^ *\d+/\d+ Test +#\d+: (\S+) \.*\*\*\*", re.MULTILINE)
 STARTED = re.compile(r" +Start +(\d+): (\S+)")
 SILENCE = 120  # seconds
 # What is built, and then run: cheap tests first.
-STAGES = [(["unit_tests"], ["-L", "^quick$"]), ([], ["-L", "^unit$", "-LE", "^quick$", "-E", "^(consumer|seeded_faults_apply)$"]),
-          (["all"], ["-LE", "^unit$"]), ([], ["-R", "^consumer$"])]
+STAGES = [(["unit_tests"], ["-L", "^quick$"]), (["all"], ["-L", "^unit$", "-LE", "^quick$", "-E", "^(consumer|seeded_faults_apply)$"]),
+          ([], ["-LE", "^unit$"]), ([], ["-R", "^consumer$"])]
 
 
 class Trouble(Exception):
