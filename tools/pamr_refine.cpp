@@ -36,6 +36,7 @@ struct Options {
   std::string input, output, marks = "refine", quality_control = "removable", balance = "auto", weights = "exact",
                              order = "auto";
   double shape_floor = refine::default_shape_floor;
+  std::string bend = "walls";
   int format = io::newest_format;
   std::vector<std::string> integrals;
   bool no_project = false, dry_run = false, force = false, each_rank = false;
@@ -63,6 +64,10 @@ void declare(cli::CommandLine& line, Options& options) {
       .show_default();
   line.option("--order", options.order, "put cells and nodes along a space-filling curve first (auto: where it pays)")
       .one_of({"auto", "keep", "curve"})
+      .show_default();
+  line.option("--bend", options.bend,
+              "inner edges of level 0 that may bend for better shapes, when it is split for the first time")
+      .one_of(refine::bend_list())
       .show_default();
   line.flag("--no-project", options.no_project, "leave new boundary nodes in the middle of their edges");
   line.option("--integral", options.integrals,
@@ -211,6 +216,7 @@ cli::ExitCode work(cli::Session& session, const Options& options) {
   const refine::Options how{.quality_control = refine::quality_control_named(options.quality_control),
                             .shape_floor = options.shape_floor,
                             .project = !options.no_project,
+                            .bend = refine::bend_named(options.bend),
                             .parent_field = true,
                             .marks_field = options.marks,
                             .integrals = options.integrals};
@@ -240,7 +246,10 @@ cli::ExitCode work(cli::Session& session, const Options& options) {
                          ? fmt::format(" --shape-floor {}", options.shape_floor)
                          : std::string();
   provenance += fmt::format("{}pamr-refine {} --quality-control {}{}{}{}", provenance.empty() ? "" : "\n", PAMR_VERSION,
-                            options.quality_control, floor, options.no_project ? " --no-project" : "",
+                            options.quality_control, floor,
+                            options.no_project        ? " --no-project"
+                            : options.bend != "walls" ? " --bend " + options.bend
+                                                      : "",
                             options.order == "auto" ? "" : " --order " + options.order);
   session.step(fmt::format("writing {} cells to {}", result.mesh.info.n_global_cells, options.output));
   io::write_native(comm, options.output, result.mesh, {.fingerprint = measured.fingerprint, .format = options.format});
@@ -249,6 +258,11 @@ cli::ExitCode work(cli::Session& session, const Options& options) {
   if (const auto warning = mesh::warning_of_periodic(result.mesh.info.patches); !warning.empty()) session.warn(warning);
   warn_too_deep(session, result.report.marked_too_deep);
   warn_kept(session, result.report.closure.families_kept, how);
+  if (const auto& level0 = result.report.level0; !level0.none_because.empty())
+    session.warn(fmt::format(
+        "{} edges of level 0 are longer than 0.2 of the radius of curvature of their wall, and {}: cells there may "
+        "lose shape from level to level",
+        level0.n_coarse_edges, level0.none_because));
   if (options.quality_control == "removable" && options.shape_floor > 0)
     warn_lost_shapes(session, walls_before, walls_after);
   if (result.report.closure.n_marked == 0 && result.coarsening.cells_flagged == 0)

@@ -63,6 +63,8 @@ py::dict to_dict(const adapt::Report& report) {
 
 /// Policy and shape floor.
 using Closing = std::pair<std::string, double>;
+/// Whether new nodes are put onto surfaces, and which edges of level 0 may bend.
+using Placing = std::pair<bool, std::string>;
 
 refine::Options options_of(const Closing& closing) {
   refine::Options how;
@@ -78,28 +80,30 @@ adapt::GivenMesh given_mesh(const PythonMesh& old, const adapt::Balancing& balan
   return mesh::DistMesh(old.mesh);
 }
 
-py::tuple refine(const PythonMesh& old, const Array<std::uint8_t>& flags, bool project, const Closing& closing,
-                 const std::string& method, const std::string& weights) {
+py::tuple refine(const PythonMesh& old, const Array<std::uint8_t>& flags, const Placing& placing,
+                 const Closing& closing, const std::string& method, const std::string& weights) {
   const auto values = rows_of<std::uint8_t>(flags);
   auto refined = [&] {
     const Released released;
     auto how = options_of(closing);
-    how.project = project;
+    how.project = placing.first;
+    how.bend = refine::bend_named(placing.second);
     const auto balancing = adapt::balancing_named(method, weights);
     return adapt::refine(*old.comm, given_mesh(old, balancing), values, how, balancing);
   }();
   return py::make_tuple(same_ranks(old, std::move(refined.mesh)), to_dict(refined.report));
 }
 
-py::tuple adapt_both_ways(const PythonMesh& old, const Array<std::int8_t>& flags, bool project, const Closing& closing,
-                          const std::string& method, const std::string& weights,
+py::tuple adapt_both_ways(const PythonMesh& old, const Array<std::int8_t>& flags, const Placing& placing,
+                          const Closing& closing, const std::string& method, const std::string& weights,
                           const std::vector<std::string>& integrals) {
   const auto values = rows_of<std::int8_t>(flags);
   auto adapted = [&] {
     const Released released;
     adapt::Options how;
     how.refinement = options_of(closing);
-    how.refinement.project = project;
+    how.refinement.project = placing.first;
+    how.refinement.bend = refine::bend_named(placing.second);
     how.balancing = adapt::balancing_named(method, weights);
     how.refinement.integrals = integrals;
     return adapt::adapt(*old.comm, given_mesh(old, how.balancing), values, how);

@@ -8,6 +8,7 @@
 
 #include "pamr/adapt/depth.hpp"
 #include "pamr/adapt/flags.hpp"
+#include "pamr/adapt/level0.hpp"
 #include "pamr/adapt/part/open_parents.hpp"
 #include "pamr/adapt/part/split_early.hpp"
 #include "pamr/adapt/pass.hpp"
@@ -87,11 +88,13 @@ Result as_it_is(mesh::DistMesh mesh, const refine::Options& options) {
   return result;
 }
 
-/// Coarsen, close, balance, split, finish.
+/// Ready the mesh, coarsen, close, balance, split, finish.
 Result adapt_once(const par::Comm& comm, GivenMesh mesh, std::span<const std::int8_t> flags, const Options& options,
                   StepTimer& timer) {
   const bool cells_move = !mesh.is_lent();
-  auto taken = take_back(comm, std::move(mesh), flags, options.refinement, timer);
+  auto ready = with_level0_map(comm, std::move(mesh), options.refinement);
+  timer.lap("preprocessing");
+  auto taken = take_back(comm, std::move(ready.mesh), flags, options.refinement, timer);
   const auto coarsening = taken.report;
   auto merged = std::exchange(taken.merged, {});
   auto result = [&] {
@@ -101,6 +104,8 @@ Result adapt_once(const par::Comm& comm, GivenMesh mesh, std::span<const std::in
     auto made = split_pass(comm, closed, timer);
     return finish(comm, std::move(closed), std::move(made), options.refinement, timer);
   }();
+  drop_level0_map_of_level0(comm, result.mesh);
+  result.report.level0 = std::move(ready.level0);
   result.coarsening = coarsening;
   result.merged = std::move(merged);
   return result;

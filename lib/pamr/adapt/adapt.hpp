@@ -10,6 +10,7 @@
 #include "pamr/adapt/given_mesh.hpp"
 #include "pamr/base/timer.hpp"
 #include "pamr/coarsen/coarse_fields.hpp"
+#include "pamr/curved/make_level0_map.hpp"
 #include "pamr/mesh/dist_mesh.hpp"
 #include "pamr/par/comm.hpp"
 #include "pamr/refine/certify.hpp"
@@ -23,6 +24,7 @@ struct Report {
   std::int64_t cells_in = 0, cells_out = 0, nodes_in = 0, nodes_out = 0;
   std::int64_t marked_not_split = 0;  ///< cells flagged and not too deep that the result holds unsplit; always 0
   std::int64_t marked_too_deep = 0;   ///< flagged cells that stay, because they have the deepest level (`max_level`)
+  curved::Level0Report level0;        ///< of the map that was made for coarse walls, if one was
   refine::ClosureReport closure;
   refine::Certificate certificate;  ///< of the nodes that were put onto surfaces
   BalanceReport balance;            ///< where the mesh was handed over, so that cells may move

@@ -9,12 +9,14 @@
 
 #include "pamr/adapt/depth.hpp"
 #include "pamr/adapt/flags.hpp"
+#include "pamr/adapt/level0.hpp"
 #include "pamr/adapt/part/put_back.hpp"
 #include "pamr/adapt/part/split_early.hpp"
 #include "pamr/adapt/pass.hpp"
 #include "pamr/adapt/take_back.hpp"
 #include "pamr/base/index.hpp"
 #include "pamr/geometry/surface.hpp"
+#include "pamr/mesh/level0_key.hpp"
 #include "pamr/mesh/undescribed_patches.hpp"
 #include "pamr/refine/close.hpp"
 #include "pamr/refine/number.hpp"
@@ -34,6 +36,14 @@ std::vector<bool> curved_patches(const mesh::DistMesh& mesh, const refine::Optio
   return is_curved;
 }
 
+/// Empty where the mesh is split as it is. Collective.
+std::shared_ptr<const mesh::DistMesh> ready_copy(const par::Comm& comm, const mesh::DistMesh& mesh,
+                                                 const refine::Options& options) {
+  auto ready = with_level0_map(comm, mesh, options);
+  if (ready.mesh.is_lent()) return nullptr;
+  return std::make_shared<const mesh::DistMesh>(std::move(ready.mesh).take());
+}
+
 std::vector<std::uint8_t> sum_of_origins(const std::vector<std::uint8_t>& counts, const std::vector<LocalId>& from,
                                          std::size_t n_origins) {
   std::vector<std::uint8_t> sum(n_origins, 0);
@@ -44,12 +54,14 @@ std::vector<std::uint8_t> sum_of_origins(const std::vector<std::uint8_t>& counts
   return sum;
 }
 
-/// A mesh without fields, but for those that say which nodes lie off their surfaces: splits look at them.
+/// A mesh without fields, but for those that splits look at: which nodes lie off their surfaces, where they lie in level 0.
 mesh::DistMesh bare_copy(const mesh::DistMesh& mesh) {
   auto copy = copy_without_fields(mesh, 0, 0);
   for (const auto& field : mesh.node_fields)
-    if (field.name == mesh::off_surface_field || field.name == mesh::off_facets_field)
+    if (field.name == mesh::off_surface_field || field.name == mesh::off_facets_field ||
+        field.name == mesh::level0_key_field)
       copy.node_fields.push_back(field);
+  if (const auto* rows = mesh.find_cell_field(mesh::level0_cell_field)) copy.cell_fields.push_back(*rows);
   return copy;
 }
 
@@ -101,10 +113,11 @@ Forecast count(const par::Comm& comm, Trial trial, const refine::Options& option
 
 Forecaster::Forecaster(const par::Comm& comm, const mesh::DistMesh& mesh, const refine::Options& options)
     : comm_(&comm),
-      mesh_(&mesh),
+      ready_(ready_copy(comm, mesh, options)),
+      mesh_(ready_ ? ready_.get() : &mesh),
       options_(options),
-      borders_(mesh::find_borders(comm, mesh)),
-      is_curved_(curved_patches(mesh, options)) {}
+      borders_(mesh::find_borders(comm, *mesh_)),
+      is_curved_(curved_patches(*mesh_, options)) {}
 
 Forecast Forecaster::forecast(std::span<const std::uint8_t> flags) const { return forecast(signed_flags(flags)); }
 

@@ -35,7 +35,7 @@ struct Forecast {
 /// one of it for many trials. The mesh has to outlive it, and may get other fields meanwhile.
 class Forecaster {
  public:
-  /// Collective: three sparse exchanges.
+  /// Collective: three sparse exchanges; for coarse walls as `with_level0_map`.
   Forecaster(const par::Comm& comm, const mesh::DistMesh& mesh, const refine::Options& options = {});
 
   /// `flags`: of each cell of this rank, as of `adapt`: above 0: split; below 0: may be coarsened; those of cells of
@@ -59,6 +59,7 @@ class Forecaster {
   Forecast after_taking_back(std::vector<std::int8_t> signs) const;
 
   const par::Comm* comm_;
+  std::shared_ptr<const mesh::DistMesh> ready_;  ///< a copy with a map of level 0; empty: the mesh needs none
   const mesh::DistMesh* mesh_;
   refine::Options options_;
   mesh::Borders borders_;

@@ -24,6 +24,7 @@ mesh::DistMesh put_together(const refine::NumberedMesh& old, const mesh::MeshInf
   fine.info = info;
   fine.info.n_global_nodes = old.numbering.n_global_nodes;
   fine.info.n_global_cells = old.numbering.n_global_cells;
+  fine.info.level0 = old.mesh.info.level0;
   fine.info.cut_faces_conform = old.closure.cut_faces_conform;
   fine.node_position = std::move(nodes.position);
   fine.node_global = std::move(nodes.global);

@@ -84,7 +84,12 @@ nlohmann::json to_json(const Report& report) {
           {"families_rebuilt", report.closure.families_rebuilt},
           {"families_kept", report.closure.families_kept},
           {"off_surface_nodes", report.certificate.n_off_surface},
-          {"off_facets_nodes", report.certificate.n_off_facets}};
+          {"off_facets_nodes", report.certificate.n_off_facets},
+          {"level0",
+           {{"coarse_edges", report.level0.n_coarse_edges},
+            {"bent_cells", report.level0.n_bent_cells},
+            {"min_jacobian_before", report.level0.smallest_before},
+            {"min_jacobian", report.level0.smallest}}}};
 }
 
 nlohmann::json to_json(const CoarseningReport& report) {

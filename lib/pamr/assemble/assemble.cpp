@@ -16,6 +16,7 @@
 #include "pamr/base/memory.hpp"
 #include "pamr/mesh/families.hpp"
 #include "pamr/mesh/id_map.hpp"
+#include "pamr/mesh/level0_map.hpp"
 #include "pamr/mesh/local_size.hpp"
 #include "pamr/par/exchange.hpp"
 
@@ -104,6 +105,7 @@ mesh::DistMesh assemble(const par::Comm& comm, mesh::BlockMesh block, std::span<
     if (contents.has_boundary) tag_boundary(comm, mesh, block.boundary);
   }
   fetch_nodes(comm, mesh, block);
+  mesh::send_level0_rows(comm, mesh);
   return mesh;
 }
 

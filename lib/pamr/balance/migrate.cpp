@@ -12,6 +12,7 @@
 #include "pamr/balance/piece.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/base/index.hpp"
+#include "pamr/mesh/level0_map.hpp"
 #include "pamr/mesh/rank_border.hpp"
 
 namespace pamr::balance {
@@ -81,10 +82,8 @@ void renew_border(Rank here, std::span<const Rank> ghost_to, mesh::DistMesh& mes
   mesh::fill_border(here, mesh, border);
 }
 
-}  // namespace
-
-mesh::DistMesh migrate(const par::Comm& comm, mesh::DistMesh mesh, std::span<const Rank> destination,
-                       std::vector<std::uint8_t>* cell_byte) {
+mesh::DistMesh move_cells(const par::Comm& comm, mesh::DistMesh mesh, std::span<const Rank> destination,
+                          std::vector<std::uint8_t>* cell_byte) {
   check_destinations(comm, mesh, destination, cell_byte);
   std::vector<LocalId> departing;
   for (LocalId c = 0; c < mesh.n_cells(); ++c)
@@ -114,6 +113,15 @@ mesh::DistMesh migrate(const par::Comm& comm, mesh::DistMesh mesh, std::span<con
   mesh = join_pieces(comm.rank(), std::move(pieces), bytes);
   mesh.info = std::move(info);
   if (cell_byte != nullptr) *cell_byte = std::move(bytes);
+  return mesh;
+}
+
+}  // namespace
+
+mesh::DistMesh migrate(const par::Comm& comm, mesh::DistMesh mesh, std::span<const Rank> destination,
+                       std::vector<std::uint8_t>* cell_byte) {
+  mesh = move_cells(comm, std::move(mesh), destination, cell_byte);
+  mesh::send_level0_rows(comm, mesh);
   return mesh;
 }
 

@@ -8,6 +8,7 @@
 
 #include "pamr/base/memory.hpp"
 #include "pamr/geometry/tet_shape.hpp"
+#include "pamr/mesh/level0_key.hpp"
 #include "pamr/mesh/undescribed_patches.hpp"
 #include "pamr/refine/transfer.hpp"
 
@@ -34,6 +35,7 @@ Values restrict_rows(const Values& old, std::span<const LocalId> old_node, std::
 void carry_node_fields(const par::Comm& comm, const mesh::DistMesh& old, std::span<const LocalId> old_node,
                        mesh::DistMesh& coarse) {
   for (const auto& field : old.node_fields) {
+    if (field.name == mesh::level0_key_field) continue;
     mesh::NodeField carried{field.name, field.unit, field.n_components, field.storage, {}};
     std::visit([&](const auto& values) { carried.value = restrict_rows(values, old_node, at(field.n_components)); },
                field.value);
@@ -161,13 +163,26 @@ const std::vector<GlobalId>& numbers_of(const mesh::DistMesh& mesh) {
 
 }  // namespace
 
+void carry_level0(const mesh::DistMesh& old, std::span<const Group> groups, Coarsened& coarsened) {
+  auto& coarse = coarsened.mesh;
+  const auto* keys = old.find_node_field(mesh::level0_key_field);
+  const auto* rows = old.find_cell_field(mesh::level0_cell_field);
+  if (keys == nullptr || rows == nullptr) return;
+  coarse.node_fields.push_back(mesh::empty_key_field());
+  coarse.node_fields.back().value = restrict_rows(keys->integer(), coarsened.old_node, at(keys->n_components));
+  auto carried = copy_rows(rows->integer(), coarsened.places, coarse.cell_to_node.size(), 1);
+  for (std::size_t g = 0; g < groups.size(); ++g)
+    fill_group(carried, groups[g], coarsened.places.first_of_group[g], 1, 0, rows->integer()[at(groups[g].first)]);
+  coarse.cell_fields.push_back({mesh::level0_cell_field, "", 1, mesh::StorageType::int64, std::move(carried)});
+}
+
 void carry_fields(const par::Comm& comm, const mesh::DistMesh& old, std::span<const Group> groups,
                   const FieldRules& rules, Coarsened& coarsened) {
   auto& coarse = coarsened.mesh;
   const auto& places = coarsened.places;
   carry_node_fields(comm, old, coarsened.old_node, coarse);
   for (const auto& field : old.cell_fields)
-    if (!is_one_of(field.name, rules.left_out))
+    if (!is_one_of(field.name, rules.left_out) && field.name != mesh::level0_cell_field)
       coarse.cell_fields.push_back(
           carry_cell_field(old, groups, places, coarse, field, is_one_of(field.name, rules.integrals)));
   const auto& number = numbers_of(old);

@@ -18,7 +18,10 @@ struct FieldRules {
   std::vector<std::string> integrals{};  ///< cell fields of reals of which sums of value times volume are kept
 };
 
-/// Gives the coarse mesh the fields of the old one, and `cell_origin`.
+/// Gives the coarse mesh what splits have to know of level 0: the fields of `mesh::Level0Map`, if there is one. Local.
+void carry_level0(const mesh::DistMesh& old, std::span<const Group> groups, Coarsened& coarsened);
+
+/// Gives the coarse mesh the other fields of the old one, and `cell_origin`.
 /// - Nodal fields: nodes that stay keep their values. `off_surface` and `off_facets` are dropped when no node is left
 ///   that they say anything of.
 /// - Cell fields of reals: the cells of a group get the mean of those that they replace, weighted by volume: where

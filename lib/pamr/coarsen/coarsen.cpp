@@ -7,6 +7,7 @@
 
 #include "pamr/base/contract.hpp"
 #include "pamr/base/memory.hpp"
+#include "pamr/coarsen/coarse_fields.hpp"
 #include "pamr/mesh/cell_runs.hpp"
 #include "pamr/mesh/offsets.hpp"
 #include "pamr/refine/family.hpp"
@@ -128,6 +129,7 @@ Coarsened take_back(const par::Comm& comm, const mesh::DistMesh& mesh, const Set
   for (const auto number : coarse.node_global) last = std::max(last, number);
   coarse.info.n_global_nodes = comm.max(last) + 1 - mesh.info.first_id;
   link_coarse(comm, mesh, groups, places, coarse);
+  carry_level0(mesh, groups, result);
   assign_array(result.flags, coarse.cell_to_node.size(), std::uint8_t{0});
   for (LocalId c = 0; c < mesh.n_cells(); ++c)
     if (flags[at(c)] > 0 && !places.is_in_group(c)) result.flags[at(places.cell[at(c)])] = 1;

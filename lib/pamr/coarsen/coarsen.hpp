@@ -15,7 +15,7 @@ namespace pamr::coarsen {
 
 /// A mesh of which octets were coarsened.
 struct Coarsened {
-  mesh::DistMesh mesh;              ///< without fields
+  mesh::DistMesh mesh;              ///< without fields, but for those of `carry_level0`
   NewPlaces places;                 ///< of the old cells
   std::vector<LocalId> old_node;    ///< old local number of each node
   std::vector<std::uint8_t> flags;  ///< of its cells: 1 where the old cell had a flag above 0

@@ -12,6 +12,7 @@
 #include "pamr/refine/cell_shape.hpp"
 #include "pamr/refine/diagonal.hpp"
 #include "pamr/refine/family.hpp"
+#include "pamr/refine/mapped_points.hpp"
 
 namespace pamr::coarsen {
 
@@ -31,7 +32,7 @@ struct Open {
 class Settling {
  public:
   Settling(const mesh::DistMesh& mesh, const std::vector<Group>& octets, const Needs& needs)
-      : mesh_(mesh), flags_(needs.flags), shape_floor_(needs.shape_floor) {
+      : mesh_(mesh), level0_(mesh), flags_(needs.flags), shape_floor_(needs.shape_floor) {
     assign_array(stays_, at(mesh.n_nodes()), std::uint8_t{0});
     for (const auto node : needs.nodes) stay(node);
     start(octets);
@@ -145,9 +146,9 @@ class Settling {
     return false;
   }
 
-  geometry::TetPoints corners(const Group& group) const {
-    return {mesh_.point(group.node[0]), mesh_.point(group.node[1]), mesh_.point(group.node[2]),
-            mesh_.point(group.node[3])};
+  refine::BaseCorners corners(const Group& group) const {
+    return refine::base_corners(mesh_, level0_, level0_.row_of(group.first),
+                                {group.node[0], group.node[1], group.node[2], group.node[3]});
   }
 
   /// True if a node stays that did not before, or a group was closed.
@@ -165,7 +166,7 @@ class Settling {
     }
     if (marks == open.marks) return false;
     const auto& known = mesh::closure_states[group.is_octet() ? 0 : group.before];
-    const refine::CellShape shape(corners(group), {known.mask, known.cuts});
+    const auto shape = refine::shape_of(level0_, corners(group), {known.mask, known.cuts});
     const auto required = shape.closed_marks(marks, shape_floor_);
     if (required == all_edges || (required & ~static_cast<unsigned>(group.mask_before())) != 0) {
       force(i);
@@ -200,18 +201,13 @@ class Settling {
   /// Chooses the state for the marks that are left; false if its cells are not all positive.
   bool has_positive_state(Group& group) const {
     const auto marks = marks_of(group);
-    refine::SplitPoints points;
-    const auto corner = corners(group);
-    std::copy(corner.begin(), corner.end(), points.begin());
+    auto points = refine::map_middles(level0_, corners(group)).point;
     const EdgeMask existing = group.mask_before();
-    for (int e = 0; e < 6; ++e) {
-      const auto [p, q] = mesh::tet::edge_to_corner[at(e)];
-      points[at(4 + e)] = (existing >> e & 1U) != 0 ? mesh_.point(group.node[at(4 + e)])
-                                                    : geometry::midpoint(points[at(p)], points[at(q)]);
-    }
+    for (int e = 0; e < 6; ++e)
+      if ((existing >> e & 1U) != 0) points[at(4 + e)] = mesh_.point(group.node[at(4 + e)]);
     group.now = 0;
     if (marks == 0)
-      return refine::is_far_from_flat(points) || geometry::is_positive(corner[0], corner[1], corner[2], corner[3]);
+      return refine::is_far_from_flat(points) || geometry::is_positive(points[0], points[1], points[2], points[3]);
     const bool is_safe =
         refine::is_straight(points, group.is_octet() ? marks : existing) && refine::is_far_from_flat(points);
     const int before = group.is_octet() ? 0 : group.before;
@@ -220,6 +216,7 @@ class Settling {
   }
 
   const mesh::DistMesh& mesh_;
+  mesh::Level0View level0_;
   std::span<const std::int8_t> flags_;
   double shape_floor_;
   std::vector<std::uint8_t> stays_;

@@ -9,40 +9,18 @@
 
 #include "pamr/base/error.hpp"
 #include "pamr/base/index.hpp"
-#include "pamr/base/memory.hpp"
+#include "pamr/curved/edge_nodes.hpp"
 #include "pamr/mesh/borders.hpp"
 #include "pamr/mesh/undescribed_patches.hpp"
 #include "pamr/par/exchange.hpp"
 #include "pamr/refine/certify.hpp"
-#include "pamr/refine/closure.hpp"
-#include "pamr/refine/fine_nodes.hpp"
 #include "pamr/refine/number.hpp"
 #include "pamr/refine/project.hpp"
-#include "pamr/refine/split_pattern.hpp"
 #include "pamr/refine/transfer.hpp"
 
 namespace pamr::curved {
 
 namespace {
-
-/// Every cell with all its edges marked: then numbering gives each edge of the mesh a node.
-refine::Closure mark_every_edge(const mesh::DistMesh& mesh) {
-  refine::Closure closure;
-  const auto n = at(mesh.n_cells());
-  assign_array(closure.marks, n, refine::all_edges);
-  assign_array(closure.action, n, refine::Action::split);
-  assign_array(closure.state, n, static_cast<refine::SplitState>(refine::regular_state));
-  return closure;
-}
-
-/// Where the mid-edge nodes of the boundary belong that are not meant to lie in the middle, ascending. Collective.
-std::vector<refine::Movable> project_mid_nodes(const par::Comm& comm, const refine::NumberedMesh& numbered,
-                                               const mesh::MeshInfo& info, const mesh::Borders& borders) {
-  auto movables = refine::project(comm, numbered.mesh, borders, numbered.numbering, {info, *info.surfaces});
-  // corners that are off their surfaces stay where they are: cells of first and second order have the same corners
-  std::erase_if(movables, [&](const auto& m) { return m.node < numbered.mesh.n_nodes(); });
-  return movables;
-}
 
 /// The distances that the mesh knows of its nodes, for the field to be made anew.
 std::vector<refine::OffSurface> off_surface_before(const mesh::DistMesh& mesh) {
@@ -110,19 +88,15 @@ void count_curved(const par::Comm& comm, const mesh::DistMesh& mesh, const std::
 CurvedCells curve_cells(const par::Comm& comm, const mesh::DistMesh& mesh, const Options& options) {
   if (!(options.min_jacobian > 0 && options.min_jacobian < 1))
     throw Error("second order: expected a smallest Jacobian in (0, 1) of the straight cell's");
-  const auto borders = mesh::find_borders(comm, mesh);
-  const auto info = mesh::with_planes(mesh.info, mesh::find_undescribed_patches(comm, mesh, borders));
-  const auto closure = mark_every_edge(mesh);
-  auto numbering = refine::number(comm, mesh, borders, closure);
+  auto edges = place_edge_nodes(comm, mesh, mesh::find_borders(comm, mesh));
+  const auto& [info, closure, numbering, movables, placed] = edges;
   const refine::NumberedMesh numbered{mesh, closure, numbering};
-  const auto movables = project_mid_nodes(comm, numbered, info, borders);
-  auto placed = refine::place_nodes(numbered, borders, movables);
 
   CurvedCells result;
   auto& nodes = result.nodes;
-  nodes.node_position = std::move(placed.position);
-  nodes.node_global = std::move(placed.global);
-  nodes.cell_to_mid = std::move(numbering.edge_to_node);  // all cells are marked, so rows are cells
+  nodes.node_position = std::move(edges.placed.position);
+  nodes.node_global = std::move(edges.placed.global);
+  nodes.cell_to_mid = std::move(edges.numbering.edge_to_node);  // all cells are marked, so rows are cells
   nodes.n_global_nodes = numbering.n_global_nodes;
 
   const auto straightened = straighten(comm, mesh, movables, placed.shared, options, nodes);
@@ -133,7 +107,7 @@ CurvedCells curve_cells(const par::Comm& comm, const mesh::DistMesh& mesh, const
   count_curved(comm, mesh, movables, nodes, is_mine, report);
   const auto certificate = certificate_of(comm, mesh, info, movables, straightened.step, is_mine, report);
   nodes.node_fields = refine::transfer_to_nodes(numbered, certificate);
-  nodes.shared = std::move(placed.shared);
+  nodes.shared = std::move(edges.placed.shared);
   return result;
 }
 

@@ -25,7 +25,7 @@ class Descriptor {
   Descriptor(const std::filesystem::path& path, int flags)
       : number_(open(path.c_str(), flags | O_CLOEXEC | (is_folder(flags) ? 0 : O_NOFOLLOW), 0666)) {}
   ~Descriptor() {
-    if (number_ >= 0) close(number_);
+    if (number_ >= 0) ::close(number_);
   }
   Descriptor(const Descriptor&) = delete;
   Descriptor& operator=(const Descriptor&) = delete;
@@ -131,7 +131,7 @@ void PartialFile::divert() const noexcept {
     if (number != descriptor_ && number != memory && fstat(number, &open) == 0 && open.st_dev == lost.st_dev &&
         open.st_ino == lost.st_ino)
       dup3(memory, number, O_CLOEXEC);
-  close(memory);
+  ::close(memory);
 }
 
 void PartialFile::commit() {
@@ -143,7 +143,7 @@ void PartialFile::commit() {
                 ", found another one in its place");
   if (fsync(descriptor_) != 0) fail("cannot flush it to the disk");
   if (rename(partial_.c_str(), file_.c_str()) != 0) fail("cannot rename it when complete");
-  close(std::exchange(descriptor_, -1));
+  ::close(std::exchange(descriptor_, -1));
   remove_on_interrupt_.reset();
   // The new name is safe once the folder is flushed; some file systems cannot and need not.
   const auto folder = file_.has_parent_path() ? file_.parent_path() : std::filesystem::path(".");
@@ -154,7 +154,7 @@ void PartialFile::commit() {
 void PartialFile::discard() noexcept {
   if (descriptor_ >= 0) {
     unlink(partial_.c_str());
-    close(std::exchange(descriptor_, -1));
+    ::close(std::exchange(descriptor_, -1));
   }
   remove_on_interrupt_.reset();
 }

@@ -23,13 +23,13 @@ SharedOutput::SharedOutput(const par::Comm& comm, const std::filesystem::path& f
       if (descriptor_ < 0) throw Error("file '" + file.string() + "': cannot open it: " + std::strerror(errno));
     });
   } catch (const Error&) {
-    if (descriptor_ >= 0) close(descriptor_);
+    if (descriptor_ >= 0) ::close(descriptor_);
     throw;
   }
 }
 
 SharedOutput::~SharedOutput() {
-  if (descriptor_ >= 0) close(descriptor_);
+  if (descriptor_ >= 0) ::close(descriptor_);
 }
 
 void SharedOutput::append(std::span<const std::byte> part) { end_ = write_at(end_, part); }

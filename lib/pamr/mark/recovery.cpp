@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "pamr/mark/recovery.hpp"
 
+#include <algorithm>
+
 #include "pamr/mesh/tet.hpp"
 
 namespace pamr::mark {

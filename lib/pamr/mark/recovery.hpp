@@ -1,12 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstddef>
-#include <cstdint>
-#include <limits>
 #include <span>
 #include <type_traits>
 #include <vector>
@@ -16,6 +12,7 @@
 #include "pamr/geometry/vec3.hpp"
 #include "pamr/mesh/dist_mesh.hpp"
 #include "pamr/par/exchange.hpp"
+#include "pamr/par/sum_at_items.hpp"
 
 /// Values at nodes recovered from those of the cells around them: for error estimates and for scales of change.
 namespace pamr::mark {
@@ -32,64 +29,29 @@ double integral_of_product(double volume, const std::array<geometry::Vec3, 4>& a
 
 /// Weighted mean at each node of the values, numbers or vectors, of the cells at it; 0 where there are none.
 /// `for_each_term(add)` calls `add(node, weight, value)` for each node (local id) of each cell of this rank, and does
-/// so twice, with the same terms. Weights are not negative. Sums are kept in 64-bit fixed point whose unit is set at
-/// each node by the largest term there: so the means have the same bits for any number of ranks and any order of the
-/// cells, 14 digits or more of their largest term, and small cells lose nothing beside large ones elsewhere. Pre: at
-/// most 2^15 terms at a node. Collective: two exchanges of shared nodes (`exchange`). Memory of 48 bytes a node for
-/// vectors.
+/// so twice, with the same terms. Weights are not negative. The means have the same bits for any number of ranks and
+/// any order of the cells, as the sums (`par::sum_at_items`): 14 digits or more of their largest term. Pre: at most
+/// 2^15 terms at a node. Collective: two exchanges of shared nodes (`exchange`). Memory of 72 bytes a node for vectors.
 template <class Value, class ForEachTerm>
 std::vector<Value> nodal_means(const par::Exchange& exchange, std::size_t n_nodes, const ForEachTerm& for_each_term) {
-  constexpr int term_bits = 48, no_exponent = std::numeric_limits<int>::min() / 2;
   constexpr bool is_number = std::is_same_v<Value, double>;
   constexpr std::size_t n = is_number ? 2 : 4;  // the weight, and the weighted value
-  using Terms = std::array<double, n>;
-  const auto terms_of = [](double weight, const Value& value) -> Terms {
-    if constexpr (is_number)
-      return {weight, weight * value};
-    else
-      return {weight, weight * value.x, weight * value.y, weight * value.z};
-  };
-
-  using Exponents = std::array<int, n>;
-  Exponents none;
-  none.fill(no_exponent);
-  std::vector<Exponents> exponent(n_nodes, none);
-  for_each_term([&](LocalId node, double weight, const Value& value) {
-    const auto terms = terms_of(weight, value);
-    for (std::size_t k = 0; k < n; ++k) {
-      if (terms[k] == 0) continue;
-      int of_term = 0;
-      std::frexp(terms[k], &of_term);
-      exponent[at(node)][k] = std::max(exponent[at(node)][k], of_term);
-    }
+  const auto sum = par::sum_at_items<n>(exchange, n_nodes, [&](const auto& add) {
+    for_each_term([&](LocalId node, double weight, const Value& value) {
+      if constexpr (is_number)
+        add(node, {weight, weight * value});
+      else
+        add(node, {weight, weight * value.x, weight * value.y, weight * value.z});
+    });
   });
-  par::fold_shared(exchange, exponent, [](Exponents& mine, const Exponents& theirs) {
-    for (std::size_t k = 0; k < n; ++k) mine[k] = std::max(mine[k], theirs[k]);
-  });
-
-  using Sums = std::array<std::int64_t, n>;
-  std::vector<Sums> sum(n_nodes, Sums{});
-  for_each_term([&](LocalId node, double weight, const Value& value) {
-    const auto terms = terms_of(weight, value);
-    for (std::size_t k = 0; k < n; ++k)
-      if (terms[k] != 0)
-        sum[at(node)][k] +=
-            static_cast<std::int64_t>(std::nearbyint(std::ldexp(terms[k], term_bits - exponent[at(node)][k])));
-  });
-  par::fold_shared(exchange, sum, [](Sums& mine, const Sums& theirs) {
-    for (std::size_t k = 0; k < n; ++k) mine[k] += theirs[k];
-  });
-
   std::vector<Value> result(n_nodes, Value{});
   for (std::size_t node = 0; node < n_nodes; ++node) {
-    const auto total = [&](std::size_t k) {
-      return sum[node][k] == 0 ? 0.0 : std::ldexp(static_cast<double>(sum[node][k]), exponent[node][k] - term_bits);
-    };
-    if (sum[node][0] <= 0) continue;
+    const auto& total = sum[node];
+    if (total[0] <= 0) continue;
     if constexpr (is_number)
-      result[node] = total(1) / total(0);
+      result[node] = total[1] / total[0];
     else
-      result[node] = {total(1) / total(0), total(2) / total(0), total(3) / total(0)};
+      result[node] = {total[1] / total[0], total[2] / total[0], total[3] / total[0]};
   }
   return result;
 }

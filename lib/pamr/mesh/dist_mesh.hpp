@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -17,6 +18,8 @@
 #include "pamr/mesh/lineage.hpp"
 
 namespace pamr::mesh {
+
+class Level0Map;
 
 using CellNodes = std::array<LocalId, 4>;
 using CellNeighbors = std::array<LocalId, 4>;
@@ -46,6 +49,9 @@ struct MeshInfo {
   std::vector<Patch> patches;
   std::vector<Region> regions;                                  ///< those with a name, ascending by number
   geometry::SharedSurfaces surfaces = geometry::no_surfaces();  ///< never null; shared, never changed
+  /// Where new nodes near coarse curved walls belong (`mesh/level0_map.hpp`), with this rank's rows; null: there are
+  /// none, or level 0 was not split yet.
+  std::shared_ptr<const Level0Map> level0;
   std::string length_unit;
   std::string provenance;
   /// Number of the first cell and of the first node: the global numbers run from here on without gaps. 0 but for parts

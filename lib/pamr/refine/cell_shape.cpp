@@ -5,10 +5,13 @@
 #include <bit>
 #include <limits>
 
+#include "pamr/refine/diagonal.hpp"
+
 namespace pamr::refine {
 
 namespace {
 
+using geometry::Vec3;
 using mesh::tet::edge_to_corner;
 using Codes = std::array<std::int8_t, 4>;
 
@@ -17,6 +20,7 @@ using Codes = std::array<std::int8_t, 4>;
 struct ChildShape {
   std::array<double, 6> factor{};
   double squared_volume = 0;
+  Codes nodes{};  ///< oriented as the parent
 };
 
 /// Corners that a node lies at: twice its barycentric coordinates.
@@ -44,6 +48,7 @@ constexpr ChildShape make_shape(const Codes& nodes) {
   ChildShape shape;
   const int volume = determinant(nodes);
   shape.squared_volume = volume * volume;
+  shape.nodes = volume > 0 ? nodes : Codes{nodes[0], nodes[1], nodes[3], nodes[2]};
   for (const auto [p, q] : edge_to_corner) {
     const auto a = barycentric(nodes[at(p)]), b = barycentric(nodes[at(q)]);
     for (int e = 0; e < 6; ++e) {
@@ -155,6 +160,9 @@ constexpr SetsBySize make_sets_by_size() {
 }
 constexpr SetsBySize sets_by_size = make_sets_by_size();
 
+/// Third power of the mean ratio, with the sign of the volume.
+double cubed_ratio(const geometry::TetPoints& p) { return 15552 * shape(p); }
+
 /// To 40 significant binary digits, halves up.
 double rounded(double length) {
   constexpr std::uint64_t unit = std::uint64_t{1} << 13U;
@@ -182,8 +190,21 @@ CellShape::CellShape(const geometry::TetPoints& corner, OldCuts old) : corner_(c
   scale_ = 15552 * volume_ * std::abs(volume_);  // 12^3 9 V^2
 }
 
-double CellShape::of_child(int shape) const {
-  const auto& [factor, squared_volume] = table.shape[at(shape)];
+CellShape::CellShape(const MappedPoints& points, OldCuts old)
+    : CellShape(geometry::TetPoints{points.point[0], points.point[1], points.point[2], points.point[3]}, old) {
+  if (points.is_bent) mapped_ = points.point;
+}
+
+geometry::Vec3 CellShape::middle(int edge) const {
+  if (mapped_) return (*mapped_)[at(4 + edge)];
+  return geometry::midpoint(corner_[at(edge_to_corner[at(edge)][0])], corner_[at(edge_to_corner[at(edge)][1])]);
+}
+
+double CellShape::of_child(int of_shape) const {
+  const auto& [factor, squared_volume, nodes] = table.shape[at(of_shape)];
+  if (mapped_)
+    return cubed_ratio(
+        {(*mapped_)[at(nodes[0])], (*mapped_)[at(nodes[1])], (*mapped_)[at(nodes[2])], (*mapped_)[at(nodes[3])]});
   const double sum = sum_of_squares(factor, squared_);
   return scale_ * squared_volume / (sum * sum * sum);
 }
@@ -191,8 +212,9 @@ double CellShape::of_child(int shape) const {
 /// `of_state(state) >= limit` for positive limits, without divisions.
 bool CellShape::state_reaches(int state, double limit) const {
   const auto& shapes = table.of_child[at(state)];
+  if (mapped_) return of_state(state) >= limit;
   for (int child = 0; child < mesh::family_size_of_state[at(state)]; ++child) {
-    const auto& [factor, squared_volume] = table.shape[shapes[at(child)]];
+    const auto& [factor, squared_volume, nodes] = table.shape[shapes[at(child)]];
     const double sum = sum_of_squares(factor, squared_);
     if (!(scale_ * squared_volume >= limit * (sum * sum * sum))) return false;
   }
@@ -208,6 +230,7 @@ double CellShape::of_state(int state) const {
 }
 
 double CellShape::of_regular_split() const {
+  if (mapped_) return 15552 * worst_child_shape(*mapped_, regular_state + choose_diagonal(*mapped_, false));
   double all = 0;
   for (const double square : squared_) all += square;
   std::array<double, 3> length{};  // four times the squares of the diagonals
@@ -272,6 +295,10 @@ unsigned CellShape::cuts(EdgeMask marks) const {
   return cuts;
 }
 
+CellShape shape_of(const mesh::Level0View& level0, const BaseCorners& corners, OldCuts old) {
+  return corners.row < 0 ? CellShape(corners.point, old) : CellShape(map_middles(level0, corners), old);
+}
+
 int only_state(EdgeMask marks) {
   const auto& choice = states_of_marks[marks][0].state;
   return has_two_mark_face[marks] || choice[1] != 0 ? 0 : choice[0];
@@ -285,9 +312,6 @@ int CellShape::best_state(EdgeMask marks) const {
   if (first < equal_cubes * second) return choice[1];
   const int d = mesh::closure_states[choice[0]].inner_edge, g = mesh::closure_states[choice[1]].inner_edge;
   if (d < 0) return choice[0];
-  const auto middle = [this](int e) {
-    return geometry::midpoint(corner_[at(edge_to_corner[at(e)][0])], corner_[at(edge_to_corner[at(e)][1])]);
-  };
   return is_earlier_edge({middle(d), middle(5 - d)}, {middle(g), middle(5 - g)}) ? choice[0] : choice[1];
 }
 
@@ -343,7 +367,8 @@ EdgeMask CellShape::closed_marks(EdgeMask marks, double floor) const {
     if ((is_checked >> rest & 1U) == 0 && !marks_reach(some, limit)) {
       if (!is_reachable) {
         is_reachable = true;
-        limit = std::min(limit, equal_cubes * of_regular_split());
+        const double reachable = of_regular_split();
+        limit = reachable > 0 ? std::min(limit, equal_cubes * reachable) : std::numeric_limits<double>::lowest();
       }
       if (!marks_reach(some, limit)) set |= smallest_good(some, limit);
     }

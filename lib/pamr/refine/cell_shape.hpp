@@ -2,8 +2,10 @@
 #pragma once
 
 #include <array>
+#include <optional>
 
 #include "pamr/geometry/tet_shape.hpp"
+#include "pamr/refine/mapped_points.hpp"
 #include "pamr/refine/split_pattern.hpp"
 
 namespace pamr::refine {
@@ -18,12 +20,14 @@ struct OldCuts {
 constexpr double cubed(double mean_ratio) { return mean_ratio * mean_ratio * mean_ratio; }
 inline constexpr double equal_cubes = 1 - 3 * 0x1p-40;
 
-/// A cell with straight edges, and how well it can be split: from its six squared edges alone, because the squared
-/// distances of its corners and midpoints are sums of them. Depends on neither ranks nor, but for rounding, the order
-/// of the corners. Local. Cost: some ten operations for each child that is looked at.
+/// How well a cell can be split. With straight edges that follows from its six squared edges alone, because the squared
+/// distances of its corners and midpoints are sums of them; with middles where a map of level 0 puts them from all ten
+/// points. Depends on neither ranks nor, but for rounding, the order of the corners. Local. Cost: some ten operations
+/// for each child that is looked at, some fifty with mapped middles.
 class CellShape {
  public:
   explicit CellShape(const geometry::TetPoints& corner, OldCuts old = {});
+  CellShape(const MappedPoints& points, OldCuts old);
 
   double volume() const { return volume_; }
   /// Third power of the smallest mean ratio of the children of a closure state.
@@ -53,7 +57,10 @@ class CellShape {
   EdgeMask smallest_good(EdgeMask marks, double limit) const;
   bool adds_earlier_edges(EdgeMask added, EdgeMask other) const;
 
+  geometry::Vec3 middle(int edge) const;
+
   geometry::TetPoints corner_;
+  std::optional<SplitPoints> mapped_;
   OldCuts old_;
   std::array<double, 6> squared_{};
   mutable unsigned longer_ =
@@ -62,6 +69,9 @@ class CellShape {
   double volume_ = 0;
   double scale_ = 0;
 };
+
+/// Of a base cell with these corners, its middles where new nodes would lie. Local.
+CellShape shape_of(const mesh::Level0View& level0, const BaseCorners& corners, OldCuts old = {});
 
 /// The state with these marks where there is but one, whatever the shape of the cell; else 0. Pre: one to five marks.
 int only_state(EdgeMask marks);

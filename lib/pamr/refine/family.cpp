@@ -90,9 +90,10 @@ int best_positive_state(const SplitPoints& points, const StateChoice& choice) {
 }
 
 /// How a child is split that has these marks. At a corner with three marked edges all six edges of the child exist.
-int state_of_child(const geometry::TetPoints& corner, const CellShape& shape, EdgeMask marks) {
+int state_of_child(const mesh::Level0View& level0, const BaseCorners& corners, const CellShape& shape, EdgeMask marks) {
   if (marks != all_edges) return shape.best_state(marks);
-  return regular_state + choose_diagonal(straight_points(corner), true);
+  const auto points = map_middles(level0, corners);
+  return regular_state + choose_diagonal(points.point, !points.is_bent);
 }
 
 /// The edge of a member between the nodes of two codes; no cell: there is none that is still an edge when the parent is
@@ -164,16 +165,13 @@ FamilyView view_family(const mesh::DistMesh& mesh, const std::vector<EdgeMask>& 
   return view;
 }
 
-SplitPoints family_points(const mesh::DistMesh& mesh, const FamilyView& family) {
-  SplitPoints points;
-  for (int code = 0; code < 4; ++code) points[at(code)] = mesh.point(family.node[at(code)]);
-  for (int e = 0; e < 6; ++e) {
-    const auto node = family.node[at(4 + e)];
-    points[at(4 + e)] = node != invalid_local ? mesh.point(node)
-                                              : geometry::midpoint(points[at(edge_to_corner[at(e)][0])],
-                                                                   points[at(edge_to_corner[at(e)][1])]);
-  }
-  return points;
+MappedPoints family_points(const mesh::DistMesh& mesh, const mesh::Level0View& level0, const FamilyView& family) {
+  const auto row = level0.row_of(family.first);
+  auto mapped = map_middles(
+      level0, base_corners(mesh, level0, row, {family.node[0], family.node[1], family.node[2], family.node[3]}));
+  for (int e = 0; e < 6; ++e)
+    if (const auto node = family.node[at(4 + e)]; node != invalid_local) mapped.point[at(4 + e)] = mesh.point(node);
+  return mapped;
 }
 
 int choose_state(const SplitPoints& points, EdgeMask marks, int before, bool is_safe) {
@@ -183,7 +181,7 @@ int choose_state(const SplitPoints& points, EdgeMask marks, int before, bool is_
   }
   if (const int only = is_safe ? only_state(marks) : 0; only != 0) return only;
   const auto& known = mesh::closure_states[at(before)];
-  const CellShape shape({points[0], points[1], points[2], points[3]}, {known.mask, known.cuts});
+  const CellShape shape(geometry::TetPoints{points[0], points[1], points[2], points[3]}, {known.mask, known.cuts});
   if (is_safe) return shape.best_state(marks);
   return best_positive_state(points, states_of_marks[marks][shape.cuts(marks)]);
 }
@@ -192,7 +190,9 @@ FamilyPlan plan_family(const mesh::DistMesh& mesh, const FamilyView& family, dou
   FamilyPlan result;
   auto& plan = result.family;
   plan.first = family.first;
-  const auto points = family_points(mesh, family);
+  const mesh::Level0View level0(mesh);
+  const auto mapped = family_points(mesh, level0, family);
+  const auto& points = mapped.point;
   plan.is_safe = is_straight(points, split_pattern[at(family.state)].mask) && is_far_from_flat(points);
   plan.state = static_cast<SplitState>(choose_state(points, family.parent_marks, family.state, plan.is_safe));
   if (plan.state == 0) return result;
@@ -203,8 +203,8 @@ FamilyPlan plan_family(const mesh::DistMesh& mesh, const FamilyView& family, dou
     const auto& code = pattern.child_to_node[at(child)];
     const auto marks = marks_of_child(family, code);
     if (marks == 0) continue;
-    const auto corner = child_points(points, plan.state, child);
-    const CellShape shape(corner);
+    const auto corners = mapped.child(code);
+    const auto shape = shape_of(level0, corners);
     const unsigned added = shape.closed_marks(marks, shape_floor) & ~static_cast<unsigned>(marks);
     for (unsigned rest = added; rest != 0; rest &= rest - 1) {
       const auto [p, q] = edge_to_corner[at(std::countr_zero(rest))];
@@ -213,7 +213,7 @@ FamilyPlan plan_family(const mesh::DistMesh& mesh, const FamilyView& family, dou
       else
         plan.is_early = true;
     }
-    const auto state = static_cast<SplitState>(state_of_child(corner, shape, marks));
+    const auto state = static_cast<SplitState>(state_of_child(level0, corners, shape, marks));
     plan.child_state[at(child)] = state;
     plan.n_children = static_cast<std::uint8_t>(plan.n_children + split_pattern[state].n_children - 1);
   }

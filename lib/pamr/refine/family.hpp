@@ -8,7 +8,7 @@
 #include "pamr/mesh/borders.hpp"
 #include "pamr/mesh/dist_mesh.hpp"
 #include "pamr/refine/closure.hpp"
-#include "pamr/refine/diagonal.hpp"
+#include "pamr/refine/mapped_points.hpp"
 
 namespace pamr::refine {
 
@@ -63,9 +63,8 @@ struct FamilyView {
 /// Gathers a whole family from its first member and the marks of its members (other bits are ignored). Local.
 FamilyView view_family(const mesh::DistMesh& mesh, const std::vector<EdgeMask>& marks, LocalId first);
 
-/// Positions of the parent's corners and of the midpoints of its edges, the existing ones where they are, the others in
-/// the middle of their edge.
-SplitPoints family_points(const mesh::DistMesh& mesh, const FamilyView& family);
+/// The parent's corners and the middles of its edges: existing nodes where they are, others where they would lie.
+MappedPoints family_points(const mesh::DistMesh& mesh, const mesh::Level0View& level0, const FamilyView& family);
 
 /// How a parent with these marks is split. `before`: state of the family that replaces it, whose cuts stay where a face
 /// keeps its two marks; 0: there is none. `is_safe`: the midpoints lie in the middle of their edges, and the cell is

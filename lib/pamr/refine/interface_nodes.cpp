@@ -34,21 +34,21 @@ bool has_several(const par::Comm& comm, const std::vector<std::int64_t>& region)
 
 }  // namespace
 
-std::vector<LocalId> interface_nodes(const par::Comm& comm, const NewLevel& level) {
-  const auto* field = mesh::find_regions(level.mesh);
+std::vector<LocalId> interface_nodes(const par::Comm& comm, const mesh::DistMesh& mesh, const Numbering& numbering,
+                                     const par::Pattern& shared) {
+  const auto* field = mesh::find_regions(mesh);
   if (field == nullptr) return {};
   const auto& region = field->integer();
   if (!has_several(comm, region)) return {};
 
-  const auto& numbering = level.numbering;
-  std::vector<Regions> of_node(level.n_nodes());
-  for (LocalId c = 0; c < level.mesh.n_cells(); ++c) {
+  std::vector<Regions> of_node(at(numbering.n_old_nodes) + numbering.n_new_nodes());
+  for (LocalId c = 0; c < mesh.n_cells(); ++c) {
     if (numbering.row[at(c)] < 0) continue;
     for (int e = 0; e < 6; ++e)
       if (const auto node = numbering.midpoint(c, e); node != invalid_local)
         of_node[at(node)].add({region[at(c)], region[at(c)]});
   }
-  par::fold_shared(par::Exchange(comm, level.shared), of_node,
+  par::fold_shared(par::Exchange(comm, shared), of_node,
                    [](Regions& mine, const Regions& theirs) { mine.add(theirs); });
 
   std::vector<LocalId> nodes;

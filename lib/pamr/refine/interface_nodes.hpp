@@ -4,15 +4,18 @@
 #include <vector>
 
 #include "pamr/base/types.hpp"
+#include "pamr/mesh/dist_mesh.hpp"
 #include "pamr/par/comm.hpp"
-#include "pamr/refine/new_level.hpp"
+#include "pamr/par/exchange.hpp"
+#include "pamr/refine/number.hpp"
 
 namespace pamr::refine {
 
-/// This level's nodes on faces between cells with different values of `mesh::region_field`, ascending. What moves inner
+/// The new nodes on faces between cells with different values of `mesh::region_field`, ascending. What moves inner
 /// nodes leaves them in the middles of their edges, so that the faces between regions keep their shape. The same nodes
 /// on any ranks. Collective: with such a field a reduction, and with several regions one exchange over the shared
-/// nodes. O(cells).
-std::vector<LocalId> interface_nodes(const par::Comm& comm, const NewLevel& level);
+/// nodes. O(cells). `shared`: nodes that other ranks hold too.
+std::vector<LocalId> interface_nodes(const par::Comm& comm, const mesh::DistMesh& mesh, const Numbering& numbering,
+                                     const par::Pattern& shared);
 
 }  // namespace pamr::refine

@@ -20,6 +20,8 @@ struct Movable {
   bool is_reachable = true;         ///< false: no common point of its surfaces was found near by, `target` is `base`
   bool is_held = false;             ///< on a sharp edge inside its surface: it may not slide
   double off_facets = 0;            ///< how far the target leaves the faces of a patch without a surface
+  geometry::Vec3 beside{};          ///< normal of the face of such a patch at a new node, else 0
+  bool is_sharp = false;            ///< it meets that face in a sharp edge
 };
 
 /// The nodes of one level that move.

@@ -35,12 +35,27 @@ std::vector<std::string> quality_control_list();
 
 inline constexpr double default_shape_floor = 0.3;
 
+/// Which inner edges of level 0 may bend for better shapes of what they are split into (docs/coarse-walls.md). Decides
+/// when a mesh of level 0 is split; later calls go on with what was decided then.
+enum class Bend : std::uint8_t {
+  none,   ///< new nodes are placed from the ends of their edges, level after level
+  walls,  ///< those near walls that are curved more than their edges are short
+  all,    ///< all; children may then leave their parents anywhere
+};
+inline constexpr std::array<std::pair<const char*, Bend>, 3> bend_names{
+    {{"none", Bend::none}, {"walls", Bend::walls}, {"all", Bend::all}}};
+/// The choice of that name. Throws `Error` for any other name.
+Bend bend_named(std::string_view name);
+/// All the names, for help texts and checks of command lines.
+std::vector<std::string> bend_list();
+
 /// How to refine once.
 struct Options {
   QualityControl quality_control = QualityControl::removable;
   /// Of `removable`: smallest mean ratio of closure cells, as far as 1:8 would reach it; 0: none. At most 1.
   double shape_floor = default_shape_floor;
   Exact<bool> project = true;  ///< put new boundary nodes onto the surfaces of their patches
+  Bend bend = Bend::walls;     ///< not looked at where nothing is put onto surfaces
   Exact<bool> parent_field =
       true;                   ///< add the integer cell field `parent`: input cell that held the new cell's centroid
   std::string marks_field{};  ///< cell field to drop from the result (it held the marks); empty: none

@@ -8,6 +8,7 @@
 
 #include "pamr/base/index.hpp"
 #include "pamr/geometry/plane.hpp"
+#include "pamr/mesh/level0_map.hpp"
 #include "pamr/mesh/tet.hpp"
 #include "pamr/mesh/undescribed_patches.hpp"
 #include "pamr/par/exchange.hpp"
@@ -129,11 +130,13 @@ Movable aim_beside_face(LocalId node, std::array<geometry::Vec3, 2> end, geometr
     const geometry::Plane of_face(base, normal);
     const std::array<const geometry::Surface*, 2> both{&of_face, on.surface.front()};
     const auto projected = geometry::project_onto_all(both, base);
-    return {node, base, projected.converged ? projected.point : base, patch, projected.converged};
+    return {node,   base, projected.converged ? projected.point : base, patch, projected.converged, false, 0,
+            normal, true};
   }
   auto movable = aim(node, base, patch, on);
   const double off = std::abs(dot(movable.target - base, normal)) / norm(normal);
   if (off > max_off_face * norm(end[1] - end[0])) movable.off_facets = off;
+  movable.beside = normal;
   return movable;
 }
 
@@ -151,9 +154,34 @@ Movable aim_new_node(LocalId node, std::array<geometry::Vec3, 2> end, const Patc
   return aim(node, base, patch, on);
 }
 
-/// The new nodes, ascending.
+/// The new nodes that the map of level 0 places, ascending.
+std::vector<Movable> map_new_nodes(const mesh::DistMesh& mesh, const Numbering& numbering) {
+  std::vector<Movable> movables;
+  const mesh::Level0View level0(mesh);
+  if (level0.is_empty()) return movables;
+  std::vector<std::uint8_t> is_done(numbering.n_new_nodes(), 0);
+  for (LocalId c = 0; c < mesh.n_cells(); ++c) {
+    if (numbering.row[at(c)] < 0) continue;
+    const auto row = level0.row_of(c);
+    if (row < 0) continue;
+    for (const auto node : numbering.edge_to_node[at(numbering.row[at(c)])]) {
+      if (node == invalid_local || is_done[at(node - mesh.n_nodes())] != 0) continue;
+      is_done[at(node - mesh.n_nodes())] = 1;
+      const auto [a, b] = numbering.ends[at(node - mesh.n_nodes())];
+      if (const auto placed = level0.place(row, mesh::middle(level0.key(a), level0.key(b))))
+        movables.push_back({node, geometry::midpoint(mesh.point(a), mesh.point(b)), placed->point, placed->patch,
+                            placed->is_reachable, placed->is_on_crease, placed->off_facets});
+    }
+  }
+  std::sort(movables.begin(), movables.end(), [](const Movable& x, const Movable& y) { return x.node < y.node; });
+  return movables;
+}
+
+/// The new nodes, ascending: `mapped` and others on the boundary.
 std::vector<Movable> project_new_nodes(const par::Comm& comm, const mesh::DistMesh& mesh, const mesh::Borders& borders,
                                        const Numbering& numbering, const Walls& walls) {
+  const auto mapped = map_new_nodes(mesh, numbering);
+  auto next_mapped = mapped.begin();
   const auto is_wanted = patches_to_look_at(comm, walls, numbering);
   std::vector<OppositeVertices> opposite;
   if (std::find(is_wanted.begin(), is_wanted.end(), true) != is_wanted.end())
@@ -162,15 +190,19 @@ std::vector<Movable> project_new_nodes(const par::Comm& comm, const mesh::DistMe
   std::map<std::array<int, 2>, SurfacesOfNode> surfaces_of_pair;
   for (std::size_t i = 0; i < numbering.boundary.size(); ++i) {
     const auto& boundary = numbering.boundary[i];
+    const auto node = mesh.n_nodes() + boundary.new_node;
+    while (next_mapped != mapped.end() && next_mapped->node < node) movables.push_back(*next_mapped++);
+    if (next_mapped != mapped.end() && next_mapped->node == node) continue;
     const auto patch = patches_of(boundary);
     auto known = surfaces_of_pair.find(boundary.patch);
     if (known == surfaces_of_pair.end())
       known = surfaces_of_pair.emplace(boundary.patch, surfaces_of_node(walls.info, walls.surfaces, patch)).first;
     if (all_flat(known->second.surface)) continue;
     const auto [a, b] = numbering.ends[at(boundary.new_node)];
-    movables.push_back(aim_new_node(mesh.n_nodes() + boundary.new_node, {mesh.point(a), mesh.point(b)}, patch,
-                                    known->second, opposite.empty() ? OppositeVertices{} : opposite[i]));
+    movables.push_back(aim_new_node(node, {mesh.point(a), mesh.point(b)}, patch, known->second,
+                                    opposite.empty() ? OppositeVertices{} : opposite[i]));
   }
+  movables.insert(movables.end(), next_mapped, mapped.end());
   return movables;
 }
 
@@ -199,22 +231,6 @@ std::vector<Movable> project_off_surface(const par::Comm& comm, const mesh::Dist
 }
 
 }  // namespace
-
-SurfacesOfNode surfaces_of_node(const mesh::MeshInfo& info, const geometry::SurfaceSet& surfaces,
-                                const PatchList& patch) {
-  SurfacesOfNode on;
-  for (const auto p : patch) {
-    if (p < 0) continue;
-    const auto* surface = surfaces.get(info.patches[at(p)].surface);
-    if (surface == nullptr)
-      on.without_surface = p;
-    else if (std::find(on.surface.begin(), on.surface.end(), surface) == on.surface.end())
-      on.surface.push_back(surface);
-  }
-  on.is_on_seam = patch[1] >= 0 && patch[2] < 0 &&
-                  info.patches[at(patch[0])].surface == info.patches[at(patch[1])].surface && !on.surface.empty();
-  return on;
-}
 
 PatchList patches_of(const BoundaryNode& boundary) {
   return {boundary.patch[0], boundary.patch[1] == boundary.patch[0] ? -1 : boundary.patch[1], -1, -1};

@@ -6,25 +6,14 @@
 #include "pamr/geometry/surface.hpp"
 #include "pamr/mesh/borders.hpp"
 #include "pamr/mesh/dist_mesh.hpp"
+#include "pamr/mesh/surfaces_of_node.hpp"
 #include "pamr/refine/movable.hpp"
 #include "pamr/refine/number.hpp"
 
 namespace pamr::refine {
 
-/// What a node on these patches lies on.
-struct SurfacesOfNode {
-  std::vector<const geometry::Surface*> surface;  ///< without repeats, in patch order
-  bool is_on_seam = false;   ///< two patches of one surface: their border is a curve of that surface
-  int without_surface = -1;  ///< one of the patches that has no surface, -1: every one has
-
-  /// The place on them that a node at `point` belongs to. `converged` is false when there is none near by.
-  geometry::Projected place(geometry::Vec3 point) const {
-    if (is_on_seam) return {surface.front()->project_to_seam(point), true};
-    return geometry::project_onto_all(surface, point);
-  }
-};
-SurfacesOfNode surfaces_of_node(const mesh::MeshInfo& info, const geometry::SurfaceSet& surfaces,
-                                const PatchList& patch);
+using mesh::surfaces_of_node;
+using mesh::SurfacesOfNode;
 
 /// Patches at a new node on the boundary.
 PatchList patches_of(const BoundaryNode& boundary);
@@ -35,8 +24,9 @@ struct Walls {
   const geometry::SurfaceSet& surfaces;
 };
 
-/// Where boundary nodes belong.
-/// - New nodes on edges that lie in the boundary: on the surface of their patch, on the common curve of two. Flat
+/// Where new nodes belong that a map of level 0 places, and boundary nodes.
+/// - New nodes whose place in level 0 is bent (`mesh::Level0Map`): where the map puts them, inside as on the boundary.
+/// - Other new nodes on edges that lie in the boundary: on the surface of their patch, on the common curve of two. Flat
 ///   surfaces move nothing. Edges along sharp edges inside the surface of their patch (`Creases::crease_between`) get
 ///   their node there, held.
 /// - Where a patch without a surface meets one with a surface in a sharp edge (`mesh::is_sharp_edge`): on the surface,

@@ -15,7 +15,7 @@ namespace pamr::refine {
 
 Propagation::Propagation(const mesh::DistMesh& mesh, std::span<const std::uint8_t> requests,
                          std::span<const std::uint8_t> retained, const Options& options, const Carried& carried)
-    : mesh_(mesh), retained_(retained), options_(options) {
+    : mesh_(mesh), level0_(mesh), retained_(retained), options_(options) {
   assign_array(marks_, at(mesh.n_cells()), EdgeMask{0});
   reserve_array(waiting_, at(mesh.n_cells()));  // more than ever wait
   if (carried.marks.empty())
@@ -202,13 +202,13 @@ void Propagation::make_red(LocalId first, int state) {
     add_marks(first + child, family_table[at(state)].edges_of_parent[at(child)]);
 }
 
-geometry::TetPoints Propagation::parent_corners(LocalId first, int state) const {
-  geometry::TetPoints corner;
+BaseCorners Propagation::parent_corners(LocalId first, int state) const {
+  std::array<LocalId, 4> node{};
   for (int code = 0; code < 4; ++code) {
     const auto [member, slot] = family_table[at(state)].node[at(code)];
-    corner[at(code)] = mesh_.point(mesh_.cell_to_node[at(first + member)][at(slot)]);
+    node[at(code)] = mesh_.cell_to_node[at(first + member)][at(slot)];
   }
-  return corner;
+  return base_corners(mesh_, level0_, level0_.row_of(first), node);
 }
 
 /// What a mark on a member means: on an edge of the parent, the parent's marks grow until they are good; on a part of
@@ -225,7 +225,7 @@ void Propagation::apply_family_rule(LocalId first) {
     make_red(first, state);
     return;
   }
-  const CellShape shape(parent_corners(first, state), {pattern.mask, pattern.cuts});
+  const auto shape = shape_of(level0_, parent_corners(first, state), {pattern.mask, pattern.cuts});
   const auto required = shape.closed_marks(static_cast<EdgeMask>(meaning), options_.shape_floor);
   if (required == all_edges) {
     make_red(first, state);

@@ -9,6 +9,7 @@
 #include "pamr/mesh/borders.hpp"
 #include "pamr/mesh/dist_mesh.hpp"
 #include "pamr/refine/carried.hpp"
+#include "pamr/refine/mapped_points.hpp"
 #include "pamr/refine/options.hpp"
 #include "pamr/refine/requests.hpp"
 #include "pamr/refine/split_pattern.hpp"
@@ -56,9 +57,10 @@ class Propagation {
   void apply_rule(LocalId cell);
   void apply_family_rule(LocalId first);
   void make_red(LocalId first, int state);
-  geometry::TetPoints parent_corners(LocalId first, int state) const;
+  BaseCorners parent_corners(LocalId first, int state) const;
 
   const mesh::DistMesh& mesh_;
+  mesh::Level0View level0_;
   std::span<const std::uint8_t> retained_;
   const Options& options_;
   std::vector<EdgeMask> marks_;

@@ -25,7 +25,11 @@ Settled settle(const par::Comm& comm, const NewLevel& level, std::vector<geometr
   if (!movement.is_on_any_rank) return certify(comm, level, std::move(position), movement);
 
   movement.nodes = std::move(movables);
-  movement.held = interface_nodes(comm, level);
+  if (level.mesh.info.level0 != nullptr) {  // new nodes lie where they belong, those inside as well
+    movement.cells = cells_with_moved_nodes(level, movement.nodes);
+    return certify(comm, level, std::move(position), movement);
+  }
+  movement.held = interface_nodes(comm, level.mesh, level.numbering, level.shared);
   const auto smoothed = smooth_displacement(comm, level, position, movement);
   movement.nodes.insert(movement.nodes.end(), smoothed.followers.begin(), smoothed.followers.end());
   move_to_targets(movement.nodes, position);

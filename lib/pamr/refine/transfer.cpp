@@ -9,6 +9,7 @@
 #include "pamr/base/index.hpp"
 #include "pamr/base/memory.hpp"
 #include "pamr/geometry/tet_shape.hpp"
+#include "pamr/mesh/level0_key.hpp"
 #include "pamr/mesh/undescribed_patches.hpp"
 
 namespace pamr::refine {
@@ -62,6 +63,14 @@ mesh::NodeField to_nodes(const NumberedMesh& old, const mesh::NodeField& field) 
     result.value = std::move(values);
   }
   return result;
+}
+
+/// A new node lies in the middle of its edge in level 0.
+mesh::NodeField keys_of(const NumberedMesh& old, const mesh::NodeField& before) {
+  auto keys = before;
+  for (const auto [a, b] : old.numbering.ends)
+    mesh::append_key(keys, mesh::middle(mesh::key_of(&before, a), mesh::key_of(&before, b)));
+  return keys;
 }
 
 /// The mean of a value over the members of a family, by volume; finite where the values are.
@@ -181,6 +190,8 @@ std::vector<mesh::NodeField> transfer_to_nodes(const NumberedMesh& old, const Ce
   for (const auto& field : old.mesh.node_fields)
     if (field.name == mesh::off_facets_field && !field.holds_integers() && field.n_components == 1)
       off_facets = &field;
+    else if (field.name == mesh::level0_key_field)
+      fields.push_back(keys_of(old, field));
     else if (field.name != mesh::off_surface_field)
       fields.push_back(to_nodes(old, field));
   if (certificate.n_off_surface > 0)

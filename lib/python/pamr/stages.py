@@ -61,12 +61,20 @@ class RefineResult:
         return unpack(replace(rows, begins=offset // max(rows.item, 1), raw=raw))
 
 
-def refine(mesh: Mesh, flags: Any, *, project: bool = True, quality_control: str = "removable",
+def placing(project: Any, bend: Any) -> tuple[bool, str]:
+    """What the core takes for them."""
+    _one_of("bend", bend, ("none", "walls", "all"))
+    return bool(project), bend
+
+
+def refine(mesh: Mesh, flags: Any, *, project: bool = True, bend: str = "walls", quality_control: str = "removable",
            shape_floor: float = 0.3, balance: str = "auto", weights: str = "exact") -> RefineResult:
     """Splits the flagged cells into eight and closes the mesh around them. Collective.
 
     flags: one for each cell of this rank, 0 or 1 (or truth values).
     project: put new nodes of the boundary onto the surfaces of their patches.
+    bend: which inner edges of level 0 may bend for better shapes (docs/coarse-walls.md): "none", "walls" (those near walls that
+        are curved more than their edges are short), "all". Decides when a mesh of level 0 is refined.
     quality_control: what happens to transition cells that are to be split again (docs/refinement.md).
     shape_floor: smallest mean ratio of transition cells under "removable"; more edges are marked where they would fall below
         it. 0: none.
@@ -76,14 +84,14 @@ def refine(mesh: Mesh, flags: Any, *, project: bool = True, quality_control: str
     """
     def prepare() -> tuple[Any, Any]:
         _one_of("balance", balance, BALANCES)
-        how = bool(project), closing(quality_control, shape_floor), balance, weights
+        how = placing(project, bend), closing(quality_control, shape_floor), balance, weights
         return (_flags(mesh, flags), *how), how
     core, report = _core.refine(mesh._core, *agree(mesh.comm, prepare))
     fine = Mesh(core, mesh.comm)
     return RefineResult(fine, report, fine.cell_fields["parent"], mesh)
 
 
-def adapt(mesh: Mesh, flags: Any, *, project: bool = True, shape_floor: float = 0.3, balance: str = "auto",
+def adapt(mesh: Mesh, flags: Any, *, project: bool = True, bend: str = "walls", shape_floor: float = 0.3, balance: str = "auto",
           weights: str = "exact", integrals: tuple[str, ...] = ()) -> RefineResult:
     """Refines and coarsens in one call (docs/coarsening.md). Collective.
 
@@ -99,7 +107,7 @@ def adapt(mesh: Mesh, flags: Any, *, project: bool = True, shape_floor: float = 
         if isinstance(integrals, str):
             raise Error(f"integrals: expected a list of names, found the text {integrals!r}")
         names = [str(name) for name in integrals]
-        how = bool(project), closing("removable", shape_floor), balance, weights, names
+        how = placing(project, bend), closing("removable", shape_floor), balance, weights, names
         return (_flags(mesh, flags, "-1, 0 or 1", -1), *how), how
     core, report = _core.adapt(mesh._core, *agree(mesh.comm, prepare))
     fine = Mesh(core, mesh.comm)

@@ -1,0 +1,231 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "pamr/curved/bulge_energy.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "pamr/base/index.hpp"
+#include "pamr/mesh/tet.hpp"
+
+namespace pamr::curved {
+
+namespace {
+
+using geometry::Vec3;
+
+constexpr std::size_t n_components = 18;
+using Components = std::array<double, n_components>;
+
+/// `slopes[q][e][a]`: what a unit bulge of edge e adds to row a at sample point q.
+constexpr auto make_slopes() {
+  std::array<std::array<std::array<double, 3>, 6>, sample_points.size()> slope{};
+  for (std::size_t q = 0; q < sample_points.size(); ++q)
+    for (std::size_t e = 0; e < 6; ++e) {
+      const auto [i, j] = mesh::tet::edge_to_corner[e];
+      std::array<double, 4> derivative{};  // of 4 l_i l_j
+      derivative[at(i)] = 4 * sample_points[q][at(j)];
+      derivative[at(j)] = 4 * sample_points[q][at(i)];
+      for (std::size_t a = 0; a < 3; ++a) slope[q][e][a] = derivative[a + 1] - derivative[0];
+    }
+  return slope;
+}
+constexpr auto slopes = make_slopes();
+
+Vec3 combine(const std::array<double, 3>& factor, const JacobianRows& rows) {
+  return factor[0] * rows[0] + factor[1] * rows[1] + factor[2] * rows[2];
+}
+
+/// Row a of a symmetric matrix.
+std::array<double, 3> row_of(const Symmetric3& m, std::size_t a) {
+  return a == 0 ? std::array{m[0], m[1], m[2]} : a == 1 ? std::array{m[1], m[3], m[4]} : std::array{m[2], m[4], m[5]};
+}
+
+JacobianRows product(const Symmetric3& m, const JacobianRows& rows) {
+  return {combine(row_of(m, 0), rows), combine(row_of(m, 1), rows), combine(row_of(m, 2), rows)};
+}
+
+double inner(const JacobianRows& a, const JacobianRows& b) {
+  return dot(a[0], b[0]) + dot(a[1], b[1]) + dot(a[2], b[2]);
+}
+
+JacobianRows cofactors(const JacobianRows& row) {
+  return {cross(row[1], row[2]), cross(row[2], row[0]), cross(row[0], row[1])};
+}
+
+/// The map at a sample point.
+struct AtPoint {
+  JacobianRows cofactor;                    ///< derivative of `determinant` by the rows
+  double determinant = 0;                   ///< over that of the straight cell
+  std::array<JacobianRows, 2> metric_rows;  ///< against each target half the derivative of the squared size by the rows
+  std::array<double, 2> squared_size{};     ///< against each target
+};
+
+AtPoint at_point(const StraightCell& cell, const CellBulges& bulge, const SampledRows* residual, std::size_t q) {
+  auto row = cell.row;
+  for (std::size_t e = 0; e < 6; ++e)
+    for (std::size_t a = 0; a < 3; ++a) row[a] += slopes[q][e][a] * bulge[e];
+  if (residual != nullptr)
+    for (std::size_t a = 0; a < 3; ++a) row[a] += (*residual)[q][a];
+  AtPoint point;
+  point.cofactor = cofactors(row);
+  for (auto& c : point.cofactor) c = cell.inverse_determinant * c;
+  point.determinant = dot(row[0], point.cofactor[0]);
+  for (std::size_t k = 0; k < 2; ++k) {
+    point.metric_rows[k] = product(cell.metric[k], row);
+    point.squared_size[k] = inner(row, point.metric_rows[k]);
+  }
+  return point;
+}
+
+/// d^2 + 4 delta^2, with d the determinant, is the square of `radius`; `height` is h(d), positive for every d.
+struct Regularized {
+  double radius = 0, height = 0;
+};
+
+Regularized regularize(double determinant, double delta) {
+  const double radius = std::sqrt(determinant * determinant + 4 * delta * delta);
+  return {radius, determinant > 0 ? 0.5 * (determinant + radius) : 2 * delta * delta / (radius - determinant)};
+}
+
+double energy_at(double squared_size, double height, int exponent) {
+  const double eta_cubed = squared_size * squared_size * squared_size / (height * height);
+  double energy = eta_cubed;
+  for (int i = 1; i < exponent; ++i) energy *= eta_cubed;
+  return energy;
+}
+
+/// First and second derivatives of the energy at a point by the squared sizes n and by the determinant d.
+struct Derivatives {
+  std::array<double, 2> n{}, nn{}, nd{};
+  double d = 0, dd = 0;
+};
+
+/// With E = (n^3 / h^2)^m and h' = h / r, r the radius. The term of d^2 is at least what makes the form positive
+/// definite in the rows and d together: 24 m^3 / (6 m - 1) E / r^2.
+Derivatives differentiate(const AtPoint& point, const Distortion& distortion, double& energy) {
+  const auto [radius, height] = regularize(point.determinant, distortion.delta);
+  const double m = distortion.exponent;
+  const double along = std::max(4 * m * m + 2 * m * point.determinant / radius, 24 * m * m * m / (6 * m - 1));
+  Derivatives of;
+  for (std::size_t k = 0; k < 2; ++k) {
+    const double n = point.squared_size[k], e = energy_at(n, height, distortion.exponent);
+    energy += e;
+    of.n[k] = 3 * m * e / n;
+    of.nn[k] = 3 * m * (3 * m - 1) * e / (n * n);
+    of.nd[k] = -6 * m * m * e / (n * radius);
+    of.d -= 2 * m * e / radius;
+    of.dd += along * e / (radius * radius);
+  }
+  return of;
+}
+
+/// What the rows' derivatives `by_row` are by the components of the bulges.
+Components by_components(const JacobianRows& by_row, std::size_t q) {
+  Components result{};
+  for (std::size_t e = 0; e < 6; ++e) {
+    const Vec3 v = combine(slopes[q][e], by_row);
+    result[3 * e] = v.x;
+    result[3 * e + 1] = v.y;
+    result[3 * e + 2] = v.z;
+  }
+  return result;
+}
+
+/// Rows of a matrix for all components; of blocks on and right of the diagonal blocks only.
+using Matrix = std::array<Components, n_components>;
+
+/// Adds the second derivatives of the squared sizes: equal on the three axes.
+void add_curvature_of_sizes(const StraightCell& cell, const Derivatives& of, std::size_t q, Matrix& hessian) {
+  Symmetric3 metric;
+  for (std::size_t k = 0; k < 6; ++k) metric[k] = 2 * of.n[0] * cell.metric[0][k] + 2 * of.n[1] * cell.metric[1][k];
+  for (std::size_t e = 0; e < 6; ++e) {
+    std::array<double, 3> of_edge{};
+    for (std::size_t a = 0; a < 3; ++a) {
+      const auto row = row_of(metric, a);
+      for (std::size_t b = 0; b < 3; ++b) of_edge[a] += row[b] * slopes[q][e][b];
+    }
+    for (std::size_t f = e; f < 6; ++f) {
+      const auto& s = slopes[q][f];
+      const double value = of_edge[0] * s[0] + of_edge[1] * s[1] + of_edge[2] * s[2];
+      for (std::size_t k = 0; k < 3; ++k) hessian[3 * e + k][3 * f + k] += value;
+    }
+  }
+}
+
+void add_point(const StraightCell& cell, const AtPoint& point, const Derivatives& of, std::size_t q,
+               Components& gradient, Matrix& hessian) {
+  const auto a = by_components(point.metric_rows[0], q), b = by_components(point.metric_rows[1], q),
+             c = by_components(point.cofactor, q);
+  Components for_a, for_b, for_c;
+  for (std::size_t i = 0; i < n_components; ++i) {
+    gradient[i] += 2 * of.n[0] * a[i] + 2 * of.n[1] * b[i] + of.d * c[i];
+    for_a[i] = 4 * of.nn[0] * a[i] + 2 * of.nd[0] * c[i];
+    for_b[i] = 4 * of.nn[1] * b[i] + 2 * of.nd[1] * c[i];
+    for_c[i] = 2 * of.nd[0] * a[i] + 2 * of.nd[1] * b[i] + of.dd * c[i];
+  }
+  for (std::size_t i = 0; i < n_components; ++i)
+    for (std::size_t j = i / 3 * 3; j < n_components; ++j)
+      hessian[i][j] += for_a[i] * a[j] + for_b[i] * b[j] + for_c[i] * c[j];
+  add_curvature_of_sizes(cell, of, q, hessian);
+}
+
+}  // namespace
+
+StraightCell prepare(const geometry::TetPoints& corner) {
+  StraightCell cell;
+  for (std::size_t a = 0; a < 3; ++a) cell.row[a] = corner[a + 1] - corner[0];
+  const auto cofactor = cofactors(cell.row);
+  const double determinant = dot(cofactor[0], cell.row[0]), squared = determinant * determinant;
+  cell.inverse_determinant = 1 / determinant;
+  // Edges of the regular cell have scalar products 1 and 1/2, the inverse of that matrix has 3/2 and -1/2. The cell of
+  // unit edges has determinant 1 / sqrt(2).
+  const double squared_edge = std::cbrt(2 * squared), on = 0.5 / squared_edge, off = -0.5 / (3 * squared_edge);
+  cell.metric[0] = {on, off, off, on, off, on};
+  const auto& c = cofactor;
+  cell.metric[1] = {dot(c[0], c[0]), dot(c[0], c[1]), dot(c[0], c[2]),
+                    dot(c[1], c[1]), dot(c[1], c[2]), dot(c[2], c[2])};
+  for (auto& m : cell.metric[1]) m /= 3 * squared;
+  cell.mean_ratio = 1 / inner(cell.row, product(cell.metric[0], cell.row));
+  return cell;
+}
+
+double bulge_energy(const StraightCell& cell, const CellBulges& bulge, const SampledRows* residual,
+                    const Distortion& distortion) {
+  double energy = 0;
+  for (std::size_t q = 0; q < sample_points.size(); ++q) {
+    const auto point = at_point(cell, bulge, residual, q);
+    const double height = regularize(point.determinant, distortion.delta).height;
+    for (const double n : point.squared_size) energy += energy_at(n, height, distortion.exponent);
+  }
+  return energy;
+}
+
+BulgeModel bulge_model(const StraightCell& cell, const CellBulges& bulge, const SampledRows* residual,
+                       const Distortion& distortion) {
+  BulgeModel model;
+  Components gradient{};
+  Matrix hessian{};
+  for (std::size_t q = 0; q < sample_points.size(); ++q) {
+    const auto point = at_point(cell, bulge, residual, q);
+    const auto derivatives = differentiate(point, distortion, model.energy);
+    add_point(cell, point, derivatives, q, gradient, hessian);
+  }
+  for (std::size_t e = 0; e < 6; ++e) model.gradient[e] = {gradient[3 * e], gradient[3 * e + 1], gradient[3 * e + 2]};
+  std::size_t n = 0;
+  for (std::size_t i = 0; i < n_components; ++i)
+    for (std::size_t j = i; j < n_components; ++j) model.hessian[n++] = hessian[i][j];
+  return model;
+}
+
+double smallest_mean_ratio(const StraightCell& cell, const CellBulges& bulge, const SampledRows* residual) {
+  double smallest = std::numeric_limits<double>::infinity();  // cube of the mean ratio, with its sign
+  for (std::size_t q = 0; q < sample_points.size(); ++q) {
+    const auto point = at_point(cell, bulge, residual, q);
+    const double d = point.determinant, n = point.squared_size[0];
+    smallest = std::min(smallest, n > 0 ? std::copysign(d * d / (n * n * n), d) : 0);
+  }
+  return std::cbrt(smallest);
+}
+
+}  // namespace pamr::curved

@@ -1,0 +1,372 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "pamr/curved/make_level0_map.hpp"
+
+#include <algorithm>
+#include <array>
+#include <memory>
+#include <numeric>
+#include <utility>
+#include <vector>
+
+#include "pamr/base/index.hpp"
+#include "pamr/curved/edge_nodes.hpp"
+#include "pamr/curved/optimize_bulges.hpp"
+#include "pamr/mesh/borders.hpp"
+#include "pamr/mesh/cell_runs.hpp"
+#include "pamr/mesh/level0_map.hpp"
+#include "pamr/mesh/offsets.hpp"
+#include "pamr/mesh/tet.hpp"
+#include "pamr/par/exchange.hpp"
+#include "pamr/refine/interface_nodes.hpp"
+
+namespace pamr::curved {
+
+namespace {
+
+using geometry::Vec3;
+using mesh::tet::edge_to_corner;
+
+constexpr double coarse_bulge = 1.0 / 40;  ///< of its edge: h / 8 R for h = 0.2 R
+constexpr double no_bulge = 1e-9;          ///< of its edge
+constexpr std::uint8_t n_layers = 2;       ///< edges from a coarse edge to the last bent node
+constexpr std::uint8_t far_away = 255;
+
+/// Level 0 with what is known of its edges. Arrays by edge unless said otherwise.
+struct Level0 {
+  const par::Comm& comm;
+  const mesh::DistMesh& mesh;
+  const mesh::Borders& borders;
+  EdgeNodes nodes;
+  std::vector<LocalId> movable;  ///< of edges in curved walls; -1 elsewhere
+  std::vector<Vec3> bulge;
+  std::vector<std::uint8_t> is_coarse;
+  std::vector<std::uint8_t> distance;  ///< of each node from coarse edges, in edges; `far_away`: more than `n_layers`
+  std::vector<std::uint8_t> is_bent;   ///< of each node
+
+  LocalId edge(LocalId cell, std::size_t e) const {
+    return nodes.numbering.edge_to_node[at(nodes.numbering.row[at(cell)])][e] - mesh.n_nodes();
+  }
+  std::size_t n_edges() const { return nodes.numbering.n_new_nodes(); }
+  const std::array<LocalId, 2>& ends(std::size_t edge) const { return nodes.numbering.ends[edge]; }
+};
+
+bool has_coarse_face(const mesh::DistMesh& mesh) {
+  for (LocalId c = 0; c < mesh.n_cells(); ++c)
+    for (std::size_t f = 0; f < 4; ++f) {
+      const auto slot = mesh.cell_to_cell[at(c)][f];
+      if (slot >= 0) continue;
+      const auto* surface = mesh.info.surface_of(mesh::slot_to_patch(slot));
+      if (surface == nullptr || surface->is_flat()) continue;
+      const auto& corner = mesh::tet::face_to_corner[f];
+      for (std::size_t k = 0; k < 3; ++k) {
+        const auto a = mesh.point(mesh.cell_to_node[at(c)][at(corner[k])]);
+        const auto b = mesh.point(mesh.cell_to_node[at(c)][at(corner[(k + 1) % 3])]);
+        // twice as careful: where patches meet the bulge is longer than the way to one of them
+        if (surface->distance(geometry::midpoint(a, b)) > 0.5 * coarse_bulge * norm(b - a)) return true;
+      }
+    }
+  return false;
+}
+
+bool is_level0(const mesh::DistMesh& mesh) {
+  return std::all_of(mesh.lineage.begin(), mesh.lineage.end(),
+                     [](mesh::Lineage l) { return l.level() == 0 && !l.is_closure(); });
+}
+
+Level0 look_at_edges(const par::Comm& comm, const mesh::DistMesh& mesh, const mesh::Borders& borders) {
+  Level0 level0{comm, mesh, borders, place_edge_nodes(comm, mesh, borders), {}, {}, {}, {}, {}};
+  const auto n = level0.n_edges();
+  level0.movable.assign(n, -1);
+  level0.bulge.assign(n, Vec3{});
+  level0.is_coarse.assign(n, 0);
+  const auto& movables = level0.nodes.movables;
+  for (std::size_t i = 0; i < movables.size(); ++i) {
+    const auto edge = at(movables[i].node - mesh.n_nodes());
+    level0.movable[edge] = static_cast<LocalId>(i);
+    const auto [a, b] = level0.ends(edge);
+    const double length = norm(mesh.point(b) - mesh.point(a));
+    const auto bulge = movables[i].target - movables[i].base;
+    if (norm(bulge) > no_bulge * length) level0.bulge[edge] = bulge;
+    level0.is_coarse[edge] = norm(bulge) > coarse_bulge * length ? 1 : 0;
+  }
+  return level0;
+}
+
+/// Collective: one exchange of shared nodes for each layer and one before.
+void find_distances(Level0& level0) {
+  auto& distance = level0.distance;
+  distance.assign(at(level0.mesh.n_nodes()), far_away);
+  const par::Exchange exchange(level0.comm, level0.borders.nodes);
+  const auto fold = [&] {
+    par::fold_shared(exchange, distance,
+                     [](std::uint8_t& mine, std::uint8_t theirs) { mine = std::min(mine, theirs); });
+  };
+  for (std::size_t e = 0; e < level0.n_edges(); ++e)
+    if (level0.is_coarse[e] != 0)
+      for (const auto node : level0.ends(e)) distance[at(node)] = 0;
+  fold();
+  for (std::uint8_t layer = 0; layer < n_layers; ++layer) {
+    for (std::size_t e = 0; e < level0.n_edges(); ++e) {
+      const auto [a, b] = level0.ends(e);
+      for (const auto& [from, to] : {std::array{a, b}, std::array{b, a}})
+        if (distance[at(from)] == layer && distance[at(to)] == far_away)
+          distance[at(to)] = static_cast<std::uint8_t>(layer + 1);
+    }
+    fold();
+  }
+}
+
+bool has_bent_node(const Level0& level0, LocalId cell) {
+  const auto& nodes = level0.mesh.cell_to_node[at(cell)];
+  return std::any_of(nodes.begin(), nodes.end(), [&](LocalId n) { return level0.is_bent[at(n)] != 0; });
+}
+
+/// Rules 2 to 4 of the page. Collective: an exchange of shared nodes and a reduction for each patch that comes in.
+void find_bent_nodes(Level0& level0) {
+  const auto& movables = level0.nodes.movables;
+  std::vector<std::int64_t> is_bent_patch(level0.mesh.info.patches.size(), 0);
+  const auto bend_patches_of = [&](std::size_t edge) {
+    for (const auto p : movables[at(level0.movable[edge])].patch)
+      if (p >= 0) is_bent_patch[at(p)] = 1;
+  };
+  const auto is_on_bent_patch = [&](std::size_t edge) {
+    const auto& patch = movables[at(level0.movable[edge])].patch;
+    return std::any_of(patch.begin(), patch.end(), [&](int p) { return p >= 0 && is_bent_patch[at(p)] != 0; });
+  };
+  const auto has_bulge = [&](std::size_t edge) { return !(level0.bulge[edge] == Vec3{}); };
+  for (std::size_t e = 0; e < level0.n_edges(); ++e)
+    if (level0.is_coarse[e] != 0) bend_patches_of(e);
+  level0.is_bent.assign(at(level0.mesh.n_nodes()), 0);
+  for (std::size_t n = 0; n < level0.is_bent.size(); ++n) level0.is_bent[n] = level0.distance[n] <= n_layers ? 1 : 0;
+  for (bool is_new = true; is_new;) {
+    level0.comm.max_in_place(is_bent_patch);
+    for (std::size_t e = 0; e < level0.n_edges(); ++e)
+      if (has_bulge(e) && is_on_bent_patch(e))
+        for (const auto node : level0.ends(e)) level0.is_bent[at(node)] = 1;
+    par::fold_shared(par::Exchange(level0.comm, level0.borders.nodes), level0.is_bent,
+                     [](std::uint8_t& mine, std::uint8_t theirs) { mine = std::max(mine, theirs); });
+    const auto before = is_bent_patch;
+    for (LocalId c = 0; c < level0.mesh.n_cells(); ++c) {
+      if (!has_bent_node(level0, c)) continue;
+      for (std::size_t e = 0; e < 6; ++e)
+        if (const auto edge = at(level0.edge(c, e)); has_bulge(edge) && !is_on_bent_patch(edge)) bend_patches_of(edge);
+    }
+    is_new = level0.comm.any(is_bent_patch != before);
+  }
+}
+
+/// What is left of a freedom in a plane with this normal.
+Freedom within(const Freedom& freedom, Vec3 normal) {
+  constexpr double parallel = 1e-9;
+  if (freedom.kind == Freedom::Kind::any) return {Freedom::Kind::in_plane, normal};
+  if (freedom.kind != Freedom::Kind::in_plane) return freedom;
+  const auto along = cross(freedom.direction, normal);
+  return norm(along) < parallel ? freedom : Freedom{Freedom::Kind::along_line, (1 / norm(along)) * along};
+}
+
+/// Of edges near coarse ones that lie in no curved wall. Flat patches keep edges in their planes.
+std::vector<Freedom> find_freedom(const Level0& level0, const std::vector<std::uint8_t>& is_interface) {
+  const auto& distance = level0.distance;
+  std::vector<Freedom> freedom(level0.n_edges());
+  for (std::size_t e = 0; e < freedom.size(); ++e) {
+    const auto [a, b] = level0.ends(e);
+    if (std::min(distance[at(a)], distance[at(b)]) <= n_layers && level0.movable[e] < 0 && is_interface[e] == 0)
+      freedom[e].kind = Freedom::Kind::any;
+  }
+  for (const auto& [edge, patch] : level0.nodes.numbering.boundary) {
+    auto& of_edge = freedom[at(edge)];
+    for (const auto p : patch) {
+      const auto* surface = level0.nodes.info.surface_of(p);
+      if (surface == nullptr || !surface->is_flat())
+        of_edge.kind = Freedom::Kind::none;
+      else
+        of_edge = within(of_edge, surface->normal(level0.mesh.point(level0.ends(at(edge))[0])));
+    }
+  }
+  return freedom;
+}
+
+/// The bent cells with everything but the bulges of their free edges.
+struct BentCells {
+  std::vector<LocalId> cell;  ///< ascending
+  std::vector<mesh::Level0Cell> row;
+  std::vector<std::array<LocalId, 6>> edge;  ///< in the order of the row's corners
+  GlobalId n_global = 0;
+};
+
+mesh::Level0Cell make_row(const Level0& level0, LocalId c, std::array<LocalId, 6>& edges) {
+  const auto& mesh = level0.mesh;
+  std::array<std::size_t, 4> order{0, 1, 2, 3};
+  const auto points = mesh.points(c);
+  std::sort(order.begin(), order.end(),
+            [&](std::size_t i, std::size_t j) { return geometry::lexicographically_less(points[i], points[j]); });
+  mesh::Level0Cell row;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const auto node = mesh.cell_to_node[at(c)][order[i]];
+    row.node[i] = mesh.node_global[at(node)];
+    row.corner[i] = points[order[i]];
+    if (level0.is_bent[at(node)] != 0) row.bent_corners = static_cast<std::uint8_t>(row.bent_corners | 1U << i);
+    const auto slot = mesh.cell_to_cell[at(c)][order[i]];
+    if (slot >= 0) continue;
+    const auto* surface = level0.nodes.info.surface_of(mesh::slot_to_patch(slot));
+    if (surface != nullptr && !surface->is_flat()) row.face_patch[i] = mesh::slot_to_patch(slot);
+  }
+  for (std::size_t e = 0; e < 6; ++e) {
+    const auto [a, b] = edge_to_corner[e];
+    const auto there = mesh::tet::edge_of[order[at(a)]][order[at(b)]];
+    edges[e] = level0.edge(c, at(there));
+    row.bulge[e] = level0.bulge[at(edges[e])];
+    const auto i = level0.movable[at(edges[e])];
+    if (i < 0) continue;
+    const auto& m = level0.nodes.movables[at(i)];
+    row.edge_patch[e] = {m.patch[0], m.patch[1] < 0 ? m.patch[0] : m.patch[1]};
+    row.beside[e] = m.beside;
+    const auto bit = static_cast<std::uint8_t>(1U << e);
+    if (m.is_sharp) row.sharp_edges = static_cast<std::uint8_t>(row.sharp_edges | bit);
+    if (m.is_held) row.creases = static_cast<std::uint8_t>(row.creases | bit);
+  }
+  return row;
+}
+
+/// Collective.
+BentCells find_bent_cells(const Level0& level0) {
+  const auto& mesh = level0.mesh;
+  BentCells bent;
+  std::vector<std::uint8_t> counts(at(mesh.n_cells()), 0);
+  for (LocalId c = 0; c < mesh.n_cells(); ++c)
+    if (has_bent_node(level0, c)) counts[at(c)] = 1;
+  const auto in_runs = !mesh::cell_runs(level0.comm, mesh).empty();
+  const auto first = mesh::cell_offsets(level0.comm, mesh, in_runs, counts, 0);
+  for (LocalId c = 0; c < mesh.n_cells(); ++c) {
+    if (counts[at(c)] == 0) continue;
+    bent.cell.push_back(c);
+    bent.row.push_back(make_row(level0, c, bent.edge.emplace_back()));
+    bent.row.back().row = first[at(c)];
+  }
+  bent.n_global = level0.comm.sum(std::ssize(bent.cell));
+  return bent;
+}
+
+/// What the curved walls add to the Jacobian of a cell, by differences of the residual.
+SampledRows residual_of(const mesh::Level0Map& map, LocalId cell) {
+  constexpr double step = 1e-5;
+  SampledRows residual{};
+  for (std::size_t q = 0; q < sample_points.size(); ++q) {
+    const auto& at_point = sample_points[q];
+    if (std::find(at_point.begin(), at_point.end(), 1.0) != at_point.end()) continue;  // of second order at corners
+    for (std::size_t i = 0; i < 3; ++i) {
+      auto ahead = at_point, behind = at_point;
+      ahead[i + 1] += step;
+      ahead[0] -= step;
+      behind[i + 1] -= step;
+      behind[0] += step;
+      residual[q][i] = (0.5 / step) * (map.wall_residual(cell, ahead) - map.wall_residual(cell, behind));
+    }
+  }
+  return residual;
+}
+
+par::Pattern edges_of(const par::Pattern& nodes, LocalId n_nodes) {
+  par::Pattern edges;
+  for (std::size_t i = 0; i < nodes.rank.size(); ++i) {
+    const auto before = edges.item.size();
+    for (auto k = nodes.offset[i]; k < nodes.offset[i + 1]; ++k)
+      if (nodes.item[k] >= n_nodes) edges.item.push_back(nodes.item[k] - n_nodes);
+    if (edges.item.size() == before) continue;
+    edges.rank.push_back(nodes.rank[i]);
+    edges.offset.push_back(edges.item.size());
+  }
+  return edges;
+}
+
+/// Finds the bulges of free edges. Collective.
+Bulges find_bulges(const Level0& level0, const BentCells& bent, const mesh::Level0Map& straight_inside) {
+  const auto& numbering = level0.nodes.numbering;
+  std::vector<std::uint8_t> is_interface(level0.n_edges(), 0);
+  for (const auto node : refine::interface_nodes(level0.comm, level0.mesh, numbering, level0.nodes.placed.shared))
+    is_interface[at(node - level0.mesh.n_nodes())] = 1;
+  BulgeZone zone;
+  for (std::size_t i = 0; i < bent.cell.size(); ++i) {
+    zone.corner.push_back(bent.row[i].corner);
+    zone.residual.push_back(residual_of(straight_inside, static_cast<LocalId>(i)));
+  }
+  zone.cell_to_edge = bent.edge;
+  zone.bulge = level0.bulge;
+  zone.freedom = find_freedom(level0, is_interface);
+  zone.shared = edges_of(level0.nodes.placed.shared, level0.mesh.n_nodes());
+  return optimize_bulges(level0.comm, zone);
+}
+
+bool has_bent_node_off_surface(const Level0& level0) {
+  const auto* field = level0.mesh.find_node_field(mesh::off_surface_field);
+  if (field == nullptr || field->holds_integers()) return false;
+  for (std::size_t n = 0; n < level0.is_bent.size(); ++n)
+    if (level0.is_bent[n] != 0 && field->real()[n] > 0) return true;
+  return false;
+}
+
+/// Keys of the nodes of bent cells, and rows of the cells. Collective: one exchange of shared nodes.
+void add_fields(const Level0& level0, const BentCells& bent, mesh::DistMesh& mesh) {
+  std::vector<std::uint8_t> has_key(at(mesh.n_nodes()), 0);
+  std::vector<std::int64_t> rows(at(mesh.n_cells()), -1);
+  for (std::size_t i = 0; i < bent.cell.size(); ++i) {
+    rows[at(bent.cell[i])] = bent.row[i].row;
+    for (const auto node : mesh.cell_to_node[at(bent.cell[i])]) has_key[at(node)] = 1;
+  }
+  par::fold_flags(par::Exchange(level0.comm, level0.borders.nodes), has_key);
+  auto keys = mesh::empty_key_field();
+  for (LocalId n = 0; n < mesh.n_nodes(); ++n)
+    mesh::append_key(keys, has_key[at(n)] != 0 ? mesh::Level0Key::of_node(mesh.node_global[at(n)]) : mesh::Level0Key{});
+  mesh.node_fields.push_back(std::move(keys));
+  mesh.cell_fields.push_back({mesh::level0_cell_field, "", 1, mesh::StorageType::int64, std::move(rows)});
+}
+
+}  // namespace
+
+bool needs_level0_map(const par::Comm& comm, const mesh::DistMesh& mesh, refine::Bend bend) {
+  if (bend == refine::Bend::none || !comm.all(is_level0(mesh))) return false;
+  return bend == refine::Bend::all || comm.any(has_coarse_face(mesh));
+}
+
+Level0Report make_level0_map(const par::Comm& comm, mesh::DistMesh& mesh, refine::Bend bend) {
+  Level0Report report;
+  if (!needs_level0_map(comm, mesh, bend)) return report;
+  const auto borders = mesh::find_borders(comm, mesh);
+  auto level0 = look_at_edges(comm, mesh, borders);
+  const auto is_mine =
+      par::held_first_here(par::Exchange(comm, level0.nodes.placed.shared), level0.nodes.placed.position.size());
+  std::int64_t n_coarse = 0;
+  for (std::size_t e = 0; e < level0.n_edges(); ++e)
+    n_coarse += level0.is_coarse[e] != 0 && is_mine[at(mesh.n_nodes()) + e] != 0 ? 1 : 0;
+  report.n_coarse_edges = comm.sum(n_coarse);
+  if (bend == refine::Bend::all)
+    level0.distance.assign(at(mesh.n_nodes()), 0);
+  else if (report.n_coarse_edges == 0)
+    return report;
+  else
+    find_distances(level0);
+  find_bent_nodes(level0);
+  if (comm.any(has_bent_node_off_surface(level0))) {
+    report.none_because = "nodes there lie off their surfaces";
+    return report;
+  }
+  auto bent = find_bent_cells(level0);
+  report.n_bent_cells = bent.n_global;
+  const mesh::Level0Map straight_inside(bent.row, bent.n_global, level0.nodes.info);
+  const auto found = find_bulges(level0, bent, straight_inside);
+  report.smallest_before = found.smallest_before;
+  report.smallest = found.smallest;
+  report.iterations = found.iterations;
+  if (!(found.smallest > 0)) {
+    report.none_because = "any map of level 0 would fold";
+    return report;
+  }
+  for (std::size_t i = 0; i < bent.row.size(); ++i)
+    for (std::size_t e = 0; e < 6; ++e) bent.row[i].bulge[e] = found.bulge[at(bent.edge[i][e])];
+  add_fields(level0, bent, mesh);
+  mesh.info = std::move(level0.nodes.info);
+  mesh.info.level0 = std::make_shared<const mesh::Level0Map>(std::move(bent.row), bent.n_global, mesh.info);
+  return report;
+}
+
+}  // namespace pamr::curved

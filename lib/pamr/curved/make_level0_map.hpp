@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "pamr/mesh/dist_mesh.hpp"
+#include "pamr/par/comm.hpp"
+#include "pamr/refine/options.hpp"
+
+namespace pamr::curved {
+
+/// What came of making a map of level 0; counts over all ranks, the same on any number of them.
+struct Level0Report {
+  std::int64_t n_coarse_edges = 0;  ///< edges in curved walls that are longer than 0.2 of the radius of curvature
+  std::int64_t n_bent_cells = 0;
+  double smallest_before = 1;  ///< smallest mean ratio of the Jacobian with straight edges inside
+  double smallest = 1;         ///< and with the bulges that were found
+  int iterations = 0;
+  std::string none_because;  ///< there are coarse edges, but no map; why
+};
+
+/// Whether all cells are of level 0 and an edge in a curved wall may be coarse for it, or all edges shall bend. Collective: two reductions.
+bool needs_level0_map(const par::Comm& comm, const mesh::DistMesh& mesh, refine::Bend bend);
+
+/// Gives a mesh of level 0 with coarse curved walls the map that places new nodes near them (`mesh::Level0Map`), with
+/// the fields that cells and nodes need for it, and flat patches their planes. Changes nothing else, and nothing at all
+/// where walls are fine or straight and only edges near walls may bend, or where cells are not of level 0. The same bits on any ranks and for any numbering.
+/// Source: docs/coarse-walls.md. Collective. Cost: O(wall faces) where no edge is coarse; else about a second for a
+/// thousand bent cells.
+Level0Report make_level0_map(const par::Comm& comm, mesh::DistMesh& mesh, refine::Bend bend = refine::Bend::walls);
+
+}  // namespace pamr::curved

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "pamr/mesh/level0_key.hpp"
+
+#include <algorithm>
+
+#include "pamr/base/index.hpp"
+
+namespace pamr::mesh {
+
+namespace {
+
+constexpr std::size_t width = 8;
+
+}  // namespace
+
+Level0Key middle(const Level0Key& a, const Level0Key& b) {
+  if (!a.is_known() || !b.is_known()) return {};
+  Level0Key mid;
+  for (std::size_t i = 0, j = 0, n = 0;; ++n) {
+    const bool has_a = i < 4 && a.node[i] >= 0, has_b = j < 4 && b.node[j] >= 0;
+    if (!has_a && !has_b) return mid;
+    if (n == 4) return {};
+    const bool takes_a = has_a && (!has_b || a.node[i] <= b.node[j]);
+    const bool takes_b = has_b && (!has_a || b.node[j] <= a.node[i]);
+    mid.node[n] = takes_a ? a.node[i] : b.node[j];
+    const std::int64_t of_a = takes_a ? a.weight[i] : 0, of_b = takes_b ? b.weight[j] : 0;
+    if (((of_a ^ of_b) & 1) != 0) return {};
+    mid.weight[n] = of_a / 2 + of_b / 2 + (of_a & of_b & 1);  // their sum may not fit
+    i += takes_a ? 1 : 0;
+    j += takes_b ? 1 : 0;
+  }
+}
+
+Level0Key key_of(const NodeField* keys, LocalId node) {
+  if (keys == nullptr) return {};
+  const auto* row = keys->integer().data() + at(node) * width;
+  return {{row[0], row[1], row[2], row[3]}, {row[4], row[5], row[6], row[7]}};
+}
+
+NodeField empty_key_field() {
+  return {level0_key_field, "", static_cast<int>(width), StorageType::int64, std::vector<std::int64_t>{}};
+}
+
+void append_key(NodeField& keys, const Level0Key& key) {
+  auto& values = keys.integer();
+  values.insert(values.end(), key.node.begin(), key.node.end());
+  values.insert(values.end(), key.weight.begin(), key.weight.end());
+}
+
+}  // namespace pamr::mesh

@@ -1,0 +1,233 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "pamr/mesh/level0_map.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <map>
+#include <memory>
+#include <utility>
+
+#include "pamr/base/index.hpp"
+#include "pamr/geometry/plane.hpp"
+#include "pamr/mesh/tet.hpp"
+#include "pamr/par/exchange.hpp"
+
+namespace pamr::mesh {
+
+namespace {
+
+using geometry::Vec3;
+using tet::edge_to_corner;
+
+constexpr unsigned all_corners = 0xf;
+constexpr double max_off_face = 1e-10;  ///< of its edge, what a node may seem to be off a face that it lies in
+
+constexpr unsigned corners_of_edge(std::size_t e) { return 1U << edge_to_corner[e][0] | 1U << edge_to_corner[e][1]; }
+constexpr unsigned corners_of_face(std::size_t f) { return all_corners & ~(1U << f); }
+constexpr bool holds(unsigned set, unsigned part) { return (set & part) == part; }
+
+/// The edge or face with just these corners, -1 if there is none.
+constexpr int edge_with(unsigned corners) {
+  for (std::size_t e = 0; e < 6; ++e)
+    if (corners_of_edge(e) == corners) return static_cast<int>(e);
+  return -1;
+}
+constexpr int face_with(unsigned corners) {
+  return std::popcount(corners) == 3 ? std::countr_zero(~corners & all_corners) : -1;
+}
+
+/// Barycentric coordinates, and the corners where they are not 0.
+struct Place {
+  std::array<double, 4> weight{};
+  unsigned support = 0;
+};
+
+/// The part of a place on some of the corners, and their share of the weights.
+struct Part {
+  Place place;
+  double share = 0;
+};
+
+Part part_of(const Place& whole, unsigned corners) {
+  Part part;
+  part.place.support = whole.support & corners;
+  for (std::size_t i = 0; i < 4; ++i)
+    if ((part.place.support >> i & 1U) != 0) part.share += whole.weight[i];
+  for (std::size_t i = 0; i < 4; ++i)
+    if ((part.place.support >> i & 1U) != 0) part.place.weight[i] = whole.weight[i] / part.share;
+  return part;
+}
+
+Vec3 quadratic(const Level0Cell& cell, const Place& at_place) {
+  const auto& [w, support] = at_place;
+  Vec3 point{};
+  bool is_first = true;
+  for (std::size_t i = 0; i < 4; ++i) {
+    if ((support >> i & 1U) == 0) continue;
+    point = is_first ? w[i] * cell.corner[i] : point + w[i] * cell.corner[i];
+    is_first = false;
+  }
+  for (std::size_t e = 0; e < 6; ++e) {
+    if (!holds(support, corners_of_edge(e)) || cell.bulge[e] == Vec3{}) continue;
+    const auto [a, b] = edge_to_corner[e];
+    point = point + (4 * w[at(a)] * w[at(b)]) * cell.bulge[e];
+  }
+  return point;
+}
+
+PatchList list_of(const std::array<std::int32_t, 2>& patch) {
+  return {patch[0], patch[1] == patch[0] ? -1 : patch[1], -1, -1};
+}
+
+}  // namespace
+
+Level0Map::Level0Map(std::vector<Level0Cell> cells, GlobalId n_global_cells, const MeshInfo& info)
+    : cells_(std::move(cells)), keep_(info.surfaces), n_global_cells_(n_global_cells) {
+  std::map<PatchList, std::size_t> known;
+  std::vector<std::array<std::size_t, 10>> which;
+  constexpr auto none = static_cast<std::size_t>(-1);
+  const auto find_or_add = [&](const PatchList& patch) {
+    const auto [entry, is_new] = known.try_emplace(patch, surfaces_.size());
+    if (is_new) surfaces_.push_back(surfaces_of_node(info, *keep_, patch));
+    return entry->second;
+  };
+  for (const auto& cell : cells_) {
+    auto& entry = which.emplace_back();
+    entry.fill(none);
+    for (std::size_t f = 0; f < 4; ++f)
+      if (cell.face_patch[f] >= 0) entry[f] = find_or_add({cell.face_patch[f], -1, -1, -1});
+    for (std::size_t e = 0; e < 6; ++e)
+      if (cell.edge_patch[e][0] >= 0) entry[4 + e] = find_or_add(list_of(cell.edge_patch[e]));
+  }
+  for (const auto& entry : which) {
+    auto& walls = walls_.emplace_back();
+    for (std::size_t f = 0; f < 4; ++f) walls.face[f] = entry[f] == none ? nullptr : &surfaces_[entry[f]];
+    for (std::size_t e = 0; e < 6; ++e) walls.edge[e] = entry[4 + e] == none ? nullptr : &surfaces_[entry[4 + e]];
+  }
+}
+
+LocalId Level0Map::find(GlobalId row) const {
+  const auto found = std::lower_bound(cells_.begin(), cells_.end(), row,
+                                      [](const Level0Cell& cell, GlobalId wanted) { return cell.row < wanted; });
+  return found == cells_.end() || found->row != row ? -1 : static_cast<LocalId>(found - cells_.begin());
+}
+
+Mapped Level0Map::onto_face(LocalId cell, int face, Vec3 from) const {
+  const auto projected = walls_[at(cell)].face[at(face)]->place(from);
+  Mapped mapped{projected.converged ? projected.point : from};
+  mapped.patch[0] = cells_[at(cell)].face_patch[at(face)];
+  mapped.is_reachable = projected.converged;
+  return mapped;
+}
+
+/// As for the new nodes of any edge: see `refine::project`.
+Mapped Level0Map::onto_edge(LocalId cell, int edge, Vec3 from) const {
+  const auto& row = cells_[at(cell)];
+  const auto& on = *walls_[at(cell)].edge[at(edge)];
+  Mapped mapped{from};
+  mapped.patch = list_of(row.edge_patch[at(edge)]);
+  if ((row.creases >> edge & 1U) != 0) {
+    mapped.point = on.surface.front()->project_to_seam(from);
+    mapped.is_on_crease = true;
+    return mapped;
+  }
+  const auto normal = row.beside[at(edge)];
+  const auto corner = row.corner[at(edge_to_corner[at(edge)][0])];
+  if ((row.sharp_edges >> edge & 1U) != 0) {
+    const geometry::Plane of_face(corner, normal);
+    const std::array<const geometry::Surface*, 2> both{&of_face, on.surface.front()};
+    const auto projected = geometry::project_onto_all(both, from);
+    mapped.is_reachable = projected.converged;
+    if (projected.converged) mapped.point = projected.point;
+    return mapped;
+  }
+  const auto projected = on.place(from);
+  mapped.is_reachable = projected.converged;
+  if (projected.converged) mapped.point = projected.point;
+  if (!(normal == Vec3{})) {
+    const double off = std::abs(dot(mapped.point - corner, normal)) / norm(normal);
+    if (off > max_off_face * norm(row.corner[at(edge_to_corner[at(edge)][1])] - corner)) mapped.off_facets = off;
+  }
+  return mapped;
+}
+
+Vec3 Level0Map::wall_residual(LocalId cell, const std::array<double, 4>& weight) const {
+  const auto& row = cells_[at(cell)];
+  const auto& walls = walls_[at(cell)];
+  Place here{weight, 0};
+  for (std::size_t i = 0; i < 4; ++i) here.support |= weight[i] != 0 ? 1U << i : 0U;
+  Vec3 wanted{};
+  std::array<int, 6> n_faces{};  // in a curved wall and at the node, by edge
+  const auto add = [&](double factor, Vec3 step) { wanted = wanted + factor * step; };
+  for (std::size_t k = 4; k-- > 0;) {  // faces in the order of their corners: 012, 013, 023, 123
+    if (walls.face[k] == nullptr || !holds(here.support, corners_of_face(k))) continue;
+    for (std::size_t e = 0; e < 6; ++e) n_faces[e] += holds(corners_of_face(k), corners_of_edge(e)) ? 1 : 0;
+    const auto part = part_of(here, corners_of_face(k));
+    if (!(part.share > 0)) continue;  // only outside of the cell
+    const auto from = quadratic(row, part.place);
+    add(part.share * part.share, onto_face(cell, static_cast<int>(k), from).point - from);
+  }
+  for (std::size_t e = 0; e < 6; ++e) {
+    if (walls.edge[e] == nullptr || n_faces[e] == 1 || !holds(here.support, corners_of_edge(e))) continue;
+    const auto part = part_of(here, corners_of_edge(e));
+    if (!(part.share > 0)) continue;
+    const auto from = quadratic(row, part.place);
+    add((1 - n_faces[e]) * (part.share * part.share), onto_edge(cell, static_cast<int>(e), from).point - from);
+  }
+  return wanted;
+}
+
+std::optional<Mapped> Level0Map::place(LocalId cell, const Level0Key& key) const {
+  const auto& row = cells_[at(cell)];
+  Place here;
+  for (std::size_t k = 0; k < 4 && key.node[k] >= 0; ++k) {
+    const auto slot = std::find(row.node.begin(), row.node.end(), key.node[k]) - row.node.begin();
+    if (slot == 4) return {};
+    here.weight[at(slot)] = std::ldexp(static_cast<double>(key.weight[k]), -Level0Key::one);
+    here.support |= 1U << slot;
+  }
+  if ((here.support & row.bent_corners) == 0) return {};
+  const auto& walls = walls_[at(cell)];
+  if (const int e = edge_with(here.support); e >= 0 && walls.edge[at(e)] != nullptr)
+    return onto_edge(cell, e, quadratic(row, here));
+  if (const int f = face_with(here.support); f >= 0 && walls.face[at(f)] != nullptr)
+    return onto_face(cell, f, quadratic(row, here));
+  return Mapped{quadratic(row, here) + wall_residual(cell, here.weight)};
+}
+
+void send_level0_rows(const par::Comm& comm, DistMesh& mesh) {
+  const auto map = mesh.info.level0;
+  if (map == nullptr) return;
+  const IdRange all{map->n_global_cells(), 0};
+  std::vector<GlobalId> held, wanted;
+  for (const auto& cell : map->cells()) held.push_back(cell.row);
+  if (const auto* field = mesh.find_cell_field(level0_cell_field))
+    for (const auto row : field->integer())
+      if (row >= 0) wanted.push_back(row);
+  std::sort(wanted.begin(), wanted.end());
+  wanted.erase(std::unique(wanted.begin(), wanted.end()), wanted.end());
+  const auto block = par::scatter_rows<Level0Cell>(comm, all, map->cells(), 1, held);
+  auto cells = par::fetch_rows<Level0Cell>(comm, all, block, 1, wanted);
+  mesh.info.level0 = std::make_shared<const Level0Map>(std::move(cells), map->n_global_cells(), mesh.info);
+}
+
+void drop_level0(DistMesh& mesh) {
+  mesh.info.level0 = nullptr;
+  std::erase_if(mesh.node_fields, [](const NodeField& field) { return field.name == level0_key_field; });
+  std::erase_if(mesh.cell_fields, [](const CellField& field) { return field.name == level0_cell_field; });
+}
+
+Level0View::Level0View(const DistMesh& mesh) {
+  if (mesh.info.level0 == nullptr) return;
+  rows_ = mesh.find_cell_field(level0_cell_field);
+  keys_ = mesh.find_node_field(level0_key_field);
+  if (rows_ != nullptr && keys_ != nullptr) map_ = mesh.info.level0.get();
+}
+
+LocalId Level0View::row_of(LocalId cell) const {
+  const auto row = map_ == nullptr ? -1 : rows_->integer()[at(cell)];
+  return row < 0 ? -1 : map_->find(row);
+}
+
+}  // namespace pamr::mesh

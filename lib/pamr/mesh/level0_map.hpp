@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "pamr/geometry/vec3.hpp"
+#include "pamr/mesh/dist_mesh.hpp"
+#include "pamr/mesh/level0_key.hpp"
+#include "pamr/mesh/patch_list.hpp"
+#include "pamr/mesh/surfaces_of_node.hpp"
+#include "pamr/par/comm.hpp"
+
+namespace pamr::mesh {
+
+/// A cell of level 0 that is bent, as files and messages have it. Corners in the order of their coordinates; edges and
+/// faces by the numbering of `mesh/tet.hpp` for this order. Plain bytes.
+struct Level0Cell {
+  GlobalId row = 0;                                        ///< rows are numbered from 0
+  std::array<GlobalId, 4> node{};                          ///< numbers in level 0
+  std::array<geometry::Vec3, 4> corner{};                  ///< length unit
+  std::array<geometry::Vec3, 6> bulge{};                   ///< from the middle of each edge to where it belongs
+  std::array<std::int32_t, 4> face_patch{-1, -1, -1, -1};  ///< of faces in a curved wall
+  /// The two patches at edges in a curved wall, the smaller first.
+  std::array<std::array<std::int32_t, 2>, 6> edge_patch{{{-1, -1}, {-1, -1}, {-1, -1}, {-1, -1}, {-1, -1}, {-1, -1}}};
+  std::array<geometry::Vec3, 6> beside{};  ///< normal of the face of a patch without surface at such an edge, else 0
+  std::uint8_t sharp_edges = 0;            ///< bits: edges where that face meets the wall in a sharp edge
+  std::uint8_t creases = 0;                ///< bits: edges along a sharp edge inside a surface
+  std::uint8_t bent_corners = 0;           ///< bits
+};
+
+/// Where the map of level 0 puts a node.
+struct Mapped {
+  geometry::Vec3 point;
+  PatchList patch{-1, -1, -1, -1};  ///< the patches that the node is on if they are curved walls
+  bool is_reachable = true;  ///< false: no common point of its surfaces near by; `point` is the place without them
+  bool is_on_crease = false;
+  double off_facets = 0;  ///< how far it leaves the faces of a patch without a surface
+};
+
+/// A map of level 0 that puts new nodes near coarse curved walls: the rows of the level-0 cells that this rank's cells
+/// descend from, with the surfaces that they name. Shared unchanged. Source: docs/coarse-walls.md, which states the
+/// formulas and the order of all sums.
+class Level0Map {
+ public:
+  /// `cells`: ascending by row. `info`: has the patches and surfaces that they name.
+  Level0Map(std::vector<Level0Cell> cells, GlobalId n_global_cells, const MeshInfo& info);
+  ~Level0Map() = default;
+  Level0Map(const Level0Map&) = delete;
+  Level0Map& operator=(const Level0Map&) = delete;
+  Level0Map(Level0Map&&) = delete;
+  Level0Map& operator=(Level0Map&&) = delete;
+
+  std::span<const Level0Cell> cells() const { return cells_; }
+  GlobalId n_global_cells() const { return n_global_cells_; }
+  /// Index of a row, -1 if it is not here.
+  LocalId find(GlobalId row) const;
+  /// Where a node belongs that is no node of level 0. Nothing where the map changes nothing: its support is not bent.
+  std::optional<Mapped> place(LocalId cell, const Level0Key& key) const;
+  /// What the curved walls of a cell want at these barycentric coordinates beyond the quadratic map: R in the page.
+  geometry::Vec3 wall_residual(LocalId cell, const std::array<double, 4>& weight) const;
+
+ private:
+  struct Walls {
+    std::array<const SurfacesOfNode*, 4> face{};
+    std::array<const SurfacesOfNode*, 6> edge{};
+  };
+  Mapped onto_edge(LocalId cell, int edge, geometry::Vec3 from) const;
+  Mapped onto_face(LocalId cell, int face, geometry::Vec3 from) const;
+
+  std::vector<Level0Cell> cells_;
+  std::vector<Walls> walls_;
+  std::vector<SurfacesOfNode> surfaces_;
+  geometry::SharedSurfaces keep_;
+  GlobalId n_global_cells_ = 0;
+};
+
+/// Has the rows on the ranks whose cells name them in the field `level0_cell`: to be called when cells have moved.
+/// Nothing if the mesh has no map. Collective: four sparse exchanges.
+void send_level0_rows(const par::Comm& comm, DistMesh& mesh);
+
+/// Takes the map and its fields away. Local.
+void drop_level0(DistMesh& mesh);
+
+/// What the map says of the cells of a mesh. Only references: the mesh must live longer, and its fields stay.
+class Level0View {
+ public:
+  explicit Level0View(const DistMesh& mesh);
+
+  bool is_empty() const { return map_ == nullptr; }
+  /// The cell's row in the map, -1: none.
+  LocalId row_of(LocalId cell) const;
+  Level0Key key(LocalId node) const { return key_of(keys_, node); }
+  std::optional<Mapped> place(LocalId row, const Level0Key& key) const { return map_->place(row, key); }
+
+ private:
+  const Level0Map* map_ = nullptr;
+  const CellField* rows_ = nullptr;
+  const NodeField* keys_ = nullptr;
+};
+
+}  // namespace pamr::mesh
