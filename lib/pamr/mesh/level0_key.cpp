@@ -9,7 +9,7 @@ namespace pamr::mesh {
 
 namespace {
 
-constexpr std::size_t width = 8;
+constexpr std::size_t width = n_key_words;
 
 }  // namespace
 
@@ -38,7 +38,7 @@ Level0Key key_of(const NodeField* keys, LocalId node) {
 }
 
 NodeField empty_key_field() {
-  return {level0_key_field, "", static_cast<int>(width), StorageType::int64, std::vector<std::int64_t>{}};
+  return {level0_key_field, "", n_key_words, StorageType::int64, std::vector<std::int64_t>{}};
 }
 
 void append_key(NodeField& keys, const Level0Key& key) {

@@ -13,6 +13,12 @@ namespace pamr::mesh {
 inline constexpr const char* level0_key_field = "level0_key";
 /// Integer cell field: the row of `Level0Map` of the level-0 cell that a cell descends from, -1 if it has none.
 inline constexpr const char* level0_cell_field = "level0_cell";
+inline constexpr int n_key_words = 8;  ///< components of `level0_key`
+
+/// Whether a field is one of these: it says something beside the map only, to no other program.
+inline bool is_level0_field(const Field& field) {
+  return field.name == level0_key_field || field.name == level0_cell_field;
+}
 
 /// The place of a node in the straight level 0: barycentric coordinates of at most four of its nodes. Exact, and the
 /// same from whatever cell one looks. Source: docs/coarse-walls.md.

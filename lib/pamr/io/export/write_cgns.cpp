@@ -21,6 +21,7 @@
 #include "pamr/base/index.hpp"
 #include "pamr/io/elements/boundary_rows.hpp"
 #include "pamr/io/elements/numbers.hpp"
+#include "pamr/io/export/exported_fields.hpp"
 #include "pamr/io/native/hdf5.hpp"
 #include "pamr/io/rows_in_order.hpp"
 #include "pamr/io/shared_output.hpp"
@@ -190,9 +191,9 @@ class CgnsWriter {
       coordinates();
       elements();
       conditions();
-      fields("NodeFields", "Vertex", mesh_.node_fields, rows_.n_nodes,
+      fields("NodeFields", "Vertex", exported_fields(mesh_.node_fields), rows_.n_nodes,
              [this](const mesh::Field& f) { return nodes_in_order(comm_, mesh_, f); });
-      fields("CellFields", "CellCenter", mesh_.cell_fields, mesh_.info.n_global_cells,
+      fields("CellFields", "CellCenter", exported_fields(mesh_.cell_fields), mesh_.info.n_global_cells,
              [this](const mesh::Field& f) { return cells_in_order(comm_, mesh_, f); });
       for (auto& tree : tree_) tree.close();
     });
@@ -289,7 +290,7 @@ class CgnsWriter {
     });
   }
 
-  void fields(const std::string& name, const char* location, const std::vector<mesh::Field>& all, std::int64_t n,
+  void fields(const std::string& name, const char* location, const std::vector<const mesh::Field*>& all, std::int64_t n,
               const std::function<mesh::Field(const mesh::Field&)>& in_order) {
     if (all.empty()) return;
     const auto path = fmt::format("{}/{}", zone, name);
@@ -298,14 +299,15 @@ class CgnsWriter {
       tree.text(path + "/GridLocation", "GridLocation_t", location);
     });
     CgnsNames names({"GridLocation"});
-    for (const auto& field : all)
-      for (int k = 0; k < field.n_components; ++k) {
-        const auto suffix = field.n_components == 1   ? std::string()
-                            : field.n_components == 3 ? std::string(1, "XYZ"[k])
-                                                      : fmt::format("_{}", k + 1);
+    for (const auto* field : all)
+      for (int k = 0; k < field->n_components; ++k) {
+        const auto suffix = field->n_components == 1   ? std::string()
+                            : field->n_components == 3 ? std::string(1, "XYZ"[k])
+                                                       : fmt::format("_{}", k + 1);
         const auto room = name_length - std::min(suffix.size(), name_length);
-        large(path + "/" + names(field.name.substr(0, room) + suffix), "DataArray_t",
-              field.holds_integers() ? "I8" : "R8", n, [in_order, &field, k] { return component(in_order(field), k); });
+        large(path + "/" + names(field->name.substr(0, room) + suffix), "DataArray_t",
+              field->holds_integers() ? "I8" : "R8", n,
+              [in_order, field, k] { return component(in_order(*field), k); });
       }
   }
 

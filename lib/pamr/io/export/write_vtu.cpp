@@ -12,6 +12,7 @@
 
 #include "pamr/base/index.hpp"
 #include "pamr/geometry/tet_shape.hpp"
+#include "pamr/io/export/exported_fields.hpp"
 #include "pamr/io/rows_in_order.hpp"
 #include "pamr/io/shared_output.hpp"
 #include "pamr/mesh/tet.hpp"
@@ -213,7 +214,8 @@ void write_vtu(const par::Comm& comm, const std::filesystem::path& file, const m
                const mesh::SecondOrder* second_order) {
   const auto rows = rows_in_order(comm, mesh, second_order);
   const auto& shapes = second_order == nullptr ? first_order : second_order_shapes;
-  const auto& node_fields = second_order == nullptr ? mesh.node_fields : second_order->node_fields;
+  const auto node_fields = exported_fields(second_order == nullptr ? mesh.node_fields : second_order->node_fields);
+  const auto cell_fields = exported_fields(mesh.cell_fields);
   const auto boundary = boundary_of(rows);
   const auto n_triangles_here = std::ssize(boundary.corner);
   const auto n_triangles = comm.sum(n_triangles_here), first_triangle = comm.exclusive_sum(n_triangles_here);
@@ -239,9 +241,9 @@ void write_vtu(const par::Comm& comm, const std::filesystem::path& file, const m
   header.array("Int64", "offsets", 1, 8 * n_all);
   header.array("UInt8", "types", 1, n_all);
   header.line("</Cells><PointData>");
-  for (const auto& field : node_fields) describe(header, field, n_nodes);
+  for (const auto* field : node_fields) describe(header, *field, n_nodes);
   header.line("</PointData><CellData>");
-  for (const auto& field : mesh.cell_fields) describe(header, field, n_all);
+  for (const auto* field : cell_fields) describe(header, *field, n_all);
   if (extra.has_level) header.array("UInt8", extra.level.name, 1, n_all);
   if (extra.has_ratio) header.array("Float32", extra.ratio.name, 1, 4 * n_all);
   header.array("Int32", patch, 1, 4 * n_all);
@@ -252,13 +254,13 @@ void write_vtu(const par::Comm& comm, const std::filesystem::path& file, const m
   out.append_once(header.text() + "<AppendedData encoding=\"raw\">\n_");
   append_array(out, rows.position, 24 * n_nodes);
   append_cells(out, rows, boundary, shapes, first_triangle, n_cells, n_triangles);
-  for (const auto& field : node_fields)
-    append_node_field(
-        out,
-        second_order == nullptr ? nodes_in_order(comm, mesh, field) : nodes_in_order(comm, mesh, *second_order, field),
-        n_nodes);
+  for (const auto* field : node_fields)
+    append_node_field(out,
+                      second_order == nullptr ? nodes_in_order(comm, mesh, *field)
+                                              : nodes_in_order(comm, mesh, *second_order, *field),
+                      n_nodes);
   const auto in_order = [&](const mesh::CellField& field) { return cells_in_order(comm, mesh, field); };
-  for (const auto& field : mesh.cell_fields) append_cell_field(out, in_order(field), boundary, n_all);
+  for (const auto* field : cell_fields) append_cell_field(out, in_order(*field), boundary, n_all);
   if (extra.has_level)
     append_of_cells(out, narrowed<std::uint8_t>(in_order(extra.level).integer()), 1, boundary, n_all);
   if (extra.has_ratio) append_of_cells(out, narrowed<float>(in_order(extra.ratio).real()), 1, boundary, n_all);
