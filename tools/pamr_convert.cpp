@@ -35,10 +35,12 @@ using namespace pamr;
 using convert::Options;
 
 /// `second_order`: null for linear cells. Collective.
-void write(const par::Comm& comm, const Options& options, const mesh::DistMesh& mesh,
+void write(const cli::Session& session, const Options& options, const mesh::DistMesh& mesh,
            const mesh::SecondOrder* second_order) {
+  const auto& comm = session.comm();
   options.to->write(comm, options.output, mesh,
                     {.format = options.format,
+                     .remark = session.remarks(),
                      .gmsh = {options.gmsh_version == "2.2" ? io::GmshVersion::v2_2 : io::GmshVersion::v4_1,
                               !options.text, convert::interfaces_of(options)},
                      .second_order = second_order,
@@ -255,7 +257,7 @@ cli::ExitCode convert_file(cli::Session& session, Options options) {
   std::optional<mesh::SecondOrder> second_order;
   if (options.order == 2) second_order = curve(session, mesh, report);
   session.step(fmt::format("writing {} cells to {}", mesh.info.n_global_cells, options.output));
-  write(comm, options, mesh, second_order ? &*second_order : nullptr);
+  write(session, options, mesh, second_order ? &*second_order : nullptr);
   const auto n_nodes = second_order ? second_order->n_global_nodes : mesh.info.n_global_nodes;
   report["cells"] = mesh.info.n_global_cells;
   report["nodes"] = n_nodes;

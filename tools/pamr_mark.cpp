@@ -210,7 +210,7 @@ cli::ExitCode run(cli::Session& session, const Options& options) {
   n_may_go = comm.sum(n_may_go);
   mark::set_marks(mesh, marks, options.marks, may_go);
   balance::set_work(mesh, options.marks, work);
-  io::write_native(comm, options.output, mesh, {.format = options.format});
+  io::write_native(comm, options.output, mesh, {.format = options.format, .remark = session.remarks()});
   nlohmann::json report{{"cells", mesh.info.n_global_cells},
                         {"nodes", mesh.info.n_global_nodes},
                         {"wanted", n_wanted},

@@ -118,7 +118,7 @@ cli::ExitCode run(cli::Session& session, const Options& options) {
 
   session.step("writing " + options.output);
   set_ranks(mesh, partition.part);
-  io::write_native(comm, options.output, mesh, {.format = options.format});
+  io::write_native(comm, options.output, mesh, {.format = options.format, .remark = session.remarks()});
   session.write_report({{"cells", mesh.info.n_global_cells},
                         {"parts", options.n_parts},
                         {"method", balance::name_of(options.n_parts == 1 ? balance::Method::none : partition.method)},

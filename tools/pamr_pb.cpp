@@ -144,7 +144,7 @@ cli::ExitCode run(cli::Session& session, const Options& o) {
   auto report = pb::report_of(domain, input, solution, analysis);
   pb::set_fields(mesh, input, solution, analysis);
   session.step("writing " + o.output);
-  io::write_native(comm, o.output, mesh, {.format = o.format});
+  io::write_native(comm, o.output, mesh, {.format = o.format, .remark = session.remarks()});
   timer.lap("write");
   report["needs"] = needs;
   report["balance"] = report_of(spread.report);

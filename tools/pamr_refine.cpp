@@ -252,7 +252,8 @@ cli::ExitCode work(cli::Session& session, const Options& options) {
                                                       : "",
                             options.order == "auto" ? "" : " --order " + options.order);
   session.step(fmt::format("writing {} cells to {}", result.mesh.info.n_global_cells, options.output));
-  io::write_native(comm, options.output, result.mesh, {.fingerprint = measured.fingerprint, .format = options.format});
+  io::write_native(comm, options.output, result.mesh,
+                   {.fingerprint = measured.fingerprint, .format = options.format, .remark = session.remarks()});
   timer.lap("write");
 
   if (const auto warning = mesh::warning_of_periodic(result.mesh.info.patches); !warning.empty()) session.warn(warning);

@@ -47,8 +47,10 @@ const std::vector<Format> table{
                comm, read_native(comm, file, {.build_surfaces = o.build_surfaces, .remark = o.remark}));
            return read;
          },
-     .write = [](const Comm& comm, const Path& file, const mesh::DistMesh& mesh,
-                 const Write& o) { write_native(comm, file, mesh, {.provenance = o.provenance, .format = o.format}); },
+     .write =
+         [](const Comm& comm, const Path& file, const mesh::DistMesh& mesh, const Write& o) {
+           write_native(comm, file, mesh, {.provenance = o.provenance, .format = o.format, .remark = o.remark});
+         },
      .is_native = true},
     {.name = "Gmsh",
      .endings = {".msh"},

@@ -31,11 +31,12 @@ struct MeshReadOptions {
 
 /// Options of the writers. Each heeds those that its format has.
 struct MeshWriteOptions {
-  std::string provenance = {};                      ///< see `WriteOptions`, of native files
-  Exact<int> format = newest_format;                ///< likewise
-  GmshWriteOptions gmsh = {};                       ///< the interfaces are for Medit, too
-  const mesh::SecondOrder* second_order = nullptr;  ///< null for linear cells
-  std::vector<std::string> patches = {};            ///< see `write_boundary`
+  std::string provenance = {};                                 ///< see `WriteOptions`, of native files
+  Exact<int> format = newest_format;                           ///< likewise
+  std::function<void(const std::string& remark)> remark = {};  ///< likewise
+  GmshWriteOptions gmsh = {};                                  ///< the interfaces are for Medit, too
+  const mesh::SecondOrder* second_order = nullptr;             ///< null for linear cells
+  std::vector<std::string> patches = {};                       ///< see `write_boundary`
 };
 
 struct Format {

@@ -100,10 +100,13 @@ Level0Map::Level0Map(std::vector<Level0Cell> cells, GlobalId n_global_cells, con
     for (std::size_t e = 0; e < 6; ++e)
       if (cell.edge_patch[e][0] >= 0) entry[4 + e] = find_or_add(list_of(cell.edge_patch[e]));
   }
+  const auto wall = [&](std::size_t entry) {
+    return entry == none || surfaces_[entry].surface.empty() ? nullptr : &surfaces_[entry];
+  };
   for (const auto& entry : which) {
     auto& walls = walls_.emplace_back();
-    for (std::size_t f = 0; f < 4; ++f) walls.face[f] = entry[f] == none ? nullptr : &surfaces_[entry[f]];
-    for (std::size_t e = 0; e < 6; ++e) walls.edge[e] = entry[4 + e] == none ? nullptr : &surfaces_[entry[4 + e]];
+    for (std::size_t f = 0; f < 4; ++f) walls.face[f] = wall(entry[f]);
+    for (std::size_t e = 0; e < 6; ++e) walls.edge[e] = wall(entry[4 + e]);
   }
 }
 
@@ -197,19 +200,26 @@ std::optional<Mapped> Level0Map::place(LocalId cell, const Level0Key& key) const
 }
 
 void send_level0_rows(const par::Comm& comm, DistMesh& mesh) {
+  if (!has_level0(mesh)) return;
   const auto map = mesh.info.level0;
-  if (map == nullptr) return;
   const IdRange all{map->n_global_cells(), 0};
   std::vector<GlobalId> held, wanted;
   for (const auto& cell : map->cells()) held.push_back(cell.row);
-  if (const auto* field = mesh.find_cell_field(level0_cell_field))
-    for (const auto row : field->integer())
-      if (row >= 0) wanted.push_back(row);
+  for (const auto row : mesh.find_cell_field(level0_cell_field)->integer())
+    if (all.contains(row)) wanted.push_back(row);
   std::sort(wanted.begin(), wanted.end());
   wanted.erase(std::unique(wanted.begin(), wanted.end()), wanted.end());
   const auto block = par::scatter_rows<Level0Cell>(comm, all, map->cells(), 1, held);
   auto cells = par::fetch_rows<Level0Cell>(comm, all, block, 1, wanted);
   mesh.info.level0 = std::make_shared<const Level0Map>(std::move(cells), map->n_global_cells(), mesh.info);
+}
+
+bool has_level0(const DistMesh& mesh) {
+  const auto holds = [](const Field* field, int n_components) {
+    return field != nullptr && field->holds_integers() && field->n_components == n_components;
+  };
+  return mesh.info.level0 != nullptr && holds(mesh.find_cell_field(level0_cell_field), 1) &&
+         holds(mesh.find_node_field(level0_key_field), n_key_words);
 }
 
 void drop_level0(DistMesh& mesh) {
@@ -219,10 +229,10 @@ void drop_level0(DistMesh& mesh) {
 }
 
 Level0View::Level0View(const DistMesh& mesh) {
-  if (mesh.info.level0 == nullptr) return;
+  if (!has_level0(mesh)) return;
   rows_ = mesh.find_cell_field(level0_cell_field);
   keys_ = mesh.find_node_field(level0_key_field);
-  if (rows_ != nullptr && keys_ != nullptr) map_ = mesh.info.level0.get();
+  map_ = mesh.info.level0.get();
 }
 
 LocalId Level0View::row_of(LocalId cell) const {

@@ -46,7 +46,8 @@ struct Mapped {
 /// formulas and the order of all sums.
 class Level0Map {
  public:
-  /// `cells`: ascending by row. `info`: has the patches and surfaces that they name.
+  /// `cells`: ascending by row. `info`: has the patches and surfaces that they name. Where the surfaces were not made
+  /// (`io::ReadOptions::build_surfaces`), the map only keeps the cells: it takes no node onto a wall.
   Level0Map(std::vector<Level0Cell> cells, GlobalId n_global_cells, const MeshInfo& info);
   ~Level0Map() = default;
   Level0Map(const Level0Map&) = delete;
@@ -81,6 +82,9 @@ class Level0Map {
 /// Has the rows on the ranks whose cells name them in the field `level0_cell`: to be called when cells have moved.
 /// Nothing if the mesh has no map. Collective: four sparse exchanges.
 void send_level0_rows(const par::Comm& comm, DistMesh& mesh);
+
+/// Whether a mesh has a map with both of its fields. The same on every rank.
+bool has_level0(const DistMesh& mesh);
 
 /// Takes the map and its fields away. Local.
 void drop_level0(DistMesh& mesh);

@@ -126,6 +126,8 @@ void Inspector::pamr() {
       array(path + "/points", 0);
       array(path + "/triangles", 0);
     }
+  if (has_group(path::level0))
+    for (const auto& column : level0_columns) array(column.path(), 0);
   if (has_group("/PAMR/checksums")) all_number_attributes("/PAMR/checksums");
 }
 

@@ -12,6 +12,7 @@
 #include "pamr/io/native/checksum.hpp"
 #include "pamr/io/native/hdf5.hpp"
 #include "pamr/io/text.hpp"
+#include "pamr/mesh/level0_key.hpp"
 
 namespace pamr::io {
 
@@ -40,6 +41,7 @@ class Checker {
       extension();
     else
       layout_.info.patches = {{"boundary", ""}};
+    level0();
     return std::move(layout_);
   }
 
@@ -253,6 +255,44 @@ class Checker {
       if (r > 0 && numbers[r] <= numbers[r - 1])
         fail(path::region_numbers, "ascending numbers", fmt::format("{} after {}", numbers[r], numbers[r - 1]));
       layout_.info.regions.push_back({numbers[r], names[r]});
+    }
+  }
+
+  /// The map of level 0 is its table and two fields; a part of them alone says nothing and is left out. The catalog has
+  /// all datasets of the table or none.
+  void level0() {
+    auto& fields = layout_.fields;
+    const auto is_field = [](const FieldEntry& field) {
+      return field.name == (field.on_cells ? mesh::level0_cell_field : mesh::level0_key_field);
+    };
+    const auto n_fields = std::count_if(fields.begin(), fields.end(), is_field);
+    const bool has_table = catalog_->find_array(column_of(Level0Dataset::corners).path()) != nullptr;
+    if (n_fields == 0 && !has_table) return;
+    if (n_fields < 2 || !has_table) {
+      const auto missing = has_table ? fmt::format("the fields '{}' of nodes and '{}' of cells", mesh::level0_key_field,
+                                                   mesh::level0_cell_field)
+                                     : path::level0;
+      layout_.remark = fmt::format("file '{}': a part of the map of level 0 is left out, because {} {} missing",
+                                   file_.string(), missing, has_table ? "are" : "is");
+      std::erase_if(fields, is_field);
+      return;
+    }
+    for (const auto& field : fields) {
+      if (!is_field(field)) continue;
+      const auto n_components = field.on_cells ? 1 : mesh::n_key_words;
+      if (field.n_components != n_components || !mesh::is_integer(field.type))
+        fail(field.path, fmt::format("{} integers a row", n_components),
+             fmt::format("{} of {}", field.n_components, hdf5::to_text(field.type)));
+    }
+    auto& table = layout_.level0;
+    table.n_rows = catalog_->find_array(column_of(Level0Dataset::corners).path())->shape[0];
+    if (table.n_rows < 1 || table.n_rows > layout_.info.n_global_cells)
+      fail(column_of(Level0Dataset::corners).path(), fmt::format("1 to {} rows", layout_.info.n_global_cells),
+           fmt::format("{}", table.n_rows));
+    for (std::size_t i = 0; i < level0_columns.size(); ++i) {
+      const auto& column = level0_columns[i];
+      table.type[i] = array(column.path().c_str(), {table.n_rows, static_cast<std::int64_t>(column.width)},
+                            mesh::is_integer(column.type));
     }
   }
 

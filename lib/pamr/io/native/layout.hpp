@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <string>
@@ -8,6 +9,7 @@
 
 #include "pamr/io/native/catalog.hpp"
 #include "pamr/io/native/format.hpp"
+#include "pamr/io/native/level0_table.hpp"
 #include "pamr/mesh/dist_mesh.hpp"
 
 namespace pamr::io {
@@ -39,6 +41,7 @@ inline constexpr const char* region_numbers = "/PAMR/regions/numbers";
 inline constexpr const char* region_names = "/PAMR/regions/names";
 inline constexpr const char* surfaces = "/PAMR/surfaces";
 inline constexpr const char* surface_data = "/PAMR/surface_data";
+inline constexpr const char* level0 = "/PAMR/level0";
 inline constexpr const char* provenance = "/PAMR/provenance";
 inline constexpr const char* checksums = "/PAMR/checksums";
 }  // namespace path
@@ -62,6 +65,12 @@ struct TriangulationEntry {
   mesh::StorageType points_type{}, triangles_type{};
 };
 
+/// The table of the map of level 0.
+struct Level0Entry {
+  GlobalId n_rows = 0;  ///< 0: the file has no map
+  std::array<mesh::StorageType, level0_columns.size()> type{};
+};
+
 /// What a file contains, after every claim of its catalog was compared with the others. `info` has no surfaces yet.
 struct Layout {
   mesh::MeshInfo info;
@@ -72,6 +81,8 @@ struct Layout {
   mesh::StorageType triangles_type{}, triangle_patch_type{};
   std::vector<FieldEntry> fields;
   std::vector<TriangulationEntry> triangulations;
+  Level0Entry level0;
+  std::string remark;  ///< what is odd and does no harm; empty: nothing
   std::string surfaces_toml;
   std::vector<std::string> surface_of_patch;  ///< names, in the order of `info.patches`; empty: none
 };

@@ -18,6 +18,7 @@
 #include "pamr/io/native/patch_surfaces.hpp"
 #include "pamr/io/native/preflight.hpp"
 #include "pamr/io/native/read_cells.hpp"
+#include "pamr/io/native/read_level0.hpp"
 #include "pamr/io/native/read_values.hpp"
 #include "pamr/io/native/slab_reader.hpp"
 #include "pamr/mesh/local_size.hpp"
@@ -113,6 +114,7 @@ mesh::BlockMesh NativeFile::read(std::optional<GlobalId> first_cell, std::string
   const auto cells =
       whole_families(reader, layout, first_cell.value_or(block_of_rank(*comm_, info().n_global_cells).begin));
   require_space(*comm_, file_, info());
+  if (!layout.remark.empty() && open_->remark) open_->remark(layout.remark);
   mesh::BlockMesh block;
   block.info = layout.info;
   block.first_cell = layout.info.first_id + cells.begin;
@@ -141,6 +143,7 @@ mesh::BlockMesh NativeFile::read(std::optional<GlobalId> first_cell, std::string
   par::agree(*comm_, [&] {
     put_surfaces(layout, file_.string(), std::move(triangulations), open_->build_surfaces, block.info);
   });
+  read_level0(reader, layout, cells, nodes, block);
   return block;
 }
 

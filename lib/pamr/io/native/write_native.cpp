@@ -16,6 +16,7 @@
 #include "pamr/io/native/write_plan.hpp"
 #include "pamr/io/partial_file.hpp"
 #include "pamr/mesh/fingerprint.hpp"
+#include "pamr/mesh/level0_map.hpp"
 
 namespace pamr::io {
 
@@ -161,7 +162,7 @@ void write_attributes(const Job& job, hid_t h5, std::int64_t fingerprint) {
   };
   write_number_attribute(vtk.id(), "Version", std::array<std::int64_t, 2>{1, 0}, H5T_STD_I64LE);
   write_text_attribute(vtk.id(), "Type", "UnstructuredGrid", H5T_CSET_ASCII);
-  number(pamr, "format", job.options.format, H5T_STD_I64LE);
+  number(pamr, "format", job.plan.file_format, H5T_STD_I64LE);
   number(pamr, "fingerprint", fingerprint, H5T_STD_U64LE);
   if (job.mesh.info.first_id != 0) number(pamr, "first_id", job.mesh.info.first_id, H5T_STD_I64LE);
   write_text_attribute(pamr.id(), "length_unit", job.mesh.info.length_unit, H5T_CSET_UTF8);
@@ -361,6 +362,11 @@ void write_native(const par::Comm& comm, const std::filesystem::path& file, cons
   const WritePlan plan(comm, mesh, options.format, options.provenance);
   const Job job{comm, file, mesh, options, plan};
   const auto fingerprint = options.fingerprint ? *options.fingerprint : mesh::fingerprint(comm, mesh);
+  if (options.remark && mesh::has_level0(mesh) && !writes_level0(mesh, options.format))
+    options.remark(
+        fmt::format("file '{}': format {} has no place for the map of level 0 at coarse curved walls: "
+                    "refinements of this file put new nodes there as if its cells were of level 0",
+                    file.string(), int{options.format}));
   PartialFile partial(file);
   OpenFile open;
   try {

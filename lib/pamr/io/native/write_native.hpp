@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 
@@ -20,11 +21,14 @@ struct WriteOptions {
   std::string provenance = {};
   /// `mesh::fingerprint` of the mesh where the caller has it already.
   std::optional<std::uint64_t> fingerprint = {};
-  /// Number of the format. The older one has no place for closure families other than 1:2 and 1:4, which are refused
-  /// then, nor for the ancestors that cells know, which are dropped.
+  /// Number of the format, at most: a mesh without a map of level 0 has the same file in formats 2 and 3. Formats 1 and
+  /// 2 have no place for that map: it is dropped. Format 1 has none for closure families other than 1:2 and 1:4, which
+  /// are refused, nor for the ancestors that cells know, which are dropped.
   Exact<int> format = newest_format;
   /// Largest piece that a rank writes at once, bytes; 2^30 at most.
   Exact<std::size_t> slab_bytes = std::size_t{1} << 20U;
+  /// Told what the format has no place for, on every rank alike. None: silence.
+  std::function<void(const std::string& remark)> remark = {};
 };
 
 /// Writes a mesh in the native format (docs/file-format.md), in global order.

@@ -17,10 +17,13 @@
 #include "pamr/base/index.hpp"
 #include "pamr/base/sorted_order.hpp"
 #include "pamr/io/native/layout.hpp"
+#include "pamr/io/native/level0_table.hpp"
 #include "pamr/io/native/lineage_word.hpp"
 #include "pamr/io/text.hpp"
 #include "pamr/mesh/cell_runs.hpp"
 #include "pamr/mesh/families.hpp"
+#include "pamr/mesh/level0_key.hpp"
+#include "pamr/mesh/level0_map.hpp"
 
 namespace pamr::io {
 
@@ -71,7 +74,9 @@ HeldRows WritePlan::node_rows(std::size_t width, FillRow fill_row) const {
 }
 
 WritePlan::WritePlan(const par::Comm& comm, const mesh::DistMesh& mesh, int format, const std::string& provenance)
-    : mesh_(&mesh), cell_run_(mesh::cell_runs(comm, mesh)) {
+    : file_format(writes_level0(mesh, format) ? format : std::min(format, first_format_with_level0 - 1)),
+      mesh_(&mesh),
+      cell_run_(mesh::cell_runs(comm, mesh)) {
   std::vector<std::uint64_t> number;  // from the least on
   number.reserve(mesh.node_global.size());
   for (const auto id : mesh.node_global) number.push_back(static_cast<std::uint64_t>(id - mesh.info.first_id));
@@ -80,14 +85,20 @@ WritePlan::WritePlan(const par::Comm& comm, const mesh::DistMesh& mesh, int form
   node_id_.reserve(node_order_.size());
   for (const auto node : node_order_) node_id_.push_back(mesh.node_global[node]);
   add_mesh(format);
-  for (const auto* field : by_name(mesh.node_fields)) add_field(*field, false);
-  for (const auto* field : by_name(mesh.cell_fields)) add_field(*field, true);
+  const bool has_level0 = writes_level0(mesh, format);
+  const auto add_fields = [&](const std::vector<mesh::Field>& fields, bool on_cells) {
+    for (const auto* field : by_name(fields))
+      if (has_level0 || !mesh::is_level0_field(*field)) add_field(*field, on_cells);
+  };
+  add_fields(mesh.node_fields, false);
+  add_fields(mesh.cell_fields, true);
   if (mesh.find_cell_field("level") == nullptr) add_level();
   auto triangulations = mesh.info.surfaces->triangulations;
   std::sort(triangulations.begin(), triangulations.end(),
             [](const auto& a, const auto& b) { return a->name < b->name; });
   for (const auto& surface : triangulations) add_triangulation(comm, *surface);
   if (!mesh.info.regions.empty()) add_regions();
+  if (has_level0) add_level0(*mesh.info.level0);
   add_texts(provenance);
   for (const auto& array : arrays)
     data_bytes += static_cast<std::uint64_t>(array.shape.rows * array.shape.width) * hdf5::size_of(array.type);
@@ -207,6 +218,25 @@ void WritePlan::add_regions() {
   texts.push_back(std::move(names));
 }
 
+void WritePlan::add_level0(const mesh::Level0Map& map) {
+  groups.emplace_back(path::level0);
+  const auto cells = map.cells();
+  auto& ids = row_id_.emplace_back();
+  for (const auto& cell : cells) ids.push_back(cell.row);
+  const auto n = map.n_global_cells();
+  for (const auto& column : level0_columns) {
+    HeldRows rows{
+        n, column.width, ids, {}, row_by_row(column.width, [cells, &column](std::size_t i, std::uint64_t* to) {
+          const auto words = words_of(cells[i]);
+          std::copy_n(words.begin() + column.first, column.width, to);
+        })};
+    arrays.push_back({.path = column.path(),
+                      .type = column.type,
+                      .shape = {n, static_cast<GlobalId>(column.width), false},
+                      .rows = std::move(rows)});
+  }
+}
+
 void WritePlan::add_texts(const std::string& provenance) {
   TextPlan names{path::patch_names, {}, true}, kinds{path::patch_kinds, {}, true}, ties{path::patch_surfaces, {}, true};
   for (const auto& patch : mesh_->info.patches) {
@@ -264,6 +294,10 @@ void require_lineage(const mesh::DistMesh& mesh, int format) {
 /// It would not be read.
 bool is_level_for_viewers(const mesh::Field& field) {
   return field.name == "level" && field.n_components == 1 && field.storage == StorageType::uint8;
+}
+
+bool writes_level0(const mesh::DistMesh& mesh, int format) {
+  return format >= first_format_with_level0 && mesh::has_level0(mesh);
 }
 
 void require_writable(const mesh::DistMesh& mesh, int format) {

@@ -50,12 +50,14 @@ struct WritePlan {
   std::vector<ArrayPlan> arrays;
   std::vector<TextPlan> texts;
   std::uint64_t data_bytes = 0;  ///< of all datasets together
+  int file_format;               ///< that of the file
 
  private:
   void add_mesh(int format);
   void add_field(const mesh::Field& field, bool on_cells);
   void add_level();
   void add_regions();
+  void add_level0(const mesh::Level0Map& map);
   void add_texts(const std::string& provenance);
   void add_triangulation(const par::Comm& comm, const geometry::Triangulation& surface);
   template <class FillRow>
@@ -67,8 +69,12 @@ struct WritePlan {
   std::vector<GlobalId> cell_run_;            ///< as `mesh::cell_runs` has it
   std::vector<std::uint32_t> node_order_;     ///< nodes in the order of their global ids
   std::vector<GlobalId> node_id_;             ///< those ids
-  std::deque<std::vector<GlobalId>> row_id_;  ///< rows given of each dataset of a triangulated surface
+  std::deque<std::vector<GlobalId>> row_id_;  ///< rows given of datasets that are neither of cells nor of nodes
 };
+
+/// Whether a file of this format has a place for the map of level 0, and the mesh has one. Without, the fields of the
+/// map are not written either.
+bool writes_level0(const mesh::DistMesh& mesh, int format);
 
 /// Throws `Error` when names of fields or patches could not be read back, and when the format has no place for a cell's
 /// lineage. Local.
