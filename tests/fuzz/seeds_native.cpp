@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <stdexcept>
+#include <utility>
 
 #include "mutate.hpp"
 #include "pamr/assemble/assemble.hpp"
@@ -16,8 +17,8 @@ namespace pamr::fuzz {
 // 0 a Kuhn cube with fields and patches as the library writes it; 1 a closure family; 2 the `/VTKHDF` part alone in
 // HDF5's oldest layout; 3 the same chunked and compressed, with texts of variable length and families of format 1; 4
 // all parts in the oldest layout and without checksums, so that damage reaches the values; 5 and 6 as 0 and 1, without
-// checksums.
-int n_seed_files() { return 7; }
+// checksums; 7 and 8 with a map of level 0, with and without checksums.
+int n_seed_files() { return 9; }
 
 std::string damaged(const std::string& good, std::uint64_t seed) { return mutate(good, seed); }
 
@@ -63,11 +64,12 @@ void write_seed_files(const par::Comm& comm, const std::filesystem::path& folder
   for (int child = 0; child < 2; ++child) words.push_back(base.closed(4, child).bits());
   for (int child = 0; child < 4; ++child) words.push_back(base.red_parent().closed(9, child).bits());
   test::write_dataset<std::uint64_t>(bare, "/PAMR/lineage", {6}, words);
-  for (const int i : {0, 1}) {
-    std::filesystem::copy_file(folder / seed_name(i), folder / seed_name(5 + i));
-    test::remove_object(folder / seed_name(5 + i), "/PAMR/checksums");
+  io::write_native(comm, folder / seed_name(7), test::mesh_with_level0(comm));
+  for (const auto& [from, to] : {std::pair{0, 5}, std::pair{1, 6}, std::pair{7, 8}}) {
+    std::filesystem::copy_file(folder / seed_name(from), folder / seed_name(to));
+    test::remove_object(folder / seed_name(to), "/PAMR/checksums");
   }
-  for (const int i : {0, 1, 2, 5, 6})
+  for (const int i : {0, 1, 2, 5, 6, 7, 8})
     read_file(comm, folder / seed_name(i));  // good ones; the families of the others are none
 }
 

@@ -3,12 +3,17 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <iterator>
+#include <memory>
+#include <utility>
+#include <vector>
 
 #include "hdf5_edit.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/base/hash.hpp"
 #include "pamr/io/native/native_file.hpp"
+#include "pamr/mesh/level0_key.hpp"
 #include "support/meshes.hpp"
 
 namespace pamr::test {
@@ -66,6 +71,46 @@ mesh::DistMesh mesh_with_fields(const par::Comm& comm, int n, std::uint64_t seed
   block.node_fields.push_back({"number", "", 1, StorageType::int64, integers(first_node, n_nodes, 1, 5)});
   const auto destination = random_destinations(comm, block, seed);
   return assemble::assemble(comm, std::move(block), destination);
+}
+
+mesh::Level0Cell level0_cell(GlobalId row) {
+  mesh::Level0Cell cell;
+  const auto r = static_cast<double>(row);
+  cell.row = row;
+  cell.node = {row, row + 1, row + 2, 20};
+  cell.corner = {{{r, 0, 0}, {r, 0, 1}, {r, 1, 0}, {r + 1, 0.1, 0}}};
+  for (std::size_t e = 0; e < 6; ++e) cell.bulge[e] = {0.01 * static_cast<double>(e), -0.02 - r, 1e-300};
+  cell.face_patch[1] = 1;  // on the ball; the other patches have no surface
+  cell.edge_patch[0] = {1, 1};
+  cell.edge_patch[1] = {0, 1};
+  cell.edge_patch[5] = {1, 1};
+  cell.beside[1] = {0, 0, -1};
+  cell.sharp_edges = 1U << 1U;
+  cell.creases = 1U << 5U;
+  cell.bent_corners = static_cast<std::uint8_t>(row + 1);
+  return cell;
+}
+
+mesh::DistMesh mesh_with_level0(const par::Comm& comm) {
+  using mesh::Level0Key;
+  auto mesh = mesh_with_fields(comm, 2, 5);
+  constexpr GlobalId n_rows = 3;
+  std::vector<std::int64_t> row_of_cell;
+  for (const auto id : mesh.cell_global) row_of_cell.push_back(id % 4 < n_rows ? id % 4 : -1);
+  auto keys = mesh::empty_key_field();
+  for (const auto id : mesh.node_global) {
+    const auto of_node = Level0Key::of_node(id);
+    mesh::append_key(keys, id % 3 == 0   ? Level0Key{}
+                           : id % 3 == 1 ? of_node
+                                         : mesh::middle(Level0Key::of_node(0), of_node));
+  }
+  std::vector<mesh::Level0Cell> cells;
+  for (GlobalId row = 0; row < n_rows; ++row)
+    if (std::find(row_of_cell.begin(), row_of_cell.end(), row) != row_of_cell.end()) cells.push_back(level0_cell(row));
+  mesh.node_fields.push_back(std::move(keys));
+  mesh.cell_fields.push_back({mesh::level0_cell_field, "", 1, mesh::StorageType::int64, std::move(row_of_cell)});
+  mesh.info.level0 = std::make_shared<const mesh::Level0Map>(std::move(cells), n_rows, mesh.info);
+  return mesh;
 }
 
 void on_first_rank(const par::Comm& comm, const std::function<void()>& edit) {

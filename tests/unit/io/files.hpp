@@ -6,6 +6,7 @@
 #include <string>
 
 #include "pamr/mesh/dist_mesh.hpp"
+#include "pamr/mesh/level0_map.hpp"
 #include "pamr/par/comm.hpp"
 
 /// What the tests of the native file share.
@@ -32,6 +33,13 @@ class Folder {
 
 /// A Kuhn cube of 6 n^3 cells on random ranks, with a field of every kind. Collective.
 mesh::DistMesh mesh_with_fields(const par::Comm& comm, int n, std::uint64_t seed);
+
+/// Cell `row` of three that the map of `mesh_with_level0` has.
+mesh::Level0Cell level0_cell(GlobalId row);
+
+/// `mesh_with_fields` of 48 cells with a map of level 0, made by hand: cells in rows 0, 1, 2 and none, over and over;
+/// nodes without a key, of level 0, and in the middle of an edge. Collective.
+mesh::DistMesh mesh_with_level0(const par::Comm& comm);
 
 /// Runs `edit` on the first rank between two barriers.
 void on_first_rank(const par::Comm& comm, const std::function<void()>& edit);
