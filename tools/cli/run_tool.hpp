@@ -68,8 +68,7 @@ int run_tool(int argc, char** argv, const ToolInfo& info, const std::function<vo
 /// Help text of the flag that every tool with an output file has.
 inline constexpr const char* force_help = "replace the output file when it exists";
 inline constexpr const char* format_help =
-    "number of the native format to write; 1 is for readers of version 0.2 and older and has no place for closure "
-    "families other "
-    "than 1:2 and 1:4";
+    "number of the native format to write, at most; 2 has no place for the map of level 0 at coarse walls; 1 is for "
+    "readers of version 0.2 and older and has no place for closure families other than 1:2 and 1:4 either";
 
 }  // namespace pamr::cli
