@@ -7,6 +7,7 @@
 
 #include "pamr/assemble/assemble.hpp"
 #include "pamr/assemble/turn_inverted.hpp"
+#include "pamr/mesh/level0_key.hpp"
 #include "pamr/order/order_along_curve.hpp"
 #include "pamr/par/exchange.hpp"
 #include "pamr/validate/validate.hpp"
@@ -104,6 +105,7 @@ std::shared_ptr<ShownField> show_field(const std::shared_ptr<PythonMesh>& mesh, 
 }
 
 void put_field(PythonMesh& mesh, bool on_cells, mesh::Field field) {
+  mesh::require_level0_shape(field, on_cells);
   auto& fields = fields_of(mesh, on_cells);
   const auto old = find(fields, field.name);
   if (old == fields.end()) {

@@ -84,6 +84,17 @@ def test_values_that_do_not_fit_are_not_wrapped_or_cut():
     assert pamr.Mesh.kuhn_cube(COMM, np.int32(2)).n_cells == 48
 
 
+def test_names_of_the_map_of_level_0_are_for_its_own_fields():
+    mesh = pamr.Mesh.kuhn_cube(COMM, 2)
+
+    def set_field(fields, name, values):
+        fields[name] = values
+    expect("field 'level0_cell': expected another name",
+           lambda: set_field(mesh.cell_fields, "level0_cell", np.zeros(len(mesh.cells))))
+    expect("or 8 integers, found 1 integers", lambda: set_field(mesh.node_fields, "level0_key", np.zeros(len(mesh.points), int)))
+    assert not len(mesh.cell_fields) and not len(mesh.node_fields)
+
+
 def test_masked_values_are_refused_with_their_number():
     mesh = pamr.Mesh.kuhn_cube(COMM, 2)
     n = len(mesh.cells)

@@ -109,6 +109,7 @@ void put_surfaces(const geometry::SurfaceSet& asked_for, const std::vector<int>&
   info.surfaces = std::make_shared<const geometry::SurfaceSet>(std::move(set));
   for (std::size_t p = 0; p < assigned.size(); ++p)
     if (assigned[p] >= 0) info.patches[p].surface = first_new + assigned[p];
+  info.level0 = nullptr;  // it belongs to the surfaces that it was made for
 }
 
 /// Local nodes of a patch.

@@ -28,6 +28,7 @@ mesh::BlockMesh to_block(const par::Comm& comm, const mesh::DistMesh& mesh, cons
   mesh::BlockMesh block;
   block.info = mesh.info;
   block.info.n_global_nodes += static_cast<GlobalId>(splits.size());
+  block.info.level0 = nullptr;  // it is that of another level 0
   std::vector<LocalId> parent;
   for (LocalId c = 0; c < mesh.n_cells(); ++c) {
     const auto found = children.find(mesh.cell_global[at(c)]);

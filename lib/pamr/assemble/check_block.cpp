@@ -7,10 +7,12 @@
 #include <array>
 #include <numeric>
 #include <string>
+#include <string_view>
 
 #include "pamr/base/error.hpp"
 #include "pamr/base/hash.hpp"
 #include "pamr/mesh/families.hpp"
+#include "pamr/mesh/level0_key.hpp"
 #include "pamr/mesh/local_size.hpp"
 
 namespace pamr::assemble {
@@ -30,6 +32,7 @@ void check_fields(const std::vector<mesh::Field>& fields, std::size_t n, const c
     const auto size = std::visit([](const auto& values) { return values.size(); }, field.value);
     require_size(size, n * static_cast<std::size_t>(field.n_components),
                  std::string(place) + " field `" + field.name + "`", rank);
+    mesh::require_level0_shape(field, place == std::string_view("cell"));
   }
 }
 

@@ -363,6 +363,7 @@ Level0Report make_level0_map(const par::Comm& comm, mesh::DistMesh& mesh, refine
   }
   for (std::size_t i = 0; i < bent.row.size(); ++i)
     for (std::size_t e = 0; e < 6; ++e) bent.row[i].bulge[e] = found.bulge[at(bent.edge[i][e])];
+  mesh::drop_level0(mesh);  // fields that were left of another map
   add_fields(level0, bent, mesh);
   mesh.info = std::move(level0.nodes.info);
   mesh.info.level0 = std::make_shared<const mesh::Level0Map>(std::move(bent.row), bent.n_global, mesh.info);

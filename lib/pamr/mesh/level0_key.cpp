@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "pamr/mesh/level0_key.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
+#include "pamr/base/error.hpp"
 #include "pamr/base/index.hpp"
 
 namespace pamr::mesh {
@@ -12,6 +15,16 @@ namespace {
 constexpr std::size_t width = n_key_words;
 
 }  // namespace
+
+void require_level0_shape(const Field& field, bool on_cells) {
+  if (field.name != (on_cells ? level0_cell_field : level0_key_field)) return;
+  const int n_components = on_cells ? 1 : n_key_words;
+  if (!field.holds_integers() || field.n_components != n_components)
+    throw Error(
+        fmt::format("field '{}': expected another name, which is not that of a part of the map of level 0, or "
+                    "{} integers, found {} {}",
+                    field.name, n_components, field.n_components, field.holds_integers() ? "integers" : "reals"));
+}
 
 Level0Key middle(const Level0Key& a, const Level0Key& b) {
   if (!a.is_known() || !b.is_known()) return {};

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "pamr/base/error.hpp"
+#include "pamr/mesh/level0_key.hpp"
 #include "pamr/par/exchange.hpp"
 #include "support/meshes.hpp"
 #include "support/reference.hpp"
@@ -414,6 +415,20 @@ TEST_F(AssembleRefuses, BlocksWhoseSizesDoNotFit) {
       "field `u`: expected");
   expect_error([&](mesh::BlockMesh& m) { m.info.n_global_nodes += is_last ? 1 : 0; },
                comm_.size() > 1 ? "expected the same counts" : "node block: expected");
+}
+
+TEST_F(AssembleRefuses, FieldsNamedAsThoseOfTheMapOfLevel0InAnotherShape) {
+  using mesh::StorageType;
+  EXPECT_THAT(cube([](mesh::BlockMesh& m) {
+                m.cell_fields = {
+                    {mesh::level0_cell_field, "", 1, StorageType::float64, std::vector<double>(m.cell_to_node.size())}};
+              }),
+              HasSubstr("field 'level0_cell': expected another name"));
+  EXPECT_THAT(cube([](mesh::BlockMesh& m) {
+                m.node_fields = {{mesh::level0_key_field, "", 4, StorageType::int64,
+                                  std::vector<std::int64_t>(4 * m.node_position.size())}};
+              }),
+              HasSubstr("or 8 integers, found 4 integers"));
 }
 
 TEST_F(AssembleRefuses, DestinationsThatAreNoRanks) {
