@@ -16,9 +16,9 @@
 #include "pamr/mesh/tet.hpp"
 #include "pamr/mesh/undescribed_patches.hpp"
 #include "pamr/par/gather_few.hpp"
-#include "round_bodies.hpp"
 #include "support/meshes.hpp"
 #include "support/quadratic_cell.hpp"
+#include "support/round_bodies.hpp"
 
 namespace pamr {
 namespace curve_cells_test {

@@ -11,8 +11,8 @@
 #include "pamr/curved/curve_cells.hpp"
 #include "pamr/mesh/tet.hpp"
 #include "pamr/par/reproducible_sum.hpp"
-#include "round_bodies.hpp"
 #include "support/quadratic_cell.hpp"
+#include "support/round_bodies.hpp"
 
 namespace pamr {
 namespace curved_convergence_test {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstdint>
 #include <string>
 
 #include "pamr/mesh/block_mesh.hpp"
@@ -23,5 +24,8 @@ mesh::BlockMesh tetrahedral_shell(const par::Comm& comm, double outer);
 /// A random cube with patch `zmin` on a sphere that bulges into it by `bulge`; the other five patches are flat and not
 /// described.
 mesh::BlockMesh bulging_cube(const par::Comm& comm, std::uint64_t seed, double bulge);
+
+/// The same, its nodes moved along z so that those of `zmin` lie on the sphere.
+mesh::BlockMesh domed_cube(const par::Comm& comm, std::uint64_t seed, double bulge);
 
 }  // namespace pamr::test

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "round_bodies.hpp"
+#include "support/round_bodies.hpp"
 
 #include <fmt/format.h>
 
@@ -31,6 +31,9 @@ mesh::BlockMesh on_surface(const par::Comm& comm, const std::vector<Vec3>& nodes
   block.info.patches[0].surface = 0;
   return block;
 }
+
+/// Of a sphere through the corners of the unit square that is highest above its middle.
+double radius_of_dome(double bulge) { return (0.5 + bulge * bulge) / (2 * bulge); }
 
 }  // namespace
 
@@ -105,12 +108,22 @@ mesh::BlockMesh tetrahedral_shell(const par::Comm& comm, double outer) {
 
 mesh::BlockMesh bulging_cube(const par::Comm& comm, std::uint64_t seed, double bulge) {
   auto block = random_mesh(comm, seed, 3);
-  const double radius = (0.5 + bulge * bulge) / (2 * bulge);  // through the corners of the face, highest in its middle
+  const double radius = radius_of_dome(bulge);
   block.info.surfaces =
       surfaces_of(fmt::format("[[surface]]\nname = \"dome\"\nkind = \"sphere\"\ncenter = [0.5, 0.5, {}]\nradius = {}\n",
                               bulge - radius, radius));
   for (auto& patch : block.info.patches)
     if (patch.name == "zmin") patch.surface = 0;
+  return block;
+}
+
+mesh::BlockMesh domed_cube(const par::Comm& comm, std::uint64_t seed, double bulge) {
+  auto block = bulging_cube(comm, seed, bulge);
+  const double radius = radius_of_dome(bulge);
+  for (auto& p : block.node_position) {
+    const double x = p.x - 0.5, y = p.y - 0.5;
+    p.z += (1 - p.z) * (std::sqrt(radius * radius - x * x - y * y) + bulge - radius);
+  }
   return block;
 }
 
