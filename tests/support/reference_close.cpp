@@ -24,8 +24,11 @@ struct Base {
 
 class FixedPoint {
  public:
-  FixedPoint(std::vector<Base> base, Points point, double shape_floor)
-      : base_(std::move(base)), shape_floor_(shape_floor), n_old_(static_cast<GlobalId>(point.size())) {
+  FixedPoint(std::vector<Base> base, Points point, ReferenceLevel0 level0, double shape_floor)
+      : base_(std::move(base)),
+        level0_(std::move(level0)),
+        shape_floor_(shape_floor),
+        n_old_(static_cast<GlobalId>(point.size())) {
     closing_.point = std::move(point);
     for (const auto& b : base_)
       if (b.family != nullptr) closing_.middle.insert(b.family->middle.begin(), b.family->middle.end());
@@ -41,12 +44,14 @@ class FixedPoint {
   }
 
  private:
-  void mark(const Edge& edge) {
+  void mark(const Piece& piece, int e) {
+    const auto edge = piece.edge(e);
     if (closing_.middle.count(edge) != 0) return;
     if (edge.first >= n_old_ || edge.second >= n_old_)
       throw std::logic_error("close: a mark on an edge that is not yet");
     closing_.middle[edge] = static_cast<GlobalId>(closing_.point.size());
-    closing_.point.push_back(geometry::midpoint(closing_.point[at(edge.first)], closing_.point[at(edge.second)]));
+    closing_.point.push_back(level0_.middle(piece.row, edge, closing_.point));
+    level0_.add_middle(edge);
     closing_.marked.insert(edge);
   }
 
@@ -59,7 +64,7 @@ class FixedPoint {
     const bool has_floor = b.family != nullptr || !b.piece.lineage.is_closure();
     if (has_floor && (marks != old_marks(b) || b.is_assessed) && marks != b.done)
       marks = b.done = b.floor.enlarge(marks);
-    for (const int e : marks) mark(b.piece.edge(e));
+    for (const int e : marks) mark(b.piece, e);
     if (marks == all_six && b.family != nullptr && is_part_marked(*b.family)) apply_rules_to_children(b);
   }
 
@@ -69,13 +74,16 @@ class FixedPoint {
     if (!all_positive(children, closing_.point)) return;
     for (const auto& child : children)
       for (const int e : added_to(child))
-        if (exists(b.piece, child.edge(e))) mark(child.edge(e));
+        if (exists(b.piece, child.edge(e))) mark(child, e);
   }
 
   /// Of a child of a parent; remembered by its corners in their order.
   ReferenceFloor& floor_of(const Piece& child) {
-    return floor_of_child_.try_emplace(child.corner, points_of(child, closing_.point), shape_floor_, nullptr)
-        .first->second;
+    const auto known = floor_of_child_.find(child.corner);
+    if (known != floor_of_child_.end()) return known->second;
+    const auto& point = closing_.point;
+    const ReferenceFloor floor(points_of(child, point), shape_floor_, nullptr, level0_.middles(child, point));
+    return floor_of_child_.emplace(child.corner, floor).first->second;
   }
 
   EdgeSet added_to(const Piece& child) {
@@ -146,6 +154,7 @@ class FixedPoint {
   }
 
   std::vector<Base> base_;
+  ReferenceLevel0 level0_;  // with the new nodes
   double shape_floor_;
   GlobalId n_old_;
   ReferenceClosing closing_;
@@ -153,7 +162,7 @@ class FixedPoint {
 };
 
 /// Of the families in `kept` each member is a base cell of its own.
-std::vector<Base> base_cells(const std::vector<Piece>& cell, const Points& point,
+std::vector<Base> base_cells(const std::vector<Piece>& cell, const Points& point, const ReferenceLevel0& level0,
                              const std::map<GlobalId, ReferenceFamily>& families, const std::set<GlobalId>& kept,
                              const ReferenceRequest& request, double shape_floor) {
   std::vector<Base> base;
@@ -168,19 +177,21 @@ std::vector<Base> base_cells(const std::vector<Piece>& cell, const Points& point
     const auto* family = is_member ? &families.at(first) : nullptr;
     const auto& piece = is_member ? family->parent : cell[c];
     const bool is_assessed = is_member && request.assess.count(corners_of(piece)) != 0;
-    base.push_back({id, piece, family, is_flagged, is_assessed, {points_of(piece, point), shape_floor, family}, {}});
+    const ReferenceFloor floor(points_of(piece, point), shape_floor, family, level0.middles(piece, point));
+    base.push_back({id, piece, family, is_flagged, is_assessed, floor, {}});
   }
   return base;
 }
 
 }  // namespace
 
-ReferenceClosing close_removable(const std::vector<Piece>& cell, const Points& point, const ReferenceRequest& request,
-                                 double shape_floor) {
+ReferenceClosing close_removable(const std::vector<Piece>& cell, const Points& point, const ReferenceLevel0& level0,
+                                 const ReferenceRequest& request, double shape_floor) {
   const auto families = read_families(cell);
   auto kept = families_to_keep(cell, families);
   for (;;) {
-    auto closing = FixedPoint(base_cells(cell, point, families, kept, request, shape_floor), point, shape_floor).run();
+    const auto base = base_cells(cell, point, level0, families, kept, request, shape_floor);
+    auto closing = FixedPoint(base, point, level0, shape_floor).run();
     const auto n_kept = kept.size();
     for (const auto& [first, family] : closing.family)
       if (closing.children.at(first).empty() || !all_positive(closing.children.at(first), closing.point))

@@ -54,6 +54,7 @@ ReferenceFamily read_family(GlobalId first, const std::vector<Piece>& member) {
   std::copy(node.begin(), node.begin() + 4, family.parent.corner.begin());
   for (const int e : family.pattern.marks) family.middle[family.parent.edge(e)] = node[at(4 + e)];
   family.parent.lineage = lineage.base();
+  family.parent.row = member.front().row;
   for (std::size_t face = 0; face < 4; ++face) {
     const auto on_face = nodes_on_face(family.parent, family.middle, face);
     for (const auto& m : member)

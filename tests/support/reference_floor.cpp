@@ -38,6 +38,8 @@ double rounded_length(const geometry::TetPoints& corner, int e) {
   return rounded((d.x * d.x + d.y * d.y) + d.z * d.z);
 }
 
+constexpr double no_triangulation = -2;  // below all mean ratios
+
 bool holds(EdgeSet large, EdgeSet small) { return common(large, small) == small; }
 
 /// The mean ratio of a cell between nodes of a split cell. The volume of a flat cell is lost in rounding; what is
@@ -79,8 +81,9 @@ bool is_longer(const geometry::TetPoints& corner, int e, int f) {
   return of_e != of_f ? of_e > of_f : comes_first(ends_of(corner, e), ends_of(corner, f));
 }
 
-ReferenceFloor::ReferenceFloor(const geometry::TetPoints& corner, double floor, const ReferenceFamily* family)
-    : corner_(corner), floor_(floor) {
+ReferenceFloor::ReferenceFloor(const geometry::TetPoints& corner, double floor, const ReferenceFamily* family,
+                               const std::optional<MiddlePoints>& middle)
+    : corner_(corner), middle_(middle), floor_(floor) {
   if (family == nullptr) return;
   family_marks_ = family->pattern.marks;
   family_cuts_ = family->pattern.cut;
@@ -98,28 +101,44 @@ Cuts ReferenceFloor::cuts_of(EdgeSet marks) const {
   return cuts;
 }
 
-double ReferenceFloor::quality(EdgeSet marks) {
-  const auto [known, is_new] = quality_.emplace(marks, -1);
-  if (!is_new) return known->second;
-  if (marks == all_six) {
-    const auto cell = halve(corner_, marks);  // names its nodes by code
-    known->second = 1;
-    for (const auto& child : split_in_eight(cell.piece, cell.middle, cell.point, false)) {
-      std::array<Code, 4> codes{};
-      std::copy(child.corner.begin(), child.corner.end(), codes.begin());
-      known->second = std::min(known->second, mean_ratio_within(corner_, codes));
-    }
-    return known->second;
+double ReferenceFloor::mean_ratio_of(const std::array<Code, 4>& codes) const {
+  if (!middle_) return mean_ratio_within(corner_, codes);
+  geometry::TetPoints p{};
+  for (std::size_t i = 0; i < 4; ++i) p[i] = codes[i] < 4 ? corner_[at(codes[i])] : (*middle_)[at(codes[i] - 4)];
+  return geometry::mean_ratio(p);
+}
+
+double ReferenceFloor::quality_of_eight() const {
+  auto cell = halve(corner_, all_six);  // names its nodes by code
+  if (middle_) std::copy(middle_->begin(), middle_->end(), cell.point.begin() + 4);
+  double worst = 1;
+  for (const auto& child : split_in_eight(cell.piece, cell.middle, cell.point, middle_.has_value())) {
+    std::array<Code, 4> codes{};
+    std::copy(child.corner.begin(), child.corner.end(), codes.begin());
+    worst = std::min(worst, mean_ratio_of(codes));
   }
-  for (const auto& pattern : patterns_of(marks, cuts_of(marks)))
-    known->second = std::max(known->second, worst_within(corner_, pattern));
+  return worst;
+}
+
+double ReferenceFloor::quality(EdgeSet marks) {
+  const auto [known, is_new] = quality_.emplace(marks, no_triangulation);
+  if (!is_new) return known->second;
+  if (marks == all_six) return known->second = quality_of_eight();
+  for (const auto& pattern : patterns_of(marks, cuts_of(marks))) {
+    double worst = 1;
+    for (const auto& child : pattern.child) worst = std::min(worst, mean_ratio_of(child));
+    known->second = std::max(known->second, worst);
+  }
   return known->second;
 }
 
+/// Where 1:8 itself has an inverted cell nothing better can be asked for.
 bool ReferenceFloor::is_good(EdgeSet marks) {
   if (marks.empty() || marks == all_six) return true;
   const double q = quality(marks);
-  return q >= 0 && q >= std::min(floor_, quality(all_six)) * (1 - 0x1p-40);
+  if (q == no_triangulation) return false;
+  const double of_eight = quality(all_six);
+  return floor_ == 0 || !(of_eight > 0) || q >= std::min(floor_, of_eight) * (1 - 0x1p-40);
 }
 
 /// The edges that a has more than the marks come before those that b has more.
@@ -148,9 +167,9 @@ EdgeSet ReferenceFloor::implied(EdgeSet marks) {
       fewest = std::min(fewest, set.size());
     }
   std::erase_if(good, [&](const auto& set) { return set.size() != fewest; });
-  double best = 0;
+  double best = no_triangulation;
   for (const auto& set : good) best = std::max(best, quality(set));
-  std::erase_if(good, [&](const auto& set) { return quality(set) < best * (1 - 0x1p-40); });
+  std::erase_if(good, [&](const auto& set) { return quality(set) < best - std::abs(best) * 0x1p-40; });
   return implied_[marks] = *std::min_element(
              good.begin(), good.end(), [&](const auto& a, const auto& b) { return added_comes_first(a, b, marks); });
 }
@@ -178,8 +197,9 @@ std::optional<ReferencePattern> best_pattern(const Piece& piece, const Middles& 
   for (const auto& pattern : patterns_of(edges_within(piece, middle), cut)) {
     const auto children = split_as(piece, middle, pattern);
     if (only_positive && !all_positive(children, point)) continue;
+    const bool where_they_lie = only_positive || piece.row >= 0;
     const double worst =
-        only_positive ? worst_mean_ratio(children, point) : worst_within(points_of(piece, point), pattern);
+        where_they_lie ? worst_mean_ratio(children, point) : worst_within(points_of(piece, point), pattern);
     Candidate candidate{pattern, worst, {}};
     if (const int e = pattern.inner_edge; e >= 0)
       candidate.inner = sorted(point[at(middle.at(piece.edge(e)))], point[at(middle.at(piece.edge(5 - e)))]);

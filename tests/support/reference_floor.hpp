@@ -10,12 +10,17 @@
 /// The shape floor of `reference_refine`: how good a set of marks can be closed, and which sets it implies.
 namespace pamr::test {
 
-/// A base cell as the rules see it: its corners, and the marks and cuts that its family has, if it is the parent of
-/// one.
+/// The middles of a cell's edges.
+using MiddlePoints = std::array<geometry::Vec3, 6>;
+
+/// A base cell as the rules see it: its corners, the middles of its edges, and the marks and cuts that its family has,
+/// if it is the parent of one.
 class ReferenceFloor {
  public:
-  /// `floor`: the smallest mean ratio that is good enough. `family`: null for a cell that is no parent.
-  ReferenceFloor(const geometry::TetPoints& corner, double floor, const ReferenceFamily* family);
+  /// `floor`: the smallest mean ratio that is good enough, 0: none. `family`: null for a cell that is no parent.
+  /// `middle`: where the map of level 0 puts the middles; not given: its edges are straight.
+  ReferenceFloor(const geometry::TetPoints& corner, double floor, const ReferenceFamily* family,
+                 const std::optional<MiddlePoints>& middle = {});
 
   /// The smallest set that holds the marks and, for each of its subsets M, all of P(M). The marks themselves where the
   /// cell is not positive.
@@ -26,16 +31,19 @@ class ReferenceFloor {
   Cuts cuts_of(EdgeSet marks) const;
 
  private:
+  double mean_ratio_of(const std::array<Code, 4>& codes) const;
   double quality(EdgeSet marks);
+  double quality_of_eight() const;
   bool is_good(EdgeSet marks);
   EdgeSet implied(EdgeSet marks);
   bool added_comes_first(EdgeSet a, EdgeSet b, EdgeSet marks) const;
 
   geometry::TetPoints corner_;
+  std::optional<MiddlePoints> middle_;
   double floor_;
   EdgeSet family_marks_;
   Cuts family_cuts_;
-  std::map<EdgeSet, double> quality_;    // known ones; -1 where there is no triangulation
+  std::map<EdgeSet, double> quality_;    // known ones; -2 where there is no triangulation
   std::map<EdgeSet, EdgeSet> implied_;   // known ones
   std::map<EdgeSet, EdgeSet> enlarged_;  // known ones
 };
@@ -44,8 +52,10 @@ class ReferenceFloor {
 bool is_longer(const geometry::TetPoints& corner, int e, int f);
 
 /// The best triangulation of a cell whose split edges have a middle, with the given cuts: the largest smallest mean
-/// ratio; of equal ones that without inner edge, else the one whose inner edge comes first by coordinates.
-/// `only_positive`: of those whose cells are all positive by exact arithmetic; there may be none.
+/// ratio; of equal ones that without inner edge, else the one whose inner edge comes first by coordinates. Shapes are
+/// those between straight edges; of a cell that descends from a bent one those where the nodes lie.
+/// `only_positive`: of those whose cells are all positive by exact arithmetic, and with shapes where the nodes lie;
+/// there may be none.
 std::optional<ReferencePattern> best_pattern(const Piece& piece, const Middles& middle, const Cuts& cut,
                                              const Points& point, bool only_positive);
 

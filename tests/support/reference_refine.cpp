@@ -108,9 +108,7 @@ geometry::Vec3 target_beside_face(geometry::Vec3 a, geometry::Vec3 b, geometry::
   return geometry::project_onto_all(surfaces, middle).point;
 }
 
-/// Puts new nodes on edges in the boundary onto their surfaces. Returns the largest move over its edge's length.
-double project(const std::vector<Piece>& cell, const std::vector<const geometry::Surface*>& surface_of_patch,
-               const ReferenceClosing& closing, Points& point) {
+std::map<Edge, std::vector<FaceAtEdge>> faces_at_edges(const std::vector<Piece>& cell) {
   std::map<Edge, std::vector<FaceAtEdge>> faces;
   for (const auto& piece : cell)
     for (int f = 0; f < 4; ++f)
@@ -121,29 +119,71 @@ double project(const std::vector<Piece>& cell, const std::vector<const geometry:
             if (i != f && piece.corner[at(i)] != edge.first && piece.corner[at(i)] != edge.second)
               faces[edge].push_back({piece.patch[at(f)], piece.corner[at(i)]});
         }
+  return faces;
+}
+
+/// Where the middle of an edge in the boundary goes. Flat surfaces alone move nothing.
+geometry::Vec3 target_in_boundary(const Edge& edge, std::vector<FaceAtEdge> faces,
+                                  const std::vector<const geometry::Surface*>& surface_of_patch, const Points& point) {
+  const auto a = point[at(edge.first)], b = point[at(edge.second)];
+  std::vector<const geometry::Surface*> surfaces;
+  std::optional<GlobalId> third;  // of a face without surface
+  std::sort(faces.begin(), faces.end(), [](const auto& f, const auto& g) { return f.patch < g.patch; });
+  for (const auto& face : faces) {
+    const auto* surface = surface_of_patch[at(face.patch)];
+    if (surface == nullptr)
+      third = face.third;
+    else if (std::find(surfaces.begin(), surfaces.end(), surface) == surfaces.end())
+      surfaces.push_back(surface);
+  }
+  if (std::all_of(surfaces.begin(), surfaces.end(), [](const auto* s) { return s->is_flat(); })) return midpoint(a, b);
+  return third ? target_beside_face(a, b, point[at(*third)], *surfaces.front())
+               : geometry::project_onto_all(surfaces, midpoint(a, b)).point;
+}
+
+/// The new nodes that the map of level 0 places.
+std::map<Edge, geometry::Vec3> mapped_middles(const std::vector<Piece>& cell, const ReferenceLevel0& level0,
+                                              const ReferenceClosing& closing) {
+  std::map<Edge, geometry::Vec3> mapped;
+  for (const auto& piece : cell)
+    for (const int e : edges_within(piece, closing.marked))
+      if (const auto place = level0.mapped_middle(piece.row, piece.edge(e)))
+        if (!(mapped.emplace(piece.edge(e), *place).first->second == *place))
+          throw std::logic_error("level 0: two cells at a node do not agree about its place");
+  return mapped;
+}
+
+/// Puts new nodes where the map of level 0 wants them, others on edges in the boundary onto their surfaces. Returns the
+/// largest move over its edge's length.
+double project(const std::vector<Piece>& cell, const std::vector<const geometry::Surface*>& surface_of_patch,
+               const ReferenceLevel0& level0, const ReferenceClosing& closing, Points& point) {
+  const auto faces = faces_at_edges(cell);
+  const auto mapped = mapped_middles(cell, level0, closing);
   double largest = 0;
   for (const auto& edge : closing.marked) {
-    std::vector<const geometry::Surface*> surfaces;
-    std::optional<GlobalId> third;  // of a face without surface
-    auto at_edge = faces[edge];
-    std::sort(at_edge.begin(), at_edge.end(), [](const auto& a, const auto& b) { return a.patch < b.patch; });
-    for (const auto& face : at_edge) {
-      const auto* surface = surface_of_patch[at(face.patch)];
-      if (surface == nullptr)
-        third = face.third;
-      else if (std::find(surfaces.begin(), surfaces.end(), surface) == surfaces.end())
-        surfaces.push_back(surface);
-    }
-    if (surfaces.empty()) continue;
+    const auto found = mapped.find(edge);
+    const auto at_edge = faces.find(edge);
+    if (found == mapped.end() && at_edge == faces.end()) continue;
     auto& p = point[at(closing.middle.at(edge))];
-    const auto a = point[at(edge.first)], b = point[at(edge.second)];
-    const auto target = third ? target_beside_face(a, b, point[at(*third)], *surfaces.front())
-                              : geometry::project_onto_all(surfaces, p).point;
-    const double length = norm(a - b);
-    largest = std::max(largest, norm(target - p) / length);
+    const auto target =
+        found != mapped.end() ? found->second : target_in_boundary(edge, at_edge->second, surface_of_patch, point);
+    largest = std::max(largest, norm(target - p) / norm(point[at(edge.first)] - point[at(edge.second)]));
     p = target;
   }
   return largest;
+}
+
+/// What the new cells and nodes are in level 0.
+ReferenceLevel0 descend(const ReferenceLevel0& level0, const std::vector<Piece>& fine, const ReferenceClosing& closing,
+                        const std::vector<GlobalId>& to_final) {
+  if (level0.map == nullptr) return {};
+  ReferenceLevel0 below{level0.map, {}, level0.key};
+  for (const auto& piece : fine) below.row.push_back(piece.row);
+  below.key.resize(to_final.size());
+  for (const auto& edge : closing.marked)
+    below.key[at(to_final[at(closing.middle.at(edge))])] =
+        halfway(level0.key[at(edge.first)], level0.key[at(edge.second)]);
+  return below;
 }
 
 /// Smallest barycentric coordinate of a point in a cell.
@@ -180,25 +220,35 @@ void link(const std::vector<Piece>& piece, mesh::BlockMesh& mesh) {
     }
 }
 
+/// Where new nodes go.
+struct Walls {
+  const std::vector<const geometry::Surface*>& surface_of_patch;
+  const ReferenceLevel0& level0;
+};
+
 /// One pass: what a closing asks for.
 ReferenceRefinement carry_out(const mesh::BlockMesh& whole, const std::vector<Piece>& cell,
-                              const ReferenceClosing& closing,
-                              const std::vector<const geometry::Surface*>& surface_of_patch) {
-  auto point = closing.point;
+                              const ReferenceClosing& closing, const Walls& walls) {
+  Points straight = closing.point;
+  for (const auto& [a, b] : closing.marked)
+    straight[at(closing.middle.at({a, b}))] = midpoint(straight[at(a)], straight[at(b)]);
+  auto point = straight;
   ReferenceRefinement result;
-  if (!surface_of_patch.empty()) result.largest_move = project(cell, surface_of_patch, closing, point);
+  if (!walls.surface_of_patch.empty())
+    result.largest_move = project(cell, walls.surface_of_patch, walls.level0, closing, point);
   auto offspring = split_all(cell, closing, point);
   result.is_positive = all_positive(offspring.piece, point);
   result.families_rebuilt = static_cast<std::int64_t>(closing.family.size());
   result.families_kept = closing.families_kept;
   result.from = offspring.from;
   for (std::size_t c = 0; c < offspring.piece.size(); ++c) {
-    const auto p = points_of(offspring.piece[c], closing.point);
+    const auto p = points_of(offspring.piece[c], straight);
     result.centroid.push_back(0.25 * (p[0] + p[1] + p[2] + p[3]));
     result.parent.push_back(cell_with(closing, result.from[c], result.centroid[c]));
   }
 
   const auto to_final = number_nodes(cell, whole.node_position.size(), closing);
+  result.level0 = descend(walls.level0, offspring.piece, closing, to_final);
   auto& mesh = result.mesh;
   mesh.info = whole.info;
   mesh.node_position.resize(point.size());
@@ -264,16 +314,16 @@ ReferenceRefinement joined(const ReferenceRefinement& first, const ReferenceClos
 
 /// Passes of `removable` until nothing is to be split early.
 ReferenceRefinement refine_removable(const mesh::BlockMesh& whole, const ReferenceRequest& request, double shape_floor,
-                                     const std::vector<const geometry::Surface*>& surface_of_patch) {
-  const auto cell = pieces_of(whole);
-  const auto closing = close_removable(cell, whole.node_position, request, shape_floor);
-  if (closing.early.empty()) return carry_out(whole, cell, closing, surface_of_patch);
+                                     const Walls& walls) {
+  const auto cell = pieces_of(whole, walls.level0);
+  const auto closing = close_removable(cell, whole.node_position, walls.level0, request, shape_floor);
+  if (closing.early.empty()) return carry_out(whole, cell, closing, walls);
 
   // those alone are split first, and all that follows from them; what is early then is assessed afterwards
   const ReferenceRequest early{flag(cell, closing.early), request.assess};
-  const auto early_closing = close_removable(cell, whole.node_position, early, shape_floor);
-  if (early_closing.families_kept > 0) return carry_out(whole, cell, closing, surface_of_patch);
-  auto first = carry_out(whole, cell, early_closing, surface_of_patch);
+  const auto early_closing = close_removable(cell, whole.node_position, walls.level0, early, shape_floor);
+  if (early_closing.families_kept > 0) return carry_out(whole, cell, closing, walls);
+  auto first = carry_out(whole, cell, early_closing, walls);
   ++first.early_passes;
   const auto fine = pieces_of(first.mesh);
   std::set<GlobalId> unsettled;
@@ -281,18 +331,20 @@ ReferenceRefinement refine_removable(const mesh::BlockMesh& whole, const Referen
     if (early_closing.early.count(corners_of(family.parent)) != 0) unsettled.insert(id);
   const ReferenceRequest left{flag_again(cell, request.flags, early_closing, fine, first.from),
                               families_within(fine, first.from, unsettled)};
-  return joined(first, early_closing, refine_removable(first.mesh, left, shape_floor, surface_of_patch));
+  return joined(first, early_closing,
+                refine_removable(first.mesh, left, shape_floor, {walls.surface_of_patch, first.level0}));
 }
 
 }  // namespace
 
 ReferenceRefinement reference_refine(const mesh::BlockMesh& whole, const std::vector<std::uint8_t>& flags,
                                      refine::QualityControl policy, double shape_floor,
-                                     const std::vector<const geometry::Surface*>& surface_of_patch) {
-  if (policy == refine::QualityControl::removable)
-    return refine_removable(whole, {flags, {}}, shape_floor, surface_of_patch);
-  const auto cell = pieces_of(whole);
-  return carry_out(whole, cell, close_by_templates(cell, whole.node_position, flags, policy), surface_of_patch);
+                                     const std::vector<const geometry::Surface*>& surface_of_patch,
+                                     const ReferenceLevel0& level0) {
+  const Walls walls{surface_of_patch, level0};
+  if (policy == refine::QualityControl::removable) return refine_removable(whole, {flags, {}}, shape_floor, walls);
+  const auto cell = pieces_of(whole, level0);
+  return carry_out(whole, cell, close_by_templates(cell, whole.node_position, flags, policy), walls);
 }
 
 }  // namespace pamr::test

@@ -7,6 +7,7 @@
 #include "pamr/assemble/assemble.hpp"
 #include "pamr/geometry/surface.hpp"
 #include "pamr/refine/options.hpp"
+#include "support/reference_level0.hpp"
 
 namespace pamr::test {
 
@@ -19,19 +20,23 @@ struct ReferenceRefinement {
   std::int64_t families_rebuilt = 0;
   std::int64_t families_kept = 0;
   std::int64_t early_passes = 0;
-  double largest_move = 0;  ///< of a new node onto a surface, over the length of its edge
+  double largest_move = 0;  ///< of a new node from the middle of its edge, over the edge's length
   bool is_positive = true;  ///< every cell, exactly
+  ReferenceLevel0 level0;   ///< of `mesh`
 };
 
 /// The slow, obvious twin of `adapt::refine`: one process, the whole mesh in one block, maps of edges and of faces, all
-/// rules tried on all cells until nothing changes. Written from docs/refinement.md, not from the library's code.
+/// rules tried on all cells until nothing changes. Written from docs/refinement.md and docs/coarse-walls.md, not from
+/// the library's code.
 ///
 /// `flags`: one for each cell. `shape_floor`: for the policy `removable`. `surface_of_patch`: one for each patch, null
-/// where there is none; empty: all flat. The twin puts nodes onto surfaces but neither smooths nor backs off: where
-/// `largest_move` reaches 0.02 (smoothing) or `is_positive` is false (backing off, or no result at all) the two may
-/// differ. Cost: seconds for 10,000 cells.
+/// where there is none; empty: all flat. `level0`: what the mesh is in a level 0 with a map; nothing where there is
+/// none. The twin puts nodes onto surfaces but neither smooths nor backs off: where `largest_move` reaches 0.02 without
+/// a map (smoothing) or `is_positive` is false (backing off, or no result at all) the two may differ. Cost: seconds for
+/// 10,000 cells.
 ReferenceRefinement reference_refine(const mesh::BlockMesh& whole, const std::vector<std::uint8_t>& flags,
                                      refine::QualityControl policy, double shape_floor,
-                                     const std::vector<const geometry::Surface*>& surface_of_patch = {});
+                                     const std::vector<const geometry::Surface*>& surface_of_patch = {},
+                                     const ReferenceLevel0& level0 = {});
 
 }  // namespace pamr::test

@@ -135,6 +135,7 @@ std::vector<Piece> split_as(const Piece& parent, const Middles& middle, const Re
       child.corner[slot] = codes[slot] < 4 ? parent.corner[at(codes[slot])] : middle.at(parent.edge(codes[slot] - 4));
     // a cell of a family that is split by itself is a root: it knows no ancestors
     child.lineage = parent.lineage.base_for_split().closed(state_of(pattern), static_cast<int>(children.size()));
+    child.row = parent.row;
     children.push_back(child);
   }
   inherit_patches(parent, middle, children);
@@ -147,7 +148,7 @@ std::vector<Piece> split_in_eight(const Piece& parent, const Middles& middle, co
   std::vector<Piece> children;
   const auto add = [&](const Quad& corner) {
     const auto number = static_cast<int>(children.size());
-    children.push_back({corner, {-1, -1, -1, -1}, parent.lineage.base_for_split().red_child(number)});
+    children.push_back({corner, {-1, -1, -1, -1}, parent.lineage.base_for_split().red_child(number), parent.row});
   };
   for (std::size_t kept = 0; kept < 4; ++kept) {
     Quad corner{};

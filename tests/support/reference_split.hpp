@@ -23,11 +23,13 @@ inline Edge edge_between(GlobalId a, GlobalId b) { return a < b ? Edge{a, b} : E
 using Middles = std::map<Edge, GlobalId>;
 using Points = std::vector<geometry::Vec3>;
 
-/// A cell with its corners in order, the patch of each face on the boundary (-1: not on it) and its lineage.
+/// A cell with its corners in order, the patch of each face on the boundary (-1: not on it), its lineage and the row of
+/// the bent level-0 cell that it descends from (-1: none).
 struct Piece {
   std::array<GlobalId, 4> corner{};
   std::array<int, 4> patch{-1, -1, -1, -1};
   mesh::Lineage lineage;
+  int row = -1;
 
   Edge edge(int number) const;
   std::array<GlobalId, 4> with(std::size_t slot, GlobalId node) const;
@@ -69,7 +71,7 @@ std::vector<Piece> split_by_templates(const Piece& parent, const Middles& middle
 /// A cell alone: its corners are points 0 to 3, then come the middles of the given edges, where straight edges have
 /// them.
 struct LoneCell {
-  Piece piece{{0, 1, 2, 3}, {-1, -1, -1, -1}, {}};
+  Piece piece{{0, 1, 2, 3}, {-1, -1, -1, -1}, {}, -1};
   Points point;
   Middles middle;
 };
