@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "expect_same.hpp"
 #include "pamr/adapt/adapt.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/base/hash.hpp"
@@ -115,29 +116,6 @@ struct Tally {
   }
 };
 
-template <class T>
-void expect_same_rows(const std::vector<T>& found, const std::vector<T>& expected, const std::string& what) {
-  ASSERT_EQ(found.size(), expected.size()) << what;
-  for (std::size_t i = 0; i < found.size(); ++i) ASSERT_TRUE(found[i] == expected[i]) << what << " " << i;
-}
-
-/// Corners, neighbors, patches, lineage and parents of all cells by number, and all nodes by number, to the last bit.
-void expect_same(const mesh::BlockMesh& found, const test::ReferenceRefinement& expected) {
-  expect_same_rows(found.cell_to_node, expected.mesh.cell_to_node, "corners of cell");
-  expect_same_rows(found.node_position, expected.mesh.node_position, "position of node");
-  expect_same_rows(found.cell_to_cell, expected.mesh.cell_to_cell, "neighbors and patches of cell");
-  expect_same_rows(found.lineage, expected.mesh.lineage, "lineage of cell");
-  ASSERT_EQ(found.cell_fields.size(), 1U);
-  expect_same_rows(found.cell_fields.front().integer(), expected.parent, "parent of cell");
-}
-
-void expect_same_counts(const adapt::Report& report, const test::ReferenceRefinement& expected) {
-  EXPECT_EQ(report.cells_out, expected.mesh.info.n_global_cells);
-  EXPECT_EQ(report.nodes_out, expected.mesh.info.n_global_nodes);
-  EXPECT_EQ(report.closure.families_rebuilt, expected.families_rebuilt);
-  EXPECT_EQ(report.closure.families_kept, expected.families_kept);
-}
-
 /// Refines one level on `comm` and compares on rank `root`, the only one that needs `expected.result`.
 void compare_level(const par::Comm& comm, const Expected& expected, Rank root) {
   const auto mesh = test::scatter(comm, expected.input, expected.seed);
@@ -150,8 +128,8 @@ void compare_level(const par::Comm& comm, const Expected& expected, Rank root) {
   const auto fine = adapt::refine(comm, mesh, flags, expected.options());
   const auto found = test::gather_on(comm, fine.mesh, root);
   if (!is_root) return;
-  expect_same(found, expected.result);
-  expect_same_counts(fine.report, expected.result);
+  test::expect_same(found, expected.result);
+  test::expect_same_counts(fine.report, expected.result);
 }
 
 Plan plan_of(std::uint64_t seed, std::vector<QualityControl> policy) {
