@@ -166,7 +166,7 @@ class Settling {
     }
     if (marks == open.marks) return false;
     const auto& known = mesh::closure_states[group.is_octet() ? 0 : group.before];
-    const auto shape = refine::shape_of(level0_, corners(group), {known.mask, known.cuts});
+    const refine::CellShape shape(level0_, corners(group), {known.mask, known.cuts});
     const auto required = shape.closed_marks(marks, shape_floor_);
     if (required == all_edges || (required & ~static_cast<unsigned>(group.mask_before())) != 0) {
       force(i);
@@ -201,10 +201,11 @@ class Settling {
   /// Chooses the state for the marks that are left; false if its cells are not all positive.
   bool has_positive_state(Group& group) const {
     const auto marks = marks_of(group);
-    auto points = refine::map_middles(level0_, corners(group)).point;
+    refine::MappedPoints mapped(level0_, corners(group));
     const EdgeMask existing = group.mask_before();
     for (int e = 0; e < 6; ++e)
-      if ((existing >> e & 1U) != 0) points[at(4 + e)] = mesh_.point(group.node[at(4 + e)]);
+      if ((existing >> e & 1U) != 0) mapped.put(e, mesh_.point(group.node[at(4 + e)]));
+    const auto& points = mapped.all_points();
     group.now = 0;
     if (marks == 0)
       return refine::is_far_from_flat(points) || geometry::is_positive(points[0], points[1], points[2], points[3]);

@@ -116,6 +116,14 @@ LocalId Level0Map::find(GlobalId row) const {
   return found == cells_.end() || found->row != row ? -1 : static_cast<LocalId>(found - cells_.begin());
 }
 
+bool Level0Map::is_bent(LocalId cell, const Level0Key& key) const {
+  const auto& row = cells_[at(cell)];
+  for (const auto node : key.node)
+    for (std::size_t i = 0; i < 4 && node >= 0; ++i)
+      if (row.node[i] == node && (row.bent_corners >> i & 1U) != 0) return true;
+  return false;
+}
+
 Mapped Level0Map::onto_face(LocalId cell, int face, Vec3 from) const {
   const auto projected = walls_[at(cell)].face[at(face)]->place(from);
   Mapped mapped{projected.converged ? projected.point : from};

@@ -59,6 +59,8 @@ class Level0Map {
   GlobalId n_global_cells() const { return n_global_cells_; }
   /// Index of a row, -1 if it is not here.
   LocalId find(GlobalId row) const;
+  /// Whether one of the level-0 nodes of a key is bent.
+  bool is_bent(LocalId cell, const Level0Key& key) const;
   /// Where a node belongs that is no node of level 0. Nothing where the map changes nothing: its support is not bent.
   std::optional<Mapped> place(LocalId cell, const Level0Key& key) const;
   /// What the curved walls of a cell want at these barycentric coordinates beyond the quadratic map: R in the page.
@@ -97,6 +99,7 @@ class Level0View {
   bool is_empty() const { return map_ == nullptr; }
   /// The cell's row in the map, -1: none.
   LocalId row_of(LocalId cell) const;
+  bool is_bent(LocalId row, const Level0Key& key) const { return map_->is_bent(row, key); }
   Level0Key key(LocalId node) const { return key_of(keys_, node); }
   std::optional<Mapped> place(LocalId row, const Level0Key& key) const { return map_->place(row, key); }
 

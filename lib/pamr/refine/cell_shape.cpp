@@ -190,13 +190,15 @@ CellShape::CellShape(const geometry::TetPoints& corner, OldCuts old) : corner_(c
   scale_ = 15552 * volume_ * std::abs(volume_);  // 12^3 9 V^2
 }
 
-CellShape::CellShape(const MappedPoints& points, OldCuts old)
-    : CellShape(geometry::TetPoints{points.point[0], points.point[1], points.point[2], points.point[3]}, old) {
-  if (points.is_bent) mapped_ = points.point;
+CellShape::CellShape(const mesh::Level0View& level0, const BaseCorners& corners, OldCuts old)
+    : CellShape(corners.point, old) {
+  if (corners.row < 0) return;
+  mapped_.emplace(level0, corners);
+  if (!mapped_->is_bent()) mapped_.reset();
 }
 
 geometry::Vec3 CellShape::middle(int edge) const {
-  if (mapped_) return (*mapped_)[at(4 + edge)];
+  if (mapped_) return mapped_->point(4 + edge);
   return geometry::midpoint(corner_[at(edge_to_corner[at(edge)][0])], corner_[at(edge_to_corner[at(edge)][1])]);
 }
 
@@ -204,7 +206,7 @@ double CellShape::of_child(int of_shape) const {
   const auto& [factor, squared_volume, nodes] = table.shape[at(of_shape)];
   if (mapped_)
     return cubed_ratio(
-        {(*mapped_)[at(nodes[0])], (*mapped_)[at(nodes[1])], (*mapped_)[at(nodes[2])], (*mapped_)[at(nodes[3])]});
+        {mapped_->point(nodes[0]), mapped_->point(nodes[1]), mapped_->point(nodes[2]), mapped_->point(nodes[3])});
   const double sum = sum_of_squares(factor, squared_);
   return scale_ * squared_volume / (sum * sum * sum);
 }
@@ -230,7 +232,10 @@ double CellShape::of_state(int state) const {
 }
 
 double CellShape::of_regular_split() const {
-  if (mapped_) return 15552 * worst_child_shape(*mapped_, regular_state + choose_diagonal(*mapped_, false));
+  if (mapped_) {
+    const auto& points = mapped_->all_points();
+    return 15552 * worst_child_shape(points, regular_state + choose_diagonal(points, false));
+  }
   double all = 0;
   for (const double square : squared_) all += square;
   std::array<double, 3> length{};  // four times the squares of the diagonals
@@ -293,10 +298,6 @@ unsigned CellShape::cuts(EdgeMask marks) const {
     cuts |= (is_higher ? 1U : 0U) << f;
   }
   return cuts;
-}
-
-CellShape shape_of(const mesh::Level0View& level0, const BaseCorners& corners, OldCuts old) {
-  return corners.row < 0 ? CellShape(corners.point, old) : CellShape(map_middles(level0, corners), old);
 }
 
 int only_state(EdgeMask marks) {

@@ -27,7 +27,8 @@ inline constexpr double equal_cubes = 1 - 3 * 0x1p-40;
 class CellShape {
  public:
   explicit CellShape(const geometry::TetPoints& corner, OldCuts old = {});
-  CellShape(const MappedPoints& points, OldCuts old);
+  /// Of a base cell with its middles where new nodes would lie; the view has to live as long.
+  CellShape(const mesh::Level0View& level0, const BaseCorners& corners, OldCuts old = {});
 
   double volume() const { return volume_; }
   /// Third power of the smallest mean ratio of the children of a closure state.
@@ -60,7 +61,7 @@ class CellShape {
   geometry::Vec3 middle(int edge) const;
 
   geometry::TetPoints corner_;
-  std::optional<SplitPoints> mapped_;
+  std::optional<MappedPoints> mapped_;  ///< of bent cells
   OldCuts old_;
   std::array<double, 6> squared_{};
   mutable unsigned longer_ =
@@ -69,9 +70,6 @@ class CellShape {
   double volume_ = 0;
   double scale_ = 0;
 };
-
-/// Of a base cell with these corners, its middles where new nodes would lie. Local.
-CellShape shape_of(const mesh::Level0View& level0, const BaseCorners& corners, OldCuts old = {});
 
 /// The state with these marks where there is but one, whatever the shape of the cell; else 0. Pre: one to five marks.
 int only_state(EdgeMask marks);

@@ -92,8 +92,8 @@ int best_positive_state(const SplitPoints& points, const StateChoice& choice) {
 /// How a child is split that has these marks. At a corner with three marked edges all six edges of the child exist.
 int state_of_child(const mesh::Level0View& level0, const BaseCorners& corners, const CellShape& shape, EdgeMask marks) {
   if (marks != all_edges) return shape.best_state(marks);
-  const auto points = map_middles(level0, corners);
-  return regular_state + choose_diagonal(points.point, !points.is_bent);
+  const MappedPoints points(level0, corners);
+  return regular_state + choose_diagonal(points.all_points(), !points.is_bent());
 }
 
 /// The edge of a member between the nodes of two codes; no cell: there is none that is still an edge when the parent is
@@ -166,12 +166,12 @@ FamilyView view_family(const mesh::DistMesh& mesh, const std::vector<EdgeMask>& 
 }
 
 MappedPoints family_points(const mesh::DistMesh& mesh, const mesh::Level0View& level0, const FamilyView& family) {
-  const auto row = level0.row_of(family.first);
-  auto mapped = map_middles(
-      level0, base_corners(mesh, level0, row, {family.node[0], family.node[1], family.node[2], family.node[3]}));
+  const auto& node = family.node;
+  MappedPoints points(level0,
+                      base_corners(mesh, level0, level0.row_of(family.first), {node[0], node[1], node[2], node[3]}));
   for (int e = 0; e < 6; ++e)
-    if (const auto node = family.node[at(4 + e)]; node != invalid_local) mapped.point[at(4 + e)] = mesh.point(node);
-  return mapped;
+    if (node[at(4 + e)] != invalid_local) points.put(e, mesh.point(node[at(4 + e)]));
+  return points;
 }
 
 int choose_state(const SplitPoints& points, EdgeMask marks, int before, bool is_safe) {
@@ -192,7 +192,7 @@ FamilyPlan plan_family(const mesh::DistMesh& mesh, const FamilyView& family, dou
   plan.first = family.first;
   const mesh::Level0View level0(mesh);
   const auto mapped = family_points(mesh, level0, family);
-  const auto& points = mapped.point;
+  const auto& points = mapped.all_points();
   plan.is_safe = is_straight(points, split_pattern[at(family.state)].mask) && is_far_from_flat(points);
   plan.state = static_cast<SplitState>(choose_state(points, family.parent_marks, family.state, plan.is_safe));
   if (plan.state == 0) return result;
@@ -204,7 +204,7 @@ FamilyPlan plan_family(const mesh::DistMesh& mesh, const FamilyView& family, dou
     const auto marks = marks_of_child(family, code);
     if (marks == 0) continue;
     const auto corners = mapped.child(code);
-    const auto shape = shape_of(level0, corners);
+    const CellShape shape(level0, corners);
     const unsigned added = shape.closed_marks(marks, shape_floor) & ~static_cast<unsigned>(marks);
     for (unsigned rest = added; rest != 0; rest &= rest - 1) {
       const auto [p, q] = edge_to_corner[at(std::countr_zero(rest))];

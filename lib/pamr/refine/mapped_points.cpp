@@ -8,15 +8,7 @@
 
 namespace pamr::refine {
 
-BaseCorners MappedPoints::child(const std::array<std::int8_t, 4>& code) const {
-  BaseCorners corners;
-  corners.row = row;
-  for (std::size_t i = 0; i < 4; ++i) {
-    corners.point[i] = point[at(code[i])];
-    if (row >= 0) corners.key[i] = key[at(code[i])];
-  }
-  return corners;
-}
+using mesh::tet::edge_to_corner;
 
 BaseCorners base_corners(const mesh::DistMesh& mesh, const mesh::Level0View& level0, LocalId row,
                          const std::array<LocalId, 4>& node) {
@@ -33,23 +25,49 @@ BaseCorners base_corners(const mesh::DistMesh& mesh, const mesh::Level0View& lev
   return base_corners(mesh, level0, level0.row_of(cell), mesh.cell_to_node[at(cell)]);
 }
 
-MappedPoints map_middles(const mesh::Level0View& level0, const BaseCorners& corners) {
-  MappedPoints mapped;
-  mapped.row = corners.row;
-  std::copy(corners.point.begin(), corners.point.end(), mapped.point.begin());
-  if (corners.row >= 0) std::copy(corners.key.begin(), corners.key.end(), mapped.key.begin());
-  for (std::size_t e = 0; e < 6; ++e) {
-    const auto [a, b] = mesh::tet::edge_to_corner[e];
-    auto& point = mapped.point[4 + e];
-    point = geometry::midpoint(corners.point[at(a)], corners.point[at(b)]);
-    if (corners.row < 0) continue;
-    mapped.key[4 + e] = mesh::middle(corners.key[at(a)], corners.key[at(b)]);
-    if (const auto placed = level0.place(corners.row, mapped.key[4 + e])) {
-      point = placed->point;
-      mapped.is_bent = true;
-    }
+MappedPoints::MappedPoints(const mesh::Level0View& level0, const BaseCorners& corners)
+    : level0_(&level0), corners_(corners) {
+  std::copy(corners.point.begin(), corners.point.end(), point_.begin());
+  is_bent_ = corners.row >= 0 && std::any_of(corners.key.begin(), corners.key.end(), [&](const mesh::Level0Key& key) {
+               return level0.is_bent(corners.row, key);
+             });
+}
+
+mesh::Level0Key MappedPoints::key_in_middle(int edge) const {
+  const auto [a, b] = edge_to_corner[at(edge)];
+  return mesh::middle(corners_.key[at(a)], corners_.key[at(b)]);
+}
+
+geometry::Vec3 MappedPoints::point(int code) const {
+  const int edge = code - 4;
+  if (edge < 0 || (known_ >> edge & 1U) != 0) return point_[at(code)];
+  known_ |= 1U << edge;
+  const auto [a, b] = edge_to_corner[at(edge)];
+  auto& point = point_[at(code)];
+  point = geometry::midpoint(corners_.point[at(a)], corners_.point[at(b)]);
+  if (is_bent_)
+    if (const auto placed = level0_->place(corners_.row, key_in_middle(edge))) point = placed->point;
+  return point;
+}
+
+const SplitPoints& MappedPoints::all_points() const {
+  for (int code = 4; code < 10; ++code) point(code);
+  return point_;
+}
+
+void MappedPoints::put(int edge, geometry::Vec3 point) {
+  known_ |= 1U << edge;
+  point_[at(4 + edge)] = point;
+}
+
+BaseCorners MappedPoints::child(const std::array<std::int8_t, 4>& code) const {
+  BaseCorners corners;
+  corners.row = corners_.row;
+  for (std::size_t i = 0; i < 4; ++i) {
+    corners.point[i] = point(code[i]);
+    if (corners_.row >= 0) corners.key[i] = code[i] < 4 ? corners_.key[at(code[i])] : key_in_middle(code[i] - 4);
   }
-  return mapped;
+  return corners;
 }
 
 }  // namespace pamr::refine

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 
 #include "pamr/geometry/tet_shape.hpp"
 #include "pamr/mesh/dist_mesh.hpp"
@@ -13,19 +14,8 @@ namespace pamr::refine {
 /// The corners of a base cell, where they lie in the domain and in level 0.
 struct BaseCorners {
   geometry::TetPoints point{};
-  std::array<mesh::Level0Key, 4> key{};
+  std::array<mesh::Level0Key, 4> key;
   LocalId row = -1;  ///< of the map; -1: the cell is not bent, and keys are not looked at
-};
-
-/// The corners of a base cell and the middles of its edges where new nodes would lie, by node code.
-struct MappedPoints {
-  SplitPoints point{};
-  std::array<mesh::Level0Key, 10> key{};
-  LocalId row = -1;
-  bool is_bent = false;  ///< a middle may lie elsewhere than in the middle
-
-  /// A child of the base cell, given by the codes of its corners.
-  BaseCorners child(const std::array<std::int8_t, 4>& code) const;
 };
 
 /// The corners that these nodes are of a cell that descends from the one of a row. Local.
@@ -34,7 +24,30 @@ BaseCorners base_corners(const mesh::DistMesh& mesh, const mesh::Level0View& lev
 /// Of a cell. Local.
 BaseCorners base_corners(const mesh::DistMesh& mesh, const mesh::Level0View& level0, LocalId cell);
 
-/// Where new nodes in the middles of the edges would lie: where the map puts them, else in the middle. Local.
-MappedPoints map_middles(const mesh::Level0View& level0, const BaseCorners& corners);
+/// A base cell with the middles of its edges where new nodes would lie: where the map puts them, else in the middle.
+/// Each is placed when it is asked for. The view has to live as long.
+class MappedPoints {
+ public:
+  MappedPoints(const mesh::Level0View& level0, const BaseCorners& corners);
+
+  /// A middle may lie elsewhere than in the middle.
+  bool is_bent() const { return is_bent_; }
+  /// Corner or middle, by node code.
+  geometry::Vec3 point(int code) const;
+  const SplitPoints& all_points() const;
+  /// A middle that exists already.
+  void put(int edge, geometry::Vec3 point);
+  /// A child of the base cell, given by the codes of its corners.
+  BaseCorners child(const std::array<std::int8_t, 4>& code) const;
+
+ private:
+  mesh::Level0Key key_in_middle(int edge) const;
+
+  const mesh::Level0View* level0_;
+  BaseCorners corners_;
+  mutable SplitPoints point_;
+  mutable unsigned known_ = 0;  ///< bits of the middles that are placed
+  bool is_bent_ = false;
+};
 
 }  // namespace pamr::refine

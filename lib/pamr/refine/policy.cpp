@@ -27,9 +27,8 @@ double worst_of_face_split(const SplitPoints& points, int face) {
   return worst;
 }
 
-CellShape shape_of_cell(const mesh::DistMesh& mesh, LocalId cell) {
-  const mesh::Level0View level0(mesh);
-  return shape_of(level0, base_corners(mesh, level0, cell));
+CellShape shape_of(const mesh::DistMesh& mesh, const mesh::Level0View& level0, LocalId cell) {
+  return level0.is_empty() ? CellShape(mesh.points(cell)) : CellShape(level0, base_corners(mesh, level0, cell));
 }
 
 }  // namespace
@@ -51,8 +50,9 @@ EdgeMask face_implied_by_short_edge(const mesh::DistMesh& mesh, LocalId cell, in
 EdgeMask required_marks(const mesh::DistMesh& mesh, LocalId cell, EdgeMask marks, const Options& options) {
   if (marks == 0 || marks == all_edges) return marks;
   const bool is_closure = mesh.lineage[at(cell)].is_closure();
+  const mesh::Level0View level0(mesh);
   if (options.quality_control == QualityControl::removable)  // a closure cell here has lost its parent: no floor
-    return is_closure ? marks : shape_of_cell(mesh, cell).closed_marks(marks, options.shape_floor);
+    return is_closure ? marks : shape_of(mesh, level0, cell).closed_marks(marks, options.shape_floor);
   if (is_closure) {
     if (options.quality_control == QualityControl::isotropic) return all_edges;
     if (options.quality_control == QualityControl::short_edge) {
@@ -72,7 +72,8 @@ SplitState state_of_cell(const mesh::DistMesh& mesh, LocalId cell, EdgeMask mark
   if (marks == all_edges) return regular_state;
   if (options.quality_control != QualityControl::removable) return static_cast<SplitState>(state_of_template[marks]);
   if (const int only = only_state(marks); only != 0) return static_cast<SplitState>(only);
-  return static_cast<SplitState>(shape_of_cell(mesh, cell).best_state(marks));
+  const mesh::Level0View level0(mesh);
+  return static_cast<SplitState>(shape_of(mesh, level0, cell).best_state(marks));
 }
 
 }  // namespace pamr::refine

@@ -225,7 +225,7 @@ void Propagation::apply_family_rule(LocalId first) {
     make_red(first, state);
     return;
   }
-  const auto shape = shape_of(level0_, parent_corners(first, state), {pattern.mask, pattern.cuts});
+  const CellShape shape(level0_, parent_corners(first, state), {pattern.mask, pattern.cuts});
   const auto required = shape.closed_marks(static_cast<EdgeMask>(meaning), options_.shape_floor);
   if (required == all_edges) {
     make_red(first, state);
