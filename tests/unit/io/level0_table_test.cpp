@@ -4,6 +4,7 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <functional>
@@ -189,7 +190,7 @@ std::function<void(const path&)> set(const std::string& dataset, std::size_t ind
   return [=](const path& file) { test::set_value<T>(file, dataset, index, value); };
 }
 
-/// Nodes 0 has no key, node 1 that of itself, node 2 that of the middle of 0 and 2.
+/// Node 0 has no key, node 1 that of itself, node 2 that of the middle of 0 and 2.
 std::vector<Damage> damaged_fields() {
   using Int = std::int64_t;
   return {
@@ -205,6 +206,13 @@ std::vector<Damage> damaged_fields() {
       {"WeightsOfAnotherSum", set<Int>(keys, 12, 1), {keys, "row 1", "another sum"}},
       {"RowBeyond", set<Int>(rows, 4, 3), {rows, "row 4", "-1 or a row from 0 to 2", "found 3"}},
       {"RowBelow", set<Int>(rows, 47, -2), {rows, "row 47", "found -2"}},
+      {"RowWithoutCell",
+       [](const path& f) {
+         auto values = test::read_dataset<Int>(f, rows);
+         std::replace(values.begin(), values.end(), Int{2}, Int{1});
+         test::write_dataset<Int>(f, rows, {48}, values);
+       },
+       {"/PAMR/level0, row 2", "cells that name this row in 'level0_cell', found none"}},
       {"KeysOfFour",
        [](const path& f) {
          test::write_dataset<Int>(f, keys, {27, 4}, std::vector<Int>(108, -1));

@@ -14,6 +14,7 @@
 #include "pamr/base/error.hpp"
 #include "pamr/base/index.hpp"
 #include "pamr/mesh/level0_key.hpp"
+#include "pamr/par/exchange.hpp"
 
 namespace pamr::io {
 
@@ -168,16 +169,35 @@ void check_fields(const SlabReader& reader, const Layout& layout, Rows cells, Ro
   });
 }
 
+/// Refuses rows that no cell is in: no rank would hold them. Collective: two sparse exchanges.
+void require_cells_in_rows(const SlabReader& reader, GlobalId n_rows, const mesh::BlockMesh& block) {
+  const auto& comm = reader.comm();
+  std::vector<GlobalId> named;
+  for (const auto& field : block.cell_fields)
+    if (field.name == mesh::level0_cell_field) named = field.integer();
+  std::sort(named.begin(), named.end());
+  named.erase(std::unique(named.begin(), named.end()), named.end());
+  std::erase(named, -1);
+  const std::vector<std::uint8_t> yes(named.size(), 1);
+  const auto has_cell = par::scatter_rows<std::uint8_t>(comm, n_rows, yes, 1, named);
+  const auto first = par::block_range(n_rows, comm.rank(), comm.size()).begin;
+  par::agree(comm, [&] {
+    const auto none = std::find(has_cell.begin(), has_cell.end(), 0);
+    if (none != has_cell.end())
+      reader.fail(path::level0, first + (none - has_cell.begin()),
+                  fmt::format("cells that name this row in '{}'", mesh::level0_cell_field), "none");
+  });
+}
+
 }  // namespace
 
 void read_level0(SlabReader& reader, const Layout& layout, Rows cells, Rows nodes, mesh::BlockMesh& block) {
   const auto n_rows = layout.level0.n_rows;
   if (n_rows == 0) return;
   auto rows = read_rows(reader, layout.level0, block.info);
-  par::agree(reader.comm(), [&] {
-    check_fields(reader, layout, cells, nodes, block);
-    block.info.level0 = std::make_shared<const mesh::Level0Map>(std::move(rows), n_rows, block.info);
-  });
+  par::agree(reader.comm(), [&] { check_fields(reader, layout, cells, nodes, block); });
+  require_cells_in_rows(reader, n_rows, block);
+  block.info.level0 = std::make_shared<const mesh::Level0Map>(std::move(rows), n_rows, block.info);
 }
 
 }  // namespace pamr::io
