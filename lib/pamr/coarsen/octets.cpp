@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "pamr/base/memory.hpp"
 #include "pamr/refine/family.hpp"
 
 namespace pamr::coarsen {
@@ -74,6 +75,7 @@ Group family_group(const mesh::DistMesh& mesh, LocalId first) {
 
 Candidates find_octets(const mesh::DistMesh& mesh, std::span<const std::int8_t> flags) {
   Candidates found;
+  reserve_array(found.octets, at(mesh.n_cells()) / 8);
   Run run;
   LocalId end = 0;
   for (LocalId c = 0; c < mesh.n_cells(); c = end) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cstddef>
 #include <utility>
 
 #include "pamr/base/memory.hpp"
@@ -35,7 +36,9 @@ class Settling {
       : mesh_(mesh), level0_(mesh), flags_(needs.flags), shape_floor_(needs.shape_floor) {
     assign_array(stays_, at(mesh.n_nodes()), std::uint8_t{0});
     for (const auto node : needs.nodes) stay(node);
+    reserve_array(open_, at(mesh.n_cells()) / 2);  // groups have two cells or more
     start(octets);
+    n_at_start_ = open_.size();
   }
 
   /// Applies the rules until nothing changes on this rank.
@@ -76,13 +79,20 @@ class Settling {
     outcome.octets_kept = n_octets_kept_;
     outcome.families_kept = n_families_kept_;
     outcome.octets_needed = n_needed_ - n_octets_kept_;
-    for (auto& open : open_) {
-      if (open.is_closed) continue;
-      ++(open.group.is_octet() ? outcome.octets_gone : outcome.families_closed);
-      settled.groups.push_back(open.group);
+    auto& groups = settled.groups;
+    reserve_array(groups, open_.size());
+    std::ptrdiff_t n_in_order = 0;
+    for (std::size_t i = 0; i < open_.size(); ++i) {
+      const auto& group = open_[i].group;
+      if (open_[i].is_closed) continue;
+      ++(group.is_octet() ? outcome.octets_gone : outcome.families_closed);
+      groups.push_back(group);
+      if (i < n_at_start_) ++n_in_order;
     }
-    std::sort(settled.groups.begin(), settled.groups.end(),
-              [](const Group& a, const Group& b) { return a.first < b.first; });
+    const auto late = groups.begin() + n_in_order;
+    const auto is_before = [](const Group& a, const Group& b) { return a.first < b.first; };
+    std::sort(late, groups.end(), is_before);
+    std::inplace_merge(groups.begin(), late, groups.end(), is_before);
     settled.node_stays = std::move(stays_);
     return settled;
   }
@@ -222,6 +232,7 @@ class Settling {
   double shape_floor_;
   std::vector<std::uint8_t> stays_;
   std::vector<Open> open_;
+  std::size_t n_at_start_ = 0;  ///< of `open_`, ascending; the rest are families of forced octets
   std::int64_t n_needed_ = 0, n_octets_kept_ = 0, n_families_kept_ = 0;
 };
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "pamr/base/error.hpp"
+#include "pamr/base/memory.hpp"
 
 namespace pamr::mark {
 
@@ -60,8 +61,8 @@ Applied apply(const par::Comm& comm, const mesh::DistMesh& mesh, const Request& 
 
 Applied apply(const par::Comm& comm, const mesh::DistMesh& mesh, const Request& request, KnownErrors& known) {
   Applied result;
-  result.indicator.assign(mesh.cell_to_node.size(), 0);
-  result.may_go.assign(mesh.cell_to_node.size(), request.coarsens() ? 1 : 0);
+  assign_array(result.indicator, mesh.cell_to_node.size(), 0.0);
+  assign_array(result.may_go, mesh.cell_to_node.size(), static_cast<std::uint8_t>(request.coarsens() ? 1 : 0));
   const Evaluate evaluate{&comm, &mesh, request.size, &known};
   for (const auto& criterion : request.criteria) {
     const auto wish = std::visit(evaluate, criterion.rule);

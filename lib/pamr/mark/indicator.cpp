@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "pamr/base/contract.hpp"
+#include "pamr/base/memory.hpp"
 #include "pamr/mesh/require_field.hpp"
 #include "pamr/par/select_smallest.hpp"
 
@@ -52,9 +53,9 @@ std::int64_t keep_below_level(const mesh::DistMesh& mesh, Exact<int> max_level, 
 }
 
 std::vector<std::uint8_t> marks_of(std::span<const double> indicator) {
-  std::vector<std::uint8_t> marks(indicator.size());
-  std::transform(indicator.begin(), indicator.end(), marks.begin(),
-                 [](double wish) { return static_cast<std::uint8_t>(wish > 0 ? 1 : 0); });
+  std::vector<std::uint8_t> marks;
+  reserve_array(marks, indicator.size());
+  for (const double wish : indicator) marks.push_back(wish > 0 ? 1 : 0);
   return marks;
 }
 

@@ -10,6 +10,7 @@
 
 #include "pamr/base/error.hpp"
 #include "pamr/base/index.hpp"
+#include "pamr/base/memory.hpp"
 #include "pamr/geometry/tet_shape.hpp"
 #include "pamr/mark/recovery.hpp"
 #include "pamr/mesh/borders.hpp"
@@ -43,8 +44,10 @@ const std::vector<double>& require_nodal(const par::Comm& comm, const mesh::Dist
 RecoveredError recovered_error(const par::Comm& comm, const mesh::DistMesh& mesh, std::string_view field) {
   const auto& value = require_nodal(comm, mesh, field);
   const auto n_cells = mesh.cell_to_node.size();
-  std::vector<double> volume(n_cells);
-  std::vector<Vec3> gradient(n_cells);
+  std::vector<double> volume;
+  std::vector<Vec3> gradient;
+  assign_array(volume, n_cells, 0.0);
+  assign_array(gradient, n_cells, Vec3{});
   for (std::size_t c = 0; c < n_cells; ++c) {
     const auto p = mesh.points(static_cast<LocalId>(c));
     std::array<double, 4> at_corner{};
@@ -57,7 +60,7 @@ RecoveredError recovered_error(const par::Comm& comm, const mesh::DistMesh& mesh
                                            mesh.cell_to_node, volume, gradient);
 
   RecoveredError result;
-  result.squared.resize(n_cells);
+  assign_array(result.squared, n_cells, 0.0);
   std::array<par::ExactSum, 2> sums;
   for (std::size_t c = 0; c < n_cells; ++c) {
     auto order = mesh.cell_to_node[c];
@@ -79,10 +82,11 @@ Indicator above_mean_share(const RecoveredError& error, Exact<GlobalId> n_global
   if (!(theta > 0) || !std::isfinite(theta))
     throw Error(fmt::format("expected a positive share of the mean square, found {}", theta));
   const double bar = round_to_20_bits(theta * error.norm_squared / static_cast<double>(n_global_cells));
-  Indicator indicator(error.squared.size(), 0);
-  for (std::size_t i = 0; i < indicator.size(); ++i) {
-    const double excess = round_to_20_bits(error.squared[i]) - bar;
-    if (excess > 0) indicator[i] = bar > 0 ? excess / bar : excess;
+  Indicator indicator;
+  reserve_array(indicator, error.squared.size());
+  for (const double squared : error.squared) {
+    const double excess = round_to_20_bits(squared) - bar;
+    indicator.push_back(excess > 0 ? (bar > 0 ? excess / bar : excess) : 0);
   }
   return indicator;
 }
