@@ -117,14 +117,42 @@ bool moves_thresholds(const mark::Request& request) {
                      [](const auto& criterion) { return criterion.coarsen_below.has_value(); });
 }
 
+/// Forecasts of flags for one mesh. The last trial that fits is kept: most often it is that of what is chosen.
+class Forecasts {
+ public:
+  Forecasts(const par::Comm& comm, const mesh::DistMesh& mesh, const refine::Options& refinement)
+      : comm_(&comm), forecaster_(comm, mesh, refinement) {}
+
+  /// The number of cells. Collective.
+  std::int64_t try_out(std::vector<std::int8_t> flags, std::int64_t max_cells) {
+    auto forecast = forecaster_.forecast(flags);
+    const auto cells = forecast.cells;
+    if (cells <= max_cells) last_ = {std::move(flags), std::move(forecast)};
+    return cells;
+  }
+
+  /// Collective.
+  adapt::Forecast of(const std::vector<std::int8_t>& flags) {
+    if (!comm_->all(last_ && last_->first == flags)) return forecaster_.forecast(flags);
+    return std::exchange(last_, std::nullopt).value().second;
+  }
+
+  const adapt::Forecaster& forecaster() const { return forecaster_; }
+
+ private:
+  const par::Comm* comm_;
+  adapt::Forecaster forecaster_;
+  std::optional<std::pair<std::vector<std::int8_t>, adapt::Forecast>> last_;
+};
+
 /// The wanted cells and those that may be coarsened, within `max_cells`. Collective.
 Marked choose_both_ways(const par::Comm& comm, const mesh::DistMesh& mesh, const mark::Request& request,
                         const mark::Applied& applied, mark::KnownErrors known, const Options& options,
-                        const adapt::Forecaster& forecaster) {
+                        Forecasts& forecasts) {
   const auto size = [&](std::span<const std::uint8_t> marks, std::span<const std::uint8_t> may_go) {
     std::vector<std::uint8_t> goes(may_go.begin(), may_go.end());
     if (request.keep_for > 0) mark::keep_in_trial(comm, mesh, options.marks, request.keep_for, goes);
-    return forecaster.forecast(adapt::signed_flags(marks, goes)).cells;
+    return forecasts.try_out(adapt::signed_flags(marks, goes), *options.max_cells);
   };
   auto choice = mark::choose_within_budget(
       comm, mesh, request, applied,
@@ -137,29 +165,24 @@ Marked choose_marks(const par::Comm& comm, mesh::DistMesh& mesh, const mark::Req
                     const mark::Applied& applied, mark::KnownErrors known, const Options& options,
                     const refine::Options& refinement) {
   Marked marked{mark::marks_of(applied.indicator), applied.may_go, {}, 0, 0, 0, 1};
-  const adapt::Forecaster forecaster(comm, mesh, refinement);
+  Forecasts forecasts(comm, mesh, refinement);
   const bool both_ways = options.max_cells && moves_thresholds(request);
-  if (both_ways) marked = choose_both_ways(comm, mesh, request, applied, std::move(known), options, forecaster);
+  if (both_ways) marked = choose_both_ways(comm, mesh, request, applied, std::move(known), options, forecasts);
   if (request.keep_for > 0) mark::keep_for_a_while(comm, mesh, options.marks, request.keep_for, marked.may_go);
-  const bool any_may_go = comm.any(std::find(marked.may_go.begin(), marked.may_go.end(), 1) != marked.may_go.end());
-  std::optional<adapt::Forecast> forecast;
   if (options.max_cells && !both_ways)
     marked.marks = mark::marks_within_budget(
         comm, mesh, applied.indicator, *options.max_cells, [&](std::span<const std::uint8_t> some) {
-          if (any_may_go) return forecaster.forecast(adapt::signed_flags(some, marked.may_go)).cells;
-          auto trial = forecaster.forecast(some);
-          const auto cells = trial.cells;
-          if (cells <= *options.max_cells) forecast = std::move(trial);
-          return cells;
+          return forecasts.try_out(adapt::signed_flags(some, marked.may_go), *options.max_cells);
         });
-  if (!forecast) forecast = forecaster.forecast(marked.marks);  // else the last trial that fits: that of the marks
-  marked.work = forecaster.work(*forecast);
+  auto forecast = forecasts.of(adapt::signed_flags(marked.marks));
+  marked.work = forecasts.forecaster().work(forecast);
   if (request.max_level)
     marked.too_fine = comm.sum(
-        adapt::count_splits_from_level(forecast->mesh ? *forecast->mesh : mesh, forecast->closure, *request.max_level));
-  if (any_may_go) forecast = forecaster.forecast(adapt::signed_flags(marked.marks, marked.may_go));
-  marked.cells_after = forecast->cells;
-  marked.nodes_after = forecaster.nodes(*forecast);
+        adapt::count_splits_from_level(forecast.mesh ? *forecast.mesh : mesh, forecast.closure, *request.max_level));
+  const auto flags = adapt::signed_flags(marked.marks, marked.may_go);
+  if (comm.any(adapt::has_sign(flags, -1))) forecast = forecasts.of(flags);
+  marked.cells_after = forecast.cells;
+  marked.nodes_after = forecasts.forecaster().nodes(forecast);
   return marked;
 }
 
