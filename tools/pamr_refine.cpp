@@ -259,11 +259,11 @@ cli::ExitCode work(cli::Session& session, const Options& options) {
   if (const auto warning = mesh::warning_of_periodic(result.mesh.info.patches); !warning.empty()) session.warn(warning);
   warn_too_deep(session, result.report.marked_too_deep);
   warn_kept(session, result.report.closure.families_kept, how);
-  if (const auto& level0 = result.report.level0; !level0.none_because.empty())
+  if (const auto& level0 = result.report.level0; !level0.trouble.empty())
     session.warn(fmt::format(
         "{} edges of level 0 are longer than 0.2 of the radius of curvature of their wall, and {}: cells there may "
         "lose shape from level to level",
-        level0.n_coarse_edges, level0.none_because));
+        level0.n_coarse_edges, level0.trouble));
   if (options.quality_control == "removable" && options.shape_floor > 0)
     warn_lost_shapes(session, walls_before, walls_after);
   if (result.report.closure.n_marked == 0 && result.coarsening.cells_flagged == 0)

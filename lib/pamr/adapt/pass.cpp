@@ -5,12 +5,12 @@
 
 #include "pamr/adapt/depth.hpp"
 #include "pamr/mesh/undescribed_patches.hpp"
+#include "pamr/refine/certify.hpp"
 #include "pamr/refine/close.hpp"
 #include "pamr/refine/fine_nodes.hpp"
 #include "pamr/refine/integrals.hpp"
 #include "pamr/refine/project.hpp"
 #include "pamr/refine/relink.hpp"
-#include "pamr/refine/settle.hpp"
 #include "pamr/refine/subdivide.hpp"
 #include "pamr/refine/transfer.hpp"
 
@@ -71,7 +71,7 @@ Closed close_pass(const par::Comm& comm, Marked marked, const refine::Options& o
   return closed;
 }
 
-Split split_pass(const par::Comm& comm, const Closed& closed, StepTimer& timer, std::span<const LocalId> open_nodes) {
+Split split_pass(const par::Comm& comm, const Closed& closed, StepTimer& timer) {
   const auto& mesh = closed.mesh.get();
   const auto& info = closed.info;
   const auto& borders = closed.borders;
@@ -84,14 +84,14 @@ Split split_pass(const par::Comm& comm, const Closed& closed, StepTimer& timer, 
   timer.lap("project");
   auto children = refine::subdivide(old, nodes.position);
   timer.lap("subdivide");
-  const refine::NewLevel level{mesh, info, *closed.surfaces, numbering, children, nodes.shared, open_nodes};
-  auto settled = refine::settle(comm, level, std::move(nodes.position), std::move(movables));
+  const refine::NewLevel level{mesh, info, *closed.surfaces, numbering, children, nodes.shared};
+  auto settled = refine::certify(comm, level, std::move(nodes.position), movables);
   nodes.position = std::move(settled.position);
   timer.lap("project");
   auto links = refine::relink(comm, old, children, nodes.global);
   auto fine = put_together(old, info, std::move(nodes), std::move(children), std::move(links));
   timer.lap("relink");
-  return {std::move(fine), std::move(numbering), std::move(settled.certificate), settled.reaches_open};
+  return {std::move(fine), std::move(numbering), std::move(settled.certificate)};
 }
 
 Result transfer_pass(Closed closed, Split split, const refine::Options& options) {
@@ -108,7 +108,6 @@ Result transfer_pass(Closed closed, Split split, const refine::Options& options)
   report.certificate.n_moved += before.n_moved;
   report.certificate.n_cells_checked += before.n_cells_checked;
   report.certificate.back_off_rounds += before.back_off_rounds;
-  report.certificate.untangling_rounds += before.untangling_rounds;
   report.cells_out = fine.info.n_global_cells;
   report.nodes_out = fine.info.n_global_nodes;
   report.neighbors = std::ssize(closed.borders.nodes.rank);

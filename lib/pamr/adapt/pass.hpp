@@ -70,12 +70,10 @@ struct Split {
   mesh::DistMesh fine;
   refine::Numbering numbering;
   refine::Certificate certificate;
-  bool reaches_open = false;  ///< of a part of a mesh: nodes may have settled otherwise than in the whole one
 };
 
-/// `open_nodes`: of a part of a mesh, see `refine::NewLevel`. Collective.
-Split split_pass(const par::Comm& comm, const Closed& closed, StepTimer& timer,
-                 std::span<const LocalId> open_nodes = {});
+/// Collective.
+Split split_pass(const par::Comm& comm, const Closed& closed, StepTimer& timer);
 
 /// Gives the refined mesh its fields and completes the report but for times.
 Result transfer_pass(Closed closed, Split split, const refine::Options& options);

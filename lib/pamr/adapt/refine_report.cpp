@@ -80,7 +80,6 @@ nlohmann::json to_json(const Report& report) {
           {"back_off_rounds", report.certificate.back_off_rounds},
           {"moved_nodes", report.certificate.n_moved},
           {"cells_checked", report.certificate.n_cells_checked},
-          {"untangling_rounds", report.certificate.untangling_rounds},
           {"families_rebuilt", report.closure.families_rebuilt},
           {"families_kept", report.closure.families_kept},
           {"off_surface_nodes", report.certificate.n_off_surface},

@@ -88,8 +88,11 @@ Regularized regularize(double determinant, double delta) {
   return {radius, determinant > 0 ? 0.5 * (determinant + radius) : 2 * delta * delta / (radius - determinant)};
 }
 
-double energy_at(double squared_size, double height, int exponent) {
-  const double eta_cubed = squared_size * squared_size * squared_size / (height * height);
+double cube(double x) { return x * x * x; }
+
+/// `size_cubed`: factor n^3, n the squared size.
+double energy_at(double size_cubed, double height, int exponent) {
+  const double eta_cubed = size_cubed / (height * height);
   double energy = eta_cubed;
   for (int i = 1; i < exponent; ++i) energy *= eta_cubed;
   return energy;
@@ -101,15 +104,16 @@ struct Derivatives {
   double d = 0, dd = 0;
 };
 
-/// With E = (n^3 / h^2)^m and h' = h / r, r the radius. The term of d^2 is at least what makes the form positive
+/// With E = (factor n^3 / h^2)^m and h' = h / r, r the radius. The term of d^2 is at least what makes the form positive
 /// definite in the rows and d together: 24 m^3 / (6 m - 1) E / r^2.
-Derivatives differentiate(const AtPoint& point, const Distortion& distortion, double& energy) {
+Derivatives differentiate(const StraightCell& cell, const AtPoint& point, const Distortion& distortion,
+                          double& energy) {
   const auto [radius, height] = regularize(point.determinant, distortion.delta);
   const double m = distortion.exponent;
   const double along = std::max(4 * m * m + 2 * m * point.determinant / radius, 24 * m * m * m / (6 * m - 1));
   Derivatives of;
   for (std::size_t k = 0; k < 2; ++k) {
-    const double n = point.squared_size[k], e = energy_at(n, height, distortion.exponent);
+    const double n = point.squared_size[k], e = energy_at(cell.factor[k] * cube(n), height, distortion.exponent);
     energy += e;
     of.n[k] = 3 * m * e / n;
     of.nn[k] = 3 * m * (3 * m - 1) * e / (n * n);
@@ -178,15 +182,16 @@ StraightCell prepare(const geometry::TetPoints& corner) {
   const auto cofactor = cofactors(cell.row);
   const double determinant = dot(cofactor[0], cell.row[0]), squared = determinant * determinant;
   cell.inverse_determinant = 1 / determinant;
-  // Edges of the regular cell have scalar products 1 and 1/2, the inverse of that matrix has 3/2 and -1/2. The cell of
-  // unit edges has determinant 1 / sqrt(2).
-  const double squared_edge = std::cbrt(2 * squared), on = 0.5 / squared_edge, off = -0.5 / (3 * squared_edge);
+  // Unit edges of the regular cell have scalar products 1 and 1/2, the inverse of that matrix has 3/2 and -1/2, and the
+  // determinant is 1 / sqrt(2). Taking no cube root of it keeps the bits the same on every machine.
+  constexpr double on = 1.0 / 2, off = -1.0 / 6;
   cell.metric[0] = {on, off, off, on, off, on};
+  cell.factor = {1 / (2 * squared), 1};
   const auto& c = cofactor;
   cell.metric[1] = {dot(c[0], c[0]), dot(c[0], c[1]), dot(c[0], c[2]),
                     dot(c[1], c[1]), dot(c[1], c[2]), dot(c[2], c[2])};
   for (auto& m : cell.metric[1]) m /= 3 * squared;
-  cell.mean_ratio = 1 / inner(cell.row, product(cell.metric[0], cell.row));
+  cell.mean_ratio = std::cbrt(1 / (cell.factor[0] * cube(inner(cell.row, product(cell.metric[0], cell.row)))));
   return cell;
 }
 
@@ -196,7 +201,8 @@ double bulge_energy(const StraightCell& cell, const CellBulges& bulge, const Sam
   for (std::size_t q = 0; q < sample_points.size(); ++q) {
     const auto point = at_point(cell, bulge, residual, q);
     const double height = regularize(point.determinant, distortion.delta).height;
-    for (const double n : point.squared_size) energy += energy_at(n, height, distortion.exponent);
+    for (std::size_t k = 0; k < 2; ++k)
+      energy += energy_at(cell.factor[k] * cube(point.squared_size[k]), height, distortion.exponent);
   }
   return energy;
 }
@@ -208,7 +214,7 @@ BulgeModel bulge_model(const StraightCell& cell, const CellBulges& bulge, const 
   Matrix hessian{};
   for (std::size_t q = 0; q < sample_points.size(); ++q) {
     const auto point = at_point(cell, bulge, residual, q);
-    const auto derivatives = differentiate(point, distortion, model.energy);
+    const auto derivatives = differentiate(cell, point, distortion, model.energy);
     add_point(cell, point, derivatives, q, gradient, hessian);
   }
   for (std::size_t e = 0; e < 6; ++e) model.gradient[e] = {gradient[3 * e], gradient[3 * e + 1], gradient[3 * e + 2]};
@@ -223,7 +229,7 @@ double smallest_mean_ratio(const StraightCell& cell, const CellBulges& bulge, co
   for (std::size_t q = 0; q < sample_points.size(); ++q) {
     const auto point = at_point(cell, bulge, residual, q);
     const double d = point.determinant, n = point.squared_size[0];
-    smallest = std::min(smallest, n > 0 ? std::copysign(d * d / (n * n * n), d) : 0);
+    smallest = std::min(smallest, n > 0 ? std::copysign(d * d / (cell.factor[0] * cube(n)), d) : 0);
   }
   return std::cbrt(smallest);
 }

@@ -41,9 +41,10 @@ using Symmetric3 = std::array<double, 6>;
 struct StraightCell {
   JacobianRows row;
   double inverse_determinant = 0;  ///< of `row`
-  /// The squared size of a map of rows J against a target is the sum over a, b of metric_ab J_a . J_b. Target 0: the
-  /// regular tetrahedron of the cell's volume; target 1: the straight cell itself. It is 1 at the target.
+  /// The squared size n of a map of rows J against a target is the sum over a, b of metric_ab J_a . J_b, and factor n^3
+  /// is 1 at the target. Target 0: the regular tetrahedron of the cell's volume; target 1: the straight cell itself.
   std::array<Symmetric3, 2> metric;
+  std::array<double, 2> factor{};
   double mean_ratio = 0;  ///< positive: the cell's own orientation counts as the right one
 };
 

@@ -223,7 +223,7 @@ mesh::Level0Cell make_row(const Level0& level0, LocalId c, std::array<LocalId, 6
     row.beside[e] = m.beside;
     const auto bit = static_cast<std::uint8_t>(1U << e);
     if (m.is_sharp) row.sharp_edges = static_cast<std::uint8_t>(row.sharp_edges | bit);
-    if (m.is_held) row.creases = static_cast<std::uint8_t>(row.creases | bit);
+    if (m.is_on_crease) row.creases = static_cast<std::uint8_t>(row.creases | bit);
   }
   return row;
 }
@@ -347,7 +347,7 @@ Level0Report make_level0_map(const par::Comm& comm, mesh::DistMesh& mesh, refine
     find_distances(level0);
   find_bent_nodes(level0);
   if (comm.any(has_bent_node_off_surface(level0))) {
-    report.none_because = "nodes there lie off their surfaces";
+    report.trouble = "nodes there lie off their surfaces";
     return report;
   }
   auto bent = find_bent_cells(level0);
@@ -357,10 +357,7 @@ Level0Report make_level0_map(const par::Comm& comm, mesh::DistMesh& mesh, refine
   report.smallest_before = found.smallest_before;
   report.smallest = found.smallest;
   report.iterations = found.iterations;
-  if (!(found.smallest > 0)) {
-    report.none_because = "any map of level 0 would fold";
-    return report;
-  }
+  if (!(found.smallest > 0)) report.trouble = "the map of level 0 folds there";
   for (std::size_t i = 0; i < bent.row.size(); ++i)
     for (std::size_t e = 0; e < 6; ++e) bent.row[i].bulge[e] = found.bulge[at(bent.edge[i][e])];
   mesh::drop_level0(mesh);  // fields that were left of another map

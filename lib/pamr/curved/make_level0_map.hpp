@@ -17,7 +17,7 @@ struct Level0Report {
   double smallest_before = 1;  ///< smallest mean ratio of the Jacobian with straight edges inside
   double smallest = 1;         ///< and with the bulges that were found
   int iterations = 0;
-  std::string none_because;  ///< there are coarse edges, but no map; why
+  std::string trouble;  ///< why there are coarse edges but no map, or that the map folds
 };
 
 /// Whether all cells are of level 0 and an edge in a curved wall may be coarse for it, or all edges shall bend. Collective: two reductions.

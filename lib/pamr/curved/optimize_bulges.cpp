@@ -33,7 +33,8 @@ struct Stage {
   Distortion distortion;
   double tolerance = 0;  ///< of the change of every cell's energy, relative
 };
-constexpr std::array<Stage, 4> stages{{{{0.3, 1}, 0.1}, {{0.03, 1}, 0.1}, {{1e-3, 2}, 0.1}, {{1e-3, 3}, 1e-2}}};
+constexpr std::array<Stage, 5> stages{
+    {{{1, 1}, 0.3}, {{0.2, 1}, 0.3}, {{0.03, 1}, 0.3}, {{1e-3, 2}, 0.3}, {{1e-3, 3}, 1e-2}}};
 
 struct Problem {
   const BulgeZone& zone;
@@ -144,7 +145,8 @@ Vec3 product(const Symmetric3& m, Vec3 v) {
           m[2] * v.x + m[4] * v.y + m[5] * v.z};
 }
 
-/// The inverse of a positive definite block, within what is allowed: where it is not, the block is replaced by its mean.
+/// The inverse of a positive definite block, within what is allowed. In the other directions the block's mean stands in
+/// its place, so that it can be inverted as a whole.
 Symmetric3 invert(const Freedom& freedom, const Symmetric3& block) {
   const double mean = (block[0] + block[3] + block[5]) / 3;
   std::array<Vec3, 3> column;
@@ -238,7 +240,8 @@ Vectors newton_direction(const par::Comm& comm, const Problem& problem, const Mo
   return result;
 }
 
-/// Bulges after a step, and the largest relative change of a cell's energy; no bulges if no step helps.
+/// Bulges after a step, and the largest relative change of a cell's energy, over the length of the step so that short
+/// ones do not look like the end; no bulges if no step helps.
 struct Step {
   Vectors bulge;
   double change = 0;
@@ -265,7 +268,7 @@ Step search(const par::Comm& comm, const Problem& problem, const Distortion& dis
     double change = 0;
     for (std::size_t c = 0; c < of_cell.size(); ++c)
       change = std::max(change, std::abs(of_cell[c] - model.energy[c]) / model.energy[c]);
-    return {std::move(trial), comm.max(change)};
+    return {std::move(trial), comm.max(change) / length};
   }
   return {};
 }

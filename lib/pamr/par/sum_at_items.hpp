@@ -47,8 +47,8 @@ constexpr std::uint64_t nearest_whole(double value) {
 /// rank, and does so twice, with the same terms. Sums are kept in 64-bit fixed point whose unit is set for each item
 /// and component by the largest term there: so they have the same bits at every holder, for any number of ranks and
 /// any order of the terms, 14 digits or more of their largest term, and small terms lose nothing beside large ones of
-/// other items. Infinities and not-a-number make a sum not-a-number. Pre: at most 2^15 terms an item. Collective: two
-/// exchanges. Memory of 18 n bytes an item.
+/// other items; the unit is not below 2^-1023. Infinities and not-a-number make a sum not-a-number. Pre: at most 2^15
+/// terms an item. Collective: two exchanges. Memory of 18 n bytes an item.
 template <std::size_t n, class ForEachTerm>
 std::vector<std::array<double, n>> sum_at_items(const Exchange& exchange, std::size_t n_items,
                                                 const ForEachTerm& for_each_term) {

@@ -50,14 +50,15 @@ std::string describe(const NewLevel& level, LocalId cell) {
 /// Takes the movement of the nodes back step by step.
 class BackOff {
  public:
-  BackOff(const par::Comm& comm, const NewLevel& level, Positions position, const Movement& movement)
+  BackOff(const par::Comm& comm, const NewLevel& level, Positions position, const std::vector<Movable>& movables,
+          bool any_moves)
       : comm_(comm),
         exchange_(comm, level.shared),
         level_(level),
-        movables_(movement.nodes),
+        movables_(movables),
         position_(std::move(position)),
         step_(movables_.size(), 0) {
-    if (!movement.is_on_any_rank) return;
+    if (!any_moves) return;
     movable_of_.assign(level.n_nodes(), -1);
     for (std::size_t i = 0; i < movables_.size(); ++i) {
       movable_of_[at(movables_[i].node)] = static_cast<LocalId>(i);
@@ -128,13 +129,13 @@ class BackOff {
 };
 
 /// Collective: one reduction.
-Certificate make_certificate(const par::Comm& comm, const NewLevel& level, const Movement& movement,
+Certificate make_certificate(const par::Comm& comm, const NewLevel& level, const std::vector<Movable>& movables,
                              const BackOff& back_off, std::size_t n_cells) {
   Certificate certificate;
   const auto is_mine = par::held_first_here(par::Exchange(comm, level.shared), level.n_nodes());
   std::int64_t n_off = 0, n_moved = 0, n_off_facets = 0;
-  for (std::size_t i = 0; i < movement.nodes.size(); ++i) {
-    const auto& m = movement.nodes[i];
+  for (std::size_t i = 0; i < movables.size(); ++i) {
+    const auto& m = movables[i];
     const auto point = back_off.point(m.node);
     if (!(point == m.base)) n_moved += is_mine[at(m.node)];
     if (m.off_facets > 0 && !(point == m.base)) {
@@ -161,13 +162,14 @@ Certificate make_certificate(const par::Comm& comm, const NewLevel& level, const
 }  // namespace
 
 Settled certify(const par::Comm& comm, const NewLevel& level, std::vector<geometry::Vec3> position,
-                const Movement& movement) {
-  BackOff back_off(comm, level, std::move(position), movement);
-  const auto cells = join(movement.cells, level.children.suspects);
+                const std::vector<Movable>& movables) {
+  const bool any_moves = comm.any(!movables.empty());
+  BackOff back_off(comm, level, std::move(position), movables, any_moves);
+  const auto cells = join(cells_with_moved_nodes(level, movables), level.children.suspects);
   int rounds = 0;
   while (!back_off.settle(cells)) ++rounds;
   Certificate certificate;
-  if (movement.is_on_any_rank) certificate = make_certificate(comm, level, movement, back_off, cells.size());
+  if (any_moves) certificate = make_certificate(comm, level, movables, back_off, cells.size());
   certificate.back_off_rounds = rounds;
   return {std::move(back_off).take_position(), std::move(certificate)};
 }

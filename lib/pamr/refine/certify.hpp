@@ -28,24 +28,22 @@ struct Certificate {
   std::int64_t n_moved = 0;          ///< nodes that do not lie where they would without surfaces, each once
   std::int64_t n_cells_checked = 0;  ///< found exactly positive; not counted where nothing moves
   int back_off_rounds = 0;
-  int untangling_rounds = 0;  ///< of moving this level's nodes out of the way, at walls too curved for their mesh
 };
 
 /// Where the nodes of the refined mesh lie at last.
 struct Settled {
   std::vector<geometry::Vec3> position;
   Certificate certificate;
-  bool reaches_open = false;  ///< of a part of a mesh: the whole one may have settled otherwise
 };
 
 /// Moves nodes as far towards their targets as no cell is inverted: starts with all of the way, and where a cell is not
 /// positive by exact arithmetic takes back half of what its nodes moved, again and again, at last all of it.
 ///
-/// `position`: of every node of the level, taken over. Afterwards every cell of `movement` and every suspect of
+/// `position`: of every node of the level, taken over. Afterwards every cell with one of `movables` and every suspect of
 /// `level.children` is exactly positive, given that they are so when nothing moves; otherwise throws `Error` on every
 /// rank. Depends on neither order nor ranks.
-/// Collective: one neighbor exchange and one reduction a round.
+/// Collective: one reduction, and one neighbor exchange and one reduction a round.
 Settled certify(const par::Comm& comm, const NewLevel& level, std::vector<geometry::Vec3> position,
-                const Movement& movement);
+                const std::vector<Movable>& movables);
 
 }  // namespace pamr::refine

@@ -18,18 +18,10 @@ struct Movable {
   geometry::Vec3 target;
   PatchList patch{-1, -1, -1, -1};  ///< patches whose surfaces it belongs to; none: an inner node
   bool is_reachable = true;         ///< false: no common point of its surfaces was found near by, `target` is `base`
-  bool is_held = false;             ///< on a sharp edge inside its surface: it may not slide
+  bool is_on_crease = false;        ///< on a sharp edge inside its surface
   double off_facets = 0;            ///< how far the target leaves the faces of a patch without a surface
   geometry::Vec3 beside{};          ///< normal of the face of such a patch at a new node, else 0
   bool is_sharp = false;            ///< it meets that face in a sharp edge
-};
-
-/// The nodes of one level that move.
-struct Movement {
-  std::vector<Movable> nodes;
-  std::vector<LocalId> held;    ///< new nodes that only a wall moves (`interface_nodes`), ascending
-  std::vector<LocalId> cells;   ///< this rank's cells with such a node, ascending
-  bool is_on_any_rank = false;  ///< some rank has such nodes
 };
 
 }  // namespace pamr::refine

@@ -1,14 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "pamr/refine/new_level.hpp"
 
-#include <algorithm>
-
 namespace pamr::refine {
-
-bool any_open(const NewLevel& level, const std::vector<std::uint8_t>& reached) {
-  return std::any_of(level.open_nodes.begin(), level.open_nodes.end(),
-                     [&](LocalId node) { return reached[at(node)] != 0; });
-}
 
 std::vector<LocalId> cells_with_moved_nodes(const NewLevel& level, const std::vector<Movable>& movables) {
   std::vector<LocalId> cells;

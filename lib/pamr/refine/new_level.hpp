@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <span>
 #include <vector>
 
 #include "pamr/base/index.hpp"
@@ -25,8 +24,6 @@ struct NewLevel {
   const Numbering& numbering;
   const Children& children;
   const par::Pattern& shared;  ///< nodes that other ranks hold too
-  /// Of a part of a mesh: nodes at cells that are not here. What would reach them is not settled, but reported.
-  std::span<const LocalId> open_nodes = {};
 
   LocalId n_cells() const { return static_cast<LocalId>(children.cell_to_node.size()); }
   std::size_t n_nodes() const { return at(numbering.n_old_nodes) + numbering.n_new_nodes(); }
@@ -35,9 +32,6 @@ struct NewLevel {
     return {position[at(n[0])], position[at(n[1])], position[at(n[2])], position[at(n[3])]};
   }
 };
-
-/// Whether one of the open nodes is marked. Local.
-bool any_open(const NewLevel& level, const std::vector<std::uint8_t>& reached);
 
 /// This rank's cells with a node of `movables`, ascending. Local.
 std::vector<LocalId> cells_with_moved_nodes(const NewLevel& level, const std::vector<Movable>& movables);

@@ -140,7 +140,9 @@ mesh::BlockMesh shell(const par::Comm& comm) {
 Analysis on_shell(const par::Comm& comm, int n_levels, const std::string& text) {
   auto mesh = assemble::assemble(comm, shell(comm));
   for (int level = 0; level < n_levels; ++level)
-    mesh = adapt::refine(comm, mesh, std::vector<std::uint8_t>(at(mesh.n_cells()), 1), {.parent_field = false}).mesh;
+    mesh = adapt::refine(comm, mesh, std::vector<std::uint8_t>(at(mesh.n_cells()), 1),
+                         {.bend = refine::Bend::none, .parent_field = false})
+               .mesh;
   const auto input = read_case(text, "case");
   const auto domain = make_domain(comm, mesh, input, "case");
   const auto conditions = make_conditions(comm, domain, input);

@@ -144,9 +144,9 @@ TEST(Projection, LetsNewNodesOfAPlaneFollowTheWallWithinThePlane) {
   const auto mesh = assemble::assemble(comm, bulging_cube(comm, 2, 0.1));
   const auto flags = near_dome(mesh, 0.4);
 
-  const auto moved = test::gather(comm, adapt::refine(comm, mesh, flags, {.marks_field = ""}).mesh);
-  const auto straight =
-      test::gather(comm, adapt::refine(comm, mesh, flags, {.project = false, .marks_field = ""}).mesh);
+  const auto moved = test::gather(comm, adapt::refine(comm, mesh, flags, {.shape_floor = 0, .marks_field = ""}).mesh);
+  const auto straight = test::gather(
+      comm, adapt::refine(comm, mesh, flags, {.shape_floor = 0, .project = false, .marks_field = ""}).mesh);
 
   ASSERT_EQ(moved.node_position.size(), straight.node_position.size());
   int n_followed = 0;
@@ -171,9 +171,9 @@ TEST(Projection, LeavesFacesBetweenRegionsAsTheyAre) {
     mesh.cell_fields.push_back({mesh::region_field, "", 1, mesh::StorageType::int64, region});
     const auto flags = near_dome(mesh, 0.6);
 
-    const auto moved = test::gather(comm, adapt::refine(comm, mesh, flags, {.marks_field = ""}).mesh);
-    const auto straight =
-        test::gather(comm, adapt::refine(comm, mesh, flags, {.project = false, .marks_field = ""}).mesh);
+    const auto moved = test::gather(comm, adapt::refine(comm, mesh, flags, {.shape_floor = 0, .marks_field = ""}).mesh);
+    const auto straight = test::gather(
+        comm, adapt::refine(comm, mesh, flags, {.shape_floor = 0, .project = false, .marks_field = ""}).mesh);
 
     const auto& regions = std::find_if(moved.cell_fields.begin(), moved.cell_fields.end(), [](const auto& field) {
                             return field.name == mesh::region_field;

@@ -11,7 +11,6 @@
 #include "pamr/adapt/part/part_runs.hpp"
 #include "pamr/base/index.hpp"
 #include "pamr/base/memory.hpp"
-#include "pamr/mesh/tet.hpp"
 #include "pamr/par/exchange.hpp"
 
 namespace pamr::adapt {
@@ -184,17 +183,6 @@ std::vector<LocalId> open_cells(const MeshPart& part) {
     if (std::find(slots.begin(), slots.end(), open) != slots.end()) cells.push_back(c);
   }
   return cells;
-}
-
-std::vector<LocalId> open_nodes(const MeshPart& part) {
-  const auto open = open_slot(part.mesh.info);
-  std::vector<LocalId> nodes;
-  for (const auto c : open_cells(part))
-    for (int face = 0; face < 4; ++face)
-      if (part.mesh.cell_to_cell[at(c)][at(face)] == open)
-        for (const auto corner : mesh::tet::face_to_corner[at(face)])
-          nodes.push_back(part.mesh.cell_to_node[at(c)][at(corner)]);
-  return nodes;
 }
 
 void spread(const par::Comm& comm, const WholeMesh& whole, const std::vector<LocalId>& seeds, int n_layers,

@@ -56,8 +56,6 @@ struct MeshPart {
 LocalId open_slot(const mesh::MeshInfo& info);
 /// Cells with an open face, ascending. Local.
 std::vector<LocalId> open_cells(const MeshPart& part);
-/// The nodes of open faces, with repeats. Local.
-std::vector<LocalId> open_nodes(const MeshPart& part);
 
 /// Adds the cells within `n_layers` faces of the seeds (cells of the whole mesh), families as a whole, across one rank
 /// border at most. Collective: one exchange.

@@ -34,7 +34,6 @@ void add_to_report(const Report& pass, Report& sum) {
   sum.certificate.n_moved += pass.certificate.n_moved;
   sum.certificate.n_cells_checked += pass.certificate.n_cells_checked;
   sum.certificate.back_off_rounds += pass.certificate.back_off_rounds;
-  sum.certificate.untangling_rounds += pass.certificate.untangling_rounds;
 }
 
 /// This rank's input cell that each cell of a pass came from. `before`: those of its old cells.
@@ -172,7 +171,7 @@ std::vector<LocalId> touched_at_the_end(const State& state, const refine::Closur
 /// Nothing where the whole mesh has to be split for an error to be described by its numbers; on all ranks alike.
 std::optional<Split> try_to_split(const Setting& with, const State& state, const Closed& pass) {
   try {
-    return split_pass(with.comm, pass, with.timer, open_nodes(state.part));
+    return split_pass(with.comm, pass, with.timer);
   } catch (const Error&) {
     if (state.is_whole) throw;
     return {};
@@ -223,8 +222,8 @@ bool split(const Setting& with, State& state, refine::Closure closure) {
     take_whole(with, state);
     return false;
   }
-  if (with.comm.any(made->reaches_open)) {
-    widen_around(with, state, open_cells(state.part));
+  if (!state.is_whole && made->certificate.back_off_rounds > 0) {  // nodes may go back at cells that are not here
+    take_whole(with, state);
     return false;
   }
   const bool is_off = made->certificate.n_off_surface > 0 || made->certificate.n_off_facets > 0;

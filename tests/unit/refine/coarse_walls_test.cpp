@@ -1,0 +1,212 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Walls far too coarse for their curvature, where a map of level 0 places new nodes: shapes, bits, history.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "pamr/adapt/adapt.hpp"
+#include "pamr/base/hash.hpp"
+#include "pamr/geometry/orientation.hpp"
+#include "pamr/geometry/tet_shape.hpp"
+#include "pamr/mesh/level0_map.hpp"
+#include "support/dice.hpp"
+#include "support/meshes.hpp"
+#include "support/places.hpp"
+#include "support/reference.hpp"
+#include "support/round_bodies.hpp"
+
+namespace pamr {
+namespace coarse_walls_test {
+
+constexpr std::size_t at(std::int64_t i) { return static_cast<std::size_t>(i); }
+
+/// The unit cube in n^3 cubes of six cells without the one in the middle, through whose corners the sphere `ball` goes:
+/// edges on it are 1.15 and 1.63 radii long. n is odd. The outer sides are the patch `box`.
+mesh::BlockMesh hollow_cube(const par::Comm& self, int n) {
+  auto whole = test::gather(self, test::kuhn_cube(self, n));
+  const auto is_inside = [&](GlobalId c) {
+    geometry::Vec3 centroid;
+    for (const auto node : whole.cell_to_node[at(c)]) centroid = centroid + 0.25 * whole.node_position[at(node)];
+    return std::max({std::abs(centroid.x - 0.5), std::abs(centroid.y - 0.5), std::abs(centroid.z - 0.5)}) < 0.5 / n;
+  };
+  std::vector<std::array<GlobalId, 4>> cells;
+  for (GlobalId c = 0; c < whole.info.n_global_cells; ++c)
+    if (!is_inside(c)) cells.push_back(whole.cell_to_node[at(c)]);
+  auto hollow = test::small_mesh(self, whole.node_position, cells);
+  hollow.cell_to_cell = test::reference_neighbors(hollow.cell_to_node);
+  for (std::size_t c = 0; c < cells.size(); ++c)
+    for (std::size_t f = 0; f < 4; ++f) {
+      if (hollow.cell_to_cell[c][f] >= 0) continue;
+      const auto on_box = [&](GlobalId node) {
+        const auto p = whole.node_position[at(node)];
+        return std::min({p.x, p.y, p.z}) == 0 || std::max({p.x, p.y, p.z}) == 1;
+      };
+      hollow.cell_to_cell[c][f] = -1;
+      for (std::size_t k = 0; k < 4; ++k)
+        if (k != f && !on_box(cells[c][k])) hollow.cell_to_cell[c][f] = -2;
+    }
+  hollow.info.patches = {{"box", "wall"}, {"ball", "wall", 0}};
+  hollow.info.surfaces =
+      test::surfaces_of("[[surface]]\nname = \"ball\"\nkind = \"sphere\"\ncenter = [0.5, 0.5, 0.5]\nradius = " +
+                        std::to_string(std::sqrt(3.0) / 2 / n) + "\n");
+  return hollow;
+}
+
+/// Round bodies whose edges are 0.6 to 1.6 radii long.
+std::vector<mesh::BlockMesh> bodies(const par::Comm& self) {
+  return {hollow_cube(self, 3), test::gather(self, test::solid_torus(self, 8)), test::gather(self, test::ball(self)),
+          test::gather(self, test::domed_cube(self, 3, 0.3))};
+}
+
+/// The same cells on any ranks: by numbers.
+std::vector<std::uint8_t> mark_some(const mesh::DistMesh& mesh, std::uint64_t seed) {
+  std::vector<std::uint8_t> flags;
+  for (const auto number : mesh.cell_global)
+    flags.push_back(mix(combine(seed, static_cast<std::uint64_t>(number))) % 5 == 0 ? 1 : 0);
+  return flags;
+}
+
+double worst_of(const mesh::DistMesh& mesh) {
+  double worst = 1;
+  for (LocalId c = 0; c < mesh.n_cells(); ++c) {
+    const auto p = mesh.points(c);
+    EXPECT_GT(geometry::orientation(p[0], p[1], p[2], p[3]), 0);
+    worst = std::min(worst, geometry::mean_ratio(p));
+  }
+  return worst;
+}
+
+/// The smallest mean ratio that splitting everything into eight, twice, gives.
+double uniform_shape(const par::Comm& self, const mesh::BlockMesh& whole) {
+  auto mesh = test::scatter(self, whole, 0);
+  double worst = worst_of(mesh);
+  for (int level = 0; level < 2; ++level) {
+    mesh = adapt::refine(self, mesh, std::vector<std::uint8_t>(at(mesh.n_cells()), 1)).mesh;
+    worst = std::min(worst, worst_of(mesh));
+  }
+  return worst;
+}
+
+TEST(CoarseWalls, KeepShapesAtEveryLevel) {
+  const par::Comm world(MPI_COMM_WORLD), self(MPI_COMM_SELF);
+  const auto all = bodies(self);
+  for (std::size_t b = 0; b < all.size(); ++b) {
+    SCOPED_TRACE("body " + std::to_string(b));
+    const double bound = std::min(0.29, 0.95 * uniform_shape(self, all[b]));
+    const auto seed = combine(b, static_cast<std::uint64_t>(world.rank()));
+    auto mesh = test::scatter(self, all[b], 0);
+    for (std::uint64_t level = 0; level < 4 && mesh.n_cells() < 20000; ++level) {
+      auto result = adapt::refine(self, mesh, mark_some(mesh, combine(seed, level)), {.marks_field = ""});
+      EXPECT_EQ(result.report.certificate.n_off_surface, 0);
+      EXPECT_EQ(result.report.closure.families_kept, 0);
+      EXPECT_EQ(result.report.marked_not_split, 0);
+      mesh = std::move(result.mesh);
+      EXPECT_GE(worst_of(mesh), bound) << "level " << level + 1;
+    }
+    EXPECT_NE(mesh.info.level0, nullptr);
+  }
+}
+
+TEST(CoarseWalls, GiveTheSameBitsOnAnyRanksAndWhereverCellsMove) {
+  const par::Comm comm(MPI_COMM_WORLD), self(MPI_COMM_SELF);
+  for (const auto& whole : bodies(self)) {
+    const auto block = test::cut(comm, whole);
+    auto spread = assemble::assemble(comm, block, test::random_destinations(comm, block, 7));
+    auto serial = test::scatter(self, whole, 0);
+    for (std::uint64_t level = 0; level < 3 && serial.n_cells() < 3000; ++level) {
+      const auto flags = mark_some(spread, level);
+      auto a = level == 1 ? adapt::refine(comm, std::move(spread), flags) : adapt::refine(comm, spread, flags);
+      auto b = adapt::refine(self, serial, mark_some(serial, level));
+      EXPECT_EQ(a.report.level0.smallest, b.report.level0.smallest);
+      EXPECT_EQ(a.report.level0.n_bent_cells, b.report.level0.n_bent_cells);
+      spread = std::move(a.mesh);
+      serial = std::move(b.mesh);
+    }
+    const auto a = test::gather(comm, spread), b = test::gather(self, serial);
+    EXPECT_TRUE(a.node_position == b.node_position);
+    EXPECT_TRUE(a.cell_to_node == b.cell_to_node);
+    EXPECT_TRUE(a.cell_to_cell == b.cell_to_cell);
+    EXPECT_TRUE(a.lineage == b.lineage);
+  }
+}
+
+TEST(CoarseWalls, AreCoarsenedBackToLevel0BitByBit) {
+  const par::Comm comm(MPI_COMM_WORLD), self(MPI_COMM_SELF);
+  for (const auto& whole : bodies(self)) {
+    const auto block = test::cut(comm, whole);
+    auto mesh = assemble::assemble(comm, block, test::random_destinations(comm, block, 5));
+    const auto before = test::gather(comm, mesh);
+    for (std::uint64_t level = 0; level < 3 && mesh.info.n_global_cells < 3000; ++level)
+      mesh = adapt::refine(comm, mesh, mark_some(mesh, level), {.parent_field = false}).mesh;
+    for (int call = 0; call < 4; ++call) {
+      adapt::Options options;
+      options.refinement.parent_field = false;
+      mesh = adapt::adapt(comm, mesh, std::vector<std::int8_t>(at(mesh.n_cells()), -1), options).mesh;
+    }
+    const auto after = test::gather(comm, mesh);
+    EXPECT_TRUE(after.node_position == before.node_position);
+    EXPECT_TRUE(after.cell_to_node == before.cell_to_node);
+    EXPECT_TRUE(after.cell_to_cell == before.cell_to_cell);
+    EXPECT_EQ(mesh.info.level0, nullptr);
+    EXPECT_TRUE(mesh.node_fields.empty());
+    EXPECT_TRUE(mesh.cell_fields.empty());
+  }
+}
+
+/// Some of the cells whose base cell is not among those to be reached; the first of them, so that it goes on.
+std::vector<std::uint8_t> flag_some(const mesh::BlockMesh& whole, const test::Places& reached, test::Dice& dice) {
+  std::vector<std::uint8_t> flags;
+  bool any = false;
+  for (const auto& place : test::places_of_base_cells(whole)) {
+    const bool is_open = reached.count(place) == 0;
+    flags.push_back(is_open && (!any || dice.below(3) == 0) ? 1 : 0);
+    any = any || is_open;
+  }
+  return flags;
+}
+
+TEST(CoarseWalls, DoNotShowTheHistoryOfSplits) {
+  const par::Comm world(MPI_COMM_WORLD), self(MPI_COMM_SELF);
+  for (const auto& whole : bodies(self)) {
+    const auto seed = static_cast<std::uint64_t>(world.rank());
+    auto mesh = test::scatter(self, whole, 0);
+    for (std::uint64_t level = 0; level < 3 && mesh.n_cells() < 1500; ++level)
+      mesh = adapt::refine(self, mesh, mark_some(mesh, combine(seed, level)), {.marks_field = ""}).mesh;
+    const auto base = test::places_of_base_cells(test::gather_on(self, mesh, 0));
+    const test::Places reached(base.begin(), base.end());
+
+    // the same splits, asked for a few at a time and in another order
+    test::Dice dice(mix(seed));
+    auto other = test::scatter(self, whole, 0);
+    int n_calls = 0;
+    for (;; ++n_calls) {
+      const auto flags = flag_some(test::gather_on(self, other, 0), reached, dice);
+      if (std::count(flags.begin(), flags.end(), 1) == 0) break;
+      other = adapt::refine(self, other, flags, {.marks_field = ""}).mesh;
+      ASSERT_LE(other.n_cells(), mesh.n_cells()) << "more was split than in one go";
+    }
+
+    EXPECT_GT(n_calls, 3);
+    EXPECT_EQ(test::reference_fingerprint(test::gather_on(self, other, 0)),
+              test::reference_fingerprint(test::gather_on(self, mesh, 0)));
+  }
+}
+
+TEST(CoarseWalls, HaveNoMapWhereEdgesAreShortForTheirCurvature) {
+  const par::Comm comm(MPI_COMM_WORLD);
+  const auto fine = assemble::assemble(comm, test::domed_cube(comm, 2, 0.01));
+  const auto coarse = assemble::assemble(comm, test::domed_cube(comm, 2, 0.3));
+
+  EXPECT_EQ(adapt::refine(comm, fine, mark_some(fine, 1)).mesh.info.level0, nullptr);
+  EXPECT_EQ(adapt::refine(comm, coarse, mark_some(coarse, 1), {.bend = refine::Bend::none}).mesh.info.level0, nullptr);
+  const auto result = adapt::refine(comm, coarse, mark_some(coarse, 1));
+  EXPECT_NE(result.mesh.info.level0, nullptr);
+  EXPECT_GT(result.report.level0.n_coarse_edges, 0);
+  EXPECT_GT(result.report.level0.smallest, result.report.level0.smallest_before);
+}
+
+}  // namespace coarse_walls_test
+}  // namespace pamr
