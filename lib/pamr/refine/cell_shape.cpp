@@ -59,11 +59,9 @@ constexpr ChildShape make_shape(const Codes& nodes) {
   return shape;
 }
 
-constexpr std::size_t max_shapes = 210;
-
 /// The shapes of all children, each once, and the shape of each child. Inner cells of 1:8: four for each diagonal.
 struct ShapeTable {
-  std::array<ChildShape, max_shapes> shape{};
+  std::array<ChildShape, max_child_shapes> shape{};
   std::array<std::array<std::uint8_t, mesh::max_family_size>, mesh::closure_states.size()> of_child{};
   std::array<std::array<std::uint8_t, 4>, 3> of_inner{};
 };
@@ -160,9 +158,6 @@ constexpr SetsBySize make_sets_by_size() {
 }
 constexpr SetsBySize sets_by_size = make_sets_by_size();
 
-/// Third power of the mean ratio, with the sign of the volume.
-double cubed_ratio(const geometry::TetPoints& p) { return 15552 * shape(p); }
-
 /// To 40 significant binary digits, halves up.
 double rounded(double length) {
   constexpr std::uint64_t unit = std::uint64_t{1} << 13U;
@@ -193,32 +188,41 @@ CellShape::CellShape(const geometry::TetPoints& corner, OldCuts old) : corner_(c
 CellShape::CellShape(const mesh::Level0View& level0, const BaseCorners& corners, OldCuts old)
     : CellShape(corners.point, old) {
   if (corners.row < 0) return;
-  mapped_.emplace(level0, corners);
-  if (!mapped_->is_bent()) mapped_.reset();
+  if (const MappedPoints points(level0, corners); points.is_bent()) bent_.emplace(points);
 }
 
 geometry::Vec3 CellShape::middle(int edge) const {
-  if (mapped_) return mapped_->point(4 + edge);
+  if (bent_) return bent_->points.point(4 + edge);
   return geometry::midpoint(corner_[at(edge_to_corner[at(edge)][0])], corner_[at(edge_to_corner[at(edge)][1])]);
 }
 
+double CellShape::of_bent_child(int of_shape) const {
+  auto& value = bent_->cubed_ratio[at(of_shape)];
+  if (bent_->is_known[at(of_shape)]) return value;
+  bent_->is_known[at(of_shape)] = true;
+  const auto& nodes = table.shape[at(of_shape)].nodes;
+  const auto& points = bent_->points;
+  value =
+      15552 * shape({points.point(nodes[0]), points.point(nodes[1]), points.point(nodes[2]), points.point(nodes[3])});
+  return value;
+}
+
 double CellShape::of_child(int of_shape) const {
-  const auto& [factor, squared_volume, nodes] = table.shape[at(of_shape)];
-  if (mapped_)
-    return cubed_ratio(
-        {mapped_->point(nodes[0]), mapped_->point(nodes[1]), mapped_->point(nodes[2]), mapped_->point(nodes[3])});
-  const double sum = sum_of_squares(factor, squared_);
-  return scale_ * squared_volume / (sum * sum * sum);
+  if (bent_) return of_bent_child(of_shape);
+  const auto& of_table = table.shape[at(of_shape)];
+  const double sum = sum_of_squares(of_table.factor, squared_);
+  return scale_ * of_table.squared_volume / (sum * sum * sum);
 }
 
 /// `of_state(state) >= limit` for positive limits, without divisions.
 bool CellShape::state_reaches(int state, double limit) const {
   const auto& shapes = table.of_child[at(state)];
-  if (mapped_) return of_state(state) >= limit;
-  for (int child = 0; child < mesh::family_size_of_state[at(state)]; ++child) {
-    const auto& [factor, squared_volume, nodes] = table.shape[shapes[at(child)]];
-    const double sum = sum_of_squares(factor, squared_);
-    if (!(scale_ * squared_volume >= limit * (sum * sum * sum))) return false;
+  const int n = mesh::family_size_of_state[at(state)];
+  if (bent_) return std::all_of(shapes.begin(), shapes.begin() + n, [&](int s) { return of_bent_child(s) >= limit; });
+  for (int child = 0; child < n; ++child) {
+    const auto& of_table = table.shape[shapes[at(child)]];
+    const double sum = sum_of_squares(of_table.factor, squared_);
+    if (!(scale_ * of_table.squared_volume >= limit * (sum * sum * sum))) return false;
   }
   return true;
 }
@@ -232,8 +236,8 @@ double CellShape::of_state(int state) const {
 }
 
 double CellShape::of_regular_split() const {
-  if (mapped_) {
-    const auto& points = mapped_->all_points();
+  if (bent_) {
+    const auto& points = bent_->points.all_points();
     return 15552 * worst_child_shape(points, regular_state + choose_diagonal(points, false));
   }
   double all = 0;

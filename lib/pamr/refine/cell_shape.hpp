@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <bitset>
 #include <optional>
 
 #include "pamr/geometry/tet_shape.hpp"
@@ -18,6 +19,9 @@ struct OldCuts {
 
 /// Mean ratios are compared by their third powers, which need no roots; two are equal within a factor 1 - 2^-40.
 constexpr double cubed(double mean_ratio) { return mean_ratio * mean_ratio * mean_ratio; }
+/// Different shapes that the children of a cell may have, over all ways to split it.
+inline constexpr std::size_t max_child_shapes = 210;
+
 inline constexpr double equal_cubes = 1 - 3 * 0x1p-40;
 
 /// How well a cell can be split. With straight edges that follows from its six squared edges alone, because the squared
@@ -50,6 +54,7 @@ class CellShape {
 
  private:
   double of_child(int shape) const;
+  double of_bent_child(int shape) const;
   bool state_reaches(int state, double limit) const;
   bool marks_reach(EdgeMask marks, double limit) const;
   bool is_longer(int edge, int other) const;
@@ -61,7 +66,14 @@ class CellShape {
   geometry::Vec3 middle(int edge) const;
 
   geometry::TetPoints corner_;
-  std::optional<MappedPoints> mapped_;  ///< of bent cells
+  /// Of bent cells: the points, and what is known of children by their shapes in the table.
+  struct Bent {
+    explicit Bent(MappedPoints mapped) : points(mapped) {}
+    MappedPoints points;
+    std::bitset<max_child_shapes> is_known;
+    std::array<double, max_child_shapes> cubed_ratio;  // left as it is until known
+  };
+  mutable std::optional<Bent> bent_;
   OldCuts old_;
   std::array<double, 6> squared_{};
   mutable unsigned longer_ =

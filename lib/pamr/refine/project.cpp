@@ -7,6 +7,7 @@
 #include <map>
 
 #include "pamr/base/index.hpp"
+#include "pamr/base/memory.hpp"
 #include "pamr/geometry/plane.hpp"
 #include "pamr/mesh/level0_map.hpp"
 #include "pamr/mesh/tet.hpp"
@@ -159,21 +160,23 @@ std::vector<Movable> map_new_nodes(const mesh::DistMesh& mesh, const Numbering& 
   std::vector<Movable> movables;
   const mesh::Level0View level0(mesh);
   if (level0.is_empty()) return movables;
-  std::vector<std::uint8_t> is_done(numbering.n_new_nodes(), 0);
+  std::vector<LocalId> row_of_node;  // of the map; every cell at a node that the map moves has one
+  assign_array(row_of_node, numbering.n_new_nodes(), invalid_local);
   for (LocalId c = 0; c < mesh.n_cells(); ++c) {
     if (numbering.row[at(c)] < 0) continue;
     const auto row = level0.row_of(c);
     if (row < 0) continue;
-    for (const auto node : numbering.edge_to_node[at(numbering.row[at(c)])]) {
-      if (node == invalid_local || is_done[at(node - mesh.n_nodes())] != 0) continue;
-      is_done[at(node - mesh.n_nodes())] = 1;
-      const auto [a, b] = numbering.ends[at(node - mesh.n_nodes())];
-      if (const auto placed = level0.place(row, mesh::middle(level0.key(a), level0.key(b))))
-        movables.push_back({node, geometry::midpoint(mesh.point(a), mesh.point(b)), placed->point, placed->patch,
-                            placed->is_reachable, placed->is_on_crease, placed->off_facets});
-    }
+    for (const auto node : numbering.edge_to_node[at(numbering.row[at(c)])])
+      if (node != invalid_local) row_of_node[at(node - mesh.n_nodes())] = row;
   }
-  std::sort(movables.begin(), movables.end(), [](const Movable& x, const Movable& y) { return x.node < y.node; });
+  for (std::size_t i = 0; i < row_of_node.size(); ++i) {
+    if (row_of_node[i] == invalid_local) continue;
+    const auto [a, b] = numbering.ends[i];
+    if (const auto placed = level0.place(row_of_node[i], mesh::middle(level0.key(a), level0.key(b))))
+      movables.push_back({mesh.n_nodes() + static_cast<LocalId>(i), geometry::midpoint(mesh.point(a), mesh.point(b)),
+                          placed->point, placed->patch, placed->is_reachable, placed->is_on_crease,
+                          placed->off_facets});
+  }
   return movables;
 }
 

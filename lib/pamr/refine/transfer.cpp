@@ -67,7 +67,8 @@ mesh::NodeField to_nodes(const NumberedMesh& old, const mesh::NodeField& field) 
 
 /// A new node lies in the middle of its edge in level 0.
 mesh::NodeField keys_of(const NumberedMesh& old, const mesh::NodeField& before) {
-  auto keys = before;
+  auto keys = mesh::empty_key_field();
+  keys.value = copy_array(before.integer(), before.integer().size() + mesh::n_key_words * old.numbering.n_new_nodes());
   for (const auto [a, b] : old.numbering.ends)
     mesh::append_key(keys, mesh::middle(mesh::key_of(&before, a), mesh::key_of(&before, b)));
   return keys;
