@@ -126,7 +126,9 @@ class FixedPoint {
     if (is_family) closing_.family[b.first] = *b.family;
     if (marks != all_six) {
       const bool has_moved = is_family && b.family->has_moved(closing_.point);
-      closing_.children[b.first] = closed(b.piece, b.floor, has_moved);
+      const auto children = closed(b.piece, b.floor, has_moved);
+      if (is_family && (children.empty() || !all_positive(children, closing_.point))) closing_.inverted.insert(b.first);
+      closing_.children[b.first] = children;
     } else if (is_family) {
       closing_.children[b.first] = closed_eight(b);
     }
@@ -143,7 +145,9 @@ class FixedPoint {
   /// The eight children of a parent, closed in their turn; the parent is to be split early if that does not do.
   std::vector<Piece> closed_eight(const Base& b) {
     std::vector<Piece> pieces;
-    for (const auto& child : split_in_eight(b.piece, closing_.middle, closing_.point, true)) {
+    const auto children = split_in_eight(b.piece, closing_.middle, closing_.point, true);
+    if (!all_positive(children, closing_.point)) closing_.inverted.insert(b.first);
+    for (const auto& child : children) {
       const auto marks = edges_within(child, closing_.middle);
       if (!added_to(child).empty()) closing_.early.insert(corners_of(b.piece));
       const auto parts = marks == all_six ? split_in_eight(child, closing_.middle, closing_.point, true)
@@ -193,9 +197,7 @@ ReferenceClosing close_removable(const std::vector<Piece>& cell, const Points& p
     const auto base = base_cells(cell, point, level0, families, kept, request, shape_floor);
     auto closing = FixedPoint(base, point, level0, shape_floor).run();
     const auto n_kept = kept.size();
-    for (const auto& [first, family] : closing.family)
-      if (closing.children.at(first).empty() || !all_positive(closing.children.at(first), closing.point))
-        kept.insert(first);
+    kept.insert(closing.inverted.begin(), closing.inverted.end());
     if (kept.size() == n_kept) {
       for (const auto first : kept) closing.families_kept += families.at(first).is_hit(closing.marked) ? 1 : 0;
       return closing;

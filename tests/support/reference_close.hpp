@@ -23,6 +23,7 @@ struct ReferenceClosing {
   /// What becomes of cells and of families that are taken back, by (first) cell; of cells with six marks it is decided
   /// when nodes lie on their surfaces, and nothing is here.
   std::map<GlobalId, std::vector<Piece>> children;
+  std::set<GlobalId> inverted;     ///< families whose parent cannot be rebuilt without an inverted cell
   std::int64_t families_kept = 0;  ///< those of them that have marks
   /// Parents that become eight, of whose children one has marks that the floor enlarges: to be split first.
   std::set<CornerSet> early;

@@ -131,8 +131,8 @@ Vec3 ReferenceMap::onto_wall(const mesh::Level0Cell& cell, const Corners& suppor
 }
 
 /// As everywhere else: on a sharp edge of the surface; beside a face of a patch without a surface on the surface within
-/// the plane of that face, if they meet in a sharp edge; between two patches of one surface on its seam; else on all
-/// surfaces. Where they have no common point near by: where it was.
+/// the plane of that face (through the edge's first corner), if they meet in a sharp edge; between two patches of one
+/// surface on its seam; else on all surfaces. Where they have no common point near by: where it was.
 Vec3 ReferenceMap::onto_edge(const mesh::Level0Cell& cell, int edge, Vec3 from) const {
   std::vector<const geometry::Surface*> surfaces;
   for (const auto patch : std::set<std::int32_t>(cell.edge_patch[at(edge)].begin(), cell.edge_patch[at(edge)].end()))
@@ -140,7 +140,9 @@ Vec3 ReferenceMap::onto_edge(const mesh::Level0Cell& cell, int edge, Vec3 from) 
   const bool is_seam = surfaces.size() == 2 && surfaces[0] == surfaces[1];
   if (has_bit(cell.creases, edge) || is_seam) return surfaces.front()->project_to_seam(from);
   std::optional<geometry::Plane> plane;
-  if (has_bit(cell.sharp_edges, edge)) surfaces.insert(surfaces.begin(), &plane.emplace(from, cell.beside[at(edge)]));
+  if (has_bit(cell.sharp_edges, edge))
+    surfaces.insert(surfaces.begin(),
+                    &plane.emplace(cell.corner[at(edge_to_corner[at(edge)][0])], cell.beside[at(edge)]));
   const auto placed = geometry::project_onto_all(surfaces, from);
   return placed.converged ? placed.point : from;
 }
