@@ -2,18 +2,15 @@
 #include "support/reference_refine.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <map>
-#include <numbers>
-#include <optional>
 #include <set>
 #include <stdexcept>
 #include <utility>
 
-#include "pamr/geometry/plane.hpp"
 #include "support/reference.hpp"
 #include "support/reference_close.hpp"
 #include "support/reference_split.hpp"
+#include "support/reference_walls.hpp"
 
 namespace pamr::test {
 
@@ -89,58 +86,6 @@ std::vector<GlobalId> number_nodes(const std::vector<Piece>& cell, std::size_t n
   return to_final;
 }
 
-/// A boundary face at an edge: its patch and its third corner.
-struct FaceAtEdge {
-  int patch = 0;
-  GlobalId third = 0;
-};
-
-/// Where the middle of an edge goes that a face of a patch without a surface shares with one of `surface`: if they meet
-/// at 40 degrees or more, onto the surface within the plane of that face.
-geometry::Vec3 target_beside_face(geometry::Vec3 a, geometry::Vec3 b, geometry::Vec3 third,
-                                  const geometry::Surface& surface) {
-  if (geometry::lexicographically_less(b, a)) std::swap(a, b);
-  const auto middle = midpoint(a, b), of_face = cross(b - a, third - a);
-  const double cosine = std::abs(dot(of_face, surface.normal(middle))) / norm(of_face);
-  const geometry::Plane plane(middle, of_face);
-  std::vector<const geometry::Surface*> surfaces{&plane, &surface};
-  if (cosine > std::cos(40 * std::numbers::pi / 180)) surfaces.erase(surfaces.begin());
-  return geometry::project_onto_all(surfaces, middle).point;
-}
-
-std::map<Edge, std::vector<FaceAtEdge>> faces_at_edges(const std::vector<Piece>& cell) {
-  std::map<Edge, std::vector<FaceAtEdge>> faces;
-  for (const auto& piece : cell)
-    for (int f = 0; f < 4; ++f)
-      if (piece.patch[at(f)] >= 0)
-        for (const int e : edges_of_face(f)) {
-          const auto edge = piece.edge(e);
-          for (int i = 0; i < 4; ++i)
-            if (i != f && piece.corner[at(i)] != edge.first && piece.corner[at(i)] != edge.second)
-              faces[edge].push_back({piece.patch[at(f)], piece.corner[at(i)]});
-        }
-  return faces;
-}
-
-/// Where the middle of an edge in the boundary goes. Flat surfaces alone move nothing.
-geometry::Vec3 target_in_boundary(const Edge& edge, std::vector<FaceAtEdge> faces,
-                                  const std::vector<const geometry::Surface*>& surface_of_patch, const Points& point) {
-  const auto a = point[at(edge.first)], b = point[at(edge.second)];
-  std::vector<const geometry::Surface*> surfaces;
-  std::optional<GlobalId> third;  // of a face without surface
-  std::sort(faces.begin(), faces.end(), [](const auto& f, const auto& g) { return f.patch < g.patch; });
-  for (const auto& face : faces) {
-    const auto* surface = surface_of_patch[at(face.patch)];
-    if (surface == nullptr)
-      third = face.third;
-    else if (std::find(surfaces.begin(), surfaces.end(), surface) == surfaces.end())
-      surfaces.push_back(surface);
-  }
-  if (std::all_of(surfaces.begin(), surfaces.end(), [](const auto* s) { return s->is_flat(); })) return midpoint(a, b);
-  return third ? target_beside_face(a, b, point[at(*third)], *surfaces.front())
-               : geometry::project_onto_all(surfaces, midpoint(a, b)).point;
-}
-
 /// The new nodes that the map of level 0 places.
 std::map<Edge, geometry::Vec3> mapped_middles(const std::vector<Piece>& cell, const ReferenceLevel0& level0,
                                               const ReferenceClosing& closing) {
@@ -155,18 +100,17 @@ std::map<Edge, geometry::Vec3> mapped_middles(const std::vector<Piece>& cell, co
 
 /// Puts new nodes where the map of level 0 wants them, others on edges in the boundary onto their surfaces. Returns the
 /// largest move over its edge's length.
-double project(const std::vector<Piece>& cell, const std::vector<const geometry::Surface*>& surface_of_patch,
-               const ReferenceLevel0& level0, const ReferenceClosing& closing, Points& point) {
+double project(const std::vector<Piece>& cell, const SurfaceOfPatch& surface_of_patch, const ReferenceLevel0& level0,
+               const ReferenceClosing& closing, Points& point) {
   const auto faces = faces_at_edges(cell);
-  const auto mapped = mapped_middles(cell, level0, closing);
+  auto targets = mapped_middles(cell, level0, closing);
+  for (const auto& edge : closing.marked)
+    if (const auto at_edge = faces.find(edge); at_edge != faces.end() && targets.count(edge) == 0)
+      if (const auto target = target_in_wall(edge, at_edge->second, surface_of_patch, point))
+        targets[edge] = target->point;
   double largest = 0;
-  for (const auto& edge : closing.marked) {
-    const auto found = mapped.find(edge);
-    const auto at_edge = faces.find(edge);
-    if (found == mapped.end() && at_edge == faces.end()) continue;
+  for (const auto& [edge, target] : targets) {
     auto& p = point[at(closing.middle.at(edge))];
-    const auto target =
-        found != mapped.end() ? found->second : target_in_boundary(edge, at_edge->second, surface_of_patch, point);
     largest = std::max(largest, norm(target - p) / norm(point[at(edge.first)] - point[at(edge.second)]));
     p = target;
   }
@@ -222,7 +166,7 @@ void link(const std::vector<Piece>& piece, mesh::BlockMesh& mesh) {
 
 /// Where new nodes go.
 struct Walls {
-  const std::vector<const geometry::Surface*>& surface_of_patch;
+  const SurfaceOfPatch& surface_of_patch;
   const ReferenceLevel0& level0;
 };
 
@@ -339,8 +283,7 @@ ReferenceRefinement refine_removable(const mesh::BlockMesh& whole, const Referen
 
 ReferenceRefinement reference_refine(const mesh::BlockMesh& whole, const std::vector<std::uint8_t>& flags,
                                      refine::QualityControl policy, double shape_floor,
-                                     const std::vector<const geometry::Surface*>& surface_of_patch,
-                                     const ReferenceLevel0& level0) {
+                                     const SurfaceOfPatch& surface_of_patch, const ReferenceLevel0& level0) {
   const Walls walls{surface_of_patch, level0};
   if (policy == refine::QualityControl::removable) return refine_removable(whole, {flags, {}}, shape_floor, walls);
   const auto cell = pieces_of(whole, level0);

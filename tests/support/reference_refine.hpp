@@ -8,6 +8,7 @@
 #include "pamr/geometry/surface.hpp"
 #include "pamr/refine/options.hpp"
 #include "support/reference_level0.hpp"
+#include "support/reference_walls.hpp"
 
 namespace pamr::test {
 
@@ -36,7 +37,6 @@ struct ReferenceRefinement {
 /// 10,000 cells.
 ReferenceRefinement reference_refine(const mesh::BlockMesh& whole, const std::vector<std::uint8_t>& flags,
                                      refine::QualityControl policy, double shape_floor,
-                                     const std::vector<const geometry::Surface*>& surface_of_patch = {},
-                                     const ReferenceLevel0& level0 = {});
+                                     const SurfaceOfPatch& surface_of_patch = {}, const ReferenceLevel0& level0 = {});
 
 }  // namespace pamr::test

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The refiner against its slow, obvious twin near coarse curved walls, where a map of level 0 places new nodes.
+// The refiner against its slow, obvious twin near coarse curved walls, where a map of level 0 places new nodes; and
+// what is bent in that map.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -55,8 +56,8 @@ refine::Options options_of(std::uint64_t seed) {
   return {.quality_control = policy, .shape_floor = floors[at(mix(seed + 1) % 4)], .marks_field = ""};
 }
 
-std::vector<const geometry::Surface*> surfaces_of_patches(const mesh::MeshInfo& info) {
-  std::vector<const geometry::Surface*> surfaces;
+test::SurfaceOfPatch surfaces_of_patches(const mesh::MeshInfo& info) {
+  test::SurfaceOfPatch surfaces;
   for (std::size_t p = 0; p < info.patches.size(); ++p) surfaces.push_back(info.surface_of(static_cast<int>(p)));
   return surfaces;
 }
@@ -69,6 +70,27 @@ std::vector<mesh::Level0Cell> rows_on(const par::Comm& comm, const mesh::Level0M
   rows.erase(std::unique(rows.begin(), rows.end(), [](const auto& a, const auto& b) { return a.row == b.row; }),
              rows.end());
   return rows;
+}
+
+/// But for the bulges of edges that are in no curved wall.
+void expect_same_map(const std::vector<mesh::Level0Cell>& found, const std::vector<mesh::Level0Cell>& expected) {
+  ASSERT_EQ(found.size(), expected.size());
+  for (std::size_t r = 0; r < found.size(); ++r) {
+    SCOPED_TRACE("row " + std::to_string(r));
+    const auto &f = found[r], &e = expected[r];
+    ASSERT_EQ(f.row, e.row);
+    ASSERT_EQ(f.node, e.node);
+    ASSERT_EQ(f.corner, e.corner);
+    ASSERT_EQ(f.face_patch, e.face_patch);
+    ASSERT_EQ(f.edge_patch, e.edge_patch);
+    ASSERT_EQ(f.sharp_edges, e.sharp_edges);
+    ASSERT_EQ(f.bent_corners, e.bent_corners);
+    for (std::size_t i = 0; i < 6; ++i) {
+      if (e.edge_patch[i][0] < 0) continue;
+      ASSERT_EQ(f.bulge[i], e.bulge[i]);
+      ASSERT_EQ(f.beside[i], e.beside[i]);
+    }
+  }
 }
 
 /// What the fields of the map say of all cells and nodes, by number.
@@ -167,6 +189,7 @@ bool compare_level(const par::Comm& comm, mesh::DistMesh& mesh, Twin& twin, std:
   bool goes_on = mesh.info.n_global_cells < enough_cells;
   if (comm.rank() == root) {
     if (twin.map == nullptr) {
+      expect_same_map(rows, test::reference_rows(whole, surfaces_of_patches(mesh.info)));
       twin.map = std::make_unique<test::ReferenceMap>(rows, surfaces_of_patches(mesh.info));
       twin.level0 = test::look_at_level0(whole, *twin.map);
       ++tally.maps;
