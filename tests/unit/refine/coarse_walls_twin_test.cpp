@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdio>
 #include <memory>
 #include <string>
@@ -29,8 +30,14 @@ constexpr GlobalId enough_cells = 1500;  ///< no further level on larger meshes:
 
 std::size_t at(std::int64_t i) { return static_cast<std::size_t>(i); }
 
-/// All sides but `zmin` become one patch, which then is not flat and gets no surface.
+/// All sides but `zmin` become one patch, which then is not flat and gets no surface. Turned about the axis of the
+/// dome, so that coordinates in its sides are not exact.
 mesh::BlockMesh with_one_side(mesh::BlockMesh block) {
+  for (auto& p : block.node_position) {
+    const double x = p.x - 0.5, y = p.y - 0.5;
+    p.x = 0.5 + std::cos(0.3) * x - std::sin(0.3) * y;
+    p.y = 0.5 + std::sin(0.3) * x + std::cos(0.3) * y;
+  }
   GlobalId dome = 0;
   while (block.info.patches[at(dome)].name != "zmin") ++dome;
   const GlobalId side = dome == 0 ? 1 : 0;
@@ -144,23 +151,24 @@ Fields fields_of(const test::ReferenceLevel0& level0) {
 
 /// What has been compared; a comparison of nothing proves nothing.
 struct Tally {
-  std::int64_t maps = 0, levels = 0, mapped_cells = 0, rebuilt = 0, early = 0;
+  std::int64_t maps = 0, levels = 0, mapped_cells = 0, rebuilt = 0, kept = 0, early = 0;
 
   void add(const test::ReferenceRefinement& expected) {
     ++levels;
     mapped_cells += std::count_if(expected.level0.row.begin(), expected.level0.row.end(), [](int r) { return r >= 0; });
     rebuilt += expected.families_rebuilt;
+    kept += expected.families_kept;
     early += expected.early_passes;
   }
 
   /// Collective: sums over the ranks, and tells them once.
   void finish(const par::Comm& comm) {
-    for (auto* count : {&maps, &levels, &mapped_cells, &rebuilt, &early}) *count = comm.sum(*count);
+    for (auto* count : {&maps, &levels, &mapped_cells, &rebuilt, &kept, &early}) *count = comm.sum(*count);
     if (comm.is_first())
       std::printf(
-          "compared %ld maps, %ld refinements, %ld cells that descend from bent ones; families rebuilt: %ld; "
+          "compared %ld maps, %ld refinements, %ld cells that descend from bent ones; families: %ld rebuilt, %ld kept; "
           "early passes: %ld\n",
-          maps, levels, mapped_cells, rebuilt, early);
+          maps, levels, mapped_cells, rebuilt, kept, early);
   }
 };
 
@@ -240,7 +248,7 @@ Tally compare(const par::Comm& comm, std::uint64_t first, std::uint64_t n_cases)
 TEST(Twin, AgreesNearCoarseCurvedWalls) {
   const par::Comm world(MPI_COMM_WORLD);
 
-  const auto tally = compare(world, 1000 * static_cast<std::uint64_t>(world.size()), test::n_cases_on(world, 4, 100));
+  const auto tally = compare(world, 1000 * static_cast<std::uint64_t>(world.size()), test::n_cases_on(world, 8, 1000));
 
   EXPECT_GT(tally.maps, 0);
   EXPECT_GT(tally.levels, tally.maps);
