@@ -193,7 +193,7 @@ FamilyPlan plan_family(const mesh::DistMesh& mesh, const FamilyView& family, dou
   const mesh::Level0View level0(mesh);
   const auto mapped = family_points(mesh, level0, family);
   const auto& points = mapped.all_points();
-  plan.is_safe = is_straight(points, split_pattern[at(family.state)].mask) && is_far_from_flat(points);
+  plan.is_safe = is_straight(points, family.parent_marks) && is_far_from_flat(points);
   plan.state = static_cast<SplitState>(choose_state(points, family.parent_marks, family.state, plan.is_safe));
   if (plan.state == 0) return result;
   const auto& pattern = split_pattern[plan.state];
