@@ -255,5 +255,12 @@ TEST(Twin, AgreesNearCoarseCurvedWalls) {
   EXPECT_GT(tally.mapped_cells, 0);
 }
 
+/// A family whose old middles lie in the middle of their edges while the map puts new ones elsewhere.
+TEST(Twin, AgreesWhereOldMiddlesAreStraightAndNewOnesAreNot) {
+  const auto tally = compare(par::Comm(MPI_COMM_WORLD), 2161, 1);
+
+  EXPECT_EQ(tally.levels, 3);
+}
+
 }  // namespace coarse_walls_twin_test
 }  // namespace pamr
