@@ -186,6 +186,28 @@ void keep_flat_patches(cli::Session& session, mesh::DistMesh& mesh) {
   for (const auto& warning : mesh::warnings_of(mesh.info, undescribed)) session.warn(warning);
 }
 
+void warn_coarse_walls(const cli::Session& session, const curved::Level0Report& level0) {
+  if (!level0.trouble.empty())
+    session.warn(
+        fmt::format("{} edges of level 0 are longer than 0.2 of the radius of curvature of their wall, and {}: cells "
+                    "there may lose "
+                    "shape from level to level",
+                    level0.n_coarse_edges, level0.trouble));
+}
+
+/// What of the command decides on the result.
+void add_provenance(const Options& options, std::string& provenance) {
+  const auto floor = options.quality_control == "removable" && options.shape_floor != refine::default_shape_floor
+                         ? fmt::format(" --shape-floor {}", options.shape_floor)
+                         : std::string();
+  const auto placing = options.no_project        ? std::string(" --no-project")
+                       : options.bend != "walls" ? " --bend " + options.bend
+                                                 : std::string();
+  provenance +=
+      fmt::format("{}pamr-refine {} --quality-control {}{}{}{}", provenance.empty() ? "" : "\n", PAMR_VERSION,
+                  options.quality_control, floor, placing, options.order == "auto" ? "" : " --order " + options.order);
+}
+
 /// The marks, of a mesh in which the numbers of the parents replace no data. Collective.
 std::vector<std::int8_t> read_flags(const par::Comm& comm, const mesh::DistMesh& mesh, const Options& options) {
   using Number = std::numeric_limits<std::int64_t>;
@@ -241,16 +263,7 @@ cli::ExitCode work(cli::Session& session, const Options& options) {
   measured.lists_ranks = options.each_rank;
   measured.bytes_at_rest = mesh::bytes_at_rest(result.mesh);
   timer.lap(adapt::Measured::check_step);
-  auto& provenance = result.mesh.info.provenance;
-  const auto floor = options.quality_control == "removable" && options.shape_floor != refine::default_shape_floor
-                         ? fmt::format(" --shape-floor {}", options.shape_floor)
-                         : std::string();
-  provenance += fmt::format("{}pamr-refine {} --quality-control {}{}{}{}", provenance.empty() ? "" : "\n", PAMR_VERSION,
-                            options.quality_control, floor,
-                            options.no_project        ? " --no-project"
-                            : options.bend != "walls" ? " --bend " + options.bend
-                                                      : "",
-                            options.order == "auto" ? "" : " --order " + options.order);
+  add_provenance(options, result.mesh.info.provenance);
   session.step(fmt::format("writing {} cells to {}", result.mesh.info.n_global_cells, options.output));
   io::write_native(comm, options.output, result.mesh,
                    {.fingerprint = measured.fingerprint, .format = options.format, .remark = session.remarks()});
@@ -259,11 +272,7 @@ cli::ExitCode work(cli::Session& session, const Options& options) {
   if (const auto warning = mesh::warning_of_periodic(result.mesh.info.patches); !warning.empty()) session.warn(warning);
   warn_too_deep(session, result.report.marked_too_deep);
   warn_kept(session, result.report.closure.families_kept, how);
-  if (const auto& level0 = result.report.level0; !level0.trouble.empty())
-    session.warn(fmt::format(
-        "{} edges of level 0 are longer than 0.2 of the radius of curvature of their wall, and {}: cells there may "
-        "lose shape from level to level",
-        level0.n_coarse_edges, level0.trouble));
+  warn_coarse_walls(session, result.report.level0);
   if (options.quality_control == "removable" && options.shape_floor > 0)
     warn_lost_shapes(session, walls_before, walls_after);
   if (result.report.closure.n_marked == 0 && result.coarsening.cells_flagged == 0)

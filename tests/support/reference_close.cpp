@@ -10,8 +10,6 @@ namespace pamr::test {
 
 namespace {
 
-std::size_t at(std::int64_t i) { return static_cast<std::size_t>(i); }
-
 /// What the rules are about: a cell, or the parent of a family that may be taken back.
 struct Base {
   GlobalId first = 0;  ///< the cell, or the family's first member
