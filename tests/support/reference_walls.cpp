@@ -79,12 +79,18 @@ class Level0 {
     return std::any_of(piece.corner.begin(), piece.corner.end(), [&](auto n) { return bent_.count(n) != 0; });
   }
 
+  void bend(const std::array<std::int32_t, 2>& patches, std::set<int>& bent_patches) const {
+    for (const int patch : patches)
+      if (const auto* surface = surface_of_patch_[at(patch)]; surface != nullptr && !surface->is_flat())
+        bent_patches.insert(patch);
+  }
+
   void find_bent_nodes() {
     std::set<int> bent_patches;
     for (const auto& [edge, wall] : wall_)
       if (norm(wall.bulge) > length(edge) / 40) {
         bent_.insert({edge.first, edge.second});
-        bent_patches.insert(wall.patch.begin(), wall.patch.end());
+        bend(wall.patch, bent_patches);
       }
     for (int layer = 0; layer < 2; ++layer) {
       const auto nearer = bent_;
@@ -100,7 +106,7 @@ class Level0 {
         for (int e = 0; e < 6 && has_bent_node(piece); ++e)
           if (const auto wall = wall_.find(piece.edge(e));
               wall != wall_.end() && wall->second.has_bulge() && !wall->second.is_in(bent_patches))
-            bent_patches.insert(wall->second.patch.begin(), wall->second.patch.end());
+            bend(wall->second.patch, bent_patches);
     }
   }
 

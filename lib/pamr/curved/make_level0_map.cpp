@@ -50,13 +50,15 @@ struct Level0 {
   const std::array<LocalId, 2>& ends(std::size_t edge) const { return nodes.numbering.ends[edge]; }
 };
 
+bool is_curved(const geometry::Surface* surface) { return surface != nullptr && !surface->is_flat(); }
+
 bool has_coarse_face(const mesh::DistMesh& mesh) {
   for (LocalId c = 0; c < mesh.n_cells(); ++c)
     for (std::size_t f = 0; f < 4; ++f) {
       const auto slot = mesh.cell_to_cell[at(c)][f];
       if (slot >= 0) continue;
       const auto* surface = mesh.info.surface_of(mesh::slot_to_patch(slot));
-      if (surface == nullptr || surface->is_flat()) continue;
+      if (!is_curved(surface)) continue;
       const auto& corner = mesh::tet::face_to_corner[f];
       for (std::size_t k = 0; k < 3; ++k) {
         const auto a = mesh.point(mesh.cell_to_node[at(c)][at(corner[k])]);
@@ -127,7 +129,7 @@ void find_bent_nodes(Level0& level0) {
   std::vector<std::int64_t> is_bent_patch(level0.mesh.info.patches.size(), 0);
   const auto bend_patches_of = [&](std::size_t edge) {
     for (const auto p : movables[at(level0.movable[edge])].patch)
-      if (p >= 0) is_bent_patch[at(p)] = 1;
+      if (p >= 0 && is_curved(level0.nodes.info.surface_of(p))) is_bent_patch[at(p)] = 1;
   };
   const auto is_on_bent_patch = [&](std::size_t edge) {
     const auto& patch = movables[at(level0.movable[edge])].patch;
@@ -209,7 +211,7 @@ mesh::Level0Cell make_row(const Level0& level0, LocalId c, std::array<LocalId, 6
     const auto slot = mesh.cell_to_cell[at(c)][order[i]];
     if (slot >= 0) continue;
     const auto* surface = level0.nodes.info.surface_of(mesh::slot_to_patch(slot));
-    if (surface != nullptr && !surface->is_flat()) row.face_patch[i] = mesh::slot_to_patch(slot);
+    if (is_curved(surface)) row.face_patch[i] = mesh::slot_to_patch(slot);
   }
   for (std::size_t e = 0; e < 6; ++e) {
     const auto [a, b] = edge_to_corner[e];
