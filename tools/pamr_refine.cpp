@@ -37,6 +37,7 @@ struct Options {
                              order = "auto";
   double shape_floor = refine::default_shape_floor;
   std::string bend = "walls";
+  bool floors = false;
   int format = io::newest_format;
   std::vector<std::string> integrals;
   bool no_project = false, dry_run = false, force = false, each_rank = false;
@@ -74,10 +75,12 @@ void declare(cli::CommandLine& line, Options& options) {
               "cell field whose sum of value times volume is kept at curved walls too; may be repeated")
       .type_name("FIELD");
   auto dry_run = line.flag("--dry-run", options.dry_run, "print the exact size of the result, split nothing");
+  line.flag("--floors", options.floors, "with --dry-run: the size under other shape floors as well");
   line.option("--format", options.format, cli::format_help).range(io::oldest_format, io::newest_format).show_default();
   line.flag("--force", options.force, cli::force_help);
   line.flag("--each-rank", options.each_rank, "the report lists every rank's share of each step too");
-  line.after_reading([output, dry_run] {
+  line.after_reading([output, dry_run, &options] {
+    if (options.floors && !dry_run.is_given()) cli::CommandLine::refuse_without("--dry-run (beside --floors)");
     if (!output.is_given() && !dry_run.is_given()) cli::CommandLine::refuse_without("--output (or --dry-run)");
   });
 }
@@ -135,8 +138,10 @@ void warn_nothing_goes(const cli::Session& session, const adapt::CoarseningRepor
         report.cells_flagged, report.cells_without_parent));
 }
 
+constexpr std::array<double, 6> floors_to_compare{0, 0.3, 0.35, 0.4, 0.45, 0.5};
+
 cli::ExitCode report_forecast(cli::Session& session, const mesh::DistMesh& mesh, std::span<const std::int8_t> flags,
-                              const refine::Options& options) {
+                              const refine::Options& options, bool show_floors) {
   const auto& comm = session.comm();
   const adapt::Forecaster forecaster(comm, mesh, options);
   const auto forecast = forecaster.forecast(flags);
@@ -158,6 +163,15 @@ cli::ExitCode report_forecast(cli::Session& session, const mesh::DistMesh& mesh,
                         {"nodes_out", nodes},
                         {"largest_rank_bytes", largest}};
   std::string shapes;
+  if (show_floors) {
+    for (const double floor : floors_to_compare) {
+      auto how = options;
+      how.shape_floor = floor;
+      const auto cells = adapt::Forecaster(comm, mesh, how).forecast(flags).cells;
+      report["floors"].push_back({{"shape_floor", floor}, {"cells", cells}});
+      shapes += fmt::format("; floor {}: {} cells", floor, cells);
+    }
+  }
   if (coarsens) {
     report["coarsening"] = to_json(forecast.coarsening);
     warn_nothing_goes(session, forecast.coarsening);
@@ -166,7 +180,7 @@ cli::ExitCode report_forecast(cli::Session& session, const mesh::DistMesh& mesh,
     report["uniform_shape_bound"] = bound.of_uniform_levels;
     if (options.quality_control == refine::QualityControl::removable) {
       report["shape_bound"] = bound.of_all_levels;
-      shapes =
+      shapes +=
           fmt::format("; mean ratio at least {:.4f} at every level, where cells are straight", bound.of_all_levels);
     }
   }
@@ -184,6 +198,11 @@ void keep_flat_patches(cli::Session& session, mesh::DistMesh& mesh) {
   const auto undescribed = mesh::find_undescribed_patches(session.comm(), mesh);
   mesh.info = mesh::with_planes(std::move(mesh.info), undescribed);
   for (const auto& warning : mesh::warnings_of(mesh.info, undescribed)) session.warn(warning);
+}
+
+std::string below_text(const Options& options, std::int64_t n_below) {
+  if (options.quality_control != "removable" || n_below == 0) return {};
+  return fmt::format(", {} cells under {}", n_below, options.shape_floor);
 }
 
 void warn_coarse_walls(const cli::Session& session, const curved::Level0Report& level0) {
@@ -243,7 +262,7 @@ cli::ExitCode work(cli::Session& session, const Options& options) {
                             .marks_field = options.marks,
                             .integrals = options.integrals};
   session.step(fmt::format("refining {} cells", mesh.info.n_global_cells));
-  if (options.dry_run) return report_forecast(session, mesh, flags, how);
+  if (options.dry_run) return report_forecast(session, mesh, flags, how, options.floors);
   if (!options.no_project) keep_flat_patches(session, mesh);
 
   const auto walls_before = options.no_project ? check::WallShapes() : check::wall_shapes(comm, mesh, 0);
@@ -287,9 +306,10 @@ cli::ExitCode work(cli::Session& session, const Options& options) {
                        {"cells_that_lost_shape", walls_after.n_below}};
     session.write_report(report);
   }
-  session.summary(fmt::format("{} cells ({}) -> {} cells, {} nodes, {} off their surface: {}", result.report.cells_in,
+  session.summary(fmt::format("{} cells ({}) -> {} cells, {} nodes, {} off their surface{}: {}", result.report.cells_in,
                               marked_text(result.report.closure.n_marked, result.coarsening), result.report.cells_out,
-                              result.report.nodes_out, result.report.certificate.n_off_surface, options.output));
+                              result.report.nodes_out, result.report.certificate.n_off_surface,
+                              below_text(options, measured.cells_below_floor), options.output));
   return cli::ExitCode::done;
 }
 

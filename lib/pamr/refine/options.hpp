@@ -33,7 +33,7 @@ QualityControl quality_control_named(std::string_view name);
 /// All the names, for help texts and checks of command lines.
 std::vector<std::string> quality_control_list();
 
-inline constexpr double default_shape_floor = 0.3;
+inline constexpr double default_shape_floor = 0.35;
 
 /// Which inner edges of level 0 may bend for better shapes of what they are split into (docs/coarse-walls.md). Decides
 /// when a mesh of level 0 is split; later calls go on with what was decided then.

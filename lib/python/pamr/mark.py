@@ -107,7 +107,7 @@ def bulk(mesh: Any, values: Any, fraction: float = 0.3) -> np.ndarray:
 
 
 def flags(mesh: Any, *criteria: Any, max_level: Optional[int] = None, max_cells: Optional[int] = None,
-          quality_control: str = "removable", shape_floor: float = 0.3) -> np.ndarray:
+          quality_control: str = "removable", shape_floor: float = 0.35) -> np.ndarray:
     """Flags for ``pamr.refine``: n values of uint8, 1 for cells that any of the criteria wants.
 
     criteria: indicators, or arrays of numbers or truth values, n each. max_level: only cells of a level below it.

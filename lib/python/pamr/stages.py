@@ -68,7 +68,7 @@ def placing(project: Any, bend: Any) -> tuple[bool, str]:
 
 
 def refine(mesh: Mesh, flags: Any, *, project: bool = True, bend: str = "walls", quality_control: str = "removable",
-           shape_floor: float = 0.3, balance: str = "auto", weights: str = "exact") -> RefineResult:
+           shape_floor: float = 0.35, balance: str = "auto", weights: str = "exact") -> RefineResult:
     """Splits the flagged cells into eight and closes the mesh around them. Collective.
 
     flags: one for each cell of this rank, 0 or 1 (or truth values).
@@ -91,7 +91,7 @@ def refine(mesh: Mesh, flags: Any, *, project: bool = True, bend: str = "walls",
     return RefineResult(fine, report, fine.cell_fields["parent"], mesh)
 
 
-def adapt(mesh: Mesh, flags: Any, *, project: bool = True, bend: str = "walls", shape_floor: float = 0.3, balance: str = "auto",
+def adapt(mesh: Mesh, flags: Any, *, project: bool = True, bend: str = "walls", shape_floor: float = 0.35, balance: str = "auto",
           weights: str = "exact", integrals: tuple[str, ...] = ()) -> RefineResult:
     """Refines and coarsens in one call (docs/coarsening.md). Collective.
 
@@ -114,7 +114,7 @@ def adapt(mesh: Mesh, flags: Any, *, project: bool = True, bend: str = "walls", 
     return RefineResult(fine, report, fine.cell_fields["parent"], mesh)
 
 
-def forecast(mesh: Mesh, flags: Any, quality_control: str = "removable", shape_floor: float = 0.3) -> tuple[int, int]:
+def forecast(mesh: Mesh, flags: Any, quality_control: str = "removable", shape_floor: float = 0.35) -> tuple[int, int]:
     """Cells and nodes that adapting with these flags would give, exactly. Collective.
 
     flags: one for each cell of this rank: 1 is split, 0 stays, -1 may be coarsened, as for ``adapt``.
