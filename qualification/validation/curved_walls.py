@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Refines bodies at their curved walls, level by level, and tabulates what became of the walls.
 
-    curved_walls.py BIN_FOLDER [--cases NAME,...] [--sizes H,...] [--mesher pamr|gmsh] [--repair] [--levels N] [--ranks N]
-                    [--keep DIR]
+    curved_walls.py BIN_FOLDER [--cases NAME,...] [--sizes H,...] [--mesher pamr|gmsh] [--repair] [--levels N] [--max-cells N]
+                    [--layers N] [--ranks N] [--keep DIR]
 
-A row a level: cells, nodes on the walls, how many are off their surface, the worst distance, the smallest mean ratio, errors of
-area and volume with their orders, the largest angle between a wall face and the exact normal. Exit code 1 when a cell is
-inverted, a flagged cell is not split, or a node on a sharp edge is off it.
+A row a body and size: cells of the last level, the smallest mean ratio of each level, closure families that were kept, nodes that
+are off their surface, errors of area and volume at the last level with their orders. Exit code 1 when a cell is inverted, a
+flagged cell is not split, or a node on a sharp edge is off it.
 """
 import argparse
 import json
@@ -24,8 +24,8 @@ from tet import FACE_TO_CORNER  # noqa: E402
 
 import wall_cases
 
-HEAD = ("level", "cells", "wall nodes", "off", "worst distance", "moved", "smallest mean ratio", "area error", "order",
-        "volume error", "order", "normals off by", "order", "kept", "untangling", "project s", "refine s")
+HEAD = ("body", "h/R", "level", "cells", "smallest mean ratio, levels 0, 1, ...", "kept", "off", "area error", "order",
+        "volume error", "order")
 
 
 def arguments():
@@ -35,7 +35,8 @@ def arguments():
     parser.add_argument("--sizes", default="0.4,0.8,1.2,1.6,2.0", help="edges at the wall / smallest radius of curvature")
     parser.add_argument("--mesher", choices=("pamr", "gmsh"), default="pamr")
     parser.add_argument("--repair", action="store_true", help="split what would flatten cells at Gmsh's walls (pamr-convert)")
-    parser.add_argument("--levels", type=int, default=5)
+    parser.add_argument("--levels", type=int, default=4)
+    parser.add_argument("--max-cells", type=int, default=600_000, help="no level with more")
     parser.add_argument("--layers", type=int, default=1, help="layers of cells that are split at the wall")
     parser.add_argument("--ranks", type=int, default=1)
     parser.add_argument("--keep", type=pathlib.Path, help="leave the meshes in this folder")
@@ -144,50 +145,63 @@ def measure(call, case, mesh):
     return row
 
 
-def refine(call, case, mesh, folder, level, layers=1):
+def mark(call, case, mesh, folder, layers=1):
+    """The file with the marks, and the cells that refining it will give."""
     marks = folder / "marks.hdf"
     flags = [word for name in case.walls for word in ("--patch", name)] + ["--layers", layers]
-    call("pamr-mark", mesh, "-o", marks, *flags, "--force", "--quiet")
+    report = json.loads(call("pamr-mark", mesh, "-o", marks, *flags, "--force", "--json", "-", "--quiet"))
+    return marks, report["cells_after"]
+
+
+def refine(call, marks, folder, level):
     fine = folder / f"level{level}.hdf"
     report = json.loads(call("pamr-refine", marks, "-o", fine, "--force", "--json", "-", "--quiet"))
     marks.unlink()
     return report, fine
 
 
+def shape_of_splitting_all(call, mesh, folder, levels=2):
+    """The smallest mean ratio of a mesh and of its descendants where every cell is split into eight."""
+    smallest = []
+    for level in range(levels + 1):
+        smallest.append(json.loads(call("pamr-quality", mesh, "--json", "-", "--quiet"))["mean_ratio"]["min"])
+        if level < levels:
+            call("pamr-mark", mesh, "-o", folder / "all.hdf", "--all", "--force", "--quiet")
+            mesh = folder / f"all{level + 1}.hdf"
+            call("pamr-refine", folder / "all.hdf", "-o", mesh, "--force", "--quiet")
+    return min(smallest)
+
+
 def run(options, name, size, folder):
-    """Prints the table of one body; true when nothing was broken."""
-    sound = True
-    call = caller(options)
+    """Prints the row of one body; true when nothing was broken."""
+    call, sound, kept, level = caller(options), True, 0, 0
     case, mesh = make_level_0(call, name, size, options.mesher, folder, options.repair)
-    print(f"\n{name}, h/R = {size}" if name != "blunt-cone" else f"\n{name}", flush=True)
-    print("| " + " | ".join(HEAD) + " |\n|" + "---|" * len(HEAD))
-    before = None
-    for level in range(options.levels + 1):
-        report = {}
-        if level > 0:
-            report, fine = refine(call, case, mesh, folder, level, options.layers)
-            if options.keep is None:
-                mesh.unlink()
-            mesh = fine
-        row = measure(call, case, mesh)
-        sound = sound and row["inverted"] == 0 and row["valid"] and report.get("marked_not_split", 0) == 0 and row["edge"] <= 1e-12
-        orders = {k: order(before[k], row[k]) if before else math.nan for k in ("area error", "volume error", "normals off by")}
-        seconds = report.get("seconds", {})
-        cells = [level, row["cells"], row["wall nodes"], row["off"], row["worst distance"], report.get("moved_nodes", 0),
-                 row["smallest mean ratio"], row["area error"], orders["area error"], row["volume error"], orders["volume error"],
-                 row["normals off by"], orders["normals off by"], report.get("families_kept", 0),
-                 report.get("untangling_rounds", 0),
-                 seconds.get("project", {}).get("max", math.nan), seconds.get("total", {}).get("max", math.nan)]
-        print("| " + " | ".join(shown(c) for c in cells) + " |", flush=True)
-        before = row
-    if case.sharp:
-        print(f"\nNodes on sharp edges: at most {row['edge']:.1e} off them.")
+    rows = [measure(call, case, mesh)]
+    for level in range(1, options.levels + 1):
+        marks, n_cells = mark(call, case, mesh, folder, options.layers)
+        if n_cells > options.max_cells:
+            break
+        report, fine = refine(call, marks, folder, level)
+        if options.keep is None:
+            mesh.unlink()
+        mesh = fine
+        rows.append(measure(call, case, mesh))
+        kept += report["families_kept"]
+        sound = sound and report["marked_not_split"] == 0
+    sound = sound and all(row["inverted"] == 0 and row["valid"] and row["edge"] <= 1e-12 for row in rows)
+    last, before = rows[-1], rows[-2] if len(rows) > 1 else {}
+    cells = [name, size or "-", len(rows) - 1, last["cells"], ", ".join(f"{row['smallest mean ratio']:.3f}" for row in rows), kept,
+             max(row["off"] for row in rows)]
+    for key in ("area error", "volume error"):
+        cells += [last[key], order(before.get(key, math.nan), last[key])]
+    print("| " + " | ".join(shown(c) for c in cells) + " |", flush=True)
     return sound
 
 
 def main():
     options = arguments()
     sound = True
+    print("| " + " | ".join(HEAD) + " |\n|" + "---|" * len(HEAD))
     for name in options.cases.split(","):
         for size in [0.0] if name == "blunt-cone" else [float(s) for s in options.sizes.split(",")]:
             with tempfile.TemporaryDirectory() as scratch:

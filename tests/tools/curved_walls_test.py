@@ -15,24 +15,36 @@ def call(tool, *words):
     return run(tool, *words, serial=tool in ("pamr-mesh", "pamr-mark", "pamr-quality")).out
 
 
+def shape_bar(size, of_splitting_all):
+    """What the smallest mean ratio must reach at every level, by edges over the radius and what splitting all cells would give."""
+    return min(0.29, 0.95 * of_splitting_all) if size <= 0.8 else min(0.24, 0.9 * of_splitting_all)
+
+
 def refined(name, size, levels):
-    """What is measured at each level, and the reports of the refinements."""
+    """What is measured at each level, the reports of the refinements, and the bar of shapes."""
     folder = pathlib.Path(".").resolve()
     case, mesh = curved_walls.make_level_0(call, name, size, "pamr", folder)
     rows, reports = [curved_walls.measure(call, case, mesh)], []
+    bar = shape_bar(size, curved_walls.shape_of_splitting_all(call, mesh, folder, min(levels, 2)))
     for level in range(1, levels + 1):
-        report, mesh = curved_walls.refine(call, case, mesh, folder, level)
+        marks, n_cells = curved_walls.mark(call, case, mesh, folder)
+        report, mesh = curved_walls.refine(call, marks, folder, level)
+        assert report["cells_out"] == n_cells
         rows.append(curved_walls.measure(call, case, mesh))
         reports.append(report)
-    return rows, reports
+    return rows, reports, bar
 
 
 def expect_wall_followed(name, size, levels, orders):
-    rows, reports = refined(name, size, levels)
+    rows, reports, bar = refined(name, size, levels)
     for row, report in zip(rows[1:], reports):
         assert row["inverted"] == 0 and row["valid"] and report["marked_not_split"] == 0
         assert row["off"] == 0 == report["off_surface_nodes"], f"{name}: {row['off']} nodes off their surface"
         assert row["worst distance"] <= 1e-12 and row["edge"] <= 1e-12
+        assert report["families_kept"] == 0
+    shapes = [row["smallest mean ratio"] for row in rows]
+    assert min(shapes) >= bar, f"{name}: smallest mean ratios {shapes}, expected at least {bar}"
+    assert [report["level0"]["coarse_edges"] > 0 for report in reports] == [True] + [False] * (levels - 1)
     for key, least in orders.items():
         found = curved_walls.order(rows[-2][key], rows[-1][key])
         assert found >= least, f"{name}: {key} falls with order {found}"
@@ -80,7 +92,7 @@ def test_an_import_splits_what_would_flatten_cells_at_a_curved_wall():
     run("pamr-convert", "as_is.hdf", "later.hdf", "--repair", "--quiet")
     assert same_bytes("on1.hdf", "asked.hdf") and same_bytes("on1.hdf", "later.hdf")
     assert smallest_mean_ratio(refine_at_ball("as_is.hdf", 4)) < 0.15
-    assert smallest_mean_ratio(refine_at_ball("on1.hdf", 4)) > 0.19
+    assert smallest_mean_ratio(refine_at_ball("on1.hdf", 4)) > 0.4
     run("pamr-convert", "on1_1.hdf", "again.hdf", "--repair", code=2, serial=True)
     run("pamr-convert", "ball.msh", "both.hdf", "--repair", "--no-repair", code=2, serial=True)
     strict = run(*arguments, "strict.hdf", "--strict")
@@ -90,12 +102,12 @@ def test_an_import_splits_what_would_flatten_cells_at_a_curved_wall():
 def test_shape_that_walls_cost_is_told():
     octahedron_of_gmsh()
     run("pamr-convert", "ball.msh", "level0.hdf", "--surfaces", "ball.toml", "--no-repair", "--quiet", serial=True)
-    for level in range(1, 5):  # smallest mean ratios 0.857, 0.579, 0.366, 0.231, 0.145
+    for level in range(1, 5):  # smallest mean ratios 0.857, 0.579, 0.378, 0.236, 0.148
         run("pamr-mark", f"level{level - 1}.hdf", "-o", "marked.hdf", "--all", "--force", "--quiet", serial=True)
         told = run("pamr-refine", "marked.hdf", "-o", f"level{level}.hdf", "--json", "-", serial=level < 4)
         n_lost = 64 if level == 4 else 0
         assert told.json["walls"]["cells_that_lost_shape"] == n_lost
-        assert ("64 cells at walls have a mean ratio under 0.162" in told.err) == (n_lost > 0), told.err
+        assert ("64 cells at walls have a mean ratio under 0.165" in told.err) == (n_lost > 0), told.err
 
 
 def test_pamr_mesh_splits_it_by_itself():
@@ -104,30 +116,32 @@ def test_pamr_mesh_splits_it_by_itself():
     report = run("pamr-mesh", "case.toml", "-o", "ball.hdf", "--json", "-", serial=True).json
 
     assert report["split_edges"] > 0 and report["min_mean_ratio"] > 0.3
-    assert smallest_mean_ratio(refine_at_ball("ball.hdf", 2)) > 0.2
+    assert smallest_mean_ratio(refine_at_ball("ball.hdf", 2)) > 0.3
 
 
 SECOND = {"area error": 1.8, "volume error": 1.7}
 
 
-def test_a_ball_known_by_seven_nodes_is_followed_by_untangling():
+def test_a_ball_known_by_seven_nodes_is_followed():
     reports = expect_wall_followed("ball-in-box", 2.0, 3, SECOND)
 
-    assert sum(r["untangling_rounds"] for r in reports) > 0
     assert all(r["moved_nodes"] > 0 and r["cells_checked"] > 0 for r in reports)
+    level0 = reports[0]["level0"]  # where only walls are bent, cells fold
+    assert level0["min_jacobian_before"] < 0 and level0["min_jacobian"] > 0.3 and level0["bent_cells"] > 0
 
 
-def orders_of(name, size, levels):
+def follows(name, size, levels):
     """A test of its own for each body, so that several run at a time."""
     return lambda: expect_wall_followed(name, size, levels, SECOND | {"normals off by": 0.7})
 
 
 # the torus of 40 nodes gets its order after level 2
 for body in (("torus-in-box", 2.0, 3), ("ball", 1.2, 2), ("bored-box", 1.6, 2), ("ellipsoid", 1.0, 2), ("dish", 0.8, 2),
-             ("thin-shell", 0.2, 1), ("cone-in-box", 2.0, 2)):
-    test = orders_of(*body)
-    globals()[f"test_area_and_volume_of_{body[0]}_converge_at_second_order_and_normals_at_first"] = \
-        test if body[0] in ("ball", "ellipsoid", "bored-box") else of_full_level(test)
+             ("thin-shell", 0.2, 1), ("cone-in-box", 2.0, 2), ("ball", 0.8, 2), ("bored-box", 0.8, 2), ("ball-in-box", 0.8, 2),
+             ("torus-in-box", 0.8, 2), ("cone-in-box", 0.8, 1), ("ellipsoid", 0.8, 2)):
+    test = follows(*body)
+    name = f"test_{body[0]}_with_edges_of_{body[1]}_radii_keeps_shapes_and_area_and_volume_converge_at_second_order"
+    globals()[name] = test if body[:2] in (("ball", 1.2), ("bored-box", 0.8), ("ball-in-box", 0.8)) else of_full_level(test)
 
 
 def test_the_same_bytes_on_any_ranks_when_a_coarse_ball_goes_to_a_triangulated_sphere():
@@ -137,17 +151,15 @@ def test_the_same_bytes_on_any_ranks_when_a_coarse_ball_goes_to_a_triangulated_s
     run("pamr-convert", "level0.hdf", "ball.msh", "--quiet", serial=True)
     run("pamr-convert", "ball.msh", "mesh0.hdf", "--surfaces", "ball.toml", "--tolerance", 0.01, "--quiet", serial=True)
 
-    rounds = 0
     for level in range(2):
         run("pamr-mark", f"mesh{level}.hdf", "-o", "marked.hdf", "--patch", "ball", "--force", "--quiet", serial=True)
         for ranks in (1, 2, 7):
             report = run("pamr-refine", "marked.hdf", "-o", f"on{ranks}.hdf", "--force", "--json", "-", "--quiet", ranks=ranks).json
         assert same_bytes("on1.hdf", "on2.hdf") and same_bytes("on1.hdf", "on7.hdf")
-        assert report["off_surface_nodes"] == 0
-        rounds += report["untangling_rounds"]
+        assert report["off_surface_nodes"] == 0 == report["families_kept"]
         pathlib.Path("on1.hdf").rename(f"mesh{level + 1}.hdf")
 
-    assert rounds > 0
+    assert smallest_mean_ratio("mesh2.hdf") >= shape_bar(2.0, smallest_mean_ratio("mesh0.hdf"))
     p = curved_walls.Walls("mesh2.hdf")
     distance = max(abs(math.dist((0, 0, 0), x) - 1) for x in p.points[p.nodes_of(["ball"])])
     assert distance < 1.8e-2 / 20, f"{distance} from the true sphere; the facets of the file are 1.8e-2 from it"
