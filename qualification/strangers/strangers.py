@@ -14,7 +14,8 @@ described. Each result is held to what must be true:
 - nodes on described walls lie on them as OpenCASCADE finds the nearest point, but for those that the tool counts as off;
 - the volume comes nearer to that of the closed form at described walls (a fifth of the error at level 0, or better), and
   stays as it was without description; so do the areas of the walls;
-- regions keep their volumes and the area between them.
+- regions keep their volumes and the area between them;
+- at every level the smallest mean ratio is 0.8 of min(0.29, 0.95 U), where U is what splitting every cell into eight gives.
 """
 import argparse
 import concurrent.futures
@@ -28,7 +29,8 @@ import tempfile
 import gmsh
 import numpy as np
 
-sys.path.insert(0, str(pathlib.Path(__file__).parent))
+sys.path[:0] = [str(pathlib.Path(__file__).parent), str(pathlib.Path(__file__).parents[1] / "validation")]
+from curved_walls import shape_of_splitting_all
 from mesh_arrays import Mesh, check_mesh
 from make_mesh import Model
 from other_meshes import MAKERS
@@ -97,13 +99,20 @@ class Journey:
             faults.append("pamr-quality says that the mesh is not valid")
         self.row.update(cells=len(fine.cells), level0=self.report("pamr-quality", "level0.hdf")["mean_ratio"]["min"],
                         smallest=quality["mean_ratio"]["min"], off=quality["ledger"]["nodes"])
-        faults += self.check_patches(first, fine, quality) + self.check_volume(first, fine)
+        faults += self.check_shapes() + self.check_patches(first, fine, quality) + self.check_volume(first, fine)
         faults += self.check_areas(first, fine) + self.check_regions(first, fine)
         if shutil.which("checkMesh"):
             self.tool("pamr-convert", last.name, "foam", "--force")
             faults += check_mesh(self.folder / "foam")
         self.row["faults"] = faults
         return self.row
+
+    def check_shapes(self):
+        smallest = [self.report("pamr-quality", f"level{level}_1.hdf")["mean_ratio"]["min"] for level in range(1, LEVELS + 1)]
+        bar = 0.8 * min(0.29, 0.95 * shape_of_splitting_all(self.tool, "level0.hdf", pathlib.Path(".")))
+        if min(smallest) >= bar:
+            return []
+        return [f"smallest mean ratios {', '.join(f'{q:.3f}' for q in smallest)}, expected at least {bar:.3f}"]
 
     def check_patches(self, first, fine, quality):
         faults, size = [], abs(fine.points).max()

@@ -46,8 +46,8 @@ def datasets(name):
     return found
 
 
-def expect_same(a, b, besides=()):
-    a, b = ({k: v for k, v in datasets(name).items() if not k.endswith(besides)} for name in (a, b))
+def expect_same(a, b, left_out=()):
+    a, b = ({k: v for k, v in datasets(name).items() if not k.endswith(left_out)} for name in (a, b))
     assert a.keys() == b.keys(), a.keys() ^ b.keys()
     assert all(a[key].dtype == b[key].dtype and np.array_equal(a[key], b[key]) for key in a), [k for k in a if not np.array_equal(a[k], b[k])]
 
