@@ -131,7 +131,7 @@ class Consumer(unittest.TestCase):
         files = []
         for ranks in ("1", "3"):
             out = self.run_ok(*MPIEXEC, ranks, sys.executable, "-c", program, environment=self.environment())
-            self.assertIn("32768 cells, volume 4.164 of 4.189", out)
+            self.assertIn("32768 cells, volume 4.165 of 4.189", out)
             with open(os.path.join(self.folder, "ball.hdf"), "rb") as file:
                 files.append(file.read())
         self.assertEqual(files[0], files[1])
