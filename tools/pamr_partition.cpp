@@ -99,7 +99,8 @@ cli::ExitCode run(cli::Session& session, const Options& options) {
   const auto& comm = session.comm();
   session.step("reading " + options.input);
   auto mesh = assemble::assemble(
-      comm, io::read_native(comm, options.input, {.build_surfaces = options.weights == "refine", .remark = session.remarks()}));
+      comm, io::read_native(comm, options.input,
+                            {.build_surfaces = options.weights == "refine", .remark = session.remarks()}));
   validate::require_valid(comm, mesh, options.input);
   with_file_name(options.input, [&] {
     mesh::require_replaceable(comm, mesh,

@@ -282,12 +282,14 @@ par::Pattern edges_of(const par::Pattern& nodes, LocalId n_nodes) {
 }
 
 /// Finds the bulges of free edges. Collective.
-Bulges find_bulges(const Level0& level0, const BentCells& bent, const mesh::Level0Map& straight_inside) {
+Bulges find_bulges(const Level0& level0, const BentCells& bent, const mesh::Level0Map& straight_inside,
+                   refine::Bend bend) {
   const auto& numbering = level0.nodes.numbering;
   std::vector<std::uint8_t> is_interface(level0.n_edges(), 0);
   for (const auto node : refine::interface_nodes(level0.comm, level0.mesh, numbering, level0.nodes.placed.shared))
     is_interface[at(node - level0.mesh.n_nodes())] = 1;
   BulgeZone zone;
+  zone.bends_straight_cells = bend == refine::Bend::all;
   for (std::size_t i = 0; i < bent.cell.size(); ++i) {
     zone.corner.push_back(bent.row[i].corner);
     zone.residual.push_back(residual_of(straight_inside, static_cast<LocalId>(i)));
@@ -355,7 +357,7 @@ Level0Report make_level0_map(const par::Comm& comm, mesh::DistMesh& mesh, refine
   auto bent = find_bent_cells(level0);
   report.n_bent_cells = bent.n_global;
   const mesh::Level0Map straight_inside(bent.row, bent.n_global, level0.nodes.info);
-  const auto found = find_bulges(level0, bent, straight_inside);
+  const auto found = find_bulges(level0, bent, straight_inside, bend);
   report.smallest_before = found.smallest_before;
   report.smallest = found.smallest;
   report.iterations = found.iterations;

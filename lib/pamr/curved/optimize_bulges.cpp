@@ -305,7 +305,7 @@ Bulges optimize_bulges(const par::Comm& comm, const BulgeZone& zone) {
   Bulges result;
   result.bulge = zone.bulge;
   result.smallest_before = smallest_ratio(comm, problem, result.bulge);
-  if (is_curved(comm, zone))
+  if (zone.bends_straight_cells || is_curved(comm, zone))
     for (const auto& stage : stages) result.iterations += minimize(comm, problem, stage, result.bulge);
   result.smallest = smallest_ratio(comm, problem, result.bulge);
   return result;

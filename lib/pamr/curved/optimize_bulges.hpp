@@ -33,7 +33,8 @@ struct BulgeZone {
   /// What walls add to the derivatives of the quadratic map of each cell, for its corners in the order of `corner`;
   /// empty if nothing.
   std::vector<SampledRows> residual;
-  par::Pattern shared;  ///< edges that other ranks hold too: with the same bulge and freedom
+  par::Pattern shared;                ///< edges that other ranks hold too: with the same bulge and freedom
+  bool bends_straight_cells = false;  ///< free edges may bend although no wall does
 };
 
 /// Bulges that give the cells good shapes.
@@ -48,8 +49,8 @@ struct Bulges {
 /// Chooses the free bulges: minimizes the sum over the cells of their `bulge_energy`, by Newton steps with line search,
 /// the directions by preconditioned conjugate gradients. The regularization of folded cells falls in stages, then the
 /// exponent grows, so that the worst shapes count most. A stage ends when a step changes no cell's energy by more than
-/// a tolerance, whatever the size of the zone. Where all bulges and residuals are zero on input they stay so: straight
-/// walls do not bend the edges around them.
+/// a tolerance, whatever the size of the zone. Where all bulges and residuals are zero on input they stay so, unless
+/// the zone says otherwise: straight walls do not bend the edges around them.
 ///
 /// The result depends on neither order, partition nor ranks: sums over cells are order-free. It is not certified: where
 /// `smallest` is not positive, cells are still folded. Throws `Error` on every rank if a cell has no volume or if
