@@ -28,6 +28,7 @@ using mesh::tet::edge_to_corner;
 
 constexpr double coarse_bulge = 1.0 / 40;  ///< of its edge: h / 8 R for h = 0.2 R
 constexpr double no_bulge = 1e-9;          ///< of its edge
+constexpr double max_off_surface = 0.01;   ///< of an edge at a node of level 0
 constexpr std::uint8_t n_layers = 2;       ///< edges from a coarse edge to the last bent node
 constexpr std::uint8_t far_away = 255;
 
@@ -304,8 +305,12 @@ Bulges find_bulges(const Level0& level0, const BentCells& bent, const mesh::Leve
 bool has_bent_node_off_surface(const Level0& level0) {
   const auto* field = level0.mesh.find_node_field(mesh::off_surface_field);
   if (field == nullptr || field->holds_integers()) return false;
-  for (std::size_t n = 0; n < level0.is_bent.size(); ++n)
-    if (level0.is_bent[n] != 0 && field->real()[n] > 0) return true;
+  for (std::size_t e = 0; e < level0.n_edges(); ++e) {
+    const auto [a, b] = level0.ends(e);
+    const double most = max_off_surface * norm(level0.mesh.point(b) - level0.mesh.point(a));
+    for (const auto node : {a, b})
+      if (level0.is_bent[at(node)] != 0 && field->real()[at(node)] > most) return true;
+  }
   return false;
 }
 
