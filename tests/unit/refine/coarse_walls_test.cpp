@@ -12,6 +12,7 @@
 #include "pamr/geometry/orientation.hpp"
 #include "pamr/geometry/tet_shape.hpp"
 #include "pamr/mesh/level0_map.hpp"
+#include "random_case.hpp"
 #include "support/dice.hpp"
 #include "support/meshes.hpp"
 #include "support/places.hpp"
