@@ -120,18 +120,6 @@ mesh::DistMesh refine_once(const par::Comm& comm, const mesh::DistMesh& mesh, co
   return std::move(fine.mesh);
 }
 
-/// Some of the cells whose base cell is not among those to be reached; all of the first of them, so that it goes on.
-std::vector<std::uint8_t> flag_some(const mesh::BlockMesh& whole, const test::Places& reached, Dice& dice) {
-  std::vector<std::uint8_t> flags;
-  bool any = false;
-  for (const auto& place : test::places_of_base_cells(whole)) {
-    const bool is_open = reached.count(place) == 0;
-    flags.push_back(is_open && (!any || dice.below(3) == 0) ? 1 : 0);
-    any = any || is_open;
-  }
-  return flags;
-}
-
 TEST(ClosureHistory, DoesNotShowInTheResult) {
   const par::Comm world(MPI_COMM_WORLD), self(MPI_COMM_SELF);
   std::int64_t n_calls = 0, n_cases = 0;
@@ -151,7 +139,7 @@ TEST(ClosureHistory, DoesNotShowInTheResult) {
     Dice dice(mix(i));
     auto other = test::scatter(self, start, 0);
     for (;; ++n_calls) {
-      const auto flags = flag_some(test::gather_on(self, other, 0), reached, dice);
+      const auto flags = test::flag_some(test::gather_on(self, other, 0), reached, dice);
       if (std::count(flags.begin(), flags.end(), 1) == 0) break;
       other = refine_once(self, other, flags, shape_floor);
       ASSERT_LE(other.n_cells(), mesh.n_cells()) << "more was split than in one go";

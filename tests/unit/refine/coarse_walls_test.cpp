@@ -13,7 +13,6 @@
 #include "pamr/geometry/tet_shape.hpp"
 #include "pamr/mesh/level0_map.hpp"
 #include "random_case.hpp"
-#include "support/dice.hpp"
 #include "support/meshes.hpp"
 #include "support/places.hpp"
 #include "support/reference.hpp"
@@ -157,18 +156,6 @@ TEST(CoarseWalls, AreCoarsenedBackToLevel0BitByBit) {
   }
 }
 
-/// Some of the cells whose base cell is not among those to be reached; the first of them, so that it goes on.
-std::vector<std::uint8_t> flag_some(const mesh::BlockMesh& whole, const test::Places& reached, test::Dice& dice) {
-  std::vector<std::uint8_t> flags;
-  bool any = false;
-  for (const auto& place : test::places_of_base_cells(whole)) {
-    const bool is_open = reached.count(place) == 0;
-    flags.push_back(is_open && (!any || dice.below(3) == 0) ? 1 : 0);
-    any = any || is_open;
-  }
-  return flags;
-}
-
 TEST(CoarseWalls, DoNotShowTheHistoryOfSplits) {
   const par::Comm world(MPI_COMM_WORLD), self(MPI_COMM_SELF);
   for (const auto& whole : bodies(self)) {
@@ -184,7 +171,7 @@ TEST(CoarseWalls, DoNotShowTheHistoryOfSplits) {
     auto other = test::scatter(self, whole, 0);
     int n_calls = 0;
     for (;; ++n_calls) {
-      const auto flags = flag_some(test::gather_on(self, other, 0), reached, dice);
+      const auto flags = test::flag_some(test::gather_on(self, other, 0), reached, dice);
       if (std::count(flags.begin(), flags.end(), 1) == 0) break;
       other = adapt::refine(self, other, flags, {.marks_field = ""}).mesh;
       ASSERT_LE(other.n_cells(), mesh.n_cells()) << "more was split than in one go";

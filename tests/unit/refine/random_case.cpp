@@ -9,7 +9,6 @@
 
 #include "pamr/base/hash.hpp"
 #include "pamr/geometry/orientation.hpp"
-#include "support/dice.hpp"
 #include "support/meshes.hpp"
 
 namespace pamr::test {
@@ -187,6 +186,17 @@ mesh::BlockMesh broadcast(const par::Comm& comm, const mesh::BlockMesh& whole, R
   result.info.n_global_cells = static_cast<GlobalId>(result.cell_to_node.size());
   result.info.n_global_nodes = static_cast<GlobalId>(result.node_position.size());
   return result;
+}
+
+std::vector<std::uint8_t> flag_some(const mesh::BlockMesh& whole, const Places& reached, Dice& dice) {
+  std::vector<std::uint8_t> flags;
+  bool any = false;
+  for (const auto& place : places_of_base_cells(whole)) {
+    const bool is_open = reached.count(place) == 0;
+    flags.push_back(is_open && (!any || dice.below(3) == 0) ? 1 : 0);
+    any = any || is_open;
+  }
+  return flags;
 }
 
 }  // namespace pamr::test

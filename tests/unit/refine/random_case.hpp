@@ -9,6 +9,8 @@
 #include "pamr/geometry/tet_shape.hpp"
 #include "pamr/mesh/dist_mesh.hpp"
 #include "pamr/par/comm.hpp"
+#include "support/dice.hpp"
+#include "support/places.hpp"
 
 /// Random refinements: how many, what is marked, and how results are brought together.
 namespace pamr::test {
@@ -58,5 +60,8 @@ mesh::DistMesh scatter(const par::Comm& comm, const mesh::BlockMesh& whole, std:
 
 /// The whole mesh of one rank on all ranks. Collective.
 mesh::BlockMesh broadcast(const par::Comm& comm, const mesh::BlockMesh& whole, Rank root);
+
+/// Some of the cells whose base cell is not among those to be reached; the first of them, so that it goes on.
+std::vector<std::uint8_t> flag_some(const mesh::BlockMesh& whole, const Places& reached, Dice& dice);
 
 }  // namespace pamr::test
