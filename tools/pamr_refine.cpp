@@ -15,6 +15,7 @@
 #include "pamr/adapt/depth.hpp"
 #include "pamr/adapt/flags.hpp"
 #include "pamr/adapt/forecast.hpp"
+#include "pamr/adapt/level0.hpp"
 #include "pamr/adapt/read_for_refinement.hpp"
 #include "pamr/adapt/refine_report.hpp"
 #include "pamr/base/with_file_name.hpp"
@@ -140,9 +141,11 @@ void warn_nothing_goes(const cli::Session& session, const adapt::CoarseningRepor
 
 constexpr std::array<double, 6> floors_to_compare{0, 0.3, 0.35, 0.4, 0.45, 0.5};
 
-cli::ExitCode report_forecast(cli::Session& session, const mesh::DistMesh& mesh, std::span<const std::int8_t> flags,
+cli::ExitCode report_forecast(cli::Session& session, const mesh::DistMesh& input, std::span<const std::int8_t> flags,
                               const refine::Options& options, bool show_floors) {
   const auto& comm = session.comm();
+  const auto ready = adapt::with_level0_map(comm, input, options);  // made once for all floors
+  const auto& mesh = ready.mesh.get();
   const adapt::Forecaster forecaster(comm, mesh, options);
   const auto forecast = forecaster.forecast(flags);
   const auto nodes = forecaster.nodes(forecast);

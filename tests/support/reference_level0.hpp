@@ -44,7 +44,7 @@ class ReferenceMap {
   std::vector<const geometry::Surface*> surface_of_patch_;
 };
 
-/// What the cells and nodes of a mesh are in level 0.
+/// The rows and keys of the cells and nodes of a mesh.
 struct ReferenceLevel0 {
   const ReferenceMap* map = nullptr;  ///< null: there is none, and nothing else is here
   std::vector<int> row;               ///< of each cell: that of the bent cell that it descends from, -1: none

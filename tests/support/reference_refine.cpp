@@ -117,7 +117,7 @@ double project(const std::vector<Piece>& cell, const SurfaceOfPatch& surface_of_
   return largest;
 }
 
-/// What the new cells and nodes are in level 0.
+/// The rows and keys of the new cells and nodes.
 ReferenceLevel0 descend(const ReferenceLevel0& level0, const std::vector<Piece>& fine, const ReferenceClosing& closing,
                         const std::vector<GlobalId>& to_final) {
   if (level0.map == nullptr) return {};

@@ -124,7 +124,7 @@ Derivatives differentiate(const StraightCell& cell, const AtPoint& point, const 
   return of;
 }
 
-/// What the rows' derivatives `by_row` are by the components of the bulges.
+/// The derivatives `by_row` with respect to the components of the bulges.
 Components by_components(const JacobianRows& by_row, std::size_t q) {
   Components result{};
   for (std::size_t e = 0; e < 6; ++e) {

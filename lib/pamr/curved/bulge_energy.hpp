@@ -28,7 +28,7 @@ constexpr std::array<std::array<double, 4>, 20> make_sample_points() {
 /// Where shapes are sampled: barycentric coordinates of the lattice of order 3.
 inline constexpr std::array<std::array<double, 4>, 20> sample_points = detail::make_sample_points();
 
-/// What a residual adds to the derivatives of the map at each of `sample_points`.
+/// The derivatives of a residual at each of `sample_points`, to be added to those of the map.
 using SampledRows = std::array<JacobianRows, sample_points.size()>;
 
 /// Bulges of a cell's edges, in the order of mesh/tet.hpp: the displacements of their middles, length units.

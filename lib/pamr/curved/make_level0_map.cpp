@@ -158,7 +158,7 @@ void find_bent_nodes(Level0& level0) {
   }
 }
 
-/// What is left of a freedom in a plane with this normal.
+/// The part of a freedom that lies in a plane with this normal.
 Freedom within(const Freedom& freedom, Vec3 normal) {
   constexpr double parallel = 1e-9;
   if (freedom.kind == Freedom::Kind::any) return {Freedom::Kind::in_plane, normal};
@@ -250,7 +250,7 @@ BentCells find_bent_cells(const Level0& level0) {
   return bent;
 }
 
-/// What the curved walls add to the Jacobian of a cell, by differences of the residual.
+/// The share of the curved walls in the Jacobian of a cell, by differences of the residual.
 SampledRows residual_of(const mesh::Level0Map& map, LocalId cell) {
   constexpr double step = 1e-5;
   SampledRows residual{};

@@ -63,7 +63,7 @@ class Level0Map {
   bool is_bent(LocalId cell, const Level0Key& key) const;
   /// Where a node belongs that is no node of level 0. Nothing where the map changes nothing: its support is not bent.
   std::optional<Mapped> place(LocalId cell, const Level0Key& key) const;
-  /// What the curved walls of a cell want at these barycentric coordinates beyond the quadratic map: R in the page.
+  /// The displacement by the curved walls of a cell beyond the quadratic map at these barycentric coordinates: R in the page.
   geometry::Vec3 wall_residual(LocalId cell, const std::array<double, 4>& weight) const;
 
  private:
@@ -91,7 +91,7 @@ bool has_level0(const DistMesh& mesh);
 /// Takes the map and its fields away. Local.
 void drop_level0(DistMesh& mesh);
 
-/// What the map says of the cells of a mesh. Only references: the mesh must live longer, and its fields stay.
+/// The map as seen from the cells of a mesh. Only references: the mesh must live longer, and its fields stay.
 class Level0View {
  public:
   explicit Level0View(const DistMesh& mesh);

@@ -9,7 +9,7 @@
 
 namespace pamr::mesh {
 
-/// What a node on some patches lies on.
+/// The surfaces that a node on some patches lies on.
 struct SurfacesOfNode {
   std::vector<const geometry::Surface*> surface;  ///< without repeats, in patch order
   bool is_on_seam = false;   ///< two patches of one surface: their border is a curve of that surface

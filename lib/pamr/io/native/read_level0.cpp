@@ -121,7 +121,7 @@ std::vector<mesh::Level0Cell> read_rows(SlabReader& reader, const Level0Entry& t
   return cells;
 }
 
-/// What is wrong with a key; empty: nothing.
+/// The fault of a key; empty: none.
 std::string trouble_of(const mesh::Level0Key& key, IdRange nodes) {
   if (!key.is_known()) return key == mesh::Level0Key{} ? "" : "a key without its first node";
   std::uint64_t sum = 0;  // of at most four weights of at most 2^62: modulo 2^64, and 0 only where it is 2^64
