@@ -254,6 +254,8 @@ BentCells find_bent_cells(const Level0& level0) {
 SampledRows residual_of(const mesh::Level0Map& map, LocalId cell) {
   constexpr double step = 1e-5;
   SampledRows residual{};
+  const auto& patch = map.cells()[at(cell)].edge_patch;
+  if (std::all_of(patch.begin(), patch.end(), [](const auto& p) { return p[0] < 0; })) return residual;
   for (std::size_t q = 0; q < sample_points.size(); ++q) {
     const auto& at_point = sample_points[q];
     if (std::find(at_point.begin(), at_point.end(), 1.0) != at_point.end()) continue;  // of second order at corners
@@ -267,19 +269,6 @@ SampledRows residual_of(const mesh::Level0Map& map, LocalId cell) {
     }
   }
   return residual;
-}
-
-par::Pattern edges_of(const par::Pattern& nodes, LocalId n_nodes) {
-  par::Pattern edges;
-  for (std::size_t i = 0; i < nodes.rank.size(); ++i) {
-    const auto before = edges.item.size();
-    for (auto k = nodes.offset[i]; k < nodes.offset[i + 1]; ++k)
-      if (nodes.item[k] >= n_nodes) edges.item.push_back(nodes.item[k] - n_nodes);
-    if (edges.item.size() == before) continue;
-    edges.rank.push_back(nodes.rank[i]);
-    edges.offset.push_back(edges.item.size());
-  }
-  return edges;
 }
 
 /// Finds the bulges of free edges. Collective.
@@ -298,7 +287,10 @@ Bulges find_bulges(const Level0& level0, const BentCells& bent, const mesh::Leve
   zone.cell_to_edge = bent.edge;
   zone.bulge = level0.bulge;
   zone.freedom = find_freedom(level0, is_interface);
-  zone.shared = edges_of(level0.nodes.placed.shared, level0.mesh.n_nodes());
+  const auto& shared = level0.nodes.placed.shared;
+  const auto n_nodes = level0.mesh.n_nodes();
+  zone.shared = par::restricted(
+      shared, [&](std::size_t k) { return shared.item[k] < n_nodes ? invalid_local : shared.item[k] - n_nodes; });
   return optimize_bulges(level0.comm, zone);
 }
 
@@ -339,7 +331,6 @@ bool needs_level0_map(const par::Comm& comm, const mesh::DistMesh& mesh, refine:
 
 Level0Report make_level0_map(const par::Comm& comm, mesh::DistMesh& mesh, refine::Bend bend) {
   Level0Report report;
-  if (!needs_level0_map(comm, mesh, bend)) return report;
   const auto borders = mesh::find_borders(comm, mesh);
   auto level0 = look_at_edges(comm, mesh, borders);
   const auto is_mine =

@@ -25,9 +25,8 @@ bool needs_level0_map(const par::Comm& comm, const mesh::DistMesh& mesh, refine:
 
 /// Gives a mesh of level 0 with coarse curved walls the map that places new nodes near them (`mesh::Level0Map`), with
 /// the fields that cells and nodes need for it, and flat patches their planes. Changes nothing else, and nothing at all
-/// where walls are fine or straight and only edges near walls may bend, or where cells are not of level 0. The same bits on any ranks and for any numbering.
-/// Source: docs/coarse-walls.md. Collective. Cost: O(wall faces) where no edge is coarse; else about a second for a
-/// thousand bent cells.
+/// where no edge turns out to be coarse and only edges near walls may bend. The same bits on any ranks and for any
+/// numbering. Pre: `needs_level0_map`. Source: docs/coarse-walls.md. Collective. Cost: 0.05 to 0.3 ms a bent cell.
 Level0Report make_level0_map(const par::Comm& comm, mesh::DistMesh& mesh, refine::Bend bend = refine::Bend::walls);
 
 }  // namespace pamr::curved
