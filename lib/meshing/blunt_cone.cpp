@@ -141,6 +141,16 @@ constexpr std::array<SizeLimit, 7> limits{{{"far", &BluntConeSizes::far, finest,
                                            {"fillet", &BluntConeSizes::fillet, finest, 1.25e-3},
                                            {"sting", &BluntConeSizes::sting, finest, 3.8e-3},
                                            {"growth", &BluntConeSizes::growth, 0.05, 0.8}}};
+constexpr std::array<GeometryLimit, 2> geometry_limits{{{"outer_radius", &BluntConeGeometry::outer_radius, 45e-3, 0.2},
+                                                        {"outflow", &BluntConeGeometry::outflow, 20e-3, 0.2}}};
+
+template <typename Limits, typename Values>
+void require_within(const Limits& limits, const Values& values, const char* kind) {
+  for (const auto& limit : limits)
+    if (const double value = values.*limit.value; !(value >= limit.low && value <= limit.high))
+      throw Error(fmt::format("expected {}{} of blunt-cone between {:g} and {:g}, found {:g}", kind, limit.name,
+                              limit.low, limit.high, value));
+}
 
 }  // namespace
 
@@ -157,16 +167,12 @@ BluntConeSizes BluntConeSizes::scaled_to(double far) {
 }
 
 std::span<const SizeLimit> blunt_cone_size_limits() { return limits; }
+std::span<const GeometryLimit> blunt_cone_geometry_limits() { return geometry_limits; }
 
-Domain blunt_cone(const BluntConeSizes& sizes, double outer_radius) {
-  for (const auto& limit : limits)
-    if (const double value = sizes.*limit.value; !(value >= limit.low && value <= limit.high))
-      throw Error(fmt::format("expected size {} of blunt-cone between {:g} and {:g}, found {:g}", limit.name, limit.low,
-                              limit.high, value));
-  if (!(outer_radius >= min_cone_radius && outer_radius <= max_cone_radius))
-    throw Error(fmt::format("expected outer_radius of blunt-cone between {:g} and {:g}, found {:g}", min_cone_radius,
-                            max_cone_radius, outer_radius));
-  const BluntConeMeridian m(outer_radius);
+Domain blunt_cone(const BluntConeSizes& sizes, const BluntConeGeometry& geometry) {
+  require_within(limits, sizes, "size ");
+  require_within(geometry_limits, geometry, "");
+  const BluntConeMeridian m(geometry.outer_radius, geometry.outflow);
   Domain domain;
   const std::array described{
       geometry::described_revolution("body", m.body()), geometry::described_revolution("outer", m.outer()),

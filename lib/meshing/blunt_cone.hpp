@@ -32,13 +32,21 @@ struct SizeLimit {
 };
 std::span<const SizeLimit> blunt_cone_size_limits();
 
-/// Radius of the cylinder around the gas, meters: by default, least and largest. Its front edge is rounded with 30 mm,
-/// and the body has 25 mm.
-inline constexpr double default_cone_radius = 60e-3, min_cone_radius = 45e-3, max_cone_radius = 200e-3;
+/// Where the gas ends, meters. The body has a radius of 25 mm; its sting begins at x = 12.5 mm.
+struct BluntConeGeometry {
+  double outer_radius = 60e-3;  ///< of the cylinder around the gas, whose front edge is rounded with 30 mm
+  double outflow = 60e-3;       ///< x of the plane behind
+  friend bool operator==(const BluntConeGeometry&, const BluntConeGeometry&) = default;
+};
+struct GeometryLimit {
+  const char* name;
+  double BluntConeGeometry::*value;
+  double low, high;
+};
+std::span<const GeometryLimit> blunt_cone_geometry_limits();
 
 /// Half of the gas around the 70-degree blunt cone with its sting, meters: x along the axis, nose tip in the origin,
-/// y >= 0. Patches forebody, base, sting, inflow, outflow, symmetry. `outer_radius`: of the cylinder around the gas.
-/// Local. Throws `Error` for sizes or a radius out of range.
-Domain blunt_cone(const BluntConeSizes& sizes, double outer_radius = default_cone_radius);
+/// y >= 0. Patches forebody, base, sting, inflow, outflow, symmetry. Local. Throws `Error` for values out of range.
+Domain blunt_cone(const BluntConeSizes& sizes, const BluntConeGeometry& geometry = {});
 
 }  // namespace pamr::meshing

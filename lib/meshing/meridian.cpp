@@ -18,7 +18,7 @@ geometry::ProfileArc about(Meridian center) { return {center, {}}; }
 
 }  // namespace
 
-BluntConeMeridian::BluntConeMeridian(double around) : outer_radius(around) {
+BluntConeMeridian::BluntConeMeridian(double around, double behind) : outflow_x(behind), outer_radius(around) {
   const double angle = 70.0 / 180.0 * std::numbers::pi;
   slope_ = std::tan(angle);
   nose_end = {nose_radius - nose_radius * std::sin(angle), nose_radius * std::cos(angle)};

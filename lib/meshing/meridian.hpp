@@ -22,8 +22,8 @@ using MeridianPath = std::vector<geometry::ProfilePiece>;
 ///    --------+--------------- axis, x from the nose's tip along the flow
 class BluntConeMeridian {
  public:
-  /// In a cylinder of this radius.
-  explicit BluntConeMeridian(double around = 60e-3);
+  /// In a cylinder of the radius `around` that ends at x = `behind`.
+  explicit BluntConeMeridian(double around = 60e-3, double behind = 60e-3);
 
   /// From the axis to 15 mm behind the gas, so that the surface has no edge where the gas ends.
   MeridianPath body() const;
@@ -37,7 +37,7 @@ class BluntConeMeridian {
   Meridian nose_end, cone_end;              ///< where the neighbors touch
   Meridian shoulder_center, fillet_center;  ///< of the arcs
   Meridian shoulder_end, base_end, fillet_end;
-  double inflow_x = -30e-3, outflow_x = 60e-3, outer_radius, rounding_radius = 30e-3;
+  double inflow_x = -30e-3, outflow_x, outer_radius, rounding_radius = 30e-3;
 
  private:
   double slope_ = 0;  ///< dr/dx of the cone

@@ -35,7 +35,7 @@ MeshCase case_of_shape(const std::string& shape, double size) {
 }
 
 Domain domain_of(const MeshCase& mesh_case) {
-  if (mesh_case.shape == "blunt-cone") return blunt_cone(mesh_case.blunt_cone, mesh_case.cone_radius);
+  if (mesh_case.shape == "blunt-cone") return blunt_cone(mesh_case.blunt_cone, mesh_case.cone_geometry);
   if (mesh_case.shape == "sphere-in-box") return sphere_in_box(mesh_case.box_size);
   return combine(mesh_case.combination, mesh_case.where);
 }
@@ -46,7 +46,9 @@ std::string describe(const MeshCase& mesh_case) {
   if (mesh_case.shape == "blunt-cone") {
     for (const auto& limit : blunt_cone_size_limits())
       line += fmt::format(" {} {}", limit.name, mesh_case.blunt_cone.*limit.value);
-    if (mesh_case.cone_radius != default_cone_radius) line += fmt::format(", outer_radius {}", mesh_case.cone_radius);
+    for (const auto& limit : blunt_cone_geometry_limits())
+      if (const double value = mesh_case.cone_geometry.*limit.value; value != BluntConeGeometry{}.*limit.value)
+        line += fmt::format(", {} {}", limit.name, value);
     return line;
   }
   const auto& c = mesh_case.combination;

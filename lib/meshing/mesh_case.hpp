@@ -15,11 +15,11 @@ inline constexpr double default_box_size = 0.28;
 struct MeshCase {
   std::string shape;
   std::uint32_t seed = 0;
-  BluntConeSizes blunt_cone;                 ///< of that shape
-  double cone_radius = default_cone_radius;  ///< outer_radius of that shape
-  double box_size = default_box_size;        ///< edge length, of sphere-in-box
-  Combination combination;                   ///< of the other shapes
-  std::string where;                         ///< the file, or the shape where there is none: begins errors
+  BluntConeSizes blunt_cone;           ///< of that shape
+  BluntConeGeometry cone_geometry;     ///< of that shape
+  double box_size = default_box_size;  ///< edge length, of sphere-in-box
+  Combination combination;             ///< of the other shapes
+  std::string where;                   ///< the file, or the shape where there is none: begins errors
 };
 
 /// The case that `--shape` and, unless 0, `--size` ask for. Throws `Error` for an unknown shape.

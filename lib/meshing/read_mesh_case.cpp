@@ -178,7 +178,8 @@ MeshCase read_mesh_case(std::string_view text, const std::string& where) {
   try {
     if (result.shape == "blunt-cone") {
       result.blunt_cone = read_blunt_cone(mesh);
-      take(mesh.find_table("geometry"), "outer_radius", result.cone_radius, {min_cone_radius, max_cone_radius});
+      for (const auto& limit : blunt_cone_geometry_limits())
+        take(mesh.find_table("geometry"), limit.name, result.cone_geometry.*limit.value, {limit.low, limit.high});
     } else if (result.shape == "sphere-in-box")
       result.box_size = read_sphere_in_box(mesh);
     else

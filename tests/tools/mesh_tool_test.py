@@ -429,6 +429,7 @@ def test_bad_case_files_are_refused_with_their_line():
              (head + 'length_unit = "m"\n[mesh.sizes]\nfar = nan\n', [":5", "nan"]),
              (head + 'length_unit = "m"\n[mesh.sizes]\nfar = "1"\n', [":5", '"1"']),
              (head + 'length_unit = "m"\n[mesh.geometry]\nouter_radius = 0.04\n', [":5", "0.045", "0.04"]),
+             (head + 'length_unit = "m"\n[mesh.geometry]\noutflow = 0.01\n', [":5", "0.02", "0.01"]),
              (head + 'length_unit = "m"\nregion = "+a"\n', [":4", "'region'"]))
     ball = '[[surface]]\nname = "ball"\nkind = "sphere"\ncenter = [0, 0, 0]\nradius = 1\n'
     head = '[mesh]\nshape = "surfaces"\nlength_unit = "1"\n'

@@ -63,18 +63,26 @@ TEST(BluntCone, LabelsWhatLiesBehindEachPatch) {
 }
 
 TEST(BluntCone, HasAllTheGasWithinItsOuterRadius) {
-  const auto domain = blunt_cone({}, 0.09);
+  const auto domain = blunt_cone({}, {.outer_radius = 0.09});
 
   EXPECT_EQ(domain.label({0.03, 0.089, 0}), Domain::inside);
   EXPECT_EQ(domain.label({0.03, 0.091, 0}), 3);
   EXPECT_EQ(domain.label({-0.029, 0.059, 0}), Domain::inside);
   EXPECT_EQ(domain.label({-0.029, 0.089, 0}), 3);
   EXPECT_GT(domain.radius, std::hypot(0.09, 0.045));
-  EXPECT_THROW(blunt_cone({}, 0.04), Error);
+  EXPECT_THROW(blunt_cone({}, {.outer_radius = 0.04}), Error);
+}
+
+TEST(BluntCone, EndsAtItsOutflow) {
+  const auto domain = blunt_cone({}, {.outflow = 0.03});
+
+  EXPECT_EQ(domain.label({0.029, 0.03, 0}), Domain::inside);
+  EXPECT_EQ(domain.label({0.031, 0.03, 0}), 4);
+  EXPECT_THROW(blunt_cone({}, {.outflow = 0.015}), Error);
 }
 
 TEST(BluntCone, CurvesLieOnTheSurfacesOfThePatchesAndEndInCommonCorners) {
-  const auto domain = blunt_cone({}, 0.08);
+  const auto domain = blunt_cone({}, {.outer_radius = 0.08, .outflow = 0.04});
 
   int n_ends = 0;
   for (const auto& curve : domain.curves) {
