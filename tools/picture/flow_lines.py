@@ -14,14 +14,8 @@ def in_plane(data, name, view, width):
     points = vtk_to_numpy(data.GetPoints().GetData())
     flat = np.column_stack([view.flat(points), np.zeros(len(points))])
     height = float(np.median(points @ view.toward))
-    plane = vtk.vtkPolyData()
-    nodes = vtk.vtkPoints()
-    nodes.SetData(numpy_to_vtk(flat, deep=True))
-    plane.SetPoints(nodes)
-    plane.SetPolys(data.GetPolys())
-    add_array(plane.GetPointData(), name, np.column_stack([view.flat(array(data.GetPointData(), name)),
-                                                           np.zeros(len(points))]))
-    plane.GetPointData().SetActiveVectors(name)
+    vectors = np.column_stack([view.flat(array(data.GetPointData(), name)), np.zeros(len(points))])
+    plane = with_margin(flat, data.GetPolys(), name, vectors, 3 * width / SPACES)
     tracer = vtk.vtkEvenlySpacedStreamlines2D()
     tracer.SetInputData(plane)
     tracer.SetIntegratorTypeToRungeKutta4()
@@ -42,6 +36,25 @@ def in_plane(data, name, view, width):
     corners = vtk_to_numpy(lines.GetLines().GetConnectivityArray())
     segments = [pairs(corners[a:b]) for a, b in zip(begins[:-1], begins[1:]) if b - a > 1]
     return poly_data(back, np.concatenate(segments), True)
+
+
+def with_margin(flat, polygons, name, vectors, margin):
+    """The polygons and, `margin` outside of their box, two triangles in which nothing flows. The tracer looks for lines near
+    the begin of a new one in a grid over the box of its input, and crashes where that begin lies outside of it."""
+    low, high = flat.min(axis=0), flat.max(axis=0)
+    corner = margin * np.array([[1, 1, 0], [0.9, 1, 0], [1, 0.9, 0]])
+    nodes = vtk.vtkPoints()
+    nodes.SetData(numpy_to_vtk(np.vstack([flat, low - corner, high + corner]), deep=True))
+    cells = vtk.vtkCellArray()
+    cells.DeepCopy(polygons)
+    for first in (len(flat), len(flat) + 3):
+        cells.InsertNextCell(3, (first, first + 1, first + 2))
+    plane = vtk.vtkPolyData()
+    plane.SetPoints(nodes)
+    plane.SetPolys(cells)
+    add_array(plane.GetPointData(), name, np.vstack([vectors, np.zeros((6, 3))]))
+    plane.GetPointData().SetActiveVectors(name)
+    return plane
 
 
 def pairs(line, step=4):
