@@ -56,12 +56,14 @@ case $size in
     limit=3.9008e20
     ;;
   full | last) weight=(4.0e11 8.2e11 6.2e11 4.0e11 2.4e11) sampling=(3300 1650 2150 4400 4200) ;;
-  small) # a narrower domain, small cells at all of the fore-body and larger ones elsewhere, longer steps: enough particles a cell in
-    # all, and averages of ten passages, with a million particles
-    weight=(1.05e12 1.35e12 1.35e12 1.35e12 1.35e12) sampling=(440 640 1000 2000 2000) cells=(0 50000 165000 1200000 2800000)
-    mesh=(-e "s/^\[mesh.sizes\]/[mesh.geometry]\nouter_radius = 45e-3\n\n&/" -e "s/^far = .*/far = 15e-3/" -e "s/^forebody = .*e-3$/forebody = 0.8e-3/"
+  small) # a narrower and shorter domain, small cells at all of the fore-body and larger ones elsewhere, longer steps, partners from
+    # sub-cells: enough particles a cell in all, and averages of ten passages, with 700,000 particles
+    weight=(1.4e12 1.75e12 1.75e12 1.75e12 1.75e12) sampling=(300 500 1000 2000 2000) cells=(0 45000 165000 1200000 2800000)
+    mesh=(-e "s/^\[mesh.sizes\]/[mesh.geometry]\nouter_radius = 45e-3\noutflow = 30e-3\n\n&/" -e "s/^far = .*/far = 15e-3/"
+      -e "s/^forebody = .*e-3$/forebody = 0.8e-3/" -e "s/^shoulder = .*/shoulder = 0.9e-3/"
       -e "s/^base = .*/base = 6e-3/" -e "s/^sting = .*/sting = 3.8e-3/" -e "s/^growth = .*/growth = 0.8/")
-    time=(-e "s/^step = .*/step = 2.5e-6/" -e "s/^cell_fraction = .*/cell_fraction = 0.5/")
+    time=(-e "s/^step = .*/step = 2.5e-6/" -e "s/^cell_fraction = .*/cell_fraction = 0.5/"
+      -e '$a\\n[collisions]\npartner = "subcell"')
     ;;
   smoke) weight=(3.0e13 4.0e13 4.0e13 4.0e13 4.0e13) sampling=(40 40 40 40 40) transient="transient = 40" ;;
 esac

@@ -136,7 +136,7 @@ std::vector<FeatureCurve> feature_curves(const BluntConeMeridian& m, const Neare
 constexpr double finest = 1e-4;
 constexpr std::array<SizeLimit, 7> limits{{{"far", &BluntConeSizes::far, finest, 15e-3},
                                            {"forebody", &BluntConeSizes::forebody, finest, 6e-3},
-                                           {"shoulder", &BluntConeSizes::shoulder, finest, 0.75e-3},
+                                           {"shoulder", &BluntConeSizes::shoulder, finest, 0.9e-3},
                                            {"base", &BluntConeSizes::base, finest, 6e-3},
                                            {"fillet", &BluntConeSizes::fillet, finest, 1.25e-3},
                                            {"sting", &BluntConeSizes::sting, finest, 3.8e-3},

@@ -23,8 +23,8 @@ struct BluntConeSizes {
   static BluntConeSizes scaled_to(double far);
 };
 
-/// Name and bounds of each of the sizes. The upper bounds of those on arcs keep every wall edge within 0.8 of the
-/// smaller radius of curvature there; the others keep the mesh valid.
+/// Name and bounds of each of the sizes. The upper bounds of those on arcs keep every wall edge within the smaller
+/// radius of curvature there (the defaults within 0.8 of it); the others keep the mesh valid.
 struct SizeLimit {
   const char* name;
   double BluntConeSizes::*value;
