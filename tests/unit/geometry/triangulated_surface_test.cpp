@@ -121,6 +121,17 @@ TEST(Triangulated, RoundsTheBoreAndItsRims) {
   EXPECT_LT(tilt, 0.02);
 }
 
+// Over the rim the flat triangles of the lid are nearer than those of the bore, which lie up to 0.0043 from the bore itself.
+TEST(Triangulated, FindsTheNearerSideOfACrease) {
+  const Triangulated surface(testing::bored_cube(24), {});
+
+  for (int i = 0; i < 240; ++i) {
+    const double angle = 2 * M_PI * i / 240;
+    const Vec3 wall = surface.project(0.497 * Vec3{std::cos(angle), std::sin(angle), 0} + Vec3{0, 0, 0.9});
+    EXPECT_LT(surface.project({wall.x, wall.y, 0.999}).z, 0.9995) << i;
+  }
+}
+
 TEST(Triangulated, CanBeOnePieceBetweenCreases) {
   const auto triangles = testing::bored_cube(24);
   Triangulated::Options options;

@@ -18,6 +18,8 @@ constexpr double gain = 1 - 1e-12;    // a squared distance must fall below this
 constexpr double rounding = 1e-14;    // of the largest coordinate
 constexpr double side_border = 1e-9;  // the same where only the side counts
 constexpr int walk_limit = 100;
+/// Beside a crease the nearest flat triangle may be one beyond it. The nearest point is then on this side, and no farther.
+constexpr double reach_over_crease = 4;
 
 /// Parameters of the point s of the way from corner k to corner k + 1.
 std::array<double, 2> on_edge(int k, double s) {
@@ -191,11 +193,17 @@ Triangulated::Place Triangulated::nearest(Vec3 point) const {
 bool Triangulated::go_to_crease(Vec3 point, Place& here) const {
   const double distance = std::sqrt(here.foot.squared_distance);
   if (!(distance > rounding * shape_->magnitude)) return false;
-  const auto hit = creases_->nearest_within(point, distance);
+  const auto hit = creases_->nearest_within(point, reach_over_crease * distance);
   if (!hit) return false;
   const auto& side = side_of_crease_[at(hit->crease)];
-  const auto [u, v] = on_edge(side.edge, side.runs_along ? hit->u : 1 - hit->u);
-  return try_triangle(point, side.triangle, u, v, here);
+  const double s = side.runs_along ? hit->u : 1 - hit->u;
+  const auto try_from = [&](int triangle, int edge, double along) {
+    const auto [u, v] = on_edge(edge, along);
+    return try_triangle(point, triangle, u, v, here);
+  };
+  const bool is_nearer = try_from(side.triangle, side.edge, s);
+  const auto [other, edge] = shape_->features.neighbor[at(side.triangle)][at(side.edge)];
+  return (other >= 0 && !stays_in_patch_ && try_from(other, edge, 1 - s)) || is_nearer;
 }
 
 Vec3 Triangulated::onto_plane(int triangle, Vec3 point) const {
