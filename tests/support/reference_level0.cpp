@@ -78,7 +78,7 @@ std::optional<Vec3> ReferenceMap::place(int row, const Barycentric& key) const {
   if (support.size() == 1) return cell.corner[at(*support.begin())];
   if (std::none_of(support.begin(), support.end(), [&](int i) { return has_bit(cell.bent_corners, i); })) return {};
   const auto q = quadratic(cell, w);
-  if (is_in_wall(cell, support)) return onto_wall(cell, support, q);
+  if (is_in_wall(cell, support)) return onto_wall(cell, support, w);
   const auto r = rest(cell, w);
   return r ? q + *r : q;
 }
@@ -102,8 +102,7 @@ std::optional<Vec3> ReferenceMap::rest(const mesh::Level0Cell& cell, const Weigh
     for (const int i : side) u += w[at(i)];
     Weights on_side{};
     for (const int i : side) on_side[at(i)] = w[at(i)] / u;
-    const auto q = quadratic(cell, on_side);
-    return u * u * (onto_wall(cell, side, q) - q);
+    return u * u * (onto_wall(cell, side, on_side) - quadratic(cell, on_side));
   };
   Sum sum;
   for (const auto& face : faces())
@@ -123,11 +122,27 @@ bool ReferenceMap::is_in_wall(const mesh::Level0Cell& cell, const Corners& suppo
   return support.size() == 3 && cell.face_patch[at(face_of(support))] >= 0;
 }
 
-Vec3 ReferenceMap::onto_wall(const mesh::Level0Cell& cell, const Corners& support, Vec3 from) const {
+Vec3 ReferenceMap::onto_wall(const mesh::Level0Cell& cell, const Corners& support, const Weights& w) const {
+  auto from = quadratic(cell, w);
   if (support.size() == 2) return onto_edge(cell, edge_of(support), from);
+  Sum bounds;
+  for (const auto& edge : edges()) {
+    if (!holds(support, edge) || !is_on_curve(cell, edge_of(edge))) continue;
+    const double u = w[at(*edge.begin())] + w[at(*edge.rbegin())];
+    Weights on_edge{};
+    for (const int i : edge) on_edge[at(i)] = w[at(i)] / u;
+    const auto q = quadratic(cell, on_edge);
+    bounds.add(u * u * (onto_edge(cell, edge_of(edge), q) - q));
+  }
+  if (bounds.value) from = from + *bounds.value;
   const std::array surfaces{surface_of_patch_.at(at(cell.face_patch[at(face_of(support))]))};
   const auto placed = geometry::project_onto_all(surfaces, from);
   return placed.converged ? placed.point : from;
+}
+
+bool ReferenceMap::is_on_curve(const mesh::Level0Cell& cell, int edge) {
+  return cell.edge_patch[at(edge)][0] != cell.edge_patch[at(edge)][1] || has_bit(cell.creases, edge) ||
+         has_bit(cell.sharp_edges, edge);
 }
 
 /// As everywhere else: on a sharp edge of the surface; beside a face of a patch without a surface on the surface within

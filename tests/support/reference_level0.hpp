@@ -37,7 +37,9 @@ class ReferenceMap {
   geometry::Vec3 quadratic(const mesh::Level0Cell& cell, const Weights& w) const;
   std::optional<geometry::Vec3> rest(const mesh::Level0Cell& cell, const Weights& w) const;
   bool is_in_wall(const mesh::Level0Cell& cell, const Corners& support) const;
-  geometry::Vec3 onto_wall(const mesh::Level0Cell& cell, const Corners& support, geometry::Vec3 from) const;
+  geometry::Vec3 onto_wall(const mesh::Level0Cell& cell, const Corners& support, const Weights& w) const;
+  /// An edge of a wall between two patches or on a sharp edge.
+  static bool is_on_curve(const mesh::Level0Cell& cell, int edge);
   geometry::Vec3 onto_edge(const mesh::Level0Cell& cell, int edge, geometry::Vec3 from) const;
 
   std::vector<mesh::Level0Cell> cells_;

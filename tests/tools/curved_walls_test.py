@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Walls that are much too coarse for their curvature: the short form of qualification/validation/curved_walls.py."""
+import lzma
 import math
 import pathlib
 import sys
@@ -10,14 +11,11 @@ from tool_run import of_full_level, run, run_tests, same_bytes
 sys.path.append(str(pathlib.Path(__file__).resolve().parents[2] / "qualification/validation"))
 import curved_walls  # noqa: E402
 
+DATA = pathlib.Path(__file__).resolve().parent / "data"
+
 
 def call(tool, *words):
     return run(tool, *words, serial=tool in ("pamr-mesh", "pamr-mark", "pamr-quality")).out
-
-
-def shape_bar(size, of_splitting_all):
-    """What the smallest mean ratio must reach at every level, by edges over the radius and what splitting all cells would give."""
-    return min(0.29, 0.95 * of_splitting_all) if size <= 0.8 else min(0.24, 0.9 * of_splitting_all)
 
 
 def refined(name, size, levels):
@@ -25,7 +23,7 @@ def refined(name, size, levels):
     folder = pathlib.Path(".").resolve()
     case, mesh = curved_walls.make_level_0(call, name, size, "pamr", folder)
     rows, reports = [curved_walls.measure(call, case, mesh)], []
-    bar = shape_bar(size, curved_walls.shape_of_splitting_all(call, mesh, folder, min(levels, 2)))
+    bar = curved_walls.shape_bar(size, curved_walls.shape_of_splitting_all(call, mesh, folder, min(levels, 2)))
     for level in range(1, levels + 1):
         marks, n_cells = curved_walls.mark(call, case, mesh, folder)
         report, mesh = curved_walls.refine(call, marks, folder, level)
@@ -119,6 +117,25 @@ def test_pamr_mesh_splits_it_by_itself():
     assert smallest_mean_ratio(refine_at_ball("ball.hdf", 2)) > 0.3
 
 
+def test_walls_of_a_step_file_that_meet_in_a_sharp_edge_keep_shapes():
+    """data/pipes: two pipes that meet, by OpenCASCADE, and Gmsh's mesh of edges of 0.8 radii of the smaller one."""
+    for name in ("pipes.msh", "pipes.step"):
+        pathlib.Path(name).write_bytes(lzma.decompress((DATA / f"{name}.xz").read_bytes()))
+    run("pamr-convert", "pipes.msh", "level0.hdf", "--cad", "pipes.step", "--quiet", serial=True)
+    walls = ("surface_1", "surface_2")  # without the flat ends
+
+    mesh = "level0.hdf"
+    for level in (1, 2):
+        for ranks in (1, 3):
+            run("pamr-mark", mesh, "-o", "marked.hdf", *(word for wall in walls for word in ("--patch", wall)), "--force", "--quiet", serial=True)
+            told = run("pamr-refine", "marked.hdf", "-o", f"on{ranks}.hdf", "--force", "--json", "-", ranks=ranks)
+        assert same_bytes("on1.hdf", "on3.hdf")
+        mesh = f"level{level}.hdf"
+        pathlib.Path("on1.hdf").rename(mesh)
+        assert smallest_mean_ratio(mesh) > 0.8 * 0.29 and told.json["off_surface_nodes"] == 0 == told.json["families_kept"]
+        assert "folds" not in told.err, told.err
+
+
 SECOND = {"area error": 1.8, "volume error": 1.7}
 
 
@@ -159,7 +176,7 @@ def test_the_same_bytes_on_any_ranks_when_a_coarse_ball_goes_to_a_triangulated_s
         assert report["off_surface_nodes"] == 0 == report["families_kept"]
         pathlib.Path("on1.hdf").rename(f"mesh{level + 1}.hdf")
 
-    assert smallest_mean_ratio("mesh2.hdf") >= shape_bar(2.0, smallest_mean_ratio("mesh0.hdf"))
+    assert smallest_mean_ratio("mesh2.hdf") >= curved_walls.shape_bar(2.0, smallest_mean_ratio("mesh0.hdf"))
     p = curved_walls.Walls("mesh2.hdf")
     distance = max(abs(math.dist((0, 0, 0), x) - 1) for x in p.points[p.nodes_of(["ball"])])
     assert distance < 1.8e-2 / 20, f"{distance} from the true sphere; the facets of the file are 1.8e-2 from it"

@@ -11,10 +11,12 @@
 #include "pamr/base/index.hpp"
 #include "pamr/curved/edge_nodes.hpp"
 #include "pamr/curved/optimize_bulges.hpp"
+#include "pamr/geometry/shared_edges.hpp"
 #include "pamr/mesh/borders.hpp"
 #include "pamr/mesh/cell_runs.hpp"
 #include "pamr/mesh/level0_map.hpp"
 #include "pamr/mesh/offsets.hpp"
+#include "pamr/mesh/periodic_patches.hpp"
 #include "pamr/mesh/tet.hpp"
 #include "pamr/par/exchange.hpp"
 #include "pamr/refine/interface_nodes.hpp"
@@ -158,32 +160,78 @@ void find_bent_nodes(Level0& level0) {
   }
 }
 
-/// The part of a freedom that lies in a plane with this normal.
-Freedom within(const Freedom& freedom, Vec3 normal) {
-  constexpr double parallel = 1e-9;
-  if (freedom.kind == Freedom::Kind::any) return {Freedom::Kind::in_plane, normal};
-  if (freedom.kind != Freedom::Kind::in_plane) return freedom;
-  const auto along = cross(freedom.direction, normal);
-  return norm(along) < parallel ? freedom : Freedom{Freedom::Kind::along_line, (1 / norm(along)) * along};
+/// The planes of the boundary faces at an edge.
+struct FacePlanes {
+  std::array<Vec3, 2> normal{};  ///< in ascending order, of the two signs the larger one
+  int count = 0;
+  bool is_fixed = false;
+
+  void add(Vec3 n) {
+    if (geometry::lexicographically_less(n, -n)) n = -n;
+    if (count < 2) normal[at(count)] = n;
+    if (++count == 2 && geometry::lexicographically_less(normal[1], normal[0])) std::swap(normal[0], normal[1]);
+  }
+  void add(const FacePlanes& other) {
+    for (int i = 0; i < other.count; ++i) add(other.normal[at(std::min(i, 1))]);
+    is_fixed = is_fixed || other.is_fixed;
+  }
+};
+
+Vec3 unit_normal(const mesh::DistMesh& mesh, LocalId cell, std::size_t face) {
+  std::array<Vec3, 3> p;
+  for (std::size_t k = 0; k < 3; ++k)
+    p[k] = mesh.point(mesh.cell_to_node[at(cell)][at(mesh::tet::face_to_corner[face][k])]);
+  std::sort(p.begin(), p.end(), geometry::lexicographically_less);
+  const auto n = cross(p[1] - p[0], p[2] - p[0]);
+  return (1 / norm(n)) * n;
 }
 
-/// Of edges near coarse ones that lie in no curved wall. Flat patches keep edges in their planes.
-std::vector<Freedom> find_freedom(const Level0& level0, const std::vector<std::uint8_t>& is_interface) {
+/// Collective: one exchange of shared edges.
+std::vector<FacePlanes> find_face_planes(const Level0& level0, const par::Pattern& shared_edges) {
+  const auto& mesh = level0.mesh;
+  const auto& info = level0.nodes.info;
+  std::vector<FacePlanes> planes(level0.n_edges());
+  for (LocalId c = 0; c < mesh.n_cells(); ++c)
+    for (std::size_t f = 0; f < 4; ++f) {
+      const auto slot = mesh.cell_to_cell[at(c)][f];
+      if (slot >= 0) continue;
+      const int patch = mesh::slot_to_patch(slot);
+      const auto* surface = info.surface_of(patch);
+      const auto& corner = mesh::tet::face_to_corner[f];
+      const auto normal = surface != nullptr && surface->is_flat()
+                              ? surface->normal(mesh.point(mesh.cell_to_node[at(c)][at(corner[0])]))
+                              : unit_normal(mesh, c, f);
+      for (std::size_t k = 0; k < 3; ++k) {
+        auto& of_edge = planes[at(level0.edge(c, at(mesh::tet::edge_of[at(corner[k])][at(corner[(k + 1) % 3])])))];
+        of_edge.add(normal);
+        if (info.patches[at(patch)].kind == mesh::periodic_kind) of_edge.is_fixed = true;
+      }
+    }
+  par::fold_shared(par::Exchange(level0.comm, shared_edges), planes,
+                   [](FacePlanes& mine, const FacePlanes& theirs) { mine.add(theirs); });
+  return planes;
+}
+
+/// Of edges near coarse ones that lie in no curved wall. Those in the boundary stay in the planes of its faces.
+std::vector<Freedom> find_freedom(const Level0& level0, const std::vector<std::uint8_t>& is_interface,
+                                  const par::Pattern& shared_edges) {
+  constexpr double parallel = 1e-9;
   const auto& distance = level0.distance;
+  const auto planes = find_face_planes(level0, shared_edges);
   std::vector<Freedom> freedom(level0.n_edges());
   for (std::size_t e = 0; e < freedom.size(); ++e) {
     const auto [a, b] = level0.ends(e);
-    if (std::min(distance[at(a)], distance[at(b)]) <= n_layers && level0.movable[e] < 0 && is_interface[e] == 0)
+    const auto& [normal, n_faces, is_fixed] = planes[e];
+    if (std::min(distance[at(a)], distance[at(b)]) > n_layers || level0.movable[e] >= 0 || is_interface[e] != 0 ||
+        is_fixed || n_faces > 2)
+      continue;
+    if (n_faces == 0) {
       freedom[e].kind = Freedom::Kind::any;
-  }
-  for (const auto& [edge, patch] : level0.nodes.numbering.boundary) {
-    auto& of_edge = freedom[at(edge)];
-    for (const auto p : patch) {
-      const auto* surface = level0.nodes.info.surface_of(p);
-      if (surface == nullptr || !surface->is_flat())
-        of_edge.kind = Freedom::Kind::none;
-      else
-        of_edge = within(of_edge, surface->normal(level0.mesh.point(level0.ends(at(edge))[0])));
+    } else if (norm(cross(normal[0], normal[1])) < parallel) {
+      freedom[e] = {Freedom::Kind::in_plane, normal[0]};
+    } else {
+      const auto along = level0.mesh.point(b) - level0.mesh.point(a);
+      freedom[e] = {Freedom::Kind::along_line, (1 / norm(along)) * along};
     }
   }
   return freedom;
@@ -250,15 +298,29 @@ BentCells find_bent_cells(const Level0& level0) {
   return bent;
 }
 
+/// Whether a wall of the cell may end at it: there the residual has a derivative to one side only.
+bool has_wall_that_ends(const mesh::MeshInfo& info, const mesh::Level0Cell& cell) {
+  const auto ends = [&](std::int32_t patch) {
+    const auto* surface = patch < 0 ? nullptr : info.surface_of(patch);
+    return surface != nullptr &&
+           (surface->creases() != nullptr || dynamic_cast<const geometry::SharedEdges*>(surface) != nullptr);
+  };
+  for (std::size_t e = 0; e < 6; ++e)
+    if (mesh::is_end_of_patch(cell, e) || ends(cell.edge_patch[e][0])) return true;
+  return false;
+}
+
 /// The share of the curved walls in the Jacobian of a cell, by differences of the residual.
-SampledRows residual_of(const mesh::Level0Map& map, LocalId cell) {
+SampledRows residual_of(const mesh::MeshInfo& info, const mesh::Level0Map& map, LocalId cell) {
   constexpr double step = 1e-5;
   SampledRows residual{};
   const auto& patch = map.cells()[at(cell)].edge_patch;
   if (std::all_of(patch.begin(), patch.end(), [](const auto& p) { return p[0] < 0; })) return residual;
+  const double inward = has_wall_that_ends(info, map.cells()[at(cell)]) ? 1e-3 : 0;  // so that both steps lie inside
   for (std::size_t q = 0; q < sample_points.size(); ++q) {
-    const auto& at_point = sample_points[q];
+    auto at_point = sample_points[q];
     if (std::find(at_point.begin(), at_point.end(), 1.0) != at_point.end()) continue;  // of second order at corners
+    for (auto& w : at_point) w += inward * (0.25 - w);
     for (std::size_t i = 0; i < 3; ++i) {
       auto ahead = at_point, behind = at_point;
       ahead[i + 1] += step;
@@ -282,15 +344,15 @@ Bulges find_bulges(const Level0& level0, const BentCells& bent, const mesh::Leve
   zone.bends_straight_cells = bend == refine::Bend::all;
   for (std::size_t i = 0; i < bent.cell.size(); ++i) {
     zone.corner.push_back(bent.row[i].corner);
-    zone.residual.push_back(residual_of(straight_inside, static_cast<LocalId>(i)));
+    zone.residual.push_back(residual_of(level0.nodes.info, straight_inside, static_cast<LocalId>(i)));
   }
   zone.cell_to_edge = bent.edge;
   zone.bulge = level0.bulge;
-  zone.freedom = find_freedom(level0, is_interface);
   const auto& shared = level0.nodes.placed.shared;
   const auto n_nodes = level0.mesh.n_nodes();
   zone.shared = par::restricted(
       shared, [&](std::size_t k) { return shared.item[k] < n_nodes ? invalid_local : shared.item[k] - n_nodes; });
+  zone.freedom = find_freedom(level0, is_interface, zone.shared);
   return optimize_bulges(level0.comm, zone);
 }
 

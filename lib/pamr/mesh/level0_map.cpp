@@ -43,6 +43,12 @@ struct Place {
   unsigned support = 0;
 };
 
+Place place_of(const std::array<double, 4>& weight) {
+  Place place{weight, 0};
+  for (std::size_t i = 0; i < 4; ++i) place.support |= weight[i] != 0 ? 1U << i : 0U;
+  return place;
+}
+
 /// The part of a place on some of the corners, and their share of the weights.
 struct Part {
   Place place;
@@ -81,6 +87,10 @@ PatchList list_of(const std::array<std::int32_t, 2>& patch) {
 }
 
 }  // namespace
+
+bool is_end_of_patch(const Level0Cell& cell, std::size_t edge) {
+  return cell.edge_patch[edge][0] != cell.edge_patch[edge][1] || ((cell.creases | cell.sharp_edges) >> edge & 1U) != 0;
+}
 
 Level0Map::Level0Map(std::vector<Level0Cell> cells, GlobalId n_global_cells, const MeshInfo& info)
     : cells_(std::move(cells)), keep_(info.surfaces), n_global_cells_(n_global_cells) {
@@ -124,8 +134,8 @@ bool Level0Map::is_bent(LocalId cell, const Level0Key& key) const {
   return false;
 }
 
-Mapped Level0Map::onto_face(LocalId cell, int face, Vec3 from) const {
-  const auto projected = walls_[at(cell)].face[at(face)]->place(from);
+Mapped Level0Map::onto_face(LocalId cell, int face, const std::array<double, 4>& weight, Vec3 from) const {
+  const auto projected = walls_[at(cell)].face[at(face)]->place(from + bounds_residual(cell, face, weight));
   Mapped mapped{projected.converged ? projected.point : from};
   mapped.patch[0] = cells_[at(cell)].face_patch[at(face)];
   mapped.is_reachable = projected.converged;
@@ -163,11 +173,27 @@ Mapped Level0Map::onto_edge(LocalId cell, int edge, Vec3 from) const {
   return mapped;
 }
 
+Vec3 Level0Map::bounds_residual(LocalId cell, int face, const std::array<double, 4>& weight) const {
+  const auto& row = cells_[at(cell)];
+  const Place here = place_of(weight);
+  Vec3 wanted{};
+  for (std::size_t e = 0; e < 6; ++e) {
+    const auto of_edge = corners_of_edge(e);
+    if (walls_[at(cell)].edge[e] == nullptr || !is_end_of_patch(row, e) || !holds(corners_of_face(at(face)), of_edge) ||
+        !holds(here.support, of_edge))
+      continue;
+    const auto part = part_of(here, of_edge);
+    if (!(part.share > 0)) continue;
+    const auto from = quadratic(row, part.place);
+    wanted = wanted + (part.share * part.share) * (onto_edge(cell, static_cast<int>(e), from).point - from);
+  }
+  return wanted;
+}
+
 Vec3 Level0Map::wall_residual(LocalId cell, const std::array<double, 4>& weight) const {
   const auto& row = cells_[at(cell)];
   const auto& walls = walls_[at(cell)];
-  Place here{weight, 0};
-  for (std::size_t i = 0; i < 4; ++i) here.support |= weight[i] != 0 ? 1U << i : 0U;
+  const Place here = place_of(weight);
   Vec3 wanted{};
   std::array<int, 6> n_faces{};  // in a curved wall and at the node, by edge
   const auto add = [&](double factor, Vec3 step) { wanted = wanted + factor * step; };
@@ -177,7 +203,7 @@ Vec3 Level0Map::wall_residual(LocalId cell, const std::array<double, 4>& weight)
     const auto part = part_of(here, corners_of_face(k));
     if (!(part.share > 0)) continue;  // only outside of the cell
     const auto from = quadratic(row, part.place);
-    add(part.share * part.share, onto_face(cell, static_cast<int>(k), from).point - from);
+    add(part.share * part.share, onto_face(cell, static_cast<int>(k), part.place.weight, from).point - from);
   }
   for (std::size_t e = 0; e < 6; ++e) {
     if (walls.edge[e] == nullptr || n_faces[e] == 1 || !holds(here.support, corners_of_edge(e))) continue;
@@ -203,7 +229,7 @@ std::optional<Mapped> Level0Map::place(LocalId cell, const Level0Key& key) const
   if (const int e = edge_with(here.support); e >= 0 && walls.edge[at(e)] != nullptr)
     return onto_edge(cell, e, quadratic(row, here));
   if (const int f = face_with(here.support); f >= 0 && walls.face[at(f)] != nullptr)
-    return onto_face(cell, f, quadratic(row, here));
+    return onto_face(cell, f, here.weight, quadratic(row, here));
   return Mapped{quadratic(row, here) + wall_residual(cell, here.weight)};
 }
 

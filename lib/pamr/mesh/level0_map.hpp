@@ -32,6 +32,9 @@ struct Level0Cell {
   std::uint8_t bent_corners = 0;           ///< bits
 };
 
+/// Whether an edge lies in a curved wall and between two patches, or on a sharp edge: nodes there keep to a curve.
+bool is_end_of_patch(const Level0Cell& cell, std::size_t edge);
+
 /// Where the map of level 0 puts a node.
 struct Mapped {
   geometry::Vec3 point;
@@ -72,7 +75,10 @@ class Level0Map {
     std::array<const SurfacesOfNode*, 6> edge{};
   };
   Mapped onto_edge(LocalId cell, int edge, geometry::Vec3 from) const;
-  Mapped onto_face(LocalId cell, int face, geometry::Vec3 from) const;
+  /// `from`: the quadratic map at these barycentric coordinates.
+  Mapped onto_face(LocalId cell, int face, const std::array<double, 4>& weight, geometry::Vec3 from) const;
+  /// What the curves that bound a face in a wall want beyond the quadratic map: C in the page.
+  geometry::Vec3 bounds_residual(LocalId cell, int face, const std::array<double, 4>& weight) const;
 
   std::vector<Level0Cell> cells_;
   std::vector<Walls> walls_;
