@@ -208,13 +208,12 @@ std::string below_text(const Options& options, std::int64_t n_below) {
   return fmt::format(", {} cells under {}", n_below, options.shape_floor);
 }
 
-void warn_coarse_walls(const cli::Session& session, const curved::Level0Report& level0) {
-  if (!level0.trouble.empty())
-    session.warn(
-        fmt::format("{} edges of level 0 are longer than 0.2 of the radius of curvature of their wall, and {}: cells "
-                    "there may lose "
-                    "shape from level to level",
-                    level0.n_coarse_edges, level0.trouble));
+void tell_coarse_walls(const cli::Session& session, const curved::Level0Report& level0) {
+  if (level0.n_moved > 0)
+    session.note(
+        fmt::format("{} nodes of level 0 lay up to {:.3g} off their walls, which are coarse, and were put onto them",
+                    level0.n_moved, level0.farthest_moved));
+  if (!level0.trouble.empty()) session.warn(level0.trouble + ": cells there may lose shape from level to level");
 }
 
 /// What of the command decides on the result.
@@ -294,7 +293,7 @@ cli::ExitCode work(cli::Session& session, const Options& options) {
   if (const auto warning = mesh::warning_of_periodic(result.mesh.info.patches); !warning.empty()) session.warn(warning);
   warn_too_deep(session, result.report.marked_too_deep);
   warn_kept(session, result.report.closure.families_kept, how);
-  warn_coarse_walls(session, result.report.level0);
+  tell_coarse_walls(session, result.report.level0);
   if (options.quality_control == "removable" && options.shape_floor > 0)
     warn_lost_shapes(session, walls_before, walls_after);
   if (result.report.closure.n_marked == 0 && result.coarsening.cells_flagged == 0)

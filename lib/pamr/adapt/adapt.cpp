@@ -105,6 +105,7 @@ Result adapt_once(const par::Comm& comm, GivenMesh mesh, std::span<const std::in
     return finish(comm, std::move(closed), std::move(made), options.refinement, timer);
   }();
   drop_level0_map_of_level0(comm, result.mesh);
+  result.report.certificate.n_moved += ready.level0.n_moved;
   result.report.level0 = std::move(ready.level0);
   result.coarsening = coarsening;
   result.merged = std::move(merged);

@@ -87,6 +87,7 @@ nlohmann::json to_json(const Report& report) {
           {"level0",
            {{"coarse_edges", report.level0.n_coarse_edges},
             {"bent_cells", report.level0.n_bent_cells},
+            {"moved_nodes", report.level0.n_moved},
             {"min_jacobian_before", report.level0.smallest_before},
             {"min_jacobian", report.level0.smallest}}}};
 }

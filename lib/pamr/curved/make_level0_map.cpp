@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "pamr/curved/make_level0_map.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <memory>
@@ -9,7 +11,7 @@
 #include <vector>
 
 #include "pamr/base/index.hpp"
-#include "pamr/curved/edge_nodes.hpp"
+#include "pamr/curved/level0_edges.hpp"
 #include "pamr/curved/optimize_bulges.hpp"
 #include "pamr/geometry/shared_edges.hpp"
 #include "pamr/mesh/borders.hpp"
@@ -28,74 +30,17 @@ namespace {
 using geometry::Vec3;
 using mesh::tet::edge_to_corner;
 
-constexpr double coarse_bulge = 1.0 / 40;  ///< of its edge: h / 8 R for h = 0.2 R
-constexpr double no_bulge = 1e-9;          ///< of its edge
-constexpr double max_off_surface = 0.01;   ///< of an edge at a node of level 0
-constexpr std::uint8_t n_layers = 2;       ///< edges from a coarse edge to the last bent node
+constexpr double max_off_surface = 0.01;  ///< of an edge at a node of level 0
+constexpr std::uint8_t n_layers = 2;      ///< edges from a coarse edge to the last bent node
 constexpr std::uint8_t far_away = 255;
 
-/// Level 0 with what is known of its edges. Arrays by edge unless said otherwise.
-struct Level0 {
-  const par::Comm& comm;
-  const mesh::DistMesh& mesh;
-  const mesh::Borders& borders;
-  EdgeNodes nodes;
-  std::vector<LocalId> movable;  ///< of edges in curved walls; -1 elsewhere
-  std::vector<Vec3> bulge;
-  std::vector<std::uint8_t> is_coarse;
+/// Level 0 with what is known of its nodes, too.
+struct Level0 : Level0Edges {
   std::vector<std::uint8_t> distance;  ///< of each node from coarse edges, in edges; `far_away`: more than `n_layers`
   std::vector<std::uint8_t> is_bent;   ///< of each node
-
-  LocalId edge(LocalId cell, std::size_t e) const {
-    return nodes.numbering.edge_to_node[at(nodes.numbering.row[at(cell)])][e] - mesh.n_nodes();
-  }
-  std::size_t n_edges() const { return nodes.numbering.n_new_nodes(); }
-  const std::array<LocalId, 2>& ends(std::size_t edge) const { return nodes.numbering.ends[edge]; }
 };
 
 bool is_curved(const geometry::Surface* surface) { return surface != nullptr && !surface->is_flat(); }
-
-bool has_coarse_face(const mesh::DistMesh& mesh) {
-  for (LocalId c = 0; c < mesh.n_cells(); ++c)
-    for (std::size_t f = 0; f < 4; ++f) {
-      const auto slot = mesh.cell_to_cell[at(c)][f];
-      if (slot >= 0) continue;
-      const auto* surface = mesh.info.surface_of(mesh::slot_to_patch(slot));
-      if (!is_curved(surface)) continue;
-      const auto& corner = mesh::tet::face_to_corner[f];
-      for (std::size_t k = 0; k < 3; ++k) {
-        const auto a = mesh.point(mesh.cell_to_node[at(c)][at(corner[k])]);
-        const auto b = mesh.point(mesh.cell_to_node[at(c)][at(corner[(k + 1) % 3])]);
-        // twice as careful: where patches meet the bulge is longer than the way to one of them
-        if (surface->distance(geometry::midpoint(a, b)) > 0.5 * coarse_bulge * norm(b - a)) return true;
-      }
-    }
-  return false;
-}
-
-bool is_level0(const mesh::DistMesh& mesh) {
-  return std::all_of(mesh.lineage.begin(), mesh.lineage.end(),
-                     [](mesh::Lineage l) { return l.level() == 0 && !l.is_closure(); });
-}
-
-Level0 look_at_edges(const par::Comm& comm, const mesh::DistMesh& mesh, const mesh::Borders& borders) {
-  Level0 level0{comm, mesh, borders, place_edge_nodes(comm, mesh, borders), {}, {}, {}, {}, {}};
-  const auto n = level0.n_edges();
-  level0.movable.assign(n, -1);
-  level0.bulge.assign(n, Vec3{});
-  level0.is_coarse.assign(n, 0);
-  const auto& movables = level0.nodes.movables;
-  for (std::size_t i = 0; i < movables.size(); ++i) {
-    const auto edge = at(movables[i].node - mesh.n_nodes());
-    level0.movable[edge] = static_cast<LocalId>(i);
-    const auto [a, b] = level0.ends(edge);
-    const double length = norm(mesh.point(b) - mesh.point(a));
-    const auto bulge = movables[i].target - movables[i].base;
-    if (norm(bulge) > no_bulge * length) level0.bulge[edge] = bulge;
-    level0.is_coarse[edge] = norm(bulge) > coarse_bulge * length ? 1 : 0;
-  }
-  return level0;
-}
 
 /// Collective: one exchange of shared nodes for each layer and one before.
 void find_distances(Level0& level0) {
@@ -386,21 +331,15 @@ void add_fields(const Level0& level0, const BentCells& bent, mesh::DistMesh& mes
 
 }  // namespace
 
-bool needs_level0_map(const par::Comm& comm, const mesh::DistMesh& mesh, refine::Bend bend) {
-  if (bend == refine::Bend::none || !comm.all(is_level0(mesh))) return false;
-  return bend == refine::Bend::all || comm.any(has_coarse_face(mesh));
-}
-
 Level0Report make_level0_map(const par::Comm& comm, mesh::DistMesh& mesh, refine::Bend bend) {
   Level0Report report;
   const auto borders = mesh::find_borders(comm, mesh);
-  auto level0 = look_at_edges(comm, mesh, borders);
-  const auto is_mine =
-      par::held_first_here(par::Exchange(comm, level0.nodes.placed.shared), level0.nodes.placed.position.size());
-  std::int64_t n_coarse = 0;
-  for (std::size_t e = 0; e < level0.n_edges(); ++e)
-    n_coarse += level0.is_coarse[e] != 0 && is_mine[at(mesh.n_nodes()) + e] != 0 ? 1 : 0;
-  report.n_coarse_edges = comm.sum(n_coarse);
+  Level0 level0{look_at_edges(comm, mesh, borders), {}, {}};
+  report.n_coarse_edges = comm.sum(std::ssize(own_coarse_edges(level0)));
+  const auto because = [&](const char* what) {
+    return fmt::format("{} edges of level 0 are longer than 0.2 of the radius of curvature of their wall, and {}",
+                       report.n_coarse_edges, what);
+  };
   if (bend == refine::Bend::all)
     level0.distance.assign(at(mesh.n_nodes()), 0);
   else if (report.n_coarse_edges == 0)
@@ -409,7 +348,7 @@ Level0Report make_level0_map(const par::Comm& comm, mesh::DistMesh& mesh, refine
     find_distances(level0);
   find_bent_nodes(level0);
   if (comm.any(has_bent_node_off_surface(level0))) {
-    report.trouble = "nodes there lie off their surfaces";
+    report.trouble = because("nodes there stay off their surfaces, so that there is no map of level 0");
     return report;
   }
   auto bent = find_bent_cells(level0);
@@ -419,7 +358,8 @@ Level0Report make_level0_map(const par::Comm& comm, mesh::DistMesh& mesh, refine
   report.smallest_before = found.smallest_before;
   report.smallest = found.smallest;
   report.iterations = found.iterations;
-  if (!(found.smallest > 0)) report.trouble = "the map of level 0 folds there";
+  if (!(found.smallest > 0))
+    report.trouble = because("the map of level 0 folds there (pamr-convert --repair splits these cells into eight)");
   for (std::size_t i = 0; i < bent.row.size(); ++i)
     for (std::size_t e = 0; e < 6; ++e) bent.row[i].bulge[e] = found.bulge[at(bent.edge[i][e])];
   mesh::drop_level0(mesh);  // fields that were left of another map

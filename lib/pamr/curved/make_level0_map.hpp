@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <string>
 
+#include "pamr/curved/coarse_edges.hpp"
 #include "pamr/mesh/dist_mesh.hpp"
 #include "pamr/par/comm.hpp"
 #include "pamr/refine/options.hpp"
@@ -12,16 +13,15 @@ namespace pamr::curved {
 
 /// What came of making a map of level 0; counts over all ranks, the same on any number of them.
 struct Level0Report {
-  std::int64_t n_coarse_edges = 0;  ///< edges in curved walls that are longer than 0.2 of the radius of curvature
+  std::int64_t n_coarse_edges = 0;  ///< `CoarseEdges`
   std::int64_t n_bent_cells = 0;
+  std::int64_t n_moved = 0;    ///< nodes of level 0 off their walls that were put onto them first
+  double farthest_moved = 0;   ///< how far one of them was off, length unit
   double smallest_before = 1;  ///< smallest mean ratio of the Jacobian with straight edges inside
   double smallest = 1;         ///< and with the bulges that were found
   int iterations = 0;
   std::string trouble;  ///< why there are coarse edges but no map, or that the map folds
 };
-
-/// Whether all cells are of level 0 and an edge in a curved wall may be coarse for it, or all edges shall bend. Collective: two reductions.
-bool needs_level0_map(const par::Comm& comm, const mesh::DistMesh& mesh, refine::Bend bend);
 
 /// Gives a mesh of level 0 with coarse curved walls the map that places new nodes near them (`mesh::Level0Map`), with
 /// the fields that cells and nodes need for it, and flat patches their planes. Changes nothing else, and nothing at all

@@ -1,17 +1,24 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Walls far too coarse for their curvature, where a map of level 0 places new nodes: shapes, bits, history.
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "pamr/adapt/adapt.hpp"
+#include "pamr/adapt/level0.hpp"
 #include "pamr/base/hash.hpp"
+#include "pamr/curved/coarse_edges.hpp"
 #include "pamr/geometry/orientation.hpp"
+#include "pamr/geometry/surface.hpp"
 #include "pamr/geometry/tet_shape.hpp"
 #include "pamr/mesh/level0_map.hpp"
+#include "pamr/mesh/tet.hpp"
 #include "random_case.hpp"
 #include "support/meshes.hpp"
 #include "support/places.hpp"
@@ -194,6 +201,167 @@ TEST(CoarseWalls, HaveNoMapWhereEdgesAreShortForTheirCurvature) {
   EXPECT_NE(result.mesh.info.level0, nullptr);
   EXPECT_GT(result.report.level0.n_coarse_edges, 0);
   EXPECT_GT(result.report.level0.smallest, result.report.level0.smallest_before);
+}
+
+/// A body whose wall nodes do not lie on their walls.
+struct BodyOffWalls {
+  mesh::BlockMesh whole;
+  std::vector<double> off;  ///< of each node
+};
+
+/// Wall nodes but those of rims go in or out by up to this part of their shortest edge on the boundary.
+BodyOffWalls with_nodes_off(const par::Comm& self, const mesh::BlockMesh& on_walls, double part) {
+  auto whole = test::gather(self, assemble::assemble(self, on_walls));  // with neighbors
+  std::vector<const geometry::Surface*> surface(whole.node_position.size(), nullptr);
+  std::vector<bool> is_on_rim(surface.size(), false);
+  std::vector<double> edge(surface.size(), std::numeric_limits<double>::infinity());
+  for (std::size_t c = 0; c < whole.cell_to_node.size(); ++c)
+    for (std::size_t f = 0; f < 4; ++f) {
+      const auto next = whole.cell_to_cell[c][f];
+      if (next >= 0) continue;
+      const auto* of_face = whole.info.surface_of(static_cast<int>(-1 - next));
+      for (std::size_t i = 0; i < 4; ++i)
+        for (std::size_t j = 0; j < 4; ++j) {
+          if (i == f || j == f || i == j) continue;
+          const auto a = at(whole.cell_to_node[c][i]), b = at(whole.cell_to_node[c][j]);
+          if (of_face == nullptr)
+            is_on_rim[a] = true;
+          else
+            surface[a] = of_face;
+          edge[a] = std::min(edge[a], norm(whole.node_position[b] - whole.node_position[a]));
+        }
+    }
+  BodyOffWalls body{std::move(whole), std::vector<double>(surface.size(), 0.0)};
+  for (std::size_t n = 0; n < surface.size(); ++n) {
+    if (surface[n] == nullptr || is_on_rim[n]) continue;
+    const double share = 0.5 + 0.05 * static_cast<double>(mix(n) % 11);  // up to 1
+    auto& p = body.whole.node_position[n];
+    const auto before = p;
+    p = p + ((mix(n) % 2 == 0 ? 1 : -1) * share * part * edge[n]) * surface[n]->normal(p);
+    body.off[n] = norm(p - before);
+  }
+  return body;
+}
+
+void record(BodyOffWalls& body) {
+  body.whole.node_fields.push_back({mesh::off_surface_field, "", 1, mesh::StorageType::float64, body.off});
+}
+
+GlobalId farthest_off(const BodyOffWalls& body) {
+  return std::max_element(body.off.begin(), body.off.end()) - body.off.begin();
+}
+
+/// Splits the cells at one node of level 0, level after level.
+TEST(CoarseWalls, KeepShapesWhereNodesOfLevel0LieOffThem) {
+  const par::Comm world(MPI_COMM_WORLD), self(MPI_COMM_SELF);
+  const auto all = bodies(self);
+  for (std::size_t b = 0; b < all.size(); ++b) {
+    const double bound = std::min(0.29, 0.9 * uniform_shape(self, all[b]));
+    for (const double part : {1e-5, 1e-3, 0.009, 0.05}) {
+      SCOPED_TRACE("body " + std::to_string(b) + ", off by " + std::to_string(part));
+      auto body = with_nodes_off(self, all[b], part);
+      if (part > 0.01) record(body);
+      const auto node = farthest_off(body);
+      auto mesh = test::scatter(self, body.whole, 0);
+      for (int level = 0; level < 9; ++level) {
+        std::vector<std::uint8_t> flags;
+        for (const auto& nodes : mesh.cell_to_node)
+          flags.push_back(
+              std::any_of(nodes.begin(), nodes.end(), [&](LocalId n) { return mesh.node_global[at(n)] == node; }));
+        auto result = adapt::refine(self, mesh, flags, {.marks_field = ""});
+        EXPECT_EQ(result.report.certificate.n_off_surface, 0);
+        EXPECT_EQ(result.report.closure.families_kept, 0);
+        EXPECT_EQ(result.report.level0.n_moved > 0, level == 0);
+        mesh = std::move(result.mesh);
+        EXPECT_GE(worst_of(mesh), bound) << "level " << level + 1;
+      }
+      const auto fine = test::gather(self, mesh);
+      for (std::size_t n = 0; n < body.off.size(); ++n)
+        EXPECT_NEAR(norm(fine.node_position[n] - body.whole.node_position[n]), body.off[n], 0.1 * body.off[n]);
+    }
+  }
+}
+
+TEST(CoarseWalls, TakeTheirNodesTheSameWayWhetherRecordedOrNot) {
+  const par::Comm comm(MPI_COMM_WORLD), self(MPI_COMM_SELF);
+  for (const auto& whole : bodies(self)) {
+    const auto body = with_nodes_off(self, whole, 0.009);
+    auto recorded = body;
+    record(recorded);
+    const auto block = test::cut(comm, body.whole);
+    auto spread = assemble::assemble(comm, block, test::random_destinations(comm, block, 7));
+    auto serial = test::scatter(self, recorded.whole, 0);
+    for (std::uint64_t level = 0; level < 2; ++level) {
+      auto a = adapt::refine(comm, spread, mark_some(spread, level), {.parent_field = false});
+      auto b = adapt::refine(self, serial, mark_some(serial, level), {.parent_field = false});
+      EXPECT_EQ(a.report.level0.n_moved, b.report.level0.n_moved);
+      EXPECT_NEAR(a.report.level0.farthest_moved, b.report.level0.farthest_moved, 1e-6);
+      spread = std::move(a.mesh);
+      serial = std::move(b.mesh);
+    }
+    const auto fine = test::gather(comm, spread);
+    EXPECT_TRUE(fine.node_position == test::gather(self, serial).node_position);
+
+    // back to level 0, whose nodes stay on the walls; the same again gives the same bits
+    for (int call = 0; call < 4; ++call) {
+      adapt::Options options;
+      options.refinement.parent_field = false;
+      spread = adapt::adapt(comm, spread, std::vector<std::int8_t>(at(spread.n_cells()), -1), options).mesh;
+    }
+    EXPECT_TRUE(test::gather(comm, spread).cell_to_node == body.whole.cell_to_node);
+    for (std::uint64_t level = 0; level < 2; ++level) {
+      auto result = adapt::refine(comm, spread, mark_some(spread, level), {.parent_field = false});
+      EXPECT_EQ(result.report.level0.n_moved, 0);
+      spread = std::move(result.mesh);
+    }
+    EXPECT_TRUE(test::gather(comm, spread).node_position == fine.node_position);
+  }
+}
+
+TEST(CoarseWalls, LeaveNodesAloneThatLieFarOffThem) {
+  const par::Comm comm(MPI_COMM_WORLD);
+  const auto mesh = assemble::assemble(comm, test::bulging_cube(comm, 3, 0.3));
+
+  const auto result = adapt::refine(comm, mesh, mark_some(mesh, 1));
+
+  EXPECT_THAT(result.report.level0.trouble, testing::HasSubstr("off their coarse walls"));
+  EXPECT_EQ(result.report.level0.n_moved, 0);
+}
+
+TEST(CoarseWalls, AreFoundBeforeAnythingIsSplit) {
+  const par::Comm comm(MPI_COMM_WORLD), self(MPI_COMM_SELF);
+  const auto whole = test::gather(self, test::ball(self));
+  const auto block = test::cut(comm, whole);
+  const auto mesh = assemble::assemble(comm, block, test::random_destinations(comm, block, 3));
+
+  const auto coarse = curved::find_coarse_edges(comm, mesh);
+
+  const double edge = 1 / std::sin(0.4 * std::acos(-1));  // of an icosahedron with the radius 1
+  EXPECT_EQ(coarse.count, 30);
+  EXPECT_NEAR(coarse.longest, edge, 1e-12);
+  EXPECT_NEAR(norm(coarse.where), std::sqrt(1 - 0.25 * edge * edge), 1e-12);
+  EXPECT_EQ(std::count(coarse.is_at_cell.begin(), coarse.is_at_cell.end(), 1), mesh.n_cells());
+  EXPECT_THAT(curved::text_of(coarse), testing::StartsWith("30 edges in curved walls"));
+  EXPECT_THAT(curved::text_of(coarse), testing::Not(testing::HasSubstr("--repair")));
+  EXPECT_THAT(curved::text_of({1, 1.18, {}, {}}), testing::HasSubstr("--repair"));
+  EXPECT_EQ(curved::find_coarse_edges(comm, adapt::refine(comm, mesh, mark_some(mesh, 1)).mesh).count, 0);
+  EXPECT_EQ(curved::find_coarse_edges(comm, assemble::assemble(comm, test::domed_cube(comm, 2, 0.01))).count, 0);
+}
+
+TEST(CoarseWalls, AreNamedWhereAMeshWasRefinedWithoutAMap) {
+  const par::Comm comm(MPI_COMM_WORLD);
+  const auto coarse = assemble::assemble(comm, test::domed_cube(comm, 2, 0.3));
+  const auto fine = assemble::assemble(comm, test::domed_cube(comm, 2, 0.01));
+  const auto again = [&](const mesh::DistMesh& mesh) { return adapt::refine(comm, mesh, mark_some(mesh, 2)); };
+  auto without = adapt::refine(comm, coarse, mark_some(coarse, 1), {.bend = refine::Bend::none}).mesh;
+
+  EXPECT_THAT(again(without).report.level0.trouble, testing::HasSubstr("--as-level-0"));
+  EXPECT_EQ(again(without).mesh.info.level0, nullptr);
+  EXPECT_EQ(again(adapt::refine(comm, coarse, mark_some(coarse, 1)).mesh).report.level0.trouble, "");
+  EXPECT_EQ(again(adapt::refine(comm, fine, mark_some(fine, 1)).mesh).report.level0.trouble, "");
+
+  adapt::make_level0(without);
+  EXPECT_NE(again(without).mesh.info.level0, nullptr);
 }
 
 }  // namespace coarse_walls_test
