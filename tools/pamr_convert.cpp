@@ -10,6 +10,7 @@
 
 #include "cli/run_tool.hpp"
 #include "convert/cad_surfaces.hpp"
+#include "convert/coarse_walls.hpp"
 #include "convert/convert_options.hpp"
 #include "convert/known_shapes.hpp"
 #include "convert/read_mesh.hpp"
@@ -181,7 +182,8 @@ void treat_ears(cli::Session& session, const Options& options, mesh::DistMesh& m
   const bool has_new_surfaces = convert::brings_surfaces(options);
   const bool repair =
       !options.strict && !options.no_repair && (options.repair || (has_new_surfaces && options.from->has_elements));
-  if (repair && is_refined) throw Error("--repair: expected a mesh of level 0, found cells that were refined");
+  if (repair && is_refined)
+    throw Error("--repair: expected a mesh of level 0, found cells that were refined (--as-level-0 forgets that)");
   if (is_refined || (!has_new_surfaces && !repair)) return;
   const auto ears = meshing::find_wall_ears(comm, mesh);
   report["wall_ears"] = ears.count;
@@ -249,11 +251,13 @@ cli::ExitCode convert_file(cli::Session& session, Options options) {
   session.step("reading " + options.input);
   auto mesh = convert::read_mesh(session, read_request(options), report);
   adjust(comm, options, mesh);
+  convert::forget_levels(session, options, mesh, report);
   validate::require_valid(comm, mesh, options.input);
   session.step(fmt::format("looking at {} cells", mesh.info.n_global_cells));
   associate(session, options, surfaces, mesh, report);
   keep_flat_patches(session, options, mesh, report);
   treat_ears(session, options, mesh, report);
+  convert::treat_coarse_walls(session, options, mesh, report);
   std::optional<mesh::SecondOrder> second_order;
   if (options.order == 2) second_order = curve(session, mesh, report);
   session.step(fmt::format("writing {} cells to {}", mesh.info.n_global_cells, options.output));

@@ -5,6 +5,8 @@ import math
 import pathlib
 import sys
 
+import numpy as np
+
 from surface_models import icosphere, write_stl
 from tool_run import of_full_level, run, run_tests, same_bytes
 
@@ -49,17 +51,22 @@ def expect_wall_followed(name, size, levels, orders):
     return reports
 
 
+def write_msh(name, nodes, groups, triangles, cells):
+    """Gmsh's format. `triangles`: pairs of a group (from 1) and three nodes (from 0)."""
+    elements = [f"2 2 {group} {group} {a + 1} {b + 1} {c + 1}" for group, (a, b, c) in triangles]
+    elements += [f"4 2 9 9 {a + 1} {b + 1} {c + 1} {d + 1}" for a, b, c, d in cells]
+    lines = ["$MeshFormat", "2.2 0 8", "$EndMeshFormat", "$PhysicalNames", len(groups), *(f'2 {i} "{g}"' for i, g in enumerate(groups, 1)),
+             "$EndPhysicalNames", "$Nodes", len(nodes), *(f"{i} {x!r} {y!r} {z!r}" for i, (x, y, z) in enumerate(nodes, 1)), "$EndNodes",
+             "$Elements", len(elements), *(f"{i} {element}" for i, element in enumerate(elements, 1)), "$EndElements"]
+    pathlib.Path(name).write_text("\n".join(map(str, lines)) + "\n")
+
+
 def octahedron_of_gmsh():
     """A ball as four cells around the line between its poles: all edges on the sphere but that line."""
-    nodes = ["1 0 0", "0 1 0", "-1 0 0", "0 -1 0", "0 0 1", "0 0 -1"]
-    triangles = [(a, a % 4 + 1, pole) for a in (1, 2, 3, 4) for pole in (5, 6)]
-    cells = [(a, a % 4 + 1, 6, 5) for a in (1, 2, 3, 4)]
-    elements = [f"2 2 1 1 {a} {b} {c}" for a, b, c in triangles] + [f"4 2 2 1 {a} {b} {c} {d}" for a, b, c, d in cells]
-    lines = ["$MeshFormat", "2.2 0 8", "$EndMeshFormat", "$PhysicalNames", 2, '2 1 "ball"', '3 2 "gas"', "$EndPhysicalNames",
-             "$Nodes", 6, *(f"{i} {node}" for i, node in enumerate(nodes, 1)), "$EndNodes",
-             "$Elements", len(elements), *(f"{i} {element}" for i, element in enumerate(elements, 1)), "$EndElements"]
-    pathlib.Path("ball.msh").write_text("\n".join(map(str, lines)) + "\n")
-    pathlib.Path("ball.toml").write_text('[[surface]]\nname = "ball"\nkind = "sphere"\ncenter = [0, 0, 0]\nradius = 1\n')
+    nodes = [(1, 0, 0), (0, 1, 0), (-1, 0, 0), (0, -1, 0), (0, 0, 1), (0, 0, -1)]
+    write_msh("ball.msh", nodes, ("ball",), [(1, (a, (a + 1) % 4, pole)) for a in range(4) for pole in (4, 5)],
+              [(a, (a + 1) % 4, 5, 4) for a in range(4)])
+    pathlib.Path("ball.toml").write_text(curved_walls.wall_cases.sphere("ball", 1))
 
 
 def smallest_mean_ratio(mesh):
@@ -95,6 +102,73 @@ def test_an_import_splits_what_would_flatten_cells_at_a_curved_wall():
     run("pamr-convert", "ball.msh", "both.hdf", "--repair", "--no-repair", code=2, serial=True)
     strict = run(*arguments, "strict.hdf", "--strict")
     assert strict.json["wall_ears"] == 4 and "split_edges" not in strict.json
+
+
+def spherical_hole(corners, faces):
+    """A shell between a polyhedron with these corners on the unit sphere and others around it: prisms, cut into cells."""
+    radii, n = (1.0, 1.6, 2.6, 4.2, 7.0), len(corners)
+    nodes = [tuple(r * x for x in corner) for r in radii for corner in corners]
+    cells = []
+    for layer in range(len(radii) - 1):
+        for face in faces:
+            low = [i + layer * n for i in sorted(face)]
+            high = [i + n for i in low]
+            cells += [low + high[2:], low[:2] + high[1:], low[:1] + high]
+    p = np.array(nodes)[cells]
+    cells = [c if np.linalg.det(q[1:] - q[0]) > 0 else (*c[:2], c[3], c[2]) for c, q in zip(cells, p)]
+    triangles = [(1, face) for face in faces] + [(2, tuple(i + (len(radii) - 1) * n for i in face)) for face in faces]
+    write_msh("hole.msh", nodes, ("body", "outer"), triangles, cells)
+    pathlib.Path("hole.toml").write_text("".join(curved_walls.wall_cases.sphere(g, r) for g, r in (("body", 1.0), ("outer", 7.0))))
+
+
+def shapes_at_body(mesh, levels):
+    """Smallest mean ratio before and after each of some refinements at the body."""
+    shapes = [smallest_mean_ratio(mesh)]
+    for level in range(levels):
+        run("pamr-mark", mesh, "-o", "marked.hdf", "--patch", "*", "--force", "--quiet", serial=True)
+        mesh = f"{mesh.removesuffix('.hdf')}_{level}.hdf"
+        run("pamr-refine", "marked.hdf", "-o", mesh, "--force", "--quiet", serial=True)
+        shapes.append(smallest_mean_ratio(mesh))
+    return shapes
+
+
+def test_an_import_names_coarse_walls_and_repair_splits_cells_there_where_it_helps():
+    octahedron = [(1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0), (0, 0, 1), (0, 0, -1)]
+    spherical_hole(octahedron, [(x, y, z) for x in (0, 1) for y in (2, 3) for z in (4, 5)])
+    arguments = ["pamr-convert", "hole.msh", "--surfaces", "hole.toml", "--json", "-"]
+    told = run(*arguments, "as_is.hdf")
+    assert "24 edges in curved walls are longer than 0.2 of the radius of curvature, the longest 1.41 of it near (-3.5, -3.5, 0)" in told.err
+    assert told.json["coarse_walls"]["edges"] == 24 and told.json["cells"] == 96 and "split_cells" not in told.json
+    for ranks in (1, 3):
+        told = run(*arguments, f"on{ranks}.hdf", "--repair", ranks=ranks)
+        assert told.json["split_cells"] == 32 and told.json["cells"] == 720, told.json
+        assert "32 cells at these walls were split into eight, and the mesh is level 0 now: 96 cells became 720" in told.err
+    assert same_bytes("on1.hdf", "on3.hdf")
+    run("pamr-convert", "as_is.hdf", "later.hdf", "--repair", "--quiet")
+    assert same_bytes("on1.hdf", "later.hdf")
+    assert min(shapes_at_body("as_is.hdf", 3)) < 0.3 and min(shapes_at_body("on1.hdf", 2)) > 0.34
+
+    tetrahedron = [tuple(x / 3 ** 0.5 for x in corner) for corner in ((1, 1, 1), (1, -1, -1), (-1, 1, -1), (-1, -1, 1))]
+    spherical_hole(tetrahedron, [(0, 1, 2), (0, 1, 3), (0, 2, 3), (1, 2, 3)])
+    told = run(*arguments, "left.hdf", "--repair")
+    assert told.json["cells"] == 48 and "cells at these walls were not split: the smallest mean ratio would be 0.1" in told.err
+
+
+def test_a_mesh_refined_without_a_map_is_named_and_becomes_level_0():
+    curved_walls.make_level_0(call, "ball-in-box", 2.0, "pamr", pathlib.Path(".").resolve())
+    run("pamr-mark", "level0.hdf", "-o", "marked.hdf", "--all", "--quiet", serial=True)
+    run("pamr-refine", "marked.hdf", "-o", "old.hdf", "--format", "2", "--quiet", serial=True)
+    run("pamr-mark", "old.hdf", "-o", "marked.hdf", "--patch", "ball", "--force", "--quiet", serial=True)
+    told = run("pamr-refine", "marked.hdf", "-o", "none.hdf", "--json", "-")
+    assert "were refined without a map of level 0" in told.err and "--as-level-0" in told.err and told.json["level0"]["bent_cells"] == 0
+
+    told = run("pamr-convert", "old.hdf", "new.hdf", "--as-level-0", "--json", "-")
+    assert told.json["refined_cells"] == told.json["cells"] == 1472 and "the longest 1.19 of it" in told.err
+    run("pamr-mark", "new.hdf", "-o", "marked.hdf", "--patch", "ball", "--force", "--quiet", serial=True)
+    told = run("pamr-refine", "marked.hdf", "-o", "fine.hdf", "--json", "-")
+    assert "without a map" not in told.err and told.json["level0"]["bent_cells"] > 0
+    assert smallest_mean_ratio("fine.hdf") > 0.34 > 0.25 > smallest_mean_ratio("none.hdf")
+    run("pamr-convert", "old.hdf", "old.vtu", "--as-level-0", code=2)
 
 
 def test_shape_that_walls_cost_is_told():

@@ -110,11 +110,13 @@ void declare(cli::CommandLine& line, Options& options) {
                       "OpenFOAM case",
                       formats_help(false), io::list_endings([](const io::Format& f) { return f.is_surface; }, " or ")))
       .required();
-  line.flag("--repair", options.repair,
-            "turn inverted cells of another program's mesh over instead of refusing them, and split inner edges and "
-            "faces so that no "
-            "inner face has two edges on one curved wall (cells there get flat when they are refined); the latter is "
-            "done anyway for such a mesh with surfaces");
+  line.flag(
+      "--repair", options.repair,
+      "turn inverted cells of another program's mesh over instead of refusing them, split inner edges and faces so "
+      "that no inner face has two edges on one curved wall (cells there get flat when they are refined; done anyway "
+      "for such a mesh with surfaces), and split cells at walls whose edges are longer than their radius into eight");
+  line.flag("--as-level-0", options.as_level0,
+            "forget how a native mesh was refined: all its cells are of level 0 (no coarsening below them)");
   line.flag("--no-repair", options.no_repair, "split nothing");
   line.flag("--strict", options.strict,
             "refuse what would only be reported: inverted cells, nodes of no cell, "
@@ -162,7 +164,7 @@ bool brings_surfaces(const Options& options) {
 }
 
 bool asks_for_surfaces(const Options& options) {
-  return brings_surfaces(options) || options.repair || options.order == 2;
+  return brings_surfaces(options) || options.repair || options.as_level0 || options.order == 2;
 }
 
 io::Interfaces interfaces_of(const Options& options) {
@@ -202,6 +204,7 @@ std::string check_files(cli::Session& session, const Options& options) {
                               polyline.size()));
   require_known(options, options.format != io::newest_format, fmt::format("--format {}", options.format),
                 &io::Format::is_native);
+  require_known(options, options.as_level0, "--as-level-0", &io::Format::is_native);
   session.check_input(options.input);
   if (options.from->file_beside != nullptr) session.keep(options.from->file_beside(options.input).string());
   for (const auto& input : {options.cad, options.solution_in})

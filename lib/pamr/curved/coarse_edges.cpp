@@ -94,8 +94,8 @@ std::string text_of(const CoarseEdges& coarse) {
       "{:.6g}, {:.6g}): a map of level 0 will place new nodes there{}",
       coarse.count, coarse.longest, p.x, p.y, p.z,
       coarse.longest > longest_kept
-          ? fmt::format("; beyond {} of the radius shapes may be poor, which shorter edges mend, or pamr-convert "
-                        "--repair, which splits the cells there into eight",
+          ? fmt::format("; beyond {} of the radius shapes may be poor: shorter edges help, or pamr-convert --repair, "
+                        "which splits the cells there into eight where the map is poor",
                         longest_kept)
           : "");
 }

@@ -360,6 +360,9 @@ TEST(CoarseWalls, AreNamedWhereAMeshWasRefinedWithoutAMap) {
   EXPECT_EQ(again(adapt::refine(comm, coarse, mark_some(coarse, 1)).mesh).report.level0.trouble, "");
   EXPECT_EQ(again(adapt::refine(comm, fine, mark_some(fine, 1)).mesh).report.level0.trouble, "");
 
+  const auto back = adapt::adapt(comm, without, std::vector<std::int8_t>(at(without.n_cells()), -1)).mesh;
+  EXPECT_EQ(back.n_cells(), coarse.n_cells());
+  EXPECT_NE(again(back).mesh.info.level0, nullptr);
   adapt::make_level0(without);
   EXPECT_NE(again(without).mesh.info.level0, nullptr);
 }
