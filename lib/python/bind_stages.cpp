@@ -23,6 +23,7 @@
 #include "pamr/balance/rebalance.hpp"
 #include "pamr/check/quality_report.hpp"
 #include "pamr/check/report_text.hpp"
+#include "pamr/curved/coarse_edges.hpp"
 #include "pamr/locate/locate_points.hpp"
 #include "pamr/mark/apply_criteria.hpp"
 #include "pamr/mark/budget.hpp"
@@ -207,6 +208,11 @@ py::tuple read_rows(const PythonMesh& mesh, const std::string& file, std::size_t
   return py::make_tuple(description, copy_out(begins), copy_out(bytes));
 }
 
+/// What to tell a user of edges of level 0 that are long for the radius of their wall.
+std::string text_of_coarse_walls(const PythonMesh& mesh) {
+  return curved::text_of(curved::find_coarse_edges(*mesh.comm, mesh.mesh));
+}
+
 #ifdef PAMR_WITH_MESHING
 /// Patch, surface and largest distance of each association.
 std::vector<std::tuple<std::string, std::string, double>> associate(
@@ -236,6 +242,7 @@ void bind_stages(py::module_& module) {
   module.def("indicator", indicator);
   module.def("flags", flags_of);
   module.def("forecast", forecast);
+  module.def("text_of_coarse_walls", text_of_coarse_walls, py::call_guard<py::gil_scoped_release>());
   module.def("quality", quality, py::call_guard<py::gil_scoped_release>());
   module.def("locate", locate_points);
   module.def("fetch_rows", fetch_rows);

@@ -3,6 +3,7 @@
 import itertools
 import pathlib
 import subprocess
+import warnings
 
 import h5py
 import numpy as np
@@ -52,6 +53,16 @@ def expect_same(a, b, left_out=()):
     a, b = ({k: v for k, v in datasets(name).items() if not k.endswith(left_out)} for name in (a, b))
     assert a.keys() == b.keys(), a.keys() ^ b.keys()
     assert all(a[key].dtype == b[key].dtype and np.array_equal(a[key], b[key]) for key in a), [k for k in a if not np.array_equal(a[k], b[k])]
+
+
+def test_associating_says_how_coarse_walls_are():
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        ball()
+
+    says = ["12 edges in curved walls are longer than 0.2 of the radius of curvature, the longest 1.41 of it near (-0.5, -0.5, 0)"]
+    remarks = [str(w.message).split(":")[0] for w in told]
+    assert [r for r in remarks if "curved walls" in r] == (says if COMM.rank == 0 else []), remarks
 
 
 @in_folder
