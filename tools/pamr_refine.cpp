@@ -21,10 +21,13 @@
 #include "pamr/base/with_file_name.hpp"
 #include "pamr/check/shape_bound.hpp"
 #include "pamr/check/wall_shapes.hpp"
+#include "pamr/curved/level0_shapes.hpp"
+#include "pamr/curved/make_level0_map.hpp"
 #include "pamr/geometry/orientation.hpp"
 #include "pamr/geometry/tet_shape.hpp"
 #include "pamr/io/native/native_file.hpp"
 #include "pamr/mesh/fingerprint.hpp"
+#include "pamr/mesh/level0_map.hpp"
 #include "pamr/mesh/periodic_patches.hpp"
 #include "pamr/mesh/require_field.hpp"
 #include "pamr/mesh/undescribed_patches.hpp"
@@ -139,12 +142,49 @@ void warn_nothing_goes(const cli::Session& session, const adapt::CoarseningRepor
         report.cells_flagged, report.cells_without_parent));
 }
 
+std::string place_text(geometry::Vec3 p) { return fmt::format("({:.6g}, {:.6g}, {:.6g})", p.x, p.y, p.z); }
+
+/// What is known of the map of level 0, which was made for coarse walls.
+void tell_of_map(const cli::Session& session, const curved::Level0Report& level0) {
+  if (level0.n_moved > 0)
+    session.note(
+        fmt::format("{} nodes of level 0 lay up to {:.3g} off their walls, which are coarse, and were put onto them",
+                    level0.n_moved, level0.farthest_moved));
+  if (!level0.trouble.empty()) {
+    session.warn(level0.trouble + ": cells there may lose shape from level to level");
+    return;
+  }
+  if (level0.n_bent_cells == 0) return;
+  const auto& shapes = level0.shapes;
+  session.note(fmt::format(
+      "map of level 0: mean ratio of its Jacobian in {} bent cells proved to be at least {:.4g}, smallest near "
+      "{}; curved walls, which the proof leaves out, make it {:.4g} at 20 points of each cell",
+      level0.n_bent_cells, shapes.mean_ratio.value, place_text(shapes.mean_ratio.where), level0.smallest));
+  session.note(fmt::format("splitting these cells into eight alone: mean ratio at least {:.4g}, smallest near {}",
+                           shapes.all_splits.value, place_text(shapes.all_splits.where)));
+}
+
+/// What later levels can make of the shapes, also in the report. Collective.
+check::ShapeBound bound_shapes(const cli::Session& session, const mesh::DistMesh& mesh, double shape_floor,
+                               nlohmann::json& report) {
+  auto bound = check::shape_bound(session.comm(), mesh, shape_floor);
+  if (mesh::has_level0(mesh)) {
+    const auto shapes = curved::level0_shapes(session.comm(), *mesh.info.level0);
+    report["level0"]["shapes"] = adapt::to_json(shapes);
+    bound.of_uniform_levels = std::min(bound.of_uniform_levels, shapes.all_splits.value);
+    bound.of_all_levels = std::min(bound.of_all_levels, shapes.all_splits.value);
+  }
+  report["uniform_shape_bound"] = bound.of_uniform_levels;
+  return bound;
+}
+
 constexpr std::array<double, 6> floors_to_compare{0, 0.3, 0.35, 0.4, 0.45, 0.5};
 
 cli::ExitCode report_forecast(cli::Session& session, const mesh::DistMesh& input, std::span<const std::int8_t> flags,
                               const refine::Options& options, bool show_floors) {
   const auto& comm = session.comm();
   const auto ready = adapt::with_level0_map(comm, input, options);  // made once for all floors
+  tell_of_map(session, ready.level0);
   const auto& mesh = ready.mesh.get();
   const adapt::Forecaster forecaster(comm, mesh, options);
   const auto forecast = forecaster.forecast(flags);
@@ -179,12 +219,12 @@ cli::ExitCode report_forecast(cli::Session& session, const mesh::DistMesh& input
     report["coarsening"] = to_json(forecast.coarsening);
     warn_nothing_goes(session, forecast.coarsening);
   } else {
-    const auto bound = check::shape_bound(comm, mesh, options.shape_floor);
-    report["uniform_shape_bound"] = bound.of_uniform_levels;
+    const auto bound = bound_shapes(session, mesh, options.shape_floor, report);
+    if (show_floors) shapes += fmt::format("; splitting into eight alone: mean ratio {:.4f}", bound.of_uniform_levels);
     if (options.quality_control == refine::QualityControl::removable) {
       report["shape_bound"] = bound.of_all_levels;
-      shapes +=
-          fmt::format("; mean ratio at least {:.4f} at every level, where cells are straight", bound.of_all_levels);
+      shapes += fmt::format("; mean ratio at least {:.4f} at every level, {}", bound.of_all_levels,
+                            mesh::has_level0(mesh) ? "at coarse walls by three levels" : "where cells are straight");
     }
   }
   session.write_report(report);
@@ -206,14 +246,6 @@ void keep_flat_patches(cli::Session& session, mesh::DistMesh& mesh) {
 std::string below_text(const Options& options, std::int64_t n_below) {
   if (options.quality_control != "removable" || n_below == 0) return {};
   return fmt::format(", {} cells under {}", n_below, options.shape_floor);
-}
-
-void tell_coarse_walls(const cli::Session& session, const curved::Level0Report& level0) {
-  if (level0.n_moved > 0)
-    session.note(
-        fmt::format("{} nodes of level 0 lay up to {:.3g} off their walls, which are coarse, and were put onto them",
-                    level0.n_moved, level0.farthest_moved));
-  if (!level0.trouble.empty()) session.warn(level0.trouble + ": cells there may lose shape from level to level");
 }
 
 /// What of the command decides on the result.
@@ -268,12 +300,14 @@ cli::ExitCode work(cli::Session& session, const Options& options) {
   if (!options.no_project) keep_flat_patches(session, mesh);
 
   const auto walls_before = options.no_project ? check::WallShapes() : check::wall_shapes(comm, mesh, 0);
+  auto ready = with_file_name(options.input, [&] { return adapt::with_level0_map(comm, std::move(mesh), how); });
+  tell_of_map(session, ready.level0);
   timer.lap("preprocessing");
   auto result = with_file_name(options.input, [&] {
-    return adapt::adapt(comm, std::move(mesh), flags, {how, balancing});
+    return adapt::adapt(comm, std::move(ready.mesh), flags, {how, balancing});
   });
+  result.report.level0 = std::move(ready.level0);
   timer.skip();
-  mesh = {};
   session.step(fmt::format("checking {} cells", result.mesh.info.n_global_cells));
   assess_cells(comm, result.mesh, options.shape_floor, measured);
   const auto walls_after = options.no_project
@@ -293,7 +327,6 @@ cli::ExitCode work(cli::Session& session, const Options& options) {
   if (const auto warning = mesh::warning_of_periodic(result.mesh.info.patches); !warning.empty()) session.warn(warning);
   warn_too_deep(session, result.report.marked_too_deep);
   warn_kept(session, result.report.closure.families_kept, how);
-  tell_coarse_walls(session, result.report.level0);
   if (options.quality_control == "removable" && options.shape_floor > 0)
     warn_lost_shapes(session, walls_before, walls_after);
   if (result.report.closure.n_marked == 0 && result.coarsening.cells_flagged == 0)

@@ -218,7 +218,7 @@ def test_a_ball_known_by_seven_nodes_is_followed():
 
     assert all(r["moved_nodes"] > 0 and r["cells_checked"] > 0 for r in reports)
     level0 = reports[0]["level0"]  # where only walls are bent, cells fold
-    assert level0["min_jacobian_before"] < 0 and level0["min_jacobian"] > 0.3 and level0["bent_cells"] > 0
+    assert level0["min_jacobian_before"] < 0 and level0["min_jacobian"] > 0.25 and level0["bent_cells"] > 0
 
 
 def follows(name, size, levels):

@@ -89,7 +89,19 @@ nlohmann::json to_json(const Report& report) {
             {"bent_cells", report.level0.n_bent_cells},
             {"moved_nodes", report.level0.n_moved},
             {"min_jacobian_before", report.level0.smallest_before},
-            {"min_jacobian", report.level0.smallest}}}};
+            {"min_jacobian", report.level0.smallest},
+            {"shapes", to_json(report.level0.shapes)}}}};
+}
+
+nlohmann::json to_json(const curved::Level0Shapes& shapes) {
+  const auto place = [](const mesh::WorstPlace& worst) {
+    return nlohmann::json{{"value", worst.value}, {"where", {worst.where.x, worst.where.y, worst.where.z}}};
+  };
+  return {{"determinant", place(shapes.determinant)},
+          {"mean_ratio", place(shapes.mean_ratio)},
+          {"sampled", place(shapes.sampled)},
+          {"split", shapes.split},
+          {"all_splits", place(shapes.all_splits)}};
 }
 
 nlohmann::json to_json(const CoarseningReport& report) {

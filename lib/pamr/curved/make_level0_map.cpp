@@ -7,13 +7,15 @@
 #include <array>
 #include <memory>
 #include <numeric>
+#include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
 #include "pamr/base/index.hpp"
 #include "pamr/curved/level0_edges.hpp"
+#include "pamr/curved/level0_shapes.hpp"
 #include "pamr/curved/optimize_bulges.hpp"
-#include "pamr/geometry/shared_edges.hpp"
 #include "pamr/mesh/borders.hpp"
 #include "pamr/mesh/cell_runs.hpp"
 #include "pamr/mesh/level0_map.hpp"
@@ -243,37 +245,13 @@ BentCells find_bent_cells(const Level0& level0) {
   return bent;
 }
 
-/// Whether a wall of the cell may end at it: there the residual has a derivative to one side only.
-bool has_wall_that_ends(const mesh::MeshInfo& info, const mesh::Level0Cell& cell) {
-  const auto ends = [&](std::int32_t patch) {
-    const auto* surface = patch < 0 ? nullptr : info.surface_of(patch);
-    return surface != nullptr &&
-           (surface->creases() != nullptr || dynamic_cast<const geometry::SharedEdges*>(surface) != nullptr);
-  };
-  for (std::size_t e = 0; e < 6; ++e)
-    if (mesh::is_end_of_patch(cell, e) || ends(cell.edge_patch[e][0])) return true;
-  return false;
-}
-
-/// The share of the curved walls in the Jacobian of a cell, by differences of the residual.
-SampledRows residual_of(const mesh::MeshInfo& info, const mesh::Level0Map& map, LocalId cell) {
-  constexpr double step = 1e-5;
+/// What the energy knows of the curved walls. At corners of a cell it leaves them out: docs/coarse-walls.md.
+SampledRows residual_of(const mesh::Level0Map& map, LocalId cell) {
   SampledRows residual{};
-  const auto& patch = map.cells()[at(cell)].edge_patch;
-  if (std::all_of(patch.begin(), patch.end(), [](const auto& p) { return p[0] < 0; })) return residual;
-  const double inward = has_wall_that_ends(info, map.cells()[at(cell)]) ? 1e-3 : 0;  // so that both steps lie inside
   for (std::size_t q = 0; q < sample_points.size(); ++q) {
-    auto at_point = sample_points[q];
-    if (std::find(at_point.begin(), at_point.end(), 1.0) != at_point.end()) continue;  // of second order at corners
-    for (auto& w : at_point) w += inward * (0.25 - w);
-    for (std::size_t i = 0; i < 3; ++i) {
-      auto ahead = at_point, behind = at_point;
-      ahead[i + 1] += step;
-      ahead[0] -= step;
-      behind[i + 1] -= step;
-      behind[0] += step;
-      residual[q][i] = (0.5 / step) * (map.wall_residual(cell, ahead) - map.wall_residual(cell, behind));
-    }
+    const auto& at_point = sample_points[q];
+    if (std::find(at_point.begin(), at_point.end(), 1.0) == at_point.end())
+      residual[q] = residual_rows(map, cell, at_point);
   }
   return residual;
 }
@@ -289,7 +267,7 @@ Bulges find_bulges(const Level0& level0, const BentCells& bent, const mesh::Leve
   zone.bends_straight_cells = bend == refine::Bend::all;
   for (std::size_t i = 0; i < bent.cell.size(); ++i) {
     zone.corner.push_back(bent.row[i].corner);
-    zone.residual.push_back(residual_of(level0.nodes.info, straight_inside, static_cast<LocalId>(i)));
+    zone.residual.push_back(residual_of(straight_inside, static_cast<LocalId>(i)));
   }
   zone.cell_to_edge = bent.edge;
   zone.bulge = level0.bulge;
@@ -329,6 +307,19 @@ void add_fields(const Level0& level0, const BentCells& bent, mesh::DistMesh& mes
   mesh.cell_fields.push_back({mesh::level0_cell_field, "", 1, mesh::StorageType::int64, std::move(rows)});
 }
 
+/// Whether the map folds, and where. That it does not is what is proved; that it does may be seen.
+std::string trouble_of(const Level0Report& report) {
+  const auto at_place = [](geometry::Vec3 p) { return fmt::format("({:.6g}, {:.6g}, {:.6g})", p.x, p.y, p.z); };
+  constexpr auto cure = "pamr-convert --repair splits these cells into eight";
+  const auto& [proved, place] = report.shapes.determinant;
+  if (!(proved > 0))
+    return fmt::format("the map of level 0 is not proved to be free of folds near {} ({})", at_place(place), cure);
+  for (const auto& worst : {report.shapes.sampled, report.shapes.all_splits})
+    if (!(worst.value > 0))
+      return fmt::format("curved walls fold the map of level 0 near {} ({})", at_place(worst.where), cure);
+  return {};
+}
+
 }  // namespace
 
 Level0Report make_level0_map(const par::Comm& comm, mesh::DistMesh& mesh, refine::Bend bend) {
@@ -336,7 +327,8 @@ Level0Report make_level0_map(const par::Comm& comm, mesh::DistMesh& mesh, refine
   const auto borders = mesh::find_borders(comm, mesh);
   Level0 level0{look_at_edges(comm, mesh, borders), {}, {}};
   report.n_coarse_edges = comm.sum(std::ssize(own_coarse_edges(level0)));
-  const auto because = [&](const char* what) {
+  const auto because = [&](std::string_view what) {
+    if (report.n_coarse_edges == 0) return std::string(what);
     return fmt::format("{} edges of level 0 are longer than 0.2 of the radius of curvature of their wall, and {}",
                        report.n_coarse_edges, what);
   };
@@ -355,17 +347,17 @@ Level0Report make_level0_map(const par::Comm& comm, mesh::DistMesh& mesh, refine
   report.n_bent_cells = bent.n_global;
   const mesh::Level0Map straight_inside(bent.row, bent.n_global, level0.nodes.info);
   const auto found = find_bulges(level0, bent, straight_inside, bend);
-  report.smallest_before = found.smallest_before;
-  report.smallest = found.smallest;
+  report.smallest_before = sampled_jacobian(comm, straight_inside).value;
   report.iterations = found.iterations;
-  if (!(found.smallest > 0))
-    report.trouble = because("the map of level 0 folds there (pamr-convert --repair splits these cells into eight)");
   for (std::size_t i = 0; i < bent.row.size(); ++i)
     for (std::size_t e = 0; e < 6; ++e) bent.row[i].bulge[e] = found.bulge[at(bent.edge[i][e])];
   mesh::drop_level0(mesh);  // fields that were left of another map
   add_fields(level0, bent, mesh);
   mesh.info = std::move(level0.nodes.info);
   mesh.info.level0 = std::make_shared<const mesh::Level0Map>(std::move(bent.row), bent.n_global, mesh.info);
+  report.shapes = level0_shapes(comm, *mesh.info.level0);
+  report.smallest = report.shapes.sampled.value;
+  if (const auto trouble = trouble_of(report); !trouble.empty()) report.trouble = because(trouble);
   return report;
 }
 

@@ -10,6 +10,7 @@
 
 #include "pamr/base/index.hpp"
 #include "pamr/geometry/plane.hpp"
+#include "pamr/geometry/shared_edges.hpp"
 #include "pamr/mesh/tet.hpp"
 #include "pamr/par/exchange.hpp"
 
@@ -92,6 +93,21 @@ bool is_end_of_patch(const Level0Cell& cell, std::size_t edge) {
   return cell.edge_patch[edge][0] != cell.edge_patch[edge][1] || ((cell.creases | cell.sharp_edges) >> edge & 1U) != 0;
 }
 
+namespace {
+
+bool ends_somewhere(const MeshInfo& info, const Level0Cell& cell) {
+  const auto ends = [&](std::int32_t patch) {
+    const auto* surface = patch < 0 ? nullptr : info.surface_of(patch);
+    return surface != nullptr &&
+           (surface->creases() != nullptr || dynamic_cast<const geometry::SharedEdges*>(surface) != nullptr);
+  };
+  for (std::size_t e = 0; e < 6; ++e)
+    if (is_end_of_patch(cell, e) || ends(cell.edge_patch[e][0])) return true;
+  return false;
+}
+
+}  // namespace
+
 Level0Map::Level0Map(std::vector<Level0Cell> cells, GlobalId n_global_cells, const MeshInfo& info)
     : cells_(std::move(cells)), keep_(info.surfaces), n_global_cells_(n_global_cells) {
   std::map<PatchList, std::size_t> known;
@@ -113,8 +129,10 @@ Level0Map::Level0Map(std::vector<Level0Cell> cells, GlobalId n_global_cells, con
   const auto wall = [&](std::size_t entry) {
     return entry == none || surfaces_[entry].surface.empty() ? nullptr : &surfaces_[entry];
   };
-  for (const auto& entry : which) {
+  for (std::size_t c = 0; c < cells_.size(); ++c) {
+    const auto& entry = which[c];
     auto& walls = walls_.emplace_back();
+    walls.may_end = ends_somewhere(info, cells_[c]);
     for (std::size_t f = 0; f < 4; ++f) walls.face[f] = wall(entry[f]);
     for (std::size_t e = 0; e < 6; ++e) walls.edge[e] = wall(entry[4 + e]);
   }

@@ -68,9 +68,12 @@ class Level0Map {
   std::optional<Mapped> place(LocalId cell, const Level0Key& key) const;
   /// The displacement by the curved walls of a cell beyond the quadratic map at these barycentric coordinates: R in the page.
   geometry::Vec3 wall_residual(LocalId cell, const std::array<double, 4>& weight) const;
+  /// Whether a wall may end at an edge of the cell: there the residual has derivatives to one side only.
+  bool has_wall_that_ends(LocalId cell) const { return walls_[at(cell)].may_end; }
 
  private:
   struct Walls {
+    bool may_end = false;
     std::array<const SurfacesOfNode*, 4> face{};
     std::array<const SurfacesOfNode*, 6> edge{};
   };

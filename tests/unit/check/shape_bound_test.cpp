@@ -10,6 +10,7 @@
 #include "pamr/adapt/adapt.hpp"
 #include "pamr/assemble/assemble.hpp"
 #include "pamr/base/index.hpp"
+#include "pamr/mesh/uniform_shape.hpp"
 #include "pamr/refine/diagonal.hpp"
 #include "support/dice.hpp"
 #include "support/meshes.hpp"
@@ -20,6 +21,7 @@ namespace shape_bound_test {
 using check::worst_uniform_shape;
 using geometry::TetPoints;
 using geometry::Vec3;
+using mesh::worst_uniform_shape;
 
 refine::SplitPoints straight(const TetPoints& corner) {
   refine::SplitPoints points;

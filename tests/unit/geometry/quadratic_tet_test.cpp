@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
 
 #include "pamr/geometry/tet_shape.hpp"
@@ -74,6 +75,56 @@ TEST(QuadraticTet, IsProvedWhereSamplesSayThatItIsPositiveAndOnlyThere) {
   EXPECT_GT(n_folded_inside, 10);  // sound in all corners, folded between them
 }
 
+/// Mean ratio of the tetrahedron that the Jacobian at a point makes.
+double sampled_mean_ratio(const QuadraticTet& tet, const test::Barycentric& l) {
+  return mean_ratio({Vec3{}, test::along_edge(tet, l, 1), test::along_edge(tet, l, 2), test::along_edge(tet, l, 3)});
+}
+
+TEST(QuadraticTet, HasLowerBoundsOfItsMapThatHoldAndAreClose) {
+  test::Dice dice(4);
+  constexpr int n_parts = 12;
+  int n_positive = 0, n_folded = 0;
+  for (int n = 0; n < 1000; ++n) {
+    const auto tet = random_tet(dice, 0.02 + 0.2 * dice.unit());
+    const auto bounds = bound_map(tet);
+    const double smallest = test::smallest_sample(tet, n_parts);
+    double smallest_ratio = 1;
+    for (int i = 0; i <= n_parts; ++i)
+      for (int j = 0; i + j <= n_parts; ++j)
+        for (int k = 0; i + j + k <= n_parts; ++k) {
+          const double h = 1.0 / n_parts;
+          smallest_ratio =
+              std::min(smallest_ratio, sampled_mean_ratio(tet, {h * (n_parts - i - j - k), h * i, h * j, h * k}));
+        }
+    ASSERT_LE(bounds.determinant.value, smallest);
+    ASSERT_LE(bounds.mean_ratio.value, smallest_ratio);
+    if (bounds.determinant.value > 0) {
+      ++n_positive;
+      EXPECT_LE(jacobian_at(tet, bounds.determinant.near), bounds.determinant.value / 0.98);
+      EXPECT_LE(sampled_mean_ratio(tet, bounds.mean_ratio.near), bounds.mean_ratio.value / 0.98);
+    } else {
+      ++n_folded;
+      EXPECT_EQ(bounds.mean_ratio.value, -1);
+      EXPECT_LT(smallest, 0.02) << "a sound cell was not proved";
+    }
+  }
+  EXPECT_GT(n_positive, 300);
+  EXPECT_GT(n_folded, 100);
+}
+
+TEST(QuadraticTet, WithStraightEdgesHasItsOwnMeanRatioAsTheBound) {
+  test::Dice dice(5);
+  for (int n = 0; n < 100; ++n) {
+    const auto tet = random_tet(dice, 0);
+    const double own = mean_ratio({tet[0][0], tet[1][1], tet[2][2], tet[3][3]});
+    const auto bounds = bound_map(tet);
+    EXPECT_NEAR(bounds.mean_ratio.value, own, 1e-9);
+    EXPECT_LE(bounds.mean_ratio.value, own);
+    test::Barycentric middle{0.25, 0.25, 0.25, 0.25};
+    EXPECT_LT(norm(point_at(tet, middle) - 0.25 * (tet[0][0] + tet[1][1] + tet[2][2] + tet[3][3])), 1e-15);
+  }
+}
+
 TEST(QuadraticTet, HasThisJacobianAtAPoint) {
   test::Dice dice(3);
   for (int n = 0; n < 100; ++n) {
@@ -112,6 +163,7 @@ TEST(QuadraticTet, ThatIsNotFiniteOrTooLargeIsNotProved) {
   auto tet = straight_tet(reference);
   tet[0][1].x = tet[1][0].x = std::numeric_limits<double>::quiet_NaN();
   EXPECT_FALSE(bound_jacobian(tet, 0).is_proved);
+  EXPECT_EQ(bound_map(tet).mean_ratio.value, -1);
   TetPoints large = reference;
   for (auto& p : large) p = 1e150 * p;
   EXPECT_FALSE(bound_jacobian(straight_tet(large), 0).is_proved);

@@ -14,6 +14,7 @@
 #include "pamr/adapt/level0.hpp"
 #include "pamr/base/hash.hpp"
 #include "pamr/curved/coarse_edges.hpp"
+#include "pamr/curved/level0_shapes.hpp"
 #include "pamr/geometry/orientation.hpp"
 #include "pamr/geometry/surface.hpp"
 #include "pamr/geometry/tet_shape.hpp"
@@ -114,6 +115,45 @@ TEST(CoarseWalls, KeepShapesAtEveryLevel) {
       EXPECT_GE(worst_of(mesh), bound) << "level " << level + 1;
     }
     EXPECT_NE(mesh.info.level0, nullptr);
+  }
+}
+
+/// Of the cells that descend from bent ones.
+double worst_of_bent(const par::Comm& comm, const mesh::DistMesh& mesh) {
+  const auto& row = mesh.find_cell_field(mesh::level0_cell_field)->integer();
+  double worst = 1;
+  for (LocalId c = 0; c < mesh.n_cells(); ++c)
+    if (row[at(c)] >= 0) worst = std::min(worst, geometry::mean_ratio(mesh.points(c)));
+  return comm.min(worst);
+}
+
+TEST(CoarseWalls, SayBeforehandWhatSplittingIntoEightGives) {
+  const par::Comm comm(MPI_COMM_WORLD), self(MPI_COMM_SELF);
+  for (const auto& whole : bodies(self)) {
+    const auto block = test::cut(comm, whole);
+    auto mesh = assemble::assemble(comm, block, test::random_destinations(comm, block, 3));
+    auto result = adapt::refine(comm, mesh, std::vector<std::uint8_t>(at(mesh.n_cells()), 1));
+    const auto shapes = result.report.level0.shapes;
+    EXPECT_GT(shapes.determinant.value, 0);
+    EXPECT_GT(shapes.mean_ratio.value, 0);
+    for (std::size_t level = 1; level <= 2; ++level) {
+      mesh = std::move(result.mesh);
+      EXPECT_NEAR(worst_of_bent(comm, mesh), shapes.split[level], 1e-12) << "level " << level;
+      if (level == 1) result = adapt::refine(comm, mesh, std::vector<std::uint8_t>(at(mesh.n_cells()), 1));
+    }
+    EXPECT_LE(shapes.all_splits.value, *std::min_element(shapes.split.begin(), shapes.split.end()));
+
+    const auto later = curved::level0_shapes(comm, *mesh.info.level0),
+               alone = curved::level0_shapes(self,
+                                             *adapt::refine(self, test::scatter(self, whole, 0),
+                                                            std::vector<std::uint8_t>(at(whole.info.n_global_cells), 1))
+                                                  .mesh.info.level0);
+    for (const auto& same : {later, alone}) {
+      EXPECT_EQ(same.determinant, shapes.determinant);
+      EXPECT_EQ(same.mean_ratio, shapes.mean_ratio);
+      EXPECT_EQ(same.split, shapes.split);
+      EXPECT_EQ(same.all_splits, shapes.all_splits);
+    }
   }
 }
 

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+
+#include "pamr/base/types.hpp"
+#include "pamr/curved/bulge_energy.hpp"
+#include "pamr/mesh/level0_map.hpp"
+#include "pamr/mesh/worst_place.hpp"
+#include "pamr/par/comm.hpp"
+
+namespace pamr::curved {
+
+/// The share of the curved walls in the Jacobian of the map in a bent cell (index in `map`), by differences of the
+/// residual. Local.
+JacobianRows residual_rows(const mesh::Level0Map& map, LocalId cell, const std::array<double, 4>& weight);
+
+/// Smallest mean ratio of a bent cell and of the eight cells that it is split into. Local. Cost: some microseconds.
+double smallest_child(const mesh::Level0Map& map, LocalId cell);
+
+/// Smallest mean ratio of the Jacobian of the map at `sample_points` of all bent cells, walls included. Collective.
+mesh::WorstPlace sampled_jacobian(const par::Comm& comm, const mesh::Level0Map& map);
+
+/// What is known of the shapes that a map of level 0 makes before anything is split; the same on any number of ranks.
+struct Level0Shapes {
+  static constexpr int n_levels = 3;  ///< that are looked at
+
+  /// Proved of the quadratic part of the map all over the bent cells (`geometry::bound_map`): no smaller is the
+  /// Jacobian determinant, as a share of the straight cell's, and the mean ratio of the Jacobian (-1: not proved
+  /// positive). The places lie where they are hardly larger. What curved walls add beyond is not in it.
+  mesh::WorstPlace determinant, mean_ratio;
+  mesh::WorstPlace sampled;  ///< `sampled_jacobian`
+  /// Smallest mean ratio of the bent cells and of all cells that splitting them into eight gives, by level, with every
+  /// node where the map puts it, walls included.
+  std::array<double, n_levels + 1> split{1, 1, 1, 1};
+  /// The same at any level, not proved: the smallest, over bent cells, of these, of what they come to if each level
+  /// loses half of what the one before lost, and of what small cells at `sample_points` are split into.
+  mesh::WorstPlace all_splits;
+};
+
+/// Collective: some thirty reductions. Cost: about 0.1 ms for each bent cell, whatever the mesh has become.
+/// Source: docs/coarse-walls.md.
+Level0Shapes level0_shapes(const par::Comm& comm, const mesh::Level0Map& map);
+
+}  // namespace pamr::curved

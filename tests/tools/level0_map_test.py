@@ -1,0 +1,54 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What is said of a map of level 0 before anything is split: the short form of qualification/validation/level0_map.py."""
+import pathlib
+import sys
+
+from tool_run import of_full_level, run, run_tests
+
+sys.path.append(str(pathlib.Path(__file__).resolve().parents[2] / "qualification/validation"))
+import level0_map  # noqa: E402
+
+
+def call(tool, *words):
+    return run(tool, *words, serial=tool != "pamr-refine").out
+
+
+def holds(name, n_levels):
+    """A test of its own for each mesh, so that several run at a time."""
+    def test():
+        row, faults = level0_map.check(call, name, pathlib.Path(".").resolve(), n_levels)
+        assert not faults, (faults, row)
+
+    return test
+
+
+for mesh in level0_map.CASES:
+    test = holds(mesh, 3 if mesh == "hole of 12" else 4)
+    globals()[f"test_what_is_said_of_the_map_holds_for_the_{mesh.replace(' ', '_')}"] = test if mesh == "hole of 12" else of_full_level(test)
+
+
+def refine_twice(mesh):
+    """The file of level 1, where all was split, with marks at the wall."""
+    level0_map.write("level0.hdf", *mesh)
+    run("pamr-mark", "level0.hdf", "-o", "marked0.hdf", "--all", "--quiet", serial=True)
+    first = run("pamr-refine", "marked0.hdf", "-o", "level1.hdf", serial=True)
+    run("pamr-mark", "level1.hdf", "-o", "marked1.hdf", "--patch", mesh[4][0], "--quiet", serial=True)
+    return first
+
+
+def test_it_is_said_before_anything_is_split():
+    first = refine_twice(level0_map.hole(0))
+    assert "240 bent cells proved to be at least 0.4" in first.err and "splitting these cells into eight alone" in first.err, first.err
+    floors = run("pamr-refine", "marked1.hdf", "--dry-run", "--floors")
+    assert "splitting into eight alone: mean ratio 0.3" in floors.out and "map of level 0" not in floors.err, floors.out
+
+
+def test_a_map_that_is_not_proved_is_warned_of_with_its_place():
+    level0_map.write("level0.hdf", *level0_map.bore(3))
+    run("pamr-mark", "level0.hdf", "-o", "marked.hdf", "--all", "--quiet", serial=True)
+    told = run("pamr-refine", "marked.hdf", "-o", "level1.hdf", "--quiet", "--json", "-")
+    assert told.json["level0"]["shapes"]["determinant"]["value"] <= 0 and told.json["level0"]["shapes"]["mean_ratio"]["value"] == -1
+    assert "the map of level 0 is not proved to be free of folds near (" in told.err, told.err
+
+
+run_tests(globals())
