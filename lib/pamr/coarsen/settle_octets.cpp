@@ -215,7 +215,7 @@ class Settling {
     const EdgeMask existing = group.mask_before();
     for (int e = 0; e < 6; ++e)
       if ((existing >> e & 1U) != 0) mapped.put(e, mesh_.point(group.node[at(4 + e)]));
-    const auto& points = mapped.all_points();
+    const auto& points = mapped.points(static_cast<EdgeMask>(marks | existing));
     group.now = 0;
     if (marks == 0)
       return refine::is_far_from_flat(points) || geometry::is_positive(points[0], points[1], points[2], points[3]);

@@ -26,17 +26,20 @@ constexpr double max_off_face = 1e-10;  ///< of its edge, what a node may seem t
 
 constexpr unsigned corners_of_edge(std::size_t e) { return 1U << edge_to_corner[e][0] | 1U << edge_to_corner[e][1]; }
 constexpr unsigned corners_of_face(std::size_t f) { return all_corners & ~(1U << f); }
-constexpr bool holds(unsigned set, unsigned part) { return (set & part) == part; }
 
-/// The edge or face with just these corners, -1 if there is none.
-constexpr int edge_with(unsigned corners) {
-  for (std::size_t e = 0; e < 6; ++e)
-    if (corners_of_edge(e) == corners) return static_cast<int>(e);
-  return -1;
+/// Bits of the edges and faces that a set of corners holds.
+struct Within {
+  unsigned edges = 0, faces = 0;
+};
+constexpr auto make_within() {
+  std::array<Within, 16> within{};
+  for (unsigned set = 0; set < within.size(); ++set) {
+    for (std::size_t e = 0; e < 6; ++e) within[set].edges |= (corners_of_edge(e) & ~set) == 0 ? 1U << e : 0;
+    for (std::size_t f = 0; f < 4; ++f) within[set].faces |= (corners_of_face(f) & ~set) == 0 ? 1U << f : 0;
+  }
+  return within;
 }
-constexpr int face_with(unsigned corners) {
-  return std::popcount(corners) == 3 ? std::countr_zero(~corners & all_corners) : -1;
-}
+constexpr auto within = make_within();
 
 /// Barycentric coordinates, and the corners where they are not 0.
 struct Place {
@@ -66,17 +69,18 @@ Part part_of(const Place& whole, unsigned corners) {
   return part;
 }
 
-Vec3 quadratic(const Level0Cell& cell, const Place& at_place) {
+/// `bulges`: bits of the cell's edges that have one. Pre: the support is not empty.
+Vec3 quadratic(const Level0Cell& cell, unsigned bulges, const Place& at_place) {
   const auto& [w, support] = at_place;
-  Vec3 point{};
-  bool is_first = true;
-  for (std::size_t i = 0; i < 4; ++i) {
-    if ((support >> i & 1U) == 0) continue;
-    point = is_first ? w[i] * cell.corner[i] : point + w[i] * cell.corner[i];
-    is_first = false;
+  auto rest = support;
+  const auto first = at(std::countr_zero(rest));
+  auto point = w[first] * cell.corner[first];
+  for (rest &= rest - 1; rest != 0; rest &= rest - 1) {
+    const auto i = at(std::countr_zero(rest));
+    point = point + w[i] * cell.corner[i];
   }
-  for (std::size_t e = 0; e < 6; ++e) {
-    if (!holds(support, corners_of_edge(e)) || cell.bulge[e] == Vec3{}) continue;
+  for (rest = bulges & within[support].edges; rest != 0; rest &= rest - 1) {
+    const auto e = at(std::countr_zero(rest));
     const auto [a, b] = edge_to_corner[e];
     point = point + (4 * w[at(a)] * w[at(b)]) * cell.bulge[e];
   }
@@ -130,25 +134,45 @@ Level0Map::Level0Map(std::vector<Level0Cell> cells, GlobalId n_global_cells, con
     return entry == none || surfaces_[entry].surface.empty() ? nullptr : &surfaces_[entry];
   };
   for (std::size_t c = 0; c < cells_.size(); ++c) {
-    const auto& entry = which[c];
     auto& walls = walls_.emplace_back();
     walls.may_end = ends_somewhere(info, cells_[c]);
-    for (std::size_t f = 0; f < 4; ++f) walls.face[f] = wall(entry[f]);
-    for (std::size_t e = 0; e < 6; ++e) walls.edge[e] = wall(entry[4 + e]);
+    for (std::size_t f = 0; f < 4; ++f) {
+      walls.face[f] = wall(which[c][f]);
+      walls.faces |= walls.face[f] != nullptr ? 1U << f : 0;
+    }
+    for (std::size_t e = 0; e < 6; ++e) {
+      walls.edge[e] = wall(which[c][4 + e]);
+      walls.edges |= walls.edge[e] != nullptr ? 1U << e : 0;
+      walls.ends |= walls.edge[e] != nullptr && is_end_of_patch(cells_[c], e) ? 1U << e : 0;
+      walls.bulges |= cells_[c].bulge[e] == Vec3{} ? 0 : 1U << e;
+    }
   }
 }
 
 LocalId Level0Map::find(GlobalId row) const {
+  if (cells_.empty()) return -1;
+  const auto ahead = row - cells_.front().row;  // rows are most often without gaps
+  if (ahead >= 0 && ahead < std::ssize(cells_) && cells_[at(ahead)].row == row) return static_cast<LocalId>(ahead);
   const auto found = std::lower_bound(cells_.begin(), cells_.end(), row,
                                       [](const Level0Cell& cell, GlobalId wanted) { return cell.row < wanted; });
   return found == cells_.end() || found->row != row ? -1 : static_cast<LocalId>(found - cells_.begin());
 }
 
-bool Level0Map::is_bent(LocalId cell, const Level0Key& key) const {
-  const auto& row = cells_[at(cell)];
-  for (const auto node : key.node)
-    for (std::size_t i = 0; i < 4 && node >= 0; ++i)
-      if (row.node[i] == node && (row.bent_corners >> i & 1U) != 0) return true;
+CornerWeights Level0Map::weights(LocalId cell, const Level0Key& key) const {
+  const auto& node = cells_[at(cell)].node;
+  CornerWeights weight{};
+  for (std::size_t k = 0; k < 4 && key.node[k] >= 0; ++k) {
+    const auto corner = at(std::find(node.begin(), node.end(), key.node[k]) - node.begin());
+    if (corner == 4) return {};
+    weight[corner] = key.weight[k];
+  }
+  return weight;
+}
+
+bool Level0Map::is_bent(LocalId cell, const CornerWeights& weight) const {
+  const unsigned bent = cells_[at(cell)].bent_corners;
+  for (std::size_t i = 0; i < 4; ++i)
+    if (weight[i] != 0 && (bent >> i & 1U) != 0) return true;
   return false;
 }
 
@@ -193,17 +217,16 @@ Mapped Level0Map::onto_edge(LocalId cell, int edge, Vec3 from) const {
 
 Vec3 Level0Map::bounds_residual(LocalId cell, int face, const std::array<double, 4>& weight) const {
   const auto& row = cells_[at(cell)];
-  const Place here = place_of(weight);
+  const auto& walls = walls_[at(cell)];
   Vec3 wanted{};
-  for (std::size_t e = 0; e < 6; ++e) {
-    const auto of_edge = corners_of_edge(e);
-    if (walls_[at(cell)].edge[e] == nullptr || !is_end_of_patch(row, e) || !holds(corners_of_face(at(face)), of_edge) ||
-        !holds(here.support, of_edge))
-      continue;
-    const auto part = part_of(here, of_edge);
+  if (walls.ends == 0) return wanted;
+  const Place here = place_of(weight);
+  for (auto rest = walls.ends & within[here.support & corners_of_face(at(face))].edges; rest != 0; rest &= rest - 1) {
+    const int e = std::countr_zero(rest);
+    const auto part = part_of(here, corners_of_edge(at(e)));
     if (!(part.share > 0)) continue;
-    const auto from = quadratic(row, part.place);
-    wanted = wanted + (part.share * part.share) * (onto_edge(cell, static_cast<int>(e), from).point - from);
+    const auto from = quadratic(row, walls.bulges, part.place);
+    wanted = wanted + (part.share * part.share) * (onto_edge(cell, e, from).point - from);
   }
   return wanted;
 }
@@ -211,44 +234,50 @@ Vec3 Level0Map::bounds_residual(LocalId cell, int face, const std::array<double,
 Vec3 Level0Map::wall_residual(LocalId cell, const std::array<double, 4>& weight) const {
   const auto& row = cells_[at(cell)];
   const auto& walls = walls_[at(cell)];
+  if ((walls.faces | walls.edges) == 0) return {};
   const Place here = place_of(weight);
   Vec3 wanted{};
-  std::array<int, 6> n_faces{};  // in a curved wall and at the node, by edge
   const auto add = [&](double factor, Vec3 step) { wanted = wanted + factor * step; };
-  for (std::size_t k = 4; k-- > 0;) {  // faces in the order of their corners: 012, 013, 023, 123
-    if (walls.face[k] == nullptr || !holds(here.support, corners_of_face(k))) continue;
-    for (std::size_t e = 0; e < 6; ++e) n_faces[e] += holds(corners_of_face(k), corners_of_edge(e)) ? 1 : 0;
+  const auto faces = walls.faces & within[here.support].faces;
+  for (std::size_t k = 4; k-- > 0;) {  // in the order of their corners: 012, 013, 023, 123
+    if ((faces >> k & 1U) == 0) continue;
     const auto part = part_of(here, corners_of_face(k));
     if (!(part.share > 0)) continue;  // only outside of the cell
-    const auto from = quadratic(row, part.place);
+    const auto from = quadratic(row, walls.bulges, part.place);
     add(part.share * part.share, onto_face(cell, static_cast<int>(k), part.place.weight, from).point - from);
   }
-  for (std::size_t e = 0; e < 6; ++e) {
-    if (walls.edge[e] == nullptr || n_faces[e] == 1 || !holds(here.support, corners_of_edge(e))) continue;
-    const auto part = part_of(here, corners_of_edge(e));
+  for (auto rest = walls.edges & within[here.support].edges; rest != 0; rest &= rest - 1) {
+    const int e = std::countr_zero(rest);
+    const auto [a, b] = edge_to_corner[at(tet::opposite_edge(e))];  // opposite the faces at the edge
+    const auto n_faces = static_cast<int>((faces >> a & 1U) + (faces >> b & 1U));
+    if (n_faces == 1) continue;
+    const auto part = part_of(here, corners_of_edge(at(e)));
     if (!(part.share > 0)) continue;
-    const auto from = quadratic(row, part.place);
-    add((1 - n_faces[e]) * (part.share * part.share), onto_edge(cell, static_cast<int>(e), from).point - from);
+    const auto from = quadratic(row, walls.bulges, part.place);
+    add((1 - n_faces) * (part.share * part.share), onto_edge(cell, e, from).point - from);
   }
   return wanted;
 }
 
-std::optional<Mapped> Level0Map::place(LocalId cell, const Level0Key& key) const {
+std::optional<Mapped> Level0Map::place(LocalId cell, const CornerWeights& weight) const {
+  constexpr double unit = 1.0 / (std::int64_t{1} << Level0Key::one);
   const auto& row = cells_[at(cell)];
+  const auto& walls = walls_[at(cell)];
   Place here;
-  for (std::size_t k = 0; k < 4 && key.node[k] >= 0; ++k) {
-    const auto slot = std::find(row.node.begin(), row.node.end(), key.node[k]) - row.node.begin();
-    if (slot == 4) return {};
-    here.weight[at(slot)] = std::ldexp(static_cast<double>(key.weight[k]), -Level0Key::one);
-    here.support |= 1U << slot;
+  int n_corners = 0;
+  for (std::size_t i = 0; i < 4; ++i) {
+    if (weight[i] == 0) continue;
+    here.weight[i] = unit * static_cast<double>(weight[i]);
+    here.support |= 1U << i;
+    ++n_corners;
   }
   if ((here.support & row.bent_corners) == 0) return {};
-  const auto& walls = walls_[at(cell)];
-  if (const int e = edge_with(here.support); e >= 0 && walls.edge[at(e)] != nullptr)
-    return onto_edge(cell, e, quadratic(row, here));
-  if (const int f = face_with(here.support); f >= 0 && walls.face[at(f)] != nullptr)
-    return onto_face(cell, f, here.weight, quadratic(row, here));
-  return Mapped{quadratic(row, here) + wall_residual(cell, here.weight)};
+  const auto point = quadratic(row, walls.bulges, here);
+  if (const auto edge = walls.edges & within[here.support].edges; n_corners == 2 && edge != 0)
+    return onto_edge(cell, std::countr_zero(edge), point);
+  if (const auto face = walls.faces & within[here.support].faces; n_corners == 3 && face != 0)
+    return onto_face(cell, std::countr_zero(face), here.weight, point);
+  return Mapped{point + wall_residual(cell, here.weight)};
 }
 
 void send_level0_rows(const par::Comm& comm, DistMesh& mesh) {

@@ -44,6 +44,22 @@ struct Mapped {
   double off_facets = 0;  ///< how far it leaves the faces of a patch without a surface
 };
 
+/// A place in a bent cell: the weights of a key by the corners of its row. All 0: not known, or not in that cell.
+using CornerWeights = std::array<std::int64_t, 4>;
+
+/// As `middle` of two keys.
+constexpr CornerWeights middle(const CornerWeights& a, const CornerWeights& b) {
+  CornerWeights mid{};
+  std::int64_t is_odd = 0, any_a = 0, any_b = 0;
+  for (std::size_t i = 0; i < 4; ++i) {
+    any_a |= a[i];
+    any_b |= b[i];
+    is_odd |= (a[i] ^ b[i]) & 1;
+    mid[i] = a[i] / 2 + b[i] / 2 + (a[i] & b[i] & 1);  // their sum may not fit
+  }
+  return any_a == 0 || any_b == 0 || is_odd != 0 ? CornerWeights{} : mid;
+}
+
 /// A map of level 0 that puts new nodes near coarse curved walls: the rows of the level-0 cells that this rank's cells
 /// descend from, with the surfaces that they name. Shared unchanged. Source: docs/coarse-walls.md, which states the
 /// formulas and the order of all sums.
@@ -62,10 +78,11 @@ class Level0Map {
   GlobalId n_global_cells() const { return n_global_cells_; }
   /// Index of a row, -1 if it is not here.
   LocalId find(GlobalId row) const;
-  /// Whether one of the level-0 nodes of a key is bent.
-  bool is_bent(LocalId cell, const Level0Key& key) const;
+  CornerWeights weights(LocalId cell, const Level0Key& key) const;
+  /// Whether one of the level-0 nodes of a place is bent.
+  bool is_bent(LocalId cell, const CornerWeights& weight) const;
   /// Where a node belongs that is no node of level 0. Nothing where the map changes nothing: its support is not bent.
-  std::optional<Mapped> place(LocalId cell, const Level0Key& key) const;
+  std::optional<Mapped> place(LocalId cell, const CornerWeights& weight) const;
   /// The displacement by the curved walls of a cell beyond the quadratic map at these barycentric coordinates: R in the page.
   geometry::Vec3 wall_residual(LocalId cell, const std::array<double, 4>& weight) const;
   /// Whether a wall may end at an edge of the cell: there the residual has derivatives to one side only.
@@ -73,9 +90,11 @@ class Level0Map {
 
  private:
   struct Walls {
-    bool may_end = false;
     std::array<const SurfacesOfNode*, 4> face{};
     std::array<const SurfacesOfNode*, 6> edge{};
+    /// Bits: faces and edges in a curved wall, those of the edges at which a patch ends, edges with a bulge.
+    unsigned faces = 0, edges = 0, ends = 0, bulges = 0;
+    bool may_end = false;  ///< `has_wall_that_ends`
   };
   Mapped onto_edge(LocalId cell, int edge, geometry::Vec3 from) const;
   /// `from`: the quadratic map at these barycentric coordinates.
@@ -108,9 +127,10 @@ class Level0View {
   bool is_empty() const { return map_ == nullptr; }
   /// The cell's row in the map, -1: none.
   LocalId row_of(LocalId cell) const;
-  bool is_bent(LocalId row, const Level0Key& key) const { return map_->is_bent(row, key); }
-  Level0Key key(LocalId node) const { return key_of(keys_, node); }
-  std::optional<Mapped> place(LocalId row, const Level0Key& key) const { return map_->place(row, key); }
+  /// Of a node of the mesh in the level-0 cell of a row.
+  CornerWeights weights(LocalId row, LocalId node) const { return map_->weights(row, key_of(keys_, node)); }
+  bool is_bent(LocalId row, const CornerWeights& weight) const { return map_->is_bent(row, weight); }
+  std::optional<Mapped> place(LocalId row, const CornerWeights& weight) const { return map_->place(row, weight); }
 
  private:
   const Level0Map* map_ = nullptr;

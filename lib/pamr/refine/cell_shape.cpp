@@ -20,8 +20,19 @@ using Codes = std::array<std::int8_t, 4>;
 struct ChildShape {
   std::array<double, 6> factor{};
   double squared_volume = 0;
-  Codes nodes{};  ///< oriented as the parent
+  Codes nodes{};                       ///< oriented as the parent
+  unsigned codes = 0;                  ///< bits of the nodes
+  std::array<std::uint8_t, 6> pair{};  ///< the ends of its edges
 };
+
+constexpr unsigned codes_of(const Codes& nodes) {
+  unsigned codes = 0;
+  for (const auto code : nodes) codes |= 1U << code;
+  return codes;
+}
+
+/// Where the distance of two points by code is among `Bent::squared`.
+constexpr std::size_t pair_of(int a, int b) { return at(10 * std::max(a, b) + std::min(a, b)); }
 
 /// Corners that a node lies at: twice its barycentric coordinates.
 constexpr std::array<int, 4> barycentric(int code) {
@@ -56,6 +67,11 @@ constexpr ChildShape make_shape(const Codes& nodes) {
       shape.factor[at(e)] -= (a[at(i)] - b[at(i)]) * (a[at(j)] - b[at(j)]);
     }
   }
+  shape.codes = codes_of(nodes);
+  for (std::size_t e = 0; e < 6; ++e) {
+    const auto [p, q] = edge_to_corner[e];
+    shape.pair[e] = static_cast<std::uint8_t>(pair_of(shape.nodes[at(p)], shape.nodes[at(q)]));
+  }
   return shape;
 }
 
@@ -71,13 +87,12 @@ constexpr ShapeTable make_table() {
   std::array<std::uint8_t, 1024> known{};  // by the bits of the codes: shape + 1
   std::uint8_t n = 0;
   const auto add = [&](const Codes& nodes) {
-    unsigned codes = 0;
-    for (const auto code : nodes) codes |= 1U << code;
-    if (known[codes] == 0) {
+    auto& entry = known[codes_of(nodes)];
+    if (entry == 0) {
       table.shape[n] = make_shape(nodes);
-      known[codes] = ++n;
+      entry = ++n;
     }
-    return static_cast<std::uint8_t>(known[codes] - 1);
+    return static_cast<std::uint8_t>(entry - 1);
   };
   for (std::size_t s = 0; s < mesh::closure_states.size(); ++s)
     for (int c = 0; c < mesh::closure_states[s].family.n_children; ++c)
@@ -182,33 +197,47 @@ CellShape::CellShape(const geometry::TetPoints& corner, OldCuts old) : corner_(c
     squared_[e] = geometry::squared_norm(corner[at(a)] - corner[at(b)]);
   }
   volume_ = geometry::volume(corner);
-  scale_ = 15552 * volume_ * std::abs(volume_);  // 12^3 9 V^2
+  scale_ = cube_of_shape * volume_ * std::abs(volume_);
 }
 
 CellShape::CellShape(const mesh::Level0View& level0, const BaseCorners& corners, OldCuts old)
     : CellShape(corners.point, old) {
   if (corners.row < 0) return;
-  if (const MappedPoints points(level0, corners); points.is_bent()) bent_.emplace(points);
+  if (!bent_.emplace(level0, corners).points.is_bent()) bent_.reset();
 }
 
 geometry::Vec3 CellShape::middle(int edge) const {
-  if (bent_) return bent_->points.point(4 + edge);
+  if (bent_) return bent_->points.points(static_cast<EdgeMask>(1U << edge))[at(4 + edge)];
   return geometry::midpoint(corner_[at(edge_to_corner[at(edge)][0])], corner_[at(edge_to_corner[at(edge)][1])]);
 }
 
-double CellShape::of_bent_child(int of_shape) const {
-  auto& value = bent_->cubed_ratio[at(of_shape)];
-  if (bent_->is_known[at(of_shape)]) return value;
-  bent_->is_known[at(of_shape)] = true;
-  const auto& nodes = table.shape[at(of_shape)].nodes;
-  const auto& points = bent_->points;
-  value =
-      15552 * shape({points.point(nodes[0]), points.point(nodes[1]), points.point(nodes[2]), points.point(nodes[3])});
-  return value;
+/// Finds the points with these codes and all distances between them and those that were known.
+void CellShape::Bent::measure(unsigned codes) {
+  const auto& p = points.points(static_cast<EdgeMask>(codes >> 4U));
+  for (unsigned rest = codes & ~measured; rest != 0; rest &= rest - 1) {
+    const int code = std::countr_zero(rest);
+    for (unsigned others = measured; others != 0; others &= others - 1) {
+      const int other = std::countr_zero(others);
+      squared[pair_of(code, other)] = geometry::squared_norm(p[at(code)] - p[at(other)]);
+    }
+    measured |= 1U << code;
+  }
+}
+
+double CellShape::Bent::measure_child(int of_shape) {
+  const auto& child = table.shape[at(of_shape)];
+  if ((child.codes & ~measured) != 0) measure(child.codes);
+  const auto& p = points.points(0);
+  const auto& nodes = child.nodes;
+  const double volume = geometry::volume({p[at(nodes[0])], p[at(nodes[1])], p[at(nodes[2])], p[at(nodes[3])]});
+  double squares = 0;
+  for (const auto pair : child.pair) squares += squared[pair];
+  is_known[at(of_shape)] = true;
+  return cubed_ratio[at(of_shape)] = cube_of_shape * shape(volume, squares);
 }
 
 double CellShape::of_child(int of_shape) const {
-  if (bent_) return of_bent_child(of_shape);
+  if (bent_) return bent_->of_child(of_shape);
   const auto& of_table = table.shape[at(of_shape)];
   const double sum = sum_of_squares(of_table.factor, squared_);
   return scale_ * of_table.squared_volume / (sum * sum * sum);
@@ -218,7 +247,7 @@ double CellShape::of_child(int of_shape) const {
 bool CellShape::state_reaches(int state, double limit) const {
   const auto& shapes = table.of_child[at(state)];
   const int n = mesh::family_size_of_state[at(state)];
-  if (bent_) return std::all_of(shapes.begin(), shapes.begin() + n, [&](int s) { return of_bent_child(s) >= limit; });
+  if (bent_) return std::all_of(shapes.begin(), shapes.begin() + n, [&](int s) { return bent_->of_child(s) >= limit; });
   for (int child = 0; child < n; ++child) {
     const auto& of_table = table.shape[shapes[at(child)]];
     const double sum = sum_of_squares(of_table.factor, squared_);
@@ -237,8 +266,8 @@ double CellShape::of_state(int state) const {
 
 double CellShape::of_regular_split() const {
   if (bent_) {
-    const auto& points = bent_->points.all_points();
-    return 15552 * worst_child_shape(points, regular_state + choose_diagonal(points, false));
+    const auto& points = bent_->points.points(all_edges);
+    return cube_of_shape * worst_child_shape(points, regular_state + choose_diagonal(points, false));
   }
   double all = 0;
   for (const double square : squared_) all += square;

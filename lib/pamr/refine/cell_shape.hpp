@@ -5,6 +5,7 @@
 #include <bitset>
 #include <optional>
 
+#include "pamr/base/index.hpp"
 #include "pamr/geometry/tet_shape.hpp"
 #include "pamr/refine/mapped_points.hpp"
 #include "pamr/refine/split_pattern.hpp"
@@ -54,7 +55,6 @@ class CellShape {
 
  private:
   double of_child(int shape) const;
-  double of_bent_child(int shape) const;
   bool state_reaches(int state, double limit) const;
   bool marks_reach(EdgeMask marks, double limit) const;
   bool is_longer(int edge, int other) const;
@@ -66,12 +66,18 @@ class CellShape {
   geometry::Vec3 middle(int edge) const;
 
   geometry::TetPoints corner_;
-  /// Of bent cells: the points, and what is known of children by their shapes in the table.
+  /// Of bent cells: the points, and what is known of them. Arrays are left as they are until known.
   struct Bent {
-    explicit Bent(MappedPoints mapped) : points(mapped) {}
+    Bent(const mesh::Level0View& level0, const BaseCorners& corners) : points(level0, corners) {}
+    double of_child(int shape) { return is_known[at(shape)] ? cubed_ratio[at(shape)] : measure_child(shape); }
+    double measure_child(int shape);
+    void measure(unsigned codes);
+
     MappedPoints points;
+    unsigned measured = 0;            ///< bits: codes of the points between which distances are known
+    std::array<double, 100> squared;  ///< distances by the codes of two points, at ten times the larger one
     std::bitset<max_child_shapes> is_known;
-    std::array<double, max_child_shapes> cubed_ratio;  // left as it is until known
+    std::array<double, max_child_shapes> cubed_ratio;  ///< of children by their shapes in the table
   };
   mutable std::optional<Bent> bent_;
   OldCuts old_;

@@ -11,12 +11,13 @@ namespace pamr::refine {
 
 void find_states(const mesh::DistMesh& mesh, const Options& options, Closure& closure) {
   constexpr LocalId ahead = 16;
+  const mesh::Level0View level0(mesh);
   assign_array(closure.state, at(mesh.n_cells()), SplitState{0});
   for (LocalId c = 0; c < mesh.n_cells(); ++c) {
     if (c + ahead < mesh.n_cells() && closure.marks[at(c + ahead)] != 0 && closure.marks[at(c + ahead)] != all_edges)
       for (const auto node : mesh.cell_to_node[at(c + ahead)]) prefetch(&mesh.node_position[at(node)]);
     if (closure.action[at(c)] == Action::split)
-      closure.state[at(c)] = state_of_cell(mesh, c, closure.marks[at(c)], options);
+      closure.state[at(c)] = state_of_cell(mesh, level0, c, closure.marks[at(c)], options);
   }
 }
 

@@ -86,10 +86,9 @@ SplitPoints straight_points(const geometry::TetPoints& corner) {
 }
 
 double shape(const geometry::TetPoints& p) {
-  const double v = geometry::volume(p);
   double squares = 0;
   for (const auto [a, b] : mesh::tet::edge_to_corner) squares += geometry::squared_norm(p[at(a)] - p[at(b)]);
-  return v * std::abs(v) / (squares * squares * squares);
+  return shape(geometry::volume(p), squares);
 }
 
 bool is_straight(const SplitPoints& points, EdgeMask mask) {

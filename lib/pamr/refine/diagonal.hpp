@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 
 #include "pamr/base/index.hpp"
 #include "pamr/geometry/tet_shape.hpp"
@@ -22,9 +23,13 @@ inline geometry::TetPoints child_points(const SplitPoints& points, int state, in
 /// Of a cell with these corners, the midpoints in the middle of their edges.
 SplitPoints straight_points(const geometry::TetPoints& corner);
 
-/// Grows with the mean ratio, without its roots: V^2 / (sum of squared edges)^3 with the sign of V; the mean ratio is
-/// cbrt(15552 shape).
+/// Grows with the mean ratio, without its roots: V^2 / (sum of squared edges)^3 with the sign of V. `cube_of_shape`
+/// times that is the third power of the mean ratio.
 double shape(const geometry::TetPoints& p);
+inline constexpr double cube_of_shape = 15552;  // 12^3 9
+inline double shape(double volume, double squared_edges) {
+  return volume * std::abs(volume) / (squared_edges * squared_edges * squared_edges);
+}
 
 /// Shape of the worst child of that state.
 double worst_child_shape(const SplitPoints& points, int state);

@@ -93,7 +93,7 @@ int best_positive_state(const SplitPoints& points, const StateChoice& choice) {
 int state_of_child(const mesh::Level0View& level0, const BaseCorners& corners, const CellShape& shape, EdgeMask marks) {
   if (marks != all_edges) return shape.best_state(marks);
   const MappedPoints points(level0, corners);
-  return regular_state + choose_diagonal(points.all_points(), !points.is_bent());
+  return regular_state + choose_diagonal(points.points(all_edges), !points.is_bent());
 }
 
 /// The edge of a member between the nodes of two codes; no cell: there is none that is still an edge when the parent is
@@ -192,7 +192,7 @@ FamilyPlan plan_family(const mesh::DistMesh& mesh, const FamilyView& family, dou
   plan.first = family.first;
   const mesh::Level0View level0(mesh);
   const auto mapped = family_points(mesh, level0, family);
-  const auto& points = mapped.all_points();
+  const auto& points = mapped.points(family.parent_marks);
   plan.is_safe = is_straight(points, family.parent_marks) && is_far_from_flat(points);
   plan.state = static_cast<SplitState>(choose_state(points, family.parent_marks, family.state, plan.is_safe));
   if (plan.state == 0) return result;

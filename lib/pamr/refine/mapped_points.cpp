@@ -2,6 +2,7 @@
 #include "pamr/refine/mapped_points.hpp"
 
 #include <algorithm>
+#include <bit>
 
 #include "pamr/base/index.hpp"
 #include "pamr/mesh/tet.hpp"
@@ -16,7 +17,7 @@ BaseCorners base_corners(const mesh::DistMesh& mesh, const mesh::Level0View& lev
   corners.row = row;
   for (std::size_t i = 0; i < 4; ++i) {
     corners.point[i] = mesh.point(node[i]);
-    if (row >= 0) corners.key[i] = level0.key(node[i]);
+    if (row >= 0) corners.weights[i] = level0.weights(row, node[i]);
   }
   return corners;
 }
@@ -28,31 +29,24 @@ BaseCorners base_corners(const mesh::DistMesh& mesh, const mesh::Level0View& lev
 MappedPoints::MappedPoints(const mesh::Level0View& level0, const BaseCorners& corners)
     : level0_(&level0), corners_(corners) {
   std::copy(corners.point.begin(), corners.point.end(), point_.begin());
-  is_bent_ = corners.row >= 0 && std::any_of(corners.key.begin(), corners.key.end(), [&](const mesh::Level0Key& key) {
-               return level0.is_bent(corners.row, key);
-             });
+  is_bent_ = corners.row >= 0 && std::any_of(corners.weights.begin(), corners.weights.end(),
+                                             [&](const auto& weights) { return level0.is_bent(corners.row, weights); });
 }
 
-mesh::Level0Key MappedPoints::key_in_middle(int edge) const {
+mesh::CornerWeights MappedPoints::weights_in_middle(int edge) const {
   const auto [a, b] = edge_to_corner[at(edge)];
-  return mesh::middle(corners_.key[at(a)], corners_.key[at(b)]);
+  return mesh::middle(corners_.weights[at(a)], corners_.weights[at(b)]);
 }
 
-geometry::Vec3 MappedPoints::point(int code) const {
-  const int edge = code - 4;
-  if (edge < 0 || (known_ >> edge & 1U) != 0) return point_[at(code)];
-  known_ |= 1U << edge;
-  const auto [a, b] = edge_to_corner[at(edge)];
-  auto& point = point_[at(code)];
-  point = geometry::midpoint(corners_.point[at(a)], corners_.point[at(b)]);
-  if (is_bent_)
-    if (const auto placed = level0_->place(corners_.row, key_in_middle(edge))) point = placed->point;
-  return point;
-}
-
-const SplitPoints& MappedPoints::all_points() const {
-  for (int code = 4; code < 10; ++code) point(code);
-  return point_;
+void MappedPoints::place(unsigned middles) const {
+  for (unsigned rest = middles; rest != 0; rest &= rest - 1) {
+    const int edge = std::countr_zero(rest);
+    const auto [a, b] = edge_to_corner[at(edge)];
+    auto& point = point_[at(4 + edge)];
+    const auto placed = is_bent_ ? level0_->place(corners_.row, weights_in_middle(edge)) : std::nullopt;
+    point = placed ? placed->point : geometry::midpoint(corners_.point[at(a)], corners_.point[at(b)]);
+  }
+  known_ |= middles;
 }
 
 void MappedPoints::put(int edge, geometry::Vec3 point) {
@@ -64,8 +58,9 @@ BaseCorners MappedPoints::child(const std::array<std::int8_t, 4>& code) const {
   BaseCorners corners;
   corners.row = corners_.row;
   for (std::size_t i = 0; i < 4; ++i) {
-    corners.point[i] = point(code[i]);
-    if (corners_.row >= 0) corners.key[i] = code[i] < 4 ? corners_.key[at(code[i])] : key_in_middle(code[i] - 4);
+    const int edge = code[i] - 4;
+    corners.point[i] = points(edge < 0 ? EdgeMask{0} : static_cast<EdgeMask>(1U << edge))[at(code[i])];
+    if (corners_.row >= 0) corners.weights[i] = edge < 0 ? corners_.weights[at(code[i])] : weights_in_middle(edge);
   }
   return corners;
 }

@@ -14,8 +14,8 @@ namespace pamr::refine {
 /// The corners of a base cell, where they lie in the domain and in level 0.
 struct BaseCorners {
   geometry::TetPoints point{};
-  std::array<mesh::Level0Key, 4> key;
-  LocalId row = -1;  ///< of the map; -1: the cell is not bent, and keys are not looked at
+  std::array<mesh::CornerWeights, 4> weights{};
+  LocalId row = -1;  ///< of the map; -1: the cell is not bent, and weights are not looked at
 };
 
 /// The corners that these nodes are of a cell that descends from the one of a row. Local.
@@ -32,16 +32,19 @@ class MappedPoints {
 
   /// A middle may lie elsewhere than in the middle.
   bool is_bent() const { return is_bent_; }
-  /// Corner or middle, by node code.
-  geometry::Vec3 point(int code) const;
-  const SplitPoints& all_points() const;
+  /// The corners and these middles; others are not valid.
+  const SplitPoints& points(EdgeMask middles) const {
+    if ((middles & ~known_) != 0) place(middles & ~known_);
+    return point_;
+  }
   /// A middle that exists already.
   void put(int edge, geometry::Vec3 point);
   /// A child of the base cell, given by the codes of its corners.
   BaseCorners child(const std::array<std::int8_t, 4>& code) const;
 
  private:
-  mesh::Level0Key key_in_middle(int edge) const;
+  mesh::CornerWeights weights_in_middle(int edge) const;
+  void place(unsigned middles) const;
 
   const mesh::Level0View* level0_;
   BaseCorners corners_;

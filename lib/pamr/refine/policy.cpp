@@ -47,10 +47,10 @@ EdgeMask face_implied_by_short_edge(const mesh::DistMesh& mesh, LocalId cell, in
   return mesh::tet::face_edge_mask[at(take_p ? p : q)];
 }
 
-EdgeMask required_marks(const mesh::DistMesh& mesh, LocalId cell, EdgeMask marks, const Options& options) {
+EdgeMask required_marks(const mesh::DistMesh& mesh, const mesh::Level0View& level0, LocalId cell, EdgeMask marks,
+                        const Options& options) {
   if (marks == 0 || marks == all_edges) return marks;
   const bool is_closure = mesh.lineage[at(cell)].is_closure();
-  const mesh::Level0View level0(mesh);
   if (options.quality_control == QualityControl::removable)  // a closure cell here has lost its parent: no floor
     return is_closure ? marks : shape_of(mesh, level0, cell).closed_marks(marks, options.shape_floor);
   if (is_closure) {
@@ -61,18 +61,18 @@ EdgeMask required_marks(const mesh::DistMesh& mesh, LocalId cell, EdgeMask marks
         if ((marks >> e & 1) != 0) grown |= face_implied_by_short_edge(mesh, cell, e);
       // marks that a template adds may be short edges too: settle again until nothing is added
       const auto legal = template_mask[grown];
-      return legal == marks ? legal : required_marks(mesh, cell, legal, options);
+      return legal == marks ? legal : required_marks(mesh, level0, cell, legal, options);
     }
   }
   return template_mask[marks];
 }
 
-SplitState state_of_cell(const mesh::DistMesh& mesh, LocalId cell, EdgeMask marks, const Options& options) {
+SplitState state_of_cell(const mesh::DistMesh& mesh, const mesh::Level0View& level0, LocalId cell, EdgeMask marks,
+                         const Options& options) {
   if (marks == 0) return 0;
   if (marks == all_edges) return regular_state;
   if (options.quality_control != QualityControl::removable) return static_cast<SplitState>(state_of_template[marks]);
   if (const int only = only_state(marks); only != 0) return static_cast<SplitState>(only);
-  const mesh::Level0View level0(mesh);
   return static_cast<SplitState>(shape_of(mesh, level0, cell).best_state(marks));
 }
 

@@ -155,11 +155,10 @@ Movable aim_new_node(LocalId node, std::array<geometry::Vec3, 2> end, const Patc
   return aim(node, base, patch, on);
 }
 
-/// The new nodes that the map of level 0 places, ascending.
-std::vector<Movable> map_new_nodes(const mesh::DistMesh& mesh, const Numbering& numbering) {
-  std::vector<Movable> movables;
+/// Adds the new nodes that the map of level 0 places, ascending.
+void map_new_nodes(const mesh::DistMesh& mesh, const Numbering& numbering, std::vector<Movable>& movables) {
   const mesh::Level0View level0(mesh);
-  if (level0.is_empty()) return movables;
+  if (level0.is_empty()) return;
   std::vector<LocalId> row_of_node;  // of the map; every cell at a node that the map moves has one
   assign_array(row_of_node, numbering.n_new_nodes(), invalid_local);
   for (LocalId c = 0; c < mesh.n_cells(); ++c) {
@@ -169,33 +168,36 @@ std::vector<Movable> map_new_nodes(const mesh::DistMesh& mesh, const Numbering& 
     for (const auto node : numbering.edge_to_node[at(numbering.row[at(c)])])
       if (node != invalid_local) row_of_node[at(node - mesh.n_nodes())] = row;
   }
+  const auto n_without = std::count(row_of_node.begin(), row_of_node.end(), invalid_local);
+  reserve_array(movables, movables.size() + row_of_node.size() - at(n_without));
   for (std::size_t i = 0; i < row_of_node.size(); ++i) {
-    if (row_of_node[i] == invalid_local) continue;
+    const auto row = row_of_node[i];
+    if (row == invalid_local) continue;
     const auto [a, b] = numbering.ends[i];
-    if (const auto placed = level0.place(row_of_node[i], mesh::middle(level0.key(a), level0.key(b))))
+    if (const auto placed = level0.place(row, mesh::middle(level0.weights(row, a), level0.weights(row, b))))
       movables.push_back({mesh.n_nodes() + static_cast<LocalId>(i), geometry::midpoint(mesh.point(a), mesh.point(b)),
                           placed->point, placed->patch, placed->is_reachable, placed->is_on_crease,
                           placed->off_facets});
   }
-  return movables;
 }
 
-/// The new nodes, ascending: `mapped` and others on the boundary.
-std::vector<Movable> project_new_nodes(const par::Comm& comm, const mesh::DistMesh& mesh, const mesh::Borders& borders,
-                                       const Numbering& numbering, const Walls& walls) {
-  const auto mapped = map_new_nodes(mesh, numbering);
-  auto next_mapped = mapped.begin();
+/// Adds the new nodes, ascending: those that the map places and others on the boundary.
+void project_new_nodes(const par::Comm& comm, const mesh::DistMesh& mesh, const mesh::Borders& borders,
+                       const Numbering& numbering, const Walls& walls, std::vector<Movable>& movables) {
+  const auto first = movables.size();
+  map_new_nodes(mesh, numbering, movables);
+  const auto end_of_mapped = movables.size();
+  auto next = first;  // of those that are mapped
   const auto is_wanted = patches_to_look_at(comm, walls, numbering);
   std::vector<OppositeVertices> opposite;
   if (std::find(is_wanted.begin(), is_wanted.end(), true) != is_wanted.end())
     opposite = find_opposite_vertices(comm, mesh, borders, numbering, is_wanted);
-  std::vector<Movable> movables;
   std::map<std::array<int, 2>, SurfacesOfNode> surfaces_of_pair;
   for (std::size_t i = 0; i < numbering.boundary.size(); ++i) {
     const auto& boundary = numbering.boundary[i];
     const auto node = mesh.n_nodes() + boundary.new_node;
-    while (next_mapped != mapped.end() && next_mapped->node < node) movables.push_back(*next_mapped++);
-    if (next_mapped != mapped.end() && next_mapped->node == node) continue;
+    while (next < end_of_mapped && movables[next].node < node) ++next;
+    if (next < end_of_mapped && movables[next].node == node) continue;
     const auto patch = patches_of(boundary);
     auto known = surfaces_of_pair.find(boundary.patch);
     if (known == surfaces_of_pair.end())
@@ -205,8 +207,9 @@ std::vector<Movable> project_new_nodes(const par::Comm& comm, const mesh::DistMe
     movables.push_back(aim_new_node(node, {mesh.point(a), mesh.point(b)}, patch, known->second,
                                     opposite.empty() ? OppositeVertices{} : opposite[i]));
   }
-  movables.insert(movables.end(), next_mapped, mapped.end());
-  return movables;
+  const auto begin = movables.begin();
+  std::inplace_merge(begin + static_cast<std::ptrdiff_t>(first), begin + static_cast<std::ptrdiff_t>(end_of_mapped),
+                     movables.end(), [](const Movable& a, const Movable& b) { return a.node < b.node; });
 }
 
 /// The old nodes that are off their surfaces, ascending.
@@ -242,8 +245,7 @@ PatchList patches_of(const BoundaryNode& boundary) {
 std::vector<Movable> project(const par::Comm& comm, const mesh::DistMesh& mesh, const mesh::Borders& borders,
                              const Numbering& numbering, const Walls& walls) {
   auto movables = project_off_surface(comm, mesh, borders, walls);
-  const auto new_nodes = project_new_nodes(comm, mesh, borders, numbering, walls);
-  movables.insert(movables.end(), new_nodes.begin(), new_nodes.end());
+  project_new_nodes(comm, mesh, borders, numbering, walls, movables);
   return movables;
 }
 

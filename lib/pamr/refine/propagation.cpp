@@ -190,7 +190,7 @@ void Propagation::apply_rule(LocalId cell) {
   if (is_removable(cell))
     apply_family_rule(cell);
   else
-    add_marks(cell, required_marks(mesh_, cell, static_cast<EdgeMask>(marks & all_edges), options_));
+    add_marks(cell, required_marks(mesh_, level0_, cell, static_cast<EdgeMask>(marks & all_edges), options_));
 }
 
 /// A red parent: all its edges are marked. Those that have a midpoint already are no edges any more.

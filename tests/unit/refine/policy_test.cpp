@@ -42,8 +42,8 @@ TEST(RequiredMarks, AreLegalAndMonotoneForEveryPolicyMaskAndClosureCell) {
     for (const auto policy : {QualityControl::none, QualityControl::isotropic, QualityControl::short_edge}) {
       std::array<EdgeMask, 64> result{};
       for (int m = 0; m < 64; ++m)
-        result[at(m)] =
-            required_marks(mesh, 0, static_cast<EdgeMask>(m), {.quality_control = policy, .marks_field = {}});
+        result[at(m)] = required_marks(mesh, mesh::Level0View(mesh), 0, static_cast<EdgeMask>(m),
+                                       {.quality_control = policy, .marks_field = {}});
       for (int a = 0; a < 64; ++a) {
         EXPECT_EQ(result[at(a)] & a, a);
         EXPECT_GE(state_of_template[result[at(a)]], 0);
@@ -64,7 +64,7 @@ TEST(RequiredMarks, OfRegularCellsUnderRemovableFollowTheShapeFloor) {
     for (const double floor : {0.0, 0.35, 0.5})
       for (int m = 0; m < 64; ++m) {
         const auto marks = static_cast<EdgeMask>(m);
-        EXPECT_EQ(required_marks(mesh, 0, marks, {.shape_floor = floor, .marks_field = {}}),
+        EXPECT_EQ(required_marks(mesh, mesh::Level0View(mesh), 0, marks, {.shape_floor = floor, .marks_field = {}}),
                   CellShape(mesh.points(0)).closed_marks(marks, floor));
       }
   }
@@ -73,17 +73,21 @@ TEST(RequiredMarks, OfRegularCellsUnderRemovableFollowTheShapeFloor) {
 TEST(RequiredMarks, OfClosureCellsWithoutFamilyUnderRemovableAreTheMarksAlone) {
   for_every_closure_cell([](const mesh::DistMesh& mesh) {
     for (int m = 0; m < 64; ++m)
-      EXPECT_EQ(required_marks(mesh, 0, static_cast<EdgeMask>(m), {.shape_floor = 0.5, .marks_field = {}}), m);
+      EXPECT_EQ(required_marks(mesh, mesh::Level0View(mesh), 0, static_cast<EdgeMask>(m),
+                               {.shape_floor = 0.5, .marks_field = {}}),
+                m);
   });
 }
 
 TEST(RequiredMarks, SplitAMarkedClosureCellIntoEightWhenIsotropic) {
   for_every_closure_cell([](const mesh::DistMesh& mesh) {
     for (int m = 1; m < 64; ++m)
-      EXPECT_EQ(required_marks(mesh, 0, static_cast<EdgeMask>(m),
+      EXPECT_EQ(required_marks(mesh, mesh::Level0View(mesh), 0, static_cast<EdgeMask>(m),
                                {.quality_control = QualityControl::isotropic, .marks_field = {}}),
                 all_edges);
-    EXPECT_EQ(required_marks(mesh, 0, 0, {.quality_control = QualityControl::isotropic, .marks_field = {}}), 0);
+    EXPECT_EQ(required_marks(mesh, mesh::Level0View(mesh), 0, 0,
+                             {.quality_control = QualityControl::isotropic, .marks_field = {}}),
+              0);
   });
 }
 
@@ -92,7 +96,7 @@ TEST(RequiredMarks, TakeAFaceWithAMarkOnAShortEdge) {
     int n_short = 0;
     for (int e = 0; e < 6; ++e) {
       const auto face = face_implied_by_short_edge(mesh, 0, e);
-      const auto marks = required_marks(mesh, 0, static_cast<EdgeMask>(1 << e),
+      const auto marks = required_marks(mesh, mesh::Level0View(mesh), 0, static_cast<EdgeMask>(1 << e),
                                         {.quality_control = QualityControl::short_edge, .marks_field = {}});
       if (face == 0) {
         EXPECT_EQ(marks, 1 << e);
