@@ -24,13 +24,14 @@
 #include "pamr/curved/level0_shapes.hpp"
 #include "pamr/curved/make_level0_map.hpp"
 #include "pamr/geometry/orientation.hpp"
-#include "pamr/geometry/tet_shape.hpp"
 #include "pamr/io/native/native_file.hpp"
 #include "pamr/mesh/fingerprint.hpp"
 #include "pamr/mesh/level0_map.hpp"
 #include "pamr/mesh/periodic_patches.hpp"
 #include "pamr/mesh/require_field.hpp"
 #include "pamr/mesh/undescribed_patches.hpp"
+#include "pamr/refine/cell_shape.hpp"
+#include "pamr/refine/diagonal.hpp"
 
 namespace {
 
@@ -92,10 +93,11 @@ void declare(cli::CommandLine& line, Options& options) {
 /// Fills what is counted cell by cell.
 void assess_cells(const par::Comm& comm, const mesh::DistMesh& mesh, double shape_floor, adapt::Measured& measured) {
   std::array<std::int64_t, 2> n{};
+  const double least = refine::equal_cubes * refine::cubed(shape_floor);
   for (LocalId c = 0; c < mesh.n_cells(); ++c) {
     const auto p = mesh.points(c);
     n[0] += geometry::is_positive(p[0], p[1], p[2], p[3]) ? 0 : 1;
-    n[1] += geometry::mean_ratio(p) < (1 - 0x1p-40) * shape_floor ? 1 : 0;
+    n[1] += refine::cube_of_shape * refine::shape(p) < least ? 1 : 0;
   }
   comm.sum_in_place(n);
   measured.inverted_cells = n[0];
