@@ -25,11 +25,12 @@ Vec3 straight_point(const NumberedMesh& old, LocalId node) {
   return geometry::midpoint(old.mesh.point(a), old.mesh.point(b));
 }
 
-/// Smallest barycentric coordinate of a point in a cell, times six volumes, over six volumes.
-double depth_in(const geometry::TetPoints& p, Vec3 x) {
+/// Smallest barycentric coordinate of a point in a cell, times six volumes, over six volumes; of several below `least`
+/// any.
+double depth_in(const geometry::TetPoints& p, Vec3 x, double least) {
   const double whole = geometry::volume(p);
   double smallest = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < 4; ++i) {
+  for (std::size_t i = 0; i < 4 && !(smallest < least); ++i) {
     auto q = p;
     q[i] = x;
     smallest = std::min(smallest, geometry::volume(q) / whole);
@@ -156,11 +157,13 @@ Vec3 straight_centroid(const NumberedMesh& old, const mesh::CellNodes& child) {
 }
 
 LocalId cell_that_holds(const mesh::DistMesh& mesh, LocalId first, LocalId end, Vec3 point) {
+  constexpr double enough = -0x1p-40, any = -std::numeric_limits<double>::infinity();
+  for (LocalId cell = first; cell < end; ++cell)
+    if (depth_in(mesh.points(cell), point, enough) >= enough) return cell;
   LocalId best = first;
-  double deepest = -std::numeric_limits<double>::infinity();
+  double deepest = any;
   for (LocalId cell = first; cell < end; ++cell) {
-    const double depth = depth_in(mesh.points(cell), point);
-    if (depth >= -0x1p-40) return cell;
+    const double depth = depth_in(mesh.points(cell), point, any);
     if (depth > deepest) {
       deepest = depth;
       best = cell;
