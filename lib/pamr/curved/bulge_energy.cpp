@@ -2,6 +2,7 @@
 #include "pamr/curved/bulge_energy.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 
@@ -14,8 +15,16 @@ namespace {
 
 using geometry::Vec3;
 
-constexpr std::size_t n_components = 18;
-using Components = std::array<double, n_components>;
+using Components = std::array<double, 18>;  ///< of the free bulges, in the front
+
+/// The edges whose bulges are free, ascending.
+struct FreeEdges {
+  explicit FreeEdges(unsigned is_free) {
+    for (unsigned rest = is_free; rest != 0; rest &= rest - 1) edge[n++] = at(std::countr_zero(rest));
+  }
+  std::array<std::size_t, 6> edge{};
+  std::size_t n = 0;
+};
 
 /// `slopes[q][e][a]`: what a unit bulge of edge e adds to row a at sample point q.
 constexpr auto make_slopes() {
@@ -125,10 +134,10 @@ Derivatives differentiate(const StraightCell& cell, const AtPoint& point, const 
 }
 
 /// The derivatives `by_row` with respect to the components of the bulges.
-Components by_components(const JacobianRows& by_row, std::size_t q) {
+Components by_components(const JacobianRows& by_row, std::size_t q, const FreeEdges& free) {
   Components result{};
-  for (std::size_t e = 0; e < 6; ++e) {
-    const Vec3 v = combine(slopes[q][e], by_row);
+  for (std::size_t e = 0; e < free.n; ++e) {
+    const Vec3 v = combine(slopes[q][free.edge[e]], by_row);
     result[3 * e] = v.x;
     result[3 * e + 1] = v.y;
     result[3 * e + 2] = v.z;
@@ -137,30 +146,39 @@ Components by_components(const JacobianRows& by_row, std::size_t q) {
 }
 
 /// Rows of a matrix for all components; of blocks on and right of the diagonal blocks only.
-using Matrix = std::array<Components, n_components>;
+using Matrix = std::array<Components, 18>;
 
 /// Adds the second derivatives of the squared sizes: equal on the three axes.
-void add_curvature_of_sizes(const StraightCell& cell, const Derivatives& of, std::size_t q, Matrix& hessian) {
+void add_curvature_of_sizes(const StraightCell& cell, const Derivatives& of, std::size_t q, const FreeEdges& free,
+                            Matrix& hessian) {
   Symmetric3 metric;
   for (std::size_t k = 0; k < 6; ++k) metric[k] = 2 * of.n[0] * cell.metric[0][k] + 2 * of.n[1] * cell.metric[1][k];
-  for (std::size_t e = 0; e < 6; ++e) {
+  for (std::size_t e = 0; e < free.n; ++e) {
     std::array<double, 3> of_edge{};
     for (std::size_t a = 0; a < 3; ++a) {
       const auto row = row_of(metric, a);
-      for (std::size_t b = 0; b < 3; ++b) of_edge[a] += row[b] * slopes[q][e][b];
+      for (std::size_t b = 0; b < 3; ++b) of_edge[a] += row[b] * slopes[q][free.edge[e]][b];
     }
-    for (std::size_t f = e; f < 6; ++f) {
-      const auto& s = slopes[q][f];
+    for (std::size_t f = e; f < free.n; ++f) {
+      const auto& s = slopes[q][free.edge[f]];
       const double value = of_edge[0] * s[0] + of_edge[1] * s[1] + of_edge[2] * s[2];
       for (std::size_t k = 0; k < 3; ++k) hessian[3 * e + k][3 * f + k] += value;
     }
   }
 }
 
+/// The sums over the sample points so far.
+struct Sums {
+  Components gradient{};
+  Matrix hessian{};
+};
+
 void add_point(const StraightCell& cell, const AtPoint& point, const Derivatives& of, std::size_t q,
-               Components& gradient, Matrix& hessian) {
-  const auto a = by_components(point.metric_rows[0], q), b = by_components(point.metric_rows[1], q),
-             c = by_components(point.cofactor, q);
+               const FreeEdges& free, Sums& sums) {
+  auto& [gradient, hessian] = sums;
+  const auto a = by_components(point.metric_rows[0], q, free), b = by_components(point.metric_rows[1], q, free),
+             c = by_components(point.cofactor, q, free);
+  const auto n_components = 3 * free.n;
   Components for_a, for_b, for_c;
   for (std::size_t i = 0; i < n_components; ++i) {
     gradient[i] += 2 * of.n[0] * a[i] + 2 * of.n[1] * b[i] + of.d * c[i];
@@ -171,7 +189,7 @@ void add_point(const StraightCell& cell, const AtPoint& point, const Derivatives
   for (std::size_t i = 0; i < n_components; ++i)
     for (std::size_t j = i / 3 * 3; j < n_components; ++j)
       hessian[i][j] += for_a[i] * a[j] + for_b[i] * b[j] + for_c[i] * c[j];
-  add_curvature_of_sizes(cell, of, q, hessian);
+  add_curvature_of_sizes(cell, of, q, free, hessian);
 }
 
 }  // namespace
@@ -208,19 +226,22 @@ double bulge_energy(const StraightCell& cell, const CellBulges& bulge, const Sam
 }
 
 BulgeModel bulge_model(const StraightCell& cell, const CellBulges& bulge, const SampledRows* residual,
-                       const Distortion& distortion) {
+                       const Distortion& distortion, unsigned is_free) {
+  const FreeEdges free(is_free);
   BulgeModel model;
-  Components gradient{};
-  Matrix hessian{};
+  Sums sums;
   for (std::size_t q = 0; q < sample_points.size(); ++q) {
     const auto point = at_point(cell, bulge, residual, q);
     const auto derivatives = differentiate(cell, point, distortion, model.energy);
-    add_point(cell, point, derivatives, q, gradient, hessian);
+    add_point(cell, point, derivatives, q, free, sums);
   }
-  for (std::size_t e = 0; e < 6; ++e) model.gradient[e] = {gradient[3 * e], gradient[3 * e + 1], gradient[3 * e + 2]};
-  std::size_t n = 0;
-  for (std::size_t i = 0; i < n_components; ++i)
-    for (std::size_t j = i; j < n_components; ++j) model.hessian[n++] = hessian[i][j];
+  const auto& [gradient, hessian] = sums;
+  for (std::size_t e = 0; e < free.n; ++e)
+    model.gradient[free.edge[e]] = {gradient[3 * e], gradient[3 * e + 1], gradient[3 * e + 2]};
+  auto next = model.hessian.begin();
+  for (std::size_t i = 0; i < 3 * free.n; ++i)
+    next = std::copy(hessian[i].begin() + static_cast<std::ptrdiff_t>(i),
+                     hessian[i].begin() + static_cast<std::ptrdiff_t>(3 * free.n), next);
   return model;
 }
 

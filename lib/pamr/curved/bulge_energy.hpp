@@ -67,18 +67,24 @@ struct Distortion {
 double bulge_energy(const StraightCell& cell, const CellBulges& bulge, const SampledRows* residual,
                     const Distortion& distortion);
 
-/// Quadratic model of a cell's energy in its 18 components of bulges, edge by edge.
+/// Quadratic model of a cell's energy in the components of its free bulges, edge by edge.
 struct BulgeModel {
   double energy = 0;
-  CellBulges gradient;
-  /// Upper triangle, row by row. Positive definite: the second derivatives, but for those of the determinant by the
-  /// bulges, with as much curvature along the determinant as it takes.
+  CellBulges gradient;  ///< 0 for edges that are not free
+  /// Upper triangle, row by row, in the front. Positive definite: the second derivatives, but for those of the
+  /// determinant by the bulges, with as much curvature along the determinant as it takes.
   std::array<double, 171> hessian{};
 };
 
-/// As `bulge_energy`, about 4 us.
+/// Entries of the upper triangle of a matrix of n rows, and the place of one of them.
+constexpr std::size_t triangle_size(std::size_t n) { return n * (n + 1) / 2; }
+constexpr std::size_t triangle_entry(std::size_t n, std::size_t i, std::size_t j) {
+  return i * n - i * (i + 1) / 2 + j;
+}
+
+/// As `bulge_energy`, up to 4 us. `is_free`: bits of the edges.
 BulgeModel bulge_model(const StraightCell& cell, const CellBulges& bulge, const SampledRows* residual,
-                       const Distortion& distortion);
+                       const Distortion& distortion, unsigned is_free = 0x3f);
 
 /// Smallest mean ratio of the Jacobian at the sample points, against the regular tetrahedron; its sign is that of the
 /// determinant relative to the straight cell's. Local.

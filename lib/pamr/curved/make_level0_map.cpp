@@ -256,19 +256,25 @@ SampledRows residual_of(const mesh::Level0Map& map, LocalId cell) {
   return residual;
 }
 
+/// Of all cells, where edges inside do not bulge yet.
+std::vector<SampledRows> residuals_of(const mesh::Level0Map& straight_inside) {
+  std::vector<SampledRows> residuals;
+  residuals.reserve(straight_inside.cells().size());
+  for (LocalId cell = 0; cell < std::ssize(straight_inside.cells()); ++cell)
+    residuals.push_back(residual_of(straight_inside, cell));
+  return residuals;
+}
+
 /// Finds the bulges of free edges. Collective.
-Bulges find_bulges(const Level0& level0, const BentCells& bent, const mesh::Level0Map& straight_inside,
-                   refine::Bend bend) {
+Bulges find_bulges(const Level0& level0, const BentCells& bent, refine::Bend bend) {
   const auto& numbering = level0.nodes.numbering;
   std::vector<std::uint8_t> is_interface(level0.n_edges(), 0);
   for (const auto node : refine::interface_nodes(level0.comm, level0.mesh, numbering, level0.nodes.placed.shared))
     is_interface[at(node - level0.mesh.n_nodes())] = 1;
   BulgeZone zone;
   zone.bends_straight_cells = bend == refine::Bend::all;
-  for (std::size_t i = 0; i < bent.cell.size(); ++i) {
-    zone.corner.push_back(bent.row[i].corner);
-    zone.residual.push_back(residual_of(straight_inside, static_cast<LocalId>(i)));
-  }
+  for (const auto& row : bent.row) zone.corner.push_back(row.corner);
+  zone.residual = residuals_of(mesh::Level0Map(bent.row, bent.n_global, level0.nodes.info));
   zone.cell_to_edge = bent.edge;
   zone.bulge = level0.bulge;
   const auto& shared = level0.nodes.placed.shared;
@@ -345,9 +351,8 @@ Level0Report make_level0_map(const par::Comm& comm, mesh::DistMesh& mesh, refine
   }
   auto bent = find_bent_cells(level0);
   report.n_bent_cells = bent.n_global;
-  const mesh::Level0Map straight_inside(bent.row, bent.n_global, level0.nodes.info);
-  const auto found = find_bulges(level0, bent, straight_inside, bend);
-  report.smallest_before = sampled_jacobian(comm, straight_inside).value;
+  report.smallest_before = sampled_jacobian(comm, mesh::Level0Map(bent.row, bent.n_global, level0.nodes.info)).value;
+  const auto found = find_bulges(level0, bent, bend);
   report.iterations = found.iterations;
   for (std::size_t i = 0; i < bent.row.size(); ++i)
     for (std::size_t e = 0; e < 6; ++e) bent.row[i].bulge[e] = found.bulge[at(bent.edge[i][e])];

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <utility>
@@ -41,8 +42,11 @@ struct Problem {
   par::Exchange exchange;
   std::vector<StraightCell> cell;
   std::vector<std::uint8_t> is_mine;  ///< edges that no lower rank holds
+  std::vector<std::uint8_t> is_free;  ///< bits of each cell's edges
 
   std::size_t n_cells() const { return cell.size(); }
+  /// Of a cell's free bulges.
+  std::size_t n_components(std::size_t c) const { return 3 * at(std::popcount(unsigned{is_free[c]})); }
   CellBulges bulges(std::size_t c, const Vectors& of_edge) const {
     CellBulges result;
     for (std::size_t e = 0; e < 6; ++e) result[e] = of_edge[at(zone.cell_to_edge[c][e])];
@@ -126,16 +130,11 @@ double inner(const par::Comm& comm, const Problem& problem, const Vectors& a, co
   return par::reproducible_sums(comm, {&sum, 1}).front();
 }
 
-using Hessian = decltype(BulgeModel::hessian);
-
-/// Position in the upper triangle.
-constexpr std::size_t entry(std::size_t i, std::size_t j) { return i * 18 - i * (i + 1) / 2 + j; }
-
 /// Quadratic model of the energy of all cells.
 struct Model {
-  std::vector<double> energy;    ///< of each cell
-  Vectors gradient;              ///< of the sum over all cells, what is allowed of it
-  std::vector<Hessian> hessian;  ///< of each cell
+  std::vector<double> energy;   ///< of each cell
+  Vectors gradient;             ///< of the sum over all cells, what is allowed of it
+  std::vector<double> hessian;  ///< the cells' upper triangles, one after the other
   /// Of each edge the inverse of its block of the matrix, within what is allowed.
   std::vector<Symmetric3> inverse;
 };
@@ -166,21 +165,31 @@ Model linearize(const Problem& problem, const Distortion& distortion, const Vect
   const auto& zone = problem.zone;
   Model model;
   std::vector<CellBulges> gradient;
+  std::size_t n_entries = 0;
+  for (std::size_t c = 0; c < problem.n_cells(); ++c) n_entries += triangle_size(problem.n_components(c));
+  model.hessian.reserve(n_entries);
   for (std::size_t c = 0; c < problem.n_cells(); ++c) {
-    auto of_cell = bulge_model(problem.cell[c], problem.bulges(c, bulge), problem.residual(c), distortion);
+    const auto of_cell =
+        bulge_model(problem.cell[c], problem.bulges(c, bulge), problem.residual(c), distortion, problem.is_free[c]);
     model.energy.push_back(of_cell.energy);
     gradient.push_back(of_cell.gradient);
-    model.hessian.push_back(of_cell.hessian);
+    const auto begin = of_cell.hessian.begin();
+    model.hessian.insert(model.hessian.end(), begin,
+                         begin + static_cast<std::ptrdiff_t>(triangle_size(problem.n_components(c))));
   }
   model.gradient = sum_at_edges(problem, gradient);
   const auto block = par::sum_at_items<6>(problem.exchange, zone.bulge.size(), [&](const auto& add) {
-    for (std::size_t c = 0; c < problem.n_cells(); ++c)
-      for (std::size_t e = 0; e < 6; ++e) {
-        const auto& h = model.hessian[c];
-        const auto i = 3 * e;
-        add(zone.cell_to_edge[c][e], {h[entry(i, i)], h[entry(i, i + 1)], h[entry(i, i + 2)], h[entry(i + 1, i + 1)],
-                                      h[entry(i + 1, i + 2)], h[entry(i + 2, i + 2)]});
-      }
+    const double* h = model.hessian.data();
+    for (std::size_t c = 0; c < problem.n_cells(); ++c) {
+      const auto n = problem.n_components(c);
+      const auto entry = [&](std::size_t i, std::size_t j) { return h[triangle_entry(n, i, j)]; };
+      std::size_t i = 0;
+      for (unsigned rest = problem.is_free[c]; rest != 0; rest &= rest - 1, i += 3)
+        add(zone.cell_to_edge[c][at(std::countr_zero(rest))],
+            {entry(i, i), entry(i, i + 1), entry(i, i + 2), entry(i + 1, i + 1), entry(i + 1, i + 2),
+             entry(i + 2, i + 2)});
+      h += triangle_size(n);
+    }
   });
   for (std::size_t i = 0; i < block.size(); ++i) model.inverse.push_back(invert(zone.freedom[i], block[i]));
   return model;
@@ -189,20 +198,25 @@ Model linearize(const Problem& problem, const Distortion& distortion, const Vect
 /// The model's matrix times a vector. Collective: two exchanges.
 Vectors product(const Problem& problem, const Model& model, const Vectors& v) {
   std::vector<CellBulges> of_cell(problem.n_cells());
+  const double* row = model.hessian.data();  // from the diagonal on
   for (std::size_t c = 0; c < problem.n_cells(); ++c) {
-    const auto bulge = problem.bulges(c, v);
     std::array<double, 18> in{}, out{};
-    for (std::size_t i = 0; i < 18; ++i) in[i] = bulge[i / 3][i % 3];
-    const double* row = model.hessian[c].data();  // from the diagonal on
-    for (std::size_t i = 0; i < 18; row += 18 - i, ++i) {
+    std::size_t n = 0;
+    for (unsigned rest = problem.is_free[c]; rest != 0; rest &= rest - 1) {
+      const Vec3 bulge = v[at(problem.zone.cell_to_edge[c][at(std::countr_zero(rest))])];
+      for (std::size_t k = 0; k < 3; ++k) in[n++] = bulge[k];
+    }
+    for (std::size_t i = 0; i < n; row += n - i, ++i) {
       double sum = row[0] * in[i];
-      for (std::size_t j = i + 1; j < 18; ++j) {
+      for (std::size_t j = i + 1; j < n; ++j) {
         sum += row[j - i] * in[j];
         out[j] += row[j - i] * in[i];
       }
       out[i] += sum;
     }
-    for (std::size_t e = 0; e < 6; ++e) of_cell[c][e] = {out[3 * e], out[3 * e + 1], out[3 * e + 2]};
+    const double* next = out.data();
+    for (unsigned rest = problem.is_free[c]; rest != 0; rest &= rest - 1, next += 3)
+      of_cell[c][at(std::countr_zero(rest))] = {next[0], next[1], next[2]};
   }
   return sum_at_edges(problem, of_cell);
 }
@@ -297,8 +311,13 @@ Bulges optimize_bulges(const par::Comm& comm, const BulgeZone& zone) {
   PAMR_EXPECTS(zone.cell_to_edge.size() == n_cells);
   PAMR_EXPECTS(zone.residual.empty() || zone.residual.size() == n_cells);
   PAMR_EXPECTS(zone.freedom.size() == zone.bulge.size());
-  Problem problem{zone, par::Exchange(comm, zone.shared), {}, {}};
+  Problem problem{zone, par::Exchange(comm, zone.shared), {}, {}, {}};
   for (const auto& corner : zone.corner) problem.cell.push_back(prepare(corner));
+  for (const auto& edges : zone.cell_to_edge) {
+    unsigned is_free = 0;
+    for (std::size_t e = 0; e < 6; ++e) is_free |= zone.freedom[at(edges[e])].kind != Freedom::Kind::none ? 1U << e : 0;
+    problem.is_free.push_back(static_cast<std::uint8_t>(is_free));
+  }
   par::agree(comm, [&] { check_values(zone, problem.cell); });
   problem.is_mine = par::held_first_here(problem.exchange, zone.bulge.size());
 
