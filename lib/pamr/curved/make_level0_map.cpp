@@ -256,13 +256,14 @@ SampledRows residual_of(const mesh::Level0Map& map, LocalId cell) {
   return residual;
 }
 
-/// Of all cells, where edges inside do not bulge yet.
-std::vector<SampledRows> residuals_of(const mesh::Level0Map& straight_inside) {
-  std::vector<SampledRows> residuals;
-  residuals.reserve(straight_inside.cells().size());
-  for (LocalId cell = 0; cell < std::ssize(straight_inside.cells()); ++cell)
-    residuals.push_back(residual_of(straight_inside, cell));
-  return residuals;
+void add_residuals(const mesh::Level0Map& straight_inside, BulgeZone& zone) {
+  for (const auto& cell : straight_inside.cells()) {
+    const auto& patch = cell.edge_patch;
+    const bool has_any = std::any_of(patch.begin(), patch.end(), [](const auto& p) { return p[0] >= 0; });
+    const auto row = static_cast<LocalId>(zone.cell_to_residual.size());
+    zone.cell_to_residual.push_back(has_any ? static_cast<LocalId>(zone.residual.size()) : -1);
+    if (has_any) zone.residual.push_back(residual_of(straight_inside, row));
+  }
 }
 
 /// Finds the bulges of free edges. Collective.
@@ -274,7 +275,7 @@ Bulges find_bulges(const Level0& level0, const BentCells& bent, refine::Bend ben
   BulgeZone zone;
   zone.bends_straight_cells = bend == refine::Bend::all;
   for (const auto& row : bent.row) zone.corner.push_back(row.corner);
-  zone.residual = residuals_of(mesh::Level0Map(bent.row, bent.n_global, level0.nodes.info));
+  add_residuals(mesh::Level0Map(bent.row, bent.n_global, level0.nodes.info), zone);
   zone.cell_to_edge = bent.edge;
   zone.bulge = level0.bulge;
   const auto& shared = level0.nodes.placed.shared;

@@ -37,6 +37,11 @@ struct Stage {
 constexpr std::array<Stage, 5> stages{
     {{{1, 1}, 0.3}, {{0.2, 1}, 0.3}, {{0.03, 1}, 0.3}, {{1e-3, 2}, 0.3}, {{1e-3, 3}, 1e-2}}};
 
+const SampledRows* residual_of(const BulgeZone& zone, std::size_t c) {
+  const auto place = zone.cell_to_residual.empty() ? -1 : zone.cell_to_residual[c];
+  return place < 0 ? nullptr : &zone.residual[at(place)];
+}
+
 struct Problem {
   const BulgeZone& zone;
   par::Exchange exchange;
@@ -52,7 +57,7 @@ struct Problem {
     for (std::size_t e = 0; e < 6; ++e) result[e] = of_edge[at(zone.cell_to_edge[c][e])];
     return result;
   }
-  const SampledRows* residual(std::size_t c) const { return zone.residual.empty() ? nullptr : &zone.residual[c]; }
+  const SampledRows* residual(std::size_t c) const { return residual_of(zone, c); }
 };
 
 /// The part of a vector that an edge's freedom allows; exact along axes and in planes across them.
@@ -77,8 +82,9 @@ void check_values(const BulgeZone& zone, const std::vector<StraightCell>& cell) 
     if (!(cell[c].mean_ratio >= min_mean_ratio) || !std::isfinite(cell[c].inverse_determinant))
       throw Error(fmt::format("curved walls: expected cells with a volume, found mean ratio {:.3g} at ({}, {}, {})",
                               cell[c].mean_ratio, p.x, p.y, p.z));
+    const auto* residual = residual_of(zone, c);
     const bool is_residual_finite =
-        zone.residual.empty() || std::all_of(zone.residual[c].begin(), zone.residual[c].end(), [](const auto& rows) {
+        residual == nullptr || std::all_of(residual->begin(), residual->end(), [](const auto& rows) {
           return std::all_of(rows.begin(), rows.end(), geometry::is_finite);
         });
     if (!is_residual_finite)
@@ -309,7 +315,7 @@ int minimize(const par::Comm& comm, const Problem& problem, const Stage& stage, 
 Bulges optimize_bulges(const par::Comm& comm, const BulgeZone& zone) {
   const auto n_cells = zone.corner.size();
   PAMR_EXPECTS(zone.cell_to_edge.size() == n_cells);
-  PAMR_EXPECTS(zone.residual.empty() || zone.residual.size() == n_cells);
+  PAMR_EXPECTS(zone.cell_to_residual.empty() || zone.cell_to_residual.size() == n_cells);
   PAMR_EXPECTS(zone.freedom.size() == zone.bulge.size());
   Problem problem{zone, par::Exchange(comm, zone.shared), {}, {}, {}};
   for (const auto& corner : zone.corner) problem.cell.push_back(prepare(corner));

@@ -158,6 +158,7 @@ curved::BulgeZone shell_zone() {
   for (std::size_t c = 0; c < zone.corner.size(); ++c) {
     CellBulges bulge;
     for (std::size_t e = 0; e < 6; ++e) bulge[e] = zone.bulge[at(zone.cell_to_edge[c][e])];
+    zone.cell_to_residual.push_back(static_cast<LocalId>(zone.residual.size()));
     zone.residual.push_back(differentiate_residual(zone.corner[c], bulge));
   }
   return zone;
@@ -178,7 +179,9 @@ PartOfZone part_of(const par::Comm& comm, const curved::BulgeZone& whole, std::u
     if (owner != at(comm.rank())) continue;
     part.zone.corner.push_back(whole.corner[c]);
     part.zone.cell_to_edge.push_back(whole.cell_to_edge[c]);
-    if (!whole.residual.empty()) part.zone.residual.push_back(whole.residual[c]);
+    if (whole.residual.empty()) continue;
+    part.zone.cell_to_residual.push_back(static_cast<LocalId>(part.zone.residual.size()));
+    part.zone.residual.push_back(whole.residual[at(whole.cell_to_residual[c])]);
   }
   std::vector<LocalId> here(edges.size(), -1);
   for (const auto e : edges) {
