@@ -6,15 +6,8 @@
 #include <algorithm>
 
 #include "pamr/base/error.hpp"
-#include "pamr/base/index.hpp"
 
 namespace pamr::mesh {
-
-namespace {
-
-constexpr std::size_t width = n_key_words;
-
-}  // namespace
 
 void require_level0_shape(const Field& field, bool on_cells) {
   if (field.name != (on_cells ? level0_cell_field : level0_key_field)) return;
@@ -42,12 +35,6 @@ Level0Key middle(const Level0Key& a, const Level0Key& b) {
     i += takes_a ? 1 : 0;
     j += takes_b ? 1 : 0;
   }
-}
-
-Level0Key key_of(const NodeField* keys, LocalId node) {
-  if (keys == nullptr) return {};
-  const auto* row = keys->integer().data() + at(node) * width;
-  return {{row[0], row[1], row[2], row[3]}, {row[4], row[5], row[6], row[7]}};
 }
 
 NodeField empty_key_field() {

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 
+#include "pamr/base/index.hpp"
 #include "pamr/base/types.hpp"
 #include "pamr/mesh/dist_mesh.hpp"
 
@@ -41,7 +42,11 @@ struct Level0Key {
 Level0Key middle(const Level0Key& a, const Level0Key& b);
 
 /// The key of a node of a mesh; not known where the field is missing. Local.
-Level0Key key_of(const NodeField* keys, LocalId node);
+inline Level0Key key_of(const NodeField* keys, LocalId node) {
+  if (keys == nullptr) return {};
+  const auto* row = keys->integer().data() + at(node) * n_key_words;
+  return {{row[0], row[1], row[2], row[3]}, {row[4], row[5], row[6], row[7]}};
+}
 /// A field without values yet, and one more key at its end.
 NodeField empty_key_field();
 void append_key(NodeField& keys, const Level0Key& key);

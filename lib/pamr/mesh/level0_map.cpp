@@ -161,12 +161,16 @@ LocalId Level0Map::find(GlobalId row) const {
 CornerWeights Level0Map::weights(LocalId cell, const Level0Key& key) const {
   const auto& node = cells_[at(cell)].node;
   CornerWeights weight{};
-  for (std::size_t k = 0; k < 4 && key.node[k] >= 0; ++k) {
-    const auto corner = at(std::find(node.begin(), node.end(), key.node[k]) - node.begin());
-    if (corner == 4) return {};
-    weight[corner] = key.weight[k];
+  int n_known = 0, n_found = 0;
+  for (std::size_t k = 0; k < 4; ++k) {
+    n_known += key.node[k] >= 0 ? 1 : 0;
+    for (std::size_t i = 0; i < 4; ++i) {
+      const bool is_here = key.node[k] == node[i];
+      weight[i] += is_here ? key.weight[k] : 0;
+      n_found += is_here ? 1 : 0;
+    }
   }
-  return weight;
+  return n_found == n_known ? weight : CornerWeights{};
 }
 
 bool Level0Map::is_bent(LocalId cell, const CornerWeights& weight) const {
@@ -315,6 +319,8 @@ Level0View::Level0View(const DistMesh& mesh) {
   keys_ = mesh.find_node_field(level0_key_field);
   map_ = mesh.info.level0.get();
 }
+
+CornerWeights Level0View::weights(LocalId row, LocalId node) const { return map_->weights(row, key_of(keys_, node)); }
 
 LocalId Level0View::row_of(LocalId cell) const {
   const auto row = map_ == nullptr ? -1 : rows_->integer()[at(cell)];

@@ -7,6 +7,8 @@
 #include <span>
 #include <vector>
 
+#include "pamr/base/index.hpp"
+#include "pamr/base/prefetch.hpp"
 #include "pamr/geometry/vec3.hpp"
 #include "pamr/mesh/dist_mesh.hpp"
 #include "pamr/mesh/level0_key.hpp"
@@ -128,7 +130,11 @@ class Level0View {
   /// The cell's row in the map, -1: none.
   LocalId row_of(LocalId cell) const;
   /// Of a node of the mesh in the level-0 cell of a row.
-  CornerWeights weights(LocalId row, LocalId node) const { return map_->weights(row, key_of(keys_, node)); }
+  CornerWeights weights(LocalId row, LocalId node) const;
+  /// Has what `weights` reads fetched from memory.
+  void prefetch_key(LocalId node) const {
+    if (keys_ != nullptr) prefetch(keys_->integer().data() + at(node) * n_key_words);
+  }
   bool is_bent(LocalId row, const CornerWeights& weight) const { return map_->is_bent(row, weight); }
   std::optional<Mapped> place(LocalId row, const CornerWeights& weight) const { return map_->place(row, weight); }
 

@@ -15,7 +15,10 @@ void find_states(const mesh::DistMesh& mesh, const Options& options, Closure& cl
   assign_array(closure.state, at(mesh.n_cells()), SplitState{0});
   for (LocalId c = 0; c < mesh.n_cells(); ++c) {
     if (c + ahead < mesh.n_cells() && closure.marks[at(c + ahead)] != 0 && closure.marks[at(c + ahead)] != all_edges)
-      for (const auto node : mesh.cell_to_node[at(c + ahead)]) prefetch(&mesh.node_position[at(node)]);
+      for (const auto node : mesh.cell_to_node[at(c + ahead)]) {
+        prefetch(&mesh.node_position[at(node)]);
+        level0.prefetch_key(node);
+      }
     if (closure.action[at(c)] == Action::split)
       closure.state[at(c)] = state_of_cell(mesh, level0, c, closure.marks[at(c)], options);
   }

@@ -145,7 +145,10 @@ void Propagation::prefetch_cell(LocalId cell) const {
 void Propagation::prefetch_around(LocalId cell) const {
   const int size = is_removable(cell) ? mesh_.lineage[at(cell)].family_size() : 1;
   for (auto member = cell; member < cell + size; ++member) {
-    for (const auto node : mesh_.cell_to_node[at(member)]) prefetch(&mesh_.node_position[at(node)]);
+    for (const auto node : mesh_.cell_to_node[at(member)]) {
+      prefetch(&mesh_.node_position[at(node)]);
+      level0_.prefetch_key(node);
+    }
     prefetch_behind(member);
   }
 }
