@@ -5,8 +5,6 @@
 #include <bitset>
 #include <cmath>
 #include <cstdint>
-#include <tuple>
-#include <utility>
 
 #include "pamr/base/index.hpp"
 #include "pamr/geometry/quadratic_tet.hpp"
@@ -117,19 +115,14 @@ class Splitter {
   }
 
   Vec3 find_point(const Weights& w) const {
-    std::array<std::pair<GlobalId, std::int64_t>, 4> entry{};
-    std::size_t n = 0;
+    mesh::CornerWeights weight{};
     Vec3 straight;
     for (std::size_t i = 0; i < 4; ++i) {
       if (w[i] == n_parts) return row_->corner[i];
-      if (w[i] == 0) continue;
-      entry[n++] = {row_->node[i], std::int64_t{w[i]} << (mesh::Level0Key::one - n_levels)};
+      weight[i] = std::int64_t{w[i]} << (mesh::Level0Key::one - n_levels);
       straight += (1.0 / n_parts * w[i]) * row_->corner[i];
     }
-    std::sort(entry.begin(), entry.begin() + static_cast<std::ptrdiff_t>(n));
-    mesh::Level0Key key;
-    for (std::size_t i = 0; i < n; ++i) std::tie(key.node[i], key.weight[i]) = entry[i];
-    const auto placed = map_->place(cell_, key);
+    const auto placed = map_->place(cell_, weight);
     return placed ? placed->point : straight;  // edges and faces that are not bent are straight
   }
 
