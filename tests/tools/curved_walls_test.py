@@ -162,6 +162,12 @@ def test_a_mesh_refined_without_a_map_is_named_and_becomes_level_0():
     told = run("pamr-refine", "marked.hdf", "-o", "none.hdf", "--json", "-")
     assert "were refined without a map of level 0" in told.err and "--as-level-0" in told.err and told.json["level0"]["bent_cells"] == 0
 
+    run("pamr-mark", "old.hdf", "-o", "marked.hdf", "--crossing-sphere", "1e9,0,0,1", "--coarsen-rest", "--force", "--quiet", serial=True)
+    told = run("pamr-refine", "marked.hdf", "-o", "back.hdf", "--json", "-")
+    assert told.json["cells_out"] == 184 and "warning" not in told.err
+    run("pamr-mark", "back.hdf", "-o", "marked.hdf", "--all", "--force", "--quiet", serial=True)
+    assert run("pamr-refine", "marked.hdf", "-o", "anew.hdf", "--json", "-", serial=True).json["level0"]["bent_cells"] > 0
+
     told = run("pamr-convert", "old.hdf", "new.hdf", "--as-level-0", "--json", "-")
     assert told.json["refined_cells"] == told.json["cells"] == 1472 and "the longest 1.19 of it" in told.err
     run("pamr-mark", "new.hdf", "-o", "marked.hdf", "--patch", "ball", "--force", "--quiet", serial=True)
@@ -248,6 +254,7 @@ def test_the_same_bytes_on_any_ranks_when_a_coarse_ball_goes_to_a_triangulated_s
             report = run("pamr-refine", "marked.hdf", "-o", f"on{ranks}.hdf", "--force", "--json", "-", "--quiet", ranks=ranks).json
         assert same_bytes("on1.hdf", "on2.hdf") and same_bytes("on1.hdf", "on7.hdf")
         assert report["off_surface_nodes"] == 0 == report["families_kept"]
+        assert report["level0"]["moved_nodes"] == (7 if level == 0 else 0), "the nodes of the ball lie up to 5.7e-5 off"
         pathlib.Path("on1.hdf").rename(f"mesh{level + 1}.hdf")
 
     assert smallest_mean_ratio("mesh2.hdf") >= curved_walls.shape_bar(2.0, smallest_mean_ratio("mesh0.hdf"))

@@ -365,7 +365,7 @@ void write_native(const par::Comm& comm, const std::filesystem::path& file, cons
   if (options.remark && mesh::has_level0(mesh) && !writes_level0(mesh, options.format))
     options.remark(
         fmt::format("file '{}': format {} has no place for the map of level 0 at coarse curved walls: "
-                    "refinements of this file put new nodes there as if its cells were of level 0",
+                    "refinements of this file place new nodes without it, which costs shape",
                     file.string(), int{options.format}));
   PartialFile partial(file);
   OpenFile open;
