@@ -48,7 +48,8 @@ curved::Level0Report make_map(const par::Comm& comm, mesh::DistMesh& mesh, refin
     report.trouble =
         "nodes of level 0 lie off their coarse walls and stay there, farther off than a hundredth of an edge or beside "
         "a "
-        "patch without a surface";
+        "patch without a surface (pamr-convert --surfaces FILE --tolerance D records nodes within D, which are then "
+        "moved)";
   return report;
 }
 
