@@ -146,10 +146,8 @@ void warn_nothing_goes(const cli::Session& session, const adapt::CoarseningRepor
 
 std::string place_text(geometry::Vec3 p) { return fmt::format("({:.6g}, {:.6g}, {:.6g})", p.x, p.y, p.z); }
 
-/// What is known of the map of level 0, which was made for coarse walls. Collective.
-void tell_of_map(const cli::Session& session, const curved::Level0Report& level0, std::span<const std::int8_t> flags) {
-  const bool splits = std::any_of(flags.begin(), flags.end(), [](std::int8_t flag) { return flag > 0; });
-  if (!session.comm().any(splits)) return;
+/// What is known of the map of level 0, which was made for coarse walls.
+void tell_of_map(const cli::Session& session, const curved::Level0Report& level0) {
   if (level0.n_moved > 0)
     session.note(
         fmt::format("{} nodes of level 0 lay up to {:.3g} off their walls, which are coarse, and were put onto them",
@@ -187,8 +185,8 @@ constexpr std::array<double, 6> floors_to_compare{0, 0.3, 0.35, 0.4, 0.45, 0.5};
 cli::ExitCode report_forecast(cli::Session& session, const mesh::DistMesh& input, std::span<const std::int8_t> flags,
                               const refine::Options& options, bool show_floors) {
   const auto& comm = session.comm();
-  const auto ready = adapt::with_level0_map(comm, input, options);  // made once for all floors
-  tell_of_map(session, ready.level0, flags);
+  const auto ready = adapt::with_level0_map(comm, input, flags, options);  // made once for all floors
+  tell_of_map(session, ready.level0);
   const auto& mesh = ready.mesh.get();
   const adapt::Forecaster forecaster(comm, mesh, options);
   const auto forecast = forecaster.forecast(flags);
@@ -304,8 +302,8 @@ cli::ExitCode work(cli::Session& session, const Options& options) {
   if (!options.no_project) keep_flat_patches(session, mesh);
 
   const auto walls_before = options.no_project ? check::WallShapes() : check::wall_shapes(comm, mesh, 0);
-  auto ready = with_file_name(options.input, [&] { return adapt::with_level0_map(comm, std::move(mesh), how); });
-  tell_of_map(session, ready.level0, flags);
+  auto ready = with_file_name(options.input, [&] { return adapt::with_level0_map(comm, std::move(mesh), flags, how); });
+  tell_of_map(session, ready.level0);
   timer.lap("preprocessing");
   auto result = with_file_name(options.input, [&] {
     return adapt::adapt(comm, std::move(ready.mesh), flags, {how, balancing});

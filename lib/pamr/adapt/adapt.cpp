@@ -92,7 +92,7 @@ Result as_it_is(mesh::DistMesh mesh, const refine::Options& options) {
 Result adapt_once(const par::Comm& comm, GivenMesh mesh, std::span<const std::int8_t> flags, const Options& options,
                   StepTimer& timer) {
   const bool cells_move = !mesh.is_lent();
-  auto ready = with_level0_map(comm, std::move(mesh), options.refinement);
+  auto ready = with_level0_map(comm, std::move(mesh), flags, options.refinement);
   timer.lap("preprocessing");
   auto taken = take_back(comm, std::move(ready.mesh), flags, options.refinement, timer);
   const auto coarsening = taken.report;

@@ -73,6 +73,13 @@ ReadyMesh with_level0_map(const par::Comm& comm, GivenMesh mesh, const refine::O
   return {std::move(own), std::move(report)};
 }
 
+ReadyMesh with_level0_map(const par::Comm& comm, GivenMesh mesh, std::span<const std::int8_t> flags,
+                          const refine::Options& options) {
+  const bool splits = std::any_of(flags.begin(), flags.end(), [](std::int8_t flag) { return flag > 0; });
+  if (mesh.get().info.level0 == nullptr && !comm.any(splits)) return {std::move(mesh), {}};
+  return with_level0_map(comm, std::move(mesh), options);
+}
+
 void make_level0(mesh::DistMesh& mesh) {
   mesh::drop_level0(mesh);
   std::fill(mesh.lineage.begin(), mesh.lineage.end(), mesh::Lineage{});
