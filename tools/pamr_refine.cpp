@@ -14,6 +14,7 @@
 #include "pamr/adapt/adapt.hpp"
 #include "pamr/adapt/depth.hpp"
 #include "pamr/adapt/flags.hpp"
+#include "pamr/adapt/floor_cost.hpp"
 #include "pamr/adapt/forecast.hpp"
 #include "pamr/adapt/level0.hpp"
 #include "pamr/adapt/read_for_refinement.hpp"
@@ -250,6 +251,14 @@ std::string below_text(const Options& options, std::int64_t n_below) {
   return fmt::format(", {} cells under {}", n_below, options.shape_floor);
 }
 
+/// Where the default floor asks for many cells at coarse walls.
+std::string cost_text(double floor_cost) {
+  constexpr double least = 0.05;
+  if (floor_cost <= least) return {};
+  return fmt::format(", at least {:.0f} % more cells than with --shape-floor {}", 100 * floor_cost,
+                     adapt::lower_shape_floor);
+}
+
 /// What of the command decides on the result.
 void add_provenance(const Options& options, std::string& provenance) {
   const auto floor = options.quality_control == "removable" && options.shape_floor != refine::default_shape_floor
@@ -306,7 +315,8 @@ cli::ExitCode work(cli::Session& session, const Options& options) {
   tell_of_map(session, ready.level0);
   timer.lap("preprocessing");
   auto result = with_file_name(options.input, [&] {
-    return adapt::adapt(comm, std::move(ready.mesh), flags, {how, balancing});
+    const bool is_told = session.wants_report() || !session.options().quiet;
+    return adapt::adapt(comm, std::move(ready.mesh), flags, {how, balancing, is_told});
   });
   result.report.certificate.n_moved += ready.level0.n_moved;
   result.report.level0 = std::move(ready.level0);
@@ -344,10 +354,11 @@ cli::ExitCode work(cli::Session& session, const Options& options) {
                        {"cells_that_lost_shape", walls_after.n_below}};
     session.write_report(report);
   }
-  session.summary(fmt::format("{} cells ({}) -> {} cells, {} nodes, {} off their surface{}: {}", result.report.cells_in,
-                              marked_text(result.report.closure.n_marked, result.coarsening), result.report.cells_out,
-                              result.report.nodes_out, result.report.certificate.n_off_surface,
-                              below_text(options, measured.cells_below_floor), options.output));
+  session.summary(fmt::format("{} cells ({}) -> {} cells, {} nodes, {} off their surface{}{}: {}",
+                              result.report.cells_in, marked_text(result.report.closure.n_marked, result.coarsening),
+                              result.report.cells_out, result.report.nodes_out, result.report.certificate.n_off_surface,
+                              below_text(options, measured.cells_below_floor), cost_text(result.report.floor_cost),
+                              options.output));
   return cli::ExitCode::done;
 }
 

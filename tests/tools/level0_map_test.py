@@ -36,11 +36,26 @@ def refine_twice(mesh):
     return first
 
 
-def test_it_is_said_before_anything_is_split():
+def test_a_floor_near_what_splitting_gives_is_said_to_cost_cells():
     first = refine_twice(level0_map.hole(0))
     assert "240 bent cells proved to be at least 0.4" in first.err and "splitting these cells into eight alone" in first.err, first.err
-    floors = run("pamr-refine", "marked1.hdf", "--dry-run", "--floors")
-    assert "splitting into eight alone: mean ratio 0.3" in floors.out and "map of level 0" not in floors.err, floors.out
+    floors = run("pamr-refine", "marked1.hdf", "--dry-run", "--floors", "--json", "dry.json")
+    assert "splitting into eight alone: mean ratio 0.3" in floors.out, floors.out
+    cells = [run("pamr-refine", "marked1.hdf", "--dry-run", "--shape-floor", floor, "--json", "-", "--quiet").json["cells_out"] for floor in (0.3, 0.35)]
+    share = cells[1] / cells[0] - 1
+    assert share > 0.05
+
+    default = run("pamr-refine", "marked1.hdf", "-o", "level2.hdf", "--json", "report.json")
+    lower = run("pamr-refine", "marked1.hdf", "-o", "lower.hdf", "--shape-floor", 0.3)
+
+    assert f"at least {100 * share:.0f} % more cells than with --shape-floor 0.3" in default.out, default.out
+    assert "cells than with" not in lower.out and "map of level 0" not in lower.err + default.err
+
+
+def test_a_floor_that_costs_little_is_not_mentioned():
+    first = refine_twice(level0_map.bore(8))
+    assert "432 bent cells" in first.err, first.err
+    assert "cells than with" not in run("pamr-refine", "marked1.hdf", "-o", "level2.hdf").out
 
 
 def test_a_map_that_is_not_proved_is_warned_of_with_its_place():

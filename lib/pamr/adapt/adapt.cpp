@@ -8,6 +8,7 @@
 
 #include "pamr/adapt/depth.hpp"
 #include "pamr/adapt/flags.hpp"
+#include "pamr/adapt/floor_cost.hpp"
 #include "pamr/adapt/level0.hpp"
 #include "pamr/adapt/part/open_parents.hpp"
 #include "pamr/adapt/part/split_early.hpp"
@@ -23,15 +24,19 @@ namespace pamr::adapt {
 namespace {
 
 /// Marks and closes the mesh, after look-ahead splits until it needs none.
-Closed close(const par::Comm& comm, TakenBack start, const refine::Options& options, StepTimer& timer) {
+Closed close(const par::Comm& comm, TakenBack start, const Options& all_options, StepTimer& timer) {
+  const auto& options = all_options.refinement;
   const auto limited = limit_depth(start.mesh.get(), start.flags);
   auto closed =
       close_pass(comm, {std::move(start.mesh), refine::requests_of_flags(limited.flags), std::move(start.closure)},
                  options, timer);
   const auto n_marked = closed.report.closure.n_marked;
+  const double cost = all_options.compares_floors ? floor_cost(comm, closed, options) : 0;
+  timer.lap("close");
   closed = split_early(comm, std::move(closed), options, timer);
   auto& report = closed.report;
   report.closure.n_marked = n_marked;
+  report.floor_cost = cost;
   std::array<std::int64_t, 2> sums{refine::count_not_split(closed.mesh.get(), closed.requests, closed.closure),
                                    limited.n_left_out};
   comm.sum_in_place(sums);
@@ -99,7 +104,7 @@ Result adapt_once(const par::Comm& comm, GivenMesh mesh, std::span<const std::in
   auto merged = std::exchange(taken.merged, {});
   auto result = [&] {
     if (is_complete(comm, taken, cells_move)) return as_it_is(std::move(taken.mesh).take(), options.refinement);
-    auto closed = close(comm, std::move(taken), options.refinement, timer);
+    auto closed = close(comm, std::move(taken), options, timer);
     if (cells_move) closed = balance(comm, std::move(closed), options, timer);
     auto made = split_pass(comm, closed, timer);
     return finish(comm, std::move(closed), std::move(made), options.refinement, timer);

@@ -25,6 +25,8 @@ struct Report {
   std::int64_t marked_not_split = 0;  ///< cells flagged and not too deep that the result holds unsplit; always 0
   std::int64_t marked_too_deep = 0;   ///< flagged cells that stay, because they have the deepest level (`max_level`)
   curved::Level0Report level0;        ///< of the map that was made for coarse walls, if one was
+  /// Share of cells that the default shape floor adds at coarse walls to those of a floor of 0.3, at least about, if asked for: `floor_cost`.
+  double floor_cost = 0;
   refine::ClosureReport closure;
   refine::Certificate certificate;  ///< of the nodes that were put onto surfaces
   BalanceReport balance;            ///< where the mesh was handed over, so that cells may move
@@ -39,6 +41,7 @@ struct Options {
   refine::Options refinement;
   /// By default PT-Scotch, by the exact number of cells that each cell becomes. Not looked at where the mesh is lent.
   Balancing balancing;
+  bool compares_floors = false;  ///< fill `Report::floor_cost`, which takes up to a quarter of the time
 };
 
 struct Result {

@@ -82,6 +82,7 @@ nlohmann::json to_json(const Report& report) {
           {"cells_checked", report.certificate.n_cells_checked},
           {"families_rebuilt", report.closure.families_rebuilt},
           {"families_kept", report.closure.families_kept},
+          {"floor_cost", report.floor_cost},
           {"off_surface_nodes", report.certificate.n_off_surface},
           {"off_facets_nodes", report.certificate.n_off_facets},
           {"level0",
