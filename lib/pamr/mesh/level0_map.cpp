@@ -10,7 +10,6 @@
 
 #include "pamr/base/index.hpp"
 #include "pamr/geometry/plane.hpp"
-#include "pamr/geometry/shared_edges.hpp"
 #include "pamr/mesh/tet.hpp"
 #include "pamr/par/exchange.hpp"
 
@@ -102,8 +101,7 @@ namespace {
 bool ends_somewhere(const MeshInfo& info, const Level0Cell& cell) {
   const auto ends = [&](std::int32_t patch) {
     const auto* surface = patch < 0 ? nullptr : info.surface_of(patch);
-    return surface != nullptr &&
-           (surface->creases() != nullptr || dynamic_cast<const geometry::SharedEdges*>(surface) != nullptr);
+    return surface != nullptr && surface->creases() != nullptr;
   };
   for (std::size_t e = 0; e < 6; ++e)
     if (is_end_of_patch(cell, e) || ends(cell.edge_patch[e][0])) return true;
