@@ -187,6 +187,13 @@ void treat_ears(cli::Session& session, const Options& options, mesh::DistMesh& m
   if (is_refined || (!has_new_surfaces && !repair)) return;
   const auto ears = meshing::find_wall_ears(comm, mesh);
   report["wall_ears"] = ears.count;
+  report["rim_ears"] = ears.n_at_rims;
+  if (ears.n_at_rims > 0)
+    session.warn(fmt::format(
+        "{} boundary faces beside a curved wall have two edges on its rim: cells behind them lose a third of "
+        "their mean ratio at every refinement; make level 0 with shorter edges at the rim, so that no "
+        "triangle has two of them",
+        ears.n_at_rims));
   if (!repair) {
     if (ears.count > 0)
       session.warn(

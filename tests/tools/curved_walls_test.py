@@ -12,6 +12,7 @@ from tool_run import of_full_level, run, run_tests, same_bytes
 
 sys.path.append(str(pathlib.Path(__file__).resolve().parents[2] / "qualification/validation"))
 import curved_walls  # noqa: E402
+import other_bodies  # noqa: E402
 
 DATA = pathlib.Path(__file__).resolve().parent / "data"
 
@@ -175,6 +176,14 @@ def test_a_mesh_refined_without_a_map_is_named_and_becomes_level_0():
     assert "without a map" not in told.err and told.json["level0"]["bent_cells"] > 0
     assert smallest_mean_ratio("fine.hdf") > 0.34 > 0.25 > smallest_mean_ratio("none.hdf")
     run("pamr-convert", "old.hdf", "old.vtu", "--as-level-0", code=2)
+
+
+def test_triangles_with_two_edges_on_a_rim_are_told():
+    other_bodies.by_cells(pathlib.Path("."), other_bodies.BODIES["disc-cylinder"](0.8))  # two on the floor, two on the lid
+
+    for ranks in (1, 3):
+        told = run("pamr-convert", "body.msh", "body.hdf", "--surfaces", "body.toml", "--force", "--json", "-", ranks=ranks)
+        assert told.json["rim_ears"] == 4 and "4 boundary faces beside a curved wall have two edges on its rim" in told.err, told.err
 
 
 def test_shape_that_walls_cost_is_told():

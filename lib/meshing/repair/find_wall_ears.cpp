@@ -127,8 +127,9 @@ bool is_smooth(const geometry::Surface& surface, Vec3 a, Vec3 c, Vec3 d) {
   return geometry::dot(surface.normal(a + look_ahead * (c - a)), surface.normal(a + look_ahead * (d - a))) > min_cosine;
 }
 
+/// `own_wall`: the one that the face lies in, -1: none.
 std::optional<Found> classify(const mesh::DistMesh& mesh, const Walls& walls, const EdgeTable& table,
-                              const std::array<LocalId, 3>& node) {
+                              const std::array<LocalId, 3>& node, int own_wall = -1) {
   Found found;
   for (std::size_t k = 0; k < 3; ++k) found.face[k] = mesh.node_global[at(node[k])];
   const auto id = found.face;
@@ -136,7 +137,8 @@ std::optional<Found> classify(const mesh::DistMesh& mesh, const Walls& walls, co
   for (std::size_t k = 0; k < 3; ++k) {
     const auto i = (k + 1) % 3, j = (k + 2) % 3;
     for (std::size_t wall = 0; wall < walls.curved.size(); ++wall) {
-      if (!table.is_in_wall(edge_of(id[k], id[i]), wall) || !table.is_in_wall(edge_of(id[k], id[j]), wall) ||
+      if (static_cast<int>(wall) == own_wall || !table.is_in_wall(edge_of(id[k], id[i]), wall) ||
+          !table.is_in_wall(edge_of(id[k], id[j]), wall) ||
           !is_smooth(*walls.curved[wall], mesh.point(node[k]), mesh.point(node[i]), mesh.point(node[j])))
         continue;
       if (const auto opposite = edge_of(id[i], id[j]); !table.is_in_boundary(opposite)) found.edge = opposite;
@@ -160,14 +162,24 @@ WallEars find_wall_ears(const par::Comm& comm, const mesh::DistMesh& mesh) {
   if (walls.curved.empty()) return ears;
 
   const auto bits = walls_of_nodes(comm, mesh, walls);
-  std::vector<std::array<LocalId, 3>> candidate;
+  struct Candidate {
+    std::array<LocalId, 3> node;
+    int own_wall = -1;
+  };
+  std::vector<Candidate> candidate, in_boundary;
   std::vector<Edge> asked;
-  for_each_face(mesh, false, [&](LocalId c, std::size_t slot) {
-    const auto node = nodes_of_face(mesh, c, slot);
-    if ((bits[at(node[0])] & bits[at(node[1])] & bits[at(node[2])]) == 0) return;
-    candidate.push_back(node);
+  const auto look_at = [&](const Candidate& face, std::vector<Candidate>& list) {
+    const auto& node = face.node;
+    const auto own = face.own_wall < 0 ? 0 : std::uint64_t{1} << (at(face.own_wall) % 64);
+    if ((bits[at(node[0])] & bits[at(node[1])] & bits[at(node[2])] & ~own) == 0) return;
+    list.push_back(face);
     for (std::size_t k = 0; k < 3; ++k)
       asked.push_back(edge_of(mesh.node_global[at(node[k])], mesh.node_global[at(node[(k + 1) % 3])]));
+  };
+  for_each_face(mesh, false, [&](LocalId c, std::size_t slot) { look_at({nodes_of_face(mesh, c, slot)}, candidate); });
+  for_each_face(mesh, true, [&](LocalId c, std::size_t slot) {
+    const auto wall = walls.of_patch[at(mesh::slot_to_patch(mesh.cell_to_cell[at(c)][slot]))];
+    look_at({nodes_of_face(mesh, c, slot), wall}, in_boundary);
   });
   sort_unique(asked);
   asked = gather_few(comm, std::move(asked));
@@ -175,8 +187,11 @@ WallEars find_wall_ears(const par::Comm& comm, const mesh::DistMesh& mesh) {
   const EdgeTable table(comm, mesh, walls, std::move(asked));
 
   std::vector<Found> found;
-  for (const auto& node : candidate)
-    if (const auto ear = classify(mesh, walls, table, node)) found.push_back(*ear);
+  for (const auto& face : candidate)
+    if (const auto ear = classify(mesh, walls, table, face.node)) found.push_back(*ear);
+  ears.n_at_rims = comm.sum(std::count_if(in_boundary.begin(), in_boundary.end(), [&](const Candidate& face) {
+    return classify(mesh, walls, table, face.node, face.own_wall).has_value();
+  }));
   found = gather_few(comm, std::move(found));
   std::vector<Face> all;
   for (const auto& ear : found) {  // one on a rank border comes from both sides

@@ -20,11 +20,14 @@ struct WallEars {
   std::vector<std::array<GlobalId, 2>> edge;  ///< inner edges opposite the corner a (here cd), ascending
   std::vector<std::array<GlobalId, 3>> face;  ///< ears whose third edge lies in the boundary too, ascending
   std::int64_t count = 0;                     ///< ears; several may have one edge
+  /// Faces in the boundary, but not in that wall, with two edges in it (a chord of a round lid cuts off two edges of its
+  /// rim): cells behind them lose shape as behind ears, and are not opened.
+  std::int64_t n_at_rims = 0;
 };
 
 /// Finds them. Walls are patches on a surface that is not flat; two edges count where the surface's normals along
 /// them, next to their common node, agree to 18 degrees. Collective: borders, one exchange, two small gatherings. Cost
-/// O(cells) time; every rank gets the inner faces with three nodes on one wall, which are few.
+/// O(cells) time; every rank gets the faces with three nodes on one wall that they do not lie in, which are few.
 WallEars find_wall_ears(const par::Comm& comm, const mesh::DistMesh& mesh);
 
 }  // namespace pamr::meshing
