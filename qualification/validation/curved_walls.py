@@ -3,18 +3,26 @@
 
     curved_walls.py BIN_FOLDER [--cases NAME,...] [--sizes H,...] [--mesher pamr|gmsh] [--repair] [--levels N] [--max-cells N]
                     [--layers N] [--ranks N] [--keep DIR]
+    curved_walls.py BIN_FOLDER --others [NAME,...] [--sizes H,...] [--seeds N] [--policy NAME] [--levels N] [--max-cells N] [--keep DIR]
 
 A row a body and size: cells of the last level, the smallest mean ratio of each level, closure families that were kept, nodes that
 are off their surface, errors of area and volume at the last level with their orders. Exit code 1 when a cell is inverted, a
 flagged cell is not split, or a node on a sharp edge is off it.
+
+With --others: bodies of other_bodies.py under random marks and marks at the wall, in memory by the Python package beside BIN_FOLDER, two rows a
+body and size. h/R is that of the longest edge for how it is curved, the bound the smallest mean ratio at level 0 and after splitting
+everything into eight, three times. Exit code 1 where a cell is inverted, other ranks give other bytes, coarsening does not give level 0
+back, or, for h/R up to 1.05, a shape misses its bar, a node is off its surface or a family is kept.
 """
 import argparse
 import json
 import math
+import os
 import pathlib
 import subprocess
 import sys
 import tempfile
+import time
 
 import h5py
 import numpy as np
@@ -22,6 +30,7 @@ import numpy as np
 sys.path.append(str(pathlib.Path(__file__).resolve().parents[2] / "tools/picture"))
 from tet import FACE_TO_CORNER  # noqa: E402
 
+import other_bodies
 import wall_cases
 
 HEAD = ("body", "h/R", "level", "cells", "smallest mean ratio, levels 0, 1, ...", "kept", "off", "area error", "order",
@@ -30,7 +39,7 @@ HEAD = ("body", "h/R", "level", "cells", "smallest mean ratio, levels 0, 1, ..."
 
 def arguments():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("bin", type=pathlib.Path)
+    parser.add_argument("bin", type=lambda text: pathlib.Path(text).resolve())
     parser.add_argument("--cases", default=",".join([*wall_cases.CASES, "blunt-cone"]))
     parser.add_argument("--sizes", default="0.4,0.8,1.2,1.6,2.0", help="edges at the wall / smallest radius of curvature")
     parser.add_argument("--mesher", choices=("pamr", "gmsh"), default="pamr")
@@ -39,6 +48,9 @@ def arguments():
     parser.add_argument("--max-cells", type=int, default=600_000, help="no level with more")
     parser.add_argument("--layers", type=int, default=1, help="layers of cells that are split at the wall")
     parser.add_argument("--ranks", type=int, default=1)
+    parser.add_argument("--others", nargs="?", const="all", help="bodies of other_bodies.py")
+    parser.add_argument("--seeds", type=int, default=4, help="of --others: of random marks, a fifth of all cells at each level")
+    parser.add_argument("--policy", choices=("removable", "isotropic", "short-edge", "none"), default="removable", help="of --others")
     parser.add_argument("--keep", type=pathlib.Path, help="leave the meshes in this folder")
     return parser.parse_args()
 
@@ -69,9 +81,7 @@ def make_level_0(call, name, size, mesher, folder, repair=False):
     if case.geo:
         (folder / "body.geo").write_text(case.geo)
         (folder / "body.toml").write_text(case.surfaces)
-        done = subprocess.run(["gmsh", "-3", "-v", "2", "body.geo", "-o", "body.msh"], cwd=folder, capture_output=True, text=True)
-        if not (folder / "body.msh").exists():
-            raise RuntimeError(f"gmsh: {done.stdout} {done.stderr}")
+        other_bodies.run_gmsh(folder, "gmsh.open('body.geo')")
         call("pamr-convert", folder / "body.msh", mesh, "--surfaces", folder / "body.toml", "--force", "--quiet",
              "--repair" if repair else "--no-repair")
     else:
@@ -198,8 +208,129 @@ def run(options, name, size, folder):
     return sound
 
 
+def shape_bar(h, bound):
+    """What the smallest mean ratio must reach at every level, by edges over the radius and what splitting everything gives."""
+    return min(0.29, 0.95 * bound) if h <= 0.8 else min(0.24, 0.9 * bound)
+
+
+def mean_ratios(mesh):
+    p = mesh.points[mesh.cells]
+    volume = np.linalg.det(p[:, 1:] - p[:, :1]) / 6
+    edges = sum(((p[:, i] - p[:, j])**2).sum(axis=1) for i in range(4) for j in range(i))
+    return np.sign(volume) * 12 * (3 * np.abs(volume))**(2 / 3) / edges
+
+
+def curved_patches(mesh):
+    """By number, those whose nodes lie in no plane."""
+    faces = mesh.boundary_faces()
+    nodes = [mesh.points[np.unique(faces.nodes[faces.patches == p])] for p in range(len(mesh.patches))]
+    return [p for p, x in enumerate(nodes) if len(x) and np.linalg.svd(x - x.mean(axis=0), compute_uv=False)[-1] > 1e-6 * np.ptp(x)]
+
+
+def largest_edge(mesh, fine):
+    """Of the edges in curved walls, over their radius of curvature: eight times the distance of the new node over the length."""
+    if "level0_key" not in fine.node_fields:
+        return 0.0
+    faces = mesh.boundary_faces()
+    triangles = np.sort(mesh.node_numbers[faces.nodes[np.isin(faces.patches, curved_patches(mesh))]], axis=1)
+    point = dict(zip(mesh.node_numbers.tolist(), mesh.points))
+    edges = {tuple(edge) for edge in np.concatenate([triangles[:, k] for k in ([0, 1], [0, 2], [1, 2])]).tolist()}
+    key = fine.node_fields["level0_key"]
+    middles = np.flatnonzero((key[:, 1] >= 0) & (key[:, 2] < 0))
+    ends = {tuple(sorted(key[i, :2].tolist())): i for i in middles}
+    return max(8 * np.linalg.norm(fine.points[ends[a, b]] - (point[a] + point[b]) / 2) / np.linalg.norm(point[a] - point[b])
+               for a, b in edges if (a, b) in ends)
+
+
+def is_undone(pamr, mesh, first):
+    """Whether coarsening gives level 0 back, bit for bit but for nodes that refining moved because they were off their surface."""
+    for _ in range(16):
+        if mesh.n_cells == first.n_cells:
+            break
+        mesh = pamr.adapt(mesh, np.full(len(mesh.cells), -1)).mesh
+    stays = first.node_fields["off_surface"] == 0 if "off_surface" in first.node_fields else slice(None)
+    return (all(np.array_equal(getattr(mesh, name), getattr(first, name)) for name in ("cells", "cell_to_cell", "levels"))
+            and np.array_equal(mesh.points[stays], first.points[stays]) and "level0_key" not in mesh.node_fields)
+
+
+def same_on_ranks(options, first, folder):
+    """Whether 1 and 3 ranks write the same bytes after two levels of random marks."""
+    rng = np.random.default_rng(0)
+    for level in range(2):
+        first.cell_fields["refine"] = (rng.random(first.n_cells) < 0.2).astype(np.int8)
+        first.write(folder / "marked.hdf")
+        for ranks in (1, 3):
+            command = ["mpirun", "-q", "-n", str(ranks), str(options.bin / "pamr-refine"), "marked.hdf", "-o", f"on{ranks}.hdf", "--force", "--quiet"]
+            subprocess.run(command, cwd=folder, env=dict(os.environ), check=True, capture_output=True)  # without what MPI adds here
+        if (folder / "on1.hdf").read_bytes() != (folder / "on3.hdf").read_bytes():
+            return False
+        first = type(first).read(first.comm, folder / "on1.hdf")
+    return True
+
+
+def run_other(options, pamr, comm, name, size, folder):
+    """Prints the rows of one body; true where nothing was broken."""
+    call, how = caller(options), {"quality_control": options.policy}
+    first = pamr.Mesh.read(comm, other_bodies.make(call, name, size, folder))
+    bound, mesh = mean_ratios(first).min(), first
+    start, walls = bound, [-1 - p for p in curved_patches(first)]
+    for level in range(3):
+        if mesh.n_cells > options.max_cells / 2:
+            break
+        mesh = pamr.refine(mesh, np.ones(mesh.n_cells, bool)).mesh
+        bound = min(bound, mean_ratios(mesh).min())
+        h = h if level else largest_edge(first, mesh)
+    sound = True
+    for marks, seeds in (("random", range(options.seeds)), ("wall", [0])):
+        began, faults, smallest, most = time.process_time(), np.zeros(3, int), [1.0] * options.levels, 0
+        for seed in seeds:
+            rng, mesh = np.random.default_rng(seed), first
+            for level in range(options.levels):
+                flags = rng.random(mesh.n_cells) < 0.2 if marks == "random" else np.isin(mesh.cell_to_cell, walls).any(axis=1)
+                result = pamr.refine(mesh, flags, **how)
+                mesh, said = result.mesh, result.report
+                smallest[level] = min(smallest[level], mean_ratios(mesh).min())
+                faults += [said["off_surface_nodes"], said["families_kept"], 0]
+                if mesh.n_cells > options.max_cells:
+                    break
+            faults[2] += pamr.quality(mesh)["inverted_cells"]
+            most = max(most, mesh.n_cells)
+        smallest = [q for q in smallest if q < 1]
+        seconds = time.process_time() - began
+        holds = faults[2] == 0 and (h > 1.05 or (faults.sum() == 0 and min(smallest) >= shape_bar(h, bound)))
+        holds = holds and (h > 0.8 or len(smallest) < 4 or smallest[-1] >= 0.95 * smallest[2])
+        if options.policy == "removable" and marks == "random":
+            holds = holds and is_undone(pamr, mesh, first) and same_on_ranks(options, first, folder)
+        row = [name, round(h, 2), marks, f"{start:.3f}", f"{bound:.3f}", ", ".join(f"{q:.3f}" for q in smallest),
+               ", ".join(map(str, faults)), f"{most:,}", f"{seconds:.0f}", "yes" if holds else "NO"]
+        print("| " + " | ".join(map(str, row)) + " |", flush=True)
+        sound = sound and holds
+    return sound
+
+
+def run_others(options):
+    """True where nothing was broken."""
+    sys.path.insert(0, str(options.bin.parent / "python"))
+    import pamr  # of the same build
+    from mpi4py import MPI
+    head = ("body", "h/R", "marks", "level 0", "bound", "smallest mean ratio, levels 1, 2, ...", "off, kept, inverted", "cells, at most",
+            "s", "holds")
+    print("| " + " | ".join(head) + " |\n|" + "---|" * len(head))
+    sound = True
+    for name in other_bodies.BODIES if options.others == "all" else options.others.split(","):
+        for size in map(float, options.sizes.split(",")):
+            with tempfile.TemporaryDirectory() as folder:
+                try:
+                    sound = run_other(options, pamr, MPI.COMM_SELF, name, size, pathlib.Path(folder)) and sound
+                except (RuntimeError, pamr.Error) as error:
+                    print(f"\n{name}, h/R = {size}: {error}", flush=True)
+    return sound
+
+
 def main():
     options = arguments()
+    if options.others:
+        return 0 if run_others(options) else 1
     sound = True
     print("| " + " | ".join(HEAD) + " |\n|" + "---|" * len(HEAD))
     for name in options.cases.split(","):
