@@ -3,6 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <random>
+#include <vector>
+
+#include "pamr/mesh/level0_map.hpp"
+
 namespace pamr {
 namespace level0_key_test {
 
@@ -38,6 +43,28 @@ TEST(Level0Key, IsNotKnownBeyondFourNodesAnUnknownEndOrWhatCannotBeHalved) {
     ++n_halvings;
   }
   EXPECT_EQ(n_halvings, 63);
+}
+
+/// Nodes of the cell again and again halfway to others, until weights cannot be halved.
+TEST(Level0Key, HasTheMiddlesThatItsWeightsByTheCornersOfACellHave) {
+  mesh::Level0Cell cell;
+  cell.node = {8, 3, 9, 5};  // corners are in the order of coordinates, not of numbers
+  const mesh::Level0Map map({cell}, 1, {});
+  const auto weights = [&map](const Level0Key& key) { return map.weights(0, key); };
+  std::vector<Level0Key> keys;
+  for (const auto node : cell.node) keys.push_back(Level0Key::of_node(node));
+  std::mt19937 random(1);
+  int n_unknown = 0;
+  for (int i = 0; i < 300; ++i) {
+    const auto a = keys[random() % keys.size()], b = keys[keys.size() - 1 - random() % 4];
+    keys.push_back(middle(a, b));
+    EXPECT_EQ(weights(keys.back()), middle(weights(a), weights(b)));
+    n_unknown += keys.back().is_known() ? 0 : 1;
+  }
+
+  EXPECT_EQ(weights(Level0Key::of_node(9)), (mesh::CornerWeights{0, 0, std::int64_t{1} << 62, 0}));
+  EXPECT_EQ(weights(middle(Level0Key::of_node(9), Level0Key::of_node(4))), mesh::CornerWeights{});
+  EXPECT_TRUE(0 < n_unknown && n_unknown < 300);
 }
 
 }  // namespace level0_key_test
