@@ -245,10 +245,14 @@ BentCells find_bent_cells(const Level0& level0) {
   return bent;
 }
 
-/// The share of the curved walls in the Jacobian of a cell.
+/// What the energy knows of the curved walls. At corners of a cell it leaves them out: docs/coarse-walls.md.
 SampledRows residual_of(const mesh::Level0Map& map, LocalId cell) {
   SampledRows residual{};
-  for (std::size_t q = 0; q < sample_points.size(); ++q) residual[q] = residual_rows(map, cell, sample_points[q]);
+  for (std::size_t q = 0; q < sample_points.size(); ++q) {
+    const auto& at_point = sample_points[q];
+    if (std::find(at_point.begin(), at_point.end(), 1.0) == at_point.end())
+      residual[q] = residual_rows(map, cell, at_point);
+  }
   return residual;
 }
 
