@@ -280,6 +280,19 @@ std::vector<std::int8_t> read_flags(const par::Comm& comm, const mesh::DistMesh&
   return adapt::signed_flags_from_field(comm, mesh, options.marks);
 }
 
+/// Adapts the mesh; what is known of the map of level 0 is reported first. Collective.
+adapt::Result adapt_telling(const cli::Session& session, mesh::DistMesh mesh, std::span<const std::int8_t> flags,
+                            adapt::Options options, StepTimer& timer) {
+  auto ready = adapt::with_level0_map(session.comm(), std::move(mesh), flags, options.refinement);
+  tell_of_map(session, ready.level0);
+  timer.lap("preprocessing");
+  options.compares_floors = session.wants_report() || !session.options().quiet;
+  auto result = adapt::adapt(session.comm(), std::move(ready.mesh), flags, options);
+  result.report.certificate.n_moved += ready.level0.n_moved;
+  result.report.level0 = std::move(ready.level0);
+  return result;
+}
+
 cli::ExitCode work(cli::Session& session, const Options& options) {
   const auto& comm = session.comm();
   session.check_input(options.input);
@@ -311,15 +324,9 @@ cli::ExitCode work(cli::Session& session, const Options& options) {
   if (!options.no_project) keep_flat_patches(session, mesh);
 
   const auto walls_before = options.no_project ? check::WallShapes() : check::wall_shapes(comm, mesh, 0);
-  auto ready = with_file_name(options.input, [&] { return adapt::with_level0_map(comm, std::move(mesh), flags, how); });
-  tell_of_map(session, ready.level0);
-  timer.lap("preprocessing");
   auto result = with_file_name(options.input, [&] {
-    const bool is_told = session.wants_report() || !session.options().quiet;
-    return adapt::adapt(comm, std::move(ready.mesh), flags, {how, balancing, is_told});
+    return adapt_telling(session, std::move(mesh), flags, {how, balancing}, timer);
   });
-  result.report.certificate.n_moved += ready.level0.n_moved;
-  result.report.level0 = std::move(ready.level0);
   timer.skip();
   session.step(fmt::format("checking {} cells", result.mesh.info.n_global_cells));
   assess_cells(comm, result.mesh, options.shape_floor, measured);
