@@ -221,10 +221,13 @@ def mean_ratios(mesh):
 
 
 def curved_patches(mesh):
-    """By number, those whose nodes lie in no plane."""
-    faces = mesh.boundary_faces()
-    nodes = [mesh.points[np.unique(faces.nodes[faces.patches == p])] for p in range(len(mesh.patches))]
-    return [p for p, x in enumerate(nodes) if len(x) and np.linalg.svd(x - x.mean(axis=0), compute_uv=False)[-1] > 1e-6 * np.ptp(x)]
+    """By number, those on a surface whose nodes lie in no plane."""
+    faces, curved = mesh.boundary_faces(), []
+    for p, name in enumerate(mesh.patches):
+        x = mesh.points[np.unique(faces.nodes[faces.patches == p])]
+        if name in mesh.surfaces and np.linalg.svd(x - x.mean(axis=0), compute_uv=False)[-1] > 1e-6 * np.ptp(x):
+            curved.append(p)
+    return curved
 
 
 def largest_edge(mesh, fine):

@@ -180,7 +180,7 @@ def by_distance(*walls):
 
 def saddle(h, turn=False):
     """A block under z = 1 + (x^2 - y^2) / 2, whose radius is 1, or under z = 1.5 + x y."""
-    n = max(1, round(2 / h))
+    n = max(2, round(2 / h))
     top = (lambda x, y: 1.5 + x * y) if turn else (lambda x, y: 1 + 0.5 * (x * x - y * y))
 
     def place(u, v, w):
