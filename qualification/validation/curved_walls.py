@@ -278,7 +278,7 @@ def run_other(options, pamr, comm, name, size, folder):
     bound, mesh = mean_ratios(first).min(), first
     start, walls = bound, [-1 - p for p in curved_patches(first)]
     for level in range(3):
-        if mesh.n_cells > options.max_cells / 2:
+        if level and mesh.n_cells > options.max_cells / 2:
             break
         mesh = pamr.refine(mesh, np.ones(mesh.n_cells, bool)).mesh
         bound = min(bound, mean_ratios(mesh).min())
