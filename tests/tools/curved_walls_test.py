@@ -214,15 +214,14 @@ def test_walls_of_a_step_file_that_meet_in_a_sharp_edge_keep_shapes():
     walls = ("surface_1", "surface_2")  # without the flat ends
 
     mesh = "level0.hdf"
-    for level in (1, 2):
-        for ranks in (1, 3):
-            run("pamr-mark", mesh, "-o", "marked.hdf", *(word for wall in walls for word in ("--patch", wall)), "--force", "--quiet", serial=True)
-            told = run("pamr-refine", "marked.hdf", "-o", f"on{ranks}.hdf", "--force", "--json", "-", ranks=ranks)
-        assert same_bytes("on1.hdf", "on3.hdf")
+    for level, ranks in ((1, 1), (2, 3)):
+        run("pamr-mark", mesh, "-o", "marked.hdf", *(word for wall in walls for word in ("--patch", wall)), "--force", "--quiet", serial=True)
         mesh = f"level{level}.hdf"
-        pathlib.Path("on1.hdf").rename(mesh)
+        told = run("pamr-refine", "marked.hdf", "-o", mesh, "--json", "-", ranks=ranks)
         assert smallest_mean_ratio(mesh) > 0.8 * 0.29 and told.json["off_surface_nodes"] == 0 == told.json["families_kept"]
         assert "folds" not in told.err, told.err
+    run("pamr-refine", "marked.hdf", "-o", "alone.hdf", "--quiet", serial=True)
+    assert same_bytes(mesh, "alone.hdf")
 
 
 SECOND = {"area error": 1.8, "volume error": 1.7}
