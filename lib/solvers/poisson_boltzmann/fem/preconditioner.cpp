@@ -72,6 +72,12 @@ void set_preconditioner(KSP solver, Preconditioner preconditioner) {
     if (is_ours[i]) require(PetscOptionsClearValue(nullptr, multigrid_options[i].first));
 }
 
+void keep_symmetric(KSP solver) {
+  PC pc = nullptr;
+  require(KSPGetPC(solver, &pc));
+  require(PCASMSetType(pc, PC_ASM_BASIC));  // of others PETSc takes no notice
+}
+
 void keep_hierarchy(SNES newton) {
   KSP solver = nullptr;
   PC pc = nullptr;

@@ -23,6 +23,10 @@ const char* name_of(Preconditioner preconditioner);
 /// level of aggressive coarsening, short interpolation, a sweep forward and one backward. Collective.
 void set_preconditioner(KSP solver, Preconditioner preconditioner);
 
+/// To be called once the user's options are set: additive Schwarz becomes the symmetric kind, since conjugate gradients
+/// need one; PETSc's default is not, and may not converge. Collective.
+void keep_symmetric(KSP solver);
+
 /// Newton's steps change the diagonal alone, most of it in few places, so that one multigrid hierarchy serves all
 /// steps: tells PETSc so if the solver still has that preconditioner and the user has no wish. Collective.
 void keep_hierarchy(SNES newton);

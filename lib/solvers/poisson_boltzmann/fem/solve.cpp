@@ -111,6 +111,7 @@ void System::configure(SNES snes) {
   require(SNESGetLineSearch(snes, &search));
   require(SNESLineSearchSetType(search, SNESLINESEARCHBT));
   require_options(SNESSetFromOptions(snes));
+  keep_symmetric(ksp);
   keep_hierarchy(snes);
 }
 
@@ -369,6 +370,7 @@ KSP System::dual_solver() {
     require(KSPCreate(comm_.handle(), dual_.address()));
     configure(dual_);
     require_options(KSPSetFromOptions(dual_));
+    keep_symmetric(dual_);
   }
   return dual_;
 }
