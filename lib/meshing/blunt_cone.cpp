@@ -145,11 +145,11 @@ constexpr std::array<GeometryLimit, 2> geometry_limits{{{"outer_radius", &BluntC
                                                         {"outflow", &BluntConeGeometry::outflow, 20e-3, 0.2}}};
 
 template <typename Limits, typename Values>
-void require_within(const Limits& limits, const Values& values, const char* kind) {
-  for (const auto& limit : limits)
-    if (const double value = values.*limit.value; !(value >= limit.low && value <= limit.high))
-      throw Error(fmt::format("expected {}{} of blunt-cone between {:g} and {:g}, found {:g}", kind, limit.name,
-                              limit.low, limit.high, value));
+void require_within(const Limits& ranges, const Values& values, const char* kind) {
+  for (const auto& range : ranges)
+    if (const double value = values.*range.value; !(value >= range.low && value <= range.high))
+      throw Error(fmt::format("expected {}{} of blunt-cone between {:g} and {:g}, found {:g}", kind, range.name,
+                              range.low, range.high, value));
 }
 
 }  // namespace
