@@ -80,7 +80,7 @@ class Splitter {
   const std::array<mesh::WorstPlace, n_levels + 1>& worst() const { return worst_; }
 
  private:
-  static constexpr std::size_t size = (n_parts + 1) * (n_parts + 1) * (n_parts + 1);
+  static constexpr std::size_t a_side = n_parts + 1, size = a_side * a_side * a_side;
 
   void add(const geometry::TetPoints& p, int level) {
     auto& worst = worst_[at(level)];
