@@ -74,7 +74,10 @@ void set_preconditioner(KSP solver, Preconditioner preconditioner) {
 
 void keep_symmetric(KSP solver) {
   PC pc = nullptr;
+  PetscBool is_tfs = PETSC_FALSE;
   require(KSPGetPC(solver, &pc));
+  require(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(pc), PCTFS, &is_tfs));
+  if (is_tfs == PETSC_TRUE) refuse_solver_options("PETSc says nothing of a matrix that tfs cannot take, and crashes");
   require(PCASMSetType(pc, PC_ASM_BASIC));  // of others PETSc takes no notice
 }
 

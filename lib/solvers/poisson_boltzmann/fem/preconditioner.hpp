@@ -24,7 +24,7 @@ const char* name_of(Preconditioner preconditioner);
 void set_preconditioner(KSP solver, Preconditioner preconditioner);
 
 /// To be called once the user's options are set: additive Schwarz becomes the symmetric kind, since conjugate gradients
-/// need one; PETSc's default is not, and may not converge. Collective.
+/// need one; PETSc's default is not, and may not converge. Throws `Error` for the one that crashes, tfs. Collective.
 void keep_symmetric(KSP solver);
 
 /// Newton's steps change the diagonal alone, most of it in few places, so that one multigrid hierarchy serves all
