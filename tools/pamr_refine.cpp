@@ -147,7 +147,7 @@ void warn_nothing_goes(const cli::Session& session, const adapt::CoarseningRepor
 
 std::string place_text(geometry::Vec3 p) { return fmt::format("({:.6g}, {:.6g}, {:.6g})", p.x, p.y, p.z); }
 
-/// What is known of the map of level 0, which was made for coarse walls.
+/// Notes and warnings about the map of level 0 that was made for coarse walls.
 void tell_of_map(const cli::Session& session, const curved::Level0Report& level0) {
   if (level0.n_moved > 0)
     session.note(
@@ -168,11 +168,13 @@ void tell_of_map(const cli::Session& session, const curved::Level0Report& level0
 }
 
 /// What later levels can make of the shapes, also in the report. Collective.
-check::ShapeBound bound_shapes(const cli::Session& session, const mesh::DistMesh& mesh, double shape_floor,
+check::ShapeBound bound_shapes(const cli::Session& session, const adapt::ReadyMesh& ready, double shape_floor,
                                nlohmann::json& report) {
+  const auto& mesh = ready.mesh.get();
   auto bound = check::shape_bound(session.comm(), mesh, shape_floor);
   if (mesh::has_level0(mesh)) {
-    const auto shapes = curved::level0_shapes(session.comm(), *mesh.info.level0);
+    const bool is_new = ready.level0.n_bent_cells > 0;
+    const auto shapes = is_new ? ready.level0.shapes : curved::level0_shapes(session.comm(), *mesh.info.level0);
     report["level0"]["shapes"] = adapt::to_json(shapes);
     bound.of_uniform_levels = std::min(bound.of_uniform_levels, shapes.all_splits.value);
     bound.of_all_levels = std::min(bound.of_all_levels, shapes.all_splits.value);
@@ -222,7 +224,7 @@ cli::ExitCode report_forecast(cli::Session& session, const mesh::DistMesh& input
     report["coarsening"] = to_json(forecast.coarsening);
     warn_nothing_goes(session, forecast.coarsening);
   } else {
-    const auto bound = bound_shapes(session, mesh, options.shape_floor, report);
+    const auto bound = bound_shapes(session, ready, options.shape_floor, report);
     if (show_floors) shapes += fmt::format("; splitting into eight alone: mean ratio {:.4f}", bound.of_uniform_levels);
     if (options.quality_control == refine::QualityControl::removable) {
       report["shape_bound"] = bound.of_all_levels;
@@ -280,17 +282,14 @@ std::vector<std::int8_t> read_flags(const par::Comm& comm, const mesh::DistMesh&
   return adapt::signed_flags_from_field(comm, mesh, options.marks);
 }
 
-/// Adapts the mesh; what is known of the map of level 0 is reported first. Collective.
+/// Adapts the mesh; notes and warnings about the map of level 0 come first. Collective.
 adapt::Result adapt_telling(const cli::Session& session, mesh::DistMesh mesh, std::span<const std::int8_t> flags,
                             adapt::Options options, StepTimer& timer) {
   auto ready = adapt::with_level0_map(session.comm(), std::move(mesh), flags, options.refinement);
   tell_of_map(session, ready.level0);
   timer.lap("preprocessing");
   options.compares_floors = session.wants_report() || !session.options().quiet;
-  auto result = adapt::adapt(session.comm(), std::move(ready.mesh), flags, options);
-  result.report.certificate.n_moved += ready.level0.n_moved;
-  result.report.level0 = std::move(ready.level0);
-  return result;
+  return adapt::adapt_ready(session.comm(), std::move(ready), flags, options);
 }
 
 cli::ExitCode work(cli::Session& session, const Options& options) {

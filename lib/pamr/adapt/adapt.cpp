@@ -93,12 +93,10 @@ Result as_it_is(mesh::DistMesh mesh, const refine::Options& options) {
   return result;
 }
 
-/// Ready the mesh, coarsen, close, balance, split, finish.
-Result adapt_once(const par::Comm& comm, GivenMesh mesh, std::span<const std::int8_t> flags, const Options& options,
-                  StepTimer& timer) {
-  const bool cells_move = !mesh.is_lent();
-  auto ready = with_level0_map(comm, std::move(mesh), flags, options.refinement);
-  timer.lap("preprocessing");
+/// Coarsen, close, balance, split, finish.
+Result adapt_once(const par::Comm& comm, ReadyMesh ready, bool cells_move, std::span<const std::int8_t> flags,
+                  const Options& options, StepTimer& timer) {
+  const std::array<GlobalId, 2> sizes{ready.mesh.get().info.n_global_cells, ready.mesh.get().info.n_global_nodes};
   auto taken = take_back(comm, std::move(ready.mesh), flags, options.refinement, timer);
   const auto coarsening = taken.report;
   auto merged = std::exchange(taken.merged, {});
@@ -114,6 +112,9 @@ Result adapt_once(const par::Comm& comm, GivenMesh mesh, std::span<const std::in
   result.report.level0 = std::move(ready.level0);
   result.coarsening = coarsening;
   result.merged = std::move(merged);
+  result.report.cells_in = sizes[0];
+  result.report.nodes_in = sizes[1];
+  PAMR_ENSURES_AUDIT(validate::validate(comm, result.mesh).empty());
   return result;
 }
 
@@ -122,11 +123,20 @@ Result adapt_once(const par::Comm& comm, GivenMesh mesh, std::span<const std::in
 Result adapt(const par::Comm& comm, GivenMesh mesh, std::span<const std::int8_t> flags, const Options& options) {
   const auto traffic = comm.traffic();
   StepTimer timer([&] { return comm.traffic(); });
-  const std::array<GlobalId, 2> sizes{mesh.get().info.n_global_cells, mesh.get().info.n_global_nodes};
-  auto result = adapt_once(comm, std::move(mesh), flags, options, timer);
-  PAMR_ENSURES_AUDIT(validate::validate(comm, result.mesh).empty());
-  result.report.cells_in = sizes[0];
-  result.report.nodes_in = sizes[1];
+  const bool cells_move = !mesh.is_lent();
+  auto ready = with_level0_map(comm, std::move(mesh), flags, options.refinement);
+  timer.lap("preprocessing");
+  auto result = adapt_once(comm, std::move(ready), cells_move, flags, options, timer);
+  result.report.steps = timer.steps();
+  result.report.traffic = comm.traffic() - traffic;
+  return result;
+}
+
+Result adapt_ready(const par::Comm& comm, ReadyMesh ready, std::span<const std::int8_t> flags, const Options& options) {
+  PAMR_EXPECTS(!ready.mesh.is_lent());
+  const auto traffic = comm.traffic();
+  StepTimer timer([&] { return comm.traffic(); });
+  auto result = adapt_once(comm, std::move(ready), true, flags, options, timer);
   result.report.steps = timer.steps();
   result.report.traffic = comm.traffic() - traffic;
   return result;

@@ -25,7 +25,8 @@ struct Report {
   std::int64_t marked_not_split = 0;  ///< cells flagged and not too deep that the result holds unsplit; always 0
   std::int64_t marked_too_deep = 0;   ///< flagged cells that stay, because they have the deepest level (`max_level`)
   curved::Level0Report level0;        ///< of the map that was made for coarse walls, if one was
-  /// Share of cells that the default shape floor adds at coarse walls to those of a floor of 0.3, at least about, if asked for: `floor_cost`.
+  /// Share of cells that the default shape floor adds at coarse walls to those of a floor of 0.3, at least about, if
+  /// asked for: `floor_cost`.
   double floor_cost = 0;
   refine::ClosureReport closure;
   refine::Certificate certificate;  ///< of the nodes that were put onto surfaces
@@ -77,6 +78,12 @@ struct Result {
 /// whatever the balancing. Memory at the peak: the old mesh, the new one, and about 40 bytes for each cell that is
 /// split, or 50 for each old cell where cells may be coarsened.
 Result adapt(const par::Comm& comm, GivenMesh mesh, std::span<const std::int8_t> flags, const Options& options = {});
+
+struct ReadyMesh;
+
+/// `adapt` of a mesh that was handed to `with_level0_map`, whose report the caller wants first. Collective.
+Result adapt_ready(const par::Comm& comm, ReadyMesh ready, std::span<const std::int8_t> flags,
+                   const Options& options = {});
 
 /// `adapt` where no cell may be coarsened: every cell with a nonzero flag is split. Collective.
 Result refine(const par::Comm& comm, GivenMesh mesh, std::span<const std::uint8_t> flags,

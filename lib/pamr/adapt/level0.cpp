@@ -47,8 +47,7 @@ curved::Level0Report make_map(const par::Comm& comm, mesh::DistMesh& mesh, refin
   if (found.any_stays && report.n_coarse_edges > 0)
     report.trouble =
         "nodes of level 0 lie off their coarse walls and stay there, farther off than a hundredth of an edge or beside "
-        "a "
-        "patch without a surface (pamr-convert --surfaces FILE --tolerance D records nodes within D, which are then "
+        "a patch without a surface (pamr-convert --surfaces FILE --tolerance D records nodes within D, which are then "
         "moved)";
   return report;
 }

@@ -28,7 +28,7 @@ struct Measured {
 nlohmann::json to_json(const Report& report);
 /// Counts of coarsening, by the keys of docs/coarsening.md. Local.
 nlohmann::json to_json(const CoarseningReport& report);
-/// What is known of a map of level 0, by the keys of docs/tools/pamr-refine.md. Local.
+/// The shapes that a map of level 0 makes, by the keys of docs/tools/pamr-refine.md. Local.
 nlohmann::json to_json(const curved::Level0Shapes& shapes);
 
 /// The JSON report of docs/tools/pamr-refine.md, complete on every rank: `to_json(report)` and what was measured.

@@ -21,7 +21,7 @@ double smallest_child(const mesh::Level0Map& map, LocalId cell);
 /// Smallest mean ratio of the Jacobian of the map at `sample_points` of all bent cells, walls included. Collective.
 mesh::WorstPlace sampled_jacobian(const par::Comm& comm, const mesh::Level0Map& map);
 
-/// What is known of the shapes that a map of level 0 makes before anything is split; the same on any number of ranks.
+/// The shapes that a map of level 0 makes, before anything is split; the same on any number of ranks.
 struct Level0Shapes {
   static constexpr int n_levels = 3;  ///< that are looked at
 

@@ -245,7 +245,7 @@ BentCells find_bent_cells(const Level0& level0) {
   return bent;
 }
 
-/// What the energy knows of the curved walls. At corners of a cell it leaves them out: docs/coarse-walls.md.
+/// The share of the curved walls in the Jacobian of a cell. Left out at its corners: docs/coarse-walls.md.
 SampledRows residual_of(const mesh::Level0Map& map, LocalId cell) {
   SampledRows residual{};
   for (std::size_t q = 0; q < sample_points.size(); ++q) {

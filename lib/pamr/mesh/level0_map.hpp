@@ -101,7 +101,7 @@ class Level0Map {
   Mapped onto_edge(LocalId cell, int edge, geometry::Vec3 from) const;
   /// `from`: the quadratic map at these barycentric coordinates.
   Mapped onto_face(LocalId cell, int face, const std::array<double, 4>& weight, geometry::Vec3 from) const;
-  /// What the curves that bound a face in a wall want beyond the quadratic map: C in the page.
+  /// The displacement by the curves that bound a face in a wall, beyond the quadratic map: C in the page.
   geometry::Vec3 bounds_residual(LocalId cell, int face, const std::array<double, 4>& weight) const;
 
   std::vector<Level0Cell> cells_;
