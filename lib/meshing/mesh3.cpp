@@ -214,10 +214,10 @@ Complex make_complex(const Domain& domain, const MeshDomain& mesh_domain, bool w
 double predicted_cells(const Domain& domain) {
   constexpr int n = 64;
   const double step = 2 * domain.radius / n;
+  const auto offset = [&](int i) { return (i + 0.5) * step - domain.radius; };
   double sum = 0;
   for (int i = 0; i < n * n * n; ++i) {
-    const geometry::Vec3 grid{i % n + 0.5 - n / 2, i / n % n + 0.5 - n / 2, i / n / n + 0.5 - n / 2};
-    const auto point = domain.center + step * grid;
+    const auto point = domain.center + geometry::Vec3{offset(i % n), offset(i / n % n), offset(i / (n * n))};
     if (label_of(domain, point) == gas) sum += std::pow(step / domain.size(point), 3);
   }
   return sum / 0.118;
