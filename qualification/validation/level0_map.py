@@ -116,24 +116,40 @@ class Map:
             result[here] = onto([w for w in dict.fromkeys(walls) if w is not None], x[here])
         return result
 
+    def to_bounds(self, w, f):
+        """What the edges of face f between two patches want beyond the quadratic part at weights within the face (C of the page)."""
+        wanted = np.zeros((len(self.points), 3))
+        for e in range(6):
+            a, b = EDGES[e]
+            if f in (a, b) or w[a] == 0 or w[b] == 0 or w[a] + w[b] <= 0:
+                continue
+            patches = self.edge_patches[:, e]
+            part = np.zeros(4)
+            part[[a, b]] = w[[a, b]] / (w[a] + w[b])
+            y = self.quadratic(part)
+            is_end = patches[:, :1] != patches[:, 1:]
+            wanted += np.where(is_end, (w[a] + w[b]) ** 2 * (self.on_walls(patches, y) - y), 0.0)
+        return wanted
+
     def residual(self, w):
         """What walls add at weights, which may lie outside of the cells; faces and edges in walls with these corners count."""
         support = {i for i in range(4) if w[i] != 0}
         faces = [f for f in range(4) if set(FACES[f]) <= support]
-        in_wall = [(FACES[f], np.stack([self.face_patches[:, f]] * 2, axis=1), 1.0) for f in faces]
+        in_wall = [(FACES[f], np.stack([self.face_patches[:, f]] * 2, axis=1), 1.0, f) for f in faces]
         for e in range(6):
             if set(EDGES[e]) <= support:
                 n_faces = sum((self.face_patches[:, f] >= 0).astype(float) for f in faces if set(EDGES[e]) <= set(FACES[f]))
-                in_wall.append((list(EDGES[e]), self.edge_patches[:, e], 1 - n_faces))
+                in_wall.append((list(EDGES[e]), self.edge_patches[:, e], 1 - n_faces, None))
         residual = np.zeros((len(self.points), 3))
-        for corners, patches, factor in in_wall:
+        for corners, patches, factor, face in in_wall:
             share = w[corners].sum()
             if share <= 0:
                 continue
             part = np.zeros(4)
             part[corners] = w[corners] / share
             y = self.quadratic(part)
-            residual += np.where(patches[:, 0] >= 0, factor * share**2, 0.0)[:, None] * (self.on_walls(patches, y) - y)
+            from_ = y if face is None else y + self.to_bounds(part, face)
+            residual += np.where(patches[:, 0] >= 0, factor * share**2, 0.0)[:, None] * (self.on_walls(patches, from_) - y)
         return residual
 
     def place(self, w):
@@ -142,9 +158,11 @@ class Map:
         x = self.quadratic(w)
         mapped = x + self.residual(w)
         if len(support) in (2, 3):  # of a face or an edge in a wall: just onto the wall
-            own = (np.stack([self.face_patches[:, 6 - sum(support)]] * 2, axis=1) if len(support) == 3 else
-                   self.edge_patches[:, EDGES.tolist().index(support)])
-            mapped = np.where(own[:, :1] >= 0, self.on_walls(own, x), mapped)
+            own, from_ = self.edge_patches[:, EDGES.tolist().index(support)] if len(support) == 2 else None, x
+            if len(support) == 3:
+                face = 6 - sum(support)
+                own, from_ = np.stack([self.face_patches[:, face]] * 2, axis=1), x + self.to_bounds(w, face)
+            mapped = np.where(own[:, :1] >= 0, self.on_walls(own, from_), mapped)
         straight = np.einsum("i,rik->rk", w, self.points)
         return np.where(self.is_bent[:, support].any(axis=1)[:, None], mapped, straight)
 
@@ -158,8 +176,12 @@ class Map:
                       (2 * step) if i != here else np.zeros((len(rows), 3)) for i in range(4)]
             added = [slopes[i] - slopes[0] for i in (1, 2, 3)]
         else:
-            added = [(self.residual(w + step * (unit[i] - unit[0])) - self.residual(w - step * (unit[i] - unit[0]))) / (2 * step)
-                     for i in (1, 2, 3)]
+            def slopes_at(w):
+                return np.stack([(self.residual(w + step * (unit[i] - unit[0])) - self.residual(w - step * (unit[i] - unit[0]))) /
+                                 (2 * step) for i in (1, 2, 3)])
+
+            ends = (self.edge_patches[..., 0] != self.edge_patches[..., 1]).any(axis=1)  # where walls end both steps lie inside
+            added = np.where(ends[:, None], slopes_at(w + 1e-3 * (0.25 - w)), slopes_at(w))
         return np.concatenate([np.zeros_like(rows[:, :1]), rows + np.stack(added, axis=1)], axis=1)
 
 
