@@ -174,7 +174,7 @@ void keep_flat_patches(cli::Session& session, const Options& options, mesh::Dist
   for (const auto& warning : mesh::warnings_of(mesh.info, undescribed)) session.warn(warning);
 }
 
-/// Opens inner faces with two edges on one curved wall, or warns of them. Collective.
+/// Opens faces with two edges on one curved wall, or warns of them. Collective.
 void treat_ears(cli::Session& session, const Options& options, mesh::DistMesh& mesh, nlohmann::json& report) {
   const auto& comm = session.comm();
   const bool is_refined =
@@ -186,32 +186,31 @@ void treat_ears(cli::Session& session, const Options& options, mesh::DistMesh& m
     throw Error("--repair: expected a mesh of level 0, found cells that were refined (--as-level-0 forgets that)");
   if (is_refined || (!has_new_surfaces && !repair)) return;
   const auto ears = meshing::find_wall_ears(comm, mesh);
-  report["wall_ears"] = ears.count;
+  report["wall_ears"] = ears.n_inside;
   report["rim_ears"] = ears.n_at_rims;
-  if (ears.n_at_rims > 0)
-    session.warn(fmt::format(
-        "{} boundary faces beside a curved wall have two edges on its rim: cells behind them lose a third of "
-        "their mean ratio at every refinement; make level 0 with shorter edges at the rim, so that no "
-        "triangle has two of them",
-        ears.n_at_rims));
-  if (!repair) {
-    if (ears.count > 0)
-      session.warn(
-          fmt::format("{} inner faces have two edges on one curved wall: cells behind them lose a third of their mean "
-                      "ratio at every refinement; --repair splits {} inner edges and {} inner faces and keeps the "
-                      "boundary",
-                      ears.count, ears.edge.size(), ears.face.size()));
-    return;
+  if (repair) {
+    report["split_edges"] = ears.edge.size();
+    report["split_faces"] = ears.face.size();
   }
-  report["split_edges"] = ears.edge.size();
-  report["split_faces"] = ears.face.size();
-  if (ears.count == 0) return;
+  if (ears.count() == 0) return;
+  std::string found;
+  if (ears.n_inside > 0) found = fmt::format("{} inner faces with two edges on one curved wall", ears.n_inside);
+  if (ears.n_at_rims > 0)
+    found += fmt::format("{}{} boundary faces with two edges on the rim of a curved wall", found.empty() ? "" : " and ",
+                         ears.n_at_rims);
+  if (ears.n_left > 0) found += fmt::format(" ({} in a curved or periodic patch, which are left)", ears.n_left);
+  const auto splits = fmt::format("{} edges and {} faces", ears.edge.size(), ears.face.size());
+  std::string cure = "make level 0 with shorter edges there";
+  if (ears.can_be_opened() && repair)
+    cure = fmt::format("{} were split, and the boundary keeps its shape{}", splits,
+                       options.repair ? "" : " (--no-repair splits nothing)");
+  else if (ears.can_be_opened())
+    cure = fmt::format("--repair splits {} and keeps the shape of the boundary", splits);
+  session.warn(
+      fmt::format("{}: cells behind them lose a third of their mean ratio at every refinement; {}", found, cure));
+  if (!repair || !ears.can_be_opened()) return;
   mesh = meshing::open_wall_ears(comm, std::move(mesh), ears);
   mesh.info.provenance += "; repaired at curved walls";
-  session.warn(fmt::format(
-      "{} inner faces had two edges on one curved wall, where cells lose a third of their mean ratio at "
-      "every refinement: {} inner edges and {} inner faces were split, the boundary is as it was{}",
-      ears.count, ears.edge.size(), ears.face.size(), options.repair ? "" : " (--no-repair splits nothing)"));
 }
 
 /// Gives the cells mid-edge nodes and says which edges could not follow their surface. Collective.

@@ -87,7 +87,7 @@ def test_an_import_splits_what_would_flatten_cells_at_a_curved_wall():
     arguments = ["pamr-convert", "ball.msh", "--surfaces", "ball.toml", "--json", "-"]
     told = run(*arguments, "as_is.hdf", "--no-repair")
     assert told.json["wall_ears"] == 4 and "split_edges" not in told.json
-    assert "--repair splits 1 inner edges and 0 inner faces and keeps the boundary" in told.err
+    assert "--repair splits 1 edges and 0 faces and keeps the shape of the boundary" in told.err
     reports = [run(*arguments, f"on{n}.hdf", ranks=n) for n in (1, 3)]
 
     for report in reports:
@@ -178,12 +178,18 @@ def test_a_mesh_refined_without_a_map_is_named_and_becomes_level_0():
     run("pamr-convert", "old.hdf", "old.vtu", "--as-level-0", code=2)
 
 
-def test_triangles_with_two_edges_on_a_rim_are_told():
+def test_triangles_with_two_edges_on_a_rim_are_split():
     other_bodies.by_cells(pathlib.Path("."), other_bodies.BODIES["disc-cylinder"](0.8))  # two on the floor, two on the lid
+    arguments = ["pamr-convert", "body.msh", "--surfaces", "body.toml", "--json", "-"]
+    left = run(*arguments, "left.hdf", "--no-repair", serial=True)
+    assert left.json["rim_ears"] == 4 and "--repair splits 6 edges" in left.err, left.err
 
     for ranks in (1, 3):
-        told = run("pamr-convert", "body.msh", "body.hdf", "--surfaces", "body.toml", "--force", "--json", "-", ranks=ranks)
-        assert told.json["rim_ears"] == 4 and "4 boundary faces beside a curved wall have two edges on its rim" in told.err, told.err
+        told = run(*arguments, f"on{ranks}.hdf", ranks=ranks)
+        assert told.json["rim_ears"] == 4 and "4 boundary faces with two edges on the rim of a curved wall" in told.err, told.err
+        assert (told.json["split_edges"], told.json["split_faces"], told.json["cells"]) == (6, 0, 44)
+    assert same_bytes("on1.hdf", "on3.hdf")
+    assert min(shapes_at_body("left.hdf", 3)) < 0.15 and min(shapes_at_body("on1.hdf", 3)[1:]) > 0.34
 
 
 def test_shape_that_walls_cost_is_told():

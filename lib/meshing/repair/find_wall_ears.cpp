@@ -5,9 +5,11 @@
 #include <optional>
 #include <utility>
 
+#include "meshing/repair/split_cells.hpp"
 #include "pamr/base/index.hpp"
 #include "pamr/geometry/surface.hpp"
 #include "pamr/mesh/borders.hpp"
+#include "pamr/mesh/periodic_patches.hpp"
 #include "pamr/mesh/tet.hpp"
 #include "pamr/par/exchange.hpp"
 #include "pamr/par/gather_few.hpp"
@@ -26,12 +28,17 @@ constexpr double min_cosine = 0.95;  ///< between the normals along two edges of
 /// The curved surfaces of a mesh, and which of them each patch lies on.
 struct Walls {
   std::vector<const geometry::Surface*> curved;
-  std::vector<int> of_patch;  ///< entry of `curved`, -1: none
+  std::vector<int> of_patch;              ///< entry of `curved`, -1: none
+  std::vector<std::uint8_t> is_periodic;  ///< by patch
+
+  /// True when a new node in a face of this patch, between its nodes, changes neither the shape nor the match of sides.
+  bool takes_nodes(int patch) const { return of_patch[at(patch)] < 0 && is_periodic[at(patch)] == 0; }
 };
 
 Walls curved_walls(const mesh::MeshInfo& info) {
   Walls walls;
   for (const auto& patch : info.patches) {
+    walls.is_periodic.push_back(patch.kind == mesh::periodic_kind ? 1 : 0);
     const auto* surface = info.surfaces->get(patch.surface);
     if (surface == nullptr || surface->is_flat()) {
       walls.of_patch.push_back(-1);
@@ -76,18 +83,19 @@ std::vector<std::uint64_t> walls_of_nodes(const par::Comm& comm, const mesh::Dis
   return bits;
 }
 
-/// For the edges asked about: whether they lie in the boundary, and in which walls.
+/// For the edges asked about: whether they lie in the boundary, which of its faces take no new nodes, and in which walls.
 class EdgeTable {
  public:
   EdgeTable(const par::Comm& comm, const mesh::DistMesh& mesh, const Walls& walls, std::vector<Edge> asked)
-      : edge_(std::move(asked)), width_(1 + walls.curved.size()), flag_(edge_.size() * width_, 0) {
+      : edge_(std::move(asked)), width_(first_wall + walls.curved.size()), flag_(edge_.size() * width_, 0) {
     std::vector<GlobalId> ends;
     for (const auto& edge : edge_) ends.insert(ends.end(), edge.begin(), edge.end());
     std::sort(ends.begin(), ends.end());
     std::vector<std::uint8_t> is_end;
     for (const auto id : mesh.node_global) is_end.push_back(std::binary_search(ends.begin(), ends.end(), id) ? 1 : 0);
     for_each_face(mesh, true, [&](LocalId c, std::size_t slot) {
-      const auto wall = walls.of_patch[at(mesh::slot_to_patch(mesh.cell_to_cell[at(c)][slot]))];
+      const auto patch = mesh::slot_to_patch(mesh.cell_to_cell[at(c)][slot]);
+      const auto wall = walls.of_patch[at(patch)];
       const auto node = nodes_of_face(mesh, c, slot);
       for (std::size_t k = 0; k < 3; ++k) {
         const auto a = node[k], b = node[(k + 1) % 3];
@@ -95,14 +103,16 @@ class EdgeTable {
         const auto row = find(edge_of(mesh.node_global[at(a)], mesh.node_global[at(b)]));
         if (!row) continue;
         flag_[*row * width_] = 1;
-        if (wall >= 0) flag_[*row * width_ + 1 + at(wall)] = 1;
+        if (!walls.takes_nodes(patch)) flag_[*row * width_ + 1] = 1;
+        if (wall >= 0) flag_[*row * width_ + first_wall + at(wall)] = 1;
       }
     });
     comm.sum_in_place(flag_);
   }
 
   bool is_in_boundary(Edge edge) const { return flag_[*find(edge) * width_] > 0; }
-  bool is_in_wall(Edge edge, std::size_t wall) const { return flag_[*find(edge) * width_ + 1 + wall] > 0; }
+  bool takes_nodes(Edge edge) const { return flag_[*find(edge) * width_ + 1] == 0; }
+  bool is_in_wall(Edge edge, std::size_t wall) const { return flag_[*find(edge) * width_ + first_wall + wall] > 0; }
 
  private:
   std::optional<std::size_t> find(Edge edge) const {
@@ -110,6 +120,8 @@ class EdgeTable {
     if (row == edge_.end() || *row != edge) return std::nullopt;
     return at(row - edge_.begin());
   }
+
+  static constexpr std::size_t first_wall = 2;  ///< column
 
   std::vector<Edge> edge_;
   std::size_t width_;
@@ -127,11 +139,18 @@ bool is_smooth(const geometry::Surface& surface, Vec3 a, Vec3 c, Vec3 d) {
   return geometry::dot(surface.normal(a + look_ahead * (c - a)), surface.normal(a + look_ahead * (d - a))) > min_cosine;
 }
 
-/// `own_wall`: the one that the face lies in, -1: none.
+/// A face with three nodes on a curved wall, and its patch; `inner_face`: none.
+struct Candidate {
+  std::array<LocalId, 3> node;
+  int patch = inner_face;
+};
+
 std::optional<Found> classify(const mesh::DistMesh& mesh, const Walls& walls, const EdgeTable& table,
-                              const std::array<LocalId, 3>& node, int own_wall = -1) {
+                              const Candidate& face) {
+  const bool is_inner = face.patch == inner_face;
+  const int own_wall = is_inner ? -1 : walls.of_patch[at(face.patch)];
   Found found;
-  for (std::size_t k = 0; k < 3; ++k) found.face[k] = mesh.node_global[at(node[k])];
+  for (std::size_t k = 0; k < 3; ++k) found.face[k] = mesh.node_global[at(face.node[k])];
   const auto id = found.face;
   std::sort(found.face.begin(), found.face.end());
   for (std::size_t k = 0; k < 3; ++k) {
@@ -139,9 +158,10 @@ std::optional<Found> classify(const mesh::DistMesh& mesh, const Walls& walls, co
     for (std::size_t wall = 0; wall < walls.curved.size(); ++wall) {
       if (static_cast<int>(wall) == own_wall || !table.is_in_wall(edge_of(id[k], id[i]), wall) ||
           !table.is_in_wall(edge_of(id[k], id[j]), wall) ||
-          !is_smooth(*walls.curved[wall], mesh.point(node[k]), mesh.point(node[i]), mesh.point(node[j])))
+          !is_smooth(*walls.curved[wall], mesh.point(face.node[k]), mesh.point(face.node[i]), mesh.point(face.node[j])))
         continue;
-      if (const auto opposite = edge_of(id[i], id[j]); !table.is_in_boundary(opposite)) found.edge = opposite;
+      const auto opposite = edge_of(id[i], id[j]);
+      if (is_inner ? !table.is_in_boundary(opposite) : table.takes_nodes(opposite)) found.edge = opposite;
       return found;
     }
   }
@@ -162,24 +182,20 @@ WallEars find_wall_ears(const par::Comm& comm, const mesh::DistMesh& mesh) {
   if (walls.curved.empty()) return ears;
 
   const auto bits = walls_of_nodes(comm, mesh, walls);
-  struct Candidate {
-    std::array<LocalId, 3> node;
-    int own_wall = -1;
-  };
-  std::vector<Candidate> candidate, in_boundary;
+  std::vector<Candidate> candidates;
   std::vector<Edge> asked;
-  const auto look_at = [&](const Candidate& face, std::vector<Candidate>& list) {
+  const auto look_at = [&](const Candidate& face) {
     const auto& node = face.node;
-    const auto own = face.own_wall < 0 ? 0 : std::uint64_t{1} << (at(face.own_wall) % 64);
+    const int wall = face.patch == inner_face ? -1 : walls.of_patch[at(face.patch)];
+    const auto own = wall < 0 ? 0 : std::uint64_t{1} << (at(wall) % 64);
     if ((bits[at(node[0])] & bits[at(node[1])] & bits[at(node[2])] & ~own) == 0) return;
-    list.push_back(face);
+    candidates.push_back(face);
     for (std::size_t k = 0; k < 3; ++k)
       asked.push_back(edge_of(mesh.node_global[at(node[k])], mesh.node_global[at(node[(k + 1) % 3])]));
   };
-  for_each_face(mesh, false, [&](LocalId c, std::size_t slot) { look_at({nodes_of_face(mesh, c, slot)}, candidate); });
+  for_each_face(mesh, false, [&](LocalId c, std::size_t slot) { look_at({nodes_of_face(mesh, c, slot)}); });
   for_each_face(mesh, true, [&](LocalId c, std::size_t slot) {
-    const auto wall = walls.of_patch[at(mesh::slot_to_patch(mesh.cell_to_cell[at(c)][slot]))];
-    look_at({nodes_of_face(mesh, c, slot), wall}, in_boundary);
+    look_at({nodes_of_face(mesh, c, slot), mesh::slot_to_patch(mesh.cell_to_cell[at(c)][slot])});
   });
   sort_unique(asked);
   asked = gather_few(comm, std::move(asked));
@@ -187,24 +203,32 @@ WallEars find_wall_ears(const par::Comm& comm, const mesh::DistMesh& mesh) {
   const EdgeTable table(comm, mesh, walls, std::move(asked));
 
   std::vector<Found> found;
-  for (const auto& face : candidate)
-    if (const auto ear = classify(mesh, walls, table, face.node)) found.push_back(*ear);
-  ears.n_at_rims = comm.sum(std::count_if(in_boundary.begin(), in_boundary.end(), [&](const Candidate& face) {
-    return classify(mesh, walls, table, face.node, face.own_wall).has_value();
-  }));
+  std::vector<Face> inside;
+  for (const auto& face : candidates) {
+    const auto ear = classify(mesh, walls, table, face);
+    if (!ear) continue;
+    if (face.patch == inner_face)
+      inside.push_back(ear->face);
+    else
+      ++ears.n_at_rims;
+    if (face.patch == inner_face || walls.takes_nodes(face.patch))
+      found.push_back(*ear);
+    else
+      ++ears.n_left;
+  }
+  ears.n_at_rims = comm.sum(ears.n_at_rims);
+  ears.n_left = comm.sum(ears.n_left);
+  inside = gather_few(comm, std::move(inside));
+  sort_unique(inside);  // one on a rank border comes from both sides
+  ears.n_inside = std::ssize(inside);
   found = gather_few(comm, std::move(found));
-  std::vector<Face> all;
-  for (const auto& ear : found) {  // one on a rank border comes from both sides
-    all.push_back(ear.face);
+  for (const auto& ear : found)
     if (ear.edge[0] >= 0)
       ears.edge.push_back(ear.edge);
     else
       ears.face.push_back(ear.face);
-  }
-  sort_unique(all);
   sort_unique(ears.edge);
   sort_unique(ears.face);
-  ears.count = static_cast<std::int64_t>(all.size());
   return ears;
 }
 

@@ -126,7 +126,8 @@ bool has_no_values(const mesh::DistMesh& mesh) {
                      [](const auto& field) { return field.name == mesh::off_surface_field; });
 }
 
-/// The splits of edges and faces that are not between regions, by number: their new nodes may move. Collective.
+/// The splits of edges and faces neither between regions nor in the boundary, by number: their new nodes may move.
+/// Collective.
 std::vector<std::size_t> free_splits(const par::Comm& comm, const mesh::DistMesh& mesh,
                                      const std::vector<mesh::RegionFace>& between, const std::vector<Split>& splits) {
   using Nodes = std::array<GlobalId, 3>;
@@ -136,21 +137,25 @@ std::vector<std::size_t> free_splits(const par::Comm& comm, const mesh::DistMesh
   };
   std::map<Nodes, std::size_t> number;
   for (std::size_t s = 0; s < splits.size(); ++s) number.emplace(key(splits[s].node), s);
-  std::vector<std::int64_t> is_between(splits.size(), 0);
+  std::vector<std::int64_t> is_fixed(splits.size(), 0);
   const auto mark = [&](const Nodes& node) {
-    if (const auto found = number.find(key(node)); found != number.end()) is_between[found->second] = 1;
+    if (const auto found = number.find(key(node)); found != number.end()) is_fixed[found->second] = 1;
   };
-  for (const auto& [face, regions] : between) {
+  const auto mark_face = [&](LocalId cell, std::size_t slot) {
     Nodes node{};
     for (std::size_t k = 0; k < 3; ++k)
-      node[k] = mesh.node_global[at(mesh.cell_to_node[at(face.cell)][at(mesh::tet::face_to_corner[at(face.slot)][k])])];
+      node[k] = mesh.node_global[at(mesh.cell_to_node[at(cell)][at(mesh::tet::face_to_corner[slot][k])])];
     mark(node);
     for (std::size_t k = 0; k < 3; ++k) mark({node[k], node[(k + 1) % 3], -1});
-  }
-  comm.max_in_place(is_between);
+  };
+  for (const auto& [face, regions] : between) mark_face(face.cell, at(face.slot));
+  for (LocalId c = 0; c < mesh.n_cells(); ++c)
+    for (std::size_t slot = 0; slot < 4; ++slot)
+      if (mesh.cell_to_cell[at(c)][slot] < 0) mark_face(c, slot);
+  comm.max_in_place(is_fixed);
   std::vector<std::size_t> free;
   for (std::size_t s = 0; s < splits.size(); ++s)
-    if (is_between[s] == 0) free.push_back(s);
+    if (is_fixed[s] == 0) free.push_back(s);
   return free;
 }
 
@@ -180,7 +185,7 @@ void improve(mesh::DistMesh& mesh, const std::map<GlobalId, std::vector<CellPart
 }  // namespace
 
 mesh::DistMesh open_wall_ears(const par::Comm& comm, mesh::DistMesh mesh, const WallEars& ears) {
-  if (ears.count == 0) return mesh;
+  if (!ears.can_be_opened()) return mesh;
   std::vector<Split> splits;
   for (const auto& edge : ears.edge) splits.push_back({{edge[0], edge[1], -1}, 0, {}});
   for (const auto& face : ears.face) splits.push_back({face, 0, {}});

@@ -8,12 +8,12 @@
 namespace pamr::meshing {
 
 /// Takes the ears away: splits each edge of `ears`, and so all cells around it, by a new node, and each face of them,
-/// and so the two cells at it, by another.
+/// and so the cells at it, by another.
 ///
-/// - The boundary stays as it is, and so do the faces between regions.
+/// - The boundary keeps its shape, and so do the faces between regions: new nodes in them lie in the middle.
 /// - Edges are split in falling order of length, so that neighbors agree on their common faces.
 /// - Children take the place of their parent in the order of cells, new nodes come last.
-/// - New nodes go where the cells at them are best (`improve_nodes`). So do inner nodes of the split cells where the
+/// - Other new nodes go where the cells at them are best (`improve_nodes`). So do inner nodes of the split cells where the
 ///   cells are poor, unless a node field would have to follow.
 /// - Cell fields are copied, node fields averaged.
 ///

@@ -61,7 +61,7 @@ TEST(WallEars, TheEdgeThatFourEarsShareIsSplitAndTheyAreGone) {
   const auto ears = find_wall_ears(comm, mesh);
   const auto opened = open_wall_ears(comm, std::move(mesh), ears);
 
-  EXPECT_EQ(ears.count, 4);
+  EXPECT_EQ(ears.count(), 4);
   ASSERT_EQ(ears.edge.size(), 1U);
   EXPECT_EQ(ears.edge[0], (std::array<GlobalId, 2>{4, 5}));
   EXPECT_TRUE(ears.face.empty());
@@ -69,7 +69,7 @@ TEST(WallEars, TheEdgeThatFourEarsShareIsSplitAndTheyAreGone) {
   EXPECT_EQ(opened.info.n_global_nodes, 7);
   EXPECT_TRUE(validate::validate(comm, opened).empty());
   EXPECT_NEAR(volume(comm, opened), 4.0 / 3, 1e-15);
-  EXPECT_EQ(find_wall_ears(comm, opened).count, 0);
+  EXPECT_EQ(find_wall_ears(comm, opened).count(), 0);
   EXPECT_EQ(opened.find_cell_field("region")->integer(),
             std::vector<std::int64_t>(static_cast<std::size_t>(opened.n_cells()), 7));
 }
@@ -82,23 +82,65 @@ TEST(WallEars, AFaceWithAllItsEdgesOnTheWallIsSplitItself) {
   const auto ears = find_wall_ears(comm, mesh);
   const auto opened = open_wall_ears(comm, std::move(mesh), ears);
 
-  EXPECT_EQ(ears.count, 1);
+  EXPECT_EQ(ears.count(), 1);
   EXPECT_TRUE(ears.edge.empty());
   ASSERT_EQ(ears.face.size(), 1U);
   EXPECT_EQ(ears.face[0], (std::array<GlobalId, 3>{1, 2, 4}));
   EXPECT_EQ(opened.info.n_global_cells, 6);
   EXPECT_TRUE(validate::validate(comm, opened).empty());
   EXPECT_NEAR(volume(comm, opened), before, 1e-15);
-  EXPECT_EQ(find_wall_ears(comm, opened).count, 0);
+  EXPECT_EQ(find_wall_ears(comm, opened).count(), 0);
+}
+
+/// A cube of six cells with its upright edges on a cylinder.
+mesh::BlockMesh square_prism(const par::Comm& comm, const std::string& kind_of_lids) {
+  auto block = test::without_neighbors(test::kuhn_cube(comm, 1));
+  block.info.surfaces = test::surfaces_of(
+      "[[surface]]\nname = \"wall\"\nkind = \"cylinder\"\npoint = [0.5, 0.5, 0]\naxis = [0, 0, 1]\n"
+      "radius = 0.7071067811865476\n");
+  block.info.patches = {{"side", "wall", 0}, {"lid", kind_of_lids, -1}};
+  return block;
+}
+
+mesh::DistMesh with_lids(const par::Comm& comm, const std::string& kind_of_lids) {
+  auto mesh = assemble::assemble(comm, square_prism(comm, kind_of_lids));
+  for (LocalId c = 0; c < mesh.n_cells(); ++c)
+    for (std::size_t k = 0; k < 4; ++k) {
+      auto& next = mesh.cell_to_cell[static_cast<std::size_t>(c)][k];
+      if (next >= 0) continue;
+      const auto p = mesh.points(c);
+      bool is_flat = true;
+      for (std::size_t i = 1; i < 4; ++i) is_flat = is_flat && p[(k + i) % 4].z == p[(k + 1) % 4].z;
+      next = mesh::patch_to_slot(is_flat ? 1 : 0);
+    }
+  return mesh;
+}
+
+TEST(WallEars, AChordOfARoundLidIsSplitUnlessItsSideIsPeriodic) {
+  const par::Comm comm(MPI_COMM_WORLD);
+  auto mesh = with_lids(comm, "");
+  const double before = volume(comm, mesh);
+
+  const auto ears = find_wall_ears(comm, mesh);
+  const auto opened = open_wall_ears(comm, std::move(mesh), ears);
+
+  EXPECT_EQ(ears.n_at_rims, 4) << "two on each of two lids";
+  EXPECT_EQ(ears.n_left, 0);
+  EXPECT_TRUE(validate::validate(comm, opened).empty());
+  EXPECT_NEAR(volume(comm, opened), before, 1e-15);
+  EXPECT_EQ(find_wall_ears(comm, opened).count(), 0);
+  const auto kept = find_wall_ears(comm, with_lids(comm, "periodic"));
+  EXPECT_EQ(kept.n_at_rims, 4);
+  EXPECT_EQ(kept.n_left, 4);
 }
 
 TEST(WallEars, FlatWallsSharpEdgesAndPatchesWithoutSurfaceHaveNone) {
   const par::Comm comm(MPI_COMM_WORLD);
   auto loose = octahedron(comm);
 
-  EXPECT_EQ(find_wall_ears(comm, assemble::assemble(comm, tied(octahedron(comm), two_cones))).count, 0);
-  EXPECT_EQ(find_wall_ears(comm, assemble::assemble(comm, std::move(loose))).count, 0);
-  EXPECT_EQ(find_wall_ears(comm, assemble::assemble(comm, test::kuhn_cube(comm, 2))).count, 0);
+  EXPECT_EQ(find_wall_ears(comm, assemble::assemble(comm, tied(octahedron(comm), two_cones))).count(), 0);
+  EXPECT_EQ(find_wall_ears(comm, assemble::assemble(comm, std::move(loose))).count(), 0);
+  EXPECT_EQ(find_wall_ears(comm, assemble::assemble(comm, test::kuhn_cube(comm, 2))).count(), 0);
 }
 
 TEST(WallEars, TheRepairedMeshIsTheSameOnAnyRanks) {
@@ -119,7 +161,7 @@ TEST(WallEars, TheRepairedMeshIsTheSameOnAnyRanks) {
   EXPECT_EQ(together.cell_to_cell, alone.cell_to_cell);
   EXPECT_EQ(together.node_position, alone.node_position);
   EXPECT_TRUE(validate::validate(comm, here).empty());
-  EXPECT_EQ(find_wall_ears(comm, here).count, 0);
+  EXPECT_EQ(find_wall_ears(comm, here).count(), 0);
   EXPECT_GT(worst_mean_ratio(comm, here), 0.2);
 }
 
