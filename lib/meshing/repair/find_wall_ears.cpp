@@ -31,6 +31,8 @@ struct Walls {
   std::vector<int> of_patch;              ///< entry of `curved`, -1: none
   std::vector<std::uint8_t> is_periodic;  ///< by patch
 
+  /// Of a patch, or of `inner_face`: none.
+  int wall_of(int patch) const { return patch == inner_face ? -1 : of_patch[at(patch)]; }
   /// True when a new node in a face of this patch, between its nodes, changes neither the shape nor the match of sides.
   bool takes_nodes(int patch) const { return of_patch[at(patch)] < 0 && is_periodic[at(patch)] == 0; }
 };
@@ -148,7 +150,7 @@ struct Candidate {
 std::optional<Found> classify(const mesh::DistMesh& mesh, const Walls& walls, const EdgeTable& table,
                               const Candidate& face) {
   const bool is_inner = face.patch == inner_face;
-  const int own_wall = is_inner ? -1 : walls.of_patch[at(face.patch)];
+  const int own_wall = walls.wall_of(face.patch);
   Found found;
   for (std::size_t k = 0; k < 3; ++k) found.face[k] = mesh.node_global[at(face.node[k])];
   const auto id = found.face;
@@ -186,7 +188,7 @@ WallEars find_wall_ears(const par::Comm& comm, const mesh::DistMesh& mesh) {
   std::vector<Edge> asked;
   const auto look_at = [&](const Candidate& face) {
     const auto& node = face.node;
-    const int wall = face.patch == inner_face ? -1 : walls.of_patch[at(face.patch)];
+    const int wall = walls.wall_of(face.patch);
     const auto own = wall < 0 ? 0 : std::uint64_t{1} << (at(wall) % 64);
     if ((bits[at(node[0])] & bits[at(node[1])] & bits[at(node[2])] & ~own) == 0) return;
     candidates.push_back(face);

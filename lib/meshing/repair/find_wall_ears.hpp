@@ -18,11 +18,10 @@ namespace pamr::meshing {
 /// faces on the wall has two ears. A triangle acd of a flat lid with ac and ad on its round rim is the same in the plane.
 struct WallEars {
   std::vector<std::array<GlobalId, 2>> edge;  ///< edges to split: those opposite the corner a (here cd), ascending
-  std::vector<std::array<GlobalId, 3>>
-      face;                    ///< ears to split themselves, ascending: their third edge may not be split
-  std::int64_t n_inside = 0;   ///< ears inside; several may have one edge
-  std::int64_t n_at_rims = 0;  ///< ears in the boundary
-  std::int64_t n_left = 0;     ///< those of them in a curved wall or a periodic patch: not to be opened
+  std::vector<std::array<GlobalId, 3>> face;  ///< ears whose third edge may not be split, ascending
+  std::int64_t n_inside = 0;                  ///< ears inside; several may have one edge
+  std::int64_t n_at_rims = 0;                 ///< ears in the boundary
+  std::int64_t n_left = 0;                    ///< those of them in a curved wall or a periodic patch: not to be opened
 
   std::int64_t count() const { return n_inside + n_at_rims; }
   bool can_be_opened() const { return !edge.empty() || !face.empty(); }
