@@ -27,6 +27,7 @@ class FixedPoint {
         level0_(std::move(level0)),
         shape_floor_(shape_floor),
         n_old_(static_cast<GlobalId>(point.size())) {
+    closing_.gone_back = point;
     closing_.point = std::move(point);
     for (const auto& b : base_)
       if (b.family != nullptr) closing_.middle.insert(b.family->middle.begin(), b.family->middle.end());
@@ -49,6 +50,8 @@ class FixedPoint {
       throw std::logic_error("close: a mark on an edge that is not yet");
     closing_.middle[edge] = static_cast<GlobalId>(closing_.point.size());
     closing_.point.push_back(level0_.middle(piece.row, edge, closing_.point));
+    const auto& [a, b] = edge;
+    closing_.gone_back.push_back(midpoint(closing_.gone_back[at(a)], closing_.gone_back[at(b)]));
     level0_.add_middle(edge);
     closing_.marked.insert(edge);
   }
@@ -69,10 +72,14 @@ class FixedPoint {
   /// What the marks of the children imply on edges that exist: halves of edges, and lines on faces, between old nodes.
   void apply_rules_to_children(const Base& b) {
     const auto children = split_in_eight(b.piece, closing_.middle, closing_.point, true);
-    if (!all_positive(children, closing_.point)) return;
+    if (!positive_in_both(children)) return;
     for (const auto& child : children)
       for (const int e : added_to(child))
         if (exists(b.piece, child.edge(e))) mark(child, e);
+  }
+
+  bool positive_in_both(const std::vector<Piece>& children) const {
+    return all_positive(children, closing_.point) && all_positive(children, closing_.gone_back);
   }
 
   /// Of a child of a parent; remembered by its corners in their order.
@@ -125,7 +132,7 @@ class FixedPoint {
     if (marks != all_six) {
       const bool has_moved = is_family && b.family->has_moved(closing_.point);
       const auto children = closed(b.piece, b.floor, has_moved);
-      if (is_family && (children.empty() || !all_positive(children, closing_.point))) closing_.inverted.insert(b.first);
+      if (is_family && (children.empty() || !positive_in_both(children))) closing_.inverted.insert(b.first);
       closing_.children[b.first] = children;
     } else if (is_family) {
       closing_.children[b.first] = closed_eight(b);
@@ -135,7 +142,8 @@ class FixedPoint {
   /// By its marks; nothing where no triangulation is positive.
   std::vector<Piece> closed(const Piece& piece, const ReferenceFloor& floor, bool has_moved) const {
     const auto marks = edges_within(piece, closing_.middle);
-    const auto pattern = best_pattern(piece, closing_.middle, floor.cuts_of(marks), closing_.point, has_moved);
+    const auto pattern = best_pattern(piece, closing_.middle, floor.cuts_of(marks), closing_.point,
+                                      has_moved ? &closing_.gone_back : nullptr);
     if (!pattern && !has_moved) throw std::logic_error("close: cuts without triangulation");
     return pattern ? split_as(piece, closing_.middle, *pattern) : std::vector<Piece>{};
   }
@@ -144,7 +152,7 @@ class FixedPoint {
   std::vector<Piece> closed_eight(const Base& b) {
     std::vector<Piece> pieces;
     const auto children = split_in_eight(b.piece, closing_.middle, closing_.point, true);
-    if (!all_positive(children, closing_.point)) closing_.inverted.insert(b.first);
+    if (!positive_in_both(children)) closing_.inverted.insert(b.first);
     for (const auto& child : children) {
       const auto marks = edges_within(child, closing_.middle);
       if (!added_to(child).empty()) closing_.early.insert(corners_of(b.piece));

@@ -19,6 +19,7 @@ struct ReferenceClosing {
   Middles middle;         ///< their nodes, and those of the families that are taken back
   /// Old nodes, then new ones in no particular order: where the map of level 0 puts them, else in the middle.
   Points point;
+  Points gone_back;  ///< the same with new nodes in the middle of their edges, where others can make them go back to
   std::map<GlobalId, ReferenceFamily> family;  ///< those that are taken back, by first member
   /// What becomes of cells and of families that are taken back, by (first) cell; of cells with six marks it is decided
   /// when nodes lie on their surfaces, and nothing is here.

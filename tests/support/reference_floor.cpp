@@ -187,7 +187,7 @@ EdgeSet ReferenceFloor::enlarge(EdgeSet marks) {
 }
 
 std::optional<ReferencePattern> best_pattern(const Piece& piece, const Middles& middle, const Cuts& cut,
-                                             const Points& point, bool only_positive) {
+                                             const Points& point, const Points* gone_back) {
   struct Candidate {
     ReferencePattern pattern;
     double worst = 0;
@@ -196,8 +196,8 @@ std::optional<ReferencePattern> best_pattern(const Piece& piece, const Middles& 
   std::vector<Candidate> candidates;
   for (const auto& pattern : patterns_of(edges_within(piece, middle), cut)) {
     const auto children = split_as(piece, middle, pattern);
-    if (only_positive && !all_positive(children, point)) continue;
-    const bool where_they_lie = only_positive || piece.row >= 0;
+    if (gone_back != nullptr && !(all_positive(children, point) && all_positive(children, *gone_back))) continue;
+    const bool where_they_lie = gone_back != nullptr || piece.row >= 0;
     const double worst =
         where_they_lie ? worst_mean_ratio(children, point) : worst_within(points_of(piece, point), pattern);
     Candidate candidate{pattern, worst, {}};

@@ -54,9 +54,9 @@ bool is_longer(const geometry::TetPoints& corner, int e, int f);
 /// The best triangulation of a cell whose split edges have a middle, with the given cuts: the largest smallest mean
 /// ratio; of equal ones that without inner edge, else the one whose inner edge comes first by coordinates. Shapes are
 /// those between straight edges; of a cell that descends from a bent one those where the nodes lie.
-/// `only_positive`: of those whose cells are all positive by exact arithmetic, and with shapes where the nodes lie;
-/// there may be none.
+/// `gone_back`: if given, of those whose cells are all positive by exact arithmetic at these points as well, and with
+/// shapes where the nodes lie; there may be none.
 std::optional<ReferencePattern> best_pattern(const Piece& piece, const Middles& middle, const Cuts& cut,
-                                             const Points& point, bool only_positive);
+                                             const Points& point, const Points* gone_back);
 
 }  // namespace pamr::test

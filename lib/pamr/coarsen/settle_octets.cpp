@@ -222,7 +222,7 @@ class Settling {
     const bool is_safe =
         refine::is_straight(points, group.is_octet() ? marks : existing) && refine::is_far_from_flat(points);
     const int before = group.is_octet() ? 0 : group.before;
-    group.now = static_cast<refine::SplitState>(refine::choose_state(points, marks, before, is_safe));
+    group.now = static_cast<refine::SplitState>(refine::choose_state(mapped, marks, before, is_safe));
     return group.now != 0;
   }
 

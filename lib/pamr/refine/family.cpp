@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <optional>
 
 #include "pamr/base/index.hpp"
 #include "pamr/refine/cell_shape.hpp"
@@ -67,8 +68,26 @@ constexpr std::array<FamilyTable, regular_state> make_tables() {
   return tables;
 }
 
-/// The best of the states with these marks and cuts whose children are positive where the nodes lie; 0: there is none.
-int best_positive_state(const SplitPoints& points, const StateChoice& choice) {
+/// Where the nodes of a family lie, and where they lie when new ones have gone back to the middles of their edges,
+/// which other cells can make them do.
+struct BothPlaces {
+  const SplitPoints& points;
+  std::optional<SplitPoints> gone_back{};  ///< none: the same
+
+  bool all_positive(int state) const {
+    return all_children_positive(points, state) && (!gone_back || all_children_positive(*gone_back, state));
+  }
+};
+
+BothPlaces both_places(const MappedPoints& mapped, EdgeMask middles) {
+  BothPlaces both{mapped.points(middles)};
+  if (mapped.is_bent() && (middles & ~mapped.existing()) != 0) both.gone_back = mapped.points_gone_back(middles);
+  return both;
+}
+
+/// The best of the states with these marks and cuts whose children are positive in both places; 0: there is none.
+int best_positive_state(const BothPlaces& both, const StateChoice& choice) {
+  const auto& points = both.points;
   int best = 0;
   double best_shape = 0;
   const auto inner_edge = [&points](int state) {
@@ -76,7 +95,7 @@ int best_positive_state(const SplitPoints& points, const StateChoice& choice) {
     return std::array{points[at(4 + d)], points[at(9 - d)]};
   };
   for (const int state : choice.state) {
-    if (state == 0 || !all_children_positive(points, state)) continue;
+    if (state == 0 || !both.all_positive(state)) continue;
     const double worst = worst_child_shape(points, state);
     const bool is_tied = best != 0 && worst >= equal_cubes * best_shape && best_shape >= equal_cubes * worst;
     const bool is_better = best == 0 || (is_tied ? mesh::closure_states[at(best)].inner_edge >= 0 &&
@@ -174,16 +193,17 @@ MappedPoints family_points(const mesh::DistMesh& mesh, const mesh::Level0View& l
   return points;
 }
 
-int choose_state(const SplitPoints& points, EdgeMask marks, int before, bool is_safe) {
+int choose_state(const MappedPoints& mapped, EdgeMask marks, int before, bool is_safe) {
+  const auto& points = mapped.points(marks);
   if (marks == all_edges) {
     const int state = regular_state + choose_diagonal(points, is_safe);
-    return is_safe || all_children_positive(points, state) ? state : 0;
+    return is_safe || both_places(mapped, marks).all_positive(state) ? state : 0;
   }
   if (const int only = is_safe ? only_state(marks) : 0; only != 0) return only;
   const auto& known = mesh::closure_states[at(before)];
   const CellShape shape(geometry::TetPoints{points[0], points[1], points[2], points[3]}, {known.mask, known.cuts});
   if (is_safe) return shape.best_state(marks);
-  return best_positive_state(points, states_of_marks[marks][shape.cuts(marks)]);
+  return best_positive_state(both_places(mapped, marks), states_of_marks[marks][shape.cuts(marks)]);
 }
 
 FamilyPlan plan_family(const mesh::DistMesh& mesh, const FamilyView& family, double shape_floor) {
@@ -194,7 +214,7 @@ FamilyPlan plan_family(const mesh::DistMesh& mesh, const FamilyView& family, dou
   const auto mapped = family_points(mesh, level0, family);
   const auto& points = mapped.points(family.parent_marks);
   plan.is_safe = is_straight(points, family.parent_marks) && is_far_from_flat(points);
-  plan.state = static_cast<SplitState>(choose_state(points, family.parent_marks, family.state, plan.is_safe));
+  plan.state = static_cast<SplitState>(choose_state(mapped, family.parent_marks, family.state, plan.is_safe));
   if (plan.state == 0) return result;
   const auto& pattern = split_pattern[plan.state];
   plan.n_children = static_cast<std::uint8_t>(pattern.n_children);

@@ -68,8 +68,9 @@ MappedPoints family_points(const mesh::DistMesh& mesh, const mesh::Level0View& l
 
 /// How a parent with these marks is split. `before`: state of the family that replaces it, whose cuts stay where a face
 /// keeps its two marks; 0: there is none. `is_safe`: the midpoints lie in the middle of their edges, and the cell is
-/// far from flat; otherwise only states count whose cells are positive where the nodes lie. 0: there is none.
-int choose_state(const SplitPoints& points, EdgeMask marks, int before, bool is_safe);
+/// far from flat; otherwise only states count whose cells are positive where the nodes lie, and also where new ones lie
+/// if they go back to the middles of their edges. 0: there is none.
+int choose_state(const MappedPoints& mapped, EdgeMask marks, int before, bool is_safe);
 
 struct FamilyPlan {
   RebuiltFamily family;

@@ -49,7 +49,18 @@ void MappedPoints::place(unsigned middles) const {
   known_ |= middles;
 }
 
+SplitPoints MappedPoints::points_gone_back(EdgeMask middles) const {
+  auto result = points(middles);
+  for (unsigned rest = middles & ~existing_; rest != 0; rest &= rest - 1) {
+    const int edge = std::countr_zero(rest);
+    const auto [a, b] = edge_to_corner[at(edge)];
+    result[at(4 + edge)] = geometry::midpoint(corners_.point[at(a)], corners_.point[at(b)]);
+  }
+  return result;
+}
+
 void MappedPoints::put(int edge, geometry::Vec3 point) {
+  existing_ |= 1U << edge;
   known_ |= 1U << edge;
   point_[at(4 + edge)] = point;
 }

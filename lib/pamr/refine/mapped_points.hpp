@@ -37,6 +37,10 @@ class MappedPoints {
     if ((middles & ~known_) != 0) place(middles & ~known_);
     return point_;
   }
+  /// The corners and these middles, new ones where they lie when their whole way is taken back: in the middle.
+  SplitPoints points_gone_back(EdgeMask middles) const;
+  /// Bits of the middles that exist already.
+  unsigned existing() const { return existing_; }
   /// A middle that exists already.
   void put(int edge, geometry::Vec3 point);
   /// A child of the base cell, given by the codes of its corners.
@@ -50,6 +54,7 @@ class MappedPoints {
   BaseCorners corners_;
   mutable SplitPoints point_;
   mutable unsigned known_ = 0;  ///< bits of the middles that are placed
+  unsigned existing_ = 0;
   bool is_bent_ = false;
 };
 

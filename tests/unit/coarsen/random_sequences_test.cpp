@@ -100,12 +100,13 @@ TEST(RandomSequences, LeaveTheClosureOfTheSplitsThatRemain) {
   EXPECT_GT(world.sum(n_closed), 10);
 }
 
-/// Nodes were moved far, families had to be kept and were split: what is coarsened there is tested cell by cell.
+/// Nodes were moved far, families had to be kept and were split: what is coarsened there is tested cell by cell. In
+/// mesh 7 nodes that go back would invert a family whose cells are positive where the map puts them.
 TEST(RandomSequences, LeaveValidMeshesAtWallsThatAreFarTooCoarse) {
   const par::Comm world(MPI_COMM_WORLD), self(MPI_COMM_SELF);
   if (world.size() != 1) return;  // all ranks would do the same; the next test has such meshes on all of them
   std::int64_t n_gone = 0, n_kept = 0, n_broken = 0;
-  for (std::uint64_t i = 0; i < test::n_cases(3, 60); ++i) {
+  for (std::uint64_t i = 0; i < test::n_cases(8, 60); ++i) {
     adapt::Options options;
     options.refinement.parent_field = false;
     auto mesh = assemble::assemble(self, test::bulging_cube(self, i, 0.15 + 0.05 * static_cast<double>(i % 4)));
