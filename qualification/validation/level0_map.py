@@ -172,8 +172,12 @@ class Map:
         unit = np.eye(4)
         if max(w) == 1:
             here = int(np.argmax(w))
-            slopes = [(4 * self.residual(w + step * (unit[i] - unit[here])) - self.residual(w + 2 * step * (unit[i] - unit[here]))) /
-                      (2 * step) if i != here else np.zeros((len(rows), 3)) for i in range(4)]
+            def ahead(i, n):
+                return self.residual(w + n * step * (unit[i] - unit[here]))
+
+            # nodes of level 0 that are off their wall make a step at the corner itself
+            slopes = [(8 * ahead(i, 2) - 5 * ahead(i, 1) - 3 * ahead(i, 3)) / (2 * step) if i != here else np.zeros((len(rows), 3))
+                      for i in range(4)]
             added = [slopes[i] - slopes[0] for i in (1, 2, 3)]
         else:
             def slopes_at(w):

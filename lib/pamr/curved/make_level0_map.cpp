@@ -245,14 +245,10 @@ BentCells find_bent_cells(const Level0& level0) {
   return bent;
 }
 
-/// The share of the curved walls in the Jacobian of a cell. Left out at its corners: docs/coarse-walls.md.
+/// The share of the curved walls in the Jacobian of a cell.
 SampledRows residual_of(const mesh::Level0Map& map, LocalId cell) {
   SampledRows residual{};
-  for (std::size_t q = 0; q < sample_points.size(); ++q) {
-    const auto& at_point = sample_points[q];
-    if (std::find(at_point.begin(), at_point.end(), 1.0) == at_point.end())
-      residual[q] = residual_rows(map, cell, at_point);
-  }
+  for (std::size_t q = 0; q < sample_points.size(); ++q) residual[q] = residual_rows(map, cell, sample_points[q]);
   return residual;
 }
 
