@@ -25,6 +25,7 @@ MAY_INCLUDE = {
     "order": VALUES + ("assemble",),
     "pamr": MESH_AT_REST + ("locate", "io", "mark", "refine", "check", "balance", "coarsen", "curved", "adapt"),  # pamr.hpp
     **{stage: MESH_AT_REST for stage in STAGES},
+    "check": MESH_AT_REST + ("locate",),
     **{user: MESH_AT_REST + ("refine",) for user in ("coarsen", "curved")},
     "adapt": REFINER,
     "meshing": MESH_AT_REST + ("io", "check"),

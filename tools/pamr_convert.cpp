@@ -14,6 +14,7 @@
 #include "convert/convert_options.hpp"
 #include "convert/known_shapes.hpp"
 #include "convert/read_mesh.hpp"
+#include "convert/torn_mesh.hpp"
 #include "meshing/associate/associate_surfaces.hpp"
 #include "meshing/read_mesh_case.hpp"
 #include "meshing/repair/find_wall_ears.hpp"
@@ -259,6 +260,7 @@ cli::ExitCode convert_file(cli::Session& session, Options options) {
   adjust(comm, options, mesh);
   convert::forget_levels(session, options, mesh, report);
   validate::require_valid(comm, mesh, options.input);
+  convert::treat_tears(session, options, mesh, report);
   session.step(fmt::format("looking at {} cells", mesh.info.n_global_cells));
   associate(session, options, surfaces, mesh, report);
   keep_flat_patches(session, options, mesh, report);

@@ -13,6 +13,7 @@
 #include "pamr/assemble/assemble.hpp"
 #include "pamr/assemble/kuhn_cube.hpp"
 #include "pamr/base/index.hpp"
+#include "pamr/check/tears.hpp"
 #include "pamr/io/elements/element_remarks.hpp"
 #include "pamr/io/formats.hpp"
 #include "pamr/mesh/fingerprint.hpp"
@@ -67,6 +68,11 @@ std::pair<SharedMesh, std::int64_t> from_arrays(std::uintptr_t comm, const Array
   return mesh_from_arrays(comm_at(comm), std::move(arrays), static_cast<Order>(order), repair);
 }
 
+/// What is odd about how its cells lie to one another. Collective.
+std::vector<std::string> remarks_on_tears(const PythonMesh& mesh) {
+  return check::remarks_of(check::find_tears(*mesh.comm, mesh.mesh));
+}
+
 std::pair<SharedMesh, std::vector<std::string>> read(std::uintptr_t address, const std::filesystem::path& file,
                                                      bool repair) {
   auto result = std::make_shared<PythonMesh>();
@@ -80,6 +86,8 @@ std::pair<SharedMesh, std::vector<std::string>> read(std::uintptr_t address, con
     for (const auto& text : io::remarks_of(read)) remarks.push_back("file '" + file.string() + "': " + text);
   result->mesh = std::move(read.mesh);
   validate::require_valid(comm, result->mesh, file.string());
+  if (!format.is_native)
+    for (const auto& text : remarks_on_tears(*result)) remarks.push_back("file '" + file.string() + "': " + text);
   return {result, remarks};
 }
 
@@ -226,6 +234,7 @@ void bind_mesh(py::module_& module) {
   module.def("formats", formats);
   module.def("from_arrays", from_arrays);
   module.def("read", read, py::call_guard<py::gil_scoped_release>());
+  module.def("remarks_on_tears", remarks_on_tears, py::call_guard<py::gil_scoped_release>());
   module.def("kuhn_cube", kuhn_cube, py::call_guard<py::gil_scoped_release>());
 }
 

@@ -155,6 +155,20 @@ def test_fields_that_are_set_again_and_again_take_no_more_memory():
     assert grown < 5 * values.nbytes / 1024, f"{grown} kB beside {values.nbytes // 1024}"
 
 
+@in_folder
+def test_torn_arrays_and_files_are_told_in_the_same_words():
+    points, cells, _, _ = cube_arrays(2, 3)
+    points, cells = np.concatenate([points, points + [1, 0, 0]]), np.concatenate([cells, cells + len(points)])
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        mesh = pamr.Mesh.from_arrays(COMM, share(points, 3), share(cells, 4), repair=True)
+        mesh.write("torn.vtu")
+        pamr.Mesh.read(COMM, "torn.vtu")
+    texts = [str(w.message).removeprefix("file 'torn.vtu': ") for w in told if "turned over" not in str(w.message)]
+    assert len(texts) == (4 if COMM.rank == 0 else 0) and texts[:2] == texts[2:], texts
+    assert not texts or "16 boundary faces lie on others, the first near (1, " in texts[0] and "in 2 pieces" in texts[1], texts
+
+
 def test_inverted_cells_are_refused_or_turned_over_and_counted():
     with warnings.catch_warnings(record=True) as told:
         warnings.simplefilter("always")

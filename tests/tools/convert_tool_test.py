@@ -307,6 +307,39 @@ def test_inverted_cells_are_refused_or_repaired():
     refuses("pamr-convert", "turned.msh", "strict.hdf", "--repair", "--strict", says=["1 inverted"], creates="strict.hdf")
 
 
+def two_boxes(shift, name):
+    """Two unit cubes side by side, of nodes of their own; the second one is shifted."""
+    kuhn_cube("cube.hdf", 2)
+    with h5py.File("cube.hdf") as file:
+        points, cells = file["VTKHDF/Points"][:], file["VTKHDF/Connectivity"][:].reshape(-1, 4)
+    points = np.concatenate([points, points + np.array(shift)])
+    form = {"file_format": "gmsh22", "binary": False} if name.endswith("msh") else {}
+    meshio.write(name, meshio.Mesh(points, [("tetra", np.concatenate([cells, cells + 27]))]), **form)
+    return name
+
+
+def test_torn_meshes_are_told_and_welded_whatever_the_format():
+    for name in ("torn.msh", "torn.vtu", "torn.mesh", "torn.su2"):
+        told = run("pamr-convert", two_boxes((1, 0, 0), name), "torn.hdf", "--force", "--json", "-")
+        assert (told.json["pieces"], told.json["coincident_nodes"], told.json["coincident_faces"], told.json["overlaps"]) == (2, 9, 16, 0)
+        assert "16 boundary faces lie on others" in told.err and "in 2 pieces" in told.err and "--weld joins" in told.err, told.err
+        refuses("pamr-convert", name, "strict.hdf", "--strict", says=["torn"], creates="strict.hdf")
+        told = run("pamr-convert", name, "whole.hdf", "--weld", "--force", "--json", "-")
+        assert told.json["welded_nodes"] == 9 and told.json["pieces"] == 1 and told.json["coincident_faces"] == 0, told.json
+        assert "9 nodes were joined" in told.err and "pieces" not in told.err
+        run("pamr-convert", "torn.hdf", "later.hdf", "--weld", "--force", "--quiet")
+        counts = [[run("pamr-quality", mesh, "--json", "-", "--quiet").json[key] for key in ("nodes", "pieces", "coincident_faces", "volume")]
+                  for mesh in ("torn.hdf", "whole.hdf", "later.hdf")]
+        assert counts == [[54, 2, 16, 2], [45, 1, 0, 2], [45, 1, 0, 2]], counts
+    told = run("pamr-convert", two_boxes((0.4, 0.1, 0.3), "inside.vtu"), "inside.hdf", "--json", "-")
+    assert told.json["overlaps"] > 0 and "the mesh overlaps itself" in told.err and "--weld" not in told.err
+    refuses("pamr-convert", "inside.vtu", "strict.hdf", "--strict", says=["overlaps itself"], creates="strict.hdf")
+    kuhn_cube("whole.hdf", 2)
+    run("pamr-mark", "whole.hdf", "-o", "marked.hdf", "--all", "--quiet")
+    run("pamr-refine", "marked.hdf", "-o", "fine.hdf", "--quiet")
+    refuses("pamr-convert", "fine.hdf", "welded.hdf", "--weld", says=["--weld: expected a mesh of level 0"], creates="welded.hdf")
+
+
 def test_a_file_with_the_other_order_of_corners_is_turned_over():
     lines = two_cells().splitlines()
     cells = [i for i, line in enumerate(lines) if line.split()[1:2] == ["4"] and len(line.split()) == 9]

@@ -118,9 +118,12 @@ void declare(cli::CommandLine& line, Options& options) {
   line.flag("--as-level-0", options.as_level0,
             "forget how a native mesh was refined: all its cells are of level 0 (no coarsening below them)");
   line.flag("--no-repair", options.no_repair, "split nothing");
+  line.flag("--weld", options.weld,
+            "join boundary nodes that lie in one place (parts that were meshed apart, cells with nodes of their own): "
+            "the faces between them become inner ones");
   line.flag("--strict", options.strict,
             "refuse what would only be reported: inverted cells, nodes of no cell, "
-            "boundary faces without tag");
+            "boundary faces without tag, parts that no face joins, cells that overlap");
   const auto unit =
       line.option("--unit", options.unit, "unit of the mesh's coordinates, kept in the mesh: mm, cm, m, um, in, ft")
           .show_default();

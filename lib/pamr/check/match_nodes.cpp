@@ -26,6 +26,7 @@ struct Visitor {
   Bin bin{};
   geometry::Vec3 position;
   std::int64_t id = 0;
+  GlobalId but_not = unmatched;  ///< the node that is no answer to a question
 };
 
 struct Answer {
@@ -68,7 +69,7 @@ Answer find_best(const std::vector<Visitor>& known, const Visitor& question, dou
     if (at->bin != question.bin || at->position.x > question.position.x + tolerance) break;
     const double distance = largest_difference(at->position, question.position);
     if (tolerance == 0 && distance > 0) break;
-    if (distance > tolerance) continue;
+    if (distance > tolerance || at->id == question.but_not) continue;
     if (best.match == unmatched || std::tie(distance, at->id) < std::tie(best.distance, best.match))
       best = {question.id, at->id, distance};
   }
@@ -126,34 +127,45 @@ Grid make_grid(const par::Comm& comm, const NodeList& a, const NodeList& b, doub
   return {box.low, std::max(64 * tolerance, std::ldexp(extent, -20))};
 }
 
-}  // namespace
-
-std::vector<GlobalId> match_nodes(const par::Comm& comm, const NodeList& reference, const NodeList& nodes,
-                                  double tolerance) {
-  std::vector<GlobalId> match(nodes.position.size(), unmatched);
+/// `is_itself`: nodes are matched among one another, none with itself.
+std::vector<GlobalId> match(const par::Comm& comm, const NodeList& reference, const NodeList& nodes, double tolerance,
+                            bool is_itself) {
+  std::vector<GlobalId> found(nodes.position.size(), unmatched);
   std::vector<Visitor> known, questions;
   for (std::size_t i = 0; i < reference.position.size(); ++i)
     known.push_back({exact_bin(reference.position[i]), reference.position[i], reference.number[i]});
+  const auto but_not = [&](std::size_t i) { return is_itself ? nodes.number[i] : unmatched; };
   for (std::size_t i = 0; i < nodes.position.size(); ++i)
-    questions.push_back({exact_bin(nodes.position[i]), nodes.position[i], static_cast<std::int64_t>(i)});
-  ask(comm, known, questions, 0, match);
-  const auto n_open = static_cast<std::int64_t>(std::count(match.begin(), match.end(), unmatched));
-  if (tolerance == 0 || comm.sum(n_open) == 0) return match;
+    questions.push_back({exact_bin(nodes.position[i]), nodes.position[i], static_cast<std::int64_t>(i), but_not(i)});
+  ask(comm, known, questions, 0, found);
+  const auto n_open = static_cast<std::int64_t>(std::count(found.begin(), found.end(), unmatched));
+  if (tolerance == 0 || comm.sum(n_open) == 0) return found;
 
   const auto grid = make_grid(comm, reference, nodes, tolerance);
   for (auto& visitor : known) visitor.bin = grid.bin(visitor.position);
   questions.clear();
-  for (std::size_t i = 0; i < match.size(); ++i) {
-    if (match[i] != unmatched) continue;
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    if (found[i] != unmatched) continue;
     const auto p = nodes.position[i];
     std::set<Bin> bins;  // those that a node within the tolerance may lie in
     for (const double dx : {-tolerance, tolerance})
       for (const double dy : {-tolerance, tolerance})
         for (const double dz : {-tolerance, tolerance}) bins.insert(grid.bin(p + geometry::Vec3{dx, dy, dz}));
-    for (const auto& bin : bins) questions.push_back({bin, p, static_cast<std::int64_t>(i)});
+    for (const auto& bin : bins) questions.push_back({bin, p, static_cast<std::int64_t>(i), but_not(i)});
   }
-  ask(comm, known, questions, tolerance, match);
-  return match;
+  ask(comm, known, questions, tolerance, found);
+  return found;
+}
+
+}  // namespace
+
+std::vector<GlobalId> match_nodes(const par::Comm& comm, const NodeList& reference, const NodeList& nodes,
+                                  double tolerance) {
+  return match(comm, reference, nodes, tolerance, false);
+}
+
+std::vector<GlobalId> match_other_nodes(const par::Comm& comm, const NodeList& nodes, double tolerance) {
+  return match(comm, nodes, nodes, tolerance, true);
 }
 
 }  // namespace pamr::check

@@ -26,4 +26,7 @@ struct NodeList {
 std::vector<GlobalId> match_nodes(const par::Comm& comm, const NodeList& reference, const NodeList& nodes,
                                   double tolerance);
 
+/// For each node the one that comes nearest to it of those with other numbers, as above. Collective: likewise.
+std::vector<GlobalId> match_other_nodes(const par::Comm& comm, const NodeList& nodes, double tolerance);
+
 }  // namespace pamr::check

@@ -76,6 +76,7 @@ QualityReport report_quality(const par::Comm& comm, const mesh::DistMesh& mesh, 
     report.has_curved_walls = report.has_curved_walls || (surface != nullptr && !surface->is_flat());
   }
   report.off_surface = read_off_surface(comm, mesh);
+  if (report.is_valid()) report.tears = find_tears(comm, mesh);
   report.fingerprint = mesh::fingerprint(comm, mesh);
   return report;
 }

@@ -2,10 +2,12 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "pamr/check/boundary_report.hpp"
 #include "pamr/check/metrics.hpp"
+#include "pamr/check/tears.hpp"
 #include "pamr/check/triangle_metrics.hpp"
 #include "pamr/geometry/surface.hpp"
 #include "pamr/mesh/dist_mesh.hpp"
@@ -38,6 +40,7 @@ struct QualityReport {
   double uniform_shape_bound = 0;  ///< `worst_uniform_shape` of the mesh, which holds away from curved walls
   bool has_curved_walls = false;   ///< a patch lies on a surface that is not flat
   OffSurface off_surface;
+  std::optional<Tears> tears;  ///< of valid meshes
   std::uint64_t fingerprint = 0;
 
   bool is_valid() const { return violations.empty() && inverted_cells == 0; }

@@ -83,6 +83,12 @@ nlohmann::json to_json(const check::QualityReport& report) {
                       {"uniform_shape_bound", report.uniform_shape_bound},
                       {"ledger", {{"nodes", report.off_surface.nodes}, {"worst", report.off_surface.worst}}},
                       {"fingerprint", fmt::format("{:016x}", report.fingerprint)}};
+  if (report.tears) {
+    json["pieces"] = report.tears->n_pieces;
+    json["coincident_nodes"] = report.tears->coincident_nodes.count;
+    json["coincident_faces"] = report.tears->coincident_faces.count;
+    json["overlaps"] = report.tears->overlaps.count;
+  }
   json["patches"] = nlohmann::json::object();
   for (std::size_t p = 0; p < report.patches.size(); ++p) {
     const auto& patch = report.patches[p];

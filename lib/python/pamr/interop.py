@@ -51,6 +51,7 @@ def from_meshio(comm: Any, mesh: Any, tags: Optional[str] = None, names: Optiona
         parts.remarks.append(f"{n_untagged} boundary faces without tag are in the patch 'boundary'")
     if result.n_turned > 0:
         parts.remarks.append(f"{result.n_turned} inverted cells were turned over")
+    parts.remarks += _core.remarks_on_tears(result._core)
     for remark in parts.remarks if comm.rank == 0 else []:
         warnings.warn(f"from_meshio: {remark}", stacklevel=2)
     return result

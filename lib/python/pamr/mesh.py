@@ -110,8 +110,11 @@ class Mesh:
         """
         mesh = Mesh._of_arrays(comm, points, cells, boundary, names, cell_fields, node_fields, length_unit, order, repair,
                                regions)
-        if mesh.n_turned > 0 and comm.rank == 0:
-            warnings.warn(f"{mesh.n_turned} inverted cells were turned over", stacklevel=2)
+        remarks = _core.remarks_on_tears(mesh._core)
+        if mesh.n_turned > 0:
+            remarks.insert(0, f"{mesh.n_turned} inverted cells were turned over")
+        for remark in remarks if comm.rank == 0 else []:
+            warnings.warn(remark, stacklevel=2)
         if regions:
             there = set().union(*comm.allgather(set(np.unique(mesh.cell_fields["region"]).tolist())))
             none = [f"{number} ('{name}')" for number, name in sorted(mesh.regions.items()) if number not in there]
