@@ -6,7 +6,7 @@
 #   bench/compare-dsmc.sh BUILD_FOLDER [CUBES [STEPS]]     (default 11 cubes along an edge, 50 steps)
 #
 # OPENFOAM=FOLDER names a folder into which the packages openfoam and libopenfoam were unpacked (dpkg -x); otherwise
-# dsmcFoam is looked for in PATH. Processor time of dsmcFoam: its whole run of STEPS steps less a run of one step.
+# dsmcFoam is looked for in PATH. Exit code 1 if dsmcFoam is faster. Processor time of dsmcFoam: its whole run of STEPS steps less a run of one step.
 set -euo pipefail
 build=${1:?compare-dsmc.sh: expected the build folder}
 cubes=${2:-11} steps=${3:-50}
@@ -119,4 +119,5 @@ import sys
 ours, short, long, steps, particles = map(float, sys.argv[1:])
 theirs = particles * steps / (long - short) * 1e-6
 print(f"dsmcFoam: {theirs:.2f} M particle-steps per CPU second; pamr-dsmc: {ours:.2f} M; ratio {ours / theirs:.1f}")
+sys.exit(0 if ours >= theirs else "compare-dsmc.sh: expected pamr-dsmc to be as fast as dsmcFoam")
 PY

@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
 # Compares pamr-dsmc with SPARTA, an independent code (https://github.com/sparta/sparta), on the same gas, bodies and streams:
-# builds SPARTA from a checkout, serially and outside of it, runs both, prints tables with 95 % bounds.
+# builds SPARTA from a checkout, serially and outside of it, runs both, prints tables with 95 % bounds. Exit code 1 if a difference is
+# not as sparta.csv has it.
 #
 #   qualification/validation/sparta.sh [--quick] [--ranks N] [--seed N] [--out FOLDER] [--tools FOLDER] CHECKOUT [CASE...]
 #

@@ -4,6 +4,8 @@
 
     sparta_cases.py OUT SPARTA RANKS SEED QUICK [CASE...]      QUICK: yes or no
 
+Exit code 1 if a difference, or its bound, is not what sparta.csv has of the case; --quick compares nothing.
+
 Bodies without incidence are axisymmetric in SPARTA and a sector or a half in pamr-dsmc. Both take near partners. Bounds are those
 of 95 %, from blocks as long as a passage of the free stream, with Student's factor.
 """
@@ -18,6 +20,9 @@ import numpy as np
 
 HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
+sys.path.append(str(ROOT / "cases"))
+from bounds import rows_of  # noqa: E402
+
 BOLTZMANN = 1.380649e-23
 ARGON = dict(name="Ar", mass=6.63e-26, diameter=4.17e-10, omega=0.81, t_ref=273.0, degrees=0)
 NITROGEN = dict(name="N2", mass=4.65e-26, diameter=4.17e-10, omega=0.74, t_ref=273.0, degrees=2)
@@ -25,6 +30,7 @@ NITROGEN = dict(name="N2", mass=4.65e-26, diameter=4.17e-10, omega=0.74, t_ref=2
 STUDENT = {2: 12.706, 3: 4.303, 4: 3.182, 5: 2.776, 10: 2.262, 20: 2.093}
 OUT, SPARTA, RANKS, SEED, QUICK = pathlib.Path("."), "spa_serial", 1, 1, False
 N_BLOCKS = 10
+missed = []  # a line for each difference that is not as sparta.csv has it
 
 
 def tool(name, *arguments, ranks=None):
@@ -77,14 +83,28 @@ def blocks_of(name):
     return rows
 
 
-def table(title, rows):
-    """rows: quantity, ours and SPARTA's (value, half width)."""
+def compare(case, what, difference, bound):
+    """In words whether the difference of a quantity, and its bound of 95 %, are as sparta.csv has them."""
+    row = next((row for row in rows_of(HERE / "sparta.csv") if (row["case"], row["quantity"]) == (case, what)), None)
+    if row is None or QUICK:
+        return "not compared"
+    recorded, its_bound = float(row["difference"]), float(row["bound"])
+    allowed = 2 * math.hypot(bound, its_bound)
+    if bound <= 2 * its_bound and abs(difference - recorded) <= allowed:
+        return "ok"
+    missed.append(f"{case}: {what}: expected a difference of {recorded:.4f} within {allowed:.4f} and a bound of {its_bound:.4f}, at most "
+                  f"twice that, found {difference:.4f} and {bound:.4f}")
+    return "NOT AS EXPECTED"
+
+
+def table(case, title, rows):
+    """rows: quantity, ours and SPARTA's (value, half width). Compares each with sparta.csv."""
     print(f"\n{title}\n{'':34} {'pamr-dsmc':>10}  +-        {'SPARTA':>10}  +-        difference, and its bound")
     for what, (a, da), (b, db) in rows:
-        relative = 100 / abs(b) if abs(b) > 0.2 else 0
-        text = f"{(a - b) * relative:+.2f} %, {math.hypot(da, db) * relative:.2f} %" if relative else \
-            f"{a - b:+.4f}, {math.hypot(da, db):.4f}"
-        print(f"{what:34} {a:10.5g}  {da:<8.2g}  {b:10.5g}  {db:<8.2g}  {text}")
+        unit = 1 / abs(b) if abs(b) > 0.2 else 1
+        difference, bound = (a - b) * unit, math.hypot(da, db) * unit
+        text = f"{difference:+.4f}, {bound:.4f}" if unit == 1 else f"{100 * difference:+.2f} %, {100 * bound:.2f} %"
+        print(f"{what:34} {a:10.5g}  {da:<8.2g}  {b:10.5g}  {db:<8.2g}  {text}  {compare(case, what, difference, bound)}")
     sys.stdout.flush()
 
 
@@ -128,7 +148,7 @@ def box():
         rows = rows[rows["averaged"] == 1]
         full = particles  # the number that stands for the density n
         ours = [2 * r["collisions_per_particle_step"] / dt / frequency(gas, n * r["particles"] / full, r["T_tr"]) for r in rows]
-        table(f"box of {gas['name']} at rest, {particles} particles, steps of {dt:g} s",
+        table(name, f"box of {gas['name']} at rest, {particles} particles, steps of {dt:g} s",
               [("collisions over kinetic theory's", estimate(ours), estimate(theirs))])
 
 
@@ -228,7 +248,7 @@ def sphere(name="sphere", more=1, finer=1, near=True, size=0.1, three_d=False, s
     tool("pamr-dsmc", f"{name}.toml", "--mesh", f"{name}.hdf", "-o", f"{name}-flow.hdf", "--json", f"{name}.json", "--force",
          "--quiet")
     report = json.loads((OUT / f"{name}.json").read_text())
-    table(f"{name}: argon, {stream['title']} ({report['averages']['groups']} groups of {report['averages']['group_steps']} steps, a "
+    table(name, f"{name}: argon, {stream['title']} ({report['averages']['groups']} groups of {report['averages']['group_steps']} steps, a "
           f"passage has {report['averages']['passage_steps']}; SPARTA: {N_BLOCKS} of {passage})",
           [("C_D", value_of(report, "C_D"), estimate(loads[:, 0] / q)),
            ("C_H", value_of(report, "C_H"), estimate(loads[:, 2] / (q * speed)))])
@@ -296,7 +316,7 @@ def cone_run(angle, finer=1, sector=False):
     if ten:
         rows.append(("C_L", value_of(report, "C_L"), estimate(lift)))
     rows.append(("C_H", value_of(report, "C_H"), estimate(heat)))
-    table(f"{name}, nitrogen, {'Set 2' if ten else 'Set 1'}, {angle} degrees ({report['averages']['groups']} groups of "
+    table(name, f"{name}, nitrogen, {'Set 2' if ten else 'Set 1'}, {angle} degrees ({report['averages']['groups']} groups of "
           f"{report['averages']['group_steps']} steps, a passage has {report['averages']['passage_steps']}; SPARTA: {N_BLOCKS} of "
           f"{passage})", rows)
 
@@ -319,7 +339,10 @@ def main():
         if name not in cases:
             raise SystemExit(f"sparta_cases.py: unknown case {name}: expected one of {', '.join(cases)}")
         cases[name]()
+    for text in missed:
+        print(f"sparta_cases.py: {text}", file=sys.stderr)
+    return 1 if missed else 0
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())
