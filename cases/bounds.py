@@ -1,16 +1,32 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a case measured, against the bounds of its expected.csv."""
+"""What a case measured, against the bounds of its expected.csv: rows quantity, at_least, at_most, source; an empty bound is none."""
 import csv
+import math
 
 
-def all_within(measured, expected_file):
-    """Prints each quantity with its bounds; whether all lie within them. expected_file: rows quantity, at_least, at_most."""
-    with open(expected_file, encoding="ascii") as file:
-        expected = {row["quantity"]: row for row in csv.DictReader(file)}
-    good = True
+def rows_of(table):
+    """The rows of a table by the names of its columns, without its comments."""
+    with open(table, encoding="utf-8") as file:
+        return list(csv.DictReader(line for line in file if not line.startswith("#")))
+
+
+def bounds_of(table):
+    """By quantity the smallest and the largest value that is good."""
+    return {row["quantity"]: (float(row.get("at_least") or -math.inf), float(row.get("at_most") or math.inf)) for row in rows_of(table)}
+
+
+def misses(where, measured, bounds):
+    """A line for each quantity that is out of its bounds, or not a number."""
     for quantity, value in measured.items():
-        low, high = float(expected[quantity]["at_least"]), float(expected[quantity]["at_most"])
-        ok = low <= value <= high
-        good = good and ok
-        print(f"{quantity:36} {value:12.4g}   {low:g} to {high:g}   {'ok' if ok else 'NOT AS EXPECTED'}")
-    return good
+        low, high = bounds[quantity]
+        if not low <= value <= high:
+            yield f"NOT AS EXPECTED: {where}: {quantity} is {value:.4g}, expected {low:g} to {high:g}"
+
+
+def all_within(measured, table):
+    """Prints each quantity with its bounds; whether all lie within them."""
+    bounds = bounds_of(table)
+    for quantity, value in measured.items():
+        low, high = bounds[quantity]
+        print(f"{quantity:36} {value:12.4g}   {low:g} to {high:g}   {'ok' if low <= value <= high else 'NOT AS EXPECTED'}")
+    return not any(misses("", measured, bounds))

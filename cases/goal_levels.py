@@ -2,12 +2,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Prints a table of the levels of a Poisson-Boltzmann run and compares its last level with expected.csv.
 
-Usage: goal_levels.py FOLDER COLUMN... [--expected FILE --case NAME [--coarse]]
+Usage: goal_levels.py FOLDER COLUMN... [--expected FILE --case NAME]
 
 FOLDER holds solve<i>.json. COLUMN is `title=path`, a path like forces.sphere.midplane.dimensionless.0 in the report of
 pamr-pb. The rows `case,quantity,value,tolerance` of FILE whose case is NAME are compared with the last level: tolerances
-are relative. With --coarse, for fewer levels than FILE is made for, only quantities with an error bar are compared, those
-that end in .value, and within that bar. Exit code 1 when a number is not as expected.
+are relative. Exit code 1 when a number is not as expected or none.
 """
 import argparse
 import csv
@@ -34,7 +33,6 @@ def main():
     parser.add_argument("columns", nargs="*")
     parser.add_argument("--expected")
     parser.add_argument("--case")
-    parser.add_argument("--coarse", action="store_true")
     o = parser.parse_args()
     reports = []
     while os.path.exists(name := os.path.join(o.folder, f"solve{len(reports)}.json")):
@@ -55,13 +53,12 @@ def main():
     if o.expected:
         with open(o.expected, encoding="utf-8") as file:
             for row in csv.DictReader(line for line in file if not line.startswith("#")):
-                if row["case"] != o.case or o.coarse and not row["quantity"].endswith(".value"):
+                if row["case"] != o.case:
                     continue
                 compared += 1
                 found, wanted = value_at(reports[-1], row["quantity"]), float(row["value"])
-                bar = row["quantity"].removesuffix("value") + "error"
-                most = value_at(reports[-1], bar) if o.coarse else float(row["tolerance"]) * abs(wanted)
-                if found is None or most is None or not abs(found - wanted) <= most:
+                most = float(row["tolerance"]) * abs(wanted)
+                if found is None or not abs(found - wanted) <= most:
                     print(f"{o.case}: expected {row['quantity']} = {wanted:g} within {shown(most)}, found {shown(found)}",
                           file=sys.stderr)
                     wrong = 1

@@ -44,6 +44,7 @@ region() { # LEVEL
   esac
 }
 
+pamr-mesh --version >"$out/version.txt"
 on_ranks mesh pamr-mesh "$case_folder/case.toml" -o "$out/level0.hdf" --force
 quality 0
 for ((level = 1; level <= levels; ++level)); do

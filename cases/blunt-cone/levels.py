@@ -83,6 +83,8 @@ def unexpected(levels, size):
         found, error = levels[level].value(row["quantity"])
         expected = float(row["value"])
         allowed = 4 * math.hypot(error, float(row["stderr"])) + float(row["mesh"])
+        if not error <= 3 * float(row["stderr"]):  # a wide bar would let any value pass; ten groups give it within a third or so
+            yield f"level {level}: expected a standard error of {row['quantity']} of {row['stderr']}, at most three times that, found {error:.2g}"
         if not abs(found - expected) <= allowed:
             yield (f"level {level}: expected {row['quantity']} = {row['value']} within {allowed:.3g}, "
                    f"found {found:g}")

@@ -2,7 +2,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """check.py OUT LEVELS: each level compared with OpenCASCADE's own area and volume, and the wall nodes of the last one with the
 nearest points that Gmsh finds, and by OpenFOAM's checkMesh where it is installed; exit code 1 if a bound of expected.csv is missed."""
-import csv
 import json
 import math
 import os
@@ -16,23 +15,23 @@ import gmsh
 import h5py
 import numpy as np
 
-sys.path.append(str(pathlib.Path(__file__).resolve().parents[2] / "tools/picture"))
+FOLDER = pathlib.Path(__file__).resolve().parent
+sys.path += [str(FOLDER.parents[1] / "tools/picture"), str(FOLDER.parent)]
+from bounds import bounds_of, misses  # noqa: E402
 from tet import FACE_TO_CORNER  # noqa: E402
 
 ANGLES = re.compile(r"non-orthogonality|skew|aspect ratio|wedge|two or more|underdetermined|Failed \d+ mesh check", re.I)
 MAX_NODES = 3000  # of each patch, to be measured by Gmsh
 out, levels = pathlib.Path(sys.argv[1]), int(sys.argv[2])
-bounds = {r["quantity"]: r for r in csv.DictReader(open(pathlib.Path(__file__).parent / "expected.csv"))}
+bounds = bounds_of(FOLDER / "expected.csv")
 failed = False
 
 
 def compare(where, measured):
     global failed
-    for quantity, value in measured.items():
-        row = bounds[quantity]
-        if (row["at_most"] and not value <= float(row["at_most"])) or (row["at_least"] and not value >= float(row["at_least"])):
-            failed = True
-            print(f"  NOT AS EXPECTED: {where}: {quantity} {value:.4g} ({row['source']})")
+    for text in misses(where, measured, bounds):
+        failed = True
+        print("  " + text)
 
 
 def wall_nodes(name):

@@ -2,7 +2,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """check.py OUT LEVELS: each level compared with the ring that was scanned and with expected.csv; exit code 1 if a level misses a
 bound."""
-import csv
 import json
 import pathlib
 import subprocess
@@ -11,22 +10,23 @@ import sys
 import h5py
 import numpy as np
 
-sys.path.append(str(pathlib.Path(__file__).resolve().parents[2] / "tools/picture"))
+FOLDER = pathlib.Path(__file__).resolve().parent
+sys.path += [str(FOLDER.parents[1] / "tools/picture"), str(FOLDER.parent)]
+from bounds import bounds_of, misses  # noqa: E402
 from tet import FACE_TO_CORNER  # noqa: E402
 
 import make_scan
 
 out, levels = pathlib.Path(sys.argv[1]), int(sys.argv[2])
-bound = {r["quantity"]: float(r["at_most"]) for r in csv.DictReader(open(pathlib.Path(__file__).parent / "expected.csv"))}
+bounds = bounds_of(FOLDER / "expected.csv")
 failed = False
 
 
 def compare(where, measured):
     global failed
-    for quantity, value in measured.items():
-        if not value <= bound[quantity]:
-            failed = True
-            print(f"  NOT AS EXPECTED: {where}: {quantity} {value:.3g}, at most {bound[quantity]:g}")
+    for text in misses(where, measured, bounds):
+        failed = True
+        print("  " + text)
 
 
 repair, decimate = (json.loads((out / f"{name}.json").read_text()) for name in ("repair", "decimate"))

@@ -117,7 +117,9 @@ done
 
 echo
 status=0
-size=$([ $mach_8 = yes ] && echo mach-8 || echo mach-4.2)
+size=mach-4.2
+if [ $mach_8 = yes ]; then size=mach-8; fi
+if [ $full = yes ]; then size=$([ $mach_8 = yes ] && echo mach-8-full || echo full); fi
 if [ $smoke = yes ]; then size=smoke; fi
 "$python" -B "$case_folder/check.py" "$out" "$levels" "$size" || status=$?
 view=(--patch sphere --patch symmetry_1 --camera -0.5,0.35,1 --up y --focus -0.6,0.45,0.1 --zoom 4)
