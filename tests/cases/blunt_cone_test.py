@@ -55,7 +55,7 @@ class Shape(unittest.TestCase):
 
     def test_a_number_that_is_not_as_expected_is_named(self):
         with tempfile.TemporaryDirectory() as folder:
-            for name in ("quality0.json", "quality1.json", "refine1.json"):
+            for name in ("quality0.json", "quality1.json", "refine1.json", "version.txt"):
                 shutil.copy(os.path.join(self.out[1], name), folder)
             name = os.path.join(folder, "quality1.json")
             with open(name, encoding="utf-8") as file:
