@@ -47,7 +47,8 @@ for level in range(levels + 1):
     print(f"level {level}: {report['cells']} cells, smallest mean ratio {report['mean_ratio']['min']:.3f}, wall nodes off the "
           f"ring: mean {np.abs(off).mean():.2e}, largest {np.abs(off).max():.2e}; volume {volume:+.2e}, area {area:+.2e}, "
           f"middles of triangles off the surface: mean {patch['triangles']['mean_distance']:.2e}")
-    compare(f"level {level}", {"inverted_cells": report["inverted_cells"], "off_surface_nodes": patch["off_surface_nodes"],
+    compare(f"level {level}", {"inverted_cells": report["inverted_cells"], "min_mean_ratio": report["mean_ratio"]["min"],
+                               "off_surface_nodes": patch["off_surface_nodes"],
                                "nodes_left_off_surface": report["ledger"]["nodes"], "mean_distance_from_ring": np.abs(off).mean(),
                                "largest_distance_from_ring": np.abs(off).max()})
 compare("last level", {"volume_error": errors[-1][0], "area_error": errors[-1][1]})
