@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Meshes from arrays and files, fields, marks, refinements, surfaces, points, data of parents."""
+import inspect
 import itertools
 import warnings
 
@@ -229,6 +230,11 @@ def test_no_cell_of_a_cube_falls_below_the_shape_floor():
             assert (mesh.n_cells, mesh.n_nodes) == expected
         smallest.append(pamr.quality(mesh)["mean_ratio"]["min"])
     assert smallest[0] < 0.5 <= smallest[1] * (1 + 1e-12)
+
+
+def test_the_shape_floor_is_that_of_the_manual_if_none_is_given():
+    for function in (pamr.refine, pamr.adapt, pamr.forecast, pamr.mark.flags):
+        assert inspect.signature(function).parameters["shape_floor"].default == 0.35, function
 
 
 def test_marks_are_those_of_arrays_and_criteria_together():
