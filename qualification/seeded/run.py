@@ -9,6 +9,9 @@
 Prints what found each fault and after how many seconds. Exit code: 0 all were found, 1 one was not, 2 a patch that does
 not fit or does not build, or tests that fail without any fault. The copy is build/seeded/tree (--tree: another folder),
 so that your files stay as they are; its first build takes as long as any. A fault that is found costs about two minutes.
+
+A last line "Found by NAME." at the head of a patch names a test of the full level or of every change: a gate that let the fault pass once. That
+one is run alone with the fault, and without it first; it is left out where the test is not there (programs of others).
 """
 import argparse
 import fcntl
@@ -46,6 +49,8 @@ class Fault:
         if not 1 <= len(self.lines_of_head) <= 3 or len(files) != 1 or not files[0].endswith(".cpp"):
             raise Trouble(f"{self.name}: expected one to three lines and the change of one .cpp, found another patch")
         self.file = files[0]
+        named = re.fullmatch(r"Found by (\w+)\.", self.lines_of_head[-1])
+        self.test = named[1] if named else None
         self.blocks = []
         for hunk in re.split(r"^@@ .*\n", body, flags=re.MULTILINE)[1:]:
             lines = [line for line in hunk.splitlines(keepends=True) if line[0] in " +-"]
@@ -157,11 +162,28 @@ class Tree:
             raise Trouble(f"expected tests that pass without a fault, found that {test} fails")
         passed.write_text(commit)
 
+    def has(self, test):
+        must(["cmake", self.build], self.folder)  # the list of tests is that of this commit
+        listed = must(["ctest", "--test-dir", self.build, "-C", "full", "-N", "-R", f"^{test}$"], self.folder)
+        return f": {test}\n" in listed
+
+    def fails(self, test):
+        must(["ninja", "-C", self.build, "all"], self.folder)
+        return FAILED.search(output_of(["ctest", "--test-dir", self.build, "-C", "full", "-R", f"^{test}$"], self.folder)[0]) is not None
+
     def failing_test_with(self, fault):
+        """None if no test fails."""
         path = self.folder / fault.file
         sound = path.read_text()
+        if fault.test:
+            if not self.has(fault.test):
+                return f"left out: no {fault.test}"
+            if self.fails(fault.test):
+                raise Trouble(f"{fault.name}: expected {fault.test} to pass without the fault, found that it fails")
         try:
             path.write_text(fault.changed(self.folder))
+            if fault.test:
+                return fault.test if self.fails(fault.test) else None
             return self.failing_test()
         finally:
             path.write_text(sound)
@@ -184,7 +206,8 @@ def run(options):
     if not faults:
         raise Trouble("expected names of faults, found none of these")
     tree = Tree(options.tree.resolve())
-    tree.require_passing()
+    if any(fault.test is None for fault in faults):
+        tree.require_passing()
     rows = []
     for fault in faults:
         start = time.monotonic()
