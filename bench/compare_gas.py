@@ -3,7 +3,7 @@
 """Speed of pamr-dsmc beside an older version of it and beside SPARTA, one after the other in one run.
 
     compare_gas.py TOOLS [--before TOOLS] [--sparta PROGRAM] [--runs N] [--partner NAME] [--particles N...] [--no-cone] [--out FOLDER]
-                   [--least-before X] [--least-sparta X]
+                   [--min-before X] [--min-sparta X]
 
 TOOLS: folder with pamr-dsmc and pamr-mesh. PROGRAM: SPARTA, built serially (qualification/validation/sparta.sh builds it).
 --partner: of the first tools (default nearest). --particles: about so many (default 1e5, 1e6 and 1e7).
@@ -14,7 +14,7 @@ roots of a cell's volume, and 0.07 pairs of a particle collide in a step. SPARTA
 3 %. The cone is cases/blunt-cone on its level 0 with half a million particles, whose collisions are in cells of 48 to 400 particles:
 steps 900 to 1,100, not by SPARTA. Seconds are the processor's of the steps alone, as the programs report them (of SPARTA: the time of
 its loop, times the part of its time that the process had the processor). Rates are medians of the runs, which take turns, and so are
-their ratios. Exit code 1 if a ratio is below --least-before (default 0.9: as fast as before but for noise) or --least-sparta (default 1.1:
+their ratios. Exit code 1 if a ratio is below --min-before (default 0.9: as fast as before but for noise) or --min-sparta (default 1.1:
 docs/results/dsmc-speed.md has 1.18 and more).
 """
 import argparse
@@ -160,8 +160,8 @@ def main():
     parser.add_argument("--particles", type=float, nargs="*", default=[1e5, 1e6, 1e7])
     parser.add_argument("--no-cone", action="store_true")
     parser.add_argument("--out")
-    parser.add_argument("--least-before", type=float, default=0.9)
-    parser.add_argument("--least-sparta", type=float, default=1.1)
+    parser.add_argument("--min-before", type=float, default=0.9)
+    parser.add_argument("--min-sparta", type=float, default=1.1)
     arguments = parser.parse_args()
     codes = {"pamr-dsmc": Pamr(arguments.tools, arguments.partner)}
     if arguments.before:
@@ -171,7 +171,7 @@ def main():
     print("| case | particles | " + " | ".join(f"{name}, M particle-steps a CPU second" for name in codes)
           + "".join(f" | times {name}" for name in list(codes)[1:]) + " |\n|" + "---|" * (1 + 2 * len(codes)))
 
-    least = {"before": arguments.least_before, "SPARTA": arguments.least_sparta}
+    least = {"before": arguments.min_before, "SPARTA": arguments.min_sparta}
     slow = []
 
     def row(case, particles, found):
