@@ -116,7 +116,7 @@ int main(int argc, char** argv) {
   set_up_heap();
   const par::Runtime runtime(argc, argv);
   if (argc != 5 && argc != 6) {
-    fmt::print("Usage: bench_adapt N LEVELS STEPS SHIFT [auto|scotch|blocks|none]\n");
+    fmt::print("Usage: bench_adapt N LEVELS STEPS SHIFT [auto|scotch|curve|blocks|none]\n");
     return 2;
   }
   return run(std::atoi(argv[1]), std::atoi(argv[2]), std::atoi(argv[3]), std::atof(argv[4]),

@@ -1,75 +1,92 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Quality and price of balancing: the refined mesh's imbalance and the edge cut by each method, and the seconds of the
-// steps, for W2 (a shell of K(n) refined with closure) or for a marked mesh from a file. The first rank prints.
+// What each way of balancing gives on a marked mesh, one row each: faces between the parts of the cells before they are
+// split, the same over those of compact parts, neighbors, imbalance of the refined mesh, the seconds of the partition
+// and of moving the cells by the slowest rank's clock, and whether a second call moves anything again. The first rank
+// prints.
 //
-//     mpirun -n P bench_balance N
-//     mpirun -n P bench_balance MARKED.hdf
+//     mpirun -n P bench_balance N             W2: a shell of K(N)
+//     mpirun -n P bench_balance MESH.hdf      by its field `refine`, if it has one
+//     mpirun -n P bench_balance MESH Q...     what Scotch, the curve and runs give for Q parts, on any number of ranks
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cstdlib>
+#include <filesystem>
+#include <numeric>
 #include <string>
 
 #include "bench/workloads.hpp"
-#include "pamr/adapt/adapt.hpp"
 #include "pamr/adapt/flags.hpp"
+#include "pamr/adapt/forecast.hpp"
+#include "pamr/adapt/read_for_refinement.hpp"
 #include "pamr/assemble/assemble.hpp"
-#include "pamr/io/native/native_file.hpp"
-#include "pamr/par/equal_work.hpp"
+#include "pamr/balance/rebalance.hpp"
+#include "pamr/base/timer.hpp"
 #include "pamr/par/runtime.hpp"
 
 namespace {
 
 using namespace pamr;
+using balance::Method;
 
 struct Workload {
-  mesh::DistMesh mesh;
-  std::vector<std::uint8_t> flags;
+  std::string name;
+  mesh::DistMesh mesh;                 ///< as `pamr-refine` would read it
+  std::vector<std::int64_t> weight{};  ///< cells that each cell becomes
 };
 
 Workload load(const par::Comm& comm, const std::string& name) {
   const int n = std::atoi(name.c_str());
-  if (n > 0) {
-    auto mesh = bench::cube(comm, n);
-    auto flags = bench::mark_shell(mesh, 0.35, 0.06);
-    return {std::move(mesh), std::move(flags)};
-  }
-  auto block = io::read_native(comm, name);
-  const std::vector<std::int64_t> ones(block.cell_to_node.size(), 1);
-  const auto destination = par::runs_of_equal_work(comm, ones, comm.size());
-  auto mesh = assemble::assemble(comm, std::move(block), destination);
-  auto flags = adapt::flags_from_field(comm, mesh, "refine");
-  return {std::move(mesh), std::move(flags)};
+  StepTimer timer;
+  Workload work{n > 0 ? "W2 of K(" + name + ")" : std::filesystem::path(name).stem().string(),
+                n > 0 ? bench::cube(comm, n) : adapt::read_for_refinement(comm, name, {}, timer)};
+  auto flags = n > 0 ? bench::mark_shell(work.mesh, 0.35, 0.06)
+                     : std::vector<std::uint8_t>(static_cast<std::size_t>(work.mesh.n_cells()), 0);
+  if (n == 0 && work.mesh.find_cell_field("refine") != nullptr)
+    flags = adapt::flags_from_field(comm, work.mesh, "refine");
+  const auto children = adapt::Forecaster(comm, work.mesh).forecast(flags).children;
+  work.weight.assign(children.begin(), children.end());
+  return work;
 }
 
-void run(const par::Comm& comm, const std::string& name, balance::Method method, std::int64_t vertices_per_part) {
-  auto work = load(comm, name);
-  const refine::Options options{.parent_field = false};
-  const adapt::Balancing how{{.method = method, .vertices_per_part = vertices_per_part}, {}, {}};
+void print_row(const Workload& work, Rank n_parts, const char* asked, const balance::Report& report,
+               const std::string& rest) {
+  const auto& q = report.after;
+  fmt::print("| {} | {} | {} | {} | {} | {:.2f} | {} | {:.3f} | {} |\n", work.name, n_parts, asked,
+             balance::name_of(report.method), q.edge_cut, static_cast<double>(q.edge_cut) / q.compact_cut,
+             q.max_neighbors, q.imbalance, rest);
+}
+
+/// Moves the cells by that method and once more.
+void run(const par::Comm& comm, const Workload& work, Method method, double keep_below, const char* asked) {
+  const balance::Options options{.method = method, .keep_below = keep_below};
+  mesh::DistMesh copy = work.mesh;
+  copy.cell_fields = {{"weight", "", 1, mesh::StorageType::int32, work.weight}};
+  copy.node_fields.clear();
   comm.barrier();
-  const auto result = adapt::refine(comm, std::move(work.mesh), work.flags, options, how);
-  const auto& report = result.report;
-  const auto& balance = report.balance;
-  // processor seconds of all ranks: own work outside of communication, and Scotch with its communication
-  const auto sum = [&](double here) {
-    return 1e-9 * static_cast<double>(comm.sum(static_cast<std::int64_t>(1e9 * here)));
-  };
-  double wall = 0, compute = 0, balancing = 0, migrating = 0, scotch = 0;
-  for (const auto& s : report.steps) {
-    wall += s.wall;
-    compute += s.compute();
-    if (s.step == "balance") balancing += s.compute();
-    if (s.step == "migrate") migrating += s.compute();
-    scotch += s.traffic.external_cpu;
-  }
-  const double longest = comm.max(wall), all = sum(compute), of_balance = sum(balancing), of_migrate = sum(migrating),
-               of_scotch = sum(scotch);
+  auto first = balance::rebalance(comm, std::move(copy), work.weight, options);
+  const auto weight = first.mesh.find_cell_field("weight")->integer();
+  const auto again = balance::partition(comm, first.mesh, weight, comm.size(), options);
+  const auto& report = first.report;
+  const double seconds = comm.max(report.partition_seconds), moving = comm.max(report.migrate_seconds);
   if (comm.is_first())
-    fmt::print(
-        "| {} | {} | {} | {} | {:.4f} | {:.4f} | {} | {} | {} | {} | {:.2f} | {:.3f} | {:.3f} | {:.3f} | {:.3f} |\n",
-        name, comm.size(), balance::name_of(method), vertices_per_part, balance.before.imbalance,
-        balance.after.imbalance, balance.before.edge_cut, balance.after.edge_cut, balance.after.max_neighbors,
-        balance.moved_cells, longest, all, of_balance, of_migrate, of_scotch);
+    print_row(work, comm.size(), asked, report,
+              fmt::format("{:.3f} | {:.3f} | {} | {}", seconds, moving, report.moved_cells,
+                          again.method == Method::none ? "no" : "yes"));
+}
+
+void show_parts(const par::Comm& comm, const Workload& work, Rank n_parts) {
+  for (const auto method : {Method::scotch, Method::curve, Method::blocks}) {
+    balance::Report report;
+    comm.barrier();
+    const double start = wall_seconds(), cpu = cpu_seconds();
+    const auto parts = balance::partition(comm, work.mesh, work.weight, n_parts, {.method = method, .keep_below = 0});
+    const double seconds = comm.max(wall_seconds() - start), busy = comm.max(cpu_seconds() - cpu);
+    report.method = parts.method;
+    report.after = parts.quality;
+    if (comm.is_first())
+      print_row(work, n_parts, balance::name_of(method), report, fmt::format("{:.3f} | {:.3f}", seconds, busy));
+  }
 }
 
 }  // namespace
@@ -77,16 +94,19 @@ void run(const par::Comm& comm, const std::string& name, balance::Method method,
 int main(int argc, char** argv) {
   const par::Runtime runtime(argc, argv);
   const par::Comm comm(MPI_COMM_WORLD);
-  const std::string name = argc > 1 ? argv[1] : "20";
-  if (comm.is_first())
-    fmt::print(
-        "| mesh | ranks | method | groups a part | imbalance before | after | cut before | after | neighbors | moved "
-        "| "
-        "wall s | compute s | of it balance | migrate | Scotch s |\n"
-        "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
-  run(comm, name, balance::Method::none, 0);
-  run(comm, name, balance::Method::blocks, 0);
-  for (const std::int64_t vertices : {500, 2000}) run(comm, name, balance::Method::scotch, vertices);
-  if (argc > 2) run(comm, name, balance::Method::scotch, 0);
+  const auto work = load(comm, argc > 1 ? argv[1] : "20");
+  const bool is_of_ranks = argc <= 2;
+  if (comm.is_first() && std::getenv("PAMR_BENCH_NO_HEAD") == nullptr)
+    fmt::print("| mesh | parts | asked | given | faces | over compact | neighbors | imbalance | seconds |{}\n{}\n",
+               is_of_ranks ? " moving | cells moved | moves again |" : " CPU |",
+               is_of_ranks ? "|---|---|---|---|---|---|---|---|---|---|---|---|"
+                           : "|---|---|---|---|---|---|---|---|---|---|");
+  for (int i = 2; i < argc; ++i) show_parts(comm, work, std::atoi(argv[i]));
+  if (!is_of_ranks) return 0;
+  run(comm, work, Method::none, 1, "as read");
+  run(comm, work, Method::best, 1.05, "auto");
+  run(comm, work, Method::scotch, 1.02, "scotch");
+  run(comm, work, Method::curve, 0, "curve");
+  run(comm, work, Method::blocks, 0, "blocks");
   return 0;
 }

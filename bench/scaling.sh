@@ -11,7 +11,7 @@
 #   BUILD       build folder (default build/release)
 #   --ranks     numbers of processes (default "1 2 4 8 16 32 64"; the first is what the others are compared with)
 #   --repeats   runs of each, of which the medians count (default 3)
-#   --balance   auto, scotch, blocks or none (default auto, as pamr-refine's)
+#   --balance   auto, scotch, curve, blocks or none (default auto, as pamr-refine's)
 #   --own-marks without the field refine_work, which pamr-mark writes and a solver that marks by itself does not
 #   --mesh      a marked mesh of yours instead, and no bars: the marks of a flow, for example
 #   --small     a cube of 82,944 cells instead, and --counts: for hundreds of ranks on few cores
@@ -126,10 +126,7 @@ bars=()
 if [ $counts = yes ]; then bars=(--counts); fi
 if [ $size = tiny ] || [ $size = given ]; then bars=(--no-bars); fi
 marks=
-if [ $own_marks = yes ]; then
-  marks=" --own-marks"
-  bars+=(--own-marks)
-fi
+[ $own_marks = no ] || marks=" --own-marks"
 echo "$(date +%F), commit $(git -C "$root" rev-parse --short HEAD 2>/dev/null || echo unknown)," \
   "$(sed -n 's/^model name.*: //p' /proc/cpuinfo | head -1), $(nproc) cores, load $(cut -d' ' -f1 /proc/loadavg)." \
   "Command: bench/scaling.sh --balance $balance --repeats $repeats$marks${given:+ --mesh $(basename -- "$given")} (medians)."

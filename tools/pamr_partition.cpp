@@ -48,8 +48,8 @@ void declare(cli::CommandLine& line, Options& options) {
               "field")
       .type_name("refine|8/1|uniform|FIELD")
       .show_default();
-  line.option("--method", options.method, "few faces between parts (scotch) or runs of cells in file order (blocks)")
-      .one_of({"scotch", "blocks"})
+  line.option("--method", options.method, "few faces between parts (scotch), pieces of a space-filling curve (curve) or runs of cells in file order (blocks)")
+      .one_of({"scotch", "curve", "blocks"})
       .show_default();
   line.option("--marks", options.marks,
               "of --weights refine and 8/1: integer cell field of marks, -1 may be coarsened, 0 keep, 1 split")

@@ -41,7 +41,7 @@ void declare(cli::CommandLine& line, Options& o) {
   line.option("--petsc", o.petsc, "options for PETSc, after those of the case: \"-pc_type hypre -ksp_monitor\"")
       .type_name("OPTIONS");
   line.option("--balance", o.balance, "how the cells, and with them the unknowns, are spread over the ranks")
-      .one_of({"auto", "scotch", "blocks", "none"})
+      .one_of({"auto", "scotch", "curve", "blocks", "none"})
       .show_default();
   line.option("--format", o.format, cli::format_help).range(io::oldest_format, io::newest_format).show_default();
   line.option("--max-cells", o.max_cells,

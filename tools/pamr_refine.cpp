@@ -63,7 +63,7 @@ void declare(cli::CommandLine& line, Options& options) {
       .range(0.0, 1.0)
       .show_default();
   line.option("--balance", options.balance, "how cells are spread over the ranks before they are split")
-      .one_of({"auto", "scotch", "blocks", "none"})
+      .one_of({"auto", "scotch", "curve", "blocks", "none"})
       .show_default();
   line.option("--weights", options.weights,
               "what a cell weighs then: the exact number of cells that it becomes, 8 where marked, 1, or a cell field")

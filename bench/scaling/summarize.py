@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Tables and bars from the reports that scaling.sh collects.
 
-Usage: summarize.py FOLDER [--no-bars | --counts] [--own-marks]
+Usage: summarize.py FOLDER [--no-bars | --counts]
 
 FOLDER holds run-<ranks>-<k>.json, reports of `pamr-refine --each-rank`, and base-<ranks>.json of a mesh of next to
 nothing, and own-<ranks>.txt what own_memory.cpp counts on it. With --counts only bars of what is counted, not of times. Prints
@@ -267,13 +267,12 @@ def find_bars(runs):
                          run.sum("compute", *rest) / total, most))
         bars.append((f"{run.ranks} ranks: largest rank over mean, after balancing", run.imbalance(*AFTER_BALANCING),
                      1.15))
-        bars.append((f"{run.ranks} ranks: largest rank over mean, cells", run.cells_imbalance(),
-                     1.05 if "--own-marks" in sys.argv[1:] else 1.15))
+        bars.append((f"{run.ranks} ranks: largest rank over mean, cells", run.cells_imbalance(), 1.05))
         for step in run.steps:
             bars.append((f"{run.ranks} ranks: {step}, bytes of a rank for each cell of an even share",
                          moved(run, step) * run.ranks / run.cells_out, BYTES_A_CELL))
         bars.append((f"{run.ranks} ranks: memory of the largest rank, of an even share of that on {first.ranks}",
-                     run.memory() * run.ranks / (first.memory() * first.ranks), 2))
+                     run.memory() * run.ranks / (first.memory() * first.ranks), 1.3 if run.ranks == 64 else 2))
     return bars + find_counted_bars(runs)
 
 
@@ -295,7 +294,7 @@ def print_bars(bars):
 
 
 def main():
-    arguments = [a for a in sys.argv[1:] if a not in ("--no-bars", "--counts", "--own-marks")]
+    arguments = [a for a in sys.argv[1:] if a not in ("--no-bars", "--counts")]
     if len(arguments) != 1:
         sys.exit(__doc__)
     runs = load(arguments[0])

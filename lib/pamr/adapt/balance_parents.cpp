@@ -8,6 +8,7 @@
 #include "pamr/adapt/adapt.hpp"
 #include "pamr/adapt/closure_bytes.hpp"
 #include "pamr/balance/migrate.hpp"
+#include "pamr/balance/price.hpp"
 #include "pamr/balance/weights.hpp"
 #include "pamr/base/index.hpp"
 #include "pamr/base/timer.hpp"
@@ -29,8 +30,7 @@ std::vector<std::int64_t> exact_weights(const refine::Closure& closure) {
 Balancing balancing_named(std::string_view method, std::string_view weights) {
   Balancing balancing;
   balancing.how.method = balance::method_named(method);
-  // moving the cells costs about as much as all steps after it, so a little less waiting does not repay it
-  if (balancing.how.method == balance::Method::best) balancing.how.keep_below = 1.2;
+  if (balancing.how.method == balance::Method::best) balancing.how.keep_below = 1.05;
   if (weights == "8/1") {
     balancing.weights = Weights::eight_to_one;
   } else if (weights == "uniform") {
@@ -71,7 +71,7 @@ Balanced balance_parents(const par::Comm& comm, Parents parents, std::span<const
   report.before = balance::measure_ranks(comm, mesh, std::accumulate(counts.begin(), counts.end(), std::int64_t{0}));
   report.after = report.before;
   const bool is_exact = balancing.weights == Weights::exact;
-  if (is_exact && (report.before.imbalance <= balancing.how.keep_below || comm.size() == 1)) return balanced;
+  if (is_exact && (comm.size() == 1 || balance::meets(report.before, balancing.how))) return balanced;
   const auto weight = cell_weights(comm, mesh, requests, closure, balancing);
   if (balancing.how.method == balance::Method::none || comm.size() == 1) return balanced;
   const auto wanted = balance::partition(comm, mesh, weight, comm.size(), balancing.how);

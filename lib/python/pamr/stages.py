@@ -15,7 +15,7 @@ from .together import agree, integers, reals
 
 Error = _core.Error
 POLICIES = ("none", "isotropic", "short-edge", "removable")
-BALANCES = ("auto", "scotch", "blocks", "none")
+BALANCES = ("auto", "scotch", "curve", "blocks", "none")
 
 
 def _flags(mesh: Mesh, values: Any, known: str = "0 or 1", lowest: int = 0) -> np.ndarray:
@@ -78,7 +78,7 @@ def refine(mesh: Mesh, flags: Any, *, project: bool = True, bend: str = "walls",
     quality_control: what happens to transition cells that are to be split again (docs/refinement.md).
     shape_floor: smallest mean ratio of transition cells under "removable"; more edges are marked where they would fall below
         it. 0: none.
-    balance: how cells are spread over the ranks first: "auto", "scotch", "blocks", "none" (children stay with parents).
+    balance: how cells are spread over the ranks first: "auto", "scotch", "curve", "blocks", "none" (children stay with parents).
     weights: "exact", "8/1", "uniform", or the name of a cell field.
     The old mesh stays as it is. The new one is the same on any number of ranks, bit for bit, whatever the balance.
     """
@@ -129,7 +129,8 @@ def balance(mesh: Mesh, weights: Any = None, method: str = "scotch") -> Mesh:
     """The same mesh, its cells moved so that every rank bears about the same weight; fields move along. Collective.
 
     weights: one number of at least 0 for each cell of this rank, in any unit (default: 1).
-    method: "scotch" (few faces between ranks), "blocks" (runs of cells), "auto", "none".
+    method: "scotch" (few faces between ranks), "curve" (pieces of a space-filling curve),
+      "blocks" (runs of cells), "auto" (what is good enough and cheapest), "none".
     """
     def prepare() -> tuple[Any, Any]:
         _one_of("method", method, BALANCES)

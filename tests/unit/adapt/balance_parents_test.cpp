@@ -56,7 +56,8 @@ TEST_P(EveryPolicy, GivesTheSerialMeshWhateverTheBalancing) {
                    .mesh;
     const auto expected = test::gather(self, serial);
 
-    for (const auto& [method, weights] : {std::pair{"scotch", "exact"}, {"scotch", "8/1"}, {"blocks", "exact"}}) {
+    for (const auto& [method, weights] :
+         {std::pair{"scotch", "exact"}, {"scotch", "8/1"}, {"curve", "exact"}, {"blocks", "exact"}}) {
       auto mesh = assemble::assemble(comm, block, test::random_destinations(comm, block, seed));
       for (std::uint64_t level = 0; level < n_levels; ++level) {
         auto balancing = adapt::balancing_named(method, weights);
@@ -90,7 +91,7 @@ TEST_P(EveryPolicy, PredictsEachCellsChildrenExactly) {
 
 TEST(BalanceParents, SpreadsTheRefinedMeshEvenly) {
   const par::Comm comm(MPI_COMM_WORLD);
-  for (const auto* method : {"scotch", "blocks"}) {
+  for (const auto* method : {"auto", "scotch", "curve", "blocks"}) {
     auto mesh = assemble::assemble(comm, assemble::kuhn_cube(comm, 10));
     const auto flags = random_flags(mesh, 1);
 
@@ -107,7 +108,7 @@ TEST(BalanceParents, SpreadsTheRefinedMeshEvenly) {
 
 TEST(BalanceParents, WorksOnMoreRanksThanCells) {
   const par::Comm comm(MPI_COMM_WORLD);
-  for (const auto* method : {"scotch", "blocks", "none"}) {
+  for (const auto* method : {"auto", "scotch", "curve", "blocks", "none"}) {
     auto mesh = assemble::assemble(comm, assemble::kuhn_cube(comm, 1));  // six cells
     for (std::int64_t expected = 48; expected <= 384; expected *= 8) {
       const std::vector<std::uint8_t> all(static_cast<std::size_t>(mesh.n_cells()), 1);

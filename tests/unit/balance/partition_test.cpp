@@ -7,7 +7,10 @@
 
 #include "pamr/assemble/kuhn_cube.hpp"
 #include "pamr/balance/migrate.hpp"
+#include "pamr/balance/parts_along_curve.hpp"
+#include "pamr/balance/price.hpp"
 #include "pamr/balance/weighted_blocks.hpp"
+#include "pamr/order/order_along_curve.hpp"
 #include "refined_mesh.hpp"
 
 namespace pamr {
@@ -35,7 +38,7 @@ TEST(Partition, BalancesUnevenWeightsForAnyNumberOfParts) {
   const par::Comm comm(MPI_COMM_WORLD);
   const auto mesh = test::refined_mesh(comm, 1);
   const auto weight = uneven_weights(mesh);
-  for (const auto method : {Method::scotch, Method::blocks})
+  for (const auto method : {Method::scotch, Method::curve, Method::blocks})
     for (const Rank n_parts : {1, 2, 3, 5, 16}) {
       const auto result = balance::partition(comm, mesh, weight, n_parts, {.method = method, .keep_below = 0});
 
@@ -47,19 +50,38 @@ TEST(Partition, BalancesUnevenWeightsForAnyNumberOfParts) {
     }
 }
 
-TEST(Partition, TakesTheRunsOfAnOrderedMeshAndScotchForOneInNoOrder) {
+TEST(Partition, TakesRunsWhereTheseCutFewFacesAndTheCurveOrScotchWhereTheyDoNot) {
   const par::Comm comm(MPI_COMM_WORLD);
-  const auto ordered = assemble::assemble(comm, assemble::kuhn_cube(comm, 10));
-  const auto scattered = test::refined_mesh(comm, 3);  // its cells are in random order
+  const auto ordered = order::order_along_curve(comm, assemble::kuhn_cube(comm, 8)).block;
+  const auto in_order = assemble::assemble(comm, ordered);
+  const auto in_no_order = assemble::assemble(comm, test::permute(comm, ordered, 5));
   const balance::Options how{.method = Method::best, .keep_below = 0};
+  const std::vector<std::int64_t> ones(in_order.cell_global.size(), 1);
 
-  const auto runs = balance::partition(comm, ordered, uneven_weights(ordered), 4, how);
-  const auto parts = balance::partition(comm, scattered, uneven_weights(scattered), 4, how);
+  const auto runs = balance::partition(comm, in_order, ones, 4, how);
+  const auto parts = balance::partition(comm, in_no_order, ones, 4, how);
 
   EXPECT_EQ(runs.method, Method::blocks);
-  EXPECT_EQ(parts.method, Method::scotch);
-  expect_sound(ordered, runs.part, 4);
-  expect_sound(scattered, parts.part, 4);
+  EXPECT_EQ(parts.method, Method::curve);
+  expect_sound(in_order, runs.part, 4);
+  expect_sound(in_no_order, parts.part, 4);
+  EXPECT_TRUE(meets(runs.quality, {.keep_below = 1.05}));
+  EXPECT_TRUE(meets(parts.quality, {.keep_below = 1.05}));
+}
+
+TEST(Partition, TakesScotchWhereItsFewerFacesServeManyPasses) {
+  const par::Comm comm(MPI_COMM_WORLD);
+  const auto mesh = assemble::assemble(comm, test::permute(comm, assemble::kuhn_cube(comm, 10), 5));
+  const std::vector<std::int64_t> ones(mesh.cell_global.size(), 1);
+
+  balance::Options how{.method = Method::best, .keep_below = 0, .max_cut = 2, .passes = 1};
+  const auto few = balance::partition(comm, mesh, ones, 5, how);
+  how.passes = 1e6;
+  const auto many = balance::partition(comm, mesh, ones, 5, how);
+
+  EXPECT_EQ(few.method, Method::curve);
+  EXPECT_EQ(many.method, Method::scotch);
+  EXPECT_LT(many.quality.edge_cut, few.quality.edge_cut);
 }
 
 TEST(Partition, CutsRunsWhereNoneIsAskedForOtherPartsThanRanks) {
@@ -100,7 +122,9 @@ TEST(Partition, KeepsWhatIsBalancedAlready) {
   const auto mesh = assemble::assemble(comm, assemble::kuhn_cube(comm, 4));
   const std::vector<std::int64_t> weight(mesh.cell_global.size(), 1);
 
-  const auto result = balance::partition(comm, mesh, weight, comm.size(), {.keep_below = 1.02});
+  // slabs, of which seven cut more faces than compact parts
+  const auto result =
+      balance::partition(comm, mesh, weight, comm.size(), {.method = Method::blocks, .keep_below = 1.02});
 
   EXPECT_EQ(result.method, Method::none);
   EXPECT_EQ(result.part, std::vector<Rank>(mesh.cell_global.size(), comm.rank()));
@@ -126,7 +150,7 @@ TEST(Partition, LeavesPartsEmptyWhenThereAreMorePartsThanCells) {
   const par::Comm comm(MPI_COMM_WORLD);
   const auto mesh = assemble::assemble(comm, assemble::kuhn_cube(comm, 1));  // six cells
   const std::vector<std::int64_t> weight(mesh.cell_global.size(), 1);
-  for (const auto method : {Method::scotch, Method::blocks})
+  for (const auto method : {Method::scotch, Method::curve, Method::blocks})
     for (const Rank n_parts : {comm.size(), 6, 20}) {
       const auto result = balance::partition(comm, mesh, weight, n_parts, {.method = method, .keep_below = 0});
 
@@ -201,6 +225,38 @@ TEST(Partition, MeasuresTheRanksFromTheirBordersAsFromTheCells) {
   EXPECT_EQ(quality.max_neighbors, expected.max_neighbors);
   EXPECT_EQ(quality.mean_neighbors, expected.mean_neighbors);
   EXPECT_EQ(quality.empty_parts, expected.empty_parts);
+}
+
+TEST(PartsAlongCurve, GivesEachCellThePartItHasWhereverTheCellsAre) {
+  const par::Comm comm(MPI_COMM_WORLD);
+  auto mesh = test::refined_mesh(comm, 6);
+  const auto tell = [&](const mesh::DistMesh& m) {
+    const auto part = balance::parts_along_curve(comm, m, uneven_weights(m), 3);
+    expect_sound(m, part, 3);
+    std::uint64_t sum = 0;
+    for (std::size_t c = 0; c < part.size(); ++c)
+      sum += combine(static_cast<std::uint64_t>(m.cell_global[c]), static_cast<std::uint64_t>(part[c])) >> 32U;
+    return comm.sum(static_cast<std::int64_t>(sum));
+  };
+  const auto in_runs = tell(mesh);
+
+  const auto scattered = test::random_ranks(mesh, 1, comm.size());
+  mesh = balance::migrate(comm, std::move(mesh), scattered);
+
+  EXPECT_EQ(tell(mesh), in_runs);
+}
+
+TEST(PartsAlongCurve, CutsTheCubeIntoItsEighths) {
+  const par::Comm comm(MPI_COMM_WORLD);
+  const auto mesh = assemble::assemble(comm, test::permute(comm, assemble::kuhn_cube(comm, 8), 3));
+  const std::vector<std::int64_t> ones(mesh.cell_global.size(), 1);
+
+  const auto part = balance::parts_along_curve(comm, mesh, ones, 8);
+
+  const auto quality = balance::measure(comm, mesh, ones, part, 8);
+  EXPECT_EQ(quality.imbalance, 1);
+  EXPECT_EQ(quality.edge_cut, 3 * 8 * 8 * 2);  // three planes through the middle
+  EXPECT_NEAR(static_cast<double>(quality.edge_cut) / quality.compact_cut, 1, 0.01);
 }
 
 TEST(WeightedBlocks, GivesEachCellThePartItHasWhereverTheCellsAre) {
