@@ -3,15 +3,17 @@
 """heat_flux.py FOLDER LEVELS: heat flux at the thermocouples and drag of Set 1; exit code 1 when a bound does not hold."""
 import csv
 import json
+import math
 import pathlib
 import sys
 
 # kW/m2 by S/Rn: the experiment with the bound on the finest level, and two other codes.
 with open(pathlib.Path(__file__).parent / "heat-flux.csv", encoding="utf-8") as table:
     STATIONS = {f"S/Rn {row['s_over_rn']}": (float(row["experiment"]), float(row["bound"]) if row["bound"] else None,
-                                             float(row["PICLas"]), float(row["SPARTA"]))
+                                             float(row["PICLas"]), float(row["SPARTA"]), float(row["found"]), float(row["stderr"]))
                 for row in csv.DictReader(line for line in table if not line.startswith("#"))}
-DRAG = (1.640, 0.05)  # SPARTA, axisymmetric, fore-body with shoulder
+DRAG = (1.640, 0.015)  # SPARTA, axisymmetric, fore-body with shoulder; 0.9 % below it were found
+OTHER_MESH = 0.01  # how much another mesh of level 1 may change a heat flux
 
 folder, finest = pathlib.Path(sys.argv[1]), int(sys.argv[2])
 failed = []
@@ -31,15 +33,19 @@ print("experiment".ljust(31) + "   ".join(f"{v[0]:9.2f}     " for v in STATIONS.
 print("PICLas".ljust(31) + "   ".join(f"{v[2]:9.2f}     " for v in STATIONS.values()))
 print(f"SPARTA         {DRAG[0]:6.3f}".ljust(31) + "   ".join(f"{v[3]:9.2f}     " for v in STATIONS.values()))
 print("kW/m2, with standard errors; the last thermocouple has no bound: all codes lie above it")
-for name, (measured, bound, *_) in STATIONS.items():
+for name, (measured, bound, _, _, before, its_error) in STATIONS.items():
     value, error = q[name]
+    allowed = 4 * math.hypot(error, its_error) + OTHER_MESH * before
+    if finest == 1 and not (abs(value - before) <= allowed and error <= 2 * its_error):
+        failed.append(f"{name}: expected {before} within {allowed:.2f}, its standard error at most {2 * its_error:.2f}, found {value:.2f} "
+                      f"+- {error:.2f}")
     if bound is None:
         continue
     if error > 0.02 * value:
         failed.append(f"{name}: expected a standard error of at most 2 %, found {100 * error / value:.1f} %")
     if abs(value / measured - 1) > bound:
         failed.append(f"{name}: expected {measured} within {100 * bound:.0f} %, found {value:.2f}")
-if abs(drag["value"] / DRAG[0] - 1) > DRAG[1]:
-    failed.append(f"C_D: expected {DRAG[0]} within {100 * DRAG[1]:.0f} %, found {drag['value']:.4f}")
+if not abs(drag["value"] / DRAG[0] - 1) <= DRAG[1]:
+    failed.append(f"C_D: expected {DRAG[0]} within {100 * DRAG[1]:.1f} %, found {drag['value']:.4f}")
 print("\n".join(failed) if failed else "within the bounds")
 sys.exit(1 if failed else 0)

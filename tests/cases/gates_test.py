@@ -144,6 +144,23 @@ class BluntCone(InFolder):
         self.assert_fails(self.run_with(drag=1.5421, error=0.01), "standard error of C_D")
 
 
+class HeatFlux(InFolder):
+    def run_with(self, drag=1.6261, heat=6.51, error=0.01):
+        for level in (0, 1):
+            self.write(f"quality{level}.json", {"cells": 9})
+            self.write(f"flow{level}.json", {"patches": {"forebody": {"C_D": {"value": drag, "stderr": 4e-4}}}})
+            stations = {"0": (9.88, 0.11), "0.52": (8.14, 0.03), "1.04": (6.97, 0.02), "1.56": (heat, error)}
+            self.write(f"lines{level}.csv", "name,quantity,value,stderr\n"
+                       + "".join(f"S/Rn {at},q,{1e3 * q},{1e3 * e}\n" for at, (q, e) in stations.items()))
+        return ended(ROOT / "cases/blunt-cone/heat_flux.py", self.out, 1)
+
+    def test_the_last_thermocouple_and_the_drag_are_held_too(self):
+        self.assert_passes(self.run_with())
+        self.assert_fails(self.run_with(heat=6.7), "S/Rn 1.56: expected 6.51")
+        self.assert_fails(self.run_with(heat=6.7, error=0.2), "S/Rn 1.56: expected 6.51")
+        self.assert_fails(self.run_with(drag=1.69), "C_D: expected 1.64")
+
+
 # What stands in for pamr-dsmc and pamr-mesh: a report with the drag, the heat and the rate of the environment.
 OUR_TOOL = """
 import json, os, pathlib, sys
