@@ -24,7 +24,7 @@ namespace {
 
 using geometry::Vec3;
 
-constexpr double same_place = 1e-10;  ///< of the diagonal of the box round the mesh
+constexpr double same_place = 1e-10;  ///< of the diagonal of the box around the mesh
 constexpr double inward = 1.0 / 64;   ///< of the way from the middle of a face to the corner opposite
 
 /// Counts places on all ranks. Collective.
