@@ -66,7 +66,8 @@ void run(const par::Comm& comm, const Workload& work, Method method, double keep
   comm.barrier();
   auto first = balance::rebalance(comm, std::move(copy), work.weight, options);
   const auto weight = first.mesh.find_cell_field("weight")->integer();
-  const auto again = balance::partition(comm, first.mesh, weight, comm.size(), options);
+  const balance::Options asked_again{.method = method, .keep_below = std::max(keep_below, 1.02)};
+  const auto again = balance::partition(comm, first.mesh, weight, comm.size(), asked_again);
   const auto& report = first.report;
   const double seconds = comm.max(report.partition_seconds), moving = comm.max(report.migrate_seconds);
   if (comm.is_first())

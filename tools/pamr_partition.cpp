@@ -48,7 +48,9 @@ void declare(cli::CommandLine& line, Options& options) {
               "field")
       .type_name("refine|8/1|uniform|FIELD")
       .show_default();
-  line.option("--method", options.method, "few faces between parts (scotch), pieces of a space-filling curve (curve) or runs of cells in file order (blocks)")
+  line.option("--method", options.method,
+              "few faces between parts (scotch), pieces of a space-filling curve (curve) or runs of cells in file "
+              "order (blocks)")
       .one_of({"scotch", "curve", "blocks"})
       .show_default();
   line.option("--marks", options.marks,

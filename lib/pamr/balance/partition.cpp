@@ -87,6 +87,11 @@ std::optional<std::vector<Rank>> part_by_scotch(const par::Comm& comm, const mes
   return part;
 }
 
+/// Whether the cells of a rank lie so far from one another that groups of them would not be compact.
+bool are_scattered(const Quality& of_ranks) {
+  return static_cast<double>(of_ranks.edge_cut) > 4 * of_ranks.compact_cut;
+}
+
 /// Makes and compares parts of one mesh.
 class Chooser {
  public:
@@ -197,6 +202,7 @@ Partition partition(const par::Comm& comm, const mesh::DistMesh& mesh, std::span
   asked.keep_below = std::max(options.keep_below < 1 ? options.worst_accepted : options.keep_below,
                               heaviest_family(comm, mesh, weight, n_parts));
   if (may_stay && meets(result.quality, asked)) return keep();
+  if (are_ranks && are_scattered(result.quality)) asked.vertices_per_part = 0;
   if (n_parts == 1) {
     result.part.assign(weight.size(), 0);
   } else {

@@ -52,7 +52,8 @@ struct Options {
   double worst_accepted = 1.05;
   /// Vertices of the graph that Scotch gets for each part: so many groups of cells that lie together. The borders
   /// between the parts are smoothed cell by cell afterwards. More cut fewer faces and take longer. 0: every cell and
-  /// every closure family is a vertex.
+  /// every closure family is a vertex; so it is, too, where there are more than 4 times the faces of compact parts
+  /// between the ranks: cells of a rank that lie apart make no groups.
   Exact<std::int64_t> vertices_per_part = 500;
 };
 
