@@ -3,13 +3,13 @@
 # Faces between ranks, neighbors, imbalance and seconds of every way of balancing, on the gas about the blunt cone, a
 # cube with random numbers, a body meshed by Gmsh and the cube of W2. Docs: docs/results/balance.md.
 #
-#   bench/balance.sh [BUILD] [--ranks "4 8 16"] [--constant | --judge] [--out FOLDER]
+#   bench/balance.sh [BUILD] [--ranks "4 8 16"] [--constant | --assess] [--out FOLDER]
 #
 #   BUILD       build folder (default build/release)
 #   --ranks     numbers of processes (default "4 8 16 32 64"); they share the cores there are
 #   --constant  instead: what Scotch's 2 to 64 parts of five meshes have of the faces that compact parts are said to
 #               have (`faces_between_compact_parts`, whose constant is their mean), on one process
-#   --judge     the same for three meshes that the constant was not found from
+#   --assess     the same for three meshes that the constant was not found from
 #   --out       where meshes go (default BUILD/bench/balance-out); they stay there for the next time
 #
 # Needs Python with h5py and numpy (PAMR_PYTHON, else python3) and, for the bodies meshed by it, Gmsh's Python module;
@@ -25,7 +25,7 @@ while [ $# -gt 0 ]; do
   case $1 in
     --ranks) ranks=${2:?balance.sh: --ranks needs numbers}; shift 2 ;;
     --constant) mode=constant; shift ;;
-    --judge) mode=judge; shift ;;
+    --assess) mode=assess; shift ;;
     --out) out=${2:?balance.sh: --out needs a folder}; shift 2 ;;
     -h | --help) sed -n '3,18s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
     -*) echo "balance.sh: unknown option $1 (see balance.sh --help)" >&2; exit 2 ;;
@@ -73,7 +73,7 @@ make_mesh() { # NAME
 case $mode in
   ranks) meshes="cone random holes 44" ;;
   constant) meshes="cube torus cone sphere 24" ;;
-  judge) meshes="holes plate supersonic" ;;
+  assess) meshes="holes plate supersonic" ;;
 esac
 rows=$out/$mode.md
 : >"$rows"

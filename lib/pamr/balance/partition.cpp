@@ -140,8 +140,8 @@ class Chooser {
   Choice cheapest() const {
     auto runs = blocks();
     if (!meets(runs.quality, options_)) runs = better(std::move(runs), curve());
-    if (meets(runs.quality, options_) &&
-        options_.passes * work_of_pass(runs.quality, size()) <= work_with_scotch(size(), options_))
+    const bool are_even = runs.quality.imbalance <= options_.keep_below;
+    if (are_even && options_.passes * work_of_pass(runs.quality, size()) <= work_with_scotch(size(), options_))
       return runs;
     auto part = part_by_scotch(comm_, mesh_, weight_, n_parts_, options_);
     if (!part) return runs;

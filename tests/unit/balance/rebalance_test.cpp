@@ -52,10 +52,11 @@ mesh::DistMesh without_order(const par::Comm& comm, int n) {
 
 TEST(Rebalance, AsksForFewFacesBetweenRanksAsMuchAsForEvenRanks) {
   const par::Comm comm(MPI_COMM_WORLD);
-  for (const auto method : {Method::best, Method::scotch}) {
+  for (const balance::Options& how : {balance::Options{.method = Method::scotch},
+                                      balance::Options{.method = Method::best, .keep_below = 1.05, .passes = 1e6},
+                                      balance::Options{.method = Method::best, .keep_below = 1.05}}) {
     auto mesh = without_order(comm, 10);
     const std::vector<double> ones(mesh.cell_global.size(), 1);
-    const balance::Options how{.method = method, .keep_below = method == Method::scotch ? 1.02 : 1.05};
 
     const auto result = balance::rebalance(comm, std::move(mesh), ones, how);
 
@@ -65,7 +66,9 @@ TEST(Rebalance, AsksForFewFacesBetweenRanksAsMuchAsForEvenRanks) {
     EXPECT_EQ(given != Method::none, comm.size() > 1);
     EXPECT_EQ(moved > 0, comm.size() > 1);
     EXPECT_LE(after.imbalance, 1.05);
-    EXPECT_LE(static_cast<double>(after.edge_cut), 1.5 * after.compact_cut);
+    // for one pass Scotch would cost more than its fewer faces are worth
+    const double most = how.method == Method::best && how.passes < 2 ? 2.5 : 1.5;
+    EXPECT_LE(static_cast<double>(after.edge_cut), most * after.compact_cut);
     const std::vector<std::int64_t> again(result.mesh.cell_global.size(), 1);
     EXPECT_EQ(balance::partition(comm, result.mesh, again, comm.size(), how).method, Method::none);
   }
