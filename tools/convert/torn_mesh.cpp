@@ -47,7 +47,8 @@ void treat_tears(cli::Session& session, const Options& options, mesh::DistMesh& 
     if (options.strict) throw Error(fmt::format("file '{}': {}", options.input, remark));
     session.warn(remark);
   }
-  if (can_be_welded) session.warn("--weld joins nodes that lie in one place, and the faces between them become inner ones");
+  if (can_be_welded)
+    session.warn("--weld joins nodes that lie in one place, and the faces between them become inner ones");
 }
 
 }  // namespace pamr::convert

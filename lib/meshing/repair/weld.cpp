@@ -36,10 +36,10 @@ mesh::Field moved(const par::Comm& comm, const mesh::Field& field, const std::ve
 
 /// The nodes that are left, with new numbers.
 struct Kept {
-  GlobalId n = 0;                       ///< on all ranks
-  std::vector<GlobalId> number;         ///< of each node of this rank the new number of the one in its place
-  std::vector<LocalId> node;            ///< of this rank
-  std::vector<GlobalId> number_of_node; ///< of these
+  GlobalId n = 0;                        ///< on all ranks
+  std::vector<GlobalId> number;          ///< of each node of this rank the new number of the one in its place
+  std::vector<LocalId> node;             ///< of this rank
+  std::vector<GlobalId> number_of_node;  ///< of these
 };
 
 Kept number_kept(const par::Comm& comm, const mesh::DistMesh& mesh, const std::vector<GlobalId>& by_place) {

@@ -238,18 +238,19 @@ Tears find_tears(const par::Comm& comm, const mesh::DistMesh& mesh) {
 std::vector<std::string> remarks_of(const Tears& tears) {
   std::vector<std::string> remarks;
   if (tears.overlaps.count > 0)
-    remarks.push_back(fmt::format("the mesh overlaps itself: behind {} boundary faces there are other cells, too, the "
-                                  "first near {}",
-                                  tears.overlaps.count, place(tears.overlaps.where)));
+    remarks.push_back(
+        fmt::format("the mesh overlaps itself: behind {} boundary faces there are other cells, too, the "
+                    "first near {}",
+                    tears.overlaps.count, place(tears.overlaps.where)));
   if (tears.coincident_faces.count > 0)
-    remarks.push_back(fmt::format("{} boundary faces lie on others, the first near {}: the cells on both sides share "
-                                  "no nodes there, and nothing passes from one to the other",
-                                  tears.coincident_faces.count, place(tears.coincident_faces.where)));
+    remarks.push_back(
+        fmt::format("{} boundary faces lie on others, the first near {}: the cells on both sides share "
+                    "no nodes there, and nothing passes from one to the other",
+                    tears.coincident_faces.count, place(tears.coincident_faces.where)));
   else if (tears.coincident_nodes.count > 0)
     remarks.push_back(fmt::format("{} boundary nodes lie where others do, the first at {}",
                                   tears.coincident_nodes.count, place(tears.coincident_nodes.where)));
-  if (tears.n_pieces > 1)
-    remarks.push_back(fmt::format("the mesh is in {} pieces that no face joins", tears.n_pieces));
+  if (tears.n_pieces > 1) remarks.push_back(fmt::format("the mesh is in {} pieces that no face joins", tears.n_pieces));
   return remarks;
 }
 

@@ -180,8 +180,7 @@ JacobianRows residual_rows(const mesh::Level0Map& map, LocalId cell, const std::
         return map.wall_residual(cell, place);
       };
       // not from the corner itself: a node of level 0 that is off its wall makes a step there
-      if (i != corner)
-        slope[i] = (0.5 / step) * (8 * residual(2 * step) - 5 * residual(step) - 3 * residual(3 * step));
+      if (i != corner) slope[i] = (0.5 / step) * (8 * residual(2 * step) - 5 * residual(step) - 3 * residual(3 * step));
     }
     return {slope[1] - slope[0], slope[2] - slope[0], slope[3] - slope[0]};
   }
