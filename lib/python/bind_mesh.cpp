@@ -68,7 +68,7 @@ std::pair<SharedMesh, std::int64_t> from_arrays(std::uintptr_t comm, const Array
   return mesh_from_arrays(comm_at(comm), std::move(arrays), static_cast<Order>(order), repair);
 }
 
-/// What is odd about how its cells lie to one another. Collective.
+/// Where the mesh is torn or overlaps itself, in words. Collective.
 std::vector<std::string> remarks_on_tears(const PythonMesh& mesh) {
   return check::remarks_of(check::find_tears(*mesh.comm, mesh.mesh));
 }

@@ -18,8 +18,8 @@ struct Findings {
   bool operator==(const Findings&) const = default;
 };
 
-/// What is odd about how the cells of a mesh lie to one another, although each of them is sound. All of it may be
-/// meant (two bodies, a crack), but for overlaps.
+/// Faults of a mesh whose cells are each valid: parts that share no face, coincident nodes and faces, overlapping
+/// cells. All but overlaps may be intended (two bodies, a crack).
 struct Tears {
   std::int64_t n_pieces = 1;  ///< parts of the mesh that no face joins
   Findings coincident_nodes;  ///< boundary nodes that lie where one of smaller number does

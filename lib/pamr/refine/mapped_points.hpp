@@ -37,7 +37,7 @@ class MappedPoints {
     if ((middles & ~known_) != 0) place(middles & ~known_);
     return point_;
   }
-  /// The corners and these middles, new ones where they lie when their whole way is taken back: in the middle.
+  /// The same, but with new nodes at the midpoints of their edges, where backing off can leave them.
   SplitPoints points_gone_back(EdgeMask middles) const;
   /// Bits of the middles that exist already.
   unsigned existing() const { return existing_; }
