@@ -274,7 +274,7 @@ def same_on_ranks(options, first, folder):
 def run_other(options, pamr, comm, name, size, folder):
     """Prints the rows of one body; true where nothing was broken."""
     call, how = caller(options), {"quality_control": options.policy}
-    first = pamr.Mesh.read(comm, other_bodies.make(call, name, size, folder))
+    first = pamr.Mesh.read(comm, other_bodies.make(call, other_bodies.BODIES[name](size), folder))
     bound, mesh = mean_ratios(first).min(), first
     start, walls = bound, [-1 - p for p in curved_patches(first)]
     for level in range(3):

@@ -22,10 +22,8 @@ import tomllib
 import h5py
 import numpy as np
 
-sys.path.append(str(pathlib.Path(__file__).resolve().parents[2] / "tests/tools"))
-from surface_models import icosphere  # noqa: E402
-
-import wall_cases  # noqa: E402
+import other_bodies
+import wall_cases
 
 EDGES = np.array([(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)])  # edge e lies opposite edge 5 - e
 FACES = [[k for k in range(4) if k != f] for f in range(4)]
@@ -294,77 +292,7 @@ def smallest_of_straight(cells, known, n_levels=8):
     return known
 
 
-# Meshes: arrays of points, cells and of the triangles of each patch, and the text of the surfaces
-
-def positive(points, cells):
-    cells = np.array(cells)
-    edge = points[cells[:, 1:]] - points[cells[:, :1]]
-    turned = np.linalg.det(edge) < 0
-    cells[turned] = cells[turned][:, [0, 1, 3, 2]]
-    return cells
-
-
-def outside(cells):
-    faces = np.concatenate([cells[:, f] for f in FACES])
-    _, first, times = np.unique(np.sort(faces, axis=1), axis=0, return_index=True, return_counts=True)
-    return faces[first[times == 1]]
-
-
-def hole(levels):
-    """A ball of 12 (0) or 42 (1) nodes in layers of prisms up to four radii."""
-    points, triangles = icosphere(levels)
-    n, radii = len(points), (1, 1.3, 1.8, 2.6, 4)
-    cells = []
-    for layer in range(len(radii) - 1):
-        for a, b, c in np.sort(triangles, axis=1) + layer * n:
-            cells += [(a, b, c, c + n), (a, b, b + n, c + n), (a, a + n, b + n, c + n)]
-    points = np.concatenate([r * points for r in radii])
-    triangles = outside(positive(points, cells))
-    is_far = triangles.min(axis=1) >= n
-    text = "".join(f'[[surface]]\nname = "{name}"\nkind = "sphere"\ncenter = [0, 0, 0]\nradius = {radius}\n' for name, radius in
-                   (("ball", radii[0]), ("outer", radii[-1])))
-    return points, positive(points, cells), triangles, is_far.astype(int), ["ball", "outer"], ["ball", "outer"], text
-
-
-def bore(n, shift=0.2, radius=0.3):
-    """A disk of radius 1 with a bore of so many edges around, off its center, in cubes of six cells."""
-    sizes = (n, 4, 4)
-    angle = 2 * np.pi * np.arange(n) / n + 0.1
-    circle = np.stack([np.cos(angle), np.sin(angle)], axis=1)
-    points = np.array([[*((1 - j / 3) * (np.array([shift, 0]) + radius * c) + j / 3 * c), k / 3] for c in circle for j in range(4)
-                       for k in range(4)])
-    cells = []
-    for cube in itertools.product(range(n), range(3), range(3)):
-        for order in itertools.permutations(range(3)):
-            corner, cell = list(cube), []
-            for axis in (None, *order):
-                if axis is not None:
-                    corner[axis] += 1
-                cell.append(np.ravel_multi_index((corner[0] % n, *corner[1:]), sizes))
-            cells.append(cell)
-    triangles = outside(positive(points, cells))
-    _, j, k = np.unravel_index(triangles, sizes)
-    patch = np.select([(k == 0).all(axis=1), (k == 3).all(axis=1), (j == 0).all(axis=1)], [2, 3, 0], 1)
-    text = "".join(f'[[surface]]\nname = "{name}"\nkind = "cylinder"\npoint = [{x}, 0, 0]\naxis = [0, 0, 1]\nradius = {r}\n' for name, x, r in
-                   (("bore", shift, radius), ("mantle", 0, 1)))
-    return points, positive(points, cells), triangles, patch, ["bore", "mantle", "floor", "lid"], ["bore", "mantle", "", ""], text
-
-
-def write(path, points, cells, triangles, patch, names, walls, text):
-    with h5py.File(path, "w") as file:
-        grid = file.create_group("VTKHDF")
-        grid.attrs["Version"] = np.array([1, 0])
-        grid.attrs.create("Type", np.bytes_("UnstructuredGrid"))
-        for name, number in (("Points", len(points)), ("Cells", len(cells)), ("ConnectivityIds", cells.size)):
-            grid["NumberOf" + name] = np.array([number])
-        grid["Points"], grid["Connectivity"], grid["Offsets"] = points, cells.ravel(), 4 * np.arange(len(cells) + 1)
-        grid["Types"] = np.full(len(cells), 10, np.uint8)
-        ours = file.create_group("PAMR")
-        ours.attrs["format"], ours.attrs["length_unit"] = 2, "1"
-        ours["boundary/triangles"], ours["boundary/patch"] = triangles, patch
-        ours["patches/names"], ours["patches/kinds"] = np.array(names, "S"), np.array([""] * len(names), "S1")
-        ours["patches/surfaces"], ours["surfaces"] = np.array(walls, "S16"), np.bytes_(text)
-
+# Meshes
 
 def by_pamr(name, size):
     def make(call, path):
@@ -375,13 +303,13 @@ def by_pamr(name, size):
     return make
 
 
-def given(arrays):
-    return lambda call, path: write(path, *arrays)
+def by_cells(name):
+    return lambda call, path: other_bodies.make(call, other_bodies.BODIES[name](None), path.parent)
 
 
-CASES = {"hole of 12": given(hole(0)), "hole of 42": given(hole(1)), "bore of 8": given(bore(8)), "bore of 6": given(bore(6)),
-         "bore of 9": given(bore(9, 0.1, 0.5)), "ball in box 2.0": by_pamr("ball-in-box", 2.0), "ball in box 0.8": by_pamr("ball-in-box", 0.8),
-         "bored box 1.6": by_pamr("bored-box", 1.6)}
+CASES = {"hole of 12": by_cells("hole-of-12"), "hole of 42": by_cells("hole-of-42"), "bore of 8": by_cells("bore-of-8"),
+         "bore of 6": by_cells("bore-of-6"), "bore of 9": by_cells("bore-of-9"), "ball in box 2.0": by_pamr("ball-in-box", 2.0),
+         "ball in box 0.8": by_pamr("ball-in-box", 0.8), "bored box 1.6": by_pamr("bored-box", 1.6)}
 
 
 def check(call, name, folder, n_levels):

@@ -62,9 +62,9 @@ def by_cells(folder, body):
     (folder / "body.toml").write_text(body.surfaces)
 
 
-def make(call, name, h, folder):
-    """Level 0 of a body in folder/level0.hdf."""
-    body, mesh = BODIES[name](h), folder / "level0.hdf"
+def make(call, body, folder):
+    """Level 0 of a Body in folder/level0.hdf."""
+    mesh = folder / "level0.hdf"
     if body.case_file:
         if body.stl:
             write_stl(folder / "body.stl", *body.stl)
@@ -191,8 +191,8 @@ def saddle(h, turn=False):
                 surfaces=f'[[surface]]\nname = "saddle"\nkind = "quadric"\ncoefficients = {coefficients}\n')
 
 
-def cylinder(name, radius):
-    return f'[[surface]]\nname = "{name}"\nkind = "cylinder"\npoint = [0, 0, 0]\naxis = [0, 0, 1]\nradius = {radius}\n'
+def cylinder(name, radius, x=0):
+    return f'[[surface]]\nname = "{name}"\nkind = "cylinder"\npoint = [{x}, 0, 0]\naxis = [0, 0, 1]\nradius = {radius}\n'
 
 
 def tube(h, inner, layers):
@@ -207,9 +207,19 @@ def tube(h, inner, layers):
                 surfaces=cylinder("bore", inner) + cylinder("mantle", 1.0))
 
 
-def shell(h, radii):
-    """Layers of prisms between spheres."""
-    directions, triangles = icosphere(0 if h > 0.8 else 1 if h > 0.4 else 2)
+def bore(n, shift=0.2, radius=0.3):
+    """A disk of radius 1 with a bore of n edges around, off its center."""
+    def place(u, v, w):
+        x, y = np.cos(2 * math.pi * u + 0.1), np.sin(2 * math.pi * u + 0.1)
+        return np.column_stack([(1 - v) * (shift + radius * x) + v * x, (1 - v) * radius * y + v * y, w])
+    walls = [("bore", lambda p: np.hypot(p[..., 0] - shift, p[..., 1]) - radius), ("mantle", lambda p: np.hypot(p[..., 0], p[..., 1]) - 1)]
+    return Body(mesh=(*block((n, 3, 3), place, closed=True), by_distance(*walls)),
+                surfaces=cylinder("bore", radius, shift) + cylinder("mantle", 1.0))
+
+
+def shell(level, radii):
+    """Layers of prisms between spheres of 12 nodes (level 0), 42 or 162."""
+    directions, triangles = icosphere(level)
     n, cells = len(directions), []
     for layer in range(len(radii) - 1):
         a, b, c = (np.sort(triangles, axis=1) + layer * n).T
@@ -218,6 +228,10 @@ def shell(h, radii):
     walls = [(name, lambda p, r=r: np.linalg.norm(p, axis=-1) - r) for name, r in (("inner", radii[0]), ("outer", radii[-1]))]
     return Body(mesh=(*turned(np.concatenate([r * directions for r in radii]), cells), by_distance(*walls)),
                 surfaces=sphere("inner", radii[0]) + sphere("outer", radii[-1]))
+
+
+def level_of(h):
+    return 0 if h > 0.8 else 1 if h > 0.4 else 2
 
 
 def cubed_ball(h):
@@ -280,6 +294,7 @@ def scan(model, h, region, bounds, more=""):
     return Body(case_file=text, stl=model)
 
 
+HOLE = (1.0, 1.3, 1.8, 2.6, 4.0)
 BODIES = {
     "step-bored-block": lambda h: Body(cut("Cylinder(2) = {0, 0, -3, 0, 0, 6, 0.5};", 1.0), 0.5 * h),
     "step-fillets": fillets,
@@ -304,8 +319,14 @@ BODIES = {
     "saddle-turned": lambda h: saddle(h, True),
     "thin-tube": lambda h: tube(h, 0.75, 1),
     "two-cell-tube": lambda h: tube(h, 0.5, 2),
-    "thin-shell-of-prisms": lambda h: shell(h, (1.0, 1.3)),
-    "two-cell-shell": lambda h: shell(h, (1.0, 1.5, 2.2)),
+    "thin-shell-of-prisms": lambda h: shell(level_of(h), (1.0, 1.3)),
+    "two-cell-shell": lambda h: shell(level_of(h), (1.0, 1.5, 2.2)),
+    "hole-of-12": lambda h: shell(0, HOLE),  # this one and those below have one size
+    "hole-of-42": lambda h: shell(1, HOLE),
+    "bore-of-5": lambda h: bore(5),
+    "bore-of-6": lambda h: bore(6),
+    "bore-of-8": lambda h: bore(8),
+    "bore-of-9": lambda h: bore(9, 0.1, 0.5),
     "cubed-ball": cubed_ball,
     "disc-cylinder": disc_cylinder,
     "hourglass": hourglass,

@@ -7,6 +7,7 @@ from tool_run import of_full_level, run, run_tests
 
 sys.path.append(str(pathlib.Path(__file__).resolve().parents[2] / "qualification/validation"))
 import level0_map  # noqa: E402
+import other_bodies  # noqa: E402
 
 
 def call(tool, *words):
@@ -27,17 +28,17 @@ for mesh in level0_map.CASES:
     globals()[f"test_what_is_said_of_the_map_holds_for_the_{mesh.replace(' ', '_')}"] = test if mesh == "hole of 12" else of_full_level(test)
 
 
-def refine_twice(mesh):
+def refine_twice(body, wall):
     """The file of level 1, where all was split, with marks at the wall."""
-    level0_map.write("level0.hdf", *mesh)
+    other_bodies.make(call, body, pathlib.Path("."))
     run("pamr-mark", "level0.hdf", "-o", "marked0.hdf", "--all", "--quiet", serial=True)
     first = run("pamr-refine", "marked0.hdf", "-o", "level1.hdf", serial=True)
-    run("pamr-mark", "level1.hdf", "-o", "marked1.hdf", "--patch", mesh[4][0], "--quiet", serial=True)
+    run("pamr-mark", "level1.hdf", "-o", "marked1.hdf", "--patch", wall, "--quiet", serial=True)
     return first
 
 
 def test_a_floor_near_what_splitting_gives_is_said_to_cost_cells():
-    first = refine_twice(level0_map.hole(0))
+    first = refine_twice(other_bodies.shell(0, other_bodies.HOLE), "inner")
     assert "240 bent cells proved to be at least 0.4" in first.err and "splitting these cells into eight alone" in first.err, first.err
     floors = run("pamr-refine", "marked1.hdf", "--dry-run", "--floors", "--json", "dry.json")
     assert "splitting into eight alone: mean ratio 0.3" in floors.out, floors.out
@@ -53,13 +54,13 @@ def test_a_floor_near_what_splitting_gives_is_said_to_cost_cells():
 
 
 def test_a_floor_that_costs_little_is_not_mentioned():
-    first = refine_twice(level0_map.bore(8))
+    first = refine_twice(other_bodies.bore(8), "bore")
     assert "432 bent cells" in first.err, first.err
     assert "cells than with" not in run("pamr-refine", "marked1.hdf", "-o", "level2.hdf").out
 
 
 def test_a_map_that_is_not_proved_is_warned_of_with_its_place():
-    level0_map.write("level0.hdf", *level0_map.bore(3))
+    other_bodies.make(call, other_bodies.bore(3), pathlib.Path("."))
     run("pamr-mark", "level0.hdf", "-o", "marked.hdf", "--all", "--quiet", serial=True)
     told = run("pamr-refine", "marked.hdf", "-o", "level1.hdf", "--quiet", "--json", "-")
     assert told.json["level0"]["shapes"]["determinant"]["value"] <= 0 and told.json["level0"]["shapes"]["mean_ratio"]["value"] == -1
