@@ -12,6 +12,7 @@
 #include "pamr/check/tears.hpp"
 #include "pamr/mesh/tet.hpp"
 #include "pamr/par/exchange.hpp"
+#include "pamr/par/renumber.hpp"
 
 namespace pamr::meshing {
 
@@ -34,33 +35,6 @@ mesh::Field moved(const par::Comm& comm, const mesh::Field& field, const std::ve
   return result;
 }
 
-/// The nodes that are left, with new numbers.
-struct Kept {
-  GlobalId n = 0;                        ///< on all ranks
-  std::vector<GlobalId> number;          ///< of each node of this rank the new number of the one in its place
-  std::vector<LocalId> node;             ///< of this rank
-  std::vector<GlobalId> number_of_node;  ///< of these
-};
-
-Kept number_kept(const par::Comm& comm, const mesh::DistMesh& mesh, const std::vector<GlobalId>& by_place) {
-  const auto ids = mesh.info.node_ids();
-  const auto in_block = par::scatter_rows<GlobalId>(comm, ids, by_place, 1, mesh.node_global);
-  const auto begin = par::block_range(ids, comm.rank(), comm.size()).begin;
-  std::vector<GlobalId> number(in_block.size(), 0);
-  std::int64_t n = 0;
-  for (std::size_t i = 0; i < in_block.size(); ++i)
-    if (in_block[i] == begin + static_cast<GlobalId>(i)) number[i] = n++;
-  const auto before = mesh.info.first_id + comm.exclusive_sum(n);
-  for (auto& one : number) one += before;
-  Kept kept{comm.sum(n), par::fetch_rows<GlobalId>(comm, ids, number, 1, by_place), {}, {}};
-  for (LocalId node = 0; node < mesh.n_nodes(); ++node) {
-    if (by_place[at(node)] != mesh.node_global[at(node)]) continue;
-    kept.node.push_back(node);
-    kept.number_of_node.push_back(kept.number[at(node)]);
-  }
-  return kept;
-}
-
 void add_boundary(const mesh::DistMesh& mesh, const check::PairedFaces& faces, const std::vector<GlobalId>& number,
                   mesh::BoundaryTriangles& boundary) {
   for (std::size_t i = 0; i < faces.face.size(); ++i) {
@@ -77,10 +51,18 @@ void add_boundary(const mesh::DistMesh& mesh, const check::PairedFaces& faces, c
 
 mesh::DistMesh weld(const par::Comm& comm, const mesh::DistMesh& mesh) {
   const auto by_place = check::nodes_by_place(comm, mesh);
-  const auto kept = number_kept(comm, mesh, by_place);
+  auto [n_kept, number] = par::renumber(comm, mesh.info.node_ids(), by_place);
+  std::vector<LocalId> kept;
+  std::vector<GlobalId> number_of_kept;
+  for (auto& one : number) one += mesh.info.first_id;
+  for (LocalId node = 0; node < mesh.n_nodes(); ++node) {
+    if (by_place[at(node)] != mesh.node_global[at(node)]) continue;
+    kept.push_back(node);
+    number_of_kept.push_back(number[at(node)]);
+  }
   mesh::BlockMesh block;
   block.info = mesh.info;
-  block.info.n_global_nodes = kept.n;
+  block.info.n_global_nodes = n_kept;
   block.info.level0 = nullptr;
   const auto cell_ids = block.info.cell_ids(), node_ids = block.info.node_ids();
   block.first_cell = par::block_range(cell_ids, comm.rank(), comm.size()).begin;
@@ -89,7 +71,7 @@ mesh::DistMesh weld(const par::Comm& comm, const mesh::DistMesh& mesh) {
   for (LocalId c = 0; c < mesh.n_cells(); ++c) {
     cells.push_back(c);
     auto& corner = corners.emplace_back();
-    for (std::size_t k = 0; k < 4; ++k) corner[k] = kept.number[at(mesh.cell_to_node[at(c)][k])];
+    for (std::size_t k = 0; k < 4; ++k) corner[k] = number[at(mesh.cell_to_node[at(c)][k])];
   }
   block.cell_to_node = par::scatter_rows<std::array<GlobalId, 4>>(comm, cell_ids, corners, 1, mesh.cell_global);
   if (comm.any(!mesh.cell_origin.empty()))
@@ -97,11 +79,11 @@ mesh::DistMesh weld(const par::Comm& comm, const mesh::DistMesh& mesh) {
   for (const auto& field : mesh.cell_fields)
     block.cell_fields.push_back(moved(comm, field, cells, cell_ids, mesh.cell_global));
   std::vector<geometry::Vec3> positions;
-  for (const auto node : kept.node) positions.push_back(mesh.point(node));
-  block.node_position = par::scatter_rows<geometry::Vec3>(comm, node_ids, positions, 1, kept.number_of_node);
+  for (const auto node : kept) positions.push_back(mesh.point(node));
+  block.node_position = par::scatter_rows<geometry::Vec3>(comm, node_ids, positions, 1, number_of_kept);
   for (const auto& field : mesh.node_fields)
-    block.node_fields.push_back(moved(comm, field, kept.node, node_ids, kept.number_of_node));
-  add_boundary(mesh, check::pair_faces(comm, mesh, by_place), kept.number, block.boundary);
+    block.node_fields.push_back(moved(comm, field, kept, node_ids, number_of_kept));
+  add_boundary(mesh, check::pair_faces(comm, mesh, by_place), number, block.boundary);
   return assemble::assemble(comm, std::move(block));
 }
 

@@ -10,30 +10,12 @@
 #include "pamr/check/metrics.hpp"
 #include "pamr/geometry/tet_shape.hpp"
 #include "pamr/par/exchange.hpp"
+#include "pamr/par/renumber.hpp"
 #include "pamr/par/select_smallest.hpp"
 
 namespace pamr::check {
 
 namespace {
-
-/// A selection of ids numbered anew from 0 on without gaps, in their old order.
-struct Renumbered {
-  GlobalId n = 0;                ///< how many were selected over all ranks
-  std::vector<GlobalId> new_id;  ///< for each id asked for
-};
-
-/// `ids` are those selected on this rank; several ranks may select the same one. Collective.
-Renumbered renumber(const par::Comm& comm, IdRange all, std::span<const GlobalId> ids) {
-  const std::vector<std::uint8_t> ones(ids.size(), 1);
-  const auto selected = par::scatter_rows<std::uint8_t>(comm, all, ones, 1, ids);
-  std::vector<GlobalId> number(selected.size(), 0);
-  std::int64_t count = 0;
-  for (std::size_t i = 0; i < selected.size(); ++i)
-    if (selected[i] != 0) number[i] = count++;
-  const auto before = comm.exclusive_sum(count);
-  for (auto& value : number) value += before;
-  return {comm.sum(count), par::fetch_rows<GlobalId>(comm, all, number, 1, ids)};
-}
 
 mesh::CellField cell_field(std::string name, mesh::StorageType storage) {
   mesh::CellField field;
@@ -75,8 +57,8 @@ mesh::DistMesh extract_cells(const par::Comm& comm, const mesh::DistMesh& mesh, 
   }
   for (const LocalId node : nodes) node_ids.push_back(mesh.node_global[static_cast<std::size_t>(node)]);
 
-  const auto new_cell = renumber(comm, mesh.info.cell_ids(), cell_ids);
-  const auto new_node = renumber(comm, mesh.info.node_ids(), node_ids);
+  const auto new_cell = par::renumber(comm, mesh.info.cell_ids(), cell_ids);
+  const auto new_node = par::renumber(comm, mesh.info.node_ids(), node_ids);
   std::vector<double> metric, position;
   for (const LocalId cell : cells) {
     const auto value = cell_metrics(mesh.points(cell));
