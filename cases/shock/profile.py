@@ -79,27 +79,38 @@ def states(rows):
     return n, t_tr, t_rot, (3 * t_tr + degrees * t_rot) / (3 + degrees)
 
 
-def jumps(rows):
+def sides(rows):
+    """Density, temperature and their product, ahead of the shock and behind it."""
     n, _, _, t = states(rows)
     ahead, behind = grid < -0.42, (grid > 0.13) & (grid < 0.21)
-    density, temperature = n[behind].mean() / n[ahead].mean(), t[behind].mean() / t[ahead].mean()
-    slope = {}
-    for half in (7e-3, 14e-3, 20e-3):
-        fits = [np.polyfit(grid[near], n[near], 1)[0] for near in (np.abs(grid - g) < half + 1e-9 for g in grid[np.abs(grid) < 0.03])]
-        slope[half] = (n[behind].mean() - n[ahead].mean()) / max(fits)
-    return [density, temperature, density * temperature, *slope.values()]
+    return np.array([[n[side].mean(), t[side].mean(), n[side].mean() * t[side].mean()] for side in (ahead, behind)])
+
+
+def thicknesses(rows):
+    n, rise = states(rows)[0], np.diff(sides(rows)[:, 0], axis=0)[0]
+    slopes = [max(np.polyfit(grid[near], n[near], 1)[0] for near in (np.abs(grid - g) < half + 1e-9 for g in grid[np.abs(grid) < 0.03]))
+              for half in (7e-3, 14e-3, 20e-3)]
+    return rise / np.array(slopes)
+
+
+def standard_error(of):
+    """Of the mean of all windows, from groups of five."""
+    groups = np.array([of(aligned[i:i + 5]) for i in range(0, len(aligned) - 4, 5)])
+    return groups.std(axis=0, ddof=1) / math.sqrt(len(groups))
 
 
 with np.errstate(all="ignore"):
-    whole = jumps(aligned)
-    groups = np.array([jumps(aligned[i:i + 5]) for i in range(0, len(aligned) - 4, 5)])
+    ahead, behind = sides(aligned)
+    jumps, thickness = behind / ahead, thicknesses(aligned)
+    # Nothing gets upstream: what both sides of a few groups have in common is chance.
+    jump_errors = jumps * np.hypot(*(standard_error(sides) / [ahead, behind]))
+    thickness_errors = standard_error(thicknesses)
     n, t_tr, t_rot, t = states(aligned)
-errors = groups.std(axis=0, ddof=1) / math.sqrt(len(groups))
 print(f"{name}: {len(aligned)} windows of {every} steps with {seeds} seeds; the mid-density point wandered over "
       f"{1e3 * min(places):.1f} to {1e3 * max(places):.1f} mm")
 failed = False
 expected = {r["quantity"]: float(r["value"]) for r in csv.DictReader(open(pathlib.Path(__file__).parent / "expected.csv")) if r["case"] == name}
-for quantity, value, error in zip(("n2/n1", "T2/T1", "p2/p1"), whole, errors):
+for quantity, value, error in zip(("n2/n1", "T2/T1", "p2/p1"), jumps, jump_errors):
     # The standard error of three groups (one seed) may be off by a factor of three: four of those that nine groups give.
     bound = 0.007 * value if seeds < 3 else 4 * error
     ok = abs(value - expected[quantity]) <= bound and (seeds < 3 or error <= 0.003 * value)
@@ -111,7 +122,7 @@ viscosity = 15 * math.sqrt(math.pi * mass * BOLTZMANN * species["t_ref"]) / (
 viscosity *= (t1 / species["t_ref"])**species["omega"]
 path = 16 * viscosity / (5 * n1 * mass * math.sqrt(2 * math.pi * BOLTZMANN * t1 / mass))
 hard = 1 / (math.sqrt(2) * math.pi * species["diameter"]**2 * n1) * (t1 / species["t_ref"])**(species["omega"] - 0.5)
-for half, value, error in zip((7, 14, 20), whole[3:], errors[3:]):
+for half, value, error in zip((7, 14, 20), thickness, thickness_errors):
     print(f"  thickness (slope over +-{half} mm) {1e3 * value:6.1f} +- {1e3 * error:.1f} mm; 16 mu / (5 rho sqrt(2 pi R T)) over it "
           f"{path / value:.3f}, mean free path of variable hard spheres over it {hard / value:.3f}")
 with open(out / f"{name}.csv", "w") as file:
