@@ -9,20 +9,14 @@
 #include <array>
 #include <atomic>
 #include <cctype>
-#include <cerrno>
 #include <charconv>
 #include <climits>
-#include <csignal>
 #include <cstdint>
 #include <ctime>
-#include <fstream>
-#include <iterator>
 #include <optional>
-#include <sstream>
 #include <string_view>
 
-#include "pamr/base/hash.hpp"
-#include "pamr/base/machine.hpp"
+#include "pamr/base/process.hpp"
 
 namespace pamr::io {
 
@@ -31,34 +25,6 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr std::string_view ending = ".partial";
-
-/// A process as a name tells it.
-struct Owner {
-  std::uint64_t machine = 0, process = 0, start = 0;
-};
-
-std::string contents_of(const std::string& file) {
-  std::ifstream in(file);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
-
-/// State of a process and the moment of its start: fields 3 and 22 of /proc/N/stat, behind a name that may hold
-/// anything. Nothing where the system does not tell.
-struct Running {
-  char state = '?';
-  std::uint64_t start = 0;
-};
-std::optional<Running> look_up(const std::string& process) {
-  const auto text = contents_of("/proc/" + process + "/stat");
-  const auto behind = text.rfind(") ");
-  if (behind == std::string::npos) return {};
-  std::istringstream fields(text.substr(behind + 2));
-  Running found;
-  fields >> found.state;
-  std::string skipped;
-  for (int field = 4; field < 22; ++field) fields >> skipped;
-  return fields >> found.start ? std::optional(found) : std::nullopt;
-}
 
 std::string host_name() {
   std::array<char, 256> name{};
@@ -69,22 +35,6 @@ std::string host_name() {
   for (auto& c : result)
     if (c != '-' && std::isalnum(static_cast<unsigned char>(c)) == 0) c = '_';
   return result.empty() ? "host" : result;
-}
-
-/// The running system and its namespace of processes.
-std::uint64_t this_machine() {
-  std::error_code none;
-  auto h = machine_id();
-  for (const char c : fs::read_symlink("/proc/self/ns/pid", none).string())
-    h = combine(h, static_cast<unsigned char>(c));
-  return h >> 32U;
-}
-
-/// Taken anew in a process that was forked.
-Owner this_process() {
-  static const auto machine = this_machine();
-  const auto running = look_up("self");
-  return {machine, static_cast<std::uint64_t>(getpid()), running ? running->start : 0};
 }
 
 /// Takes the last part of `text`, behind a '-', as a number.
@@ -99,8 +49,15 @@ std::optional<std::uint64_t> take_number(std::string_view& text, int base) {
   return value;
 }
 
-/// Who writes, or wrote, a file of this name for `target`; nothing when it is no such name.
-std::optional<Owner> owner_of(std::string_view name, std::string_view target) {
+/// A temporary name, taken apart.
+struct Parts {
+  ProcessId owner;     ///< who writes it, or wrote it
+  std::string target;  ///< the name that it was to get, or the beginning of that
+  bool is_cut = false;
+};
+
+/// Nothing when it is no such name.
+std::optional<Parts> parts_of(std::string_view name) {
   if (!name.ends_with(ending)) return {};
   const bool is_cut = name.size() + 4 > NAME_MAX;  // long names were shortened, by whole characters
   auto text = name.substr(0, name.size() - ending.size());
@@ -109,19 +66,12 @@ std::optional<Owner> owner_of(std::string_view name, std::string_view target) {
   if (!number || !start || !process || !machine) return {};
   const auto dot = text.rfind('.');  // a host has none
   if (dot == std::string_view::npos) return {};
-  const auto stem = text.substr(0, dot);
-  if (stem != target && !(is_cut && !stem.empty() && target.starts_with(stem))) return {};
-  return Owner{*machine, *process, *start};
+  return Parts{{*machine, *process, *start}, std::string(text.substr(0, dot)), is_cut};
 }
 
-bool is_dead(const Owner& owner, const struct stat& status) {
+bool is_dead(const ProcessId& owner, const struct stat& status) {
   constexpr std::time_t day = 86400;
-  const auto us = this_process();
-  if (owner.machine != us.machine) return std::time(nullptr) - status.st_mtime > day;
-  if (owner.process == 0 || owner.process > std::uint64_t{INT_MAX}) return true;
-  if (kill(static_cast<pid_t>(owner.process), 0) != 0 && errno == ESRCH) return true;
-  const auto running = look_up(std::to_string(owner.process));
-  return running && (running->state == 'Z' || (owner.start != 0 && running->start != owner.start));
+  return has_ended(owner).value_or(std::time(nullptr) - status.st_mtime > day);
 }
 
 bool is_one_of(const fs::path& path, const std::vector<std::string>& others) {
@@ -145,22 +95,31 @@ fs::path unfinished_name(const fs::path& target) {
   return target.parent_path() / (name + tail);
 }
 
-void remove_leftovers(const fs::path& target, const std::vector<std::string>& keep) {
-  const auto folder = target.has_parent_path() ? target.parent_path() : fs::path(".");
-  const auto name = target.filename().string();
+void remove_leftovers(const fs::path& folder,
+                      const std::function<bool(const std::string& name, bool is_cut)>& is_target,
+                      const std::vector<std::string>& keep) {
   std::vector<fs::path> dead;
   std::error_code failed;
-  for (fs::directory_iterator entry(folder, failed), end; !failed && entry != end; entry.increment(failed)) {
-    const auto owner = owner_of(entry->path().filename().string(), name);
+  for (fs::directory_iterator entry(folder.empty() ? "." : folder, failed), end; !failed && entry != end;
+       entry.increment(failed)) {
+    const auto parts = parts_of(entry->path().filename().string());
     struct stat status {};
-    if (!owner || lstat(entry->path().c_str(), &status) != 0) continue;
+    if (!parts || !is_target(parts->target, parts->is_cut) || lstat(entry->path().c_str(), &status) != 0) continue;
     if (!S_ISREG(status.st_mode) && !S_ISDIR(status.st_mode)) continue;
-    if (is_dead(*owner, status) && !is_one_of(entry->path(), keep)) dead.push_back(entry->path());
+    if (is_dead(parts->owner, status) && !is_one_of(entry->path(), keep)) dead.push_back(entry->path());
   }
   for (const auto& path : dead) {
     std::error_code ignored;
     fs::remove_all(path, ignored);
   }
+}
+
+void remove_leftovers(const fs::path& target, const std::vector<std::string>& keep) {
+  const auto name = target.filename().string();
+  const auto is_target = [&](const std::string& found, bool is_cut) {
+    return found == name || (is_cut && !found.empty() && name.starts_with(found));
+  };
+  remove_leftovers(target.parent_path(), is_target, keep);
 }
 
 }  // namespace pamr::io

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -26,5 +27,11 @@ std::filesystem::path unfinished_name(const std::filesystem::path& target);
 /// was written for a day, since nobody can tell here whether their process lives. Folders go with what is in them.
 /// Never throws for what cannot be read or removed. Local.
 void remove_leftovers(const std::filesystem::path& target, const std::vector<std::string>& keep);
+
+/// The same of every target in a folder that `is_target` says is one. `is_cut`: the name was too long for a temporary
+/// one, and is its beginning.
+void remove_leftovers(const std::filesystem::path& folder,
+                      const std::function<bool(const std::string& name, bool is_cut)>& is_target,
+                      const std::vector<std::string>& keep);
 
 }  // namespace pamr::io

@@ -2,15 +2,23 @@
 #include "pamr/par/lone_start.hpp"
 
 #include <fmt/format.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <cinttypes>
+#include <cstdio>
 #include <cstdlib>
+#include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <utility>
+
+#include "pamr/base/process.hpp"
 
 namespace pamr::par {
 
@@ -30,14 +38,51 @@ constexpr std::array<std::pair<const char*, const char*>, 4> settings{{{"OMPI_MC
 
 constexpr const char* folder_setting = "OMPI_MCA_orte_jobfam_session_dir";
 
-/// A folder of this process for what MPI keeps in files while it runs; MPI makes and removes it. Without a name of its
-/// own all processes without a daemon share one, and the first that ends removes it from under the others.
-std::string own_folder() {
+namespace fs = std::filesystem;
+
+std::string folder_for_temporary_files() {
   std::string base = "/tmp";
   for (const auto* name : {"TMP", "TEMP", "TMPDIR"})
     if (const char* value = std::getenv(name); value != nullptr && value[0] == '/') base = value;
+  return base;
+}
+
+/// Beginning of the names of this user's folders, which go on with machine, process, start (`ProcessId`) and the time.
+std::string own_beginning() { return fmt::format("ompi.alone.{}.", getuid()); }
+
+/// A folder of this process for what MPI keeps in files while it runs; MPI makes and removes it. Without a name of its
+/// own all processes without a daemon share one, and the first that ends removes it from under the others.
+std::string own_folder(const std::string& base) {
+  const auto us = this_process();
   const auto now = std::chrono::system_clock::now().time_since_epoch().count();
-  return fmt::format("{}/ompi.alone.{}.{}.{:x}", base, getuid(), getpid(), now);
+  return fmt::format("{}/{}{:08x}-{}-{}.{:x}", base, own_beginning(), us.machine, us.process, us.start, now);
+}
+
+/// Nothing for other names, those of older versions among them.
+std::optional<ProcessId> owner_of(const std::string& name, const std::string& beginning) {
+  ProcessId id;
+  int end = 0;
+  if (!name.starts_with(beginning) ||
+      std::sscanf(name.c_str() + beginning.size(), "%" SCNx64 "-%" SCNu64 "-%" SCNu64 ".%*x%n", &id.machine,
+                  &id.process, &id.start, &end) != 3 ||
+      end == 0 || beginning.size() + static_cast<std::size_t>(end) != name.size())
+    return {};
+  return id;
+}
+
+/// Removes what processes of this user have left that were killed, or ended without MPI_Finalize.
+void remove_folders_of_the_dead(const std::string& base) {
+  const auto beginning = own_beginning();
+  std::vector<fs::path> dead;
+  std::error_code failed;
+  for (fs::directory_iterator entry(base, failed), end; !failed && entry != end; entry.increment(failed)) {
+    const auto owner = owner_of(entry->path().filename().string(), beginning);
+    struct stat status {};
+    if (!owner || lstat(entry->path().c_str(), &status) != 0) continue;
+    if (S_ISDIR(status.st_mode) && status.st_uid == getuid() && has_ended(*owner) == true)
+      dead.push_back(entry->path());
+  }
+  for (const auto& folder : dead) fs::remove_all(folder, failed);
 }
 
 bool is_launched() {
@@ -54,7 +99,9 @@ bool is_launched() {
 LoneStart::LoneStart() {
   if (is_launched()) return;
   for (const auto& [name, value] : settings) set(name, value);
-  set(folder_setting, own_folder().c_str());
+  const auto base = folder_for_temporary_files();
+  remove_folders_of_the_dead(base);
+  set(folder_setting, own_folder(base).c_str());
 }
 
 void LoneStart::set(const char* name, const char* value) {

@@ -1,15 +1,23 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "pamr/par/lone_start.hpp"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
+#include <cstdint>
 #include <cstdlib>
+#include <filesystem>
 #include <string>
 #include <vector>
 
+#include "pamr/base/process.hpp"
+
 namespace pamr::par {
 namespace lone_start_test {
+
+namespace fs = std::filesystem;
 
 /// The environment of a test, without what the launcher of the tests and their settings have put there.
 class LoneStartTest : public ::testing::Test {
@@ -61,6 +69,31 @@ TEST_F(LoneStartTest, EachHasAFolderOfItsOwn) {
 
   EXPECT_NE(first, second);
   for (const auto& folder : {first, second}) EXPECT_TRUE(folder.starts_with("/var/tmp/ompi.alone.")) << folder;
+}
+
+TEST_F(LoneStartTest, RemovesFoldersOfThisUsersProcessesThatHaveEnded) {
+  std::string here = (fs::temp_directory_path() / "lone XXXXXX").string();
+  ASSERT_NE(mkdtemp(here.data()), nullptr);
+  const auto child = fork();
+  if (child == 0) _exit(0);
+  waitpid(child, nullptr, 0);
+  const auto us = this_process();
+  const auto folder_of = [&](std::uint64_t machine, std::uint64_t process, std::uint64_t start) {
+    return fs::path(here) / fmt::format("ompi.alone.{}.{:08x}-{}-{}.abc", getuid(), machine, process, start);
+  };
+  const auto dead = folder_of(us.machine, static_cast<std::uint64_t>(child), 7);
+  const std::vector<fs::path> to_stay{folder_of(us.machine, us.process, us.start),
+                                      folder_of(us.machine ^ 1U, static_cast<std::uint64_t>(child), 7),
+                                      dead.string() + ".txt", fs::path(here) / "ompi.alone.mine"};
+  fs::create_directories(dead / "1/0");
+  for (const auto& folder : to_stay) fs::create_directories(folder);
+  setenv("TMPDIR", here.c_str(), 1);
+
+  const LoneStart alone;
+
+  EXPECT_FALSE(fs::exists(dead));
+  for (const auto& folder : to_stay) EXPECT_TRUE(fs::exists(folder)) << folder;
+  fs::remove_all(here);
 }
 
 TEST_F(LoneStartTest, KeepsWhatTheUserHasSet) {
