@@ -78,7 +78,10 @@ bool PartialFile::make(std::uint64_t bytes) {
     throw Error("file '" + file_.string() + "': expected a name for a file, found a folder of that name");
   partial_ = unfinished_name(file_);
   remove_on_interrupt_ = std::make_unique<RemoveOnInterrupt>(partial_);
-  descriptor_ = open(partial_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
+  replaced_ = rights_of(file_);
+  constexpr mode_t of_new = 0666, of_owner = 0600;  // nobody else reads it before it has the rights of the old one
+  descriptor_ =
+      open(partial_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, replaced_ ? of_owner : of_new);
   if (descriptor_ < 0) {
     const auto reason = errno;
     remove_on_interrupt_.reset();
@@ -135,6 +138,7 @@ void PartialFile::divert() const noexcept {
 }
 
 void PartialFile::commit() {
+  if (replaced_ && !set_rights(descriptor_, *replaced_)) fail("cannot give it the rights of the file that it replaces");
   struct stat made {
   }, found{};
   if (fstat(descriptor_, &made) != 0 || lstat(partial_.c_str(), &found) != 0) fail("cannot flush it to the disk");
@@ -148,7 +152,8 @@ void PartialFile::commit() {
   // The new name is safe once the folder is flushed; some file systems cannot and need not.
   const auto folder = file_.has_parent_path() ? file_.parent_path() : std::filesystem::path(".");
   const Descriptor directory(folder, O_RDONLY | O_DIRECTORY);
-  if (directory.is_open() && fsync(directory.number()) != 0 && errno == EIO) fail("cannot flush its folder");
+  if (directory.is_open() && fsync(directory.number()) != 0 && errno == EIO)
+    fail("it is written, complete and has its name, but its folder cannot be flushed to the disk");
 }
 
 void PartialFile::discard() noexcept {

@@ -4,15 +4,18 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string_view>
 
 #include "pamr/io/remove_on_interrupt.hpp"
+#include "pamr/io/rights_of.hpp"
 #include "pamr/par/comm.hpp"
 
 namespace pamr::io {
 
 /// A file under a temporary name of its own (`unfinished_name`) until it is complete: every writer's way to the disk.
 ///
+/// - A file that it replaces gives it its rights of access, owner and group (`Rights`).
 /// - The temporary file is made exclusively: no file that exists, whatever its name, is written to, and no symbolic
 ///   link is followed. Two writers of one file do not meet; the last one to commit gives the file its contents.
 /// - Without `commit` it is removed: by the destructor, and by `remove_unfinished` when the process is interrupted.
@@ -54,6 +57,7 @@ class PartialFile {
   [[noreturn]] void fail(const char* what) const;
 
   std::filesystem::path file_, partial_;
+  std::optional<Rights> replaced_;  ///< of the file that had the name when this one was made
   int descriptor_ = -1;  ///< of the file that was made here and not yet committed: it keeps others from its number
   std::unique_ptr<RemoveOnInterrupt> remove_on_interrupt_;
 };

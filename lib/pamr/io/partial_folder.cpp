@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "pamr/base/error.hpp"
+#include "pamr/io/rights_of.hpp"
 #include "pamr/io/unfinished_name.hpp"
 
 namespace pamr::io {
@@ -69,7 +70,8 @@ void PartialFolder::make() {
   make_around();
   const auto name = unfinished_name(folder_);
   remove_on_interrupt_.push_back(std::make_unique<RemoveOnInterrupt>(name));
-  if (mkdir(name.c_str(), all_rights) != 0) fail("cannot create it");
+  constexpr mode_t of_owner = 0700;
+  if (mkdir(name.c_str(), rights_of(folder_) ? of_owner : all_rights) != 0) fail("cannot create it");
   partial_ = name;
 }
 
@@ -97,7 +99,26 @@ void PartialFolder::exchange() const {
   if (rename(aside.c_str(), partial_.c_str()) != 0) fail("cannot remove what it replaced");
 }
 
+/// Gives the new folder and each file in it the rights of what has its name in the old one.
+void PartialFolder::take_rights() const {
+  const auto give = [&](const fs::path& to, const fs::path& from) {
+    const auto rights = rights_of(from);
+    if (!rights) return;
+    const int opened = open(to.c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC);
+    const bool is_given = opened >= 0 && set_rights(opened, *rights);
+    const auto reason = errno;
+    if (opened >= 0) close(opened);
+    errno = reason;
+    if (!is_given) fail("cannot give it the rights of what it replaces");
+  };
+  std::error_code none;
+  for (fs::directory_iterator entry(partial_, none), end; entry != end; entry.increment(none))
+    give(entry->path(), folder_ / entry->path().filename());
+  give(partial_, folder_);
+}
+
 void PartialFolder::commit() {
+  take_rights();
   // An empty folder of that name is replaced as well; one with something in it, or a link to one, is exchanged.
   const bool is_new = rename(partial_.c_str(), folder_.c_str()) == 0;
   if (!is_new && errno != ENOTEMPTY && errno != EEXIST && errno != ENOTDIR) fail("cannot rename it when complete");

@@ -38,6 +38,7 @@ class PartialFolder {
  private:
   [[noreturn]] void fail(const char* what) const;
   void make_around();
+  void take_rights() const;
   void exchange() const;
 
   std::filesystem::path folder_, partial_;

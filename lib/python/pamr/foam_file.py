@@ -252,6 +252,8 @@ def write_bytes(path: str, data: bytes) -> None:
     partial = f"{path}.{os.getpid()}.partial"
     try:
         with open(partial, "wb") as file:
+            if os.path.exists(path):  # who could not read the old one cannot read the new one
+                os.fchmod(file.fileno(), os.stat(path).st_mode & 0o777)
             file.write(data)
         os.replace(partial, path)
     except OSError:

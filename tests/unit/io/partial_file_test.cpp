@@ -97,6 +97,58 @@ TEST_F(PartialFile, LeavesAloneWhateverHasANameLikeIt) {
   EXPECT_TRUE(fs::is_symlink(next));
 }
 
+TEST_F(PartialFile, HasTheRightsOfTheFileThatItReplaces) {
+  const auto rights_of = [](const fs::path& path) { return fs::status(path).permissions(); };
+  for (const auto mode : {0600, 0640, 0444, 0666}) {
+    write(*this / "out", "old");
+    fs::permissions(*this / "out", static_cast<fs::perms>(mode));
+    io::PartialFile file(*this / "out");
+    file.make(0);
+    EXPECT_EQ(rights_of(file.path()), fs::perms{0600}) << "read by others before it is complete";
+    file.write("new");
+    file.commit();
+    EXPECT_EQ(rights_of(*this / "out"), static_cast<fs::perms>(mode));
+    EXPECT_EQ(text_of(*this / "out"), "new");
+  }
+  write(*this / "plain", "");
+  io::PartialFile file(*this / "another");
+  file.make(0);
+  file.commit();
+  EXPECT_EQ(rights_of(*this / "another"), rights_of(*this / "plain")) << "a new file has those of any new file";
+}
+
+TEST_F(PartialFolder, HasTheRightsOfTheFolderThatItReplacesAndSoHaveTheFilesInIt) {
+  const auto rights_of = [](const fs::path& path) { return fs::status(path).permissions(); };
+  fs::create_directory(*this / "out");
+  write(*this / "out/points", "old");
+  fs::permissions(*this / "out/points", fs::perms{0600});
+  fs::permissions(*this / "out", fs::perms{0750});
+  io::PartialFolder folder(*this / "out");
+  folder.make();
+  write(folder.path() / "points", "new");
+  write(folder.path() / "faces", "new");
+
+  folder.commit();
+
+  EXPECT_EQ(rights_of(*this / "out"), fs::perms{0750});
+  EXPECT_EQ(rights_of(*this / "out/points"), fs::perms{0600});
+  EXPECT_EQ(text_of(*this / "out/points"), "new");
+}
+
+TEST_F(Leftovers, OfASeriesGoWithoutTheirNumbersBeingKnown) {
+  const auto owner = with_part(io::unfinished_name(*this / "c-50.hdf"), 3, std::to_string(a_dead_process()));
+  const auto other = with_part(io::unfinished_name(*this / "d-50.hdf"), 3, std::to_string(a_dead_process()));
+  const auto alive = io::unfinished_name(*this / "c-60.hdf");
+  for (const auto& file : {owner, other, alive}) write(file, "");
+
+  io::remove_leftovers(*this / "",
+                       [](const std::string& name, bool is_cut) { return !is_cut && name.starts_with("c-"); }, {});
+
+  EXPECT_FALSE(fs::exists(owner));
+  EXPECT_TRUE(fs::exists(other));
+  EXPECT_TRUE(fs::exists(alive));
+}
+
 TEST_F(PartialFile, GoesWithoutCommit) {
   {
     io::PartialFile file(*this / "out");
