@@ -329,6 +329,88 @@ def test_a_full_disk():
         subprocess.run(["umount", "disk"], check=True)
 
 
+def scaled(source, target, factor):
+    """The mesh with other coordinates, without the checksum of the old ones."""
+    shutil.copyfile(source, target)
+    with h5py.File(target, "r+") as file:
+        file["VTKHDF/Points"][:] = file["VTKHDF/Points"][:] * factor
+        del file["PAMR/checksums"].attrs["VTKHDF/Points"]
+    return target
+
+
+def test_no_mesh_is_written_that_is_refused_when_it_is_read():
+    kuhn_cube("cube.hdf", 1)
+    for name, factor in (("tiny.hdf", 2e-107), ("flat.hdf", np.array([1, 1, 1.9e-12])), ("huge.hdf", 1e103)):
+        mesh = scaled("cube.hdf", name, factor)
+        for _ in range(3):
+            run("pamr-mark", mesh, "-o", "marked.hdf", "--all", "--force", "--quiet", serial=True)
+            out = run("pamr-refine", "marked.hdf", "-o", "fine.hdf", "--force", "--quiet", serial=True,
+                      code=2 if name == "tiny.hdf" and mesh == "fine.hdf" else None)
+            if out.code == 2:
+                assert "fine.hdf" in out.err and "mean ratio of at least 1e-08" in out.err and "cell " in out.err, out.err
+                break
+            mesh = "fine.hdf"
+        assert name != "tiny.hdf" or out.code == 2
+        run("pamr-quality", "fine.hdf", "--quiet", serial=True)  # what is there is a mesh
+
+
+def with_names(source, target, names, where="PAMR/patches/names"):
+    shutil.copyfile(source, target)
+    with h5py.File(target, "r+") as file:
+        del file[where]
+        file[where] = names
+        del file["PAMR/checksums"].attrs[where]
+    return target
+
+
+def test_names_are_not_cut_at_a_nul_character():
+    kuhn_cube("cube.hdf", 1)
+    rest = [b"b", b"c", b"d", b"e", b"f"]
+    mesh = with_names("cube.hdf", "nul.hdf", np.array([b"wall\0 of the body"] + rest))
+    refuses("pamr-refine", mesh, "-o", "out.hdf", says=["/PAMR/patches/names", "NUL", "'wall'", "row 0"], creates="out.hdf")
+    kinds = with_names("cube.hdf", "kinds.hdf", np.array([b"", b"\0wall"] + rest[:4]), "PAMR/patches/kinds")
+    refuses("pamr-refine", kinds, "-o", "out.hdf", says=["/PAMR/patches/kinds", "row 1"], creates="out.hdf")
+    shutil.copyfile("cube.hdf", "unit.hdf")
+    with h5py.File("unit.hdf", "r+") as file:
+        file["PAMR"].attrs["length_unit"] = np.bytes_(b"m\0m")
+    refuses("pamr-refine", "unit.hdf", "-o", "out.hdf", says=["/PAMR@length_unit"], creates="out.hdf")
+
+
+def with_fields(target, fields):
+    shutil.copyfile("cube.hdf", target)
+    with h5py.File(target, "r+") as file:
+        cells = file["VTKHDF"].require_group("CellData")
+        for name, values in fields.items():
+            cells[name] = values
+    return target
+
+
+def test_as_many_fields_and_as_long_names_as_can_be_read_can_be_written():
+    kuhn_cube("cube.hdf", 1)
+    many = with_fields("many.hdf", {f"field {i}": np.full(6, float(i)) for i in range(4095)})
+    long = with_fields("long.hdf", {"f" * 60000: np.arange(6.0)})
+    for mesh in (many, with_names("cube.hdf", "names.hdf", np.array([b"w" * 65000, b"b", b"c", b"d", b"e", b"f"])), long):
+        run("pamr-convert", mesh, "out.hdf", "--force", "--quiet", serial=mesh != many)
+        run("pamr-convert", "out.hdf", "again.hdf", "--force", "--quiet", serial=True)
+        assert same_bytes("out.hdf", "again.hdf")
+        with h5py.File(mesh) as before, h5py.File("again.hdf") as after:
+            for name in ("VTKHDF/CellData", "PAMR/patches"):
+                assert set(before[name]) <= set(after[name])
+            assert all(np.array_equal(before[f"VTKHDF/CellData/{f}"], after[f"VTKHDF/CellData/{f}"]) for f in before["VTKHDF/CellData"])
+            assert list(before["PAMR/patches/names"]) == list(after["PAMR/patches/names"])
+    for fields, says in (({"g" * 60001: np.arange(6.0)}, ["at most 60000 bytes, found 60001", "ggg...'"]),):
+        refuses("pamr-convert", with_fields("bad.hdf", fields), "no.hdf", says=says, creates="no.hdf")
+
+
+def test_a_stream_is_no_mesh():
+    kuhn_cube("cube.hdf", 1)
+    for tool, more in (("pamr-refine", ("-o", "out.hdf")), ("pamr-quality", ()), ("pamr-mark", ("--all", "-o", "out.hdf"))):
+        for name in ("/dev/stdin", "/dev/fd/0", "/proc/self/fd/0"):
+            with open("cube.hdf", "rb") as mesh:
+                done = subprocess.run([str(BIN / tool), name, *more], stdin=mesh, capture_output=True, text=True, timeout=LIMIT)
+            assert done.returncode == 2 and f"{name}: expected the name of a file on a disk" in done.stderr, done.stderr
+
+
 def test_the_same_input_is_still_good_after_all_that():
     run("pamr-refine", good_mesh(), "-o", "a.hdf")
     run("pamr-refine", "good.hdf", "-o", "b.hdf", serial=True)

@@ -3,7 +3,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <limits>
+
 #include "pamr/base/error.hpp"
+#include "pamr/geometry/tet_shape.hpp"
 #include "pamr/validate/findings.hpp"
 #include "pamr/validate/validate_border.hpp"
 #include "pamr/validate/validate_cells.hpp"
@@ -110,6 +114,22 @@ void require_valid(const par::Comm& comm, const mesh::DistMesh& mesh, const std:
   const auto more = violations.size() - 1;
   if (more > 0) text += fmt::format("; {} other invariant{} broken too", more, more == 1 ? " is" : "s are");
   throw Error(text);
+}
+
+void require_shapes(const par::Comm& comm, const mesh::DistMesh& mesh, const std::string& what) {
+  std::int64_t n_flat = 0;
+  auto first = std::numeric_limits<GlobalId>::max();
+  for (LocalId c = 0; c < mesh.n_cells(); ++c) {
+    if (geometry::mean_ratio(mesh.points(c)) >= min_mean_ratio) continue;
+    ++n_flat;
+    first = std::min(first, number_of(mesh, c));
+  }
+  n_flat = comm.sum(n_flat);
+  if (n_flat == 0) return;
+  throw Error(fmt::format(
+      "{}: expected cells with a mean ratio of at least {}, found {} flatter or too small for a double, first cell {}: "
+      "no tool would read such a mesh",
+      what, min_mean_ratio, n_flat, comm.min(first)));
 }
 
 }  // namespace pamr::validate

@@ -49,4 +49,9 @@ std::vector<Violation> validate(const par::Comm& comm, const mesh::DistMesh& mes
 /// Throws `Error` naming the first violation, where it is, and `what`, the same on every rank. Collective.
 void require_valid(const par::Comm& comm, const mesh::DistMesh& mesh, const std::string& what);
 
+/// Throws `Error` naming `what`, the same on every rank, for a mesh that breaks `finite_coordinates`,
+/// `orientation_positive` or `not_flat`: what splitting the cells of a valid mesh may come to (slivers, edges whose
+/// volumes are too small for a double). Pre: the other invariants hold. Collective, two reductions; some 10 ns a cell.
+void require_shapes(const par::Comm& comm, const mesh::DistMesh& mesh, const std::string& what);
+
 }  // namespace pamr::validate

@@ -12,8 +12,6 @@ namespace pamr::validate {
 
 namespace {
 
-constexpr double min_mean_ratio = 1e-8;
-
 /// True when the own neighbor `d` of a face names its cell across the same nodes, from the other side.
 bool is_returned(const mesh::DistMesh& mesh, mesh::CellFace face, LocalId d) {
   for (int g = 0; g < 4; ++g) {

@@ -5,6 +5,9 @@
 
 namespace pamr::validate {
 
+/// Smallest mean ratio of a cell; in rounded arithmetic cells that have it are positive, too.
+inline constexpr double min_mean_ratio = 1e-8;
+
 /// Coordinates, orientation, shape. Local.
 void check_shapes(const mesh::DistMesh& mesh, Findings& findings);
 

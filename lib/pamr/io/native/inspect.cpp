@@ -21,7 +21,8 @@ namespace {
 
 using hdf5::Handle;
 
-constexpr std::size_t max_fields = 4096;
+/// Of fields of nodes, of cells, and of triangulated surfaces with two datasets each, and some others.
+constexpr std::size_t max_sums = 4 * max_fields + 64;
 constexpr hsize_t max_small_values = 16;
 /// A compressed array is at most so many times longer than its compressed form: the limit of the deflate format.
 constexpr std::uint64_t max_inflation = 1032;
@@ -66,7 +67,9 @@ class Inspector {
 };
 
 Inspector::Inspector(const std::filesystem::path& file) : file_(file) {
-  file_bytes_ = std::filesystem::file_size(file);
+  std::error_code failed;
+  file_bytes_ = std::filesystem::file_size(file, failed);
+  if (failed) throw Error("file '" + file.string() + "': expected a file on a disk, found: " + failed.message());
   const int probe = open(file.c_str(), O_RDONLY | O_CLOEXEC);  // HDF5 would say why in its own words
   if (probe < 0)
     throw Error("file '" + file.string() + "': expected a file that can be opened, found: " + std::strerror(errno));
@@ -281,12 +284,17 @@ std::vector<std::string> Inspector::texts_from(hid_t object, hid_t type, hid_t s
                                    : H5Dread(object, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, pointers.data());
     hdf5::require(done >= 0, at(path, "cannot read it"));
   }
+  // Only a text of this kind ends at its first NUL; what the others hold behind one would be lost without a word.
+  const bool ends_at_nul = is_variable || H5Tget_strpad(type) == H5T_STR_NULLTERM;
   std::vector<std::string> texts;
   for (std::uint64_t i = 0; i < n; ++i) {
     const char* begin = is_variable ? pointers[i] : bytes.data() + i * size;
     const auto limit = is_variable ? std::numeric_limits<std::size_t>::max() : size;
     texts.emplace_back(
         begin == nullptr ? "" : std::string(begin, is_variable ? std::strlen(begin) : ::strnlen(begin, limit)));
+    if (!ends_at_nul && std::any_of(begin + texts.back().size(), begin + size, [](char c) { return c != '\0'; }))
+      fail(path,
+           fmt::format("expected texts without NUL characters, found '{}' before one in row {}", texts.back(), i));
     if (is_variable && begin != nullptr) H5free_memory(pointers[i]);
   }
   return texts;
@@ -328,12 +336,13 @@ void Inspector::all_number_attributes(const std::string& path) {
   const auto add = [](hid_t, const char* name, const H5A_info_t*, void* data) -> herr_t {
     auto& list = *static_cast<std::vector<std::string>*>(data);
     list.emplace_back(name);
-    return list.size() > 2 * max_fields ? 1 : 0;
+    return list.size() > max_sums ? 1 : 0;
   };
   hsize_t start = 0;
   hdf5::require(
       H5Aiterate_by_name(h5_.id(), path.c_str(), H5_INDEX_NAME, H5_ITER_INC, &start, add, &names, H5P_DEFAULT) >= 0,
       at(path, "cannot list its attributes"));
+  if (names.size() > max_sums) fail(path, fmt::format("expected at most {} attributes, found more", max_sums));
   for (const auto& name : names) number_attribute(path, name);
 }
 

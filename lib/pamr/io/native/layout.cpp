@@ -111,8 +111,8 @@ class Checker {
       result.first_row = (n_steps - 1) * rows;
       result.is_flat = entry.shape.size() == 1;
       if (!result.is_flat) {
-        if (entry.shape[1] < 1 || entry.shape[1] > 65536)
-          fail(entry.path, "1 to 65536 components", fmt::format("{}", entry.shape[1]));
+        if (entry.shape[1] < 1 || entry.shape[1] > max_components)
+          fail(entry.path, fmt::format("1 to {} components", max_components), fmt::format("{}", entry.shape[1]));
         result.n_components = static_cast<int>(entry.shape[1]);
       }
       if (entry.path == path::level && result.is_flat && entry.type == mesh::StorageType::uint8) return;

@@ -48,6 +48,10 @@ inline constexpr const char* checksums = "/PAMR/checksums";
 
 inline constexpr int tetrahedron = 10;            ///< VTK's number of the cell type
 inline constexpr std::size_t max_regions = 4096;  ///< with a name
+inline constexpr std::size_t max_fields = 4096;   ///< of nodes, and as many of cells
+inline constexpr int max_components = 65536;      ///< of a field
+/// Bytes of a name of a field or surface and of a unit: they are names or values of attributes, which hold 64 KiB.
+inline constexpr std::size_t max_name_bytes = 60000;
 
 struct FieldEntry {
   std::string path, name, unit;

@@ -17,6 +17,7 @@
 #include "pamr/io/partial_file.hpp"
 #include "pamr/mesh/fingerprint.hpp"
 #include "pamr/mesh/level0_map.hpp"
+#include "pamr/validate/validate.hpp"
 
 namespace pamr::io {
 
@@ -176,7 +177,8 @@ void write_attributes(const Job& job, hid_t h5, std::int64_t fingerprint) {
 /// cannot close a file that it cannot complete. Collective.
 void make_room(const Job& job, PartialFile& partial) {
   // Room for the structure of the file in addition to its data: generous, since it is given back.
-  const auto bytes = job.plan.data_bytes + 65536 + 4096 * (job.plan.arrays.size() + job.plan.texts.size());
+  auto bytes = job.plan.data_bytes + 65536 + 4096 * (job.plan.arrays.size() + job.plan.texts.size());
+  for (const auto& plan : job.plan.arrays) bytes += 4 * (plan.path.size() + plan.unit.size());
   bool has_room = true;
   par::agree(job.comm, [&] {
     require_writable(job.mesh, job.options.format);
@@ -214,10 +216,22 @@ void create(const Job& job, const PartialFile& partial, std::int64_t fingerprint
     for (const auto& plan : job.plan.texts) open.texts.push_back(create_text(job, plan, open.h5.id(), properties.id()));
     write_attributes(job, open.h5.id(), fingerprint);
   });
+  // HDF5 does not know the size once its cache was too small for the structure (thousands of fields) and a part of it
+  // was written; on the disk the file has it when the rest is written, too.
+  hsize_t bytes = 0;
+  const bool is_known = job.comm.all(H5Fget_filesize(open.h5.id(), &bytes) >= 0);
   par::agree(job.comm, [&] {
-    hsize_t bytes = 0;
-    hdf5::require(H5Fget_filesize(open.h5.id(), &bytes) >= 0, "file '" + job.file.string() + "': cannot tell its size");
-    if (job.comm.is_first()) partial.reserve(bytes);
+    if (is_known) return;
+    const par::Comm::Waiting waiting(job.comm, par::Comm::Waiting::In::library);
+    H5Eclear2(H5E_DEFAULT);
+    hdf5::require(H5Fflush(open.h5.id(), H5F_SCOPE_LOCAL) >= 0, "file '" + job.file.string() + "': cannot write it");
+  });
+  par::agree(job.comm, [&] {
+    if (!job.comm.is_first()) return;
+    std::error_code failed;
+    if (!is_known) bytes = std::filesystem::file_size(partial.path(), failed);
+    if (failed) throw Error("file '" + job.file.string() + "': cannot tell its size: " + failed.message());
+    partial.reserve(bytes);
   });
 }
 
@@ -359,6 +373,7 @@ bool close(const par::Comm& comm, const PartialFile& partial, OpenFile& open) {
 void write_native(const par::Comm& comm, const std::filesystem::path& file, const mesh::DistMesh& mesh,
                   const WriteOptions& options) {
   const hdf5::Silence silence;
+  validate::require_shapes(comm, mesh, "file '" + file.string() + "'");
   const WritePlan plan(comm, mesh, options.format, options.provenance);
   const Job job{comm, file, mesh, options, plan};
   const auto fingerprint = options.fingerprint ? *options.fingerprint : mesh::fingerprint(comm, mesh);

@@ -36,7 +36,7 @@ struct WriteOptions {
 ///   are written in the order of their names.
 /// - The file appears complete or not at all: it is written under a temporary name, flushed to the disk and renamed.
 /// - Collective. Throws the same `Error` on every rank when it cannot be written (folder missing, no permission, disk
-///   full, a value that does not fit the type of its field); nothing is left behind then and an existing file stays as
+///   full, a value that does not fit the type of its field, cells that `validate::require_shapes` refuses); nothing is left behind then and an existing file stays as
 ///   it was.
 /// - Communication: rows travel to the rank that writes their part of the file; none of cells where the ranks hold runs
 ///   of them in rank order. Memory: three slabs and 4 bytes a node.

@@ -251,10 +251,46 @@ void WritePlan::add_texts(const std::string& provenance) {
   texts.push_back({path::provenance, {provenance.empty() ? mesh_->info.provenance : provenance}, false});
 }
 
+/// It would not be read.
+bool is_level_for_viewers(const mesh::Field& field) {
+  return field.name == "level" && field.n_components == 1 && field.storage == StorageType::uint8;
+}
+
 namespace {
 
 bool is_name(const std::string& name) {
   return !name.empty() && name != "." && name.find('/') == std::string::npos && is_clean_text(name, "");
+}
+
+/// `what` ends in an apostrophe, behind which the name belongs.
+void require_short(const std::string& what, const std::string& name, const std::string& text) {
+  constexpr std::size_t shown = 60;
+  if (text.size() > max_name_bytes)
+    throw Error(fmt::format("{}{}': expected names and units of at most {} bytes, found {}", what,
+                            name.size() > shown ? name.substr(0, shown) + "..." : name, max_name_bytes, text.size()));
+}
+
+void require_fields(const std::vector<mesh::Field>& fields, bool on_cells) {
+  const std::string where = on_cells ? "cell field '" : "node field '";
+  if (fields.size() > max_fields)
+    throw Error(fmt::format("expected at most {} fields of {}, found {}", max_fields, on_cells ? "cells" : "nodes",
+                            fields.size()));
+  std::set<std::string> seen;
+  for (const auto& field : fields) {
+    require_short(where, field.name, field.name);
+    require_short(where, field.name, field.unit);
+    if (!is_name(field.name) || !is_clean_text(field.unit, ""))
+      throw Error(where + field.name + "': expected a name and a unit in UTF-8, the name without '/', found another");
+    if (!seen.insert(field.name).second)
+      throw Error(where + field.name + "': expected different names, found it twice");
+    if (field.n_components > max_components)
+      throw Error(fmt::format("{}{}': expected 1 to {} components, found {}", where, field.name, max_components,
+                              field.n_components));
+    if (on_cells && is_level_for_viewers(field))
+      throw Error(where +
+                  "level': expected another name or type than uint8, in which files show the levels of the cells, "
+                  "found it");
+  }
 }
 
 void require_writable(const std::vector<std::shared_ptr<const geometry::Triangulation>>& surfaces) {
@@ -263,6 +299,7 @@ void require_writable(const std::vector<std::shared_ptr<const geometry::Triangul
     const auto& surface = *entry;
     const auto where = "triangulated surface '" + surface.name + "': ";
     if (!is_name(surface.name)) throw Error(where + "expected a name in UTF-8 without '/', found another");
+    require_short("triangulated surface '", surface.name, surface.name);
     if (!seen.insert(surface.name).second) throw Error(where + "expected different names, found it twice");
     constexpr std::size_t most = std::numeric_limits<int>::max();
     const auto n = surface.points.size();
@@ -291,11 +328,6 @@ void require_lineage(const mesh::DistMesh& mesh, int format) {
 
 }  // namespace
 
-/// It would not be read.
-bool is_level_for_viewers(const mesh::Field& field) {
-  return field.name == "level" && field.n_components == 1 && field.storage == StorageType::uint8;
-}
-
 bool writes_level0(const mesh::DistMesh& mesh, int format) {
   return format >= first_format_with_level0 && mesh::has_level0(mesh);
 }
@@ -303,20 +335,8 @@ bool writes_level0(const mesh::DistMesh& mesh, int format) {
 void require_writable(const mesh::DistMesh& mesh, int format) {
   require_lineage(mesh, format);
   require_writable(mesh.info.surfaces->triangulations);
-  for (const auto* fields : {&mesh.node_fields, &mesh.cell_fields}) {
-    const std::string where = fields == &mesh.cell_fields ? "cell field '" : "node field '";
-    std::set<std::string> seen;
-    for (const auto& field : *fields) {
-      if (!is_name(field.name) || !is_clean_text(field.unit, ""))
-        throw Error(where + field.name + "': expected a name and a unit in UTF-8, the name without '/', found another");
-      if (!seen.insert(field.name).second)
-        throw Error(where + field.name + "': expected different names, found it twice");
-      if (fields == &mesh.cell_fields && is_level_for_viewers(field))
-        throw Error(where +
-                    "level': expected another name or type than uint8, in which files show the levels of the "
-                    "cells, found it");
-    }
-  }
+  require_fields(mesh.node_fields, false);
+  require_fields(mesh.cell_fields, true);
   std::set<std::string> seen;
   for (const auto& patch : mesh.info.patches) {
     if (patch.name.empty() || !is_clean_text(patch.name, "") || !is_clean_text(patch.kind, "") ||
@@ -338,6 +358,7 @@ void require_writable(const mesh::DistMesh& mesh, int format) {
   }
   for (const auto* text : {&mesh.info.surfaces->toml, &mesh.info.provenance})
     if (!is_clean_text(*text, "\t\r\n")) throw Error("surfaces or provenance: expected UTF-8, found another encoding");
+  require_short("length unit '", mesh.info.length_unit, mesh.info.length_unit);
   if (!is_clean_text(mesh.info.length_unit, "")) throw Error("length unit: expected UTF-8, found another encoding");
 }
 
