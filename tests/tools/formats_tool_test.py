@@ -180,6 +180,42 @@ def test_gmsh_reads_what_is_written_and_writes_what_is_read():
         assert sorted(areas) == [f"{'side' if ending == 'su2' else 'ref_'}{k}" for k in range(1, 7)], areas
 
 
+def test_names_that_a_format_cannot_have_are_others_with_a_word():
+    kuhn_cube("cube.hdf", 1)
+    names = ['the "big" wall', "w" * 200, "with blank", "a/b", "é" * 70, "plain"]
+
+    def named(target, those):
+        shutil.copyfile("cube.hdf", target)
+        with h5py.File(target, "r+") as file:
+            del file["PAMR/patches/names"], file["PAMR/checksums"].attrs["PAMR/patches/names"]
+            file["PAMR/patches/names"] = np.array([name.encode() for name in those])
+        return target
+    named("names.hdf", names)
+    in_gmsh = ["the 'big' wall", "w" * 127, "with blank", "a/b", "é" * 63, "plain"]
+    for version, text in (("4.1", ()), ("4.1", ("--text",)), ("2.2", ()), ("2.2", ("--text",))):
+        out = run("pamr-convert", "names.hdf", "names.msh", "--gmsh-version", version, *text, "--force", "--quiet")
+        assert "Gmsh: patch 'the \"big\" wall' is written as 'the 'big' wall', and 2 other names are changed, too" in out.err, out.err
+        run("pamr-convert", "names.msh", "back.hdf", "--force", "--quiet", serial=True)
+        with h5py.File("back.hdf") as file:
+            assert [name.decode() for name in file["PAMR/patches/names"]] == in_gmsh
+        try:
+            import gmsh
+        except ImportError:
+            continue
+        gmsh.initialize(interruptible=False)
+        gmsh.option.setNumber("General.Terminal", 0)
+        gmsh.open("names.msh")
+        assert [gmsh.model.getPhysicalName(*group) for group in gmsh.model.getPhysicalGroups(2)] == in_gmsh
+        gmsh.finalize()
+    for output, changed in (("names.su2", "with_blank"), ("names.cgns", "a_b"), ("foam", "with_blank")):
+        err = run("pamr-convert", "names.hdf", output, "--quiet").err
+        assert ": patch '" in err and "changed" in err, err
+    for output, those, says in (("twice.msh", ['a "b"', "a 'b'"] + names[2:], ["names that stay different in Gmsh"]),
+                                ("twice.msh", ["w" * 128, "w" * 129] + names[2:], ["www...'", "Gmsh"]),
+                                ("twice.su2", ["a b", "a_b"] + names[2:], ["SU2"]), ("twice", ["a b", "a_b"] + names[2:], ["OpenFOAM"])):
+        refuses("pamr-convert", named("twice.hdf", those), output, says=says, creates=output)
+
+
 def test_regions_are_references_of_tetrahedra():
     kuhn_cube("cube.hdf", 2)
     with h5py.File("cube.hdf", "r+") as file:

@@ -37,7 +37,7 @@ Findings find_first(const par::Comm& comm, const std::vector<Vec3>& places) {
   return findings;
 }
 
-std::vector<mesh::CellFace> boundary_faces(const mesh::DistMesh& mesh) {
+std::vector<mesh::CellFace> faces_of_boundary(const mesh::DistMesh& mesh) {
   std::vector<mesh::CellFace> faces;
   for (LocalId c = 0; c < mesh.n_cells(); ++c)
     for (int slot = 0; slot < 4; ++slot)
@@ -140,7 +140,7 @@ Findings find_coincident_nodes(const par::Comm& comm, const mesh::DistMesh& mesh
 }
 
 /// A boundary face sent to where faces of the same place meet.
-struct Visitor {
+struct FaceVisitor {
   std::array<GlobalId, 3> node{};
   std::int64_t row = 0;  ///< where the answer belongs
   Rank from = 0;
@@ -177,7 +177,7 @@ std::string place(Vec3 p) { return fmt::format("({:.6g}, {:.6g}, {:.6g})", p.x, 
 }  // namespace
 
 std::vector<GlobalId> nodes_by_place(const par::Comm& comm, const mesh::DistMesh& mesh) {
-  const auto nodes = boundary_nodes(mesh, boundary_faces(mesh));
+  const auto nodes = boundary_nodes(mesh, faces_of_boundary(mesh));
   std::vector<GlobalId> number;
   std::vector<Vec3> position;
   for (const auto node : nodes) {
@@ -200,10 +200,10 @@ std::vector<GlobalId> nodes_by_place(const par::Comm& comm, const mesh::DistMesh
 }
 
 PairedFaces pair_faces(const par::Comm& comm, const mesh::DistMesh& mesh, const std::vector<GlobalId>& by_place) {
-  PairedFaces result{boundary_faces(mesh), {}};
-  par::Mailbox<Visitor> meeting(comm);
+  PairedFaces result{faces_of_boundary(mesh), {}};
+  par::Mailbox<FaceVisitor> meeting(comm);
   for (std::size_t i = 0; i < result.face.size(); ++i) {
-    Visitor visitor{{}, static_cast<std::int64_t>(i), comm.rank()};
+    FaceVisitor visitor{{}, static_cast<std::int64_t>(i), comm.rank()};
     const auto node = nodes_of(mesh, result.face[i]);
     for (std::size_t k = 0; k < 3; ++k) visitor.node[k] = by_place[at(node[k])];
     std::sort(visitor.node.begin(), visitor.node.end());
@@ -212,7 +212,8 @@ PairedFaces pair_faces(const par::Comm& comm, const mesh::DistMesh& mesh, const 
     meeting.add(static_cast<Rank>(hash % static_cast<std::uint64_t>(comm.size())), visitor);
   }
   auto visitors = meeting.send().item;
-  std::sort(visitors.begin(), visitors.end(), [](const Visitor& a, const Visitor& b) { return a.node < b.node; });
+  std::sort(visitors.begin(), visitors.end(),
+            [](const FaceVisitor& a, const FaceVisitor& b) { return a.node < b.node; });
   par::Mailbox<std::int64_t> answers(comm);
   for (std::size_t i = 0; i < visitors.size(); ++i) {
     const auto& node = visitors[i].node;
@@ -225,7 +226,7 @@ PairedFaces pair_faces(const par::Comm& comm, const mesh::DistMesh& mesh, const 
 }
 
 Tears find_tears(const par::Comm& comm, const mesh::DistMesh& mesh) {
-  const auto faces = boundary_faces(mesh);
+  const auto faces = faces_of_boundary(mesh);
   const auto by_place = nodes_by_place(comm, mesh);
   Tears tears;
   tears.n_pieces = count_pieces(comm, mesh);

@@ -56,8 +56,12 @@ const std::vector<Format> table{
      .endings = {".msh"},
      .read = [](const Comm& comm, const Path& file,
                 const Read& o) { return read_gmsh(comm, file, {.repair = o.repair}); },
-     .write = [](const Comm& comm, const Path& file, const mesh::DistMesh& mesh,
-                 const Write& o) { write_gmsh(comm, file, mesh, o.gmsh, o.second_order); },
+     .write =
+         [](const Comm& comm, const Path& file, const mesh::DistMesh& mesh, const Write& o) {
+           auto how = o.gmsh;
+           if (!how.remark) how.remark = o.remark;
+           write_gmsh(comm, file, mesh, how, o.second_order);
+         },
      .has_elements = true,
      .has_interfaces = true,
      .has_second_order = true,
@@ -84,7 +88,7 @@ const std::vector<Format> table{
      .read = [](const Comm& comm, const Path& file,
                 const Read& o) { return read_su2(comm, file, {.repair = o.repair}); },
      .write = [](const Comm& comm, const Path& file, const mesh::DistMesh& mesh,
-                 const Write&) { write_su2(comm, file, mesh); },
+                 const Write& o) { write_su2(comm, file, mesh, o.remark); },
      .has_elements = true},
     {.name = "UGRID",
      .endings = {".lb8.ugrid", ".b8.ugrid"},
@@ -98,7 +102,7 @@ const std::vector<Format> table{
      .endings = {".cgns"},
      .read = nullptr,
      .write = [](const Comm& comm, const Path& file, const mesh::DistMesh& mesh,
-                 const Write&) { write_cgns(comm, file, mesh); }},
+                 const Write& o) { write_cgns(comm, file, mesh, o.remark); }},
     {.name = "surface",
      .endings = {".stl", ".obj", ".ply", ".off"},
      .read = nullptr,
@@ -111,7 +115,7 @@ const std::vector<Format> table{
      .endings = {""},
      .read = nullptr,
      .write = [](const Comm& comm, const Path& file, const mesh::DistMesh& mesh,
-                 const Write&) { write_foam(comm, file, mesh); },
+                 const Write& o) { write_foam(comm, file, mesh, o.remark); },
      .is_folder = true},
 };
 

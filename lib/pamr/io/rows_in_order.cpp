@@ -69,6 +69,15 @@ mesh::NodeField nodes_in_order(const par::Comm& comm, const mesh::DistMesh& mesh
   return in_order(comm, second_order.node_ids(mesh.info), second_order.node_global, field);
 }
 
+std::vector<std::vector<std::size_t>> RegionsInOrder::rows_of_each() const {
+  std::vector<std::vector<std::size_t>> rows(all.size());
+  for (std::size_t c = 0; c < of_cell.size(); ++c) {
+    const auto place = std::lower_bound(all.begin(), all.end(), of_cell[c]);
+    if (place != all.end() && *place == of_cell[c]) rows[static_cast<std::size_t>(place - all.begin())].push_back(c);
+  }
+  return rows;
+}
+
 RegionsInOrder regions_in_order(const par::Comm& comm, const mesh::DistMesh& mesh) {
   RegionsInOrder regions;
   const auto* field = mesh::find_regions(mesh);

@@ -49,6 +49,9 @@ struct RegionsInOrder {
   bool has_field = false;             ///< where it is an integer field of one component; else nothing else is set
   std::vector<std::int64_t> of_cell;  ///< of this rank's canonical block
   std::vector<std::int64_t> all;      ///< ascending, the same on every rank
+
+  /// Of each of `all` the rows of `of_cell` that have it.
+  std::vector<std::vector<std::size_t>> rows_of_each() const;
 };
 /// Collective.
 RegionsInOrder regions_in_order(const par::Comm& comm, const mesh::DistMesh& mesh);

@@ -147,7 +147,7 @@ class CgnsNames {
  public:
   explicit CgnsNames(std::set<std::string> taken) : taken_(std::move(taken)) {}
   std::string operator()(const std::string& name) {
-    auto result = name.substr(0, name_length);
+    auto result = cut_to(name, name_length);
     std::replace(result.begin(), result.end(), '/', '_');
     if (result == "." || result == ".." || taken_.count(result) > 0) result = result.substr(0, name_length - 1) + "_";
     if (!taken_.insert(result).second)
@@ -203,6 +203,9 @@ class CgnsWriter {
     }
     out_.commit();
   }
+
+  /// As they are in the file, after `write`.
+  const std::vector<std::string>& patch_names() const { return patch_name_; }
 
  private:
   static constexpr const char* zone = "/Base/Zone1";  // the name that programs expect where there is one
@@ -335,8 +338,13 @@ class CgnsWriter {
 
 }  // namespace
 
-void write_cgns(const par::Comm& comm, const std::filesystem::path& file, const mesh::DistMesh& mesh) {
-  CgnsWriter(comm, file, mesh).write();
+void write_cgns(const par::Comm& comm, const std::filesystem::path& file, const mesh::DistMesh& mesh,
+                const Remark& remark) {
+  CgnsWriter writer(comm, file, mesh);
+  writer.write();
+  std::vector<std::string> names;
+  for (const auto& patch : mesh.info.patches) names.push_back(patch.name);
+  check_written_names("CGNS", "patch", names, writer.patch_names(), remark);
 }
 
 }  // namespace pamr::io

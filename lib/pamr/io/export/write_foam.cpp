@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -92,38 +93,41 @@ std::string word_of(const std::string& name) {
 }
 
 /// Names as words of OpenFOAM, which have to differ.
-std::vector<std::string> words(const std::string& what, const std::vector<std::string>& names) {
+std::vector<std::string> words(const std::string& what, const std::vector<std::string>& names, const Remark& remark) {
   std::vector<std::string> result;
+  std::set<std::string> seen;
   for (const auto& name : names) {
-    auto word = word_of(name);
-    if (std::find(result.begin(), result.end(), word) != result.end())
-      throw Error(what + " '" + name + "': expected names that differ in OpenFOAM's characters, found \"" + word +
-                  "\" twice");
-    result.push_back(std::move(word));
+    result.push_back(word_of(name));
+    if (!seen.insert(result.back()).second)
+      throw Error(what + " '" + name + "': expected names that differ in OpenFOAM's characters, found \"" +
+                  result.back() + "\" twice");
   }
+  check_written_names("OpenFOAM", what, names, result, remark);
   return result;
 }
 
-std::vector<std::string> words_of_patches(const mesh::MeshInfo& info) {
+std::vector<std::string> words_of_patches(const mesh::MeshInfo& info, const Remark& remark) {
   std::vector<std::string> names;
   for (const auto& patch : info.patches) names.push_back(patch.name);
-  return words("patch", names);
+  return words("patch", names, remark);
 }
 
 /// Names of the zones of the given regions.
-std::vector<std::string> words_of_regions(const mesh::MeshInfo& info, const std::vector<std::int64_t>& numbers) {
+std::vector<std::string> words_of_regions(const mesh::MeshInfo& info, const std::vector<std::int64_t>& numbers,
+                                          const Remark& remark) {
   std::vector<std::string> names;
   for (const auto number : numbers) {
     const auto name = mesh::name_of_region(info, number);
     names.push_back(name.empty() ? fmt::format("region_{}", number) : name);
   }
-  return words("region", names);
+  return words("region", names, remark);
 }
 
 class Writer {
  public:
-  Writer(const par::Comm& comm, fs::path folder, const mesh::DistMesh& mesh)
+  Writer(const par::Comm& comm, fs::path folder, const mesh::DistMesh& mesh, const Remark& remark)
       : comm_(comm),
+        remark_(remark),
         folder_(std::move(folder)),
         mesh_(mesh),
         rows_(rows_in_order(comm, mesh)),
@@ -189,7 +193,7 @@ class Writer {
 
   void write_boundary() {
     const auto& patches = mesh_.info.patches;
-    const auto names = words_of_patches(mesh_.info);
+    const auto names = words_of_patches(mesh_.info, {});
     std::string text = fmt::format("{}{}\n(\n", header("polyBoundaryMesh", "boundary"), patches.size());
     auto start = n_faces_[0];
     for (std::size_t p = 0; p < patches.size(); ++p) {
@@ -211,21 +215,19 @@ class Writer {
     auto regions = regions_in_order(comm_, mesh_);
     std::erase(regions.all, 0);
     if (regions.all.empty()) return;
-    const auto names = words_of_regions(mesh_.info, regions.all);
+    const auto names = words_of_regions(mesh_.info, regions.all, remark_);
+    const auto rows_of_region = regions.rows_of_each();
     SharedOutput out(comm_, folder_ / "cellZones");
     out.append_once(fmt::format("{}{}\n(\n", header("regIOobject", "cellZones"), names.size()));
     for (std::size_t r = 0; r < names.size(); ++r) {
       std::string cells;
-      std::int64_t n = 0;
-      for (std::size_t c = 0; c < regions.of_cell.size(); ++c)
-        if (regions.of_cell[c] == regions.all[r]) {
-          append_number(cells, rows_.first_cell + static_cast<GlobalId>(c));
-          cells += '\n';
-          ++n;
-        }
+      for (const auto c : rows_of_region[r]) {
+        append_number(cells, rows_.first_cell + static_cast<GlobalId>(c));
+        cells += '\n';
+      }
       out.append_once(
           fmt::format("    {}\n    {{\n        type            cellZone;\n        cellLabels      List<label>\n{}\n(\n",
-                      names[r], comm_.sum(n)));
+                      names[r], comm_.sum(std::ssize(rows_of_region[r]))));
       out.append(cells);
       out.append_once(")\n;\n    }\n");
     }
@@ -234,6 +236,7 @@ class Writer {
   }
 
   const par::Comm& comm_;
+  const Remark& remark_;
   fs::path folder_;
   const mesh::DistMesh& mesh_;
   RowsInOrder rows_;
@@ -246,8 +249,8 @@ class Writer {
 
 fs::path foam_folder(const fs::path& case_folder) { return case_folder / "constant" / "polyMesh"; }
 
-void write_foam(const par::Comm& comm, const fs::path& case_folder, const mesh::DistMesh& mesh) {
-  (void)words_of_patches(mesh.info);
+void write_foam(const par::Comm& comm, const fs::path& case_folder, const mesh::DistMesh& mesh, const Remark& remark) {
+  (void)words_of_patches(mesh.info, remark);
   PartialFolder folder(foam_folder(case_folder));
   par::agree(comm, [&] {
     if (comm.is_first()) folder.make();
@@ -255,7 +258,7 @@ void write_foam(const par::Comm& comm, const fs::path& case_folder, const mesh::
   folder.share(comm);
   folder.hold({"points", "faces", "owner", "neighbour", "boundary", "cellZones"});
   try {
-    Writer(comm, folder.path(), mesh).write();
+    Writer(comm, folder.path(), mesh, remark).write();
   } catch (const Error& error) {  // reaches every rank
     auto text = std::string(error.what());
     const auto partial = folder.path().string();

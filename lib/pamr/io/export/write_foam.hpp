@@ -3,6 +3,7 @@
 
 #include <filesystem>
 
+#include "pamr/io/written_names.hpp"
 #include "pamr/mesh/dist_mesh.hpp"
 #include "pamr/par/comm.hpp"
 
@@ -18,8 +19,9 @@ namespace pamr::io {
 /// number of ranks. A folder `polyMesh` that is there already is replaced when the new one is complete.
 ///
 /// Collective; O(cells / ranks) bytes a rank. Throws the same `Error` on every rank and leaves nothing new behind then;
-/// also for two patches that would have the same name.
-void write_foam(const par::Comm& comm, const std::filesystem::path& case_folder, const mesh::DistMesh& mesh);
+/// also for two patches that would have the same name. `remark` hears of names that change.
+void write_foam(const par::Comm& comm, const std::filesystem::path& case_folder, const mesh::DistMesh& mesh,
+                const Remark& remark = {});
 
 /// The folder that it writes: `constant/polyMesh` of the case.
 std::filesystem::path foam_folder(const std::filesystem::path& case_folder);

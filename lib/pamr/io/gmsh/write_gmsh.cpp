@@ -118,6 +118,19 @@ Elements<Order> collect(const par::Comm& comm, const mesh::DistMesh& mesh, const
   return elements;
 }
 
+/// Names as Gmsh reads them back: a `"` would end one, and "(127 characters max)" is what the manual says. Local.
+std::vector<std::string> physical_names(const char* what, const std::vector<std::string>& names, const Remark& remark) {
+  constexpr std::size_t longest = 127;
+  std::vector<std::string> result;
+  for (const auto& name : names) {
+    auto written = cut_to(name, longest);
+    std::replace(written.begin(), written.end(), '"', '\'');
+    result.push_back(std::move(written));
+  }
+  check_written_names("Gmsh", what, names, result, remark);
+  return result;
+}
+
 template <class Order>
 class Writer {
  public:
@@ -129,6 +142,11 @@ class Writer {
         out_(comm, file),
         rows_(rows_in_order(comm, mesh, second_order, options.interfaces)),
         elements_(collect<Order>(comm, mesh, rows_)) {
+    std::vector<std::string> regions;
+    if (elements_.region.has_field)
+      for (const auto& region : mesh.info.regions) regions.push_back(region.name);
+    patch_name_ = physical_names("patch", rows_.group_name, options.remark);
+    region_name_ = physical_names("region", regions, options.remark);
     for (const auto& patch : elements_.triangle)
       n_triangles_.push_back(comm.sum(static_cast<std::int64_t>(patch.size())));
     n_elements_ = mesh.info.n_global_cells;
@@ -183,12 +201,10 @@ class Writer {
     std::string text = "$MeshFormat\n" + version + (binary_ ? " 1 8\n" : " 0 8\n");
     const std::int32_t one = 1;
     if (binary_) text.append(reinterpret_cast<const char*>(&one), sizeof(one)) += '\n';
-    const auto regions = elements_.region.has_field ? mesh_.info.regions : std::vector<mesh::Region>();
-    const auto n_names = rows_.group_name.size() + regions.size();
-    text += fmt::format("$EndMeshFormat\n$PhysicalNames\n{}\n", n_names);
-    for (std::size_t p = 0; p < rows_.group_name.size(); ++p)
-      text += fmt::format("2 {} \"{}\"\n", p + 1, rows_.group_name[p]);
-    for (const auto& [number, name] : regions) text += fmt::format("3 {} \"{}\"\n", number, name);
+    text += fmt::format("$EndMeshFormat\n$PhysicalNames\n{}\n", patch_name_.size() + region_name_.size());
+    for (std::size_t p = 0; p < patch_name_.size(); ++p) text += fmt::format("2 {} \"{}\"\n", p + 1, patch_name_[p]);
+    for (std::size_t r = 0; r < region_name_.size(); ++r)
+      text += fmt::format("3 {} \"{}\"\n", mesh_.info.regions[r].number, region_name_[r]);
     out_.append_once(text + "$EndPhysicalNames\n");
   }
   void section(const std::string& name, const std::string& head) { out_.append_once("$" + name + "\n" + head); }
@@ -302,10 +318,10 @@ class Writer {
     std::int64_t number = 0;
     for (std::size_t p = 0; p < elements_.triangle.size(); ++p)
       block_4(2, p, Order::triangle_type, elements_.triangle[p], number);
-    for (std::size_t r = 0; r < elements_.region.all.size(); ++r) {
+    const auto rows_of_region = elements_.region.rows_of_each();
+    for (std::size_t r = 0; r < rows_of_region.size(); ++r) {
       std::vector<typename Order::Cell> cells;
-      for (std::size_t c = 0; c < rows_.cell_to_node.size(); ++c)
-        if (elements_.region.of_cell[c] == elements_.region.all[r]) cells.push_back(Order::cell(rows_, c));
+      for (const auto c : rows_of_region[r]) cells.push_back(Order::cell(rows_, c));
       block_4(3, r, Order::cell_type, cells, number);
     }
     end(Record(binary_), "Elements");
@@ -317,7 +333,8 @@ class Writer {
   SharedOutput out_;
   RowsInOrder rows_;
   Elements<Order> elements_;
-  std::vector<std::int64_t> n_triangles_;  ///< of each patch and interface, all ranks
+  std::vector<std::string> patch_name_, region_name_;  ///< as they are written; of patches and interfaces, of regions
+  std::vector<std::int64_t> n_triangles_;              ///< of each patch and interface, all ranks
   std::int64_t n_elements_ = 0;
 };
 

@@ -19,8 +19,8 @@ namespace pamr::io {
 
 namespace {
 
-std::vector<std::string> names_of_markers(const mesh::MeshInfo& info) {
-  std::vector<std::string> names;
+std::vector<std::string> names_of_markers(const mesh::MeshInfo& info, const Remark& remark) {
+  std::vector<std::string> names, given;
   std::set<std::string> seen;
   for (const auto& patch : info.patches) {
     auto name = patch.name;
@@ -30,14 +30,17 @@ std::vector<std::string> names_of_markers(const mesh::MeshInfo& info) {
       throw Error(fmt::format("SU2: expected patches whose names stay different and free without blanks, found '{}'",
                               patch.name));
     names.push_back(name);
+    given.push_back(patch.name);
   }
+  check_written_names("SU2", "patch", given, names, remark);
   return names;
 }
 
 }  // namespace
 
-void write_su2(const par::Comm& comm, const std::filesystem::path& file, const mesh::DistMesh& mesh) {
-  const auto names = names_of_markers(mesh.info);
+void write_su2(const par::Comm& comm, const std::filesystem::path& file, const mesh::DistMesh& mesh,
+               const Remark& remark) {
+  const auto names = names_of_markers(mesh.info, remark);
   const auto rows = rows_in_order(comm, mesh);
   const auto boundary = boundary_rows(rows);
   SharedOutput out(comm, file);
