@@ -10,6 +10,7 @@
 #include "pamr/assemble/assemble.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/io/native/native_file.hpp"
+#include "pamr/mesh/fingerprint.hpp"
 #include "pamr/validate/validate.hpp"
 #include "solvers/dsmc/run/advance.hpp"
 #include "solvers/dsmc/run/flow_output.hpp"
@@ -113,6 +114,20 @@ Place place_of(const Options& o, const dsmc::CheckpointHead& head, const dsmc::C
   return {head.mesh_file, head.fnum};
 }
 
+/// Of a run that adapts its mesh, MESH is not what a restart computes on, but it has to be what the run began with, or
+/// the mesh of the checkpoint. Collective.
+void require_begun_on(cli::Session& session, const Options& o, const dsmc::CheckpointHead& head, const Place& place) {
+  if (o.restart.empty() || !head.begun_on || cli::is_same_file(place.mesh, o.mesh)) return;
+  const auto& comm = session.comm();
+  const auto given =
+      assemble::assemble(comm, io::read_native(comm, o.mesh, {.build_surfaces = false, .remark = session.remarks()}));
+  if (const auto found = mesh::fingerprint(comm, given); found != *head.begun_on)
+    throw Error(
+        fmt::format("--mesh {}: expected the mesh that the run of {} began with (fingerprint {:x}), or its mesh {}, "
+                    "found another one (fingerprint {:x})",
+                    o.mesh, o.restart, *head.begun_on, place.mesh, found));
+}
+
 void begin(cli::Session& session, const Options& o, dsmc::Computation& computation) {
   if (!o.restart.empty())
     computation.restart(o.restart);
@@ -153,6 +168,7 @@ cli::ExitCode run_case(cli::Session& session, const Options& o) {
   if (!o.plan) check_outputs(session, o, c, from.value_or(dsmc::CheckpointHead{}));
   const auto place = place_of(o, o.restart.empty() ? dsmc::CheckpointHead{} : *from, c);
   const bool adapts = c.adaptation.every > 0;
+  if (adapts) require_begun_on(session, o, from.value_or(dsmc::CheckpointHead{}), place);
   session.step("reading " + place.mesh);
   auto mesh = assemble::assemble(
       comm, io::read_native(comm, place.mesh, {.build_surfaces = adapts, .remark = session.remarks()}));

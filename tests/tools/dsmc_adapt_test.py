@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """pamr-dsmc on a mesh that it adapts as it goes: the same bytes on any ranks and after restarts, and bad cases."""
 import csv
+import os
 import pathlib
 
 import h5py
@@ -108,6 +109,18 @@ def test_a_restart_goes_on_with_the_mesh_of_the_checkpoint():
             says=["particles.per_cell: the checkpoint has 60.0, the case 50.0", "--carry"])
     refuses("pamr-dsmc", "still.toml", "--mesh", "whole_-50.hdf", "-o", "no.hdf", "--restart", "whole_", says=["adapt.mark: "],
             creates="no.hdf")
+    # MESH is not read by a restart, but it may not be just any one.
+    kuhn_cube("else.hdf", 3)
+    for mesh in ("else.hdf", "part.hdf"):
+        refuses("pamr-dsmc", case, "--mesh", mesh, "-o", "no.hdf", "--restart", "whole_", creates="no.hdf",
+                says=[f"--mesh {mesh}: expected the mesh that the run of whole_ began with"])
+    compute(case, "whole_-50.hdf", "part.hdf", "--restart", "whole_")  # that of the checkpoint will do
+    assert same_bytes("part.hdf", "whole.hdf")
+    left = pathlib.Path("whole_-40.hdf.host-00000001-123-456-0.partial")  # of a run that was killed two days ago
+    left.touch()
+    os.utime(left, (0, 0))
+    run("pamr-dsmc", case, "--mesh", "cube.hdf", "-o", "rest.hdf", "--force", "--restart", "whole_", "--checkpoint", "whole_", serial=True)
+    assert not left.exists()
     pathlib.Path("whole_-50.hdf").unlink()
     refuses("pamr-dsmc", case, "--mesh", "cube.hdf", "-o", "no.hdf", "--restart", "whole_", says=["whole_-50.hdf"],
             creates="no.hdf")

@@ -34,7 +34,11 @@ double cost_of(double n_candidates, std::uint32_t n) {
 }  // namespace
 
 Computation::Computation(const par::Comm& comm, Case the_case, Setup setup, mesh::DistMesh given)
-    : comm_(&comm), case_(std::move(the_case)), mesh_(std::move(given)), key_(key_of(comm, mesh_)) {
+    : comm_(&comm),
+      case_(std::move(the_case)),
+      mesh_(std::move(given)),
+      key_(key_of(comm, mesh_)),
+      begun_on_(key_.fingerprint) {
   flow_.emplace(comm, mesh_, std::move(setup));
   facts_ = facts_of(comm, case_, flow_->setup(), mesh_);
   averaging_.emplace(case_, mesh_, *flow_);
@@ -47,6 +51,7 @@ void Computation::restart(const std::string& checkpoint) {
     require_same_mesh(file, key_);
     require_same_case(file.header(), facts_);
   });
+  begun_on_ = with_file_name(checkpoint, [&] { return begun_on(file.header()); });
   const auto snapshot = read_checkpoint(file, case_.gas);
   require_sound(*comm_, checkpoint, snapshot, sound_range(*flow_));
   with_file_name(checkpoint, [&] { averaging_->resume(restore(*comm_, snapshot, *flow_)); });
@@ -60,6 +65,7 @@ void Computation::restart(const std::string& checkpoint) {
 Snapshot Computation::snapshot() const {
   auto snapshot = take_snapshot(*comm_, key_, averaging_->state(), *flow_);
   snapshot.header[facts_member] = facts_;
+  if (case_.adaptation.every > 0 && begun_on_) snapshot.header[begun_on_member] = *begun_on_;
   return snapshot;
 }
 

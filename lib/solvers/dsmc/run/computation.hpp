@@ -89,7 +89,8 @@ class Computation {
   Case case_;
   mesh::DistMesh mesh_;
   MeshKey key_;
-  nlohmann::json facts_;  ///< `facts_of` the case on the mesh
+  std::optional<std::uint64_t> begun_on_;  ///< fingerprint of the mesh that the run began with, unless no one told it
+  nlohmann::json facts_;                   ///< `facts_of` the case on the mesh
   std::optional<Flow> flow_;
   std::optional<Averaging> averaging_;
   StopAtRise rule_;

@@ -251,6 +251,11 @@ void write_checkpoint(const par::Comm& comm, const std::string& file, const Snap
   write_sections(comm, file, snapshot.header, {&snapshot.cells, &snapshot.faces, &snapshot.particles});
 }
 
+std::optional<std::uint64_t> begun_on(const nlohmann::json& header) {
+  if (!header.contains(begun_on_member)) return {};
+  return word_of(header[begun_on_member], begun_on_member);
+}
+
 CheckpointHead head_of(const par::Comm& comm, const std::string& checkpoint) {
   const SectionFile file(comm, checkpoint);
   return with_file_name(checkpoint, [&] {
@@ -260,6 +265,7 @@ CheckpointHead head_of(const par::Comm& comm, const std::string& checkpoint) {
     head.fnum = number_of(member(member(header, "setup"), "molecules"), "molecules");
     head.n_particles = file.n_rows("particles");
     head.mesh_file = mesh_file_of(header, checkpoint);
+    head.begun_on = begun_on(header);
     return head;
   });
 }

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 
 #include "pamr/mesh/dist_mesh.hpp"
@@ -44,11 +45,17 @@ RunState restore(const par::Comm& comm, const Snapshot& snapshot, Flow& flow);
 /// Throws `Error` for a checkpoint of another mesh or order of cells. Local; the same on every rank.
 void require_same_mesh(const SectionFile& file, const MeshKey& mesh);
 
+/// Key of a header, of a run that adapts its mesh: fingerprint of the mesh that it began with.
+inline constexpr const char* begun_on_member = "begun_on";
+/// Nothing for a header without it: of a run whose mesh stays, or of an older version. Local; throws `Error`.
+std::optional<std::uint64_t> begun_on(const nlohmann::json& header);
+
 /// What a checkpoint says of the run that goes on from it.
 struct CheckpointHead {
   std::uint64_t steps_done = 0;
   std::string mesh_file;  ///< of a run that adapts its mesh: the mesh as it was then; else empty
-  double fnum = 0;        ///< molecules that a particle stands for where the time step is the largest
+  std::optional<std::uint64_t> begun_on = {};
+  double fnum = 0;  ///< molecules that a particle stands for where the time step is the largest
   std::int64_t n_particles = 0;
 };
 /// Collective. Throws the same `Error` on every rank for a damaged file.
