@@ -91,8 +91,17 @@ std::pair<SharedMesh, std::vector<std::string>> read(std::uintptr_t address, con
   return {result, remarks};
 }
 
-void write(const PythonMesh& mesh, const std::filesystem::path& file, const std::string& provenance) {
-  io::write_mesh(*mesh.comm, file, mesh.mesh, {.provenance = provenance});
+/// Yields what the format has no place for.
+std::vector<std::string> write(const PythonMesh& mesh, const std::filesystem::path& file,
+                               const std::string& provenance) {
+  std::vector<std::string> remarks;
+  io::write_mesh(*mesh.comm, file, mesh.mesh,
+                 {.provenance = provenance, .remark = [&](const std::string& text) { remarks.push_back(text); }});
+  return remarks;
+}
+
+void require_valid(const PythonMesh& mesh, const std::string& what) {
+  validate::require_valid(*mesh.comm, mesh.mesh, what);
 }
 
 /// Of each format of meshes its name, its endings, and whether it is read.
@@ -230,6 +239,7 @@ void bind_mesh(py::module_& module) {
   });
   type.def("remove_field", remove_field);
   type.def("write", write, py::call_guard<py::gil_scoped_release>());
+  type.def("require_valid", require_valid, py::call_guard<py::gil_scoped_release>());
   type.def("fingerprint", [](const PythonMesh& mesh) { return mesh::fingerprint(*mesh.comm, mesh.mesh); });
   module.def("formats", formats);
   module.def("from_arrays", from_arrays);

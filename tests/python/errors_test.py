@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Wrong arrays, on one rank or on all: one exception that says which entry, the same on every rank, and nothing hangs."""
+import ctypes
 import warnings
 
 import numpy as np
@@ -212,6 +213,47 @@ def test_files_that_are_not_there_or_have_no_known_name():
     expect("expected a file, found none", lambda: pamr.Mesh.read(COMM, "none.hdf"))
     expect("expected a name that ends in .hdf", lambda: pamr.Mesh.kuhn_cube(COMM, 1).write("mesh.xyz"))
     expect("TypeError", lambda: pamr.Mesh.read(COMM, 5 if COMM.rank == LAST else "none.hdf"))
+    expect("without NUL characters", lambda: pamr.Mesh.read(COMM, "cube.hdf\0.old"))
+    expect("without NUL characters", lambda: pamr.Mesh.kuhn_cube(COMM, 1).write("cube.hdf\0.old"))
+    expect("without NUL characters", lambda: pamr.Mesh.kuhn_cube(COMM, 1).write_rows("cube\0", np.zeros(6)))
+
+
+@in_folder
+def test_what_a_format_has_no_place_for_is_a_warning():
+    mesh = pamr.Mesh.from_arrays(COMM, on_last(POINTS), on_last(CELLS), (on_last(FLOOR), on_last(np.array([1, 1]))),
+                                 {1: 'the "floor"'})
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        mesh.write("floor.msh")
+    said = [str(warning.message) for warning in caught if "Gmsh" in str(warning.message)]
+    assert len(said) == (1 if COMM.rank == 0 else 0), said
+    assert not said or "'the \"floor\"' is written as 'the 'floor''" in said[0], said
+
+
+def written(array, place, value):
+    """Writes where a client can, though the array says that it is for reading: through its address."""
+    memory = (ctypes.c_byte * array.nbytes).from_address(array.ctypes.data)
+    np.frombuffer(memory, array.dtype).reshape(array.shape)[place] = value
+
+
+def test_arrays_that_a_client_has_damaged_are_found_on_request():
+    for name, place, value, broken in (("cells", (0, 1), 10**6, "ids_in_range"), ("cells", (0, 1), -7, "ids_in_range"),
+                                       ("cell_to_cell", (0, 2), 10**6, "ids_in_range"), ("cell_numbers", 0, -1, "ids_in_range"),
+                                       ("points", (0, 0), np.nan, "finite_coordinates"), ("points", (0, 0), 1e6, ""),
+                                       ("node_numbers", 0, 10**9, "ids_in_range")):
+        mesh = pamr.Mesh.kuhn_cube(COMM, 3)
+        n = len(mesh.cells)
+        mesh.validate()
+        pamr.refine(mesh, np.zeros(n, int), check=True)
+        if COMM.rank == LAST:
+            written(getattr(mesh, name), place, value)
+        for call in (mesh.validate, lambda: pamr.refine(mesh, np.ones(n, int), check=True),
+                     lambda: pamr.adapt(mesh, np.ones(n, int), check=True)):
+            expect(["mesh: expected a valid mesh, found `", broken], call)
+    if COMM.size > 1:
+        mesh = pamr.Mesh.kuhn_cube(COMM, 2)
+        expect("arguments: expected the same on every rank",
+               lambda: pamr.refine(mesh, np.zeros(len(mesh.cells), int), check=COMM.rank == LAST))
 
 
 run_tests(globals())

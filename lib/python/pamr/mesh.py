@@ -11,7 +11,7 @@ import numpy as np
 from . import _core
 from .rows import described, pack, unpack
 from .surfaces import File, Surface, Toml
-from .together import agree, description, field as field_in, integers, reals, require_comm, whole
+from .together import agree, description, field as field_in, integers, path_of, reals, require_comm, whole
 
 Error = _core.Error
 ORDERS = ("auto", "keep", "curve")
@@ -191,7 +191,7 @@ class Mesh:
         inverted.
         """
         require_comm(comm)
-        path = agree(comm, lambda: (os.fspath(file), (os.fspath(file), bool(repair))))
+        path = agree(comm, lambda: (path_of(file), (path_of(file), bool(repair))))
         core, remarks = _core.read(_address(comm), path, bool(repair))
         if comm.rank == 0:
             for remark in remarks:
@@ -207,15 +207,17 @@ class Mesh:
     def write(self, file: Union[str, os.PathLike], provenance: str = "") -> None:
         """Writes the mesh and its fields: .hdf or .vtkhdf (complete), any other format that pamr-convert writes (or the boundary, as
         .stl, say), or an OpenFOAM case where the name has no ending or is a folder. The bytes do not depend on the number of
-        ranks. Collective."""
-        path = agree(self._comm, lambda: (os.fspath(file), (os.fspath(file), provenance)))
-        self._core.write(path, provenance)
+        ranks. What the format has no place for is a Python warning on rank 0. Collective."""
+        path = agree(self._comm, lambda: (path_of(file), (path_of(file), provenance)))
+        for remark in self._core.write(path, provenance):
+            if self._comm.rank == 0:
+                warnings.warn(remark, stacklevel=2)
 
     def write_rows(self, file: Union[str, os.PathLike], values: Any) -> None:
         """Writes data that belong to cells and are no fields, to go on from with ``read_rows`` and a mesh file: n rows, one for each
         cell of this rank, of any numbers and shape; or a list of n arrays of one type and of different lengths (particles,
         say). The bytes do not depend on the number of ranks. Collective."""
-        path = agree(self._comm, lambda: (os.fspath(file), os.fspath(file)))
+        path = agree(self._comm, lambda: (path_of(file), path_of(file)))
         rows = pack(self._comm, values, len(self.cells))
         if rows.dtype.fields is not None or rows.item == 0:
             raise Error("values: expected numbers, found a type with fields or without bytes")
@@ -227,9 +229,15 @@ class Mesh:
         dtype: of the items of a file that C++ wrote (``adapt::write_cell_rows``); the result is a list of arrays then.
         Collective. Raises pamr.Error for damaged files and other meshes.
         """
-        path = agree(self._comm, lambda: (os.fspath(file), (os.fspath(file), str(dtype))))
+        path = agree(self._comm, lambda: (path_of(file), (path_of(file), str(dtype))))
         item = 0 if dtype is None else np.dtype(dtype).itemsize
         return unpack(described(*_core.read_rows(self._core, path, item), dtype))
+
+    def validate(self) -> None:
+        """Raises pamr.Error, the same on every rank, that names what is broken and where, unless cells, neighbors, shapes, patches,
+        levels and the borders of ranks fit together. Meshes of this package do; the memory that its arrays show may have been
+        changed by a client since. As long as splitting the mesh takes a few times. Collective."""
+        self._core.require_valid("mesh")
 
     # --- arrays of this rank
 

@@ -68,7 +68,7 @@ def placing(project: Any, bend: Any) -> tuple[bool, str]:
 
 
 def refine(mesh: Mesh, flags: Any, *, project: bool = True, bend: str = "walls", quality_control: str = "removable",
-           shape_floor: float = 0.35, balance: str = "auto", weights: str = "exact") -> RefineResult:
+           shape_floor: float = 0.35, balance: str = "auto", weights: str = "exact", check: bool = False) -> RefineResult:
     """Splits the flagged cells into eight and closes the mesh around them. Collective.
 
     flags: one for each cell of this rank, 0 or 1 (or truth values).
@@ -80,26 +80,31 @@ def refine(mesh: Mesh, flags: Any, *, project: bool = True, bend: str = "walls",
         it. 0: none.
     balance: how cells are spread over the ranks first: "auto", "scotch", "curve", "blocks", "none" (children stay with parents).
     weights: "exact", "8/1", "uniform", or the name of a cell field.
+    check: look at the whole mesh first (``Mesh.validate``). Without it the arrays are trusted: where a client has written into
+        them through a view of its own, what follows may be wrong or end the process.
     The old mesh stays as it is. The new one is the same on any number of ranks, bit for bit, whatever the balance.
     """
     def prepare() -> tuple[Any, Any]:
         _one_of("balance", balance, BALANCES)
         how = placing(project, bend), closing(quality_control, shape_floor), balance, weights
-        return (_flags(mesh, flags), *how), how
-    core, report = _core.refine(mesh._core, *agree(mesh.comm, prepare))
+        return (_flags(mesh, flags), *how), (how, bool(check))
+    arguments = agree(mesh.comm, prepare)
+    if check:
+        mesh.validate()
+    core, report = _core.refine(mesh._core, *arguments)
     fine = Mesh(core, mesh.comm)
     return RefineResult(fine, report, fine.cell_fields["parent"], mesh)
 
 
 def adapt(mesh: Mesh, flags: Any, *, project: bool = True, bend: str = "walls", shape_floor: float = 0.35, balance: str = "auto",
-          weights: str = "exact", integrals: tuple[str, ...] = ()) -> RefineResult:
+          weights: str = "exact", integrals: tuple[str, ...] = (), check: bool = False) -> RefineResult:
     """Refines and coarsens in one call (docs/coarsening.md). Collective.
 
     flags: one for each cell of this rank: 1 is split into eight; -1 may be coarsened: with its siblings, all flagged, it
         becomes their parent again if nothing that remains needs them; 0 stays.
     integrals: names of cell fields of which coarsening keeps the sum of value times volume, at curved walls too. All others keep
         values.
-    The other arguments are those of ``refine``; the policy is "removable". ``report["coarsening"]`` says what went and why the
+    The other arguments are those of ``refine`` (``check``, too); the policy is "removable". ``report["coarsening"]`` says what went and why the
     rest stayed. ``parent`` names for each new cell the old one that holds its centroid.
     """
     def prepare() -> tuple[Any, Any]:
@@ -108,8 +113,11 @@ def adapt(mesh: Mesh, flags: Any, *, project: bool = True, bend: str = "walls", 
             raise Error(f"integrals: expected a list of names, found the text {integrals!r}")
         names = [str(name) for name in integrals]
         how = placing(project, bend), closing("removable", shape_floor), balance, weights, names
-        return (_flags(mesh, flags, "-1, 0 or 1", -1), *how), how
-    core, report = _core.adapt(mesh._core, *agree(mesh.comm, prepare))
+        return (_flags(mesh, flags, "-1, 0 or 1", -1), *how), (how, bool(check))
+    arguments = agree(mesh.comm, prepare)
+    if check:
+        mesh.validate()
+    core, report = _core.adapt(mesh._core, *arguments)
     fine = Mesh(core, mesh.comm)
     return RefineResult(fine, report, fine.cell_fields["parent"], mesh)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import operator
+import os
 from typing import Any, Callable, Optional, Sequence, TypeVar
 
 import numpy as np
@@ -33,6 +34,14 @@ def agree(comm: Any, prepare: Callable[[], tuple[T, Any]]) -> T:
             raise Error(f"arguments: expected the same on every rank, found {told[0][1]} on rank 0 and {other} on rank "
                         f"{rank}")
     return result  # type: ignore[return-value]
+
+
+def path_of(file: Any) -> str:
+    """The name of a file; one with a NUL character would be cut there by the system, without a word."""
+    path = os.fsdecode(file)
+    if "\0" in path:
+        raise Error(f"expected a name of a file without NUL characters, found {path!r}")
+    return path
 
 
 def require_comm(comm: Any) -> None:
