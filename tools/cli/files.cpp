@@ -54,6 +54,10 @@ bool is_same_file(const std::string& a, const std::string& b) {
   return Files::are_same(Files::place_of(Files::Kind::input, a), Files::place_of(Files::Kind::input, b));
 }
 
+bool is_file_of(const SeriesName& series, const std::string& file_name) {
+  return number_in(series, file_name).has_value();
+}
+
 std::vector<std::string> existing_files(const SeriesName& series, std::uint64_t first) {
   std::map<std::uint64_t, std::string> found;
   const auto folder = fs::path(series(first)).parent_path();
@@ -76,7 +80,7 @@ bool Files::are_same(const Place& a, const Place& b) {
   return a.entry == b.entry || a.real == b.real || fs::equivalent(a.path, b.path, failed);
 }
 
-/// The file of the series that is also the other place, or a file of the other series; empty for none.
+/// The file of the series that is also the other place, or a file of the other series, under any name; empty for none.
 std::string Files::member_of(const Place& series, const Place& other) {
   const auto folder = series.entry.parent_path();
   if (other.kind == Kind::series) {
@@ -89,6 +93,9 @@ std::string Files::member_of(const Place& series, const Place& other) {
   for (const auto& path : {other.entry, other.real})
     if (path.parent_path() == folder)
       if (const auto number = number_in(series.series, path.filename().string())) return series.series(*number);
+  std::error_code failed;
+  for (const auto& file : existing_files(series.series, 0))
+    if (fs::equivalent(file, other.path, failed)) return file;
   return {};
 }
 

@@ -15,6 +15,9 @@ using SeriesName = std::function<std::string(std::uint64_t)>;
 /// True if both names lead to one file, which need not exist: by `.` and `..`, symbolic links or hard links. Local.
 bool is_same_file(const std::string& a, const std::string& b);
 
+/// True if this is the name, without its folder, of a file of the series. Local.
+bool is_file_of(const SeriesName& series, const std::string& file_name);
+
 /// Files of the series that are there and whose number is `first` or more, in the order of their numbers. Local.
 std::vector<std::string> existing_files(const SeriesName& series, std::uint64_t first);
 

@@ -57,6 +57,15 @@ extern "C" void remove_files_and_end(int) {
   ::_exit(interrupted);
 }
 
+std::array<char, 160> crash_text{};
+std::size_t crash_length = 0;
+int kept_code = 0;
+
+extern "C" void end_with_kept_code(int) {
+  (void)!::write(STDERR_FILENO, crash_text.data(), crash_length);
+  ::_exit(kept_code);
+}
+
 }  // namespace
 
 void end_well_on_interrupt(const std::string& tool, bool speaks, bool in_company) {
@@ -75,6 +84,17 @@ void end_well_on_interrupt(const std::string& tool, bool speaks, bool in_company
 }
 
 void be_silent_on_interrupt() { interrupt_length = 0; }
+
+void keep_outcome(const std::string& tool, int code) {
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGUSR1}) std::signal(signal, SIG_IGN);
+#ifndef __SANITIZE_ADDRESS__  // which tells more
+  const auto line = tool + ": warning: MPI or another library crashed while the process ended; outputs are complete\n";
+  crash_length = std::min(line.size(), crash_text.size());
+  std::copy_n(line.begin(), crash_length, crash_text.begin());
+  kept_code = code;
+  for (const int signal : {SIGSEGV, SIGBUS, SIGILL, SIGFPE, SIGABRT}) std::signal(signal, end_with_kept_code);
+#endif
+}
 
 void announce_abort() {
   if (abort_mark[0] == '\0') return;

@@ -64,6 +64,14 @@ void require_readable(const std::string& path) {
   if (::access(path.c_str(), R_OK) != 0) throw Error(path + ": cannot be read: " + because());
 }
 
+void require_named(const std::string& path) {
+  const auto plain = fs::path(path).lexically_normal().string();
+  if (plain.starts_with("/dev/") || plain.starts_with("/proc/"))
+    throw Error(path +
+                ": expected the name of a file on a disk, found a stream of this process, which its child and other "
+                "ranks do not have: write it to a file first");
+}
+
 bool is_device(const std::string& path) {
   std::error_code failed;
   return is_device(fs::status(path, failed));

@@ -7,6 +7,9 @@ namespace pamr::cli {
 
 /// Throws `Error` unless `path` is an existing regular file or folder that can be read. Local.
 void require_readable(const std::string& path);
+/// Throws `Error` for /dev/stdin, /dev/fd/3 and the like, whatever they stand for: a mesh is opened by name several
+/// times, by a child process and by all ranks, which have streams of their own. Local.
+void require_named(const std::string& path);
 /// True for what exists and is neither a regular file nor a folder. Local.
 bool is_device(const std::string& path);
 /// Throws `Error` unless `write_whole` can be expected to succeed. Local.

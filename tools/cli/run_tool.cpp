@@ -10,10 +10,12 @@
 #include <exception>
 #include <limits>
 #include <new>
+#include <sstream>
 #include <string>
 #include <vector>
 
 #include "cli/interrupt.hpp"
+#include "cli/standard_output.hpp"
 #include "cli/step_clock.hpp"
 #include "cli/version.hpp"
 #include "pamr/base/error.hpp"
@@ -22,6 +24,7 @@
 #include "pamr/base/one_line.hpp"
 #include "pamr/io/remove_on_interrupt.hpp"
 #include "pamr/par/runtime.hpp"
+#include "pamr/par/same_start.hpp"
 
 namespace pamr::cli {
 
@@ -79,7 +82,9 @@ Parsed parse(int argc, char** argv, const ToolInfo& info, const std::function<vo
     app.parse(argc, argv);
     return {};
   } catch (const CLI::Success& wanted) {  // --help, --version
-    if (speaks) app.exit(wanted);
+    std::ostringstream text, none;
+    app.exit(wanted, text, none);
+    if (speaks) print(text.str());
     return {false, {}};
   } catch (const CLI::ParseError& wrong) {
     const auto unknown = unknown_argument(app);  // said first: a misspelt option may be the one that is missed
@@ -99,16 +104,21 @@ const par::Runtime* running = nullptr;
 const ToolInfo* running_tool = nullptr;
 
 /// Ends this rank's part: prints the error once if all ranks end within `grace_period` seconds, here otherwise, in
-/// which case all are ended. Returns the common exit code.
+/// which case all are ended. Returns the common exit code. What happens to the process later changes nothing that it
+/// has done: where it could still end in another way, that is said.
 int end(const Ending& ending, double grace_period) {
-  be_silent_on_interrupt();  // mpirun ends the ranks that are not the first to leave with an error
-  if (!ending.error.empty()) io::remove_unfinished();
+  if (!ending.error.empty()) {
+    be_silent_on_interrupt();  // mpirun ends the ranks that are not the first to leave with an error
+    io::remove_unfinished();
+  }
   const auto outcome = running->settle(static_cast<int>(ending.code), grace_period);
   if (!outcome) {
     print_error(*running_tool, ending.error, " (on rank " + std::to_string(running->rank()) + ")");
     announce_abort();
     running->abort(static_cast<int>(ending.code));
   }
+  const bool is_complete = outcome->code < static_cast<int>(ExitCode::bad_input);
+  if (is_complete) keep_outcome(running_tool->name, outcome->code);
   if (outcome->reporter == running->rank() && !ending.error.empty()) print_error(*running_tool, ending.error, "");
   return outcome->code;
 }
@@ -132,11 +142,24 @@ int end(const Ending& ending, double grace_period) {
   running->abort(code);
 }
 
-Ending run(const CommonOptions& options, const BadFiles& bad_files, const std::function<ExitCode(Session&)>& work) {
+/// An ending without an error, unless a summary or a help text has not arrived where it was sent.
+Ending with_output(Ending ending) {
+  const auto trouble = trouble_of_output();
+  if (!ending.error.empty() || trouble.empty()) return ending;
+  return {ExitCode::bad_input, "standard output: not all that was printed could be written: " + trouble};
+}
+
+/// From the command line to the end of the work; files are complete, or gone.
+Ending run(int argc, char** argv, const std::function<void(CommandLine&)>& declare, const BadFiles& bad_files,
+           const std::function<ExitCode(Session&)>& work) {
   try {
     const par::Comm comm(running->world());
+    par::require_same_start(comm, par::start_of(version_text(running_tool->name), argc, argv));
+    CommonOptions options;
+    const auto parsed = parse(argc, argv, *running_tool, declare, options, comm.is_first());
+    if (!parsed.proceed) return with_output(parsed.ending);
     Session session(comm, running_tool->name, options, bad_files);
-    return {work(session), {}};
+    return with_output({work(session), {}});
   } catch (const Error& error) {
     return {ExitCode::bad_input, error.what()};
   }
@@ -155,9 +178,7 @@ int run_tool(int argc, char** argv, const ToolInfo& info, const std::function<vo
   end_well_on_interrupt(info.name, runtime.rank() == 0, runtime.size() > 1);
   std::signal(SIGXFSZ, SIG_IGN);  // a file beyond `ulimit -f` is an error of the write, which names it
 
-  CommonOptions options;
-  const auto parsed = parse(argc, argv, info, declare, options, runtime.rank() == 0);
-  const auto ending = parsed.proceed ? run(options, bad_files, work) : parsed.ending;
+  const auto ending = run(argc, argv, declare, bad_files, work);
   constexpr double patience_after_error = 30, for_ever = std::numeric_limits<double>::infinity();
   return end(ending, ending.error.empty() ? for_ever : patience_after_error);
 }

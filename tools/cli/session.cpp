@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "cli/output_file.hpp"
+#include "cli/standard_output.hpp"
 #include "cli/step_clock.hpp"
 #include "pamr/base/case_file.hpp"
 #include "pamr/base/error.hpp"
@@ -62,6 +63,7 @@ Session::~Session() {
 void Session::check_input(const std::string& path) {
   on_first(*comm_, [&] {
     require_readable(path);
+    require_named(path);
     add_input(path);
   });
 }
@@ -76,9 +78,10 @@ void Session::add_input(const std::string& path) {
 }
 
 std::string Session::read_case(const std::string& path) {
-  check_input(path);
   std::string text;
   on_first(*comm_, [&] {
+    require_readable(path);
+    add_input(path);
     auto found = read_file(path);
     if (!found) throw Error(path + ": expected a file that can be read");
     text = std::move(*found);
@@ -109,6 +112,9 @@ void Session::check_series(const SeriesName& series, std::uint64_t first, bool f
   on_first(*comm_, [&] {
     files_.add_series(series, may_replace);
     require_replaceable(series(first));
+    io::remove_leftovers(
+        std::filesystem::path(series(first)).parent_path(),
+        [&](const std::string& name, bool is_cut) { return !is_cut && is_file_of(series, name); }, files_.inputs());
     if (const auto found = existing_files(series, first); !found.empty()) require_writable(found.front(), force);
   });
 }
@@ -125,9 +131,10 @@ void Session::remove_leftovers(const std::string& path) const {
 void Session::summary(const std::string& line) const {
   if (options_.quiet || !comm_->is_first()) return;
   hide_step();
-  auto* stream = options_.json == "-" ? stderr : stdout;
-  std::fputs((wrapped(one_line(line)) + "\n").c_str(), stream);
-  std::fflush(stream);
+  const auto text = wrapped(one_line(line)) + "\n";
+  if (options_.json != "-") return print(text);
+  std::fputs(text.c_str(), stderr);
+  std::fflush(stderr);
 }
 
 void Session::warn(const std::string& line) const { say("warning", line); }

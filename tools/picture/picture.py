@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """pamr-picture: from the command line to the file."""
+import errno
 import io
 import json
 import os
@@ -60,6 +61,16 @@ def check_outputs(o):
         check_output(o.json, o.meshes, [o.output], True)
 
 
+def say(text):
+    """Prints a line that has to arrive. Where there is no standard output nobody listens."""
+    try:
+        print(text, flush=True)
+    except OSError as wrong:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # else Python tries once more when it ends
+        if wrong.errno != errno.EBADF:
+            raise Refused(f"standard output: not all that was printed could be written: {wrong.strerror}") from None
+
+
 def write_whole(path, content):
     """All of it or nothing arrives under the name; a device or pipe is written directly."""
     if is_device(path):
@@ -73,6 +84,8 @@ def write_whole(path, content):
     unfinished.append(partial)
     try:
         with open(partial, "xb") as file:
+            if os.path.exists(path):  # who could not read the old one cannot read the new one
+                os.fchmod(file.fileno(), os.stat(path).st_mode & 0o777)
             file.write(content)
             file.flush()
             os.fsync(file.fileno())
@@ -198,13 +211,16 @@ def run(arguments, version):
     picture, report = make(o)
     write_whole(o.output, picture)
     if o.json == "-":
-        print(json.dumps(report, indent=2))
+        say(json.dumps(report, indent=2))
     elif o.json:
         write_whole(o.json, (json.dumps(report, indent=2) + "\n").encode())
     if not o.quiet:
         cells = ", ".join(f"{m['cells']:,}" for m in report["meshes"])
         line = f"{o.output}: {o.size[0]} x {o.size[1]} pixels, {cells} cells"
-        print(line, file=sys.stderr if o.json == "-" else sys.stdout)
+        if o.json == "-":
+            print(line, file=sys.stderr)
+        else:
+            say(line)
 
 
 def main(arguments, version):

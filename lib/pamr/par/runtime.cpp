@@ -5,7 +5,12 @@
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
+#include <exception>
+#include <new>
+#include <string>
 
+#include "pamr/base/error.hpp"
+#include "pamr/base/one_line.hpp"
 #include "pamr/par/lone_start.hpp"
 #include "pamr/par/mpi_memory.hpp"
 #include "pamr/par/parent_job.hpp"
@@ -15,11 +20,67 @@ namespace pamr::par {
 
 namespace {
 
-constexpr int out_of_memory = 3;  // exit code, as of the tools
+// Exit codes, as of the tools.
+constexpr int bad_input = 2, internal = 3;
+/// How long a rank that fails waits for the others to do the same, in seconds.
+constexpr double grace_period = 3;
+
+/// What the handler of uncaught exceptions needs; null when MPI does not run.
+const Runtime* running = nullptr;
+
+/// One write, which lines of other processes do not cut.
+void print_error(const std::string& text) {
+  std::fputs((std::string(program_invocation_short_name) + ": error: " + one_line(text) + "\n").c_str(), stderr);
+  std::fflush(nullptr);
+}
+
+struct Failure {
+  int code = internal;
+  std::string text = "ended without an exception";
+};
+
+Failure current_failure() {
+  try {
+    if (const auto failure = std::current_exception()) std::rethrow_exception(failure);
+  } catch (const Error& error) {
+    return {bad_input, error.what()};
+  } catch (const std::bad_alloc&) {
+    return {internal, "out of memory"};
+  } catch (const std::exception& failure) {
+    return {internal, std::string("uncaught exception: ") + failure.what()};
+  } catch (...) {
+    return {internal, "uncaught exception of an unknown type"};
+  }
+  return {};
+}
+
+/// Nothing has been unwound: no destructor waits for ranks that never come.
+[[noreturn]] void end_uncaught() {
+  std::set_terminate(std::abort);  // a failure in here
+  const auto failure = current_failure();
+  if (running == nullptr) {
+    print_error(failure.text);
+    std::_Exit(failure.code);
+  }
+  const auto outcome = running->settle(failure.code, grace_period);
+  if (!outcome)
+    print_error(failure.text + " (on rank " + std::to_string(running->rank()) + ")");
+  else if (outcome->reporter == running->rank())
+    print_error(failure.text);
+  if (outcome)
+    (void)running->settle(failure.code, 1);  // who aborts first takes the others along: not before the report
+  running->abort(failure.code);
+}
+
+/// Runs when `main` has returned, or exit was called.
+void abort_at_exit() {
+  std::fflush(nullptr);
+  MPI_Abort(MPI_COMM_WORLD, bad_input);
+}
 
 }  // namespace
 
-Runtime::Runtime(int& argc, char**& argv) {
+Runtime::Runtime(int& argc, char**& argv) : n_exceptions_(std::uncaught_exceptions()) {
   leave_parent_job();
   // hwloc, which Open MPI asks for the machine's cores, asks an X server for graphics cards; an X server that ends then
   // ends the process.
@@ -33,12 +94,24 @@ Runtime::Runtime(int& argc, char**& argv) {
   MPI_Comm_size(MPI_COMM_WORLD, &size_);
   if (!has_mpi_memory(size_)) {
     std::fprintf(stderr, "%s: error: out of memory\n", program_invocation_short_name);
-    abort(out_of_memory);
+    abort(internal);
   }
   MPI_Comm_dup(MPI_COMM_WORLD, &end_);
+  running = this;
+  terminate_before_ = std::set_terminate(end_uncaught);
 }
 
 Runtime::~Runtime() {
+  running = nullptr;
+  if (std::get_terminate() == end_uncaught) std::set_terminate(terminate_before_);
+  const bool unwinds = std::uncaught_exceptions() > n_exceptions_;
+  if (unwinds && size_ > 1 && !settle(bad_input, grace_period)) {
+    // Others wait for this rank in a call that it has left, and MPI_Finalize would wait for them.
+    print_error("rank " + std::to_string(rank_) +
+                " is left by an exception, and others go on without it: all are ended when its main has returned");
+    std::atexit(abort_at_exit);
+    return;
+  }
   MPI_Comm_free(&end_);
   MPI_Finalize();
 }

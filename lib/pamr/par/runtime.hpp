@@ -3,21 +3,27 @@
 
 #include <mpi.h>
 
+#include <exception>
 #include <optional>
 
 #include "pamr/base/types.hpp"
 
 namespace pamr::par {
 
-/// MPI from its start to its end; one object per process, made in `main`. For programs of ours: an application that
-/// has initialized MPI itself makes a `Comm` from its communicator and needs no `Runtime`.
+/// MPI from its start to its end; one object per process, made in `main`. An application that has initialized MPI
+/// itself makes a `Comm` from its communicator and needs no `Runtime`.
+///
+/// While it lives, an exception that nobody catches ends all ranks with one line on standard error, `<program>: error:
+/// <what>`, and exit code 2 for `pamr::Error`, 3 for others: by a handler of std::terminate, which a program may
+/// replace. Where an exception leaves the object on some ranks alone (its handler is further out), those ranks say so,
+/// go on to their handlers, and end all ranks with code 2 when their `main` returns; MPI_Finalize would wait for ever.
 class Runtime {
  public:
   /// Initializes MPI. Collective over all processes. A program that a rank of another MPI job has started (a solver
   /// that calls a tool) runs alone (`leave_parent_job`). Ends all with exit code 3 where one has no memory left for
   /// MPI.
   Runtime(int& argc, char**& argv);
-  /// Finalizes MPI. Collective.
+  /// Finalizes MPI. Collective, unless an exception ends it.
   ~Runtime();
   Runtime(const Runtime&) = delete;
   Runtime& operator=(const Runtime&) = delete;
@@ -35,7 +41,7 @@ class Runtime {
   };
   /// The common outcome of a program whose part on this rank ended with `code` (>= 0); nothing when some rank did not
   /// come here within `seconds` (it waits in a collective that this rank has left, say). Collective unless it fails,
-  /// and called once. Runs beside whatever else is under way: it has a communicator of its own.
+  /// and called equally often on all ranks. Runs beside whatever else is under way: it has a communicator of its own.
   std::optional<Outcome> settle(int code, double seconds) const;
 
   /// Ends all ranks at once with this exit code.
@@ -43,6 +49,8 @@ class Runtime {
 
  private:
   MPI_Comm end_ = MPI_COMM_NULL;
+  int n_exceptions_;  ///< under way when it was made
+  std::terminate_handler terminate_before_ = nullptr;
   Rank rank_ = 0;
   Rank size_ = 1;
 };

@@ -120,6 +120,24 @@ TEST_F(FilesTest, AnOutputMayReplaceTheInputThatItIsSaidToReplaceAndNoOther) {
   EXPECT_THAT([&] { files.add_output("hard"); }, ThrowsMessage<Error>(HasSubstr("the input a")));
 }
 
+TEST_F(FilesTest, AFileOfASeriesIsKnownUnderAnyName) {
+  std::ofstream("flow-0000010.hdf") << "old";
+  fs::create_hard_link("flow-0000010.hdf", "linked.hdf");
+  fs::create_symlink("flow-0000010.hdf", "points.hdf");
+
+  for (const auto* name : {"linked.hdf", "points.hdf", "./flow-0000010.hdf"}) {
+    Files outputs, inputs;
+    outputs.add_series(series("flow", 7));
+    inputs.add_input(name);
+    EXPECT_THAT([&] { outputs.add_output(name); }, ThrowsMessage<Error>(HasSubstr("flow-0000010.hdf"))) << name;
+    EXPECT_THAT([&] { inputs.add_series(series("flow", 7)); }, ThrowsMessage<Error>(HasSubstr("flow-0000010.hdf")))
+        << name;
+  }
+  EXPECT_TRUE(is_file_of(series("flow", 7), "flow-0000010.hdf"));
+  for (const auto* name : {"flow-10.hdf", "flow-0000010.vtu", "low-0000010.hdf", "flow-0000010"})
+    EXPECT_FALSE(is_file_of(series("flow", 7), name)) << name;
+}
+
 TEST_F(FilesTest, AFolderThatIsReplacedHoldsNothingElse) {
   for (const auto* path : {"folder/x", "other/inner/x", "folder/inner/../x", "folder"}) {
     EXPECT_THAT(

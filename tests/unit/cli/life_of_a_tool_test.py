@@ -148,6 +148,50 @@ class LifeOfATool(unittest.TestCase):
         result = run(1, "--json", "/dev/full")
         self.assert_error_once(result, 2, "/dev/full", "written")
 
+    def test_what_is_printed_has_to_arrive(self):
+        for arguments in ([], ["--help"], ["--version"], ["--how", "gate"], ["--json", "-"]):
+            with open("/dev/full", "w", encoding="ascii") as full:
+                result = subprocess.run([PROBE] + arguments, stdout=full, stderr=subprocess.PIPE, text=True, timeout=300)
+            self.assertEqual(result.returncode, 2, arguments)
+            self.assertRegex(result.stderr.splitlines()[-1], "^pamr-probe: error: standard output: .* written")
+        with open("/dev/full", "w", encoding="ascii") as full:
+            self.assertEqual(subprocess.run([PROBE, "--quiet"], stdout=full, timeout=300).returncode, 0)
+        closed = subprocess.run([PROBE], stderr=subprocess.PIPE, preexec_fn=lambda: os.close(1), timeout=300)
+        self.assertEqual((closed.returncode, closed.stderr), (0, b""))  # nobody listens
+
+    def start_two(self, first, second, folder=None):
+        """A job of two ranks that begin differently."""
+        here = ["-wdir", self.folder]
+        launcher = MPIEXEC[:-1]
+        return subprocess.run(launcher + here + ["-n", "1", PROBE] + first + [":"] + (["-wdir", folder] if folder else here) +
+                              ["-n", "1", PROBE] + second, capture_output=True, text=True, timeout=300)
+
+    def test_ranks_have_to_begin_alike(self):
+        os.mkdir(self.path("other"))
+        out = self.path("out")
+        for first, second, words in ((["-o", out], ["-o", out + "2"], ["'" + out + "'", "'" + out + "2' on rank 1"]),
+                                     (["-o", out], ["-o", out, "--force"], ["found none on rank 0 and '--force' on rank 1"]),
+                                     (["--help"], ["-o", out], ["'--help' on rank 0"]),
+                                     (["--nonsense"], ["-o", out], ["'--nonsense' on rank 0"])):
+            self.assert_error_once(self.start_two(first, second), 2, "expected the same arguments", *words)
+        self.assert_error_once(self.start_two(["-o", "out"], ["-o", "out"], self.path("other")), 2, "working folder", "other' on rank 1")
+        self.assertEqual(sorted(os.listdir(self.folder)), ["in put.txt", "other"])
+
+    def test_nothing_changes_the_outcome_when_the_work_is_done(self):
+        warning = "pamr-probe: warning: MPI or another library crashed while the process ended; outputs are complete\n"
+        for ranks in (1, 3):
+            for how, said in (("interrupt-at-end", ""), ("crash-at-end", warning), ("crash-at-exit", warning)):
+                result = run(ranks, self.input, "-o", self.path(f"out-{how}-{ranks}"), "--how", how)
+                self.assertEqual((result.returncode, result.stderr), (0, ranks * said), (ranks, how))
+
+    def test_a_replaced_file_keeps_its_rights(self):
+        for name, mode in (("secret.json", 0o600), ("shared.json", 0o664), ("fixed.json", 0o444)):
+            with open(self.path(name), "w", encoding="ascii"):
+                os.chmod(self.path(name), mode)
+            for ranks in (1, 3):
+                self.assertEqual(run(ranks, self.input, "--json", self.path(name)).returncode, 0)
+                self.assertEqual(os.stat(self.path(name)).st_mode & 0o777, mode)
+
     def test_a_name_that_is_no_utf_8_does_not_break_the_report(self):
         name = os.path.join(os.fsencode(self.folder), b"caf\xe9")
         with open(name, "w"):

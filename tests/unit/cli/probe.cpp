@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <csignal>
+#include <cstdlib>
 #include <ctime>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
@@ -35,6 +36,9 @@ void misbehave(const std::string& how, const pamr::par::Comm& comm) {
   if (how == "failure-on-one") comm.barrier();
   if (how == "memory-on-one") comm.barrier();
 }
+
+/// The signal that MPI_Finalize comes to; 0: none.
+int signal_at_end = 0;
 
 struct sigaction heard_at_once {};
 
@@ -82,12 +86,23 @@ ExitCode work(Session& session, const std::string& input, const std::string& out
     for (int i = 0; i < 60; ++i) line += ", part " + std::to_string(i);
     session.summary(line + "; end");
   }
+  if (how == "crash-at-end") signal_at_end = SIGSEGV;
+  if (how == "interrupt-at-end") signal_at_end = SIGTERM;
+  if (how == "crash-at-exit") std::atexit([] { (void)std::raise(SIGSEGV); });
   if (how == "warn") session.warn("a file named a\nb\x1b");
   session.summary("done on " + std::to_string(session.comm().size()) + " ranks");
   return how == "gate" ? ExitCode::failed : ExitCode::done;
 }
 
 }  // namespace
+
+/// Instead of that of the library, which is called.
+extern "C" int MPI_Finalize() {
+  if (signal_at_end == SIGTERM) (void)std::raise(signal_at_end);
+  const int code = PMPI_Finalize();
+  if (signal_at_end == SIGSEGV) (void)std::raise(signal_at_end);
+  return code;
+}
 
 int main(int argc, char** argv) {
   std::string input, output, how;

@@ -1,0 +1,41 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""How a program with `par::Runtime` ends where an exception is not caught, or leaves it on one rank alone.
+
+Usage: end_of_a_program_test.py PROGRAM MPIEXEC...
+"""
+import subprocess
+import sys
+
+PROGRAM, MPIEXEC = sys.argv[1], sys.argv[2:]
+
+
+def run(ranks, how):
+    launcher = [] if ranks == 1 else MPIEXEC + [str(ranks)]
+    done = subprocess.run(launcher + [PROGRAM, how], capture_output=True, text=True, timeout=120)
+    return done.returncode, [line for line in done.stderr.splitlines() if not line.startswith("[warn] Epoll")]
+
+
+def check(ranks, how, code, *lines):
+    """Each of these lines once, and no others, no stack least of all."""
+    found = run(ranks, how)
+    assert found == (code, list(lines)), f"{how} on {ranks} ranks: expected {(code, list(lines))}, found {found}"
+
+
+def check_starts(ranks, how, code, *starts):
+    """The same of what lines begin with, in any order."""
+    found, said = run(ranks, how)
+    assert found == code and len(said) == len(starts) and all(any(line.startswith(start) for line in said) for start in starts), \
+        f"{how} on {ranks} ranks: expected {code}, {starts}, found {found}, {said}"
+
+
+program = "program"
+for n in (1, 3):
+    check(n, "well", 0)
+    check(n, "error", 2, f"{program}: error: file 'cube.hdf': expected a file, found none")
+    check(n, "other-error", 3, f"{program}: error: uncaught exception: slot 12 of 4")
+check(1, "caught-error", 5, "the program says: file 'cube.hdf': expected a file, found none")
+check(3, "caught-error", 5, *3 * ["the program says: file 'cube.hdf': expected a file, found none"])
+check(3, "error-on-one", 2, f"{program}: error: cell 7: expected a cell (on rank 2)")
+check(3, "memory-on-one", 3, f"{program}: error: out of memory (on rank 2)")
+check_starts(3, "caught-error-on-one", 2, f"{program}: error: rank 2 is left by an exception", "the program says: cell 7: expected a cell")
