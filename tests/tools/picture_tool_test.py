@@ -6,6 +6,7 @@ import pathlib
 import signal
 import stat
 import subprocess
+import sys
 import time
 
 import h5py
@@ -202,6 +203,17 @@ def test_an_interrupt_says_so_and_leaves_nothing():
 
 
 @of_full_level
+def test_a_summary_arrives_or_is_an_error_and_a_replaced_picture_keeps_its_rights():
+    import picture
+    program = f"import sys; sys.path.append({str(pathlib.Path(picture.__file__).parent)!r}); import picture; picture.say('done')"
+    with open("/dev/full", "w", encoding="ascii") as full:
+        done = subprocess.run([sys.executable, "-c", program], stdout=full, stderr=subprocess.PIPE, text=True, timeout=LIMIT)
+    assert done.returncode == 1 and "Refused: standard output: not all that was printed" in done.stderr, done.stderr
+    pathlib.Path("a.png").touch(mode=0o600)
+    picture.write_whole("a.png", b"new")
+    assert pathlib.Path("a.png").read_bytes() == b"new" and stat.S_IMODE(os.stat("a.png").st_mode) == 0o600
+
+
 def test_a_report_goes_into_a_pipe_which_stays():
     coarse, _ = cubes()
     os.mkfifo("pipe")
