@@ -104,10 +104,10 @@ void PartialFolder::take_rights() const {
   const auto give = [&](const fs::path& to, const fs::path& from) {
     const auto rights = rights_of(from);
     if (!rights) return;
-    const int opened = open(to.c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC);
+    const int opened = ::open(to.c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC);
     const bool is_given = opened >= 0 && set_rights(opened, *rights);
     const auto reason = errno;
-    if (opened >= 0) close(opened);
+    if (opened >= 0) ::close(opened);
     errno = reason;
     if (!is_given) fail("cannot give it the rights of what it replaces");
   };

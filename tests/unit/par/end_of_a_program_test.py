@@ -4,6 +4,7 @@
 
 Usage: end_of_a_program_test.py PROGRAM MPIEXEC...
 """
+import concurrent.futures
 import subprocess
 import sys
 
@@ -24,18 +25,22 @@ def check(ranks, how, code, *lines):
 
 def check_starts(ranks, how, code, *starts):
     """The same of what lines begin with, in any order."""
-    found, said = run(ranks, how)
-    assert found == code and len(said) == len(starts) and all(any(line.startswith(start) for line in said) for start in starts), \
-        f"{how} on {ranks} ranks: expected {code}, {starts}, found {found}, {said}"
+    found, lines = run(ranks, how)
+    assert found == code and len(lines) == len(starts) and all(any(line.startswith(start) for line in lines) for start in starts), \
+        f"{how} on {ranks} ranks: expected {code}, {starts}, found {found}, {lines}"
 
 
-program = "program"
-for n in (1, 3):
-    check(n, "well", 0)
-    check(n, "error", 2, f"{program}: error: file 'cube.hdf': expected a file, found none")
-    check(n, "other-error", 3, f"{program}: error: uncaught exception: slot 12 of 4")
-check(1, "caught-error", 5, "the program says: file 'cube.hdf': expected a file, found none")
-check(3, "caught-error", 5, *3 * ["the program says: file 'cube.hdf': expected a file, found none"])
-check(3, "error-on-one", 2, f"{program}: error: cell 7: expected a cell (on rank 2)")
-check(3, "memory-on-one", 3, f"{program}: error: out of memory (on rank 2)")
-check_starts(3, "caught-error-on-one", 2, f"{program}: error: rank 2 is left by an exception", "the program says: cell 7: expected a cell")
+def said(text):
+    return f"program: error: {text}"
+
+
+checks = [(check, n, *what) for n in (1, 3) for what in
+          (("well", 0), ("error", 2, said("file 'cube.hdf': expected a file, found none")),
+           ("other-error", 3, said("uncaught exception: slot 12 of 4")))]
+checks += [(check, 1, "caught-error", 5, "the program says: file 'cube.hdf': expected a file, found none"),
+           (check, 3, "caught-error", 5, *3 * ["the program says: file 'cube.hdf': expected a file, found none"]),
+           (check, 3, "error-on-one", 2, said("cell 7: expected a cell (on rank 2)")),
+           (check, 3, "memory-on-one", 3, said("out of memory (on rank 2)")),
+           (check_starts, 3, "caught-error-on-one", 2, said("rank 2 is left by an exception"), "the program says: cell 7: expected a cell")]
+with concurrent.futures.ThreadPoolExecutor(4) as pool:  # they wait, most of their time
+    list(pool.map(lambda call: call[0](*call[1:]), checks))

@@ -19,7 +19,7 @@ struct GmshWriteOptions {
   GmshVersion version = GmshVersion::v4_1;
   Exact<bool> binary = true;
   Interfaces interfaces = Interfaces::none;
-  Remark remark = {};  ///< told of names that the format cannot have
+  Remark remark = {};  ///< hears of names that the format cannot have
 };
 
 /// Writes nodes, boundary triangles and tetrahedra in Gmsh's format: patches become physical surfaces 1, 2, ... of
