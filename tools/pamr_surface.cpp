@@ -310,13 +310,16 @@ std::string step_of(const Options& options) {
 cli::ExitCode inform(cli::Session& session, const Options& options) {
   surface_mesh::Description found;
   std::vector<std::string> faults;
+  std::string names;
   par::agree(session.comm(), [&] {
     if (!session.comm().is_first()) return;
+    names = geometry::unused_names(options.input);
     found = surface_mesh::describe(geometry::read_soup(options.input), {.feature_angle = options.feature_angle});
     faults = surface_mesh::faults_of(found);
   });
   session.write_report(surface_mesh::to_json(found));
   for (const auto& text : surface_mesh::lines_of(found)) session.summary(text);
+  if (!names.empty()) session.summary(names);
   for (const auto& text : faults) session.warn(options.input + ": " + text);
   return session.comm().any(!faults.empty()) ? cli::ExitCode::failed : cli::ExitCode::done;
 }

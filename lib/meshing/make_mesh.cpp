@@ -18,8 +18,10 @@
 #include "pamr/assemble/kuhn_cube.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/base/index.hpp"
+#include "pamr/geometry/box.hpp"
 #include "pamr/geometry/tet_shape.hpp"
 #include "pamr/geometry/triangulated/self_intersection.hpp"
+#include "pamr/geometry/triangulated/shells.hpp"
 #include "pamr/validate/validate.hpp"
 
 namespace pamr::meshing {
@@ -107,6 +109,16 @@ RawMesh mesh_here(const MeshCase& mesh_case, const Domain& domain, const Listene
   }
 }
 
+/// Refuses triangulated surfaces that have no inside within the bounds; warns of those that cut themselves elsewhere.
+void require_insides(const MeshCase& mesh_case, const Listener& listener) {
+  if (!mesh_case.combination.surfaces) return;
+  const geometry::Box bounds{mesh_case.combination.low, mesh_case.combination.high};
+  for (const auto& surface : mesh_case.combination.surfaces->triangulations) {
+    if (const auto fault = geometry::lacks_inside(*surface, bounds)) throw Error(mesh_case.where + ": " + *fault);
+    if (const auto warning = geometry::self_intersection_warning(*surface); !warning.empty()) listener.warn(warning);
+  }
+}
+
 /// The mesh in canonical blocks, without wall ears, valid.
 LevelZero finished(const par::Comm& comm, mesh::BlockMesh block) {
   const auto destination = block_destinations(comm, block);
@@ -122,10 +134,8 @@ LevelZero finished(const par::Comm& comm, mesh::BlockMesh block) {
 LevelZero make_mesh(const par::Comm& comm, const MeshCase& mesh_case, const Listener& listener) {
   Domain domain;
   par::agree(comm, [&] {
+    if (comm.is_first()) require_insides(mesh_case, listener);
     domain = domain_of(mesh_case);
-    if (!comm.is_first()) return;
-    for (const auto& surface : domain.surfaces->triangulations)
-      if (const auto warning = geometry::self_intersection_warning(*surface); !warning.empty()) listener.warn(warning);
   });
   RawMesh raw;
   par::agree(comm, [&] {

@@ -13,7 +13,8 @@
 #include "pamr/geometry/box.hpp"
 #include "pamr/geometry/triangulated/check_triangulation.hpp"
 #include "pamr/geometry/triangulated/edge_table.hpp"
-#include "surface_mesh/groups.hpp"
+#include "pamr/geometry/triangulated/groups.hpp"
+#include "pamr/geometry/triangulated/shells.hpp"
 #include "surface_mesh/half_edges.hpp"
 #include "surface_mesh/triangle_shape.hpp"
 
@@ -23,74 +24,6 @@ namespace {
 
 using geometry::Triangulation;
 using geometry::Vec3;
-
-/// Triangles that hang together over edges.
-struct Pieces {
-  std::vector<int> piece;  ///< of each triangle
-  std::vector<double> area, volume;
-  std::vector<char> is_closed;
-  std::vector<geometry::Box> box;
-};
-
-Pieces pieces_of(const Triangulation& surface) {
-  Pieces result;
-  const auto n = surface.triangles.size();
-  Groups groups(n);
-  std::vector<char> has_open_edge(n, 0);
-  geometry::EdgeTable(surface).for_each_edge([&](std::span<const geometry::Side> sides) {
-    if (sides.size() == 1) has_open_edge[at(sides[0].triangle)] = 1;
-    for (std::size_t i = 1; i < sides.size(); ++i) groups.join(sides[0].triangle, sides[i].triangle);
-  });
-  std::vector<int> number(n, -1);
-  for (std::size_t t = 0; t < n; ++t) {
-    auto& piece = number[at(groups.of(static_cast<int>(t)))];
-    const auto p = corners_of(surface, t);
-    if (piece < 0) {
-      piece = static_cast<int>(result.area.size());
-      result.area.push_back(0);
-      result.volume.push_back(0);
-      result.is_closed.push_back(1);
-      result.box.emplace_back();
-    }
-    result.piece.push_back(piece);
-    const auto i = at(piece);
-    const Vec3 twice = cross(p[1] - p[0], p[2] - p[0]);
-    result.area[i] += 0.5 * norm(twice);
-    result.volume[i] += dot(p[0] - surface.points.front(), twice) / 6;
-    if (has_open_edge[t] != 0) result.is_closed[i] = 0;
-    result.box[i].merge(geometry::box_of(p));
-  }
-  return result;
-}
-
-/// The angle in space under which a triangle is seen, positive from its back.
-/// Source: A. van Oosterom, J. Strackee, The solid angle of a plane triangle, 1983.
-double solid_angle(const std::array<Vec3, 3>& p, Vec3 from) {
-  const Vec3 a = p[0] - from, b = p[1] - from, c = p[2] - from;
-  const double la = norm(a), lb = norm(b), lc = norm(c);
-  return 2 * std::atan2(dot(a, cross(b, c)), la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb);
-}
-
-/// In how many other closed pieces each piece lies.
-std::vector<int> depths_of(const Triangulation& surface, const Pieces& pieces) {
-  const auto n = pieces.area.size();
-  std::vector<int> depth(n, 0);
-  if (n == 1) return depth;
-  std::vector<std::vector<std::size_t>> triangles(n);
-  for (std::size_t t = 0; t < surface.triangles.size(); ++t) triangles[at(pieces.piece[t])].push_back(t);
-  for (std::size_t i = 0; i < n; ++i) {
-    if (pieces.is_closed[i] == 0) continue;
-    const auto p = corners_of(surface, triangles[i].front());
-    const Vec3 seen_from = (1.0 / 3) * (p[0] + p[1] + p[2]);
-    for (std::size_t j = 0; j < n; ++j) {
-      if (j == i || pieces.is_closed[j] == 0 || !pieces.box[j].contains(seen_from)) continue;
-      double angle = 0;
-      for (const auto t : triangles[j]) angle += solid_angle(corners_of(surface, t), seen_from);
-      if (std::abs(angle) > 2 * std::numbers::pi) ++depth[i];
-    }
-  }
-  return depth;
-}
 
 /// Collapses or flips one flat triangle away; false if neither is possible.
 bool mend_one(HalfEdges& mesh, HalfEdges::FaceHandle f, MendedFlat& done) {
@@ -130,7 +63,7 @@ std::int64_t weld(Triangulation& surface, double distance) {
   std::sort(order.begin(), order.end(), [&](int a, int b) {
     return point(a) == point(b) ? a < b : geometry::lexicographically_less(point(a), point(b));
   });
-  Groups groups(order.size());
+  geometry::Groups groups(order.size());
   for (std::size_t i = 0; i < order.size(); ++i)
     for (auto j = i + 1; j < order.size() && point(order[j]).x - point(order[i]).x <= distance; ++j)
       if (norm(point(order[j]) - point(order[i])) <= distance) groups.join(order[i], order[j]);
@@ -167,35 +100,36 @@ std::int64_t drop_duplicates(Triangulation& surface) {
 DroppedShells drop_small_shells(Triangulation& surface, double min_area) {
   constexpr double small_open_part = 0.01;
   if (surface.triangles.empty()) return {};
-  const auto pieces = pieces_of(surface);
-  const double total = std::accumulate(pieces.area.begin(), pieces.area.end(), 0.0);
+  const auto shells = geometry::find_shells(surface);
+  double total = 0;
+  for (const auto& shell : shells.shell) total += shell.area;
   std::vector<char> goes;
   DroppedShells done;
-  for (std::size_t i = 0; i < pieces.area.size(); ++i) {
-    const bool is_small =
-        pieces.area[i] < min_area || (pieces.is_closed[i] == 0 && pieces.area[i] < small_open_part * total);
+  for (const auto& shell : shells.shell) {
+    const bool is_small = shell.area < min_area || (!shell.is_closed && shell.area < small_open_part * total);
     goes.push_back(is_small ? 1 : 0);
     if (is_small) ++done.n_shells;
   }
   std::size_t t = 0;
   done.n_triangles = static_cast<std::int64_t>(
-      std::erase_if(surface.triangles, [&](const auto&) { return goes[at(pieces.piece[t++])] != 0; }));
+      std::erase_if(surface.triangles, [&](const auto&) { return goes[at(shells.of_triangle[t++])] != 0; }));
   if (done.n_triangles > 0) geometry::drop_unused_points(surface);
   return done;
 }
 
-std::int64_t turn_outwards(Triangulation& surface) {
-  if (surface.triangles.empty()) return 0;
-  const auto pieces = pieces_of(surface);
-  const auto depth = depths_of(surface, pieces);
-  std::vector<char> turns;
-  for (std::size_t i = 0; i < pieces.area.size(); ++i) {
-    const bool is_cavity = depth[i] % 2 == 1;
-    turns.push_back(pieces.is_closed[i] != 0 && (is_cavity ? pieces.volume[i] > 0 : pieces.volume[i] < 0) ? 1 : 0);
+TurnedShells turn_shells(Triangulation& surface) {
+  TurnedShells done;
+  if (surface.triangles.empty()) return done;
+  auto shells = geometry::find_shells(surface);
+  geometry::nest_shells(surface, shells);
+  std::vector<char> turns(shells.shell.size(), 0);
+  for (const int i : geometry::turned_shells(shells)) {
+    turns[at(i)] = 1;
+    ++(shells.shell[at(i)].depth % 2 == 1 ? done.n_inwards : done.n_outwards);
   }
   for (std::size_t t = 0; t < surface.triangles.size(); ++t)
-    if (turns[at(pieces.piece[t])] != 0) std::swap(surface.triangles[t][1], surface.triangles[t][2]);
-  return std::count(turns.begin(), turns.end(), char{1});
+    if (turns[at(shells.of_triangle[t])] != 0) std::swap(surface.triangles[t][1], surface.triangles[t][2]);
+  return done;
 }
 
 MendedFlat mend_flat(Triangulation& surface) {

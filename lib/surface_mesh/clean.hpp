@@ -25,10 +25,13 @@ struct DroppedShells {
 /// Takes out shells with an area below `min_area`, and open ones below 1 % of the area of all. Pre: a manifold.
 DroppedShells drop_small_shells(geometry::Triangulation& surface, double min_area);
 
-/// Turns closed shells inside out that are seen from the wrong side: outer ones from inside, cavities from outside. A
-/// cavity is a shell inside of an odd number of other closed shells. Returns how many. Pre: a manifold of one
-/// orientation.
-std::int64_t turn_outwards(geometry::Triangulation& surface);
+struct TurnedShells {
+  std::int64_t n_outwards = 0, n_inwards = 0;
+};
+/// Turns closed shells inside out that are seen from the wrong side: a shell in no other one, or in an even number, is
+/// to face outwards, one in an odd number is a cavity and is to face inwards. Shells that touch or cut others are left
+/// as they are. Pre: a manifold of one orientation without triangles that have no area.
+TurnedShells turn_shells(geometry::Triangulation& surface);
 
 struct MendedFlat {
   std::int64_t n_collapsed = 0, n_flipped = 0, n_left = 0;

@@ -15,9 +15,10 @@
 #include "pamr/geometry/parameters.hpp"
 #include "pamr/geometry/triangulated/crease.hpp"
 #include "pamr/geometry/triangulated/edge_table.hpp"
+#include "pamr/geometry/triangulated/groups.hpp"
 #include "pamr/geometry/triangulated/self_intersection.hpp"
+#include "pamr/geometry/triangulated/shells.hpp"
 #include "pamr/geometry/triangulated/triangulated_curve.hpp"
-#include "surface_mesh/groups.hpp"
 #include "surface_mesh/triangle_shape.hpp"
 
 namespace pamr::surface_mesh {
@@ -138,7 +139,7 @@ class Describer {
     if (whole.triangles.empty()) return;
     const geometry::EdgeTable edges(whole);
     const auto n = whole.triangles.size();
-    Groups shells(n), fans(3 * n);
+    geometry::Groups fans(3 * n);
     const auto corner = [](const geometry::Side& side, bool at_low) {
       return 3 * side.triangle + (side.upwards == at_low ? side.edge : (side.edge + 1) % 3);
     };
@@ -154,7 +155,6 @@ class Describer {
       longest = std::max(longest, length);
       ++n_edges;
       for (std::size_t i = 1; i < sides.size(); ++i) {
-        shells.join(sides[0].triangle, sides[i].triangle);
         fans.join(corner(sides[0], true), corner(sides[i], true));
         fans.join(corner(sides[0], false), corner(sides[i], false));
       }
@@ -172,7 +172,7 @@ class Describer {
     result_.mean_edge = sum / static_cast<double>(n_edges);
     count_fans(whole, fans);
     join_loops(whole, open, fans);
-    list_shells(whole, open, shells);
+    list_shells(whole);
   }
 
   Vec3 normal_of(const Triangulation& whole, int t) const {
@@ -180,7 +180,7 @@ class Describer {
     return cross(point(b) - point(a), point(c) - point(a));
   }
 
-  void count_fans(const Triangulation& whole, Groups& fans) {
+  void count_fans(const Triangulation& whole, geometry::Groups& fans) {
     std::vector<int> fan_of(surface_.points.size(), -1);
     std::vector<char> is_counted(surface_.points.size(), 0);
     for (int c = 0; c < std::ssize(whole.triangles) * 3; ++c) {
@@ -193,7 +193,7 @@ class Describer {
   }
 
   /// Open edges hang together where they meet in one fan of triangles: two holes that touch in a point are two.
-  void join_loops(const Triangulation& whole, const std::vector<geometry::Side>& open, Groups& fans) {
+  void join_loops(const Triangulation& whole, const std::vector<geometry::Side>& open, geometry::Groups& fans) {
     std::vector<std::array<int, 2>> ends;
     std::vector<int> used;
     for (const auto& side : open) {
@@ -205,7 +205,7 @@ class Describer {
     const auto index = [&](int fan) {
       return static_cast<int>(std::lower_bound(used.begin(), used.end(), fan) - used.begin());
     };
-    Groups together(used.size());
+    geometry::Groups together(used.size());
     for (const auto& [a, b] : ends) together.join(index(a), index(b));
     std::vector<int> loop_of(used.size(), -1);
     std::vector<geometry::Box> boxes;
@@ -230,25 +230,17 @@ class Describer {
     (void)whole;
   }
 
-  void list_shells(const Triangulation& whole, const std::vector<geometry::Side>& open, Groups& shells) {
-    std::vector<int> number(whole.triangles.size(), -1);
-    const Vec3 origin = result_.box.center();
-    for (int t = 0; t < std::ssize(whole.triangles); ++t) {
-      auto& shell_number = number[at(shells.of(t))];
-      const auto& [a, b, c] = whole.triangles[at(t)];
-      if (shell_number < 0) {
-        shell_number = static_cast<int>(result_.shells.size());
-        result_.shells.push_back({0, 0, 0, true, point(a)});
-      }
-      auto& shell = result_.shells[at(shell_number)];
-      ++shell.n_triangles;
-      const Vec3 twice = cross(point(b) - point(a), point(c) - point(a));
-      shell.area += 0.5 * norm(twice);
-      shell.volume += dot(point(a) - origin, twice) / 6;
+  void list_shells(const Triangulation& whole) {
+    auto shells = geometry::find_shells(whole);
+    if (options_.find_self_intersections && result_.is_surface()) {
+      geometry::nest_shells(whole, shells);
+      for (const auto& contact : shells.contact) note(result_.shell_contacts, contact.where);
+      if (shells.shell.size() > 1)
+        for (const int i : geometry::turned_shells(shells)) note(result_.turned_shells, shells.shell[at(i)].where);
     }
-    for (const auto& side : open) result_.shells[at(number[at(shells.of(side.triangle))])].is_closed = false;
+    result_.shells = std::move(shells.shell);
     std::stable_sort(result_.shells.begin(), result_.shells.end(),
-                     [](const Shell& a, const Shell& b) { return a.area > b.area; });
+                     [](const auto& a, const auto& b) { return a.area > b.area; });
   }
 
   void find_deviation() {
@@ -301,7 +293,8 @@ bool Description::is_surface() const {
 }
 
 bool Description::is_body() const {
-  return is_surface() && is_closed() && volume > 0 && self_intersections && self_intersections->count == 0;
+  return is_surface() && is_closed() && volume > 0 && self_intersections && self_intersections->count == 0 &&
+         turned_shells.count == 0;
 }
 
 Description describe(const geometry::Triangulation& surface, const DescribeOptions& options) {
@@ -329,11 +322,15 @@ std::vector<std::string> faults_of(const Description& d) {
                                  d.loops.size() == 1 ? "hole" : "holes", d.loops.front().size,
                                  geometry::decimal(d.loops.front().where)));
   if (d.self_intersections && d.self_intersections->count > 0)
-    faults.push_back(fmt::format("{}{} {} of triangles that cut each other, the first near {}",
+    faults.push_back(fmt::format("{}{} {} of triangles that touch or cut each other, the first near {}",
                                  d.self_intersections->count, d.has_more_self_intersections ? " or more" : "",
                                  d.self_intersections->count == 1 ? "pair" : "pairs",
                                  geometry::decimal(d.self_intersections->where)));
-  if (d.is_surface() && d.is_closed() && !(d.volume > 0))
+  add(d.shell_contacts, "pair of shells that touch or cut each other: what is inside is not defined there",
+      "pairs of shells that touch or cut each other: what is inside is not defined there");
+  add(d.turned_shells, "shell seen from the wrong side: those inside of another one face inwards, the others outwards",
+      "shells seen from the wrong side: those inside of another one face inwards, the others outwards");
+  if (d.is_surface() && d.is_closed() && d.turned_shells.count == 0 && !(d.volume > 0))
     faults.push_back(fmt::format("volume {:.6g}: the triangles are seen from inside", d.volume));
   return faults;
 }

@@ -8,6 +8,7 @@
 
 #include "pamr/base/exact.hpp"
 #include "pamr/geometry/box.hpp"
+#include "pamr/geometry/triangulated/shells.hpp"
 #include "pamr/geometry/triangulated/triangulation.hpp"
 
 namespace pamr::surface_mesh {
@@ -23,15 +24,6 @@ struct Loop {
   std::int64_t n_edges = 0;
   double length = 0;
   double size = 0;       ///< diagonal of its box
-  geometry::Vec3 where;  ///< one of its points
-};
-
-/// Triangles that hang together over edges.
-struct Shell {
-  std::int64_t n_triangles = 0;
-  double area = 0;
-  double volume = 0;  ///< signed: negative where a closed shell is seen from inside
-  bool is_closed = false;
   geometry::Vec3 where;  ///< one of its points
 };
 
@@ -58,7 +50,10 @@ struct Description {
   Found non_manifold_points;  ///< several fans of triangles
   Found turned_edges;         ///< two triangles that run along it in the same sense: one of them is turned over
   std::vector<Loop> loops;    ///< largest first
-  std::vector<Shell> shells;  ///< largest area first
+  /// Largest area first. How they lie to one another is found together with `self_intersections`.
+  std::vector<geometry::Shell> shells;
+  Found turned_shells;   ///< closed ones seen from the wrong side (`geometry::turned_shells`), if there are several
+  Found shell_contacts;  ///< pairs of shells that touch or cut each other
   /// Pairs of triangles, and whether there are more than were counted; nothing if not looked for (not a manifold).
   std::optional<Found> self_intersections;
   bool has_more_self_intersections = false;
@@ -73,7 +68,8 @@ struct Description {
   bool is_closed() const { return open_edges.count == 0; }
   /// Whether the triangles are one that `require_valid` of the geometry accepts, closed or not.
   bool is_surface() const;
-  /// Whether `pamr-mesh` takes it for the surface of a body: valid, closed, not cutting itself, positive volume.
+  /// Whether `pamr-mesh` takes it for the surface of a body: valid, closed, not cutting itself, positive volume, shells
+  /// inside of others seen from inside and outside in turn.
   bool is_body() const;
 };
 

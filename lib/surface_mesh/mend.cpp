@@ -16,8 +16,8 @@
 #include <vector>
 
 #include "pamr/geometry/triangulated/edge_table.hpp"
+#include "pamr/geometry/triangulated/groups.hpp"
 #include "surface_mesh/cgal_mesh.hpp"
-#include "surface_mesh/groups.hpp"
 
 namespace pamr::surface_mesh {
 
@@ -44,7 +44,7 @@ struct Listener : PMP::Default_orientation_visitor {
 
 /// Turns pieces back of which the larger area was turned over.
 void keep_larger_part(Triangulation& surface, std::vector<char>& is_turned) {
-  Groups pieces(surface.triangles.size());
+  geometry::Groups pieces(surface.triangles.size());
   geometry::EdgeTable(surface).for_each_edge([&](std::span<const geometry::Side> sides) {
     if (sides.size() == 2) pieces.join(sides[0].triangle, sides[1].triangle);
   });

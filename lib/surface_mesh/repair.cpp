@@ -24,7 +24,7 @@ Repaired repair(geometry::Triangulation surface, const RepairOptions& options) {
   done.flat = mend_flat(surface);
   done.holes = close_holes(surface, done.max_hole);
   if (options.resolve_intersections && done.flat.n_left == 0) done.intersections = resolve_intersections(surface);
-  done.n_turned_shells = turn_outwards(surface);
+  if (done.flat.n_left == 0) done.turned = turn_shells(surface);
   done.left = describe(surface, {.feature_angle = options.feature_angle});
   done.surface = std::move(surface);
   return done;
@@ -55,7 +55,8 @@ std::vector<std::string> steps_of(const Repaired& r) {
       fmt::format("triangles replaced where some cut each other: {} by {} (pairs before: {}, left: {})",
                   r.intersections.n_removed, r.intersections.n_added, r.intersections.n_pairs,
                   r.intersections.n_pairs_left));
-  add(r.n_turned_shells, fmt::format("shells turned outwards: {}", r.n_turned_shells));
+  add(r.turned.n_outwards, fmt::format("shells turned outwards: {}", r.turned.n_outwards));
+  add(r.turned.n_inwards, fmt::format("shells inside of others turned inwards: {}", r.turned.n_inwards));
   return steps;
 }
 

@@ -34,7 +34,7 @@ struct Repaired {
   ClosedHoles holes;
   MendedFlat flat;
   Resolved intersections;
-  std::int64_t n_turned_shells = 0;
+  TurnedShells turned;
   Description left;  ///< of the result
 
   bool has_changed() const;

@@ -60,6 +60,8 @@ json to_json(const Description& d) {
                       {"area", d.shells[i].area},
                       {"volume", d.shells[i].volume},
                       {"closed", d.shells[i].is_closed},
+                      {"apart", d.shells[i].is_apart},
+                      {"inside_of", d.shells[i].depth},
                       {"where", to_json(d.shells[i].where)}});
   result["self_intersections"] = nullptr;
   if (d.self_intersections) result["self_intersections"] = to_json(*d.self_intersections);
@@ -96,7 +98,8 @@ json to_json(const Repaired& r) {
         {"pairs_left", r.intersections.n_pairs_left},
         {"removed_triangles", r.intersections.n_removed},
         {"added_triangles", r.intersections.n_added}}},
-      {"turned_shells", r.n_turned_shells},
+      {"turned_shells", r.turned.n_outwards + r.turned.n_inwards},
+      {"shells_turned_inwards", r.turned.n_inwards},
       {"steps", steps_of(r)}};
 }
 

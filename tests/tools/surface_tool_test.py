@@ -88,6 +88,69 @@ def test_a_repaired_body_is_what_pamr_mesh_takes():
     assert run("pamr-quality", "body.hdf", "--json", "-").json["valid"]
 
 
+def boxes(name, *boxes_of):
+    """Boxes from LOW to HIGH, those with a third entry seen from inside."""
+    points, triangles = [], []
+    for low, high, *turned in boxes_of:
+        n = len(points)
+        points += [(x, y, z) for z in (low[2], high[2]) for x, y in ((high[0], high[1]), (low[0], high[1]), (low[0], low[1]), (high[0], low[1]))]
+        sides = [(0, 2, 1), (0, 3, 2), (4, 5, 6), (4, 6, 7)]
+        for i, j in ((0, 1), (1, 2), (2, 3), (3, 0)):
+            sides += [(i, j, 4 + j), (i, 4 + j, 4 + i)]
+        triangles += [tuple(n + i for i in (t[::-1] if turned else t)) for t in sides]
+    write_off(name, points, triangles)
+    return name
+
+
+UNIT, INNER = ((0, 0, 0), (1, 1, 1)), ((.25, .25, .25), (.75, .75, .75))
+
+
+def mesh_case(surface, far=0.6):
+    pathlib.Path("case.toml").write_text(
+        '[mesh]\nshape = "surfaces"\nlength_unit = "1"\nregion = "-body"\nbounds = [[-1, -1, -1], [4, 2, 2]]\n'
+        f'[mesh.sizes]\nfar = {far}\n[[surface]]\nname = "body"\nkind = "triangulation"\nfile = "{surface}"\n')
+    return "case.toml"
+
+
+def test_a_box_in_a_box_is_no_body_until_the_inner_one_is_a_cavity():
+    result = run("pamr-surface", "info", boxes("nest.off", UNIT, INNER), "--json", "info.json", code=1)
+    report = json.loads(pathlib.Path("info.json").read_text())
+    assert not report["body"] and report["valid"] and [s["inside_of"] for s in report["shells"]] == [0, 1]
+    assert "1 shell seen from the wrong side" in result.err and "[0.75, 0.75, 0.25]" in result.err, result.err
+    refuses("pamr-mesh", mesh_case("nest.off"), "-o", "no.hdf", creates="no.hdf",
+            says=['surface "body"', "lies inside of another and faces outwards", "[0.75, 0.75, 0.25]", "pamr-surface repair"])
+    out = run("pamr-surface", "repair", "nest.off", "-o", "hollow.off")
+    assert "shells inside of others turned inwards: 1" in out.out and "outwards" not in out.out, out.out
+    assert run("pamr-surface", "info", "hollow.off", "--json", "-").json["body"]
+    run("pamr-mesh", mesh_case("hollow.off"), "-o", "hollow.hdf")
+    assert abs(run("pamr-quality", "hollow.hdf", "--json", "-").json["volume"] - 0.875) < 1e-12
+
+
+def test_bodies_that_touch_or_cut_are_left_alone_and_refused_by_name_and_place():
+    for name, other in (("outside", ((1, .25, .25), (1.5, .75, .75))), ("inside", ((.5, .25, .25), (1, .75, .75))),
+                        ("edge", ((1, 1, .25), (1.5, 1.5, .75))), ("across", ((.75, .25, .25), (1.25, .75, .75)))):
+        boxes(f"{name}.off", UNIT, other)
+        result = run("pamr-surface", "repair", f"{name}.off", "-o", f"{name}2.off", "--json", f"{name}.json", code=1)
+        report = json.loads(pathlib.Path(f"{name}.json").read_text())
+        assert report["turned_shells"] == 0 and abs(report["left"]["volume"] - 1.125) < 1e-14, name
+        assert "1 pair of shells that touch or cut each other" in result.err, result.err
+        refuses("pamr-mesh", mesh_case(f"{name}2.off"), "-o", "no.hdf", creates="no.hdf",
+                says=['surface "body"', "touches or cuts", "12 triangles at [1, 1, 0]", "near ["])
+    boxes("two.off", UNIT, ((2, 0, 0), (3, 1, 1), "turned"))
+    refuses("pamr-mesh", mesh_case("two.off"), "-o", "no.hdf", says=['surface "body"', "faces inwards and lies in no other", "[2, 1, 0]"])
+
+
+def test_quads_and_text_of_cad_programs_are_read():
+    pathlib.Path("box.obj").write_text("".join(f"v {x} {y} {z}\n" for z in (0, 1) for x, y in ((0, 0), (1, 0), (1, 1), (0, 1)))
+                                       + "f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n")
+    report = run("pamr-surface", "info", "box.obj", "--json", "-").json
+    assert report["body"] and report["triangles"] == 12 and report["volume"] == 1
+    write_stl("ball.stl", *icosphere(1))
+    text = pathlib.Path("ball.stl").read_text()
+    pathlib.Path("two.stl").write_text(text.replace("solid body", "solid hull").replace("endsolid hull", "endsolid hull\nsolid lid\nendsolid"))
+    assert '2 solids ("hull", "lid"): their names are not used yet' in run("pamr-surface", "info", "two.stl").out
+
+
 def test_decimate_keeps_error_number_and_edges():
     points, triangles = can(64)
     write_off("can.off", points, triangles)
@@ -144,8 +207,8 @@ def test_bad_input_is_one_clear_message():
     refuses("pamr-surface", "remesh", "ball.stl", "-o", "x.off", "--size", "-1", says=["--size"], creates="x.off")
     pathlib.Path("cut.stl").write_bytes(pathlib.Path("ball.stl").read_bytes()[:1000])
     refuses("pamr-surface", "repair", "cut.stl", "-o", "x.off", says=["cut.stl"], creates="x.off")
-    pathlib.Path("quad.obj").write_text("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n")
-    refuses("pamr-surface", "info", "quad.obj", says=["quad.obj:5", "four corners"])
+    pathlib.Path("line.obj").write_text("v 0 0 0\nv 1 0 0\nf 1 2\n")
+    refuses("pamr-surface", "info", "line.obj", says=["line.obj:3", "point of a face"])
     run("pamr-surface", "scale", "ball.stl", "-o", "old.off", "--factor", 1)
     refuses("pamr-surface", "scale", "ball.stl", "-o", "old.off", "--factor", 2, says=["--force"])
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "pamr/geometry/triangulated/read_triangulation.hpp"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -13,6 +14,8 @@
 #include "pamr/base/error.hpp"
 #include "pamr/geometry/surface.hpp"
 #include "pamr/geometry/surface_toml.hpp"
+#include "pamr/geometry/triangulated/read_stl.hpp"
+#include "pamr/geometry/triangulated/self_intersection.hpp"
 #include "pamr/geometry/triangulated/triangulated_surface.hpp"
 #include "support/triangulations.hpp"
 
@@ -78,6 +81,78 @@ TEST(SurfaceFile, ReadsPlyOfTheOtherByteOrderWithMoreProperties) {
   }
 
   EXPECT_EQ(parse_triangulation(bytes, "a.ply"), parse_triangulation(tetrahedron, "a.off"));
+}
+
+double volume_of(const Triangulation& surface) {
+  double sum = 0;
+  for (const auto& [a, b, c] : surface.triangles) {
+    const auto p = [&](int i) { return surface.points[static_cast<std::size_t>(i)]; };
+    sum += dot(p(a), cross(p(b), p(c))) / 6;
+  }
+  return sum;
+}
+
+TEST(SurfaceFile, SplitsFacesOfFourCornersAndMore) {
+  // A prism over an L of six corners, which no fan from its first corner fills, and its six sides.
+  const double x[] = {1, 2, 2, 0, 0, 1}, y[] = {1, 1, 2, 2, 0, 0};
+  std::string obj, off = "OFF\n12 8 0\n", faces_obj = "f 6 5 4 3 2 1\nf 7 8 9 10 11 12\n",
+                   faces = "6 5 4 3 2 1 0\n6 6 7 8 9 10 11\n";
+  for (const int z : {0, 1})
+    for (std::size_t i = 0; i < 6; ++i) {
+      const auto point = std::to_string(x[i]) + " " + std::to_string(y[i]) + " " + std::to_string(z) + "\n";
+      obj += "v " + point;
+      off += point;
+    }
+  for (int i = 0; i < 6; ++i) {
+    const int j = (i + 1) % 6;
+    faces += fmt::format("4 {} {} {} {}\n", i, j, 6 + j, 6 + i);
+    faces_obj += fmt::format("f {} {} {} {}\n", i + 1, j + 1, 7 + j, 7 + i);
+  }
+  const auto ply =
+      "ply\nformat ascii 1.0\nelement vertex 12\nproperty double x\nproperty double y\nproperty double z\n"
+      "element face 8\nproperty list uchar int vertex_indices\nend_header\n" +
+      off.substr(off.find('\n', 4) + 1) + faces;
+  const auto surface = parse_triangulation(off + faces, "a.off");
+
+  EXPECT_EQ(surface.triangles.size(), 2U * 4 + 6 * 2);
+  EXPECT_DOUBLE_EQ(volume_of(surface), 3);
+  for (const auto& [a, b, c] : surface.triangles) EXPECT_TRUE(a != b && b != c && c != a);
+  EXPECT_EQ(find_self_intersections(surface).n_pairs, 0);
+  EXPECT_EQ(parse_triangulation(obj + faces_obj, "a.obj"), surface);
+  EXPECT_EQ(parse_triangulation(ply, "a.ply"), surface);
+  EXPECT_THAT(error_of(obj + "f 1 2\n", "a.obj"), HasSubstr("a.obj:13: "));
+  EXPECT_THAT(error_of(replaced(off + faces, "4 0 1 7 6", "2 0 1"), "a.off"), HasSubstr("from 3 to 1000"));
+  EXPECT_THAT(error_of(replaced(ply, "4 0 1 7 6", "2 0 1"), "a.ply"), HasSubstr("3 to 1000 corners"));
+}
+
+TEST(SurfaceFile, SplitsAQuadThatIsNotConvexInside) {
+  const auto dart = parse_soup("OFF\n4 1 0\n0 0 0\n4 0 0\n1 1 0\n0 4 0\n4 0 1 2 3\n", "a.off");
+
+  EXPECT_THAT(dart.triangles, ::testing::SizeIs(2));
+  for (const auto& [a, b, c] : dart.triangles) {
+    const auto p = [&](int i) { return dart.points[static_cast<std::size_t>(i)]; };
+    EXPECT_GT(cross(p(b) - p(a), p(c) - p(a)).z, 0);
+  }
+}
+
+TEST(SurfaceFile, ReadsStlWithoutNormalsAndNamesItsSolids) {
+  const auto text = ::pamr::testing::as_stl_text(::pamr::testing::icosphere(0));
+  const auto read = parse_triangulation(text, "a.stl");
+  std::string none, short_ones;
+  for (std::size_t at = 0; at < text.size();) {
+    const auto end = text.find('\n', at);
+    const auto line = text.substr(at, end - at);
+    const bool is_facet = line.find("facet normal") != std::string::npos;
+    none += (is_facet ? "facet" : line) + "\n";
+    short_ones += (is_facet ? "facet normal 0 1" : line) + "\n";
+    at = end + 1;
+  }
+
+  EXPECT_EQ(parse_triangulation(none, "a.stl"), read);
+  EXPECT_EQ(parse_triangulation(short_ones, "a.stl"), read);
+  EXPECT_THAT(error_of(replaced(text, "outer loop", "0 0 loop"), "a.stl"), HasSubstr("expected \"outer\""));
+  EXPECT_EQ(stl_solids(text).size(), 1U);
+  EXPECT_EQ(stl_solids("solid in let\nendsolid\nsolid\nendsolid\n"), (std::vector<std::string>{"in let", ""}));
 }
 
 TEST(SurfaceFile, RefusesSurfacesThatNoBodyHas) {

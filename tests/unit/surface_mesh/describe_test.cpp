@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <tuple>
 
 #include "support/triangulations.hpp"
 
@@ -92,6 +93,35 @@ TEST(Describe, FindsAPointWhereTwoFansMeet) {
 
   EXPECT_EQ(d.non_manifold_points.count, 1);
   EXPECT_EQ(d.shells.size(), 2U);
+}
+
+TEST(Describe, CallsNestedShellsABodyOnlyIfTheyFaceOutwardsAndInwardsInTurn) {
+  const auto nested = [](bool middle_turned, bool core_turned) {
+    Triangulation all;
+    for (const double radius : {3.0, 2.0, 1.0}) {
+      const auto n = static_cast<int>(all.points.size());
+      const auto ball = testing::icosphere(1);
+      for (const auto p : ball.points) all.points.push_back(radius * p);
+      const bool turned = (radius == 2 && middle_turned) || (radius == 1 && core_turned);
+      for (const auto& [a, b, c] : ball.triangles)
+        all.triangles.push_back(turned ? std::array{a + n, c + n, b + n} : std::array{a + n, b + n, c + n});
+    }
+    return describe(all);
+  };
+
+  const auto sound = nested(true, false);
+
+  EXPECT_TRUE(sound.is_body());
+  EXPECT_EQ(sound.turned_shells.count, 0);
+  ASSERT_EQ(sound.shells.size(), 3U);
+  EXPECT_EQ(sound.shells[1].depth, 1);
+  EXPECT_EQ(sound.shells[2].depth, 2);
+  for (const auto& [middle, core, n_wrong] : {std::tuple(false, false, 1), {true, true, 1}, {false, true, 2}}) {
+    const auto wrong = nested(middle, core);
+    EXPECT_FALSE(wrong.is_body());
+    EXPECT_EQ(wrong.turned_shells.count, n_wrong);
+    EXPECT_EQ(faults_of(wrong).size(), 1U);
+  }
 }
 
 TEST(Describe, TakesNothing) { EXPECT_EQ(faults_of(describe({})), std::vector<std::string>{"no triangles"}); }

@@ -121,10 +121,51 @@ TEST(Repair, TurnsShellsOutwardsAndCavitiesInwards) {
 
   const auto done = repair(body);
 
-  EXPECT_EQ(done.n_turned_shells, 3);
+  EXPECT_EQ(done.turned.n_outwards, 2);
+  EXPECT_EQ(done.turned.n_inwards, 1);
   const double unit = describe(testing::icosphere(2), {.find_deviation = false}).volume;
   EXPECT_NEAR(done.left.volume, unit * (8 - 1 + 0.125), 1e-9);
   EXPECT_TRUE(done.left.is_body());
+}
+
+/// The box from one corner to the other, its first triangles at the side of least x.
+Triangulation box(geometry::Vec3 low, geometry::Vec3 high) {
+  Triangulation result{.name = {},
+                       .points = {},
+                       .triangles = {{0, 6, 2},
+                                     {0, 4, 6},
+                                     {1, 3, 7},
+                                     {1, 7, 5},
+                                     {0, 1, 5},
+                                     {0, 5, 4},
+                                     {2, 7, 3},
+                                     {2, 6, 7},
+                                     {0, 3, 1},
+                                     {0, 2, 3},
+                                     {4, 5, 7},
+                                     {4, 7, 6}}};
+  for (int i = 0; i < 8; ++i)
+    result.points.push_back(
+        {i % 2 == 0 ? low.x : high.x, i / 2 % 2 == 0 ? low.y : high.y, i / 4 == 0 ? low.z : high.z});
+  return result;
+}
+
+TEST(Repair, LeavesShellsThatTouchOthersAsTheyAre) {
+  const auto with = [](const Triangulation& other) {
+    auto two = box({0, 0, 0}, {1, 1, 1});
+    add(two, other);
+    return two;
+  };
+  // Outside at a side, inside at a side, at an edge, across a side; the volumes are summed.
+  for (const auto& other : {box({1, 0.25, 0.25}, {1.5, 0.75, 0.75}), box({0.5, 0.25, 0.25}, {1, 0.75, 0.75}),
+                            box({1, 1, 0.25}, {1.5, 1.5, 0.75}), box({0.75, 0.25, 0.25}, {1.25, 0.75, 0.75})}) {
+    const auto done = repair(with(other));
+
+    EXPECT_EQ(done.turned.n_outwards + done.turned.n_inwards, 0);
+    EXPECT_NEAR(done.left.volume, 1.125, 1e-15);
+    EXPECT_EQ(done.left.shell_contacts.count, 1);
+    EXPECT_FALSE(done.left.is_body());
+  }
 }
 
 TEST(Repair, TakesTrianglesWithoutAreaOut) {

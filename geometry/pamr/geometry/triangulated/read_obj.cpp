@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "pamr/base/error.hpp"
+#include "pamr/geometry/triangulated/polygons.hpp"
 #include "pamr/geometry/triangulated/triangulation_text.hpp"
 
 namespace pamr::geometry {
@@ -34,6 +35,7 @@ int corner_of(const SurfaceText& text, std::string_view word, std::size_t n_poin
 
 Triangulation parse_obj(std::string_view bytes, const std::string& where) {
   Triangulation surface;
+  Polygons faces;
   SurfaceText text(bytes, where, '#');
   while (!text.at_end()) {
     const auto word = text.word_in_line();
@@ -42,15 +44,19 @@ Triangulation parse_obj(std::string_view bytes, const std::string& where) {
       for (double& value : x) value = text.number_of(text.word_in_line(), "coordinate");
       surface.points.push_back({x[0], x[1], x[2]});
     } else if (word == "f") {
-      std::array<int, 3> corner{};
-      for (int& point : corner) point = corner_of(text, text.word_in_line(), surface.points.size());
-      if (!text.word_in_line().empty()) text.fail("expected triangles, found a face of four corners or more");
-      surface.triangles.push_back(corner);
+      int n = 0;
+      for (auto corner = text.word_in_line(); n < Polygons::min_corners || !corner.empty();
+           corner = text.word_in_line()) {
+        if (++n > Polygons::max_corners) text.fail("expected faces of up to 1000 corners, found one of more");
+        faces.add_corner(corner_of(text, corner, surface.points.size()));
+      }
+      faces.end_face();
     } else if (!says_no_shape(word)) {
       text.fail("expected a statement of OBJ (v, f, vn, ...), found another");
     }
     text.skip_line();
   }
+  faces.split(surface);
   return surface;
 }
 
@@ -59,19 +65,21 @@ Triangulation parse_off(std::string_view bytes, const std::string& where) {
   SurfaceText text(bytes, where, '#');
   text.expect("OFF");
   const auto n_points = text.whole("number of points", 0, most);
-  const auto n_triangles = text.whole("number of faces", 0, most);
+  const auto n_faces = text.whole("number of faces", 0, most);
   text.whole("number of edges", 0, std::numeric_limits<std::int64_t>::max());
   for (std::int64_t i = 0; i < n_points; ++i) {
     const double x = text.number("x"), y = text.number("y"), z = text.number("z");
     surface.points.push_back({x, y, z});
   }
-  for (std::int64_t i = 0; i < n_triangles; ++i) {
-    text.whole("corners of a face, which must be a triangle", 3, 3);
-    std::array<int, 3> corner{};
-    for (int& point : corner) point = static_cast<int>(text.whole("point of a face", 0, n_points - 1));
-    surface.triangles.push_back(corner);
+  Polygons faces;
+  for (std::int64_t i = 0; i < n_faces; ++i) {
+    const auto n = text.whole("corners of a face", Polygons::min_corners, Polygons::max_corners);
+    for (std::int64_t k = 0; k < n; ++k)
+      faces.add_corner(static_cast<int>(text.whole("point of a face", 0, n_points - 1)));
+    faces.end_face();
     text.skip_line();  // a color may follow
   }
+  faces.split(surface);
   if (!text.at_end()) text.fail("expected the end of the file after the last face, found more");
   return surface;
 }

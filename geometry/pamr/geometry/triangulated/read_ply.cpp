@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "pamr/base/error.hpp"
+#include "pamr/geometry/triangulated/polygons.hpp"
 #include "pamr/geometry/triangulated/triangulation_text.hpp"
 
 namespace pamr::geometry {
@@ -190,12 +191,11 @@ void require_shape(const Element& element, const std::string& where) {
     throw Error(where + ": expected properties of element " + element.name + ", found none");
 }
 
-void read_element(Body& body, const Element& element, std::int64_t n_points, Triangulation& surface) {
+void read_element(Body& body, const Element& element, std::int64_t n_points, Triangulation& surface, Polygons& faces) {
   const bool is_vertex = element.name == "vertex", is_face = element.name == "face";
   for (std::int64_t i = 0; i < element.count; ++i) {
     const auto what = fmt::format("{} {}", element.name, i);
     Vec3 point;
-    std::array<int, 3> corner{};
     for (const auto& property : element.properties) {
       if (!property.is_list) {
         const double value = body.next(property.type, what);
@@ -205,19 +205,20 @@ void read_element(Body& body, const Element& element, std::int64_t n_points, Tri
         continue;
       }
       const double length = body.next(property.count_type, what);
-      const bool is_triangle = is_face && property.name.starts_with("vertex_ind");
-      if (length < 0 || length != std::floor(length) || (is_triangle && length != 3))
-        body.fail(what + ": expected " + (is_triangle ? "three corners" : "a list") + ", found another length");
+      const bool is_polygon = is_face && property.name.starts_with("vertex_ind");
+      if (length < 0 || length != std::floor(length) ||
+          (is_polygon && (length < Polygons::min_corners || length > Polygons::max_corners)))
+        body.fail(what + ": expected " + (is_polygon ? "3 to 1000 corners" : "a list") + ", found another length");
       for (double k = 0; k < length; ++k) {
         const double value = body.next(property.type, what);
-        if (!is_triangle) continue;
+        if (!is_polygon) continue;
         if (!(value >= 0 && value < static_cast<double>(n_points)) || value != std::floor(value))
           body.fail(fmt::format("{}: expected points from 0 to {}, found another number", what, n_points - 1));
-        corner[static_cast<std::size_t>(k)] = static_cast<int>(value);
+        faces.add_corner(static_cast<int>(value));
       }
     }
     if (is_vertex) surface.points.push_back(point);
-    if (is_face) surface.triangles.push_back(corner);
+    if (is_face) faces.end_face();
   }
 }
 
@@ -235,8 +236,10 @@ Triangulation parse_ply(std::string_view bytes, const std::string& where) {
   if (n_points < 0 || !has_faces) throw Error(where + ": expected the elements vertex and face, found others");
   Body body(bytes.substr(head.body), where, head.is_text, head.swap, head.body_line);
   Triangulation surface;
-  for (const auto& element : head.elements) read_element(body, element, n_points, surface);
+  Polygons faces;
+  for (const auto& element : head.elements) read_element(body, element, n_points, surface, faces);
   if (!body.at_end()) body.fail("expected the end of the file after the last element, found more");
+  faces.split(surface);
   return surface;
 }
 

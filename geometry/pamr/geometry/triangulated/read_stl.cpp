@@ -64,6 +64,15 @@ Triangulation parse_binary(std::string_view bytes, std::int64_t n, const std::st
   return std::move(welder.result);
 }
 
+/// Goes on behind "outer". The normal before it need not be right, nor numbers, nor there.
+void skip_normal(SurfaceText& text) {
+  constexpr int n_numbers = 3;
+  auto word = text.word("\"normal\" or \"outer\"");
+  if (is_same_word(word, "normal"))
+    for (int i = 0; i <= n_numbers && !(i > 0 && is_same_word(word, "outer")); ++i) word = text.word("\"outer\"");
+  if (!is_same_word(word, "outer")) text.fail("expected \"outer\", found another word");
+}
+
 Triangulation parse_ascii(std::string_view bytes, const std::string& where) {
   Welder welder;
   SurfaceText text(bytes, where);
@@ -74,9 +83,7 @@ Triangulation parse_ascii(std::string_view bytes, const std::string& where) {
       const auto word = text.word("\"facet\" or \"endsolid\"");
       if (is_same_word(word, "endsolid")) break;
       if (!is_same_word(word, "facet")) text.fail("expected \"facet\" or \"endsolid\", found another word");
-      text.expect("normal");
-      for (int i = 0; i < 3; ++i) text.word("normal");  // it need not be right, nor a number
-      text.expect("outer");
+      skip_normal(text);
       text.expect("loop");
       std::array<int, 3> corner{};
       for (int& point : corner) {
@@ -93,14 +100,30 @@ Triangulation parse_ascii(std::string_view bytes, const std::string& where) {
   return std::move(welder.result);
 }
 
+bool is_text(std::string_view bytes) {
+  return binary_facets(bytes) < 0 &&
+         bytes.substr(0, bytes.find_first_of("\r\n")).find('\0') == std::string_view::npos &&
+         is_same_word(bytes.substr(0, 5), "solid");
+}
+
 }  // namespace
+
+std::vector<std::string> stl_solids(std::string_view bytes) {
+  std::vector<std::string> names;
+  if (!is_text(bytes)) return names;
+  for (SurfaceText text(bytes, ""); !text.at_end(); text.skip_line()) {
+    if (!is_same_word(text.word_in_line(), "solid")) continue;
+    auto& name = names.emplace_back();
+    for (auto word = text.word_in_line(); !word.empty(); word = text.word_in_line())
+      name += (name.empty() ? "" : " ") + std::string(word);
+  }
+  return names;
+}
 
 Triangulation parse_stl(std::string_view bytes, const std::string& where) {
   // Binary files may begin with "solid" too, so the size decides first.
   if (const auto n = binary_facets(bytes); n >= 0) return parse_binary(bytes, n, where);
-  if (bytes.substr(0, bytes.find_first_of("\r\n")).find('\0') == std::string_view::npos &&
-      is_same_word(bytes.substr(0, 5), "solid"))
-    return parse_ascii(bytes, where);
+  if (is_text(bytes)) return parse_ascii(bytes, where);
   throw Error(
       fmt::format("{}: expected STL, \"solid\" or 84 bytes and 50 for each triangle that they announce, found {} bytes",
                   where, bytes.size()));

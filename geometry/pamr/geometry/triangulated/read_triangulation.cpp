@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <fstream>
@@ -78,6 +79,18 @@ Triangulation parse_soup(std::string_view bytes, const std::string& where) {
         throw Error(fmt::format("{}: triangle {}: expected points from 1 to {}, found {}", where, t + 1, n_points,
                                 std::int64_t{p} + 1));
   return surface;
+}
+
+std::string unused_names(const std::filesystem::path& file) {
+  constexpr std::size_t most = 5;
+  if (surface_format_of(file.string()) != SurfaceFormat::stl) return {};
+  const auto solids = stl_solids(bytes_of(file));
+  if (solids.size() < 2) return {};
+  std::string names;
+  for (std::size_t i = 0; i < std::min(most, solids.size()); ++i)
+    names += fmt::format("{}\"{}\"", i == 0 ? "" : ", ", solids[i]);
+  return fmt::format("the file has {} solids ({}{}): their names are not used yet, all are one surface", solids.size(),
+                     names, solids.size() > most ? ", ..." : "");
 }
 
 }  // namespace pamr::geometry

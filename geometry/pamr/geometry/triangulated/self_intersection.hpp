@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <string>
 
 #include "pamr/base/exact.hpp"
@@ -20,6 +21,14 @@ struct SelfIntersections {
 /// Counts them, exactly, with a tree of boxes. The triangulation must be valid (`require_valid`). Local. About half a
 /// second for 100,000 triangles that do not cut each other.
 SelfIntersections find_self_intersections(const Triangulation& surface, Exact<std::int64_t> most = 1000000);
+
+/// Two triangles that touch or cut each other otherwise than in a common corner or edge.
+struct Cut {
+  int first = 0, second = 0;  ///< triangles
+  Vec3 where;                 ///< the middle of what their boxes have in common
+};
+/// Calls `use` for each of them, in no certain order. Pre: a manifold. Local.
+void for_each_cut(const Triangulation& surface, const std::function<void(const Cut&)>& use);
 
 /// One line that names the surface, says how many pairs there are and where the first one is; empty for none.
 std::string self_intersection_warning(const Triangulation& surface);

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <vector>
 
-namespace pamr::surface_mesh {
+namespace pamr::geometry {
 
 /// Sets of numbers that grow together.
 class Groups {
@@ -18,4 +18,4 @@ class Groups {
   std::vector<int> parent_;
 };
 
-}  // namespace pamr::surface_mesh
+}  // namespace pamr::geometry

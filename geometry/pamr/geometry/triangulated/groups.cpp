@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "surface_mesh/groups.hpp"
+#include "pamr/geometry/triangulated/groups.hpp"
 
 #include <algorithm>
 #include <numeric>
 
 #include "pamr/base/index.hpp"
 
-namespace pamr::surface_mesh {
+namespace pamr::geometry {
 
 Groups::Groups(std::size_t n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), 0); }
 
@@ -24,4 +24,4 @@ void Groups::join(int a, int b) {
   parent_[at(std::max(a, b))] = std::min(a, b);
 }
 
-}  // namespace pamr::surface_mesh
+}  // namespace pamr::geometry
