@@ -96,16 +96,24 @@ cli::ExitCode make_mesh(cli::Session& session, const Options& options) {
   io::write_native(comm, options.output, made.mesh, {.format = options.format});
 
   const auto summary = meshing::summary_of(comm, made.mesh);
-  nlohmann::json patches;
+  nlohmann::json patches, body_volume;
+  std::string volume = fmt::format(", volume {:.6g}", summary.volume);
+  if (made.body_volume > 0) {
+    body_volume = made.body_volume;
+    volume += fmt::format(" of the body's {:.6g} ({:+.1f} %)", made.body_volume,
+                          100 * (summary.volume / made.body_volume - 1));
+  }
   for (std::size_t p = 0; p < info.patches.size(); ++p) patches[info.patches[p].name] = {{"faces", summary.faces[p]}};
   session.write_report({{"cells", info.n_global_cells},
                         {"nodes", info.n_global_nodes},
                         {"min_mean_ratio", summary.min_mean_ratio},
+                        {"volume", summary.volume},
+                        {"body_volume", body_volume},
                         {"patches", patches},
                         {"split_edges", made.split_edges},
                         {"split_faces", made.split_faces}});
-  session.summary(fmt::format("{} cells, {} nodes, smallest mean ratio {:.3f} -> {}", info.n_global_cells,
-                              info.n_global_nodes, summary.min_mean_ratio, options.output));
+  session.summary(fmt::format("{} cells, {} nodes, smallest mean ratio {:.3f}{} -> {}", info.n_global_cells,
+                              info.n_global_nodes, summary.min_mean_ratio, volume, options.output));
   return cli::ExitCode::done;
 }
 

@@ -12,6 +12,7 @@
 #include "pamr/base/error.hpp"
 #include "pamr/base/index.hpp"
 #include "pamr/geometry/cad/read_cad.hpp"
+#include "pamr/geometry/parameters.hpp"
 
 namespace pamr::meshing {
 namespace {
@@ -66,11 +67,45 @@ Polyline polyline_of(const geometry::CadEdge& edge, double sagitta) {
       n_open, where.x, where.y, where.z, face + 1, name.empty() ? "" : " \"" + name + "\""));
 }
 
+std::string label_of(const geometry::CadSolids& solids, int number) {
+  const auto& solid = solids.solid[at(number - 1)];
+  return fmt::format("{}{} (its middle at {})", number, solid.name.empty() ? "" : " \"" + solid.name + "\"",
+                     geometry::decimal(solid.middle));
+}
+
+/// Refuses solids that are not clear of one another, and faces beside solids.
+void require_solids(const geometry::CadSolids& solids) {
+  const auto n = solids.solid.size();
+  if (!solids.contact.empty()) {
+    std::string pairs;
+    for (const auto& c : solids.contact)
+      pairs += fmt::format("{}{} {} {}, at {}", pairs.empty() ? "" : "; ", label_of(solids, c.first),
+                           c.is_nested ? "lies inside of" : "touches or overlaps", label_of(solids, c.second),
+                           geometry::decimal(c.where));
+    throw Error(
+        fmt::format("expected one solid, or solids clear of one another, found {} of which {}: several materials in "
+                    "one mesh are not "
+                    "possible yet; unite the solids, cut the inner one out of the outer one, or export one of them",
+                    n, pairs));
+  }
+  if (n == 0 || solids.loose_face.empty()) return;
+  const auto& face = solids.loose_face.front();
+  const bool is_one = solids.loose_face.size() == 1;
+  throw Error(fmt::format(
+      "expected solids alone, found {} solid{}, and {} face{} that belong{} to none, {}at {} (face {}): take "
+      "{} out of the file",
+      n, n == 1 ? "" : "s", solids.loose_face.size(), is_one ? "" : "s", is_one ? "s" : "", is_one ? "" : "the first ",
+      geometry::decimal(face.where), face.face + 1, is_one ? "it" : "them"));
+}
+
 }  // namespace
 
 CadBody::CadBody(std::shared_ptr<const geometry::CadModel> model, double longest_error)
     : model_(std::move(model)), faces_(model_, all_faces(*model_)) {
-  add_normals(triangles_of(*model_, longest_error));
+  const auto triangles = triangles_of(*model_, longest_error);
+  require_solids(triangles.solids);
+  volume_ = triangles.solids.volume;
+  add_normals(triangles);
   find_tips();
   add_lines(longest_error);
 }

@@ -18,7 +18,7 @@ namespace pamr::meshing {
 class CadBody final : public geometry::Surface, public DividedSurface {
  public:
   /// `longest_error`: how far the triangles may lie off the faces, length units. Throws `Error` for a shape that is not
-  /// closed.
+  /// closed, solids that are not clear of one another, and faces beside solids.
   CadBody(std::shared_ptr<const geometry::CadModel> model, double longest_error);
 
   geometry::Vec3 project(geometry::Vec3 point) const override { return faces_.project(point); }
@@ -38,6 +38,8 @@ class CadBody final : public geometry::Surface, public DividedSurface {
   std::vector<int> pieces_of_line(std::size_t number) const override { return line_[number].face; }
 
   const geometry::CadModel& model() const { return *model_; }
+  /// Of its solids; 0 for a closed shape without solids.
+  double volume() const { return volume_; }
 
   /// A pole at which a face has no normal: the apex of a cone.
   struct Tip {
@@ -62,6 +64,7 @@ class CadBody final : public geometry::Surface, public DividedSurface {
 
   std::shared_ptr<const geometry::CadModel> model_;
   geometry::CadSurface faces_;
+  double volume_ = 0;
   std::vector<Line> line_;
   std::vector<Tip> tip_;
   // of the triangles

@@ -237,6 +237,13 @@ void add_pieces(const std::shared_ptr<const Pieces>& pieces, const Bodies& bodie
   }
 }
 
+/// Volume of the region if it is the inside of one closed body, 0 where that is not known.
+double volume_of(const Solid& solid) {
+  if (solid.n_surfaces() != 1 || !solid.region.contains(0) || solid.region.contains(1)) return 0;
+  if (const auto* body = dynamic_cast<const CadBody*>(&solid.surface(0))) return body->volume();
+  return 0;
+}
+
 double shortest_edge(const Combination& c) {
   double least = c.far;
   for (const auto& [name, size] : c.near) least = std::min(least, size);
@@ -273,6 +280,7 @@ Domain combine(const Combination& c, const std::string& where) {
     return surface < 0 ? Domain::inside : pieces->nearest(surface, p);
   };
   domain.size = size_field(solid, c, where);
+  domain.volume = volume_of(*solid);
   add_pieces(pieces, bodies, c, domain);
   domain.curves = with_place([&] { return trace_feature_curves(solid, pieces, samples); });
   for (auto& crease : pieces->creases()) domain.curves.push_back(std::move(crease));

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <span>
 #include <utility>
 
 #include "meshing/mesh3.hpp"
@@ -22,6 +23,7 @@
 #include "pamr/geometry/tet_shape.hpp"
 #include "pamr/geometry/triangulated/self_intersection.hpp"
 #include "pamr/geometry/triangulated/shells.hpp"
+#include "pamr/par/reproducible_sum.hpp"
 #include "pamr/validate/validate.hpp"
 
 namespace pamr::meshing {
@@ -126,7 +128,7 @@ LevelZero finished(const par::Comm& comm, mesh::BlockMesh block) {
   const auto ears = find_wall_ears(comm, mesh);
   mesh = open_wall_ears(comm, std::move(mesh), ears);
   validate::require_valid(comm, mesh, "the new mesh");
-  return {std::move(mesh), std::ssize(ears.edge), std::ssize(ears.face)};
+  return {.mesh = std::move(mesh), .split_edges = std::ssize(ears.edge), .split_faces = std::ssize(ears.face)};
 }
 
 }  // namespace
@@ -143,7 +145,9 @@ LevelZero make_mesh(const par::Comm& comm, const MeshCase& mesh_case, const List
   });
   auto block = to_block_mesh(comm, domain, raw);
   block.info.provenance = describe(mesh_case);
-  return finished(comm, std::move(block));
+  auto result = finished(comm, std::move(block));
+  result.body_volume = domain.volume;
+  return result;
 }
 
 LevelZero make_kuhn_cube(const par::Comm& comm, int n) {
@@ -155,12 +159,15 @@ LevelZero make_kuhn_cube(const par::Comm& comm, int n) {
 MeshSummary summary_of(const par::Comm& comm, const mesh::DistMesh& mesh) {
   MeshSummary result;
   result.faces.resize(mesh.info.patches.size());
+  par::ExactSum volume;
   for (LocalId c = 0; c < mesh.n_cells(); ++c) {
+    volume.add(geometry::volume(mesh.points(c)));
     result.min_mean_ratio = std::min(result.min_mean_ratio, geometry::mean_ratio(mesh.points(c)));
     for (const auto slot : mesh.cell_to_cell[at(c)])
       if (slot < 0) ++result.faces[at(mesh::slot_to_patch(slot))];
   }
   comm.sum_in_place(result.faces);
+  result.volume = par::reproducible_sums(comm, std::span<par::ExactSum>(&volume, 1)).front();
   result.min_mean_ratio = comm.min(result.min_mean_ratio);
   return result;
 }

@@ -22,6 +22,7 @@ struct Listener {
 /// A mesh of level 0; its wall ears are opened.
 struct LevelZero {
   mesh::DistMesh mesh;
+  double body_volume = 0;                         ///< of the body that was meshed, where that is known
   std::int64_t split_edges = 0, split_faces = 0;  ///< by `open_wall_ears`
 };
 
@@ -36,9 +37,10 @@ LevelZero make_kuhn_cube(const par::Comm& comm, int n);
 /// What a mesh is like; the same on every rank.
 struct MeshSummary {
   double min_mean_ratio = 1;
+  double volume = 0;
   std::vector<std::int64_t> faces;  ///< of each patch
 };
-/// Collective: two reductions.
+/// Collective: three reductions.
 MeshSummary summary_of(const par::Comm& comm, const mesh::DistMesh& mesh);
 
 }  // namespace pamr::meshing

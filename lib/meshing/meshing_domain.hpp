@@ -44,6 +44,7 @@ struct Domain {
   bool curves_in_one_plane = false;  ///< every piece then has points to start from
   std::vector<mesh::Patch> patches;
   geometry::SharedSurfaces surfaces = geometry::no_surfaces();  ///< that the patches lie on
+  double volume = 0;          ///< of the body that it is, where that is known
   std::string length_unit;
   geometry::Vec3 center;  ///< of a ball that holds the domain
   double radius = 0;      ///< of that ball

@@ -2,6 +2,7 @@
 """pamr-mesh makes level 0 from CAD files by itself. data/can.step is a closed can of radius 1 from z = 0 to 2 (face 1 the side, 2
 and 3 top and bottom); data/can.igs is the same as loose faces; data/colored_can.step has a gray side, a red top, a blue bottom;
 data/quarter_can.step is a quarter of a can of radius 10 from z = 0 to 20, data/chamfer_box.brep a box with chamfers, both made by Gmsh."""
+import json
 import pathlib
 import re
 import shutil
@@ -170,6 +171,72 @@ def test_what_does_not_fit_is_said():
     refuses("pamr-mesh", "case.toml", "-o", "a.hdf", says=["faces by number: no face of the shape has one of these names"])
     refuses("pamr-mesh", open_cube(), "-o", "a.hdf", "--size", "0.3", creates="a.hdf",
             says=["expected a closed shape, found one that is open at 4 places", "-setnumber Geometry.OCCSewFaces 1"])
+
+
+def entities(text):
+    """The lines between DATA; and ENDSEC; of a STEP text, and what is before and behind them."""
+    begin, end = text.index("DATA;") + 5, text.rindex("ENDSEC;")
+    return text[:begin], text[begin:end], text[end:]
+
+
+def step(name, *more):
+    """The cube of side 1 as a STEP file with lines behind its last one."""
+    head, lines, rest = entities(CUBE.read_text())
+    pathlib.Path(name).write_text(head + lines + "\n".join(more) + "\n" + rest)
+    return name
+
+
+def box_lines(sides, low, first=10000):
+    """The lines of a box with numbers from `first` on: the cube without its curves in parameters, stretched and moved."""
+    text = re.sub(r"\n\s+", "", entities(CUBE.read_text())[1])
+    line = dict(re.findall(r"(#\d+) = SURFACE_CURVE\('',(#\d+),", text))
+    text = re.sub(r"(EDGE_CURVE\('',#\d+,#\d+,)(#\d+)", lambda m: m[1] + line[m[2]], text)
+    text = re.sub(r"#\d+ = (SURFACE_CURVE|PCURVE|DEFINITIONAL_REPRESENTATION)\([^;]*;\n?", "", text)
+    text = re.sub(r"(#\d+ = CARTESIAN_POINT\('',\()([^,()]+,[^,()]+,[^,()]+)", lambda m: m[0] if m[1].startswith("#12 ") else m[1] + ",".join(
+        repr(float(x) * side + start) for x, side, start in zip(m[2].split(","), sides, low)), text)  # 12: where all is put
+    return re.sub(r"#(\d+)", lambda m: f"#{int(m[1]) + first}", text)
+
+
+def second_cube(low, side=1):
+    return box_lines((side,) * 3, low)
+
+
+def test_only_what_solids_refer_to_may_refuse_a_step_file():
+    color = "#90003=COLOUR_RGB('',1.,0.,0.);"
+    for name, lines in (("marker", ["#90001=POINT_STYLE('',#90002,POSITIVE_LENGTH_MEASURE(3.),#90003);",
+                                    "#90002=PRE_DEFINED_POINT_MARKER_SYMBOL('plus');", color]),
+                        ("curve", ["#90001=CURVE_STYLE('',$,POSITIVE_LENGTH_MEASURE(0.02),#90003);", color]),
+                        ("dangling", ["#90001=CURVE_STYLE('',#99999,POSITIVE_LENGTH_MEASURE(0.02),#90003);", color]),
+                        ("note", ["#90001=DRAUGHTING_CALLOUT('',(#90002));", "#90002=ANNOTATION_TEXT_OCCURRENCE('',(),#90003);",
+                                  "#90003=TEXT_LITERAL('a',#90004,'left',.LEFT.,#90005);"])):
+        report = run("pamr-mesh", step(f"{name}.step", *lines), "-o", "cube.hdf", "--size", "1", "--force", "--json", "-", serial=True).json
+        assert abs(report["volume"] - 1) < 1e-12 and abs(report["body_volume"] - 1) < 1e-9, name
+    sound = CUBE.read_text()
+    for name, old, new in (("vertex", "#22 = VERTEX_POINT('',#23)", "#22 = VERTEX_POINT('',#99999)"),
+                           ("face", "#17 = ADVANCED_FACE('',(#18),#32,.F.)", "#17 = ADVANCED_FACE('',(#18),#23,.F.)")):
+        assert old in sound
+        pathlib.Path(f"{name}.step").write_text(sound.replace(old, new))
+        refuses("pamr-mesh", f"{name}.step", "-o", "a.hdf", "--size", "1", says=[f"{name}.step", "STEP text"], creates="a.hdf")
+
+
+def test_solids_that_are_not_clear_of_one_another_are_named():
+    for name, move, scale, words in (("beside", (1, 0, 0), 1, ["touches or overlaps", "at [1, "]), ("edge", (1, 1, 0), 1, ["touches or overlaps", "at [1, 1, "]),
+                                     ("across", (.5, .25, .25), .5, ["touches or overlaps"]), ("inside", (.25, .25, .25), .5, ["lies inside of", "at [0.5, 0.5, 0.5]"])):
+        refuses("pamr-mesh", step(f"{name}.step", second_cube(move, scale)), "-o", "a.hdf", creates="a.hdf",
+                says=["found 2 of which", "(its middle at [0.5, 0.5, 0.5])", *words])
+    report = run("pamr-mesh", step("clear.step", second_cube((2, 0, 0))), "-o", "a.hdf", "--size", "1", "--json", "-", serial=True).json
+    assert abs(report["volume"] - 2) < 1e-12 and abs(report["body_volume"] - 2) < 1e-9
+
+
+def test_a_face_beside_a_solid_is_named():
+    lines = second_cube((2, 0, 0))
+    lines = re.sub(r"MANIFOLD_SOLID_BREP\('',#10016\)", "SHELL_BASED_SURFACE_MODEL('',(#10016))", lines)
+    lines = re.sub(r"#10016 = CLOSED_SHELL\('',\((#\d+),[^;]*;", r"#10016 = OPEN_SHELL('',(\1));", lines)
+    kept = re.search(r"#10016 = OPEN_SHELL\('',\((#\d+)\)\)", lines)[1]
+    lines = re.sub(r"(#\d+) = ADVANCED_FACE\([^;]*;\n", lambda m: m[0] if m[1] == kept else "", lines)
+    lines = lines.replace("ADVANCED_BREP_SHAPE_REPRESENTATION", "MANIFOLD_SURFACE_SHAPE_REPRESENTATION")
+    refuses("pamr-mesh", step("face.step", lines), "-o", "a.hdf", creates="a.hdf",
+            says=["found 1 solid, and 1 face that belongs to none, at [2, 0.5, 0.5] (face 7)"])
 
 
 def open_cube():

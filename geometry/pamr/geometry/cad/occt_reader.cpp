@@ -34,6 +34,7 @@
 #include "pamr/base/one_line.hpp"
 #include "pamr/geometry/cad/occt_geometry.hpp"
 #include "pamr/geometry/cad/occt_shape.hpp"
+#include "pamr/geometry/cad/occt_solids.hpp"
 #include "pamr/geometry/cad/occt_triangles.hpp"
 
 namespace pamr::geometry {
@@ -194,9 +195,14 @@ CadData read(std::string_view text, double scale) {
 
 CadTriangles triangulated(std::string_view text, double scale, double deflection) {
   return with_occt([&] {
-    const auto shape = read_occt_shape(text).shape;
-    triangulate(shape, deflection);
-    return welded_triangles(shape, scale);
+    const auto read = read_occt_shape(text);
+    auto solids = solids_of(read, scale);
+    if (!solids.contact.empty())
+      return CadTriangles{.point = {}, .corner = {}, .face = {}, .solids = std::move(solids)};
+    triangulate(read.shape, deflection);
+    auto result = welded_triangles(read.shape, scale);
+    result.solids = std::move(solids);
+    return result;
   });
 }
 

@@ -7,12 +7,25 @@
 #include <BRep_Builder.hxx>
 #include <Interface_Check.hxx>
 #include <Interface_CheckIterator.hxx>
+#include <Interface_EntityIterator.hxx>
+#include <Interface_Graph.hxx>
 #include <Interface_Static.hxx>
 #include <Quantity_Color.hxx>
 #include <STEPConstruct_Styles.hxx>
 #include <STEPControl_Reader.hxx>
+#include <StepData_StepModel.hxx>
+#include <StepRepr_MappedItem.hxx>
+#include <StepRepr_Representation.hxx>
+#include <StepRepr_RepresentationContext.hxx>
 #include <StepRepr_RepresentationItem.hxx>
+#include <StepRepr_RepresentationMap.hxx>
+#include <StepRepr_ShapeRepresentationRelationship.hxx>
+#include <StepShape_ContextDependentShapeRepresentation.hxx>
+#include <StepShape_FaceBasedSurfaceModel.hxx>
 #include <StepShape_FaceSurface.hxx>
+#include <StepShape_ShapeRepresentation.hxx>
+#include <StepShape_ShellBasedSurfaceModel.hxx>
+#include <StepShape_SolidModel.hxx>
 #include <StepVisual_Colour.hxx>
 #include <StepVisual_StyledItem.hxx>
 #include <TColStd_SequenceOfAsciiString.hxx>
@@ -25,7 +38,10 @@
 #include <XSControl_WorkSession.hxx>
 #include <algorithm>
 #include <cctype>
+#include <cstdlib>
 #include <sstream>
+#include <unordered_set>
+#include <vector>
 
 #include "pamr/base/error.hpp"
 #include "pamr/base/one_line.hpp"
@@ -35,20 +51,81 @@ namespace pamr::geometry {
 
 namespace {
 
-std::string first_of(const Interface_CheckIterator& checks) {
-  for (checks.Start(); checks.More(); checks.Next())
-    if (const auto& check = checks.Value(); check->HasFailed() && check->NbFails() > 0)
-      return one_line(check->CFail(1));
+/// Numbers of entities of a STEP text.
+using Entities = std::unordered_set<int>;
+
+/// Whether shapes, where they are put, or their units begin at an entity. All else (colors, markers, dimensions, notes,
+/// construction lines) may be as it is.
+bool is_of_shapes(const Handle(Standard_Transient) & entity) {
+  return entity->IsKind(STANDARD_TYPE(StepShape_SolidModel)) ||
+         entity->IsKind(STANDARD_TYPE(StepShape_ShellBasedSurfaceModel)) ||
+         entity->IsKind(STANDARD_TYPE(StepShape_FaceBasedSurfaceModel)) ||
+         entity->IsKind(STANDARD_TYPE(StepShape_ContextDependentShapeRepresentation)) ||
+         entity->IsKind(STANDARD_TYPE(StepRepr_ShapeRepresentationRelationship)) ||
+         entity->IsKind(STANDARD_TYPE(StepRepr_MappedItem)) ||
+         entity->IsKind(STANDARD_TYPE(StepRepr_RepresentationMap));
+}
+
+/// What shapes, the places of parts in assemblies, and their units refer to. A representation, which lists all kinds of
+/// things, is not gone through but for its context, where the units are.
+Entities entities_of_shapes(const STEPControl_Reader& reader) {
+  const auto model = reader.WS()->Model();
+  const Interface_Graph graph(model);
+  Entities found;
+  std::vector<Handle(Standard_Transient)> open;
+  const auto add = [&](const Handle(Standard_Transient) & entity) {
+    if (!entity.IsNull() && found.insert(model->Number(entity)).second) open.push_back(entity);
+  };
+  for (int i = 1; i <= model->NbEntities(); ++i) {
+    const auto entity = model->Value(i);
+    if (is_of_shapes(entity)) add(entity);
+    if (const auto shape = Handle(StepShape_ShapeRepresentation)::DownCast(entity); !shape.IsNull())
+      add(shape->ContextOfItems());
+  }
+  while (!open.empty()) {
+    const auto entity = open.back();
+    open.pop_back();
+    if (entity->IsKind(STANDARD_TYPE(StepRepr_Representation))) continue;
+    auto shared = graph.Shareds(entity);
+    for (shared.Start(); shared.More(); shared.Next()) add(shared.Value());
+  }
+  return found;
+}
+
+/// The number that the text gives the entity of which a failure of the text as a whole speaks ("... Ent.Id.#12 ...");
+/// 0: of none.
+int entity_named_in(const std::string& failure) {
+  constexpr std::string_view before = "Ent.Id.#";
+  const auto place = failure.find(before);
+  return place == std::string::npos ? 0 : std::atoi(failure.c_str() + place + before.size());
+}
+
+/// The first failure of an entity among these, or of the text as a whole.
+std::string first_of(const Interface_CheckIterator& checks, const STEPControl_Reader& reader, const Entities& among) {
+  const auto model = Handle(StepData_StepModel)::DownCast(reader.WS()->Model());
+  Entities labels;
+  for (const int i : among)
+    if (i > 0 && !model.IsNull()) labels.insert(model->IdentLabel(model->Value(i)));
+  for (checks.Start(); checks.More(); checks.Next()) {
+    const auto& check = checks.Value();
+    for (int i = 1; i <= check->NbFails(); ++i) {
+      const auto failure = one_line(check->CFail(i));
+      const int label = checks.Number() > 0 ? 0 : entity_named_in(failure);
+      if (checks.Number() > 0 ? among.count(checks.Number()) > 0 : label == 0 || labels.count(label) > 0)
+        return failure;
+    }
+  }
   return {};
 }
 
-void read_face_names(STEPControl_Reader& reader, OcctShape& result) {
+void read_names(STEPControl_Reader& reader, const TopoDS_Shape& shape, TopAbs_ShapeEnum type,
+                std::vector<std::pair<TopoDS_Shape, std::string>>& names) {
   const auto transfer = reader.WS()->TransferReader();
-  for (TopExp_Explorer e(result.shape, TopAbs_FACE); e.More(); e.Next()) {
+  for (TopExp_Explorer e(shape, type); e.More(); e.Next()) {
     const auto item = Handle(StepRepr_RepresentationItem)::DownCast(transfer->EntityFromShapeResult(e.Current(), 1));
     if (item.IsNull() || item->Name().IsNull()) continue;
     std::string name = item->Name()->ToCString();
-    if (!name.empty() && name != "NONE") result.names.emplace_back(e.Current(), std::move(name));
+    if (!name.empty() && name != "NONE") names.emplace_back(e.Current(), std::move(name));
   }
 }
 
@@ -77,11 +154,11 @@ void read_face_colors(STEPControl_Reader& reader, OcctShape& result) {
     }
 }
 
-int count_face_entities(const STEPControl_Reader& reader) {
+int count_faces(const STEPControl_Reader& reader, const Entities& among) {
   const auto model = reader.WS()->Model();
-  int n = 0;
-  for (int i = 1; i <= model->NbEntities(); ++i) n += model->Value(i)->IsKind(STANDARD_TYPE(StepShape_FaceSurface));
-  return n;
+  return static_cast<int>(std::count_if(among.begin(), among.end(), [&](int i) {
+    return i > 0 && model->Value(i)->IsKind(STANDARD_TYPE(StepShape_FaceSurface));
+  }));
 }
 
 OcctShape read_step(const std::string& text) {
@@ -91,7 +168,8 @@ OcctShape read_step(const std::string& text) {
   std::istringstream stream(text);
   if (reader.ReadStream("text", stream) != IFSelect_RetDone)
     throw Error("expected a STEP text, found one that OpenCASCADE cannot read");
-  if (const auto fail = first_of(reader.WS()->ModelCheckList()); !fail.empty())
+  const auto of_shapes = entities_of_shapes(reader);
+  if (const auto fail = first_of(reader.WS()->ModelCheckList(), reader, of_shapes); !fail.empty())
     throw Error("expected a sound STEP text, found: " + fail);
   TColStd_SequenceOfAsciiString lengths, angles, solid_angles;
   reader.FileUnits(lengths, angles, solid_angles);
@@ -99,13 +177,14 @@ OcctShape read_step(const std::string& text) {
   reader.TransferRoots();
   result.shape = reader.OneShape();
   if (result.shape.IsNull()) throw Error("expected a shape in the STEP text, found none");
-  if (const auto fail = first_of(reader.WS()->TransferReader()->LastCheckList()); !fail.empty())
+  if (const auto fail = first_of(reader.WS()->TransferReader()->LastCheckList(), reader, of_shapes); !fail.empty())
     throw Error("expected a STEP text without faults, found: " + fail);
   TopTools_IndexedMapOfShape faces;
   TopExp::MapShapes(result.shape, TopAbs_FACE, faces);
-  if (const int n = count_face_entities(reader); faces.Size() < n)
+  if (const int n = count_faces(reader, of_shapes); faces.Size() < n)
     throw Error(fmt::format("expected {} faces, as the STEP text has, found {} that could be read", n, faces.Size()));
-  read_face_names(reader, result);
+  read_names(reader, result.shape, TopAbs_FACE, result.names);
+  read_names(reader, result.shape, TopAbs_SOLID, result.solid_names);
   read_face_colors(reader, result);
   return result;
 }

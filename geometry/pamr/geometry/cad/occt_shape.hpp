@@ -12,9 +12,10 @@ namespace pamr::geometry {
 /// The shape in a CAD file, lengths in millimeters.
 struct OcctShape {
   TopoDS_Shape shape;
-  std::string unit;                                          ///< length unit of the file, empty where it does not say
-  std::vector<std::pair<TopoDS_Shape, std::string>> names;   ///< of faces that have one
-  std::vector<std::pair<TopoDS_Shape, std::string>> colors;  ///< of faces, "#rrggbb" (sRGB)
+  std::string unit;                                         ///< length unit of the file, empty where it does not say
+  std::vector<std::pair<TopoDS_Shape, std::string>> names;  ///< of faces that have one
+  std::vector<std::pair<TopoDS_Shape, std::string>> solid_names;  ///< of solids that have one
+  std::vector<std::pair<TopoDS_Shape, std::string>> colors;       ///< of faces, "#rrggbb" (sRGB)
   bool is_as_written = false;  ///< its curves were taken from the file, not made or mended by the reader of a format
 };
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -18,12 +19,38 @@ bool can_read_cad();
 /// process.
 CadData read_cad(std::string_view text, double scale);
 
+/// A face that belongs to no solid, from 0 on, and a point near it.
+struct CadLooseFace {
+  int face = 0;
+  Vec3 where;
+};
+
+/// Two solids, from 1 on, that touch or overlap, or of which the first lies in the second.
+struct CadContact {
+  int first = 0, second = 0;
+  bool is_nested = false;
+  Vec3 where;
+};
+
+/// The solids of a shape.
+struct CadSolids {
+  struct Solid {
+    std::string name;  ///< empty where the file has none
+    Vec3 middle;       ///< of its box
+  };
+  std::vector<Solid> solid;
+  std::vector<CadLooseFace> loose_face;
+  std::vector<CadContact> contact;  ///< the first few
+  double volume = 0;                ///< of all solids, good to some 1e-4
+};
+
 /// Triangles on the faces of a shape whose corners are one where faces meet: a closed, oriented surface where the shape
 /// is closed.
 struct CadTriangles {
   std::vector<Vec3> point;
   std::vector<std::array<int, 3>> corner;  ///< of each triangle, counter-clockwise seen from outside of the body
   std::vector<int> face;                   ///< of each triangle, from 0 on
+  CadSolids solids;
 };
 
 /// Triangles not farther from their faces than `deflection` times the size of the shape. Throws `Error`.
