@@ -161,6 +161,12 @@ double CadBody::signed_distance(Vec3 point) const {
   return dot(from_foot, outward) < 0 ? -distance : distance;
 }
 
+std::vector<std::array<Vec3, 3>> CadBody::triangles() const {
+  std::vector<std::array<Vec3, 3>> result;
+  for (const auto& [a, b, c] : corner_) result.push_back({point_[at(a)], point_[at(b)], point_[at(c)]});
+  return result;
+}
+
 int CadBody::piece_at(Vec3 point) const { return face_[at(tree_->nearest(point).triangle)]; }
 
 std::shared_ptr<const geometry::Surface> CadBody::piece(int number) const {

@@ -41,6 +41,9 @@ class CadBody final : public geometry::Surface, public DividedSurface {
   /// Of its solids; 0 for a closed shape without solids.
   double volume() const { return volume_; }
 
+  /// Triangles on the faces, counter-clockwise seen from outside.
+  std::vector<std::array<geometry::Vec3, 3>> triangles() const;
+
   /// A pole at which a face has no normal: the apex of a cone.
   struct Tip {
     int face = 0;

@@ -55,6 +55,7 @@ MeshCase case_of_cad(const std::filesystem::path& file, double far, const std::s
   c.length_unit = unit;
   c.far = far > 0 ? far : default_far * model->size();
   c.growth = default_growth;
+  if (!(far > 0)) c.thickness_factor = 1;  // longer ones cost the mesher more, for no fewer nodes
   bound_by_shapes(c);
   return result;
 }

@@ -17,6 +17,7 @@
 #include "meshing/pieces.hpp"
 #include "meshing/size_sources.hpp"
 #include "meshing/solid.hpp"
+#include "meshing/thickness.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/base/index.hpp"
 #include "pamr/geometry/box.hpp"
@@ -29,8 +30,10 @@ namespace {
 
 using geometry::Vec3;
 
-constexpr double triangle_error = 0.02;  // of the shortest wanted edge: how far triangles may lie off CAD faces
-constexpr double default_least = 0.1;    // of `far`: edges that curvature asks for are not shorter
+constexpr double triangle_error = 0.02;        // of the shortest wanted edge: how far triangles may lie off CAD faces
+constexpr double default_least = 0.1;          // of `far`: edges that curvature asks for are not shorter
+constexpr double min_thickness = 0.02;         // of `far`: edges in thin parts are not asked to be shorter
+constexpr double thickness_spacing = 1.0 / 6;  // of `far`
 
 /// Looks at a grid of points a little outside each side of the box.
 void require_within_bounds(const Solid& solid, const std::string& where) {
@@ -87,8 +90,10 @@ double bounded_by_gaps(const geometry::SurfaceSet& surfaces, double factor, Vec3
   return std::max(bound, min_part * size);
 }
 
-/// What the curvature of CAD shapes asks for.
-SizeSources curvature_sources(const Solid& solid, const Combination& c) {
+using Thicknesses = std::vector<Thickness>;
+
+/// What the curvature of CAD shapes, and where that is asked for their thickness, ask for.
+SizeSources cad_sources(const Solid& solid, const Combination& c, const Thicknesses& thickness) {
   std::vector<SizeSources::Source> all;
   const double least = c.least > 0 ? c.least : default_least * c.far;
   for (int i = 0; i < solid.n_surfaces(); ++i)
@@ -96,11 +101,15 @@ SizeSources curvature_sources(const Solid& solid, const Combination& c) {
       const auto own = curvature_sizes(body->model(), c.curvature, least, c.far);
       all.insert(all.end(), own.begin(), own.end());
     }
+  for (const auto& place : thickness)
+    if (const double size = std::max(c.thickness_factor * place.thickness, min_thickness * c.far);
+        c.thickness_factor > 0 && size < c.far)
+      all.push_back({place.point, size});
   return {std::move(all), c.growth};
 }
 
 std::function<double(Vec3)> size_field(const std::shared_ptr<const Solid>& solid, const Combination& c,
-                                       const std::string& where) {
+                                       const Thicknesses& thickness, const std::string& where) {
   std::vector<std::pair<const geometry::Surface*, double>> near;
   for (const auto& [name, size] : c.near) {
     const auto* surface = c.surfaces->find(name);
@@ -108,7 +117,7 @@ std::function<double(Vec3)> size_field(const std::shared_ptr<const Solid>& solid
       throw Error(fmt::format("{}: expected the name of a surface for a size, found \"{}\"", where, name));
     near.emplace_back(surface, size);
   }
-  const auto curvature = std::make_shared<const SizeSources>(curvature_sources(*solid, c));
+  const auto curvature = std::make_shared<const SizeSources>(cad_sources(*solid, c, thickness));
   return
       [solid, surfaces = c.surfaces, near, curvature, far = c.far, growth = c.growth, factor = c.gap_factor](Vec3 p) {
         double size = curvature->at(p, far);
@@ -237,6 +246,56 @@ void add_pieces(const std::shared_ptr<const Pieces>& pieces, const Bodies& bodie
   }
 }
 
+std::vector<std::array<Vec3, 3>> corners_of(const geometry::Triangulation& surface) {
+  std::vector<std::array<Vec3, 3>> result;
+  for (const auto& [a, b, c] : surface.triangles)
+    result.push_back({surface.points[at(a)], surface.points[at(b)], surface.points[at(c)]});
+  return result;
+}
+
+/// Triangles on a closed surface: of a CAD shape, or those that it was made of; nothing for any other.
+std::vector<std::array<Vec3, 3>> triangles_on(const Solid& solid, int i, const geometry::SurfaceSet& surfaces) {
+  if (const auto* body = dynamic_cast<const CadBody*>(&solid.surface(i))) return body->triangles();
+  for (const auto& triangulation : surfaces.triangulations)
+    if (triangulation->name == solid.name(i)) return corners_of(*triangulation);
+  return {};
+}
+
+/// How thick bodies are behind the surfaces that bound a solid on their inner side: those of CAD and of triangles.
+Thicknesses thicknesses_of(const Solid& solid, const Combination& c) {
+  constexpr int max_places_on_triangles = 4000;  // their distances take longer
+  Thicknesses all;
+  for (int i = 0; i < solid.n_surfaces(); ++i) {
+    const auto bounds_inside = [&](Vec3 p) {
+      const Sides inside = solid.sides(p) & ~(Sides{1} << i);
+      return solid.region.contains(inside) && solid.divides(i, inside);
+    };
+    auto triangles = triangles_on(solid, i, *c.surfaces);
+    std::erase_if(triangles, [&](const auto& t) { return !bounds_inside((1.0 / 3) * (t[0] + t[1] + t[2])); });
+    ThicknessOptions options{.spacing = thickness_spacing * c.far, .most = c.far};
+    if (dynamic_cast<const CadBody*>(&solid.surface(i)) == nullptr) options.max_places = max_places_on_triangles;
+    for (const auto& place : thicknesses(solid.surface(i), triangles, options))
+      if (bounds_inside(place.point)) all.push_back(place);
+  }
+  return all;
+}
+
+/// Finds the thinnest place for the sizes, and how many nodes edges and thin faces need.
+void measure_boundary(const Thicknesses& thickness, Domain& domain) {
+  constexpr double even_triangle = 0.866;  // area of a node among even triangles over the square of their edges
+  for (const auto& place : thickness) {
+    const double size = domain.size(place.point), edge = std::min(size, place.thickness);
+    domain.boundary_nodes += place.area / (even_triangle * edge * edge);
+    const bool is_thinner = domain.thin.size == 0 || place.thickness < domain.thin.thickness;
+    if (place.thickness < size && is_thinner) domain.thin = {place.point, place.thickness, size};
+  }
+  for (const auto& curve : domain.curves)
+    for (std::size_t i = 1; i < curve.polyline.size(); ++i) {
+      const Vec3 a = curve.polyline[i - 1], b = curve.polyline[i];
+      domain.boundary_nodes += norm(b - a) / domain.size(midpoint(a, b));
+    }
+}
+
 /// Volume of the region if it is the inside of one closed body, 0 where that is not known.
 double volume_of(const Solid& solid) {
   if (solid.n_surfaces() != 1 || !solid.region.contains(0) || solid.region.contains(1)) return 0;
@@ -279,11 +338,13 @@ Domain combine(const Combination& c, const std::string& where) {
     const int surface = solid->label(p);
     return surface < 0 ? Domain::inside : pieces->nearest(surface, p);
   };
-  domain.size = size_field(solid, c, where);
+  const auto thickness = thicknesses_of(*solid, c);
+  domain.size = size_field(solid, c, thickness, where);
   domain.volume = volume_of(*solid);
   add_pieces(pieces, bodies, c, domain);
   domain.curves = with_place([&] { return trace_feature_curves(solid, pieces, samples); });
   for (auto& crease : pieces->creases()) domain.curves.push_back(std::move(crease));
+  measure_boundary(thickness, domain);
   domain.curves_in_one_plane = are_in_one_plane(domain.curves, solid->radius());
   add_starts(*solid, *pieces, samples, domain);
   if (!domain.tips.empty()) domain.curves_in_one_plane = false;  // nor are the balls

@@ -24,6 +24,8 @@ struct Combination {
   /// be shorter than `least` (0: a tenth of `far`).
   double curvature = 0.5;
   double least = 0;
+  /// Edges in thin parts of CAD shapes are at most so many times as long as these are thick; 0: no bound.
+  double thickness_factor = 0;
   /// Wanted edge lengths up to one such length from a surface; they grow from there.
   std::vector<std::pair<std::string, double>> near;
 

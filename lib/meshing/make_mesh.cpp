@@ -20,6 +20,8 @@
 #include "pamr/base/error.hpp"
 #include "pamr/base/index.hpp"
 #include "pamr/geometry/box.hpp"
+#include "pamr/geometry/cad/cad_source.hpp"
+#include "pamr/geometry/parameters.hpp"
 #include "pamr/geometry/tet_shape.hpp"
 #include "pamr/geometry/triangulated/self_intersection.hpp"
 #include "pamr/geometry/triangulated/shells.hpp"
@@ -28,6 +30,8 @@
 
 namespace pamr::meshing {
 namespace {
+
+constexpr double thin_factor = 1.5;  // longest edges over the thickness that need no word
 
 /// What CGAL makes of a domain, with sizes that are 3 % smaller or larger where it fails with those that were asked
 /// for.
@@ -93,6 +97,15 @@ std::optional<RawMesh> mesh_with_gaps(const MeshCase& mesh_case, const Domain& d
   }
 }
 
+/// What to do where a body is thinner than the edges that are wanted there; empty where none is.
+std::string advice_for_thin(const MeshCase& mesh_case, const Domain& domain) {
+  if (domain.thin.size == 0) return {};
+  const bool has_option = geometry::is_cad_file(mesh_case.where);
+  return fmt::format(". The body is {:.3g} thick near {}, and edges of {:.3g} are wanted there: give {} {:.3g} or less",
+                     domain.thin.thickness, geometry::decimal(domain.thin.point), domain.thin.size,
+                     has_option ? "--size" : "[mesh.sizes] far, or near of the surface,", domain.thin.thickness);
+}
+
 RawMesh mesh_here(const MeshCase& mesh_case, const Domain& domain, const Listener& listener) {
   try {
     return mesh_domain(domain, mesh_case.seed, listener);
@@ -107,7 +120,7 @@ RawMesh mesh_here(const MeshCase& mesh_case, const Domain& domain, const Listene
                         mesh_case.where, factor));
         return *std::move(raw);
       }
-    throw Error(mesh_case.where + ": " + first.what());
+    throw Error(mesh_case.where + ": " + first.what() + advice_for_thin(mesh_case, domain));
   }
 }
 
@@ -138,6 +151,11 @@ LevelZero make_mesh(const par::Comm& comm, const MeshCase& mesh_case, const List
   par::agree(comm, [&] {
     if (comm.is_first()) require_insides(mesh_case, listener);
     domain = domain_of(mesh_case);
+    if (comm.is_first() && domain.thin.size > thin_factor * domain.thin.thickness)
+      listener.warn(mesh_case.where +
+                    ": edges are wanted that are longer than the body is thick, which takes long and "
+                    "may fail" +
+                    advice_for_thin(mesh_case, domain));
   });
   RawMesh raw;
   par::agree(comm, [&] {

@@ -60,9 +60,9 @@ class Work {
  public:
   struct TooMuch {};  ///< thrown while there is a limit of questions
 
-  Work(const Mesh3Watch& watch, double predicted_cells)
+  Work(const Mesh3Watch& watch, double predicted_cells, double boundary_nodes)
       : watch_(watch),
-        expected_(std::llround(predicted_cells / cells_per_node)),
+        expected_(std::llround(std::max(predicted_cells / cells_per_node, boundary_nodes))),
         max_nodes_(std::max(2 * expected_, std::min(watch.spare_nodes + spare_factor * expected_, too_many_nodes))) {}
 
   void watch(const Triangulation& nodes) { nodes_ = &nodes; }
@@ -210,17 +210,33 @@ Complex make_complex(const Domain& domain, const MeshDomain& mesh_domain, bool w
   return complex;
 }
 
-/// Number of cells that the sizes ask for, from a grid of samples; a regular cell of edge h has the volume 0.118 h^3.
-double predicted_cells(const Domain& domain) {
+/// What the sizes ask for.
+struct Prediction {
+  double cells = 0, boundary_nodes = 0;
+};
+
+/// From a grid of samples; a regular cell of edge h has the volume 0.118 h^3, a node of the boundary stands for
+/// 0.866 h^2, and the area of a boundary in all directions is two thirds of what it shows along the three axes.
+Prediction predict(const Domain& domain) {
   constexpr int n = 64;
   const double step = 2 * domain.radius / n;
   const auto offset = [&](int i) { return (i + 0.5) * step - domain.radius; };
-  double sum = 0;
+  double cells = 0, nodes = 0;
+  std::vector<char> is_gas(static_cast<std::size_t>(n) * n * n, 0);
   for (int i = 0; i < n * n * n; ++i) {
     const auto point = domain.center + geometry::Vec3{offset(i % n), offset(i / n % n), offset(i / (n * n))};
-    if (label_of(domain, point) == gas) sum += std::pow(step / domain.size(point), 3);
+    const bool is_inside = label_of(domain, point) == gas;
+    is_gas[static_cast<std::size_t>(i)] = is_inside ? 1 : 0;
+    const auto is_other = [&](int before, bool is_there) {
+      return is_there && (is_gas[static_cast<std::size_t>(i - before)] != 0) != is_inside;
+    };
+    const int n_crossed = is_other(1, i % n > 0) + is_other(n, i / n % n > 0) + is_other(n * n, i >= n * n);
+    if (!is_inside && n_crossed == 0) continue;
+    const double in_edges = step / domain.size(point);
+    if (is_inside) cells += std::pow(in_edges, 3);
+    nodes += n_crossed * in_edges * in_edges;
   }
-  return sum / 0.118;
+  return {cells / 0.118, std::max(domain.boundary_nodes, nodes / 1.5 / 0.866)};
 }
 
 [[noreturn]] void too_coarse(const std::string& what) {
@@ -364,7 +380,8 @@ Complex make_complex(const Domain& domain, unsigned seed, const Work& work) {
 
 RawMesh run_mesh3(const Domain& domain, unsigned seed, const Mesh3Watch& watch) {
   constexpr double max_cells = 4e6;  // one process makes the mesh, with about a kilobyte a cell
-  const double n = predicted_cells(domain);
+  const auto predicted = predict(domain);
+  const double n = predicted.cells;
   if (n > max_cells)
     throw Error(
         fmt::format("expected sizes that give at most 4 million cells at level 0, found {} cells: choose coarser "
@@ -372,7 +389,7 @@ RawMesh run_mesh3(const Domain& domain, unsigned seed, const Mesh3Watch& watch) 
                     std::llround(n)));
   const Silence silence;
   try {
-    const auto complex = make_complex(domain, seed, Work(watch, n));
+    const auto complex = make_complex(domain, seed, Work(watch, n, predicted.boundary_nodes));
     auto mesh = Extraction(complex).result(domain);
     if (mesh.cell.empty()) too_coarse("no cell");
     return mesh;

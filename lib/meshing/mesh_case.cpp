@@ -54,6 +54,7 @@ std::string describe(const MeshCase& mesh_case) {
   const auto& c = mesh_case.combination;
   line += fmt::format(" far {} growth {}", c.far, c.growth);
   if (c.has_cad()) line += fmt::format(" curvature {} least {}", c.curvature, c.least);
+  if (c.thickness_factor > 0) line += fmt::format(" thickness {}", c.thickness_factor);
   for (const auto& [name, size] : c.near) line += fmt::format(" {} {}", name, size);
   return line + fmt::format(", bounds {} {} {} to {} {} {}, region {}", c.low.x, c.low.y, c.low.z, c.high.x, c.high.y,
                             c.high.z, c.region);

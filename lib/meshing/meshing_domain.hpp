@@ -44,6 +44,12 @@ struct Domain {
   bool curves_in_one_plane = false;  ///< every piece then has points to start from
   std::vector<mesh::Patch> patches;
   geometry::SharedSurfaces surfaces = geometry::no_surfaces();  ///< that the patches lie on
+  /// The thinnest place at which edges are wanted that are longer than the body is thick there; 0: none is known.
+  struct Thin {
+    geometry::Vec3 point;
+    double thickness = 0, size = 0;
+  } thin;
+  double boundary_nodes = 0;  ///< that the sizes ask for at least, where that is known
   double volume = 0;          ///< of the body that it is, where that is known
   std::string length_unit;
   geometry::Vec3 center;  ///< of a ball that holds the domain

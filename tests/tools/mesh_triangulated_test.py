@@ -195,6 +195,19 @@ def test_cuts_along_sharp_edges_are_refused():
     refuses("pamr-mesh", "cut.toml", "-o", "no.hdf", says=["cut.toml", "5 degrees"], creates="no.hdf")
 
 
+def test_a_body_that_is_thinner_than_its_edges_is_warned_of_by_place():
+    corners = np.array([[x, y, z] for z in (-.125, .125) for x, y in ((1, 1), (-1, 1), (-1, -1), (1, -1))])
+    sides = [(0, 2, 1), (0, 3, 2), (4, 5, 6), (4, 6, 7)]
+    for i, j in ((0, 1), (1, 2), (2, 3), (3, 0)):
+        sides += [(i, j, 4 + j), (i, 4 + j, 4 + i)]
+    write_stl("plate.stl", corners, sides)
+    bounds = [[-1, -1, -1], [1, 1, 1]]
+    warned = run("pamr-mesh", case("plate.toml", "-body", bounds, "far = 0.4", body_toml("plate.stl")), "-o", "plate.hdf", serial=True)
+    assert "the body is 0.25 thick near [" in warned.err.lower() and "[mesh.sizes] far" in warned.err, warned.err
+    out = run("pamr-mesh", case("plate.toml", "-body", bounds, "far = 0.3", body_toml("plate.stl")), "-o", "fine.hdf", serial=True)
+    assert "thick" not in out.err, out.err
+
+
 def test_a_surface_that_cuts_through_itself_is_told():
     one, triangles = icosphere(1)
     n = len(one)

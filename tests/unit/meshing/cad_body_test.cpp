@@ -11,6 +11,7 @@
 
 #include "meshing/bodies.hpp"
 #include "meshing/size_sources.hpp"
+#include "meshing/thickness.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/geometry/cad/cad_source.hpp"
 #include "pamr/geometry/surface_toml.hpp"
@@ -41,6 +42,22 @@ TEST(CadBody, TellsInsideFromOutsideAtFacesEdgesAndCorners) {
     }
     ASSERT_NEAR(cube.signed_distance(p), square > 0 ? std::sqrt(square) : -depth, 1e-12);
   }
+}
+
+TEST(CadBody, KnowsHowThickItIs) {
+  const CadBody cube(model("cube.step"), 0.01);
+  const auto triangles = cube.triangles();
+
+  double area = 0;
+  for (const auto& place : thicknesses(cube, triangles, {.spacing = 0.25, .most = 5})) {
+    EXPECT_NEAR(place.thickness, 1, 0.06);  // steps of at least a hundredth of 5
+    EXPECT_NEAR(cube.distance(place.point), 0, 1e-12);
+    area += place.area;
+  }
+  EXPECT_NEAR(area, 6, 0.0625);
+  for (const auto& place : thicknesses(cube, triangles, {.spacing = 0.25, .most = 0.5}))
+    EXPECT_EQ(place.thickness, 0.5);
+  EXPECT_LE(thicknesses(cube, triangles, {.spacing = 1e-3, .most = 5, .max_places = 200}).size(), 201U);
 }
 
 TEST(CadBody, SidesAreThoseOfTheNearestFace) {

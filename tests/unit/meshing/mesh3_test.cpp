@@ -89,12 +89,27 @@ TEST(RunMesh3, RefusesWhatHasMoreNodesThanTheSizesExplain) {
   watch.spare_nodes = 500;
   watch.progress = [&](std::int64_t nodes, std::int64_t expected) {
     reported.push_back(nodes);
-    EXPECT_NEAR(static_cast<double>(expected), 16, 2);
+    EXPECT_NEAR(static_cast<double>(expected), 4 * std::numbers::pi / (0.866 * 0.8 * 0.8), 1);  // inside there are 16
   };
 
   EXPECT_THAT([&] { run_mesh3(domain, 1, watch); }, ThrowsMessage<Error>(HasSubstr("found no end: 2")));
 
-  EXPECT_THAT(reported, ::testing::ElementsAre(1000, 1250, 1562, 1952));
+  EXPECT_THAT(reported, ::testing::ElementsAre(1000, 1250, 1562, 1952, 2440));
+}
+
+TEST(RunMesh3, ExpectsTheNodesOfABodyThatItsGridDoesNotMeet) {
+  auto domain = ball({0, 0, 0}, 2);
+  domain.boundary_nodes = 1234;
+  std::int64_t announced = 0;
+  Mesh3Watch watch;
+  watch.progress = [&](std::int64_t, std::int64_t expected) {
+    announced = expected;
+    throw Error("enough");
+  };
+
+  EXPECT_THAT([&] { run_mesh3(domain, 1, watch); }, ThrowsMessage<Error>(HasSubstr("enough")));
+
+  EXPECT_EQ(announced, 1234);
 }
 
 // At 1e12 neighboring numbers are farther from each other than the mesher wants to know where the ball begins.
