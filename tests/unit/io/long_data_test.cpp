@@ -58,7 +58,7 @@ TEST(LongSlab, IsWrittenAndReadAtOnce) {
   const AliasedMemory memory(n_bytes);
   const auto n = static_cast<std::int64_t>(n_bytes), first = n / 2;  // one rank's slab goes over the middle of the rows
   const io::hdf5::Shape shape{2 * n, 1, true};
-  const auto access = io::hdf5::parallel_access(comm, file);
+  const auto access = io::hdf5::parallel_access(comm, file, io::hdf5::Access::write);
   const auto transfer = io::hdf5::independent_transfer();
   fill(memory.first_window());
   {

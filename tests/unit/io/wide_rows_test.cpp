@@ -81,7 +81,7 @@ TEST(Extents, ReachRowsBeyond2To33OfASparseFile) {
   constexpr std::int64_t n_rows = two_to_33 + 1000;
   const auto first_of = [&](GlobalId base) { return base - 20 + 10 * comm.rank(); };  // on both sides of the power
   const auto value_of = [](GlobalId row) { return static_cast<std::int8_t>(row % 101 + 1); };
-  const auto access = io::hdf5::parallel_access(comm, file);
+  const auto access = io::hdf5::parallel_access(comm, file, io::hdf5::Access::write);
   const auto transfer = io::hdf5::independent_transfer();
   const io::hdf5::Shape shape{n_rows, 1, true};
   {

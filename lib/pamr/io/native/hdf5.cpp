@@ -162,7 +162,7 @@ std::string to_text(mesh::StorageType type) {
   return fmt::format("{}{}", is_unsigned ? "uint" : "int", 8 * size_of(type));
 }
 
-Handle parallel_access(const par::Comm& comm, const std::filesystem::path& file) {
+Handle parallel_access(const par::Comm& comm, const std::filesystem::path& file, Access purpose) {
   if (!par::has_mpi_memory(comm.size())) throw std::bad_alloc();
   leave_out_locked_files();
   forget_semaphore_of(file);
@@ -170,7 +170,7 @@ Handle parallel_access(const par::Comm& comm, const std::filesystem::path& file)
   require(H5Pset_fapl_mpio(access.id(), comm.handle(), MPI_INFO_NULL) >= 0 &&
               H5Pset_all_coll_metadata_ops(access.id(), true) >= 0 &&
               H5Pset_coll_metadata_write(access.id(), false) >= 0 &&
-              H5Pset_libver_bounds(access.id(), H5F_LIBVER_V18, H5F_LIBVER_V18) >= 0,
+              (purpose == Access::read || H5Pset_libver_bounds(access.id(), H5F_LIBVER_V18, H5F_LIBVER_V18) >= 0),
           "cannot select parallel file access");
   return access;
 }

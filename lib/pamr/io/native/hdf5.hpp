@@ -86,10 +86,12 @@ struct Shape {
   bool is_flat = true;  ///< one dimension
 };
 
-/// Property lists of the parallel driver, for access to a file and for transfers of rows. Each rank writes by itself:
+/// Property lists of the parallel driver, for access to a file and for transfers of rows. A file to write has the format
+/// that HDF5 1.8 reads, one to read may have any that this library knows. Each rank writes by itself:
 /// its rows are one large piece of the file, and a collective transfer of Open MPI 4.1 takes 32 MiB more and waits for
 /// ever when one rank runs out of memory in it.
-Handle parallel_access(const par::Comm& comm, const std::filesystem::path& file);
+enum class Access : std::uint8_t { read, write };
+Handle parallel_access(const par::Comm& comm, const std::filesystem::path& file, Access purpose);
 Handle independent_transfer();
 
 /// Rows `first .. first + n` of a dataset; `n` may be 0.

@@ -64,7 +64,7 @@ SlabReader::SlabReader(const par::Comm& comm, std::filesystem::path file, const 
   options_.slab_bytes = std::min<std::size_t>(options_.slab_bytes, hdf5::max_transfer_bytes);
   par::agree(comm, [&] {
     const par::Comm::Waiting waiting(comm, par::Comm::Waiting::In::library);
-    const auto access = hdf5::parallel_access(comm, file_);
+    const auto access = hdf5::parallel_access(comm, file_, hdf5::Access::read);
     h5_ = hdf5::take(H5Fopen(file_.c_str(), H5F_ACC_RDONLY, access.id()), H5Fclose,
                      fmt::format("file '{}': cannot open it", file_.string()));
   });

@@ -198,7 +198,7 @@ void make_room(const Job& job, PartialFile& partial) {
 void create(const Job& job, const PartialFile& partial, std::int64_t fingerprint, OpenFile& open) {
   par::agree(job.comm, [&] {
     const par::Comm::Waiting waiting(job.comm, par::Comm::Waiting::In::library);
-    const auto access = hdf5::parallel_access(job.comm, partial.path());
+    const auto access = hdf5::parallel_access(job.comm, partial.path(), hdf5::Access::write);
     const auto creation = hdf5::take(H5Pcreate(H5P_FILE_CREATE), H5Pclose, "cannot make a property list");
     H5Pset_obj_track_times(creation.id(), false);
     open.h5 = hdf5::take(H5Fcreate(partial.path().c_str(), H5F_ACC_TRUNC, creation.id(), access.id()), H5Fclose,
