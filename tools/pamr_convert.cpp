@@ -292,7 +292,7 @@ int main(int argc, char** argv) {
   return cli::run_tool(
       argc, argv,
       {"pamr-convert",
-       "Converts meshes from and to the formats of Gmsh, VTK, Medit, SU2, AFLR3, and to OpenFOAM's and CGNS.",
+       "Converts meshes from and to the formats of Gmsh, VTK, Medit, SU2, AFLR3, OpenFOAM and CGNS, and from MFEM's.",
        "pamr-convert part.msh part.hdf --surfaces part.toml\n  pamr-convert level3.hdf level3.vtu\n  pamr-convert "
        "level3.hdf curved.msh --order 2\n  pamr-convert level3.hdf foam_case",
        cli::files_in_case},

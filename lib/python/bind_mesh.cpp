@@ -13,8 +13,7 @@
 #include "pamr/assemble/assemble.hpp"
 #include "pamr/assemble/kuhn_cube.hpp"
 #include "pamr/base/index.hpp"
-#include "pamr/check/tears.hpp"
-#include "pamr/io/elements/element_remarks.hpp"
+#include "pamr/io/foam/foam_order.hpp"
 #include "pamr/io/formats.hpp"
 #include "pamr/mesh/fingerprint.hpp"
 #include "pamr/mesh/tet.hpp"
@@ -46,31 +45,46 @@ std::vector<mesh::Field> fields_of(const std::vector<FieldIn>& all) {
   return fields;
 }
 
-std::pair<SharedMesh, std::int64_t> from_arrays(std::uintptr_t comm, const Array<double>& points,
-                                                const Array<std::int64_t>& cells, const Array<std::int64_t>& triangles,
-                                                const Array<std::int32_t>& patch_of_triangle,
-                                                const std::vector<std::pair<std::string, std::string>>& patches,
-                                                const std::vector<FieldIn>& cell_fields,
-                                                const std::vector<FieldIn>& node_fields, const std::string& length_unit,
-                                                int order, bool repair,
-                                                const std::vector<std::pair<std::int64_t, std::string>>& regions) {
+/// Of a tag its name and kind, of a group that was left out its dimension and name; then a number.
+using TagIn = std::tuple<std::int64_t, std::string, std::string>;
+using GroupIn = std::tuple<int, std::string, std::int64_t>;
+
+/// What the Python package makes of its arguments (`Mesh._of_arrays`).
+struct Given {
+  Array<double> points;
+  Array<std::int64_t> cells, triangles, tags;
+  std::vector<TagIn> patches;
+  std::vector<FieldIn> cell_fields, node_fields;
+  std::string length_unit;
+  std::vector<std::pair<std::int64_t, std::string>> regions;
+  std::vector<GroupIn> unused;
+  bool has_boundary = true;
+};
+
+MeshArrays to_arrays(const Given& given) {
   MeshArrays arrays;
-  arrays.points = rows_of<geometry::Vec3>(points);
-  arrays.cells = rows_of<std::array<GlobalId, 4>>(cells);
-  arrays.boundary.node = rows_of<std::array<GlobalId, 3>>(triangles);
-  arrays.boundary.patch = rows_of<int>(patch_of_triangle);
-  for (const auto& [name, kind] : patches) arrays.patches.push_back({name, kind});
-  arrays.cell_fields = fields_of(cell_fields);
-  arrays.node_fields = fields_of(node_fields);
-  arrays.length_unit = length_unit;
-  for (const auto& [number, name] : regions) arrays.regions.push_back({number, name});
-  const py::gil_scoped_release released;
-  return mesh_from_arrays(comm_at(comm), std::move(arrays), static_cast<Order>(order), repair);
+  arrays.points = rows_of<geometry::Vec3>(given.points);
+  arrays.cells = rows_of<std::array<GlobalId, 4>>(given.cells);
+  arrays.triangles = rows_of<std::array<GlobalId, 3>>(given.triangles);
+  arrays.tags = rows_of<std::int64_t>(given.tags);
+  for (const auto& [tag, name, kind] : given.patches) arrays.patch_of_tag[tag] = {name, kind};
+  arrays.cell_fields = fields_of(given.cell_fields);
+  arrays.node_fields = fields_of(given.node_fields);
+  arrays.length_unit = given.length_unit;
+  for (const auto& [number, name] : given.regions) arrays.regions.push_back({number, name});
+  for (const auto& [dimension, name, n] : given.unused) arrays.unused_groups.push_back({dimension, name, n});
+  arrays.has_boundary = given.has_boundary;
+  return arrays;
 }
 
-/// Where the mesh is torn or overlaps itself, in words. Collective.
-std::vector<std::string> remarks_on_tears(const PythonMesh& mesh) {
-  return check::remarks_of(check::find_tears(*mesh.comm, mesh.mesh));
+std::tuple<SharedMesh, std::int64_t, std::vector<std::string>> from_arrays(std::uintptr_t comm, const Given& given,
+                                                                           const std::string& source, int order,
+                                                                           bool repair) {
+  auto arrays = to_arrays(given);
+  const py::gil_scoped_release released;
+  auto made = mesh_from_arrays(comm_at(comm), std::move(arrays), source,
+                               {.repair = repair, .order = static_cast<io::CellOrder>(order), .with_origin = true});
+  return {std::move(made.mesh), made.n_turned, std::move(made.remarks)};
 }
 
 std::pair<SharedMesh, std::vector<std::string>> read(std::uintptr_t address, const std::filesystem::path& file,
@@ -82,13 +96,16 @@ std::pair<SharedMesh, std::vector<std::string>> read(std::uintptr_t address, con
   const auto& format = io::format_to_read(file);
   auto read =
       format.read(comm, file, {.repair = repair, .remark = [&](const std::string& text) { remarks.push_back(text); }});
+  validate::require_valid(comm, read.mesh, file.string());
   if (!format.is_native)
-    for (const auto& text : io::remarks_of(read)) remarks.push_back("file '" + file.string() + "': " + text);
+    for (const auto& text : remarks_on(comm, read)) remarks.push_back(io::source_of(file) + ": " + text);
   result->mesh = std::move(read.mesh);
-  validate::require_valid(comm, result->mesh, file.string());
-  if (!format.is_native)
-    for (const auto& text : remarks_on_tears(*result)) remarks.push_back("file '" + file.string() + "': " + text);
   return {result, remarks};
+}
+
+/// Inner faces of a case's mesh that are not those of this one. Collective.
+std::int64_t other_foam_faces(const PythonMesh& mesh, const std::filesystem::path& case_folder) {
+  return io::count_other_faces(*mesh.comm, case_folder, mesh.mesh);
 }
 
 /// Yields what the format has no place for.
@@ -104,12 +121,12 @@ void require_valid(const PythonMesh& mesh, const std::string& what) {
   validate::require_valid(*mesh.comm, mesh.mesh, what);
 }
 
-/// Of each format of meshes its name, its endings, and whether it is read.
-std::vector<std::tuple<std::string, std::vector<std::string>, bool>> formats() {
-  std::vector<std::tuple<std::string, std::vector<std::string>, bool>> all;
+/// Of each format of meshes its name, its endings, and whether it is read and written.
+std::vector<std::tuple<std::string, std::vector<std::string>, bool, bool>> formats() {
+  std::vector<std::tuple<std::string, std::vector<std::string>, bool, bool>> all;
   for (const auto& format : io::formats())
     all.emplace_back(format.name, std::vector<std::string>(format.endings.begin(), format.endings.end()),
-                     format.read != nullptr);
+                     format.read != nullptr, format.write != nullptr);
   return all;
 }
 
@@ -242,9 +259,22 @@ void bind_mesh(py::module_& module) {
   type.def("require_valid", require_valid, py::call_guard<py::gil_scoped_release>());
   type.def("fingerprint", [](const PythonMesh& mesh) { return mesh::fingerprint(*mesh.comm, mesh.mesh); });
   module.def("formats", formats);
+  py::class_<Given>(module, "Given")
+      .def(py::init<>())
+      .def_readwrite("points", &Given::points)
+      .def_readwrite("cells", &Given::cells)
+      .def_readwrite("triangles", &Given::triangles)
+      .def_readwrite("tags", &Given::tags)
+      .def_readwrite("patches", &Given::patches)
+      .def_readwrite("cell_fields", &Given::cell_fields)
+      .def_readwrite("node_fields", &Given::node_fields)
+      .def_readwrite("length_unit", &Given::length_unit)
+      .def_readwrite("regions", &Given::regions)
+      .def_readwrite("unused", &Given::unused)
+      .def_readwrite("has_boundary", &Given::has_boundary);
   module.def("from_arrays", from_arrays);
   module.def("read", read, py::call_guard<py::gil_scoped_release>());
-  module.def("remarks_on_tears", remarks_on_tears, py::call_guard<py::gil_scoped_release>());
+  module.def("other_foam_faces", other_foam_faces, py::call_guard<py::gil_scoped_release>());
   module.def("kuhn_cube", kuhn_cube, py::call_guard<py::gil_scoped_release>());
 }
 

@@ -5,10 +5,10 @@
 #include <numeric>
 #include <type_traits>
 
-#include "pamr/assemble/assemble.hpp"
-#include "pamr/assemble/turn_inverted.hpp"
+#include "pamr/check/tears.hpp"
+#include "pamr/io/elements/element_parts.hpp"
+#include "pamr/io/elements/element_remarks.hpp"
 #include "pamr/mesh/level0_key.hpp"
-#include "pamr/order/order_along_curve.hpp"
 #include "pamr/par/exchange.hpp"
 #include "pamr/validate/validate.hpp"
 
@@ -16,38 +16,32 @@ namespace pamr::python {
 
 namespace {
 
-/// Rows that follow one another over the ranks, moved to canonical blocks. Collective.
-template <class T>
-void to_canonical(const par::Comm& comm, GlobalId n_all, std::vector<T>& rows, std::size_t width,
-                  const std::vector<GlobalId>& ids) {
-  rows = par::scatter_rows<T>(comm, n_all, rows, width, ids);
-}
-
-mesh::BlockMesh to_block(const par::Comm& comm, MeshArrays arrays) {
-  mesh::BlockMesh block;
-  const auto n_points = std::ssize(arrays.points), n_cells = std::ssize(arrays.cells);
-  block.info.n_global_nodes = comm.sum(n_points);
-  block.info.n_global_cells = comm.sum(n_cells);
-  block.info.patches = std::move(arrays.patches);
-  block.info.length_unit = std::move(arrays.length_unit);
-  block.info.regions = std::move(arrays.regions);
-  block.first_cell = comm.exclusive_sum(n_cells);
-  block.cell_to_node = std::move(arrays.cells);
-  block.boundary = std::move(arrays.boundary);
-  block.cell_fields = std::move(arrays.cell_fields);
+io::ElementParts to_parts(const par::Comm& comm, MeshArrays arrays) {
+  io::ElementParts parts;
+  parts.n_nodes = comm.sum(std::ssize(arrays.points));
+  parts.n_elements = comm.sum(std::ssize(arrays.cells));
+  parts.has_regions = false;
   std::vector<GlobalId> ids(arrays.points.size());
-  std::iota(ids.begin(), ids.end(), comm.exclusive_sum(n_points));
-  block.node_position = std::move(arrays.points);
-  to_canonical(comm, block.info.n_global_nodes, block.node_position, 1, ids);
-  for (auto& field : arrays.node_fields) {
-    std::visit(
-        [&](auto& values) {
-          to_canonical(comm, block.info.n_global_nodes, values, static_cast<std::size_t>(field.n_components), ids);
-        },
-        field.value);
-    block.node_fields.push_back(std::move(field));
-  }
-  return block;
+  std::iota(ids.begin(), ids.end(), comm.exclusive_sum(std::ssize(arrays.points)));
+  const auto to_canonical = [&](auto& rows, std::size_t width) {
+    using T = typename std::remove_cvref_t<decltype(rows)>::value_type;
+    rows = par::scatter_rows<T>(comm, parts.n_nodes, rows, width, ids);
+  };
+  parts.position = std::move(arrays.points);
+  to_canonical(parts.position, 1);
+  parts.node_tag.resize(parts.position.size());
+  std::iota(parts.node_tag.begin(), parts.node_tag.end(),
+            par::block_range(parts.n_nodes, comm.rank(), comm.size()).begin);
+  for (const auto& corners : arrays.cells) parts.tetrahedron.push_back({corners, 0});
+  for (std::size_t t = 0; t < arrays.triangles.size(); ++t)
+    parts.triangle.push_back({arrays.triangles[t], arrays.tags[t]});
+  for (const auto& [tag, patch] : arrays.patch_of_tag) parts.group_name[{2, tag}] = patch.name;
+  for (const auto& [number, name] : arrays.regions) parts.group_name[{3, number}] = name;
+  parts.cell_fields = std::move(arrays.cell_fields);
+  parts.node_fields = std::move(arrays.node_fields);
+  for (auto& field : parts.node_fields)
+    std::visit([&](auto& values) { to_canonical(values, static_cast<std::size_t>(field.n_components)); }, field.value);
+  return parts;
 }
 
 using Fields = std::vector<mesh::Field>;
@@ -71,26 +65,31 @@ void leave_to_arrays(PythonMesh& mesh, bool on_cells, mesh::Field& field) {
 
 }  // namespace
 
-std::pair<std::shared_ptr<PythonMesh>, std::int64_t> mesh_from_arrays(std::shared_ptr<const par::Comm> comm,
-                                                                      MeshArrays arrays, Order order, bool repair) {
-  auto block = to_block(*comm, std::move(arrays));
-  const auto n_turned = assemble::orient(*comm, block, repair).n_turned;
-  auto result = std::make_shared<PythonMesh>();
-  std::vector<GlobalId> node_origin;
-  if (order == Order::curve || (order == Order::automatic && !order::is_ordered(*comm, block))) {
-    auto ordered = order::order_along_curve(*comm, std::move(block));
-    block = std::move(ordered.block);
-    block.cell_origin = std::move(ordered.cell_origin);
-    node_origin = std::move(ordered.node_origin);
-  }
-  const bool is_ordered = comm->any(!node_origin.empty());
-  result->mesh = assemble::assemble(*comm, std::move(block));
-  validate::require_valid(*comm, result->mesh, "arrays");
-  if (is_ordered)
-    result->node_origin =
-        par::fetch_rows<GlobalId>(*comm, result->mesh.info.node_ids(), node_origin, 1, result->mesh.node_global);
-  result->comm = std::move(comm);
-  return {std::move(result), n_turned};
+MadeMesh mesh_from_arrays(std::shared_ptr<const par::Comm> comm, MeshArrays arrays, const std::string& source,
+                          const io::ElementOptions& options) {
+  MadeMesh made{std::make_shared<PythonMesh>(), 0, {}};
+  const auto patch_of_tag = arrays.patch_of_tag;
+  const auto unused = arrays.unused_groups;
+  const bool has_boundary = comm->any(arrays.has_boundary);
+  const auto length_unit = arrays.length_unit;
+  auto read = io::mesh_of_elements(*comm, to_parts(*comm, std::move(arrays)), source, options,
+                                   [&](std::int64_t tag) { return patch_of_tag.at(tag); });
+  read.mesh.info.length_unit = length_unit;
+  validate::require_valid(*comm, read.mesh, source);
+  if (!has_boundary) read.n_untagged_faces = 0;
+  read.unused_groups.insert(read.unused_groups.begin(), unused.begin(), unused.end());
+  made.n_turned = read.n_turned;
+  made.remarks = remarks_on(*comm, read);
+  made.mesh->node_origin = std::move(read.node_origin);
+  made.mesh->mesh = std::move(read.mesh);
+  made.mesh->comm = std::move(comm);
+  return made;
+}
+
+std::vector<std::string> remarks_on(const par::Comm& comm, const io::ElementMesh& read) {
+  auto remarks = io::remarks_of(read);
+  for (auto& text : check::remarks_of(check::find_tears(comm, read.mesh))) remarks.push_back(std::move(text));
+  return remarks;
 }
 
 std::shared_ptr<ShownField> show_field(const std::shared_ptr<PythonMesh>& mesh, bool on_cells,

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <map>
 #include <memory>
@@ -8,8 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include "pamr/io/elements/mesh_of_elements.hpp"
 #include "pamr/locate/locator.hpp"
-#include "pamr/mesh/block_mesh.hpp"
 #include "pamr/par/comm.hpp"
 
 namespace pamr::python {
@@ -37,21 +38,31 @@ struct PythonMesh {
 /// Arrays as Python hands them over, the same on every rank but for the values; rows follow one another over the ranks.
 struct MeshArrays {
   std::vector<geometry::Vec3> points;
-  std::vector<std::array<GlobalId, 4>> cells;  ///< rows of all points
-  mesh::BoundaryTriangles boundary;
-  std::vector<mesh::Patch> patches;
+  std::vector<std::array<GlobalId, 4>> cells;      ///< rows of all points
+  std::vector<std::array<GlobalId, 3>> triangles;  ///< likewise
+  std::vector<std::int64_t> tags;                  ///< of the triangles
+  std::map<std::int64_t, mesh::Patch> patch_of_tag;
   std::vector<mesh::Field> cell_fields, node_fields;
   std::string length_unit;
-  std::vector<mesh::Region> regions;  ///< ascending
+  std::vector<mesh::Region> regions;           ///< ascending
+  std::vector<io::UnusedGroup> unused_groups;  ///< that have been left out already, on the first rank
+  bool has_boundary = true;                    ///< else faces without a triangle are no news
 };
 
-enum class Order : std::uint8_t { automatic, keep, curve };
+struct MadeMesh {
+  std::shared_ptr<PythonMesh> mesh;
+  std::int64_t n_turned = 0;
+  std::vector<std::string> remarks;  ///< what was left out or is odd
+};
 
-/// A valid mesh from arrays: inverted cells are turned over where all are or `repair` asks for it (`assemble::orient`),
-/// and cells and nodes are put in order along a curve where that pays, or as told. Also the number of cells that were
-/// turned. Collective. Throws `Error` on every rank.
-std::pair<std::shared_ptr<PythonMesh>, std::int64_t> mesh_from_arrays(std::shared_ptr<const par::Comm> comm,
-                                                                      MeshArrays arrays, Order order, bool repair);
+/// A valid mesh from arrays, by the way in of all files (`io::mesh_of_elements`), whose errors begin with `source`.
+/// Collective. Throws `Error` on every rank.
+MadeMesh mesh_from_arrays(std::shared_ptr<const par::Comm> comm, MeshArrays arrays, const std::string& source,
+                          const io::ElementOptions& options);
+
+/// What is to be said of a mesh that was read from a file or arrays of another program: what was left out or changed,
+/// and where it is torn. Collective.
+std::vector<std::string> remarks_on(const par::Comm& comm, const io::ElementMesh& read);
 
 /// What an array of Python that shows this field has to hold. Local.
 std::shared_ptr<ShownField> show_field(const std::shared_ptr<PythonMesh>& mesh, bool on_cells, const std::string& name);

@@ -10,7 +10,7 @@
 #
 #   --files N      damaged files (default 2000)
 #   --minutes M    AFL++ searches so long for each reader (default 10)
-#   FORMAT         native, gmsh, medit, su2, ugrid, vtu (default native and gmsh, which parse most)
+#   FORMAT         native, gmsh, medit, mfem, su2, ugrid, vtu, legacy_vtk, foam, cgns (default native and gmsh, which parse most)
 #
 # Environment: PAMR_AFL_BUILD (default build/afl; found/FORMAT/default in it has what AFL++ found).
 set -euo pipefail
@@ -38,7 +38,7 @@ export AFL_MAP_SIZE=65536
 # What reads is instrumented, and nothing else: the search then goes for the readers, and edges are theirs.
 mkdir -p "$build"
 {
-  for folder in gmsh medit su2 ugrid vtk native; do echo "src: *lib/pamr/io/$folder/read_*"; done
+  for folder in cgns foam gmsh medit mfem su2 ugrid vtk native; do echo "src: *lib/pamr/io/$folder/read_*"; done
   for name in gmsh/gmsh_parts medit/gmf ugrid/mapbc ugrid/ugrid_layout vtk/vtk_xml elements/ text \
     native/{catalog,hdf5.,inspect,layout,lineage_word,native_file,patch_surfaces,preflight,row_,slab_reader}; do
     echo "src: *lib/pamr/io/$name*"

@@ -51,7 +51,7 @@ def test_numbers_out_of_range():
     expect("cells: expected numbers of points from 0 to 7, found -1", lambda: make(cells=changed(CELLS, (2, 1), -1)))
     expect("boundary triangles: expected numbers of points from 0 to 7, found 9 in row 1",
            lambda: make(triangles=changed(FLOOR, (1, 0), 9)))
-    expect("four different nodes", lambda: make(cells=changed(CELLS, (2, 1), 0)))
+    expect("expected cells with a volume, found 1 flat ones", lambda: make(cells=changed(CELLS, (2, 1), 0)))
     for number in (2**63, 2**63 + 5, 2**64 - 1):
         expect(f"cells: expected integers that fit int64, found {number}", lambda: make(cells=np.full((6, 4), number, np.uint64)))
 
@@ -134,15 +134,16 @@ def test_names_of_regions_that_are_not_there():
     with warnings.catch_warnings(record=True) as told:
         warnings.simplefilter("always")
         assert with_regions([1, 1, 1, 2, 2, 2]).regions == {1: "gas", 5: "no"}
-    assert [str(w.message) for w in told] == (["regions: no cell has the number 5 ('no')"] if COMM.rank == 0 else [])
+    assert [str(w.message) for w in told] == (["1 named groups have no element: 'no' (tetrahedra)",
+                                               "10 boundary faces without tag are in the patch 'boundary'"] if COMM.rank == 0 else [])
 
 
 def test_triangles_that_are_not_on_the_boundary():
     inside = changed(FLOOR, 1, (0, 1, 7))
-    expect([f"boundary triangle 1 of rank {LAST}, nodes 0 1 7", "found one inside, between cells 0 and 1"],
-           lambda: make(triangles=inside))
-    expect("found no cell with these nodes", lambda: make(triangles=changed(FLOOR, 1, (1, 2, 4))))
-    expect("expected one patch for each face, found 'roof' beside 'floor'",
+    expect(["arrays: expected tagged triangles on the boundary", "found 1 inside a region or apart from the cells",
+            "the first with nodes 0, 1 and 7 in "], lambda: make(triangles=inside))
+    expect("the first with nodes 1, 2 and 4 in ", lambda: make(triangles=changed(FLOOR, 1, (1, 2, 4))))
+    expect("expected one tag for each boundary face, found 1 faces in two surfaces, the first with nodes 3, 0 and 1 in 'roof'",
            lambda: make(triangles=[[0, 1, 3], [3, 0, 1]], tags=[1, 2], names={1: "floor", 2: "roof"}))
     expect("expected different names", lambda: make(tags=[1, 2], names={1: "a", 2: "a"}))
 
@@ -151,7 +152,11 @@ def test_meshes_that_are_none():
     expect("expected one cell or more, found none", lambda: make(points=POINTS[:0], cells=CELLS[:0], triangles=FLOOR[:0], tags=[]))
     flat = changed(POINTS, 0, POINTS[7])
     assert error_of(lambda: make(points=flat)) != "no error"
-    expect("arrays", lambda: make(points=np.concatenate([POINTS, POINTS[:1] + 5])))  # a node of no cell
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        mesh = make(points=np.concatenate([POINTS[:2], POINTS[:1] + 5, POINTS[2:]]), cells=CELLS + (CELLS > 1), triangles=FLOOR + (FLOOR > 1))
+    assert mesh.n_nodes == 8 and (COMM.rank > 0 or "1 nodes of no cell were left out" in str(told[0].message))
+    assert set(np.concatenate(COMM.allgather(mesh.node_origin)).tolist()) == set(range(9)) - {2}
     twice = np.concatenate([CELLS, CELLS[:1]])
     expect("at most two cells at a face", lambda: make(cells=twice))
 

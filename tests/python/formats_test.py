@@ -10,7 +10,8 @@ from collective import COMM, error_of, in_folder, run_tests
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 CONVERT = pathlib.Path(pamr.__file__).resolve().parents[2] / "bin" / "pamr-convert"
-ENDINGS = {ending: is_read for name, endings, is_read in pamr._core.formats() for ending in endings}
+ENDINGS = {ending: is_read for name, endings, is_read, is_written in pamr._core.formats() for ending in endings}
+WRITTEN = [ending for name, endings, is_read, is_written in pamr._core.formats() for ending in endings if is_written]
 
 
 def convert(*arguments):
@@ -50,8 +51,9 @@ def test_every_ending_comes_back_from_python_and_from_the_tool():
     mesh.write("cube.hdf")
     expected = content(mesh)
     assert len(expected[0]) == 48 and len(expected[1]) == 6
-    assert sum(ENDINGS.values()) == 9 and len(ENDINGS) == 16
-    for ending, is_read in ENDINGS.items():
+    assert sum(ENDINGS.values()) == 13 and len(ENDINGS) == 18 and len(WRITTEN) == 16
+    for ending in WRITTEN:
+        is_read = ENDINGS[ending]
         mesh.write(f"python{ending}")
         assert convert("cube.hdf", f"tool{ending}", "--force") == (0, ""), ending  # two have one .mapbc
         assert bytes_of(f"python{ending}") == bytes_of(f"tool{ending}"), ending
@@ -65,20 +67,31 @@ def test_every_ending_comes_back_from_python_and_from_the_tool():
 
 @in_folder
 def test_endings_that_are_not_read_or_not_known_have_one_message():
-    readable = ", ".join(ending for ending, is_read in ENDINGS.items() if is_read)
+    readable = ", ".join(ending for ending, is_read in ENDINGS.items() if is_read and ending)
     not_read = [ending for ending, is_read in ENDINGS.items() if not is_read] + [".xyz", ".ugrid", ".r8.ugrid", ".h5"]
-    assert ".cgns" in not_read and ".vtp" in not_read and "" in not_read
+    assert ".vtp" in not_read and ".vtk" not in not_read and "" not in not_read
     for ending in not_read:
         message = error_of(lambda: pamr.Mesh.read(COMM, f"mesh{ending}"))
         assert message.startswith(f"file 'mesh{ending}': expected a name that ends in {readable}, found "), message
         assert COMM.size > 1 or convert(f"mesh{ending}", "x.hdf") == (2, f"pamr-convert: error: {message}\n")
     assert "found a surface: pamr-mesh" in error_of(lambda: pamr.Mesh.read(COMM, "mesh.off"))
-    assert '".cgns": CGNS is only written' in error_of(lambda: pamr.Mesh.read(COMM, "mesh.cgns"))
+    assert '".vtp": VTK PolyData is only written' in error_of(lambda: pamr.Mesh.read(COMM, "mesh.vtp"))
+    assert "expected the folder of an OpenFOAM case, found none" in error_of(lambda: pamr.Mesh.read(COMM, "mesh"))
     mesh = pamr.Mesh.kuhn_cube(COMM, 1)
     mesh.write("cube.hdf")
     for ending in (".xyz", ".r8.ugrid"):
         message = error_of(lambda: mesh.write(f"x{ending}"))
-        assert all(known in message for known in ENDINGS) and message.endswith("(an OpenFOAM case is a folder)"), message
+        assert all(known in message for known in WRITTEN) and message.endswith("(an OpenFOAM case is a folder)"), message
+        assert COMM.size > 1 or convert("cube.hdf", f"x{ending}") == (2, f"pamr-convert: error: {message}\n")
+
+
+@in_folder
+def test_endings_that_are_only_read_have_one_message():
+    mesh = pamr.Mesh.kuhn_cube(COMM, 1)
+    mesh.write("cube.hdf")
+    for ending in set(ENDINGS) - set(WRITTEN):
+        message = error_of(lambda: mesh.write(f"x{ending}"))
+        assert message.endswith(" is only read") and ".msh" in message, message
         assert COMM.size > 1 or convert("cube.hdf", f"x{ending}") == (2, f"pamr-convert: error: {message}\n")
 
 
@@ -86,7 +99,7 @@ def test_pictures_and_the_manual_know_every_ending():
     sys.path.insert(0, str(ROOT / "tools" / "picture"))
     import mesh_files
     for ending in ENDINGS:
-        assert "." + ending.rpartition(".")[2] in mesh_files.READERS or ending in (".cgns", ""), ending
+        assert "." + ending.rpartition(".")[2] in mesh_files.READERS or ending in (".cgns", ".mfem", ""), ending
     page = (ROOT / "docs" / "tools" / "pamr-convert.md").read_text(encoding="utf-8")
     assert all(f"`{ending}`" in page for ending in ENDINGS if ending)
 

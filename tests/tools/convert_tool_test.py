@@ -333,7 +333,9 @@ def test_torn_meshes_are_told_and_welded_whatever_the_format():
         assert counts == [[54, 2, 16, 2], [45, 1, 0, 2], [45, 1, 0, 2]], counts
     told = run("pamr-convert", two_boxes((0.4, 0.1, 0.3), "inside.vtu"), "inside.hdf", "--json", "-")
     assert told.json["overlaps"] > 0 and "the mesh overlaps itself" in told.err and "--weld" not in told.err
-    refuses("pamr-convert", "inside.vtu", "strict.hdf", "--strict", says=["overlaps itself"], creates="strict.hdf")
+    refuses("pamr-convert", "inside.vtu", "strict.hdf", "--strict", says=["96 faces without"], creates="strict.hdf")
+    run("pamr-convert", "inside.hdf", "inside.msh", "--quiet")
+    refuses("pamr-convert", "inside.msh", "strict.hdf", "--strict", says=["overlaps itself"], creates="strict.hdf")
     kuhn_cube("whole.hdf", 2)
     run("pamr-mark", "whole.hdf", "-o", "marked.hdf", "--all", "--quiet")
     run("pamr-refine", "marked.hdf", "-o", "fine.hdf", "--quiet")
@@ -373,7 +375,7 @@ def test_what_is_no_good_mesh_is_refused_by_name():
         "few": (good.replace("$Nodes\n5", "$Nodes\n6"), ["expected"]),
         "cut": (good[:300], ["the end of the file"]),
         "no cells": ("\n".join(line for line in good.split("\n") if " 4 2 7 " not in line).replace("\n10\n1 4", "\n8\n1 4")
-                     .replace("$Elements\n10", "$Elements\n8"), ["tetrahedra, found none"]),
+                     .replace("$Elements\n10", "$Elements\n8"), ["tetrahedra, found 6 triangles alone", "Physical Volume"]),
         "periodic": (good + "$Periodic\n1\n2 1 2\nten\n10 20\n$EndPeriodic\n", ["pairs of linked nodes", "ten"]),
         "scattered": (good.replace("50", "5000000"), ["without wide gaps"]),
     }

@@ -334,7 +334,7 @@ def test_bad_su2_files_are_refused_with_the_place():
     run("pamr-convert", one_cell_su2(), "good.hdf", "--quiet")
     for change, says in [
             ({"head": ""}, ["NDIME"]), ({"head": "NDIME= 2\n"}, ["line 1", "3 dimensions", "2"]),
-            ({"head": "NZONE= 2\nNDIME= 3\n"}, ["line 1", "one zone"]), ({"head": "hello\n"}, ["line 1", "keyword"]),
+            ({"head": "NZONE= 2\nNDIME= 3\n"}, ["line 1", "one zone"]), ({"head": "hello\n"}, ["NDIME"]), ({"head": "NDIME= 3\nhello\n"}, ["line 2", "keyword"]),
             ({"cells": ""}, ["NELEM"]), ({"cells": "NELEM= 2\n10 0 1 2 3\n"}, ["line "]),
             ({"cells": "NELEM= 1\n12 0 1 2 3 0 1 2 3\n"}, ["1 hexahedra"]),
             ({"cells": "NELEM= 2\n10 0 1 2 3\n13 0 1 2 3 0 1\n"}, ["1 prisms"]),
@@ -377,7 +377,7 @@ def test_bad_medit_files_are_refused_with_the_place():
             ({"nodes": "Vertices\n4\n0 0 0 0\n1 0 inf 0\n0 1 0 0\n0 0 1 0\n"}, ["line 6", "inf"]),
             ({"nodes": "Vertices\n5\n0 0 0 0\n1 0 0 0\n0 1 0 0\n0 0 1 0\n"}, ["line "]),
             ({"nodes": "Vertices\n3\n0 0 0 0\n1 0 0 0\n0 1 0 0\n0 0 1 0\n"}, ["line 8", "a keyword"]),
-            ({"nodes": ""}, ["nodes, found none"]), ({"cells": ""}, ["tetrahedra, found none"]),
+            ({"nodes": ""}, ["nodes, found none"]), ({"cells": ""}, ["tetrahedra, found 4 triangles alone"]),
             ({"cells": "Tetrahedra\n1\n1 2 3 5 5\n"}, ["node number 5"]),
             ({"cells": "Tetrahedra\n1\n1 2 3 3 5\n"}, []),
             ({"cells": "Tetrahedra\n1\n1 2 3 4 5\nHexahedra\n1\n1 2 3 4 1 2 3 4 0\n"}, ["1 hexahedra"]),

@@ -27,6 +27,7 @@
 #include "pamr/base/read_file.hpp"
 #include "pamr/geometry/cad/cad_source.hpp"
 #include "pamr/geometry/cad/read_cad.hpp"
+#include "pamr/io/cgns/read_cgns.hpp"
 #include "pamr/io/native/preflight.hpp"
 #include "pamr/par/parent_job.hpp"
 
@@ -99,6 +100,8 @@ std::string error_of_reading(const std::string& file, bool is_cad) {
   try {
     if (is_cad)
       (void)geometry::make_cad_model({file, geometry::read_cad_source(file).text}, geometry::usual_cad_unit);
+    else if (fs::path(file).extension() == ".cgns")
+      io::try_reading_cgns(file);
     else
       io::try_reading(file, allow_time_for);
   } catch (const Error& error) {

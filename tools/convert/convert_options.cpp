@@ -95,7 +95,7 @@ void require_known(const Options& options, bool is_given, const std::string& opt
 std::string formats_help(bool is_read) {
   std::string text;
   for (const auto& format : io::formats())
-    if (!format.is_surface && !format.is_folder && (format.read != nullptr || !is_read))
+    if (!format.is_surface && !format.is_folder && (is_read ? format.read != nullptr : format.write != nullptr))
       text += fmt::format("{}{} ({})", text.empty() ? "" : ", ", io::list_endings(format, " or "), format.name);
   return text;
 }
@@ -103,7 +103,8 @@ std::string formats_help(bool is_read) {
 }  // namespace
 
 void declare(cli::CommandLine& line, Options& options) {
-  line.option("IN", options.input, "mesh to read: " + formats_help(true)).required();
+  line.option("IN", options.input, "mesh to read: " + formats_help(true) + ", or the folder of an OpenFOAM case")
+      .required();
   line.option(
           "OUT", options.output,
           fmt::format("mesh to write: {}; its boundary: {}; without an extension, or an existing folder: an "

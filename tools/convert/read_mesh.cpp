@@ -36,6 +36,13 @@ void refuse_changes(const io::ElementMesh& read, const std::string& file) {
     throw Error(
         fmt::format("file '{}': expected surfaces on the boundary, found {} triangles of '{}' between two regions",
                     file, n, group));
+  for (const auto& group : read.unused_groups)
+    throw Error(
+        group.n_elements > 0
+            ? fmt::format("file '{}': expected groups of triangles and tetrahedra, found '{}' with {} {}", file,
+                          group.name, group.n_elements, group.dimension == 0 ? "points" : "lines")
+            : fmt::format("file '{}': expected elements in every named group, found none in '{}'", file, group.name));
+  refuse(read.n_untagged_triangles, "a tag on every triangle, found {} without");
   refuse(read.n_turned, "cells of positive volume, found {} inverted ones");
   refuse(read.n_periodic_links, "no periodic links, found {}");
   refuse(read.n_dropped_nodes, "nodes that belong to cells, found {} others");
@@ -61,9 +68,12 @@ mesh::DistMesh read_mesh(cli::Session& session, const ReadRequest& request, nloh
       overlaps.push_back({{"dimension", dimension}, {"kept", kept}, {"other", other}, {"elements", n}});
     auto& inner = report["inner_faces"] = nlohmann::json::object();
     for (const auto& [group, n] : read.inner_faces) inner[group] = n;
-    report["untagged_faces"] = read.n_untagged_faces;
+    auto& unused = report["unused_groups"] = nlohmann::json::array();
+    for (const auto& group : read.unused_groups)
+      unused.push_back({{"dimension", group.dimension}, {"name", group.name}, {"elements", group.n_elements}});
     report["periodic_links"] = read.n_periodic_links;
   }
+  report["untagged_faces"] = read.n_untagged_faces;
   report["turned_cells"] = read.n_turned;
   report["dropped_nodes"] = read.n_dropped_nodes;
   for (const auto& remark : io::remarks_of(read)) session.warn(remark);

@@ -9,19 +9,24 @@
 
 #include "pamr/assemble/assemble.hpp"
 #include "pamr/base/error.hpp"
+#include "pamr/io/cgns/read_cgns.hpp"
+#include "pamr/io/elements/first_line.hpp"
 #include "pamr/io/export/write_boundary.hpp"
 #include "pamr/io/export/write_cgns.hpp"
 #include "pamr/io/export/write_foam.hpp"
 #include "pamr/io/export/write_vtu.hpp"
+#include "pamr/io/foam/read_foam.hpp"
 #include "pamr/io/gmsh/read_gmsh.hpp"
 #include "pamr/io/medit/read_medit.hpp"
 #include "pamr/io/medit/write_medit.hpp"
+#include "pamr/io/mfem/read_mfem.hpp"
 #include "pamr/io/native/native_file.hpp"
 #include "pamr/io/native/write_native.hpp"
 #include "pamr/io/su2/read_su2.hpp"
 #include "pamr/io/su2/write_su2.hpp"
 #include "pamr/io/ugrid/read_ugrid.hpp"
 #include "pamr/io/ugrid/write_ugrid.hpp"
+#include "pamr/io/vtk/read_legacy_vtk.hpp"
 #include "pamr/io/vtk/read_vtu.hpp"
 
 namespace pamr::io {
@@ -71,11 +76,18 @@ const std::vector<Format> table{
      .read = [](const Comm& comm, const Path& file, const Read&) { return read_vtu(comm, file); },
      .write = [](const Comm& comm, const Path& file, const mesh::DistMesh& mesh,
                  const Write& o) { write_vtu(comm, file, mesh, o.second_order); },
+     .has_elements = true,
      .has_second_order = true},
+    {.name = "legacy VTK",
+     .endings = {".vtk"},
+     .read = [](const Comm& comm, const Path& file, const Read&) { return read_legacy_vtk(comm, file); },
+     .write = nullptr,
+     .has_elements = true},
     {.name = "Medit",
      .endings = {".mesh", ".meshb"},
      .read =
          [](const Comm& comm, const Path& file, const Read& o) {
+           if (is_mfem(comm, file)) return read_mfem(comm, file, {.repair = o.repair});  // both call it .mesh
            return read_medit(comm, file, {{.repair = o.repair}, o.solution, o.field_names});
          },
      .write = [](const Comm& comm, const Path& file, const mesh::DistMesh& mesh,
@@ -83,6 +95,12 @@ const std::vector<Format> table{
      .has_elements = true,
      .has_interfaces = true,
      .has_solutions = true},
+    {.name = "MFEM",
+     .endings = {".mfem"},
+     .read = [](const Comm& comm, const Path& file,
+                const Read& o) { return read_mfem(comm, file, {.repair = o.repair}); },
+     .write = nullptr,
+     .has_elements = true},
     {.name = "SU2",
      .endings = {".su2"},
      .read = [](const Comm& comm, const Path& file,
@@ -100,9 +118,11 @@ const std::vector<Format> table{
      .file_beside = mapbc_file},
     {.name = "CGNS",
      .endings = {".cgns"},
-     .read = nullptr,
+     .read = [](const Comm& comm, const Path& file,
+                const Read& o) { return read_cgns(comm, file, {.repair = o.repair}); },
      .write = [](const Comm& comm, const Path& file, const mesh::DistMesh& mesh,
-                 const Write& o) { write_cgns(comm, file, mesh, o.remark); }},
+                 const Write& o) { write_cgns(comm, file, mesh, o.remark); },
+     .has_elements = true},
     {.name = "surface",
      .endings = {".stl", ".obj", ".ply", ".off"},
      .read = nullptr,
@@ -113,9 +133,11 @@ const std::vector<Format> table{
     {.name = "VTK PolyData", .endings = {".vtp"}, .read = nullptr, .write = write_surface, .is_surface = true},
     {.name = "OpenFOAM",
      .endings = {""},
-     .read = nullptr,
+     .read = [](const Comm& comm, const Path& file,
+                const Read& o) { return read_foam(comm, file, {.repair = o.repair, .order = CellOrder::keep}); },
      .write = [](const Comm& comm, const Path& file, const mesh::DistMesh& mesh,
                  const Write& o) { write_foam(comm, file, mesh, o.remark); },
+     .has_elements = true,
      .is_folder = true},
 };
 
@@ -130,7 +152,10 @@ std::string list(const std::vector<std::string_view>& endings, std::string_view 
 std::string what_was_found(const Path& file) {
   const auto* format = find_format(file);
   const auto ending = fmt::format("\"{}\"", file.extension().string());
-  if (format == nullptr) return ending;
+  if (format == nullptr) {
+    const auto what = what_begins(file);
+    return what.empty() ? ending : fmt::format("{} and {}", ending, what);
+  }
   if (!format->instead_of_reading.empty()) return std::string(format->instead_of_reading);
   return fmt::format("{}: {} is only written", ending, format->name);
 }
@@ -153,7 +178,8 @@ const Format* find_format(const Path& file) {
 }
 
 const Format& format_to_read(const Path& file) {
-  const auto* format = find_format(file);
+  std::error_code none;
+  const auto* format = find_format(std::filesystem::is_directory(file, none) ? Path("folder") : file);
   if (format == nullptr || format->read == nullptr)
     throw unknown_ending(file, list_endings([](const Format& f) { return f.read != nullptr; }, ", "),
                          what_was_found(file));
@@ -164,9 +190,11 @@ const Format& format_to_write(const Comm& comm, const Path& file) {
   std::error_code none;
   const bool is_folder = comm.any(file.extension().empty() || std::filesystem::is_directory(file, none));
   const auto* format = is_folder ? find_format("folder") : find_format(file);
-  if (format == nullptr)
-    throw unknown_ending(file, list_endings([](const Format&) { return true; }, ", "),
-                         fmt::format("\"{}\" (an OpenFOAM case is a folder)", file.extension().string()));
+  if (format == nullptr || format->write == nullptr)
+    throw unknown_ending(file, list_endings([](const Format& f) { return f.write != nullptr; }, ", "),
+                         format == nullptr
+                             ? fmt::format("\"{}\" (an OpenFOAM case is a folder)", file.extension().string())
+                             : fmt::format("\"{}\": {} is only read", file.extension().string(), format->name));
   return *format;
 }
 

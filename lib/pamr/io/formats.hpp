@@ -44,6 +44,7 @@ struct Format {
   std::vector<std::string_view> endings;  ///< in lower case; that of a folder is empty
   /// Null for a format that is only written.
   ElementMesh (*read)(const par::Comm& comm, const std::filesystem::path& file, const MeshReadOptions& options);
+  /// Null for a format that is only read.
   void (*write)(const par::Comm& comm, const std::filesystem::path& file, const mesh::DistMesh& mesh,
                 const MeshWriteOptions& options);
   std::string_view instead_of_reading = {};  ///< what was found and what to do, where that is known

@@ -43,16 +43,10 @@ def from_meshio(comm: Any, mesh: Any, tags: Optional[str] = None, names: Optiona
         parts = Parts(np.empty((0, 3)), np.empty((0, 4), int), np.empty((0, 3), int), np.empty(0, int), *shape[:2], of_cells,
                       of_nodes)
     # Along the curve, and so in runs over the ranks: all cells are on rank 0.
-    result = Mesh._of_arrays(comm, parts.points, parts.cells, (parts.triangles, parts.tags), shape[0], parts.cell_fields,
-                             parts.node_fields, "", "curve", repair, shape[1])
-    n_faces = comm.allreduce(int((result.cell_to_cell < 0).sum()))
-    n_untagged = n_faces - len(np.unique(np.sort(parts.triangles, axis=1), axis=0)) if comm.rank == 0 else 0
-    if n_untagged > 0:
-        parts.remarks.append(f"{n_untagged} boundary faces without tag are in the patch 'boundary'")
-    if result.n_turned > 0:
-        parts.remarks.append(f"{result.n_turned} inverted cells were turned over")
-    parts.remarks += _core.remarks_on_tears(result._core)
-    for remark in parts.remarks if comm.rank == 0 else []:
+    result, remarks = Mesh._of_arrays(comm, parts.points, parts.cells, (parts.triangles, parts.tags), shape[0],
+                                      parts.cell_fields, parts.node_fields, "", "curve", repair, shape[1], "from_meshio",
+                                      parts.unused, False)
+    for remark in parts.remarks + remarks if comm.rank == 0 else []:
         warnings.warn(f"from_meshio: {remark}", stacklevel=2)
     return result
 
@@ -92,7 +86,7 @@ def from_dolfinx(mesh: Any, facet_tags: Any = None, names: Optional[Mapping[int,
         return (np.asarray(geometry.x)[:index_map.size_local], corners, (triangles, tags), fields), sorted(fields)
     points, cells, boundary, fields = agree(mesh.comm, prepare)
     # dolfinx has no order of corners that makes a volume positive
-    return Mesh._of_arrays(mesh.comm, points, cells, boundary, names, fields, None, "", "keep", True, None)
+    return Mesh._of_arrays(mesh.comm, points, cells, boundary, names, fields, None, "", "keep", True, None)[0]
 
 
 class DolfinxMesh(NamedTuple):

@@ -100,39 +100,35 @@ class Mesh:
         boundary: triangles (t x 3 numbers of points) and their tags (t integers), on any ranks, in any order. Faces of the
             boundary without a triangle form the patch "boundary".
         names: of the tags: {tag: name} or {tag: (name, kind)}, the same on every rank; otherwise "patch_TAG".
-        cell_fields, node_fields: {name: values} for the cells and the points given here.
+        cell_fields, node_fields: {name: values} for the cells and the points given here; an integer cell field "region" says
+            between which cells there may be triangles, which are no patch then.
         order: put cells and nodes along a space-filling curve: "auto" (where it pays), "curve", "keep". ``cell_origin`` and
             ``node_origin`` say which row of the arrays each came from.
-        repair: turn inverted cells over. Without it they are refused, unless all cells are inverted. ``n_turned`` counts
-            them, and a Python warning on rank 0 says so.
-        regions: names of values of the integer cell field "region"; a Python warning on rank 0 names values of no cell.
+        repair: turn inverted cells over. Without it they are refused, unless all cells are inverted. ``n_turned`` counts them.
+        regions: names of values of the integer cell field "region".
+        What is odd or left out (points of no cell, faces without a triangle, names of nothing) is a Python warning on rank 0,
+        in the words of pamr-convert for files.
         Raises pamr.Error, the same on every rank, that says which entry is wrong.
         """
-        mesh = Mesh._of_arrays(comm, points, cells, boundary, names, cell_fields, node_fields, length_unit, order, repair,
-                               regions)
-        remarks = _core.remarks_on_tears(mesh._core)
-        if mesh.n_turned > 0:
-            remarks.insert(0, f"{mesh.n_turned} inverted cells were turned over")
+        mesh, remarks = Mesh._of_arrays(comm, points, cells, boundary, names, cell_fields, node_fields, length_unit, order, repair,
+                                        regions)
         for remark in remarks if comm.rank == 0 else []:
             warnings.warn(remark, stacklevel=2)
-        if regions:
-            there = set().union(*comm.allgather(set(np.unique(mesh.cell_fields["region"]).tolist())))
-            none = [f"{number} ('{name}')" for number, name in sorted(mesh.regions.items()) if number not in there]
-            if none and comm.rank == 0:
-                warnings.warn(f"regions: no cell has the number {', '.join(none)}", stacklevel=2)
         return mesh
 
     @staticmethod
     def _of_arrays(comm: Any, points: Any, cells: Any, boundary: Any, names: Any, cell_fields: Any, node_fields: Any,
-                   length_unit: str, order: str, repair: bool, regions: Any) -> "Mesh":
-        """The same without a warning."""
+                   length_unit: str, order: str, repair: bool, regions: Any, source: str = "arrays", unused: Any = (),
+                   finite: bool = True) -> tuple["Mesh", list[str]]:
+        """The same, with the warnings as texts. Errors begin with ``source``; ``unused``: groups that were left out before; ``finite``:
+        whether points have to be finite, where some may be left out."""
         require_comm(comm)
         n_points = [0]
 
         def prepare_points() -> tuple[Any, Any]:
             if order not in ORDERS:
                 raise Error(f"order: expected one of {', '.join(ORDERS)}, found {order!r}")
-            array = reals("points", points, (None, 3))
+            array = reals("points", points, (None, 3), finite)
             n_points[0] = len(array)
             at_points = [field_in(k, v, len(array)) for k, v in (node_fields or {}).items()]
             corners = integers("cells", cells, (None, 4))
@@ -166,18 +162,21 @@ class Mesh:
             patches = []
             for tag in all_tags:
                 name = (names or {}).get(tag, f"patch_{tag}")
-                patches.append((name, "") if isinstance(name, str) else (str(name[0]), str(name[1])))
-            if len({name for name, _ in patches}) != len(patches):
+                patches.append((tag, name, "") if isinstance(name, str) else (tag, str(name[0]), str(name[1])))
+            if len({name for _, name, _ in patches}) != len(patches):
                 raise Error("names: expected different names for different tags, found one twice")
             return patches, patches
 
-        patches = agree(comm, prepare_numbers)
-        places = np.searchsorted(np.asarray(all_tags, dtype=np.int64), tags).astype(np.int32)
-        core, n_turned = _core.from_arrays(_address(comm), array, corners, triangles, places, patches, at_cells, at_points,
-                                           length_unit, ORDERS.index(order), bool(repair), region_names)
+        given = _core.Given()
+        given.patches = agree(comm, prepare_numbers)
+        given.points, given.cells, given.triangles, given.tags = array, corners, triangles, tags
+        given.cell_fields, given.node_fields = at_cells, at_points
+        given.length_unit, given.regions, given.unused = length_unit, region_names, list(unused)
+        given.has_boundary = boundary is not None
+        core, n_turned, remarks = _core.from_arrays(_address(comm), given, source, ORDERS.index(order), bool(repair))
         mesh = Mesh(core, comm)
         mesh.n_turned = n_turned
-        return mesh
+        return mesh, remarks
 
     #: Cells given with negative volume, which were turned over.
     n_turned: int = 0

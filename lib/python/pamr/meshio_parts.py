@@ -16,6 +16,8 @@ PHYSICAL, ENTITY = "gmsh:physical", "gmsh:geometrical"
 TAGS = (PHYSICAL, ENTITY, "medit:ref", "tetgen:ref", "netgen:index", "ugrid:ref", "nastran:ref", "su2:tag",
         "avsucd:material")
 REGION = "region"
+# Of the files that PAMR writes: numbers of patches, whose names stand in field data.
+OWN_TAGS, OWN_NAMES = ("boundary_patch", "patch"), "patch "
 
 
 @dataclass
@@ -30,6 +32,7 @@ class Parts:
     cell_fields: dict
     node_fields: dict
     remarks: list[str] = field(default_factory=list)  #: what was left out
+    unused: list[tuple[int, str, int]] = field(default_factory=list)  #: groups of points and lines: dimension, name, elements
 
 
 @dataclass
@@ -65,20 +68,37 @@ def parts_of(mesh: Any, tags: Optional[str], names: Optional[Mapping[int, str]])
         remarks.append(f"{len(triangle.nodes)} triangles without tags were left out"
                        + (f" (tags= takes one of {found})" if found else ""))
     of_cells = {k: _joined(mesh, "tetra", f"cell data {k!r}", v)[kept[1]] for k, v in mesh.cell_data.items()
-                if (k != key or key not in TAGS) and (k != ENTITY or key != PHYSICAL)}
+                if (k != key or key not in TAGS + OWN_TAGS) and (k != ENTITY or key != PHYSICAL)}
     if "level" in of_cells and of_cells["level"].dtype == np.uint8:  # what our files show to viewers
         del of_cells["level"]
         remarks.append("cell data 'level' of type uint8 were left out: files of PAMR show the levels of cells by this name")
+    if key in OWN_TAGS and "mean_ratio" in of_cells and of_cells["mean_ratio"].dtype == np.float32:
+        del of_cells["mean_ratio"]  # worked out for viewers
     _choose_regions(tetra, key, of_cells, remarks)
     left_out = [f"'{name}' ({len(points)} points)" for name, points in mesh.point_sets.items()]
     if left_out:
         remarks.append(f"point sets were left out: {', '.join(left_out)}")
-    tagged = triangle.nodes, triangle.tags
-    if triangle.tags is None:
-        tagged = np.empty((0, 3), np.int64), np.empty(0, np.int64)
-    else:
-        tagged = _at_the_boundary(triangle, tetra.nodes, len(mesh.points), of_cells.get(REGION), remarks)
-    return _without_other_points(mesh, tetra, tagged, triangle.names, of_cells, remarks)
+    points = np.zeros((len(mesh.points), 3))
+    given = reals("points", mesh.points, (len(mesh.points), np.shape(mesh.points)[1]), finite=False)
+    points[:, :given.shape[1]] = given
+    tagged = (np.empty((0, 3), np.int64), np.empty(0, np.int64)) if triangle.tags is None else (triangle.nodes, triangle.tags)
+    regions = tetra.names if REGION in of_cells and of_cells[REGION] is tetra.tags else {}
+    of_points = {k: plain(f"point data {k!r}", v) for k, v in mesh.point_data.items()}
+    return Parts(points, tetra.nodes, *tagged, triangle.names, regions, of_cells, of_points, remarks,
+                 _groups_of_points_and_lines(mesh, key))
+
+
+def _groups_of_points_and_lines(mesh: Any, key: Optional[str]) -> list[tuple[int, str, int]]:
+    """Named groups of Gmsh for which a mesh has no place, with their elements."""
+    if key != PHYSICAL:
+        return []
+    groups = []
+    for dimension, kinds in enumerate(("vertex", "line")):
+        tags = Counter(np.abs(_joined(mesh, kinds, PHYSICAL, mesh.cell_data[PHYSICAL])).tolist())
+        names = {int(v[0]): k for k, v in mesh.field_data.items() if np.shape(v) == (2,) and v[1] == dimension}
+        for tag in sorted({tag for tag in tags if tag > 0} | set(names)):
+            groups.append((dimension, names.get(tag, f"physical_{tag}"), tags[tag]))
+    return groups
 
 
 def _require_tetrahedra(mesh: Any) -> None:
@@ -97,7 +117,8 @@ def _require_tetrahedra(mesh: Any) -> None:
 
 def _key_of(mesh: Any, tags: Optional[str]) -> Optional[str]:
     if tags is None:
-        return next((key for key in TAGS if key in mesh.cell_data), None)
+        own = [key for key in OWN_TAGS if key in mesh.cell_data and any(k.startswith(OWN_NAMES) for k in mesh.field_data)]
+        return next((key for key in (*own, *TAGS) if key in mesh.cell_data), None)
     if tags not in mesh.cell_data:
         found = ", ".join(map(repr, mesh.cell_data)) or "no cell data"
         raise Error(f"from_meshio: expected cell data {tags!r} for the tags, found {found}")
@@ -122,7 +143,10 @@ def _group(mesh: Any, kind: str, key: Optional[str], names: Optional[Mapping[int
         tags = _numbers(name, _joined(mesh, kind, name, mesh.cell_data[key]), len(nodes))
         if key == PHYSICAL:  # format 4.1 has a minus where the group has an entity with its orientation reversed
             tags = np.abs(tags)
-    if names is None:
+    if names is None and key in OWN_TAGS:
+        names = {int(np.ravel(v)[0]): k[len(OWN_NAMES):] for k, v in mesh.field_data.items() if k.startswith(OWN_NAMES)}
+        names = names if dimension == 2 else {}
+    elif names is None:
         names = {int(v[0]): k for k, v in mesh.field_data.items() if np.shape(v) == (2,) and v[1] == dimension}
     return Group(kind, nodes, tags, dict(names), _sets(mesh, kind))
 
@@ -183,6 +207,8 @@ def _leave_one_of_each(mesh: Any, key: Optional[str], group: Group, remarks: lis
         first, second = group.name(one), group.name(other)
         remarks.append(f"{n} {group.things} are in the group '{first}' and in '{second}': they stay in '{first}', which has "
                        f"the smaller number")
+    gone = set(group.tags[~kept].tolist()) - set(group.tags[kept].tolist())
+    group.names = {tag: name for tag, name in group.names.items() if tag not in gone}
     rows = np.cumsum(kept) - 1
     group.sets = {name: rows[members[kept[members]]] for name, members in group.sets.items()}
     group.nodes, group.tags = group.nodes[kept], group.tags[kept]
@@ -231,56 +257,3 @@ def _compare_sets(group: Group, remarks: list[str]) -> None:
             if group.name(tag) != name:
                 remarks.append(f"{n} {group.things} of the cell set '{name}' are in '{group.name(tag)}' by their tags and stay "
                                f"there")
-
-
-def _sides(cells: np.ndarray, triangles: np.ndarray, n_points: int) -> np.ndarray:
-    """The tetrahedra at each triangle, n x 2, ascending; -1: none."""
-    faces = np.concatenate([np.delete(cells, corner, axis=1) for corner in range(4)])
-    owner = np.tile(np.arange(len(cells)), 4)
-    at_triangles = np.zeros(n_points, bool)
-    at_triangles[triangles] = True
-    near = at_triangles[faces].all(axis=1)
-    faces, owner = faces[near], owner[near]
-    _, key = np.unique(np.sort(np.concatenate([triangles, faces]), axis=1), axis=0, return_inverse=True)
-    of_triangle, of_face = np.split(key.ravel(), [len(triangles)])
-    order = np.lexsort((owner, of_face))
-    first, last = (np.searchsorted(of_face[order], of_triangle, side) for side in ("left", "right"))
-    sides = np.full((len(triangles), 2), -1)
-    for side in (0, 1):
-        there = last - first > side
-        sides[there, side] = owner[order][first[there] + side]
-    return sides
-
-
-def _at_the_boundary(triangle: Group, cells: np.ndarray, n_points: int, region: Optional[np.ndarray],
-                     remarks: list[str]) -> tuple[np.ndarray, np.ndarray]:
-    """The triangles that are faces of the boundary; those between two regions are left out."""
-    assert triangle.tags is not None
-    sides = _sides(cells, triangle.nodes, n_points)
-    inner = sides[:, 1] >= 0
-    between = inner & (region is not None and region[sides[:, 0]] != region[sides[:, 1]])
-    n_bad = int((inner & ~between).sum() + (sides[:, 0] < 0).sum())
-    if n_bad:
-        raise Error(f"from_meshio: expected tagged triangles on the boundary of the tetrahedra or between two regions of them, "
-                    f"found {n_bad} inside a region or apart from the cells")
-    for tag, n in sorted(Counter(triangle.tags[between].tolist()).items()):
-        remarks.append(f"{n} triangles of '{triangle.name(tag)}' lie between two regions and are no patch: the field 'region' has "
-                       f"what lies on either side, and new nodes stay on these triangles")
-    return triangle.nodes[~between], triangle.tags[~between]
-
-
-def _without_other_points(mesh: Any, tetra: Group, tagged: tuple[np.ndarray, np.ndarray], names: dict, of_cells: dict,
-                          remarks: list[str]) -> Parts:
-    used, corner = np.unique(tetra.nodes, return_inverse=True)
-    new = np.full(len(mesh.points), -1, np.int64)
-    new[used] = np.arange(len(used))
-    if len(used) < len(mesh.points):
-        remarks.append(f"{len(mesh.points) - len(used)} points of no tetrahedron were left out")
-    points = np.zeros((len(used), 3))
-    given = reals("points", mesh.points, (len(mesh.points), np.shape(mesh.points)[1]), finite=False)
-    points[:, :given.shape[1]] = given[used]
-    at_points = {k: plain(f"point data {k!r}", v)[used] for k, v in mesh.point_data.items()}
-    regions = tetra.names if REGION in of_cells and of_cells[REGION] is tetra.tags else {}
-    present = set(tagged[1].tolist())
-    return Parts(points, corner.reshape(tetra.nodes.shape), new[tagged[0]], tagged[1],
-                 {tag: name for tag, name in names.items() if tag in present}, regions, of_cells, at_points, remarks)

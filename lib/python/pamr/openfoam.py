@@ -23,7 +23,7 @@ from typing import Any, Iterable, Optional, Union
 
 import numpy as np
 
-from . import foam_case
+from . import _core, foam_case
 from ._core import Error
 from .foam_file import COMPONENTS, FieldFile, Values, class_of, read_field, write_bytes
 from .mesh import Mesh
@@ -207,12 +207,18 @@ def _names_in(folder: str, names: Optional[Iterable[str]]) -> tuple[list[str], l
 
 def read_fields(mesh: Mesh, case: Union[str, os.PathLike], time: str, names: Optional[Iterable[str]] = None) -> FoamFields:
     """Reads the fields on cells that OpenFOAM has in ``case/time``, or in ``case/processorN/time``: text or binary, compressed
-    or not. Their values become cell fields of the mesh, which must be the one that the case has. Collective.
+    or not. Their values become cell fields of the mesh, which must be the one that the case has, with its cells in the same
+    order (pamr.Error where ``constant/polyMesh`` has them in another one). Collective.
 
     names: of the fields; default: all scalars, vectors, symmetric tensors and tensors on cells. Fields on faces and points (phi) are
     named in ``not_carried``: solvers make them anew.
     """
     comm = mesh.comm
+    path = agree(comm, lambda: (os.fspath(case), os.fspath(case)))
+    n_other = _core.other_foam_faces(mesh._core, path)
+    if n_other:
+        raise Error(f"case '{path}': expected a mesh with the cells of this one in their order, found {n_other} other inner faces: "
+                    f"renumberMesh, for one, changes the order (pamr.Mesh.read takes the mesh of a case as it is)")
     faces = _faces(mesh)
 
     def prepare() -> tuple[Any, Any]:

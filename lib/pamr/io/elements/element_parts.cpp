@@ -13,6 +13,51 @@ constexpr std::array<int, 32> nodes_of_type{0, 2,  3,  4,  4, 8,  6,  5,  3,  6,
 
 }  // namespace
 
+int element_type::of_vtk(std::int64_t type) {
+  switch (type) {
+    case 1:
+    case 2:
+      return point;
+    case 3:
+    case 4:
+      return line;
+    case 5:
+      return triangle;
+    case 7:
+    case 42:
+      return polygon;
+    case 8:
+    case 9:
+      return quadrangle;
+    case 10:
+      return tetrahedron;
+    case 11:
+    case 12:
+      return hexahedron;
+    case 13:
+      return prism;
+    case 14:
+      return pyramid;
+    case 21:
+      return 8;
+    case 22:
+      return triangle_2;
+    case 23:
+      return 10;
+    case 24:
+      return tetrahedron_2;
+    case 25:
+    case 29:
+      return 12;
+    case 26:
+      return 13;
+    case 27:
+      return 14;
+    default:
+      return 0;
+  }
+}
+
 int n_nodes_of_type(int type) {
   if (type >= 1 && type <= 31) return nodes_of_type[static_cast<std::size_t>(type)];
   return type == 92 ? 64 : type == 93 ? 125 : 0;
@@ -46,6 +91,8 @@ std::string name_of_type(int type) {
       return "triangles of third order";
     case 23:
       return "triangles of fourth order";
+    case element_type::polygon:
+      return "polygons or polyhedra";
     case 29:
       return "tetrahedra of third order";
     case 30:

@@ -51,9 +51,14 @@ struct ElementParts {
   std::map<std::pair<int, std::int64_t>, std::string> group_name;
   /// Elements of this rank that the file has in two groups: they are in the one that is kept.
   std::map<GroupPair, std::int64_t> in_two_groups = {};
+  /// Points and lines of this rank by dimension (0, 1) and physical group: a mesh has no place for these groups.
+  std::map<std::pair<int, std::int64_t>, std::int64_t> n_in_group = {};
+  std::int64_t n_untagged_triangles = 0;  ///< of this rank, which are left out already
+  std::string why_empty = {};             ///< what may be the reason for named groups without any element
   /// Dimension, geometrical entity and physical group of elements that may be written once for each group.
   std::set<std::array<std::int64_t, 3>> entity_in_group = {};
   bool has_regions = true;                 ///< groups of tetrahedra mean something: they become the field `region`
+  bool has_signed_regions = false;         ///< groups of tetrahedra below 0 are regions too
   std::int64_t n_periodic_links = 0;       ///< between surfaces
   std::set<std::int64_t> linked_surfaces;  ///< geometrical surfaces that are linked as periodic, either side
   /// Groups of the geometrical surfaces that this rank knows.
@@ -70,9 +75,12 @@ struct Share {
 
 /// Numbers of element types, those of Gmsh.
 namespace element_type {
-inline constexpr int triangle = 2, quadrangle = 3, tetrahedron = 4, hexahedron = 5, prism = 6, pyramid = 7,
-                     triangle_2 = 9, tetrahedron_2 = 11;
-}
+inline constexpr int line = 1, point = 15, triangle = 2, quadrangle = 3, tetrahedron = 4, hexahedron = 5, prism = 6,
+                     pyramid = 7, triangle_2 = 9, tetrahedron_2 = 11, polygon = 34;
+
+/// The number of what VTK, and SU2 after it, calls by another one: 0 for what is not known.
+int of_vtk(std::int64_t type);
+}  // namespace element_type
 
 /// Nodes of an element of that type: 0 for a type that no Gmsh knows.
 int n_nodes_of_type(int type);

@@ -3,9 +3,39 @@
 
 #include <fmt/format.h>
 
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+
 #include "pamr/mesh/periodic_patches.hpp"
 
 namespace pamr::io {
+
+namespace {
+
+constexpr std::array<std::string_view, 4> elements_of{"points", "lines", "triangles", "tetrahedra"};
+
+/// Named groups without elements in one remark, those of points and lines in one each.
+void add_unused_groups(const ElementMesh& read, std::vector<std::string>& remarks) {
+  std::string names;
+  std::int64_t n = 0;
+  for (const auto& group : read.unused_groups) {
+    const auto elements = elements_of.at(static_cast<std::size_t>(group.dimension));
+    if (group.n_elements > 0) {
+      remarks.push_back(
+          fmt::format("{} {} of the group '{}' were left out: a mesh has groups of triangles and tetrahedra",
+                      group.n_elements, elements, group.name));
+      continue;
+    }
+    if (++n <= 10) names += fmt::format("{}'{}' ({})", n == 1 ? "" : ", ", group.name, elements);
+  }
+  if (n == 0) return;
+  remarks.push_back(fmt::format("{} named groups have no element: {}{}{}", n, names, n > 10 ? ", ..." : "",
+                                read.why_empty.empty() ? "" : ": " + read.why_empty));
+}
+
+}  // namespace
 
 std::vector<std::string> remarks_of(const ElementMesh& read) {
   std::vector<std::string> remarks;
@@ -13,6 +43,7 @@ std::vector<std::string> remarks_of(const ElementMesh& read) {
     remarks.push_back(fmt::format(
         "{} {} are in the group '{}' and in '{}': they stay in '{}', which has the smaller number", overlap.n_elements,
         overlap.dimension == 2 ? "triangles" : "tetrahedra", overlap.kept, overlap.other, overlap.kept));
+  add_unused_groups(read, remarks);
   for (const auto& [group, n] : read.inner_faces)
     remarks.push_back(
         fmt::format("{} triangles of '{}' lie between two regions and are no patch: the field 'region' has what lies "
@@ -22,6 +53,8 @@ std::vector<std::string> remarks_of(const ElementMesh& read) {
   if (read.n_turned > 0) remarks.push_back(fmt::format("{} inverted cells were turned over", read.n_turned));
   if (read.n_dropped_nodes > 0)
     remarks.push_back(fmt::format("{} nodes of no cell were left out", read.n_dropped_nodes));
+  if (read.n_untagged_triangles > 0)
+    remarks.push_back(fmt::format("{} triangles without tag were left out", read.n_untagged_triangles));
   if (read.n_untagged_faces > 0)
     remarks.push_back(fmt::format("{} boundary faces without tag are in the patch 'boundary'", read.n_untagged_faces));
   if (auto warning = mesh::warning_of_periodic(read.mesh.info.patches); !warning.empty())

@@ -4,7 +4,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
 #include <limits>
+#include <numeric>
 #include <set>
 #include <tuple>
 #include <utility>
@@ -16,7 +18,6 @@
 #include "pamr/assemble/turn_inverted.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/base/index.hpp"
-#include "pamr/base/with_file_name.hpp"
 #include "pamr/mesh/region_faces.hpp"
 #include "pamr/order/order_along_curve.hpp"
 #include "pamr/par/exchange.hpp"
@@ -29,30 +30,38 @@ namespace {
 using Triangle = std::array<GlobalId, 3>;
 
 /// What the file holds that cannot become a mesh of tetrahedra. Collective.
-void refuse_what_does_not_fit(const par::Comm& comm, const ElementParts& parts, const std::string& file) {
+void refuse_what_does_not_fit(const par::Comm& comm, const ElementParts& parts, const std::string& source) {
+  std::set<int> types;
+  for (const auto& [type, n] : parts.refused) types.insert(type);
   std::string found;
-  for (int type = 1; type <= 125; ++type) {
+  for (const int type : par::gather_distinct(comm, types)) {
     const auto here = parts.refused.find(type);
-    const bool is_anywhere = n_nodes_of_type(type) > 0;
-    const auto n = is_anywhere ? comm.sum(here == parts.refused.end() ? 0 : here->second) : 0;
+    const auto n = comm.sum(here == parts.refused.end() ? 0 : here->second);
     if (n > 0) found += fmt::format("{}{} {}", found.empty() ? "" : ", ", n, name_of_type(type));
   }
+  const bool is_gmsh = source.ends_with(".msh'");
   if (!found.empty())
-    throw Error("file '" + file +
-                "': expected tetrahedra and triangles of first order (points and lines are left out), "
-                "found " +
-                found +
-                (found.find("order") != std::string::npos && file.ends_with(".msh")
-                     ? " (gmsh -order 1 makes a mesh of first order)"
-                     : ""));
-  if (comm.sum(static_cast<std::int64_t>(parts.tetrahedron.size())) == 0)
-    throw Error("file '" + file + "': expected tetrahedra, found none");
+    throw Error(fmt::format(
+        "{}: expected tetrahedra and triangles of first order (points and lines are left out), found {}{}", source,
+        found,
+        found.find("order") != std::string::npos && is_gmsh ? " (gmsh -order 1 makes a mesh of first order)" : ""));
+  if (comm.sum(std::ssize(parts.tetrahedron)) > 0) return;
+  const auto n_triangles = comm.sum(std::ssize(parts.triangle));
+  const bool has_groups = comm.any(std::any_of(parts.triangle.begin(), parts.triangle.end(),
+                                               [](const TaggedTriangle& triangle) { return triangle.group > 0; }));
+  throw Error(fmt::format("{}: expected tetrahedra, found {}{}", source,
+                          n_triangles > 0 ? fmt::format("{} triangles alone", n_triangles) : "none",
+                          is_gmsh && has_groups
+                              ? ": where there are groups Gmsh saves only these, and a Physical Volume is missing (or "
+                                "Mesh.SaveAll = 1)"
+                              : ""));
 }
 
 /// From the numbers that the file gives its nodes to their place in the file. Collective.
 class NodeTable {
  public:
-  NodeTable(const par::Comm& comm, const ElementParts& parts, const std::string& file) : comm_(comm), file_(file) {
+  NodeTable(const par::Comm& comm, const ElementParts& parts, const std::string& source)
+      : comm_(comm), source_(source) {
     std::int64_t least = std::numeric_limits<std::int64_t>::max(), greatest = 0;
     for (const auto tag : parts.node_tag) {
       least = std::min(least, tag);
@@ -60,11 +69,11 @@ class NodeTable {
     }
     least = comm.min(least);
     greatest = comm.max(greatest);
-    if (parts.n_nodes == 0) throw Error("file '" + file + "': expected nodes, found none");
+    if (parts.n_nodes == 0) throw Error(source + ": expected nodes, found none");
     if (least < 0 || greatest - least >= 64 * parts.n_nodes + 1024)
-      throw Error(fmt::format(
-          "file '{}': expected node numbers from 0 on without wide gaps, found numbers from {} to {} for {} nodes",
-          file, least, greatest, parts.n_nodes));
+      throw Error(
+          fmt::format("{}: expected node numbers from 0 on without wide gaps, found numbers from {} to {} for {} nodes",
+                      source, least, greatest, parts.n_nodes));
     tags_ = {greatest - least + 1, least};
     std::vector<GlobalId> place(parts.node_tag.size());
     const auto own = par::block_range(parts.n_nodes, comm.rank(), comm.size());
@@ -74,8 +83,7 @@ class NodeTable {
     par::agree(comm, [&] {
       for (std::size_t i = 0; i < back.size(); ++i)
         if (back[i] != place[i])
-          throw Error(
-              fmt::format("file '{}': expected every node number once, found {} twice", file_, parts.node_tag[i]));
+          throw Error(fmt::format("{}: expected every node number once, found {} twice", source_, parts.node_tag[i]));
     });
   }
 
@@ -95,11 +103,11 @@ class NodeTable {
 
  private:
   [[noreturn]] void fail(GlobalId tag) const {
-    throw Error(fmt::format("file '{}': expected elements of nodes that are there, found node number {}", file_, tag));
+    throw Error(fmt::format("{}: expected elements of nodes that are there, found node number {}", source_, tag));
   }
 
   const par::Comm& comm_;
-  const std::string& file_;
+  const std::string& source_;
   IdRange tags_{0};
   std::vector<GlobalId> place_;
 };
@@ -111,6 +119,7 @@ struct Numbered {
   GlobalId n_nodes = 0;
   std::vector<geometry::Vec3> position;      ///< canonical block
   std::vector<mesh::NodeField> node_fields;  ///< canonical block
+  std::vector<GlobalId> origin;              ///< of the block's nodes, among all that were given
   std::int64_t n_dropped = 0;
 };
 
@@ -134,8 +143,8 @@ std::vector<T> chosen_rows(const par::Comm& comm, GlobalId n, const std::vector<
 }
 
 /// Leaves out the nodes that no cell has and closes the gaps in the numbering. Collective.
-Numbered number(const par::Comm& comm, const ElementParts& parts, const std::string& file) {
-  const NodeTable table(comm, parts, file);
+Numbered number(const par::Comm& comm, const ElementParts& parts, const std::string& source, bool with_origin) {
+  const NodeTable table(comm, parts, source);
   auto corners = flatten(parts.tetrahedron), of_triangles = flatten(parts.triangle);
   table.translate(corners);
   table.translate(of_triangles);
@@ -157,6 +166,11 @@ Numbered number(const par::Comm& comm, const ElementParts& parts, const std::str
       rows.push_back(i);
     }
   result.position = chosen_rows(comm, result.n_nodes, parts.position, 1, rows, kept);
+  if (with_origin) {
+    std::vector<GlobalId> place(is_used.size());
+    std::iota(place.begin(), place.end(), par::block_range(parts.n_nodes, comm.rank(), comm.size()).begin);
+    result.origin = chosen_rows(comm, result.n_nodes, place, 1, rows, kept);
+  }
   result.node_fields = parts.node_fields;
   for (auto& field : result.node_fields)
     std::visit(
@@ -171,11 +185,49 @@ Numbered number(const par::Comm& comm, const ElementParts& parts, const std::str
   return result;
 }
 
-/// All groups that triangles of any rank belong to, ascending. Collective.
-std::vector<std::int64_t> all_groups(const par::Comm& comm, const ElementParts& parts) {
-  std::set<std::int64_t> here;
-  for (const auto& triangle : parts.triangle) here.insert(triangle.group);
+/// Dimension and number of the groups that elements of any rank belong to, ascending: all of triangles, those of
+/// tetrahedra that have a name. Collective.
+std::vector<std::array<std::int64_t, 2>> all_groups(const par::Comm& comm, const ElementParts& parts) {
+  std::set<std::array<std::int64_t, 2>> here;
+  for (const auto& triangle : parts.triangle) here.insert({2, triangle.group});
+  const auto add_region = [&](std::int64_t group) {
+    if (parts.group_name.contains({3, group})) here.insert({3, group});
+  };
+  for (const auto& cell : parts.tetrahedron) add_region(cell.group);
+  for (const auto& field : parts.cell_fields)
+    if (field.name == mesh::region_field && field.holds_integers())
+      for (const auto region : field.integer()) add_region(region);
   return par::gather_distinct(comm, here);
+}
+
+/// Collective.
+std::vector<UnusedGroup> unused_groups(const par::Comm& comm, const ElementParts& parts,
+                                       const std::vector<std::array<std::int64_t, 2>>& groups) {
+  struct Count {
+    int dimension;
+    std::int64_t group, n;
+  };
+  std::vector<Count> here;
+  for (const auto& [group, n] : parts.n_in_group) here.push_back({group.first, group.second, n});
+  std::set<std::array<std::int64_t, 2>> dropped;  // groups of which all elements stay in others
+  for (const auto& [pair, n] : parts.in_two_groups) dropped.insert({pair.dimension, pair.other});
+  std::map<std::pair<int, std::int64_t>, std::int64_t> n_elements;
+  for (const auto& [group, name] : parts.group_name)
+    if (!name.empty()) n_elements[group] = 0;
+  for (const auto& [dimension, group] : groups) n_elements.erase({static_cast<int>(dimension), group});
+  for (const auto& [dimension, group] : par::gather_distinct(comm, dropped))
+    n_elements.erase({static_cast<int>(dimension), group});
+  for (const auto& [dimension, group, n] : par::gather_few(comm, std::move(here))) n_elements[{dimension, group}] += n;
+  std::vector<UnusedGroup> unused;
+  for (const auto& [group, n] : n_elements) {
+    const auto named = parts.group_name.find(group);
+    unused.push_back({group.first,
+                      named != parts.group_name.end() && !named->second.empty()
+                          ? named->second
+                          : fmt::format("physical_{}", group.second),
+                      n});
+  }
+  return unused;
 }
 
 /// The region of each cell of this rank: its group, 0 without one. Where no cell has a group, several volumes of the
@@ -188,10 +240,12 @@ std::vector<std::int64_t> regions_of(const par::Comm& comm, const ElementParts& 
   }
   least = comm.min(least);
   greatest = comm.max(greatest);
-  const bool by_volume = greatest < 0 && least != greatest;
+  const bool by_volume = greatest < 0 && least != greatest && !parts.has_signed_regions;
   std::vector<std::int64_t> region;
   for (const auto& cell : parts.tetrahedron)
-    region.push_back(by_volume ? -cell.group : std::max<std::int64_t>(cell.group, 0));
+    region.push_back(parts.has_signed_regions ? cell.group
+                     : by_volume              ? -cell.group
+                                              : std::max<std::int64_t>(cell.group, 0));
   return region;
 }
 
@@ -203,22 +257,38 @@ std::vector<mesh::Region> named_regions(const ElementParts& parts) {
   return regions;
 }
 
+/// The triangle that cannot be used, by the numbers that it was given with, and its patch. Collective.
+std::string first_misfit(const par::Comm& comm, const ElementParts& parts, const assemble::BoundaryMatch& match,
+                         const std::function<mesh::Patch(std::int64_t group)>& patch_of_group) {
+  std::vector<TaggedTriangle> found;
+  if (match.first_misfit && match.first_misfit->rank == comm.rank())
+    found.push_back(parts.triangle[static_cast<std::size_t>(match.first_misfit->row)]);
+  found = par::gather_few(comm, std::move(found));
+  if (found.empty()) return {};
+  const auto& [a, b, c] = found.front().node;
+  return fmt::format(", the first with nodes {}, {} and {} in '{}'", a, b, c, patch_of_group(found.front().group).name);
+}
+
 /// Gives boundary faces the patches of the triangles on them; faces without triangle get `untagged`. Collective.
 assemble::BoundaryMatch tag_faces(const par::Comm& comm, mesh::DistMesh& mesh, const mesh::BoundaryTriangles& boundary,
-                                  int untagged, const std::string& file) {
+                                  int untagged) {
   std::vector<mesh::CellFace> between;
   for (const auto& [face, regions] : mesh::faces_between_regions(comm, mesh)) between.push_back(face);
-  const auto match = assemble::match_boundary(comm, mesh, boundary, untagged, between);
+  return assemble::match_boundary(comm, mesh, boundary, untagged, between);
+}
+
+/// Local.
+void require_fitting_triangles(const assemble::BoundaryMatch& match, const std::string& source,
+                               const std::string& first) {
   if (match.n_not_on_boundary > 0)
     throw Error(
-        fmt::format("file '{}': expected tagged triangles on the boundary of the tetrahedra or between two regions of "
-                    "them (groups of volumes), found {} inside a region or apart from the cells: their surfaces have "
-                    "to be left out of the file",
-                    file, match.n_not_on_boundary));
+        fmt::format("{}: expected tagged triangles on the boundary of the tetrahedra or between two regions of them "
+                    "(groups of volumes), found {} inside a region or apart from the cells{}: their surfaces have to "
+                    "be left out",
+                    source, match.n_not_on_boundary, first));
   if (match.n_contradictions > 0)
-    throw Error(fmt::format("file '{}': expected one tag for each boundary face, found {} faces in two surfaces", file,
-                            match.n_contradictions));
-  return match;
+    throw Error(fmt::format("{}: expected one tag for each boundary face, found {} faces in two surfaces{}", source,
+                            match.n_contradictions, first));
 }
 
 /// Leaves out the patches that have no face of the boundary: those of interfaces. Collective.
@@ -262,51 +332,96 @@ void renumber(const par::Comm& comm, const order::Ordered& ordered, GlobalId n_n
   for (std::size_t t = 0; t < triangle.size(); ++t) triangle[t] = {flat[3 * t], flat[3 * t + 1], flat[3 * t + 2]};
 }
 
+/// What `work()` does; an `Error` that it throws gets the source in front. `work` may communicate.
+template <class Work>
+void with_source(const std::string& source, Work&& work) {
+  try {
+    work();
+  } catch (const Error& error) {  // reaches every rank
+    throw Error(source + ": " + error.what());
+  }
+}
+
+/// The cells with their fields. Takes what it can of `numbered`. Collective.
+mesh::BlockMesh block_of(const par::Comm& comm, ElementParts& parts, Numbered& numbered) {
+  mesh::BlockMesh block;
+  const auto n_cells = std::ssize(numbered.cell);
+  block.info.n_global_nodes = numbered.n_nodes;
+  block.info.n_global_cells = comm.sum(n_cells);
+  block.first_cell = comm.exclusive_sum(n_cells);
+  block.node_position = std::move(numbered.position);
+  block.cell_to_node = std::move(numbered.cell);
+  if (parts.has_regions)
+    block.cell_fields.push_back({mesh::region_field, "", 1, mesh::StorageType::int32, regions_of(comm, parts)});
+  for (auto& field : parts.cell_fields) block.cell_fields.push_back(std::move(field));
+  block.node_fields = std::move(numbered.node_fields);
+  return block;
+}
+
+struct InOrder {
+  ElementMesh& result;
+  std::vector<Triangle>& triangle;  ///< by the numbers of nodes, which change
+};
+
+/// Puts the cells in order where that is asked for, and makes a mesh of them. Collective.
+void assemble_in_order(const par::Comm& comm, mesh::BlockMesh block, Numbered& numbered, const ElementOptions& options,
+                       const InOrder& to) {
+  auto origin = std::move(numbered.origin);
+  if (options.order == CellOrder::curve || (options.order == CellOrder::automatic && !order::is_ordered(comm, block))) {
+    auto ordered = order::order_along_curve(comm, std::move(block));
+    renumber(comm, ordered, numbered.n_nodes, to.triangle);
+    block = std::move(ordered.block);
+    if (options.with_origin) {
+      block.cell_origin = std::move(ordered.cell_origin);
+      origin = par::fetch_rows<GlobalId>(comm, numbered.n_nodes, origin, 1, ordered.node_origin);
+    }
+  }
+  to.result.mesh = assemble::assemble(comm, std::move(block));
+  to.result.mesh.info.patches.clear();
+  if (options.with_origin)
+    to.result.node_origin =
+        par::fetch_rows<GlobalId>(comm, to.result.mesh.info.node_ids(), origin, 1, to.result.mesh.node_global);
+}
+
 }  // namespace
 
-ElementMesh mesh_of_elements(const par::Comm& comm, ElementParts parts, const std::string& file,
+std::string source_of(const std::filesystem::path& file) { return fmt::format("file '{}'", file.string()); }
+
+ElementMesh mesh_of_elements(const par::Comm& comm, ElementParts parts, const std::string& source,
                              const ElementOptions& options,
                              const std::function<mesh::Patch(std::int64_t group)>& patch_of_group) {
-  refuse_what_does_not_fit(comm, parts, file);
-  auto numbered = number(comm, parts, file);
+  refuse_what_does_not_fit(comm, parts, source);
+  auto numbered = number(comm, parts, source, options.with_origin);
 
   ElementMesh result;
   result.n_dropped_nodes = numbered.n_dropped;
   result.n_periodic_links = parts.n_periodic_links;
-  const auto groups = all_groups(comm, parts);
+  result.n_untagged_triangles = comm.sum(parts.n_untagged_triangles);
+  result.why_empty = parts.why_empty;
+  const auto of_all = all_groups(comm, parts);
+  result.unused_groups = unused_groups(comm, parts, of_all);
+  std::vector<std::int64_t> groups;
+  for (const auto& [dimension, group] : of_all)
+    if (dimension == 2) groups.push_back(group);
   mesh::BoundaryTriangles boundary;
   for (const auto& triangle : parts.triangle)
     boundary.patch.push_back(
         static_cast<int>(std::lower_bound(groups.begin(), groups.end(), triangle.group) - groups.begin()));
 
-  mesh::BlockMesh block;
-  block.info.n_global_nodes = numbered.n_nodes;
-  block.info.n_global_cells = comm.sum(static_cast<std::int64_t>(numbered.cell.size()));
-  block.first_cell = comm.exclusive_sum(static_cast<std::int64_t>(numbered.cell.size()));
-  block.node_position = std::move(numbered.position);
-  block.cell_to_node = std::move(numbered.cell);
-  with_file_name(file, [&] {
+  boundary.node = std::move(numbered.triangle);
+  auto block = block_of(comm, parts, numbered);
+  parts.tetrahedron = {};
+  with_source(source, [&] {
     const auto [n_turned, n_flat] = assemble::orient(comm, block, options.repair);
     if (n_flat > 0) throw Error(fmt::format("expected cells with a volume, found {} flat ones", n_flat));
     result.n_turned = n_turned;
-  });
-  if (parts.has_regions)
-    block.cell_fields.push_back({mesh::region_field, "", 1, mesh::StorageType::int32, regions_of(comm, parts)});
-  for (auto& field : parts.cell_fields) block.cell_fields.push_back(std::move(field));
-  block.node_fields = std::move(numbered.node_fields);
-  parts.tetrahedron = {};
-
-  with_file_name(file, [&] {
-    auto ordered = order::order_along_curve(comm, std::move(block));
-    renumber(comm, ordered, numbered.n_nodes, numbered.triangle);
-    result.mesh = assemble::assemble(comm, std::move(ordered.block));
+    assemble_in_order(comm, std::move(block), numbered, options, {result, boundary.node});
   });
   auto& patches = result.mesh.info.patches;
-  patches.clear();
   for (const auto group : groups) patches.push_back(patch_of_group(group));
   result.mesh.info.regions = named_regions(parts);
-  boundary.node = std::move(numbered.triangle);
-  const auto match = tag_faces(comm, result.mesh, boundary, static_cast<int>(patches.size()), file);
+  const auto match = tag_faces(comm, result.mesh, boundary, static_cast<int>(patches.size()));
+  require_fitting_triangles(match, source, first_misfit(comm, parts, match, patch_of_group));
   result.n_untagged_faces = match.n_untagged;
   for (std::size_t p = 0; p < match.n_inner.size(); ++p)
     if (match.n_inner[p] > 0) result.inner_faces[patches[p].name] = match.n_inner[p];

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <map>
 #include <string>
@@ -14,14 +15,26 @@
 
 namespace pamr::io {
 
+/// Whether cells and nodes are put in order along Hilbert's curve: automatic where that pays (`order::is_ordered`).
+enum class CellOrder : std::uint8_t { automatic, keep, curve };
+
 struct ElementOptions {
   Exact<bool> repair = false;  ///< turn inverted cells over instead of refusing them, where not all are
+  CellOrder order = CellOrder::curve;
+  Exact<bool> with_origin = false;  ///< fill `node_origin`, and `cell_origin` of the mesh
 };
 
 /// Elements that a file has in two groups, of which a mesh keeps one.
 struct GroupOverlap {
   int dimension = 0;  ///< 2: triangles, 3: tetrahedra
   std::string kept, other;
+  std::int64_t n_elements = 0;
+};
+
+/// A group that is no part of a mesh: a named one without any element, or one of points or lines.
+struct UnusedGroup {
+  int dimension = 0;
+  std::string name;
   std::int64_t n_elements = 0;
 };
 
@@ -33,20 +46,27 @@ struct ElementMesh {
   std::int64_t n_periodic_links = 0;  ///< that are not kept; their surfaces are patches of kind `periodic`
   /// By group: triangles between two regions, which are no patch; `write_gmsh` and `write_medit` can make them again.
   std::map<std::string, std::int64_t> inner_faces;
-  std::int64_t n_untagged_faces = 0;   ///< boundary faces without triangle: they are in the patch `boundary`
-  std::vector<GroupOverlap> overlaps;  ///< each pair of groups once
+  std::int64_t n_untagged_faces = 0;       ///< boundary faces without triangle: they are in the patch `boundary`
+  std::vector<GroupOverlap> overlaps;      ///< each pair of groups once
+  std::int64_t n_untagged_triangles = 0;   ///< that no group has: left out
+  std::vector<UnusedGroup> unused_groups;  ///< by dimension and number
+  std::string why_empty;                   ///< see `ElementParts`
+  std::vector<GlobalId> node_origin;  ///< of each node of this rank its place among those given; with `with_origin`
 };
 
-/// Makes a mesh of what a file says: groups of triangles become patches, in ascending order, with the names and kinds
+/// Where elements come from, as messages begin: `file 'part.msh'`.
+std::string source_of(const std::filesystem::path& file);
+
+/// Makes a mesh of what a file or arrays say, the one way in for all of them: groups of triangles become patches, in ascending order, with the names and kinds
 /// of `patch_of_group`; those of tetrahedra the cell field `region` (0 for those below), with the names of
 /// `parts.group_name`. Nodes of no cell and triangles between two regions are left out. Cells are put in order along
-/// Hilbert's curve.
+/// Hilbert's curve, or as `options` say.
 ///
 /// Collective; the result does not depend on the number of ranks. `parts.group_name` must be the same on every rank.
-/// Throws the same `Error` on every rank, with the name of the file: by name, with counts, for elements of other kinds,
+/// Throws the same `Error` on every rank, which begins with `source`: by name, with counts, for elements of other kinds,
 /// triangles inside a region or apart from the cells, cells that are inverted (unless `repair`) or flat,
 /// node numbers that are missing, twice or so scattered that no table holds them (more than 64 times as many as nodes).
-ElementMesh mesh_of_elements(const par::Comm& comm, ElementParts parts, const std::string& file,
+ElementMesh mesh_of_elements(const par::Comm& comm, ElementParts parts, const std::string& source,
                              const ElementOptions& options,
                              const std::function<mesh::Patch(std::int64_t group)>& patch_of_group);
 

@@ -26,6 +26,22 @@ std::string shown(std::string_view text) {
   return "\"" + result + (text.size() > 40 ? "...\"" : "\"");
 }
 
+/// A real whose exponent is written as Fortran does, behind D or Q or, with three digits, behind its sign alone.
+bool read_fortran(std::string_view text, double& value) {
+  if (text.size() > 60) return false;
+  auto place = text.find_first_of("dDqQ");
+  std::string plain(text);
+  if (place != std::string_view::npos) {
+    plain[place] = 'e';
+  } else {
+    place = text.find_first_of("+-", 1);
+    if (place == std::string_view::npos || text.size() != place + 4) return false;
+    plain.insert(place, 1, 'e');
+  }
+  const auto [end, error] = std::from_chars(plain.data(), plain.data() + plain.size(), value);
+  return error == std::errc{} && end == plain.data() + plain.size();
+}
+
 }  // namespace
 
 MappedFile::MappedFile(const std::filesystem::path& file) {
@@ -59,6 +75,11 @@ void TextCursor::fail(const std::string& expected, const std::string& found) con
 
 void TextCursor::need(std::size_t n, std::string_view what) const {
   if (remaining() < n) fail(std::string(what), "the end of the file");
+}
+
+void TextCursor::skip_byte_order_mark() {
+  constexpr std::string_view mark = "\xef\xbb\xbf";
+  if (at_ == 0 && bytes_.starts_with(mark)) at_ = mark.size();
 }
 
 std::string_view TextCursor::line() {
@@ -125,12 +146,20 @@ std::int64_t TextCursor::integer(std::string_view what) {
 }
 
 double TextCursor::real(std::string_view what) {
+  const auto begin = at_;
+  const auto value = real_or_none(what);
+  if (std::isfinite(value)) return value;
+  at_ = begin;
+  fail(std::string(what) + " that is finite", shown(word(what)));
+}
+
+double TextCursor::real_or_none(std::string_view what) {
   const auto text = word(what);
   double value = 0;
   const auto digits = text.front() == '+' ? text.substr(1) : text;
   const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
-  if (error != std::errc{} || end != digits.data() + digits.size() || !std::isfinite(value))
-    fail(std::string(what) + " that is finite", shown(text));
+  const bool is_read = error == std::errc{} && end == digits.data() + digits.size();
+  if (!is_read && !read_fortran(digits, value)) fail(std::string(what) + " that is finite", shown(text));
   at_ += text.size();
   return value;
 }

@@ -43,10 +43,13 @@ class TextCursor {
   bool at_end() const { return at_ >= bytes_.size(); }
   std::size_t remaining() const { return bytes_.size() - at_; }
   std::size_t position() const { return at_; }
+  std::string_view rest() const { return bytes_.substr(std::min(at_, bytes_.size())); }
   void set_binary(bool binary) { binary_ = binary; }
   /// Lets `skip_lines` go far without running through what it passes. The index must be that of the same bytes.
   void use_index(const LineIndex* index) { index_ = index; }
 
+  /// Passes the mark with which some editors begin a text in UTF-8.
+  void skip_byte_order_mark();
   /// The rest of the current line without its end, which is passed.
   std::string_view line();
   /// Passes everything up to the end of the next line that reads `text`; throws when there is none.
@@ -56,9 +59,12 @@ class TextCursor {
   /// Passes `n` times `size` bytes of a binary part.
   void skip_rows(std::int64_t n, std::size_t size, std::string_view what);
 
-  /// The next number of a text, over blanks and line ends.
+  /// The next number of a text, over blanks and line ends. Reals may have exponents as Fortran writes them: 1.0D+00, and
+  /// 0.1-300 where three digits leave no room for a letter.
   std::int64_t integer(std::string_view what);
   double real(std::string_view what);
+  /// The same, with NaN and infinity.
+  double real_or_none(std::string_view what);
 
   /// The next number of the same line; throws where the line ends.
   std::int64_t integer_in_line(std::string_view what);

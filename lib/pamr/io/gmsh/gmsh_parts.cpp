@@ -18,8 +18,13 @@ void read_group_names(TextCursor& in, Parts& parts) {
   const auto n = in.checked_count(in.integer("the number of physical names"), 6, "physical names");
   (void)in.line();
   for (std::int64_t i = 0; i < n; ++i) {
-    const auto dimension = in.integer("the dimension of a physical group");
-    const auto tag = in.integer("the number of a physical group");
+    auto tag = in.integer("the number of a physical group");
+    std::int64_t dimension = unknown_dimension;
+    if (!in.is_line_over('"')) {
+      dimension = tag;
+      tag = in.integer("the number of a physical group");
+      if (dimension < 0 || dimension > 3) in.fail("a dimension from 0 to 3", fmt::format("{}", dimension));
+    }
     const auto rest = in.line();
     const auto begin = rest.find('"'), end = rest.rfind('"');
     if (begin == std::string_view::npos || end == begin)

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <string>
+#include <string_view>
 
 #include "pamr/io/elements/element_parts.hpp"
 #include "pamr/io/elements/text_cursor.hpp"
@@ -36,7 +37,15 @@ void for_each_section(TextCursor& in, Read&& read) {
   }
 }
 
+/// Reads `$PhysicalNames`. Where the lines have no dimension, as before version 2.1, names stand under
+/// `unknown_dimension`.
 void read_group_names(TextCursor& in, Parts& parts);
+
+inline constexpr int unknown_dimension = -1;
+
+/// Before the number, in the name of a physical volume that stands for a region whose number Gmsh does not know: 0 and
+/// those below.
+inline constexpr std::string_view unnamed_region = "region_";
 
 using GroupNames = decltype(Parts::group_name);
 

@@ -3,17 +3,23 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <map>
 #include <set>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "pamr/io/elements/first_line.hpp"
 #include "pamr/io/elements/read_shares.hpp"
 #include "pamr/io/gmsh/gmsh_parts.hpp"
 #include "pamr/io/gmsh/group_overlaps.hpp"
 #include "pamr/io/gmsh/read_gmsh_2.hpp"
 #include "pamr/io/gmsh/read_gmsh_4.hpp"
 #include "pamr/mesh/periodic_patches.hpp"
+#include "pamr/par/gather_few.hpp"
 #include "pamr/par/mailbox.hpp"
 
 namespace pamr::io {
@@ -27,8 +33,22 @@ struct Format {
   bool is_binary = false;
 };
 
+/// Passes empty lines and comments, which Gmsh allows before all sections, and the first line.
+void read_beginning(TextCursor& in) {
+  in.skip_byte_order_mark();
+  for (;;) {
+    const auto begin = in;
+    const auto line = in.line();
+    if (line == "$MeshFormat") return;
+    if (line == "$Comments")
+      in.skip_to_line("$EndComments");
+    else if (!line.empty() || in.at_end())
+      begin.fail("a Gmsh file that begins with $MeshFormat", what_begins(begin.rest()));
+  }
+}
+
 Format read_format(TextCursor& in) {
-  if (in.line() != "$MeshFormat") in.fail("a Gmsh file that begins with $MeshFormat", "another beginning");
+  read_beginning(in);
   const double version = in.real("the version of the format");
   const auto kind = in.integer("0 for text or 1 for binary"), size = in.integer("the size of a real");
   const bool is_older = version >= 2 && version < 2.2;  // as netgen writes it: cells and surfaces are those of 2.2
@@ -61,6 +81,59 @@ Parts read_parts(const par::Comm& comm, const std::filesystem::path& file) {
       });
 }
 
+/// Names without a dimension belong to all groups of their numbers, or else to a surface. Collective.
+void place_names(const par::Comm& comm, Parts& parts) {
+  std::map<std::int64_t, std::string> names;
+  for (const auto& [group, name] : parts.group_name)
+    if (group.first == gmsh::unknown_dimension) names[group.second] = name;
+  if (names.empty()) return;
+  std::set<std::array<std::int64_t, 2>> here;
+  const auto add = [&](int dimension, std::int64_t group) {
+    if (names.contains(group)) here.insert({dimension, group});
+  };
+  for (const auto& triangle : parts.triangle) add(2, triangle.group);
+  for (const auto& cell : parts.tetrahedron) add(3, cell.group);
+  for (const auto& [group, n] : parts.n_in_group) add(group.first, group.second);
+  std::set<std::int64_t> found;
+  for (const auto& [dimension, group] : par::gather_distinct(comm, here)) {
+    parts.group_name.emplace(std::pair(static_cast<int>(dimension), group), names[group]);
+    found.insert(group);
+  }
+  for (const auto& [group, name] : names) {
+    if (!found.contains(group)) parts.group_name.emplace(std::pair(2, group), name);
+    parts.group_name.erase({gmsh::unknown_dimension, group});
+  }
+}
+
+/// Physical volumes that `write_gmsh` made for regions 0 and below become these again. Local.
+void restore_regions(Parts& parts) {
+  std::map<std::int64_t, std::int64_t> region_of;
+  for (const auto& [group, name] : parts.group_name) {
+    if (group.first != 3 || !name.starts_with(gmsh::unnamed_region)) continue;
+    std::int64_t number = 1;
+    const auto* begin = name.data() + gmsh::unnamed_region.size();
+    const auto* end = name.data() + name.size();
+    const auto [rest, error] = std::from_chars(begin, end, number);
+    if (error == std::errc() && rest == end && number <= 0) region_of[group.second] = number;
+  }
+  if (region_of.empty()) return;
+  for (auto& cell : parts.tetrahedron) {
+    const auto found = region_of.find(cell.group);
+    cell.group = found != region_of.end() ? found->second : std::max<std::int64_t>(cell.group, 0);
+  }
+  for (const auto& [group, region] : region_of) parts.group_name.erase({3, group});
+  parts.has_signed_regions = true;
+}
+
+/// Where no element has a group though groups have names, `Mesh.SaveAll` was set in format 2.2. Collective.
+void look_for_lost_groups(const par::Comm& comm, Parts& parts) {
+  const auto has_group = [](const auto& element) { return element.group > 0; };
+  const bool is_any = !parts.n_in_group.empty() ||
+                      std::any_of(parts.triangle.begin(), parts.triangle.end(), has_group) ||
+                      std::any_of(parts.tetrahedron.begin(), parts.tetrahedron.end(), has_group);
+  if (!comm.any(is_any)) parts.why_empty = "format 2.2 of Gmsh with Mesh.SaveAll leaves groups out, 4.1 keeps them";
+}
+
 /// Groups of surfaces that periodic links name. Collective.
 std::set<std::int64_t> periodic_groups(const par::Comm& comm, const Parts& parts) {
   par::Mailbox<std::int64_t> box(comm);
@@ -78,10 +151,13 @@ std::set<std::int64_t> periodic_groups(const par::Comm& comm, const Parts& parts
 GmshMesh read_gmsh(const par::Comm& comm, const std::filesystem::path& file, const GmshOptions& options) {
   auto parts = read_parts(comm, file);
   gmsh::leave_one_of_each(comm, parts);
+  place_names(comm, parts);
+  look_for_lost_groups(comm, parts);
+  restore_regions(parts);
   const auto names = parts.group_name;
   const auto periodic = periodic_groups(comm, parts);
   auto overlaps = gmsh::overlaps_of(comm, parts);
-  auto read = mesh_of_elements(comm, std::move(parts), file.string(), options, [&](std::int64_t group) {
+  auto read = mesh_of_elements(comm, std::move(parts), source_of(file), options, [&](std::int64_t group) {
     return mesh::Patch{gmsh::name_of_group(names, 2, group), periodic.contains(group) ? mesh::periodic_kind : ""};
   });
   read.overlaps = std::move(overlaps);

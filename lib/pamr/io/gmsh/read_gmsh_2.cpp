@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <string_view>
 #include <system_error>
 
@@ -17,6 +18,36 @@ int checked_type(const TextCursor& in, std::int64_t type) {
   if (type < 0 || type > 1000 || n_nodes_of_type(static_cast<int>(type)) == 0)
     in.fail("an element type of Gmsh", fmt::format("{}", type));
   return static_cast<int>(type);
+}
+
+/// `$ParametricNodes`: behind each node the dimension and the number of its entity, and its parameters there.
+void read_parametric_nodes(TextCursor& in, bool is_binary, Share share, Parts& parts) {
+  parts.n_nodes = in.checked_count(in.integer("the number of nodes"), 8, "nodes");
+  (void)in.line();
+  const auto own = share.of(parts.n_nodes);
+  in.set_binary(is_binary);
+  if (!is_binary) in.skip_lines(own.begin, "a node");
+  for (auto i = is_binary ? 0 : own.begin; i < (is_binary ? parts.n_nodes : own.end); ++i) {
+    std::int64_t tag = 0, dimension = 0;
+    geometry::Vec3 p;
+    if (is_binary) {  // rows differ in length
+      tag = in.value<std::int32_t>("a node");
+      for (std::size_t k = 0; k < 3; ++k) p[k] = in.value<double>("a coordinate");
+      dimension = in.value<std::int32_t>("the dimension of an entity");
+      if (dimension < 0 || dimension > 3) in.fail("a dimension from 0 to 3", fmt::format("{}", dimension));
+      const auto n_parameters = dimension == 1 || dimension == 2 ? dimension : 0;
+      in.skip_rows(1, sizeof(std::int32_t) + static_cast<std::size_t>(n_parameters) * sizeof(double), "parameters");
+      if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z)) in.fail("finite coordinates", "others");
+    } else {
+      tag = in.integer("the number of a node");
+      for (std::size_t k = 0; k < 3; ++k) p[k] = in.real("a coordinate");
+      (void)in.line();
+    }
+    if (i < own.begin || i >= own.end) continue;
+    parts.node_tag.push_back(tag);
+    parts.position.push_back(p);
+  }
+  if (!is_binary) in.skip_lines(parts.n_nodes - own.end, "a node");
 }
 
 void read_nodes(TextCursor& in, bool is_binary, Share share, Parts& parts) {
@@ -53,6 +84,8 @@ std::int64_t group_of(std::int64_t physical, std::int64_t entity) {
 void keep(Parts& parts, int type, const std::array<std::int64_t, 4>& nodes, const std::array<std::int64_t, 2>& tag) {
   const auto group = group_of(tag[0], tag[1]);
   if (type == element_type::triangle) parts.group_of_surface[tag[1]] = group;
+  if (group > 0 && (type == element_type::point || type == element_type::line))
+    ++parts.n_in_group[{type == element_type::point ? 0 : 1, group}];
   if (group > 0 && (type == element_type::triangle || type == element_type::tetrahedron))
     parts.entity_in_group.insert({type == element_type::triangle ? 2 : 3, tag[1], group});
   keep_element(parts, type, nodes, group);
@@ -150,6 +183,8 @@ Parts read_parts_2(TextCursor& in, bool is_binary, Share share) {
       read_group_names(in, parts);
     else if (name == "Nodes")
       read_nodes(in, is_binary, share, parts);
+    else if (name == "ParametricNodes")
+      read_parametric_nodes(in, is_binary, share, parts);
     else if (name == "Elements")
       read_elements(in, is_binary, share, parts);
     else if (name == "Periodic")

@@ -159,6 +159,8 @@ void read_elements(Reader read, Share share, const Groups& groups, Parts& parts)
         (type == element_type::triangle || type == element_type::tetrahedron))
       for (const auto other : known->second)
         if (other != group) parts.in_two_groups[{static_cast<int>(dimension), group, other}] += part.count();
+    if (known != groups.end() && part.count() > 0 && (type == element_type::point || type == element_type::line))
+      for (const auto any : known->second) parts.n_in_group[{static_cast<int>(dimension), any}] += part.count();
     done += n;
   }
   if (done != parts.n_elements)

@@ -5,9 +5,11 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
 #include <limits>
 
+#include "pamr/io/elements/first_line.hpp"
 #include "pamr/io/elements/numbers.hpp"
 
 namespace pamr::io::gmf {
@@ -15,7 +17,6 @@ namespace pamr::io::gmf {
 namespace {
 
 constexpr char comment = '#';
-constexpr int polyhedron = 34;  ///< Gmsh's type of polygons
 
 constexpr std::array<KnownKeyword, 27> known{{{"Vertices", vertices, 0},
                                               {"Triangles", triangles, 0},
@@ -36,8 +37,8 @@ constexpr std::array<KnownKeyword, 27> known{{{"Vertices", vertices, 0},
                                               {"TrianglesP4", 91, 23},
                                               {"TetrahedraP3", 96, 29},
                                               {"TetrahedraP4", 97, 30},
-                                              {"Polyhedra", 46, polyhedron},
-                                              {"Polygons", 47, polyhedron},
+                                              {"Polyhedra", 46, element_type::polygon},
+                                              {"Polygons", 47, element_type::polygon},
                                               {"PeriodicVertices", 82, 0},
                                               {"PeriodicTriangles", 84, 0},
                                               {"SolAtEdges", 63, 0},
@@ -79,19 +80,28 @@ Reader::Reader(TextCursor& in, bool is_binary) : in_(in), binary_(is_binary) {
     (void)position("the place of the next keyword");
     n_dimensions = value<std::int32_t>("the dimension");
   } else {
+    in_.skip_byte_order_mark();
     in_.skip_empty_lines(comment);
-    const auto first = in_.keyword();
-    if (first != "MeshVersionFormatted")
-      fail("a Medit file that begins with MeshVersionFormatted", "another beginning");
-    version_ = in_.integer("the version of the format");
+    version_ = number_of("MeshVersionFormatted", "the version of the format");
     if (version_ < 1 || version_ > 4) fail("version 1 to 4 of the format", fmt::format("{}", version_));
     (void)in_.line();
     in_.skip_empty_lines(comment);
-    if (in_.keyword() != "Dimension") fail("the keyword Dimension", "another");
-    n_dimensions = in_.integer("the dimension");
+    n_dimensions = number_of("Dimension", "the dimension");
     (void)in_.line();
   }
   if (n_dimensions != 3) fail("3 dimensions", fmt::format("{}", n_dimensions));
+}
+
+std::int64_t Reader::number_of(std::string_view keyword, std::string_view what) {
+  const auto begin = in_;
+  const auto found = in_.keyword();
+  if (!found.starts_with(keyword)) begin.fail(fmt::format("{} of a Medit file", keyword), what_begins(begin.rest()));
+  const auto digits = found.substr(keyword.size());
+  if (digits.empty()) return in_.integer(what);
+  std::int64_t number = 0;
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), number);
+  if (error != std::errc() || end != digits.data() + digits.size()) begin.fail(std::string(what), std::string(found));
+  return number;
 }
 
 template <class T>

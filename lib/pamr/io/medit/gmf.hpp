@@ -67,6 +67,8 @@ class Reader {
  private:
   template <class T>
   T value(std::string_view what);
+  /// Of a keyword of the head in a text: behind it, or at its end (`Dimension3`).
+  std::int64_t number_of(std::string_view keyword, std::string_view what);
   std::int64_t position(std::string_view what);
   std::int64_t count(std::string_view what);
   void read_text(const std::function<void(const KnownKeyword&, std::int64_t n)>& take);

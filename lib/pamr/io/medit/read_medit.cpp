@@ -152,7 +152,7 @@ ElementMesh read_medit(const par::Comm& comm, const std::filesystem::path& file,
     parts.cell_fields = std::move(fields.cell_fields);
     name_fields(parts, options);
   }
-  return mesh_of_elements(comm, std::move(parts), file.string(), options, [](std::int64_t reference) {
+  return mesh_of_elements(comm, std::move(parts), source_of(file), options, [](std::int64_t reference) {
     return mesh::Patch{fmt::format("ref_{}", reference), ""};
   });
 }

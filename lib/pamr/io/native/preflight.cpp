@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "pamr/base/error.hpp"
+#include "pamr/io/elements/first_line.hpp"
 #include "pamr/io/formats.hpp"
 #include "pamr/io/native/hdf5.hpp"
 #include "pamr/io/native/inspect.hpp"
@@ -51,7 +52,9 @@ void require_signature(const std::filesystem::path& file) {
   if (format != nullptr && format->read != nullptr && !format->is_native)
     throw Error(fmt::format("file '{0}': expected an HDF5 file, found one of {1}: pamr-convert {0} {2}", file.string(),
                             format->name, std::filesystem::path(file).replace_extension(".hdf").string()));
-  throw Error(fmt::format("file '{}': expected an HDF5 file, found no HDF5 signature", file.string()));
+  const auto what = what_begins(file);
+  throw Error(fmt::format("file '{}': expected an HDF5 file, found {}", file.string(),
+                          what.empty() ? "no HDF5 signature" : what));
 }
 
 /// Memory that there is not for what a damaged file claims is the fault of the file.

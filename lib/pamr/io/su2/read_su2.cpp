@@ -4,11 +4,14 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
 
+#include "pamr/io/elements/first_line.hpp"
 #include "pamr/io/elements/read_shares.hpp"
 
 namespace pamr::io {
@@ -26,26 +29,11 @@ std::string_view trimmed(std::string_view text) {
 
 /// SU2 calls its elements as VTK does; our reader as Gmsh does.
 int gmsh_type(const TextCursor& in, std::int64_t type) {
-  switch (type) {
-    case 1:
-      return 15;
-    case 3:
-      return 1;
-    case 5:
-      return element_type::triangle;
-    case 9:
-      return element_type::quadrangle;
-    case 10:
-      return element_type::tetrahedron;
-    case 12:
-      return element_type::hexahedron;
-    case 13:
-      return element_type::prism;
-    case 14:
-      return element_type::pyramid;
-    default:
-      in.fail("an element type of SU2 (5 triangle, 10 tetrahedron)", fmt::format("{}", type));
-  }
+  constexpr std::array<std::int64_t, 8> of_su2{1, 3, 5, 9, 10, 12, 13, 14};
+  const int known = element_type::of_vtk(type);
+  if (std::find(of_su2.begin(), of_su2.end(), type) == of_su2.end())
+    in.fail("an element type of SU2 (5 triangle, 10 tetrahedron)", fmt::format("{}", type));
+  return known;
 }
 
 /// Reads a file from front to back.
@@ -54,6 +42,8 @@ class Su2Reader {
   Su2Reader(TextCursor& in, Share share) : in_(in), share_(share) { parts_.has_regions = false; }
 
   ElementParts read() {
+    in_.skip_byte_order_mark();
+    const auto first = in_;
     for (in_.skip_empty_lines(comment); !in_.at_end(); in_.skip_empty_lines(comment)) {
       const auto begin = in_;
       const auto line = in_.line();
@@ -69,6 +59,8 @@ class Su2Reader {
       value.pass(equals + 1);
       take(keyword, value, trimmed(line.substr(equals + 1)));
     }
+    if (!dimension_ && !has_cells_ && !has_nodes_)
+      first.fail("a mesh of SU2 with NDIME=, NELEM= and NPOIN=", what_begins(first.rest()));
     if (!dimension_) in_.fail("NDIME=", "the end of the file");
     if (!has_cells_) in_.fail("NELEM=", "the end of the file");
     if (!has_nodes_) in_.fail("NPOIN=", "the end of the file");
@@ -160,7 +152,7 @@ class Su2Reader {
   ElementParts parts_;
   std::optional<std::int64_t> dimension_, n_markers_;
   bool has_cells_ = false, has_nodes_ = false;
-  bool is_foreign_ = false;  ///< within what is no part of the mesh
+  bool is_foreign_ = true;  ///< within what is no part of the mesh: in lines of a title, at first
   std::int64_t n_found_ = 0;
   std::string tag_;
 };
@@ -172,7 +164,7 @@ ElementMesh read_su2(const par::Comm& comm, const std::filesystem::path& file, c
       comm, file, [](TextCursor&) { return true; },
       [](TextCursor& in, Share share) { return Su2Reader(in, share).read(); });
   const auto names = parts.group_name;
-  return mesh_of_elements(comm, std::move(parts), file.string(), options, [&](std::int64_t marker) {
+  return mesh_of_elements(comm, std::move(parts), source_of(file), options, [&](std::int64_t marker) {
     return mesh::Patch{names.at({2, marker}), ""};
   });
 }

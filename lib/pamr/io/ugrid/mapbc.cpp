@@ -86,6 +86,7 @@ std::map<std::int64_t, mesh::Patch> read_mapbc(const par::Comm& comm, const std:
   if (text.empty()) return patches;
   par::agree(comm, [&] {
     TextCursor in(text, file.string());
+    in.skip_byte_order_mark();
     const auto n = in.checked_count(in.integer("the number of surfaces"), 4, "surfaces");
     (void)in.line();
     for (std::int64_t i = 0; i < n; ++i) {

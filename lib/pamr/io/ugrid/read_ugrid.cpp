@@ -109,7 +109,7 @@ ElementMesh read_ugrid(const par::Comm& comm, const std::filesystem::path& file,
   auto parts = read_shares(
       comm, file, [](TextCursor&) { return false; },
       [&](TextCursor& in, Share share) { return ugrid::UgridReader(in, share, big_endian).read(); });
-  auto read = mesh_of_elements(comm, std::move(parts), file.string(), options, [&](std::int64_t surface) {
+  auto read = mesh_of_elements(comm, std::move(parts), source_of(file), options, [&](std::int64_t surface) {
     const auto found = named.find(surface);
     return found != named.end() ? found->second : mesh::Patch{fmt::format("surface_{}", surface), ""};
   });

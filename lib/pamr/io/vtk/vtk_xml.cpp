@@ -14,6 +14,7 @@
 #include <utility>
 
 #include "pamr/base/error.hpp"
+#include "pamr/io/elements/first_line.hpp"
 #include "pamr/io/text.hpp"
 
 namespace pamr::io::vtk {
@@ -263,6 +264,7 @@ XmlGrid parse_grid(std::string& text) {
   const auto underscore = appended == std::string::npos ? appended : text.find('_', appended);
   if (appended != underscore && underscore == std::string::npos)
     throw Error("AppendedData: expected data after an underscore, found none");
+  const auto begin = text.substr(0, 1000);
   // What follows may be raw bytes, which are no XML: the text ends within elements then.
   pugi::xml_document document;
   const auto parsed = document.load_buffer_inplace(text.data(), std::min(underscore, text.size()), pugi::parse_escapes,
@@ -270,7 +272,7 @@ XmlGrid parse_grid(std::string& text) {
   const auto file = document.child("VTKFile");
   const auto data = file.child("AppendedData");
   if (parsed.status == pugi::status_no_document_element || (parsed && !file))
-    throw Error("expected a file of VTK in XML, found another");
+    throw Error("expected a file of VTK in XML, found " + what_begins(std::string_view(begin)));
   if (!parsed && !(data && parsed.status == pugi::status_end_element_mismatch))
     throw Error(fmt::format("byte {}: expected XML, found another text ({})", parsed.offset, parsed.description()));
   XmlGrid grid;

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "pamr/io/native/hdf5.hpp"
+
+/// The tree of a CGNS file on HDF5. Source: CGNS documentation, "SIDS File Mapping Manual" (HDF5). Local; nothing in the
+/// file is trusted.
+namespace pamr::io::cgns {
+
+/// A node: a group with a label and, perhaps, data.
+struct Node {
+  std::string path, name, label;
+};
+
+class Tree {
+ public:
+  /// Throws `Error`, without the name of the file, as all that follow do.
+  explicit Tree(const std::filesystem::path& file);
+
+  /// Children with this label, in the order in which they were made.
+  std::vector<Node> children(const std::string& path, std::string_view label) const;
+  /// The one child with this label. `none`: returns a node without a path where there is none.
+  Node child(const std::string& path, std::string_view label, bool may_be_missing = false) const;
+  bool has_data(const Node& node) const;
+  std::string text(const Node& node) const;
+  std::vector<std::int64_t> integers(const Node& node) const;
+  std::vector<double> reals(const Node& node) const;
+  /// Whether the data are integers.
+  bool is_integer(const Node& node) const;
+  std::int64_t n_values(const Node& node) const;
+
+ private:
+  hdf5::Handle open_data(const Node& node) const;
+  template <class T>
+  std::vector<T> read(const Node& node, hid_t type) const;
+  std::string attribute(const std::string& path, const char* name) const;
+
+  hdf5::Handle h5_;
+  std::int64_t file_bytes_ = 0;
+};
+
+}  // namespace pamr::io::cgns

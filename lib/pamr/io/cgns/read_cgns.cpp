@@ -1,0 +1,249 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Source of the format: CGNS documentation, "Standard Interface Data Structures".
+#include "pamr/io/cgns/read_cgns.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "pamr/base/error.hpp"
+#include "pamr/base/index.hpp"
+#include "pamr/io/cgns/cgns_fields.hpp"
+#include "pamr/io/cgns/cgns_nodes.hpp"
+#include "pamr/io/elements/whole_mesh.hpp"
+
+namespace pamr::io {
+
+namespace cgns {
+
+namespace {
+
+constexpr std::int64_t mixed = 20, n_gon = 22;
+
+/// Types of elements as types of Gmsh, 0 for those that are not known.
+int type_of(std::int64_t type) {
+  constexpr std::array<int, 22> types{0,
+                                      0,
+                                      element_type::point,
+                                      element_type::line,
+                                      8,
+                                      element_type::triangle,
+                                      9,
+                                      element_type::quadrangle,
+                                      16,
+                                      10,
+                                      element_type::tetrahedron,
+                                      11,
+                                      element_type::pyramid,
+                                      14,
+                                      element_type::prism,
+                                      18,
+                                      13,
+                                      element_type::hexahedron,
+                                      17,
+                                      12,
+                                      0,
+                                      19};
+  if (type >= n_gon) return element_type::polygon;
+  return type >= 0 && type < std::ssize(types) ? types[at(type)] : 0;
+}
+
+std::string kind_of(const std::string& condition) {
+  for (const auto& [begin, kind] :
+       {std::pair("BCWall", "wall"), std::pair("BCSymmetryPlane", "symmetry"), std::pair("BCFarfield", "farfield"),
+        std::pair("BCInflow", "inflow"), std::pair("BCOutflow", "outflow")})
+    if (condition.starts_with(begin)) return kind;
+  return {};
+}
+
+class ZoneReader {
+ public:
+  explicit ZoneReader(const Tree& tree) : tree_(tree), base_(tree.child("/", "CGNSBase_t").path) {
+    const auto zone = tree.child(base_, "Zone_t");
+    zone_ = zone.path;
+    const auto type = tree.text(tree.child(zone_, "ZoneType_t"));
+    if (type != "Unstructured")
+      throw Error(fmt::format("{}: expected an unstructured zone, found {}", zone_, type.substr(0, 40)));
+    const auto sizes = tree.integers(zone);
+    if (sizes.size() != 3) throw Error(zone_ + ": expected three sizes, found others");
+    n_nodes_ = sizes[0];
+  }
+
+  WholeMesh read() {
+    read_points();
+    for (const auto& section : tree_.children(zone_, "Elements_t")) read_section(section);
+    read_conditions();
+    read_solutions(tree_, zone_, n_nodes_, mesh_);
+    put_cells_in_order();
+    return std::move(mesh_);
+  }
+
+ private:
+  void read_points() {
+    const auto grid = tree_.child(zone_, "GridCoordinates_t");
+    for (const auto& array : tree_.children(grid.path, "DataArray_t")) {
+      constexpr std::array<const char*, 3> names{"CoordinateX", "CoordinateY", "CoordinateZ"};
+      const auto* axis = std::find(names.begin(), names.end(), array.name);
+      if (axis == names.end()) continue;
+      const auto values = tree_.reals(array);
+      if (std::ssize(values) != n_nodes_)
+        throw Error(fmt::format("{}: expected {} values, found {}", array.path, n_nodes_, values.size()));
+      mesh_.point.resize(values.size());
+      for (std::size_t i = 0; i < values.size(); ++i) mesh_.point[i][at(axis - names.begin())] = values[i];
+      ++n_axes_;
+    }
+    if (n_axes_ != 3)
+      throw Error(fmt::format("{}: expected CoordinateX, Y and Z, found {} of them", grid.path, n_axes_));
+  }
+
+  void read_section(const Node& section) {
+    const auto head = tree_.integers(section);
+    const auto range = integers_named(section, "IndexRange_t", "ElementRange");
+    const auto nodes = integers_named(section, "DataArray_t", "ElementConnectivity");
+    if (head.empty() || range.size() != 2 || range[0] < 1 || range[1] < range[0] - 1)
+      throw Error(section.path + ": expected a type and a range of elements, found others");
+    const auto n = range[1] - range[0] + 1;
+    if (n > std::ssize(nodes)) throw Error(section.path + ": expected nodes of all elements, found fewer");
+    std::size_t next = 0;
+    for (std::int64_t i = 0; i < n; ++i) {
+      const auto own = head[0] != mixed ? head[0] : next < nodes.size() ? nodes[next++] : 0;
+      const int type = type_of(own);
+      if (type == 0) throw Error(fmt::format("{}: expected a known type of elements, found {}", section.path, own));
+      if (type == element_type::polygon) {
+        mesh_.refused[type] += n;
+        return;
+      }
+      const auto n_corners = static_cast<std::size_t>(n_nodes_of_type(type));
+      if (nodes.size() - next < n_corners) throw Error(section.path + ": expected nodes of all elements, found fewer");
+      keep(section, range[0] + i, type, nodes.data() + next);
+      next += n_corners;
+    }
+  }
+
+  void keep(const Node& section, std::int64_t number, int type, const std::int64_t* nodes) {
+    if (type == element_type::tetrahedron) {
+      mesh_.cell.push_back({nodes[0] - 1, nodes[1] - 1, nodes[2] - 1, nodes[3] - 1});
+      number_of_cell_.push_back(number);
+    } else if (type == element_type::triangle) {
+      mesh_.triangle.push_back({nodes[0] - 1, nodes[1] - 1, nodes[2] - 1});
+      triangle_of_[number] = mesh_.tag.size();
+      mesh_.tag.push_back(tag_of(section.name));
+    } else if (type != element_type::point && type != element_type::line) {
+      ++mesh_.refused[type];
+    }
+  }
+
+  /// The number of a patch of this name, a new one for a new name.
+  std::int64_t tag_of(const std::string& name) {
+    const auto [found, is_new] = tag_of_name_.emplace(name, std::ssize(tag_of_name_));
+    if (is_new) mesh_.patch_of_tag[found->second] = {name, ""};
+    return found->second;
+  }
+
+  std::vector<std::int64_t> integers_named(const Node& parent, const char* label, std::string_view name) const {
+    for (const auto& node : tree_.children(parent.path, label))
+      if (node.name == name) return tree_.integers(node);
+    throw Error(fmt::format("{}: expected {}, found none", parent.path, name));
+  }
+
+  /// Conditions on faces give triangles their patch; those on vertices say less than the sections do.
+  void read_conditions() {
+    const auto all = tree_.child(zone_, "ZoneBC_t", true);
+    if (all.path.empty()) return;
+    for (const auto& condition : tree_.children(all.path, "BC_t")) {
+      auto type = tree_.text(condition);
+      const auto location = tree_.text(tree_.child(condition.path, "GridLocation_t", true));
+      std::vector<std::int64_t> elements;
+      bool is_of_elements = location == "FaceCenter" || location == "CellCenter";  // Gmsh has the latter
+      for (const auto* label : {"IndexRange_t", "IndexArray_t"})
+        for (const auto& node : tree_.children(condition.path, label)) {
+          const bool is_range = node.name == "PointRange" || node.name == "ElementRange";
+          if (!is_range && node.name != "PointList" && node.name != "ElementList") continue;
+          is_of_elements = is_of_elements || node.name.starts_with("Element");
+          elements = tree_.integers(node);
+          if (is_range) elements = within(elements);
+        }
+      auto name = condition.name;
+      if (type == "FamilySpecified") {
+        const auto family = tree_.text(tree_.child(condition.path, "FamilyName_t", true));
+        if (!family.empty()) name = family;
+        type = type_of_family(family);
+      }
+      if (!is_of_elements) continue;
+      const auto tag = tag_of(name);
+      mesh_.patch_of_tag[tag].kind = kind_of(type);
+      for (const auto element : elements)
+        if (const auto found = triangle_of_.find(element); found != triangle_of_.end()) mesh_.tag[found->second] = tag;
+    }
+    drop_unused_sections();
+  }
+
+  std::vector<std::int64_t> within(const std::vector<std::int64_t>& range) const {
+    std::vector<std::int64_t> numbers;
+    if (range.size() != 2) return numbers;
+    for (auto next = triangle_of_.lower_bound(range[0]); next != triangle_of_.end() && next->first <= range[1]; ++next)
+      numbers.push_back(next->first);
+    return numbers;
+  }
+
+  std::string type_of_family(const std::string& family) const {
+    for (const auto& node : tree_.children(base_, "Family_t"))
+      if (node.name == family) return tree_.text(tree_.child(node.path, "FamilyBC_t", true));
+    return {};
+  }
+
+  /// Sections whose triangles are all in conditions are no groups of their own.
+  void drop_unused_sections() {
+    const std::set<std::int64_t> used(mesh_.tag.begin(), mesh_.tag.end());
+    std::erase_if(mesh_.patch_of_tag, [&](const auto& one) { return !used.contains(one.first); });
+  }
+
+  /// Values at cell centers follow the numbers of the elements, sections any order.
+  void put_cells_in_order() {
+    std::vector<std::size_t> order(mesh_.cell.size());
+    for (std::size_t c = 0; c < order.size(); ++c) order[c] = c;
+    std::sort(order.begin(), order.end(), [&](auto a, auto b) { return number_of_cell_[a] < number_of_cell_[b]; });
+    auto cells = mesh_.cell;
+    for (std::size_t c = 0; c < order.size(); ++c) cells[c] = mesh_.cell[order[c]];
+    mesh_.cell = std::move(cells);
+  }
+
+  const Tree& tree_;
+  std::string base_, zone_;
+  WholeMesh mesh_;
+  std::int64_t n_nodes_ = 0;
+  int n_axes_ = 0;
+  std::vector<std::int64_t> number_of_cell_;
+  std::map<std::int64_t, std::size_t> triangle_of_;  ///< by number of the element
+  std::map<std::string, std::int64_t> tag_of_name_;
+};
+
+WholeMesh read_whole(const std::filesystem::path& file) {
+  const hdf5::Silence silence;
+  const Tree tree(file);
+  return ZoneReader(tree).read();
+}
+
+}  // namespace
+
+}  // namespace cgns
+
+ElementMesh read_cgns(const par::Comm& comm, const std::filesystem::path& file, const ElementOptions& options) {
+  return mesh_of_whole(comm, file, options, [&] { return cgns::read_whole(file); });
+}
+
+void try_reading_cgns(const std::filesystem::path& file) {
+  try {
+    (void)cgns::read_whole(file);
+  } catch (const Error& error) {
+    throw Error(source_of(file) + ": " + error.what());
+  }
+}
+
+}  // namespace pamr::io

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "pamr/geometry/vec3.hpp"
+#include "pamr/io/elements/text_cursor.hpp"
+
+/// Words, dictionaries and lists of OpenFOAM's files. Source: OpenFOAM user guide, "Basic input/output file format" and
+/// "Mesh description".
+namespace pamr::io::foam {
+
+/// One file of `polyMesh`, read from front to back. Local; errors name the file and the line.
+class FoamFile {
+ public:
+  /// Reads the header. Throws `Error` where there is no such file, also where it is packed.
+  explicit FoamFile(const std::filesystem::path& file);
+
+  /// The next word, number, text in quotes or mark of punctuation, over comments.
+  std::string_view word(std::string_view what);
+  /// Passes this word.
+  void require(std::string_view text);
+  /// Whether the next word is this one; it is passed then.
+  bool passes(std::string_view text);
+
+  std::int64_t integer(std::string_view what);
+  /// The entries of a dictionary up to its closing brace: the first word behind each key; what is in brackets is
+  /// passed. `take` may read an entry itself, and returns whether it has.
+  template <class Take>
+  std::map<std::string, std::string> dictionary(Take&& take) {
+    std::map<std::string, std::string> entries;
+    require("{");
+    while (!passes("}")) {
+      const std::string key(word("a key of a dictionary"));
+      if (!take(key)) entries[key] = value();
+    }
+    return entries;
+  }
+  /// Numbers in a list, as text or bytes, with their count before them.
+  std::vector<std::int64_t> labels();
+  std::vector<geometry::Vec3> points();
+  /// The nodes of each face.
+  std::vector<std::vector<std::int64_t>> faces();
+
+  /// The count before a list; each item takes at least so many bytes.
+  std::int64_t count(std::size_t min_bytes, std::string_view what);
+  [[noreturn]] void fail(const std::string& expected, const std::string& found) const { in_.fail(expected, found); }
+
+ private:
+  std::string value();
+  void skip_blanks();
+  std::int64_t raw_label();
+
+  MappedFile mapped_;
+  TextCursor in_;
+  bool binary_ = false, is_compact_ = false;
+  int label_bytes_ = 4, scalar_bytes_ = 8;
+};
+
+}  // namespace pamr::io::foam

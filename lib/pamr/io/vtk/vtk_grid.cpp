@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "pamr/io/vtk/vtk_grid.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <type_traits>
+#include <utility>
+
+#include "pamr/base/error.hpp"
+#include "pamr/base/index.hpp"
+#include "pamr/io/elements/element_parts.hpp"
+#include "pamr/io/text.hpp"
+#include "pamr/mesh/region_faces.hpp"
+
+namespace pamr::io::vtk {
+
+namespace {
+
+/// Of the patches, and but for the first two of the regions as well; the first is what `write_vtu` calls them where a
+/// field is called `patch`, the rest come from VTK and from meshio.
+constexpr std::array<std::string_view, 12> tag_names{
+    "boundary_patch", "patch",     "gmsh:physical", "gmsh:geometrical", "medit:ref",       "tetgen:ref",
+    "netgen:index",   "ugrid:ref", "nastran:ref",   "su2:tag",          "avsucd:material", "CellEntityIds"};
+
+/// Rows of the tetrahedra and of the triangles among all cells.
+struct CellRows {
+  std::vector<std::size_t> of_cells, of_triangles;
+};
+
+CellRows take_cells(const Grid& grid, WholeMesh& mesh) {
+  CellRows rows;
+  const auto take = [&](auto& row, std::size_t c) {
+    const auto begin = c == 0 ? 0 : grid.ends[c - 1];
+    if (grid.ends[c] - begin != std::ssize(row))
+      throw Error(fmt::format("cell {}: expected {} nodes, found {}", c, row.size(), grid.ends[c] - begin));
+    std::copy_n(grid.nodes.begin() + static_cast<std::ptrdiff_t>(begin), row.size(), row.begin());
+    for (const auto node : row)
+      if (node < 0 || node >= grid.n_points)
+        throw Error(fmt::format("cell {}: expected nodes from 0 to {}, found {}", c, grid.n_points - 1, node));
+  };
+  for (std::size_t c = 0; c < grid.types.size(); ++c) {
+    const int type = element_type::of_vtk(grid.types[c]);
+    if (type == 0)
+      throw Error(fmt::format("cell {}: expected a type of VTK that is known, found {}", c, grid.types[c]));
+    if (type == element_type::tetrahedron) {
+      take(mesh.cell.emplace_back(), c);
+      rows.of_cells.push_back(c);
+    } else if (type == element_type::triangle) {
+      take(mesh.triangle.emplace_back(), c);
+      rows.of_triangles.push_back(c);
+    } else if (type != element_type::point && type != element_type::line) {
+      ++mesh.refused[type];
+    }
+  }
+  return rows;
+}
+
+/// The field of an array; with `rows` of these cells alone.
+mesh::Field field_of(const GridArray& array, const std::vector<std::size_t>* rows) {
+  if (array.n_components > 65536)
+    throw Error(fmt::format("array '{}': expected 1 to 65536 components, found {}", array.name, array.n_components));
+  mesh::Field field{array.name, "", static_cast<int>(array.n_components), storage_of(array.type), {}};
+  std::visit(
+      [&](auto&& all) {
+        std::remove_cvref_t<decltype(all)> chosen;
+        if (rows == nullptr) {
+          chosen = std::forward<decltype(all)>(all);
+        } else {
+          const auto width = at(array.n_components);
+          chosen.reserve(rows->size() * width);
+          for (const auto row : *rows)
+            chosen.insert(chosen.end(), all.begin() + static_cast<std::ptrdiff_t>(row * width),
+                          all.begin() + static_cast<std::ptrdiff_t>((row + 1) * width));
+        }
+        field.value = std::move(chosen);
+      },
+      array.values());
+  return field;
+}
+
+/// Whether an array is no field but what `write_vtu` has worked out; the level of native files is none either.
+bool is_extra(const GridArray& array, bool is_ours) {
+  return (array.name == "level" && array.type == "UInt8") ||
+         (is_ours && array.name == "mean_ratio" && array.type == "Float32");
+}
+
+/// Whether tags are of triangles alone; those of other programs say the region of a tetrahedron, too.
+bool is_of_patches(const GridArray& tags) { return tags.name == tag_names[0] || tags.name == tag_names[1]; }
+
+bool is_integer(const GridArray& array) {
+  return array.n_components == 1 && is_number_type(array.type) && mesh::is_integer(storage_of(array.type));
+}
+
+const GridArray* find_tags(const Grid& grid) {
+  for (const auto name : tag_names) {
+    const auto found = std::find_if(grid.arrays.begin(), grid.arrays.end(), [&](const GridArray& array) {
+      return !array.is_on_points && array.name == name && is_integer(array);
+    });
+    if (found != grid.arrays.end()) return &*found;
+  }
+  return nullptr;
+}
+
+bool is_field(const GridArray& array) {
+  return is_number_type(array.type) && !array.name.empty() && array.name.find('/') == std::string::npos &&
+         is_clean_text(array.name, "");
+}
+
+}  // namespace
+
+WholeMesh to_whole_mesh(const Grid& grid) {
+  WholeMesh mesh;
+  if (grid.points.index() != 0) throw Error("Points: expected reals, found integers");
+  const auto& points = std::get<0>(grid.points);
+  for (std::size_t i = 0; i + 2 < points.size(); i += 3)
+    mesh.point.push_back({points[i], points[i + 1], points[i + 2]});
+  const auto rows = take_cells(grid, mesh);
+  const auto* tags = find_tags(grid);
+  const bool has_regions = tags != nullptr && !is_of_patches(*tags);
+  if (rows.of_triangles.empty() && !has_regions) tags = nullptr;
+  if (tags != nullptr) mesh.tag = std::move(field_of(*tags, &rows.of_triangles).integer());
+  const bool has_field = std::any_of(grid.arrays.begin(), grid.arrays.end(), [](const GridArray& array) {
+    return !array.is_on_points && array.name == mesh::region_field;
+  });
+  if (has_regions && !has_field) mesh.region = std::move(field_of(*tags, &rows.of_cells).integer());
+  mesh.patch_of_tag = grid.patch_of_tag;
+  const bool is_ours = !grid.patch_of_tag.empty();
+  for (const auto& array : grid.arrays) {
+    if (!is_field(array) || &array == tags) continue;
+    if (array.is_on_points)
+      mesh.node_fields.push_back(field_of(array, nullptr));
+    else if (!is_extra(array, is_ours) && !(has_regions && array.name == "gmsh:geometrical"))
+      mesh.cell_fields.push_back(field_of(array, &rows.of_cells));
+  }
+  return mesh;
+}
+
+}  // namespace pamr::io::vtk

@@ -1,0 +1,297 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Meshes of other programs: dialects of their formats, files that are something else, and one way in for files and arrays: the
+same mesh, the same words."""
+import pathlib
+import subprocess
+import warnings
+
+import numpy as np
+
+import pamr
+from collective import COMM, error_of, in_folder, run_tests
+
+CONVERT = pathlib.Path(pamr.__file__).resolve().parents[2] / "bin" / "pamr-convert"
+HEAD = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n"
+NAMES = '$PhysicalNames\n2\n2 1 "wall"\n3 7 "gas"\n$EndPhysicalNames\n'
+NODES = "$Nodes\n4\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n$EndNodes\n"
+ELEMENTS = "$Elements\n5\n1 2 2 1 1 1 2 3\n2 2 2 1 1 1 2 4\n3 2 2 2 2 1 3 4\n4 2 2 2 2 2 3 4\n5 4 2 7 1 1 2 3 4\n$EndElements\n"
+MSH = HEAD + NAMES + NODES + ELEMENTS
+MEDIT = ("MeshVersionFormatted 2\nDimension 3\nVertices\n4\n0 0 0 0\n1 0 0 0\n0 1 0 0\n0 0 1 0\n"
+         "Triangles 4\n1 2 3 1\n1 2 4 1\n1 3 4 2\n2 3 4 2\nTetrahedra\n1\n1 2 3 4 7\nEnd\n")
+SU2 = ("NDIME= 3\nNELEM= 1\n10 0 1 2 3 0\nNPOIN= 4\n0 0 0 0\n1 0 0 1\n0 1 0 2\n0 0 1 3\nNMARK= 2\nMARKER_TAG= wall\nMARKER_ELEMS= 2\n"
+       "5 0 1 2\n5 0 1 3\nMARKER_TAG= physical_2\nMARKER_ELEMS= 2\n5 0 2 3\n5 1 2 3\n")
+MFEM = ("MFEM mesh v1.0\n\n# a comment\ndimension\n3\n\nelements\n1\n7 4 0 1 2 3\n\nboundary\n4\n1 2 0 1 2\n1 2 0 1 3\n2 2 0 2 3\n2 2 1 2 3\n\n"
+        "vertices\n4\n3\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n")
+VTK = ("# vtk DataFile Version 3.0\na title\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 4 double\n0 0 0 1 0 0 0 1 0 0 0 1\n"
+       "CELLS 5 21\n4 0 1 2 3\n3 0 1 2\n3 0 1 3\n3 0 2 3\n3 1 2 3\nCELL_TYPES 5\n10\n5\n5\n5\n5\n"
+       "CELL_DATA 5\nSCALARS medit:ref int 1\nLOOKUP_TABLE default\n7 1 1 2 2\nPOINT_DATA 4\nVECTORS a%20v float\n"
+       "0 0 0 1 0 0 0 2 0 0 0 3\n")
+BOM = "\ufeff"
+
+
+def write(name, text):
+    if COMM.rank == 0:
+        pathlib.Path(name).write_bytes(text if isinstance(text, bytes) else text.encode())
+    COMM.barrier()
+    return name
+
+
+def told_by(call):
+    """What a call returns, and its warnings on rank 0."""
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        result = call()
+    return result, COMM.bcast([str(w.message) for w in told])
+
+
+def read(name, text):
+    mesh, told = told_by(lambda: pamr.Mesh.read(COMM, write(name, text)))
+    assert all(line.startswith(f"file '{name}': ") for line in told), told
+    return mesh, [line.split("': ", 1)[1] for line in told]
+
+
+def faces_of(mesh):
+    counts = COMM.allreduce(np.bincount(mesh.boundary_faces().patches, minlength=len(mesh.patches)))
+    return dict(zip(mesh.patches, counts.tolist()))
+
+
+def volume(mesh):
+    return COMM.allreduce(float(mesh.volumes().sum()))
+
+
+@in_folder
+def test_dialects_of_formats_are_read():
+    parametric = HEAD + NAMES + ("$ParametricNodes\n4\n1 0 0 0 0 1\n2 1 0 0 1 1 0.5\n3 0 1 0 2 1 .5 .5\n4 0 0 1 3 1\n"
+                                 "$EndParametricNodes\n") + ELEMENTS
+    old_names = '$PhysicalNames\n2\n1 "wall"\n7 "gas"\n$EndPhysicalNames\n'
+    wall = {"wall": 2, "physical_2": 2}
+    for name, text, faces in [
+            ("plain.msh", MSH, wall), ("bom.msh", BOM + MSH, wall), ("crlf.msh", MSH.replace("\n", "\r\n"), wall),
+            ("comments.msh", "\n$Comments\nmade by X\n$EndComments\n" + MSH, wall), ("parametric.msh", parametric, wall),
+            ("names.msh", HEAD + old_names + NODES + ELEMENTS, wall),
+            ("fortran.msh", MSH.replace("2 1 0 0", "2 1.0D+00 0.d0 0.1000-300"), wall),
+            ("dimension.mesh", MEDIT.replace("Dimension 3", "Dimension3"), {"ref_1": 2, "ref_2": 2}),
+            ("version.mesh", MEDIT.replace("Formatted 2", "Formatted2"), {"ref_1": 2, "ref_2": 2}),
+            ("bom.mesh", BOM + MEDIT, {"ref_1": 2, "ref_2": 2}),
+            ("fortran.mesh", MEDIT.replace("\n1 0 0 0\n", "\n1.0D0 0.D+00 0.0d-1 0\n"), {"ref_1": 2, "ref_2": 2}),
+            ("title.su2", "*** a mesh ***\nof my wing, eps = 1e-3\n" + SU2, wall), ("bom.su2", BOM + SU2, wall),
+            ("fortran.su2", SU2.replace("1 0 0 1", "1.0D+00 0.0Q0 -0.1-300 1"), wall),
+            ("mfem.mesh", MFEM, {"patch_1": 2, "patch_2": 2}), ("bom.mfem", BOM + MFEM, {"patch_1": 2, "patch_2": 2}),
+            ("nodes.mfem", MFEM.replace("vertices\n4\n3\n", "vertices\n4\n\nnodes\nFiniteElementSpace\nFiniteElementCollection: "
+                                        "H1_3D_P1\nVDim: 3\nOrdering: 1\n\n"), {"patch_1": 2, "patch_2": 2}),
+            ("meshio.vtk", VTK.replace("medit:ref int 1", "medit:ref vtktypeuint8 1"), {"patch_1": 2, "patch_2": 2}),
+            ("metadata.vtk", VTK.replace("CELLS 5", "METADATA\nINFORMATION 1\nNAME x LOCATION y\nDATA 1 2\n\nCELLS 5"), {"patch_1": 2, "patch_2": 2}),
+            ("plain.vtk", VTK, {"patch_1": 2, "patch_2": 2})]:
+        mesh, told = read(name, text)
+        assert mesh.n_cells == 1 and faces_of(mesh) == faces and told == [], (name, faces_of(mesh), told)
+        assert np.isclose(volume(mesh), 1 / 6, rtol=1e-12), name
+        if not name.endswith(".su2"):
+            assert COMM.allreduce(mesh.cell_fields["region"].tolist()) == [7], name
+    assert mesh.node_fields["a v"].shape[1:] == (3,)
+    named, _ = read("names.mfem", MFEM.replace("v1.0", "v1.3").replace(
+        "vertices\n", 'attribute_sets\n1\n"gas" 1 7\n\nbdr_attribute_sets\n2\n"near wall" 1 1\n"both" 2 1 2\n\nvertices\n'))
+    assert named.patches == ["near wall", "patch_2"] and named.regions == {7: "gas"}
+
+
+@in_folder
+def test_files_of_other_programs_are_named_with_the_way_out():
+    for name, text, words in [
+            ("old.msh", "$NOD\n4\n1 0 0 0\n", ["line 1", "Gmsh's format 1", "-format msh41"]),
+            ("fluent.msh", '(0 "GAMBIT to Fluent File")\n(2 3)\n', ["Fluent", "fluentMeshToFoam"]),
+            ("freefem.msh", "4 1 4\n0 0 0 1\n", ["FreeFEM", "savemesh"]), ("freefem.mesh", "4 1 4\n0 0 1\n", ["FreeFEM", "savemesh"]),
+            ("mfem.msh", MFEM, ["MFEM", ".mfem or .mesh"]), ("inline.mesh", "MFEM INLINE mesh v1.0\n", ["MFEM", "MakeSimplicial"]),
+            ("medit.msh", MEDIT, ["Medit", ".mesh"]), ("gmsh.mesh", MSH, ["Gmsh", ".msh"]), ("gmsh.su2", MSH, ["line 1", "Gmsh", ".msh"]),
+            ("gmsh.vtu", MSH, ["Gmsh", ".msh"]), ("legacy.vtu", VTK, ["legacy", ".vtk"]), ("xml.vtk", "<VTKFile>\n", ["XML", ".vtu"]),
+            ("netgen.vol", "mesh3d\n", ['".vol" and a mesh of Netgen', "Gmsh2 Format"]), ("x.cas", "(0 1)\n", ['".cas"', "Fluent"]),
+            ("gz.msh", b"\x1f\x8b\x08\x00", ["gzip", "gunzip"]), ("wide.msh", MSH.encode("utf-16"), ["UTF-16"]),
+            ("page.msh", "<!DOCTYPE html>\n<html>", ["HTML"]), ("empty.msh", "", ["an empty file"]), ("empty.su2", "\n", ["an empty file"]),
+            ("adf.cgns", "@(#)ADF Database Version A02011>", ["ADF", "adf2hdf"]), ("abaqus.msh", "*HEADING\n*NODE\n", ["Abaqus"]),
+            ("other.msh", "hello\n", ['another beginning: "hello"']), ("medit.hdf", MEDIT, ["Medit", ".mesh"]),
+            ("grid.vtk", "# vtk DataFile Version 3.0\nt\nASCII\nDATASET POLYDATA\n", ["UNSTRUCTURED_GRID, found POLYDATA"]),
+            ("curved.mfem", MFEM.replace("vertices\n4\n3\n", "vertices\n4\n\nnodes\nFiniteElementSpace\nFiniteElementCollection: "
+                                         "H1_3D_P2\nVDim: 3\nOrdering: 1\n\n"), ["nodes of first order", "H1_3D_P2"])]:
+        message = error_of(lambda: pamr.Mesh.read(COMM, write(name, text)))
+        assert message.startswith(f"file '{name}'") and all(word in message for word in words), message
+
+
+@in_folder
+def test_groups_that_no_mesh_has_a_place_for_are_counted():
+    groups = ('$PhysicalNames\n5\n0 9 "sensor"\n1 8 "edge"\n2 1 "wall"\n2 6 "outlet"\n3 7 "gas"\n$EndPhysicalNames\n')
+    elements = ELEMENTS.replace("$Elements\n5\n", "$Elements\n8\n6 15 2 9 1 1\n7 1 2 8 1 1 2\n8 1 2 8 1 2 3\n")
+    mesh, told = read("left.msh", HEAD + groups + NODES + elements)
+    assert faces_of(mesh) == {"wall": 2, "physical_2": 2}
+    assert told == ["1 points of the group 'sensor' were left out: a mesh has groups of triangles and tetrahedra",
+                    "2 lines of the group 'edge' were left out: a mesh has groups of triangles and tetrahedra",
+                    "1 named groups have no element: 'outlet' (triangles)"], told
+    lost = MSH.replace(" 2 1 1 ", " 2 0 1 ").replace(" 2 2 2 1 3 4", " 2 0 2 1 3 4").replace(" 2 2 2 2 3 4", " 2 0 2 2 3 4").replace(
+        "4 2 7 1", "4 2 0 1")
+    _, told = read("saveall.msh", lost)
+    assert told == ["2 named groups have no element: 'wall' (triangles), 'gas' (tetrahedra): format 2.2 of Gmsh with Mesh.SaveAll "
+                    "leaves groups out, 4.1 keeps them"], told
+    only = HEAD + NAMES + NODES + ELEMENTS.replace("$Elements\n5", "$Elements\n4").replace("5 4 2 7 1 1 2 3 4\n", "")
+    assert "found 4 triangles alone: where there are groups Gmsh saves only these, and a Physical Volume is missing" in error_of(
+        lambda: pamr.Mesh.read(COMM, write("only.msh", only)))
+    mesh, told = read("untagged.su2", SU2.replace("NMARK= 2", "NMARK= 1")[:SU2.index("MARKER_TAG= physical_2")])
+    assert told == ["2 boundary faces without tag are in the patch 'boundary'"] and faces_of(mesh) == {"wall": 2, "boundary": 2}
+    _, told = read("untagged.vtk", VTK.replace("medit:ref", "mine"))
+    assert told == ["4 triangles without tag were left out", "4 boundary faces without tag are in the patch 'boundary'"], told
+    message = error_of(lambda: pamr.Mesh.read(COMM, write("poly.mesh", MEDIT.replace("End\n", "Polyhedra 2\n1 2\n3 4\nEnd\n"))))
+    assert "found 2 polygons or polyhedra" in message, message
+
+
+def two_regions():
+    """Two tetrahedra of two regions with a tagged face between them, a node of nobody, two of six outer faces untagged."""
+    points = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 1, 1], [5, 5, 5.0]])
+    cells, region = np.array([[0, 1, 2, 3], [4, 2, 1, 3]]), np.array([3, 4])
+    triangles = np.array([[0, 1, 2], [0, 1, 3], [4, 2, 1], [4, 1, 3], [1, 2, 3]])
+    return points, cells, region, triangles, np.array([1, 1, 2, 2, 5])
+
+
+def as_files(points, cells, region, triangles, tags):
+    rows = lambda array, first=0: "".join(" ".join(map(str, row)) + "\n" for row in array + first)
+    tagged, celled = np.column_stack([triangles + 1, tags]), np.column_stack([cells + 1, region])
+    numbered = np.column_stack([np.arange(1, len(points) + 1), points])
+    elements = [f"{t + 1} 2 2 {tag} {tag} " + " ".join(map(str, row)) for t, (*row, tag) in enumerate(tagged)]
+    elements += [f"{9 + c} 4 2 {tag} {tag} " + " ".join(map(str, row)) for c, (*row, tag) in enumerate(celled)]
+    n, types = len(cells) + len(triangles), "10\n" * len(cells) + "5\n" * len(triangles)
+    values = " ".join(map(str, [*region, *tags]))
+    return {
+        "two.msh": HEAD + f"$Nodes\n{len(points)}\n" + "".join(f"{int(r[0])} {r[1]} {r[2]} {r[3]}\n" for r in numbered)
+        + f"$EndNodes\n$Elements\n{len(elements)}\n" + "\n".join(elements) + "\n$EndElements\n",
+        "two.mesh": "MeshVersionFormatted 2\nDimension 3\nVertices\n" + f"{len(points)}\n" + rows(np.column_stack([points, 0 * points[:, 0]]))
+        .replace(".0\n", "\n") + f"Triangles\n{len(tagged)}\n" + rows(tagged) + f"Tetrahedra\n{len(celled)}\n" + rows(celled) + "End\n",
+        "two.mfem": f"MFEM mesh v1.0\n\ndimension\n3\n\nelements\n{len(cells)}\n" + rows(np.column_stack([region, 0 * region + 4, cells]))
+        + f"\nboundary\n{len(tags)}\n" + rows(np.column_stack([tags, 0 * tags + 2, triangles]))
+        + f"\nvertices\n{len(points)}\n3\n" + rows(points),
+        "two.vtk": "# vtk DataFile Version 3.0\nt\nASCII\nDATASET UNSTRUCTURED_GRID\n" + f"POINTS {len(points)} double\n" + rows(points)
+        + f"CELLS {n} {5 * len(cells) + 4 * len(triangles)}\n" + rows(np.column_stack([0 * region + 4, cells]))
+        + rows(np.column_stack([0 * tags + 3, triangles])) + f"CELL_TYPES {n}\n" + types
+        + f"CELL_DATA {n}\nSCALARS gmsh:physical int\nLOOKUP_TABLE default\n{values}\n"}
+
+
+def shape_of(mesh):
+    """The mesh by places: cells with regions, faces by patch."""
+    placed = lambda rows: [tuple(sorted(map(tuple, mesh.points[row].tolist()))) for row in rows]
+    faces = mesh.boundary_faces()
+    cells = sum(COMM.allgather(list(zip(placed(mesh.cells), mesh.cell_fields["region"].tolist()))), [])
+    patches = sum(COMM.allgather(list(zip(faces.patches.tolist(), placed(faces.nodes)))), [])
+    return sorted(cells), sorted((min(f for q, f in patches if q == p), face) for p, face in patches)
+
+
+def only_on_first(array):
+    return array if COMM.rank == 0 else array[:0]
+
+
+def anonymous(text):
+    """What is said, without the name of the source and those that formats give to groups."""
+    for name in ("physical_5", "ref_5", "patch_5"):
+        text = text.replace(f"'{name}'", "'5'")
+    return text.split("': ", 1)[-1] if text.startswith("file '") else text.removeprefix("from_meshio: ").removeprefix("arrays: ")
+
+
+@in_folder
+def test_files_arrays_and_meshio_give_the_same_mesh_and_words():
+    import meshio
+    arrays = two_regions()
+
+    def every_way(arrays, strict_text=None):
+        points, cells, region, triangles, tags = arrays
+        ways = {name: lambda name=write(name, text): pamr.Mesh.read(COMM, name) for name, text in as_files(*arrays).items()}
+        given = meshio.Mesh(points, [("tetra", cells), ("triangle", triangles)], cell_data={"gmsh:physical": [region, tags]})
+        ways["meshio"] = lambda: pamr.from_meshio(COMM, given if COMM.rank == 0 else None)
+        ways["arrays"] = lambda: pamr.Mesh.from_arrays(
+            COMM, only_on_first(points), only_on_first(cells), (only_on_first(triangles), only_on_first(tags)),
+            cell_fields={"region": only_on_first(region)})
+        return ways
+    found = {}
+    for way, call in every_way(arrays).items():
+        mesh, told = told_by(call)
+        found[way] = shape_of(mesh), [anonymous(text) for text in told]
+    first = found["two.msh"]
+    assert [text[:30] for text in first[1]] == ["1 triangles of '5' lie between", "1 nodes of no cell were left o", "2 boundary faces without tag a"]
+    assert all(one == first for one in found.values()), found
+    points, cells, region, triangles, tags = arrays
+    inside = points, cells, 0 * region + 3, triangles, tags                   # the face between is inside of one region now
+    twice = points, cells, region, np.vstack([triangles, triangles[:1, ::-1]]), np.append(tags, 2)
+    inverted = points, np.where([[True], [False]], cells[:, [1, 0, 2, 3]], cells), region, triangles, tags
+    for bad, words in ((inside, "found 1 inside a region or apart"), (twice, "found 1 faces in two surfaces"), (inverted, "1 inverted")):
+        for way, call in every_way(bad).items():
+            if way.endswith(".vtk") and bad is inverted:  # these are turned over: VTK's cells have one order
+                continue
+            assert words in error_of(call), (way, error_of(call))
+    if COMM.size == 1:  # the tool says the same of a file
+        told = told_by(lambda: pamr.Mesh.read(COMM, write("two.msh", as_files(*arrays)["two.msh"])))[1]
+        done = subprocess.run([CONVERT, "two.msh", "two.hdf"], capture_output=True, text=True)
+        assert [line.removeprefix("pamr-convert: warning: ") for line in done.stderr.splitlines()] == [
+            text.removeprefix("file 'two.msh': ") for text in told]
+
+
+@in_folder
+def test_cases_of_openfoam_come_back_with_their_order_and_regions():
+    mesh = pamr.Mesh.kuhn_cube(COMM, 2)
+    middle = mesh.points[mesh.cells].mean(axis=1)[:, 0]
+    mesh.cell_fields["region"] = np.where(middle < 0.5, 0, 4).astype(np.int32)
+    mesh.write("case")
+    back, told = told_by(lambda: pamr.Mesh.read(COMM, "case"))
+    assert told == [] and faces_of(back) == faces_of(mesh) and shape_of(back) == shape_of(mesh)
+    everywhere = lambda m: np.concatenate(COMM.allgather(m.points[m.cells].mean(axis=1)))
+    assert np.array_equal(everywhere(back), everywhere(mesh))
+    if COMM.rank == 0:
+        time = pathlib.Path("case/0")
+        time.mkdir()
+        (time / "T").write_text("FoamFile\n{\n version 2.0;\n format ascii;\n class volScalarField;\n object T;\n}\ndimensions [0 0 0 1 0 0 0];\n"
+                                "internalField nonuniform List<scalar>\n48\n(\n" + "\n".join(map(str, range(48)))
+                                + "\n)\n;\nboundaryField\n{\n \".*\" { type zeroGradient; }\n}\n")
+    COMM.barrier()
+    pamr.openfoam.read_fields(back, "case", "0")
+    assert np.array_equal(np.concatenate(COMM.allgather(back.cell_fields["T"])), np.arange(48.0))
+    if COMM.rank == 0:  # as renumberMesh does it: two cells change places
+        for path in pathlib.Path("case/constant/polyMesh").glob("*r"):  # the cells on either side of the faces
+            head, body = path.read_text().split("\n(\n", 1)
+            swap = {"5": "6", "6": "5"}
+            path.write_text(head + "\n(\n" + "\n".join(swap.get(line, line) for line in body.split("\n")))
+    COMM.barrier()
+    message = error_of(lambda: pamr.openfoam.read_fields(back, "case", "0"))
+    assert "expected a mesh with the cells of this one in their order" in message and "renumberMesh" in message, message
+
+
+@in_folder
+def test_cgns_comes_back_with_fields_and_kinds():
+    mesh = pamr.Mesh.kuhn_cube(COMM, 2)
+    mesh.node_fields["v"] = 2 * mesh.points
+    mesh.cell_fields["q"] = mesh.points[mesh.cells].mean(axis=1)[:, 1]
+    mesh.cell_fields["region"] = np.where(mesh.cell_fields["q"] < 0.5, 3, 4).astype(np.int32)
+    mesh.write("mesh.cgns")
+    back, told = told_by(lambda: pamr.Mesh.read(COMM, "mesh.cgns"))
+    assert told == [] and faces_of(back) == faces_of(mesh) and shape_of(back) == shape_of(mesh)
+    assert np.array_equal(back.node_fields["v"], 2 * back.points)
+    assert np.allclose(back.cell_fields["q"], back.points[back.cells].mean(axis=1)[:, 1], rtol=1e-15)
+    if COMM.rank == 0:  # as Gmsh writes conditions
+        import h5py
+        with h5py.File("mesh.cgns", "r+") as file:
+            conditions = file["Base/Zone1/ZoneBC"]
+            conditions.move("xmin", "inlet")
+            for condition in conditions.values():
+                condition["GridLocation/ data"][:] = np.frombuffer(b"CellCenter", np.int8)
+    COMM.barrier()
+    back, told = told_by(lambda: pamr.Mesh.read(COMM, "mesh.cgns"))
+    assert set(back.patches) == set(mesh.patches) - {"xmin"} | {"inlet"} and told == [], (back.patches, told)
+
+
+@in_folder
+def test_files_of_the_newest_hdf5_format_are_read():
+    import h5py
+    mesh = pamr.Mesh.kuhn_cube(COMM, 2)
+    mesh.write("old.hdf")
+    if COMM.rank == 0:
+        with h5py.File("old.hdf") as old, h5py.File("new.hdf", "w", libver="latest") as new:
+            for name in old:
+                old.copy(name, new)
+            for name, value in old.attrs.items():
+                new.attrs[name] = value
+    COMM.barrier()
+    back, _ = told_by(lambda: pamr.Mesh.read(COMM, "new.hdf"))
+    assert back._core.fingerprint() == mesh._core.fingerprint()
+
+
+run_tests(globals())
