@@ -8,15 +8,19 @@
 #include <array>
 #include <charconv>
 #include <limits>
+#include <map>
+#include <set>
 #include <string>
 #include <vector>
 
 #include "pamr/base/error.hpp"
 #include "pamr/base/index.hpp"
 #include "pamr/geometry/box.hpp"
+#include "pamr/io/gmsh/gmsh_parts.hpp"
 #include "pamr/io/rows_in_order.hpp"
 #include "pamr/io/shared_output.hpp"
 #include "pamr/mesh/box_of_nodes.hpp"
+#include "pamr/mesh/region_faces.hpp"
 #include "pamr/mesh/tet.hpp"
 
 namespace pamr::io {
@@ -94,11 +98,33 @@ struct OfSecondOrder {
   }
 };
 
+/// The physical volume of a region: its number, but Gmsh's numbers are positive, and what has none is in no group, which
+/// not all programs expect. Such regions get the lowest free numbers, and names that `read_gmsh` knows.
+std::map<std::int64_t, mesh::Region> volumes_of(const std::vector<std::int64_t>& regions, const mesh::MeshInfo& info) {
+  std::map<std::int64_t, mesh::Region> volumes;
+  std::set<std::int64_t> taken(regions.begin(), regions.end());
+  for (const auto& region : info.regions) taken.insert(region.number);
+  std::int64_t next = 1;
+  for (const auto region : regions) {
+    const auto name = mesh::name_of_region(info, region);
+    if (region > 0) {
+      volumes[region] = {region, name};
+      continue;
+    }
+    while (!taken.insert(next).second) ++next;
+    volumes[region] = {next, name.empty() ? fmt::format("{}{}", gmsh::unnamed_region, region) : name};
+  }
+  for (const auto& region : info.regions)
+    if (region.number > 0) volumes.emplace(region.number, region);
+  return volumes;
+}
+
 /// Elements of one rank in the order of the file.
 template <class Order>
 struct Elements {
   std::vector<std::vector<typename Order::Triangle>> triangle;  ///< by patch and interface
   RegionsInOrder region;                                        ///< 1 everywhere without the field
+  std::map<std::int64_t, mesh::Region> volume;                  ///< of each region, and of those with names
 };
 
 template <class Order>
@@ -115,6 +141,7 @@ Elements<Order> collect(const par::Comm& comm, const mesh::DistMesh& mesh, const
     elements.region.of_cell.assign(rows.cell_to_node.size(), 1);
     elements.region.all = {1};
   }
+  elements.volume = volumes_of(elements.region.all, elements.region.has_field ? mesh.info : mesh::MeshInfo());
   return elements;
 }
 
@@ -143,8 +170,11 @@ class Writer {
         rows_(rows_in_order(comm, mesh, second_order, options.interfaces)),
         elements_(collect<Order>(comm, mesh, rows_)) {
     std::vector<std::string> regions;
-    if (elements_.region.has_field)
-      for (const auto& region : mesh.info.regions) regions.push_back(region.name);
+    for (const auto& [region, volume] : elements_.volume) {
+      if (volume.name.empty()) continue;
+      regions.push_back(volume.name);
+      region_number_.push_back(volume.number);
+    }
     patch_name_ = physical_names("patch", rows_.group_name, options.remark);
     region_name_ = physical_names("region", regions, options.remark);
     for (const auto& patch : elements_.triangle)
@@ -179,7 +209,7 @@ class Writer {
     Record cells(binary_);
     for (std::size_t c = 0; c < rows_.cell_to_node.size(); ++c)
       element_2(cells, done + rows_.first_cell + static_cast<GlobalId>(c) + 1, Order::cell_type,
-                elements_.region.of_cell[c], 1, Order::cell(rows_, c));
+                elements_.volume.at(elements_.region.of_cell[c]).number, 1, Order::cell(rows_, c));
     if (mesh_.info.n_global_cells > 0) block_2(cells, Order::cell_type, mesh_.info.n_global_cells);
     end(Record(binary_), "Elements");
     out_.commit();
@@ -204,7 +234,7 @@ class Writer {
     text += fmt::format("$EndMeshFormat\n$PhysicalNames\n{}\n", patch_name_.size() + region_name_.size());
     for (std::size_t p = 0; p < patch_name_.size(); ++p) text += fmt::format("2 {} \"{}\"\n", p + 1, patch_name_[p]);
     for (std::size_t r = 0; r < region_name_.size(); ++r)
-      text += fmt::format("3 {} \"{}\"\n", mesh_.info.regions[r].number, region_name_[r]);
+      text += fmt::format("3 {} \"{}\"\n", region_number_[r], region_name_[r]);
     out_.append_once(text + "$EndPhysicalNames\n");
   }
   void section(const std::string& name, const std::string& head) { out_.append_once("$" + name + "\n" + head); }
@@ -260,7 +290,8 @@ class Writer {
         record.end_line();
       };
       for (std::size_t p = 0; p < n_triangles_.size(); ++p) entity(p, static_cast<std::int64_t>(p) + 1);
-      for (std::size_t r = 0; r < elements_.region.all.size(); ++r) entity(r, elements_.region.all[r]);
+      for (std::size_t r = 0; r < elements_.region.all.size(); ++r)
+        entity(r, elements_.volume.at(elements_.region.all[r]).number);
     }
     end(record, "Entities");
   }
@@ -334,6 +365,7 @@ class Writer {
   RowsInOrder rows_;
   Elements<Order> elements_;
   std::vector<std::string> patch_name_, region_name_;  ///< as they are written; of patches and interfaces, of regions
+  std::vector<std::int64_t> region_number_;            ///< of those that have names, in the file
   std::vector<std::int64_t> n_triangles_;              ///< of each patch and interface, all ranks
   std::int64_t n_elements_ = 0;
 };

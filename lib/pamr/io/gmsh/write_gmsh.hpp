@@ -24,7 +24,8 @@ struct GmshWriteOptions {
 
 /// Writes nodes, boundary triangles and tetrahedra in Gmsh's format: patches become physical surfaces 1, 2, ... of
 /// their names (faces between regions, where asked for, the ones after them), values of an integer cell field `region`
-/// physical volumes with the names they have (volume 1 without the field). Nodes are numbered from 1 in global order,
+/// physical volumes of these numbers with the names they have (volume 1 without the field; regions 0 and below get the
+/// lowest free numbers and the names `region_N`, which `read_gmsh` knows). Double quotes in names become single ones. Nodes are numbered from 1 in global order,
 /// and so are the elements: triangles patch by patch, then cells (4.1: region by region). Fields are left out. Text has
 /// 17 digits, which read back as the same numbers. The same bytes on any number of ranks. With `second_order` cells and
 /// triangles are of second order (Gmsh's types 11 and 9). A name is what Gmsh reads back: `'` stands for `"`, and what

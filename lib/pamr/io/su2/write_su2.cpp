@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <iterator>
 #include <set>
 #include <string>
 #include <vector>
@@ -59,7 +61,6 @@ void write_su2(const par::Comm& comm, const std::filesystem::path& file, const m
   }
   out.append_once(fmt::format("NPOIN= {}\n", rows.n_nodes));
   out.append(text);
-  out.append_once(fmt::format("NMARK= {}\n", names.size()));
   std::vector<std::string> lines(names.size());
   std::vector<std::int64_t> n_faces(names.size());
   for (const auto& face : boundary) {
@@ -69,8 +70,13 @@ void write_su2(const par::Comm& comm, const std::filesystem::path& file, const m
     line += '\n';
     ++n_faces[at(face.patch)];
   }
+  comm.sum_in_place(n_faces);
+  // Not all programs expect markers without elements.
+  const auto n_empty = std::count(n_faces.begin(), n_faces.end(), 0);
+  out.append_once(fmt::format("NMARK= {}\n", std::ssize(names) - n_empty));
   for (std::size_t p = 0; p < names.size(); ++p) {
-    out.append_once(fmt::format("MARKER_TAG= {}\nMARKER_ELEMS= {}\n", names[p], comm.sum(n_faces[p])));
+    if (n_faces[p] == 0) continue;
+    out.append_once(fmt::format("MARKER_TAG= {}\nMARKER_ELEMS= {}\n", names[p], n_faces[p]));
     out.append(lines[p]);
   }
   out.commit();

@@ -10,8 +10,9 @@
 namespace pamr::io {
 
 /// Writes tetrahedra, nodes and boundary triangles in SU2's format, in global order, with as many digits as it takes to
-/// read the same numbers back; patches become markers of their names, with `_` for blanks. Fields, regions and kinds
-/// have no place in it. `remark` hears of names that change. The same bytes on any number of ranks. Collective; throws the same `Error` on every rank, also
+/// read the same numbers back; patches with faces become markers of their names, with `_` for blanks. Fields, regions and
+/// kinds have no place in it. `remark` hears of names that change. The same bytes on any number of ranks. Collective;
+/// throws the same `Error` on every rank, also
 /// for two patches that would have one name, and leaves nothing behind then.
 void write_su2(const par::Comm& comm, const std::filesystem::path& file, const mesh::DistMesh& mesh,
                const Remark& remark = {});
