@@ -202,7 +202,7 @@ def test_names_that_a_format_cannot_have_are_others_with_a_word():
             import gmsh
         except ImportError:
             continue
-        gmsh.initialize(interruptible=False)
+        gmsh.initialize()
         gmsh.option.setNumber("General.Terminal", 0)
         gmsh.open("names.msh")
         assert [gmsh.model.getPhysicalName(*group) for group in gmsh.model.getPhysicalGroups(2)] == in_gmsh
