@@ -14,6 +14,7 @@
 #include "meshing/bodies.hpp"
 #include "meshing/cad_body.hpp"
 #include "meshing/feature_curves.hpp"
+#include "meshing/inside_grid.hpp"
 #include "meshing/pieces.hpp"
 #include "meshing/size_sources.hpp"
 #include "meshing/solid.hpp"
@@ -334,7 +335,9 @@ Domain combine(const Combination& c, const std::string& where) {
   require_within_bounds(*solid, where);
   require_some_within_bounds(*solid, samples, where);
   Domain domain;
-  domain.label = [solid, pieces](Vec3 p) {
+  const auto deep = InsideGrid::is_exact_for(*solid) ? std::make_shared<InsideGrid>(solid) : nullptr;
+  domain.label = [solid, pieces, deep](Vec3 p) {
+    if (deep && deep->holds(p)) return Domain::inside;
     const int surface = solid->label(p);
     return surface < 0 ? Domain::inside : pieces->nearest(surface, p);
   };

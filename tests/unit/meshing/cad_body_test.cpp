@@ -4,12 +4,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <random>
 #include <string>
 
 #include "meshing/bodies.hpp"
+#include "meshing/inside_grid.hpp"
 #include "meshing/size_sources.hpp"
 #include "meshing/thickness.hpp"
 #include "pamr/base/error.hpp"
@@ -58,6 +60,29 @@ TEST(CadBody, KnowsHowThickItIs) {
   for (const auto& place : thicknesses(cube, triangles, {.spacing = 0.25, .most = 0.5}))
     EXPECT_EQ(place.thickness, 0.5);
   EXPECT_LE(thicknesses(cube, triangles, {.spacing = 1e-3, .most = 5, .max_places = 200}).size(), 201U);
+}
+
+TEST(InsideGrid, HoldsPointsInsideAndAllThatAreDeepInside) {
+  auto set = std::make_shared<geometry::SurfaceSet>();
+  set->add("cube", "test", std::make_shared<CadBody>(model("cube.step"), 0.01));
+  const Vec3 margin{0.1, 0.1, 0.1};
+  const auto solid =
+      std::make_shared<const Solid>(Solid{set, Region("-cube", set->name, "test"), -margin, Vec3{1, 1, 1} + margin});
+  InsideGrid grid(solid);
+  std::mt19937_64 random(3);
+  std::uniform_real_distribution<double> coordinate(-0.5, 1.5);
+
+  ASSERT_TRUE(InsideGrid::is_exact_for(*solid));
+  int n_held = 0;
+  for (int i = 0; i < 50000; ++i) {
+    const Vec3 p{coordinate(random), coordinate(random), coordinate(random)};
+    const bool is_held = grid.holds(p);
+    n_held += is_held;
+    ASSERT_TRUE(!is_held || solid->contains(p));
+    ASSERT_TRUE(is_held || std::min({p.x, p.y, p.z, 1 - p.x, 1 - p.y, 1 - p.z}) < 0.1);
+  }
+  EXPECT_GT(n_held, 3000);
+  EXPECT_FALSE(grid.holds({NAN, 0, 0}));
 }
 
 TEST(CadBody, SidesAreThoseOfTheNearestFace) {

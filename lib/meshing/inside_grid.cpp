@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "meshing/inside_grid.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "meshing/cad_body.hpp"
+
+namespace pamr::meshing {
+
+using geometry::Vec3;
+
+InsideGrid::InsideGrid(std::shared_ptr<const Solid> solid)
+    : solid_(std::move(solid)), radius_(static_cast<std::size_t>(n) * n * n, -1) {}
+
+bool InsideGrid::is_exact_for(const Solid& solid) {
+  bool has_cad = false;
+  for (int i = 0; i < solid.n_surfaces(); ++i) {
+    const bool is_cad = dynamic_cast<const CadBody*>(&solid.surface(i)) != nullptr;
+    if (!is_cad && !solid.surface(i).is_flat()) return false;
+    has_cad = has_cad || is_cad;
+  }
+  return has_cad;
+}
+
+bool InsideGrid::holds(Vec3 point) {
+  std::size_t number = 0;
+  Vec3 place;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double step = (solid_->high[k] - solid_->low[k]) / n, at = (point[k] - solid_->low[k]) / step;
+    if (!(at >= 0 && at < n)) return false;
+    const double cell = std::floor(at);
+    number = number * n + static_cast<std::size_t>(cell);
+    (k == 0 ? place.x : k == 1 ? place.y : place.z) = solid_->low[k] + (cell + 0.5) * step;
+  }
+  auto& radius = radius_[number];
+  if (radius < 0) radius = radius_at(place);
+  return norm(point - place) < radius;
+}
+
+double InsideGrid::radius_at(Vec3 place) const {
+  constexpr double rounding = 1e-9;
+  if (!solid_->contains(place)) return 0;
+  double nearest = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < solid_->n_surfaces(); ++i)
+    nearest = std::min(nearest, std::abs(solid_->signed_distance(i, place)));
+  return (1 - rounding) * nearest;
+}
+
+}  // namespace pamr::meshing
