@@ -255,6 +255,79 @@ def test_cases_of_openfoam_come_back_with_their_order_and_regions():
     assert "expected a mesh with the cells of this one in their order" in message and "renumberMesh" in message, message
 
 
+def one_cell_case(**change):
+    """The case of one tetrahedron, with other texts for some files; None: without the file."""
+    def head(kind, name):
+        return f"FoamFile\n{{\n version 2.0;\n format ascii;\n class {kind};\n object {name};\n}}\n// * * //\n"
+    files = {"points": head("vectorField", "points") + "4\n(\n(0 0 0)\n(1 0 0)\n(0 1 0)\n(0 0 1)\n)\n",
+             "faces": head("faceList", "faces") + "4\n(\n3(0 2 1)\n3(0 1 3)\n3(0 3 2)\n3(1 2 3)\n)\n",
+             "owner": head("labelList", "owner") + "4\n(\n0\n0\n0\n0\n)\n", "neighbour": head("labelList", "neighbour") + "0\n(\n)\n",
+             "boundary": head("polyBoundaryMesh", "boundary") + "2\n(\n wall { type wall; inGroups 1(wall); nFaces 3; startFace 0; }\n"
+                         " rest\n {\n  type patch; /* a comment */\n  nFaces 1;\n  startFace 3;\n }\n)\n"} | change
+    if COMM.rank == 0:
+        folder = pathlib.Path("one/constant/polyMesh")
+        folder.mkdir(parents=True, exist_ok=True)
+        for name, text in files.items():
+            (folder / name).unlink(missing_ok=True)
+            if text is not None:
+                (folder / name).write_text(text)
+    COMM.barrier()
+    return files
+
+
+@in_folder
+def test_bad_cases_of_openfoam_are_refused_with_the_place():
+    good = one_cell_case()
+    mesh, told = told_by(lambda: pamr.Mesh.read(COMM, "one"))
+    assert faces_of(mesh) == {"wall": 3, "rest": 1} and told == []
+
+    def changed(name, old, new):
+        assert old in good[name], (name, old)
+        return {name: good[name].replace(old, new)}
+    for change, words in [
+            (changed("points", "(0 1 0)", "(0 one 0)"), ["points', line 13", '"one"']), (changed("points", "4\n(", "5\n("), ["points'", "("]),
+            (changed("points", "(0 1 0)", "(0 nan 0)"), ["finite", "node 2"]), (changed("points", "FoamFile", "Fileless"), ["points'", "FoamFile"]),
+            (changed("faces", "3(1 2 3)", "3(1 2 9)"), ["face 3", "found 9"]), (changed("faces", "3(1 2 3)", "4(1 2 3 0)"), ["1 polygons or polyhedra"]),
+            (changed("faces", "4\n(", "99999999999\n("), ["fits the file"]), (changed("owner", "0\n)", "-1\n)"), ["found -1"]),
+            (changed("owner", "0\n)", "1\n)"), ["polyhedra"]), (changed("owner", "4\n(", "3\n("), ["owner'", ")"]),
+            (changed("faces", "3(1 2 3)", "3(0 1 2)"), ["two surfaces", "'rest'"]), (changed("boundary", "nFaces 3", "nFaces 7"), ["boundary'", "'wall'"]),
+            (changed("boundary", "type wall", "type processor"), ["reconstructParMesh"]), (changed("boundary", "startFace 3", "startFace x"), ['"x"']),
+            (changed("boundary", "rest\n", "wall\n"), ["'wall' twice"]), (changed("boundary", " }\n)\n", ""), ["boundary'", "end of the file"]),
+            ({"boundary": None}, ["boundary'"]), ({"owner": None}, ["found a folder without"]),
+            ({"cellZones": good["owner"].replace("4\n(\n0\n0\n0\n0\n)", "1\n(\n gas { type cellZone; cellLabels List<label> 1(3); }\n)")},
+             ["cellZones'", "'gas'"])]:
+        one_cell_case(**change)
+        message = error_of(lambda: pamr.Mesh.read(COMM, "one"))
+        assert message.startswith("file 'one") and all(word in message for word in words), (words, message)
+        one_cell_case(cellZones=None)
+
+
+@in_folder
+def test_bad_files_of_the_other_readers_are_refused_with_the_place():
+    def mfem(old, new):
+        assert old in MFEM, old
+        return "bad.mfem", MFEM.replace(old, new)
+
+    def legacy(old, new):
+        assert old in VTK, old
+        return "bad.vtk", VTK.replace(old, new)
+    for (name, text), words in [
+            (mfem("dimension\n3", "dimension\n2"), ["line 5", "3 dimensions"]), (mfem("7 4 0", "7 9 0"), ["shape from 0 to 7"]),
+            (mfem("7 4 0 1 2 3", "7 5 0 1 2 3 0 1 2 3"), ["1 hexahedra"]), (mfem("7 4 0 1 2 3", "7 4 0 1 2 9"), ["cell 0", "found 9"]),
+            (mfem("elements\n1", "elements\n9999999"), ["fits the file"]), (mfem("elements\n1", "elements\n-1"), ["-1"]),
+            (mfem("0 1 0\n0 0 1", "0 1 0\n0 0 x"), ['"x"']), (mfem("0 1 0\n0 0 1\n", "0 1 0\n"), ["end of the file"]),
+            (mfem("vertices\n4\n3", "vertices\n4\n2"), ["in 3 dimensions"]), (mfem("boundary", "bound"), ['"bound"']),
+            (mfem(MFEM[MFEM.index("vertices"):], ""), ["vertices or nodes"]),
+            (legacy("POINTS 4 double", "POINTS 4 dubel"), ["line 5", '"dubel"']), (legacy("POINTS 4", "POINTS 5"), ['"CELLS"']),
+            (legacy("ASCII", "HEX"), ["ASCII or BINARY"]), (legacy("CELLS 5 21", "CELLS 6 21"), ["expected 6 cells"]),
+            (legacy("4 0 1 2 3\n", "9 0 1 2 3\n"), ["cell 0", "expected 4 nodes, found 9"]), (legacy("3 1 2 3\n", "3 1 2 7\n"), ["cell 4", "found 7"]),
+            (legacy("CELL_TYPES 5\n10\n", "CELL_TYPES 5\n13\n"), ["1 prisms"]), (legacy("CELL_TYPES 5\n10\n", "CELL_TYPES 5\n99\n"), ["found 99"]),
+            (legacy("CELL_DATA 5", "CELL_DATA 4"), ["expected 5 values"]), (legacy("SCALARS", "SCALES"), ["keyword", '"scales"']),
+            (legacy("CELL_DATA 5\n", ""), ["before scalars"]), (legacy("0 0 1\nCELLS", "0 0 nan\nCELLS"), ["finite", "node 3"])]:
+        message = error_of(lambda: pamr.Mesh.read(COMM, write(name, text)))
+        assert message.startswith(f"file '{name}'") and all(word in message for word in words), (words, message)
+
+
 @in_folder
 def test_cgns_comes_back_with_fields_and_kinds():
     mesh = pamr.Mesh.kuhn_cube(COMM, 2)

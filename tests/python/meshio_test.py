@@ -70,7 +70,7 @@ def faces_of(mesh):
 
 def test_tags_of_all_formats_are_patches_and_regions():
     import meshio
-    for key in ("gmsh:physical", "medit:ref", "nastran:ref", "su2:tag"):
+    for key in ("gmsh:physical", "medit:ref", "nastran:ref", "su2:tag", "CellEntityIds"):
         given = meshio.Mesh(POINTS, [("tetra", CELLS), ("triangle", FLOOR)],
                             cell_data={key: [[5, 5, 5, 8, 8, 8], [3, 4.0]]}, field_data={"gas": np.array([5, 3])})
         mesh, told = taken(given)
@@ -199,6 +199,10 @@ def test_triangles_within_the_mesh_points_of_nothing_and_inverted_cells():
     assert "found 2 inverted ones among 6 cells" in refused(meshio.Mesh(POINTS, [("tetra", turned)]))
     mesh, told = taken(meshio.Mesh(POINTS, [("tetra", turned)]), repair=True)
     assert mesh.n_turned == 2 and told == ["from_meshio: 2 inverted cells were turned over"], told
+    strange = np.concatenate([POINTS, [[np.nan] * 3]])  # of no cell
+    assert taken(meshio.Mesh(strange, [("tetra", CELLS)]))[0].n_nodes == 8
+    strange[5, 1] = np.inf
+    assert "points: expected finite numbers, found others in row 5" in refused(meshio.Mesh(strange, [("tetra", CELLS)]))
     far = CELLS.copy()
     far[3, 1] = 8
     assert "tetra: expected numbers of points from 0 to 7, found 8 in row 3" in refused(meshio.Mesh(POINTS, [("tetra", far)]))

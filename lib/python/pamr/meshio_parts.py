@@ -14,7 +14,7 @@ from .together import integers, plain, reals, require_shape
 # Under which meshio keeps what formats say of triangles and tetrahedra alike, the better one first.
 PHYSICAL, ENTITY = "gmsh:physical", "gmsh:geometrical"
 TAGS = (PHYSICAL, ENTITY, "medit:ref", "tetgen:ref", "netgen:index", "ugrid:ref", "nastran:ref", "su2:tag",
-        "avsucd:material")
+        "avsucd:material", "CellEntityIds")
 REGION = "region"
 # Of the files that PAMR writes: numbers of patches, whose names stand in field data.
 OWN_TAGS, OWN_NAMES = ("boundary_patch", "patch"), "patch "
@@ -81,6 +81,9 @@ def parts_of(mesh: Any, tags: Optional[str], names: Optional[Mapping[int, str]])
     points = np.zeros((len(mesh.points), 3))
     given = reals("points", mesh.points, (len(mesh.points), np.shape(mesh.points)[1]), finite=False)
     points[:, :given.shape[1]] = given
+    bad = np.intersect1d(np.flatnonzero(~np.isfinite(points).all(axis=1)), tetra.nodes)
+    if len(bad):
+        raise Error(f"points: expected finite numbers, found others in row {bad[0]}")
     tagged = (np.empty((0, 3), np.int64), np.empty(0, np.int64)) if triangle.tags is None else (triangle.nodes, triangle.tags)
     regions = tetra.names if REGION in of_cells and of_cells[REGION] is tetra.tags else {}
     of_points = {k: plain(f"point data {k!r}", v) for k, v in mesh.point_data.items()}
