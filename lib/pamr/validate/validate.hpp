@@ -51,7 +51,7 @@ void require_valid(const par::Comm& comm, const mesh::DistMesh& mesh, const std:
 
 /// Throws `Error` naming `what`, the same on every rank, for a mesh that breaks `finite_coordinates`,
 /// `orientation_positive` or `not_flat`: what splitting the cells of a valid mesh may come to (slivers, edges whose
-/// volumes are too small for a double). Pre: the other invariants hold. Collective, two reductions; some 10 ns a cell.
+/// volumes are too small for a double). Pre: the other invariants hold. Collective, one reduction where all are good.
 void require_shapes(const par::Comm& comm, const mesh::DistMesh& mesh, const std::string& what);
 
 }  // namespace pamr::validate
