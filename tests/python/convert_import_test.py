@@ -351,6 +351,43 @@ def test_cgns_comes_back_with_fields_and_kinds():
     assert set(back.patches) == set(mesh.patches) - {"xmin"} | {"inlet"} and told == [], (back.patches, told)
 
 
+def replace_data(group, values):
+    del group[" data"]
+    group[" data"] = values
+
+
+@in_folder
+def test_regions_and_conditions_on_vertices_are_read_from_cgns():
+    mesh = pamr.Mesh.kuhn_cube(COMM, 2)
+    mesh.write("mesh.cgns")
+    if COMM.rank == 0:
+        import h5py
+        with h5py.File("mesh.cgns", "r+") as file:
+            zone = file["Base/Zone1"]
+            cells = next(g for g in zone.values() if g.attrs["label"] == b"Elements_t" and len(g["ElementConnectivity/ data"]) == 4 * 48)
+            first, nodes = int(cells["ElementRange/ data"][0]), cells["ElementConnectivity/ data"][:]
+            file.copy(cells, zone, "solid")
+            for group, begin, end in ((cells, 0, 20), (zone["solid"], 20, 48)):
+                replace_data(group["ElementConnectivity"], nodes[4 * begin:4 * end])
+                replace_data(group["ElementRange"], np.array([first + begin, first + end - 1], group["ElementRange/ data"].dtype))
+            x = zone["GridCoordinates/CoordinateX/ data"][:]
+            inlet = zone["ZoneBC/xmin"]
+            del inlet["GridLocation"]
+            name = next(n for n in inlet if n.startswith("Point"))
+            vertices = np.flatnonzero(x == 0).astype(np.int32) + 1
+            file.copy(inlet[name], inlet, "list")
+            inlet["list"].attrs["label"], inlet["list"].attrs["name"] = np.bytes_("IndexArray_t"), np.bytes_("PointList")
+            del inlet[name]
+            inlet.move("list", "PointList")
+            replace_data(inlet["PointList"], vertices.reshape(-1, 1))
+    COMM.barrier()
+    back, told = told_by(lambda: pamr.Mesh.read(COMM, "mesh.cgns"))
+    assert set(back.patches) == set(mesh.patches) and told == [] and faces_of(back) == faces_of(mesh), (back.patches, told)
+    region = back.cell_fields["region"]
+    n = [COMM.allreduce(int((region == r).sum())) for r in (1, 2)]
+    assert n == [20, 28] and back.regions[2] == "solid", (n, back.regions)
+
+
 @in_folder
 def test_files_of_the_newest_hdf5_format_are_read():
     import h5py

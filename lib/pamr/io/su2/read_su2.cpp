@@ -95,7 +95,10 @@ class Su2Reader {
     } else if (keyword == "MARKER_ELEMS") {
       if (tag_.empty()) value.fail("MARKER_TAG= before MARKER_ELEMS=", "none");
       ++n_found_;
-      if (tag_ != of_ranks) parts_.group_name[{2, n_found_}] = tag_;
+      if (tag_ != of_ranks)
+        parts_.group_name[{2, n_found_}] = tag_;
+      else if (in_.rest().starts_with("SEND_TO"))
+        (void)in_.line();
       (void)read_elements(value, tag_ == of_ranks ? 0 : n_found_);
       tag_.clear();
     } else if (keyword == "NPERIODIC") {
