@@ -81,6 +81,7 @@ def test_dialects_of_formats_are_read():
                                         "H1_3D_P1\nVDim: 3\nOrdering: 1\n\n"), {"patch_1": 2, "patch_2": 2}),
             ("meshio.vtk", VTK.replace("medit:ref int 1", "medit:ref vtktypeuint8 1"), {"patch_1": 2, "patch_2": 2}),
             ("metadata.vtk", VTK.replace("CELLS 5", "METADATA\nINFORMATION 1\nNAME x LOCATION y\nDATA 1 2\n\nCELLS 5"), {"patch_1": 2, "patch_2": 2}),
+            ("named.vtk", VTK.replace("POINTS", "FIELD FieldData 1\npatch%20in%20let 1 1 int\n2\nPOINTS"), {"patch_1": 2, "in let": 2}),
             ("plain.vtk", VTK, {"patch_1": 2, "patch_2": 2})]:
         mesh, told = read(name, text)
         assert mesh.n_cells == 1 and faces_of(mesh) == faces and told == [], (name, faces_of(mesh), told)
@@ -133,6 +134,9 @@ def test_groups_that_no_mesh_has_a_place_for_are_counted():
         lambda: pamr.Mesh.read(COMM, write("only.msh", only)))
     mesh, told = read("untagged.su2", SU2.replace("NMARK= 2", "NMARK= 1")[:SU2.index("MARKER_TAG= physical_2")])
     assert told == ["2 boundary faces without tag are in the patch 'boundary'"] and faces_of(mesh) == {"wall": 2, "boundary": 2}
+    colors, told = read("colors.vtk", VTK + "COLOR_SCALARS tint 1\n0 .2 .4 1\n")
+    tints = set().union(*COMM.allgather([int(v) for v in colors.node_fields["tint"]]))
+    assert told == [] and tints == {0, 51, 102, 255}, tints
     _, told = read("untagged.vtk", VTK.replace("medit:ref", "mine"))
     assert told == ["4 triangles without tag were left out", "4 boundary faces without tag are in the patch 'boundary'"], told
     message = error_of(lambda: pamr.Mesh.read(COMM, write("poly.mesh", MEDIT.replace("End\n", "Polyhedra 2\n1 2\n3 4\nEnd\n"))))

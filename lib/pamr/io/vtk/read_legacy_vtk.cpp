@@ -7,11 +7,14 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <cmath>
 #include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
+#include <variant>
+#include <vector>
 
 #include "pamr/io/elements/first_line.hpp"
 #include "pamr/io/elements/text_cursor.hpp"
@@ -145,11 +148,12 @@ class LegacyReader {
     const auto name = decoded(word("a name"));
     if (keyword == "lookup_table" || keyword == "color_scalars") {
       const auto n = in_.integer_in_line("a number of colors");
-      const bool is_table = keyword == "lookup_table";
       in_.checked_count(n, 1, "colors");
       (void)in_.line();
-      (void)numbers_.numbers(numbers_.type_named(numbers_.is_binary() ? "unsigned_char" : "float"),
-                             is_table ? 4 * n : n * *n_rows_);
+      if (keyword == "color_scalars")
+        keep_colors(name, n);
+      else
+        (void)numbers_.numbers(type_of_colors(), 4 * n);
       return;
     }
     std::int64_t width = keyword == "vectors" || keyword == "normals" ? 3
@@ -212,10 +216,30 @@ class LegacyReader {
     }
   }
 
-  /// Reads an array, and keeps it where it has a row for each point or cell.
+  const LegacyType& type_of_colors() const {
+    return numbers_.type_named(numbers_.is_binary() ? "unsigned_char" : "float");
+  }
+
+  /// VTK calls bytes colors: 0 to 255, in text 0 to 1.
+  void keep_colors(const std::string& name, std::int64_t width) {
+    const auto read = numbers_.numbers(type_of_colors(), width * *n_rows_);
+    std::vector<std::int64_t> bytes;
+    if (const auto* parts = std::get_if<std::vector<double>>(&read))
+      for (const double part : *parts) bytes.push_back(std::lround(255 * std::clamp(part, 0.0, 1.0)));
+    else
+      bytes = std::get<std::vector<std::int64_t>>(read);
+    const auto type = std::string(numbers_.type_named("unsigned_char").type);
+    grid_.arrays.push_back({is_on_points_, name, type, width, [bytes] { return Values(bytes); }});
+  }
+
+  /// Reads an array, and keeps it where it has a row for each point or cell, or says the name of a patch.
   void keep(const std::string& name, const LegacyType& type, std::int64_t width, std::int64_t n) {
     if (width < 1 || width > 65536) in_.fail("1 to 65536 components", fmt::format("{}", width));
     in_.checked_count(n, 1, "values");
+    if (!n_rows_ && width * n == 1 && name.starts_with(before_patch) && name != before_patch) {
+      name_patch(grid_, name, numbers_.integers(type, 1).front());
+      return;
+    }
     auto values = std::make_shared<Values>(numbers_.numbers(type, width * n));
     if (n_rows_ && n == *n_rows_)
       grid_.arrays.push_back({is_on_points_, name, std::string(type.type), width, [values] { return *values; }});

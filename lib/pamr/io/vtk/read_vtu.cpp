@@ -31,19 +31,6 @@ const XmlArray& require(const XmlGrid& grid, std::string_view place, std::string
   return *array;
 }
 
-/// Names of the patches where the file says them, as those of `write_vtu` do: field data `patch NAME` with the number.
-std::map<std::int64_t, mesh::Patch> read_names(const XmlGrid& xml) {
-  constexpr std::string_view before = "patch ";
-  std::map<std::int64_t, mesh::Patch> names;
-  for (const auto& array : xml.arrays) {
-    if (array.place != "FieldData" || !array.name.starts_with(before) || array.name == before) continue;
-    const auto number = integers_of(xml, array, 1).front();
-    if (!names.emplace(number, mesh::Patch{array.name.substr(before.size()), ""}).second)
-      throw Error(fmt::format("field data: expected one name of patch {}, found two", number));
-  }
-  return names;
-}
-
 WholeMesh read_whole(const std::filesystem::path& file) {
   auto text = text_of(file);
   const auto xml = parse_grid(text);
@@ -70,7 +57,9 @@ WholeMesh read_whole(const std::filesystem::path& file) {
     grid.arrays.push_back({is_on_points, array.name, array.type, array.n_components,
                            [&xml, &array, n] { return values_of(xml, array, n * array.n_components); }});
   }
-  grid.patch_of_tag = read_names(xml);
+  for (const auto& array : xml.arrays)
+    if (array.place == "FieldData" && array.name.starts_with(before_patch) && array.name != before_patch)
+      name_patch(grid, array.name, integers_of(xml, array, 1).front());
   return to_whole_mesh(grid);
 }
 

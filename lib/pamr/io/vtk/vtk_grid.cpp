@@ -111,6 +111,12 @@ bool is_field(const GridArray& array) {
 
 }  // namespace
 
+void name_patch(Grid& grid, std::string_view array, std::int64_t number) {
+  const mesh::Patch patch{std::string(array.substr(before_patch.size())), ""};
+  if (!grid.patch_of_tag.emplace(number, patch).second)
+    throw Error(fmt::format("field data: expected one name of patch {}, found two", number));
+}
+
 WholeMesh to_whole_mesh(const Grid& grid) {
   WholeMesh mesh;
   if (grid.points.index() != 0) throw Error("Points: expected reals, found integers");

@@ -33,6 +33,11 @@ struct Grid {
   std::map<std::int64_t, mesh::Patch> patch_of_tag;  ///< names that the file has: it is ours then
 };
 
+/// Field data `patch NAME` say the number of a patch, as those of `write_vtu` do.
+inline constexpr std::string_view before_patch = "patch ";
+/// Takes the name of a patch from field data of that name; throws `Error` where the number has one.
+void name_patch(Grid& grid, std::string_view array, std::int64_t number);
+
 /// Tetrahedra as cells; triangles with the first integer array of those that PAMR, VTK and meshio use for it as tags,
 /// which are the regions of the tetrahedra too where the array is not PAMR's; other arrays as fields. Points and lines
 /// are left out, other cells counted as refused. Throws `Error`, without the name of the file.
