@@ -368,7 +368,7 @@ def test_regions_and_conditions_on_vertices_are_read_from_cgns():
         import h5py
         with h5py.File("mesh.cgns", "r+") as file:
             zone = file["Base/Zone1"]
-            cells = next(g for g in zone.values() if "ElementConnectivity" in g and len(g["ElementConnectivity/ data"]) == 4 * 48)
+            cells = next(g for g in zone.values() if isinstance(g, h5py.Group) and "ElementConnectivity" in g and len(g["ElementConnectivity/ data"]) == 4 * 48)
             first, nodes = int(cells["ElementRange/ data"][0]), cells["ElementConnectivity/ data"][:]
             file.copy(cells, zone, "solid")
             for group, begin, end in ((cells, 0, 20), (zone["solid"], 20, 48)):

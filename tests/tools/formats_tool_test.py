@@ -210,6 +210,10 @@ def test_names_that_a_format_cannot_have_are_others_with_a_word():
     for output, changed in (("names.su2", "with_blank"), ("names.cgns", "a_b"), ("foam", "with_blank")):
         err = run("pamr-convert", "names.hdf", output, "--quiet").err
         assert ": patch '" in err and "changed" in err, err
+    with h5py.File("names.hdf", "r+") as file:
+        n = len(file["VTKHDF/Points"])
+        file["VTKHDF/PointData/stress"], file["VTKHDF/PointData/stress_1"] = np.zeros((n, 6)), np.ones(n)
+    assert "component of a field 'stress_1' is written as 'stress_1_'" in run("pamr-convert", "names.hdf", "fields.cgns", "--quiet").err
     for output, those, says in (("twice.msh", ['a "b"', "a 'b'"] + names[2:], ["names that stay different in Gmsh"]),
                                 ("twice.msh", ["w" * 128, "w" * 129] + names[2:], ["www...'", "Gmsh"]),
                                 ("twice.su2", ["a b", "a_b"] + names[2:], ["SU2"]), ("twice", ["a b", "a_b"] + names[2:], ["OpenFOAM"])):

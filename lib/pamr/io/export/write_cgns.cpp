@@ -204,8 +204,14 @@ class CgnsWriter {
     out_.commit();
   }
 
-  /// As they are in the file, after `write`.
-  const std::vector<std::string>& patch_names() const { return patch_name_; }
+  /// Remarks on names that are others in the file, after `write`.
+  void check_names(const Remark& remark) const {
+    std::vector<std::string> names;
+    for (const auto& patch : mesh_.info.patches) names.push_back(patch.name);
+    check_written_names("CGNS", "patch", names, patch_name_, remark);
+    for (const auto& [given, written] : names_of_fields_)
+      check_written_names("CGNS", "component of a field", given, written, remark);
+  }
 
  private:
   static constexpr const char* zone = "/Base/Zone1";  // the name that programs expect where there is one
@@ -302,14 +308,16 @@ class CgnsWriter {
       tree.text(path + "/GridLocation", "GridLocation_t", location);
     });
     CgnsNames names({"GridLocation"});
+    auto& [given, written] = names_of_fields_.emplace_back();
     for (const auto* field : all)
       for (int k = 0; k < field->n_components; ++k) {
         const auto suffix = field->n_components == 1   ? std::string()
                             : field->n_components == 3 ? std::string(1, "XYZ"[k])
                                                        : fmt::format("_{}", k + 1);
         const auto room = name_length - std::min(suffix.size(), name_length);
-        large(path + "/" + names(field->name.substr(0, room) + suffix), "DataArray_t",
-              field->holds_integers() ? "I8" : "R8", n,
+        given.push_back(field->name + suffix);
+        written.push_back(names(cut_to(field->name, room) + suffix));
+        large(path + "/" + written.back(), "DataArray_t", field->holds_integers() ? "I8" : "R8", n,
               [in_order, field, k] { return component(in_order(*field), k); });
       }
   }
@@ -331,6 +339,7 @@ class CgnsWriter {
   std::vector<std::vector<std::array<GlobalId, 3>>> faces_;  ///< of each patch, this rank's
   std::vector<std::int64_t> n_faces_, first_face_;           ///< all ranks'
   std::vector<std::string> patch_name_;
+  std::vector<std::pair<std::vector<std::string>, std::vector<std::string>>> names_of_fields_;  ///< given and written
   bool is_wide_ = false;
   std::vector<CgnsTree> tree_;  ///< one on the first rank, none elsewhere
   std::vector<LargeArray> arrays_;
@@ -342,9 +351,7 @@ void write_cgns(const par::Comm& comm, const std::filesystem::path& file, const 
                 const Remark& remark) {
   CgnsWriter writer(comm, file, mesh);
   writer.write();
-  std::vector<std::string> names;
-  for (const auto& patch : mesh.info.patches) names.push_back(patch.name);
-  check_written_names("CGNS", "patch", names, writer.patch_names(), remark);
+  writer.check_names(remark);
 }
 
 }  // namespace pamr::io
