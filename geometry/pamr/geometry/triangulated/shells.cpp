@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <map>
 #include <numbers>
 #include <span>
@@ -34,9 +35,10 @@ double solid_angle(const std::array<Vec3, 3>& p, Vec3 from) {
   return 2 * std::atan2(dot(a, cross(b, c)), la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb);
 }
 
-void find_contacts(const Triangulation& surface, Shells& shells) {
+void find_contacts(const Triangulation& surface, Shells& shells, const std::function<void(const Cut&)>& use) {
   std::map<std::pair<int, int>, Vec3> first;
   for_each_cut(surface, [&](const Cut& cut) {
+    if (use) use(cut);
     const int a = shells.of_triangle[at(cut.first)], b = shells.of_triangle[at(cut.second)];
     if (a != b) first.try_emplace(std::minmax(a, b), cut.where);
   });
@@ -63,16 +65,6 @@ void find_depths(const Triangulation& surface, Shells& shells) {
 
 std::string place_of(const Shell& shell) {
   return fmt::format("a shell of {} triangles at {}", shell.n_triangles, decimal(shell.where));
-}
-
-/// The triangles that cut others nearest to the beginning of the file, in the bounds.
-std::optional<Vec3> first_cut_in(const Triangulation& surface, const Box& bounds) {
-  std::optional<std::pair<std::pair<int, int>, Vec3>> first;
-  for_each_cut(surface, [&](const Cut& cut) {
-    const std::pair<int, int> pair = std::minmax(cut.first, cut.second);
-    if (bounds.contains(cut.where) && (!first || pair < first->first)) first = {pair, cut.where};
-  });
-  return first ? std::optional(first->second) : std::nullopt;
 }
 
 }  // namespace
@@ -106,9 +98,9 @@ Shells find_shells(const Triangulation& surface) {
   return result;
 }
 
-void nest_shells(const Triangulation& surface, Shells& shells) {
-  if (shells.shell.size() < 2) return;
-  find_contacts(surface, shells);
+void nest_shells(const Triangulation& surface, Shells& shells, const std::function<void(const Cut&)>& use) {
+  if (shells.shell.size() < 2 && !use) return;
+  find_contacts(surface, shells, use);
   find_depths(surface, shells);
 }
 
@@ -126,7 +118,11 @@ std::vector<int> turned_shells(const Shells& shells, Exact<bool> outside_in) {
 std::optional<std::string> lacks_inside(const Triangulation& surface, const Box& bounds) {
   const auto name = fmt::format("surface \"{}\": expected ", surface.name);
   auto shells = find_shells(surface);
-  nest_shells(surface, shells);
+  std::optional<std::pair<std::pair<int, int>, Vec3>> cut;  // nearest to the beginning of the file
+  nest_shells(surface, shells, [&](const Cut& found) {
+    const std::pair<int, int> pair = std::minmax(found.first, found.second);
+    if (bounds.contains(found.where) && (!cut || pair < cut->first)) cut = {pair, found.where};
+  });
   const auto contact = std::find_if(shells.contact.begin(), shells.contact.end(),
                                     [&](const Contact& c) { return bounds.contains(c.where); });
   if (contact != shells.contact.end())
@@ -135,11 +131,11 @@ std::optional<std::string> lacks_inside(const Triangulation& surface, const Box&
                       "inside is not defined there; unite the two where they were made",
                       place_of(shells.shell[at(contact->first)]), place_of(shells.shell[at(contact->second)]),
                       decimal(contact->where));
-  if (const auto cut = first_cut_in(surface, bounds))
+  if (cut)
     return name + fmt::format(
                       "triangles that do not cut each other, found some near {}: what is inside is not defined "
                       "there; `pamr-surface repair` mends small places",
-                      decimal(*cut));
+                      decimal(cut->second));
   const auto turned = turned_shells(shells);
   if (turned.empty() || turned_shells(shells, true).empty()) return std::nullopt;
   const auto& shell = shells.shell[at(turned.front())];

@@ -2,12 +2,14 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "pamr/base/exact.hpp"
 #include "pamr/geometry/box.hpp"
+#include "pamr/geometry/triangulated/self_intersection.hpp"
 #include "pamr/geometry/triangulated/triangulation.hpp"
 
 namespace pamr::geometry {
@@ -41,8 +43,8 @@ Shells find_shells(const Triangulation& surface);
 
 /// Finds out how the shells of a manifold lie to one another, exactly: which touch or cut others, and in how many
 /// others those lie that do not. A shell beside the others in a point, an edge or a face touches. Local. Cost: of
-/// `find_self_intersections`, and for each shell as many operations as the shells around its place have triangles.
-void nest_shells(const Triangulation& surface, Shells& shells);
+/// `find_self_intersections`, of which `use` is told all, and for each shell as many operations as the shells around its place have triangles.
+void nest_shells(const Triangulation& surface, Shells& shells, const std::function<void(const Cut&)>& use = {});
 
 /// Closed shells that are apart and seen from the wrong side, ascending: those around which no shell or an even number
 /// lies face outwards, the others inwards, since they are cavities. `outside_in`: the other way around for all.
