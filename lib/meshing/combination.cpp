@@ -93,7 +93,7 @@ double bounded_by_gaps(const geometry::SurfaceSet& surfaces, double factor, Vec3
 
 using Thicknesses = std::vector<Thickness>;
 
-/// What the curvature of CAD shapes, and where that is asked for their thickness, ask for.
+/// Sizes by the curvature of CAD shapes and, where that is asked for, by their thickness.
 SizeSources cad_sources(const Solid& solid, const Combination& c, const Thicknesses& thickness) {
   std::vector<SizeSources::Source> all;
   const double least = c.least > 0 ? c.least : default_least * c.far;

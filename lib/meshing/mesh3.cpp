@@ -210,7 +210,7 @@ Complex make_complex(const Domain& domain, const MeshDomain& mesh_domain, bool w
   return complex;
 }
 
-/// What the sizes ask for.
+/// Estimated from the sizes.
 struct Prediction {
   double cells = 0, boundary_nodes = 0;
 };

@@ -49,7 +49,7 @@ std::vector<mesh::Field> fields_of(const std::vector<FieldIn>& all) {
 using TagIn = std::tuple<std::int64_t, std::string, std::string>;
 using GroupIn = std::tuple<int, std::string, std::int64_t>;
 
-/// What the Python package makes of its arguments (`Mesh._of_arrays`).
+/// Arguments of `Mesh._of_arrays` as arrays.
 struct Given {
   Array<double> points;
   Array<std::int64_t> cells, triangles, tags;

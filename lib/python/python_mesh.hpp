@@ -60,8 +60,8 @@ struct MadeMesh {
 MadeMesh mesh_from_arrays(std::shared_ptr<const par::Comm> comm, MeshArrays arrays, const std::string& source,
                           const io::ElementOptions& options);
 
-/// What is to be said of a mesh that was read from a file or arrays of another program: what was left out or changed,
-/// and where it is torn. Collective.
+/// Warnings about a mesh that was read from a file or arrays of another program: things left out or changed, and
+/// places where it is torn. Collective.
 std::vector<std::string> remarks_on(const par::Comm& comm, const io::ElementMesh& read);
 
 /// What an array of Python that shows this field has to hold. Local.

@@ -25,7 +25,7 @@ constexpr int bad_input = 2, internal = 3;
 /// How long a rank that fails waits for the others to do the same, in seconds.
 constexpr double grace_period = 3;
 
-/// What the handler of uncaught exceptions needs; null when MPI does not run.
+/// For the handler of uncaught exceptions; null when MPI does not run.
 const Runtime* running = nullptr;
 
 /// One write, which lines of other processes do not cut.

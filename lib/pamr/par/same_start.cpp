@@ -15,7 +15,7 @@ namespace pamr::par {
 
 namespace {
 
-/// What is compared, in the order of report.
+/// All that has to be the same, in the order in which differences are reported.
 std::vector<std::string> words_of(const Start& start) {
   std::vector<std::string> words{start.version, start.folder};
   words.insert(words.end(), start.arguments.begin(), start.arguments.end());

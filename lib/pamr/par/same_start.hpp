@@ -8,7 +8,7 @@
 
 namespace pamr::par {
 
-/// What a rank of a program begins with.
+/// Version, folder and arguments of a program on one rank.
 struct Start {
   std::string version;                 ///< of the program
   std::string folder;                  ///< in which names of files are looked up; empty where that is not known

@@ -7,8 +7,8 @@
 
 namespace pamr::io {
 
-/// What a file that is not of the expected format seems to be, by its first bytes, and what to do with it, as it stands
-/// behind "found" in an error: `a mesh of Fluent: ...`. Where nothing is known, the first line. Source: the manuals of
+/// The format that a file seems to have by its first bytes, and how to make a file of it that can be read, as text to
+/// follow "found" in an error: `a mesh of Fluent: ...`. For unknown formats the first line. Source: the manuals of
 /// the formats that are named. Local.
 std::string what_begins(std::string_view bytes);
 

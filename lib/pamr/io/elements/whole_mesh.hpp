@@ -18,7 +18,7 @@
 
 namespace pamr::io {
 
-/// What a file says whose format one rank reads alone, before it becomes a mesh.
+/// Contents of a file that one rank reads alone, before they become a mesh.
 struct WholeMesh {
   std::vector<geometry::Vec3> point;
   std::vector<std::array<std::int64_t, 4>> cell;      ///< rows of the points, any order of corners

@@ -14,7 +14,7 @@
 /// VTK 9 writes them.
 namespace pamr::io::vtk {
 
-/// What the format calls a type of numbers, and what files in XML call it.
+/// A type of numbers: its name in the legacy format, and in XML files.
 struct LegacyType {
   std::string_view name, type;
   std::size_t bytes;
