@@ -42,8 +42,9 @@ struct Shells {
 Shells find_shells(const Triangulation& surface);
 
 /// Finds out how the shells of a manifold lie to one another, exactly: which touch or cut others, and in how many
-/// others those lie that do not. A shell beside the others in a point, an edge or a face touches. Local. Cost: of
-/// `find_self_intersections`, each of which `use` gets, and for each shell as many operations as the shells around its place have triangles.
+/// others those lie that do not. A shell beside the others in a point, an edge or a face touches. `use` gets each pair of
+/// triangles that touch or cut each other. Local. Cost: of `find_self_intersections`, and for each shell as many
+/// operations as the shells around its place have triangles.
 void nest_shells(const Triangulation& surface, Shells& shells, const std::function<void(const Cut&)>& use = {});
 
 /// Closed shells that are apart and seen from the wrong side, ascending: those around which no shell or an even number
