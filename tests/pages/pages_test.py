@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The commands in the pages: every option that they name exists, and those that need nothing but each other are run.
+"""The commands in the pages: every option that they name exists; those of the first page, and in the full level those that need
+nothing but each other, are run.
 
 Usage: pages_test.py SOURCE BIN MPIEXEC...
 """
@@ -70,6 +71,11 @@ class Pages(unittest.TestCase):
                         self.assertIn(option, known, f"{page}: {line}")
         self.assertGreater(n, 100)
 
+    def test_every_file_that_names_the_version_has_the_same(self):
+        version = re.search(r"project\(pamr VERSION ([\d.]+)", (SOURCE / "CMakeLists.txt").read_text()).group(1)
+        for name, form in (("CITATION.cff", r"^version: (.*)$"), ("codemeta.json", r'"version": "(.*)"')):
+            self.assertEqual(re.findall(form, (SOURCE / name).read_text(), re.M), [version], name)
+
     def test_commands_with_mpirun_hide_no_error_and_readme_says_what_they_need(self):
         n = 0
         for page in PAGES:
@@ -80,6 +86,7 @@ class Pages(unittest.TestCase):
         readme = (SOURCE / "README.md").read_text(encoding="utf-8")
         self.assertLess(readme.index("scripts/mpi_environment.sh"), readme.index("mpirun"))
 
+    @unittest.skipUnless(os.environ.get("PAMR_TEST_LEVEL") == "full", "of the full level")
     def test_blocks_that_begin_with_a_shape_run(self):
         n = 0
         for page in sorted((SOURCE / "docs").rglob("*.md")):
