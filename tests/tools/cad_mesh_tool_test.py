@@ -119,6 +119,7 @@ def test_patches_by_color_and_in_other_units():
     assert report["patches"]["top"]["faces"] > 20
 
 
+@of_full_level
 def test_a_body_in_a_far_box_has_sizes_by_patch():
     shutil.copy(DATA / "can.step", "can.step")
     pathlib.Path("case.toml").write_text(FAR_BOX)
