@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
 # Faces between ranks, neighbors, imbalance and seconds of every way of balancing, on the gas about the blunt cone, a
-# cube with random numbers, a body meshed by Gmsh and the cube of W2. Docs: docs/results/balance.md.
+# cube with random numbers, a body meshed by Gmsh and the cube of W2. Docs: docs/reports/balance.md.
 #
 #   bench/balance.sh [BUILD] [--ranks "4 8 16"] [--constant | --assess] [--out FOLDER]
 #

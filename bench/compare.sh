@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Sets PAMR's refinement beside that of the codes that Debian packages: the same workloads (docs/results/performance.md), one
+# Sets PAMR's refinement beside that of the codes that Debian packages: the same workloads (docs/reports/performance.md), one
 # process each, on this machine in this run. Prints one Markdown table with ratios, and what the table needs to be read.
 #
 #   bench/compare.sh [options] [BUILD]     BUILD: folder with the benchmarks (default build/release)

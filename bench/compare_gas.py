@@ -15,7 +15,7 @@ roots of a cell's volume, and 0.07 pairs of a particle collide in a step. SPARTA
 steps 900 to 1,100, not by SPARTA. Seconds are the processor's of the steps alone, as the programs report them (of SPARTA: the time of
 its loop, times the part of its time that the process had the processor). Rates are medians of the runs, which take turns, and so are
 their ratios. Exit code 1 if a ratio is below --min-before (default 0.9: as fast as before but for noise) or --min-sparta (default 1.1:
-docs/results/dsmc-speed.md has 1.18 and more).
+docs/reports/dsmc-speed.md has 1.18 and more).
 """
 import argparse
 import json

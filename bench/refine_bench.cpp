@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Speed and memory of one refinement, the refine call alone, on the workloads that the peers were measured on
-// (docs/results/performance.md): W1 all of K(55) split 1:8; W2 a shell of K(56) with closure; W3 five levels of the
+// (docs/reports/performance.md): W1 all of K(55) split 1:8; W2 a shell of K(56) with closure; W3 five levels of the
 // cells cut by a sphere in K(14); and `limit`, which writes the same bytes a cell without any logic. The sizes of 20
 // are for a quick look. Run alone or under mpirun; the first rank prints. Rates are of all ranks together; CPU seconds
 // are summed over the ranks.

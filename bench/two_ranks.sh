@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
-# What a second core brings: W2 (docs/results/performance.md) on two ranks against one, and two copies of `limit` side by side
+# What a second core brings: W2 (docs/reports/performance.md) on two ranks against one, and two copies of `limit` side by side
 # against one, by the wall clock; medians of 5. A bar: two ranks at least 1.7 times one, or 0.85 of what the two copies
 # of `limit` reach, where memory is the bound. To be run on a machine with two idle cores.
 # Usage: two_ranks.sh [BUILD] [W2 SIZE]   (default: build/release, 56). Exit code 1 when the bar is missed.

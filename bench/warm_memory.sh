@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # shellcheck shell=bash
 # Sourced by benchmarks. Takes memory in large pages (4 GB, or a half of what is free) and gives it back: what a virtual
-# machine has lent to its host comes back before a run, not in it (docs/results/performance.md, "Runs that differ"). The host
+# machine has lent to its host comes back before a run, not in it (docs/reports/performance.md, "Runs that differ"). The host
 # may take it again after two seconds.
 warm_memory() {
   python3 - <<'EOF'

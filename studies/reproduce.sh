@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Makes every table and figure of the paper again, one case after another (docs/paper.md says which is which). A step that
+# Makes every table and figure of the paper again, one case after another (docs/reports/paper.md says which is which). A step that
 # has ended well is not repeated, so an interrupted run goes on where it was. Exit code 1 when a step failed.
 #
 #   studies/reproduce.sh [--quick] [--ranks N] [--out FOLDER] [--tools FOLDER] [STEP...]

@@ -8,7 +8,7 @@ The list is the table of qualification/promises.md: page, quote, what holds it. 
 
 - a quote that its page no longer has (line breaks and blanks do not count);
 - a holder that does not exist. In backquotes: a unit test `Suite.Name`, a function `test_...` of a script of the tests, a script by its
-  path; a page of results with the text that it has to have, `docs/results/PAGE.md: TEXT`, where a number is measured, not promised; any
+  path; a page of results with the text that it has to have, `docs/reports/PAGE.md: TEXT`, where a number is measured, not promised; any
   other word is the name of a test of ctest (asked for where BUILD and CTEST are given);
 - a quote with no holder;
 - a paragraph or item with a number, in a part of a page that promises (below), of which no quote is a part. Numbers in code, links and

@@ -19,7 +19,7 @@ class Promises(unittest.TestCase):
         self.addCleanup(folder.cleanup)
         self.root = pathlib.Path(folder.name)
         for name, text in {"README.md": README, "docs/coarsening.md": COARSENING, "docs/tools/pamr-dsmc.md": DSMC, "docs/tools/a.md": PAGE,
-                           "docs/results/speed.md": "| 12.5 |", "tests/a_test.cpp": "TEST(Errors, StaySmall) {}",
+                           "docs/reports/speed.md": "| 12.5 |", "tests/a_test.cpp": "TEST(Errors, StaySmall) {}",
                            "tests/b_test.py": "def test_units():\n"}.items():
             self.write(name, text)
         self.rows = ["README.md | small: 3 units | `test_units`", "docs/tools/a.md | below 1e-3 of | `Errors.StaySmall`, `errors_np1`"]
@@ -34,14 +34,14 @@ class Promises(unittest.TestCase):
 
     def test_a_list_that_is_true_is_accepted(self):
         self.assertEqual(self.troubles(*self.rows), [])
-        self.assertEqual(self.troubles(*self.rows, "docs/coarsening.md | all | `docs/results/speed.md: 12.5`"), [])
+        self.assertEqual(self.troubles(*self.rows, "docs/coarsening.md | all | `docs/reports/speed.md: 12.5`"), [])
 
     def test_words_that_a_page_no_longer_has_are_named(self):
         self.write("docs/tools/a.md", PAGE.replace("1e-3", "1e-2"))
         self.assertIn("has no longer the words: below 1e-3 of", self.troubles(*self.rows)[0])
 
     def test_tests_that_are_not_there_are_named(self):
-        for holder in ("`Errors.StayTiny`", "`test_nothing`", "`errors_np7`", "`bench/none.py`", "`docs/results/speed.md: 13`", "nothing"):
+        for holder in ("`Errors.StayTiny`", "`test_nothing`", "`errors_np7`", "`bench/none.py`", "`docs/reports/speed.md: 13`", "nothing"):
             with self.subTest(holder):
                 self.assertEqual(len(self.troubles(*self.rows, f"docs/coarsening.md | all | {holder}")), 1)
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// netgen on the workloads of docs/results/performance.md: uniform refinement (W1) and bisection of marked cells, which
+// netgen on the workloads of docs/reports/performance.md: uniform refinement (W1) and bisection of marked cells, which
 // cuts a marked cell three times. `UpdateTopology`, by which its users get the faces of the cells, is part of
 // bisection; after uniform refinement it is timed apart. Both work on the mesh in place. Command line and output:
 // workload.hpp.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// UG (dune-uggrid) on the workloads of docs/results/performance.md: red refinement of marked cells with green closure,
+// UG (dune-uggrid) on the workloads of docs/reports/performance.md: red refinement of marked cells with green closure,
 // the closure undone before the next refinement, as ours. It keeps all levels, and goes back by marking all cells for
 // coarsening, one level a call. Command line and output: workload.hpp.
 #include <dune/common/parallel/mpihelper.hh>

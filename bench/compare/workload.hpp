@@ -17,7 +17,7 @@
 #include <string>
 #include <vector>
 
-/// The workloads of docs/results/performance.md for peers that speak C++: mesh, marks, clock, memory, shapes. What
+/// The workloads of docs/reports/performance.md for peers that speak C++: mesh, marks, clock, memory, shapes. What
 /// workload.py is for Python; command line and output are the same.
 ///
 /// A peer is a class with

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The workloads of docs/results/performance.md for peers that speak Python: mesh, marks, clock, memory, quality.
+"""The workloads of docs/reports/performance.md for peers that speak Python: mesh, marks, clock, memory, quality.
 
 A peer defines a class with
     name            name and version

@@ -10,7 +10,7 @@
 #   --ranks N       MPI processes (default 2)
 #   --levels N      refinements, at most 4 (default 1; with --full and --last 2; the third makes 1.1 million cells, the fourth
 #                   up to 2.8 million: hours)
-#   --full          the particles and steps of docs/results/blunt-cone.md
+#   --full          the particles and steps of docs/reports/blunt-cone.md
 #   --last          the last level as with --full; those before have only what their marks need, and are not checked
 #   --smoke         few particles and steps: shows in seconds that the loop works; its flow means nothing
 #   --heat-flux     Set 1 of the wind tunnel at no incidence instead, and its heat flux at the thermocouples

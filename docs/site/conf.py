@@ -19,7 +19,7 @@ with open(os.path.join(root, "CMakeLists.txt"), encoding="utf-8") as file:
 
 extensions = ["myst_parser", "breathe", "sphinx.ext.autodoc"]
 root_doc = "docs/index"
-include_patterns = ["README.md", "CONTRIBUTING.md", "CHANGELOG.md", "docs/*.md", "docs/api/*.md", "docs/results/*.md", "docs/tools/*.md",
+include_patterns = ["README.md", "CONTRIBUTING.md", "CHANGELOG.md", "docs/*.md", "docs/api/*.md", "docs/reports/*.md", "docs/tools/*.md",
                     "docs/tutorials/**.md", "cases/*/README.md", "studies/*/README.md"]
 exclude_patterns = ["build", "out", ".git", "tests", "lib", "geometry", "tools", "scripts", "cmake", "**/out"]
 myst_heading_anchors = 4

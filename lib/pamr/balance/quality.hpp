@@ -22,7 +22,7 @@ struct Quality {
 
 /// Faces between compact parts of so many cells each that together make a compact body of n cells:
 /// `1.7 (s - 1) (1 + 0.57 / s^3) n^(2/3)` with `s` the sum of `(n_p / n)^(2/3)`, which is the cube root of the number of
-/// equal parts. Scotch's parts have 0.5 to 1.5 times as many (docs/results/balance.md). Local.
+/// equal parts. Scotch's parts have 0.5 to 1.5 times as many (docs/reports/balance.md). Local.
 double faces_between_compact_parts(std::span<const std::int64_t> cells_of_part);
 
 /// Looks at `part` (0 .. n_parts-1), the part of each of this rank's cells. Collective: one neighbor exchange, one

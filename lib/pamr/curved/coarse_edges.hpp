@@ -20,7 +20,7 @@ struct CoarseEdges {
   std::vector<std::uint8_t> is_at_cell;  ///< 1 for each cell of this rank that has such an edge
 };
 
-/// Beyond this length in radii a map of level 0 need not keep shapes (docs/results/curved-walls.md).
+/// Beyond this length in radii a map of level 0 need not keep shapes (docs/reports/curved-walls.md).
 inline constexpr double longest_kept = 1.06;
 
 /// Those of a mesh of level 0; none of one that was refined. The same on any ranks and for any numbering. Collective: as

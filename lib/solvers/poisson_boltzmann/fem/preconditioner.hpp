@@ -10,7 +10,7 @@ namespace pamr::poisson_boltzmann {
 enum class Preconditioner { jacobi, boomeramg };
 
 /// Elements of first order with at least so many nodes are solved with multigrid unless the case says otherwise.
-/// Measured (docs/results/performance.md): the two take the same time there, and Jacobi's iterations grow with the cube
+/// Measured (docs/reports/performance.md): the two take the same time there, and Jacobi's iterations grow with the cube
 /// root.
 inline constexpr GlobalId multigrid_from_nodes = 40'000;
 
