@@ -2,7 +2,8 @@
 """The manual: Sphinx on the Markdown pages as they lie in the project, which code-hosting sites show as well.
 
 The pages have no directives. What a site needs beyond them is added while they are read:
-- docs/index.md lists the pages under headings; these lists become the tables of contents at the side.
+- docs/index.md and docs/reports/index.md list the pages under headings; these lists become the tables of contents at the side.
+- docs/reports and studies are a book of their own, which the search leaves out.
 - docs/api/cpp.md names namespaces and headers (docs/build.sh gives those headers to Doxygen); what they declare follows each namespace.
 - docs/api/python.md names modules, likewise.
 """
@@ -55,8 +56,13 @@ def tables_of_contents(text):
     return text + "\n" + "\n".join(tables)
 
 
+def leave_reports_out_of_the_search(app, docname, source):
+    if docname.startswith(("docs/reports/", "studies/")):
+        source[0] = "---\nnosearch: true\n---\n\n" + source[0]
+
+
 def add_interfaces(app, docname, source):
-    if docname == root_doc:
+    if docname in (root_doc, "docs/reports/index"):
         source[0] = tables_of_contents(source[0])
     elif docname == "docs/api/cpp":
         source[0] = NAMESPACE.sub(r"\1\n```{doxygennamespace} \2\n:members:\n:content-only:\n:undoc-members:\n```\n", source[0] + "\n")
@@ -82,4 +88,5 @@ def list_arguments(app, what, name, obj, options, lines):
 
 def setup(app):
     app.connect("source-read", add_interfaces)
+    app.connect("source-read", leave_reports_out_of_the_search)
     app.connect("autodoc-process-docstring", list_arguments)
