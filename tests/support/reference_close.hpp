@@ -10,7 +10,7 @@
 #include "support/reference_family.hpp"
 #include "support/reference_level0.hpp"
 
-/// The marking part of `reference_refine`: every rule of docs/refinement.md applied to every cell, again and again,
+/// The marking part of `reference_refine`: every rule of docs/closure.md applied to every cell, again and again,
 /// until nothing changes.
 namespace pamr::test {
 

@@ -11,7 +11,7 @@
 #include "pamr/mesh/level0_map.hpp"
 #include "support/reference_split.hpp"
 
-/// The map of level 0 of `reference_refine`, from docs/coarse-walls.md. Of the library only the rows are used.
+/// The map of level 0 of `reference_refine`, from docs/level0-map.md. Of the library only the rows are used.
 namespace pamr::test {
 
 /// Where a node lies in the straight level 0: its positive barycentric coordinates, exact, by level-0 number. Empty: it

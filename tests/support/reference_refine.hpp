@@ -27,7 +27,7 @@ struct ReferenceRefinement {
 };
 
 /// The slow, obvious twin of `adapt::refine`: one process, the whole mesh in one block, maps of edges and of faces, all
-/// rules tried on all cells until nothing changes. Written from docs/refinement.md and docs/coarse-walls.md, not from
+/// rules tried on all cells until nothing changes. Written from docs/closure.md and docs/level0-map.md, not from
 /// the library's code.
 ///
 /// `flags`: one for each cell. `shape_floor`: for the policy `removable`. `surface_of_patch`: one for each patch, null

@@ -41,7 +41,7 @@ struct Needs {
 
 /// Decides which octets are coarsened. A node stays if it is a corner of a base cell that remains, or if a mark of a
 /// base cell that remains lies there. Marks are worked out anew: a base cell has those of its midpoints that stay for
-/// others, and what the floor adds to them (rule 4 of docs/refinement.md); a parent with six marks, or with one inside
+/// others, and what the floor adds to them (rule 4 of docs/closure.md); a parent with six marks, or with one inside
 /// its edges or faces, stays split. The least set of nodes that obeys this is unique, whatever the order and the ranks.
 ///
 /// Then each parent and each family that is to be closed anew is looked at: if it would have an inverted cell where the

@@ -29,7 +29,7 @@ struct Level0Report {
 /// Gives a mesh of level 0 with coarse curved walls the map that places new nodes near them (`mesh::Level0Map`), with
 /// the fields that cells and nodes need for it, and flat patches their planes. Changes nothing else, and nothing at all
 /// where no edge turns out to be coarse and only edges near walls may bend. The same bits on any ranks and for any
-/// numbering. Pre: `needs_level0_map`. Source: docs/coarse-walls.md. Collective. Cost: 0.1 to 0.4 ms a bent cell.
+/// numbering. Pre: `needs_level0_map`. Source: docs/level0-map.md. Collective. Cost: 0.1 to 0.4 ms a bent cell.
 Level0Report make_level0_map(const par::Comm& comm, mesh::DistMesh& mesh, refine::Bend bend = refine::Bend::walls);
 
 }  // namespace pamr::curved

@@ -25,7 +25,7 @@ inline bool is_level0_field(const Field& field) {
 void require_level0_shape(const Field& field, bool on_cells);
 
 /// The place of a node in the straight level 0: barycentric coordinates of at most four of its nodes. Exact, and the
-/// same from whatever cell one looks. Source: docs/coarse-walls.md.
+/// same from whatever cell one looks. Source: docs/level0-map.md.
 struct Level0Key {
   static constexpr int one = 62;  ///< weights are multiples of 2^-62
 

@@ -63,7 +63,7 @@ constexpr CornerWeights middle(const CornerWeights& a, const CornerWeights& b) {
 }
 
 /// A map of level 0 that puts new nodes near coarse curved walls: the rows of the level-0 cells that this rank's cells
-/// descend from, with the surfaces that they name. Shared unchanged. Source: docs/coarse-walls.md, which states the
+/// descend from, with the surfaces that they name. Shared unchanged. Source: docs/level0-map.md, which states the
 /// formulas and the order of all sums.
 class Level0Map {
  public:

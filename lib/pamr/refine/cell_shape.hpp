@@ -50,7 +50,7 @@ class CellShape {
   /// the one whose inner edge is first by coordinates. 0: there is none. Pre: one to five marks.
   int best_state(EdgeMask marks) const;
   /// The smallest set that holds these marks and with each of its subsets one that reaches `floor`, a mean ratio, or
-  /// what 1:8 reaches: rule 4 of docs/refinement.md. Cells that are not positive have no such rule.
+  /// what 1:8 reaches: rule 4 of docs/closure.md. Cells that are not positive have no such rule.
   EdgeMask closed_marks(EdgeMask marks, double floor) const;
 
  private:

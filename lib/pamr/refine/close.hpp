@@ -21,7 +21,7 @@ struct Wanted {
 
 /// Marks every edge that has to be split so that each cell that is asked for becomes eight (of a closure cell under
 /// `removable`, its parent) and no hanging node is left: the least fixed point of the rules "these marks, then that
-/// mark" (docs/refinement.md), the same whatever the order, the partition and the number of ranks.
+/// mark" (docs/closure.md), the same whatever the order, the partition and the number of ranks.
 ///
 /// Marks live on edges that exist, and
 /// so two generations of splits are decided here, before anything is split: of base cells, and of the children of red

@@ -15,7 +15,7 @@ namespace pamr::refine {
 enum class Request : std::uint8_t {
   none = 0,
   split = 1,   ///< into eight; of a closure cell under `removable`, its parent
-  assess = 2,  ///< rule 4 of docs/refinement.md is to be applied to its family, although no mark is new
+  assess = 2,  ///< rule 4 of docs/closure.md is to be applied to its family, although no mark is new
 };
 
 constexpr bool asks_for(std::uint8_t request, Request what) { return static_cast<Request>(request) == what; }

@@ -8,7 +8,7 @@
 
 namespace pamr::adapt {
 
-/// Look-ahead splits: families that have to be split before the rest of the mesh is (docs/refinement.md) are split,
+/// Look-ahead splits: families that have to be split before the rest of the mesh is (docs/closure.md) are split,
 /// pass by pass, until there are none. The closure then has its states, and its depth is checked. Without such families
 /// nothing changes. The new mesh knows the input cells by `cell_origin`, see `origins_of_pass`.
 ///
