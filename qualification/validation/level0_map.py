@@ -3,7 +3,7 @@
 
     level0_map.py BIN_FOLDER [--cases NAME,...] [--levels N] [--ranks N]
 
-The map is evaluated as docs/level0-map.md and docs/file-format.md state it, by numpy, with nothing of PAMR's code:
+The map is evaluated as docs/level0-map.md and docs/file-format-level0.md state it, by numpy, with nothing of PAMR's code:
 - no Jacobian determinant of the quadratic part, and no mean ratio of it, at the points of a lattice is under the bound that was
   proved, and the bounds are not more than 3 % under the smallest of these; with walls it is at 20 points what was said;
 - splitting all bent cells into eight gives the smallest mean ratios that were said of levels 0 to 3; what was said of all levels

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Words of `/PAMR/lineage` of format 2 taken apart, as docs/file-format.md describes them."""
+"""Words of `/PAMR/lineage` of format 2 taken apart, as docs/file-format-lineage.md describes them."""
 import pathlib
 import re
 

@@ -87,8 +87,8 @@ def test_ancestors_are_dropped_on_the_way_through_format_1():
 
 
 def examples_of_the_page():
-    """The functions in Python of section 4 of docs/file-format.md."""
-    page = (pathlib.Path(__file__).parents[2] / "docs" / "file-format.md").read_text()
+    """The functions in Python of docs/file-format-lineage.md."""
+    page = (pathlib.Path(__file__).parents[2] / "docs" / "file-format-lineage.md").read_text()
     code = next(block.split("```")[0] for block in page.split("```python")[1:] if "def child_of_eight" in block)
     names = {}
     exec(code, names)

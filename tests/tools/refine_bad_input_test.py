@@ -59,7 +59,7 @@ def with_entry(index, value):
 
 
 def write_bare(name, points, cells, marks=None):
-    """A mesh by the /VTKHDF part of docs/file-format.md alone."""
+    """A mesh by the /VTKHDF part of docs/file-format-objects.md alone."""
     cells = np.asarray(cells, dtype=np.int64)
     with h5py.File(name, "w") as file:
         vtk = file.create_group("VTKHDF")

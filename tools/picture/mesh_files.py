@@ -94,7 +94,7 @@ def read_native(file):
 
 
 def levels_of(own):
-    """Levels of the cells from their lineages (docs/file-format.md, section 4)."""
+    """Levels of the cells from their lineages (docs/file-format-lineage.md)."""
     first_bit = 8 if own.attrs["format"] == 1 else 12
     return (own["lineage"][:] >> first_bit & 0xFF).astype(int)
 

@@ -16,7 +16,7 @@
 
 /// Data of a solver that belongs to cells and is no field, in a file beside that of the mesh: a coupled run is saved
 /// with `io::write_native` and `write_cell_rows`, and goes on, on any number of ranks, with `io::read_native` and
-/// `read_cell_rows`. The format: docs/file-format.md.
+/// `read_cell_rows`. The format: docs/file-format-checksums.md.
 namespace pamr::adapt {
 
 namespace detail {

@@ -14,7 +14,7 @@ namespace pamr::io {
 
 /// Checksum of a dataset of `n_rows` rows that ranks may hold in any pieces. A row's hash takes in its number and its
 /// values as 64-bit words (integers sign-extended, reals by the bits of their double); the hash of a block of 65,536
-/// rows is the sum of its rows' modulo 2^64; the dataset's chains the blocks in order. See docs/file-format.md.
+/// rows is the sum of its rows' modulo 2^64; the dataset's chains the blocks in order. See docs/file-format-checksums.md.
 class Checksum {
  public:
   static constexpr GlobalId block_rows = 65536;

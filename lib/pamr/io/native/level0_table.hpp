@@ -9,7 +9,7 @@
 #include "pamr/mesh/field.hpp"
 #include "pamr/mesh/level0_map.hpp"
 
-/// The table of the map of level 0 in files: a row of each dataset for each bent cell (docs/file-format.md, section 9).
+/// The table of the map of level 0 in files: a row of each dataset for each bent cell (docs/file-format-level0.md).
 namespace pamr::io {
 
 /// A row of all datasets as 64-bit words: integers sign-extended, reals by their bits.

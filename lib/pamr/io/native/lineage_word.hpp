@@ -6,7 +6,7 @@
 
 #include "pamr/mesh/lineage.hpp"
 
-/// The word of a cell's lineage in a file, by the number of the file's format (docs/file-format.md, sections 4 and 10).
+/// The word of a cell's lineage in a file, by the number of the file's format (docs/file-format-lineage.md).
 namespace pamr::io {
 
 /// The lineage that a word stands for; none when it stands for nothing. That of format 1 knows no ancestors.
