@@ -123,8 +123,8 @@ class Consumer(unittest.TestCase):
                 files.append(file.read())
         self.assertEqual(files[0], files[1])
 
-    def test_the_programs_of_the_page_on_coupling_run(self):
-        page = text_of(SOURCE, "docs", "coupling.md")
+    def test_the_programs_of_the_pages_on_coupling_run(self):
+        page = "".join(text_of(SOURCE, "docs", name) for name in ("coupling.md", "coupling-python.md", "coupling-openfoam.md"))
         (script,) = re.findall(r"^```sh\n(.*?)^```$", page, re.M | re.S)
         program, openfoam = re.findall(r"^```python\n(.*?)^```$", page, re.M | re.S)
         os.mkdir(os.path.join(self.folder, "page"))
