@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # Scaling of the Poisson-Boltzmann solver by counting: one case on 1 to 16 ranks that share the cores there are. Prints
 # what each step computes, sends and holds on the ranks, iterations, and whether forces and charges are the same, with
-# pass or FAIL. Docs: docs/reports/performance.md, "Poisson-Boltzmann".
+# pass or FAIL. Docs: docs/reports/poisson-boltzmann-speed.md.
 #
 #   bench/scaling-pb.sh [BUILD] [--ranks "1 2 4"] [--cells N] [--repeats N] [--preconditioners "NAMES"] [--out FOLDER]
 #

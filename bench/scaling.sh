@@ -3,7 +3,7 @@
 # Scaling by counting: refines a mesh of the gas about the blunt cone (1,035,168 cells) once, to 2,566,317 cells (the
 # paper's Table 2: 3 and 5 % more), with the whole tool, file to file, on 1 to 64 ranks that share the cores there are. Prints
 # what each step computes, sends and holds on the ranks, the time that follows on a cluster, and the bars, with pass or
-# FAIL. Docs: docs/reports/performance.md, "Scaling".
+# FAIL. Docs: docs/reports/scaling.md.
 #
 #   bench/scaling.sh [BUILD] [--ranks "1 2 4"] [--repeats N] [--balance METHOD] [--own-marks]
 #                          [--mesh MARKED | --small | --tiny] [--counts] [--out FOLDER]

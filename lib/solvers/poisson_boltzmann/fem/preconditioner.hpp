@@ -10,8 +10,8 @@ namespace pamr::poisson_boltzmann {
 enum class Preconditioner { jacobi, boomeramg };
 
 /// Elements of first order with at least so many nodes are solved with multigrid unless the case says otherwise.
-/// Measured (docs/reports/performance.md): the two take the same time there, and Jacobi's iterations grow with the cube
-/// root.
+/// Measured (docs/reports/poisson-boltzmann-speed.md): the two take the same time there, and Jacobi's iterations grow
+/// with the cube root.
 inline constexpr GlobalId multigrid_from_nodes = 40'000;
 
 /// The one that the case names, or that fits the size: `n_nodes` of the whole mesh.
