@@ -3,6 +3,7 @@
 import json
 import math
 import pathlib
+import re
 
 import h5py
 
@@ -25,7 +26,11 @@ def solve(text, mesh):
     """The report, and what is printed."""
     pathlib.Path("case.toml").write_text(text)
     result = run("pamr-pb", "case.toml", "--mesh", mesh, "-o", "psi.hdf", "--force", "--json", "report.json")
-    return json.loads(pathlib.Path("report.json").read_text()), result
+    report = json.loads(pathlib.Path("report.json").read_text())
+    for name, value, bar in re.findall(r"^ +best (\S+) +(\S+) \+- ([^\s;]+)", result.out, re.M):  # has the digits that its bar is worth
+        values = [of_patch[name]["value"] for of_patch in report["best"].values() if name in of_patch]
+        assert min(abs(float(value) - known) for known in values) <= 0.06 * float(bar), (name, value, bar, values)
+    return report, result
 
 
 def cube(n):

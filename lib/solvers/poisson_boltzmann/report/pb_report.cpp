@@ -140,13 +140,14 @@ json report_of(const Domain& domain, const Case& input, const Solution& solution
 
 namespace {
 
-/// "0.0410 +- 0.0002": as many digits as the error bar is worth.
+/// "0.0410 +- 0.0002", "10.8027312 +- 1.7e-06": as many digits as the error bar is worth.
 std::string with_error(double value, const std::optional<double>& error) {
   if (!error) return fmt::format("{:.6g}", value);
-  if (!(*error > 0)) return fmt::format("{:.6g} +- {:.2g}", value, *error);
-  const int digits = std::max(0, 1 - static_cast<int>(std::floor(std::log10(*error))));
-  if (digits > 6 || *error >= 1e6) return fmt::format("{:.6g} +- {:.2g}", value, *error);
-  return fmt::format("{:.{}f} +- {:.{}f}", value, digits, *error, digits);
+  if (!(*error > 0) || value == 0) return fmt::format("{:.6g} +- {:.2g}", value, *error);
+  const auto place = [](double x) { return static_cast<int>(std::floor(std::log10(std::abs(x)))); };
+  const int digits = std::max(0, 1 - place(*error));
+  if (digits <= 6 && *error < 1e6) return fmt::format("{:.{}f} +- {:.{}f}", value, digits, *error, digits);
+  return fmt::format("{:.{}g} +- {:.2g}", value, std::clamp(place(value) - place(*error) + 2, 1, 17), *error);
 }
 
 /// What a reader of the value has to know of its error bar: why there is none, or what it lacks.
