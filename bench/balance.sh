@@ -92,7 +92,7 @@ for name in $meshes; do
       ;;
   esac
   if [ $mode = ranks ]; then
-    for p in $ranks; do mpirun -q -n "$p" "$bench" "$mesh" >>"$rows"; done
+    for p in $ranks; do mpirun -n "$p" "$bench" "$mesh" >>"$rows"; done
   else
     "$bench" "$mesh" 2 3 4 5 6 7 8 12 16 24 32 48 64 >>"$rows"
   fi

@@ -60,7 +60,7 @@ PYTHON
 }
 refine_all() { # the mesh $now, in place
   pamr-mark "$now" -o "$out/marked.hdf" --force --quiet --all "$@"
-  mpirun -q -n "$ranks" pamr-refine "$out/marked.hdf" -o "$now" --force --quiet --json "$out/step.json"
+  mpirun -n "$ranks" pamr-refine "$out/marked.hdf" -o "$now" --force --quiet --json "$out/step.json"
 }
 
 now=$out/mesh.hdf
@@ -76,13 +76,13 @@ partly=$((cells * 10 / 78 / 8 ** times))
 if [ "$partly" -gt "$((n * 11 / 10))" ]; then refine_all --max-cells "$partly"; fi
 shell=$(reach "$now")
 for ((i = 0; i < times; ++i)); do refine_all; done
-mpirun -q -n "$ranks" pamr-mark "$now" -o "$out/marked.hdf" --force --quiet --centroid-shell "$shell"
+mpirun -n "$ranks" pamr-mark "$now" -o "$out/marked.hdf" --force --quiet --centroid-shell "$shell"
 rm "$now"
 
 echo "$(date +%F), commit $(git -C "$root" rev-parse --short HEAD 2>/dev/null || echo unknown)," \
   "$(sed -n 's/^model name.*: //p' /proc/cpuinfo | head -1), $(nproc) cores, load $(cut -d' ' -f1 /proc/loadavg)." \
   "Command: bench/large.sh --cells $cells --ranks $ranks"
-mpirun -q -n "$ranks" pamr-refine "$out/marked.hdf" -o "$now" --force --json "$out/large.json" &
+mpirun -n "$ranks" pamr-refine "$out/marked.hdf" -o "$now" --force --json "$out/large.json" &
 job=$!
 while kill -0 $job 2>/dev/null; do
   if [ "$(awk '/MemAvailable/ {print int($2 / 1024)}' /proc/meminfo)" -lt "$min_free" ]; then

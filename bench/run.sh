@@ -15,7 +15,7 @@ columns='Mcells_per_cpu_s Mcells_per_wall_s cells_out bytes_at_rest_per_cell pea
 echo "| workload (medians of 5) | ${columns// / | } |"
 echo "|---|---|---|---|---|---|---|"
 for workload in limit/55 W1/55 W2/n:56/policy:0 W2/n:56/policy:3 W3/n:14/level:{1,2,3,4,5}; do
-  mpirun -q -n "$ranks" "$bench" "--benchmark_filter=^$workload/" --benchmark_format=csv 2>/dev/null |
+  mpirun -n "$ranks" "$bench" "--benchmark_filter=^$workload/" --benchmark_format=csv 2>/dev/null |
     python3 -c '
 import csv, sys
 rows = list(csv.DictReader(sys.stdin))
@@ -25,4 +25,4 @@ print("|", sys.argv[1], "|", " | ".join("%.4g" % float(median.get(c) or "nan") f
 done
 
 echo
-mpirun -q -n "$ranks" "${bench%/*}/bench_order" 14 5 5
+mpirun -n "$ranks" "${bench%/*}/bench_order" 14 5 5

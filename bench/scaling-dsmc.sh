@@ -41,7 +41,7 @@ mkdir -p "$out"
 rm -f "$out"/run-*.txt
 trap 'echo "scaling-dsmc.sh: a run failed" >&2; exit 2' ERR
 for p in $ranks; do
-  mpirun -q -n "$p" "$build/bench/bench_dsmc" "$cubes" "$steps" 12 "$mach" > "$out/run-$p.txt"
+  mpirun -n "$p" "$build/bench/bench_dsmc" "$cubes" "$steps" 12 "$mach" > "$out/run-$p.txt"
 done
 trap - ERR
 echo "$(date +%F), commit $(git -C "$root" rev-parse --short HEAD 2>/dev/null || echo unknown)," \

@@ -59,7 +59,7 @@ done
 for ((run = 1; run <= repeats; ++run)); do
   for p in $ranks; do
     for preconditioner in $preconditioners; do
-      mpirun -q -n "$p" "$build/bench/bench_pb" "$out/case-$preconditioner.toml" "$mesh" \
+      mpirun -n "$p" "$build/bench/bench_pb" "$out/case-$preconditioner.toml" "$mesh" \
         > "$out/run-$preconditioner-$p-$run.json"
     done
   done

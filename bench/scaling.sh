@@ -59,7 +59,7 @@ trap 'echo "scaling.sh: a run failed" >&2; exit 2' ERR
 
 refine() { # RANKS REPORT MESH
   [ $size = tiny ] || warm_memory
-  mpirun -q -n "$1" pamr-refine "$3" -o "$out/refined.hdf" --force --quiet --balance "$balance" --each-rank \
+  mpirun -n "$1" pamr-refine "$3" -o "$out/refined.hdf" --force --quiet --balance "$balance" --each-rank \
     --json "$out/$2.json"
   rm -f "$out/refined.hdf"
 }
@@ -68,7 +68,7 @@ refine() { # RANKS REPORT MESH
 count_own() { # RANKS MESH
   local library=$build/bench/libpamr_own_memory.so
   [ -s "$library" ] || return 0
-  mpirun -q -n "$1" -x LD_PRELOAD="$library" -x PAMR_OWN_MEMORY="$out/own-$1.txt" pamr-refine "$2" -o "$out/refined.hdf" \
+  mpirun -n "$1" -x LD_PRELOAD="$library" -x PAMR_OWN_MEMORY="$out/own-$1.txt" pamr-refine "$2" -o "$out/refined.hdf" \
     --force --quiet --balance "$balance"
   rm -f "$out/refined.hdf"
 }

@@ -13,7 +13,7 @@ size=${2:-56}
 export OMPI_MCA_mpi_yield_when_idle=0
 
 rate() { # RANKS WORKLOAD: millions of cells out a second of wall clock, median
-  mpirun -q -n "$1" "$bench" "--benchmark_filter=^$2/" --benchmark_format=csv 2>/dev/null | python3 -c '
+  mpirun -n "$1" "$bench" "--benchmark_filter=^$2/" --benchmark_format=csv 2>/dev/null | python3 -c '
 import csv, sys
 rows = list(csv.DictReader(sys.stdin))
 print(next(row["Mcells_per_wall_s"] for row in rows if row["name"].endswith("_median")))'

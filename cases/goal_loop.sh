@@ -15,11 +15,12 @@ IFS=, read -ra max_cells <<<"$6"
 shift 6
 mkdir -p "$out"
 . "$(dirname -- "${BASH_SOURCE[0]}")/../scripts/mpi_environment.sh"
+export OMPI_MCA_orte_execute_quiet=1 # as in start.sh
 
 on_ranks() { # REPORT TOOL ARGUMENT...
   local report=$out/$1.json
   shift
-  mpirun -q -n "$ranks" "$@" --json "$report" --quiet
+  mpirun -n "$ranks" "$@" --json "$report" --quiet
 }
 
 start=()

@@ -63,12 +63,13 @@ if [ -z "$tools" ]; then
 fi
 tools=$(cd -- "$tools" && pwd) # some scripts work in other folders
 . "$root/scripts/mpi_environment.sh"
+export OMPI_MCA_orte_execute_quiet=1 # the tools say themselves what went wrong
 PATH=$tools:$PATH
 mkdir -p "$out"
 on_ranks() {
   local code=0
-  mpirun -q -n "$ranks" "$@" || code=$?
-  [ $code = 0 ] || echo "$1 ended with exit code $code" >&2 # mpirun -q does not say so of a tool that a signal ends
+  mpirun -n "$ranks" "$@" || code=$?
+  [ $code = 0 ] || echo "$1 ended with exit code $code" >&2 # mpirun does not say so here of a tool that a signal ends
   return $code
 }
 can_draw() {

@@ -22,7 +22,7 @@ on_ranks() { # REPORT TOOL ARGUMENT...
   local report=$out/$1.json tool=$2
   shift 2
   printf '%-13s ' "$tool"
-  mpirun -q -n "$ranks" "$tool" "$@" --json "$report"
+  mpirun -n "$ranks" "$tool" "$@" --json "$report"
 }
 
 # No inverted cell, and every boundary node on its surface.

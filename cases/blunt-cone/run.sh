@@ -80,7 +80,7 @@ on_ranks() { # REPORT TOOL ARGUMENT...
   shift 2
   if [ -e "$report" ]; then return; fi
   printf '%-12s ' "$tool"
-  mpirun -q -n "$ranks" "$tool" "$@" --force --json "$report.part"
+  mpirun -n "$ranks" "$tool" "$@" --force --json "$report.part"
   mv "$report.part" "$report"
 }
 
@@ -117,7 +117,7 @@ done
 quality() { # LEVEL
   if [ -e "$out/quality$1.json" ]; then return; fi
   printf '%-12s ' pamr-quality
-  mpirun -q -n "$ranks" pamr-quality "$out/level$1.hdf" "${gates[@]}" --json "$out/quality$1.json"
+  mpirun -n "$ranks" pamr-quality "$out/level$1.hdf" "${gates[@]}" --json "$out/quality$1.json"
 }
 
 sed "${mesh[@]}" -e '' "$case_folder/case.toml" >"$out/mesh.toml"

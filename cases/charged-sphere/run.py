@@ -44,7 +44,7 @@ def write_mesh(name, radius, **options):
 def sector(o, folder, radius, potential):
     sides = write_mesh(folder / "mesh.hdf", radius, n=10, layers=o.layers, growth=40, width=0.05)
     write_case(folder / "case.toml", radius, potential, sides, False)
-    subprocess.run(["mpirun", "-q", "-n", str(o.ranks), "pamr-pb", folder / "case.toml", "--mesh", folder / "mesh.hdf",
+    subprocess.run(["mpirun", "-n", str(o.ranks), "pamr-pb", folder / "case.toml", "--mesh", folder / "mesh.hdf",
                     "-o", folder / "psi.hdf", "--force", "--quiet", "--json", folder / "solve0.json"], check=True)
     return [json.loads((folder / "solve0.json").read_text())]
 

@@ -54,7 +54,7 @@ python3 "$root/cases/goal_levels.py" "$out" "f_x=best.sphere.force-x.value" "+-=
 # The last mesh again, with nothing where the plate was: what the plate changes, free of most of the mesh's error.
 solved=("$out"/solve*.json)  # of this run; levels of a longer one before may lie beside
 last=$out/level$((${#solved[@]} - 1)).hdf
-mpirun -q -n "$ranks" pamr-pb "$case_folder/reading-$reading-without-plate.toml" --mesh "$last" \
+mpirun -n "$ranks" pamr-pb "$case_folder/reading-$reading-without-plate.toml" --mesh "$last" \
   -o "$out/without-plate.hdf" --force --quiet --json "$out/without-plate.json"
 python3 - "$out/without-plate.json" "${last%.hdf}" <<'PYTHON'
 import json

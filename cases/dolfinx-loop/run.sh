@@ -27,7 +27,7 @@ loop() { # RANKS TABLE PROBLEM OPTIONS...
   local on=$1 table=$2
   shift 2
   echo "$table: $* on $on"
-  mpirun -q -n "$on" /usr/bin/python3 -B -m mpi4py "$case_folder/loop.py" "$@" --table "$out/$table.csv"
+  mpirun -n "$on" /usr/bin/python3 -B -m mpi4py "$case_folder/loop.py" "$@" --table "$out/$table.csv"
 }
 
 loop "$ranks" edge edge --levels "$levels"
@@ -36,7 +36,7 @@ loop "$ranks" edge-uniform edge --levels "$uniform_levels" --uniform
 loop "$ranks" fichera fichera --levels "$levels" --record "$out/marks.npz"
 for n in 1 2 3; do
   echo "recorded-$n: fichera with the marks of that run on $n"
-  mpirun -q -n "$n" /usr/bin/python3 -B -m mpi4py "$case_folder/loop.py" fichera --levels "$levels" \
+  mpirun -n "$n" /usr/bin/python3 -B -m mpi4py "$case_folder/loop.py" fichera --levels "$levels" \
     --replay "$out/marks.npz" --mesh "$out/recorded-$n.hdf"
 done
 loop "$ranks" ball ball --levels "$levels"

@@ -50,7 +50,7 @@ on_ranks() { # REPORT TOOL ARGUMENT...
   shift 2
   if [ -e "$report" ]; then return; fi
   printf '%-12s ' "$tool"
-  mpirun -q -n "$ranks" "$tool" "$@" --force --json "$report.part"
+  mpirun -n "$ranks" "$tool" "$@" --force --json "$report.part"
   mv "$report.part" "$report"
 }
 

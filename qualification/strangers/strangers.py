@@ -54,7 +54,7 @@ class Journey:
         self.row = {"described": described}
 
     def tool(self, name, *arguments, ranks=1, code=0):
-        launcher = ["mpirun", "-q", "-n", str(ranks)] if ranks > 1 else []
+        launcher = ["mpirun", "-n", str(ranks)] if ranks > 1 else []
         done = subprocess.run([*launcher, str(self.tools / name), *map(str, arguments)], cwd=self.folder,
                               capture_output=True, text=True, timeout=600)
         self.said = done.stderr

@@ -57,7 +57,7 @@ def arguments():
 
 def caller(options):
     """Runs a tool and gives back what it prints."""
-    launcher = ["mpirun", "-q", "-n", str(options.ranks)] if options.ranks > 1 else []
+    launcher = ["mpirun", "-n", str(options.ranks)] if options.ranks > 1 else []
 
     def call(tool, *words):
         command = [*launcher, str(options.bin / tool), *map(str, words)]
@@ -263,7 +263,7 @@ def same_on_ranks(options, first, folder):
         first.cell_fields["refine"] = (rng.random(first.n_cells) < 0.2).astype(np.int8)
         first.write(folder / "marked.hdf")
         for ranks in (1, 3):
-            command = ["mpirun", "-q", "-n", str(ranks), str(options.bin / "pamr-refine"), "marked.hdf", "-o", f"on{ranks}.hdf", "--force", "--quiet"]
+            command = ["mpirun", "-n", str(ranks), str(options.bin / "pamr-refine"), "marked.hdf", "-o", f"on{ranks}.hdf", "--force", "--quiet"]
             subprocess.run(command, cwd=folder, env=dict(os.environ), check=True, capture_output=True)  # without what MPI adds here
         if (folder / "on1.hdf").read_bytes() != (folder / "on3.hdf").read_bytes():
             return False

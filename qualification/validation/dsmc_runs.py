@@ -19,7 +19,7 @@ rows = []
 
 
 def tool(name, *arguments, ranks=None):
-    launcher = ["mpirun", "-q", "-n", str(ranks or RANKS)] if (ranks or RANKS) > 1 else []
+    launcher = ["mpirun", "-n", str(ranks or RANKS)] if (ranks or RANKS) > 1 else []
     done = subprocess.run([*launcher, name, *map(str, arguments)], cwd=OUT, capture_output=True, text=True)
     if done.returncode != 0:
         raise SystemExit(f"{name} {' '.join(map(str, arguments))}: {done.stderr}")

@@ -358,7 +358,7 @@ def main():
     parser.add_argument("--levels", type=int, default=4)
     parser.add_argument("--ranks", type=int, default=1)
     options = parser.parse_args()
-    launcher = ["mpirun", "-q", "-n", str(options.ranks)] if options.ranks > 1 else []
+    launcher = ["mpirun", "-n", str(options.ranks)] if options.ranks > 1 else []
 
     def call(tool, *words):
         return subprocess.run([*launcher, options.bin / tool, *map(str, words)], check=True, stdout=subprocess.PIPE, text=True).stdout

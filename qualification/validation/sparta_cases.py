@@ -35,7 +35,7 @@ missed = []  # a line for each difference that is not as sparta.csv has it
 
 def tool(name, *arguments, ranks=None):
     n = RANKS if ranks is None else ranks
-    launcher = ["mpirun", "-q", "-n", str(n)] if n > 1 else []
+    launcher = ["mpirun", "-n", str(n)] if n > 1 else []
     done = subprocess.run([*launcher, name, *map(str, arguments)], cwd=OUT, capture_output=True, text=True)
     if done.returncode != 0:
         raise SystemExit(f"{name} {' '.join(map(str, arguments))}: {done.stderr}")

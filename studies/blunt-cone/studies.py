@@ -69,7 +69,7 @@ class Folders:
 
     def tool(self, name, *arguments, log="tools.log"):
         """Runs a tool in the folder for runs; what it prints goes to a file there."""
-        command = ["mpirun", "-q", "-n", str(self.ranks), name, *map(str, arguments), "--force"]
+        command = ["mpirun", "-n", str(self.ranks), name, *map(str, arguments), "--force"]
         with open(self.out / log, "a", encoding="utf-8") as file:
             done = subprocess.run(command, cwd=self.out, stdout=file, stderr=file)
         if done.returncode != 0:

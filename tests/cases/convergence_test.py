@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Refined meshes converge to the exact shape at second order, keep every node on it, and keep their quality.
 
-Usage: convergence_test.py TOOLS_FOLDER LAUNCHER...    such as: convergence_test.py build/bin mpirun -q -n 2
+Usage: convergence_test.py TOOLS_FOLDER LAUNCHER...    such as: convergence_test.py build/bin mpirun -n 2
 
 The blunt cone's area and volume are of the full level (PAMR_TEST_LEVEL=full): its third level has the most cells of all tests.
 """

@@ -138,7 +138,7 @@ def test_whole_cells_log_scales_views_and_mirrors_work_together():
 def test_one_process_of_an_mpi_job_draws():
     coarse, _ = cubes()
 
-    done = subprocess.run(["mpirun", "-q", "--oversubscribe", "-n", "2", str(BIN / "pamr-picture"), coarse, "-o", "p.png"],
+    done = subprocess.run(["mpirun", "--oversubscribe", "-n", "2", str(BIN / "pamr-picture"), coarse, "-o", "p.png"],
                           capture_output=True, text=True, timeout=LIMIT)
 
     assert done.returncode == 0 and done.stdout.count("p.png") == 1, done
