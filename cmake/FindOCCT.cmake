@@ -2,7 +2,14 @@
 # The parts of OpenCASCADE that read STEP and IGES files, evaluate shapes and sample them, as target `OCCT::OCCT`. Its own package file
 # wants all of it, down to the drawing tools. For an installation elsewhere set OCCT_ROOT.
 find_path(OCCT_INCLUDE_DIR Standard_Version.hxx PATH_SUFFIXES opencascade)
-set(OCCT_libraries TKIGES TKSTEP TKSTEPBase TKXSBase TKMesh TKTopAlgo TKBRep TKGeomBase TKG3d TKG2d TKMath TKernel)
+# From version 7.8 on TKDEIGES is what TKIGES was, and TKDESTEP what TKSTEP and TKSTEPBase were.
+find_library(OCCT_TKDESTEP_LIBRARY NAMES TKDESTEP)
+mark_as_advanced(OCCT_TKDESTEP_LIBRARY)
+set(OCCT_libraries TKIGES TKSTEP TKSTEPBase)
+if(OCCT_TKDESTEP_LIBRARY)
+  set(OCCT_libraries TKDEIGES TKDESTEP)
+endif()
+list(APPEND OCCT_libraries TKXSBase TKMesh TKTopAlgo TKBRep TKGeomBase TKG3d TKG2d TKMath TKernel)
 set(OCCT_required)
 foreach(library IN LISTS OCCT_libraries)
   find_library(OCCT_${library}_LIBRARY NAMES ${library})

@@ -3,6 +3,12 @@
 
 #include <fmt/format.h>
 
+// The second of OpenCASCADE 7.8 needs the first.
+// clang-format off
+#include <StepData_StepModel.hxx>
+#include <STEPConstruct_Styles.hxx>
+// clang-format on
+
 #include <BRepTools.hxx>
 #include <BRep_Builder.hxx>
 #include <Interface_Check.hxx>
@@ -11,9 +17,7 @@
 #include <Interface_Graph.hxx>
 #include <Interface_Static.hxx>
 #include <Quantity_Color.hxx>
-#include <STEPConstruct_Styles.hxx>
 #include <STEPControl_Reader.hxx>
-#include <StepData_StepModel.hxx>
 #include <StepRepr_MappedItem.hxx>
 #include <StepRepr_Representation.hxx>
 #include <StepRepr_RepresentationContext.hxx>
