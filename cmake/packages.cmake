@@ -60,7 +60,7 @@ set(CPACK_COMPONENT_DEV_DESCRIPTION "Parallel adaptive refinement of tetrahedral
 set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-pamr)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_SHLIBDEPS ON)
-set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "python3 (>= 3.11), python3 (<< 3.12), python3-numpy, python3-mpi4py, pamr (= ${PROJECT_VERSION})")
+set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "${PAMR_PYTHON_DEPENDS}, python3-numpy, python3-mpi4py, pamr (= ${PROJECT_VERSION})")
 set(CPACK_COMPONENT_PYTHON_DESCRIPTION "Parallel adaptive refinement of tetrahedral meshes: Python
  The package pamr: meshes in arrays of numpy, refined in memory, under mpirun as well.")
 

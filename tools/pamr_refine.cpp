@@ -19,6 +19,7 @@
 #include "pamr/adapt/level0.hpp"
 #include "pamr/adapt/read_for_refinement.hpp"
 #include "pamr/adapt/refine_report.hpp"
+#include "pamr/base/version.hpp"
 #include "pamr/base/with_file_name.hpp"
 #include "pamr/check/shape_bound.hpp"
 #include "pamr/check/wall_shapes.hpp"
@@ -270,7 +271,7 @@ void add_provenance(const Options& options, std::string& provenance) {
                        : options.bend != "walls" ? " --bend " + options.bend
                                                  : std::string();
   provenance +=
-      fmt::format("{}pamr-refine {} --quality-control {}{}{}{}", provenance.empty() ? "" : "\n", PAMR_VERSION,
+      fmt::format("{}pamr-refine {} --quality-control {}{}{}{}", provenance.empty() ? "" : "\n", version(),
                   options.quality_control, floor, placing, options.order == "auto" ? "" : " --order " + options.order);
 }
 

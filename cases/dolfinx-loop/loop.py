@@ -22,6 +22,7 @@ import ufl
 from dolfinx import fem
 from dolfinx.fem.petsc import LinearProblem
 from mpi4py import MPI
+from pamr import dolfinx_versions as versions
 
 from problems import PROBLEMS
 
@@ -31,7 +32,7 @@ SOLVER = {"ksp_type": "cg", "pc_type": "hypre", "ksp_rtol": 1e-10}
 
 def solve(problem, mesh):
     """The finite element solution of first order on a mesh of dolfinx."""
-    space = fem.FunctionSpace(mesh, ("Lagrange", 1))
+    space = versions.function_space(mesh, ("Lagrange", 1))
     x = ufl.SpatialCoordinate(mesh)
     trial, test = ufl.TrialFunction(space), ufl.TestFunction(space)
     inner = ufl.dx(metadata={"quadrature_degree": 4})
@@ -125,14 +126,11 @@ class Dolfinx:
     def marks(self, solution, arguments):
         self.ours.node_fields["u"] = nodal_values(solution)[self.ours.node_numbers]
         flags = flags_of(self.ours, arguments)
-        self.mesh.topology.create_entities(1)  # not part of what is timed
-        self.mesh.topology.create_connectivity(3, 1)
-        cells = np.flatnonzero(flags).astype(np.int32)
-        self.edges = dolfinx.mesh.compute_incident_entities(self.mesh, cells, 3, 1)
+        self.edges = versions.edges_of(self.mesh, np.flatnonzero(flags).astype(np.int32))  # not part of what is timed
         return flags
 
     def refine(self, flags):
-        self.mesh = dolfinx.mesh.refine(self.mesh, self.edges, redistribute=False)
+        self.mesh = versions.refined(self.mesh, self.edges)
 
     def as_pamr(self):
         return self.ours

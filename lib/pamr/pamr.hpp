@@ -23,6 +23,7 @@
 #include "pamr/balance/migrate.hpp"
 #include "pamr/balance/rebalance.hpp"
 #include "pamr/base/error.hpp"
+#include "pamr/base/version.hpp"
 #include "pamr/check/quality_report.hpp"
 #include "pamr/curved/curve_cells.hpp"
 #include "pamr/geometry/described_surface.hpp"

@@ -17,7 +17,7 @@
 #include "cli/interrupt.hpp"
 #include "cli/standard_output.hpp"
 #include "cli/step_clock.hpp"
-#include "cli/version.hpp"
+#include "cli/version_text.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/base/heap.hpp"
 #include "pamr/base/nearest_word.hpp"

@@ -7,7 +7,8 @@ namespace pamr::cli {
 
 /// What --version prints for a tool of this name: a line with the version and the commit of the sources, and a line
 /// with the versions of the libraries that decide about results and files. MPI and HDF5 are those that were loaded now,
-/// CGAL and Scotch are part of the program. Local.
+/// CGAL and Scotch are part of the program. A third line names what was left out when PAMR was built, if anything was,
+/// and the packages that it needs. Local.
 std::string version_text(const std::string& tool);
 
 }  // namespace pamr::cli

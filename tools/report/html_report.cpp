@@ -5,9 +5,11 @@
 
 #include <map>
 #include <nlohmann/json.hpp>
+#include <string>
 #include <string_view>
 
 #include "pamr/base/contract.hpp"
+#include "pamr/base/version.hpp"
 #include "pamr/mesh/tet.hpp"
 #include "report/html_table.hpp"
 #include "report/page_parts.hpp"
@@ -90,7 +92,7 @@ std::string html_report(const std::vector<ReportedMesh>& meshes) {
                                    {"levels", level_table(meshes)},
                                    {"data", data_elements(meshes)},
                                    {"scripts", script_elements()},
-                                   {"version", PAMR_VERSION}});
+                                   {"version", std::string(version())}});
 }
 
 }  // namespace pamr::report

@@ -27,7 +27,7 @@ Collective
     your own on one rank leave the others waiting, unless the script is started with ``python3 -m mpi4py``.
 """
 from . import mark, openfoam
-from ._core import Error
+from ._core import Error, version as __version__
 from .interop import from_dolfinx, from_meshio, to_dolfinx
 from .mesh import BoundaryFaces, Fields, Mesh
 from .stages import RefineResult, adapt, balance, forecast, locate, quality, refine

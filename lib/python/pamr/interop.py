@@ -62,20 +62,21 @@ def from_dolfinx(mesh: Any, facet_tags: Any = None, names: Optional[Mapping[int,
     Row c of ``cells`` is dolfinx's cell c of this rank, and ``node_numbers`` are the numbers of dolfinx's geometry, so that
     values go over by ``values[c]`` and by number; ghosts are left out.
     """
+    from . import dolfinx_versions as versions
     geometry, topology = mesh.geometry, mesh.topology
     topology.create_connectivity(2, 0)
     topology.create_connectivity(2, 3)
 
     def prepare() -> tuple[Any, Any]:
-        if topology.dim != 3 or _dofmap(geometry).shape[1] != 4:
+        if topology.dim != 3 or versions.dofmap(geometry).shape[1] != 4:
             raise Error("from_dolfinx: expected tetrahedra of first order, found other cells")
         index_map = geometry.index_map()
         n_cells = topology.index_map(3).size_local
-        corners = index_map.local_to_global(_dofmap(geometry)[:n_cells].ravel().astype(np.int32)).reshape(-1, 4)
+        corners = index_map.local_to_global(versions.dofmap(geometry)[:n_cells].ravel().astype(np.int32)).reshape(-1, 4)
         triangles, tags = np.empty((0, 3), np.int64), np.empty(0, np.int64)
         if facet_tags is not None:
             tags = integers("facet_tags", facet_tags.values, (None,))
-            nodes = _facet_nodes(mesh, np.asarray(facet_tags.indices, dtype=np.int32))
+            nodes = versions.facet_nodes(mesh, np.asarray(facet_tags.indices, dtype=np.int32))
             triangles = index_map.local_to_global(nodes.ravel().astype(np.int32)).reshape(-1, 3)
         fields = {}
         if cell_tags is not None:
@@ -101,21 +102,15 @@ def to_dolfinx(mesh: Mesh) -> DolfinxMesh:
     """A ``dolfinx.mesh.Mesh`` of the same cells on the same ranks, with the cells behind the faces of the rank border as ghosts, and
     with its patches as facet tags. Collective."""
     import dolfinx
-    import ufl
+    from . import dolfinx_versions as versions
     comm = mesh.comm
     rows, offset = _ranks_at_cells(mesh)
 
     def stay(*_: Any) -> Any:
-        try:
-            return dolfinx.cpp.graph.AdjacencyList_int32(rows, offset)
-        except AttributeError:
-            return dolfinx.graph.adjacencylist(rows, offset)._cpp_object
-    element = ufl.VectorElement("Lagrange", ufl.tetrahedron, 1) if hasattr(ufl, "VectorElement") else None
-    if element is None:
-        import basix.ufl
-        element = basix.ufl.element("Lagrange", "tetrahedron", 1, shape=(3,))
+        return versions.adjacency(rows, offset)
     numbers = np.ascontiguousarray(mesh.node_numbers[mesh.cells])
-    theirs = dolfinx.mesh.create_mesh(comm, numbers, mesh._core.node_block(), ufl.Mesh(element), partitioner=stay)
+    theirs = dolfinx.mesh.create_mesh(comm, numbers, mesh._core.node_block(), versions.straight_tetrahedra(),
+                                       partitioner=stay)
     n_cells = theirs.topology.index_map(3).size_local
     first = comm.exscan(len(mesh.cells)) or 0
     rows = np.asarray(theirs.topology.original_cell_index)[:n_cells] - first
@@ -126,7 +121,7 @@ def to_dolfinx(mesh: Mesh) -> DolfinxMesh:
     theirs.topology.create_connectivity(2, 3)
     to_cells = theirs.topology.connectivity(2, 3)
     facets = np.flatnonzero(np.diff(to_cells.offsets) == 1)
-    of_facets = np.sort(nodes[_facet_nodes(theirs, np.asarray(facets, dtype=np.int32))], axis=1)
+    of_facets = np.sort(nodes[versions.facet_nodes(theirs, np.asarray(facets, dtype=np.int32))], axis=1)
     faces = mesh.boundary_faces()
     ours = np.sort(mesh.node_numbers[faces.nodes], axis=1)
     patch = dict(zip(map(tuple, ours.tolist()), faces.patches.tolist()))
@@ -151,19 +146,3 @@ def _ranks_at_cells(mesh: Mesh) -> tuple[np.ndarray, np.ndarray]:
     rest[offset[:-1]] = False
     rows[rest] = pairs[:, 1]
     return rows, offset
-
-
-def _dofmap(geometry: Any) -> np.ndarray:
-    dofmap = geometry.dofmap
-    return dofmap.array.reshape(dofmap.num_nodes, -1) if hasattr(dofmap, "num_nodes") else np.asarray(dofmap)
-
-
-def _facet_nodes(mesh: Any, facets: np.ndarray) -> np.ndarray:
-    """Nodes of the geometry at facets, n x 3."""
-    import dolfinx
-    if len(facets) == 0:
-        return np.empty((0, 3), np.int32)
-    if hasattr(dolfinx.mesh, "entities_to_geometry"):
-        return np.asarray(dolfinx.mesh.entities_to_geometry(mesh, 2, facets))
-    cpp = getattr(mesh, "_cpp_object", getattr(mesh, "_mesh", mesh))
-    return np.asarray(dolfinx.cpp.mesh.entities_to_geometry(cpp, 2, facets, False))

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What every tool promises about exit codes, messages and files, tried on the probe on 1 and 3 ranks.
 
-Usage: life_of_a_tool_test.py PROBE VERSION MPIEXEC...
+Usage: life_of_a_tool_test.py PROBE VERSION LEFT_OUT MPIEXEC...
 """
 import concurrent.futures
 import glob
@@ -16,7 +16,7 @@ import tempfile
 import time
 import unittest
 
-PROBE, VERSION, MPIEXEC = sys.argv[1], sys.argv[2], sys.argv[3:]
+PROBE, VERSION, LEFT_OUT, *MPIEXEC = sys.argv[1:]
 
 
 def command(ranks, arguments):
@@ -61,9 +61,10 @@ class LifeOfATool(unittest.TestCase):
     def test_help_has_the_example_and_version_the_version(self):
         for ranks in (1, 3):
             self.assertEqual(run(ranks, "--help").stdout.count("pamr-probe --how gate"), 1)
-            first, second = run(ranks, "--version").stdout.splitlines()
+            first, second, *left_out = run(ranks, "--version").stdout.splitlines()
             self.assertRegex(first, rf"^pamr-probe {re.escape(VERSION)}( \(commit [0-9a-f]{{7,}}( with changes)?\))?$")
             self.assertRegex(second, r"^\S.* \d+\.[\d.]+, HDF5 1\.\d+\.\d+, CGAL \d[\d.]+, Scotch \d[\d.]+ \(64-bit integers\)$")
+            self.assertEqual(left_out, [f"left out of this build: {LEFT_OUT}"] if LEFT_OUT else [])
 
     def test_version_has_a_commit_of_the_repository(self):
         git = ["git", "-c", "safe.directory=*", "-C", os.path.dirname(os.path.abspath(__file__))]
