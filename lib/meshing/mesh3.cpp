@@ -147,8 +147,8 @@ MeshDomain make_domain(const Domain& domain, CGAL::Random& random, Work& work) {
     return label_of(domain, from_cgal(point));
   };
   const std::function<bool(int)> is_outside = [](int index) { return index != gas; };
-  MeshDomain result(label, ball, p::relative_error_bound = relative_error, p::p_rng = &random,
-                    p::null_subdomain_index = is_outside);
+  MeshDomain result(p::function = label, p::bounding_object = ball, p::relative_error_bound = relative_error,
+                    p::p_rng = &random, p::null_subdomain_index = is_outside);
   std::vector<std::vector<Kernel::Point_3>> polylines;
   for (const auto& curve : domain.curves) {
     auto& polyline = polylines.emplace_back();
@@ -160,10 +160,11 @@ MeshDomain make_domain(const Domain& domain, CGAL::Random& random, Work& work) {
 }
 
 // `start` calls CGAL's C3t3_initializer, which is no documented interface: the documented ones either protect curves or
-// take points of the caller, never both, and a closed surface beside curves needs both. It was read in CGAL 5.5 and has
-// the same arguments in all of 5.x; another major version must be looked at before this line is changed.
-static_assert(CGAL_VERSION_NR >= 1050500000 && CGAL_VERSION_NR < 1060000000,
-              "mesh3.cpp: expected CGAL 5.5 or a later 5.x: it calls CGAL::Mesh_3::internal::C3t3_initializer");
+// take points of the caller, never both, and a closed surface beside curves needs both. It was read in CGAL 5.5 and 6.0
+// and has the same arguments in both; a later version must be looked at before this line is changed.
+static_assert(CGAL_VERSION_NR >= 1050500000 && CGAL_VERSION_NR < 1060100000,
+              "mesh3.cpp calls CGAL::Mesh_3::internal::C3t3_initializer; expected CGAL 5.5, 5.6 or 6.0, where it was "
+              "tried or read: set PAMR_MESHING=OFF, or look at that class and extend this condition");
 
 /// What Delaunay refinement starts from: balls along the curves, and points on the pieces without curves. CGAL shoots
 /// rays for these in a domain without any curve and looks for none in the others.

@@ -4,7 +4,6 @@
 #include <CGAL/Polygon_mesh_processing/orient_polygon_soup.h>
 #include <CGAL/Polygon_mesh_processing/self_intersections.h>
 #include <CGAL/Polygon_mesh_processing/stitch_borders.h>
-#include <CGAL/Polygon_mesh_processing/triangulate_hole.h>
 #include <CGAL/boost/graph/Euler_operations.h>
 #include <CGAL/boost/graph/selection.h>
 
@@ -18,6 +17,7 @@
 #include "pamr/geometry/triangulated/edge_table.hpp"
 #include "pamr/geometry/triangulated/groups.hpp"
 #include "surface_mesh/cgal_mesh.hpp"
+#include "surface_mesh/fill_hole.hpp"
 
 namespace pamr::surface_mesh {
 
@@ -84,7 +84,7 @@ void silence(const char*, const char*, const char*, int, const char*) {}
 /// Fills one hole; false if CGAL could not, then nothing is changed.
 bool fill(CgalMesh& mesh, Halfedge hole, std::vector<Face>& faces, std::vector<Vertex>& points) {
   const auto n_faces = faces.size();
-  PMP::triangulate_refine_and_fair_hole(mesh, hole, std::back_inserter(faces), std::back_inserter(points));
+  fill_hole(mesh, hole, faces, points);
   return faces.size() > n_faces;
 }
 

@@ -57,7 +57,7 @@ def couette_profile(species, n, t_wall, u, height):
         way = np.concatenate([[0], np.cumsum(0.5 * (mu[1:] + mu[:-1]) * np.diff(v))])
         shear = 2 * way[-1] / height
         y = way / shear
-        p = n * BOLTZMANN * (height / 2) / np.trapz(1 / temperature, y)
+        p = n * BOLTZMANN * (height / 2) / np.sum(np.diff(y) * (1 / temperature[1:] + 1 / temperature[:-1]) / 2)
         length = mu[-1] * math.sqrt(2 * r * temperature[-1]) / p
         slip = 0.987 * length * shear / mu[-1]
         jump = 1.890 * length * shear * v[-1] / (15 / 4 * r * mu[-1])

@@ -27,6 +27,7 @@ class Exact {
       : value_(static_cast<T>(value)) {}
 
   constexpr operator T() const { return value_; }
+  friend constexpr T format_as(Exact exact) { return exact.value_; }  // what fmt prints; version 9 converts by itself
 
  private:
   T value_;

@@ -26,7 +26,7 @@ class Pamr(CMakePackage):
     depends_on("zlib-api")
     depends_on("bzip2")
     depends_on("xz")
-    depends_on("cgal@5.5:5")
+    depends_on("cgal@5.5:6.0")
     depends_on("cli11")
     depends_on("fmt")
     depends_on("pugixml")
