@@ -9,30 +9,16 @@
 set -euo pipefail
 
 packages=$(cd -- "${1:?expected the folder with the packages}" && pwd)
-mirror=${PAMR_MIRROR:-http://deb.debian.org/debian}
-if [ "$(id -u)" != 0 ]; then
-  echo "test_packages.sh: expected to be root, which debootstrap and chroot need" >&2
-  exit 2
-fi
-if [ -z "${PAMR_TESTS_IN_OWN_MOUNTS:-}" ]; then # what is mounted below goes with this process
-  PAMR_TESTS_IN_OWN_MOUNTS=1 exec unshare --mount --propagation private "${BASH_SOURCE[0]}" "$@"
-fi
+. "$(dirname -- "${BASH_SOURCE[0]}")/bare_debian.sh"
+in_own_mounts "${BASH_SOURCE[0]}" "$@"
 if [ -n "${PAMR_TEST_ROOT:-}" ]; then
   bare=$PAMR_TEST_ROOT
 else
   bare=$(mktemp -d -t pamr-debian.XXXXXX)
   chmod 755 "$bare" # the user in it has to find its programs
-  trap 'umount -R "$bare/proc" "$bare/sys" "$bare/dev" 2>/dev/null || true; rm -rf --one-file-system "$bare"' EXIT
+  trap 'leave_bare; rm -rf --one-file-system "$bare"' EXIT
 fi
-if [ ! -x "$bare/usr/bin/apt-get" ]; then
-  debootstrap --variant=minbase bookworm "$bare" "$mirror" >"$packages/debootstrap.log"
-fi
-mount -t proc proc "$bare/proc"
-mount -t sysfs -o ro sysfs "$bare/sys"
-mount --rbind /dev "$bare/dev"
-[ ! -e /etc/resolv.conf ] || cp -L /etc/resolv.conf "$bare/etc/resolv.conf"
-
-inside() { chroot "$bare" env -i PATH=/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin HOME=/root LC_ALL=C.UTF-8 DEBIAN_FRONTEND=noninteractive "$@"; }
+enter_bare bookworm "$bare" "$packages/debootstrap.log"
 as_user() {
   chroot --userspec=4321:4321 "$bare" env -i PATH=/usr/bin:/bin HOME=/tmp/user LC_ALL=C.UTF-8 OMPI_MCA_rmaps_base_oversubscribe=1 \
     sh -ec "cd /tmp/user; $1" 2>&1 | tee -a "$packages/test.log"
