@@ -118,6 +118,30 @@ std::vector<LocalId> boundary_nodes(const mesh::DistMesh& mesh, const std::vecto
   return nodes;
 }
 
+std::vector<GlobalId> nodes_by_place(const par::Comm& comm, const mesh::DistMesh& mesh,
+                                     const std::vector<mesh::CellFace>& faces) {
+  const auto nodes = boundary_nodes(mesh, faces);
+  std::vector<GlobalId> number;
+  std::vector<Vec3> position;
+  for (const auto node : nodes) {
+    number.push_back(mesh.node_global[at(node)]);
+    position.push_back(mesh.point(node));
+  }
+  const auto size = mesh::box_of_nodes(comm, mesh).size();
+  const auto other = match_other_nodes(comm, {number, position}, same_place * geometry::norm(size));
+  auto result = mesh.node_global;
+  for (std::size_t i = 0; i < nodes.size(); ++i)
+    if (other[i] != unmatched) result[at(nodes[i])] = std::min(number[i], other[i]);
+  // nodes in one place may be named in a chain
+  for (;;) {
+    const auto in_block = par::scatter_rows<GlobalId>(comm, mesh.info.node_ids(), result, 1, mesh.node_global);
+    auto next = par::fetch_rows<GlobalId>(comm, mesh.info.node_ids(), in_block, 1, result);
+    const bool is_end = next == result;
+    result = std::move(next);
+    if (comm.all(is_end)) return result;
+  }
+}
+
 struct NumberedPlace {
   GlobalId number = 0;
   Vec3 point;
@@ -146,9 +170,36 @@ struct FaceVisitor {
   Rank from = 0;
 };
 
+PairedFaces pair_faces(const par::Comm& comm, const mesh::DistMesh& mesh, std::vector<mesh::CellFace> faces,
+                       const std::vector<GlobalId>& by_place) {
+  PairedFaces result{std::move(faces), {}};
+  par::Mailbox<FaceVisitor> meeting(comm);
+  for (std::size_t i = 0; i < result.face.size(); ++i) {
+    FaceVisitor visitor{{}, static_cast<std::int64_t>(i), comm.rank()};
+    const auto node = nodes_of(mesh, result.face[i]);
+    for (std::size_t k = 0; k < 3; ++k) visitor.node[k] = by_place[at(node[k])];
+    std::sort(visitor.node.begin(), visitor.node.end());
+    std::uint64_t hash = 0;
+    for (const auto number : visitor.node) hash = combine(hash, static_cast<std::uint64_t>(number));
+    meeting.add(static_cast<Rank>(hash % static_cast<std::uint64_t>(comm.size())), visitor);
+  }
+  auto visitors = meeting.send().item;
+  std::sort(visitors.begin(), visitors.end(),
+            [](const FaceVisitor& a, const FaceVisitor& b) { return a.node < b.node; });
+  par::Mailbox<std::int64_t> answers(comm);
+  for (std::size_t i = 0; i < visitors.size(); ++i) {
+    const auto& node = visitors[i].node;
+    if ((i > 0 && visitors[i - 1].node == node) || (i + 1 < visitors.size() && visitors[i + 1].node == node))
+      answers.add(visitors[i].from, visitors[i].row);
+  }
+  result.is_paired.assign(result.face.size(), 0);
+  for (const auto row : answers.send().item) result.is_paired[at(row)] = 1;
+  return result;
+}
+
 Findings find_coincident_faces(const par::Comm& comm, const mesh::DistMesh& mesh,
-                               const std::vector<GlobalId>& by_place) {
-  const auto [face, is_paired] = pair_faces(comm, mesh, by_place);
+                               const std::vector<mesh::CellFace>& faces, const std::vector<GlobalId>& by_place) {
+  const auto [face, is_paired] = pair_faces(comm, mesh, faces, by_place);
   std::vector<Vec3> places;
   for (std::size_t i = 0; i < face.size(); ++i)
     if (is_paired[i] != 0) places.push_back(middle_of(mesh, face[i]));
@@ -177,61 +228,20 @@ std::string place(Vec3 p) { return fmt::format("({:.6g}, {:.6g}, {:.6g})", p.x, 
 }  // namespace
 
 std::vector<GlobalId> nodes_by_place(const par::Comm& comm, const mesh::DistMesh& mesh) {
-  const auto nodes = boundary_nodes(mesh, faces_of_boundary(mesh));
-  std::vector<GlobalId> number;
-  std::vector<Vec3> position;
-  for (const auto node : nodes) {
-    number.push_back(mesh.node_global[at(node)]);
-    position.push_back(mesh.point(node));
-  }
-  const auto size = mesh::box_of_nodes(comm, mesh).size();
-  const auto other = match_other_nodes(comm, {number, position}, same_place * geometry::norm(size));
-  auto result = mesh.node_global;
-  for (std::size_t i = 0; i < nodes.size(); ++i)
-    if (other[i] != unmatched) result[at(nodes[i])] = std::min(number[i], other[i]);
-  // nodes in one place may be named in a chain
-  for (;;) {
-    const auto in_block = par::scatter_rows<GlobalId>(comm, mesh.info.node_ids(), result, 1, mesh.node_global);
-    auto next = par::fetch_rows<GlobalId>(comm, mesh.info.node_ids(), in_block, 1, result);
-    const bool is_end = next == result;
-    result = std::move(next);
-    if (comm.all(is_end)) return result;
-  }
+  return nodes_by_place(comm, mesh, faces_of_boundary(mesh));
 }
 
 PairedFaces pair_faces(const par::Comm& comm, const mesh::DistMesh& mesh, const std::vector<GlobalId>& by_place) {
-  PairedFaces result{faces_of_boundary(mesh), {}};
-  par::Mailbox<FaceVisitor> meeting(comm);
-  for (std::size_t i = 0; i < result.face.size(); ++i) {
-    FaceVisitor visitor{{}, static_cast<std::int64_t>(i), comm.rank()};
-    const auto node = nodes_of(mesh, result.face[i]);
-    for (std::size_t k = 0; k < 3; ++k) visitor.node[k] = by_place[at(node[k])];
-    std::sort(visitor.node.begin(), visitor.node.end());
-    std::uint64_t hash = 0;
-    for (const auto number : visitor.node) hash = combine(hash, static_cast<std::uint64_t>(number));
-    meeting.add(static_cast<Rank>(hash % static_cast<std::uint64_t>(comm.size())), visitor);
-  }
-  auto visitors = meeting.send().item;
-  std::sort(visitors.begin(), visitors.end(),
-            [](const FaceVisitor& a, const FaceVisitor& b) { return a.node < b.node; });
-  par::Mailbox<std::int64_t> answers(comm);
-  for (std::size_t i = 0; i < visitors.size(); ++i) {
-    const auto& node = visitors[i].node;
-    if ((i > 0 && visitors[i - 1].node == node) || (i + 1 < visitors.size() && visitors[i + 1].node == node))
-      answers.add(visitors[i].from, visitors[i].row);
-  }
-  result.is_paired.assign(result.face.size(), 0);
-  for (const auto row : answers.send().item) result.is_paired[at(row)] = 1;
-  return result;
+  return pair_faces(comm, mesh, faces_of_boundary(mesh), by_place);
 }
 
 Tears find_tears(const par::Comm& comm, const mesh::DistMesh& mesh) {
   const auto faces = faces_of_boundary(mesh);
-  const auto by_place = nodes_by_place(comm, mesh);
+  const auto by_place = nodes_by_place(comm, mesh, faces);
   Tears tears;
   tears.n_pieces = count_pieces(comm, mesh);
   tears.coincident_nodes = find_coincident_nodes(comm, mesh, by_place);
-  if (tears.coincident_nodes.count > 0) tears.coincident_faces = find_coincident_faces(comm, mesh, by_place);
+  if (tears.coincident_nodes.count > 0) tears.coincident_faces = find_coincident_faces(comm, mesh, faces, by_place);
   tears.overlaps = find_overlaps(comm, mesh, faces);
   return tears;
 }
