@@ -7,9 +7,7 @@
 #include <cstddef>
 #include <cstdio>
 #include <cstdlib>
-#include <exception>
 #include <limits>
-#include <new>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -21,7 +19,6 @@
 #include "pamr/base/error.hpp"
 #include "pamr/base/heap.hpp"
 #include "pamr/base/nearest_word.hpp"
-#include "pamr/base/one_line.hpp"
 #include "pamr/io/remove_on_interrupt.hpp"
 #include "pamr/par/runtime.hpp"
 #include "pamr/par/same_start.hpp"
@@ -93,55 +90,6 @@ Parsed parse(int argc, char** argv, const ToolInfo& info, const std::function<vo
   }
 }
 
-void print_error(const ToolInfo& info, const std::string& error, const std::string& where) {
-  hide_step();
-  std::fputs((info.name + ": error: " + one_line(error) + where + "\n").c_str(), stderr);
-  std::fflush(nullptr);
-}
-
-/// What the handler of unexpected exceptions needs; set once, before any work.
-const par::Runtime* running = nullptr;
-const ToolInfo* running_tool = nullptr;
-
-/// Ends this rank's part: prints the error once if all ranks end within `grace_period` seconds, here otherwise, in
-/// which case all are ended. Returns the common exit code. What happens to the process later changes nothing that it
-/// has done: where it could still end in another way, that is said.
-int end(const Ending& ending, double grace_period) {
-  if (!ending.error.empty()) {
-    be_silent_on_interrupt();  // mpirun ends the ranks that are not the first to leave with an error
-    io::remove_unfinished();
-  }
-  const auto outcome = running->settle(static_cast<int>(ending.code), grace_period);
-  if (!outcome) {
-    print_error(*running_tool, ending.error, " (on rank " + std::to_string(running->rank()) + ")");
-    announce_abort();
-    running->abort(static_cast<int>(ending.code));
-  }
-  const bool is_complete = outcome->code < static_cast<int>(ExitCode::bad_input);
-  if (is_complete) keep_outcome(running_tool->name, outcome->code);
-  if (outcome->reporter == running->rank() && !ending.error.empty()) print_error(*running_tool, ending.error, "");
-  return outcome->code;
-}
-
-/// An exception nobody expects is not caught, because destructors on its way could wait for ranks that never come.
-[[noreturn]] void end_after_failure() {
-  constexpr double grace_period = 3;
-  Ending ending{ExitCode::internal, "ended without an exception"};
-  try {
-    if (const auto failure = std::current_exception()) std::rethrow_exception(failure);
-  } catch (const std::bad_alloc&) {
-    ending.error = "out of memory";
-  } catch (const std::exception& failure) {
-    ending.error = std::string("internal: ") + failure.what();
-  } catch (...) {
-    ending.error = "internal: exception of an unknown type";
-  }
-  const int code = end(ending, grace_period);
-  announce_abort();
-  (void)running->settle(code, 1);  // whoever aborts first takes the others with it: not before one has reported
-  running->abort(code);
-}
-
 /// An ending without an error, unless a summary or a help text has not arrived where it was sent.
 Ending with_output(Ending ending) {
   const auto trouble = trouble_of_output();
@@ -150,15 +98,16 @@ Ending with_output(Ending ending) {
 }
 
 /// From the command line to the end of the work; files are complete, or gone.
-Ending run(int argc, char** argv, const std::function<void(CommandLine&)>& declare, const BadFiles& bad_files,
-           const std::function<ExitCode(Session&)>& work) {
+Ending run(const par::Runtime& runtime, int argc, char** argv, const ToolInfo& info,
+           const std::function<void(CommandLine&)>& declare, const std::function<ExitCode(Session&)>& work,
+           const BadFiles& bad_files) {
   try {
-    const par::Comm comm(running->world());
-    par::require_same_start(comm, par::start_of(version_text(running_tool->name), argc, argv));
+    const par::Comm comm(runtime.world());
+    par::require_same_start(comm, par::start_of(version_text(info.name), argc, argv));
     CommonOptions options;
-    const auto parsed = parse(argc, argv, *running_tool, declare, options, comm.is_first());
+    const auto parsed = parse(argc, argv, info, declare, options, comm.is_first());
     if (!parsed.proceed) return with_output(parsed.ending);
-    Session session(comm, running_tool->name, options, bad_files);
+    Session session(comm, info.name, options, bad_files);
     return with_output({work(session), {}});
   } catch (const Error& error) {
     return {ExitCode::bad_input, error.what()};
@@ -171,16 +120,22 @@ int run_tool(int argc, char** argv, const ToolInfo& info, const std::function<vo
              const std::function<ExitCode(Session&)>& work) {
   set_up_heap();
   const auto bad_files = check_named_files(argc, argv, info.files_in);  // no process of an MPI job forks
-  const par::Runtime runtime(argc, argv);
-  running = &runtime;
-  running_tool = &info;
-  std::set_terminate(end_after_failure);
+  par::Runtime runtime(argc, argv);
+  const auto clean_up = [] {
+    be_silent_on_interrupt();  // mpirun ends the ranks that are not the first to leave with an error
+    io::remove_unfinished();
+  };
+  runtime.on_failure({info.name, clean_up, hide_step, announce_abort});
   end_well_on_interrupt(info.name, runtime.rank() == 0, runtime.size() > 1);
   std::signal(SIGXFSZ, SIG_IGN);  // a file beyond `ulimit -f` is an error of the write, which names it
 
-  const auto ending = run(argc, argv, declare, bad_files, work);
+  const auto ending = run(runtime, argc, argv, info, declare, work, bad_files);
   constexpr double patience_after_error = 30, for_ever = std::numeric_limits<double>::infinity();
-  return end(ending, ending.error.empty() ? for_ever : patience_after_error);
+  const int code =
+      runtime.end(static_cast<int>(ending.code), ending.error, ending.error.empty() ? for_ever : patience_after_error);
+  // What happens to the process later changes nothing that it has done.
+  if (code < static_cast<int>(ExitCode::bad_input)) keep_outcome(info.name, code);
+  return code;
 }
 
 }  // namespace pamr::cli

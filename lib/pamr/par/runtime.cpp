@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "pamr/par/runtime.hpp"
 
+#include <fmt/format.h>
+
 #include <cerrno>
 #include <cstdint>
 #include <cstdio>
@@ -29,8 +31,8 @@ constexpr double grace_period = 3;
 const Runtime* running = nullptr;
 
 /// One write, which lines of other processes do not cut.
-void print_error(const std::string& text) {
-  std::fputs((std::string(program_invocation_short_name) + ": error: " + one_line(text) + "\n").c_str(), stderr);
+void print_error(const std::string& program, const std::string& text) {
+  std::fputs((program + ": error: " + one_line(text) + "\n").c_str(), stderr);
   std::fflush(nullptr);
 }
 
@@ -59,17 +61,12 @@ Failure current_failure() {
   std::set_terminate(std::abort);  // a failure in here
   const auto failure = current_failure();
   if (running == nullptr) {
-    print_error(failure.text);
+    print_error(program_invocation_short_name, failure.text);
     std::_Exit(failure.code);
   }
-  const auto outcome = running->settle(failure.code, grace_period);
-  if (!outcome)
-    print_error(failure.text + " (on rank " + std::to_string(running->rank()) + ")");
-  else if (outcome->reporter == running->rank())
-    print_error(failure.text);
-  if (outcome)
-    (void)running->settle(failure.code, 1);  // who aborts first takes the others along: not before the report
-  running->abort(failure.code);
+  const int code = running->end(failure.code, failure.text, grace_period);
+  (void)running->settle(code, 1);  // who aborts first takes the others along: not before the report
+  running->abort(code);
 }
 
 /// Runs when `main` has returned, or exit was called.
@@ -107,8 +104,9 @@ Runtime::~Runtime() {
   const bool unwinds = std::uncaught_exceptions() > n_exceptions_;
   if (unwinds && size_ > 1 && !settle(bad_input, grace_period)) {
     // Others wait for this rank in a call that it has left, and MPI_Finalize would wait for them.
-    print_error("rank " + std::to_string(rank_) +
-                " is left by an exception, and others go on without it: all are ended when its main has returned");
+    print_error(program_invocation_short_name,
+                "rank " + std::to_string(rank_) +
+                    " is left by an exception, and others go on without it: all are ended when its main has returned");
     std::atexit(abort_at_exit);
     return;
   }
@@ -127,7 +125,21 @@ std::optional<Runtime::Outcome> Runtime::settle(int code, double seconds) const 
   return Outcome{static_cast<int>(greatest / ranks), static_cast<Rank>(ranks - 1 - greatest % ranks)};
 }
 
+int Runtime::end(int code, const std::string& error, double seconds) const {
+  const auto& add = at_failure_;
+  if (!error.empty() && add.clean_up) add.clean_up();
+  const auto outcome = settle(code, seconds);
+  if (!error.empty() && (!outcome || outcome->reporter == rank_)) {
+    if (add.before_print) add.before_print();
+    print_error(add.program.empty() ? program_invocation_short_name : add.program,
+                error + (outcome ? "" : fmt::format(" (on rank {})", rank_)));
+  }
+  if (!outcome) abort(code);
+  return outcome->code;
+}
+
 void Runtime::abort(int code) const {
+  if (at_failure_.before_abort) at_failure_.before_abort();
   std::fflush(nullptr);
   if (size_ > 1) MPI_Abort(MPI_COMM_WORLD, code);
   std::_Exit(code);  // alone: without the notice that MPI_Abort prints

@@ -4,7 +4,10 @@
 #include <mpi.h>
 
 #include <exception>
+#include <functional>
 #include <optional>
+#include <string>
+#include <utility>
 
 #include "pamr/base/types.hpp"
 
@@ -14,8 +17,8 @@ namespace pamr::par {
 /// itself makes a `Comm` from its communicator and needs no `Runtime`.
 ///
 /// While it lives, an exception that nobody catches ends all ranks with one line on standard error, `<program>: error:
-/// <what>`, and exit code 2 for `pamr::Error`, 3 for others: by a handler of std::terminate, which a program may
-/// replace. Where an exception leaves the object on some ranks alone (its handler is further out), those ranks say so,
+/// <what>`, and exit code 2 for `pamr::Error`, 3 for others: by a handler of std::terminate, to which a program may add
+/// (`on_failure`) and which it may replace. Where an exception leaves the object on some ranks alone (its handler is further out), those ranks say so,
 /// go on to their handlers, and end all ranks with code 2 when their `main` returns; MPI_Finalize would wait for ever.
 class Runtime {
  public:
@@ -44,6 +47,20 @@ class Runtime {
   /// and called equally often on all ranks. Runs beside whatever else is under way: it has a communicator of its own.
   std::optional<Outcome> settle(int code, double seconds) const;
 
+  /// What a program adds to its end with an error, on each rank that has one. None may throw; all may be null.
+  struct AtFailure {
+    std::string program;                 ///< in front of the error; empty: the name of the executable
+    std::function<void()> clean_up;      ///< before anything else: nothing is unwound
+    std::function<void()> before_print;  ///< makes room for the error
+    std::function<void()> before_abort;  ///< before this process ends the others
+  };
+  /// Local.
+  void on_failure(AtFailure what) { at_failure_ = std::move(what); }
+
+  /// Ends this rank's part of a program, with an error unless that is empty, which is printed once if all ranks come
+  /// here within `seconds`; else by this rank, and all are ended. Returns the common exit code. Collective as `settle`.
+  int end(int code, const std::string& error, double seconds) const;
+
   /// Ends all ranks at once with this exit code.
   [[noreturn]] void abort(int code) const;
 
@@ -51,6 +68,7 @@ class Runtime {
   MPI_Comm end_ = MPI_COMM_NULL;
   int n_exceptions_;  ///< under way when it was made
   std::terminate_handler terminate_before_ = nullptr;
+  AtFailure at_failure_;
   Rank rank_ = 0;
   Rank size_ = 1;
 };

@@ -87,7 +87,7 @@ class LifeOfATool(unittest.TestCase):
 
     def test_a_failure_on_all_ranks_gives_code_3_and_one_line(self):
         for ranks in (1, 3):
-            self.assert_error_once(run(ranks, "--how", "failure-everywhere"), 3, "internal", "comm.size() == 0")
+            self.assert_error_once(run(ranks, "--how", "failure-everywhere"), 3, "uncaught exception", "comm.size() == 0")
 
     def test_a_failure_on_one_rank_ends_all_with_code_3(self):
         self.assert_error_once(run(3, "--how", "failure-on-one"), 3, "slot 12 of 4", "rank 2")
