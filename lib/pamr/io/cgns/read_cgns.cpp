@@ -8,14 +8,13 @@
 #include <array>
 #include <cstdint>
 #include <map>
-#include <set>
 #include <string>
-#include <tuple>
 #include <utility>
 #include <vector>
 
 #include "pamr/base/error.hpp"
 #include "pamr/base/index.hpp"
+#include "pamr/io/cgns/cgns_conditions.hpp"
 #include "pamr/io/cgns/cgns_fields.hpp"
 #include "pamr/io/cgns/cgns_nodes.hpp"
 #include "pamr/io/elements/whole_mesh.hpp"
@@ -56,14 +55,6 @@ int type_of(std::int64_t type) {
   return type >= 0 && type < std::ssize(types) ? types[at(type)] : 0;
 }
 
-std::string kind_of(const std::string& condition) {
-  for (const auto& [begin, kind] :
-       {std::pair("BCWall", "wall"), std::pair("BCSymmetryPlane", "symmetry"), std::pair("BCFarfield", "farfield"),
-        std::pair("BCInflow", "inflow"), std::pair("BCOutflow", "outflow")})
-    if (condition.starts_with(begin)) return kind;
-  return {};
-}
-
 class ZoneReader {
  public:
   explicit ZoneReader(const Tree& tree) : tree_(tree), base_(tree.child("/", "CGNSBase_t").path) {
@@ -80,7 +71,7 @@ class ZoneReader {
   WholeMesh read() {
     read_points();
     for (const auto& section : tree_.children(zone_, "Elements_t")) read_section(section);
-    read_conditions();
+    read_conditions(tree_, base_, zone_, elements_, mesh_);
     read_solutions(tree_, zone_, n_nodes_, mesh_);
     set_regions();
     put_cells_in_order();
@@ -131,24 +122,17 @@ class ZoneReader {
 
   void keep(const Node& section, std::int64_t number, int type, const std::int64_t* nodes) {
     if (type == element_type::tetrahedron) {
-      cell_of_[number] = mesh_.cell.size();
+      elements_.cell_of[number] = mesh_.cell.size();
       mesh_.cell.push_back({nodes[0] - 1, nodes[1] - 1, nodes[2] - 1, nodes[3] - 1});
       number_of_cell_.push_back(number);
-      group_of_cell_.push_back(section.name);
+      elements_.group_of_cell.push_back(section.name);
     } else if (type == element_type::triangle) {
       mesh_.triangle.push_back({nodes[0] - 1, nodes[1] - 1, nodes[2] - 1});
-      triangle_of_[number] = mesh_.tag.size();
-      mesh_.tag.push_back(tag_of(section.name));
+      elements_.triangle_of[number] = mesh_.tag.size();
+      mesh_.tag.push_back(elements_.tag_of(section.name, mesh_));
     } else if (type != element_type::point && type != element_type::line) {
       ++mesh_.refused[type];
     }
-  }
-
-  /// The number of a patch of this name, a new one for a new name.
-  std::int64_t tag_of(const std::string& name) {
-    const auto [found, is_new] = tag_of_name_.emplace(name, std::ssize(tag_of_name_));
-    if (is_new) mesh_.patch_of_tag[found->second] = {name, ""};
-    return found->second;
   }
 
   std::vector<std::int64_t> integers_named(const Node& parent, const char* label, std::string_view name) const {
@@ -157,118 +141,15 @@ class ZoneReader {
     throw Error(fmt::format("{}: expected {}, found none", parent.path, name));
   }
 
-  /// Elements or vertices that a condition names.
-  struct Named {
-    bool are_elements = false;
-    std::vector<std::int64_t> number;
-  };
-  Named named_by(const Node& condition) const {
-    const auto location = tree_.text(tree_.child(condition.path, "GridLocation_t", true));
-    Named named{location == "FaceCenter" || location == "CellCenter", {}};  // Gmsh has the latter
-    for (const auto* label : {"IndexRange_t", "IndexArray_t"})
-      for (const auto& node : tree_.children(condition.path, label)) {
-        const bool is_range = node.name == "PointRange" || node.name == "ElementRange";
-        if (!is_range && node.name != "PointList" && node.name != "ElementList") continue;
-        named.are_elements = named.are_elements || node.name.starts_with("Element");
-        named.number = tree_.integers(node);
-        if (is_range) named.number = within(named.number, named.are_elements);
-      }
-    return named;
-  }
-
-  /// Conditions give triangles their patch and cells their region: those on faces, then those on vertices, which have
-  /// the triangles of sections whose three corners they name.
-  void read_conditions() {
-    const auto all = tree_.child(zone_, "ZoneBC_t", true);
-    if (all.path.empty()) return;
-    std::vector<std::uint8_t> is_in_condition(mesh_.triangle.size(), 0);
-    std::set<std::int64_t> of_conditions;
-    for (const bool on_elements : {true, false})
-      for (const auto& condition : tree_.children(all.path, "BC_t")) {
-        const auto named = named_by(condition);
-        if (named.are_elements != on_elements) continue;
-        auto name = condition.name;
-        auto type = tree_.text(condition);
-        if (type == "FamilySpecified") std::tie(name, type) = family_of(condition);
-        std::vector<std::size_t> triangles;
-        bool has_cells = false;
-        if (on_elements) {
-          for (const auto number : named.number) {
-            if (const auto found = triangle_of_.find(number); found != triangle_of_.end())
-              triangles.push_back(found->second);
-            if (const auto found = cell_of_.find(number); found != cell_of_.end()) {
-              group_of_cell_[found->second] = name;
-              has_cells = has_named_cells_ = true;
-            }
-          }
-        } else {
-          triangles = triangles_within(named.number, is_in_condition);
-        }
-        if (triangles.empty() && has_cells) continue;
-        const auto tag = tag_of(name);
-        mesh_.patch_of_tag[tag].kind = kind_of(type);
-        of_conditions.insert(tag);
-        for (const auto t : triangles) {
-          mesh_.tag[t] = tag;
-          is_in_condition[t] = 1;
-        }
-      }
-    // Sections whose triangles are all in conditions are no groups of their own.
-    of_conditions.insert(mesh_.tag.begin(), mesh_.tag.end());
-    std::erase_if(mesh_.patch_of_tag, [&](const auto& one) { return !of_conditions.contains(one.first); });
-  }
-
-  std::vector<std::size_t> triangles_within(const std::vector<std::int64_t>& vertices,
-                                            const std::vector<std::uint8_t>& is_taken) const {
-    const std::set<std::int64_t> corners(vertices.begin(), vertices.end());
-    std::vector<std::size_t> triangles;
-    for (std::size_t t = 0; t < mesh_.triangle.size(); ++t) {
-      const auto& node = mesh_.triangle[t];
-      if (is_taken[t] == 0 && std::all_of(node.begin(), node.end(), [&](auto n) { return corners.contains(n + 1); }))
-        triangles.push_back(t);
-    }
-    return triangles;
-  }
-
-  /// Numbers of a range: of elements those that are triangles or cells.
-  std::vector<std::int64_t> within(const std::vector<std::int64_t>& range, bool are_elements) const {
-    std::vector<std::int64_t> numbers;
-    if (range.size() != 2) return numbers;
-    const auto add = [&](const auto& known) {
-      for (auto next = known.lower_bound(range[0]); next != known.end() && next->first <= range[1]; ++next)
-        numbers.push_back(next->first);
-    };
-    if (are_elements) {
-      add(triangle_of_);
-      add(cell_of_);
-    } else {
-      for (auto n = std::max<std::int64_t>(range[0], 1); n <= std::min(range[1], n_nodes_); ++n) numbers.push_back(n);
-    }
-    return numbers;
-  }
-
-  /// Name and type of the family that a condition belongs to. Gmsh's families have the name of a group within.
-  std::pair<std::string, std::string> family_of(const Node& condition) const {
-    const auto family = tree_.text(tree_.child(condition.path, "FamilyName_t", true));
-    if (family.empty()) return {condition.name, {}};
-    for (const auto& node : tree_.children(base_, "Family_t")) {
-      if (node.name != family) continue;
-      const auto groups = tree_.children(node.path, "FamilyName_t");
-      return {groups.size() == 1 ? groups.front().name : family,
-              tree_.text(tree_.child(node.path, "FamilyBC_t", true))};
-    }
-    return {family, {}};
-  }
-
   /// Several sections of cells, or conditions that name cells, are regions, unless a field has these.
   void set_regions() {
     std::map<std::string, std::int64_t> region;
-    for (const auto& name : group_of_cell_) region.emplace(name, std::ssize(region) + 1);
+    for (const auto& name : elements_.group_of_cell) region.emplace(name, std::ssize(region) + 1);
     const bool has_field = std::any_of(mesh_.cell_fields.begin(), mesh_.cell_fields.end(),
                                        [](const auto& field) { return field.name == "region"; });
-    if (has_field || (region.size() < 2 && !has_named_cells_)) return;
+    if (has_field || (region.size() < 2 && !elements_.has_named_cells)) return;
     for (const auto& [name, number] : region) mesh_.name_of_region[number] = name;
-    for (const auto& name : group_of_cell_) mesh_.region.push_back(region.at(name));
+    for (const auto& name : elements_.group_of_cell) mesh_.region.push_back(region.at(name));
   }
 
   /// Values at cell centers follow the numbers of the elements, sections any order.
@@ -289,11 +170,7 @@ class ZoneReader {
   std::int64_t n_nodes_ = 0;
   int n_axes_ = 0;
   std::vector<std::int64_t> number_of_cell_;
-  std::vector<std::string> group_of_cell_;           ///< name of its section, or of a condition
-  bool has_named_cells_ = false;                     ///< by conditions
-  std::map<std::int64_t, std::size_t> cell_of_;      ///< by number of the element
-  std::map<std::int64_t, std::size_t> triangle_of_;  ///< by number of the element
-  std::map<std::string, std::int64_t> tag_of_name_;
+  ZoneElements elements_;
 };
 
 WholeMesh read_whole(const std::filesystem::path& file) {

@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "pamr/io/cgns/cgns_conditions.hpp"
+
+#include <algorithm>
+#include <set>
+#include <tuple>
+#include <utility>
+
+namespace pamr::io::cgns {
+
+namespace {
+
+std::string kind_of(const std::string& condition) {
+  for (const auto& [begin, kind] :
+       {std::pair("BCWall", "wall"), std::pair("BCSymmetryPlane", "symmetry"), std::pair("BCFarfield", "farfield"),
+        std::pair("BCInflow", "inflow"), std::pair("BCOutflow", "outflow")})
+    if (condition.starts_with(begin)) return kind;
+  return {};
+}
+
+class ConditionReader {
+ public:
+  ConditionReader(const Tree& tree, const std::string& base, const std::string& zone, ZoneElements& elements,
+                  WholeMesh& mesh)
+      : tree_(tree), base_(base), zone_(zone), elements_(elements), mesh_(mesh) {}
+
+  void read() {
+    const auto all = tree_.child(zone_, "ZoneBC_t", true);
+    if (all.path.empty()) return;
+    std::vector<std::uint8_t> is_in_condition(mesh_.triangle.size(), 0);
+    std::set<std::int64_t> of_conditions;
+    for (const bool on_elements : {true, false})
+      for (const auto& condition : tree_.children(all.path, "BC_t")) {
+        const auto named = named_by(condition);
+        if (named.are_elements != on_elements) continue;
+        auto name = condition.name;
+        auto type = tree_.text(condition);
+        if (type == "FamilySpecified") std::tie(name, type) = family_of(condition);
+        std::vector<std::size_t> triangles;
+        bool has_cells = false;
+        if (on_elements) {
+          for (const auto number : named.number) {
+            if (const auto found = elements_.triangle_of.find(number); found != elements_.triangle_of.end())
+              triangles.push_back(found->second);
+            if (const auto found = elements_.cell_of.find(number); found != elements_.cell_of.end()) {
+              elements_.group_of_cell[found->second] = name;
+              has_cells = elements_.has_named_cells = true;
+            }
+          }
+        } else {
+          triangles = triangles_within(named.number, is_in_condition);
+        }
+        if (triangles.empty() && has_cells) continue;
+        const auto tag = elements_.tag_of(name, mesh_);
+        mesh_.patch_of_tag[tag].kind = kind_of(type);
+        of_conditions.insert(tag);
+        for (const auto t : triangles) {
+          mesh_.tag[t] = tag;
+          is_in_condition[t] = 1;
+        }
+      }
+    // Sections whose triangles are all in conditions are no groups of their own.
+    of_conditions.insert(mesh_.tag.begin(), mesh_.tag.end());
+    std::erase_if(mesh_.patch_of_tag, [&](const auto& one) { return !of_conditions.contains(one.first); });
+  }
+
+ private:
+  /// Elements or vertices that a condition names.
+  struct Named {
+    bool are_elements = false;
+    std::vector<std::int64_t> number;
+  };
+  Named named_by(const Node& condition) const {
+    const auto location = tree_.text(tree_.child(condition.path, "GridLocation_t", true));
+    Named named{location == "FaceCenter" || location == "CellCenter", {}};  // Gmsh has the latter
+    for (const auto* label : {"IndexRange_t", "IndexArray_t"})
+      for (const auto& node : tree_.children(condition.path, label)) {
+        const bool is_range = node.name == "PointRange" || node.name == "ElementRange";
+        if (!is_range && node.name != "PointList" && node.name != "ElementList") continue;
+        named.are_elements = named.are_elements || node.name.starts_with("Element");
+        named.number = tree_.integers(node);
+        if (is_range) named.number = within(named.number, named.are_elements);
+      }
+    return named;
+  }
+
+  std::vector<std::size_t> triangles_within(const std::vector<std::int64_t>& vertices,
+                                            const std::vector<std::uint8_t>& is_taken) const {
+    const std::set<std::int64_t> corners(vertices.begin(), vertices.end());
+    std::vector<std::size_t> triangles;
+    for (std::size_t t = 0; t < mesh_.triangle.size(); ++t) {
+      const auto& node = mesh_.triangle[t];
+      if (is_taken[t] == 0 && std::all_of(node.begin(), node.end(), [&](auto n) { return corners.contains(n + 1); }))
+        triangles.push_back(t);
+    }
+    return triangles;
+  }
+
+  /// Numbers of a range: of elements those that are triangles or cells.
+  std::vector<std::int64_t> within(const std::vector<std::int64_t>& range, bool are_elements) const {
+    std::vector<std::int64_t> numbers;
+    if (range.size() != 2) return numbers;
+    const auto add = [&](const auto& known) {
+      for (auto next = known.lower_bound(range[0]); next != known.end() && next->first <= range[1]; ++next)
+        numbers.push_back(next->first);
+    };
+    if (are_elements) {
+      add(elements_.triangle_of);
+      add(elements_.cell_of);
+    } else {
+      for (auto n = std::max<std::int64_t>(range[0], 1); n <= std::min(range[1], std::ssize(mesh_.point)); ++n)
+        numbers.push_back(n);
+    }
+    return numbers;
+  }
+
+  /// Name and type of the family that a condition belongs to. Gmsh's families have the name of a group within.
+  std::pair<std::string, std::string> family_of(const Node& condition) const {
+    const auto family = tree_.text(tree_.child(condition.path, "FamilyName_t", true));
+    if (family.empty()) return {condition.name, {}};
+    for (const auto& node : tree_.children(base_, "Family_t")) {
+      if (node.name != family) continue;
+      const auto groups = tree_.children(node.path, "FamilyName_t");
+      return {groups.size() == 1 ? groups.front().name : family,
+              tree_.text(tree_.child(node.path, "FamilyBC_t", true))};
+    }
+    return {family, {}};
+  }
+
+  const Tree& tree_;
+  const std::string& base_;
+  const std::string& zone_;
+  ZoneElements& elements_;
+  WholeMesh& mesh_;
+};
+
+}  // namespace
+
+std::int64_t ZoneElements::tag_of(const std::string& name, WholeMesh& mesh) {
+  const auto [found, is_new] = tag_of_name.emplace(name, std::ssize(tag_of_name));
+  if (is_new) mesh.patch_of_tag[found->second] = {name, ""};
+  return found->second;
+}
+
+void read_conditions(const Tree& tree, const std::string& base, const std::string& zone, ZoneElements& elements,
+                     WholeMesh& mesh) {
+  ConditionReader(tree, base, zone, elements, mesh).read();
+}
+
+}  // namespace pamr::io::cgns
