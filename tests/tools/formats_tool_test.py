@@ -213,11 +213,16 @@ def test_names_that_a_format_cannot_have_are_others_with_a_word():
     with h5py.File("names.hdf", "r+") as file:
         n = len(file["VTKHDF/Points"])
         file["VTKHDF/PointData/stress"], file["VTKHDF/PointData/stress_1"] = np.zeros((n, 6)), np.ones(n)
-    assert "component of a field 'stress_1' is written as 'stress_1_'" in run("pamr-convert", "names.hdf", "fields.cgns", "--quiet").err
-    for output, those, says in (("twice.msh", ['a "b"', "a 'b'"] + names[2:], ["names that stay different in Gmsh"]),
-                                ("twice.msh", ["w" * 128, "w" * 129] + names[2:], ["www...'", "Gmsh"]),
-                                ("twice.su2", ["a b", "a_b"] + names[2:], ["SU2"]), ("twice", ["a b", "a_b"] + names[2:], ["OpenFOAM"])):
-        refuses("pamr-convert", named("twice.hdf", those), output, says=says, creates=output)
+    assert "component of a field 'stress_1' is written as 'stress_1_2'" in run("pamr-convert", "names.hdf", "fields.cgns", "--quiet").err
+    for output, those, back in (("twice.msh", ['a "b"', "a 'b'"], ["a 'b'_2", "a 'b'"]),
+                                ("long.msh", ["w" * 128, "w" * 129], ["w" * 127, "w" * 125 + "_2"]),
+                                ("twice.su2", ["a b", "a_b"], ["a_b_2", "a_b"]), ("twice", ["a_b", "a b"], ["a_b", "a_b_2"]),
+                                ("twice.cgns", ["a/b", "GridElements"], ["a_b", "GridElements_2"])):
+        err = run("pamr-convert", named("twice.hdf", those + ["p", "q", "r", "s"]), output, "--quiet").err
+        assert err.count("warning") == 1 and "is written as" in err, err
+        run("pamr-convert", output, "back.hdf", "--force", "--quiet", serial=True)
+        with h5py.File("back.hdf") as file:
+            assert sorted(name.decode() for name in file["PAMR/patches/names"]) == sorted(back + ["p", "q", "r", "s"])
 
 
 def test_regions_are_references_of_tetrahedra():

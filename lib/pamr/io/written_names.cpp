@@ -3,21 +3,15 @@
 
 #include <fmt/format.h>
 
-#include <map>
-
-#include "pamr/base/error.hpp"
+#include <algorithm>
+#include <cstdint>
+#include <set>
 
 namespace pamr::io {
 
 namespace {
 
-std::string shown(const std::string& name) {
-  constexpr std::size_t longest = 60;
-  return name.size() > longest ? cut_to(name, longest) + "..." : name;
-}
-
-}  // namespace
-
+/// The beginning of a text, `most` bytes long or a little less: no character in UTF-8 is cut.
 std::string cut_to(std::string_view text, std::size_t most) {
   if (text.size() <= most) return std::string(text);
   const auto is_inside = [](char c) { return (static_cast<unsigned char>(c) & 0xc0U) == 0x80U; };
@@ -25,22 +19,39 @@ std::string cut_to(std::string_view text, std::size_t most) {
   return std::string(text.substr(0, most));
 }
 
-void check_written_names(std::string_view format, std::string_view what, const std::vector<std::string>& names,
-                         const std::vector<std::string>& written, const Remark& remark) {
-  std::map<std::string_view, std::string_view> from;
-  std::size_t n_changed = 0;
-  std::string first;
+std::string short_form(const std::string& name) {
+  constexpr std::size_t longest = 60;
+  return name.size() > longest ? cut_to(name, longest) + "..." : name;
+}
+
+}  // namespace
+
+std::vector<std::string> written_names(const NameRule& rule, const std::vector<std::string>& names,
+                                       const Remark& remark, const std::vector<std::string>& endings) {
+  std::set<std::string> taken(rule.taken.begin(), rule.taken.end());
+  const auto ending_of = [&](std::size_t i) { return endings.empty() ? std::string() : endings[i]; };
+  const auto with = [&](std::size_t i, const std::string& number) {
+    const auto ending = number + ending_of(i);
+    auto name = cut_to(names[i], rule.longest - std::min(ending.size(), rule.longest)) + ending;
+    std::replace_if(
+        name.begin(), name.end(), [&](char c) { return !rule.is_allowed(c); }, rule.instead);
+    return name;
+  };
+  std::vector<std::string> written(names.size());
+  std::vector<std::size_t> changed;
   for (std::size_t i = 0; i < names.size(); ++i) {
-    const auto [known, is_new] = from.emplace(written[i], names[i]);
-    if (!is_new && known->second != names[i])
-      throw Error(fmt::format("{} '{}': expected names that stay different in {}, found '{}' for '{}', too", what,
-                              shown(names[i]), format, shown(written[i]), shown(std::string(known->second))));
-    if (written[i] == names[i]) continue;
-    if (n_changed++ == 0)
-      first = fmt::format("{}: {} '{}' is written as '{}'", format, what, shown(names[i]), shown(written[i]));
+    written[i] = with(i, "");
+    if (written[i] != names[i] + ending_of(i) || !taken.insert(written[i]).second) changed.push_back(i);
   }
-  if (n_changed > 0 && remark)
-    remark(n_changed == 1 ? first : fmt::format("{}, and {} other names are changed, too", first, n_changed - 1));
+  for (const auto i : changed)
+    for (std::int64_t number = 2; !taken.insert(written[i]).second; ++number)
+      written[i] = with(i, fmt::format("_{}", number));
+  if (changed.empty() || !remark) return written;
+  const auto first = changed.front();
+  const auto text = fmt::format("{}: {} '{}' is written as '{}'", rule.format, rule.what,
+                                short_form(names[first] + ending_of(first)), short_form(written[first]));
+  remark(changed.size() == 1 ? text : fmt::format("{}, and {} other names are changed, too", text, changed.size() - 1));
+  return written;
 }
 
 }  // namespace pamr::io

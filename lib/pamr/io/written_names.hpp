@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstddef>
 #include <functional>
 #include <string>
 #include <string_view>
@@ -11,12 +12,19 @@ namespace pamr::io {
 /// Told of what is not as in the mesh, on every rank alike; may be none.
 using Remark = std::function<void(const std::string& text)>;
 
-/// A format's names of patches or regions, one for each name of the mesh: throws `Error` where two that differ have
-/// become one, and remarks on those that are not as they were. `what`: "patch"; `format`: "Gmsh". Local.
-void check_written_names(std::string_view format, std::string_view what, const std::vector<std::string>& names,
-                         const std::vector<std::string>& written, const Remark& remark);
+/// Which names a format can have.
+struct NameRule {
+  std::string_view format, what;  ///< as remarks call them: "Gmsh", "patch"
+  bool (*is_allowed)(char c);     ///< other characters become `instead`
+  char instead = '_';
+  std::size_t longest = std::string::npos;  ///< bytes; no character in UTF-8 is cut
+  std::vector<std::string> taken = {};      ///< by the format itself
+};
 
-/// The beginning of a text, `most` bytes long or a little less: no character in UTF-8 is cut.
-std::string cut_to(std::string_view text, std::size_t most);
+/// The names of a mesh as a format can have them, no two alike: names that the format can have stay; others that would
+/// become one that is there get `_2`, `_3`, ... at their end. One remark says the first that is changed and how many
+/// are. `endings`, one for each name or none at all, stay behind it whatever happens. Local.
+std::vector<std::string> written_names(const NameRule& rule, const std::vector<std::string>& names,
+                                       const Remark& remark, const std::vector<std::string>& endings = {});
 
 }  // namespace pamr::io

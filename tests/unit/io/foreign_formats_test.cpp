@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <gtest/gtest.h>
 
+#include <string>
 #include <vector>
 
 #include "pamr/base/error.hpp"
@@ -10,6 +11,7 @@
 #include "pamr/io/ugrid/mapbc.hpp"
 #include "pamr/io/ugrid/ugrid_layout.hpp"
 #include "pamr/io/vtk/vtk_xml.hpp"
+#include "pamr/io/written_names.hpp"
 
 namespace pamr::io {
 namespace foreign_formats_test {
@@ -61,6 +63,24 @@ TEST(PatchNumbers, KeepThoseInNamesAndFillTheGaps) {
 
   EXPECT_EQ(patch_numbers(names, "ref_", 0), (std::vector<std::int64_t>{1, 2, 0, 3, 4, 5, 6}));
   EXPECT_EQ(patch_numbers(names, "ref_", 1), (std::vector<std::int64_t>{1, 2, 3, 4, 5, 6, 7}));
+}
+
+TEST(WrittenNames, StayDifferentAndSaySo) {
+  std::vector<std::string> said;
+  const auto remark = [&](const std::string& text) { said.push_back(text); };
+  const NameRule rule{
+      .format = "X", .what = "patch", .is_allowed = [](char c) { return c != ' '; }, .longest = 6, .taken = {"mine"}};
+  using Names = std::vector<std::string>;
+
+  EXPECT_EQ(written_names(rule, {"a", "b_c"}, remark), (Names{"a", "b_c"}));
+  EXPECT_EQ(said, Names());
+  // Names that can stay do, wherever they come; cut ones leave room for the number, whole characters for the others.
+  EXPECT_EQ(written_names(rule, {"a b", "a_b", "a_b_2", "mine", "longest", "longes", "éééé"}, remark),
+            (Names{"a_b_3", "a_b", "a_b_2", "mine_2", "long_2", "longes", "ééé"}));
+  EXPECT_EQ(said, (Names{"X: patch 'a b' is written as 'a_b_3', and 3 other names are changed, too"}));
+  EXPECT_EQ(written_names(rule, {"velocity", "velocity", "velo", "veloci"}, remark, {"X", "Y", "", "X"}),
+            (Names{"velocX", "velocY", "velo", "vel_2X"}));
+  EXPECT_EQ(written_names(rule, {"a_b", "a", "a"}, {}, {"", "_b", ""}), (Names{"a_b", "a_2_b", "a"}));
 }
 
 TEST(Numbers, SwapTheirBytes) {

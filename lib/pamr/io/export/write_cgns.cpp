@@ -10,14 +10,12 @@
 #include <array>
 #include <functional>
 #include <limits>
-#include <set>
 #include <span>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
-#include "pamr/base/error.hpp"
 #include "pamr/base/index.hpp"
 #include "pamr/io/elements/boundary_rows.hpp"
 #include "pamr/io/elements/numbers.hpp"
@@ -142,23 +140,15 @@ class CgnsTree {
   hdf5::Handle h5_, group_, contiguous_, compact_;
 };
 
-/// Names as CGNS allows them, different from one another.
-class CgnsNames {
- public:
-  explicit CgnsNames(std::set<std::string> taken) : taken_(std::move(taken)) {}
-  std::string operator()(const std::string& name) {
-    auto result = cut_to(name, name_length);
-    std::replace(result.begin(), result.end(), '/', '_');
-    if (result == "." || result == ".." || taken_.count(result) > 0) result = result.substr(0, name_length - 1) + "_";
-    if (!taken_.insert(result).second)
-      throw Error(
-          fmt::format("CGNS: expected names that differ within {} characters, found '{}' again", name_length, name));
-    return result;
-  }
-
- private:
-  std::set<std::string> taken_;
-};
+/// Names of nodes of the tree beside those that are `taken`.
+NameRule rule_of(const char* what, std::vector<std::string> taken) {
+  taken.insert(taken.end(), {".", ".."});
+  return {.format = "CGNS",
+          .what = what,
+          .is_allowed = [](char c) { return c != '/'; },
+          .longest = name_length,
+          .taken = std::move(taken)};
+}
 
 const char* condition_of(const std::string& kind) {
   if (kind == "wall") return "BCWall";
@@ -171,8 +161,8 @@ const char* condition_of(const std::string& kind) {
 
 class CgnsWriter {
  public:
-  CgnsWriter(const par::Comm& comm, const std::filesystem::path& file, const mesh::DistMesh& mesh)
-      : comm_(comm), mesh_(mesh), rows_(rows_in_order(comm, mesh)), out_(comm, file) {
+  CgnsWriter(const par::Comm& comm, const std::filesystem::path& file, const mesh::DistMesh& mesh, const Remark& remark)
+      : comm_(comm), mesh_(mesh), remark_(remark), rows_(rows_in_order(comm, mesh)), out_(comm, file) {
     faces_.resize(mesh.info.patches.size());
     for (const auto& face : boundary_rows(rows_)) faces_[at(face.patch)].push_back(face.node);
     std::int64_t n_elements = mesh.info.n_global_cells;
@@ -202,15 +192,6 @@ class CgnsWriter {
       (void)out_.write_at(array.begin, std::as_bytes(std::span<const char>(part.data(), part.size())));
     }
     out_.commit();
-  }
-
-  /// Remarks on names that are others in the file, after `write`.
-  void check_names(const Remark& remark) const {
-    std::vector<std::string> names;
-    for (const auto& patch : mesh_.info.patches) names.push_back(patch.name);
-    check_written_names("CGNS", "patch", names, patch_name_, remark);
-    for (const auto& [given, written] : names_of_fields_)
-      check_written_names("CGNS", "component of a field", given, written, remark);
   }
 
  private:
@@ -273,10 +254,11 @@ class CgnsWriter {
 
   void elements() {
     section("GridElements", 10, 1, mesh_.info.n_global_cells, 4, [this] { return corners(rows_.cell_to_node); });
-    CgnsNames names({"ZoneType", "GridCoordinates", "GridElements", "ZoneBC", "NodeFields", "CellFields"});
+    const auto rule =
+        rule_of("patch", {"ZoneType", "GridCoordinates", "GridElements", "ZoneBC", "NodeFields", "CellFields"});
+    patch_name_ = written_names(rule, rows_.group_name, remark_);
     auto first = mesh_.info.n_global_cells + 1;
     for (std::size_t p = 0; p < faces_.size(); ++p) {
-      patch_name_.push_back(names(mesh_.info.patches[p].name));
       first_face_.push_back(first);
       if (n_faces_[p] == 0) continue;
       section(patch_name_[p], 5, first, n_faces_[p], 3, [this, p] { return corners(faces_[p]); });
@@ -307,19 +289,20 @@ class CgnsWriter {
       tree.node(path, "FlowSolution_t");
       tree.text(path + "/GridLocation", "GridLocation_t", location);
     });
-    CgnsNames names({"GridLocation"});
-    auto& [given, written] = names_of_fields_.emplace_back();
+    std::vector<std::string> names, endings;
     for (const auto* field : all)
       for (int k = 0; k < field->n_components; ++k) {
-        const auto suffix = field->n_components == 1   ? std::string()
-                            : field->n_components == 3 ? std::string(1, "XYZ"[k])
-                                                       : fmt::format("_{}", k + 1);
-        const auto room = name_length - std::min(suffix.size(), name_length);
-        given.push_back(field->name + suffix);
-        written.push_back(names(cut_to(field->name, room) + suffix));
-        large(path + "/" + written.back(), "DataArray_t", field->holds_integers() ? "I8" : "R8", n,
-              [in_order, field, k] { return component(in_order(*field), k); });
+        names.push_back(field->name);
+        endings.push_back(field->n_components == 1   ? std::string()
+                          : field->n_components == 3 ? std::string(1, "XYZ"[k])
+                                                     : fmt::format("_{}", k + 1));
       }
+    const auto written = written_names(rule_of("component of a field", {"GridLocation"}), names, remark_, endings);
+    auto next = written.begin();
+    for (const auto* field : all)
+      for (int k = 0; k < field->n_components; ++k)
+        large(path + "/" + *next++, "DataArray_t", field->holds_integers() ? "I8" : "R8", n,
+              [in_order, field, k] { return component(in_order(*field), k); });
   }
 
   static std::string component(const mesh::Field& field, int k) {
@@ -334,12 +317,12 @@ class CgnsWriter {
 
   const par::Comm& comm_;
   const mesh::DistMesh& mesh_;
+  const Remark& remark_;
   RowsInOrder rows_;
   SharedOutput out_;
   std::vector<std::vector<std::array<GlobalId, 3>>> faces_;  ///< of each patch, this rank's
   std::vector<std::int64_t> n_faces_, first_face_;           ///< all ranks'
   std::vector<std::string> patch_name_;
-  std::vector<std::pair<std::vector<std::string>, std::vector<std::string>>> names_of_fields_;  ///< given and written
   bool is_wide_ = false;
   std::vector<CgnsTree> tree_;  ///< one on the first rank, none elsewhere
   std::vector<LargeArray> arrays_;
@@ -349,9 +332,7 @@ class CgnsWriter {
 
 void write_cgns(const par::Comm& comm, const std::filesystem::path& file, const mesh::DistMesh& mesh,
                 const Remark& remark) {
-  CgnsWriter writer(comm, file, mesh);
-  writer.write();
-  writer.check_names(remark);
+  CgnsWriter(comm, file, mesh, remark).write();
 }
 
 }  // namespace pamr::io

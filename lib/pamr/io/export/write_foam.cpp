@@ -8,8 +8,8 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
-#include <set>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -84,26 +84,12 @@ std::vector<std::vector<Face>> faces_of(const par::Comm& comm, const mesh::DistM
   return parts;
 }
 
-/// A name as a word of OpenFOAM.
-std::string word_of(const std::string& name) {
-  std::string word;
-  for (const char c : name)
-    word += c <= ' ' || c > '~' || std::string_view("\"'/;{}()[]$#\\").find(c) != std::string_view::npos ? '_' : c;
-  return word;
-}
-
-/// Names as words of OpenFOAM, which have to differ.
-std::vector<std::string> words(const std::string& what, const std::vector<std::string>& names, const Remark& remark) {
-  std::vector<std::string> result;
-  std::set<std::string> seen;
-  for (const auto& name : names) {
-    result.push_back(word_of(name));
-    if (!seen.insert(result.back()).second)
-      throw Error(what + " '" + name + "': expected names that differ in OpenFOAM's characters, found \"" +
-                  result.back() + "\" twice");
-  }
-  check_written_names("OpenFOAM", what, names, result, remark);
-  return result;
+/// Names as words of OpenFOAM.
+std::vector<std::string> words(const char* what, const std::vector<std::string>& names, const Remark& remark) {
+  const auto is_allowed = [](char c) {
+    return c > ' ' && c <= '~' && std::string_view("\"'/;{}()[]$#\\").find(c) == std::string_view::npos;
+  };
+  return written_names({.format = "OpenFOAM", .what = what, .is_allowed = is_allowed}, names, remark);
 }
 
 std::vector<std::string> words_of_patches(const mesh::MeshInfo& info, const Remark& remark) {

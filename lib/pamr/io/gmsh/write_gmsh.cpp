@@ -147,15 +147,9 @@ Elements<Order> collect(const par::Comm& comm, const mesh::DistMesh& mesh, const
 
 /// Names as Gmsh reads them back: a `"` would end one, and "(127 characters max)" is what the manual says. Local.
 std::vector<std::string> physical_names(const char* what, const std::vector<std::string>& names, const Remark& remark) {
-  constexpr std::size_t longest = 127;
-  std::vector<std::string> result;
-  for (const auto& name : names) {
-    auto written = cut_to(name, longest);
-    std::replace(written.begin(), written.end(), '"', '\'');
-    result.push_back(std::move(written));
-  }
-  check_written_names("Gmsh", what, names, result, remark);
-  return result;
+  const auto is_allowed = [](char c) { return c != '"'; };
+  return written_names({.format = "Gmsh", .what = what, .is_allowed = is_allowed, .instead = '\'', .longest = 127},
+                       names, remark);
 }
 
 template <class Order>

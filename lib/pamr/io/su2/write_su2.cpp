@@ -5,12 +5,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <iterator>
-#include <set>
 #include <string>
+#include <string_view>
 #include <vector>
 
-#include "pamr/base/error.hpp"
 #include "pamr/base/index.hpp"
 #include "pamr/io/elements/boundary_rows.hpp"
 #include "pamr/io/elements/numbers.hpp"
@@ -21,29 +19,20 @@ namespace pamr::io {
 
 namespace {
 
-std::vector<std::string> names_of_markers(const mesh::MeshInfo& info, const Remark& remark) {
-  std::vector<std::string> names, given;
-  std::set<std::string> seen;
-  for (const auto& patch : info.patches) {
-    auto name = patch.name;
-    for (auto& c : name)
-      if (c == ' ' || c == '\t' || c == '%' || c == '=') c = '_';
-    if (!seen.insert(name).second || name == "SEND_RECEIVE")
-      throw Error(fmt::format("SU2: expected patches whose names stay different and free without blanks, found '{}'",
-                              patch.name));
-    names.push_back(name);
-    given.push_back(patch.name);
-  }
-  check_written_names("SU2", "patch", given, names, remark);
-  return names;
+std::vector<std::string> names_of_markers(const std::vector<std::string>& patches, const Remark& remark) {
+  const NameRule rule{.format = "SU2",
+                      .what = "patch",
+                      .is_allowed = [](char c) { return std::string_view(" \t%=").find(c) == std::string_view::npos; },
+                      .taken = {"SEND_RECEIVE"}};
+  return written_names(rule, patches, remark);
 }
 
 }  // namespace
 
 void write_su2(const par::Comm& comm, const std::filesystem::path& file, const mesh::DistMesh& mesh,
                const Remark& remark) {
-  const auto names = names_of_markers(mesh.info, remark);
   const auto rows = rows_in_order(comm, mesh);
+  const auto names = names_of_markers(rows.group_name, remark);
   const auto boundary = boundary_rows(rows);
   SharedOutput out(comm, file);
   std::string text;
