@@ -157,8 +157,11 @@ void associate(cli::Session& session, const Options& options, const std::string&
                       found.patch, found.worst_distance, found.surface));
   }
   if (!comm.is_first()) return;
-  for (const auto& surface : mesh.info.surfaces->triangulations)
+  for (const auto& surface : mesh.info.surfaces->triangulations) {
+    for (const auto& remark : surface->remarks)
+      session.warn(fmt::format("surface \"{}\": {}", surface->name, remark));
     if (const auto warning = geometry::self_intersection_warning(*surface); !warning.empty()) session.warn(warning);
+  }
 }
 
 /// Gives flat patches that meet patches with a surface their planes, and says which others refinements will bend.

@@ -116,8 +116,7 @@ void declare(cli::CommandLine& line, Options& o) {
 }
 
 /// The input as a surface that can be edited; with the way to make it one, if it is none.
-Triangulation read_surface(const std::string& file) {
-  auto surface = geometry::read_soup(file);
+Triangulation as_surface(Triangulation surface, const std::string& file) {
   geometry::drop_unused_points(surface);
   try {
     geometry::require_valid(surface, file, true);
@@ -135,11 +134,11 @@ struct Outcome {
   std::vector<std::string> faults = {};  ///< exit code 1
 };
 
-Outcome mend(const Options& options) {
+Outcome mend(const Options& options, const Triangulation& input) {
   auto how = options.repair;
   how.feature_angle = options.feature_angle;
   how.resolve_intersections = !options.keep_intersections;
-  auto repaired = surface_mesh::repair(geometry::read_soup(options.input), how);
+  auto repaired = surface_mesh::repair(input, how);
   Outcome outcome{.report = surface_mesh::to_json(repaired), .lines = surface_mesh::steps_of(repaired)};
   if (outcome.lines.empty()) outcome.lines.push_back("nothing to repair");
   if (repaired.holes.n_large > 0)
@@ -153,12 +152,12 @@ Outcome mend(const Options& options) {
   return outcome;
 }
 
-Outcome decimate(const Options& options) {
+Outcome decimate(const Options& options, const Triangulation& surface) {
   auto how = options.decimate;
   how.feature_angle = options.feature_angle;
   if (!(how.error > 0) && how.n_triangles == 0)
     throw Error("decimate: expected --error E or --triangles N, found neither");
-  auto done = surface_mesh::decimate(read_surface(options.input), how);
+  auto done = surface_mesh::decimate(surface, how);
   Outcome outcome;
   outcome.report = {
       {"sharp_edges", done.n_sharp_edges},
@@ -196,10 +195,9 @@ void check_edit(const Triangulation& before, Outcome& outcome) {
   outcome.faults = surface_mesh::faults_of(left);
 }
 
-Outcome smooth(const Options& options) {
+Outcome smooth(const Options& options, const Triangulation& surface) {
   auto how = options.smooth;
   how.feature_angle = options.feature_angle;
-  const auto surface = read_surface(options.input);
   auto done = surface_mesh::smooth(surface, how);
   Outcome outcome{
       .report = {{"fixed_points", done.n_fixed}, {"worst_move", done.worst_move}, {"mean_move", done.mean_move}}};
@@ -210,12 +208,11 @@ Outcome smooth(const Options& options) {
   return outcome;
 }
 
-Outcome subdivide(const Options& options) {
+Outcome subdivide(const Options& options, const Triangulation& surface) {
   using Scheme = surface_mesh::SubdivisionScheme;
   const auto scheme = options.scheme == "loop"        ? Scheme::loop
                       : options.scheme == "butterfly" ? Scheme::butterfly
                                                       : Scheme::midpoint;
-  const auto surface = read_surface(options.input);
   constexpr double max_triangles = 1e8;
   if (static_cast<double>(surface.triangles.size()) * std::pow(4.0, options.subdivisions) > max_triangles)
     throw Error(fmt::format("subdivide: expected at most {:.0g} triangles, found {} to split {} times", max_triangles,
@@ -230,10 +227,9 @@ Outcome subdivide(const Options& options) {
   return outcome;
 }
 
-Outcome remesh(const Options& options) {
+Outcome remesh(const Options& options, const Triangulation& surface) {
   auto how = options.remesh;
   how.feature_angle = options.feature_angle;
-  const auto surface = read_surface(options.input);
   auto done = surface_mesh::remesh(surface, how);
   const auto one = surface_mesh::distance_from_to(surface, done.surface),
              other = surface_mesh::distance_from_to(done.surface, surface);
@@ -249,8 +245,8 @@ Outcome remesh(const Options& options) {
   return outcome;
 }
 
-Outcome move(const Options& options) {
-  Outcome outcome{.surface = geometry::read_soup(options.input)};  // sound or not
+Outcome move(const Options& options, Triangulation input) {
+  Outcome outcome{.surface = std::move(input)};  // sound or not
   if (options.command == "translate") {
     if (options.by.size() != 1 || options.by[0].size() != 3)
       throw Error(
@@ -266,13 +262,14 @@ Outcome move(const Options& options) {
   return outcome;
 }
 
-Outcome edit(const Options& options) {
-  if (options.command == "repair") return mend(options);
-  if (options.command == "decimate") return decimate(options);
-  if (options.command == "smooth") return smooth(options);
-  if (options.command == "subdivide") return subdivide(options);
-  if (options.command == "remesh") return remesh(options);
-  return move(options);
+Outcome edit(const Options& options, Triangulation input) {
+  if (options.command == "repair") return mend(options, input);
+  if (options.command == "scale" || options.command == "translate") return move(options, std::move(input));
+  const auto surface = as_surface(std::move(input), options.input);
+  if (options.command == "decimate") return decimate(options, surface);
+  if (options.command == "smooth") return smooth(options, surface);
+  if (options.command == "subdivide") return subdivide(options, surface);
+  return remesh(options, surface);
 }
 
 /// Writes the result, and says what the format does not keep.
@@ -307,19 +304,24 @@ std::string step_of(const Options& options) {
   return fmt::format("{} {}", work, options.input);
 }
 
+/// The input, of which it is said what is left out. Local.
+Triangulation read(cli::Session& session, const Options& options) {
+  auto input = geometry::read_soup(options.input);
+  for (const auto& remark : input.remarks) session.warn(options.input + ": " + remark);
+  return input;
+}
+
 cli::ExitCode inform(cli::Session& session, const Options& options) {
   surface_mesh::Description found;
   std::vector<std::string> faults;
-  std::string names;
   par::agree(session.comm(), [&] {
     if (!session.comm().is_first()) return;
-    names = geometry::unused_names(options.input);
-    found = surface_mesh::describe(geometry::read_soup(options.input), {.feature_angle = options.feature_angle});
+    const auto input = read(session, options);
+    found = surface_mesh::describe(input, {.feature_angle = options.feature_angle});
     faults = surface_mesh::faults_of(found);
   });
   session.write_report(surface_mesh::to_json(found));
   for (const auto& text : surface_mesh::lines_of(found)) session.summary(text);
-  if (!names.empty()) session.summary(names);
   for (const auto& text : faults) session.warn(options.input + ": " + text);
   return session.comm().any(!faults.empty()) ? cli::ExitCode::failed : cli::ExitCode::done;
 }
@@ -335,7 +337,7 @@ cli::ExitCode run(cli::Session& session, const Options& options) {
   Outcome outcome;
   par::agree(session.comm(), [&] {  // one process does it, the others wait
     if (!session.comm().is_first()) return;
-    outcome = edit(options);
+    outcome = edit(options, read(session, options));
     write(options, outcome);
   });
   outcome.report["points"] = outcome.surface.points.size();

@@ -7,10 +7,13 @@
 ///     fuzz_surface [N] [FIRST_SEED]        N damaged files of each format (2000)
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <cstdio>
 #include <cstdlib>
 #include <ctime>
 #include <map>
+#include <sstream>
+#include <string>
 #include <utility>
 
 #include "arguments.hpp"
@@ -48,6 +51,22 @@ bool is_closed_surface(const geometry::Triangulation& surface) {
   return is_closed && is_finite && !surface.triangles.empty();
 }
 
+/// Each blank before the last number of a face as the end of a line that goes on.
+std::string joined(std::string obj) {
+  for (auto place = obj.find("\nf "); place != std::string::npos; place = obj.find("\nf ", place + 1))
+    obj.replace(obj.rfind(' ', obj.find('\n', place + 1)), 1, "\\\n ");
+  return obj;
+}
+
+/// With a color behind each point.
+std::string colored(const std::string& off, const geometry::Triangulation& surface) {
+  std::istringstream in(off);
+  std::string line, text;
+  for (std::size_t n = 0; std::getline(in, line); ++n)
+    text += (n == 0 ? "COFF" : line + (n >= 2 && n < 2 + surface.points.size() ? " 1 0.5 0 1" : "")) + "\n";
+  return text;
+}
+
 /// What was wrong with reading one file, or null.
 const char* assess(const std::string& bytes, const std::string& file, bool& accepted) {
   const auto start = std::clock();
@@ -73,7 +92,9 @@ int run(unsigned long long n, unsigned long long first) {
                             {"OBJ", "damaged.obj", testing::as_obj(surface)},
                             {"PLY, text", "damaged.ply", testing::as_ply_text(surface)},
                             {"PLY, bytes", "damaged.ply", testing::as_ply_bytes(surface)},
-                            {"OFF", "damaged.off", testing::as_off(surface)}};
+                            {"OFF", "damaged.off", testing::as_off(surface)},
+                            {"OBJ, joined", "damaged.obj", joined(testing::as_obj(surface))},
+                            {"OFF, colors", "damaged.off", colored(testing::as_off(surface), surface)}};
   bool is_good = true;
   for (const auto& format : formats) {
     unsigned long long n_accepted = 0, n_failed = 0;

@@ -10,11 +10,13 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <string>
+#include <tuple>
+#include <vector>
 
 #include "pamr/base/error.hpp"
 #include "pamr/geometry/surface.hpp"
 #include "pamr/geometry/surface_toml.hpp"
-#include "pamr/geometry/triangulated/read_stl.hpp"
 #include "pamr/geometry/triangulated/self_intersection.hpp"
 #include "pamr/geometry/triangulated/triangulated_surface.hpp"
 #include "support/triangulations.hpp"
@@ -23,6 +25,7 @@ namespace pamr::geometry {
 namespace read_triangulation_test {
 
 using ::testing::AllOf;
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
 /// The error of reading bytes as a file of that name; empty when there is none.
@@ -151,8 +154,77 @@ TEST(SurfaceFile, ReadsStlWithoutNormalsAndNamesItsSolids) {
   EXPECT_EQ(parse_triangulation(none, "a.stl"), read);
   EXPECT_EQ(parse_triangulation(short_ones, "a.stl"), read);
   EXPECT_THAT(error_of(replaced(text, "outer loop", "0 0 loop"), "a.stl"), HasSubstr("expected \"outer\""));
-  EXPECT_EQ(stl_solids(text).size(), 1U);
-  EXPECT_EQ(stl_solids("solid in let\nendsolid\nsolid\nendsolid\n"), (std::vector<std::string>{"in let", ""}));
+  EXPECT_EQ(read.remarks, std::vector<std::string>());
+  EXPECT_THAT(
+      parse_soup("solid in  let\nendsolid\nsolid\nendsolid\n", "a.stl").remarks,
+      ElementsAre("the file has 2 solids (\"in let\", \"\"): their names are not used yet, all are one surface"));
+}
+
+TEST(SurfaceFile, ReadsWhatEditorsAndTransfersPutAroundStl) {
+  const auto sphere = ::pamr::testing::icosphere(0);
+  const auto text = ::pamr::testing::as_stl_text(sphere), bytes = ::pamr::testing::as_stl_bytes(sphere);
+  const auto read = parse_triangulation(text, "a.stl"), from_bytes = parse_triangulation(bytes, "a.stl");
+  const std::string mark = "\xef\xbb\xbf", zeros(512, '\0');
+
+  for (const auto& odd :
+       {mark + text, "\r\n\n  " + text, mark + "\n" + text, text + zeros, text + "\x1a", text + "\n\n"})
+    EXPECT_EQ(parse_triangulation(odd, "a.stl"), read);
+  EXPECT_EQ(parse_triangulation(mark + bytes, "a.stl"), from_bytes);
+  for (const auto* behind : {"x", "color", "\n"}) {
+    auto longer = parse_triangulation(bytes + behind, "a.stl");
+    EXPECT_THAT(longer.remarks, ElementsAre(fmt::format("{} bytes behind the 20 triangles that the file announces are "
+                                                        "left out",
+                                                        std::string(behind).size())));
+    longer.remarks.clear();
+    EXPECT_EQ(longer, from_bytes);
+  }
+  EXPECT_THAT(error_of(text + "more\n", "a.stl"), HasSubstr("expected \"solid\""));
+  EXPECT_THAT(error_of(std::string(84, '\0') + "more", "a.stl"), HasSubstr("50 for each triangle"));
+  EXPECT_EQ(parse_triangulation(mark + tetrahedron, "a.off"), parse_triangulation(tetrahedron, "a.off"));
+  EXPECT_EQ(parse_triangulation(mark + ::pamr::testing::as_obj(sphere), "a.obj"), sphere);
+  EXPECT_EQ(parse_triangulation(mark + ::pamr::testing::as_ply_text(sphere), "a.ply"), sphere);
+}
+
+TEST(SurfaceFile, JoinsLinesOfObjThatEndInABackslash) {
+  const std::string plain = "g lid\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+  const auto read = parse_triangulation(plain, "a.obj");
+
+  for (const auto* joint : {"\\\n", " \\\n ", "\\\r\n", "\\\n\\\n"}) {
+    EXPECT_EQ(parse_triangulation(replaced(plain, "v 1 0 0", std::string("v 1 ") + joint + "0 0"), "a.obj"), read);
+    EXPECT_EQ(parse_triangulation(replaced(plain, "f 1 3 2", std::string("f 1 3") + " " + joint + " 2"), "a.obj"),
+              read);
+    EXPECT_EQ(parse_triangulation(replaced(plain, "g lid", std::string("g ") + joint + "lid"), "a.obj"), read);
+    EXPECT_EQ(parse_triangulation("vn 0 0 " + std::string(joint) + " 1\n" + plain, "a.obj"), read);
+  }
+  EXPECT_THAT(error_of(replaced(plain, "f 1 3 2", "f 1 \\\n3 x"), "a.obj"), HasSubstr("a.obj:7: "));
+  EXPECT_THAT(error_of(replaced(plain, "v 1 0 0", "v 1 \\ 0 0"), "a.obj"), HasSubstr("a.obj:3: "));
+  EXPECT_THAT(parse_triangulation("o a\n" + plain + "o a\n", "a.obj").remarks,
+              ElementsAre("the file has 2 groups (\"a\", \"lid\"): their names are not used yet, all are one surface"));
+}
+
+TEST(SurfaceFile, PassesOverNormalsColorsAndTextureCoordinatesOfOff) {
+  const auto plain = parse_triangulation(tetrahedron, "a.off");
+  const auto with = [](const std::string& first, const std::string& behind) {
+    auto text = first + "\n4 4 0\n";
+    for (const auto* point : {"0 0 0 ", "1 0 0 ", "0 1 0 ", "0 0 1 "}) text += point + behind + "\n";
+    return text + tetrahedron.substr(tetrahedron.find("3 0 2 1"));
+  };
+
+  for (const auto& [first, behind, what] :
+       {std::tuple("COFF", "1 0 0 1", "colors"), std::tuple("COFF", "255 0 0", "colors"),
+        std::tuple("NOFF", "0 0 1", "normals"), std::tuple("CNOFF", "0 0 1 .5 .5 .5 1", "colors and normals"),
+        std::tuple("STOFF", "0 1", "texture coordinates"),
+        std::tuple("STCNOFF", "0 0 1 .5 .5 .5 1 0 1", "texture coordinates and colors and normals")}) {
+    auto read = parse_triangulation(with(first, behind), "a.off");
+    EXPECT_THAT(read.remarks, ElementsAre(std::string(what) + " of the points are left out")) << first;
+    read.remarks.clear();
+    EXPECT_EQ(read, plain) << first;
+  }
+  auto painted = parse_triangulation(replaced(tetrahedron, "3 0 2 1", "3 0 2 1 255 0 0"), "a.off");
+  EXPECT_THAT(painted.remarks, ElementsAre("colors of the faces are left out"));
+  EXPECT_THAT(error_of(with("COFF", "1 0"), "a.off"), AllOf(HasSubstr("a.off:3: expected 3"), HasSubstr("found 2")));
+  EXPECT_THAT(error_of(with("NOFF", "1 0 x"), "a.off"), HasSubstr("a.off:3: "));
+  EXPECT_THAT(error_of(with("4OFF", "1"), "a.off"), HasSubstr("COFF, NOFF"));
 }
 
 TEST(SurfaceFile, RefusesSurfacesThatNoBodyHas) {

@@ -1,8 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "pamr/geometry/triangulated/read_obj.hpp"
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <array>
 #include <limits>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "pamr/base/error.hpp"
 #include "pamr/geometry/triangulated/polygons.hpp"
@@ -16,8 +22,8 @@ constexpr std::int64_t most = std::numeric_limits<int>::max();
 
 /// Statements of OBJ that say nothing about the shape.
 bool says_no_shape(std::string_view word) {
-  constexpr std::array<std::string_view, 13> known{"vn", "vt", "vp", "g",      "o",      "s",     "usemtl",
-                                                   "l",  "p",  "mg", "mtllib", "maplib", "usemap"};
+  constexpr std::array<std::string_view, 11> known{"vn", "vt", "vp",     "s",      "usemtl", "l",
+                                                   "p",  "mg", "mtllib", "maplib", "usemap"};
   for (const auto name : known)
     if (word == name) return true;
   return false;
@@ -31,12 +37,52 @@ int corner_of(const SurfaceText& text, std::string_view word, std::size_t n_poin
   return static_cast<int>(number > 0 ? number - 1 : n + number);
 }
 
+/// Numbers behind the coordinates of a point: how many there may be, and what they are.
+struct Extra {
+  std::string what;
+  int min_numbers = 0, max_numbers = 0;
+};
+
+/// What the first word of an OFF file announces: "OFF", with letters before it for texture coordinates, colors and
+/// normals. Source: Geomview manual, "OFF Files".
+Extra extra_of(SurfaceText& text) {
+  struct Part {
+    std::string_view letters, name;
+    int min_numbers, max_numbers;
+  };
+  constexpr std::array<Part, 3> parts{
+      {{"ST", "texture coordinates", 2, 2}, {"C", "colors", 3, 4}, {"N", "normals", 3, 3}}};
+  const auto word = text.word("\"OFF\"");
+  auto rest = word;
+  Extra extra;
+  for (const auto& part : parts) {
+    if (!is_same_word(rest.substr(0, part.letters.size()), part.letters)) continue;
+    rest.remove_prefix(part.letters.size());
+    extra.what += (extra.what.empty() ? "" : " and ") + std::string(part.name);
+    extra.min_numbers += part.min_numbers;
+    extra.max_numbers += part.max_numbers;
+  }
+  if (!is_same_word(rest, "OFF")) text.fail("expected \"OFF\" (or COFF, NOFF, STOFF, CNOFF, ...), found another word");
+  return extra;
+}
+
+/// Passes the rest of a point's line.
+void skip_numbers(SurfaceText& text, const Extra& extra) {
+  int n = 0;
+  for (auto word = text.word_in_line(); !word.empty(); word = text.word_in_line(), ++n)
+    (void)text.number_of(word, "number of a point");
+  if (n < extra.min_numbers || n > extra.max_numbers)
+    text.fail(fmt::format("expected {} numbers behind the coordinates of a point, found {}", extra.min_numbers, n));
+}
+
 }  // namespace
 
 Triangulation parse_obj(std::string_view bytes, const std::string& where) {
   Triangulation surface;
   Polygons faces;
+  std::vector<std::string> parts;
   SurfaceText text(bytes, where, '#');
+  text.join_lines();
   while (!text.at_end()) {
     const auto word = text.word_in_line();
     if (word == "v") {
@@ -51,35 +97,44 @@ Triangulation parse_obj(std::string_view bytes, const std::string& where) {
         faces.add_corner(corner_of(text, corner, surface.points.size()));
       }
       faces.end_face();
+    } else if (word == "g" || word == "o") {
+      auto name = text.rest_of_line();
+      if (std::find(parts.begin(), parts.end(), name) == parts.end()) parts.push_back(std::move(name));
     } else if (!says_no_shape(word)) {
       text.fail("expected a statement of OBJ (v, f, vn, ...), found another");
     }
     text.skip_line();
   }
   faces.split(surface);
+  if (auto remark = remark_on_parts("groups", parts); !remark.empty()) surface.remarks.push_back(std::move(remark));
   return surface;
 }
 
 Triangulation parse_off(std::string_view bytes, const std::string& where) {
   Triangulation surface;
   SurfaceText text(bytes, where, '#');
-  text.expect("OFF");
+  const auto extra = extra_of(text);
+  if (!extra.what.empty()) surface.remarks.push_back(extra.what + " of the points are left out");
   const auto n_points = text.whole("number of points", 0, most);
   const auto n_faces = text.whole("number of faces", 0, most);
   text.whole("number of edges", 0, std::numeric_limits<std::int64_t>::max());
   for (std::int64_t i = 0; i < n_points; ++i) {
     const double x = text.number("x"), y = text.number("y"), z = text.number("z");
     surface.points.push_back({x, y, z});
+    if (!extra.what.empty()) skip_numbers(text, extra);
   }
   Polygons faces;
+  bool has_colors = false;
   for (std::int64_t i = 0; i < n_faces; ++i) {
     const auto n = text.whole("corners of a face", Polygons::min_corners, Polygons::max_corners);
     for (std::int64_t k = 0; k < n; ++k)
       faces.add_corner(static_cast<int>(text.whole("point of a face", 0, n_points - 1)));
     faces.end_face();
-    text.skip_line();  // a color may follow
+    has_colors = has_colors || !text.word_in_line().empty();
+    text.skip_line();
   }
   faces.split(surface);
+  if (has_colors) surface.remarks.emplace_back("colors of the faces are left out");
   if (!text.at_end()) text.fail("expected the end of the file after the last face, found more");
   return surface;
 }

@@ -3,11 +3,14 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <string>
 #include <unordered_map>
+#include <vector>
 
 #include "pamr/base/error.hpp"
 #include "pamr/base/hash.hpp"
@@ -18,6 +21,8 @@ namespace pamr::geometry {
 namespace {
 
 constexpr std::size_t head_bytes = 84, facet_bytes = 50;
+constexpr std::string_view blanks = " \t\r\n\v\f";
+constexpr std::string_view padding(" \t\r\n\v\f\0\x1a", 8);  // to whole blocks, and the end of a file of CP/M
 
 struct HashOfPoint {
   std::size_t operator()(Vec3 p) const {
@@ -41,16 +46,25 @@ class Welder {
   std::unordered_map<Vec3, int, HashOfPoint> number_;
 };
 
-/// The number of facets that a binary file of this size and head has; -1 when head and size do not agree.
-std::int64_t binary_facets(std::string_view bytes) {
-  if (bytes.size() < head_bytes) return -1;
+/// The facets that the head of a binary file announces.
+std::uint32_t facets_in_head(std::string_view bytes) {
   std::uint32_t n = 0;
-  std::memcpy(&n, bytes.data() + head_bytes - sizeof n, sizeof n);
-  return head_bytes + facet_bytes * std::uint64_t{n} == bytes.size() ? std::int64_t{n} : -1;
+  if (bytes.size() >= head_bytes) std::memcpy(&n, bytes.data() + head_bytes - sizeof n, sizeof n);
+  return n;
 }
 
-Triangulation parse_binary(std::string_view bytes, std::int64_t n, const std::string& where) {
+/// How many bytes follow the facets of a binary file; negative where it is too short to be one.
+std::int64_t bytes_behind(std::string_view bytes) {
+  const auto needed = static_cast<std::int64_t>(head_bytes + facet_bytes * std::uint64_t{facets_in_head(bytes)});
+  return std::ssize(bytes) - needed;
+}
+
+Triangulation parse_binary(std::string_view bytes, const std::string& where) {
+  const std::int64_t n = facets_in_head(bytes), behind = bytes_behind(bytes);
   Welder welder;
+  if (behind > 0)
+    welder.result.remarks.push_back(
+        fmt::format("{} bytes behind the {} triangles that the file announces are left out", behind, n));
   for (std::int64_t f = 0; f < n; ++f) {
     float value[12];  // normal, which need not be right, and three corners
     std::memcpy(value, bytes.data() + head_bytes + facet_bytes * static_cast<std::size_t>(f), sizeof value);
@@ -75,10 +89,12 @@ void skip_normal(SurfaceText& text) {
 
 Triangulation parse_ascii(std::string_view bytes, const std::string& where) {
   Welder welder;
-  SurfaceText text(bytes, where);
+  std::vector<std::string> names;
+  SurfaceText text(bytes.substr(0, bytes.find_last_not_of(padding) + 1), where);
   while (!text.at_end()) {
     text.expect("solid");
-    text.skip_line();  // the name
+    names.push_back(text.rest_of_line());
+    text.skip_line();
     for (;;) {
       const auto word = text.word("\"facet\" or \"endsolid\"");
       if (is_same_word(word, "endsolid")) break;
@@ -97,33 +113,26 @@ Triangulation parse_ascii(std::string_view bytes, const std::string& where) {
     }
     text.skip_line();
   }
+  if (auto remark = remark_on_parts("solids", names); !remark.empty())
+    welder.result.remarks.push_back(std::move(remark));
   return std::move(welder.result);
 }
 
 bool is_text(std::string_view bytes) {
-  return binary_facets(bytes) < 0 &&
-         bytes.substr(0, bytes.find_first_of("\r\n")).find('\0') == std::string_view::npos &&
+  bytes.remove_prefix(std::min(bytes.find_first_not_of(blanks), bytes.size()));
+  return bytes.substr(0, bytes.find_first_of("\r\n")).find('\0') == std::string_view::npos &&
          is_same_word(bytes.substr(0, 5), "solid");
 }
 
 }  // namespace
 
-std::vector<std::string> stl_solids(std::string_view bytes) {
-  std::vector<std::string> names;
-  if (!is_text(bytes)) return names;
-  for (SurfaceText text(bytes, ""); !text.at_end(); text.skip_line()) {
-    if (!is_same_word(text.word_in_line(), "solid")) continue;
-    auto& name = names.emplace_back();
-    for (auto word = text.word_in_line(); !word.empty(); word = text.word_in_line())
-      name += (name.empty() ? "" : " ") + std::string(word);
-  }
-  return names;
-}
-
 Triangulation parse_stl(std::string_view bytes, const std::string& where) {
-  // Binary files may begin with "solid" too, so the size decides first.
-  if (const auto n = binary_facets(bytes); n >= 0) return parse_binary(bytes, n, where);
+  // Binary files may begin with "solid" or a mark of byte order too, so the size decides first.
+  if (bytes_behind(bytes) == 0) return parse_binary(bytes, where);
+  bytes = without_byte_order_mark(bytes);
+  if (bytes_behind(bytes) == 0) return parse_binary(bytes, where);
   if (is_text(bytes)) return parse_ascii(bytes, where);
+  if (facets_in_head(bytes) > 0 && bytes_behind(bytes) > 0) return parse_binary(bytes, where);
   throw Error(
       fmt::format("{}: expected STL, \"solid\" or 84 bytes and 50 for each triangle that they announce, found {} bytes",
                   where, bytes.size()));

@@ -16,6 +16,7 @@
 #include "pamr/geometry/triangulated/read_obj.hpp"
 #include "pamr/geometry/triangulated/read_ply.hpp"
 #include "pamr/geometry/triangulated/read_stl.hpp"
+#include "pamr/geometry/triangulated/triangulation_text.hpp"
 #include "pamr/geometry/triangulated/write_triangulation.hpp"
 
 namespace pamr::geometry {
@@ -39,13 +40,14 @@ std::string bytes_of(const std::filesystem::path& file) {
 Triangulation parse(std::string_view bytes, const std::string& where) {
   if (bytes.size() > static_cast<std::size_t>(std::numeric_limits<int>::max()))
     throw Error(fmt::format("{}: expected a surface file below 2 GiB, found {} bytes", where, bytes.size()));
+  const auto text = without_byte_order_mark(bytes);
   switch (surface_format_of(where)) {
     case SurfaceFormat::obj:
-      return parse_obj(bytes, where);
+      return parse_obj(text, where);
     case SurfaceFormat::ply:
-      return parse_ply(bytes, where);
+      return parse_ply(text, where);
     case SurfaceFormat::off:
-      return parse_off(bytes, where);
+      return parse_off(text, where);
     default:
       return parse_stl(bytes, where);
   }
@@ -79,18 +81,6 @@ Triangulation parse_soup(std::string_view bytes, const std::string& where) {
         throw Error(fmt::format("{}: triangle {}: expected points from 1 to {}, found {}", where, t + 1, n_points,
                                 std::int64_t{p} + 1));
   return surface;
-}
-
-std::string unused_names(const std::filesystem::path& file) {
-  constexpr std::size_t most = 5;
-  if (surface_format_of(file.string()) != SurfaceFormat::stl) return {};
-  const auto solids = stl_solids(bytes_of(file));
-  if (solids.size() < 2) return {};
-  std::string names;
-  for (std::size_t i = 0; i < std::min(most, solids.size()); ++i)
-    names += fmt::format("{}\"{}\"", i == 0 ? "" : ", ", solids[i]);
-  return fmt::format("the file has {} solids ({}{}): their names are not used yet, all are one surface", solids.size(),
-                     names, solids.size() > most ? ", ..." : "");
 }
 
 }  // namespace pamr::geometry

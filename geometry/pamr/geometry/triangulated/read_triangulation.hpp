@@ -12,8 +12,8 @@ namespace pamr::geometry {
 
 /// Reads a surface of triangles, or of faces with more corners, which are split (`Polygons`), from STL (ASCII, binary), OBJ, PLY (ASCII, binary of either byte order) or OFF; the
 /// extension of the name says which, in either case. Points of STL that are equal in all coordinates become one; points
-/// that no triangle uses are dropped. `name` is left empty. Only whole files are taken: what a file announces is there
-/// and nothing else, numbers are finite, and the surface passes `require_valid`. Throws `Error` with the file and the
+/// that no triangle uses are dropped. `name` is left empty. Only whole files are taken: what a file announces is there,
+/// `remarks` say what is left out, numbers are finite, and the surface passes `require_valid`. Throws `Error` with the file and the
 /// line or triangle otherwise. Local; memory in proportion to the file, whatever it announces.
 Triangulation read_triangulation(const std::filesystem::path& file, Exact<bool> open_allowed = false);
 
@@ -27,9 +27,5 @@ Triangulation read_soup(const std::filesystem::path& file);
 
 /// The same for the bytes of a file; `where` names it in errors, and its extension is the format.
 Triangulation parse_soup(std::string_view bytes, const std::string& where);
-
-/// Says of an STL file with several solids that nothing uses their names yet; empty for any other. Throws `Error` for a
-/// file that cannot be read.
-std::string unused_names(const std::filesystem::path& file);
 
 }  // namespace pamr::geometry

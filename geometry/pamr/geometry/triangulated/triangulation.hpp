@@ -14,6 +14,8 @@ struct Triangulation {
   std::string name;
   std::vector<Vec3> points;                   ///< length unit of the mesh
   std::vector<std::array<int, 3>> triangles;  ///< n x 3, numbers of points
+  /// What its file says beyond that, which is left out, as sentences. Not kept in mesh files.
+  std::vector<std::string> remarks = {};
 
   friend bool operator==(const Triangulation&, const Triangulation&) = default;
 };

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 
@@ -26,6 +27,21 @@ char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + '
 
 }  // namespace
 
+std::string_view without_byte_order_mark(std::string_view text) {
+  constexpr std::string_view mark = "\xef\xbb\xbf";
+  return text.starts_with(mark) ? text.substr(mark.size()) : text;
+}
+
+std::string remark_on_parts(std::string_view what, const std::vector<std::string>& names) {
+  constexpr std::size_t most = 5;
+  if (names.size() < 2) return {};
+  std::string list;
+  for (std::size_t i = 0; i < std::min(most, names.size()); ++i)
+    list += fmt::format("{}\"{}\"", i == 0 ? "" : ", ", names[i]);
+  return fmt::format("the file has {} {} ({}{}): their names are not used yet, all are one surface", names.size(), what,
+                     list, names.size() > most ? ", ..." : "");
+}
+
 bool is_same_word(std::string_view a, std::string_view b) {
   if (a.size() != b.size()) return false;
   for (std::size_t i = 0; i < a.size(); ++i)
@@ -44,7 +60,10 @@ void SurfaceText::skip_blanks(bool over_lines) {
       at_ = std::min(text_.find('\n', at_), text_.size());
       if (at_ == text_.size()) return;
     }
-    if (text_[at_] == '\n') {
+    if (const auto joint = joint_at(at_); joint > 0) {
+      at_ += joint - 1;
+      ++line_;
+    } else if (text_[at_] == '\n') {
       if (!over_lines) return;
       ++line_;
     } else if (!is_blank(text_[at_])) {
@@ -56,9 +75,17 @@ void SurfaceText::skip_blanks(bool over_lines) {
 std::string_view SurfaceText::word_in_line() {
   skip_blanks(false);
   const auto start = at_;
-  while (at_ < text_.size() && !is_blank(text_[at_]) && text_[at_] != '\n' && (comment_ == 0 || text_[at_] != comment_))
+  while (at_ < text_.size() && !is_blank(text_[at_]) && text_[at_] != '\n' && joint_at(at_) == 0 &&
+         (comment_ == 0 || text_[at_] != comment_))
     ++at_;
   return text_.substr(start, at_ - start);
+}
+
+std::string SurfaceText::rest_of_line() {
+  std::string rest;
+  for (auto word = word_in_line(); !word.empty(); word = word_in_line())
+    rest.append(rest.empty() ? "" : " ").append(word);
+  return rest;
 }
 
 std::string_view SurfaceText::word(std::string_view what) {
@@ -96,7 +123,15 @@ void SurfaceText::expect(std::string_view wanted) {
   if (!is_same_word(found, wanted)) fail("expected \"" + std::string(wanted) + "\", found " + shown(found));
 }
 
+std::size_t SurfaceText::joint_at(std::size_t place) const {
+  if (!joins_lines_ || text_[place] != '\\') return 0;
+  const auto behind = text_.substr(place + 1, 2);
+  return behind.starts_with('\n') ? 2 : behind == "\r\n" ? 3 : 0;
+}
+
 void SurfaceText::skip_line() {
+  if (joins_lines_)
+    while (!word_in_line().empty()) continue;
   at_ = std::min(text_.find('\n', at_), text_.size());
   if (at_ == text_.size()) return;
   ++at_;

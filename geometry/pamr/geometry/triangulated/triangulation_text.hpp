@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace pamr::geometry {
 
@@ -19,6 +20,8 @@ class SurfaceText {
   std::string_view word(std::string_view what);
   /// The next word in this line, empty at its end.
   std::string_view word_in_line();
+  /// The words that are left of this line, a blank between them.
+  std::string rest_of_line();
   /// A finite number.
   double number(std::string_view what) { return number_of(word(what), what); }
   double number_of(std::string_view word, std::string_view what) const;
@@ -31,6 +34,8 @@ class SurfaceText {
   void expect(std::string_view wanted);
   /// Goes to the start of the next line; the rest of this one is not read.
   void skip_line();
+  /// Takes a line that ends in a backslash for one with the next line, as OBJ does.
+  void join_lines() { joins_lines_ = true; }
   /// True when only blanks and comments are left.
   bool at_end();
   std::size_t bytes_left() const { return text_.size() - at_; }
@@ -39,12 +44,22 @@ class SurfaceText {
 
  private:
   void skip_blanks(bool over_lines);
+  /// The bytes of a backslash and the end of line behind it, 0 where there are none or lines are not joined.
+  std::size_t joint_at(std::size_t place) const;
 
   std::string_view text_;
   std::string where_;
   char comment_;
+  bool joins_lines_ = false;
   std::size_t line_, at_ = 0;
 };
+
+/// A text without the mark with which some editors begin UTF-8.
+std::string_view without_byte_order_mark(std::string_view text);
+
+/// Says that the names of several parts of a file have no place in a surface; empty for less than two.
+/// `what`: "solids".
+std::string remark_on_parts(std::string_view what, const std::vector<std::string>& names);
 
 /// True for texts that are equal but for the case of the letters a to z.
 bool is_same_word(std::string_view a, std::string_view b);
