@@ -158,9 +158,9 @@ void associate(cli::Session& session, const Options& options, const std::string&
   }
   if (!comm.is_first()) return;
   for (const auto& surface : mesh.info.surfaces->triangulations) {
-    for (const auto& remark : surface->remarks)
-      session.warn(fmt::format("surface \"{}\": {}", surface->name, remark));
-    if (const auto warning = geometry::self_intersection_warning(*surface); !warning.empty()) session.warn(warning);
+    for (const auto& remark : surface->remarks) session.warn(fmt::format("surface \"{}\": {}", surface->name, remark));
+    const auto warning = geometry::self_intersection_warning(*surface, geometry::find_self_intersections(*surface));
+    if (!warning.empty()) session.warn(warning);
   }
 }
 

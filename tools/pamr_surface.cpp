@@ -188,7 +188,7 @@ void check_edit(const Triangulation& before, Outcome& outcome) {
   if (after.is_surface() && after.self_intersections->count == 0) return;
   auto left = after;
   left.open_edges = {};  // the input may end
-  if (after.is_surface() && geometry::find_self_intersections(before, 1).n_pairs > 0) {
+  if (after.is_surface() && geometry::cuts_itself(before)) {
     outcome.lines.push_back("the surface cuts itself, as it did before");
     left.self_intersections = surface_mesh::Found{};
   }

@@ -121,7 +121,7 @@ TurnedShells turn_shells(Triangulation& surface) {
   TurnedShells done;
   if (surface.triangles.empty()) return done;
   auto shells = geometry::find_shells(surface);
-  geometry::nest_shells(surface, shells);
+  if (shells.shell.size() > 1) geometry::nest_shells(surface, shells);
   std::vector<char> turns(shells.shell.size(), 0);
   for (const int i : geometry::turned_shells(shells)) {
     turns[at(i)] = 1;

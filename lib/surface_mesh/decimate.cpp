@@ -145,8 +145,8 @@ std::vector<Place> find_faults(const Triangulation& surface, const DecimateOptio
     for (std::size_t t = 0; t < after.triangles.size(); ++t) places.push_back(place_of(collapsed, t));
   for (const auto& far : result.from_old.far) places.push_back({far.point, surface.triangles[at(far.from)]});
   for (const auto& far : result.to_old.far) places.push_back({far.point, surface.triangles[at(far.to)]});
-  const bool has_cuts = geometry::find_self_intersections(after, 1).n_pairs > 0;
-  result.cuts_itself = has_cuts && geometry::find_self_intersections(surface, 1).n_pairs > 0;
+  const bool has_cuts = geometry::cuts_itself(after);
+  result.cuts_itself = has_cuts && geometry::cuts_itself(surface);
   if (!has_cuts || result.cuts_itself) return places;
   for (const int t : cutting_triangles(after)) places.push_back(place_of(collapsed, at(t)));
   return places;

@@ -43,11 +43,6 @@ class Describer {
     look_at_triangles();
     look_for_duplicates();
     look_at_edges();
-    if (options_.find_self_intersections && result_.is_surface()) {
-      const auto found = geometry::find_self_intersections(surface_);
-      result_.self_intersections = Found{found.n_pairs, found.where};
-      result_.has_more_self_intersections = found.has_more;
-    }
     if (options_.find_deviation && result_.is_surface()) find_deviation();
     return std::move(result_);
   }
@@ -233,7 +228,8 @@ class Describer {
   void list_shells(const Triangulation& whole) {
     auto shells = geometry::find_shells(whole);
     if (options_.find_self_intersections && result_.is_surface()) {
-      geometry::nest_shells(whole, shells);
+      const auto found = geometry::nest_shells(whole, shells);
+      result_.self_intersections = Found{found.n_pairs, found.first.where};
       for (const auto& contact : shells.contact) note(result_.shell_contacts, contact.where);
       if (shells.shell.size() > 1)
         for (const int i : geometry::turned_shells(shells)) note(result_.turned_shells, shells.shell[at(i)].where);
@@ -322,9 +318,8 @@ std::vector<std::string> faults_of(const Description& d) {
                                  d.loops.size() == 1 ? "hole" : "holes", d.loops.front().size,
                                  geometry::decimal(d.loops.front().where)));
   if (d.self_intersections && d.self_intersections->count > 0)
-    faults.push_back(fmt::format("{}{} {} of triangles that touch or cut each other, the first near {}",
-                                 d.self_intersections->count, d.has_more_self_intersections ? " or more" : "",
-                                 d.self_intersections->count == 1 ? "pair" : "pairs",
+    faults.push_back(fmt::format("{} {} of triangles that touch or cut each other, the first near {}",
+                                 d.self_intersections->count, d.self_intersections->count == 1 ? "pair" : "pairs",
                                  geometry::decimal(d.self_intersections->where)));
   add(d.shell_contacts, "pair of shells that touch or cut each other: what is inside is not defined there",
       "pairs of shells that touch or cut each other: what is inside is not defined there");

@@ -54,9 +54,7 @@ struct Description {
   std::vector<geometry::Shell> shells;
   Found turned_shells;   ///< closed ones seen from the wrong side (`geometry::turned_shells`), if there are several
   Found shell_contacts;  ///< pairs of shells that touch or cut each other
-  /// Pairs of triangles, and whether there are more than were counted; nothing if not looked for (not a manifold).
-  std::optional<Found> self_intersections;
-  bool has_more_self_intersections = false;
+  std::optional<Found> self_intersections;  ///< pairs of triangles; nothing if not looked for (not a manifold)
 
   double min_edge = 0, mean_edge = 0, max_edge = 0;
   double min_angle = 0;  ///< smallest corner of a triangle, degrees

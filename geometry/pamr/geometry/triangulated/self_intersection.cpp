@@ -8,10 +8,8 @@
 
 #include <algorithm>
 #include <boost/iterator/function_output_iterator.hpp>
-#include <iterator>
 #include <string>
 #include <utility>
-#include <vector>
 
 #include "pamr/base/index.hpp"
 #include "pamr/geometry/box.hpp"
@@ -37,18 +35,12 @@ CutMesh cgal_mesh_of(const Triangulation& surface) {
 
 }  // namespace
 
-SelfIntersections find_self_intersections(const Triangulation& surface, Exact<std::int64_t> most) {
-  std::vector<FacePair> pairs;
-  CGAL::Polygon_mesh_processing::self_intersections(cgal_mesh_of(surface), std::back_inserter(pairs),
-                                                    CGAL::parameters::maximum_number(static_cast<unsigned int>(most)));
-  SelfIntersections result;
-  result.n_pairs = static_cast<std::int64_t>(pairs.size());
-  result.has_more = result.n_pairs >= most;
-  if (pairs.empty()) return result;
-  const auto first = std::min_element(pairs.begin(), pairs.end())->first;
-  const auto corner = surface.triangles[static_cast<std::size_t>(first.idx())][0];
-  result.where = surface.points[static_cast<std::size_t>(corner)];
-  return result;
+void SelfIntersections::add(const Cut& cut) {
+  if (n_pairs++ == 0 || std::pair(cut.first, cut.second) < std::pair(first.first, first.second)) first = cut;
+}
+
+bool cuts_itself(const Triangulation& surface) {
+  return CGAL::Polygon_mesh_processing::does_self_intersect(cgal_mesh_of(surface));
 }
 
 void for_each_cut(const Triangulation& surface, const std::function<void(const Cut&)>& use) {
@@ -58,7 +50,7 @@ void for_each_cut(const Triangulation& surface, const std::function<void(const C
     return result;
   };
   const auto tell = [&](const FacePair& pair) {
-    const int first = static_cast<int>(pair.first.idx()), second = static_cast<int>(pair.second.idx());
+    const auto [first, second] = std::minmax({static_cast<int>(pair.first.idx()), static_cast<int>(pair.second.idx())});
     const Box a = box(first), b = box(second);
     const Vec3 low{std::max(a.low.x, b.low.x), std::max(a.low.y, b.low.y), std::max(a.low.z, b.low.z)};
     const Vec3 high{std::min(a.high.x, b.high.x), std::min(a.high.y, b.high.y), std::min(a.high.z, b.high.z)};
@@ -67,12 +59,16 @@ void for_each_cut(const Triangulation& surface, const std::function<void(const C
   CGAL::Polygon_mesh_processing::self_intersections(cgal_mesh_of(surface), boost::make_function_output_iterator(tell));
 }
 
-std::string self_intersection_warning(const Triangulation& surface) {
-  const auto found = find_self_intersections(surface);
+SelfIntersections find_self_intersections(const Triangulation& surface) {
+  SelfIntersections found;
+  for_each_cut(surface, [&](const Cut& cut) { found.add(cut); });
+  return found;
+}
+
+std::string self_intersection_warning(const Triangulation& surface, const SelfIntersections& found) {
   if (found.n_pairs == 0) return {};
-  return fmt::format("surface \"{}\" cuts through itself: {}{} {} of triangles, the first near {}", surface.name,
-                     found.n_pairs, found.has_more ? " or more" : "", found.n_pairs == 1 ? "pair" : "pairs",
-                     decimal(found.where));
+  return fmt::format("surface \"{}\" cuts through itself: {} {} of triangles, the first near {}", surface.name,
+                     found.n_pairs, found.n_pairs == 1 ? "pair" : "pairs", decimal(found.first.where));
 }
 
 }  // namespace pamr::geometry

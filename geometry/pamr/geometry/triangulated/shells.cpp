@@ -35,9 +35,12 @@ double solid_angle(const std::array<Vec3, 3>& p, Vec3 from) {
   return 2 * std::atan2(dot(a, cross(b, c)), la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb);
 }
 
-void find_contacts(const Triangulation& surface, Shells& shells, const std::function<void(const Cut&)>& use) {
+SelfIntersections find_contacts(const Triangulation& surface, Shells& shells,
+                                const std::function<void(const Cut&)>& use) {
+  SelfIntersections found;
   std::map<std::pair<int, int>, Vec3> first;
   for_each_cut(surface, [&](const Cut& cut) {
+    found.add(cut);
     if (use) use(cut);
     const int a = shells.of_triangle[at(cut.first)], b = shells.of_triangle[at(cut.second)];
     if (a != b) first.try_emplace(std::minmax(a, b), cut.where);
@@ -46,6 +49,7 @@ void find_contacts(const Triangulation& surface, Shells& shells, const std::func
     shells.contact.push_back({pair.first, pair.second, where});
     shells.shell[at(pair.first)].is_apart = shells.shell[at(pair.second)].is_apart = false;
   }
+  return found;
 }
 
 void find_depths(const Triangulation& surface, Shells& shells) {
@@ -65,6 +69,34 @@ void find_depths(const Triangulation& surface, Shells& shells) {
 
 std::string place_of(const Shell& shell) {
   return fmt::format("a shell of {} triangles at {}", shell.n_triangles, decimal(shell.where));
+}
+
+/// Why shells have no inside in `bounds`, where `within` cuts were found; what was expected begins it.
+std::optional<std::string> fault_of(const Shells& shells, const SelfIntersections& within, const Box& bounds) {
+  const auto contact = std::find_if(shells.contact.begin(), shells.contact.end(),
+                                    [&](const Contact& c) { return bounds.contains(c.where); });
+  if (contact != shells.contact.end())
+    return fmt::format(
+        "shells that are clear of one another, found {} that touches or cuts {} near {}: what is "
+        "inside is not defined there; unite the two where they were made",
+        place_of(shells.shell[at(contact->first)]), place_of(shells.shell[at(contact->second)]),
+        decimal(contact->where));
+  if (within.n_pairs > 0)
+    return fmt::format(
+        "triangles that do not cut each other, found some near {}: what is inside is not defined "
+        "there; `pamr-surface repair` mends small places",
+        decimal(within.first.where));
+  const auto turned = turned_shells(shells);
+  if (turned.empty() || turned_shells(shells, true).empty()) return std::nullopt;
+  const auto& shell = shells.shell[at(turned.front())];
+  return fmt::format(
+      "shells that face outwards, those inside of others inwards, found {} {}: what is inside is "
+      "not defined; `pamr-surface repair` turns it",
+      place_of(shell),
+      shell.depth == 0 ? "that faces inwards and lies in no other"
+                       : fmt::format("that lies inside of {} and faces {}",
+                                     shell.depth == 1 ? "another" : std::to_string(shell.depth) + " others",
+                                     shell.volume > 0 ? "outwards" : "inwards"));
 }
 
 }  // namespace
@@ -98,10 +130,11 @@ Shells find_shells(const Triangulation& surface) {
   return result;
 }
 
-void nest_shells(const Triangulation& surface, Shells& shells, const std::function<void(const Cut&)>& use) {
-  if (shells.shell.size() < 2 && !use) return;
-  find_contacts(surface, shells, use);
+SelfIntersections nest_shells(const Triangulation& surface, Shells& shells,
+                              const std::function<void(const Cut&)>& use) {
+  const auto found = find_contacts(surface, shells, use);
   find_depths(surface, shells);
+  return found;
 }
 
 std::vector<int> turned_shells(const Shells& shells, Exact<bool> outside_in) {
@@ -115,39 +148,16 @@ std::vector<int> turned_shells(const Shells& shells, Exact<bool> outside_in) {
   return turned;
 }
 
-std::optional<std::string> lacks_inside(const Triangulation& surface, const Box& bounds) {
-  const auto name = fmt::format("surface \"{}\": expected ", surface.name);
+Inside find_inside(const Triangulation& surface, const Box& bounds) {
   auto shells = find_shells(surface);
-  std::optional<std::pair<std::pair<int, int>, Vec3>> cut;  // nearest to the beginning of the file
-  nest_shells(surface, shells, [&](const Cut& found) {
-    const std::pair<int, int> pair = std::minmax(found.first, found.second);
-    if (bounds.contains(found.where) && (!cut || pair < cut->first)) cut = {pair, found.where};
+  SelfIntersections within;
+  Inside result;
+  result.self_intersections = nest_shells(surface, shells, [&](const Cut& cut) {
+    if (bounds.contains(cut.where)) within.add(cut);
   });
-  const auto contact = std::find_if(shells.contact.begin(), shells.contact.end(),
-                                    [&](const Contact& c) { return bounds.contains(c.where); });
-  if (contact != shells.contact.end())
-    return name + fmt::format(
-                      "shells that are clear of one another, found {} that touches or cuts {} near {}: what is "
-                      "inside is not defined there; unite the two where they were made",
-                      place_of(shells.shell[at(contact->first)]), place_of(shells.shell[at(contact->second)]),
-                      decimal(contact->where));
-  if (cut)
-    return name + fmt::format(
-                      "triangles that do not cut each other, found some near {}: what is inside is not defined "
-                      "there; `pamr-surface repair` mends small places",
-                      decimal(cut->second));
-  const auto turned = turned_shells(shells);
-  if (turned.empty() || turned_shells(shells, true).empty()) return std::nullopt;
-  const auto& shell = shells.shell[at(turned.front())];
-  return name + fmt::format(
-                    "shells that face outwards, those inside of others inwards, found {} {}: what is inside is "
-                    "not defined; `pamr-surface repair` turns it",
-                    place_of(shell),
-                    shell.depth == 0
-                        ? "that faces inwards and lies in no other"
-                        : fmt::format("that lies inside of {} and faces {}",
-                                      shell.depth == 1 ? "another" : std::to_string(shell.depth) + " others",
-                                      shell.volume > 0 ? "outwards" : "inwards"));
+  result.fault = fault_of(shells, within, bounds);
+  if (result.fault) result.fault = fmt::format("surface \"{}\": expected {}", surface.name, *result.fault);
+  return result;
 }
 
 }  // namespace pamr::geometry

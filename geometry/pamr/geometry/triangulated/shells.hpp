@@ -42,18 +42,26 @@ struct Shells {
 Shells find_shells(const Triangulation& surface);
 
 /// Finds out how the shells of a manifold lie to one another, exactly: which touch or cut others, and in how many
-/// others those lie that do not. A shell beside the others in a point, an edge or a face touches. `use` gets each pair of
-/// triangles that touch or cut each other. Local. Cost: of `find_self_intersections`, and for each shell as many
-/// operations as the shells around its place have triangles.
-void nest_shells(const Triangulation& surface, Shells& shells, const std::function<void(const Cut&)>& use = {});
+/// others those lie that do not. A shell beside the others in a point, an edge or a face touches. Returns the pairs of
+/// triangles that touch or cut each other, of one shell too, and gives each to `use`. Local. Cost: of
+/// `find_self_intersections`, and for each shell as many operations as the shells around its place have triangles.
+SelfIntersections nest_shells(const Triangulation& surface, Shells& shells,
+                              const std::function<void(const Cut&)>& use = {});
 
 /// Closed shells that are apart and seen from the wrong side, ascending: those around which no shell or an even number
 /// lies face outwards, the others inwards, since they are cavities. `outside_in`: the other way around for all.
 std::vector<int> turned_shells(const Shells& shells, Exact<bool> outside_in = false);
 
-/// Why a surface, part of which lies in `bounds`, has no inside there: shells that touch or cut each other, triangles
-/// that cut others, shells that face neither outwards and inwards in turn nor inwards and outwards. One sentence
-/// with the name of the surface and the first place; nothing for a surface that has one. Pre: `require_valid`. Local.
-std::optional<std::string> lacks_inside(const Triangulation& surface, const Box& bounds);
+/// Whether a surface has an inside.
+struct Inside {
+  /// Why it has none within bounds: one sentence with the name of the surface and the first place.
+  std::optional<std::string> fault;
+  SelfIntersections self_intersections;  ///< wherever they are
+};
+
+/// A surface, part of which lies in `bounds`, has no inside there where shells touch or cut each other, where triangles
+/// cut others, and where shells face neither outwards and inwards in turn nor inwards and outwards. Pre:
+/// `require_valid`. Local. Cost: of `nest_shells`.
+Inside find_inside(const Triangulation& surface, const Box& bounds);
 
 }  // namespace pamr::geometry
