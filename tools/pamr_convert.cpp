@@ -53,7 +53,6 @@ void write(const cli::Session& session, const Options& options, const mesh::Dist
 /// Options for the reader. Local.
 convert::ReadRequest read_request(const Options& options) {
   return {.file = options.input,
-          .repair = options.repair,
           .strict = options.strict,
           .build_surfaces = convert::asks_for_surfaces(options),
           .solution = options.solution_in,

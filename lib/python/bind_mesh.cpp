@@ -12,7 +12,9 @@
 
 #include "pamr/assemble/assemble.hpp"
 #include "pamr/assemble/kuhn_cube.hpp"
+#include "pamr/base/error.hpp"
 #include "pamr/base/index.hpp"
+#include "pamr/io/elements/element_remarks.hpp"
 #include "pamr/io/foam/foam_order.hpp"
 #include "pamr/io/formats.hpp"
 #include "pamr/mesh/fingerprint.hpp"
@@ -88,17 +90,21 @@ std::tuple<SharedMesh, std::int64_t, std::vector<std::string>> from_arrays(std::
 }
 
 std::pair<SharedMesh, std::vector<std::string>> read(std::uintptr_t address, const std::filesystem::path& file,
-                                                     bool repair) {
+                                                     bool repair, bool strict) {
   auto result = std::make_shared<PythonMesh>();
   result->comm = comm_at(address);
   const auto& comm = *result->comm;
   std::vector<std::string> remarks;
+  const auto tell = [&](const std::string& text) {
+    if (strict) throw Error(text);
+    remarks.push_back(text);
+  };
   const auto& format = io::format_to_read(file);
-  auto read =
-      format.read(comm, file, {.repair = repair, .remark = [&](const std::string& text) { remarks.push_back(text); }});
+  auto read = format.read(comm, file, {.repair = repair && !strict, .remark = tell});
   validate::require_valid(comm, read.mesh, file.string());
+  if (strict) io::refuse_changes(read, io::source_of(file));
   if (!format.is_native)
-    for (const auto& text : remarks_on(comm, read)) remarks.push_back(io::source_of(file) + ": " + text);
+    for (const auto& text : remarks_on(comm, read)) tell(io::source_of(file) + ": " + text);
   result->mesh = std::move(read.mesh);
   return {result, remarks};
 }

@@ -70,11 +70,12 @@ def faces_of(mesh):
 
 def test_tags_of_all_formats_are_patches_and_regions():
     import meshio
-    for key in ("gmsh:physical", "medit:ref", "nastran:ref", "su2:tag", "CellEntityIds"):
+    for key, name in {"gmsh:physical": "physical_", "medit:ref": "ref_", "nastran:ref": "patch_", "su2:tag": "patch_",
+                      "ugrid:ref": "surface_", "CellEntityIds": "patch_"}.items():
         given = meshio.Mesh(POINTS, [("tetra", CELLS), ("triangle", FLOOR)],
                             cell_data={key: [[5, 5, 5, 8, 8, 8], [3, 4.0]]}, field_data={"gas": np.array([5, 3])})
         mesh, told = taken(given)
-        assert faces_of(mesh) == {"patch_3": 1, "patch_4": 1, "boundary": 10} and told == []
+        assert faces_of(mesh) == {f"{name}3": 1, f"{name}4": 1, "boundary": 10} and told == []
         assert list(mesh.cell_fields) == ["region"] and mesh.regions == {5: "gas"}
         assert sorted(np.concatenate(COMM.allgather(mesh.cell_fields["region"]))) == [5, 5, 5, 8, 8, 8]
     given.cell_data = {"mine": [np.arange(6), np.array([3, 4])]}
@@ -185,7 +186,7 @@ def test_triangles_within_the_mesh_points_of_nothing_and_inverted_cells():
     inner = meshio.Mesh(POINTS, [("tetra", CELLS), ("triangle", [[0, 1, 7], [0, 1, 3]])],
                         cell_data={"gmsh:physical": [[1, 2, 1, 1, 1, 1], [9, 4]]}, field_data={"sheet": np.array([9, 2])})
     mesh, told = taken(inner)
-    assert faces_of(mesh) == {"patch_4": 1, "boundary": 11}
+    assert faces_of(mesh) == {"physical_4": 1, "boundary": 11}
     assert "1 triangles of 'sheet' lie between two regions and are no patch" in told[0] and len(told) == 1
     inner.cell_data["gmsh:physical"][0] = np.ones(6, int)
     assert "found 1 inside a region or apart from the cells" in refused(inner)
@@ -196,8 +197,8 @@ def test_triangles_within_the_mesh_points_of_nothing_and_inverted_cells():
     assert "8 nodes of no cell were left out" in taken(apart)[1][0]
     turned = CELLS.copy()
     turned[:2] = turned[:2][:, [1, 0, 2, 3]]
-    assert "found 2 inverted ones among 6 cells" in refused(meshio.Mesh(POINTS, [("tetra", turned)]))
-    mesh, told = taken(meshio.Mesh(POINTS, [("tetra", turned)]), repair=True)
+    assert "found 2 inverted ones among 6 cells" in refused(meshio.Mesh(POINTS, [("tetra", turned)]), repair=False)
+    mesh, told = taken(meshio.Mesh(POINTS, [("tetra", turned)]))
     assert mesh.n_turned == 2 and told == ["from_meshio: 2 inverted cells were turned over"], told
     strange = np.concatenate([POINTS, [[np.nan] * 3]])  # of no cell
     assert taken(meshio.Mesh(strange, [("tetra", CELLS)]))[0].n_nodes == 8

@@ -209,7 +209,7 @@ def test_pamr_reads_all_of_it_back():
             where = f"{how} {ending}"
             assert (back.n_cells, back.n_nodes, counts) == (mesh.n_cells, mesh.n_nodes, sorted(n_faces.values())), where
             assert np.isclose(back.volumes().sum(), mesh.volumes().sum(), rtol=1e-12) and not told, (where, told)
-            if ending in ("msh", "vtu", "cgns") and "regions" in how:
+            if ending in ("msh", "vtu", "cgns", "mesh", "meshb") and "regions" in how:
                 assert counts_of(back.cell_fields["region"]) == counts_of(mesh.cell_fields["region"]), where
                 assert set(back.cell_fields["region"]) == set(mesh.cell_fields["region"]), where
 

@@ -123,10 +123,10 @@ def test_vtu_files_become_meshes_with_fields_and_patches():
     for name in ("packed", "plain", "text"):
         done = run("pamr-convert", name + ".vtu", name + ".hdf", "--json", "-")
         assert done.json["turned_cells"] == 1 and done.json["dropped_nodes"] == 1 and "turned over" in done.err
-        assert done.json["patches"] == ["patch_4", "boundary"]
+        assert done.json["patches"] == ["physical_4", "boundary"]
     assert same_bytes("packed.hdf", "plain.hdf") and same_bytes("packed.hdf", "text.hdf")
     quality = run("pamr-quality", "text.hdf", "--json", "-", "--quiet").json
-    assert abs(quality["volume"] - 1) < 1e-14 and abs(quality["patches"]["patch_4"]["area"] - 1) < 1e-14
+    assert abs(quality["volume"] - 1) < 1e-14 and abs(quality["patches"]["physical_4"]["area"] - 1) < 1e-14
     with h5py.File("packed.hdf") as file:
         points, data = file["VTKHDF/Points"][:], file["VTKHDF/PointData"]
         number = points @ (1, 2, 4)

@@ -113,8 +113,8 @@ void declare(cli::CommandLine& line, Options& options) {
       .required();
   line.flag(
       "--repair", options.repair,
-      "turn inverted cells of another program's mesh over instead of refusing them, split edges and faces so "
-      "that no face beside a curved wall has two edges on it (cells there get flat when they are refined; done anyway "
+      "split edges and faces so that no face beside a curved wall has two edges on it (cells there get flat when they "
+      "are refined; done anyway "
       "for such a mesh with surfaces), and split cells at walls whose edges are longer than their radius into eight");
   line.flag("--as-level-0", options.as_level0,
             "forget how a native mesh was refined: all its cells are of level 0 (no coarsening below them)");

@@ -24,48 +24,24 @@ namespace {
 constexpr std::array<std::string_view, 7> kinds{"wall",   "symmetry", "symmetryPlane", "farfield",
                                                 "inflow", "outflow",  "patch"};
 
-/// What `--strict` does not accept.
-void refuse_changes(const io::ElementMesh& read, const std::string& file) {
-  const auto refuse = [&](std::int64_t n, const char* text) {
-    if (n > 0) throw Error(fmt::format("file '{}': expected ", file) + fmt::format(fmt::runtime(text), n));
-  };
-  for (const auto& [dimension, kept, other, n] : read.overlaps)
-    throw Error(fmt::format("file '{}': expected elements in one group each, found {} {} in '{}' and in '{}'", file, n,
-                            dimension == 2 ? "triangles" : "tetrahedra", kept, other));
-  for (const auto& [group, n] : read.inner_faces)
-    throw Error(
-        fmt::format("file '{}': expected surfaces on the boundary, found {} triangles of '{}' between two regions",
-                    file, n, group));
-  for (const auto& group : read.unused_groups)
-    throw Error(
-        group.n_elements > 0
-            ? fmt::format("file '{}': expected groups of triangles and tetrahedra, found '{}' with {} {}", file,
-                          group.name, group.n_elements, group.dimension == 0 ? "points" : "lines")
-            : fmt::format("file '{}': expected elements in every named group, found none in '{}'", file, group.name));
-  refuse(read.n_untagged_triangles, "a tag on every triangle, found {} without");
-  refuse(read.n_turned, "cells of positive volume, found {} inverted ones");
-  refuse(read.n_periodic_links, "no periodic links, found {}");
-  refuse(read.n_dropped_nodes, "nodes that belong to cells, found {} others");
-  refuse(read.n_untagged_faces, "a triangle on every boundary face, found {} faces without");
-}
-
 }  // namespace
 
 mesh::DistMesh read_mesh(cli::Session& session, const ReadRequest& request, nlohmann::json& report) {
   const std::function<void(const std::string&)> refuse = [](const auto& remark) { throw Error(remark); };
   const auto& format = io::format_to_read(request.file);
   auto read = format.read(session.comm(), request.file,
-                          {.repair = request.repair && !request.strict,
+                          {.repair = !request.strict,
                            .build_surfaces = request.build_surfaces,
                            .remark = request.strict ? refuse : session.remarks(),
                            .solution = request.solution,
                            .field_names = request.field_names});
   if (format.is_native) return std::move(read.mesh);
-  if (request.strict) refuse_changes(read, request.file);
+  if (request.strict) io::refuse_changes(read, io::source_of(request.file));
   if (format.has_elements) {
     auto& overlaps = report["group_overlaps"] = nlohmann::json::array();
-    for (const auto& [dimension, kept, other, n] : read.overlaps)
-      overlaps.push_back({{"dimension", dimension}, {"kept", kept}, {"other", other}, {"elements", n}});
+    for (const auto& one : read.overlaps)
+      overlaps.push_back(
+          {{"dimension", one.dimension}, {"kept", one.kept}, {"other", one.other}, {"elements", one.n_elements}});
     auto& inner = report["inner_faces"] = nlohmann::json::object();
     for (const auto& [group, n] : read.inner_faces) inner[group] = n;
     auto& unused = report["unused_groups"] = nlohmann::json::array();

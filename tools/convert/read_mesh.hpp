@@ -12,7 +12,6 @@ namespace pamr::convert {
 
 struct ReadRequest {
   std::string file;
-  bool repair = false;                   ///< turn inverted cells over
   bool strict = false;                   ///< what would be reported is an error
   bool build_surfaces = false;           ///< of a native file
   std::string solution;                  ///< .sol or .solb beside a Medit mesh; empty: none

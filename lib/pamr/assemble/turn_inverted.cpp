@@ -65,8 +65,8 @@ TurnedCells orient(const par::Comm& comm, mesh::BlockMesh& block, Exact<bool> re
   const auto n_turned = result.n_turned;
   if (result.n_flat == 0 && n_turned > 0 && n_turned < block.info.n_global_cells && !repair)
     throw Error(
-        fmt::format("expected cells of positive volume, found {} inverted ones among {} cells (--repair turns them "
-                    "over, in Python repair=True)",
+        fmt::format("expected cells of positive volume, found {} inverted ones among {} cells (they are turned over "
+                    "without --strict, in Python by repair=True)",
                     n_turned, block.info.n_global_cells));
   return result;
 }

@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "pamr/io/text.hpp"
 
+#include <fmt/format.h>
+
 #include <cstdint>
+
+#include "pamr/base/error.hpp"
 
 namespace pamr::io {
 
@@ -27,6 +31,19 @@ bool is_clean_text(std::string_view text, std::string_view allowed_controls) {
     i += length;
   }
   return true;
+}
+
+std::string shown_text(std::string_view text) {
+  constexpr std::size_t longest = 60;
+  std::string shown;
+  for (const char c : text.substr(0, longest)) shown += c >= ' ' && c <= '~' ? c : '?';
+  return shown + (text.size() > longest ? "..." : "");
+}
+
+void require_clean_name(std::string_view what, std::string_view name) {
+  if (!is_clean_text(name, ""))
+    throw Error(fmt::format("expected a name of {} in UTF-8 without tabs and other control characters, found '{}'",
+                            what, shown_text(name)));
 }
 
 }  // namespace pamr::io

@@ -15,7 +15,7 @@ from .together import agree, integers
 
 
 def from_meshio(comm: Any, mesh: Any, tags: Optional[str] = None, names: Optional[Mapping[int, str]] = None, *,
-                repair: bool = False) -> Mesh:
+                repair: bool = True) -> Mesh:
     """A mesh from a ``meshio.Mesh`` on rank 0 (None on the others): its tetrahedra, its triangles as patches, and its point and cell
     data as fields. Collective.
 

@@ -90,7 +90,7 @@ class Mesh:
     def from_arrays(comm: Any, points: Any, cells: Any, boundary: Optional[tuple[Any, Any]] = None,
                     names: Optional[Mapping[int, Union[str, tuple[str, str]]]] = None, *,
                     cell_fields: Optional[Mapping[str, Any]] = None, node_fields: Optional[Mapping[str, Any]] = None,
-                    length_unit: str = "", order: str = "auto", repair: bool = False,
+                    length_unit: str = "", order: str = "auto", repair: bool = True,
                     regions: Optional[Mapping[int, str]] = None) -> "Mesh":
         """A mesh from arrays. Collective.
 
@@ -104,7 +104,7 @@ class Mesh:
             between which cells there may be triangles, which are no patch then.
         order: put cells and nodes along a space-filling curve: "auto" (where it pays), "curve", "keep". ``cell_origin`` and
             ``node_origin`` say which row of the arrays each came from.
-        repair: turn inverted cells over. Without it they are refused, unless all cells are inverted. ``n_turned`` counts them.
+        repair: turn inverted cells over, with a warning. Without it they are refused, unless all cells are inverted. ``n_turned`` counts them.
         regions: names of values of the integer cell field "region".
         What is odd or left out (points of no cell, faces without a triangle, names of nothing) is a Python warning on rank 0,
         in the words of pamr-convert for files.
@@ -182,16 +182,17 @@ class Mesh:
     n_turned: int = 0
 
     @staticmethod
-    def read(comm: Any, file: Union[str, os.PathLike], repair: bool = False) -> "Mesh":
+    def read(comm: Any, file: Union[str, os.PathLike], repair: bool = True, strict: bool = False) -> "Mesh":
         """A mesh from a file: .hdf or .vtkhdf (of any number of ranks, of PAMR or another program), or in any other format that
         pamr-convert reads. What is odd and does no harm, and what is left out, is a Python warning on rank 0. Collective.
 
-        repair: turn inverted cells of other programs over. Without it they are refused (but in a .vtu), unless all cells are
-        inverted.
+        repair: turn inverted cells of other programs over, with a warning that counts them. Without it they are refused, unless
+            all cells are inverted.
+        strict: what would be a warning raises pamr.Error, as with ``pamr-convert --strict``.
         """
         require_comm(comm)
-        path = agree(comm, lambda: (path_of(file), (path_of(file), bool(repair))))
-        core, remarks = _core.read(_address(comm), path, bool(repair))
+        path, repair, strict = agree(comm, lambda: 2 * ((path_of(file), bool(repair), bool(strict)),))
+        core, remarks = _core.read(_address(comm), path, repair, strict)
         if comm.rank == 0:
             for remark in remarks:
                 warnings.warn(remark, stacklevel=2)

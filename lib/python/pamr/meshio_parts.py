@@ -15,6 +15,7 @@ from .together import integers, plain, reals, require_shape
 PHYSICAL, ENTITY = "gmsh:physical", "gmsh:geometrical"
 TAGS = (PHYSICAL, ENTITY, "medit:ref", "tetgen:ref", "netgen:index", "ugrid:ref", "nastran:ref", "su2:tag",
         "avsucd:material", "CellEntityIds")
+PREFIX = {PHYSICAL: "physical_", ENTITY: "surface_", "medit:ref": "ref_", "ugrid:ref": "surface_"}  #: as the readers of these formats
 REGION = "region"
 # Of the files that PAMR writes: numbers of patches, whose names stand in field data.
 OWN_TAGS, OWN_NAMES = ("boundary_patch", "patch"), "patch "
@@ -151,7 +152,10 @@ def _group(mesh: Any, kind: str, key: Optional[str], names: Optional[Mapping[int
         names = names if dimension == 2 else {}
     elif names is None:
         names = {int(v[0]): k for k, v in mesh.field_data.items() if np.shape(v) == (2,) and v[1] == dimension}
-    return Group(kind, nodes, tags, dict(names), _sets(mesh, kind))
+    names = dict(names)
+    if dimension == 2 and key in PREFIX:
+        names = {**{tag: f"{PREFIX[key]}{tag}" for tag in np.unique(tags).tolist()}, **names}
+    return Group(kind, nodes, tags, names, _sets(mesh, kind))
 
 
 def _numbers(name: str, values: np.ndarray, n: int) -> np.ndarray:

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <string_view>
 
+#include "pamr/base/error.hpp"
 #include "pamr/mesh/periodic_patches.hpp"
 
 namespace pamr::io {
@@ -40,9 +41,10 @@ void add_unused_groups(const ElementMesh& read, std::vector<std::string>& remark
 std::vector<std::string> remarks_of(const ElementMesh& read) {
   std::vector<std::string> remarks;
   for (const auto& overlap : read.overlaps)
-    remarks.push_back(fmt::format(
-        "{} {} are in the group '{}' and in '{}': they stay in '{}', which has the smaller number", overlap.n_elements,
-        overlap.dimension == 2 ? "triangles" : "tetrahedra", overlap.kept, overlap.other, overlap.kept));
+    remarks.push_back(fmt::format("{} {} are in the group '{}' and in '{}': they stay in '{}', {}", overlap.n_elements,
+                                  overlap.dimension == 2 ? "triangles" : "tetrahedra", overlap.kept, overlap.other,
+                                  overlap.kept, overlap.why_kept));
+  remarks.insert(remarks.end(), read.remarks.begin(), read.remarks.end());
   add_unused_groups(read, remarks);
   for (const auto& [group, n] : read.inner_faces)
     remarks.push_back(
@@ -60,6 +62,31 @@ std::vector<std::string> remarks_of(const ElementMesh& read) {
   if (auto warning = mesh::warning_of_periodic(read.mesh.info.patches); !warning.empty())
     remarks.push_back(std::move(warning));
   return remarks;
+}
+
+void refuse_changes(const ElementMesh& read, const std::string& source) {
+  const auto refuse = [&](std::int64_t n, const char* text) {
+    if (n > 0) throw Error(source + ": expected " + fmt::format(fmt::runtime(text), n));
+  };
+  for (const auto& one : read.overlaps)
+    throw Error(fmt::format("{}: expected elements in one group each, found {} {} in '{}' and in '{}'", source,
+                            one.n_elements, elements_of.at(static_cast<std::size_t>(one.dimension)), one.kept,
+                            one.other));
+  for (const auto& [group, n] : read.inner_faces)
+    throw Error(fmt::format("{}: expected surfaces on the boundary, found {} triangles of '{}' between two regions",
+                            source, n, group));
+  for (const auto& group : read.unused_groups)
+    throw Error(
+        group.n_elements > 0
+            ? fmt::format("{}: expected groups of triangles and tetrahedra, found '{}' with {} {}", source, group.name,
+                          group.n_elements, elements_of.at(static_cast<std::size_t>(group.dimension)))
+            : fmt::format("{}: expected elements in every named group, found none in '{}'", source, group.name));
+  refuse(read.n_untagged_triangles, "a tag on every triangle, found {} without");
+  refuse(read.n_turned, "cells of positive volume, found {} inverted ones");
+  refuse(read.n_periodic_links, "no periodic links, found {}");
+  refuse(read.n_dropped_nodes, "nodes that belong to cells, found {} others");
+  refuse(read.n_untagged_faces, "a triangle on every boundary face, found {} faces without");
+  for (const auto& remark : read.remarks) throw Error(source + ": " + remark);
 }
 
 }  // namespace pamr::io

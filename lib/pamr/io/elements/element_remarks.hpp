@@ -11,4 +11,7 @@ namespace pamr::io {
 /// What the reader of a file of elements had to change or leave out, with counts: one sentence each, for warnings.
 std::vector<std::string> remarks_of(const ElementMesh& read);
 
+/// Throws `Error`, which begins with `source`, for the first of these: what is strict accepts none. Local.
+void refuse_changes(const ElementMesh& read, const std::string& source);
+
 }  // namespace pamr::io

@@ -18,10 +18,12 @@
 #include "pamr/assemble/turn_inverted.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/base/index.hpp"
+#include "pamr/io/text.hpp"
 #include "pamr/mesh/region_faces.hpp"
 #include "pamr/order/order_along_curve.hpp"
 #include "pamr/par/exchange.hpp"
 #include "pamr/par/gather_few.hpp"
+#include "pamr/validate/validate_cells.hpp"
 
 namespace pamr::io {
 
@@ -311,6 +313,33 @@ void drop_patches_without_faces(const par::Comm& comm, mesh::DistMesh& mesh) {
       if (neighbor < 0) neighbor = mesh::patch_to_slot(now[at(mesh::slot_to_patch(neighbor))]);
 }
 
+/// Faces whose two cells lie on the same side, which have positive volumes. Collective.
+std::int64_t count_folds(const par::Comm& comm, const mesh::DistMesh& mesh) {
+  std::int64_t n = 0;
+  for (LocalId c = 0; c < mesh.n_cells(); ++c)
+    for (int slot = 0; slot < 4; ++slot) {
+      const auto next = mesh.cell_to_cell[at(c)][at(slot)];
+      if (!mesh.is_own(next) || next < c) continue;
+      const auto& back = mesh.cell_to_cell[at(next)];
+      const auto there = static_cast<int>(std::find(back.begin(), back.end(), c) - back.begin());
+      if (validate::face_sign(mesh, {c, slot}) == validate::face_sign(mesh, {next, there})) ++n;
+    }
+  par::Pattern border{mesh.border_rank, mesh.border_offset, {}};
+  std::vector<int> sign;
+  for (const auto& face : mesh.border_face) {
+    border.item.push_back(static_cast<LocalId>(sign.size()));
+    sign.push_back(validate::face_sign(mesh, face));
+  }
+  const par::Exchange exchange(comm, border);
+  par::fold_shared(
+      exchange, [&](LocalId k) { return sign[at(k)]; },
+      [&](LocalId k, int theirs) {
+        const auto own = mesh.cell_global[at(mesh.border_face[at(k)].cell)];
+        if (theirs == sign[at(k)] && own < mesh.ghost_global[at(k)]) ++n;
+      });
+  return comm.sum(n);
+}
+
 /// Where the ordered mesh has put the nodes: triangles in its numbers. Collective.
 void renumber(const par::Comm& comm, const order::Ordered& ordered, GlobalId n_nodes, std::vector<Triangle>& triangle) {
   const auto own = par::block_range(n_nodes, comm.rank(), comm.size());
@@ -416,10 +445,21 @@ ElementMesh mesh_of_elements(const par::Comm& comm, ElementParts parts, const st
     if (n_flat > 0) throw Error(fmt::format("expected cells with a volume, found {} flat ones", n_flat));
     result.n_turned = n_turned;
     assemble_in_order(comm, std::move(block), numbered, options, {result, boundary.node});
+    if (const auto n_folds = count_folds(comm, result.mesh); n_folds > 0)
+      throw Error(
+          fmt::format("expected cells on either side of a face, found {} faces with two on one side: cells are "
+                      "folded over their neighbors",
+                      n_folds));
   });
   auto& patches = result.mesh.info.patches;
   for (const auto group : groups) patches.push_back(patch_of_group(group));
   result.mesh.info.regions = named_regions(parts);
+  with_source(source, [&] {
+    for (std::size_t p = 0; p < patches.size(); ++p)
+      require_clean_name(fmt::format("patch {}", groups[p]), patches[p].name);
+    for (const auto& region : result.mesh.info.regions)
+      require_clean_name(fmt::format("region {}", region.number), region.name);
+  });
   const auto match = tag_faces(comm, result.mesh, boundary, static_cast<int>(patches.size()));
   require_fitting_triangles(match, source, first_misfit(comm, parts, match, patch_of_group));
   result.n_untagged_faces = match.n_untagged;

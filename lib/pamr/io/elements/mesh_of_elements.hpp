@@ -19,7 +19,7 @@ namespace pamr::io {
 enum class CellOrder : std::uint8_t { automatic, keep, curve };
 
 struct ElementOptions {
-  Exact<bool> repair = false;  ///< turn inverted cells over instead of refusing them, where not all are
+  Exact<bool> repair = true;  ///< turn inverted cells over; else they are refused, where not all are
   CellOrder order = CellOrder::curve;
   Exact<bool> with_origin = false;  ///< fill `node_origin`, and `cell_origin` of the mesh
 };
@@ -29,6 +29,7 @@ struct GroupOverlap {
   int dimension = 0;  ///< 2: triangles, 3: tetrahedra
   std::string kept, other;
   std::int64_t n_elements = 0;
+  std::string why_kept = "which has the smaller number";  ///< as the end of a sentence
 };
 
 /// A group that is no part of a mesh: a named one without any element, or one of points or lines.
@@ -51,6 +52,7 @@ struct ElementMesh {
   std::int64_t n_untagged_triangles = 0;   ///< that no group has: left out
   std::vector<UnusedGroup> unused_groups;  ///< by dimension and number
   std::string why_empty;                   ///< see `ElementParts`
+  std::vector<std::string> remarks;        ///< what else was changed or left out
   std::vector<GlobalId> node_origin;  ///< of each node of this rank its place among those given; with `with_origin`
 };
 
@@ -58,13 +60,13 @@ struct ElementMesh {
 std::string source_of(const std::filesystem::path& file);
 
 /// Makes a mesh of what a file or arrays say, the one way in for all of them: groups of triangles become patches, in ascending order, with the names and kinds
-/// of `patch_of_group`; those of tetrahedra the cell field `region` (0 for those below), with the names of
+/// of `patch_of_group`; those of tetrahedra the cell field `region`, with the names of
 /// `parts.group_name`. Nodes of no cell and triangles between two regions are left out. Cells are put in order along
 /// Hilbert's curve, or as `options` say.
 ///
 /// Collective; the result does not depend on the number of ranks. `parts.group_name` must be the same on every rank.
 /// Throws the same `Error` on every rank, which begins with `source`: by name, with counts, for elements of other kinds,
-/// triangles inside a region or apart from the cells, cells that are inverted (unless `repair`) or flat,
+/// triangles inside a region or apart from the cells, cells that are inverted (without `repair`), folded or flat,
 /// node numbers that are missing, twice or so scattered that no table holds them (more than 64 times as many as nodes).
 ElementMesh mesh_of_elements(const par::Comm& comm, ElementParts parts, const std::string& source,
                              const ElementOptions& options,

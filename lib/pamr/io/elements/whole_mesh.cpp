@@ -42,14 +42,12 @@ void check(WholeMesh& mesh) {
   for (const auto tag : mesh.tag) mesh.patch_of_tag.emplace(tag, mesh::Patch{fmt::format("patch_{}", tag), ""});
   std::set<std::string> seen;
   for (const auto& [tag, patch] : mesh.patch_of_tag) {
-    if (patch.name.empty() || !is_clean_text(patch.name, ""))
-      throw Error(fmt::format("expected a name of patch {} in UTF-8 without control characters, found another", tag));
+    require_clean_name(fmt::format("patch {}", tag), patch.name);
+    if (patch.name.empty()) throw Error(fmt::format("expected a name of patch {}, found an empty one", tag));
     if (!seen.insert(patch.name).second)
       throw Error(fmt::format("expected different names of patches, found '{}' twice", patch.name));
   }
-  for (const auto& [region, name] : mesh.name_of_region)
-    if (!is_clean_text(name, ""))
-      throw Error(fmt::format("expected a name of region {} in UTF-8 without control characters", region));
+  for (const auto& [region, name] : mesh.name_of_region) require_clean_name(fmt::format("region {}", region), name);
 }
 
 WholeMesh read_named(const std::filesystem::path& file, const std::function<WholeMesh()>& read) {
@@ -63,21 +61,30 @@ WholeMesh read_named(const std::filesystem::path& file, const std::function<Whol
   }
 }
 
+/// Lines of the first rank on all. Collective.
+std::vector<std::string> share_lines(const par::Comm& comm, const std::vector<std::string>& lines) {
+  std::string text;
+  for (const auto& line : lines) text += line + '\n';
+  text = comm.broadcast(text);
+  std::vector<std::string> shared;
+  for (std::size_t begin = 0; begin < text.size(); begin += shared.back().size() + 1)
+    shared.push_back(text.substr(begin, text.find('\n', begin) - begin));
+  return shared;
+}
+
 /// The fields of the first rank with their names and types on the others, which have no values. Collective.
 std::vector<mesh::Field> share_outline(const par::Comm& comm, std::vector<mesh::Field> fields) {
-  std::string names;
+  std::vector<std::string> names;
   std::vector<int> numbers;
   for (const auto& field : fields) {
-    names += field.name + '\n';
+    names.push_back(field.name);
     numbers.insert(numbers.end(), {field.n_components, static_cast<int>(field.storage)});
   }
-  names = comm.broadcast(names);
+  names = share_lines(comm, names);
   numbers = comm.broadcast(numbers);
   if (comm.is_first()) return fields;
-  for (std::size_t i = 0; i < numbers.size(); i += 2) {
-    const auto end = names.find('\n');
-    mesh::Field field{names.substr(0, end), "", numbers[i], static_cast<mesh::StorageType>(numbers[i + 1]), {}};
-    names.erase(0, end + 1);
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    mesh::Field field{names[i], "", numbers[2 * i], static_cast<mesh::StorageType>(numbers[2 * i + 1]), {}};
     if (mesh::is_integer(field.storage)) field.value = std::vector<std::int64_t>();
     fields.push_back(std::move(field));
   }
@@ -87,25 +94,33 @@ std::vector<mesh::Field> share_outline(const par::Comm& comm, std::vector<mesh::
 /// Names by number, each with a second text, of the first rank on all. Collective.
 std::map<std::int64_t, mesh::Patch> share_names(const par::Comm& comm,
                                                 const std::map<std::int64_t, mesh::Patch>& names) {
-  std::string text;
+  std::vector<std::string> lines;
   std::vector<std::int64_t> numbers;
   for (const auto& [number, patch] : names) {
-    text += patch.name + '\n' + patch.kind + '\n';
+    lines.insert(lines.end(), {patch.name, patch.kind});
     numbers.push_back(number);
   }
-  text = comm.broadcast(text);
+  lines = share_lines(comm, lines);
   numbers = comm.broadcast(numbers);
   std::map<std::int64_t, mesh::Patch> shared;
-  std::string_view rest = text;
-  const auto next = [&] {
-    const auto line = rest.substr(0, rest.find('\n'));
-    rest.remove_prefix(line.size() + 1);
-    return std::string(line);
-  };
-  for (const auto number : numbers) {
-    auto name = next();
-    shared[number] = {std::move(name), next()};
+  for (std::size_t i = 0; i < numbers.size(); ++i) shared[numbers[i]] = {lines[2 * i], lines[2 * i + 1]};
+  return shared;
+}
+
+/// Likewise. Collective.
+std::vector<GroupOverlap> share_overlaps(const par::Comm& comm, const std::vector<GroupOverlap>& overlaps) {
+  std::vector<std::string> lines;
+  std::vector<std::int64_t> numbers;
+  for (const auto& one : overlaps) {
+    lines.insert(lines.end(), {one.kept, one.other, one.why_kept});
+    numbers.insert(numbers.end(), {one.dimension, one.n_elements});
   }
+  lines = share_lines(comm, lines);
+  numbers = comm.broadcast(numbers);
+  std::vector<GroupOverlap> shared;
+  for (std::size_t i = 0; 2 * i < numbers.size(); ++i)
+    shared.push_back(
+        {static_cast<int>(numbers[2 * i]), lines[3 * i], lines[3 * i + 1], numbers[2 * i + 1], lines[3 * i + 2]});
   return shared;
 }
 
@@ -115,6 +130,7 @@ ElementParts to_parts(const par::Comm& comm, WholeMesh whole) {
   parts.n_nodes = comm.sum(std::ssize(whole.point));
   parts.n_elements = comm.sum(std::ssize(whole.cell));
   parts.has_regions = comm.any(!whole.region.empty());
+  parts.has_signed_regions = true;
   parts.refused = std::move(whole.refused);
   const auto scatter = [&](auto& rows, std::int64_t n, std::size_t width) {
     using T = typename std::remove_cvref_t<decltype(rows)>::value_type;
@@ -157,11 +173,16 @@ ElementMesh mesh_of_whole(const par::Comm& comm, const std::filesystem::path& fi
   std::map<std::int64_t, mesh::Patch> regions;
   for (const auto& [number, name] : mesh.name_of_region) regions[number] = {name, ""};
   regions = whole::share_names(comm, regions);
+  auto overlaps = whole::share_overlaps(comm, mesh.overlaps);
+  auto remarks = whole::share_lines(comm, mesh.remarks);
   auto parts = whole::to_parts(comm, std::move(mesh));
   for (const auto& [number, patch] : patches) parts.group_name[{2, number}] = patch.name;
   for (const auto& [number, region] : regions) parts.group_name[{3, number}] = region.name;
-  return mesh_of_elements(comm, std::move(parts), source_of(file), options,
-                          [&](std::int64_t tag) { return patches.at(tag); });
+  auto result = mesh_of_elements(comm, std::move(parts), source_of(file), options,
+                                 [&](std::int64_t tag) { return patches.at(tag); });
+  result.overlaps = std::move(overlaps);
+  result.remarks = std::move(remarks);
+  return result;
 }
 
 }  // namespace pamr::io

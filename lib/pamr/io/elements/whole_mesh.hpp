@@ -28,6 +28,8 @@ struct WholeMesh {
   std::map<std::int64_t, mesh::Patch> patch_of_tag;   ///< `patch_N` where a tag is not in it
   std::map<std::int64_t, std::string> name_of_region;
   std::vector<mesh::Field> cell_fields, node_fields;
+  std::vector<GroupOverlap> overlaps;
+  std::vector<std::string> remarks;     ///< what else the reader has changed or left out, in one line each
   std::map<int, std::int64_t> refused;  ///< as in `ElementParts`
 };
 

@@ -152,6 +152,7 @@ ElementMesh read_medit(const par::Comm& comm, const std::filesystem::path& file,
     parts.cell_fields = std::move(fields.cell_fields);
     name_fields(parts, options);
   }
+  parts.has_signed_regions = true;
   return mesh_of_elements(comm, std::move(parts), source_of(file), options, [](std::int64_t reference) {
     return mesh::Patch{fmt::format("ref_{}", reference), ""};
   });

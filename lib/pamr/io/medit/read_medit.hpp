@@ -17,7 +17,7 @@ struct MeditOptions : ElementOptions {
 
 /// Reads a mesh in Medit's format, text (`.mesh`) or binary (`.meshb`, versions 1 to 4, either order of bytes), whose
 /// cells are tetrahedra, and the fields on its vertices and tetrahedra. The format knows references alone: triangles of
-/// reference N become the patch `ref_N`; references of tetrahedra the cell field `region` (0 for those below 0). What
+/// reference N become the patch `ref_N`; references of tetrahedra the cell field `region`. What
 /// else it may hold (edges, corners, normals, references of vertices) is passed over.
 ///
 /// Collective; every rank reads its share. In a text each vertex and element has to be a line of its own. Throws the

@@ -42,6 +42,7 @@ class LegacyReader {
  private:
   void read_head() {
     in_.skip_byte_order_mark();
+    skip_blank_lines();
     const auto begin = in_;
     if (!in_.line().starts_with("# vtk DataFile"))
       begin.fail("a legacy file of VTK, which begins with \"# vtk DataFile Version\"", what_begins(begin.rest()));
@@ -194,6 +195,7 @@ class LegacyReader {
       (void)in_.line();
       if (type == "string") {
         skip_texts(in_.checked_count(n, 1, "texts"));
+        if (n_rows_) grid_.arrays.push_back({is_on_points_, name, type, width, {}});  // no field, which is said
         continue;
       }
       keep(name, numbers_.type_named(type), width, n);
@@ -258,8 +260,8 @@ class LegacyReader {
 
 namespace pamr::io {
 
-ElementMesh read_legacy_vtk(const par::Comm& comm, const std::filesystem::path& file) {
-  return mesh_of_whole(comm, file, {.repair = true}, [&] {
+ElementMesh read_legacy_vtk(const par::Comm& comm, const std::filesystem::path& file, const ElementOptions& options) {
+  return mesh_of_whole(comm, file, options, [&] {
     const MappedFile mapped(file);
     TextCursor in(mapped.bytes(), file.string());
     return vtk::to_whole_mesh(vtk::LegacyReader(in).read());

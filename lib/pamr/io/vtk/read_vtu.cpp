@@ -69,8 +69,8 @@ WholeMesh read_whole(const std::filesystem::path& file) {
 
 namespace pamr::io {
 
-ElementMesh read_vtu(const par::Comm& comm, const std::filesystem::path& file) {
-  return mesh_of_whole(comm, file, {.repair = true}, [&] { return vtk::read_whole(file); });
+ElementMesh read_vtu(const par::Comm& comm, const std::filesystem::path& file, const ElementOptions& options) {
+  return mesh_of_whole(comm, file, options, [&] { return vtk::read_whole(file); });
 }
 
 }  // namespace pamr::io

@@ -14,10 +14,10 @@ namespace pamr::io {
 /// (`gmsh:physical`, `medit:ref`, `CellEntityIds`, ...), which is no field then; the latter are the regions of the
 /// tetrahedra, too. Without such an array triangles are left out, vertices and lines always. Field data `patch NAME`
 /// give the patch of that number its name, as in the files of `write_vtu`, and mark these: `mean_ratio` as it writes it
-/// is no field. `level` of 8 bits never is one, as in native files. Inverted cells are turned over.
+/// is no field. `level` of 8 bits never is one, as in native files.
 ///
 /// Rank 0 reads the file as a whole, as befits a format of text. Collective. Throws the same `Error` on every rank for
 /// what is no such file, and for what `mesh_of_elements` refuses.
-ElementMesh read_vtu(const par::Comm& comm, const std::filesystem::path& file);
+ElementMesh read_vtu(const par::Comm& comm, const std::filesystem::path& file, const ElementOptions& options = {});
 
 }  // namespace pamr::io

@@ -19,11 +19,25 @@ namespace pamr::io::vtk {
 
 namespace {
 
+/// An array of tags, and what begins the names of patches that have none: as the reader of that format calls them.
+struct TagArray {
+  std::string_view name, prefix = "patch_";
+};
+
 /// Of the patches, and but for the first two of the regions as well; the first is what `write_vtu` calls them where a
 /// field is called `patch`, the rest come from VTK and from meshio.
-constexpr std::array<std::string_view, 12> tag_names{
-    "boundary_patch", "patch",     "gmsh:physical", "gmsh:geometrical", "medit:ref",       "tetgen:ref",
-    "netgen:index",   "ugrid:ref", "nastran:ref",   "su2:tag",          "avsucd:material", "CellEntityIds"};
+constexpr std::array<TagArray, 12> tag_arrays{{{"boundary_patch"},
+                                               {"patch"},
+                                               {"gmsh:physical", "physical_"},
+                                               {"gmsh:geometrical", "surface_"},
+                                               {"medit:ref", "ref_"},
+                                               {"tetgen:ref"},
+                                               {"netgen:index"},
+                                               {"ugrid:ref", "surface_"},
+                                               {"nastran:ref"},
+                                               {"su2:tag"},
+                                               {"avsucd:material"},
+                                               {"CellEntityIds"}}};
 
 /// Rows of the tetrahedra and of the triangles among all cells.
 struct CellRows {
@@ -88,14 +102,28 @@ bool is_extra(const GridArray& array, bool is_ours) {
 }
 
 /// Whether tags are of triangles alone; those of other programs say the region of a tetrahedron, too.
-bool is_of_patches(const GridArray& tags) { return tags.name == tag_names[0] || tags.name == tag_names[1]; }
+bool is_of_patches(const GridArray& tags) { return tags.name == tag_arrays[0].name || tags.name == tag_arrays[1].name; }
 
 bool is_integer(const GridArray& array) {
   return array.n_components == 1 && is_number_type(array.type) && mesh::is_integer(storage_of(array.type));
 }
 
+/// Names patches that have none. Pre: `tags` is one of `tag_arrays`.
+void name_patches(const GridArray& tags, WholeMesh& mesh) {
+  const auto* known =
+      std::find_if(tag_arrays.begin(), tag_arrays.end(), [&](const auto& t) { return t.name == tags.name; });
+  for (const auto tag : mesh.tag)
+    mesh.patch_of_tag.emplace(tag, mesh::Patch{fmt::format("{}{}", known->prefix, tag), ""});
+}
+
+/// What is said of an array that is no field.
+std::string remark_on(const GridArray& array) {
+  return fmt::format("the array '{}' was left out: a field has numbers, and a name without '/' and control characters",
+                     shown_text(array.name));
+}
+
 const GridArray* find_tags(const Grid& grid) {
-  for (const auto name : tag_names) {
+  for (const auto& [name, prefix] : tag_arrays) {
     const auto found = std::find_if(grid.arrays.begin(), grid.arrays.end(), [&](const GridArray& array) {
       return !array.is_on_points && array.name == name && is_integer(array);
     });
@@ -133,9 +161,14 @@ WholeMesh to_whole_mesh(const Grid& grid) {
   });
   if (has_regions && !has_field) mesh.region = std::move(field_of(*tags, &rows.of_cells).integer());
   mesh.patch_of_tag = grid.patch_of_tag;
+  if (tags != nullptr) name_patches(*tags, mesh);
   const bool is_ours = !grid.patch_of_tag.empty();
   for (const auto& array : grid.arrays) {
-    if (!is_field(array) || &array == tags) continue;
+    if (&array == tags) continue;
+    if (!is_field(array)) {
+      mesh.remarks.push_back(remark_on(array));
+      continue;
+    }
     if (array.is_on_points)
       mesh.node_fields.push_back(field_of(array, nullptr));
     else if (!is_extra(array, is_ours) && !(has_regions && array.name == "gmsh:geometrical"))
