@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <zlib.h>
+
 #include <array>
 #include <cstring>
 #include <fstream>
@@ -17,7 +19,8 @@ namespace pamr::fuzz {
 namespace {
 
 /// A case is damaged as one file: its parts one after another, each behind a line with its name.
-constexpr std::array<const char*, 6> parts{"points", "faces", "owner", "neighbour", "boundary", "cellZones"};
+constexpr std::array<const char*, 7> parts{"points",    "points.gz", "faces",    "owner",
+                                           "neighbour", "boundary",  "cellZones"};
 
 std::string line_before(const std::string& part) { return "//FILE " + part + "\n"; }
 
@@ -52,10 +55,31 @@ std::string binary_case() {
          " \"far field\" { type patch; nFaces 1; startFace 3; }\n)\n";
 }
 
+std::string packed(const std::string& text, const std::filesystem::path& file) {
+  auto* out = gzopen(file.c_str(), "wb");
+  gzwrite(out, text.data(), static_cast<unsigned>(text.size()));
+  gzclose(out);
+  return text_of(file);
+}
+
+/// A tetrahedron as OpenFOAM writes it in text, with one value for all cells, zones with a cell in common, and packed
+/// points.
+std::string short_case(const std::filesystem::path& folder) {
+  const auto points = head("vectorField", "points", "ascii") + "4\n(\n(0 0 0)\n(1 0 0)\n(0 1 0)\n(0 0 1)\n)\n";
+  return line_before("points.gz") + packed(points, folder / "packed") + line_before("faces") +
+         head("faceList", "faces", "ascii") + "4\n(\n3(0 2 1)\n3(0 1 3)\n3(0 3 2)\n3(1 2 3)\n)\n" +
+         line_before("owner") + head("labelList", "owner", "ascii") + "4{0}\n" + line_before("neighbour") +
+         head("labelList", "neighbour", "ascii") + "0()\n" + line_before("boundary") +
+         head("polyBoundaryMesh", "boundary", "ascii") + "1\n(\n wall { type wall; nFaces 4; startFace 0; }\n)\n" +
+         line_before("cellZones") + head("regIOobject", "cellZones", "ascii") +
+         "2\n(\n gas { type cellZone; cellLabels List<label> 1{0}; }\n all { type cellZone; cellLabels List<label> "
+         "1(0); }\n)\n";
+}
+
 }  // namespace
 
-// 0 our own; 1 binary
-int n_seed_files() { return 2; }
+// 0 our own; 1 binary; 2 packed, with lists of one value
+int n_seed_files() { return 3; }
 
 std::string damaged(const std::string& good, std::uint64_t seed) { return mutate(good, seed); }
 
@@ -83,9 +107,12 @@ void write_seed_files(const par::Comm& comm, const std::filesystem::path& folder
   mesh.cell_fields.push_back({"region", "", 1, mesh::StorageType::int32, region});
   io::write_foam(comm, folder / "own", mesh);
   std::ofstream own(folder / seed_name(0), std::ios::binary);
-  for (const auto* part : parts) own << line_before(part) << text_of(io::foam_folder(folder / "own") / part);
+  for (const auto* part : parts)
+    if (std::filesystem::exists(io::foam_folder(folder / "own") / part))
+      own << line_before(part) << text_of(io::foam_folder(folder / "own") / part);
   own.close();
   std::ofstream(folder / seed_name(1), std::ios::binary) << binary_case();
+  std::ofstream(folder / seed_name(2), std::ios::binary) << short_case(folder);
   for (int i = 0; i < n_seed_files(); ++i) read_file(comm, folder / seed_name(i));  // good ones
 }
 

@@ -62,8 +62,9 @@ void write_cube(const std::filesystem::path& file, bool is_binary, bool is_new) 
       << numbers(std::vector<std::int32_t>{5, 5, 10, 10, 10, 10, 10, 10}, is_binary)
       << "POINT_DATA 8\nVECTORS v double\n"
       << numbers(points, is_binary) << "CELL_DATA 8\nSCALARS patch int 1\nLOOKUP_TABLE default\n"
-      << numbers(std::vector<std::int32_t>{4, 4, 0, 0, 0, 0, 0, 0}, is_binary) << "FIELD FieldData 1\na%20b 1 8 float\n"
-      << numbers(std::vector<float>{0, 1, 2, 3, 4, 5, 6, 7.5F}, is_binary);
+      << numbers(std::vector<std::int32_t>{4, 4, 0, 0, 0, 0, 0, 0}, is_binary) << "FIELD FieldData 2\na%20b 1 8 float\n"
+      << numbers(std::vector<float>{0, 1, 2, 3, 4, 5, 6, 7.5F}, is_binary) << "on 1 8 bit\n"
+      << (is_binary ? "\xa7\n" : "1 0 1 0 0 1 1 1\n");
 }
 
 }  // namespace

@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Meshes of other programs: dialects of their formats, files that are something else, and one way in for files and arrays: the
 same mesh, the same words."""
+import gzip
 import pathlib
+import shutil
 import subprocess
 import warnings
 
@@ -89,11 +91,11 @@ def test_dialects_of_formats_are_read():
         if not name.endswith(".su2"):
             assert COMM.allreduce(mesh.cell_fields["region"].tolist()) == [7], name
     assert mesh.node_fields["a v"].shape[1:] == (3,)
-    named, _ = read("names.mfem", MFEM.replace("v1.0", "v1.3").replace(
-        "vertices\n", 'attribute_sets\n1\n"gas" 1 7\n\nbdr_attribute_sets\n2\n"near wall" 1 1\n"both" 2 1 2\n\nvertices\n'))
     for array, name in (("gmsh:physical", "physical_"), ("gmsh:geometrical", "surface_"), ("ugrid:ref", "surface_"),
                         ("CellEntityIds", "patch_"), ("netgen:index", "patch_")):
         assert faces_of(read("array.vtk", VTK.replace("medit:ref", array))[0]) == {f"{name}1": 2, f"{name}2": 2}, array
+    named, _ = read("names.mfem", MFEM.replace("v1.0", "v1.3").replace(
+        "vertices\n", 'attribute_sets\n1\n"gas" 1 7\n\nbdr_attribute_sets\n2\n"near wall" 1 1\n"both" 2 1 2\n\nvertices\n'))
     assert named.patches == ["near wall", "patch_2"] and named.regions == {7: "gas"}
 
 
@@ -288,6 +290,110 @@ def one_cell_case(**change):
     return files
 
 
+def pack(name):
+    """A file of the case as OpenFOAM's writeCompression leaves it."""
+    if COMM.rank == 0:
+        path = pathlib.Path("one/constant/polyMesh") / name
+        path.with_name(name + ".gz").write_bytes(gzip.compress(path.read_bytes()))
+        path.unlink()
+    COMM.barrier()
+
+
+@in_folder
+def test_lists_of_one_value_and_packed_files_of_openfoam_are_read():
+    good = one_cell_case()
+    zones = lambda text: good["owner"].replace("4\n(\n0\n0\n0\n0\n)", text)
+    for uniform in ("4{0}", "4 { 0 }", "4\n{\n0\n}"):
+        one_cell_case(owner=zones(uniform), cellZones=zones("1\n(\n gas { type cellZone; cellLabels List<label> 1{0}; }\n)"))
+        mesh, told = told_by(lambda: pamr.Mesh.read(COMM, "one"))
+        assert faces_of(mesh) == {"wall": 3, "rest": 1} and told == [] and mesh.regions == {1: "gas"}, (uniform, told)
+    for name in ("owner", "points", "faces", "neighbour", "boundary", "cellZones"):
+        pack(name)
+        mesh, told = told_by(lambda: pamr.Mesh.read(COMM, "one"))
+        assert faces_of(mesh) == {"wall": 3, "rest": 1} and told == [] and mesh.regions == {1: "gas"}, name
+    mesh.cell_fields.clear()
+    if COMM.rank == 0:
+        time = pathlib.Path("one/0")
+        time.mkdir()
+        (time / "T").write_text("FoamFile\n{\n version 2.0;\n format ascii;\n class volScalarField;\n object T;\n}\ndimensions [0 0 0 1 0 0 0];\n"
+                                "internalField uniform 7;\nboundaryField\n{\n \".*\" { type zeroGradient; }\n}\n")
+    COMM.barrier()
+    pamr.openfoam.read_fields(mesh, "one", "0")  # which compares the packed faces
+    assert COMM.allreduce(mesh.cell_fields["T"].tolist()) == [7]
+    folder = pathlib.Path("one/constant/polyMesh")
+    if COMM.rank == 0:
+        shutil.copy(folder / "points.gz", "good.gz")
+    COMM.barrier()
+    whole = pathlib.Path("good.gz").read_bytes()
+    for bad, words in ((whole[:-20], "that of the file"), (b"", "that of the file"), (b"no gzip at all", "damaged"),
+                       (whole[:30] + bytes(9) + whole[39:], "damaged")):
+        if COMM.rank == 0:
+            (folder / "points.gz").write_bytes(bad)
+        COMM.barrier()
+        message = error_of(lambda: pamr.Mesh.read(COMM, "one"))
+        assert message.startswith("file 'one/constant/polyMesh/points.gz': expected") and words in message, message
+    if COMM.rank == 0:  # gzip may have packed it in parts
+        text = gzip.decompress(whole)
+        (folder / "points.gz").write_bytes(gzip.compress(text[:50]) + gzip.compress(text[50:]))
+    COMM.barrier()
+    assert faces_of(pamr.Mesh.read(COMM, "one")) == {"wall": 3, "rest": 1}
+
+
+@in_folder
+def test_cells_of_two_zones_stay_in_the_first_one():
+    pamr.Mesh.kuhn_cube(COMM, 2).write("case")
+    if COMM.rank == 0:
+        head = "FoamFile\n{\n version 2.0;\n format ascii;\n class regIOobject;\n object cellZones;\n}\n"
+        zone = lambda name, cells: f" {name} {{ type cellZone; cellLabels List<label> {len(cells)}({' '.join(map(str, cells))}); }}\n"
+        pathlib.Path("case/constant/polyMesh/cellZones").write_text(
+            head + "3\n(\n" + zone("all", range(40)) + zone("some", range(10, 44)) + zone("few", [0, 41, 47]) + ")\n")
+    COMM.barrier()
+    mesh, told = told_by(lambda: pamr.Mesh.read(COMM, "case"))
+    region = COMM.allreduce(mesh.cell_fields["region"].tolist())
+    assert mesh.regions == {1: "all", 2: "some", 3: "few"}
+    assert region == [1] * 40 + [2] * 4 + [0] * 3 + [3], region
+    assert told == ["file 'case': 30 tetrahedra are in the group 'all' and in 'some': they stay in 'all', which comes first",
+                    "file 'case': 1 tetrahedra are in the group 'all' and in 'few': they stay in 'all', which comes first",
+                    "file 'case': 1 tetrahedra are in the group 'some' and in 'few': they stay in 'some', which comes first"], told
+    assert "expected elements in one group each, found 30 tetrahedra in 'all' and in 'some'" in error_of(
+        lambda: pamr.Mesh.read(COMM, "case", strict=True))
+
+
+@in_folder
+def test_strict_reading_refuses_what_would_be_a_warning():
+    arrays = two_regions()
+    files = as_files(*arrays)
+    for name, text in files.items():
+        assert "expected" in error_of(lambda: pamr.Mesh.read(COMM, write(name, text), strict=True)), name
+    for name, text in (("plain.msh", MSH), ("plain.mesh", MEDIT), ("plain.su2", SU2), ("plain.mfem", MFEM), ("plain.vtk", VTK)):
+        assert pamr.Mesh.read(COMM, write(name, text), strict=True).n_cells == 1
+    corner, faces = arrays[0][:4], np.array([[0, 1, 2], [0, 1, 3], [0, 2, 3], [1, 2, 3]])
+    apart = as_files(np.vstack([corner, corner + 9]), np.arange(8).reshape(2, 4), np.ones(2, int), np.vstack([faces, faces + 4]), np.ones(8, int))
+    for name, text in apart.items():
+        assert "the mesh is in 2 pieces" in error_of(lambda: pamr.Mesh.read(COMM, write(name, text), strict=True)), name
+
+
+@in_folder
+def test_bits_and_texts_of_legacy_vtk():
+    point_bits = "FIELD FieldData 2\nflags 2 4 bit\n1 0 0 1 1 0 1 0\nnames 1 4 string\na\nb\nc\nd\n"
+    mesh, told = read("bits.vtk", VTK.replace("CELL_DATA 5\n", "CELL_DATA 5\nSCALARS on bit 1\nLOOKUP_TABLE default\n1 0 0 1 1\n") + point_bits)
+    assert told == ["the array 'names' was left out: a field has numbers, and a name without '/' and control characters"], told
+    assert COMM.allreduce(mesh.cell_fields["on"].tolist()) == [1] and mesh.cell_fields["on"].dtype.kind == "i"
+    text = {tuple(p): f for p, f in zip(map(tuple, mesh.points), mesh.node_fields["flags"].tolist())}
+    big = lambda kind, *numbers: np.array(numbers, kind).tobytes()
+    data = (VTK[:VTK.index("0 0 0 1 0 0")].replace("ASCII", "BINARY").encode() + big(">f8", 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1) + b"\nCELLS 5 21\n"
+            + big(">i4", 4, 0, 1, 2, 3, 3, 0, 1, 2, 3, 0, 1, 3, 3, 0, 2, 3, 3, 1, 2, 3) + b"\nCELL_TYPES 5\n" + big(">i4", 10, 5, 5, 5, 5)
+            + b"\nCELL_DATA 5\nSCALARS medit:ref int 1\nLOOKUP_TABLE default\n" + big(">i4", 7, 1, 1, 2, 2)
+            + b"\nSCALARS on bit 1\nLOOKUP_TABLE default\n\x98\nPOINT_DATA 4\nFIELD FieldData 1\nflags 2 4 bit\n\x9a\n")
+    packed, told = read("packed.vtk", data)
+    assert told == [] and COMM.allreduce(packed.cell_fields["on"].tolist()) == [1]
+    assert faces_of(packed) == {"ref_1": 2, "ref_2": 2}
+    assert {p: f for p, f in zip(map(tuple, packed.points), packed.node_fields["flags"].tolist())} == text
+    flags = {(0, 0, 0): [1, 0], (1, 0, 0): [0, 1], (0, 1, 0): [1, 0], (0, 0, 1): [1, 0]}
+    assert all(flags[p] == f for p, f in text.items()), text
+    assert "fits the file" in error_of(lambda: pamr.Mesh.read(COMM, write("bad.vtk", data.replace(b"flags 2 4 bit", b"flags 99 4 bit"))))
+
+
 @in_folder
 def test_bad_cases_of_openfoam_are_refused_with_the_place():
     good = one_cell_case()
@@ -336,6 +442,9 @@ def test_bad_files_of_the_other_readers_are_refused_with_the_place():
             (legacy("4 0 1 2 3\n", "9 0 1 2 3\n"), ["cell 0", "expected 4 nodes, found 9"]), (legacy("3 1 2 3\n", "3 1 2 7\n"), ["cell 4", "found 7"]),
             (legacy("CELL_TYPES 5\n10\n", "CELL_TYPES 5\n13\n"), ["1 prisms"]), (legacy("CELL_TYPES 5\n10\n", "CELL_TYPES 5\n99\n"), ["found 99"]),
             (legacy("CELL_DATA 5", "CELL_DATA 4"), ["expected 5 values"]), (legacy("SCALARS", "SCALES"), ["keyword", '"scales"']),
+            (("bad.su2", SU2.replace("wall", "wa\tll")), ["name of patch", "'wa?ll'", "tabs"]),
+            (("bad.msh", MSH.replace('"gas"', '"g\tas"')), ["line 8", "control characters", "group 7"]),
+            (legacy("POINTS", "FIELD FieldData 1\npatch%20in%09let 1 1 int\n2\nPOINTS"), ["name of patch 2", "'in?let'"]),
             (legacy("CELL_DATA 5\n", ""), ["before scalars"]), (legacy("0 0 1\nCELLS", "0 0 nan\nCELLS"), ["finite", "node 3"])]:
         message = error_of(lambda: pamr.Mesh.read(COMM, write(name, text)))
         assert message.startswith(f"file '{name}'") and all(word in message for word in words), (words, message)
@@ -418,6 +527,3 @@ def test_files_of_the_newest_hdf5_format_are_read():
 
 
 run_tests(globals())
-            (("bad.su2", SU2.replace("wall", "wa\tll")), ["name of patch", "'wa?ll'", "tabs"]),
-            (("bad.msh", MSH.replace('"gas"', '"g\tas"')), ["name of region 7", "'g?as'"]),
-            (legacy("POINTS", "FIELD FieldData 1\npatch%20in%09let 1 1 int\n2\nPOINTS"), ["name of patch 2", "'in?let'"]),

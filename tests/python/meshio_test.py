@@ -144,7 +144,7 @@ def test_groups_of_gmsh_keep_their_names_where_an_entity_is_reversed():
     assert faces_of(mesh) == {"floor": 2, "boundary": 10} and mesh.regions == {7: "gas"}
     assert (mesh.cell_fields["region"] == 7).all()
     given.cell_data["medit:ref"] = given.cell_data.pop("gmsh:physical")  # where a minus means nothing
-    assert set(faces_of(taken(given)[0])) == {"patch_-4", "floor", "boundary"}
+    assert set(faces_of(taken(given)[0])) == {"ref_-4", "floor", "boundary"}
 
 
 def test_what_is_left_out_beside_tags_is_said():

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <iterator>
-#include <system_error>
 #include <vector>
 
 #include "pamr/base/index.hpp"
@@ -30,8 +29,7 @@ std::int64_t count_other_faces(const par::Comm& comm, const std::filesystem::pat
   std::int64_t n_other = 0;
   par::agree(comm, [&] {
     const auto folder = foam_folder(case_folder);
-    std::error_code none;
-    if (!comm.is_first() || !std::filesystem::exists(folder / "owner", none)) return;
+    if (!comm.is_first() || !foam::is_present(folder / "owner")) return;
     std::vector<Face> faces(received.begin(), received.end());
     std::sort(faces.begin(), faces.end());
     const auto owner = foam::FoamFile(folder / "owner").labels(),

@@ -7,7 +7,8 @@
 #include <charconv>
 #include <system_error>
 
-#include "pamr/base/error.hpp"
+#include "pamr/io/elements/mesh_of_elements.hpp"
+#include "pamr/io/foam/gunzip.hpp"
 
 namespace pamr::io::foam {
 
@@ -15,19 +16,24 @@ namespace {
 
 constexpr std::string_view marks = "(){};[]";
 
-const std::filesystem::path& require_file(const std::filesystem::path& file) {
+bool is_there(const std::filesystem::path& file) {
   std::error_code none;
-  auto packed = file;
-  packed += ".gz";
-  if (!std::filesystem::exists(file, none) && std::filesystem::exists(packed, none))
-    throw Error(fmt::format("file '{}': expected a file that is not packed, found one: gunzip it", packed.string()));
-  return file;
+  return std::filesystem::exists(file, none);
 }
+
+std::filesystem::path packed_name(std::filesystem::path file) { return file += ".gz"; }
+
+bool is_packed(const std::filesystem::path& file) { return file.extension() == ".gz"; }
 
 }  // namespace
 
+bool is_present(const std::filesystem::path& file) { return is_there(file) || is_there(packed_name(file)); }
+
 FoamFile::FoamFile(const std::filesystem::path& file)
-    : mapped_(require_file(file)), in_(mapped_.bytes(), file.string()) {
+    : file_(!is_there(file) && is_present(file) ? packed_name(file) : file),
+      mapped_(file_),
+      unpacked_(is_packed(file_) ? gunzip(mapped_.bytes(), source_of(file_)) : std::string()),
+      in_(is_packed(file_) ? std::string_view(unpacked_) : mapped_.bytes(), file_.string()) {
   if (!passes("FoamFile")) fail("a file of OpenFOAM that begins with FoamFile", "another beginning");
   const auto head = dictionary([](const std::string&) { return false; });
   const auto entry = [&](const char* key) {
@@ -123,7 +129,17 @@ std::int64_t FoamFile::raw_label() {
 std::vector<std::int64_t> FoamFile::labels() {
   std::vector<std::int64_t> numbers;
   if (passes("{")) fail("a number before the list", "none");
-  const auto n = count(binary_ ? static_cast<std::size_t>(label_bytes_) : 1, "numbers");
+  const auto here = in_;
+  const auto announced = integer("the number of numbers");
+  if (passes("{")) {
+    // No array grows beyond the file: those of tetrahedra do not.
+    if (announced < 0 || announced > static_cast<std::int64_t>(in_.position() + in_.remaining()))
+      here.fail("a number of equal numbers that fits the file", fmt::format("{}", announced));
+    numbers.assign(static_cast<std::size_t>(announced), integer("a number"));
+    require("}");
+    return numbers;
+  }
+  const auto n = in_.checked_count(announced, binary_ ? static_cast<std::size_t>(label_bytes_) : 1, "numbers");
   if (n == 0 && !passes("(")) return numbers;
   if (n > 0) require("(");
   numbers.reserve(static_cast<std::size_t>(n));

@@ -15,10 +15,13 @@
 /// "Mesh description".
 namespace pamr::io::foam {
 
+/// Whether a file is there, packed by gzip or not.
+bool is_present(const std::filesystem::path& file);
+
 /// One file of `polyMesh`, read from front to back. Local; errors name the file and the line.
 class FoamFile {
  public:
-  /// Reads the header. Throws `Error` where there is no such file, also where it is packed.
+  /// Reads the header, of the file that gzip has packed where there is no other. Throws `Error` where there is none.
   explicit FoamFile(const std::filesystem::path& file);
 
   /// The next word, number, text in quotes or mark of punctuation, over comments.
@@ -41,7 +44,7 @@ class FoamFile {
     }
     return entries;
   }
-  /// Numbers in a list, as text or bytes, with their count before them.
+  /// Numbers in a list, as text or bytes, with their count before them: 3(7 7 8), or 3{7} where all are 7.
   std::vector<std::int64_t> labels();
   std::vector<geometry::Vec3> points();
   /// The nodes of each face.
@@ -56,7 +59,9 @@ class FoamFile {
   void skip_blanks();
   std::int64_t raw_label();
 
+  std::filesystem::path file_;  ///< with .gz where it is packed
   MappedFile mapped_;
+  std::string unpacked_;
   TextCursor in_;
   bool binary_ = false, is_compact_ = false;
   int label_bytes_ = 4, scalar_bytes_ = 8;

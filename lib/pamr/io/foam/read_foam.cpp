@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <map>
 #include <string>
 #include <utility>
 #include <vector>
@@ -32,7 +33,7 @@ fs::path mesh_of_case(const fs::path& case_folder) {
     throw Error(fmt::format("expected the folder of an OpenFOAM case, found {}",
                             fs::exists(case_folder, none) ? "a file whose name does not say its format" : "none"));
   auto folder = foam_folder(case_folder);
-  if (fs::exists(folder / "owner", none) || fs::exists(folder / "owner.gz", none)) return folder;
+  if (is_present(folder / "owner")) return folder;
   if (fs::exists(foam_folder(case_folder / "processor0"), none))
     throw Error("expected constant/polyMesh, found parts for several processors: reconstructParMesh makes one of them");
   throw Error("expected an OpenFOAM case with constant/polyMesh, found a folder without");
@@ -62,9 +63,8 @@ class CaseReader {
         if (node < 0 || node >= n_points)
           throw Error(fmt::format("face {}: expected nodes from 0 to {}, found {}", f, n_points - 1, node));
     make_cells();
-    std::error_code none;
     read_boundary();
-    if (fs::exists(folder_ / "cellZones", none)) read_zones();
+    if (is_present(folder_ / "cellZones")) read_zones();
     return std::move(mesh_);
   }
 
@@ -143,7 +143,8 @@ class CaseReader {
     in.require(")");
   }
 
-  /// Zones become regions: N where one is called `region_N`, else the lowest free numbers from 1 on.
+  /// Zones become regions: N where one is called `region_N`, else the lowest free numbers from 1 on. A cell of two
+  /// zones stays in the first one.
   void read_zones() {
     FoamFile in(folder_ / "cellZones");
     std::vector<std::string> names;
@@ -164,17 +165,25 @@ class CaseReader {
     if (!mesh_.refused.empty()) return;
     mesh_.region.assign(mesh_.cell.size(), 0);
     const auto numbers = patch_numbers(names, "region_", 1);
+    std::map<std::array<std::size_t, 2>, std::int64_t> n_in_both;
+    std::vector<std::size_t> zone_of(mesh_.cell.size(), names.size());
     for (std::size_t z = 0; z < names.size(); ++z) {
       if (names[z] != fmt::format("region_{}", numbers[z])) mesh_.name_of_region[numbers[z]] = names[z];
       for (const auto cell : cells[z]) {
         if (cell < 0 || cell >= std::ssize(mesh_.cell))
           in.fail(fmt::format("cells of zone '{}' from 0 to {}", names[z], std::ssize(mesh_.cell) - 1),
                   fmt::format("{}", cell));
-        if (mesh_.region[at(cell)] != 0 && mesh_.region[at(cell)] != numbers[z])
-          in.fail("cells in one zone each", fmt::format("cell {} in two", cell));
-        mesh_.region[at(cell)] = numbers[z];
+        auto& zone = zone_of[at(cell)];
+        if (zone == names.size()) {
+          zone = z;
+          mesh_.region[at(cell)] = numbers[z];
+        } else if (zone != z) {
+          ++n_in_both[{zone, z}];
+        }
       }
     }
+    for (const auto& [zones, n] : n_in_both)
+      mesh_.overlaps.push_back({3, names[zones[0]], names[zones[1]], n, "which comes first"});
   }
 
   fs::path folder_;

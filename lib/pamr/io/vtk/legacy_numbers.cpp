@@ -13,7 +13,8 @@ namespace pamr::io::vtk {
 
 namespace {
 
-constexpr std::array<LegacyType, 24> legacy_types{{{"double", "Float64", 8},
+constexpr std::array<LegacyType, 25> legacy_types{{{"bit", "Int8", 1},  // eight in a byte of a binary file
+                                                   {"double", "Float64", 8},
                                                    {"float", "Float32", 4},
                                                    {"vtktypeint64", "Int64", 8},
                                                    {"vtkidtype", "Int32", 4},  // whatever it is in memory
@@ -89,6 +90,7 @@ std::vector<double> LegacyNumbers::reals(const LegacyType& type, std::int64_t n)
 }
 
 std::vector<std::int64_t> LegacyNumbers::integers(const LegacyType& type, std::int64_t n) {
+  if (binary_ && type.name == "bit") return bits(n);
   std::vector<std::int64_t> values(room(type, n));
   const bool is_signed = type.type.front() == 'I';
   for (auto& value : values) {
@@ -104,6 +106,16 @@ std::vector<std::int64_t> LegacyNumbers::integers(const LegacyType& type, std::i
       value = is_signed ? swapped<std::int8_t>() : swapped<std::uint8_t>();
     if (!is_signed && value < 0) in_.fail("an integer from 0 to 2^63 - 1", "another");
   }
+  return values;
+}
+
+std::vector<std::int64_t> LegacyNumbers::bits(std::int64_t n) {
+  std::vector<std::int64_t> values(static_cast<std::size_t>(in_.checked_count((n + 7) / 8, 1, "bytes of bits")) * 8);
+  for (std::size_t i = 0; i < values.size(); i += 8) {
+    const auto byte = in_.value<std::uint8_t>("bits");
+    for (std::size_t k = 0; k < 8; ++k) values[i + k] = byte >> (7U - k) & 1U;
+  }
+  values.resize(static_cast<std::size_t>(n));
   return values;
 }
 

@@ -38,6 +38,7 @@ class LegacyNumbers {
 
  private:
   std::vector<double> reals(const LegacyType& type, std::int64_t n);
+  std::vector<std::int64_t> bits(std::int64_t n);
   std::size_t room(const LegacyType& type, std::int64_t n) const;
   template <class T>
   T swapped();

@@ -237,7 +237,7 @@ class LegacyReader {
   /// Reads an array, and keeps it where it has a row for each point or cell, or says the name of a patch.
   void keep(const std::string& name, const LegacyType& type, std::int64_t width, std::int64_t n) {
     if (width < 1 || width > 65536) in_.fail("1 to 65536 components", fmt::format("{}", width));
-    in_.checked_count(n, 1, "values");
+    in_.checked_count(n < 0 ? n : n / 8, 1, "values");  // eight bits a byte
     if (!n_rows_ && width * n == 1 && name.starts_with(before_patch) && name != before_patch) {
       name_patch(grid_, name, numbers_.integers(type, 1).front());
       return;
