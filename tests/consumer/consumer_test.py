@@ -9,6 +9,7 @@ import glob
 import json
 import os
 import re
+import shlex
 import shutil
 import subprocess
 import sys
@@ -94,6 +95,23 @@ class Consumer(unittest.TestCase):
                          for name in ("fine.hdf", "level1.hdf"))  # which has marks now
         self.assertEqual(first, second)
         self.tool("pamr-quality", "level3.hdf", "--gate", "inverted_cells:max:0")
+
+    def test_a_program_without_cmake(self):
+        pkgconfig = glob.glob(os.path.join(self.prefix, "lib*", "**", "pkgconfig"), recursive=True)[0]
+        environment = self.environment() | {"PKG_CONFIG_PATH": pkgconfig}
+        flags = shlex.split(self.run_ok("pkg-config", "--cflags", "--libs", "pamr", environment=environment))
+        source = os.path.join(self.folder, "version.cpp")
+        with open(source, "w", encoding="utf-8") as file:
+            file.write("#include <iostream>\n#include <pamr/pamr.hpp>\nint main(int argc, char** argv) {\n"
+                       "  const pamr::par::Runtime mpi(argc, argv);\n  const pamr::par::Comm comm(mpi.world());\n"
+                       "  const auto mesh = pamr::assemble::assemble(comm, pamr::io::read_native(comm, \"cube.hdf\"));\n"
+                       "  std::cout << pamr::version() << ' ' << mesh.n_cells() << std::endl;\n}\n")
+        self.run_ok("mpicxx", "-std=c++20", source, "-o", os.path.join(self.folder, "version"), *flags, environment=environment)
+        version = self.run_ok("pkg-config", "--modversion", "pamr", environment=environment).strip()
+        self.assertEqual(self.run_ok(os.path.join(self.folder, "version")), f"{version} 3072\n")
+        if self.has_package():
+            self.assertEqual(self.run_ok(sys.executable, "-c", "import pamr; print(pamr.__version__)", environment=environment).strip(),
+                             version)
 
     def test_cad_files_are_read_where_pamr_is_installed(self):
         """By tools, programs of others and Python, all of which load a library to do so; none has it from the start."""
