@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Everything between a fresh Debian 12 or 13 and a built PAMR: packages, configuration, build. What is there already costs
+# Everything between a fresh Debian 12 and a built PAMR: packages, configuration, build. What is there already costs
 # nothing: a second run starts neither apt nor a configuration.
 #
 #   scripts/setup.sh [--only "TOOL..."] [--tests] [--python] [--picture] [--manual] [--packages] [--packages-only]
