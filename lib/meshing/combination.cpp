@@ -202,7 +202,7 @@ void add_starts(const Solid& solid, const Pieces& pieces, const SurfaceSamples& 
         is_cad || std::any_of(domain.curves.begin(), domain.curves.end(), [&](const auto& curve) {
           return piece.shape->distance(curve.polyline[curve.polyline.size() / 2]) < 1e-9 * solid.radius();
         });
-    if (has_curve && !domain.curves_in_one_plane && !is_cad) continue;
+    if (has_curve && !domain.points_first && !is_cad) continue;
     std::vector<double> distance;
     for (const Vec3 p : candidates[k])
       distance.push_back(has_curve ? distance_from_curves(p) : std::numeric_limits<double>::infinity());
@@ -348,9 +348,9 @@ Domain combine(const Combination& c, const std::string& where) {
   domain.curves = with_place([&] { return trace_feature_curves(solid, pieces, samples); });
   for (auto& crease : pieces->creases()) domain.curves.push_back(std::move(crease));
   measure_boundary(thickness, domain);
-  domain.curves_in_one_plane = are_in_one_plane(domain.curves, solid->radius());
+  domain.points_first = are_in_one_plane(domain.curves, solid->radius());
   add_starts(*solid, *pieces, samples, domain);
-  if (!domain.tips.empty()) domain.curves_in_one_plane = false;  // nor are the balls
+  if (!domain.tips.empty()) domain.points_first = false;  // nor are the balls
   domain.surfaces = c.surfaces;
   domain.length_unit = c.length_unit;
   domain.center = solid->center();

@@ -69,6 +69,21 @@ RawMesh mesh_domain(const Domain& domain, unsigned seed, const Listener& listene
   return raw;
 }
 
+/// The mesh that begins with points on the closed pieces instead of with balls along the curves, where it would not:
+/// between the circles of a pipe with a ball in it the balls' cells are so flat that refinement piles up nodes in places.
+/// Nothing where that does not help.
+std::optional<RawMesh> mesh_from_points(Domain domain, unsigned seed, const Listener& listener) {
+  if (domain.points_first || domain.curves.empty()) return std::nullopt;
+  if (std::all_of(domain.pieces.begin(), domain.pieces.end(), [](const auto& piece) { return piece.start.empty(); }))
+    return std::nullopt;
+  domain.points_first = true;
+  try {
+    return mesh_domain(domain, seed, listener);
+  } catch (const Error&) {  // the first error says more
+    return std::nullopt;
+  }
+}
+
 /// Whether two domains that differ by their sizes differ in these anywhere inside: on a grid.
 bool differ_in_sizes(const Domain& a, const Domain& b) {
   constexpr int n = 32;
@@ -110,6 +125,7 @@ RawMesh mesh_here(const MeshCase& mesh_case, const Domain& domain, const Listene
   try {
     return mesh_domain(domain, mesh_case.seed, listener);
   } catch (const Error& first) {
+    if (auto raw = mesh_from_points(domain, mesh_case.seed, listener)) return *std::move(raw);
     if (!mesh_case.combination.region.empty())
       for (const double factor : {3.0, 1.5}) {
         auto raw = mesh_with_gaps(mesh_case, domain, factor, listener);

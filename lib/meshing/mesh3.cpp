@@ -179,13 +179,13 @@ void start(const Domain& domain, const MeshDomain& mesh_domain, const Criteria& 
         complex.set_index(vertex, mesh_domain.index_from_surface_patch_index({gas, first_piece + static_cast<int>(i)}));
       }
   };
-  // Balls in one plane span no space: CGAL would then scatter points of its own, which may lie so near to others that
-  // refinement never ends before rounding does.
-  if (domain.curves_in_one_plane) add_points();
+  // Where balls span no space CGAL scatters points of its own, which may lie so near to others that refinement never
+  // ends before rounding does.
+  if (domain.points_first) add_points();
   if (!domain.curves.empty() || !domain.tips.empty())
     CGAL::Mesh_3::internal::C3t3_initializer<Complex, MeshDomain, Criteria, true>()(complex, mesh_domain, criteria,
                                                                                     true);
-  if (!domain.curves_in_one_plane) add_points();
+  if (!domain.points_first) add_points();
 }
 
 /// Throws `Work::TooMuch` when perturbation finds no end; `with_perturbation` false: without it.

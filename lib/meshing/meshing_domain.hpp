@@ -41,7 +41,9 @@ struct Domain {
   std::vector<FeatureCurve> curves;
   std::vector<geometry::Vec3>
       tips;  ///< corners of the boundary off the curves (the apex of a cone): nodes are put there
-  bool curves_in_one_plane = false;  ///< every piece then has points to start from
+  /// The pieces' points to start from come before the balls along curves: these span no space where all curves lie in
+  /// one plane, and every piece has such points then.
+  bool points_first = false;
   std::vector<mesh::Patch> patches;
   geometry::SharedSurfaces surfaces = geometry::no_surfaces();  ///< that the patches lie on
   /// The thinnest place at which edges are wanted that are longer than the body is thick there; 0: none is known.

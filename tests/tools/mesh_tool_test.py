@@ -310,6 +310,19 @@ def shape_on_its_surfaces(shape, unit, geometry, sizes, names, center=(0, 0, 0))
 
 
 @of_one_process
+def test_a_ball_in_a_pipe_between_planes():
+    """Beginning with the circles of the pipe's ends, refinement piles up nodes in places of one of the planes."""
+    planes = "".join(f'[[surface]]\nname = "z{z}"\nkind = "plane"\npoint = [0, 0, {z}]\nnormal = [0, 0, 1]\n' for z in (0, 3))
+    pathlib.Path("pipe.toml").write_text(
+        '[mesh]\nshape = "surfaces"\nlength_unit = "1"\nregion = "-z3 & +z0 & -pipe & +ball"\nbounds = [[-1.1, -1.1, -0.1], [1.1, 1.1, 3.1]]\n'
+        '[mesh.sizes]\nfar = 0.5\n[[surface]]\nname = "pipe"\nkind = "cylinder"\npoint = [0, 0, 0]\naxis = [0, 0, 1]\nradius = 1\n'
+        '[[surface]]\nname = "ball"\nkind = "sphere"\ncenter = [0, 0, 1.5]\nradius = 0.4\n' + planes)
+    report = run("pamr-mesh", "pipe.toml", "-o", "pipe.hdf", "--json", "-").json
+    assert sorted(report["patches"]) == ["ball", "pipe", "z0", "z3"] and report["min_mean_ratio"] > 0.3
+    assert abs(report["volume"] / (3 - 4 / 3 * 0.4 ** 3) / math.pi - 1) < 0.05, report["volume"]
+
+
+@of_one_process
 def test_charged_sphere_lies_on_its_surfaces():
     shape_on_its_surfaces("charged-sphere", "1", "radius = 0.5\nouter_radius = 3", "far = 1",
                           ["sphere", "outer", "symmetry_x", "symmetry_y", "symmetry_z"])
