@@ -319,7 +319,7 @@ def test_a_ball_in_a_pipe_between_planes():
         '[[surface]]\nname = "ball"\nkind = "sphere"\ncenter = [0, 0, 1.5]\nradius = 0.4\n' + planes)
     report = run("pamr-mesh", "pipe.toml", "-o", "pipe.hdf", "--json", "-").json
     assert sorted(report["patches"]) == ["ball", "pipe", "z0", "z3"] and report["min_mean_ratio"] > 0.3
-    assert abs(report["volume"] / (3 - 4 / 3 * 0.4 ** 3) / math.pi - 1) < 0.05, report["volume"]
+    assert abs(report["volume"] / (3 - 4 / 3 * 0.4 ** 3) / math.pi - 1) < 0.08, report["volume"]
 
 
 @of_one_process
